@@ -1,0 +1,22 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+# The packages the project is built on. Debian 12: libvtk9-dev libglm-dev libhwy-dev python3-vtk9.
+set(ffd_vtk_components
+  CommonCore CommonDataModel CommonExecutionModel CommonMath CommonSystem CommonTransforms
+  FiltersCore FiltersGeneral FiltersHybrid FiltersSources
+  ImagingCore ImagingHybrid ImagingSources
+  InteractionStyle InteractionWidgets IOImage IOXML
+  RenderingCore RenderingFreeType RenderingOpenGL2 RenderingVolume RenderingVolumeOpenGL2
+  TestingCore TestingRendering)
+if (FFD_WRAP_PYTHON)
+  # The interpreter VTK's Python modules were built for; another python3 may come first on PATH.
+  if (NOT Python3_EXECUTABLE AND EXISTS "/usr/bin/python3")
+    set(Python3_EXECUTABLE "/usr/bin/python3" CACHE FILEPATH "Python interpreter that has VTK")
+  endif ()
+  find_package(Python3 REQUIRED COMPONENTS Interpreter Development)
+  list(APPEND ffd_vtk_components Python WrappingPythonCore)
+endif ()
+
+find_package(VTK 9.1 REQUIRED COMPONENTS ${ffd_vtk_components})
+find_package(glm REQUIRED)
+find_package(HWY REQUIRED)

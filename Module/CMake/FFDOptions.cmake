@@ -1,0 +1,48 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+# Build options, output folders and compiler settings of the project.
+include(GNUInstallDirs)
+include(CMakeDependentOption)
+include(CTest)
+
+option(BUILD_SHARED_LIBS "Build shared libraries" ON)
+option(FFD_WRAP_PYTHON "Build the Python package vtkffd" ON)
+option(FFD_BUILD_EXAMPLES "Build the example programs" ON)
+option(FFD_STRICT_WARNINGS "Turn on many warnings and treat them as errors" OFF)
+set(FFD_SANITIZERS "" CACHE STRING "Sanitizers to build with, comma separated (address,undefined or thread)")
+
+set(CMAKE_CXX_STANDARD 17)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_CXX_VISIBILITY_PRESET hidden)
+set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/${CMAKE_INSTALL_BINDIR}")
+set(CMAKE_LIBRARY_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/${CMAKE_INSTALL_LIBDIR}")
+set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/${CMAKE_INSTALL_LIBDIR}")
+
+if (NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+endif ()
+
+add_library(ffd_build_flags INTERFACE)
+if (FFD_STRICT_WARNINGS)
+  target_compile_options(ffd_build_flags INTERFACE
+    $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -Wpedantic -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-align -Werror>)
+endif ()
+if (FFD_SANITIZERS)
+  target_compile_options(ffd_build_flags INTERFACE -fsanitize=${FFD_SANITIZERS} -fno-omit-frame-pointer -g)
+  target_link_options(ffd_build_flags INTERFACE -fsanitize=${FFD_SANITIZERS})
+endif ()
+
+# Settings that every module library shares: flags, the kernels' include path, GLM and Highway.
+# They stay private, so nothing of them reaches an installed header.
+function (ffd_configure_module module)
+  vtk_module_definitions("${module}" PRIVATE FFD_BUILDING_KERNELS)
+  vtk_module_include("${module}" PRIVATE
+    "${CMAKE_SOURCE_DIR}/Module/Kernels"
+    "${CMAKE_CURRENT_SOURCE_DIR}/Kernels")
+  vtk_module_link("${module}" PRIVATE $<BUILD_INTERFACE:ffd_build_flags>)
+endfunction ()

@@ -1,0 +1,187 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FFDBSplineField.h"
+
+#include "FFDBSplineBasis.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ffd
+{
+namespace
+{
+
+/// Where a border mode takes the coefficient of control point i from: sign * c[index].
+struct BorderSource
+{
+  int Index;
+  double Sign;
+};
+
+BorderSource FindBorderSource(int i, int nodes, BorderMode border)
+{
+  const int last = nodes - 1;
+  if (i >= 0 && i <= last)
+  {
+    return { i, 1.0 };
+  }
+  if (border == BorderMode::Edge || nodes == 1)
+  {
+    return { std::clamp(i, 0, last), 1.0 };
+  }
+  // Odd reflection about the first control point past the border gives zero there.
+  if (border == BorderMode::ZeroAtBorder && (i == -2 || i == last + 2))
+  {
+    return { i < 0 ? 0 : last, -1.0 };
+  }
+  return { 0, 0.0 };
+}
+
+/// Cell and position in it of a clamped parameter on one axis.
+struct AxisPosition
+{
+  int Cell;
+  double U;
+  bool Constant; ///< the parameter was outside: no variation along this axis
+};
+
+AxisPosition Locate(double x, double lo, double hi)
+{
+  const bool inside = x > lo && x < hi;
+  // Written so that NaN goes to lo, too: no index is ever computed from it.
+  const double c = inside ? x : (x >= hi ? hi : lo);
+  const int cell = std::min(static_cast<int>(std::floor(c)), static_cast<int>(hi) - 1);
+  return { cell, c - cell, !inside };
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+BSplineField::BSplineField()
+  : BSplineField(glm::ivec3(1), glm::dvec3(0.0), glm::dvec3(1.0), nullptr)
+{
+}
+
+//------------------------------------------------------------------------------
+BSplineField::BSplineField(const glm::ivec3& nodes, const glm::dvec3& origin,
+  const glm::dvec3& spacing, const glm::dvec3* displacements, double scale, BorderMode border)
+  : Nodes(nodes)
+  , PaddedNodes(nodes + 2 * Padding)
+  , Origin(origin)
+  , Spacing(spacing)
+  , InverseSpacing(1.0 / spacing)
+  , Border(border)
+  , Zero(true)
+{
+  for (int a = 0; a < 3; ++a)
+  {
+    const int reach = (border == BorderMode::ZeroAtBorder && nodes[a] > 1) ? 1 : 2;
+    this->FirstCell[a] = -reach;
+    this->EndCell[a] = nodes[a] - 1 + reach;
+    this->ClampMin[a] = this->FirstCell[a];
+    this->ClampMax[a] = this->EndCell[a];
+  }
+  this->Coefficients.assign(static_cast<std::size_t>(this->PaddedNodes.x) * this->PaddedNodes.y *
+      this->PaddedNodes.z,
+    glm::dvec3(0.0));
+  if (!displacements)
+  {
+    return;
+  }
+  for (int k = -Padding; k < nodes.z + Padding; ++k)
+  {
+    const BorderSource sk = FindBorderSource(k, nodes.z, border);
+    for (int j = -Padding; j < nodes.y + Padding; ++j)
+    {
+      const BorderSource sj = FindBorderSource(j, nodes.y, border);
+      for (int i = -Padding; i < nodes.x + Padding; ++i)
+      {
+        const BorderSource si = FindBorderSource(i, nodes.x, border);
+        const std::size_t from = si.Index +
+          static_cast<std::size_t>(nodes.x) *
+            (sj.Index + static_cast<std::size_t>(nodes.y) * static_cast<std::size_t>(sk.Index));
+        const glm::dvec3 c = displacements[from] * (si.Sign * sj.Sign * sk.Sign * scale);
+        this->Coefficients[this->CoefficientIndex(i, j, k)] = c;
+        this->Zero = this->Zero && c == glm::dvec3(0.0);
+      }
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+glm::dvec3 BSplineField::Displacement(const glm::dvec3& p) const
+{
+  const glm::dvec3 x = (p - this->Origin) * this->InverseSpacing;
+  AxisPosition at[3];
+  double w[3][4];
+  for (int a = 0; a < 3; ++a)
+  {
+    at[a] = Locate(x[a], this->ClampMin[a], this->ClampMax[a]);
+    BSplineWeights(at[a].U, w[a]);
+  }
+  glm::dvec3 sum(0.0);
+  for (int k = 0; k < 4; ++k)
+  {
+    glm::dvec3 plane(0.0);
+    for (int j = 0; j < 4; ++j)
+    {
+      const glm::dvec3* row =
+        &this->Coefficient(at[0].Cell - 1, at[1].Cell - 1 + j, at[2].Cell - 1 + k);
+      plane +=
+        w[1][j] * (w[0][0] * row[0] + w[0][1] * row[1] + w[0][2] * row[2] + w[0][3] * row[3]);
+    }
+    sum += w[2][k] * plane;
+  }
+  return sum;
+}
+
+//------------------------------------------------------------------------------
+glm::dvec3 BSplineField::Displacement(const glm::dvec3& p, glm::dmat3& jacobian) const
+{
+  const glm::dvec3 x = (p - this->Origin) * this->InverseSpacing;
+  AxisPosition at[3];
+  double w[3][4];
+  double d[3][4];
+  for (int a = 0; a < 3; ++a)
+  {
+    at[a] = Locate(x[a], this->ClampMin[a], this->ClampMax[a]);
+    BSplineWeights(at[a].U, w[a]);
+    BSplineDerivativeWeights(at[a].U, d[a]);
+    const double toData = at[a].Constant ? 0.0 : this->InverseSpacing[a];
+    for (double& weight : d[a])
+    {
+      weight *= toData;
+    }
+  }
+  glm::dvec3 sum(0.0);
+  glm::dvec3 dx(0.0);
+  glm::dvec3 dy(0.0);
+  glm::dvec3 dz(0.0);
+  for (int k = 0; k < 4; ++k)
+  {
+    glm::dvec3 plane(0.0);
+    glm::dvec3 planeDx(0.0);
+    glm::dvec3 planeDy(0.0);
+    for (int j = 0; j < 4; ++j)
+    {
+      const glm::dvec3* row =
+        &this->Coefficient(at[0].Cell - 1, at[1].Cell - 1 + j, at[2].Cell - 1 + k);
+      const glm::dvec3 value =
+        w[0][0] * row[0] + w[0][1] * row[1] + w[0][2] * row[2] + w[0][3] * row[3];
+      const glm::dvec3 slope =
+        d[0][0] * row[0] + d[0][1] * row[1] + d[0][2] * row[2] + d[0][3] * row[3];
+      plane += w[1][j] * value;
+      planeDx += w[1][j] * slope;
+      planeDy += d[1][j] * value;
+    }
+    sum += w[2][k] * plane;
+    dx += w[2][k] * planeDx;
+    dy += w[2][k] * planeDy;
+    dz += d[2][k] * plane;
+  }
+  jacobian = glm::dmat3(dx, dy, dz);
+  return sum;
+}
+
+} // namespace ffd
