@@ -1,10 +1,49 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkFFDInverseRayVolumeMapper
+ * @brief   volume renderer that bends the viewing rays instead of the voxels
+ *
+ * Renders a vtkImageData as it looks after a free-form deformation, without ever making a deformed
+ * copy: each viewing ray is taken through the inverse of the deformation and followed through the
+ * volume at rest, after "Fast Volume Deformation Using Inverse-Ray-Deformation and FFD" (equation
+ * numbers and sections below are those of that paper). Editing the deformation costs nothing per
+ * voxel. Runs on the CPU with all cores; the image does not depend on their number.
+ *
+ * Put it in the place of a vtkFixedPointVolumeRayCastMapper and give it a deformation:
+ *
+ * @code
+ * vtkNew<vtkFFDInverseRayVolumeMapper> mapper;
+ * mapper->SetInputConnection(reader->GetOutputPort());
+ * mapper->SetDeformation(lattice);
+ * volume->SetMapper(mapper);
+ * @endcode
+ *
+ * The deformation T works in the data coordinates of the image: those of its origin, spacing and
+ * direction, before the matrix of the vtkVolume.
+ *
+ * Input: a vtkImageData with at least two voxels along each axis and point scalars of one
+ * component, of any of VTK's numeric types. Scalars that are not a number are transparent. Blend
+ * mode: composite. Everything else is refused with an error that says what is wrong; the rest of
+ * the scene still renders.
+ *
+ * Lengths are in world units unless said otherwise; "voxel" as a unit of length is the shortest
+ * voxel edge in world units.
+ *
+ * @sa
+ * vtkFFDLattice vtkFixedPointVolumeRayCastMapper vtkImageReslice vtkBSplineTransform
+ */
 #ifndef vtkFFDInverseRayVolumeMapper_h
 #define vtkFFDInverseRayVolumeMapper_h
 
 #include "vtkFFDRenderingModule.h" // For export macro
 #include "vtkVolumeMapper.h"
+
+#include <memory> // For std::unique_ptr
+
+class vtkAbstractTransform;
+class vtkFFDRayStatistics;
+class vtkImageData;
 
 class VTKFFDRENDERING_EXPORT vtkFFDInverseRayVolumeMapper : public vtkVolumeMapper
 {
@@ -12,15 +51,329 @@ public:
   static vtkFFDInverseRayVolumeMapper* New();
   vtkTypeMacro(vtkFFDInverseRayVolumeMapper, vtkVolumeMapper);
   void PrintSelf(ostream& os, vtkIndent indent) override;
-  void Render(vtkRenderer* ren, vtkVolume* vol) override;
+
+  ///@{
+  /**
+   * The deformation T, in data coordinates. A vtkFFDLattice or any vtkBSplineTransform is used as
+   * it is; any other transform is approximated by a lattice within PositionTolerance over the
+   * region that matters (a warning tells when that could not be reached). Default: none, which
+   * means the lattice attached to the input if there is one (vtkFFDLattice::AttachTo), else no
+   * deformation.
+   */
+  virtual void SetDeformation(vtkAbstractTransform*);
+  virtual vtkAbstractTransform* GetDeformation();
+  ///@}
+
+  /**
+   * How the pull-back Phi, from a deformed point P to the rest point where the volume is sampled,
+   * follows from the deformation T.
+   */
+  enum InverseModes
+  {
+    FIRST_ORDER, ///< Phi(P) = 2P - T(P): the inverse ray deformation of equation (3)
+    EXACT,       ///< Phi = T^-1, by Newton's method
+    PULL_BACK    ///< Phi = T: for transforms that map output to input, as registrations do
+  };
+
+  ///@{
+  /**
+   * Which pull-back is used. Default: EXACT. Where T cannot be inverted (folds) EXACT uses the
+   * first-order point and counts it, see vtkFFDRayStatistics::GetNumberOfUnconvergedPoints.
+   */
+  vtkSetClampMacro(InverseMode, int, FIRST_ORDER, PULL_BACK);
+  vtkGetMacro(InverseMode, int);
+  void SetInverseModeToFirstOrder() { this->SetInverseMode(FIRST_ORDER); }
+  void SetInverseModeToExact() { this->SetInverseMode(EXACT); }
+  void SetInverseModeToPullBack() { this->SetInverseMode(PULL_BACK); }
+  const char* GetInverseModeAsString() const;
+  ///@}
+
+  ///@{
+  /**
+   * Largest distance between T(Phi(P)) and P in EXACT mode, in voxels. Default: 0.01. Must be
+   * positive.
+   */
+  virtual void SetInverseTolerance(double voxels);
+  vtkGetMacro(InverseTolerance, double);
+  ///@}
+
+  /**
+   * How deformed rays are cut into pieces.
+   */
+  enum Segmentations
+  {
+    ERROR_BOUND, ///< parabolas whose distance from the true curve is proven to be small
+    GREEDY_ANGLE ///< the paper's polyline, section 4.5
+  };
+
+  ///@{
+  /**
+   * Default: ERROR_BOUND.
+   */
+  vtkSetClampMacro(Segmentation, int, ERROR_BOUND, GREEDY_ANGLE);
+  vtkGetMacro(Segmentation, int);
+  void SetSegmentationToErrorBound() { this->SetSegmentation(ERROR_BOUND); }
+  void SetSegmentationToGreedyAngle() { this->SetSegmentation(GREEDY_ANGLE); }
+  const char* GetSegmentationAsString() const;
+  ///@}
+
+  ///@{
+  /**
+   * Largest distance between a piece and the true deformed ray, in voxels, for ERROR_BOUND.
+   * Default: 0.1. Must be positive. Where no bound can be proven (folds) pieces have the minimum
+   * length.
+   */
+  virtual void SetPositionTolerance(double voxels);
+  vtkGetMacro(PositionTolerance, double);
+  ///@}
+
+  ///@{
+  /**
+   * Largest angle between neighbouring segments, in degrees, for GREEDY_ANGLE; segments of the
+   * minimum length may turn by more. Default: 5, as the paper. Must be positive and below 180.
+   */
+  virtual void SetAngleThreshold(double degrees);
+  vtkGetMacro(AngleThreshold, double);
+  ///@}
+
+  ///@{
+  /**
+   * Limits of the length of a piece on the viewing ray, in voxels. Defaults: 0.5 and 8, as the
+   * paper. The minimum must be positive, the maximum not below it, or 0: then it follows from the
+   * deformation (section 4.5): the arc that turns by the angle threshold on the circle of the
+   * largest curvature that any deformed ray can have, at most 64 voxels.
+   */
+  virtual void SetMinimumSegmentLength(double voxels);
+  vtkGetMacro(MinimumSegmentLength, double);
+  virtual void SetMaximumSegmentLength(double voxels);
+  vtkGetMacro(MaximumSegmentLength, double);
+  ///@}
+
+  /**
+   * How empty space is passed over.
+   */
+  enum SpaceLeapings
+  {
+    OFF,      ///< every sample is taken
+    SEGMENT,  ///< leaps end with the piece, as section 4.6
+    LIPSCHITZ ///< leaps pass any number of pieces that provably stay in empty space
+  };
+
+  ///@{
+  /**
+   * Default: LIPSCHITZ. The image is the same with all three.
+   */
+  vtkSetClampMacro(SpaceLeaping, int, OFF, LIPSCHITZ);
+  vtkGetMacro(SpaceLeaping, int);
+  void SetSpaceLeapingToOff() { this->SetSpaceLeaping(OFF); }
+  void SetSpaceLeapingToSegment() { this->SetSpaceLeaping(SEGMENT); }
+  void SetSpaceLeapingToLipschitz() { this->SetSpaceLeaping(LIPSCHITZ); }
+  const char* GetSpaceLeapingAsString() const;
+  ///@}
+
+  ///@{
+  /**
+   * A ray ends when less than this part of the light from behind would pass what it has met
+   * (section 4.6, early ray termination). Range 0 (never) to 1. Default: 1/255, less than what
+   * an 8-bit image can show.
+   */
+  virtual void SetEarlyRayTerminationThreshold(double transmittance);
+  vtkGetMacro(EarlyRayTerminationThreshold, double);
+  ///@}
+
+  /**
+   * Which length the opacity of a sample interval is corrected by.
+   */
+  enum OpacityLengths
+  {
+    WORLD,   ///< its length on the viewing ray: the image equals that of the resampled volume
+    MATERIAL ///< its length in the volume at rest, as the paper: stretching does not thin
+  };
+
+  ///@{
+  /**
+   * Default: WORLD.
+   */
+  vtkSetClampMacro(OpacityLength, int, WORLD, MATERIAL);
+  vtkGetMacro(OpacityLength, int);
+  void SetOpacityLengthToWorld() { this->SetOpacityLength(WORLD); }
+  void SetOpacityLengthToMaterial() { this->SetOpacityLength(MATERIAL); }
+  const char* GetOpacityLengthAsString() const;
+  ///@}
+
+  ///@{
+  /**
+   * Distance between samples along the deformed ray, world units. Default: locked to the input,
+   * one voxel; setting a distance unlocks it. Must be positive.
+   */
+  virtual void SetSampleDistance(double distance);
+  vtkGetMacro(SampleDistance, double);
+  ///@}
+
+  ///@{
+  /**
+   * Distance between samples while the scene is being moved: when AutoAdjustSampleDistances is on
+   * and less than a second is allotted to the frame. World units. Default: locked to the input,
+   * two voxels; setting a distance unlocks it. Must be positive.
+   */
+  virtual void SetInteractiveSampleDistance(double distance);
+  vtkGetMacro(InteractiveSampleDistance, double);
+  ///@}
+
+  ///@{
+  /**
+   * Whether the sample distances are one and two voxels, instead of SampleDistance and
+   * InteractiveSampleDistance. Default: on. (vtkFixedPointVolumeRayCastMapper has a distance of
+   * 1.0 by default, which is wrong for volumes whose voxels are much smaller or larger.)
+   */
+  vtkSetMacro(LockSampleDistanceToInputSpacing, vtkTypeBool);
+  vtkGetMacro(LockSampleDistanceToInputSpacing, vtkTypeBool);
+  vtkBooleanMacro(LockSampleDistanceToInputSpacing, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
+   * Pixels between rays in each direction when sample distances are not adjusted automatically.
+   * Range 0.1 to 100; below 1 there are several rays a pixel. Default: 1.
+   */
+  virtual void SetImageSampleDistance(double pixels);
+  vtkGetMacro(ImageSampleDistance, double);
+  ///@}
+
+  ///@{
+  /**
+   * Limits of the automatic image sample distance. Defaults: 1 and 10. Range 0.1 to 100.
+   */
+  virtual void SetMinimumImageSampleDistance(double pixels);
+  vtkGetMacro(MinimumImageSampleDistance, double);
+  virtual void SetMaximumImageSampleDistance(double pixels);
+  vtkGetMacro(MaximumImageSampleDistance, double);
+  ///@}
+
+  ///@{
+  /**
+   * Whether the image sample distance is chosen so that a frame takes the time that the renderer
+   * allots to it (vtkRenderWindow::SetDesiredUpdateRate), and the interactive sample distance is
+   * used in quick frames. Default: on. Still frames are not affected.
+   */
+  vtkSetMacro(AutoAdjustSampleDistances, vtkTypeBool);
+  vtkGetMacro(AutoAdjustSampleDistances, vtkTypeBool);
+  vtkBooleanMacro(AutoAdjustSampleDistances, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
+   * Whether opaque geometry that was rendered before hides what is behind it. Default: on.
+   */
+  vtkSetMacro(IntermixIntersectingGeometry, vtkTypeBool);
+  vtkGetMacro(IntermixIntersectingGeometry, vtkTypeBool);
+  vtkBooleanMacro(IntermixIntersectingGeometry, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
+   * Number of threads; 0, the default, means as many as vtkSMPTools uses. The image is the same,
+   * bit by bit, with any number.
+   */
+  vtkSetClampMacro(NumberOfThreads, int, 0, VTK_INT_MAX);
+  vtkGetMacro(NumberOfThreads, int);
+  ///@}
+
+  ///@{
+  /**
+   * Whether GetStatistics is filled by every image. Default: off.
+   */
+  vtkSetMacro(CollectStatistics, vtkTypeBool);
+  vtkGetMacro(CollectStatistics, vtkTypeBool);
+  vtkBooleanMacro(CollectStatistics, vtkTypeBool);
+  ///@}
+
+  /**
+   * Counts of the last image rendered with CollectStatistics on; zeros before. Never null.
+   */
+  vtkFFDRayStatistics* GetStatistics();
+
+  /**
+   * Render the volume into images, without any window or OpenGL. Camera, lights and two-sided
+   * lighting are those of `renderer`; its window, if any, is not used.
+   *
+   * `colours` becomes a width x height x 1 image of 4 unsigned chars, red, green, blue, alpha, not
+   * premultiplied, rows bottom up, transparent where there is nothing. `depths`, if not null,
+   * becomes one of floats: the window depth (0 near, 1 far) of the first visible sample, 1 where
+   * there is none. `inputDepths`, if not null, is such an image of what lies in front: rays end
+   * there.
+   *
+   * Returns 1, or 0 after an error or an abort; the images are then left as they were. Width and
+   * height range from 1 to 16384.
+   */
+  int RenderToImage(vtkRenderer* renderer, vtkVolume* volume, int width, int height,
+    vtkImageData* colours, vtkImageData* depths = nullptr, vtkImageData* inputDepths = nullptr);
+
+  ///@{
+  /**
+   * Bounds of the deformed volume, data coordinates: (xmin, xmax, ymin, ymax, zmin, zmax), from
+   * the control points, so never too small. Uninitialized (1, -1, ...) without a valid input.
+   */
+  double* GetBounds() VTK_SIZEHINT(6) override;
+  void GetBounds(double bounds[6]) override { this->vtkAbstractVolumeMapper::GetBounds(bounds); }
+  ///@}
+
+  /**
+   * Memory held besides the volume itself, in bytes: limits and distances of the blocks, transfer
+   * table, lattice and its bounds; not the image.
+   */
+  vtkTypeInt64 GetAuxiliaryMemorySize();
+
+  /**
+   * Includes the modification time of the deformation.
+   */
+  vtkMTimeType GetMTime() override;
+
+  ///@{
+  /**
+   * WARNING: INTERNAL METHODS - NOT INTENDED FOR GENERAL USE
+   */
+  void Render(vtkRenderer* renderer, vtkVolume* volume) override;
+  void ReleaseGraphicsResources(vtkWindow* window) override;
+  ///@}
 
 protected:
   vtkFFDInverseRayVolumeMapper();
   ~vtkFFDInverseRayVolumeMapper() override;
 
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  void ReportReferences(vtkGarbageCollector* collector) override;
+
 private:
   vtkFFDInverseRayVolumeMapper(const vtkFFDInverseRayVolumeMapper&) = delete;
   void operator=(const vtkFFDInverseRayVolumeMapper&) = delete;
+
+  void SetPositive(const char* name, double& member, double value);
+
+  vtkAbstractTransform* Deformation = nullptr;
+  int InverseMode = EXACT;
+  double InverseTolerance = 0.01;
+  int Segmentation = ERROR_BOUND;
+  double PositionTolerance = 0.1;
+  double AngleThreshold = 5.0;
+  double MinimumSegmentLength = 0.5;
+  double MaximumSegmentLength = 8.0;
+  int SpaceLeaping = LIPSCHITZ;
+  double EarlyRayTerminationThreshold = 1.0 / 255.0;
+  int OpacityLength = WORLD;
+  double SampleDistance = 1.0;
+  double InteractiveSampleDistance = 2.0;
+  vtkTypeBool LockSampleDistanceToInputSpacing = 1;
+  double ImageSampleDistance = 1.0;
+  double MinimumImageSampleDistance = 1.0;
+  double MaximumImageSampleDistance = 10.0;
+  vtkTypeBool AutoAdjustSampleDistances = 1;
+  vtkTypeBool IntermixIntersectingGeometry = 1;
+  int NumberOfThreads = 0;
+  vtkTypeBool CollectStatistics = 0;
+
+  class vtkInternals;
+  std::unique_ptr<vtkInternals> Internals;
 };
 
 #endif

@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDCameraView_h
+#define FFDCameraView_h
+
+#include <glm/geometric.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+namespace ffd
+{
+
+/// A viewing ray in world coordinates: P(t) = Origin + t * Direction, t in world units.
+struct ViewRay
+{
+  glm::dvec3 Origin;
+  glm::dvec3 Direction; ///< unit length
+  double Near;          ///< t at the near clipping plane
+  double Far;           ///< t at the far clipping plane
+};
+
+/**
+ * Rays through the pixels of an image, perspective or parallel.
+ *
+ * t is measured from the camera's position (perspective) or from the plane through it that is
+ * perpendicular to the view (parallel), so positions along a ray do not move when only the
+ * clipping planes do.
+ */
+struct CameraView
+{
+  glm::dmat4 NdcToWorld{ 1.0 };
+  glm::dmat4 WorldToNdc{ 1.0 };
+  glm::dvec3 Position{ 0.0 };
+  glm::dvec3 ViewDirection{ 0.0, 0.0, -1.0 };
+  glm::ivec2 ImageSize{ 0 };
+  /// Normalized device coordinates of the lower left corner of pixel (0, 0), and of one pixel.
+  glm::dvec2 NdcOrigin{ -1.0 };
+  glm::dvec2 NdcPerPixel{ 0.0 };
+
+  /// The ray through image position (x, y); pixel (i, j) has its centre at (i + 0.5, j + 0.5).
+  ViewRay MakeRay(double x, double y) const
+  {
+    const glm::dvec2 ndc = this->NdcOrigin + glm::dvec2(x, y) * this->NdcPerPixel;
+    const glm::dvec3 near = this->ToWorld(glm::dvec3(ndc, -1.0));
+    const glm::dvec3 far = this->ToWorld(glm::dvec3(ndc, 1.0));
+    ViewRay ray;
+    ray.Direction = glm::normalize(far - near);
+    ray.Near = glm::dot(near - this->Position, ray.Direction);
+    ray.Origin = near - ray.Near * ray.Direction;
+    ray.Far = glm::dot(far - ray.Origin, ray.Direction);
+    return ray;
+  }
+
+  /// World position of normalized device coordinates (z: -1 near, 1 far).
+  glm::dvec3 ToWorld(const glm::dvec3& ndc) const
+  {
+    const glm::dvec4 p = this->NdcToWorld * glm::dvec4(ndc, 1.0);
+    return glm::dvec3(p) / p.w;
+  }
+
+  /// Window depth (0 near, 1 far) of a world position.
+  double ToDepth(const glm::dvec3& world) const
+  {
+    const glm::dvec4 p = this->WorldToNdc * glm::dvec4(world, 1.0);
+    return 0.5 * (p.z / p.w + 1.0);
+  }
+
+  /// t of the point of a ray through image position (x, y) at a window depth.
+  double DepthToT(const ViewRay& ray, double x, double y, double depth) const
+  {
+    const glm::dvec2 ndc = this->NdcOrigin + glm::dvec2(x, y) * this->NdcPerPixel;
+    const glm::dvec3 p = this->ToWorld(glm::dvec3(ndc, 2.0 * depth - 1.0));
+    return glm::dot(p - ray.Origin, ray.Direction);
+  }
+};
+
+} // namespace ffd
+
+#endif

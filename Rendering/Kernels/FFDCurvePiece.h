@@ -1,0 +1,100 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDCurvePiece_h
+#define FFDCurvePiece_h
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ffd
+{
+
+/**
+ * A piece of a deformed ray: Q(s) = Start + s * (Linear + s * Quadratic), 0 <= s <= 1, in index
+ * coordinates of the volume. Both segmentations hand their pieces to the sampler in this form; the
+ * paper's polyline has no quadratic term.
+ */
+struct CurvePiece
+{
+  glm::dvec3 Start{ 0.0 };
+  glm::dvec3 Linear{ 0.0 };
+  glm::dvec3 Quadratic{ 0.0 };
+
+  glm::dvec3 At(double s) const { return this->Start + s * (this->Linear + s * this->Quadratic); }
+  glm::dvec3 Velocity(double s) const { return this->Linear + (2.0 * s) * this->Quadratic; }
+
+  static CurvePiece Line(const glm::dvec3& a, const glm::dvec3& b)
+  {
+    return { a, b - a, glm::dvec3(0.0) };
+  }
+
+  /// The parabola through the positions at s = 0, 1/2 and 1.
+  static CurvePiece Parabola(const glm::dvec3& a, const glm::dvec3& middle, const glm::dvec3& b)
+  {
+    const glm::dvec3 linear = 4.0 * middle - 3.0 * a - b;
+    return { a, linear, b - a - linear };
+  }
+};
+
+/**
+ * Where a piece is sampled: Count positions First + i * Step, each standing for an interval of
+ * Step, the last one for LastInterval (all in the parameter s of the piece).
+ */
+struct SampleSchedule
+{
+  int Count = 0;
+  double First = 0.0;
+  double Step = 0.0;
+  double LastInterval = 0.0;
+
+  double Position(int i) const { return this->First + i * this->Step; }
+  double Interval(int i) const { return i + 1 < this->Count ? this->Step : this->LastInterval; }
+};
+
+/**
+ * The rule of section 4.4 of the paper: samples at the start of intervals of `sampleDistance` and
+ * one more for the remainder, which the caller corrects the opacity of. `length` is the length of
+ * the piece in the unit of `sampleDistance`.
+ */
+inline SampleSchedule ScheduleWithRemainder(double length, double sampleDistance)
+{
+  SampleSchedule schedule;
+  // A remainder of rounding errors is none.
+  const double whole = std::floor(length / sampleDistance + 1e-6);
+  const double remainder = length - whole * sampleDistance;
+  const bool extra = remainder > 1e-6 * sampleDistance;
+  schedule.Count = static_cast<int>(whole) + (extra ? 1 : 0);
+  schedule.Step = length > 0.0 ? sampleDistance / length : 1.0;
+  schedule.LastInterval = extra ? remainder / length : schedule.Step;
+  if (schedule.Count == 0)
+  {
+    // A piece that collapsed to a point in rest space still has a length in deformed space.
+    schedule.Count = 1;
+    schedule.LastInterval = 1.0;
+  }
+  return schedule;
+}
+
+/**
+ * Equal intervals of about `sampleDistance` sampled in their middle, over the part [from, to] of
+ * the piece. `length` is the length of that part.
+ */
+inline SampleSchedule ScheduleEvenly(
+  double length, double sampleDistance, double from = 0.0, double to = 1.0)
+{
+  SampleSchedule schedule;
+  schedule.Count = std::max(1, static_cast<int>(std::lround(length / sampleDistance)));
+  schedule.Step = (to - from) / schedule.Count;
+  schedule.First = from + 0.5 * schedule.Step;
+  schedule.LastInterval = schedule.Step;
+  return schedule;
+}
+
+} // namespace ffd
+
+#endif

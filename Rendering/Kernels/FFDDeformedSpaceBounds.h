@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDDeformedSpaceBounds_h
+#define FFDDeformedSpaceBounds_h
+
+#include "FFDExport.h"
+#include "FFDPullBackBounds.h"
+
+#include <glm/vec3.hpp>
+
+#include <vector>
+
+namespace ffd
+{
+
+/**
+ * The bounds of a pull-back arranged by where the rays run: a grid over deformed space whose cells
+ * hold what PullBackBounds proves about every rest point that can map into the cell. Built once
+ * per edit; afterwards a piece of a ray asks with its own box, whatever the kind of pull-back.
+ */
+class FFD_KERNEL_EXPORT DeformedSpaceBounds
+{
+public:
+  DeformedSpaceBounds() = default;
+
+  /// `region`: the part of deformed space, data coordinates, that rays will ask about.
+  DeformedSpaceBounds(const PullBack& pullBack, const PullBackBounds& bounds, const Box& region);
+
+  /// Bounds of Phi over a box of deformed space. The part of the box outside of the region counts
+  /// as if it were moved to the nearest place inside.
+  MapBounds Over(const Box& box) const;
+
+private:
+  glm::ivec3 CellOf(const glm::dvec3& p) const;
+  std::size_t IndexOf(int i, int j, int k) const;
+  void FillFromDeformedRegions(const PullBackBounds& bounds);
+  void FillFromRestRegions(const PullBackBounds& bounds, const BSplineField& field);
+
+  Box Region;
+  glm::ivec3 Cells{ 1 };
+  glm::dvec3 CellSize{ 1.0 };
+  std::vector<MapBounds> Bounds; // x fastest
+};
+
+/// Smallest bounds that contain both.
+FFD_KERNEL_EXPORT MapBounds Unite(const MapBounds& a, const MapBounds& b);
+
+} // namespace ffd
+
+#endif

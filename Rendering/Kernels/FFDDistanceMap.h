@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDDistanceMap_h
+#define FFDDistanceMap_h
+
+#include "FFDExport.h"
+#include "FFDMinMaxBlocks.h"
+#include "FFDTransferTable.h"
+
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+#include <vector>
+
+namespace ffd
+{
+
+/// A box of index space known to hold nothing visible; unbounded on some sides outside the volume.
+struct EmptyBox
+{
+  glm::dvec3 Min;
+  glm::dvec3 Max;
+};
+
+/**
+ * Distance coding of the empty space (section 4.6 of the paper, after its reference [24]): for
+ * every block of MinMaxBlocks the Chebyshev distance, in blocks, to the nearest block that can
+ * hold something visible under the current transfer function. A block at distance d is the centre
+ * of an empty cube of 2d - 1 blocks.
+ */
+class FFD_KERNEL_EXPORT DistanceMap
+{
+public:
+  DistanceMap() = default;
+  DistanceMap(const MinMaxBlocks& blocks, const TransferTable& table);
+
+  const glm::ivec3& GetBlocks() const { return this->Blocks; }
+
+  /// Distance of a block, 0 when it may be visible; at most 255.
+  int GetDistance(const glm::ivec3& block) const
+  {
+    return this->Distances[block.x +
+      static_cast<std::size_t>(this->Blocks.x) *
+        (block.y + static_cast<std::size_t>(this->Blocks.y) * block.z)];
+  }
+
+  /**
+   * Empty surroundings of a point in index coordinates. Returns false when the block of the point
+   * may be visible. A point outside of the volume [0, upper] is surrounded by the half space
+   * beyond the side that it is farthest from.
+   */
+  bool FindEmptyBox(const glm::dvec3& q, const glm::dvec3& upper, EmptyBox& box) const;
+
+  std::size_t GetMemorySize() const { return this->Distances.capacity(); }
+
+private:
+  glm::ivec3 Blocks{ 0 };
+  std::vector<std::uint8_t> Distances; // x fastest
+};
+
+} // namespace ffd
+
+#endif

@@ -1,0 +1,545 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FFDRayCaster.h"
+
+#include "FFDCurvePiece.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace ffd
+{
+namespace
+{
+
+constexpr double Infinity = std::numeric_limits<double>::infinity();
+
+/// Kept between a leap and the faces of the empty box, index units: rounding errors.
+constexpr double LeapGuard = 1e-3;
+
+bool IsInside(const glm::dvec3& q, const glm::dvec3& upper)
+{
+  // False for positions that are not a number, too.
+  return q.x >= 0.0 && q.y >= 0.0 && q.z >= 0.0 && q.x <= upper.x && q.y <= upper.y &&
+    q.z <= upper.z;
+}
+
+bool Contains(const EmptyBox& box, const glm::dvec3& q)
+{
+  return q.x >= box.Min.x && q.y >= box.Min.y && q.z >= box.Min.z && q.x <= box.Max.x &&
+    q.y <= box.Max.y && q.z <= box.Max.z;
+}
+
+/// How many further steps of `ds` from position s of the piece stay inside the box for certain.
+int CountStepsInside(
+  const CurvePiece& piece, double s, double ds, int stepsLeft, const EmptyBox& box)
+{
+  const glm::dvec3 q = piece.At(s);
+  const glm::dvec3 v0 = piece.Velocity(s);
+  // The velocity is linear in s, so the ends of what is left of the piece bound it.
+  const glm::dvec3 v1 = piece.Velocity(s + stepsLeft * ds);
+  double steps = stepsLeft;
+  for (int a = 0; a < 3; ++a)
+  {
+    const double up = std::max(v0[a], v1[a]) * ds;
+    const double down = -std::min(v0[a], v1[a]) * ds;
+    if (up > 0.0)
+    {
+      steps = std::min(steps, (box.Max[a] - q[a] - LeapGuard) / up);
+    }
+    if (down > 0.0)
+    {
+      steps = std::min(steps, (q[a] - box.Min[a] - LeapGuard) / down);
+    }
+  }
+  return steps > 0.0 ? static_cast<int>(steps) : 0;
+}
+
+/**
+ * What is left of the distances from a deformed ray to the six faces of an empty box, while the
+ * ray is followed span by span without being evaluated.
+ */
+class LeapSlack
+{
+public:
+  void Clear() { this->Valid = false; }
+
+  void Set(const glm::dvec3& q, const EmptyBox& box, double guard)
+  {
+    this->Low = q - box.Min - guard;
+    this->High = box.Max - q - guard;
+    this->Valid = true;
+  }
+
+  /// Whether a piece of length dt with velocities [vMin, vMax] stays inside; if so, pass it.
+  bool Pass(const glm::dvec3& vMin, const glm::dvec3& vMax, double dt)
+  {
+    if (!this->Valid)
+    {
+      return false;
+    }
+    const glm::dvec3 high = this->High - glm::max(vMax, glm::dvec3(0.0)) * dt;
+    const glm::dvec3 low = this->Low + glm::min(vMin, glm::dvec3(0.0)) * dt;
+    if (!(high.x >= 0.0 && high.y >= 0.0 && high.z >= 0.0 && low.x >= 0.0 && low.y >= 0.0 &&
+          low.z >= 0.0))
+    {
+      this->Valid = false;
+      return false;
+    }
+    // A velocity that points away from a face for certain gives distance back.
+    this->High -= vMax * dt;
+    this->Low += vMin * dt;
+    return true;
+  }
+
+private:
+  bool Valid = false;
+  glm::dvec3 Low{ 0.0 };
+  glm::dvec3 High{ 0.0 };
+};
+
+/// Narrow [from, to] to the part of a line inside a box; false when nothing is left.
+bool ClipToBox(const glm::dvec3& origin, const glm::dvec3& direction, const Box& box, double& from,
+  double& to)
+{
+  for (int a = 0; a < 3; ++a)
+  {
+    if (direction[a] == 0.0)
+    {
+      if (origin[a] < box.Min[a] || origin[a] > box.Max[a])
+      {
+        return false;
+      }
+      continue;
+    }
+    const double t0 = (box.Min[a] - origin[a]) / direction[a];
+    const double t1 = (box.Max[a] - origin[a]) / direction[a];
+    from = std::max(from, std::min(t0, t1));
+    to = std::min(to, std::max(t0, t1));
+  }
+  return from < to;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+struct RayCaster::Ray
+{
+  ViewRay World;
+  glm::dvec3 Origin;    // data coordinates
+  glm::dvec3 Direction; // data coordinates per world unit
+  double From = 0.0;
+  double To = 0.0;
+  int X = 0;
+  int Y = 0;
+};
+
+//------------------------------------------------------------------------------
+struct RayCaster::Pixel
+{
+  glm::vec3 Colour{ 0.0f };
+  float Transmittance = 1.0f;
+  double FirstVisible = Infinity; // t
+  bool Done = false;              // early ray termination
+};
+
+//------------------------------------------------------------------------------
+/// Samples, shades and composites one piece of a deformed ray: all that comes after the
+/// segmentation, shared by both of them.
+class RayCaster::Sampler
+{
+public:
+  Sampler(const RayCaster& caster, const Ray& ray, Pixel& pixel, CastStatistics& statistics)
+    : Caster(caster)
+    , ViewingRay(ray)
+    , Out(pixel)
+    , Statistics(statistics)
+    , Upper(caster.Scene.Volume.UpperIndex())
+  {
+  }
+
+  /**
+   * Integrate one piece. Its parameter s stands for t = t0 + s * dt. `jacobianAt(s)` gives
+   * dPhi/dP and is called for visible samples only.
+   */
+  template <class JacobianAt>
+  void Integrate(const CurvePiece& piece, const SampleSchedule& schedule, double t0, double dt,
+    const JacobianAt& jacobianAt)
+  {
+    const CastScene& scene = this->Caster.Scene;
+    const bool leap = this->Caster.Settings.Leaping != SpaceLeaping::Off;
+    for (int i = 0; i < schedule.Count; ++i)
+    {
+      const double s = schedule.Position(i);
+      const glm::dvec3 q = piece.At(s);
+      const bool inside = IsInside(q, this->Upper);
+      if (leap && scene.Distances->FindEmptyBox(q, this->Upper, this->LastEmptyBox))
+      {
+        this->Statistics.DistanceLookups += inside ? 1 : 0;
+        i += CountStepsInside(
+          piece, s, schedule.Step, schedule.Count - 1 - i, this->LastEmptyBox);
+        continue;
+      }
+      if (!inside)
+      {
+        continue;
+      }
+      ++this->Statistics.Samples;
+      const TransferTable::Sample sample =
+        scene.Table->Lookup(this->Caster.Fetch.Value(scene.Volume, q));
+      if (sample.Extinction > 0.0f)
+      {
+        const double length = this->IntervalLength(piece, s, schedule.Interval(i), dt);
+        this->Composite(sample, q, t0 + s * dt, length, [&] { return jacobianAt(s); });
+        if (this->Out.Done)
+        {
+          return;
+        }
+      }
+    }
+  }
+
+  const EmptyBox& GetLastEmptyBox() const { return this->LastEmptyBox; }
+  void ForgetEmptyBox() { this->LastEmptyBox = NoBox(); }
+
+private:
+  static EmptyBox NoBox() { return { glm::dvec3(Infinity), glm::dvec3(-Infinity) }; }
+
+  /// Length by which the opacity of a sample is corrected, world units.
+  double IntervalLength(const CurvePiece& piece, double s, double interval, double dt) const
+  {
+    return this->Caster.Settings.Opacity == OpacityLength::World
+      ? interval * dt
+      : interval * glm::length(this->Caster.RestToWorld * piece.Velocity(s));
+  }
+
+  template <class Jacobian>
+  void Composite(const TransferTable::Sample& sample, const glm::dvec3& q, double t, double length,
+    const Jacobian& jacobian)
+  {
+    ++this->Statistics.VisibleSamples;
+    this->Out.FirstVisible = std::min(this->Out.FirstVisible, t);
+    glm::vec3 colour = sample.Colour;
+    if (this->Caster.Settings.Shade)
+    {
+      // Scalars on the ray are f(Phi(P)), so their gradient in deformed space is J_Phi^T grad f.
+      const CastScene& scene = this->Caster.Scene;
+      const glm::dvec3 rest =
+        this->Caster.GradientToRest * this->Caster.Fetch.Gradient(scene.Volume, q);
+      const glm::dvec3 gradient =
+        this->Caster.GradientToWorld * (glm::transpose(jacobian()) * rest);
+      const double magnitude = glm::length(gradient);
+      const glm::dvec3 normal = magnitude > 0.0 && std::isfinite(magnitude)
+        ? -gradient / magnitude
+        : glm::dvec3(0.0);
+      const ViewRay& view = this->ViewingRay.World;
+      colour = scene.Material.Shade(
+        colour, view.Origin + t * view.Direction, normal, -view.Direction);
+    }
+    const float transmittance =
+      this->Caster.Transmittance(sample.Extinction * static_cast<float>(length));
+    this->Out.Colour += (this->Out.Transmittance * (1.0f - transmittance)) * colour;
+    this->Out.Transmittance *= transmittance;
+    this->Out.Done = this->Out.Transmittance < this->Caster.Settings.TerminationTransmittance;
+  }
+
+  const RayCaster& Caster;
+  const Ray& ViewingRay;
+  Pixel& Out;
+  CastStatistics& Statistics;
+  glm::dvec3 Upper;
+  EmptyBox LastEmptyBox = NoBox();
+};
+
+//------------------------------------------------------------------------------
+void CastStatistics::Add(const CastStatistics& other)
+{
+  this->Rays += other.Rays;
+  this->Segments += other.Segments;
+  this->SegmentLength += other.SegmentLength;
+  this->Samples += other.Samples;
+  this->VisibleSamples += other.VisibleSamples;
+  this->DistanceLookups += other.DistanceLookups;
+  this->Evaluations += other.Evaluations;
+  this->Unconverged += other.Unconverged;
+}
+
+//------------------------------------------------------------------------------
+RayCaster::RayCaster(const CastScene& scene, const CastSettings& settings)
+  : Scene(scene)
+  , Settings(settings)
+  , Fetch(SelectSampleFunctions(scene.Volume.Type, scene.VolumeInterpolation))
+  , RestToWorld(glm::dmat3(scene.DataToWorld) * scene.Volume.IndexToData)
+  , GradientToRest(glm::transpose(scene.Volume.DataToIndex))
+  , GradientToWorld(glm::transpose(glm::dmat3(scene.WorldToData)))
+{
+}
+
+//------------------------------------------------------------------------------
+RayCaster::~RayCaster() = default;
+
+//------------------------------------------------------------------------------
+int RayCaster::GetTilesPerRow(const CastImage& image) const
+{
+  return (image.Width + TileSize - 1) / TileSize;
+}
+
+//------------------------------------------------------------------------------
+int RayCaster::GetNumberOfTiles(const CastImage& image) const
+{
+  return this->GetTilesPerRow(image) * ((image.Height + TileSize - 1) / TileSize);
+}
+
+//------------------------------------------------------------------------------
+bool RayCaster::SetUpRay(int x, int y, Ray& ray) const
+{
+  const CameraView& camera = this->Scene.Camera;
+  ray.X = x;
+  ray.Y = y;
+  ray.World = camera.MakeRay(x + 0.5, y + 0.5);
+  ray.Origin = glm::dvec3(this->Scene.WorldToData * glm::dvec4(ray.World.Origin, 1.0));
+  ray.Direction = glm::dvec3(this->Scene.WorldToData * glm::dvec4(ray.World.Direction, 0.0));
+  ray.From = ray.World.Near;
+  ray.To = ray.World.Far;
+  if (this->Scene.Depths)
+  {
+    const std::size_t at = static_cast<std::size_t>(y) * camera.ImageSize.x + x;
+    const double depth = this->Scene.Depths[at];
+    if (depth < 1.0)
+    {
+      ray.To = std::min(ray.To, camera.DepthToT(ray.World, x + 0.5, y + 0.5, depth));
+    }
+  }
+  return ClipToBox(ray.Origin, ray.Direction, this->Scene.DeformedBounds, ray.From, ray.To);
+}
+
+//------------------------------------------------------------------------------
+void RayCaster::StartTile(
+  int x0, int y0, int x1, int y1, double tMin, double tMax, TileSpans& spans) const
+{
+  const int corners[4][2] = { { x0, y0 }, { x1, y0 }, { x0, y1 }, { x1, y1 } };
+  glm::dvec3 origins[4];
+  glm::dvec3 directions[4];
+  for (int c = 0; c < 4; ++c)
+  {
+    const ViewRay ray = this->Scene.Camera.MakeRay(corners[c][0] + 0.5, corners[c][1] + 0.5);
+    origins[c] = glm::dvec3(this->Scene.WorldToData * glm::dvec4(ray.Origin, 1.0));
+    directions[c] = glm::dvec3(this->Scene.WorldToData * glm::dvec4(ray.Direction, 0.0));
+  }
+  spans.Start(*this->Scene.Bounds, this->Settings.Spans, this->Scene.Volume.DataToIndex, origins,
+    directions, tMin, tMax);
+}
+
+//------------------------------------------------------------------------------
+void RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch) const
+{
+  const int x0 = tile % this->GetTilesPerRow(image) * TileSize;
+  const int y0 = tile / this->GetTilesPerRow(image) * TileSize;
+  const int x1 = std::min(x0 + TileSize, image.Width) - 1;
+  const int y1 = std::min(y0 + TileSize, image.Height) - 1;
+
+  std::array<Ray, TileSize * TileSize> rays;
+  int count = 0;
+  double tMin = Infinity;
+  double tMax = -Infinity;
+  for (int y = y0; y <= y1; ++y)
+  {
+    for (int x = x0; x <= x1; ++x)
+    {
+      const std::size_t at = static_cast<std::size_t>(y) * image.Width + x;
+      std::fill_n(image.Colours + 4 * at, 4, 0.0f);
+      if (image.Depths)
+      {
+        image.Depths[at] = 1.0f;
+      }
+      Ray& ray = rays[count];
+      if (this->SetUpRay(x, y, ray))
+      {
+        tMin = std::min(tMin, ray.From);
+        tMax = std::max(tMax, ray.To);
+        ++count;
+      }
+    }
+  }
+  if (count == 0)
+  {
+    return;
+  }
+  scratch.Statistics.Rays += count;
+  const bool greedy = this->Settings.Segments == Segmentation::GreedyAngle;
+  if (!greedy)
+  {
+    this->StartTile(x0, y0, x1, y1, tMin, tMax, scratch.Spans);
+  }
+  for (int i = 0; i < count; ++i)
+  {
+    Ray& ray = rays[i];
+    Pixel pixel;
+    if (greedy)
+    {
+      this->CastPolyline(ray, pixel, scratch.Statistics);
+    }
+    else
+    {
+      this->CastSpans(ray, pixel, scratch);
+    }
+    const std::size_t at = static_cast<std::size_t>(ray.Y) * image.Width + ray.X;
+    float* colour = image.Colours + 4 * at;
+    colour[0] = pixel.Colour.r;
+    colour[1] = pixel.Colour.g;
+    colour[2] = pixel.Colour.b;
+    colour[3] = 1.0f - pixel.Transmittance;
+    if (image.Depths && pixel.FirstVisible < Infinity)
+    {
+      image.Depths[at] = static_cast<float>(this->Scene.Camera.ToDepth(
+        ray.World.Origin + pixel.FirstVisible * ray.World.Direction));
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+void RayCaster::CastPolyline(Ray& ray, Pixel& pixel, CastStatistics& statistics) const
+{
+  const VolumeView& volume = this->Scene.Volume;
+  PolylineWalker walker(*this->Scene.Map, this->Settings.Polyline, ray.Origin, ray.Direction,
+    ray.From, ray.To, this->Settings.Shade);
+  Sampler sampler(*this, ray, pixel, statistics);
+  PolylineVertex start = walker.GetVertex();
+  glm::dvec3 startIndex = volume.ToIndex(start.Rest);
+  while (!pixel.Done && walker.Next())
+  {
+    const PolylineVertex end = walker.GetVertex();
+    const glm::dvec3 endIndex = volume.ToIndex(end.Rest);
+    const double dt = end.T - start.T;
+    ++statistics.Segments;
+    statistics.SegmentLength += dt / this->Scene.VoxelSize;
+    // An empty box found on an earlier segment holds this one whole if it holds both ends.
+    const bool empty = this->Settings.Leaping == SpaceLeaping::Lipschitz &&
+      Contains(sampler.GetLastEmptyBox(), startIndex) &&
+      Contains(sampler.GetLastEmptyBox(), endIndex);
+    if (!empty)
+    {
+      sampler.ForgetEmptyBox();
+      const CurvePiece piece = CurvePiece::Line(startIndex, endIndex);
+      const double length = glm::length(this->RestToWorld * piece.Linear);
+      sampler.Integrate(piece, ScheduleWithRemainder(length, this->Settings.SampleDistance),
+        start.T, dt,
+        [&](double s) { return start.Jacobian * (1.0 - s) + end.Jacobian * s; });
+    }
+    start = end;
+    startIndex = endIndex;
+  }
+  statistics.Evaluations += walker.GetEvaluations();
+  statistics.Unconverged += walker.GetUnconverged();
+}
+
+//------------------------------------------------------------------------------
+void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
+{
+  CastStatistics& statistics = scratch.Statistics;
+  const VolumeView& volume = this->Scene.Volume;
+  const glm::dvec3 upper = volume.UpperIndex();
+  const double spanLength = scratch.Spans.GetLength();
+  Sampler sampler(*this, ray, pixel, statistics);
+
+  const auto pointAt = [&](double t) { return ray.Origin + t * ray.Direction; };
+  const auto evaluate = [&](double t)
+  {
+    PullBackStatus status;
+    const glm::dvec3 rest = this->Scene.Map->Evaluate(pointAt(t), status);
+    statistics.Evaluations += status.Evaluations;
+    statistics.Unconverged += status.Converged ? 0 : 1;
+    return volume.ToIndex(rest);
+  };
+  const auto evaluateJacobian = [&](double t)
+  {
+    PullBackStatus status;
+    glm::dmat3 jacobian;
+    this->Scene.Map->Evaluate(pointAt(t), jacobian, status);
+    statistics.Evaluations += status.Evaluations;
+    return jacobian;
+  };
+
+  LeapSlack slack;
+  // The last node that was evaluated: mostly the start of the next piece.
+  double nodeT = -Infinity;
+  glm::dvec3 node(0.0);
+  const int lastSpan = static_cast<int>(std::floor(ray.To / spanLength));
+  for (int index = static_cast<int>(std::floor(ray.From / spanLength));
+       index <= lastSpan && !pixel.Done; ++index)
+  {
+    const TileSpans::Span& span = scratch.Spans.Get(index);
+    const int pieces = 1 << span.Level;
+    const double dt = spanLength / pieces;
+    for (int p = 0; p < pieces && !pixel.Done; ++p)
+    {
+      const double t0 = index * spanLength + p * dt;
+      const double t1 = index * spanLength + (p + 1) * dt;
+      if (t1 <= ray.From || t0 >= ray.To)
+      {
+        continue;
+      }
+      const bool canLeap = this->Settings.Leaping == SpaceLeaping::Lipschitz && span.Bounded;
+      if (canLeap && slack.Pass(span.VelocityMin, span.VelocityMax, dt))
+      {
+        continue;
+      }
+      if (nodeT != t0)
+      {
+        node = evaluate(t0);
+        nodeT = t0;
+      }
+      EmptyBox box;
+      if (canLeap && this->Scene.Distances->FindEmptyBox(node, upper, box))
+      {
+        statistics.DistanceLookups += IsInside(node, upper) ? 1 : 0;
+        slack.Set(node, box, span.PositionError + LeapGuard);
+        if (slack.Pass(span.VelocityMin, span.VelocityMax, dt))
+        {
+          continue;
+        }
+      }
+      slack.Clear();
+
+      const glm::dvec3 middle = evaluate(0.5 * (t0 + t1));
+      const glm::dvec3 end = evaluate(t1);
+      const CurvePiece piece = CurvePiece::Parabola(node, middle, end);
+      node = end;
+      nodeT = t1;
+      ++statistics.Segments;
+      statistics.SegmentLength += dt / this->Scene.VoxelSize;
+
+      const double from = std::max(0.0, (ray.From - t0) / dt);
+      const double to = std::min(1.0, (ray.To - t0) / dt);
+      const glm::dvec3 half = piece.At(0.5 * (from + to));
+      const double length = glm::length(this->RestToWorld * (half - piece.At(from))) +
+        glm::length(this->RestToWorld * (piece.At(to) - half));
+
+      glm::dmat3 jacobians[3];
+      bool haveJacobians = false;
+      const auto jacobianAt = [&](double s)
+      {
+        if (!haveJacobians)
+        {
+          jacobians[0] = evaluateJacobian(t0);
+          jacobians[1] = evaluateJacobian(0.5 * (t0 + t1));
+          jacobians[2] = evaluateJacobian(t1);
+          haveJacobians = true;
+        }
+        // Quadratic Lagrange interpolation at s = 0, 1/2, 1.
+        return jacobians[0] * ((1.0 - s) * (1.0 - 2.0 * s)) + jacobians[1] * (4.0 * s * (1.0 - s)) +
+          jacobians[2] * (s * (2.0 * s - 1.0));
+      };
+      sampler.Integrate(
+        piece, ScheduleEvenly(length, this->Settings.SampleDistance, from, to), t0, dt, jacobianAt);
+    }
+  }
+}
+
+} // namespace ffd

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDSampling_h
+#define FFDSampling_h
+
+#include "FFDVolumeView.h"
+
+#include <glm/vec3.hpp>
+
+namespace ffd
+{
+
+/// How values between voxels are found.
+enum class Interpolation
+{
+  Nearest,
+  Linear
+};
+
+/**
+ * Sample fetches for one scalar type, chosen once per image: the only code of the ray caster that
+ * depends on the type. Positions are index coordinates inside [0, UpperIndex()].
+ */
+struct SampleFunctions
+{
+  /// Trilinear (or nearest) value.
+  double (*Value)(const VolumeView& volume, const glm::dvec3& q);
+
+  /// Central differences of interpolated values one voxel to each side, per index unit:
+  /// (f(q + e) - f(q - e)) / 2, positions clamped to the volume.
+  glm::dvec3 (*Gradient)(const VolumeView& volume, const glm::dvec3& q);
+};
+
+SampleFunctions SelectSampleFunctions(ScalarType type, Interpolation interpolation);
+
+} // namespace ffd
+
+#endif

@@ -1,0 +1,137 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FFDTileSpans.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ffd
+{
+namespace
+{
+
+bool AllFinite(const glm::dvec3& v)
+{
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// Adds the range of a * b to [lo, hi].
+void AddProduct(double aMin, double aMax, double bMin, double bMax, double& lo, double& hi)
+{
+  const double p[4] = { aMin * bMin, aMin * bMax, aMax * bMin, aMax * bMax };
+  lo += std::min(std::min(p[0], p[1]), std::min(p[2], p[3]));
+  hi += std::max(std::max(p[0], p[1]), std::max(p[2], p[3]));
+}
+
+/// Range of m * v for an interval matrix and an interval vector.
+void MultiplyIntervals(const glm::dmat3& mMin, const glm::dmat3& mMax, const glm::dvec3& vMin,
+  const glm::dvec3& vMax, glm::dvec3& lo, glm::dvec3& hi)
+{
+  lo = glm::dvec3(0.0);
+  hi = glm::dvec3(0.0);
+  for (int column = 0; column < 3; ++column)
+  {
+    for (int row = 0; row < 3; ++row)
+    {
+      AddProduct(
+        mMin[column][row], mMax[column][row], vMin[column], vMax[column], lo[row], hi[row]);
+    }
+  }
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+void TileSpans::Start(const DeformedSpaceBounds& bounds, const SpanSettings& settings,
+  const glm::dmat3& dataToIndex, const glm::dvec3 origins[4], const glm::dvec3 directions[4],
+  double tMin, double tMax)
+{
+  this->Bounds = &bounds;
+  this->Settings = settings;
+  this->DataToIndex = dataToIndex;
+  this->VoxelsPerDataUnit = std::max(glm::length(dataToIndex[0]),
+    std::max(glm::length(dataToIndex[1]), glm::length(dataToIndex[2])));
+  this->DirectionMin = directions[0];
+  this->DirectionMax = directions[0];
+  this->LargestSpeed = 0.0;
+  double across = 0.0;
+  for (int c = 0; c < 4; ++c)
+  {
+    this->Origins[c] = origins[c];
+    this->Directions[c] = directions[c];
+    this->DirectionMin = glm::min(this->DirectionMin, directions[c]);
+    this->DirectionMax = glm::max(this->DirectionMax, directions[c]);
+    this->LargestSpeed = std::max(this->LargestSpeed, glm::length(directions[c]));
+    across = std::max(across, glm::length(directions[c] - directions[0]));
+  }
+  // Directions have unit length in the world, so they lie on a cap, a little beyond the box of its
+  // corners; the square of the chord is more than that, whatever the scale of the volume's matrix.
+  this->Sagitta =
+    this->LargestSpeed > 0.0 ? across * across / this->LargestSpeed + 1e-12 * this->LargestSpeed : 0.0;
+  this->DirectionMin -= this->Sagitta;
+  this->DirectionMax += this->Sagitta;
+  this->LargestSpeed += this->Sagitta;
+
+  this->First = static_cast<int>(std::floor(tMin / settings.Length));
+  const int last = static_cast<int>(std::floor(tMax / settings.Length)) + 1;
+  this->Spans.assign(static_cast<std::size_t>(std::max(1, last - this->First + 1)), Span());
+}
+
+//------------------------------------------------------------------------------
+void TileSpans::Find(int index, Span& span) const
+{
+  const double t[2] = { index * this->Settings.Length, (index + 1) * this->Settings.Length };
+  Box box{ this->Origins[0] + t[0] * this->Directions[0],
+    this->Origins[0] + t[0] * this->Directions[0] };
+  for (int c = 0; c < 4; ++c)
+  {
+    for (const double end : t)
+    {
+      const glm::dvec3 p = this->Origins[c] + end * this->Directions[c];
+      box.Min = glm::min(box.Min, p);
+      box.Max = glm::max(box.Max, p);
+    }
+  }
+  const double margin = this->Sagitta * std::max(std::abs(t[0]), std::abs(t[1]));
+  box.Min -= margin;
+  box.Max += margin;
+
+  const MapBounds bounds = this->Bounds->Over(box);
+  span.Known = true;
+
+  // Error of the parabola through three points a distance d apart: |d3Q/dt3| d^3 / (9 sqrt 3).
+  const double third = bounds.ThirdDerivative * this->VoxelsPerDataUnit * this->LargestSpeed *
+    this->LargestSpeed * this->LargestSpeed;
+  const auto errorOf = [third](double half)
+  { return third > 0.0 ? third * half * half * half / (9.0 * std::sqrt(3.0)) : 0.0; };
+  double half = 0.5 * this->Settings.Length;
+  span.Level = 0;
+  while (span.Level < this->Settings.LargestLevel &&
+    !(errorOf(half) <= this->Settings.PositionTolerance))
+  {
+    ++span.Level;
+    half *= 0.5;
+  }
+  span.PositionError = errorOf(half);
+
+  span.Bounded = std::isfinite(span.PositionError);
+  for (int column = 0; column < 3; ++column)
+  {
+    span.Bounded = span.Bounded && AllFinite(bounds.JacobianMin[column]) &&
+      AllFinite(bounds.JacobianMax[column]);
+  }
+  if (span.Bounded)
+  {
+    glm::dvec3 lo;
+    glm::dvec3 hi;
+    MultiplyIntervals(bounds.JacobianMin, bounds.JacobianMax, this->DirectionMin,
+      this->DirectionMax, lo, hi);
+    MultiplyIntervals(
+      this->DataToIndex, this->DataToIndex, lo, hi, span.VelocityMin, span.VelocityMax);
+  }
+}
+
+} // namespace ffd

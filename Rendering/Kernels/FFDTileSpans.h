@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDTileSpans_h
+#define FFDTileSpans_h
+
+#include "FFDCameraView.h"
+#include "FFDDeformedSpaceBounds.h"
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include <vector>
+
+namespace ffd
+{
+
+/// Parameters of ERROR_BOUND.
+struct SpanSettings
+{
+  double Length = 8.0;          ///< longest span, units of t
+  int LargestLevel = 4;         ///< a span is halved at most so often
+  double PositionTolerance = 0.1; ///< voxels
+};
+
+/**
+ * ERROR_BOUND: the parameter grid that all rays of an image tile share.
+ *
+ * The parameter t is cut into spans of fixed length, and each span into 2^level pieces of equal
+ * length, on each of which a deformed ray is replaced by the parabola through its start, middle
+ * and end. The level is the smallest for which the interpolation error
+ * |d3Q/dt3| (piece / 2)^3 / (9 sqrt 3) is proven to stay under the position tolerance, over the box of
+ * deformed space that the rays of the tile cross in the span. So the pieces, and with them the
+ * samples, depend on the tile and the lattice alone: never on what space leaping skips.
+ *
+ * For each span the same box yields the range of the velocity dQ/dt: what a ray can move at most,
+ * per direction, which is what LIPSCHITZ leaping subtracts from the distance to visible blocks.
+ */
+class TileSpans
+{
+public:
+  struct Span
+  {
+    bool Known = false;
+    bool Bounded = false; ///< whether error and velocities are proven
+    int Level = 0;
+    double PositionError = 0.0;    ///< bound of parabola against true curve, voxels
+    glm::dvec3 VelocityMin{ 0.0 }; ///< index units per unit of t
+    glm::dvec3 VelocityMax{ 0.0 };
+  };
+
+  /**
+   * Begin a tile. `origins`, `directions`: the rays through the corners of the tile, data
+   * coordinates, unit of t. `dataToIndex`: linear part of the map to index coordinates.
+   */
+  void Start(const DeformedSpaceBounds& bounds, const SpanSettings& settings,
+    const glm::dmat3& dataToIndex, const glm::dvec3 origins[4], const glm::dvec3 directions[4],
+    double tMin, double tMax);
+
+  double GetLength() const { return this->Settings.Length; }
+  int GetFirst() const { return this->First; }
+
+  /// Span `index`: t in [index, index + 1] * GetLength(). Found on first use.
+  const Span& Get(int index)
+  {
+    Span& span = this->Spans[static_cast<std::size_t>(index - this->First)];
+    if (!span.Known)
+    {
+      this->Find(index, span);
+    }
+    return span;
+  }
+
+private:
+  void Find(int index, Span& span) const;
+
+  const DeformedSpaceBounds* Bounds = nullptr;
+  SpanSettings Settings;
+  glm::dmat3 DataToIndex{ 1.0 };
+  double VoxelsPerDataUnit = 1.0;
+  glm::dvec3 Origins[4];
+  glm::dvec3 Directions[4];
+  glm::dvec3 DirectionMin{ 0.0 };
+  glm::dvec3 DirectionMax{ 0.0 };
+  double Sagitta = 0.0;
+  double LargestSpeed = 0.0;
+  int First = 0;
+  std::vector<Span> Spans;
+};
+
+} // namespace ffd
+
+#endif

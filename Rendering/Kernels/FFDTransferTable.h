@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDTransferTable_h
+#define FFDTransferTable_h
+
+#include "FFDExport.h"
+
+#include <glm/vec3.hpp>
+
+#include <cstddef>
+#include <vector>
+
+namespace ffd
+{
+
+/**
+ * Colour and extinction over the scalar range, sampled at equal steps and interpolated linearly.
+ *
+ * Extinction is stored as -log2(1 - opacity) per world unit, so that the opacity of an interval of
+ * any length is 1 - 2^(-extinction * length): the opacity correction of section 4.4 of the paper
+ * (its reference [20]) for every interval, the last one of a segment included.
+ */
+class FFD_KERNEL_EXPORT TransferTable
+{
+public:
+  TransferTable() = default;
+
+  /**
+   * `rgb`: 3 * size colours, `opacity`: size opacities in [0, 1] for an interval of
+   * `unitDistance` (> 0, world units), both at `size` >= 2 equal steps from scalar `lo` to
+   * scalar `hi` (lo < hi). Opacities are clamped; values that are not a number count as 0.
+   */
+  TransferTable(double lo, double hi, std::size_t size, const float* rgb, const float* opacity,
+    double unitDistance);
+
+  struct Sample
+  {
+    glm::vec3 Colour;
+    float Extinction; ///< per world unit; 0: transparent
+  };
+
+  /// Entry of a scalar; scalars outside of the range get the first or last entry, a scalar that
+  /// is not a number a transparent one.
+  Sample Lookup(double scalar) const;
+
+  /// Whether every scalar of [lo, hi] is fully transparent; true for an empty interval.
+  bool IsTransparent(double lo, double hi) const;
+
+  std::size_t GetMemorySize() const;
+
+private:
+  struct Entry
+  {
+    glm::vec3 Colour;
+    float Extinction;
+  };
+
+  double Low = 0.0;
+  double Scale = 0.0;                  // entries per scalar unit
+  std::vector<Entry> Entries;
+  std::vector<unsigned int> VisibleUpTo; // number of non-transparent entries before each
+};
+
+/**
+ * Table of 2^-x: the transmittance of an optical depth x >= 0 in powers of two. Linear between
+ * entries; error below 2e-6, zero beyond 24.
+ */
+class FFD_KERNEL_EXPORT TransmittanceTable
+{
+public:
+  TransmittanceTable();
+  float operator()(float opticalDepth) const;
+
+private:
+  static constexpr int EntriesPerUnit = 256;
+  static constexpr int Range = 24;
+  std::vector<float> Entries;
+};
+
+} // namespace ffd
+
+#endif
