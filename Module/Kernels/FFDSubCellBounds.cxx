@@ -1,0 +1,601 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "FFDSubCellBounds.cxx"
+#include <hwy/foreach_target.h>
+// After foreach_target.h, which includes this file once per instruction set.
+#include <hwy/highway.h>
+
+#include "FFDSubCellBounds.h"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#ifndef FFDSubCellBounds_cxx
+#define FFDSubCellBounds_cxx
+namespace ffd
+{
+namespace
+{
+
+/// Lanes per block on every target, so that buffers have a fixed size.
+constexpr int BlockLanes = 16;
+
+/// How the four Bezier coefficients of a (sub-)cell of one axis follow from control points
+/// Base ... Base + 3 (in padded indices).
+struct AxisPiece
+{
+  int Base = 0;
+  float Weight[4][4] = {};
+};
+
+/// Everything the SIMD code needs, coefficients divided by their largest magnitude.
+struct BoundsInput
+{
+  glm::ivec3 Padded;
+  const float* Coefficients; ///< [component][z][y][x], x padded to RowLength
+  int RowLength;
+  int Lanes; ///< cells of x including the two constant ones
+  const float* LaneScale; ///< per lane, 0 where the outside of x is zero
+  float CoefficientScale; ///< largest magnitude of a coefficient, rounded up
+  glm::dvec3 InverseSpacing;
+  const std::vector<AxisPiece>* Half[3]; ///< per sub-cell of y, z
+  const std::vector<AxisPiece>* Full[3]; ///< per cell of y, z, the constant ones included
+};
+
+} // namespace
+} // namespace ffd
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace ffd
+{
+namespace HWY_NAMESPACE
+{
+namespace hn = hwy::HWY_NAMESPACE;
+using Tag = hn::CappedTag<float, BlockLanes>;
+
+/// 3 components of a net of up to 4^3 coefficients, [component][z][y][x][lane].
+struct Net
+{
+  HWY_ALIGN float Value[3 * 64 * BlockLanes];
+};
+
+inline float* At(float* net, int c, int x, int y, int z)
+{
+  return net + static_cast<std::ptrdiff_t>((((c * 4 + z) * 4 + y) * 4 + x)) * BlockLanes;
+}
+
+/// Contract y and z: rows[c][bz][by][x] for all x of one (y piece, z piece).
+HWY_INLINE void ContractPlane(const BoundsInput& in, const AxisPiece& piece, float* plane)
+{
+  const std::ptrdiff_t slice = static_cast<std::ptrdiff_t>(in.Padded.y) * in.RowLength;
+  for (int c = 0; c < 3; ++c)
+  {
+    const float* from = in.Coefficients + (c * in.Padded.z + piece.Base) * slice;
+    for (int b = 0; b < 4; ++b)
+    {
+      const float* w = piece.Weight[b];
+      float* to = plane + (c * 4 + b) * slice;
+      for (std::ptrdiff_t i = 0; i < slice; ++i)
+      {
+        to[i] = w[0] * from[i] + w[1] * from[i + slice] + w[2] * from[i + 2 * slice] +
+          w[3] * from[i + 3 * slice];
+      }
+    }
+  }
+}
+
+HWY_INLINE void ContractRows(
+  const BoundsInput& in, const AxisPiece& piece, const float* plane, float* rows)
+{
+  const std::ptrdiff_t n = in.RowLength;
+  for (int cz = 0; cz < 12; ++cz)
+  {
+    const float* from = plane + (static_cast<std::ptrdiff_t>(cz) * in.Padded.y + piece.Base) * n;
+    for (int b = 0; b < 4; ++b)
+    {
+      const float* w = piece.Weight[b];
+      float* to = rows + (cz * 4 + b) * n;
+      for (std::ptrdiff_t i = 0; i < n; ++i)
+      {
+        to[i] = w[0] * from[i] + w[1] * from[i + n] + w[2] * from[i + 2 * n] + w[3] * from[i + 3 * n];
+      }
+    }
+  }
+}
+
+enum class Part
+{
+  Whole,
+  Left,
+  Right
+};
+
+/// Bezier coefficients along x of a block of cells, whole or one half of each.
+template <Part part>
+HWY_INLINE void ContractBlock(const BoundsInput& in, const float* rows, int lane0, Net& net)
+{
+  const Tag d;
+  const int step = static_cast<int>(hn::Lanes(d));
+  const auto sixth = hn::Set(d, 1.0f / 6.0f);
+  const auto third = hn::Set(d, 1.0f / 3.0f);
+  const auto two = hn::Set(d, 2.0f);
+  const auto three = hn::Set(d, 3.0f);
+  const auto four = hn::Set(d, 4.0f);
+  const auto half = hn::Set(d, 0.5f);
+  const auto quarter = hn::Set(d, 0.25f);
+  const auto eighth = hn::Set(d, 0.125f);
+  for (int row = 0; row < 48; ++row)
+  {
+    const float* from = rows + static_cast<std::ptrdiff_t>(row) * in.RowLength + lane0;
+    float* to = net.Value + static_cast<std::ptrdiff_t>(row) * 4 * BlockLanes;
+    for (int l = 0; l < BlockLanes; l += step)
+    {
+      const auto scale = hn::LoadU(d, in.LaneScale + lane0 + l);
+      const auto c0 = hn::Mul(hn::LoadU(d, from + l), scale);
+      const auto c1 = hn::Mul(hn::LoadU(d, from + l + 1), scale);
+      const auto c2 = hn::Mul(hn::LoadU(d, from + l + 2), scale);
+      const auto c3 = hn::Mul(hn::LoadU(d, from + l + 3), scale);
+      const auto b0 = hn::Mul(hn::Add(hn::MulAdd(four, c1, c0), c2), sixth);
+      const auto b1 = hn::Mul(hn::MulAdd(two, c1, c2), third);
+      const auto b2 = hn::Mul(hn::MulAdd(two, c2, c1), third);
+      const auto b3 = hn::Mul(hn::Add(hn::MulAdd(four, c2, c1), c3), sixth);
+      const auto middle = hn::Mul(hn::Add(hn::MulAdd(three, hn::Add(b1, b2), b0), b3), eighth);
+      if (part == Part::Whole)
+      {
+        hn::Store(b0, d, to + l);
+        hn::Store(b1, d, to + BlockLanes + l);
+        hn::Store(b2, d, to + 2 * BlockLanes + l);
+        hn::Store(b3, d, to + 3 * BlockLanes + l);
+      }
+      else if (part == Part::Left)
+      {
+        hn::Store(b0, d, to + l);
+        hn::Store(hn::Mul(hn::Add(b0, b1), half), d, to + BlockLanes + l);
+        hn::Store(
+          hn::Mul(hn::Add(hn::MulAdd(two, b1, b0), b2), quarter), d, to + 2 * BlockLanes + l);
+        hn::Store(middle, d, to + 3 * BlockLanes + l);
+      }
+      else
+      {
+        hn::Store(middle, d, to + l);
+        hn::Store(
+          hn::Mul(hn::Add(hn::MulAdd(two, b2, b1), b3), quarter), d, to + BlockLanes + l);
+        hn::Store(hn::Mul(hn::Add(b2, b3), half), d, to + 2 * BlockLanes + l);
+        hn::Store(b3, d, to + 3 * BlockLanes + l);
+      }
+    }
+  }
+}
+
+/// Range of one component of the net and of its first differences along x, y, z.
+struct ComponentRange
+{
+  HWY_ALIGN float Min[4][BlockLanes]; ///< value, x, y, z
+  HWY_ALIGN float Max[4][BlockLanes];
+};
+
+HWY_INLINE void FindRange(const float* net, ComponentRange& range)
+{
+  const Tag d;
+  const int step = static_cast<int>(hn::Lanes(d));
+  // Element strides of a step along x, y, z.
+  constexpr int strides[3] = { BlockLanes, 4 * BlockLanes, 16 * BlockLanes };
+  for (int l = 0; l < BlockLanes; l += step)
+  {
+    const float* base = net + l;
+    auto lo = hn::Load(d, base);
+    auto hi = lo;
+    for (int i = 1; i < 64; ++i)
+    {
+      const auto v = hn::Load(d, base + i * BlockLanes);
+      lo = hn::Min(lo, v);
+      hi = hn::Max(hi, v);
+    }
+    hn::Store(lo, d, range.Min[0] + l);
+    hn::Store(hi, d, range.Max[0] + l);
+    for (int a = 0; a < 3; ++a)
+    {
+      const int along = strides[a];
+      const int other1 = strides[(a + 1) % 3];
+      const int other2 = strides[(a + 2) % 3];
+      auto least = hn::Set(d, std::numeric_limits<float>::max());
+      auto most = hn::Neg(least);
+      for (int j = 0; j < 4; ++j)
+      {
+        for (int i = 0; i < 4; ++i)
+        {
+          const float* row = base + i * other1 + j * other2;
+          const auto v0 = hn::Load(d, row);
+          const auto v1 = hn::Load(d, row + along);
+          const auto v2 = hn::Load(d, row + 2 * along);
+          const auto v3 = hn::Load(d, row + 3 * along);
+          const auto e0 = hn::Sub(v1, v0);
+          const auto e1 = hn::Sub(v2, v1);
+          const auto e2 = hn::Sub(v3, v2);
+          least = hn::Min(least, hn::Min(e0, hn::Min(e1, e2)));
+          most = hn::Max(most, hn::Max(e0, hn::Max(e1, e2)));
+        }
+      }
+      hn::Store(least, d, range.Min[a + 1] + l);
+      hn::Store(most, d, range.Max[a + 1] + l);
+    }
+  }
+}
+
+/// Differences of `from` (extent `n` per axis) along `axis`; extent shrinks by one.
+HWY_INLINE void Difference(const Net& from, const int n[3], int axis, Net& to)
+{
+  const Tag d;
+  const int step = static_cast<int>(hn::Lanes(d));
+  const int m[3] = { n[0] - (axis == 0), n[1] - (axis == 1), n[2] - (axis == 2) };
+  const int along = (axis == 0 ? 1 : (axis == 1 ? 4 : 16)) * BlockLanes;
+  for (int c = 0; c < 3; ++c)
+  {
+    for (int z = 0; z < m[2]; ++z)
+    {
+      for (int y = 0; y < m[1]; ++y)
+      {
+        for (int x = 0; x < m[0]; ++x)
+        {
+          const float* v = At(const_cast<float*>(from.Value), c, x, y, z);
+          float* w = At(to.Value, c, x, y, z);
+          for (int l = 0; l < BlockLanes; l += step)
+          {
+            hn::Store(hn::Sub(hn::Load(d, v + along + l), hn::Load(d, v + l)), d, w + l);
+          }
+        }
+      }
+    }
+  }
+}
+
+/// Largest length of the vectors of a net; a norm is convex, so this bounds it over the cell.
+HWY_INLINE void LargestLength(const Net& net, const int n[3], float* length)
+{
+  const Tag d;
+  const int step = static_cast<int>(hn::Lanes(d));
+  for (int l = 0; l < BlockLanes; l += step)
+  {
+    auto most = hn::Zero(d);
+    for (int z = 0; z < n[2]; ++z)
+    {
+      for (int y = 0; y < n[1]; ++y)
+      {
+        for (int x = 0; x < n[0]; ++x)
+        {
+          const float* v = At(const_cast<float*>(net.Value), 0, x, y, z) + l;
+          const auto a = hn::Load(d, v);
+          const auto b = hn::Load(d, v + 64 * BlockLanes);
+          const auto c = hn::Load(d, v + 128 * BlockLanes);
+          most = hn::Max(most, hn::MulAdd(a, a, hn::MulAdd(b, b, hn::Mul(c, c))));
+        }
+      }
+    }
+    hn::Store(hn::Sqrt(most), d, length + l);
+  }
+}
+
+/// Relative to coefficients of magnitude <= 1: rounding of the coefficients to float, of three
+/// contractions and of the differences, counted generously.
+constexpr float RoundingUnit = 1.0f / 16777216.0f; // 2^-24
+constexpr float ValueSlack = 32.0f * RoundingUnit;
+constexpr float FirstSlack = 80.0f * RoundingUnit;
+constexpr float SecondSlack = 256.0f * RoundingUnit;
+constexpr float ThirdSlack = 512.0f * RoundingUnit;
+
+template <Part part>
+HWY_INLINE void StoreRanges(const BoundsInput& in, const SubCellGrid& grid, const float* rows,
+  int lane0, int sy, int sz, Net& net, SubCellBounds* bounds)
+{
+  ContractBlock<part>(in, rows, lane0, net);
+  const int lanes = std::min(BlockLanes, in.Lanes - lane0);
+  for (int c = 0; c < 3; ++c)
+  {
+    ComponentRange range;
+    FindRange(net.Value + c * 64 * BlockLanes, range);
+    for (int l = 0; l < lanes; ++l)
+    {
+      // Cell lane 0 and the last one are the constant outside: a single sub-cell each.
+      const int lane = lane0 + l;
+      const int sx = lane == 0 ? 0 : 2 * lane - 1 + (part == Part::Right ? 1 : 0);
+      if (sx >= grid.Size.x)
+      {
+        continue;
+      }
+      float* v = bounds[grid.Index(sx, sy, sz)].Value;
+      v[SubCellBounds::NegatedMin + c] = (ValueSlack - range.Min[0][l]) * in.CoefficientScale;
+      v[SubCellBounds::Max + c] = (ValueSlack + range.Max[0][l]) * in.CoefficientScale;
+      for (int a = 0; a < 3; ++a)
+      {
+        // Three times the difference over half a spacing.
+        const double factor = 6.0 * in.InverseSpacing[a] * in.CoefficientScale;
+        float lo = FirstSlack - range.Min[a + 1][l];
+        float hi = FirstSlack + range.Max[a + 1][l];
+        if (factor < 0.0)
+        {
+          std::swap(lo, hi);
+        }
+        const float size = static_cast<float>(std::abs(factor));
+        v[SubCellBounds::NegatedJacobianMin + 3 * a + c] = lo * size;
+        v[SubCellBounds::JacobianMax + 3 * a + c] = hi * size;
+      }
+    }
+  }
+}
+
+/// Norm bounds of the second and third derivatives of a block of cells.
+HWY_INLINE void FindHigherDerivatives(
+  const BoundsInput& in, const Net& net, float* second, float* third)
+{
+  double secondSquare[BlockLanes] = {};
+  double thirdSquare[BlockLanes] = {};
+  const int n0[3] = { 4, 4, 4 };
+  const glm::dvec3 inverse = glm::abs(in.InverseSpacing);
+  Net first;
+  Net twice;
+  Net thrice;
+  HWY_ALIGN float length[BlockLanes];
+  // Falling factorials: the factor of an n-fold difference along one axis of a cubic.
+  const double factorial[4] = { 1.0, 3.0, 6.0, 6.0 };
+  for (int a = 0; a < 3; ++a)
+  {
+    int n1[3] = { n0[0], n0[1], n0[2] };
+    Difference(net, n1, a, first);
+    --n1[a];
+    for (int b = a; b < 3; ++b)
+    {
+      int n2[3] = { n1[0], n1[1], n1[2] };
+      Difference(first, n2, b, twice);
+      --n2[b];
+      int orders[3] = { 0, 0, 0 };
+      ++orders[a];
+      ++orders[b];
+      LargestLength(twice, n2, length);
+      const double factor2 = factorial[orders[0]] * factorial[orders[1]] * factorial[orders[2]] *
+        inverse[a] * inverse[b] * in.CoefficientScale;
+      const double copies2 = a == b ? 1.0 : 2.0;
+      for (int l = 0; l < BlockLanes; ++l)
+      {
+        const double size = factor2 * (length[l] + SecondSlack);
+        secondSquare[l] += copies2 * size * size;
+      }
+      for (int c = b; c < 3; ++c)
+      {
+        int n3[3] = { n2[0], n2[1], n2[2] };
+        Difference(twice, n3, c, thrice);
+        --n3[c];
+        LargestLength(thrice, n3, length);
+        int orders3[3] = { orders[0], orders[1], orders[2] };
+        ++orders3[c];
+        const double factor3 = factorial[orders3[0]] * factorial[orders3[1]] *
+          factorial[orders3[2]] * inverse[a] * inverse[b] * inverse[c] * in.CoefficientScale;
+        // Number of orders in which (a, b, c) occurs in the full tensor.
+        const double copies3 = (a == b && b == c) ? 1.0 : ((a == b || b == c) ? 3.0 : 6.0);
+        for (int l = 0; l < BlockLanes; ++l)
+        {
+          const double size = factor3 * (length[l] + ThirdSlack);
+          thirdSquare[l] += copies3 * size * size;
+        }
+      }
+    }
+  }
+  // |sum d_a d_b H_ab| <= |d|^2 sqrt(sum |H_ab|^2) by Cauchy and Schwarz; likewise the third.
+  for (int l = 0; l < BlockLanes; ++l)
+  {
+    second[l] = static_cast<float>(std::sqrt(secondSquare[l]) * 1.000001);
+    third[l] = static_cast<float>(std::sqrt(thirdSquare[l]) * 1.000001);
+  }
+}
+
+void Compute(const BoundsInput& in, const SubCellGrid& grid, SubCellBounds* bounds)
+{
+  const std::size_t rowLength = static_cast<std::size_t>(in.RowLength);
+  std::vector<float> plane(12 * static_cast<std::size_t>(in.Padded.y) * rowLength);
+  std::vector<float> rows(48 * rowLength);
+  Net net;
+  for (int sz = 0; sz < grid.Size.z; ++sz)
+  {
+    ContractPlane(in, (*in.Half[2])[sz], plane.data());
+    for (int sy = 0; sy < grid.Size.y; ++sy)
+    {
+      ContractRows(in, (*in.Half[1])[sy], plane.data(), rows.data());
+      for (int lane0 = 0; lane0 < in.Lanes; lane0 += BlockLanes)
+      {
+        StoreRanges<Part::Left>(in, grid, rows.data(), lane0, sy, sz, net, bounds);
+        StoreRanges<Part::Right>(in, grid, rows.data(), lane0, sy, sz, net, bounds);
+      }
+    }
+  }
+  HWY_ALIGN float second[BlockLanes];
+  HWY_ALIGN float third[BlockLanes];
+  const int cellsY = static_cast<int>(in.Full[1]->size());
+  const int cellsZ = static_cast<int>(in.Full[2]->size());
+  // A cell's sub-cells along an axis; the constant outside cells have one.
+  const auto begin = [](int cell) { return cell == 0 ? 0 : 2 * cell - 1; };
+  for (int cz = 0; cz < cellsZ; ++cz)
+  {
+    ContractPlane(in, (*in.Full[2])[cz], plane.data());
+    for (int cy = 0; cy < cellsY; ++cy)
+    {
+      ContractRows(in, (*in.Full[1])[cy], plane.data(), rows.data());
+      for (int lane0 = 0; lane0 < in.Lanes; lane0 += BlockLanes)
+      {
+        ContractBlock<Part::Whole>(in, rows.data(), lane0, net);
+        FindHigherDerivatives(in, net, second, third);
+        const int lanes = std::min(BlockLanes, in.Lanes - lane0);
+        for (int sz = begin(cz); sz < std::min(begin(cz + 1), grid.Size.z); ++sz)
+        {
+          for (int sy = begin(cy); sy < std::min(begin(cy + 1), grid.Size.y); ++sy)
+          {
+            for (int l = 0; l < lanes; ++l)
+            {
+              const int end = std::min(begin(lane0 + l + 1), grid.Size.x);
+              for (int sx = begin(lane0 + l); sx < end; ++sx)
+              {
+                float* v = bounds[grid.Index(sx, sy, sz)].Value;
+                v[SubCellBounds::Second] = second[l];
+                v[SubCellBounds::Third] = third[l];
+              }
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace ffd
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace ffd
+{
+namespace
+{
+HWY_EXPORT(Compute);
+
+/// Weights from B-spline to Bezier coefficients of a cell, or of its left or right half.
+void SetWeights(int part, float w[4][4])
+{
+  const double b[4][4] = { { 1 / 6.0, 4 / 6.0, 1 / 6.0, 0 }, { 0, 4 / 6.0, 2 / 6.0, 0 },
+    { 0, 2 / 6.0, 4 / 6.0, 0 }, { 0, 1 / 6.0, 4 / 6.0, 1 / 6.0 } };
+  const double split[3][4][4] = {
+    { { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 0, 0, 1, 0 }, { 0, 0, 0, 1 } },
+    { { 1, 0, 0, 0 }, { .5, .5, 0, 0 }, { .25, .5, .25, 0 }, { .125, .375, .375, .125 } },
+    { { .125, .375, .375, .125 }, { 0, .25, .5, .25 }, { 0, 0, .5, .5 }, { 0, 0, 0, 1 } },
+  };
+  for (int i = 0; i < 4; ++i)
+  {
+    for (int j = 0; j < 4; ++j)
+    {
+      double sum = 0.0;
+      for (int k = 0; k < 4; ++k)
+      {
+        sum += split[part][i][k] * b[k][j];
+      }
+      w[i][j] = static_cast<float>(sum);
+    }
+  }
+}
+
+/// The pieces of one axis: constant outside, cells (or their halves), constant outside.
+std::vector<AxisPiece> MakePieces(const BSplineField& field, int axis, int piecesPerCell)
+{
+  const int first = field.GetFirstCell()[axis];
+  const int cells = field.GetEndCell()[axis] - first;
+  std::vector<AxisPiece> pieces(static_cast<std::size_t>(cells * piecesPerCell + 2));
+  for (int i = 0; i < cells * piecesPerCell; ++i)
+  {
+    AxisPiece& piece = pieces[static_cast<std::size_t>(i) + 1];
+    piece.Base = first + i / piecesPerCell - 1 + BSplineField::Padding;
+    SetWeights(piecesPerCell == 1 ? 0 : 1 + i % piecesPerCell, piece.Weight);
+  }
+  // The constant value is that of the outermost Bezier coefficient.
+  AxisPiece& low = pieces.front();
+  AxisPiece& high = pieces.back();
+  low.Base = pieces[1].Base;
+  high.Base = pieces[pieces.size() - 2].Base;
+  for (int b = 0; b < 4; ++b)
+  {
+    std::copy_n(pieces[1].Weight[0], 4, low.Weight[b]);
+    std::copy_n(pieces[pieces.size() - 2].Weight[3], 4, high.Weight[b]);
+  }
+  return pieces;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+void ComputeSubCellBounds(
+  const BSplineField& field, const SubCellGrid& grid, std::vector<SubCellBounds>& bounds)
+{
+  bounds.resize(grid.Count());
+  double largest = 0.0;
+  bool finite = true;
+  for (const glm::dvec3& c : field.GetCoefficients())
+  {
+    const glm::dvec3 a = glm::abs(c);
+    largest = std::max({ largest, a.x, a.y, a.z });
+    finite = finite && std::isfinite(a.x + a.y + a.z);
+  }
+  const glm::dvec3 inverse = glm::abs(1.0 / field.GetSpacing());
+  const double steepest = std::max({ 1.0, inverse.x, inverse.y, inverse.z });
+  // Far below the range of single precision, which a third derivative must not leave.
+  constexpr double limit = 1e30;
+  const bool zero = finite && largest == 0.0;
+  if (zero || !finite || !(largest * steepest * steepest * steepest < limit))
+  {
+    SubCellBounds all;
+    std::fill_n(
+      all.Value, SubCellBounds::Size, zero ? 0.0f : std::numeric_limits<float>::infinity());
+    std::fill(bounds.begin(), bounds.end(), all);
+    return;
+  }
+
+  BoundsInput in;
+  in.Padded = field.GetPaddedNodes();
+  in.Lanes = grid.Size.x / 2 + 1;
+  // Room for the last block of lanes and the three further control points of its last cell.
+  in.RowLength = ((in.Lanes + BlockLanes - 1) / BlockLanes + 1) * BlockLanes;
+  // Not smaller than what keeps the scaled bounds normal numbers.
+  in.CoefficientScale = std::nextafter(
+    static_cast<float>(std::max(largest, 1e-30)), std::numeric_limits<float>::infinity());
+  in.InverseSpacing = 1.0 / field.GetSpacing();
+
+  const std::size_t row = static_cast<std::size_t>(in.RowLength);
+  const std::size_t slice = row * static_cast<std::size_t>(in.Padded.y);
+  const std::size_t volume = slice * static_cast<std::size_t>(in.Padded.z);
+  std::vector<float> coefficients(3 * volume, 0.0f);
+  for (int k = 0; k < in.Padded.z; ++k)
+  {
+    for (int j = 0; j < in.Padded.y; ++j)
+    {
+      for (int l = 0; l < in.Lanes + 3; ++l)
+      {
+        // Lane l is cell FirstCell - 1 + l, which begins with the control point before it. The
+        // outside cells continue the outermost coefficient: constant, as the field there.
+        const int i = std::clamp(field.GetFirstCell().x - 2 + l, -BSplineField::Padding,
+          field.GetNodes().x - 1 + BSplineField::Padding);
+        const glm::dvec3& c =
+          field.Coefficient(i, j - BSplineField::Padding, k - BSplineField::Padding);
+        for (int a = 0; a < 3; ++a)
+        {
+          coefficients[static_cast<std::size_t>(a) * volume + static_cast<std::size_t>(k) * slice +
+            static_cast<std::size_t>(j) * row + static_cast<std::size_t>(l)] =
+            static_cast<float>(c[a] / in.CoefficientScale);
+        }
+      }
+    }
+  }
+  in.Coefficients = coefficients.data();
+
+  // Odd reflection leaves non-zero control points next to the outside, which is zero.
+  std::vector<float> laneScale(row, 1.0f);
+  if (field.GetBorder() == BorderMode::ZeroAtBorder && field.GetNodes().x > 1)
+  {
+    laneScale[0] = 0.0f;
+    laneScale[static_cast<std::size_t>(in.Lanes) - 1] = 0.0f;
+  }
+  in.LaneScale = laneScale.data();
+
+  const std::vector<AxisPiece> halfY = MakePieces(field, 1, 2);
+  const std::vector<AxisPiece> halfZ = MakePieces(field, 2, 2);
+  const std::vector<AxisPiece> fullY = MakePieces(field, 1, 1);
+  const std::vector<AxisPiece> fullZ = MakePieces(field, 2, 1);
+  in.Half[0] = nullptr;
+  in.Half[1] = &halfY;
+  in.Half[2] = &halfZ;
+  in.Full[0] = nullptr;
+  in.Full[1] = &fullY;
+  in.Full[2] = &fullZ;
+  HWY_DYNAMIC_DISPATCH(Compute)(in, grid, bounds.data());
+}
+
+} // namespace ffd
+#endif

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDSubCellBounds_h
+#define FFDSubCellBounds_h
+
+#include "FFDBSplineField.h"
+
+#include <vector>
+
+namespace ffd
+{
+
+/**
+ * Bounds of a map over one sub-cell, kept as upper bounds only (lower ones negated), so that the
+ * union of two is an element-wise maximum of 26 floats. Rounded outwards.
+ */
+struct SubCellBounds
+{
+  static constexpr int Size = 26;
+  static constexpr int NegatedJacobianMin = 0; ///< 9: -min of entry [column * 3 + row]
+  static constexpr int JacobianMax = 9;        ///< 9
+  static constexpr int NegatedMin = 18;        ///< 3: -min of the displacement
+  static constexpr int Max = 21;               ///< 3
+  static constexpr int Second = 24;            ///< see MapBounds::SecondDerivative
+  static constexpr int Third = 25;
+  float Value[Size];
+};
+
+/**
+ * The sub-cells of a field: 2 per cell of [FirstCell, EndCell) and axis, and one on either side
+ * for the constant outside; x fastest.
+ */
+struct SubCellGrid
+{
+  explicit SubCellGrid(const BSplineField& field)
+    : FirstCell(field.GetFirstCell())
+    , Size(2 * (field.GetEndCell() - field.GetFirstCell()) + 2)
+  {
+  }
+  std::size_t Index(int i, int j, int k) const
+  {
+    return static_cast<std::size_t>(i) +
+      static_cast<std::size_t>(this->Size.x) *
+      (static_cast<std::size_t>(j) +
+        static_cast<std::size_t>(this->Size.y) * static_cast<std::size_t>(k));
+  }
+  std::size_t Count() const
+  {
+    return static_cast<std::size_t>(this->Size.x) * static_cast<std::size_t>(this->Size.y) *
+      static_cast<std::size_t>(this->Size.z);
+  }
+  /// Lower end of sub-cell i in control-point indices; sub-cell 0 has none.
+  double LowerEnd(int axis, int i) const { return this->FirstCell[axis] + 0.5 * (i - 1); }
+
+  glm::ivec3 FirstCell;
+  glm::ivec3 Size;
+};
+
+/**
+ * Bounds of D over every sub-cell of `grid` from its Bezier coefficients (convex hull property):
+ * range of D, of every entry of dD/dp, and norm bounds of the second and third derivatives (these
+ * over the whole cell of the sub-cell). `bounds` is resized to grid.Count(). Single precision
+ * with the rounding error added; SIMD. About 64 * 3 coefficients per sub-cell.
+ */
+void ComputeSubCellBounds(
+  const BSplineField& field, const SubCellGrid& grid, std::vector<SubCellBounds>& bounds);
+
+} // namespace ffd
+
+#endif
