@@ -33,5 +33,4 @@ list(JOIN ffd_python_module_names "\", \"" FFD_PYTHON_MODULES)
 configure_file("${CMAKE_CURRENT_SOURCE_DIR}/Module/Python/__init__.py.in"
   "${ffd_python_build_package}/__init__.py" @ONLY)
 install(FILES "${ffd_python_build_package}/__init__.py"
-  DESTINATION "${FFD_INSTALL_PYTHONDIR}/vtkffd"
-  COMPONENT python)
+  DESTINATION "${FFD_INSTALL_PYTHONDIR}/vtkffd")

@@ -94,7 +94,7 @@ function (ffd_add_kernel_test name)
     "${CMAKE_SOURCE_DIR}/Rendering/Kernels")
   target_link_libraries("${name}" PRIVATE
     ffd_build_flags
-    FFD::Core FFD::Filters FFD::Rendering
+    ${ffd_modules}
     glm::glm hwy::hwy
     GTest::gtest_main)
   add_test(NAME "Kernels.${name}" COMMAND "${name}")
@@ -150,7 +150,7 @@ function (ffd_build_cxx_tests)
   target_include_directories(FFDCxxTests PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}")
   target_link_libraries(FFDCxxTests PRIVATE
     ffd_build_flags
-    FFD::Core FFD::Filters FFD::Rendering
+    ${ffd_modules}
     VTK::CommonSystem
     VTK::FiltersSources
     VTK::ImagingCore
