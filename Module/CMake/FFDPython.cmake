@@ -28,6 +28,10 @@ foreach (module IN LISTS ffd_wrapped_modules)
   set_target_properties("${library}Python" PROPERTIES
     LIBRARY_OUTPUT_DIRECTORY "${ffd_python_build_package}")
 endforeach ()
+add_custom_target(ffd_python_package)
+foreach (name IN LISTS ffd_python_module_names)
+  add_dependencies(ffd_python_package "${name}Python")
+endforeach ()
 list(SORT ffd_python_module_names)
 list(JOIN ffd_python_module_names "\", \"" FFD_PYTHON_MODULES)
 configure_file("${CMAKE_CURRENT_SOURCE_DIR}/Module/Python/__init__.py.in"

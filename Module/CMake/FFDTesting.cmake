@@ -37,6 +37,15 @@ set(ffd_test_environment
   "FFD_TEST_DATA=${FFD_TEST_DATA_DIR}"
   "FFD_TEST_BASELINE=${FFD_TEST_DATA_DIR}/Baseline"
   "FFD_TEST_TEMPORARY=${FFD_TEST_TEMPORARY_DIR}")
+if (FFD_SANITIZERS)
+  # Libraries that are not ours (Mesa, OpenMPI, VTK's own) are suppressed by name.
+  set(suppressions "${CMAKE_SOURCE_DIR}/Testing/Sanitizers")
+  list(APPEND ffd_test_environment
+    "ASAN_OPTIONS=detect_leaks=1:strict_string_checks=1:detect_stack_use_after_return=1"
+    "LSAN_OPTIONS=suppressions=${suppressions}/lsan.supp:print_suppressions=0"
+    "UBSAN_OPTIONS=suppressions=${suppressions}/ubsan.supp:print_stacktrace=1:halt_on_error=1"
+    "TSAN_OPTIONS=suppressions=${suppressions}/tsan.supp:halt_on_error=1:second_deadlock_stack=1")
+endif ()
 
 # ffd_set_test_properties(<ctest name> <kind> ...): what the three kinds share. Internal.
 function (ffd_set_test_properties name kind)
