@@ -8,11 +8,11 @@ set(ffd_vtk_components
   InteractionStyle InteractionWidgets IOImage IOXML
   RenderingCore RenderingFreeType RenderingOpenGL2 RenderingVolume RenderingVolumeOpenGL2
   TestingCore TestingRendering)
+# The interpreter VTK's Python modules were built for; another python3 may come first on PATH.
+if (NOT Python3_EXECUTABLE AND EXISTS "/usr/bin/python3")
+  set(Python3_EXECUTABLE "/usr/bin/python3" CACHE FILEPATH "Python interpreter that has VTK")
+endif ()
 if (FFD_WRAP_PYTHON)
-  # The interpreter VTK's Python modules were built for; another python3 may come first on PATH.
-  if (NOT Python3_EXECUTABLE AND EXISTS "/usr/bin/python3")
-    set(Python3_EXECUTABLE "/usr/bin/python3" CACHE FILEPATH "Python interpreter that has VTK")
-  endif ()
   find_package(Python3 REQUIRED COMPONENTS Interpreter Development)
   list(APPEND ffd_vtk_components Python WrappingPythonCore)
 endif ()

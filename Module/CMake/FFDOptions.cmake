@@ -8,6 +8,7 @@ include(CTest)
 option(BUILD_SHARED_LIBS "Build shared libraries" ON)
 option(FFD_WRAP_PYTHON "Build the Python package vtkffd" ON)
 option(FFD_BUILD_EXAMPLES "Build the example programs" ON)
+option(FFD_USE_CCACHE "Compile through ccache where it is installed" ON)
 option(FFD_STRICT_WARNINGS "Turn on many warnings and treat them as errors" OFF)
 set(FFD_SANITIZERS "" CACHE STRING "Sanitizers to build with, comma separated (address,undefined or thread)")
 
@@ -23,8 +24,24 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/${CMAKE_INSTALL_BINDIR}"
 set(CMAKE_LIBRARY_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/${CMAKE_INSTALL_LIBDIR}")
 set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/${CMAKE_INSTALL_LIBDIR}")
 
+# Our libraries find each other wherever the installed tree is moved to.
+if (APPLE)
+  list(APPEND CMAKE_INSTALL_RPATH "@loader_path")
+elseif (UNIX)
+  list(APPEND CMAKE_INSTALL_RPATH "$ORIGIN")
+endif ()
+
 if (NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+endif ()
+
+if (FFD_USE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  find_program(FFD_CCACHE ccache)
+  mark_as_advanced(FFD_CCACHE)
+  if (FFD_CCACHE)
+    set(CMAKE_C_COMPILER_LAUNCHER "${FFD_CCACHE}")
+    set(CMAKE_CXX_COMPILER_LAUNCHER "${FFD_CCACHE}")
+  endif ()
 endif ()
 
 add_library(ffd_build_flags INTERFACE)

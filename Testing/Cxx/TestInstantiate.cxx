@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Every public class can be made, printed and deleted, and knows its superclass.
+#include "vtkFFDDeformVolume.h"
+#include "vtkFFDInverseRayVolumeMapper.h"
+#include "vtkFFDLattice.h"
+
+#include "vtkNew.h"
+
+#include <iostream>
+#include <sstream>
+#include <string>
+
+namespace
+{
+template <typename T>
+bool Check(const char* className, const char* superclassName)
+{
+  vtkNew<T> object;
+  std::ostringstream text;
+  object->Print(text);
+  const bool ok = object->IsA(className) && object->IsA(superclassName) &&
+    text.str().find(className) != std::string::npos && object->GetReferenceCount() == 1;
+  if (!ok)
+  {
+    std::cerr << className << " does not print itself, is no " << superclassName
+              << ", or keeps a reference to itself:\n"
+              << text.str();
+  }
+  return ok;
+}
+}
+
+int TestInstantiate(int, char*[])
+{
+  bool ok = Check<vtkFFDLattice>("vtkFFDLattice", "vtkBSplineTransform");
+  ok &= Check<vtkFFDDeformVolume>("vtkFFDDeformVolume", "vtkAlgorithm");
+  ok &= Check<vtkFFDInverseRayVolumeMapper>("vtkFFDInverseRayVolumeMapper", "vtkVolumeMapper");
+  return ok ? EXIT_SUCCESS : EXIT_FAILURE;
+}

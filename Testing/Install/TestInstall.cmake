@@ -1,0 +1,114 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+# Test of the installed package, run by ctest as Install.Consumer:
+#   1. install into WORK/prefix and move that to WORK/moved (nothing may point to the first place);
+#   2. nothing private is installed: no kernel, GLM or Highway header, and no installed header
+#      includes one;
+#   3. the project in CONSUMER finds the package, compiles every installed header on its own,
+#      links and runs;
+#   4. the same with a component that does not exist, and without the C language, gives the
+#      messages that name the cure;
+#   5. the installed Python package can be imported from the moved tree.
+cmake_minimum_required(VERSION 3.25)
+
+# run(<what> <command>...): stop with the command's output unless it succeeds.
+function (run what)
+  message(STATUS "${what}")
+  execute_process(COMMAND ${ARGN}
+    RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if (NOT result EQUAL 0)
+    message(FATAL_ERROR "${what} failed (${result}):\n${output}")
+  endif ()
+  set(run_output "${output}" PARENT_SCOPE)
+endfunction ()
+
+# refuse(<what> <expected text> <command>...): the command must fail and say so.
+function (refuse what expected)
+  message(STATUS "${what}")
+  execute_process(COMMAND ${ARGN}
+    RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  string(REGEX REPLACE "[ \n]+" " " flat "${output}")
+  string(FIND "${flat}" "${expected}" position)
+  if (result EQUAL 0 OR position EQUAL -1)
+    message(FATAL_ERROR "${what}: expected a failure that says '${expected}', got (${result}):\n${output}")
+  endif ()
+endfunction ()
+
+set(prefix "${WORK}/prefix")
+set(moved "${WORK}/moved")
+file(REMOVE_RECURSE "${WORK}")
+file(MAKE_DIRECTORY "${WORK}")
+set(configuration)
+if (CONFIGURATION)
+  set(configuration --config "${CONFIGURATION}")
+endif ()
+
+run("Installing the build tree" "${CMAKE_COMMAND}" --install "${BUILD_TREE}"
+  --prefix "${prefix}" ${configuration})
+file(RENAME "${prefix}" "${moved}")
+
+message(STATUS "Checking the installed headers")
+file(GLOB_RECURSE headers RELATIVE "${moved}/include" "${moved}/include/*")
+if (NOT headers)
+  message(FATAL_ERROR "No header was installed under ${moved}/include.")
+endif ()
+foreach (header IN LISTS headers)
+  if (NOT header MATCHES "^vtkffd/vtkFFD[A-Za-z0-9]+\\.h$")
+    message(FATAL_ERROR "'${header}' must not be installed: only public headers vtkFFD*.h are.")
+  endif ()
+  file(STRINGS "${moved}/include/${header}" includes REGEX "^[ \t]*#[ \t]*include")
+  foreach (line IN LISTS includes)
+    if (line MATCHES "glm/|hwy/|Kernels/|[\"</]FFD")
+      message(FATAL_ERROR "The installed header '${header}' includes a private one: ${line}")
+    endif ()
+  endforeach ()
+endforeach ()
+
+message(STATUS "Checking that nothing installed names the build tree")
+file(GLOB_RECURSE texts "${moved}/*.cmake" "${moved}/*.py" "${moved}/*.h")
+foreach (text IN LISTS texts)
+  file(READ "${text}" content)
+  foreach (place IN ITEMS "${BUILD_TREE}/lib" "${BUILD_TREE}/Module" "${prefix}")
+    string(FIND "${content}" "${place}" position)
+    if (NOT position EQUAL -1)
+      message(FATAL_ERROR "The installed file ${text} names ${place}.")
+    endif ()
+  endforeach ()
+endforeach ()
+
+set(configure "${CMAKE_COMMAND}" -S "${CONSUMER}" -G "${GENERATOR}"
+  "-DCMAKE_BUILD_TYPE=${CONFIGURATION}"
+  "-DCMAKE_C_COMPILER=${C_COMPILER}"
+  "-DCMAKE_CXX_COMPILER=${CXX_COMPILER}"
+  "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}"
+  "-DFFD_DIR=${moved}/${CMAKE_DESTINATION}"
+  "-DVTK_DIR=${VTK_PACKAGE}")
+run("Configuring the consumer" ${configure} -B "${WORK}/build")
+run("Building the consumer" "${CMAKE_COMMAND}" --build "${WORK}/build" ${configuration})
+file(GLOB_RECURSE program "${WORK}/build/consumer" "${WORK}/build/*/consumer"
+  "${WORK}/build/consumer.exe")
+list(GET program 0 program)
+run("Running the consumer" "${program}")
+message("${run_output}")
+
+refuse("Asking for a component that does not exist" "FFD has no component 'Levitation'"
+  ${configure} -B "${WORK}/build-component" -DCONSUMER_COMPONENT=Levitation)
+refuse("Configuring without the C language" "LANGUAGES C CXX"
+  ${configure} -B "${WORK}/build-language" -DCONSUMER_LANGUAGES=CXX)
+
+if (PYTHON)
+  run("Importing the installed Python package"
+    "${CMAKE_COMMAND}" -E env "PYTHONPATH=${moved}/${PYTHON_DESTINATION}" PYTHONDONTWRITEBYTECODE=1
+    "${PYTHON}" -c "
+import os
+import vtkffd
+assert vtkffd.__file__.startswith('${moved}'), vtkffd.__file__
+for name in vtkffd.__all__:
+    print(getattr(vtkffd, name)().GetClassName())
+if os.path.exists('/proc/self/maps'):
+    with open('/proc/self/maps') as maps:
+        libraries = {line.split()[-1] for line in maps if 'libvtkFFD' in line}
+    assert libraries and all(path.startswith('${moved}') for path in libraries), libraries
+")
+  message("${run_output}")
+endif ()
