@@ -42,6 +42,9 @@ struct BoundsInput
   const float* LaneScale; ///< per lane, 0 where the outside of x is zero
   float CoefficientScale; ///< largest magnitude of a coefficient, rounded up
   glm::dvec3 InverseSpacing;
+  float RangeScale[4]; ///< of a normalised value and of first differences along x, y, z
+  bool Mirrored[4];    ///< negative spacing: minimum and maximum of the derivative swap
+  float Shift[3];      ///< constant part of the field, not in Coefficients
   const std::vector<AxisPiece>* Half[3]; ///< per sub-cell of y, z
   const std::vector<AxisPiece>* Full[3]; ///< per cell of y, z, the constant ones included
 };
@@ -288,16 +291,49 @@ constexpr float FirstSlack = 80.0f * RoundingUnit;
 constexpr float SecondSlack = 256.0f * RoundingUnit;
 constexpr float ThirdSlack = 512.0f * RoundingUnit;
 
+/// Ranges of normalised differences -> bounds in data units, minima negated, slack added.
+HWY_INLINE void ScaleRange(const BoundsInput& in, int component, ComponentRange& range)
+{
+  const Tag d;
+  const int step = static_cast<int>(hn::Lanes(d));
+  for (int a = 0; a < 4; ++a)
+  {
+    const auto slack = hn::Set(d, a == 0 ? ValueSlack : FirstSlack);
+    const auto scale = hn::Set(d, in.RangeScale[a]);
+    // Of the value only: what was subtracted from the coefficients.
+    const auto shift = hn::Set(d, a == 0 ? in.Shift[component] : 0.0f);
+    for (int l = 0; l < BlockLanes; l += step)
+    {
+      auto lo = hn::Sub(slack, hn::Load(d, range.Min[a] + l));
+      auto hi = hn::Add(slack, hn::Load(d, range.Max[a] + l));
+      if (in.Mirrored[a])
+      {
+        const auto swapped = lo;
+        lo = hi;
+        hi = swapped;
+      }
+      lo = hn::Sub(hn::Mul(lo, scale), shift);
+      hi = hn::Add(hn::Mul(hi, scale), shift);
+      // The addition of the shift rounds.
+      const auto rounding = hn::Set(d, 4.0f * RoundingUnit);
+      hn::Store(hn::MulAdd(hn::Abs(lo), rounding, lo), d, range.Min[a] + l);
+      hn::Store(hn::MulAdd(hn::Abs(hi), rounding, hi), d, range.Max[a] + l);
+    }
+  }
+}
+
 template <Part part>
 HWY_INLINE void StoreRanges(const BoundsInput& in, const SubCellGrid& grid, const float* rows,
   int lane0, int sy, int sz, Net& net, SubCellBounds* bounds)
 {
   ContractBlock<part>(in, rows, lane0, net);
   const int lanes = std::min(BlockLanes, in.Lanes - lane0);
+  SubCellBounds* row = bounds + grid.Index(0, sy, sz);
   for (int c = 0; c < 3; ++c)
   {
     ComponentRange range;
     FindRange(net.Value + c * 64 * BlockLanes, range);
+    ScaleRange(in, c, range);
     for (int l = 0; l < lanes; ++l)
     {
       // Cell lane 0 and the last one are the constant outside: a single sub-cell each.
@@ -307,22 +343,13 @@ HWY_INLINE void StoreRanges(const BoundsInput& in, const SubCellGrid& grid, cons
       {
         continue;
       }
-      float* v = bounds[grid.Index(sx, sy, sz)].Value;
-      v[SubCellBounds::NegatedMin + c] = (ValueSlack - range.Min[0][l]) * in.CoefficientScale;
-      v[SubCellBounds::Max + c] = (ValueSlack + range.Max[0][l]) * in.CoefficientScale;
+      float* v = row[sx].Value + c;
+      v[SubCellBounds::NegatedMin] = range.Min[0][l];
+      v[SubCellBounds::Max] = range.Max[0][l];
       for (int a = 0; a < 3; ++a)
       {
-        // Three times the difference over half a spacing.
-        const double factor = 6.0 * in.InverseSpacing[a] * in.CoefficientScale;
-        float lo = FirstSlack - range.Min[a + 1][l];
-        float hi = FirstSlack + range.Max[a + 1][l];
-        if (factor < 0.0)
-        {
-          std::swap(lo, hi);
-        }
-        const float size = static_cast<float>(std::abs(factor));
-        v[SubCellBounds::NegatedJacobianMin + 3 * a + c] = lo * size;
-        v[SubCellBounds::JacobianMax + 3 * a + c] = hi * size;
+        v[SubCellBounds::NegatedJacobianMin + 3 * a] = range.Min[a + 1][l];
+        v[SubCellBounds::JacobianMax + 3 * a] = range.Max[a + 1][l];
       }
     }
   }
@@ -516,20 +543,33 @@ void ComputeSubCellBounds(
   const BSplineField& field, const SubCellGrid& grid, std::vector<SubCellBounds>& bounds)
 {
   bounds.resize(grid.Count());
-  double largest = 0.0;
+  // A translation has no derivatives: taken out, it costs the rest no digits of single precision.
+  // Only where the field continues it outside; the weights of a point sum to one.
+  glm::dvec3 shift(0.0);
+  glm::dvec3 least = field.GetCoefficients().front();
+  glm::dvec3 most = least;
   bool finite = true;
+  bool zero = true;
   for (const glm::dvec3& c : field.GetCoefficients())
   {
-    const glm::dvec3 a = glm::abs(c);
-    largest = std::max({ largest, a.x, a.y, a.z });
-    finite = finite && std::isfinite(a.x + a.y + a.z);
+    least = glm::min(least, c);
+    most = glm::max(most, c);
+    finite = finite && std::isfinite(c.x + c.y + c.z);
+    zero = zero && c == glm::dvec3(0.0);
   }
+  if (finite && field.GetBorder() == BorderMode::Edge)
+  {
+    shift = glm::dvec3(glm::vec3(0.5 * least + 0.5 * most));
+  }
+  const glm::dvec3 extent = glm::max(glm::abs(least - shift), glm::abs(most - shift));
+  const double largest = std::max({ extent.x, extent.y, extent.z });
   const glm::dvec3 inverse = glm::abs(1.0 / field.GetSpacing());
   const double steepest = std::max({ 1.0, inverse.x, inverse.y, inverse.z });
   // Far below the range of single precision, which a third derivative must not leave.
   constexpr double limit = 1e30;
-  const bool zero = finite && largest == 0.0;
-  if (zero || !finite || !(largest * steepest * steepest * steepest < limit))
+  const glm::dvec3 offset = glm::abs(shift);
+  if (zero || !finite || !(largest * steepest * steepest * steepest < limit) ||
+    !(std::max({ offset.x, offset.y, offset.z }) < limit))
   {
     SubCellBounds all;
     std::fill_n(
@@ -547,6 +587,16 @@ void ComputeSubCellBounds(
   in.CoefficientScale = std::nextafter(
     static_cast<float>(std::max(largest, 1e-30)), std::numeric_limits<float>::infinity());
   in.InverseSpacing = 1.0 / field.GetSpacing();
+  in.RangeScale[0] = in.CoefficientScale;
+  in.Mirrored[0] = false;
+  for (int a = 0; a < 3; ++a)
+  {
+    // Three times the difference over half a spacing.
+    const double factor = 6.0 * in.InverseSpacing[a];
+    in.RangeScale[a + 1] = static_cast<float>(std::abs(factor) * in.CoefficientScale);
+    in.Mirrored[a + 1] = factor < 0.0;
+    in.Shift[a] = static_cast<float>(shift[a]);
+  }
 
   const std::size_t row = static_cast<std::size_t>(in.RowLength);
   const std::size_t slice = row * static_cast<std::size_t>(in.Padded.y);
@@ -568,7 +618,7 @@ void ComputeSubCellBounds(
         {
           coefficients[static_cast<std::size_t>(a) * volume + static_cast<std::size_t>(k) * slice +
             static_cast<std::size_t>(j) * row + static_cast<std::size_t>(l)] =
-            static_cast<float>(c[a] / in.CoefficientScale);
+            static_cast<float>((c[a] - shift[a]) / in.CoefficientScale);
         }
       }
     }
