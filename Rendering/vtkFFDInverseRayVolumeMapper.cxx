@@ -2,21 +2,922 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDInverseRayVolumeMapper.h"
 
+#include "vtkFFDDeformationSource.h"
+#include "vtkFFDImageDisplay.h"
+#include "vtkFFDKernelViews.h"
+#include "vtkFFDRayStatistics.h"
+
+#include "FFDDeformedSpaceBounds.h"
+#include "FFDDistanceMap.h"
+#include "FFDMinMaxBlocks.h"
+#include "FFDPullBackBounds.h"
+#include "FFDRayCaster.h"
+#include "FFDTransferTable.h"
+
+#include "vtkAbstractTransform.h"
+#include "vtkCamera.h"
+#include "vtkCommand.h"
+#include "vtkDataArray.h"
+#include "vtkGarbageCollector.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkMath.h"
+#include "vtkMatrix4x4.h"
+#include "vtkNew.h"
 #include "vtkObjectFactory.h"
+#include "vtkPointData.h"
+#include "vtkRenderWindow.h"
+#include "vtkRenderer.h"
+#include "vtkSMPThreadLocal.h"
+#include "vtkSMPTools.h"
+#include "vtkSmartPointer.h"
+#include "vtkTimerLog.h"
+#include "vtkVolume.h"
+#include "vtkVolumeProperty.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <vector>
 
 vtkStandardNewMacro(vtkFFDInverseRayVolumeMapper);
 
-//------------------------------------------------------------------------------
-vtkFFDInverseRayVolumeMapper::vtkFFDInverseRayVolumeMapper() = default;
+namespace
+{
+
+constexpr double Infinity = std::numeric_limits<double>::infinity();
+
+/// Longest piece when the curvature bound sets the length, voxels.
+constexpr double LongestAutomaticSegment = 64.0;
+
+/// A span is halved at most so often, however small the minimum segment length.
+constexpr int LargestSpanLevel = 10;
+
+/// Tiles are rendered in so many batches; progress and abort are dealt with in between.
+constexpr int Batches = 16;
+
+constexpr int LargestImageSide = 16384;
+
+/// Splits a loop over threads with vtkSMPTools, as the kernels ask for it.
+void ParallelFor(
+  std::size_t count, const std::function<void(std::size_t first, std::size_t last)>& work)
+{
+  vtkSMPTools::For(0, static_cast<vtkIdType>(count), 1,
+    [&work](vtkIdType first, vtkIdType last)
+    { work(static_cast<std::size_t>(first), static_cast<std::size_t>(last)); });
+}
+
+ffd::PullBackKind FindPullBackKind(int inverseMode, bool inverted)
+{
+  switch (inverseMode)
+  {
+    case vtkFFDInverseRayVolumeMapper::FIRST_ORDER:
+      return inverted ? ffd::PullBackKind::FirstOrderOfInverse : ffd::PullBackKind::FirstOrder;
+    case vtkFFDInverseRayVolumeMapper::PULL_BACK:
+      return inverted ? ffd::PullBackKind::Exact : ffd::PullBackKind::Forward;
+    default:
+      return inverted ? ffd::PullBackKind::Forward : ffd::PullBackKind::Exact;
+  }
+}
+
+/// The unit "voxel": the shortest edge of a voxel under a linear map from index coordinates.
+double FindShortestEdge(const glm::dmat3& fromIndex)
+{
+  return std::min(
+    glm::length(fromIndex[0]), std::min(glm::length(fromIndex[1]), glm::length(fromIndex[2])));
+}
+
+/// A rectangle of viewport pixels and the grid of rays over it.
+struct ImageRegion
+{
+  glm::ivec2 Viewport{ 0 }; // pixels of the whole viewport
+  glm::ivec2 Origin{ 0 };   // first pixel, in the viewport
+  glm::ivec2 Rays{ 0 };     // rays per row and column
+  double Step = 1.0;        // pixels between rays
+};
+
+} // namespace
 
 //------------------------------------------------------------------------------
-vtkFFDInverseRayVolumeMapper::~vtkFFDInverseRayVolumeMapper() = default;
+/// Everything that is kept between frames, each with what it was made from.
+class vtkFFDInverseRayVolumeMapper::vtkInternals
+{
+public:
+  explicit vtkInternals(vtkFFDInverseRayVolumeMapper* self)
+    : Self(self)
+  {
+  }
+
+  bool UpdateVolume(std::string& message);
+  bool UpdateDeformation(std::string& message);
+  bool UpdateTransferTable(vtkVolumeProperty* property, std::string& message);
+  void UpdateDistances();
+  bool Update(vtkVolumeProperty* property, std::string& message);
+
+  ffd::CastSettings MakeSettings(vtkVolume* volume, double voxelSize, bool interactive) const;
+  bool Cast(vtkRenderer* renderer, vtkVolume* volume, const ImageRegion& region,
+    const float* depths, bool interactive, bool checkAbort, float* outDepths);
+  ImageRegion FindRegion(vtkRenderer* renderer, vtkVolume* volume, const glm::ivec2& viewport);
+
+  vtkFFDInverseRayVolumeMapper* Self;
+
+  // Of the voxels.
+  vtkSmartPointer<vtkDataArray> Scalars;
+  vtkMTimeType VolumeTime = 0;
+  vtkMTimeType ScalarsTime = 0;
+  ffd::VolumeView Volume;
+  ffd::MinMaxBlocks Blocks;
+  ffd::Box RestBounds;
+
+  // Of the deformation.
+  vtkFFDDeformationSource Source;
+  vtkMTimeType DeformationTime = 0;
+  ffd::PullBack Map;
+  ffd::PullBackBounds MapBounds;
+  ffd::DeformedSpaceBounds SpaceBounds;
+  ffd::Box DeformedBounds;
+  double ReportedBounds[6] = { 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 };
+
+  // Of the transfer functions.
+  vtkVolumeProperty* Property = nullptr; // not owned: only compared
+  vtkMTimeType TableTime = 0;
+  vtkTimeStamp TableMade;
+  vtkTimeStamp BlocksMade;
+  vtkTimeStamp DistancesMade;
+  ffd::TransferTable Table;
+  ffd::DistanceMap Distances;
+
+  std::vector<float> Colours;
+  std::vector<float> WindowDepths;
+  double TimePerRay = 0.0; // seconds, of the last frame in a window
+  vtkNew<vtkFFDRayStatistics> Statistics;
+  vtkFFDImageDisplay Display;
+};
 
 //------------------------------------------------------------------------------
-void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer*, vtkVolume*) {}
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateVolume(std::string& message)
+{
+  vtkDataSet* input = this->Self->GetInput();
+  if (!input)
+  {
+    message = "No input: call SetInputData() or SetInputConnection().";
+    return false;
+  }
+  vtkImageData* image = vtkImageData::SafeDownCast(input);
+  if (!image)
+  {
+    message = std::string("The input is a ") + input->GetClassName() +
+      "; this mapper renders vtkImageData. Resample it with vtkResampleToImage.";
+    return false;
+  }
+  int cellFlag = 0;
+  vtkDataArray* scalars = vtkAbstractMapper::GetScalars(image, this->Self->ScalarMode,
+    this->Self->ArrayAccessMode, this->Self->ArrayId, this->Self->ArrayName, cellFlag);
+  if (scalars && cellFlag != 0)
+  {
+    message = "The scalars to render are " +
+      std::string(cellFlag == 1 ? "cell data" : "field data") +
+      "; this mapper renders point data. Convert them with vtkCellDataToPointData, or choose "
+      "another array with SelectScalarArray().";
+    return false;
+  }
+  ffd::VolumeView view;
+  if (!ffd::MakeVolumeView(image, scalars, view, message))
+  {
+    return false;
+  }
+  const bool sameScalars = this->Scalars == scalars && this->ScalarsTime == scalars->GetMTime() &&
+    this->Volume.Scalars == view.Scalars && this->Volume.Dimensions == view.Dimensions &&
+    this->VolumeTime == image->GetMTime();
+  this->Volume = view;
+  if (!sameScalars)
+  {
+    this->Blocks = ffd::MinMaxBlocks(view, ParallelFor);
+    this->BlocksMade.Modified();
+    this->Scalars = scalars;
+    this->ScalarsTime = scalars->GetMTime();
+    this->VolumeTime = image->GetMTime();
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& message)
+{
+  vtkImageData* image = vtkImageData::SafeDownCast(this->Self->GetInput());
+  double bounds[6];
+  image->GetBounds(bounds);
+  const double voxel = FindShortestEdge(this->Volume.IndexToData);
+  std::string warning;
+  if (!this->Source.Update(this->Self->Deformation, image, bounds,
+        this->Self->PositionTolerance * voxel, message, warning))
+  {
+    return false;
+  }
+  if (!warning.empty())
+  {
+    vtkWarningWithObjectMacro(this->Self, << warning);
+  }
+  const ffd::Box rest{ glm::dvec3(bounds[0], bounds[2], bounds[4]),
+    glm::dvec3(bounds[1], bounds[3], bounds[5]) };
+  const vtkMTimeType time =
+    std::max({ this->Source.GetMTime(), image->GetMTime(), this->Self->MTime.GetMTime() });
+  if (this->DeformationTime == time)
+  {
+    return true;
+  }
+  this->DeformationTime = time;
+  this->RestBounds = rest;
+  this->Map = ffd::PullBack(&this->Source.GetField(),
+    FindPullBackKind(this->Self->InverseMode, this->Source.IsInverted()),
+    this->Self->InverseTolerance * voxel);
+  this->MapBounds = ffd::PullBackBounds(this->Map);
+  this->DeformedBounds = this->MapBounds.DeformedBounds(rest);
+  // Pieces of rays reach out of the bounds by less than their length.
+  const double reach =
+    std::max(LongestAutomaticSegment, this->Self->MaximumSegmentLength) * voxel;
+  this->SpaceBounds = ffd::DeformedSpaceBounds(this->Map, this->MapBounds,
+    { this->DeformedBounds.Min - reach, this->DeformedBounds.Max + reach });
+  for (int a = 0; a < 3; ++a)
+  {
+    this->ReportedBounds[2 * a] = this->DeformedBounds.Min[a];
+    this->ReportedBounds[2 * a + 1] = this->DeformedBounds.Max[a];
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateTransferTable(
+  vtkVolumeProperty* property, std::string& message)
+{
+  const vtkMTimeType time = property->GetMTime();
+  if (this->Property == property && this->TableTime == time && this->TableMade > this->BlocksMade)
+  {
+    return true;
+  }
+  if (this->Blocks.GetRange().Min > this->Blocks.GetRange().Max)
+  {
+    message = "The scalars of the input hold no finite number: nothing can be rendered.";
+    return false;
+  }
+  const bool integers = this->Volume.Type != ffd::ScalarType::Float32 &&
+    this->Volume.Type != ffd::ScalarType::Float64;
+  if (!ffd::MakeTransferTable(property, this->Blocks.GetRange(), integers, this->Table, message))
+  {
+    return false;
+  }
+  this->Property = property;
+  this->TableTime = time;
+  this->TableMade.Modified();
+  return true;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDistances()
+{
+  if (this->Self->SpaceLeaping != OFF && this->DistancesMade < this->TableMade)
+  {
+    this->Distances = ffd::DistanceMap(this->Blocks, this->Table);
+    this->DistancesMade.Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::Update(
+  vtkVolumeProperty* property, std::string& message)
+{
+  if (!this->UpdateVolume(message) || !this->UpdateDeformation(message) ||
+    !this->UpdateTransferTable(property, message))
+  {
+    return false;
+  }
+  this->UpdateDistances();
+  return true;
+}
+
+//------------------------------------------------------------------------------
+ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
+  vtkVolume* volume, double voxelSize, bool interactive) const
+{
+  const vtkFFDInverseRayVolumeMapper* self = this->Self;
+  ffd::CastSettings settings;
+  settings.Segments = self->Segmentation == GREEDY_ANGLE ? ffd::Segmentation::GreedyAngle
+                                                         : ffd::Segmentation::ErrorBound;
+  settings.Leaping = self->SpaceLeaping == OFF ? ffd::SpaceLeaping::Off
+    : self->SpaceLeaping == SEGMENT            ? ffd::SpaceLeaping::Segment
+                                               : ffd::SpaceLeaping::Lipschitz;
+  settings.Opacity =
+    self->OpacityLength == WORLD ? ffd::OpacityLength::World : ffd::OpacityLength::Material;
+  settings.TerminationTransmittance = static_cast<float>(self->EarlyRayTerminationThreshold);
+  settings.InverseTolerance = self->InverseTolerance;
+  settings.Shade = volume->GetProperty()->GetShade(0) != 0;
+  if (self->LockSampleDistanceToInputSpacing)
+  {
+    settings.SampleDistance = (interactive ? 2.0 : 1.0) * voxelSize;
+  }
+  else
+  {
+    settings.SampleDistance =
+      interactive ? self->InteractiveSampleDistance : self->SampleDistance;
+  }
+
+  const double angle = vtkMath::RadiansFromDegrees(self->AngleThreshold);
+  double longest = self->MaximumSegmentLength;
+  if (longest == 0.0)
+  {
+    longest = LongestAutomaticSegment;
+    const double turnRate = ffd::FindLargestTurnRate(this->MapBounds.Over(
+      this->MapBounds.RegionsAreInRestSpace() ? this->RestBounds : this->DeformedBounds));
+    if (turnRate > 0.0)
+    {
+      // The rate is per data unit; so is the shortest edge of a voxel.
+      longest = std::min(longest, angle / (turnRate * FindShortestEdge(this->Volume.IndexToData)));
+    }
+  }
+  longest = std::max(longest, self->MinimumSegmentLength);
+  settings.Polyline.AngleThreshold = angle;
+  settings.Polyline.MinimumLength = self->MinimumSegmentLength * voxelSize;
+  settings.Polyline.MaximumLength = longest * voxelSize;
+  settings.Spans.Length = longest * voxelSize;
+  settings.Spans.PositionTolerance = self->PositionTolerance;
+  settings.Spans.LargestLevel = std::clamp(
+    static_cast<int>(std::floor(std::log2(longest / self->MinimumSegmentLength) + 1e-9)), 0,
+    LargestSpanLevel);
+  return settings;
+}
+
+//------------------------------------------------------------------------------
+ImageRegion vtkFFDInverseRayVolumeMapper::vtkInternals::FindRegion(
+  vtkRenderer* renderer, vtkVolume* volume, const glm::ivec2& viewport)
+{
+  ImageRegion region;
+  region.Viewport = viewport;
+  const ffd::CameraView camera =
+    ffd::MakeCameraView(renderer, viewport, glm::ivec2(0), viewport, 1.0);
+  const glm::dmat4 toNdc = camera.WorldToNdc * ffd::ToMatrix(volume->GetMatrix());
+  glm::dvec2 lo(Infinity);
+  glm::dvec2 hi(-Infinity);
+  bool behind = false;
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const glm::dvec3 p((corner & 1 ? this->DeformedBounds.Max : this->DeformedBounds.Min).x,
+      (corner & 2 ? this->DeformedBounds.Max : this->DeformedBounds.Min).y,
+      (corner & 4 ? this->DeformedBounds.Max : this->DeformedBounds.Min).z);
+    const glm::dvec4 clip = toNdc * glm::dvec4(p, 1.0);
+    // Behind the near plane the projection means nothing.
+    behind = behind || !(clip.w > 0.0) || !(clip.z >= -clip.w);
+    const glm::dvec2 ndc = glm::dvec2(clip) / clip.w;
+    lo = glm::min(lo, ndc);
+    hi = glm::max(hi, ndc);
+  }
+  if (behind)
+  {
+    lo = glm::dvec2(-1.0);
+    hi = glm::dvec2(1.0);
+  }
+  const glm::dvec2 size(viewport);
+  const glm::dvec2 first = glm::floor(0.5 * (glm::clamp(lo, -1.0, 1.0) + 1.0) * size);
+  const glm::dvec2 last = glm::ceil(0.5 * (glm::clamp(hi, -1.0, 1.0) + 1.0) * size);
+  region.Origin = glm::ivec2(first);
+  region.Rays = glm::ivec2(last) - region.Origin;
+  return region;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtkVolume* volume,
+  const ImageRegion& region, const float* depths, bool interactive, bool checkAbort,
+  float* outDepths)
+{
+  ffd::CastScene scene;
+  scene.Volume = this->Volume;
+  vtkVolumeProperty* property = volume->GetProperty();
+  scene.VolumeInterpolation = property->GetInterpolationType() == VTK_NEAREST_INTERPOLATION
+    ? ffd::Interpolation::Nearest
+    : ffd::Interpolation::Linear;
+  scene.Table = &this->Table;
+  scene.Distances = &this->Distances;
+  scene.Map = &this->Map;
+  scene.Bounds = &this->SpaceBounds;
+  scene.DeformedBounds = this->DeformedBounds;
+  scene.DataToWorld = ffd::ToMatrix(volume->GetMatrix());
+  scene.WorldToData = glm::inverse(scene.DataToWorld);
+  scene.Material = ffd::MakeShading(renderer, property);
+  scene.Camera = ffd::MakeCameraView(
+    renderer, region.Viewport, region.Origin, region.Rays, region.Step);
+  scene.Depths = depths;
+  scene.VoxelSize =
+    FindShortestEdge(glm::dmat3(scene.DataToWorld) * this->Volume.IndexToData);
+
+  const ffd::RayCaster caster(scene, this->MakeSettings(volume, scene.VoxelSize, interactive));
+  ffd::CastImage image;
+  image.Width = region.Rays.x;
+  image.Height = region.Rays.y;
+  this->Colours.resize(
+    4 * static_cast<std::size_t>(image.Width) * static_cast<std::size_t>(image.Height));
+  image.Colours = this->Colours.data();
+  image.Depths = outDepths;
+
+  vtkSMPThreadLocal<ffd::RayCaster::Scratch> scratch;
+  const auto renderTiles = [&caster, &image, &scratch](vtkIdType first, vtkIdType last)
+  {
+    ffd::RayCaster::Scratch& mine = scratch.Local();
+    for (vtkIdType tile = first; tile < last; ++tile)
+    {
+      caster.RenderTile(static_cast<int>(tile), image, mine);
+    }
+  };
+  const vtkIdType tiles = caster.GetNumberOfTiles(image);
+  bool aborted = false;
+  const auto renderImage = [&]
+  {
+    for (int batch = 0; batch < Batches && !aborted; ++batch)
+    {
+      vtkSMPTools::For(tiles * batch / Batches, tiles * (batch + 1) / Batches, 1, renderTiles);
+      double progress = static_cast<double>(batch + 1) / Batches;
+      this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderProgressEvent, &progress);
+      this->Self->UpdateProgress(progress);
+      vtkRenderWindow* window = checkAbort ? renderer->GetRenderWindow() : nullptr;
+      aborted = this->Self->GetAbortExecute() != 0 ||
+        (window && batch + 1 < Batches && window->CheckAbortStatus());
+    }
+  };
+  this->Self->SetAbortExecute(0);
+  this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderStartEvent, nullptr);
+  if (this->Self->NumberOfThreads > 0)
+  {
+    vtkSMPTools::LocalScope(vtkSMPTools::Config{ this->Self->NumberOfThreads }, renderImage);
+  }
+  else
+  {
+    renderImage();
+  }
+  this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderEndEvent, nullptr);
+
+  if (this->Self->CollectStatistics && !aborted)
+  {
+    ffd::CastStatistics total;
+    for (const ffd::RayCaster::Scratch& each : scratch)
+    {
+      total.Add(each.Statistics);
+    }
+    this->Statistics->SetCounts(total.Rays, total.Segments, total.SegmentLength, total.Samples,
+      total.VisibleSamples, total.DistanceLookups, total.Evaluations, total.Unconverged);
+  }
+  return !aborted;
+}
+
+//------------------------------------------------------------------------------
+vtkFFDInverseRayVolumeMapper::vtkFFDInverseRayVolumeMapper()
+  : Internals(new vtkInternals(this))
+{
+}
+
+//------------------------------------------------------------------------------
+vtkFFDInverseRayVolumeMapper::~vtkFFDInverseRayVolumeMapper()
+{
+  this->SetDeformation(nullptr);
+}
+
+//------------------------------------------------------------------------------
+vtkCxxSetObjectMacro(vtkFFDInverseRayVolumeMapper, Deformation, vtkAbstractTransform);
+
+//------------------------------------------------------------------------------
+vtkAbstractTransform* vtkFFDInverseRayVolumeMapper::GetDeformation()
+{
+  return this->Deformation;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetPositive(const char* name, double& member, double value)
+{
+  if (!(value > 0.0) || !std::isfinite(value))
+  {
+    vtkErrorMacro(<< name << " must be a positive number, not " << value << "; it stays "
+                  << member << ".");
+    return;
+  }
+  if (member != value)
+  {
+    member = value;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetInverseTolerance(double voxels)
+{
+  this->SetPositive("InverseTolerance", this->InverseTolerance, voxels);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetPositionTolerance(double voxels)
+{
+  this->SetPositive("PositionTolerance", this->PositionTolerance, voxels);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetAngleThreshold(double degrees)
+{
+  if (degrees >= 180.0)
+  {
+    vtkErrorMacro(<< "AngleThreshold must be below 180 degrees, not " << degrees << "; it stays "
+                  << this->AngleThreshold << ".");
+    return;
+  }
+  this->SetPositive("AngleThreshold", this->AngleThreshold, degrees);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetMinimumSegmentLength(double voxels)
+{
+  this->SetPositive("MinimumSegmentLength", this->MinimumSegmentLength, voxels);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetMaximumSegmentLength(double voxels)
+{
+  if (voxels == 0.0)
+  {
+    if (this->MaximumSegmentLength != 0.0)
+    {
+      this->MaximumSegmentLength = 0.0;
+      this->Modified();
+    }
+    return;
+  }
+  this->SetPositive("MaximumSegmentLength", this->MaximumSegmentLength, voxels);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetEarlyRayTerminationThreshold(double transmittance)
+{
+  if (!(transmittance >= 0.0 && transmittance <= 1.0))
+  {
+    vtkErrorMacro(<< "EarlyRayTerminationThreshold must be from 0 to 1, not " << transmittance
+                  << "; it stays " << this->EarlyRayTerminationThreshold << ".");
+    return;
+  }
+  if (this->EarlyRayTerminationThreshold != transmittance)
+  {
+    this->EarlyRayTerminationThreshold = transmittance;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetSampleDistance(double distance)
+{
+  this->SetPositive("SampleDistance", this->SampleDistance, distance);
+  if (distance > 0.0)
+  {
+    this->SetLockSampleDistanceToInputSpacing(0);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetInteractiveSampleDistance(double distance)
+{
+  this->SetPositive("InteractiveSampleDistance", this->InteractiveSampleDistance, distance);
+  if (distance > 0.0)
+  {
+    this->SetLockSampleDistanceToInputSpacing(0);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetImageSampleDistance(double pixels)
+{
+  this->SetPositive("ImageSampleDistance", this->ImageSampleDistance,
+    pixels > 0.0 ? std::clamp(pixels, 0.1, 100.0) : pixels);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetMinimumImageSampleDistance(double pixels)
+{
+  this->SetPositive("MinimumImageSampleDistance", this->MinimumImageSampleDistance,
+    pixels > 0.0 ? std::clamp(pixels, 0.1, 100.0) : pixels);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetMaximumImageSampleDistance(double pixels)
+{
+  this->SetPositive("MaximumImageSampleDistance", this->MaximumImageSampleDistance,
+    pixels > 0.0 ? std::clamp(pixels, 0.1, 100.0) : pixels);
+}
+
+//------------------------------------------------------------------------------
+const char* vtkFFDInverseRayVolumeMapper::GetInverseModeAsString() const
+{
+  static const char* const names[] = { "FIRST_ORDER", "EXACT", "PULL_BACK" };
+  return names[this->InverseMode];
+}
+
+//------------------------------------------------------------------------------
+const char* vtkFFDInverseRayVolumeMapper::GetSegmentationAsString() const
+{
+  return this->Segmentation == GREEDY_ANGLE ? "GREEDY_ANGLE" : "ERROR_BOUND";
+}
+
+//------------------------------------------------------------------------------
+const char* vtkFFDInverseRayVolumeMapper::GetSpaceLeapingAsString() const
+{
+  static const char* const names[] = { "OFF", "SEGMENT", "LIPSCHITZ" };
+  return names[this->SpaceLeaping];
+}
+
+//------------------------------------------------------------------------------
+const char* vtkFFDInverseRayVolumeMapper::GetOpacityLengthAsString() const
+{
+  return this->OpacityLength == MATERIAL ? "MATERIAL" : "WORLD";
+}
+
+//------------------------------------------------------------------------------
+vtkFFDRayStatistics* vtkFFDInverseRayVolumeMapper::GetStatistics()
+{
+  return this->Internals->Statistics;
+}
+
+//------------------------------------------------------------------------------
+vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetAuxiliaryMemorySize()
+{
+  const vtkInternals& in = *this->Internals;
+  return static_cast<vtkTypeInt64>(in.Blocks.GetMemorySize() + in.Distances.GetMemorySize() +
+    in.Table.GetMemorySize() + in.Source.GetMemorySize() +
+    in.SpaceBounds.GetMemorySize());
+}
+
+//------------------------------------------------------------------------------
+vtkMTimeType vtkFFDInverseRayVolumeMapper::GetMTime()
+{
+  const vtkMTimeType own = this->Superclass::GetMTime();
+  return this->Deformation ? std::max(own, this->Deformation->GetMTime()) : own;
+}
+
+//------------------------------------------------------------------------------
+double* vtkFFDInverseRayVolumeMapper::GetBounds()
+{
+  vtkMath::UninitializeBounds(this->Bounds);
+  if (!this->GetDataSetInput())
+  {
+    return this->Bounds;
+  }
+  this->Update();
+  std::string message;
+  if (this->Internals->UpdateVolume(message) && this->Internals->UpdateDeformation(message))
+  {
+    std::copy_n(this->Internals->ReportedBounds, 6, this->Bounds);
+  }
+  return this->Bounds;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
+{
+  if (this->BlendMode != COMPOSITE_BLEND)
+  {
+    vtkErrorMacro(<< "Blend mode " << this->BlendMode
+                  << " is not supported; use SetBlendModeToComposite(). Nothing is drawn.");
+    return;
+  }
+  if (this->GetInputAlgorithm())
+  {
+    this->GetInputAlgorithm()->UpdateWholeExtent();
+  }
+  vtkInternals& in = *this->Internals;
+  std::string message;
+  if (!in.Update(volume->GetProperty(), message))
+  {
+    vtkErrorMacro(<< message);
+    return;
+  }
+  const glm::dmat4 matrix = ffd::ToMatrix(volume->GetMatrix());
+  if (!(std::abs(glm::determinant(glm::dmat3(matrix))) > 0.0))
+  {
+    vtkErrorMacro(<< "The matrix of the volume is singular or not a number: it has no inside to "
+                     "render. Check its scale.");
+    return;
+  }
+
+  int size[2];
+  int origin[2];
+  renderer->GetTiledSizeAndOrigin(&size[0], &size[1], &origin[0], &origin[1]);
+  if (size[0] < 1 || size[1] < 1)
+  {
+    return;
+  }
+  vtkNew<vtkTimerLog> timer;
+  timer->StartTimer();
+  ImageRegion region = in.FindRegion(renderer, volume, glm::ivec2(size[0], size[1]));
+  const glm::ivec2 pixels = region.Rays;
+  if (pixels.x < 1 || pixels.y < 1)
+  {
+    return;
+  }
+  // As VTK's ray casters: a second or more is time for a still picture.
+  const double allotted = volume->GetAllocatedRenderTime();
+  const bool interactive = this->AutoAdjustSampleDistances && allotted < 1.0;
+  region.Step = this->ImageSampleDistance;
+  if (this->AutoAdjustSampleDistances)
+  {
+    const double estimate = in.TimePerRay * pixels.x * pixels.y;
+    const double wanted = interactive && allotted > 0.0 ? std::sqrt(estimate / allotted) : 1.0;
+    region.Step = std::min(std::max(wanted, this->MinimumImageSampleDistance),
+      std::max(this->MinimumImageSampleDistance, this->MaximumImageSampleDistance));
+  }
+  region.Rays = glm::max(glm::ivec2(1), glm::ivec2(glm::ceil(glm::dvec2(pixels) / region.Step)));
+
+  const float* depths = nullptr;
+  vtkRenderWindow* window = renderer->GetRenderWindow();
+  if (this->IntermixIntersectingGeometry && window)
+  {
+    const int x0 = origin[0] + region.Origin.x;
+    const int y0 = origin[1] + region.Origin.y;
+    std::vector<float> all(static_cast<std::size_t>(pixels.x) * pixels.y);
+    if (window->GetZbufferData(x0, y0, x0 + pixels.x - 1, y0 + pixels.y - 1, all.data()) ==
+      VTK_OK)
+    {
+      in.WindowDepths.resize(static_cast<std::size_t>(region.Rays.x) * region.Rays.y);
+      for (int y = 0; y < region.Rays.y; ++y)
+      {
+        const int py = std::min(static_cast<int>((y + 0.5) * region.Step), pixels.y - 1);
+        for (int x = 0; x < region.Rays.x; ++x)
+        {
+          const int px = std::min(static_cast<int>((x + 0.5) * region.Step), pixels.x - 1);
+          in.WindowDepths[static_cast<std::size_t>(y) * region.Rays.x + x] =
+            all[static_cast<std::size_t>(py) * pixels.x + px];
+        }
+      }
+      depths = in.WindowDepths.data();
+    }
+  }
+
+  if (!in.Cast(renderer, volume, region, depths, interactive, true, nullptr))
+  {
+    return;
+  }
+  const double rays = static_cast<double>(region.Rays.x) * region.Rays.y;
+  timer->StopTimer();
+  this->TimeToDraw = timer->GetElapsedTime();
+  in.TimePerRay = this->TimeToDraw / rays * (interactive ? 1.0 : 0.5);
+
+  const glm::dvec2 perPixel = 2.0 / glm::dvec2(region.Viewport);
+  const glm::dvec2 lower = glm::dvec2(region.Origin) * perPixel - 1.0;
+  const glm::dvec2 upper = lower + glm::dvec2(region.Rays) * region.Step * perPixel;
+  const double rectangle[4] = { lower.x, lower.y, upper.x, upper.y };
+  if (!in.Display.Draw(renderer, region.Rays.x, region.Rays.y, in.Colours.data(), rectangle))
+  {
+    vtkErrorMacro(<< "The image could not be drawn: the render window is not an OpenGL window or "
+                     "refused a texture of "
+                  << region.Rays.x << " x " << region.Rays.y << ". Use RenderToImage() there.");
+  }
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume* volume, int width,
+  int height, vtkImageData* colours, vtkImageData* depths, vtkImageData* inputDepths)
+{
+  if (!renderer || !volume || !colours)
+  {
+    vtkErrorMacro(<< "RenderToImage needs a renderer, a volume and an image for the colours; the "
+                  << (!renderer ? "renderer" : (!volume ? "volume" : "image")) << " is null.");
+    return 0;
+  }
+  if (width < 1 || height < 1 || width > LargestImageSide || height > LargestImageSide)
+  {
+    vtkErrorMacro(<< "RenderToImage: an image of " << width << " x " << height
+                  << " pixels was asked for; each side must be from 1 to " << LargestImageSide
+                  << ".");
+    return 0;
+  }
+  if (this->BlendMode != COMPOSITE_BLEND)
+  {
+    vtkErrorMacro(<< "Blend mode " << this->BlendMode
+                  << " is not supported; use SetBlendModeToComposite(). Nothing is drawn.");
+    return 0;
+  }
+  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  const float* scene = nullptr;
+  if (inputDepths)
+  {
+    int dims[3];
+    inputDepths->GetDimensions(dims);
+    if (dims[0] != width || dims[1] != height || dims[2] != 1 ||
+      inputDepths->GetScalarType() != VTK_FLOAT ||
+      inputDepths->GetNumberOfScalarComponents() != 1 ||
+      !inputDepths->GetPointData()->GetScalars())
+    {
+      vtkErrorMacro(<< "RenderToImage: the input depths must be one float a pixel, " << width
+                    << " x " << height << " x 1; they are " << dims[0] << " x " << dims[1] << " x "
+                    << dims[2] << ".");
+      return 0;
+    }
+    scene = static_cast<const float*>(inputDepths->GetScalarPointer());
+  }
+  if (this->GetInputAlgorithm())
+  {
+    this->GetInputAlgorithm()->UpdateWholeExtent();
+  }
+  vtkInternals& in = *this->Internals;
+  std::string message;
+  if (!in.Update(volume->GetProperty(), message))
+  {
+    vtkErrorMacro(<< message);
+    return 0;
+  }
+  volume->ComputeMatrix();
+  ImageRegion region;
+  region.Viewport = glm::ivec2(width, height);
+  region.Rays = region.Viewport;
+  std::vector<float> firstVisible(depths ? pixels : 0);
+  if (!in.Cast(renderer, volume, region, scene, false, false,
+        depths ? firstVisible.data() : nullptr))
+  {
+    return 0;
+  }
+
+  colours->SetExtent(0, width - 1, 0, height - 1, 0, 0);
+  colours->AllocateScalars(VTK_UNSIGNED_CHAR, 4);
+  auto* bytes = static_cast<unsigned char*>(colours->GetScalarPointer());
+  for (std::size_t i = 0; i < pixels; ++i)
+  {
+    const float* premultiplied = &in.Colours[4 * i];
+    const float alpha = premultiplied[3];
+    for (int c = 0; c < 3; ++c)
+    {
+      const float straight = alpha > 0.0f ? std::min(1.0f, premultiplied[c] / alpha) : 0.0f;
+      bytes[4 * i + c] = static_cast<unsigned char>(straight * 255.0f + 0.5f);
+    }
+    bytes[4 * i + 3] = static_cast<unsigned char>(alpha * 255.0f + 0.5f);
+  }
+  if (depths)
+  {
+    depths->SetExtent(0, width - 1, 0, height - 1, 0, 0);
+    depths->AllocateScalars(VTK_FLOAT, 1);
+    std::copy(firstVisible.begin(), firstVisible.end(),
+      static_cast<float*>(depths->GetScalarPointer()));
+  }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::ReleaseGraphicsResources(vtkWindow* window)
+{
+  this->Internals->Display.ReleaseGraphicsResources(window);
+  this->Superclass::ReleaseGraphicsResources(window);
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDInverseRayVolumeMapper::FillInputPortInformation(int port, vtkInformation* info)
+{
+  // Wider than what can be rendered: Render says what is wrong, the pipeline would only fail.
+  if (!this->Superclass::FillInputPortInformation(port, info))
+  {
+    return 0;
+  }
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataSet");
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::ReportReferences(vtkGarbageCollector* collector)
+{
+  this->Superclass::ReportReferences(collector);
+  vtkGarbageCollectorReport(collector, this->Deformation, "Deformation");
+}
 
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
+  os << indent << "Deformation: " << this->Deformation << "\n";
+  os << indent << "InverseMode: " << this->GetInverseModeAsString() << "\n";
+  os << indent << "InverseTolerance: " << this->InverseTolerance << "\n";
+  os << indent << "Segmentation: " << this->GetSegmentationAsString() << "\n";
+  os << indent << "PositionTolerance: " << this->PositionTolerance << "\n";
+  os << indent << "AngleThreshold: " << this->AngleThreshold << "\n";
+  os << indent << "MinimumSegmentLength: " << this->MinimumSegmentLength << "\n";
+  os << indent << "MaximumSegmentLength: " << this->MaximumSegmentLength << "\n";
+  os << indent << "SpaceLeaping: " << this->GetSpaceLeapingAsString() << "\n";
+  os << indent << "EarlyRayTerminationThreshold: " << this->EarlyRayTerminationThreshold << "\n";
+  os << indent << "OpacityLength: " << this->GetOpacityLengthAsString() << "\n";
+  os << indent << "SampleDistance: " << this->SampleDistance << "\n";
+  os << indent << "InteractiveSampleDistance: " << this->InteractiveSampleDistance << "\n";
+  os << indent
+     << "LockSampleDistanceToInputSpacing: " << this->LockSampleDistanceToInputSpacing << "\n";
+  os << indent << "ImageSampleDistance: " << this->ImageSampleDistance << "\n";
+  os << indent << "MinimumImageSampleDistance: " << this->MinimumImageSampleDistance << "\n";
+  os << indent << "MaximumImageSampleDistance: " << this->MaximumImageSampleDistance << "\n";
+  os << indent << "AutoAdjustSampleDistances: " << this->AutoAdjustSampleDistances << "\n";
+  os << indent << "IntermixIntersectingGeometry: " << this->IntermixIntersectingGeometry << "\n";
+  os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
+  os << indent << "CollectStatistics: " << this->CollectStatistics << "\n";
+  os << indent << "Statistics:\n";
+  this->Internals->Statistics->PrintSelf(os, indent.GetNextIndent());
 }

@@ -33,7 +33,6 @@ struct CameraView
   glm::dmat4 NdcToWorld{ 1.0 };
   glm::dmat4 WorldToNdc{ 1.0 };
   glm::dvec3 Position{ 0.0 };
-  glm::dvec3 ViewDirection{ 0.0, 0.0, -1.0 };
   glm::ivec2 ImageSize{ 0 };
   /// Normalized device coordinates of the lower left corner of pixel (0, 0), and of one pixel.
   glm::dvec2 NdcOrigin{ -1.0 };

@@ -8,6 +8,7 @@
 
 #include <glm/vec3.hpp>
 
+#include <cstddef>
 #include <vector>
 
 namespace ffd
@@ -29,6 +30,8 @@ public:
   /// Bounds of Phi over a box of deformed space. The part of the box outside of the region counts
   /// as if it were moved to the nearest place inside.
   MapBounds Over(const Box& box) const;
+
+  std::size_t GetMemorySize() const { return this->Bounds.capacity() * sizeof(MapBounds); }
 
 private:
   glm::ivec3 CellOf(const glm::dvec3& p) const;

@@ -466,6 +466,9 @@ void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
     return jacobian;
   };
 
+  // The parabola through points with an error amplifies it by 5/4 at most; the rest allows for
+  // the inverse of the Jacobian between the residual that is bounded and the position.
+  const double inverseError = 2.0 * this->Settings.InverseTolerance;
   LeapSlack slack;
   // The last node that was evaluated: mostly the start of the next piece.
   double nodeT = -Infinity;
@@ -499,7 +502,7 @@ void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
       if (canLeap && this->Scene.Distances->FindEmptyBox(node, upper, box))
       {
         statistics.DistanceLookups += IsInside(node, upper) ? 1 : 0;
-        slack.Set(node, box, span.PositionError + LeapGuard);
+        slack.Set(node, box, span.PositionError + inverseError + LeapGuard);
         if (slack.Pass(span.VelocityMin, span.VelocityMax, dt))
         {
           continue;

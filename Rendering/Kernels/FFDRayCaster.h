@@ -52,7 +52,8 @@ struct CastSettings
   PolylineSettings Polyline;
   SpanSettings Spans;
   double SampleDistance = 1.0;       ///< world units, along the deformed ray
-  float TerminationTransmittance = 0; ///< a ray ends when less than this passes it
+  double InverseTolerance = 0.01;      ///< of the pull-back, voxels
+  float TerminationTransmittance = 0;  ///< a ray ends when less than this passes it
   bool Shade = false;
 };
 

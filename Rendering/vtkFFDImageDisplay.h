@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkFFDImageDisplay
+ * @brief   blends a ray cast image into the viewport of a renderer
+ *
+ * Private to this module: not installed, not wrapped. The image holds premultiplied RGBA and is
+ * drawn over a rectangle of the viewport, without depth test: rays already end at the geometry
+ * that was drawn before.
+ */
+#ifndef vtkFFDImageDisplay_h
+#define vtkFFDImageDisplay_h
+
+#include <memory>
+
+class vtkRenderer;
+class vtkWindow;
+
+class vtkFFDImageDisplay
+{
+public:
+  vtkFFDImageDisplay();
+  ~vtkFFDImageDisplay();
+  vtkFFDImageDisplay(const vtkFFDImageDisplay&) = delete;
+  vtkFFDImageDisplay& operator=(const vtkFFDImageDisplay&) = delete;
+
+  /**
+   * Draw `colours`, width x height floats of premultiplied RGBA, rows bottom up, over the rectangle
+   * (xmin, ymin, xmax, ymax) of the viewport, in normalized device coordinates. Returns false when
+   * the window of the renderer is not an OpenGL one or refuses the texture.
+   */
+  bool Draw(vtkRenderer* renderer, int width, int height, const float* colours,
+    const double rectangle[4]);
+
+  void ReleaseGraphicsResources(vtkWindow* window);
+
+private:
+  struct Resources;
+  std::unique_ptr<Resources> Gl;
+};
+
+#endif

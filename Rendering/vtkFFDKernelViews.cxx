@@ -1,0 +1,363 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDKernelViews.h"
+
+#include "vtkCamera.h"
+#include "vtkColorTransferFunction.h"
+#include "vtkDataArray.h"
+#include "vtkImageData.h"
+#include "vtkLight.h"
+#include "vtkLightCollection.h"
+#include "vtkMath.h"
+#include "vtkMatrix3x3.h"
+#include "vtkMatrix4x4.h"
+#include "vtkPiecewiseFunction.h"
+#include "vtkRenderer.h"
+#include "vtkVolumeProperty.h"
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <vector>
+
+namespace ffd
+{
+namespace
+{
+
+/// Entries of a transfer table: at least, and at most (then it takes 320 kB).
+constexpr int SmallestTable = 4096;
+constexpr int LargestTable = 16384;
+
+bool FindScalarType(int vtkType, std::size_t size, ScalarType& type)
+{
+  switch (vtkType)
+  {
+    case VTK_FLOAT:
+      type = ScalarType::Float32;
+      return true;
+    case VTK_DOUBLE:
+      type = ScalarType::Float64;
+      return true;
+    case VTK_UNSIGNED_CHAR:
+    case VTK_UNSIGNED_SHORT:
+    case VTK_UNSIGNED_INT:
+    case VTK_UNSIGNED_LONG:
+    case VTK_UNSIGNED_LONG_LONG:
+      type = size == 1 ? ScalarType::UInt8
+        : size == 2    ? ScalarType::UInt16
+        : size == 4    ? ScalarType::UInt32
+                       : ScalarType::UInt64;
+      return true;
+    case VTK_CHAR:
+    case VTK_SIGNED_CHAR:
+    case VTK_SHORT:
+    case VTK_INT:
+    case VTK_LONG:
+    case VTK_LONG_LONG:
+    case VTK_ID_TYPE:
+      type = size == 1 ? ScalarType::Int8
+        : size == 2    ? ScalarType::Int16
+        : size == 4    ? ScalarType::Int32
+                       : ScalarType::Int64;
+      return true;
+    default:
+      return false;
+  }
+}
+
+glm::dvec3 Direction(const double from[3], const double to[3])
+{
+  const glm::dvec3 d(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+  const double length = glm::length(d);
+  return length > 0.0 ? d / length : glm::dvec3(0.0, 0.0, -1.0);
+}
+
+glm::vec3 Scaled(const double colour[3], double intensity)
+{
+  return glm::vec3(colour[0] * intensity, colour[1] * intensity, colour[2] * intensity);
+}
+
+Light MakeLight(vtkLight* source)
+{
+  Light light;
+  light.Headlight = source->LightTypeIsHeadlight() && !source->GetPositional();
+  double position[3];
+  double focus[3];
+  source->GetTransformedPosition(position);
+  source->GetTransformedFocalPoint(focus);
+  light.Axis = Direction(position, focus);
+  light.Towards = -light.Axis;
+  light.Position = glm::dvec3(position[0], position[1], position[2]);
+  light.Positional = source->GetPositional() != 0;
+  const double intensity = source->GetIntensity();
+  light.Ambient = Scaled(source->GetAmbientColor(), intensity);
+  light.Diffuse = Scaled(source->GetDiffuseColor(), intensity);
+  light.Specular = Scaled(source->GetSpecularColor(), intensity);
+  const double* attenuation = source->GetAttenuationValues();
+  light.Attenuation = glm::dvec3(attenuation[0], attenuation[1], attenuation[2]);
+  // As in OpenGL, a cone of more than 90 degrees is none.
+  if (source->GetConeAngle() <= 90.0)
+  {
+    light.ConeCosine = std::cos(vtkMath::RadiansFromDegrees(source->GetConeAngle()));
+    light.ConeExponent = source->GetExponent();
+  }
+  return light;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+glm::dmat4 ToMatrix(vtkMatrix4x4* matrix)
+{
+  glm::dmat4 m;
+  for (int row = 0; row < 4; ++row)
+  {
+    for (int column = 0; column < 4; ++column)
+    {
+      m[column][row] = matrix->GetElement(row, column);
+    }
+  }
+  return m;
+}
+
+//------------------------------------------------------------------------------
+bool MakeVolumeView(
+  vtkImageData* image, vtkDataArray* scalars, VolumeView& view, std::string& message)
+{
+  std::ostringstream why;
+  int extent[6];
+  image->GetExtent(extent);
+  int dims[3];
+  image->GetDimensions(dims);
+  if (dims[0] < 1 || dims[1] < 1 || dims[2] < 1)
+  {
+    message = "The input image is empty: its extent holds no voxel.";
+    return false;
+  }
+  if (dims[0] < 2 || dims[1] < 2 || dims[2] < 2)
+  {
+    why << "The input image has " << dims[0] << " x " << dims[1] << " x " << dims[2]
+        << " voxels; a volume needs at least 2 along each axis. Render a flat image with "
+           "vtkImageActor.";
+    message = why.str();
+    return false;
+  }
+  if (!scalars)
+  {
+    message = "The input image has no point scalars to render. Set active scalars or choose an "
+              "array with SelectScalarArray().";
+    return false;
+  }
+  const std::string name = scalars->GetName() ? scalars->GetName() : "(unnamed)";
+  if (scalars->GetNumberOfComponents() != 1)
+  {
+    why << "The scalars \"" << name << "\" have " << scalars->GetNumberOfComponents()
+        << " components; this mapper renders one. Extract one with vtkImageExtractComponents.";
+    message = why.str();
+    return false;
+  }
+  const vtkIdType voxels = static_cast<vtkIdType>(dims[0]) * dims[1] * dims[2];
+  if (scalars->GetNumberOfTuples() < voxels)
+  {
+    why << "The scalars \"" << name << "\" have " << scalars->GetNumberOfTuples()
+        << " values, the input image has " << voxels << " voxels.";
+    message = why.str();
+    return false;
+  }
+  ScalarType type;
+  if (!FindScalarType(
+        scalars->GetDataType(), static_cast<std::size_t>(scalars->GetDataTypeSize()), type))
+  {
+    why << "The scalars \"" << name << "\" are of type " << scalars->GetDataTypeAsString()
+        << ", which cannot be rendered. Convert them with vtkImageCast.";
+    message = why.str();
+    return false;
+  }
+  double spacing[3];
+  double origin[3];
+  image->GetSpacing(spacing);
+  image->GetOrigin(origin);
+  glm::dmat3 direction(1.0);
+  vtkMatrix3x3* matrix = image->GetDirectionMatrix();
+  for (int a = 0; a < 3; ++a)
+  {
+    if (!std::isfinite(origin[a]) || !std::isfinite(spacing[a]) || spacing[a] == 0.0)
+    {
+      why << "The input image has spacing (" << spacing[0] << ", " << spacing[1] << ", "
+          << spacing[2] << ") and origin (" << origin[0] << ", " << origin[1] << ", " << origin[2]
+          << "); all must be finite and the spacing not zero.";
+      message = why.str();
+      return false;
+    }
+    for (int b = 0; b < 3; ++b)
+    {
+      direction[b][a] = matrix->GetElement(a, b);
+    }
+  }
+  const double volume = std::abs(glm::determinant(direction));
+  if (!(volume > 1e-12) || !std::isfinite(volume))
+  {
+    message = "The direction matrix of the input image is singular: it cannot be rendered.";
+    return false;
+  }
+
+  view.Scalars = scalars->GetVoidPointer(0);
+  view.Type = type;
+  view.Dimensions = glm::ivec3(dims[0], dims[1], dims[2]);
+  view.Increments[0] = 1;
+  view.Increments[1] = dims[0];
+  view.Increments[2] = static_cast<std::int64_t>(dims[0]) * dims[1];
+  view.IndexToData =
+    glm::dmat3(direction[0] * spacing[0], direction[1] * spacing[1], direction[2] * spacing[2]);
+  view.DataToIndex = glm::inverse(view.IndexToData);
+  view.FirstVoxel = glm::dvec3(origin[0], origin[1], origin[2]) +
+    view.IndexToData * glm::dvec3(extent[0], extent[2], extent[4]);
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool MakeTransferTable(vtkVolumeProperty* property, const MinMaxBlocks::Limits& range,
+  bool integers, TransferTable& table, std::string& message)
+{
+  vtkPiecewiseFunction* opacity = property->GetScalarOpacity(0);
+  const bool gray = property->GetColorChannels(0) == 1;
+  vtkPiecewiseFunction* grayTransfer = gray ? property->GetGrayTransferFunction(0) : nullptr;
+  vtkColorTransferFunction* colour = gray ? nullptr : property->GetRGBTransferFunction(0);
+  if (!opacity || opacity->GetSize() < 1)
+  {
+    message = "The volume property has no scalar opacity function, or one without points: nothing "
+              "would be visible. Set one with vtkVolumeProperty::SetScalarOpacity().";
+    return false;
+  }
+  if (gray ? (!grayTransfer || grayTransfer->GetSize() < 1) : (!colour || colour->GetSize() < 1))
+  {
+    message = "The volume property has no colour function, or one without points. Set one with "
+              "vtkVolumeProperty::SetColor().";
+    return false;
+  }
+  const double unit = property->GetScalarOpacityUnitDistance(0);
+  if (!(unit > 0.0) || !std::isfinite(unit))
+  {
+    std::ostringstream why;
+    why << "The scalar opacity unit distance of the volume property is " << unit
+        << "; it must be positive.";
+    message = why.str();
+    return false;
+  }
+
+  double lo = range.Min;
+  double hi = range.Max;
+  // Beyond their last points clamped functions are constant: spend no entries there, so that a
+  // few extreme scalars do not coarsen the table.
+  const bool clamped = opacity->GetClamping() && (gray ? grayTransfer->GetClamping() != 0
+                                                       : colour->GetClamping() != 0);
+  if (clamped)
+  {
+    const double* points = opacity->GetRange();
+    const double* colours = gray ? grayTransfer->GetRange() : colour->GetRange();
+    const double first = std::min(points[0], colours[0]);
+    const double last = std::max(points[1], colours[1]);
+    lo = std::min(std::max(lo, first), hi);
+    hi = std::max(std::min(hi, last), lo);
+  }
+  if (!(hi - lo > 1e-12 * std::max(std::abs(lo), std::abs(hi))))
+  {
+    hi = lo + std::max(1.0, std::abs(lo));
+  }
+  int size = SmallestTable;
+  if (integers && hi - lo <= LargestTable)
+  {
+    // A whole number of entries a unit, so that whole scalars are met exactly.
+    const int width = static_cast<int>(hi - lo);
+    const int perUnit = std::max(1, SmallestTable / std::max(1, width));
+    lo = std::floor(lo);
+    hi = lo + width + 1;
+    size = perUnit * (width + 1) + 1;
+  }
+  else
+  {
+    const int needed = std::max(opacity->EstimateMinNumberOfSamples(lo, hi),
+      gray ? grayTransfer->EstimateMinNumberOfSamples(lo, hi)
+           : colour->EstimateMinNumberOfSamples(lo, hi));
+    size = std::clamp(needed, SmallestTable, LargestTable);
+  }
+
+  std::vector<float> opacities(static_cast<std::size_t>(size));
+  std::vector<float> colours(3 * static_cast<std::size_t>(size));
+  opacity->GetTable(lo, hi, size, opacities.data());
+  if (gray)
+  {
+    std::vector<float> grays(static_cast<std::size_t>(size));
+    grayTransfer->GetTable(lo, hi, size, grays.data());
+    for (std::size_t i = 0; i < grays.size(); ++i)
+    {
+      std::fill_n(&colours[3 * i], 3, grays[i]);
+    }
+  }
+  else
+  {
+    colour->GetTable(lo, hi, size, colours.data());
+  }
+  table = TransferTable(
+    lo, hi, static_cast<std::size_t>(size), colours.data(), opacities.data(), unit);
+  return true;
+}
+
+//------------------------------------------------------------------------------
+CameraView MakeCameraView(vtkRenderer* renderer, const glm::ivec2& viewport,
+  const glm::ivec2& origin, const glm::ivec2& size, double step)
+{
+  vtkCamera* camera = renderer->GetActiveCamera();
+  const double aspect = static_cast<double>(viewport.x) / viewport.y;
+  CameraView view;
+  view.WorldToNdc = ToMatrix(camera->GetCompositeProjectionTransformMatrix(aspect, -1.0, 1.0));
+  view.NdcToWorld = glm::inverse(view.WorldToNdc);
+  double position[3];
+  camera->GetPosition(position);
+  view.Position = glm::dvec3(position[0], position[1], position[2]);
+  view.ImageSize = size;
+  view.NdcPerPixel = 2.0 * step / glm::dvec2(viewport);
+  view.NdcOrigin = 2.0 * glm::dvec2(origin) / glm::dvec2(viewport) - 1.0;
+  return view;
+}
+
+//------------------------------------------------------------------------------
+Shading MakeShading(vtkRenderer* renderer, vtkVolumeProperty* property)
+{
+  Shading shading;
+  shading.Ambient = static_cast<float>(property->GetAmbient(0));
+  shading.Diffuse = static_cast<float>(property->GetDiffuse(0));
+  shading.Specular = static_cast<float>(property->GetSpecular(0));
+  shading.SpecularPower = static_cast<float>(property->GetSpecularPower(0));
+  shading.TwoSided = renderer->GetTwoSidedLighting() != 0;
+
+  vtkLightCollection* lights = renderer->GetLights();
+  vtkCollectionSimpleIterator iterator;
+  lights->InitTraversal(iterator);
+  while (vtkLight* light = lights->GetNextLight(iterator))
+  {
+    if (light->GetSwitch())
+    {
+      shading.Lights.push_back(MakeLight(light));
+    }
+  }
+  if (shading.Lights.empty() && lights->GetNumberOfItems() == 0)
+  {
+    Light headlight;
+    headlight.Headlight = true;
+    shading.Lights.push_back(headlight);
+  }
+  // A single headlight lights the ambient term, too, although the ambient colour of VTK's lights
+  // is black: so does vtkGPUVolumeRayCastMapper.
+  if (shading.Lights.size() == 1 && shading.Lights[0].Headlight)
+  {
+    shading.Lights[0].Ambient = glm::vec3(1.0f);
+  }
+  return shading;
+}
+
+} // namespace ffd
