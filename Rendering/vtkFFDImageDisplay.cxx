@@ -31,9 +31,8 @@ uniform vec4 rectangle;
 out vec2 texCoord;
 void main()
 {
-  vec2 unit = texCoordIn;
-  gl_Position = vec4(mix(rectangle.xy, rectangle.zw, unit), 0.0, 1.0);
-  texCoord = unit;
+  gl_Position = vec4(mix(rectangle.xy, rectangle.zw, texCoordIn), ndCoordIn.zw);
+  texCoord = texCoordIn;
 }
 )";
 

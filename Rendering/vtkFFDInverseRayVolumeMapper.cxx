@@ -345,7 +345,10 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
   settings.Polyline.AngleThreshold = angle;
   settings.Polyline.MinimumLength = self->MinimumSegmentLength * voxelSize;
   settings.Polyline.MaximumLength = longest * voxelSize;
-  settings.Spans.Length = longest * voxelSize;
+  // A whole number of samples a span: then they are equidistant where nothing is deformed.
+  const double perSpan = std::floor(longest * voxelSize / settings.SampleDistance + 1e-6);
+  settings.Spans.Length =
+    perSpan >= 1.0 ? perSpan * settings.SampleDistance : longest * voxelSize;
   settings.Spans.PositionTolerance = self->PositionTolerance;
   settings.Spans.LargestLevel = std::clamp(
     static_cast<int>(std::floor(std::log2(longest / self->MinimumSegmentLength) + 1e-9)), 0,

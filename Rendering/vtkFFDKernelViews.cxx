@@ -316,9 +316,6 @@ CameraView MakeCameraView(vtkRenderer* renderer, const glm::ivec2& viewport,
   CameraView view;
   view.WorldToNdc = ToMatrix(camera->GetCompositeProjectionTransformMatrix(aspect, -1.0, 1.0));
   view.NdcToWorld = glm::inverse(view.WorldToNdc);
-  double position[3];
-  camera->GetPosition(position);
-  view.Position = glm::dvec3(position[0], position[1], position[2]);
   view.ImageSize = size;
   view.NdcPerPixel = 2.0 * step / glm::dvec2(viewport);
   view.NdcOrigin = 2.0 * glm::dvec2(origin) / glm::dvec2(viewport) - 1.0;

@@ -12,27 +12,25 @@
 namespace ffd
 {
 
-/// A viewing ray in world coordinates: P(t) = Origin + t * Direction, t in world units.
+/// A viewing ray in world coordinates: P(t) = Origin + t * Direction, 0 <= t <= Far, world units.
 struct ViewRay
 {
-  glm::dvec3 Origin;
+  glm::dvec3 Origin;    ///< on the near clipping plane
   glm::dvec3 Direction; ///< unit length
-  double Near;          ///< t at the near clipping plane
   double Far;           ///< t at the far clipping plane
 };
 
 /**
  * Rays through the pixels of an image, perspective or parallel.
  *
- * t is measured from the camera's position (perspective) or from the plane through it that is
- * perpendicular to the view (parallel), so positions along a ray do not move when only the
- * clipping planes do.
+ * t is measured from the near clipping plane, and samples lie at multiples of the sample distance
+ * from there, as in vtkFixedPointVolumeRayCastMapper: without deformation the two take the same
+ * samples.
  */
 struct CameraView
 {
   glm::dmat4 NdcToWorld{ 1.0 };
   glm::dmat4 WorldToNdc{ 1.0 };
-  glm::dvec3 Position{ 0.0 };
   glm::ivec2 ImageSize{ 0 };
   /// Normalized device coordinates of the lower left corner of pixel (0, 0), and of one pixel.
   glm::dvec2 NdcOrigin{ -1.0 };
@@ -45,10 +43,9 @@ struct CameraView
     const glm::dvec3 near = this->ToWorld(glm::dvec3(ndc, -1.0));
     const glm::dvec3 far = this->ToWorld(glm::dvec3(ndc, 1.0));
     ViewRay ray;
-    ray.Direction = glm::normalize(far - near);
-    ray.Near = glm::dot(near - this->Position, ray.Direction);
-    ray.Origin = near - ray.Near * ray.Direction;
-    ray.Far = glm::dot(far - ray.Origin, ray.Direction);
+    ray.Origin = near;
+    ray.Far = glm::length(far - near);
+    ray.Direction = (far - near) / ray.Far;
     return ray;
   }
 

@@ -81,16 +81,21 @@ inline SampleSchedule ScheduleWithRemainder(double length, double sampleDistance
 }
 
 /**
- * Equal intervals of about `sampleDistance` sampled in their middle, over the part [from, to] of
- * the piece. `length` is the length of that part.
+ * Equal intervals of about `sampleDistance` over the whole piece, sampled at their start. `length`
+ * is the length of the piece. Of the samples only those in [from, to) remain, so where they lie
+ * does not depend on where the ray enters a box or ends at a surface.
  */
-inline SampleSchedule ScheduleEvenly(
-  double length, double sampleDistance, double from = 0.0, double to = 1.0)
+inline SampleSchedule ScheduleEvenly(double length, double sampleDistance, double from, double to)
 {
+  const double count = std::max(1.0, std::round(length / sampleDistance));
+  // A sample at the very start of the range belongs to it, rounding errors or not.
+  constexpr double Slack = 1e-9;
+  const double first = std::ceil(std::max(from, 0.0) * count - Slack);
+  const double end = std::min(count, std::ceil(std::min(to, 1.0) * count - Slack));
   SampleSchedule schedule;
-  schedule.Count = std::max(1, static_cast<int>(std::lround(length / sampleDistance)));
-  schedule.Step = (to - from) / schedule.Count;
-  schedule.First = from + 0.5 * schedule.Step;
+  schedule.Count = static_cast<int>(std::max(0.0, end - first));
+  schedule.Step = 1.0 / count;
+  schedule.First = first * schedule.Step;
   schedule.LastInterval = schedule.Step;
   return schedule;
 }

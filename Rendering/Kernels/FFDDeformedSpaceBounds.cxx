@@ -12,7 +12,7 @@ namespace ffd
 namespace
 {
 
-constexpr int LargestResolution = 32;
+constexpr int LargestResolution = 16;
 
 glm::dmat3 EntrywiseMin(const glm::dmat3& a, const glm::dmat3& b)
 {

@@ -305,7 +305,7 @@ bool RayCaster::SetUpRay(int x, int y, Ray& ray) const
   ray.World = camera.MakeRay(x + 0.5, y + 0.5);
   ray.Origin = glm::dvec3(this->Scene.WorldToData * glm::dvec4(ray.World.Origin, 1.0));
   ray.Direction = glm::dvec3(this->Scene.WorldToData * glm::dvec4(ray.World.Direction, 0.0));
-  ray.From = ray.World.Near;
+  ray.From = 0.0;
   ray.To = ray.World.Far;
   if (this->Scene.Depths)
   {
@@ -518,11 +518,8 @@ void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
       ++statistics.Segments;
       statistics.SegmentLength += dt / this->Scene.VoxelSize;
 
-      const double from = std::max(0.0, (ray.From - t0) / dt);
-      const double to = std::min(1.0, (ray.To - t0) / dt);
-      const glm::dvec3 half = piece.At(0.5 * (from + to));
-      const double length = glm::length(this->RestToWorld * (half - piece.At(from))) +
-        glm::length(this->RestToWorld * (piece.At(to) - half));
+      const double length = glm::length(this->RestToWorld * (middle - piece.Start)) +
+        glm::length(this->RestToWorld * (end - middle));
 
       glm::dmat3 jacobians[3];
       bool haveJacobians = false;
@@ -539,8 +536,10 @@ void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
         return jacobians[0] * ((1.0 - s) * (1.0 - 2.0 * s)) + jacobians[1] * (4.0 * s * (1.0 - s)) +
           jacobians[2] * (s * (2.0 * s - 1.0));
       };
-      sampler.Integrate(
-        piece, ScheduleEvenly(length, this->Settings.SampleDistance, from, to), t0, dt, jacobianAt);
+      sampler.Integrate(piece,
+        ScheduleEvenly(length, this->Settings.SampleDistance, (ray.From - t0) / dt,
+          (ray.To - t0) / dt),
+        t0, dt, jacobianAt);
     }
   }
 }
