@@ -49,8 +49,8 @@ if (FFD_STRICT_WARNINGS)
   # No -Wpedantic: GCC 12 then objects to the semicolon after vtkTypeMacro(), which VTK's style has.
   set(ffd_warnings
     -Wall -Wextra -Werror
-    -Wcast-align -Wcast-qual -Wextra-semi -Wformat=2 -Wnon-virtual-dtor
-    -Wnull-dereference -Woverloaded-virtual -Wpointer-arith -Wshadow -Wundef -Wunused -Wvla)
+    -Wcast-align -Wcast-qual -Wformat=2 -Wnon-virtual-dtor
+    -Woverloaded-virtual -Wpointer-arith -Wshadow -Wundef -Wunused -Wvla)
   if (CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     list(APPEND ffd_warnings -Wduplicated-branches -Wduplicated-cond -Wlogical-op)
   endif ()
