@@ -52,7 +52,9 @@ if (FFD_STRICT_WARNINGS)
     -Wcast-align -Wcast-qual -Wformat=2 -Wnon-virtual-dtor
     -Woverloaded-virtual -Wpointer-arith -Wshadow -Wundef -Wunused -Wvla)
   if (CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    list(APPEND ffd_warnings -Wduplicated-branches -Wduplicated-cond -Wlogical-op)
+    # GCC 12 takes vectors of GLM and small arrays that a loop fills for uninitialised at -O3.
+    list(APPEND ffd_warnings
+      -Wduplicated-branches -Wduplicated-cond -Wlogical-op -Wno-maybe-uninitialized)
   endif ()
   target_compile_options(ffd_build_flags INTERFACE
     "$<$<COMPILE_LANGUAGE:CXX>:${ffd_warnings}>")
