@@ -654,7 +654,7 @@ vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetAuxiliaryMemorySize()
   const vtkInternals& in = *this->Internals;
   return static_cast<vtkTypeInt64>(in.Blocks.GetMemorySize() + in.Distances.GetMemorySize() +
     in.Table.GetMemorySize() + in.Source.GetMemorySize() +
-    in.SpaceBounds.GetMemorySize());
+    in.MapBounds.GetMemorySize() + in.SpaceBounds.GetMemorySize());
 }
 
 //------------------------------------------------------------------------------

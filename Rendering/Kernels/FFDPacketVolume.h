@@ -3,6 +3,8 @@
 #ifndef FFDPacketVolume_h
 #define FFDPacketVolume_h
 
+#include "FFDVolumeView.h"
+
 namespace ffd
 {
 
@@ -13,6 +15,7 @@ namespace ffd
 struct PacketVolume
 {
   const void* Scalars = nullptr;
+  ScalarType Type = ScalarType::UInt8;
   int Dimensions[3] = {};
   int IncrementY = 0; ///< elements
   int IncrementZ = 0;

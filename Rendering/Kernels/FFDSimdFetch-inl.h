@@ -9,6 +9,7 @@
 #endif
 
 #include "FFDPacketVolume.h"
+#include "FFDScalarDispatch.h"
 
 #include "FFDSimdMath-inl.h"
 
@@ -76,21 +77,34 @@ HWY_INLINE SamplePosition FindCells(const PacketVolume& v, const Vec3& q)
  * from the voxel before it to the second one behind it, never more.
  */
 template <class T>
-struct Fetch
+struct Fetch;
+
+/// Stands for all types whose values single precision does not hold.
+struct WideScalar
 {
-  /// Wide types: one scalar load a lane, made relative to the table in double precision.
-  static Vf Load(const PacketVolume& v, Vi offset, int delta)
+};
+
+/// Wide types: one scalar load a lane, made relative to the table in double precision. The type is
+/// looked at for each load, so that five types do not need five copies of everything.
+template <>
+struct Fetch<WideScalar>
+{
+  static HWY_NOINLINE Vf Load(const PacketVolume& v, Vi offset, int delta)
   {
     const Df d;
     const Di di;
     HWY_ALIGN int offsets[16];
     HWY_ALIGN float values[16];
     hn::Store(offset, di, offsets);
-    const T* p = static_cast<const T*>(v.Scalars) + delta;
-    for (std::size_t i = 0; i < hn::Lanes(d); ++i)
-    {
-      values[i] = static_cast<float>((static_cast<double>(p[offsets[i]]) - v.Shift) * v.Scale);
-    }
+    DispatchScalarType(v.Type,
+      [&](auto zero)
+      {
+        const auto* p = static_cast<const decltype(zero)*>(v.Scalars) + delta;
+        for (std::size_t i = 0; i < hn::Lanes(d); ++i)
+        {
+          values[i] = static_cast<float>((static_cast<double>(p[offsets[i]]) - v.Shift) * v.Scale);
+        }
+      });
     return hn::Load(d, values);
   }
   static Row4 LoadRow4(const PacketVolume& v, Vi offset, int delta)
