@@ -13,10 +13,13 @@
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFixedPointRayCastImage.h"
 #include "vtkFixedPointVolumeRayCastMapper.h"
+#include "vtkImageChangeInformation.h"
+#include "vtkImageConstantPad.h"
 #include "vtkImageData.h"
 #include "vtkImageShrink3D.h"
 #include "vtkLight.h"
 #include "vtkMath.h"
+#include "vtkMatrix4x4.h"
 #include "vtkNew.h"
 #include "vtkOpenGLGPUVolumeRayCastMapper.h"
 #include "vtkPiecewiseFunction.h"
@@ -124,6 +127,27 @@ inline vtkSmartPointer<vtkImageData> ReadVolume(
     std::exit(EXIT_FAILURE);
   }
   return image;
+}
+
+/**
+ * The volume with a layer of transparent voxels of value `value` around it. VTK's mappers differ
+ * in whether they take a sample that lies on the face of the volume, which is seen as rings where
+ * the face cuts through opaque matter.
+ */
+inline vtkSmartPointer<vtkImageData> Padded(vtkImageData* image, double value)
+{
+  int extent[6];
+  image->GetExtent(extent);
+  vtkNew<vtkImageConstantPad> pad;
+  pad->SetInputData(image);
+  pad->SetConstant(value);
+  pad->SetOutputWholeExtent(
+    extent[0] - 1, extent[1] + 1, extent[2] - 1, extent[3] + 1, extent[4] - 1, extent[5] + 1);
+  vtkNew<vtkImageChangeInformation> shift;
+  shift->SetInputConnection(pad->GetOutputPort());
+  shift->SetOutputExtentStart(0, 0, 0);
+  shift->Update();
+  return shift->GetOutput();
 }
 
 //------------------------------------------------------------------------------
@@ -301,7 +325,7 @@ struct View
 class Scene
 {
 public:
-  static constexpr int Size = 240;
+  static constexpr int Size = 200;
 
   explicit Scene(int size = Size)
   {
@@ -381,6 +405,18 @@ public:
     }
     this->Renderer->ResetCamera(bounds);
     camera->Zoom(1.3 * view.Zoom);
+    if (view.Parallel)
+    {
+      // From far away: VTK 9.1's GPU mapper lets a headlight shine from the position of the camera
+      // even if the projection is parallel.
+      double position[3];
+      camera->GetPosition(position);
+      for (int a = 0; a < 3; ++a)
+      {
+        position[a] = middle[a] + 20.0 * (position[a] - middle[a]);
+      }
+      camera->SetPosition(position);
+    }
     this->Renderer->ResetCameraClippingRange(bounds);
   }
 
@@ -501,6 +537,114 @@ public:
   vtkNew<vtkFixedPointVolumeRayCastMapper> Fixed;
   vtkNew<vtkOpenGLGPUVolumeRayCastMapper> Gpu;
 };
+
+//------------------------------------------------------------------------------
+/**
+ * The picture of the unshaded, undeformed volume in double precision, straight from the transfer
+ * functions and without any early end of rays: what all the mappers approximate. The image must
+ * have no direction matrix, the volume no matrix.
+ */
+inline Picture RenderExactly(Scene& scene, vtkImageData* image, double sampleDistance)
+{
+  Picture picture;
+  const int* size = scene.Window->GetSize();
+  picture.Width = size[0];
+  picture.Height = size[1];
+  picture.Rgb.resize(3 * static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]));
+  vtkNew<vtkMatrix4x4> toWorld;
+  toWorld->DeepCopy(scene.Renderer->GetActiveCamera()->GetCompositeProjectionTransformMatrix(
+    static_cast<double>(size[0]) / size[1], -1.0, 1.0));
+  toWorld->Invert();
+  double background[3];
+  scene.Renderer->GetBackground(background);
+  int dims[3];
+  double origin[3];
+  double spacing[3];
+  image->GetDimensions(dims);
+  image->GetOrigin(origin);
+  image->GetSpacing(spacing);
+  vtkDataArray* scalars = image->GetPointData()->GetScalars();
+  std::vector<double> values(static_cast<std::size_t>(scalars->GetNumberOfTuples()));
+  for (std::size_t i = 0; i < values.size(); ++i)
+  {
+    values[i] = scalars->GetComponent(static_cast<vtkIdType>(i), 0);
+  }
+  const double exponent = sampleDistance / scene.Property->GetScalarOpacityUnitDistance();
+  for (int pixel = 0; pixel < size[0] * size[1]; ++pixel)
+  {
+    double ends[2][4];
+    for (int e = 0; e < 2; ++e)
+    {
+      const double ndc[4] = { (pixel % size[0] + 0.5) / size[0] * 2.0 - 1.0,
+        (pixel / size[0] + 0.5) / size[1] * 2.0 - 1.0, e == 0 ? -1.0 : 1.0, 1.0 };
+      toWorld->MultiplyPoint(ndc, ends[e]);
+      for (int a = 0; a < 3; ++a)
+      {
+        ends[e][a] = (ends[e][a] / ends[e][3] - origin[a]) / spacing[a];
+      }
+    }
+    double length = 0.0;
+    double from = 0.0;
+    double to = 1.0;
+    for (int a = 0; a < 3; ++a)
+    {
+      const double d = ends[1][a] - ends[0][a];
+      length += d * d * spacing[a] * spacing[a];
+      const double t0 = -ends[0][a] / d;
+      const double t1 = (dims[a] - 1 - ends[0][a]) / d;
+      from = std::max(from, std::min(t0, t1));
+      to = std::min(to, std::max(t0, t1));
+    }
+    const double step = sampleDistance / std::sqrt(length);
+    double rgb[3] = { 0.0, 0.0, 0.0 };
+    double light = 1.0;
+    for (double k = std::ceil(from / step); k * step < to && light > 1e-5; k += 1.0)
+    {
+      double weight[3];
+      std::size_t at = 0;
+      const std::size_t stride[3] = { 1, static_cast<std::size_t>(dims[0]),
+        static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) };
+      for (int a = 0; a < 3; ++a)
+      {
+        const double q = ends[0][a] + k * step * (ends[1][a] - ends[0][a]);
+        const int cell = std::max(0, std::min(static_cast<int>(q), dims[a] - 2));
+        weight[a] = q - cell;
+        at += static_cast<std::size_t>(cell) * stride[a];
+      }
+      double value = 0.0;
+      for (std::size_t corner = 0; corner < 8; ++corner)
+      {
+        double w = 1.0;
+        std::size_t offset = at;
+        for (std::size_t a = 0; a < 3; ++a)
+        {
+          const bool upper = (corner >> a & 1) != 0;
+          w *= upper ? weight[a] : 1.0 - weight[a];
+          offset += upper ? stride[a] : 0;
+        }
+        value += w * values[offset];
+      }
+      const double opacity = scene.Property->GetScalarOpacity()->GetValue(value);
+      if (opacity > 0.0)
+      {
+        double colour[3];
+        scene.Property->GetRGBTransferFunction()->GetColor(value, colour);
+        const double passed = std::pow(1.0 - opacity, exponent);
+        for (int c = 0; c < 3; ++c)
+        {
+          rgb[c] += light * (1.0 - passed) * colour[c];
+        }
+        light *= passed;
+      }
+    }
+    for (int c = 0; c < 3; ++c)
+    {
+      picture.Rgb[static_cast<std::size_t>(3 * pixel + c)] =
+        static_cast<unsigned char>(255.0 * (rgb[c] + light * background[c]) + 0.5);
+    }
+  }
+  return picture;
+}
 
 //------------------------------------------------------------------------------
 /**
