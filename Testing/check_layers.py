@@ -13,8 +13,11 @@ The rules:
   layer              Module (Core) <- Filters <- Rendering <- paraview-plugin: an include goes
                      only to the left; Rendering/Widgets includes Module's headers only
   plugin-only        headers of ParaView and Qt only in paraview-plugin
-  installed-private  an installed header (vtk*.h) includes no GLM, Highway or kernel header
-  one-class          an installed header exports one class, named as the file
+  installed-private  an installed header (of a class that its folder's CMakeLists.txt lists in
+                     set(classes ...)) includes no GLM, Highway or kernel header, and no header of
+                     ours that is not installed
+  one-class          an installed header exports one class, named as the file; a header that is
+                     not installed exports none
   spdx               each source file names its copyright and license in its first lines
   ascii              sources hold only ASCII characters
 """
@@ -47,6 +50,7 @@ KERNEL_LAYERS = {
 C_HEADERS = {"assert.h", "float.h", "inttypes.h", "limits.h", "math.h", "stddef.h", "stdint.h",
              "stdio.h", "stdlib.h", "string.h"}
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^">]+)[">]', re.MULTILINE)
+CLASS_LIST = re.compile(r"^set\(classes\s([^)]*)\)", re.MULTILINE)
 EXPORTED_CLASS = re.compile(r"^\s*class\s+\w+_EXPORT\s+(\w+)[^;]*?\{", re.MULTILINE)
 PLUGIN_HEADER = re.compile(r"^(vtkPV|vtkSM(?!P)|vtkSI(?!m)|pq|pv|Q[A-Z]|Qt[A-Z])\w*(\.h)?$|^Qt\w*/")
 SKIPPED_FOLDERS = {".git", "__pycache__", "output", "Data"}
@@ -82,17 +86,21 @@ def is_kernel(path):
     return "Kernels" in os.path.dirname(path).split(os.sep) and layer_of(path) is not None
 
 
-def is_installed(path):
-    layer = layer_of(path)
-    return (layer is not None and os.path.dirname(path) == layer
-            and os.path.basename(path).startswith("vtk") and path.endswith(".h"))
-
-
 class Checker:
     def __init__(self, root):
         self.root = root
         self.violations = []
         self.files = source_files(root)
+        # Headers that are installed: those of the classes that the layers' CMakeLists.txt list.
+        self.installed = set()
+        for layer in LAYERS:
+            listing = os.path.join(root, layer, "CMakeLists.txt")
+            if os.path.exists(listing):
+                with open(listing, encoding="utf-8") as file:
+                    text = re.sub(r"#.*", "", file.read())
+                for names in CLASS_LIST.findall(text):
+                    self.installed.update(os.path.join(layer, name + ".h")
+                                          for name in names.split())
         # Our headers by file name: names are unique (checked), since headers flatten at install.
         self.headers = {}
         for path in self.files:
@@ -125,7 +133,7 @@ class Checker:
                                 "has no SPDX lines at its start (copy them from another file)")
             if path.endswith(CODE_SUFFIXES):
                 self.check_includes(path, text)
-                if is_installed(path):
+                if path.endswith(".h") and layer_of(path) is not None and not is_kernel(path):
                     self.check_class(path, text)
         return self.violations
 
@@ -159,8 +167,8 @@ class Checker:
 
     def check_class_include(self, path, line, header, name):
         own = self.headers.get(name)
-        if is_installed(path) and (header.startswith(("glm/", "hwy/"))
-                                   or (own is not None and is_kernel(own))):
+        if path in self.installed and (header.startswith(("glm/", "hwy/"))
+                                       or (own is not None and own not in self.installed)):
             self.report("installed-private", path, line,
                         f"includes {header}, which is not installed; forward declare, or move "
                         "it into the .cxx")
@@ -180,6 +188,12 @@ class Checker:
 
     def check_class(self, path, text):
         classes = EXPORTED_CLASS.findall(text)
+        if path not in self.installed:
+            if classes:
+                self.report("one-class", path, 1,
+                            f"exports {', '.join(classes)} but is not installed; list the class "
+                            "under set(classes ...) in the folder's CMakeLists.txt")
+            return
         expected = os.path.basename(path)[:-2]
         if classes != [expected]:
             self.report("one-class", path, 1,
@@ -198,6 +212,10 @@ SPDX_CXX = ("// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors\n"
             "// SPDX-License-Identifier: BSD-3-Clause\n")
 
 CLEAN_TREE = {
+    "Module/CMakeLists.txt": "set(classes\n  vtkFFDLow)\n",
+    "Filters/CMakeLists.txt": "set(classes\n  # of the pipeline\n  vtkFFDMiddle)\n",
+    "Rendering/CMakeLists.txt": "set(classes vtkFFDTop)\nset(glue vtkFFDGlue.cxx)\n",
+    "Rendering/vtkFFDGlue.h": '#include "FFDHigh.h"\n#include <glm/vec3.hpp>\n',
     "Module/Kernels/FFDBase.h": "#include <vector>\n#include <glm/vec3.hpp>\n",
     "Module/vtkFFDLow.h": '#include "vtkFFDCoreModule.h"\n#include "vtkObject.h"\n'
                           "class VTKFFDCORE_EXPORT vtkFFDLow : public vtkObject\n{\n};\n",
@@ -206,7 +224,7 @@ CLEAN_TREE = {
                               "class VTKFFDFILTERS_EXPORT vtkFFDMiddle : public vtkObject\n{\n};\n",
     "Rendering/Kernels/FFDHigh.cxx": '#include "FFDBase.h"\n#include <hwy/highway.h>\n'
                                      "#include <cstdint>\n#include <math.h>\n",
-    "Rendering/Kernels/FFDHigh.h": "#include <string>\n",
+    "Rendering/Kernels/FFDHigh.h": "#include <string>\nclass FFD_KERNEL_EXPORT High\n{\n};\n",
     "Rendering/vtkFFDTop.h": '#include "vtkFFDRenderingModule.h"\n'
                              "class VTKFFDRENDERING_EXPORT vtkFFDTop : public vtkVolumeMapper\n"
                              "{\n};\n",
@@ -233,6 +251,8 @@ VIOLATIONS = (
     ("installed-private", "Module/vtkFFDLow.h", "#include <glm/mat3x3.hpp>\n"),
     ("installed-private", "Rendering/vtkFFDTop.h", '#include "FFDHigh.h"\n'),
     ("installed-private", "Module/vtkFFDLow.h", "#include <hwy/highway.h>\n"),
+    ("installed-private", "Rendering/vtkFFDTop.h", '#include "vtkFFDGlue.h"\n'),
+    ("one-class", "Rendering/vtkFFDGlue.h", "class VTKFFDRENDERING_EXPORT vtkFFDGlue\n{\n};\n"),
     ("one-class", "Module/vtkFFDLow.h", "class VTKFFDCORE_EXPORT vtkFFDOther\n{\n};\n"),
     ("ascii", "Module/vtkFFDLow.cxx", "// na\u00efve\n"),
     ("spdx", "Testing/Cxx/TestNew.cxx", "int TestNew() { return 0; }\n"),
@@ -252,7 +272,8 @@ def self_test():
     for rule, path, text in cases:
         with tempfile.TemporaryDirectory() as root:
             for name, content in CLEAN_TREE.items():
-                write(root, name, SPDX_CXX + content)
+                comment = "#" if name.endswith(".txt") else "//"
+                write(root, name, SPDX_CXX.replace("//", comment) + content)
             if path is not None:
                 new = not os.path.exists(os.path.join(root, path))
                 write(root, path, (SPDX_CXX if new and rule != "spdx" else "") + text)
