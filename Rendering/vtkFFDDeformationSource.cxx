@@ -2,32 +2,152 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDDeformationSource.h"
 
-#include "vtkBSplineTransform.h"
-#include "vtkFFDLattice.h"
-#include "vtkImageData.h"
-#include "vtkPointData.h"
-#include "vtkDataArray.h"
-#include <vector>
+#include "vtkFFDBSplineFieldFromTransform.h"
 
+#include "vtkAbstractTransform.h"
+#include "vtkBSplineTransform.h"
+#include "vtkBoundingBox.h"
+#include "vtkFFDLattice.h"
+#include "vtkFieldData.h"
+#include "vtkImageData.h"
+#include "vtkSmartPointer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace
+{
+
+/// Points a side of the grid that probes where a foreign transform moves the volume.
+constexpr int ProbesPerSide = 9;
+/// What is added on each side to the region so found, by its size.
+constexpr double RegionMargin = 0.1;
+
+} // namespace
+
+//------------------------------------------------------------------------------
 vtkFFDDeformationSource::vtkFFDDeformationSource() = default;
+
+//------------------------------------------------------------------------------
 vtkFFDDeformationSource::~vtkFFDDeformationSource() = default;
 
-bool vtkFFDDeformationSource::Update(vtkAbstractTransform* transform, vtkImageData*, const double[6],
-    double, std::string& message, std::string&)
+//------------------------------------------------------------------------------
+bool vtkFFDDeformationSource::Update(vtkAbstractTransform* transform, vtkImageData* image,
+  const double bounds[6], double tolerance, std::string& message, std::string& warning)
 {
-  auto* spline = vtkBSplineTransform::SafeDownCast(transform);
-  if (transform && !spline) { message = "not a spline"; return false; }
-  if (!spline) { if (!this->MadeFromTime) {this->Changed.Modified(); this->MadeFromTime=1;} return true; }
-  spline->Update();
-  if (MadeFrom==spline && MadeFromTime==spline->GetMTime()) return true;
-  MadeFrom=spline; MadeFromTime=spline->GetMTime();
-  vtkImageData* c = spline->GetCoefficientData();
-  int d[3]; c->GetDimensions(d); double* o=c->GetOrigin(); double* s=c->GetSpacing();
-  std::vector<glm::dvec3> v(d[0]*d[1]*d[2]);
-  for (size_t i=0;i<v.size();++i) { double t[3]; c->GetPointData()->GetScalars()->GetTuple(i,t); v[i]=glm::dvec3(t[0],t[1],t[2]); }
-  Field = ffd::BSplineField(glm::ivec3(d[0],d[1],d[2]), glm::dvec3(o[0],o[1],o[2]), glm::dvec3(s[0],s[1],s[2]), v.data(), spline->GetDisplacementScale(), (ffd::BorderMode)spline->GetBorderMode());
-  Inverted = spline->GetInverseFlag();
+  const bool attached = !transform && vtkFFDLattice::HasLattice(image);
+  const bool foreign = transform && !vtkBSplineTransform::SafeDownCast(transform);
+  const void* from = transform;
+  vtkMTimeType time = 0;
+  if (transform)
+  {
+    transform->Update();
+    time = transform->GetMTime();
+  }
+  else if (attached)
+  {
+    from = image;
+    time = std::max(image->GetMTime(), image->GetFieldData()->GetMTime());
+  }
+  // Only an approximation depends on where it is made and how well.
+  const bool same = this->Changed.GetMTime() > 0 && this->MadeFrom == from &&
+    this->MadeFromTime == time &&
+    (!foreign ||
+      (this->MadeWithTolerance == tolerance &&
+        std::equal(bounds, bounds + 6, this->MadeForBounds)));
+  if (same)
+  {
+    return true;
+  }
+
+  ffd::BSplineField field;
+  bool inverted = false;
+  vtkBSplineTransform* spline = vtkBSplineTransform::SafeDownCast(transform);
+  if (attached)
+  {
+    if (!this->Lattice->ReadFrom(image))
+    {
+      message = "The lattice attached to the input cannot be read. Attach it again with "
+                "vtkFFDLattice::AttachTo(), or remove it with vtkFFDLattice::DetachFrom().";
+      return false;
+    }
+    spline = this->Lattice;
+  }
+  else if (foreign)
+  {
+    double region[6];
+    this->FindFitRegion(transform, bounds, region);
+    const double error = this->Lattice->FitToTransform(transform, region, tolerance);
+    if (error < 0.0)
+    {
+      message = std::string("The deformation, a ") + transform->GetClassName() +
+        ", cannot be approximated by a lattice over the volume. Check that it is finite there.";
+      return false;
+    }
+    if (error > tolerance)
+    {
+      std::ostringstream text;
+      text << "The deformation, a " << transform->GetClassName()
+           << ", is approximated by a lattice with an error of " << error
+           << " instead of the PositionTolerance of " << tolerance << " (data units).";
+      warning = text.str();
+    }
+    spline = this->Lattice;
+  }
+  std::string reason;
+  if (spline && !vtkFFDBSplineFieldFromTransform(spline, field, inverted, reason))
+  {
+    message = "The deformation cannot be used: " + reason;
+    return false;
+  }
+  this->Field = field;
+  this->Inverted = inverted;
+  this->MadeFrom = from;
+  this->MadeFromTime = time;
+  std::copy_n(bounds, 6, this->MadeForBounds);
+  this->MadeWithTolerance = tolerance;
   this->Changed.Modified();
   return true;
 }
-std::size_t vtkFFDDeformationSource::GetMemorySize() const { return 0; }
+
+//------------------------------------------------------------------------------
+void vtkFFDDeformationSource::FindFitRegion(
+  vtkAbstractTransform* transform, const double bounds[6], double region[6]) const
+{
+  // The renderer evaluates the deformation in the volume at rest and, in the other inverse modes,
+  // where the volume is moved to or comes from: all of that has to be covered.
+  vtkBoundingBox box(bounds);
+  vtkAbstractTransform* const directions[2] = { transform, transform->GetInverse() };
+  for (vtkAbstractTransform* direction : directions)
+  {
+    for (int i = 0; i < ProbesPerSide * ProbesPerSide * ProbesPerSide; ++i)
+    {
+      const int index[3] = { i % ProbesPerSide, i / ProbesPerSide % ProbesPerSide,
+        i / (ProbesPerSide * ProbesPerSide) };
+      double p[3];
+      for (int a = 0; a < 3; ++a)
+      {
+        p[a] = bounds[2 * a] +
+          (bounds[2 * a + 1] - bounds[2 * a]) * index[a] / (ProbesPerSide - 1);
+      }
+      direction->TransformPoint(p, p);
+      if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))
+      {
+        box.AddPoint(p);
+      }
+    }
+  }
+  for (int a = 0; a < 3; ++a)
+  {
+    const double margin = RegionMargin * box.GetLength(a);
+    region[2 * a] = box.GetBound(2 * a) - margin;
+    region[2 * a + 1] = box.GetBound(2 * a + 1) + margin;
+  }
+}
+
+//------------------------------------------------------------------------------
+std::size_t vtkFFDDeformationSource::GetMemorySize() const
+{
+  return this->Field.GetCoefficients().capacity() * sizeof(glm::dvec3);
+}

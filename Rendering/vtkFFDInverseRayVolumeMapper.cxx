@@ -317,6 +317,7 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
     self->OpacityLength == WORLD ? ffd::OpacityLength::World : ffd::OpacityLength::Material;
   settings.TerminationTransmittance = static_cast<float>(self->EarlyRayTerminationThreshold);
   settings.InverseTolerance = self->InverseTolerance;
+  settings.Reference = self->ReferenceKernels != 0;
   settings.Shade = volume->GetProperty()->GetShade(0) != 0;
   if (self->LockSampleDistanceToInputSpacing)
   {
@@ -468,7 +469,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
     ffd::CastStatistics total;
     for (const ffd::RayCaster::Scratch& each : scratch)
     {
-      total.Add(each.Statistics);
+      total.Add(ffd::RayCaster::GetStatistics(each));
     }
     this->Statistics->SetCounts(total.Rays, total.Segments, total.SegmentLength, total.Samples,
       total.VisibleSamples, total.DistanceLookups, total.Evaluations, total.Unconverged);
@@ -653,7 +654,7 @@ vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetAuxiliaryMemorySize()
   const vtkInternals& in = *this->Internals;
   return static_cast<vtkTypeInt64>(in.Blocks.GetMemorySize() + in.Distances.GetMemorySize() +
     in.Table.GetMemorySize() + in.Source.GetMemorySize() +
-    in.SpaceBounds.GetMemorySize());
+    in.MapBounds.GetMemorySize() + in.SpaceBounds.GetMemorySize());
 }
 
 //------------------------------------------------------------------------------
@@ -920,6 +921,7 @@ void vtkFFDInverseRayVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "AutoAdjustSampleDistances: " << this->AutoAdjustSampleDistances << "\n";
   os << indent << "IntermixIntersectingGeometry: " << this->IntermixIntersectingGeometry << "\n";
   os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
+  os << indent << "ReferenceKernels: " << this->ReferenceKernels << "\n";
   os << indent << "CollectStatistics: " << this->CollectStatistics << "\n";
   os << indent << "Statistics:\n";
   this->Internals->Statistics->PrintSelf(os, indent.GetNextIndent());

@@ -281,6 +281,18 @@ public:
 
   ///@{
   /**
+   * Whether the reference kernels render: one ray after the other in double precision, the oracle
+   * that the fast kernels are tested against. Default: off. The picture is the same but for
+   * rounding. GREEDY_ANGLE and volumes of 2 GiB or more, or with less than 4 voxels along an
+   * axis, are always rendered by them.
+   */
+  vtkSetMacro(ReferenceKernels, vtkTypeBool);
+  vtkGetMacro(ReferenceKernels, vtkTypeBool);
+  vtkBooleanMacro(ReferenceKernels, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
    * Whether GetStatistics is filled by every image. Default: off.
    */
   vtkSetMacro(CollectStatistics, vtkTypeBool);
@@ -370,6 +382,7 @@ private:
   vtkTypeBool AutoAdjustSampleDistances = 1;
   vtkTypeBool IntermixIntersectingGeometry = 1;
   int NumberOfThreads = 0;
+  vtkTypeBool ReferenceKernels = 0;
   vtkTypeBool CollectStatistics = 0;
 
   class vtkInternals;

@@ -12,7 +12,7 @@ Options, where they apply:
   RENDERING      opens a render window: gets the label "rendering", Mesa's software rasteriser, and
                  fails with a message when there is no X display
   LABELS <l>...  further ctest labels (each test has the label of its kind: kernels, cxx, python)
-  TIMEOUT <s>    seconds, default FFD_TEST_TIMEOUT (longer under sanitizers)
+  TIMEOUT <s>    seconds, default FFD_TEST_TIMEOUT (180; 900 under sanitizers and in Debug)
   ARGS <a>...    extra arguments
 
 The ctest names are Kernels.<Name>, Cxx.<Name> and Python.<file without .py>. A test source that
@@ -25,7 +25,7 @@ find_package(GTest REQUIRED)
 set(FFD_TEST_DATA_DIR "${CMAKE_SOURCE_DIR}/Testing/Data")
 set(FFD_TEST_TEMPORARY_DIR "${CMAKE_BINARY_DIR}/Testing/Temporary")
 file(MAKE_DIRECTORY "${FFD_TEST_TEMPORARY_DIR}")
-if (FFD_SANITIZERS)
+if (FFD_SANITIZERS OR CMAKE_BUILD_TYPE STREQUAL "Debug")
   set(FFD_TEST_TIMEOUT 900 CACHE STRING "Default time limit of a test in seconds")
 else ()
   set(FFD_TEST_TIMEOUT 180 CACHE STRING "Default time limit of a test in seconds")

@@ -74,6 +74,8 @@ public:
    */
   Box DeformedBounds(const Box& rest) const;
 
+  std::size_t GetMemorySize() const { return this->SubCells.capacity() * sizeof(SubCellBounds); }
+
   /// True when J_T is proven regular everywhere, so that T has one inverse (kinds that invert T).
   bool IsProvenInvertible() const { return this->ProvenInvertible; }
 

@@ -41,7 +41,9 @@ struct BoundsInput
   int Lanes; ///< cells of x including the two constant ones
   const float* LaneScale; ///< per lane, 0 where the outside of x is zero
   float CoefficientScale; ///< largest magnitude of a coefficient, rounded up
-  glm::dvec3 InverseSpacing;
+  float InverseLength[3]; ///< smallest spacing over the spacing of each axis, <= 1
+  float SecondScale;      ///< from derivatives in units of that smallest spacing
+  float ThirdScale;
   float RangeScale[4]; ///< of a normalised value and of first differences along x, y, z
   bool Mirrored[4];    ///< negative spacing: minimum and maximum of the derivative swap
   float Shift[3];      ///< constant part of the field, not in Coefficients
@@ -66,11 +68,6 @@ struct Net
 {
   HWY_ALIGN float Value[3 * 64 * BlockLanes];
 };
-
-inline float* At(float* net, int c, int x, int y, int z)
-{
-  return net + static_cast<std::ptrdiff_t>((((c * 4 + z) * 4 + y) * 4 + x)) * BlockLanes;
-}
 
 /// Contract y and z: rows[c][bz][by][x] for all x of one (y piece, z piece).
 HWY_INLINE void ContractPlane(const BoundsInput& in, const AxisPiece& piece, float* plane)
@@ -191,14 +188,33 @@ HWY_INLINE void FindRange(const float* net, ComponentRange& range)
   for (int l = 0; l < BlockLanes; l += step)
   {
     const float* base = net + l;
-    auto lo = hn::Load(d, base);
-    auto hi = lo;
-    for (int i = 1; i < 64; ++i)
+    // Four chains each: one would wait for the latency of every minimum.
+    auto lo0 = hn::Load(d, base);
+    auto lo1 = hn::Load(d, base + BlockLanes);
+    auto lo2 = hn::Load(d, base + 2 * BlockLanes);
+    auto lo3 = hn::Load(d, base + 3 * BlockLanes);
+    auto hi0 = lo0;
+    auto hi1 = lo1;
+    auto hi2 = lo2;
+    auto hi3 = lo3;
+    for (int i = 4; i < 64; i += 4)
     {
-      const auto v = hn::Load(d, base + i * BlockLanes);
-      lo = hn::Min(lo, v);
-      hi = hn::Max(hi, v);
+      const float* four = base + i * BlockLanes;
+      const auto v0 = hn::Load(d, four);
+      const auto v1 = hn::Load(d, four + BlockLanes);
+      const auto v2 = hn::Load(d, four + 2 * BlockLanes);
+      const auto v3 = hn::Load(d, four + 3 * BlockLanes);
+      lo0 = hn::Min(lo0, v0);
+      lo1 = hn::Min(lo1, v1);
+      lo2 = hn::Min(lo2, v2);
+      lo3 = hn::Min(lo3, v3);
+      hi0 = hn::Max(hi0, v0);
+      hi1 = hn::Max(hi1, v1);
+      hi2 = hn::Max(hi2, v2);
+      hi3 = hn::Max(hi3, v3);
     }
+    const auto lo = hn::Min(hn::Min(lo0, lo1), hn::Min(lo2, lo3));
+    const auto hi = hn::Max(hn::Max(hi0, hi1), hn::Max(hi2, hi3));
     hn::Store(lo, d, range.Min[0] + l);
     hn::Store(hi, d, range.Max[0] + l);
     for (int a = 0; a < 3; ++a)
@@ -230,51 +246,80 @@ HWY_INLINE void FindRange(const float* net, ComponentRange& range)
   }
 }
 
-/// Differences of `from` (extent `n` per axis) along `axis`; extent shrinks by one.
-HWY_INLINE void Difference(const Net& from, const int n[3], int axis, Net& to)
+/// A derivative of a tricubic: differences of order X, Y, Z, which leave this many coefficients.
+template <int X, int Y, int Z>
+struct Order
 {
+  static constexpr int Size[3] = { 4 - X, 4 - Y, 4 - Z };
+  template <int Axis>
+  using Next = Order<X + (Axis == 0), Y + (Axis == 1), Z + (Axis == 2)>;
+  /// Number of times the derivative occurs in the full symmetric tensor: (X+Y+Z)! / (X! Y! Z!).
+  static constexpr double Copies()
+  {
+    constexpr double factorial[4] = { 1.0, 1.0, 2.0, 6.0 };
+    return factorial[X + Y + Z] / (factorial[X] * factorial[Y] * factorial[Z]);
+  }
+  /// From differences of Bezier coefficients to the derivative, unit spacing.
+  static constexpr double Factor()
+  {
+    constexpr double falling[4] = { 1.0, 3.0, 6.0, 6.0 };
+    return falling[X] * falling[Y] * falling[Z];
+  }
+};
+
+constexpr int AxisStride[3] = { BlockLanes, 4 * BlockLanes, 16 * BlockLanes };
+
+/// Differences of a net along an axis; `From` is the order of the net.
+template <class From, int Axis>
+HWY_INLINE void Difference(const Net& from, Net& to)
+{
+  using To = typename From::template Next<Axis>;
   const Tag d;
   const int step = static_cast<int>(hn::Lanes(d));
-  const int m[3] = { n[0] - (axis == 0), n[1] - (axis == 1), n[2] - (axis == 2) };
-  const int along = (axis == 0 ? 1 : (axis == 1 ? 4 : 16)) * BlockLanes;
-  for (int c = 0; c < 3; ++c)
+  for (int row = 0; row < 3 * To::Size[2]; ++row)
   {
-    for (int z = 0; z < m[2]; ++z)
+    const std::ptrdiff_t plane =
+      static_cast<std::ptrdiff_t>(row / To::Size[2] * 4 + row % To::Size[2]) * AxisStride[2];
+    for (int y = 0; y < To::Size[1]; ++y)
     {
-      for (int y = 0; y < m[1]; ++y)
+      for (int x = 0; x < To::Size[0]; ++x)
       {
-        for (int x = 0; x < m[0]; ++x)
+        const std::ptrdiff_t at = plane + y * AxisStride[1] + x * AxisStride[0];
+        for (int l = 0; l < BlockLanes; l += step)
         {
-          const float* v = At(const_cast<float*>(from.Value), c, x, y, z);
-          float* w = At(to.Value, c, x, y, z);
-          for (int l = 0; l < BlockLanes; l += step)
-          {
-            hn::Store(hn::Sub(hn::Load(d, v + along + l), hn::Load(d, v + l)), d, w + l);
-          }
+          const float* v = from.Value + at + l;
+          hn::Store(hn::Sub(hn::Load(d, v + AxisStride[Axis]), hn::Load(d, v)), d, to.Value + at + l);
         }
       }
     }
   }
 }
 
-/// Largest length of the vectors of a net; a norm is convex, so this bounds it over the cell.
-HWY_INLINE void LargestLength(const Net& net, const int n[3], float* length)
+/// Largest length of the vectors of a difference of a net; a norm is convex, so this bounds it
+/// over the cell.
+template <class From, int Axis>
+HWY_INLINE void LargestDifference(const Net& from, float* length)
 {
+  using To = typename From::template Next<Axis>;
   const Tag d;
   const int step = static_cast<int>(hn::Lanes(d));
   for (int l = 0; l < BlockLanes; l += step)
   {
     auto most = hn::Zero(d);
-    for (int z = 0; z < n[2]; ++z)
+    for (int z = 0; z < To::Size[2]; ++z)
     {
-      for (int y = 0; y < n[1]; ++y)
+      for (int y = 0; y < To::Size[1]; ++y)
       {
-        for (int x = 0; x < n[0]; ++x)
+        for (int x = 0; x < To::Size[0]; ++x)
         {
-          const float* v = At(const_cast<float*>(net.Value), 0, x, y, z) + l;
-          const auto a = hn::Load(d, v);
-          const auto b = hn::Load(d, v + 64 * BlockLanes);
-          const auto c = hn::Load(d, v + 128 * BlockLanes);
+          const float* v =
+            from.Value + z * AxisStride[2] + y * AxisStride[1] + x * AxisStride[0] + l;
+          const float* w = v + AxisStride[Axis];
+          const auto a = hn::Sub(hn::Load(d, w), hn::Load(d, v));
+          const auto b =
+            hn::Sub(hn::Load(d, w + 64 * BlockLanes), hn::Load(d, v + 64 * BlockLanes));
+          const auto c =
+            hn::Sub(hn::Load(d, w + 128 * BlockLanes), hn::Load(d, v + 128 * BlockLanes));
           most = hn::Max(most, hn::MulAdd(a, a, hn::MulAdd(b, b, hn::Mul(c, c))));
         }
       }
@@ -355,67 +400,72 @@ HWY_INLINE void StoreRanges(const BoundsInput& in, const SubCellGrid& grid, cons
   }
 }
 
-/// Norm bounds of the second and third derivatives of a block of cells.
+/// sums[lane] += Copies * (factor * (length of the differences + slack))^2.
+template <class From, int Axis>
+HWY_INLINE void AddSquare(const Net& from, float factor, float slack, float* sums)
+{
+  using To = typename From::template Next<Axis>;
+  HWY_ALIGN float length[BlockLanes];
+  LargestDifference<From, Axis>(from, length);
+  const float size = factor * static_cast<float>(To::Factor());
+  for (int l = 0; l < BlockLanes; ++l)
+  {
+    const float term = size * (length[l] + slack);
+    sums[l] += static_cast<float>(To::Copies()) * term * term;
+  }
+}
+
+template <class From, int Axis>
+HWY_INLINE void AddThird(const BoundsInput& in, const Net& twice, float factor, float* sums)
+{
+  AddSquare<From, Axis>(twice, factor * in.InverseLength[Axis], ThirdSlack, sums);
+}
+
+/// Second derivatives of `first` along Axis and on to the third ones along Axis ... 2.
+template <class First, int Axis>
+HWY_INLINE void AddSecond(const BoundsInput& in, const Net& first, float factor, Net& twice,
+  float* second, float* third)
+{
+  using Second = typename First::template Next<Axis>;
+  const float next = factor * in.InverseLength[Axis];
+  AddSquare<First, Axis>(first, next, SecondSlack, second);
+  Difference<First, Axis>(first, twice);
+  if constexpr (Axis == 0)
+  {
+    AddThird<Second, 0>(in, twice, next, third);
+  }
+  if constexpr (Axis <= 1)
+  {
+    AddThird<Second, 1>(in, twice, next, third);
+  }
+  AddThird<Second, 2>(in, twice, next, third);
+}
+
+/// Norm bounds of the second and third derivatives of a block of cells:
+/// |sum d_a d_b H_ab| <= |d|^2 sqrt(sum |H_ab|^2) by Cauchy and Schwarz; likewise the third.
 HWY_INLINE void FindHigherDerivatives(
   const BoundsInput& in, const Net& net, float* second, float* third)
 {
-  double secondSquare[BlockLanes] = {};
-  double thirdSquare[BlockLanes] = {};
-  const int n0[3] = { 4, 4, 4 };
-  const glm::dvec3 inverse = glm::abs(in.InverseSpacing);
+  HWY_ALIGN float secondSquare[BlockLanes] = {};
+  HWY_ALIGN float thirdSquare[BlockLanes] = {};
   Net first;
   Net twice;
-  Net thrice;
-  HWY_ALIGN float length[BlockLanes];
-  // Falling factorials: the factor of an n-fold difference along one axis of a cubic.
-  const double factorial[4] = { 1.0, 3.0, 6.0, 6.0 };
-  for (int a = 0; a < 3; ++a)
-  {
-    int n1[3] = { n0[0], n0[1], n0[2] };
-    Difference(net, n1, a, first);
-    --n1[a];
-    for (int b = a; b < 3; ++b)
-    {
-      int n2[3] = { n1[0], n1[1], n1[2] };
-      Difference(first, n2, b, twice);
-      --n2[b];
-      int orders[3] = { 0, 0, 0 };
-      ++orders[a];
-      ++orders[b];
-      LargestLength(twice, n2, length);
-      const double factor2 = factorial[orders[0]] * factorial[orders[1]] * factorial[orders[2]] *
-        inverse[a] * inverse[b] * in.CoefficientScale;
-      const double copies2 = a == b ? 1.0 : 2.0;
-      for (int l = 0; l < BlockLanes; ++l)
-      {
-        const double size = factor2 * (length[l] + SecondSlack);
-        secondSquare[l] += copies2 * size * size;
-      }
-      for (int c = b; c < 3; ++c)
-      {
-        int n3[3] = { n2[0], n2[1], n2[2] };
-        Difference(twice, n3, c, thrice);
-        --n3[c];
-        LargestLength(thrice, n3, length);
-        int orders3[3] = { orders[0], orders[1], orders[2] };
-        ++orders3[c];
-        const double factor3 = factorial[orders3[0]] * factorial[orders3[1]] *
-          factorial[orders3[2]] * inverse[a] * inverse[b] * inverse[c] * in.CoefficientScale;
-        // Number of orders in which (a, b, c) occurs in the full tensor.
-        const double copies3 = (a == b && b == c) ? 1.0 : ((a == b || b == c) ? 3.0 : 6.0);
-        for (int l = 0; l < BlockLanes; ++l)
-        {
-          const double size = factor3 * (length[l] + ThirdSlack);
-          thirdSquare[l] += copies3 * size * size;
-        }
-      }
-    }
-  }
-  // |sum d_a d_b H_ab| <= |d|^2 sqrt(sum |H_ab|^2) by Cauchy and Schwarz; likewise the third.
+  using None = Order<0, 0, 0>;
+  Difference<None, 0>(net, first);
+  AddSecond<Order<1, 0, 0>, 0>(in, first, in.InverseLength[0], twice, secondSquare, thirdSquare);
+  AddSecond<Order<1, 0, 0>, 1>(in, first, in.InverseLength[0], twice, secondSquare, thirdSquare);
+  AddSecond<Order<1, 0, 0>, 2>(in, first, in.InverseLength[0], twice, secondSquare, thirdSquare);
+  Difference<None, 1>(net, first);
+  AddSecond<Order<0, 1, 0>, 1>(in, first, in.InverseLength[1], twice, secondSquare, thirdSquare);
+  AddSecond<Order<0, 1, 0>, 2>(in, first, in.InverseLength[1], twice, secondSquare, thirdSquare);
+  Difference<None, 2>(net, first);
+  AddSecond<Order<0, 0, 1>, 2>(in, first, in.InverseLength[2], twice, secondSquare, thirdSquare);
+  // The sums above round, too.
+  constexpr float roundUp = 1.0f + 64.0f * RoundingUnit;
   for (int l = 0; l < BlockLanes; ++l)
   {
-    second[l] = static_cast<float>(std::sqrt(secondSquare[l]) * 1.000001);
-    third[l] = static_cast<float>(std::sqrt(thirdSquare[l]) * 1.000001);
+    second[l] = std::sqrt(secondSquare[l]) * in.SecondScale * roundUp;
+    third[l] = std::sqrt(thirdSquare[l]) * in.ThirdScale * roundUp;
   }
 }
 
@@ -586,13 +636,16 @@ void ComputeSubCellBounds(
   // Not smaller than what keeps the scaled bounds normal numbers.
   in.CoefficientScale = std::nextafter(
     static_cast<float>(std::max(largest, 1e-30)), std::numeric_limits<float>::infinity());
-  in.InverseSpacing = 1.0 / field.GetSpacing();
+  const double shortest = std::max({ inverse.x, inverse.y, inverse.z });
+  in.SecondScale = static_cast<float>(in.CoefficientScale * shortest * shortest);
+  in.ThirdScale = static_cast<float>(in.CoefficientScale * shortest * shortest * shortest);
   in.RangeScale[0] = in.CoefficientScale;
   in.Mirrored[0] = false;
   for (int a = 0; a < 3; ++a)
   {
     // Three times the difference over half a spacing.
-    const double factor = 6.0 * in.InverseSpacing[a];
+    const double factor = 6.0 / field.GetSpacing()[a];
+    in.InverseLength[a] = static_cast<float>(inverse[a] / shortest);
     in.RangeScale[a + 1] = static_cast<float>(std::abs(factor) * in.CoefficientScale);
     in.Mirrored[a + 1] = factor < 0.0;
     in.Shift[a] = static_cast<float>(shift[a]);

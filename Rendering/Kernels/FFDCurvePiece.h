@@ -103,7 +103,7 @@ inline SampleSchedule ScheduleEvenly(double length, double sampleDistance, doubl
   const double count =
     std::max(1.0, std::min<double>(LargestSampleCount, std::round(length / sampleDistance)));
   // A sample at the very start of the range belongs to it, rounding errors or not.
-  constexpr double Slack = 1e-9;
+  constexpr double Slack = 1e-3;
   const double first = std::ceil(std::max(from, 0.0) * count - Slack);
   const double end = std::min(count, std::ceil(std::min(to, 1.0) * count - Slack));
   SampleSchedule schedule;

@@ -55,8 +55,9 @@ void TransformLine(std::uint8_t* line, int count, std::size_t stride, std::vecto
 DistanceMap::DistanceMap(const MinMaxBlocks& blocks, const TransferTable& table)
   : Blocks(blocks.GetBlocks())
 {
-  this->Distances.resize(blocks.GetNumberOfBlocks());
-  for (std::size_t i = 0; i < this->Distances.size(); ++i)
+  const std::size_t count = blocks.GetNumberOfBlocks();
+  this->Distances.resize(count + 3);
+  for (std::size_t i = 0; i < count; ++i)
   {
     const MinMaxBlocks::Limits limits = blocks.GetLimits(i);
     this->Distances[i] = table.IsTransparent(limits.Min, limits.Max) ? LargestDistance : 0;

@@ -51,6 +51,9 @@ public:
    */
   bool FindEmptyBox(const glm::dvec3& q, const glm::dvec3& upper, EmptyBox& box) const;
 
+  /// The map itself, x fastest; three more bytes can be read behind the last block.
+  const std::uint8_t* GetData() const { return this->Distances.data(); }
+
   std::size_t GetMemorySize() const { return this->Distances.capacity(); }
 
 private:

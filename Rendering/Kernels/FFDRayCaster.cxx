@@ -279,6 +279,18 @@ RayCaster::RayCaster(const CastScene& scene, const CastSettings& settings)
   , GradientToRest(glm::transpose(scene.Volume.DataToIndex))
   , GradientToWorld(glm::transpose(glm::dmat3(scene.WorldToData)))
 {
+  if (PacketCaster::Supports(scene, settings))
+  {
+    this->Packets.reset(new PacketCaster(this->Scene, settings));
+  }
+}
+
+//------------------------------------------------------------------------------
+CastStatistics RayCaster::GetStatistics(const Scratch& scratch)
+{
+  CastStatistics sum = scratch.Statistics;
+  sum.Add(scratch.Packets.Statistics);
+  return sum;
 }
 
 //------------------------------------------------------------------------------
@@ -341,6 +353,11 @@ void RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch) c
 {
   const int x0 = tile % this->GetTilesPerRow(image) * TileSize;
   const int y0 = tile / this->GetTilesPerRow(image) * TileSize;
+  if (this->Packets)
+  {
+    this->Packets->RenderTile(x0, y0, image, scratch.Packets);
+    return;
+  }
   const int x1 = std::min(x0 + TileSize, image.Width) - 1;
   const int y1 = std::min(y0 + TileSize, image.Height) - 1;
 

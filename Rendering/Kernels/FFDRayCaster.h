@@ -3,108 +3,25 @@
 #ifndef FFDRayCaster_h
 #define FFDRayCaster_h
 
-#include "FFDCameraView.h"
-#include "FFDDeformedSpaceBounds.h"
-#include "FFDDistanceMap.h"
+#include "FFDCastScene.h"
 #include "FFDExport.h"
-#include "FFDPolyline.h"
-#include "FFDPullBack.h"
-#include "FFDSampling.h"
-#include "FFDShading.h"
-#include "FFDTileSpans.h"
-#include "FFDTransferTable.h"
-#include "FFDVolumeView.h"
+#include "FFDPacketCaster.h"
 
-#include <cstdint>
 #include <memory>
 #include <vector>
 
 namespace ffd
 {
 
-/// How a deformed ray is cut into pieces.
-enum class Segmentation
-{
-  ErrorBound, ///< parabolas on a grid shared by the tile, position error bounded (TileSpans)
-  GreedyAngle ///< the paper's polyline, section 4.5 (PolylineWalker)
-};
-
-/// How empty space is passed over.
-enum class SpaceLeaping
-{
-  Off,
-  Segment,  ///< within the current piece, as section 4.6 of the paper
-  Lipschitz ///< across pieces, by what the deformed ray can move at most
-};
-
-/// The length that opacities are corrected by.
-enum class OpacityLength
-{
-  World,   ///< of the interval on the viewing ray: the image equals that of a resampled volume
-  Material ///< of the interval in rest space, as the paper
-};
-
-struct CastSettings
-{
-  Segmentation Segments = Segmentation::ErrorBound;
-  SpaceLeaping Leaping = SpaceLeaping::Lipschitz;
-  OpacityLength Opacity = OpacityLength::World;
-  PolylineSettings Polyline;
-  SpanSettings Spans;
-  double SampleDistance = 1.0;       ///< world units, along the deformed ray
-  double InverseTolerance = 0.01;      ///< of the pull-back, voxels
-  float TerminationTransmittance = 0;  ///< a ray ends when less than this passes it
-  bool Shade = false;
-};
-
-/// Counts of one image; the measures of section 5 of the paper.
-struct CastStatistics
-{
-  std::int64_t Rays = 0;           ///< that meet the deformed bounds
-  std::int64_t Segments = 0;       ///< pieces of deformed rays that were sampled
-  double SegmentLength = 0.0;      ///< their length on the viewing rays, voxels
-  std::int64_t Samples = 0;        ///< interpolated scalars
-  std::int64_t VisibleSamples = 0; ///< of them not fully transparent
-  std::int64_t DistanceLookups = 0;
-  std::int64_t Evaluations = 0; ///< of the deformation
-  std::int64_t Unconverged = 0; ///< points where the inverse did not converge
-
-  void Add(const CastStatistics& other);
-};
-
-/// Everything a frame is rendered from: plain views, all of them outlive the ray caster's calls.
-struct CastScene
-{
-  VolumeView Volume;
-  Interpolation VolumeInterpolation = Interpolation::Linear;
-  const TransferTable* Table = nullptr;
-  const DistanceMap* Distances = nullptr; ///< may be null when Leaping is Off
-  const PullBack* Map = nullptr;
-  const DeformedSpaceBounds* Bounds = nullptr;
-  Box DeformedBounds; ///< data coordinates
-  glm::dmat4 DataToWorld{ 1.0 };
-  glm::dmat4 WorldToData{ 1.0 };
-  Shading Material;
-  CameraView Camera;
-  const float* Depths = nullptr; ///< window depths of what is already drawn, one per pixel, or null
-  double VoxelSize = 1.0;        ///< world length of the shortest voxel edge
-};
-
-/// Image to render into, rows bottom up, premultiplied RGBA and window depth of the first visible
-/// sample (1 where there is none); `Depths` may be null.
-struct CastImage
-{
-  int Width = 0;
-  int Height = 0;
-  float* Colours = nullptr;
-  float* Depths = nullptr;
-};
-
 /**
- * The reference ray caster: front-to-back compositing of equidistant samples along inversely
- * deformed rays (section 4.4 of the paper). One instance renders one frame; RenderTile is const,
- * so tiles can be rendered by any number of threads, each with its own scratch, and the image does
- * not depend on who renders which.
+ * Front-to-back compositing of equidistant samples along inversely deformed rays (section 4.4 of
+ * the paper). One instance renders one frame; RenderTile is const, so tiles can be rendered by any
+ * number of threads, each with its own scratch, and the image does not depend on who renders
+ * which.
+ *
+ * The kernels here are the reference: one ray after the other, double precision. PacketCaster
+ * renders the same picture faster, and does so unless CastSettings::Reference is set or the scene
+ * is one it does not support (the paper's polyline among them).
  */
 class FFD_KERNEL_EXPORT RayCaster
 {
@@ -119,9 +36,13 @@ public:
   /// Buffers that a thread keeps between tiles.
   struct Scratch
   {
+    PacketScratch Packets;
     TileSpans Spans;
     CastStatistics Statistics;
   };
+
+  /// What a thread has counted.
+  static CastStatistics GetStatistics(const Scratch& scratch);
 
   int GetTilesPerRow(const CastImage& image) const;
   int GetNumberOfTiles(const CastImage& image) const;
@@ -139,6 +60,7 @@ private:
 
   CastScene Scene;
   CastSettings Settings;
+  std::unique_ptr<PacketCaster> Packets; // null: the reference kernels render
   SampleFunctions Fetch;
   TransmittanceTable Transmittance;
   glm::dmat3 RestToWorld;     // lengths of deformed rays: index coordinates to world

@@ -29,8 +29,9 @@ struct SpanSettings
  * The parameter t is cut into spans of fixed length, and each span into 2^level pieces of equal
  * length, on each of which a deformed ray is replaced by the parabola through its start, middle
  * and end. The level is the smallest for which the interpolation error
- * |d3Q/dt3| (piece / 2)^3 / (9 sqrt 3) is proven to stay under the position tolerance, over the box of
- * deformed space that the rays of the tile cross in the span. So the pieces, and with them the
+ * |d3Q/dt3| (piece / 2)^3 / (9 sqrt 3) is proven to stay under half the position
+ * tolerance, over the box of deformed space that the rays of the tile cross in the span. The other
+ * half is for interpolation across the tile. So the pieces, and with them the
  * samples, depend on the tile and the lattice alone: never on what space leaping skips.
  *
  * For each span the same box yields the range of the velocity dQ/dt: what a ray can move at most,
@@ -45,6 +46,9 @@ public:
     bool Bounded = false; ///< whether error and velocities are proven
     int Level = 0;
     double PositionError = 0.0;    ///< bound of parabola against true curve, voxels
+    /// Whether rays may be interpolated between 4 x 4 nodes of the tile, corners included; the
+    /// error of that is then in PositionError, too.
+    bool Lateral = false;
     glm::dvec3 VelocityMin{ 0.0 }; ///< index units per unit of t
     glm::dvec3 VelocityMax{ 0.0 };
   };
@@ -59,6 +63,7 @@ public:
 
   double GetLength() const { return this->Settings.Length; }
   int GetFirst() const { return this->First; }
+  int GetNumberOfSpans() const { return static_cast<int>(this->Spans.size()); }
 
   /// Span `index`: t in [index, index + 1] * GetLength(). Found on first use.
   const Span& Get(int index)

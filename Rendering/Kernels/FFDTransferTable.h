@@ -48,12 +48,20 @@ public:
 
   std::size_t GetMemorySize() const;
 
+  /// The table itself: red, green, blue, extinction of each entry; entry i stands for the scalar
+  /// GetLow() + i / GetScale().
+  const float* GetEntries() const { return &this->Entries[0].Colour.x; }
+  std::size_t GetSize() const { return this->Entries.size(); }
+  double GetLow() const { return this->Low; }
+  double GetScale() const { return this->Scale; }
+
 private:
   struct Entry
   {
     glm::vec3 Colour;
     float Extinction;
   };
+  static_assert(sizeof(Entry) == 4 * sizeof(float), "entries are read as an array of floats");
 
   double Low = 0.0;
   double Scale = 0.0;                  // entries per scalar unit

@@ -1,0 +1,332 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDLatticeSource.h"
+
+#include "vtkFFDLattice.h"
+
+#include "vtkDataObject.h"
+#include "vtkDoubleArray.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkMath.h"
+#include "vtkMinimalStandardRandomSequence.h"
+#include "vtkObjectFactory.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+
+#include <algorithm>
+#include <cmath>
+
+vtkStandardNewMacro(vtkFFDLatticeSource);
+
+namespace
+{
+
+constexpr const char* ShapeNames[] = { "Identity", "Bend", "Twist", "Taper", "Bulge", "Wave",
+  "Random" };
+
+/// Where a shape takes a point given relative to the domain's centre.
+void MovePoint(int shape, double strength, const double half[3], const double p[3], double moved[3])
+{
+  std::copy(p, p + 3, moved);
+  switch (shape)
+  {
+    case vtkFFDLatticeSource::BEND:
+    {
+      const double curvature = strength * 0.5 * vtkMath::Pi() / (2.0 * half[0]);
+      // The limit of no curvature is the identity; dividing by it would be 0 / 0.
+      if (std::abs(curvature) * half[0] > 1e-9)
+      {
+        const double angle = curvature * p[0];
+        const double radius = 1.0 / curvature - p[1];
+        moved[0] = radius * std::sin(angle);
+        moved[1] = 1.0 / curvature - radius * std::cos(angle);
+      }
+      break;
+    }
+    case vtkFFDLatticeSource::TWIST:
+    {
+      const double angle = strength * 0.25 * vtkMath::Pi() * p[2] / half[2];
+      moved[0] = std::cos(angle) * p[0] - std::sin(angle) * p[1];
+      moved[1] = std::sin(angle) * p[0] + std::cos(angle) * p[1];
+      break;
+    }
+    case vtkFFDLatticeSource::TAPER:
+    {
+      const double factor = 1.0 - 0.5 * strength * p[2] / half[2];
+      moved[0] = factor * p[0];
+      moved[1] = factor * p[1];
+      break;
+    }
+    case vtkFFDLatticeSource::BULGE:
+    {
+      double square = 0.0;
+      for (int a = 0; a < 3; ++a)
+      {
+        square += (p[a] / half[a]) * (p[a] / half[a]);
+      }
+      const double fade = std::max(0.0, 1.0 - square);
+      for (int a = 0; a < 3; ++a)
+      {
+        moved[a] = p[a] * (1.0 + 0.5 * strength * fade * fade);
+      }
+      break;
+    }
+    case vtkFFDLatticeSource::WAVE:
+      moved[2] += strength * 0.2 * half[2] * std::sin(2.0 * vtkMath::Pi() * p[0] / half[0]);
+      break;
+    default:
+      break;
+  }
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+vtkFFDLatticeSource::vtkFFDLatticeSource()
+  : Bounds{ 0.0, 1.0, 0.0, 1.0, 0.0, 1.0 }
+  , Dimensions{ 8, 8, 8 }
+  , Padding(0.0)
+  , Shape(IDENTITY)
+  , Strength(1.0)
+  , Seed(1)
+  , BorderMode(VTK_BSPLINE_EDGE)
+{
+  this->SetNumberOfInputPorts(0);
+}
+
+//------------------------------------------------------------------------------
+vtkFFDLatticeSource::~vtkFFDLatticeSource() = default;
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeSource::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "Bounds: (" << this->Bounds[0] << ", " << this->Bounds[1] << ", "
+     << this->Bounds[2] << ", " << this->Bounds[3] << ", " << this->Bounds[4] << ", "
+     << this->Bounds[5] << ")\n";
+  os << indent << "Dimensions: (" << this->Dimensions[0] << ", " << this->Dimensions[1] << ", "
+     << this->Dimensions[2] << ")\n";
+  os << indent << "Padding: " << this->Padding << "\n";
+  os << indent << "Shape: " << this->GetShapeAsString() << "\n";
+  os << indent << "Strength: " << this->Strength << "\n";
+  os << indent << "Seed: " << this->Seed << "\n";
+  os << indent << "BorderMode: " << this->BorderMode << "\n";
+  os << indent << "Lattice:\n";
+  this->Lattice->PrintSelf(os, indent.GetNextIndent());
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeSource::SetBounds(
+  double xmin, double xmax, double ymin, double ymax, double zmin, double zmax)
+{
+  const double bounds[6] = { xmin, xmax, ymin, ymax, zmin, zmax };
+  this->SetBounds(bounds);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeSource::SetBounds(const double bounds[6])
+{
+  bool usable = bounds != nullptr;
+  bool extended = false;
+  for (int a = 0; a < 3 && usable; ++a)
+  {
+    usable = std::isfinite(bounds[2 * a]) && std::isfinite(bounds[2 * a + 1]) &&
+      bounds[2 * a] <= bounds[2 * a + 1];
+    extended = extended || bounds[2 * a] < bounds[2 * a + 1];
+  }
+  if (!usable || !extended)
+  {
+    vtkErrorMacro("SetBounds: the bounds are null, inverted, not finite or a single point. Give the "
+                  "bounds of the data, (xmin, xmax, ymin, ymax, zmin, zmax).");
+    return;
+  }
+  if (!std::equal(bounds, bounds + 6, this->Bounds))
+  {
+    std::copy(bounds, bounds + 6, this->Bounds);
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeSource::SetDimensions(const int dimensions[3])
+{
+  if (!dimensions)
+  {
+    vtkErrorMacro("SetDimensions: dimensions is null. Give three numbers.");
+    return;
+  }
+  this->SetDimensions(dimensions[0], dimensions[1], dimensions[2]);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeSource::SetDimensions(int nx, int ny, int nz)
+{
+  const int wanted[3] = { nx, ny, nz };
+  for (const int n : wanted)
+  {
+    if (n < 4 || n > 1024)
+    {
+      vtkErrorMacro("SetDimensions: (" << nx << ", " << ny << ", " << nz
+                                       << ") control points are not possible. Give 4 to 1024 per "
+                                          "axis.");
+      return;
+    }
+  }
+  if (!std::equal(wanted, wanted + 3, this->Dimensions))
+  {
+    std::copy(wanted, wanted + 3, this->Dimensions);
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeSource::SetPadding(double padding)
+{
+  if (!std::isfinite(padding) || padding < 0.0)
+  {
+    vtkErrorMacro("SetPadding: the padding is " << padding
+                                                << ". Give a fraction of the extent, 0 or more.");
+    return;
+  }
+  if (this->Padding != padding)
+  {
+    this->Padding = padding;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeSource::SetShape(int shape)
+{
+  if (shape < IDENTITY || shape > RANDOM)
+  {
+    vtkErrorMacro("SetShape: there is no shape " << shape << ". Give IDENTITY (0) to RANDOM (6).");
+    return;
+  }
+  if (this->Shape != shape)
+  {
+    this->Shape = shape;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+const char* vtkFFDLatticeSource::GetShapeAsString()
+{
+  return ShapeNames[this->Shape];
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeSource::SetStrength(double strength)
+{
+  if (!std::isfinite(strength))
+  {
+    vtkErrorMacro("SetStrength: the strength is " << strength << ". Give a finite number.");
+    return;
+  }
+  if (this->Strength != strength)
+  {
+    this->Strength = strength;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDLatticeSource::ApplyShape(vtkFFDLattice* lattice, int shape, double strength, int seed)
+{
+  if (!lattice || shape < IDENTITY || shape > RANDOM || !std::isfinite(strength))
+  {
+    vtkGenericWarningMacro("vtkFFDLatticeSource::ApplyShape: "
+      << (lattice ? "the shape or its strength is out of range" : "the lattice is null")
+      << ". Give a lattice, IDENTITY (0) to RANDOM (6) and a finite strength.");
+    return 0;
+  }
+  int n[3];
+  double domain[6];
+  double spacing[3];
+  double centre[3];
+  double half[3];
+  lattice->GetDimensions(n);
+  lattice->GetDomain(domain);
+  lattice->GetSpacing(spacing);
+  for (int a = 0; a < 3; ++a)
+  {
+    centre[a] = 0.5 * (domain[2 * a] + domain[2 * a + 1]);
+    half[a] = 0.5 * (domain[2 * a + 1] - domain[2 * a]);
+  }
+  constexpr double foldFree = 0.4;
+  vtkNew<vtkMinimalStandardRandomSequence> random;
+  random->Initialize(static_cast<vtkTypeUInt32>(std::max(seed, 1)));
+  vtkNew<vtkDoubleArray> displacements;
+  displacements->SetNumberOfComponents(3);
+  displacements->SetNumberOfTuples(lattice->GetNumberOfControlPoints());
+  vtkIdType id = 0;
+  for (int k = 0; k < n[2]; ++k)
+  {
+    for (int j = 0; j < n[1]; ++j)
+    {
+      for (int i = 0; i < n[0]; ++i)
+      {
+        double rest[3];
+        double moved[3];
+        double displacement[3];
+        lattice->GetRestPoint(i, j, k, rest);
+        vtkMath::Subtract(rest, centre, rest);
+        MovePoint(shape, strength, half, rest, moved);
+        vtkMath::Subtract(moved, rest, displacement);
+        if (shape == RANDOM)
+        {
+          for (int a = 0; a < 3; ++a)
+          {
+            displacement[a] = strength * foldFree * spacing[a] * random->GetRangeValue(-1.0, 1.0);
+            random->Next();
+          }
+        }
+        displacements->SetTypedTuple(id++, displacement);
+      }
+    }
+  }
+  return lattice->SetDisplacements(displacements);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeSource::UpdateLattice()
+{
+  // Reset first: resizing would carry the old shape over, to be overwritten.
+  this->Lattice->Reset();
+  this->Lattice->SetDimensions(this->Dimensions);
+  this->Lattice->FitToBounds(this->Bounds, this->Padding);
+  this->Lattice->SetBorderMode(this->BorderMode);
+  vtkFFDLatticeSource::ApplyShape(this->Lattice, this->Shape, this->Strength, this->Seed);
+}
+
+//------------------------------------------------------------------------------
+vtkFFDLattice* vtkFFDLatticeSource::GetLattice()
+{
+  this->Update();
+  return this->Lattice;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDLatticeSource::RequestInformation(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputs)
+{
+  this->UpdateLattice();
+  vtkInformation* info = outputs->GetInformationObject(0);
+  vtkImageData* points = this->Lattice->GetCoefficientData();
+  info->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), points->GetExtent(), 6);
+  info->Set(vtkDataObject::ORIGIN(), points->GetOrigin(), 3);
+  info->Set(vtkDataObject::SPACING(), points->GetSpacing(), 3);
+  vtkDataObject::SetPointDataActiveScalarInfo(info, VTK_DOUBLE, 3);
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDLatticeSource::RequestData(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputs)
+{
+  // Again, as GetLattice() lets the user edit it. The whole image, whatever extent is asked for.
+  this->UpdateLattice();
+  return this->Lattice->ToImageData(vtkImageData::GetData(outputs));
+}

@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDControlNet_h
+#define FFDControlNet_h
+
+#include "FFDExport.h"
+
+#include <glm/vec3.hpp>
+
+#include <vector>
+
+namespace ffd
+{
+
+/// Nodes.x * Nodes.y * Nodes.z vectors, x fastest: coefficients of a field, or samples of one.
+struct ControlNet
+{
+  glm::ivec3 Nodes{ 0 };
+  std::vector<glm::dvec3> Values;
+};
+
+/**
+ * Knot insertion: the control net of the same spline with factors.x/y/z times as many cells.
+ * `net` has n >= 4 control points per axis, whose domain are the cells 1 ... n - 3; the result has
+ * (n - 3) * factor + 3, with its second control point resting where that of `net` does. Equal
+ * within the domain up to rounding: a convolution with the refinement mask
+ * ((1 + z + ... + z^(f-1)) / f)^4 f (Lane and Riesenfeld 1980, for factor f).
+ */
+FFD_KERNEL_EXPORT ControlNet RefineControlNet(const ControlNet& net, const glm::ivec3& factors);
+
+/**
+ * The control net whose spline takes the given samples at the inner control points 1 ... n - 2 of
+ * each axis; `samples` has n - 2 >= 2 per axis. One tridiagonal system per line. The two free
+ * coefficients of each line follow from the not-a-knot condition (the first two cells share one
+ * polynomial, de Boor 1978), which reproduces cubics, so the error is O(h^4) up to the border;
+ * natural ends would leave O(h^2) there, and the prefilter vtkImageBSplineCoefficients, which
+ * mirrors or repeats, not even reproduces a linear map. Fewer than four samples: quadratic (three)
+ * or linear (two).
+ */
+FFD_KERNEL_EXPORT ControlNet InterpolateControlNet(const ControlNet& samples);
+
+} // namespace ffd
+
+#endif

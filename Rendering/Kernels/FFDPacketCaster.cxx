@@ -1,0 +1,221 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FFDPacketCaster.h"
+
+#include "FFDScalarDispatch.h"
+
+#include <algorithm>
+#include <cmath>
+
+// The packet kernels are compiled once for every instruction set that Highway knows here; the best
+// one that the machine has is chosen when they are called first. Of the many levels of x86 three
+// are worth their compile time.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "FFDPacketCaster.cxx"
+#include <hwy/foreach_target.h>
+
+#include <hwy/highway.h>
+
+#include "FFDSimdCaster-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ffd
+{
+namespace HWY_NAMESPACE
+{
+
+void CastTileOfAnyType(
+  const PacketScene& scene, int x0, int y0, const CastImage& image, PacketScratch& scratch)
+{
+  switch (scene.Volume.Type)
+  {
+    case ScalarType::Int8:
+      return CastTile<std::int8_t>(scene, x0, y0, image, scratch);
+    case ScalarType::UInt8:
+      return CastTile<std::uint8_t>(scene, x0, y0, image, scratch);
+    case ScalarType::Int16:
+      return CastTile<std::int16_t>(scene, x0, y0, image, scratch);
+    case ScalarType::UInt16:
+      return CastTile<std::uint16_t>(scene, x0, y0, image, scratch);
+    case ScalarType::Float32:
+      return CastTile<float>(scene, x0, y0, image, scratch);
+    default:
+      return CastTile<WideScalar>(scene, x0, y0, image, scratch);
+  }
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace ffd
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+#include <glm/common.hpp>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace ffd
+{
+namespace
+{
+
+HWY_EXPORT(CastTileOfAnyType);
+
+/// Offsets of the packet kernels are 32-bit numbers of bytes.
+constexpr double LargestVolume = 2147483647.0;
+
+template <class Vector>
+void Copy(const Vector& from, float to[3])
+{
+  for (int a = 0; a < 3; ++a)
+  {
+    to[a] = static_cast<float>(from[a]);
+  }
+}
+
+void CopyRows(const glm::dmat3& from, float to[9])
+{
+  for (int row = 0; row < 3; ++row)
+  {
+    for (int column = 0; column < 3; ++column)
+    {
+      to[3 * row + column] = static_cast<float>(from[column][row]);
+    }
+  }
+}
+
+int SizeOf(ScalarType type)
+{
+  return DispatchScalarType(type, [](auto zero) { return static_cast<int>(sizeof(zero)); });
+}
+
+/// Types whose values single precision does not hold.
+bool IsWide(ScalarType type)
+{
+  return SizeOf(type) > 2 && type != ScalarType::Float32;
+}
+
+PacketLight MakePacketLight(const Light& light, const glm::dvec3& worldCentre)
+{
+  PacketLight packet;
+  packet.Headlight = light.Headlight;
+  packet.Positional = light.Positional;
+  packet.Cone = light.ConeCosine >= -1.0;
+  packet.ConeCosine = static_cast<float>(light.ConeCosine);
+  packet.ConeExponent = static_cast<float>(light.ConeExponent);
+  Copy(light.Position - worldCentre, packet.Position);
+  Copy(light.Towards, packet.Towards);
+  Copy(light.Axis, packet.Axis);
+  Copy(light.Ambient, packet.Ambient);
+  Copy(light.Diffuse, packet.Diffuse);
+  Copy(light.Specular, packet.Specular);
+  Copy(light.Attenuation, packet.Attenuation);
+  return packet;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+bool PacketCaster::Supports(const CastScene& scene, const CastSettings& settings)
+{
+  const VolumeView& v = scene.Volume;
+  const double bytes =
+    static_cast<double>(v.Increments[2]) * v.Dimensions.z * SizeOf(v.Type);
+  return !settings.Reference && settings.Segments == Segmentation::ErrorBound &&
+    bytes <= LargestVolume && v.Increments[0] == 1 && v.Dimensions.x >= 4 &&
+    v.Dimensions.y >= 4 && v.Dimensions.z >= 4;
+}
+
+//------------------------------------------------------------------------------
+PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings)
+{
+  PacketScene& p = this->Scene;
+  const VolumeView& v = scene.Volume;
+  p.Settings = settings;
+  p.Source = &scene;
+  p.Reference = SelectSampleFunctions(v.Type, scene.VolumeInterpolation);
+
+  p.Volume.Scalars = v.Scalars;
+  p.Volume.Type = v.Type;
+  for (int a = 0; a < 3; ++a)
+  {
+    p.Volume.Dimensions[a] = v.Dimensions[a];
+  }
+  p.Volume.IncrementY = static_cast<int>(v.Increments[1]);
+  p.Volume.IncrementZ = static_cast<int>(v.Increments[2]);
+  p.Volume.Nearest = scene.VolumeInterpolation == Interpolation::Nearest;
+  Copy(v.UpperIndex(), p.Upper);
+
+  p.Table = scene.Table->GetEntries();
+  p.TableSize = static_cast<int>(scene.Table->GetSize());
+  if (IsWide(v.Type))
+  {
+    p.Volume.Shift = scene.Table->GetLow();
+    p.Volume.Scale = scene.Table->GetScale();
+    p.TableLow = 0.0f;
+    p.TableScale = 1.0f;
+  }
+  else
+  {
+    p.TableLow = static_cast<float>(scene.Table->GetLow());
+    p.TableScale = static_cast<float>(scene.Table->GetScale());
+  }
+
+  const Box& bounds = scene.DeformedBounds;
+  p.Centre = 0.5 * (bounds.Min + bounds.Max);
+  Copy(bounds.Min - p.Centre, p.BoundsMin);
+  Copy(bounds.Max - p.Centre, p.BoundsMax);
+  p.Identity = scene.Map->IsIdentity();
+  p.Kind = scene.Map->GetKind();
+  if (!p.Identity)
+  {
+    p.Field.Assign(*scene.Map->GetField(), p.Centre);
+  }
+  // Single precision cannot tell residuals smaller than this.
+  const double resolution = 2e-6 * glm::length(bounds.Max - bounds.Min);
+  p.Tolerance = static_cast<float>(std::max(scene.Map->GetTolerance(), resolution));
+
+  CopyRows(v.DataToIndex, p.LocalToIndex);
+  Copy(v.ToIndex(p.Centre), p.IndexOffset);
+  const glm::dmat3 dataToWorld(scene.DataToWorld);
+  CopyRows(dataToWorld * v.IndexToData, p.IndexToWorld);
+  CopyRows(dataToWorld, p.LocalToWorld);
+  CopyRows(glm::transpose(v.DataToIndex), p.GradientToRest);
+  CopyRows(glm::transpose(glm::dmat3(scene.WorldToData)), p.GradientToWorld);
+  p.NdcToLocal = glm::translate(glm::dmat4(1.0), -p.Centre) * scene.WorldToData *
+    scene.Camera.NdcToWorld;
+
+  if (scene.Distances && settings.Leaping != SpaceLeaping::Off)
+  {
+    p.Distances = scene.Distances->GetData();
+    for (int a = 0; a < 3; ++a)
+    {
+      p.Blocks[a] = scene.Distances->GetBlocks()[a];
+    }
+  }
+
+  p.Shade = settings.Shade;
+  p.TwoSided = scene.Material.TwoSided;
+  p.Ambient = scene.Material.Ambient;
+  p.Diffuse = scene.Material.Diffuse;
+  p.Specular = scene.Material.Specular;
+  p.SpecularPower = scene.Material.SpecularPower;
+  const glm::dvec3 worldCentre(scene.DataToWorld * glm::dvec4(p.Centre, 1.0));
+  for (const Light& light : scene.Material.Lights)
+  {
+    p.Lights.push_back(MakePacketLight(light, worldCentre));
+  }
+}
+
+//------------------------------------------------------------------------------
+void PacketCaster::RenderTile(
+  int x0, int y0, const CastImage& image, PacketScratch& scratch) const
+{
+  HWY_DYNAMIC_DISPATCH(CastTileOfAnyType)(this->Scene, x0, y0, image, scratch);
+}
+
+} // namespace ffd
+
+#endif

@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDPacketCaster_h
+#define FFDPacketCaster_h
+
+#include "FFDCastScene.h"
+#include "FFDExport.h"
+#include "FFDPacketField.h"
+#include "FFDPacketVolume.h"
+#include "FFDTileSpans.h"
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <vector>
+
+namespace ffd
+{
+
+/// A light for packets, world coordinates relative to PacketScene::WorldCentre.
+struct PacketLight
+{
+  bool Headlight = false;
+  bool Positional = false;
+  bool Cone = false;
+  float Position[3] = {};
+  float Towards[3] = {};
+  float Axis[3] = {};
+  float Ambient[3] = {};
+  float Diffuse[3] = {};
+  float Specular[3] = {};
+  float Attenuation[3] = {};
+  float ConeCosine = 0.0f;
+  float ConeExponent = 0.0f;
+};
+
+/**
+ * A frame in the form the packet kernels read: single precision, positions relative to a point
+ * near the volume ("local" coordinates: data coordinates less Centre).
+ */
+struct PacketScene
+{
+  CastSettings Settings;
+  const CastScene* Source = nullptr;
+  SampleFunctions Reference; ///< for the few samples at the border of the volume
+
+  PacketVolume Volume;
+  float Upper[3] = {}; ///< last voxel
+
+  bool Identity = false;
+  PullBackKind Kind = PullBackKind::Exact;
+  PacketField Field;
+  float Tolerance = 0.0f;   ///< of the inverse, data units
+  glm::dvec3 Centre{ 0.0 }; ///< data coordinates
+  float LocalToIndex[9] = {};
+  float IndexOffset[3] = {};
+  float IndexToWorld[9] = {};
+  float LocalToWorld[9] = {};
+  float LocalToWorldOffset[3] = {}; ///< local origin, world less WorldCentre
+  float GradientToRest[9] = {};     ///< by index coordinates to by data coordinates
+  float GradientToWorld[9] = {};    ///< by data coordinates to by world coordinates
+
+  glm::dmat4 NdcToLocal{ 1.0 };
+  float BoundsMin[3] = {}; ///< deformed bounds, local
+  float BoundsMax[3] = {};
+
+  const unsigned char* Distances = nullptr;
+  int Blocks[3] = {};
+
+  const float* Table = nullptr; ///< red, green, blue, extinction of each entry
+  int TableSize = 0;
+  float TableLow = 0.0f;
+  float TableScale = 1.0f;
+
+  bool Shade = false;
+  bool TwoSided = true;
+  float Ambient = 0.0f;
+  float Diffuse = 0.0f;
+  float Specular = 0.0f;
+  float SpecularPower = 1.0f;
+  std::vector<PacketLight> Lights;
+};
+
+/// One layer of a tile: the rest points, in index coordinates, of its 4 x 4 nodes at one t.
+struct TileLayer
+{
+  float X[16];
+  float Y[16];
+  float Z[16];
+};
+
+/// Buffers that a thread keeps between tiles.
+struct PacketScratch
+{
+  TileSpans Spans;
+  std::vector<int> LayerSlots; ///< by fine parameter index: number of the layer, or -1
+  std::vector<TileLayer> Layers;
+  std::array<float, 9 * 256> Rays; ///< origin, direction (local), from, to, image position
+  CastStatistics Statistics;
+};
+
+/**
+ * The fast ray caster: packets of neighbouring rays in lockstep, a ray a lane of the widest vector
+ * instructions that the machine has (Highway, chosen at run time). The pull-back is evaluated on a
+ * coarse grid of 4 x 4 nodes a tile and interpolated, with a proven error (TileSpans); where that
+ * is too large it is evaluated for each ray. Takes the samples of the reference ray caster.
+ */
+class FFD_KERNEL_EXPORT PacketCaster
+{
+public:
+  PacketCaster(const CastScene& scene, const CastSettings& settings);
+
+  /// Whether packets can render this scene; else the reference ray caster has to.
+  static bool Supports(const CastScene& scene, const CastSettings& settings);
+
+  void RenderTile(int x0, int y0, const CastImage& image, PacketScratch& scratch) const;
+
+private:
+  PacketScene Scene;
+};
+
+} // namespace ffd
+
+#endif

@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDPacketVolume_h
+#define FFDPacketVolume_h
+
+#include "FFDVolumeView.h"
+
+namespace ffd
+{
+
+/**
+ * What the packet kernels need of the voxels: 32-bit offsets, so at most 2^31 - 1 bytes; larger
+ * volumes are left to the reference kernels.
+ */
+struct PacketVolume
+{
+  const void* Scalars = nullptr;
+  ScalarType Type = ScalarType::UInt8;
+  int Dimensions[3] = {};
+  int IncrementY = 0; ///< elements
+  int IncrementZ = 0;
+  bool Nearest = false;
+  /// Types wider than 24 bits are fetched as (scalar - Shift) * Scale, so that single precision
+  /// suffices from there on; for the others Shift and Scale are not applied.
+  double Shift = 0.0;
+  double Scale = 1.0;
+};
+
+} // namespace ffd
+
+#endif

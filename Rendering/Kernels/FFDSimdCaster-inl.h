@@ -1,0 +1,672 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Casting a packet of rays through a tile. Included once per target of Highway.
+#if defined(FFD_SIMD_CASTER_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef FFD_SIMD_CASTER_INL_H_
+#undef FFD_SIMD_CASTER_INL_H_
+#else
+#define FFD_SIMD_CASTER_INL_H_
+#endif
+
+#include "FFDPacketCaster.h"
+
+#include "FFDSimdFetch-inl.h"
+#include "FFDSimdLeap-inl.h"
+#include "FFDSimdMath-inl.h"
+#include "FFDSimdShading-inl.h"
+#include "FFDSimdTile-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ffd
+{
+namespace HWY_NAMESPACE
+{
+
+/// What has been composited along the rays of a packet.
+struct PacketPixels
+{
+  Vec3 Colour;
+  Vf Transmittance;
+  Vf FirstVisible; ///< t
+};
+
+/// A piece of the curves of a packet: Start + s * (Linear + s * Quadratic), index coordinates.
+struct PacketPiece
+{
+  Vec3 Start;
+  Vec3 Linear;
+  Vec3 Quadratic;
+  int Step = 0;       ///< fine step of its start
+  int Steps = 0;      ///< fine steps it takes
+  float T0 = 0.0f;
+  float Dt = 0.0f;
+  bool Lateral = true; ///< interpolated between the nodes of the tile
+
+  HWY_INLINE Vec3 At(Vf s) const { return MulAdd(s, MulAdd(s, this->Quadratic, this->Linear), this->Start); }
+  HWY_INLINE Vec3 Velocity(Vf s) const
+  {
+    return MulAdd(hn::Add(s, s), this->Quadratic, this->Linear);
+  }
+};
+
+template <class T>
+class Packet
+{
+public:
+  Packet(const PacketScene& scene, TileGrid& grid, PacketScratch& scratch, const RayPacket& rays,
+    Vf nodeX, Vf nodeY, Mf active)
+    : Scene(scene)
+    , Grid(grid)
+    , Scratch(scratch)
+    , Rays(rays)
+    , Alive(active)
+  {
+    LagrangeWeights(nodeX, this->Wx, this->WxSlope);
+    LagrangeWeights(nodeY, this->Wy, this->WySlope);
+    const Vf zero = hn::Zero(Df());
+    this->Out = { { zero, zero, zero }, Splat(1.0f), Splat(1e30f) };
+  }
+
+  const PacketPixels& GetPixels() const { return this->Out; }
+
+  void Cast()
+  {
+    const Df d;
+    TileSpans& spans = this->Scratch.Spans;
+    const float spanLength = static_cast<float>(spans.GetLength());
+    const Vf big = Splat(1e30f);
+    const float from = SmallestLane(hn::IfThenElse(this->Alive, this->Rays.From, big));
+    const float to = LargestLane(hn::IfThenElse(this->Alive, this->Rays.To, hn::Neg(big)));
+    const int last = static_cast<int>(std::floor(to / spanLength));
+    const int stepsPerSpan = this->Grid.GetStepsPerSpan();
+    const bool lipschitz = this->Scene.Settings.Leaping == SpaceLeaping::Lipschitz;
+    const float guard =
+      static_cast<float>(2.0 * this->Scene.Settings.InverseTolerance) + LeapGuard;
+
+    PacketSlack slack;
+    int nodeStep = -1;
+    bool nodeLateral = false;
+    Vec3 node = this->Out.Colour;
+    for (int index = static_cast<int>(std::floor(from / spanLength)); index <= last; ++index)
+    {
+      const TileSpans::Span& span = spans.Get(index);
+      const float velocityMin[3] = { static_cast<float>(span.VelocityMin.x),
+        static_cast<float>(span.VelocityMin.y), static_cast<float>(span.VelocityMin.z) };
+      const float velocityMax[3] = { static_cast<float>(span.VelocityMax.x),
+        static_cast<float>(span.VelocityMax.y), static_cast<float>(span.VelocityMax.z) };
+      const int pieces = 1 << span.Level;
+      const int steps = stepsPerSpan / pieces;
+      const bool canLeap = lipschitz && span.Bounded;
+      PacketPiece piece;
+      piece.Steps = steps;
+      piece.Dt = spanLength / static_cast<float>(pieces);
+      piece.Lateral = span.Lateral;
+      for (int p = 0; p < pieces; ++p)
+      {
+        piece.Step = (index - spans.GetFirst()) * stepsPerSpan + p * steps;
+        piece.T0 = this->Grid.TimeOf(piece.Step);
+        const float t1 = this->Grid.TimeOf(piece.Step + steps);
+        // Rays that have not begun yet are followed, too: leaps must be theirs as well.
+        const Mf ahead = hn::And(this->Alive, hn::Gt(this->Rays.To, Splat(piece.T0)));
+        if (hn::AllFalse(d, ahead))
+        {
+          return;
+        }
+        if (canLeap && slack.Pass(velocityMin, velocityMax, piece.Dt))
+        {
+          continue;
+        }
+        const Mf inRange = hn::And(ahead, hn::Lt(this->Rays.From, Splat(t1)));
+        if (hn::AllFalse(d, inRange))
+        {
+          continue;
+        }
+        if (nodeStep != piece.Step || nodeLateral != span.Lateral)
+        {
+          node = this->PositionAt(piece.Step, span.Lateral, ahead);
+        }
+        if (canLeap &&
+          slack.Find(this->Scene, node, ahead, static_cast<float>(span.PositionError) + guard,
+            this->Scratch.Statistics) &&
+          slack.Pass(velocityMin, velocityMax, piece.Dt))
+        {
+          nodeStep = -1;
+          continue;
+        }
+        slack.Clear();
+
+        const Vec3 middle = this->PositionAt(piece.Step + steps / 2, span.Lateral, ahead);
+        const Vec3 end = this->PositionAt(piece.Step + steps, span.Lateral, ahead);
+        piece.Start = node;
+        // 4 middle - 3 start - end
+        piece.Linear = Sub(MulAdd(Splat(4.0f), middle, Scale(Splat(-3.0f), node)), end);
+        piece.Quadratic = Sub(Sub(end, node), piece.Linear);
+        this->Integrate(piece, middle, end, inRange);
+        node = end;
+        nodeStep = piece.Step + steps;
+        nodeLateral = span.Lateral;
+        if (hn::AllFalse(d, this->Alive))
+        {
+          return;
+        }
+      }
+    }
+  }
+
+private:
+  static constexpr float LeapGuard = 2e-3f; // rounding errors, index units
+
+  /// Index coordinates of every ray at a fine step.
+  HWY_INLINE Vec3 PositionAt(int step, bool lateral, Mf lanes)
+  {
+    const Vf t = Splat(this->Grid.TimeOf(step));
+    if (this->Scene.Identity)
+    {
+      return LocalToIndex(this->Scene, MulAdd(t, this->Rays.Direction, this->Rays.Origin));
+    }
+    if (lateral)
+    {
+      return InterpolateLayer(this->Grid.GetLayer(step), this->Wx, this->Wy);
+    }
+    return LocalToIndex(this->Scene,
+      PullBackLanes(this->Scene, MulAdd(t, this->Rays.Direction, this->Rays.Origin), lanes,
+        this->Scratch.Statistics));
+  }
+
+  HWY_INLINE Vf LengthOf(const Vec3& index) const
+  {
+    const Vec3 world = Transform(this->Scene.IndexToWorld, index);
+    return hn::Sqrt(Dot(world, world));
+  }
+
+  void Integrate(const PacketPiece& piece, const Vec3& middle, const Vec3& end, Mf lanes)
+  {
+    const Df d;
+    CastStatistics& statistics = this->Scratch.Statistics;
+    const int rays = static_cast<int>(hn::CountTrue(d, lanes));
+    statistics.Segments += rays;
+    statistics.SegmentLength += rays * (piece.Dt / this->Scene.Source->VoxelSize);
+
+    // As ScheduleEvenly, a schedule a lane.
+    const Vf length = hn::Add(this->LengthOf(Sub(middle, piece.Start)),
+      this->LengthOf(Sub(end, middle)));
+    const Vf one = Splat(1.0f);
+    const float inverseDistance = static_cast<float>(1.0 / this->Scene.Settings.SampleDistance);
+    const Vf count = hn::Max(one, hn::Round(hn::Mul(length, Splat(inverseDistance))));
+    const Vf ds = hn::Div(one, count);
+    const Vf t0 = Splat(piece.T0);
+    const Vf inverseDt = Splat(1.0f / piece.Dt);
+    const Vf sFrom = hn::Max(hn::Mul(hn::Sub(this->Rays.From, t0), inverseDt), hn::Zero(d));
+    const Vf sTo = hn::Min(hn::Mul(hn::Sub(this->Rays.To, t0), inverseDt), one);
+    const Vf slack = Splat(1e-3f);
+    const Vf first = hn::Ceil(hn::Sub(hn::Mul(sFrom, count), slack));
+    const Vf stop = hn::Min(count, hn::Ceil(hn::Sub(hn::Mul(sTo, count), slack)));
+
+    const Vf big = Splat(1e9f);
+    const int begin =
+      static_cast<int>(SmallestLane(hn::IfThenElse(lanes, first, big)));
+    const int finish = static_cast<int>(LargestLane(hn::IfThenElseZero(lanes, stop)));
+    const bool leap = this->Scene.Settings.Leaping != SpaceLeaping::Off;
+    this->HaveFrames = false;
+    for (int i = begin; i < finish; ++i)
+    {
+      const Vf n = Splat(static_cast<float>(i));
+      const Vf s = hn::Mul(n, ds);
+      const Vec3 q = piece.At(s);
+      Mf sampled = hn::And(hn::And(lanes, this->Alive),
+        hn::And(hn::And(hn::Ge(n, first), hn::Lt(n, stop)), IsInside(this->Scene, q)));
+      if (leap)
+      {
+        Vec3 block;
+        const Vf distance = LookUpDistance(this->Scene, q, block);
+        const Mf empty = hn::Gt(distance, hn::Zero(d));
+        statistics.DistanceLookups +=
+          static_cast<std::int64_t>(hn::CountTrue(d, hn::And(sampled, empty)));
+        sampled = hn::AndNot(empty, sampled);
+      }
+      if (hn::AllFalse(d, sampled))
+      {
+        continue;
+      }
+      this->TakeSample(piece, q, s, ds, sampled);
+      if (hn::AllFalse(d, this->Alive))
+      {
+        return;
+      }
+    }
+  }
+
+  HWY_INLINE void TakeSample(const PacketPiece& piece, const Vec3& q, Vf s, Vf ds, Mf sampled)
+  {
+    const Df d;
+    const Di di;
+    CastStatistics& statistics = this->Scratch.Statistics;
+    statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
+
+    SamplePosition at = FindCells(this->Scene.Volume, q);
+    const Mf border = hn::AndNot(at.Interior, sampled);
+    const bool anyBorder = !hn::AllFalse(d, border);
+    // Lanes that may not be fetched from read the first cell that may.
+    const Vi safe =
+      hn::Set(di, 1 + this->Scene.Volume.IncrementY + this->Scene.Volume.IncrementZ);
+    at.Offset = hn::IfThenElse(
+      hn::RebindMask(di, hn::And(at.Interior, sampled)), at.Offset, safe);
+    SampleRows rows;
+    Vf value = Sample<T>(this->Scene.Volume, at, rows);
+    if (HWY_UNLIKELY(anyBorder))
+    {
+      value = this->SampleBorder(q, border, value);
+    }
+
+    const float* table = this->Scene.Table;
+    const Vf last = Splat(static_cast<float>(this->Scene.TableSize - 1));
+    const Vf x =
+      hn::Mul(hn::Sub(value, Splat(this->Scene.TableLow)), Splat(this->Scene.TableScale));
+    // Comparisons with what is not a number are false: such lanes fall out here.
+    const Mf number = hn::Eq(x, x);
+    const Vf entry = hn::IfThenElseZero(number, Clamp(x, hn::Zero(d), last));
+    const Vf whole = hn::Min(hn::Floor(entry), hn::Sub(last, Splat(1.0f)));
+    const Vi index = hn::ShiftLeft<2>(hn::ConvertTo(di, whole));
+    const Vf extinction = Lerp(hn::GatherIndex(d, table + 3, index),
+      hn::GatherIndex(d, table + 7, index), hn::Sub(entry, whole));
+    const Mf visible =
+      hn::And(hn::And(sampled, number), hn::Gt(extinction, hn::Zero(d)));
+    if (hn::AllFalse(d, visible))
+    {
+      return;
+    }
+    statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
+
+    const Vi nearest = hn::ShiftLeft<2>(hn::NearestInt(entry));
+    Vec3 colour{ hn::GatherIndex(d, table, nearest), hn::GatherIndex(d, table + 1, nearest),
+      hn::GatherIndex(d, table + 2, nearest) };
+    const Vf t = hn::MulAdd(s, Splat(piece.Dt), Splat(piece.T0));
+    if (this->Scene.Shade)
+    {
+      Vec3 gradient = Gradient<T>(this->Scene.Volume, at, rows);
+      if (HWY_UNLIKELY(anyBorder))
+      {
+        gradient = this->GradientAtBorder(q, border, gradient);
+      }
+      colour = this->ShadeSample(piece, colour, gradient, s, t);
+    }
+    const Vf interval = this->Scene.Settings.Opacity == OpacityLength::World
+      ? hn::Mul(ds, Splat(piece.Dt))
+      : hn::Mul(ds, this->LengthOf(piece.Velocity(s)));
+    const Vf transmittance = Exp2(hn::Neg(hn::Mul(extinction, interval)));
+    const Vf weight = hn::IfThenElseZero(
+      visible, hn::Mul(this->Out.Transmittance, hn::Sub(Splat(1.0f), transmittance)));
+    this->Out.Colour = MulAdd(weight, colour, this->Out.Colour);
+    this->Out.Transmittance = hn::IfThenElse(
+      visible, hn::Mul(this->Out.Transmittance, transmittance), this->Out.Transmittance);
+    this->Out.FirstVisible = hn::IfThenElse(
+      visible, hn::Min(this->Out.FirstVisible, t), this->Out.FirstVisible);
+    const Mf ended =
+      hn::Lt(this->Out.Transmittance, Splat(this->Scene.Settings.TerminationTransmittance));
+    this->Alive = hn::AndNot(ended, this->Alive);
+  }
+
+  /// Samples whose fetches would leave the volume come from the reference functions.
+  HWY_NOINLINE Vf SampleBorder(const Vec3& q, Mf border, Vf value) const
+  {
+    const Df d;
+    HWY_ALIGN float x[16], y[16], z[16], values[16], flag[16];
+    hn::Store(q.x, d, x);
+    hn::Store(q.y, d, y);
+    hn::Store(q.z, d, z);
+    hn::Store(value, d, values);
+    hn::Store(hn::IfThenElseZero(border, Splat(1.0f)), d, flag);
+    const PacketVolume& v = this->Scene.Volume;
+    for (std::size_t i = 0; i < hn::Lanes(d); ++i)
+    {
+      if (flag[i] != 0.0f)
+      {
+        const double scalar =
+          this->Scene.Reference.Value(this->Scene.Source->Volume, glm::dvec3(x[i], y[i], z[i]));
+        values[i] = static_cast<float>((scalar - v.Shift) * v.Scale);
+      }
+    }
+    return hn::Load(d, values);
+  }
+
+  HWY_NOINLINE Vec3 GradientAtBorder(const Vec3& q, Mf border, const Vec3& gradient) const
+  {
+    const Df d;
+    HWY_ALIGN float x[16], y[16], z[16], gx[16], gy[16], gz[16], flag[16];
+    hn::Store(q.x, d, x);
+    hn::Store(q.y, d, y);
+    hn::Store(q.z, d, z);
+    hn::Store(gradient.x, d, gx);
+    hn::Store(gradient.y, d, gy);
+    hn::Store(gradient.z, d, gz);
+    hn::Store(hn::IfThenElseZero(border, Splat(1.0f)), d, flag);
+    for (std::size_t i = 0; i < hn::Lanes(d); ++i)
+    {
+      if (flag[i] != 0.0f)
+      {
+        const glm::dvec3 g =
+          this->Scene.Reference.Gradient(this->Scene.Source->Volume, glm::dvec3(x[i], y[i], z[i]));
+        gx[i] = static_cast<float>(g.x);
+        gy[i] = static_cast<float>(g.y);
+        gz[i] = static_cast<float>(g.z);
+      }
+    }
+    return { hn::Load(d, gx), hn::Load(d, gy), hn::Load(d, gz) };
+  }
+
+  /// Colour of a lit sample: the normal is J_Phi^T grad f, with J_Phi from the tile's own grid.
+  HWY_INLINE Vec3 ShadeSample(
+    const PacketPiece& piece, const Vec3& colour, const Vec3& byIndex, Vf s, Vf t)
+  {
+    Vec3 gradient; // by local coordinates of deformed space
+    if (this->Scene.Identity)
+    {
+      gradient = Transform(this->Scene.GradientToRest, byIndex);
+    }
+    else if (piece.Lateral)
+    {
+      gradient = this->GradientFromFrames(piece, byIndex, s, t);
+    }
+    else
+    {
+      gradient = this->GradientFromField(piece, byIndex);
+    }
+    const Vec3 world = Normalize(Transform(this->Scene.GradientToWorld, gradient));
+    const Vec3 normal = Scale(Splat(-1.0f), world);
+    const Vec3 direction = Transform(this->Scene.LocalToWorld, this->Rays.Direction);
+    const Vec3 local = MulAdd(t, this->Rays.Direction, this->Rays.Origin);
+    const Vec3 position = Add(
+      Transform(this->Scene.LocalToWorld, local), Broadcast(this->Scene.LocalToWorldOffset));
+    return Shade(this->Scene, colour, position, normal, Scale(Splat(-1.0f), direction));
+  }
+
+  /**
+   * Along the image axes u, v and the ray parameter t both the deformed points P and the rest
+   * points Q are known, so the gradient G by P solves G . P_u = g . Q_u, and so on for v and t.
+   * Derivatives across the tile are those of its node interpolation, at the start, middle and end
+   * of the piece and quadratic in between.
+   */
+  HWY_INLINE Vec3 GradientFromFrames(const PacketPiece& piece, const Vec3& byIndex, Vf s, Vf t)
+  {
+    if (!this->HaveFrames)
+    {
+      this->HaveFrames = true;
+      Vec3 u[3];
+      Vec3 v[3];
+      for (int layer = 0; layer < 3; ++layer)
+      {
+        const TileLayer& nodes = this->Grid.GetLayer(piece.Step + layer * piece.Steps / 2);
+        u[layer] = InterpolateLayer(nodes, this->WxSlope, this->Wy);
+        v[layer] = InterpolateLayer(nodes, this->Wx, this->WySlope);
+      }
+      this->SetParabola(u, this->QuU);
+      this->SetParabola(v, this->QuV);
+      this->OriginU = InterpolateLayer(this->Grid.Origins, this->WxSlope, this->Wy);
+      this->OriginV = InterpolateLayer(this->Grid.Origins, this->Wx, this->WySlope);
+      this->DirectionU = InterpolateLayer(this->Grid.Directions, this->WxSlope, this->Wy);
+      this->DirectionV = InterpolateLayer(this->Grid.Directions, this->Wx, this->WySlope);
+    }
+    const auto parabola = [&](const Vec3 c[3]) { return MulAdd(s, MulAdd(s, c[2], c[1]), c[0]); };
+    const Vf gu = Dot(byIndex, parabola(this->QuU));
+    const Vf gv = Dot(byIndex, parabola(this->QuV));
+    const Vf gt = hn::Mul(Dot(byIndex, piece.Velocity(s)), Splat(1.0f / piece.Dt));
+    const Vec3 pu = MulAdd(t, this->DirectionU, this->OriginU);
+    const Vec3 pv = MulAdd(t, this->DirectionV, this->OriginV);
+    const Vec3& pt = this->Rays.Direction;
+    const Vec3 vt = Cross(pv, pt);
+    const Vf determinant = Dot(pu, vt);
+    // Only the direction of the gradient is used, but it must not be turned around.
+    const Vf sign = hn::CopySign(Splat(1.0f), determinant);
+    const Vec3 sum = MulAdd(gu, vt, MulAdd(gv, Cross(pt, pu), Scale(gt, Cross(pu, pv))));
+    return Scale(sign, sum);
+  }
+
+  static HWY_INLINE void SetParabola(const Vec3 at[3], Vec3 c[3])
+  {
+    c[0] = at[0];
+    c[1] = Sub(MulAdd(Splat(4.0f), at[1], Scale(Splat(-3.0f), at[0])), at[2]);
+    c[2] = Sub(Sub(at[2], at[0]), c[1]);
+  }
+
+  /// J_Phi at the middle of the piece, ray by ray: pieces that are not interpolated are short.
+  HWY_NOINLINE Vec3 GradientFromField(const PacketPiece& piece, const Vec3& byIndex)
+  {
+    if (!this->HaveFrames)
+    {
+      this->HaveFrames = true;
+      const Vf t = Splat(this->Grid.TimeOf(piece.Step + piece.Steps / 2));
+      const Vec3 p = MulAdd(t, this->Rays.Direction, this->Rays.Origin);
+      const Vec3 q = PullBackLanes(this->Scene, p, this->Alive, this->Scratch.Statistics);
+      PullBackJacobian(this->Scene, p, q, this->QuU[0], this->QuU[1], this->QuU[2]);
+    }
+    const Vec3 rest = Transform(this->Scene.GradientToRest, byIndex);
+    return { Dot(this->QuU[0], rest), Dot(this->QuU[1], rest), Dot(this->QuU[2], rest) };
+  }
+
+  const PacketScene& Scene;
+  TileGrid& Grid;
+  PacketScratch& Scratch;
+  RayPacket Rays;
+  Mf Alive;
+  Vf Wx[4];
+  Vf Wy[4];
+  Vf WxSlope[4];
+  Vf WySlope[4];
+  PacketPixels Out;
+
+  // Derivatives of the current piece, found when its first visible sample is shaded.
+  bool HaveFrames = false;
+  Vec3 QuU[3];
+  Vec3 QuV[3];
+  Vec3 OriginU;
+  Vec3 OriginV;
+  Vec3 DirectionU;
+  Vec3 DirectionV;
+};
+
+/// Rays of a tile, packet by packet, as they lie in PacketScratch::Rays.
+struct StoredRays
+{
+  float* Data;
+  explicit StoredRays(PacketScratch& scratch)
+    : Data(scratch.Rays.data())
+  {
+  }
+  HWY_INLINE void Set(std::size_t first, const RayPacket& rays) const
+  {
+    const Df d;
+    const Vf all[8] = { rays.Origin.x, rays.Origin.y, rays.Origin.z, rays.Direction.x,
+      rays.Direction.y, rays.Direction.z, rays.From, rays.To };
+    for (int i = 0; i < 8; ++i)
+    {
+      hn::StoreU(all[i], d, this->Data + 256 * i + first);
+    }
+  }
+  HWY_INLINE RayPacket Get(std::size_t first) const
+  {
+    const Df d;
+    const auto load = [&](int i) { return hn::LoadU(d, this->Data + 256 * i + first); };
+    return { { load(0), load(1), load(2) }, { load(3), load(4), load(5) }, load(6), load(7) };
+  }
+};
+
+/// Shape of a packet: up to four rays wide.
+struct PacketShape
+{
+  int Lanes;
+  int Width;
+  int Height;
+};
+
+HWY_INLINE PacketShape GetPacketShape()
+{
+  const int lanes = static_cast<int>(hn::Lanes(Df()));
+  const int width = lanes < 4 ? lanes : 4;
+  return { lanes, width, lanes / width };
+}
+
+/// Rays end where something opaque was drawn.
+HWY_INLINE void ClipToDepths(
+  const PacketScene& scene, const CastImage& image, int x0, int y0, RayPacket& rays)
+{
+  const Df d;
+  const PacketShape shape = GetPacketShape();
+  const CameraView& camera = scene.Source->Camera;
+  HWY_ALIGN float to[16];
+  hn::Store(rays.To, d, to);
+  for (int lane = 0; lane < shape.Lanes; ++lane)
+  {
+    const int x = x0 + lane % shape.Width;
+    const int y = y0 + lane / shape.Width;
+    if (x >= image.Width || y >= image.Height)
+    {
+      continue;
+    }
+    const double depth = scene.Source->Depths[static_cast<std::size_t>(y) * image.Width + x];
+    if (depth < 1.0)
+    {
+      const ViewRay ray = camera.MakeRay(x + 0.5, y + 0.5);
+      to[lane] = std::min(
+        to[lane], static_cast<float>(camera.DepthToT(ray, x + 0.5, y + 0.5, depth)));
+    }
+  }
+  rays.To = hn::Load(d, to);
+}
+
+HWY_INLINE void StorePixels(const PacketScene& scene, const CastImage& image, int x0, int y0,
+  Mf active, const PacketPixels& pixels)
+{
+  const Df d;
+  const PacketShape shape = GetPacketShape();
+  HWY_ALIGN float r[16], g[16], b[16], a[16], t[16];
+  const Vf zero = hn::Zero(d);
+  hn::Store(hn::IfThenElse(active, pixels.Colour.x, zero), d, r);
+  hn::Store(hn::IfThenElse(active, pixels.Colour.y, zero), d, g);
+  hn::Store(hn::IfThenElse(active, pixels.Colour.z, zero), d, b);
+  hn::Store(
+    hn::IfThenElse(active, hn::Sub(Splat(1.0f), pixels.Transmittance), zero), d, a);
+  hn::Store(hn::IfThenElse(active, pixels.FirstVisible, Splat(1e30f)), d, t);
+  for (int lane = 0; lane < shape.Lanes; ++lane)
+  {
+    const int x = x0 + lane % shape.Width;
+    const int y = y0 + lane / shape.Width;
+    if (x >= image.Width || y >= image.Height)
+    {
+      continue;
+    }
+    const std::size_t at = static_cast<std::size_t>(y) * image.Width + x;
+    float* colour = image.Colours + 4 * at;
+    colour[0] = r[lane];
+    colour[1] = g[lane];
+    colour[2] = b[lane];
+    colour[3] = a[lane];
+    if (image.Depths)
+    {
+      image.Depths[at] = 1.0f;
+      if (t[lane] < 1e29f)
+      {
+        const ViewRay ray = scene.Source->Camera.MakeRay(x + 0.5, y + 0.5);
+        image.Depths[at] = static_cast<float>(scene.Source->Camera.ToDepth(
+          ray.Origin + static_cast<double>(t[lane]) * ray.Direction));
+      }
+    }
+  }
+}
+
+template <class T>
+HWY_NOINLINE void CastTile(
+  const PacketScene& scene, int x0, int y0, const CastImage& image, PacketScratch& scratch)
+{
+  const Df d;
+  const PacketShape shape = GetPacketShape();
+  const StoredRays stored(scratch);
+  const CameraView& camera = scene.Source->Camera;
+  const ImageMap near(scene.NdcToLocal, camera, -1.0);
+  const ImageMap far(scene.NdcToLocal, camera, 1.0);
+
+  HWY_ALIGN float laneX[16];
+  HWY_ALIGN float laneY[16];
+  for (int lane = 0; lane < shape.Lanes; ++lane)
+  {
+    laneX[lane] = static_cast<float>(lane % shape.Width);
+    laneY[lane] = static_cast<float>(lane / shape.Width);
+  }
+  const Vf dx = hn::Load(d, laneX);
+  const Vf dy = hn::Load(d, laneY);
+
+  float tMin = 1e30f;
+  float tMax = -1e30f;
+  std::size_t packet = 0;
+  for (int y = y0; y < y0 + TileSide; y += shape.Height)
+  {
+    for (int x = x0; x < x0 + TileSide; x += shape.Width, ++packet)
+    {
+      const Vf px = hn::Add(Splat(static_cast<float>(x) + 0.5f), dx);
+      const Vf py = hn::Add(Splat(static_cast<float>(y) + 0.5f), dy);
+      RayPacket rays = MakeRays(scene, near, far, px, py);
+      if (scene.Source->Depths)
+      {
+        ClipToDepths(scene, image, x, y, rays);
+      }
+      ClipToBounds(scene, rays);
+      const Mf inImage = hn::And(hn::Lt(px, Splat(static_cast<float>(image.Width))),
+        hn::Lt(py, Splat(static_cast<float>(image.Height))));
+      const Mf active = hn::And(inImage, hn::Lt(rays.From, rays.To));
+      rays.To = hn::IfThenElse(active, rays.To, Splat(-1.0f));
+      stored.Set(packet * static_cast<std::size_t>(shape.Lanes), rays);
+      tMin = std::min(tMin, SmallestLane(hn::IfThenElse(active, rays.From, Splat(1e30f))));
+      tMax = std::max(tMax, LargestLane(hn::IfThenElse(active, rays.To, Splat(-1e30f))));
+      scratch.Statistics.Rays += static_cast<std::int64_t>(hn::CountTrue(d, active));
+    }
+  }
+
+  const bool any = tMin < tMax;
+  TileGrid grid(scene, scratch);
+  if (any)
+  {
+    grid.SetRays(near, far, static_cast<float>(x0), static_cast<float>(y0));
+    glm::dvec3 origins[4];
+    glm::dvec3 directions[4];
+    const int corners[4] = { 0, 3, 12, 15 };
+    for (int c = 0; c < 4; ++c)
+    {
+      const int i = corners[c];
+      origins[c] = scene.Centre +
+        glm::dvec3(grid.Origins.X[i], grid.Origins.Y[i], grid.Origins.Z[i]);
+      directions[c] =
+        glm::dvec3(grid.Directions.X[i], grid.Directions.Y[i], grid.Directions.Z[i]);
+    }
+    TileSpans& spans = scratch.Spans;
+    spans.Start(*scene.Source->Bounds, scene.Settings.Spans, scene.Source->Volume.DataToIndex,
+      origins, directions, tMin, tMax);
+    grid.Start(spans.GetNumberOfSpans(), scene.Settings.Spans.LargestLevel, spans.GetFirst(),
+      static_cast<float>(scene.Settings.Spans.Length));
+  }
+
+  packet = 0;
+  const float toNodes = (NodesPerSide - 1) / static_cast<float>(TileSide - 1);
+  for (int y = y0; y < y0 + TileSide; y += shape.Height)
+  {
+    for (int x = x0; x < x0 + TileSide; x += shape.Width, ++packet)
+    {
+      const RayPacket rays = stored.Get(packet * static_cast<std::size_t>(shape.Lanes));
+      const Mf active = hn::Lt(rays.From, rays.To);
+      const Vf nodeX =
+        hn::Mul(hn::Add(Splat(static_cast<float>(x - x0)), dx), Splat(toNodes));
+      const Vf nodeY =
+        hn::Mul(hn::Add(Splat(static_cast<float>(y - y0)), dy), Splat(toNodes));
+      Packet<T> cast(scene, grid, scratch, rays, nodeX, nodeY, active);
+      if (!hn::AllFalse(d, active))
+      {
+        cast.Cast();
+      }
+      StorePixels(scene, image, x, y, active, cast.GetPixels());
+    }
+  }
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace ffd
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,306 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Trilinear samples and their gradients, a position a lane. Included once per target of Highway.
+#if defined(FFD_SIMD_FETCH_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef FFD_SIMD_FETCH_INL_H_
+#undef FFD_SIMD_FETCH_INL_H_
+#else
+#define FFD_SIMD_FETCH_INL_H_
+#endif
+
+#include "FFDPacketVolume.h"
+#include "FFDScalarDispatch.h"
+
+#include "FFDSimdMath-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ffd
+{
+namespace HWY_NAMESPACE
+{
+
+/// Where the lanes sample: cell, position in it, offset of its first voxel.
+struct SamplePosition
+{
+  Vf Fx;
+  Vf Fy;
+  Vf Fz;
+  Vi Offset; ///< elements
+  Mf Interior; ///< the voxels one further out on each side exist, too
+};
+
+/// Values of four neighbouring voxels of a row, from one before the cell to one behind it.
+struct Row4
+{
+  Vf A;
+  Vf B;
+  Vf C;
+  Vf D;
+};
+
+HWY_INLINE SamplePosition FindCells(const PacketVolume& v, const Vec3& q)
+{
+  const Df d;
+  const Di di;
+  const Vf zero = hn::Zero(d);
+  const auto cellOf = [&](Vf x, int a)
+  { return hn::Floor(Clamp(x, zero, Splat(static_cast<float>(v.Dimensions[a] - 2)))); };
+  const Vf x = cellOf(q.x, 0);
+  const Vf y = cellOf(q.y, 1);
+  const Vf z = cellOf(q.z, 2);
+  SamplePosition at;
+  at.Fx = hn::Sub(q.x, x);
+  at.Fy = hn::Sub(q.y, y);
+  at.Fz = hn::Sub(q.z, z);
+  if (v.Nearest)
+  {
+    // The nearest voxel is linear interpolation with weights of zero and one.
+    const auto snap = [&](Vf f)
+    { return hn::IfThenElseZero(hn::Ge(f, Splat(0.5f)), Splat(1.0f)); };
+    at.Fx = snap(at.Fx);
+    at.Fy = snap(at.Fy);
+    at.Fz = snap(at.Fz);
+  }
+  at.Offset = hn::Add(hn::ConvertTo(di, x),
+    hn::Add(hn::Mul(hn::ConvertTo(di, y), hn::Set(di, v.IncrementY)),
+      hn::Mul(hn::ConvertTo(di, z), hn::Set(di, v.IncrementZ))));
+  const auto within = [&](Vf c, int a)
+  {
+    return hn::And(hn::Ge(c, Splat(1.0f)), hn::Le(c, Splat(static_cast<float>(v.Dimensions[a] - 3))));
+  };
+  at.Interior = hn::And(within(x, 0), hn::And(within(y, 1), within(z, 2)));
+  return at;
+}
+
+/**
+ * Fetches for one scalar type. Offsets name the voxel at the start of the cell; a fetch may read
+ * from the voxel before it to the second one behind it, never more.
+ */
+template <class T>
+struct Fetch;
+
+/// Stands for all types whose values single precision does not hold.
+struct WideScalar
+{
+};
+
+/// Wide types: one scalar load a lane, made relative to the table in double precision. The type is
+/// looked at for each load, so that five types do not need five copies of everything.
+template <>
+struct Fetch<WideScalar>
+{
+  static HWY_NOINLINE Vf Load(const PacketVolume& v, Vi offset, int delta)
+  {
+    const Df d;
+    const Di di;
+    HWY_ALIGN int offsets[16];
+    HWY_ALIGN float values[16];
+    hn::Store(offset, di, offsets);
+    DispatchScalarType(v.Type,
+      [&](auto zero)
+      {
+        const auto* p = static_cast<const decltype(zero)*>(v.Scalars) + delta;
+        for (std::size_t i = 0; i < hn::Lanes(d); ++i)
+        {
+          values[i] = static_cast<float>((static_cast<double>(p[offsets[i]]) - v.Shift) * v.Scale);
+        }
+      });
+    return hn::Load(d, values);
+  }
+  static Row4 LoadRow4(const PacketVolume& v, Vi offset, int delta)
+  {
+    return { Load(v, offset, delta - 1), Load(v, offset, delta), Load(v, offset, delta + 1),
+      Load(v, offset, delta + 2) };
+  }
+  static void LoadPair(const PacketVolume& v, Vi offset, int delta, Vf& b, Vf& c)
+  {
+    b = Load(v, offset, delta);
+    c = Load(v, offset, delta + 1);
+  }
+};
+
+template <>
+struct Fetch<float>
+{
+  static Vf Load(const PacketVolume& v, Vi offset, int delta)
+  {
+    return hn::GatherIndex(Df(), static_cast<const float*>(v.Scalars) + delta, offset);
+  }
+  static Row4 LoadRow4(const PacketVolume& v, Vi offset, int delta)
+  {
+    return { Load(v, offset, delta - 1), Load(v, offset, delta), Load(v, offset, delta + 1),
+      Load(v, offset, delta + 2) };
+  }
+  static void LoadPair(const PacketVolume& v, Vi offset, int delta, Vf& b, Vf& c)
+  {
+    b = Load(v, offset, delta);
+    c = Load(v, offset, delta + 1);
+  }
+};
+
+/// 32 bits at `bytes` behind each lane's offset (in bytes).
+HWY_INLINE Vi GatherWords(const void* base, std::ptrdiff_t bytes, Vi byteOffset)
+{
+  // The address need not be a multiple of four: Highway gathers by byte offset.
+  return hn::GatherOffset(
+    Di(), reinterpret_cast<const int*>(static_cast<const char*>(base) + bytes), byteOffset);
+}
+
+/// 8-bit types: one 32-bit gather holds the four voxels of a row.
+template <class T, bool Signed>
+struct FetchBytes
+{
+  template <int Byte>
+  static Vf Extract(Vi word)
+  {
+    const Df d;
+    const Di di;
+    if constexpr (Signed)
+    {
+      return hn::ConvertTo(d, hn::ShiftRight<24>(hn::ShiftLeft<24 - 8 * Byte>(word)));
+    }
+    else
+    {
+      return hn::ConvertTo(d, hn::And(hn::ShiftRight<8 * Byte>(word), hn::Set(di, 255)));
+    }
+  }
+  static Row4 LoadRow4(const PacketVolume& v, Vi offset, int delta)
+  {
+    const Vi word = GatherWords(v.Scalars, delta - 1, offset);
+    return { Extract<0>(word), Extract<1>(word), Extract<2>(word), Extract<3>(word) };
+  }
+  static void LoadPair(const PacketVolume& v, Vi offset, int delta, Vf& b, Vf& c)
+  {
+    const Vi word = GatherWords(v.Scalars, delta - 1, offset);
+    b = Extract<1>(word);
+    c = Extract<2>(word);
+  }
+};
+template <>
+struct Fetch<std::uint8_t> : FetchBytes<std::uint8_t, false>
+{
+};
+template <>
+struct Fetch<std::int8_t> : FetchBytes<std::int8_t, true>
+{
+};
+
+/// 16-bit types: a 32-bit gather holds two voxels.
+template <class T, bool Signed>
+struct FetchWords
+{
+  static Vf Low(Vi word)
+  {
+    const Df d;
+    const Di di;
+    if constexpr (Signed)
+    {
+      return hn::ConvertTo(d, hn::ShiftRight<16>(hn::ShiftLeft<16>(word)));
+    }
+    else
+    {
+      return hn::ConvertTo(d, hn::And(word, hn::Set(di, 0xFFFF)));
+    }
+  }
+  static Vf High(Vi word)
+  {
+    const Df d;
+    const Di di;
+    if constexpr (Signed)
+    {
+      return hn::ConvertTo(d, hn::ShiftRight<16>(word));
+    }
+    else
+    {
+      return hn::ConvertTo(d, hn::And(hn::ShiftRight<16>(word), hn::Set(di, 0xFFFF)));
+    }
+  }
+  static Vi Gather(const PacketVolume& v, Vi offset, int delta)
+  {
+    return GatherWords(v.Scalars, 2 * static_cast<std::ptrdiff_t>(delta), hn::Add(offset, offset));
+  }
+  static Row4 LoadRow4(const PacketVolume& v, Vi offset, int delta)
+  {
+    const Vi first = Gather(v, offset, delta - 1);
+    const Vi second = Gather(v, offset, delta + 1);
+    return { Low(first), High(first), Low(second), High(second) };
+  }
+  static void LoadPair(const PacketVolume& v, Vi offset, int delta, Vf& b, Vf& c)
+  {
+    const Vi word = Gather(v, offset, delta);
+    b = Low(word);
+    c = High(word);
+  }
+};
+template <>
+struct Fetch<std::uint16_t> : FetchWords<std::uint16_t, false>
+{
+};
+template <>
+struct Fetch<std::int16_t> : FetchWords<std::int16_t, true>
+{
+};
+
+/// The four rows of a cell, kept by a sample for its gradient.
+struct SampleRows
+{
+  Row4 R00;
+  Row4 R10; // y + 1
+  Row4 R01; // z + 1
+  Row4 R11;
+};
+
+/// Trilinear scalar of interior lanes; rows are kept for Gradient.
+template <class T>
+HWY_INLINE Vf Sample(const PacketVolume& v, const SamplePosition& at, SampleRows& rows)
+{
+  const int y = v.IncrementY;
+  const int z = v.IncrementZ;
+  rows.R00 = Fetch<T>::LoadRow4(v, at.Offset, 0);
+  rows.R10 = Fetch<T>::LoadRow4(v, at.Offset, y);
+  rows.R01 = Fetch<T>::LoadRow4(v, at.Offset, z);
+  rows.R11 = Fetch<T>::LoadRow4(v, at.Offset, y + z);
+  const auto along = [&](const Row4& r) { return Lerp(r.B, r.C, at.Fx); };
+  return Lerp(Lerp(along(rows.R00), along(rows.R10), at.Fy),
+    Lerp(along(rows.R01), along(rows.R11), at.Fy), at.Fz);
+}
+
+/**
+ * f(q + e) - f(q - e) by index coordinates, e one voxel along each axis: central differences of
+ * interpolated samples, from the 32 voxels that the seven samples touch. The inner eight, and the
+ * eight beside them along x, come with the sample.
+ */
+template <class T>
+HWY_INLINE Vec3 Gradient(const PacketVolume& v, const SamplePosition& at, const SampleRows& rows)
+{
+  const int y = v.IncrementY;
+  const int z = v.IncrementZ;
+  const auto slope = [&](const Row4& r)
+  { return Lerp(hn::Sub(r.C, r.A), hn::Sub(r.D, r.B), at.Fx); };
+  const auto along = [&](const Row4& r) { return Lerp(r.B, r.C, at.Fx); };
+  const auto fetch = [&](int delta)
+  {
+    Vf b;
+    Vf c;
+    Fetch<T>::LoadPair(v, at.Offset, delta, b, c);
+    return Lerp(b, c, at.Fx);
+  };
+  const Vf r00 = along(rows.R00);
+  const Vf r10 = along(rows.R10);
+  const Vf r01 = along(rows.R01);
+  const Vf r11 = along(rows.R11);
+  Vec3 g;
+  g.x = Lerp(Lerp(slope(rows.R00), slope(rows.R10), at.Fy),
+    Lerp(slope(rows.R01), slope(rows.R11), at.Fy), at.Fz);
+  g.y = Lerp(Lerp(hn::Sub(r10, fetch(-y)), hn::Sub(fetch(2 * y), r00), at.Fy),
+    Lerp(hn::Sub(r11, fetch(z - y)), hn::Sub(fetch(z + 2 * y), r01), at.Fy), at.Fz);
+  g.z = Lerp(Lerp(hn::Sub(r01, fetch(-z)), hn::Sub(r11, fetch(y - z)), at.Fy),
+    Lerp(hn::Sub(fetch(2 * z), r00), hn::Sub(fetch(y + 2 * z), r10), at.Fy), at.Fz);
+  return g;
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace ffd
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,378 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Rays of a tile and the pull-back on its nodes. Included once per target of Highway.
+#if defined(FFD_SIMD_TILE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef FFD_SIMD_TILE_INL_H_
+#undef FFD_SIMD_TILE_INL_H_
+#else
+#define FFD_SIMD_TILE_INL_H_
+#endif
+
+#include "FFDPacketCaster.h"
+
+#include "FFDSimdMath-inl.h"
+#include "FFDSimdSpline-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ffd
+{
+namespace HWY_NAMESPACE
+{
+
+constexpr int TileSide = 16;
+constexpr int NodesPerSide = 4;
+constexpr int TileNodes = NodesPerSide * NodesPerSide;
+
+/// A packet of viewing rays, local coordinates: P(t) = Origin + t * Direction, t in world units.
+struct RayPacket
+{
+  Vec3 Origin;
+  Vec3 Direction;
+  Vf From;
+  Vf To;
+};
+
+/// The affine map from image positions to homogeneous local coordinates at one depth.
+struct ImageMap
+{
+  float Base[4];
+  float PerX[4];
+  float PerY[4];
+
+  ImageMap() = default;
+  ImageMap(const glm::dmat4& ndcToLocal, const CameraView& camera, double ndcDepth)
+  {
+    const glm::dvec4 base =
+      ndcToLocal * glm::dvec4(camera.NdcOrigin.x, camera.NdcOrigin.y, ndcDepth, 1.0);
+    const glm::dvec4 perX = ndcToLocal[0] * camera.NdcPerPixel.x;
+    const glm::dvec4 perY = ndcToLocal[1] * camera.NdcPerPixel.y;
+    for (int c = 0; c < 4; ++c)
+    {
+      this->Base[c] = static_cast<float>(base[c]);
+      this->PerX[c] = static_cast<float>(perX[c]);
+      this->PerY[c] = static_cast<float>(perY[c]);
+    }
+  }
+
+  HWY_INLINE Vec3 At(Vf x, Vf y) const
+  {
+    const auto component = [&](int c)
+    {
+      return hn::MulAdd(
+        Splat(this->PerX[c]), x, hn::MulAdd(Splat(this->PerY[c]), y, Splat(this->Base[c])));
+    };
+    const Vf inverse = hn::Div(Splat(1.0f), component(3));
+    return Scale(inverse, { component(0), component(1), component(2) });
+  }
+};
+
+HWY_INLINE Vf WorldLength(const PacketScene& scene, const Vec3& local)
+{
+  const Vec3 world = Transform(scene.LocalToWorld, local);
+  return hn::Sqrt(Dot(world, world));
+}
+
+/// Rays through image positions, near plane to far plane.
+HWY_INLINE RayPacket MakeRays(
+  const PacketScene& scene, const ImageMap& near, const ImageMap& far, Vf x, Vf y)
+{
+  RayPacket rays;
+  rays.Origin = near.At(x, y);
+  const Vec3 path = Sub(far.At(x, y), rays.Origin);
+  rays.From = hn::Zero(Df());
+  rays.To = WorldLength(scene, path);
+  rays.Direction = Scale(hn::Div(Splat(1.0f), rays.To), path);
+  return rays;
+}
+
+/// Narrow [From, To] to the deformed bounds.
+HWY_INLINE void ClipToBounds(const PacketScene& scene, RayPacket& rays)
+{
+  const auto clip = [&](Vf o, Vf v, float lo, float hi)
+  {
+    // A direction of zero becomes a very small one: then the slab bounds all of the line or none.
+    const Vf tiny = Splat(1e-30f);
+    const Vf safe = hn::IfThenElse(hn::Lt(hn::Abs(v), tiny), tiny, v);
+    const Vf inverse = hn::Div(Splat(1.0f), safe);
+    const Vf a = hn::Mul(hn::Sub(Splat(lo), o), inverse);
+    const Vf b = hn::Mul(hn::Sub(Splat(hi), o), inverse);
+    rays.From = hn::Max(rays.From, hn::Min(a, b));
+    rays.To = hn::Min(rays.To, hn::Max(a, b));
+  };
+  clip(rays.Origin.x, rays.Direction.x, scene.BoundsMin[0], scene.BoundsMax[0]);
+  clip(rays.Origin.y, rays.Direction.y, scene.BoundsMin[1], scene.BoundsMax[1]);
+  clip(rays.Origin.z, rays.Direction.z, scene.BoundsMin[2], scene.BoundsMax[2]);
+}
+
+HWY_INLINE Vec3 LocalToIndex(const PacketScene& scene, const Vec3& local)
+{
+  const Vec3 index = Transform(scene.LocalToIndex, local);
+  return { hn::Add(index.x, Splat(scene.IndexOffset[0])),
+    hn::Add(index.y, Splat(scene.IndexOffset[1])), hn::Add(index.z, Splat(scene.IndexOffset[2])) };
+}
+
+/**
+ * Phi of every lane in `active`, local coordinates. Lanes that Newton's method alone does not
+ * solve go through the damped iteration of PullBack, one by one.
+ */
+HWY_INLINE Vec3 PullBackLanes(
+  const PacketScene& scene, const Vec3& p, Mf active, CastStatistics& statistics)
+{
+  const Df d;
+  if (scene.Identity)
+  {
+    return p;
+  }
+  const int count = static_cast<int>(hn::CountTrue(d, active));
+  if (scene.Kind == PullBackKind::FirstOrder)
+  {
+    statistics.Evaluations += count;
+    return Sub(p, Displacement(scene.Field, p));
+  }
+  if (scene.Kind == PullBackKind::Forward)
+  {
+    statistics.Evaluations += count;
+    return Add(p, Displacement(scene.Field, p));
+  }
+  Vec3 q;
+  int evaluations = 0;
+  const Mf converged = SolveInverse(scene.Field, p, scene.Tolerance, q, evaluations);
+  statistics.Evaluations += static_cast<std::int64_t>(evaluations) * count;
+  if (scene.Kind == PullBackKind::FirstOrderOfInverse)
+  {
+    q = Sub(Add(p, p), q);
+  }
+  const Mf stuck = hn::AndNot(converged, active);
+  if (HWY_UNLIKELY(!hn::AllFalse(d, stuck)))
+  {
+    HWY_ALIGN float px[16], py[16], pz[16], qx[16], qy[16], qz[16], flag[16];
+    hn::Store(p.x, d, px);
+    hn::Store(p.y, d, py);
+    hn::Store(p.z, d, pz);
+    hn::Store(q.x, d, qx);
+    hn::Store(q.y, d, qy);
+    hn::Store(q.z, d, qz);
+    hn::Store(hn::IfThenElseZero(stuck, Splat(1.0f)), d, flag);
+    for (std::size_t i = 0; i < hn::Lanes(d); ++i)
+    {
+      if (flag[i] != 0.0f)
+      {
+        PullBackStatus status;
+        const glm::dvec3 rest =
+          scene.Source->Map->Evaluate(scene.Centre + glm::dvec3(px[i], py[i], pz[i]), status) -
+          scene.Centre;
+        statistics.Evaluations += status.Evaluations;
+        statistics.Unconverged += status.Converged ? 0 : 1;
+        qx[i] = static_cast<float>(rest.x);
+        qy[i] = static_cast<float>(rest.y);
+        qz[i] = static_cast<float>(rest.z);
+      }
+    }
+    q = { hn::Load(d, qx), hn::Load(d, qy), hn::Load(d, qz) };
+  }
+  return q;
+}
+
+/**
+ * dPhi/dP of every lane at deformed points p that come from rest points q (local coordinates), by
+ * columns.
+ */
+HWY_INLINE void PullBackJacobian(
+  const PacketScene& scene, const Vec3& p, const Vec3& q, Vec3& a, Vec3& b, Vec3& c)
+{
+  const Vf one = Splat(1.0f);
+  const bool inverse = scene.Kind == PullBackKind::Exact ||
+    scene.Kind == PullBackKind::FirstOrderOfInverse;
+  Vec3 at = inverse ? q : p;
+  if (scene.Kind == PullBackKind::FirstOrderOfInverse)
+  {
+    // q = 2p - T^-1(p): the field lives at T^-1(p).
+    at = Sub(Add(p, p), q);
+  }
+  Vec3 displacement;
+  EvaluateField<true>(scene.Field, at, displacement, a, b, c);
+  if (scene.Kind == PullBackKind::FirstOrder)
+  {
+    const Vf minus = Splat(-1.0f);
+    a = Scale(minus, a);
+    b = Scale(minus, b);
+    c = Scale(minus, c);
+  }
+  a.x = hn::Add(a.x, one);
+  b.y = hn::Add(b.y, one);
+  c.z = hn::Add(c.z, one);
+  if (inverse)
+  {
+    // Rows of the inverse are the cross products of the columns over the determinant.
+    const Vec3 r0 = Cross(b, c);
+    const Vec3 r1 = Cross(c, a);
+    const Vec3 r2 = Cross(a, b);
+    const Vf determinant = Dot(a, r0);
+    const Vf safe = hn::IfThenElse(
+      hn::Lt(hn::Abs(determinant), Splat(1e-12f)), Splat(1e-12f), determinant);
+    const Vf s = hn::Div(one, safe);
+    a = Scale(s, { r0.x, r1.x, r2.x });
+    b = Scale(s, { r0.y, r1.y, r2.y });
+    c = Scale(s, { r0.z, r1.z, r2.z });
+    if (scene.Kind == PullBackKind::FirstOrderOfInverse)
+    {
+      const Vf two = Splat(2.0f);
+      const Vf minus = Splat(-1.0f);
+      a = Scale(minus, a);
+      b = Scale(minus, b);
+      c = Scale(minus, c);
+      a.x = hn::Add(a.x, two);
+      b.y = hn::Add(b.y, two);
+      c.z = hn::Add(c.z, two);
+    }
+  }
+}
+
+/// Cubic Lagrange weights at u in [0, 3] for nodes 0, 1, 2, 3, and their derivatives by u.
+HWY_INLINE void LagrangeWeights(Vf u, Vf w[4], Vf slopes[4])
+{
+  const Vf a = u;
+  const Vf b = hn::Sub(u, Splat(1.0f));
+  const Vf c = hn::Sub(u, Splat(2.0f));
+  const Vf e = hn::Sub(u, Splat(3.0f));
+  const auto product3 = [](Vf x, Vf y, Vf z) { return hn::Mul(x, hn::Mul(y, z)); };
+  const auto pairs = [](Vf x, Vf y, Vf z)
+  { return hn::MulAdd(x, y, hn::MulAdd(x, z, hn::Mul(y, z))); };
+  const Vf sixth = Splat(1.0f / 6.0f);
+  const Vf half = Splat(0.5f);
+  w[0] = hn::Neg(hn::Mul(sixth, product3(b, c, e)));
+  w[1] = hn::Mul(half, product3(a, c, e));
+  w[2] = hn::Neg(hn::Mul(half, product3(a, b, e)));
+  w[3] = hn::Mul(sixth, product3(a, b, c));
+  slopes[0] = hn::Neg(hn::Mul(sixth, pairs(b, c, e)));
+  slopes[1] = hn::Mul(half, pairs(a, c, e));
+  slopes[2] = hn::Neg(hn::Mul(half, pairs(a, b, e)));
+  slopes[3] = hn::Mul(sixth, pairs(a, b, c));
+}
+
+/// Sum over the nodes of a tile, weights of x and y.
+HWY_INLINE Vf InterpolateNodes(const float* node, const Vf wx[4], const Vf wy[4])
+{
+  Vf sum = hn::Zero(Df());
+  for (int j = 0; j < NodesPerSide; ++j)
+  {
+    const float* row = node + NodesPerSide * j;
+    Vf s = hn::Mul(wx[0], Splat(row[0]));
+    s = hn::MulAdd(wx[1], Splat(row[1]), s);
+    s = hn::MulAdd(wx[2], Splat(row[2]), s);
+    s = hn::MulAdd(wx[3], Splat(row[3]), s);
+    sum = hn::MulAdd(wy[j], s, sum);
+  }
+  return sum;
+}
+
+HWY_INLINE Vec3 InterpolateLayer(const TileLayer& layer, const Vf wx[4], const Vf wy[4])
+{
+  return { InterpolateNodes(layer.X, wx, wy), InterpolateNodes(layer.Y, wx, wy),
+    InterpolateNodes(layer.Z, wx, wy) };
+}
+
+/**
+ * The coarse grid of one tile: viewing rays through its 4 x 4 nodes and, by layer of equal t,
+ * where the nodes come from. Layers are found on first use and kept, so what a layer holds does
+ * not depend on which rays asked for it.
+ */
+class TileGrid
+{
+public:
+  TileGrid(const PacketScene& scene, PacketScratch& scratch)
+    : Scene(scene)
+    , Scratch(scratch)
+  {
+  }
+
+  void SetRays(const ImageMap& near, const ImageMap& far, float x0, float y0)
+  {
+    const Df d;
+    constexpr float step = (TileSide - 1) / static_cast<float>(NodesPerSide - 1);
+    HWY_ALIGN float x[TileNodes];
+    HWY_ALIGN float y[TileNodes];
+    for (int i = 0; i < TileNodes; ++i)
+    {
+      x[i] = x0 + 0.5f + step * static_cast<float>(i % NodesPerSide);
+      y[i] = y0 + 0.5f + step * static_cast<float>(i / NodesPerSide);
+    }
+    for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
+    {
+      const RayPacket rays =
+        MakeRays(this->Scene, near, far, hn::Load(d, x + i), hn::Load(d, y + i));
+      hn::Store(rays.Origin.x, d, this->Origins.X + i);
+      hn::Store(rays.Origin.y, d, this->Origins.Y + i);
+      hn::Store(rays.Origin.z, d, this->Origins.Z + i);
+      hn::Store(rays.Direction.x, d, this->Directions.X + i);
+      hn::Store(rays.Direction.y, d, this->Directions.Y + i);
+      hn::Store(rays.Direction.z, d, this->Directions.Z + i);
+    }
+  }
+
+  /// Number of fine steps a span: layers lie at ends and middles of the smallest pieces.
+  void Start(int spans, int largestLevel, int firstSpan, float spanLength)
+  {
+    this->StepsPerSpan = 1 << (largestLevel + 1);
+    this->FirstSpan = firstSpan;
+    this->StepLength = spanLength / static_cast<float>(this->StepsPerSpan);
+    this->Scratch.LayerSlots.assign(
+      static_cast<std::size_t>(spans) * static_cast<std::size_t>(this->StepsPerSpan) + 1, -1);
+    this->Scratch.Layers.clear();
+  }
+
+  int GetStepsPerSpan() const { return this->StepsPerSpan; }
+
+  /// Layer at a fine step from the start of the first span.
+  const TileLayer& GetLayer(int step)
+  {
+    int& slot = this->Scratch.LayerSlots[static_cast<std::size_t>(step)];
+    if (slot < 0)
+    {
+      slot = static_cast<int>(this->Scratch.Layers.size());
+      this->Scratch.Layers.emplace_back();
+      this->Find(step, this->Scratch.Layers.back());
+    }
+    return this->Scratch.Layers[static_cast<std::size_t>(slot)];
+  }
+
+  float TimeOf(int step) const
+  {
+    return static_cast<float>(this->FirstSpan * this->StepsPerSpan + step) * this->StepLength;
+  }
+
+  HWY_ALIGN TileLayer Origins;    // local coordinates
+  HWY_ALIGN TileLayer Directions; // local coordinates per world unit
+
+private:
+  void Find(int step, TileLayer& layer)
+  {
+    const Df d;
+    const Vf t = Splat(this->TimeOf(step));
+    for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
+    {
+      const Vec3 o{ hn::Load(d, this->Origins.X + i), hn::Load(d, this->Origins.Y + i),
+        hn::Load(d, this->Origins.Z + i) };
+      const Vec3 v{ hn::Load(d, this->Directions.X + i), hn::Load(d, this->Directions.Y + i),
+        hn::Load(d, this->Directions.Z + i) };
+      const Vec3 rest = PullBackLanes(
+        this->Scene, MulAdd(t, v, o), hn::FirstN(d, hn::Lanes(d)), this->Scratch.Statistics);
+      const Vec3 index = LocalToIndex(this->Scene, rest);
+      hn::StoreU(index.x, d, layer.X + i);
+      hn::StoreU(index.y, d, layer.Y + i);
+      hn::StoreU(index.z, d, layer.Z + i);
+    }
+  }
+
+  const PacketScene& Scene;
+  PacketScratch& Scratch;
+  int StepsPerSpan = 2;
+  int FirstSpan = 0;
+  float StepLength = 1.0f;
+};
+
+} // namespace HWY_NAMESPACE
+} // namespace ffd
+HWY_AFTER_NAMESPACE();
+
+#endif

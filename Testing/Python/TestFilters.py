@@ -1,0 +1,51 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""vtkFFDLatticeSource and vtkFFDDeformVolume from Python."""
+
+import unittest
+
+import numpy as np
+import vtkffd
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData
+
+
+class TestFilters(unittest.TestCase):
+    def test_source_and_deform_volume(self):
+        volume = vtkImageData()
+        volume.SetDimensions(10, 10, 10)
+        volume.AllocateScalars(3, 1)
+        source = vtkffd.vtkFFDLatticeSource()
+        source.SetBounds(volume.GetBounds())
+        source.SetDimensions(6, 6, 6)
+        source.SetShapeToTwist()
+        source.SetStrength(0.5)
+        self.assertEqual(source.GetShapeAsString(), "Twist")
+        deform = vtkffd.vtkFFDDeformVolume()
+        deform.SetInputData(volume)
+        deform.SetLatticeConnection(source.GetOutputPort())
+        deform.Update()
+        self.assertTrue(vtkffd.vtkFFDLattice.HasLattice(deform.GetOutput()))
+        self.assertFalse(vtkffd.vtkFFDLattice.HasLattice(volume))
+        lattice = vtkffd.vtkFFDLattice()
+        self.assertEqual(lattice.ReadFrom(deform.GetOutput()), 1)
+        np.testing.assert_array_equal(
+            vtk_to_numpy(lattice.GetDisplacements()),
+            vtk_to_numpy(source.GetLattice().GetDisplacements()))
+
+    def test_every_shape_is_fold_free_at_full_strength(self):
+        lattice = vtkffd.vtkFFDLattice()
+        lattice.SetDimensions(8, 8, 8)
+        shapes = vtkffd.vtkFFDLatticeSource
+        for shape in (shapes.BEND, shapes.TWIST, shapes.TAPER, shapes.BULGE, shapes.WAVE,
+                      shapes.RANDOM):
+            with self.subTest(shape):
+                self.assertEqual(shapes.ApplyShape(lattice, shape, 1.0), 1)
+                self.assertFalse(lattice.IsIdentity())
+                self.assertTrue(lattice.IsFoldFree())
+        self.assertEqual(shapes.ApplyShape(lattice, shapes.IDENTITY, 1.0), 1)
+        self.assertTrue(lattice.IsIdentity())
+
+
+if __name__ == "__main__":
+    unittest.main()

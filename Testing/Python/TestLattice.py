@@ -1,0 +1,176 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""vtkFFDLattice from Python: editing with numpy, transforming, files, errors."""
+
+import math
+import os
+import tempfile
+import unittest
+
+import numpy as np
+import vtkffd
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkCommonTransforms import vtkTransform
+from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLImageDataWriter
+
+
+def catch_errors(lattice):
+    """A list that collects the messages of the lattice's errors."""
+    messages = []
+
+    def observer(caller, event, message):
+        messages.append(message)
+
+    observer.CallDataType = "string0"
+    lattice.AddObserver("ErrorEvent", observer)
+    return messages
+
+
+class TestLattice(unittest.TestCase):
+    def setUp(self):
+        self.lattice = vtkffd.vtkFFDLattice()
+        self.lattice.SetDimensions(6, 5, 7)
+        self.lattice.SetDomain(0, 30, 0, 20, 0, 10)
+
+    def test_single_points(self):
+        lattice = self.lattice
+        self.assertEqual(lattice.GetDimensions(), (6, 5, 7))
+        np.testing.assert_allclose(lattice.GetDomain(), (0, 30, 0, 20, 0, 10), atol=1e-12)
+        rest = [0.0] * 3
+        lattice.GetRestPoint(2, 1, 3, rest)
+        np.testing.assert_allclose(rest, (10, 0, 5))
+        lattice.SetControlPoint(2, 1, 3, 11, 1, 6)
+        point = [0.0] * 3
+        lattice.GetControlPoint(2, 1, 3, point)
+        np.testing.assert_allclose(point, (11, 1, 6))
+        lattice.SetDisplacement(2, 1, 3, (0.5, 0, 0))
+        displacement = [0.0] * 3
+        lattice.GetDisplacement(2, 1, 3, displacement)
+        self.assertEqual(displacement, [0.5, 0.0, 0.0])
+        self.assertFalse(lattice.IsIdentity())
+        lattice.Reset()
+        self.assertTrue(lattice.IsIdentity())
+
+    def test_numpy_edits_all_points(self):
+        lattice = self.lattice
+        view = vtk_to_numpy(lattice.GetDisplacements())
+        self.assertEqual(view.shape, (210, 3))
+        grid = view.reshape(7, 5, 6, 3)
+        grid[..., 2] += 3.0
+        lattice.Modified()
+        np.testing.assert_allclose(lattice.TransformPoint(15, 10, 5), (15, 10, 8))
+        grid[3, 2, 4] = (1, 2, 3)
+        displacement = [0.0] * 3
+        lattice.GetDisplacement(4, 2, 3, displacement)
+        self.assertEqual(displacement, [1.0, 2.0, 3.0])
+
+        wave = np.zeros((7, 5, 6, 3), dtype=np.float32)
+        wave[..., 1] = np.sin(np.arange(6))
+        array = numpy_to_vtk(wave.reshape(-1, 3))
+        self.assertEqual(lattice.SetDisplacements(array), 1)
+        np.testing.assert_allclose(view, wave.reshape(-1, 3))
+
+    def test_inverse(self):
+        rng = np.random.default_rng(1)
+        view = vtk_to_numpy(self.lattice.GetDisplacements())
+        spacing = [0.0] * 3
+        self.lattice.GetSpacing(spacing)
+        view[:] = rng.uniform(-0.35, 0.35, view.shape) * spacing
+        self.lattice.Modified()
+        self.assertTrue(self.lattice.IsFoldFree())
+        self.lattice.SetInverseTolerance(1e-9)
+        inverse = self.lattice.GetInverse()
+        for p in rng.uniform((-5, -5, -5), (35, 25, 15), (100, 3)):
+            q = inverse.TransformPoint(*p)
+            np.testing.assert_allclose(self.lattice.TransformPoint(q), p, atol=1.01e-9)
+
+    def test_refine_keeps_the_shape(self):
+        view = vtk_to_numpy(self.lattice.GetDisplacements())
+        view[:] = np.random.default_rng(2).uniform(-2, 2, view.shape)
+        self.lattice.Modified()
+        before = self.lattice.TransformPoint(12.3, 4.5, 6.7)
+        self.assertEqual(self.lattice.Refine(2), 1)
+        self.assertEqual(self.lattice.GetDimensions(), (9, 7, 11))
+        np.testing.assert_allclose(self.lattice.TransformPoint(12.3, 4.5, 6.7), before, atol=1e-12)
+
+    def test_bounds(self):
+        self.lattice.SetDisplacement(3, 2, 3, 0, 0, 4)
+        bounds = [0.0] * 6
+        self.lattice.GetDeformedBounds((0, 30, 0, 20, 0, 10), bounds)
+        self.assertLess(bounds[0], 1e-6)
+        self.assertGreaterEqual(bounds[5], 10.0)
+        self.assertLess(bounds[5], 12.0)
+        determinant = [0.0] * 2
+        self.lattice.GetJacobianDeterminantBounds(determinant)
+        self.assertLess(determinant[0], 1.0)
+        self.assertGreater(determinant[1], 1.0)
+
+    def test_travels_with_a_volume_through_a_file(self):
+        self.lattice.SetDisplacement(3, 2, 3, 0.1, 0.2, 0.3)
+        self.lattice.SetBorderModeToZero()
+        volume = vtkImageData()
+        volume.SetDimensions(4, 4, 4)
+        self.assertFalse(vtkffd.vtkFFDLattice.HasLattice(volume))
+        self.assertEqual(self.lattice.AttachTo(volume), 1)
+        with tempfile.TemporaryDirectory(dir=os.environ.get("FFD_TEST_TEMPORARY")) as folder:
+            name = os.path.join(folder, "volume.vti")
+            writer = vtkXMLImageDataWriter()
+            writer.SetFileName(name)
+            writer.SetInputData(volume)
+            self.assertEqual(writer.Write(), 1)
+            reader = vtkXMLImageDataReader()
+            reader.SetFileName(name)
+            reader.Update()
+        read = vtkffd.vtkFFDLattice()
+        self.assertEqual(read.ReadFrom(reader.GetOutput()), 1)
+        self.assertEqual(read.GetBorderModeAsString(), "Zero")
+        np.testing.assert_array_equal(
+            vtk_to_numpy(read.GetDisplacements()), vtk_to_numpy(self.lattice.GetDisplacements()))
+        image = vtkImageData()
+        self.assertEqual(self.lattice.ToImageData(image), 1)
+        self.assertEqual(image.GetDimensions(), (6, 5, 7))
+        other = vtkffd.vtkFFDLattice()
+        self.assertEqual(other.FromImageData(image), 1)
+        self.assertEqual(other.GetDimensions(), (6, 5, 7))
+        vtkffd.vtkFFDLattice.DetachFrom(volume)
+        self.assertFalse(vtkffd.vtkFFDLattice.HasLattice(volume))
+
+    def test_fit_to_transform(self):
+        transform = vtkTransform()
+        transform.RotateZ(20)
+        error = self.lattice.FitToTransform(transform, (0, 10, 0, 10, 0, 10), 0.01)
+        self.assertGreaterEqual(error, 0.0)
+        self.assertLess(error, 1e-10)
+        np.testing.assert_allclose(
+            self.lattice.TransformPoint(1, 2, 3), transform.TransformPoint(1, 2, 3), atol=1e-10)
+
+    def test_copies(self):
+        copy = vtkffd.vtkFFDLattice()
+        copy.DeepCopy(self.lattice)
+        copy.SetDisplacement(1, 1, 1, 1, 1, 1)
+        self.assertTrue(self.lattice.IsIdentity())
+        copy.ShallowCopy(self.lattice)
+        copy.SetDisplacement(1, 1, 1, 1, 1, 1)
+        self.assertFalse(self.lattice.IsIdentity())
+
+    def test_errors_name_what_is_wrong(self):
+        messages = catch_errors(self.lattice)
+        for call, text in (
+                (lambda: self.lattice.SetDimensions(3, 4, 4), "4 to 1024"),
+                (lambda: self.lattice.SetDomain(1, 0, 0, 1, 0, 1), "inverted"),
+                (lambda: self.lattice.SetDisplacement(0, 0, 0, math.nan, 0, 0), "finite"),
+                (lambda: self.lattice.SetDisplacement(9, 0, 0, 0, 0, 0), "(9, 0, 0)"),
+                (lambda: self.lattice.SetDisplacements(None), "null"),
+                (lambda: self.lattice.ReadFrom(vtkImageData()), "missing")):
+            call()
+            self.assertEqual(len(messages), 1)
+            self.assertIn(text, messages.pop())
+        self.assertEqual(self.lattice.GetDimensions(), (6, 5, 7))
+        self.assertTrue(self.lattice.IsIdentity())
+        with self.assertRaises(TypeError):
+            self.lattice.SetDimensions("a", 4, 4)
+
+
+if __name__ == "__main__":
+    unittest.main()
