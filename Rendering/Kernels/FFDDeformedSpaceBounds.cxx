@@ -131,6 +131,9 @@ void DeformedSpaceBounds::FillFromRestRegions(
   const glm::ivec3 low = glm::clamp(first, firstOutside, lastOutside);
   const glm::ivec3 high = glm::clamp(last, firstOutside, lastOutside);
 
+  // The neighbours share a sub-cell's faces: stay off them. But where the field has a kink in such
+  // a face, what it does to the derivatives must be seen.
+  const double shrink = field.GetBorder() == BorderMode::ZeroAtBorder ? 0.0 : 1e-7;
   for (int k = low.z; k <= high.z; ++k)
   {
     for (int j = low.y; j <= high.y; ++j)
@@ -146,8 +149,7 @@ void DeformedSpaceBounds::FillFromRestRegions(
           rest.Min[a] = at[a] == low[a] ? std::min(rest.Min[a], restMin[a]) : rest.Min[a];
           rest.Max[a] = at[a] == high[a] ? std::max(rest.Max[a], restMax[a]) : rest.Max[a];
         }
-        // The neighbours share this sub-cell's faces: stay off them.
-        const glm::dvec3 inset = 1e-7 * step;
+        const glm::dvec3 inset = shrink * step;
         const Box inner{ rest.Min + inset, rest.Max - inset };
         const MapBounds here = bounds.Over(inner);
         const Box moves = bounds.DisplacementOver(inner);
