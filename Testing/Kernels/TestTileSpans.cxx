@@ -105,7 +105,6 @@ void CheckLattice(RandomLattice& random, const BSplineField& field, PullBackKind
 {
   const PullBack map(&field, kind, 1e-11);
   const PullBackBounds mapBounds(map);
-  const Box everywhere{ glm::dvec3(-1e3), glm::dvec3(1e3) };
   const Box region{ field.GetOrigin() - 40.0,
     field.GetOrigin() + field.GetSpacing() * glm::dvec3(field.GetNodes()) + 40.0 };
   const DeformedSpaceBounds bounds(map, mapBounds, region);
