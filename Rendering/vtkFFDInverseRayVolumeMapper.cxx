@@ -134,13 +134,12 @@ public:
   vtkMTimeType ScalarsTime = 0;
   ffd::VolumeView Volume;
   ffd::MinMaxBlocks Blocks;
-  ffd::Box RestBounds;
 
   // Of the deformation.
   vtkFFDDeformationSource Source;
   vtkMTimeType DeformationTime = 0;
   ffd::PullBack Map;
-  ffd::PullBackBounds MapBounds;
+  double TurnRate = 0.0; // radians per data unit of a viewing ray
   ffd::DeformedSpaceBounds SpaceBounds;
   ffd::Box DeformedBounds;
   double ReportedBounds[6] = { 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 };
@@ -234,16 +233,18 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
     return true;
   }
   this->DeformationTime = time;
-  this->RestBounds = rest;
   this->Map = ffd::PullBack(&this->Source.GetField(),
     FindPullBackKind(this->Self->InverseMode, this->Source.IsInverted()),
     this->Self->InverseTolerance * voxel);
-  this->MapBounds = ffd::PullBackBounds(this->Map);
-  this->DeformedBounds = this->MapBounds.DeformedBounds(rest);
+  // Only what follows from these bounds is kept: they take far more memory.
+  const ffd::PullBackBounds mapBounds(this->Map);
+  this->DeformedBounds = mapBounds.DeformedBounds(rest);
+  this->TurnRate = ffd::FindLargestTurnRate(
+    mapBounds.Over(mapBounds.RegionsAreInRestSpace() ? rest : this->DeformedBounds));
   // Pieces of rays reach out of the bounds by less than their length.
   const double reach =
     std::max(LongestAutomaticSegment, this->Self->MaximumSegmentLength) * voxel;
-  this->SpaceBounds = ffd::DeformedSpaceBounds(this->Map, this->MapBounds,
+  this->SpaceBounds = ffd::DeformedSpaceBounds(this->Map, mapBounds,
     { this->DeformedBounds.Min - reach, this->DeformedBounds.Max + reach });
   for (int a = 0; a < 3; ++a)
   {
@@ -334,12 +335,10 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
   if (longest == 0.0)
   {
     longest = LongestAutomaticSegment;
-    const double turnRate = ffd::FindLargestTurnRate(this->MapBounds.Over(
-      this->MapBounds.RegionsAreInRestSpace() ? this->RestBounds : this->DeformedBounds));
-    if (turnRate > 0.0)
+    if (this->TurnRate > 0.0)
     {
       // The rate is per data unit; so is the shortest edge of a voxel.
-      longest = std::min(longest, angle / (turnRate * FindShortestEdge(this->Volume.IndexToData)));
+      longest = std::min(longest, angle / (this->TurnRate * FindShortestEdge(this->Volume.IndexToData)));
     }
   }
   longest = std::max(longest, self->MinimumSegmentLength);
@@ -654,7 +653,7 @@ vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetAuxiliaryMemorySize()
   const vtkInternals& in = *this->Internals;
   return static_cast<vtkTypeInt64>(in.Blocks.GetMemorySize() + in.Distances.GetMemorySize() +
     in.Table.GetMemorySize() + in.Source.GetMemorySize() +
-    in.MapBounds.GetMemorySize() + in.SpaceBounds.GetMemorySize());
+    in.SpaceBounds.GetMemorySize());
 }
 
 //------------------------------------------------------------------------------

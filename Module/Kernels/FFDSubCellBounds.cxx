@@ -100,7 +100,8 @@ HWY_INLINE void ContractRows(
     {
       const float* w = piece.Weight[b];
       float* to = rows + (cz * 4 + b) * n;
-      for (std::ptrdiff_t i = 0; i < n; ++i)
+      // What follows stays zero: room for whole vectors only.
+      for (std::ptrdiff_t i = 0; i < in.Lanes + 3; ++i)
       {
         to[i] = w[0] * from[i] + w[1] * from[i + n] + w[2] * from[i + 2 * n] + w[3] * from[i + 3 * n];
       }

@@ -41,6 +41,9 @@ struct CurvePiece
   }
 };
 
+/// A piece is sampled at most so often: what is left of lengths that make no sense.
+constexpr int LargestSampleCount = 1 << 20;
+
 /**
  * Where a piece is sampled: Count positions First + i * Step, each standing for an interval of
  * Step, the last one for LastInterval (all in the parameter s of the piece).
@@ -64,8 +67,17 @@ struct SampleSchedule
 inline SampleSchedule ScheduleWithRemainder(double length, double sampleDistance)
 {
   SampleSchedule schedule;
+  // In this order what is not a number becomes the limit.
+  const double count = std::min<double>(LargestSampleCount, length / sampleDistance);
+  if (!(count < LargestSampleCount))
+  {
+    schedule.Count = LargestSampleCount;
+    schedule.Step = 1.0 / LargestSampleCount;
+    schedule.LastInterval = schedule.Step;
+    return schedule;
+  }
   // A remainder of rounding errors is none.
-  const double whole = std::floor(length / sampleDistance + 1e-6);
+  const double whole = std::floor(count + 1e-6);
   const double remainder = length - whole * sampleDistance;
   const bool extra = remainder > 1e-6 * sampleDistance;
   schedule.Count = static_cast<int>(whole) + (extra ? 1 : 0);
@@ -87,7 +99,9 @@ inline SampleSchedule ScheduleWithRemainder(double length, double sampleDistance
  */
 inline SampleSchedule ScheduleEvenly(double length, double sampleDistance, double from, double to)
 {
-  const double count = std::max(1.0, std::round(length / sampleDistance));
+  // In this order what is not a number becomes the limit.
+  const double count =
+    std::max(1.0, std::min<double>(LargestSampleCount, std::round(length / sampleDistance)));
   // A sample at the very start of the range belongs to it, rounding errors or not.
   constexpr double Slack = 1e-3;
   const double first = std::ceil(std::max(from, 0.0) * count - Slack);

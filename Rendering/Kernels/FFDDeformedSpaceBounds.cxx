@@ -6,35 +6,38 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace ffd
 {
 namespace
 {
 
-constexpr int LargestResolution = 16;
+/// Cells a side, so that the grid takes at most 140 kB.
+constexpr int LargestResolution = 12;
 
-glm::dmat3 EntrywiseMin(const glm::dmat3& a, const glm::dmat3& b)
+/// A float that is not below x.
+float RoundUp(double x)
 {
-  return glm::dmat3(glm::min(a[0], b[0]), glm::min(a[1], b[1]), glm::min(a[2], b[2]));
-}
-
-glm::dmat3 EntrywiseMax(const glm::dmat3& a, const glm::dmat3& b)
-{
-  return glm::dmat3(glm::max(a[0], b[0]), glm::max(a[1], b[1]), glm::max(a[2], b[2]));
+  const float nearest = static_cast<float>(x);
+  return static_cast<double>(nearest) < x
+    ? std::nextafter(nearest, std::numeric_limits<float>::infinity())
+    : nearest;
 }
 
 } // namespace
 
 //------------------------------------------------------------------------------
-MapBounds Unite(const MapBounds& a, const MapBounds& b)
+void DeformedSpaceBounds::CellBounds::Include(const MapBounds& bounds)
 {
-  MapBounds both;
-  both.JacobianMin = EntrywiseMin(a.JacobianMin, b.JacobianMin);
-  both.JacobianMax = EntrywiseMax(a.JacobianMax, b.JacobianMax);
-  both.SecondDerivative = std::max(a.SecondDerivative, b.SecondDerivative);
-  both.ThirdDerivative = std::max(a.ThirdDerivative, b.ThirdDerivative);
-  return both;
+  for (int i = 0; i < 9; ++i)
+  {
+    this->JacobianMin[i] =
+      std::min(this->JacobianMin[i], -RoundUp(-bounds.JacobianMin[i / 3][i % 3]));
+    this->JacobianMax[i] = std::max(this->JacobianMax[i], RoundUp(bounds.JacobianMax[i / 3][i % 3]));
+  }
+  this->SecondDerivative = std::max(this->SecondDerivative, RoundUp(bounds.SecondDerivative));
+  this->ThirdDerivative = std::max(this->ThirdDerivative, RoundUp(bounds.ThirdDerivative));
 }
 
 //------------------------------------------------------------------------------
@@ -42,10 +45,16 @@ DeformedSpaceBounds::DeformedSpaceBounds(
   const PullBack& pullBack, const PullBackBounds& bounds, const Box& region)
   : Region(region)
 {
+  CellBounds nothing;
+  std::fill_n(nothing.JacobianMin, 9, std::numeric_limits<float>::infinity());
+  std::fill_n(nothing.JacobianMax, 9, -std::numeric_limits<float>::infinity());
+  nothing.SecondDerivative = 0.0f;
+  nothing.ThirdDerivative = 0.0f;
   if (pullBack.IsIdentity())
   {
     this->CellSize = glm::max(region.Max - region.Min, glm::dvec3(1e-300));
-    this->Bounds.assign(1, MapBounds());
+    this->Bounds.assign(1, nothing);
+    this->Bounds[0].Include(MapBounds());
     return;
   }
   // About two cells a lattice cell: the sub-cells of PullBackBounds are that size.
@@ -57,6 +66,7 @@ DeformedSpaceBounds::DeformedSpaceBounds(
     this->Cells[a] = static_cast<int>(std::max(1.0, std::min<double>(LargestResolution, cells)));
     this->CellSize[a] = std::max(size[a] / this->Cells[a], 1e-300);
   }
+  this->Bounds.assign(this->IndexOf(0, 0, this->Cells.z), nothing);
   if (bounds.RegionsAreInRestSpace())
   {
     this->FillFromRestRegions(bounds, *pullBack.GetField());
@@ -86,7 +96,6 @@ glm::ivec3 DeformedSpaceBounds::CellOf(const glm::dvec3& p) const
 //------------------------------------------------------------------------------
 void DeformedSpaceBounds::FillFromDeformedRegions(const PullBackBounds& bounds)
 {
-  this->Bounds.resize(IndexOf(0, 0, this->Cells.z));
   for (int k = 0; k < this->Cells.z; ++k)
   {
     for (int j = 0; j < this->Cells.y; ++j)
@@ -96,7 +105,7 @@ void DeformedSpaceBounds::FillFromDeformedRegions(const PullBackBounds& bounds)
         Box cell;
         cell.Min = this->Region.Min + glm::dvec3(i, j, k) * this->CellSize;
         cell.Max = cell.Min + this->CellSize;
-        this->Bounds[this->IndexOf(i, j, k)] = bounds.Over(cell);
+        this->Bounds[this->IndexOf(i, j, k)].Include(bounds.Over(cell));
       }
     }
   }
@@ -122,8 +131,9 @@ void DeformedSpaceBounds::FillFromRestRegions(
   const glm::ivec3 low = glm::clamp(first, firstOutside, lastOutside);
   const glm::ivec3 high = glm::clamp(last, firstOutside, lastOutside);
 
-  std::vector<bool> touched(IndexOf(0, 0, this->Cells.z), false);
-  this->Bounds.resize(touched.size());
+  // The neighbours share a sub-cell's faces: stay off them. But where the field has a kink in such
+  // a face, what it does to the derivatives must be seen.
+  const double shrink = field.GetBorder() == BorderMode::ZeroAtBorder ? 0.0 : 1e-7;
   for (int k = low.z; k <= high.z; ++k)
   {
     for (int j = low.y; j <= high.y; ++j)
@@ -139,8 +149,7 @@ void DeformedSpaceBounds::FillFromRestRegions(
           rest.Min[a] = at[a] == low[a] ? std::min(rest.Min[a], restMin[a]) : rest.Min[a];
           rest.Max[a] = at[a] == high[a] ? std::max(rest.Max[a], restMax[a]) : rest.Max[a];
         }
-        // The neighbours share this sub-cell's faces: stay off them.
-        const glm::dvec3 inset = 1e-7 * step;
+        const glm::dvec3 inset = shrink * step;
         const Box inner{ rest.Min + inset, rest.Max - inset };
         const MapBounds here = bounds.Over(inner);
         const Box moves = bounds.DisplacementOver(inner);
@@ -152,9 +161,7 @@ void DeformedSpaceBounds::FillFromRestRegions(
           {
             for (int a = from.x; a <= to.x; ++a)
             {
-              const std::size_t index = this->IndexOf(a, b, c);
-              this->Bounds[index] = touched[index] ? Unite(this->Bounds[index], here) : here;
-              touched[index] = true;
+              this->Bounds[this->IndexOf(a, b, c)].Include(here);
             }
           }
         }
@@ -168,18 +175,33 @@ MapBounds DeformedSpaceBounds::Over(const Box& box) const
 {
   const glm::ivec3 from = this->CellOf(box.Min);
   const glm::ivec3 to = this->CellOf(box.Max);
-  MapBounds all = this->Bounds[this->IndexOf(from.x, from.y, from.z)];
+  CellBounds all = this->Bounds[this->IndexOf(from.x, from.y, from.z)];
   for (int k = from.z; k <= to.z; ++k)
   {
     for (int j = from.y; j <= to.y; ++j)
     {
       for (int i = from.x; i <= to.x; ++i)
       {
-        all = Unite(all, this->Bounds[this->IndexOf(i, j, k)]);
+        const CellBounds& cell = this->Bounds[this->IndexOf(i, j, k)];
+        for (int e = 0; e < 9; ++e)
+        {
+          all.JacobianMin[e] = std::min(all.JacobianMin[e], cell.JacobianMin[e]);
+          all.JacobianMax[e] = std::max(all.JacobianMax[e], cell.JacobianMax[e]);
+        }
+        all.SecondDerivative = std::max(all.SecondDerivative, cell.SecondDerivative);
+        all.ThirdDerivative = std::max(all.ThirdDerivative, cell.ThirdDerivative);
       }
     }
   }
-  return all;
+  MapBounds bounds;
+  for (int e = 0; e < 9; ++e)
+  {
+    bounds.JacobianMin[e / 3][e % 3] = all.JacobianMin[e];
+    bounds.JacobianMax[e / 3][e % 3] = all.JacobianMax[e];
+  }
+  bounds.SecondDerivative = all.SecondDerivative;
+  bounds.ThirdDerivative = all.ThirdDerivative;
+  return bounds;
 }
 
 } // namespace ffd

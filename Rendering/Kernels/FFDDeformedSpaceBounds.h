@@ -31,9 +31,20 @@ public:
   /// as if it were moved to the nearest place inside.
   MapBounds Over(const Box& box) const;
 
-  std::size_t GetMemorySize() const { return this->Bounds.capacity() * sizeof(MapBounds); }
+  std::size_t GetMemorySize() const { return this->Bounds.capacity() * sizeof(CellBounds); }
 
 private:
+  /// MapBounds in single precision, rounded outwards.
+  struct CellBounds
+  {
+    float JacobianMin[9];
+    float JacobianMax[9];
+    float SecondDerivative;
+    float ThirdDerivative;
+
+    void Include(const MapBounds& bounds);
+  };
+
   glm::ivec3 CellOf(const glm::dvec3& p) const;
   std::size_t IndexOf(int i, int j, int k) const;
   void FillFromDeformedRegions(const PullBackBounds& bounds);
@@ -42,11 +53,8 @@ private:
   Box Region;
   glm::ivec3 Cells{ 1 };
   glm::dvec3 CellSize{ 1.0 };
-  std::vector<MapBounds> Bounds; // x fastest
+  std::vector<CellBounds> Bounds; // x fastest
 };
-
-/// Smallest bounds that contain both.
-FFD_KERNEL_EXPORT MapBounds Unite(const MapBounds& a, const MapBounds& b);
 
 } // namespace ffd
 

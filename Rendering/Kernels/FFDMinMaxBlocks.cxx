@@ -25,6 +25,14 @@ struct Extremes
   bool Any = false;
 };
 
+/// Whether a scalar has no place in the range of the volume: differences of the very largest
+/// numbers are infinite, so these count as infinite, too.
+template <class T>
+bool IsOutOfRange(T value)
+{
+  return !(std::abs(value) <= std::numeric_limits<T>::max() / 4);
+}
+
 template <class T>
 void ScanVoxels(const VolumeView& v, const glm::ivec3& first, const glm::ivec3& last,
   bool countInfinite, Extremes<T>& found)
@@ -39,7 +47,7 @@ void ScanVoxels(const VolumeView& v, const glm::ivec3& first, const glm::ivec3& 
       {
         if constexpr (std::is_floating_point_v<T>)
         {
-          if (std::isnan(*p) || (!countInfinite && std::isinf(*p)))
+          if (std::isnan(*p) || (!countInfinite && IsOutOfRange(*p)))
           {
             continue;
           }

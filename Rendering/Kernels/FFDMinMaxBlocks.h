@@ -25,7 +25,8 @@ namespace ffd
  * 3 % of an 8 or 16-bit volume and less of others.
  *
  * Voxels that are not a number are left out: a sample next to one is not a number either and
- * contributes nothing. Infinite ones count as the nearest end of the range.
+ * contributes nothing. Infinite ones, and floating-point numbers above a quarter of the largest
+ * one, count as the nearest end of the range.
  */
 class FFD_KERNEL_EXPORT MinMaxBlocks
 {

@@ -3,6 +3,7 @@
 #ifndef FFDSampling_h
 #define FFDSampling_h
 
+#include "FFDExport.h"
 #include "FFDVolumeView.h"
 
 #include <glm/vec3.hpp>
@@ -31,7 +32,8 @@ struct SampleFunctions
   glm::dvec3 (*Gradient)(const VolumeView& volume, const glm::dvec3& q);
 };
 
-SampleFunctions SelectSampleFunctions(ScalarType type, Interpolation interpolation);
+FFD_KERNEL_EXPORT SampleFunctions SelectSampleFunctions(
+  ScalarType type, Interpolation interpolation);
 
 } // namespace ffd
 

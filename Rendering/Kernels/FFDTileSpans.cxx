@@ -4,6 +4,7 @@
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -42,6 +43,26 @@ void MultiplyIntervals(const glm::dmat3& mMin, const glm::dmat3& mMax, const glm
   }
 }
 
+/// Upper bound of the spectral norm, at most 1 % above it: |M|^2 = |B| with B = M^T M, and
+/// |B| <= |B^32|_F^(1/32) <= 3^(1/64) |B|.
+double FindLargestStretch(const glm::dmat3& m)
+{
+  const auto frobenius = [](const glm::dmat3& a)
+  { return std::sqrt(glm::dot(a[0], a[0]) + glm::dot(a[1], a[1]) + glm::dot(a[2], a[2])); };
+  const double scale = frobenius(m);
+  if (!(scale > 0.0))
+  {
+    return scale;
+  }
+  const glm::dmat3 unit = m / scale;
+  glm::dmat3 power = glm::transpose(unit) * unit;
+  for (int squaring = 0; squaring < 5; ++squaring)
+  {
+    power = power * power;
+  }
+  return scale * std::pow(frobenius(power), 1.0 / 64.0);
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -52,8 +73,7 @@ void TileSpans::Start(const DeformedSpaceBounds& bounds, const SpanSettings& set
   this->Bounds = &bounds;
   this->Settings = settings;
   this->DataToIndex = dataToIndex;
-  this->VoxelsPerDataUnit = std::max(glm::length(dataToIndex[0]),
-    std::max(glm::length(dataToIndex[1]), glm::length(dataToIndex[2])));
+  this->VoxelsPerDataUnit = FindLargestStretch(dataToIndex);
   this->DirectionMin = directions[0];
   this->DirectionMax = directions[0];
   this->LargestSpeed = 0.0;

@@ -5,6 +5,7 @@
 
 #include "FFDCameraView.h"
 #include "FFDDeformedSpaceBounds.h"
+#include "FFDExport.h"
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
@@ -36,7 +37,7 @@ struct SpanSettings
  * For each span the same box yields the range of the velocity dQ/dt: what a ray can move at most,
  * per direction, which is what LIPSCHITZ leaping subtracts from the distance to visible blocks.
  */
-class TileSpans
+class FFD_KERNEL_EXPORT TileSpans
 {
 public:
   struct Span

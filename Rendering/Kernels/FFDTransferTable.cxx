@@ -13,7 +13,10 @@ namespace
 {
 
 /// Extinction of full opacity: opaque over any interval longer than a millionth of the unit.
-constexpr float OpaqueExtinction = 2.4e7f;
+constexpr double OpaqueExtinction = 2.4e7;
+
+/// Extinctions end here, whatever the unit distance: interpolating infinite ones gives no number.
+constexpr double LargestExtinction = 1e30;
 
 float ExtinctionOf(float opacity, double unitDistance)
 {
@@ -22,11 +25,9 @@ float ExtinctionOf(float opacity, double unitDistance)
   {
     return 0.0f;
   }
-  if (opacity >= 1.0f)
-  {
-    return static_cast<float>(OpaqueExtinction / unitDistance);
-  }
-  return static_cast<float>(-std::log2(1.0 - static_cast<double>(opacity)) / unitDistance);
+  const double perUnit =
+    opacity >= 1.0f ? OpaqueExtinction : -std::log2(1.0 - static_cast<double>(opacity));
+  return static_cast<float>(std::min(perUnit / unitDistance, LargestExtinction));
 }
 
 float ColourOf(float channel)
@@ -77,11 +78,12 @@ bool TransferTable::IsTransparent(double lo, double hi) const
   {
     return true;
   }
-  // A little more than the interval: a sample may leave it by a rounding error.
-  constexpr double Guard = 1e-3;
+  // A little more than the interval: a sample may leave it by a rounding error. Not so where all
+  // scalars are equal, and these are most of the empty space: zeros below a ramp that starts at 0.
+  const double guard = lo < hi ? 1e-3 : 0.0;
   const double last = static_cast<double>(this->Entries.size() - 1);
-  const double from = std::floor(std::clamp((lo - this->Low) * this->Scale - Guard, 0.0, last));
-  const double to = std::ceil(std::clamp((hi - this->Low) * this->Scale + Guard, 0.0, last));
+  const double from = std::floor(std::clamp((lo - this->Low) * this->Scale - guard, 0.0, last));
+  const double to = std::ceil(std::clamp((hi - this->Low) * this->Scale + guard, 0.0, last));
   return this->VisibleUpTo[static_cast<std::size_t>(to) + 1] ==
     this->VisibleUpTo[static_cast<std::size_t>(from)];
 }
@@ -106,8 +108,9 @@ TransmittanceTable::TransmittanceTable()
 //------------------------------------------------------------------------------
 float TransmittanceTable::operator()(float opticalDepth) const
 {
+  // In this order what is not a number becomes the last entry.
   const float x =
-    std::min(opticalDepth * EntriesPerUnit, static_cast<float>(Range * EntriesPerUnit));
+    std::min(static_cast<float>(Range * EntriesPerUnit), opticalDepth * EntriesPerUnit);
   const int i = static_cast<int>(x);
   const float f = x - static_cast<float>(i);
   return this->Entries[i] + f * (this->Entries[i + 1] - this->Entries[i]);

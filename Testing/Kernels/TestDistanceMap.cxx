@@ -1,0 +1,192 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FFDDistanceMap.h"
+#include "FFDSampling.h"
+#include "RandomLattice.h"
+#include "TestVolume.h"
+
+#include <glm/vector_relational.hpp>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+using namespace ffd;
+
+namespace
+{
+
+constexpr double Infinity = std::numeric_limits<double>::infinity();
+
+bool Holds(const EmptyBox& box, const glm::dvec3& q)
+{
+  return glm::all(glm::greaterThanEqual(q, box.Min)) && glm::all(glm::lessThanEqual(q, box.Max));
+}
+
+/// Random voxels of 200 in a volume of zeros; zero is transparent.
+struct SparseVolume
+{
+  SparseVolume(RandomLattice& random, int largest, double density)
+    : Volume(ScalarType::UInt8,
+        glm::ivec3(random.Integer(2, largest), random.Integer(2, largest),
+          random.Integer(2, largest)),
+        [&](int, int, int) { return random.Number(0.0, 1.0) < density ? 200.0 : 0.0; })
+    , Table(MakeTable(0.0, 200.0, 201, [](double x) { return x > 0.0 ? 0.5 : 0.0; }))
+    , Blocks(Volume.View, SerialFor)
+    , Map(Blocks, Table)
+  {
+  }
+  TestVolume Volume;
+  TransferTable Table;
+  MinMaxBlocks Blocks;
+  DistanceMap Map;
+};
+
+bool MayBeVisible(const TestVolume& volume, const glm::ivec3& block)
+{
+  bool visible = false;
+  const glm::ivec3 from = block * MinMaxBlocks::BlockSize;
+  const glm::ivec3 to = glm::min(from + MinMaxBlocks::BlockSize, volume.View.Dimensions - 1);
+  for (int k = from.z; k <= to.z; ++k)
+  {
+    for (int j = from.y; j <= to.y; ++j)
+    {
+      for (int i = from.x; i <= to.x; ++i)
+      {
+        visible = visible || volume.At(i, j, k) > 0.0;
+      }
+    }
+  }
+  return visible;
+}
+
+} // namespace
+
+TEST(DistanceMap, EqualsBruteForceChebyshevDistance)
+{
+  RandomLattice random(1);
+  for (int run = 0; run < 40; ++run)
+  {
+    const SparseVolume sparse(random, 40, std::pow(10.0, random.Number(-5.0, -2.0)));
+    const glm::ivec3 n = sparse.Map.GetBlocks();
+    std::vector<glm::ivec3> visible;
+    for (int i = 0; i < n.x * n.y * n.z; ++i)
+    {
+      const glm::ivec3 block(i % n.x, i / n.x % n.y, i / n.x / n.y);
+      if (MayBeVisible(sparse.Volume, block))
+      {
+        visible.push_back(block);
+      }
+    }
+    for (int i = 0; i < n.x * n.y * n.z; ++i)
+    {
+      const glm::ivec3 block(i % n.x, i / n.x % n.y, i / n.x / n.y);
+      int nearest = 255;
+      for (const glm::ivec3& other : visible)
+      {
+        const glm::ivec3 gap = glm::abs(block - other);
+        nearest = std::min(nearest, std::max({ gap.x, gap.y, gap.z }));
+      }
+      ASSERT_EQ(sparse.Map.GetDistance(block), nearest);
+    }
+  }
+}
+
+TEST(DistanceMap, DistancesAreCappedNotWrapped)
+{
+  // More than 255 blocks from the only visible voxel.
+  const TestVolume volume(ScalarType::UInt8, glm::ivec3(4 * 300 + 1, 2, 2),
+    [](int i, int, int) { return i == 0 ? 200.0 : 0.0; });
+  const TransferTable table =
+    MakeTable(0.0, 200.0, 201, [](double x) { return x > 0.0 ? 0.5 : 0.0; });
+  const DistanceMap map(MinMaxBlocks(volume.View, SerialFor), table);
+  for (int i = 0; i < 300; ++i)
+  {
+    ASSERT_EQ(map.GetDistance(glm::ivec3(i, 0, 0)), std::min(i, 255));
+  }
+}
+
+TEST(DistanceMap, EmptyBoxesAreEmpty)
+{
+  RandomLattice random(2);
+  int boxes = 0;
+  int occupied = 0;
+  for (int run = 0; run < 60; ++run)
+  {
+    const SparseVolume sparse(random, 50, std::pow(10.0, random.Number(-5.0, -2.5)));
+    const glm::dvec3 upper = sparse.Volume.View.UpperIndex();
+    const SampleFunctions fetch =
+      SelectSampleFunctions(ScalarType::UInt8, Interpolation::Linear);
+    for (int i = 0; i < 60; ++i)
+    {
+      const glm::dvec3 q = upper * random.Vector(0.0, 1.0);
+      EmptyBox box;
+      if (!sparse.Map.FindEmptyBox(q, upper, box))
+      {
+        ++occupied;
+        continue;
+      }
+      ++boxes;
+      ASSERT_TRUE(Holds(box, q));
+      const glm::dvec3 lo = glm::max(box.Min, glm::dvec3(0.0));
+      const glm::dvec3 hi = glm::min(box.Max, upper);
+      for (int s = 0; s < 60; ++s)
+      {
+        const glm::dvec3 p = lo + (hi - lo) * random.Vector(0.0, 1.0);
+        ASSERT_EQ(sparse.Table.Lookup(fetch.Value(sparse.Volume.View, p)).Extinction, 0.0f);
+      }
+    }
+  }
+  EXPECT_GT(boxes, 500);
+  EXPECT_GT(occupied, 100);
+}
+
+TEST(DistanceMap, OnlyAFaceOfTheVolumeBelongsToTheOutside)
+{
+  RandomLattice random(3);
+  const SparseVolume full(random, 20, 1.0);
+  const glm::dvec3 upper = full.Volume.View.UpperIndex();
+  for (int i = 0; i < 3000; ++i)
+  {
+    const glm::dvec3 q = upper * random.Vector(-1.0, 2.0);
+    const bool inside = glm::all(glm::greaterThanEqual(q, glm::dvec3(0.0))) &&
+      glm::all(glm::lessThanEqual(q, upper));
+    EmptyBox box;
+    ASSERT_EQ(full.Map.FindEmptyBox(q, upper, box), !inside);
+    if (inside)
+    {
+      continue;
+    }
+    ASSERT_TRUE(Holds(box, q));
+    const glm::dvec3 p = upper * random.Vector(1e-9, 1.0 - 1e-9);
+    ASSERT_FALSE(Holds(box, p));
+    // The half space beyond the side that it is farthest from.
+    double farthest = 0.0;
+    double reach = 0.0;
+    for (int a = 0; a < 3; ++a)
+    {
+      farthest = std::max({ farthest, -q[a], q[a] - upper[a] });
+      reach = std::max({ reach, std::isfinite(box.Max[a]) ? box.Max[a] - q[a] : 0.0,
+        std::isfinite(box.Min[a]) ? q[a] - box.Min[a] : 0.0 });
+    }
+    ASSERT_DOUBLE_EQ(reach, farthest);
+  }
+}
+
+TEST(DistanceMap, NothingIsKnownOfWhatIsNotANumber)
+{
+  RandomLattice random(4);
+  const SparseVolume empty(random, 20, 0.0);
+  const glm::dvec3 upper = empty.Volume.View.UpperIndex();
+  EmptyBox box;
+  EXPECT_TRUE(empty.Map.FindEmptyBox(0.5 * upper, upper, box));
+  for (int a = 0; a < 3; ++a)
+  {
+    glm::dvec3 q = 0.5 * upper;
+    q[a] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_FALSE(empty.Map.FindEmptyBox(q, upper, box));
+    q[a] = Infinity;
+    ASSERT_TRUE(empty.Map.FindEmptyBox(q, upper, box));
+    EXPECT_EQ(box.Min[a], upper[a]);
+  }
+}

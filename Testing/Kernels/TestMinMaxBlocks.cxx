@@ -1,0 +1,217 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FFDMinMaxBlocks.h"
+#include "RandomLattice.h"
+#include "TestVolume.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+using namespace ffd;
+
+namespace
+{
+
+constexpr double Infinity = std::numeric_limits<double>::infinity();
+constexpr double NaN = std::numeric_limits<double>::quiet_NaN();
+
+/// Extremes of the numbers among the voxels that a block's trilinear samples use.
+MinMaxBlocks::Limits BruteForce(const TestVolume& volume, const glm::ivec3& block)
+{
+  MinMaxBlocks::Limits limits{ Infinity, -Infinity };
+  volume.ForEach(
+    [&](int i, int j, int k)
+    {
+      const glm::ivec3 from = block * MinMaxBlocks::BlockSize;
+      const glm::ivec3 to = from + MinMaxBlocks::BlockSize;
+      const double value = volume.At(i, j, k);
+      if (i >= from.x && j >= from.y && k >= from.z && i <= to.x && j <= to.y && k <= to.z &&
+        !std::isnan(value))
+      {
+        limits.Min = std::min(limits.Min, value);
+        limits.Max = std::max(limits.Max, value);
+      }
+    });
+  return limits;
+}
+
+template <class Check>
+void ForEachBlock(const MinMaxBlocks& blocks, const Check& check)
+{
+  const glm::ivec3 n = blocks.GetBlocks();
+  std::size_t index = 0;
+  for (int k = 0; k < n.z; ++k)
+  {
+    for (int j = 0; j < n.y; ++j)
+    {
+      for (int i = 0; i < n.x; ++i)
+      {
+        check(glm::ivec3(i, j, k), blocks.GetLimits(index++));
+      }
+    }
+  }
+  EXPECT_EQ(index, blocks.GetNumberOfBlocks());
+}
+
+} // namespace
+
+TEST(MinMaxBlocks, BlocksCoverTheCells)
+{
+  // 2 voxels are 1 cell, 5 voxels 4 cells: one block; 6 voxels need a second one.
+  const auto blocks = [](int n)
+  {
+    const TestVolume volume(
+      ScalarType::UInt8, glm::ivec3(n, 2, 2), [](int, int, int) { return 0.0; });
+    return MinMaxBlocks(volume.View, SerialFor).GetBlocks();
+  };
+  EXPECT_EQ(blocks(2), glm::ivec3(1));
+  EXPECT_EQ(blocks(5), glm::ivec3(1));
+  EXPECT_EQ(blocks(6), glm::ivec3(2, 1, 1));
+  EXPECT_EQ(blocks(9), glm::ivec3(2, 1, 1));
+  EXPECT_EQ(blocks(10), glm::ivec3(3, 1, 1));
+}
+
+TEST(MinMaxBlocks, ContainBruteForceLimitsForEveryType)
+{
+  RandomLattice random(1);
+  for (const ScalarType type : AllScalarTypes)
+  {
+    for (int run = 0; run < 12; ++run)
+    {
+      const glm::ivec3 size(random.Integer(2, 14), random.Integer(2, 14), random.Integer(2, 14));
+      // Ranges from a few codes to more than a word can count; signed where the type is.
+      const bool isByte = type == ScalarType::Int8 || type == ScalarType::UInt8;
+      const double width = isByte ? 100.0 : std::pow(10.0, 1 + run % 4);
+      const bool isUnsigned = type == ScalarType::UInt8 || type == ScalarType::UInt16 ||
+        type == ScalarType::UInt32 || type == ScalarType::UInt64;
+      const double base = isUnsigned ? 0.0 : -0.4 * width;
+      const TestVolume volume(type, size,
+        [&](int i, int, int) { return base + i + width * random.Number(0.0, 1.0); }, 1 + run % 3);
+      const MinMaxBlocks blocks(volume.View, SerialFor);
+
+      const MinMaxBlocks::Limits all = blocks.GetRange();
+      double lo = Infinity;
+      double hi = -Infinity;
+      volume.ForEach(
+        [&](int i, int j, int k)
+        {
+          lo = std::min(lo, volume.At(i, j, k));
+          hi = std::max(hi, volume.At(i, j, k));
+        });
+      EXPECT_EQ(all.Min, lo);
+      EXPECT_EQ(all.Max, hi);
+
+      const bool isWhole = type != ScalarType::Float32 && type != ScalarType::Float64;
+      const bool exact = isWhole && hi - lo <= 255.0;
+      const double code = exact ? 0.0 : (hi - lo) / 65535.0;
+      const double rounding = exact ? 0.0 : 1e-12 * width;
+      ForEachBlock(blocks,
+        [&](const glm::ivec3& block, const MinMaxBlocks::Limits& limits)
+        {
+          const MinMaxBlocks::Limits truth = BruteForce(volume, block);
+          ASSERT_LE(limits.Min, truth.Min + rounding);
+          ASSERT_GE(limits.Max, truth.Max - rounding);
+          ASSERT_GE(limits.Min, truth.Min - code - rounding);
+          ASSERT_LE(limits.Max, truth.Max + code + rounding);
+        });
+    }
+  }
+}
+
+TEST(MinMaxBlocks, FullRangeOfTheIntegerTypes)
+{
+  for (const ScalarType type : AllScalarTypes)
+  {
+    DispatchScalarType(type,
+      [&](auto zero)
+      {
+        using T = decltype(zero);
+        // The second block holds the largest value, the third the smallest.
+        TestVolume volume(type, glm::ivec3(13, 2, 2), [](int, int, int) { return 0.0; });
+        T* scalars = const_cast<T*>(static_cast<const T*>(volume.View.Scalars));
+        scalars[6] = std::numeric_limits<T>::max();
+        scalars[10] = std::numeric_limits<T>::lowest();
+        const MinMaxBlocks blocks(volume.View, SerialFor);
+        const double most = static_cast<double>(std::numeric_limits<T>::max());
+        const double least = static_cast<double>(std::numeric_limits<T>::lowest());
+        // The largest floating-point numbers may count as infinite: differences of them are.
+        const double part = std::is_floating_point_v<T> ? 1e-3 : 1.0 - 1e-4;
+        EXPECT_TRUE(std::isfinite(blocks.GetRange().Max - blocks.GetRange().Min));
+        EXPECT_LE(blocks.GetLimits(0).Min, 0.0);
+        EXPECT_GE(blocks.GetLimits(0).Max, 0.0);
+        EXPECT_GE(blocks.GetLimits(1).Max, std::min(part * most, blocks.GetRange().Max));
+        EXPECT_LE(blocks.GetLimits(1).Min, 0.0);
+        EXPECT_LE(blocks.GetLimits(2).Min, std::max(part * least, blocks.GetRange().Min));
+        EXPECT_GE(blocks.GetLimits(2).Max, 0.0);
+        EXPECT_LE(blocks.GetLimits(0).Min, blocks.GetLimits(0).Max);
+      });
+  }
+}
+
+TEST(MinMaxBlocks, NotANumberIsLeftOut)
+{
+  for (const ScalarType type : { ScalarType::Float32, ScalarType::Float64 })
+  {
+    // First block: numbers and NaN; second: NaN only (its first layer is shared); third: infinite.
+    const TestVolume volume(type, glm::ivec3(13, 2, 2),
+      [](int i, int j, int)
+      { return i >= 4 && i <= 8 ? NaN : i > 8 ? (j ? Infinity : -Infinity) : i == 2 ? NaN : i; });
+    const MinMaxBlocks blocks(volume.View, SerialFor);
+    EXPECT_EQ(blocks.GetRange().Min, 0.0);
+    EXPECT_EQ(blocks.GetRange().Max, 3.0);
+    EXPECT_LE(blocks.GetLimits(0).Min, 0.0);
+    EXPECT_NEAR(blocks.GetLimits(0).Max, 3.0, 1e-9);
+    EXPECT_GT(blocks.GetLimits(1).Min, blocks.GetLimits(1).Max);
+    // Infinite scalars count as the ends of the range.
+    EXPECT_NEAR(blocks.GetLimits(2).Min, 0.0, 1e-9);
+    EXPECT_NEAR(blocks.GetLimits(2).Max, 3.0, 1e-9);
+  }
+}
+
+TEST(MinMaxBlocks, NoNumberAtAll)
+{
+  for (const double value : { NaN, Infinity, -Infinity })
+  {
+    const TestVolume volume(
+      ScalarType::Float32, glm::ivec3(6), [value](int, int, int) { return value; });
+    const MinMaxBlocks blocks(volume.View, SerialFor);
+    EXPECT_GT(blocks.GetRange().Min, blocks.GetRange().Max);
+  }
+}
+
+TEST(MinMaxBlocks, SameForAnySplitOfTheLoop)
+{
+  RandomLattice random(2);
+  const TestVolume volume(ScalarType::Int16, glm::ivec3(17, 13, 22),
+    [&](int, int, int) { return random.Integer(-30000, 30000); });
+  const MinMaxBlocks serial(volume.View, SerialFor);
+  const MinMaxBlocks split(volume.View,
+    [](std::size_t count, const auto& work)
+    {
+      for (std::size_t i = count; i-- > 0;)
+      {
+        work(i, i + 1);
+      }
+    });
+  EXPECT_EQ(serial.GetRange().Min, split.GetRange().Min);
+  for (std::size_t i = 0; i < serial.GetNumberOfBlocks(); ++i)
+  {
+    ASSERT_EQ(serial.GetLimits(i).Min, split.GetLimits(i).Min);
+    ASSERT_EQ(serial.GetLimits(i).Max, split.GetLimits(i).Max);
+  }
+}
+
+TEST(MinMaxBlocks, TakeLittleMemory)
+{
+  for (const ScalarType type : { ScalarType::UInt8, ScalarType::UInt16 })
+  {
+    const TestVolume volume(
+      type, glm::ivec3(65), [](int i, int j, int k) { return i * j * k % 60000; });
+    const MinMaxBlocks blocks(volume.View, SerialFor);
+    const double bytes = 65.0 * 65.0 * 65.0 * (type == ScalarType::UInt8 ? 1.0 : 2.0);
+    EXPECT_GT(blocks.GetMemorySize(), 0u);
+    EXPECT_LT(static_cast<double>(blocks.GetMemorySize()), 0.05 * bytes);
+  }
+}

@@ -1,0 +1,361 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// The packet kernels of every instruction set that this machine has against the reference
+// kernels: same samples, so the same picture but for single precision.
+#include "FFDRayCaster.h"
+#include "FFDScalarDispatch.h"
+
+#include <glm/ext/matrix_clip_space.hpp>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/matrix.hpp>
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace
+{
+
+using namespace ffd;
+
+/// Values at which all ten types agree: whole numbers from 0 to 100.
+double BlobValue(const glm::dvec3& p)
+{
+  const double a = std::exp(-0.02 * glm::dot(p - glm::dvec3(14, 12, 11), p - glm::dvec3(14, 12, 11)));
+  const double b = std::exp(-0.03 * glm::dot(p - glm::dvec3(25, 18, 14), p - glm::dvec3(25, 18, 14)));
+  return std::round(100.0 * std::min(1.0, a + 0.8 * b));
+}
+
+/// A scene with everything a frame needs, and two ways to render it.
+class TestScene
+{
+public:
+  explicit TestScene(ScalarType type, std::uint32_t seed = 1)
+    : Random(seed)
+  {
+    const glm::ivec3 dims(39, 31, 27);
+    this->Scene.Volume.Dimensions = dims;
+    this->Scene.Volume.Type = type;
+    this->Scene.Volume.Increments[0] = 1;
+    this->Scene.Volume.Increments[1] = dims.x;
+    this->Scene.Volume.Increments[2] = static_cast<std::int64_t>(dims.x) * dims.y;
+    this->Scene.Volume.IndexToData = glm::dmat3(1.0, 0, 0, 0, 1.2, 0, 0, 0, 1.5);
+    this->Scene.Volume.DataToIndex = glm::inverse(this->Scene.Volume.IndexToData);
+    this->Scene.Volume.FirstVoxel = glm::dvec3(100.0, -50.0, 7.0);
+    DispatchScalarType(type,
+      [&](auto zero)
+      {
+        using T = decltype(zero);
+        // Room behind the last voxel would hide reads beyond it from the sanitizer.
+        this->Bytes.resize(
+          static_cast<std::size_t>(dims.x) * dims.y * dims.z * sizeof(T));
+        T* voxel = reinterpret_cast<T*>(this->Bytes.data());
+        for (int k = 0; k < dims.z; ++k)
+        {
+          for (int j = 0; j < dims.y; ++j)
+          {
+            for (int i = 0; i < dims.x; ++i)
+            {
+              *voxel++ = static_cast<T>(BlobValue(glm::dvec3(i, j, k)));
+            }
+          }
+        }
+      });
+    this->Scene.Volume.Scalars = this->Bytes.data();
+    this->Blocks = MinMaxBlocks(this->Scene.Volume,
+      [](std::size_t count, const std::function<void(std::size_t, std::size_t)>& work)
+      { work(0, count); });
+    std::vector<float> rgb(3 * 1601);
+    std::vector<float> opacity(1601);
+    for (std::size_t i = 0; i < opacity.size(); ++i)
+    {
+      const float v = static_cast<float>(i) / 16.0f;
+      rgb[3 * i] = v / 100.0f;
+      rgb[3 * i + 1] = 0.6f;
+      rgb[3 * i + 2] = 1.0f - v / 100.0f;
+      opacity[i] = v < 20.0f ? 0.0f : 0.004f * (v - 20.0f);
+    }
+    this->Table = TransferTable(0.0, 100.0, opacity.size(), rgb.data(), opacity.data(), 1.0);
+    this->Distances = DistanceMap(this->Blocks, this->Table);
+    this->Scene.Table = &this->Table;
+    this->Scene.Distances = &this->Distances;
+    this->Scene.VoxelSize = 1.0;
+    Light headlight;
+    headlight.Headlight = true;
+    headlight.Ambient = glm::vec3(1.0f);
+    this->Scene.Material.Lights.push_back(headlight);
+    this->Settings.Shade = true;
+    this->Settings.TerminationTransmittance = 1.0f / 255.0f;
+    this->SetDeformation(0.0, PullBackKind::Exact);
+  }
+
+  /// Random displacements of a 7^3 lattice over the volume, smoothed; `size` in data units.
+  void SetDeformation(double size, PullBackKind kind)
+  {
+    const VolumeView& v = this->Scene.Volume;
+    const glm::dvec3 extent = v.IndexToData * v.UpperIndex();
+    const glm::ivec3 nodes(7);
+    std::vector<glm::dvec3> displacements(343);
+    std::uniform_real_distribution<double> uniform(-size, size);
+    for (glm::dvec3& d : displacements)
+    {
+      d = glm::dvec3(uniform(this->Random), uniform(this->Random), uniform(this->Random));
+    }
+    const glm::dvec3 spacing = extent / 4.0;
+    this->Field =
+      BSplineField(nodes, v.FirstVoxel - spacing, spacing, displacements.data());
+    this->Map = PullBack(&this->Field, kind, 0.005);
+    const PullBackBounds mapBounds(this->Map);
+    this->Scene.DeformedBounds = mapBounds.DeformedBounds({ v.FirstVoxel, v.FirstVoxel + extent });
+    this->Bounds = DeformedSpaceBounds(this->Map, mapBounds,
+      { this->Scene.DeformedBounds.Min - 10.0, this->Scene.DeformedBounds.Max + 10.0 });
+    this->Scene.Map = &this->Map;
+    this->Scene.Bounds = &this->Bounds;
+  }
+
+  void SetCamera(bool perspective, int width, int height)
+  {
+    const glm::dvec3 centre(119.0, -32.0, 26.0);
+    const glm::dvec3 eye = centre + glm::dvec3(60.0, 40.0, 90.0);
+    const glm::dmat4 view = glm::lookAt(eye, centre, glm::dvec3(0.0, 1.0, 0.0));
+    const double aspect = static_cast<double>(width) / height;
+    const glm::dmat4 projection = perspective
+      ? glm::perspective(0.6, aspect, 30.0, 300.0)
+      : glm::ortho(-35.0 * aspect, 35.0 * aspect, -35.0, 35.0, 30.0, 300.0);
+    this->Scene.Camera.WorldToNdc = projection * view;
+    this->Scene.Camera.NdcToWorld = glm::inverse(this->Scene.Camera.WorldToNdc);
+    this->Scene.Camera.ImageSize = glm::ivec2(width, height);
+    this->Scene.Camera.NdcPerPixel = 2.0 / glm::dvec2(width, height);
+    this->Scene.Camera.NdcOrigin = glm::dvec2(-1.0);
+  }
+
+  struct Picture
+  {
+    std::vector<float> Colours;
+    std::vector<float> Depths;
+    CastStatistics Statistics;
+  };
+
+  Picture Render(bool reference)
+  {
+    CastSettings settings = this->Settings;
+    settings.Reference = reference;
+    const RayCaster caster(this->Scene, settings);
+    const glm::ivec2 size = this->Scene.Camera.ImageSize;
+    Picture picture;
+    picture.Colours.assign(4 * static_cast<std::size_t>(size.x) * size.y, -1.0f);
+    picture.Depths.assign(static_cast<std::size_t>(size.x) * size.y, -1.0f);
+    CastImage image;
+    image.Width = size.x;
+    image.Height = size.y;
+    image.Colours = picture.Colours.data();
+    image.Depths = picture.Depths.data();
+    auto scratch = std::make_unique<RayCaster::Scratch>();
+    for (int tile = 0; tile < caster.GetNumberOfTiles(image); ++tile)
+    {
+      caster.RenderTile(tile, image, *scratch);
+    }
+    picture.Statistics = RayCaster::GetStatistics(*scratch);
+    return picture;
+  }
+
+  CastScene Scene;
+  CastSettings Settings;
+
+private:
+  std::mt19937 Random;
+  std::vector<char> Bytes;
+  MinMaxBlocks Blocks;
+  TransferTable Table;
+  DistanceMap Distances;
+  BSplineField Field;
+  PullBack Map;
+  DeformedSpaceBounds Bounds;
+};
+
+/// Mean and largest difference of two pictures, in 1 / 255.
+struct Difference
+{
+  double Mean = 0.0;
+  double Largest = 0.0;
+};
+
+Difference Compare(const std::vector<float>& a, const std::vector<float>& b)
+{
+  Difference difference;
+  for (std::size_t i = 0; i < a.size(); ++i)
+  {
+    const double d = 255.0 * std::abs(static_cast<double>(a[i]) - b[i]);
+    EXPECT_TRUE(std::isfinite(a[i]));
+    difference.Mean += d / static_cast<double>(a.size());
+    difference.Largest = std::max(difference.Largest, d);
+  }
+  return difference;
+}
+
+/// Calls `check` once for every instruction set, with it in force.
+template <class Check>
+void ForEveryTarget(const Check& check)
+{
+  for (const std::int64_t target :
+    { HWY_SCALAR, HWY_SSE4, HWY_AVX2, HWY_AVX3, HWY_NEON, HWY_EMU128 })
+  {
+    if ((hwy::SupportedTargets() & target) == 0)
+    {
+      continue;
+    }
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().DeInit();
+    SCOPED_TRACE(hwy::TargetName(target));
+    check();
+    hwy::SetSupportedTargetsForTest(0);
+    hwy::GetChosenTarget().DeInit();
+  }
+}
+
+/// Both pictures show something, and the same. Single precision moves a sample across the edge of
+/// a block or a ray now and then, hence the allowance for single pixels.
+void ExpectSamePicture(TestScene& scene)
+{
+  const TestScene::Picture reference = scene.Render(true);
+  EXPECT_GT(reference.Statistics.VisibleSamples, 1000);
+  ForEveryTarget(
+    [&]
+    {
+      const TestScene::Picture packets = scene.Render(false);
+      const Difference colours = Compare(packets.Colours, reference.Colours);
+      EXPECT_LT(colours.Mean, 0.05);
+      EXPECT_LT(colours.Largest, 6.0);
+      const Difference depths = Compare(packets.Depths, reference.Depths);
+      EXPECT_LT(depths.Mean, 0.2);
+      const double samples = static_cast<double>(packets.Statistics.Samples);
+      EXPECT_NEAR(samples / static_cast<double>(reference.Statistics.Samples), 1.0, 0.02);
+      EXPECT_NEAR(static_cast<double>(packets.Statistics.Rays) /
+          static_cast<double>(reference.Statistics.Rays),
+        1.0, 0.01);
+    });
+}
+
+TEST(PacketCaster, SeveralTargetsAreTested)
+{
+  int targets = 0;
+  ForEveryTarget([&] { ++targets; });
+  EXPECT_GE(targets, 1);
+}
+
+TEST(PacketCaster, AllScalarTypes)
+{
+  for (const ScalarType type : { ScalarType::Int8, ScalarType::UInt8, ScalarType::Int16,
+         ScalarType::UInt16, ScalarType::Int32, ScalarType::UInt32, ScalarType::Int64,
+         ScalarType::UInt64, ScalarType::Float32, ScalarType::Float64 })
+  {
+    SCOPED_TRACE("type " + std::to_string(static_cast<int>(type)));
+    TestScene scene(type);
+    scene.SetCamera(true, 61, 45); // no whole number of tiles
+    ExpectSamePicture(scene);
+  }
+}
+
+TEST(PacketCaster, AllPullBacksAndCameras)
+{
+  for (const double size : { 0.0, 1.0, 3.0 })
+  {
+    for (const PullBackKind kind : { PullBackKind::FirstOrder, PullBackKind::Exact,
+           PullBackKind::Forward, PullBackKind::FirstOrderOfInverse })
+    {
+      for (const bool perspective : { true, false })
+      {
+        SCOPED_TRACE("size " + std::to_string(size) + ", kind " +
+          std::to_string(static_cast<int>(kind)) + (perspective ? ", perspective" : ", parallel"));
+        TestScene scene(ScalarType::UInt8, 5);
+        scene.SetDeformation(size, kind);
+        scene.SetCamera(perspective, 64, 64);
+        ExpectSamePicture(scene);
+      }
+    }
+  }
+}
+
+TEST(PacketCaster, Options)
+{
+  for (int option = 0; option < 6; ++option)
+  {
+    SCOPED_TRACE("option " + std::to_string(option));
+    TestScene scene(ScalarType::UInt8, 3);
+    scene.SetDeformation(1.5, PullBackKind::Exact);
+    scene.SetCamera(true, 64, 48);
+    std::vector<float> depths(64 * 48, 1.0f);
+    Light light;
+    switch (option)
+    {
+      case 0:
+        scene.Settings.Shade = false;
+        break;
+      case 1:
+        scene.Scene.VolumeInterpolation = Interpolation::Nearest;
+        scene.Settings.Shade = false;
+        break;
+      case 2:
+        scene.Settings.Opacity = OpacityLength::Material;
+        break;
+      case 3:
+        scene.Settings.SampleDistance = 0.37;
+        break;
+      case 4:
+        for (std::size_t i = 0; i < depths.size(); i += 3)
+        {
+          depths[i] = 0.72f;
+        }
+        scene.Scene.Depths = depths.data();
+        break;
+      default:
+        light.Towards = glm::normalize(glm::dvec3(1.0, 2.0, 0.5));
+        light.Diffuse = glm::vec3(1.0f, 0.3f, 0.2f);
+        scene.Scene.Material.Lights.push_back(light);
+        light.Positional = true;
+        light.Position = glm::dvec3(160.0, 0.0, 60.0);
+        light.Attenuation = glm::dvec3(1.0, 0.01, 0.0);
+        light.ConeCosine = std::cos(0.9);
+        light.Axis = glm::normalize(glm::dvec3(-41.0, -32.0, -34.0));
+        scene.Scene.Material.Lights.push_back(light);
+        scene.Scene.Material.TwoSided = false;
+        break;
+    }
+    ExpectSamePicture(scene);
+  }
+}
+
+TEST(PacketCaster, LeapingChangesNothing)
+{
+  for (const PullBackKind kind : { PullBackKind::FirstOrder, PullBackKind::Exact })
+  {
+    // The last one folds.
+    for (const double size : { 0.0, 2.0, 12.0 })
+    {
+      SCOPED_TRACE("size " + std::to_string(size));
+      TestScene scene(ScalarType::UInt8, 9);
+      scene.SetDeformation(size, kind);
+      scene.SetCamera(true, 64, 64);
+      ForEveryTarget(
+        [&]
+        {
+          scene.Settings.Leaping = SpaceLeaping::Off;
+          const TestScene::Picture off = scene.Render(false);
+          for (const SpaceLeaping leaping : { SpaceLeaping::Segment, SpaceLeaping::Lipschitz })
+          {
+            scene.Settings.Leaping = leaping;
+            const TestScene::Picture on = scene.Render(false);
+            EXPECT_LE(Compare(on.Colours, off.Colours).Largest, 0.01);
+            EXPECT_LT(on.Statistics.Samples, off.Statistics.Samples);
+          }
+        });
+    }
+  }
+}
+
+} // namespace
