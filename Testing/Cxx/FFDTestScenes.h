@@ -24,6 +24,7 @@
 #include "vtkOpenGLGPUVolumeRayCastMapper.h"
 #include "vtkPiecewiseFunction.h"
 #include "vtkPointData.h"
+#include "vtkRegressionTestImage.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
 #include "vtkSmartPointer.h"
@@ -537,6 +538,14 @@ public:
   vtkNew<vtkFixedPointVolumeRayCastMapper> Fixed;
   vtkNew<vtkOpenGLGPUVolumeRayCastMapper> Gpu;
 };
+
+/// The window against the baseline image of the test: what main() returns.
+inline int CompareWithBaseline(Scene& scene, int argc, char* argv[])
+{
+  scene.Window->Render();
+  return vtkRegressionTestImage(scene.Window) == vtkRegressionTester::PASSED ? EXIT_SUCCESS
+                                                                             : EXIT_FAILURE;
+}
 
 //------------------------------------------------------------------------------
 /**

@@ -199,7 +199,8 @@ void CheckAffine(ffdTest::Scene& scene, const Subject& s, ffdTest::Checks& check
   ffdTest::SetTransfer(scene.Property, s.Points, s.Unit);
   scene.SetShading(0.1, 0.7, 0.2, 10.0);
   scene.SetInput(s.Image);
-  scene.SetSampleDistance(0.5 * FindVoxel(s.Image));
+  // Short: the net is sampled by length at rest, the user matrix by length in the world.
+  scene.SetSampleDistance(0.2 * FindVoxel(s.Image));
   scene.Ours->SetInverseMode(vtkFFDInverseRayVolumeMapper::EXACT);
   scene.Ours->SetDeformation(transform);
   scene.SetCamera(s.Camera, scene.Ours->GetBounds());
@@ -215,10 +216,9 @@ void CheckAffine(ffdTest::Scene& scene, const Subject& s, ffdTest::Checks& check
     const ffdTest::Picture gpu = scene.Render(scene.Gpu);
     scene.Volume->SetUserMatrix(nullptr);
     const ffdTest::Distance ours = scene.Compare(net, user);
-    // The inverse is exact up to InverseTolerance, a hundredth of a voxel, and the distance
-    // between samples up to a whole number of them a piece.
-    checks.Expect(ours.Pixels > 3000 && ours.Mean <= 1.0, name + " is the user matrix",
-      ffdTest::ToString(ours) + " (mean at most 1)");
+    // The inverse is exact up to InverseTolerance, a hundredth of a voxel; the rest is sampling.
+    checks.Expect(ours.Pixels > 3000 && ours.Mean <= 0.6, name + " is the user matrix",
+      ffdTest::ToString(ours) + " (mean at most 0.6)");
     const ffdTest::Distance theirs = scene.Compare(net, gpu);
     checks.Expect(theirs.Psnr >= 30.0, name + " is the GPU mapper's user matrix",
       ffdTest::ToString(theirs) + " (at least 30 dB)");
