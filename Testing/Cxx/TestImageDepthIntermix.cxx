@@ -18,8 +18,9 @@ int TestImageDepthIntermix(int argc, char* argv[])
     ffdTest::MakeTransform(bounds, 8, ffdTest::BendAndWaves(30.0));
   scene.SetInput(image);
   scene.Ours->SetDeformation(waves);
-  ffdTest::SetTransfer(scene.Property, ffdTest::SemiTransparentEngine(), 0.7);
-  double places[3][3] = { { 60.0, -60.0, 60.0 }, { 140.0, 90.0, 60.0 }, { 220.0, 330.0, 60.0 } };
+  ffdTest::SetTransfer(scene.Property, ffdTest::SemiTransparentEngine(), 3.0);
+  double places[3][3] = { { 60.0, -60.0, 130.0 }, { 140.0, 90.0, 60.0 },
+    { 220.0, 330.0, 0.0 } };
   const double colours[3][3] = { { 0.9, 0.2, 0.2 }, { 0.2, 0.9, 0.2 }, { 0.2, 0.4, 1.0 } };
   vtkNew<vtkSphereSource> sphere;
   sphere->SetRadius(35.0);
@@ -35,8 +36,8 @@ int TestImageDepthIntermix(int argc, char* argv[])
     actor->GetProperty()->SetColor(colours[i][0], colours[i][1], colours[i][2]);
     scene.Renderer->AddActor(actor);
   }
-  const double all[6] = { 0.0, 255.0, -100.0, 370.0, 0.0, 150.0 };
-  scene.SetCamera({ 0.0, 25.0, 1.0, false, false }, all);
+  const double all[6] = { 0.0, 255.0, -100.0, 370.0, -80.0, 170.0 };
+  scene.SetCamera({ 0.0, 25.0, 1.4, false, false }, all);
   scene.Volume->SetMapper(scene.Ours);
   return ffdTest::CompareWithBaseline(scene, argc, argv);
 }
