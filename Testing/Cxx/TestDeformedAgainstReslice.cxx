@@ -100,8 +100,10 @@ void CheckModes(ffdTest::Scene& scene, const Subject& s, ffdTest::Checks& checks
   scene.SetSampleDistance(0.5 * voxel);
 
   // What can be reached: both pictures undeformed, the reference resampled all the same.
-  const vtkSmartPointer<vtkBSplineTransform> identity = ffdTest::MakeTransform(bounds, 4,
-    [](const ffdTest::Vec3&, const ffdTest::Vec3&) { return ffdTest::Vec3{ 0.0, 0.0, 0.0 }; });
+  const vtkSmartPointer<vtkBSplineTransform> identity =
+    ffdTest::MakeTransform(bounds, 4, [](const ffdTest::Vec3&, const ffdTest::Vec3&) {
+      return ffdTest::Vec3{ 0.0, 0.0, 0.0 };
+    });
   const vtkSmartPointer<vtkImageData> same = Resample(s.Image, identity, bounds, s.Background);
   scene.SetInput(s.Image);
   scene.Ours->SetDeformation(nullptr);
@@ -111,8 +113,7 @@ void CheckModes(ffdTest::Scene& scene, const Subject& s, ffdTest::Checks& checks
   for (int shade = 0; shade < 2; ++shade)
   {
     scene.Property->SetShade(shade);
-    undeformed[shade] =
-      scene.Compare(scene.Render(scene.Ours), scene.Render(scene.Gpu)).Psnr;
+    undeformed[shade] = scene.Compare(scene.Render(scene.Ours), scene.Render(scene.Gpu)).Psnr;
   }
 
   const vtkSmartPointer<vtkBSplineTransform> transform =
@@ -131,8 +132,7 @@ void CheckModes(ffdTest::Scene& scene, const Subject& s, ffdTest::Checks& checks
 
   scene.Ours->SetInverseMode(Mapper::PULL_BACK);
   scene.Ours->GetBounds(deformed);
-  const vtkSmartPointer<vtkImageData> pulled =
-    Resample(s.Image, transform, deformed, s.Background);
+  const vtkSmartPointer<vtkImageData> pulled = Resample(s.Image, transform, deformed, s.Background);
   CheckAgainst(scene, s, transform, Mapper::PULL_BACK, pulled, "PULL_BACK", undeformed, checks);
   // The inverse of the inverse: the same map reached through vtkAbstractTransform::GetInverse.
   const ffdTest::Picture pullBack = scene.Render(scene.Ours);
@@ -155,11 +155,11 @@ void CheckModes(ffdTest::Scene& scene, const Subject& s, ffdTest::Checks& checks
   scene.SetCamera(s.Camera, exact->GetBounds());
   scene.Property->ShadeOff();
   const ffdTest::Picture reference = scene.Render(scene.Gpu);
-  for (const int mode : { static_cast<int>(Mapper::PULL_BACK), static_cast<int>(Mapper::FIRST_ORDER) })
+  for (const int mode :
+    { static_cast<int>(Mapper::PULL_BACK), static_cast<int>(Mapper::FIRST_ORDER) })
   {
     scene.Ours->SetInverseMode(mode);
-    checks.ExpectAtMost(s.Name + ", " + scene.Ours->GetInverseModeAsString() +
-        " is not EXACT: dB",
+    checks.ExpectAtMost(s.Name + ", " + scene.Ours->GetInverseModeAsString() + " is not EXACT: dB",
       scene.Compare(scene.Render(scene.Ours), reference).Psnr, 28.0);
   }
   scene.Ours->SetInverseMode(Mapper::EXACT);
@@ -187,8 +187,7 @@ void CheckAffine(ffdTest::Scene& scene, const Subject& s, ffdTest::Checks& check
   }
   const vtkSmartPointer<vtkBSplineTransform> transform = ffdTest::MakeTransform(
     bounds, 9,
-    [&](const ffdTest::Vec3& p, const ffdTest::Vec3&)
-    {
+    [&](const ffdTest::Vec3& p, const ffdTest::Vec3&) {
       double out[4];
       const double in[4] = { p[0], p[1], p[2], 1.0 };
       matrix->MultiplyPoint(in, out);

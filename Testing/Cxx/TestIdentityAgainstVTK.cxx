@@ -53,14 +53,11 @@ void CheckCase(ffdTest::Scene& scene, vtkImageData* image, vtkAbstractTransform*
     }
     scene.Ours->SetDeformation(nullptr);
     const ffdTest::Picture ours = scene.Render(scene.Ours);
-    scene.Ours->SetDeformation(identity);
-    const ffdTest::Picture withLattice = scene.Render(scene.Ours);
-    scene.Ours->SetDeformation(nullptr);
     const ffdTest::Picture fixed = scene.RenderFixedRays();
     const ffdTest::Picture gpu = scene.Render(scene.Gpu);
 
-    const std::string name = volume + ", " + c.Name + (shaded ? ", shaded" : ", unshaded") + ", step " +
-      std::to_string(shaded ? c.ShadedSampleDistance : c.SampleDistance).substr(0, 4);
+    const std::string name = volume + ", " + c.Name + (shaded ? ", shaded" : ", unshaded") +
+      ", step " + std::to_string(shaded ? c.ShadedSampleDistance : c.SampleDistance).substr(0, 4);
     const ffdTest::Distance oursFixed = scene.Compare(ours, fixed);
     const ffdTest::Distance oursGpu = scene.Compare(ours, gpu);
     const ffdTest::Distance gpuFixed = scene.Compare(gpu, fixed);
@@ -70,9 +67,8 @@ void CheckCase(ffdTest::Scene& scene, vtkImageData* image, vtkAbstractTransform*
     const bool visible = gpuFixed.Pixels > 3000;
     if (shaded)
     {
-      checks.Expect(
-        visible && oursGpu.Mean <= 0.5 * gpuFixed.Mean && oursGpu.P99 <= gpuFixed.P99, name,
-        figures.str());
+      checks.Expect(visible && oursGpu.Mean <= 0.5 * gpuFixed.Mean && oursGpu.P99 <= gpuFixed.P99,
+        name, figures.str());
     }
     else
     {
@@ -84,14 +80,19 @@ void CheckCase(ffdTest::Scene& scene, vtkImageData* image, vtkAbstractTransform*
       // Rounding to bytes, and the light that early ray termination leaves out: 1/255.
       checks.Expect(oursExact.Mean <= 1.0 && oursExact.P99 <= 2.0, name + ", exact",
         ffdTest::ToString(oursExact) + " (mean at most 1, p99 2)");
+      // The margins are for the rounding of the exact picture, and of ours, to bytes.
       checks.Expect(visible && oursFixed.Mean <= std::max(gpuFixed.Mean, fixedExact.Mean + 0.1) &&
-          oursFixed.P99 <= std::max(gpuFixed.P99, fixedExact.P99),
+          oursFixed.P99 <= std::max(gpuFixed.P99, fixedExact.P99 + 1.0),
         name, figures.str());
     }
     // The lattice evaluates to the position itself up to rounding, so bytes may round either way.
-    const ffdTest::Distance lattice = scene.Compare(ours, withLattice);
-    checks.Expect(lattice.Mean <= 0.01 && lattice.Max <= 1.0, name + ", identity lattice",
-      ffdTest::ToString(lattice) + " (mean at most 0.01, max 1)");
+    if (shaded)
+    {
+      scene.Ours->SetDeformation(identity);
+      const ffdTest::Distance lattice = scene.Compare(ours, scene.Render(scene.Ours));
+      checks.Expect(lattice.Mean <= 0.01 && lattice.Max <= 1.0, name + ", identity lattice",
+        ffdTest::ToString(lattice) + " (mean at most 0.01, max 1)");
+    }
   }
 }
 
@@ -99,8 +100,9 @@ void CheckVolume(ffdTest::Scene& scene, vtkImageData* image, const std::string& 
   const std::vector<Case>& cases, ffdTest::Checks& checks)
 {
   const vtkSmartPointer<vtkBSplineTransform> identity =
-    ffdTest::MakeTransform(image->GetBounds(), 6,
-      [](const ffdTest::Vec3&, const ffdTest::Vec3&) { return ffdTest::Vec3{ 0.0, 0.0, 0.0 }; });
+    ffdTest::MakeTransform(image->GetBounds(), 6, [](const ffdTest::Vec3&, const ffdTest::Vec3&) {
+      return ffdTest::Vec3{ 0.0, 0.0, 0.0 };
+    });
   for (const Case& c : cases)
   {
     CheckCase(scene, image, identity, name, c, checks);
@@ -124,7 +126,7 @@ int TestIdentityAgainstVTK(int argc, char* argv[])
         { 120.0, -35.0, 1.0, false, false } },
       { "solid, parallel", ffdTest::SolidEngine(), 2.5, 0.7, 0.25, matt,
         { -50.0, 60.0, 1.2, true, false } },
-      { "sparse, parallel", ffdTest::SparseEngine(), 1.0, 1.0, 0.2, plain,
+      { "sparse, parallel", ffdTest::SparseEngine(), 1.0, 1.0, 0.25, plain,
         { 20.0, 15.0, 1.5, true, false } },
       { "semi-transparent, inside", ffdTest::SemiTransparentEngine(), 4.0, 0.5, 0.5, plain,
         { 75.0, 10.0, 1.0, false, true } } },

@@ -9,9 +9,10 @@ int TestImageDeformedEngine(int argc, char* argv[])
   const vtkSmartPointer<vtkImageData> image = ffdTest::ReadVolume(argc, argv, "engine");
   double bounds[6];
   image->GetBounds(bounds);
-  const vtkSmartPointer<vtkBSplineTransform> bend = ffdTest::MakeTransform(bounds, 8,
-    [](const ffdTest::Vec3&, const ffdTest::Vec3& r)
-    { return ffdTest::Vec3{ 50.0 * std::cos(vtkMath::Pi() * (r[2] - 0.5)), 0.0, 0.0 }; });
+  const vtkSmartPointer<vtkBSplineTransform> bend =
+    ffdTest::MakeTransform(bounds, 8, [](const ffdTest::Vec3&, const ffdTest::Vec3& r) {
+      return ffdTest::Vec3{ 50.0 * std::cos(vtkMath::Pi() * (r[2] - 0.5)), 0.0, 0.0 };
+    });
   scene.SetInput(image);
   scene.Ours->SetDeformation(bend);
   ffdTest::SetTransfer(scene.Property, ffdTest::SolidEngine(), 1.0);

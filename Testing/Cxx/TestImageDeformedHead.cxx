@@ -10,9 +10,8 @@ int TestImageDeformedHead(int argc, char* argv[])
   double bounds[6];
   image->GetBounds(bounds);
   // Slices run from the crown down.
-  const vtkSmartPointer<vtkBSplineTransform> taper = ffdTest::MakeTransform(bounds, 8,
-    [](const ffdTest::Vec3&, const ffdTest::Vec3& r)
-    {
+  const vtkSmartPointer<vtkBSplineTransform> taper =
+    ffdTest::MakeTransform(bounds, 8, [](const ffdTest::Vec3&, const ffdTest::Vec3& r) {
       const double wider = 0.35 - 0.7 * r[2];
       return ffdTest::Vec3{ 255.0 * wider * (r[0] - 0.5), 127.0 * wider * (r[1] - 0.5),
         -40.0 * (1.0 - r[2]) * std::sin(vtkMath::Pi() * r[0]) };

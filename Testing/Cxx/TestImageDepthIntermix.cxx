@@ -19,8 +19,7 @@ int TestImageDepthIntermix(int argc, char* argv[])
   scene.SetInput(image);
   scene.Ours->SetDeformation(waves);
   ffdTest::SetTransfer(scene.Property, ffdTest::SemiTransparentEngine(), 3.0);
-  double places[3][3] = { { 60.0, -60.0, 130.0 }, { 140.0, 90.0, 60.0 },
-    { 220.0, 330.0, 0.0 } };
+  double places[3][3] = { { 60.0, -60.0, 130.0 }, { 140.0, 90.0, 60.0 }, { 220.0, 330.0, 0.0 } };
   const double colours[3][3] = { { 0.9, 0.2, 0.2 }, { 0.2, 0.9, 0.2 }, { 0.2, 0.4, 1.0 } };
   vtkNew<vtkSphereSource> sphere;
   sphere->SetRadius(35.0);

@@ -5,8 +5,8 @@
 // folds too.
 #include "FFDTestScenes.h"
 
-#include "vtkMinimalStandardRandomSequence.h"
 #include "vtkFFDRayStatistics.h"
+#include "vtkMinimalStandardRandomSequence.h"
 
 #include <cstring>
 #include <string>
@@ -54,7 +54,8 @@ int FindLargestDifference(const Bytes& a, const Bytes& b)
     for (std::size_t c = 0; c < 3; ++c)
     {
       largest = std::max(largest,
-        std::abs(a.Colours[i + c] * a.Colours[i + 3] - b.Colours[i + c] * b.Colours[i + 3]) / 255.0);
+        std::abs(a.Colours[i + c] * a.Colours[i + 3] - b.Colours[i + c] * b.Colours[i + 3]) /
+          255.0);
     }
   }
   // Colours are rounded before they are multiplied by alpha.
@@ -75,8 +76,7 @@ ffdTest::DisplacementAt Random(double amplitude, int seed)
 {
   auto random = vtkSmartPointer<vtkMinimalStandardRandomSequence>::New();
   random->SetSeed(seed);
-  return [random, amplitude](const ffdTest::Vec3&, const ffdTest::Vec3&)
-  {
+  return [random, amplitude](const ffdTest::Vec3&, const ffdTest::Vec3&) {
     ffdTest::Vec3 d;
     for (double& each : d)
     {
@@ -140,12 +140,12 @@ void CheckThreads(ffdTest::Scene& scene, const std::string& name, ffdTest::Check
     {
       scene.Ours->SetNumberOfThreads(threads);
       const Bytes many = RenderBytes(scene, Size);
-      checks.Expect(!one.Colours.empty() && one.Colours == many.Colours &&
-          one.Depths == many.Depths,
+      checks.Expect(
+        !one.Colours.empty() && one.Colours == many.Colours && one.Depths == many.Depths,
         name + ", " + scene.Ours->GetSegmentationAsString() + ", " + std::to_string(threads) +
           " threads",
-        "largest difference from one thread " +
-          std::to_string(FindLargestDifference(one, many)) + " (bit by bit)");
+        "largest difference from one thread " + std::to_string(FindLargestDifference(one, many)) +
+          " (bit by bit)");
     }
     scene.Ours->SetNumberOfThreads(0);
   }
@@ -155,8 +155,7 @@ void CheckThreads(ffdTest::Scene& scene, const std::string& name, ffdTest::Check
 /// Without a window the picture is the same.
 void CheckWindow(ffdTest::Scene& scene, const std::string& name, ffdTest::Checks& checks)
 {
-  const ffdTest::Distance window =
-    scene.Compare(scene.Render(scene.Ours), scene.RenderToImage());
+  const ffdTest::Distance window = scene.Compare(scene.Render(scene.Ours), scene.RenderToImage());
   checks.Expect(window.Pixels > 3000 && window.Max <= 2.0, name + ", RenderToImage",
     ffdTest::ToString(window) + " from the window (max at most 2)");
 }

@@ -41,8 +41,8 @@ void CheckIntermixing(ffdTest::Scene& scene, vtkImageData* image, ffdTest::Check
   const char* const names[3] = { "in front", "inside", "behind" };
   const double offsets[3] = { -0.7, 0.0, 0.7 };
   // Room for the sphere between the clipping planes.
-  const double larger[6] = { bounds[0], bounds[1], bounds[2] - depth, bounds[3] + depth,
-    bounds[4], bounds[5] };
+  const double larger[6] = { bounds[0], bounds[1], bounds[2] - depth, bounds[3] + depth, bounds[4],
+    bounds[5] };
   scene.Renderer->ResetCameraClippingRange(larger);
   for (int i = 0; i < 3; ++i)
   {
@@ -85,8 +85,7 @@ void CheckLights(ffdTest::Scene& scene, vtkImageData* image, ffdTest::Checks& ch
   const double middle[3] = { 0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3]),
     0.5 * (bounds[4] + bounds[5]) };
 
-  const auto addLight = [&](double x, double y, double z, double r, double g, double b)
-  {
+  const auto addLight = [&](double x, double y, double z, double r, double g, double b) {
     auto light = vtkSmartPointer<vtkLight>::New();
     light->SetLightTypeToSceneLight();
     light->SetFocalPoint(middle);
@@ -95,8 +94,7 @@ void CheckLights(ffdTest::Scene& scene, vtkImageData* image, ffdTest::Checks& ch
     scene.Renderer->AddLight(light);
     return light;
   };
-  const auto check = [&](const std::string& name, double decibels)
-  {
+  const auto check = [&](const std::string& name, double decibels) {
     const ffdTest::Picture ours = scene.Render(scene.Ours);
     // VTK 9.1's GPU mapper keeps its shader when the kind of a light changes.
     scene.Gpu->Modified();
@@ -153,8 +151,8 @@ void CheckLights(ffdTest::Scene& scene, vtkImageData* image, ffdTest::Checks& ch
   checks.Expect(linear.Max <= 6.0, "linear attenuation by one", ffdTest::ToString(linear));
   lamp->SetAttenuationValues(0.0, 0.0, 1.0 / (2500.0 * size * size));
   const ffdTest::Distance quadratic = scene.Compare(far, scene.Render(scene.Ours));
-  checks.Expect(quadratic.Max <= 12.0, "quadratic attenuation by one",
-    ffdTest::ToString(quadratic));
+  checks.Expect(
+    quadratic.Max <= 12.0, "quadratic attenuation by one", ffdTest::ToString(quadratic));
   lamp->SetAttenuationValues(0.0, 0.0, 2.0 / (2500.0 * size * size));
   const ffdTest::Distance twice = scene.Compare(far, scene.Render(scene.Ours));
   checks.Expect(twice.Mean > 10.0, "quadratic attenuation by two", ffdTest::ToString(twice));
@@ -203,9 +201,10 @@ void CheckBounds(ffdTest::Scene& scene, vtkImageData* image, ffdTest::Checks& ch
   scene.SetShading(0.1, 0.7, 0.2, 10.0);
   double rest[6];
   image->GetBounds(rest);
-  const vtkSmartPointer<vtkBSplineTransform> bulge = ffdTest::MakeTransform(rest, 8,
-    [](const ffdTest::Vec3&, const ffdTest::Vec3& r)
-    { return ffdTest::Vec3{ 90.0 * std::sin(vtkMath::Pi() * r[2]), 0.0, 40.0 * r[0] }; });
+  const vtkSmartPointer<vtkBSplineTransform> bulge =
+    ffdTest::MakeTransform(rest, 8, [](const ffdTest::Vec3&, const ffdTest::Vec3& r) {
+      return ffdTest::Vec3{ 90.0 * std::sin(vtkMath::Pi() * r[2]), 0.0, 40.0 * r[0] };
+    });
   scene.Volume->SetMapper(scene.Ours);
   for (const int mode : { 0, 1, 2 })
   {
@@ -230,8 +229,7 @@ void CheckBounds(ffdTest::Scene& scene, vtkImageData* image, ffdTest::Checks& ch
       {
         if (x == 0 || y == 0 || x == framed.Width - 1 || y == framed.Height - 1)
         {
-          const unsigned char* p =
-            &framed.Rgb[3 * static_cast<std::size_t>(y * framed.Width + x)];
+          const unsigned char* p = &framed.Rgb[3 * static_cast<std::size_t>(y * framed.Width + x)];
           border += p[0] != background[0] || p[1] != background[1] || p[2] != background[2];
         }
       }
