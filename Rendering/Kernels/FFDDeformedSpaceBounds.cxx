@@ -139,8 +139,10 @@ void DeformedSpaceBounds::FillFromRestRegions(
           rest.Min[a] = at[a] == low[a] ? std::min(rest.Min[a], restMin[a]) : rest.Min[a];
           rest.Max[a] = at[a] == high[a] ? std::max(rest.Max[a], restMax[a]) : rest.Max[a];
         }
-        // The neighbours share this sub-cell's faces: stay off them.
-        const glm::dvec3 inset = 1e-7 * step;
+        // The neighbours share this sub-cell's faces: stay off them, unless the kink of
+        // ZeroAtBorder may lie there, which has to be noticed.
+        const glm::dvec3 inset =
+          field.GetBorder() == BorderMode::ZeroAtBorder ? glm::dvec3(0.0) : 1e-7 * step;
         const Box inner{ rest.Min + inset, rest.Max - inset };
         const MapBounds here = bounds.Over(inner);
         const Box moves = bounds.DisplacementOver(inner);
