@@ -65,6 +65,9 @@ constexpr int Batches = 16;
 
 constexpr int LargestImageSide = 16384;
 
+/// Shortest piece and sample distance, voxels: below, an image would take for ever.
+constexpr double ShortestLength = 1e-3;
+
 /// Splits a loop over threads with vtkSMPTools, as the kernels ask for it.
 void ParallelFor(
   std::size_t count, const std::function<void(std::size_t first, std::size_t last)>& work)
@@ -120,6 +123,7 @@ public:
   bool UpdateTransferTable(vtkVolumeProperty* property, std::string& message);
   void UpdateDistances();
   bool Update(vtkVolumeProperty* property, std::string& message);
+  static bool CheckView(vtkRenderer* renderer, vtkVolume* volume, std::string& message);
 
   ffd::CastSettings MakeSettings(vtkVolume* volume, double voxelSize, bool interactive) const;
   bool Cast(vtkRenderer* renderer, vtkVolume* volume, const ImageRegion& region,
@@ -228,7 +232,9 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
     glm::dvec3(bounds[1], bounds[3], bounds[5]) };
   const vtkMTimeType time =
     std::max({ this->Source.GetMTime(), image->GetMTime(), this->Self->MTime.GetMTime() });
-  if (this->DeformationTime == time)
+  // An older image in the place of the last one does not show in the times.
+  if (this->DeformationTime == time && this->RestBounds.Min == rest.Min &&
+    this->RestBounds.Max == rest.Max)
   {
     return true;
   }
@@ -304,6 +310,32 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Update(
 }
 
 //------------------------------------------------------------------------------
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::CheckView(
+  vtkRenderer* renderer, vtkVolume* volume, std::string& message)
+{
+  volume->ComputeMatrix();
+  const double size = std::abs(glm::determinant(glm::dmat3(ffd::ToMatrix(volume->GetMatrix()))));
+  if (!(size > 0.0) || !std::isfinite(size))
+  {
+    message = "The matrix of the volume is singular or not a number: it has no inside to render. "
+              "Check its scale.";
+    return false;
+  }
+  const ffd::CameraView camera =
+    ffd::MakeCameraView(renderer, glm::ivec2(1), glm::ivec2(0), glm::ivec2(1), 1.0);
+  const ffd::ViewRay ray = camera.MakeRay(0.5, 0.5);
+  if (!std::isfinite(glm::dot(ray.Origin, ray.Origin)) || !(ray.Far > 0.0) ||
+    !std::isfinite(ray.Far))
+  {
+    message = "The camera of the renderer has no viewing ray: its position, focal point, scale or "
+              "clipping range is not a number or makes the projection singular. Check them, or "
+              "call ResetCamera().";
+    return false;
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
 ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
   vtkVolume* volume, double voxelSize, bool interactive) const
 {
@@ -330,7 +362,10 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
       interactive ? self->InteractiveSampleDistance : self->SampleDistance;
   }
 
+  settings.SampleDistance = std::max(settings.SampleDistance, ShortestLength * voxelSize);
+
   const double angle = vtkMath::RadiansFromDegrees(self->AngleThreshold);
+  const double shortest = std::max(self->MinimumSegmentLength, ShortestLength);
   double longest = self->MaximumSegmentLength;
   if (longest == 0.0)
   {
@@ -341,17 +376,19 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
       longest = std::min(longest, angle / (this->TurnRate * FindShortestEdge(this->Volume.IndexToData)));
     }
   }
-  longest = std::max(longest, self->MinimumSegmentLength);
+  longest = std::max(longest, shortest);
   settings.Polyline.AngleThreshold = angle;
-  settings.Polyline.MinimumLength = self->MinimumSegmentLength * voxelSize;
+  settings.Polyline.MinimumLength = shortest * voxelSize;
   settings.Polyline.MaximumLength = longest * voxelSize;
+  // Longer spans could not be halved down to the minimum.
+  longest = std::min(longest, shortest * (1 << LargestSpanLevel));
   // A whole number of samples a span: then they are equidistant where nothing is deformed.
   const double perSpan = std::floor(longest * voxelSize / settings.SampleDistance + 1e-6);
   settings.Spans.Length =
     perSpan >= 1.0 ? perSpan * settings.SampleDistance : longest * voxelSize;
   settings.Spans.PositionTolerance = self->PositionTolerance;
   settings.Spans.LargestLevel = std::clamp(
-    static_cast<int>(std::floor(std::log2(longest / self->MinimumSegmentLength) + 1e-9)), 0,
+    static_cast<int>(std::floor(std::log2(longest / shortest) + 1e-9)), 0,
     LargestSpanLevel);
   return settings;
 }
@@ -498,19 +535,20 @@ vtkAbstractTransform* vtkFFDInverseRayVolumeMapper::GetDeformation()
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDInverseRayVolumeMapper::SetPositive(const char* name, double& member, double value)
+bool vtkFFDInverseRayVolumeMapper::SetPositive(const char* name, double& member, double value)
 {
   if (!(value > 0.0) || !std::isfinite(value))
   {
     vtkErrorMacro(<< name << " must be a positive number, not " << value << "; it stays "
                   << member << ".");
-    return;
+    return false;
   }
   if (member != value)
   {
     member = value;
     this->Modified();
   }
+  return true;
 }
 
 //------------------------------------------------------------------------------
@@ -577,8 +615,7 @@ void vtkFFDInverseRayVolumeMapper::SetEarlyRayTerminationThreshold(double transm
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetSampleDistance(double distance)
 {
-  this->SetPositive("SampleDistance", this->SampleDistance, distance);
-  if (distance > 0.0)
+  if (this->SetPositive("SampleDistance", this->SampleDistance, distance))
   {
     this->SetLockSampleDistanceToInputSpacing(0);
   }
@@ -587,8 +624,7 @@ void vtkFFDInverseRayVolumeMapper::SetSampleDistance(double distance)
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetInteractiveSampleDistance(double distance)
 {
-  this->SetPositive("InteractiveSampleDistance", this->InteractiveSampleDistance, distance);
-  if (distance > 0.0)
+  if (this->SetPositive("InteractiveSampleDistance", this->InteractiveSampleDistance, distance))
   {
     this->SetLockSampleDistanceToInputSpacing(0);
   }
@@ -700,11 +736,9 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
     vtkErrorMacro(<< message);
     return;
   }
-  const glm::dmat4 matrix = ffd::ToMatrix(volume->GetMatrix());
-  if (!(std::abs(glm::determinant(glm::dmat3(matrix))) > 0.0))
+  if (!in.CheckView(renderer, volume, message))
   {
-    vtkErrorMacro(<< "The matrix of the volume is singular or not a number: it has no inside to "
-                     "render. Check its scale.");
+    vtkErrorMacro(<< message);
     return;
   }
 
@@ -814,7 +848,9 @@ int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume
     if (dims[0] != width || dims[1] != height || dims[2] != 1 ||
       inputDepths->GetScalarType() != VTK_FLOAT ||
       inputDepths->GetNumberOfScalarComponents() != 1 ||
-      !inputDepths->GetPointData()->GetScalars())
+      !inputDepths->GetPointData()->GetScalars() ||
+      inputDepths->GetPointData()->GetScalars()->GetNumberOfTuples() <
+        static_cast<vtkIdType>(pixels))
     {
       vtkErrorMacro(<< "RenderToImage: the input depths must be one float a pixel, " << width
                     << " x " << height << " x 1; they are " << dims[0] << " x " << dims[1] << " x "
@@ -834,7 +870,11 @@ int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume
     vtkErrorMacro(<< message);
     return 0;
   }
-  volume->ComputeMatrix();
+  if (!in.CheckView(renderer, volume, message))
+  {
+    vtkErrorMacro(<< message);
+    return 0;
+  }
   ImageRegion region;
   region.Viewport = glm::ivec2(width, height);
   region.Rays = region.Viewport;
