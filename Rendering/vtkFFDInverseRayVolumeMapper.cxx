@@ -24,6 +24,8 @@
 #include "vtkMath.h"
 #include "vtkMatrix4x4.h"
 #include "vtkNew.h"
+#include "vtkPiecewiseFunction.h"
+#include "vtkPlaneCollection.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 #include "vtkRenderWindow.h"
@@ -90,6 +92,26 @@ ffd::PullBackKind FindPullBackKind(int inverseMode, bool inverted)
   }
 }
 
+/// Other mappers make VTK create a gradient opacity of one everywhere: that is none.
+bool HasEffectiveGradientOpacity(vtkVolumeProperty* property)
+{
+  if (!property->HasGradientOpacity(0))
+  {
+    return false;
+  }
+  vtkPiecewiseFunction* function = property->GetGradientOpacity(0);
+  for (int i = 0; i < function->GetSize(); ++i)
+  {
+    double node[4];
+    function->GetNodeValue(i, node);
+    if (node[1] != 1.0)
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
 /// The unit "voxel": the shortest edge of a voxel under a linear map from index coordinates.
 double FindShortestEdge(const glm::dmat3& fromIndex)
 {
@@ -118,6 +140,7 @@ public:
   {
   }
 
+  std::string FindUnsupported(vtkVolumeProperty* property) const;
   bool UpdateVolume(std::string& message);
   bool UpdateDeformation(std::string& message);
   bool UpdateTransferTable(vtkVolumeProperty* property, std::string& message);
@@ -143,6 +166,7 @@ public:
   vtkFFDDeformationSource Source;
   vtkMTimeType DeformationTime = 0;
   ffd::PullBack Map;
+  ffd::Box RestBounds;
   double TurnRate = 0.0; // radians per data unit of a viewing ray
   ffd::DeformedSpaceBounds SpaceBounds;
   ffd::Box DeformedBounds;
@@ -163,6 +187,39 @@ public:
   vtkNew<vtkFFDRayStatistics> Statistics;
   vtkFFDImageDisplay Display;
 };
+
+//------------------------------------------------------------------------------
+/// What the user asked for and this mapper cannot do: an error, not a picture that ignores it.
+std::string vtkFFDInverseRayVolumeMapper::vtkInternals::FindUnsupported(
+  vtkVolumeProperty* property) const
+{
+  if (this->Self->BlendMode != COMPOSITE_BLEND)
+  {
+    return "Blend mode " + std::to_string(this->Self->BlendMode) +
+      " is not supported; use SetBlendModeToComposite(). Nothing is drawn.";
+  }
+  if (this->Self->Cropping)
+  {
+    return "Cropping is not supported; use CroppingOff(), or crop the input with vtkExtractVOI. "
+           "Nothing is drawn.";
+  }
+  if (this->Self->ClippingPlanes && this->Self->ClippingPlanes->GetNumberOfItems() > 0)
+  {
+    return "Clipping planes are not supported; use RemoveAllClippingPlanes(). Nothing is drawn.";
+  }
+  if (property->GetTransferFunctionMode() != vtkVolumeProperty::TF_1D)
+  {
+    return "2D transfer functions are not supported; use "
+           "vtkVolumeProperty::SetTransferFunctionMode(vtkVolumeProperty::TF_1D). Nothing is "
+           "drawn.";
+  }
+  if (HasEffectiveGradientOpacity(property))
+  {
+    return "Gradient opacity is not supported; use vtkVolumeProperty::DisableGradientOpacityOn(). "
+           "Nothing is drawn.";
+  }
+  return std::string();
+}
 
 //------------------------------------------------------------------------------
 bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateVolume(std::string& message)
@@ -239,6 +296,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
     return true;
   }
   this->DeformationTime = time;
+  this->RestBounds = rest;
   this->Map = ffd::PullBack(&this->Source.GetField(),
     FindPullBackKind(this->Self->InverseMode, this->Source.IsInverted()),
     this->Self->InverseTolerance * voxel);
@@ -719,18 +777,17 @@ double* vtkFFDInverseRayVolumeMapper::GetBounds()
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
 {
-  if (this->BlendMode != COMPOSITE_BLEND)
+  vtkInternals& in = *this->Internals;
+  std::string message = in.FindUnsupported(volume->GetProperty());
+  if (!message.empty())
   {
-    vtkErrorMacro(<< "Blend mode " << this->BlendMode
-                  << " is not supported; use SetBlendModeToComposite(). Nothing is drawn.");
+    vtkErrorMacro(<< message);
     return;
   }
   if (this->GetInputAlgorithm())
   {
     this->GetInputAlgorithm()->UpdateWholeExtent();
   }
-  vtkInternals& in = *this->Internals;
-  std::string message;
   if (!in.Update(volume->GetProperty(), message))
   {
     vtkErrorMacro(<< message);
@@ -833,10 +890,11 @@ int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume
                   << ".");
     return 0;
   }
-  if (this->BlendMode != COMPOSITE_BLEND)
+  vtkInternals& in = *this->Internals;
+  std::string message = in.FindUnsupported(volume->GetProperty());
+  if (!message.empty())
   {
-    vtkErrorMacro(<< "Blend mode " << this->BlendMode
-                  << " is not supported; use SetBlendModeToComposite(). Nothing is drawn.");
+    vtkErrorMacro(<< message);
     return 0;
   }
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
@@ -863,8 +921,6 @@ int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume
   {
     this->GetInputAlgorithm()->UpdateWholeExtent();
   }
-  vtkInternals& in = *this->Internals;
-  std::string message;
   if (!in.Update(volume->GetProperty(), message))
   {
     vtkErrorMacro(<< message);

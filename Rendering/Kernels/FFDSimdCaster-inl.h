@@ -345,7 +345,8 @@ private:
       if (flag[i] != 0.0f)
       {
         const glm::dvec3 g =
-          this->Scene.Reference.Gradient(this->Scene.Source->Volume, glm::dvec3(x[i], y[i], z[i]));
+          this->Scene.Reference.Gradient(this->Scene.Source->Volume, glm::dvec3(x[i], y[i], z[i])) *
+          this->Scene.Volume.Scale; // as fetched: squares of huge or tiny scalars are no floats
         gx[i] = static_cast<float>(g.x);
         gy[i] = static_cast<float>(g.y);
         gz[i] = static_cast<float>(g.z);

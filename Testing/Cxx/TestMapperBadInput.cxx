@@ -7,6 +7,7 @@
 #include "vtkBitArray.h"
 #include "vtkBSplineTransform.h"
 #include "vtkCellData.h"
+#include "vtkPlane.h"
 #include "vtkPolyData.h"
 #include "vtkRectilinearGrid.h"
 #include "vtkStringArray.h"
@@ -170,6 +171,28 @@ bool TestSettingsOfOthers()
     scene, "blend mode", "SetBlendModeToComposite",
     [&] { scene.Mapper->SetBlendModeToMaximumIntensity(); },
     [&] { scene.Mapper->SetBlendModeToComposite(); });
+  ok &= Refuses(
+    scene, "cropping", "CroppingOff", [&] { scene.Mapper->CroppingOn(); },
+    [&] { scene.Mapper->CroppingOff(); });
+  ok &= Refuses(
+    scene, "clipping planes", "RemoveAllClippingPlanes",
+    [&] { scene.Mapper->AddClippingPlane(vtkNew<vtkPlane>()); },
+    [&] { scene.Mapper->RemoveAllClippingPlanes(); });
+  vtkNew<vtkPiecewiseFunction> gradientOpacity;
+  gradientOpacity->AddPoint(0.0, 0.0);
+  gradientOpacity->AddPoint(10.0, 1.0);
+  ok &= Refuses(
+    scene, "gradient opacity", "DisableGradientOpacityOn",
+    [&] { scene.Property->SetGradientOpacity(gradientOpacity); },
+    [&] { scene.Property->DisableGradientOpacityOn(); });
+  scene.Property->DisableGradientOpacityOff();
+  vtkNew<vtkPiecewiseFunction> noGradientOpacity;
+  noGradientOpacity->AddPoint(0.0, 1.0);
+  scene.Property->SetGradientOpacity(noGradientOpacity);
+  ok &= Refuses(
+    scene, "2D transfer functions", "TF_1D",
+    [&] { scene.Property->SetTransferFunctionMode(vtkVolumeProperty::TF_2D); },
+    [&] { scene.Property->SetTransferFunctionMode(vtkVolumeProperty::TF_1D); });
   ok &= Refuses(
     scene, "singular matrix", "singular", [&] { scene.Volume->SetScale(1.0, 0.0, 1.0); },
     [&] { scene.Volume->SetScale(1.0); });
