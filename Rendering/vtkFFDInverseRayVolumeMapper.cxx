@@ -24,6 +24,8 @@
 #include "vtkMath.h"
 #include "vtkMatrix4x4.h"
 #include "vtkNew.h"
+#include "vtkPiecewiseFunction.h"
+#include "vtkPlaneCollection.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 #include "vtkRenderWindow.h"
@@ -65,6 +67,9 @@ constexpr int Batches = 16;
 
 constexpr int LargestImageSide = 16384;
 
+/// Shortest piece and sample distance, voxels: below, an image would take for ever.
+constexpr double ShortestLength = 1e-3;
+
 /// Splits a loop over threads with vtkSMPTools, as the kernels ask for it.
 void ParallelFor(
   std::size_t count, const std::function<void(std::size_t first, std::size_t last)>& work)
@@ -85,6 +90,26 @@ ffd::PullBackKind FindPullBackKind(int inverseMode, bool inverted)
     default:
       return inverted ? ffd::PullBackKind::Forward : ffd::PullBackKind::Exact;
   }
+}
+
+/// Other mappers make VTK create a gradient opacity of one everywhere: that is none.
+bool HasEffectiveGradientOpacity(vtkVolumeProperty* property)
+{
+  if (!property->HasGradientOpacity(0))
+  {
+    return false;
+  }
+  vtkPiecewiseFunction* function = property->GetGradientOpacity(0);
+  for (int i = 0; i < function->GetSize(); ++i)
+  {
+    double node[4];
+    function->GetNodeValue(i, node);
+    if (node[1] != 1.0)
+    {
+      return true;
+    }
+  }
+  return false;
 }
 
 /// The unit "voxel": the shortest edge of a voxel under a linear map from index coordinates.
@@ -115,11 +140,13 @@ public:
   {
   }
 
+  std::string FindUnsupported(vtkVolumeProperty* property) const;
   bool UpdateVolume(std::string& message);
   bool UpdateDeformation(std::string& message);
   bool UpdateTransferTable(vtkVolumeProperty* property, std::string& message);
   void UpdateDistances();
   bool Update(vtkVolumeProperty* property, std::string& message);
+  static bool CheckView(vtkRenderer* renderer, vtkVolume* volume, std::string& message);
 
   ffd::CastSettings MakeSettings(vtkVolume* volume, double voxelSize, bool interactive) const;
   bool Cast(vtkRenderer* renderer, vtkVolume* volume, const ImageRegion& region,
@@ -139,6 +166,7 @@ public:
   vtkFFDDeformationSource Source;
   vtkMTimeType DeformationTime = 0;
   ffd::PullBack Map;
+  ffd::Box RestBounds;
   double TurnRate = 0.0; // radians per data unit of a viewing ray
   ffd::DeformedSpaceBounds SpaceBounds;
   ffd::Box DeformedBounds;
@@ -159,6 +187,39 @@ public:
   vtkNew<vtkFFDRayStatistics> Statistics;
   vtkFFDImageDisplay Display;
 };
+
+//------------------------------------------------------------------------------
+/// What the user asked for and this mapper cannot do: an error, not a picture that ignores it.
+std::string vtkFFDInverseRayVolumeMapper::vtkInternals::FindUnsupported(
+  vtkVolumeProperty* property) const
+{
+  if (this->Self->BlendMode != COMPOSITE_BLEND)
+  {
+    return "Blend mode " + std::to_string(this->Self->BlendMode) +
+      " is not supported; use SetBlendModeToComposite(). Nothing is drawn.";
+  }
+  if (this->Self->Cropping)
+  {
+    return "Cropping is not supported; use CroppingOff(), or crop the input with vtkExtractVOI. "
+           "Nothing is drawn.";
+  }
+  if (this->Self->ClippingPlanes && this->Self->ClippingPlanes->GetNumberOfItems() > 0)
+  {
+    return "Clipping planes are not supported; use RemoveAllClippingPlanes(). Nothing is drawn.";
+  }
+  if (property->GetTransferFunctionMode() != vtkVolumeProperty::TF_1D)
+  {
+    return "2D transfer functions are not supported; use "
+           "vtkVolumeProperty::SetTransferFunctionMode(vtkVolumeProperty::TF_1D). Nothing is "
+           "drawn.";
+  }
+  if (HasEffectiveGradientOpacity(property))
+  {
+    return "Gradient opacity is not supported; use vtkVolumeProperty::DisableGradientOpacityOn(). "
+           "Nothing is drawn.";
+  }
+  return std::string();
+}
 
 //------------------------------------------------------------------------------
 bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateVolume(std::string& message)
@@ -228,11 +289,14 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
     glm::dvec3(bounds[1], bounds[3], bounds[5]) };
   const vtkMTimeType time =
     std::max({ this->Source.GetMTime(), image->GetMTime(), this->Self->MTime.GetMTime() });
-  if (this->DeformationTime == time)
+  // An older image in the place of the last one does not show in the times.
+  if (this->DeformationTime == time && this->RestBounds.Min == rest.Min &&
+    this->RestBounds.Max == rest.Max)
   {
     return true;
   }
   this->DeformationTime = time;
+  this->RestBounds = rest;
   this->Map = ffd::PullBack(&this->Source.GetField(),
     FindPullBackKind(this->Self->InverseMode, this->Source.IsInverted()),
     this->Self->InverseTolerance * voxel);
@@ -304,6 +368,32 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Update(
 }
 
 //------------------------------------------------------------------------------
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::CheckView(
+  vtkRenderer* renderer, vtkVolume* volume, std::string& message)
+{
+  volume->ComputeMatrix();
+  const double size = std::abs(glm::determinant(glm::dmat3(ffd::ToMatrix(volume->GetMatrix()))));
+  if (!(size > 0.0) || !std::isfinite(size))
+  {
+    message = "The matrix of the volume is singular or not a number: it has no inside to render. "
+              "Check its scale.";
+    return false;
+  }
+  const ffd::CameraView camera =
+    ffd::MakeCameraView(renderer, glm::ivec2(1), glm::ivec2(0), glm::ivec2(1), 1.0);
+  const ffd::ViewRay ray = camera.MakeRay(0.5, 0.5);
+  if (!std::isfinite(glm::dot(ray.Origin, ray.Origin)) || !(ray.Far > 0.0) ||
+    !std::isfinite(ray.Far))
+  {
+    message = "The camera of the renderer has no viewing ray: its position, focal point, scale or "
+              "clipping range is not a number or makes the projection singular. Check them, or "
+              "call ResetCamera().";
+    return false;
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
 ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
   vtkVolume* volume, double voxelSize, bool interactive) const
 {
@@ -330,7 +420,10 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
       interactive ? self->InteractiveSampleDistance : self->SampleDistance;
   }
 
+  settings.SampleDistance = std::max(settings.SampleDistance, ShortestLength * voxelSize);
+
   const double angle = vtkMath::RadiansFromDegrees(self->AngleThreshold);
+  const double shortest = std::max(self->MinimumSegmentLength, ShortestLength);
   double longest = self->MaximumSegmentLength;
   if (longest == 0.0)
   {
@@ -341,17 +434,19 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
       longest = std::min(longest, angle / (this->TurnRate * FindShortestEdge(this->Volume.IndexToData)));
     }
   }
-  longest = std::max(longest, self->MinimumSegmentLength);
+  longest = std::max(longest, shortest);
   settings.Polyline.AngleThreshold = angle;
-  settings.Polyline.MinimumLength = self->MinimumSegmentLength * voxelSize;
+  settings.Polyline.MinimumLength = shortest * voxelSize;
   settings.Polyline.MaximumLength = longest * voxelSize;
+  // Longer spans could not be halved down to the minimum.
+  longest = std::min(longest, shortest * (1 << LargestSpanLevel));
   // A whole number of samples a span: then they are equidistant where nothing is deformed.
   const double perSpan = std::floor(longest * voxelSize / settings.SampleDistance + 1e-6);
   settings.Spans.Length =
     perSpan >= 1.0 ? perSpan * settings.SampleDistance : longest * voxelSize;
   settings.Spans.PositionTolerance = self->PositionTolerance;
   settings.Spans.LargestLevel = std::clamp(
-    static_cast<int>(std::floor(std::log2(longest / self->MinimumSegmentLength) + 1e-9)), 0,
+    static_cast<int>(std::floor(std::log2(longest / shortest) + 1e-9)), 0,
     LargestSpanLevel);
   return settings;
 }
@@ -498,19 +593,20 @@ vtkAbstractTransform* vtkFFDInverseRayVolumeMapper::GetDeformation()
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDInverseRayVolumeMapper::SetPositive(const char* name, double& member, double value)
+bool vtkFFDInverseRayVolumeMapper::SetPositive(const char* name, double& member, double value)
 {
   if (!(value > 0.0) || !std::isfinite(value))
   {
     vtkErrorMacro(<< name << " must be a positive number, not " << value << "; it stays "
                   << member << ".");
-    return;
+    return false;
   }
   if (member != value)
   {
     member = value;
     this->Modified();
   }
+  return true;
 }
 
 //------------------------------------------------------------------------------
@@ -577,8 +673,7 @@ void vtkFFDInverseRayVolumeMapper::SetEarlyRayTerminationThreshold(double transm
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetSampleDistance(double distance)
 {
-  this->SetPositive("SampleDistance", this->SampleDistance, distance);
-  if (distance > 0.0)
+  if (this->SetPositive("SampleDistance", this->SampleDistance, distance))
   {
     this->SetLockSampleDistanceToInputSpacing(0);
   }
@@ -587,8 +682,7 @@ void vtkFFDInverseRayVolumeMapper::SetSampleDistance(double distance)
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetInteractiveSampleDistance(double distance)
 {
-  this->SetPositive("InteractiveSampleDistance", this->InteractiveSampleDistance, distance);
-  if (distance > 0.0)
+  if (this->SetPositive("InteractiveSampleDistance", this->InteractiveSampleDistance, distance))
   {
     this->SetLockSampleDistanceToInputSpacing(0);
   }
@@ -683,28 +777,25 @@ double* vtkFFDInverseRayVolumeMapper::GetBounds()
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
 {
-  if (this->BlendMode != COMPOSITE_BLEND)
+  vtkInternals& in = *this->Internals;
+  std::string message = in.FindUnsupported(volume->GetProperty());
+  if (!message.empty())
   {
-    vtkErrorMacro(<< "Blend mode " << this->BlendMode
-                  << " is not supported; use SetBlendModeToComposite(). Nothing is drawn.");
+    vtkErrorMacro(<< message);
     return;
   }
   if (this->GetInputAlgorithm())
   {
     this->GetInputAlgorithm()->UpdateWholeExtent();
   }
-  vtkInternals& in = *this->Internals;
-  std::string message;
   if (!in.Update(volume->GetProperty(), message))
   {
     vtkErrorMacro(<< message);
     return;
   }
-  const glm::dmat4 matrix = ffd::ToMatrix(volume->GetMatrix());
-  if (!(std::abs(glm::determinant(glm::dmat3(matrix))) > 0.0))
+  if (!in.CheckView(renderer, volume, message))
   {
-    vtkErrorMacro(<< "The matrix of the volume is singular or not a number: it has no inside to "
-                     "render. Check its scale.");
+    vtkErrorMacro(<< message);
     return;
   }
 
@@ -799,10 +890,11 @@ int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume
                   << ".");
     return 0;
   }
-  if (this->BlendMode != COMPOSITE_BLEND)
+  vtkInternals& in = *this->Internals;
+  std::string message = in.FindUnsupported(volume->GetProperty());
+  if (!message.empty())
   {
-    vtkErrorMacro(<< "Blend mode " << this->BlendMode
-                  << " is not supported; use SetBlendModeToComposite(). Nothing is drawn.");
+    vtkErrorMacro(<< message);
     return 0;
   }
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
@@ -814,7 +906,9 @@ int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume
     if (dims[0] != width || dims[1] != height || dims[2] != 1 ||
       inputDepths->GetScalarType() != VTK_FLOAT ||
       inputDepths->GetNumberOfScalarComponents() != 1 ||
-      !inputDepths->GetPointData()->GetScalars())
+      !inputDepths->GetPointData()->GetScalars() ||
+      inputDepths->GetPointData()->GetScalars()->GetNumberOfTuples() <
+        static_cast<vtkIdType>(pixels))
     {
       vtkErrorMacro(<< "RenderToImage: the input depths must be one float a pixel, " << width
                     << " x " << height << " x 1; they are " << dims[0] << " x " << dims[1] << " x "
@@ -827,14 +921,16 @@ int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume
   {
     this->GetInputAlgorithm()->UpdateWholeExtent();
   }
-  vtkInternals& in = *this->Internals;
-  std::string message;
   if (!in.Update(volume->GetProperty(), message))
   {
     vtkErrorMacro(<< message);
     return 0;
   }
-  volume->ComputeMatrix();
+  if (!in.CheckView(renderer, volume, message))
+  {
+    vtkErrorMacro(<< message);
+    return 0;
+  }
   ImageRegion region;
   region.Viewport = glm::ivec2(width, height);
   region.Rays = region.Viewport;

@@ -139,7 +139,8 @@ public:
   ///@{
   /**
    * Limits of the length of a piece on the viewing ray, in voxels. Defaults: 0.5 and 8, as the
-   * paper. The minimum must be positive, the maximum not below it, or 0: then it follows from the
+   * paper. The minimum must be positive (less than 0.001 counts as that), the maximum not below it
+   * (else it counts as the minimum), or 0: then it follows from the
    * deformation (section 4.5): the arc that turns by the angle threshold on the circle of the
    * largest curvature that any deformed ray can have, at most 64 voxels.
    */
@@ -204,7 +205,8 @@ public:
   ///@{
   /**
    * Distance between samples along the deformed ray, world units. Default: locked to the input,
-   * one voxel; setting a distance unlocks it. Must be positive.
+   * one voxel; setting a distance unlocks it. Must be positive; less than a thousandth of a voxel
+   * counts as that.
    */
   virtual void SetSampleDistance(double distance);
   vtkGetMacro(SampleDistance, double);
@@ -272,10 +274,10 @@ public:
 
   ///@{
   /**
-   * Number of threads; 0, the default, means as many as vtkSMPTools uses. The image is the same,
-   * bit by bit, with any number.
+   * Number of threads, up to 1024; 0, the default, means as many as vtkSMPTools uses. The image is
+   * the same, bit by bit, with any number.
    */
-  vtkSetClampMacro(NumberOfThreads, int, 0, VTK_INT_MAX);
+  vtkSetClampMacro(NumberOfThreads, int, 0, 1024);
   vtkGetMacro(NumberOfThreads, int);
   ///@}
 
@@ -360,7 +362,7 @@ private:
   vtkFFDInverseRayVolumeMapper(const vtkFFDInverseRayVolumeMapper&) = delete;
   void operator=(const vtkFFDInverseRayVolumeMapper&) = delete;
 
-  void SetPositive(const char* name, double& member, double value);
+  bool SetPositive(const char* name, double& member, double value);
 
   vtkAbstractTransform* Deformation = nullptr;
   int InverseMode = EXACT;

@@ -83,13 +83,40 @@ double LargestColumnSum(const glm::dmat3& m)
   return std::max({ m[0].x + m[0].y + m[0].z, m[1].x + m[1].y + m[1].z, m[2].x + m[2].y + m[2].z });
 }
 
+/// Bounds of T2[q, r] for the second derivatives of a cell: sum over b, c of |H_bc| q_b r_c.
+glm::dvec3 ApplySecond(const CellDerivatives& cell, const glm::dvec3& q, const glm::dvec3& r)
+{
+  const double pairs[6] = { q.x * r.x, q.x * r.y + q.y * r.x, q.x * r.z + q.z * r.x, q.y * r.y,
+    q.y * r.z + q.z * r.y, q.z * r.z };
+  glm::dvec3 sum(0.0);
+  for (int i = 0; i < 6; ++i)
+  {
+    sum += pairs[i] * glm::dvec3(cell.Second[i][0], cell.Second[i][1], cell.Second[i][2]);
+  }
+  return sum;
+}
+
+/// Bounds of T3[q, q, q].
+glm::dvec3 ApplyThird(const CellDerivatives& cell, const glm::dvec3& q)
+{
+  const double triples[10] = { q.x * q.x * q.x, 3.0 * q.x * q.x * q.y, 3.0 * q.x * q.x * q.z,
+    3.0 * q.x * q.y * q.y, 6.0 * q.x * q.y * q.z, 3.0 * q.x * q.z * q.z, q.y * q.y * q.y,
+    3.0 * q.y * q.y * q.z, 3.0 * q.y * q.z * q.z, q.z * q.z * q.z };
+  glm::dvec3 sum(0.0);
+  for (int i = 0; i < 10; ++i)
+  {
+    sum += triples[i] * glm::dvec3(cell.Third[i][0], cell.Third[i][1], cell.Third[i][2]);
+  }
+  return sum;
+}
+
 /**
  * Turn bounds of D's derivatives into those of the inverse of T(X) = X + D(X), over the same
  * sub-cell of rest space. With J = C + E, |E| <= Delta entry-wise, W = |C^-1| Delta:
  * J^-1 - C^-1 = -C^-1 E J^-1, so |J^-1 - C^-1| <= (W + W^2 + ...) |C^-1| = (I - W)^-1 W |C^-1|
  * when the spectral radius of W is below one; the largest row or column sum proves that.
  */
-bool BoundInverse(SubCellBounds& bounds)
+bool BoundInverse(SubCellBounds& bounds, const CellDerivatives& cell)
 {
   glm::dmat3 centre(1.0);
   glm::dmat3 delta;
@@ -139,8 +166,16 @@ bool BoundInverse(SubCellBounds& bounds)
   const double t2 = bounds.Value[SubCellBounds::Second];
   const double t3 = bounds.Value[SubCellBounds::Third];
   const double alpha3 = alpha * alpha * alpha;
-  bounds.Value[SubCellBounds::Second] = RoundUp(alpha3 * t2);
-  bounds.Value[SubCellBounds::Third] = RoundUp(alpha * alpha3 * (t3 + 3.0 * alpha * t2 * t2));
+  // The same component by component: much closer where the deformation has a direction, as most
+  // have, and never the only bound. |Q'_i| is at most the length of row i of J^-1.
+  const glm::dmat3 rows = glm::transpose(largest);
+  const glm::dvec3 speed(glm::length(rows[0]), glm::length(rows[1]), glm::length(rows[2]));
+  const glm::dvec3 turn = largest * ApplySecond(cell, speed, speed);
+  const glm::dvec3 twist =
+    largest * (ApplyThird(cell, speed) + 3.0 * ApplySecond(cell, speed, turn));
+  bounds.Value[SubCellBounds::Second] = RoundUp(std::min(alpha3 * t2, glm::length(turn)));
+  bounds.Value[SubCellBounds::Third] = RoundUp(
+    std::min(alpha * alpha3 * (t3 + 3.0 * alpha * t2 * t2), glm::length(twist)));
   return true;
 }
 
@@ -203,9 +238,24 @@ PullBackBounds::PullBackBounds(const PullBack& pullBack)
   }
   const SubCellGrid grid(*this->Field);
   this->Size = grid.Size;
-  ComputeSubCellBounds(*this->Field, grid, this->SubCells);
-  for (SubCellBounds& bounds : this->SubCells)
+  std::vector<CellDerivatives> derivatives;
+  ComputeSubCellBounds(
+    *this->Field, grid, this->SubCells, this->RestRegions ? &derivatives : nullptr);
+  const glm::ivec3 cells = grid.GetCells();
+  const auto cellOf = [&](std::size_t subCell) -> const CellDerivatives&
   {
+    const int index = static_cast<int>(subCell);
+    const int i = SubCellGrid::CellOf(index % grid.Size.x);
+    const int j = SubCellGrid::CellOf(index / grid.Size.x % grid.Size.y);
+    const int k = SubCellGrid::CellOf(index / grid.Size.x / grid.Size.y);
+    return derivatives[static_cast<std::size_t>(i) +
+      static_cast<std::size_t>(cells.x) *
+        (static_cast<std::size_t>(j) +
+          static_cast<std::size_t>(cells.y) * static_cast<std::size_t>(k))];
+  };
+  for (std::size_t index = 0; index < this->SubCells.size(); ++index)
+  {
+    SubCellBounds& bounds = this->SubCells[index];
     switch (this->Kind)
     {
       case PullBackKind::FirstOrder:
@@ -215,10 +265,10 @@ PullBackBounds::PullBackBounds(const PullBack& pullBack)
         Reflect(bounds, 1.0, false);
         break;
       case PullBackKind::Exact:
-        this->ProvenInvertible = BoundInverse(bounds) && this->ProvenInvertible;
+        this->ProvenInvertible = BoundInverse(bounds, cellOf(index)) && this->ProvenInvertible;
         break;
       case PullBackKind::FirstOrderOfInverse:
-        this->ProvenInvertible = BoundInverse(bounds) && this->ProvenInvertible;
+        this->ProvenInvertible = BoundInverse(bounds, cellOf(index)) && this->ProvenInvertible;
         Reflect(bounds, 2.0, true);
         break;
     }

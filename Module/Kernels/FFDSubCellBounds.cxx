@@ -296,10 +296,11 @@ HWY_INLINE void Difference(const Net& from, Net& to)
   }
 }
 
-/// Largest length of the vectors of a difference of a net; a norm is convex, so this bounds it
-/// over the cell.
+/// Largest length of the vectors of a difference of a net, and largest magnitude of each of their
+/// components; norms are convex, so these bound them over the cell.
 template <class From, int Axis>
-HWY_INLINE void LargestDifference(const Net& from, float* length)
+HWY_INLINE void LargestDifference(
+  const Net& from, float* length, float (*components)[BlockLanes])
 {
   using To = typename From::template Next<Axis>;
   const Tag d;
@@ -307,6 +308,9 @@ HWY_INLINE void LargestDifference(const Net& from, float* length)
   for (int l = 0; l < BlockLanes; l += step)
   {
     auto most = hn::Zero(d);
+    auto mostA = most;
+    auto mostB = most;
+    auto mostC = most;
     for (int z = 0; z < To::Size[2]; ++z)
     {
       for (int y = 0; y < To::Size[1]; ++y)
@@ -322,10 +326,16 @@ HWY_INLINE void LargestDifference(const Net& from, float* length)
           const auto c =
             hn::Sub(hn::Load(d, w + 128 * BlockLanes), hn::Load(d, v + 128 * BlockLanes));
           most = hn::Max(most, hn::MulAdd(a, a, hn::MulAdd(b, b, hn::Mul(c, c))));
+          mostA = hn::Max(mostA, hn::Abs(a));
+          mostB = hn::Max(mostB, hn::Abs(b));
+          mostC = hn::Max(mostC, hn::Abs(c));
         }
       }
     }
     hn::Store(hn::Sqrt(most), d, length + l);
+    hn::Store(mostA, d, components[0] + l);
+    hn::Store(mostB, d, components[1] + l);
+    hn::Store(mostC, d, components[2] + l);
   }
 }
 
@@ -401,23 +411,37 @@ HWY_INLINE void StoreRanges(const BoundsInput& in, const SubCellGrid& grid, cons
   }
 }
 
-/// sums[lane] += Copies * (factor * (length of the differences + slack))^2.
+/// Derivatives of one order of a block of cells, one after the other as CellDerivatives has them.
+struct DerivativeSums
+{
+  HWY_ALIGN float Square[BlockLanes] = {};       ///< sum of squares over the full tensor
+  HWY_ALIGN float Entry[10][3][BlockLanes] = {}; ///< each derivative by component
+  int Count = 0;                                 ///< derivatives so far
+};
+
+/// Square[lane] += Copies * (factor * (length of the differences + slack))^2.
 template <class From, int Axis>
-HWY_INLINE void AddSquare(const Net& from, float factor, float slack, float* sums)
+HWY_INLINE void AddSquare(const Net& from, float factor, float slack, DerivativeSums& sums)
 {
   using To = typename From::template Next<Axis>;
   HWY_ALIGN float length[BlockLanes];
-  LargestDifference<From, Axis>(from, length);
+  float(*entry)[BlockLanes] = sums.Entry[sums.Count++];
+  LargestDifference<From, Axis>(from, length, entry);
   const float size = factor * static_cast<float>(To::Factor());
   for (int l = 0; l < BlockLanes; ++l)
   {
     const float term = size * (length[l] + slack);
-    sums[l] += static_cast<float>(To::Copies()) * term * term;
+    sums.Square[l] += static_cast<float>(To::Copies()) * term * term;
+    for (int component = 0; component < 3; ++component)
+    {
+      entry[component][l] = size * (entry[component][l] + slack);
+    }
   }
 }
 
 template <class From, int Axis>
-HWY_INLINE void AddThird(const BoundsInput& in, const Net& twice, float factor, float* sums)
+HWY_INLINE void AddThird(
+  const BoundsInput& in, const Net& twice, float factor, DerivativeSums& sums)
 {
   AddSquare<From, Axis>(twice, factor * in.InverseLength[Axis], ThirdSlack, sums);
 }
@@ -425,7 +449,7 @@ HWY_INLINE void AddThird(const BoundsInput& in, const Net& twice, float factor, 
 /// Second derivatives of `first` along Axis and on to the third ones along Axis ... 2.
 template <class First, int Axis>
 HWY_INLINE void AddSecond(const BoundsInput& in, const Net& first, float factor, Net& twice,
-  float* second, float* third)
+  DerivativeSums& second, DerivativeSums& third)
 {
   using Second = typename First::template Next<Axis>;
   const float next = factor * in.InverseLength[Axis];
@@ -444,11 +468,9 @@ HWY_INLINE void AddSecond(const BoundsInput& in, const Net& first, float factor,
 
 /// Norm bounds of the second and third derivatives of a block of cells:
 /// |sum d_a d_b H_ab| <= |d|^2 sqrt(sum |H_ab|^2) by Cauchy and Schwarz; likewise the third.
-HWY_INLINE void FindHigherDerivatives(
-  const BoundsInput& in, const Net& net, float* second, float* third)
+HWY_INLINE void FindHigherDerivatives(const BoundsInput& in, const Net& net,
+  DerivativeSums& secondSquare, DerivativeSums& thirdSquare)
 {
-  HWY_ALIGN float secondSquare[BlockLanes] = {};
-  HWY_ALIGN float thirdSquare[BlockLanes] = {};
   Net first;
   Net twice;
   using None = Order<0, 0, 0>;
@@ -465,12 +487,40 @@ HWY_INLINE void FindHigherDerivatives(
   constexpr float roundUp = 1.0f + 64.0f * RoundingUnit;
   for (int l = 0; l < BlockLanes; ++l)
   {
-    second[l] = std::sqrt(secondSquare[l]) * in.SecondScale * roundUp;
-    third[l] = std::sqrt(thirdSquare[l]) * in.ThirdScale * roundUp;
+    secondSquare.Square[l] = std::sqrt(secondSquare.Square[l]) * in.SecondScale * roundUp;
+    thirdSquare.Square[l] = std::sqrt(thirdSquare.Square[l]) * in.ThirdScale * roundUp;
+    for (int component = 0; component < 3; ++component)
+    {
+      for (int i = 0; i < secondSquare.Count; ++i)
+      {
+        secondSquare.Entry[i][component][l] *= in.SecondScale * roundUp;
+      }
+      for (int i = 0; i < thirdSquare.Count; ++i)
+      {
+        thirdSquare.Entry[i][component][l] *= in.ThirdScale * roundUp;
+      }
+    }
   }
 }
 
-void Compute(const BoundsInput& in, const SubCellGrid& grid, SubCellBounds* bounds)
+HWY_INLINE void StoreDerivatives(
+  const DerivativeSums& second, const DerivativeSums& third, int lane, CellDerivatives& cell)
+{
+  for (int component = 0; component < 3; ++component)
+  {
+    for (int i = 0; i < 6; ++i)
+    {
+      cell.Second[i][component] = second.Entry[i][component][lane];
+    }
+    for (int i = 0; i < 10; ++i)
+    {
+      cell.Third[i][component] = third.Entry[i][component][lane];
+    }
+  }
+}
+
+void Compute(const BoundsInput& in, const SubCellGrid& grid, SubCellBounds* bounds,
+  CellDerivatives* derivatives)
 {
   const std::size_t rowLength = static_cast<std::size_t>(in.RowLength);
   std::vector<float> plane(12 * static_cast<std::size_t>(in.Padded.y) * rowLength);
@@ -489,8 +539,6 @@ void Compute(const BoundsInput& in, const SubCellGrid& grid, SubCellBounds* boun
       }
     }
   }
-  HWY_ALIGN float second[BlockLanes];
-  HWY_ALIGN float third[BlockLanes];
   const int cellsY = static_cast<int>(in.Full[1]->size());
   const int cellsZ = static_cast<int>(in.Full[2]->size());
   // A cell's sub-cells along an axis; the constant outside cells have one.
@@ -504,8 +552,18 @@ void Compute(const BoundsInput& in, const SubCellGrid& grid, SubCellBounds* boun
       for (int lane0 = 0; lane0 < in.Lanes; lane0 += BlockLanes)
       {
         ContractBlock<Part::Whole>(in, rows.data(), lane0, net);
+        DerivativeSums second;
+        DerivativeSums third;
         FindHigherDerivatives(in, net, second, third);
         const int lanes = std::min(BlockLanes, in.Lanes - lane0);
+        for (int l = 0; derivatives && l < lanes; ++l)
+        {
+          const std::size_t cell = static_cast<std::size_t>(lane0 + l) +
+            static_cast<std::size_t>(in.Lanes) *
+              (static_cast<std::size_t>(cy) +
+                static_cast<std::size_t>(cellsY) * static_cast<std::size_t>(cz));
+          StoreDerivatives(second, third, l, derivatives[cell]);
+        }
         for (int sz = begin(cz); sz < std::min(begin(cz + 1), grid.Size.z); ++sz)
         {
           for (int sy = begin(cy); sy < std::min(begin(cy + 1), grid.Size.y); ++sy)
@@ -516,8 +574,8 @@ void Compute(const BoundsInput& in, const SubCellGrid& grid, SubCellBounds* boun
               for (int sx = begin(lane0 + l); sx < end; ++sx)
               {
                 float* v = bounds[grid.Index(sx, sy, sz)].Value;
-                v[SubCellBounds::Second] = second[l];
-                v[SubCellBounds::Third] = third[l];
+                v[SubCellBounds::Second] = second.Square[l];
+                v[SubCellBounds::Third] = third.Square[l];
               }
             }
           }
@@ -590,10 +648,16 @@ std::vector<AxisPiece> MakePieces(const BSplineField& field, int axis, int piece
 } // namespace
 
 //------------------------------------------------------------------------------
-void ComputeSubCellBounds(
-  const BSplineField& field, const SubCellGrid& grid, std::vector<SubCellBounds>& bounds)
+void ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid,
+  std::vector<SubCellBounds>& bounds, std::vector<CellDerivatives>* derivatives)
 {
   bounds.resize(grid.Count());
+  if (derivatives)
+  {
+    const glm::ivec3 cells = grid.GetCells();
+    derivatives->resize(static_cast<std::size_t>(cells.x) * static_cast<std::size_t>(cells.y) *
+      static_cast<std::size_t>(cells.z));
+  }
   // A translation has no derivatives: taken out, it costs the rest no digits of single precision.
   // Only where the field continues it outside; the weights of a point sum to one.
   glm::dvec3 shift(0.0);
@@ -626,6 +690,13 @@ void ComputeSubCellBounds(
     std::fill_n(
       all.Value, SubCellBounds::Size, zero ? 0.0f : std::numeric_limits<float>::infinity());
     std::fill(bounds.begin(), bounds.end(), all);
+    if (derivatives)
+    {
+      CellDerivatives cell;
+      std::fill_n(&cell.Second[0][0], 18, all.Value[0]);
+      std::fill_n(&cell.Third[0][0], 30, all.Value[0]);
+      std::fill(derivatives->begin(), derivatives->end(), cell);
+    }
     return;
   }
 
@@ -698,7 +769,8 @@ void ComputeSubCellBounds(
   in.Full[0] = nullptr;
   in.Full[1] = &fullY;
   in.Full[2] = &fullZ;
-  HWY_DYNAMIC_DISPATCH(Compute)(in, grid, bounds.data());
+  HWY_DYNAMIC_DISPATCH(Compute)(
+    in, grid, bounds.data(), derivatives ? derivatives->data() : nullptr);
 }
 
 } // namespace ffd

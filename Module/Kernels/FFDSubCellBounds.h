@@ -27,6 +27,16 @@ struct SubCellBounds
 };
 
 /**
+ * Bounds of the second and third derivatives of D over one cell, component by component and
+ * derivative by derivative: |d^2 D_a / dp_b dp_c| and so on.
+ */
+struct CellDerivatives
+{
+  float Second[6][3]; ///< xx, xy, xz, yy, yz, zz
+  float Third[10][3]; ///< xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz
+};
+
+/**
  * The sub-cells of a field: 2 per cell of [FirstCell, EndCell) and axis, and one on either side
  * for the constant outside; x fastest.
  */
@@ -49,6 +59,9 @@ struct SubCellGrid
     return static_cast<std::size_t>(this->Size.x) * static_cast<std::size_t>(this->Size.y) *
       static_cast<std::size_t>(this->Size.z);
   }
+  /// Cells per axis, the constant outside ones included, and the cell of a sub-cell.
+  glm::ivec3 GetCells() const { return this->Size / 2 + 1; }
+  static int CellOf(int subCell) { return (subCell + 1) / 2; }
   /// Lower end of sub-cell i in control-point indices; sub-cell 0 has none.
   double LowerEnd(int axis, int i) const { return this->FirstCell[axis] + 0.5 * (i - 1); }
 
@@ -60,10 +73,11 @@ struct SubCellGrid
  * Bounds of D over every sub-cell of `grid` from its Bezier coefficients (convex hull property):
  * range of D, of every entry of dD/dp, and norm bounds of the second and third derivatives (these
  * over the whole cell of the sub-cell). `bounds` is resized to grid.Count(). Single precision
- * with the rounding error added; SIMD. About 64 * 3 coefficients per sub-cell.
+ * with the rounding error added; SIMD. About 64 * 3 coefficients per sub-cell. `derivatives`, if
+ * not null, gets the second and third derivatives of each cell one by one, x fastest.
  */
-void ComputeSubCellBounds(
-  const BSplineField& field, const SubCellGrid& grid, std::vector<SubCellBounds>& bounds);
+void ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid,
+  std::vector<SubCellBounds>& bounds, std::vector<CellDerivatives>* derivatives = nullptr);
 
 } // namespace ffd
 

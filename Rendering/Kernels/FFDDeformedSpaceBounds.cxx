@@ -3,6 +3,7 @@
 #include "FFDDeformedSpaceBounds.h"
 
 #include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -52,9 +53,7 @@ DeformedSpaceBounds::DeformedSpaceBounds(
   nothing.ThirdDerivative = 0.0f;
   if (pullBack.IsIdentity())
   {
-    this->CellSize = glm::max(region.Max - region.Min, glm::dvec3(1e-300));
-    this->Bounds.assign(1, nothing);
-    this->Bounds[0].Include(MapBounds());
+    this->Identity = true;
     return;
   }
   // About two cells a lattice cell: the sub-cells of PullBackBounds are that size.
@@ -173,6 +172,25 @@ void DeformedSpaceBounds::FillFromRestRegions(
 //------------------------------------------------------------------------------
 MapBounds DeformedSpaceBounds::Over(const Box& box) const
 {
+  MapBounds bounds;
+  if (this->Identity)
+  {
+    return bounds;
+  }
+  const bool known = glm::all(glm::greaterThanEqual(box.Min, this->Region.Min)) &&
+    glm::all(glm::lessThanEqual(box.Max, this->Region.Max));
+  if (!known)
+  {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    for (int column = 0; column < 3; ++column)
+    {
+      bounds.JacobianMin[column] = glm::dvec3(-infinity);
+      bounds.JacobianMax[column] = glm::dvec3(infinity);
+    }
+    bounds.SecondDerivative = infinity;
+    bounds.ThirdDerivative = infinity;
+    return bounds;
+  }
   const glm::ivec3 from = this->CellOf(box.Min);
   const glm::ivec3 to = this->CellOf(box.Max);
   CellBounds all = this->Bounds[this->IndexOf(from.x, from.y, from.z)];
@@ -193,7 +211,6 @@ MapBounds DeformedSpaceBounds::Over(const Box& box) const
       }
     }
   }
-  MapBounds bounds;
   for (int e = 0; e < 9; ++e)
   {
     bounds.JacobianMin[e / 3][e % 3] = all.JacobianMin[e];

@@ -27,8 +27,7 @@ public:
   /// `region`: the part of deformed space, data coordinates, that rays will ask about.
   DeformedSpaceBounds(const PullBack& pullBack, const PullBackBounds& bounds, const Box& region);
 
-  /// Bounds of Phi over a box of deformed space. The part of the box outside of the region counts
-  /// as if it were moved to the nearest place inside.
+  /// Bounds of Phi over a box of deformed space; unbounded when the box leaves the region.
   MapBounds Over(const Box& box) const;
 
   std::size_t GetMemorySize() const { return this->Bounds.capacity() * sizeof(CellBounds); }
@@ -50,6 +49,7 @@ private:
   void FillFromDeformedRegions(const PullBackBounds& bounds);
   void FillFromRestRegions(const PullBackBounds& bounds, const BSplineField& field);
 
+  bool Identity = false; ///< then the bounds are those of the identity, everywhere
   Box Region;
   glm::ivec3 Cells{ 1 };
   glm::dvec3 CellSize{ 1.0 };

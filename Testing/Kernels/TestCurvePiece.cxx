@@ -25,8 +25,8 @@ TEST(CurvePiece, ParabolaPassesThroughItsThreePoints)
     ASSERT_LE(glm::length(piece.At(1.0) - b), 1e-12);
     const double h = 1e-6;
     const double s = random.Number(0.1, 0.9);
-    ASSERT_LE(glm::length(piece.Velocity(s) - (piece.At(s + h) - piece.At(s - h)) / (2.0 * h)),
-      1e-7);
+    ASSERT_LE(
+      glm::length(piece.Velocity(s) - (piece.At(s + h) - piece.At(s - h)) / (2.0 * h)), 1e-7);
     const CurvePiece line = CurvePiece::Line(a, b);
     ASSERT_LE(glm::length(line.At(0.25) - (0.75 * a + 0.25 * b)), 1e-12);
     ASSERT_EQ(line.Velocity(0.7), b - a);

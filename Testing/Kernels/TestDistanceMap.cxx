@@ -28,8 +28,8 @@ struct SparseVolume
 {
   SparseVolume(RandomLattice& random, int largest, double density)
     : Volume(ScalarType::UInt8,
-        glm::ivec3(random.Integer(2, largest), random.Integer(2, largest),
-          random.Integer(2, largest)),
+        glm::ivec3(
+          random.Integer(2, largest), random.Integer(2, largest), random.Integer(2, largest)),
         [&](int, int, int) { return random.Number(0.0, 1.0) < density ? 200.0 : 0.0; })
     , Table(MakeTable(0.0, 200.0, 201, [](double x) { return x > 0.0 ? 0.5 : 0.0; }))
     , Blocks(Volume.View, SerialFor)
@@ -115,8 +115,7 @@ TEST(DistanceMap, EmptyBoxesAreEmpty)
   {
     const SparseVolume sparse(random, 50, std::pow(10.0, random.Number(-5.0, -2.5)));
     const glm::dvec3 upper = sparse.Volume.View.UpperIndex();
-    const SampleFunctions fetch =
-      SelectSampleFunctions(ScalarType::UInt8, Interpolation::Linear);
+    const SampleFunctions fetch = SelectSampleFunctions(ScalarType::UInt8, Interpolation::Linear);
     for (int i = 0; i < 60; ++i)
     {
       const glm::dvec3 q = upper * random.Vector(0.0, 1.0);
@@ -149,8 +148,8 @@ TEST(DistanceMap, OnlyAFaceOfTheVolumeBelongsToTheOutside)
   for (int i = 0; i < 3000; ++i)
   {
     const glm::dvec3 q = upper * random.Vector(-1.0, 2.0);
-    const bool inside = glm::all(glm::greaterThanEqual(q, glm::dvec3(0.0))) &&
-      glm::all(glm::lessThanEqual(q, upper));
+    const bool inside =
+      glm::all(glm::greaterThanEqual(q, glm::dvec3(0.0))) && glm::all(glm::lessThanEqual(q, upper));
     EmptyBox box;
     ASSERT_EQ(full.Map.FindEmptyBox(q, upper, box), !inside);
     if (inside)

@@ -21,19 +21,17 @@ constexpr double NaN = std::numeric_limits<double>::quiet_NaN();
 MinMaxBlocks::Limits BruteForce(const TestVolume& volume, const glm::ivec3& block)
 {
   MinMaxBlocks::Limits limits{ Infinity, -Infinity };
-  volume.ForEach(
-    [&](int i, int j, int k)
+  volume.ForEach([&](int i, int j, int k) {
+    const glm::ivec3 from = block * MinMaxBlocks::BlockSize;
+    const glm::ivec3 to = from + MinMaxBlocks::BlockSize;
+    const double value = volume.At(i, j, k);
+    if (i >= from.x && j >= from.y && k >= from.z && i <= to.x && j <= to.y && k <= to.z &&
+      !std::isnan(value))
     {
-      const glm::ivec3 from = block * MinMaxBlocks::BlockSize;
-      const glm::ivec3 to = from + MinMaxBlocks::BlockSize;
-      const double value = volume.At(i, j, k);
-      if (i >= from.x && j >= from.y && k >= from.z && i <= to.x && j <= to.y && k <= to.z &&
-        !std::isnan(value))
-      {
-        limits.Min = std::min(limits.Min, value);
-        limits.Max = std::max(limits.Max, value);
-      }
-    });
+      limits.Min = std::min(limits.Min, value);
+      limits.Max = std::max(limits.Max, value);
+    }
+  });
   return limits;
 }
 
@@ -60,8 +58,7 @@ void ForEachBlock(const MinMaxBlocks& blocks, const Check& check)
 TEST(MinMaxBlocks, BlocksCoverTheCells)
 {
   // 2 voxels are 1 cell, 5 voxels 4 cells: one block; 6 voxels need a second one.
-  const auto blocks = [](int n)
-  {
+  const auto blocks = [](int n) {
     const TestVolume volume(
       ScalarType::UInt8, glm::ivec3(n, 2, 2), [](int, int, int) { return 0.0; });
     return MinMaxBlocks(volume.View, SerialFor).GetBlocks();
@@ -87,19 +84,18 @@ TEST(MinMaxBlocks, ContainBruteForceLimitsForEveryType)
       const bool isUnsigned = type == ScalarType::UInt8 || type == ScalarType::UInt16 ||
         type == ScalarType::UInt32 || type == ScalarType::UInt64;
       const double base = isUnsigned ? 0.0 : -0.4 * width;
-      const TestVolume volume(type, size,
-        [&](int i, int, int) { return base + i + width * random.Number(0.0, 1.0); }, 1 + run % 3);
+      const TestVolume volume(
+        type, size, [&](int i, int, int) { return base + i + width * random.Number(0.0, 1.0); },
+        1 + run % 3);
       const MinMaxBlocks blocks(volume.View, SerialFor);
 
       const MinMaxBlocks::Limits all = blocks.GetRange();
       double lo = Infinity;
       double hi = -Infinity;
-      volume.ForEach(
-        [&](int i, int j, int k)
-        {
-          lo = std::min(lo, volume.At(i, j, k));
-          hi = std::max(hi, volume.At(i, j, k));
-        });
+      volume.ForEach([&](int i, int j, int k) {
+        lo = std::min(lo, volume.At(i, j, k));
+        hi = std::max(hi, volume.At(i, j, k));
+      });
       EXPECT_EQ(all.Min, lo);
       EXPECT_EQ(all.Max, hi);
 
@@ -107,15 +103,13 @@ TEST(MinMaxBlocks, ContainBruteForceLimitsForEveryType)
       const bool exact = isWhole && hi - lo <= 255.0;
       const double code = exact ? 0.0 : (hi - lo) / 65535.0;
       const double rounding = exact ? 0.0 : 1e-12 * width;
-      ForEachBlock(blocks,
-        [&](const glm::ivec3& block, const MinMaxBlocks::Limits& limits)
-        {
-          const MinMaxBlocks::Limits truth = BruteForce(volume, block);
-          ASSERT_LE(limits.Min, truth.Min + rounding);
-          ASSERT_GE(limits.Max, truth.Max - rounding);
-          ASSERT_GE(limits.Min, truth.Min - code - rounding);
-          ASSERT_LE(limits.Max, truth.Max + code + rounding);
-        });
+      ForEachBlock(blocks, [&](const glm::ivec3& block, const MinMaxBlocks::Limits& limits) {
+        const MinMaxBlocks::Limits truth = BruteForce(volume, block);
+        ASSERT_LE(limits.Min, truth.Min + rounding);
+        ASSERT_GE(limits.Max, truth.Max - rounding);
+        ASSERT_GE(limits.Min, truth.Min - code - rounding);
+        ASSERT_LE(limits.Max, truth.Max + code + rounding);
+      });
     }
   }
 }
@@ -124,29 +118,27 @@ TEST(MinMaxBlocks, FullRangeOfTheIntegerTypes)
 {
   for (const ScalarType type : AllScalarTypes)
   {
-    DispatchScalarType(type,
-      [&](auto zero)
-      {
-        using T = decltype(zero);
-        // The second block holds the largest value, the third the smallest.
-        TestVolume volume(type, glm::ivec3(13, 2, 2), [](int, int, int) { return 0.0; });
-        T* scalars = const_cast<T*>(static_cast<const T*>(volume.View.Scalars));
-        scalars[6] = std::numeric_limits<T>::max();
-        scalars[10] = std::numeric_limits<T>::lowest();
-        const MinMaxBlocks blocks(volume.View, SerialFor);
-        const double most = static_cast<double>(std::numeric_limits<T>::max());
-        const double least = static_cast<double>(std::numeric_limits<T>::lowest());
-        // The largest floating-point numbers may count as infinite: differences of them are.
-        const double part = std::is_floating_point_v<T> ? 1e-3 : 1.0 - 1e-4;
-        EXPECT_TRUE(std::isfinite(blocks.GetRange().Max - blocks.GetRange().Min));
-        EXPECT_LE(blocks.GetLimits(0).Min, 0.0);
-        EXPECT_GE(blocks.GetLimits(0).Max, 0.0);
-        EXPECT_GE(blocks.GetLimits(1).Max, std::min(part * most, blocks.GetRange().Max));
-        EXPECT_LE(blocks.GetLimits(1).Min, 0.0);
-        EXPECT_LE(blocks.GetLimits(2).Min, std::max(part * least, blocks.GetRange().Min));
-        EXPECT_GE(blocks.GetLimits(2).Max, 0.0);
-        EXPECT_LE(blocks.GetLimits(0).Min, blocks.GetLimits(0).Max);
-      });
+    DispatchScalarType(type, [&](auto zero) {
+      using T = decltype(zero);
+      // The second block holds the largest value, the third the smallest.
+      TestVolume volume(type, glm::ivec3(13, 2, 2), [](int, int, int) { return 0.0; });
+      T* scalars = const_cast<T*>(static_cast<const T*>(volume.View.Scalars));
+      scalars[6] = std::numeric_limits<T>::max();
+      scalars[10] = std::numeric_limits<T>::lowest();
+      const MinMaxBlocks blocks(volume.View, SerialFor);
+      const double most = static_cast<double>(std::numeric_limits<T>::max());
+      const double least = static_cast<double>(std::numeric_limits<T>::lowest());
+      // The largest floating-point numbers may count as infinite: differences of them are.
+      const double part = std::is_floating_point_v<T> ? 1e-3 : 1.0 - 1e-4;
+      EXPECT_TRUE(std::isfinite(blocks.GetRange().Max - blocks.GetRange().Min));
+      EXPECT_LE(blocks.GetLimits(0).Min, 0.0);
+      EXPECT_GE(blocks.GetLimits(0).Max, 0.0);
+      EXPECT_GE(blocks.GetLimits(1).Max, std::min(part * most, blocks.GetRange().Max));
+      EXPECT_LE(blocks.GetLimits(1).Min, 0.0);
+      EXPECT_LE(blocks.GetLimits(2).Min, std::max(part * least, blocks.GetRange().Min));
+      EXPECT_GE(blocks.GetLimits(2).Max, 0.0);
+      EXPECT_LE(blocks.GetLimits(0).Min, blocks.GetLimits(0).Max);
+    });
   }
 }
 
@@ -155,9 +147,9 @@ TEST(MinMaxBlocks, NotANumberIsLeftOut)
   for (const ScalarType type : { ScalarType::Float32, ScalarType::Float64 })
   {
     // First block: numbers and NaN; second: NaN only (its first layer is shared); third: infinite.
-    const TestVolume volume(type, glm::ivec3(13, 2, 2),
-      [](int i, int j, int)
-      { return i >= 4 && i <= 8 ? NaN : i > 8 ? (j ? Infinity : -Infinity) : i == 2 ? NaN : i; });
+    const TestVolume volume(type, glm::ivec3(13, 2, 2), [](int i, int j, int) {
+      return i >= 4 && i <= 8 ? NaN : i > 8 ? (j ? Infinity : -Infinity) : i == 2 ? NaN : i;
+    });
     const MinMaxBlocks blocks(volume.View, SerialFor);
     EXPECT_EQ(blocks.GetRange().Min, 0.0);
     EXPECT_EQ(blocks.GetRange().Max, 3.0);
@@ -187,14 +179,12 @@ TEST(MinMaxBlocks, SameForAnySplitOfTheLoop)
   const TestVolume volume(ScalarType::Int16, glm::ivec3(17, 13, 22),
     [&](int, int, int) { return random.Integer(-30000, 30000); });
   const MinMaxBlocks serial(volume.View, SerialFor);
-  const MinMaxBlocks split(volume.View,
-    [](std::size_t count, const auto& work)
+  const MinMaxBlocks split(volume.View, [](std::size_t count, const auto& work) {
+    for (std::size_t i = count; i-- > 0;)
     {
-      for (std::size_t i = count; i-- > 0;)
-      {
-        work(i, i + 1);
-      }
-    });
+      work(i, i + 1);
+    }
+  });
   EXPECT_EQ(serial.GetRange().Min, split.GetRange().Min);
   for (std::size_t i = 0; i < serial.GetNumberOfBlocks(); ++i)
   {

@@ -38,8 +38,7 @@ std::vector<PolylineVertex> Walk(PolylineWalker& walker)
 std::vector<double> WalkAsThePaper(const PullBack& map, const PolylineSettings& settings,
   const glm::dvec3& start, const glm::dvec3& directionOfOriginalRay, double end, int& unconverged)
 {
-  const auto inverseTransform = [&](double t)
-  {
+  const auto inverseTransform = [&](double t) {
     PullBackStatus status;
     const glm::dvec3 q = map.Evaluate(start + t * directionOfOriginalRay, status);
     unconverged += status.Converged ? 0 : 1;
@@ -59,8 +58,7 @@ std::vector<double> WalkAsThePaper(const PullBack& map, const PolylineSettings& 
       const double point = step < end - oldPoint ? oldPoint + step : end;
       const glm::dvec3 inverse = inverseTransform(point);
       const glm::dvec3 direction = inverse - oldInverse;
-      if (step > settings.MinimumLength &&
-        Angle(direction, oldDirection) > settings.AngleThreshold)
+      if (step > settings.MinimumLength && Angle(direction, oldDirection) > settings.AngleThreshold)
       {
         length = std::max(0.5 * length, settings.MinimumLength);
         continue;
@@ -201,8 +199,7 @@ TEST(Polyline, TurnRateBoundsTheTurning)
     const PullBackKind kind = Kinds[run % 4];
     const PullBack map(&field, kind, 1e-12);
     const PullBackBounds bounds(map);
-    const double rate =
-      FindLargestTurnRate(bounds.Over({ glm::dvec3(-1e6), glm::dvec3(1e6) }));
+    const double rate = FindLargestTurnRate(bounds.Over({ glm::dvec3(-1e6), glm::dvec3(1e6) }));
     if (!std::isfinite(rate))
     {
       continue;

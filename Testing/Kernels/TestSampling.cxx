@@ -37,8 +37,9 @@ TEST(Sampling, LinearFunctionsAreReproducedInEveryType)
     for (const int stride : { 1, 3 })
     {
       // Whole numbers from 3 to 3 + 2 * 8 + 3 * 6 + 5 * 10 = 87 fit every type.
-      const TestVolume volume(type, glm::ivec3(9, 7, 11),
-        [](int i, int j, int k) { return 3 + 2 * i + 3 * j + 5 * k; }, stride);
+      const TestVolume volume(
+        type, glm::ivec3(9, 7, 11), [](int i, int j, int k) { return 3 + 2 * i + 3 * j + 5 * k; },
+        stride);
       const SampleFunctions f = SelectSampleFunctions(type, Interpolation::Linear);
       const glm::dvec3 upper = volume.View.UpperIndex();
       for (int s = 0; s < 300; ++s)
@@ -71,8 +72,8 @@ TEST(Sampling, EqualsTheInterpolationFormula)
 TEST(Sampling, NearestTakesTheNearestVoxel)
 {
   RandomLattice random(3);
-  const TestVolume volume(ScalarType::UInt8, glm::ivec3(5, 6, 7),
-    [&](int, int, int) { return random.Integer(0, 255); });
+  const TestVolume volume(
+    ScalarType::UInt8, glm::ivec3(5, 6, 7), [&](int, int, int) { return random.Integer(0, 255); });
   const SampleFunctions f = SelectSampleFunctions(ScalarType::UInt8, Interpolation::Nearest);
   for (int s = 0; s < 2000; ++s)
   {
@@ -86,8 +87,9 @@ TEST(Sampling, GradientOfQuadraticFunctions)
 {
   // Central differences are exact for quadratics at voxels; between them the trilinear values
   // bend by less than the second difference.
-  const auto quadratic = [](const glm::dvec3& p)
-  { return p.x * p.x + 0.5 * p.y * p.y - p.z * p.z + p.x * p.y; };
+  const auto quadratic = [](const glm::dvec3& p) {
+    return p.x * p.x + 0.5 * p.y * p.y - p.z * p.z + p.x * p.y;
+  };
   const TestVolume volume(ScalarType::Float64, glm::ivec3(9),
     [&](int i, int j, int k) { return quadratic(glm::dvec3(i, j, k)); });
   const SampleFunctions f = SelectSampleFunctions(ScalarType::Float64, Interpolation::Linear);
@@ -95,8 +97,8 @@ TEST(Sampling, GradientOfQuadraticFunctions)
   for (int s = 0; s < 500; ++s)
   {
     const glm::dvec3 q = glm::floor(1.0 + 6.999 * random.Vector(0.0, 1.0));
-    ExpectNear(f.Gradient(volume.View, q),
-      glm::dvec3(2.0 * q.x + q.y, q.y + q.x, -2.0 * q.z), 1e-12);
+    ExpectNear(
+      f.Gradient(volume.View, q), glm::dvec3(2.0 * q.x + q.y, q.y + q.x, -2.0 * q.z), 1e-12);
   }
 }
 
@@ -111,8 +113,8 @@ TEST(Sampling, GradientAtTheBorderUsesTheBorder)
     // One-sided: half of the difference, as documented.
     ExpectNear(f.Gradient(volume.View, glm::dvec3(0.0)), glm::dvec3(0.5, 5.0, 50.0), 1e-12);
     ExpectNear(f.Gradient(volume.View, upper), glm::dvec3(0.5, 5.0, 50.0), 1e-12);
-    ExpectNear(f.Gradient(volume.View, glm::dvec3(0.25, 1.5, 2.5)),
-      glm::dvec3(0.625, 10.0, 75.0), 1e-12);
+    ExpectNear(
+      f.Gradient(volume.View, glm::dvec3(0.25, 1.5, 2.5)), glm::dvec3(0.625, 10.0, 75.0), 1e-12);
   }
 }
 

@@ -128,8 +128,7 @@ void CheckLattice(RandomLattice& random, const BSplineField& field, PullBackKind
     glm::dvec3 origin;
     glm::dvec3 direction;
     tile.Ray(random.Integer(0, 15), random.Integer(0, 15), origin, direction);
-    const auto curve = [&](double t)
-    {
+    const auto curve = [&](double t) {
       PullBackStatus status;
       return dataToIndex * map.Evaluate(origin + t * direction, status);
     };
@@ -149,8 +148,7 @@ void CheckLattice(RandomLattice& random, const BSplineField& field, PullBackKind
     ++tally.Bounded;
     const double dt = settings.Length / (1 << span.Level);
     const double t0 = index * settings.Length + random.Integer(0, (1 << span.Level) - 1) * dt;
-    const CurvePiece piece =
-      CurvePiece::Parabola(curve(t0), curve(t0 + 0.5 * dt), curve(t0 + dt));
+    const CurvePiece piece = CurvePiece::Parabola(curve(t0), curve(t0 + 0.5 * dt), curve(t0 + dt));
     ++tally.Pieces;
     glm::dvec3 last = curve(t0);
     for (int i = 1; i <= 24; ++i)
@@ -158,7 +156,8 @@ void CheckLattice(RandomLattice& random, const BSplineField& field, PullBackKind
       const double u = i / 24.0;
       const glm::dvec3 q = curve(t0 + u * dt);
       const double error = glm::length(q - piece.At(u));
-      ASSERT_LE(error, span.PositionError + 1e-7) << "kind " << static_cast<int>(kind) << ", border " << static_cast<int>(field.GetBorder());
+      ASSERT_LE(error, span.PositionError + 1e-7)
+        << "kind " << static_cast<int>(kind) << ", border " << static_cast<int>(field.GetBorder());
       if (span.PositionError > 1e-6)
       {
         tally.WorstShare = std::max(tally.WorstShare, error / span.PositionError);
@@ -167,8 +166,12 @@ void CheckLattice(RandomLattice& random, const BSplineField& field, PullBackKind
       for (int a = 0; a < 3; ++a)
       {
         const double slack = 1e-6 + 1e-7 * std::abs(velocity[a]) / dt;
-        ASSERT_GE(velocity[a], span.VelocityMin[a] - slack) << "kind " << static_cast<int>(kind) << ", border " << static_cast<int>(field.GetBorder());
-        ASSERT_LE(velocity[a], span.VelocityMax[a] + slack) << "kind " << static_cast<int>(kind) << ", border " << static_cast<int>(field.GetBorder());
+        ASSERT_GE(velocity[a], span.VelocityMin[a] - slack)
+          << "kind " << static_cast<int>(kind) << ", border "
+          << static_cast<int>(field.GetBorder());
+        ASSERT_LE(velocity[a], span.VelocityMax[a] + slack)
+          << "kind " << static_cast<int>(kind) << ", border "
+          << static_cast<int>(field.GetBorder());
       }
       last = q;
     }

@@ -73,9 +73,8 @@ TEST(TransferTable, OpacityCorrection)
   {
     for (double a = 0.0; a < 1.0; a += 0.0831)
     {
-      const TransferTable table =
-        MakeTable(0.0, 1.0, 2, [a](double) { return a; },
-          [](double) { return glm::dvec3(1.0); }, unit);
+      const TransferTable table = MakeTable(
+        0.0, 1.0, 2, [a](double) { return a; }, [](double) { return glm::dvec3(1.0); }, unit);
       for (double d = 1e-4; d < 60.0; d *= 1.7)
       {
         // Opacity of an interval d from that of the unit: 1 - (1 - a)^(d / u).
@@ -93,8 +92,10 @@ TEST(TransferTable, FullAndNoOpacity)
   for (const double unit : { 1e-6, 1.0, 1e6 })
   {
     const auto white = [](double) { return glm::dvec3(1.0); };
-    const TransferTable opaque = MakeTable(0.0, 1.0, 2, [](double) { return 1.0; }, white, unit);
-    const TransferTable clear = MakeTable(0.0, 1.0, 2, [](double) { return 0.0; }, white, unit);
+    const TransferTable opaque = MakeTable(
+      0.0, 1.0, 2, [](double) { return 1.0; }, white, unit);
+    const TransferTable clear = MakeTable(
+      0.0, 1.0, 2, [](double) { return 0.0; }, white, unit);
     for (const double d : { 2e-6, 1e-3, 1.0, 1e3 })
     {
       EXPECT_EQ(transmittance(opaque.Lookup(0.3).Extinction * static_cast<float>(d * unit)), 0.0f);
@@ -107,8 +108,8 @@ TEST(TransferTable, FullAndNoOpacity)
 TEST(TransferTable, TinyUnitDistancesStayFinite)
 {
   const auto ramp = [](double x) { return x; };
-  const TransferTable table =
-    MakeTable(0.0, 1.0, 11, ramp, [](double) { return glm::dvec3(1.0); }, 1e-300);
+  const TransferTable table = MakeTable(
+    0.0, 1.0, 11, ramp, [](double) { return glm::dvec3(1.0); }, 1e-300);
   const TransmittanceTable transmittance;
   for (double x = 0.0; x <= 1.0; x += 0.05)
   {

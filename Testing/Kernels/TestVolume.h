@@ -44,26 +44,22 @@ public:
 
   void Fill(const Function& function)
   {
-    ffd::DispatchScalarType(this->View.Type,
-      [&](auto zero)
-      {
-        using T = decltype(zero);
-        T* scalars = reinterpret_cast<T*>(this->Storage.data());
-        this->ForEach(
-          [&](int i, int j, int k)
-          { scalars[this->Offset(i, j, k)] = static_cast<T>(function(i, j, k)); });
+    ffd::DispatchScalarType(this->View.Type, [&](auto zero) {
+      using T = decltype(zero);
+      T* scalars = reinterpret_cast<T*>(this->Storage.data());
+      this->ForEach([&](int i, int j, int k) {
+        scalars[this->Offset(i, j, k)] = static_cast<T>(function(i, j, k));
       });
+    });
   }
 
   double At(int i, int j, int k) const
   {
-    return ffd::DispatchScalarType(this->View.Type,
-      [&](auto zero)
-      {
-        using T = decltype(zero);
-        return static_cast<double>(
-          reinterpret_cast<const T*>(this->Storage.data())[this->Offset(i, j, k)]);
-      });
+    return ffd::DispatchScalarType(this->View.Type, [&](auto zero) {
+      using T = decltype(zero);
+      return static_cast<double>(
+        reinterpret_cast<const T*>(this->Storage.data())[this->Offset(i, j, k)]);
+    });
   }
 
   /// Trilinear interpolation, written out from the eight corners: the oracle of the samplers.
@@ -116,8 +112,8 @@ public:
 private:
   std::size_t Offset(int i, int j, int k) const
   {
-    return static_cast<std::size_t>(i * this->View.Increments[0] + j * this->View.Increments[1] +
-      k * this->View.Increments[2]);
+    return static_cast<std::size_t>(
+      i * this->View.Increments[0] + j * this->View.Increments[1] + k * this->View.Increments[2]);
   }
 
   std::vector<double> Storage;
@@ -131,8 +127,8 @@ inline void SerialFor(
 }
 
 /// A table over [lo, hi] from functions of the scalar.
-inline ffd::TransferTable MakeTable(double lo, double hi, std::size_t size,
-  const std::function<double(double)>& opacity,
+inline ffd::TransferTable MakeTable(
+  double lo, double hi, std::size_t size, const std::function<double(double)>& opacity,
   const std::function<glm::dvec3(double)>& colour = [](double) { return glm::dvec3(1.0); },
   double unitDistance = 1.0)
 {
@@ -143,8 +139,8 @@ inline ffd::TransferTable MakeTable(double lo, double hi, std::size_t size,
     const double x = lo + (hi - lo) * static_cast<double>(i) / static_cast<double>(size - 1);
     opacities.push_back(static_cast<float>(opacity(x)));
     const glm::dvec3 c = colour(x);
-    rgb.insert(rgb.end(),
-      { static_cast<float>(c.r), static_cast<float>(c.g), static_cast<float>(c.b) });
+    rgb.insert(
+      rgb.end(), { static_cast<float>(c.r), static_cast<float>(c.g), static_cast<float>(c.b) });
   }
   return ffd::TransferTable(lo, hi, size, rgb.data(), opacities.data(), unitDistance);
 }

@@ -1,0 +1,236 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// The mapper in windows: interactive quality, geometry, events and abort, several windows, volumes
+// and viewports.
+#include "FFDTestVolume.h"
+
+#include "vtkCallbackCommand.h"
+
+#include "vtksys/SystemTools.hxx"
+
+namespace
+{
+
+/// Rays of a frame with a frame time of 1 / rate seconds allotted.
+vtkTypeInt64 RaysAt(FFDTestScene& scene, double rate)
+{
+  scene.Window->SetDesiredUpdateRate(rate);
+  scene.Show();
+  return scene.Mapper->GetStatistics()->GetNumberOfRays();
+}
+
+int TestSampleDistances()
+{
+  FFDTestScene scene;
+  vtkFFDInverseRayVolumeMapper* m = scene.Mapper;
+  vtkFFDRayStatistics* counts = m->GetStatistics();
+  m->CollectStatisticsOn();
+  m->SetSpaceLeapingToOff();
+  scene.Show();
+  const double still = static_cast<double>(RaysAt(scene, 1e-4));
+  const double stillSamples = counts->GetSamplesPerRay();
+  // No time at all: the coarsest image that is allowed.
+  m->SetMaximumImageSampleDistance(4.0);
+  const double quick = static_cast<double>(RaysAt(scene, 1e9));
+  FFD_CHECK(still > 500.0 && quick > still / 30.0 && quick < still / 10.0);
+  FFD_CHECK(counts->GetSamplesPerRay() < 0.7 * stillSamples); // two voxels between samples
+  // Without deformation: its shorter pieces are sampled once each, however large the distance.
+  m->SetDeformation(nullptr);
+  RaysAt(scene, 1e9);
+  const double twoVoxels = counts->GetSamplesPerRay();
+  m->SetInteractiveSampleDistance(6.0);
+  RaysAt(scene, 1e9);
+  FFD_CHECK_NEAR(counts->GetSamplesPerRay() / twoVoxels, 2.0 / 6.0, 0.08);
+  m->SetDeformation(scene.Lattice);
+  m->LockSampleDistanceToInputSpacingOn();
+  m->SetMaximumImageSampleDistance(2.0);
+  FFD_CHECK(static_cast<double>(RaysAt(scene, 1e9)) > 2.5 * quick);
+  m->SetMinimumImageSampleDistance(2.0);
+  FFD_CHECK(static_cast<double>(RaysAt(scene, 1e-4)) < still / 3.0);
+  m->SetMinimumImageSampleDistance(1.0);
+  m->AutoAdjustSampleDistancesOff();
+  FFD_CHECK(static_cast<double>(RaysAt(scene, 1e9)) == still);
+  m->SetImageSampleDistance(2.0);
+  FFD_CHECK(static_cast<double>(RaysAt(scene, 1e9)) < still / 3.0);
+  FFD_CHECK(scene.Errors->Count == 0);
+  return EXIT_SUCCESS;
+}
+
+bool TestGeometry()
+{
+  FFDTestScene scene;
+  // A cone in the middle of the ball hides what is behind it.
+  scene.Cone->SetCenter(11.0, 11.0, 14.0);
+  scene.Opacity->AddPoint(40.0, 0.3);
+  const std::vector<unsigned char> with = scene.Show();
+  scene.Mapper->IntermixIntersectingGeometryOff();
+  const std::vector<unsigned char> without = scene.Show();
+  scene.Mapper->IntermixIntersectingGeometryOn();
+  return FFDLargestDifference(with, without) > 20 && FFDLargestDifference(with, scene.Show()) == 0;
+}
+
+struct EventLog
+{
+  int Start = 0;
+  int Progress = 0;
+  int End = 0;
+  int Checks = 0;
+  bool AbortMapper = false;
+  bool AbortWindow = false;
+};
+
+void CountEvent(vtkObject* caller, unsigned long event, void* client, void*)
+{
+  auto* log = static_cast<EventLog*>(client);
+  log->Start += event == vtkCommand::VolumeMapperRenderStartEvent ? 1 : 0;
+  log->End += event == vtkCommand::VolumeMapperRenderEndEvent ? 1 : 0;
+  if (event == vtkCommand::VolumeMapperRenderProgressEvent)
+  {
+    ++log->Progress;
+    if (log->AbortMapper)
+    {
+      vtkAlgorithm::SafeDownCast(caller)->SetAbortExecute(1);
+    }
+  }
+  if (event == vtkCommand::AbortCheckEvent)
+  {
+    ++log->Checks;
+    if (log->AbortWindow)
+    {
+      vtkRenderWindow::SafeDownCast(caller)->SetAbortRender(1);
+    }
+  }
+}
+
+int TestEventsAndAbort()
+{
+  FFDTestScene scene;
+  scene.Mapper->CollectStatisticsOn();
+  EventLog log;
+  vtkNew<vtkCallbackCommand> command;
+  command->SetCallback(CountEvent);
+  command->SetClientData(&log);
+  scene.Mapper->AddObserver(vtkCommand::VolumeMapperRenderStartEvent, command);
+  scene.Mapper->AddObserver(vtkCommand::VolumeMapperRenderProgressEvent, command);
+  scene.Mapper->AddObserver(vtkCommand::VolumeMapperRenderEndEvent, command);
+  const std::vector<unsigned char> whole = scene.Show();
+  FFD_CHECK(log.Start == 1 && log.End == 1 && log.Progress >= 10);
+  const int all = log.Progress;
+  const double progress = scene.Mapper->GetProgress();
+  FFD_CHECK(progress == 1.0);
+
+  const std::vector<unsigned char> image = scene.Render();
+  log = EventLog();
+  log.AbortMapper = true;
+  FFD_CHECK(scene.Render().empty()); // refused without an error
+  FFD_CHECK(scene.Errors->Count == 0);
+  FFD_CHECK(log.Start == 1 && log.End == 1 && log.Progress < all);
+  log.AbortMapper = false;
+  FFD_CHECK(FFDLargestDifference(image, scene.Render()) == 0);
+
+  scene.Window->AddObserver(vtkCommand::AbortCheckEvent, command);
+  log = EventLog();
+  log.AbortWindow = true;
+  // VTK asks five times a second at most.
+  vtksys::SystemTools::Delay(300);
+  scene.Show();
+  FFD_CHECK(log.Checks > 0 && log.Progress < all);
+  log.AbortWindow = false;
+  FFD_CHECK(FFDLargestDifference(whole, scene.Show()) == 0);
+  return EXIT_SUCCESS;
+}
+
+bool TestWindows()
+{
+  FFDTestScene scene;
+  const std::vector<unsigned char> first = scene.Show();
+  // Released and shown again, twice; then in a new window.
+  scene.Mapper->ReleaseGraphicsResources(scene.Window);
+  scene.Mapper->ReleaseGraphicsResources(scene.Window);
+  bool ok = FFDLargestDifference(first, scene.Show()) == 0;
+  scene.Window->RemoveRenderer(scene.Renderer);
+  scene.Window = nullptr;
+  ok &= FFDLargestDifference(first, scene.Show()) == 0;
+
+  // One mapper in two windows, by turns.
+  vtkNew<vtkVolume> again;
+  again->SetMapper(scene.Mapper);
+  again->SetProperty(scene.Property);
+  vtkNew<vtkRenderer> renderer;
+  renderer->AddVolume(again);
+  renderer->SetActiveCamera(scene.Renderer->GetActiveCamera());
+  vtkNew<vtkRenderWindow> window;
+  window->SetMultiSamples(0);
+  window->SetOffScreenRendering(1);
+  window->SetSize(80, 80);
+  window->AddRenderer(renderer);
+  const auto second = [&] {
+    window->Render();
+    vtkNew<vtkUnsignedCharArray> pixels;
+    window->GetPixelData(0, 0, 79, 79, 0, pixels);
+    const unsigned char* p = pixels->GetPointer(0);
+    return std::vector<unsigned char>(p, p + pixels->GetNumberOfValues());
+  };
+  scene.ConeActor->VisibilityOff();
+  const std::vector<unsigned char> plain = scene.Show();
+  for (int turn = 0; turn < 2; ++turn)
+  {
+    ok &= FFDLargestDifference(plain, second()) == 0;
+    ok &= FFDLargestDifference(plain, scene.Show()) == 0;
+  }
+
+  // Two viewports show what each shows alone, at half the width.
+  scene.Window->SetSize(160, 80);
+  scene.Renderer->SetViewport(0.0, 0.0, 0.5, 1.0);
+  vtkNew<vtkRenderer> right;
+  right->SetViewport(0.5, 0.0, 1.0, 1.0);
+  vtkNew<vtkVolume> copy;
+  copy->SetMapper(scene.Mapper);
+  copy->SetProperty(scene.Property);
+  right->AddVolume(copy);
+  right->SetActiveCamera(scene.Renderer->GetActiveCamera());
+  scene.Window->AddRenderer(right);
+  scene.Window->Render();
+  for (int side = 0; side < 2; ++side)
+  {
+    vtkNew<vtkUnsignedCharArray> pixels;
+    scene.Window->GetPixelData(80 * side, 0, 80 * side + 79, 79, 0, pixels);
+    const unsigned char* p = pixels->GetPointer(0);
+    ok &= FFDLargestDifference(
+            plain, std::vector<unsigned char>(p, p + pixels->GetNumberOfValues())) == 0;
+  }
+  return ok && scene.Errors->Count == 0;
+}
+
+bool TestTwoVolumes()
+{
+  FFDTestScene scene;
+  const std::vector<unsigned char> one = scene.Show();
+  vtkNew<vtkFFDInverseRayVolumeMapper> mapper;
+  mapper->SetInputData(scene.Image);
+  vtkNew<vtkVolume> volume;
+  volume->SetMapper(mapper);
+  volume->SetProperty(scene.Property);
+  volume->SetPosition(12.0, -6.0, 4.0);
+  scene.Renderer->AddVolume(volume);
+  const std::vector<unsigned char> two = scene.Show();
+  int brighter = 0;
+  for (std::size_t i = 0; i < one.size(); ++i)
+  {
+    brighter += two[i] > one[i] + 5 ? 1 : 0;
+  }
+  scene.Renderer->RemoveVolume(volume);
+  return brighter > 300 && FFDLargestDifference(one, scene.Show()) == 0;
+}
+
+} // namespace
+
+int TestMapperWindow(int, char*[])
+{
+  FFD_CHECK(TestSampleDistances() == EXIT_SUCCESS);
+  FFD_CHECK(TestGeometry());
+  FFD_CHECK(TestEventsAndAbort() == EXIT_SUCCESS);
+  FFD_CHECK(TestWindows());
+  FFD_CHECK(TestTwoVolumes());
+  return EXIT_SUCCESS;
+}

@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The mapper from Python, as a user would use it."""
+
+import unittest
+
+import numpy
+import vtkffd
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+from vtkmodules.vtkRenderingCore import (
+    vtkColorTransferFunction, vtkRenderer, vtkVolume, vtkVolumeProperty)
+
+SIZE = 20
+
+
+def make_block():
+    """A block of scalars 100 in the middle of zeros."""
+    voxels = numpy.zeros((SIZE, SIZE, SIZE), dtype=numpy.uint8)
+    voxels[6:14, 6:14, 6:14] = 100
+    image = vtkImageData()
+    image.SetDimensions(SIZE, SIZE, SIZE)
+    image.GetPointData().SetScalars(numpy_to_vtk(voxels.ravel(), deep=True))
+    return image
+
+
+class TestMapper(unittest.TestCase):
+    def setUp(self):
+        self.mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+        self.mapper.SetInputData(make_block())
+        opacity = vtkPiecewiseFunction()
+        opacity.AddPoint(0, 0.0)
+        opacity.AddPoint(100, 0.5)
+        colour = vtkColorTransferFunction()
+        colour.AddRGBPoint(0, 1.0, 0.0, 0.0)
+        prop = vtkVolumeProperty()
+        prop.SetScalarOpacity(opacity)
+        prop.SetColor(colour)
+        prop.SetInterpolationTypeToLinear()
+        self.volume = vtkVolume()
+        self.volume.SetMapper(self.mapper)
+        self.volume.SetProperty(prop)
+        self.renderer = vtkRenderer()
+        camera = self.renderer.GetActiveCamera()
+        camera.SetPosition(9.5, 9.5, 80.0)
+        camera.SetFocalPoint(9.5, 9.5, 9.5)
+        camera.SetClippingRange(30.0, 120.0)
+        self.errors = []
+        self.mapper.AddObserver("ErrorEvent", self.on_error)
+
+    def on_error(self, _caller, _event, message=None):
+        self.errors.append(message)
+
+    def render(self, width=40, height=30):
+        colours = vtkImageData()
+        depths = vtkImageData()
+        self.assertEqual(self.mapper.RenderToImage(
+            self.renderer, self.volume, width, height, colours, depths), 1)
+        rgba = vtk_to_numpy(colours.GetPointData().GetScalars()).reshape(height, width, 4)
+        z = vtk_to_numpy(depths.GetPointData().GetScalars()).reshape(height, width)
+        return rgba, z
+
+    def test_render_to_numpy(self):
+        rgba, depths = self.render()
+        self.assertEqual(rgba.dtype, numpy.uint8)
+        self.assertEqual(depths.dtype, numpy.float32)
+        self.assertGreater(rgba[15, 20, 3], 240)
+        self.assertEqual(tuple(rgba[15, 20, :3]), (255, 0, 0))
+        self.assertEqual(tuple(rgba[0, 0]), (0, 0, 0, 0))
+        self.assertTrue(0.0 < depths[15, 20] < 1.0)
+        self.assertEqual(depths[0, 0], 1.0)
+
+    def test_lattice_moves_the_picture_and_the_bounds(self):
+        rest, _ = self.render()
+        lattice = vtkffd.vtkFFDLattice()
+        lattice.SetDimensions(4, 4, 4)
+        lattice.FitToBounds(self.mapper.GetBounds(), 0.0)
+        self.mapper.SetDeformation(lattice)
+        same, _ = self.render()
+        self.assertTrue(numpy.array_equal(rest, same))
+        for k in range(4):
+            for j in range(4):
+                for i in range(4):
+                    lattice.SetDisplacement(i, j, k, 4.0, 0.0, 0.0)
+        bounds = self.mapper.GetBounds()
+        # Never too small; at most the tolerance of the inverse too large.
+        self.assertTrue(3.95 < bounds[0] <= 4.0)
+        self.assertTrue(23.0 <= bounds[1] < 23.05)
+        moved, _ = self.render()
+
+        def middle(image):
+            columns = image[:, :, 3].astype(float).sum(axis=0)
+            return (columns * numpy.arange(len(columns))).sum() / columns.sum()
+
+        self.assertGreater(middle(moved), middle(rest) + 2.0)
+        self.mapper.SetDeformation(None)
+        again, _ = self.render()
+        self.assertTrue(numpy.array_equal(rest, again))
+
+    def test_options_by_name(self):
+        mapper = self.mapper
+        mapper.SetInverseModeToFirstOrder()
+        self.assertEqual(mapper.GetInverseMode(), mapper.FIRST_ORDER)
+        self.assertEqual(mapper.GetInverseModeAsString(), "FIRST_ORDER")
+        mapper.SetInverseMode(mapper.PULL_BACK)
+        self.assertEqual(mapper.GetInverseModeAsString(), "PULL_BACK")
+        mapper.SetSegmentation(mapper.GREEDY_ANGLE)
+        self.assertEqual(mapper.GetSegmentationAsString(), "GREEDY_ANGLE")
+        mapper.SetSpaceLeaping(mapper.SEGMENT)
+        self.assertEqual(mapper.GetSpaceLeapingAsString(), "SEGMENT")
+        mapper.SetOpacityLength(mapper.MATERIAL)
+        self.assertEqual(mapper.GetOpacityLengthAsString(), "MATERIAL")
+
+    def test_statistics(self):
+        self.mapper.CollectStatisticsOn()
+        self.render()
+        counts = self.mapper.GetStatistics()
+        self.assertGreater(counts.GetNumberOfRays(), 0)
+        self.assertLessEqual(counts.GetNumberOfRays(), 40 * 30)
+        self.assertAlmostEqual(
+            counts.GetSamplesPerRay(), counts.GetNumberOfSamples() / counts.GetNumberOfRays())
+        self.assertLessEqual(counts.GetNumberOfVisibleSamples(), counts.GetNumberOfSamples())
+        self.assertGreater(counts.GetAverageSegmentLength(), 0.0)
+
+    def test_errors_are_visible(self):
+        self.mapper.SetPositionTolerance(float("nan"))
+        self.assertEqual(len(self.errors), 1)
+        self.assertEqual(self.mapper.GetPositionTolerance(), 0.1)
+        self.assertEqual(
+            self.mapper.RenderToImage(self.renderer, self.volume, 0, 5, vtkImageData()), 0)
+        self.assertEqual(len(self.errors), 2)
+
+
+# VTK hands the message over only when the observer says what it is.
+TestMapper.on_error.CallDataType = "string0"
+
+if __name__ == "__main__":
+    unittest.main()
