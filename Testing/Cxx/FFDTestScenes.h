@@ -546,11 +546,14 @@ public:
 /**
  * The window against the baseline image of the test: what main() returns. vtkRegressionTestImage
  * forgives differences of up to two fifths of the range, and shifts; a bend that is off by some
- * voxels passes. So the distance of the pictures has to be small, too: other instruction sets and
- * drivers round differently, by a few thousandths of 1/255 on average.
+ * voxels passes. So the distance of the pictures has to be small, too: other instruction sets
+ * differ by some thousandths of 1/255 on average, other cuts of rays into pieces by up to a half.
  */
 inline int CompareWithBaseline(Scene& scene, int argc, char* argv[])
 {
+  // Short steps: otherwise where the samples of an opaque surface lie, and so the noise on it,
+  // would depend on how rays are cut into pieces, which may change.
+  scene.SetSampleDistance(0.2);
   scene.Window->Render();
   if (vtkRegressionTestImage(scene.Window) != vtkRegressionTester::PASSED)
   {
@@ -575,8 +578,9 @@ inline int CompareWithBaseline(Scene& scene, int argc, char* argv[])
     }
   }
   const Distance distance = scene.Compare(now, baseline);
-  const bool same = distance.Pixels > 3000 && distance.Mean <= 0.5;
-  std::cout << (same ? "ok    " : "WRONG ") << distance << " from the baseline (mean at most 0.5)\n";
+  const bool same = distance.Pixels > 3000 && distance.Mean <= 0.7;
+  std::cout << (same ? "ok    " : "WRONG ") << distance
+            << " from the baseline (mean at most 0.7)\n";
   if (!same)
   {
     // The picture and five times its difference, where vtkTesting leaves them.
