@@ -13,12 +13,12 @@ import os
 import sys
 import time
 
-import vtkmodules.vtkInteractionStyle  # noqa: F401 (the window needs a style)
 import vtkmodules.vtkRenderingFreeType  # noqa: F401
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
 import vtkmodules.vtkRenderingVolumeOpenGL2  # noqa: F401
 from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction
 from vtkmodules.vtkImagingCore import vtkImageReslice
+from vtkmodules.vtkInteractionStyle import vtkInteractorStyleTrackballCamera
 from vtkmodules.vtkIOImage import vtkPNGWriter
 from vtkmodules.vtkIOXML import vtkXMLImageDataReader
 from vtkmodules.vtkRenderingCore import (
@@ -183,14 +183,15 @@ def measure(view):
 
     step = [0.0]
 
+    rest = [0.0, 0.0, 0.0]
+    view.lattice.GetDisplacement(4, 4, 4, rest)
+
     def drag():
         # Move one control point and draw: what dragging it with the mouse does.
         step[0] = 1.0 - step[0]
-        move = view.lattice.GetDisplacement(4, 4, 4, d) or d
-        view.lattice.SetDisplacement(4, 4, 4, move[0] + 2.0 * step[0] - 1.0, move[1], move[2])
+        view.lattice.SetDisplacement(4, 4, 4, rest[0] + step[0], rest[1], rest[2])
         view.window.Render()
 
-    d = [0.0, 0.0, 0.0]
     edit = median_seconds(drag)
     view.renderers[0].DrawOn()
     reslice = vtkImageReslice()
@@ -215,11 +216,8 @@ def measure(view):
 
 def interact(view):
     window = view.window
-    window.SetOffScreenRendering(0)
     interactor = vtkRenderWindowInteractor()
     interactor.SetRenderWindow(window)
-    from vtkmodules.vtkInteractionStyle import vtkInteractorStyleTrackballCamera
-
     interactor.SetInteractorStyle(vtkInteractorStyleTrackballCamera())
 
     def on_key(caller, _event):
@@ -251,16 +249,14 @@ def main():
         os.makedirs(arguments.output, exist_ok=True)
     except OSError as error:
         sys.exit("cannot make the folder %s: %s" % (arguments.output, error.strerror))
-    first = None
     for name, scene in SCENES.items():
         print(scene["title"])
         view = View(scene)
-        view.window.SetOffScreenRendering(0 if arguments.interactive else 1)
+        view.window.SetOffScreenRendering(1)
         view.write(os.path.join(arguments.output, name + ".png"))
         measure(view)
-        first = first or view
     if arguments.interactive:
-        interact(first)
+        interact(View(SCENES["engine"]))
 
 
 if __name__ == "__main__":
