@@ -11,6 +11,7 @@
 #include "vtkFixedPointVolumeRayCastMapper.h"
 #include "vtkImageData.h"
 #include "vtkImageReslice.h"
+#include "vtkLight.h"
 #include "vtkMath.h"
 #include "vtkPiecewiseFunction.h"
 #include "vtkRenderWindow.h"
@@ -192,6 +193,12 @@ Stage::Stage(int size, vtkImageData* image)
   this->Window->SetDesiredUpdateRate(1e-4);
   this->Window->AddRenderer(this->Renderer);
   this->Renderer->SetBackground(0.0, 0.0, 0.0);
+  // The ambient colour of VTK's lights is black. Ours takes a single headlight to be white, as the
+  // GPU mapper does, vtkFixedPointVolumeRayCastMapper does not.
+  vtkNew<vtkLight> headlight;
+  headlight->SetLightTypeToHeadlight();
+  headlight->SetAmbientColor(1.0, 1.0, 1.0);
+  this->Renderer->AddLight(headlight);
   double bounds[6];
   image->GetBounds(bounds);
   const double centre[3] = { 0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3]),
@@ -257,42 +264,56 @@ vtkSmartPointer<vtkUnsignedCharArray> Stage::DrawAndCapture(vtkVolume* volume)
 }
 
 //------------------------------------------------------------------------------
-Difference Compare(vtkUnsignedCharArray* a, vtkUnsignedCharArray* b)
+Difference Compare(vtkUnsignedCharArray* a, vtkUnsignedCharArray* b, int size, int block)
 {
   Difference difference;
-  const vtkIdType pixels = a->GetNumberOfTuples();
-  if (pixels == 0 || b->GetNumberOfTuples() != pixels || a->GetNumberOfComponents() != 3 ||
-    b->GetNumberOfComponents() != 3)
+  const vtkIdType values = static_cast<vtkIdType>(size) * size * 3;
+  if (a->GetNumberOfValues() != values || b->GetNumberOfValues() != values)
   {
     difference.Mean = 255.0;
     difference.Outliers = 1.0;
     return difference;
   }
-  vtkIdType covered = 0;
-  vtkIdType outliers = 0;
+  const int blocks = size / block;
+  int covered = 0;
+  int outliers = 0;
   double sum = 0.0;
-  for (vtkIdType i = 0; i < pixels; ++i)
+  for (int v = 0; v < blocks; ++v)
   {
-    const unsigned char* x = a->GetPointer(3 * i);
-    const unsigned char* y = b->GetPointer(3 * i);
-    int largest = 0;
-    bool something = false;
-    for (int c = 0; c < 3; ++c)
+    for (int u = 0; u < blocks; ++u)
     {
-      const int d = std::abs(static_cast<int>(x[c]) - static_cast<int>(y[c]));
-      sum += d;
-      largest = std::max(largest, d);
-      something = something || x[c] != 0 || y[c] != 0;
+      double means[2][3] = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
+      for (int y = v * block; y < (v + 1) * block; ++y)
+      {
+        for (int x = u * block; x < (u + 1) * block; ++x)
+        {
+          const vtkIdType pixel = 3 * (static_cast<vtkIdType>(y) * size + x);
+          for (int c = 0; c < 3; ++c)
+          {
+            means[0][c] += a->GetValue(pixel + c) / static_cast<double>(block * block);
+            means[1][c] += b->GetValue(pixel + c) / static_cast<double>(block * block);
+          }
+        }
+      }
+      double largest = 0.0;
+      bool something = false;
+      for (int c = 0; c < 3; ++c)
+      {
+        const double d = std::abs(means[0][c] - means[1][c]);
+        sum += d;
+        largest = std::max(largest, d);
+        something = something || means[0][c] > 0.0 || means[1][c] > 0.0;
+      }
+      covered += something ? 1 : 0;
+      outliers += largest > OutlierThreshold ? 1 : 0;
     }
-    covered += something ? 1 : 0;
-    outliers += largest > OutlierThreshold ? 1 : 0;
   }
   if (covered > 0)
   {
-    difference.Mean = sum / (3.0 * static_cast<double>(covered));
-    difference.Outliers = static_cast<double>(outliers) / static_cast<double>(covered);
+    difference.Mean = sum / (3.0 * covered);
+    difference.Outliers = static_cast<double>(outliers) / covered;
   }
-  difference.Covered = static_cast<double>(covered) / static_cast<double>(pixels);
+  difference.Covered = static_cast<double>(covered) / (static_cast<double>(blocks) * blocks);
   return difference;
 }
 

@@ -21,20 +21,20 @@ struct Options
 };
 
 /**
- * Largest differences of pictures with which a row is reported (Difference: mean over the covered
- * pixels, of 255, and part of the covered pixels with outliers). Two ray casters differ by how
- * they round: vtkFixedPointVolumeRayCastMapper takes shading from encoded gradients of the voxels
- * and quantised positions; resampling interpolates twice.
+ * Largest differences of pictures with which a row is reported, see Difference. Two ray casters
+ * never agree in every pixel: vtkFixedPointVolumeRayCastMapper shades with encoded normals of the
+ * voxels, resampling interpolates twice, the paper's polyline has its samples elsewhere.
  */
 struct Tolerance
 {
+  int Block; ///< pixels
   double Mean;
   double Outliers;
 };
-constexpr Tolerance FixedPointTolerance{ 8.0, 0.05 }; ///< ours undeformed by fixed point
-constexpr Tolerance ResampleTolerance{ 10.0, 0.08 };  ///< resample routes by ours
-constexpr Tolerance OracleTolerance{ 0.5, 0.002 };    ///< ours by its reference kernels
-constexpr Tolerance PaperTolerance{ 2.0, 0.01 };      ///< the paper's polyline by the true curve
+constexpr Tolerance FixedPointTolerance{ 8, 12.0, 0.05 }; ///< ours undeformed by fixed point
+constexpr Tolerance ResampleTolerance{ 8, 12.0, 0.05 };   ///< resample routes by ours
+constexpr Tolerance PaperTolerance{ 8, 8.0, 0.02 };       ///< the paper's polyline by the curve
+constexpr Tolerance OracleTolerance{ 1, 0.5, 0.002 };     ///< ours by its reference kernels
 
 /// All groups of the chosen mode. Names: Frame/<volume>/<opacity>/<size>/<deformation>,
 /// Drag/<side>, Edit/<side>, Limit.
