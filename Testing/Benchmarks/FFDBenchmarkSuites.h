@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// What is measured: the groups of competing configurations.
+#ifndef FFDBenchmarkSuites_h
+#define FFDBenchmarkSuites_h
+
+#include "FFDBenchmarkGroup.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace ffdBenchmark
+{
+
+struct Options
+{
+  std::string DataFolder;
+  bool Quick = false;
+  int Rounds = 0; ///< of each row; 0: the row's own number
+};
+
+/**
+ * Largest differences of pictures with which a row is reported, see Difference. Two ray casters
+ * never agree in every pixel: vtkFixedPointVolumeRayCastMapper shades with encoded normals of the
+ * voxels, resampling interpolates twice, the paper's polyline has its samples elsewhere.
+ */
+struct Tolerance
+{
+  int Block; ///< pixels
+  double Mean;
+  double Outliers;
+};
+constexpr Tolerance FixedPointTolerance{ 8, 12.0, 0.05 }; ///< ours undeformed by fixed point
+constexpr Tolerance ResampleTolerance{ 8, 12.0, 0.05 };   ///< resample routes by ours
+constexpr Tolerance PaperTolerance{ 8, 8.0, 0.02 };       ///< the paper's polyline by the curve
+constexpr Tolerance OracleTolerance{ 1, 0.5, 0.002 };     ///< ours by its reference kernels
+
+/// All groups of the chosen mode. Names: Frame/<volume>/<opacity>/<size>/<deformation>,
+/// Drag/<side>, Edit/<side>, Limit.
+std::vector<std::unique_ptr<Group>> MakeGroups(const Options& options);
+
+} // namespace ffdBenchmark
+
+#endif

@@ -1,0 +1,39 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+# Run BENCHMARK --quick and check its REPORT: valid JSON, every row measured, none refused. Times
+# are not judged.
+cmake_minimum_required(VERSION 3.25)
+
+file(REMOVE "${REPORT}")
+execute_process(
+  COMMAND "${BENCHMARK}" --quick "--benchmark_out=${REPORT}" --benchmark_out_format=json
+  RESULT_VARIABLE status)
+if (NOT status EQUAL 0)
+  message(FATAL_ERROR "ffd_benchmark --quick ended with ${status}.")
+endif ()
+file(READ "${REPORT}" report)
+# An invalid file stops here with what is wrong.
+string(JSON count LENGTH "${report}" benchmarks)
+set(rows 0)
+math(EXPR last "${count} - 1")
+foreach (i RANGE ${last})
+  string(JSON row GET "${report}" benchmarks ${i})
+  string(JSON name GET "${row}" name)
+  string(JSON refused ERROR_VARIABLE none GET "${row}" error_message)
+  if (NOT refused MATCHES "NOTFOUND$")
+    message(SEND_ERROR "${name} was refused: ${refused}")
+    continue ()
+  endif ()
+  string(JSON time GET "${row}" real_time)
+  string(JSON kind GET "${row}" run_type)
+  if (kind STREQUAL "iteration")
+    if (NOT time GREATER 0)
+      message(SEND_ERROR "${name} took ${time} ms.")
+    endif ()
+    math(EXPR rows "${rows} + 1")
+  endif ()
+endforeach ()
+if (rows LESS 40)
+  message(FATAL_ERROR "Only ${rows} times in ${REPORT}.")
+endif ()
+message(STATUS "${rows} times in ${REPORT}")
