@@ -83,14 +83,14 @@ void Register(const std::vector<std::unique_ptr<Group>>& groups)
 }
 
 //------------------------------------------------------------------------------
-std::string Cell(double value, const char* format)
+std::string Cell(double value, int decimals)
 {
   if (std::isnan(value))
   {
     return "-";
   }
   char text[64];
-  std::snprintf(text, sizeof(text), format, value);
+  std::snprintf(text, sizeof(text), "%.*f", decimals, value);
   return text;
 }
 
@@ -155,15 +155,15 @@ int PrintTable(const std::vector<std::unique_ptr<Group>>& groups)
         const double wall = group->GetRatio(row.Name, by);
         return std::isnan(wall)
           ? std::string()
-          : Cell(wall, "%.3f") + Cell(GetCpuRatio(*group, row, by), " (%.3f)");
+          : Cell(wall, 3) + " (" + Cell(GetCpuRatio(*group, row, by), 3) + ")";
       };
       std::printf("  %-18s %10.3f %10.3f  %-16s %-16s %8s %8s %8s %8s %7s\n", row.Name.c_str(),
         1e3 * row.GetMedian(), 1e3 * row.GetCpuMedian(), ratio(references.first).c_str(),
-        ratio(references.second).c_str(), Cell(GetCounter(row, "samples_per_ray"), "%.2f").c_str(),
-        Cell(GetCounter(row, "lookups_per_ray"), "%.2f").c_str(),
-        Cell(GetCounter(row, "evaluations_per_ray"), "%.2f").c_str(),
-        Cell(GetCounter(row, "segment_length"), "%.2f").c_str(),
-        Cell(GetCounter(row, "image_mean_difference"), "%.3f").c_str());
+        ratio(references.second).c_str(), Cell(GetCounter(row, "samples_per_ray"), 2).c_str(),
+        Cell(GetCounter(row, "lookups_per_ray"), 2).c_str(),
+        Cell(GetCounter(row, "evaluations_per_ray"), 2).c_str(),
+        Cell(GetCounter(row, "segment_length"), 2).c_str(),
+        Cell(GetCounter(row, "image_mean_difference"), 3).c_str());
     }
   }
   return refused;
