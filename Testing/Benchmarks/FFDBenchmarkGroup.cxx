@@ -19,10 +19,7 @@ std::string Selection;
 } // namespace
 
 //------------------------------------------------------------------------------
-void SetSelection(const std::string& regularExpression)
-{
-  Selection = regularExpression;
-}
+void SetSelection(const std::string& regularExpression) { Selection = regularExpression; }
 
 //------------------------------------------------------------------------------
 double Median(std::vector<double> values)
@@ -37,16 +34,10 @@ double Median(std::vector<double> values)
 }
 
 //------------------------------------------------------------------------------
-double Row::GetMedian() const
-{
-  return Median(this->Seconds);
-}
+double Row::GetMedian() const { return Median(this->Seconds); }
 
 //------------------------------------------------------------------------------
-double Row::GetCpuMedian() const
-{
-  return Median(this->CpuSeconds);
-}
+double Row::GetCpuMedian() const { return Median(this->CpuSeconds); }
 
 //------------------------------------------------------------------------------
 bool Group::AddRow(const std::string& name, std::size_t rounds)
@@ -66,8 +57,8 @@ bool Group::AddRow(const std::string& name, std::size_t rounds)
 //------------------------------------------------------------------------------
 Row* Group::FindRow(const std::string& name)
 {
-  const auto found = std::find_if(this->Rows.begin(), this->Rows.end(),
-    [&name](const Row& row) { return row.Name == name; });
+  const auto found = std::find_if(
+    this->Rows.begin(), this->Rows.end(), [&name](const Row& row) { return row.Name == name; });
   return found == this->Rows.end() ? nullptr : &*found;
 }
 

@@ -14,8 +14,8 @@
 #include "vtkLight.h"
 #include "vtkMath.h"
 #include "vtkPiecewiseFunction.h"
-#include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
+#include "vtkRenderWindow.h"
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
 #include "vtkXMLImageDataReader.h"
@@ -103,10 +103,10 @@ void Deform(vtkFFDLattice* lattice, vtkImageData* image, const Deformation& defo
   const double magnitude = deformation.Magnitude;
   // Not std::uniform_real_distribution: its numbers differ between standard libraries.
   std::mt19937 generator(3);
-  const auto uniform = [&generator]
-  { return 2.0 * static_cast<double>(generator()) / 4294967295.0 - 1.0; };
-  const auto halfCosine = [&bounds](const double p[3], int axis)
-  {
+  const auto uniform = [&generator] {
+    return 2.0 * static_cast<double>(generator()) / 4294967295.0 - 1.0;
+  };
+  const auto halfCosine = [&bounds](const double p[3], int axis) {
     const double length = bounds[2 * axis + 1] - bounds[2 * axis];
     return std::cos(vtkMath::Pi() * ((p[axis] - bounds[2 * axis]) / length - 0.5));
   };
@@ -120,8 +120,8 @@ void Deform(vtkFFDLattice* lattice, vtkImageData* image, const Deformation& defo
         lattice->GetRestPoint(i, j, k, p);
         if (deformation.Form == Shape::Smooth)
         {
-          lattice->SetDisplacement(i, j, k, magnitude * halfCosine(p, 2),
-            22.0 / 45.0 * magnitude * halfCosine(p, 0), 0.0);
+          lattice->SetDisplacement(
+            i, j, k, magnitude * halfCosine(p, 2), 22.0 / 45.0 * magnitude * halfCosine(p, 0), 0.0);
         }
         else if (deformation.Form == Shape::Random)
         {
@@ -220,10 +220,7 @@ Stage::Stage(int size, vtkImageData* image)
 Stage::~Stage() = default;
 
 //------------------------------------------------------------------------------
-vtkRenderer* Stage::GetRenderer()
-{
-  return this->Renderer;
-}
+vtkRenderer* Stage::GetRenderer() { return this->Renderer; }
 
 //------------------------------------------------------------------------------
 vtkVolume* Stage::AddVolume(vtkVolumeMapper* mapper, vtkVolumeProperty* property)

@@ -154,7 +154,8 @@ std::shared_ptr<void> PrepareFrames(
 {
   auto scene = std::make_shared<FrameScene>(settings, ReadVolume(folder, settings.VolumeName));
   Stage* stage = &scene->View;
-  const auto drawing = [stage](vtkVolume* volume) { return [stage, volume] { stage->Draw(volume); }; };
+  const auto drawing = [stage](
+                         vtkVolume* volume) { return [stage, volume] { stage->Draw(volume); }; };
 
   Row* fixedPoint = group.FindRow("fixedpoint");
   Row* identity = group.FindRow("identity");
@@ -321,16 +322,14 @@ std::shared_ptr<void> PrepareDrags(Group& group, int side, const std::string& fo
       continue;
     }
     auto oracle = MakeOracle(s->Image, s->Lattice, variant.How);
-    const auto expected =
-      s->View.DrawAndCapture(s->View.AddVolume(oracle, s->Property));
+    const auto expected = s->View.DrawAndCapture(s->View.AddVolume(oracle, s->Property));
     auto lattice = vtkSmartPointer<vtkFFDLattice>::New();
     lattice->DeepCopy(s->Lattice);
     auto mapper = MakeMapper(s->Image, lattice, variant.How);
     vtkVolume* volume = s->View.AddVolume(mapper, s->Property);
     const auto picture = DrawAndCount(s->View, mapper, volume, s->Image, *row);
     Judge(row, s->View, picture, "the reference kernels", expected, variant.Allowed);
-    row->Run = [s, volume, lattice, step = 0]() mutable
-    {
+    row->Run = [s, volume, lattice, step = 0]() mutable {
       double d[3];
       lattice->GetDisplacement(Dragged, Dragged, Dragged, d);
       lattice->SetDisplacement(Dragged, Dragged, Dragged, s->Move(step), d[1], d[2]);
@@ -357,8 +356,7 @@ std::shared_ptr<void> PrepareDrags(Group& group, int side, const std::string& fo
     Judge(row, s->View, s->View.DrawAndCapture(volume), "ours in PULL_BACK mode", expected,
       ResampleTolerance);
     row->Counters["resampled_voxels"] = route->GetNumberOfVoxels();
-    row->Run = [s, volume, route, point, step = 0]() mutable
-    {
+    row->Run = [s, volume, route, point, step = 0]() mutable {
       route->SetDisplacement(point, s->Move(step));
       s->View.Draw(volume);
     };
@@ -387,10 +385,10 @@ std::shared_ptr<void> PrepareEdits(Group& group, int side, const std::string& fo
     vtkVolume* volume = s->View.AddVolume(mapper, property);
     s->View.Draw(volume);
     row.Counters["auxiliary_percent"] = GetAuxiliaryPercent(mapper, s->Image);
-    const auto draw = [s, mapper, volume]
-    { mapper->RenderToImage(s->View.GetRenderer(), volume, 16, 16, s->Picture); };
-    auto editLattice = [s, lattice, step = 0]() mutable
-    {
+    const auto draw = [s, mapper, volume] {
+      mapper->RenderToImage(s->View.GetRenderer(), volume, 16, 16, s->Picture);
+    };
+    auto editLattice = [s, lattice, step = 0]() mutable {
       double d[3];
       lattice->GetDisplacement(Dragged, Dragged, Dragged, d);
       lattice->SetDisplacement(Dragged, Dragged, Dragged, s->Move(step), d[1], d[2]);
@@ -401,8 +399,7 @@ std::shared_ptr<void> PrepareEdits(Group& group, int side, const std::string& fo
     }
     else if (row.Name == "transfer_edit")
     {
-      row.Run = [draw, property, step = 0]() mutable
-      {
+      row.Run = [draw, property, step = 0]() mutable {
         double node[4];
         vtkPiecewiseFunction* opacity = property->GetScalarOpacity();
         opacity->GetNodeValue(1, node);
@@ -413,16 +410,14 @@ std::shared_ptr<void> PrepareEdits(Group& group, int side, const std::string& fo
     }
     else if (row.Name == "lattice_edit")
     {
-      row.Run = [draw, editLattice]() mutable
-      {
+      row.Run = [draw, editLattice]() mutable {
         editLattice();
         draw();
       };
     }
     else if (row.Name == "bounds")
     {
-      row.Run = [mapper, editLattice]() mutable
-      {
+      row.Run = [mapper, editLattice]() mutable {
         editLattice();
         mapper->GetBounds();
       };
@@ -469,17 +464,14 @@ std::shared_ptr<void> PrepareLimit(Group& group, const std::string& folder)
         samples += GatherRow(s->Gather, i, s->Checksum);
       }
       row.Counters["samples"] = static_cast<double>(samples);
-      row.Run = [s, rows]
-      {
+      row.Run = [s, rows] {
         vtkSMPThreadLocal<float> sums;
-        vtkSMPTools::For(0, rows, 1,
-          [s, &sums](vtkIdType first, vtkIdType last)
+        vtkSMPTools::For(0, rows, 1, [s, &sums](vtkIdType first, vtkIdType last) {
+          for (vtkIdType i = first; i < last; ++i)
           {
-            for (vtkIdType i = first; i < last; ++i)
-            {
-              GatherRow(s->Gather, static_cast<int>(i), sums.Local());
-            }
-          });
+            GatherRow(s->Gather, static_cast<int>(i), sums.Local());
+          }
+        });
         for (float sum : sums)
         {
           s->Checksum += sum;
@@ -496,8 +488,9 @@ std::shared_ptr<void> PrepareLimit(Group& group, const std::string& folder)
     vtkVolume* volume = s->View.AddVolume(mapper, property);
     DrawAndCount(s->View, mapper, volume, s->Image, row);
     row.Counters["samples"] = row.Counters["rays"] * row.Counters["samples_per_ray"];
-    row.Run = [s, mapper, volume]
-    { mapper->RenderToImage(s->View.GetRenderer(), volume, 512, 512, s->Picture); };
+    row.Run = [s, mapper, volume] {
+      mapper->RenderToImage(s->View.GetRenderer(), volume, 512, 512, s->Picture);
+    };
   }
   return scene;
 }
@@ -508,15 +501,13 @@ std::shared_ptr<void> PrepareLimit(Group& group, const std::string& folder)
 std::vector<std::unique_ptr<Group>> MakeGroups(const Options& options)
 {
   const std::string folder = options.DataFolder;
-  const auto rounds = [&options](std::size_t ownQuick, std::size_t ownFull)
-  {
+  const auto rounds = [&options](std::size_t ownQuick, std::size_t ownFull) {
     return options.Rounds > 0 ? static_cast<std::size_t>(options.Rounds)
                               : (options.Quick ? ownQuick : ownFull);
   };
   std::vector<std::unique_ptr<Group>> groups;
   const auto add = [&groups](const std::string& name, Group::Preparation prepare,
-                     const std::vector<std::pair<std::string, std::size_t>>& rows)
-  {
+                     const std::vector<std::pair<std::string, std::size_t>>& rows) {
     auto group = std::make_unique<Group>(name, std::move(prepare));
     for (const auto& row : rows)
     {
@@ -527,8 +518,7 @@ std::vector<std::unique_ptr<Group>> MakeGroups(const Options& options)
       groups.push_back(std::move(group));
     }
   };
-  const auto addFrames = [&](const FrameSettings& settings, bool slowOnes)
-  {
+  const auto addFrames = [&](const FrameSettings& settings, bool slowOnes) {
     const std::string name = "Frame/" + settings.VolumeName + "/" +
       std::string(GetName(settings.Setting)) + "/" + std::to_string(settings.Size) + "/" +
       GetName(settings.Shape);
@@ -576,20 +566,17 @@ std::vector<std::unique_ptr<Group>> MakeGroups(const Options& options)
   for (int side : sides)
   {
     const std::size_t slow = rounds(2, side < 512 ? 5 : 2);
-    add(
-      "Drag/" + std::to_string(side),
+    add("Drag/" + std::to_string(side),
       [side, folder](Group& group) { return PrepareDrags(group, side, folder); },
-      { { "exact", rounds(5, 11) }, { "firstorder", rounds(5, 11) },
-        { "pullback", rounds(5, 11) }, { "bspline", slow }, { "grid", slow } });
+      { { "exact", rounds(5, 11) }, { "firstorder", rounds(5, 11) }, { "pullback", rounds(5, 11) },
+        { "bspline", slow }, { "grid", slow } });
     const std::size_t quick = rounds(11, 25);
-    add(
-      "Edit/" + std::to_string(side),
+    add("Edit/" + std::to_string(side),
       [side, folder](Group& group) { return PrepareEdits(group, side, folder); },
       { { "tiny_frame", quick }, { "transfer_edit", quick }, { "lattice_edit", quick },
         { "bounds", quick } });
   }
-  add(
-    "Limit", [folder](Group& group) { return PrepareLimit(group, folder); },
+  add("Limit", [folder](Group& group) { return PrepareLimit(group, folder); },
     { { "gather", rounds(5, 11) }, { "unshaded_identity", rounds(3, 11) },
       { "unshaded_smooth45", rounds(3, 11) }, { "shaded_identity", rounds(3, 11) },
       { "shaded_smooth45", rounds(3, 11) } });

@@ -37,8 +37,7 @@ std::size_t GatherRowOnTarget(const GatherVolume& volume, int row, float& checks
   const float startY = -StepY * static_cast<float>(samples) + 1.0f + static_cast<float>(4 * row);
   const auto* bytes = reinterpret_cast<const std::int32_t*>(volume.Voxels);
   const I low = hn::Set(di, 255);
-  const auto pair = [&](I offset, V fx)
-  {
+  const auto pair = [&](I offset, V fx) {
     // One gather fetches two neighbours along x.
     const I both = hn::GatherOffset(di, bytes, offset);
     const V a = hn::ConvertTo(d, hn::And(both, low));
@@ -65,8 +64,8 @@ std::size_t GatherRowOnTarget(const GatherVolume& volume, int row, float& checks
       const V fx = hn::Sub(x, hn::ConvertTo(d, ix));
       const V fy = hn::Sub(y, hn::ConvertTo(d, iy));
       const V fz = hn::Sub(z, hn::ConvertTo(d, iz));
-      const I offset = hn::Add(
-        ix, hn::Add(hn::Mul(iy, hn::Set(di, nx)), hn::Mul(iz, hn::Set(di, nx * ny))));
+      const I offset =
+        hn::Add(ix, hn::Add(hn::Mul(iy, hn::Set(di, nx)), hn::Mul(iz, hn::Set(di, nx * ny))));
       const V v00 = pair(offset, fx);
       const V v10 = pair(hn::Add(offset, hn::Set(di, nx)), fx);
       const V v01 = pair(hn::Add(offset, hn::Set(di, nx * ny)), fx);
@@ -84,10 +83,7 @@ std::size_t GatherRowOnTarget(const GatherVolume& volume, int row, float& checks
   return count;
 }
 
-const char* TargetName()
-{
-  return hwy::TargetName(HWY_TARGET);
-}
+const char* TargetName() { return hwy::TargetName(HWY_TARGET); }
 
 } // namespace HWY_NAMESPACE
 } // namespace ffdBenchmark
@@ -114,10 +110,7 @@ int GetNumberOfGatherRows(const GatherVolume& volume)
 }
 
 //------------------------------------------------------------------------------
-const char* GetGatherTarget()
-{
-  return HWY_DYNAMIC_DISPATCH(TargetName)();
-}
+const char* GetGatherTarget() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }
 
 } // namespace ffdBenchmark
 #endif

@@ -52,7 +52,12 @@ void Report(benchmark::State& state, Group* group, const std::string& name, std:
   state.counters["cpu_ms"] = 1e3 * row->CpuSeconds[round];
   for (const auto& counter : row->Counters)
   {
-    state.counters[counter.first] = counter.second;
+    // Counters of zero are left out: Google Benchmark divides by them for its coefficient of
+    // variation, and writes a NaN that no JSON parser has to take.
+    if (std::isfinite(counter.second) && counter.second != 0.0)
+    {
+      state.counters[counter.first] = counter.second;
+    }
   }
 }
 
@@ -78,14 +83,14 @@ void Register(const std::vector<std::unique_ptr<Group>>& groups)
 }
 
 //------------------------------------------------------------------------------
-std::string Cell(double value, const char* format)
+std::string Cell(double value, int decimals)
 {
   if (std::isnan(value))
   {
     return "-";
   }
   char text[64];
-  std::snprintf(text, sizeof(text), format, value);
+  std::snprintf(text, sizeof(text), "%.*f", decimals, value);
   return text;
 }
 
@@ -146,20 +151,19 @@ int PrintTable(const std::vector<std::unique_ptr<Group>>& groups)
         ++refused;
         continue;
       }
-      const auto ratio = [&group, &row](const char* by)
-      {
+      const auto ratio = [&group, &row](const char* by) {
         const double wall = group->GetRatio(row.Name, by);
-        return std::isnan(wall) ? std::string()
-                                : Cell(wall, "%.3f") +
-            Cell(GetCpuRatio(*group, row, by), " (%.3f)");
+        return std::isnan(wall)
+          ? std::string()
+          : Cell(wall, 3) + " (" + Cell(GetCpuRatio(*group, row, by), 3) + ")";
       };
       std::printf("  %-18s %10.3f %10.3f  %-16s %-16s %8s %8s %8s %8s %7s\n", row.Name.c_str(),
         1e3 * row.GetMedian(), 1e3 * row.GetCpuMedian(), ratio(references.first).c_str(),
-        ratio(references.second).c_str(), Cell(GetCounter(row, "samples_per_ray"), "%.2f").c_str(),
-        Cell(GetCounter(row, "lookups_per_ray"), "%.2f").c_str(),
-        Cell(GetCounter(row, "evaluations_per_ray"), "%.2f").c_str(),
-        Cell(GetCounter(row, "segment_length"), "%.2f").c_str(),
-        Cell(GetCounter(row, "image_mean_difference"), "%.3f").c_str());
+        ratio(references.second).c_str(), Cell(GetCounter(row, "samples_per_ray"), 2).c_str(),
+        Cell(GetCounter(row, "lookups_per_ray"), 2).c_str(),
+        Cell(GetCounter(row, "evaluations_per_ray"), 2).c_str(),
+        Cell(GetCounter(row, "segment_length"), 2).c_str(),
+        Cell(GetCounter(row, "image_mean_difference"), 3).c_str());
     }
   }
   return refused;
@@ -195,8 +199,7 @@ void PrintTargets(const std::vector<std::unique_ptr<Group>>& groups)
       {
         for (const char* row : { "exact", "firstorder" })
         {
-          PrintTarget(
-            name + " " + row + " / fixedpoint", group->GetRatio(row, "fixedpoint"), 0.45);
+          PrintTarget(name + " " + row + " / fixedpoint", group->GetRatio(row, "fixedpoint"), 0.45);
           PrintTarget(name + " " + row + " / identity", group->GetRatio(row, "identity"), 1.6);
         }
       }
