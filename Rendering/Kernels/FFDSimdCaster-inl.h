@@ -331,28 +331,12 @@ private:
 
   HWY_NOINLINE Vec3 GradientAtBorder(const Vec3& q, Mf border, const Vec3& gradient) const
   {
-    const Df d;
-    HWY_ALIGN float x[16], y[16], z[16], gx[16], gy[16], gz[16], flag[16];
-    hn::Store(q.x, d, x);
-    hn::Store(q.y, d, y);
-    hn::Store(q.z, d, z);
-    hn::Store(gradient.x, d, gx);
-    hn::Store(gradient.y, d, gy);
-    hn::Store(gradient.z, d, gz);
-    hn::Store(hn::IfThenElseZero(border, Splat(1.0f)), d, flag);
-    for (std::size_t i = 0; i < hn::Lanes(d); ++i)
-    {
-      if (flag[i] != 0.0f)
-      {
-        const glm::dvec3 g =
-          this->Scene.Reference.Gradient(this->Scene.Source->Volume, glm::dvec3(x[i], y[i], z[i])) *
-          this->Scene.Volume.Scale; // as fetched: squares of huge or tiny scalars are no floats
-        gx[i] = static_cast<float>(g.x);
-        gy[i] = static_cast<float>(g.y);
-        gz[i] = static_cast<float>(g.z);
-      }
-    }
-    return { hn::Load(d, gx), hn::Load(d, gy), hn::Load(d, gz) };
+    // Scaled as fetched: squares of huge or tiny scalars are no floats.
+    return ReplaceLanes(border, q, gradient,
+      [&](const glm::dvec3& at) {
+        return this->Scene.Reference.Gradient(this->Scene.Source->Volume, at) *
+          this->Scene.Volume.Scale;
+      });
   }
 
   /// Colour of a lit sample: the normal is J_Phi^T grad f, with J_Phi from the tile's own grid.

@@ -145,30 +145,16 @@ HWY_INLINE Vec3 PullBackLanes(
   const Mf stuck = hn::AndNot(converged, active);
   if (HWY_UNLIKELY(!hn::AllFalse(d, stuck)))
   {
-    HWY_ALIGN float px[16], py[16], pz[16], qx[16], qy[16], qz[16], flag[16];
-    hn::Store(p.x, d, px);
-    hn::Store(p.y, d, py);
-    hn::Store(p.z, d, pz);
-    hn::Store(q.x, d, qx);
-    hn::Store(q.y, d, qy);
-    hn::Store(q.z, d, qz);
-    hn::Store(hn::IfThenElseZero(stuck, Splat(1.0f)), d, flag);
-    for (std::size_t i = 0; i < hn::Lanes(d); ++i)
-    {
-      if (flag[i] != 0.0f)
+    q = ReplaceLanes(stuck, p, q,
+      [&](const glm::dvec3& point)
       {
         PullBackStatus status;
         const glm::dvec3 rest =
-          scene.Source->Map->Evaluate(scene.Centre + glm::dvec3(px[i], py[i], pz[i]), status) -
-          scene.Centre;
+          scene.Source->Map->Evaluate(scene.Centre + point, status) - scene.Centre;
         statistics.Evaluations += status.Evaluations;
         statistics.Unconverged += status.Converged ? 0 : 1;
-        qx[i] = static_cast<float>(rest.x);
-        qy[i] = static_cast<float>(rest.y);
-        qz[i] = static_cast<float>(rest.z);
-      }
-    }
-    q = { hn::Load(d, qx), hn::Load(d, qy), hn::Load(d, qz) };
+        return rest;
+      });
   }
   return q;
 }
