@@ -334,7 +334,9 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateTransferTable(
   }
   const bool integers = this->Volume.Type != ffd::ScalarType::Float32 &&
     this->Volume.Type != ffd::ScalarType::Float64;
-  if (!ffd::MakeTransferTable(property, this->Blocks.GetRange(), integers, this->Table, message))
+  const bool roundUp = integers && property->GetInterpolationType() == VTK_LINEAR_INTERPOLATION;
+  if (!ffd::MakeTransferTable(
+        property, this->Blocks.GetRange(), roundUp, integers, this->Table, message))
   {
     return false;
   }

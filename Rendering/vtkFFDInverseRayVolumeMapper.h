@@ -27,6 +27,15 @@
  * mode: composite. Everything else is refused with an error that says what is wrong; the rest of
  * the scene still renders.
  *
+ * With linear interpolation whole numbers (scalars of an integer type) are classified half a unit
+ * higher than they are interpolated, the least scalar excepted. On average that is what
+ * vtkFixedPointVolumeRayCastMapper does, which rounds them up, so pictures stay what they were when
+ * it is replaced. Convert to float scalars where that matters.
+ *
+ * A headlight shines from the position of the camera, in parallel projection, too, as that of
+ * vtkGPUVolumeRayCastMapper does, and a single one lights the ambient term whatever its ambient
+ * colour.
+ *
  * Lengths are in world units unless said otherwise; "voxel" as a unit of length is the shortest
  * voxel edge in world units.
  *

@@ -29,7 +29,7 @@ namespace
 {
 
 /// Entries of a transfer table: at least, and at most (then it takes 320 kB).
-constexpr int SmallestTable = 4096;
+constexpr int SmallestTable = 1024;
 constexpr int LargestTable = 16384;
 
 bool FindScalarType(int vtkType, std::size_t size, ScalarType& type)
@@ -221,7 +221,7 @@ bool MakeVolumeView(
 
 //------------------------------------------------------------------------------
 bool MakeTransferTable(vtkVolumeProperty* property, const MinMaxBlocks::Limits& range,
-  bool integers, TransferTable& table, std::string& message)
+  bool roundUp, bool integers, TransferTable& table, std::string& message)
 {
   vtkPiecewiseFunction* opacity = property->GetScalarOpacity(0);
   const bool gray = property->GetColorChannels(0) == 1;
@@ -249,6 +249,11 @@ bool MakeTransferTable(vtkVolumeProperty* property, const MinMaxBlocks::Limits& 
     return false;
   }
 
+  // What scalar the functions are asked for. Never more than the least scalar where that is what
+  // the voxels hold: it is the background, and stays as transparent as it is.
+  const double up = roundUp ? 0.5 : 0.0;
+  const auto classified = [&](double x) { return x + std::min(up, std::max(0.0, x - range.Min)); };
+
   double lo = range.Min;
   double hi = range.Max;
   // Beyond their last points clamped functions are constant: spend no entries there, so that a
@@ -261,7 +266,7 @@ bool MakeTransferTable(vtkVolumeProperty* property, const MinMaxBlocks::Limits& 
     const double* colours = gray ? grayTransfer->GetRange() : colour->GetRange();
     const double first = std::min(points[0], colours[0]);
     const double last = std::max(points[1], colours[1]);
-    lo = std::min(std::max(lo, first), hi);
+    lo = std::min(std::max(lo, first - up), hi);
     hi = std::max(std::min(hi, last), lo);
   }
   if (!(hi - lo > 1e-12 * std::max(std::abs(lo), std::abs(hi))))
@@ -288,11 +293,11 @@ bool MakeTransferTable(vtkVolumeProperty* property, const MinMaxBlocks::Limits& 
 
   std::vector<float> opacities(static_cast<std::size_t>(size));
   std::vector<float> colours(3 * static_cast<std::size_t>(size));
-  opacity->GetTable(lo, hi, size, opacities.data());
+  opacity->GetTable(lo + up, hi + up, size, opacities.data());
   if (gray)
   {
     std::vector<float> grays(static_cast<std::size_t>(size));
-    grayTransfer->GetTable(lo, hi, size, grays.data());
+    grayTransfer->GetTable(lo + up, hi + up, size, grays.data());
     for (std::size_t i = 0; i < grays.size(); ++i)
     {
       std::fill_n(&colours[3 * i], 3, grays[i]);
@@ -300,7 +305,26 @@ bool MakeTransferTable(vtkVolumeProperty* property, const MinMaxBlocks::Limits& 
   }
   else
   {
-    colour->GetTable(lo, hi, size, colours.data());
+    colour->GetTable(lo + up, hi + up, size, colours.data());
+  }
+  for (int i = 0; i < size; ++i)
+  {
+    const double x = lo + (hi - lo) * i / (size - 1);
+    if (x >= range.Min + up)
+    {
+      break;
+    }
+    double rgb[3];
+    if (gray)
+    {
+      std::fill_n(rgb, 3, grayTransfer->GetValue(classified(x)));
+    }
+    else
+    {
+      colour->GetColor(classified(x), rgb);
+    }
+    std::copy_n(rgb, 3, &colours[3 * static_cast<std::size_t>(i)]);
+    opacities[static_cast<std::size_t>(i)] = static_cast<float>(opacity->GetValue(classified(x)));
   }
   table = TransferTable(
     lo, hi, static_cast<std::size_t>(size), colours.data(), opacities.data(), unit);
@@ -319,6 +343,9 @@ CameraView MakeCameraView(vtkRenderer* renderer, const glm::ivec2& viewport,
   view.ImageSize = size;
   view.NdcPerPixel = 2.0 * step / glm::dvec2(viewport);
   view.NdcOrigin = 2.0 * glm::dvec2(origin) / glm::dvec2(viewport) - 1.0;
+  const double* eye = camera->GetPosition();
+  view.Eye = glm::dvec3(eye[0], eye[1], eye[2]);
+  view.Parallel = camera->GetParallelProjection() != 0;
   return view;
 }
 

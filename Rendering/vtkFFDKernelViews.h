@@ -35,9 +35,14 @@ glm::dmat4 ToMatrix(vtkMatrix4x4* matrix);
 bool MakeVolumeView(
   vtkImageData* image, vtkDataArray* scalars, VolumeView& view, std::string& message);
 
-/// Transfer table of a property's first component over the scalar range of the volume.
+/**
+ * Transfer table of a property's first component over the scalar range of the volume. `integers`:
+ * entries are to meet whole numbers. `roundUp`: interpolated scalars are classified half a unit
+ * higher, which is on average what vtkFixedPointVolumeRayCastMapper's rounding up to whole numbers
+ * comes to.
+ */
 bool MakeTransferTable(vtkVolumeProperty* property, const MinMaxBlocks::Limits& range,
-  bool integers, TransferTable& table, std::string& message);
+  bool roundUp, bool integers, TransferTable& table, std::string& message);
 
 /**
  * Camera of a renderer for an image of `viewport` pixels (the whole viewport) of which the pixels

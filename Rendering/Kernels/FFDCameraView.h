@@ -35,6 +35,10 @@ struct CameraView
   /// Normalized device coordinates of the lower left corner of pixel (0, 0), and of one pixel.
   glm::dvec2 NdcOrigin{ -1.0 };
   glm::dvec2 NdcPerPixel{ 0.0 };
+  /// Where the camera is, world coordinates: lights and highlights are seen from there, by parallel
+  /// projection, too (as vtkGPUVolumeRayCastMapper does).
+  glm::dvec3 Eye{ 0.0 };
+  bool Parallel = false;
 
   /// The ray through image position (x, y); pixel (i, j) has its centre at (i + 0.5, j + 0.5).
   ViewRay MakeRay(double x, double y) const
@@ -47,6 +51,14 @@ struct CameraView
     ray.Far = glm::length(far - near);
     ray.Direction = (far - near) / ray.Far;
     return ray;
+  }
+
+  /// Unit vector from a point of a ray to the camera.
+  glm::dvec3 ToEye(const ViewRay& ray, const glm::dvec3& world) const
+  {
+    const glm::dvec3 path = this->Eye - world;
+    const double distance = glm::length(path);
+    return this->Parallel && distance > 0.0 ? path / distance : -ray.Direction;
   }
 
   /// World position of normalized device coordinates (z: -1 near, 1 far).

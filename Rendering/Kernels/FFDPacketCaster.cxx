@@ -45,6 +45,11 @@ void CastTileOfAnyType(
   }
 }
 
+void FindInverseGuessOf(PacketScene& scene)
+{
+  FindInverseGuess(scene);
+}
+
 } // namespace HWY_NAMESPACE
 } // namespace ffd
 HWY_AFTER_NAMESPACE();
@@ -62,6 +67,10 @@ namespace
 {
 
 HWY_EXPORT(CastTileOfAnyType);
+HWY_EXPORT(FindInverseGuessOf);
+
+/// Nodes per axis of the field that guesses the inverse, at most.
+constexpr double LargestGuess = 16.0;
 
 /// Offsets of the packet kernels are 32-bit numbers of bytes.
 constexpr double LargestVolume = 2147483647.0;
@@ -176,6 +185,15 @@ PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings)
   // Single precision cannot tell residuals smaller than this.
   const double resolution = 2e-6 * glm::length(bounds.Max - bounds.Min);
   p.Tolerance = static_cast<float>(std::max(scene.Map->GetTolerance(), resolution));
+  if (!p.Identity &&
+    (p.Kind == PullBackKind::Exact || p.Kind == PullBackKind::FirstOrderOfInverse))
+  {
+    const glm::dvec3 half = 0.5 * (bounds.Max - bounds.Min);
+    const glm::dvec3 spacing =
+      glm::max(glm::abs(scene.Map->GetField()->GetSpacing()), 2.0 * half / LargestGuess);
+    p.InverseGuess.CoverBox(-half, half, spacing);
+    HWY_DYNAMIC_DISPATCH(FindInverseGuessOf)(p);
+  }
 
   CopyRows(v.DataToIndex, p.LocalToIndex);
   Copy(v.ToIndex(p.Centre), p.IndexOffset);
@@ -203,6 +221,8 @@ PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings)
   p.Specular = scene.Material.Specular;
   p.SpecularPower = scene.Material.SpecularPower;
   const glm::dvec3 worldCentre(scene.DataToWorld * glm::dvec4(p.Centre, 1.0));
+  p.Parallel = scene.Camera.Parallel;
+  Copy(scene.Camera.Eye - worldCentre, p.Eye);
   for (const Light& light : scene.Material.Lights)
   {
     p.Lights.push_back(MakePacketLight(light, worldCentre));

@@ -51,19 +51,21 @@ struct PacketScene
   bool Identity = false;
   PullBackKind Kind = PullBackKind::Exact;
   PacketField Field;
+  PacketField InverseGuess; ///< about T^-1(P) - P, where Newton's method starts
   float Tolerance = 0.0f;   ///< of the inverse, data units
   glm::dvec3 Centre{ 0.0 }; ///< data coordinates
   float LocalToIndex[9] = {};
   float IndexOffset[3] = {};
   float IndexToWorld[9] = {};
   float LocalToWorld[9] = {};
-  float LocalToWorldOffset[3] = {}; ///< local origin, world less WorldCentre
   float GradientToRest[9] = {};     ///< by index coordinates to by data coordinates
   float GradientToWorld[9] = {};    ///< by data coordinates to by world coordinates
 
   glm::dmat4 NdcToLocal{ 1.0 };
   float BoundsMin[3] = {}; ///< deformed bounds, local
   float BoundsMax[3] = {};
+  bool Parallel = false;
+  float Eye[3] = {}; ///< world coordinates less WorldCentre
 
   const unsigned char* Distances = nullptr;
   int Blocks[3] = {};
@@ -96,6 +98,7 @@ struct PacketScratch
   TileSpans Spans;
   std::vector<int> LayerSlots; ///< by fine parameter index: number of the layer, or -1
   std::vector<TileLayer> Layers;
+  std::vector<unsigned char> EmptySpans; ///< of the tile, as far as known (TileBeam)
   std::array<float, 9 * 256> Rays; ///< origin, direction (local), from, to, image position
   CastStatistics Statistics;
 };

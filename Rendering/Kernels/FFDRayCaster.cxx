@@ -239,8 +239,9 @@ private:
         ? -gradient / magnitude
         : glm::dvec3(0.0);
       const ViewRay& view = this->ViewingRay.World;
-      colour = scene.Material.Shade(
-        colour, view.Origin + t * view.Direction, normal, -view.Direction);
+      const glm::dvec3 position = view.Origin + t * view.Direction;
+      colour =
+        scene.Material.Shade(colour, position, normal, scene.Camera.ToEye(view, position));
     }
     const float transmittance =
       this->Caster.Transmittance(sample.Extinction * static_cast<float>(length));

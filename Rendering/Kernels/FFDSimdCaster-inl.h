@@ -49,14 +49,23 @@ struct PacketPiece
   }
 };
 
+/// Samples of a piece: at s = n * Ds for whole numbers n, First <= n < Stop.
+struct PacketSchedule
+{
+  Vf Ds;
+  Vf First;
+  Vf Stop;
+};
+
 template <class T>
 class Packet
 {
 public:
-  Packet(const PacketScene& scene, TileGrid& grid, PacketScratch& scratch, const RayPacket& rays,
-    Vf nodeX, Vf nodeY, Mf active)
+  Packet(const PacketScene& scene, TileGrid& grid, TileBeam& beam, PacketScratch& scratch,
+    const RayPacket& rays, Vf nodeX, Vf nodeY, Mf active)
     : Scene(scene)
     , Grid(grid)
+    , Beam(beam)
     , Scratch(scratch)
     , Rays(rays)
     , Alive(active)
@@ -79,17 +88,36 @@ public:
     const float to = LargestLane(hn::IfThenElse(this->Alive, this->Rays.To, hn::Neg(big)));
     const int last = static_cast<int>(std::floor(to / spanLength));
     const int stepsPerSpan = this->Grid.GetStepsPerSpan();
+    if (this->Scene.Identity)
+    {
+      // Straight rays are one piece from end to end.
+      PacketPiece piece;
+      piece.Step =
+        (static_cast<int>(std::floor(from / spanLength)) - spans.GetFirst()) * stepsPerSpan;
+      piece.T0 = this->Grid.TimeOf(piece.Step);
+      piece.Dt = spanLength * static_cast<float>(last + 1) - piece.T0;
+      piece.Start = this->PositionAt(piece.Step, false, this->Alive);
+      piece.Linear = Transform(this->Scene.LocalToIndex, Scale(Splat(piece.Dt), this->Rays.Direction));
+      piece.Quadratic = this->Out.Colour;
+      this->CountPiece(piece, this->Alive);
+      this->Integrate(piece, this->Schedule(piece, Splat(piece.Dt)), this->Alive);
+      return;
+    }
     const bool lipschitz = this->Scene.Settings.Leaping == SpaceLeaping::Lipschitz;
-    const float guard =
-      static_cast<float>(2.0 * this->Scene.Settings.InverseTolerance) + LeapGuard;
-
-    PacketSlack slack;
+    LeapSlack slack;
     int nodeStep = -1;
     bool nodeLateral = false;
     Vec3 node = this->Out.Colour;
     for (int index = static_cast<int>(std::floor(from / spanLength)); index <= last; ++index)
     {
+      if (lipschitz && this->Beam.IsEmpty(index))
+      {
+        slack.Clear();
+        continue;
+      }
       const TileSpans::Span& span = spans.Get(index);
+      const float guard = FindLeapGuard(this->Scene, span);
+      const float guards[3] = { guard, guard, guard };
       const float velocityMin[3] = { static_cast<float>(span.VelocityMin.x),
         static_cast<float>(span.VelocityMin.y), static_cast<float>(span.VelocityMin.z) };
       const float velocityMax[3] = { static_cast<float>(span.VelocityMax.x),
@@ -126,8 +154,7 @@ public:
           node = this->PositionAt(piece.Step, span.Lateral, ahead);
         }
         if (canLeap &&
-          slack.Find(this->Scene, node, ahead, static_cast<float>(span.PositionError) + guard,
-            this->Scratch.Statistics) &&
+          slack.Find(this->Scene, node, ahead, guards, this->Scratch.Statistics) &&
           slack.Pass(velocityMin, velocityMax, piece.Dt))
         {
           nodeStep = -1;
@@ -141,7 +168,10 @@ public:
         // 4 middle - 3 start - end
         piece.Linear = Sub(MulAdd(Splat(4.0f), middle, Scale(Splat(-3.0f), node)), end);
         piece.Quadratic = Sub(Sub(end, node), piece.Linear);
-        this->Integrate(piece, middle, end, inRange);
+        this->CountPiece(piece, inRange);
+        const Vf length = hn::Add(
+          this->LengthOf(Sub(middle, node)), this->LengthOf(Sub(end, middle)));
+        this->Integrate(piece, this->Schedule(piece, length), inRange);
         node = end;
         nodeStep = piece.Step + steps;
         nodeLateral = span.Lateral;
@@ -154,8 +184,6 @@ public:
   }
 
 private:
-  static constexpr float LeapGuard = 2e-3f; // rounding errors, index units
-
   /// Index coordinates of every ray at a fine step.
   HWY_INLINE Vec3 PositionAt(int step, bool lateral, Mf lanes)
   {
@@ -179,78 +207,104 @@ private:
     return hn::Sqrt(Dot(world, world));
   }
 
-  void Integrate(const PacketPiece& piece, const Vec3& middle, const Vec3& end, Mf lanes)
+  HWY_INLINE void CountPiece(const PacketPiece& piece, Mf lanes)
   {
-    const Df d;
     CastStatistics& statistics = this->Scratch.Statistics;
-    const int rays = static_cast<int>(hn::CountTrue(d, lanes));
+    const int rays = static_cast<int>(hn::CountTrue(Df(), lanes));
     statistics.Segments += rays;
     statistics.SegmentLength += rays * (piece.Dt / this->Scene.Source->VoxelSize);
+  }
 
-    // As ScheduleEvenly, a schedule a lane.
-    const Vf length = hn::Add(this->LengthOf(Sub(middle, piece.Start)),
-      this->LengthOf(Sub(end, middle)));
+  /// As ScheduleEvenly, a schedule a lane. `length`: of the piece in rest space, world units.
+  HWY_INLINE PacketSchedule Schedule(const PacketPiece& piece, Vf length) const
+  {
+    const Vf zero = hn::Zero(Df());
     const Vf one = Splat(1.0f);
     const float inverseDistance = static_cast<float>(1.0 / this->Scene.Settings.SampleDistance);
     const Vf count = hn::Max(one, hn::Round(hn::Mul(length, Splat(inverseDistance))));
-    const Vf ds = hn::Div(one, count);
     const Vf t0 = Splat(piece.T0);
     const Vf inverseDt = Splat(1.0f / piece.Dt);
-    const Vf sFrom = hn::Max(hn::Mul(hn::Sub(this->Rays.From, t0), inverseDt), hn::Zero(d));
+    const Vf sFrom = hn::Max(hn::Mul(hn::Sub(this->Rays.From, t0), inverseDt), zero);
     const Vf sTo = hn::Min(hn::Mul(hn::Sub(this->Rays.To, t0), inverseDt), one);
     const Vf slack = Splat(1e-3f);
-    const Vf first = hn::Ceil(hn::Sub(hn::Mul(sFrom, count), slack));
-    const Vf stop = hn::Min(count, hn::Ceil(hn::Sub(hn::Mul(sTo, count), slack)));
+    PacketSchedule schedule;
+    schedule.Ds = hn::Div(one, count);
+    schedule.First = hn::Ceil(hn::Sub(hn::Mul(sFrom, count), slack));
+    schedule.Stop = hn::Min(count, hn::Ceil(hn::Sub(hn::Mul(sTo, count), slack)));
+    return schedule;
+  }
 
-    const Vf big = Splat(1e9f);
-    const int begin =
-      static_cast<int>(SmallestLane(hn::IfThenElse(lanes, first, big)));
-    const int finish = static_cast<int>(LargestLane(hn::IfThenElseZero(lanes, stop)));
+  /**
+   * Samples one piece. Each ray steps through it on its own: it leaps until it stands before
+   * something that may be visible, and when all rays do, all of them take a sample. So they take
+   * their first visible samples together, wherever on the piece these lie.
+   */
+  void Integrate(const PacketPiece& piece, const PacketSchedule& schedule, Mf lanes)
+  {
+    const Df d;
     const bool leap = this->Scene.Settings.Leaping != SpaceLeaping::Off;
+    const PieceLeap leaps(piece.Velocity(hn::Zero(d)), piece.Velocity(Splat(1.0f)), schedule.Ds);
     this->HaveFrames = false;
-    for (int i = begin; i < finish; ++i)
+    Vf n = schedule.First;
+    // Rays whose last sample was visible expect the next one to be.
+    Mf expecting = hn::FirstN(d, 0);
+    for (;;)
     {
-      const Vf n = Splat(static_cast<float>(i));
-      const Vf s = hn::Mul(n, ds);
-      const Vec3 q = piece.At(s);
-      Mf sampled = hn::And(hn::And(lanes, this->Alive),
-        hn::And(hn::And(hn::Ge(n, first), hn::Lt(n, stop)), IsInside(this->Scene, q)));
-      if (leap)
+      Mf active = hn::And(hn::And(lanes, this->Alive), hn::Lt(n, schedule.Stop));
+      Mf looking = hn::AndNot(expecting, active);
+      while (leap && !hn::AllFalse(d, looking))
       {
-        Vec3 block;
-        const Vf distance = LookUpDistance(this->Scene, q, block);
-        const Mf empty = hn::Gt(distance, hn::Zero(d));
-        statistics.DistanceLookups +=
-          static_cast<std::int64_t>(hn::CountTrue(d, hn::And(sampled, empty)));
-        sampled = hn::AndNot(empty, sampled);
+        const Mf empty = this->LookAhead(piece, schedule, leaps, looking, n);
+        active = hn::And(active, hn::Lt(n, schedule.Stop));
+        looking = hn::And(active, empty);
       }
-      if (hn::AllFalse(d, sampled))
-      {
-        continue;
-      }
-      this->TakeSample(piece, q, s, ds, sampled);
-      if (hn::AllFalse(d, this->Alive))
+      if (hn::AllFalse(d, active))
       {
         return;
       }
+      const Vf s = hn::Mul(n, schedule.Ds);
+      const Vec3 q = piece.At(s);
+      const Mf sampled = hn::And(active, IsInside(this->Scene, q));
+      expecting = hn::AllFalse(d, sampled)
+        ? sampled
+        : this->TakeSample(piece, q, s, schedule.Ds, sampled);
+      n = hn::Add(n, hn::IfThenElseZero(active, Splat(1.0f)));
     }
   }
 
-  HWY_INLINE void TakeSample(const PacketPiece& piece, const Vec3& q, Vf s, Vf ds, Mf sampled)
+  /// Moves the rays of `looking` that stand in empty space on, and says which these are.
+  HWY_INLINE Mf LookAhead(const PacketPiece& piece, const PacketSchedule& schedule,
+    const PieceLeap& leaps, Mf looking, Vf& n)
+  {
+    const Df d;
+    const Vec3 q = piece.At(hn::Mul(n, schedule.Ds));
+    const Mf inside = hn::And(looking, IsInside(this->Scene, q));
+    Vec3 block;
+    const Vf distance = LookUpDistance(this->Scene, q, inside, block);
+    const Mf known = hn::And(inside, hn::Gt(distance, hn::Zero(d)));
+    this->Scratch.Statistics.DistanceLookups += static_cast<std::int64_t>(hn::CountTrue(d, known));
+    Vf steps = leaps.StepsInside(q, block, distance);
+    const Mf outside = hn::AndNot(inside, looking);
+    if (HWY_UNLIKELY(!hn::AllFalse(d, outside)))
+    {
+      steps = hn::IfThenElse(outside, leaps.StepsOutside(this->Scene, q), steps);
+    }
+    const Mf empty = hn::Or(known, outside);
+    n = hn::Add(n, hn::IfThenElseZero(empty, steps));
+    return empty;
+  }
+
+  /// Samples, shades and composites; returns which of the rays met something visible.
+  HWY_INLINE Mf TakeSample(const PacketPiece& piece, const Vec3& q, Vf s, Vf ds, Mf sampled)
   {
     const Df d;
     const Di di;
     CastStatistics& statistics = this->Scratch.Statistics;
     statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
 
-    SamplePosition at = FindCells(this->Scene.Volume, q);
+    const SamplePosition at = FindCells(this->Scene.Volume, q, sampled);
     const Mf border = hn::AndNot(at.Interior, sampled);
     const bool anyBorder = !hn::AllFalse(d, border);
-    // Lanes that may not be fetched from read the first cell that may.
-    const Vi safe =
-      hn::Set(di, 1 + this->Scene.Volume.IncrementY + this->Scene.Volume.IncrementZ);
-    at.Offset = hn::IfThenElse(
-      hn::RebindMask(di, hn::And(at.Interior, sampled)), at.Offset, safe);
     SampleRows rows;
     Vf value = Sample<T>(this->Scene.Volume, at, rows);
     if (HWY_UNLIKELY(anyBorder))
@@ -266,20 +320,21 @@ private:
     const Mf number = hn::Eq(x, x);
     const Vf entry = hn::IfThenElseZero(number, Clamp(x, hn::Zero(d), last));
     const Vf whole = hn::Min(hn::Floor(entry), hn::Sub(last, Splat(1.0f)));
-    const Vi index = hn::ShiftLeft<2>(hn::ConvertTo(di, whole));
-    const Vf extinction = Lerp(hn::GatherIndex(d, table + 3, index),
-      hn::GatherIndex(d, table + 7, index), hn::Sub(entry, whole));
+    const Vi index = hn::ConvertTo(di, whole);
+    const Vf fraction = hn::Sub(entry, whole);
+    const Vec4 below = LoadQuads(table, index);
+    const Vec4 above = LoadQuads(table + 4, index);
+    const Vf extinction = Lerp(below.w, above.w, fraction);
     const Mf visible =
       hn::And(hn::And(sampled, number), hn::Gt(extinction, hn::Zero(d)));
     if (hn::AllFalse(d, visible))
     {
-      return;
+      return visible;
     }
     statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
 
-    const Vi nearest = hn::ShiftLeft<2>(hn::NearestInt(entry));
-    Vec3 colour{ hn::GatherIndex(d, table, nearest), hn::GatherIndex(d, table + 1, nearest),
-      hn::GatherIndex(d, table + 2, nearest) };
+    Vec3 colour{ Lerp(below.x, above.x, fraction), Lerp(below.y, above.y, fraction),
+      Lerp(below.z, above.z, fraction) };
     const Vf t = hn::MulAdd(s, Splat(piece.Dt), Splat(piece.T0));
     if (this->Scene.Shade)
     {
@@ -304,6 +359,7 @@ private:
     const Mf ended =
       hn::Lt(this->Out.Transmittance, Splat(this->Scene.Settings.TerminationTransmittance));
     this->Alive = hn::AndNot(ended, this->Alive);
+    return visible;
   }
 
   /// Samples whose fetches would leave the volume come from the reference functions.
@@ -358,42 +414,44 @@ private:
     }
     const Vec3 world = Normalize(Transform(this->Scene.GradientToWorld, gradient));
     const Vec3 normal = Scale(Splat(-1.0f), world);
-    const Vec3 direction = Transform(this->Scene.LocalToWorld, this->Rays.Direction);
-    const Vec3 local = MulAdd(t, this->Rays.Direction, this->Rays.Origin);
-    const Vec3 position = Add(
-      Transform(this->Scene.LocalToWorld, local), Broadcast(this->Scene.LocalToWorldOffset));
-    return Shade(this->Scene, colour, position, normal, Scale(Splat(-1.0f), direction));
+    const Vec3 position = Transform(
+      this->Scene.LocalToWorld, MulAdd(t, this->Rays.Direction, this->Rays.Origin));
+    const Vec3 toEye = this->Scene.Parallel
+      ? Normalize(Sub(Broadcast(this->Scene.Eye), position))
+      : Scale(Splat(-1.0f), Transform(this->Scene.LocalToWorld, this->Rays.Direction));
+    return Shade(this->Scene, colour, position, normal, toEye);
   }
 
   /**
    * Along the image axes u, v and the ray parameter t both the deformed points P and the rest
    * points Q are known, so the gradient G by P solves G . P_u = g . Q_u, and so on for v and t.
-   * Derivatives across the tile are those of its node interpolation, at the start, middle and end
-   * of the piece and quadratic in between.
+   * Derivatives across the tile are those of its node interpolation, at the start and the end of
+   * the piece and linear in between.
    */
   HWY_INLINE Vec3 GradientFromFrames(const PacketPiece& piece, const Vec3& byIndex, Vf s, Vf t)
   {
     if (!this->HaveFrames)
     {
       this->HaveFrames = true;
-      Vec3 u[3];
-      Vec3 v[3];
-      for (int layer = 0; layer < 3; ++layer)
+      for (int end = 0; end < 2; ++end)
       {
-        const TileLayer& nodes = this->Grid.GetLayer(piece.Step + layer * piece.Steps / 2);
-        u[layer] = InterpolateLayer(nodes, this->WxSlope, this->Wy);
-        v[layer] = InterpolateLayer(nodes, this->Wx, this->WySlope);
+        const TileLayer& nodes = this->Grid.GetLayer(piece.Step + end * piece.Steps);
+        this->QuU[end] = InterpolateLayer(nodes, this->WxSlope, this->Wy);
+        this->QuV[end] = InterpolateLayer(nodes, this->Wx, this->WySlope);
       }
-      this->SetParabola(u, this->QuU);
-      this->SetParabola(v, this->QuV);
-      this->OriginU = InterpolateLayer(this->Grid.Origins, this->WxSlope, this->Wy);
-      this->OriginV = InterpolateLayer(this->Grid.Origins, this->Wx, this->WySlope);
-      this->DirectionU = InterpolateLayer(this->Grid.Directions, this->WxSlope, this->Wy);
-      this->DirectionV = InterpolateLayer(this->Grid.Directions, this->Wx, this->WySlope);
+      if (!this->HaveAcross)
+      {
+        this->HaveAcross = true;
+        this->OriginU = InterpolateLayer(this->Grid.Origins, this->WxSlope, this->Wy);
+        this->OriginV = InterpolateLayer(this->Grid.Origins, this->Wx, this->WySlope);
+        this->DirectionU = InterpolateLayer(this->Grid.Directions, this->WxSlope, this->Wy);
+        this->DirectionV = InterpolateLayer(this->Grid.Directions, this->Wx, this->WySlope);
+      }
     }
-    const auto parabola = [&](const Vec3 c[3]) { return MulAdd(s, MulAdd(s, c[2], c[1]), c[0]); };
-    const Vf gu = Dot(byIndex, parabola(this->QuU));
-    const Vf gv = Dot(byIndex, parabola(this->QuV));
+    const auto between = [&](const Vec3 ends[2])
+    { return MulAdd(s, Sub(ends[1], ends[0]), ends[0]); };
+    const Vf gu = Dot(byIndex, between(this->QuU));
+    const Vf gv = Dot(byIndex, between(this->QuV));
     const Vf gt = hn::Mul(Dot(byIndex, piece.Velocity(s)), Splat(1.0f / piece.Dt));
     const Vec3 pu = MulAdd(t, this->DirectionU, this->OriginU);
     const Vec3 pv = MulAdd(t, this->DirectionV, this->OriginV);
@@ -406,13 +464,6 @@ private:
     return Scale(sign, sum);
   }
 
-  static HWY_INLINE void SetParabola(const Vec3 at[3], Vec3 c[3])
-  {
-    c[0] = at[0];
-    c[1] = Sub(MulAdd(Splat(4.0f), at[1], Scale(Splat(-3.0f), at[0])), at[2]);
-    c[2] = Sub(Sub(at[2], at[0]), c[1]);
-  }
-
   /// J_Phi at the middle of the piece, ray by ray: pieces that are not interpolated are short.
   HWY_NOINLINE Vec3 GradientFromField(const PacketPiece& piece, const Vec3& byIndex)
   {
@@ -422,14 +473,17 @@ private:
       const Vf t = Splat(this->Grid.TimeOf(piece.Step + piece.Steps / 2));
       const Vec3 p = MulAdd(t, this->Rays.Direction, this->Rays.Origin);
       const Vec3 q = PullBackLanes(this->Scene, p, this->Alive, this->Scratch.Statistics);
-      PullBackJacobian(this->Scene, p, q, this->QuU[0], this->QuU[1], this->QuU[2]);
+      PullBackJacobian(
+        this->Scene, p, q, this->Jacobian[0], this->Jacobian[1], this->Jacobian[2]);
     }
     const Vec3 rest = Transform(this->Scene.GradientToRest, byIndex);
-    return { Dot(this->QuU[0], rest), Dot(this->QuU[1], rest), Dot(this->QuU[2], rest) };
+    return { Dot(this->Jacobian[0], rest), Dot(this->Jacobian[1], rest),
+      Dot(this->Jacobian[2], rest) };
   }
 
   const PacketScene& Scene;
   TileGrid& Grid;
+  TileBeam& Beam;
   PacketScratch& Scratch;
   RayPacket Rays;
   Mf Alive;
@@ -441,8 +495,12 @@ private:
 
   // Derivatives of the current piece, found when its first visible sample is shaded.
   bool HaveFrames = false;
-  Vec3 QuU[3];
-  Vec3 QuV[3];
+  Vec3 QuU[2];
+  Vec3 QuV[2];
+  Vec3 Jacobian[3]; // columns
+
+  // Derivatives of the viewing rays across the tile, found with them.
+  bool HaveAcross = false;
   Vec3 OriginU;
   Vec3 OriginV;
   Vec3 DirectionU;
@@ -627,6 +685,7 @@ HWY_NOINLINE void CastTile(
     grid.Start(spans.GetNumberOfSpans(), scene.Settings.Spans.LargestLevel, spans.GetFirst(),
       static_cast<float>(scene.Settings.Spans.Length));
   }
+  TileBeam beam(scene, grid, scratch);
 
   packet = 0;
   const float toNodes = (NodesPerSide - 1) / static_cast<float>(TileSide - 1);
@@ -640,7 +699,7 @@ HWY_NOINLINE void CastTile(
         hn::Mul(hn::Add(Splat(static_cast<float>(x - x0)), dx), Splat(toNodes));
       const Vf nodeY =
         hn::Mul(hn::Add(Splat(static_cast<float>(y - y0)), dy), Splat(toNodes));
-      Packet<T> cast(scene, grid, scratch, rays, nodeX, nodeY, active);
+      Packet<T> cast(scene, grid, beam, scratch, rays, nodeX, nodeY, active);
       if (!hn::AllFalse(d, active))
       {
         cast.Cast();

@@ -25,7 +25,7 @@ struct SamplePosition
   Vf Fx;
   Vf Fy;
   Vf Fz;
-  Vi Offset; ///< elements
+  HWY_ALIGN int Offsets[16]; ///< elements
   Mf Interior; ///< the voxels one further out on each side exist, too
 };
 
@@ -38,7 +38,8 @@ struct Row4
   Vf D;
 };
 
-HWY_INLINE SamplePosition FindCells(const PacketVolume& v, const Vec3& q)
+/// `lanes`: those that will be sampled.
+HWY_INLINE SamplePosition FindCells(const PacketVolume& v, const Vec3& q, Mf lanes)
 {
   const Df d;
   const Di di;
@@ -61,14 +62,18 @@ HWY_INLINE SamplePosition FindCells(const PacketVolume& v, const Vec3& q)
     at.Fy = snap(at.Fy);
     at.Fz = snap(at.Fz);
   }
-  at.Offset = hn::Add(hn::ConvertTo(di, x),
-    hn::Add(hn::Mul(hn::ConvertTo(di, y), hn::Set(di, v.IncrementY)),
-      hn::Mul(hn::ConvertTo(di, z), hn::Set(di, v.IncrementZ))));
   const auto within = [&](Vf c, int a)
   {
     return hn::And(hn::Ge(c, Splat(1.0f)), hn::Le(c, Splat(static_cast<float>(v.Dimensions[a] - 3))));
   };
   at.Interior = hn::And(within(x, 0), hn::And(within(y, 1), within(z, 2)));
+  const Vi offset = hn::Add(hn::ConvertTo(di, x),
+    hn::Add(hn::Mul(hn::ConvertTo(di, y), hn::Set(di, v.IncrementY)),
+      hn::Mul(hn::ConvertTo(di, z), hn::Set(di, v.IncrementZ))));
+  // Lanes that may not be fetched from read the first cell that may.
+  const Vi safe = hn::Set(di, 1 + v.IncrementY + v.IncrementZ);
+  hn::Store(
+    hn::IfThenElse(hn::RebindMask(di, hn::And(at.Interior, lanes)), offset, safe), di, at.Offsets);
   return at;
 }
 
@@ -89,13 +94,10 @@ struct WideScalar
 template <>
 struct Fetch<WideScalar>
 {
-  static HWY_NOINLINE Vf Load(const PacketVolume& v, Vi offset, int delta)
+  static HWY_NOINLINE Vf Load(const PacketVolume& v, const int* offsets, int delta)
   {
     const Df d;
-    const Di di;
-    HWY_ALIGN int offsets[16];
     HWY_ALIGN float values[16];
-    hn::Store(offset, di, offsets);
     DispatchScalarType(v.Type,
       [&](auto zero)
       {
@@ -107,46 +109,38 @@ struct Fetch<WideScalar>
       });
     return hn::Load(d, values);
   }
-  static Row4 LoadRow4(const PacketVolume& v, Vi offset, int delta)
+  static Row4 LoadRow4(const PacketVolume& v, const int* offsets, int delta)
   {
-    return { Load(v, offset, delta - 1), Load(v, offset, delta), Load(v, offset, delta + 1),
-      Load(v, offset, delta + 2) };
+    return { Load(v, offsets, delta - 1), Load(v, offsets, delta), Load(v, offsets, delta + 1),
+      Load(v, offsets, delta + 2) };
   }
-  static void LoadPair(const PacketVolume& v, Vi offset, int delta, Vf& b, Vf& c)
+  static void LoadPair(const PacketVolume& v, const int* offsets, int delta, Vf& b, Vf& c)
   {
-    b = Load(v, offset, delta);
-    c = Load(v, offset, delta + 1);
+    b = Load(v, offsets, delta);
+    c = Load(v, offsets, delta + 1);
   }
 };
 
 template <>
 struct Fetch<float>
 {
-  static Vf Load(const PacketVolume& v, Vi offset, int delta)
+  static Vf Load(const PacketVolume& v, const int* offsets, int delta)
   {
-    return hn::GatherIndex(Df(), static_cast<const float*>(v.Scalars) + delta, offset);
+    return LoadLanes<float, 4>(v.Scalars, 4 * static_cast<std::ptrdiff_t>(delta), offsets);
   }
-  static Row4 LoadRow4(const PacketVolume& v, Vi offset, int delta)
+  static Row4 LoadRow4(const PacketVolume& v, const int* offsets, int delta)
   {
-    return { Load(v, offset, delta - 1), Load(v, offset, delta), Load(v, offset, delta + 1),
-      Load(v, offset, delta + 2) };
+    return { Load(v, offsets, delta - 1), Load(v, offsets, delta), Load(v, offsets, delta + 1),
+      Load(v, offsets, delta + 2) };
   }
-  static void LoadPair(const PacketVolume& v, Vi offset, int delta, Vf& b, Vf& c)
+  static void LoadPair(const PacketVolume& v, const int* offsets, int delta, Vf& b, Vf& c)
   {
-    b = Load(v, offset, delta);
-    c = Load(v, offset, delta + 1);
+    b = Load(v, offsets, delta);
+    c = Load(v, offsets, delta + 1);
   }
 };
 
-/// 32 bits at `bytes` behind each lane's offset (in bytes).
-HWY_INLINE Vi GatherWords(const void* base, std::ptrdiff_t bytes, Vi byteOffset)
-{
-  // The address need not be a multiple of four: Highway gathers by byte offset.
-  return hn::GatherOffset(
-    Di(), reinterpret_cast<const int*>(static_cast<const char*>(base) + bytes), byteOffset);
-}
-
-/// 8-bit types: one 32-bit gather holds the four voxels of a row.
+/// 8-bit types: one 32-bit load holds the four voxels of a row.
 template <class T, bool Signed>
 struct FetchBytes
 {
@@ -164,14 +158,14 @@ struct FetchBytes
       return hn::ConvertTo(d, hn::And(hn::ShiftRight<8 * Byte>(word), hn::Set(di, 255)));
     }
   }
-  static Row4 LoadRow4(const PacketVolume& v, Vi offset, int delta)
+  static Row4 LoadRow4(const PacketVolume& v, const int* offsets, int delta)
   {
-    const Vi word = GatherWords(v.Scalars, delta - 1, offset);
+    const Vi word = LoadLanes<int, 1>(v.Scalars, delta - 1, offsets);
     return { Extract<0>(word), Extract<1>(word), Extract<2>(word), Extract<3>(word) };
   }
-  static void LoadPair(const PacketVolume& v, Vi offset, int delta, Vf& b, Vf& c)
+  static void LoadPair(const PacketVolume& v, const int* offsets, int delta, Vf& b, Vf& c)
   {
-    const Vi word = GatherWords(v.Scalars, delta - 1, offset);
+    const Vi word = LoadLanes<int, 1>(v.Scalars, delta - 1, offsets);
     b = Extract<1>(word);
     c = Extract<2>(word);
   }
@@ -185,7 +179,7 @@ struct Fetch<std::int8_t> : FetchBytes<std::int8_t, true>
 {
 };
 
-/// 16-bit types: a 32-bit gather holds two voxels.
+/// 16-bit types: a 32-bit load holds two voxels.
 template <class T, bool Signed>
 struct FetchWords
 {
@@ -215,19 +209,19 @@ struct FetchWords
       return hn::ConvertTo(d, hn::And(hn::ShiftRight<16>(word), hn::Set(di, 0xFFFF)));
     }
   }
-  static Vi Gather(const PacketVolume& v, Vi offset, int delta)
+  static Vi Words(const PacketVolume& v, const int* offsets, int delta)
   {
-    return GatherWords(v.Scalars, 2 * static_cast<std::ptrdiff_t>(delta), hn::Add(offset, offset));
+    return LoadLanes<int, 2>(v.Scalars, 2 * static_cast<std::ptrdiff_t>(delta), offsets);
   }
-  static Row4 LoadRow4(const PacketVolume& v, Vi offset, int delta)
+  static Row4 LoadRow4(const PacketVolume& v, const int* offsets, int delta)
   {
-    const Vi first = Gather(v, offset, delta - 1);
-    const Vi second = Gather(v, offset, delta + 1);
+    const Vi first = Words(v, offsets, delta - 1);
+    const Vi second = Words(v, offsets, delta + 1);
     return { Low(first), High(first), Low(second), High(second) };
   }
-  static void LoadPair(const PacketVolume& v, Vi offset, int delta, Vf& b, Vf& c)
+  static void LoadPair(const PacketVolume& v, const int* offsets, int delta, Vf& b, Vf& c)
   {
-    const Vi word = Gather(v, offset, delta);
+    const Vi word = Words(v, offsets, delta);
     b = Low(word);
     c = High(word);
   }
@@ -256,10 +250,10 @@ HWY_INLINE Vf Sample(const PacketVolume& v, const SamplePosition& at, SampleRows
 {
   const int y = v.IncrementY;
   const int z = v.IncrementZ;
-  rows.R00 = Fetch<T>::LoadRow4(v, at.Offset, 0);
-  rows.R10 = Fetch<T>::LoadRow4(v, at.Offset, y);
-  rows.R01 = Fetch<T>::LoadRow4(v, at.Offset, z);
-  rows.R11 = Fetch<T>::LoadRow4(v, at.Offset, y + z);
+  rows.R00 = Fetch<T>::LoadRow4(v, at.Offsets, 0);
+  rows.R10 = Fetch<T>::LoadRow4(v, at.Offsets, y);
+  rows.R01 = Fetch<T>::LoadRow4(v, at.Offsets, z);
+  rows.R11 = Fetch<T>::LoadRow4(v, at.Offsets, y + z);
   const auto along = [&](const Row4& r) { return Lerp(r.B, r.C, at.Fx); };
   return Lerp(Lerp(along(rows.R00), along(rows.R10), at.Fy),
     Lerp(along(rows.R01), along(rows.R11), at.Fy), at.Fz);
@@ -282,7 +276,7 @@ HWY_INLINE Vec3 Gradient(const PacketVolume& v, const SamplePosition& at, const 
   {
     Vf b;
     Vf c;
-    Fetch<T>::LoadPair(v, at.Offset, delta, b, c);
+    Fetch<T>::LoadPair(v, at.Offsets, delta, b, c);
     return Lerp(b, c, at.Fx);
   };
   const Vf r00 = along(rows.R00);

@@ -12,6 +12,7 @@
 #include "FFDPacketCaster.h"
 
 #include "FFDSimdMath-inl.h"
+#include "FFDSimdTile-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace ffd
@@ -21,24 +22,21 @@ namespace HWY_NAMESPACE
 
 constexpr float BlockEdge = static_cast<float>(MinMaxBlocks::BlockSize);
 
-/// Distance, in blocks, of the block that holds each position; positions inside the volume.
-HWY_INLINE Vf LookUpDistance(const PacketScene& scene, const Vec3& q, Vec3& block)
+/// Distance, in blocks, of the block that holds each position of `inside`.
+HWY_INLINE Vf LookUpDistance(const PacketScene& scene, const Vec3& q, Mf inside, Vec3& block)
 {
   const Df d;
   const Di di;
-  const Vf zero = hn::Zero(d);
-  const auto blockOf = [&](Vf x, int a)
-  {
-    return Clamp(hn::Floor(hn::Mul(x, Splat(1.0f / BlockEdge))), zero,
-      Splat(static_cast<float>(scene.Blocks[a] - 1)));
-  };
-  block = { blockOf(q.x, 0), blockOf(q.y, 1), blockOf(q.z, 2) };
+  const auto blockOf = [&](Vf x)
+  { return hn::IfThenElseZero(inside, hn::Floor(hn::Mul(x, Splat(1.0f / BlockEdge)))); };
+  block = { blockOf(q.x), blockOf(q.y), blockOf(q.z) };
   const Vi index = hn::Add(hn::ConvertTo(di, block.x),
     hn::Mul(hn::Set(di, scene.Blocks[0]),
       hn::Add(hn::ConvertTo(di, block.y),
         hn::Mul(hn::Set(di, scene.Blocks[1]), hn::ConvertTo(di, block.z)))));
-  const Vi word =
-    hn::GatherOffset(di, reinterpret_cast<const int*>(scene.Distances), index);
+  HWY_ALIGN int offsets[16];
+  hn::Store(index, di, offsets);
+  const Vi word = LoadLanes<int, 1>(scene.Distances, 0, offsets);
   return hn::ConvertTo(d, hn::And(word, hn::Set(di, 255)));
 }
 
@@ -51,92 +49,272 @@ HWY_INLINE Mf IsInside(const PacketScene& scene, const Vec3& q)
 }
 
 /**
- * What is left of the distances from a packet to the faces of the empty boxes around its rays,
- * least over the rays, while it is followed piece by piece without being evaluated: LIPSCHITZ.
+ * How many samples of a piece each ray may pass over for certain: no ray moves farther along an
+ * axis from sample to sample than the larger of its velocities at the two ends of a parabola.
  */
-class PacketSlack
+class PieceLeap
+{
+public:
+  /// `v0`, `v1`: velocities at start and end of the piece, `ds`: parameter between samples.
+  HWY_INLINE PieceLeap(const Vec3& v0, const Vec3& v1, Vf ds)
+    : X(v0.x, v1.x, ds)
+    , Y(v0.y, v1.y, ds)
+    , Z(v0.z, v1.z, ds)
+  {
+  }
+
+  /// Steps to the first sample that may lie outside of the empty cube around `block`; at least 1.
+  HWY_INLINE Vf StepsInside(const Vec3& q, const Vec3& block, Vf distance) const
+  {
+    const Vf margin =
+      hn::MulAdd(Splat(BlockEdge), distance, Splat(-BlockEdge - LeapGuard));
+    return Whole(hn::Min(this->X.Steps(q.x, block.x, margin),
+      hn::Min(this->Y.Steps(q.y, block.y, margin), this->Z.Steps(q.z, block.z, margin))));
+  }
+
+  /// The same for rays outside of the volume: to the first sample that may be inside.
+  HWY_INLINE Vf StepsOutside(const PacketScene& scene, const Vec3& q) const
+  {
+    const auto beyond = [&](Vf x, int a, const Axis& axis)
+    {
+      const Vf gap = hn::Max(hn::Neg(x), hn::Sub(x, Splat(scene.Upper[a])));
+      return hn::Mul(hn::Sub(gap, Splat(LeapGuard)), axis.Inverse);
+    };
+    return Whole(hn::Max(
+      beyond(q.x, 0, this->X), hn::Max(beyond(q.y, 1, this->Y), beyond(q.z, 2, this->Z))));
+  }
+
+private:
+  static constexpr float LeapGuard = 1e-3f; ///< index units, rounding errors
+
+  struct Axis
+  {
+    Vf Inverse; ///< samples for one index unit, at least
+    Vf Offset;  ///< the face ahead: at Offset + Slope * position in its block
+    Vf Slope;
+
+    HWY_INLINE Axis(Vf v0, Vf v1, Vf ds)
+    {
+      const Vf zero = hn::Zero(Df());
+      const Vf lo = hn::Min(v0, v1);
+      const Vf hi = hn::Max(v0, v1);
+      const Vf speed = hn::Mul(hn::Max(hi, hn::Neg(lo)), ds);
+      this->Inverse = hn::Div(Splat(1.0f), hn::Max(speed, Splat(1e-9f)));
+      const Mf up = hn::Ge(lo, zero);
+      const Mf down = hn::Le(hi, zero);
+      this->Offset = hn::IfThenElseZero(up, Splat(BlockEdge));
+      // Rays that turn around count on neither face, only on the blocks between.
+      this->Slope = hn::IfThenElse(
+        up, Splat(-1.0f), hn::IfThenElseZero(down, Splat(1.0f)));
+    }
+
+    HWY_INLINE Vf Steps(Vf x, Vf block, Vf margin) const
+    {
+      const Vf inBlock = hn::NegMulAdd(Splat(BlockEdge), block, x);
+      return hn::Mul(
+        hn::Add(margin, hn::MulAdd(this->Slope, inBlock, this->Offset)), this->Inverse);
+    }
+  };
+
+  static HWY_INLINE Vf Whole(Vf steps)
+  {
+    return hn::Add(Splat(1.0f), hn::Floor(Clamp(steps, hn::Zero(Df()), Splat(1e6f))));
+  }
+
+  Axis X;
+  Axis Y;
+  Axis Z;
+};
+
+/**
+ * What is left of the distances from positions, one a lane, to the faces of the empty boxes around
+ * them, while they are followed along their rays without being evaluated: LIPSCHITZ.
+ */
+class LeapSlack
 {
 public:
   void Clear() { this->Valid = false; }
 
-  /// Whether all lanes of `lanes` are in empty surroundings; if so, keep their distances.
-  bool Find(const PacketScene& scene, const Vec3& q, Mf lanes, float guard,
+  /**
+   * Whether all lanes of `lanes` are in empty surroundings; if so, keep their distances, less
+   * `guard` on each axis (index units).
+   */
+  HWY_INLINE bool Find(const PacketScene& scene, const Vec3& q, Mf lanes, const float guard[3],
     CastStatistics& statistics)
   {
     const Df d;
+    const Vf zero = hn::Zero(d);
     const Mf inside = IsInside(scene, q);
     const Mf looked = hn::And(inside, lanes);
     Vec3 block;
-    const Vf distance = LookUpDistance(scene, q, block);
-    this->Valid = false;
-    if (!hn::AllFalse(d, hn::And(looked, hn::Eq(distance, hn::Zero(d)))))
+    const Vf distance = LookUpDistance(scene, q, looked, block);
+    this->Valid = hn::AllFalse(d, hn::And(looked, hn::Eq(distance, zero)));
+    if (!this->Valid)
     {
       return false;
     }
     statistics.DistanceLookups += static_cast<std::int64_t>(hn::CountTrue(d, looked));
 
-    // Outside of the volume: the half space beyond the side it is farthest from.
-    const Vf far = Splat(Far);
-    const Vf beyond[6] = { hn::Neg(q.x), hn::Neg(q.y), hn::Neg(q.z),
-      hn::Sub(q.x, Splat(scene.Upper[0])), hn::Sub(q.y, Splat(scene.Upper[1])),
-      hn::Sub(q.z, Splat(scene.Upper[2])) };
-    Vf most = beyond[0];
-    for (int side = 1; side < 6; ++side)
-    {
-      most = hn::Max(most, beyond[side]);
-    }
     const Vf edge = Splat(BlockEdge);
-    const Vf below = hn::Sub(distance, Splat(1.0f));
+    const Vf far = Splat(Far);
+    const Mf outside = hn::AndNot(inside, lanes);
     const Vf axis[3] = { q.x, q.y, q.z };
     const Vf blocks[3] = { block.x, block.y, block.z };
     for (int a = 0; a < 3; ++a)
     {
-      Vf low = hn::Sub(axis[a], hn::Mul(edge, hn::Sub(blocks[a], below)));
-      Vf high = hn::Sub(hn::Mul(edge, hn::Add(blocks[a], distance)), axis[a]);
-      // Leaving through the side it is beyond of is what a ray outside may not do.
-      const Vf lowOutside = hn::IfThenElse(hn::Eq(beyond[a + 3], most), beyond[a + 3], far);
-      const Vf highOutside = hn::IfThenElse(hn::Eq(beyond[a], most), beyond[a], far);
-      low = hn::IfThenElse(lanes, hn::IfThenElse(inside, low, lowOutside), far);
-      high = hn::IfThenElse(lanes, hn::IfThenElse(inside, high, highOutside), far);
-      this->Low[a] = SmallestLane(low) - guard;
-      this->High[a] = SmallestLane(high) - guard;
+      const Vf low = hn::Sub(axis[a], hn::Mul(edge, hn::Sub(hn::Add(blocks[a], Splat(1.0f)), distance)));
+      const Vf high = hn::Sub(hn::Mul(edge, hn::Add(blocks[a], distance)), axis[a]);
+      this->Low[a] = hn::Sub(hn::IfThenElse(looked, low, far), Splat(guard[a]));
+      this->High[a] = hn::Sub(hn::IfThenElse(looked, high, far), Splat(guard[a]));
     }
-    this->Valid = true;
+    if (!hn::AllFalse(d, outside))
+    {
+      this->FindOutside(scene, axis, outside, guard);
+    }
     return true;
   }
 
   /// Whether a piece of length dt with velocities [lo, hi] stays inside; if so, pass it.
-  bool Pass(const float lo[3], const float hi[3], float dt)
+  HWY_INLINE bool Pass(const float lo[3], const float hi[3], float dt)
   {
     if (!this->Valid)
     {
       return false;
     }
-    bool stays = true;
+    const Df d;
+    Vf least = Splat(Far);
     for (int a = 0; a < 3; ++a)
     {
-      stays = stays && this->High[a] - std::max(hi[a], 0.0f) * dt >= 0.0f &&
-        this->Low[a] + std::min(lo[a], 0.0f) * dt >= 0.0f;
+      // Distance that is gained on a face the rays move away from is not counted.
+      this->Low[a] = hn::Add(this->Low[a], Splat(std::min(lo[a], 0.0f) * dt));
+      this->High[a] = hn::Sub(this->High[a], Splat(std::max(hi[a], 0.0f) * dt));
+      least = hn::Min(least, hn::Min(this->Low[a], this->High[a]));
     }
-    if (!stays)
-    {
-      this->Valid = false;
-      return false;
-    }
-    for (int a = 0; a < 3; ++a)
-    {
-      this->High[a] -= hi[a] * dt;
-      this->Low[a] += lo[a] * dt;
-    }
-    return true;
+    this->Valid = hn::AllTrue(d, hn::Ge(least, hn::Zero(d)));
+    return this->Valid;
   }
 
 private:
   static constexpr float Far = 1e30f;
 
+  /// Outside of the volume: the half space beyond the side a position is farthest from.
+  HWY_INLINE void FindOutside(
+    const PacketScene& scene, const Vf axis[3], Mf outside, const float guard[3])
+  {
+    const Vf far = Splat(Far);
+    Vf below[3];
+    Vf above[3];
+    Vf most = Splat(-Far);
+    for (int a = 0; a < 3; ++a)
+    {
+      below[a] = hn::Neg(axis[a]);
+      above[a] = hn::Sub(axis[a], Splat(scene.Upper[a]));
+      most = hn::Max(most, hn::Max(below[a], above[a]));
+    }
+    for (int a = 0; a < 3; ++a)
+    {
+      // Back through the side it is beyond of is what a ray outside may not go.
+      const Vf low = hn::IfThenElse(hn::Eq(above[a], most), above[a], far);
+      const Vf high = hn::IfThenElse(hn::Eq(below[a], most), below[a], far);
+      this->Low[a] = hn::IfThenElse(outside, hn::Sub(low, Splat(guard[a])), this->Low[a]);
+      this->High[a] = hn::IfThenElse(outside, hn::Sub(high, Splat(guard[a])), this->High[a]);
+    }
+  }
+
   bool Valid = false;
-  float Low[3] = {};
-  float High[3] = {};
+  Vf Low[3];
+  Vf High[3];
+};
+
+/// What leaps keep away from visible blocks over a span, index units: errors of positions.
+HWY_INLINE float FindLeapGuard(const PacketScene& scene, const TileSpans::Span& span)
+{
+  constexpr float Rounding = 2e-3f;
+  return static_cast<float>(span.PositionError + 2.0 * scene.Settings.InverseTolerance) + Rounding;
+}
+
+/**
+ * Which spans are empty for all rays of a tile: the 4 x 4 nodes are followed as a bundle, each
+ * standing for the rays around it. Found span by span from the first, as far as anybody asks.
+ */
+class TileBeam
+{
+public:
+  TileBeam(const PacketScene& scene, TileGrid& grid, PacketScratch& scratch)
+    : Scene(scene)
+    , Grid(grid)
+    , Scratch(scratch)
+  {
+    scratch.EmptySpans.clear();
+  }
+
+  HWY_INLINE bool IsEmpty(int index)
+  {
+    const std::size_t at = static_cast<std::size_t>(index - this->Scratch.Spans.GetFirst());
+    while (this->Scratch.EmptySpans.size() <= at)
+    {
+      this->Next();
+    }
+    return this->Scratch.EmptySpans[at] != 0;
+  }
+
+private:
+  static constexpr int Bundles = TileNodes / static_cast<int>(hn::MaxLanes(Df()));
+
+  HWY_NOINLINE void Next()
+  {
+    TileSpans& spans = this->Scratch.Spans;
+    const int number = static_cast<int>(this->Scratch.EmptySpans.size());
+    const TileSpans::Span& span = spans.Get(spans.GetFirst() + number);
+    bool empty = span.Bounded;
+    if (empty)
+    {
+      const float lo[3] = { static_cast<float>(span.VelocityMin.x),
+        static_cast<float>(span.VelocityMin.y), static_cast<float>(span.VelocityMin.z) };
+      const float hi[3] = { static_cast<float>(span.VelocityMax.x),
+        static_cast<float>(span.VelocityMax.y), static_cast<float>(span.VelocityMax.z) };
+      const float length = static_cast<float>(spans.GetLength());
+      empty = this->Pass(lo, hi, length) ||
+        (this->Find(span, number * this->Grid.GetStepsPerSpan()) && this->Pass(lo, hi, length));
+    }
+    this->Valid = empty;
+    this->Scratch.EmptySpans.push_back(empty ? 1 : 0);
+  }
+
+  bool Pass(const float lo[3], const float hi[3], float length)
+  {
+    for (int b = 0; b < Bundles && this->Valid; ++b)
+    {
+      this->Valid = this->Slack[b].Pass(lo, hi, length);
+    }
+    return this->Valid;
+  }
+
+  bool Find(const TileSpans::Span& span, int step)
+  {
+    const Df d;
+    const TileLayer& layer = this->Grid.GetLayer(step);
+    const float guard = FindLeapGuard(this->Scene, span);
+    const float guards[3] = { guard + static_cast<float>(span.NodeRadius.x),
+      guard + static_cast<float>(span.NodeRadius.y),
+      guard + static_cast<float>(span.NodeRadius.z) };
+    this->Valid = true;
+    for (int b = 0; b < Bundles && this->Valid; ++b)
+    {
+      const std::size_t i = static_cast<std::size_t>(b) * hn::Lanes(d);
+      const Vec3 q{ hn::LoadU(d, layer.X + i), hn::LoadU(d, layer.Y + i),
+        hn::LoadU(d, layer.Z + i) };
+      this->Valid = this->Slack[b].Find(
+        this->Scene, q, hn::FirstN(d, hn::Lanes(d)), guards, this->Scratch.Statistics);
+    }
+    return this->Valid;
+  }
+
+  const PacketScene& Scene;
+  TileGrid& Grid;
+  PacketScratch& Scratch;
+  bool Valid = false;
+  LeapSlack Slack[Bundles];
 };
 
 } // namespace HWY_NAMESPACE

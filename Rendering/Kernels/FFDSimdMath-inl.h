@@ -11,6 +11,9 @@
 #include <glm/vec3.hpp>
 #include <hwy/highway.h>
 
+#include <cstddef>
+#include <cstring>
+
 HWY_BEFORE_NAMESPACE();
 namespace ffd
 {
@@ -121,6 +124,110 @@ HWY_INLINE Vec3 ReplaceLanes(
     }
   }
   return { hn::Load(d, x), hn::Load(d, y), hn::Load(d, z) };
+}
+
+#if HWY_TARGET != HWY_SCALAR
+/**
+ * Vector whose lanes 4 b + k are lane k of quad(b), a function that returns 128 bits. Not for
+ * vectors of fewer than four lanes.
+ */
+template <class D, class Quad>
+HWY_INLINE auto JoinQuads(D d, const Quad& quad)
+{
+  constexpr std::size_t Lanes = hn::MaxLanes(D());
+  if constexpr (Lanes == 4)
+  {
+    return quad(0);
+  }
+  else
+  {
+    const hn::CappedTag<hn::TFromD<D>, 8> half;
+    const auto low = hn::Combine(half, quad(1), quad(0));
+    if constexpr (Lanes == 8)
+    {
+      return low;
+    }
+    else
+    {
+      return hn::Combine(d, hn::Combine(half, quad(3), quad(2)), low);
+    }
+  }
+}
+#endif
+
+/**
+ * What a gather of unaligned words does, `Scale` bytes an offset: loads lane by lane, which take
+ * less time than the gathers of the processors measured (NOTES.md). `offsets`: one per lane.
+ */
+template <class Word, int Scale>
+HWY_INLINE auto LoadLanes(const void* base, std::ptrdiff_t bytes, const int* offsets)
+{
+  const hn::Rebind<Word, Df> d;
+  const char* from = static_cast<const char*>(base) + bytes;
+  const auto load = [&](int lane)
+  {
+    Word word;
+    std::memcpy(&word, from + static_cast<std::ptrdiff_t>(offsets[lane]) * Scale, sizeof(Word));
+    return word;
+  };
+#if HWY_TARGET == HWY_SCALAR
+  return hn::Set(d, load(0));
+#else
+  return JoinQuads(d,
+    [&](int block)
+    {
+      const int first = 4 * block;
+      HWY_ALIGN const Word words[4] = { load(first), load(first + 1), load(first + 2),
+        load(first + 3) };
+      return hn::Load(hn::CappedTag<Word, 4>(), words);
+    });
+#endif
+}
+
+/// Four floats of every lane.
+struct Vec4
+{
+  Vf x;
+  Vf y;
+  Vf z;
+  Vf w;
+};
+
+/**
+ * The four floats at `table + 4 * index` of each lane: one load a lane and a transposition, where
+ * four gathers would load four times.
+ */
+HWY_INLINE Vec4 LoadQuads(const float* table, Vi index)
+{
+  const Df d;
+#if HWY_TARGET == HWY_SCALAR
+  const Vi at = hn::ShiftLeft<2>(index);
+  return { hn::GatherIndex(d, table, at), hn::GatherIndex(d, table + 1, at),
+    hn::GatherIndex(d, table + 2, at), hn::GatherIndex(d, table + 3, at) };
+#else
+  HWY_ALIGN int at[16];
+  hn::Store(hn::ShiftLeft<2>(index), Di(), at);
+  // The quads of lanes k, k + 4, k + 8 ... in one vector.
+  const auto column = [&](int k)
+  {
+    return JoinQuads(d,
+      [&](int block) { return hn::LoadU(hn::CappedTag<float, 4>(), table + at[4 * block + k]); });
+  };
+  const Vf a = column(0);
+  const Vf b = column(1);
+  const Vf c = column(2);
+  const Vf e = column(3);
+  // Transposition of 4 x 4 floats in every block of 128 bits.
+  const hn::Repartition<double, Df> dd;
+  const auto lowAB = hn::BitCast(dd, hn::InterleaveLower(d, a, b));
+  const auto lowCE = hn::BitCast(dd, hn::InterleaveLower(d, c, e));
+  const auto highAB = hn::BitCast(dd, hn::InterleaveUpper(d, a, b));
+  const auto highCE = hn::BitCast(dd, hn::InterleaveUpper(d, c, e));
+  return { hn::BitCast(d, hn::InterleaveLower(dd, lowAB, lowCE)),
+    hn::BitCast(d, hn::InterleaveUpper(dd, lowAB, lowCE)),
+    hn::BitCast(d, hn::InterleaveLower(dd, highAB, highCE)),
+    hn::BitCast(d, hn::InterleaveUpper(dd, highAB, highCE)) };
+#endif
 }
 
 HWY_INLINE float SmallestLane(Vf v)

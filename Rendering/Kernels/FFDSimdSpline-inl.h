@@ -171,18 +171,31 @@ HWY_INLINE Vec3 Displacement(const PacketField& field, const Vec3& p)
   return displacement;
 }
 
+/// Lanes inside of the lattice, where the field has two derivatives.
+HWY_INLINE Mf IsInLattice(const PacketField& field, const Vec3& p)
+{
+  const auto within = [&](Vf x, int a)
+  {
+    const Vf cell = hn::Mul(hn::Sub(x, Splat(field.Origin[a])), Splat(field.InverseSpacing[a]));
+    return hn::And(hn::Gt(cell, Splat(field.ClampMin[a])), hn::Lt(cell, Splat(field.ClampMax[a])));
+  };
+  return hn::And(within(p.x, 0), hn::And(within(p.y, 1), within(p.z, 2)));
+}
+
 /**
- * T(Q) = p for every lane by Newton's method, from the first-order point. Returns the lanes whose
- * residual came under the tolerance; the others need the damped iteration of PullBack.
+ * T(Q) = p for every lane by Newton's method, from `q`. A lane is done when its residual is under
+ * the tolerance, or earlier, when the theorem of Newton and Kantorovich bounds the error of its
+ * next iterate: with h = |J^-1| M |delta| <= 1/2 that is h |delta|, M being a bound of the second
+ * derivative. What a lane gets does not depend on the others. Returns the lanes that are done; the
+ * others need the damped iteration of PullBack.
  */
 HWY_INLINE Mf SolveInverse(
   const PacketField& field, const Vec3& p, float tolerance, Vec3& q, int& evaluations)
 {
   constexpr int LargestSteps = 10;
   const Df d;
-  q = Sub(p, Displacement(field, p));
-  evaluations = 1;
-  Mf converged = hn::FirstN(d, 0);
+  const Vf one = Splat(1.0f);
+  Mf done = hn::FirstN(d, 0);
   for (int step = 0; step < LargestSteps; ++step)
   {
     Vec3 displacement;
@@ -192,22 +205,38 @@ HWY_INLINE Mf SolveInverse(
     EvaluateField<true>(field, q, displacement, a, b, c);
     ++evaluations;
     const Vec3 residual = Add(Sub(q, p), displacement);
-    converged = hn::Le(Dot(residual, residual), Splat(tolerance * tolerance));
-    if (hn::AllTrue(d, converged))
+    done = hn::Or(done, hn::Le(Dot(residual, residual), Splat(tolerance * tolerance)));
+    if (hn::AllTrue(d, done))
     {
       break;
     }
     // Solve (I + [a b c]) delta = residual by Cramer's rule.
-    const Vf one = Splat(1.0f);
     a.x = hn::Add(a.x, one);
     b.y = hn::Add(b.y, one);
     c.z = hn::Add(c.z, one);
     const Vec3 bc = Cross(b, c);
+    const Vec3 ca = Cross(c, a);
+    const Vec3 ab = Cross(a, b);
     const Vf inverse = hn::Div(one, Dot(a, bc));
-    const Vec3 delta{ Dot(residual, bc), Dot(a, Cross(residual, c)), Dot(a, Cross(b, residual)) };
-    q = Sub(q, Scale(inverse, delta));
+    const Vec3 delta = Scale(
+      inverse, { Dot(residual, bc), Dot(residual, ca), Dot(residual, ab) });
+    const Vec3 next = Sub(q, delta);
+    const Vf norm = hn::Mul(
+      hn::Abs(inverse), hn::Sqrt(hn::Add(Dot(bc, bc), hn::Add(Dot(ca, ca), Dot(ab, ab)))));
+    const Vf length = hn::Sqrt(Dot(delta, delta));
+    const Vf h = hn::Mul(hn::Mul(norm, Splat(field.SecondDerivative)), length);
+    const Mf proven = hn::And(hn::And(hn::Le(h, Splat(0.5f)),
+                                hn::Le(hn::Mul(h, length), Splat(tolerance))),
+      hn::And(IsInLattice(field, q), IsInLattice(field, next)));
+    q = { hn::IfThenElse(done, q.x, next.x), hn::IfThenElse(done, q.y, next.y),
+      hn::IfThenElse(done, q.z, next.z) };
+    done = hn::Or(done, proven);
+    if (hn::AllTrue(d, done))
+    {
+      break;
+    }
   }
-  return converged;
+  return done;
 }
 
 } // namespace HWY_NAMESPACE

@@ -134,8 +134,8 @@ HWY_INLINE Vec3 PullBackLanes(
     statistics.Evaluations += count;
     return Add(p, Displacement(scene.Field, p));
   }
-  Vec3 q;
-  int evaluations = 0;
+  Vec3 q = Add(p, Displacement(scene.InverseGuess, p));
+  int evaluations = 1;
   const Mf converged = SolveInverse(scene.Field, p, scene.Tolerance, q, evaluations);
   statistics.Evaluations += static_cast<std::int64_t>(evaluations) * count;
   if (scene.Kind == PullBackKind::FirstOrderOfInverse)
@@ -157,6 +157,45 @@ HWY_INLINE Vec3 PullBackLanes(
       });
   }
   return q;
+}
+
+/// Fills PacketScene::InverseGuess: T^-1(P) - P at its nodes.
+HWY_INLINE void FindInverseGuess(PacketScene& scene)
+{
+  const Df d;
+  PacketField& guess = scene.InverseGuess;
+  const std::size_t count = guess.GetNumberOfNodes();
+  std::vector<float> values(3 * count);
+  for (std::size_t first = 0; first < count; first += hn::Lanes(d))
+  {
+    HWY_ALIGN float x[16];
+    HWY_ALIGN float y[16];
+    HWY_ALIGN float z[16];
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+    {
+      const glm::vec3 node = guess.GetNode(std::min(first + lane, count - 1));
+      x[lane] = node.x;
+      y[lane] = node.y;
+      z[lane] = node.z;
+    }
+    const Vec3 p{ hn::Load(d, x), hn::Load(d, y), hn::Load(d, z) };
+    const Vec3 start = Sub(p, Displacement(scene.Field, p));
+    Vec3 q = start;
+    int evaluations = 0;
+    const Mf solved = SolveInverse(scene.Field, p, scene.Tolerance, q, evaluations);
+    const auto moved = [&](Vf solution, Vf firstOrder, Vf from)
+    { return hn::Sub(hn::IfThenElse(solved, solution, firstOrder), from); };
+    hn::Store(moved(q.x, start.x, p.x), d, x);
+    hn::Store(moved(q.y, start.y, p.y), d, y);
+    hn::Store(moved(q.z, start.z, p.z), d, z);
+    for (std::size_t lane = 0; lane < hn::Lanes(d) && first + lane < count; ++lane)
+    {
+      values[3 * (first + lane)] = x[lane];
+      values[3 * (first + lane) + 1] = y[lane];
+      values[3 * (first + lane) + 2] = z[lane];
+    }
+  }
+  guess.SetNodes(std::move(values));
 }
 
 /**

@@ -31,16 +31,18 @@ void AddProduct(double aMin, double aMax, double bMin, double bMax, double& lo, 
 void MultiplyIntervals(const glm::dmat3& mMin, const glm::dmat3& mMax, const glm::dvec3& vMin,
   const glm::dvec3& vMax, glm::dvec3& lo, glm::dvec3& hi)
 {
-  lo = glm::dvec3(0.0);
-  hi = glm::dvec3(0.0);
+  glm::dvec3 sumMin(0.0);
+  glm::dvec3 sumMax(0.0);
   for (int column = 0; column < 3; ++column)
   {
     for (int row = 0; row < 3; ++row)
     {
-      AddProduct(
-        mMin[column][row], mMax[column][row], vMin[column], vMax[column], lo[row], hi[row]);
+      AddProduct(mMin[column][row], mMax[column][row], vMin[column], vMax[column], sumMin[row],
+        sumMax[row]);
     }
   }
+  lo = sumMin;
+  hi = sumMax;
 }
 
 /// Upper bound of the spectral norm, at most 1 % above it: |M|^2 = |B| with B = M^T M, and
@@ -141,6 +143,8 @@ void TileSpans::Find(int index, Span& span) const
   // 0.0713 M d^3 (Peano kernel), once for each direction, the second amplified by the Lebesgue
   // constant 1.632 of the first. The parabola in t amplifies what its points have by 5/4.
   double across = 0.0;
+  glm::dvec3 alongX(0.0);
+  glm::dvec3 alongY(0.0);
   for (const double end : t)
   {
     glm::dvec3 p[4];
@@ -148,6 +152,8 @@ void TileSpans::Find(int index, Span& span) const
     {
       p[c] = this->Origins[c] + end * this->Directions[c];
     }
+    alongX = glm::max(alongX, glm::max(glm::abs(p[1] - p[0]), glm::abs(p[3] - p[2])));
+    alongY = glm::max(alongY, glm::max(glm::abs(p[2] - p[0]), glm::abs(p[3] - p[1])));
     across = std::max({ across, glm::length(p[1] - p[0]), glm::length(p[3] - p[2]),
       glm::length(p[2] - p[0]), glm::length(p[3] - p[1]) });
   }
@@ -173,6 +179,19 @@ void TileSpans::Find(int index, Span& span) const
       this->DirectionMax, lo, hi);
     MultiplyIntervals(
       this->DataToIndex, this->DataToIndex, lo, hi, span.VelocityMin, span.VelocityMax);
+    // Half the distance between nodes is a sixth of the tile.
+    const glm::dvec3 reach = (alongX + alongY) / 6.0 + 2.0 * margin;
+    glm::dvec3 moved(0.0);
+    span.NodeRadius = glm::dvec3(0.0);
+    for (int column = 0; column < 3; ++column)
+    {
+      moved += reach[column] *
+        glm::max(glm::abs(bounds.JacobianMin[column]), glm::abs(bounds.JacobianMax[column]));
+    }
+    for (int column = 0; column < 3; ++column)
+    {
+      span.NodeRadius += moved[column] * glm::abs(this->DataToIndex[column]);
+    }
   }
 }
 

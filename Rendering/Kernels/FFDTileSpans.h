@@ -51,6 +51,9 @@ public:
     bool Lateral = false;
     glm::dvec3 VelocityMin{ 0.0 }; ///< index units per unit of t
     glm::dvec3 VelocityMax{ 0.0 };
+    /// How far, per direction, the nearest of 4 x 4 nodes can be from a ray at the same t, index
+    /// units.
+    glm::dvec3 NodeRadius{ 0.0 };
   };
 
   /**

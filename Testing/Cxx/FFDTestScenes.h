@@ -379,6 +379,14 @@ public:
     this->Property->SetSpecularPower(power);
   }
 
+  /// The headlight's ambient colour: black as VTK's default, or white, which makes
+  /// vtkFixedPointVolumeRayCastMapper light the ambient term as the GPU mapper always does.
+  void SetWhiteAmbientLight(bool white)
+  {
+    const double channel = white ? 1.0 : 0.0;
+    this->Headlight->SetAmbientColor(channel, channel, channel);
+  }
+
   /// Look at the middle of `bounds`.
   void SetCamera(const View& view, const double bounds[6])
   {
@@ -639,6 +647,8 @@ inline Picture RenderExactly(Scene& scene, vtkImageData* image, double sampleDis
   {
     values[i] = scalars->GetComponent(static_cast<vtkIdType>(i), 0);
   }
+  const bool integers = scalars->GetDataType() != VTK_FLOAT && scalars->GetDataType() != VTK_DOUBLE;
+  const double least = *std::min_element(values.begin(), values.end());
   const double exponent = sampleDistance / scene.Property->GetScalarOpacityUnitDistance();
   for (int pixel = 0; pixel < size[0] * size[1]; ++pixel)
   {
@@ -694,6 +704,8 @@ inline Picture RenderExactly(Scene& scene, vtkImageData* image, double sampleDis
         }
         value += w * values[offset];
       }
+      // Whole numbers are classified as vtkFixedPointVolumeRayCastMapper does on average.
+      value += integers ? std::min(0.5, value - least) : 0.0;
       const double opacity = scene.Property->GetScalarOpacity()->GetValue(value);
       if (opacity > 0.0)
       {

@@ -98,6 +98,7 @@ struct Tally
   int Unbounded = 0;
   int Pieces = 0;
   double WorstShare = 0.0; // of the bound that is used up
+  double WorstRadius = 0.0;
 };
 
 /// Compare random pieces of random rays with the true curve.
@@ -127,7 +128,13 @@ void CheckLattice(RandomLattice& random, const BSplineField& field, PullBackKind
   {
     glm::dvec3 origin;
     glm::dvec3 direction;
-    tile.Ray(random.Integer(0, 15), random.Integer(0, 15), origin, direction);
+    const int x = random.Integer(0, 15);
+    const int y = random.Integer(0, 15);
+    tile.Ray(x, y, origin, direction);
+    // The nearest of the 4 x 4 nodes.
+    glm::dvec3 nodeOrigin;
+    glm::dvec3 nodeDirection;
+    tile.Ray(5.0 * std::round(x / 5.0), 5.0 * std::round(y / 5.0), nodeOrigin, nodeDirection);
     const auto curve = [&](double t) {
       PullBackStatus status;
       return dataToIndex * map.Evaluate(origin + t * direction, status);
@@ -161,6 +168,16 @@ void CheckLattice(RandomLattice& random, const BSplineField& field, PullBackKind
       if (span.PositionError > 1e-6)
       {
         tally.WorstShare = std::max(tally.WorstShare, error / span.PositionError);
+      }
+      PullBackStatus status;
+      const glm::dvec3 node =
+        dataToIndex * map.Evaluate(nodeOrigin + (t0 + u * dt) * nodeDirection, status);
+      for (int a = 0; a < 3; ++a)
+      {
+        ASSERT_LE(std::abs(q[a] - node[a]), span.NodeRadius[a] + 1e-6)
+          << "kind " << static_cast<int>(kind);
+        tally.WorstRadius =
+          std::max(tally.WorstRadius, std::abs(q[a] - node[a]) / (span.NodeRadius[a] + 1e-9));
       }
       const glm::dvec3 velocity = (q - last) / (dt / 24.0);
       for (int a = 0; a < 3; ++a)
@@ -260,6 +277,7 @@ TEST(TileSpans, BoundsHoldForSmoothLattices)
   }
   EXPECT_GT(tally.Bounded, 3000);
   EXPECT_GT(tally.WorstShare, 0.02); // the bound is of use
+  EXPECT_GT(tally.WorstRadius, 0.5);
 }
 
 TEST(TileSpans, BoundsHoldForRandomLattices)
