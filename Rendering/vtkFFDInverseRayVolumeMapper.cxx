@@ -351,7 +351,7 @@ void vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDistances()
 {
   if (this->Self->SpaceLeaping != OFF && this->DistancesMade < this->TableMade)
   {
-    this->Distances = ffd::DistanceMap(this->Blocks, this->Table);
+    this->Distances = ffd::DistanceMap(this->Blocks, this->Table, ParallelFor);
     this->DistancesMade.Modified();
   }
 }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace ffd
@@ -14,31 +15,57 @@ namespace ffd
 namespace
 {
 
-/// Cells a side, so that the grid takes at most 140 kB.
-constexpr int LargestResolution = 12;
+/// Cells a side, so that the grid takes at most 20 kB.
+constexpr int LargestResolution = 8;
 
-/// A float that is not below x.
-float RoundUp(double x)
+/// The upper half of the bits of a float that is not below x.
+std::uint16_t RoundUp(double x)
 {
-  const float nearest = static_cast<float>(x);
-  return static_cast<double>(nearest) < x
-    ? std::nextafter(nearest, std::numeric_limits<float>::infinity())
-    : nearest;
+  float single = static_cast<float>(x);
+  if (static_cast<double>(single) < x)
+  {
+    single = std::nextafter(single, std::numeric_limits<float>::infinity());
+  }
+  std::uint32_t bits;
+  std::memcpy(&bits, &single, sizeof(bits));
+  // Cutting bits off makes a number smaller, and a negative one larger.
+  bits += single > 0.0f ? 0xFFFFu : 0u;
+  return static_cast<std::uint16_t>(bits >> 16);
 }
+
+float ToFloat(std::uint16_t upper)
+{
+  const std::uint32_t bits = static_cast<std::uint32_t>(upper) << 16;
+  float single;
+  std::memcpy(&single, &bits, sizeof(single));
+  return single;
+}
+
+/// Order of CellBounds::Upper.
+constexpr int NegativeJacobian = 9;
+constexpr int SecondDerivative = 18;
+constexpr int ThirdDerivative = 19;
 
 } // namespace
 
 //------------------------------------------------------------------------------
 void DeformedSpaceBounds::CellBounds::Include(const MapBounds& bounds)
 {
+  const auto include = [this](int i, double value)
+  {
+    const std::uint16_t upper = RoundUp(value);
+    if (ToFloat(upper) > ToFloat(this->Upper[i]))
+    {
+      this->Upper[i] = upper;
+    }
+  };
   for (int i = 0; i < 9; ++i)
   {
-    this->JacobianMin[i] =
-      std::min(this->JacobianMin[i], -RoundUp(-bounds.JacobianMin[i / 3][i % 3]));
-    this->JacobianMax[i] = std::max(this->JacobianMax[i], RoundUp(bounds.JacobianMax[i / 3][i % 3]));
+    include(i, bounds.JacobianMax[i / 3][i % 3]);
+    include(NegativeJacobian + i, -bounds.JacobianMin[i / 3][i % 3]);
   }
-  this->SecondDerivative = std::max(this->SecondDerivative, RoundUp(bounds.SecondDerivative));
-  this->ThirdDerivative = std::max(this->ThirdDerivative, RoundUp(bounds.ThirdDerivative));
+  include(SecondDerivative, bounds.SecondDerivative);
+  include(ThirdDerivative, bounds.ThirdDerivative);
 }
 
 //------------------------------------------------------------------------------
@@ -47,10 +74,9 @@ DeformedSpaceBounds::DeformedSpaceBounds(
   : Region(region)
 {
   CellBounds nothing;
-  std::fill_n(nothing.JacobianMin, 9, std::numeric_limits<float>::infinity());
-  std::fill_n(nothing.JacobianMax, 9, -std::numeric_limits<float>::infinity());
-  nothing.SecondDerivative = 0.0f;
-  nothing.ThirdDerivative = 0.0f;
+  std::fill_n(nothing.Upper, 18, RoundUp(-std::numeric_limits<double>::infinity()));
+  nothing.Upper[SecondDerivative] = 0;
+  nothing.Upper[ThirdDerivative] = 0;
   if (pullBack.IsIdentity())
   {
     this->Identity = true;
@@ -193,7 +219,8 @@ MapBounds DeformedSpaceBounds::Over(const Box& box) const
   }
   const glm::ivec3 from = this->CellOf(box.Min);
   const glm::ivec3 to = this->CellOf(box.Max);
-  CellBounds all = this->Bounds[this->IndexOf(from.x, from.y, from.z)];
+  float all[20];
+  std::fill_n(all, 20, -std::numeric_limits<float>::infinity());
   for (int k = from.z; k <= to.z; ++k)
   {
     for (int j = from.y; j <= to.y; ++j)
@@ -201,23 +228,20 @@ MapBounds DeformedSpaceBounds::Over(const Box& box) const
       for (int i = from.x; i <= to.x; ++i)
       {
         const CellBounds& cell = this->Bounds[this->IndexOf(i, j, k)];
-        for (int e = 0; e < 9; ++e)
+        for (int e = 0; e < 20; ++e)
         {
-          all.JacobianMin[e] = std::min(all.JacobianMin[e], cell.JacobianMin[e]);
-          all.JacobianMax[e] = std::max(all.JacobianMax[e], cell.JacobianMax[e]);
+          all[e] = std::max(all[e], ToFloat(cell.Upper[e]));
         }
-        all.SecondDerivative = std::max(all.SecondDerivative, cell.SecondDerivative);
-        all.ThirdDerivative = std::max(all.ThirdDerivative, cell.ThirdDerivative);
       }
     }
   }
   for (int e = 0; e < 9; ++e)
   {
-    bounds.JacobianMin[e / 3][e % 3] = all.JacobianMin[e];
-    bounds.JacobianMax[e / 3][e % 3] = all.JacobianMax[e];
+    bounds.JacobianMin[e / 3][e % 3] = -all[NegativeJacobian + e];
+    bounds.JacobianMax[e / 3][e % 3] = all[e];
   }
-  bounds.SecondDerivative = all.SecondDerivative;
-  bounds.ThirdDerivative = all.ThirdDerivative;
+  bounds.SecondDerivative = all[SecondDerivative];
+  bounds.ThirdDerivative = all[ThirdDerivative];
   return bounds;
 }
 

@@ -9,6 +9,7 @@
 #include <glm/vec3.hpp>
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace ffd
@@ -33,13 +34,14 @@ public:
   std::size_t GetMemorySize() const { return this->Bounds.capacity() * sizeof(CellBounds); }
 
 private:
-  /// MapBounds in single precision, rounded outwards.
+  /**
+   * MapBounds, rounded outwards to the upper halves of floats (8 bits of precision): a grid of
+   * them is small. As upper bounds all of them: of the entries of the Jacobian, of the negative
+   * entries, of the second and of the third derivative.
+   */
   struct CellBounds
   {
-    float JacobianMin[9];
-    float JacobianMax[9];
-    float SecondDerivative;
-    float ThirdDerivative;
+    std::uint16_t Upper[20];
 
     void Include(const MapBounds& bounds);
   };

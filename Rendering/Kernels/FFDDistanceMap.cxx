@@ -5,7 +5,9 @@
 #include <glm/common.hpp>
 
 #include <algorithm>
+#include <functional>
 #include <limits>
+#include <vector>
 
 namespace ffd
 {
@@ -14,79 +16,138 @@ namespace
 
 constexpr int LargestDistance = 255;
 
-/**
- * One axis of the Chebyshev distance transform: out[i] = min over j of max(|i - j|, in[j]). The
- * three axes one after the other give the transform in space. The search from each point stops at
- * the distance found so far, so it is short wherever the volume is not empty.
- */
-void TransformLine(std::uint8_t* line, int count, std::size_t stride, std::vector<int>& work)
+/// Along a row whose blocks are 0 (may be visible) or the largest distance: forth and back.
+void TransformRow(std::uint8_t* row, int count)
 {
-  work.resize(static_cast<std::size_t>(count));
+  int gap = LargestDistance;
   for (int i = 0; i < count; ++i)
   {
-    work[i] = line[i * stride];
+    gap = row[i] == 0 ? 0 : std::min(gap + 1, LargestDistance);
+    row[i] = static_cast<std::uint8_t>(gap);
+  }
+  gap = LargestDistance;
+  for (int i = count - 1; i >= 0; --i)
+  {
+    gap = row[i] == 0 ? 0 : std::min(gap + 1, LargestDistance);
+    row[i] = static_cast<std::uint8_t>(std::min<int>(row[i], gap));
+  }
+}
+
+/**
+ * One more axis of the Chebyshev distance transform, for `width` lines at once that lie side by
+ * side: out[i] = min over j of max(|i - j|, in[j]). The search for a row of the lines stops at the
+ * largest distance found in it so far, so it is short wherever the volume is not empty.
+ */
+void TransformLines(std::uint8_t* lines, int count, std::size_t stride, int width,
+  std::vector<std::uint8_t>& source)
+{
+  source.resize(static_cast<std::size_t>(count) * static_cast<std::size_t>(width));
+  const auto row = [&source, width](int i)
+  { return &source[static_cast<std::size_t>(i) * static_cast<std::size_t>(width)]; };
+  for (int i = 0; i < count; ++i)
+  {
+    std::copy_n(lines + static_cast<std::size_t>(i) * stride, width, row(i));
   }
   for (int i = 0; i < count; ++i)
   {
-    // Only neighbours closer than the value found so far can lower it.
-    int best = work[i];
-    for (int gap = 1; gap < best; ++gap)
+    std::uint8_t* out = lines + static_cast<std::size_t>(i) * stride;
+    for (int gap = 1; gap < LargestDistance && (i - gap >= 0 || i + gap < count); ++gap)
     {
-      if (i - gap >= 0)
+      // Beyond either end there is nothing: the other neighbour stands for both.
+      const std::uint8_t* below = row(i - gap >= 0 ? i - gap : i + gap);
+      const std::uint8_t* above = row(i + gap < count ? i + gap : i - gap);
+      const std::uint8_t least = static_cast<std::uint8_t>(gap);
+      std::uint8_t largest = 0;
+      for (int x = 0; x < width; ++x)
       {
-        best = std::min(best, std::max(gap, work[i - gap]));
+        const std::uint8_t near = std::min(below[x], above[x]);
+        out[x] = std::min(out[x], std::max(least, near));
+        largest = std::max(largest, out[x]);
       }
-      if (i + gap < count)
-      {
-        best = std::min(best, std::max(gap, work[i + gap]));
-      }
-      if (i - gap < 0 && i + gap >= count)
+      // Only neighbours closer than the distances found so far can lower them.
+      if (largest <= gap + 1)
       {
         break;
       }
     }
-    line[i * stride] = static_cast<std::uint8_t>(best);
   }
 }
 
 } // namespace
 
 //------------------------------------------------------------------------------
-DistanceMap::DistanceMap(const MinMaxBlocks& blocks, const TransferTable& table)
+DistanceMap::DistanceMap(const MinMaxBlocks& blocks, const TransferTable& table,
+  const MinMaxBlocks::ParallelFor& parallelFor)
   : Blocks(blocks.GetBlocks())
 {
-  const std::size_t count = blocks.GetNumberOfBlocks();
-  this->Distances.resize(count + 3);
-  for (std::size_t i = 0; i < count; ++i)
+  this->Distances.resize(blocks.GetNumberOfBlocks() + 3);
+  const auto run = [&parallelFor](int count, const std::function<void(int)>& work)
   {
-    const MinMaxBlocks::Limits limits = blocks.GetLimits(i);
-    this->Distances[i] = table.IsTransparent(limits.Min, limits.Max) ? LargestDistance : 0;
-  }
+    const auto range = [&work](std::size_t first, std::size_t last)
+    {
+      for (std::size_t i = first; i < last; ++i)
+      {
+        work(static_cast<int>(i));
+      }
+    };
+    if (parallelFor)
+    {
+      parallelFor(static_cast<std::size_t>(count), range);
+    }
+    else
+    {
+      range(0, static_cast<std::size_t>(count));
+    }
+  };
+  run(blocks.GetParents().z, [&](int plane) { this->FindOccupancy(blocks, table, plane); });
+  run(this->Blocks.z, [this](int k) { this->TransformPlane(k); });
+  const std::size_t nx = static_cast<std::size_t>(this->Blocks.x);
+  const std::size_t nxy = nx * static_cast<std::size_t>(this->Blocks.y);
+  run(this->Blocks.y,
+    [&](int j)
+    {
+      std::vector<std::uint8_t> work;
+      TransformLines(&this->Distances[static_cast<std::size_t>(j) * nx], this->Blocks.z, nxy,
+        this->Blocks.x, work);
+    });
+}
 
-  std::vector<int> work;
-  const std::size_t nx = this->Blocks.x;
-  const std::size_t nxy = nx * this->Blocks.y;
-  for (int k = 0; k < this->Blocks.z; ++k)
+//------------------------------------------------------------------------------
+void DistanceMap::FindOccupancy(
+  const MinMaxBlocks& blocks, const TransferTable& table, int parentPlane)
+{
+  const glm::ivec3 parents = blocks.GetParents();
+  const auto distanceOf = [&table](const MinMaxBlocks::Limits& limits)
+  { return table.IsTransparent(limits.Min, limits.Max) ? LargestDistance : 0; };
+  for (int y = 0; y < parents.y; ++y)
   {
-    for (int j = 0; j < this->Blocks.y; ++j)
+    for (int x = 0; x < parents.x; ++x)
     {
-      TransformLine(&this->Distances[k * nxy + j * nx], this->Blocks.x, 1, work);
+      const glm::ivec3 parent(x, y, parentPlane);
+      const bool empty = distanceOf(blocks.GetParentLimits(parent)) != 0;
+      for (int c = 0; c < 8; ++c)
+      {
+        const glm::ivec3 block = 2 * parent + glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
+        if (block.x < this->Blocks.x && block.y < this->Blocks.y && block.z < this->Blocks.z)
+        {
+          this->Distances[this->IndexOf(block)] = static_cast<std::uint8_t>(
+            empty ? LargestDistance : distanceOf(blocks.GetLimits(block)));
+        }
+      }
     }
   }
-  for (int k = 0; k < this->Blocks.z; ++k)
-  {
-    for (int i = 0; i < this->Blocks.x; ++i)
-    {
-      TransformLine(&this->Distances[k * nxy + i], this->Blocks.y, nx, work);
-    }
-  }
+}
+
+//------------------------------------------------------------------------------
+void DistanceMap::TransformPlane(int k)
+{
   for (int j = 0; j < this->Blocks.y; ++j)
   {
-    for (int i = 0; i < this->Blocks.x; ++i)
-    {
-      TransformLine(&this->Distances[j * nx + i], this->Blocks.z, nxy, work);
-    }
+    TransformRow(&this->Distances[this->IndexOf({ 0, j, k })], this->Blocks.x);
   }
+  std::vector<std::uint8_t> work;
+  TransformLines(&this->Distances[this->IndexOf({ 0, 0, k })], this->Blocks.y,
+    static_cast<std::size_t>(this->Blocks.x), this->Blocks.x, work);
 }
 
 //------------------------------------------------------------------------------

@@ -32,16 +32,15 @@ class FFD_KERNEL_EXPORT DistanceMap
 {
 public:
   DistanceMap() = default;
-  DistanceMap(const MinMaxBlocks& blocks, const TransferTable& table);
+  DistanceMap(const MinMaxBlocks& blocks, const TransferTable& table,
+    const MinMaxBlocks::ParallelFor& parallelFor = MinMaxBlocks::ParallelFor());
 
   const glm::ivec3& GetBlocks() const { return this->Blocks; }
 
   /// Distance of a block, 0 when it may be visible; at most 255.
   int GetDistance(const glm::ivec3& block) const
   {
-    return this->Distances[block.x +
-      static_cast<std::size_t>(this->Blocks.x) *
-        (block.y + static_cast<std::size_t>(this->Blocks.y) * block.z)];
+    return this->Distances[this->IndexOf(block)];
   }
 
   /**
@@ -57,6 +56,15 @@ public:
   std::size_t GetMemorySize() const { return this->Distances.capacity(); }
 
 private:
+  std::size_t IndexOf(const glm::ivec3& block) const
+  {
+    return block.x +
+      static_cast<std::size_t>(this->Blocks.x) *
+      (block.y + static_cast<std::size_t>(this->Blocks.y) * block.z);
+  }
+  void FindOccupancy(const MinMaxBlocks& blocks, const TransferTable& table, int parentPlane);
+  void TransformPlane(int k);
+
   glm::ivec3 Blocks{ 0 };
   std::vector<std::uint8_t> Distances; // x fastest
 };

@@ -5,6 +5,7 @@
 #include "FFDScalarDispatch.h"
 
 #include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +16,9 @@ namespace ffd
 {
 namespace
 {
+
+/// The last of the codes of four bits.
+constexpr int FinestCode = 15;
 
 /// Smallest and largest number of a row-wise box of voxels, both ends included.
 template <class T>
@@ -96,59 +100,73 @@ MinMaxBlocks::MinMaxBlocks(const VolumeView& volume, const ParallelFor& parallel
   this->Blocks = (volume.Dimensions - 1 + BlockSize - 1) / BlockSize;
   this->NumberOfBlocks = static_cast<std::size_t>(this->Blocks.x) *
     static_cast<std::size_t>(this->Blocks.y) * static_cast<std::size_t>(this->Blocks.z);
+  this->Parents = (this->Blocks + 1) / 2;
   DispatchScalarType(volume.Type,
     [&](auto zero)
     {
       using T = decltype(zero);
       this->Range = FindRange<T>(volume, parallelFor);
       const double width = this->Range.Max - this->Range.Min;
+      this->Codes.resize(this->NumberOfBlocks);
+      const std::size_t parents = static_cast<std::size_t>(this->Parents.x) *
+        static_cast<std::size_t>(this->Parents.y) * static_cast<std::size_t>(this->Parents.z);
       if (std::is_integral_v<T> && width <= 255.0)
       {
         this->CodeStep = 1.0;
-        this->EncodeBlocks<T>(volume, this->ByteCodes, parallelFor);
+        this->LastCode = 255;
+        this->ParentBytes.resize(2 * parents);
       }
       else
       {
         this->CodeStep = width > 0.0 ? width / 65535.0 : 1.0;
-        this->EncodeBlocks<T>(volume, this->WordCodes, parallelFor);
+        this->LastCode = 65535;
+        this->ParentWords.resize(2 * parents);
       }
+      this->EncodeBlocks<T>(volume, parallelFor);
     });
 }
 
 //------------------------------------------------------------------------------
-template <class T, class Code>
-void MinMaxBlocks::EncodeBlocks(
-  const VolumeView& volume, std::vector<Code>& codes, const ParallelFor& parallelFor)
+template <class T>
+MinMaxBlocks::CodeLimits MinMaxBlocks::FindLimits(
+  const VolumeView& volume, const glm::ivec3& block) const
 {
-  codes.resize(2 * this->NumberOfBlocks);
-  const double lastCode = std::numeric_limits<Code>::max();
-  // Ordered so that infinite scalars end at the first or last code.
-  const auto encode = [this, lastCode](double value, double (*round)(double))
+  Extremes<T> found;
+  ScanVoxels<T>(volume, block * BlockSize,
+    glm::min((block + 1) * BlockSize, volume.Dimensions - 1), true, found);
+  if (!found.Any)
   {
-    const double code = round((value - this->Range.Min) / this->CodeStep);
-    return static_cast<Code>(std::max(0.0, std::min(lastCode, code)));
-  };
-  const auto floor = [](double x) { return std::floor(x); };
-  const auto ceil = [](double x) { return std::ceil(x); };
-  const glm::ivec3 lastVoxel = volume.Dimensions - 1;
-  parallelFor(static_cast<std::size_t>(this->Blocks.z),
+    return { 1, 0 };
+  }
+  // Ordered so that infinite scalars end at the first or last code.
+  const auto clamp = [this](double code)
+  { return static_cast<int>(std::max(0.0, std::min<double>(this->LastCode, code))); };
+  return { clamp(std::floor((static_cast<double>(found.Min) - this->Range.Min) / this->CodeStep)),
+    clamp(std::ceil((static_cast<double>(found.Max) - this->Range.Min) / this->CodeStep)) };
+}
+
+//------------------------------------------------------------------------------
+template <class T>
+void MinMaxBlocks::EncodeBlocks(const VolumeView& volume, const ParallelFor& parallelFor)
+{
+  parallelFor(static_cast<std::size_t>(this->Parents.z),
     [&](std::size_t firstPlane, std::size_t lastPlane)
     {
-      for (std::size_t bz = firstPlane; bz < lastPlane; ++bz)
+      for (std::size_t z = firstPlane; z < lastPlane; ++z)
       {
-        for (int by = 0; by < this->Blocks.y; ++by)
+        for (int y = 0; y < this->Parents.y; ++y)
         {
-          for (int bx = 0; bx < this->Blocks.x; ++bx)
+          for (int x = 0; x < this->Parents.x; ++x)
           {
-            const glm::ivec3 first = glm::ivec3(bx, by, static_cast<int>(bz)) * BlockSize;
-            const glm::ivec3 last = glm::min(first + BlockSize, lastVoxel);
-            Extremes<T> found;
-            ScanVoxels<T>(volume, first, last, true, found);
-            const std::size_t block = bx +
-              static_cast<std::size_t>(this->Blocks.x) *
-                (by + static_cast<std::size_t>(this->Blocks.y) * bz);
-            codes[2 * block] = found.Any ? encode(static_cast<double>(found.Min), floor) : 1;
-            codes[2 * block + 1] = found.Any ? encode(static_cast<double>(found.Max), ceil) : 0;
+            const glm::ivec3 parent(x, y, static_cast<int>(z));
+            CodeLimits children[8];
+            for (int c = 0; c < 8; ++c)
+            {
+              const glm::ivec3 block = 2 * parent + glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
+              const bool exists = glm::all(glm::lessThan(block, this->Blocks));
+              children[c] = exists ? this->FindLimits<T>(volume, block) : CodeLimits{ 1, 0 };
+            }
+            this->EncodeParent(parent, children);
           }
         }
       }
@@ -156,12 +174,83 @@ void MinMaxBlocks::EncodeBlocks(
 }
 
 //------------------------------------------------------------------------------
-MinMaxBlocks::Limits MinMaxBlocks::GetLimits(std::size_t index) const
+void MinMaxBlocks::EncodeParent(const glm::ivec3& parent, const CodeLimits children[8])
 {
-  const bool bytes = !this->ByteCodes.empty();
-  const double min = bytes ? this->ByteCodes[2 * index] : this->WordCodes[2 * index];
-  const double max = bytes ? this->ByteCodes[2 * index + 1] : this->WordCodes[2 * index + 1];
-  return { this->Range.Min + min * this->CodeStep, this->Range.Min + max * this->CodeStep };
+  CodeLimits all{ 1, 0 };
+  for (int c = 0; c < 8; ++c)
+  {
+    if (children[c].Min <= children[c].Max)
+    {
+      const bool first = all.Min > all.Max;
+      all.Min = first ? children[c].Min : std::min(all.Min, children[c].Min);
+      all.Max = first ? children[c].Max : std::max(all.Max, children[c].Max);
+    }
+  }
+  const std::size_t at = 2 * this->IndexOfParent(parent);
+  if (!this->ParentBytes.empty())
+  {
+    this->ParentBytes[at] = static_cast<std::uint8_t>(all.Min);
+    this->ParentBytes[at + 1] = static_cast<std::uint8_t>(all.Max);
+  }
+  else
+  {
+    this->ParentWords[at] = static_cast<std::uint16_t>(all.Min);
+    this->ParentWords[at + 1] = static_cast<std::uint16_t>(all.Max);
+  }
+  const int width = std::max(FinestCode, all.Max - all.Min);
+  for (int c = 0; c < 8; ++c)
+  {
+    const glm::ivec3 block = 2 * parent + glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
+    if (glm::all(glm::lessThan(block, this->Blocks)))
+    {
+      int low = FinestCode;
+      int high = 0;
+      if (children[c].Min <= children[c].Max)
+      {
+        low = FinestCode * (children[c].Min - all.Min) / width;
+        high = (FinestCode * (children[c].Max - all.Min) + width - 1) / width;
+      }
+      this->Codes[this->IndexOf(block)] = static_cast<std::uint8_t>(low | high << 4);
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+MinMaxBlocks::CodeLimits MinMaxBlocks::GetParentCodes(const glm::ivec3& parent) const
+{
+  const std::size_t at = 2 * this->IndexOfParent(parent);
+  return this->ParentBytes.empty()
+    ? CodeLimits{ this->ParentWords[at], this->ParentWords[at + 1] }
+    : CodeLimits{ this->ParentBytes[at], this->ParentBytes[at + 1] };
+}
+
+//------------------------------------------------------------------------------
+MinMaxBlocks::Limits MinMaxBlocks::Decode(const CodeLimits& codes) const
+{
+  return { this->Range.Min + codes.Min * this->CodeStep,
+    this->Range.Min + codes.Max * this->CodeStep };
+}
+
+//------------------------------------------------------------------------------
+MinMaxBlocks::Limits MinMaxBlocks::GetParentLimits(const glm::ivec3& parent) const
+{
+  return this->Decode(this->GetParentCodes(parent));
+}
+
+//------------------------------------------------------------------------------
+MinMaxBlocks::Limits MinMaxBlocks::GetLimits(const glm::ivec3& block) const
+{
+  const CodeLimits parent = this->GetParentCodes(block / 2);
+  const int code = this->Codes[this->IndexOf(block)];
+  const int low = code & FinestCode;
+  const int high = code >> 4;
+  if (parent.Min > parent.Max || low > high)
+  {
+    return this->Decode({ 1, 0 });
+  }
+  const int width = std::max(FinestCode, parent.Max - parent.Min);
+  return this->Decode({ parent.Min + width * low / FinestCode,
+    std::min(parent.Max, parent.Min + (width * high + FinestCode - 1) / FinestCode) });
 }
 
 } // namespace ffd

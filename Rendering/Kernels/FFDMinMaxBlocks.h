@@ -20,9 +20,10 @@ namespace ffd
  * Smallest and largest scalar of every block of 4^3 cells (5^3 voxels: neighbours share a layer,
  * so a trilinear sample lies between the limits of the block that holds it). Built once per input.
  *
- * Limits are stored as codes of equal steps over the scalar range, rounded outwards: one byte each
- * where the range is at most 255 whole numbers (then they are exact), else two. So they take
- * 3 % of an 8 or 16-bit volume and less of others.
+ * Limits are codes of equal steps over the scalar range, rounded outwards: whole numbers where the
+ * range is at most 255 of them, else 65535 steps. They are stored for parents of 2^3 blocks; a block
+ * keeps two numbers of four bits that say where, between the limits of its parent, its own are, again
+ * rounded outwards. So they take 2 % of an 8-bit volume and less of others.
  *
  * Voxels that are not a number are left out: a sample next to one is not a number either and
  * contributes nothing. Infinite ones, and floating-point numbers above a quarter of the largest
@@ -49,28 +50,61 @@ public:
   const glm::ivec3& GetBlocks() const { return this->Blocks; }
   std::size_t GetNumberOfBlocks() const { return this->NumberOfBlocks; }
 
-  /// Limits of block `index`, x fastest.
-  Limits GetLimits(std::size_t index) const;
-
   /// Range of the finite scalars of the whole volume; Min > Max when there is none.
   const Limits& GetRange() const { return this->Range; }
 
+  /// Parents along each axis; parent p holds the blocks 2 p and 2 p + 1.
+  const glm::ivec3& GetParents() const { return this->Parents; }
+
+  /// Limits of a parent: of all its blocks together.
+  Limits GetParentLimits(const glm::ivec3& parent) const;
+
+  /// Limits of a block.
+  Limits GetLimits(const glm::ivec3& block) const;
+
   std::size_t GetMemorySize() const
   {
-    return this->ByteCodes.capacity() + 2 * this->WordCodes.capacity();
+    return this->Codes.capacity() + this->ParentBytes.capacity() + 2 * this->ParentWords.capacity();
   }
 
 private:
-  template <class T, class Code>
-  void EncodeBlocks(
-    const VolumeView& volume, std::vector<Code>& codes, const ParallelFor& parallelFor);
+  /// Limits in codes; Max < Min: no number at all.
+  struct CodeLimits
+  {
+    int Min;
+    int Max;
+  };
+
+  template <class T>
+  void EncodeBlocks(const VolumeView& volume, const ParallelFor& parallelFor);
+  template <class T>
+  CodeLimits FindLimits(const VolumeView& volume, const glm::ivec3& block) const;
+  void EncodeParent(const glm::ivec3& parent, const CodeLimits children[8]);
+  CodeLimits GetParentCodes(const glm::ivec3& parent) const;
+  Limits Decode(const CodeLimits& codes) const;
+
+  std::size_t IndexOf(const glm::ivec3& block) const
+  {
+    return block.x +
+      static_cast<std::size_t>(this->Blocks.x) *
+      (block.y + static_cast<std::size_t>(this->Blocks.y) * block.z);
+  }
+  std::size_t IndexOfParent(const glm::ivec3& parent) const
+  {
+    return parent.x +
+      static_cast<std::size_t>(this->Parents.x) *
+      (parent.y + static_cast<std::size_t>(this->Parents.y) * parent.z);
+  }
 
   glm::ivec3 Blocks{ 0 };
+  glm::ivec3 Parents{ 0 };
   std::size_t NumberOfBlocks = 0;
   Limits Range{ 0.0, -1.0 };
-  double CodeStep = 0.0;                // scalar units per code
-  std::vector<std::uint8_t> ByteCodes;  // min, max of each block; one of the two is used
-  std::vector<std::uint16_t> WordCodes;
+  double CodeStep = 0.0; // scalar units per code
+  int LastCode = 255;
+  std::vector<std::uint8_t> Codes;        // of a block: minimum in the low four bits, maximum above
+  std::vector<std::uint8_t> ParentBytes;  // min, max of each parent; one of the two is used
+  std::vector<std::uint16_t> ParentWords;
 };
 
 } // namespace ffd
