@@ -6,6 +6,7 @@
 #include "vtkFFDImageDisplay.h"
 #include "vtkFFDKernelViews.h"
 #include "vtkFFDRayStatistics.h"
+#include "vtkFFDVolumeViewFromImage.h"
 
 #include "FFDDeformedSpaceBounds.h"
 #include "FFDDistanceMap.h"
@@ -77,19 +78,6 @@ void ParallelFor(
   vtkSMPTools::For(0, static_cast<vtkIdType>(count), 1,
     [&work](vtkIdType first, vtkIdType last)
     { work(static_cast<std::size_t>(first), static_cast<std::size_t>(last)); });
-}
-
-ffd::PullBackKind FindPullBackKind(int inverseMode, bool inverted)
-{
-  switch (inverseMode)
-  {
-    case vtkFFDInverseRayVolumeMapper::FIRST_ORDER:
-      return inverted ? ffd::PullBackKind::FirstOrderOfInverse : ffd::PullBackKind::FirstOrder;
-    case vtkFFDInverseRayVolumeMapper::PULL_BACK:
-      return inverted ? ffd::PullBackKind::Exact : ffd::PullBackKind::Forward;
-    default:
-      return inverted ? ffd::PullBackKind::Forward : ffd::PullBackKind::Exact;
-  }
 }
 
 /// Other mappers make VTK create a gradient opacity of one everywhere: that is none.
@@ -249,7 +237,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateVolume(std::string& messa
     return false;
   }
   ffd::VolumeView view;
-  if (!ffd::MakeVolumeView(image, scalars, view, message))
+  if (!vtkFFDVolumeViewFromImage(image, scalars, false, view, message))
   {
     return false;
   }
@@ -298,7 +286,8 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
   this->DeformationTime = time;
   this->RestBounds = rest;
   this->Map = ffd::PullBack(&this->Source.GetField(),
-    FindPullBackKind(this->Self->InverseMode, this->Source.IsInverted()),
+    ffd::FindPullBackKind(
+      static_cast<ffd::InverseMode>(this->Self->InverseMode), this->Source.IsInverted()),
     this->Self->InverseTolerance * voxel);
   // Only what follows from these bounds is kept: they take far more memory.
   const ffd::PullBackBounds mapBounds(this->Map);
