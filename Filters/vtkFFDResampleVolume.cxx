@@ -46,7 +46,10 @@ constexpr int SlicesPerBatch = 32;
 /// What no memory holds: then the deformation, or the spacing, is not what was meant.
 constexpr double LargestNumberOfPoints = 68719476736.0; // 2^36
 
-/// Bounds and grid of an image that may not have been made yet.
+/// Rounding must not add a layer to a box that ends at a point.
+constexpr double IndexSlack = 1e-6;
+
+/// Grid of an image that may not have been made yet.
 ffd::ImageGrid GridFromInformation(vtkInformation* info)
 {
   ffd::ImageGrid grid;
@@ -97,6 +100,31 @@ ffd::Box FindBox(const ffd::ImageGrid& grid, const int extent[6])
   return box;
 }
 
+/// Indices around a region of another grid, moved by a displacement in a box.
+ffd::Box FindIndices(const ffd::ImageGrid& grid, const ffd::ImageGrid& other, const int extent[6],
+  const ffd::Box& displacement)
+{
+  const glm::dmat3 toIndex = glm::inverse(grid.IndexToData);
+  ffd::Box indices{ glm::dvec3(std::numeric_limits<double>::infinity()),
+    glm::dvec3(-std::numeric_limits<double>::infinity()) };
+  ffd::Box moved = indices;
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const glm::dvec3 p = other.ToData(glm::dvec3(
+      extent[corner & 1], extent[2 + (corner >> 1 & 1)], extent[4 + (corner >> 2 & 1)]));
+    const glm::dvec3 d((corner & 1 ? displacement.Max : displacement.Min).x,
+      (corner & 2 ? displacement.Max : displacement.Min).y,
+      (corner & 4 ? displacement.Max : displacement.Min).z);
+    const glm::dvec3 index = toIndex * (p - grid.Origin);
+    indices.Min = glm::min(indices.Min, index);
+    indices.Max = glm::max(indices.Max, index);
+    moved.Min = glm::min(moved.Min, toIndex * d);
+    moved.Max = glm::max(moved.Max, toIndex * d);
+  }
+  return { glm::floor(indices.Min + moved.Min + IndexSlack),
+    glm::ceil(indices.Max + moved.Max - IndexSlack) };
+}
+
 /// The indices around a box, as numbers: they need not fit into an int.
 ffd::Box FindIndices(const ffd::ImageGrid& grid, const ffd::Box& box)
 {
@@ -111,9 +139,7 @@ ffd::Box FindIndices(const ffd::ImageGrid& grid, const ffd::Box& box)
     indices.Min = glm::min(indices.Min, index);
     indices.Max = glm::max(indices.Max, index);
   }
-  // Rounding must not add a layer to a box that ends at a point.
-  constexpr double slack = 1e-6;
-  return { glm::floor(indices.Min + slack), glm::ceil(indices.Max - slack) };
+  return { glm::floor(indices.Min + IndexSlack), glm::ceil(indices.Max - IndexSlack) };
 }
 
 } // namespace
@@ -133,6 +159,34 @@ public:
   vtkMTimeType MapTime = 0;
   int MapMode = -1;
   double MapTolerance = 0.0;
+
+  /// Indices of the output that hold the whole deformed volume.
+  ffd::Box FindDeformedIndices(vtkInformation* input) const
+  {
+    int whole[6];
+    input->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), whole);
+    if (this->Map.IsIdentity())
+    {
+      return FindIndices(
+        this->Output, this->Input, whole, ffd::Box{ glm::dvec3(0.0), glm::dvec3(0.0) });
+    }
+    // Two bounds: the first is tight, but a box of data coordinates, so loose for turned images.
+    const ffd::Box first =
+      FindIndices(this->Output, this->Bounds.DeformedBounds(this->RestBounds));
+    constexpr double large = 1e300;
+    const ffd::Box d =
+      this->Bounds.DisplacementOver({ glm::dvec3(-large), glm::dvec3(large) });
+    // P - Phi(P) is D of some point, or -D for the kinds that read T from output to input.
+    const bool opposite = this->Map.GetKind() == ffd::PullBackKind::Forward ||
+      this->Map.GetKind() == ffd::PullBackKind::FirstOrderOfInverse;
+    const glm::dvec3 slack(this->MapTolerance);
+    const ffd::Box second = FindIndices(this->Output, this->Input, whole,
+      opposite ? ffd::Box{ -d.Max - slack, -d.Min + slack }
+               : ffd::Box{ d.Min - slack, d.Max + slack });
+    return first.IsEmpty() ? second
+                           : ffd::Box{ glm::max(first.Min, second.Min),
+                               glm::min(first.Max, second.Max) };
+  }
 
   void UpdateMap(int mode, double tolerance)
   {
@@ -475,9 +529,7 @@ int vtkFFDResampleVolume::RequestInformation(
   std::copy_n(this->OutputExtent, 6, extent);
   if (this->DefaultExtent)
   {
-    const ffd::Box deformed =
-      in.Map.IsIdentity() ? in.RestBounds : in.Bounds.DeformedBounds(in.RestBounds);
-    const ffd::Box indices = FindIndices(in.Output, deformed);
+    const ffd::Box indices = in.FindDeformedIndices(input);
     const glm::dvec3 count = indices.Max - indices.Min + 1.0;
     constexpr double largest = std::numeric_limits<int>::max() / 2;
     // The negation also catches what is not a number.

@@ -47,47 +47,40 @@ void CubicThroughNodes(double t, double w[4])
   w[3] = (t + 1.0) * t * (t - 1.0) / 6.0;
 }
 
+/// What values of a scalar type are summed in: all of 8 and 16 bits fit exactly into a float.
+template <class T>
+using Arithmetic = typename std::conditional<sizeof(T) <= 2, float, double>::type;
+
 /// The convolution kernel of Catmull-Rom: interpolates, continuous first derivative.
-void CatmullRom(double t, double w[4])
+template <class A>
+void CatmullRom(double position, A w[4])
 {
-  const double s = 1.0 - t;
-  w[0] = -0.5 * t * s * s;
-  w[1] = 1.0 + t * t * (1.5 * t - 2.5);
-  w[2] = 1.0 + s * s * (1.5 * s - 2.5);
-  w[3] = -0.5 * s * t * t;
+  const A t = static_cast<A>(position);
+  const A s = A(1) - t;
+  w[0] = A(-0.5) * t * s * s;
+  w[1] = A(1) + t * t * (A(1.5) * t - A(2.5));
+  w[2] = A(1) + s * s * (A(1.5) * s - A(2.5));
+  w[3] = A(-0.5) * s * t * t;
 }
 
-/// Sum of weight * value. A voxel without weight does not count, be it not a number.
-template <class T>
-double Weighted(double weight, T value)
+template <class T, class A>
+A Lerp(A a, A b, A t)
 {
-  if (std::is_floating_point<T>::value)
-  {
-    return weight == 0.0 ? 0.0 : weight * static_cast<double>(value);
-  }
-  return weight * static_cast<double>(value);
+  // A voxel without weight does not count, be it not a number.
+  return std::is_floating_point<T>::value && t == A(0) ? a : a + t * (b - a);
 }
 
-template <class T>
-double Lerp(T a, T b, double t)
-{
-  return std::is_floating_point<T>::value
-    ? (t == 0.0 ? static_cast<double>(a)
-                : static_cast<double>(a) + t * (static_cast<double>(b) - static_cast<double>(a)))
-    : static_cast<double>(a) + t * (static_cast<double>(b) - static_cast<double>(a));
-}
-
-template <class T>
-T Convert(double value)
+template <class T, class A>
+T Convert(A value)
 {
   if (std::is_floating_point<T>::value)
   {
     return static_cast<T>(value);
   }
   // The limits of 64 bits are no doubles: compare so that the cast is always defined.
-  constexpr double lowest = static_cast<double>(std::numeric_limits<T>::lowest());
-  constexpr double largest = static_cast<double>(std::numeric_limits<T>::max());
-  const double rounded = std::floor(value + 0.5);
+  constexpr A lowest = static_cast<A>(std::numeric_limits<T>::lowest());
+  constexpr A largest = static_cast<A>(std::numeric_limits<T>::max());
+  const A rounded = value < A(0) ? value - A(0.5) : value + A(0.5);
   return rounded >= largest ? std::numeric_limits<T>::max()
     : rounded > lowest      ? static_cast<T>(rounded)
                             : std::numeric_limits<T>::lowest();
@@ -111,12 +104,14 @@ struct RowPositions
 template <class T>
 class RowSampler
 {
+  using A = Arithmetic<T>;
+
 public:
   RowSampler(const VolumeView& volume, const ResampleSettings& settings)
     : Voxels(static_cast<const T*>(volume.Scalars))
     , Volume(volume)
     , Components(static_cast<int>(volume.Increments[0]))
-    , Background(Convert<T>(settings.Background))
+    , Background(Convert<T, double>(settings.Background))
     , Upper(volume.UpperIndex())
     , Interpolation(settings.Interpolation)
   {
@@ -186,20 +181,25 @@ private:
     const std::int64_t x = this->Volume.Increments[0];
     const std::int64_t y = this->Volume.Increments[1];
     const std::int64_t z = this->Volume.Increments[2];
+    const A tx = static_cast<A>(t[0]);
+    const A ty = static_cast<A>(t[1]);
+    const A tz = static_cast<A>(t[2]);
+    const auto line = [tx, x](const T* p)
+    { return Lerp<T, A>(static_cast<A>(p[0]), static_cast<A>(p[x]), tx); };
     for (int c = 0; c < this->Components; ++c)
     {
       const T* const p = this->Voxels + offset + c;
-      const double low = Lerp(Lerp(p[0], p[x], t[0]), Lerp(p[y], p[y + x], t[0]), t[1]);
-      const double high =
-        Lerp(Lerp(p[z], p[z + x], t[0]), Lerp(p[z + y], p[z + y + x], t[0]), t[1]);
-      out[c] = Convert<T>(Lerp(low, high, t[2]));
+      const A low = Lerp<T, A>(line(p), line(p + y), ty);
+      const A high = Lerp<T, A>(line(p + z), line(p + z + y), ty);
+      out[c] = Convert<T, A>(Lerp<T, A>(low, high, tz));
     }
   }
 
   void Cubic(const double q[3], T* out) const
   {
     std::int64_t offsets[3][4];
-    double w[3][4];
+    A w[3][4];
+    bool adjacent = this->Components == 1 && !std::is_floating_point<T>::value;
     for (int a = 0; a < 3; ++a)
     {
       const int last = this->Volume.Dimensions[a] - 1;
@@ -207,28 +207,47 @@ private:
       CatmullRom(q[a] - cell, w[a]);
       for (int n = 0; n < 4; ++n)
       {
-        offsets[a][n] = std::clamp(cell - 1 + n, 0, last) * this->Volume.Increments[a];
+        offsets[a][n] = std::min(std::max(cell - 1 + n, 0), last) * this->Volume.Increments[a];
       }
+      adjacent = adjacent && (a > 0 || (cell >= 1 && cell + 2 <= last));
+    }
+    if (adjacent)
+    {
+      // The usual case, in a form that becomes four-lane instructions.
+      A sum[4] = {};
+      for (int k = 0; k < 4; ++k)
+      {
+        for (int j = 0; j < 4; ++j)
+        {
+          const T* const p = this->Voxels + offsets[0][0] + offsets[1][j] + offsets[2][k];
+          const A weight = w[1][j] * w[2][k];
+          for (int i = 0; i < 4; ++i)
+          {
+            sum[i] += weight * static_cast<A>(p[i]);
+          }
+        }
+      }
+      out[0] = Convert<T, A>(
+        (w[0][0] * sum[0] + w[0][1] * sum[1]) + (w[0][2] * sum[2] + w[0][3] * sum[3]));
+      return;
     }
     for (int c = 0; c < this->Components; ++c)
     {
-      double sum = 0.0;
-      for (int k = 0; k < 4; ++k)
+      A sum = A(0);
+      for (int n = 0; n < 64; ++n)
       {
-        double plane = 0.0;
-        for (int j = 0; j < 4; ++j)
+        const int i = n % 4;
+        const int j = n / 4 % 4;
+        const int k = n / 16;
+        const A weight = w[0][i] * w[1][j] * w[2][k];
+        // As above: a voxel without weight does not count.
+        if (weight != A(0))
         {
-          const T* const p = this->Voxels + offsets[1][j] + offsets[2][k] + c;
-          double line = 0.0;
-          for (int i = 0; i < 4; ++i)
-          {
-            line += Weighted(w[0][i], p[offsets[0][i]]);
-          }
-          plane += std::is_floating_point<T>::value ? Weighted(w[1][j], line) : w[1][j] * line;
+          sum +=
+            weight * static_cast<A>(this->Voxels[offsets[0][i] + offsets[1][j] + offsets[2][k] + c]);
         }
-        sum += std::is_floating_point<T>::value ? Weighted(w[2][k], plane) : w[2][k] * plane;
       }
-      out[c] = Convert<T>(sum);
+      out[c] = Convert<T, A>(sum);
     }
   }
 

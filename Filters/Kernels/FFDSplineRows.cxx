@@ -4,6 +4,8 @@
 
 #include "FFDBSplineBasis.h"
 
+#include <algorithm>
+
 namespace ffd
 {
 namespace
@@ -101,6 +103,9 @@ void SplineRows::Collapse(const double weightsB[4], const double weightsC[4], in
   const std::size_t firstB = static_cast<std::size_t>(cellB - 1 + BSplineField::Padding);
   const std::size_t firstC = static_cast<std::size_t>(cellC - 1 + BSplineField::Padding);
   const glm::dvec3* const all = this->Field->GetCoefficients().data();
+  // Rows may run down their axis.
+  const std::size_t first = std::min(this->Runs.front().Node, this->Runs.back().Node);
+  const std::size_t end = std::max(this->Runs.front().Node, this->Runs.back().Node) + 4;
   line.assign(static_cast<std::size_t>(nodes[this->Axis]), glm::dvec3(0.0));
   for (std::size_t n = 0; n < 4; ++n)
   {
@@ -108,7 +113,7 @@ void SplineRows::Collapse(const double weightsB[4], const double weightsC[4], in
     {
       const double weight = weightsB[m] * weightsC[n];
       const glm::dvec3* from = all + (firstB + m) * strides[b] + (firstC + n) * strides[c];
-      for (std::size_t i = this->Runs.front().Node; i < this->Runs.back().Node + 4; ++i)
+      for (std::size_t i = first; i < end; ++i)
       {
         line[i] += weight * from[i * strides[this->Axis]];
       }
