@@ -3,7 +3,6 @@
 #include "vtkFFDDistanceMap.h"
 
 #include "vtkFFDParallelFor.h"
-#include "vtkFFDTableSampling.h"
 #include "vtkFFDVolumeViewFromImage.h"
 
 #include "FFDDistanceMap.h"
@@ -26,6 +25,7 @@
 #include "vtkUnsignedShortArray.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -42,19 +42,33 @@ int CountBlocks(int voxels)
   return (voxels - 1 + Block - 1) / Block;
 }
 
-/// Opacity as a table, the way the mapper makes its own.
+/// Entries of the table: at least, and at most.
+constexpr int SmallestTable = 4096;
+constexpr int LargestTable = 65536;
+
+/// Opacity as a table over the scalars of the volume.
 ffd::TransferTable MakeOpacityTable(
   vtkPiecewiseFunction* opacity, const ffd::MinMaxBlocks::Limits& range, bool integers)
 {
-  const double* nodes = opacity->GetRange();
-  const vtkFFDTableSampling sampling = vtkFFDFindTableSampling(range, integers,
-    opacity->GetClamping() ? nodes : nullptr,
-    [opacity](double low, double high) { return opacity->EstimateMinNumberOfSamples(low, high); });
-  std::vector<float> opacities(static_cast<std::size_t>(sampling.Size));
+  double low = range.Min;
+  double high = range.Max;
+  if (!(high - low > 1e-12 * std::max(std::abs(low), std::abs(high))))
+  {
+    high = low + std::max(1.0, std::abs(low));
+  }
+  int size = std::clamp(
+    opacity->EstimateMinNumberOfSamples(low, high), SmallestTable, LargestTable);
+  if (integers && high - low < LargestTable)
+  {
+    // Whole numbers are met exactly.
+    const int width = static_cast<int>(high - low);
+    size = std::max(1, SmallestTable / std::max(1, width)) * width + 1;
+  }
+  std::vector<float> opacities(static_cast<std::size_t>(size));
   const std::vector<float> colours(3 * opacities.size(), 1.0f);
-  opacity->GetTable(sampling.Low, sampling.High, sampling.Size, opacities.data());
-  return ffd::TransferTable(sampling.Low, sampling.High, opacities.size(), colours.data(),
-    opacities.data(), 1.0);
+  opacity->GetTable(low, high, size, opacities.data());
+  return ffd::TransferTable(
+    low, high, opacities.size(), colours.data(), opacities.data(), 1.0);
 }
 
 } // namespace

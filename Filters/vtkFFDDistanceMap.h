@@ -10,7 +10,7 @@
  * distances along the axes: a place of distance d is the centre of an empty cube.
  *
  * Resolution:
- * - BLOCKS (default): what vtkFFDInverseRayVolumeMapper leaps by. One unsigned char for each block
+ * - BLOCKS (default): as vtkFFDInverseRayVolumeMapper leaps by them. One unsigned char for each block
  *   of 4^3 cells, in blocks: 0 where the block may hold something visible, 1 next to such a block,
  *   at most 255. The points of the output are the centres of the blocks.
  * - VOXELS: as in the paper. One unsigned short for each voxel, in voxels, on the grid of the

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDKernelViews.h"
 
-#include "vtkFFDTableSampling.h"
-
 #include "vtkCamera.h"
 #include "vtkColorTransferFunction.h"
 #include "vtkLight.h"
@@ -26,6 +24,10 @@ namespace ffd
 {
 namespace
 {
+
+/// Entries of a transfer table: at least, and at most (then it takes 320 kB).
+constexpr int SmallestTable = 4096;
+constexpr int LargestTable = 16384;
 
 glm::dvec3 Direction(const double from[3], const double to[3])
 {
@@ -112,25 +114,45 @@ bool MakeTransferTable(vtkVolumeProperty* property, const MinMaxBlocks::Limits& 
     return false;
   }
 
-  const double* points = opacity->GetRange();
-  const double* colours = gray ? grayTransfer->GetRange() : colour->GetRange();
-  const double nodes[2] = { std::min(points[0], colours[0]), std::max(points[1], colours[1]) };
+  double lo = range.Min;
+  double hi = range.Max;
+  // Beyond their last points clamped functions are constant: spend no entries there, so that a
+  // few extreme scalars do not coarsen the table.
   const bool clamped = opacity->GetClamping() && (gray ? grayTransfer->GetClamping() != 0
                                                        : colour->GetClamping() != 0);
-  const vtkFFDTableSampling sampling = vtkFFDFindTableSampling(range, integers,
-    clamped ? nodes : nullptr,
-    [&](double lo, double hi)
-    {
-      return std::max(opacity->EstimateMinNumberOfSamples(lo, hi),
-        gray ? grayTransfer->EstimateMinNumberOfSamples(lo, hi)
-             : colour->EstimateMinNumberOfSamples(lo, hi));
-    });
-  const double lo = sampling.Low;
-  const double hi = sampling.High;
-  const int size = sampling.Size;
+  if (clamped)
+  {
+    const double* points = opacity->GetRange();
+    const double* colours = gray ? grayTransfer->GetRange() : colour->GetRange();
+    const double first = std::min(points[0], colours[0]);
+    const double last = std::max(points[1], colours[1]);
+    lo = std::min(std::max(lo, first), hi);
+    hi = std::max(std::min(hi, last), lo);
+  }
+  if (!(hi - lo > 1e-12 * std::max(std::abs(lo), std::abs(hi))))
+  {
+    hi = lo + std::max(1.0, std::abs(lo));
+  }
+  int size = SmallestTable;
+  if (integers && hi - lo <= LargestTable)
+  {
+    // A whole number of entries a unit, so that whole scalars are met exactly.
+    const int width = static_cast<int>(hi - lo);
+    const int perUnit = std::max(1, SmallestTable / std::max(1, width));
+    lo = std::floor(lo);
+    hi = lo + width + 1;
+    size = perUnit * (width + 1) + 1;
+  }
+  else
+  {
+    const int needed = std::max(opacity->EstimateMinNumberOfSamples(lo, hi),
+      gray ? grayTransfer->EstimateMinNumberOfSamples(lo, hi)
+           : colour->EstimateMinNumberOfSamples(lo, hi));
+    size = std::clamp(needed, SmallestTable, LargestTable);
+  }
 
   std::vector<float> opacities(static_cast<std::size_t>(size));
-  std::vector<float> rgb(3 * static_cast<std::size_t>(size));
+  std::vector<float> colours(3 * static_cast<std::size_t>(size));
   opacity->GetTable(lo, hi, size, opacities.data());
   if (gray)
   {
@@ -138,15 +160,15 @@ bool MakeTransferTable(vtkVolumeProperty* property, const MinMaxBlocks::Limits& 
     grayTransfer->GetTable(lo, hi, size, grays.data());
     for (std::size_t i = 0; i < grays.size(); ++i)
     {
-      std::fill_n(&rgb[3 * i], 3, grays[i]);
+      std::fill_n(&colours[3 * i], 3, grays[i]);
     }
   }
   else
   {
-    colour->GetTable(lo, hi, size, rgb.data());
+    colour->GetTable(lo, hi, size, colours.data());
   }
   table = TransferTable(
-    lo, hi, static_cast<std::size_t>(size), rgb.data(), opacities.data(), unit);
+    lo, hi, static_cast<std::size_t>(size), colours.data(), opacities.data(), unit);
   return true;
 }
 
