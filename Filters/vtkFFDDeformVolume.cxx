@@ -5,6 +5,8 @@
 #include "vtkFFDLattice.h"
 
 #include "vtkAlgorithmOutput.h"
+#include "vtkCardinalSpline.h"
+#include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -14,8 +16,98 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
 
 vtkStandardNewMacro(vtkFFDDeformVolume);
+
+namespace
+{
+
+constexpr const char* InterpolationNames[] = { "STEP", "LINEAR", "SPLINE" };
+
+/// Why two lattices cannot be interpolated, or an empty string.
+std::string FindMismatch(vtkFFDLattice* a, vtkFFDLattice* b)
+{
+  int dimensions[2][3];
+  a->GetDimensions(dimensions[0]);
+  b->GetDimensions(dimensions[1]);
+  if (!std::equal(dimensions[0], dimensions[0] + 3, dimensions[1]))
+  {
+    return "their dimensions differ; see vtkFFDLattice::SetDimensions()";
+  }
+  double domain[2][6];
+  a->GetDomain(domain[0]);
+  b->GetDomain(domain[1]);
+  for (int i = 0; i < 6; ++i)
+  {
+    const double extent = domain[0][i | 1] - domain[0][i & ~1];
+    if (!(std::abs(domain[0][i] - domain[1][i]) <= 1e-9 * extent))
+    {
+      return "their domains differ; see vtkFFDLattice::SetDomain()";
+    }
+  }
+  if (a->GetBorderMode() != b->GetBorderMode())
+  {
+    return "their border modes differ; see vtkFFDLattice::SetBorderMode()";
+  }
+  if (a->GetInverseFlag() != b->GetInverseFlag())
+  {
+    return "one of them is inverted; see vtkFFDLattice::Inverse()";
+  }
+  return std::string();
+}
+
+/// The coefficients of the keyframes in the value at `time`: value = sum of weight * keyframe.
+std::vector<double> FindWeights(
+  const std::vector<double>& times, double time, int interpolation)
+{
+  const std::size_t count = times.size();
+  std::vector<double> weights(count, 0.0);
+  if (time <= times.front() || count == 1)
+  {
+    weights.front() = 1.0;
+    return weights;
+  }
+  if (time >= times.back())
+  {
+    weights.back() = 1.0;
+    return weights;
+  }
+  const std::size_t next =
+    static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), time) - times.begin());
+  const double t = (time - times[next - 1]) / (times[next] - times[next - 1]);
+  if (interpolation == vtkFFDDeformVolume::STEP)
+  {
+    weights[next - 1] = 1.0;
+  }
+  else if (interpolation == vtkFFDDeformVolume::LINEAR)
+  {
+    weights[next - 1] = 1.0 - t;
+    weights[next] = t;
+  }
+  else
+  {
+    // A spline is linear in its values: one that is 1 at a keyframe and 0 at the others gives the
+    // keyframe's weight, once for all control points.
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      vtkNew<vtkCardinalSpline> spline;
+      // Natural ends: no curvature there.
+      spline->SetLeftConstraint(2);
+      spline->SetRightConstraint(2);
+      for (std::size_t k = 0; k < count; ++k)
+      {
+        spline->AddPoint(times[k], k == i ? 1.0 : 0.0);
+      }
+      weights[i] = spline->Evaluate(time);
+    }
+  }
+  return weights;
+}
+
+} // namespace
 
 //------------------------------------------------------------------------------
 vtkFFDDeformVolume::vtkFFDDeformVolume()
@@ -40,6 +132,148 @@ void vtkFFDDeformVolume::PrintSelf(ostream& os, vtkIndent indent)
   {
     os << "(none)\n";
   }
+  os << indent << "KeyframeInterpolation: " << this->GetKeyframeInterpolationAsString() << "\n";
+  os << indent << "Keyframes: " << this->Keyframes.size() << "\n";
+  for (const Keyframe& keyframe : this->Keyframes)
+  {
+    os << indent.GetNextIndent() << keyframe.Time << ": " << keyframe.Lattice << "\n";
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDDeformVolume::AddKeyframe(double time, vtkFFDLattice* lattice)
+{
+  if (!lattice || !std::isfinite(time))
+  {
+    vtkErrorMacro("AddKeyframe: " << (lattice ? "the time is not finite" : "the lattice is null")
+                                  << ". Give a finite time and a vtkFFDLattice.");
+    return;
+  }
+  const auto at = std::lower_bound(this->Keyframes.begin(), this->Keyframes.end(), time,
+    [](const Keyframe& keyframe, double t) { return keyframe.Time < t; });
+  if (at != this->Keyframes.end() && at->Time == time)
+  {
+    if (at->Lattice == lattice)
+    {
+      return;
+    }
+    at->Lattice = lattice;
+  }
+  else
+  {
+    this->Keyframes.insert(at, Keyframe{ time, lattice });
+  }
+  this->Modified();
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDDeformVolume::RemoveKeyframe(double time)
+{
+  const auto at = std::find_if(this->Keyframes.begin(), this->Keyframes.end(),
+    [time](const Keyframe& keyframe) { return keyframe.Time == time; });
+  if (at == this->Keyframes.end())
+  {
+    vtkErrorMacro("RemoveKeyframe: there is none at time " << time << ".");
+    return;
+  }
+  this->Keyframes.erase(at);
+  this->Modified();
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDDeformVolume::RemoveAllKeyframes()
+{
+  if (!this->Keyframes.empty())
+  {
+    this->Keyframes.clear();
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDDeformVolume::GetNumberOfKeyframes()
+{
+  return static_cast<int>(this->Keyframes.size());
+}
+
+//------------------------------------------------------------------------------
+double vtkFFDDeformVolume::GetKeyframeTime(int index)
+{
+  if (index < 0 || index >= this->GetNumberOfKeyframes())
+  {
+    vtkErrorMacro("GetKeyframeTime: there is no keyframe " << index << " of "
+                                                           << this->Keyframes.size() << ".");
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  return this->Keyframes[static_cast<std::size_t>(index)].Time;
+}
+
+//------------------------------------------------------------------------------
+vtkFFDLattice* vtkFFDDeformVolume::GetKeyframeLattice(int index)
+{
+  if (index < 0 || index >= this->GetNumberOfKeyframes())
+  {
+    vtkErrorMacro("GetKeyframeLattice: there is no keyframe " << index << " of "
+                                                              << this->Keyframes.size() << ".");
+    return nullptr;
+  }
+  return this->Keyframes[static_cast<std::size_t>(index)].Lattice;
+}
+
+//------------------------------------------------------------------------------
+const char* vtkFFDDeformVolume::GetKeyframeInterpolationAsString()
+{
+  return InterpolationNames[this->KeyframeInterpolation];
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDDeformVolume::InterpolateKeyframes(double time, vtkFFDLattice* lattice)
+{
+  if (!lattice || this->Keyframes.empty() || !std::isfinite(time))
+  {
+    vtkErrorMacro("InterpolateKeyframes: "
+      << (!lattice                   ? "the lattice to fill is null"
+             : this->Keyframes.empty() ? "there are no keyframes, call AddKeyframe()"
+                                       : "the time is not finite")
+      << ".");
+    return 0;
+  }
+  std::vector<double> times;
+  for (const Keyframe& keyframe : this->Keyframes)
+  {
+    const std::string mismatch =
+      FindMismatch(this->Keyframes.front().Lattice, keyframe.Lattice);
+    if (!mismatch.empty())
+    {
+      vtkErrorMacro("The keyframes at times " << this->Keyframes.front().Time << " and "
+                                              << keyframe.Time
+                                              << " cannot be interpolated: " << mismatch << ".");
+      return 0;
+    }
+    times.push_back(keyframe.Time);
+  }
+  const std::vector<double> weights = FindWeights(times, time, this->KeyframeInterpolation);
+  vtkNew<vtkDoubleArray> sum;
+  sum->SetNumberOfComponents(3);
+  sum->SetNumberOfTuples(this->Keyframes.front().Lattice->GetNumberOfControlPoints());
+  sum->Fill(0.0);
+  for (std::size_t i = 0; i < weights.size(); ++i)
+  {
+    if (weights[i] != 0.0)
+    {
+      vtkFFDLattice* keyframe = this->Keyframes[i].Lattice;
+      const double factor = weights[i] * keyframe->GetDisplacementScale();
+      const double* from = keyframe->GetDisplacements()->GetPointer(0);
+      double* to = sum->GetPointer(0);
+      for (vtkIdType k = 0; k < sum->GetNumberOfValues(); ++k)
+      {
+        to[k] += factor * from[k];
+      }
+    }
+  }
+  lattice->DeepCopy(this->Keyframes.front().Lattice);
+  lattice->SetDisplacementScale(1.0);
+  return lattice->SetDisplacements(sum);
 }
 
 //------------------------------------------------------------------------------
@@ -73,8 +307,16 @@ void vtkFFDDeformVolume::SetLatticeData(vtkImageData* image)
 //------------------------------------------------------------------------------
 vtkMTimeType vtkFFDDeformVolume::GetMTime()
 {
-  const vtkMTimeType own = this->Superclass::GetMTime();
-  return this->Lattice ? std::max(own, this->Lattice->GetMTime()) : own;
+  vtkMTimeType time = this->Superclass::GetMTime();
+  if (this->Lattice)
+  {
+    time = std::max(time, this->Lattice->GetMTime());
+  }
+  for (const Keyframe& keyframe : this->Keyframes)
+  {
+    time = std::max(time, keyframe.Lattice->GetMTime());
+  }
+  return time;
 }
 
 //------------------------------------------------------------------------------
@@ -85,6 +327,49 @@ int vtkFFDDeformVolume::FillInputPortInformation(int port, vtkInformation* info)
     info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
   }
   return this->Superclass::FillInputPortInformation(port, info);
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDDeformVolume::RequestInformation(
+  vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs)
+{
+  if (!this->Superclass::RequestInformation(request, inputs, outputs))
+  {
+    return 0;
+  }
+  if (this->Keyframes.empty())
+  {
+    return 1;
+  }
+  // The steps and the range of the input are those of the volume; the keyframes add theirs.
+  vtkInformation* input = inputs[0]->GetInformationObject(0);
+  vtkInformation* output = outputs->GetInformationObject(0);
+  std::vector<double> steps;
+  for (const Keyframe& keyframe : this->Keyframes)
+  {
+    steps.push_back(keyframe.Time);
+  }
+  double range[2] = { steps.front(), steps.back() };
+  if (input->Has(vtkStreamingDemandDrivenPipeline::TIME_STEPS()))
+  {
+    const double* own = input->Get(vtkStreamingDemandDrivenPipeline::TIME_STEPS());
+    steps.insert(
+      steps.end(), own, own + input->Length(vtkStreamingDemandDrivenPipeline::TIME_STEPS()));
+    std::sort(steps.begin(), steps.end());
+    steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
+    range[0] = std::min(range[0], steps.front());
+    range[1] = std::max(range[1], steps.back());
+  }
+  if (input->Has(vtkStreamingDemandDrivenPipeline::TIME_RANGE()))
+  {
+    const double* own = input->Get(vtkStreamingDemandDrivenPipeline::TIME_RANGE());
+    range[0] = std::min(range[0], own[0]);
+    range[1] = std::max(range[1], own[1]);
+  }
+  output->Set(
+    vtkStreamingDemandDrivenPipeline::TIME_STEPS(), steps.data(), static_cast<int>(steps.size()));
+  output->Set(vtkStreamingDemandDrivenPipeline::TIME_RANGE(), range, 2);
+  return 1;
 }
 
 //------------------------------------------------------------------------------
@@ -122,6 +407,17 @@ int vtkFFDDeformVolume::RequestData(
   output->SetFieldData(fields);
 
   vtkImageData* points = vtkImageData::GetData(inputs[1]);
+  if (!this->Keyframes.empty())
+  {
+    // Without a request for a time: that of the first step.
+    vtkInformation* info = outputs->GetInformationObject(0);
+    const double time = info->Has(vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP())
+      ? info->Get(vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP())
+      : this->Keyframes.front().Time;
+    output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), time);
+    vtkNew<vtkFFDLattice> lattice;
+    return this->InterpolateKeyframes(time, lattice) ? lattice->AttachTo(output) : 1;
+  }
   if (this->Lattice)
   {
     return this->Lattice->AttachTo(output);
@@ -135,7 +431,8 @@ int vtkFFDDeformVolume::RequestData(
   if (!vtkFFDLattice::HasLattice(output))
   {
     vtkErrorMacro("There is no lattice to attach, the image passes through undeformed. Call "
-                  "SetLattice() or connect an image of control points to the second input.");
+                  "SetLattice() or AddKeyframe(), or connect an image of control points to the "
+                  "second input.");
   }
   return 1;
 }

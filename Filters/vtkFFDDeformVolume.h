@@ -8,9 +8,21 @@
  * data (vtkFFDLattice::AttachTo()). vtkFFDInverseRayVolumeMapper draws it deformed; writers save
  * it. Nothing is resampled.
  *
- * The lattice is that of SetLattice(), or else the image of control points at the second input
- * (vtkFFDLatticeSource, a .vti file), or else the one already attached to the input. With none of
- * them the input passes through, with an error.
+ * The lattice is that of the keyframes if there are any, or else that of SetLattice(), or else the
+ * image of control points at the second input (vtkFFDLatticeSource, a .vti file), or else the one
+ * already attached to the input. With none of them the input passes through, with an error.
+ *
+ * Keyframes are lattices at times. The output then has time steps, those of the keyframes and of
+ * the input, and the lattice attached at time t is interpolated between the keyframes, control
+ * point by control point, so the deformation itself is. Before the first and after the last
+ * keyframe the lattice is theirs. An animation sets the time of the pipeline and draws:
+ * @code{.py}
+ * deform.AddKeyframe(0.0, rest)
+ * deform.AddKeyframe(1.0, bent)
+ * mapper.SetInputConnection(deform.GetOutputPort())
+ * deform.UpdateTimeStep(0.25)
+ * window.Render()
+ * @endcode
  *
  * @sa vtkFFDLattice vtkFFDLatticeSource vtkFFDInverseRayVolumeMapper
  */
@@ -20,6 +32,8 @@
 #include "vtkFFDFiltersModule.h" // For export macro
 #include "vtkImageAlgorithm.h"
 #include "vtkSmartPointer.h" // for vtkSmartPointer
+
+#include <vector> // for std::vector
 
 class vtkFFDLattice;
 
@@ -40,13 +54,55 @@ public:
 
   ///@{
   /**
+   * Keyframes, ordered by time whatever the order of the calls. AddKeyframe() keeps a reference to
+   * the lattice, so its edits re-execute the filter; a keyframe at the same time is replaced. All
+   * lattices need the same dimensions, domain, border mode and inverse flag, which is checked when
+   * the filter runs; their displacement scales may differ. Indices beyond the last are an error:
+   * the time is then NaN and the lattice null.
+   */
+  void AddKeyframe(double time, vtkFFDLattice* lattice);
+  void RemoveKeyframe(double time);
+  void RemoveAllKeyframes();
+  int GetNumberOfKeyframes();
+  double GetKeyframeTime(int index);
+  vtkFFDLattice* GetKeyframeLattice(int index);
+  ///@}
+
+  /// How control points move between keyframes.
+  enum KeyframeInterpolations
+  {
+    STEP,   ///< they jump at each keyframe
+    LINEAR, ///< on straight lines, at constant speed
+    SPLINE  ///< on natural cubic splines (vtkCardinalSpline): no jerk at the keyframes
+  };
+
+  ///@{
+  /**
+   * Default: LINEAR. With two keyframes SPLINE is the same as LINEAR.
+   */
+  vtkSetClampMacro(KeyframeInterpolation, int, STEP, SPLINE);
+  vtkGetMacro(KeyframeInterpolation, int);
+  void SetKeyframeInterpolationToStep() { this->SetKeyframeInterpolation(STEP); }
+  void SetKeyframeInterpolationToLinear() { this->SetKeyframeInterpolation(LINEAR); }
+  void SetKeyframeInterpolationToSpline() { this->SetKeyframeInterpolation(SPLINE); }
+  const char* GetKeyframeInterpolationAsString();
+  ///@}
+
+  /**
+   * The lattice of the keyframes at a time, into `lattice`. Returns 1, or 0 after an error: no
+   * keyframes, a null lattice, a time that is not finite, keyframes that do not go together.
+   */
+  int InterpolateKeyframes(double time, vtkFFDLattice* lattice);
+
+  ///@{
+  /**
    * The second input: an image of control points, as vtkFFDLattice::FromImageData() takes.
    */
   void SetLatticeConnection(vtkAlgorithmOutput* connection);
   void SetLatticeData(vtkImageData* image);
   ///@}
 
-  /// Includes the lattice.
+  /// Includes the lattice and those of the keyframes.
   vtkMTimeType GetMTime() override;
 
 protected:
@@ -54,6 +110,8 @@ protected:
   ~vtkFFDDeformVolume() override;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestInformation(
+    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
   int RequestUpdateExtent(
     vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
   int RequestData(
@@ -63,7 +121,15 @@ private:
   vtkFFDDeformVolume(const vtkFFDDeformVolume&) = delete;
   void operator=(const vtkFFDDeformVolume&) = delete;
 
+  struct Keyframe
+  {
+    double Time;
+    vtkSmartPointer<vtkFFDLattice> Lattice;
+  };
+
   vtkSmartPointer<vtkFFDLattice> Lattice;
+  std::vector<Keyframe> Keyframes; // by time
+  int KeyframeInterpolation = LINEAR;
 };
 
 #endif

@@ -91,6 +91,9 @@ vtkFFDLatticeSource::vtkFFDLatticeSource()
   , Strength(1.0)
   , Seed(1)
   , BorderMode(VTK_BSPLINE_EDGE)
+  , FoldFree(0)
+  , MinimumJacobian(0.05)
+  , FoldFreeFactor(1.0)
 {
   this->SetNumberOfInputPorts(0);
 }
@@ -112,6 +115,9 @@ void vtkFFDLatticeSource::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "Strength: " << this->Strength << "\n";
   os << indent << "Seed: " << this->Seed << "\n";
   os << indent << "BorderMode: " << this->BorderMode << "\n";
+  os << indent << "FoldFree: " << this->FoldFree << "\n";
+  os << indent << "MinimumJacobian: " << this->MinimumJacobian << "\n";
+  os << indent << "FoldFreeFactor: " << this->FoldFreeFactor << "\n";
   os << indent << "Lattice:\n";
   this->Lattice->PrintSelf(os, indent.GetNextIndent());
 }
@@ -233,6 +239,63 @@ void vtkFFDLatticeSource::SetStrength(double strength)
 }
 
 //------------------------------------------------------------------------------
+void vtkFFDLatticeSource::SetMinimumJacobian(double determinant)
+{
+  if (!(determinant > 0.0 && determinant < 1.0))
+  {
+    vtkErrorMacro("SetMinimumJacobian: the determinant is "
+      << determinant << ". Give a number above 0 and below 1; without deformation it is 1.");
+    return;
+  }
+  if (this->MinimumJacobian != determinant)
+  {
+    this->MinimumJacobian = determinant;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+double vtkFFDLatticeSource::LimitToFoldFree(vtkFFDLattice* lattice, double minimumJacobian)
+{
+  if (!lattice || !(minimumJacobian > 0.0 && minimumJacobian < 1.0))
+  {
+    vtkGenericWarningMacro("vtkFFDLatticeSource::LimitToFoldFree: "
+      << (lattice ? "the determinant is out of range" : "the lattice is null")
+      << ". Give a lattice, and a determinant above 0 and below 1.");
+    return 0.0;
+  }
+  if (lattice->GetMinimumJacobianBound() >= minimumJacobian)
+  {
+    return 1.0;
+  }
+  // The determinant need not fall steadily with the factor, but it is 1 at 0: the search ends at
+  // a factor that is proven, if not at the largest one.
+  constexpr double precision = 1e-3;
+  const double scale = lattice->GetDisplacementScale();
+  double proven = 0.0;
+  double failed = 1.0;
+  while (failed - proven > precision * failed)
+  {
+    const double factor = 0.5 * (proven + failed);
+    lattice->SetDisplacementScale(factor * scale);
+    (lattice->GetMinimumJacobianBound() >= minimumJacobian ? proven : failed) = factor;
+    if (failed < 1e-12)
+    {
+      break;
+    }
+  }
+  lattice->SetDisplacementScale(scale);
+  vtkNew<vtkDoubleArray> displacements;
+  displacements->DeepCopy(lattice->GetDisplacements());
+  for (vtkIdType i = 0; i < displacements->GetNumberOfValues(); ++i)
+  {
+    displacements->SetValue(i, proven * displacements->GetValue(i));
+  }
+  lattice->SetDisplacements(displacements);
+  return proven;
+}
+
+//------------------------------------------------------------------------------
 int vtkFFDLatticeSource::ApplyShape(vtkFFDLattice* lattice, int shape, double strength, int seed)
 {
   if (!lattice || shape < IDENTITY || shape > RANDOM || !std::isfinite(strength))
@@ -299,6 +362,9 @@ void vtkFFDLatticeSource::UpdateLattice()
   this->Lattice->FitToBounds(this->Bounds, this->Padding);
   this->Lattice->SetBorderMode(this->BorderMode);
   vtkFFDLatticeSource::ApplyShape(this->Lattice, this->Shape, this->Strength, this->Seed);
+  this->FoldFreeFactor = this->FoldFree
+    ? vtkFFDLatticeSource::LimitToFoldFree(this->Lattice, this->MinimumJacobian)
+    : 1.0;
 }
 
 //------------------------------------------------------------------------------

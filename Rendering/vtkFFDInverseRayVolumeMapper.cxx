@@ -6,6 +6,8 @@
 #include "vtkFFDImageDisplay.h"
 #include "vtkFFDKernelViews.h"
 #include "vtkFFDRayStatistics.h"
+#include "vtkFFDTracedRays.h"
+#include "vtkFFDVolumeViewFromImage.h"
 
 #include "FFDDeformedSpaceBounds.h"
 #include "FFDDistanceMap.h"
@@ -19,6 +21,7 @@
 #include "vtkCommand.h"
 #include "vtkDataArray.h"
 #include "vtkGarbageCollector.h"
+#include "vtkIdTypeArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkMath.h"
@@ -28,6 +31,7 @@
 #include "vtkPlaneCollection.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
+#include "vtkPolyData.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
 #include "vtkSMPThreadLocal.h"
@@ -77,19 +81,6 @@ void ParallelFor(
   vtkSMPTools::For(0, static_cast<vtkIdType>(count), 1,
     [&work](vtkIdType first, vtkIdType last)
     { work(static_cast<std::size_t>(first), static_cast<std::size_t>(last)); });
-}
-
-ffd::PullBackKind FindPullBackKind(int inverseMode, bool inverted)
-{
-  switch (inverseMode)
-  {
-    case vtkFFDInverseRayVolumeMapper::FIRST_ORDER:
-      return inverted ? ffd::PullBackKind::FirstOrderOfInverse : ffd::PullBackKind::FirstOrder;
-    case vtkFFDInverseRayVolumeMapper::PULL_BACK:
-      return inverted ? ffd::PullBackKind::Exact : ffd::PullBackKind::Forward;
-    default:
-      return inverted ? ffd::PullBackKind::Forward : ffd::PullBackKind::Exact;
-  }
 }
 
 /// Other mappers make VTK create a gradient opacity of one everywhere: that is none.
@@ -149,6 +140,8 @@ public:
   static bool CheckView(vtkRenderer* renderer, vtkVolume* volume, std::string& message);
 
   ffd::CastSettings MakeSettings(vtkVolume* volume, double voxelSize, bool interactive) const;
+  ffd::CastScene MakeScene(vtkRenderer* renderer, vtkVolume* volume, const ImageRegion& region,
+    const float* depths) const;
   bool Cast(vtkRenderer* renderer, vtkVolume* volume, const ImageRegion& region,
     const float* depths, bool interactive, bool checkAbort, float* outDepths);
   ImageRegion FindRegion(vtkRenderer* renderer, vtkVolume* volume, const glm::ivec2& viewport);
@@ -249,7 +242,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateVolume(std::string& messa
     return false;
   }
   ffd::VolumeView view;
-  if (!ffd::MakeVolumeView(image, scalars, view, message))
+  if (!vtkFFDVolumeViewFromImage(image, scalars, false, view, message))
   {
     return false;
   }
@@ -298,7 +291,8 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
   this->DeformationTime = time;
   this->RestBounds = rest;
   this->Map = ffd::PullBack(&this->Source.GetField(),
-    FindPullBackKind(this->Self->InverseMode, this->Source.IsInverted()),
+    ffd::FindPullBackKind(
+      static_cast<ffd::InverseMode>(this->Self->InverseMode), this->Source.IsInverted()),
     this->Self->InverseTolerance * voxel);
   // Only what follows from these bounds is kept: they take far more memory.
   const ffd::PullBackBounds mapBounds(this->Map);
@@ -491,9 +485,8 @@ ImageRegion vtkFFDInverseRayVolumeMapper::vtkInternals::FindRegion(
 }
 
 //------------------------------------------------------------------------------
-bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtkVolume* volume,
-  const ImageRegion& region, const float* depths, bool interactive, bool checkAbort,
-  float* outDepths)
+ffd::CastScene vtkFFDInverseRayVolumeMapper::vtkInternals::MakeScene(vtkRenderer* renderer,
+  vtkVolume* volume, const ImageRegion& region, const float* depths) const
 {
   ffd::CastScene scene;
   scene.Volume = this->Volume;
@@ -514,7 +507,15 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
   scene.Depths = depths;
   scene.VoxelSize =
     FindShortestEdge(glm::dmat3(scene.DataToWorld) * this->Volume.IndexToData);
+  return scene;
+}
 
+//------------------------------------------------------------------------------
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtkVolume* volume,
+  const ImageRegion& region, const float* depths, bool interactive, bool checkAbort,
+  float* outDepths)
+{
+  const ffd::CastScene scene = this->MakeScene(renderer, volume, region, depths);
   const ffd::RayCaster caster(scene, this->MakeSettings(volume, scene.VoxelSize, interactive));
   ffd::CastImage image;
   image.Width = region.Rays.x;
@@ -964,6 +965,70 @@ int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume
     std::copy(firstVisible.begin(), firstVisible.end(),
       static_cast<float*>(depths->GetScalarPointer()));
   }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDInverseRayVolumeMapper::TraceRays(vtkRenderer* renderer, vtkVolume* volume, int width,
+  int height, vtkIdTypeArray* pixels, vtkPolyData* rays, vtkPolyData* viewingRays,
+  vtkPolyData* samples)
+{
+  if (!renderer || !volume || !pixels || !rays || pixels->GetNumberOfComponents() != 2)
+  {
+    vtkErrorMacro(<< "TraceRays needs a renderer, a volume, two numbers for each pixel and a "
+                     "vtkPolyData for the rays; one of them is null.");
+    return 0;
+  }
+  if (width < 1 || height < 1 || width > LargestImageSide || height > LargestImageSide)
+  {
+    vtkErrorMacro(<< "TraceRays: an image of " << width << " x " << height
+                  << " pixels was asked for; each side must be from 1 to " << LargestImageSide
+                  << ".");
+    return 0;
+  }
+  vtkInternals& in = *this->Internals;
+  std::string message = in.FindUnsupported(volume->GetProperty());
+  if (message.empty())
+  {
+    if (this->GetInputAlgorithm())
+    {
+      this->GetInputAlgorithm()->UpdateWholeExtent();
+    }
+    if (in.Update(volume->GetProperty(), message))
+    {
+      in.CheckView(renderer, volume, message);
+    }
+  }
+  if (!message.empty())
+  {
+    vtkErrorMacro(<< message);
+    return 0;
+  }
+  ImageRegion region;
+  region.Viewport = glm::ivec2(width, height);
+  region.Rays = region.Viewport;
+  const ffd::CastScene scene = in.MakeScene(renderer, volume, region, nullptr);
+  const ffd::RayCaster caster(scene, in.MakeSettings(volume, scene.VoxelSize, false));
+  ffd::CastImage image;
+  image.Width = width;
+  image.Height = height;
+  ffd::RayCaster::Scratch scratch;
+  vtkFFDTracedRays result(scene, rays, viewingRays, samples);
+  ffd::TracedRay traced;
+  for (vtkIdType i = 0; i < pixels->GetNumberOfTuples(); ++i)
+  {
+    const vtkIdType x = pixels->GetTypedComponent(i, 0);
+    const vtkIdType y = pixels->GetTypedComponent(i, 1);
+    if (x < 0 || y < 0 || x >= width || y >= height)
+    {
+      vtkErrorMacro(<< "TraceRays: the image of " << width << " x " << height
+                    << " pixels has no pixel (" << x << ", " << y << "); it is left out.");
+      continue;
+    }
+    caster.TraceRay(static_cast<int>(x), static_cast<int>(y), image, scratch, traced);
+    result.Add(traced, static_cast<int>(x), static_cast<int>(y));
+  }
+  result.Finish();
   return 1;
 }
 

@@ -52,7 +52,9 @@
 
 class vtkAbstractTransform;
 class vtkFFDRayStatistics;
+class vtkIdTypeArray;
 class vtkImageData;
+class vtkPolyData;
 
 class VTKFFDRENDERING_EXPORT vtkFFDInverseRayVolumeMapper : public vtkVolumeMapper
 {
@@ -331,6 +333,14 @@ public:
    */
   int RenderToImage(vtkRenderer* renderer, vtkVolume* volume, int width, int height,
     vtkImageData* colours, vtkImageData* depths = nullptr, vtkImageData* inputDepths = nullptr);
+
+  /**
+   * What vtkFFDRayTracer puts out, see there: the rays of the given pixels (2 components, column
+   * and row, from the lower left) of a picture of width x height pixels, as RenderToImage() would
+   * cast them. `viewingRays` and `samples` may be null. Returns 1, or 0 after an error.
+   */
+  int TraceRays(vtkRenderer* renderer, vtkVolume* volume, int width, int height,
+    vtkIdTypeArray* pixels, vtkPolyData* rays, vtkPolyData* viewingRays, vtkPolyData* samples);
 
   ///@{
   /**

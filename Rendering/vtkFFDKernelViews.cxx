@@ -4,12 +4,9 @@
 
 #include "vtkCamera.h"
 #include "vtkColorTransferFunction.h"
-#include "vtkDataArray.h"
-#include "vtkImageData.h"
 #include "vtkLight.h"
 #include "vtkLightCollection.h"
 #include "vtkMath.h"
-#include "vtkMatrix3x3.h"
 #include "vtkMatrix4x4.h"
 #include "vtkPiecewiseFunction.h"
 #include "vtkRenderer.h"
@@ -31,43 +28,6 @@ namespace
 /// Entries of a transfer table: at least, and at most (then it takes 320 kB).
 constexpr int SmallestTable = 1024;
 constexpr int LargestTable = 16384;
-
-bool FindScalarType(int vtkType, std::size_t size, ScalarType& type)
-{
-  switch (vtkType)
-  {
-    case VTK_FLOAT:
-      type = ScalarType::Float32;
-      return true;
-    case VTK_DOUBLE:
-      type = ScalarType::Float64;
-      return true;
-    case VTK_UNSIGNED_CHAR:
-    case VTK_UNSIGNED_SHORT:
-    case VTK_UNSIGNED_INT:
-    case VTK_UNSIGNED_LONG:
-    case VTK_UNSIGNED_LONG_LONG:
-      type = size == 1 ? ScalarType::UInt8
-        : size == 2    ? ScalarType::UInt16
-        : size == 4    ? ScalarType::UInt32
-                       : ScalarType::UInt64;
-      return true;
-    case VTK_CHAR:
-    case VTK_SIGNED_CHAR:
-    case VTK_SHORT:
-    case VTK_INT:
-    case VTK_LONG:
-    case VTK_LONG_LONG:
-    case VTK_ID_TYPE:
-      type = size == 1 ? ScalarType::Int8
-        : size == 2    ? ScalarType::Int16
-        : size == 4    ? ScalarType::Int32
-                       : ScalarType::Int64;
-      return true;
-    default:
-      return false;
-  }
-}
 
 glm::dvec3 Direction(const double from[3], const double to[3])
 {
@@ -122,101 +82,6 @@ glm::dmat4 ToMatrix(vtkMatrix4x4* matrix)
     }
   }
   return m;
-}
-
-//------------------------------------------------------------------------------
-bool MakeVolumeView(
-  vtkImageData* image, vtkDataArray* scalars, VolumeView& view, std::string& message)
-{
-  std::ostringstream why;
-  int extent[6];
-  image->GetExtent(extent);
-  int dims[3];
-  image->GetDimensions(dims);
-  if (dims[0] < 1 || dims[1] < 1 || dims[2] < 1)
-  {
-    message = "The input image is empty: its extent holds no voxel.";
-    return false;
-  }
-  if (dims[0] < 2 || dims[1] < 2 || dims[2] < 2)
-  {
-    why << "The input image has " << dims[0] << " x " << dims[1] << " x " << dims[2]
-        << " voxels; a volume needs at least 2 along each axis. Render a flat image with "
-           "vtkImageActor.";
-    message = why.str();
-    return false;
-  }
-  if (!scalars)
-  {
-    message = "The input image has no point scalars to render. Set active scalars or choose an "
-              "array with SelectScalarArray().";
-    return false;
-  }
-  const std::string name = scalars->GetName() ? scalars->GetName() : "(unnamed)";
-  if (scalars->GetNumberOfComponents() != 1)
-  {
-    why << "The scalars \"" << name << "\" have " << scalars->GetNumberOfComponents()
-        << " components; this mapper renders one. Extract one with vtkImageExtractComponents.";
-    message = why.str();
-    return false;
-  }
-  const vtkIdType voxels = static_cast<vtkIdType>(dims[0]) * dims[1] * dims[2];
-  if (scalars->GetNumberOfTuples() < voxels)
-  {
-    why << "The scalars \"" << name << "\" have " << scalars->GetNumberOfTuples()
-        << " values, the input image has " << voxels << " voxels.";
-    message = why.str();
-    return false;
-  }
-  ScalarType type;
-  if (!FindScalarType(
-        scalars->GetDataType(), static_cast<std::size_t>(scalars->GetDataTypeSize()), type))
-  {
-    why << "The scalars \"" << name << "\" are of type " << scalars->GetDataTypeAsString()
-        << ", which cannot be rendered. Convert them with vtkImageCast.";
-    message = why.str();
-    return false;
-  }
-  double spacing[3];
-  double origin[3];
-  image->GetSpacing(spacing);
-  image->GetOrigin(origin);
-  glm::dmat3 direction(1.0);
-  vtkMatrix3x3* matrix = image->GetDirectionMatrix();
-  for (int a = 0; a < 3; ++a)
-  {
-    if (!std::isfinite(origin[a]) || !std::isfinite(spacing[a]) || spacing[a] == 0.0)
-    {
-      why << "The input image has spacing (" << spacing[0] << ", " << spacing[1] << ", "
-          << spacing[2] << ") and origin (" << origin[0] << ", " << origin[1] << ", " << origin[2]
-          << "); all must be finite and the spacing not zero.";
-      message = why.str();
-      return false;
-    }
-    for (int b = 0; b < 3; ++b)
-    {
-      direction[b][a] = matrix->GetElement(a, b);
-    }
-  }
-  const double volume = std::abs(glm::determinant(direction));
-  if (!(volume > 1e-12) || !std::isfinite(volume))
-  {
-    message = "The direction matrix of the input image is singular: it cannot be rendered.";
-    return false;
-  }
-
-  view.Scalars = scalars->GetVoidPointer(0);
-  view.Type = type;
-  view.Dimensions = glm::ivec3(dims[0], dims[1], dims[2]);
-  view.Increments[0] = 1;
-  view.Increments[1] = dims[0];
-  view.Increments[2] = static_cast<std::int64_t>(dims[0]) * dims[1];
-  view.IndexToData =
-    glm::dmat3(direction[0] * spacing[0], direction[1] * spacing[1], direction[2] * spacing[2]);
-  view.DataToIndex = glm::inverse(view.IndexToData);
-  view.FirstVoxel = glm::dvec3(origin[0], origin[1], origin[2]) +
-    view.IndexToData * glm::dvec3(extent[0], extent[2], extent[4]);
-  return true;
 }
 
 //------------------------------------------------------------------------------

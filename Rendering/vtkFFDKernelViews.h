@@ -10,14 +10,11 @@
 #include "FFDMinMaxBlocks.h"
 #include "FFDShading.h"
 #include "FFDTransferTable.h"
-#include "FFDVolumeView.h"
 
 #include <glm/mat4x4.hpp>
 
 #include <string>
 
-class vtkDataArray;
-class vtkImageData;
 class vtkMatrix4x4;
 class vtkRenderer;
 class vtkVolumeProperty;
@@ -27,13 +24,6 @@ namespace ffd
 
 /// GLM copy of a VTK matrix (GLM is column major, VTK row major).
 glm::dmat4 ToMatrix(vtkMatrix4x4* matrix);
-
-/**
- * View of the voxels of an image. Returns false and a message for the user when the image cannot
- * be rendered: empty, flat, scalars missing or of the wrong number or kind.
- */
-bool MakeVolumeView(
-  vtkImageData* image, vtkDataArray* scalars, VolumeView& view, std::string& message);
 
 /**
  * Transfer table of a property's first component over the scalar range of the volume. `integers`:

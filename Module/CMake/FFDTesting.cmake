@@ -169,6 +169,7 @@ function (ffd_build_cxx_tests)
     ffd_build_flags
     ${ffd_modules}
     VTK::CommonSystem
+    VTK::FiltersGeneral
     VTK::FiltersSources
     VTK::ImagingCore
     VTK::ImagingSources

@@ -3,6 +3,9 @@
 #ifndef FFDBSplineBasis_h
 #define FFDBSplineBasis_h
 
+#include <algorithm>
+#include <cmath>
+
 namespace ffd
 {
 
@@ -27,6 +30,24 @@ inline void BSplineDerivativeWeights(double u, double w[4])
   w[1] = 1.5 * u2 - 2.0 * u;
   w[2] = 0.5 + u - 1.5 * u2;
   w[3] = 0.5 * u2;
+}
+
+/// Cell and position in it of a clamped parameter on one axis.
+struct AxisPosition
+{
+  int Cell;
+  double U;
+  bool Constant; ///< the parameter was outside: no variation along this axis
+};
+
+/// `lo` and `hi`: whole numbers, the first cell and one past the last.
+inline AxisPosition LocateOnAxis(double x, double lo, double hi)
+{
+  const bool inside = x > lo && x < hi;
+  // Written so that NaN goes to lo, too: no index is ever computed from it.
+  const double c = inside ? x : (x >= hi ? hi : lo);
+  const int cell = std::min(static_cast<int>(std::floor(c)), static_cast<int>(hi) - 1);
+  return { cell, c - cell, !inside };
 }
 
 } // namespace ffd

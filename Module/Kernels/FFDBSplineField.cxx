@@ -38,23 +38,6 @@ BorderSource FindBorderSource(int i, int nodes, BorderMode border)
   return { 0, 0.0 };
 }
 
-/// Cell and position in it of a clamped parameter on one axis.
-struct AxisPosition
-{
-  int Cell;
-  double U;
-  bool Constant; ///< the parameter was outside: no variation along this axis
-};
-
-AxisPosition Locate(double x, double lo, double hi)
-{
-  const bool inside = x > lo && x < hi;
-  // Written so that NaN goes to lo, too: no index is ever computed from it.
-  const double c = inside ? x : (x >= hi ? hi : lo);
-  const int cell = std::min(static_cast<int>(std::floor(c)), static_cast<int>(hi) - 1);
-  return { cell, c - cell, !inside };
-}
-
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -117,7 +100,7 @@ glm::dvec3 BSplineField::Displacement(const glm::dvec3& p) const
   double w[3][4];
   for (int a = 0; a < 3; ++a)
   {
-    at[a] = Locate(x[a], this->ClampMin[a], this->ClampMax[a]);
+    at[a] = LocateOnAxis(x[a], this->ClampMin[a], this->ClampMax[a]);
     BSplineWeights(at[a].U, w[a]);
   }
   glm::dvec3 sum(0.0);
@@ -145,7 +128,7 @@ glm::dvec3 BSplineField::Displacement(const glm::dvec3& p, glm::dmat3& jacobian)
   double d[3][4];
   for (int a = 0; a < 3; ++a)
   {
-    at[a] = Locate(x[a], this->ClampMin[a], this->ClampMax[a]);
+    at[a] = LocateOnAxis(x[a], this->ClampMin[a], this->ClampMax[a]);
     BSplineWeights(at[a].U, w[a]);
     BSplineDerivativeWeights(at[a].U, d[a]);
     const double toData = at[a].Constant ? 0.0 : this->InverseSpacing[a];

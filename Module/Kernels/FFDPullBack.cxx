@@ -176,6 +176,21 @@ bool SolveInverse(const BSplineField& field, const glm::dvec3& p, const glm::dve
 }
 
 //------------------------------------------------------------------------------
+PullBackKind FindPullBackKind(InverseMode mode, bool inverted)
+{
+  switch (mode)
+  {
+    case InverseMode::FirstOrder:
+      return inverted ? PullBackKind::FirstOrderOfInverse : PullBackKind::FirstOrder;
+    case InverseMode::PullBack:
+      return inverted ? PullBackKind::Exact : PullBackKind::Forward;
+    case InverseMode::Exact:
+    default:
+      return inverted ? PullBackKind::Forward : PullBackKind::Exact;
+  }
+}
+
+//------------------------------------------------------------------------------
 PullBack::PullBack(const BSplineField* field, PullBackKind kind, double tolerance)
   : Field(field)
   , Kind(kind)

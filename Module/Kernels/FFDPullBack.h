@@ -25,6 +25,17 @@ enum class PullBackKind
   FirstOrderOfInverse
 };
 
+/// How the pull-back follows from a deformation T; the values are those of the public classes.
+enum class InverseMode
+{
+  FirstOrder = 0, ///< 2P - T(P)
+  Exact = 1,      ///< T^-1
+  PullBack = 2    ///< T itself
+};
+
+/// The kind for a deformation that is the field's map, or (`inverted`) the inverse of that.
+FFD_KERNEL_EXPORT PullBackKind FindPullBackKind(InverseMode mode, bool inverted);
+
 /// How an evaluation of the pull-back ended.
 struct PullBackStatus
 {

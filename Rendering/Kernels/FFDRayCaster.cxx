@@ -147,6 +147,25 @@ struct RayCaster::Pixel
   float Transmittance = 1.0f;
   double FirstVisible = Infinity; // t
   bool Done = false;              // early ray termination
+  TracedRay* Trace = nullptr;     // where to note what is done, or null
+
+  /// A piece from `from` to `to`; what is sampled afterwards lies on it.
+  void NotePiece(const CurvePiece& curve, double from, double to, bool passed)
+  {
+    if (this->Trace)
+    {
+      const std::size_t at = this->Trace->Samples.size();
+      this->Trace->Pieces.push_back({ curve, from, to, passed, at, at });
+    }
+  }
+  void NoteSample(const glm::dvec3& q, double t, double interval, bool leap, float extinction)
+  {
+    if (this->Trace)
+    {
+      this->Trace->Samples.push_back({ q, t, interval, leap, extinction });
+      this->Trace->Pieces.back().EndSample = this->Trace->Samples.size();
+    }
+  }
 };
 
 //------------------------------------------------------------------------------
@@ -182,6 +201,10 @@ public:
       if (leap && scene.Distances->FindEmptyBox(q, this->Upper, this->LastEmptyBox))
       {
         this->Statistics.DistanceLookups += inside ? 1 : 0;
+        if (inside)
+        {
+          this->Out.NoteSample(q, t0 + s * dt, schedule.Interval(i) * dt, true, 0.0f);
+        }
         i += CountStepsInside(
           piece, s, schedule.Step, schedule.Count - 1 - i, this->LastEmptyBox);
         continue;
@@ -193,6 +216,8 @@ public:
       ++this->Statistics.Samples;
       const TransferTable::Sample sample =
         scene.Table->Lookup(this->Caster.Fetch.Value(scene.Volume, q));
+      this->Out.NoteSample(
+        q, t0 + s * dt, schedule.Interval(i) * dt, false, sample.Extinction);
       if (sample.Extinction > 0.0f)
       {
         const double length = this->IntervalLength(piece, s, schedule.Interval(i), dt);
@@ -350,6 +375,65 @@ void RayCaster::StartTile(
 }
 
 //------------------------------------------------------------------------------
+int RayCaster::SetUpTile(
+  int x0, int y0, int x1, int y1, Ray* rays, double& tMin, double& tMax) const
+{
+  int count = 0;
+  for (int y = y0; y <= y1; ++y)
+  {
+    for (int x = x0; x <= x1; ++x)
+    {
+      Ray& ray = rays[count];
+      if (this->SetUpRay(x, y, ray))
+      {
+        tMin = std::min(tMin, ray.From);
+        tMax = std::max(tMax, ray.To);
+        ++count;
+      }
+    }
+  }
+  return count;
+}
+
+//------------------------------------------------------------------------------
+void RayCaster::TraceRay(
+  int x, int y, const CastImage& image, Scratch& scratch, TracedRay& traced) const
+{
+  traced = TracedRay();
+  Ray ray;
+  traced.Hit = this->SetUpRay(x, y, ray);
+  traced.World = ray.World;
+  if (!traced.Hit)
+  {
+    return;
+  }
+  traced.From = ray.From;
+  traced.To = ray.To;
+  Pixel pixel;
+  pixel.Trace = &traced;
+  if (this->Settings.Segments == Segmentation::GreedyAngle)
+  {
+    this->CastPolyline(ray, pixel, scratch.Statistics);
+  }
+  else
+  {
+    // The pieces are those that all rays of the tile share.
+    const int x0 = x / TileSize * TileSize;
+    const int y0 = y / TileSize * TileSize;
+    const int x1 = std::min(x0 + TileSize, image.Width) - 1;
+    const int y1 = std::min(y0 + TileSize, image.Height) - 1;
+    std::array<Ray, TileSize * TileSize> rays;
+    double tMin = Infinity;
+    double tMax = -Infinity;
+    this->SetUpTile(x0, y0, x1, y1, rays.data(), tMin, tMax);
+    this->StartTile(x0, y0, x1, y1, tMin, tMax, scratch.Spans);
+    this->CastSpans(ray, pixel, scratch);
+  }
+  traced.Terminated = pixel.Done;
+  traced.Colour = glm::vec4(pixel.Colour, 1.0f - pixel.Transmittance);
+}
+
+//------------------------------------------------------------------------------
 void RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch) const
 {
   const int x0 = tile % this->GetTilesPerRow(image) * TileSize;
@@ -362,29 +446,19 @@ void RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch) c
   const int x1 = std::min(x0 + TileSize, image.Width) - 1;
   const int y1 = std::min(y0 + TileSize, image.Height) - 1;
 
-  std::array<Ray, TileSize * TileSize> rays;
-  int count = 0;
-  double tMin = Infinity;
-  double tMax = -Infinity;
   for (int y = y0; y <= y1; ++y)
   {
-    for (int x = x0; x <= x1; ++x)
+    const std::size_t at = static_cast<std::size_t>(y) * image.Width + x0;
+    std::fill_n(image.Colours + 4 * at, 4 * (x1 - x0 + 1), 0.0f);
+    if (image.Depths)
     {
-      const std::size_t at = static_cast<std::size_t>(y) * image.Width + x;
-      std::fill_n(image.Colours + 4 * at, 4, 0.0f);
-      if (image.Depths)
-      {
-        image.Depths[at] = 1.0f;
-      }
-      Ray& ray = rays[count];
-      if (this->SetUpRay(x, y, ray))
-      {
-        tMin = std::min(tMin, ray.From);
-        tMax = std::max(tMax, ray.To);
-        ++count;
-      }
+      std::fill_n(image.Depths + at, x1 - x0 + 1, 1.0f);
     }
   }
+  std::array<Ray, TileSize * TileSize> rays;
+  double tMin = Infinity;
+  double tMax = -Infinity;
+  const int count = this->SetUpTile(x0, y0, x1, y1, rays.data(), tMin, tMax);
   if (count == 0)
   {
     return;
@@ -441,10 +515,11 @@ void RayCaster::CastPolyline(Ray& ray, Pixel& pixel, CastStatistics& statistics)
     const bool empty = this->Settings.Leaping == SpaceLeaping::Lipschitz &&
       Contains(sampler.GetLastEmptyBox(), startIndex) &&
       Contains(sampler.GetLastEmptyBox(), endIndex);
+    const CurvePiece piece = CurvePiece::Line(startIndex, endIndex);
+    pixel.NotePiece(piece, start.T, end.T, empty);
     if (!empty)
     {
       sampler.ForgetEmptyBox();
-      const CurvePiece piece = CurvePiece::Line(startIndex, endIndex);
       const double length = glm::length(this->RestToWorld * piece.Linear);
       sampler.Integrate(piece, ScheduleWithRemainder(length, this->Settings.SampleDistance),
         start.T, dt,
@@ -484,6 +559,21 @@ void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
     return jacobian;
   };
 
+  // Where a piece that is passed would run: for the trace only, so it is not counted.
+  const auto notePassed = [&](double t0, double t1)
+  {
+    if (pixel.Trace)
+    {
+      glm::dvec3 at[3];
+      for (int i = 0; i < 3; ++i)
+      {
+        PullBackStatus status;
+        at[i] = volume.ToIndex(this->Scene.Map->Evaluate(pointAt(t0 + 0.5 * i * (t1 - t0)), status));
+      }
+      pixel.NotePiece(CurvePiece::Parabola(at[0], at[1], at[2]), t0, t1, true);
+    }
+  };
+
   // The parabola through points with an error amplifies it by 5/4 at most; the rest allows for
   // the inverse of the Jacobian between the residual that is bounded and the position.
   const double inverseError = 2.0 * this->Settings.InverseTolerance;
@@ -509,6 +599,7 @@ void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
       const bool canLeap = this->Settings.Leaping == SpaceLeaping::Lipschitz && span.Bounded;
       if (canLeap && slack.Pass(span.VelocityMin, span.VelocityMax, dt))
       {
+        notePassed(t0, t1);
         continue;
       }
       if (nodeT != t0)
@@ -517,12 +608,19 @@ void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
         nodeT = t0;
       }
       EmptyBox box;
+      bool lookedUp = false;
       if (canLeap && this->Scene.Distances->FindEmptyBox(node, upper, box))
       {
-        statistics.DistanceLookups += IsInside(node, upper) ? 1 : 0;
+        lookedUp = IsInside(node, upper);
+        statistics.DistanceLookups += lookedUp ? 1 : 0;
         slack.Set(node, box, span.PositionError + inverseError + LeapGuard);
         if (slack.Pass(span.VelocityMin, span.VelocityMax, dt))
         {
+          notePassed(t0, t1);
+          if (lookedUp)
+          {
+            pixel.NoteSample(node, t0, dt, true, 0.0f);
+          }
           continue;
         }
       }
@@ -531,6 +629,11 @@ void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
       const glm::dvec3 middle = evaluate(0.5 * (t0 + t1));
       const glm::dvec3 end = evaluate(t1);
       const CurvePiece piece = CurvePiece::Parabola(node, middle, end);
+      pixel.NotePiece(piece, t0, t1, false);
+      if (lookedUp)
+      {
+        pixel.NoteSample(piece.Start, t0, dt, true, 0.0f);
+      }
       node = end;
       nodeT = t1;
       ++statistics.Segments;

@@ -6,6 +6,7 @@
 #include "FFDCastScene.h"
 #include "FFDExport.h"
 #include "FFDPacketCaster.h"
+#include "FFDTracedRay.h"
 
 #include <memory>
 #include <vector>
@@ -48,12 +49,17 @@ public:
   int GetNumberOfTiles(const CastImage& image) const;
   void RenderTile(int tile, const CastImage& image, Scratch& scratch) const;
 
+  /// Cast the ray of one pixel as for the picture, by the reference kernels, and note what was done
+  /// on the way. Of `image` only the size matters.
+  void TraceRay(int x, int y, const CastImage& image, Scratch& scratch, TracedRay& traced) const;
+
 private:
   struct Ray;
   struct Pixel;
   class Sampler;
 
   bool SetUpRay(int x, int y, Ray& ray) const;
+  int SetUpTile(int x0, int y0, int x1, int y1, Ray* rays, double& tMin, double& tMax) const;
   void CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const;
   void CastPolyline(Ray& ray, Pixel& pixel, CastStatistics& statistics) const;
   void StartTile(int x0, int y0, int x1, int y1, double tMin, double tMax, TileSpans& spans) const;

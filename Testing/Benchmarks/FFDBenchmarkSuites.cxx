@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDBenchmarkSuites.h"
 
+#include "FFDBenchmarkResample.h"
 #include "FFDBenchmarkScene.h"
 #include "FFDGatherLoop.h"
 
@@ -575,6 +576,18 @@ std::vector<std::unique_ptr<Group>> MakeGroups(const Options& options)
       [side, folder](Group& group) { return PrepareEdits(group, side, folder); },
       { { "tiny_frame", quick }, { "transfer_edit", quick }, { "lattice_edit", quick },
         { "bounds", quick } });
+  }
+  for (int side : options.Quick ? std::vector<int>{ 64 } : std::vector<int>{ 128, 256 })
+  {
+    for (const bool cubic : { false, true })
+    {
+      add("Resample/" + std::to_string(side) + (cubic ? "/cubic" : "/linear"),
+        [side, cubic, folder](Group& group)
+        { return PrepareResample(group, side, cubic, folder); },
+        { { "reslice", rounds(3, 7) }, { "pullback", rounds(3, 7) },
+          { "reslice_inverse", rounds(1, SlowRounds) }, { "exact", rounds(3, 7) },
+          { "firstorder", rounds(3, 7) } });
+    }
   }
   add("Limit", [folder](Group& group) { return PrepareLimit(group, folder); },
     { { "gather", rounds(5, 11) }, { "unshaded_identity", rounds(3, 11) },

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
 // Measures vtkFFDInverseRayVolumeMapper against what it replaces. See Usage below and NOTES.md.
+#include "FFDBenchmarkResample.h"
 #include "FFDBenchmarkSuites.h"
 #include "FFDGatherLoop.h"
 
@@ -122,6 +123,10 @@ std::pair<const char*, const char*> GetReferences(const Group& group)
   {
     return { "grid", "bspline" };
   }
+  if (name.rfind("Resample", 0) == 0)
+  {
+    return { "reslice", "reslice_inverse" };
+  }
   return { name.rfind("Edit", 0) == 0 ? "tiny_frame" : "gather", "" };
 }
 
@@ -225,6 +230,13 @@ void PrintTargets(const std::vector<std::unique_ptr<Group>>& groups)
         PrintTarget(name + " a transfer function edit adds, ms",
           1e3 * (edited->GetMedian() - still->GetMedian()), 20.0);
       }
+    }
+    else if (name.rfind("Resample", 0) == 0)
+    {
+      PrintTarget(name + " reslice / pullback", group->GetRatio("reslice", "pullback"),
+        ffdBenchmark::ResampleGain, false);
+      PrintTarget(name + " reslice_inverse / exact", group->GetRatio("reslice_inverse", "exact"),
+        ffdBenchmark::ResampleGain, false);
     }
     else if (const Row* gather = group->FindRow("gather"))
     {

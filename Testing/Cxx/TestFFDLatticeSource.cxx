@@ -10,9 +10,12 @@
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkImageData.h"
+#include "vtkInformation.h"
 #include "vtkIntArray.h"
 #include "vtkMath.h"
 #include "vtkPointData.h"
+#include "vtkSmartPointer.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
 
 #include <limits>
 
@@ -112,6 +115,63 @@ int TestShapes()
     same->GetDisplacement(3, 4, 5, d);
     FFD_CHECK(FFDDistance(d, e) > 0.0);
   }
+  return EXIT_SUCCESS;
+}
+
+int TestFoldFree()
+{
+  vtkNew<vtkFFDLatticeSource> source;
+  source->SetDimensions(9, 8, 7);
+  source->SetBounds(-10.0, 10.0, -4.0, 4.0, 0.0, 12.0);
+  FFD_CHECK(source->GetFoldFree() == 0 && source->GetFoldFreeFactor() == 1.0);
+  for (const int shape : { vtkFFDLatticeSource::RANDOM, vtkFFDLatticeSource::BEND,
+         vtkFFDLatticeSource::TAPER })
+  {
+    source->SetShape(shape);
+    source->SetStrength(8.0);
+    source->FoldFreeOff();
+    FFD_CHECK(!source->GetLattice()->IsFoldFree());
+    vtkNew<vtkFFDLattice> folded;
+    folded->DeepCopy(source->GetLattice());
+    source->FoldFreeOn();
+    double factors[2];
+    for (const double least : { 0.05, 0.4 })
+    {
+      source->SetMinimumJacobian(least);
+      FFD_CHECK(source->GetLattice()->GetMinimumJacobianBound() >= least);
+      const double factor = source->GetFoldFreeFactor();
+      FFD_CHECK(factor > 0.0 && factor < 1.0);
+      factors[least > 0.1 ? 1 : 0] = factor;
+      // All displacements by one factor, and not much smaller than needed.
+      double d[3];
+      double e[3];
+      folded->GetDisplacement(2, 5, 4, d);
+      source->GetLattice()->GetDisplacement(2, 5, 4, e);
+      for (int a = 0; a < 3; ++a)
+      {
+        FFD_CHECK_NEAR(e[a], factor * d[a], 1e-12);
+      }
+      vtkNew<vtkFFDLattice> more;
+      more->DeepCopy(folded);
+      more->SetDisplacementScale(1.01 * factor);
+      FFD_CHECK(more->GetMinimumJacobianBound() < least);
+    }
+    FFD_CHECK(factors[1] < factors[0]);
+    // Where nothing folds nothing changes.
+    source->SetStrength(0.2);
+    source->SetMinimumJacobian(0.05);
+    FFD_CHECK(!source->GetLattice()->IsIdentity() && source->GetFoldFreeFactor() == 1.0);
+  }
+  vtkNew<FFDErrorLog> log;
+  log->Watch(source);
+  source->SetMinimumJacobian(1.0);
+  FFD_CHECK(log->Had("the determinant is 1"));
+  source->SetMinimumJacobian(std::numeric_limits<double>::quiet_NaN());
+  FFD_CHECK(log->Had("the determinant is") && source->GetMinimumJacobian() == 0.05);
+  vtkObject::GlobalWarningDisplayOff();
+  FFD_CHECK(vtkFFDLatticeSource::LimitToFoldFree(nullptr) == 0.0);
+  FFD_CHECK(vtkFFDLatticeSource::LimitToFoldFree(source->GetLattice(), 2.0) == 0.0);
+  vtkObject::GlobalWarningDisplayOn();
   return EXIT_SUCCESS;
 }
 
@@ -246,9 +306,144 @@ int TestDeformVolume()
   return EXIT_SUCCESS;
 }
 
+/// The displacement of a control point in what the filter puts out at a time.
+double DisplacementAt(vtkFFDDeformVolume* filter, double time)
+{
+  filter->UpdateTimeStep(time);
+  vtkNew<vtkFFDLattice> read;
+  double d[3] = { -1e9, 0.0, 0.0 };
+  if (read->ReadFrom(filter->GetOutput()))
+  {
+    read->GetDisplacement(1, 2, 1, d);
+  }
+  return d[0];
+}
+
+int TestKeyframes()
+{
+  vtkNew<vtkImageData> volume;
+  volume->SetDimensions(10, 10, 10);
+  volume->AllocateScalars(VTK_SHORT, 1);
+  vtkNew<vtkFFDDeformVolume> filter;
+  filter->SetInputData(volume);
+  vtkNew<FFDErrorLog> log;
+  log->Watch(filter);
+  const double times[4] = { 1.0, 2.0, 4.0, 5.0 };
+  const double values[4] = { 0.0, 3.0, -1.0, 2.0 };
+  vtkSmartPointer<vtkFFDLattice> lattices[4];
+  for (const int i : { 2, 0, 3, 1 })
+  {
+    lattices[i] = vtkSmartPointer<vtkFFDLattice>::New();
+    lattices[i]->FitToBounds(volume->GetBounds());
+    lattices[i]->SetDisplacement(1, 2, 1, 2.0 * values[i], 0.0, 0.0);
+    lattices[i]->SetDisplacementScale(0.5);
+    filter->AddKeyframe(times[i], lattices[i]);
+  }
+  FFD_CHECK(filter->GetNumberOfKeyframes() == 4 && filter->GetKeyframeTime(2) == 4.0);
+  FFD_CHECK(filter->GetKeyframeLattice(1) == lattices[1]);
+
+  // The time steps and the range are published.
+  filter->UpdateInformation();
+  vtkInformation* info = filter->GetOutputInformation(0);
+  FFD_CHECK(info->Length(vtkStreamingDemandDrivenPipeline::TIME_STEPS()) == 4);
+  FFD_CHECK(info->Get(vtkStreamingDemandDrivenPipeline::TIME_STEPS())[1] == 2.0);
+  FFD_CHECK(info->Get(vtkStreamingDemandDrivenPipeline::TIME_RANGE())[1] == 5.0);
+  // Nobody asked for a time: the first keyframe.
+  filter->Update();
+  FFD_CHECK(filter->GetOutput()->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()) == 1.0);
+  FFD_CHECK(filter->GetOutput()->GetPointData()->GetScalars() ==
+    volume->GetPointData()->GetScalars());
+
+  for (int i = 0; i < 4; ++i)
+  {
+    for (const int interpolation : { vtkFFDDeformVolume::STEP, vtkFFDDeformVolume::LINEAR,
+           vtkFFDDeformVolume::SPLINE })
+    {
+      filter->SetKeyframeInterpolation(interpolation);
+      FFD_CHECK_NEAR(DisplacementAt(filter, times[i]), values[i], 1e-12);
+    }
+  }
+  // Linear and steps between, clamped outside.
+  filter->SetKeyframeInterpolationToLinear();
+  FFD_CHECK_NEAR(DisplacementAt(filter, 1.25), 0.75, 1e-12);
+  FFD_CHECK_NEAR(DisplacementAt(filter, 3.5), 0.0, 1e-12);
+  FFD_CHECK(filter->GetOutput()->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()) == 3.5);
+  FFD_CHECK_NEAR(DisplacementAt(filter, -7.0), 0.0, 1e-12);
+  FFD_CHECK_NEAR(DisplacementAt(filter, 99.0), 2.0, 1e-12);
+  filter->SetKeyframeInterpolationToStep();
+  FFD_CHECK_NEAR(DisplacementAt(filter, 3.9), 3.0, 1e-12);
+  // The spline has no corner at a keyframe; the polygon has.
+  const auto corner = [&filter]
+  {
+    const double h = 1e-4;
+    const double before = (DisplacementAt(filter, 2.0) - DisplacementAt(filter, 2.0 - h)) / h;
+    const double after = (DisplacementAt(filter, 2.0 + h) - DisplacementAt(filter, 2.0)) / h;
+    return std::abs(after - before);
+  };
+  filter->SetKeyframeInterpolationToLinear();
+  FFD_CHECK(corner() > 4.0);
+  filter->SetKeyframeInterpolationToSpline();
+  FFD_CHECK(corner() < 0.05);
+
+  // Edits and removals arrive.
+  filter->SetKeyframeInterpolationToLinear();
+  lattices[3]->SetDisplacement(1, 2, 1, 8.0, 0.0, 0.0);
+  FFD_CHECK_NEAR(DisplacementAt(filter, 5.0), 4.0, 1e-12);
+  filter->RemoveKeyframe(2.0);
+  filter->RemoveKeyframe(4.0);
+  FFD_CHECK_NEAR(DisplacementAt(filter, 3.0), 2.0, 1e-12);
+  // Two keyframes: the spline is the line.
+  filter->SetKeyframeInterpolationToSpline();
+  FFD_CHECK_NEAR(DisplacementAt(filter, 2.0), 1.0, 1e-12);
+  filter->AddKeyframe(5.0, lattices[1]);
+  FFD_CHECK(filter->GetNumberOfKeyframes() == 2);
+  FFD_CHECK_NEAR(DisplacementAt(filter, 5.0), 3.0, 1e-12);
+
+  // What cannot be.
+  const vtkMTimeType time = filter->GetMTime();
+  filter->AddKeyframe(6.0, nullptr);
+  FFD_CHECK(log->Had("the lattice is null"));
+  filter->AddKeyframe(std::numeric_limits<double>::infinity(), lattices[0]);
+  FFD_CHECK(log->Had("not finite"));
+  filter->RemoveKeyframe(17.0);
+  FFD_CHECK(log->Had("none at time 17"));
+  FFD_CHECK(filter->GetKeyframeLattice(9) == nullptr);
+  FFD_CHECK(log->Had("no keyframe 9"));
+  FFD_CHECK(std::isnan(filter->GetKeyframeTime(-1)));
+  FFD_CHECK(log->Had("no keyframe -1"));
+  FFD_CHECK(filter->InterpolateKeyframes(1.0, nullptr) == 0);
+  FFD_CHECK(log->Had("null"));
+  FFD_CHECK(filter->GetMTime() == time);
+  vtkNew<vtkFFDLattice> other;
+  other->DeepCopy(lattices[0]);
+  const auto refused = [&](const char* text)
+  {
+    filter->AddKeyframe(3.0, other);
+    filter->UpdateTimeStep(3.0);
+    const bool had = log->Had(text);
+    return had && filter->GetOutput()->GetNumberOfPoints() == volume->GetNumberOfPoints();
+  };
+  other->SetDimensions(5, 4, 4);
+  FFD_CHECK(refused("dimensions differ"));
+  other->DeepCopy(lattices[0]);
+  other->SetDomain(0, 9, 0, 9, 0, 8);
+  FFD_CHECK(refused("domains differ"));
+  other->DeepCopy(lattices[0]);
+  other->SetBorderMode(VTK_BSPLINE_ZERO);
+  FFD_CHECK(refused("border modes differ"));
+  other->DeepCopy(lattices[0]);
+  other->Inverse();
+  FFD_CHECK(refused("inverted"));
+  filter->RemoveAllKeyframes();
+  FFD_CHECK(filter->GetNumberOfKeyframes() == 0);
+  vtkNew<vtkFFDLattice> result;
+  FFD_CHECK(filter->InterpolateKeyframes(1.0, result) == 0 && log->Had("no keyframes"));
+  return EXIT_SUCCESS;
+}
+
 } // namespace
 
 int TestFFDLatticeSource(int, char*[])
 {
-  return TestShapes() || TestSourceInput() || TestDeformVolume() ? EXIT_FAILURE : EXIT_SUCCESS;
+  return TestShapes() || TestFoldFree() || TestSourceInput() || TestKeyframes() || TestDeformVolume() ? EXIT_FAILURE : EXIT_SUCCESS;
 }

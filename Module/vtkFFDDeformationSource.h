@@ -4,7 +4,7 @@
  * @class   vtkFFDDeformationSource
  * @brief   turns what a user gave as deformation into a B-spline field for the kernels
  *
- * Private to this module: not installed, not wrapped. In this order: the given transform, used as
+ * Private to the libraries of this project: not installed, not wrapped. In this order: the given transform, used as
  * it is when it is a B-spline, else approximated by a lattice; the lattice attached to the image;
  * no deformation.
  */
@@ -12,6 +12,7 @@
 #define vtkFFDDeformationSource_h
 
 #include "FFDBSplineField.h"
+#include "FFDExport.h"
 
 #include "vtkNew.h"
 #include "vtkTimeStamp.h"
@@ -27,8 +28,8 @@ class vtkImageData;
 class vtkFFDDeformationSource
 {
 public:
-  vtkFFDDeformationSource();
-  ~vtkFFDDeformationSource();
+  FFD_KERNEL_EXPORT vtkFFDDeformationSource();
+  FFD_KERNEL_EXPORT ~vtkFFDDeformationSource();
   vtkFFDDeformationSource(const vtkFFDDeformationSource&) = delete;
   vtkFFDDeformationSource& operator=(const vtkFFDDeformationSource&) = delete;
 
@@ -37,8 +38,8 @@ public:
    * approximation, data units. Returns false and a message when the deformation cannot be used;
    * `warning` is set when it can, with a reservation.
    */
-  bool Update(vtkAbstractTransform* transform, vtkImageData* image, const double bounds[6],
-    double tolerance, std::string& message, std::string& warning);
+  FFD_KERNEL_EXPORT bool Update(vtkAbstractTransform* transform, vtkImageData* image,
+    const double bounds[6], double tolerance, std::string& message, std::string& warning);
 
   const ffd::BSplineField& GetField() const { return this->Field; }
   /// Whether the deformation is the inverse of the field's map.
@@ -46,7 +47,7 @@ public:
   bool IsZero() const { return this->Field.IsZero(); }
   /// When the field changed last.
   vtkMTimeType GetMTime() const { return this->Changed.GetMTime(); }
-  std::size_t GetMemorySize() const;
+  FFD_KERNEL_EXPORT std::size_t GetMemorySize() const;
 
 private:
   void FindFitRegion(

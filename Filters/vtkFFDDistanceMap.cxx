@@ -1,0 +1,272 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDDistanceMap.h"
+
+#include "vtkFFDParallelFor.h"
+#include "vtkFFDVolumeViewFromImage.h"
+
+#include "FFDDistanceMap.h"
+#include "FFDMinMaxBlocks.h"
+#include "FFDTransferTable.h"
+#include "FFDVolumeView.h"
+#include "FFDVoxelDistance.h"
+
+#include "vtkGarbageCollector.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkMatrix3x3.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPiecewiseFunction.h"
+#include "vtkPointData.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkUnsignedCharArray.h"
+#include "vtkUnsignedShortArray.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+vtkStandardNewMacro(vtkFFDDistanceMap);
+
+namespace
+{
+
+constexpr int Block = ffd::MinMaxBlocks::BlockSize;
+
+/// Blocks along an axis of so many voxels.
+int CountBlocks(int voxels)
+{
+  return (voxels - 1 + Block - 1) / Block;
+}
+
+/// Entries of the table: at least, and at most.
+constexpr int SmallestTable = 4096;
+constexpr int LargestTable = 65536;
+
+/// Opacity as a table over the scalars of the volume.
+ffd::TransferTable MakeOpacityTable(
+  vtkPiecewiseFunction* opacity, const ffd::MinMaxBlocks::Limits& range, bool integers)
+{
+  double low = range.Min;
+  double high = range.Max;
+  if (!(high - low > 1e-12 * std::max(std::abs(low), std::abs(high))))
+  {
+    high = low + std::max(1.0, std::abs(low));
+  }
+  int size = std::clamp(
+    opacity->EstimateMinNumberOfSamples(low, high), SmallestTable, LargestTable);
+  if (integers && high - low < LargestTable)
+  {
+    // Whole numbers are met exactly.
+    const int width = static_cast<int>(high - low);
+    size = std::max(1, SmallestTable / std::max(1, width)) * width + 1;
+  }
+  std::vector<float> opacities(static_cast<std::size_t>(size));
+  const std::vector<float> colours(3 * opacities.size(), 1.0f);
+  opacity->GetTable(low, high, size, opacities.data());
+  return ffd::TransferTable(
+    low, high, opacities.size(), colours.data(), opacities.data(), 1.0);
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+vtkFFDDistanceMap::vtkFFDDistanceMap() = default;
+
+//------------------------------------------------------------------------------
+vtkFFDDistanceMap::~vtkFFDDistanceMap()
+{
+  this->SetScalarOpacity(nullptr);
+}
+
+//------------------------------------------------------------------------------
+vtkCxxSetObjectMacro(vtkFFDDistanceMap, ScalarOpacity, vtkPiecewiseFunction);
+
+//------------------------------------------------------------------------------
+vtkPiecewiseFunction* vtkFFDDistanceMap::GetScalarOpacity()
+{
+  return this->ScalarOpacity;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDDistanceMap::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "ScalarOpacity: " << this->ScalarOpacity << "\n";
+  os << indent << "Resolution: " << this->GetResolutionAsString() << "\n";
+}
+
+//------------------------------------------------------------------------------
+const char* vtkFFDDistanceMap::GetResolutionAsString() const
+{
+  return this->Resolution == VOXELS ? "VOXELS" : "BLOCKS";
+}
+
+//------------------------------------------------------------------------------
+vtkMTimeType vtkFFDDistanceMap::GetMTime()
+{
+  const vtkMTimeType own = this->Superclass::GetMTime();
+  return this->ScalarOpacity ? std::max(own, this->ScalarOpacity->GetMTime()) : own;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDDistanceMap::ReportReferences(vtkGarbageCollector* collector)
+{
+  this->Superclass::ReportReferences(collector);
+  vtkGarbageCollectorReport(collector, this->ScalarOpacity, "ScalarOpacity");
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDDistanceMap::RequestInformation(
+  vtkInformation*, vtkInformationVector** inputs, vtkInformationVector* outputs)
+{
+  vtkInformation* input = inputs[0]->GetInformationObject(0);
+  vtkInformation* output = outputs->GetInformationObject(0);
+  vtkDataObject::SetPointDataActiveScalarInfo(
+    output, this->Resolution == VOXELS ? VTK_UNSIGNED_SHORT : VTK_UNSIGNED_CHAR, 1);
+  if (this->Resolution == VOXELS || !input->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
+  {
+    return 1;
+  }
+  int extent[6];
+  double origin[3] = { 0.0, 0.0, 0.0 };
+  double spacing[3] = { 1.0, 1.0, 1.0 };
+  double direction[9] = { 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0 };
+  input->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent);
+  if (input->Has(vtkDataObject::ORIGIN()))
+  {
+    input->Get(vtkDataObject::ORIGIN(), origin);
+  }
+  if (input->Has(vtkDataObject::SPACING()))
+  {
+    input->Get(vtkDataObject::SPACING(), spacing);
+  }
+  if (input->Has(vtkDataObject::DIRECTION()))
+  {
+    input->Get(vtkDataObject::DIRECTION(), direction);
+  }
+  double first[3];
+  int blocks[6];
+  for (int a = 0; a < 3; ++a)
+  {
+    // The centre of block 0.
+    first[a] = (extent[2 * a] + 0.5 * Block) * spacing[a];
+    blocks[2 * a] = 0;
+    blocks[2 * a + 1] = std::max(0, CountBlocks(extent[2 * a + 1] - extent[2 * a] + 1) - 1);
+  }
+  for (int a = 0; a < 3; ++a)
+  {
+    for (int b = 0; b < 3; ++b)
+    {
+      origin[a] += direction[3 * a + b] * first[b];
+    }
+    spacing[a] *= Block;
+  }
+  output->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), blocks, 6);
+  output->Set(vtkDataObject::ORIGIN(), origin, 3);
+  output->Set(vtkDataObject::SPACING(), spacing, 3);
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDDistanceMap::RequestUpdateExtent(
+  vtkInformation*, vtkInformationVector** inputs, vtkInformationVector*)
+{
+  vtkInformation* input = inputs[0]->GetInformationObject(0);
+  if (input->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
+  {
+    input->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(),
+      input->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()), 6);
+  }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDDistanceMap::RequestData(
+  vtkInformation*, vtkInformationVector** inputs, vtkInformationVector* outputs)
+{
+  vtkInformation* info = outputs->GetInformationObject(0);
+  vtkImageData* input = vtkImageData::GetData(inputs[0]);
+  vtkImageData* output = vtkImageData::GetData(info);
+  if (!input || !output)
+  {
+    vtkErrorMacro("There is no image. Connect a vtkImageData to the input.");
+    return 0;
+  }
+  if (!this->ScalarOpacity || this->ScalarOpacity->GetSize() < 1)
+  {
+    vtkErrorMacro("There is no opacity function, or one without points. Call SetScalarOpacity() "
+                  "with that of the volume property.");
+    return 0;
+  }
+  int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
+  vtkDataArray* scalars = this->GetInputArrayToProcess(0, inputs, association);
+  if (scalars && association != vtkDataObject::FIELD_ASSOCIATION_POINTS)
+  {
+    vtkErrorMacro("The array to process, \""
+      << (scalars->GetName() ? scalars->GetName() : "(unnamed)")
+      << "\", is no point data. Convert it with vtkCellDataToPointData.");
+    return 0;
+  }
+  ffd::VolumeView volume;
+  std::string message;
+  if (!vtkFFDVolumeViewFromImage(input, scalars, false, volume, message))
+  {
+    vtkErrorMacro(<< message);
+    return 0;
+  }
+  const ffd::MinMaxBlocks blocks(volume, vtkFFDParallelFor);
+  if (blocks.GetRange().Min > blocks.GetRange().Max)
+  {
+    vtkErrorMacro("The scalars of the input hold no finite number: there is nothing to be far "
+                  "from.");
+    return 0;
+  }
+  this->UpdateProgress(0.3);
+  const bool integers =
+    volume.Type != ffd::ScalarType::Float32 && volume.Type != ffd::ScalarType::Float64;
+  const ffd::TransferTable table =
+    MakeOpacityTable(this->ScalarOpacity, blocks.GetRange(), integers);
+
+  if (this->Resolution == BLOCKS)
+  {
+    const ffd::DistanceMap map(blocks, table);
+    vtkNew<vtkUnsignedCharArray> distances;
+    distances->SetName("Distance");
+    distances->SetNumberOfValues(static_cast<vtkIdType>(blocks.GetNumberOfBlocks()));
+    std::copy_n(map.GetData(), blocks.GetNumberOfBlocks(), distances->GetPointer(0));
+    output->SetDimensions(map.GetBlocks().x, map.GetBlocks().y, map.GetBlocks().z);
+    output->SetOrigin(info->Get(vtkDataObject::ORIGIN()));
+    output->SetSpacing(info->Get(vtkDataObject::SPACING()));
+    output->GetPointData()->SetScalars(distances);
+    this->UpdateProgress(1.0);
+    return 1;
+  }
+  vtkNew<vtkUnsignedShortArray> distances;
+  distances->SetName("Distance");
+  distances->SetNumberOfValues(input->GetNumberOfPoints());
+  vtkFFDParallelFor(static_cast<std::size_t>(volume.Dimensions.z),
+    [&volume, &table, &distances](std::size_t first, std::size_t last)
+    {
+      ffd::MarkVisibleVoxels(volume, table, static_cast<int>(first), static_cast<int>(last),
+        distances->GetPointer(0));
+    });
+  const bool done = ffd::FindChebyshevDistances(volume.Dimensions, distances->GetPointer(0),
+    [this](double part)
+    {
+      this->UpdateProgress(0.3 + 0.7 * part);
+      return this->GetAbortExecute() == 0;
+    });
+  if (!done)
+  {
+    output->Initialize();
+    return 1;
+  }
+  output->CopyStructure(input);
+  output->GetPointData()->SetScalars(distances);
+  this->UpdateProgress(1.0);
+  return 1;
+}

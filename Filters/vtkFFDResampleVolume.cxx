@@ -1,0 +1,692 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDResampleVolume.h"
+
+#include "vtkFFDDeformationSource.h"
+#include "vtkFFDLattice.h"
+#include "vtkFFDParallelFor.h"
+#include "vtkFFDVolumeViewFromImage.h"
+
+#include "FFDPullBack.h"
+#include "FFDPullBackBounds.h"
+#include "FFDResampler.h"
+#include "FFDVolumeView.h"
+
+#include "vtkAbstractTransform.h"
+#include "vtkAlgorithmOutput.h"
+#include "vtkDataArray.h"
+#include "vtkGarbageCollector.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkObjectFactory.h"
+#include "vtkPointData.h"
+#include "vtkSmartPointer.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <new>
+#include <sstream>
+
+vtkStandardNewMacro(vtkFFDResampleVolume);
+
+namespace
+{
+
+/// Slices of the output between two looks at AbortExecute; a multiple of the step of the nodes
+/// that an inverse is solved for at, which neighbouring batches both need.
+constexpr int SlicesPerBatch = 32;
+
+/// What no memory holds: then the deformation, or the spacing, is not what was meant.
+constexpr double LargestNumberOfPoints = 68719476736.0; // 2^36
+
+/// Rounding must not add a layer to a box that ends at a point.
+constexpr double IndexSlack = 1e-6;
+
+/// Grid of an image that may not have been made yet.
+ffd::ImageGrid GridFromInformation(vtkInformation* info)
+{
+  ffd::ImageGrid grid;
+  double origin[3] = { 0.0, 0.0, 0.0 };
+  double spacing[3] = { 1.0, 1.0, 1.0 };
+  double direction[9] = { 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0 };
+  if (info->Has(vtkDataObject::ORIGIN()))
+  {
+    info->Get(vtkDataObject::ORIGIN(), origin);
+  }
+  if (info->Has(vtkDataObject::SPACING()))
+  {
+    info->Get(vtkDataObject::SPACING(), spacing);
+  }
+  if (info->Has(vtkDataObject::DIRECTION()))
+  {
+    info->Get(vtkDataObject::DIRECTION(), direction);
+  }
+  for (int row = 0; row < 3; ++row)
+  {
+    grid.Origin[row] = origin[row];
+    for (int column = 0; column < 3; ++column)
+    {
+      grid.IndexToData[column][row] = direction[3 * row + column] * spacing[column];
+    }
+  }
+  return grid;
+}
+
+bool IsUsable(const ffd::ImageGrid& grid)
+{
+  const double volume = std::abs(glm::determinant(grid.IndexToData));
+  return std::isfinite(glm::dot(grid.Origin, grid.Origin)) && volume > 0.0 && std::isfinite(volume);
+}
+
+/// The box around an index range, data coordinates.
+ffd::Box FindBox(const ffd::ImageGrid& grid, const int extent[6])
+{
+  ffd::Box box{ glm::dvec3(std::numeric_limits<double>::infinity()),
+    glm::dvec3(-std::numeric_limits<double>::infinity()) };
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const glm::dvec3 p = grid.ToData(glm::dvec3(
+      extent[corner & 1], extent[2 + (corner >> 1 & 1)], extent[4 + (corner >> 2 & 1)]));
+    box.Min = glm::min(box.Min, p);
+    box.Max = glm::max(box.Max, p);
+  }
+  return box;
+}
+
+/// Indices around a region of another grid, moved by a displacement in a box.
+ffd::Box FindIndices(const ffd::ImageGrid& grid, const ffd::ImageGrid& other, const int extent[6],
+  const ffd::Box& displacement)
+{
+  const glm::dmat3 toIndex = glm::inverse(grid.IndexToData);
+  ffd::Box indices{ glm::dvec3(std::numeric_limits<double>::infinity()),
+    glm::dvec3(-std::numeric_limits<double>::infinity()) };
+  ffd::Box moved = indices;
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const glm::dvec3 p = other.ToData(glm::dvec3(
+      extent[corner & 1], extent[2 + (corner >> 1 & 1)], extent[4 + (corner >> 2 & 1)]));
+    const glm::dvec3 d((corner & 1 ? displacement.Max : displacement.Min).x,
+      (corner & 2 ? displacement.Max : displacement.Min).y,
+      (corner & 4 ? displacement.Max : displacement.Min).z);
+    const glm::dvec3 index = toIndex * (p - grid.Origin);
+    indices.Min = glm::min(indices.Min, index);
+    indices.Max = glm::max(indices.Max, index);
+    moved.Min = glm::min(moved.Min, toIndex * d);
+    moved.Max = glm::max(moved.Max, toIndex * d);
+  }
+  return { glm::floor(indices.Min + moved.Min + IndexSlack),
+    glm::ceil(indices.Max + moved.Max - IndexSlack) };
+}
+
+/// The indices around a box, as numbers: they need not fit into an int.
+ffd::Box FindIndices(const ffd::ImageGrid& grid, const ffd::Box& box)
+{
+  ffd::Box indices{ glm::dvec3(std::numeric_limits<double>::infinity()),
+    glm::dvec3(-std::numeric_limits<double>::infinity()) };
+  const glm::dmat3 toIndex = glm::inverse(grid.IndexToData);
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const glm::dvec3 p((corner & 1 ? box.Max : box.Min).x, (corner & 2 ? box.Max : box.Min).y,
+      (corner & 4 ? box.Max : box.Min).z);
+    const glm::dvec3 index = toIndex * (p - grid.Origin);
+    indices.Min = glm::min(indices.Min, index);
+    indices.Max = glm::max(indices.Max, index);
+  }
+  return { glm::floor(indices.Min + IndexSlack), glm::ceil(indices.Max - IndexSlack) };
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+/// The deformation, ready for kernels, and the grids.
+class vtkFFDResampleVolume::vtkInternals
+{
+public:
+  vtkFFDDeformationSource Source;
+  ffd::PullBack Map;
+  ffd::PullBackBounds Bounds;
+  ffd::ImageGrid Input;
+  ffd::ImageGrid Output;
+  ffd::Box RestBounds;
+  // What Map and Bounds were made from.
+  vtkMTimeType MapTime = 0;
+  int MapMode = -1;
+  double MapTolerance = 0.0;
+
+  /// Indices of the output that hold the whole deformed volume.
+  ffd::Box FindDeformedIndices(vtkInformation* input) const
+  {
+    int whole[6];
+    input->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), whole);
+    if (this->Map.IsIdentity())
+    {
+      return FindIndices(
+        this->Output, this->Input, whole, ffd::Box{ glm::dvec3(0.0), glm::dvec3(0.0) });
+    }
+    // Two bounds: the first is tight, but a box of data coordinates, so loose for turned images.
+    const ffd::Box first =
+      FindIndices(this->Output, this->Bounds.DeformedBounds(this->RestBounds));
+    constexpr double large = 1e300;
+    const ffd::Box d =
+      this->Bounds.DisplacementOver({ glm::dvec3(-large), glm::dvec3(large) });
+    // P - Phi(P) is D of some point, or -D for the kinds that read T from output to input.
+    const bool opposite = this->Map.GetKind() == ffd::PullBackKind::Forward ||
+      this->Map.GetKind() == ffd::PullBackKind::FirstOrderOfInverse;
+    const glm::dvec3 slack(this->MapTolerance);
+    const ffd::Box second = FindIndices(this->Output, this->Input, whole,
+      opposite ? ffd::Box{ -d.Max - slack, -d.Min + slack }
+               : ffd::Box{ d.Min - slack, d.Max + slack });
+    return first.IsEmpty() ? second
+                           : ffd::Box{ glm::max(first.Min, second.Min),
+                               glm::min(first.Max, second.Max) };
+  }
+
+  void UpdateMap(int mode, double tolerance)
+  {
+    if (this->MapTime == this->Source.GetMTime() && this->MapMode == mode &&
+      this->MapTolerance == tolerance)
+    {
+      return;
+    }
+    this->Map = ffd::PullBack(&this->Source.GetField(),
+      ffd::FindPullBackKind(static_cast<ffd::InverseMode>(mode), this->Source.IsInverted()),
+      tolerance);
+    this->Bounds = ffd::PullBackBounds(this->Map);
+    this->MapTime = this->Source.GetMTime();
+    this->MapMode = mode;
+    this->MapTolerance = tolerance;
+  }
+};
+
+//------------------------------------------------------------------------------
+vtkFFDResampleVolume::vtkFFDResampleVolume()
+  : Internals(new vtkInternals)
+{
+}
+
+//------------------------------------------------------------------------------
+vtkFFDResampleVolume::~vtkFFDResampleVolume()
+{
+  this->SetDeformation(nullptr);
+}
+
+//------------------------------------------------------------------------------
+vtkCxxSetObjectMacro(vtkFFDResampleVolume, Deformation, vtkAbstractTransform);
+
+//------------------------------------------------------------------------------
+vtkAbstractTransform* vtkFFDResampleVolume::GetDeformation()
+{
+  return this->Deformation;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDResampleVolume::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "Deformation: " << this->Deformation << "\n";
+  os << indent << "InverseMode: " << this->GetInverseModeAsString() << "\n";
+  os << indent << "InverseTolerance: " << this->InverseTolerance << "\n";
+  os << indent << "PositionTolerance: " << this->PositionTolerance << "\n";
+  os << indent << "InterpolationMode: " << this->GetInterpolationModeAsString() << "\n";
+  os << indent << "BackgroundLevel: " << this->BackgroundLevel << "\n";
+  os << indent << "OutputSpacing: ";
+  if (this->DefaultSpacing)
+  {
+    os << "default\n";
+  }
+  else
+  {
+    os << "(" << this->OutputSpacing[0] << ", " << this->OutputSpacing[1] << ", "
+       << this->OutputSpacing[2] << ")\n";
+  }
+  os << indent << "OutputOrigin: ";
+  if (this->DefaultOrigin)
+  {
+    os << "default\n";
+  }
+  else
+  {
+    os << "(" << this->OutputOrigin[0] << ", " << this->OutputOrigin[1] << ", "
+       << this->OutputOrigin[2] << ")\n";
+  }
+  os << indent << "OutputExtent: ";
+  if (this->DefaultExtent)
+  {
+    os << "default\n";
+  }
+  else
+  {
+    const int* e = this->OutputExtent;
+    os << "(" << e[0] << ", " << e[1] << ", " << e[2] << ", " << e[3] << ", " << e[4] << ", "
+       << e[5] << ")\n";
+  }
+  os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
+  os << indent << "NumberOfUnconvergedPoints: " << this->NumberOfUnconvergedPoints << "\n";
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDResampleVolume::SetPositive(const char* name, double& member, double value)
+{
+  if (!(value > 0.0) || !std::isfinite(value))
+  {
+    vtkErrorMacro(<< name << " must be a positive number, not " << value << "; it stays "
+                  << member << ".");
+    return false;
+  }
+  if (member != value)
+  {
+    member = value;
+    this->Modified();
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDResampleVolume::SetInverseTolerance(double voxels)
+{
+  this->SetPositive("InverseTolerance", this->InverseTolerance, voxels);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDResampleVolume::SetPositionTolerance(double voxels)
+{
+  this->SetPositive("PositionTolerance", this->PositionTolerance, voxels);
+}
+
+//------------------------------------------------------------------------------
+const char* vtkFFDResampleVolume::GetInverseModeAsString() const
+{
+  static const char* const names[] = { "FIRST_ORDER", "EXACT", "PULL_BACK" };
+  return names[this->InverseMode];
+}
+
+//------------------------------------------------------------------------------
+const char* vtkFFDResampleVolume::GetInterpolationModeAsString() const
+{
+  static const char* const names[] = { "NEAREST", "LINEAR", "CUBIC" };
+  return names[this->InterpolationMode];
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDResampleVolume::SetOutputSpacing(const double spacing[3])
+{
+  if (!spacing)
+  {
+    vtkErrorMacro("SetOutputSpacing: the spacing is null. Give three numbers.");
+    return;
+  }
+  this->SetOutputSpacing(spacing[0], spacing[1], spacing[2]);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDResampleVolume::SetOutputSpacing(double x, double y, double z)
+{
+  const double spacing[3] = { x, y, z };
+  for (const double s : spacing)
+  {
+    if (!(s > 0.0) || !std::isfinite(s))
+    {
+      vtkErrorMacro("SetOutputSpacing: (" << x << ", " << y << ", " << z
+                                          << ") is no spacing. Give three positive numbers.");
+      return;
+    }
+  }
+  if (this->DefaultSpacing || !std::equal(spacing, spacing + 3, this->OutputSpacing))
+  {
+    std::copy(spacing, spacing + 3, this->OutputSpacing);
+    this->DefaultSpacing = false;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDResampleVolume::SetOutputSpacingToDefault()
+{
+  if (!this->DefaultSpacing)
+  {
+    this->DefaultSpacing = true;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDResampleVolume::SetOutputOrigin(const double origin[3])
+{
+  if (!origin)
+  {
+    vtkErrorMacro("SetOutputOrigin: the origin is null. Give three numbers.");
+    return;
+  }
+  this->SetOutputOrigin(origin[0], origin[1], origin[2]);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDResampleVolume::SetOutputOrigin(double x, double y, double z)
+{
+  const double origin[3] = { x, y, z };
+  if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z))
+  {
+    vtkErrorMacro("SetOutputOrigin: (" << x << ", " << y << ", " << z
+                                       << ") is no position. Give three finite numbers.");
+    return;
+  }
+  if (this->DefaultOrigin || !std::equal(origin, origin + 3, this->OutputOrigin))
+  {
+    std::copy(origin, origin + 3, this->OutputOrigin);
+    this->DefaultOrigin = false;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDResampleVolume::SetOutputOriginToDefault()
+{
+  if (!this->DefaultOrigin)
+  {
+    this->DefaultOrigin = true;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDResampleVolume::SetOutputExtent(int x0, int x1, int y0, int y1, int z0, int z1)
+{
+  const int extent[6] = { x0, x1, y0, y1, z0, z1 };
+  this->SetOutputExtent(extent);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDResampleVolume::SetOutputExtent(const int extent[6])
+{
+  if (!extent || extent[0] > extent[1] || extent[2] > extent[3] || extent[4] > extent[5])
+  {
+    vtkErrorMacro("SetOutputExtent: the extent is null or empty. Give the first and the last index "
+                  "of each axis, first <= last.");
+    return;
+  }
+  if (this->DefaultExtent || !std::equal(extent, extent + 6, this->OutputExtent))
+  {
+    std::copy(extent, extent + 6, this->OutputExtent);
+    this->DefaultExtent = false;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDResampleVolume::SetOutputExtentToDefault()
+{
+  if (!this->DefaultExtent)
+  {
+    this->DefaultExtent = true;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+vtkMTimeType vtkFFDResampleVolume::GetMTime()
+{
+  const vtkMTimeType own = this->Superclass::GetMTime();
+  return this->Deformation ? std::max(own, this->Deformation->GetMTime()) : own;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDResampleVolume::ReportReferences(vtkGarbageCollector* collector)
+{
+  this->Superclass::ReportReferences(collector);
+  vtkGarbageCollectorReport(collector, this->Deformation, "Deformation");
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDResampleVolume::UpdateInternals(vtkInformation* input, std::string& message)
+{
+  vtkInternals& in = *this->Internals;
+  if (!input->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
+  {
+    message = "The input has no extent. Connect a vtkImageData.";
+    return false;
+  }
+  int whole[6];
+  input->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), whole);
+  for (int a = 0; a < 3; ++a)
+  {
+    if (whole[2 * a + 1] <= whole[2 * a])
+    {
+      message = "The input image is empty or flat; a volume needs at least 2 voxels along each "
+                "axis.";
+      return false;
+    }
+  }
+  in.Input = GridFromInformation(input);
+  if (!IsUsable(in.Input))
+  {
+    message = "The spacing, origin or direction of the input image is zero, singular or not "
+              "finite.";
+    return false;
+  }
+  in.RestBounds = FindBox(in.Input, whole);
+  const double bounds[6] = { in.RestBounds.Min.x, in.RestBounds.Max.x, in.RestBounds.Min.y,
+    in.RestBounds.Max.y, in.RestBounds.Min.z, in.RestBounds.Max.z };
+  const double voxel = std::min({ glm::length(in.Input.IndexToData[0]),
+    glm::length(in.Input.IndexToData[1]), glm::length(in.Input.IndexToData[2]) });
+  vtkImageData* image = vtkImageData::GetData(input);
+  std::string warning;
+  if (!in.Source.Update(
+        this->Deformation, image, bounds, this->PositionTolerance * voxel, message, warning))
+  {
+    return false;
+  }
+  if (!warning.empty())
+  {
+    vtkWarningMacro(<< warning);
+  }
+  in.UpdateMap(this->InverseMode, this->InverseTolerance * voxel);
+
+  in.Output = in.Input;
+  for (int a = 0; a < 3; ++a)
+  {
+    if (!this->DefaultSpacing)
+    {
+      in.Output.IndexToData[a] *= this->OutputSpacing[a] / glm::length(in.Input.IndexToData[a]);
+    }
+    if (!this->DefaultOrigin)
+    {
+      in.Output.Origin[a] = this->OutputOrigin[a];
+    }
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDResampleVolume::RequestInformation(
+  vtkInformation*, vtkInformationVector** inputs, vtkInformationVector* outputs)
+{
+  vtkInformation* input = inputs[0]->GetInformationObject(0);
+  vtkInformation* output = outputs->GetInformationObject(0);
+  vtkAlgorithmOutput* connection = this->GetInputConnection(0, 0);
+  if (!this->Deformation && connection &&
+    input->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
+  {
+    // A lattice may be attached to the data: the extent of the output follows from it.
+    input->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(),
+      input->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()), 6);
+    connection->GetProducer()->Update(connection->GetIndex());
+  }
+  std::string message;
+  if (!this->UpdateInternals(input, message))
+  {
+    vtkErrorMacro(<< message);
+    return 0;
+  }
+  const vtkInternals& in = *this->Internals;
+  int extent[6];
+  std::copy_n(this->OutputExtent, 6, extent);
+  if (this->DefaultExtent)
+  {
+    const ffd::Box indices = in.FindDeformedIndices(input);
+    const glm::dvec3 count = indices.Max - indices.Min + 1.0;
+    constexpr double largest = std::numeric_limits<int>::max() / 2;
+    // The negation also catches what is not a number.
+    if (!(count.x * count.y * count.z <= LargestNumberOfPoints) ||
+      !(std::max({ std::abs(indices.Min.x), std::abs(indices.Min.y), std::abs(indices.Min.z),
+          std::abs(indices.Max.x), std::abs(indices.Max.y), std::abs(indices.Max.z) }) <= largest))
+    {
+      vtkErrorMacro("The deformed volume takes "
+        << count.x << " x " << count.y << " x " << count.z
+        << " points, which is too many. Check the deformation, or call SetOutputSpacing() or "
+           "SetOutputExtent().");
+      return 0;
+    }
+    for (int a = 0; a < 3; ++a)
+    {
+      extent[2 * a] = static_cast<int>(indices.Min[a]);
+      extent[2 * a + 1] = static_cast<int>(indices.Max[a]);
+    }
+  }
+  double spacing[3];
+  for (int a = 0; a < 3; ++a)
+  {
+    // A negative spacing keeps its sign.
+    const bool has = input->Has(vtkDataObject::SPACING()) != 0;
+    spacing[a] = this->DefaultSpacing
+      ? (has ? input->Get(vtkDataObject::SPACING())[a] : 1.0)
+      : std::copysign(
+          this->OutputSpacing[a], has ? input->Get(vtkDataObject::SPACING())[a] : 1.0);
+  }
+  output->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent, 6);
+  output->Set(vtkDataObject::SPACING(), spacing, 3);
+  output->Set(vtkDataObject::ORIGIN(), &in.Output.Origin.x, 3);
+  if (input->Has(vtkDataObject::DIRECTION()))
+  {
+    output->Set(vtkDataObject::DIRECTION(), input->Get(vtkDataObject::DIRECTION()), 9);
+  }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDResampleVolume::RequestUpdateExtent(
+  vtkInformation*, vtkInformationVector** inputs, vtkInformationVector* outputs)
+{
+  vtkInformation* input = inputs[0]->GetInformationObject(0);
+  vtkInformation* output = outputs->GetInformationObject(0);
+  int whole[6];
+  input->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), whole);
+  if (!this->Deformation)
+  {
+    // It was updated for the attached lattice already.
+    input->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(), whole, 6);
+    return 1;
+  }
+  int wanted[6];
+  output->Get(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(), wanted);
+  const vtkInternals& in = *this->Internals;
+  const ffd::Box rest =
+    ffd::FindRestRegion(in.Map, in.Bounds, FindBox(in.Output, wanted));
+  const ffd::Box indices = FindIndices(in.Input, rest);
+  // One layer more than what is needed: for rounding, and so that the part is never flat.
+  const double reach = this->InterpolationMode == CUBIC ? 2.0 : 1.0;
+  int extent[6];
+  for (int a = 0; a < 3; ++a)
+  {
+    const double first = whole[2 * a];
+    const double last = whole[2 * a + 1];
+    // In this order what is not a number becomes the whole range.
+    const double from = std::min(last - 1.0, std::max(first, indices.Min[a] - reach));
+    const double to = std::max(from + 1.0, std::min(last, indices.Max[a] + reach));
+    extent[2 * a] = static_cast<int>(from);
+    extent[2 * a + 1] = static_cast<int>(to);
+  }
+  input->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(), extent, 6);
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDResampleVolume::RequestData(
+  vtkInformation*, vtkInformationVector** inputs, vtkInformationVector* outputs)
+{
+  vtkInformation* info = outputs->GetInformationObject(0);
+  vtkImageData* input = vtkImageData::GetData(inputs[0]);
+  vtkImageData* output = vtkImageData::GetData(info);
+  this->NumberOfUnconvergedPoints = 0;
+  std::string message;
+  if (!input || !output ||
+    !this->UpdateInternals(inputs[0]->GetInformationObject(0), message))
+  {
+    vtkErrorMacro(<< (message.empty() ? "There is no image to resample." : message.c_str()));
+    return 0;
+  }
+  int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
+  vtkDataArray* scalars = this->GetInputArrayToProcess(0, inputs, association);
+  if (scalars && association != vtkDataObject::FIELD_ASSOCIATION_POINTS)
+  {
+    vtkErrorMacro("The array to process, \""
+      << (scalars->GetName() ? scalars->GetName() : "(unnamed)")
+      << "\", is no point data. Convert it with vtkCellDataToPointData.");
+    return 0;
+  }
+  ffd::VolumeView volume;
+  if (!vtkFFDVolumeViewFromImage(input, scalars, true, volume, message))
+  {
+    vtkErrorMacro(<< message);
+    return 0;
+  }
+  int extent[6];
+  info->Get(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(), extent);
+  auto result =
+    vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(scalars->GetDataType()));
+  result->SetName(scalars->GetName());
+  result->SetNumberOfComponents(scalars->GetNumberOfComponents());
+  output->SetExtent(extent);
+  try
+  {
+    result->SetNumberOfTuples(output->GetNumberOfPoints());
+  }
+  catch (const std::bad_alloc&)
+  {
+    output->Initialize();
+    vtkErrorMacro("There is not enough memory for "
+      << extent[1] - extent[0] + 1 << " x " << extent[3] - extent[2] + 1 << " x "
+      << extent[5] - extent[4] + 1
+      << " points. Update the output in pieces, or call SetOutputSpacing() or "
+         "SetOutputExtent().");
+    return 0;
+  }
+  output->GetPointData()->SetScalars(result);
+  // The executive passed it on.
+  vtkFFDLattice::DetachFrom(output);
+
+  const vtkInternals& in = *this->Internals;
+  ffd::ResampleSettings settings;
+  settings.Interpolation = static_cast<ffd::ResampleInterpolation>(this->InterpolationMode);
+  settings.Background = this->BackgroundLevel;
+  settings.UniqueInverse = in.Bounds.IsProvenInvertible();
+  const ffd::Resampler resampler(volume, in.Map, in.Output, settings);
+  const std::size_t sliceSize = static_cast<std::size_t>(extent[1] - extent[0] + 1) *
+    static_cast<std::size_t>(extent[3] - extent[2] + 1) *
+    static_cast<std::size_t>(result->GetNumberOfComponents()) *
+    static_cast<std::size_t>(result->GetDataTypeSize());
+  char* const values = static_cast<char*>(result->GetVoidPointer(0));
+  vtkFFDWithThreads(this->NumberOfThreads,
+    [&]
+    {
+      for (int k = extent[4]; k <= extent[5] && !this->GetAbortExecute(); k += SlicesPerBatch)
+      {
+        const int last = std::min(k + SlicesPerBatch - 1, extent[5]);
+        this->NumberOfUnconvergedPoints += resampler.Resample(
+          { extent[0], extent[2], k }, { extent[1], extent[3], last },
+          values + sliceSize * static_cast<std::size_t>(k - extent[4]), vtkFFDParallelFor);
+        this->UpdateProgress(static_cast<double>(last - extent[4] + 1) / (extent[5] - extent[4] + 1));
+      }
+    });
+  if (this->GetAbortExecute())
+  {
+    output->Initialize();
+  }
+  return 1;
+}
