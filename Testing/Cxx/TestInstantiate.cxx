@@ -4,6 +4,8 @@
 #include "vtkFFDDeformVolume.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDLattice.h"
+#include "vtkFFDTransformReader.h"
+#include "vtkFFDTransformWriter.h"
 
 #include "vtkNew.h"
 
@@ -35,6 +37,8 @@ int TestInstantiate(int, char*[])
 {
   bool ok = Check<vtkFFDLattice>("vtkFFDLattice", "vtkBSplineTransform");
   ok &= Check<vtkFFDDeformVolume>("vtkFFDDeformVolume", "vtkAlgorithm");
+  ok &= Check<vtkFFDTransformReader>("vtkFFDTransformReader", "vtkAlgorithm");
+  ok &= Check<vtkFFDTransformWriter>("vtkFFDTransformWriter", "vtkObject");
   ok &= Check<vtkFFDInverseRayVolumeMapper>("vtkFFDInverseRayVolumeMapper", "vtkVolumeMapper");
   return ok ? EXIT_SUCCESS : EXIT_FAILURE;
 }
