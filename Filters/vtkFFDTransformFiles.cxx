@@ -298,6 +298,19 @@ int vtkFFDDetectTransformFormat(const std::string& fileName, std::string& error)
 }
 
 //------------------------------------------------------------------------------
+std::string vtkFFDFindLatticeFileProblem(const std::string& fileName)
+{
+  std::string bytes;
+  std::string error;
+  if (!ReadBytes(
+        fileName, 0, std::string::npos, bytes, [](double) { return true; }, error))
+  {
+    return error;
+  }
+  return ffd::FindLatticeFileProblem(bytes);
+}
+
+//------------------------------------------------------------------------------
 bool vtkFFDReadTransformFile(const std::string& fileName, vtkFFDTransformFile& file,
   const std::function<bool(double)>& proceed, std::string& error)
 {

@@ -33,6 +33,9 @@ struct vtkFFDTransformFile
 /// The format of a file by its first bytes; NONE with a reason.
 int vtkFFDDetectTransformFormat(const std::string& fileName, std::string& error);
 
+/// Empty when a .vti may be given to VTK's reader, else what is wrong; see the kernel of that name.
+std::string vtkFFDFindLatticeFileProblem(const std::string& fileName);
+
 /**
  * Read any format but LATTICE. False with what is wrong, naming the file. `proceed` is called now
  * and then with the fraction that is done; when it returns false reading stops with an error.

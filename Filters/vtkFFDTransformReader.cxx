@@ -411,8 +411,14 @@ void vtkFFDTransformReader::ReadAnyFile()
 //------------------------------------------------------------------------------
 void vtkFFDTransformReader::ReadLatticeFile()
 {
+  std::string problem = vtkFFDFindLatticeFileProblem(this->FileName);
+  if (!problem.empty())
+  {
+    vtkErrorMacro("The lattice file " << this->FileName << " cannot be used: " << problem << ".");
+    this->SetErrorCode(vtkErrorCode::FileFormatError);
+    return;
+  }
   vtkNew<vtkXMLImageDataReader> reader;
-  std::string problem;
   vtkNew<vtkCallbackCommand> collect;
   collect->SetCallback(CollectError);
   collect->SetClientData(&problem);

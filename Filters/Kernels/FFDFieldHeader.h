@@ -77,6 +77,13 @@ FFD_KERNEL_EXPORT bool LooksLikeNrrd(std::string_view bytes);
 FFD_KERNEL_EXPORT bool LooksLikeNifti(std::string_view bytes);
 
 /**
+ * Whether a .vti file may be given to vtkXMLImageDataReader as an image of control points: empty, or
+ * what is wrong with its elements and attributes. VTK 9.1's reader fails hard on types that it does
+ * not know, and allocates what the file claims. `bytes` is the whole file.
+ */
+FFD_KERNEL_EXPORT std::string FindLatticeFileProblem(std::string_view bytes);
+
+/**
  * Numbers as they lie in a file to the displacements of `step` (a Field over header.Grid). `data`
  * has header.GetDataSize() bytes. False when one is not finite or exceeds 1e12.
  */

@@ -114,6 +114,7 @@ inline int FFDFuzzTransformFile(std::string_view bytes)
       }
     }
   }
+  taken += ffd::FindLatticeFileProblem(bytes).empty() ? 1 : 0;
   return taken;
 }
 
