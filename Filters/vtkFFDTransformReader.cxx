@@ -40,6 +40,7 @@ namespace
 
 /// A .vti may not claim more data than its size can hold: zlib's and LZMA's best are far below.
 constexpr double LargestCompression = 8192.0;
+constexpr double LargestLength = 1e12;
 constexpr double LargestXMLOverhead = 1048576.0;
 
 /// Collects the errors of the readers behind, for one message of ours.
@@ -459,6 +460,19 @@ void vtkFFDTransformReader::ReadLatticeFile()
   {
     problem = "it has no point scalars with 3 components";
   }
+  if (problem.empty())
+  {
+    // Beyond these sums of products overflow.
+    const double range[3] = { scalars->GetMaxNorm(), image->GetCenter()[0] + image->GetCenter()[1] +
+        image->GetCenter()[2], image->GetLength() };
+    for (const double number : range)
+    {
+      if (!(std::abs(number) <= LargestLength))
+      {
+        problem = "its grid or its displacements are not finite numbers of at most 1e12";
+      }
+    }
+  }
   vtkNew<vtkFFDLattice> lattice;
   if (problem.empty())
   {
@@ -467,6 +481,10 @@ void vtkFFDTransformReader::ReadLatticeFile()
     {
       problem = "it holds no lattice";
     }
+  }
+  if (problem.empty() && !(std::abs(lattice->GetDisplacementScale()) <= LargestLength))
+  {
+    problem = "its displacement scale is larger than 1e12";
   }
   if (!problem.empty())
   {

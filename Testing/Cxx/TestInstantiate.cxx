@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Every public class can be made, printed and deleted, and knows its superclass.
 #include "vtkFFDDeformVolume.h"
+#include "vtkFFDFitLattice.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDTransformReader.h"
@@ -37,6 +38,7 @@ int TestInstantiate(int, char*[])
 {
   bool ok = Check<vtkFFDLattice>("vtkFFDLattice", "vtkBSplineTransform");
   ok &= Check<vtkFFDDeformVolume>("vtkFFDDeformVolume", "vtkAlgorithm");
+  ok &= Check<vtkFFDFitLattice>("vtkFFDFitLattice", "vtkAlgorithm");
   ok &= Check<vtkFFDTransformReader>("vtkFFDTransformReader", "vtkAlgorithm");
   ok &= Check<vtkFFDTransformWriter>("vtkFFDTransformWriter", "vtkObject");
   ok &= Check<vtkFFDInverseRayVolumeMapper>("vtkFFDInverseRayVolumeMapper", "vtkVolumeMapper");
