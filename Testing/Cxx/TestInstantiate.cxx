@@ -5,6 +5,7 @@
 #include "vtkFFDFitLattice.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDLattice.h"
+#include "vtkFFDMassSpring.h"
 #include "vtkFFDTransformReader.h"
 #include "vtkFFDTransformWriter.h"
 
@@ -39,6 +40,7 @@ int TestInstantiate(int, char*[])
   bool ok = Check<vtkFFDLattice>("vtkFFDLattice", "vtkBSplineTransform");
   ok &= Check<vtkFFDDeformVolume>("vtkFFDDeformVolume", "vtkAlgorithm");
   ok &= Check<vtkFFDFitLattice>("vtkFFDFitLattice", "vtkAlgorithm");
+  ok &= Check<vtkFFDMassSpring>("vtkFFDMassSpring", "vtkAlgorithm");
   ok &= Check<vtkFFDTransformReader>("vtkFFDTransformReader", "vtkAlgorithm");
   ok &= Check<vtkFFDTransformWriter>("vtkFFDTransformWriter", "vtkObject");
   ok &= Check<vtkFFDInverseRayVolumeMapper>("vtkFFDInverseRayVolumeMapper", "vtkVolumeMapper");
