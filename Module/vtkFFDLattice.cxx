@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDLattice.h"
 
+#include "vtkFFDFitNetToTransform.h"
+
 #include "FFDBSplineField.h"
 #include "FFDControlNet.h"
 #include "FFDJacobianDeterminant.h"
+#include "FFDLatticeFit.h"
 #include "FFDPullBack.h"
 #include "FFDPullBackBounds.h"
 
@@ -206,13 +209,6 @@ std::string DescribeBounds(const double b[6])
        << b[5] << ")";
   return text.str();
 }
-
-/// Largest error of a fit, over all test points and per axis (edge centres along it).
-struct FitError
-{
-  double Largest = 0.0;
-  double PerAxis[3] = { 0.0, 0.0, 0.0 };
-};
 
 } // namespace
 
@@ -879,134 +875,29 @@ double vtkFFDLattice::FitToTransform(
     return -1.0;
   }
 
-  // Displacements of the transform at a regular grid of points; false when not finite.
-  const auto sample = [transform](const glm::ivec3& count, const glm::dvec3& first,
-                        const glm::dvec3& step, std::vector<glm::dvec3>& displacements)
+  ffd::FitLimits limits;
+  limits.Tolerance = tolerance;
+  limits.MaximumCells = maximumCells;
+  ffd::FittedNet fit;
+  fit.Lower = { domain[0], domain[2], domain[4] };
+  fit.Extent = { domain[1] - domain[0], domain[3] - domain[2], domain[5] - domain[4] };
+  if (vtkFFDFitNetToTransform(transform, limits, fit) == ffd::FitStatus::NotFinite)
   {
-    vtkNew<vtkPoints> in;
-    vtkNew<vtkPoints> out;
-    in->SetDataTypeToDouble();
-    out->SetDataTypeToDouble();
-    in->SetNumberOfPoints(static_cast<vtkIdType>(count.x) * count.y * count.z);
-    vtkIdType id = 0;
-    for (int k = 0; k < count.z; ++k)
-    {
-      for (int j = 0; j < count.y; ++j)
-      {
-        for (int i = 0; i < count.x; ++i)
-        {
-          in->SetPoint(
-            id++, first.x + i * step.x, first.y + j * step.y, first.z + k * step.z);
-        }
-      }
-    }
-    transform->TransformPoints(in, out);
-    displacements.resize(static_cast<std::size_t>(id));
-    bool finite = true;
-    for (vtkIdType i = 0; i < id; ++i)
-    {
-      double from[3];
-      double to[3];
-      in->GetPoint(i, from);
-      out->GetPoint(i, to);
-      finite = finite && AllFinite(to, 3);
-      displacements[static_cast<std::size_t>(i)] = { to[0] - from[0], to[1] - from[1],
-        to[2] - from[2] };
-    }
-    return finite;
-  };
-
+    vtkErrorMacro("FitToTransform: the transform "
+      << transform->GetClassName() << " gives points that are not finite within "
+      << DescribeBounds(domain) << ". The lattice is left as it was.");
+    return -1.0;
+  }
   LatticeState state;
-  const glm::dvec3 lower(domain[0], domain[2], domain[4]);
-  const glm::dvec3 extent(domain[1] - domain[0], domain[3] - domain[2], domain[5] - domain[4]);
-  glm::ivec3 cells(std::min(4, maximumCells));
-  double reached = 0.0;
-  for (;;)
+  state.Net = std::move(fit.Net);
+  for (int a = 0; a < 3; ++a)
   {
-    const glm::dvec3 step = extent / glm::dvec3(cells);
-    ffd::ControlNet samples;
-    samples.Nodes = cells + 1;
-    if (!sample(samples.Nodes, lower, step, samples.Values))
-    {
-      vtkErrorMacro("FitToTransform: the transform "
-        << transform->GetClassName() << " gives points that are not finite within "
-        << DescribeBounds(domain) << ". The lattice is left as it was.");
-      return -1.0;
-    }
-    state.Net = ffd::InterpolateControlNet(samples);
-    for (int a = 0; a < 3; ++a)
-    {
-      state.Spacing[a] = step[a];
-      state.Origin[a] = lower[a] - step[a];
-    }
-    const ffd::BSplineField field(state.Net.Nodes, lower - step, step, state.Net.Values.data());
-
-    // Centres of the edges along each axis, which tell the axis to refine, and of the cells.
-    FitError error;
-    for (int test = 0; test < 4; ++test)
-    {
-      glm::dvec3 first = lower;
-      glm::ivec3 count = cells + 1;
-      for (int a = 0; a < 3; ++a)
-      {
-        if (test == a || test == 3)
-        {
-          first[a] += 0.5 * step[a];
-          --count[a];
-        }
-      }
-      std::vector<glm::dvec3> wanted;
-      if (!sample(count, first, step, wanted))
-      {
-        vtkErrorMacro("FitToTransform: the transform "
-          << transform->GetClassName() << " gives points that are not finite within "
-          << DescribeBounds(domain) << ". The lattice is left as it was.");
-        return -1.0;
-      }
-      double largest = 0.0;
-      std::size_t id = 0;
-      for (int k = 0; k < count.z; ++k)
-      {
-        for (int j = 0; j < count.y; ++j)
-        {
-          for (int i = 0; i < count.x; ++i)
-          {
-            const glm::dvec3 d =
-              field.Displacement(first + glm::dvec3(i, j, k) * step) - wanted[id++];
-            largest = std::max(largest, std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z));
-          }
-        }
-      }
-      error.Largest = std::max(error.Largest, largest);
-      if (test < 3)
-      {
-        error.PerAxis[test] = largest;
-      }
-    }
-    reached = error.Largest;
-    if (reached <= tolerance)
-    {
-      break;
-    }
-    // Refine the axes that err by their share; when only the sum is too large, the worst one.
-    const double worst = std::max({ error.PerAxis[0], error.PerAxis[1], error.PerAxis[2] });
-    bool refined = false;
-    for (int a = 0; a < 3; ++a)
-    {
-      if (error.PerAxis[a] >= std::min(tolerance / 3.0, worst) && cells[a] < maximumCells)
-      {
-        cells[a] = std::min(2 * cells[a], maximumCells);
-        refined = true;
-      }
-    }
-    if (!refined)
-    {
-      break;
-    }
+    state.Spacing[a] = fit.GetSpacing()[a];
+    state.Origin[a] = fit.GetOrigin()[a];
   }
   this->Lattice->SetState(this, state);
   this->Modified();
-  return reached;
+  return fit.LargestError;
 }
 
 //------------------------------------------------------------------------------

@@ -18,7 +18,7 @@ packages=(
   libvtk9-dev libglm-dev libhwy-dev
   python3 python3-dev python3-vtk9 python3-numpy
   # to test and measure
-  libgtest-dev libbenchmark-dev
+  libgtest-dev libbenchmark-dev elastix
   # to render without a display: an X server and Mesa's software rasteriser
   xvfb xauth libgl1-mesa-dri
 )

@@ -2,8 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Every public class can be made, printed and deleted, and knows its superclass.
 #include "vtkFFDDeformVolume.h"
+#include "vtkFFDFitLattice.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDLattice.h"
+#include "vtkFFDMassSpring.h"
+#include "vtkFFDTransformReader.h"
+#include "vtkFFDTransformWriter.h"
 
 #include "vtkNew.h"
 
@@ -35,6 +39,10 @@ int TestInstantiate(int, char*[])
 {
   bool ok = Check<vtkFFDLattice>("vtkFFDLattice", "vtkBSplineTransform");
   ok &= Check<vtkFFDDeformVolume>("vtkFFDDeformVolume", "vtkAlgorithm");
+  ok &= Check<vtkFFDFitLattice>("vtkFFDFitLattice", "vtkAlgorithm");
+  ok &= Check<vtkFFDMassSpring>("vtkFFDMassSpring", "vtkAlgorithm");
+  ok &= Check<vtkFFDTransformReader>("vtkFFDTransformReader", "vtkAlgorithm");
+  ok &= Check<vtkFFDTransformWriter>("vtkFFDTransformWriter", "vtkObject");
   ok &= Check<vtkFFDInverseRayVolumeMapper>("vtkFFDInverseRayVolumeMapper", "vtkVolumeMapper");
   return ok ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -1,0 +1,489 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDFitLattice.h"
+
+#include "vtkFFDFitNetToTransform.h"
+#include "vtkFFDLattice.h"
+
+#include "FFDLatticeFit.h"
+
+#include "vtkAbstractTransform.h"
+#include "vtkAlgorithmOutput.h"
+#include "vtkBoundingBox.h"
+#include "vtkDataArray.h"
+#include "vtkDoubleArray.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkMath.h"
+#include "vtkMatrix3x3.h"
+#include "vtkObjectFactory.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+vtkStandardNewMacro(vtkFFDFitLattice);
+
+namespace
+{
+
+/// What the box of landmarks is enlarged by on each side.
+constexpr double LandmarkMargin = 0.1;
+
+std::vector<glm::dvec3> CopyPoints(vtkPoints* points)
+{
+  std::vector<glm::dvec3> copy(static_cast<std::size_t>(points->GetNumberOfPoints()));
+  for (std::size_t i = 0; i < copy.size(); ++i)
+  {
+    points->GetPoint(static_cast<vtkIdType>(i), &copy[i].x);
+  }
+  return copy;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+vtkFFDFitLattice::vtkFFDFitLattice()
+  : Smoothness(1e-6)
+  , Bounds{ 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 }
+  , Tolerance(0.1)
+  , MaximumCells(64)
+  , MaximumError(-1.0)
+  , RootMeanSquareError(-1.0)
+{
+}
+
+//------------------------------------------------------------------------------
+vtkFFDFitLattice::~vtkFFDFitLattice() = default;
+
+//------------------------------------------------------------------------------
+void vtkFFDFitLattice::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "SourceLandmarks: "
+     << (this->SourceLandmarks ? this->SourceLandmarks->GetNumberOfPoints() : 0) << " points\n";
+  os << indent << "TargetLandmarks: "
+     << (this->TargetLandmarks ? this->TargetLandmarks->GetNumberOfPoints() : 0) << " points\n";
+  os << indent << "LandmarkWeights: " << (this->LandmarkWeights ? "given" : "(none)") << "\n";
+  os << indent << "Transform: "
+     << (this->Transform ? this->Transform->GetClassName() : "(none)") << "\n";
+  os << indent << "Smoothness: " << this->Smoothness << "\n";
+  os << indent << "Bounds:";
+  for (const double bound : this->Bounds)
+  {
+    os << " " << bound;
+  }
+  os << "\n" << indent << "Tolerance: " << this->Tolerance << "\n";
+  os << indent << "MaximumCells: " << this->MaximumCells << "\n";
+  os << indent << "MaximumError: " << this->MaximumError << "\n";
+  os << indent << "RootMeanSquareError: " << this->RootMeanSquareError << "\n";
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDFitLattice::SetSourceLandmarks(vtkPoints* points)
+{
+  if (this->SourceLandmarks != points)
+  {
+    this->SourceLandmarks = points;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+vtkPoints* vtkFFDFitLattice::GetSourceLandmarks()
+{
+  return this->SourceLandmarks;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDFitLattice::SetTargetLandmarks(vtkPoints* points)
+{
+  if (this->TargetLandmarks != points)
+  {
+    this->TargetLandmarks = points;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+vtkPoints* vtkFFDFitLattice::GetTargetLandmarks()
+{
+  return this->TargetLandmarks;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDFitLattice::SetLandmarkWeights(vtkDataArray* weights)
+{
+  if (this->LandmarkWeights != weights)
+  {
+    this->LandmarkWeights = weights;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+vtkDataArray* vtkFFDFitLattice::GetLandmarkWeights()
+{
+  return this->LandmarkWeights;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDFitLattice::SetTransform(vtkAbstractTransform* transform)
+{
+  if (this->Transform != transform)
+  {
+    this->Transform = transform;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+vtkAbstractTransform* vtkFFDFitLattice::GetTransform()
+{
+  return this->Transform;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDFitLattice::SetSmoothness(double smoothness)
+{
+  if (!(smoothness >= 0.0) || !std::isfinite(smoothness))
+  {
+    vtkErrorMacro("SetSmoothness: the smoothness is " << smoothness << ". Give 0 or more.");
+    return;
+  }
+  if (this->Smoothness != smoothness)
+  {
+    this->Smoothness = smoothness;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDFitLattice::SetTolerance(double tolerance)
+{
+  if (!(tolerance > 0.0) || !std::isfinite(tolerance))
+  {
+    vtkErrorMacro("SetTolerance: the tolerance is " << tolerance << ". Give a positive distance.");
+    return;
+  }
+  if (this->Tolerance != tolerance)
+  {
+    this->Tolerance = tolerance;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDFitLattice::SetBounds(const double bounds[6])
+{
+  if (!bounds)
+  {
+    vtkErrorMacro("SetBounds: the bounds are null. Give six numbers.");
+    return;
+  }
+  this->SetBounds(bounds[0], bounds[1], bounds[2], bounds[3], bounds[4], bounds[5]);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDFitLattice::SetBounds(
+  double xmin, double xmax, double ymin, double ymax, double zmin, double zmax)
+{
+  const double bounds[6] = { xmin, xmax, ymin, ymax, zmin, zmax };
+  if (!std::all_of(bounds, bounds + 6, [](double b) { return std::isfinite(b); }))
+  {
+    vtkErrorMacro("SetBounds: a bound is not finite. Give finite numbers.");
+    return;
+  }
+  if (!std::equal(bounds, bounds + 6, this->Bounds))
+  {
+    std::copy(bounds, bounds + 6, this->Bounds);
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+vtkFFDLattice* vtkFFDFitLattice::GetLattice()
+{
+  this->Update();
+  return this->MaximumError >= 0.0 ? this->Lattice.GetPointer() : nullptr;
+}
+
+//------------------------------------------------------------------------------
+vtkMTimeType vtkFFDFitLattice::GetMTime()
+{
+  vtkMTimeType time = this->Superclass::GetMTime();
+  for (vtkObject* object : { static_cast<vtkObject*>(this->SourceLandmarks),
+         static_cast<vtkObject*>(this->TargetLandmarks),
+         static_cast<vtkObject*>(this->LandmarkWeights),
+         static_cast<vtkObject*>(this->Transform) })
+  {
+    time = object ? std::max(time, object->GetMTime()) : time;
+  }
+  return time;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDFitLattice::FillInputPortInformation(int port, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+  return this->Superclass::FillInputPortInformation(port, info);
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDFitLattice::RequestInformation(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputs)
+{
+  // How many control points there will be is the result of the fit. So it is made here: what is
+  // downstream, a writer for instance, needs the true extent.
+  vtkImageData* field = nullptr;
+  if (this->GetNumberOfInputConnections(0) > 0)
+  {
+    vtkAlgorithmOutput* connection = this->GetInputConnection(0, 0);
+    connection->GetProducer()->Update(connection->GetIndex());
+    field = vtkImageData::SafeDownCast(this->GetInputDataObject(0, 0));
+  }
+  if (!(this->FitTime > this->GetMTime()) || (field && field->GetMTime() > this->FitTime))
+  {
+    this->MaximumError = -1.0;
+    this->RootMeanSquareError = -1.0;
+    this->Fit(field);
+    this->FitTime.Modified();
+  }
+  if (this->MaximumError < 0.0)
+  {
+    return 0;
+  }
+  int n[3];
+  double first[3];
+  double spacing[3];
+  this->Lattice->GetDimensions(n);
+  this->Lattice->GetRestPoint(0, 0, 0, first);
+  this->Lattice->GetSpacing(spacing);
+  const int extent[6] = { 0, n[0] - 1, 0, n[1] - 1, 0, n[2] - 1 };
+  vtkInformation* info = outputs->GetInformationObject(0);
+  info->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent, 6);
+  info->Set(vtkDataObject::ORIGIN(), first, 3);
+  info->Set(vtkDataObject::SPACING(), spacing, 3);
+  vtkDataObject::SetPointDataActiveScalarInfo(info, VTK_DOUBLE, 3);
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDFitLattice::RequestUpdateExtent(
+  vtkInformation*, vtkInformationVector** inputs, vtkInformationVector*)
+{
+  // All of the field, whatever part of the control points is asked for.
+  vtkInformation* info = inputs[0]->GetInformationObject(0);
+  if (info && info->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
+  {
+    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(),
+      info->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()), 6);
+  }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDFitLattice::RequestData(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputs)
+{
+  vtkImageData* output = vtkImageData::GetData(outputs);
+  return output && this->MaximumError >= 0.0 ? this->Lattice->ToImageData(output) : 0;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDFitLattice::Fit(vtkImageData* field)
+{
+  const bool landmarks = this->SourceLandmarks || this->TargetLandmarks;
+  const int given = (field ? 1 : 0) + (landmarks ? 1 : 0) + (this->Transform ? 1 : 0);
+  std::string problem;
+  double bounds[6];
+  std::copy(this->Bounds, this->Bounds + 6, bounds);
+  const bool chosen = bounds[0] <= bounds[1];
+  vtkDataArray* scalars = field ? field->GetPointData()->GetScalars() : nullptr;
+  if (given != 1)
+  {
+    problem = given == 0
+      ? "There is nothing to fit. Set landmarks, a transform, or an image of displacements"
+      : "There is more than one thing to fit. Set landmarks, a transform or an image, and null for "
+        "the others";
+  }
+  else if (landmarks)
+  {
+    if (!this->SourceLandmarks || !this->TargetLandmarks ||
+      this->SourceLandmarks->GetNumberOfPoints() != this->TargetLandmarks->GetNumberOfPoints() ||
+      this->SourceLandmarks->GetNumberOfPoints() < 1)
+    {
+      problem = "There are not as many source as target landmarks, or none. Set both";
+    }
+    else if (this->LandmarkWeights &&
+      (this->LandmarkWeights->GetNumberOfComponents() != 1 ||
+        this->LandmarkWeights->GetNumberOfTuples() != this->SourceLandmarks->GetNumberOfPoints()))
+    {
+      problem = "There is not one weight per pair of landmarks. Set as many";
+    }
+    else if (!chosen)
+    {
+      vtkBoundingBox box;
+      for (vtkPoints* points : { this->SourceLandmarks.Get(), this->TargetLandmarks.Get() })
+      {
+        for (vtkIdType i = 0; i < points->GetNumberOfPoints(); ++i)
+        {
+          double point[3];
+          points->GetPoint(i, point);
+          box.AddPoint(point);
+        }
+      }
+      box.Inflate(LandmarkMargin * box.GetMaxLength());
+      if (box.GetMaxLength() <= 0.0)
+      {
+        box.Inflate(0.5);
+      }
+      box.GetBounds(bounds);
+    }
+  }
+  else if (field)
+  {
+    if (!scalars || scalars->GetNumberOfComponents() != 3 || field->GetNumberOfPoints() < 1)
+    {
+      problem = "The image at the input has no point scalars with 3 components, the displacements";
+    }
+    else if (!field->GetDirectionMatrix()->IsIdentity())
+    {
+      problem = "The image of displacements has a direction matrix. Set a vtkGridTransform in its "
+                "frame as Transform instead";
+    }
+    else if (!chosen)
+    {
+      field->GetBounds(bounds);
+    }
+  }
+  else if (!chosen)
+  {
+    problem = "A transform has no bounds of its own. Call SetBounds() with those of the data";
+  }
+  // The lattice knows how to treat flat axes; bad bounds are reported by it.
+  vtkNew<vtkFFDLattice> domain;
+  if (problem.empty())
+  {
+    domain->FitToBounds(bounds);
+    double set[6];
+    domain->GetDomain(set);
+    const double slack = 1e-9 * (std::abs(bounds[0]) + std::abs(bounds[1]) + 1.0);
+    if (std::abs(set[0] - bounds[0]) > slack && bounds[0] != bounds[1])
+    {
+      problem = "The bounds are not usable. Call SetBounds() with minima below maxima";
+    }
+    std::copy(set, set + 6, bounds);
+  }
+  if (!problem.empty())
+  {
+    vtkErrorMacro(<< problem << ".");
+    return;
+  }
+
+  ffd::FitLimits limits;
+  limits.Tolerance = this->Tolerance;
+  limits.MaximumCells = this->MaximumCells;
+  limits.Proceed = [this](double done)
+  {
+    this->UpdateProgress(done);
+    return !this->GetAbortExecute();
+  };
+  ffd::FittedNet fit;
+  fit.Lower = { bounds[0], bounds[2], bounds[4] };
+  fit.Extent = { bounds[1] - bounds[0], bounds[3] - bounds[2], bounds[5] - bounds[4] };
+  ffd::FitStatus status = ffd::FitStatus::NotFinite;
+  if (landmarks)
+  {
+    const std::vector<glm::dvec3> from = CopyPoints(this->SourceLandmarks);
+    std::vector<glm::dvec3> displacements = CopyPoints(this->TargetLandmarks);
+    std::vector<double> weights;
+    for (std::size_t i = 0; i < from.size(); ++i)
+    {
+      displacements[i] -= from[i];
+      if (this->LandmarkWeights)
+      {
+        weights.push_back(this->LandmarkWeights->GetComponent(static_cast<vtkIdType>(i), 0));
+        if (!(weights.back() > 0.0) || !std::isfinite(weights.back()))
+        {
+          vtkErrorMacro("The weight of landmark " << i << " is " << weights.back()
+                                                  << ". Give positive weights.");
+          return;
+        }
+      }
+    }
+    status =
+      ffd::FitNetToPoints(from, displacements, weights, this->Smoothness, limits, fit);
+  }
+  else if (field)
+  {
+    int extent[6];
+    double spacing[3];
+    double origin[3];
+    field->GetExtent(extent);
+    field->GetSpacing(spacing);
+    field->GetOrigin(origin);
+    glm::ivec3 count;
+    glm::dvec3 first;
+    for (int a = 0; a < 3; ++a)
+    {
+      count[a] = extent[2 * a + 1] - extent[2 * a] + 1;
+      first[a] = origin[a] + extent[2 * a] * spacing[a];
+    }
+    std::vector<glm::dvec3> displacements(static_cast<std::size_t>(field->GetNumberOfPoints()));
+    for (std::size_t i = 0; i < displacements.size(); ++i)
+    {
+      scalars->GetTuple(static_cast<vtkIdType>(i), &displacements[i].x);
+    }
+    status = ffd::FitNetToGrid(
+      count, first, { spacing[0], spacing[1], spacing[2] }, displacements, limits, fit);
+  }
+  else
+  {
+    status = vtkFFDFitNetToTransform(this->Transform, limits, fit);
+  }
+  if (status == ffd::FitStatus::Stopped)
+  {
+    vtkWarningMacro("The fit was aborted; there is no lattice.");
+    return;
+  }
+  if (status == ffd::FitStatus::NotFinite)
+  {
+    vtkErrorMacro("The " << (landmarks ? "landmarks" : field ? "displacements" : "transform")
+                         << " to fit give values that are not finite within the bounds, or no "
+                            "samples lie in them.");
+    return;
+  }
+  vtkNew<vtkImageData> image;
+  const glm::dvec3 origin = fit.GetOrigin();
+  const glm::dvec3 spacing = fit.GetSpacing();
+  image->SetDimensions(fit.Net.Nodes.x, fit.Net.Nodes.y, fit.Net.Nodes.z);
+  image->SetOrigin(origin.x, origin.y, origin.z);
+  image->SetSpacing(spacing.x, spacing.y, spacing.z);
+  vtkNew<vtkDoubleArray> values;
+  values->SetNumberOfComponents(3);
+  values->SetNumberOfTuples(static_cast<vtkIdType>(fit.Net.Values.size()));
+  for (std::size_t i = 0; i < fit.Net.Values.size(); ++i)
+  {
+    values->SetTypedTuple(static_cast<vtkIdType>(i), &fit.Net.Values[i].x);
+  }
+  image->GetPointData()->SetScalars(values);
+  if (!this->Lattice->FromImageData(image))
+  {
+    return;
+  }
+  this->MaximumError = fit.LargestError;
+  this->RootMeanSquareError = fit.RootMeanSquareError;
+  if (status == ffd::FitStatus::NotReached)
+  {
+    vtkWarningMacro("The largest error is " << fit.LargestError << " instead of the Tolerance of "
+                                            << this->Tolerance
+                                            << ". Allow more MaximumCells, or a lower Smoothness.");
+  }
+  this->UpdateProgress(1.0);
+}

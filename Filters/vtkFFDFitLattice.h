@@ -1,0 +1,165 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkFFDFitLattice
+ * @brief   the lattice that follows landmarks, a displacement field, or any transform
+ *
+ * Coarse to fine: cells are halved until the largest error is at most Tolerance, or MaximumCells
+ * per axis are reached. What is followed is one of
+ * - <b>Landmarks</b>, SourceLandmarks and TargetLandmarks, with LandmarkWeights: points x_i that shall
+ *   move to y_i. First the affine map of least squares, then splines of 1, 2, 4, ... cells per axis,
+ *   each the (weighted) least-squares fit to what is left, with Smoothness as weight of the bending
+ *   energy, which decides what happens between the landmarks. At least one pair; with fewer than
+ *   four, or in a plane, the affine map is the smallest one that there is. Error: at the landmarks.
+ * - <b>A displacement field</b>, the image at the input: point scalars of three components, the
+ *   displacement at each point. The exact least-squares spline of all samples within the bounds (the
+ *   normal equations of a tensor product are solved axis by axis), so noise is averaged. Images with
+ *   a direction matrix other than the identity are refused: go through a vtkGridTransform and
+ *   Transform. Error: at the samples.
+ * - <b>Transform</b>, any vtkAbstractTransform: interpolated at the nodes, axes refined one by one
+ *   (vtkFFDLattice::FitToTransform(), which the mapper uses for transforms that are no B-spline).
+ *   Error: at the centres of cells and of their edges.
+ *
+ * The output is the image of the control points, as that of vtkFFDLatticeSource: for
+ * vtkFFDDeformVolume, files and vtkFFDLattice::FromImageData(). GetLattice() is the same as an
+ * object. The domain is Bounds; by default that of the image, or the box of both kinds of landmarks
+ * enlarged by a tenth; a transform has none and needs Bounds.
+ *
+ * Cost: landmarks O(64 n + cells^3) for each of up to 200 iterations of a level; a field O(samples)
+ * a level (256^3 samples: seconds).
+ *
+ * @sa vtkFFDLattice vtkFFDTransformReader vtkThinPlateSplineTransform
+ */
+#ifndef vtkFFDFitLattice_h
+#define vtkFFDFitLattice_h
+
+#include "vtkFFDFiltersModule.h" // For export macro
+#include "vtkImageAlgorithm.h"
+#include "vtkNew.h"          // for vtkNew
+#include "vtkSmartPointer.h" // for vtkSmartPointer
+#include "vtkTimeStamp.h"    // for vtkTimeStamp
+
+class vtkAbstractTransform;
+class vtkDataArray;
+class vtkFFDLattice;
+class vtkPoints;
+
+class VTKFFDFILTERS_EXPORT vtkFFDFitLattice : public vtkImageAlgorithm
+{
+public:
+  static vtkFFDFitLattice* New();
+  vtkTypeMacro(vtkFFDFitLattice, vtkImageAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /**
+   * Landmarks, as many of either. Null by default.
+   */
+  void SetSourceLandmarks(vtkPoints* points);
+  vtkPoints* GetSourceLandmarks();
+  void SetTargetLandmarks(vtkPoints* points);
+  vtkPoints* GetTargetLandmarks();
+  ///@}
+
+  ///@{
+  /**
+   * One positive weight per pair; null (default): all 1.
+   */
+  void SetLandmarkWeights(vtkDataArray* weights);
+  vtkDataArray* GetLandmarkWeights();
+  ///@}
+
+  ///@{
+  /**
+   * Weight of the bending energy for landmarks, 0 or more, without unit; default 1e-6. 0 leaves what
+   * no landmark determines at the affine map. The larger, the smoother between landmarks, and the
+   * finer the levels that a tolerance takes.
+   */
+  void SetSmoothness(double smoothness);
+  vtkGetMacro(Smoothness, double);
+  ///@}
+
+  ///@{
+  /**
+   * The transform to follow; null by default. An inverted one is followed as such.
+   */
+  void SetTransform(vtkAbstractTransform* transform);
+  vtkAbstractTransform* GetTransform();
+  ///@}
+
+  ///@{
+  /**
+   * Domain of the lattice, (xmin, xmax, ...). xmin > xmax (default): see above.
+   */
+  void SetBounds(const double bounds[6]);
+  void SetBounds(double xmin, double xmax, double ymin, double ymax, double zmin, double zmax);
+  vtkGetVector6Macro(Bounds, double);
+  ///@}
+
+  ///@{
+  /**
+   * Largest error to aim at, data units, > 0. Default 0.1.
+   */
+  void SetTolerance(double tolerance);
+  vtkGetMacro(Tolerance, double);
+  ///@}
+
+  ///@{
+  /**
+   * Most cells per axis, 1 to 256. Default 64. Landmarks take powers of two only.
+   */
+  vtkSetClampMacro(MaximumCells, int, 1, 256);
+  vtkGetMacro(MaximumCells, int);
+  ///@}
+
+  ///@{
+  /**
+   * Errors of the last fit, data units: the largest, and the root of the (weighted) mean square. -1
+   * before a fit and after an error. A largest error above Tolerance is also told by a warning.
+   */
+  vtkGetMacro(MaximumError, double);
+  vtkGetMacro(RootMeanSquareError, double);
+  ///@}
+
+  /**
+   * The output as a lattice, updated; null after an error. It belongs to the filter: the next
+   * update overwrites edits.
+   */
+  vtkFFDLattice* GetLattice();
+
+  /// Includes landmarks and transform.
+  vtkMTimeType GetMTime() override;
+
+protected:
+  vtkFFDFitLattice();
+  ~vtkFFDFitLattice() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestInformation(
+    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
+  int RequestUpdateExtent(
+    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
+  int RequestData(
+    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
+
+private:
+  vtkFFDFitLattice(const vtkFFDFitLattice&) = delete;
+  void operator=(const vtkFFDFitLattice&) = delete;
+
+  void Fit(vtkImageData* field);
+
+  vtkSmartPointer<vtkPoints> SourceLandmarks;
+  vtkSmartPointer<vtkPoints> TargetLandmarks;
+  vtkSmartPointer<vtkDataArray> LandmarkWeights;
+  vtkSmartPointer<vtkAbstractTransform> Transform;
+  double Smoothness;
+  double Bounds[6];
+  double Tolerance;
+  int MaximumCells;
+  double MaximumError;
+  double RootMeanSquareError;
+  vtkNew<vtkFFDLattice> Lattice;
+  vtkTimeStamp FitTime;
+};
+
+#endif

@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Private to this module: not installed.
+#ifndef vtkFFDTransformFiles_h
+#define vtkFFDTransformFiles_h
+
+#include "FFDTransformFile.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+/// A file of a registration tool, read and followed to the files that it names.
+struct vtkFFDTransformFile
+{
+  enum FormatType
+  {
+    NONE = 0, // not known
+    ITK_TEXT,
+    ELASTIX,
+    META_IMAGE,
+    NRRD,
+    NIFTI,
+    LATTICE
+  };
+  int Format = NONE;
+  /// In the order in which they are applied, LPS.
+  std::vector<ffd::TransformStep> Steps;
+  /// Grid of the fixed image, where the file tells it; else Size 0.
+  ffd::TransformGrid FixedImage;
+};
+
+/// The format of a file by its first bytes; NONE with a reason.
+int vtkFFDDetectTransformFormat(const std::string& fileName, std::string& error);
+
+/// Empty when a .vti may be given to VTK's reader, else what is wrong; see the kernel of that name.
+std::string vtkFFDFindLatticeFileProblem(const std::string& fileName);
+
+/**
+ * Read any format but LATTICE. False with what is wrong, naming the file. `proceed` is called now
+ * and then with the fraction that is done; when it returns false reading stops with an error.
+ * Memory stays within a small multiple of the files' true size, decompressed.
+ */
+bool vtkFFDReadTransformFile(const std::string& fileName, vtkFFDTransformFile& file,
+  const std::function<bool(double)>& proceed, std::string& error);
+
+#endif

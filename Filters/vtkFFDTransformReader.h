@@ -1,0 +1,200 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkFFDTransformReader
+ * @brief   read the deformations that registration tools write
+ *
+ * What GetTransform() gives maps points of the fixed image to points of the moving one, as the file
+ * does: it is what vtkImageReslice::SetResliceTransform() takes, and what
+ * vtkFFDInverseRayVolumeMapper shows the moving image with:
+ * @code{.py}
+ * reader = vtkffd.vtkFFDTransformReader()
+ * reader.SetFileName("TransformParameters.1.txt")
+ * mapper.SetInputData(moving)
+ * mapper.SetDeformation(reader.GetTransform())
+ * mapper.SetInverseModeToPullBack()
+ * @endcode
+ *
+ * The format is found from the content of the file, not from its name:
+ * - ITK text transforms (.tfm, .txt; ITK, 3D Slicer, ANTs), 3-D, double or float: BSplineTransform,
+ *   BSplineDeformableTransform (cubic), DisplacementFieldTransform, AffineTransform,
+ *   MatrixOffsetTransformBase, TranslationTransform, Euler3DTransform, VersorRigid3DTransform,
+ *   Similarity3DTransform, IdentityTransform, and a CompositeTransform of them (the one that was
+ *   added last is applied first, as in ITK).
+ * - elastix TransformParameters.*.txt: BSplineTransform, RecursiveBSplineTransform (cubic),
+ *   AffineTransform, EulerTransform, SimilarityTransform, TranslationTransform, with their chain of
+ *   initial transforms, composed, or added where a spline and linear ones are. An initial transform
+ *   is looked for in the folder of the file that names it, then by its path as it stands.
+ * - Displacement fields, images of three components: MetaImage (.mhd, .mha), NRRD (.nrrd, .nhdr)
+ *   and NIfTI-1 (.nii, .nii.gz), raw or zlib/gzip compressed. Data in a file of their own must lie
+ *   in the same folder. Vectors are in LPS, in NIfTI too (ITK's convention, that of ANTs and
+ *   elastix). They are interpolated linearly.
+ * - A lattice as image data (.vti), as vtkFFDLattice::ToImageData() and vtkXMLImageDataWriter
+ *   write.
+ *
+ * <b>Coordinates.</b> ITK and elastix compute in LPS (x to the left, y to the back, z up), and so do
+ * their files, whatever the images' format. With Coordinates LPS (the default) the transform is that
+ * of the file; it fits images that VTK reads from MetaImage and NRRD files. With RAS, x and y point
+ * the other way, T' = F T F with F = diag(-1, -1, 1); that is the system of 3D Slicer's scene and of
+ * the matrices of vtkNIFTIImageReader. A .vti lattice is in the data coordinates of its image and
+ * is never turned. VTK's readers ignore the direction cosines of images; where these are not the
+ * identity, set vtkImageData's direction matrix before.
+ *
+ * <b>What is exact.</b> A spline whose grid runs along the axes is read as a vtkFFDLattice, another
+ * one between two rotations; both to rounding equal to ITK's in the region where all 64 control
+ * points exist. Outside of it ITK does not deform; here the deformation fades out over the two
+ * cells outside (VTK_BSPLINE_ZERO), or continues as at the border for an elastix sum and for
+ * fields.
+ *
+ * The output port has the control points of a lattice, for vtkFFDDeformVolume and others: that of
+ * the file where it is one along the axes, else an approximation (vtkFFDLattice::FitToTransform())
+ * over FitBounds, or over the region that the file tells (the fixed image of elastix, the grid of
+ * the deformation). GetLatticeError() tells its error. A linear transform has no region of its own:
+ * set FitBounds, or use GetTransform().
+ *
+ * <b>Errors.</b> Malformed, truncated and hostile files are reported with what is wrong, and give no
+ * transform. What is allocated is bounded by a small multiple of what the file really holds. Every
+ * number must be finite and at most 1e12; grids have up to 1024 nodes an axis, fields 2^27 voxels,
+ * texts 1 GiB, chains 64 transforms.
+ *
+ * @sa vtkFFDTransformWriter vtkFFDLattice vtkFFDFitLattice vtkFFDInverseRayVolumeMapper
+ */
+#ifndef vtkFFDTransformReader_h
+#define vtkFFDTransformReader_h
+
+#include "vtkFFDFiltersModule.h" // For export macro
+#include "vtkImageAlgorithm.h"
+#include "vtkNew.h"          // for vtkNew
+#include "vtkSmartPointer.h" // for vtkSmartPointer
+#include "vtkTimeStamp.h"    // for vtkTimeStamp
+
+class vtkAbstractTransform;
+class vtkFFDLattice;
+
+class VTKFFDFILTERS_EXPORT vtkFFDTransformReader : public vtkImageAlgorithm
+{
+public:
+  static vtkFFDTransformReader* New();
+  vtkTypeMacro(vtkFFDTransformReader, vtkImageAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  enum FileFormatType
+  {
+    UNKNOWN = 0,
+    ITK_TEXT,
+    ELASTIX,
+    META_IMAGE,
+    NRRD,
+    NIFTI,
+    LATTICE
+  };
+
+  enum CoordinatesType
+  {
+    LPS = 0,
+    RAS
+  };
+
+  ///@{
+  /**
+   * The file. Reading happens at the next update; call Modified() when the file has changed.
+   */
+  vtkSetFilePathMacro(FileName);
+  vtkGetFilePathMacro(FileName);
+  ///@}
+
+  ///@{
+  /**
+   * Coordinate system of the transform that is given out, see above. Default LPS, as the files.
+   */
+  void SetCoordinates(int coordinates);
+  vtkGetMacro(Coordinates, int);
+  void SetCoordinatesToLPS() { this->SetCoordinates(LPS); }
+  void SetCoordinatesToRAS() { this->SetCoordinates(RAS); }
+  ///@}
+
+  ///@{
+  /**
+   * Region of the lattice where the file is no lattice itself, (xmin, xmax, ...) in the chosen
+   * coordinates. xmin > xmax (default): the region that the file tells.
+   */
+  void SetFitBounds(const double bounds[6]);
+  void SetFitBounds(double xmin, double xmax, double ymin, double ymax, double zmin, double zmax);
+  vtkGetVector6Macro(FitBounds, double);
+  ///@}
+
+  ///@{
+  /**
+   * Largest error of that lattice, data units, > 0 (default 0.1), and the most cells per axis that
+   * may be spent on it, 1 to 256 (default 64).
+   */
+  void SetFitTolerance(double tolerance);
+  vtkGetMacro(FitTolerance, double);
+  vtkSetClampMacro(MaximumCells, int, 1, 256);
+  vtkGetMacro(MaximumCells, int);
+  ///@}
+
+  /**
+   * The transform, fixed to moving points, reading the file if need be: a vtkFFDLattice, a
+   * vtkTransform, a vtkGridTransform or a vtkGeneralTransform. Null after an error. It belongs to
+   * the reader; the next file gives another one.
+   */
+  vtkAbstractTransform* GetTransform();
+
+  /**
+   * The control points of the output port as an object; null after an error. It belongs to the
+   * reader, and the next update overwrites edits.
+   */
+  vtkFFDLattice* GetLattice();
+
+  /// Error of GetLattice(): 0 where it is that of the file, else the largest found, data units.
+  vtkGetMacro(LatticeError, double);
+
+  /// One of the formats; UNKNOWN before a file was read. GetTransform() reads it.
+  vtkGetMacro(FileFormat, int);
+  const char* GetFileFormatAsString();
+
+  /**
+   * The region that the file tells, bounds in the chosen coordinates; xmin > xmax where there is
+   * none (linear transforms of ITK). Reads the file if need be.
+   */
+  void GetDomain(double bounds[6]);
+
+  /// Whether the file can be opened and begins as one of the formats.
+  int CanReadFile(const char* fileName);
+
+protected:
+  vtkFFDTransformReader();
+  ~vtkFFDTransformReader() override;
+
+  int RequestInformation(
+    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
+  int RequestData(
+    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
+
+private:
+  vtkFFDTransformReader(const vtkFFDTransformReader&) = delete;
+  void operator=(const vtkFFDTransformReader&) = delete;
+
+  bool ReadFile();
+  void ReadAnyFile();
+  void ReadLatticeFile();
+  bool MakeLattice();
+
+  char* FileName;
+  int Coordinates;
+  double FitBounds[6];
+  double FitTolerance;
+  int MaximumCells;
+  double LatticeError;
+  int FileFormat;
+  double Domain[6];
+  vtkSmartPointer<vtkAbstractTransform> Transform;
+  vtkNew<vtkFFDLattice> Lattice;
+  bool LatticeIsExact;
+  bool LatticeIsMade;
+  bool FitFailed;
+  vtkTimeStamp ReadTime;
+};
+
+#endif

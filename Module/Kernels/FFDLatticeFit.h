@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDLatticeFit_h
+#define FFDLatticeFit_h
+
+#include "FFDControlNet.h"
+#include "FFDExport.h"
+
+#include <glm/vec3.hpp>
+
+#include <functional>
+#include <vector>
+
+namespace ffd
+{
+
+/// A box divided into cells, and the control net of a spline over it: Cells + 3 control points per
+/// axis, control point 1 at Lower.
+struct FittedNet
+{
+  glm::dvec3 Lower{ 0.0 };
+  glm::dvec3 Extent{ 1.0 };
+  glm::ivec3 Cells{ 0 };
+  ControlNet Net;
+  double LargestError = 0.0;
+  double RootMeanSquareError = 0.0;
+
+  glm::dvec3 GetSpacing() const { return this->Extent / glm::dvec3(this->Cells); }
+  glm::dvec3 GetOrigin() const { return this->Lower - this->GetSpacing(); }
+};
+
+enum class FitStatus
+{
+  Reached,    // the tolerance is kept
+  NotReached, // by the number of cells that was allowed
+  NotFinite,  // the samples are not finite; the net is not usable
+  Stopped     // `proceed` said so; the net is not usable
+};
+
+/**
+ * How far a fit goes: until the largest error is at most Tolerance (> 0), with at most MaximumCells
+ * (>= 1) per axis. Proceed, if there is one, is called now and then with a fraction done; false
+ * stops the fit.
+ */
+struct FitLimits
+{
+  double Tolerance = 0.0;
+  int MaximumCells = 64;
+  std::function<bool(double)> Proceed;
+};
+
+/// Displacements at first + (i, j, k) * step, count points per axis; false: not finite.
+using DisplacementSampler = std::function<bool(const glm::ivec3& count, const glm::dvec3& first,
+  const glm::dvec3& step, std::vector<glm::dvec3>& displacements)>;
+
+/**
+ * A net over `fit.Lower`, `fit.Extent` that follows a displacement that can be evaluated anywhere:
+ * it interpolates the samples at the nodes (InterpolateControlNet), and the axes that err too much
+ * at the centres of cells and of their edges get twice the cells. Starts with four cells.
+ */
+FFD_KERNEL_EXPORT FitStatus FitNetToFunction(
+  const DisplacementSampler& sample, const FitLimits& limits, FittedNet& fit);
+
+/**
+ * The least-squares net of displacements on a regular grid of samples that covers the box: sample
+ * (i, j, k) lies at first + (i, j, k) * step, x fastest; only those in the box count. The normal
+ * equations of a tensor product are solved axis by axis (banded, exact), with a penalty of 1e-9 on
+ * second differences (P-splines, Eilers and Marx 1996) for control points that no sample
+ * determines. The cells double on all axes, until the error at the samples is small enough or a
+ * cell is smaller than the step.
+ */
+FFD_KERNEL_EXPORT FitStatus FitNetToGrid(const glm::ivec3& count, const glm::dvec3& first,
+  const glm::dvec3& step, const std::vector<glm::dvec3>& displacements, const FitLimits& limits,
+  FittedNet& fit);
+
+/**
+ * The net of displacements at scattered points (landmarks), multilevel (as Lee, Wolberg and Shin
+ * 1997, with a least-squares fit at every level): first the affine map of least squares, of the
+ * smallest norm where the points do not determine it; then splines of 1, 2, 4, ... cells, each
+ * fitted to what is left: sum_i w_i |d_i - D(x_i)|^2 / sum_i w_i + smoothness * L^4 / V * integral of
+ * |second derivatives of D|^2, solved by preconditioned conjugate gradients (L the longest extent,
+ * V the volume; so smoothness has no unit, and an affine map costs nothing). `weights` are positive,
+ * or empty: 1. Points outside of the box count at the nearest point of it.
+ */
+FFD_KERNEL_EXPORT FitStatus FitNetToPoints(const std::vector<glm::dvec3>& points,
+  const std::vector<glm::dvec3>& displacements, const std::vector<double>& weights,
+  double smoothness, const FitLimits& limits, FittedNet& fit);
+
+} // namespace ffd
+
+#endif

@@ -1,0 +1,121 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// What the fuzzer and the test that replays its corpus do with any bytes: hand them to every
+// parser of transform files, and check what the parsers promise. Aborts when a promise is broken.
+#ifndef FFDFuzzTransformFile_h
+#define FFDFuzzTransformFile_h
+
+#include "FFDFieldHeader.h"
+#include "FFDTransformFile.h"
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+#include <vector>
+
+inline void FFDPromise(bool kept, const char* what)
+{
+  if (!kept)
+  {
+    std::fprintf(stderr, "broken promise: %s\n", what);
+    std::abort();
+  }
+}
+
+inline bool FFDUsable(const glm::dvec3& v, double limit)
+{
+  return std::abs(v.x) <= limit && std::abs(v.y) <= limit && std::abs(v.z) <= limit;
+}
+
+inline void FFDCheckStep(const ffd::TransformStep& step)
+{
+  // The offset of a linear map is a sum of products of two numbers.
+  for (int column = 0; column < 3; ++column)
+  {
+    FFDPromise(FFDUsable(step.Matrix[column], 1e25), "the matrix is finite");
+  }
+  FFDPromise(FFDUsable(step.Offset, 1e38), "the offset is finite");
+  if (step.Type != ffd::TransformStep::Kind::Linear)
+  {
+    FFDPromise(ffd::FindGridProblem(step.Grid, 1).empty(), "the grid is usable");
+    FFDPromise(step.Values.size() ==
+        static_cast<std::size_t>(step.Grid.Size.x) * static_cast<std::size_t>(step.Grid.Size.y) *
+          static_cast<std::size_t>(step.Grid.Size.z),
+      "there is a value per node");
+    for (const glm::dvec3& value : step.Values)
+    {
+      FFDPromise(FFDUsable(value, 1e12), "values are finite");
+    }
+  }
+  ffd::TransformStep turned = step;
+  ffd::FlipTransformStep(turned);
+  ffd::AlignTransformStep(turned);
+  FFDPromise(turned.Values.size() == step.Values.size(), "turning keeps the nodes");
+}
+
+/// Returns how many parsers took the bytes.
+inline int FFDFuzzTransformFile(std::string_view bytes)
+{
+  int taken = 0;
+  std::string error;
+  ffd::ItkTransform itk;
+  if (ffd::ParseItkTransform(bytes, itk, error))
+  {
+    ++taken;
+    for (const ffd::TransformStep& step : itk.Steps)
+    {
+      FFDCheckStep(step);
+    }
+    ffd::ItkTransform again;
+    FFDPromise(ffd::ParseItkTransform(ffd::FormatItkTransform(itk.Steps), again, error) ||
+        itk.Steps.size() == 64 || error.find("1e12") != std::string::npos ||
+        error.find("singular") != std::string::npos,
+      "what is written can be read");
+  }
+  else
+  {
+    FFDPromise(!error.empty(), "an error says what is wrong");
+  }
+  ffd::ElastixTransform elastix;
+  if (ffd::ParseElastixTransform(bytes, elastix, error))
+  {
+    ++taken;
+    FFDCheckStep(elastix.Step);
+  }
+  else
+  {
+    FFDPromise(!error.empty(), "an error says what is wrong");
+  }
+  using Parser = bool (*)(std::string_view, ffd::FieldHeader&, std::string&);
+  const Parser parsers[] = { ffd::ParseMetaImageHeader, ffd::ParseNrrdHeader,
+    ffd::ParseNiftiHeader };
+  for (const Parser parse : parsers)
+  {
+    ffd::FieldHeader header;
+    if (!parse(bytes, header, error))
+    {
+      FFDPromise(!error.empty(), "an error says what is wrong");
+      continue;
+    }
+    ++taken;
+    FFDPromise(ffd::FindGridProblem(header.Grid, 1).empty(), "the grid is usable");
+    FFDPromise(header.GetNumberOfNodes() <= ffd::LargestField, "the field is not too large");
+    FFDPromise(header.DataFile.find('/') == std::string::npos, "the data are in the same folder");
+    if (header.DataFile.empty() && header.Offset <= bytes.size() &&
+      header.GetDataSize() <= bytes.size() - header.Offset)
+    {
+      ffd::TransformStep step;
+      if (ffd::DecodeField(header,
+            reinterpret_cast<const unsigned char*>(bytes.data()) + header.Offset, step, error))
+      {
+        FFDCheckStep(step);
+      }
+    }
+  }
+  taken += ffd::FindLatticeFileProblem(bytes).empty() ? 1 : 0;
+  return taken;
+}
+
+#endif

@@ -1,0 +1,307 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Fits: exact cases, a dense least-squares solution as reference, noise, limits.
+#include "FFDBSplineField.h"
+#include "FFDLatticeFit.h"
+
+#include <glm/mat3x3.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace
+{
+
+using ffd::FitStatus;
+
+ffd::FittedNet MakeBox()
+{
+  ffd::FittedNet fit;
+  fit.Lower = { -1.0, 2.0, 5.0 };
+  fit.Extent = { 4.0, 3.0, 8.0 };
+  return fit;
+}
+
+ffd::BSplineField FieldOf(const ffd::FittedNet& fit)
+{
+  return ffd::BSplineField(
+    fit.Net.Nodes, fit.GetOrigin(), fit.GetSpacing(), fit.Net.Values.data());
+}
+
+double Length(const glm::dvec3& v)
+{
+  return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+}
+
+struct Random
+{
+  std::mt19937 Engine{ 1 };
+  double operator()(double low, double high)
+  {
+    return std::uniform_real_distribution<double>(low, high)(this->Engine);
+  }
+  glm::dvec3 Point(const ffd::FittedNet& box)
+  {
+    return box.Lower + box.Extent * glm::dvec3((*this)(0, 1), (*this)(0, 1), (*this)(0, 1));
+  }
+};
+
+const glm::dmat3 Matrix(0.1, -0.2, 0.05, 0.3, 0.02, -0.1, -0.15, 0.25, 0.08);
+
+glm::dvec3 Affine(const glm::dvec3& p)
+{
+  return Matrix * p + glm::dvec3(1.0, -2.0, 3.0);
+}
+
+glm::dvec3 Smooth(const glm::dvec3& p)
+{
+  return { std::sin(0.7 * p.x) * std::cos(0.3 * p.z), 0.2 * std::sin(p.y + 0.4 * p.z),
+    0.3 * std::cos(0.5 * p.x * p.y) };
+}
+
+template <typename Function>
+void MakeGrid(const ffd::FittedNet& box, const glm::ivec3& count, const Function& function,
+  glm::dvec3& step, std::vector<glm::dvec3>& values)
+{
+  step = box.Extent / glm::dvec3(count - 1);
+  values.clear();
+  for (int k = 0; k < count.z; ++k)
+  {
+    for (int j = 0; j < count.y; ++j)
+    {
+      for (int i = 0; i < count.x; ++i)
+      {
+        values.push_back(function(box.Lower + glm::dvec3(i, j, k) * step));
+      }
+    }
+  }
+}
+
+TEST(LatticeFit, AffineLandmarksGiveTheAffineMapEverywhere)
+{
+  Random random;
+  ffd::FittedNet fit = MakeBox();
+  std::vector<glm::dvec3> points;
+  std::vector<glm::dvec3> displacements;
+  for (int i = 0; i < 5; ++i)
+  {
+    points.push_back(random.Point(fit));
+    displacements.push_back(Affine(points.back()));
+  }
+  EXPECT_EQ(ffd::FitNetToPoints(points, displacements, {}, 1e-6, { 1e-9, 64, {} }, fit),
+    FitStatus::Reached);
+  EXPECT_EQ(fit.Cells, glm::ivec3(1));
+  for (int i = 0; i < 100; ++i)
+  {
+    const glm::dvec3 p = random.Point(fit);
+    EXPECT_LT(Length(FieldOf(fit).Displacement(p) - Affine(p)), 1e-10);
+  }
+}
+
+TEST(LatticeFit, FewLandmarksGiveTheSmallestAffineMap)
+{
+  ffd::FittedNet fit = MakeBox();
+  // One: a translation.
+  EXPECT_EQ(ffd::FitNetToPoints({ { 0.0, 3.0, 6.0 } }, { { 1.0, 2.0, 3.0 } }, {}, 0.0,
+              { 1e-9, 64, {} }, fit),
+    FitStatus::Reached);
+  EXPECT_LT(Length(FieldOf(fit).Displacement({ 2.5, 2.5, 12.0 }) - glm::dvec3(1, 2, 3)), 1e-12);
+  // Two on a line along x: what lies across the line moves with it.
+  EXPECT_EQ(ffd::FitNetToPoints({ { 0.0, 3.0, 6.0 }, { 2.0, 3.0, 6.0 } },
+              { { 0.0, 1.0, 0.0 }, { 1.0, 1.0, 0.5 } }, {}, 0.0, { 1e-9, 64, {} }, fit),
+    FitStatus::Reached);
+  EXPECT_LT(
+    Length(FieldOf(fit).Displacement({ 1.0, 4.5, 11.0 }) - glm::dvec3(0.5, 1.0, 0.25)), 1e-12);
+}
+
+TEST(LatticeFit, LevelsReachTheToleranceAtLandmarks)
+{
+  Random random;
+  std::vector<glm::dvec3> points;
+  std::vector<glm::dvec3> displacements;
+  const ffd::FittedNet box = MakeBox();
+  for (int i = 0; i < 200; ++i)
+  {
+    points.push_back(random.Point(box));
+    displacements.push_back(Smooth(points.back()));
+  }
+  int cells = 0;
+  double error = 1e9;
+  for (const double tolerance : { 0.1, 1e-2, 1e-3 })
+  {
+    ffd::FittedNet fit = box;
+    ASSERT_EQ(ffd::FitNetToPoints(points, displacements, {}, 1e-8, { tolerance, 32, {} }, fit),
+      FitStatus::Reached);
+    EXPECT_LE(fit.LargestError, tolerance);
+    EXPECT_LE(fit.RootMeanSquareError, fit.LargestError);
+    EXPECT_GE(fit.Cells.x, cells);
+    cells = fit.Cells.x;
+    double largest = 0.0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+    {
+      largest =
+        std::max(largest, Length(FieldOf(fit).Displacement(points[i]) - displacements[i]));
+    }
+    EXPECT_NEAR(largest, fit.LargestError, 1e-12);
+    // Between the landmarks the smooth map is followed, too, and better and better.
+    double between = 0.0;
+    for (int i = 0; i < 300; ++i)
+    {
+      const glm::dvec3 p = box.Lower + box.Extent * (0.15 + 0.7 * (random.Point(box) - box.Lower) / box.Extent);
+      between += Length(FieldOf(fit).Displacement(p) - Smooth(p)) / 300.0;
+    }
+    EXPECT_LT(between, 0.1);
+    EXPECT_LT(between, 1.2 * error);
+    error = between;
+  }
+}
+
+TEST(LatticeFit, SmoothnessAndWeightsCount)
+{
+  Random random;
+  std::vector<glm::dvec3> points;
+  std::vector<glm::dvec3> displacements;
+  std::vector<double> weights;
+  const ffd::FittedNet box = MakeBox();
+  for (int i = 0; i < 60; ++i)
+  {
+    points.push_back(random.Point(box));
+    displacements.push_back(Smooth(points.back()));
+    weights.push_back(i == 7 ? 1000.0 : 1.0);
+  }
+  ffd::FittedNet loose = box;
+  ffd::FittedNet stiff = box;
+  ffd::FittedNet weighted = box;
+  EXPECT_EQ(ffd::FitNetToPoints(points, displacements, {}, 1e-6, { 1e-12, 2, {} }, loose),
+    FitStatus::NotReached);
+  EXPECT_EQ(ffd::FitNetToPoints(points, displacements, {}, 10.0, { 1e-12, 2, {} }, stiff),
+    FitStatus::NotReached);
+  EXPECT_EQ(
+    ffd::FitNetToPoints(points, displacements, weights, 10.0, { 1e-12, 2, {} }, weighted),
+    FitStatus::NotReached);
+  EXPECT_GT(stiff.RootMeanSquareError, 2.0 * loose.RootMeanSquareError);
+  const auto errorAt7 = [&](const ffd::FittedNet& fit)
+  { return Length(FieldOf(fit).Displacement(points[7]) - displacements[7]); };
+  EXPECT_LT(errorAt7(weighted), 0.1 * errorAt7(stiff));
+}
+
+TEST(LatticeFit, GridOfASplineGivesTheSplineBack)
+{
+  // 8 cells: the samples of a spline on that net are reproduced by it.
+  Random random;
+  ffd::FittedNet truth = MakeBox();
+  truth.Cells = glm::ivec3(8);
+  truth.Net.Nodes = truth.Cells + 3;
+  for (int i = 0; i < 11 * 11 * 11; ++i)
+  {
+    truth.Net.Values.emplace_back(random(-1, 1), random(-1, 1), random(-1, 1));
+  }
+  const ffd::BSplineField field = FieldOf(truth);
+  const glm::ivec3 count(33, 30, 41);
+  glm::dvec3 step;
+  std::vector<glm::dvec3> values;
+  MakeGrid(truth, count, [&](const glm::dvec3& p) { return field.Displacement(p); }, step, values);
+  ffd::FittedNet fit = MakeBox();
+  ASSERT_EQ(ffd::FitNetToGrid(count, fit.Lower, step, values, { 1e-4, 64, {} }, fit),
+    FitStatus::Reached);
+  EXPECT_EQ(fit.Cells, glm::ivec3(8));
+  for (std::size_t i = 0; i < fit.Net.Values.size(); ++i)
+  {
+    EXPECT_LT(Length(fit.Net.Values[i] - truth.Net.Values[i]), 1e-3);
+  }
+}
+
+TEST(LatticeFit, GridFitIsTheLeastSquaresOne)
+{
+  // At the minimum every small change of a coefficient makes the sum of squares larger.
+  Random random;
+  ffd::FittedNet fit = MakeBox();
+  const glm::ivec3 count(12, 11, 13);
+  glm::dvec3 step;
+  std::vector<glm::dvec3> values;
+  MakeGrid(fit, count,
+    [&](const glm::dvec3& p)
+    { return Smooth(p) + glm::dvec3(random(-1, 1), random(-1, 1), random(-1, 1)); },
+    step, values);
+  ASSERT_EQ(ffd::FitNetToGrid(count, fit.Lower, step, values, { 1e-9, 4, {} }, fit),
+    FitStatus::NotReached);
+  const auto squares = [&](const ffd::FittedNet& net)
+  {
+    const ffd::BSplineField field = FieldOf(net);
+    double sum = 0.0;
+    std::size_t id = 0;
+    for (int k = 0; k < count.z; ++k)
+    {
+      for (int j = 0; j < count.y; ++j)
+      {
+        for (int i = 0; i < count.x; ++i)
+        {
+          const glm::dvec3 d =
+            field.Displacement(net.Lower + glm::dvec3(i, j, k) * step) - values[id++];
+          sum += d.x * d.x + d.y * d.y + d.z * d.z;
+        }
+      }
+    }
+    return sum;
+  };
+  const double best = squares(fit);
+  EXPECT_NEAR(
+    std::sqrt(best / static_cast<double>(values.size())), fit.RootMeanSquareError, 1e-12);
+  for (int trial = 0; trial < 40; ++trial)
+  {
+    ffd::FittedNet other = fit;
+    const std::size_t id = static_cast<std::size_t>(random(0, 342.99));
+    other.Net.Values[id][trial % 3] += trial % 2 == 0 ? 1e-2 : -1e-2;
+    EXPECT_GT(squares(other), best - 1e-9);
+  }
+}
+
+TEST(LatticeFit, CoarseGridsAndPartsOfGrids)
+{
+  // Three samples an axis, more control points than samples: still the affine map.
+  ffd::FittedNet fit = MakeBox();
+  glm::dvec3 step;
+  std::vector<glm::dvec3> values;
+  MakeGrid(fit, glm::ivec3(3), Affine, step, values);
+  EXPECT_EQ(ffd::FitNetToGrid(glm::ivec3(3), fit.Lower, step, values, { 1e-6, 64, {} }, fit),
+    FitStatus::Reached);
+  EXPECT_LT(Length(FieldOf(fit).Displacement({ 1.3, 3.3, 9.9 }) - Affine({ 1.3, 3.3, 9.9 })), 1e-5);
+  // A grid that is larger than the box.
+  const glm::ivec3 count(40, 40, 40);
+  const glm::dvec3 first = fit.Lower - 0.3 * fit.Extent;
+  step = 1.6 * fit.Extent / 39.0;
+  values.clear();
+  for (int i = 0; i < 64000; ++i)
+  {
+    values.push_back(Smooth(first + step * glm::dvec3(i % 40, i / 40 % 40, i / 1600)));
+  }
+  fit = MakeBox();
+  EXPECT_EQ(ffd::FitNetToGrid(count, first, step, values, { 1e-3, 64, {} }, fit),
+    FitStatus::Reached);
+  EXPECT_LT(Length(FieldOf(fit).Displacement({ 1.3, 3.3, 9.9 }) - Smooth({ 1.3, 3.3, 9.9 })), 1e-2);
+  // One that does not touch it.
+  EXPECT_EQ(ffd::FitNetToGrid(count, first + 1000.0, step, values, { 1e-3, 64, {} }, fit),
+    FitStatus::NotFinite);
+}
+
+TEST(LatticeFit, NotFiniteAndStopped)
+{
+  ffd::FittedNet fit = MakeBox();
+  const std::vector<glm::dvec3> points = { fit.Lower, fit.Lower + 1.0, fit.Lower + 2.0 };
+  std::vector<glm::dvec3> displacements(3, glm::dvec3(0.0));
+  displacements[1].y = std::nan("");
+  EXPECT_EQ(ffd::FitNetToPoints(points, displacements, {}, 1e-6, { 1e-3, 8, {} }, fit),
+    FitStatus::NotFinite);
+  displacements[1].y = 5.0;
+  EXPECT_EQ(ffd::FitNetToPoints(points, displacements, {}, 1e-6,
+              { 1e-3, 8, [](double) { return false; } }, fit),
+    FitStatus::Stopped);
+  std::vector<glm::dvec3> values(27, glm::dvec3(std::nan("")));
+  EXPECT_EQ(ffd::FitNetToGrid(glm::ivec3(3), fit.Lower, glm::dvec3(1.0), values,
+              { 1e-3, 8, {} }, fit),
+    FitStatus::NotFinite);
+}
+
+} // namespace

@@ -1,0 +1,268 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""vtkFFDFitLattice: landmarks, fields and transforms, its options and its errors."""
+
+import os
+import unittest
+
+import numpy as np
+import vtkffd
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkCommonTransforms import vtkThinPlateSplineTransform, vtkTransform
+from vtkmodules.vtkImagingCore import vtkImageShiftScale
+from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLImageDataWriter
+
+BOUNDS = (0.0, 40.0, -10.0, 20.0, 5.0, 25.0)
+RNG = np.random.default_rng(4)
+
+
+def points_of(array):
+    points = vtkPoints()
+    points.SetDataTypeToDouble()
+    for p in array:
+        points.InsertNextPoint(p)
+    return points
+
+
+def random_points(count):
+    return RNG.uniform(BOUNDS[::2], BOUNDS[1::2], (count, 3))
+
+
+def bend(p):
+    return p + np.stack([2.0 * np.sin(0.1 * p[:, 1]), 0.02 * p[:, 0] ** 2 * 0.5,
+                         np.cos(0.12 * p[:, 0] + 0.1 * p[:, 2])], axis=1)
+
+
+def apply(transform, points):
+    return np.array([transform.TransformPoint(p) for p in points])
+
+
+def make_field(function, noise=0.0, count=(21, 19, 17)):
+    image = vtkImageData()
+    image.SetExtent(2, count[0] + 1, -3, count[1] - 4, 0, count[2] - 1)
+    spacing = [(BOUNDS[2 * a + 1] - BOUNDS[2 * a]) / (count[a] - 1) for a in range(3)]
+    image.SetSpacing(spacing)
+    image.SetOrigin(BOUNDS[0] - 2 * spacing[0], BOUNDS[2] + 3 * spacing[1], BOUNDS[4])
+    nodes = np.array([image.GetPoint(i) for i in range(image.GetNumberOfPoints())])
+    values = function(nodes) - nodes + noise * RNG.standard_normal(nodes.shape)
+    image.GetPointData().SetScalars(numpy_to_vtk(values.astype(np.float32), deep=True))
+    return image
+
+
+class Log:
+    CallDataType = "string0"
+
+    def __init__(self, item, event="ErrorEvent"):
+        self.messages = []
+        item.AddObserver(event, self)
+
+    def __call__(self, _caller, _event, message):
+        self.messages.append(message)
+
+
+class TestFitLattice(unittest.TestCase):
+    def setUp(self):
+        self.fit = vtkffd.vtkFFDFitLattice()
+        self.errors = Log(self.fit)
+        self.warnings = Log(self.fit, "WarningEvent")
+
+    def test_landmarks(self):
+        source = random_points(80)
+        self.fit.SetSourceLandmarks(points_of(source))
+        self.fit.SetTargetLandmarks(points_of(bend(source)))
+        self.fit.SetTolerance(0.05)
+        lattice = self.fit.GetLattice()
+        self.assertEqual(self.errors.messages + self.warnings.messages, [])
+        error = np.linalg.norm(apply(lattice, source) - bend(source), axis=1)
+        self.assertAlmostEqual(error.max(), self.fit.GetMaximumError(), 9)
+        self.assertLessEqual(error.max(), 0.05)
+        self.assertAlmostEqual(np.sqrt(np.mean(error ** 2)), self.fit.GetRootMeanSquareError(), 9)
+        # The default bounds hold all landmarks, in place and moved.
+        domain = np.array(lattice.GetDomain())
+        both = np.concatenate([source, bend(source)])
+        self.assertTrue((domain[::2] < both.min(axis=0)).all())
+        self.assertTrue((domain[1::2] > both.max(axis=0)).all())
+        # Between landmarks, too, and not worse than twice a thin plate through them.
+        plate = vtkThinPlateSplineTransform()
+        plate.SetSourceLandmarks(self.fit.GetSourceLandmarks())
+        plate.SetTargetLandmarks(self.fit.GetTargetLandmarks())
+        plate.SetBasisToR()
+        inner = random_points(300) * 0.7 + np.array([6.0, 1.5, 4.5])
+        ours = np.linalg.norm(apply(lattice, inner) - bend(inner), axis=1).mean()
+        theirs = np.linalg.norm(apply(plate, inner) - bend(inner), axis=1).mean()
+        self.assertLess(ours, 2.0 * theirs)
+
+    def test_edited_landmarks_are_fitted_again(self):
+        source = points_of(random_points(6))
+        target = vtkPoints()
+        target.DeepCopy(source)
+        self.fit.SetSourceLandmarks(source)
+        self.fit.SetTargetLandmarks(target)
+        self.assertTrue(np.allclose(apply(self.fit.GetLattice(), [[1, 2, 8]]), [[1, 2, 8]]))
+        for i in range(6):
+            target.SetPoint(i, np.array(target.GetPoint(i)) + (1, 0, 0))
+        target.Modified()
+        self.assertTrue(np.allclose(apply(self.fit.GetLattice(), [[1, 2, 8]]), [[2, 2, 8]]))
+
+    def test_weights_and_smoothness(self):
+        source = random_points(50)
+        target = bend(source)
+        target[3] += 5.0  # an outlier
+        self.fit.SetSourceLandmarks(points_of(source))
+        self.fit.SetTargetLandmarks(points_of(target))
+        self.fit.SetMaximumCells(2)
+        self.fit.SetSmoothness(1e-3)
+
+        def error_of_outlier():
+            return np.linalg.norm(apply(self.fit.GetLattice(), source[3:4]) - target[3:4])
+
+        plain = error_of_outlier()
+        weights = vtkDoubleArray()
+        for i in range(50):
+            weights.InsertNextValue(1e4 if i == 3 else 1.0)
+        self.fit.SetLandmarkWeights(weights)
+        self.assertLess(error_of_outlier(), 0.2 * plain)
+        self.fit.SetLandmarkWeights(None)
+        self.fit.SetSmoothness(0.0)
+        loose = self.fit.GetLattice() and self.fit.GetRootMeanSquareError()
+        self.fit.SetSmoothness(1.0)
+        self.assertGreater(self.fit.GetLattice() and self.fit.GetRootMeanSquareError(), loose)
+        self.assertIn("instead of the Tolerance", self.warnings.messages[0])
+
+    def test_field(self):
+        self.fit.SetInputData(make_field(bend))
+        self.fit.SetTolerance(0.01)
+        lattice = self.fit.GetLattice()
+        self.assertEqual(self.errors.messages + self.warnings.messages, [])
+        np.testing.assert_allclose(lattice.GetDomain(), BOUNDS, atol=1e-5)
+        points = random_points(200)
+        self.assertLess(np.abs(apply(lattice, points) - bend(points)).max(), 0.03)
+        coarse = lattice.GetDimensions()
+        self.fit.SetTolerance(1e-3)
+        self.assertGreater(self.fit.GetLattice().GetDimensions(), coarse)
+        self.fit.SetMaximumCells(4)
+        self.assertEqual(self.fit.GetLattice().GetDimensions(), (7, 7, 7))
+        self.assertEqual(len(self.warnings.messages), 1)
+
+    def test_noise_of_a_field_is_averaged(self):
+        self.fit.SetInputData(make_field(bend, 0.5))
+        self.fit.SetMaximumCells(4)
+        points = random_points(200)
+        error = apply(self.fit.GetLattice(), points) - bend(points)
+        self.assertLess(np.sqrt(np.mean(error ** 2)), 0.15)
+        self.assertAlmostEqual(self.fit.GetRootMeanSquareError(), 0.5 * np.sqrt(3.0), 1)
+
+    def test_transform_as_the_mapper_does(self):
+        linear = vtkTransform()
+        linear.RotateZ(20.0)
+        self.fit.SetTransform(linear)
+        self.fit.SetBounds(BOUNDS)
+        points = random_points(50)
+        np.testing.assert_allclose(apply(self.fit.GetLattice(), points), apply(linear, points),
+                                   atol=1e-10)
+        linear.RotateX(20.0)
+        np.testing.assert_allclose(apply(self.fit.GetLattice(), points), apply(linear, points),
+                                   atol=1e-10)
+        source = random_points(20)
+        plate = vtkThinPlateSplineTransform()
+        plate.SetSourceLandmarks(points_of(source))
+        plate.SetTargetLandmarks(points_of(bend(source)))
+        plate.SetBasisToR()
+        self.fit.SetTransform(plate)
+        self.fit.SetTolerance(0.05)
+        other = vtkffd.vtkFFDLattice()
+        error = other.FitToTransform(plate, BOUNDS, 0.05, 64)
+        self.assertEqual(error, self.fit.GetLattice() and self.fit.GetMaximumError())
+        self.assertEqual(other.GetDimensions(), self.fit.GetLattice().GetDimensions())
+        np.testing.assert_array_equal(apply(other, points), apply(self.fit.GetLattice(), points))
+        self.fit.SetTransform(plate.GetInverse())
+        moved = apply(self.fit.GetLattice(), apply(plate, points)[:5])
+        np.testing.assert_allclose(moved, points[:5], atol=0.3)
+
+    def test_in_a_pipeline_and_a_file(self):
+        shift = vtkImageShiftScale()
+        shift.SetInputData(make_field(bend))
+        shift.SetScale(2.0)
+        shift.SetOutputScalarTypeToDouble()
+        self.fit.SetInputConnection(shift.GetOutputPort())
+        path = os.path.join(os.environ["FFD_TEST_TEMPORARY"], "fitted.vti")
+        writer = vtkXMLImageDataWriter()
+        writer.SetInputConnection(self.fit.GetOutputPort())
+        writer.SetFileName(path)
+        writer.Write()
+        reader = vtkXMLImageDataReader()
+        reader.SetFileName(path)
+        reader.Update()
+        lattice = vtkffd.vtkFFDLattice()
+        self.assertEqual(lattice.FromImageData(reader.GetOutput()), 1)
+        self.assertEqual(lattice.GetDimensions(), self.fit.GetLattice().GetDimensions())
+        points = random_points(20)
+        expected = points + 2.0 * (bend(points) - points)
+        self.assertLess(np.abs(apply(lattice, points) - expected).max(), 0.2)
+        shift.SetScale(1.0)
+        self.assertLess(np.abs(apply(self.fit.GetLattice(), points) - bend(points)).max(), 0.2)
+
+    def test_progress_and_abort(self):
+        self.fit.SetInputData(make_field(bend))
+        progress = []
+        self.fit.AddObserver("ProgressEvent", lambda *_: progress.append(self.fit.GetProgress()))
+        self.assertIsNotNone(self.fit.GetLattice())
+        self.assertGreater(len(progress), 2)
+        self.fit.AddObserver("ProgressEvent", lambda *_: self.fit.SetAbortExecute(1))
+        self.fit.SetTolerance(1e-3)
+        self.assertIsNone(self.fit.GetLattice())
+        self.assertIn("aborted", self.warnings.messages[0])
+
+    def test_bad_input_is_named(self):
+        fit = self.fit
+
+        def expect(text):
+            fit.Modified()
+            self.assertIsNone(fit.GetLattice())
+            self.assertEqual(fit.GetMaximumError(), -1.0)
+            self.assertEqual(len(self.errors.messages), 1, self.errors.messages)
+            self.assertIn(text, self.errors.messages.pop())
+
+        expect("nothing to fit")
+        fit.SetTransform(vtkTransform())
+        expect("SetBounds")
+        fit.SetBounds(0, 1, 0, 1, 0, 1)
+        self.assertIsNotNone(fit.GetLattice())
+        fit.SetSourceLandmarks(points_of([[0, 0, 0]]))
+        expect("more than one thing")
+        fit.SetTransform(None)
+        expect("as many source as target")
+        fit.SetTargetLandmarks(points_of([[0, 0, 0], [1, 1, 1]]))
+        expect("as many source as target")
+        fit.SetTargetLandmarks(points_of([[0, 0, np.nan]]))
+        expect("not finite")
+        fit.SetTargetLandmarks(points_of([[0, 0, 1]]))
+        weights = vtkDoubleArray()
+        weights.InsertNextValue(-1.0)
+        fit.SetLandmarkWeights(weights)
+        expect("weight of landmark 0")
+        weights.InsertNextValue(1.0)
+        expect("one weight per pair")
+        fit.SetSourceLandmarks(None)
+        fit.SetTargetLandmarks(None)
+        scalars = vtkImageData()
+        scalars.SetDimensions(3, 3, 3)
+        scalars.AllocateScalars(10, 1)
+        fit.SetInputData(scalars)
+        expect("3 components")
+        field = make_field(bend)
+        field.SetDirectionMatrix(0, 1, 0, 1, 0, 0, 0, 0, 1)
+        fit.SetInputData(field)
+        expect("direction matrix")
+        for call in (lambda: fit.SetTolerance(0.0), lambda: fit.SetTolerance(np.nan),
+                     lambda: fit.SetSmoothness(-1.0),
+                     lambda: fit.SetBounds(0, np.nan, 0, 1, 0, 1)):
+            call()
+            self.assertEqual(len(self.errors.messages), 1)
+            self.errors.messages.clear()
+
+
+if __name__ == "__main__":
+    unittest.main()

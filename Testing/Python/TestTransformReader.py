@@ -1,0 +1,324 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""vtkFFDTransformReader: files of ITK and elastix against what these tools do to points."""
+
+import glob
+import gzip
+import json
+import os
+import struct
+import unittest
+
+import numpy as np
+import vtkffd
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkIOImage import vtkMetaImageReader, vtkNIFTIImageReader
+from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
+
+FOLDER = os.path.join(os.environ["FFD_TEST_DATA"], "Transforms")
+TEMPORARY = os.environ["FFD_TEST_TEMPORARY"]
+SPLINE = """#Insight Transform File V1.0
+#Transform 0
+Transform: BSplineTransform_double_3_3
+Parameters: %s
+FixedParameters: 4 4 4 -1 -1 -1 1 1 1 1 0 0 0 1 0 0 0 1
+"""
+
+
+def golden(name):
+    with open(os.path.join(FOLDER, name), encoding="ascii") as file:
+        return json.load(file)
+
+
+def read(name, coordinates="LPS"):
+    reader = vtkffd.vtkFFDTransformReader()
+    reader.SetFileName(os.path.join(FOLDER, name))
+    getattr(reader, "SetCoordinatesTo" + coordinates)()
+    return reader
+
+
+def largest_error(transform, pairs, flip=(1.0, 1.0, 1.0)):
+    flip = np.array(flip)
+    return max(np.abs(np.array(transform.TransformPoint(flip * p)) - flip * q).max()
+               for p, q in pairs)
+
+
+class Errors:
+    """The error messages of an object."""
+
+    def __init__(self, item):
+        self.messages = []
+        item.AddObserver("ErrorEvent", self.add)
+
+    def add(self, _caller, _event, message=""):
+        self.messages.append(message)
+
+    add.CallDataType = "string0"
+
+
+class TestTransformReader(unittest.TestCase):
+    def test_files_of_itk_do_what_itk_does(self):
+        expected = golden("points.json")
+        self.assertGreaterEqual(len(expected), 25)
+        for name, pairs in expected.items():
+            # vtkGridTransform divides a cell into 2^16 steps; NIfTI's grids are single precision.
+            tolerance = 1e-4 if name.startswith("field") else 1e-9
+            with self.subTest(name):
+                reader = read(name)
+                transform = reader.GetTransform()
+                self.assertIsNotNone(transform)
+                self.assertLess(largest_error(transform, pairs), tolerance)
+                ras = read(name, "RAS")
+                self.assertLess(
+                    largest_error(ras.GetTransform(), pairs, (-1.0, -1.0, 1.0)), tolerance)
+
+    def test_files_of_elastix_do_what_transformix_does(self):
+        expected = golden("elastix_points.json")
+        self.assertEqual(len(expected), 7)
+        for name, pairs in expected.items():
+            with self.subTest(name):
+                # transformix prints six decimals.
+                self.assertLess(largest_error(read(name).GetTransform(), pairs), 2e-6)
+
+    def test_formats_are_found_from_the_content(self):
+        for name, wanted in (("euler.tfm", "ItkText"), ("elastix_bspline.txt", "Elastix"),
+                             ("field_oblique.mhd", "MetaImage"), ("field_oblique_z.nrrd", "NRRD"),
+                             ("field_oblique.nii.gz", "NIfTI")):
+            reader = read(name)
+            self.assertEqual(reader.CanReadFile(reader.GetFileName()), 1)
+            self.assertIsNotNone(reader.GetTransform())
+            self.assertEqual(reader.GetFileFormatAsString(), wanted)
+        self.assertEqual(reader.CanReadFile(os.path.join(FOLDER, "points.json")), 0)
+        self.assertEqual(reader.CanReadFile(FOLDER), 0)
+        self.assertEqual(reader.CanReadFile("/no/such/file"), 0)
+
+    def test_values_are_those_of_vtks_own_readers(self):
+        for name, other in (("field_oblique.mhd", vtkMetaImageReader()),
+                            ("field_oblique_z.mha", vtkMetaImageReader()),
+                            ("field_identity.nii", vtkNIFTIImageReader()),
+                            ("field_oblique.nii.gz", vtkNIFTIImageReader())):
+            with self.subTest(name):
+                reader = read(name)
+                grid = reader.GetTransform()
+                if grid.GetClassName() == "vtkGeneralTransform":
+                    grid = grid.GetConcatenatedTransform(1)
+                other.SetFileName(os.path.join(FOLDER, name))
+                other.Update()
+                ours = vtk_to_numpy(grid.GetDisplacementGrid().GetPointData().GetScalars())
+                theirs = vtk_to_numpy(other.GetOutput().GetPointData().GetScalars())
+                if reader.GetTransform() is not grid:
+                    # Between two rotations the vectors are rotated; their length is not.
+                    ours = np.linalg.norm(ours, axis=1)
+                    theirs = np.linalg.norm(theirs, axis=1)
+                np.testing.assert_allclose(np.sort(ours, axis=0), np.sort(theirs, axis=0),
+                                           rtol=1e-5)
+
+    def test_lattice_of_the_file_is_exact(self):
+        reader = read("bspline_flipped.tfm")
+        self.assertEqual(reader.GetTransform().GetClassName(), "vtkFFDLattice")
+        self.assertLess(largest_error(reader.GetLattice(), golden("points.json")[
+            "bspline_flipped.tfm"]), 1e-9)
+        self.assertEqual(reader.GetLatticeError(), 0.0)
+        reader.Update()
+        lattice = vtkffd.vtkFFDLattice()
+        self.assertEqual(lattice.FromImageData(reader.GetOutput()), 1)
+        np.testing.assert_array_equal(vtk_to_numpy(lattice.GetDisplacements()),
+                                      vtk_to_numpy(reader.GetLattice().GetDisplacements()))
+        bounds = [0.0] * 6
+        reader.GetDomain(bounds)
+        np.testing.assert_allclose(bounds, lattice.GetDomain(), atol=1e-9)
+        # The size that the pipeline was told.
+        self.assertEqual(reader.GetOutput().GetDimensions(), lattice.GetDimensions())
+
+    def test_other_transforms_are_fitted_within_the_tolerance(self):
+        reader = read("elastix_bspline.txt")
+        bounds = [0.0] * 6
+        reader.GetDomain(bounds)
+        self.assertEqual(bounds, [0.0, 252.0, 0.0, 252.0, 0.0, 224.0])
+        reader.SetFitTolerance(0.5)
+        reader.Update()
+        self.assertGreater(reader.GetLatticeError(), 0.0)
+        self.assertLessEqual(reader.GetLatticeError(), 0.5)
+        pairs = golden("elastix_points.json")["elastix_bspline.txt"]
+        self.assertLess(largest_error(reader.GetLattice(), pairs), 0.5)
+        coarse = reader.GetLattice().GetDimensions()
+        reader.SetFitTolerance(0.02)
+        self.assertLessEqual(reader.GetLattice() and reader.GetLatticeError(), 0.02)
+        self.assertGreater(reader.GetLattice().GetDimensions(), coarse)
+        reader.SetFitBounds(50.0, 100.0, 50.0, 100.0, 50.0, 100.0)
+        np.testing.assert_allclose(reader.GetLattice().GetDomain(),
+                                   [50.0, 100.0, 50.0, 100.0, 50.0, 100.0])
+        reader.SetFitBounds(1, 0, 1, 0, 1, 0)
+        reader.SetFitTolerance(1e-6)
+        reader.SetMaximumCells(4)
+        warnings = []
+        reader.AddObserver("WarningEvent", lambda *_: warnings.append(1))
+        self.assertEqual(reader.GetLattice().GetDimensions(), (7, 7, 7))
+        self.assertEqual(len(warnings), 1)
+
+    def test_linear_transform_needs_bounds_for_a_lattice_only(self):
+        reader = read("affine.tfm")
+        self.assertEqual(reader.GetTransform().GetClassName(), "vtkTransform")
+        errors = Errors(reader)
+        self.assertIsNone(reader.GetLattice())
+        self.assertEqual(len(errors.messages), 1)
+        self.assertIn("SetFitBounds", errors.messages[0])
+        reader.SetFitBounds(-50.0, 50.0, -50.0, 50.0, -50.0, 50.0)
+        self.assertLess(largest_error(reader.GetLattice(), golden("points.json")["affine.tfm"]),
+                        1e-9)
+
+    def test_lattice_as_vti(self):
+        lattice = vtkffd.vtkFFDLattice()
+        lattice.SetDimensions(5, 6, 7)
+        lattice.SetDomain(0.0, 10.0, -5.0, 5.0, 2.0, 4.0)
+        vtkffd.vtkFFDLatticeSource.ApplyShape(lattice, vtkffd.vtkFFDLatticeSource.RANDOM, 1.0, 3)
+        image = vtkImageData()
+        lattice.ToImageData(image)
+        writer = vtkXMLImageDataWriter()
+        writer.SetInputData(image)
+        path = os.path.join(TEMPORARY, "lattice.vti")
+        writer.SetFileName(path)
+        writer.Write()
+        reader = vtkffd.vtkFFDTransformReader()
+        reader.SetFileName(path)
+        self.assertEqual(reader.GetTransform().GetClassName(), "vtkFFDLattice")
+        self.assertEqual(reader.GetFileFormatAsString(), "Lattice")
+        np.testing.assert_array_equal(vtk_to_numpy(reader.GetLattice().GetDisplacements()),
+                                      vtk_to_numpy(lattice.GetDisplacements()))
+        # A volume is no lattice.
+        reader.SetFileName(os.path.join(os.environ["FFD_TEST_DATA"], "fuel.vti"))
+        errors = Errors(reader)
+        self.assertIsNone(reader.GetTransform())
+        self.assertIn("3 components", errors.messages[0])
+
+    def check_refused(self, name, content, expected):
+        path = os.path.join(TEMPORARY, name)
+        with open(path, "wb") as file:
+            file.write(content if isinstance(content, bytes) else content.encode("ascii"))
+        reader = vtkffd.vtkFFDTransformReader()
+        reader.SetFileName(path)
+        errors = Errors(reader)
+        self.assertIsNone(reader.GetTransform())
+        self.assertEqual(len(errors.messages), 1, errors.messages)
+        self.assertIn(name, errors.messages[0])
+        self.assertIn(expected, errors.messages[0])
+
+    def test_bad_itk_files_are_refused_by_name(self):
+        good = SPLINE % " ".join(["0.5"] * 192)
+        for text, expected in (
+                ("", "no ITK text transform"),
+                ("#Insight Transform File V1.0\n", "no transform"),
+                (good.replace("_3_3", "_2_2"), "three dimensions"),
+                (good.replace("BSplineTransform", "KernelTransform"), "not supported"),
+                (SPLINE % " ".join(["0.5"] * 191), "191 numbers instead of 192"),
+                (good.replace("0.5", "nan", 1), "'nan'"),
+                (good.replace("0.5", "1e400", 1), "'1e400'"),
+                (good.replace("4 4 4 -1", "4 4 3 -1"), "3 nodes along axis 2"),
+                (good.replace("4 4 4 -1", "100000 100000 100000 -1"), "100000 nodes"),
+                (good.replace("4 4 4 -1", "4 4 4.5 -1"), "no positive integer"),
+                (good.replace("-1 -1 -1 1 1 1", "-1 -1 -1 1 0 1"), "not positive"),
+                (good.replace("1 0 0 0 1 0 0 0 1", "1 0 0 0 1 0 0 1 1"), "orthonormal"),
+                (good + good.split("\n", 1)[1], "no CompositeTransform"),
+                (good + "Parameters: 1\n", "two lines of Parameters"),
+                (good + "Hello\n", "'Hello'"),
+                ("#Insight Transform File V1.0\nTransform: AffineTransform_double_3_3\n"
+                 "Parameters: 0 0 0 0 0 0 0 0 0 0 0 0\nFixedParameters: 0 0 0\n", "singular"),
+                ("#Insight Transform File V1.0\nTransform: VersorRigid3DTransform_double_3_3\n"
+                 "Parameters: 1 1 1 0 0 0\nFixedParameters: 0 0 0\n", "longer than 1")):
+            with self.subTest(expected):
+                self.check_refused("bad.tfm", text, expected)
+
+    def test_bad_elastix_files_are_refused_by_name(self):
+        with open(os.path.join(FOLDER, "elastix_oblique.txt"), encoding="ascii") as file:
+            good = file.read()
+        for old, new, expected in (
+                ('"BSplineTransform"', '"SplineKernelTransform"', "not supported"),
+                ("(FixedImageDimension 3)", "(FixedImageDimension 2)", "FixedImageDimension"),
+                ('Parameters "false"', 'Parameters "true"', "binary"),
+                ("SplineOrder 3", "SplineOrder 2", "cubic"),
+                ("(GridSize", "(OtherSize", "(GridSize ...)"),
+                ("(TransformParameters ", "(TransformParameters 7 ", "2701 numbers"),
+                ('"NoInitialTransform"', '"bad.txt"', "does not end"),
+                ('"NoInitialTransform"', '"missing.txt"', "missing.txt"),
+                ('"Compose"', '"Multiply"', "Multiply"),
+                ("(GridSize", "GridSize", "parentheses")):
+            with self.subTest(expected):
+                self.assertIn(old, good)
+                self.check_refused("bad.txt", good.replace(old, new), expected)
+
+    def test_bad_fields_are_refused_by_name(self):
+        def bytes_of(name):
+            with open(os.path.join(FOLDER, name), "rb") as file:
+                return file.read()
+
+        for name, old, new, expected in (
+                ("field_identity.mha", b"DimSize = 6 5 4", b"DimSize = 6 5 5", "data end after"),
+                ("field_identity.mha", b"DimSize = 6 5 4", b"DimSize = 1024 1024 1024", "2^27"),
+                ("field_identity.mha", b"DimSize = 6 5 4", b"DimSize = 500 500 500",
+                 "data end after 1440 of 1500000000"),
+                ("field_identity.mha", b"Channels = 3", b"Channels = 1", "3 channels"),
+                ("field_identity.mha", b"MET_FLOAT", b"MET_STRING", "MET_STRING"),
+                ("field_identity.mha", b"= LOCAL", b"= ../x.raw", "same folder"),
+                ("field_identity.mha", b"= LOCAL", b"= missing.raw", "missing.raw"),
+                ("field_oblique_z.mha", b"DimSize = 6 5 4", b"DimSize = 500 500 500",
+                 "data end after 1440"),
+                ("field_identity.nrrd", b"sizes: 3 6 5 4", b"sizes: 1 6 5 4", "1 6 5 4"),
+                ("field_identity.nrrd", b"encoding: raw", b"encoding: bzip2", "bzip2"),
+                ("field_identity.nrrd", b"left-posterior", b"left-upper", "space"),
+                ("field_identity.nrrd", b"origin: (", b"origin: (1,", "space origin"),
+                ("field_identity.nii", struct.pack("<8h", 5, 6, 5, 4, 1, 3, 1, 1),
+                 struct.pack("<8h", 4, 6, 5, 4, 3, 1, 1, 1), "dim must be"),
+                ("field_identity.nii", struct.pack("<8h", 5, 6, 5, 4, 1, 3, 1, 1),
+                 struct.pack("<8h", 5, 600, 500, 400, 1, 3, 1, 1), "data end after")):
+            with self.subTest((name, new)):
+                content = bytes_of(name)
+                self.assertIn(old, content)
+                self.check_refused("bad_" + name, content.replace(old, new, 1), expected)
+        content = bytearray(bytes_of("field_identity.nii"))
+        content[352:356] = struct.pack("<f", float("nan"))
+        self.check_refused("bad_nan.nii", bytes(content), "voxel 0 is not a finite")
+        packed = bytes_of("field_oblique.nii.gz")
+        self.check_refused("bad_short.nii.gz", packed[:-200], "data end after")
+        self.check_refused("bad_damaged.nii.gz", packed[:700] + b"\xff" * 50 + packed[750:],
+                           "cannot be used")
+        self.check_refused("bad_bomb.nii.gz", gzip.compress(b"\0" * 10000000), "no ITK text")
+
+    def test_no_file(self):
+        reader = vtkffd.vtkFFDTransformReader()
+        errors = Errors(reader)
+        self.assertIsNone(reader.GetTransform())
+        self.assertIn("SetFileName", errors.messages[0])
+        reader.SetFileName("/no/such/file.tfm")
+        self.assertIsNone(reader.GetTransform())
+        self.assertIn("/no/such/file.tfm", errors.messages[1])
+        # Once is enough: asking again repeats neither the reading nor the error.
+        self.assertIsNone(reader.GetTransform())
+        self.assertEqual(len(errors.messages), 2)
+        for call in (lambda: reader.SetFitTolerance(0.0), lambda: reader.SetFitTolerance(np.nan),
+                     lambda: reader.SetCoordinates(7),
+                     lambda: reader.SetFitBounds(0, 1, 0, np.inf, 0, 1)):
+            before = len(errors.messages)
+            call()
+            self.assertEqual(len(errors.messages), before + 1)
+        self.assertEqual(reader.GetFitTolerance(), 0.1)
+
+    def test_fuzz_corpus_gives_errors_or_finite_transforms(self):
+        files = sorted(glob.glob(os.path.join(os.environ["FFD_TEST_DATA"], "Fuzz", "*")))
+        self.assertTrue(files)
+        taken = 0
+        for name in files:
+            with self.subTest(os.path.basename(name)):
+                reader = vtkffd.vtkFFDTransformReader()
+                reader.SetFileName(name)
+                errors = Errors(reader)
+                transform = reader.GetTransform()
+                self.assertEqual(transform is None, len(errors.messages) == 1)
+                if transform is not None:
+                    taken += 1
+                    self.assertTrue(np.isfinite(transform.TransformPoint(1.0, 2.0, 3.0)).all())
+        self.assertGreater(taken, 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
