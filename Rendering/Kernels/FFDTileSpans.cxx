@@ -188,11 +188,9 @@ void TileSpans::Find(int index, Span& span) const
   }
   span.PositionError = errorOf(half);
 
-  // Four equidistant nodes, third derivative of at most M by steps of a node: the interpolation
-  // error is at most 0.0713 M (Peano kernel), once for each direction, the second amplified by the
-  // Lebesgue constant 1.632 of the first. The parabola in t amplifies what its points have by 5/4.
-  // M follows from the derivatives P1, P2, P3 of the rays across the tile by the chain rule:
-  // Phi3(P1, P1, P1) + 3 Phi2(P1, P2) + Phi1(P3).
+  // Four equidistant nodes, spacing d, |d3f/du3| <= M: the interpolation error is at most
+  // 0.0713 M d^3 (Peano kernel), once for each direction, the second amplified by the Lebesgue
+  // constant 1.632 of the first. The parabola in t amplifies what its points have by 5/4.
   double across = 0.0;
   glm::dvec3 alongX(0.0);
   glm::dvec3 alongY(0.0);
@@ -208,6 +206,8 @@ void TileSpans::Find(int index, Span& span) const
     across = std::max({ across, glm::length(p[1] - p[0]), glm::length(p[3] - p[2]),
       glm::length(p[2] - p[0]), glm::length(p[3] - p[1]) });
   }
+  // M d^3 follows from the derivatives P1, P2, P3 of the rays by steps of a node by the chain rule:
+  // Phi3(P1, P1, P1) + 3 Phi2(P1, P2) + Phi1(P3).
   const double farthest = std::max(std::abs(t[0]), std::abs(t[1]));
   const double second = farthest * this->Settings.DirectionBend2;
   // A side of the tile is three steps; within the tile P1 differs from its mean over a side by at
