@@ -117,6 +117,8 @@ def draw_table1(folder, table, methods, shapes):
             for method in methods:
                 if method not in styles:
                     continue
+                if shape == "random" and method == "reference":
+                    continue
                 colour, title = styles[method]
                 panel.plot(
                     scene.TABLE_MAGNITUDES,
