@@ -9,6 +9,7 @@ import matplotlib
 matplotlib.use("Agg")  # no window, no display
 
 import matplotlib.pyplot as pyplot  # noqa: E402
+from matplotlib.ticker import NullFormatter, ScalarFormatter  # noqa: E402
 import numpy  # noqa: E402
 
 import experiments  # noqa: E402
@@ -80,7 +81,7 @@ def _curves(folder, name, table, magnitudes, panels, methods, opacities):
     if len(opacities) == 1:
         labels = [label.split(",")[0] for label in labels]
     figure.legend(handles, labels, loc="lower center", ncol=2, fontsize=8)
-    figure.get_layout_engine().set(rect=(0.0, 0.08, 1.0, 0.92))
+    figure.get_layout_engine().set(rect=(0.0, 0.06, 1.0, 0.94))
     return _save(figure, folder, name)
 
 
@@ -103,34 +104,32 @@ def draw_figure7(folder, table, magnitudes):
                    ("opaque",))
 
 
-def draw_table1(folder, table, methods, shapes):
-    """Speed-ups by magnitude, with the paper's: a panel for each opacity."""
+def draw_table1(folder, table, curves):
+    """Speed-ups by magnitude, with the paper's; `curves`: pairs of deformation and method."""
     figure, axes = pyplot.subplots(1, 3, figsize=(13.0, 4.2), constrained_layout=True)
     styles = {"paper": ("#0072B2", "the paper's method, here"),
               "default": ("#D55E00", "vtkFFD, default settings"),
+              "firstorder": ("#CC79A7", "vtkFFD, FIRST_ORDER"),
               "reference": ("#009E73", "vtkFFD, one ray at a time")}
     lines = {"smooth": "-", "random": ":"}
     for panel, opacity in zip(axes, scene.OPACITIES):
         panel.plot(scene.TABLE_MAGNITUDES, experiments.PAPER_TABLE[opacity], "k-", linewidth=2.5,
                    marker="s", label="the paper's table 1")
-        for shape in shapes:
-            for method in methods:
-                if method not in styles:
-                    continue
-                if shape == "random" and method == "reference":
-                    continue
-                colour, title = styles[method]
-                panel.plot(
-                    scene.TABLE_MAGNITUDES,
-                    [table.ratio(shape, m, method, opacity) for m in scene.TABLE_MAGNITUDES],
-                    lines[shape], color=colour, marker="o", markersize=4,
-                    label="%s, %s" % (title, shape))
+        for shape, method in curves:
+            colour, title = styles[method]
+            panel.plot(
+                scene.TABLE_MAGNITUDES,
+                [table.ratio(shape, m, method, opacity) for m in scene.TABLE_MAGNITUDES],
+                lines[shape], color=colour, marker="o", markersize=4,
+                label="%s, %s" % (title, shape))
         panel.set_ylim(bottom=0.0)
         panel.grid(True, alpha=0.3)
         panel.set_title(scene.OPACITY_TITLES[opacity], fontsize=10)
         panel.set_xlabel("deformation magnitude (voxels)", fontsize=9)
     axes[0].set_ylabel("samples without / operations with optimisation", fontsize=9)
-    axes[0].legend(fontsize=7)
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="lower center", ncol=3, fontsize=8)
+    figure.get_layout_engine().set(rect=(0.0, 0.16, 1.0, 0.84))
     return _save(figure, folder, "table1.png")
 
 
@@ -201,6 +200,10 @@ def draw_position_error(folder, rows):
                     markersize=4, label="%s, %s" % (kind, inverse))
         panel.set_xscale("log")
         panel.set_yscale("log")
+        panel.set_xticks([10, 20, 50, 100, 200])
+        panel.set_xlim(9.0, 250.0)
+        panel.xaxis.set_major_formatter(ScalarFormatter())
+        panel.xaxis.set_minor_formatter(NullFormatter())
         panel.grid(True, alpha=0.3)
         panel.set_title(deformation, fontsize=10)
         panel.set_xlabel("pieces per 100 voxels of a ray", fontsize=9)
