@@ -19,6 +19,8 @@ packages=(
   python3 python3-dev python3-vtk9 python3-numpy
   # to test and measure
   libgtest-dev libbenchmark-dev elastix
+  # to draw the curves of Examples/paper_experiments
+  python3-matplotlib
   # to render without a display: an X server and Mesa's software rasteriser
   xvfb xauth libgl1-mesa-dri
 )

@@ -305,9 +305,11 @@ RayCaster::RayCaster(const CastScene& scene, const CastSettings& settings)
   , GradientToRest(glm::transpose(scene.Volume.DataToIndex))
   , GradientToWorld(glm::transpose(glm::dmat3(scene.WorldToData)))
 {
+  SetDirectionBends(
+    this->Settings.Spans, this->Scene.Camera, glm::dmat3(this->Scene.WorldToData));
   if (PacketCaster::Supports(scene, settings))
   {
-    this->Packets.reset(new PacketCaster(this->Scene, settings));
+    this->Packets.reset(new PacketCaster(this->Scene, this->Settings));
   }
 }
 

@@ -65,7 +65,54 @@ double FindLargestStretch(const glm::dmat3& m)
   return scale * std::pow(frobenius(power), 1.0 / 64.0);
 }
 
+/// Upper bound of the spectral norm of any matrix in an interval.
+double FindLargestStretch(const glm::dmat3& mMin, const glm::dmat3& mMax)
+{
+  double sum = 0.0;
+  for (int column = 0; column < 3; ++column)
+  {
+    const glm::dvec3 most = glm::max(glm::abs(mMin[column]), glm::abs(mMax[column]));
+    sum += glm::dot(most, most);
+  }
+  return std::sqrt(sum);
+}
+
 } // namespace
+
+//------------------------------------------------------------------------------
+void SetDirectionBends(
+  SpanSettings& settings, const CameraView& camera, const glm::dmat3& worldToData)
+{
+  // From the near to the far plane: affine in the image position. The directions are these vectors
+  // over their lengths, and the shortest is as long as their plane is far from the origin.
+  const auto path = [&camera](double x, double y)
+  {
+    const ViewRay ray = camera.MakeRay(x, y);
+    return ray.Far * ray.Direction;
+  };
+  const double width = std::max(1, camera.ImageSize.x);
+  const double height = std::max(1, camera.ImageSize.y);
+  const glm::dvec3 start = path(0.0, 0.0);
+  const glm::dvec3 perX = (path(width, 0.0) - start) / width;
+  const glm::dvec3 perY = (path(0.0, height) - start) / height;
+  const double steepest = std::max(glm::length(perX), glm::length(perY));
+  settings.DirectionBend2 = 0.0;
+  settings.DirectionBend3 = 0.0;
+  // Parallel rays, but for rounding.
+  if (!(steepest * std::max(width, height) > 1e-9 * glm::length(start)))
+  {
+    return;
+  }
+  const glm::dvec3 normal = glm::cross(perX, perY);
+  const double distance = std::abs(glm::dot(start, normal)) / glm::length(normal);
+  constexpr double PixelsPerNode = 5.0;
+  const double angle = PixelsPerNode * steepest / distance;
+  // Along a line that passes the origin at distance 1 with speed k a unit vector has derivatives of
+  // at most k, 2 k^2 / sqrt 3 and 3 k^3.
+  const double scale = FindLargestStretch(worldToData);
+  settings.DirectionBend2 = scale * 2.0 / std::sqrt(3.0) * angle * angle;
+  settings.DirectionBend3 = scale * 3.0 * angle * angle * angle;
+}
 
 //------------------------------------------------------------------------------
 void TileSpans::Start(const DeformedSpaceBounds& bounds, const SpanSettings& settings,
@@ -93,6 +140,8 @@ void TileSpans::Start(const DeformedSpaceBounds& bounds, const SpanSettings& set
   // corners; the square of the chord is more than that, whatever the scale of the volume's matrix.
   this->Sagitta =
     this->LargestSpeed > 0.0 ? across * across / this->LargestSpeed + 1e-12 * this->LargestSpeed : 0.0;
+  // The same from the rays' second derivatives, (3 nodes)^2 / 8 of them along either side.
+  this->Sagitta = std::max(this->Sagitta, 2.25 * settings.DirectionBend2);
   this->DirectionMin -= this->Sagitta;
   this->DirectionMax += this->Sagitta;
   this->LargestSpeed += this->Sagitta;
@@ -157,11 +206,20 @@ void TileSpans::Find(int index, Span& span) const
     across = std::max({ across, glm::length(p[1] - p[0]), glm::length(p[3] - p[2]),
       glm::length(p[2] - p[0]), glm::length(p[3] - p[1]) });
   }
-  const double spacing = across / 3.0;
-  const double lateral = bounds.ThirdDerivative > 0.0
-    ? 1.25 * 0.0713 * (1.0 + 1.632) * bounds.ThirdDerivative * this->VoxelsPerDataUnit * spacing *
-      spacing * spacing
-    : 0.0;
+  // M d^3 follows from the derivatives P1, P2, P3 of the rays by steps of a node by the chain rule:
+  // Phi3(P1, P1, P1) + 3 Phi2(P1, P2) + Phi1(P3).
+  const double farthest = std::max(std::abs(t[0]), std::abs(t[1]));
+  const double second = farthest * this->Settings.DirectionBend2;
+  // A side of the tile is three steps; within the tile P1 differs from its mean over a side by at
+  // most a step and a half of P2 along that side and as much across.
+  const double first = across / 3.0 + 3.0 * second;
+  // What does not move has no error, however unbounded the map is.
+  const auto product = [](double bound, double moves) { return moves > 0.0 ? bound * moves : 0.0; };
+  const double bend = product(bounds.ThirdDerivative, first * first * first) +
+    product(bounds.SecondDerivative, 3.0 * first * second) +
+    product(FindLargestStretch(bounds.JacobianMin, bounds.JacobianMax),
+      farthest * this->Settings.DirectionBend3);
+  const double lateral = 1.25 * 0.0713 * (1.0 + 1.632) * bend * this->VoxelsPerDataUnit;
   span.Lateral = lateral <= tolerance;
   span.PositionError += span.Lateral ? lateral : 0.0;
 

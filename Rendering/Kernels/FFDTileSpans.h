@@ -21,7 +21,18 @@ struct SpanSettings
   double Length = 8.0;          ///< longest span, units of t
   int LargestLevel = 4;         ///< a span is halved at most so often
   double PositionTolerance = 0.1; ///< voxels
+  /// Bounds of the second and third derivatives of the rays' directions across a tile, data units
+  /// per unit of t, by steps of a node; see SetDirectionBends. 0: the rays are parallel.
+  double DirectionBend2 = 0.0;
+  double DirectionBend3 = 0.0;
 };
+
+/**
+ * Perspective rays do not spread evenly: their unit directions lie on a sphere. Bounds that for
+ * tiles of 16 pixels with 4 nodes a side anywhere on the image. `worldToData`: linear part.
+ */
+FFD_KERNEL_EXPORT void SetDirectionBends(
+  SpanSettings& settings, const CameraView& camera, const glm::dmat3& worldToData);
 
 /**
  * ERROR_BOUND: the parameter grid that all rays of an image tile share.

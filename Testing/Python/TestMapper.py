@@ -122,6 +122,43 @@ class TestMapper(unittest.TestCase):
         self.assertLessEqual(counts.GetNumberOfVisibleSamples(), counts.GetNumberOfSamples())
         self.assertGreater(counts.GetAverageSegmentLength(), 0.0)
 
+    def test_wide_angles_and_few_pixels_keep_the_position(self):
+        """Tiles are wide then: their rays must not be taken for parallel or evenly spread."""
+        side = 96
+        x = numpy.arange(side)
+        wave = 127.0 + 60.0 * numpy.sin(0.5 * x)
+        voxels = (wave[:, None, None] + wave[None, :, None] + wave[None, None, :]) / 3.0
+        image = vtkImageData()
+        image.SetDimensions(side, side, side)
+        image.GetPointData().SetScalars(
+            numpy_to_vtk(voxels.astype(numpy.uint8).ravel(), deep=True))
+        self.mapper.SetInputData(image)
+        opacity = self.volume.GetProperty().GetScalarOpacity()
+        opacity.RemoveAllPoints()
+        opacity.AddPoint(127, 0.0)
+        opacity.AddPoint(160, 0.2)
+        lattice = vtkffd.vtkFFDLattice()
+        lattice.SetDimensions(8, 8, 8)
+        lattice.FitToBounds(image.GetBounds())
+        displacements = vtk_to_numpy(lattice.GetDisplacements())
+        displacements[:, 0] = numpy.sin(numpy.arange(512) // 64)
+        lattice.Modified()
+        self.mapper.SetDeformation(lattice)
+        self.mapper.SetInverseModeToFirstOrder()
+        camera = self.renderer.GetActiveCamera()
+        camera.SetPosition(48.0, 40.0, 120.0)
+        camera.SetFocalPoint(50.0, 48.0, 0.0)
+        camera.SetClippingRange(1.0, 400.0)
+        for angle in (90.0, 120.0, 140.0):
+            camera.SetViewAngle(angle)
+            self.mapper.ReferenceKernelsOff()
+            fast, _ = self.render(48, 48)
+            self.mapper.ReferenceKernelsOn()
+            reference, _ = self.render(48, 48)
+            self.assertGreater((reference[:, :, 3] > 0).mean(), 0.1)
+            difference = numpy.abs(fast.astype(int) - reference.astype(int))[:, :, 3]
+            self.assertLessEqual(difference.max(), 1, "view angle %g" % angle)
+
     def test_errors_are_visible(self):
         self.mapper.SetPositionTolerance(float("nan"))
         self.assertEqual(len(self.errors), 1)
