@@ -4,6 +4,8 @@
 #include "vtkFFDDeformVolume.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDLattice.h"
+#include "vtkFFDLatticeRepresentation.h"
+#include "vtkFFDLatticeWidget.h"
 
 #include "vtkNew.h"
 
@@ -36,5 +38,7 @@ int TestInstantiate(int, char*[])
   bool ok = Check<vtkFFDLattice>("vtkFFDLattice", "vtkBSplineTransform");
   ok &= Check<vtkFFDDeformVolume>("vtkFFDDeformVolume", "vtkAlgorithm");
   ok &= Check<vtkFFDInverseRayVolumeMapper>("vtkFFDInverseRayVolumeMapper", "vtkVolumeMapper");
+  ok &= Check<vtkFFDLatticeRepresentation>("vtkFFDLatticeRepresentation", "vtkWidgetRepresentation");
+  ok &= Check<vtkFFDLatticeWidget>("vtkFFDLatticeWidget", "vtkAbstractWidget");
   return ok ? EXIT_SUCCESS : EXIT_FAILURE;
 }
