@@ -6,7 +6,8 @@ set(ffd_vtk_components
   FiltersCore FiltersGeneral FiltersHybrid FiltersSources
   ImagingCore ImagingHybrid ImagingSources
   InteractionStyle InteractionWidgets IOImage IOXML
-  RenderingCore RenderingFreeType RenderingLabel RenderingOpenGL2 RenderingVolume RenderingVolumeOpenGL2
+  RenderingCore RenderingFreeType RenderingLabel RenderingOpenGL2 RenderingUI RenderingVolume
+  RenderingVolumeOpenGL2
   TestingCore TestingRendering)
 # The interpreter VTK's Python modules were built for; another python3 may come first on PATH.
 if (NOT Python3_EXECUTABLE AND EXISTS "/usr/bin/python3")

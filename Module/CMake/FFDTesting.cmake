@@ -180,6 +180,7 @@ function (ffd_build_cxx_tests)
     VTK::RenderingCore
     VTK::RenderingFreeType
     VTK::RenderingOpenGL2
+    VTK::RenderingUI
     VTK::RenderingVolume
     VTK::RenderingVolumeOpenGL2
     VTK::TestingCore
@@ -191,6 +192,7 @@ function (ffd_build_cxx_tests)
       VTK::InteractionStyle
       VTK::RenderingFreeType
       VTK::RenderingOpenGL2
+      VTK::RenderingUI
       VTK::RenderingVolumeOpenGL2)
 endfunction ()
 

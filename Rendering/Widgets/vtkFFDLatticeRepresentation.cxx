@@ -776,7 +776,7 @@ public:
     return this->GetRenderer() && this->GetRenderer()->GetRenderWindow();
   }
 
-  vtkIdType FindPoint(const glm::dvec2& display) const
+  vtkIdType FindPoint(const glm::dvec2& display, double* pixels = nullptr) const
   {
     if (!this->HasView() || !this->Self->PointVisibility)
     {
@@ -814,10 +814,32 @@ public:
         best = &candidate;
       }
     }
+    if (best && pixels)
+    {
+      *pixels = best->Distance;
+    }
     return best ? best->Point : -1;
   }
 
-  int FindPart(const glm::dvec2& display) const
+  /// What is nearer to a position: a control point or a part of the handle; -1 both: nothing.
+  void FindNearest(const glm::dvec2& display, vtkIdType& point, int& part) const
+  {
+    double toPoint = std::numeric_limits<double>::infinity();
+    double toPart = std::numeric_limits<double>::infinity();
+    point = this->FindPoint(display, &toPoint);
+    part = this->FindPart(display, &toPart);
+    // The handle is on top, but an arm that points at the viewer must not cover its point.
+    if (toPoint + 1.0 < toPart)
+    {
+      part = -1;
+    }
+    else
+    {
+      point = -1;
+    }
+  }
+
+  int FindPart(const glm::dvec2& display, double* pixels) const
   {
     if (!this->HasView())
     {
@@ -847,6 +869,7 @@ public:
         before = at;
       }
     }
+    *pixels = found >= 0 ? nearest : *pixels;
     return found;
   }
 
@@ -1273,8 +1296,10 @@ vtkFFDLatticeRepresentation::vtkFFDLatticeRepresentation()
     vtkInternals& internals = *this->Internals;
     this->BuildRepresentation();
     glm::dvec3 at;
-    const vtkIdType point = internals.FindPoint({ x, y });
-    if (internals.FindPart({ x, y }) >= 0)
+    vtkIdType point;
+    int part;
+    internals.FindNearest({ x, y }, point, part);
+    if (part >= 0)
     {
       this->GetSelectionCenter(&at.x);
     }
@@ -2470,8 +2495,7 @@ int vtkFFDLatticeRepresentation::ComputeInteractionState(int x, int y, int)
     // Through the picking manager, which may say that another widget is in front.
     if (this->GetAssemblyPath(x, y, 0.0, in.Picker))
     {
-      part = in.FindPart(glm::dvec2(x, y));
-      point = part < 0 ? in.FindPoint(glm::dvec2(x, y)) : -1;
+      in.FindNearest(glm::dvec2(x, y), point, part);
     }
   }
   if (point != in.Hovered || part != in.HoveredPart)

@@ -81,7 +81,8 @@ bool vtkFFDProjection::ToDisplay(const glm::dvec3& world, glm::dvec3& display) c
     return false;
   }
   const glm::dvec3 view = glm::dvec3(clip) / clip.w;
-  const glm::dvec2 pixel = this->Origin + 0.5 * (glm::dvec2(view) + 1.0) * (this->Size - 1.0);
+  // As vtkViewport::ViewToDisplay().
+  const glm::dvec2 pixel = this->Origin + 0.5 * (glm::dvec2(view) + 1.0) * this->Size;
   display = { pixel.x, pixel.y, view.z };
   return true;
 }
