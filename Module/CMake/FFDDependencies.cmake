@@ -4,8 +4,8 @@
 set(ffd_vtk_components
   CommonCore CommonDataModel CommonExecutionModel CommonMath CommonSystem CommonTransforms
   FiltersCore FiltersGeneral FiltersHybrid FiltersSources
-  ImagingCore ImagingHybrid ImagingSources
-  InteractionStyle InteractionWidgets IOImage IOXML
+  ImagingCore ImagingHybrid ImagingSources ImagingStatistics
+  InteractionStyle InteractionWidgets IOImage IOLegacy IOXML
   RenderingCore RenderingFreeType RenderingLabel RenderingOpenGL2 RenderingUI RenderingVolume
   RenderingVolumeOpenGL2
   TestingCore TestingRendering)
