@@ -4,9 +4,10 @@
 set(ffd_vtk_components
   CommonCore CommonDataModel CommonExecutionModel CommonMath CommonSystem CommonTransforms
   FiltersCore FiltersGeneral FiltersHybrid FiltersSources
-  ImagingCore ImagingHybrid ImagingSources
-  InteractionStyle InteractionWidgets IOImage IOXML
-  RenderingCore RenderingFreeType RenderingOpenGL2 RenderingVolume RenderingVolumeOpenGL2
+  ImagingCore ImagingHybrid ImagingSources ImagingStatistics
+  InteractionStyle InteractionWidgets IOImage IOLegacy IOXML
+  RenderingCore RenderingFreeType RenderingLabel RenderingOpenGL2 RenderingUI RenderingVolume
+  RenderingVolumeOpenGL2
   TestingCore TestingRendering)
 # The interpreter VTK's Python modules were built for; another python3 may come first on PATH.
 if (NOT Python3_EXECUTABLE AND EXISTS "/usr/bin/python3")

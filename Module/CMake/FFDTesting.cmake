@@ -104,7 +104,8 @@ function (ffd_add_kernel_test name)
   target_include_directories("${name}" PRIVATE
     "${CMAKE_SOURCE_DIR}/Module/Kernels"
     "${CMAKE_SOURCE_DIR}/Filters/Kernels"
-    "${CMAKE_SOURCE_DIR}/Rendering/Kernels")
+    "${CMAKE_SOURCE_DIR}/Rendering/Kernels"
+    "${CMAKE_SOURCE_DIR}/Rendering/Widgets/Kernels")
   target_link_libraries("${name}" PRIVATE
     ffd_build_flags
     ${ffd_modules}
@@ -180,6 +181,7 @@ function (ffd_build_cxx_tests)
     VTK::RenderingCore
     VTK::RenderingFreeType
     VTK::RenderingOpenGL2
+    VTK::RenderingUI
     VTK::RenderingVolume
     VTK::RenderingVolumeOpenGL2
     VTK::TestingCore
@@ -191,6 +193,7 @@ function (ffd_build_cxx_tests)
       VTK::InteractionStyle
       VTK::RenderingFreeType
       VTK::RenderingOpenGL2
+      VTK::RenderingUI
       VTK::RenderingVolumeOpenGL2)
 endfunction ()
 

@@ -120,6 +120,62 @@ glm::dvec3 BSplineField::Displacement(const glm::dvec3& p) const
 }
 
 //------------------------------------------------------------------------------
+int BSplineField::ControlWeights(const glm::dvec3& p, std::size_t nodes[MaximumSupport],
+  double weights[MaximumSupport]) const
+{
+  const glm::dvec3 x = (p - this->Origin) * this->InverseSpacing;
+  // Per axis the control points themselves: those past the border are one of them, or none.
+  int index[3][4];
+  double weight[3][4];
+  int count[3];
+  for (int a = 0; a < 3; ++a)
+  {
+    const AxisPosition at = Locate(x[a], this->ClampMin[a], this->ClampMax[a]);
+    double w[4];
+    BSplineWeights(at.U, w);
+    count[a] = 0;
+    for (int i = 0; i < 4; ++i)
+    {
+      const BorderSource source = FindBorderSource(at.Cell - 1 + i, this->Nodes[a], this->Border);
+      const double value = source.Sign * w[i];
+      int n = 0;
+      while (n < count[a] && index[a][n] != source.Index)
+      {
+        ++n;
+      }
+      if (n == count[a])
+      {
+        index[a][n] = source.Index;
+        weight[a][n] = 0.0;
+        ++count[a];
+      }
+      weight[a][n] += value;
+    }
+  }
+  int found = 0;
+  for (int k = 0; k < count[2]; ++k)
+  {
+    for (int j = 0; j < count[1]; ++j)
+    {
+      for (int i = 0; i < count[0]; ++i)
+      {
+        const double value = weight[0][i] * weight[1][j] * weight[2][k];
+        if (value != 0.0)
+        {
+          nodes[found] = static_cast<std::size_t>(index[0][i]) +
+            static_cast<std::size_t>(this->Nodes.x) *
+              (static_cast<std::size_t>(index[1][j]) +
+                static_cast<std::size_t>(this->Nodes.y) * static_cast<std::size_t>(index[2][k]));
+          weights[found] = value;
+          ++found;
+        }
+      }
+    }
+  }
+  return found;
+}
+
+//------------------------------------------------------------------------------
 glm::dvec3 BSplineField::Displacement(const glm::dvec3& p, glm::dmat3& jacobian) const
 {
   const glm::dvec3 x = (p - this->Origin) * this->InverseSpacing;

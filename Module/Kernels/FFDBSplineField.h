@@ -65,6 +65,18 @@ public:
   /// D(p) and its Jacobian: jacobian[column][row], column b holds dD/dp_b (GLM is column major).
   glm::dvec3 Displacement(const glm::dvec3& p, glm::dmat3& jacobian) const;
 
+  /// Most control points that count at a point.
+  static constexpr int MaximumSupport = 64;
+
+  /**
+   * How much each control point counts at p: D(p) is the sum of weights[n] times the displacement
+   * (scale included) of control point nodes[n], an index with x fastest. The border mode is
+   * applied, and no control point is named twice. Returns how many there are; control points of
+   * weight zero are left out.
+   */
+  int ControlWeights(const glm::dvec3& p, std::size_t nodes[MaximumSupport],
+    double weights[MaximumSupport]) const;
+
   /// First cell with varying coefficients and one past the last one, per axis, border included.
   /// Outside of [FirstCell, EndCell) the field is constant along the axis.
   const glm::ivec3& GetFirstCell() const { return this->FirstCell; }

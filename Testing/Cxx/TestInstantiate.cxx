@@ -8,6 +8,8 @@
 #include "vtkFFDMassSpring.h"
 #include "vtkFFDTransformReader.h"
 #include "vtkFFDTransformWriter.h"
+#include "vtkFFDLatticeRepresentation.h"
+#include "vtkFFDLatticeWidget.h"
 
 #include "vtkNew.h"
 
@@ -44,5 +46,7 @@ int TestInstantiate(int, char*[])
   ok &= Check<vtkFFDTransformReader>("vtkFFDTransformReader", "vtkAlgorithm");
   ok &= Check<vtkFFDTransformWriter>("vtkFFDTransformWriter", "vtkObject");
   ok &= Check<vtkFFDInverseRayVolumeMapper>("vtkFFDInverseRayVolumeMapper", "vtkVolumeMapper");
+  ok &= Check<vtkFFDLatticeRepresentation>("vtkFFDLatticeRepresentation", "vtkWidgetRepresentation");
+  ok &= Check<vtkFFDLatticeWidget>("vtkFFDLatticeWidget", "vtkAbstractWidget");
   return ok ? EXIT_SUCCESS : EXIT_FAILURE;
 }
