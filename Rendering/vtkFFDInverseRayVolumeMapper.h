@@ -274,6 +274,20 @@ public:
 
   ///@{
   /**
+   * A box of deformed space, data coordinates (xmin, xmax, ymin, ymax, zmin, zmax), that the rays
+   * are cut to. The samples stay where they are without it: each belongs to one of two boxes that
+   * share a face, so that pictures of the boxes of a partition, blended in their order, are the
+   * picture of the whole. For parallel rendering, where a process may hold only the part of the
+   * volume that its box is pulled back to. Limits may be infinite, not NaN. Default: all of space.
+   */
+  void SetClipBox(const double box[6]);
+  void SetClipBox(double xmin, double xmax, double ymin, double ymax, double zmin, double zmax);
+  void GetClipBox(double box[6]) const;
+  void RemoveClipBox();
+  ///@}
+
+  ///@{
+  /**
    * Number of threads, up to 1024; 0, the default, means as many as vtkSMPTools uses. The image is
    * the same, bit by bit, with any number.
    */
@@ -383,6 +397,8 @@ private:
   double MaximumImageSampleDistance = 10.0;
   vtkTypeBool AutoAdjustSampleDistances = 1;
   vtkTypeBool IntermixIntersectingGeometry = 1;
+  double ClipBox[6]; // all of space: infinite limits
+  bool HasClipBox = false;
   int NumberOfThreads = 0;
   vtkTypeBool ReferenceKernels = 0;
   vtkTypeBool CollectStatistics = 0;
