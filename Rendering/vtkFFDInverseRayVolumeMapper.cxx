@@ -276,6 +276,10 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
   vtkImageData* image = vtkImageData::SafeDownCast(this->Self->GetInput());
   double bounds[6];
   image->GetBounds(bounds);
+  if (vtkMath::AreBoundsInitialized(this->Self->WholeBounds))
+  {
+    std::copy_n(this->Self->WholeBounds, 6, bounds);
+  }
   const double voxel = FindShortestEdge(this->Volume.IndexToData);
   std::string warning;
   if (!this->Source.Update(this->Self->Deformation, image, bounds,
@@ -780,6 +784,30 @@ void vtkFFDInverseRayVolumeMapper::RemoveClipBox()
 }
 
 //------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetWholeBounds(
+  double xmin, double xmax, double ymin, double ymax, double zmin, double zmax)
+{
+  const double bounds[6] = { xmin, xmax, ymin, ymax, zmin, zmax };
+  this->SetWholeBounds(bounds);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetWholeBounds(const double bounds[6])
+{
+  if (!std::all_of(bounds, bounds + 6, [](double b) { return std::isfinite(b); }))
+  {
+    vtkErrorMacro(<< "WholeBounds must be finite: (xmin, xmax, ymin, ymax, zmin, zmax), or "
+                     "uninitialized (1, -1, 1, -1, 1, -1). They stay as they were.");
+    return;
+  }
+  if (!std::equal(bounds, bounds + 6, this->WholeBounds))
+  {
+    std::copy_n(bounds, 6, this->WholeBounds);
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
 const char* vtkFFDInverseRayVolumeMapper::GetInverseModeAsString() const
 {
   static const char* const names[] = { "FIRST_ORDER", "EXACT", "PULL_BACK" };
@@ -1090,6 +1118,9 @@ void vtkFFDInverseRayVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "MaximumImageSampleDistance: " << this->MaximumImageSampleDistance << "\n";
   os << indent << "AutoAdjustSampleDistances: " << this->AutoAdjustSampleDistances << "\n";
   os << indent << "IntermixIntersectingGeometry: " << this->IntermixIntersectingGeometry << "\n";
+  os << indent << "WholeBounds: " << this->WholeBounds[0] << ", " << this->WholeBounds[1] << ", "
+     << this->WholeBounds[2] << ", " << this->WholeBounds[3] << ", " << this->WholeBounds[4] << ", "
+     << this->WholeBounds[5] << "\n";
   os << indent << "ClipBox: " << this->ClipBox[0] << ", " << this->ClipBox[1] << ", "
      << this->ClipBox[2] << ", " << this->ClipBox[3] << ", " << this->ClipBox[4] << ", "
      << this->ClipBox[5] << "\n";

@@ -288,6 +288,17 @@ public:
 
   ///@{
   /**
+   * Bounds of the whole volume at rest, data coordinates, when the input is a part of it: the one
+   * that ClipBox needs. Then the same pieces of rays are sampled as with the whole, and GetBounds()
+   * are those of the whole. Default: none (uninitialized bounds), the input is all there is.
+   */
+  void SetWholeBounds(const double bounds[6]);
+  void SetWholeBounds(double xmin, double xmax, double ymin, double ymax, double zmin, double zmax);
+  vtkGetVector6Macro(WholeBounds, double);
+  ///@}
+
+  ///@{
+  /**
    * Number of threads, up to 1024; 0, the default, means as many as vtkSMPTools uses. The image is
    * the same, bit by bit, with any number.
    */
@@ -399,6 +410,7 @@ private:
   vtkTypeBool IntermixIntersectingGeometry = 1;
   double ClipBox[6]; // all of space: infinite limits
   bool HasClipBox = false;
+  double WholeBounds[6] = { 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 };
   int NumberOfThreads = 0;
   vtkTypeBool ReferenceKernels = 0;
   vtkTypeBool CollectStatistics = 0;

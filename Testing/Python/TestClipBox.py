@@ -160,10 +160,12 @@ class TestClipBox(unittest.TestCase):
         self.assertLess(part.GetNumberOfPoints(), 0.6 * voxels)
         alone = Scene(1.0, False, part)
         alone.mapper.SetClipBox(box)
+        alone.mapper.SetWholeBounds(scene.image.GetBounds())
+        self.assertEqual(alone.mapper.GetBounds(), bounds)
         alone.mapper.SetSpaceLeapingToOff()
         alone.renderer.GetActiveCamera().DeepCopy(scene.renderer.GetActiveCamera())
         got, count = alone.picture()
-        self.assertLess(abs(count - samples), 1e-3 * samples)
+        self.assertLess(abs(count - samples), 1e-4 * samples)
         self.assertLessEqual(np.abs(got - wanted).max() * 255.0, 4.0)
 
     def test_bad_box(self):
@@ -180,6 +182,11 @@ class TestClipBox(unittest.TestCase):
             box = [0.0] * 6
             mapper.GetClipBox(box)
             self.assertEqual(box, [0, 1, 0, 1, 0, 1])
+        errors = []
+        mapper.AddObserver("ErrorEvent", lambda o, e: errors.append(e))
+        mapper.SetWholeBounds(0, 1, 0, 1, 0, float("inf"))
+        self.assertEqual(len(errors), 1)
+        self.assertEqual(mapper.GetWholeBounds(), (1, -1, 1, -1, 1, -1))
         vtkLogger.SetStderrVerbosity(verbosity)
 
 
