@@ -15,6 +15,15 @@
  *
  * The volume stays where it is: a client gets the outline only.
  *
+ * With several processes, deformed space is cut into boxes, one a process. Each renders the parts
+ * of the rays inside its box, which ParaView blends in the order of the boxes, so that the picture
+ * is that of one process however the volume is bent. Each process asks its input only for the
+ * voxels that its box is pulled back to, when the lattice is known before the data
+ * (vtkFFDEditLattice::LATTICE()); voxels that the input did not give are exchanged. A volume that
+ * is rotated in the scene is rendered by the first process alone: its boxes would not be aligned
+ * with the axes, which ParaView's order by boxes needs. For the same reason only one volume at a
+ * time is in the right order.
+ *
  * @sa vtkFFDInverseRayVolumeMapper vtkFFDEditLattice
  */
 #ifndef vtkFFDVolumeRepresentation_h
@@ -111,6 +120,8 @@ private:
   vtkFFDVolumeRepresentation(const vtkFFDVolumeRepresentation&) = delete;
   void operator=(const vtkFFDVolumeRepresentation&) = delete;
 
+  void ShareOut();
+  void MarkMoved();
   void UpdateRenderedImage(vtkImageData* image);
   void UpdateSampleDistances(vtkImageData* image);
 
