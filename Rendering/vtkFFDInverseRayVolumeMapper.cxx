@@ -44,6 +44,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <glm/vector_relational.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -144,6 +145,7 @@ public:
     const float* depths) const;
   bool Cast(vtkRenderer* renderer, vtkVolume* volume, const ImageRegion& region,
     const float* depths, bool interactive, bool checkAbort, float* outDepths);
+  ffd::Box VisibleBounds() const;
   ImageRegion FindRegion(vtkRenderer* renderer, vtkVolume* volume, const glm::ivec2& viewport);
 
   vtkFFDInverseRayVolumeMapper* Self;
@@ -267,6 +269,10 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
   vtkImageData* image = vtkImageData::SafeDownCast(this->Self->GetInput());
   double bounds[6];
   image->GetBounds(bounds);
+  if (vtkMath::AreBoundsInitialized(this->Self->WholeBounds))
+  {
+    std::copy_n(this->Self->WholeBounds, 6, bounds);
+  }
   const double voxel = FindShortestEdge(this->Volume.IndexToData);
   std::string warning;
   if (!this->Source.Update(this->Self->Deformation, image, bounds,
@@ -448,11 +454,28 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
 }
 
 //------------------------------------------------------------------------------
+/// The part of the deformed bounds in the clip box; without volume if there is none.
+ffd::Box vtkFFDInverseRayVolumeMapper::vtkInternals::VisibleBounds() const
+{
+  const double* clip = this->Self->ClipBox;
+  const glm::dvec3 lower =
+    glm::max(this->DeformedBounds.Min, glm::dvec3(clip[0], clip[2], clip[4]));
+  const glm::dvec3 upper =
+    glm::min(this->DeformedBounds.Max, glm::dvec3(clip[1], clip[3], clip[5]));
+  return { lower, glm::max(lower, upper) };
+}
+
+//------------------------------------------------------------------------------
 ImageRegion vtkFFDInverseRayVolumeMapper::vtkInternals::FindRegion(
   vtkRenderer* renderer, vtkVolume* volume, const glm::ivec2& viewport)
 {
   ImageRegion region;
   region.Viewport = viewport;
+  const ffd::Box visible = this->VisibleBounds();
+  if (glm::any(glm::lessThanEqual(visible.Max, visible.Min)))
+  {
+    return region;
+  }
   const ffd::CameraView camera =
     ffd::MakeCameraView(renderer, viewport, glm::ivec2(0), viewport, 1.0);
   const glm::dmat4 toNdc = camera.WorldToNdc * ffd::ToMatrix(volume->GetMatrix());
@@ -461,9 +484,8 @@ ImageRegion vtkFFDInverseRayVolumeMapper::vtkInternals::FindRegion(
   bool behind = false;
   for (int corner = 0; corner < 8; ++corner)
   {
-    const glm::dvec3 p((corner & 1 ? this->DeformedBounds.Max : this->DeformedBounds.Min).x,
-      (corner & 2 ? this->DeformedBounds.Max : this->DeformedBounds.Min).y,
-      (corner & 4 ? this->DeformedBounds.Max : this->DeformedBounds.Min).z);
+    const glm::dvec3 p((corner & 1 ? visible.Max : visible.Min).x,
+      (corner & 2 ? visible.Max : visible.Min).y, (corner & 4 ? visible.Max : visible.Min).z);
     const glm::dvec4 clip = toNdc * glm::dvec4(p, 1.0);
     // Behind the near plane the projection means nothing.
     behind = behind || !(clip.w > 0.0) || !(clip.z >= -clip.w);
@@ -480,6 +502,11 @@ ImageRegion vtkFFDInverseRayVolumeMapper::vtkInternals::FindRegion(
   const glm::dvec2 first = glm::floor(0.5 * (glm::clamp(lo, -1.0, 1.0) + 1.0) * size);
   const glm::dvec2 last = glm::ceil(0.5 * (glm::clamp(hi, -1.0, 1.0) + 1.0) * size);
   region.Origin = glm::ivec2(first);
+  if (this->Self->HasClipBox)
+  {
+    // Tiles share evaluations: with the same tiles the samples of all boxes are on one grid.
+    region.Origin -= region.Origin % ffd::RayCaster::TileSize;
+  }
   region.Rays = glm::ivec2(last) - region.Origin;
   return region;
 }
@@ -498,7 +525,7 @@ ffd::CastScene vtkFFDInverseRayVolumeMapper::vtkInternals::MakeScene(vtkRenderer
   scene.Distances = &this->Distances;
   scene.Map = &this->Map;
   scene.Bounds = &this->SpaceBounds;
-  scene.DeformedBounds = this->DeformedBounds;
+  scene.DeformedBounds = this->VisibleBounds();
   scene.DataToWorld = ffd::ToMatrix(volume->GetMatrix());
   scene.WorldToData = glm::inverse(scene.DataToWorld);
   scene.Material = ffd::MakeShading(renderer, property);
@@ -576,7 +603,8 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
 
 //------------------------------------------------------------------------------
 vtkFFDInverseRayVolumeMapper::vtkFFDInverseRayVolumeMapper()
-  : Internals(new vtkInternals(this))
+  : ClipBox{ -Infinity, Infinity, -Infinity, Infinity, -Infinity, Infinity }
+  , Internals(new vtkInternals(this))
 {
 }
 
@@ -713,6 +741,76 @@ void vtkFFDInverseRayVolumeMapper::SetMaximumImageSampleDistance(double pixels)
 }
 
 //------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetClipBox(
+  double xmin, double xmax, double ymin, double ymax, double zmin, double zmax)
+{
+  const double box[6] = { xmin, xmax, ymin, ymax, zmin, zmax };
+  this->SetClipBox(box);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetClipBox(const double box[6])
+{
+  for (int a = 0; a < 3; ++a)
+  {
+    if (!(box[2 * a] <= box[2 * a + 1]))
+    {
+      vtkErrorMacro(<< "ClipBox: the limits " << box[2 * a] << ", " << box[2 * a + 1]
+                    << " of axis " << a
+                    << " are inverted or not a number. Give (xmin, xmax, ymin, ymax, zmin, zmax); "
+                       "the clip box stays as it was.");
+      return;
+    }
+  }
+  if (!this->HasClipBox || !std::equal(box, box + 6, this->ClipBox))
+  {
+    std::copy_n(box, 6, this->ClipBox);
+    this->HasClipBox = true;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::GetClipBox(double box[6]) const
+{
+  std::copy_n(this->ClipBox, 6, box);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::RemoveClipBox()
+{
+  if (this->HasClipBox)
+  {
+    this->SetClipBox(-Infinity, Infinity, -Infinity, Infinity, -Infinity, Infinity);
+    this->HasClipBox = false;
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetWholeBounds(
+  double xmin, double xmax, double ymin, double ymax, double zmin, double zmax)
+{
+  const double bounds[6] = { xmin, xmax, ymin, ymax, zmin, zmax };
+  this->SetWholeBounds(bounds);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetWholeBounds(const double bounds[6])
+{
+  if (!std::all_of(bounds, bounds + 6, [](double b) { return std::isfinite(b); }))
+  {
+    vtkErrorMacro(<< "WholeBounds must be finite: (xmin, xmax, ymin, ymax, zmin, zmax), or "
+                     "uninitialized (1, -1, 1, -1, 1, -1). They stay as they were.");
+    return;
+  }
+  if (!std::equal(bounds, bounds + 6, this->WholeBounds))
+  {
+    std::copy_n(bounds, 6, this->WholeBounds);
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
 const char* vtkFFDInverseRayVolumeMapper::GetInverseModeAsString() const
 {
   static const char* const names[] = { "FIRST_ORDER", "EXACT", "PULL_BACK" };
@@ -780,6 +878,11 @@ double* vtkFFDInverseRayVolumeMapper::GetBounds()
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
 {
+  if (renderer->GetSelector())
+  {
+    // Colours are identifiers then. The volume has no cells to select and hides none.
+    return;
+  }
   vtkInternals& in = *this->Internals;
   std::string message = in.FindUnsupported(volume->GetProperty());
   if (!message.empty())
@@ -1082,6 +1185,12 @@ void vtkFFDInverseRayVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "MaximumImageSampleDistance: " << this->MaximumImageSampleDistance << "\n";
   os << indent << "AutoAdjustSampleDistances: " << this->AutoAdjustSampleDistances << "\n";
   os << indent << "IntermixIntersectingGeometry: " << this->IntermixIntersectingGeometry << "\n";
+  os << indent << "WholeBounds: " << this->WholeBounds[0] << ", " << this->WholeBounds[1] << ", "
+     << this->WholeBounds[2] << ", " << this->WholeBounds[3] << ", " << this->WholeBounds[4] << ", "
+     << this->WholeBounds[5] << "\n";
+  os << indent << "ClipBox: " << this->ClipBox[0] << ", " << this->ClipBox[1] << ", "
+     << this->ClipBox[2] << ", " << this->ClipBox[3] << ", " << this->ClipBox[4] << ", "
+     << this->ClipBox[5] << "\n";
   os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
   os << indent << "ReferenceKernels: " << this->ReferenceKernels << "\n";
   os << indent << "CollectStatistics: " << this->CollectStatistics << "\n";

@@ -285,6 +285,31 @@ public:
 
   ///@{
   /**
+   * A box of deformed space, data coordinates (xmin, xmax, ymin, ymax, zmin, zmax), that the rays
+   * are cut to. The samples stay where they are without it: each belongs to one of two boxes that
+   * share a face, so that pictures of the boxes of a partition, blended in their order, are the
+   * picture of the whole. For parallel rendering, where a process may hold only the part of the
+   * volume that its box is pulled back to. Limits may be infinite, not NaN. Default: all of space.
+   */
+  void SetClipBox(const double box[6]);
+  void SetClipBox(double xmin, double xmax, double ymin, double ymax, double zmin, double zmax);
+  void GetClipBox(double box[6]) const;
+  void RemoveClipBox();
+  ///@}
+
+  ///@{
+  /**
+   * Bounds of the whole volume at rest, data coordinates, when the input is a part of it: the one
+   * that ClipBox needs. Then the same pieces of rays are sampled as with the whole, and GetBounds()
+   * are those of the whole. Default: none (uninitialized bounds), the input is all there is.
+   */
+  void SetWholeBounds(const double bounds[6]);
+  void SetWholeBounds(double xmin, double xmax, double ymin, double ymax, double zmin, double zmax);
+  vtkGetVector6Macro(WholeBounds, double);
+  ///@}
+
+  ///@{
+  /**
    * Number of threads, up to 1024; 0, the default, means as many as vtkSMPTools uses. The image is
    * the same, bit by bit, with any number.
    */
@@ -402,6 +427,9 @@ private:
   double MaximumImageSampleDistance = 10.0;
   vtkTypeBool AutoAdjustSampleDistances = 1;
   vtkTypeBool IntermixIntersectingGeometry = 1;
+  double ClipBox[6]; // all of space: infinite limits
+  bool HasClipBox = false;
+  double WholeBounds[6] = { 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 };
   int NumberOfThreads = 0;
   vtkTypeBool ReferenceKernels = 0;
   vtkTypeBool CollectStatistics = 0;

@@ -10,6 +10,7 @@
 #
 # FFD_PRESET in the environment chooses the preset of CMakePresets.json: release (default), debug,
 # strict, asan-ubsan or tsan. FFD_JOBS is the number of parallel compilers (default: processors).
+# The release preset builds and tests the ParaView plugin as well; FFD_PARAVIEW=0 leaves it out.
 set -euo pipefail
 
 case "${1:-}" in
@@ -19,9 +20,19 @@ esac
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 preset="${FFD_PRESET:-release}"
 
-Module/CMake/setup-debian.sh
+setup=()
+options=()
+if [ "$preset" = release ]; then
+  if [ "${FFD_PARAVIEW:-1}" = 0 ]; then
+    options=(-D FFD_BUILD_PARAVIEW_PLUGIN=OFF)
+  else
+    setup=(--paraview)
+    options=(-D FFD_BUILD_PARAVIEW_PLUGIN=ON)
+  fi
+fi
+Module/CMake/setup-debian.sh "${setup[@]}"
 echo "run-tests: configuring and building (preset $preset)"
-cmake --preset "$preset"
+cmake --preset "$preset" "${options[@]}"
 cmake --build --preset "$preset" --parallel "${FFD_JOBS:-$(nproc)}"
 echo "run-tests: testing under Xvfb with Mesa's software rasteriser"
 exec Module/CMake/with-xvfb.sh ctest --preset "$preset" --output-on-failure --no-tests=error "$@"

@@ -8,6 +8,7 @@ include(CTest)
 option(BUILD_SHARED_LIBS "Build shared libraries" ON)
 option(FFD_WRAP_PYTHON "Build the Python package vtkffd" ON)
 option(FFD_BUILD_EXAMPLES "Build the example programs" ON)
+option(FFD_BUILD_PARAVIEW_PLUGIN "Build the ParaView plugin FFDVolume, against ParaView's own VTK" OFF)
 option(FFD_USE_CCACHE "Compile through ccache where it is installed" ON)
 option(FFD_STRICT_WARNINGS "Turn on many warnings and treat them as errors" OFF)
 set(FFD_SANITIZERS "" CACHE STRING "Sanitizers to build with, comma separated (address,undefined or thread)")
@@ -69,7 +70,7 @@ endif ()
 function (ffd_configure_module module)
   vtk_module_definitions("${module}" PRIVATE FFD_BUILDING_KERNELS)
   vtk_module_include("${module}" PRIVATE
-    "${CMAKE_SOURCE_DIR}/Module/Kernels"
+    "${FFD_SOURCE_DIR}/Module/Kernels"
     "${CMAKE_CURRENT_SOURCE_DIR}/Kernels")
   vtk_module_link("${module}" PRIVATE $<BUILD_INTERFACE:ffd_build_flags>)
 endfunction ()

@@ -5,8 +5,9 @@
 # Install the Debian 12 packages that vtkFFD is built and tested with. Packages that are there
 # already are left alone, so a second run only looks and ends in a moment.
 #
-# usage: Module/CMake/setup-debian.sh [--list | --help]
-#   --list  print the packages and stop
+# usage: Module/CMake/setup-debian.sh [--paraview] [--list | --help]
+#   --paraview  those of the ParaView plugin, too
+#   --list      print the packages and stop
 #
 # FFD_SKIP_SETUP=1 in the environment skips the check: for systems that have the same
 # dependencies by other means.
@@ -28,6 +29,16 @@ packages=(
 say() { printf 'setup: %s\n' "$*"; }
 die() { printf 'setup: %s\n' "$@" >&2; exit 1; }
 
+if [ "${1:-}" = --paraview ]; then
+  shift
+  # ParaView 5.11, Qt for the plugin's panel, and MPI's launcher for parallel servers. What else the
+  # plugin needs cannot be installed next to python3-vtk9: setup-paraview.sh.
+  packages+=(
+    paraview paraview-dev
+    qtbase5-dev qttools5-dev libqt5svg5-dev libqt5opengl5-dev
+    openmpi-bin
+  )
+fi
 case "${1:-}" in
   --list) printf '%s\n' "${packages[@]}"; exit 0 ;;
   --help | -h) sed -n '/^# Install/,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"; exit 0 ;;

@@ -1,0 +1,430 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDEditLattice.h"
+
+#include "vtkFFDLattice.h"
+#include "vtkFFDLatticeSource.h"
+
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationDataObjectMetaDataKey.h"
+#include "vtkInformationVector.h"
+#include "vtkObjectFactory.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+
+#include <algorithm>
+#include <cmath>
+
+vtkStandardNewMacro(vtkFFDEditLattice);
+
+vtkInformationKeyMacro(vtkFFDEditLattice, LATTICE, DataObjectMetaData);
+
+namespace
+{
+
+constexpr int SmallestSize = 4;
+constexpr int LargestSize = 64;
+
+/// sum += other, of two lattices of the same size.
+void AddDisplacements(vtkFFDLattice* sum, vtkFFDLattice* other)
+{
+  vtkDoubleArray* to = sum->GetDisplacements();
+  vtkDoubleArray* from = other->GetDisplacements();
+  for (vtkIdType i = 0; i < to->GetNumberOfValues(); ++i)
+  {
+    to->SetValue(i, to->GetValue(i) + from->GetValue(i));
+  }
+  sum->Modified();
+}
+
+/// Origin, spacing, direction and whole extent of the image that an information announces.
+void GetWholeGeometry(vtkInformation* info, vtkImageData* geometry)
+{
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
+  if (info->Has(Pipeline::WHOLE_EXTENT()))
+  {
+    geometry->SetExtent(info->Get(Pipeline::WHOLE_EXTENT()));
+  }
+  if (info->Has(vtkDataObject::ORIGIN()))
+  {
+    geometry->SetOrigin(info->Get(vtkDataObject::ORIGIN()));
+  }
+  if (info->Has(vtkDataObject::SPACING()))
+  {
+    geometry->SetSpacing(info->Get(vtkDataObject::SPACING()));
+  }
+  if (info->Has(vtkDataObject::DIRECTION()))
+  {
+    geometry->SetDirectionMatrix(info->Get(vtkDataObject::DIRECTION()));
+  }
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+vtkFFDEditLattice::vtkFFDEditLattice() = default;
+
+//------------------------------------------------------------------------------
+vtkFFDEditLattice::~vtkFFDEditLattice() = default;
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLattice::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "Dimensions: " << this->Dimensions[0] << ", " << this->Dimensions[1] << ", "
+     << this->Dimensions[2] << "\n";
+  os << indent << "Padding: " << this->Padding << "\n";
+  os << indent << "UseInputLattice: " << this->UseInputLattice << "\n";
+  os << indent << "Shape: " << this->Shape << "\n";
+  os << indent << "Strength: " << this->Strength << "\n";
+  os << indent << "Seed: " << this->Seed << "\n";
+  os << indent << "BorderMode: " << this->BorderMode << "\n";
+  os << indent << "DisplacementScale: " << this->DisplacementScale << "\n";
+  os << indent << "NumberOfDisplacements: " << this->GetNumberOfDisplacements() << "\n";
+  os << indent << "EditDimensions: " << this->EditDimensions[0] << ", " << this->EditDimensions[1]
+     << ", " << this->EditDimensions[2] << "\n";
+  os << indent << "Lattice:\n";
+  this->Lattice->PrintSelf(os, indent.GetNextIndent());
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDEditLattice::SetFinite(const char* name, double& member, double value)
+{
+  if (!std::isfinite(value))
+  {
+    vtkErrorMacro(<< name << " is " << value << ", it must be a finite number; it stays " << member
+                  << ".");
+    return false;
+  }
+  if (member != value)
+  {
+    member = value;
+    this->Modified();
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDEditLattice::SetSizes(
+  const char* name, int member[3], const int sizes[3], bool zeroAllowed)
+{
+  const bool none = zeroAllowed && sizes[0] == 0 && sizes[1] == 0 && sizes[2] == 0;
+  for (int a = 0; a < 3; ++a)
+  {
+    if (!none && (sizes[a] < SmallestSize || sizes[a] > LargestSize))
+    {
+      vtkErrorMacro(<< name << " is " << sizes[0] << ", " << sizes[1] << ", " << sizes[2]
+                    << "; each must be from " << SmallestSize << " to " << LargestSize
+                    << ". It stays " << member[0] << ", " << member[1] << ", " << member[2] << ".");
+      return false;
+    }
+  }
+  if (!std::equal(sizes, sizes + 3, member))
+  {
+    std::copy_n(sizes, 3, member);
+    this->Modified();
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLattice::SetDimensions(int nx, int ny, int nz)
+{
+  const int sizes[3] = { nx, ny, nz };
+  this->SetDimensions(sizes);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLattice::SetDimensions(const int dimensions[3])
+{
+  this->SetSizes("Dimensions", this->Dimensions, dimensions, false);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLattice::SetEditDimensions(int nx, int ny, int nz)
+{
+  const int sizes[3] = { nx, ny, nz };
+  this->SetEditDimensions(sizes);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLattice::SetEditDimensions(const int dimensions[3])
+{
+  this->SetSizes("EditDimensions", this->EditDimensions, dimensions, true);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLattice::SetPadding(double padding)
+{
+  if (padding < 0.0 || padding > 10.0)
+  {
+    vtkErrorMacro(<< "Padding is " << padding << ", it must be from 0 to 10; it stays "
+                  << this->Padding << ".");
+    return;
+  }
+  this->SetFinite("Padding", this->Padding, padding);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLattice::SetShape(int shape)
+{
+  if (shape < vtkFFDLatticeSource::IDENTITY || shape > vtkFFDLatticeSource::RANDOM)
+  {
+    vtkErrorMacro(<< "Shape is " << shape << "; give one of vtkFFDLatticeSource, IDENTITY (0) to "
+                  << "RANDOM (" << vtkFFDLatticeSource::RANDOM << "). It stays " << this->Shape
+                  << ".");
+    return;
+  }
+  if (this->Shape != shape)
+  {
+    this->Shape = shape;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLattice::SetStrength(double strength)
+{
+  this->SetFinite("Strength", this->Strength, strength);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLattice::SetDisplacementScale(double scale)
+{
+  this->SetFinite("DisplacementScale", this->DisplacementScale, scale);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLattice::SetNumberOfDisplacements(int count)
+{
+  constexpr int largest = LargestSize * LargestSize * LargestSize;
+  if (count < 0 || count > largest)
+  {
+    vtkErrorMacro(<< "NumberOfDisplacements is " << count << ", it must be from 0 to " << largest
+                  << "; it stays " << this->GetNumberOfDisplacements() << ".");
+    return;
+  }
+  if (count != this->GetNumberOfDisplacements())
+  {
+    this->Displacements.resize(3 * static_cast<std::size_t>(count), 0.0);
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDEditLattice::GetNumberOfDisplacements() const
+{
+  return static_cast<int>(this->Displacements.size() / 3);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLattice::SetDisplacement(int index, double dx, double dy, double dz)
+{
+  if (index < 0 || index >= this->GetNumberOfDisplacements())
+  {
+    vtkErrorMacro(<< "There is no displacement " << index << ": there are "
+                  << this->GetNumberOfDisplacements()
+                  << ". Call SetNumberOfDisplacements() first.");
+    return;
+  }
+  if (!std::isfinite(dx) || !std::isfinite(dy) || !std::isfinite(dz))
+  {
+    vtkErrorMacro(<< "Displacement " << index << " is (" << dx << ", " << dy << ", " << dz
+                  << "), it must be finite; it stays as it was.");
+    return;
+  }
+  double* d = &this->Displacements[3 * static_cast<std::size_t>(index)];
+  if (d[0] != dx || d[1] != dy || d[2] != dz)
+  {
+    d[0] = dx;
+    d[1] = dy;
+    d[2] = dz;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLattice::GetDisplacement(int index, double displacement[3]) const
+{
+  std::fill_n(displacement, 3, 0.0);
+  if (index >= 0 && index < this->GetNumberOfDisplacements())
+  {
+    std::copy_n(&this->Displacements[3 * static_cast<std::size_t>(index)], 3, displacement);
+  }
+}
+
+//------------------------------------------------------------------------------
+vtkFFDLattice* vtkFFDEditLattice::GetLattice()
+{
+  return this->Lattice;
+}
+
+//------------------------------------------------------------------------------
+int* vtkFFDEditLattice::GetLatticeDimensions()
+{
+  return this->Lattice->GetDimensions();
+}
+
+//------------------------------------------------------------------------------
+double* vtkFFDEditLattice::GetLatticeDomain()
+{
+  return this->Lattice->GetDomain();
+}
+
+//------------------------------------------------------------------------------
+double vtkFFDEditLattice::GetMinimumJacobianBound()
+{
+  return this->Lattice->GetMinimumJacobianBound();
+}
+
+//------------------------------------------------------------------------------
+/// Set Lattice, for an image of the geometry that `geometry` has. Returns false when there is none.
+bool vtkFFDEditLattice::MakeLattice(
+  vtkImageData* geometry, vtkFFDLattice* inputLattice, bool report)
+{
+  vtkNew<vtkFFDLattice> made;
+  if (inputLattice && this->UseInputLattice)
+  {
+    made->DeepCopy(inputLattice);
+  }
+  else
+  {
+    double bounds[6];
+    geometry->GetBounds(bounds);
+    if (!(bounds[0] <= bounds[1] && bounds[2] <= bounds[3] && bounds[4] <= bounds[5]) ||
+      !(bounds[0] < bounds[1] || bounds[2] < bounds[3] || bounds[4] < bounds[5]))
+    {
+      return false;
+    }
+    made->FitToBounds(bounds, this->Padding);
+    made->SetBorderMode(this->BorderMode);
+  }
+  made->SetDimensions(this->Dimensions);
+
+  if (this->Shape != vtkFFDLatticeSource::IDENTITY)
+  {
+    vtkNew<vtkFFDLattice> shape;
+    shape->DeepCopy(made);
+    vtkFFDLatticeSource::ApplyShape(shape, this->Shape, this->Strength, this->Seed);
+    AddDisplacements(made, shape);
+  }
+
+  const int* sizes = this->EditDimensions[0] > 0 ? this->EditDimensions : this->Dimensions;
+  const int needed = sizes[0] * sizes[1] * sizes[2];
+  if (this->GetNumberOfDisplacements() == needed)
+  {
+    vtkNew<vtkFFDLattice> edits;
+    edits->DeepCopy(made);
+    edits->Reset();
+    edits->SetDimensions(sizes);
+    std::copy(this->Displacements.begin(), this->Displacements.end(),
+      edits->GetDisplacements()->GetPointer(0));
+    edits->Modified();
+    edits->SetDimensions(this->Dimensions);
+    AddDisplacements(made, edits);
+  }
+  else if (this->GetNumberOfDisplacements() != 0 && report)
+  {
+    vtkErrorMacro(<< "There are " << this->GetNumberOfDisplacements()
+                  << " displacements, but a lattice of " << sizes[0] << " x " << sizes[1] << " x "
+                  << sizes[2] << " control points has " << needed
+                  << ". They are not used. Give as many, none, or set EditDimensions to the size "
+                     "of the lattice that they are meant for.");
+  }
+  made->SetDisplacementScale(made->GetDisplacementScale() * this->DisplacementScale);
+  // Times say whether a lattice changed: this one does only when its values do.
+  this->Lattice->DeepCopy(made);
+  return true;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDEditLattice::RequestInformation(
+  vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs)
+{
+  if (!this->Superclass::RequestInformation(request, inputs, outputs))
+  {
+    return 0;
+  }
+  vtkInformation* in = inputs[0]->GetInformationObject(0);
+  vtkInformation* out = outputs->GetInformationObject(0);
+  out->Remove(LATTICE());
+  if (!in || !in->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
+  {
+    return 1;
+  }
+  vtkNew<vtkFFDLattice> upstream;
+  vtkImageData* points = vtkImageData::SafeDownCast(in->Get(LATTICE()));
+  const bool known = points && upstream->FromImageData(points);
+  // A lattice that only the data has is not known yet.
+  vtkImageData* data = vtkImageData::SafeDownCast(in->Get(vtkDataObject::DATA_OBJECT()));
+  if (!known && this->UseInputLattice && data && vtkFFDLattice::HasLattice(data))
+  {
+    return 1;
+  }
+  vtkNew<vtkImageData> geometry;
+  GetWholeGeometry(in, geometry);
+  if (this->MakeLattice(geometry, known ? upstream.GetPointer() : nullptr, false))
+  {
+    vtkNew<vtkImageData> image;
+    this->Lattice->ToImageData(image);
+    out->Set(LATTICE(), image);
+  }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDEditLattice::RequestData(
+  vtkInformation*, vtkInformationVector** inputs, vtkInformationVector* outputs)
+{
+  vtkImageData* input = vtkImageData::GetData(inputs[0]);
+  vtkImageData* output = vtkImageData::GetData(outputs);
+  if (!input || !output)
+  {
+    vtkErrorMacro("There is no image to deform. Connect a vtkImageData to the input.");
+    return 0;
+  }
+  output->ShallowCopy(input);
+  // Field data of our own, so that the lattice is not attached to the input, too.
+  vtkNew<vtkFieldData> fields;
+  if (input->GetFieldData())
+  {
+    fields->PassData(input->GetFieldData());
+  }
+  output->SetFieldData(fields);
+
+  // The image may be a part of the whole; the lattice is that of the whole.
+  vtkInformation* info = inputs[0]->GetInformationObject(0);
+  vtkNew<vtkImageData> geometry;
+  GetWholeGeometry(info, geometry);
+  if (input->GetNumberOfPoints() > 0)
+  {
+    geometry->SetOrigin(input->GetOrigin());
+    geometry->SetSpacing(input->GetSpacing());
+    geometry->SetDirectionMatrix(input->GetDirectionMatrix());
+    if (!info->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
+    {
+      geometry->SetExtent(input->GetExtent());
+    }
+  }
+  vtkNew<vtkFFDLattice> attached;
+  vtkFFDLattice* inputLattice = nullptr;
+  if (this->UseInputLattice && vtkFFDLattice::HasLattice(input))
+  {
+    if (!attached->ReadFrom(input))
+    {
+      return 0;
+    }
+    inputLattice = attached;
+  }
+  if (!this->MakeLattice(geometry, inputLattice, true))
+  {
+    if (input->GetNumberOfPoints() > 0)
+    {
+      vtkErrorMacro("The image has no extent along any axis, it passes through without a lattice.");
+    }
+    return 1;
+  }
+  return this->Lattice->AttachTo(output);
+}

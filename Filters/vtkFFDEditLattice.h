@@ -1,0 +1,195 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkFFDEditLattice
+ * @brief   attach a lattice to image data whose shape is given by plain values
+ *
+ * For applications that describe a pipeline by values alone, as ParaView does: everything that
+ * defines the lattice is a number or an array of numbers, so that it can be saved in state files,
+ * sent to servers and animated. The output is the input image, its arrays shared and not copied,
+ * with the lattice in its field data (vtkFFDLattice::AttachTo()); what was attached before is
+ * replaced.
+ *
+ * The displacements of the control points are the sum of
+ * - those of the lattice attached to the input, if there is one and UseInputLattice is on. The
+ *   domain is then its domain, else that of the whole image enlarged by Padding;
+ * - the Shape, as vtkFFDLatticeSource::ApplyShape();
+ * - the edits, SetDisplacement().
+ * The sum is scaled by DisplacementScale.
+ *
+ * The edits are those of a lattice of EditDimensions control points over the same domain; when
+ * Dimensions differs they are carried over as vtkFFDLattice::SetDimensions() does, exactly where
+ * the cells of one divide those of the other. So a change of the resolution does not lose edits.
+ *
+ * RequestInformation already knows the lattice, and passes it down the pipeline under the key
+ * LATTICE(): parallel consumers find out from it which part of the image they need. If the input
+ * has a lattice in its data only (a file), that is known not before RequestData, and the key is
+ * not set.
+ *
+ * @sa vtkFFDLattice vtkFFDLatticeSource vtkFFDDeformVolume
+ */
+#ifndef vtkFFDEditLattice_h
+#define vtkFFDEditLattice_h
+
+#include "vtkFFDFiltersModule.h" // For export macro
+#include "vtkImageAlgorithm.h"
+#include "vtkNew.h" // for vtkNew
+
+#include <vector> // for std::vector
+
+class vtkFFDLattice;
+class vtkImageData;
+class vtkInformationDataObjectMetaDataKey;
+
+class VTKFFDFILTERS_EXPORT vtkFFDEditLattice : public vtkImageAlgorithm
+{
+public:
+  static vtkFFDEditLattice* New();
+  vtkTypeMacro(vtkFFDEditLattice, vtkImageAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /**
+   * Control points per axis, 4 to 64. Default 6, 6, 6.
+   */
+  void SetDimensions(int nx, int ny, int nz);
+  void SetDimensions(const int dimensions[3]);
+  vtkGetVector3Macro(Dimensions, int);
+  ///@}
+
+  ///@{
+  /**
+   * What the bounds of the image are enlarged by on each side, as a fraction of the extent, 0 to
+   * 10. Default 0. Not used with a lattice of the input.
+   */
+  void SetPadding(double padding);
+  vtkGetMacro(Padding, double);
+  ///@}
+
+  ///@{
+  /**
+   * Whether the lattice attached to the input is where the new one starts from. Default on.
+   */
+  vtkSetMacro(UseInputLattice, vtkTypeBool);
+  vtkGetMacro(UseInputLattice, vtkTypeBool);
+  vtkBooleanMacro(UseInputLattice, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
+   * One of vtkFFDLatticeSource::ShapeType. Default IDENTITY.
+   */
+  void SetShape(int shape);
+  vtkGetMacro(Shape, int);
+  ///@}
+
+  ///@{
+  /**
+   * Strength of the shape, finite. Default 1.
+   */
+  void SetStrength(double strength);
+  vtkGetMacro(Strength, double);
+  ///@}
+
+  ///@{
+  /**
+   * Seed of the shape RANDOM, 1 to 2147483646. Default 1.
+   */
+  vtkSetClampMacro(Seed, int, 1, 2147483646);
+  vtkGetMacro(Seed, int);
+  ///@}
+
+  ///@{
+  /**
+   * Border mode of the lattice: VTK_BSPLINE_EDGE (default), _ZERO, _ZERO_AT_BORDER. Not used with
+   * a lattice of the input.
+   */
+  vtkSetClampMacro(BorderMode, int, 0, 2);
+  vtkGetMacro(BorderMode, int);
+  ///@}
+
+  ///@{
+  /**
+   * Factor on the deformation as a whole, finite: 0 is none. Default 1.
+   */
+  void SetDisplacementScale(double scale);
+  vtkGetMacro(DisplacementScale, double);
+  ///@}
+
+  ///@{
+  /**
+   * Edits: displacement of control point `index` = i + nx * (j + ny * k), data units, nx and ny of
+   * EditDimensions. As many are needed as that has control points, or none at all (default);
+   * another number is an error when the filter executes, and the edits are not used. Displacements
+   * that are not finite are refused.
+   */
+  void SetNumberOfDisplacements(int count);
+  int GetNumberOfDisplacements() const;
+  void SetDisplacement(int index, double dx, double dy, double dz);
+  void GetDisplacement(int index, double displacement[3]) const;
+  void RemoveAllDisplacements() { this->SetNumberOfDisplacements(0); }
+  ///@}
+
+  ///@{
+  /**
+   * Control points per axis that the edits are meant for, 4 to 64 each, or 0, 0, 0 (default):
+   * those of Dimensions.
+   */
+  void SetEditDimensions(int nx, int ny, int nz);
+  void SetEditDimensions(const int dimensions[3]);
+  vtkGetVector3Macro(EditDimensions, int);
+  ///@}
+
+  /**
+   * The lattice of the last update. It belongs to the filter: edits are overwritten.
+   */
+  vtkFFDLattice* GetLattice();
+
+  ///@{
+  /**
+   * Of the lattice of the last update, for display: the number of control points per axis, the
+   * domain (xmin, xmax, ymin, ...), and a proven lower bound of the local change of volume; zero
+   * or less means that the deformation may fold (vtkFFDLattice::GetMinimumJacobianBound()).
+   */
+  int* GetLatticeDimensions() VTK_SIZEHINT(3);
+  double* GetLatticeDomain() VTK_SIZEHINT(6);
+  double GetMinimumJacobianBound();
+  ///@}
+
+  /**
+   * In the pipeline information of the output: the lattice as vtkFFDLattice::ToImageData() makes
+   * it.
+   */
+  static vtkInformationDataObjectMetaDataKey* LATTICE();
+
+protected:
+  vtkFFDEditLattice();
+  ~vtkFFDEditLattice() override;
+
+  int RequestInformation(
+    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
+  int RequestData(
+    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
+
+private:
+  vtkFFDEditLattice(const vtkFFDEditLattice&) = delete;
+  void operator=(const vtkFFDEditLattice&) = delete;
+
+  bool SetFinite(const char* name, double& member, double value);
+  bool SetSizes(const char* name, int member[3], const int sizes[3], bool zeroAllowed);
+  bool MakeLattice(vtkImageData* geometry, vtkFFDLattice* inputLattice, bool report);
+
+  vtkNew<vtkFFDLattice> Lattice;
+  int Dimensions[3] = { 6, 6, 6 };
+  double Padding = 0.0;
+  vtkTypeBool UseInputLattice = 1;
+  int Shape = 0;
+  double Strength = 1.0;
+  int Seed = 1;
+  int BorderMode = 0;
+  double DisplacementScale = 1.0;
+  std::vector<double> Displacements;
+  int EditDimensions[3] = { 0, 0, 0 };
+};
+
+#endif

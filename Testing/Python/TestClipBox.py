@@ -1,0 +1,194 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""ClipBox: pictures of the boxes of a partition, blended in order, are the picture of the whole;
+no sample is taken twice or left out."""
+
+import os
+import unittest
+
+import numpy as np
+import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+from vtkmodules.vtkCommonCore import vtkLogger
+from vtkmodules.vtkIOXML import vtkXMLImageDataReader
+from vtkmodules.vtkRenderingCore import (vtkColorTransferFunction, vtkRenderer, vtkVolume,
+                                         vtkVolumeProperty)
+
+import vtkffd
+
+SIZE = 96
+
+
+def read(name):
+    reader = vtkXMLImageDataReader()
+    reader.SetFileName(os.path.join(os.environ["FFD_TEST_DATA"], name))
+    reader.Update()
+    return reader.GetOutput()
+
+
+class Scene:
+    def __init__(self, strength, opaque, image=None):
+        self.image = image or read("engine.vti")
+        self.mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+        self.mapper.SetInputData(self.image)
+        self.mapper.CollectStatisticsOn()
+        self.mapper.SetEarlyRayTerminationThreshold(0.0)
+        self.lattice = vtkffd.vtkFFDLattice()
+        self.lattice.SetDimensions(7, 7, 7)
+        self.lattice.FitToBounds(read("engine.vti").GetBounds())
+        vtkffd.vtkFFDLatticeSource.ApplyShape(
+            self.lattice, vtkffd.vtkFFDLatticeSource.TWIST, strength)
+        self.mapper.SetDeformation(self.lattice)
+        opacity = vtkPiecewiseFunction()
+        opacity.AddPoint(60, 0.0)
+        opacity.AddPoint(120, 1.0 if opaque else 0.05)
+        opacity.AddPoint(255, 1.0 if opaque else 0.3)
+        colours = vtkColorTransferFunction()
+        colours.AddRGBPoint(0, 0.2, 0.1, 0.0)
+        colours.AddRGBPoint(255, 1.0, 0.9, 0.5)
+        prop = vtkVolumeProperty()
+        prop.SetColor(colours)
+        prop.SetScalarOpacity(opacity)
+        prop.SetScalarOpacityUnitDistance(2.0)
+        prop.SetInterpolationTypeToLinear()
+        prop.ShadeOn()
+        self.volume = vtkVolume()
+        self.volume.SetMapper(self.mapper)
+        self.volume.SetProperty(prop)
+        self.renderer = vtkRenderer()
+        self.renderer.AddVolume(self.volume)
+        self.renderer.GetActiveCamera().SetPosition(1.0, 0.7, 0.8)
+        self.renderer.ResetCamera()
+
+    def picture(self):
+        """Premultiplied RGBA, 0 to 1, and the number of samples."""
+        colours = vtkImageData()
+        self_ok = self.mapper.RenderToImage(self.renderer, self.volume, SIZE, SIZE, colours)
+        assert self_ok == 1
+        rgba = vtk_to_numpy(colours.GetPointData().GetScalars()).astype(float) / 255.0
+        rgba[:, :3] *= rgba[:, 3:]
+        return rgba, self.mapper.GetStatistics().GetNumberOfSamples()
+
+
+def partition(bounds):
+    """Four boxes of unequal size: x cut once, each half cut in y. Infinite outwards."""
+    x = bounds[0] + 0.43 * (bounds[1] - bounds[0])
+    low = bounds[2] + 0.61 * (bounds[3] - bounds[2])
+    high = bounds[2] + 0.29 * (bounds[3] - bounds[2])
+    inf = float("inf")
+    # Front to back from a camera at large x, y, z: larger x first, then larger y.
+    return [(x, inf, high, inf, -inf, inf), (x, inf, -inf, high, -inf, inf),
+            (-inf, x, low, inf, -inf, inf), (-inf, x, -inf, low, -inf, inf)]
+
+
+class TestClipBox(unittest.TestCase):
+    def check_partition(self, strength, opaque):
+        scene = Scene(strength, opaque)
+        whole, samples = scene.picture()
+        self.assertGreater(samples, 10000)
+        total = 0
+        blended = np.zeros_like(whole)
+        for box in partition(scene.mapper.GetBounds()):
+            scene.mapper.SetClipBox(box)
+            part, count = scene.picture()
+            self.assertGreater(count, 0)
+            self.assertLess(count, samples)
+            total += count
+            blended += (1.0 - blended[:, 3:]) * part
+        # A sample on a shared face may fall on either side by rounding.
+        self.assertLess(abs(total - samples), 1e-4 * samples)
+        difference = np.abs(blended - whole) * 255.0
+        self.assertLessEqual(difference.max(), 5.0)
+        self.assertLess(difference.mean(), 0.25)
+
+    def test_identity_semi_transparent(self):
+        self.check_partition(0.0, False)
+
+    def test_identity_opaque(self):
+        self.check_partition(0.0, True)
+
+    def test_strong_semi_transparent(self):
+        self.check_partition(2.0, False)
+
+    def test_strong_opaque(self):
+        self.check_partition(2.0, True)
+
+    def test_all_and_none(self):
+        scene = Scene(1.0, False)
+        whole, samples = scene.picture()
+        scene.mapper.SetClipBox(-1e6, 1e6, -1e6, 1e6, -1e6, 1e6)
+        same, count = scene.picture()
+        self.assertEqual(count, samples)
+        self.assertTrue(np.array_equal(whole, same))
+        for outside in ((1e5, 1e6, -1e6, 1e6, -1e6, 1e6), (-1e6, 1e6, -1e6, 1e6, -1e6, -1e5)):
+            scene.mapper.SetClipBox(outside)
+            nothing, count = scene.picture()
+            self.assertEqual(count, 0)
+            self.assertEqual(nothing.max(), 0.0)
+        scene.mapper.RemoveClipBox()
+        again, count = scene.picture()
+        self.assertEqual(count, samples)
+
+    def test_part_of_the_volume(self):
+        """A box needs only the voxels that it is pulled back to."""
+        scene = Scene(1.0, False)
+        # Blocks of a part lie elsewhere, so leaps end elsewhere: the samples are compared without.
+        scene.mapper.SetSpaceLeapingToOff()
+        bounds = scene.mapper.GetBounds()
+        middle = 0.5 * (bounds[4] + bounds[5])
+        box = (-1e9, 1e9, -1e9, 1e9, -float("inf"), middle)
+        scene.mapper.SetClipBox(box)
+        wanted, samples = scene.picture()
+        part = vtkImageData()
+        part.DeepCopy(scene.image)
+        inverse = vtkffd.vtkFFDLattice()
+        inverse.DeepCopy(scene.lattice)
+        inverse.Inverse()
+        needed = [0.0] * 6
+        inverse.GetDeformedBounds(list(bounds[:5]) + [middle], needed)
+        extent = list(part.GetExtent())
+        for a in range(3):
+            lower = part.GetOrigin()[a] + extent[2 * a] * part.GetSpacing()[a]
+            first = int(np.floor((needed[2 * a] - lower) / part.GetSpacing()[a])) - 3
+            last = int(np.ceil((needed[2 * a + 1] - lower) / part.GetSpacing()[a])) + 3
+            extent[2 * a] = max(extent[2 * a], first)
+            extent[2 * a + 1] = min(extent[2 * a + 1], last)
+        voxels = part.GetNumberOfPoints()
+        part.Crop(extent)
+        self.assertLess(part.GetNumberOfPoints(), 0.6 * voxels)
+        alone = Scene(1.0, False, part)
+        alone.mapper.SetClipBox(box)
+        alone.mapper.SetWholeBounds(scene.image.GetBounds())
+        self.assertEqual(alone.mapper.GetBounds(), bounds)
+        alone.mapper.SetSpaceLeapingToOff()
+        alone.renderer.GetActiveCamera().DeepCopy(scene.renderer.GetActiveCamera())
+        got, count = alone.picture()
+        self.assertLess(abs(count - samples), 1e-4 * samples)
+        self.assertLessEqual(np.abs(got - wanted).max() * 255.0, 4.0)
+
+    def test_bad_box(self):
+        mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+        mapper.SetClipBox(0, 1, 0, 1, 0, 1)
+        verbosity = vtkLogger.GetCurrentVerbosityCutoff()
+        vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+        for bad in ((1, 0, 0, 1, 0, 1), (0, 1, 0, float("nan"), 0, 1)):
+            errors = []
+            mapper.AddObserver("ErrorEvent", lambda o, e: errors.append(e))
+            mapper.SetClipBox(bad)
+            self.assertEqual(len(errors), 1)
+            mapper.RemoveObservers("ErrorEvent")
+            box = [0.0] * 6
+            mapper.GetClipBox(box)
+            self.assertEqual(box, [0, 1, 0, 1, 0, 1])
+        errors = []
+        mapper.AddObserver("ErrorEvent", lambda o, e: errors.append(e))
+        mapper.SetWholeBounds(0, 1, 0, 1, 0, float("inf"))
+        self.assertEqual(len(errors), 1)
+        self.assertEqual(mapper.GetWholeBounds(), (1, -1, 1, -1, 1, -1))
+        vtkLogger.SetStderrVerbosity(verbosity)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,381 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDVolumeParts.h"
+
+#include "vtkFFDInverseRayVolumeMapper.h"
+#include "vtkFFDLattice.h"
+
+#include "vtkCellData.h"
+#include "vtkDataArray.h"
+#include "vtkFieldData.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkMatrix3x3.h"
+#include "vtkMultiProcessController.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace ffdparts
+{
+namespace
+{
+
+/// Voxels around those that samples lie between: gradients reach one further, tolerances are
+/// fractions of a voxel.
+constexpr double Halo = 3.0;
+
+constexpr int ExchangeTag = 7501;
+
+Bounds UniteBounds(const Bounds& a, const Bounds& b)
+{
+  return { { std::min(a[0], b[0]), std::max(a[1], b[1]), std::min(a[2], b[2]),
+    std::max(a[3], b[3]), std::min(a[4], b[4]), std::max(a[5], b[5]) } };
+}
+
+/// Bounds of 2P - S(P) for P in the box.
+Bounds FindFirstOrderBounds(vtkFFDLattice* lattice, const Bounds& box)
+{
+  Bounds moved;
+  lattice->GetDeformedBounds(box.data(), moved.data());
+  Bounds result;
+  for (int a = 0; a < 3; ++a)
+  {
+    result[2 * a] = 2.0 * box[2 * a] - moved[2 * a + 1];
+    result[2 * a + 1] = 2.0 * box[2 * a + 1] - moved[2 * a];
+  }
+  return result;
+}
+
+Bounds FindRestBounds(vtkFFDLattice* lattice, int inverseMode, const Bounds& box)
+{
+  if (!lattice)
+  {
+    return box;
+  }
+  Bounds rest;
+  switch (inverseMode)
+  {
+    case vtkFFDInverseRayVolumeMapper::FIRST_ORDER:
+      return FindFirstOrderBounds(lattice, box);
+    case vtkFFDInverseRayVolumeMapper::PULL_BACK:
+      lattice->GetDeformedBounds(box.data(), rest.data());
+      return rest;
+    default:
+    {
+      vtkNew<vtkFFDLattice> inverse;
+      inverse->DeepCopy(lattice);
+      inverse->Inverse();
+      inverse->GetDeformedBounds(box.data(), rest.data());
+      // Where the map folds the first-order point may be used.
+      return lattice->IsFoldFree() ? rest : UniteBounds(rest, FindFirstOrderBounds(lattice, box));
+    }
+  }
+}
+
+Extent ToCells(const Extent& e)
+{
+  return { { e[0], std::max(e[0], e[1] - 1), e[2], std::max(e[2], e[3] - 1), e[4],
+    std::max(e[4], e[5] - 1) } };
+}
+
+vtkIdType Count(const Extent& e)
+{
+  return static_cast<vtkIdType>(e[1] - e[0] + 1) * (e[3] - e[2] + 1) * (e[5] - e[4] + 1);
+}
+
+vtkIdType At(const Extent& e, int i, int j, int k)
+{
+  return (i - e[0]) +
+    (e[1] - e[0] + 1) * ((j - e[2]) + static_cast<vtkIdType>(e[3] - e[2] + 1) * (k - e[4]));
+}
+
+/// Copy the tuples of `region` from arrays over the extent `from` to those over `to`.
+void CopyRegion(vtkFieldData* fromArrays, const Extent& from, vtkFieldData* toArrays,
+  const Extent& to, const Extent& region)
+{
+  for (int a = 0; a < fromArrays->GetNumberOfArrays(); ++a)
+  {
+    vtkDataArray* source = fromArrays->GetArray(a);
+    if (!source || !source->GetName() || source->GetNumberOfTuples() != Count(from))
+    {
+      continue;
+    }
+    vtkDataArray* target = toArrays->GetArray(source->GetName());
+    if (!target)
+    {
+      vtkSmartPointer<vtkDataArray> made;
+      made.TakeReference(source->NewInstance());
+      made->SetName(source->GetName());
+      made->SetNumberOfComponents(source->GetNumberOfComponents());
+      made->SetNumberOfTuples(Count(to));
+      made->Fill(0.0);
+      toArrays->AddArray(made);
+      target = made;
+    }
+    if (target->GetNumberOfComponents() != source->GetNumberOfComponents())
+    {
+      continue;
+    }
+    for (int k = region[4]; k <= region[5]; ++k)
+    {
+      for (int j = region[2]; j <= region[3]; ++j)
+      {
+        target->InsertTuples(At(to, region[0], j, k), region[1] - region[0] + 1,
+          At(from, region[0], j, k), source);
+      }
+    }
+  }
+}
+
+void CopyVoxels(vtkImageData* from, const Extent& fromExtent, vtkImageData* to,
+  const Extent& toExtent, const Extent& region)
+{
+  CopyRegion(from->GetPointData(), fromExtent, to->GetPointData(), toExtent, region);
+  CopyRegion(from->GetCellData(), ToCells(fromExtent), to->GetCellData(), ToCells(toExtent),
+    ToCells(region));
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+bool Contains(const Extent& outer, const Extent& inner)
+{
+  return IsEmpty(inner) ||
+    (outer[0] <= inner[0] && inner[1] <= outer[1] && outer[2] <= inner[2] &&
+      inner[3] <= outer[3] && outer[4] <= inner[4] && inner[5] <= outer[5]);
+}
+
+//------------------------------------------------------------------------------
+Extent Intersect(const Extent& a, const Extent& b)
+{
+  const Extent both = { { std::max(a[0], b[0]), std::min(a[1], b[1]), std::max(a[2], b[2]),
+    std::min(a[3], b[3]), std::max(a[4], b[4]), std::min(a[5], b[5]) } };
+  return IsEmpty(both) ? NoExtent : both;
+}
+
+//------------------------------------------------------------------------------
+Grid Grid::FromInformation(vtkInformation* info)
+{
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
+  Grid grid;
+  if (info->Has(Pipeline::WHOLE_EXTENT()))
+  {
+    info->Get(Pipeline::WHOLE_EXTENT(), grid.WholeExtent.data());
+  }
+  if (info->Has(vtkDataObject::ORIGIN()))
+  {
+    info->Get(vtkDataObject::ORIGIN(), grid.Origin.data());
+  }
+  if (info->Has(vtkDataObject::SPACING()))
+  {
+    info->Get(vtkDataObject::SPACING(), grid.Spacing.data());
+  }
+  if (info->Has(vtkDataObject::DIRECTION()))
+  {
+    info->Get(vtkDataObject::DIRECTION(), grid.Direction.data());
+  }
+  return grid;
+}
+
+//------------------------------------------------------------------------------
+Grid Grid::FromImage(vtkImageData* image, const Extent& wholeExtent)
+{
+  Grid grid;
+  grid.WholeExtent = wholeExtent;
+  image->GetOrigin(grid.Origin.data());
+  image->GetSpacing(grid.Spacing.data());
+  std::copy_n(image->GetDirectionMatrix()->GetData(), 9, grid.Direction.begin());
+  return grid;
+}
+
+//------------------------------------------------------------------------------
+void Grid::ApplyTo(vtkImageData* image) const
+{
+  image->SetOrigin(this->Origin.data());
+  image->SetSpacing(this->Spacing.data());
+  image->SetDirectionMatrix(this->Direction.data());
+}
+
+//------------------------------------------------------------------------------
+Bounds Grid::GetBounds() const
+{
+  vtkNew<vtkImageData> image;
+  image->SetExtent(const_cast<int*>(this->WholeExtent.data()));
+  this->ApplyTo(image);
+  Bounds bounds;
+  image->GetBounds(bounds.data());
+  return bounds;
+}
+
+//------------------------------------------------------------------------------
+std::vector<Bounds> CutIntoBoxes(const Bounds& bounds, int count)
+{
+  if (count <= 1)
+  {
+    return { bounds };
+  }
+  int longest = 0;
+  for (int a = 1; a < 3; ++a)
+  {
+    if (bounds[2 * a + 1] - bounds[2 * a] > bounds[2 * longest + 1] - bounds[2 * longest])
+    {
+      longest = a;
+    }
+  }
+  const int lowerCount = count / 2;
+  const double lower = bounds[2 * longest];
+  const double upper = bounds[2 * longest + 1];
+  const double cut = lower + (upper - lower) * lowerCount / count;
+  Bounds first = bounds;
+  Bounds second = bounds;
+  first[2 * longest + 1] = cut;
+  second[2 * longest] = cut;
+  std::vector<Bounds> boxes = CutIntoBoxes(first, lowerCount);
+  const std::vector<Bounds> others = CutIntoBoxes(second, count - lowerCount);
+  boxes.insert(boxes.end(), others.begin(), others.end());
+  return boxes;
+}
+
+//------------------------------------------------------------------------------
+Bounds OpenOutwards(const Bounds& box, const Bounds& whole)
+{
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Bounds open = box;
+  for (int a = 0; a < 3; ++a)
+  {
+    if (box[2 * a] <= whole[2 * a])
+    {
+      open[2 * a] = -infinity;
+    }
+    if (box[2 * a + 1] >= whole[2 * a + 1])
+    {
+      open[2 * a + 1] = infinity;
+    }
+  }
+  return open;
+}
+
+//------------------------------------------------------------------------------
+Bounds FindDeformedBounds(const Grid& grid, vtkFFDLattice* lattice, int inverseMode)
+{
+  const Bounds rest = grid.GetBounds();
+  if (!lattice)
+  {
+    return rest;
+  }
+  // The mapper knows them from bounds and lattice alone: let it see a volume of eight voxels.
+  vtkNew<vtkImageData> corners;
+  corners->SetDimensions(2, 2, 2);
+  corners->SetOrigin(rest[0], rest[2], rest[4]);
+  corners->SetSpacing(rest[1] - rest[0], rest[3] - rest[2], rest[5] - rest[4]);
+  corners->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
+  std::fill_n(static_cast<unsigned char*>(corners->GetScalarPointer()), 8, 0);
+  vtkNew<vtkFFDInverseRayVolumeMapper> mapper;
+  mapper->SetInputData(corners);
+  mapper->SetDeformation(lattice);
+  mapper->SetInverseMode(inverseMode);
+  mapper->SetInverseTolerance(1e-3);
+  Bounds deformed;
+  mapper->GetBounds(deformed.data());
+  return IsEmpty(deformed) ? rest : deformed;
+}
+
+//------------------------------------------------------------------------------
+Extent FindNeededExtent(
+  const Grid& grid, vtkFFDLattice* lattice, int inverseMode, const Bounds& box)
+{
+  if (IsEmpty(box) || IsEmpty(grid.WholeExtent))
+  {
+    return NoExtent;
+  }
+  const Bounds rest = FindRestBounds(lattice, inverseMode, box);
+  vtkNew<vtkImageData> image;
+  grid.ApplyTo(image);
+  double lower[3] = { VTK_DOUBLE_MAX, VTK_DOUBLE_MAX, VTK_DOUBLE_MAX };
+  double upper[3] = { VTK_DOUBLE_MIN, VTK_DOUBLE_MIN, VTK_DOUBLE_MIN };
+  std::fill_n(upper, 3, -VTK_DOUBLE_MAX);
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const double p[3] = { rest[corner & 1], rest[2 + ((corner >> 1) & 1)], rest[4 + (corner >> 2)] };
+    double index[3];
+    image->TransformPhysicalPointToContinuousIndex(p, index);
+    for (int a = 0; a < 3; ++a)
+    {
+      lower[a] = std::min(lower[a], index[a]);
+      upper[a] = std::max(upper[a], index[a]);
+    }
+  }
+  Extent extent;
+  for (int a = 0; a < 3; ++a)
+  {
+    // In this range of integers before the conversion.
+    const double first = grid.WholeExtent[2 * a];
+    const double last = grid.WholeExtent[2 * a + 1];
+    extent[2 * a] =
+      static_cast<int>(std::clamp(std::floor(lower[a] - Halo), first, last + 1.0));
+    extent[2 * a + 1] =
+      static_cast<int>(std::clamp(std::ceil(upper[a] + Halo), first - 1.0, last));
+  }
+  return IsEmpty(extent) ? NoExtent : extent;
+}
+
+//------------------------------------------------------------------------------
+vtkSmartPointer<vtkImageData> ExchangeVoxels(vtkMultiProcessController* controller,
+  const Grid& grid, vtkImageData* image, const std::vector<Extent>& extents,
+  const std::vector<Extent>& needed)
+{
+  const int ranks = controller->GetNumberOfProcesses();
+  const int own = controller->GetLocalProcessId();
+  const Extent& wanted = needed[static_cast<std::size_t>(own)];
+  vtkSmartPointer<vtkImageData> result;
+  if (!IsEmpty(wanted))
+  {
+    result = vtkSmartPointer<vtkImageData>::New();
+    result->SetExtent(const_cast<int*>(wanted.data()));
+    grid.ApplyTo(result);
+  }
+  for (int from = 0; from < ranks; ++from)
+  {
+    const Extent& held = extents[static_cast<std::size_t>(from)];
+    for (int to = 0; to < ranks; ++to)
+    {
+      const Extent region = Intersect(held, needed[static_cast<std::size_t>(to)]);
+      // Who has all that it needs is not sent any of it.
+      if (IsEmpty(region) ||
+        (from != to &&
+          Contains(extents[static_cast<std::size_t>(to)], needed[static_cast<std::size_t>(to)])))
+      {
+        continue;
+      }
+      if (from == own && to == own)
+      {
+        CopyVoxels(image, held, result, wanted, region);
+      }
+      else if (from == own)
+      {
+        vtkNew<vtkImageData> part;
+        part->ShallowCopy(image);
+        part->GetFieldData()->Initialize();
+        part->Crop(region.data());
+        controller->Send(part.GetPointer(), to, ExchangeTag);
+      }
+      else if (to == own)
+      {
+        vtkSmartPointer<vtkDataObject> received;
+        received.TakeReference(controller->ReceiveDataObject(from, ExchangeTag));
+        if (vtkImageData* part = vtkImageData::SafeDownCast(received))
+        {
+          CopyVoxels(part, region, result, wanted, region);
+        }
+      }
+    }
+  }
+  return result;
+}
+
+} // namespace ffdparts

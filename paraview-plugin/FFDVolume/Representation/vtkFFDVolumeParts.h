@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @file vtkFFDVolumeParts.h
+ * How several processes share the rendering of one deformed volume. Private to this module.
+ *
+ * Boxes of *deformed* space are shared out, one a process, and each renders the parts of the rays
+ * in its box: boxes can be put in order for any camera, which deformed pieces of the volume
+ * cannot. For its box a process needs the voxels that the box is pulled back to, which the control
+ * points bound.
+ */
+#ifndef vtkFFDVolumeParts_h
+#define vtkFFDVolumeParts_h
+
+#include "vtkSmartPointer.h"
+
+#include <array>
+#include <vector>
+
+class vtkFFDLattice;
+class vtkImageData;
+class vtkInformation;
+class vtkMultiProcessController;
+
+namespace ffdparts
+{
+
+using Bounds = std::array<double, 6>;
+using Extent = std::array<int, 6>;
+
+/// No voxel, no place.
+constexpr Extent NoExtent = { 0, -1, 0, -1, 0, -1 };
+constexpr Bounds NoBounds = { 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 };
+
+inline bool IsEmpty(const Extent& e)
+{
+  return e[0] > e[1] || e[2] > e[3] || e[4] > e[5];
+}
+inline bool IsEmpty(const Bounds& b)
+{
+  return !(b[0] <= b[1] && b[2] <= b[3] && b[4] <= b[5]);
+}
+bool Contains(const Extent& outer, const Extent& inner);
+Extent Intersect(const Extent& a, const Extent& b);
+
+/// The whole image, of which a process may hold a part: extent, origin, spacing, direction.
+struct Grid
+{
+  Extent WholeExtent = NoExtent;
+  std::array<double, 3> Origin{ { 0.0, 0.0, 0.0 } };
+  std::array<double, 3> Spacing{ { 1.0, 1.0, 1.0 } };
+  std::array<double, 9> Direction{ { 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0 } };
+
+  /// As pipeline information announces it.
+  static Grid FromInformation(vtkInformation* information);
+  static Grid FromImage(vtkImageData* image, const Extent& wholeExtent);
+  void ApplyTo(vtkImageData* image) const; ///< origin, spacing, direction
+  Bounds GetBounds() const;                ///< of the whole, data coordinates
+};
+
+/**
+ * Cut `bounds` into `count` boxes that fill it, by halving the longest side again and again; with
+ * a number that is no power of two the sides are cut in proportion.
+ */
+std::vector<Bounds> CutIntoBoxes(const Bounds& bounds, int count);
+
+/// The box with the faces that it shares with `whole` moved to infinity.
+Bounds OpenOutwards(const Bounds& box, const Bounds& whole);
+
+/// Bounds of the image `grid` deformed by `lattice` (may be null): InverseMode as the mapper's.
+Bounds FindDeformedBounds(const Grid& grid, vtkFFDLattice* lattice, int inverseMode);
+
+/**
+ * The voxels that are sampled, with their neighbours, where rays are in `box`. Empty when the box
+ * is pulled back to none.
+ */
+Extent FindNeededExtent(
+  const Grid& grid, vtkFFDLattice* lattice, int inverseMode, const Bounds& box);
+
+/**
+ * Bring each process the voxels that it needs. `image` is what this process has (may be null),
+ * `extents` what each has, `needed` what each needs, both for all processes and the same on all of
+ * them. Returns an image of needed[own process] with all arrays, zero where no process has a voxel;
+ * null when nothing is needed. To be called on all processes.
+ */
+vtkSmartPointer<vtkImageData> ExchangeVoxels(vtkMultiProcessController* controller,
+  const Grid& grid, vtkImageData* image, const std::vector<Extent>& extents,
+  const std::vector<Extent>& needed);
+
+} // namespace ffdparts
+
+#endif

@@ -1,0 +1,833 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDVolumeRepresentation.h"
+
+#include "vtkFFDEditLattice.h"
+#include "vtkFFDInverseRayVolumeMapper.h"
+#include "vtkFFDLattice.h"
+#include "vtkFFDVolumeParts.h"
+
+#include "vtkAlgorithm.h"
+#include "vtkAlgorithmOutput.h"
+#include "vtkCellData.h"
+#include "vtkCellDataToPointData.h"
+#include "vtkColorTransferFunction.h"
+#include "vtkCommunicator.h"
+#include "vtkDataArray.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkInformationDataObjectMetaDataKey.h"
+#include "vtkMath.h"
+#include "vtkMatrix3x3.h"
+#include "vtkMatrix4x4.h"
+#include "vtkMultiProcessController.h"
+#include "vtkObjectFactory.h"
+#include "vtkOutlineSource.h"
+#include "vtkPVLODVolume.h"
+#include "vtkPVRenderView.h"
+#include "vtkPVView.h"
+#include "vtkPartitionedDataSet.h"
+#include "vtkPointData.h"
+#include "vtkPolyDataMapper.h"
+#include "vtkSMPTools.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkVolumeProperty.h"
+#include "vtkWeakPointer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+vtkStandardNewMacro(vtkFFDVolumeRepresentation);
+
+namespace
+{
+
+using ffdparts::Bounds;
+using ffdparts::Extent;
+using ffdparts::Grid;
+
+/// In the field data of a part: its clip box, then the bounds of the whole at rest.
+const char* const PartArray = "FFDVolume.Part";
+
+vtkMultiProcessController* GetController()
+{
+  return vtkMultiProcessController::GetGlobalController();
+}
+
+int GetNumberOfProcesses()
+{
+  return GetController() ? GetController()->GetNumberOfProcesses() : 1;
+}
+
+/// Whether the matrix takes boxes to boxes.
+bool KeepsBoxes(vtkMatrix4x4* matrix)
+{
+  for (int row = 0; row < 3; ++row)
+  {
+    for (int column = 0; column < 3; ++column)
+    {
+      if (row != column && matrix->GetElement(row, column) != 0.0)
+      {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+Bounds Transform(const Bounds& bounds, vtkMatrix4x4* matrix)
+{
+  Bounds result = { VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX, VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX,
+    VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX };
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    double p[4] = { bounds[corner & 1], bounds[2 + ((corner >> 1) & 1)], bounds[4 + (corner >> 2)],
+      1.0 };
+    matrix->MultiplyPoint(p, p);
+    for (int a = 0; a < 3; ++a)
+    {
+      result[2 * a] = std::min(result[2 * a], p[a]);
+      result[2 * a + 1] = std::max(result[2 * a + 1], p[a]);
+    }
+  }
+  return result;
+}
+
+/// A component of an array, or the magnitude of its tuples for component -1.
+vtkSmartPointer<vtkDataArray> ExtractComponent(vtkDataArray* from, int component)
+{
+  vtkSmartPointer<vtkDataArray> to;
+  const int components = from->GetNumberOfComponents();
+  if (component >= 0)
+  {
+    to.TakeReference(from->NewInstance());
+    to->SetNumberOfTuples(from->GetNumberOfTuples());
+    to->CopyComponent(0, from, std::min(component, components - 1));
+    return to;
+  }
+  to.TakeReference(vtkDataArray::CreateDataArray(VTK_FLOAT));
+  to->SetNumberOfTuples(from->GetNumberOfTuples());
+  vtkSMPTools::For(0, from->GetNumberOfTuples(),
+    [from, components, array = to.Get()](vtkIdType first, vtkIdType last)
+    {
+      for (vtkIdType i = first; i < last; ++i)
+      {
+        double square = 0.0;
+        for (int c = 0; c < components; ++c)
+        {
+          const double value = from->GetComponent(i, c);
+          square += value * value;
+        }
+        array->SetComponent(i, 0, std::sqrt(square));
+      }
+    });
+  return to;
+}
+
+bool HaveSameGeometry(vtkImageData* a, vtkImageData* b)
+{
+  for (int row = 0; row < 3; ++row)
+  {
+    for (int column = 0; column < 3; ++column)
+    {
+      if (a->GetDirectionMatrix()->GetElement(row, column) !=
+        b->GetDirectionMatrix()->GetElement(row, column))
+      {
+        return false;
+      }
+    }
+  }
+  return std::equal(a->GetExtent(), a->GetExtent() + 6, b->GetExtent()) &&
+    std::equal(a->GetOrigin(), a->GetOrigin() + 3, b->GetOrigin()) &&
+    std::equal(a->GetSpacing(), a->GetSpacing() + 3, b->GetSpacing());
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+class vtkFFDVolumeRepresentation::vtkInternals
+{
+public:
+  // What the mapper renders: the geometry of the delivered image and one array of one component on
+  // its points. It is left alone when only the lattice changes, so that the mapper keeps what it
+  // has found out about the voxels.
+  vtkNew<vtkImageData> Rendered;
+  vtkNew<vtkFFDLattice> Lattice;
+  vtkMTimeType LatticeTime = 0;
+  vtkWeakPointer<vtkDataArray> SourceArray;
+  vtkMTimeType SourceTime = 0;
+  int SourceComponent = -2;
+
+  // Of the parts, when there are several processes.
+  bool Changed = true;            // since they were shared out
+  vtkSmartPointer<vtkFFDLattice> KnownLattice; // of the data last seen
+  Bounds OwnBox = ffdparts::NoBounds; // world coordinates
+
+  /// The box of each process in data coordinates, for an image deformed to `deformed`.
+  std::vector<Bounds> CutIntoBoxes(const Bounds& deformed, vtkMatrix4x4* matrix)
+  {
+    const int ranks = GetNumberOfProcesses();
+    if (KeepsBoxes(matrix))
+    {
+      return ffdparts::CutIntoBoxes(deformed, ranks);
+    }
+    std::vector<Bounds> boxes(static_cast<std::size_t>(ranks), ffdparts::NoBounds);
+    boxes[0] = deformed;
+    return boxes;
+  }
+};
+
+//------------------------------------------------------------------------------
+vtkFFDVolumeRepresentation::vtkFFDVolumeRepresentation()
+  : Mapper(vtkFFDInverseRayVolumeMapper::New())
+  , Internals(new vtkInternals)
+{
+  this->VolumeMapper.TakeReference(this->Mapper);
+}
+
+//------------------------------------------------------------------------------
+vtkFFDVolumeRepresentation::~vtkFFDVolumeRepresentation() = default;
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "SampleDistance: " << this->SampleDistance << "\n";
+  os << indent << "Mapper:\n";
+  this->Mapper->PrintSelf(os, indent.GetNextIndent());
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDVolumeRepresentation::FillInputPortInformation(int, vtkInformation* info)
+{
+  // Wider than what can be rendered: RequestData says what is wrong.
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObject");
+  info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDVolumeRepresentation::RequestUpdateExtent(
+  vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs)
+{
+  if (!this->Superclass::RequestUpdateExtent(request, inputs, outputs))
+  {
+    return 0;
+  }
+  vtkInformation* info = inputs[0]->GetInformationObject(0);
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
+  if (GetNumberOfProcesses() == 1 || !info || !info->Has(Pipeline::WHOLE_EXTENT()) ||
+    !vtkImageData::SafeDownCast(info->Get(vtkDataObject::DATA_OBJECT())))
+  {
+    return 1;
+  }
+  const Grid grid = Grid::FromInformation(info);
+  if (ffdparts::IsEmpty(grid.WholeExtent))
+  {
+    return 1;
+  }
+  vtkSmartPointer<vtkFFDLattice> lattice = this->Internals->KnownLattice;
+  if (vtkImageData* points = vtkImageData::SafeDownCast(info->Get(vtkFFDEditLattice::LATTICE())))
+  {
+    lattice = vtkSmartPointer<vtkFFDLattice>::New();
+    if (!lattice->FromImageData(points))
+    {
+      return 1;
+    }
+  }
+  // What is asked for here may be wrong, when the data has a lattice that is not announced: voxels
+  // that are missing are exchanged.
+  const int mode = this->Mapper->GetInverseMode();
+  this->Actor->ComputeMatrix();
+  const std::vector<Bounds> boxes = this->Internals->CutIntoBoxes(
+    ffdparts::FindDeformedBounds(grid, lattice, mode), this->Actor->GetMatrix());
+  Extent needed = ffdparts::FindNeededExtent(
+    grid, lattice, mode, boxes[static_cast<std::size_t>(GetController()->GetLocalProcessId())]);
+  if (ffdparts::IsEmpty(needed))
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      needed[2 * a] = grid.WholeExtent[2 * a];
+      needed[2 * a + 1] = std::min(needed[2 * a] + 1, grid.WholeExtent[2 * a + 1]);
+    }
+  }
+  info->Set(Pipeline::UPDATE_EXTENT(), needed.data(), 6);
+  info->Set(Pipeline::UPDATE_PIECE_NUMBER(), 0);
+  info->Set(Pipeline::UPDATE_NUMBER_OF_PIECES(), 1);
+  info->Remove(Pipeline::EXACT_EXTENT());
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDVolumeRepresentation::RequestData(
+  vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs)
+{
+  vtkMath::UninitializeBounds(this->DataBounds);
+  this->DataSize = 0;
+  this->Internals->Changed = true;
+  std::copy(ffdparts::NoExtent.begin(), ffdparts::NoExtent.end(), this->WholeExtent);
+  vtkSmartPointer<vtkImageData> image;
+  if (inputs[0]->GetNumberOfInformationObjects() == 1)
+  {
+    vtkInformation* info = inputs[0]->GetInformationObject(0);
+    vtkDataObject* input = vtkDataObject::GetData(info);
+    vtkImageData* inputImage = vtkImageData::SafeDownCast(input);
+    if (input && !inputImage)
+    {
+      vtkErrorMacro(<< "The representation \"FFD Volume\" renders image data, and this is a "
+                    << input->GetClassName()
+                    << ". Apply the filter \"Resample To Image\" first, or choose another "
+                       "representation.");
+    }
+    else if (inputImage)
+    {
+      vtkStreamingDemandDrivenPipeline::GetWholeExtent(info, this->WholeExtent);
+      image = vtkSmartPointer<vtkImageData>::New();
+      image->ShallowCopy(inputImage);
+    }
+  }
+  if (image && image->GetNumberOfPoints() > 0)
+  {
+    Extent extent;
+    image->GetExtent(extent.data());
+    vtkNew<vtkFFDLattice> lattice;
+    const bool hasLattice = vtkFFDLattice::HasLattice(image) && lattice->ReadFrom(image);
+    const Bounds deformed = ffdparts::FindDeformedBounds(Grid::FromImage(image, extent),
+      hasLattice ? lattice.GetPointer() : nullptr, this->Mapper->GetInverseMode());
+    std::copy(deformed.begin(), deformed.end(), this->DataBounds);
+    this->DataSize = image->GetActualMemorySize();
+    this->Cache = image;
+    this->Actor->SetEnableLOD(0);
+    this->OutlineSource->SetBounds(this->DataBounds);
+    this->OutlineSource->Update();
+  }
+  else
+  {
+    // A client, or a rank without data: an empty data object for the delivery, and the outline.
+    this->Cache = vtkSmartPointer<vtkPartitionedDataSet>::New();
+    this->VolumeMapper->RemoveAllInputs();
+    this->Actor->SetEnableLOD(1);
+  }
+  return this->vtkVolumeRepresentation::RequestData(request, inputs, outputs);
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDVolumeRepresentation::ProcessViewRequest(
+  vtkInformationRequestKey* request, vtkInformation* inInfo, vtkInformation* outInfo)
+{
+  if (request == vtkPVView::REQUEST_RENDER())
+  {
+    // Not the superclass's: it connects the mapper to what was delivered.
+    if (!this->vtkVolumeRepresentation::ProcessViewRequest(request, inInfo, outInfo))
+    {
+      return 0;
+    }
+    vtkAlgorithmOutput* producer = vtkPVRenderView::GetPieceProducer(inInfo, this, 0);
+    vtkImageData* image = producer
+      ? vtkImageData::SafeDownCast(
+          producer->GetProducer()->GetOutputDataObject(producer->GetIndex()))
+      : nullptr;
+    this->UpdateMapperParameters();
+    this->UpdateRenderedImage(image);
+    if (image)
+    {
+      this->UpdateSampleDistances(image);
+    }
+    this->OutlineMapper->SetInputConnection(vtkPVRenderView::GetPieceProducer(inInfo, this, 1));
+    return 1;
+  }
+  if (request == vtkPVView::REQUEST_UPDATE())
+  {
+    // Not the superclass's: it hands over the data before they are shared out.
+    if (!this->vtkVolumeRepresentation::ProcessViewRequest(request, inInfo, outInfo))
+    {
+      return 0;
+    }
+    const bool several = GetNumberOfProcesses() > 1;
+    if (several)
+    {
+      this->ShareOut();
+    }
+    vtkPVRenderView::SetPiece(inInfo, this, this->Cache, this->DataSize, 0);
+    // The volume is never brought to the client, which shows the outline while it has no picture.
+    vtkPVRenderView::SetDeliverToClientAndRenderingProcesses(inInfo, this, false, false, 0);
+    vtkPVRenderView::SetPiece(inInfo, this, this->OutlineSource->GetOutputDataObject(0), 0, 1);
+    vtkPVRenderView::SetGeometryBounds(
+      inInfo, this, several ? this->Internals->OwnBox.data() : this->DataBounds);
+    vtkPVRenderView::SetRequiresDistributedRendering(inInfo, this, true);
+    vtkPVRenderView::SetOrderedCompositingConfiguration(
+      inInfo, this, vtkPVRenderView::USE_BOUNDS_FOR_REDISTRIBUTION);
+    outInfo->Set(vtkPVRenderView::NEED_ORDERED_COMPOSITING(), 1);
+    return 1;
+  }
+  return this->Superclass::ProcessViewRequest(request, inInfo, outInfo);
+}
+
+//------------------------------------------------------------------------------
+/// Give each process its box and the voxels for it. Called on all processes.
+void vtkFFDVolumeRepresentation::ShareOut()
+{
+  vtkInternals& in = *this->Internals;
+  vtkMultiProcessController* controller = GetController();
+  const int ranks = controller->GetNumberOfProcesses();
+  const auto own = static_cast<std::size_t>(controller->GetLocalProcessId());
+  const int changedHere = in.Changed ? 1 : 0;
+  int changed = 0;
+  controller->AllReduce(&changedHere, &changed, 1, vtkCommunicator::MAX_OP);
+  if (!changed)
+  {
+    return;
+  }
+  in.Changed = false;
+
+  // What each process has: whether an image, whether a lattice, and the geometry of the image.
+  vtkImageData* image = vtkImageData::SafeDownCast(this->Cache);
+  Extent held = ffdparts::NoExtent;
+  Grid grid;
+  if (image)
+  {
+    image->GetExtent(held.data());
+    grid = Grid::FromImage(image, held);
+    Extent whole;
+    std::copy_n(this->WholeExtent, 6, whole.begin());
+    if (!ffdparts::IsEmpty(whole))
+    {
+      grid.WholeExtent = whole;
+    }
+  }
+  constexpr int values = 2 + 6 + 6 + 3 + 3 + 9;
+  std::array<double, values> mine{};
+  mine[0] = image ? 1.0 : 0.0;
+  mine[1] = image && vtkFFDLattice::HasLattice(image) ? 1.0 : 0.0;
+  std::copy(held.begin(), held.end(), mine.begin() + 2);
+  std::copy(grid.WholeExtent.begin(), grid.WholeExtent.end(), mine.begin() + 8);
+  std::copy(grid.Origin.begin(), grid.Origin.end(), mine.begin() + 14);
+  std::copy(grid.Spacing.begin(), grid.Spacing.end(), mine.begin() + 17);
+  std::copy(grid.Direction.begin(), grid.Direction.end(), mine.begin() + 20);
+  std::vector<double> all(static_cast<std::size_t>(ranks * values));
+  controller->AllGather(mine.data(), all.data(), values);
+
+  int withImage = -1;
+  int withLattice = -1;
+  std::vector<Extent> extents(static_cast<std::size_t>(ranks));
+  Extent whole = ffdparts::NoExtent;
+  for (int r = ranks - 1; r >= 0; --r)
+  {
+    const double* theirs = &all[static_cast<std::size_t>(r * values)];
+    Extent& e = extents[static_cast<std::size_t>(r)];
+    std::transform(theirs + 2, theirs + 8, e.begin(), [](double v) { return static_cast<int>(v); });
+    withImage = theirs[0] != 0.0 ? r : withImage;
+    withLattice = theirs[1] != 0.0 ? r : withLattice;
+    Extent announced;
+    std::transform(
+      theirs + 8, theirs + 14, announced.begin(), [](double v) { return static_cast<int>(v); });
+    for (const Extent& each : { e, announced })
+    {
+      if (ffdparts::IsEmpty(whole))
+      {
+        whole = each;
+      }
+      else if (!ffdparts::IsEmpty(each))
+      {
+        for (int a = 0; a < 3; ++a)
+        {
+          whole[2 * a] = std::min(whole[2 * a], each[2 * a]);
+          whole[2 * a + 1] = std::max(whole[2 * a + 1], each[2 * a + 1]);
+        }
+      }
+    }
+  }
+  if (withImage < 0)
+  {
+    in.OwnBox = ffdparts::NoBounds;
+    return;
+  }
+  const double* reference = &all[static_cast<std::size_t>(withImage * values)];
+  grid.WholeExtent = whole;
+  std::copy_n(reference + 14, 3, grid.Origin.begin());
+  std::copy_n(reference + 17, 3, grid.Spacing.begin());
+  std::copy_n(reference + 20, 9, grid.Direction.begin());
+
+  in.KnownLattice = nullptr;
+  if (withLattice >= 0)
+  {
+    vtkNew<vtkFFDLattice> lattice;
+    vtkNew<vtkImageData> points;
+    if (static_cast<int>(own) == withLattice && lattice->ReadFrom(image))
+    {
+      lattice->ToImageData(points);
+    }
+    controller->Broadcast(points.GetPointer(), withLattice);
+    if (points->GetNumberOfPoints() > 0 && lattice->FromImageData(points))
+    {
+      in.KnownLattice = lattice;
+    }
+  }
+
+  // The same on all processes: the box of each, and what each needs for it.
+  const int mode = this->Mapper->GetInverseMode();
+  const Bounds deformed = ffdparts::FindDeformedBounds(grid, in.KnownLattice, mode);
+  this->Actor->ComputeMatrix();
+  vtkMatrix4x4* matrix = this->Actor->GetMatrix();
+  const std::vector<Bounds> boxes = in.CutIntoBoxes(deformed, matrix);
+  const Bounds& box = boxes[own];
+  const Extent wanted = ffdparts::FindNeededExtent(grid, in.KnownLattice, mode, box);
+  std::vector<int> allWanted(static_cast<std::size_t>(6 * ranks));
+  controller->AllGather(wanted.data(), allWanted.data(), 6);
+  std::vector<Extent> needed(static_cast<std::size_t>(ranks));
+  bool complete = true;
+  for (std::size_t r = 0; r < needed.size(); ++r)
+  {
+    std::copy_n(&allWanted[6 * r], 6, needed[r].begin());
+    complete = complete && ffdparts::Contains(extents[r], needed[r]);
+  }
+  vtkSmartPointer<vtkImageData> part = image;
+  if (!complete)
+  {
+    part = ffdparts::ExchangeVoxels(controller, grid, image, extents, needed);
+    if (part && in.KnownLattice)
+    {
+      in.KnownLattice->AttachTo(part);
+    }
+  }
+  else if (ffdparts::IsEmpty(wanted))
+  {
+    part = nullptr;
+  }
+
+  if (part)
+  {
+    const Bounds clip = ffdparts::OpenOutwards(box, deformed);
+    const Bounds rest = grid.GetBounds();
+    vtkNew<vtkDoubleArray> array;
+    array->SetName(PartArray);
+    array->SetNumberOfValues(12);
+    std::copy(clip.begin(), clip.end(), array->GetPointer(0));
+    std::copy(rest.begin(), rest.end(), array->GetPointer(6));
+    // Field data of our own: that of the input is shared.
+    vtkNew<vtkFieldData> fields;
+    fields->PassData(part->GetFieldData());
+    fields->AddArray(array);
+    part->SetFieldData(fields);
+    this->Cache = part;
+    this->DataSize = part->GetActualMemorySize();
+    this->Actor->SetEnableLOD(0);
+  }
+  else
+  {
+    this->Cache = vtkSmartPointer<vtkPartitionedDataSet>::New();
+    this->DataSize = 0;
+    this->VolumeMapper->RemoveAllInputs();
+  }
+  if (!ffdparts::IsEmpty(box))
+  {
+    in.OwnBox = Transform(box, matrix);
+  }
+  else
+  {
+    // No part of the volume, but a place in the order: a box without thickness beside it.
+    in.OwnBox = Transform(deformed, matrix);
+    in.OwnBox[0] = in.OwnBox[1];
+  }
+  std::copy(deformed.begin(), deformed.end(), this->DataBounds);
+  this->OutlineSource->SetBounds(this->DataBounds);
+  this->OutlineSource->Update();
+}
+
+//------------------------------------------------------------------------------
+/// Give the mapper the image, with the array to render as point data of one component.
+void vtkFFDVolumeRepresentation::UpdateRenderedImage(vtkImageData* image)
+{
+  vtkInternals& in = *this->Internals;
+  if (!image)
+  {
+    this->VolumeMapper->RemoveAllInputs();
+    return;
+  }
+  vtkInformation* info = this->GetInputArrayInformation(0);
+  const char* named =
+    info && info->Has(vtkDataObject::FIELD_NAME()) ? info->Get(vtkDataObject::FIELD_NAME()) : nullptr;
+  const char* name = named ? named : "";
+  const bool cells = info && info->Has(vtkDataObject::FIELD_ASSOCIATION()) &&
+    info->Get(vtkDataObject::FIELD_ASSOCIATION()) == vtkDataObject::FIELD_ASSOCIATION_CELLS;
+  int component = -1;
+  vtkColorTransferFunction* colours =
+    this->Property ? this->Property->GetRGBTransferFunction(0) : nullptr;
+  if (colours && colours->GetVectorMode() == vtkScalarsToColors::COMPONENT)
+  {
+    component = colours->GetVectorComponent();
+  }
+  vtkDataArray* source = cells ? image->GetCellData()->GetArray(name)
+                               : image->GetPointData()->GetArray(name);
+  const vtkMTimeType time = source ? source->GetMTime() : 0;
+  if (in.SourceArray != source || in.SourceTime != time || in.SourceComponent != component ||
+    !HaveSameGeometry(in.Rendered, image))
+  {
+    in.SourceArray = source;
+    in.SourceTime = time;
+    in.SourceComponent = component;
+    vtkSmartPointer<vtkDataArray> array = source;
+    if (array && cells)
+    {
+      vtkNew<vtkImageData> onlyThis;
+      onlyThis->CopyStructure(image);
+      onlyThis->GetCellData()->AddArray(array);
+      vtkNew<vtkCellDataToPointData> average;
+      average->SetInputData(onlyThis);
+      average->Update();
+      array = average->GetOutput()->GetPointData()->GetArray(name);
+    }
+    if (array && array->GetNumberOfComponents() > 1)
+    {
+      array = ExtractComponent(array, component);
+      array->SetName(name);
+    }
+    in.Rendered->Initialize();
+    in.Rendered->CopyStructure(image);
+    if (array)
+    {
+      in.Rendered->GetPointData()->AddArray(array);
+    }
+  }
+  if (this->VolumeMapper->GetInputDataObject(0, 0) != in.Rendered)
+  {
+    this->VolumeMapper->SetInputData(in.Rendered);
+  }
+  this->VolumeMapper->SelectScalarArray(name);
+  this->VolumeMapper->SetScalarMode(VTK_SCALAR_MODE_USE_POINT_FIELD_DATA);
+
+  if (vtkDataArray* part = image->GetFieldData()->GetArray(PartArray))
+  {
+    Bounds clip;
+    Bounds whole;
+    for (int i = 0; i < 6; ++i)
+    {
+      clip[i] = part->GetComponent(i, 0);
+      whole[i] = part->GetComponent(6 + i, 0);
+    }
+    this->Mapper->SetClipBox(clip.data());
+    this->Mapper->SetWholeBounds(whole.data());
+  }
+  else
+  {
+    // All of space, and yet a box: the tiles of the picture are then as with several processes.
+    this->Mapper->SetClipBox(
+      ffdparts::OpenOutwards(Bounds{ { 0, 0, 0, 0, 0, 0 } }, Bounds{ { 0, 0, 0, 0, 0, 0 } }).data());
+    this->Mapper->SetWholeBounds(ffdparts::NoBounds.data());
+  }
+
+  if (!vtkFFDLattice::HasLattice(image))
+  {
+    this->Mapper->SetDeformation(nullptr);
+  }
+  else
+  {
+    const vtkMTimeType fields = image->GetFieldData()->GetMTime();
+    if (fields != in.LatticeTime)
+    {
+      in.Lattice->ReadFrom(image);
+      in.LatticeTime = fields;
+    }
+    this->Mapper->SetDeformation(in.Lattice);
+  }
+}
+
+//------------------------------------------------------------------------------
+/// The mapper takes distances in world units.
+void vtkFFDVolumeRepresentation::UpdateSampleDistances(vtkImageData* image)
+{
+  if (this->SampleDistance == 1.0)
+  {
+    this->Mapper->LockSampleDistanceToInputSpacingOn();
+    return;
+  }
+  double spacing[3];
+  image->GetSpacing(spacing);
+  this->Actor->ComputeMatrix();
+  vtkMatrix4x4* matrix = this->Actor->GetMatrix();
+  vtkMatrix3x3* direction = image->GetDirectionMatrix();
+  double voxel = VTK_DOUBLE_MAX;
+  for (int a = 0; a < 3; ++a)
+  {
+    const double edge[4] = { direction->GetElement(0, a) * spacing[a],
+      direction->GetElement(1, a) * spacing[a], direction->GetElement(2, a) * spacing[a], 0.0 };
+    double moved[4];
+    matrix->MultiplyPoint(edge, moved);
+    voxel = std::min(voxel, vtkMath::Norm(moved));
+  }
+  if (voxel > 0.0)
+  {
+    this->Mapper->SetSampleDistance(this->SampleDistance * voxel);
+    this->Mapper->SetInteractiveSampleDistance(2.0 * this->SampleDistance * voxel);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::UpdateMapperParameters()
+{
+  // Not the superclass's: it selects the array that UpdateRenderedImage() may have to derive from.
+  vtkInformation* info = this->GetInputArrayInformation(0);
+  const char* name =
+    info && info->Has(vtkDataObject::FIELD_NAME()) ? info->Get(vtkDataObject::FIELD_NAME()) : nullptr;
+  if (this->Actor->GetMapper() != this->VolumeMapper)
+  {
+    this->Actor->SetMapper(this->VolumeMapper);
+  }
+  this->Actor->SetVisibility(name && name[0]);
+  if (this->Property)
+  {
+    this->Property->SetIndependentComponents(true);
+    this->Property->SetTransferFunctionMode(vtkVolumeProperty::TF_1D);
+  }
+}
+
+//------------------------------------------------------------------------------
+vtkTypeInt64 vtkFFDVolumeRepresentation::GetNumberOfLocalVoxels()
+{
+  vtkImageData* image = vtkImageData::SafeDownCast(this->Cache);
+  return image ? image->GetNumberOfPoints() : 0;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetInverseMode(int mode)
+{
+  if (mode != this->Mapper->GetInverseMode())
+  {
+    this->Mapper->SetInverseMode(mode);
+    // The bounds change.
+    this->MarkModified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetOpacityLength(int length)
+{
+  this->Mapper->SetOpacityLength(length);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetSpaceLeaping(int leaping)
+{
+  this->Mapper->SetSpaceLeaping(leaping);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetSegmentation(int segmentation)
+{
+  this->Mapper->SetSegmentation(segmentation);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetInverseTolerance(double voxels)
+{
+  this->Mapper->SetInverseTolerance(voxels);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetPositionTolerance(double voxels)
+{
+  this->Mapper->SetPositionTolerance(voxels);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetAngleThreshold(double degrees)
+{
+  this->Mapper->SetAngleThreshold(degrees);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetMinimumSegmentLength(double voxels)
+{
+  this->Mapper->SetMinimumSegmentLength(voxels);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetMaximumSegmentLength(double voxels)
+{
+  this->Mapper->SetMaximumSegmentLength(voxels);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetEarlyRayTerminationThreshold(double transmittance)
+{
+  this->Mapper->SetEarlyRayTerminationThreshold(transmittance);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetNumberOfThreads(int threads)
+{
+  this->Mapper->SetNumberOfThreads(threads);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetSampleDistance(double voxels)
+{
+  if (!(voxels >= 0.05 && voxels <= 10.0))
+  {
+    vtkErrorMacro(<< "SampleDistance must be from 0.05 to 10 voxels, not " << voxels
+                  << "; it stays " << this->SampleDistance << ".");
+    return;
+  }
+  this->SampleDistance = voxels;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetImageSampleDistance(double pixels)
+{
+  if (!(pixels >= 0.25 && pixels <= 8.0))
+  {
+    vtkErrorMacro(<< "ImageSampleDistance must be from 0.25 to 8 pixels, not " << pixels << ".");
+    return;
+  }
+  this->Mapper->SetImageSampleDistance(pixels);
+  this->Mapper->SetMinimumImageSampleDistance(pixels);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetAdaptInteractiveQuality(bool adapt)
+{
+  this->Mapper->SetAutoAdjustSampleDistances(adapt);
+}
+
+//------------------------------------------------------------------------------
+/// The boxes of a partition are boxes of the scene.
+void vtkFFDVolumeRepresentation::MarkMoved()
+{
+  if (GetNumberOfProcesses() > 1)
+  {
+    this->MarkModified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetPosition(double x, double y, double z)
+{
+  this->Superclass::SetPosition(x, y, z);
+  this->MarkMoved();
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetScale(double x, double y, double z)
+{
+  this->Superclass::SetScale(x, y, z);
+  this->MarkMoved();
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetOrientation(double x, double y, double z)
+{
+  this->Superclass::SetOrientation(x, y, z);
+  this->MarkMoved();
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetOrigin(double x, double y, double z)
+{
+  this->Superclass::SetOrigin(x, y, z);
+  this->MarkMoved();
+}

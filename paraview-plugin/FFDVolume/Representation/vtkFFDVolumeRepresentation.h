@@ -1,0 +1,135 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkFFDVolumeRepresentation
+ * @brief   the ParaView representation "FFD Volume"
+ *
+ * Renders image data deformed by the lattice that is attached to it, with
+ * vtkFFDInverseRayVolumeMapper; without a lattice, undeformed. Colour and opacity functions,
+ * shading and the like are those of ParaView's own volume representation. The bounds that the view
+ * sees are those of the deformed volume.
+ *
+ * Arrays of several components are rendered by the component or magnitude that the colour map is
+ * set to, cell arrays after averaging to the points; both copy the array. Rectilinear grids and
+ * composite data are refused with an error.
+ *
+ * The volume stays where it is: a client gets the outline only.
+ *
+ * With several processes, deformed space is cut into boxes, one a process. Each renders the parts
+ * of the rays inside its box, which ParaView blends in the order of the boxes, so that the picture
+ * is that of one process however the volume is bent. Each process asks its input only for the
+ * voxels that its box is pulled back to, when the lattice is known before the data
+ * (vtkFFDEditLattice::LATTICE()); voxels that the input did not give are exchanged. A volume that
+ * is rotated in the scene is rendered by the first process alone: its boxes would not be aligned
+ * with the axes, which ParaView's order by boxes needs. For the same reason only one volume at a
+ * time is in the right order.
+ *
+ * @sa vtkFFDInverseRayVolumeMapper vtkFFDEditLattice
+ */
+#ifndef vtkFFDVolumeRepresentation_h
+#define vtkFFDVolumeRepresentation_h
+
+#include "vtkFFDParaViewModule.h" // For export macro
+#include "vtkImageVolumeRepresentation.h"
+#include "vtkNew.h" // for vtkNew
+
+#include <memory> // for std::unique_ptr
+
+class vtkFFDInverseRayVolumeMapper;
+class vtkFFDLattice;
+class vtkImageData;
+
+class VTKFFDPARAVIEW_EXPORT vtkFFDVolumeRepresentation : public vtkImageVolumeRepresentation
+{
+public:
+  static vtkFFDVolumeRepresentation* New();
+  vtkTypeMacro(vtkFFDVolumeRepresentation, vtkImageVolumeRepresentation);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  int ProcessViewRequest(vtkInformationRequestKey* request, vtkInformation* inInfo,
+    vtkInformation* outInfo) override;
+
+  ///@{
+  /**
+   * Forwarded to vtkFFDInverseRayVolumeMapper, see there.
+   */
+  void SetInverseMode(int mode);
+  void SetOpacityLength(int length);
+  void SetSpaceLeaping(int leaping);
+  void SetSegmentation(int segmentation);
+  void SetInverseTolerance(double voxels);
+  void SetPositionTolerance(double voxels);
+  void SetAngleThreshold(double degrees);
+  void SetMinimumSegmentLength(double voxels);
+  void SetMaximumSegmentLength(double voxels);
+  void SetEarlyRayTerminationThreshold(double transmittance);
+  void SetNumberOfThreads(int threads);
+  ///@}
+
+  ///@{
+  /**
+   * Distance between samples in still images, in voxels; twice that while the scene moves. Range
+   * 0.05 to 10, default 1.
+   */
+  void SetSampleDistance(double voxels);
+  ///@}
+
+  ///@{
+  /**
+   * Pixels between rays in still images, 0.25 to 8; default 1.
+   */
+  void SetImageSampleDistance(double pixels);
+  ///@}
+
+  ///@{
+  /**
+   * Whether quality gives way while the scene moves, so that it moves smoothly; default on. Off,
+   * interactive images are as still ones.
+   */
+  void SetAdaptInteractiveQuality(bool adapt);
+  ///@}
+
+  ///@{
+  /**
+   * Place of the volume in the scene, as for other representations.
+   */
+  void SetPosition(double x, double y, double z);
+  void SetScale(double x, double y, double z);
+  void SetOrientation(double x, double y, double z);
+  void SetOrigin(double x, double y, double z);
+  ///@}
+
+  /**
+   * Voxels of the image that this process holds for rendering; what the parallel partition is
+   * measured by.
+   */
+  vtkTypeInt64 GetNumberOfLocalVoxels();
+
+protected:
+  vtkFFDVolumeRepresentation();
+  ~vtkFFDVolumeRepresentation() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestUpdateExtent(
+    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
+  int RequestData(
+    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
+  void UpdateMapperParameters() override;
+
+private:
+  vtkFFDVolumeRepresentation(const vtkFFDVolumeRepresentation&) = delete;
+  void operator=(const vtkFFDVolumeRepresentation&) = delete;
+
+  void ShareOut();
+  void MarkMoved();
+  void UpdateRenderedImage(vtkImageData* image);
+  void UpdateSampleDistances(vtkImageData* image);
+
+  vtkFFDInverseRayVolumeMapper* Mapper; // the superclass's VolumeMapper
+  double SampleDistance = 1.0;
+
+  class vtkInternals;
+  std::unique_ptr<vtkInternals> Internals;
+};
+
+#endif

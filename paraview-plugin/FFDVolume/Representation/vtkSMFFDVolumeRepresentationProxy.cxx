@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkSMFFDVolumeRepresentationProxy.h"
+
+#include "vtkCommand.h"
+#include "vtkDataObject.h"
+#include "vtkObjectFactory.h"
+#include "vtkSMArrayListDomain.h"
+#include "vtkSMPVRepresentationProxy.h"
+#include "vtkSMProperty.h"
+#include "vtkSMPropertyHelper.h"
+
+#include <cstring>
+
+vtkStandardNewMacro(vtkSMFFDVolumeRepresentationProxy);
+
+//------------------------------------------------------------------------------
+vtkSMFFDVolumeRepresentationProxy::vtkSMFFDVolumeRepresentationProxy() = default;
+
+//------------------------------------------------------------------------------
+vtkSMFFDVolumeRepresentationProxy::~vtkSMFFDVolumeRepresentationProxy() = default;
+
+//------------------------------------------------------------------------------
+void vtkSMFFDVolumeRepresentationProxy::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+}
+
+//------------------------------------------------------------------------------
+void vtkSMFFDVolumeRepresentationProxy::CreateVTKObjects()
+{
+  this->Superclass::CreateVTKObjects();
+  vtkSMProxy* parent = this->GetParentProxy();
+  vtkSMProperty* type = parent ? parent->GetProperty("Representation") : nullptr;
+  if (type && !this->Watching)
+  {
+    this->Watching = true;
+    type->AddObserver(
+      vtkCommand::ModifiedEvent, this, &vtkSMFFDVolumeRepresentationProxy::PickArray);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkSMFFDVolumeRepresentationProxy::PickArray()
+{
+  auto* parent = vtkSMPVRepresentationProxy::SafeDownCast(this->GetParentProxy());
+  if (!parent || this->Picking || parent->GetUsingScalarColoring())
+  {
+    return;
+  }
+  const char* type = vtkSMPropertyHelper(parent, "Representation").GetAsString();
+  vtkSMProperty* array = parent->GetProperty("ColorArrayName");
+  if (!type || std::strcmp(type, "FFD Volume") != 0 || !array)
+  {
+    return;
+  }
+  auto arrays = array->FindDomain<vtkSMArrayListDomain>();
+  if (!arrays || arrays->GetNumberOfStrings() == 0)
+  {
+    return;
+  }
+  unsigned int chosen = 0;
+  for (unsigned int i = 0; i < arrays->GetNumberOfStrings(); ++i)
+  {
+    if (arrays->GetFieldAssociation(i) == vtkDataObject::POINT)
+    {
+      chosen = i;
+      break;
+    }
+  }
+  this->Picking = true;
+  if (parent->SetScalarColoring(arrays->GetString(chosen), arrays->GetFieldAssociation(chosen)))
+  {
+    parent->RescaleTransferFunctionToDataRange(true);
+  }
+  this->Picking = false;
+}

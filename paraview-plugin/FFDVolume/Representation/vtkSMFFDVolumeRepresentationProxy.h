@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkSMFFDVolumeRepresentationProxy
+ * @brief   the client's side of the representation "FFD Volume"
+ *
+ * ParaView picks an array to colour by when a volume is chosen as representation, but only for its
+ * own types: another one would stay blank for a data set in solid colour. This proxy does the same
+ * for "FFD Volume": when the representation that it is a part of is switched to it, and no array
+ * is chosen, it picks the first point array, or else the first array at all.
+ */
+#ifndef vtkSMFFDVolumeRepresentationProxy_h
+#define vtkSMFFDVolumeRepresentationProxy_h
+
+#include "vtkFFDParaViewModule.h" // For export macro
+#include "vtkSMRepresentationProxy.h"
+
+class VTKFFDPARAVIEW_EXPORT vtkSMFFDVolumeRepresentationProxy : public vtkSMRepresentationProxy
+{
+public:
+  static vtkSMFFDVolumeRepresentationProxy* New();
+  vtkTypeMacro(vtkSMFFDVolumeRepresentationProxy, vtkSMRepresentationProxy);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+protected:
+  vtkSMFFDVolumeRepresentationProxy();
+  ~vtkSMFFDVolumeRepresentationProxy() override;
+
+  void CreateVTKObjects() override;
+
+private:
+  vtkSMFFDVolumeRepresentationProxy(const vtkSMFFDVolumeRepresentationProxy&) = delete;
+  void operator=(const vtkSMFFDVolumeRepresentationProxy&) = delete;
+
+  void PickArray();
+
+  bool Watching = false;
+  bool Picking = false;
+};
+
+#endif
