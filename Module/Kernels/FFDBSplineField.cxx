@@ -130,7 +130,7 @@ int BSplineField::ControlWeights(const glm::dvec3& p, std::size_t nodes[MaximumS
   int count[3];
   for (int a = 0; a < 3; ++a)
   {
-    const AxisPosition at = Locate(x[a], this->ClampMin[a], this->ClampMax[a]);
+    const AxisPosition at = LocateOnAxis(x[a], this->ClampMin[a], this->ClampMax[a]);
     double w[4];
     BSplineWeights(at.U, w);
     count[a] = 0;
