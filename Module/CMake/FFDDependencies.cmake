@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-# The packages the project is built on. Debian 12: libvtk9-dev libglm-dev libhwy-dev python3-vtk9.
+# The packages the project is built on. Debian 12: libvtk9-dev libglm-dev libhwy-dev python3-vtk9,
+# and libeigen3-dev for VTK::eigen.
 set(ffd_vtk_components
   CommonCore CommonDataModel CommonExecutionModel CommonMath CommonSystem CommonTransforms
   FiltersCore FiltersGeneral FiltersHybrid FiltersSources

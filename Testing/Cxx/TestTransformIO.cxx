@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// vtkFFDTransformReader and vtkFFDTransformWriter: every format there and back, and hostile files.
+#include "FFDTestHelpers.h"
+
+#include "vtkAbstractTransform.h"
+#include "vtkFFDTransformReader.h"
+#include "vtkFFDTransformWriter.h"
+#include "vtkImageData.h"
+#include "vtkTesting.h"
+
+#include "vtksys/Directory.hxx"
+#include "vtksys/SystemTools.hxx"
+
+#include <fstream>
+#include <iterator>
+
+namespace
+{
+
+/// Largest difference of two transforms at points of the lattice's domain.
+double Difference(vtkFFDLattice* lattice, vtkAbstractTransform* other)
+{
+  FFDRandom random(8);
+  double largest = 0.0;
+  for (int i = 0; i < 200; ++i)
+  {
+    double p[3];
+    double a[3];
+    double b[3];
+    random.Point(lattice, -0.01, p);
+    lattice->TransformPoint(p, a);
+    other->TransformPoint(p, b);
+    largest = std::max(largest, FFDDistance(a, b));
+  }
+  return largest;
+}
+
+int CheckFormats(const std::string& folder)
+{
+  vtkNew<vtkFFDLattice> lattice;
+  lattice->SetDimensions(6, 5, 7);
+  lattice->SetDomain(-3.0, 27.0, 10.0, 30.0, 5.0, 25.0);
+  FFDRandom(3).Shape(lattice, 0.3);
+  vtkNew<vtkImageData> grid;
+  grid->SetDimensions(61, 41, 41);
+  grid->SetOrigin(-3.0, 10.0, 5.0);
+  grid->SetSpacing(0.5, 0.5, 0.5);
+  struct Case
+  {
+    const char* Name;
+    double Tolerance;
+    const char* Format;
+  };
+  // Fields are interpolated linearly between samples.
+  for (const Case& test : { Case{ "io.tfm", 1e-12, "ItkText" },
+         Case{ "TransformParameters.io.txt", 1e-12, "Elastix" }, Case{ "io.vti", 1e-12, "Lattice" },
+         Case{ "io.mha", 0.02, "MetaImage" }, Case{ "io.mhd", 0.02, "MetaImage" },
+         Case{ "io.nrrd", 0.02, "NRRD" }, Case{ "io.nii", 0.02, "NIfTI" } })
+  {
+    for (int coordinates = 0; coordinates < 2; ++coordinates)
+    {
+      const std::string name = folder + "/" + test.Name;
+      vtkNew<vtkFFDTransformWriter> writer;
+      writer->SetFileName(name.c_str());
+      writer->SetTransform(lattice);
+      writer->SetReferenceImage(grid);
+      writer->SetCoordinates(coordinates);
+      FFD_CHECK(writer->Write() == 1);
+      vtkNew<vtkFFDTransformReader> reader;
+      reader->SetFileName(name.c_str());
+      reader->SetCoordinates(coordinates);
+      vtkAbstractTransform* transform = reader->GetTransform();
+      FFD_CHECK(transform != nullptr);
+      FFD_CHECK(std::string(reader->GetFileFormatAsString()) == test.Format);
+      FFD_CHECK(Difference(lattice, transform) <= test.Tolerance);
+      // The lattice: the same, or fitted to the field.
+      reader->SetFitTolerance(0.05);
+      FFD_CHECK(reader->GetLattice() != nullptr && reader->GetLatticeError() <= 0.05);
+      FFD_CHECK(Difference(lattice, reader->GetLattice()) <= test.Tolerance + 0.1);
+    }
+  }
+  return EXIT_SUCCESS;
+}
+
+int CheckHostileFiles(const std::string& data, const std::string& folder)
+{
+  int files = 0;
+  for (const char* sub : { "Fuzz", "Transforms" })
+  {
+    vtksys::Directory directory;
+    FFD_CHECK(static_cast<bool>(directory.Load(data + "/" + sub)));
+    for (unsigned long i = 0; i < directory.GetNumberOfFiles(); ++i)
+    {
+      const std::string name = data + "/" + sub + "/" + directory.GetFile(i);
+      if (vtksys::SystemTools::FileIsDirectory(name))
+      {
+        continue;
+      }
+      std::ifstream stream(name, std::ios::binary);
+      const std::string bytes{ std::istreambuf_iterator<char>(stream), {} };
+      // Whole, and cut off at a few places.
+      for (int part = 4; part >= 1; --part)
+      {
+        const std::string path = folder + "/hostile";
+        std::ofstream out(path, std::ios::binary | std::ios::trunc);
+        out.write(bytes.data(), static_cast<std::streamsize>(bytes.size() * part / 4));
+        out.close();
+        vtkNew<vtkFFDTransformReader> reader;
+        vtkNew<FFDErrorLog> log;
+        log->Watch(reader);
+        reader->SetFileName(path.c_str());
+        vtkAbstractTransform* transform = reader->GetTransform();
+        FFD_CHECK((transform == nullptr) == (log->Count == 1));
+        if (transform)
+        {
+          double p[3] = { 1.0, 2.0, 3.0 };
+          transform->TransformPoint(p, p);
+          FFD_CHECK(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]));
+        }
+        ++files;
+      }
+    }
+  }
+  FFD_CHECK(files > 400);
+  return EXIT_SUCCESS;
+}
+
+} // namespace
+
+int TestTransformIO(int argc, char* argv[])
+{
+  vtkNew<vtkTesting> testing;
+  testing->AddArguments(argc, argv);
+  const std::string folder = testing->GetTempDirectory();
+  const std::string data = testing->GetDataRoot();
+  if (CheckFormats(folder) != EXIT_SUCCESS || CheckHostileFiles(data, folder) != EXIT_SUCCESS)
+  {
+    return EXIT_FAILURE;
+  }
+  vtkNew<vtkFFDTransformWriter> writer;
+  vtkNew<FFDErrorLog> log;
+  log->Watch(writer);
+  FFD_CHECK(writer->Write() == 0 && log->Had("SetTransform"));
+  return EXIT_SUCCESS;
+}

@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The example programs run, and their pictures show what they should."""
+
+import glob
+import os
+import shutil
+import subprocess
+import sys
+import unittest
+
+import numpy as np
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOImage import vtkPNGReader
+
+SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+BACKGROUND = np.array((26, 28, 33))
+
+
+def run(name, *arguments):
+    output = os.path.join(os.environ["FFD_TEST_TEMPORARY"], name)
+    shutil.rmtree(output, ignore_errors=True)
+    program = os.path.join(SOURCE, "Examples", "Python", name + ".py")
+    result = subprocess.run([sys.executable, program, "--output", output, *arguments],
+                            capture_output=True, text=True, check=False)
+    return output, result
+
+
+def read(path):
+    reader = vtkPNGReader()
+    reader.SetFileName(path)
+    reader.Update()
+    width, height, _ = reader.GetOutput().GetDimensions()
+    return vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars()).reshape(
+        height, width, -1)[..., :3].astype(int)
+
+
+class TestExamples(unittest.TestCase):
+    def test_falling_head(self):
+        output, result = run("falling_head", "--seconds", "0.2", "--rate", "20", "--size", "120")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assertIn("5 frames", result.stdout)
+        frames = [read(path) for path in sorted(glob.glob(os.path.join(output, "frame*.png")))]
+        self.assertEqual(len(frames), 5)
+        # Skin is red rather than blue, the floor is not; rows begin at the bottom.
+        centres = [np.argwhere(frame[..., 0] > frame[..., 2] + 15)[:, 0].mean() for frame in frames]
+        self.assertLess(centres[1], centres[0])
+        self.assertLess(centres[3], centres[1] - 5)
+        # From rest: the second half of the way is faster.
+        self.assertGreater(centres[2] - centres[3], centres[0] - centres[1])
+
+    def test_registration_viewer(self):
+        output, result = run("registration_viewer", "--size", "120", "--fields", "4")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assertIn("Elastix", result.stdout)
+        picture = read(os.path.join(output, "registration.png"))
+        self.assertEqual(picture.shape, (240, 240, 3))
+        after, checker = picture[:120, :120], picture[:120, 120:]
+        fixed, before = picture[120:, :120], picture[120:, 120:]
+
+        def shown(part):
+            return np.abs(part - BACKGROUND).max(axis=-1) > 20
+
+        for part in (after, fixed, before):
+            self.assertGreater(shown(part).mean(), 0.05)
+        # Fields of either, and the moving head lies on the fixed one only after the registration.
+        np.testing.assert_array_equal(checker[:30, :30], fixed[:30, :30])
+        np.testing.assert_array_equal(checker[:30, 30:60], after[:30, 30:60])
+        outside_before = (shown(before) & ~shown(fixed)).sum() / shown(before).sum()
+        outside_after = (shown(after) & ~shown(fixed)).sum() / shown(after).sum()
+        self.assertLess(outside_after, 0.5 * outside_before)
+
+    def test_errors_are_told(self):
+        for arguments, text in ((("--transform", "/no/such/file"), "/no/such/file"),
+                                (("--fixed", "/no/such.vti"), "/no/such.vti")):
+            _, result = run("registration_viewer", *arguments)
+            self.assertNotEqual(result.returncode, 0)
+            self.assertIn(text, result.stderr)
+        _, result = run("falling_head", "--rate", "0")
+        self.assertNotEqual(result.returncode, 0)
+        self.assertIn("rate", result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
