@@ -31,6 +31,7 @@
 #include <glm/vec4.hpp>
 
 #include <cmath>
+#include <cstdint>
 
 namespace
 {
@@ -38,8 +39,15 @@ namespace
 /// GL_DEPTH_TEST: the loaders of OpenGL have other names in other versions of VTK.
 constexpr unsigned int GlDepthTest = 0x0B71;
 
-/// From this many glyphs on, coarser ones.
-constexpr std::size_t ManyGlyphs = 1500;
+/// Glyphs are as fine as their number allows: with software rasterisers their triangles are what a
+/// frame costs. 120 triangles each for a few, 24, and 8 for thousands.
+struct GlyphLevel
+{
+  std::size_t AtMost;
+  int Theta;
+  int Phi;
+};
+constexpr GlyphLevel GlyphLevels[] = { { 150, 10, 8 }, { 1500, 6, 4 }, { SIZE_MAX, 4, 3 } };
 
 } // namespace
 
@@ -202,9 +210,13 @@ vtkFFDLatticeScene::~vtkFFDLatticeScene() = default;
 void vtkFFDLatticeScene::SetGlyphs(const std::vector<Glyph>& glyphs)
 {
   const vtkIdType count = static_cast<vtkIdType>(glyphs.size());
-  const bool many = glyphs.size() > ManyGlyphs;
-  this->Sphere->SetThetaResolution(many ? 5 : 10);
-  this->Sphere->SetPhiResolution(many ? 4 : 8);
+  const GlyphLevel* level = GlyphLevels;
+  while (glyphs.size() > level->AtMost)
+  {
+    ++level;
+  }
+  this->Sphere->SetThetaResolution(level->Theta);
+  this->Sphere->SetPhiResolution(level->Phi);
   this->GlyphPoints->SetNumberOfPoints(count);
   this->GlyphColours->SetNumberOfTuples(count);
   this->Diameters.resize(glyphs.size());

@@ -4,6 +4,7 @@
 
 #include "FFDBenchmarkResample.h"
 #include "FFDBenchmarkScene.h"
+#include "FFDBenchmarkWidget.h"
 #include "FFDGatherLoop.h"
 
 #include "vtkFFDInverseRayVolumeMapper.h"
@@ -593,6 +594,7 @@ std::vector<std::unique_ptr<Group>> MakeGroups(const Options& options)
     { { "gather", rounds(5, 11) }, { "unshaded_identity", rounds(3, 11) },
       { "unshaded_smooth45", rounds(3, 11) }, { "shaded_identity", rounds(3, 11) },
       { "shaded_smooth45", rounds(3, 11) } });
+  AddWidgetGroups(options, groups);
   return groups;
 }
 

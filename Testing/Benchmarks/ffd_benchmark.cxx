@@ -209,6 +209,17 @@ void PrintTargets(const std::vector<std::unique_ptr<Group>>& groups)
         }
       }
     }
+    else if (name.rfind("WidgetDrag", 0) == 0)
+    {
+      // 30 frames a second at full quality, 20 while quality may drop.
+      const char* const row = name == "WidgetDrag/opaque" ? "full" : "interactive";
+      const Row* drag = group->FindRow(row);
+      if (drag)
+      {
+        PrintTarget(name + " " + row + ", ms from mouse move to picture", 1e3 * drag->GetMedian(),
+          name == "WidgetDrag/opaque" ? 1e3 / 30.0 : 1e3 / 20.0);
+      }
+    }
     else if (name.rfind("Drag", 0) == 0)
     {
       const double gain = group->GetRatio("grid", "exact");
