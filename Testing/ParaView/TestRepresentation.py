@@ -1,0 +1,353 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The representation and the filters in one process, as a ParaView user meets them in Python."""
+
+import os
+import unittest
+
+import numpy as np
+from paraview import simple, smstate
+
+import ffdparaview as ffd
+
+ffd.load()
+
+
+class TestRepresentation(unittest.TestCase):
+    def setUp(self):
+        simple.ResetSession()
+        ffd.load()
+        self.view = ffd.make_view()
+        self.wavelet = ffd.make_wavelet()
+
+    def show(self, **properties):
+        self.lattice = simple.FFDLattice(Input=self.wavelet, **properties)
+        self.display = simple.Show(self.lattice, self.view)
+        self.opacity = ffd.set_functions()
+        return ffd.picture(self.view, "representation")
+
+    def test_default_is_ours_and_shows_something(self):
+        picture = self.show()
+        self.assertEqual(self.display.Representation, "FFD Volume")
+        self.assertEqual(self.display.ColorArrayName[1], "RTData")
+        self.assertGreater(ffd.lit(picture), 1000)
+
+    def test_switching_picks_an_array(self):
+        """In solid colour a volume would be blank."""
+        display = simple.Show(self.wavelet, self.view)
+        display.SetRepresentationType("Outline")
+        simple.ColorBy(display, None)
+        self.assertFalse(display.ColorArrayName[1])
+        display.SetRepresentationType("FFD Volume")
+        self.assertEqual(display.ColorArrayName[1], "RTData")
+        ffd.set_functions()
+        ours = ffd.picture(self.view, "ours")
+        self.assertGreater(ffd.lit(ours), 1000)
+        # Without a lattice it is ParaView's own volume, up to rounding and where samples lie.
+        display.SetRepresentationType("Volume")
+        display.VolumeRenderingMode = "Ray Cast Only"
+        own = ffd.picture(self.view, "own")
+        self.assertLess(np.abs(ours - own).mean(), 2.0)
+        display.SetRepresentationType("Surface")
+        self.assertGreater(np.abs(ffd.picture(self.view, "surface") - own).mean(), 10.0)
+        display.SetRepresentationType("FFD Volume")
+        self.assertEqual(ffd.differ(ffd.picture(self.view, "again"), ours)[0], 0)
+
+    def test_transfer_functions(self):
+        before = self.show()
+        self.opacity.Points = [37, 0, 0.5, 0, 280, 0, 0.5, 0]
+        self.assertEqual(ffd.lit(ffd.picture(self.view, "transparent")), 0)
+        ffd.set_functions(opaque=True)
+        opaque = ffd.picture(self.view, "opaque")
+        self.assertGreater(opaque.sum(), 1.2 * before.sum())
+        colours = simple.GetColorTransferFunction("RTData")
+        colours.RGBPoints = [37, 1, 0, 0, 280, 1, 0, 0]
+        red = ffd.picture(self.view, "red")
+        self.assertEqual(red[:, :, 1:].max(), 0)
+        self.assertGreater(red[:, :, 0].max(), 200)
+
+    def test_shapes_and_displacements(self):
+        pictures = [self.show()]
+        for shape in ("Bend", "Twist", "Taper", "Bulge", "Wave", "Random"):
+            self.lattice.Shape = shape
+            pictures.append(ffd.picture(self.view, shape))
+        for i, a in enumerate(pictures):
+            for b in pictures[:i]:
+                self.assertGreater(np.abs(a - b).mean(), 1.0)
+        self.lattice.Shape = "Twist"
+        for name, value in (("Strength", 0.3), ("DisplacementScale", 0.5), ("Padding", 0.3),
+                            ("Resolution", [4, 4, 4])):
+            default = list(self.lattice.GetProperty(name)) if name == "Resolution" else \
+                self.lattice.GetPropertyValue(name)
+            twisted = ffd.picture(self.view, "twisted")
+            self.lattice.__setattr__(name, value)
+            self.assertGreater(np.abs(ffd.picture(self.view, name) - twisted).mean(), 0.1, name)
+            self.lattice.__setattr__(name, default)
+        self.lattice.Shape = "Random"
+        random = ffd.picture(self.view, "random")
+        self.lattice.Seed = 7
+        self.assertGreater(np.abs(ffd.picture(self.view, "seed") - random).mean(), 0.3)
+
+    def test_displacements_translate(self):
+        """All control points moved alike move the volume, and its bounds with it."""
+        at_rest = self.show(Resolution=[4, 4, 4])
+        self.lattice.Displacements = [0.0, 0.0, 6.0] * 64
+        moved = ffd.picture(self.view, "moved")
+        self.assertGreater(np.abs(moved - at_rest).mean(), 5.0)
+        self.view.CameraPosition = [75.0, 45.0, 66.0]
+        self.view.CameraFocalPoint = [0.0, 0.0, 6.0]
+        followed = ffd.picture(self.view, "followed")
+        self.assertLess(np.abs(followed - at_rest).mean(), 1.0)
+        # Finer: the same map.
+        self.lattice.DisplacementsResolution = [4, 4, 4]
+        self.lattice.Resolution = [8, 8, 8]
+        self.assertLess(np.abs(ffd.picture(self.view, "finer") - followed).mean(), 0.2)
+
+    def test_camera_reset_uses_deformed_bounds(self):
+        self.show(Resolution=[4, 4, 4], Displacements=[100.0, 0.0, 0.0] * 64)
+        self.view.ResetCamera()
+        simple.Render(self.view)
+        self.assertAlmostEqual(self.view.CameraFocalPoint[0], 100.0, delta=1.0)
+        self.assertGreater(ffd.lit(ffd.picture(self.view, "reset")), 1000)
+
+    def test_options(self):
+        """Each option changes the picture, but for those that must not."""
+        self.show(Shape="Twist", Strength=2.0)
+        reference = ffd.picture(self.view, "reference")
+        for name, value in (("FFDInverseMode", "First Order"), ("FFDInverseMode", "Pull Back"),
+                            ("FFDSampleDistance", 4.0), ("FFDImageSampleDistance", 4.0),
+                            ("FFDOpacityLength", "Material"), ("FFDShade", 1),
+                            ("FFDScalarOpacityUnitDistance", 0.3),
+                            ("FFDEarlyRayTermination", 0.6), ("FFDSegmentation", "Greedy Angle")):
+            default = self.display.GetPropertyValue(name)
+            self.display.__setattr__(name, value)
+            changed = ffd.picture(self.view, name)
+            self.assertGreater(ffd.differ(changed, reference)[0], 1, name)
+            self.display.__setattr__(name, default)
+            self.assertEqual(ffd.differ(ffd.picture(self.view, "back"), reference)[0], 0, name)
+        for name, value in (("FFDSpaceLeaping", "Off"), ("FFDNumberOfThreads", 1),
+                            ("FFDPositionTolerance", 0.01), ("FFDInverseTolerance", 0.001)):
+            self.display.__setattr__(name, value)
+            self.assertLessEqual(
+                ffd.differ(ffd.picture(self.view, name), reference)[0], 12, name)
+
+    def test_vectors_and_cells(self):
+        """Components and magnitudes of vectors, and cell data."""
+        gradient = simple.Gradient(Input=self.wavelet, ScalarArray=["POINTS", "RTData"])
+        display = simple.Show(gradient, self.view)
+        display.SetRepresentationType("FFD Volume")
+        simple.ColorBy(display, ("POINTS", "Gradient", "Magnitude"))
+        display.RescaleTransferFunctionToDataRange(False, True)
+        magnitude = ffd.picture(self.view, "magnitude")
+        self.assertGreater(ffd.lit(magnitude), 1000)
+        simple.ColorBy(display, ("POINTS", "Gradient", "X"))
+        display.RescaleTransferFunctionToDataRange(False, True)
+        component = ffd.picture(self.view, "component")
+        self.assertGreater(ffd.lit(component), 1000)
+        self.assertGreater(np.abs(component - magnitude).mean(), 1.0)
+        simple.Hide(gradient, self.view)
+        cells = simple.PointDatatoCellData(Input=self.wavelet)
+        display = simple.Show(cells, self.view)
+        display.SetRepresentationType("FFD Volume")
+        simple.ColorBy(display, ("CELLS", "RTData"))
+        ffd.set_functions()
+        self.assertGreater(ffd.lit(ffd.picture(self.view, "cells")), 1000)
+
+    def test_surfaces(self):
+        """A surface in front hides the volume, one inside is seen through it, one behind, too."""
+        self.show()
+        ffd.set_functions(opaque=True)
+        volume = ffd.picture(self.view, "volume")
+        middle = volume.shape[0] // 2, volume.shape[1] // 2
+        ball = simple.Sphere(Radius=4.0, Center=[37.5, 22.5, 30.0])
+        display = simple.Show(ball, self.view)
+        display.ColorArrayName = [None, ""]
+        display.DiffuseColor = [0.0, 1.0, 0.0]
+        display.AmbientColor = [0.0, 1.0, 0.0]
+        front = ffd.picture(self.view, "front")[middle]
+        self.assertGreater(front[1], 100)
+        self.assertLess(front[0] + front[2], 60)
+        ball.Center = [-37.5, -22.5, -30.0]
+        behind = ffd.picture(self.view, "behind")[middle]
+        self.assertLessEqual(np.abs(behind - volume[middle]).max(), 3)
+        ball.Center = [0.0, 0.0, 0.0]
+        ffd.set_functions(opaque=False)
+        inside = ffd.picture(self.view, "inside")[middle]
+        simple.Hide(ball, self.view)
+        without = ffd.picture(self.view, "without")[middle]
+        self.assertGreater(np.abs(inside - without).max(), 20)
+        self.assertGreater(inside[0], 15)
+
+    def test_state_file(self):
+        picture = self.show(Shape="Twist", Strength=1.3, Resolution=[4, 4, 4],
+                            Displacements=list(np.linspace(-2.0, 2.0, 192)))
+        self.display.FFDShade = 1
+        self.display.FFDSampleDistance = 0.7
+        picture = ffd.picture(self.view, "state")
+        state = os.path.join(ffd.TEMPORARY, "ParaView.state.pvsm")
+        simple.SaveState(state)
+        simple.ResetSession()
+        ffd.load()
+        simple.LoadState(state)
+        view = simple.GetActiveViewOrCreate("RenderView")
+        self.assertEqual(ffd.differ(ffd.picture(view, "restored"), picture)[0], 0)
+
+    def test_python_state(self):
+        self.show(Shape="Bend", Strength=0.8, Resolution=[4, 4, 4],
+                  Displacements=list(np.linspace(-2.0, 2.0, 192)))
+        self.display.FFDInverseMode = "First Order"
+        self.display.FFDOpacityLength = "Material"
+        picture = ffd.picture(self.view, "pystate")
+        text = smstate.get_state()
+        self.assertIn("FFDLattice(", text)
+        simple.ResetSession()
+        ffd.load()
+        exec(compile(text, "state", "exec"), {"__name__": "state"})  # pylint: disable=exec-used
+        view = simple.GetActiveViewOrCreate("RenderView")
+        self.assertEqual(ffd.differ(ffd.picture(view, "pyrestored"), picture)[0], 0)
+
+    def test_animation(self):
+        """Strength and control points are keyframed; frames are saved."""
+        self.show(Shape="Twist", Strength=0.0, Resolution=[4, 4, 4],
+                  Displacements=[0.0, 0.0, 0.0] * 64)
+        scene = simple.GetAnimationScene()
+        scene.PlayMode = "Sequence"
+        scene.NumberOfFrames = 3
+        strength = simple.GetAnimationTrack("Strength", proxy=self.lattice)
+        strength.KeyFrames = [simple.CompositeKeyFrame(KeyTime=0.0, KeyValues=[0.0]),
+                              simple.CompositeKeyFrame(KeyTime=1.0, KeyValues=[2.0])]
+        point = simple.GetAnimationTrack("Displacements", 3 * 42 + 2, self.lattice)
+        point.KeyFrames = [simple.CompositeKeyFrame(KeyTime=0.0, KeyValues=[0.0]),
+                           simple.CompositeKeyFrame(KeyTime=1.0, KeyValues=[25.0])]
+        name = os.path.join(ffd.TEMPORARY, "ParaView.frame.png")
+        simple.SaveAnimation(name, self.view, FrameWindow=[0, 2])
+        frames = [ffd.read_picture(name.replace(".png", ".%04d.png" % i)) for i in range(3)]
+        self.assertGreater(np.abs(frames[1] - frames[0]).mean(), 1.0)
+        self.assertGreater(np.abs(frames[2] - frames[1]).mean(), 1.0)
+        scene.GoToLast()
+        self.assertAlmostEqual(self.lattice.Strength, 2.0)
+        self.assertAlmostEqual(self.lattice.Displacements[3 * 42 + 2], 25.0)
+        self.assertLess(ffd.differ(ffd.picture(self.view, "last"), frames[2])[1], 0.2)
+        point.Enabled = 0
+        self.lattice.Displacements = [0.0, 0.0, 0.0] * 64
+        self.assertGreater(np.abs(ffd.picture(self.view, "nopoint") - frames[2]).mean(), 0.5)
+
+    def test_file_with_lattice(self):
+        """A .vti that was saved with its lattice is shown deformed."""
+        deformed = self.show(Shape="Twist", Strength=1.5)
+        name = os.path.join(ffd.TEMPORARY, "ParaView.lattice.vti")
+        simple.SaveData(name, proxy=self.lattice)
+        simple.Hide(self.lattice, self.view)
+        reader = simple.XMLImageDataReader(FileName=[name])
+        display = simple.Show(reader, self.view)
+        display.SetRepresentationType("FFD Volume")
+        self.assertLessEqual(ffd.differ(ffd.picture(self.view, "file"), deformed)[0], 6)
+        # A second lattice starts from that of the file.
+        simple.Hide(reader, self.view)
+        more = simple.FFDLattice(Input=reader)
+        simple.Show(more, self.view)
+        self.assertLessEqual(ffd.differ(ffd.picture(self.view, "chained"), deformed)[0], 12)
+        more.UseInputLattice = 0
+        self.assertGreater(np.abs(ffd.picture(self.view, "fresh") - deformed).mean(), 2.0)
+
+    def test_selection(self):
+        self.show(Shape="Twist")
+        simple.SelectSurfacePoints(Rectangle=[0, 0, 159, 139], View=self.view)
+        simple.SelectSurfaceCells(Rectangle=[0, 0, 159, 139], View=self.view)
+        simple.ClearSelection()
+        self.assertGreater(ffd.lit(ffd.picture(self.view, "selection")), 1000)
+
+    def test_transform(self):
+        """Place, scale and rotation of the representation."""
+        before = self.show(Shape="Twist")
+        self.display.Position = [0.0, 0.0, 6.0]
+        moved = ffd.picture(self.view, "position")
+        self.assertGreater(np.abs(moved - before).mean(), 2.0)
+        self.display.Position = [0.0, 0.0, 0.0]
+        self.display.Scale = [1.0, 0.5, 1.0]
+        self.assertLess(ffd.lit(ffd.picture(self.view, "scale")), ffd.lit(before))
+        self.display.Scale = [1.0, 1.0, 1.0]
+        self.display.Orientation = [0.0, 0.0, 90.0]
+        self.assertGreater(np.abs(ffd.picture(self.view, "rotation") - before).mean(), 1.0)
+
+
+class TestWrongInput(unittest.TestCase):
+    """ParaView's usual errors, and no crash."""
+
+    def setUp(self):
+        simple.ResetSession()
+        ffd.load()
+        self.view = ffd.make_view()
+
+    def test_lattice_refuses_other_data(self):
+        unstructured = simple.Tetrahedralize(Input=simple.Wavelet(
+            WholeExtent=[-3, 3, -3, 3, -3, 3]))
+        table = simple.ProgrammableSource(OutputDataSetType="vtkTable", Script="pass")
+        for wrong in (simple.Sphere(), unstructured, table):
+            with ffd.Errors() as errors:
+                lattice = simple.FFDLattice(Input=wrong)
+                lattice.UpdatePipeline()
+            self.assertTrue(errors.say("vtkImageData"), errors.text)
+            simple.Delete(lattice)
+
+    def test_rectilinear(self):
+        grid = simple.ProgrammableSource(
+            OutputDataSetType="vtkRectilinearGrid",
+            Script="""
+from paraview import vtk
+import numpy as np
+from paraview.vtk.util.numpy_support import numpy_to_vtk
+output.SetDimensions(5, 5, 5)
+for name in 'XYZ':
+    a = vtk.vtkDoubleArray()
+    for i in range(5): a.InsertNextValue(i * i)
+    getattr(output, 'Set%sCoordinates' % name)(a)
+s = vtk.vtkDoubleArray(); s.SetName('s'); s.SetNumberOfTuples(125); s.Fill(1.0)
+output.GetPointData().AddArray(s)
+""",
+            ScriptRequestInformation="""
+executive = self.GetExecutive()
+executive.GetOutputInformation(0).Set(executive.WHOLE_EXTENT(), 0, 4, 0, 4, 0, 4)
+""")
+        display = simple.Show(grid, self.view)
+        with ffd.Errors() as errors:
+            display.SetRepresentationType("FFD Volume")
+            ffd.picture(self.view, "rectilinear")
+        self.assertTrue(errors.say("FFD Volume", "vtkRectilinearGrid"), errors.text)
+
+    def test_flat_image(self):
+        wavelet = simple.Wavelet(WholeExtent=[-10, 10, -10, 10, 0, 0])
+        lattice = simple.FFDLattice(Input=wavelet, Shape="Bend")
+        display = simple.Show(lattice, self.view)
+        with ffd.Errors() as errors:
+            display.SetRepresentationType("FFD Volume")
+            ffd.picture(self.view, "flat")
+        self.assertTrue(errors.text)
+
+    def test_not_a_number(self):
+        wavelet = simple.Wavelet(WholeExtent=[-10, 10, -10, 10, -10, 10])
+        calculator = simple.Calculator(
+            Input=wavelet, ResultArrayName="bad", Function="sqrt(RTData - 150)")
+        lattice = simple.FFDLattice(Input=calculator, Shape="Bend")
+        display = simple.Show(lattice, self.view)
+        simple.ColorBy(display, ("POINTS", "bad"))
+        with ffd.Errors():
+            picture = ffd.picture(self.view, "nan")
+        self.assertGreaterEqual(picture.min(), 0)
+
+    def test_bad_values(self):
+        wavelet = simple.Wavelet(WholeExtent=[-10, 10, -10, 10, -10, 10])
+        lattice = simple.FFDLattice(Input=wavelet, Resolution=[4, 4, 4])
+        lattice.Displacements = [1.0, 2.0, 3.0]
+        with ffd.Errors() as errors:
+            lattice.UpdatePipeline()
+        self.assertTrue(errors.say("1 displacements", "64"), errors.text)
+        with ffd.Errors() as errors:
+            lattice.Displacements = [float("nan")] * 192
+            lattice.UpdatePipeline()
+        self.assertTrue(errors.say("must be finite"), errors.text)
+
+
+if __name__ == "__main__":
+    unittest.main()
