@@ -70,6 +70,9 @@ constexpr int LargestSpanLevel = 10;
 /// Tiles are rendered in so many batches; progress and abort are dealt with in between.
 constexpr int Batches = 16;
 
+/// Time between two of them, if there are fewer.
+constexpr double SecondsPerBatch = 0.02;
+
 constexpr int LargestImageSide = 16384;
 
 /// Shortest piece and sample distance, voxels: below, an image would take for ever.
@@ -562,18 +565,24 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
     }
   };
   const vtkIdType tiles = caster.GetNumberOfTiles(image);
+  // Threads wait for each other between batches: no more of them than a fluent display of progress
+  // and a quick abort need.
+  const double expected =
+    this->TimePerRay * static_cast<double>(image.Width) * static_cast<double>(image.Height);
+  const int batches =
+    expected > 0.0 ? std::clamp(static_cast<int>(expected / SecondsPerBatch), 1, Batches) : Batches;
   bool aborted = false;
   const auto renderImage = [&]
   {
-    for (int batch = 0; batch < Batches && !aborted; ++batch)
+    for (int batch = 0; batch < batches && !aborted; ++batch)
     {
-      vtkSMPTools::For(tiles * batch / Batches, tiles * (batch + 1) / Batches, 1, renderTiles);
-      double progress = static_cast<double>(batch + 1) / Batches;
+      vtkSMPTools::For(tiles * batch / batches, tiles * (batch + 1) / batches, 1, renderTiles);
+      double progress = static_cast<double>(batch + 1) / batches;
       this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderProgressEvent, &progress);
       this->Self->UpdateProgress(progress);
       vtkRenderWindow* window = checkAbort ? renderer->GetRenderWindow() : nullptr;
       aborted = this->Self->GetAbortExecute() != 0 ||
-        (window && batch + 1 < Batches && window->CheckAbortStatus());
+        (window && batch + 1 < batches && window->CheckAbortStatus());
     }
   };
   this->Self->SetAbortExecute(0);
