@@ -198,6 +198,7 @@ PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings)
   CopyRows(v.DataToIndex, p.LocalToIndex);
   Copy(v.ToIndex(p.Centre), p.IndexOffset);
   const glm::dmat3 dataToWorld(scene.DataToWorld);
+  CopyRows(v.IndexToData, p.IndexToLocal);
   CopyRows(dataToWorld * v.IndexToData, p.IndexToWorld);
   CopyRows(dataToWorld, p.LocalToWorld);
   CopyRows(glm::transpose(v.DataToIndex), p.GradientToRest);

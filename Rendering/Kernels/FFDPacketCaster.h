@@ -56,6 +56,7 @@ struct PacketScene
   glm::dvec3 Centre{ 0.0 }; ///< data coordinates
   float LocalToIndex[9] = {};
   float IndexOffset[3] = {};
+  float IndexToLocal[9] = {};
   float IndexToWorld[9] = {};
   float LocalToWorld[9] = {};
   float GradientToRest[9] = {};     ///< by index coordinates to by data coordinates

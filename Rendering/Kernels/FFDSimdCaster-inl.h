@@ -343,7 +343,7 @@ private:
       {
         gradient = this->GradientAtBorder(q, border, gradient);
       }
-      colour = this->ShadeSample(piece, colour, gradient, s, t);
+      colour = this->ShadeSample(piece, q, colour, gradient, s, t);
     }
     const Vf interval = this->Scene.Settings.Opacity == OpacityLength::World
       ? hn::Mul(ds, Splat(piece.Dt))
@@ -396,8 +396,8 @@ private:
   }
 
   /// Colour of a lit sample: the normal is J_Phi^T grad f, with J_Phi from the tile's own grid.
-  HWY_INLINE Vec3 ShadeSample(
-    const PacketPiece& piece, const Vec3& colour, const Vec3& byIndex, Vf s, Vf t)
+  HWY_INLINE Vec3 ShadeSample(const PacketPiece& piece, const Vec3& q, const Vec3& colour,
+    const Vec3& byIndex, Vf s, Vf t)
   {
     Vec3 gradient; // by local coordinates of deformed space
     if (this->Scene.Identity)
@@ -410,7 +410,7 @@ private:
     }
     else
     {
-      gradient = this->GradientFromField(piece, byIndex);
+      gradient = this->GradientFromField(q, byIndex, t);
     }
     const Vec3 world = Normalize(Transform(this->Scene.GradientToWorld, gradient));
     const Vec3 normal = Scale(Splat(-1.0f), world);
@@ -464,21 +464,16 @@ private:
     return Scale(sign, sum);
   }
 
-  /// J_Phi at the middle of the piece, ray by ray: pieces that are not interpolated are short.
-  HWY_NOINLINE Vec3 GradientFromField(const PacketPiece& piece, const Vec3& byIndex)
+  /// The same with J_Phi at the sample itself, where nodes of the tile are too far apart.
+  HWY_NOINLINE Vec3 GradientFromField(const Vec3& index, const Vec3& byIndex, Vf t) const
   {
-    if (!this->HaveFrames)
-    {
-      this->HaveFrames = true;
-      const Vf t = Splat(this->Grid.TimeOf(piece.Step + piece.Steps / 2));
-      const Vec3 p = MulAdd(t, this->Rays.Direction, this->Rays.Origin);
-      const Vec3 q = PullBackLanes(this->Scene, p, this->Alive, this->Scratch.Statistics);
-      PullBackJacobian(
-        this->Scene, p, q, this->Jacobian[0], this->Jacobian[1], this->Jacobian[2]);
-    }
+    const Vec3 p = MulAdd(t, this->Rays.Direction, this->Rays.Origin);
+    const Vec3 q = Transform(
+      this->Scene.IndexToLocal, Sub(index, Broadcast(this->Scene.IndexOffset)));
+    Vec3 columns[3];
+    PullBackJacobian(this->Scene, p, q, columns[0], columns[1], columns[2]);
     const Vec3 rest = Transform(this->Scene.GradientToRest, byIndex);
-    return { Dot(this->Jacobian[0], rest), Dot(this->Jacobian[1], rest),
-      Dot(this->Jacobian[2], rest) };
+    return { Dot(columns[0], rest), Dot(columns[1], rest), Dot(columns[2], rest) };
   }
 
   const PacketScene& Scene;
@@ -497,7 +492,6 @@ private:
   bool HaveFrames = false;
   Vec3 QuU[2];
   Vec3 QuV[2];
-  Vec3 Jacobian[3]; // columns
 
   // Derivatives of the viewing rays across the tile, found with them.
   bool HaveAcross = false;
