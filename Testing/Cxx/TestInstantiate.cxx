@@ -1,15 +1,23 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
 // Every public class can be made, printed and deleted, and knows its superclass.
+#include "vtkFFDBarrTransform.h"
+#include "vtkFFDDeformGeometry.h"
 #include "vtkFFDDeformVolume.h"
+#include "vtkFFDDistanceMap.h"
 #include "vtkFFDFitLattice.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
+#include "vtkFFDJacobian.h"
 #include "vtkFFDLattice.h"
+#include "vtkFFDLatticeRepresentation.h"
+#include "vtkFFDLatticeSource.h"
+#include "vtkFFDLatticeWidget.h"
 #include "vtkFFDMassSpring.h"
+#include "vtkFFDRayDeflector.h"
+#include "vtkFFDRayTracer.h"
+#include "vtkFFDResampleVolume.h"
 #include "vtkFFDTransformReader.h"
 #include "vtkFFDTransformWriter.h"
-#include "vtkFFDLatticeRepresentation.h"
-#include "vtkFFDLatticeWidget.h"
 
 #include "vtkNew.h"
 
@@ -50,5 +58,13 @@ int TestInstantiate(int, char*[])
   ok &= Check<vtkFFDInverseRayVolumeMapper>("vtkFFDInverseRayVolumeMapper", "vtkVolumeMapper");
   ok &= Check<vtkFFDLatticeRepresentation>("vtkFFDLatticeRepresentation", "vtkWidgetRepresentation");
   ok &= Check<vtkFFDLatticeWidget>("vtkFFDLatticeWidget", "vtkAbstractWidget");
+  ok &= Check<vtkFFDBarrTransform>("vtkFFDBarrTransform", "vtkWarpTransform");
+  ok &= Check<vtkFFDRayDeflector>("vtkFFDRayDeflector", "vtkWarpTransform");
+  ok &= Check<vtkFFDLatticeSource>("vtkFFDLatticeSource", "vtkImageAlgorithm");
+  ok &= Check<vtkFFDResampleVolume>("vtkFFDResampleVolume", "vtkImageAlgorithm");
+  ok &= Check<vtkFFDDeformGeometry>("vtkFFDDeformGeometry", "vtkPointSetAlgorithm");
+  ok &= Check<vtkFFDJacobian>("vtkFFDJacobian", "vtkImageAlgorithm");
+  ok &= Check<vtkFFDDistanceMap>("vtkFFDDistanceMap", "vtkImageAlgorithm");
+  ok &= Check<vtkFFDRayTracer>("vtkFFDRayTracer", "vtkPolyDataAlgorithm");
   return ok ? EXIT_SUCCESS : EXIT_FAILURE;
 }
