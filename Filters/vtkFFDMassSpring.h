@@ -27,7 +27,8 @@
  * time starts again. What shapes the body (lattice, model, mass, stiffness, InitialVelocity, TimeStep)
  * starts it again, too; loads, pins and handle act from the next step on.
  *
- * Speed: the matrix is factorized when pins or the time step change. See Testing for the figures.
+ * Speed: the matrix is factorized when pins or the time step change, tenths of a second for 10^3 control
+ * points; then a step takes about 10 ms for springs and less than 1 ms for a solid (one core).
  *
  * @sa vtkFFDLattice vtkFFDDeformVolume
  */
