@@ -193,16 +193,19 @@ public:
   {
     const CastScene& scene = this->Caster.Scene;
     const bool leap = this->Caster.Settings.Leaping != SpaceLeaping::Off;
+    const bool lipschitz = this->Caster.Settings.Leaping == SpaceLeaping::Lipschitz;
     for (int i = 0; i < schedule.Count; ++i)
     {
       const double s = schedule.Position(i);
       const glm::dvec3 q = piece.At(s);
       const bool inside = IsInside(q, this->Upper);
-      if (leap && scene.Distances->FindEmptyBox(q, this->Upper, this->LastEmptyBox))
+      // Leaps of the paper end with the piece; ours know what was found before it.
+      const bool known = lipschitz && Contains(this->LastEmptyBox, q);
+      if (known || (leap && scene.Distances->FindEmptyBox(q, this->Upper, this->LastEmptyBox)))
       {
-        this->Statistics.DistanceLookups += inside ? 1 : 0;
-        if (inside)
+        if (inside && !known)
         {
+          ++this->Statistics.DistanceLookups;
           this->Out.NoteSample(q, t0 + s * dt, schedule.Interval(i) * dt, true, 0.0f);
         }
         i += CountStepsInside(
@@ -231,6 +234,7 @@ public:
   }
 
   const EmptyBox& GetLastEmptyBox() const { return this->LastEmptyBox; }
+  void SetLastEmptyBox(const EmptyBox& box) { this->LastEmptyBox = box; }
   void ForgetEmptyBox() { this->LastEmptyBox = NoBox(); }
 
 private:
@@ -615,6 +619,7 @@ void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
       {
         lookedUp = IsInside(node, upper);
         statistics.DistanceLookups += lookedUp ? 1 : 0;
+        sampler.SetLastEmptyBox(box);
         slack.Set(node, box, span.PositionError + inverseError + LeapGuard);
         if (slack.Pass(span.VelocityMin, span.VelocityMax, dt))
         {
