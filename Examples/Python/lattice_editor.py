@@ -84,6 +84,10 @@ class Complaints:
         vtkOutputWindow.SetInstance(self.previous)
         vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_INFO)
 
+    def has_errors(self):
+        """Whether there are more than warnings."""
+        return "ERROR:" in self.window.GetOutput()
+
     def first(self):
         text = self.window.GetOutput()
         return text.split("): ", 1)[-1].split("\n", 1)[0] if text else ""
@@ -112,7 +116,7 @@ def read_volume(path):
             reader.SetFileName(path)
         reader.Update()
         image = reader.GetOutputDataObject(0)
-    if image is None or image.GetNumberOfPoints() == 0:
+    if complaints.has_errors() or image is None or image.GetNumberOfPoints() == 0:
         if os.path.isdir(path):
             raise Problem("no DICOM slices were found in it")
         raise Problem("it cannot be read: " + (complaints.first() or "it is empty"))

@@ -40,14 +40,14 @@ namespace
 constexpr unsigned int GlDepthTest = 0x0B71;
 
 /// Glyphs are as fine as their number allows: with software rasterisers their triangles are what a
-/// frame costs. 120 triangles each for a few, 24, and 8 for thousands.
+/// frame costs. 120 triangles each for a few, 24, and 8 for hundreds and for what is dimmed.
 struct GlyphLevel
 {
   std::size_t AtMost;
   int Theta;
   int Phi;
 };
-constexpr GlyphLevel GlyphLevels[] = { { 150, 10, 8 }, { 1500, 6, 4 }, { SIZE_MAX, 4, 3 } };
+constexpr GlyphLevel GlyphLevels[] = { { 150, 10, 8 }, { 400, 6, 4 }, { SIZE_MAX, 4, 3 } };
 
 } // namespace
 
@@ -140,6 +140,9 @@ void vtkFFDLatticeScene::PolyLines::Set(const Lines& lines)
 vtkFFDLatticeScene::vtkFFDLatticeScene()
 {
   this->Sphere->SetRadius(0.5);
+  this->CoarseSphere->SetRadius(0.5);
+  this->CoarseSphere->SetThetaResolution(4);
+  this->CoarseSphere->SetPhiResolution(3);
   this->GlyphPoints->SetDataTypeToFloat();
   this->GlyphData->SetPoints(this->GlyphPoints);
   this->GlyphSizes->SetName("Size");
@@ -151,7 +154,8 @@ vtkFFDLatticeScene::vtkFFDLatticeScene()
   {
     vtkGlyph3DMapper* glyphs = this->GlyphMapper[pass];
     glyphs->SetInputData(this->GlyphData);
-    glyphs->SetSourceConnection(this->Sphere->GetOutputPort());
+    glyphs->SetSourceConnection(
+      (pass == 0 ? this->Sphere : this->CoarseSphere)->GetOutputPort());
     glyphs->SetScaleArray("Size");
     glyphs->SetScaleModeToScaleByMagnitude();
     glyphs->OrientOff();

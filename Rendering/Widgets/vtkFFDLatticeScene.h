@@ -157,6 +157,7 @@ private:
   vtkNew<vtkActor> Hidden[NumberOfParts];
 
   vtkNew<vtkSphereSource> Sphere;
+  vtkNew<vtkSphereSource> CoarseSphere;
   vtkNew<vtkPolyData> GlyphData;
   vtkNew<vtkPoints> GlyphPoints;
   vtkNew<vtkDoubleArray> GlyphSizes;

@@ -115,6 +115,9 @@ public:
                                       : text.substr(start + 3, text.find('\n', start) - start - 3);
   }
 
+  /// Whether there are more than warnings.
+  bool HasErrors() const { return this->Window->GetOutput().find("ERROR:") != std::string::npos; }
+
 private:
   vtkSmartPointer<vtkOutputWindow> Previous;
   vtkNew<vtkStringOutputWindow> Window;
@@ -172,7 +175,7 @@ vtkSmartPointer<vtkImageData> ReadVolume(const std::string& path, std::string& p
   {
     image->ShallowCopy(output);
   }
-  if (!complaints.GetFirst().empty() && image->GetNumberOfPoints() == 0)
+  if (complaints.HasErrors())
   {
     problem = SystemTools::FileIsDirectory(path) ? "no DICOM slices were found in it"
                                                  : "it cannot be read: " + complaints.GetFirst();

@@ -3,6 +3,8 @@
 // Use the installed classes together: a lattice, the mapper, and a window that renders.
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDLattice.h"
+#include "vtkFFDLatticeRepresentation.h"
+#include "vtkFFDLatticeWidget.h"
 
 #include "vtkColorTransferFunction.h"
 #include "vtkImageData.h"
@@ -10,6 +12,7 @@
 #include "vtkPiecewiseFunction.h"
 #include "vtkRTAnalyticSource.h"
 #include "vtkRenderWindow.h"
+#include "vtkRenderWindowInteractor.h"
 #include "vtkRenderer.h"
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
@@ -67,6 +70,28 @@ int main()
   window->SetSize(64, 64);
   window->AddRenderer(renderer);
   window->Render();
+
+  // A widget around the volume, and an edit by it.
+  vtkNew<vtkFFDLattice> edited;
+  edited->FitToBounds(mapper->GetBounds());
+  mapper->SetDeformation(edited);
+  vtkNew<vtkRenderWindowInteractor> interactor;
+  interactor->SetRenderWindow(window);
+  vtkNew<vtkFFDLatticeWidget> widget;
+  widget->SetInteractor(interactor);
+  vtkFFDLatticeRepresentation* representation = widget->GetLatticeRepresentation();
+  representation->SetLattice(edited);
+  representation->SetProp(volume);
+  widget->On();
+  representation->SelectPoint(1, 1, 1);
+  const int moved = representation->TranslateSelection(1.0, 0.0, 0.0);
+  window->Render();
+  if (!moved || edited->IsIdentity() || !representation->Undo() || !edited->IsIdentity())
+  {
+    std::cerr << "The widget does not edit the lattice.\n";
+    return EXIT_FAILURE;
+  }
+  widget->Off();
 
   std::cout << "rendered with " << window->GetClassName() << " and " << mapper->GetClassName()
             << "\n";

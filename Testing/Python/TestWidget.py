@@ -1,0 +1,189 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The lattice widget from Python: every edit by script, events, mouse and keys."""
+
+import unittest
+
+import numpy
+import vtkffd
+from vtkmodules.util.numpy_support import numpy_to_vtkIdTypeArray, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkIdTypeArray
+from vtkmodules.vtkInteractionStyle import vtkInteractorStyleTrackballCamera
+from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow, vtkRenderWindowInteractor
+
+REP = vtkffd.vtkFFDLatticeRepresentation
+WIDGET = vtkffd.vtkFFDLatticeWidget
+
+
+class TestRepresentation(unittest.TestCase):
+    def setUp(self):
+        self.lattice = vtkffd.vtkFFDLattice()
+        self.lattice.SetDimensions(6, 6, 6)
+        self.lattice.SetDomain(0, 30, 0, 30, 0, 30)
+        self.rep = REP()
+        self.rep.SetLattice(self.lattice)
+
+    def displacements(self):
+        return vtk_to_numpy(self.lattice.GetDisplacements()).reshape(6, 6, 6, 3)
+
+    def test_select_and_edit(self):
+        rep = self.rep
+        self.assertEqual(rep.SelectPoint(2, 2, 2), 1)
+        self.assertEqual(rep.SelectPoint(3, 2, 2, REP.ADD), 1)
+        self.assertEqual(rep.GetNumberOfSelectedPoints(), 2)
+        self.assertEqual(rep.TranslateSelection(1, 2, 3), 1)
+        numpy.testing.assert_array_equal(self.displacements()[2, 2, 3], (1, 2, 3))
+        self.assertEqual(rep.GetLastEdit(), "Translate")
+        changed = vtkIdTypeArray()
+        rep.GetChangedPoints(changed)
+        numpy.testing.assert_array_equal(vtk_to_numpy(changed), (86, 87))
+        self.assertEqual(rep.ScaleSelection(2, 1, 1), 1)
+        self.assertEqual(rep.RotateSelection(45, 0, 0, 1), 1)
+        for _ in range(3):
+            self.assertEqual(rep.Undo(), 1)
+        self.assertTrue(self.lattice.IsIdentity())
+        self.assertEqual(rep.GetNumberOfRedos(), 3)
+        self.assertEqual(rep.Redo(), 1)
+        numpy.testing.assert_array_equal(self.displacements()[2, 2, 2], (1, 2, 3))
+        self.assertEqual(rep.ResetAll(), 1)
+        rep.SelectPlanes(2)
+        self.assertEqual(rep.GetNumberOfSelectedPoints(), 36)
+        rep.SetSelectedPoints(numpy_to_vtkIdTypeArray(numpy.array([0, 5, 215]), deep=True))
+        chosen = vtkIdTypeArray()
+        rep.GetSelectedPoints(chosen)
+        numpy.testing.assert_array_equal(vtk_to_numpy(chosen), (0, 5, 215))
+
+    def test_options(self):
+        rep = self.rep
+        rep.ProportionalEditingOn()
+        rep.SetProportionalRadius(15.0)
+        rep.SetFalloff(REP.LINEAR)
+        rep.SelectPoint(2, 2, 2)
+        rep.TranslateSelection(3, 0, 0)
+        self.assertAlmostEqual(self.displacements()[2, 2, 1, 0], 1.0)
+        rep.ResetAll()
+        rep.ProportionalEditingOff()
+        rep.SetSymmetry(0, 0, 1)
+        rep.TranslateSelection(0, 1, 2)
+        numpy.testing.assert_array_equal(self.displacements()[3, 2, 2], (0, 1, -2))
+        rep.ResetAll()
+        rep.SetSymmetry(0, 0, 0)
+        rep.SetFoldGuard(REP.GUARD_CLAMP)
+        rep.TranslateSelection(100, 0, 0)
+        self.assertTrue(self.lattice.IsFoldFree())
+
+    def test_direct_manipulation(self):
+        rep = self.rep
+        self.assertEqual(rep.AddPin(10, 10, 10), 1)
+        self.assertEqual(rep.MoveMaterial((15, 15, 15), (18, 16, 15)), 1)
+        numpy.testing.assert_allclose(
+            self.lattice.TransformPoint(15, 15, 15), (18, 16, 15), atol=1e-5)
+        numpy.testing.assert_allclose(
+            self.lattice.TransformPoint(10, 10, 10), (10, 10, 10), atol=1e-9)
+        pin = [0, 0, 0]
+        rep.GetPin(0, pin)
+        numpy.testing.assert_allclose(pin, (10, 10, 10), atol=1e-9)
+
+    def test_events_carry_the_name(self):
+        names = []
+
+        def on_change(_caller, _event, name):
+            names.append(name)
+        on_change.CallDataType = "string0"
+        self.rep.AddObserver("WidgetValueChangedEvent", on_change)
+        self.rep.SelectPoint(0, 0, 0)
+        self.rep.TranslateSelection(1, 0, 0)
+        self.rep.Undo()
+        self.rep.Redo()
+        self.rep.ResetSelection()
+        self.rep.SetControlPoint(1, 1, 1, 9, 9, 9)
+        self.rep.MoveMaterial((15, 15, 15), (16, 15, 15))
+        self.assertEqual(
+            names, ["Translate", "Undo", "Redo", "Reset", "Set", "Material"])
+
+    def test_errors_are_visible(self):
+        errors = []
+
+        def on_error(_caller, _event, text):
+            errors.append(text)
+        on_error.CallDataType = "string0"
+        self.rep.AddObserver("ErrorEvent", on_error)
+        self.assertEqual(self.rep.SelectPoint(9, 9, 9), 0)
+        self.assertEqual(self.rep.TranslateSelection(float("nan"), 0, 0), 0)
+        self.assertEqual(len(errors), 2)
+        self.assertIn("(9, 9, 9)", errors[0])
+        self.assertIn("not finite", errors[1])
+
+
+class TestWidget(unittest.TestCase):
+    def setUp(self):
+        self.renderer = vtkRenderer()
+        self.window = vtkRenderWindow()
+        self.window.SetSize(300, 300)
+        self.window.AddRenderer(self.renderer)
+        self.interactor = vtkRenderWindowInteractor()
+        self.interactor.SetRenderWindow(self.window)
+        self.interactor.SetInteractorStyle(vtkInteractorStyleTrackballCamera())
+        self.widget = WIDGET()
+        self.widget.SetInteractor(self.interactor)
+        self.rep = self.widget.GetLatticeRepresentation()
+        self.rep.PlaceWidget((0, 10, 0, 10, 0, 10))
+        self.lattice = self.rep.GetLattice()
+        self.widget.On()
+        self.renderer.ResetCamera()
+        self.window.Render()
+
+    def tearDown(self):
+        self.widget.Off()
+
+    def send(self, event, x, y, key=None, ctrl=0):
+        self.interactor.SetEventInformation(x, y, ctrl, 0, "\0", 0, key)
+        self.interactor.InvokeEvent(event)
+
+    def display(self, i, j, k):
+        p = [0, 0, 0]
+        self.lattice.GetControlPoint(i, j, k, p)
+        self.renderer.SetWorldPoint(*p, 1)
+        self.renderer.WorldToDisplay()
+        return [round(v) for v in self.renderer.GetDisplayPoint()[:2]]
+
+    def test_drag_and_undo(self):
+        events = []
+        for name in ("StartInteractionEvent", "InteractionEvent", "EndInteractionEvent",
+                     "WidgetValueChangedEvent"):
+            self.widget.AddObserver(name, lambda _caller, event: events.append(event))
+        x, y = self.display(3, 3, 3)
+        self.send("MouseMoveEvent", x, y)
+        self.assertEqual(self.rep.GetHoveredPoint(), 63)
+        self.send("LeftButtonPressEvent", x, y)
+        self.send("MouseMoveEvent", x - 30, y - 20)
+        self.assertEqual(self.widget.IsInteracting(), 1)
+        self.send("LeftButtonReleaseEvent", x - 30, y - 20)
+        self.assertEqual(self.display(3, 3, 3), [x - 30, y - 20])
+        self.assertEqual(events, ["StartInteractionEvent", "InteractionEvent",
+                                  "WidgetValueChangedEvent", "EndInteractionEvent"])
+        self.send("KeyPressEvent", x, y, "z", 1)
+        self.assertTrue(self.lattice.IsIdentity())
+        self.assertEqual(self.widget.Perform(WIDGET.RedoEdit), 1)
+        self.assertFalse(self.lattice.IsIdentity())
+
+    def test_surface_by_observer(self):
+        self.rep.SetManipulationMode(REP.VOLUME)
+        self.rep.AddObserver("StartPickEvent", lambda *_: self.rep.SetSurfacePoint(5, 5, 10))
+        self.send("LeftButtonPressEvent", 150, 150)
+        self.send("MouseMoveEvent", 170, 150)
+        self.send("LeftButtonReleaseEvent", 170, 150)
+        self.assertEqual(self.rep.GetLastEdit(), "Material")
+        moved = self.lattice.TransformPoint(5, 5, 10)
+        self.renderer.SetWorldPoint(5, 5, 10, 1)
+        self.renderer.WorldToDisplay()
+        before = self.renderer.GetDisplayPoint()
+        self.renderer.SetWorldPoint(*moved, 1)
+        self.renderer.WorldToDisplay()
+        self.assertAlmostEqual(self.renderer.GetDisplayPoint()[0], before[0] + 20, places=2)
+        self.assertAlmostEqual(self.renderer.GetDisplayPoint()[1], before[1], places=2)
+
+
+if __name__ == "__main__":
+    unittest.main()
