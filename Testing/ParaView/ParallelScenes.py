@@ -36,7 +36,10 @@ for name, shape, strength in (("identity", "None", 0.0), ("smooth", "Bend", 0.6)
         simple.Render(view)
         seconds = time.perf_counter() - start
         simple.SaveScreenshot("%s.%s%d.png" % (sys.argv[1], name, opaque), view)
-        voxels = wavelet_object.GetOutputDataObject(0).GetNumberOfPoints()
-        print("RANK %d %s%d voxels %d frame %.3f s memory %d MB" % (
-            rank, name, opaque, voxels, seconds,
+        volumes = view.SMProxy.GetRenderer().GetVolumes()
+        volumes.InitTraversal()
+        voxels = volumes.GetNextVolume().GetMapper().GetInput().GetNumberOfPoints()
+        given = wavelet_object.GetOutputDataObject(0).GetNumberOfPoints()
+        print("RANK %d %s%d voxels %d of the source %d frame %.3f s memory %d MB" % (
+            rank, name, opaque, voxels, given, seconds,
             resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024), flush=True)

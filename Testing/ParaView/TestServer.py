@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
 """A client and a server of two processes give the picture of one process; the volume stays on the
-server, and the plugin is found by PV_PLUGIN_PATH there."""
+server."""
 
 import os
 import subprocess
@@ -32,7 +32,7 @@ class TestServer(unittest.TestCase):
         server = subprocess.Popen(
             ["mpiexec", "-np", "2", "pvserver", "--server-port=%d" % port],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-            env={**os.environ, "PV_PLUGIN_PATH": os.path.dirname(ffd.PLUGIN)})
+            env=os.environ)
         try:
             for line in server.stdout:
                 if "Accepting" in line:
