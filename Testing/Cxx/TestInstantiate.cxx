@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Every public class can be made, printed and deleted, and knows its superclass.
 #include "vtkFFDDeformVolume.h"
+#include "vtkFFDEditLattice.h"
 #include "vtkFFDFitLattice.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDLattice.h"
@@ -43,6 +44,7 @@ int TestInstantiate(int, char*[])
 {
   bool ok = Check<vtkFFDLattice>("vtkFFDLattice", "vtkBSplineTransform");
   ok &= Check<vtkFFDDeformVolume>("vtkFFDDeformVolume", "vtkAlgorithm");
+  ok &= Check<vtkFFDEditLattice>("vtkFFDEditLattice", "vtkAlgorithm");
   ok &= Check<vtkFFDFitLattice>("vtkFFDFitLattice", "vtkAlgorithm");
   ok &= Check<vtkFFDMassSpring>("vtkFFDMassSpring", "vtkAlgorithm");
   ok &= Check<vtkFFDTransformReader>("vtkFFDTransformReader", "vtkAlgorithm");
