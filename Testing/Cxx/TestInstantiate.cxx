@@ -5,6 +5,7 @@
 #include "vtkFFDDeformGeometry.h"
 #include "vtkFFDDeformVolume.h"
 #include "vtkFFDDistanceMap.h"
+#include "vtkFFDEditLattice.h"
 #include "vtkFFDFitLattice.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDJacobian.h"
@@ -51,6 +52,7 @@ int TestInstantiate(int, char*[])
 {
   bool ok = Check<vtkFFDLattice>("vtkFFDLattice", "vtkBSplineTransform");
   ok &= Check<vtkFFDDeformVolume>("vtkFFDDeformVolume", "vtkAlgorithm");
+  ok &= Check<vtkFFDEditLattice>("vtkFFDEditLattice", "vtkAlgorithm");
   ok &= Check<vtkFFDFitLattice>("vtkFFDFitLattice", "vtkAlgorithm");
   ok &= Check<vtkFFDMassSpring>("vtkFFDMassSpring", "vtkAlgorithm");
   ok &= Check<vtkFFDTransformReader>("vtkFFDTransformReader", "vtkAlgorithm");

@@ -76,14 +76,12 @@ class TestRepresentation(unittest.TestCase):
             for b in pictures[:i]:
                 self.assertGreater(np.abs(a - b).mean(), 1.0)
         self.lattice.Shape = "Twist"
-        for name, value in (("Strength", 0.3), ("DisplacementScale", 0.5), ("Padding", 0.3),
-                            ("Resolution", [4, 4, 4])):
-            default = list(self.lattice.GetProperty(name)) if name == "Resolution" else \
-                self.lattice.GetPropertyValue(name)
+        for name, value, default in (("Strength", 0.3, 1.0), ("DisplacementScale", 0.5, 1.0),
+                                     ("Padding", 0.3, 0.0), ("Resolution", [4] * 3, [6] * 3)):
             twisted = ffd.picture(self.view, "twisted")
-            self.lattice.__setattr__(name, value)
+            setattr(self.lattice, name, value)
             self.assertGreater(np.abs(ffd.picture(self.view, name) - twisted).mean(), 0.1, name)
-            self.lattice.__setattr__(name, default)
+            setattr(self.lattice, name, default)
         self.lattice.Shape = "Random"
         random = ffd.picture(self.view, "random")
         self.lattice.Seed = 7
@@ -113,24 +111,48 @@ class TestRepresentation(unittest.TestCase):
 
     def test_options(self):
         """Each option changes the picture, but for those that must not."""
-        self.show(Shape="Twist", Strength=2.0)
+        self.show(Shape="Twist", Strength=1.0)
         reference = ffd.picture(self.view, "reference")
-        for name, value in (("FFDInverseMode", "First Order"), ("FFDInverseMode", "Pull Back"),
-                            ("FFDSampleDistance", 4.0), ("FFDImageSampleDistance", 4.0),
-                            ("FFDOpacityLength", "Material"), ("FFDShade", 1),
-                            ("FFDScalarOpacityUnitDistance", 0.3),
-                            ("FFDEarlyRayTermination", 0.6), ("FFDSegmentation", "Greedy Angle")):
-            default = self.display.GetPropertyValue(name)
-            self.display.__setattr__(name, value)
+        for name, value, default in (
+                ("FFDInverseMode", "First Order", "Exact"),
+                ("FFDInverseMode", "Pull Back", "Exact"), ("FFDSampleDistance", 0.25, 1.0),
+                ("FFDImageSampleDistance", 4.0, 1.0), ("FFDOpacityLength", "Material", "World"),
+                ("FFDShade", 1, 0), ("FFDScalarOpacityUnitDistance", 0.3, 1.0),
+                ("FFDEarlyRayTermination", 0.6, 1.0 / 255.0),
+                ("FFDSegmentation", "Greedy Angle", "Error Bound")):
+            setattr(self.display, name, value)
             changed = ffd.picture(self.view, name)
             self.assertGreater(ffd.differ(changed, reference)[0], 1, name)
-            self.display.__setattr__(name, default)
-            self.assertEqual(ffd.differ(ffd.picture(self.view, "back"), reference)[0], 0, name)
+            setattr(self.display, name, default)
+            self.assertLessEqual(
+                ffd.differ(ffd.picture(self.view, "back"), reference)[0], 2, name)
         for name, value in (("FFDSpaceLeaping", "Off"), ("FFDNumberOfThreads", 1),
                             ("FFDPositionTolerance", 0.01), ("FFDInverseTolerance", 0.001)):
-            self.display.__setattr__(name, value)
+            setattr(self.display, name, value)
             self.assertLessEqual(
                 ffd.differ(ffd.picture(self.view, name), reference)[0], 12, name)
+
+    def test_filters(self):
+        """Resampling gives the same picture; geometry moves with the volume."""
+        deformed = self.show(Shape="Twist", Strength=1.0)
+        simple.Hide(self.lattice, self.view)
+        resampled = simple.FFDResampleToImage(Input=self.lattice)
+        display = simple.Show(resampled, self.view)
+        self.assertEqual(display.Representation, "FFD Volume")
+        ffd.set_functions()
+        self.assertLess(np.abs(ffd.picture(self.view, "resampled") - deformed).mean(), 2.0)
+        simple.Hide(resampled, self.view)
+        self.lattice.Shape = "None"
+        self.lattice.Resolution = [4, 4, 4]
+        self.lattice.Displacements = [0.0, 5.0, 0.0] * 64
+        ball = simple.Sphere(Radius=3.0)
+        moved = simple.FFDDeformGeometry(Input=ball, Lattice=self.lattice)
+        moved.UpdatePipeline()
+        bounds = moved.GetDataInformation().GetBounds()
+        rest = ball.GetDataInformation().GetBounds()
+        for a, shift in enumerate((0.0, 5.0, 0.0)):
+            self.assertAlmostEqual(bounds[2 * a], rest[2 * a] + shift, places=4)
+            self.assertAlmostEqual(bounds[2 * a + 1], rest[2 * a + 1] + shift, places=4)
 
     def test_vectors_and_cells(self):
         """Components and magnitudes of vectors, and cell data."""
@@ -205,7 +227,10 @@ class TestRepresentation(unittest.TestCase):
         ffd.load()
         exec(compile(text, "state", "exec"), {"__name__": "state"})  # pylint: disable=exec-used
         view = simple.GetActiveViewOrCreate("RenderView")
-        self.assertEqual(ffd.differ(ffd.picture(view, "pyrestored"), picture)[0], 0)
+        # The numbers of a Python state are rounded.
+        largest, mean = ffd.differ(ffd.picture(view, "pyrestored"), picture)
+        self.assertLessEqual(largest, 24)
+        self.assertLess(mean, 0.05)
 
     def test_animation(self):
         """Strength and control points are keyframed; frames are saved."""
@@ -320,10 +345,10 @@ executive.GetOutputInformation(0).Set(executive.WHOLE_EXTENT(), 0, 4, 0, 4, 0, 4
         wavelet = simple.Wavelet(WholeExtent=[-10, 10, -10, 10, 0, 0])
         lattice = simple.FFDLattice(Input=wavelet, Shape="Bend")
         display = simple.Show(lattice, self.view)
-        with ffd.Errors() as errors:
-            display.SetRepresentationType("FFD Volume")
-            ffd.picture(self.view, "flat")
-        self.assertTrue(errors.text)
+        display.SetRepresentationType("FFD Volume")
+        with ffd.Errors():
+            picture = ffd.picture(self.view, "flat")
+        self.assertEqual(ffd.lit(picture), 0)
 
     def test_not_a_number(self):
         wavelet = simple.Wavelet(WholeExtent=[-10, 10, -10, 10, -10, 10])

@@ -1,0 +1,45 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Run by TestParallel.py with pvbatch --symmetric: pictures of some scenes, and what each process
+holds. Argument: the prefix of the pictures."""
+
+import resource
+import sys
+import time
+
+from paraview import servermanager, simple
+
+import ffdparaview as ffd
+
+ffd.load()
+rank = servermanager.vtkProcessModule.GetProcessModule().GetPartitionId()
+view = ffd.make_view((120, 100))
+wavelet = ffd.make_wavelet(20)
+wavelet_object = wavelet.SMProxy.GetClientSideObject()
+view.CameraPosition = [100.0, 60.0, 80.0]
+lattice = simple.FFDLattice(Input=wavelet)
+simple.Show(lattice, view)
+for center, colour in (((8.0, 3.0, 9.0), (1.0, 0.0, 0.0)), ((30.0, 10.0, 22.0), (0.0, 1.0, 0.0)),
+                       ((-30.0, -12.0, -20.0), (0.0, 0.3, 1.0))):
+    ball = simple.Sphere(Radius=6.0, Center=center, ThetaResolution=24, PhiResolution=24)
+    display = simple.Show(ball, view)
+    display.ColorArrayName = [None, ""]
+    display.DiffuseColor = colour
+for name, shape, strength in (("identity", "None", 0.0), ("smooth", "Bend", 0.6),
+                              ("strong", "Twist", 2.0)):
+    lattice.Shape = shape
+    lattice.Strength = strength
+    for opaque in (False, True):
+        ffd.set_functions(opaque)
+        simple.Render(view)
+        start = time.perf_counter()
+        simple.Render(view)
+        seconds = time.perf_counter() - start
+        simple.SaveScreenshot("%s.%s%d.png" % (sys.argv[1], name, opaque), view)
+        volumes = view.SMProxy.GetRenderer().GetVolumes()
+        volumes.InitTraversal()
+        voxels = volumes.GetNextVolume().GetMapper().GetInput().GetNumberOfPoints()
+        given = wavelet_object.GetOutputDataObject(0).GetNumberOfPoints()
+        print("RANK %d %s%d voxels %d of the source %d frame %.3f s memory %d MB" % (
+            rank, name, opaque, voxels, given, seconds,
+            resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024), flush=True)

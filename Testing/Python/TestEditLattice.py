@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""vtkFFDEditLattice: the lattice that plain values define, against lattices made by hand."""
+
+import unittest
+
+import numpy
+import vtkffd
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkImagingCore import vtkRTAnalyticSource
+
+POINTS = [(0.0, 0.0, 0.0), (3.1, -2.2, 5.0), (-9.0, 8.0, 1.0)]
+
+
+def displacements(lattice):
+    return vtk_to_numpy(lattice.GetDisplacements()).copy()
+
+
+class TestEditLattice(unittest.TestCase):
+    def setUp(self):
+        self.source = vtkRTAnalyticSource()
+        self.filter = vtkffd.vtkFFDEditLattice()
+        self.filter.SetInputConnection(self.source.GetOutputPort())
+        self.errors = []
+        self.filter.AddObserver("ErrorEvent", lambda caller, event: self.errors.append(event))
+
+    def attached(self):
+        """The lattice of the output."""
+        self.filter.Update()
+        lattice = vtkffd.vtkFFDLattice()
+        self.assertEqual(lattice.ReadFrom(self.filter.GetOutput()), 1)
+        return lattice
+
+    def expected(self, dimensions, padding=0.0):
+        lattice = vtkffd.vtkFFDLattice()
+        lattice.SetDimensions(*dimensions)
+        lattice.FitToBounds((-10, 10, -10, 10, -10, 10), padding)
+        return lattice
+
+    def test_arrays_are_shared_and_input_unchanged(self):
+        lattice = self.attached()
+        self.assertTrue(lattice.IsIdentity())
+        self.assertIs(self.filter.GetOutput().GetPointData().GetScalars(),
+                      self.source.GetOutput().GetPointData().GetScalars())
+        self.assertFalse(vtkffd.vtkFFDLattice.HasLattice(self.source.GetOutput()))
+
+    def test_shape_scale_padding(self):
+        self.filter.SetDimensions(5, 6, 7)
+        self.filter.SetPadding(0.25)
+        self.filter.SetShape(vtkffd.vtkFFDLatticeSource.TWIST)
+        self.filter.SetStrength(0.7)
+        self.filter.SetDisplacementScale(0.5)
+        lattice = self.attached()
+        wanted = self.expected((5, 6, 7), 0.25)
+        vtkffd.vtkFFDLatticeSource.ApplyShape(wanted, vtkffd.vtkFFDLatticeSource.TWIST, 0.7)
+        self.assertEqual(lattice.GetDomain(), wanted.GetDomain())
+        numpy.testing.assert_allclose(displacements(lattice), displacements(wanted), atol=1e-12)
+        self.assertEqual(lattice.GetDisplacementScale(), 0.5)
+
+    def test_seed_and_border(self):
+        self.filter.SetShape(vtkffd.vtkFFDLatticeSource.RANDOM)
+        first = displacements(self.attached())
+        self.filter.SetSeed(2)
+        self.assertGreater(abs(displacements(self.attached()) - first).max(), 0.1)
+        self.filter.SetBorderMode(1)
+        self.assertEqual(self.attached().GetBorderMode(), 1)
+
+    def test_edits_are_added_and_kept(self):
+        self.filter.SetDimensions(4, 4, 4)
+        self.filter.SetShape(vtkffd.vtkFFDLatticeSource.BEND)
+        shape = displacements(self.attached())
+        edits = numpy.random.default_rng(1).uniform(-1.0, 1.0, (64, 3))
+        self.filter.SetNumberOfDisplacements(64)
+        for i, d in enumerate(edits):
+            self.filter.SetDisplacement(i, *d)
+        numpy.testing.assert_allclose(displacements(self.attached()), shape + edits, atol=1e-12)
+        # A finer lattice: the same map of the edits alone.
+        self.filter.SetShape(vtkffd.vtkFFDLatticeSource.IDENTITY)
+        coarse = self.attached()
+        self.filter.SetEditDimensions(4, 4, 4)
+        self.filter.SetDimensions(5, 5, 5)
+        fine = self.attached()
+        for p in POINTS:
+            numpy.testing.assert_allclose(
+                fine.TransformPoint(p), coarse.TransformPoint(p), atol=1e-9)
+        self.assertEqual(self.errors, [])
+
+    def test_lattice_of_the_input(self):
+        self.filter.SetShape(vtkffd.vtkFFDLatticeSource.TWIST)
+        first = displacements(self.attached())
+        second = vtkffd.vtkFFDEditLattice()
+        second.SetInputConnection(self.filter.GetOutputPort())
+        second.Update()
+        numpy.testing.assert_allclose(displacements(second.GetLattice()), first, atol=1e-9)
+        second.UseInputLatticeOff()
+        second.Update()
+        self.assertTrue(second.GetLattice().IsIdentity())
+
+    def test_known_before_the_data(self):
+        self.filter.SetShape(vtkffd.vtkFFDLatticeSource.TWIST)
+        self.filter.UpdateInformation()
+        info = self.filter.GetOutputInformation(0)
+        points = info.Get(vtkffd.vtkFFDEditLattice.LATTICE())
+        lattice = vtkffd.vtkFFDLattice()
+        self.assertEqual(lattice.FromImageData(points), 1)
+        numpy.testing.assert_allclose(
+            displacements(lattice), displacements(self.attached()), atol=1e-12)
+
+    def test_parts_have_the_lattice_of_the_whole(self):
+        self.filter.UpdateExtent((-10, 0, -10, 10, -10, 10))
+        lattice = vtkffd.vtkFFDLattice()
+        self.assertEqual(lattice.ReadFrom(self.filter.GetOutput()), 1)
+        self.assertEqual(lattice.GetDomain(), (-10, 10, -10, 10, -10, 10))
+
+    def test_bad_values(self):
+        for setter, bad in (("SetDimensions", (3, 4, 4)), ("SetDimensions", (4, 65, 4)),
+                            ("SetEditDimensions", (4, 0, 4)), ("SetShape", (7,)),
+                            ("SetPadding", (-0.1,)), ("SetPadding", (float("nan"),)),
+                            ("SetStrength", (float("inf"),)),
+                            ("SetDisplacementScale", (float("nan"),)),
+                            ("SetNumberOfDisplacements", (-1,)),
+                            ("SetDisplacement", (0, 1.0, 2.0, 3.0))):
+            self.errors.clear()
+            time = self.filter.GetMTime()
+            getattr(self.filter, setter)(*bad)
+            self.assertEqual(len(self.errors), 1, setter)
+            self.assertEqual(self.filter.GetMTime(), time, setter)
+        self.filter.SetNumberOfDisplacements(5)
+        self.errors.clear()
+        self.assertTrue(self.attached().IsIdentity())
+        self.assertEqual(len(self.errors), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
