@@ -341,9 +341,10 @@ class TestMassSpring(unittest.TestCase):
             times = []
             for step in range(20):
                 body.SetHandle(5, 5, 1, 4.0 + 0.01 * step, 4.0, 0.0)
-                start = time.perf_counter()
+                # Of the processor: other work on the machine must not fail the test.
+                start = time.process_time()
                 body.Step()
-                times.append(time.perf_counter() - start)
+                times.append(time.process_time() - start)
             print("%s, 10^3 control points: %.1f ms a step" % (
                 "solid" if elastic else "springs", 1e3 * statistics.median(times)))
             self.assertLess(statistics.median(times), 0.2)
