@@ -51,11 +51,9 @@ class TestServer(unittest.TestCase):
             lattice.Strength = 0.2
             self.assertGreater(
                 np.abs(ffd.picture(view, "edited") - remote).mean(), 1.0)
-            simple.Disconnect()
-            server.wait(timeout=60)
         finally:
-            if server.poll() is None:
-                server.terminate()
+            server.terminate()
+            server.wait()
             server.stdout.close()
 
 
