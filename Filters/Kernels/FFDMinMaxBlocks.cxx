@@ -17,8 +17,16 @@ namespace ffd
 namespace
 {
 
-/// The last of the codes of four bits.
-constexpr int FinestCode = 15;
+/**
+ * Bits of the minimum in the code of a block, the others are the maximum's: most opacity functions
+ * rise, so what is empty depends on the maximum.
+ */
+constexpr int MinimumBits = 2;
+constexpr int LastMinimum = (1 << MinimumBits) - 1;
+constexpr int LastMaximum = (1 << (8 - MinimumBits)) - 1;
+
+/// Of a block without any number: no minimum is so far above the maximum.
+constexpr int NoNumber = LastMinimum;
 
 /// Smallest and largest number of a row-wise box of voxels, both ends included.
 template <class T>
@@ -197,20 +205,20 @@ void MinMaxBlocks::EncodeParent(const glm::ivec3& parent, const CodeLimits child
     this->ParentWords[at] = static_cast<std::uint16_t>(all.Min);
     this->ParentWords[at + 1] = static_cast<std::uint16_t>(all.Max);
   }
-  const int width = std::max(FinestCode, all.Max - all.Min);
+  const int width = std::max(LastMaximum, all.Max - all.Min);
   for (int c = 0; c < 8; ++c)
   {
     const glm::ivec3 block = 2 * parent + glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
     if (glm::all(glm::lessThan(block, this->Blocks)))
     {
-      int low = FinestCode;
-      int high = 0;
+      int code = NoNumber;
       if (children[c].Min <= children[c].Max)
       {
-        low = FinestCode * (children[c].Min - all.Min) / width;
-        high = (FinestCode * (children[c].Max - all.Min) + width - 1) / width;
+        const int low = LastMinimum * (children[c].Min - all.Min) / width;
+        const int high = (LastMaximum * (children[c].Max - all.Min) + width - 1) / width;
+        code = low | high << MinimumBits;
       }
-      this->Codes[this->IndexOf(block)] = static_cast<std::uint8_t>(low | high << 4);
+      this->Codes[this->IndexOf(block)] = static_cast<std::uint8_t>(code);
     }
   }
 }
@@ -242,15 +250,15 @@ MinMaxBlocks::Limits MinMaxBlocks::GetLimits(const glm::ivec3& block) const
 {
   const CodeLimits parent = this->GetParentCodes(block / 2);
   const int code = this->Codes[this->IndexOf(block)];
-  const int low = code & FinestCode;
-  const int high = code >> 4;
-  if (parent.Min > parent.Max || low > high)
+  const int low = code & LastMinimum;
+  const int high = code >> MinimumBits;
+  if (parent.Min > parent.Max || code == NoNumber)
   {
     return this->Decode({ 1, 0 });
   }
-  const int width = std::max(FinestCode, parent.Max - parent.Min);
-  return this->Decode({ parent.Min + width * low / FinestCode,
-    std::min(parent.Max, parent.Min + (width * high + FinestCode - 1) / FinestCode) });
+  const int width = std::max(LastMaximum, parent.Max - parent.Min);
+  return this->Decode({ parent.Min + width * low / LastMinimum,
+    std::min(parent.Max, parent.Min + (width * high + LastMaximum - 1) / LastMaximum) });
 }
 
 } // namespace ffd

@@ -22,8 +22,8 @@ namespace ffd
  *
  * Limits are codes of equal steps over the scalar range, rounded outwards: whole numbers where the
  * range is at most 255 of them, else 65535 steps. They are stored for parents of 2^3 blocks; a block
- * keeps two numbers of four bits that say where, between the limits of its parent, its own are, again
- * rounded outwards. So they take 2 % of an 8-bit volume and less of others.
+ * keeps two bits and six that say where, between the limits of its parent, its own minimum and maximum
+ * are, again rounded outwards. So they take 2 % of an 8-bit volume and less of others.
  *
  * Voxels that are not a number are left out: a sample next to one is not a number either and
  * contributes nothing. Infinite ones, and floating-point numbers above a quarter of the largest
@@ -102,7 +102,7 @@ private:
   Limits Range{ 0.0, -1.0 };
   double CodeStep = 0.0; // scalar units per code
   int LastCode = 255;
-  std::vector<std::uint8_t> Codes;        // of a block: minimum in the low four bits, maximum above
+  std::vector<std::uint8_t> Codes;        // of a block: minimum in the low two bits, maximum above
   std::vector<std::uint8_t> ParentBytes;  // min, max of each parent; one of the two is used
   std::vector<std::uint16_t> ParentWords;
 };

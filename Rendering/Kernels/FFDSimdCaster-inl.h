@@ -100,7 +100,8 @@ public:
       piece.Linear = Transform(this->Scene.LocalToIndex, Scale(Splat(piece.Dt), this->Rays.Direction));
       piece.Quadratic = this->Out.Colour;
       this->CountPiece(piece, this->Alive);
-      this->Integrate(piece, this->Schedule(piece, Splat(piece.Dt)), this->Alive);
+      const PacketSchedule schedule = this->Schedule(piece, Splat(piece.Dt));
+      this->Integrate(piece, schedule, LeapsOf(piece, schedule), this->Alive);
       return;
     }
     const bool lipschitz = this->Scene.Settings.Leaping == SpaceLeaping::Lipschitz;
@@ -171,7 +172,13 @@ public:
         this->CountPiece(piece, inRange);
         const Vf length = hn::Add(
           this->LengthOf(Sub(middle, node)), this->LengthOf(Sub(end, middle)));
-        this->Integrate(piece, this->Schedule(piece, length), inRange);
+        PacketSchedule schedule = this->Schedule(piece, length);
+        const PieceLeap leaps = LeapsOf(piece, schedule);
+        if (canLeap)
+        {
+          schedule.First = hn::Max(schedule.First, slack.StepsInside(this->Scene, leaps));
+        }
+        this->Integrate(piece, schedule, leaps, inRange);
         node = end;
         nodeStep = piece.Step + steps;
         nodeLateral = span.Lateral;
@@ -234,16 +241,22 @@ private:
     return schedule;
   }
 
+  static HWY_INLINE PieceLeap LeapsOf(const PacketPiece& piece, const PacketSchedule& schedule)
+  {
+    return PieceLeap(
+      piece.Velocity(hn::Zero(Df())), piece.Velocity(Splat(1.0f)), schedule.Ds);
+  }
+
   /**
    * Samples one piece. Each ray steps through it on its own: it leaps until it stands before
    * something that may be visible, and when all rays do, all of them take a sample. So they take
    * their first visible samples together, wherever on the piece these lie.
    */
-  void Integrate(const PacketPiece& piece, const PacketSchedule& schedule, Mf lanes)
+  void Integrate(const PacketPiece& piece, const PacketSchedule& schedule, const PieceLeap& leaps,
+    Mf lanes)
   {
     const Df d;
     const bool leap = this->Scene.Settings.Leaping != SpaceLeaping::Off;
-    const PieceLeap leaps(piece.Velocity(hn::Zero(d)), piece.Velocity(Splat(1.0f)), schedule.Ds);
     this->HaveFrames = false;
     Vf n = schedule.First;
     // Rays whose last sample was visible expect the next one to be.

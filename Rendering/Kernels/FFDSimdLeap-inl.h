@@ -146,18 +146,24 @@ public:
     const Vf zero = hn::Zero(d);
     const Mf inside = IsInside(scene, q);
     const Mf looked = hn::And(inside, lanes);
+    const Mf outside = hn::AndNot(inside, lanes);
     Vec3 block;
     const Vf distance = LookUpDistance(scene, q, looked, block);
-    this->Valid = hn::AllFalse(d, hn::And(looked, hn::Eq(distance, zero)));
+    const Mf empty = hn::And(looked, hn::Gt(distance, zero));
+    statistics.DistanceLookups += static_cast<std::int64_t>(hn::CountTrue(d, empty));
+    this->Position = q;
+    this->Block = block;
+    this->Distance = distance;
+    this->Empty = empty;
+    this->Outside = outside;
+    this->Valid = hn::AllTrue(d, hn::Or(hn::Or(empty, outside), hn::Not(lanes)));
     if (!this->Valid)
     {
       return false;
     }
-    statistics.DistanceLookups += static_cast<std::int64_t>(hn::CountTrue(d, looked));
 
     const Vf edge = Splat(BlockEdge);
     const Vf far = Splat(Far);
-    const Mf outside = hn::AndNot(inside, lanes);
     const Vf axis[3] = { q.x, q.y, q.z };
     const Vf blocks[3] = { block.x, block.y, block.z };
     for (int a = 0; a < 3; ++a)
@@ -172,6 +178,22 @@ public:
       this->FindOutside(scene, axis, outside, guard);
     }
     return true;
+  }
+
+  /**
+   * How many samples of a piece that starts where Find() looked are empty for certain; nothing is
+   * looked up again.
+   */
+  HWY_INLINE Vf StepsInside(const PacketScene& scene, const PieceLeap& leaps) const
+  {
+    const Df d;
+    Vf steps = hn::IfThenElseZero(
+      this->Empty, leaps.StepsInside(this->Position, this->Block, this->Distance));
+    if (!hn::AllFalse(d, this->Outside))
+    {
+      steps = hn::IfThenElse(this->Outside, leaps.StepsOutside(scene, this->Position), steps);
+    }
+    return steps;
   }
 
   /// Whether a piece of length dt with velocities [lo, hi] stays inside; if so, pass it.
@@ -224,6 +246,13 @@ private:
   bool Valid = false;
   Vf Low[3];
   Vf High[3];
+
+  // What Find() saw.
+  Vec3 Position;
+  Vec3 Block;
+  Vf Distance;
+  Mf Empty;
+  Mf Outside;
 };
 
 /// What leaps keep away from visible blocks over a span, index units: errors of positions.

@@ -108,14 +108,16 @@ TEST(MinMaxBlocks, ContainBruteForceLimitsForEveryType)
         const MinMaxBlocks::Limits truth = BruteForce(volume, block);
         ASSERT_LE(limits.Min, truth.Min + rounding);
         ASSERT_GE(limits.Max, truth.Max - rounding);
-        // Four bits between the limits of the parent.
+        // Two and six bits between the limits of the parent.
         const MinMaxBlocks::Limits parent = blocks.GetParentLimits(block / 2);
         ASSERT_LE(parent.Min, limits.Min);
         ASSERT_GE(parent.Max, limits.Max);
-        const double width = (parent.Max - parent.Min) / 15.0;
-        const double slack = 2.0 * code + rounding + (exact ? (width <= 1.0 ? 0.0 : width + 1.0) : width);
-        ASSERT_GE(limits.Min, truth.Min - slack);
-        ASSERT_LE(limits.Max, truth.Max + slack);
+        const double unit = exact ? 1.0 : code;
+        const double width = std::max(parent.Max - parent.Min, 63.0 * unit);
+        const double slack = 2.0 * code + rounding;
+        ASSERT_GE(limits.Min, truth.Min - slack - width / 3.0 - unit);
+        ASSERT_LE(
+          limits.Max, truth.Max + slack + (width > 63.0 * unit ? width / 63.0 + unit : 0.0));
       });
     }
   }
