@@ -38,7 +38,7 @@ for name, shape, strength in (("identity", "None", 0.0), ("smooth", "Bend", 0.6)
         simple.SaveScreenshot("%s.%s%d.png" % (sys.argv[1], name, opaque), view)
         volumes = view.SMProxy.GetRenderer().GetVolumes()
         volumes.InitTraversal()
-        voxels = volumes.GetNextVolume().GetMapper().GetInput().GetNumberOfPoints()
+        voxels = volumes.GetNextVolume().GetMapper().GetInputDataObject(0, 0).GetNumberOfPoints()
         given = wavelet_object.GetOutputDataObject(0).GetNumberOfPoints()
         print("RANK %d %s%d voxels %d of the source %d frame %.3f s memory %d MB" % (
             rank, name, opaque, voxels, given, seconds,
