@@ -11,9 +11,7 @@
 #include "vtkShaderProgram.h"
 #include "vtkTextureObject.h"
 
-#include <algorithm>
-#include <cstddef>
-#include <vector>
+#include <memory>
 
 namespace
 {
@@ -42,14 +40,9 @@ in vec2 texCoord;
 uniform sampler2D image;
 void main()
 {
-  gl_FragData[0] = texture2D(image, texCoord);
+  gl_FragData[0] = clamp(texture2D(image, texCoord), 0.0, 1.0);
 }
 )";
-
-unsigned short ToWord(float value)
-{
-  return static_cast<unsigned short>(std::min(1.0f, std::max(0.0f, value)) * 65535.0f + 0.5f);
-}
 
 } // namespace
 
@@ -59,7 +52,6 @@ struct vtkFFDImageDisplay::Resources
   vtkNew<vtkTextureObject> Texture;
   std::unique_ptr<vtkOpenGLQuadHelper> Quad;
   vtkOpenGLRenderWindow* Window = nullptr; // not owned: only compared
-  std::vector<unsigned short> Pixels;
 };
 
 //------------------------------------------------------------------------------
@@ -86,16 +78,12 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, cons
   }
   this->Gl->Window = window;
 
-  std::vector<unsigned short>& pixels = this->Gl->Pixels;
-  pixels.resize(4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  std::transform(colours, colours + pixels.size(), pixels.begin(), ToWord);
-
   vtkTextureObject* texture = this->Gl->Texture;
   texture->SetContext(window);
   // A texture of the same size is filled again only if it is made again.
   texture->ReleaseGraphicsResources(window);
   if (!texture->Create2DFromRaw(static_cast<unsigned int>(width),
-        static_cast<unsigned int>(height), 4, VTK_UNSIGNED_SHORT, pixels.data()))
+        static_cast<unsigned int>(height), 4, VTK_FLOAT, const_cast<float*>(colours)))
   {
     return false;
   }

@@ -180,7 +180,8 @@ public:
   ffd::DistanceMap Distances;
 
   std::vector<float> Colours;
-  std::vector<float> WindowDepths;
+  std::vector<float> WindowDepths; // of the pixels of the last frame
+  std::vector<float> RayDepths;    // of its rays, where these are not the pixels
   double TimePerRay = 0.0; // seconds, of the last frame in a window
   vtkNew<vtkFFDRayStatistics> Statistics;
   vtkFFDImageDisplay Display;
@@ -948,22 +949,29 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
   {
     const int x0 = origin[0] + region.Origin.x;
     const int y0 = origin[1] + region.Origin.y;
-    std::vector<float> all(static_cast<std::size_t>(pixels.x) * pixels.y);
-    if (window->GetZbufferData(x0, y0, x0 + pixels.x - 1, y0 + pixels.y - 1, all.data()) ==
-      VTK_OK)
+    std::vector<float>& all = in.WindowDepths;
+    all.resize(static_cast<std::size_t>(pixels.x) * static_cast<std::size_t>(pixels.y));
+    const bool read = window->GetZbufferData(x0, y0, x0 + pixels.x - 1, y0 + pixels.y - 1,
+                        all.data()) == VTK_OK;
+    // Where nothing opaque was drawn there is nothing to stop at.
+    if (read && std::any_of(all.begin(), all.end(), [](float depth) { return depth < 1.0f; }))
     {
-      in.WindowDepths.resize(static_cast<std::size_t>(region.Rays.x) * region.Rays.y);
-      for (int y = 0; y < region.Rays.y; ++y)
+      if (region.Rays != pixels)
       {
-        const int py = std::min(static_cast<int>((y + 0.5) * region.Step), pixels.y - 1);
-        for (int x = 0; x < region.Rays.x; ++x)
+        in.RayDepths.resize(
+          static_cast<std::size_t>(region.Rays.x) * static_cast<std::size_t>(region.Rays.y));
+        for (int y = 0; y < region.Rays.y; ++y)
         {
-          const int px = std::min(static_cast<int>((x + 0.5) * region.Step), pixels.x - 1);
-          in.WindowDepths[static_cast<std::size_t>(y) * region.Rays.x + x] =
-            all[static_cast<std::size_t>(py) * pixels.x + px];
+          const int py = std::min(static_cast<int>((y + 0.5) * region.Step), pixels.y - 1);
+          for (int x = 0; x < region.Rays.x; ++x)
+          {
+            const int px = std::min(static_cast<int>((x + 0.5) * region.Step), pixels.x - 1);
+            in.RayDepths[static_cast<std::size_t>(y) * region.Rays.x + x] =
+              all[static_cast<std::size_t>(py) * pixels.x + px];
+          }
         }
       }
-      depths = in.WindowDepths.data();
+      depths = region.Rays != pixels ? in.RayDepths.data() : all.data();
     }
   }
 
