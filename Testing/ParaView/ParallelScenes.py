@@ -40,6 +40,8 @@ for name, shape, strength in (("identity", "None", 0.0), ("smooth", "Bend", 0.6)
         volumes.InitTraversal()
         voxels = volumes.GetNextVolume().GetMapper().GetInputDataObject(0, 0).GetNumberOfPoints()
         given = wavelet_object.GetOutputDataObject(0).GetNumberOfPoints()
-        print("RANK %d %s%d voxels %d of the source %d frame %.3f s memory %d MB" % (
+        # The end of the line in the same write: the lines of several processes meet in one stream.
+        sys.stdout.write("RANK %d %s%d voxels %d of the source %d frame %.3f s memory %d MB\n" % (
             rank, name, opaque, voxels, given, seconds,
-            resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024), flush=True)
+            resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024))
+        sys.stdout.flush()

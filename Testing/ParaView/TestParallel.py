@@ -28,7 +28,7 @@ def run(ranks):
     if result.returncode != 0:
         raise RuntimeError("pvbatch on %d processes failed:\n%s" % (ranks, result.stdout))
     voxels = {scene: [] for scene in SCENES}
-    for scene, count in re.findall(r"^RANK \d+ (\w+) voxels (\d+)", result.stdout, re.MULTILINE):
+    for scene, count in re.findall(r"RANK \d+ (\w+) voxels (\d+)", result.stdout):
         voxels[scene].append(int(count))
     return {scene: ffd.read_picture("%s.%s.png" % (prefix, scene)) for scene in SCENES}, voxels
 
