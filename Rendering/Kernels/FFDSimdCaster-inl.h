@@ -154,12 +154,16 @@ public:
         {
           node = this->PositionAt(piece.Step, span.Lateral, ahead);
         }
-        if (canLeap &&
-          slack.Find(this->Scene, node, ahead, guards, this->Scratch.Statistics) &&
-          slack.Pass(velocityMin, velocityMax, piece.Dt))
+        PacketLook look;
+        if (canLeap)
         {
-          nodeStep = -1;
-          continue;
+          look = PacketLook(this->Scene, node, ahead, this->Scratch.Statistics);
+          if (slack.Find(this->Scene, look, ahead, guards) &&
+            slack.Pass(velocityMin, velocityMax, piece.Dt))
+          {
+            nodeStep = -1;
+            continue;
+          }
         }
         slack.Clear();
 
@@ -176,7 +180,7 @@ public:
         const PieceLeap leaps = LeapsOf(piece, schedule);
         if (canLeap)
         {
-          schedule.First = hn::Max(schedule.First, slack.StepsInside(this->Scene, leaps));
+          schedule.First = hn::Max(schedule.First, look.CountSteps(this->Scene, leaps));
         }
         this->Integrate(piece, schedule, leaps, inRange);
         node = end;
@@ -289,22 +293,10 @@ private:
   HWY_INLINE Mf LookAhead(const PacketPiece& piece, const PacketSchedule& schedule,
     const PieceLeap& leaps, Mf looking, Vf& n)
   {
-    const Df d;
-    const Vec3 q = piece.At(hn::Mul(n, schedule.Ds));
-    const Mf inside = hn::And(looking, IsInside(this->Scene, q));
-    Vec3 block;
-    const Vf distance = LookUpDistance(this->Scene, q, inside, block);
-    const Mf known = hn::And(inside, hn::Gt(distance, hn::Zero(d)));
-    this->Scratch.Statistics.DistanceLookups += static_cast<std::int64_t>(hn::CountTrue(d, known));
-    Vf steps = leaps.StepsInside(q, block, distance);
-    const Mf outside = hn::AndNot(inside, looking);
-    if (HWY_UNLIKELY(!hn::AllFalse(d, outside)))
-    {
-      steps = hn::IfThenElse(outside, leaps.StepsOutside(this->Scene, q), steps);
-    }
-    const Mf empty = hn::Or(known, outside);
-    n = hn::Add(n, hn::IfThenElseZero(empty, steps));
-    return empty;
+    const PacketLook look(
+      this->Scene, piece.At(hn::Mul(n, schedule.Ds)), looking, this->Scratch.Statistics);
+    n = hn::Add(n, look.CountSteps(this->Scene, leaps));
+    return look.GetFree();
   }
 
   /// Samples, shades and composites; returns which of the rays met something visible.

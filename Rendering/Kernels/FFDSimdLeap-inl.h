@@ -126,6 +126,44 @@ private:
   Axis Z;
 };
 
+/// What is around positions, one a lane: which of them stand in empty space, and how much of it.
+struct PacketLook
+{
+  Vec3 Position;
+  Vec3 Block;
+  Vf Distance;
+  Mf Empty;   ///< inside of the volume, in empty blocks
+  Mf Outside; ///< of the volume
+
+  PacketLook() = default;
+
+  HWY_INLINE PacketLook(
+    const PacketScene& scene, const Vec3& q, Mf lanes, CastStatistics& statistics)
+    : Position(q)
+  {
+    const Df d;
+    const Mf inside = hn::And(lanes, IsInside(scene, q));
+    this->Distance = LookUpDistance(scene, q, inside, this->Block);
+    this->Empty = hn::And(inside, hn::Gt(this->Distance, hn::Zero(d)));
+    this->Outside = hn::AndNot(inside, lanes);
+    statistics.DistanceLookups += static_cast<std::int64_t>(hn::CountTrue(d, this->Empty));
+  }
+
+  HWY_INLINE Mf GetFree() const { return hn::Or(this->Empty, this->Outside); }
+
+  /// Samples that are empty for certain, from the position on; none where it is not free.
+  HWY_INLINE Vf CountSteps(const PacketScene& scene, const PieceLeap& leaps) const
+  {
+    Vf steps = hn::IfThenElseZero(
+      this->Empty, leaps.StepsInside(this->Position, this->Block, this->Distance));
+    if (HWY_UNLIKELY(!hn::AllFalse(Df(), this->Outside)))
+    {
+      steps = hn::IfThenElse(this->Outside, leaps.StepsOutside(scene, this->Position), steps);
+    }
+    return steps;
+  }
+};
+
 /**
  * What is left of the distances from positions, one a lane, to the faces of the empty boxes around
  * them, while they are followed along their rays without being evaluated: LIPSCHITZ.
@@ -135,65 +173,34 @@ class LeapSlack
 public:
   void Clear() { this->Valid = false; }
 
-  /**
-   * Whether all lanes of `lanes` are in empty surroundings; if so, keep their distances, less
-   * `guard` on each axis (index units).
-   */
-  HWY_INLINE bool Find(const PacketScene& scene, const Vec3& q, Mf lanes, const float guard[3],
-    CastStatistics& statistics)
+  /// Whether all lanes of `lanes` are free; if so, keep their distances, less `guard` on each axis
+  /// (index units).
+  HWY_INLINE bool Find(
+    const PacketScene& scene, const PacketLook& look, Mf lanes, const float guard[3])
   {
     const Df d;
-    const Vf zero = hn::Zero(d);
-    const Mf inside = IsInside(scene, q);
-    const Mf looked = hn::And(inside, lanes);
-    const Mf outside = hn::AndNot(inside, lanes);
-    Vec3 block;
-    const Vf distance = LookUpDistance(scene, q, looked, block);
-    const Mf empty = hn::And(looked, hn::Gt(distance, zero));
-    statistics.DistanceLookups += static_cast<std::int64_t>(hn::CountTrue(d, empty));
-    this->Position = q;
-    this->Block = block;
-    this->Distance = distance;
-    this->Empty = empty;
-    this->Outside = outside;
-    this->Valid = hn::AllTrue(d, hn::Or(hn::Or(empty, outside), hn::Not(lanes)));
+    this->Valid = hn::AllTrue(d, hn::Or(look.GetFree(), hn::Not(lanes)));
     if (!this->Valid)
     {
       return false;
     }
-
     const Vf edge = Splat(BlockEdge);
     const Vf far = Splat(Far);
-    const Vf axis[3] = { q.x, q.y, q.z };
-    const Vf blocks[3] = { block.x, block.y, block.z };
+    const Vf axis[3] = { look.Position.x, look.Position.y, look.Position.z };
+    const Vf blocks[3] = { look.Block.x, look.Block.y, look.Block.z };
     for (int a = 0; a < 3; ++a)
     {
-      const Vf low = hn::Sub(axis[a], hn::Mul(edge, hn::Sub(hn::Add(blocks[a], Splat(1.0f)), distance)));
-      const Vf high = hn::Sub(hn::Mul(edge, hn::Add(blocks[a], distance)), axis[a]);
-      this->Low[a] = hn::Sub(hn::IfThenElse(looked, low, far), Splat(guard[a]));
-      this->High[a] = hn::Sub(hn::IfThenElse(looked, high, far), Splat(guard[a]));
+      const Vf low = hn::Sub(
+        axis[a], hn::Mul(edge, hn::Sub(hn::Add(blocks[a], Splat(1.0f)), look.Distance)));
+      const Vf high = hn::Sub(hn::Mul(edge, hn::Add(blocks[a], look.Distance)), axis[a]);
+      this->Low[a] = hn::Sub(hn::IfThenElse(look.Empty, low, far), Splat(guard[a]));
+      this->High[a] = hn::Sub(hn::IfThenElse(look.Empty, high, far), Splat(guard[a]));
     }
-    if (!hn::AllFalse(d, outside))
+    if (!hn::AllFalse(d, look.Outside))
     {
-      this->FindOutside(scene, axis, outside, guard);
+      this->FindOutside(scene, axis, look.Outside, guard);
     }
     return true;
-  }
-
-  /**
-   * How many samples of a piece that starts where Find() looked are empty for certain; nothing is
-   * looked up again.
-   */
-  HWY_INLINE Vf StepsInside(const PacketScene& scene, const PieceLeap& leaps) const
-  {
-    const Df d;
-    Vf steps = hn::IfThenElseZero(
-      this->Empty, leaps.StepsInside(this->Position, this->Block, this->Distance));
-    if (!hn::AllFalse(d, this->Outside))
-    {
-      steps = hn::IfThenElse(this->Outside, leaps.StepsOutside(scene, this->Position), steps);
-    }
-    return steps;
   }
 
   /// Whether a piece of length dt with velocities [lo, hi] stays inside; if so, pass it.
@@ -246,13 +253,6 @@ private:
   bool Valid = false;
   Vf Low[3];
   Vf High[3];
-
-  // What Find() saw.
-  Vec3 Position;
-  Vec3 Block;
-  Vf Distance;
-  Mf Empty;
-  Mf Outside;
 };
 
 /// What leaps keep away from visible blocks over a span, index units: errors of positions.
@@ -333,8 +333,9 @@ private:
       const std::size_t i = static_cast<std::size_t>(b) * hn::Lanes(d);
       const Vec3 q{ hn::LoadU(d, layer.X + i), hn::LoadU(d, layer.Y + i),
         hn::LoadU(d, layer.Z + i) };
-      this->Valid = this->Slack[b].Find(
-        this->Scene, q, hn::FirstN(d, hn::Lanes(d)), guards, this->Scratch.Statistics);
+      const Mf all = hn::FirstN(d, hn::Lanes(d));
+      const PacketLook look(this->Scene, q, all, this->Scratch.Statistics);
+      this->Valid = this->Slack[b].Find(this->Scene, look, all, guards);
     }
     return this->Valid;
   }
