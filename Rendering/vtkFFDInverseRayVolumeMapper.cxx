@@ -64,6 +64,12 @@ constexpr double Infinity = std::numeric_limits<double>::infinity();
 /// Longest piece when the curvature bound sets the length, voxels.
 constexpr double LongestAutomaticSegment = 64.0;
 
+/// Pieces where no position error can be proven, voxels.
+constexpr double UnprovenLength = 2.0;
+
+/// Size of the cells that hold what is proven of the pull-back, voxels.
+constexpr double BoundsResolution = 16.0;
+
 /// A span is halved at most so often, however small the minimum segment length.
 constexpr int LargestSpanLevel = 10;
 
@@ -115,6 +121,19 @@ double FindShortestEdge(const glm::dmat3& fromIndex)
 }
 
 /// A rectangle of viewport pixels and the grid of rays over it.
+/// How many cells of bounds a volume is worth: each takes 34 bytes. `whole`: of which the image may
+/// be a part, which must be rendered as in the whole.
+int FindMostBoundsCells(vtkImageData& image, const ffd::Box& whole)
+{
+  constexpr double bytesPerCell = 22000.0;
+  double bytes = image.GetScalarSize();
+  for (int a = 0; a < 3; ++a)
+  {
+    bytes *= (whole.Max[a] - whole.Min[a]) / std::abs(image.GetSpacing()[a]) + 1.0;
+  }
+  return static_cast<int>(std::clamp(bytes / bytesPerCell, 216.0, 2000.0));
+}
+
 struct ImageRegion
 {
   glm::ivec2 Viewport{ 0 }; // pixels of the whole viewport
@@ -309,11 +328,11 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
   this->DeformedBounds = mapBounds.DeformedBounds(rest);
   this->TurnRate = ffd::FindLargestTurnRate(
     mapBounds.Over(mapBounds.RegionsAreInRestSpace() ? rest : this->DeformedBounds));
-  // Pieces of rays reach out of the bounds by less than their length.
-  const double reach =
-    std::max(LongestAutomaticSegment, this->Self->MaximumSegmentLength) * voxel;
+  // Pieces of rays and the rays around a tile reach out of the bounds by about so much.
+  const double reach = BoundsResolution * voxel;
   this->SpaceBounds = ffd::DeformedSpaceBounds(this->Map, mapBounds,
-    { this->DeformedBounds.Min - reach, this->DeformedBounds.Max + reach });
+    { this->DeformedBounds.Min - reach, this->DeformedBounds.Max + reach }, rest, reach,
+    FindMostBoundsCells(*image, rest));
   for (int a = 0; a < 3; ++a)
   {
     this->ReportedBounds[2 * a] = this->DeformedBounds.Min[a];
@@ -454,6 +473,9 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
   settings.Spans.LargestLevel = std::clamp(
     static_cast<int>(std::floor(std::log2(longest / shortest) + 1e-9)), 0,
     LargestSpanLevel);
+  settings.Spans.UnprovenLevel = std::clamp(
+    static_cast<int>(std::ceil(std::log2(longest / UnprovenLength))), 0,
+    settings.Spans.LargestLevel);
   return settings;
 }
 

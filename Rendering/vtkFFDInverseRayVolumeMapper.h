@@ -153,7 +153,8 @@ public:
    * paper. The minimum must be positive (less than 0.001 counts as that), the maximum not below it
    * (else it counts as the minimum), or 0: then it follows from the
    * deformation (section 4.5): the arc that turns by the angle threshold on the circle of the
-   * largest curvature that any deformed ray can have, at most 64 voxels.
+   * largest curvature that any deformed ray can have, at most 64 voxels. Where ERROR_BOUND can prove
+   * no error, as at folds, pieces are 2 voxels long, if the limits allow it.
    */
   virtual void SetMinimumSegmentLength(double voxels);
   vtkGetMacro(MinimumSegmentLength, double);

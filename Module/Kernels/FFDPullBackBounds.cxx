@@ -3,6 +3,8 @@
 #include "FFDPullBackBounds.h"
 
 #include "FFDBSplineBasis.h"
+#include "FFDControlNet.h"
+#include "FFDJacobianDeterminant.h"
 
 #include <glm/common.hpp>
 #include <glm/matrix.hpp>
@@ -128,8 +130,9 @@ bool BoundInverse(SubCellBounds& bounds, const CellDerivatives& cell)
     delta[i / 3][i % 3] = 0.5 * (hi - lo);
   }
   const double determinant = glm::determinant(centre);
-  // Also refuses NaN and a matrix so near to singular that its inverse is mostly rounding.
-  if (!(std::abs(determinant) > 1e-9) || !(std::abs(determinant) < 1e30))
+  // Also refuses NaN and a matrix so near to singular that its inverse is mostly rounding. A
+  // negative one turns space inside out: T folds, and other points have the same image.
+  if (!(determinant > 1e-9) || !(determinant < 1e30))
   {
     SetUnbounded(bounds);
     return false;
@@ -179,6 +182,11 @@ bool BoundInverse(SubCellBounds& bounds, const CellDerivatives& cell)
   return true;
 }
 
+bool InvertsTheField(PullBackKind kind)
+{
+  return kind == PullBackKind::Exact || kind == PullBackKind::FirstOrderOfInverse;
+}
+
 /// Replace the interval of every Jacobian entry by diagonal * I + sign * interval.
 void Reflect(SubCellBounds& bounds, double diagonal, bool negate)
 {
@@ -226,21 +234,78 @@ void SetBlossomWeights(double u0, double u1, double w[4][4])
 
 //------------------------------------------------------------------------------
 PullBackBounds::PullBackBounds(const PullBack& pullBack)
-  : RestRegions(pullBack.GetKind() == PullBackKind::Exact ||
-      pullBack.GetKind() == PullBackKind::FirstOrderOfInverse)
-  , Field(pullBack.IsIdentity() ? nullptr : pullBack.GetField())
+  : RestRegions(InvertsTheField(pullBack.GetKind()))
   , Kind(pullBack.GetKind())
   , Tolerance(pullBack.GetTolerance())
 {
-  if (!this->Field)
+  if (!pullBack.IsIdentity())
+  {
+    this->Find(*pullBack.GetField(), SubCellGrid(*pullBack.GetField()));
+  }
+}
+
+//------------------------------------------------------------------------------
+PullBackBounds::PullBackBounds(
+  const PullBack& pullBack, const CellRange& cells, const glm::ivec3& factors)
+  : RestRegions(InvertsTheField(pullBack.GetKind()))
+  , Kind(pullBack.GetKind())
+  , Tolerance(pullBack.GetTolerance())
+{
+  if (pullBack.IsIdentity())
   {
     return;
   }
-  const SubCellGrid grid(*this->Field);
+  // The control points that count in these cells.
+  const BSplineField& field = *pullBack.GetField();
+  ControlNet net;
+  net.Nodes = cells.End - cells.First + 3;
+  for (int k = 0; k < net.Nodes.z; ++k)
+  {
+    for (int j = 0; j < net.Nodes.y; ++j)
+    {
+      for (int i = 0; i < net.Nodes.x; ++i)
+      {
+        const glm::ivec3 at = cells.First - 1 + glm::ivec3(i, j, k);
+        net.Values.push_back(field.Coefficient(at.x, at.y, at.z));
+      }
+    }
+  }
+  if (factors != glm::ivec3(1))
+  {
+    net = RefineControlNet(net, factors);
+  }
+  // Its second control point rests where that of the first cell does.
+  const glm::dvec3 spacing = field.GetSpacing() / glm::dvec3(factors);
+  const glm::dvec3 origin =
+    field.GetOrigin() + glm::dvec3(cells.First) * field.GetSpacing() - spacing;
+  this->Refined =
+    std::make_shared<const BSplineField>(net.Nodes, origin, spacing, net.Values.data());
+  const CellRange refined{ glm::ivec3(1), glm::ivec3(1) + factors * (cells.End - cells.First) };
+  this->Find(*this->Refined, SubCellGrid(refined));
+
+  SubCellBounds unbounded;
+  std::fill_n(unbounded.Value, SubCellBounds::Size, std::numeric_limits<float>::infinity());
+  const glm::ivec3 last = this->Size - 1;
+  for (int k = 0; k <= last.z; ++k)
+  {
+    for (int j = 0; j <= last.y; ++j)
+    {
+      const bool outside = k == 0 || j == 0 || k == last.z || j == last.y;
+      for (int i = 0; i <= last.x; i += outside ? 1 : last.x)
+      {
+        this->SubCells[this->IndexOf(i, j, k)] = unbounded;
+      }
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+void PullBackBounds::Find(const BSplineField& field, const SubCellGrid& grid)
+{
+  this->Field = &field;
   this->Size = grid.Size;
-  std::vector<CellDerivatives> derivatives;
-  ComputeSubCellBounds(
-    *this->Field, grid, this->SubCells, this->RestRegions ? &derivatives : nullptr);
+  this->Cells = { grid.FirstCell, grid.FirstCell + grid.Size / 2 - 1 };
+  ComputeSubCellBounds(field, grid, this->SubCells, &this->Derivatives);
   const glm::ivec3 cells = grid.GetCells();
   const auto cellOf = [&](std::size_t subCell) -> const CellDerivatives&
   {
@@ -248,7 +313,7 @@ PullBackBounds::PullBackBounds(const PullBack& pullBack)
     const int i = SubCellGrid::CellOf(index % grid.Size.x);
     const int j = SubCellGrid::CellOf(index / grid.Size.x % grid.Size.y);
     const int k = SubCellGrid::CellOf(index / grid.Size.x / grid.Size.y);
-    return derivatives[static_cast<std::size_t>(i) +
+    return this->Derivatives[static_cast<std::size_t>(i) +
       static_cast<std::size_t>(cells.x) *
         (static_cast<std::size_t>(j) +
           static_cast<std::size_t>(cells.y) * static_cast<std::size_t>(k))];
@@ -273,6 +338,14 @@ PullBackBounds::PullBackBounds(const PullBack& pullBack)
         break;
     }
   }
+  if (this->RestRegions && !this->Refined && !this->ProvenInvertible)
+  {
+    // Far from the lattice T is a translation, so it is one to one if it folds nowhere.
+    constexpr double loosely = 0.1;
+    const Range determinant =
+      BoundJacobianDeterminant(field, field.GetFirstCell(), field.GetEndCell(), loosely);
+    this->ProvenInvertible = determinant.Min > 0.0;
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -292,8 +365,8 @@ bool PullBackBounds::FindSubCells(
     {
       std::swap(lo, hi);
     }
-    const double begin = this->Field->GetFirstCell()[a];
-    const double end = this->Field->GetEndCell()[a];
+    const double begin = this->Cells.First[a];
+    const double end = this->Cells.End[a];
     // A face within rounding of the region counts as touched. Clamped before the cast.
     constexpr double touch = 1e-9;
     lo = std::clamp(2.0 * (lo - begin) - touch, -1.0, 2.0 * (end - begin) + 1.0);
@@ -312,7 +385,7 @@ Box PullBackBounds::GetSubCellBox(const glm::ivec3& subCell) const
   for (int a = 0; a < 3; ++a)
   {
     const double h = this->Field->GetSpacing()[a];
-    const double lower = this->Field->GetFirstCell()[a] + 0.5 * (subCell[a] - 1);
+    const double lower = this->Cells.First[a] + 0.5 * (subCell[a] - 1);
     double lo = subCell[a] == 0 ? -Infinity : lower;
     double hi = subCell[a] == this->Size[a] - 1 ? Infinity : lower + 0.5;
     lo = this->Field->GetOrigin()[a] + lo * h;
@@ -332,10 +405,7 @@ SubCellBounds PullBackBounds::Union(const glm::ivec3& first, const glm::ivec3& l
   {
     for (int j = first.y; j <= last.y; ++j)
     {
-      const SubCellBounds* row = this->SubCells.data() +
-        static_cast<std::size_t>(this->Size.x) *
-          (static_cast<std::size_t>(j) +
-            static_cast<std::size_t>(this->Size.y) * static_cast<std::size_t>(k));
+      const SubCellBounds* row = this->SubCells.data() + this->IndexOf(0, j, k);
       for (int i = first.x; i <= last.x; ++i)
       {
         for (int v = 0; v < SubCellBounds::Size; ++v)
@@ -419,11 +489,7 @@ Box PullBackBounds::DisplacementOver(const Box& region) const
 //------------------------------------------------------------------------------
 Box PullBackBounds::GetDisplacement(const glm::ivec3& subCell) const
 {
-  const SubCellBounds& bounds =
-    this->SubCells[static_cast<std::size_t>(subCell.x) +
-      static_cast<std::size_t>(this->Size.x) *
-        (static_cast<std::size_t>(subCell.y) +
-          static_cast<std::size_t>(this->Size.y) * static_cast<std::size_t>(subCell.z))];
+  const SubCellBounds& bounds = this->SubCells[this->IndexOf(subCell.x, subCell.y, subCell.z)];
   Box box;
   for (int a = 0; a < 3; ++a)
   {

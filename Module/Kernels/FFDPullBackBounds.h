@@ -10,6 +10,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
+#include <memory>
 #include <vector>
 
 namespace ffd
@@ -57,11 +58,22 @@ public:
   PullBackBounds() = default;
   explicit PullBackBounds(const PullBack& pullBack);
 
+  /**
+   * The same over some cells of the lattice only, each cut into 2 * factors sub-cells per axis (by
+   * knot insertion, so the map is the same): closer bounds where they are needed. Everything is
+   * unbounded outside of these cells, and DeformedBounds() must not be called.
+   */
+  PullBackBounds(const PullBack& pullBack, const CellRange& cells, const glm::ivec3& factors);
+
   /// True when regions are boxes of rest space (see above).
   bool RegionsAreInRestSpace() const { return this->RestRegions; }
 
   /// Union of the bounds over all sub-cells that touch `region`.
   MapBounds Over(const Box& region) const;
+
+  /// Second and third derivatives of D over the cells of the lattice, x fastest, with a constant
+  /// cell before the first and after the last of each axis.
+  const std::vector<CellDerivatives>& GetDerivatives() const { return this->Derivatives; }
 
   /// Range of the displacement D over `region` (of the underlying field, whatever the kind).
   Box DisplacementOver(const Box& region) const;
@@ -75,12 +87,24 @@ public:
    */
   Box DeformedBounds(const Box& rest) const;
 
-  std::size_t GetMemorySize() const { return this->SubCells.capacity() * sizeof(SubCellBounds); }
+  std::size_t GetMemorySize() const
+  {
+    return this->SubCells.capacity() * sizeof(SubCellBounds) +
+      this->Derivatives.capacity() * sizeof(CellDerivatives);
+  }
 
   /// True when J_T is proven regular everywhere, so that T has one inverse (kinds that invert T).
   bool IsProvenInvertible() const { return this->ProvenInvertible; }
 
 private:
+  void Find(const BSplineField& field, const SubCellGrid& grid);
+  std::size_t IndexOf(int i, int j, int k) const
+  {
+    return static_cast<std::size_t>(i) +
+      static_cast<std::size_t>(this->Size.x) *
+      (static_cast<std::size_t>(j) +
+        static_cast<std::size_t>(this->Size.y) * static_cast<std::size_t>(k));
+  }
   /// Sub-cells [first, last] per axis that touch `region`; false when there are none.
   bool FindSubCells(const Box& region, glm::ivec3& first, glm::ivec3& last) const;
   /// Sub-cell as a box of data coordinates; the constant outside ones are infinite.
@@ -98,7 +122,10 @@ private:
   PullBackKind Kind = PullBackKind::Exact;
   double Tolerance = 0.0;
   std::vector<SubCellBounds> SubCells; // of Phi's derivatives and of D, x fastest
+  std::vector<CellDerivatives> Derivatives;
   glm::ivec3 Size{ 0 };
+  CellRange Cells; // of Field, that have sub-cells
+  std::shared_ptr<const BSplineField> Refined; // null: Field is that of the pull-back
 };
 
 } // namespace ffd

@@ -621,10 +621,10 @@ void SetWeights(int part, float w[4][4])
 }
 
 /// The pieces of one axis: constant outside, cells (or their halves), constant outside.
-std::vector<AxisPiece> MakePieces(const BSplineField& field, int axis, int piecesPerCell)
+std::vector<AxisPiece> MakePieces(const SubCellGrid& grid, int axis, int piecesPerCell)
 {
-  const int first = field.GetFirstCell()[axis];
-  const int cells = field.GetEndCell()[axis] - first;
+  const int first = grid.FirstCell[axis];
+  const int cells = grid.Size[axis] / 2 - 1;
   std::vector<AxisPiece> pieces(static_cast<std::size_t>(cells * piecesPerCell + 2));
   for (int i = 0; i < cells * piecesPerCell; ++i)
   {
@@ -735,7 +735,7 @@ void ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid,
       {
         // Lane l is cell FirstCell - 1 + l, which begins with the control point before it. The
         // outside cells continue the outermost coefficient: constant, as the field there.
-        const int i = std::clamp(field.GetFirstCell().x - 2 + l, -BSplineField::Padding,
+        const int i = std::clamp(grid.FirstCell.x - 2 + l, -BSplineField::Padding,
           field.GetNodes().x - 1 + BSplineField::Padding);
         const glm::dvec3& c =
           field.Coefficient(i, j - BSplineField::Padding, k - BSplineField::Padding);
@@ -759,10 +759,10 @@ void ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid,
   }
   in.LaneScale = laneScale.data();
 
-  const std::vector<AxisPiece> halfY = MakePieces(field, 1, 2);
-  const std::vector<AxisPiece> halfZ = MakePieces(field, 2, 2);
-  const std::vector<AxisPiece> fullY = MakePieces(field, 1, 1);
-  const std::vector<AxisPiece> fullZ = MakePieces(field, 2, 1);
+  const std::vector<AxisPiece> halfY = MakePieces(grid, 1, 2);
+  const std::vector<AxisPiece> halfZ = MakePieces(grid, 2, 2);
+  const std::vector<AxisPiece> fullY = MakePieces(grid, 1, 1);
+  const std::vector<AxisPiece> fullZ = MakePieces(grid, 2, 1);
   in.Half[0] = nullptr;
   in.Half[1] = &halfY;
   in.Half[2] = &halfZ;

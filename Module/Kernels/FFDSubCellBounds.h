@@ -36,15 +36,26 @@ struct CellDerivatives
   float Third[10][3]; ///< xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz
 };
 
+/// Cells First ... End - 1 of a field, per axis.
+struct CellRange
+{
+  glm::ivec3 First{ 0 };
+  glm::ivec3 End{ 0 };
+};
+
 /**
  * The sub-cells of a field: 2 per cell of [FirstCell, EndCell) and axis, and one on either side
- * for the constant outside; x fastest.
+ * for the constant outside; x fastest. Of part of a field, those on either side mean nothing.
  */
 struct SubCellGrid
 {
   explicit SubCellGrid(const BSplineField& field)
-    : FirstCell(field.GetFirstCell())
-    , Size(2 * (field.GetEndCell() - field.GetFirstCell()) + 2)
+    : SubCellGrid(CellRange{ field.GetFirstCell(), field.GetEndCell() })
+  {
+  }
+  explicit SubCellGrid(const CellRange& cells)
+    : FirstCell(cells.First)
+    , Size(2 * (cells.End - cells.First) + 2)
   {
   }
   std::size_t Index(int i, int j, int k) const

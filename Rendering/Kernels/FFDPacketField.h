@@ -37,9 +37,12 @@ public:
   std::vector<float> Coefficients; ///< x, y, z of each control point
   /// |D(a + e) - D(a) - D'(a) e| <= SecondDerivative / 2 |e|^2 inside of the lattice.
   float SecondDerivative = 0.0f;
+  /// Whether that holds everywhere: there is no kink where the lattice ends.
+  bool Smooth = true;
 
   void Assign(const BSplineField& field, const glm::dvec3& centre)
   {
+    this->Smooth = field.GetBorder() != BorderMode::ZeroAtBorder;
     for (int a = 0; a < 3; ++a)
     {
       this->Origin[a] = static_cast<float>(field.GetOrigin()[a] - centre[a]);

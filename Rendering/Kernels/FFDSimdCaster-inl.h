@@ -96,7 +96,7 @@ public:
         (static_cast<int>(std::floor(from / spanLength)) - spans.GetFirst()) * stepsPerSpan;
       piece.T0 = this->Grid.TimeOf(piece.Step);
       piece.Dt = spanLength * static_cast<float>(last + 1) - piece.T0;
-      piece.Start = this->PositionAt(piece.Step, false, this->Alive);
+      piece.Start = this->PositionAt(piece.Step, TileSpans::Span(), this->Alive);
       piece.Linear = Transform(this->Scene.LocalToIndex, Scale(Splat(piece.Dt), this->Rays.Direction));
       piece.Quadratic = this->Out.Colour;
       this->CountPiece(piece, this->Alive);
@@ -152,7 +152,7 @@ public:
         }
         if (nodeStep != piece.Step || nodeLateral != span.Lateral)
         {
-          node = this->PositionAt(piece.Step, span.Lateral, ahead);
+          node = this->PositionAt(piece.Step, span, ahead);
         }
         PacketLook look;
         if (canLeap)
@@ -167,8 +167,8 @@ public:
         }
         slack.Clear();
 
-        const Vec3 middle = this->PositionAt(piece.Step + steps / 2, span.Lateral, ahead);
-        const Vec3 end = this->PositionAt(piece.Step + steps, span.Lateral, ahead);
+        const Vec3 middle = this->PositionAt(piece.Step + steps / 2, span, ahead);
+        const Vec3 end = this->PositionAt(piece.Step + steps, span, ahead);
         piece.Start = node;
         // 4 middle - 3 start - end
         piece.Linear = Sub(MulAdd(Splat(4.0f), middle, Scale(Splat(-3.0f), node)), end);
@@ -196,19 +196,28 @@ public:
 
 private:
   /// Index coordinates of every ray at a fine step.
-  HWY_INLINE Vec3 PositionAt(int step, bool lateral, Mf lanes)
+  HWY_INLINE Vec3 PositionAt(int step, const TileSpans::Span& span, Mf lanes)
   {
     const Vf t = Splat(this->Grid.TimeOf(step));
+    const Vec3 p = MulAdd(t, this->Rays.Direction, this->Rays.Origin);
     if (this->Scene.Identity)
     {
-      return LocalToIndex(this->Scene, MulAdd(t, this->Rays.Direction, this->Rays.Origin));
+      return LocalToIndex(this->Scene, p);
     }
-    if (lateral)
+    // What interpolation is not close enough for is at least where Newton's method starts from.
+    const bool solves = this->Scene.Kind == PullBackKind::Exact;
+    if (!span.Lateral && !(span.Bounded && solves))
     {
-      return InterpolateLayer(this->Grid.GetLayer(step), this->Wx, this->Wy);
+      return LocalToIndex(
+        this->Scene, PullBackLanes(this->Scene, p, lanes, this->Scratch.Statistics));
+    }
+    const Vec3 interpolated = InterpolateLayer(this->Grid.GetLayer(step), this->Wx, this->Wy);
+    if (span.Lateral)
+    {
+      return interpolated;
     }
     return LocalToIndex(this->Scene,
-      PullBackLanes(this->Scene, MulAdd(t, this->Rays.Direction, this->Rays.Origin), lanes,
+      InvertLanes(this->Scene, p, IndexToLocal(this->Scene, interpolated), lanes,
         this->Scratch.Statistics));
   }
 

@@ -227,7 +227,8 @@ HWY_INLINE Mf SolveInverse(
     const Vf h = hn::Mul(hn::Mul(norm, Splat(field.SecondDerivative)), length);
     const Mf proven = hn::And(hn::And(hn::Le(h, Splat(0.5f)),
                                 hn::Le(hn::Mul(h, length), Splat(tolerance))),
-      hn::And(IsInLattice(field, q), IsInLattice(field, next)));
+      field.Smooth ? hn::FirstN(d, hn::Lanes(d))
+                   : hn::And(IsInLattice(field, q), IsInLattice(field, next)));
     q = { hn::IfThenElse(done, q.x, next.x), hn::IfThenElse(done, q.y, next.y),
       hn::IfThenElse(done, q.z, next.z) };
     done = hn::Or(done, proven);

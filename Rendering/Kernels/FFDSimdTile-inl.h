@@ -111,33 +111,29 @@ HWY_INLINE Vec3 LocalToIndex(const PacketScene& scene, const Vec3& local)
     hn::Add(index.y, Splat(scene.IndexOffset[1])), hn::Add(index.z, Splat(scene.IndexOffset[2])) };
 }
 
+/// The other way round, linear part and offset.
+HWY_INLINE Vec3 IndexToLocal(const PacketScene& scene, const Vec3& index)
+{
+  return Transform(scene.IndexToLocal,
+    { hn::Sub(index.x, Splat(scene.IndexOffset[0])),
+      hn::Sub(index.y, Splat(scene.IndexOffset[1])),
+      hn::Sub(index.z, Splat(scene.IndexOffset[2])) });
+}
+
 /**
- * Phi of every lane in `active`, local coordinates. Lanes that Newton's method alone does not
- * solve go through the damped iteration of PullBack, one by one.
+ * T^-1 of every lane in `active` (or what FirstOrderOfInverse makes of it) by Newton's method from
+ * `start`, local coordinates. Lanes that it does not solve go through the damped iteration of
+ * PullBack, one by one.
  */
-HWY_INLINE Vec3 PullBackLanes(
-  const PacketScene& scene, const Vec3& p, Mf active, CastStatistics& statistics)
+HWY_INLINE Vec3 InvertLanes(const PacketScene& scene, const Vec3& p, const Vec3& start, Mf active,
+  CastStatistics& statistics)
 {
   const Df d;
-  if (scene.Identity)
-  {
-    return p;
-  }
-  const int count = static_cast<int>(hn::CountTrue(d, active));
-  if (scene.Kind == PullBackKind::FirstOrder)
-  {
-    statistics.Evaluations += count;
-    return Sub(p, Displacement(scene.Field, p));
-  }
-  if (scene.Kind == PullBackKind::Forward)
-  {
-    statistics.Evaluations += count;
-    return Add(p, Displacement(scene.Field, p));
-  }
-  Vec3 q = Add(p, Displacement(scene.InverseGuess, p));
-  int evaluations = 1;
+  Vec3 q = start;
+  int evaluations = 0;
   const Mf converged = SolveInverse(scene.Field, p, scene.Tolerance, q, evaluations);
-  statistics.Evaluations += static_cast<std::int64_t>(evaluations) * count;
+  statistics.Evaluations +=
+    static_cast<std::int64_t>(evaluations) * static_cast<std::int64_t>(hn::CountTrue(d, active));
   if (scene.Kind == PullBackKind::FirstOrderOfInverse)
   {
     q = Sub(Add(p, p), q);
@@ -157,6 +153,28 @@ HWY_INLINE Vec3 PullBackLanes(
       });
   }
   return q;
+}
+
+/// Phi of every lane in `active`, local coordinates.
+HWY_INLINE Vec3 PullBackLanes(
+  const PacketScene& scene, const Vec3& p, Mf active, CastStatistics& statistics)
+{
+  const Df d;
+  if (scene.Identity)
+  {
+    return p;
+  }
+  statistics.Evaluations += static_cast<std::int64_t>(hn::CountTrue(d, active));
+  if (scene.Kind == PullBackKind::FirstOrder)
+  {
+    return Sub(p, Displacement(scene.Field, p));
+  }
+  if (scene.Kind == PullBackKind::Forward)
+  {
+    return Add(p, Displacement(scene.Field, p));
+  }
+  return InvertLanes(
+    scene, p, Add(p, Displacement(scene.InverseGuess, p)), active, statistics);
 }
 
 /// Fills PacketScene::InverseGuess: T^-1(P) - P at its nodes.

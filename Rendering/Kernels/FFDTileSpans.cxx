@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace ffd
 {
@@ -75,6 +76,16 @@ double FindLargestStretch(const glm::dmat3& mMin, const glm::dmat3& mMax)
     sum += glm::dot(most, most);
   }
   return std::sqrt(sum);
+}
+
+glm::dmat3 Largest(const glm::dmat3& a, const glm::dmat3& b)
+{
+  return glm::dmat3(glm::max(a[0], b[0]), glm::max(a[1], b[1]), glm::max(a[2], b[2]));
+}
+
+glm::dmat3 Smallest(const glm::dmat3& a, const glm::dmat3& b)
+{
+  return glm::dmat3(glm::min(a[0], b[0]), glm::min(a[1], b[1]), glm::min(a[2], b[2]));
 }
 
 } // namespace
@@ -152,105 +163,215 @@ void TileSpans::Start(const DeformedSpaceBounds& bounds, const SpanSettings& set
 }
 
 //------------------------------------------------------------------------------
-void TileSpans::Find(int index, Span& span) const
+struct TileSpans::Course
 {
-  const double t[2] = { index * this->Settings.Length, (index + 1) * this->Settings.Length };
-  Box box{ this->Origins[0] + t[0] * this->Directions[0],
-    this->Origins[0] + t[0] * this->Directions[0] };
-  for (int c = 0; c < 4; ++c)
+  Box Space;             // that the rays cross
+  glm::dvec3 AlongX;     // sides of the tile, largest
+  glm::dvec3 AlongY;
+  VectorRange NodeX;     // steps from node to node
+  VectorRange NodeY;
+  double NodeSecond;     // bounds of the second and third derivatives by such steps
+  double NodeThird;
+  double NodeFirst;      // of the first
+  double Margin;
+};
+
+//------------------------------------------------------------------------------
+struct TileSpans::LocalCourse
+{
+  glm::dmat3 JacobianMin;
+  glm::dmat3 JacobianMax;
+  double Stretch = 0.0;
+  double Third = 0.0; ///< of the rays by t
+  double Bend = 0.0;  ///< by steps of a node, all but what the Jacobian makes of their bends
+};
+
+//------------------------------------------------------------------------------
+TileSpans::Course TileSpans::FindCourse(const double t[2]) const
+{
+  Course course;
+  course.Space = { glm::dvec3(std::numeric_limits<double>::infinity()),
+    glm::dvec3(-std::numeric_limits<double>::infinity()) };
+  course.AlongX = glm::dvec3(0.0);
+  course.AlongY = glm::dvec3(0.0);
+  double across = 0.0;
+  Box sidesX = course.Space;
+  Box sidesY = course.Space;
+  const auto include = [](Box& box, const glm::dvec3& p)
   {
-    for (const double end : t)
+    box.Min = glm::min(box.Min, p);
+    box.Max = glm::max(box.Max, p);
+  };
+  for (int end = 0; end < 2; ++end)
+  {
+    glm::dvec3 p[4];
+    for (int c = 0; c < 4; ++c)
     {
-      const glm::dvec3 p = this->Origins[c] + end * this->Directions[c];
-      box.Min = glm::min(box.Min, p);
-      box.Max = glm::max(box.Max, p);
+      p[c] = this->Origins[c] + t[end] * this->Directions[c];
+      include(course.Space, p[c]);
+    }
+    for (int side = 0; side < 2; ++side)
+    {
+      const glm::dvec3 x = p[2 * side + 1] - p[2 * side];
+      const glm::dvec3 y = p[2 + side] - p[side];
+      include(sidesX, x);
+      include(sidesY, y);
+      course.AlongX = glm::max(course.AlongX, glm::abs(x));
+      course.AlongY = glm::max(course.AlongY, glm::abs(y));
+      across = std::max({ across, glm::length(x), glm::length(y) });
     }
   }
-  const double margin = this->Sagitta * std::max(std::abs(t[0]), std::abs(t[1]));
-  box.Min -= margin;
-  box.Max += margin;
+  const double farthest = std::max(std::abs(t[0]), std::abs(t[1]));
+  course.Margin = this->Sagitta * farthest;
+  course.Space.Min -= course.Margin;
+  course.Space.Max += course.Margin;
+  course.NodeSecond = farthest * this->Settings.DirectionBend2;
+  course.NodeThird = farthest * this->Settings.DirectionBend3;
+  // A side of the tile is three steps; within the tile a step differs from its mean over a side by
+  // at most a step and a half of the second derivative along that side and as much across.
+  course.NodeFirst = across / 3.0 + 3.0 * course.NodeSecond;
+  const auto steps = [&](const Box& sides)
+  {
+    return VectorRange{ (sides.Min + sides.Max) / 6.0,
+      (sides.Max - sides.Min) / 6.0 + 3.0 * course.NodeSecond };
+  };
+  course.NodeX = steps(sidesX);
+  course.NodeY = steps(sidesY);
+  return course;
+}
 
-  const MapBounds bounds = this->Bounds->Over(box);
-  span.Known = true;
-
+//------------------------------------------------------------------------------
+void TileSpans::SetPieces(double third, double bend, Span& span) const
+{
   // Error of the parabola through three points a distance d apart: |d3Q/dt3| d^3 / (9 sqrt 3).
-  const double third = bounds.ThirdDerivative * this->VoxelsPerDataUnit * this->LargestSpeed *
-    this->LargestSpeed * this->LargestSpeed;
-  const auto errorOf = [third](double half)
-  { return third > 0.0 ? third * half * half * half / (9.0 * std::sqrt(3.0)) : 0.0; };
+  const double along = third * this->VoxelsPerDataUnit;
+  const auto errorOf = [along](double half)
+  { return along > 0.0 ? along * half * half * half / (9.0 * std::sqrt(3.0)) : 0.0; };
   const double tolerance = 0.5 * this->Settings.PositionTolerance;
-  double half = 0.5 * this->Settings.Length;
+  const double longest = 0.5 * this->Settings.Length;
   span.Level = 0;
-  while (span.Level < this->Settings.LargestLevel && !(errorOf(half) <= tolerance))
+  while (span.Level < this->Settings.LargestLevel &&
+    !(errorOf(std::ldexp(longest, -span.Level)) <= tolerance))
   {
     ++span.Level;
-    half *= 0.5;
   }
+  // Where nothing is proven, the shortest pieces would prove nothing, either.
+  if (!std::isfinite(along))
+  {
+    span.Level = std::min(this->Settings.LargestLevel, this->Settings.UnprovenLevel);
+  }
+  const double half = std::ldexp(longest, -span.Level);
   span.PositionError = errorOf(half);
 
   // Four equidistant nodes, spacing d, |d3f/du3| <= M: the interpolation error is at most
   // 0.0713 M d^3 (Peano kernel), once for each direction, the second amplified by the Lebesgue
   // constant 1.632 of the first. The parabola in t amplifies what its points have by 5/4.
-  double across = 0.0;
-  glm::dvec3 alongX(0.0);
-  glm::dvec3 alongY(0.0);
-  for (const double end : t)
-  {
-    glm::dvec3 p[4];
-    for (int c = 0; c < 4; ++c)
-    {
-      p[c] = this->Origins[c] + end * this->Directions[c];
-    }
-    alongX = glm::max(alongX, glm::max(glm::abs(p[1] - p[0]), glm::abs(p[3] - p[2])));
-    alongY = glm::max(alongY, glm::max(glm::abs(p[2] - p[0]), glm::abs(p[3] - p[1])));
-    across = std::max({ across, glm::length(p[1] - p[0]), glm::length(p[3] - p[2]),
-      glm::length(p[2] - p[0]), glm::length(p[3] - p[1]) });
-  }
-  // M d^3 follows from the derivatives P1, P2, P3 of the rays by steps of a node by the chain rule:
-  // Phi3(P1, P1, P1) + 3 Phi2(P1, P2) + Phi1(P3).
-  const double farthest = std::max(std::abs(t[0]), std::abs(t[1]));
-  const double second = farthest * this->Settings.DirectionBend2;
-  // A side of the tile is three steps; within the tile P1 differs from its mean over a side by at
-  // most a step and a half of P2 along that side and as much across.
-  const double first = across / 3.0 + 3.0 * second;
-  // What does not move has no error, however unbounded the map is.
-  const auto product = [](double bound, double moves) { return moves > 0.0 ? bound * moves : 0.0; };
-  const double bend = product(bounds.ThirdDerivative, first * first * first) +
-    product(bounds.SecondDerivative, 3.0 * first * second) +
-    product(FindLargestStretch(bounds.JacobianMin, bounds.JacobianMax),
-      farthest * this->Settings.DirectionBend3);
   const double lateral = 1.25 * 0.0713 * (1.0 + 1.632) * bend * this->VoxelsPerDataUnit;
   span.Lateral = lateral <= tolerance;
   span.PositionError += span.Lateral ? lateral : 0.0;
+}
 
+//------------------------------------------------------------------------------
+void TileSpans::SetMotion(const Course& course, const glm::dmat3& jacobianMin,
+  const glm::dmat3& jacobianMax, Span& span) const
+{
   span.Bounded = std::isfinite(span.PositionError);
   for (int column = 0; column < 3; ++column)
   {
-    span.Bounded = span.Bounded && AllFinite(bounds.JacobianMin[column]) &&
-      AllFinite(bounds.JacobianMax[column]);
+    span.Bounded =
+      span.Bounded && AllFinite(jacobianMin[column]) && AllFinite(jacobianMax[column]);
   }
-  if (span.Bounded)
+  if (!span.Bounded)
   {
-    glm::dvec3 lo;
-    glm::dvec3 hi;
-    MultiplyIntervals(bounds.JacobianMin, bounds.JacobianMax, this->DirectionMin,
-      this->DirectionMax, lo, hi);
-    MultiplyIntervals(
-      this->DataToIndex, this->DataToIndex, lo, hi, span.VelocityMin, span.VelocityMax);
-    // Half the distance between nodes is a sixth of the tile.
-    const glm::dvec3 reach = (alongX + alongY) / 6.0 + 2.0 * margin;
-    glm::dvec3 moved(0.0);
-    span.NodeRadius = glm::dvec3(0.0);
-    for (int column = 0; column < 3; ++column)
-    {
-      moved += reach[column] *
-        glm::max(glm::abs(bounds.JacobianMin[column]), glm::abs(bounds.JacobianMax[column]));
-    }
-    for (int column = 0; column < 3; ++column)
-    {
-      span.NodeRadius += moved[column] * glm::abs(this->DataToIndex[column]);
-    }
+    return;
   }
+  glm::dvec3 lo;
+  glm::dvec3 hi;
+  MultiplyIntervals(jacobianMin, jacobianMax, this->DirectionMin, this->DirectionMax, lo, hi);
+  MultiplyIntervals(
+    this->DataToIndex, this->DataToIndex, lo, hi, span.VelocityMin, span.VelocityMax);
+  // Half the distance between nodes is a sixth of the tile.
+  const glm::dvec3 reach = (course.AlongX + course.AlongY) / 6.0 + 2.0 * course.Margin;
+  glm::dvec3 moved(0.0);
+  for (int column = 0; column < 3; ++column)
+  {
+    moved +=
+      reach[column] * glm::max(glm::abs(jacobianMin[column]), glm::abs(jacobianMax[column]));
+  }
+  span.NodeRadius = glm::dvec3(0.0);
+  for (int column = 0; column < 3; ++column)
+  {
+    span.NodeRadius += moved[column] * glm::abs(this->DataToIndex[column]);
+  }
+}
+
+//------------------------------------------------------------------------------
+void TileSpans::Find(int index, Span& span) const
+{
+  const double t[2] = { index * this->Settings.Length, (index + 1) * this->Settings.Length };
+  const Course course = this->FindCourse(t);
+  span.Known = true;
+
+  // How positions bend from node to node follows from the derivatives P1, P2, P3 of the rays by
+  // steps of a node by the chain rule: Phi3(P1, P1, P1) + 3 Phi2(P1, P2) + Phi1(P3). What does not
+  // move has no error, however unbounded the map is.
+  const auto product = [](double bound, double moves) { return moves > 0.0 ? bound * moves : 0.0; };
+  const double first = course.NodeFirst;
+  const double second = course.NodeSecond;
+
+  const MapBounds bounds = this->Bounds->Over(course.Space);
+  const double stretch = FindLargestStretch(bounds.JacobianMin, bounds.JacobianMax);
+  const double speed = this->LargestSpeed;
+  const double third = product(bounds.ThirdDerivative, speed * speed * speed);
+  const double bend = product(bounds.ThirdDerivative, first * first * first) +
+    product(bounds.SecondDerivative, 3.0 * first * second) + product(stretch, course.NodeThird);
+  this->SetPieces(third, bend, span);
+  this->SetMotion(course, bounds.JacobianMin, bounds.JacobianMax, span);
+  if (span.Level == 0 && span.Lateral && span.Bounded)
+  {
+    return;
+  }
+
+  // Other branches of an inverse are none of what is found around a point of one.
+  LocalCourse local;
+  if (!(span.Bounded || this->Bounds->IsOneToOne()) || !this->FindLocalCourse(course, local))
+  {
+    return;
+  }
+  this->SetPieces(std::min(third, local.Third),
+    std::min(bend, local.Bend + product(local.Stretch, course.NodeThird)), span);
+  this->SetMotion(course, Largest(bounds.JacobianMin, local.JacobianMin),
+    Smallest(bounds.JacobianMax, local.JacobianMax), span);
+}
+
+//------------------------------------------------------------------------------
+bool TileSpans::FindLocalCourse(const Course& course, LocalCourse& local) const
+{
+  LocalMap map;
+  if (!this->Bounds->GetLocal().Find(course.Space, map))
+  {
+    return false;
+  }
+  local.JacobianMin = map.JacobianMin;
+  local.JacobianMax = map.JacobianMax;
+  local.Stretch = FindLargestStretch(map.JacobianMin, map.JacobianMax);
+  local.Third = map.ThirdAlong({ 0.5 * (this->DirectionMin + this->DirectionMax),
+    0.5 * (this->DirectionMax - this->DirectionMin) });
+  const double first = course.NodeFirst;
+  const double second = course.NodeSecond;
+  for (const VectorRange& step : { course.NodeX, course.NodeY })
+  {
+    double bend = map.ThirdAlong(step);
+    if (second > 0.0)
+    {
+      // 4 Phi2(P1, P2) = Phi2(P1 + P2, P1 + P2) - Phi2(P1 - P2, P1 - P2), with P2 as long as P1.
+      VectorRange either = step;
+      either.Spread += first;
+      bend += 3.0 * second / first * 0.5 * map.SecondAlong(either);
+    }
+    local.Bend = std::max(local.Bend, bend);
+  }
+  return true;
 }
 
 } // namespace ffd

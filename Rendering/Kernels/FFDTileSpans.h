@@ -20,6 +20,7 @@ struct SpanSettings
 {
   double Length = 8.0;          ///< longest span, units of t
   int LargestLevel = 4;         ///< a span is halved at most so often
+  int UnprovenLevel = 2;          ///< where no error can be proven, because T folds or nearly so
   double PositionTolerance = 0.1; ///< voxels
   /// Bounds of the second and third derivatives of the rays' directions across a tile, data units
   /// per unit of t, by steps of a node; see SetDirectionBends. 0: the rays are parallel.
@@ -91,7 +92,15 @@ public:
   }
 
 private:
+  /// What there is to know of the rays of the tile within a span.
+  struct Course;
+  struct LocalCourse;
   void Find(int index, Span& span) const;
+  Course FindCourse(const double t[2]) const;
+  bool FindLocalCourse(const Course& course, LocalCourse& local) const;
+  void SetPieces(double third, double bend, Span& span) const;
+  void SetMotion(const Course& course, const glm::dmat3& jacobianMin,
+    const glm::dmat3& jacobianMax, Span& span) const;
 
   const DeformedSpaceBounds* Bounds = nullptr;
   SpanSettings Settings;

@@ -129,7 +129,8 @@ void Measure(const Deformation& deformation, const Mode& mode, int rays, int poi
   const ffd::PullBack map(&deformation.Field, mode.Kind, 1e-9);
   const ffd::PullBackBounds mapBounds(map);
   const ffd::Box deformed = mapBounds.DeformedBounds(Volume);
-  const ffd::DeformedSpaceBounds bounds(map, mapBounds, { deformed.Min - 64.0, deformed.Max + 64.0 });
+  const ffd::DeformedSpaceBounds bounds(
+    map, mapBounds, { deformed.Min - 16.0, deformed.Max + 16.0 }, Volume, 16.0);
   const ffd::CameraView camera = MakeCamera();
 
   struct Ray

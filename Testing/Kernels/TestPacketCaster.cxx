@@ -111,9 +111,10 @@ public:
       BSplineField(nodes, v.FirstVoxel - spacing, spacing, displacements.data());
     this->Map = PullBack(&this->Field, kind, 0.005);
     const PullBackBounds mapBounds(this->Map);
-    this->Scene.DeformedBounds = mapBounds.DeformedBounds({ v.FirstVoxel, v.FirstVoxel + extent });
+    const Box rest{ v.FirstVoxel, v.FirstVoxel + extent };
+    this->Scene.DeformedBounds = mapBounds.DeformedBounds(rest);
     this->Bounds = DeformedSpaceBounds(this->Map, mapBounds,
-      { this->Scene.DeformedBounds.Min - 10.0, this->Scene.DeformedBounds.Max + 10.0 });
+      { this->Scene.DeformedBounds.Min - 10.0, this->Scene.DeformedBounds.Max + 10.0 }, rest, 4.0);
     this->Scene.Map = &this->Map;
     this->Scene.Bounds = &this->Bounds;
   }

@@ -36,7 +36,7 @@ struct Stage
     this->Scene.Volume = volume.View;
     this->Scene.DeformedBounds = this->MapBounds.DeformedBounds(rest);
     this->SpaceBounds = DeformedSpaceBounds(this->Map, this->MapBounds,
-      { this->Scene.DeformedBounds.Min - 20.0, this->Scene.DeformedBounds.Max + 20.0 });
+      { this->Scene.DeformedBounds.Min - 20.0, this->Scene.DeformedBounds.Max + 20.0 }, rest, 4.0);
     this->Scene.Table = &this->Table;
     this->Scene.Distances = &this->Distances;
     this->Scene.Map = &this->Map;
