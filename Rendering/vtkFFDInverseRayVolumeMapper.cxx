@@ -64,6 +64,9 @@ constexpr double Infinity = std::numeric_limits<double>::infinity();
 /// Longest piece when the curvature bound sets the length, voxels.
 constexpr double LongestAutomaticSegment = 64.0;
 
+/// Longest piece of ERROR_BOUND, voxels.
+constexpr double LongestSpan = 16.0;
+
 /// Pieces where no position error can be proven, voxels.
 constexpr double UnprovenLength = 2.0;
 
@@ -125,7 +128,7 @@ double FindShortestEdge(const glm::dmat3& fromIndex)
 /// be a part, which must be rendered as in the whole.
 int FindMostBoundsCells(vtkImageData& image, const ffd::Box& whole)
 {
-  constexpr double bytesPerCell = 22000.0;
+  constexpr double bytesPerCell = 24000.0;
   double bytes = image.GetScalarSize();
   for (int a = 0; a < 3; ++a)
   {
@@ -463,7 +466,9 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
   settings.Polyline.AngleThreshold = angle;
   settings.Polyline.MinimumLength = shortest * voxelSize;
   settings.Polyline.MaximumLength = longest * voxelSize;
-  // Longer spans could not be halved down to the minimum.
+  // Bounds get worse with the length of a span, faster than its pieces get fewer; and longer spans
+  // could not be halved down to the minimum.
+  longest = std::max(shortest, std::min(longest, LongestSpan));
   longest = std::min(longest, shortest * (1 << LargestSpanLevel));
   // A whole number of samples a span: then they are equidistant where nothing is deformed.
   const double perSpan = std::floor(longest * voxelSize / settings.SampleDistance + 1e-6);

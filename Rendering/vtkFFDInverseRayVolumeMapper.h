@@ -149,8 +149,8 @@ public:
 
   ///@{
   /**
-   * Limits of the length of a piece on the viewing ray, in voxels. Defaults: 0.5 and 8, as the
-   * paper. The minimum must be positive (less than 0.001 counts as that), the maximum not below it
+   * Limits of the length of a piece on the viewing ray, in voxels. Defaults: 0.5 and 16; the paper
+   * has 0.5 and 8. Pieces of ERROR_BOUND are never longer than 16. The minimum must be positive (less than 0.001 counts as that), the maximum not below it
    * (else it counts as the minimum), or 0: then it follows from the
    * deformation (section 4.5): the arc that turns by the angle threshold on the circle of the
    * largest curvature that any deformed ray can have, at most 64 voxels. Where ERROR_BOUND can prove
@@ -416,7 +416,7 @@ private:
   double PositionTolerance = 0.1;
   double AngleThreshold = 5.0;
   double MinimumSegmentLength = 0.5;
-  double MaximumSegmentLength = 8.0;
+  double MaximumSegmentLength = 16.0;
   int SpaceLeaping = LIPSCHITZ;
   double EarlyRayTerminationThreshold = 1.0 / 255.0;
   int OpacityLength = WORLD;

@@ -80,6 +80,7 @@ def make_volume(image, lattice):
     mapper.SetDeformation(lattice)
     mapper.SetInverseModeToFirstOrder()
     mapper.SetSegmentationToGreedyAngle()
+    mapper.SetMaximumSegmentLength(8.0)
     mapper.SetSpaceLeapingToOff()
     mapper.SetEarlyRayTerminationThreshold(0.0)
     volume = vtkVolume()

@@ -171,6 +171,7 @@ def make_mapper(image, lattice, method, optimised=True, sample_distance=SAMPLE_D
     mapper.CollectStatisticsOn()
     if method == "paper":
         mapper.SetSegmentationToGreedyAngle()
+        mapper.SetMaximumSegmentLength(8.0)
         mapper.SetSpaceLeapingToSegment()
         mapper.SetInverseModeToFirstOrder()
         mapper.SetOpacityLengthToMaterial()

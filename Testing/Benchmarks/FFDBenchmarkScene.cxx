@@ -336,6 +336,7 @@ vtkSmartPointer<vtkFFDInverseRayVolumeMapper> MakeMapper(
     case Variant::Paper:
       mapper->SetInverseModeToFirstOrder();
       mapper->SetSegmentationToGreedyAngle();
+      mapper->SetMaximumSegmentLength(8.0);
       mapper->SetSpaceLeapingToSegment();
       mapper->SetOpacityLengthToMaterial();
       break;
