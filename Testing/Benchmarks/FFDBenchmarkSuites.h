@@ -33,7 +33,9 @@ struct Tolerance
 };
 constexpr Tolerance FixedPointTolerance{ 8, 12.0, 0.05 }; ///< ours undeformed by fixed point
 constexpr Tolerance ResampleTolerance{ 8, 12.0, 0.05 };   ///< resample routes by ours
-constexpr Tolerance PaperTolerance{ 8, 8.0, 0.02 };       ///< the paper's polyline by the curve
+/// The paper's polyline by the curve. Its samples count from where a ray enters the volume: where the
+/// material ends with the volume, as on the engine's front, they are all equally deep in it.
+constexpr Tolerance PaperTolerance{ 8, 8.0, 0.15 };
 constexpr Tolerance OracleTolerance{ 1, 0.5, 0.002 };     ///< ours by its reference kernels
 
 /// All groups of the chosen mode. Names: Frame/<volume>/<opacity>/<size>/<deformation>,
