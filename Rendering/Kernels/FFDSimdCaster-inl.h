@@ -72,6 +72,7 @@ public:
   {
     LagrangeWeights(nodeX, this->Wx, this->WxSlope);
     LagrangeWeights(nodeY, this->Wy, this->WySlope);
+    this->Kept = PacketLook::Nothing();
     const Vf zero = hn::Zero(Df());
     this->Out = { { zero, zero, zero }, Splat(1.0f), Splat(1e30f) };
   }
@@ -105,27 +106,32 @@ public:
       return;
     }
     const bool lipschitz = this->Scene.Settings.Leaping == SpaceLeaping::Lipschitz;
+    const Mf everyone = hn::FirstN(d, hn::Lanes(d));
+    const float nothing[3] = { 0.0f, 0.0f, 0.0f };
     LeapSlack slack;
     int nodeStep = -1;
     bool nodeLateral = false;
     Vec3 node = this->Out.Colour;
     for (int index = static_cast<int>(std::floor(from / spanLength)); index <= last; ++index)
     {
-      if (lipschitz && this->Beam.IsEmpty(index))
-      {
-        slack.Clear();
-        continue;
-      }
       const TileSpans::Span& span = spans.Get(index);
       const float guard = FindLeapGuard(this->Scene, span);
-      const float guards[3] = { guard, guard, guard };
       const float velocityMin[3] = { static_cast<float>(span.VelocityMin.x),
         static_cast<float>(span.VelocityMin.y), static_cast<float>(span.VelocityMin.z) };
       const float velocityMax[3] = { static_cast<float>(span.VelocityMax.x),
         static_cast<float>(span.VelocityMax.y), static_cast<float>(span.VelocityMax.z) };
+      if (lipschitz && this->Beam.IsEmpty(index))
+      {
+        slack.Pass(everyone, velocityMin, velocityMax, spanLength, guard);
+        continue;
+      }
       const int pieces = 1 << span.Level;
       const int steps = stepsPerSpan / pieces;
       const bool canLeap = lipschitz && span.Bounded;
+      if (!canLeap)
+      {
+        slack.Clear();
+      }
       PacketPiece piece;
       piece.Steps = steps;
       piece.Dt = spanLength / static_cast<float>(pieces);
@@ -141,11 +147,13 @@ public:
         {
           return;
         }
-        if (canLeap && slack.Pass(velocityMin, velocityMax, piece.Dt))
+        Mf inRange = hn::And(ahead, hn::Lt(this->Rays.From, Splat(t1)));
+        if (canLeap)
         {
-          continue;
+          const Mf passed =
+            slack.Pass(everyone, velocityMin, velocityMax, piece.Dt, guard);
+          inRange = hn::AndNot(passed, inRange);
         }
-        const Mf inRange = hn::And(ahead, hn::Lt(this->Rays.From, Splat(t1)));
         if (hn::AllFalse(d, inRange))
         {
           continue;
@@ -157,15 +165,22 @@ public:
         PacketLook look;
         if (canLeap)
         {
-          look = PacketLook(this->Scene, node, ahead, this->Scratch.Statistics);
-          if (slack.Find(this->Scene, look, ahead, guards) &&
-            slack.Pass(velocityMin, velocityMax, piece.Dt))
+          // A new look costs less than a piece that it may save, but for interpolated ones.
+          const Mf kept =
+            span.Lateral ? this->Kept.FindKept(node, inRange) : hn::FirstN(d, 0);
+          look =
+            PacketLook(this->Scene, node, hn::AndNot(kept, inRange), this->Scratch.Statistics);
+          look.Take(this->Kept, kept);
+          this->Kept.Take(look, inRange);
+          slack.Find(this->Scene, look, inRange, nothing);
+          const Mf passed = slack.Pass(inRange, velocityMin, velocityMax, piece.Dt, guard);
+          inRange = hn::AndNot(passed, inRange);
+          if (hn::AllFalse(d, inRange))
           {
             nodeStep = -1;
             continue;
           }
         }
-        slack.Clear();
 
         const Vec3 middle = this->PositionAt(piece.Step + steps / 2, span, ahead);
         const Vec3 end = this->PositionAt(piece.Step + steps, span, ahead);
@@ -305,6 +320,10 @@ private:
     const PacketLook look(
       this->Scene, piece.At(hn::Mul(n, schedule.Ds)), looking, this->Scratch.Statistics);
     n = hn::Add(n, look.CountSteps(this->Scene, leaps));
+    if (!this->Scene.Identity)
+    {
+      this->Kept.Take(look, looking);
+    }
     return look.GetFree();
   }
 
@@ -501,6 +520,7 @@ private:
   Vf WxSlope[4];
   Vf WySlope[4];
   PacketPixels Out;
+  PacketLook Kept; ///< the last empty cube that was found for each ray
 
   // Derivatives of the current piece, found when its first visible sample is shaded.
   bool HaveFrames = false;

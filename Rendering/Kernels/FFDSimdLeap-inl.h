@@ -90,8 +90,8 @@ private:
   struct Axis
   {
     Vf Inverse; ///< samples for one index unit, at least
-    Vf Offset;  ///< the face ahead: at Offset + Slope * position in its block
-    Vf Slope;
+    Vf NotLow;  ///< far, if no ray moves towards the lower face; else zero
+    Vf NotHigh;
 
     HWY_INLINE Axis(Vf v0, Vf v1, Vf ds)
     {
@@ -100,19 +100,17 @@ private:
       const Vf hi = hn::Max(v0, v1);
       const Vf speed = hn::Mul(hn::Max(hi, hn::Neg(lo)), ds);
       this->Inverse = hn::Div(Splat(1.0f), hn::Max(speed, Splat(1e-9f)));
-      const Mf up = hn::Ge(lo, zero);
-      const Mf down = hn::Le(hi, zero);
-      this->Offset = hn::IfThenElseZero(up, Splat(BlockEdge));
-      // Rays that turn around count on neither face, only on the blocks between.
-      this->Slope = hn::IfThenElse(
-        up, Splat(-1.0f), hn::IfThenElseZero(down, Splat(1.0f)));
+      this->NotLow = hn::IfThenElseZero(hn::Ge(lo, zero), Splat(1e30f));
+      this->NotHigh = hn::IfThenElseZero(hn::Le(hi, zero), Splat(1e30f));
     }
 
+    /// Of what is free on both sides of the block, in index units: `margin`.
     HWY_INLINE Vf Steps(Vf x, Vf block, Vf margin) const
     {
       const Vf inBlock = hn::NegMulAdd(Splat(BlockEdge), block, x);
-      return hn::Mul(
-        hn::Add(margin, hn::MulAdd(this->Slope, inBlock, this->Offset)), this->Inverse);
+      const Vf low = hn::Add(inBlock, this->NotLow);
+      const Vf high = hn::Add(hn::Sub(Splat(BlockEdge), inBlock), this->NotHigh);
+      return hn::Mul(hn::Add(margin, hn::Min(low, high)), this->Inverse);
     }
   };
 
@@ -137,6 +135,19 @@ struct PacketLook
 
   PacketLook() = default;
 
+  static HWY_INLINE PacketLook Nothing()
+  {
+    const Vf zero = hn::Zero(Df());
+    const Mf nobody = hn::FirstN(Df(), 0);
+    PacketLook look;
+    look.Position = { zero, zero, zero };
+    look.Block = look.Position;
+    look.Distance = zero;
+    look.Empty = nobody;
+    look.Outside = nobody;
+    return look;
+  }
+
   HWY_INLINE PacketLook(
     const PacketScene& scene, const Vec3& q, Mf lanes, CastStatistics& statistics)
     : Position(q)
@@ -150,6 +161,33 @@ struct PacketLook
   }
 
   HWY_INLINE Mf GetFree() const { return hn::Or(this->Empty, this->Outside); }
+
+  /// Take the cubes of an earlier look for those of `lanes` whose positions are still in them.
+  HWY_INLINE Mf FindKept(const Vec3& q, Mf lanes) const
+  {
+    const auto within = [&](Vf x, Vf block)
+    {
+      const Vf edge = Splat(BlockEdge);
+      const Vf one = Splat(1.0f);
+      return hn::And(
+        hn::Gt(x, hn::Mul(edge, hn::Sub(hn::Add(block, one), this->Distance))),
+        hn::Lt(x, hn::Mul(edge, hn::Add(block, this->Distance))));
+    };
+    return hn::And(hn::And(lanes, this->Empty),
+      hn::And(within(q.x, this->Block.x),
+        hn::And(within(q.y, this->Block.y), within(q.z, this->Block.z))));
+  }
+
+  /// What `other` knows of its `lanes`, at the positions here.
+  HWY_INLINE void Take(const PacketLook& other, Mf lanes)
+  {
+    this->Block = { hn::IfThenElse(lanes, other.Block.x, this->Block.x),
+      hn::IfThenElse(lanes, other.Block.y, this->Block.y),
+      hn::IfThenElse(lanes, other.Block.z, this->Block.z) };
+    this->Distance = hn::IfThenElse(lanes, other.Distance, this->Distance);
+    this->Empty = hn::Or(hn::AndNot(lanes, this->Empty), hn::And(lanes, other.Empty));
+    this->Outside = hn::AndNot(lanes, this->Outside);
+  }
 
   /// Samples that are empty for certain, from the position on; none where it is not free.
   HWY_INLINE Vf CountSteps(const PacketScene& scene, const PieceLeap& leaps) const
@@ -171,19 +209,22 @@ struct PacketLook
 class LeapSlack
 {
 public:
-  void Clear() { this->Valid = false; }
+  LeapSlack() { this->Clear(); }
 
-  /// Whether all lanes of `lanes` are free; if so, keep their distances, less `guard` on each axis
-  /// (index units).
-  HWY_INLINE bool Find(
-    const PacketScene& scene, const PacketLook& look, Mf lanes, const float guard[3])
+  /// Nothing is known of any lane.
+  HWY_INLINE void Clear() { this->Forget(hn::FirstN(Df(), hn::Lanes(Df()))); }
+
+  /// Nothing is known of these lanes.
+  HWY_INLINE void Forget(Mf lanes)
+  {
+    this->Low[0] = hn::IfThenElse(lanes, Splat(-Far), this->Low[0]);
+  }
+
+  /// Keep the distances of the lanes of `look`, less `more` on each axis (index units).
+  HWY_INLINE void Find(
+    const PacketScene& scene, const PacketLook& look, Mf lanes, const float more[3])
   {
     const Df d;
-    this->Valid = hn::AllTrue(d, hn::Or(look.GetFree(), hn::Not(lanes)));
-    if (!this->Valid)
-    {
-      return false;
-    }
     const Vf edge = Splat(BlockEdge);
     const Vf far = Splat(Far);
     const Vf axis[3] = { look.Position.x, look.Position.y, look.Position.z };
@@ -193,34 +234,39 @@ public:
       const Vf low = hn::Sub(
         axis[a], hn::Mul(edge, hn::Sub(hn::Add(blocks[a], Splat(1.0f)), look.Distance)));
       const Vf high = hn::Sub(hn::Mul(edge, hn::Add(blocks[a], look.Distance)), axis[a]);
-      this->Low[a] = hn::Sub(hn::IfThenElse(look.Empty, low, far), Splat(guard[a]));
-      this->High[a] = hn::Sub(hn::IfThenElse(look.Empty, high, far), Splat(guard[a]));
+      const auto less = [&](Vf distance)
+      { return hn::Sub(hn::IfThenElse(look.Empty, distance, far), Splat(more[a])); };
+      this->Low[a] = hn::IfThenElse(lanes, less(low), this->Low[a]);
+      this->High[a] = hn::IfThenElse(lanes, less(high), this->High[a]);
     }
-    if (!hn::AllFalse(d, look.Outside))
+    const Mf outside = hn::And(lanes, look.Outside);
+    if (!hn::AllFalse(d, outside))
     {
-      this->FindOutside(scene, axis, look.Outside, guard);
+      this->FindOutside(scene, axis, outside, more);
     }
-    return true;
+    this->Forget(hn::AndNot(look.GetFree(), lanes));
   }
 
-  /// Whether a piece of length dt with velocities [lo, hi] stays inside; if so, pass it.
-  HWY_INLINE bool Pass(const float lo[3], const float hi[3], float dt)
+  /**
+   * Follow the lanes over a piece of length dt with velocities [lo, hi]; returns those that stay
+   * inside of their boxes by `guard` (index units).
+   */
+  HWY_INLINE Mf Pass(Mf lanes, const float lo[3], const float hi[3], float dt, float guard)
   {
-    if (!this->Valid)
-    {
-      return false;
-    }
     const Df d;
     Vf least = Splat(Far);
     for (int a = 0; a < 3; ++a)
     {
       // Distance that is gained on a face the rays move away from is not counted.
-      this->Low[a] = hn::Add(this->Low[a], Splat(std::min(lo[a], 0.0f) * dt));
-      this->High[a] = hn::Sub(this->High[a], Splat(std::max(hi[a], 0.0f) * dt));
+      const Vf down = hn::IfThenElseZero(lanes, Splat(std::min(lo[a], 0.0f) * dt));
+      const Vf up = hn::IfThenElseZero(lanes, Splat(std::max(hi[a], 0.0f) * dt));
+      this->Low[a] = hn::Add(this->Low[a], down);
+      this->High[a] = hn::Sub(this->High[a], up);
       least = hn::Min(least, hn::Min(this->Low[a], this->High[a]));
     }
-    this->Valid = hn::AllTrue(d, hn::Ge(least, hn::Zero(d)));
-    return this->Valid;
+    const Mf inside = hn::Ge(least, Splat(guard));
+    this->Forget(hn::AndNot(inside, hn::FirstN(d, hn::Lanes(d))));
+    return inside;
   }
 
 private:
@@ -228,7 +274,7 @@ private:
 
   /// Outside of the volume: the half space beyond the side a position is farthest from.
   HWY_INLINE void FindOutside(
-    const PacketScene& scene, const Vf axis[3], Mf outside, const float guard[3])
+    const PacketScene& scene, const Vf axis[3], Mf outside, const float more[3])
   {
     const Vf far = Splat(Far);
     Vf below[3];
@@ -245,12 +291,11 @@ private:
       // Back through the side it is beyond of is what a ray outside may not go.
       const Vf low = hn::IfThenElse(hn::Eq(above[a], most), above[a], far);
       const Vf high = hn::IfThenElse(hn::Eq(below[a], most), below[a], far);
-      this->Low[a] = hn::IfThenElse(outside, hn::Sub(low, Splat(guard[a])), this->Low[a]);
-      this->High[a] = hn::IfThenElse(outside, hn::Sub(high, Splat(guard[a])), this->High[a]);
+      this->Low[a] = hn::IfThenElse(outside, hn::Sub(low, Splat(more[a])), this->Low[a]);
+      this->High[a] = hn::IfThenElse(outside, hn::Sub(high, Splat(more[a])), this->High[a]);
     }
   }
 
-  bool Valid = false;
   Vf Low[3];
   Vf High[3];
 };
@@ -303,18 +348,22 @@ private:
       const float hi[3] = { static_cast<float>(span.VelocityMax.x),
         static_cast<float>(span.VelocityMax.y), static_cast<float>(span.VelocityMax.z) };
       const float length = static_cast<float>(spans.GetLength());
-      empty = this->Pass(lo, hi, length) ||
-        (this->Find(span, number * this->Grid.GetStepsPerSpan()) && this->Pass(lo, hi, length));
+      const float guard = FindLeapGuard(this->Scene, span);
+      empty = this->Pass(lo, hi, length, guard) ||
+        (this->Find(span, number * this->Grid.GetStepsPerSpan()) &&
+          this->Pass(lo, hi, length, guard));
     }
     this->Valid = empty;
     this->Scratch.EmptySpans.push_back(empty ? 1 : 0);
   }
 
-  bool Pass(const float lo[3], const float hi[3], float length)
+  bool Pass(const float lo[3], const float hi[3], float length, float guard)
   {
+    const Df d;
+    const Mf all = hn::FirstN(d, hn::Lanes(d));
     for (int b = 0; b < Bundles && this->Valid; ++b)
     {
-      this->Valid = this->Slack[b].Pass(lo, hi, length);
+      this->Valid = hn::AllTrue(d, this->Slack[b].Pass(all, lo, hi, length, guard));
     }
     return this->Valid;
   }
@@ -323,10 +372,8 @@ private:
   {
     const Df d;
     const TileLayer& layer = this->Grid.GetLayer(step);
-    const float guard = FindLeapGuard(this->Scene, span);
-    const float guards[3] = { guard + static_cast<float>(span.NodeRadius.x),
-      guard + static_cast<float>(span.NodeRadius.y),
-      guard + static_cast<float>(span.NodeRadius.z) };
+    const float radius[3] = { static_cast<float>(span.NodeRadius.x),
+      static_cast<float>(span.NodeRadius.y), static_cast<float>(span.NodeRadius.z) };
     this->Valid = true;
     for (int b = 0; b < Bundles && this->Valid; ++b)
     {
@@ -335,7 +382,8 @@ private:
         hn::LoadU(d, layer.Z + i) };
       const Mf all = hn::FirstN(d, hn::Lanes(d));
       const PacketLook look(this->Scene, q, all, this->Scratch.Statistics);
-      this->Valid = this->Slack[b].Find(this->Scene, look, all, guards);
+      this->Valid = hn::AllTrue(d, look.GetFree());
+      this->Slack[b].Find(this->Scene, look, all, radius);
     }
     return this->Valid;
   }
