@@ -209,7 +209,15 @@ struct PacketLook
 class LeapSlack
 {
 public:
-  LeapSlack() { this->Clear(); }
+  LeapSlack()
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      this->Low[a] = hn::Zero(Df());
+      this->High[a] = hn::Zero(Df());
+    }
+    this->Clear();
+  }
 
   /// Nothing is known of any lane.
   HWY_INLINE void Clear() { this->Forget(hn::FirstN(Df(), hn::Lanes(Df()))); }
