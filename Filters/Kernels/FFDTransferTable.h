@@ -54,6 +54,7 @@ public:
   std::size_t GetSize() const { return this->Entries.size(); }
   double GetLow() const { return this->Low; }
   double GetScale() const { return this->Scale; }
+  double GetUnitDistance() const { return this->UnitDistance; }
 
 private:
   struct Entry
@@ -65,6 +66,7 @@ private:
 
   double Low = 0.0;
   double Scale = 0.0;                  // entries per scalar unit
+  double UnitDistance = 1.0;
   std::vector<Entry> Entries;
   std::vector<unsigned int> VisibleUpTo; // number of non-transparent entries before each
 };

@@ -42,6 +42,8 @@ enum class OpacityLength
   Material ///< of the interval in rest space, as the paper
 };
 
+class SampleClassifier;
+
 struct CastSettings
 {
   Segmentation Segments = Segmentation::ErrorBound;
@@ -54,6 +56,9 @@ struct CastSettings
   float TerminationTransmittance = 0;  ///< a ray ends when less than this passes it
   bool Shade = false;
   bool Reference = false; ///< use the reference kernels even where packets could render
+  /// Packets hand every sample to the RayIntegrator of its ray, even where their vector code could
+  /// composite it: for tests.
+  bool PerRay = false;
 };
 
 /// Counts of one image; the measures of section 5 of the paper.
@@ -77,6 +82,7 @@ struct CastScene
   VolumeView Volume;
   Interpolation VolumeInterpolation = Interpolation::Linear;
   const TransferTable* Table = nullptr;
+  const SampleClassifier* Classifier = nullptr; ///< null: one component by Table and Material
   const DistanceMap* Distances = nullptr; ///< may be null when Leaping is Off
   const PullBack* Map = nullptr;
   const DeformedSpaceBounds* Bounds = nullptr;

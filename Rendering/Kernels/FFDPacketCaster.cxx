@@ -138,12 +138,15 @@ bool PacketCaster::Supports(const CastScene& scene, const CastSettings& settings
 }
 
 //------------------------------------------------------------------------------
-PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings)
+PacketCaster::PacketCaster(
+  const CastScene& scene, const CastSettings& settings, const IntegrationFrame& frame)
 {
   PacketScene& p = this->Scene;
   const VolumeView& v = scene.Volume;
   p.Settings = settings;
   p.Source = &scene;
+  p.Frame = &frame;
+  p.PerRay = settings.PerRay || !frame.Classifier->IsPlain();
   p.Reference = SelectSampleFunctions(v.Type, scene.VolumeInterpolation);
 
   p.Volume.Scalars = v.Scalars;

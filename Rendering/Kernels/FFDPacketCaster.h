@@ -7,6 +7,7 @@
 #include "FFDExport.h"
 #include "FFDPacketField.h"
 #include "FFDPacketVolume.h"
+#include "FFDRayIntegrator.h"
 #include "FFDTileSpans.h"
 
 #include <glm/mat4x4.hpp>
@@ -43,6 +44,8 @@ struct PacketScene
 {
   CastSettings Settings;
   const CastScene* Source = nullptr;
+  const IntegrationFrame* Frame = nullptr;
+  bool PerRay = false; ///< samples go to RayIntegrators, not to the vector code
   SampleFunctions Reference; ///< for the few samples at the border of the volume
 
   PacketVolume Volume;
@@ -100,6 +103,7 @@ struct PacketScratch
   std::vector<int> LayerSlots; ///< by fine parameter index: number of the layer, or -1
   std::vector<TileLayer> Layers;
   std::vector<unsigned char> EmptySpans; ///< of the tile, as far as known (TileBeam)
+  std::vector<RayIntegrator> Integrators; ///< of the lanes of a packet, where PacketScene::PerRay
   std::array<float, 9 * 256> Rays; ///< origin, direction (local), from, to, image position
   CastStatistics Statistics;
 };
@@ -113,7 +117,9 @@ struct PacketScratch
 class FFD_KERNEL_EXPORT PacketCaster
 {
 public:
-  PacketCaster(const CastScene& scene, const CastSettings& settings);
+  /// `scene` and `frame` must outlive the caster.
+  PacketCaster(
+    const CastScene& scene, const CastSettings& settings, const IntegrationFrame& frame);
 
   /// Whether packets can render this scene; else the reference ray caster has to.
   static bool Supports(const CastScene& scene, const CastSettings& settings);

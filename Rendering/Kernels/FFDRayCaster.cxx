@@ -143,11 +143,14 @@ struct RayCaster::Ray
 //------------------------------------------------------------------------------
 struct RayCaster::Pixel
 {
-  glm::vec3 Colour{ 0.0f };
-  float Transmittance = 1.0f;
-  double FirstVisible = Infinity; // t
-  bool Done = false;              // early ray termination
-  TracedRay* Trace = nullptr;     // where to note what is done, or null
+  RayIntegrator Integrator;
+  bool Done = false;           // early ray termination
+  TracedRay* Trace = nullptr;  // where to note what is done, or null
+
+  Pixel(const IntegrationFrame& frame, const Ray& ray)
+  {
+    this->Integrator.Begin(frame, ray.World);
+  }
 
   /// A piece from `from` to `to`; what is sampled afterwards lies on it.
   void NotePiece(const CurvePiece& curve, double from, double to, bool passed)
@@ -169,27 +172,46 @@ struct RayCaster::Pixel
 };
 
 //------------------------------------------------------------------------------
-/// Samples, shades and composites one piece of a deformed ray: all that comes after the
-/// segmentation, shared by both of them.
+/// A piece whose J_Phi is given by `jacobianAt(s)`, called for what is shaded only.
+template <class JacobianAt>
+class RayCaster::JacobianPiece : public SampledPiece
+{
+public:
+  JacobianPiece(const RayCaster& caster, const CurvePiece& curve, double t0, double dt,
+    const JacobianAt& jacobianAt)
+    : SampledPiece(curve, t0, dt)
+    , Caster(caster)
+    , At(jacobianAt)
+  {
+  }
+  glm::dvec3 GradientToWorld(double s, const glm::dvec3& byIndex) const override
+  {
+    // Scalars on the ray are f(Phi(P)), so their gradient in deformed space is J_Phi^T grad f.
+    const glm::dvec3 rest = this->Caster.GradientToRest * byIndex;
+    return this->Caster.GradientToWorld * (glm::transpose(this->At(s)) * rest);
+  }
+
+private:
+  const RayCaster& Caster;
+  const JacobianAt& At;
+};
+
+//------------------------------------------------------------------------------
+/// Takes the samples of one piece of a deformed ray: all that comes after the segmentation, shared
+/// by both of them.
 class RayCaster::Sampler
 {
 public:
-  Sampler(const RayCaster& caster, const Ray& ray, Pixel& pixel, CastStatistics& statistics)
+  Sampler(const RayCaster& caster, Pixel& pixel, CastStatistics& statistics)
     : Caster(caster)
-    , ViewingRay(ray)
     , Out(pixel)
     , Statistics(statistics)
     , Upper(caster.Scene.Volume.UpperIndex())
   {
   }
 
-  /**
-   * Integrate one piece. Its parameter s stands for t = t0 + s * dt. `jacobianAt(s)` gives
-   * dPhi/dP and is called for visible samples only.
-   */
-  template <class JacobianAt>
-  void Integrate(const CurvePiece& piece, const SampleSchedule& schedule, double t0, double dt,
-    const JacobianAt& jacobianAt)
+  /// Integrate one piece.
+  void Integrate(const SampledPiece& piece, const SampleSchedule& schedule)
   {
     const CastScene& scene = this->Caster.Scene;
     const bool leap = this->Caster.Settings.Leaping != SpaceLeaping::Off;
@@ -197,7 +219,7 @@ public:
     for (int i = 0; i < schedule.Count; ++i)
     {
       const double s = schedule.Position(i);
-      const glm::dvec3 q = piece.At(s);
+      const glm::dvec3 q = piece.Curve.At(s);
       const bool inside = IsInside(q, this->Upper);
       // Leaps of the paper end with the piece; ours know what was found before it.
       const bool known = lipschitz && Contains(this->LastEmptyBox, q);
@@ -206,10 +228,11 @@ public:
         if (inside && !known)
         {
           ++this->Statistics.DistanceLookups;
-          this->Out.NoteSample(q, t0 + s * dt, schedule.Interval(i) * dt, true, 0.0f);
+          this->Out.NoteSample(
+            q, piece.T0 + s * piece.Dt, schedule.Interval(i) * piece.Dt, true, 0.0f);
         }
         i += CountStepsInside(
-          piece, s, schedule.Step, schedule.Count - 1 - i, this->LastEmptyBox);
+          piece.Curve, s, schedule.Step, schedule.Count - 1 - i, this->LastEmptyBox);
         continue;
       }
       if (!inside)
@@ -217,18 +240,15 @@ public:
         continue;
       }
       ++this->Statistics.Samples;
-      const TransferTable::Sample sample =
-        scene.Table->Lookup(this->Caster.Fetch.Value(scene.Volume, q));
-      this->Out.NoteSample(
-        q, t0 + s * dt, schedule.Interval(i) * dt, false, sample.Extinction);
-      if (sample.Extinction > 0.0f)
+      const RayIntegrator::Outcome outcome =
+        this->Out.Integrator.AddSample(piece, s, schedule.Interval(i));
+      this->Out.NoteSample(q, piece.T0 + s * piece.Dt, schedule.Interval(i) * piece.Dt, false,
+        outcome.Extinction);
+      this->Statistics.VisibleSamples += outcome.Visible ? 1 : 0;
+      if (outcome.Done)
       {
-        const double length = this->IntervalLength(piece, s, schedule.Interval(i), dt);
-        this->Composite(sample, q, t0 + s * dt, length, [&] { return jacobianAt(s); });
-        if (this->Out.Done)
-        {
-          return;
-        }
+        this->Out.Done = true;
+        return;
       }
     }
   }
@@ -240,47 +260,7 @@ public:
 private:
   static EmptyBox NoBox() { return { glm::dvec3(Infinity), glm::dvec3(-Infinity) }; }
 
-  /// Length by which the opacity of a sample is corrected, world units.
-  double IntervalLength(const CurvePiece& piece, double s, double interval, double dt) const
-  {
-    return this->Caster.Settings.Opacity == OpacityLength::World
-      ? interval * dt
-      : interval * glm::length(this->Caster.RestToWorld * piece.Velocity(s));
-  }
-
-  template <class Jacobian>
-  void Composite(const TransferTable::Sample& sample, const glm::dvec3& q, double t, double length,
-    const Jacobian& jacobian)
-  {
-    ++this->Statistics.VisibleSamples;
-    this->Out.FirstVisible = std::min(this->Out.FirstVisible, t);
-    glm::vec3 colour = sample.Colour;
-    if (this->Caster.Settings.Shade)
-    {
-      // Scalars on the ray are f(Phi(P)), so their gradient in deformed space is J_Phi^T grad f.
-      const CastScene& scene = this->Caster.Scene;
-      const glm::dvec3 rest =
-        this->Caster.GradientToRest * this->Caster.Fetch.Gradient(scene.Volume, q);
-      const glm::dvec3 gradient =
-        this->Caster.GradientToWorld * (glm::transpose(jacobian()) * rest);
-      const double magnitude = glm::length(gradient);
-      const glm::dvec3 normal = magnitude > 0.0 && std::isfinite(magnitude)
-        ? -gradient / magnitude
-        : glm::dvec3(0.0);
-      const ViewRay& view = this->ViewingRay.World;
-      const glm::dvec3 position = view.Origin + t * view.Direction;
-      colour =
-        scene.Material.Shade(colour, position, normal, scene.Camera.ToEye(view, position));
-    }
-    const float transmittance =
-      this->Caster.Transmittance(sample.Extinction * static_cast<float>(length));
-    this->Out.Colour += (this->Out.Transmittance * (1.0f - transmittance)) * colour;
-    this->Out.Transmittance *= transmittance;
-    this->Out.Done = this->Out.Transmittance < this->Caster.Settings.TerminationTransmittance;
-  }
-
   const RayCaster& Caster;
-  const Ray& ViewingRay;
   Pixel& Out;
   CastStatistics& Statistics;
   glm::dvec3 Upper;
@@ -304,16 +284,25 @@ void CastStatistics::Add(const CastStatistics& other)
 RayCaster::RayCaster(const CastScene& scene, const CastSettings& settings)
   : Scene(scene)
   , Settings(settings)
-  , Fetch(SelectSampleFunctions(scene.Volume.Type, scene.VolumeInterpolation))
-  , RestToWorld(glm::dmat3(scene.DataToWorld) * scene.Volume.IndexToData)
   , GradientToRest(glm::transpose(scene.Volume.DataToIndex))
   , GradientToWorld(glm::transpose(glm::dmat3(scene.WorldToData)))
 {
   SetDirectionBends(
     this->Settings.Spans, this->Scene.Camera, glm::dmat3(this->Scene.WorldToData));
+  if (!this->Scene.Classifier)
+  {
+    this->OwnClassifier.reset(new SampleClassifier(this->Scene.Volume,
+      this->Scene.VolumeInterpolation, *this->Scene.Table, this->Scene.Material,
+      this->Settings.Shade));
+    this->Scene.Classifier = this->OwnClassifier.get();
+  }
+  this->Frame.Classifier = this->Scene.Classifier;
+  this->Frame.Scene = &this->Scene;
+  this->Frame.Settings = &this->Settings;
+  this->Frame.RestToWorld = glm::dmat3(scene.DataToWorld) * scene.Volume.IndexToData;
   if (PacketCaster::Supports(scene, settings))
   {
-    this->Packets.reset(new PacketCaster(this->Scene, this->Settings));
+    this->Packets.reset(new PacketCaster(this->Scene, this->Settings, this->Frame));
   }
 }
 
@@ -415,7 +404,7 @@ void RayCaster::TraceRay(
   }
   traced.From = ray.From;
   traced.To = ray.To;
-  Pixel pixel;
+  Pixel pixel(this->Frame, ray);
   pixel.Trace = &traced;
   if (this->Settings.Segments == Segmentation::GreedyAngle)
   {
@@ -436,7 +425,8 @@ void RayCaster::TraceRay(
     this->CastSpans(ray, pixel, scratch);
   }
   traced.Terminated = pixel.Done;
-  traced.Colour = glm::vec4(pixel.Colour, 1.0f - pixel.Transmittance);
+  const RayIntegrator::Result result = pixel.Integrator.End();
+  traced.Colour = glm::vec4(result.Colour, 1.0f - result.Transmittance);
 }
 
 //------------------------------------------------------------------------------
@@ -478,7 +468,7 @@ void RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch) c
   for (int i = 0; i < count; ++i)
   {
     Ray& ray = rays[i];
-    Pixel pixel;
+    Pixel pixel(this->Frame, ray);
     if (greedy)
     {
       this->CastPolyline(ray, pixel, scratch.Statistics);
@@ -488,15 +478,16 @@ void RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch) c
       this->CastSpans(ray, pixel, scratch);
     }
     const std::size_t at = static_cast<std::size_t>(ray.Y) * image.Width + ray.X;
+    const RayIntegrator::Result result = pixel.Integrator.End();
     float* colour = image.Colours + 4 * at;
-    colour[0] = pixel.Colour.r;
-    colour[1] = pixel.Colour.g;
-    colour[2] = pixel.Colour.b;
-    colour[3] = 1.0f - pixel.Transmittance;
-    if (image.Depths && pixel.FirstVisible < Infinity)
+    colour[0] = result.Colour.r;
+    colour[1] = result.Colour.g;
+    colour[2] = result.Colour.b;
+    colour[3] = 1.0f - result.Transmittance;
+    if (image.Depths && result.FirstVisible < Infinity)
     {
       image.Depths[at] = static_cast<float>(this->Scene.Camera.ToDepth(
-        ray.World.Origin + pixel.FirstVisible * ray.World.Direction));
+        ray.World.Origin + result.FirstVisible * ray.World.Direction));
     }
   }
 }
@@ -507,7 +498,7 @@ void RayCaster::CastPolyline(Ray& ray, Pixel& pixel, CastStatistics& statistics)
   const VolumeView& volume = this->Scene.Volume;
   PolylineWalker walker(*this->Scene.Map, this->Settings.Polyline, ray.Origin, ray.Direction,
     ray.From, ray.To, this->Settings.Shade);
-  Sampler sampler(*this, ray, pixel, statistics);
+  Sampler sampler(*this, pixel, statistics);
   PolylineVertex start = walker.GetVertex();
   glm::dvec3 startIndex = volume.ToIndex(start.Rest);
   while (!pixel.Done && walker.Next())
@@ -526,10 +517,12 @@ void RayCaster::CastPolyline(Ray& ray, Pixel& pixel, CastStatistics& statistics)
     if (!empty)
     {
       sampler.ForgetEmptyBox();
-      const double length = glm::length(this->RestToWorld * piece.Linear);
-      sampler.Integrate(piece, ScheduleWithRemainder(length, this->Settings.SampleDistance),
-        start.T, dt,
-        [&](double s) { return start.Jacobian * (1.0 - s) + end.Jacobian * s; });
+      const double length = glm::length(this->Frame.RestToWorld * piece.Linear);
+      const auto jacobianAt = [&](double s)
+      { return start.Jacobian * (1.0 - s) + end.Jacobian * s; };
+      sampler.Integrate(
+        JacobianPiece<decltype(jacobianAt)>(*this, piece, start.T, dt, jacobianAt),
+        ScheduleWithRemainder(length, this->Settings.SampleDistance));
     }
     start = end;
     startIndex = endIndex;
@@ -545,7 +538,7 @@ void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
   const VolumeView& volume = this->Scene.Volume;
   const glm::dvec3 upper = volume.UpperIndex();
   const double spanLength = scratch.Spans.GetLength();
-  Sampler sampler(*this, ray, pixel, statistics);
+  Sampler sampler(*this, pixel, statistics);
 
   const auto pointAt = [&](double t) { return ray.Origin + t * ray.Direction; };
   const auto evaluate = [&](double t)
@@ -646,8 +639,8 @@ void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
       ++statistics.Segments;
       statistics.SegmentLength += dt / this->Scene.VoxelSize;
 
-      const double length = glm::length(this->RestToWorld * (middle - piece.Start)) +
-        glm::length(this->RestToWorld * (end - middle));
+      const double length = glm::length(this->Frame.RestToWorld * (middle - piece.Start)) +
+        glm::length(this->Frame.RestToWorld * (end - middle));
 
       glm::dmat3 jacobians[3];
       bool haveJacobians = false;
@@ -664,10 +657,9 @@ void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
         return jacobians[0] * ((1.0 - s) * (1.0 - 2.0 * s)) + jacobians[1] * (4.0 * s * (1.0 - s)) +
           jacobians[2] * (s * (2.0 * s - 1.0));
       };
-      sampler.Integrate(piece,
+      sampler.Integrate(JacobianPiece<decltype(jacobianAt)>(*this, piece, t0, dt, jacobianAt),
         ScheduleEvenly(length, this->Settings.SampleDistance, (ray.From - t0) / dt,
-          (ray.To - t0) / dt),
-        t0, dt, jacobianAt);
+          (ray.To - t0) / dt));
     }
   }
 }

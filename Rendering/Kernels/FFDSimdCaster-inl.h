@@ -78,6 +78,37 @@ public:
 
   const PacketPixels& GetPixels() const { return this->Out; }
 
+  /// PacketScene::PerRay: before Cast(), for the packet whose first pixel is (x0, y0).
+  HWY_NOINLINE void BeginRays(int x0, int y0, int width)
+  {
+    std::vector<RayIntegrator>& rays = this->Scratch.Integrators;
+    rays.resize(hn::MaxLanes(Df()));
+    for (int lane = 0; lane < static_cast<int>(hn::Lanes(Df())); ++lane)
+    {
+      rays[static_cast<std::size_t>(lane)].Begin(*this->Scene.Frame,
+        this->Scene.Source->Camera.MakeRay(
+          x0 + lane % width + 0.5, y0 + lane / width + 0.5));
+    }
+  }
+
+  /// PacketScene::PerRay: after Cast(), what has become of the rays.
+  HWY_NOINLINE void EndRays()
+  {
+    const Df d;
+    HWY_ALIGN float r[16], g[16], b[16], transmittance[16], t[16];
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+    {
+      const RayIntegrator::Result result = this->Scratch.Integrators[lane].End();
+      r[lane] = result.Colour.r;
+      g[lane] = result.Colour.g;
+      b[lane] = result.Colour.b;
+      transmittance[lane] = result.Transmittance;
+      t[lane] = static_cast<float>(std::min(result.FirstVisible, 1e30));
+    }
+    this->Out = { { hn::Load(d, r), hn::Load(d, g), hn::Load(d, b) }, hn::Load(d, transmittance),
+      hn::Load(d, t) };
+  }
+
   void Cast()
   {
     const Df d;
@@ -291,9 +322,9 @@ private:
       const Vf s = hn::Mul(n, schedule.Ds);
       const Vec3 q = piece.At(s);
       const Mf sampled = hn::And(active, IsInside(this->Scene, q));
-      expecting = hn::AllFalse(d, sampled)
-        ? sampled
-        : this->TakeSample(piece, q, s, schedule.Ds, sampled);
+      expecting = hn::AllFalse(d, sampled) ? sampled
+        : HWY_UNLIKELY(this->Scene.PerRay) ? this->TakeSamplePerRay(piece, s, schedule.Ds, sampled)
+                                           : this->TakeSample(piece, q, s, schedule.Ds, sampled);
       n = hn::Add(n, hn::IfThenElseZero(active, Splat(1.0f)));
     }
   }
@@ -376,6 +407,108 @@ private:
     return visible;
   }
 
+  /// What TakeSample does, by the integrators of the rays: for all that is not plain compositing.
+  HWY_NOINLINE Mf TakeSamplePerRay(const PacketPiece& piece, Vf s, Vf ds, Mf sampled)
+  {
+    const Df d;
+    HWY_ALIGN float at[16], interval[16], flag[16];
+    HWY_ALIGN float curve[9][16];
+    hn::Store(s, d, at);
+    hn::Store(ds, d, interval);
+    hn::Store(hn::IfThenElseZero(sampled, Splat(1.0f)), d, flag);
+    const Vf terms[9] = { piece.Start.x, piece.Start.y, piece.Start.z, piece.Linear.x,
+      piece.Linear.y, piece.Linear.z, piece.Quadratic.x, piece.Quadratic.y, piece.Quadratic.z };
+    for (int i = 0; i < 9; ++i)
+    {
+      hn::Store(terms[i], d, curve[i]);
+    }
+    HWY_ALIGN float visible[16] = {};
+    HWY_ALIGN float done[16] = {};
+    CastStatistics& statistics = this->Scratch.Statistics;
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+    {
+      if (flag[lane] == 0.0f)
+      {
+        continue;
+      }
+      const auto term = [&](int i)
+      { return glm::dvec3(curve[i][lane], curve[i + 1][lane], curve[i + 2][lane]); };
+      const RayPiece one(*this, piece, lane, { term(0), term(3), term(6) });
+      const RayIntegrator::Outcome outcome = this->Scratch.Integrators[lane].AddSample(
+        one, static_cast<double>(at[lane]), static_cast<double>(interval[lane]));
+      ++statistics.Samples;
+      statistics.VisibleSamples += outcome.Visible ? 1 : 0;
+      visible[lane] = outcome.Visible ? 1.0f : 0.0f;
+      done[lane] = outcome.Done ? 1.0f : 0.0f;
+    }
+    const Vf zero = hn::Zero(d);
+    this->Alive = hn::AndNot(hn::Gt(hn::Load(d, done), zero), this->Alive);
+    return hn::Gt(hn::Load(d, visible), zero);
+  }
+
+  /// The piece of one ray.
+  class RayPiece : public SampledPiece
+  {
+  public:
+    RayPiece(Packet& packet, const PacketPiece& piece, std::size_t lane, const CurvePiece& curve)
+      : SampledPiece(curve, static_cast<double>(piece.T0), static_cast<double>(piece.Dt))
+      , Whole(packet)
+      , OfAll(piece)
+      , Lane(lane)
+    {
+    }
+
+    glm::dvec3 GradientToWorld(double s, const glm::dvec3& byIndex) const override
+    {
+      return this->Whole.GradientOfRay(this->OfAll, this->Lane, static_cast<float>(s), byIndex);
+    }
+
+  private:
+    Packet& Whole;
+    const PacketPiece& OfAll;
+    std::size_t Lane;
+  };
+
+  /// The gradient by world coordinates at s on one of the rays, from that by index coordinates.
+  HWY_NOINLINE glm::dvec3 GradientOfRay(
+    const PacketPiece& piece, std::size_t lane, float s, const glm::dvec3& byIndex)
+  {
+    // Scaled: squares of huge or tiny scalars are no floats.
+    const double size =
+      std::max({ std::abs(byIndex.x), std::abs(byIndex.y), std::abs(byIndex.z) });
+    if (!(size > 0.0) || !std::isfinite(size))
+    {
+      return glm::dvec3(0.0);
+    }
+    const Df d;
+    const Vec3 g{ Splat(static_cast<float>(byIndex.x / size)),
+      Splat(static_cast<float>(byIndex.y / size)), Splat(static_cast<float>(byIndex.z / size)) };
+    const Vf at = Splat(s);
+    const Vf t = Splat(piece.T0 + s * piece.Dt);
+    Vec3 local;
+    if (this->Scene.Identity)
+    {
+      local = Transform(this->Scene.GradientToRest, g);
+    }
+    else if (piece.Lateral)
+    {
+      Vf determinant;
+      local = this->GradientFromFrames(piece, g, at, t, determinant);
+      const Vf magnitude = hn::Max(hn::Abs(determinant), Splat(1e-30f));
+      local = Scale(hn::Div(hn::CopySign(Splat(1.0f), determinant), magnitude), local);
+    }
+    else
+    {
+      local = this->GradientFromField(piece.At(at), g, t);
+    }
+    const Vec3 world = Transform(this->Scene.GradientToWorld, local);
+    HWY_ALIGN float x[16], y[16], z[16];
+    hn::Store(world.x, d, x);
+    hn::Store(world.y, d, y);
+    hn::Store(world.z, d, z);
+    return size * glm::dvec3(x[lane], y[lane], z[lane]);
+  }
+
   /// Samples whose fetches would leave the volume come from the reference functions.
   HWY_NOINLINE Vf SampleBorder(const Vec3& q, Mf border, Vf value) const
   {
@@ -420,7 +553,10 @@ private:
     }
     else if (piece.Lateral)
     {
-      gradient = this->GradientFromFrames(piece, byIndex, s, t);
+      // Only the direction of the gradient is used, but it must not be turned around.
+      Vf determinant;
+      gradient = this->GradientFromFrames(piece, byIndex, s, t, determinant);
+      gradient = Scale(hn::CopySign(Splat(1.0f), determinant), gradient);
     }
     else
     {
@@ -440,9 +576,10 @@ private:
    * Along the image axes u, v and the ray parameter t both the deformed points P and the rest
    * points Q are known, so the gradient G by P solves G . P_u = g . Q_u, and so on for v and t.
    * Derivatives across the tile are those of its node interpolation, at the start and the end of
-   * the piece and linear in between.
+   * the piece and linear in between. Returns G times `determinant`.
    */
-  HWY_INLINE Vec3 GradientFromFrames(const PacketPiece& piece, const Vec3& byIndex, Vf s, Vf t)
+  HWY_INLINE Vec3 GradientFromFrames(
+    const PacketPiece& piece, const Vec3& byIndex, Vf s, Vf t, Vf& determinant)
   {
     if (!this->HaveFrames)
     {
@@ -471,11 +608,8 @@ private:
     const Vec3 pv = MulAdd(t, this->DirectionV, this->OriginV);
     const Vec3& pt = this->Rays.Direction;
     const Vec3 vt = Cross(pv, pt);
-    const Vf determinant = Dot(pu, vt);
-    // Only the direction of the gradient is used, but it must not be turned around.
-    const Vf sign = hn::CopySign(Splat(1.0f), determinant);
-    const Vec3 sum = MulAdd(gu, vt, MulAdd(gv, Cross(pt, pu), Scale(gt, Cross(pu, pv))));
-    return Scale(sign, sum);
+    determinant = Dot(pu, vt);
+    return MulAdd(gu, vt, MulAdd(gv, Cross(pt, pu), Scale(gt, Cross(pu, pv))));
   }
 
   /// The same with J_Phi at the sample itself, where nodes of the tile are too far apart.
@@ -710,7 +844,16 @@ HWY_NOINLINE void CastTile(
       Packet<T> cast(scene, grid, beam, scratch, rays, nodeX, nodeY, active);
       if (!hn::AllFalse(d, active))
       {
-        cast.Cast();
+        if (HWY_UNLIKELY(scene.PerRay))
+        {
+          cast.BeginRays(x, y, shape.Width);
+          cast.Cast();
+          cast.EndRays();
+        }
+        else
+        {
+          cast.Cast();
+        }
       }
       StorePixels(scene, image, x, y, active, cast.GetPixels());
     }

@@ -331,6 +331,35 @@ TEST(PacketCaster, Options)
   }
 }
 
+TEST(PacketCaster, SamplesOneRayAtATime)
+{
+  for (int option = 0; option < 5; ++option)
+  {
+    SCOPED_TRACE("option " + std::to_string(option));
+    TestScene scene(option == 1 ? ScalarType::Float32 : ScalarType::UInt8, 3);
+    scene.SetDeformation(option == 2 ? 0.0 : option == 4 ? 12.0 : 1.5, PullBackKind::Exact);
+    scene.SetCamera(option != 3, 61, 45);
+    scene.Settings.Opacity = option == 3 ? OpacityLength::Material : OpacityLength::World;
+    ForEveryTarget(
+      [&]
+      {
+        scene.Settings.PerRay = false;
+        const TestScene::Picture vectors = scene.Render(false);
+        scene.Settings.PerRay = true;
+        const TestScene::Picture rays = scene.Render(false);
+        const Difference colours = Compare(rays.Colours, vectors.Colours);
+        EXPECT_LT(colours.Mean, 0.005);
+        EXPECT_LT(colours.Largest, option == 4 ? 1.0 : 0.2);
+        EXPECT_GT(colours.Largest, 0.0); // the one was not rendered as the other
+        EXPECT_LT(Compare(rays.Depths, vectors.Depths).Mean, 0.01);
+        const double samples = static_cast<double>(vectors.Statistics.Samples);
+        EXPECT_NEAR(static_cast<double>(rays.Statistics.Samples) / samples, 1.0, 1e-3);
+        const double visible = static_cast<double>(vectors.Statistics.VisibleSamples);
+        EXPECT_NEAR(static_cast<double>(rays.Statistics.VisibleSamples) / visible, 1.0, 1e-3);
+      });
+  }
+}
+
 TEST(PacketCaster, LeapingChangesNothing)
 {
   for (const PullBackKind kind : { PullBackKind::FirstOrder, PullBackKind::Exact })
