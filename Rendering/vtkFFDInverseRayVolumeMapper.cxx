@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDInverseRayVolumeMapper.h"
 
+#include "vtkFFDBlendingView.h"
 #include "vtkFFDDeformationSource.h"
 #include "vtkFFDImageDisplay.h"
 #include "vtkFFDKernelViews.h"
@@ -28,7 +29,6 @@
 #include "vtkMatrix4x4.h"
 #include "vtkNew.h"
 #include "vtkPiecewiseFunction.h"
-#include "vtkPlaneCollection.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
@@ -161,6 +161,7 @@ public:
   bool UpdateVolume(std::string& message);
   bool UpdateDeformation(std::string& message);
   bool UpdateTransferTable(vtkVolumeProperty* property, std::string& message);
+  bool UpdateBlending(vtkVolumeProperty* property, std::string& message);
   void UpdateDistances();
   bool Update(vtkVolumeProperty* property, std::string& message);
   static bool CheckView(vtkRenderer* renderer, vtkVolume* volume, std::string& message);
@@ -170,6 +171,8 @@ public:
     const float* depths) const;
   bool Cast(vtkRenderer* renderer, vtkVolume* volume, const ImageRegion& region,
     const float* depths, bool interactive, bool checkAbort, float* outDepths);
+  void ApplyFinalColours();
+  bool IsCroppedToBox() const;
   ffd::Box VisibleBounds() const;
   ImageRegion FindRegion(vtkRenderer* renderer, vtkVolume* volume, const glm::ivec2& viewport);
 
@@ -199,7 +202,12 @@ public:
   vtkTimeStamp BlocksMade;
   vtkTimeStamp DistancesMade;
   ffd::TransferTable Table;
+  ffd::Blending Blend;
+  ffd::Blending DistancesBlend; // what Distances was made for
+  ffd::Cropping Crop;
+  std::vector<glm::dvec4> ClippingPlanes;
   ffd::DistanceMap Distances;
+  bool CanLeap = true; // else every sample counts
 
   std::vector<float> Colours;
   std::vector<float> WindowDepths; // of the pixels of the last frame
@@ -214,20 +222,6 @@ public:
 std::string vtkFFDInverseRayVolumeMapper::vtkInternals::FindUnsupported(
   vtkVolumeProperty* property) const
 {
-  if (this->Self->BlendMode != COMPOSITE_BLEND)
-  {
-    return "Blend mode " + std::to_string(this->Self->BlendMode) +
-      " is not supported; use SetBlendModeToComposite(). Nothing is drawn.";
-  }
-  if (this->Self->Cropping)
-  {
-    return "Cropping is not supported; use CroppingOff(), or crop the input with vtkExtractVOI. "
-           "Nothing is drawn.";
-  }
-  if (this->Self->ClippingPlanes && this->Self->ClippingPlanes->GetNumberOfItems() > 0)
-  {
-    return "Clipping planes are not supported; use RemoveAllClippingPlanes(). Nothing is drawn.";
-  }
   if (property->GetTransferFunctionMode() != vtkVolumeProperty::TF_1D)
   {
     return "2D transfer functions are not supported; use "
@@ -373,13 +367,46 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateTransferTable(
 }
 
 //------------------------------------------------------------------------------
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateBlending(
+  vtkVolumeProperty* property, std::string& message)
+{
+  vtkImageData* image = vtkImageData::SafeDownCast(this->Self->GetInput());
+  if (!ffd::MakeBlending(this->Self, property, this->Blend, message) ||
+    !ffd::MakeCropping(
+      this->Self, image, this->Self->CroppingSpace == DEFORMED, this->Crop, message) ||
+    !ffd::MakeClippingPlanes(this->Self, this->ClippingPlanes, message))
+  {
+    return false;
+  }
+  ffd::SetRange(this->Blend, 0, this->Blocks.GetRange());
+  return true;
+}
+
+//------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDistances()
 {
-  if (this->Self->SpaceLeaping != OFF && this->DistancesMade < this->TableMade)
+  if (this->Self->SpaceLeaping == OFF ||
+    (this->DistancesMade > this->TableMade &&
+      ffd::HaveSameLeaps(this->Blend, this->DistancesBlend)))
   {
-    this->Distances = ffd::DistanceMap(this->Blocks, this->Table, ParallelFor);
-    this->DistancesMade.Modified();
+    return;
   }
+  if (this->Blend.Mode == ffd::BlendMode::Composite)
+  {
+    this->CanLeap = true;
+    this->Distances = ffd::DistanceMap(this->Blocks, this->Table, ParallelFor);
+  }
+  else
+  {
+    ffd::TransferTable leaps;
+    this->CanLeap = ffd::MakeLeapTable(this->Blend, this->Table, leaps);
+    if (this->CanLeap)
+    {
+      this->Distances = ffd::DistanceMap(this->Blocks, leaps, ParallelFor);
+    }
+  }
+  this->DistancesBlend = this->Blend;
+  this->DistancesMade.Modified();
 }
 
 //------------------------------------------------------------------------------
@@ -387,7 +414,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Update(
   vtkVolumeProperty* property, std::string& message)
 {
   if (!this->UpdateVolume(message) || !this->UpdateDeformation(message) ||
-    !this->UpdateTransferTable(property, message))
+    !this->UpdateTransferTable(property, message) || !this->UpdateBlending(property, message))
   {
     return false;
   }
@@ -429,7 +456,7 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
   ffd::CastSettings settings;
   settings.Segments = self->Segmentation == GREEDY_ANGLE ? ffd::Segmentation::GreedyAngle
                                                          : ffd::Segmentation::ErrorBound;
-  settings.Leaping = self->SpaceLeaping == OFF ? ffd::SpaceLeaping::Off
+  settings.Leaping = self->SpaceLeaping == OFF || !this->CanLeap ? ffd::SpaceLeaping::Off
     : self->SpaceLeaping == SEGMENT            ? ffd::SpaceLeaping::Segment
                                                : ffd::SpaceLeaping::Lipschitz;
   settings.Opacity =
@@ -438,6 +465,7 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
   settings.InverseTolerance = self->InverseTolerance;
   settings.Reference = self->ReferenceKernels != 0;
   settings.Shade = volume->GetProperty()->GetShade(0) != 0;
+  settings.Jitter = self->UseJittering != 0;
   if (self->LockSampleDistanceToInputSpacing)
   {
     settings.SampleDistance = (interactive ? 2.0 : 1.0) * voxelSize;
@@ -485,14 +513,25 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
 }
 
 //------------------------------------------------------------------------------
+/// Whether the cropping is that to a box of deformed space: then the rays are cut to it.
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::IsCroppedToBox() const
+{
+  return this->Crop.Space == ffd::Cropping::Spaces::Deformed &&
+    this->Crop.Flags == VTK_CROP_SUBVOLUME;
+}
+
+//------------------------------------------------------------------------------
 /// The part of the deformed bounds in the clip box; without volume if there is none.
 ffd::Box vtkFFDInverseRayVolumeMapper::vtkInternals::VisibleBounds() const
 {
   const double* clip = this->Self->ClipBox;
-  const glm::dvec3 lower =
-    glm::max(this->DeformedBounds.Min, glm::dvec3(clip[0], clip[2], clip[4]));
-  const glm::dvec3 upper =
-    glm::min(this->DeformedBounds.Max, glm::dvec3(clip[1], clip[3], clip[5]));
+  glm::dvec3 lower = glm::max(this->DeformedBounds.Min, glm::dvec3(clip[0], clip[2], clip[4]));
+  glm::dvec3 upper = glm::min(this->DeformedBounds.Max, glm::dvec3(clip[1], clip[3], clip[5]));
+  if (this->IsCroppedToBox())
+  {
+    lower = glm::max(lower, this->Crop.Low);
+    upper = glm::min(upper, this->Crop.High);
+  }
   return { lower, glm::max(lower, upper) };
 }
 
@@ -557,6 +596,9 @@ ffd::CastScene vtkFFDInverseRayVolumeMapper::vtkInternals::MakeScene(vtkRenderer
   scene.Map = &this->Map;
   scene.Bounds = &this->SpaceBounds;
   scene.DeformedBounds = this->VisibleBounds();
+  scene.Blend = this->Blend;
+  scene.Crop = this->IsCroppedToBox() ? ffd::Cropping() : this->Crop;
+  scene.ClippingPlanes = this->ClippingPlanes;
   scene.DataToWorld = ffd::ToMatrix(volume->GetMatrix());
   scene.WorldToData = glm::inverse(scene.DataToWorld);
   scene.Material = ffd::MakeShading(renderer, property);
@@ -624,6 +666,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
     renderImage();
   }
   this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderEndEvent, nullptr);
+  this->ApplyFinalColours();
 
   if (this->Self->CollectStatistics && !aborted)
   {
@@ -636,6 +679,28 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
       total.VisibleSamples, total.DistanceLookups, total.Evaluations, total.Unconverged);
   }
   return !aborted;
+}
+
+//------------------------------------------------------------------------------
+/// Window and level of the colours of the finished image.
+void vtkFFDInverseRayVolumeMapper::vtkInternals::ApplyFinalColours()
+{
+  const double window = this->Self->FinalColorWindow;
+  const double level = this->Self->FinalColorLevel;
+  if (window == 1.0 && level == 0.5)
+  {
+    return;
+  }
+  const float scale = static_cast<float>(1.0 / window);
+  const float bias = static_cast<float>(0.5 - level / window);
+  for (std::size_t i = 0; i < this->Colours.size(); i += 4)
+  {
+    float* pixel = &this->Colours[i];
+    for (int c = 0; c < 3; ++c)
+    {
+      pixel[c] = std::clamp(pixel[c] * scale + bias * pixel[3], 0.0f, 1.0f);
+    }
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -775,6 +840,44 @@ void vtkFFDInverseRayVolumeMapper::SetMaximumImageSampleDistance(double pixels)
 {
   this->SetPositive("MaximumImageSampleDistance", this->MaximumImageSampleDistance,
     pixels > 0.0 ? std::clamp(pixels, 0.1, 100.0) : pixels);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetFinalColorWindow(double window)
+{
+  if (window == 0.0 || !std::isfinite(window))
+  {
+    vtkErrorMacro(<< "FinalColorWindow must be a number other than 0, not " << window
+                  << "; it stays " << this->FinalColorWindow << ".");
+    return;
+  }
+  if (this->FinalColorWindow != window)
+  {
+    this->FinalColorWindow = window;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetFinalColorLevel(double level)
+{
+  if (!std::isfinite(level))
+  {
+    vtkErrorMacro(<< "FinalColorLevel must be a number, not " << level << "; it stays "
+                  << this->FinalColorLevel << ".");
+    return;
+  }
+  if (this->FinalColorLevel != level)
+  {
+    this->FinalColorLevel = level;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+const char* vtkFFDInverseRayVolumeMapper::GetCroppingSpaceAsString() const
+{
+  return this->CroppingSpace == DEFORMED ? "DEFORMED" : "REST";
 }
 
 //------------------------------------------------------------------------------
@@ -1235,6 +1338,10 @@ void vtkFFDInverseRayVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "ClipBox: " << this->ClipBox[0] << ", " << this->ClipBox[1] << ", "
      << this->ClipBox[2] << ", " << this->ClipBox[3] << ", " << this->ClipBox[4] << ", "
      << this->ClipBox[5] << "\n";
+  os << indent << "CroppingSpace: " << this->GetCroppingSpaceAsString() << "\n";
+  os << indent << "UseJittering: " << this->UseJittering << "\n";
+  os << indent << "FinalColorWindow: " << this->FinalColorWindow << "\n";
+  os << indent << "FinalColorLevel: " << this->FinalColorLevel << "\n";
   os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
   os << indent << "ReferenceKernels: " << this->ReferenceKernels << "\n";
   os << indent << "CollectStatistics: " << this->CollectStatistics << "\n";

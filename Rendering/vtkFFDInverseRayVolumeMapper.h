@@ -23,9 +23,33 @@
  * direction, before the matrix of the vtkVolume.
  *
  * Input: a vtkImageData with at least two voxels along each axis and point scalars of one
- * component, of any of VTK's numeric types. Scalars that are not a number are transparent. Blend
- * mode: composite. Everything else is refused with an error that says what is wrong; the rest of
- * the scene still renders.
+ * component, of any of VTK's numeric types. Scalars that are not a number are transparent.
+ * Everything else is refused with an error that says what is wrong; the rest of the scene still
+ * renders.
+ *
+ * Blend modes (vtkVolumeMapper::SetBlendMode) look as with vtkGPUVolumeRayCastMapper:
+ * - composite;
+ * - maximum and minimum intensity: the transfer functions at the extreme value of each ray;
+ * - average: the mean of opacity times value, values from 0 to 1 over the scalar range, of those in
+ *   AverageIPScalarRange; gray and opaque wherever there are any;
+ * - additive: the same summed up, the opacity being that over the scalar opacity unit distance; gray
+ *   and opaque wherever a ray meets the volume;
+ * - isosurface: surfaces where the scalars cross the values of
+ *   vtkVolumeProperty::GetIsoSurfaceValues(), coloured and made semi-transparent by the transfer
+ *   functions, and shaded if the property says so. The crossing is found in its sample interval to a
+ *   millionth of that, so neither pictures nor depths have steps; two crossings of one value within
+ *   an interval are none;
+ * - slice: the transfer functions on the plane of vtkVolumeProperty::SetSliceFunction(), world
+ *   coordinates: a plane cut through the deformed volume.
+ *
+ * Average and additive weight samples by the lengths of their intervals (OpacityLength).
+ *
+ * Clipping planes (vtkAbstractMapper::AddClippingPlane) are planes of the world: they cut what has
+ * been deformed. Cropping is that of the volume at rest or of deformed space, see CroppingSpace.
+ *
+ * Volumes and opaque geometry: geometry that was drawn before hides what is behind it. Several
+ * volumes are blended in the order in which the renderer draws them, as with VTK's own mappers;
+ * where they overlap the later one is drawn over the earlier one.
  *
  * With linear interpolation whole numbers (scalars of an integer type) are classified half a unit
  * higher than they are interpolated, the least scalar excepted. On average that is what
@@ -284,6 +308,52 @@ public:
   vtkBooleanMacro(IntermixIntersectingGeometry, vtkTypeBool);
   ///@}
 
+  /**
+   * Which space is cropped.
+   */
+  enum CroppingSpaces
+  {
+    REST,    ///< the volume before it is deformed: regions move with the material
+    DEFORMED ///< what has been deformed: regions stay where they are
+  };
+
+  ///@{
+  /**
+   * What the planes of SetCroppingRegionPlanes(), data coordinates, cut into the 27 regions of
+   * SetCroppingRegionFlags() when CroppingOn() is set. Default: REST. Planes run along the axes of
+   * the image at rest (its direction matrix turns them, too), in deformed space along those of the
+   * data coordinates.
+   */
+  vtkSetClampMacro(CroppingSpace, int, REST, DEFORMED);
+  vtkGetMacro(CroppingSpace, int);
+  void SetCroppingSpaceToRest() { this->SetCroppingSpace(REST); }
+  void SetCroppingSpaceToDeformed() { this->SetCroppingSpace(DEFORMED); }
+  const char* GetCroppingSpaceAsString() const;
+  ///@}
+
+  ///@{
+  /**
+   * Whether the samples of each ray are moved on by a part of the sample distance that differs from
+   * pixel to pixel, in a fixed pattern: noise in the place of the rings that samples on equal depths
+   * make. Default: off. Isosurfaces and slices, which are exact, are not changed by it.
+   */
+  vtkSetMacro(UseJittering, vtkTypeBool);
+  vtkGetMacro(UseJittering, vtkTypeBool);
+  vtkBooleanMacro(UseJittering, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
+   * Window and level of the colours of the finished picture, from 0 to 1: colours of level - window
+   * / 2 become black, of level + window / 2 white. A negative window inverts. Defaults: 1 and 0.5,
+   * which change nothing. The window must not be 0.
+   */
+  virtual void SetFinalColorWindow(double window);
+  vtkGetMacro(FinalColorWindow, double);
+  virtual void SetFinalColorLevel(double level);
+  vtkGetMacro(FinalColorLevel, double);
+  ///@}
+
   ///@{
   /**
    * A box of deformed space, data coordinates (xmin, xmax, ymin, ymax, zmin, zmax), that the rays
@@ -350,8 +420,9 @@ public:
    *
    * `colours` becomes a width x height x 1 image of 4 unsigned chars, red, green, blue, alpha, not
    * premultiplied, rows bottom up, transparent where there is nothing. `depths`, if not null,
-   * becomes one of floats: the window depth (0 near, 1 far) of the first visible sample, 1 where
-   * there is none. `inputDepths`, if not null, is such an image of what lies in front: rays end
+   * becomes one of floats: the window depth (0 near, 1 far) of the first visible sample (of the
+   * sample with the extreme value, of the first surface, or of the slice in those blend modes), 1
+   * where there is none. `inputDepths`, if not null, is such an image of what lies in front: rays end
    * there.
    *
    * Returns 1, or 0 after an error or an abort; the images are then left as they were. Width and
@@ -431,6 +502,10 @@ private:
   double ClipBox[6]; // all of space: infinite limits
   bool HasClipBox = false;
   double WholeBounds[6] = { 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 };
+  int CroppingSpace = REST;
+  vtkTypeBool UseJittering = 0;
+  double FinalColorWindow = 1.0;
+  double FinalColorLevel = 0.5;
   int NumberOfThreads = 0;
   vtkTypeBool ReferenceKernels = 0;
   vtkTypeBool CollectStatistics = 0;

@@ -12,6 +12,7 @@
 #include "vtkRenderer.h"
 #include "vtkVolumeProperty.h"
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
@@ -206,6 +207,7 @@ CameraView MakeCameraView(vtkRenderer* renderer, const glm::ivec2& viewport,
   view.WorldToNdc = ToMatrix(camera->GetCompositeProjectionTransformMatrix(aspect, -1.0, 1.0));
   view.NdcToWorld = glm::inverse(view.WorldToNdc);
   view.ImageSize = size;
+  view.PixelOrigin = glm::ivec2(glm::floor(glm::dvec2(origin) / step));
   view.NdcPerPixel = 2.0 * step / glm::dvec2(viewport);
   view.NdcOrigin = 2.0 * glm::dvec2(origin) / glm::dvec2(viewport) - 1.0;
   const double* eye = camera->GetPosition();

@@ -132,7 +132,7 @@ bool PacketCaster::Supports(const CastScene& scene, const CastSettings& settings
   const VolumeView& v = scene.Volume;
   const double bytes =
     static_cast<double>(v.Increments[2]) * v.Dimensions.z * SizeOf(v.Type);
-  return !settings.Reference && settings.Segments == Segmentation::ErrorBound &&
+  return !settings.Reference && scene.Blend.Mode != BlendMode::Slice && settings.Segments == Segmentation::ErrorBound &&
     bytes <= LargestVolume && v.Increments[0] == 1 && v.Dimensions.x >= 4 &&
     v.Dimensions.y >= 4 && v.Dimensions.z >= 4;
 }
@@ -146,7 +146,9 @@ PacketCaster::PacketCaster(
   p.Settings = settings;
   p.Source = &scene;
   p.Frame = &frame;
-  p.PerRay = settings.PerRay || !frame.Classifier->IsPlain();
+  p.PerRay = settings.PerRay || !frame.Classifier->IsPlain() ||
+    scene.Blend.Mode != BlendMode::Composite;
+  p.Intervals = scene.Blend.UsesIntervals();
   p.Reference = SelectSampleFunctions(v.Type, scene.VolumeInterpolation);
 
   p.Volume.Scalars = v.Scalars;
@@ -208,6 +210,22 @@ PacketCaster::PacketCaster(
   CopyRows(glm::transpose(glm::dmat3(scene.WorldToData)), p.GradientToWorld);
   p.NdcToLocal = glm::translate(glm::dmat4(1.0), -p.Centre) * scene.WorldToData *
     scene.Camera.NdcToWorld;
+
+  for (const glm::dvec4& plane : scene.ClippingPlanes)
+  {
+    const glm::dvec4 data = plane * scene.DataToWorld;
+    const double length = glm::length(glm::dvec3(data));
+    const double offset = data.w + glm::dot(glm::dvec3(data), p.Centre);
+    p.ClippingPlanes.push_back({ static_cast<float>(data.x / length),
+      static_cast<float>(data.y / length), static_cast<float>(data.z / length),
+      static_cast<float>(offset / length) });
+  }
+  p.CropSpace = scene.Crop.Space;
+  p.CropFlags = scene.Crop.Flags;
+  const glm::dvec3 cropOrigin =
+    scene.Crop.Space == Cropping::Spaces::Deformed ? p.Centre : glm::dvec3(0.0);
+  Copy(scene.Crop.Low - cropOrigin, p.CropLow);
+  Copy(scene.Crop.High - cropOrigin, p.CropHigh);
 
   if (scene.Distances && settings.Leaping != SpaceLeaping::Off)
   {

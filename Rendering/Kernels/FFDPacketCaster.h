@@ -68,6 +68,12 @@ struct PacketScene
   glm::dmat4 NdcToLocal{ 1.0 };
   float BoundsMin[3] = {}; ///< deformed bounds, local
   float BoundsMax[3] = {};
+  std::vector<std::array<float, 4>> ClippingPlanes; ///< local, see CastScene
+  Cropping::Spaces CropSpace = Cropping::Spaces::None;
+  float CropLow[3] = {}; ///< index coordinates or local ones
+  float CropHigh[3] = {};
+  int CropFlags = 0;
+  bool Intervals = false; ///< Blending::UsesIntervals()
   bool Parallel = false;
   float Eye[3] = {}; ///< world coordinates less WorldCentre
 

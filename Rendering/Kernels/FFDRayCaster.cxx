@@ -104,6 +104,25 @@ private:
   glm::dvec3 High{ 0.0 };
 };
 
+/// Narrow [from, to] to the part of a ray where dot(plane, (P, 1)) >= 0.
+void ClipToPlane(const glm::dvec4& plane, const ViewRay& ray, double& from, double& to)
+{
+  const double slope = glm::dot(glm::dvec3(plane), ray.Direction);
+  const double start = glm::dot(plane, glm::dvec4(ray.Origin, 1.0));
+  if (slope > 0.0)
+  {
+    from = std::max(from, -start / slope);
+  }
+  else if (slope < 0.0)
+  {
+    to = std::min(to, -start / slope);
+  }
+  else if (!(start >= 0.0))
+  {
+    to = from;
+  }
+}
+
 /// Narrow [from, to] to the part of a line inside a box; false when nothing is left.
 bool ClipToBox(const glm::dvec3& origin, const glm::dvec3& direction, const Box& box, double& from,
   double& to)
@@ -136,6 +155,7 @@ struct RayCaster::Ray
   glm::dvec3 Direction; // data coordinates per world unit
   double From = 0.0;
   double To = 0.0;
+  double Jitter = 0.0; // of its samples
   int X = 0;
   int Y = 0;
 };
@@ -149,7 +169,7 @@ struct RayCaster::Pixel
 
   Pixel(const IntegrationFrame& frame, const Ray& ray)
   {
-    this->Integrator.Begin(frame, ray.World);
+    this->Integrator.Begin(frame, ray.World, ray.From, ray.To);
   }
 
   /// A piece from `from` to `to`; what is sampled afterwards lies on it.
@@ -202,8 +222,9 @@ private:
 class RayCaster::Sampler
 {
 public:
-  Sampler(const RayCaster& caster, Pixel& pixel, CastStatistics& statistics)
+  Sampler(const RayCaster& caster, const Ray& ray, Pixel& pixel, CastStatistics& statistics)
     : Caster(caster)
+    , ViewingRay(ray)
     , Out(pixel)
     , Statistics(statistics)
     , Upper(caster.Scene.Volume.UpperIndex())
@@ -216,6 +237,7 @@ public:
     const CastScene& scene = this->Caster.Scene;
     const bool leap = this->Caster.Settings.Leaping != SpaceLeaping::Off;
     const bool lipschitz = this->Caster.Settings.Leaping == SpaceLeaping::Lipschitz;
+    const bool intervals = scene.Blend.UsesIntervals();
     for (int i = 0; i < schedule.Count; ++i)
     {
       const double s = schedule.Position(i);
@@ -231,11 +253,22 @@ public:
           this->Out.NoteSample(
             q, piece.T0 + s * piece.Dt, schedule.Interval(i) * piece.Dt, true, 0.0f);
         }
-        i += CountStepsInside(
-          piece.Curve, s, schedule.Step, schedule.Count - 1 - i, this->LastEmptyBox);
-        continue;
+        if (!intervals)
+        {
+          i += CountStepsInside(
+            piece.Curve, s, schedule.Step, schedule.Count - 1 - i, this->LastEmptyBox);
+          continue;
+        }
+        // An interval is empty if its end is in the box, too.
+        const int empty = CountStepsInside(
+          piece.Curve, s, schedule.Step, schedule.Count - i, this->LastEmptyBox);
+        if (empty > 0)
+        {
+          i += empty - 1;
+          continue;
+        }
       }
-      if (!inside)
+      if (!intervals && (!inside || !this->IsShown(q, piece.T0 + s * piece.Dt)))
       {
         continue;
       }
@@ -260,7 +293,23 @@ public:
 private:
   static EmptyBox NoBox() { return { glm::dvec3(Infinity), glm::dvec3(-Infinity) }; }
 
+  /// Whether a sample is not cropped.
+  bool IsShown(const glm::dvec3& q, double t) const
+  {
+    const Cropping& crop = this->Caster.Scene.Crop;
+    switch (crop.Space)
+    {
+      case Cropping::Spaces::Rest:
+        return crop.Shows(q);
+      case Cropping::Spaces::Deformed:
+        return crop.Shows(this->ViewingRay.Origin + t * this->ViewingRay.Direction);
+      default:
+        return true;
+    }
+  }
+
   const RayCaster& Caster;
+  const Ray& ViewingRay;
   Pixel& Out;
   CastStatistics& Statistics;
   glm::dvec3 Upper;
@@ -349,6 +398,13 @@ bool RayCaster::SetUpRay(int x, int y, Ray& ray) const
       ray.To = std::min(ray.To, camera.DepthToT(ray.World, x + 0.5, y + 0.5, depth));
     }
   }
+  for (const glm::dvec4& plane : this->Scene.ClippingPlanes)
+  {
+    ClipToPlane(plane, ray.World, ray.From, ray.To);
+  }
+  ray.Jitter = this->Settings.Jitter && !this->Scene.Blend.UsesIntervals()
+    ? FindJitter(x + camera.PixelOrigin.x, y + camera.PixelOrigin.y)
+    : 0.0;
   return ClipToBox(ray.Origin, ray.Direction, this->Scene.DeformedBounds, ray.From, ray.To);
 }
 
@@ -406,7 +462,11 @@ void RayCaster::TraceRay(
   traced.To = ray.To;
   Pixel pixel(this->Frame, ray);
   pixel.Trace = &traced;
-  if (this->Settings.Segments == Segmentation::GreedyAngle)
+  if (this->Scene.Blend.Mode == BlendMode::Slice)
+  {
+    this->CastSlice(ray, pixel, scratch.Statistics);
+  }
+  else if (this->Settings.Segments == Segmentation::GreedyAngle)
   {
     this->CastPolyline(ray, pixel, scratch.Statistics);
   }
@@ -460,8 +520,9 @@ void RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch) c
     return;
   }
   scratch.Statistics.Rays += count;
+  const bool slice = this->Scene.Blend.Mode == BlendMode::Slice;
   const bool greedy = this->Settings.Segments == Segmentation::GreedyAngle;
-  if (!greedy)
+  if (!slice && !greedy)
   {
     this->StartTile(x0, y0, x1, y1, tMin, tMax, scratch.Spans);
   }
@@ -469,7 +530,11 @@ void RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch) c
   {
     Ray& ray = rays[i];
     Pixel pixel(this->Frame, ray);
-    if (greedy)
+    if (slice)
+    {
+      this->CastSlice(ray, pixel, scratch.Statistics);
+    }
+    else if (greedy)
     {
       this->CastPolyline(ray, pixel, scratch.Statistics);
     }
@@ -493,12 +558,42 @@ void RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch) c
 }
 
 //------------------------------------------------------------------------------
+void RayCaster::CastSlice(const Ray& ray, Pixel& pixel, CastStatistics& statistics) const
+{
+  const glm::dvec3& normal = this->Scene.Blend.SliceNormal;
+  const double slope = glm::dot(normal, ray.World.Direction);
+  const double t = glm::dot(normal, this->Scene.Blend.SliceOrigin - ray.World.Origin) / slope;
+  // False where the ray runs along the plane, too.
+  if (!(t >= ray.From && t < ray.To))
+  {
+    return;
+  }
+  PullBackStatus status;
+  const glm::dvec3 p = ray.Origin + t * ray.Direction;
+  const glm::dvec3 q = this->Scene.Volume.ToIndex(this->Scene.Map->Evaluate(p, status));
+  statistics.Evaluations += status.Evaluations;
+  statistics.Unconverged += status.Converged ? 0 : 1;
+  const Cropping& crop = this->Scene.Crop;
+  pixel.NotePiece(CurvePiece::Line(q, q), t, t, false);
+  if (!IsInside(q, this->Scene.Volume.UpperIndex()) ||
+    (crop.Space == Cropping::Spaces::Rest && !crop.Shows(q)) ||
+    (crop.Space == Cropping::Spaces::Deformed && !crop.Shows(p)))
+  {
+    return;
+  }
+  ++statistics.Samples;
+  const RayIntegrator::Outcome outcome = pixel.Integrator.AddSlice(q, t);
+  statistics.VisibleSamples += outcome.Visible ? 1 : 0;
+  pixel.NoteSample(q, t, 0.0, false, outcome.Extinction);
+}
+
+//------------------------------------------------------------------------------
 void RayCaster::CastPolyline(Ray& ray, Pixel& pixel, CastStatistics& statistics) const
 {
   const VolumeView& volume = this->Scene.Volume;
   PolylineWalker walker(*this->Scene.Map, this->Settings.Polyline, ray.Origin, ray.Direction,
     ray.From, ray.To, this->Settings.Shade);
-  Sampler sampler(*this, pixel, statistics);
+  Sampler sampler(*this, ray, pixel, statistics);
   PolylineVertex start = walker.GetVertex();
   glm::dvec3 startIndex = volume.ToIndex(start.Rest);
   while (!pixel.Done && walker.Next())
@@ -522,7 +617,7 @@ void RayCaster::CastPolyline(Ray& ray, Pixel& pixel, CastStatistics& statistics)
       { return start.Jacobian * (1.0 - s) + end.Jacobian * s; };
       sampler.Integrate(
         JacobianPiece<decltype(jacobianAt)>(*this, piece, start.T, dt, jacobianAt),
-        ScheduleWithRemainder(length, this->Settings.SampleDistance));
+        ScheduleWithRemainder(length, this->Settings.SampleDistance, ray.Jitter));
     }
     start = end;
     startIndex = endIndex;
@@ -538,7 +633,7 @@ void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
   const VolumeView& volume = this->Scene.Volume;
   const glm::dvec3 upper = volume.UpperIndex();
   const double spanLength = scratch.Spans.GetLength();
-  Sampler sampler(*this, pixel, statistics);
+  Sampler sampler(*this, ray, pixel, statistics);
 
   const auto pointAt = [&](double t) { return ray.Origin + t * ray.Direction; };
   const auto evaluate = [&](double t)
@@ -659,7 +754,7 @@ void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
       };
       sampler.Integrate(JacobianPiece<decltype(jacobianAt)>(*this, piece, t0, dt, jacobianAt),
         ScheduleEvenly(length, this->Settings.SampleDistance, (ray.From - t0) / dt,
-          (ray.To - t0) / dt));
+          (ray.To - t0) / dt, ray.Jitter, this->Scene.Blend.UsesIntervals()));
     }
   }
 }

@@ -67,6 +67,7 @@ private:
 
   bool SetUpRay(int x, int y, Ray& ray) const;
   int SetUpTile(int x0, int y0, int x1, int y1, Ray* rays, double& tMin, double& tMax) const;
+  void CastSlice(const Ray& ray, Pixel& pixel, CastStatistics& statistics) const;
   void CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const;
   void CastPolyline(Ray& ray, Pixel& pixel, CastStatistics& statistics) const;
   void StartTile(int x0, int y0, int x1, int y1, double tMin, double tMax, TileSpans& spans) const;

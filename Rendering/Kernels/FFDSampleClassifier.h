@@ -63,6 +63,9 @@ public:
 
   int GetNumberOfComponents() const { return 1; }
 
+  /// Whether there is nothing at `q`, whatever its values.
+  bool IsHidden(const glm::dvec3&) const { return false; }
+
   /// Interpolated value of each component.
   void Values(const glm::dvec3& q, double* values) const;
 

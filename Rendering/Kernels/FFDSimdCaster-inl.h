@@ -61,13 +61,15 @@ template <class T>
 class Packet
 {
 public:
+  /// `jitter`: part of an interval by which the samples of each ray are moved on.
   Packet(const PacketScene& scene, TileGrid& grid, TileBeam& beam, PacketScratch& scratch,
-    const RayPacket& rays, Vf nodeX, Vf nodeY, Mf active)
+    const RayPacket& rays, Vf nodeX, Vf nodeY, Vf jitter, Mf active)
     : Scene(scene)
     , Grid(grid)
     , Beam(beam)
     , Scratch(scratch)
     , Rays(rays)
+    , Jitter(jitter)
     , Alive(active)
   {
     LagrangeWeights(nodeX, this->Wx, this->WxSlope);
@@ -81,13 +83,17 @@ public:
   /// PacketScene::PerRay: before Cast(), for the packet whose first pixel is (x0, y0).
   HWY_NOINLINE void BeginRays(int x0, int y0, int width)
   {
+    const Df d;
+    HWY_ALIGN float from[16], to[16];
+    hn::Store(this->Rays.From, d, from);
+    hn::Store(this->Rays.To, d, to);
     std::vector<RayIntegrator>& rays = this->Scratch.Integrators;
     rays.resize(hn::MaxLanes(Df()));
-    for (int lane = 0; lane < static_cast<int>(hn::Lanes(Df())); ++lane)
+    for (int lane = 0; lane < static_cast<int>(hn::Lanes(d)); ++lane)
     {
       rays[static_cast<std::size_t>(lane)].Begin(*this->Scene.Frame,
-        this->Scene.Source->Camera.MakeRay(
-          x0 + lane % width + 0.5, y0 + lane / width + 0.5));
+        this->Scene.Source->Camera.MakeRay(x0 + lane % width + 0.5, y0 + lane / width + 0.5),
+        static_cast<double>(from[lane]), static_cast<double>(to[lane]));
     }
   }
 
@@ -211,7 +217,8 @@ public:
         const PieceLeap leaps = LeapsOf(piece, schedule);
         if (canLeap)
         {
-          schedule.First = hn::Max(schedule.First, look.CountSteps(this->Scene, leaps));
+          schedule.First = hn::Max(
+            schedule.First, hn::Sub(look.CountSteps(this->Scene, leaps), this->StepsBack()));
         }
         this->Integrate(piece, schedule, leaps, inRange);
         node = end;
@@ -280,9 +287,25 @@ private:
     const Vf slack = Splat(1e-3f);
     PacketSchedule schedule;
     schedule.Ds = hn::Div(one, count);
-    schedule.First = hn::Ceil(hn::Sub(hn::Mul(sFrom, count), slack));
-    schedule.Stop = hn::Min(count, hn::Ceil(hn::Sub(hn::Mul(sTo, count), slack)));
+    const Vf early = this->Scene.Intervals ? Splat(1.0f - 1e-3f) : hn::Add(slack, this->Jitter);
+    schedule.First = hn::Add(hn::Ceil(hn::Sub(hn::Mul(sFrom, count), early)), this->Jitter);
+    schedule.Stop = hn::Min(count,
+      hn::Add(hn::Ceil(hn::Sub(hn::Sub(hn::Mul(sTo, count), slack), this->Jitter)), this->Jitter));
     return schedule;
+  }
+
+  /**
+   * What has to be taken off the number of steps to the first position that may not be empty, for
+   * the first sample of a piece: where samples do not lie on whole steps, or stand for what comes
+   * after them.
+   */
+  HWY_INLINE Vf StepsBack() const
+  {
+    const Vf one = Splat(1.0f);
+    const Vf zero = hn::Zero(Df());
+    return this->Scene.Intervals ? one
+      : this->Scene.Settings.Jitter ? hn::Sub(one, this->Jitter)
+                                    : zero;
   }
 
   static HWY_INLINE PieceLeap LeapsOf(const PacketPiece& piece, const PacketSchedule& schedule)
@@ -321,7 +344,8 @@ private:
       }
       const Vf s = hn::Mul(n, schedule.Ds);
       const Vec3 q = piece.At(s);
-      const Mf sampled = hn::And(active, IsInside(this->Scene, q));
+      const Mf sampled =
+        this->Scene.Intervals ? active : hn::And(active, this->IsShown(q, piece, s));
       expecting = hn::AllFalse(d, sampled) ? sampled
         : HWY_UNLIKELY(this->Scene.PerRay) ? this->TakeSamplePerRay(piece, s, schedule.Ds, sampled)
                                            : this->TakeSample(piece, q, s, schedule.Ds, sampled);
@@ -335,8 +359,55 @@ private:
   {
     const PacketLook look(
       this->Scene, piece.At(hn::Mul(n, schedule.Ds)), looking, this->Scratch.Statistics);
-    n = hn::Add(n, look.CountSteps(this->Scene, leaps));
+    const Vf steps = look.CountSteps(this->Scene, leaps);
+    if (HWY_UNLIKELY(this->Scene.Intervals))
+    {
+      // The interval up to the first position that may not be empty is none of them.
+      const Vf empty = hn::Sub(steps, Splat(1.0f));
+      const Mf some = hn::And(looking, hn::Gt(empty, hn::Zero(Df())));
+      n = hn::Add(n, hn::IfThenElseZero(some, empty));
+      return some;
+    }
+    n = hn::Add(n, steps);
     return look.GetFree();
+  }
+
+  /// Which positions are inside of the volume and not cropped.
+  HWY_INLINE Mf IsShown(const Vec3& q, const PacketPiece& piece, Vf s) const
+  {
+    const Mf inside = IsInside(this->Scene, q);
+    if (HWY_LIKELY(this->Scene.CropSpace == Cropping::Spaces::None))
+    {
+      return inside;
+    }
+    if (this->Scene.CropSpace == Cropping::Spaces::Rest)
+    {
+      return hn::And(inside, this->IsUncropped(q));
+    }
+    const Vf t = hn::MulAdd(s, Splat(piece.Dt), Splat(piece.T0));
+    return hn::And(inside, this->IsUncropped(MulAdd(t, this->Rays.Direction, this->Rays.Origin)));
+  }
+
+  HWY_NOINLINE Mf IsUncropped(const Vec3& p) const
+  {
+    const Df d;
+    const Di di;
+    const Vf one = Splat(1.0f);
+    const auto slab = [&](Vf x, int a)
+    {
+      return hn::Add(hn::IfThenElseZero(hn::Ge(x, Splat(this->Scene.CropLow[a])), one),
+        hn::IfThenElseZero(hn::Ge(x, Splat(this->Scene.CropHigh[a])), one));
+    };
+    const Vf region = hn::MulAdd(Splat(9.0f), slab(p.z, 2),
+      hn::MulAdd(Splat(3.0f), slab(p.y, 1), slab(p.x, 0)));
+    HWY_ALIGN int regions[16];
+    HWY_ALIGN float shown[16];
+    hn::Store(hn::ConvertTo(di, region), di, regions);
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+    {
+      shown[lane] = (this->Scene.CropFlags >> regions[lane] & 1) != 0 ? 1.0f : 0.0f;
+    }
+    return hn::Gt(hn::Load(d, shown), hn::Zero(d));
   }
 
   /// Samples, shades and composites; returns which of the rays met something visible.
@@ -629,6 +700,7 @@ private:
   TileBeam& Beam;
   PacketScratch& Scratch;
   RayPacket Rays;
+  Vf Jitter;
   Mf Alive;
   Vf Wx[4];
   Vf Wy[4];
@@ -688,6 +760,21 @@ HWY_INLINE PacketShape GetPacketShape()
   const int lanes = static_cast<int>(hn::Lanes(Df()));
   const int width = lanes < 4 ? lanes : 4;
   return { lanes, width, lanes / width };
+}
+
+/// FindJitter() of the pixels of a packet.
+HWY_NOINLINE Vf JitterOf(const PacketScene& scene, int x0, int y0)
+{
+  const Df d;
+  const PacketShape shape = GetPacketShape();
+  const glm::ivec2 origin = scene.Source->Camera.PixelOrigin;
+  HWY_ALIGN float jitter[16];
+  for (int lane = 0; lane < shape.Lanes; ++lane)
+  {
+    jitter[lane] = static_cast<float>(FindJitter(
+      x0 + lane % shape.Width + origin.x, y0 + lane / shape.Width + origin.y));
+  }
+  return hn::Load(d, jitter);
 }
 
 /// Rays end where something opaque was drawn.
@@ -841,7 +928,9 @@ HWY_NOINLINE void CastTile(
         hn::Mul(hn::Add(Splat(static_cast<float>(x - x0)), dx), Splat(toNodes));
       const Vf nodeY =
         hn::Mul(hn::Add(Splat(static_cast<float>(y - y0)), dy), Splat(toNodes));
-      Packet<T> cast(scene, grid, beam, scratch, rays, nodeX, nodeY, active);
+      const Vf jitter = scene.Settings.Jitter && !scene.Intervals ? JitterOf(scene, x, y)
+                                                                  : hn::Zero(d);
+      Packet<T> cast(scene, grid, beam, scratch, rays, nodeX, nodeY, jitter, active);
       if (!hn::AllFalse(d, active))
       {
         if (HWY_UNLIKELY(scene.PerRay))

@@ -7,7 +7,9 @@
 #include "vtkBitArray.h"
 #include "vtkBSplineTransform.h"
 #include "vtkCellData.h"
+#include "vtkContourValues.h"
 #include "vtkPlane.h"
+#include "vtkSphere.h"
 #include "vtkPolyData.h"
 #include "vtkRectilinearGrid.h"
 #include "vtkStringArray.h"
@@ -167,17 +169,79 @@ bool TestSettingsOfOthers()
       [&] { scene.Property->SetScalarOpacityUnitDistance(unit); },
       [&] { scene.Property->SetScalarOpacityUnitDistance(1.0); });
   }
+  const auto composite = [&] { scene.Mapper->SetBlendModeToComposite(); };
+  for (const int mode : { -1, 7, 99 })
+  {
+    ok &= Refuses(
+      scene, "blend mode", "SetBlendModeToComposite", [&] { scene.Mapper->SetBlendMode(mode); },
+      composite);
+  }
   ok &= Refuses(
-    scene, "blend mode", "SetBlendModeToComposite",
-    [&] { scene.Mapper->SetBlendModeToMaximumIntensity(); },
-    [&] { scene.Mapper->SetBlendModeToComposite(); });
+    scene, "no isosurface", "GetIsoSurfaceValues",
+    [&]
+    {
+      scene.Mapper->SetBlendModeToIsoSurface();
+      scene.Property->GetIsoSurfaceValues()->SetNumberOfContours(0);
+    },
+    composite);
+  for (const double value : { NaN, Infinity })
+  {
+    ok &= Refuses(
+      scene, "isosurface value", "GetIsoSurfaceValues",
+      [&]
+      {
+        scene.Mapper->SetBlendModeToIsoSurface();
+        scene.Property->GetIsoSurfaceValues()->SetValue(0, value);
+      },
+      composite);
+  }
   ok &= Refuses(
-    scene, "cropping", "CroppingOff", [&] { scene.Mapper->CroppingOn(); },
-    [&] { scene.Mapper->CroppingOff(); });
-  ok &= Refuses(
-    scene, "clipping planes", "RemoveAllClippingPlanes",
-    [&] { scene.Mapper->AddClippingPlane(vtkNew<vtkPlane>()); },
-    [&] { scene.Mapper->RemoveAllClippingPlanes(); });
+    scene, "no slice", "SetSliceFunction", [&] { scene.Mapper->SetBlendModeToSlice(); }, composite);
+  vtkNew<vtkSphere> sphere;
+  vtkNew<vtkPlane> plane;
+  for (const int kind : { 0, 1, 2 })
+  {
+    ok &= Refuses(
+      scene, "slice", "SetSliceFunction",
+      [&]
+      {
+        scene.Mapper->SetBlendModeToSlice();
+        scene.Property->SetSliceFunction(plane);
+        plane->SetNormal(0.0, kind == 0 ? NaN : kind == 1 ? 0.0 : 1.0, 0.0);
+        if (kind == 2)
+        {
+          scene.Property->SetSliceFunction(sphere);
+        }
+      },
+      composite);
+  }
+  for (const double low : { 90.0, NaN })
+  {
+    ok &= Refuses(
+      scene, "average range", "AverageIPScalarRange",
+      [&]
+      {
+        scene.Mapper->SetBlendModeToAverageIntensity();
+        scene.Mapper->SetAverageIPScalarRange(low, 80.0);
+      },
+      composite);
+    ok &= Refuses(
+      scene, "cropping", "SetCroppingRegionPlanes",
+      [&]
+      {
+        scene.Mapper->CroppingOn();
+        scene.Mapper->SetCroppingRegionPlanes(low, 80.0, 0.0, 1.0, 0.0, 1.0);
+      },
+      [&] { scene.Mapper->CroppingOff(); });
+    ok &= Refuses(
+      scene, "clipping planes", "RemoveAllClippingPlanes",
+      [&]
+      {
+        plane->SetNormal(std::isnan(low) ? NaN : 0.0, 0.0, 0.0);
+        scene.Mapper->AddClippingPlane(plane);
+      },
+      [&] { scene.Mapper->RemoveAllClippingPlanes(); });
+  }
   vtkNew<vtkPiecewiseFunction> gradientOpacity;
   gradientOpacity->AddPoint(0.0, 0.0);
   gradientOpacity->AddPoint(10.0, 1.0);
