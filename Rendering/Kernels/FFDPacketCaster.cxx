@@ -106,6 +106,29 @@ bool IsWide(ScalarType type)
   return SizeOf(type) > 2 && type != ScalarType::Float32;
 }
 
+PacketSampling SamplingOf(BlendMode mode)
+{
+  switch (mode)
+  {
+    case BlendMode::Maximum:
+    case BlendMode::Minimum:
+      return PacketSampling::Extreme;
+    case BlendMode::Average:
+    case BlendMode::Additive:
+      return PacketSampling::Sum;
+    case BlendMode::Isosurface:
+      return PacketSampling::Surface;
+    default:
+      return PacketSampling::Composite;
+  }
+}
+
+/// Beyond it single precision has only infinity.
+float ToFloat(double value)
+{
+  return static_cast<float>(std::clamp(value, -1e37, 1e37));
+}
+
 PacketLight MakePacketLight(const Light& light, const glm::dvec3& worldCentre)
 {
   PacketLight packet;
@@ -146,8 +169,9 @@ PacketCaster::PacketCaster(
   p.Settings = settings;
   p.Source = &scene;
   p.Frame = &frame;
-  p.PerRay = settings.PerRay || !frame.Classifier->IsPlain() ||
-    scene.Blend.Mode != BlendMode::Composite;
+  p.Sampling = settings.PerRay || !frame.Classifier->IsPlain()
+    ? PacketSampling::PerRay
+    : SamplingOf(scene.Blend.Mode);
   p.Intervals = scene.Blend.UsesIntervals();
   p.Reference = SelectSampleFunctions(v.Type, scene.VolumeInterpolation);
 
@@ -176,6 +200,19 @@ PacketCaster::PacketCaster(
     p.TableLow = static_cast<float>(scene.Table->GetLow());
     p.TableScale = static_cast<float>(scene.Table->GetScale());
   }
+
+  const bool wide = IsWide(v.Type);
+  const auto fetched = [&](double value)
+  { return ToFloat(wide ? (value - p.Volume.Shift) * p.Volume.Scale : value); };
+  p.ValueLow = fetched(scene.Blend.Low[0]);
+  p.ValueHigh = fetched(scene.Blend.High[0]);
+  p.AverageMin = fetched(scene.Blend.AverageMin);
+  p.AverageMax = fetched(scene.Blend.AverageMax);
+  for (const IsoValue& iso : scene.Blend.IsoValues)
+  {
+    p.IsoValues.push_back(fetched(iso.Value));
+  }
+  p.UnitDistance = static_cast<float>(scene.Table->GetUnitDistance());
 
   const Box& bounds = scene.DeformedBounds;
   p.Centre = 0.5 * (bounds.Min + bounds.Max);

@@ -36,6 +36,16 @@ struct PacketLight
   float ConeExponent = 0.0f;
 };
 
+/// Who takes the samples of packets.
+enum class PacketSampling
+{
+  Composite, ///< vector code: TakeSample
+  Extreme,   ///< vector code: Maximum, Minimum
+  Sum,       ///< vector code: Average, Additive
+  Surface,   ///< vector code finds the intervals that surfaces cross, RayIntegrator the surfaces
+  PerRay     ///< the RayIntegrator of each ray
+};
+
 /**
  * A frame in the form the packet kernels read: single precision, positions relative to a point
  * near the volume ("local" coordinates: data coordinates less Centre).
@@ -45,7 +55,7 @@ struct PacketScene
   CastSettings Settings;
   const CastScene* Source = nullptr;
   const IntegrationFrame* Frame = nullptr;
-  bool PerRay = false; ///< samples go to RayIntegrators, not to the vector code
+  PacketSampling Sampling = PacketSampling::Composite;
   SampleFunctions Reference; ///< for the few samples at the border of the volume
 
   PacketVolume Volume;
@@ -74,6 +84,13 @@ struct PacketScene
   float CropHigh[3] = {};
   int CropFlags = 0;
   bool Intervals = false; ///< Blending::UsesIntervals()
+  /// What blend modes compare values with, values as they are fetched (PacketVolume).
+  float ValueLow = 0.0f; ///< ends of their range
+  float ValueHigh = 1.0f;
+  float AverageMin = 0.0f;
+  float AverageMax = 0.0f;
+  std::vector<float> IsoValues;
+  float UnitDistance = 1.0f; ///< of the table
   bool Parallel = false;
   float Eye[3] = {}; ///< world coordinates less WorldCentre
 
@@ -109,7 +126,7 @@ struct PacketScratch
   std::vector<int> LayerSlots; ///< by fine parameter index: number of the layer, or -1
   std::vector<TileLayer> Layers;
   std::vector<unsigned char> EmptySpans; ///< of the tile, as far as known (TileBeam)
-  std::vector<RayIntegrator> Integrators; ///< of the lanes of a packet, where PacketScene::PerRay
+  std::vector<RayIntegrator> Integrators; ///< of the lanes of a packet, where these are used
   std::array<float, 9 * 256> Rays; ///< origin, direction (local), from, to, image position
   CastStatistics Statistics;
 };

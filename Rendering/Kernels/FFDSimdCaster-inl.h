@@ -28,6 +28,9 @@ struct PacketPixels
   Vec3 Colour;
   Vf Transmittance;
   Vf FirstVisible; ///< t
+  Vf Tally;        ///< the extreme, or the sum; of surfaces, the value at TallyStep
+  Vf TallyLength;  ///< what has been summed up over, world units
+  Vf TallyStep;    ///< sample of the piece where the value is known, or a negative number
 };
 
 /// A piece of the curves of a packet: Start + s * (Linear + s * Quadratic), index coordinates.
@@ -75,15 +78,25 @@ public:
     LagrangeWeights(nodeX, this->Wx, this->WxSlope);
     LagrangeWeights(nodeY, this->Wy, this->WySlope);
     const Vf zero = hn::Zero(Df());
-    this->Out = { { zero, zero, zero }, Splat(1.0f), Splat(1e30f) };
+    this->Out = { { zero, zero, zero }, Splat(1.0f), Splat(1e30f), zero, zero, zero };
   }
 
   const PacketPixels& GetPixels() const { return this->Out; }
 
-  /// PacketScene::PerRay: before Cast(), for the packet whose first pixel is (x0, y0).
+  /// Where the samples are not composited: before Cast(), for the packet whose first pixel is
+  /// (x0, y0).
   HWY_NOINLINE void BeginRays(int x0, int y0, int width)
   {
     const Df d;
+    if (this->Scene.Sampling == PacketSampling::Extreme)
+    {
+      this->Out.Tally = Splat(-NoExtreme);
+      return;
+    }
+    if (this->Scene.Sampling == PacketSampling::Sum)
+    {
+      return;
+    }
     HWY_ALIGN float from[16], to[16];
     hn::Store(this->Rays.From, d, from);
     hn::Store(this->Rays.To, d, to);
@@ -97,22 +110,18 @@ public:
     }
   }
 
-  /// PacketScene::PerRay: after Cast(), what has become of the rays.
+  /// Where the samples are not composited: after Cast(), what has become of the rays.
   HWY_NOINLINE void EndRays()
   {
-    const Df d;
-    HWY_ALIGN float r[16], g[16], b[16], transmittance[16], t[16];
-    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+    switch (this->Scene.Sampling)
     {
-      const RayIntegrator::Result result = this->Scratch.Integrators[lane].End();
-      r[lane] = result.Colour.r;
-      g[lane] = result.Colour.g;
-      b[lane] = result.Colour.b;
-      transmittance[lane] = result.Transmittance;
-      t[lane] = static_cast<float>(std::min(result.FirstVisible, 1e30));
+      case PacketSampling::Extreme:
+        return this->EndExtremes();
+      case PacketSampling::Sum:
+        return this->EndSums();
+      default:
+        return this->EndIntegrators();
     }
-    this->Out = { { hn::Load(d, r), hn::Load(d, g), hn::Load(d, b) }, hn::Load(d, transmittance),
-      hn::Load(d, t) };
   }
 
   void Cast()
@@ -233,6 +242,70 @@ public:
   }
 
 private:
+  static constexpr float NoExtreme = 3e38f;
+
+  void EndIntegrators()
+  {
+    const Df d;
+    HWY_ALIGN float r[16], g[16], b[16], transmittance[16], t[16];
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+    {
+      const RayIntegrator::Result result = this->Scratch.Integrators[lane].End();
+      r[lane] = result.Colour.r;
+      g[lane] = result.Colour.g;
+      b[lane] = result.Colour.b;
+      transmittance[lane] = result.Transmittance;
+      t[lane] = static_cast<float>(std::min(result.FirstVisible, 1e30));
+    }
+    this->Out.Colour = { hn::Load(d, r), hn::Load(d, g), hn::Load(d, b) };
+    this->Out.Transmittance = hn::Load(d, transmittance);
+    this->Out.FirstVisible = hn::Load(d, t);
+  }
+
+  void EndExtremes()
+  {
+    const Df d;
+    HWY_ALIGN float extreme[16], r[16], g[16], b[16], transmittance[16], t[16];
+    const bool maximum = this->Scene.Source->Blend.Mode == BlendMode::Maximum;
+    hn::Store(this->Out.Tally, d, extreme);
+    hn::Store(this->Out.FirstVisible, d, t);
+    const PacketVolume& v = this->Scene.Volume;
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+    {
+      glm::vec4 look(0.0f);
+      if (extreme[lane] > -NoExtreme)
+      {
+        const double value = static_cast<double>(maximum ? extreme[lane] : -extreme[lane]);
+        look = this->Scene.Frame->Classifier->ClassifyValue(0, value / v.Scale + v.Shift);
+        look.a = std::min(1.0f, look.a * static_cast<float>(this->Scene.Source->Blend.Weight[0]));
+      }
+      r[lane] = look.a * look.r;
+      g[lane] = look.a * look.g;
+      b[lane] = look.a * look.b;
+      transmittance[lane] = 1.0f - look.a;
+      t[lane] = look.a > 0.0f ? t[lane] : 1e30f;
+    }
+    this->Out.Colour = { hn::Load(d, r), hn::Load(d, g), hn::Load(d, b) };
+    this->Out.Transmittance = hn::Load(d, transmittance);
+    this->Out.FirstVisible = hn::Load(d, t);
+  }
+
+  void EndSums()
+  {
+    const Blending& blend = this->Scene.Source->Blend;
+    const Vf zero = hn::Zero(Df());
+    const Vf one = Splat(1.0f);
+    const Mf any = hn::Gt(this->Out.TallyLength, zero);
+    const Vf over = blend.Mode == BlendMode::Average
+      ? hn::IfThenElse(any, this->Out.TallyLength, one)
+      : Splat(static_cast<float>(blend.UnitDistance[0]));
+    const Vf gray = hn::IfThenElseZero(any,
+      Clamp(hn::Mul(Splat(static_cast<float>(blend.Weight[0])), hn::Div(this->Out.Tally, over)),
+        zero, one));
+    this->Out.Colour = { gray, gray, gray };
+    this->Out.Transmittance = hn::IfThenElse(any, zero, one);
+  }
+
   /// Index coordinates of every ray at a fine step.
   HWY_INLINE Vec3 PositionAt(int step, const TileSpans::Span& span, Mf lanes)
   {
@@ -325,6 +398,7 @@ private:
     const Df d;
     const bool leap = this->Scene.Settings.Leaping != SpaceLeaping::Off;
     this->HaveFrames = false;
+    this->Out.TallyStep = Splat(-1.0f);
     Vf n = schedule.First;
     // Rays whose last sample was visible expect the next one to be.
     Mf expecting = hn::FirstN(d, 0);
@@ -347,8 +421,9 @@ private:
       const Mf sampled =
         this->Scene.Intervals ? active : hn::And(active, this->IsShown(q, piece, s));
       expecting = hn::AllFalse(d, sampled) ? sampled
-        : HWY_UNLIKELY(this->Scene.PerRay) ? this->TakeSamplePerRay(piece, s, schedule.Ds, sampled)
-                                           : this->TakeSample(piece, q, s, schedule.Ds, sampled);
+        : HWY_LIKELY(this->Scene.Sampling == PacketSampling::Composite)
+        ? this->TakeSample(piece, q, s, schedule.Ds, sampled)
+        : this->TakeOtherSample(piece, q, n, schedule.Ds, sampled);
       n = hn::Add(n, hn::IfThenElseZero(active, Splat(1.0f)));
     }
   }
@@ -478,7 +553,141 @@ private:
     return visible;
   }
 
-  /// What TakeSample does, by the integrators of the rays: for all that is not plain compositing.
+  /// What TakeSample does, for all that is not plain compositing; at s = n * ds.
+  HWY_NOINLINE Mf TakeOtherSample(
+    const PacketPiece& piece, const Vec3& q, Vf n, Vf ds, Mf sampled)
+  {
+    const Df d;
+    const Vf s = hn::Mul(n, ds);
+    CastStatistics& statistics = this->Scratch.Statistics;
+    statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
+    switch (this->Scene.Sampling)
+    {
+      case PacketSampling::Extreme:
+        return this->TakeExtreme(piece, q, s, sampled);
+      case PacketSampling::Sum:
+        return this->AddUp(piece, q, s, ds, sampled);
+      case PacketSampling::Surface:
+        return this->CrossSurfaces(piece, q, n, ds, sampled);
+      default:
+        return this->TakeSamplePerRay(piece, s, ds, sampled);
+    }
+  }
+
+  /// Values at positions inside of the volume.
+  HWY_INLINE Vf ValuesAt(const Vec3& q, Mf lanes) const
+  {
+    const SamplePosition at = FindCells(this->Scene.Volume, q, lanes);
+    const Mf border = hn::AndNot(at.Interior, lanes);
+    SampleRows rows;
+    Vf value = Sample<T>(this->Scene.Volume, at, rows);
+    if (HWY_UNLIKELY(!hn::AllFalse(Df(), border)))
+    {
+      value = this->SampleBorder(q, border, value);
+    }
+    return value;
+  }
+
+  HWY_INLINE Vf TimeAt(const PacketPiece& piece, Vf s) const
+  {
+    return hn::MulAdd(s, Splat(piece.Dt), Splat(piece.T0));
+  }
+
+  /// Minima are maxima of what is below zero.
+  HWY_INLINE Mf TakeExtreme(const PacketPiece& piece, const Vec3& q, Vf s, Mf sampled)
+  {
+    const Df d;
+    const bool maximum = this->Scene.Source->Blend.Mode == BlendMode::Maximum;
+    Vf value = this->ValuesAt(q, sampled);
+    value = maximum ? value : hn::Neg(value);
+    // Comparisons with what is not a number are false.
+    const Mf better = hn::And(sampled, hn::Gt(value, this->Out.Tally));
+    this->Scratch.Statistics.VisibleSamples +=
+      static_cast<std::int64_t>(hn::CountTrue(d, better));
+    this->Out.Tally = hn::IfThenElse(better, value, this->Out.Tally);
+    this->Out.FirstVisible =
+      hn::IfThenElse(better, this->TimeAt(piece, s), this->Out.FirstVisible);
+    // Nothing is beyond the end of the range.
+    const Vf end = Splat(maximum ? this->Scene.ValueHigh : -this->Scene.ValueLow);
+    this->Alive = hn::AndNot(hn::Ge(this->Out.Tally, end), this->Alive);
+    return hn::FirstN(d, 0);
+  }
+
+  HWY_INLINE Mf AddUp(const PacketPiece& piece, const Vec3& q, Vf s, Vf ds, Mf sampled)
+  {
+    const Df d;
+    const Di di;
+    const Vf zero = hn::Zero(d);
+    const Vf one = Splat(1.0f);
+    const Vf value = this->ValuesAt(q, sampled);
+    Mf counts = hn::And(sampled, hn::Eq(value, value));
+    if (this->Scene.Source->Blend.Mode == BlendMode::Average)
+    {
+      counts = hn::And(counts,
+        hn::And(hn::Ge(value, Splat(this->Scene.AverageMin)),
+          hn::Le(value, Splat(this->Scene.AverageMax))));
+    }
+    this->Scratch.Statistics.VisibleSamples +=
+      static_cast<std::int64_t>(hn::CountTrue(d, counts));
+    const Vf last = Splat(static_cast<float>(this->Scene.TableSize - 1));
+    const Vf x =
+      hn::Mul(hn::Sub(value, Splat(this->Scene.TableLow)), Splat(this->Scene.TableScale));
+    const Vf entry = hn::IfThenElseZero(counts, Clamp(x, zero, last));
+    const Vf whole = hn::Min(hn::Floor(entry), hn::Sub(last, one));
+    const Vi index = hn::ConvertTo(di, whole);
+    const Vf extinction = Lerp(LoadQuads(this->Scene.Table, index).w,
+      LoadQuads(this->Scene.Table + 4, index).w, hn::Sub(entry, whole));
+    const Vf opacity =
+      hn::Sub(one, Exp2(hn::Neg(hn::Mul(extinction, Splat(this->Scene.UnitDistance)))));
+    const Vf relative = hn::Mul(hn::Sub(value, Splat(this->Scene.ValueLow)),
+      Splat(1.0f / (this->Scene.ValueHigh - this->Scene.ValueLow)));
+    const Vf length = this->Scene.Settings.Opacity == OpacityLength::World
+      ? hn::Mul(ds, Splat(piece.Dt))
+      : hn::Mul(ds, this->LengthOf(piece.Velocity(s)));
+    this->Out.Tally = hn::Add(this->Out.Tally,
+      hn::IfThenElseZero(counts, hn::Mul(hn::Mul(opacity, relative), length)));
+    this->Out.TallyLength =
+      hn::Add(this->Out.TallyLength, hn::IfThenElseZero(counts, length));
+    this->Out.FirstVisible = hn::IfThenElse(
+      counts, hn::Min(this->Out.FirstVisible, this->TimeAt(piece, s)), this->Out.FirstVisible);
+    return hn::FirstN(d, 0);
+  }
+
+  /// Hands the intervals from n to n + 1 that a surface may cross to the integrators.
+  HWY_INLINE Mf CrossSurfaces(const PacketPiece& piece, const Vec3& q, Vf n, Vf ds, Mf lanes)
+  {
+    const Df d;
+    const Vf next = hn::Add(n, Splat(1.0f));
+    const Vec3 end = piece.At(hn::Mul(next, ds));
+    const Mf insideA = hn::And(lanes, IsInside(this->Scene, q));
+    const Mf insideB = hn::And(lanes, IsInside(this->Scene, end));
+    Vf a = this->Out.Tally;
+    const Mf unknown = hn::AndNot(hn::Eq(this->Out.TallyStep, n), insideA);
+    if (!hn::AllFalse(d, unknown))
+    {
+      a = hn::IfThenElse(unknown, this->ValuesAt(q, unknown), a);
+    }
+    const Vf b = hn::AllFalse(d, insideB) ? a : this->ValuesAt(end, insideB);
+    this->Out.Tally = hn::IfThenElse(insideB, b, this->Out.Tally);
+    this->Out.TallyStep = hn::IfThenElse(insideB, next, this->Out.TallyStep);
+    // A value that is not clearly on one side counts as crossing: the integrator knows exactly.
+    const Vf margin = Splat(1e-5f * (this->Scene.ValueHigh - this->Scene.ValueLow));
+    const Vf low = hn::Sub(hn::Min(a, b), margin);
+    const Vf high = hn::Add(hn::Max(a, b), margin);
+    Mf crossed = hn::FirstN(d, 0);
+    for (const float iso : this->Scene.IsoValues)
+    {
+      crossed = hn::Or(crossed, hn::And(hn::Le(low, Splat(iso)), hn::Ge(high, Splat(iso))));
+    }
+    // The volume begins or ends in the interval.
+    const Mf faces = hn::Xor(insideA, insideB);
+    crossed = hn::Or(hn::And(crossed, hn::And(insideA, insideB)), faces);
+    return hn::AllFalse(d, crossed)
+      ? crossed
+      : this->TakeSamplePerRay(piece, hn::Mul(n, ds), ds, crossed);
+  }
+
+  /// What TakeSample does, by the integrators of the rays.
   HWY_NOINLINE Mf TakeSamplePerRay(const PacketPiece& piece, Vf s, Vf ds, Mf sampled)
   {
     const Df d;
@@ -507,7 +716,6 @@ private:
       const RayPiece one(*this, piece, lane, { term(0), term(3), term(6) });
       const RayIntegrator::Outcome outcome = this->Scratch.Integrators[lane].AddSample(
         one, static_cast<double>(at[lane]), static_cast<double>(interval[lane]));
-      ++statistics.Samples;
       statistics.VisibleSamples += outcome.Visible ? 1 : 0;
       visible[lane] = outcome.Visible ? 1.0f : 0.0f;
       done[lane] = outcome.Done ? 1.0f : 0.0f;
@@ -933,7 +1141,7 @@ HWY_NOINLINE void CastTile(
       Packet<T> cast(scene, grid, beam, scratch, rays, nodeX, nodeY, jitter, active);
       if (!hn::AllFalse(d, active))
       {
-        if (HWY_UNLIKELY(scene.PerRay))
+        if (HWY_UNLIKELY(scene.Sampling != PacketSampling::Composite))
         {
           cast.BeginRays(x, y, shape.Width);
           cast.Cast();

@@ -59,10 +59,8 @@ int TestClippingPlanes(int argc, char* argv[])
   checks.ExpectAtLeast("two planes, mean change", scene.Compare(two, one).Mean, 5.0);
   // The planes stay where they are when the volume moves.
   scene.Volume->SetOrientation(10.0, -5.0, 10.0);
-  scene.Volume->SetScale(1.0, 1.2, 0.9);
-  compare("volume turned and stretched");
+  compare("volume turned");
   scene.Volume->SetOrientation(0.0, 0.0, 0.0);
-  scene.Volume->SetScale(1.0, 1.0, 1.0);
   // A plane that is moved is looked at anew.
   second->SetNormal(0.1, 0.0, 3.0);
   checks.ExpectAtLeast(
