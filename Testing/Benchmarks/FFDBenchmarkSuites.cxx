@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDBenchmarkSuites.h"
 
+#include "FFDBenchmarkBlend.h"
 #include "FFDBenchmarkResample.h"
 #include "FFDBenchmarkScene.h"
 #include "FFDBenchmarkWidget.h"
@@ -594,6 +595,19 @@ std::vector<std::unique_ptr<Group>> MakeGroups(const Options& options)
     { { "gather", rounds(5, 11) }, { "unshaded_identity", rounds(3, 11) },
       { "unshaded_smooth45", rounds(3, 11) }, { "shaded_identity", rounds(3, 11) },
       { "shaded_smooth45", rounds(3, 11) } });
+  for (const BlendRows blend : { BlendRows::Mip, BlendRows::Isosurface })
+  {
+    const bool mip = blend == BlendRows::Mip;
+    std::vector<std::pair<std::string, std::size_t>> rows = { { "gpu", rounds(2, 5) },
+      { "identity", rounds(5, 11) }, { "exact", rounds(5, 11) },
+      { "reference", rounds(1, SlowRounds) } };
+    if (mip)
+    {
+      rows.insert(rows.begin(), { "fixedpoint", rounds(5, 11) });
+    }
+    add(mip ? "Blend/mip" : "Blend/isosurface",
+      [blend, folder](Group& group) { return PrepareBlend(group, blend, 512, folder); }, rows);
+  }
   AddWidgetGroups(options, groups);
   return groups;
 }

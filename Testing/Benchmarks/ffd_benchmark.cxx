@@ -119,6 +119,10 @@ std::pair<const char*, const char*> GetReferences(const Group& group)
   {
     return { "fixedpoint", "identity" };
   }
+  if (name.rfind("Blend", 0) == 0)
+  {
+    return { group.FindRow("fixedpoint") ? "fixedpoint" : "gpu", "identity" };
+  }
   if (name.rfind("Drag", 0) == 0)
   {
     return { "grid", "bspline" };
@@ -248,6 +252,11 @@ void PrintTargets(const std::vector<std::unique_ptr<Group>>& groups)
         ffdBenchmark::ResampleGain, false);
       PrintTarget(name + " reslice_inverse / exact", group->GetRatio("reslice_inverse", "exact"),
         ffdBenchmark::ResampleGain, false);
+    }
+    else if (name == "Blend/mip")
+    {
+      PrintTarget(name + " identity / fixedpoint", group->GetRatio("identity", "fixedpoint"), 0.30);
+      PrintTarget(name + " exact / fixedpoint", group->GetRatio("exact", "fixedpoint"), 0.45);
     }
     else if (const Row* gather = group->FindRow("gather"))
     {
