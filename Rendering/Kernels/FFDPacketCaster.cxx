@@ -270,6 +270,7 @@ PacketCaster::PacketCaster(
     for (int a = 0; a < 3; ++a)
     {
       p.Blocks[a] = scene.Distances->GetBlocks()[a];
+      p.LastBlock[a] = static_cast<float>(p.Blocks[a] - 1);
     }
   }
 

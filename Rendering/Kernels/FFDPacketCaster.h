@@ -96,6 +96,7 @@ struct PacketScene
 
   const unsigned char* Distances = nullptr;
   int Blocks[3] = {};
+  float LastBlock[3] = {};
 
   const float* Table = nullptr; ///< red, green, blue, extinction of each entry
   int TableSize = 0;

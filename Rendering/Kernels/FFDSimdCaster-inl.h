@@ -397,6 +397,8 @@ private:
   {
     const Df d;
     const bool leap = this->Scene.Settings.Leaping != SpaceLeaping::Off;
+    const bool intervals = this->Scene.Intervals;
+    const bool composite = this->Scene.Sampling == PacketSampling::Composite;
     this->HaveFrames = false;
     this->Out.TallyStep = Splat(-1.0f);
     Vf n = schedule.First;
@@ -419,9 +421,9 @@ private:
       const Vf s = hn::Mul(n, schedule.Ds);
       const Vec3 q = piece.At(s);
       const Mf sampled =
-        this->Scene.Intervals ? active : hn::And(active, this->IsShown(q, piece, s));
+        HWY_UNLIKELY(intervals) ? active : hn::And(active, this->IsShown(q, piece, s));
       expecting = hn::AllFalse(d, sampled) ? sampled
-        : HWY_LIKELY(this->Scene.Sampling == PacketSampling::Composite)
+        : HWY_LIKELY(composite)
         ? this->TakeSample(piece, q, s, schedule.Ds, sampled)
         : this->TakeOtherSample(piece, q, n, schedule.Ds, sampled);
       n = hn::Add(n, hn::IfThenElseZero(active, Splat(1.0f)));

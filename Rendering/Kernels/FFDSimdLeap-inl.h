@@ -27,9 +27,13 @@ HWY_INLINE Vf LookUpDistance(const PacketScene& scene, const Vec3& q, Mf inside,
 {
   const Df d;
   const Di di;
-  const auto blockOf = [&](Vf x)
-  { return hn::IfThenElseZero(inside, hn::Floor(hn::Mul(x, Splat(1.0f / BlockEdge)))); };
-  block = { blockOf(q.x), blockOf(q.y), blockOf(q.z) };
+  // A position on the upper face belongs to the last block.
+  const auto blockOf = [&](Vf x, int a)
+  {
+    return hn::IfThenElseZero(inside,
+      hn::Min(hn::Floor(hn::Mul(x, Splat(1.0f / BlockEdge))), Splat(scene.LastBlock[a])));
+  };
+  block = { blockOf(q.x, 0), blockOf(q.y, 1), blockOf(q.z, 2) };
   const Vi index = hn::Add(hn::ConvertTo(di, block.x),
     hn::Mul(hn::Set(di, scene.Blocks[0]),
       hn::Add(hn::ConvertTo(di, block.y),

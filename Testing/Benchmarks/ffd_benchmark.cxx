@@ -253,11 +253,6 @@ void PrintTargets(const std::vector<std::unique_ptr<Group>>& groups)
       PrintTarget(name + " reslice_inverse / exact", group->GetRatio("reslice_inverse", "exact"),
         ffdBenchmark::ResampleGain, false);
     }
-    else if (name == "Blend/mip")
-    {
-      PrintTarget(name + " identity / fixedpoint", group->GetRatio("identity", "fixedpoint"), 0.30);
-      PrintTarget(name + " exact / fixedpoint", group->GetRatio("exact", "fixedpoint"), 0.45);
-    }
     else if (const Row* gather = group->FindRow("gather"))
     {
       const double limit = GetCounter(*gather, "samples") / gather->GetMedian();
