@@ -140,6 +140,7 @@ bool vtkFFDVolumeViewFromImage(vtkImageData* image, vtkDataArray* scalars, bool 
   view.Scalars = scalars->GetVoidPointer(0);
   view.Type = type;
   view.Dimensions = glm::ivec3(dims[0], dims[1], dims[2]);
+  view.Components = components;
   view.Increments[0] = components;
   view.Increments[1] = view.Increments[0] * dims[0];
   view.Increments[2] = view.Increments[1] * dims[1];
