@@ -152,11 +152,20 @@ PacketLight MakePacketLight(const Light& light, const glm::dvec3& worldCentre)
 //------------------------------------------------------------------------------
 bool PacketCaster::Supports(const CastScene& scene, const CastSettings& settings)
 {
+  if (settings.Reference || scene.Blend.Mode == BlendMode::Slice ||
+    settings.Segments != Segmentation::ErrorBound)
+  {
+    return false;
+  }
+  if (scene.Classifier && !scene.Classifier->IsPlain())
+  {
+    // Fetched ray by ray, from any voxels.
+    return true;
+  }
   const VolumeView& v = scene.Volume;
   const double bytes =
     static_cast<double>(v.Increments[2]) * v.Dimensions.z * SizeOf(v.Type);
-  return !settings.Reference && scene.Blend.Mode != BlendMode::Slice && settings.Segments == Segmentation::ErrorBound &&
-    bytes <= LargestVolume && v.Increments[0] == 1 && v.Dimensions.x >= 4 &&
+  return bytes <= LargestVolume && v.Increments[0] == 1 && v.Dimensions.x >= 4 &&
     v.Dimensions.y >= 4 && v.Dimensions.z >= 4;
 }
 
@@ -184,6 +193,7 @@ PacketCaster::PacketCaster(
   p.Volume.IncrementY = static_cast<int>(v.Increments[1]);
   p.Volume.IncrementZ = static_cast<int>(v.Increments[2]);
   p.Volume.Nearest = scene.VolumeInterpolation == Interpolation::Nearest;
+  p.Lower = static_cast<float>(v.LowerIndex().x);
   Copy(v.UpperIndex(), p.Upper);
 
   p.Table = scene.Table->GetEntries();

@@ -59,7 +59,8 @@ struct PacketScene
   SampleFunctions Reference; ///< for the few samples at the border of the volume
 
   PacketVolume Volume;
-  float Upper[3] = {}; ///< last voxel
+  float Lower = 0.0f;  ///< where samples begin and end, index coordinates
+  float Upper[3] = {};
 
   bool Identity = false;
   PullBackKind Kind = PullBackKind::Exact;

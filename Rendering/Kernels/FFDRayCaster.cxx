@@ -23,10 +23,12 @@ constexpr double Infinity = std::numeric_limits<double>::infinity();
 /// Kept between a leap and the faces of the empty box, index units: rounding errors.
 constexpr double LeapGuard = 1e-3;
 
-bool IsInside(const glm::dvec3& q, const glm::dvec3& upper)
+bool IsInside(const VolumeView& volume, const glm::dvec3& q)
 {
+  const double lower = -volume.Margin;
+  const glm::dvec3 upper = volume.UpperIndex();
   // False for positions that are not a number, too.
-  return q.x >= 0.0 && q.y >= 0.0 && q.z >= 0.0 && q.x <= upper.x && q.y <= upper.y &&
+  return q.x >= lower && q.y >= lower && q.z >= lower && q.x <= upper.x && q.y <= upper.y &&
     q.z <= upper.z;
 }
 
@@ -242,10 +244,11 @@ public:
     {
       const double s = schedule.Position(i);
       const glm::dvec3 q = piece.Curve.At(s);
-      const bool inside = IsInside(q, this->Upper);
+      const bool inside = IsInside(scene.Volume, q);
       // Leaps of the paper end with the piece; ours know what was found before it.
       const bool known = lipschitz && Contains(this->LastEmptyBox, q);
-      if (known || (leap && scene.Distances->FindEmptyBox(q, this->Upper, this->LastEmptyBox)))
+      if (known || (leap && scene.Distances->FindEmptyBox(
+                    q, this->Upper, this->LastEmptyBox, scene.Volume.Margin)))
       {
         if (inside && !known)
         {
@@ -703,9 +706,9 @@ void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
       }
       EmptyBox box;
       bool lookedUp = false;
-      if (canLeap && this->Scene.Distances->FindEmptyBox(node, upper, box))
+      if (canLeap && this->Scene.Distances->FindEmptyBox(node, upper, box, volume.Margin))
       {
-        lookedUp = IsInside(node, upper);
+        lookedUp = IsInside(volume, node);
         statistics.DistanceLookups += lookedUp ? 1 : 0;
         sampler.SetLastEmptyBox(box);
         slack.Set(node, box, span.PositionError + inverseError + LeapGuard);

@@ -94,7 +94,7 @@ RayIntegrator::Outcome RayIntegrator::Composite(
   const IntegrationFrame& frame = *this->Frame;
   // Packets round otherwise when they find out whether it is inside.
   const glm::dvec3 q =
-    glm::clamp(piece.Curve.At(s), glm::dvec3(0.0), frame.Scene->Volume.UpperIndex());
+    glm::clamp(piece.Curve.At(s), frame.Scene->Volume.LowerIndex(), frame.Scene->Volume.UpperIndex());
   if (frame.Classifier->IsHidden(q))
   {
     return { false, false, 0.0f };
