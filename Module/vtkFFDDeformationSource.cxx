@@ -33,7 +33,7 @@ vtkFFDDeformationSource::vtkFFDDeformationSource() = default;
 vtkFFDDeformationSource::~vtkFFDDeformationSource() = default;
 
 //------------------------------------------------------------------------------
-bool vtkFFDDeformationSource::Update(vtkAbstractTransform* transform, vtkImageData* image,
+bool vtkFFDDeformationSource::Update(vtkAbstractTransform* transform, vtkDataObject* image,
   const double bounds[6], double tolerance, std::string& message, std::string& warning)
 {
   const bool attached = !transform && vtkFFDLattice::HasLattice(image);

@@ -94,13 +94,13 @@ bool MakeSlice(vtkVolumeProperty* property, Blending& blend, std::string& messag
 } // namespace
 
 //------------------------------------------------------------------------------
-bool MakeBlending(
-  vtkVolumeMapper* mapper, vtkVolumeProperty* property, Blending& blend, std::string& message)
+bool MakeBlending(vtkVolumeMapper* mapper, vtkVolumeProperty* property, int components,
+  Blending& blend, std::string& message)
 {
   blend = Blending();
   if (property->GetIndependentComponents())
   {
-    for (int c = 0; c < Blending::LargestNumberOfComponents; ++c)
+    for (int c = 0; c < components; ++c)
     {
       blend.Weight[c] = property->GetComponentWeight(c);
       blend.IsoComponent = blend.Weight[c] > blend.Weight[blend.IsoComponent] ? c : blend.IsoComponent;
@@ -162,8 +162,8 @@ void SetRange(Blending& blend, int component, const MinMaxBlocks::Limits& range)
 }
 
 //------------------------------------------------------------------------------
-bool MakeCropping(vtkVolumeMapper* mapper, vtkImageData* image, bool deformed, Cropping& crop,
-  std::string& message)
+bool MakeCropping(vtkVolumeMapper* mapper, vtkDataSet* input, const VolumeView& volume,
+  bool deformed, Cropping& crop, std::string& message)
 {
   crop = Cropping();
   if (!mapper->GetCropping())
@@ -187,7 +187,17 @@ bool MakeCropping(vtkVolumeMapper* mapper, vtkImageData* image, bool deformed, C
   double origin[3] = { 0.0, 0.0, 0.0 };
   double spacing[3] = { 1.0, 1.0, 1.0 };
   int extent[6] = { 0, 0, 0, 0, 0, 0 };
-  if (!deformed)
+  vtkImageData* image = vtkImageData::SafeDownCast(input);
+  if (!deformed && !image)
+  {
+    // A rectilinear grid has no direction: index coordinates are those of equal steps.
+    for (int a = 0; a < 3; ++a)
+    {
+      spacing[a] = volume.IndexToData[a][a];
+      origin[a] = volume.FirstVoxel[a] - volume.Margin * spacing[a];
+    }
+  }
+  else if (!deformed)
   {
     image->GetOrigin(origin);
     image->GetSpacing(spacing);
@@ -197,7 +207,10 @@ bool MakeCropping(vtkVolumeMapper* mapper, vtkImageData* image, bool deformed, C
   crop.Flags = mapper->GetCroppingRegionFlags();
   for (int a = 0; a < 3; ++a)
   {
-    const auto toPlane = [&](double x) { return (x - origin[a]) / spacing[a] - extent[2 * a]; };
+    // Cells are counted from their centres.
+    const double margin = deformed ? 0.0 : volume.Margin;
+    const auto toPlane = [&](double x)
+    { return (x - origin[a]) / spacing[a] - extent[2 * a] - margin; };
     crop.Low[a] = toPlane(planes[2 * a]);
     crop.High[a] = toPlane(planes[2 * a + 1]);
   }

@@ -10,13 +10,14 @@
 #include "FFDBlending.h"
 #include "FFDCropping.h"
 #include "FFDMinMaxBlocks.h"
+#include "FFDVolumeView.h"
 
 #include <glm/vec4.hpp>
 
 #include <string>
 #include <vector>
 
-class vtkImageData;
+class vtkDataSet;
 class vtkVolumeMapper;
 class vtkVolumeProperty;
 
@@ -24,11 +25,11 @@ namespace ffd
 {
 
 /**
- * The blend mode of a mapper with what it takes of the mapper and of the property. False, and why,
- * if something is missing or makes no sense.
+ * The blend mode of a mapper with what it takes of the mapper and of the property. `components`: of
+ * the scalars. False, and why, if something is missing or makes no sense.
  */
-bool MakeBlending(vtkVolumeMapper* mapper, vtkVolumeProperty* property, Blending& blend,
-  std::string& message);
+bool MakeBlending(vtkVolumeMapper* mapper, vtkVolumeProperty* property, int components,
+  Blending& blend, std::string& message);
 
 /// The ranges that values are compared with, by component.
 void SetRange(Blending& blend, int component, const MinMaxBlocks::Limits& range);
@@ -37,8 +38,8 @@ void SetRange(Blending& blend, int component, const MinMaxBlocks::Limits& range)
  * The cropping regions of a mapper; `deformed`: of deformed space, not of the volume at rest. False,
  * and why, if its planes make no sense.
  */
-bool MakeCropping(vtkVolumeMapper* mapper, vtkImageData* image, bool deformed, Cropping& crop,
-  std::string& message);
+bool MakeCropping(vtkVolumeMapper* mapper, vtkDataSet* input, const VolumeView& volume,
+  bool deformed, Cropping& crop, std::string& message);
 
 /// The clipping planes of a mapper as CastScene::ClippingPlanes.
 bool MakeClippingPlanes(

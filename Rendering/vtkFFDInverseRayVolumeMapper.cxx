@@ -8,19 +8,23 @@
 #include "vtkFFDKernelViews.h"
 #include "vtkFFDRayStatistics.h"
 #include "vtkFFDTracedRays.h"
+#include "vtkFFDVolumeInput.h"
 #include "vtkFFDVolumeViewFromImage.h"
 
 #include "FFDDeformedSpaceBounds.h"
 #include "FFDDistanceMap.h"
 #include "FFDMinMaxBlocks.h"
+#include "FFDOpticalFunctions.h"
 #include "FFDPullBackBounds.h"
 #include "FFDRayCaster.h"
-#include "FFDTransferTable.h"
+#include "FFDSampleClassifier.h"
 
 #include "vtkAbstractTransform.h"
 #include "vtkCamera.h"
+#include "vtkCellData.h"
 #include "vtkCommand.h"
 #include "vtkDataArray.h"
+#include "vtkDataSetAttributes.h"
 #include "vtkGarbageCollector.h"
 #include "vtkIdTypeArray.h"
 #include "vtkImageData.h"
@@ -28,7 +32,6 @@
 #include "vtkMath.h"
 #include "vtkMatrix4x4.h"
 #include "vtkNew.h"
-#include "vtkPiecewiseFunction.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
@@ -96,26 +99,6 @@ void ParallelFor(
     { work(static_cast<std::size_t>(first), static_cast<std::size_t>(last)); });
 }
 
-/// Other mappers make VTK create a gradient opacity of one everywhere: that is none.
-bool HasEffectiveGradientOpacity(vtkVolumeProperty* property)
-{
-  if (!property->HasGradientOpacity(0))
-  {
-    return false;
-  }
-  vtkPiecewiseFunction* function = property->GetGradientOpacity(0);
-  for (int i = 0; i < function->GetSize(); ++i)
-  {
-    double node[4];
-    function->GetNodeValue(i, node);
-    if (node[1] != 1.0)
-    {
-      return true;
-    }
-  }
-  return false;
-}
-
 /// The unit "voxel": the shortest edge of a voxel under a linear map from index coordinates.
 double FindShortestEdge(const glm::dmat3& fromIndex)
 {
@@ -157,10 +140,11 @@ public:
   {
   }
 
-  std::string FindUnsupported(vtkVolumeProperty* property) const;
   bool UpdateVolume(std::string& message);
   bool UpdateDeformation(std::string& message);
-  bool UpdateTransferTable(vtkVolumeProperty* property, std::string& message);
+  bool UpdateMask(std::string& message);
+  bool UpdateBlocks(vtkVolumeProperty* property, std::string& message);
+  bool UpdateFunctions(vtkVolumeProperty* property, std::string& message);
   bool UpdateBlending(vtkVolumeProperty* property, std::string& message);
   void UpdateDistances();
   bool Update(vtkVolumeProperty* property, std::string& message);
@@ -168,7 +152,8 @@ public:
 
   ffd::CastSettings MakeSettings(vtkVolume* volume, double voxelSize, bool interactive) const;
   ffd::CastScene MakeScene(vtkRenderer* renderer, vtkVolume* volume, const ImageRegion& region,
-    const float* depths) const;
+    const float* depths);
+  void MakeClassifier(ffd::CastScene& scene);
   bool Cast(vtkRenderer* renderer, vtkVolume* volume, const ImageRegion& region,
     const float* depths, bool interactive, bool checkAbort, float* outDepths);
   void ApplyFinalColours();
@@ -179,11 +164,12 @@ public:
   vtkFFDInverseRayVolumeMapper* Self;
 
   // Of the voxels.
-  vtkSmartPointer<vtkDataArray> Scalars;
-  vtkMTimeType VolumeTime = 0;
-  vtkMTimeType ScalarsTime = 0;
-  ffd::VolumeView Volume;
-  ffd::MinMaxBlocks Blocks;
+  vtkFFDVolumeInput Input;
+  ffd::VolumeView SecondAxis; // of two-dimensional transfer functions; Scalars is null without
+  ffd::MaskView Mask;
+  ffd::ComponentKind Kind = ffd::ComponentKind::Independent;
+  std::vector<ffd::MinMaxBlocks> Blocks; // of the components that opacity depends on
+  std::vector<int> BlockComponents;      // which these are
 
   // Of the deformation.
   vtkFFDDeformationSource Source;
@@ -197,17 +183,23 @@ public:
 
   // Of the transfer functions.
   vtkVolumeProperty* Property = nullptr; // not owned: only compared
-  vtkMTimeType TableTime = 0;
-  vtkTimeStamp TableMade;
+  vtkMTimeType FunctionsTime = 0;
+  bool FunctionsHaveLabels = false;
+  const void* FunctionsSecondAxis = nullptr; // not owned: only compared
+  vtkTimeStamp FunctionsMade;
   vtkTimeStamp BlocksMade;
   vtkTimeStamp DistancesMade;
-  ffd::TransferTable Table;
+  ffd::OpticalFunctions Functions;
   ffd::Blending Blend;
   ffd::Blending DistancesBlend; // what Distances was made for
   ffd::Cropping Crop;
   std::vector<glm::dvec4> ClippingPlanes;
   ffd::DistanceMap Distances;
   bool CanLeap = true; // else every sample counts
+
+  // Of a frame.
+  ffd::Shading Lighting;
+  std::unique_ptr<ffd::SampleClassifier> Classifier;
 
   std::vector<float> Colours;
   std::vector<float> WindowDepths; // of the pixels of the last frame
@@ -218,25 +210,6 @@ public:
 };
 
 //------------------------------------------------------------------------------
-/// What the user asked for and this mapper cannot do: an error, not a picture that ignores it.
-std::string vtkFFDInverseRayVolumeMapper::vtkInternals::FindUnsupported(
-  vtkVolumeProperty* property) const
-{
-  if (property->GetTransferFunctionMode() != vtkVolumeProperty::TF_1D)
-  {
-    return "2D transfer functions are not supported; use "
-           "vtkVolumeProperty::SetTransferFunctionMode(vtkVolumeProperty::TF_1D). Nothing is "
-           "drawn.";
-  }
-  if (HasEffectiveGradientOpacity(property))
-  {
-    return "Gradient opacity is not supported; use vtkVolumeProperty::DisableGradientOpacityOn(). "
-           "Nothing is drawn.";
-  }
-  return std::string();
-}
-
-//------------------------------------------------------------------------------
 bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateVolume(std::string& message)
 {
   vtkDataSet* input = this->Self->GetInput();
@@ -245,40 +218,55 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateVolume(std::string& messa
     message = "No input: call SetInputData() or SetInputConnection().";
     return false;
   }
-  vtkImageData* image = vtkImageData::SafeDownCast(input);
-  if (!image)
-  {
-    message = std::string("The input is a ") + input->GetClassName() +
-      "; this mapper renders vtkImageData. Resample it with vtkResampleToImage.";
-    return false;
-  }
   int cellFlag = 0;
-  vtkDataArray* scalars = vtkAbstractMapper::GetScalars(image, this->Self->ScalarMode,
+  vtkDataArray* scalars = vtkAbstractMapper::GetScalars(input, this->Self->ScalarMode,
     this->Self->ArrayAccessMode, this->Self->ArrayId, this->Self->ArrayName, cellFlag);
-  if (scalars && cellFlag != 0)
+  if (scalars && cellFlag == 2)
   {
-    message = "The scalars to render are " +
-      std::string(cellFlag == 1 ? "cell data" : "field data") +
-      "; this mapper renders point data. Convert them with vtkCellDataToPointData, or choose "
-      "another array with SelectScalarArray().";
+    message = "The scalars to render are field data; they must belong to points or cells. Choose "
+              "another array with SetScalarMode() and SelectScalarArray().";
     return false;
   }
-  ffd::VolumeView view;
-  if (!vtkFFDVolumeViewFromImage(image, scalars, false, view, message))
+  return this->Input.Update(input, scalars, cellFlag == 1, message);
+}
+
+//------------------------------------------------------------------------------
+/// The mask, and the second axis of two-dimensional transfer functions.
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateMask(std::string& message)
+{
+  const ffd::VolumeView& volume = this->Input.GetView();
+  this->Mask = ffd::MaskView();
+  if (vtkImageData* image = this->Self->MaskInput)
   {
-    return false;
+    this->Mask.Labels = this->Self->MaskType == LabelMapMaskType;
+    this->Mask.BlendFactor = this->Self->MaskBlendFactor;
+    if (!vtkFFDVolumeViewFromImage(
+          image, image->GetPointData()->GetScalars(), false, this->Mask.Volume, message))
+    {
+      message = "MaskInput: " + message;
+      return false;
+    }
+    this->Mask.SameGrid = this->Mask.Volume.Dimensions == volume.Dimensions;
   }
-  const bool sameScalars = this->Scalars == scalars && this->ScalarsTime == scalars->GetMTime() &&
-    this->Volume.Scalars == view.Scalars && this->Volume.Dimensions == view.Dimensions &&
-    this->VolumeTime == image->GetMTime();
-  this->Volume = view;
-  if (!sameScalars)
+  this->SecondAxis = ffd::VolumeView();
+  if (this->Self->Transfer2DYAxisArray)
   {
-    this->Blocks = ffd::MinMaxBlocks(view, ParallelFor);
-    this->BlocksMade.Modified();
-    this->Scalars = scalars;
-    this->ScalarsTime = scalars->GetMTime();
-    this->VolumeTime = image->GetMTime();
+    vtkDataSet* input = this->Self->GetInput();
+    const std::string name = this->Self->Transfer2DYAxisArray;
+    vtkDataArray* array = volume.Margin > 0.0 ? input->GetCellData()->GetArray(name.c_str())
+                                              : input->GetPointData()->GetArray(name.c_str());
+    if (!array)
+    {
+      message = "Transfer2DYAxisArray: the input has no " +
+        std::string(volume.Margin > 0.0 ? "cell" : "point") + " array \"" + name +
+        "\". Name one, or nullptr for the magnitude of the gradient.";
+      return false;
+    }
+    if (!this->Input.MakeView(array, this->SecondAxis, message))
+    {
+      message = "Transfer2DYAxisArray: " + message;
+      return false;
+    }
   }
   return true;
 }
@@ -286,16 +274,16 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateVolume(std::string& messa
 //------------------------------------------------------------------------------
 bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& message)
 {
-  vtkImageData* image = vtkImageData::SafeDownCast(this->Self->GetInput());
+  vtkDataSet* input = this->Self->GetInput();
   double bounds[6];
-  image->GetBounds(bounds);
+  input->GetBounds(bounds);
   if (vtkMath::AreBoundsInitialized(this->Self->WholeBounds))
   {
     std::copy_n(this->Self->WholeBounds, 6, bounds);
   }
-  const double voxel = FindShortestEdge(this->Volume.IndexToData);
+  const double voxel = FindShortestEdge(this->Input.GetView().IndexToData);
   std::string warning;
-  if (!this->Source.Update(this->Self->Deformation, image, bounds,
+  if (!this->Source.Update(this->Self->Deformation, input, bounds,
         this->Self->PositionTolerance * voxel, message, warning))
   {
     return false;
@@ -307,7 +295,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
   const ffd::Box rest{ glm::dvec3(bounds[0], bounds[2], bounds[4]),
     glm::dvec3(bounds[1], bounds[3], bounds[5]) };
   const vtkMTimeType time =
-    std::max({ this->Source.GetMTime(), image->GetMTime(), this->Self->MTime.GetMTime() });
+    std::max({ this->Source.GetMTime(), input->GetMTime(), this->Self->MTime.GetMTime() });
   // An older image in the place of the last one does not show in the times.
   if (this->DeformationTime == time && this->RestBounds.Min == rest.Min &&
     this->RestBounds.Max == rest.Max)
@@ -339,30 +327,94 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
 }
 
 //------------------------------------------------------------------------------
-bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateTransferTable(
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateBlocks(
   vtkVolumeProperty* property, std::string& message)
 {
-  const vtkMTimeType time = property->GetMTime();
-  if (this->Property == property && this->TableTime == time && this->TableMade > this->BlocksMade)
+  const ffd::VolumeView& volume = this->Input.GetView();
+  if (!ffd::FindComponentKind(property, volume.Components, volume.Type, this->Kind, message))
   {
-    return true;
+    return false;
   }
-  if (this->Blocks.GetRange().Min > this->Blocks.GetRange().Max)
+  const std::vector<int> components = ffd::FindOpacityComponents(this->Kind, volume.Components);
+  if (this->BlocksMade.GetMTime() < this->Input.GetMTime() || components != this->BlockComponents)
+  {
+    this->BlockComponents = components;
+    this->Blocks.clear();
+    for (int c : components)
+    {
+      this->Blocks.emplace_back(ffd::GetComponent(volume, c), ParallelFor);
+    }
+    this->BlocksMade.Modified();
+  }
+  if (std::all_of(this->Blocks.begin(), this->Blocks.end(),
+        [](const ffd::MinMaxBlocks& blocks)
+        { return blocks.GetRange().Min > blocks.GetRange().Max; }))
   {
     message = "The scalars of the input hold no finite number: nothing can be rendered.";
     return false;
   }
-  const bool integers = this->Volume.Type != ffd::ScalarType::Float32 &&
-    this->Volume.Type != ffd::ScalarType::Float64;
-  const bool roundUp = integers && property->GetInterpolationType() == VTK_LINEAR_INTERPOLATION;
-  if (!ffd::MakeTransferTable(
-        property, this->Blocks.GetRange(), roundUp, integers, this->Table, message))
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateFunctions(
+  vtkVolumeProperty* property, std::string& message)
+{
+  const vtkMTimeType time = property->GetMTime();
+  const ffd::VolumeView& volume = this->Input.GetView();
+  const bool hasLabels = this->Mask.Volume.Scalars && this->Mask.Labels;
+  if (this->Property == property && this->FunctionsTime == time &&
+    this->FunctionsMade > this->BlocksMade && this->FunctionsHaveLabels == hasLabels &&
+    this->FunctionsSecondAxis == this->SecondAxis.Scalars)
   {
+    return true;
+  }
+  ffd::ScalarFacts facts;
+  facts.Kind = this->Kind;
+  facts.Type = volume.Type;
+  facts.Nearest = property->GetInterpolationType() != VTK_LINEAR_INTERPOLATION;
+  facts.HasLabels = hasLabels;
+  for (int c = 0; c < volume.Components; ++c)
+  {
+    const auto at = std::find(this->BlockComponents.begin(), this->BlockComponents.end(), c);
+    if (at != this->BlockComponents.end())
+    {
+      facts.Ranges.push_back(
+        this->Blocks[static_cast<std::size_t>(at - this->BlockComponents.begin())].GetRange());
+    }
+    else
+    {
+      double range[2];
+      this->Input.GetScalars()->GetFiniteRange(range, c);
+      facts.Ranges.push_back({ range[0], range[1] });
+    }
+    if (!(facts.Ranges.back().Min <= facts.Ranges.back().Max))
+    {
+      // Not a number anywhere: nothing is looked up.
+      facts.Ranges.back() = { 0.0, 1.0 };
+    }
+  }
+  if (this->SecondAxis.Scalars)
+  {
+    vtkDataSet* input = this->Self->GetInput();
+    vtkDataSetAttributes* data = volume.Margin > 0.0
+      ? static_cast<vtkDataSetAttributes*>(input->GetCellData())
+      : static_cast<vtkDataSetAttributes*>(input->GetPointData());
+    double range[2];
+    data->GetArray(this->Self->Transfer2DYAxisArray)->GetFiniteRange(range, 0);
+    facts.HasSecondAxis = true;
+    facts.SecondAxis = { range[0], range[1] };
+  }
+  if (!ffd::MakeOpticalFunctions(property, facts, this->Functions, message))
+  {
+    this->Property = nullptr;
     return false;
   }
   this->Property = property;
-  this->TableTime = time;
-  this->TableMade.Modified();
+  this->FunctionsTime = time;
+  this->FunctionsHaveLabels = hasLabels;
+  this->FunctionsSecondAxis = this->SecondAxis.Scalars;
+  this->FunctionsMade.Modified();
   return true;
 }
 
@@ -370,15 +422,25 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateTransferTable(
 bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateBlending(
   vtkVolumeProperty* property, std::string& message)
 {
-  vtkImageData* image = vtkImageData::SafeDownCast(this->Self->GetInput());
-  if (!ffd::MakeBlending(this->Self, property, this->Blend, message) ||
-    !ffd::MakeCropping(
-      this->Self, image, this->Self->CroppingSpace == DEFORMED, this->Crop, message) ||
+  const ffd::VolumeView& volume = this->Input.GetView();
+  if (!ffd::MakeBlending(this->Self, property, volume.Components, this->Blend, message) ||
+    !ffd::MakeCropping(this->Self, this->Self->GetInput(), volume,
+      this->Self->CroppingSpace == DEFORMED, this->Crop, message) ||
     !ffd::MakeClippingPlanes(this->Self, this->ClippingPlanes, message))
   {
     return false;
   }
-  ffd::SetRange(this->Blend, 0, this->Blocks.GetRange());
+  if (this->Blend.Mode != ffd::BlendMode::Composite &&
+    this->Kind != ffd::ComponentKind::Independent)
+  {
+    message = "Dependent components can be composited only: call SetBlendModeToComposite(), or "
+              "vtkVolumeProperty::IndependentComponentsOn(). Nothing is drawn.";
+    return false;
+  }
+  for (std::size_t i = 0; i < this->Blocks.size(); ++i)
+  {
+    ffd::SetRange(this->Blend, this->BlockComponents[i], this->Blocks[i].GetRange());
+  }
   return true;
 }
 
@@ -386,24 +448,39 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateBlending(
 void vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDistances()
 {
   if (this->Self->SpaceLeaping == OFF ||
-    (this->DistancesMade > this->TableMade &&
+    (this->DistancesMade > this->FunctionsMade &&
       ffd::HaveSameLeaps(this->Blend, this->DistancesBlend)))
   {
     return;
   }
-  if (this->Blend.Mode == ffd::BlendMode::Composite)
+  const ffd::ComponentOptics& first = this->Functions.Components[0];
+  const bool one =
+    this->Blocks.size() == 1 && first.Plane.IsEmpty() && this->Functions.Labels.empty();
+  this->CanLeap = true;
+  if (this->Blend.Mode != ffd::BlendMode::Composite)
   {
-    this->CanLeap = true;
-    this->Distances = ffd::DistanceMap(this->Blocks, this->Table, ParallelFor);
+    ffd::TransferTable leaps;
+    this->CanLeap = one && ffd::MakeLeapTable(this->Blend, first.Table, leaps);
+    if (this->CanLeap)
+    {
+      this->Distances = ffd::DistanceMap(this->Blocks[0], leaps, ParallelFor);
+    }
+  }
+  else if (one)
+  {
+    this->Distances = ffd::DistanceMap(this->Blocks[0], first.Table, ParallelFor);
   }
   else
   {
-    ffd::TransferTable leaps;
-    this->CanLeap = ffd::MakeLeapTable(this->Blend, this->Table, leaps);
-    if (this->CanLeap)
+    std::vector<const ffd::MinMaxBlocks*> blocks;
+    for (const ffd::MinMaxBlocks& each : this->Blocks)
     {
-      this->Distances = ffd::DistanceMap(this->Blocks, leaps, ParallelFor);
+      blocks.push_back(&each);
     }
+    this->Distances = ffd::DistanceMap(blocks,
+      [this](const ffd::MinMaxBlocks::Limits* limits)
+      { return this->Functions.IsTransparent(limits); },
+      ParallelFor);
   }
   this->DistancesBlend = this->Blend;
   this->DistancesMade.Modified();
@@ -414,7 +491,8 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Update(
   vtkVolumeProperty* property, std::string& message)
 {
   if (!this->UpdateVolume(message) || !this->UpdateDeformation(message) ||
-    !this->UpdateTransferTable(property, message) || !this->UpdateBlending(property, message))
+    !this->UpdateMask(message) || !this->UpdateBlocks(property, message) ||
+    !this->UpdateFunctions(property, message) || !this->UpdateBlending(property, message))
   {
     return false;
   }
@@ -487,7 +565,7 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
     if (this->TurnRate > 0.0)
     {
       // The rate is per data unit; so is the shortest edge of a voxel.
-      longest = std::min(longest, angle / (this->TurnRate * FindShortestEdge(this->Volume.IndexToData)));
+      longest = std::min(longest, angle / (this->TurnRate * FindShortestEdge(this->Input.GetView().IndexToData)));
     }
   }
   longest = std::max(longest, shortest);
@@ -583,15 +661,15 @@ ImageRegion vtkFFDInverseRayVolumeMapper::vtkInternals::FindRegion(
 
 //------------------------------------------------------------------------------
 ffd::CastScene vtkFFDInverseRayVolumeMapper::vtkInternals::MakeScene(vtkRenderer* renderer,
-  vtkVolume* volume, const ImageRegion& region, const float* depths) const
+  vtkVolume* volume, const ImageRegion& region, const float* depths)
 {
   ffd::CastScene scene;
-  scene.Volume = this->Volume;
+  scene.Volume = this->Input.GetView();
   vtkVolumeProperty* property = volume->GetProperty();
   scene.VolumeInterpolation = property->GetInterpolationType() == VTK_NEAREST_INTERPOLATION
     ? ffd::Interpolation::Nearest
     : ffd::Interpolation::Linear;
-  scene.Table = &this->Table;
+  scene.Table = &this->Functions.Components[0].Table;
   scene.Distances = &this->Distances;
   scene.Map = &this->Map;
   scene.Bounds = &this->SpaceBounds;
@@ -606,8 +684,30 @@ ffd::CastScene vtkFFDInverseRayVolumeMapper::vtkInternals::MakeScene(vtkRenderer
     renderer, region.Viewport, region.Origin, region.Rays, region.Step);
   scene.Depths = depths;
   scene.VoxelSize =
-    FindShortestEdge(glm::dmat3(scene.DataToWorld) * this->Volume.IndexToData);
+    FindShortestEdge(glm::dmat3(scene.DataToWorld) * this->Input.GetView().IndexToData);
+  this->MakeClassifier(scene);
   return scene;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::vtkInternals::MakeClassifier(ffd::CastScene& scene)
+{
+  this->Lighting = scene.Material;
+  ffd::ClassifierInputs inputs;
+  inputs.Volume = scene.Volume;
+  inputs.VolumeInterpolation = scene.VolumeInterpolation;
+  inputs.Functions = &this->Functions;
+  inputs.Material = &this->Lighting;
+  inputs.Mask = this->Mask;
+  inputs.Hidden = this->Input.GetHidden();
+  inputs.SecondAxis = this->SecondAxis;
+  inputs.NormalFromOpacity = this->Self->GetComputeNormalFromOpacity();
+  // Of still pictures: those while the scene moves look alike.
+  inputs.ReferenceLength = this->Self->LockSampleDistanceToInputSpacing
+    ? scene.VoxelSize
+    : this->Self->SampleDistance;
+  this->Classifier.reset(new ffd::SampleClassifier(inputs));
+  scene.Classifier = this->Classifier.get();
 }
 
 //------------------------------------------------------------------------------
@@ -714,6 +814,8 @@ vtkFFDInverseRayVolumeMapper::vtkFFDInverseRayVolumeMapper()
 vtkFFDInverseRayVolumeMapper::~vtkFFDInverseRayVolumeMapper()
 {
   this->SetDeformation(nullptr);
+  this->SetMaskInput(nullptr);
+  this->SetTransfer2DYAxisArray(nullptr);
 }
 
 //------------------------------------------------------------------------------
@@ -723,6 +825,25 @@ vtkCxxSetObjectMacro(vtkFFDInverseRayVolumeMapper, Deformation, vtkAbstractTrans
 vtkAbstractTransform* vtkFFDInverseRayVolumeMapper::GetDeformation()
 {
   return this->Deformation;
+}
+
+//------------------------------------------------------------------------------
+vtkCxxSetObjectMacro(vtkFFDInverseRayVolumeMapper, MaskInput, vtkImageData);
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetMaskBlendFactor(float factor)
+{
+  if (!(factor >= 0.0f && factor <= 1.0f))
+  {
+    vtkErrorMacro(<< "MaskBlendFactor must be from 0 to 1, not " << factor << "; it stays "
+                  << this->MaskBlendFactor << ".");
+    return;
+  }
+  if (this->MaskBlendFactor != factor)
+  {
+    this->MaskBlendFactor = factor;
+    this->Modified();
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -986,16 +1107,24 @@ vtkFFDRayStatistics* vtkFFDInverseRayVolumeMapper::GetStatistics()
 vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetAuxiliaryMemorySize()
 {
   const vtkInternals& in = *this->Internals;
-  return static_cast<vtkTypeInt64>(in.Blocks.GetMemorySize() + in.Distances.GetMemorySize() +
-    in.Table.GetMemorySize() + in.Source.GetMemorySize() +
-    in.SpaceBounds.GetMemorySize());
+  std::size_t size = in.Distances.GetMemorySize() + in.Functions.GetMemorySize() +
+    in.Source.GetMemorySize() + in.SpaceBounds.GetMemorySize() + in.Input.GetMemorySize();
+  for (const ffd::MinMaxBlocks& blocks : in.Blocks)
+  {
+    size += blocks.GetMemorySize();
+  }
+  return static_cast<vtkTypeInt64>(size);
 }
 
 //------------------------------------------------------------------------------
 vtkMTimeType vtkFFDInverseRayVolumeMapper::GetMTime()
 {
-  const vtkMTimeType own = this->Superclass::GetMTime();
-  return this->Deformation ? std::max(own, this->Deformation->GetMTime()) : own;
+  vtkMTimeType time = this->Superclass::GetMTime();
+  if (this->Deformation)
+  {
+    time = std::max(time, this->Deformation->GetMTime());
+  }
+  return this->MaskInput ? std::max(time, this->MaskInput->GetMTime()) : time;
 }
 
 //------------------------------------------------------------------------------
@@ -1024,12 +1153,7 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
     return;
   }
   vtkInternals& in = *this->Internals;
-  std::string message = in.FindUnsupported(volume->GetProperty());
-  if (!message.empty())
-  {
-    vtkErrorMacro(<< message);
-    return;
-  }
+  std::string message;
   if (this->GetInputAlgorithm())
   {
     this->GetInputAlgorithm()->UpdateWholeExtent();
@@ -1144,12 +1268,7 @@ int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume
     return 0;
   }
   vtkInternals& in = *this->Internals;
-  std::string message = in.FindUnsupported(volume->GetProperty());
-  if (!message.empty())
-  {
-    vtkErrorMacro(<< message);
-    return 0;
-  }
+  std::string message;
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   const float* scene = nullptr;
   if (inputDepths)
@@ -1237,17 +1356,14 @@ int vtkFFDInverseRayVolumeMapper::TraceRays(vtkRenderer* renderer, vtkVolume* vo
     return 0;
   }
   vtkInternals& in = *this->Internals;
-  std::string message = in.FindUnsupported(volume->GetProperty());
-  if (message.empty())
+  std::string message;
+  if (this->GetInputAlgorithm())
   {
-    if (this->GetInputAlgorithm())
-    {
-      this->GetInputAlgorithm()->UpdateWholeExtent();
-    }
-    if (in.Update(volume->GetProperty(), message))
-    {
-      in.CheckView(renderer, volume, message);
-    }
+    this->GetInputAlgorithm()->UpdateWholeExtent();
+  }
+  if (in.Update(volume->GetProperty(), message))
+  {
+    in.CheckView(renderer, volume, message);
   }
   if (!message.empty())
   {
@@ -1306,6 +1422,7 @@ void vtkFFDInverseRayVolumeMapper::ReportReferences(vtkGarbageCollector* collect
 {
   this->Superclass::ReportReferences(collector);
   vtkGarbageCollectorReport(collector, this->Deformation, "Deformation");
+  vtkGarbageCollectorReport(collector, this->MaskInput, "MaskInput");
 }
 
 //------------------------------------------------------------------------------
@@ -1342,6 +1459,12 @@ void vtkFFDInverseRayVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "UseJittering: " << this->UseJittering << "\n";
   os << indent << "FinalColorWindow: " << this->FinalColorWindow << "\n";
   os << indent << "FinalColorLevel: " << this->FinalColorLevel << "\n";
+  os << indent << "MaskInput: " << this->MaskInput << "\n";
+  os << indent << "MaskType: " << (this->MaskType == BinaryMaskType ? "Binary" : "LabelMap") << "\n";
+  os << indent << "MaskBlendFactor: " << this->MaskBlendFactor << "\n";
+  os << indent << "Transfer2DYAxisArray: "
+     << (this->Transfer2DYAxisArray ? this->Transfer2DYAxisArray : "(none)") << "\n";
+  os << indent << "ComputeNormalFromOpacity: " << this->GetComputeNormalFromOpacity() << "\n";
   os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
   os << indent << "ReferenceKernels: " << this->ReferenceKernels << "\n";
   os << indent << "CollectStatistics: " << this->CollectStatistics << "\n";

@@ -70,6 +70,7 @@
 #define vtkFFDInverseRayVolumeMapper_h
 
 #include "vtkFFDRenderingModule.h" // For export macro
+#include "vtkVersionMacros.h"      // For VTK_VERSION_NUMBER
 #include "vtkVolumeMapper.h"
 
 #include <memory> // For std::unique_ptr
@@ -354,6 +355,73 @@ public:
   vtkGetMacro(FinalColorLevel, double);
   ///@}
 
+  /**
+   * What a mask is, as in vtkGPUVolumeRayCastMapper.
+   */
+  enum MaskTypes
+  {
+    BinaryMaskType = 0, ///< nothing is rendered where it is 0
+    LabelMapMaskType    ///< labels have functions of their own
+  };
+
+  ///@{
+  /**
+   * A mask at rest, one component of any type: it is deformed along with the volume. Each sample
+   * takes the nearest voxel of it. A mask with the dimensions of the scalars belongs to them voxel by
+   * voxel; another lies where its origin, spacing and direction say, and is 0 elsewhere.
+   *
+   * In a label map, label 0 and labels without functions look as the property says. Others have
+   * those of vtkVolumeProperty::SetLabelColor(), SetLabelScalarOpacity() and
+   * SetLabelGradientOpacity(); colour and scalar opacity that a label has none for are those of the
+   * property, the gradient opacity is then none. Labels range from 1 to 65535. Label maps need one
+   * component or dependent ones. Default: none.
+   */
+  virtual void SetMaskInput(vtkImageData* mask);
+  vtkGetObjectMacro(MaskInput, vtkImageData);
+  ///@}
+
+  ///@{
+  /**
+   * Default: LabelMapMaskType.
+   */
+  vtkSetClampMacro(MaskType, int, BinaryMaskType, LabelMapMaskType);
+  vtkGetMacro(MaskType, int);
+  void SetMaskTypeToBinary() { this->SetMaskType(BinaryMaskType); }
+  void SetMaskTypeToLabelMap() { this->SetMaskType(LabelMapMaskType); }
+  ///@}
+
+  ///@{
+  /**
+   * How much of the look of a label is taken, colour and opacity; the rest is the look without a
+   * mask. Range 0 to 1. Default: 1.
+   */
+  virtual void SetMaskBlendFactor(float factor);
+  vtkGetMacro(MaskBlendFactor, float);
+  ///@}
+
+  ///@{
+  /**
+   * Name of the array, of the points or cells that the scalars belong to, that is the second axis of
+   * two-dimensional transfer functions (vtkVolumeProperty::SetTransferFunction2D()); they span the
+   * range of its first component. Default: none, which means the magnitude of the gradient, up to a
+   * quarter of the range of the scalars.
+   */
+  vtkSetStringMacro(Transfer2DYAxisArray);
+  vtkGetStringMacro(Transfer2DYAxisArray);
+  ///@}
+
+#if VTK_VERSION_NUMBER < VTK_VERSION_CHECK(9, 2, 0)
+  ///@{
+  /**
+   * Whether normals for shading are those of the opacity function instead of the scalars. Default:
+   * off. (vtkVolumeMapper has this since VTK 9.2.)
+   */
+  vtkSetMacro(ComputeNormalFromOpacity, bool);
+  vtkGetMacro(ComputeNormalFromOpacity, bool);
+  vtkBooleanMacro(ComputeNormalFromOpacity, bool);
+  ///@}
+#endif
+
   ///@{
   /**
    * A box of deformed space, data coordinates (xmin, xmax, ymin, ymax, zmin, zmax), that the rays
@@ -499,6 +567,13 @@ private:
   double MaximumImageSampleDistance = 10.0;
   vtkTypeBool AutoAdjustSampleDistances = 1;
   vtkTypeBool IntermixIntersectingGeometry = 1;
+  vtkImageData* MaskInput = nullptr;
+  int MaskType = LabelMapMaskType;
+  float MaskBlendFactor = 1.0f;
+  char* Transfer2DYAxisArray = nullptr;
+#if VTK_VERSION_NUMBER < VTK_VERSION_CHECK(9, 2, 0)
+  bool ComputeNormalFromOpacity = false;
+#endif
   double ClipBox[6]; // all of space: infinite limits
   bool HasClipBox = false;
   double WholeBounds[6] = { 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 };

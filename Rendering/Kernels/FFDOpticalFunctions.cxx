@@ -2,13 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDOpticalFunctions.h"
 
+#include <numeric>
+
 namespace ffd
 {
 
 //------------------------------------------------------------------------------
-std::vector<int> OpticalFunctions::GetOpacityComponents() const
+std::vector<int> FindOpacityComponents(ComponentKind kind, int count)
 {
-  switch (this->Kind)
+  switch (kind)
   {
     case ComponentKind::ColourOpacity:
       return { 1 };
@@ -20,11 +22,8 @@ std::vector<int> OpticalFunctions::GetOpacityComponents() const
     default:
       break;
   }
-  std::vector<int> all(this->Components.size());
-  for (std::size_t c = 0; c < all.size(); ++c)
-  {
-    all[c] = static_cast<int>(c);
-  }
+  std::vector<int> all(static_cast<std::size_t>(count));
+  std::iota(all.begin(), all.end(), 0);
   return all;
 }
 

@@ -48,6 +48,10 @@ struct LabelOptics
   GradientOpacity Gradients; ///< may be empty
 };
 
+/// Components, of `count`, that the opacity depends on, in the order of
+/// OpticalFunctions::IsTransparent().
+FFD_KERNEL_EXPORT std::vector<int> FindOpacityComponents(ComponentKind kind, int count);
+
 /**
  * Everything that says what scalars look like, for whole images: made when the property or the
  * scalars change.
@@ -72,11 +76,7 @@ struct FFD_KERNEL_EXPORT OpticalFunctions
     return index < 0 ? nullptr : &this->Labels[static_cast<std::size_t>(index)];
   }
 
-  /// Components of the scalars whose limits IsTransparent() looks at: those that opacity depends
-  /// on, in this order.
-  std::vector<int> GetOpacityComponents() const;
-
-  /// Whether nothing can be seen where the components of GetOpacityComponents() are within
+  /// Whether nothing can be seen where the components of FindOpacityComponents() are within
   /// `limits`.
   bool IsTransparent(const MinMaxBlocks::Limits* limits) const;
 

@@ -578,7 +578,7 @@ void RayCaster::CastSlice(const Ray& ray, Pixel& pixel, CastStatistics& statisti
   statistics.Unconverged += status.Converged ? 0 : 1;
   const Cropping& crop = this->Scene.Crop;
   pixel.NotePiece(CurvePiece::Line(q, q), t, t, false);
-  if (!IsInside(q, this->Scene.Volume.UpperIndex()) ||
+  if (!IsInside(this->Scene.Volume, q) ||
     (crop.Space == Cropping::Spaces::Rest && !crop.Shows(q)) ||
     (crop.Space == Cropping::Spaces::Deformed && !crop.Shows(p)))
   {

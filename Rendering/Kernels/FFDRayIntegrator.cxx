@@ -94,7 +94,8 @@ RayIntegrator::Outcome RayIntegrator::Composite(
   const IntegrationFrame& frame = *this->Frame;
   // Packets round otherwise when they find out whether it is inside.
   const glm::dvec3 q =
-    glm::clamp(piece.Curve.At(s), frame.Scene->Volume.LowerIndex(), frame.Scene->Volume.UpperIndex());
+    glm::clamp(piece.Curve.At(s), frame.Scene->Volume.LowerIndex(),
+      frame.Scene->Volume.UpperIndex());
   if (frame.Classifier->IsHidden(q))
   {
     return { false, false, 0.0f };
@@ -139,7 +140,8 @@ RayIntegrator::Outcome RayIntegrator::TakeExtreme(const SampledPiece& piece, dou
   const IntegrationFrame& frame = *this->Frame;
   const Blending& blend = frame.Scene->Blend;
   const glm::dvec3 q =
-    glm::clamp(piece.Curve.At(s), glm::dvec3(0.0), frame.Scene->Volume.UpperIndex());
+    glm::clamp(piece.Curve.At(s), frame.Scene->Volume.LowerIndex(),
+      frame.Scene->Volume.UpperIndex());
   if (frame.Classifier->IsHidden(q))
   {
     return { false, false, 0.0f };
@@ -199,7 +201,8 @@ RayIntegrator::Outcome RayIntegrator::AddUp(
   const IntegrationFrame& frame = *this->Frame;
   const Blending& blend = frame.Scene->Blend;
   const glm::dvec3 q =
-    glm::clamp(piece.Curve.At(s), glm::dvec3(0.0), frame.Scene->Volume.UpperIndex());
+    glm::clamp(piece.Curve.At(s), frame.Scene->Volume.LowerIndex(),
+      frame.Scene->Volume.UpperIndex());
   if (frame.Classifier->IsHidden(q))
   {
     return { false, false, 0.0f };
@@ -253,9 +256,10 @@ RayIntegrator::Result RayIntegrator::EndSum() const
 //------------------------------------------------------------------------------
 bool RayIntegrator::IsInside(const glm::dvec3& q) const
 {
+  const glm::dvec3 lower = this->Frame->Scene->Volume.LowerIndex();
   const glm::dvec3 upper = this->Frame->Scene->Volume.UpperIndex();
-  return q.x >= 0.0 && q.y >= 0.0 && q.z >= 0.0 && q.x <= upper.x && q.y <= upper.y &&
-    q.z <= upper.z;
+  return q.x >= lower.x && q.y >= lower.y && q.z >= lower.z && q.x <= upper.x &&
+    q.y <= upper.y && q.z <= upper.z;
 }
 
 //------------------------------------------------------------------------------
@@ -291,6 +295,7 @@ double RayIntegrator::FindCrossing(
     return fa == 0.0 ? a.S : b.S;
   }
   const double close = 1e-6 * std::abs(b.S - a.S);
+  const glm::dvec3 lower = this->Frame->Scene->Volume.LowerIndex();
   const glm::dvec3 upper = this->Frame->Scene->Volume.UpperIndex();
   int stayed = 0;
   for (int i = 0; i < 50 && std::abs(b.S - a.S) > close; ++i)
@@ -301,7 +306,7 @@ double RayIntegrator::FindCrossing(
       s = 0.5 * (a.S + b.S);
     }
     const double f =
-      this->ScalarAt(glm::clamp(piece.Curve.At(s), glm::dvec3(0.0), upper)) - value;
+      this->ScalarAt(glm::clamp(piece.Curve.At(s), lower, upper)) - value;
     if (f == 0.0)
     {
       return s;
@@ -406,7 +411,8 @@ RayIntegrator::Outcome RayIntegrator::CrossIsosurfaces(
     }
     const double at = this->FindCrossing(piece, a, b, iso.Value);
     const glm::dvec3 q = glm::clamp(
-      piece.Curve.At(at), glm::dvec3(0.0), frame.Scene->Volume.UpperIndex());
+      piece.Curve.At(at), frame.Scene->Volume.LowerIndex(),
+      frame.Scene->Volume.UpperIndex());
     if (this->IsShown(piece, at) && !frame.Classifier->IsHidden(q))
     {
       const glm::vec3 colour = frame.Classifier->Light(frame.Scene->Blend.IsoComponent, q,

@@ -3,7 +3,6 @@
 #include "FFDSampleClassifier.h"
 
 #include "FFDAxisMap.h"
-#include "FFDScalarDispatch.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -31,16 +30,6 @@ double ExtinctionOver(double opacity, double length)
 {
   const double perLength = opacity < 1.0 ? -std::log2(1.0 - opacity) : OpaqueExtinction;
   return std::min(perLength / length, 1e30);
-}
-
-VolumeView ComponentOf(const VolumeView& volume, int component)
-{
-  VolumeView view = volume;
-  view.Components = 1;
-  DispatchScalarType(volume.Type,
-    [&](auto zero)
-    { view.Scalars = static_cast<const decltype(zero)*>(volume.Scalars) + component; });
-  return view;
 }
 
 double Luminance(const double* rgb)
@@ -102,13 +91,14 @@ struct SampleClassifier::Emission
 SampleClassifier::SampleClassifier(const ClassifierInputs& inputs)
   : In(inputs)
   , Fetch(SelectSampleFunctions(inputs.Volume.Type, inputs.VolumeInterpolation))
+  , FetchNearest(SelectSampleFunctions(inputs.Volume.Type, Interpolation::Nearest))
   , FetchMask(SelectSampleFunctions(inputs.Mask.Volume.Type, Interpolation::Nearest))
   , FetchSecondAxis(SelectSampleFunctions(inputs.SecondAxis.Type, inputs.VolumeInterpolation))
 {
   const VolumeView& volume = this->In.Volume;
   for (int c = 0; c < std::min(volume.Components, LargestNumberOfComponents); ++c)
   {
-    this->ComponentViews[c] = ComponentOf(volume, c);
+    this->ComponentViews[c] = GetComponent(volume, c);
   }
   const glm::dvec3 edges(glm::length(volume.IndexToData[0]), glm::length(volume.IndexToData[1]),
     glm::length(volume.IndexToData[2]));
@@ -137,7 +127,7 @@ SampleClassifier::SampleClassifier(const VolumeView& volume, Interpolation inter
   this->In.VolumeInterpolation = interpolation;
   this->In.Material = &material;
   this->In.Functions = this->OwnFunctions.get();
-  this->ComponentViews[0] = ComponentOf(volume, 0);
+  this->ComponentViews[0] = GetComponent(volume, 0);
   this->OwnFunctions->Components.resize(1);
   this->OwnFunctions->Components[0].Table = table;
   this->OwnFunctions->Components[0].Shade = shade;
@@ -181,7 +171,30 @@ glm::dvec3 SampleClassifier::ToVoxel(const glm::dvec3& q) const
 //------------------------------------------------------------------------------
 void SampleClassifier::Values(const glm::dvec3& q, double* values) const
 {
-  this->Fetch.Values(this->In.Volume, this->ToVoxel(q), values);
+  const glm::dvec3 voxel = this->ToVoxel(q);
+  if (this->In.Hidden && this->In.Volume.Margin > 0.0 && this->TouchesHidden(voxel))
+  {
+    this->FetchNearest.Values(this->In.Volume, voxel, values);
+    return;
+  }
+  this->Fetch.Values(this->In.Volume, voxel, values);
+}
+
+//------------------------------------------------------------------------------
+/// Whether one of the cells whose scalars are interpolated at a voxel coordinate is hidden.
+bool SampleClassifier::TouchesHidden(const glm::dvec3& voxel) const
+{
+  const glm::ivec3 last = this->In.Volume.Dimensions - 1;
+  const glm::ivec3 lower(glm::floor(voxel));
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const glm::ivec3 cell = lower + glm::ivec3(corner & 1, corner >> 1 & 1, corner >> 2);
+    if (this->In.Hidden->Has(glm::clamp(cell, glm::ivec3(0), last)))
+    {
+      return true;
+    }
+  }
+  return false;
 }
 
 //------------------------------------------------------------------------------

@@ -110,10 +110,7 @@ public:
     return this->MayHide && this->FindHidden(q);
   }
 
-  /// Whether there is nothing at `q`, whatever its values.
-  bool IsHidden(const glm::dvec3&) const { return false; }
-
-  /// Interpolated value of each component.
+  /// Interpolated value of each component; scalars of cells beside hidden ones are not interpolated.
   void Values(const glm::dvec3& q, double* values) const;
 
   struct Look
@@ -141,6 +138,7 @@ private:
   const ComponentOptics& OpticsOf(int component) const;
   double DensityOf(int component, const double* values) const;
   bool FindHidden(const glm::dvec3& q) const;
+  bool TouchesHidden(const glm::dvec3& voxel) const;
   glm::dvec3 ToVoxel(const glm::dvec3& q) const;
   double MaskAt(const glm::dvec3& q) const;
   glm::dvec3 FindGradient(int component, const glm::dvec3& q) const;
@@ -161,6 +159,7 @@ private:
   std::unique_ptr<OpticalFunctions> OwnFunctions;
   VolumeView ComponentViews[LargestNumberOfComponents];
   SampleFunctions Fetch;
+  SampleFunctions FetchNearest; // beside hidden cells
   SampleFunctions FetchMask;
   SampleFunctions FetchSecondAxis;
   glm::dvec3 MagnitudeScale{ 1.0 };

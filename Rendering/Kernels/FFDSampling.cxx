@@ -111,6 +111,17 @@ glm::dvec3 CentralDifferences(const VolumeView& v, const glm::dvec3& q)
 } // namespace
 
 //------------------------------------------------------------------------------
+VolumeView GetComponent(const VolumeView& volume, int component)
+{
+  VolumeView view = volume;
+  view.Components = 1;
+  DispatchScalarType(volume.Type,
+    [&](auto zero)
+    { view.Scalars = static_cast<const decltype(zero)*>(volume.Scalars) + component; });
+  return view;
+}
+
+//------------------------------------------------------------------------------
 SampleFunctions SelectSampleFunctions(ScalarType type, Interpolation interpolation)
 {
   return DispatchScalarType(type,

@@ -36,6 +36,9 @@ struct SampleFunctions
   glm::dvec3 (*Gradient)(const VolumeView& volume, const glm::dvec3& q);
 };
 
+/// View of one component of a volume of several.
+FFD_KERNEL_EXPORT VolumeView GetComponent(const VolumeView& volume, int component);
+
 FFD_KERNEL_EXPORT SampleFunctions SelectSampleFunctions(
   ScalarType type, Interpolation interpolation);
 
