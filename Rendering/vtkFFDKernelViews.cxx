@@ -161,7 +161,8 @@ struct TableFunctions
     }
     else if (this->Colour)
     {
-      this->Colour->GetColor(x, colour);
+      this->Colour->GetColor(
+        this->IsLogarithmic() && !(x > 0.0) ? this->Colour->GetRange()[0] : x, colour);
     }
     std::copy_n(colour, 3, rgb);
     opacity = this->Opacity ? static_cast<float>(this->Opacity->GetValue(x)) : 0.0f;
@@ -184,10 +185,26 @@ struct TableFunctions
         std::fill_n(&rgb[3 * i], 3, grays[i]);
       }
     }
-    else if (this->Colour)
+    else if (this->Colour && !this->IsLogarithmic())
     {
       this->Colour->GetTable(lo, hi, size, rgb);
     }
+    else if (this->Colour)
+    {
+      // Over a range that is not positive there is no table; the first colour holds there.
+      const double least = this->Colour->GetRange()[0];
+      for (int i = 0; i < size; ++i)
+      {
+        const double x = lo + (hi - lo) * i / (size - 1);
+        double colour[3];
+        this->Colour->GetColor(x > 0.0 ? x : least, colour);
+        std::copy_n(colour, 3, &rgb[3 * static_cast<std::size_t>(i)]);
+      }
+    }
+  }
+  bool IsLogarithmic() const
+  {
+    return !this->Gray && this->Colour && this->Colour->GetScale() == VTK_CTF_LOG10;
   }
 };
 
@@ -236,10 +253,9 @@ TransferTable MakeTable(const TableFunctions& functions, const MinMaxBlocks::Lim
   else
   {
     // Steps are equal, logarithmic functions bend most at their small end.
-    const bool logarithmic =
-      !functions.Gray && functions.Colour && functions.Colour->GetScale() == VTK_CTF_LOG10;
-    size = logarithmic ? LargestTable
-                       : std::clamp(functions.EstimateSamples(lo, hi), SmallestTable, LargestTable);
+    size = functions.IsLogarithmic()
+      ? LargestTable
+      : std::clamp(functions.EstimateSamples(lo, hi), SmallestTable, LargestTable);
   }
 
   std::vector<float> opacities(static_cast<std::size_t>(size));

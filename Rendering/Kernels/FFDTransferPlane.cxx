@@ -17,7 +17,7 @@ TransferPlane::TransferPlane(int width, int height, const float* rgba, const glm
   : Width(width)
   , Height(height)
   , Low(low)
-  , Scale(glm::dvec2(width, height) / (high - low))
+  , Scale(glm::dvec2(width - 1, height - 1) / (high - low))
   , Nearest(nearest)
   , Texels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height))
   , VisibleUpTo(static_cast<std::size_t>(width) + 1, 0)
@@ -43,7 +43,7 @@ TransferPlane::TransferPlane(int width, int height, const float* rgba, const glm
 double TransferPlane::TexelOf(double value, int axis) const
 {
   const double last = (axis == 0 ? this->Width : this->Height) - 1;
-  return std::clamp((value - this->Low[axis]) * this->Scale[axis] - 0.5, 0.0, last);
+  return std::clamp((value - this->Low[axis]) * this->Scale[axis], 0.0, last);
 }
 
 //------------------------------------------------------------------------------

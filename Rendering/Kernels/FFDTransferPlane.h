@@ -17,8 +17,8 @@ namespace ffd
 
 /**
  * A two-dimensional transfer function: colour and opacity over a scalar (x) and a second value (y),
- * the magnitude of its gradient or another scalar. Texels are pixel-centred over the ranges, as
- * those of a texture: the outermost half texel on each side is constant.
+ * the magnitude of its gradient or another scalar. The first and the last texel lie at the ends of
+ * the ranges, as in VTK; beyond, they hold.
  */
 class FFD_KERNEL_EXPORT TransferPlane
 {

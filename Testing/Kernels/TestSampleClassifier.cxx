@@ -286,27 +286,27 @@ TEST(SampleClassifier, TransferPlaneOverTheGradientOrAnotherArray)
   Fixture f(volume.View);
   f.Functions.Components.resize(1);
   f.Functions.Components[0].Table = Constant(glm::vec3(0.0f), 0.0f);
-  // Two columns, two rows; texel centres at a quarter and three quarters.
+  // Two columns, two rows.
   const float texels[16] = { 1, 0, 0, 0.2f, 0, 1, 0, 0.4f, 0, 0, 1, 0.6f, 1, 1, 1, 0.8f };
   f.Functions.Components[0].Plane =
-    TransferPlane(2, 2, texels, { 0.0, 0.0 }, { 0.4, 0.2 }, false);
+    TransferPlane(2, 2, texels, { 0.1, 0.0 }, { 0.3, 0.2 }, false);
   EXPECT_FALSE(SampleClassifier(f.Inputs).IsPlain());
   // x: scalar 0.2, half way; y: magnitude 0.1, half way.
   SampleClassifier::Look look = f.Look({ 2.0, 2.0, 2.0 });
   EXPECT_NEAR(OpacityOf(look, 1.0), 0.5, 1e-5);
   ExpectColour(look.Colour, { 0.5, 0.5, 0.5 });
-  // First column and row.
+  // First column.
   look = f.Look({ 1.0, 2.0, 2.0 });
   EXPECT_NEAR(OpacityOf(look, 1.0), 0.4, 1e-5);
 
   f.Inputs.SecondAxis = other.View;
   f.Functions.Components[0].Plane =
-    TransferPlane(2, 2, texels, { 0.0, 0.0 }, { 0.4, 4.0 }, false);
+    TransferPlane(2, 2, texels, { 0.1, 1.0 }, { 0.3, 3.0 }, false);
   look = f.Look({ 1.0, 0.5, 2.0 });
   EXPECT_NEAR(OpacityOf(look, 1.0), 0.2, 1e-5);
   look = f.Look({ 1.0, 3.0, 2.0 });
   EXPECT_NEAR(OpacityOf(look, 1.0), 0.6, 1e-5);
-  f.Functions.Components[0].Plane = TransferPlane(2, 2, texels, { 0.0, 0.0 }, { 0.4, 4.0 }, true);
+  f.Functions.Components[0].Plane = TransferPlane(2, 2, texels, { 0.1, 1.0 }, { 0.3, 3.0 }, true);
   look = f.Look({ 1.9, 1.9, 2.0 });
   EXPECT_NEAR(OpacityOf(look, 1.0), 0.2, 1e-5);
 }
@@ -328,9 +328,10 @@ TEST(SampleClassifier, TransparentPlanesAreTransparentOverTheirSecondAxis)
       ASSERT_FALSE(plane.IsTransparent(lo, hi));
     }
   }
-  EXPECT_TRUE(plane.IsTransparent(0.0, 1.4));
-  EXPECT_TRUE(plane.IsTransparent(3.6, 5.0));
-  EXPECT_FALSE(plane.IsTransparent(1.4, 1.6));
+  // Columns lie at 0, 1.25, 2.5, 3.75 and 5.
+  EXPECT_TRUE(plane.IsTransparent(0.0, 1.2));
+  EXPECT_TRUE(plane.IsTransparent(3.8, 5.0));
+  EXPECT_FALSE(plane.IsTransparent(1.2, 1.3));
   EXPECT_EQ(plane.Lookup(NaN, 0.9).a, 0.0f);
 }
 
