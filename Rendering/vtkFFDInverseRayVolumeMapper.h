@@ -22,10 +22,31 @@
  * The deformation T works in the data coordinates of the image: those of its origin, spacing and
  * direction, before the matrix of the vtkVolume.
  *
- * Input: a vtkImageData with at least two voxels along each axis and point scalars of one
- * component, of any of VTK's numeric types. Scalars that are not a number are transparent.
- * Everything else is refused with an error that says what is wrong; the rest of the scene still
- * renders.
+ * Input: a vtkImageData or a vtkRectilinearGrid with at least two points along each axis, and scalars
+ * of any of VTK's numeric types with 1 to 4 components, of points or of cells (two cells an axis or
+ * more), chosen with SetScalarMode() and SelectScalarArray(). Scalars of cells reach up to the
+ * outermost faces. Scalars that are not a number are transparent, and so are blanked points and cells
+ * (vtkGhostType: HIDDENPOINT, HIDDENCELL, REFINEDCELL); duplicates of other processes are not. The
+ * voxel of a rectilinear grid, as a unit of length, is one of a grid of equal steps with as many
+ * points. Everything else is refused with an error that says what is wrong; the rest of the scene
+ * still renders.
+ *
+ * The vtkVolumeProperty, as with VTK's own mappers:
+ * - Independent components have functions, weights, shading and surfaces of their own. Opacities a
+ *   over a sample distance make the opacity sum(a^2) / sum(a), colours c the premultiplied colour
+ *   sum(a c), of a still picture's sample distance. The weight of a single component is not used.
+ * - Dependent components: of two, the first is looked up for colour, the second for opacity. Of four,
+ *   three are red, green and blue, the fourth is looked up for opacity. Of three, red, green and blue,
+ *   the luminance (0.299, 0.587, 0.114) is looked up for opacity, which VTK's mappers do not have.
+ *   Colours are unsigned char, unsigned short, or float and double from 0 to 1. Normals and gradients
+ *   are those of what is looked up for opacity. They can be composited only.
+ * - Gradient opacity multiplies the opacity over the sample distance. It is that of the volume at
+ *   rest, in scalar units per mean edge of a voxel, so tissue looks the same wherever the deformation
+ *   takes it; magnitudes above a quarter of the range of the scalars count as that.
+ * - Two-dimensional transfer functions span the range of the scalars and, on the second axis, that
+ *   quarter or the range of Transfer2DYAxisArray; their opacity is that over the unit distance.
+ *   vtkGPUVolumeRayCastMapper does not correct it for the sample distance.
+ * - Colour functions in all colour spaces, with logarithmic scale and colours beyond the range.
  *
  * Blend modes (vtkVolumeMapper::SetBlendMode) look as with vtkGPUVolumeRayCastMapper:
  * - composite;

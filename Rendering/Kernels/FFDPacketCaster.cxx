@@ -123,6 +123,22 @@ PacketSampling SamplingOf(BlendMode mode)
   }
 }
 
+/// Whether the vector code can fetch these voxels.
+bool CanFetchPackets(const VolumeView& v)
+{
+  const double bytes =
+    static_cast<double>(v.Increments[2]) * v.Dimensions.z * SizeOf(v.Type);
+  return bytes <= LargestVolume && v.Increments[0] == 1 && v.Dimensions.x >= 4 &&
+    v.Dimensions.y >= 4 && v.Dimensions.z >= 4;
+}
+
+/// Whether the vector code composites with the gradient opacity of this scene.
+bool HasVectorGradientOpacity(const CastScene& scene, const SampleClassifier& classifier)
+{
+  return classifier.IsPlainWithGradient() && scene.Blend.Mode == BlendMode::Composite &&
+    CanFetchPackets(scene.Volume);
+}
+
 /// Beyond it single precision has only infinity.
 float ToFloat(double value)
 {
@@ -157,16 +173,10 @@ bool PacketCaster::Supports(const CastScene& scene, const CastSettings& settings
   {
     return false;
   }
-  if (scene.Classifier && !scene.Classifier->IsPlain())
-  {
-    // Fetched ray by ray, from any voxels.
-    return true;
-  }
-  const VolumeView& v = scene.Volume;
-  const double bytes =
-    static_cast<double>(v.Increments[2]) * v.Dimensions.z * SizeOf(v.Type);
-  return bytes <= LargestVolume && v.Increments[0] == 1 && v.Dimensions.x >= 4 &&
-    v.Dimensions.y >= 4 && v.Dimensions.z >= 4;
+  // Others are fetched ray by ray, from any voxels.
+  const SampleClassifier* classifier = scene.Classifier;
+  const bool plain = !classifier || classifier->IsPlain();
+  return !plain || CanFetchPackets(scene.Volume);
 }
 
 //------------------------------------------------------------------------------
@@ -178,7 +188,8 @@ PacketCaster::PacketCaster(
   p.Settings = settings;
   p.Source = &scene;
   p.Frame = &frame;
-  p.Sampling = settings.PerRay || !frame.Classifier->IsPlain()
+  const bool gradients = HasVectorGradientOpacity(scene, *frame.Classifier);
+  p.Sampling = settings.PerRay || !(gradients || frame.Classifier->IsPlain())
     ? PacketSampling::PerRay
     : SamplingOf(scene.Blend.Mode);
   p.Intervals = scene.Blend.UsesIntervals();
@@ -211,6 +222,16 @@ PacketCaster::PacketCaster(
     p.TableScale = static_cast<float>(scene.Table->GetScale());
   }
 
+  if (gradients)
+  {
+    const GradientOpacity& opacity = frame.Classifier->GetGradientOpacity();
+    p.GradientFactors = opacity.GetFactors().data();
+    p.NumberOfGradientFactors = static_cast<int>(opacity.GetFactors().size());
+    // Packets fetch differences over two voxels, scaled as their values.
+    Copy(frame.Classifier->GetMagnitudeScale() * (0.5 * opacity.GetScale() / p.Volume.Scale),
+      p.GradientScale);
+    p.ReferenceLength = static_cast<float>(frame.Classifier->GetReferenceLength());
+  }
   const bool wide = IsWide(v.Type);
   const auto fetched = [&](double value)
   { return ToFloat(wide ? (value - p.Volume.Shift) * p.Volume.Scale : value); };

@@ -104,6 +104,13 @@ struct PacketScene
   float TableLow = 0.0f;
   float TableScale = 1.0f;
 
+  /// Gradient opacity: factors by the length of GradientScale times the gradient as fetched; null
+  /// without. They multiply the opacity over ReferenceLength.
+  const float* GradientFactors = nullptr;
+  int NumberOfGradientFactors = 0;
+  float GradientScale[3] = {};
+  float ReferenceLength = 1.0f;
+
   bool Shade = false;
   bool TwoSided = true;
   float Ambient = 0.0f;

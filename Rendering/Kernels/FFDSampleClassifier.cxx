@@ -112,9 +112,11 @@ SampleClassifier::SampleClassifier(const ClassifierInputs& inputs)
   this->MayHide = this->In.Hidden || (mask.Volume.Scalars && !mask.Labels);
   const OpticalFunctions& functions = *this->In.Functions;
   const ComponentOptics& first = functions.Components[0];
-  this->Plain = functions.Kind == ComponentKind::Independent && functions.Components.size() == 1 &&
-    first.Gradients.IsEmpty() && first.Plane.IsEmpty() && !mask.Volume.Scalars &&
+  const bool one = functions.Kind == ComponentKind::Independent &&
+    functions.Components.size() == 1 && first.Plane.IsEmpty() && !mask.Volume.Scalars &&
     !this->In.Hidden && !volume.Axes && !(this->In.NormalFromOpacity && first.Shade);
+  this->Plain = one && first.Gradients.IsEmpty();
+  this->PlainWithGradient = one && !first.Gradients.IsEmpty();
 }
 
 //------------------------------------------------------------------------------

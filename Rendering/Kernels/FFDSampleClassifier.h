@@ -102,6 +102,17 @@ public:
   /// packets does.
   bool IsPlain() const { return this->Plain; }
 
+  /// Whether there is nothing but that and a gradient opacity: GetGradientOpacity().
+  bool IsPlainWithGradient() const { return this->PlainWithGradient; }
+
+  /// That of the first component, and what takes gradients by index coordinates to its magnitudes.
+  const GradientOpacity& GetGradientOpacity() const
+  {
+    return this->In.Functions->Components[0].Gradients;
+  }
+  const glm::dvec3& GetMagnitudeScale() const { return this->MagnitudeScale; }
+  double GetReferenceLength() const { return this->In.ReferenceLength; }
+
   int GetNumberOfComponents() const { return this->In.Volume.Components; }
 
   /// Whether there is nothing at `q`, whatever the scalars: blanked, or outside of a binary mask.
@@ -166,6 +177,7 @@ private:
   glm::dmat3 ToMask{ 1.0 }; // index coordinates to those of the mask
   glm::dvec3 MaskOffset{ 0.0 };
   bool Plain = true;
+  bool PlainWithGradient = false;
   bool MayHide = false;
 };
 

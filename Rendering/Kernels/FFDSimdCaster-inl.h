@@ -517,12 +517,31 @@ private:
     const Vf fraction = hn::Sub(entry, whole);
     const Vec4 below = LoadQuads(table, index);
     const Vec4 above = LoadQuads(table + 4, index);
-    const Vf extinction = Lerp(below.w, above.w, fraction);
-    const Mf visible =
+    Vf extinction = Lerp(below.w, above.w, fraction);
+    Mf visible =
       hn::And(hn::And(sampled, number), hn::Gt(extinction, hn::Zero(d)));
     if (hn::AllFalse(d, visible))
     {
       return visible;
+    }
+    Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
+    const bool byGradient = this->Scene.GradientFactors != nullptr;
+    if (byGradient || this->Scene.Shade)
+    {
+      gradient = Gradient<T>(this->Scene.Volume, at, rows);
+      if (HWY_UNLIKELY(anyBorder))
+      {
+        gradient = this->GradientAtBorder(q, border, gradient);
+      }
+    }
+    if (HWY_UNLIKELY(byGradient))
+    {
+      extinction = this->WeighByGradient(extinction, gradient);
+      visible = hn::And(visible, hn::Gt(extinction, hn::Zero(d)));
+      if (hn::AllFalse(d, visible))
+      {
+        return visible;
+      }
     }
     statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
 
@@ -531,11 +550,6 @@ private:
     const Vf t = hn::MulAdd(s, Splat(piece.Dt), Splat(piece.T0));
     if (this->Scene.Shade)
     {
-      Vec3 gradient = Gradient<T>(this->Scene.Volume, at, rows);
-      if (HWY_UNLIKELY(anyBorder))
-      {
-        gradient = this->GradientAtBorder(q, border, gradient);
-      }
       colour = this->ShadeSample(piece, q, colour, gradient, s, t);
     }
     const Vf interval = this->Scene.Settings.Opacity == OpacityLength::World
@@ -553,6 +567,37 @@ private:
       hn::Lt(this->Out.Transmittance, Splat(this->Scene.Settings.TerminationTransmittance));
     this->Alive = hn::AndNot(ended, this->Alive);
     return visible;
+  }
+
+  /// The extinction whose opacity over the reference length is that of `extinction` times the factor
+  /// of a gradient; as SampleClassifier.
+  HWY_NOINLINE Vf WeighByGradient(Vf extinction, const Vec3& gradient) const
+  {
+    const Df d;
+    const Di di;
+    const Vec3 scaled{ hn::Mul(gradient.x, Splat(this->Scene.GradientScale[0])),
+      hn::Mul(gradient.y, Splat(this->Scene.GradientScale[1])),
+      hn::Mul(gradient.z, Splat(this->Scene.GradientScale[2])) };
+    const Vf last = Splat(static_cast<float>(this->Scene.NumberOfGradientFactors - 1));
+    const Vf magnitude = hn::Sqrt(Dot(scaled, scaled));
+    const Vf x = hn::IfThenElseZero(hn::Eq(magnitude, magnitude), hn::Min(magnitude, last));
+    const Vf whole = hn::Min(hn::Floor(x), hn::Sub(last, Splat(1.0f)));
+    HWY_ALIGN int offsets[16];
+    hn::Store(hn::ConvertTo(di, whole), di, offsets);
+    const Vf factor = Lerp(LoadLanes<float, 4>(this->Scene.GradientFactors, 0, offsets),
+      LoadLanes<float, 4>(this->Scene.GradientFactors, 4, offsets), hn::Sub(x, whole));
+    const Vf one = Splat(1.0f);
+    const Vf length = Splat(this->Scene.ReferenceLength);
+    const Vf opacity =
+      hn::Mul(factor, hn::Sub(one, Exp2(hn::Neg(hn::Mul(extinction, length)))));
+    // What is nearly transparent has no digits left in 1 - opacity, but its logarithm is linear.
+    const Vf passed = hn::Sub(one, opacity);
+    const Vf logarithm = hn::IfThenElse(hn::Lt(opacity, Splat(1e-3f)),
+      hn::Mul(hn::Mul(opacity, Splat(1.4426950409f)),
+        hn::MulAdd(opacity, Splat(0.5f), one)),
+      hn::Neg(Log2(hn::Max(passed, Splat(1e-30f)))));
+    const Vf weighed = hn::Div(hn::Max(logarithm, hn::Zero(d)), length);
+    return hn::IfThenElse(hn::Ge(factor, one), extinction, weighed);
   }
 
   /// What TakeSample does, for all that is not plain compositing; at s = n * ds.
@@ -815,11 +860,11 @@ private:
 
   HWY_NOINLINE Vec3 GradientAtBorder(const Vec3& q, Mf border, const Vec3& gradient) const
   {
-    // Scaled as fetched: squares of huge or tiny scalars are no floats.
+    // Over two voxels and scaled, as fetched: squares of huge or tiny scalars are no floats.
     return ReplaceLanes(border, q, gradient,
       [&](const glm::dvec3& at) {
         return this->Scene.Reference.Gradient(this->Scene.Source->Volume, at) *
-          this->Scene.Volume.Scale;
+          (2.0 * this->Scene.Volume.Scale);
       });
   }
 

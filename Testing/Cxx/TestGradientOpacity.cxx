@@ -147,6 +147,20 @@ int TestGradientOpacity(int argc, char* argv[])
       { { 5, 0.9, 0.5, 0.2, 0.0 }, { 60, 0.9, 0.6, 0.2, 0.2 }, { 230, 1.0, 1.0, 1.0, 0.5 } },
       MakeFunction({ { 4.0, 0.0 }, { 20.0, 1.0 } }), 1.0, 0.7, checks);
   }
+  // The other types, which the fast kernels fetch in other ways.
+  for (const int type : { VTK_SHORT, VTK_UNSIGNED_SHORT, VTK_INT, VTK_DOUBLE, VTK_CHAR })
+  {
+    ffdTest::Scene scene;
+    const auto image = ffdTest::MakeImage(40, type, 1,
+      [](int c, const ffdTest::Vec3& p) { return 0.5 * Shells(c, p); });
+    scene.SetInput(image);
+    scene.SetCamera({ 30.0, 25.0, 1.0, true, false }, image->GetBounds());
+    ffdTest::SetTransfer(scene.Property,
+      { { 2, 0.9, 0.5, 0.2, 0.0 }, { 30, 0.9, 0.6, 0.2, 0.2 }, { 115, 1.0, 1.0, 1.0, 0.5 } }, 1.0);
+    scene.Property->SetGradientOpacity(MakeFunction({ { 1.0, 0.0 }, { 12.0, 1.0 } }));
+    ffdTest::CheckSamePictures(
+      scene, std::string("shells of ") + vtkImageScalarTypeNameMacro(type), checks);
+  }
   CheckComponents(checks);
   {
     ffdTest::Scene scene;
