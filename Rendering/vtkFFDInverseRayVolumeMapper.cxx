@@ -106,20 +106,20 @@ double FindShortestEdge(const glm::dmat3& fromIndex)
     glm::length(fromIndex[0]), std::min(glm::length(fromIndex[1]), glm::length(fromIndex[2])));
 }
 
-/// A rectangle of viewport pixels and the grid of rays over it.
 /// How many cells of bounds a volume is worth: each takes 34 bytes. `whole`: of which the image may
 /// be a part, which must be rendered as in the whole.
-int FindMostBoundsCells(vtkImageData& image, const ffd::Box& whole)
+int FindMostBoundsCells(const ffd::VolumeView& volume, int scalarSize, const ffd::Box& whole)
 {
   constexpr double bytesPerCell = 24000.0;
-  double bytes = image.GetScalarSize();
+  double bytes = scalarSize;
   for (int a = 0; a < 3; ++a)
   {
-    bytes *= (whole.Max[a] - whole.Min[a]) / std::abs(image.GetSpacing()[a]) + 1.0;
+    bytes *= (whole.Max[a] - whole.Min[a]) / glm::length(volume.IndexToData[a]) + 1.0;
   }
   return static_cast<int>(std::clamp(bytes / bytesPerCell, 216.0, 2000.0));
 }
 
+/// A rectangle of viewport pixels and the grid of rays over it.
 struct ImageRegion
 {
   glm::ivec2 Viewport{ 0 }; // pixels of the whole viewport
@@ -317,7 +317,8 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
   const double reach = BoundsResolution * voxel;
   this->SpaceBounds = ffd::DeformedSpaceBounds(this->Map, mapBounds,
     { this->DeformedBounds.Min - reach, this->DeformedBounds.Max + reach }, rest, reach,
-    FindMostBoundsCells(*image, rest));
+    FindMostBoundsCells(
+      this->Input.GetView(), this->Input.GetScalars()->GetDataTypeSize(), rest));
   for (int a = 0; a < 3; ++a)
   {
     this->ReportedBounds[2 * a] = this->DeformedBounds.Min[a];
