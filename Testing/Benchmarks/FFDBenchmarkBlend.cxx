@@ -5,6 +5,7 @@
 #include "FFDBenchmarkScene.h"
 #include "FFDBenchmarkSuites.h"
 
+#include "vtkColorTransferFunction.h"
 #include "vtkContourValues.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDLattice.h"
@@ -12,6 +13,7 @@
 #include "vtkImageData.h"
 #include "vtkNew.h"
 #include "vtkOpenGLGPUVolumeRayCastMapper.h"
+#include "vtkPiecewiseFunction.h"
 #include "vtkSmartPointer.h"
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
@@ -27,13 +29,57 @@ namespace
 /// Where the engine's surface is.
 constexpr double IsoLevel = 100.0;
 
+/// The volume and, as a second component, its mirror image.
+vtkSmartPointer<vtkImageData> MakeTwoComponents(vtkImageData* image)
+{
+  auto two = vtkSmartPointer<vtkImageData>::New();
+  two->CopyStructure(image);
+  two->AllocateScalars(VTK_UNSIGNED_CHAR, 2);
+  int dims[3];
+  image->GetDimensions(dims);
+  const auto* in = static_cast<const unsigned char*>(image->GetScalarPointer());
+  auto* out = static_cast<unsigned char*>(two->GetScalarPointer());
+  const vtkIdType rows = static_cast<vtkIdType>(dims[1]) * dims[2];
+  for (vtkIdType row = 0; row < rows; ++row, in += dims[0])
+  {
+    for (int i = 0; i < dims[0]; ++i)
+    {
+      *out++ = in[i];
+      *out++ = in[dims[0] - 1 - i];
+    }
+  }
+  return two;
+}
+
+/// Functions of the second component as those of the first, and a gradient opacity.
+void SetUpProperty(vtkVolumeProperty* property, BlendRows rows)
+{
+  if (rows == BlendRows::TwoComponents)
+  {
+    vtkNew<vtkColorTransferFunction> blue;
+    blue->AddRGBPoint(70.0, 0.2, 0.3, 0.9);
+    blue->AddRGBPoint(255.0, 0.7, 0.9, 1.0);
+    property->SetColor(1, blue);
+    property->SetScalarOpacity(1, property->GetScalarOpacity(0));
+    property->SetShade(1, property->GetShade(0));
+  }
+  else if (rows == BlendRows::GradientOpacity)
+  {
+    vtkNew<vtkPiecewiseFunction> gradients;
+    gradients->AddPoint(5.0, 0.0);
+    gradients->AddPoint(40.0, 1.0);
+    property->SetGradientOpacity(gradients);
+  }
+}
+
 struct BlendScene
 {
-  BlendScene(vtkSmartPointer<vtkImageData> image, int size)
+  BlendScene(vtkSmartPointer<vtkImageData> image, int size, BlendRows rows)
     : Image(image)
     , View(size, image)
     , Property(MakeProperty(Opacity::Opaque))
   {
+    SetUpProperty(this->Property, rows);
     Deform(this->Still, image, { Shape::Identity, 0.0 });
     Deform(this->Deformed, image, { Shape::Smooth, 45.0 });
     this->Property->GetIsoSurfaceValues()->SetValue(0, IsoLevel);
@@ -68,10 +114,16 @@ void Judge(Row& row, const Stage& stage, vtkUnsignedCharArray* picture,
 std::shared_ptr<void> PrepareBlend(
   Group& group, BlendRows rows, int size, const std::string& folder)
 {
-  auto scene = std::make_shared<BlendScene>(ReadVolume(folder, "engine"), size);
+  vtkSmartPointer<vtkImageData> image = ReadVolume(folder, "engine");
+  if (rows == BlendRows::TwoComponents)
+  {
+    image = MakeTwoComponents(image);
+  }
+  auto scene = std::make_shared<BlendScene>(image, size, rows);
   BlendScene* s = scene.get();
   const int mode = rows == BlendRows::Mip ? vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND
-                                          : vtkVolumeMapper::ISOSURFACE_BLEND;
+    : rows == BlendRows::Isosurface       ? vtkVolumeMapper::ISOSURFACE_BLEND
+                                          : vtkVolumeMapper::COMPOSITE_BLEND;
   vtkSmartPointer<vtkUnsignedCharArray> theirs;
   const auto addVtk = [&](const char* name, vtkVolumeMapper* mapper)
   {
@@ -84,14 +136,23 @@ std::shared_ptr<void> PrepareBlend(
       row->Run = [s, volume] { s->View.Draw(volume); };
     }
   };
-  if (rows == BlendRows::Mip)
-  {
-    addVtk("fixedpoint", MakeFixedPointMapper());
-  }
+  // The last one is what our picture is compared with.
   vtkNew<vtkOpenGLGPUVolumeRayCastMapper> gpu;
   gpu->AutoAdjustSampleDistancesOff();
   gpu->SetSampleDistance(1.0f);
-  addVtk("gpu", gpu);
+  if (mode == vtkVolumeMapper::COMPOSITE_BLEND)
+  {
+    addVtk("gpu", gpu);
+    addVtk("fixedpoint", MakeFixedPointMapper());
+  }
+  else
+  {
+    if (rows == BlendRows::Mip)
+    {
+      addVtk("fixedpoint", MakeFixedPointMapper());
+    }
+    addVtk("gpu", gpu);
+  }
 
   for (const bool deformed : { false, true })
   {

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Blend modes other than compositing, against VTK's mappers.
+// Blend modes other than compositing, and composites of more than one function of one component,
+// against VTK's mappers.
 #ifndef FFDBenchmarkBlend_h
 #define FFDBenchmarkBlend_h
 
@@ -12,11 +13,13 @@
 namespace ffdBenchmark
 {
 
-/// Which blend mode.
+/// Which blend mode, or what is composited.
 enum class BlendRows
 {
   Mip,
-  Isosurface
+  Isosurface,
+  TwoComponents,  ///< the volume and its mirror image, independent
+  GradientOpacity ///< of the volume
 };
 
 /**

@@ -595,18 +595,22 @@ std::vector<std::unique_ptr<Group>> MakeGroups(const Options& options)
     { { "gather", rounds(5, 11) }, { "unshaded_identity", rounds(3, 11) },
       { "unshaded_smooth45", rounds(3, 11) }, { "shaded_identity", rounds(3, 11) },
       { "shaded_smooth45", rounds(3, 11) } });
-  for (const BlendRows blend : { BlendRows::Mip, BlendRows::Isosurface })
+  const std::pair<BlendRows, const char*> blends[] = { { BlendRows::Mip, "Blend/mip" },
+    { BlendRows::Isosurface, "Blend/isosurface" },
+    { BlendRows::TwoComponents, "Composite/two_components" },
+    { BlendRows::GradientOpacity, "Composite/gradient_opacity" } };
+  for (const auto& [blend, name] : blends)
   {
-    const bool mip = blend == BlendRows::Mip;
     std::vector<std::pair<std::string, std::size_t>> rows = { { "gpu", rounds(2, 5) },
       { "identity", rounds(5, 11) }, { "exact", rounds(5, 11) },
       { "reference", rounds(1, SlowRounds) } };
-    if (mip)
+    if (blend != BlendRows::Isosurface)
     {
       rows.insert(rows.begin(), { "fixedpoint", rounds(5, 11) });
     }
-    add(mip ? "Blend/mip" : "Blend/isosurface",
-      [blend, folder](Group& group) { return PrepareBlend(group, blend, 512, folder); }, rows);
+    const BlendRows which = blend;
+    add(name, [which, folder](Group& group) { return PrepareBlend(group, which, 512, folder); },
+      rows);
   }
   AddWidgetGroups(options, groups);
   return groups;

@@ -119,7 +119,7 @@ std::pair<const char*, const char*> GetReferences(const Group& group)
   {
     return { "fixedpoint", "identity" };
   }
-  if (name.rfind("Blend", 0) == 0)
+  if (name.rfind("Blend", 0) == 0 || name.rfind("Composite", 0) == 0)
   {
     return { group.FindRow("fixedpoint") ? "fixedpoint" : "gpu", "identity" };
   }
