@@ -6,6 +6,7 @@
 #include "vtkFFDDeformationSource.h"
 #include "vtkFFDImageDisplay.h"
 #include "vtkFFDKernelViews.h"
+#include "vtkFFDProbeView.h"
 #include "vtkFFDRayStatistics.h"
 #include "vtkFFDTracedRays.h"
 #include "vtkFFDVolumeInput.h"
@@ -18,6 +19,7 @@
 #include "FFDPullBackBounds.h"
 #include "FFDRayCaster.h"
 #include "FFDSampleClassifier.h"
+#include "FFDSurfaceSearch.h"
 
 #include "vtkAbstractTransform.h"
 #include "vtkCamera.h"
@@ -1126,6 +1128,56 @@ vtkMTimeType vtkFFDInverseRayVolumeMapper::GetMTime()
     time = std::max(time, this->Deformation->GetMTime());
   }
   return this->MaskInput ? std::max(time, this->MaskInput->GetMTime()) : time;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDInverseRayVolumeMapper::MakeProbeView(vtkFFDProbeView& view)
+{
+  vtkInternals& in = *this->Internals;
+  if (this->GetInputAlgorithm())
+  {
+    this->GetInputAlgorithm()->UpdateWholeExtent();
+  }
+  std::string message;
+  if (!in.UpdateVolume(message) || !in.UpdateDeformation(message) || !in.UpdateMask(message) ||
+    !ffd::MakeCropping(this, this->GetInput(), in.Input.GetView(), this->CroppingSpace == DEFORMED,
+      view.Crop, message))
+  {
+    vtkErrorMacro(<< message);
+    return false;
+  }
+  view.Volume = in.Input.GetView();
+  view.Scalars = in.Input.GetScalars();
+  view.Hidden = in.Input.GetHidden();
+  view.Mask = in.Mask;
+  view.Map = in.Map;
+  // A little more than the bounds: a ray is to be seen coming in through a face that lies on them.
+  const double margin = 0.01 * FindShortestEdge(view.Volume.IndexToData);
+  const double* clip = this->ClipBox;
+  view.Deformed = { glm::max(in.DeformedBounds.Min - margin, glm::dvec3(clip[0], clip[2], clip[4])),
+    glm::min(in.DeformedBounds.Max + margin, glm::dvec3(clip[1], clip[3], clip[5])) };
+  return true;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDInverseRayVolumeMapper::GetRestPosition(const double deformed[3], double rest[3])
+{
+  const glm::dvec3 p(deformed[0], deformed[1], deformed[2]);
+  if (!std::isfinite(glm::dot(p, p)))
+  {
+    vtkErrorMacro(<< "GetRestPosition: the point (" << p.x << ", " << p.y << ", " << p.z
+                  << ") is not finite.");
+    return 0;
+  }
+  vtkFFDProbeView view;
+  if (!this->MakeProbeView(view))
+  {
+    return 0;
+  }
+  const glm::dvec3 q =
+    ffd::SurfaceSearch(view.Volume, view.Map, p, glm::dvec3(0.0)).Evaluate(0.0).Rest;
+  std::copy_n(&q.x, 3, rest);
+  return 1;
 }
 
 //------------------------------------------------------------------------------

@@ -85,7 +85,8 @@
  * voxel edge in world units.
  *
  * @sa
- * vtkFFDLattice vtkFixedPointVolumeRayCastMapper vtkImageReslice vtkBSplineTransform
+ * vtkFFDLattice vtkFFDVolumePicker vtkFixedPointVolumeRayCastMapper vtkImageReslice
+ * vtkBSplineTransform
  */
 #ifndef vtkFFDInverseRayVolumeMapper_h
 #define vtkFFDInverseRayVolumeMapper_h
@@ -101,6 +102,7 @@ class vtkFFDRayStatistics;
 class vtkIdTypeArray;
 class vtkImageData;
 class vtkPolyData;
+struct vtkFFDProbeView;
 
 class VTKFFDRENDERING_EXPORT vtkFFDInverseRayVolumeMapper : public vtkVolumeMapper
 {
@@ -528,6 +530,14 @@ public:
   int TraceRays(vtkRenderer* renderer, vtkVolume* volume, int width, int height,
     vtkIdTypeArray* pixels, vtkPolyData* rays, vtkPolyData* viewingRays, vtkPolyData* samples);
 
+  /**
+   * Where the material that is shown at a point of deformed space lies at rest: the pull-back of
+   * `deformed`, by InverseMode, but to a billionth of a voxel. Both in data coordinates; the point
+   * may lie outside of the volume, then so does the result. vtkFFDVolumePicker does this for what is
+   * seen at a pixel. Returns 1, or 0 after an error; `rest` is then left as it was.
+   */
+  int GetRestPosition(const double deformed[3], double rest[3]);
+
   ///@{
   /**
    * Bounds of the deformed volume, data coordinates: (xmin, xmax, ymin, ymax, zmin, zmax), from
@@ -568,6 +578,10 @@ private:
   void operator=(const vtkFFDInverseRayVolumeMapper&) = delete;
 
   bool SetPositive(const char* name, double& member, double value);
+
+  // For looking at the volume point by point; false after an error.
+  friend class vtkFFDVolumePicker;
+  bool MakeProbeView(vtkFFDProbeView& view);
 
   vtkAbstractTransform* Deformation = nullptr;
   int InverseMode = EXACT;
