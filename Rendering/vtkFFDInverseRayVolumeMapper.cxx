@@ -35,6 +35,8 @@
 #include "vtkMatrix4x4.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
+#include "vtkPlane.h"
+#include "vtkPlaneCollection.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
 #include "vtkRenderWindow.h"
@@ -57,6 +59,7 @@
 #include <cstring>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 vtkStandardNewMacro(vtkFFDInverseRayVolumeMapper);
@@ -175,7 +178,9 @@ public:
 
   // Of the deformation.
   vtkFFDDeformationSource Source;
-  vtkMTimeType DeformationTime = 0;
+  vtkMTimeType DeformationTime = 0; // that of the field
+  double DeformationReach = 0.0;
+  decltype(FindMostBoundsCells(std::declval<const ffd::VolumeView&>(), 1, std::declval<const ffd::Box&>())) DeformationCells{};
   ffd::PullBack Map;
   ffd::Box RestBounds;
   double TurnRate = 0.0; // radians per data unit of a viewing ray
@@ -189,6 +194,7 @@ public:
   bool FunctionsHaveLabels = false;
   const void* FunctionsSecondAxis = nullptr; // not owned: only compared
   vtkTimeStamp FunctionsMade;
+  vtkTimeStamp VisibilityChanged; // of the functions: what the distances depend on
   vtkTimeStamp BlocksMade;
   vtkTimeStamp DistancesMade;
   ffd::OpticalFunctions Functions;
@@ -202,6 +208,8 @@ public:
   // Of a frame.
   ffd::Shading Lighting;
   std::unique_ptr<ffd::SampleClassifier> Classifier;
+
+  vtkTypeInt64 Builds[NUMBER_OF_CACHED_PARTS] = {};
 
   std::vector<float> Colours;
   std::vector<float> WindowDepths; // of the pixels of the last frame
@@ -285,6 +293,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
   }
   const double voxel = FindShortestEdge(this->Input.GetView().IndexToData);
   std::string warning;
+  const vtkMTimeType lastField = this->Source.GetMTime();
   if (!this->Source.Update(this->Self->Deformation, input, bounds,
         this->Self->PositionTolerance * voxel, message, warning))
   {
@@ -296,31 +305,36 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
   }
   const ffd::Box rest{ glm::dvec3(bounds[0], bounds[2], bounds[4]),
     glm::dvec3(bounds[1], bounds[3], bounds[5]) };
-  const vtkMTimeType time =
-    std::max({ this->Source.GetMTime(), input->GetMTime(), this->Self->MTime.GetMTime() });
-  // An older image in the place of the last one does not show in the times.
-  if (this->DeformationTime == time && this->RestBounds.Min == rest.Min &&
-    this->RestBounds.Max == rest.Max)
-  {
-    return true;
-  }
-  this->DeformationTime = time;
-  this->RestBounds = rest;
-  this->Map = ffd::PullBack(&this->Source.GetField(),
+  this->Builds[DEFORMATION_FIELD] += this->Source.GetMTime() != lastField ? 1 : 0;
+  const ffd::PullBack map(&this->Source.GetField(),
     ffd::FindPullBackKind(
       static_cast<ffd::InverseMode>(this->Self->InverseMode), this->Source.IsInverted()),
     this->Self->InverseTolerance * voxel);
+  // Pieces of rays and the rays around a tile reach out of the bounds by about so much.
+  const double reach = BoundsResolution * voxel;
+  const auto mostCells = FindMostBoundsCells(
+    this->Input.GetView(), this->Input.GetScalars()->GetDataTypeSize(), rest);
+  // All that the bounds depend on: other options of the mapper do not make them anew.
+  if (this->DeformationTime == this->Source.GetMTime() && this->RestBounds.Min == rest.Min &&
+    this->RestBounds.Max == rest.Max && this->DeformationReach == reach && this->DeformationCells == mostCells &&
+    this->Map.GetKind() == map.GetKind() && this->Map.GetTolerance() == map.GetTolerance())
+  {
+    return true;
+  }
+  this->DeformationTime = this->Source.GetMTime();
+  this->DeformationReach = reach;
+  this->DeformationCells = mostCells;
+  this->RestBounds = rest;
+  this->Map = map;
+  ++this->Builds[DEFORMATION_BOUNDS];
   // Only what follows from these bounds is kept: they take far more memory.
   const ffd::PullBackBounds mapBounds(this->Map);
   this->DeformedBounds = mapBounds.DeformedBounds(rest);
   this->TurnRate = ffd::FindLargestTurnRate(
     mapBounds.Over(mapBounds.RegionsAreInRestSpace() ? rest : this->DeformedBounds));
-  // Pieces of rays and the rays around a tile reach out of the bounds by about so much.
-  const double reach = BoundsResolution * voxel;
   this->SpaceBounds = ffd::DeformedSpaceBounds(this->Map, mapBounds,
     { this->DeformedBounds.Min - reach, this->DeformedBounds.Max + reach }, rest, reach,
-    FindMostBoundsCells(
-      this->Input.GetView(), this->Input.GetScalars()->GetDataTypeSize(), rest));
+    mostCells);
   for (int a = 0; a < 3; ++a)
   {
     this->ReportedBounds[2 * a] = this->DeformedBounds.Min[a];
@@ -348,6 +362,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateBlocks(
       this->Blocks.emplace_back(ffd::GetComponent(volume, c), ParallelFor);
     }
     this->BlocksMade.Modified();
+    ++this->Builds[MIN_MAX_BLOCKS];
   }
   if (std::all_of(this->Blocks.begin(), this->Blocks.end(),
         [](const ffd::MinMaxBlocks& blocks)
@@ -408,16 +423,23 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateFunctions(
     facts.HasSecondAxis = true;
     facts.SecondAxis = { range[0], range[1] };
   }
-  if (!ffd::MakeOpticalFunctions(property, facts, this->Functions, message))
+  ffd::OpticalFunctions functions;
+  if (!ffd::MakeOpticalFunctions(property, facts, functions, message))
   {
     this->Property = nullptr;
     return false;
   }
+  if (this->FunctionsMade.GetMTime() == 0 || !ffd::ShowTheSame(functions, this->Functions))
+  {
+    this->VisibilityChanged.Modified();
+  }
+  this->Functions = std::move(functions);
   this->Property = property;
   this->FunctionsTime = time;
   this->FunctionsHaveLabels = hasLabels;
   this->FunctionsSecondAxis = this->SecondAxis.Scalars;
   this->FunctionsMade.Modified();
+  ++this->Builds[TRANSFER_TABLE];
   return true;
 }
 
@@ -450,8 +472,11 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateBlending(
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDistances()
 {
+  // Compositing leaps over what is transparent; the other modes look at the opacities, too.
+  const vtkTimeStamp& functions =
+    this->Blend.Mode == ffd::BlendMode::Composite ? this->VisibilityChanged : this->FunctionsMade;
   if (this->Self->SpaceLeaping == OFF ||
-    (this->DistancesMade > this->FunctionsMade &&
+    (this->DistancesMade > functions && this->DistancesMade > this->BlocksMade &&
       ffd::HaveSameLeaps(this->Blend, this->DistancesBlend)))
   {
     return;
@@ -487,6 +512,7 @@ void vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDistances()
   }
   this->DistancesBlend = this->Blend;
   this->DistancesMade.Modified();
+  ++this->Builds[DISTANCE_MAP];
 }
 
 //------------------------------------------------------------------------------
@@ -1107,6 +1133,12 @@ vtkFFDRayStatistics* vtkFFDInverseRayVolumeMapper::GetStatistics()
 }
 
 //------------------------------------------------------------------------------
+vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetNumberOfBuilds(int part)
+{
+  return part >= 0 && part < NUMBER_OF_CACHED_PARTS ? this->Internals->Builds[part] : -1;
+}
+
+//------------------------------------------------------------------------------
 vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetAuxiliaryMemorySize()
 {
   const vtkInternals& in = *this->Internals;
@@ -1127,7 +1159,16 @@ vtkMTimeType vtkFFDInverseRayVolumeMapper::GetMTime()
   {
     time = std::max(time, this->Deformation->GetMTime());
   }
-  return this->MaskInput ? std::max(time, this->MaskInput->GetMTime()) : time;
+  if (this->MaskInput)
+  {
+    time = std::max(time, this->MaskInput->GetMTime());
+  }
+  // The time of the collection is not that of the planes.
+  for (int i = 0; this->ClippingPlanes && i < this->ClippingPlanes->GetNumberOfItems(); ++i)
+  {
+    time = std::max(time, this->ClippingPlanes->GetItem(i)->GetMTime());
+  }
+  return time;
 }
 
 //------------------------------------------------------------------------------
@@ -1454,8 +1495,80 @@ int vtkFFDInverseRayVolumeMapper::TraceRays(vtkRenderer* renderer, vtkVolume* vo
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::ReleaseGraphicsResources(vtkWindow* window)
 {
-  this->Internals->Display.ReleaseGraphicsResources(window);
+  vtkInternals& in = *this->Internals;
+  in.Display.ReleaseGraphicsResources(window);
+  // The images are as large as the window, and made anew with every frame.
+  std::vector<float>().swap(in.Colours);
+  std::vector<float>().swap(in.WindowDepths);
+  std::vector<float>().swap(in.RayDepths);
   this->Superclass::ReleaseGraphicsResources(window);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
+{
+  if (!mapper)
+  {
+    vtkErrorMacro(<< "ShallowCopy: there is no mapper to copy from.");
+    return;
+  }
+  auto* from = vtkVolumeMapper::SafeDownCast(mapper);
+  if (from && from != this)
+  {
+    this->SetInputConnection(from->GetInputConnection(0, 0));
+    this->SetScalarMode(from->GetScalarMode());
+    if (from->GetArrayAccessMode() == VTK_GET_ARRAY_BY_ID)
+    {
+      this->SelectScalarArray(from->GetArrayId());
+    }
+    else
+    {
+      this->SelectScalarArray(from->GetArrayName());
+    }
+    this->SetBlendMode(from->GetBlendMode());
+    this->SetAverageIPScalarRange(from->GetAverageIPScalarRange());
+    this->SetCropping(from->GetCropping());
+    this->SetCroppingRegionPlanes(from->GetCroppingRegionPlanes());
+    this->SetCroppingRegionFlags(from->GetCroppingRegionFlags());
+  }
+  auto* like = vtkFFDInverseRayVolumeMapper::SafeDownCast(mapper);
+  if (like && like != this)
+  {
+    this->SetDeformation(like->Deformation);
+    this->SetInverseMode(like->InverseMode);
+    this->SetInverseTolerance(like->InverseTolerance);
+    this->SetSegmentation(like->Segmentation);
+    this->SetPositionTolerance(like->PositionTolerance);
+    this->SetAngleThreshold(like->AngleThreshold);
+    this->SetMinimumSegmentLength(like->MinimumSegmentLength);
+    this->SetMaximumSegmentLength(like->MaximumSegmentLength);
+    this->SetSpaceLeaping(like->SpaceLeaping);
+    this->SetEarlyRayTerminationThreshold(like->EarlyRayTerminationThreshold);
+    this->SetOpacityLength(like->OpacityLength);
+    this->SetSampleDistance(like->SampleDistance);
+    this->SetInteractiveSampleDistance(like->InteractiveSampleDistance);
+    this->SetLockSampleDistanceToInputSpacing(like->LockSampleDistanceToInputSpacing);
+    this->SetImageSampleDistance(like->ImageSampleDistance);
+    this->SetMinimumImageSampleDistance(like->MinimumImageSampleDistance);
+    this->SetMaximumImageSampleDistance(like->MaximumImageSampleDistance);
+    this->SetAutoAdjustSampleDistances(like->AutoAdjustSampleDistances);
+    this->SetIntermixIntersectingGeometry(like->IntermixIntersectingGeometry);
+    this->SetCroppingSpace(like->CroppingSpace);
+    this->SetUseJittering(like->UseJittering);
+    this->SetFinalColorWindow(like->FinalColorWindow);
+    this->SetFinalColorLevel(like->FinalColorLevel);
+    this->SetMaskInput(like->MaskInput);
+    this->SetMaskType(like->MaskType);
+    this->SetMaskBlendFactor(like->MaskBlendFactor);
+    this->SetTransfer2DYAxisArray(like->Transfer2DYAxisArray);
+    this->SetComputeNormalFromOpacity(like->ComputeNormalFromOpacity);
+    like->HasClipBox ? this->SetClipBox(like->ClipBox) : this->RemoveClipBox();
+    this->SetWholeBounds(like->WholeBounds);
+    this->SetNumberOfThreads(like->NumberOfThreads);
+    this->SetReferenceKernels(like->ReferenceKernels);
+    this->SetCollectStatistics(like->CollectStatistics);
+  }
+  this->Superclass::ShallowCopy(mapper);
 }
 
 //------------------------------------------------------------------------------

@@ -548,15 +548,41 @@ public:
   ///@}
 
   /**
+   * What is made from the inputs and kept between frames.
+   */
+  enum CachedParts
+  {
+    MIN_MAX_BLOCKS,      ///< limits of the scalars, from the voxels
+    DEFORMATION_FIELD,   ///< the B-spline, from the deformation (a foreign one is approximated)
+    DEFORMATION_BOUNDS,  ///< of the pull-back and of the deformed volume, from that
+    TRANSFER_TABLE,      ///< from the functions of the property
+    DISTANCE_MAP,        ///< of empty space, from blocks and table
+    NUMBER_OF_CACHED_PARTS
+  };
+
+  /**
+   * How often a part has been made since this mapper was: none is made again before something that
+   * it depends on has changed. For tests and for finding out why a frame is slow. -1 for a number
+   * that is no part.
+   */
+  vtkTypeInt64 GetNumberOfBuilds(int part);
+
+  /**
    * Memory held besides the volume itself, in bytes: limits and distances of the blocks, transfer
    * table, lattice and its bounds; not the image.
    */
   vtkTypeInt64 GetAuxiliaryMemorySize();
 
   /**
-   * Includes the modification time of the deformation.
+   * Includes the modification times of the deformation and of the clipping planes.
    */
   vtkMTimeType GetMTime() override;
+
+  /**
+   * Take over the input connection, the options and the clipping planes of another mapper: those of
+   * this class, or of a vtkVolumeMapper what that has. Nothing that is kept between frames.
+   */
+  void ShallowCopy(vtkAbstractMapper* mapper) override;
 
   ///@{
   /**

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDVolumeInput.h"
 
+#include "vtkFFDContentTime.h"
 #include "vtkFFDVolumeViewFromImage.h"
 
 #include "vtkCellData.h"
@@ -82,7 +83,7 @@ bool vtkFFDVolumeInput::Update(
   {
     return false;
   }
-  const bool same = this->Input == input && this->InputTime == input->GetMTime() &&
+  const bool same = this->Input == input && this->InputTime == vtkFFDGetContentTime(input) &&
     this->Scalars == scalars && this->ScalarsTime == scalars->GetMTime() &&
     this->View.Scalars == view.Scalars && this->OfCells == ofCells &&
     this->View.Dimensions == view.Dimensions;
@@ -94,7 +95,7 @@ bool vtkFFDVolumeInput::Update(
     return true;
   }
   this->Input = input;
-  this->InputTime = input->GetMTime();
+  this->InputTime = vtkFFDGetContentTime(input);
   this->Scalars = scalars;
   this->ScalarsTime = scalars->GetMTime();
   this->Changed.Modified();

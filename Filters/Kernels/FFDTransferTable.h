@@ -48,6 +48,14 @@ public:
 
   std::size_t GetMemorySize() const;
 
+  /// Whether IsTransparent() says the same of both for all scalars: tables of other colours or
+  /// other opacities where something is visible at all.
+  bool HasSameVisibility(const TransferTable& other) const
+  {
+    return this->Low == other.Low && this->Scale == other.Scale &&
+      this->VisibleUpTo == other.VisibleUpTo;
+  }
+
   /// The table itself: red, green, blue, extinction of each entry; entry i stands for the scalar
   /// GetLow() + i / GetScale().
   const float* GetEntries() const { return &this->Entries[0].Colour.x; }

@@ -89,4 +89,25 @@ std::size_t OpticalFunctions::GetMemorySize() const
   return size;
 }
 
+//------------------------------------------------------------------------------
+bool ShowTheSame(const OpticalFunctions& a, const OpticalFunctions& b)
+{
+  if (a.Kind != b.Kind || a.Components.size() != b.Components.size() || !a.Labels.empty() ||
+    !b.Labels.empty() || a.ColourScale != b.ColourScale)
+  {
+    return false;
+  }
+  for (std::size_t i = 0; i < a.Components.size(); ++i)
+  {
+    const ComponentOptics& x = a.Components[i];
+    const ComponentOptics& y = b.Components[i];
+    if (!x.Plane.IsEmpty() || !y.Plane.IsEmpty() || !x.Table.HasSameVisibility(y.Table) ||
+      (x.Weight > 0.0f) != (y.Weight > 0.0f))
+    {
+      return false;
+    }
+  }
+  return true;
+}
+
 } // namespace ffd

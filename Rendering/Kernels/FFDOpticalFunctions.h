@@ -86,6 +86,10 @@ private:
   bool IsTransparent(const ComponentOptics& component, const MinMaxBlocks::Limits& limits) const;
 };
 
+/// Whether IsTransparent() certainly says the same of both for all limits. False where that would
+/// take long to find out: with planes or labels.
+FFD_KERNEL_EXPORT bool ShowTheSame(const OpticalFunctions& a, const OpticalFunctions& b);
+
 } // namespace ffd
 
 #endif
