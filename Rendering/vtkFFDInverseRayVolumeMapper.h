@@ -555,7 +555,7 @@ public:
     MIN_MAX_BLOCKS,      ///< limits of the scalars, from the voxels
     DEFORMATION_FIELD,   ///< the B-spline, from the deformation (a foreign one is approximated)
     DEFORMATION_BOUNDS,  ///< of the pull-back and of the deformed volume, from that
-    TRANSFER_TABLE,      ///< from the functions of the property
+    TRANSFER_TABLE,      ///< functions and surfaces, from the property
     DISTANCE_MAP,        ///< of empty space, from blocks and table
     NUMBER_OF_CACHED_PARTS
   };

@@ -110,7 +110,7 @@ int TestBuilds()
     m->ReferenceKernelsOn();
   }));
   m->ReferenceKernelsOff();
-  FFD_CHECK(MakesAnew(scene, "shading", Nothing, [&] {
+  FFD_CHECK(MakesAnew(scene, "shading", Table, [&] {
     scene.Property->ShadeOn();
     scene.Property->SetAmbient(0.3);
     scene.Property->SetSpecularPower(20.0);

@@ -14,9 +14,12 @@
 #include "FFDTestScenes.h"
 
 #include "vtkActor.h"
+#include "vtkCellData.h"
+#include "vtkContourValues.h"
 #include "vtkFFDResampleVolume.h"
+#include "vtkFloatArray.h"
 #include "vtkImageCast.h"
-#include "vtkLightCollection.h"
+#include "vtkPlane.h"
 #include "vtkPolyDataMapper.h"
 #include "vtkProperty.h"
 #include "vtkSphereSource.h"
@@ -78,6 +81,50 @@ public:
   void ShowSoftHead()
   {
     this->Show(this->Read("headsq", 1, 0.0), ffdTest::HeadsqSoft(), 2.0, 0.0);
+  }
+
+  /// Colours and opacities that suit one scalar a ray.
+  void SetTransferOfMaximum()
+  {
+    ffdTest::SetTransfer(this->Property,
+      { { 0, 0.0, 0.0, 0.0, 0.0 }, { 800, 0.2, 0.4, 0.8, 0.4 }, { 1500, 0.9, 0.7, 0.3, 0.8 },
+        { 3000, 1.0, 1.0, 1.0, 1.0 } },
+      2.0);
+  }
+
+  /// The same to each of the three mappers.
+  void All(const std::function<void(vtkVolumeMapper*)>& change)
+  {
+    change(this->Ours);
+    change(this->Fixed);
+    change(this->Gpu);
+  }
+
+  /// Two functions of the head: its scalars, and a wave that rises along z.
+  vtkSmartPointer<vtkImageData> MakeTwoComponents(bool bytes)
+  {
+    vtkSmartPointer<vtkImageData> head = this->Read("headsq", 1, 0.0);
+    auto image = vtkSmartPointer<vtkImageData>::New();
+    image->CopyStructure(head);
+    image->AllocateScalars(bytes ? VTK_UNSIGNED_CHAR : VTK_FLOAT, 2);
+    int dims[3];
+    image->GetDimensions(dims);
+    for (int k = 0; k < dims[2]; ++k)
+    {
+      for (int j = 0; j < dims[1]; ++j)
+      {
+        for (int i = 0; i < dims[0]; ++i)
+        {
+          const double value = head->GetScalarComponentAsDouble(i, j, k, 0);
+          const double wave = 127.0 + 100.0 * std::sin(0.12 * k + 0.07 * i);
+          image->SetScalarComponentFromDouble(
+            i, j, k, 0, bytes ? wave : value);
+          image->SetScalarComponentFromDouble(
+            i, j, k, 1, bytes ? std::min(255.0, std::max(0.0, value / 8.0)) : wave);
+        }
+      }
+    }
+    return image;
   }
 
   void Look(const ffdTest::View& view) { this->Camera = view; }
@@ -225,7 +272,7 @@ std::vector<SceneTest> Scenes()
       // Without highlights: the half vector of VTK's GPU mapper is wrong for positional lights.
       s.SetShading(0.1, 0.8, 0.0, 20.0);
     },
-    SetPositionalLights, 3.0, 25.0, 22.0 });
+    SetPositionalLights, 12.0, 35.0, 25.0 });
   scenes.push_back({ "LargeColourFunction", "TestGPURayCastLargeColorTransferFunction",
     Reference::Gpu,
     [](Stage& s) {
@@ -258,6 +305,208 @@ std::vector<SceneTest> Scenes()
     },
     // The grids of rays are not the same: what is compared is the coarseness.
     8.0, 35.0, 28.0, 5.0 });
+
+  // Blend modes: what a composited picture would be is the picture without.
+  const auto blend = [&](const std::string& name, const std::string& origin, int mode,
+                       Reference with, double mean, double p99, double decibels) {
+    scenes.push_back({ name, origin, with,
+      [mode](Stage& s) {
+        s.ShowHead();
+        if (mode == vtkVolumeMapper::MINIMUM_INTENSITY_BLEND)
+        {
+          // The least along every ray through the head would be the air: turn it around.
+          vtkDataArray* scalars = s.Image->GetPointData()->GetScalars();
+          for (vtkIdType i = 0; i < scalars->GetNumberOfTuples(); ++i)
+          {
+            scalars->SetTuple1(i, std::max(0.0, 3000.0 - scalars->GetTuple1(i)));
+          }
+        }
+        s.SetTransferOfMaximum();
+      },
+      [mode](Stage& s, bool on) {
+        s.All([&](vtkVolumeMapper* m) {
+          m->SetBlendMode(on ? mode : static_cast<int>(vtkVolumeMapper::COMPOSITE_BLEND));
+          m->SetAverageIPScalarRange(200.0, 3000.0);
+        });
+      },
+      mean, p99, decibels });
+  };
+  blend("MaximumIntensity", "TestGPURayCastDataTypesMIP", vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND,
+    Reference::Fixed, 1.0, 2.0, 33.0);
+  blend("MinimumIntensity", "TestGPURayCastDataTypesMinIP",
+    vtkVolumeMapper::MINIMUM_INTENSITY_BLEND, Reference::Gpu, 1.6, 12.0, 0.0);
+  blend("AverageIntensity", "TestGPURayCastAverageIP", vtkVolumeMapper::AVERAGE_INTENSITY_BLEND,
+    Reference::Gpu, 0.5, 4.0, 33.0);
+  // Rays through the box of the volume cover the background, and a resampled box is larger.
+  blend("Additive", "TestGPURayCastAdditive", vtkVolumeMapper::ADDITIVE_BLEND, Reference::Gpu, 0.5,
+    4.0, 0.0);
+  scenes.push_back({ "IsoSurface", "TestGPURayCastIsosurface", Reference::Gpu,
+    [](Stage& s) {
+      s.ShowHead();
+      s.SetShading(0.1, 0.7, 0.2, 10.0);
+      s.Property->GetIsoSurfaceValues()->SetValue(0, 700.0);
+    },
+    [](Stage& s, bool on) {
+      s.All([&](vtkVolumeMapper* m) {
+        m->SetBlendMode(on ? vtkVolumeMapper::ISOSURFACE_BLEND : vtkVolumeMapper::COMPOSITE_BLEND);
+      });
+    },
+    3.0, 22.0, 29.0 });
+
+  // Cropping of deformed space: that of the resampled volume.
+  const auto crop = [&](const std::string& name, int flags) {
+    scenes.push_back({ name, "TestGPURayCastCropping", Reference::Fixed,
+      [flags](Stage& s) {
+        s.ShowEngine();
+        const double* b = s.Image->GetBounds();
+        s.Ours->SetCroppingSpaceToDeformed();
+        s.All([&](vtkVolumeMapper* m) {
+          m->SetCroppingRegionPlanes(b[0] + 0.3 * (b[1] - b[0]), b[0] + 0.7 * (b[1] - b[0]),
+            b[2] + 0.25 * (b[3] - b[2]), b[2] + 0.6 * (b[3] - b[2]), b[4] + 0.3 * (b[5] - b[4]),
+            b[4] + 0.8 * (b[5] - b[4]));
+          m->SetCroppingRegionFlags(flags);
+        });
+      },
+      [](Stage& s, bool on) { s.All([&](vtkVolumeMapper* m) { m->SetCropping(on ? 1 : 0); }); },
+      1.0, 5.0, 30.0 });
+  };
+  crop("CroppingSubVolume", VTK_CROP_SUBVOLUME);
+  crop("CroppingFence", VTK_CROP_FENCE);
+  crop("CroppingInvertedCross", VTK_CROP_INVERTED_CROSS);
+  scenes.push_back({ "Clipping", "TestGPURayCastClipping", Reference::Fixed,
+    [](Stage& s) { s.ShowEngine(); },
+    [](Stage& s, bool on) {
+      const double* b = s.Image->GetBounds();
+      s.All([&](vtkVolumeMapper* m) {
+        m->RemoveAllClippingPlanes();
+        for (int i = 0; on && i < 2; ++i)
+        {
+          vtkNew<vtkPlane> plane;
+          plane->SetOrigin(0.5 * (b[0] + b[1]), 0.5 * (b[2] + b[3]), 0.6 * (b[4] + b[5]));
+          plane->SetNormal(i ? -0.7 : 0.3, i ? 0.2 : 1.0, i ? -0.3 : -0.4);
+          m->AddClippingPlane(plane);
+        }
+      });
+    },
+    1.0, 3.0, 36.0 });
+  scenes.push_back({ "FinalColourWindowLevel", "TestFinalColorWindowLevel", Reference::Gpu,
+    [](Stage& s) { s.ShowEngine(); },
+    [](Stage& s, bool on) {
+      s.Ours->SetFinalColorWindow(on ? 0.5 : 1.0);
+      s.Ours->SetFinalColorLevel(on ? 0.65 : 0.5);
+      s.Gpu->SetFinalColorWindow(on ? 0.5f : 1.0f);
+      s.Gpu->SetFinalColorLevel(on ? 0.65f : 0.5f);
+    },
+    1.5, 8.0, 34.0 });
+
+  // Functions.
+  scenes.push_back({ "GradientOpacity", "TestGPURayCastGradientOpacity", Reference::Gpu,
+    [](Stage& s) { s.ShowHead(); },
+    [](Stage& s, bool on) {
+      vtkNew<vtkPiecewiseFunction> gradient;
+      gradient->AddPoint(0.0, on ? 0.0 : 1.0);
+      gradient->AddPoint(50.0, on ? 0.0 : 1.0);
+      gradient->AddPoint(250.0, 1.0);
+      s.Property->SetGradientOpacity(gradient);
+      s.Property->SetDisableGradientOpacity(on ? 0 : 1);
+    },
+    1.0, 4.0, 0.0 });
+  scenes.push_back({ "TwoComponentsIndependent", "TestGPURayCastTwoComponentsIndependent",
+    Reference::Fixed,
+    [](Stage& s) {
+      s.Show(s.MakeTwoComponents(false), ffdTest::HeadsqSkin(), 2.0, 0.0);
+      vtkNew<vtkColorTransferFunction> colour;
+      colour->AddRGBPoint(0.0, 0.0, 0.0, 1.0);
+      colour->AddRGBPoint(227.0, 1.0, 0.2, 0.0);
+      vtkNew<vtkPiecewiseFunction> opacity;
+      opacity->AddPoint(20.0, 0.0);
+      opacity->AddPoint(227.0, 0.7);
+      s.Property->SetColor(1, colour);
+      s.Property->SetScalarOpacity(1, opacity);
+      s.Property->SetScalarOpacityUnitDistance(1, 2.0);
+      s.Property->IndependentComponentsOn();
+    },
+    [](Stage& s, bool on) {
+      s.Property->SetComponentWeight(0, on ? 0.5 : 1.0);
+      s.Property->SetComponentWeight(1, on ? 0.5 : 0.0);
+    },
+    4.0, 30.0, 24.0 });
+  scenes.push_back({ "TwoComponentsDependent", "TestGPURayCastTwoComponentsDependent",
+    Reference::Gpu,
+    [](Stage& s) {
+      s.Show(s.MakeTwoComponents(true),
+        { { 0, 0.0, 0.0, 1.0, 0.0 }, { 80, 0.0, 0.0, 1.0, 0.0 }, { 130, 0.2, 1.0, 0.3, 0.6 },
+          { 227, 1.0, 0.2, 0.0, 0.9 } },
+        2.0, 0.0);
+      s.Property->IndependentComponentsOff();
+    },
+    [](Stage& s, bool on) {
+      // Without: one colour.
+      vtkNew<vtkColorTransferFunction> colour;
+      colour->AddRGBPoint(0.0, on ? 0.0 : 0.5, on ? 0.0 : 0.5, on ? 1.0 : 0.5);
+      colour->AddRGBPoint(227.0, on ? 1.0 : 0.5, on ? 0.2 : 0.5, on ? 0.0 : 0.5);
+      s.Property->SetColor(colour);
+    },
+    8.0, 45.0, 27.0 });
+
+  // What hides voxels. The mask is one of the material: it moves with it, not with the resampled.
+  scenes.push_back({ "BinaryMask", "TestGPURayCastCompositeBinaryMask", Reference::Gpu,
+    [](Stage& s) { s.ShowHead(); },
+    [](Stage& s, bool on) {
+      auto mask = vtkSmartPointer<vtkImageData>::New();
+      mask->CopyStructure(s.Image);
+      mask->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
+      int dims[3];
+      mask->GetDimensions(dims);
+      for (vtkIdType i = 0; i < mask->GetNumberOfPoints(); ++i)
+      {
+        const int x = static_cast<int>(i % dims[0]);
+        const int z = static_cast<int>(i / (dims[0] * dims[1]));
+        mask->GetPointData()->GetScalars()->SetTuple1(i, x > 30 || z > 60 ? 255.0 : 0.0);
+      }
+      s.Ours->SetMaskInput(on ? mask.Get() : nullptr);
+      s.Gpu->SetMaskInput(on ? mask.Get() : nullptr);
+      s.Ours->SetMaskTypeToBinary();
+      s.Gpu->SetMaskTypeToBinary();
+      s.Kept.push_back(mask);
+    },
+    1.0, 8.0, 0.0 });
+  scenes.push_back({ "CellData", "TestGPURayCastCellData", Reference::Gpu,
+    [](Stage& s) {
+      vtkSmartPointer<vtkImageData> head = s.Read("headsq", 1, 0.0);
+      int dims[3];
+      head->GetDimensions(dims);
+      auto cells = vtkSmartPointer<vtkImageData>::New();
+      cells->SetDimensions(dims[0] + 1, dims[1] + 1, dims[2] + 1);
+      cells->SetSpacing(head->GetSpacing());
+      vtkNew<vtkFloatArray> shifted;
+      shifted->DeepCopy(head->GetPointData()->GetScalars());
+      shifted->SetName("cells");
+      cells->GetCellData()->SetScalars(shifted);
+      // Another picture without: the points have the scalars of half the head.
+      cells->AllocateScalars(VTK_FLOAT, 1);
+      for (vtkIdType i = 0; i < cells->GetNumberOfPoints(); ++i)
+      {
+        const int x = static_cast<int>(i % (dims[0] + 1));
+        cells->GetPointData()->GetScalars()->SetTuple1(i, x > 20 && x < 50 ? 900.0 : 0.0);
+      }
+      cells->GetPointData()->GetScalars()->SetName("points");
+      s.Show(cells, ffdTest::HeadsqSkin(), 2.0, 0.0);
+    },
+    [](Stage& s, bool on) {
+      s.All([&](vtkVolumeMapper* m) {
+        if (on)
+        {
+          m->SetScalarModeToUseCellData();
+        }
+        else
+        {
+          m->SetScalarModeToUsePointData();
+        }
+      });
+      s.Property->Modified();
+    },
+    1.0, 4.0, 0.0 });
   return scenes;
 }
 
@@ -344,8 +593,16 @@ int Run(const SceneTest& test, int argc, char* argv[])
     resample->SetOutputSpacing(0.5 * spacing[0], 0.5 * spacing[1], 0.5 * spacing[2]);
     resample->SetBackgroundLevel(stage.Background);
     resample->Update();
-    stage.Fixed->SetInputData(resample->GetOutput());
-    stage.Gpu->SetInputData(resample->GetOutput());
+    // With an extent from 0: VTK's mappers count cropping planes from there.
+    double origin[6];
+    resample->GetOutput()->GetBounds(origin);
+    vtkNew<vtkImageChangeInformation> start;
+    start->SetInputConnection(resample->GetOutputPort());
+    start->SetOutputExtentStart(0, 0, 0);
+    start->SetOutputOrigin(origin[0], origin[2], origin[4]);
+    start->Update();
+    stage.Fixed->SetInputData(start->GetOutput());
+    stage.Gpu->SetInputData(start->GetOutput());
     const ffdTest::Picture resampled = RenderReference(stage, test);
     SavePicture(resampled, folder + "/Scene." + test.Name + ".resampled.png");
     const ffdTest::Distance distance = stage.Compare(deformed, resampled);
