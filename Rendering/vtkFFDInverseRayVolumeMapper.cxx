@@ -180,7 +180,7 @@ public:
   vtkFFDDeformationSource Source;
   vtkMTimeType DeformationTime = 0; // that of the field
   double DeformationReach = 0.0;
-  decltype(FindMostBoundsCells(std::declval<const ffd::VolumeView&>(), 1, std::declval<const ffd::Box&>())) DeformationCells{};
+  int DeformationCells = 0; // at most so many
   ffd::PullBack Map;
   ffd::Box RestBounds;
   double TurnRate = 0.0; // radians per data unit of a viewing ray
@@ -312,7 +312,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
     this->Self->InverseTolerance * voxel);
   // Pieces of rays and the rays around a tile reach out of the bounds by about so much.
   const double reach = BoundsResolution * voxel;
-  const auto mostCells = FindMostBoundsCells(
+  const int mostCells = FindMostBoundsCells(
     this->Input.GetView(), this->Input.GetScalars()->GetDataTypeSize(), rest);
   // All that the bounds depend on: other options of the mapper do not make them anew.
   if (this->DeformationTime == this->Source.GetMTime() && this->RestBounds.Min == rest.Min &&
