@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDDeformVolume.h"
 
+#include "vtkFFDContentTime.h"
 #include "vtkFFDLattice.h"
 
 #include "vtkAlgorithmOutput.h"
@@ -405,6 +406,9 @@ int vtkFFDDeformVolume::RequestData(
     fields->PassData(input->GetFieldData());
   }
   output->SetFieldData(fields);
+
+  // Attaching changes the field data only.
+  vtkFFDPassContentTime(input, output);
 
   vtkImageData* points = vtkImageData::GetData(inputs[1]);
   if (!this->Keyframes.empty())

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDEditLattice.h"
 
+#include "vtkFFDContentTime.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDLatticeSource.h"
 
@@ -393,6 +394,8 @@ int vtkFFDEditLattice::RequestData(
     fields->PassData(input->GetFieldData());
   }
   output->SetFieldData(fields);
+  // Attaching changes the field data only.
+  vtkFFDPassContentTime(input, output);
 
   // The image may be a part of the whole; the lattice is that of the whole.
   vtkInformation* info = inputs[0]->GetInformationObject(0);

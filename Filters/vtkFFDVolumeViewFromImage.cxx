@@ -57,7 +57,7 @@ bool FindScalarType(int vtkType, std::size_t size, ffd::ScalarType& type)
 
 //------------------------------------------------------------------------------
 bool vtkFFDVolumeViewFromImage(vtkImageData* image, vtkDataArray* scalars, bool anyComponents,
-  ffd::VolumeView& view, std::string& message)
+  ffd::VolumeView& view, std::string& message, bool ofCells)
 {
   std::ostringstream why;
   int extent[6];
@@ -76,6 +76,21 @@ bool vtkFFDVolumeViewFromImage(vtkImageData* image, vtkDataArray* scalars, bool 
            "vtkImageActor.";
     message = why.str();
     return false;
+  }
+  if (ofCells)
+  {
+    if (dims[0] < 3 || dims[1] < 3 || dims[2] < 3)
+    {
+      why << "The input image has " << dims[0] - 1 << " x " << dims[1] - 1 << " x " << dims[2] - 1
+          << " cells; to render cell scalars at least 2 are needed along each axis. Convert them "
+             "with vtkCellDataToPointData.";
+      message = why.str();
+      return false;
+    }
+    for (int& n : dims)
+    {
+      --n;
+    }
   }
   if (!scalars)
   {
@@ -96,7 +111,7 @@ bool vtkFFDVolumeViewFromImage(vtkImageData* image, vtkDataArray* scalars, bool 
   if (scalars->GetNumberOfTuples() < voxels)
   {
     why << "The scalars \"" << name << "\" have " << scalars->GetNumberOfTuples()
-        << " values, the input image has " << voxels << " voxels.";
+        << " values, the input image has " << voxels << (ofCells ? " cells." : " voxels.");
     message = why.str();
     return false;
   }
@@ -140,6 +155,7 @@ bool vtkFFDVolumeViewFromImage(vtkImageData* image, vtkDataArray* scalars, bool 
   view.Scalars = scalars->GetVoidPointer(0);
   view.Type = type;
   view.Dimensions = glm::ivec3(dims[0], dims[1], dims[2]);
+  view.Components = components;
   view.Increments[0] = components;
   view.Increments[1] = view.Increments[0] * dims[0];
   view.Increments[2] = view.Increments[1] * dims[1];
@@ -148,5 +164,12 @@ bool vtkFFDVolumeViewFromImage(vtkImageData* image, vtkDataArray* scalars, bool 
   view.DataToIndex = glm::inverse(view.IndexToData);
   view.FirstVoxel = glm::dvec3(origin[0], origin[1], origin[2]) +
     view.IndexToData * glm::dvec3(extent[0], extent[2], extent[4]);
+  view.Margin = 0.0;
+  view.Axes = nullptr;
+  if (ofCells)
+  {
+    view.Margin = 0.5;
+    view.FirstVoxel += view.IndexToData * glm::dvec3(0.5);
+  }
   return true;
 }

@@ -21,8 +21,10 @@ struct VolumeView;
  * components: the view is that of the first one, the others follow it in memory. Returns false
  * and a message for the user when the image is no volume: empty, flat, scalars missing or of the
  * wrong number or kind, spacing, origin or direction not usable.
+ *
+ * `ofCells`: the scalars are those of the cells. Then cells are the voxels, each at its centre.
  */
 VTKFFDFILTERS_EXPORT bool vtkFFDVolumeViewFromImage(vtkImageData* image, vtkDataArray* scalars,
-  bool anyComponents, ffd::VolumeView& view, std::string& message);
+  bool anyComponents, ffd::VolumeView& view, std::string& message, bool ofCells = false);
 
 #endif

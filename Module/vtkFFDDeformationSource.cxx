@@ -24,6 +24,13 @@ constexpr int ProbesPerSide = 9;
 /// What is added on each side to the region so found, by its size.
 constexpr double RegionMargin = 0.1;
 
+bool IsSame(const ffd::BSplineField& a, const ffd::BSplineField& b)
+{
+  return a.GetNodes() == b.GetNodes() && a.GetOrigin() == b.GetOrigin() &&
+    a.GetSpacing() == b.GetSpacing() && a.GetBorder() == b.GetBorder() &&
+    a.GetCoefficients() == b.GetCoefficients();
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -33,7 +40,7 @@ vtkFFDDeformationSource::vtkFFDDeformationSource() = default;
 vtkFFDDeformationSource::~vtkFFDDeformationSource() = default;
 
 //------------------------------------------------------------------------------
-bool vtkFFDDeformationSource::Update(vtkAbstractTransform* transform, vtkImageData* image,
+bool vtkFFDDeformationSource::Update(vtkAbstractTransform* transform, vtkDataObject* image,
   const double bounds[6], double tolerance, std::string& message, std::string& warning)
 {
   const bool attached = !transform && vtkFFDLattice::HasLattice(image);
@@ -101,13 +108,19 @@ bool vtkFFDDeformationSource::Update(vtkAbstractTransform* transform, vtkImageDa
     message = "The deformation cannot be used: " + reason;
     return false;
   }
-  this->Field = field;
-  this->Inverted = inverted;
+  // Read again is not changed: an image with a lattice may be new for other reasons.
+  const bool changed = this->Changed.GetMTime() == 0 || inverted != this->Inverted ||
+    !IsSame(field, this->Field);
   this->MadeFrom = from;
   this->MadeFromTime = time;
   std::copy_n(bounds, 6, this->MadeForBounds);
   this->MadeWithTolerance = tolerance;
-  this->Changed.Modified();
+  if (changed)
+  {
+    this->Field = field;
+    this->Inverted = inverted;
+    this->Changed.Modified();
+  }
   return true;
 }
 

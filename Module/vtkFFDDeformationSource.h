@@ -23,7 +23,7 @@
 
 class vtkAbstractTransform;
 class vtkFFDLattice;
-class vtkImageData;
+class vtkDataObject;
 
 class vtkFFDDeformationSource
 {
@@ -38,7 +38,7 @@ public:
    * approximation, data units. Returns false and a message when the deformation cannot be used;
    * `warning` is set when it can, with a reservation.
    */
-  FFD_KERNEL_EXPORT bool Update(vtkAbstractTransform* transform, vtkImageData* image,
+  FFD_KERNEL_EXPORT bool Update(vtkAbstractTransform* transform, vtkDataObject* image,
     const double bounds[6], double tolerance, std::string& message, std::string& warning);
 
   const ffd::BSplineField& GetField() const { return this->Field; }

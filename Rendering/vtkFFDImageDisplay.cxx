@@ -10,6 +10,7 @@
 #include "vtkRenderer.h"
 #include "vtkShaderProgram.h"
 #include "vtkTextureObject.h"
+#include "vtkWeakPointer.h"
 
 #include <memory>
 
@@ -51,7 +52,7 @@ struct vtkFFDImageDisplay::Resources
 {
   vtkNew<vtkTextureObject> Texture;
   std::unique_ptr<vtkOpenGLQuadHelper> Quad;
-  vtkOpenGLRenderWindow* Window = nullptr; // not owned: only compared
+  vtkWeakPointer<vtkOpenGLRenderWindow> Window;
 };
 
 //------------------------------------------------------------------------------
@@ -72,7 +73,9 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, cons
   {
     return false;
   }
-  if (this->Gl->Window && this->Gl->Window != window)
+  // A window may have been deleted, or have released its resources, without telling the mapper: it
+  // was not in a renderer then.
+  if (this->Gl->Window != window || (this->Gl->Quad && !this->Gl->Quad->Program))
   {
     this->ReleaseGraphicsResources(this->Gl->Window);
   }

@@ -2,24 +2,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDInverseRayVolumeMapper.h"
 
+#include "vtkFFDBlendingView.h"
 #include "vtkFFDDeformationSource.h"
 #include "vtkFFDImageDisplay.h"
 #include "vtkFFDKernelViews.h"
+#include "vtkFFDProbeView.h"
 #include "vtkFFDRayStatistics.h"
 #include "vtkFFDTracedRays.h"
+#include "vtkFFDVolumeInput.h"
 #include "vtkFFDVolumeViewFromImage.h"
 
 #include "FFDDeformedSpaceBounds.h"
 #include "FFDDistanceMap.h"
 #include "FFDMinMaxBlocks.h"
+#include "FFDOpticalFunctions.h"
 #include "FFDPullBackBounds.h"
 #include "FFDRayCaster.h"
-#include "FFDTransferTable.h"
+#include "FFDSampleClassifier.h"
+#include "FFDSurfaceSearch.h"
 
 #include "vtkAbstractTransform.h"
 #include "vtkCamera.h"
+#include "vtkCellData.h"
 #include "vtkCommand.h"
 #include "vtkDataArray.h"
+#include "vtkDataSetAttributes.h"
 #include "vtkGarbageCollector.h"
 #include "vtkIdTypeArray.h"
 #include "vtkImageData.h"
@@ -27,9 +34,9 @@
 #include "vtkMath.h"
 #include "vtkMatrix4x4.h"
 #include "vtkNew.h"
-#include "vtkPiecewiseFunction.h"
-#include "vtkPlaneCollection.h"
 #include "vtkObjectFactory.h"
+#include "vtkPlane.h"
+#include "vtkPlaneCollection.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
 #include "vtkRenderWindow.h"
@@ -52,6 +59,7 @@
 #include <cstring>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 vtkStandardNewMacro(vtkFFDInverseRayVolumeMapper);
@@ -96,26 +104,6 @@ void ParallelFor(
     { work(static_cast<std::size_t>(first), static_cast<std::size_t>(last)); });
 }
 
-/// Other mappers make VTK create a gradient opacity of one everywhere: that is none.
-bool HasEffectiveGradientOpacity(vtkVolumeProperty* property)
-{
-  if (!property->HasGradientOpacity(0))
-  {
-    return false;
-  }
-  vtkPiecewiseFunction* function = property->GetGradientOpacity(0);
-  for (int i = 0; i < function->GetSize(); ++i)
-  {
-    double node[4];
-    function->GetNodeValue(i, node);
-    if (node[1] != 1.0)
-    {
-      return true;
-    }
-  }
-  return false;
-}
-
 /// The unit "voxel": the shortest edge of a voxel under a linear map from index coordinates.
 double FindShortestEdge(const glm::dmat3& fromIndex)
 {
@@ -123,20 +111,20 @@ double FindShortestEdge(const glm::dmat3& fromIndex)
     glm::length(fromIndex[0]), std::min(glm::length(fromIndex[1]), glm::length(fromIndex[2])));
 }
 
-/// A rectangle of viewport pixels and the grid of rays over it.
 /// How many cells of bounds a volume is worth: each takes 34 bytes. `whole`: of which the image may
 /// be a part, which must be rendered as in the whole.
-int FindMostBoundsCells(vtkImageData& image, const ffd::Box& whole)
+int FindMostBoundsCells(const ffd::VolumeView& volume, int scalarSize, const ffd::Box& whole)
 {
   constexpr double bytesPerCell = 24000.0;
-  double bytes = image.GetScalarSize();
+  double bytes = scalarSize;
   for (int a = 0; a < 3; ++a)
   {
-    bytes *= (whole.Max[a] - whole.Min[a]) / std::abs(image.GetSpacing()[a]) + 1.0;
+    bytes *= (whole.Max[a] - whole.Min[a]) / glm::length(volume.IndexToData[a]) + 1.0;
   }
   return static_cast<int>(std::clamp(bytes / bytesPerCell, 216.0, 2000.0));
 }
 
+/// A rectangle of viewport pixels and the grid of rays over it.
 struct ImageRegion
 {
   glm::ivec2 Viewport{ 0 }; // pixels of the whole viewport
@@ -157,34 +145,42 @@ public:
   {
   }
 
-  std::string FindUnsupported(vtkVolumeProperty* property) const;
   bool UpdateVolume(std::string& message);
   bool UpdateDeformation(std::string& message);
-  bool UpdateTransferTable(vtkVolumeProperty* property, std::string& message);
+  bool UpdateMask(std::string& message);
+  bool UpdateBlocks(vtkVolumeProperty* property, std::string& message);
+  bool UpdateFunctions(vtkVolumeProperty* property, std::string& message);
+  bool UpdateBlending(vtkVolumeProperty* property, std::string& message);
   void UpdateDistances();
   bool Update(vtkVolumeProperty* property, std::string& message);
   static bool CheckView(vtkRenderer* renderer, vtkVolume* volume, std::string& message);
 
   ffd::CastSettings MakeSettings(vtkVolume* volume, double voxelSize, bool interactive) const;
   ffd::CastScene MakeScene(vtkRenderer* renderer, vtkVolume* volume, const ImageRegion& region,
-    const float* depths) const;
+    const float* depths);
+  void MakeClassifier(ffd::CastScene& scene);
   bool Cast(vtkRenderer* renderer, vtkVolume* volume, const ImageRegion& region,
     const float* depths, bool interactive, bool checkAbort, float* outDepths);
+  void ApplyFinalColours();
+  bool IsCroppedToBox() const;
   ffd::Box VisibleBounds() const;
   ImageRegion FindRegion(vtkRenderer* renderer, vtkVolume* volume, const glm::ivec2& viewport);
 
   vtkFFDInverseRayVolumeMapper* Self;
 
   // Of the voxels.
-  vtkSmartPointer<vtkDataArray> Scalars;
-  vtkMTimeType VolumeTime = 0;
-  vtkMTimeType ScalarsTime = 0;
-  ffd::VolumeView Volume;
-  ffd::MinMaxBlocks Blocks;
+  vtkFFDVolumeInput Input;
+  ffd::VolumeView SecondAxis; // of two-dimensional transfer functions; Scalars is null without
+  ffd::MaskView Mask;
+  ffd::ComponentKind Kind = ffd::ComponentKind::Independent;
+  std::vector<ffd::MinMaxBlocks> Blocks; // of the components that opacity depends on
+  std::vector<int> BlockComponents;      // which these are
 
   // Of the deformation.
   vtkFFDDeformationSource Source;
-  vtkMTimeType DeformationTime = 0;
+  vtkMTimeType DeformationTime = 0; // that of the field
+  double DeformationReach = 0.0;
+  int DeformationCells = 0; // at most so many
   ffd::PullBack Map;
   ffd::Box RestBounds;
   double TurnRate = 0.0; // radians per data unit of a viewing ray
@@ -194,12 +190,26 @@ public:
 
   // Of the transfer functions.
   vtkVolumeProperty* Property = nullptr; // not owned: only compared
-  vtkMTimeType TableTime = 0;
-  vtkTimeStamp TableMade;
+  vtkMTimeType FunctionsTime = 0;
+  bool FunctionsHaveLabels = false;
+  const void* FunctionsSecondAxis = nullptr; // not owned: only compared
+  vtkTimeStamp FunctionsMade;
+  vtkTimeStamp VisibilityChanged; // of the functions: what the distances depend on
   vtkTimeStamp BlocksMade;
   vtkTimeStamp DistancesMade;
-  ffd::TransferTable Table;
+  ffd::OpticalFunctions Functions;
+  ffd::Blending Blend;
+  ffd::Blending DistancesBlend; // what Distances was made for
+  ffd::Cropping Crop;
+  std::vector<glm::dvec4> ClippingPlanes;
   ffd::DistanceMap Distances;
+  bool CanLeap = true; // else every sample counts
+
+  // Of a frame.
+  ffd::Shading Lighting;
+  std::unique_ptr<ffd::SampleClassifier> Classifier;
+
+  vtkTypeInt64 Builds[NUMBER_OF_CACHED_PARTS] = {};
 
   std::vector<float> Colours;
   std::vector<float> WindowDepths; // of the pixels of the last frame
@@ -210,39 +220,6 @@ public:
 };
 
 //------------------------------------------------------------------------------
-/// What the user asked for and this mapper cannot do: an error, not a picture that ignores it.
-std::string vtkFFDInverseRayVolumeMapper::vtkInternals::FindUnsupported(
-  vtkVolumeProperty* property) const
-{
-  if (this->Self->BlendMode != COMPOSITE_BLEND)
-  {
-    return "Blend mode " + std::to_string(this->Self->BlendMode) +
-      " is not supported; use SetBlendModeToComposite(). Nothing is drawn.";
-  }
-  if (this->Self->Cropping)
-  {
-    return "Cropping is not supported; use CroppingOff(), or crop the input with vtkExtractVOI. "
-           "Nothing is drawn.";
-  }
-  if (this->Self->ClippingPlanes && this->Self->ClippingPlanes->GetNumberOfItems() > 0)
-  {
-    return "Clipping planes are not supported; use RemoveAllClippingPlanes(). Nothing is drawn.";
-  }
-  if (property->GetTransferFunctionMode() != vtkVolumeProperty::TF_1D)
-  {
-    return "2D transfer functions are not supported; use "
-           "vtkVolumeProperty::SetTransferFunctionMode(vtkVolumeProperty::TF_1D). Nothing is "
-           "drawn.";
-  }
-  if (HasEffectiveGradientOpacity(property))
-  {
-    return "Gradient opacity is not supported; use vtkVolumeProperty::DisableGradientOpacityOn(). "
-           "Nothing is drawn.";
-  }
-  return std::string();
-}
-
-//------------------------------------------------------------------------------
 bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateVolume(std::string& message)
 {
   vtkDataSet* input = this->Self->GetInput();
@@ -251,40 +228,55 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateVolume(std::string& messa
     message = "No input: call SetInputData() or SetInputConnection().";
     return false;
   }
-  vtkImageData* image = vtkImageData::SafeDownCast(input);
-  if (!image)
-  {
-    message = std::string("The input is a ") + input->GetClassName() +
-      "; this mapper renders vtkImageData. Resample it with vtkResampleToImage.";
-    return false;
-  }
   int cellFlag = 0;
-  vtkDataArray* scalars = vtkAbstractMapper::GetScalars(image, this->Self->ScalarMode,
+  vtkDataArray* scalars = vtkAbstractMapper::GetScalars(input, this->Self->ScalarMode,
     this->Self->ArrayAccessMode, this->Self->ArrayId, this->Self->ArrayName, cellFlag);
-  if (scalars && cellFlag != 0)
+  if (scalars && cellFlag == 2)
   {
-    message = "The scalars to render are " +
-      std::string(cellFlag == 1 ? "cell data" : "field data") +
-      "; this mapper renders point data. Convert them with vtkCellDataToPointData, or choose "
-      "another array with SelectScalarArray().";
+    message = "The scalars to render are field data; they must belong to points or cells. Choose "
+              "another array with SetScalarMode() and SelectScalarArray().";
     return false;
   }
-  ffd::VolumeView view;
-  if (!vtkFFDVolumeViewFromImage(image, scalars, false, view, message))
+  return this->Input.Update(input, scalars, cellFlag == 1, message);
+}
+
+//------------------------------------------------------------------------------
+/// The mask, and the second axis of two-dimensional transfer functions.
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateMask(std::string& message)
+{
+  const ffd::VolumeView& volume = this->Input.GetView();
+  this->Mask = ffd::MaskView();
+  if (vtkImageData* image = this->Self->MaskInput)
   {
-    return false;
+    this->Mask.Labels = this->Self->MaskType == LabelMapMaskType;
+    this->Mask.BlendFactor = this->Self->MaskBlendFactor;
+    if (!vtkFFDVolumeViewFromImage(
+          image, image->GetPointData()->GetScalars(), false, this->Mask.Volume, message))
+    {
+      message = "MaskInput: " + message;
+      return false;
+    }
+    this->Mask.SameGrid = this->Mask.Volume.Dimensions == volume.Dimensions;
   }
-  const bool sameScalars = this->Scalars == scalars && this->ScalarsTime == scalars->GetMTime() &&
-    this->Volume.Scalars == view.Scalars && this->Volume.Dimensions == view.Dimensions &&
-    this->VolumeTime == image->GetMTime();
-  this->Volume = view;
-  if (!sameScalars)
+  this->SecondAxis = ffd::VolumeView();
+  if (this->Self->Transfer2DYAxisArray)
   {
-    this->Blocks = ffd::MinMaxBlocks(view, ParallelFor);
-    this->BlocksMade.Modified();
-    this->Scalars = scalars;
-    this->ScalarsTime = scalars->GetMTime();
-    this->VolumeTime = image->GetMTime();
+    vtkDataSet* input = this->Self->GetInput();
+    const std::string name = this->Self->Transfer2DYAxisArray;
+    vtkDataArray* array = volume.Margin > 0.0 ? input->GetCellData()->GetArray(name.c_str())
+                                              : input->GetPointData()->GetArray(name.c_str());
+    if (!array)
+    {
+      message = "Transfer2DYAxisArray: the input has no " +
+        std::string(volume.Margin > 0.0 ? "cell" : "point") + " array \"" + name +
+        "\". Name one, or nullptr for the magnitude of the gradient.";
+      return false;
+    }
+    if (!this->Input.MakeView(array, this->SecondAxis, message))
+    {
+      message = "Transfer2DYAxisArray: " + message;
+      return false;
+    }
   }
   return true;
 }
@@ -292,16 +284,17 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateVolume(std::string& messa
 //------------------------------------------------------------------------------
 bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& message)
 {
-  vtkImageData* image = vtkImageData::SafeDownCast(this->Self->GetInput());
+  vtkDataSet* input = this->Self->GetInput();
   double bounds[6];
-  image->GetBounds(bounds);
+  input->GetBounds(bounds);
   if (vtkMath::AreBoundsInitialized(this->Self->WholeBounds))
   {
     std::copy_n(this->Self->WholeBounds, 6, bounds);
   }
-  const double voxel = FindShortestEdge(this->Volume.IndexToData);
+  const double voxel = FindShortestEdge(this->Input.GetView().IndexToData);
   std::string warning;
-  if (!this->Source.Update(this->Self->Deformation, image, bounds,
+  const vtkMTimeType lastField = this->Source.GetMTime();
+  if (!this->Source.Update(this->Self->Deformation, input, bounds,
         this->Self->PositionTolerance * voxel, message, warning))
   {
     return false;
@@ -312,30 +305,36 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
   }
   const ffd::Box rest{ glm::dvec3(bounds[0], bounds[2], bounds[4]),
     glm::dvec3(bounds[1], bounds[3], bounds[5]) };
-  const vtkMTimeType time =
-    std::max({ this->Source.GetMTime(), image->GetMTime(), this->Self->MTime.GetMTime() });
-  // An older image in the place of the last one does not show in the times.
-  if (this->DeformationTime == time && this->RestBounds.Min == rest.Min &&
-    this->RestBounds.Max == rest.Max)
-  {
-    return true;
-  }
-  this->DeformationTime = time;
-  this->RestBounds = rest;
-  this->Map = ffd::PullBack(&this->Source.GetField(),
+  this->Builds[DEFORMATION_FIELD] += this->Source.GetMTime() != lastField ? 1 : 0;
+  const ffd::PullBack map(&this->Source.GetField(),
     ffd::FindPullBackKind(
       static_cast<ffd::InverseMode>(this->Self->InverseMode), this->Source.IsInverted()),
     this->Self->InverseTolerance * voxel);
+  // Pieces of rays and the rays around a tile reach out of the bounds by about so much.
+  const double reach = BoundsResolution * voxel;
+  const int mostCells = FindMostBoundsCells(
+    this->Input.GetView(), this->Input.GetScalars()->GetDataTypeSize(), rest);
+  // All that the bounds depend on: other options of the mapper do not make them anew.
+  if (this->DeformationTime == this->Source.GetMTime() && this->RestBounds.Min == rest.Min &&
+    this->RestBounds.Max == rest.Max && this->DeformationReach == reach && this->DeformationCells == mostCells &&
+    this->Map.GetKind() == map.GetKind() && this->Map.GetTolerance() == map.GetTolerance())
+  {
+    return true;
+  }
+  this->DeformationTime = this->Source.GetMTime();
+  this->DeformationReach = reach;
+  this->DeformationCells = mostCells;
+  this->RestBounds = rest;
+  this->Map = map;
+  ++this->Builds[DEFORMATION_BOUNDS];
   // Only what follows from these bounds is kept: they take far more memory.
   const ffd::PullBackBounds mapBounds(this->Map);
   this->DeformedBounds = mapBounds.DeformedBounds(rest);
   this->TurnRate = ffd::FindLargestTurnRate(
     mapBounds.Over(mapBounds.RegionsAreInRestSpace() ? rest : this->DeformedBounds));
-  // Pieces of rays and the rays around a tile reach out of the bounds by about so much.
-  const double reach = BoundsResolution * voxel;
   this->SpaceBounds = ffd::DeformedSpaceBounds(this->Map, mapBounds,
     { this->DeformedBounds.Min - reach, this->DeformedBounds.Max + reach }, rest, reach,
-    FindMostBoundsCells(*image, rest));
+    mostCells);
   for (int a = 0; a < 3; ++a)
   {
     this->ReportedBounds[2 * a] = this->DeformedBounds.Min[a];
@@ -345,41 +344,175 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
 }
 
 //------------------------------------------------------------------------------
-bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateTransferTable(
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateBlocks(
   vtkVolumeProperty* property, std::string& message)
 {
-  const vtkMTimeType time = property->GetMTime();
-  if (this->Property == property && this->TableTime == time && this->TableMade > this->BlocksMade)
+  const ffd::VolumeView& volume = this->Input.GetView();
+  if (!ffd::FindComponentKind(property, volume.Components, volume.Type, this->Kind, message))
   {
-    return true;
+    return false;
   }
-  if (this->Blocks.GetRange().Min > this->Blocks.GetRange().Max)
+  const std::vector<int> components = ffd::FindOpacityComponents(this->Kind, volume.Components);
+  if (this->BlocksMade.GetMTime() < this->Input.GetMTime() || components != this->BlockComponents)
+  {
+    this->BlockComponents = components;
+    this->Blocks.clear();
+    for (int c : components)
+    {
+      this->Blocks.emplace_back(ffd::GetComponent(volume, c), ParallelFor);
+    }
+    this->BlocksMade.Modified();
+    ++this->Builds[MIN_MAX_BLOCKS];
+  }
+  if (std::all_of(this->Blocks.begin(), this->Blocks.end(),
+        [](const ffd::MinMaxBlocks& blocks)
+        { return blocks.GetRange().Min > blocks.GetRange().Max; }))
   {
     message = "The scalars of the input hold no finite number: nothing can be rendered.";
     return false;
   }
-  const bool integers = this->Volume.Type != ffd::ScalarType::Float32 &&
-    this->Volume.Type != ffd::ScalarType::Float64;
-  const bool roundUp = integers && property->GetInterpolationType() == VTK_LINEAR_INTERPOLATION;
-  if (!ffd::MakeTransferTable(
-        property, this->Blocks.GetRange(), roundUp, integers, this->Table, message))
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateFunctions(
+  vtkVolumeProperty* property, std::string& message)
+{
+  const vtkMTimeType time = property->GetMTime();
+  const ffd::VolumeView& volume = this->Input.GetView();
+  const bool hasLabels = this->Mask.Volume.Scalars && this->Mask.Labels;
+  if (this->Property == property && this->FunctionsTime == time &&
+    this->FunctionsMade > this->BlocksMade && this->FunctionsHaveLabels == hasLabels &&
+    this->FunctionsSecondAxis == this->SecondAxis.Scalars)
+  {
+    return true;
+  }
+  ffd::ScalarFacts facts;
+  facts.Kind = this->Kind;
+  facts.Type = volume.Type;
+  facts.Nearest = property->GetInterpolationType() != VTK_LINEAR_INTERPOLATION;
+  facts.HasLabels = hasLabels;
+  for (int c = 0; c < volume.Components; ++c)
+  {
+    const auto at = std::find(this->BlockComponents.begin(), this->BlockComponents.end(), c);
+    if (at != this->BlockComponents.end())
+    {
+      facts.Ranges.push_back(
+        this->Blocks[static_cast<std::size_t>(at - this->BlockComponents.begin())].GetRange());
+    }
+    else
+    {
+      double range[2];
+      this->Input.GetScalars()->GetFiniteRange(range, c);
+      facts.Ranges.push_back({ range[0], range[1] });
+    }
+    if (!(facts.Ranges.back().Min <= facts.Ranges.back().Max))
+    {
+      // Not a number anywhere: nothing is looked up.
+      facts.Ranges.back() = { 0.0, 1.0 };
+    }
+  }
+  if (this->SecondAxis.Scalars)
+  {
+    vtkDataSet* input = this->Self->GetInput();
+    vtkDataSetAttributes* data = volume.Margin > 0.0
+      ? static_cast<vtkDataSetAttributes*>(input->GetCellData())
+      : static_cast<vtkDataSetAttributes*>(input->GetPointData());
+    double range[2];
+    data->GetArray(this->Self->Transfer2DYAxisArray)->GetFiniteRange(range, 0);
+    facts.HasSecondAxis = true;
+    facts.SecondAxis = { range[0], range[1] };
+  }
+  ffd::OpticalFunctions functions;
+  if (!ffd::MakeOpticalFunctions(property, facts, functions, message))
+  {
+    this->Property = nullptr;
+    return false;
+  }
+  if (this->FunctionsMade.GetMTime() == 0 || !ffd::ShowTheSame(functions, this->Functions))
+  {
+    this->VisibilityChanged.Modified();
+  }
+  this->Functions = std::move(functions);
+  this->Property = property;
+  this->FunctionsTime = time;
+  this->FunctionsHaveLabels = hasLabels;
+  this->FunctionsSecondAxis = this->SecondAxis.Scalars;
+  this->FunctionsMade.Modified();
+  ++this->Builds[TRANSFER_TABLE];
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateBlending(
+  vtkVolumeProperty* property, std::string& message)
+{
+  const ffd::VolumeView& volume = this->Input.GetView();
+  if (!ffd::MakeBlending(this->Self, property, volume.Components, this->Blend, message) ||
+    !ffd::MakeCropping(this->Self, this->Self->GetInput(), volume,
+      this->Self->CroppingSpace == DEFORMED, this->Crop, message) ||
+    !ffd::MakeClippingPlanes(this->Self, this->ClippingPlanes, message))
   {
     return false;
   }
-  this->Property = property;
-  this->TableTime = time;
-  this->TableMade.Modified();
+  if (this->Blend.Mode != ffd::BlendMode::Composite &&
+    this->Kind != ffd::ComponentKind::Independent)
+  {
+    message = "Dependent components can be composited only: call SetBlendModeToComposite(), or "
+              "vtkVolumeProperty::IndependentComponentsOn(). Nothing is drawn.";
+    return false;
+  }
+  for (std::size_t i = 0; i < this->Blocks.size(); ++i)
+  {
+    ffd::SetRange(this->Blend, this->BlockComponents[i], this->Blocks[i].GetRange());
+  }
   return true;
 }
 
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDistances()
 {
-  if (this->Self->SpaceLeaping != OFF && this->DistancesMade < this->TableMade)
+  // Compositing leaps over what is transparent; the other modes look at the opacities, too.
+  const vtkTimeStamp& functions =
+    this->Blend.Mode == ffd::BlendMode::Composite ? this->VisibilityChanged : this->FunctionsMade;
+  if (this->Self->SpaceLeaping == OFF ||
+    (this->DistancesMade > functions && this->DistancesMade > this->BlocksMade &&
+      ffd::HaveSameLeaps(this->Blend, this->DistancesBlend)))
   {
-    this->Distances = ffd::DistanceMap(this->Blocks, this->Table, ParallelFor);
-    this->DistancesMade.Modified();
+    return;
   }
+  const ffd::ComponentOptics& first = this->Functions.Components[0];
+  const bool one =
+    this->Blocks.size() == 1 && first.Plane.IsEmpty() && this->Functions.Labels.empty();
+  this->CanLeap = true;
+  if (this->Blend.Mode != ffd::BlendMode::Composite)
+  {
+    ffd::TransferTable leaps;
+    this->CanLeap = one && ffd::MakeLeapTable(this->Blend, first.Table, leaps);
+    if (this->CanLeap)
+    {
+      this->Distances = ffd::DistanceMap(this->Blocks[0], leaps, ParallelFor);
+    }
+  }
+  else if (one)
+  {
+    this->Distances = ffd::DistanceMap(this->Blocks[0], first.Table, ParallelFor);
+  }
+  else
+  {
+    std::vector<const ffd::MinMaxBlocks*> blocks;
+    for (const ffd::MinMaxBlocks& each : this->Blocks)
+    {
+      blocks.push_back(&each);
+    }
+    this->Distances = ffd::DistanceMap(blocks,
+      [this](const ffd::MinMaxBlocks::Limits* limits)
+      { return this->Functions.IsTransparent(limits); },
+      ParallelFor);
+  }
+  this->DistancesBlend = this->Blend;
+  this->DistancesMade.Modified();
+  ++this->Builds[DISTANCE_MAP];
 }
 
 //------------------------------------------------------------------------------
@@ -387,7 +520,8 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Update(
   vtkVolumeProperty* property, std::string& message)
 {
   if (!this->UpdateVolume(message) || !this->UpdateDeformation(message) ||
-    !this->UpdateTransferTable(property, message))
+    !this->UpdateMask(message) || !this->UpdateBlocks(property, message) ||
+    !this->UpdateFunctions(property, message) || !this->UpdateBlending(property, message))
   {
     return false;
   }
@@ -429,7 +563,7 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
   ffd::CastSettings settings;
   settings.Segments = self->Segmentation == GREEDY_ANGLE ? ffd::Segmentation::GreedyAngle
                                                          : ffd::Segmentation::ErrorBound;
-  settings.Leaping = self->SpaceLeaping == OFF ? ffd::SpaceLeaping::Off
+  settings.Leaping = self->SpaceLeaping == OFF || !this->CanLeap ? ffd::SpaceLeaping::Off
     : self->SpaceLeaping == SEGMENT            ? ffd::SpaceLeaping::Segment
                                                : ffd::SpaceLeaping::Lipschitz;
   settings.Opacity =
@@ -438,6 +572,7 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
   settings.InverseTolerance = self->InverseTolerance;
   settings.Reference = self->ReferenceKernels != 0;
   settings.Shade = volume->GetProperty()->GetShade(0) != 0;
+  settings.Jitter = self->UseJittering != 0;
   if (self->LockSampleDistanceToInputSpacing)
   {
     settings.SampleDistance = (interactive ? 2.0 : 1.0) * voxelSize;
@@ -459,7 +594,7 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
     if (this->TurnRate > 0.0)
     {
       // The rate is per data unit; so is the shortest edge of a voxel.
-      longest = std::min(longest, angle / (this->TurnRate * FindShortestEdge(this->Volume.IndexToData)));
+      longest = std::min(longest, angle / (this->TurnRate * FindShortestEdge(this->Input.GetView().IndexToData)));
     }
   }
   longest = std::max(longest, shortest);
@@ -485,14 +620,25 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
 }
 
 //------------------------------------------------------------------------------
+/// Whether the cropping is that to a box of deformed space: then the rays are cut to it.
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::IsCroppedToBox() const
+{
+  return this->Crop.Space == ffd::Cropping::Spaces::Deformed &&
+    this->Crop.Flags == VTK_CROP_SUBVOLUME;
+}
+
+//------------------------------------------------------------------------------
 /// The part of the deformed bounds in the clip box; without volume if there is none.
 ffd::Box vtkFFDInverseRayVolumeMapper::vtkInternals::VisibleBounds() const
 {
   const double* clip = this->Self->ClipBox;
-  const glm::dvec3 lower =
-    glm::max(this->DeformedBounds.Min, glm::dvec3(clip[0], clip[2], clip[4]));
-  const glm::dvec3 upper =
-    glm::min(this->DeformedBounds.Max, glm::dvec3(clip[1], clip[3], clip[5]));
+  glm::dvec3 lower = glm::max(this->DeformedBounds.Min, glm::dvec3(clip[0], clip[2], clip[4]));
+  glm::dvec3 upper = glm::min(this->DeformedBounds.Max, glm::dvec3(clip[1], clip[3], clip[5]));
+  if (this->IsCroppedToBox())
+  {
+    lower = glm::max(lower, this->Crop.Low);
+    upper = glm::min(upper, this->Crop.High);
+  }
   return { lower, glm::max(lower, upper) };
 }
 
@@ -544,19 +690,22 @@ ImageRegion vtkFFDInverseRayVolumeMapper::vtkInternals::FindRegion(
 
 //------------------------------------------------------------------------------
 ffd::CastScene vtkFFDInverseRayVolumeMapper::vtkInternals::MakeScene(vtkRenderer* renderer,
-  vtkVolume* volume, const ImageRegion& region, const float* depths) const
+  vtkVolume* volume, const ImageRegion& region, const float* depths)
 {
   ffd::CastScene scene;
-  scene.Volume = this->Volume;
+  scene.Volume = this->Input.GetView();
   vtkVolumeProperty* property = volume->GetProperty();
   scene.VolumeInterpolation = property->GetInterpolationType() == VTK_NEAREST_INTERPOLATION
     ? ffd::Interpolation::Nearest
     : ffd::Interpolation::Linear;
-  scene.Table = &this->Table;
+  scene.Table = &this->Functions.Components[0].Table;
   scene.Distances = &this->Distances;
   scene.Map = &this->Map;
   scene.Bounds = &this->SpaceBounds;
   scene.DeformedBounds = this->VisibleBounds();
+  scene.Blend = this->Blend;
+  scene.Crop = this->IsCroppedToBox() ? ffd::Cropping() : this->Crop;
+  scene.ClippingPlanes = this->ClippingPlanes;
   scene.DataToWorld = ffd::ToMatrix(volume->GetMatrix());
   scene.WorldToData = glm::inverse(scene.DataToWorld);
   scene.Material = ffd::MakeShading(renderer, property);
@@ -564,8 +713,30 @@ ffd::CastScene vtkFFDInverseRayVolumeMapper::vtkInternals::MakeScene(vtkRenderer
     renderer, region.Viewport, region.Origin, region.Rays, region.Step);
   scene.Depths = depths;
   scene.VoxelSize =
-    FindShortestEdge(glm::dmat3(scene.DataToWorld) * this->Volume.IndexToData);
+    FindShortestEdge(glm::dmat3(scene.DataToWorld) * this->Input.GetView().IndexToData);
+  this->MakeClassifier(scene);
   return scene;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::vtkInternals::MakeClassifier(ffd::CastScene& scene)
+{
+  this->Lighting = scene.Material;
+  ffd::ClassifierInputs inputs;
+  inputs.Volume = scene.Volume;
+  inputs.VolumeInterpolation = scene.VolumeInterpolation;
+  inputs.Functions = &this->Functions;
+  inputs.Material = &this->Lighting;
+  inputs.Mask = this->Mask;
+  inputs.Hidden = this->Input.GetHidden();
+  inputs.SecondAxis = this->SecondAxis;
+  inputs.NormalFromOpacity = this->Self->GetComputeNormalFromOpacity();
+  // Of still pictures: those while the scene moves look alike.
+  inputs.ReferenceLength = this->Self->LockSampleDistanceToInputSpacing
+    ? scene.VoxelSize
+    : this->Self->SampleDistance;
+  this->Classifier.reset(new ffd::SampleClassifier(inputs));
+  scene.Classifier = this->Classifier.get();
 }
 
 //------------------------------------------------------------------------------
@@ -624,6 +795,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
     renderImage();
   }
   this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderEndEvent, nullptr);
+  this->ApplyFinalColours();
 
   if (this->Self->CollectStatistics && !aborted)
   {
@@ -639,6 +811,28 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
 }
 
 //------------------------------------------------------------------------------
+/// Window and level of the colours of the finished image.
+void vtkFFDInverseRayVolumeMapper::vtkInternals::ApplyFinalColours()
+{
+  const double window = this->Self->FinalColorWindow;
+  const double level = this->Self->FinalColorLevel;
+  if (window == 1.0 && level == 0.5)
+  {
+    return;
+  }
+  const float scale = static_cast<float>(1.0 / window);
+  const float bias = static_cast<float>(0.5 - level / window);
+  for (std::size_t i = 0; i < this->Colours.size(); i += 4)
+  {
+    float* pixel = &this->Colours[i];
+    for (int c = 0; c < 3; ++c)
+    {
+      pixel[c] = std::clamp(pixel[c] * scale + bias * pixel[3], 0.0f, 1.0f);
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
 vtkFFDInverseRayVolumeMapper::vtkFFDInverseRayVolumeMapper()
   : ClipBox{ -Infinity, Infinity, -Infinity, Infinity, -Infinity, Infinity }
   , Internals(new vtkInternals(this))
@@ -649,6 +843,8 @@ vtkFFDInverseRayVolumeMapper::vtkFFDInverseRayVolumeMapper()
 vtkFFDInverseRayVolumeMapper::~vtkFFDInverseRayVolumeMapper()
 {
   this->SetDeformation(nullptr);
+  this->SetMaskInput(nullptr);
+  this->SetTransfer2DYAxisArray(nullptr);
 }
 
 //------------------------------------------------------------------------------
@@ -658,6 +854,25 @@ vtkCxxSetObjectMacro(vtkFFDInverseRayVolumeMapper, Deformation, vtkAbstractTrans
 vtkAbstractTransform* vtkFFDInverseRayVolumeMapper::GetDeformation()
 {
   return this->Deformation;
+}
+
+//------------------------------------------------------------------------------
+vtkCxxSetObjectMacro(vtkFFDInverseRayVolumeMapper, MaskInput, vtkImageData);
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetMaskBlendFactor(float factor)
+{
+  if (!(factor >= 0.0f && factor <= 1.0f))
+  {
+    vtkErrorMacro(<< "MaskBlendFactor must be from 0 to 1, not " << factor << "; it stays "
+                  << this->MaskBlendFactor << ".");
+    return;
+  }
+  if (this->MaskBlendFactor != factor)
+  {
+    this->MaskBlendFactor = factor;
+    this->Modified();
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -778,6 +993,44 @@ void vtkFFDInverseRayVolumeMapper::SetMaximumImageSampleDistance(double pixels)
 }
 
 //------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetFinalColorWindow(double window)
+{
+  if (window == 0.0 || !std::isfinite(window))
+  {
+    vtkErrorMacro(<< "FinalColorWindow must be a number other than 0, not " << window
+                  << "; it stays " << this->FinalColorWindow << ".");
+    return;
+  }
+  if (this->FinalColorWindow != window)
+  {
+    this->FinalColorWindow = window;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetFinalColorLevel(double level)
+{
+  if (!std::isfinite(level))
+  {
+    vtkErrorMacro(<< "FinalColorLevel must be a number, not " << level << "; it stays "
+                  << this->FinalColorLevel << ".");
+    return;
+  }
+  if (this->FinalColorLevel != level)
+  {
+    this->FinalColorLevel = level;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+const char* vtkFFDInverseRayVolumeMapper::GetCroppingSpaceAsString() const
+{
+  return this->CroppingSpace == DEFORMED ? "DEFORMED" : "REST";
+}
+
+//------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetClipBox(
   double xmin, double xmax, double ymin, double ymax, double zmin, double zmax)
 {
@@ -880,19 +1133,92 @@ vtkFFDRayStatistics* vtkFFDInverseRayVolumeMapper::GetStatistics()
 }
 
 //------------------------------------------------------------------------------
+vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetNumberOfBuilds(int part)
+{
+  return part >= 0 && part < NUMBER_OF_CACHED_PARTS ? this->Internals->Builds[part] : -1;
+}
+
+//------------------------------------------------------------------------------
 vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetAuxiliaryMemorySize()
 {
   const vtkInternals& in = *this->Internals;
-  return static_cast<vtkTypeInt64>(in.Blocks.GetMemorySize() + in.Distances.GetMemorySize() +
-    in.Table.GetMemorySize() + in.Source.GetMemorySize() +
-    in.SpaceBounds.GetMemorySize());
+  std::size_t size = in.Distances.GetMemorySize() + in.Functions.GetMemorySize() +
+    in.Source.GetMemorySize() + in.SpaceBounds.GetMemorySize() + in.Input.GetMemorySize();
+  for (const ffd::MinMaxBlocks& blocks : in.Blocks)
+  {
+    size += blocks.GetMemorySize();
+  }
+  return static_cast<vtkTypeInt64>(size);
 }
 
 //------------------------------------------------------------------------------
 vtkMTimeType vtkFFDInverseRayVolumeMapper::GetMTime()
 {
-  const vtkMTimeType own = this->Superclass::GetMTime();
-  return this->Deformation ? std::max(own, this->Deformation->GetMTime()) : own;
+  vtkMTimeType time = this->Superclass::GetMTime();
+  if (this->Deformation)
+  {
+    time = std::max(time, this->Deformation->GetMTime());
+  }
+  if (this->MaskInput)
+  {
+    time = std::max(time, this->MaskInput->GetMTime());
+  }
+  // The time of the collection is not that of the planes.
+  for (int i = 0; this->ClippingPlanes && i < this->ClippingPlanes->GetNumberOfItems(); ++i)
+  {
+    time = std::max(time, this->ClippingPlanes->GetItem(i)->GetMTime());
+  }
+  return time;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDInverseRayVolumeMapper::MakeProbeView(vtkFFDProbeView& view)
+{
+  vtkInternals& in = *this->Internals;
+  if (this->GetInputAlgorithm())
+  {
+    this->GetInputAlgorithm()->UpdateWholeExtent();
+  }
+  std::string message;
+  if (!in.UpdateVolume(message) || !in.UpdateDeformation(message) || !in.UpdateMask(message) ||
+    !ffd::MakeCropping(this, this->GetInput(), in.Input.GetView(), this->CroppingSpace == DEFORMED,
+      view.Crop, message))
+  {
+    vtkErrorMacro(<< message);
+    return false;
+  }
+  view.Volume = in.Input.GetView();
+  view.Scalars = in.Input.GetScalars();
+  view.Hidden = in.Input.GetHidden();
+  view.Mask = in.Mask;
+  view.Map = in.Map;
+  // A little more than the bounds: a ray is to be seen coming in through a face that lies on them.
+  const double margin = 0.01 * FindShortestEdge(view.Volume.IndexToData);
+  const double* clip = this->ClipBox;
+  view.Deformed = { glm::max(in.DeformedBounds.Min - margin, glm::dvec3(clip[0], clip[2], clip[4])),
+    glm::min(in.DeformedBounds.Max + margin, glm::dvec3(clip[1], clip[3], clip[5])) };
+  return true;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDInverseRayVolumeMapper::GetRestPosition(const double deformed[3], double rest[3])
+{
+  const glm::dvec3 p(deformed[0], deformed[1], deformed[2]);
+  if (!std::isfinite(glm::dot(p, p)))
+  {
+    vtkErrorMacro(<< "GetRestPosition: the point (" << p.x << ", " << p.y << ", " << p.z
+                  << ") is not finite.");
+    return 0;
+  }
+  vtkFFDProbeView view;
+  if (!this->MakeProbeView(view))
+  {
+    return 0;
+  }
+  const glm::dvec3 q =
+    ffd::SurfaceSearch(view.Volume, view.Map, p, glm::dvec3(0.0)).Evaluate(0.0).Rest;
+  std::copy_n(&q.x, 3, rest);
+  return 1;
 }
 
 //------------------------------------------------------------------------------
@@ -921,12 +1247,7 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
     return;
   }
   vtkInternals& in = *this->Internals;
-  std::string message = in.FindUnsupported(volume->GetProperty());
-  if (!message.empty())
-  {
-    vtkErrorMacro(<< message);
-    return;
-  }
+  std::string message;
   if (this->GetInputAlgorithm())
   {
     this->GetInputAlgorithm()->UpdateWholeExtent();
@@ -1041,12 +1362,7 @@ int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume
     return 0;
   }
   vtkInternals& in = *this->Internals;
-  std::string message = in.FindUnsupported(volume->GetProperty());
-  if (!message.empty())
-  {
-    vtkErrorMacro(<< message);
-    return 0;
-  }
+  std::string message;
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   const float* scene = nullptr;
   if (inputDepths)
@@ -1134,17 +1450,14 @@ int vtkFFDInverseRayVolumeMapper::TraceRays(vtkRenderer* renderer, vtkVolume* vo
     return 0;
   }
   vtkInternals& in = *this->Internals;
-  std::string message = in.FindUnsupported(volume->GetProperty());
-  if (message.empty())
+  std::string message;
+  if (this->GetInputAlgorithm())
   {
-    if (this->GetInputAlgorithm())
-    {
-      this->GetInputAlgorithm()->UpdateWholeExtent();
-    }
-    if (in.Update(volume->GetProperty(), message))
-    {
-      in.CheckView(renderer, volume, message);
-    }
+    this->GetInputAlgorithm()->UpdateWholeExtent();
+  }
+  if (in.Update(volume->GetProperty(), message))
+  {
+    in.CheckView(renderer, volume, message);
   }
   if (!message.empty())
   {
@@ -1182,8 +1495,80 @@ int vtkFFDInverseRayVolumeMapper::TraceRays(vtkRenderer* renderer, vtkVolume* vo
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::ReleaseGraphicsResources(vtkWindow* window)
 {
-  this->Internals->Display.ReleaseGraphicsResources(window);
+  vtkInternals& in = *this->Internals;
+  in.Display.ReleaseGraphicsResources(window);
+  // The images are as large as the window, and made anew with every frame.
+  std::vector<float>().swap(in.Colours);
+  std::vector<float>().swap(in.WindowDepths);
+  std::vector<float>().swap(in.RayDepths);
   this->Superclass::ReleaseGraphicsResources(window);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
+{
+  if (!mapper)
+  {
+    vtkErrorMacro(<< "ShallowCopy: there is no mapper to copy from.");
+    return;
+  }
+  auto* from = vtkVolumeMapper::SafeDownCast(mapper);
+  if (from && from != this)
+  {
+    this->SetInputConnection(from->GetInputConnection(0, 0));
+    this->SetScalarMode(from->GetScalarMode());
+    if (from->GetArrayAccessMode() == VTK_GET_ARRAY_BY_ID)
+    {
+      this->SelectScalarArray(from->GetArrayId());
+    }
+    else
+    {
+      this->SelectScalarArray(from->GetArrayName());
+    }
+    this->SetBlendMode(from->GetBlendMode());
+    this->SetAverageIPScalarRange(from->GetAverageIPScalarRange());
+    this->SetCropping(from->GetCropping());
+    this->SetCroppingRegionPlanes(from->GetCroppingRegionPlanes());
+    this->SetCroppingRegionFlags(from->GetCroppingRegionFlags());
+  }
+  auto* like = vtkFFDInverseRayVolumeMapper::SafeDownCast(mapper);
+  if (like && like != this)
+  {
+    this->SetDeformation(like->Deformation);
+    this->SetInverseMode(like->InverseMode);
+    this->SetInverseTolerance(like->InverseTolerance);
+    this->SetSegmentation(like->Segmentation);
+    this->SetPositionTolerance(like->PositionTolerance);
+    this->SetAngleThreshold(like->AngleThreshold);
+    this->SetMinimumSegmentLength(like->MinimumSegmentLength);
+    this->SetMaximumSegmentLength(like->MaximumSegmentLength);
+    this->SetSpaceLeaping(like->SpaceLeaping);
+    this->SetEarlyRayTerminationThreshold(like->EarlyRayTerminationThreshold);
+    this->SetOpacityLength(like->OpacityLength);
+    this->SetSampleDistance(like->SampleDistance);
+    this->SetInteractiveSampleDistance(like->InteractiveSampleDistance);
+    this->SetLockSampleDistanceToInputSpacing(like->LockSampleDistanceToInputSpacing);
+    this->SetImageSampleDistance(like->ImageSampleDistance);
+    this->SetMinimumImageSampleDistance(like->MinimumImageSampleDistance);
+    this->SetMaximumImageSampleDistance(like->MaximumImageSampleDistance);
+    this->SetAutoAdjustSampleDistances(like->AutoAdjustSampleDistances);
+    this->SetIntermixIntersectingGeometry(like->IntermixIntersectingGeometry);
+    this->SetCroppingSpace(like->CroppingSpace);
+    this->SetUseJittering(like->UseJittering);
+    this->SetFinalColorWindow(like->FinalColorWindow);
+    this->SetFinalColorLevel(like->FinalColorLevel);
+    this->SetMaskInput(like->MaskInput);
+    this->SetMaskType(like->MaskType);
+    this->SetMaskBlendFactor(like->MaskBlendFactor);
+    this->SetTransfer2DYAxisArray(like->Transfer2DYAxisArray);
+    this->SetComputeNormalFromOpacity(like->ComputeNormalFromOpacity);
+    like->HasClipBox ? this->SetClipBox(like->ClipBox) : this->RemoveClipBox();
+    this->SetWholeBounds(like->WholeBounds);
+    this->SetNumberOfThreads(like->NumberOfThreads);
+    this->SetReferenceKernels(like->ReferenceKernels);
+    this->SetCollectStatistics(like->CollectStatistics);
+  }
+  this->Superclass::ShallowCopy(mapper);
 }
 
 //------------------------------------------------------------------------------
@@ -1203,6 +1588,7 @@ void vtkFFDInverseRayVolumeMapper::ReportReferences(vtkGarbageCollector* collect
 {
   this->Superclass::ReportReferences(collector);
   vtkGarbageCollectorReport(collector, this->Deformation, "Deformation");
+  vtkGarbageCollectorReport(collector, this->MaskInput, "MaskInput");
 }
 
 //------------------------------------------------------------------------------
@@ -1235,6 +1621,16 @@ void vtkFFDInverseRayVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "ClipBox: " << this->ClipBox[0] << ", " << this->ClipBox[1] << ", "
      << this->ClipBox[2] << ", " << this->ClipBox[3] << ", " << this->ClipBox[4] << ", "
      << this->ClipBox[5] << "\n";
+  os << indent << "CroppingSpace: " << this->GetCroppingSpaceAsString() << "\n";
+  os << indent << "UseJittering: " << this->UseJittering << "\n";
+  os << indent << "FinalColorWindow: " << this->FinalColorWindow << "\n";
+  os << indent << "FinalColorLevel: " << this->FinalColorLevel << "\n";
+  os << indent << "MaskInput: " << this->MaskInput << "\n";
+  os << indent << "MaskType: " << (this->MaskType == BinaryMaskType ? "Binary" : "LabelMap") << "\n";
+  os << indent << "MaskBlendFactor: " << this->MaskBlendFactor << "\n";
+  os << indent << "Transfer2DYAxisArray: "
+     << (this->Transfer2DYAxisArray ? this->Transfer2DYAxisArray : "(none)") << "\n";
+  os << indent << "ComputeNormalFromOpacity: " << this->GetComputeNormalFromOpacity() << "\n";
   os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
   os << indent << "ReferenceKernels: " << this->ReferenceKernels << "\n";
   os << indent << "CollectStatistics: " << this->CollectStatistics << "\n";

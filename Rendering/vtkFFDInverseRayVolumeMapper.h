@@ -22,10 +22,55 @@
  * The deformation T works in the data coordinates of the image: those of its origin, spacing and
  * direction, before the matrix of the vtkVolume.
  *
- * Input: a vtkImageData with at least two voxels along each axis and point scalars of one
- * component, of any of VTK's numeric types. Scalars that are not a number are transparent. Blend
- * mode: composite. Everything else is refused with an error that says what is wrong; the rest of
- * the scene still renders.
+ * Input: a vtkImageData or a vtkRectilinearGrid with at least two points along each axis, and scalars
+ * of any of VTK's numeric types with 1 to 4 components, of points or of cells (two cells an axis or
+ * more), chosen with SetScalarMode() and SelectScalarArray(). Scalars of cells reach up to the
+ * outermost faces. Scalars that are not a number are transparent, and so are blanked points and cells
+ * (vtkGhostType: HIDDENPOINT, HIDDENCELL, REFINEDCELL); duplicates of other processes are not. The
+ * voxel of a rectilinear grid, as a unit of length, is one of a grid of equal steps with as many
+ * points. Everything else is refused with an error that says what is wrong; the rest of the scene
+ * still renders.
+ *
+ * The vtkVolumeProperty, as with VTK's own mappers:
+ * - Independent components have functions, weights, shading and surfaces of their own. Opacities a
+ *   over a sample distance make the opacity sum(a^2) / sum(a), colours c the premultiplied colour
+ *   sum(a c), of a still picture's sample distance. The weight of a single component is not used.
+ * - Dependent components: of two, the first is looked up for colour, the second for opacity. Of four,
+ *   three are red, green and blue, the fourth is looked up for opacity. Of three, red, green and blue,
+ *   the luminance (0.299, 0.587, 0.114) is looked up for opacity, which VTK's mappers do not have.
+ *   Colours are unsigned char, unsigned short, or float and double from 0 to 1. Normals and gradients
+ *   are those of what is looked up for opacity. They can be composited only.
+ * - Gradient opacity multiplies the opacity over the sample distance. It is that of the volume at
+ *   rest, in scalar units per mean edge of a voxel, so tissue looks the same wherever the deformation
+ *   takes it; magnitudes above a quarter of the range of the scalars count as that.
+ * - Two-dimensional transfer functions span the range of the scalars and, on the second axis, that
+ *   quarter or the range of Transfer2DYAxisArray; their opacity is that over the unit distance.
+ *   vtkGPUVolumeRayCastMapper does not correct it for the sample distance.
+ * - Colour functions in all colour spaces, with logarithmic scale and colours beyond the range.
+ *
+ * Blend modes (vtkVolumeMapper::SetBlendMode) look as with vtkGPUVolumeRayCastMapper:
+ * - composite;
+ * - maximum and minimum intensity: the transfer functions at the extreme value of each ray;
+ * - average: the mean of opacity times value, values from 0 to 1 over the scalar range, of those in
+ *   AverageIPScalarRange; gray and opaque wherever there are any;
+ * - additive: the same summed up, the opacity being that over the scalar opacity unit distance; gray
+ *   and opaque wherever a ray meets the volume;
+ * - isosurface: surfaces where the scalars cross the values of
+ *   vtkVolumeProperty::GetIsoSurfaceValues(), coloured and made semi-transparent by the transfer
+ *   functions, and shaded if the property says so. The crossing is found in its sample interval to a
+ *   millionth of that, so neither pictures nor depths have steps; two crossings of one value within
+ *   an interval are none;
+ * - slice: the transfer functions on the plane of vtkVolumeProperty::SetSliceFunction(), world
+ *   coordinates: a plane cut through the deformed volume.
+ *
+ * Average and additive weight samples by the lengths of their intervals (OpacityLength).
+ *
+ * Clipping planes (vtkAbstractMapper::AddClippingPlane) are planes of the world: they cut what has
+ * been deformed. Cropping is that of the volume at rest or of deformed space, see CroppingSpace.
+ *
+ * Volumes and opaque geometry: geometry that was drawn before hides what is behind it. Several
+ * volumes are blended in the order in which the renderer draws them, as with VTK's own mappers;
+ * where they overlap the later one is drawn over the earlier one.
  *
  * With linear interpolation whole numbers (scalars of an integer type) are classified half a unit
  * higher than they are interpolated, the least scalar excepted. On average that is what
@@ -40,12 +85,14 @@
  * voxel edge in world units.
  *
  * @sa
- * vtkFFDLattice vtkFixedPointVolumeRayCastMapper vtkImageReslice vtkBSplineTransform
+ * vtkFFDLattice vtkFFDVolumePicker vtkFixedPointVolumeRayCastMapper vtkImageReslice
+ * vtkBSplineTransform
  */
 #ifndef vtkFFDInverseRayVolumeMapper_h
 #define vtkFFDInverseRayVolumeMapper_h
 
 #include "vtkFFDRenderingModule.h" // For export macro
+#include "vtkVersionMacros.h"      // For VTK_VERSION_NUMBER
 #include "vtkVolumeMapper.h"
 
 #include <memory> // For std::unique_ptr
@@ -55,6 +102,7 @@ class vtkFFDRayStatistics;
 class vtkIdTypeArray;
 class vtkImageData;
 class vtkPolyData;
+struct vtkFFDProbeView;
 
 class VTKFFDRENDERING_EXPORT vtkFFDInverseRayVolumeMapper : public vtkVolumeMapper
 {
@@ -284,6 +332,119 @@ public:
   vtkBooleanMacro(IntermixIntersectingGeometry, vtkTypeBool);
   ///@}
 
+  /**
+   * Which space is cropped.
+   */
+  enum CroppingSpaces
+  {
+    REST,    ///< the volume before it is deformed: regions move with the material
+    DEFORMED ///< what has been deformed: regions stay where they are
+  };
+
+  ///@{
+  /**
+   * What the planes of SetCroppingRegionPlanes(), data coordinates, cut into the 27 regions of
+   * SetCroppingRegionFlags() when CroppingOn() is set. Default: REST. Planes run along the axes of
+   * the image at rest (its direction matrix turns them, too), in deformed space along those of the
+   * data coordinates.
+   */
+  vtkSetClampMacro(CroppingSpace, int, REST, DEFORMED);
+  vtkGetMacro(CroppingSpace, int);
+  void SetCroppingSpaceToRest() { this->SetCroppingSpace(REST); }
+  void SetCroppingSpaceToDeformed() { this->SetCroppingSpace(DEFORMED); }
+  const char* GetCroppingSpaceAsString() const;
+  ///@}
+
+  ///@{
+  /**
+   * Whether the samples of each ray are moved on by a part of the sample distance that differs from
+   * pixel to pixel, in a fixed pattern: noise in the place of the rings that samples on equal depths
+   * make. Default: off. Isosurfaces and slices, which are exact, are not changed by it.
+   */
+  vtkSetMacro(UseJittering, vtkTypeBool);
+  vtkGetMacro(UseJittering, vtkTypeBool);
+  vtkBooleanMacro(UseJittering, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
+   * Window and level of the colours of the finished picture, from 0 to 1: colours of level - window
+   * / 2 become black, of level + window / 2 white. A negative window inverts. Defaults: 1 and 0.5,
+   * which change nothing. The window must not be 0.
+   */
+  virtual void SetFinalColorWindow(double window);
+  vtkGetMacro(FinalColorWindow, double);
+  virtual void SetFinalColorLevel(double level);
+  vtkGetMacro(FinalColorLevel, double);
+  ///@}
+
+  /**
+   * What a mask is, as in vtkGPUVolumeRayCastMapper.
+   */
+  enum MaskTypes
+  {
+    BinaryMaskType = 0, ///< nothing is rendered where it is 0
+    LabelMapMaskType    ///< labels have functions of their own
+  };
+
+  ///@{
+  /**
+   * A mask at rest, one component of any type: it is deformed along with the volume. Each sample
+   * takes the nearest voxel of it. A mask with the dimensions of the scalars belongs to them voxel by
+   * voxel; another lies where its origin, spacing and direction say, and is 0 elsewhere.
+   *
+   * In a label map, label 0 and labels without functions look as the property says. Others have
+   * those of vtkVolumeProperty::SetLabelColor(), SetLabelScalarOpacity() and
+   * SetLabelGradientOpacity(); colour and scalar opacity that a label has none for are those of the
+   * property, the gradient opacity is then none. Labels range from 1 to 65535. Label maps need one
+   * component or dependent ones. Default: none.
+   */
+  virtual void SetMaskInput(vtkImageData* mask);
+  vtkGetObjectMacro(MaskInput, vtkImageData);
+  ///@}
+
+  ///@{
+  /**
+   * Default: LabelMapMaskType.
+   */
+  vtkSetClampMacro(MaskType, int, BinaryMaskType, LabelMapMaskType);
+  vtkGetMacro(MaskType, int);
+  void SetMaskTypeToBinary() { this->SetMaskType(BinaryMaskType); }
+  void SetMaskTypeToLabelMap() { this->SetMaskType(LabelMapMaskType); }
+  ///@}
+
+  ///@{
+  /**
+   * How much of the look of a label is taken, colour and opacity; the rest is the look without a
+   * mask. Range 0 to 1. Default: 1.
+   */
+  virtual void SetMaskBlendFactor(float factor);
+  vtkGetMacro(MaskBlendFactor, float);
+  ///@}
+
+  ///@{
+  /**
+   * Name of the array, of the points or cells that the scalars belong to, that is the second axis of
+   * two-dimensional transfer functions (vtkVolumeProperty::SetTransferFunction2D()); they span the
+   * range of its first component. Default: none, which means the magnitude of the gradient, up to a
+   * quarter of the range of the scalars.
+   */
+  vtkSetStringMacro(Transfer2DYAxisArray);
+  vtkGetStringMacro(Transfer2DYAxisArray);
+  ///@}
+
+#if VTK_VERSION_NUMBER < VTK_VERSION_CHECK(9, 2, 0)
+  ///@{
+  /**
+   * Whether normals for shading are those of the opacity function instead of the scalars. Default:
+   * off. (vtkVolumeMapper has this since VTK 9.2.)
+   */
+  vtkSetMacro(ComputeNormalFromOpacity, bool);
+  vtkGetMacro(ComputeNormalFromOpacity, bool);
+  vtkBooleanMacro(ComputeNormalFromOpacity, bool);
+  ///@}
+#endif
+
   ///@{
   /**
    * A box of deformed space, data coordinates (xmin, xmax, ymin, ymax, zmin, zmax), that the rays
@@ -350,8 +511,9 @@ public:
    *
    * `colours` becomes a width x height x 1 image of 4 unsigned chars, red, green, blue, alpha, not
    * premultiplied, rows bottom up, transparent where there is nothing. `depths`, if not null,
-   * becomes one of floats: the window depth (0 near, 1 far) of the first visible sample, 1 where
-   * there is none. `inputDepths`, if not null, is such an image of what lies in front: rays end
+   * becomes one of floats: the window depth (0 near, 1 far) of the first visible sample (of the
+   * sample with the extreme value, of the first surface, or of the slice in those blend modes), 1
+   * where there is none. `inputDepths`, if not null, is such an image of what lies in front: rays end
    * there.
    *
    * Returns 1, or 0 after an error or an abort; the images are then left as they were. Width and
@@ -368,6 +530,14 @@ public:
   int TraceRays(vtkRenderer* renderer, vtkVolume* volume, int width, int height,
     vtkIdTypeArray* pixels, vtkPolyData* rays, vtkPolyData* viewingRays, vtkPolyData* samples);
 
+  /**
+   * Where the material that is shown at a point of deformed space lies at rest: the pull-back of
+   * `deformed`, by InverseMode, but to a billionth of a voxel. Both in data coordinates; the point
+   * may lie outside of the volume, then so does the result. vtkFFDVolumePicker does this for what is
+   * seen at a pixel. Returns 1, or 0 after an error; `rest` is then left as it was.
+   */
+  int GetRestPosition(const double deformed[3], double rest[3]);
+
   ///@{
   /**
    * Bounds of the deformed volume, data coordinates: (xmin, xmax, ymin, ymax, zmin, zmax), from
@@ -378,15 +548,41 @@ public:
   ///@}
 
   /**
+   * What is made from the inputs and kept between frames.
+   */
+  enum CachedParts
+  {
+    MIN_MAX_BLOCKS,      ///< limits of the scalars, from the voxels
+    DEFORMATION_FIELD,   ///< the B-spline, from the deformation (a foreign one is approximated)
+    DEFORMATION_BOUNDS,  ///< of the pull-back and of the deformed volume, from that
+    TRANSFER_TABLE,      ///< functions and surfaces, from the property
+    DISTANCE_MAP,        ///< of empty space, from blocks and table
+    NUMBER_OF_CACHED_PARTS
+  };
+
+  /**
+   * How often a part has been made since this mapper was: none is made again before something that
+   * it depends on has changed. For tests and for finding out why a frame is slow. -1 for a number
+   * that is no part.
+   */
+  vtkTypeInt64 GetNumberOfBuilds(int part);
+
+  /**
    * Memory held besides the volume itself, in bytes: limits and distances of the blocks, transfer
    * table, lattice and its bounds; not the image.
    */
   vtkTypeInt64 GetAuxiliaryMemorySize();
 
   /**
-   * Includes the modification time of the deformation.
+   * Includes the modification times of the deformation and of the clipping planes.
    */
   vtkMTimeType GetMTime() override;
+
+  /**
+   * Take over the input connection, the options and the clipping planes of another mapper: those of
+   * this class, or of a vtkVolumeMapper what that has. Nothing that is kept between frames.
+   */
+  void ShallowCopy(vtkAbstractMapper* mapper) override;
 
   ///@{
   /**
@@ -409,6 +605,10 @@ private:
 
   bool SetPositive(const char* name, double& member, double value);
 
+  // For looking at the volume point by point; false after an error.
+  friend class vtkFFDVolumePicker;
+  bool MakeProbeView(vtkFFDProbeView& view);
+
   vtkAbstractTransform* Deformation = nullptr;
   int InverseMode = EXACT;
   double InverseTolerance = 0.01;
@@ -428,9 +628,20 @@ private:
   double MaximumImageSampleDistance = 10.0;
   vtkTypeBool AutoAdjustSampleDistances = 1;
   vtkTypeBool IntermixIntersectingGeometry = 1;
+  vtkImageData* MaskInput = nullptr;
+  int MaskType = LabelMapMaskType;
+  float MaskBlendFactor = 1.0f;
+  char* Transfer2DYAxisArray = nullptr;
+#if VTK_VERSION_NUMBER < VTK_VERSION_CHECK(9, 2, 0)
+  bool ComputeNormalFromOpacity = false;
+#endif
   double ClipBox[6]; // all of space: infinite limits
   bool HasClipBox = false;
   double WholeBounds[6] = { 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 };
+  int CroppingSpace = REST;
+  vtkTypeBool UseJittering = 0;
+  double FinalColorWindow = 1.0;
+  double FinalColorLevel = 0.5;
   int NumberOfThreads = 0;
   vtkTypeBool ReferenceKernels = 0;
   vtkTypeBool CollectStatistics = 0;

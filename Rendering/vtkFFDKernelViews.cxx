@@ -4,19 +4,24 @@
 
 #include "vtkCamera.h"
 #include "vtkColorTransferFunction.h"
+#include "vtkDataArray.h"
+#include "vtkImageData.h"
 #include "vtkLight.h"
 #include "vtkLightCollection.h"
 #include "vtkMath.h"
 #include "vtkMatrix4x4.h"
 #include "vtkPiecewiseFunction.h"
+#include "vtkPointData.h"
 #include "vtkRenderer.h"
 #include "vtkVolumeProperty.h"
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <vector>
 
@@ -28,6 +33,12 @@ namespace
 /// Entries of a transfer table: at least, and at most (then it takes 320 kB).
 constexpr int SmallestTable = 1024;
 constexpr int LargestTable = 16384;
+
+/// Entries of the table of a gradient opacity.
+constexpr int GradientTable = 1024;
+
+/// Labels of a label map.
+constexpr int LargestLabel = 65535;
 
 glm::dvec3 Direction(const double from[3], const double to[3])
 {
@@ -84,36 +95,126 @@ glm::dmat4 ToMatrix(vtkMatrix4x4* matrix)
   return m;
 }
 
-//------------------------------------------------------------------------------
-bool MakeTransferTable(vtkVolumeProperty* property, const MinMaxBlocks::Limits& range,
-  bool roundUp, bool integers, TransferTable& table, std::string& message)
+namespace
 {
-  vtkPiecewiseFunction* opacity = property->GetScalarOpacity(0);
-  const bool gray = property->GetColorChannels(0) == 1;
-  vtkPiecewiseFunction* grayTransfer = gray ? property->GetGrayTransferFunction(0) : nullptr;
-  vtkColorTransferFunction* colour = gray ? nullptr : property->GetRGBTransferFunction(0);
-  if (!opacity || opacity->GetSize() < 1)
-  {
-    message = "The volume property has no scalar opacity function, or one without points: nothing "
-              "would be visible. Set one with vtkVolumeProperty::SetScalarOpacity().";
-    return false;
-  }
-  if (gray ? (!grayTransfer || grayTransfer->GetSize() < 1) : (!colour || colour->GetSize() < 1))
-  {
-    message = "The volume property has no colour function, or one without points. Set one with "
-              "vtkVolumeProperty::SetColor().";
-    return false;
-  }
-  const double unit = property->GetScalarOpacityUnitDistance(0);
-  if (!(unit > 0.0) || !std::isfinite(unit))
-  {
-    std::ostringstream why;
-    why << "The scalar opacity unit distance of the volume property is " << unit
-        << "; it must be positive.";
-    message = why.str();
-    return false;
-  }
 
+/// Functions of a table; what is null is not looked up: opacity 0, black.
+struct TableFunctions
+{
+  vtkPiecewiseFunction* Opacity = nullptr;
+  vtkColorTransferFunction* Colour = nullptr;
+  vtkPiecewiseFunction* Gray = nullptr; // in the place of Colour
+  double Unit = 1.0;
+
+  void GetRange(double& first, double& last) const
+  {
+    first = std::numeric_limits<double>::infinity();
+    last = -first;
+    const auto add = [&](const double* range)
+    {
+      first = std::min(first, range[0]);
+      last = std::max(last, range[1]);
+    };
+    if (this->Opacity)
+    {
+      add(this->Opacity->GetRange());
+    }
+    if (this->Gray)
+    {
+      add(this->Gray->GetRange());
+    }
+    else if (this->Colour)
+    {
+      add(this->Colour->GetRange());
+    }
+  }
+  bool IsClamped() const
+  {
+    return (!this->Opacity || this->Opacity->GetClamping() != 0) &&
+      (!this->Gray || this->Gray->GetClamping() != 0) &&
+      (this->Gray || !this->Colour || this->Colour->GetClamping() != 0);
+  }
+  int EstimateSamples(double lo, double hi) const
+  {
+    int most = 0;
+    if (this->Opacity)
+    {
+      most = std::max(most, this->Opacity->EstimateMinNumberOfSamples(lo, hi));
+    }
+    if (this->Gray)
+    {
+      most = std::max(most, this->Gray->EstimateMinNumberOfSamples(lo, hi));
+    }
+    else if (this->Colour)
+    {
+      most = std::max(most, this->Colour->EstimateMinNumberOfSamples(lo, hi));
+    }
+    return most;
+  }
+  /// The functions at one scalar, as GetTable gives them over a range.
+  void Evaluate(double x, float* rgb, float& opacity) const
+  {
+    double colour[3] = { 0.0, 0.0, 0.0 };
+    if (this->Gray)
+    {
+      std::fill_n(colour, 3, this->Gray->GetValue(x));
+    }
+    else if (this->Colour)
+    {
+      this->Colour->GetColor(
+        this->IsLogarithmic() && !(x > 0.0) ? this->Colour->GetRange()[0] : x, colour);
+    }
+    std::copy_n(colour, 3, rgb);
+    opacity = this->Opacity ? static_cast<float>(this->Opacity->GetValue(x)) : 0.0f;
+  }
+  void Tabulate(double lo, double hi, int size, float* rgb, float* opacity) const
+  {
+    const std::size_t n = static_cast<std::size_t>(size);
+    std::fill_n(rgb, 3 * n, 0.0f);
+    std::fill_n(opacity, n, 0.0f);
+    if (this->Opacity)
+    {
+      this->Opacity->GetTable(lo, hi, size, opacity);
+    }
+    if (this->Gray)
+    {
+      std::vector<float> grays(n);
+      this->Gray->GetTable(lo, hi, size, grays.data());
+      for (std::size_t i = 0; i < n; ++i)
+      {
+        std::fill_n(&rgb[3 * i], 3, grays[i]);
+      }
+    }
+    else if (this->Colour && !this->IsLogarithmic())
+    {
+      this->Colour->GetTable(lo, hi, size, rgb);
+    }
+    else if (this->Colour)
+    {
+      // Over a range that is not positive there is no table; the first colour holds there.
+      const double least = this->Colour->GetRange()[0];
+      for (int i = 0; i < size; ++i)
+      {
+        const double x = lo + (hi - lo) * i / (size - 1);
+        double colour[3];
+        this->Colour->GetColor(x > 0.0 ? x : least, colour);
+        std::copy_n(colour, 3, &rgb[3 * static_cast<std::size_t>(i)]);
+      }
+    }
+  }
+  bool IsLogarithmic() const
+  {
+    return !this->Gray && this->Colour && this->Colour->GetScale() == VTK_CTF_LOG10;
+  }
+};
+
+/**
+ * Table of functions over the range of a component. `integers`: entries are to meet whole numbers.
+ * `roundUp`: scalars are classified half a unit higher.
+ */
+TransferTable MakeTable(const TableFunctions& functions, const MinMaxBlocks::Limits& range,
+  bool roundUp, bool integers)
+{
   // What scalar the functions are asked for. Never more than the least scalar where that is what
   // the voxels hold: it is the background, and stays as transparent as it is.
   const double up = roundUp ? 0.5 : 0.0;
@@ -122,17 +223,18 @@ bool MakeTransferTable(vtkVolumeProperty* property, const MinMaxBlocks::Limits& 
   double lo = range.Min;
   double hi = range.Max;
   // Beyond their last points clamped functions are constant: spend no entries there, so that a
-  // few extreme scalars do not coarsen the table.
-  const bool clamped = opacity->GetClamping() && (gray ? grayTransfer->GetClamping() != 0
-                                                       : colour->GetClamping() != 0);
-  if (clamped)
+  // few extreme scalars do not coarsen the table. Colours below and above the range are constant
+  // there, too, but begin just beyond the points.
+  double first;
+  double last;
+  functions.GetRange(first, last);
+  if (functions.IsClamped() && first <= last)
   {
-    const double* points = opacity->GetRange();
-    const double* colours = gray ? grayTransfer->GetRange() : colour->GetRange();
-    const double first = std::min(points[0], colours[0]);
-    const double last = std::max(points[1], colours[1]);
-    lo = std::min(std::max(lo, first - up), hi);
-    hi = std::max(std::min(hi, last), lo);
+    const bool beyond = !functions.Gray && functions.Colour &&
+      (functions.Colour->GetUseBelowRangeColor() || functions.Colour->GetUseAboveRangeColor());
+    const double margin = beyond ? std::max(1.0, 1e-3 * (last - first)) : 0.0;
+    lo = std::min(std::max(lo, first - up - margin), hi);
+    hi = std::max(std::min(hi, last + margin), lo);
   }
   if (!(hi - lo > 1e-12 * std::max(std::abs(lo), std::abs(hi))))
   {
@@ -150,28 +252,15 @@ bool MakeTransferTable(vtkVolumeProperty* property, const MinMaxBlocks::Limits& 
   }
   else
   {
-    const int needed = std::max(opacity->EstimateMinNumberOfSamples(lo, hi),
-      gray ? grayTransfer->EstimateMinNumberOfSamples(lo, hi)
-           : colour->EstimateMinNumberOfSamples(lo, hi));
-    size = std::clamp(needed, SmallestTable, LargestTable);
+    // Steps are equal, logarithmic functions bend most at their small end.
+    size = functions.IsLogarithmic()
+      ? LargestTable
+      : std::clamp(functions.EstimateSamples(lo, hi), SmallestTable, LargestTable);
   }
 
   std::vector<float> opacities(static_cast<std::size_t>(size));
   std::vector<float> colours(3 * static_cast<std::size_t>(size));
-  opacity->GetTable(lo + up, hi + up, size, opacities.data());
-  if (gray)
-  {
-    std::vector<float> grays(static_cast<std::size_t>(size));
-    grayTransfer->GetTable(lo + up, hi + up, size, grays.data());
-    for (std::size_t i = 0; i < grays.size(); ++i)
-    {
-      std::fill_n(&colours[3 * i], 3, grays[i]);
-    }
-  }
-  else
-  {
-    colour->GetTable(lo + up, hi + up, size, colours.data());
-  }
+  functions.Tabulate(lo + up, hi + up, size, colours.data(), opacities.data());
   for (int i = 0; i < size; ++i)
   {
     const double x = lo + (hi - lo) * i / (size - 1);
@@ -179,20 +268,251 @@ bool MakeTransferTable(vtkVolumeProperty* property, const MinMaxBlocks::Limits& 
     {
       break;
     }
-    double rgb[3];
-    if (gray)
-    {
-      std::fill_n(rgb, 3, grayTransfer->GetValue(classified(x)));
-    }
-    else
-    {
-      colour->GetColor(classified(x), rgb);
-    }
-    std::copy_n(rgb, 3, &colours[3 * static_cast<std::size_t>(i)]);
-    opacities[static_cast<std::size_t>(i)] = static_cast<float>(opacity->GetValue(classified(x)));
+    const std::size_t at = static_cast<std::size_t>(i);
+    functions.Evaluate(classified(x), &colours[3 * at], opacities[at]);
   }
-  table = TransferTable(
-    lo, hi, static_cast<std::size_t>(size), colours.data(), opacities.data(), unit);
+  return TransferTable(
+    lo, hi, static_cast<std::size_t>(size), colours.data(), opacities.data(), functions.Unit);
+}
+
+/// Of a function without any effect: none.
+GradientOpacity MakeGradientOpacity(
+  vtkPiecewiseFunction* function, const MinMaxBlocks::Limits& range)
+{
+  bool effective = false;
+  for (int i = 0; function && i < function->GetSize(); ++i)
+  {
+    double node[4];
+    function->GetNodeValue(i, node);
+    effective = effective || node[1] != 1.0;
+  }
+  if (!effective)
+  {
+    return GradientOpacity();
+  }
+  // As VTK's mappers: magnitudes up to a quarter of the range of the scalars matter.
+  const double largest = range.Max > range.Min ? 0.25 * (range.Max - range.Min) : 0.25;
+  std::vector<float> factors(GradientTable);
+  function->GetTable(0.0, largest, GradientTable, factors.data());
+  for (float& factor : factors)
+  {
+    factor = factor > 0.0f ? std::min(factor, 1.0f) : 0.0f;
+  }
+  return GradientOpacity(std::move(factors), largest);
+}
+
+std::string NameComponent(int component, const ScalarFacts& facts)
+{
+  return facts.Kind == ComponentKind::Independent && facts.Ranges.size() > 1
+    ? " for component " + std::to_string(component)
+    : std::string();
+}
+
+bool MakePlane(vtkVolumeProperty* property, int component, const MinMaxBlocks::Limits& range,
+  const ScalarFacts& facts, TransferPlane& plane, std::string& message)
+{
+  vtkImageData* image = property->GetTransferFunction2D(component);
+  vtkDataArray* texels = image ? image->GetPointData()->GetScalars() : nullptr;
+  int dims[3] = { 0, 0, 0 };
+  if (image)
+  {
+    image->GetDimensions(dims);
+  }
+  const vtkIdType count = static_cast<vtkIdType>(dims[0]) * dims[1];
+  if (!texels || texels->GetDataType() != VTK_FLOAT || texels->GetNumberOfComponents() != 4 ||
+    count < 1 || texels->GetNumberOfTuples() < count)
+  {
+    message = "The volume property is set to two-dimensional transfer functions and has none" +
+      NameComponent(component, facts) +
+      " that can be used: it must be an image of 4 floats (red, green, blue, opacity) a pixel. Set "
+      "it with vtkVolumeProperty::SetTransferFunction2D(), or call "
+      "vtkVolumeProperty::SetTransferFunctionMode(vtkVolumeProperty::TF_1D).";
+    return false;
+  }
+  MinMaxBlocks::Limits second{ 0.0, range.Max > range.Min ? 0.25 * (range.Max - range.Min) : 0.25 };
+  if (facts.HasSecondAxis)
+  {
+    second = facts.SecondAxis;
+  }
+  const auto upper = [](const MinMaxBlocks::Limits& limits)
+  { return limits.Max > limits.Min ? limits.Max : limits.Min + 1.0; };
+  plane = TransferPlane(dims[0], dims[1], static_cast<const float*>(texels->GetVoidPointer(0)),
+    glm::dvec2(range.Min, second.Min), glm::dvec2(upper(range), upper(second)), facts.Nearest);
+  return true;
+}
+
+/// Functions of a component of the property, checked.
+bool FindTableFunctions(vtkVolumeProperty* property, int component, const ScalarFacts& facts,
+  TableFunctions& functions, std::string& message)
+{
+  functions.Opacity = property->GetScalarOpacity(component);
+  const bool gray = property->GetColorChannels(component) == 1;
+  functions.Gray = gray ? property->GetGrayTransferFunction(component) : nullptr;
+  functions.Colour = gray ? nullptr : property->GetRGBTransferFunction(component);
+  functions.Unit = property->GetScalarOpacityUnitDistance(component);
+  const std::string which = NameComponent(component, facts);
+  if (!functions.Opacity || functions.Opacity->GetSize() < 1)
+  {
+    message = "The volume property has no scalar opacity function" + which +
+      ", or one without points: nothing would be visible. Set one with "
+      "vtkVolumeProperty::SetScalarOpacity().";
+    return false;
+  }
+  const bool direct =
+    facts.Kind == ComponentKind::Rgb || facts.Kind == ComponentKind::Rgba;
+  if (!direct &&
+    (gray ? (!functions.Gray || functions.Gray->GetSize() < 1)
+          : (!functions.Colour || functions.Colour->GetSize() < 1)))
+  {
+    message = "The volume property has no colour function" + which +
+      ", or one without points. Set one with vtkVolumeProperty::SetColor().";
+    return false;
+  }
+  if (!(functions.Unit > 0.0) || !std::isfinite(functions.Unit))
+  {
+    std::ostringstream why;
+    why << "The scalar opacity unit distance of the volume property" << which << " is "
+        << functions.Unit << "; it must be positive.";
+    message = why.str();
+    return false;
+  }
+  return true;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+bool FindComponentKind(vtkVolumeProperty* property, int components, ScalarType type,
+  ComponentKind& kind, std::string& message)
+{
+  if (components > VTK_MAX_VRCOMP)
+  {
+    message = "The scalars have " + std::to_string(components) +
+      " components; at most 4 can be rendered. Choose another array, or extract components with "
+      "vtkImageExtractComponents.";
+    return false;
+  }
+  kind = ComponentKind::Independent;
+  if (components > 1 && !property->GetIndependentComponents())
+  {
+    kind = components == 2 ? ComponentKind::ColourOpacity
+      : components == 3    ? ComponentKind::Rgb
+                           : ComponentKind::Rgba;
+  }
+  if ((kind == ComponentKind::Rgb || kind == ComponentKind::Rgba) &&
+    type != ScalarType::UInt8 && type != ScalarType::UInt16 && type != ScalarType::Float32 &&
+    type != ScalarType::Float64)
+  {
+    message = "Dependent components that are colours must be unsigned char, unsigned short, float "
+              "or double (0 to 1). Convert them with vtkImageShiftScale, or call "
+              "vtkVolumeProperty::IndependentComponentsOn().";
+    return false;
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool MakeOpticalFunctions(vtkVolumeProperty* property, const ScalarFacts& facts,
+  OpticalFunctions& functions, std::string& message)
+{
+  functions = OpticalFunctions();
+  functions.Kind = facts.Kind;
+  const bool integers =
+    facts.Type != ScalarType::Float32 && facts.Type != ScalarType::Float64;
+  const bool roundUp = integers && !facts.Nearest;
+  const bool planes = property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D;
+  const bool independent = facts.Kind == ComponentKind::Independent;
+  if (facts.HasLabels && independent && facts.Ranges.size() > 1)
+  {
+    message = "A label map needs one component, or dependent ones: there are " +
+      std::to_string(facts.Ranges.size()) +
+      " independent components. Remove it with SetMaskInput(nullptr), or make it binary with "
+      "SetMaskTypeToBinary().";
+    return false;
+  }
+
+  functions.Components.resize(independent ? facts.Ranges.size() : 1);
+  for (int c = 0; c < static_cast<int>(functions.Components.size()); ++c)
+  {
+    ComponentOptics& optics = functions.Components[static_cast<std::size_t>(c)];
+    TableFunctions tables;
+    // The component whose range opacity is looked up in.
+    MinMaxBlocks::Limits range = facts.Ranges[static_cast<std::size_t>(
+      facts.Kind == ComponentKind::ColourOpacity ? 1 : facts.Kind == ComponentKind::Rgba ? 3 : c)];
+    bool meetsIntegers = integers;
+    if (facts.Kind == ComponentKind::Rgb)
+    {
+      range = { 0.0, 0.0 };
+      for (std::size_t i = 0; i < 3; ++i)
+      {
+        range.Min += LuminanceWeights[i] * facts.Ranges[i].Min;
+        range.Max += LuminanceWeights[i] * facts.Ranges[i].Max;
+      }
+      meetsIntegers = false;
+    }
+    if (!FindTableFunctions(property, c, facts, tables, message))
+    {
+      return false;
+    }
+    TableFunctions used = tables;
+    if (!independent)
+    {
+      used.Colour = nullptr;
+      used.Gray = nullptr;
+    }
+    optics.Table = MakeTable(used, range, roundUp && meetsIntegers, meetsIntegers);
+    if (facts.Kind == ComponentKind::ColourOpacity)
+    {
+      used = tables;
+      used.Opacity = nullptr;
+      functions.Colours = MakeTable(used, facts.Ranges[0], roundUp, integers);
+    }
+    if (planes && !MakePlane(property, c, range, facts, optics.Plane, message))
+    {
+      return false;
+    }
+    if (!planes && property->HasGradientOpacity(c))
+    {
+      optics.Gradients = MakeGradientOpacity(property->GetGradientOpacity(c), range);
+    }
+    optics.Weight = static_cast<float>(property->GetComponentWeight(c));
+    optics.Shade = property->GetShade(c) != 0;
+    optics.Surface.Ambient = static_cast<float>(property->GetAmbient(c));
+    optics.Surface.Diffuse = static_cast<float>(property->GetDiffuse(c));
+    optics.Surface.Specular = static_cast<float>(property->GetSpecular(c));
+    optics.Surface.SpecularPower = static_cast<float>(property->GetSpecularPower(c));
+    if (facts.HasLabels)
+    {
+      for (int label : property->GetLabelMapLabels())
+      {
+        if (label < 1 || label > LargestLabel)
+        {
+          continue;
+        }
+        TableFunctions ofLabel = tables;
+        if (vtkColorTransferFunction* colour = property->GetLabelColor(label))
+        {
+          ofLabel.Colour = colour;
+          ofLabel.Gray = nullptr;
+        }
+        if (vtkPiecewiseFunction* opacity = property->GetLabelScalarOpacity(label))
+        {
+          ofLabel.Opacity = opacity;
+        }
+        LabelOptics made;
+        made.Table = MakeTable(ofLabel, range, roundUp && meetsIntegers, meetsIntegers);
+        made.Gradients = MakeGradientOpacity(property->GetLabelGradientOpacity(label), range);
+        functions.LabelIndices.resize(
+          std::max(functions.LabelIndices.size(), static_cast<std::size_t>(label) + 1), -1);
+        functions.LabelIndices[static_cast<std::size_t>(label)] =
+          static_cast<int>(functions.Labels.size());
+        functions.Labels.push_back(std::move(made));
+      }
+    }
+  }
+  functions.ColourScale = facts.Type == ScalarType::UInt8 ? 1.0 / 255.0
+    : facts.Type == ScalarType::UInt16                    ? 1.0 / 65535.0
+                                                          : 1.0;
   return true;
 }
 
@@ -206,6 +526,7 @@ CameraView MakeCameraView(vtkRenderer* renderer, const glm::ivec2& viewport,
   view.WorldToNdc = ToMatrix(camera->GetCompositeProjectionTransformMatrix(aspect, -1.0, 1.0));
   view.NdcToWorld = glm::inverse(view.WorldToNdc);
   view.ImageSize = size;
+  view.PixelOrigin = glm::ivec2(glm::floor(glm::dvec2(origin) / step));
   view.NdcPerPixel = 2.0 * step / glm::dvec2(viewport);
   view.NdcOrigin = 2.0 * glm::dvec2(origin) / glm::dvec2(viewport) - 1.0;
   const double* eye = camera->GetPosition();

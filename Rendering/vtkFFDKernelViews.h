@@ -8,12 +8,14 @@
 
 #include "FFDCameraView.h"
 #include "FFDMinMaxBlocks.h"
+#include "FFDOpticalFunctions.h"
 #include "FFDShading.h"
-#include "FFDTransferTable.h"
+#include "FFDVolumeView.h"
 
 #include <glm/mat4x4.hpp>
 
 #include <string>
+#include <vector>
 
 class vtkMatrix4x4;
 class vtkRenderer;
@@ -25,14 +27,30 @@ namespace ffd
 /// GLM copy of a VTK matrix (GLM is column major, VTK row major).
 glm::dmat4 ToMatrix(vtkMatrix4x4* matrix);
 
+/// What MakeOpticalFunctions() needs to know of the scalars.
+struct ScalarFacts
+{
+  ComponentKind Kind = ComponentKind::Independent;
+  ScalarType Type = ScalarType::UInt8;
+  std::vector<MinMaxBlocks::Limits> Ranges; ///< of the finite values of each component
+  bool Nearest = false;                     ///< scalars are not interpolated
+  bool HasSecondAxis = false; ///< of two-dimensional transfer functions; else it is the gradient
+  MinMaxBlocks::Limits SecondAxis{ 0.0, 1.0 };
+  bool HasLabels = false;
+};
+
 /**
- * Transfer table of a property's first component over the scalar range of the volume. `integers`:
- * entries are to meet whole numbers. `roundUp`: interpolated scalars are classified half a unit
- * higher, which is on average what vtkFixedPointVolumeRayCastMapper's rounding up to whole numbers
- * comes to.
+ * Functions and surfaces of a property. Interpolated scalars of an integer type are classified half
+ * a unit higher, which is on average what vtkFixedPointVolumeRayCastMapper's rounding up to whole
+ * numbers comes to. Returns false and a message for the user when something is missing or wrong.
  */
-bool MakeTransferTable(vtkVolumeProperty* property, const MinMaxBlocks::Limits& range,
-  bool roundUp, bool integers, TransferTable& table, std::string& message);
+bool MakeOpticalFunctions(vtkVolumeProperty* property, const ScalarFacts& facts,
+  OpticalFunctions& functions, std::string& message);
+
+/// What the components of scalars are to a property; false and a message when there are too many,
+/// or when they cannot be what the property says.
+bool FindComponentKind(vtkVolumeProperty* property, int components, ScalarType type,
+  ComponentKind& kind, std::string& message);
 
 /**
  * Camera of a renderer for an image of `viewport` pixels (the whole viewport) of which the pixels
@@ -42,7 +60,7 @@ CameraView MakeCameraView(vtkRenderer* renderer, const glm::ivec2& viewport,
   const glm::ivec2& origin, const glm::ivec2& size, double step);
 
 /// Material of a property's first component under the lights of a renderer; a headlight if it has
-/// none that is switched on.
+/// none at all.
 Shading MakeShading(vtkRenderer* renderer, vtkVolumeProperty* property);
 
 } // namespace ffd

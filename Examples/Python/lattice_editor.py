@@ -22,6 +22,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkLogger, vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
 from vtkmodules.vtkImagingCore import vtkImageExtractComponents
+from vtkmodules.vtkImagingStatistics import vtkImageHistogram
 from vtkmodules.vtkInteractionStyle import vtkInteractorStyleTrackballCamera
 from vtkmodules.vtkIOImage import vtkDICOMImageReader, vtkImageReader2Factory, vtkPNGWriter
 from vtkmodules.vtkIOLegacy import vtkStructuredPointsReader
@@ -139,23 +140,28 @@ def read_volume(path):
 
 def find_threshold(image):
     """The useful range of the scalars, and the one that parts them best (Otsu 1979)."""
-    values = vtk_to_numpy(image.GetPointData().GetScalars())
-    values = values[numpy.isfinite(values)]
-    if values.size == 0:
-        return 0.0, 1.0, 0.5
-    counts, edges = numpy.histogram(values, bins=1024)
-    below = numpy.cumsum(counts).astype(float)
+    histogram = vtkImageHistogram()
+    histogram.SetInputData(image)
+    histogram.AutomaticBinningOn()
+    histogram.SetMaximumNumberOfBins(1024)
+    histogram.GenerateHistogramImageOff()
+    histogram.Update()
+    counts = vtk_to_numpy(histogram.GetHistogram()).astype(float)
+    width, origin = histogram.GetBinSpacing(), histogram.GetBinOrigin()
+    bins = numpy.arange(len(counts))
+    below = numpy.cumsum(counts)
     above = below[-1] - below
-    middles = 0.5 * (edges[1:] + edges[:-1])
-    sums = numpy.cumsum(counts * middles)
-    valid = (below > 0) & (above > 0)
+    sums = numpy.cumsum(counts * bins)
     # A few bright voxels do not stretch the range.
-    low, high = float(edges[0]), float(edges[1 + numpy.argmax(above <= 0.0005 * below[-1])])
-    if not valid.any() or high <= low:
-        return low, low + 1.0, low + 0.5
-    gap = numpy.zeros_like(below)
-    gap[valid] = sums[valid] / below[valid] - (sums[-1] - sums[valid]) / above[valid]
-    threshold = float(edges[1 + numpy.argmax(below * above * gap * gap)])
+    low, high = origin, origin + width * float(numpy.argmax(above <= 0.0005 * below[-1]))
+    valid = (below > 0) & (above > 0)
+    threshold = origin
+    if valid.any():
+        gap = numpy.zeros_like(below)
+        gap[valid] = sums[valid] / below[valid] - (sums[-1] - sums[valid]) / above[valid]
+        threshold += width * (float(numpy.argmax(below * above * gap * gap)) + 0.5)
+    if not high > low:
+        high = low + 1.0
     return low, high, min(max(threshold, low), high)
 
 
@@ -230,8 +236,11 @@ class Editor:
         self.rep.SetLattice(self.lattice)
         self.rep.SetProp(self.volume)
         self.rep.SetOutlineBounds(self.image.GetBounds())
-        # The call data, where the mouse is, does not reach Python; the interactor knows it, too.
-        self.rep.AddObserver("StartPickEvent", self.on_pick)
+        # The volume's own surface is what is grabbed, not the lattice in front of it.
+        self.picker = vtkffd.vtkFFDVolumePicker()
+        self.picker.PickFromListOn()
+        self.picker.AddPickList(self.volume)
+        self.rep.SetSurfacePicker(self.picker)
         self.renderer.AddObserver("EndEvent", lambda *_: self.show_status())
         self.widget.SetInteractor(self.interactor)
         self.widget.KeyPressActivationOff()
@@ -280,23 +289,6 @@ class Editor:
             parts.append(" grab the volume")
         parts += [" undo %d" % rep.GetNumberOfUndos(), " " + self.message]
         self.status.SetInput(" ".join(parts))
-
-    def on_pick(self, *_):
-        """The depth of the first visible sample under the mouse, from the mapper itself."""
-        width, height = self.renderer.GetSize()
-        origin = self.renderer.GetOrigin()
-        display = self.interactor.GetEventPosition()
-        x, y = display[0] - origin[0], display[1] - origin[1]
-        colours, depths = vtkImageData(), vtkImageData()
-        if not (0 <= x < width and 0 <= y < height) or not self.mapper.RenderToImage(
-                self.renderer, self.volume, width, height, colours, depths):
-            return
-        depth = depths.GetScalarComponentAsDouble(x, y, 0, 0)
-        if depth < 1.0:
-            self.renderer.SetDisplayPoint(display[0], display[1], depth)
-            self.renderer.DisplayToWorld()
-            p = self.renderer.GetWorldPoint()
-            self.rep.SetSurfacePoint(p[0] / p[3], p[1] / p[3], p[2] / p[3])
 
     def on_key_event(self, caller, _event):
         self.used_key = self.on_key(caller.GetKeySym())

@@ -78,9 +78,27 @@ void TransformLines(std::uint8_t* lines, int count, std::size_t stride, int widt
 //------------------------------------------------------------------------------
 DistanceMap::DistanceMap(const MinMaxBlocks& blocks, const TransferTable& table,
   const MinMaxBlocks::ParallelFor& parallelFor)
-  : Blocks(blocks.GetBlocks())
 {
-  this->Distances.resize(blocks.GetNumberOfBlocks() + 3);
+  this->Build({ &blocks },
+    [&table](const MinMaxBlocks::Limits* limits)
+    { return table.IsTransparent(limits->Min, limits->Max); },
+    parallelFor);
+}
+
+//------------------------------------------------------------------------------
+DistanceMap::DistanceMap(const std::vector<const MinMaxBlocks*>& components,
+  const IsEmpty& isEmpty, const MinMaxBlocks::ParallelFor& parallelFor)
+{
+  this->Build(components, isEmpty, parallelFor);
+}
+
+//------------------------------------------------------------------------------
+template <class Test>
+void DistanceMap::Build(const std::vector<const MinMaxBlocks*>& components, const Test& isEmpty,
+  const MinMaxBlocks::ParallelFor& parallelFor)
+{
+  this->Blocks = components[0]->GetBlocks();
+  this->Distances.resize(components[0]->GetNumberOfBlocks() + 3);
   const auto run = [&parallelFor](int count, const std::function<void(int)>& work)
   {
     const auto range = [&work](std::size_t first, std::size_t last)
@@ -99,7 +117,8 @@ DistanceMap::DistanceMap(const MinMaxBlocks& blocks, const TransferTable& table,
       range(0, static_cast<std::size_t>(count));
     }
   };
-  run(blocks.GetParents().z, [&](int plane) { this->FindOccupancy(blocks, table, plane); });
+  run(components[0]->GetParents().z,
+    [&](int plane) { this->FindOccupancy(components, isEmpty, plane); });
   run(this->Blocks.z, [this](int k) { this->TransformPlane(k); });
   const std::size_t nx = static_cast<std::size_t>(this->Blocks.x);
   const std::size_t nxy = nx * static_cast<std::size_t>(this->Blocks.y);
@@ -113,25 +132,34 @@ DistanceMap::DistanceMap(const MinMaxBlocks& blocks, const TransferTable& table,
 }
 
 //------------------------------------------------------------------------------
+template <class Test>
 void DistanceMap::FindOccupancy(
-  const MinMaxBlocks& blocks, const TransferTable& table, int parentPlane)
+  const std::vector<const MinMaxBlocks*>& components, const Test& isEmpty, int parentPlane)
 {
-  const glm::ivec3 parents = blocks.GetParents();
-  const auto distanceOf = [&table](const MinMaxBlocks::Limits& limits)
-  { return table.IsTransparent(limits.Min, limits.Max) ? LargestDistance : 0; };
+  const glm::ivec3 parents = components[0]->GetParents();
+  MinMaxBlocks::Limits limits[4];
+  const auto distanceOf = [&](MinMaxBlocks::Limits (MinMaxBlocks::*get)(const glm::ivec3&) const,
+                            const glm::ivec3& at)
+  {
+    for (std::size_t c = 0; c < components.size(); ++c)
+    {
+      limits[c] = (components[c]->*get)(at);
+    }
+    return isEmpty(limits) ? LargestDistance : 0;
+  };
   for (int y = 0; y < parents.y; ++y)
   {
     for (int x = 0; x < parents.x; ++x)
     {
       const glm::ivec3 parent(x, y, parentPlane);
-      const bool empty = distanceOf(blocks.GetParentLimits(parent)) != 0;
+      const bool empty = distanceOf(&MinMaxBlocks::GetParentLimits, parent) != 0;
       for (int c = 0; c < 8; ++c)
       {
         const glm::ivec3 block = 2 * parent + glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
         if (block.x < this->Blocks.x && block.y < this->Blocks.y && block.z < this->Blocks.z)
         {
           this->Distances[this->IndexOf(block)] = static_cast<std::uint8_t>(
-            empty ? LargestDistance : distanceOf(blocks.GetLimits(block)));
+            empty ? LargestDistance : distanceOf(&MinMaxBlocks::GetLimits, block));
         }
       }
     }
@@ -152,7 +180,7 @@ void DistanceMap::TransformPlane(int k)
 
 //------------------------------------------------------------------------------
 bool DistanceMap::FindEmptyBox(
-  const glm::dvec3& q, const glm::dvec3& upper, EmptyBox& box) const
+  const glm::dvec3& q, const glm::dvec3& upper, EmptyBox& box, double margin) const
 {
   constexpr double Infinity = std::numeric_limits<double>::infinity();
   int side = -1;
@@ -160,7 +188,7 @@ bool DistanceMap::FindEmptyBox(
   bool above = false;
   for (int a = 0; a < 3; ++a)
   {
-    const double below = -q[a];
+    const double below = -margin - q[a];
     const double beyond = q[a] - upper[a];
     if (below > farthest)
     {
@@ -179,10 +207,10 @@ bool DistanceMap::FindEmptyBox(
   {
     box.Min = glm::dvec3(-Infinity);
     box.Max = glm::dvec3(Infinity);
-    (above ? box.Min : box.Max)[side] = above ? upper[side] : 0.0;
+    (above ? box.Min : box.Max)[side] = above ? upper[side] : -margin;
     return true;
   }
-  if (!(q.x >= 0.0 && q.y >= 0.0 && q.z >= 0.0))
+  if (!(q.x >= -margin && q.y >= -margin && q.z >= -margin))
   {
     // Not a number: nothing is known.
     return false;

@@ -10,6 +10,7 @@
 #include <glm/vec3.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace ffd
@@ -35,6 +36,13 @@ public:
   DistanceMap(const MinMaxBlocks& blocks, const TransferTable& table,
     const MinMaxBlocks::ParallelFor& parallelFor = MinMaxBlocks::ParallelFor());
 
+  /// Whether nothing is visible where scalars are within limits, one each for the components.
+  using IsEmpty = std::function<bool(const MinMaxBlocks::Limits* limits)>;
+
+  /// The same for several components (at most 4), whose blocks have equal sizes.
+  DistanceMap(const std::vector<const MinMaxBlocks*>& components, const IsEmpty& isEmpty,
+    const MinMaxBlocks::ParallelFor& parallelFor = MinMaxBlocks::ParallelFor());
+
   const glm::ivec3& GetBlocks() const { return this->Blocks; }
 
   /// Distance of a block, 0 when it may be visible; at most 255.
@@ -46,9 +54,11 @@ public:
   /**
    * Empty surroundings of a point in index coordinates. Returns false when the block of the point
    * may be visible. A point outside of the volume [0, upper] is surrounded by the half space
-   * beyond the side that it is farthest from.
+   * beyond the side that it is farthest from. The volume may begin and end up to half a voxel
+   * beyond its voxels, at -margin.
    */
-  bool FindEmptyBox(const glm::dvec3& q, const glm::dvec3& upper, EmptyBox& box) const;
+  bool FindEmptyBox(
+    const glm::dvec3& q, const glm::dvec3& upper, EmptyBox& box, double margin = 0.0) const;
 
   /// The map itself, x fastest; three more bytes can be read behind the last block.
   const std::uint8_t* GetData() const { return this->Distances.data(); }
@@ -62,7 +72,12 @@ private:
       static_cast<std::size_t>(this->Blocks.x) *
       (block.y + static_cast<std::size_t>(this->Blocks.y) * block.z);
   }
-  void FindOccupancy(const MinMaxBlocks& blocks, const TransferTable& table, int parentPlane);
+  template <class Test>
+  void Build(const std::vector<const MinMaxBlocks*>& components, const Test& isEmpty,
+    const MinMaxBlocks::ParallelFor& parallelFor);
+  template <class Test>
+  void FindOccupancy(
+    const std::vector<const MinMaxBlocks*>& components, const Test& isEmpty, int parentPlane);
   void TransformPlane(int k);
 
   glm::ivec3 Blocks{ 0 };

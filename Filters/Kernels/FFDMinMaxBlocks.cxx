@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDMinMaxBlocks.h"
 
+#include "FFDAxisMap.h"
 #include "FFDScalarDispatch.h"
 
 #include <glm/common.hpp>
@@ -140,8 +141,23 @@ MinMaxBlocks::CodeLimits MinMaxBlocks::FindLimits(
   const VolumeView& volume, const glm::ivec3& block) const
 {
   Extremes<T> found;
-  ScanVoxels<T>(volume, block * BlockSize,
-    glm::min((block + 1) * BlockSize, volume.Dimensions - 1), true, found);
+  glm::ivec3 first = block * BlockSize;
+  glm::ivec3 last = glm::min((block + 1) * BlockSize, volume.Dimensions - 1);
+  if (volume.Axes)
+  {
+    // The first and the last block of a row have what lies beyond them, too.
+    const glm::dvec3 from = volume.Axes->ToVoxel(glm::dvec3(first));
+    const glm::dvec3 to = volume.Axes->ToVoxel(glm::dvec3((block + 1) * BlockSize));
+    for (int a = 0; a < 3; ++a)
+    {
+      const int end = volume.Dimensions[a] - 1;
+      first[a] = block[a] == 0 ? 0 : std::clamp(static_cast<int>(std::floor(from[a])), 0, end);
+      last[a] = block[a] == this->Blocks[a] - 1
+        ? end
+        : std::clamp(static_cast<int>(std::ceil(to[a])), 0, end);
+    }
+  }
+  ScanVoxels<T>(volume, first, last, true, found);
   if (!found.Any)
   {
     return { 1, 0 };

@@ -18,7 +18,9 @@ namespace ffd
 
 /**
  * Smallest and largest scalar of every block of 4^3 cells (5^3 voxels: neighbours share a layer,
- * so a trilinear sample lies between the limits of the block that holds it). Built once per input.
+ * so a trilinear sample lies between the limits of the block that holds it). Built once per input,
+ * of one component. Blocks are those of index coordinates; where VolumeView::Axes says that voxels
+ * lie elsewhere, a block has all voxels that a sample in it is interpolated from.
  *
  * Limits are codes of equal steps over the scalar range, rounded outwards: whole numbers where the
  * range is at most 255 of them, else 65535 steps. They are stored for parents of 2^3 blocks; a block

@@ -42,6 +42,7 @@ TransferTable::TransferTable(double lo, double hi, std::size_t size, const float
   const float* opacity, double unitDistance)
   : Low(lo)
   , Scale(static_cast<double>(size - 1) / (hi - lo))
+  , UnitDistance(unitDistance)
 {
   this->Entries.resize(size);
   this->VisibleUpTo.assign(size + 1, 0);

@@ -48,12 +48,21 @@ public:
 
   std::size_t GetMemorySize() const;
 
+  /// Whether IsTransparent() says the same of both for all scalars: tables of other colours or
+  /// other opacities where something is visible at all.
+  bool HasSameVisibility(const TransferTable& other) const
+  {
+    return this->Low == other.Low && this->Scale == other.Scale &&
+      this->VisibleUpTo == other.VisibleUpTo;
+  }
+
   /// The table itself: red, green, blue, extinction of each entry; entry i stands for the scalar
   /// GetLow() + i / GetScale().
   const float* GetEntries() const { return &this->Entries[0].Colour.x; }
   std::size_t GetSize() const { return this->Entries.size(); }
   double GetLow() const { return this->Low; }
   double GetScale() const { return this->Scale; }
+  double GetUnitDistance() const { return this->UnitDistance; }
 
 private:
   struct Entry
@@ -65,6 +74,7 @@ private:
 
   double Low = 0.0;
   double Scale = 0.0;                  // entries per scalar unit
+  double UnitDistance = 1.0;
   std::vector<Entry> Entries;
   std::vector<unsigned int> VisibleUpTo; // number of non-transparent entries before each
 };

@@ -11,6 +11,8 @@
 namespace ffd
 {
 
+class AxisMap;
+
 /// The scalar types of an image, in C++ terms.
 enum class ScalarType
 {
@@ -39,6 +41,11 @@ struct VolumeView
   ScalarType Type = ScalarType::UInt8;
   glm::ivec3 Dimensions{ 0 };     ///< voxels per axis, each >= 2
   std::int64_t Increments[3] = {}; ///< elements between neighbouring voxels per axis
+  int Components = 1; ///< of each voxel, side by side in memory; Scalars is the first of them
+  /// How far scalars reach beyond the outermost voxels, index units: half a voxel where they are
+  /// of cells. The nearest voxels hold there.
+  double Margin = 0.0;
+  const AxisMap* Axes = nullptr; ///< where voxels lie, unless at equal steps
 
   glm::dvec3 FirstVoxel{ 0.0 };
   glm::dmat3 IndexToData{ 1.0 };
@@ -48,8 +55,10 @@ struct VolumeView
   {
     return this->DataToIndex * (data - this->FirstVoxel);
   }
-  /// Index coordinates of the last voxel: samples are taken in [0, UpperIndex()].
-  glm::dvec3 UpperIndex() const { return glm::dvec3(this->Dimensions - 1); }
+  /// Samples are taken in [LowerIndex(), UpperIndex()]: from the first voxel to the last one, and
+  /// Margin beyond.
+  glm::dvec3 LowerIndex() const { return glm::dvec3(-this->Margin); }
+  glm::dvec3 UpperIndex() const { return glm::dvec3(this->Dimensions - 1) + this->Margin; }
 };
 
 } // namespace ffd

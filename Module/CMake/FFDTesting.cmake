@@ -6,6 +6,7 @@ Helpers to add tests. One line per test in the CMakeLists.txt of the test's fold
   Testing/Kernels   ffd_add_kernel_test(<Name> <sources>...)     Google Test, no VTK scene
   Testing/Cxx       ffd_add_cxx_test(<Name> [<options>])         <Name>.cxx, VTK classes and images
                     ffd_add_cxx_tests(<Name>...)                 the same for several, no options
+                    ffd_add_scene_tests(<Name> <scene>...)       a test for each scene of <Name>.cxx
   Testing/Python    ffd_add_python_test(<file>.py [<options>])   unittest through "import vtkffd"
 
 Options, where they apply:
@@ -150,6 +151,20 @@ endfunction ()
 function (ffd_add_cxx_tests)
   foreach (name IN LISTS ARGN)
     ffd_add_cxx_test("${name}")
+  endforeach ()
+endfunction ()
+
+# ffd_add_scene_tests(<Name> <scene>...)
+# Scenes of <Name>.cxx, a test of its own each, Cxx.<Name>.<scene>, run with --scene <scene>; and
+# Cxx.<Name>, which is given all of them after --registered and fails if it knows others.
+function (ffd_add_scene_tests name)
+  ffd_add_cxx_test("${name}" RENDERING ARGS --registered ${ARGN})
+  foreach (scene IN LISTS ARGN)
+    add_test(NAME "Cxx.${name}.${scene}"
+      COMMAND FFDCxxTests "${name}" --scene "${scene}"
+        -D "${FFD_TEST_DATA_DIR}"
+        -T "${FFD_TEST_TEMPORARY_DIR}")
+    ffd_set_test_properties("Cxx.${name}.${scene}" cxx RENDERING LABELS scenes)
   endforeach ()
 endfunction ()
 

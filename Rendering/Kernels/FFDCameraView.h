@@ -35,6 +35,8 @@ struct CameraView
   /// Normalized device coordinates of the lower left corner of pixel (0, 0), and of one pixel.
   glm::dvec2 NdcOrigin{ -1.0 };
   glm::dvec2 NdcPerPixel{ 0.0 };
+  /// Column and row of pixel (0, 0) in the whole image: the pattern of FindJitter() stays there.
+  glm::ivec2 PixelOrigin{ 0 };
   /// Where the camera is, world coordinates: lights and highlights are seen from there, by parallel
   /// projection, too (as vtkGPUVolumeRayCastMapper does).
   glm::dvec3 Eye{ 0.0 };

@@ -3,7 +3,9 @@
 #ifndef FFDCastScene_h
 #define FFDCastScene_h
 
+#include "FFDBlending.h"
 #include "FFDCameraView.h"
+#include "FFDCropping.h"
 #include "FFDDeformedSpaceBounds.h"
 #include "FFDDistanceMap.h"
 #include "FFDExport.h"
@@ -15,7 +17,10 @@
 #include "FFDTransferTable.h"
 #include "FFDVolumeView.h"
 
+#include <glm/vec4.hpp>
+
 #include <cstdint>
+#include <vector>
 
 namespace ffd
 {
@@ -42,6 +47,8 @@ enum class OpacityLength
   Material ///< of the interval in rest space, as the paper
 };
 
+class SampleClassifier;
+
 struct CastSettings
 {
   Segmentation Segments = Segmentation::ErrorBound;
@@ -53,7 +60,11 @@ struct CastSettings
   double InverseTolerance = 0.01;      ///< of the pull-back, voxels
   float TerminationTransmittance = 0;  ///< a ray ends when less than this passes it
   bool Shade = false;
+  bool Jitter = false;    ///< samples are moved on by FindJitter(); not those of isosurfaces
   bool Reference = false; ///< use the reference kernels even where packets could render
+  /// Packets hand every sample to the RayIntegrator of its ray, even where their vector code could
+  /// composite it: for tests.
+  bool PerRay = false;
 };
 
 /// Counts of one image; the measures of section 5 of the paper.
@@ -77,10 +88,14 @@ struct CastScene
   VolumeView Volume;
   Interpolation VolumeInterpolation = Interpolation::Linear;
   const TransferTable* Table = nullptr;
+  const SampleClassifier* Classifier = nullptr; ///< null: one component by Table and Material
   const DistanceMap* Distances = nullptr; ///< may be null when Leaping is Off
   const PullBack* Map = nullptr;
   const DeformedSpaceBounds* Bounds = nullptr;
   Box DeformedBounds; ///< data coordinates
+  Blending Blend;
+  Cropping Crop;
+  std::vector<glm::dvec4> ClippingPlanes; ///< shown is where dot(plane, (P, 1)) >= 0, P in the world
   glm::dmat4 DataToWorld{ 1.0 };
   glm::dmat4 WorldToData{ 1.0 };
   Shading Material;

@@ -45,8 +45,9 @@ struct CurvePiece
 constexpr int LargestSampleCount = 1 << 20;
 
 /**
- * Where a piece is sampled: Count positions First + i * Step, each standing for an interval of
- * Step, the last one for LastInterval (all in the parameter s of the piece).
+ * Where a piece is sampled: Count intervals from First + i * Step on, of length Step, the last one
+ * of LastInterval (all in the parameter s of the piece), each by a position Jitter of its length
+ * behind its start.
  */
 struct SampleSchedule
 {
@@ -54,8 +55,12 @@ struct SampleSchedule
   double First = 0.0;
   double Step = 0.0;
   double LastInterval = 0.0;
+  double Jitter = 0.0;
 
-  double Position(int i) const { return this->First + i * this->Step; }
+  double Position(int i) const
+  {
+    return this->First + i * this->Step + this->Jitter * this->Interval(i);
+  }
   double Interval(int i) const { return i + 1 < this->Count ? this->Step : this->LastInterval; }
 };
 
@@ -64,9 +69,11 @@ struct SampleSchedule
  * one more for the remainder, which the caller corrects the opacity of. `length` is the length of
  * the piece in the unit of `sampleDistance`.
  */
-inline SampleSchedule ScheduleWithRemainder(double length, double sampleDistance)
+inline SampleSchedule ScheduleWithRemainder(
+  double length, double sampleDistance, double jitter = 0.0)
 {
   SampleSchedule schedule;
+  schedule.Jitter = jitter;
   // In this order what is not a number becomes the limit.
   const double count = std::min<double>(LargestSampleCount, length / sampleDistance);
   if (!(count < LargestSampleCount))
@@ -95,22 +102,26 @@ inline SampleSchedule ScheduleWithRemainder(double length, double sampleDistance
 /**
  * Equal intervals of about `sampleDistance` over the whole piece, sampled at their start. `length`
  * is the length of the piece. Of the samples only those in [from, to) remain, so where they lie
- * does not depend on where the ray enters a box or ends at a surface.
+ * does not depend on where the ray enters a box or ends at a surface. They are moved on by
+ * `jitter` of an interval. `intervals`: the interval that holds `from` belongs to it, too.
  */
-inline SampleSchedule ScheduleEvenly(double length, double sampleDistance, double from, double to)
+inline SampleSchedule ScheduleEvenly(double length, double sampleDistance, double from, double to,
+  double jitter = 0.0, bool intervals = false)
 {
   // In this order what is not a number becomes the limit.
   const double count =
     std::max(1.0, std::min<double>(LargestSampleCount, std::round(length / sampleDistance)));
   // A sample at the very start of the range belongs to it, rounding errors or not.
   constexpr double Slack = 1e-3;
-  const double first = std::ceil(std::max(from, 0.0) * count - Slack);
-  const double end = std::min(count, std::ceil(std::min(to, 1.0) * count - Slack));
+  const double first =
+    std::ceil(std::max(from, 0.0) * count - (intervals ? 1.0 - Slack : Slack + jitter));
+  const double end = std::min(count, std::ceil(std::min(to, 1.0) * count - Slack - jitter));
   SampleSchedule schedule;
   schedule.Count = static_cast<int>(std::max(0.0, end - first));
   schedule.Step = 1.0 / count;
   schedule.First = first * schedule.Step;
   schedule.LastInterval = schedule.Step;
+  schedule.Jitter = jitter;
   return schedule;
 }
 

@@ -106,6 +106,45 @@ bool IsWide(ScalarType type)
   return SizeOf(type) > 2 && type != ScalarType::Float32;
 }
 
+PacketSampling SamplingOf(BlendMode mode)
+{
+  switch (mode)
+  {
+    case BlendMode::Maximum:
+    case BlendMode::Minimum:
+      return PacketSampling::Extreme;
+    case BlendMode::Average:
+    case BlendMode::Additive:
+      return PacketSampling::Sum;
+    case BlendMode::Isosurface:
+      return PacketSampling::Surface;
+    default:
+      return PacketSampling::Composite;
+  }
+}
+
+/// Whether the vector code can fetch these voxels.
+bool CanFetchPackets(const VolumeView& v)
+{
+  const double bytes =
+    static_cast<double>(v.Increments[2]) * v.Dimensions.z * SizeOf(v.Type);
+  return bytes <= LargestVolume && v.Increments[0] == 1 && v.Dimensions.x >= 4 &&
+    v.Dimensions.y >= 4 && v.Dimensions.z >= 4;
+}
+
+/// Whether the vector code composites with the gradient opacity of this scene.
+bool HasVectorGradientOpacity(const CastScene& scene, const SampleClassifier& classifier)
+{
+  return classifier.IsPlainWithGradient() && scene.Blend.Mode == BlendMode::Composite &&
+    CanFetchPackets(scene.Volume);
+}
+
+/// Beyond it single precision has only infinity.
+float ToFloat(double value)
+{
+  return static_cast<float>(std::clamp(value, -1e37, 1e37));
+}
+
 PacketLight MakePacketLight(const Light& light, const glm::dvec3& worldCentre)
 {
   PacketLight packet;
@@ -129,21 +168,31 @@ PacketLight MakePacketLight(const Light& light, const glm::dvec3& worldCentre)
 //------------------------------------------------------------------------------
 bool PacketCaster::Supports(const CastScene& scene, const CastSettings& settings)
 {
-  const VolumeView& v = scene.Volume;
-  const double bytes =
-    static_cast<double>(v.Increments[2]) * v.Dimensions.z * SizeOf(v.Type);
-  return !settings.Reference && settings.Segments == Segmentation::ErrorBound &&
-    bytes <= LargestVolume && v.Increments[0] == 1 && v.Dimensions.x >= 4 &&
-    v.Dimensions.y >= 4 && v.Dimensions.z >= 4;
+  if (settings.Reference || scene.Blend.Mode == BlendMode::Slice ||
+    settings.Segments != Segmentation::ErrorBound)
+  {
+    return false;
+  }
+  // Others are fetched ray by ray, from any voxels.
+  const SampleClassifier* classifier = scene.Classifier;
+  const bool plain = !classifier || classifier->IsPlain();
+  return !plain || CanFetchPackets(scene.Volume);
 }
 
 //------------------------------------------------------------------------------
-PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings)
+PacketCaster::PacketCaster(
+  const CastScene& scene, const CastSettings& settings, const IntegrationFrame& frame)
 {
   PacketScene& p = this->Scene;
   const VolumeView& v = scene.Volume;
   p.Settings = settings;
   p.Source = &scene;
+  p.Frame = &frame;
+  const bool gradients = HasVectorGradientOpacity(scene, *frame.Classifier);
+  p.Sampling = settings.PerRay || !(gradients || frame.Classifier->IsPlain())
+    ? PacketSampling::PerRay
+    : SamplingOf(scene.Blend.Mode);
+  p.Intervals = scene.Blend.UsesIntervals();
   p.Reference = SelectSampleFunctions(v.Type, scene.VolumeInterpolation);
 
   p.Volume.Scalars = v.Scalars;
@@ -155,6 +204,7 @@ PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings)
   p.Volume.IncrementY = static_cast<int>(v.Increments[1]);
   p.Volume.IncrementZ = static_cast<int>(v.Increments[2]);
   p.Volume.Nearest = scene.VolumeInterpolation == Interpolation::Nearest;
+  p.Lower = static_cast<float>(v.LowerIndex().x);
   Copy(v.UpperIndex(), p.Upper);
 
   p.Table = scene.Table->GetEntries();
@@ -171,6 +221,29 @@ PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings)
     p.TableLow = static_cast<float>(scene.Table->GetLow());
     p.TableScale = static_cast<float>(scene.Table->GetScale());
   }
+
+  if (gradients)
+  {
+    const GradientOpacity& opacity = frame.Classifier->GetGradientOpacity();
+    p.GradientFactors = opacity.GetFactors().data();
+    p.NumberOfGradientFactors = static_cast<int>(opacity.GetFactors().size());
+    // Packets fetch differences over two voxels, scaled as their values.
+    Copy(frame.Classifier->GetMagnitudeScale() * (0.5 * opacity.GetScale() / p.Volume.Scale),
+      p.GradientScale);
+    p.ReferenceLength = static_cast<float>(frame.Classifier->GetReferenceLength());
+  }
+  const bool wide = IsWide(v.Type);
+  const auto fetched = [&](double value)
+  { return ToFloat(wide ? (value - p.Volume.Shift) * p.Volume.Scale : value); };
+  p.ValueLow = fetched(scene.Blend.Low[0]);
+  p.ValueHigh = fetched(scene.Blend.High[0]);
+  p.AverageMin = fetched(scene.Blend.AverageMin);
+  p.AverageMax = fetched(scene.Blend.AverageMax);
+  for (const IsoValue& iso : scene.Blend.IsoValues)
+  {
+    p.IsoValues.push_back(fetched(iso.Value));
+  }
+  p.UnitDistance = static_cast<float>(scene.Table->GetUnitDistance());
 
   const Box& bounds = scene.DeformedBounds;
   p.Centre = 0.5 * (bounds.Min + bounds.Max);
@@ -206,12 +279,29 @@ PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings)
   p.NdcToLocal = glm::translate(glm::dmat4(1.0), -p.Centre) * scene.WorldToData *
     scene.Camera.NdcToWorld;
 
+  for (const glm::dvec4& plane : scene.ClippingPlanes)
+  {
+    const glm::dvec4 data = plane * scene.DataToWorld;
+    const double length = glm::length(glm::dvec3(data));
+    const double offset = data.w + glm::dot(glm::dvec3(data), p.Centre);
+    p.ClippingPlanes.push_back({ static_cast<float>(data.x / length),
+      static_cast<float>(data.y / length), static_cast<float>(data.z / length),
+      static_cast<float>(offset / length) });
+  }
+  p.CropSpace = scene.Crop.Space;
+  p.CropFlags = scene.Crop.Flags;
+  const glm::dvec3 cropOrigin =
+    scene.Crop.Space == Cropping::Spaces::Deformed ? p.Centre : glm::dvec3(0.0);
+  Copy(scene.Crop.Low - cropOrigin, p.CropLow);
+  Copy(scene.Crop.High - cropOrigin, p.CropHigh);
+
   if (scene.Distances && settings.Leaping != SpaceLeaping::Off)
   {
     p.Distances = scene.Distances->GetData();
     for (int a = 0; a < 3; ++a)
     {
       p.Blocks[a] = scene.Distances->GetBlocks()[a];
+      p.LastBlock[a] = static_cast<float>(p.Blocks[a] - 1);
     }
   }
 

@@ -7,6 +7,7 @@
 #include "FFDExport.h"
 #include "FFDPacketField.h"
 #include "FFDPacketVolume.h"
+#include "FFDRayIntegrator.h"
 #include "FFDTileSpans.h"
 
 #include <glm/mat4x4.hpp>
@@ -35,6 +36,16 @@ struct PacketLight
   float ConeExponent = 0.0f;
 };
 
+/// Who takes the samples of packets.
+enum class PacketSampling
+{
+  Composite, ///< vector code: TakeSample
+  Extreme,   ///< vector code: Maximum, Minimum
+  Sum,       ///< vector code: Average, Additive
+  Surface,   ///< vector code finds the intervals that surfaces cross, RayIntegrator the surfaces
+  PerRay     ///< the RayIntegrator of each ray
+};
+
 /**
  * A frame in the form the packet kernels read: single precision, positions relative to a point
  * near the volume ("local" coordinates: data coordinates less Centre).
@@ -43,10 +54,13 @@ struct PacketScene
 {
   CastSettings Settings;
   const CastScene* Source = nullptr;
+  const IntegrationFrame* Frame = nullptr;
+  PacketSampling Sampling = PacketSampling::Composite;
   SampleFunctions Reference; ///< for the few samples at the border of the volume
 
   PacketVolume Volume;
-  float Upper[3] = {}; ///< last voxel
+  float Lower = 0.0f;  ///< where samples begin and end, index coordinates
+  float Upper[3] = {};
 
   bool Identity = false;
   PullBackKind Kind = PullBackKind::Exact;
@@ -65,16 +79,37 @@ struct PacketScene
   glm::dmat4 NdcToLocal{ 1.0 };
   float BoundsMin[3] = {}; ///< deformed bounds, local
   float BoundsMax[3] = {};
+  std::vector<std::array<float, 4>> ClippingPlanes; ///< local, see CastScene
+  Cropping::Spaces CropSpace = Cropping::Spaces::None;
+  float CropLow[3] = {}; ///< index coordinates or local ones
+  float CropHigh[3] = {};
+  int CropFlags = 0;
+  bool Intervals = false; ///< Blending::UsesIntervals()
+  /// What blend modes compare values with, values as they are fetched (PacketVolume).
+  float ValueLow = 0.0f; ///< ends of their range
+  float ValueHigh = 1.0f;
+  float AverageMin = 0.0f;
+  float AverageMax = 0.0f;
+  std::vector<float> IsoValues;
+  float UnitDistance = 1.0f; ///< of the table
   bool Parallel = false;
   float Eye[3] = {}; ///< world coordinates less WorldCentre
 
   const unsigned char* Distances = nullptr;
   int Blocks[3] = {};
+  float LastBlock[3] = {};
 
   const float* Table = nullptr; ///< red, green, blue, extinction of each entry
   int TableSize = 0;
   float TableLow = 0.0f;
   float TableScale = 1.0f;
+
+  /// Gradient opacity: factors by the length of GradientScale times the gradient as fetched; null
+  /// without. They multiply the opacity over ReferenceLength.
+  const float* GradientFactors = nullptr;
+  int NumberOfGradientFactors = 0;
+  float GradientScale[3] = {};
+  float ReferenceLength = 1.0f;
 
   bool Shade = false;
   bool TwoSided = true;
@@ -100,6 +135,7 @@ struct PacketScratch
   std::vector<int> LayerSlots; ///< by fine parameter index: number of the layer, or -1
   std::vector<TileLayer> Layers;
   std::vector<unsigned char> EmptySpans; ///< of the tile, as far as known (TileBeam)
+  std::vector<RayIntegrator> Integrators; ///< of the lanes of a packet, where these are used
   std::array<float, 9 * 256> Rays; ///< origin, direction (local), from, to, image position
   CastStatistics Statistics;
 };
@@ -113,7 +149,9 @@ struct PacketScratch
 class FFD_KERNEL_EXPORT PacketCaster
 {
 public:
-  PacketCaster(const CastScene& scene, const CastSettings& settings);
+  /// `scene` and `frame` must outlive the caster.
+  PacketCaster(
+    const CastScene& scene, const CastSettings& settings, const IntegrationFrame& frame);
 
   /// Whether packets can render this scene; else the reference ray caster has to.
   static bool Supports(const CastScene& scene, const CastSettings& settings);

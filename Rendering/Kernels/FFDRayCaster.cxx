@@ -23,10 +23,12 @@ constexpr double Infinity = std::numeric_limits<double>::infinity();
 /// Kept between a leap and the faces of the empty box, index units: rounding errors.
 constexpr double LeapGuard = 1e-3;
 
-bool IsInside(const glm::dvec3& q, const glm::dvec3& upper)
+bool IsInside(const VolumeView& volume, const glm::dvec3& q)
 {
+  const double lower = -volume.Margin;
+  const glm::dvec3 upper = volume.UpperIndex();
   // False for positions that are not a number, too.
-  return q.x >= 0.0 && q.y >= 0.0 && q.z >= 0.0 && q.x <= upper.x && q.y <= upper.y &&
+  return q.x >= lower && q.y >= lower && q.z >= lower && q.x <= upper.x && q.y <= upper.y &&
     q.z <= upper.z;
 }
 
@@ -104,6 +106,25 @@ private:
   glm::dvec3 High{ 0.0 };
 };
 
+/// Narrow [from, to] to the part of a ray where dot(plane, (P, 1)) >= 0.
+void ClipToPlane(const glm::dvec4& plane, const ViewRay& ray, double& from, double& to)
+{
+  const double slope = glm::dot(glm::dvec3(plane), ray.Direction);
+  const double start = glm::dot(plane, glm::dvec4(ray.Origin, 1.0));
+  if (slope > 0.0)
+  {
+    from = std::max(from, -start / slope);
+  }
+  else if (slope < 0.0)
+  {
+    to = std::min(to, -start / slope);
+  }
+  else if (!(start >= 0.0))
+  {
+    to = from;
+  }
+}
+
 /// Narrow [from, to] to the part of a line inside a box; false when nothing is left.
 bool ClipToBox(const glm::dvec3& origin, const glm::dvec3& direction, const Box& box, double& from,
   double& to)
@@ -136,6 +157,7 @@ struct RayCaster::Ray
   glm::dvec3 Direction; // data coordinates per world unit
   double From = 0.0;
   double To = 0.0;
+  double Jitter = 0.0; // of its samples
   int X = 0;
   int Y = 0;
 };
@@ -143,11 +165,14 @@ struct RayCaster::Ray
 //------------------------------------------------------------------------------
 struct RayCaster::Pixel
 {
-  glm::vec3 Colour{ 0.0f };
-  float Transmittance = 1.0f;
-  double FirstVisible = Infinity; // t
-  bool Done = false;              // early ray termination
-  TracedRay* Trace = nullptr;     // where to note what is done, or null
+  RayIntegrator Integrator;
+  bool Done = false;           // early ray termination
+  TracedRay* Trace = nullptr;  // where to note what is done, or null
+
+  Pixel(const IntegrationFrame& frame, const Ray& ray)
+  {
+    this->Integrator.Begin(frame, ray.World, ray.From, ray.To);
+  }
 
   /// A piece from `from` to `to`; what is sampled afterwards lies on it.
   void NotePiece(const CurvePiece& curve, double from, double to, bool passed)
@@ -169,8 +194,33 @@ struct RayCaster::Pixel
 };
 
 //------------------------------------------------------------------------------
-/// Samples, shades and composites one piece of a deformed ray: all that comes after the
-/// segmentation, shared by both of them.
+/// A piece whose J_Phi is given by `jacobianAt(s)`, called for what is shaded only.
+template <class JacobianAt>
+class RayCaster::JacobianPiece : public SampledPiece
+{
+public:
+  JacobianPiece(const RayCaster& caster, const CurvePiece& curve, double t0, double dt,
+    const JacobianAt& jacobianAt)
+    : SampledPiece(curve, t0, dt)
+    , Caster(caster)
+    , At(jacobianAt)
+  {
+  }
+  glm::dvec3 GradientToWorld(double s, const glm::dvec3& byIndex) const override
+  {
+    // Scalars on the ray are f(Phi(P)), so their gradient in deformed space is J_Phi^T grad f.
+    const glm::dvec3 rest = this->Caster.GradientToRest * byIndex;
+    return this->Caster.GradientToWorld * (glm::transpose(this->At(s)) * rest);
+  }
+
+private:
+  const RayCaster& Caster;
+  const JacobianAt& At;
+};
+
+//------------------------------------------------------------------------------
+/// Takes the samples of one piece of a deformed ray: all that comes after the segmentation, shared
+/// by both of them.
 class RayCaster::Sampler
 {
 public:
@@ -183,52 +233,58 @@ public:
   {
   }
 
-  /**
-   * Integrate one piece. Its parameter s stands for t = t0 + s * dt. `jacobianAt(s)` gives
-   * dPhi/dP and is called for visible samples only.
-   */
-  template <class JacobianAt>
-  void Integrate(const CurvePiece& piece, const SampleSchedule& schedule, double t0, double dt,
-    const JacobianAt& jacobianAt)
+  /// Integrate one piece.
+  void Integrate(const SampledPiece& piece, const SampleSchedule& schedule)
   {
     const CastScene& scene = this->Caster.Scene;
     const bool leap = this->Caster.Settings.Leaping != SpaceLeaping::Off;
     const bool lipschitz = this->Caster.Settings.Leaping == SpaceLeaping::Lipschitz;
+    const bool intervals = scene.Blend.UsesIntervals();
     for (int i = 0; i < schedule.Count; ++i)
     {
       const double s = schedule.Position(i);
-      const glm::dvec3 q = piece.At(s);
-      const bool inside = IsInside(q, this->Upper);
+      const glm::dvec3 q = piece.Curve.At(s);
+      const bool inside = IsInside(scene.Volume, q);
       // Leaps of the paper end with the piece; ours know what was found before it.
       const bool known = lipschitz && Contains(this->LastEmptyBox, q);
-      if (known || (leap && scene.Distances->FindEmptyBox(q, this->Upper, this->LastEmptyBox)))
+      if (known || (leap && scene.Distances->FindEmptyBox(
+                    q, this->Upper, this->LastEmptyBox, scene.Volume.Margin)))
       {
         if (inside && !known)
         {
           ++this->Statistics.DistanceLookups;
-          this->Out.NoteSample(q, t0 + s * dt, schedule.Interval(i) * dt, true, 0.0f);
+          this->Out.NoteSample(
+            q, piece.T0 + s * piece.Dt, schedule.Interval(i) * piece.Dt, true, 0.0f);
         }
-        i += CountStepsInside(
-          piece, s, schedule.Step, schedule.Count - 1 - i, this->LastEmptyBox);
-        continue;
+        if (!intervals)
+        {
+          i += CountStepsInside(
+            piece.Curve, s, schedule.Step, schedule.Count - 1 - i, this->LastEmptyBox);
+          continue;
+        }
+        // An interval is empty if its end is in the box, too.
+        const int empty = CountStepsInside(
+          piece.Curve, s, schedule.Step, schedule.Count - i, this->LastEmptyBox);
+        if (empty > 0)
+        {
+          i += empty - 1;
+          continue;
+        }
       }
-      if (!inside)
+      if (!intervals && (!inside || !this->IsShown(q, piece.T0 + s * piece.Dt)))
       {
         continue;
       }
       ++this->Statistics.Samples;
-      const TransferTable::Sample sample =
-        scene.Table->Lookup(this->Caster.Fetch.Value(scene.Volume, q));
-      this->Out.NoteSample(
-        q, t0 + s * dt, schedule.Interval(i) * dt, false, sample.Extinction);
-      if (sample.Extinction > 0.0f)
+      const RayIntegrator::Outcome outcome =
+        this->Out.Integrator.AddSample(piece, s, schedule.Interval(i));
+      this->Out.NoteSample(q, piece.T0 + s * piece.Dt, schedule.Interval(i) * piece.Dt, false,
+        outcome.Extinction);
+      this->Statistics.VisibleSamples += outcome.Visible ? 1 : 0;
+      if (outcome.Done)
       {
-        const double length = this->IntervalLength(piece, s, schedule.Interval(i), dt);
-        this->Composite(sample, q, t0 + s * dt, length, [&] { return jacobianAt(s); });
-        if (this->Out.Done)
-        {
-          return;
-        }
+        this->Out.Done = true;
+        return;
       }
     }
   }
@@ -240,43 +296,19 @@ public:
 private:
   static EmptyBox NoBox() { return { glm::dvec3(Infinity), glm::dvec3(-Infinity) }; }
 
-  /// Length by which the opacity of a sample is corrected, world units.
-  double IntervalLength(const CurvePiece& piece, double s, double interval, double dt) const
+  /// Whether a sample is not cropped.
+  bool IsShown(const glm::dvec3& q, double t) const
   {
-    return this->Caster.Settings.Opacity == OpacityLength::World
-      ? interval * dt
-      : interval * glm::length(this->Caster.RestToWorld * piece.Velocity(s));
-  }
-
-  template <class Jacobian>
-  void Composite(const TransferTable::Sample& sample, const glm::dvec3& q, double t, double length,
-    const Jacobian& jacobian)
-  {
-    ++this->Statistics.VisibleSamples;
-    this->Out.FirstVisible = std::min(this->Out.FirstVisible, t);
-    glm::vec3 colour = sample.Colour;
-    if (this->Caster.Settings.Shade)
+    const Cropping& crop = this->Caster.Scene.Crop;
+    switch (crop.Space)
     {
-      // Scalars on the ray are f(Phi(P)), so their gradient in deformed space is J_Phi^T grad f.
-      const CastScene& scene = this->Caster.Scene;
-      const glm::dvec3 rest =
-        this->Caster.GradientToRest * this->Caster.Fetch.Gradient(scene.Volume, q);
-      const glm::dvec3 gradient =
-        this->Caster.GradientToWorld * (glm::transpose(jacobian()) * rest);
-      const double magnitude = glm::length(gradient);
-      const glm::dvec3 normal = magnitude > 0.0 && std::isfinite(magnitude)
-        ? -gradient / magnitude
-        : glm::dvec3(0.0);
-      const ViewRay& view = this->ViewingRay.World;
-      const glm::dvec3 position = view.Origin + t * view.Direction;
-      colour =
-        scene.Material.Shade(colour, position, normal, scene.Camera.ToEye(view, position));
+      case Cropping::Spaces::Rest:
+        return crop.Shows(q);
+      case Cropping::Spaces::Deformed:
+        return crop.Shows(this->ViewingRay.Origin + t * this->ViewingRay.Direction);
+      default:
+        return true;
     }
-    const float transmittance =
-      this->Caster.Transmittance(sample.Extinction * static_cast<float>(length));
-    this->Out.Colour += (this->Out.Transmittance * (1.0f - transmittance)) * colour;
-    this->Out.Transmittance *= transmittance;
-    this->Out.Done = this->Out.Transmittance < this->Caster.Settings.TerminationTransmittance;
   }
 
   const RayCaster& Caster;
@@ -304,16 +336,25 @@ void CastStatistics::Add(const CastStatistics& other)
 RayCaster::RayCaster(const CastScene& scene, const CastSettings& settings)
   : Scene(scene)
   , Settings(settings)
-  , Fetch(SelectSampleFunctions(scene.Volume.Type, scene.VolumeInterpolation))
-  , RestToWorld(glm::dmat3(scene.DataToWorld) * scene.Volume.IndexToData)
   , GradientToRest(glm::transpose(scene.Volume.DataToIndex))
   , GradientToWorld(glm::transpose(glm::dmat3(scene.WorldToData)))
 {
   SetDirectionBends(
     this->Settings.Spans, this->Scene.Camera, glm::dmat3(this->Scene.WorldToData));
+  if (!this->Scene.Classifier)
+  {
+    this->OwnClassifier.reset(new SampleClassifier(this->Scene.Volume,
+      this->Scene.VolumeInterpolation, *this->Scene.Table, this->Scene.Material,
+      this->Settings.Shade));
+    this->Scene.Classifier = this->OwnClassifier.get();
+  }
+  this->Frame.Classifier = this->Scene.Classifier;
+  this->Frame.Scene = &this->Scene;
+  this->Frame.Settings = &this->Settings;
+  this->Frame.RestToWorld = glm::dmat3(scene.DataToWorld) * scene.Volume.IndexToData;
   if (PacketCaster::Supports(scene, settings))
   {
-    this->Packets.reset(new PacketCaster(this->Scene, this->Settings));
+    this->Packets.reset(new PacketCaster(this->Scene, this->Settings, this->Frame));
   }
 }
 
@@ -360,6 +401,13 @@ bool RayCaster::SetUpRay(int x, int y, Ray& ray) const
       ray.To = std::min(ray.To, camera.DepthToT(ray.World, x + 0.5, y + 0.5, depth));
     }
   }
+  for (const glm::dvec4& plane : this->Scene.ClippingPlanes)
+  {
+    ClipToPlane(plane, ray.World, ray.From, ray.To);
+  }
+  ray.Jitter = this->Settings.Jitter && !this->Scene.Blend.UsesIntervals()
+    ? FindJitter(x + camera.PixelOrigin.x, y + camera.PixelOrigin.y)
+    : 0.0;
   return ClipToBox(ray.Origin, ray.Direction, this->Scene.DeformedBounds, ray.From, ray.To);
 }
 
@@ -415,9 +463,13 @@ void RayCaster::TraceRay(
   }
   traced.From = ray.From;
   traced.To = ray.To;
-  Pixel pixel;
+  Pixel pixel(this->Frame, ray);
   pixel.Trace = &traced;
-  if (this->Settings.Segments == Segmentation::GreedyAngle)
+  if (this->Scene.Blend.Mode == BlendMode::Slice)
+  {
+    this->CastSlice(ray, pixel, scratch.Statistics);
+  }
+  else if (this->Settings.Segments == Segmentation::GreedyAngle)
   {
     this->CastPolyline(ray, pixel, scratch.Statistics);
   }
@@ -436,7 +488,8 @@ void RayCaster::TraceRay(
     this->CastSpans(ray, pixel, scratch);
   }
   traced.Terminated = pixel.Done;
-  traced.Colour = glm::vec4(pixel.Colour, 1.0f - pixel.Transmittance);
+  const RayIntegrator::Result result = pixel.Integrator.End();
+  traced.Colour = glm::vec4(result.Colour, 1.0f - result.Transmittance);
 }
 
 //------------------------------------------------------------------------------
@@ -470,16 +523,21 @@ void RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch) c
     return;
   }
   scratch.Statistics.Rays += count;
+  const bool slice = this->Scene.Blend.Mode == BlendMode::Slice;
   const bool greedy = this->Settings.Segments == Segmentation::GreedyAngle;
-  if (!greedy)
+  if (!slice && !greedy)
   {
     this->StartTile(x0, y0, x1, y1, tMin, tMax, scratch.Spans);
   }
   for (int i = 0; i < count; ++i)
   {
     Ray& ray = rays[i];
-    Pixel pixel;
-    if (greedy)
+    Pixel pixel(this->Frame, ray);
+    if (slice)
+    {
+      this->CastSlice(ray, pixel, scratch.Statistics);
+    }
+    else if (greedy)
     {
       this->CastPolyline(ray, pixel, scratch.Statistics);
     }
@@ -488,17 +546,48 @@ void RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch) c
       this->CastSpans(ray, pixel, scratch);
     }
     const std::size_t at = static_cast<std::size_t>(ray.Y) * image.Width + ray.X;
+    const RayIntegrator::Result result = pixel.Integrator.End();
     float* colour = image.Colours + 4 * at;
-    colour[0] = pixel.Colour.r;
-    colour[1] = pixel.Colour.g;
-    colour[2] = pixel.Colour.b;
-    colour[3] = 1.0f - pixel.Transmittance;
-    if (image.Depths && pixel.FirstVisible < Infinity)
+    colour[0] = result.Colour.r;
+    colour[1] = result.Colour.g;
+    colour[2] = result.Colour.b;
+    colour[3] = 1.0f - result.Transmittance;
+    if (image.Depths && result.FirstVisible < Infinity)
     {
       image.Depths[at] = static_cast<float>(this->Scene.Camera.ToDepth(
-        ray.World.Origin + pixel.FirstVisible * ray.World.Direction));
+        ray.World.Origin + result.FirstVisible * ray.World.Direction));
     }
   }
+}
+
+//------------------------------------------------------------------------------
+void RayCaster::CastSlice(const Ray& ray, Pixel& pixel, CastStatistics& statistics) const
+{
+  const glm::dvec3& normal = this->Scene.Blend.SliceNormal;
+  const double slope = glm::dot(normal, ray.World.Direction);
+  const double t = glm::dot(normal, this->Scene.Blend.SliceOrigin - ray.World.Origin) / slope;
+  // False where the ray runs along the plane, too.
+  if (!(t >= ray.From && t < ray.To))
+  {
+    return;
+  }
+  PullBackStatus status;
+  const glm::dvec3 p = ray.Origin + t * ray.Direction;
+  const glm::dvec3 q = this->Scene.Volume.ToIndex(this->Scene.Map->Evaluate(p, status));
+  statistics.Evaluations += status.Evaluations;
+  statistics.Unconverged += status.Converged ? 0 : 1;
+  const Cropping& crop = this->Scene.Crop;
+  pixel.NotePiece(CurvePiece::Line(q, q), t, t, false);
+  if (!IsInside(this->Scene.Volume, q) ||
+    (crop.Space == Cropping::Spaces::Rest && !crop.Shows(q)) ||
+    (crop.Space == Cropping::Spaces::Deformed && !crop.Shows(p)))
+  {
+    return;
+  }
+  ++statistics.Samples;
+  const RayIntegrator::Outcome outcome = pixel.Integrator.AddSlice(q, t);
+  statistics.VisibleSamples += outcome.Visible ? 1 : 0;
+  pixel.NoteSample(q, t, 0.0, false, outcome.Extinction);
 }
 
 //------------------------------------------------------------------------------
@@ -526,10 +615,12 @@ void RayCaster::CastPolyline(Ray& ray, Pixel& pixel, CastStatistics& statistics)
     if (!empty)
     {
       sampler.ForgetEmptyBox();
-      const double length = glm::length(this->RestToWorld * piece.Linear);
-      sampler.Integrate(piece, ScheduleWithRemainder(length, this->Settings.SampleDistance),
-        start.T, dt,
-        [&](double s) { return start.Jacobian * (1.0 - s) + end.Jacobian * s; });
+      const double length = glm::length(this->Frame.RestToWorld * piece.Linear);
+      const auto jacobianAt = [&](double s)
+      { return start.Jacobian * (1.0 - s) + end.Jacobian * s; };
+      sampler.Integrate(
+        JacobianPiece<decltype(jacobianAt)>(*this, piece, start.T, dt, jacobianAt),
+        ScheduleWithRemainder(length, this->Settings.SampleDistance, ray.Jitter));
     }
     start = end;
     startIndex = endIndex;
@@ -615,9 +706,9 @@ void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
       }
       EmptyBox box;
       bool lookedUp = false;
-      if (canLeap && this->Scene.Distances->FindEmptyBox(node, upper, box))
+      if (canLeap && this->Scene.Distances->FindEmptyBox(node, upper, box, volume.Margin))
       {
-        lookedUp = IsInside(node, upper);
+        lookedUp = IsInside(volume, node);
         statistics.DistanceLookups += lookedUp ? 1 : 0;
         sampler.SetLastEmptyBox(box);
         slack.Set(node, box, span.PositionError + inverseError + LeapGuard);
@@ -646,8 +737,8 @@ void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
       ++statistics.Segments;
       statistics.SegmentLength += dt / this->Scene.VoxelSize;
 
-      const double length = glm::length(this->RestToWorld * (middle - piece.Start)) +
-        glm::length(this->RestToWorld * (end - middle));
+      const double length = glm::length(this->Frame.RestToWorld * (middle - piece.Start)) +
+        glm::length(this->Frame.RestToWorld * (end - middle));
 
       glm::dmat3 jacobians[3];
       bool haveJacobians = false;
@@ -664,10 +755,9 @@ void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
         return jacobians[0] * ((1.0 - s) * (1.0 - 2.0 * s)) + jacobians[1] * (4.0 * s * (1.0 - s)) +
           jacobians[2] * (s * (2.0 * s - 1.0));
       };
-      sampler.Integrate(piece,
+      sampler.Integrate(JacobianPiece<decltype(jacobianAt)>(*this, piece, t0, dt, jacobianAt),
         ScheduleEvenly(length, this->Settings.SampleDistance, (ray.From - t0) / dt,
-          (ray.To - t0) / dt),
-        t0, dt, jacobianAt);
+          (ray.To - t0) / dt, ray.Jitter, this->Scene.Blend.UsesIntervals()));
     }
   }
 }

@@ -6,6 +6,8 @@
 #include "FFDCastScene.h"
 #include "FFDExport.h"
 #include "FFDPacketCaster.h"
+#include "FFDRayIntegrator.h"
+#include "FFDSampleClassifier.h"
 #include "FFDTracedRay.h"
 
 #include <memory>
@@ -19,6 +21,9 @@ namespace ffd
  * the paper). One instance renders one frame; RenderTile is const, so tiles can be rendered by any
  * number of threads, each with its own scratch, and the image does not depend on who renders
  * which.
+ *
+ * What a sample looks like is up to SampleClassifier, what becomes of it on its ray to
+ * RayIntegrator; both are shared by all kernels.
  *
  * The kernels here are the reference: one ray after the other, double precision. PacketCaster
  * renders the same picture faster, and does so unless CastSettings::Reference is set or the scene
@@ -57,19 +62,21 @@ private:
   struct Ray;
   struct Pixel;
   class Sampler;
+  template <class JacobianAt>
+  class JacobianPiece;
 
   bool SetUpRay(int x, int y, Ray& ray) const;
   int SetUpTile(int x0, int y0, int x1, int y1, Ray* rays, double& tMin, double& tMax) const;
+  void CastSlice(const Ray& ray, Pixel& pixel, CastStatistics& statistics) const;
   void CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const;
   void CastPolyline(Ray& ray, Pixel& pixel, CastStatistics& statistics) const;
   void StartTile(int x0, int y0, int x1, int y1, double tMin, double tMax, TileSpans& spans) const;
 
   CastScene Scene;
   CastSettings Settings;
+  std::unique_ptr<SampleClassifier> OwnClassifier; // where the scene has none
+  IntegrationFrame Frame;
   std::unique_ptr<PacketCaster> Packets; // null: the reference kernels render
-  SampleFunctions Fetch;
-  TransmittanceTable Transmittance;
-  glm::dmat3 RestToWorld;     // lengths of deformed rays: index coordinates to world
   glm::dmat3 GradientToRest;  // gradient by index coordinates to gradient by data coordinates
   glm::dmat3 GradientToWorld; // gradient by data coordinates to gradient by world coordinates
 };

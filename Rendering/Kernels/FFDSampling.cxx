@@ -25,9 +25,10 @@ CellPosition FindCell(const VolumeView& v, const glm::dvec3& q)
   CellPosition cell{ 0, glm::dvec3(0.0) };
   for (int a = 0; a < 3; ++a)
   {
-    const int i = std::clamp(static_cast<int>(q[a]), 0, v.Dimensions[a] - 2);
+    const double x = std::clamp(q[a], 0.0, static_cast<double>(v.Dimensions[a] - 1));
+    const int i = std::clamp(static_cast<int>(x), 0, v.Dimensions[a] - 2);
     cell.Offset += i * v.Increments[a];
-    cell.Weight[a] = q[a] - i;
+    cell.Weight[a] = x - i;
   }
   return cell;
 }
@@ -37,11 +38,11 @@ double Lerp(double a, double b, double t)
   return a + t * (b - a);
 }
 
+/// Trilinear value in a cell of one component; `scalars`: that component of voxel (0, 0, 0).
 template <class T>
-double TrilinearValue(const VolumeView& v, const glm::dvec3& q)
+double ValueInCell(const VolumeView& v, const CellPosition& cell, const T* scalars)
 {
-  const CellPosition cell = FindCell(v, q);
-  const T* p = static_cast<const T*>(v.Scalars) + cell.Offset;
+  const T* p = scalars + cell.Offset;
   const std::int64_t x = v.Increments[0];
   const std::int64_t y = v.Increments[1];
   const std::int64_t z = v.Increments[2];
@@ -52,26 +53,55 @@ double TrilinearValue(const VolumeView& v, const glm::dvec3& q)
 }
 
 template <class T>
-double NearestValue(const VolumeView& v, const glm::dvec3& q)
+double TrilinearValue(const VolumeView& v, const glm::dvec3& q)
+{
+  return ValueInCell(v, FindCell(v, q), static_cast<const T*>(v.Scalars));
+}
+
+template <class T>
+void TrilinearValues(const VolumeView& v, const glm::dvec3& q, double* values)
+{
+  const CellPosition cell = FindCell(v, q);
+  for (int c = 0; c < v.Components; ++c)
+  {
+    values[c] = ValueInCell(v, cell, static_cast<const T*>(v.Scalars) + c);
+  }
+}
+
+std::int64_t FindNearestVoxel(const VolumeView& v, const glm::dvec3& q)
 {
   std::int64_t offset = 0;
   for (int a = 0; a < 3; ++a)
   {
     offset += std::clamp(static_cast<int>(q[a] + 0.5), 0, v.Dimensions[a] - 1) * v.Increments[a];
   }
-  return static_cast<double>(static_cast<const T*>(v.Scalars)[offset]);
+  return offset;
+}
+
+template <class T>
+double NearestValue(const VolumeView& v, const glm::dvec3& q)
+{
+  return static_cast<double>(static_cast<const T*>(v.Scalars)[FindNearestVoxel(v, q)]);
+}
+
+template <class T>
+void NearestValues(const VolumeView& v, const glm::dvec3& q, double* values)
+{
+  const T* p = static_cast<const T*>(v.Scalars) + FindNearestVoxel(v, q);
+  std::transform(p, p + v.Components, values, [](T value) { return static_cast<double>(value); });
 }
 
 template <class T>
 glm::dvec3 CentralDifferences(const VolumeView& v, const glm::dvec3& q)
 {
+  const glm::dvec3 lower = v.LowerIndex();
   const glm::dvec3 upper = v.UpperIndex();
   glm::dvec3 gradient;
   for (int a = 0; a < 3; ++a)
   {
     glm::dvec3 before = q;
     glm::dvec3 after = q;
-    before[a] = std::max(q[a] - 1.0, 0.0);
+    before[a] = std::max(q[a] - 1.0, lower[a]);
     after[a] = std::min(q[a] + 1.0, upper[a]);
     gradient[a] = 0.5 * (TrilinearValue<T>(v, after) - TrilinearValue<T>(v, before));
   }
@@ -81,15 +111,26 @@ glm::dvec3 CentralDifferences(const VolumeView& v, const glm::dvec3& q)
 } // namespace
 
 //------------------------------------------------------------------------------
+VolumeView GetComponent(const VolumeView& volume, int component)
+{
+  VolumeView view = volume;
+  view.Components = 1;
+  DispatchScalarType(volume.Type,
+    [&](auto zero)
+    { view.Scalars = static_cast<const decltype(zero)*>(volume.Scalars) + component; });
+  return view;
+}
+
+//------------------------------------------------------------------------------
 SampleFunctions SelectSampleFunctions(ScalarType type, Interpolation interpolation)
 {
   return DispatchScalarType(type,
     [interpolation](auto zero)
     {
       using T = decltype(zero);
-      return SampleFunctions{ interpolation == Interpolation::Linear ? &TrilinearValue<T>
-                                                                     : &NearestValue<T>,
-        &CentralDifferences<T> };
+      return interpolation == Interpolation::Linear
+        ? SampleFunctions{ &TrilinearValue<T>, &TrilinearValues<T>, &CentralDifferences<T> }
+        : SampleFunctions{ &NearestValue<T>, &NearestValues<T>, &CentralDifferences<T> };
     });
 }
 

@@ -20,17 +20,24 @@ enum class Interpolation
 
 /**
  * Sample fetches for one scalar type, chosen once per image: the only code of the ray caster that
- * depends on the type. Positions are index coordinates inside [0, UpperIndex()].
+ * depends on the type. Positions are index coordinates inside [LowerIndex(), UpperIndex()]; beyond
+ * the outermost voxels these hold. VolumeView::Axes is not looked at.
  */
 struct SampleFunctions
 {
   /// Trilinear (or nearest) value.
   double (*Value)(const VolumeView& volume, const glm::dvec3& q);
 
+  /// The same of all components, written to `values`.
+  void (*Values)(const VolumeView& volume, const glm::dvec3& q, double* values);
+
   /// Central differences of interpolated values one voxel to each side, per index unit:
   /// (f(q + e) - f(q - e)) / 2, positions clamped to the volume.
   glm::dvec3 (*Gradient)(const VolumeView& volume, const glm::dvec3& q);
 };
+
+/// View of one component of a volume of several.
+FFD_KERNEL_EXPORT VolumeView GetComponent(const VolumeView& volume, int component);
 
 FFD_KERNEL_EXPORT SampleFunctions SelectSampleFunctions(
   ScalarType type, Interpolation interpolation);

@@ -29,13 +29,18 @@ struct Light
   double ConeExponent = 1.0;
 };
 
-/// Material of the volume and the lights on it: ambient, diffuse and Blinn-Phong specular terms.
-struct Shading
+/// How a material reflects light: factors of the ambient, diffuse and Blinn-Phong specular terms.
+struct Reflectance
 {
   float Ambient = 0.1f;
   float Diffuse = 0.7f;
   float Specular = 0.2f;
   float SpecularPower = 10.0f;
+};
+
+/// Material of the volume and the lights on it.
+struct Shading : Reflectance
+{
   bool TwoSided = true;
   std::vector<Light> Lights;
 
@@ -45,6 +50,13 @@ struct Shading
    */
   glm::vec3 Shade(const glm::vec3& colour, const glm::dvec3& position, const glm::dvec3& normal,
     const glm::dvec3& toEye) const
+  {
+    return this->Shade(*this, colour, position, normal, toEye);
+  }
+
+  /// The same for another material under these lights.
+  glm::vec3 Shade(const Reflectance& material, const glm::vec3& colour, const glm::dvec3& position,
+    const glm::dvec3& normal, const glm::dvec3& toEye) const
   {
     glm::vec3 ambient(0.0f);
     glm::vec3 diffuse(0.0f);
@@ -75,11 +87,12 @@ struct Shading
       if (nDotH > 0.0)
       {
         specular +=
-          static_cast<float>(strength * std::pow(nDotH, static_cast<double>(this->SpecularPower))) *
+          static_cast<float>(strength * std::pow(nDotH, static_cast<double>(material.SpecularPower))) *
           light.Specular;
       }
     }
-    return colour * (this->Ambient * ambient + this->Diffuse * diffuse) + this->Specular * specular;
+    return colour * (material.Ambient * ambient + material.Diffuse * diffuse) +
+      material.Specular * specular;
   }
 
 private:

@@ -28,6 +28,9 @@ struct PacketPixels
   Vec3 Colour;
   Vf Transmittance;
   Vf FirstVisible; ///< t
+  Vf Tally;        ///< the extreme, or the sum; of surfaces, the value at TallyStep
+  Vf TallyLength;  ///< what has been summed up over, world units
+  Vf TallyStep;    ///< sample of the piece where the value is known, or a negative number
 };
 
 /// A piece of the curves of a packet: Start + s * (Linear + s * Quadratic), index coordinates.
@@ -61,23 +64,66 @@ template <class T>
 class Packet
 {
 public:
+  /// `jitter`: part of an interval by which the samples of each ray are moved on.
   Packet(const PacketScene& scene, TileGrid& grid, TileBeam& beam, PacketScratch& scratch,
-    const RayPacket& rays, Vf nodeX, Vf nodeY, Mf active)
+    const RayPacket& rays, Vf nodeX, Vf nodeY, Vf jitter, Mf active)
     : Scene(scene)
     , Grid(grid)
     , Beam(beam)
     , Scratch(scratch)
     , Rays(rays)
+    , Jitter(jitter)
     , Alive(active)
   {
     LagrangeWeights(nodeX, this->Wx, this->WxSlope);
     LagrangeWeights(nodeY, this->Wy, this->WySlope);
     this->Kept = PacketLook::Nothing();
     const Vf zero = hn::Zero(Df());
-    this->Out = { { zero, zero, zero }, Splat(1.0f), Splat(1e30f) };
+    this->Out = { { zero, zero, zero }, Splat(1.0f), Splat(1e30f), zero, zero, zero };
   }
 
   const PacketPixels& GetPixels() const { return this->Out; }
+
+  /// Where the samples are not composited: before Cast(), for the packet whose first pixel is
+  /// (x0, y0).
+  HWY_NOINLINE void BeginRays(int x0, int y0, int width)
+  {
+    const Df d;
+    if (this->Scene.Sampling == PacketSampling::Extreme)
+    {
+      this->Out.Tally = Splat(-NoExtreme);
+      return;
+    }
+    if (this->Scene.Sampling == PacketSampling::Sum)
+    {
+      return;
+    }
+    HWY_ALIGN float from[16], to[16];
+    hn::Store(this->Rays.From, d, from);
+    hn::Store(this->Rays.To, d, to);
+    std::vector<RayIntegrator>& rays = this->Scratch.Integrators;
+    rays.resize(hn::MaxLanes(Df()));
+    for (int lane = 0; lane < static_cast<int>(hn::Lanes(d)); ++lane)
+    {
+      rays[static_cast<std::size_t>(lane)].Begin(*this->Scene.Frame,
+        this->Scene.Source->Camera.MakeRay(x0 + lane % width + 0.5, y0 + lane / width + 0.5),
+        static_cast<double>(from[lane]), static_cast<double>(to[lane]));
+    }
+  }
+
+  /// Where the samples are not composited: after Cast(), what has become of the rays.
+  HWY_NOINLINE void EndRays()
+  {
+    switch (this->Scene.Sampling)
+    {
+      case PacketSampling::Extreme:
+        return this->EndExtremes();
+      case PacketSampling::Sum:
+        return this->EndSums();
+      default:
+        return this->EndIntegrators();
+    }
+  }
 
   void Cast()
   {
@@ -195,7 +241,8 @@ public:
         const PieceLeap leaps = LeapsOf(piece, schedule);
         if (canLeap)
         {
-          schedule.First = hn::Max(schedule.First, look.CountSteps(this->Scene, leaps));
+          schedule.First = hn::Max(
+            schedule.First, hn::Sub(look.CountSteps(this->Scene, leaps), this->StepsBack()));
         }
         this->Integrate(piece, schedule, leaps, inRange);
         node = end;
@@ -210,6 +257,70 @@ public:
   }
 
 private:
+  static constexpr float NoExtreme = 3e38f;
+
+  void EndIntegrators()
+  {
+    const Df d;
+    HWY_ALIGN float r[16], g[16], b[16], transmittance[16], t[16];
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+    {
+      const RayIntegrator::Result result = this->Scratch.Integrators[lane].End();
+      r[lane] = result.Colour.r;
+      g[lane] = result.Colour.g;
+      b[lane] = result.Colour.b;
+      transmittance[lane] = result.Transmittance;
+      t[lane] = static_cast<float>(std::min(result.FirstVisible, 1e30));
+    }
+    this->Out.Colour = { hn::Load(d, r), hn::Load(d, g), hn::Load(d, b) };
+    this->Out.Transmittance = hn::Load(d, transmittance);
+    this->Out.FirstVisible = hn::Load(d, t);
+  }
+
+  void EndExtremes()
+  {
+    const Df d;
+    HWY_ALIGN float extreme[16], r[16], g[16], b[16], transmittance[16], t[16];
+    const bool maximum = this->Scene.Source->Blend.Mode == BlendMode::Maximum;
+    hn::Store(this->Out.Tally, d, extreme);
+    hn::Store(this->Out.FirstVisible, d, t);
+    const PacketVolume& v = this->Scene.Volume;
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+    {
+      glm::vec4 look(0.0f);
+      if (extreme[lane] > -NoExtreme)
+      {
+        const double value = static_cast<double>(maximum ? extreme[lane] : -extreme[lane]);
+        look = this->Scene.Frame->Classifier->ClassifyValue(0, value / v.Scale + v.Shift);
+        look.a = std::min(1.0f, look.a * static_cast<float>(this->Scene.Source->Blend.Weight[0]));
+      }
+      r[lane] = look.a * look.r;
+      g[lane] = look.a * look.g;
+      b[lane] = look.a * look.b;
+      transmittance[lane] = 1.0f - look.a;
+      t[lane] = look.a > 0.0f ? t[lane] : 1e30f;
+    }
+    this->Out.Colour = { hn::Load(d, r), hn::Load(d, g), hn::Load(d, b) };
+    this->Out.Transmittance = hn::Load(d, transmittance);
+    this->Out.FirstVisible = hn::Load(d, t);
+  }
+
+  void EndSums()
+  {
+    const Blending& blend = this->Scene.Source->Blend;
+    const Vf zero = hn::Zero(Df());
+    const Vf one = Splat(1.0f);
+    const Mf any = hn::Gt(this->Out.TallyLength, zero);
+    const Vf over = blend.Mode == BlendMode::Average
+      ? hn::IfThenElse(any, this->Out.TallyLength, one)
+      : Splat(static_cast<float>(blend.UnitDistance[0]));
+    const Vf gray = hn::IfThenElseZero(any,
+      Clamp(hn::Mul(Splat(static_cast<float>(blend.Weight[0])), hn::Div(this->Out.Tally, over)),
+        zero, one));
+    this->Out.Colour = { gray, gray, gray };
+    this->Out.Transmittance = hn::IfThenElse(any, zero, one);
+  }
+
   /// Index coordinates of every ray at a fine step.
   HWY_INLINE Vec3 PositionAt(int step, const TileSpans::Span& span, Mf lanes)
   {
@@ -264,9 +375,25 @@ private:
     const Vf slack = Splat(1e-3f);
     PacketSchedule schedule;
     schedule.Ds = hn::Div(one, count);
-    schedule.First = hn::Ceil(hn::Sub(hn::Mul(sFrom, count), slack));
-    schedule.Stop = hn::Min(count, hn::Ceil(hn::Sub(hn::Mul(sTo, count), slack)));
+    const Vf early = this->Scene.Intervals ? Splat(1.0f - 1e-3f) : hn::Add(slack, this->Jitter);
+    schedule.First = hn::Add(hn::Ceil(hn::Sub(hn::Mul(sFrom, count), early)), this->Jitter);
+    schedule.Stop = hn::Min(count,
+      hn::Add(hn::Ceil(hn::Sub(hn::Sub(hn::Mul(sTo, count), slack), this->Jitter)), this->Jitter));
     return schedule;
+  }
+
+  /**
+   * What has to be taken off the number of steps to the first position that may not be empty, for
+   * the first sample of a piece: where samples do not lie on whole steps, or stand for what comes
+   * after them.
+   */
+  HWY_INLINE Vf StepsBack() const
+  {
+    const Vf one = Splat(1.0f);
+    const Vf zero = hn::Zero(Df());
+    return this->Scene.Intervals ? one
+      : this->Scene.Settings.Jitter ? hn::Sub(one, this->Jitter)
+                                    : zero;
   }
 
   static HWY_INLINE PieceLeap LeapsOf(const PacketPiece& piece, const PacketSchedule& schedule)
@@ -285,7 +412,10 @@ private:
   {
     const Df d;
     const bool leap = this->Scene.Settings.Leaping != SpaceLeaping::Off;
+    const bool intervals = this->Scene.Intervals;
+    const bool composite = this->Scene.Sampling == PacketSampling::Composite;
     this->HaveFrames = false;
+    this->Out.TallyStep = Splat(-1.0f);
     Vf n = schedule.First;
     // Rays whose last sample was visible expect the next one to be.
     Mf expecting = hn::FirstN(d, 0);
@@ -305,10 +435,12 @@ private:
       }
       const Vf s = hn::Mul(n, schedule.Ds);
       const Vec3 q = piece.At(s);
-      const Mf sampled = hn::And(active, IsInside(this->Scene, q));
-      expecting = hn::AllFalse(d, sampled)
-        ? sampled
-        : this->TakeSample(piece, q, s, schedule.Ds, sampled);
+      const Mf sampled =
+        HWY_UNLIKELY(intervals) ? active : hn::And(active, this->IsShown(q, piece, s));
+      expecting = hn::AllFalse(d, sampled) ? sampled
+        : HWY_LIKELY(composite)
+        ? this->TakeSample(piece, q, s, schedule.Ds, sampled)
+        : this->TakeOtherSample(piece, q, n, schedule.Ds, sampled);
       n = hn::Add(n, hn::IfThenElseZero(active, Splat(1.0f)));
     }
   }
@@ -319,12 +451,59 @@ private:
   {
     const PacketLook look(
       this->Scene, piece.At(hn::Mul(n, schedule.Ds)), looking, this->Scratch.Statistics);
-    n = hn::Add(n, look.CountSteps(this->Scene, leaps));
     if (!this->Scene.Identity)
     {
       this->Kept.Take(look, looking);
     }
+    const Vf steps = look.CountSteps(this->Scene, leaps);
+    if (HWY_UNLIKELY(this->Scene.Intervals))
+    {
+      // The interval up to the first position that may not be empty is none of them.
+      const Vf empty = hn::Sub(steps, Splat(1.0f));
+      const Mf some = hn::And(looking, hn::Gt(empty, hn::Zero(Df())));
+      n = hn::Add(n, hn::IfThenElseZero(some, empty));
+      return some;
+    }
+    n = hn::Add(n, steps);
     return look.GetFree();
+  }
+
+  /// Which positions are inside of the volume and not cropped.
+  HWY_INLINE Mf IsShown(const Vec3& q, const PacketPiece& piece, Vf s) const
+  {
+    const Mf inside = IsInside(this->Scene, q);
+    if (HWY_LIKELY(this->Scene.CropSpace == Cropping::Spaces::None))
+    {
+      return inside;
+    }
+    if (this->Scene.CropSpace == Cropping::Spaces::Rest)
+    {
+      return hn::And(inside, this->IsUncropped(q));
+    }
+    const Vf t = hn::MulAdd(s, Splat(piece.Dt), Splat(piece.T0));
+    return hn::And(inside, this->IsUncropped(MulAdd(t, this->Rays.Direction, this->Rays.Origin)));
+  }
+
+  HWY_NOINLINE Mf IsUncropped(const Vec3& p) const
+  {
+    const Df d;
+    const Di di;
+    const Vf one = Splat(1.0f);
+    const auto slab = [&](Vf x, int a)
+    {
+      return hn::Add(hn::IfThenElseZero(hn::Ge(x, Splat(this->Scene.CropLow[a])), one),
+        hn::IfThenElseZero(hn::Ge(x, Splat(this->Scene.CropHigh[a])), one));
+    };
+    const Vf region = hn::MulAdd(Splat(9.0f), slab(p.z, 2),
+      hn::MulAdd(Splat(3.0f), slab(p.y, 1), slab(p.x, 0)));
+    HWY_ALIGN int regions[16];
+    HWY_ALIGN float shown[16];
+    hn::Store(hn::ConvertTo(di, region), di, regions);
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+    {
+      shown[lane] = (this->Scene.CropFlags >> regions[lane] & 1) != 0 ? 1.0f : 0.0f;
+    }
+    return hn::Gt(hn::Load(d, shown), hn::Zero(d));
   }
 
   /// Samples, shades and composites; returns which of the rays met something visible.
@@ -357,12 +536,31 @@ private:
     const Vf fraction = hn::Sub(entry, whole);
     const Vec4 below = LoadQuads(table, index);
     const Vec4 above = LoadQuads(table + 4, index);
-    const Vf extinction = Lerp(below.w, above.w, fraction);
-    const Mf visible =
+    Vf extinction = Lerp(below.w, above.w, fraction);
+    Mf visible =
       hn::And(hn::And(sampled, number), hn::Gt(extinction, hn::Zero(d)));
     if (hn::AllFalse(d, visible))
     {
       return visible;
+    }
+    Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
+    const bool byGradient = this->Scene.GradientFactors != nullptr;
+    if (byGradient || this->Scene.Shade)
+    {
+      gradient = Gradient<T>(this->Scene.Volume, at, rows);
+      if (HWY_UNLIKELY(anyBorder))
+      {
+        gradient = this->GradientAtBorder(q, border, gradient);
+      }
+    }
+    if (HWY_UNLIKELY(byGradient))
+    {
+      extinction = this->WeighByGradient(extinction, gradient);
+      visible = hn::And(visible, hn::Gt(extinction, hn::Zero(d)));
+      if (hn::AllFalse(d, visible))
+      {
+        return visible;
+      }
     }
     statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
 
@@ -371,11 +569,6 @@ private:
     const Vf t = hn::MulAdd(s, Splat(piece.Dt), Splat(piece.T0));
     if (this->Scene.Shade)
     {
-      Vec3 gradient = Gradient<T>(this->Scene.Volume, at, rows);
-      if (HWY_UNLIKELY(anyBorder))
-      {
-        gradient = this->GradientAtBorder(q, border, gradient);
-      }
       colour = this->ShadeSample(piece, q, colour, gradient, s, t);
     }
     const Vf interval = this->Scene.Settings.Opacity == OpacityLength::World
@@ -393,6 +586,272 @@ private:
       hn::Lt(this->Out.Transmittance, Splat(this->Scene.Settings.TerminationTransmittance));
     this->Alive = hn::AndNot(ended, this->Alive);
     return visible;
+  }
+
+  /// The extinction whose opacity over the reference length is that of `extinction` times the factor
+  /// of a gradient; as SampleClassifier.
+  HWY_NOINLINE Vf WeighByGradient(Vf extinction, const Vec3& gradient) const
+  {
+    const Df d;
+    const Di di;
+    const Vec3 scaled{ hn::Mul(gradient.x, Splat(this->Scene.GradientScale[0])),
+      hn::Mul(gradient.y, Splat(this->Scene.GradientScale[1])),
+      hn::Mul(gradient.z, Splat(this->Scene.GradientScale[2])) };
+    const Vf last = Splat(static_cast<float>(this->Scene.NumberOfGradientFactors - 1));
+    const Vf magnitude = hn::Sqrt(Dot(scaled, scaled));
+    const Vf x = hn::IfThenElseZero(hn::Eq(magnitude, magnitude), hn::Min(magnitude, last));
+    const Vf whole = hn::Min(hn::Floor(x), hn::Sub(last, Splat(1.0f)));
+    HWY_ALIGN int offsets[16];
+    hn::Store(hn::ConvertTo(di, whole), di, offsets);
+    const Vf factor = Lerp(LoadLanes<float, 4>(this->Scene.GradientFactors, 0, offsets),
+      LoadLanes<float, 4>(this->Scene.GradientFactors, 4, offsets), hn::Sub(x, whole));
+    const Vf one = Splat(1.0f);
+    const Vf length = Splat(this->Scene.ReferenceLength);
+    const Vf opacity =
+      hn::Mul(factor, hn::Sub(one, Exp2(hn::Neg(hn::Mul(extinction, length)))));
+    // What is nearly transparent has no digits left in 1 - opacity, but its logarithm is linear.
+    const Vf passed = hn::Sub(one, opacity);
+    const Vf logarithm = hn::IfThenElse(hn::Lt(opacity, Splat(1e-3f)),
+      hn::Mul(hn::Mul(opacity, Splat(1.4426950409f)),
+        hn::MulAdd(opacity, Splat(0.5f), one)),
+      hn::Neg(Log2(hn::Max(passed, Splat(1e-30f)))));
+    const Vf weighed = hn::Div(hn::Max(logarithm, hn::Zero(d)), length);
+    return hn::IfThenElse(hn::Ge(factor, one), extinction, weighed);
+  }
+
+  /// What TakeSample does, for all that is not plain compositing; at s = n * ds.
+  HWY_NOINLINE Mf TakeOtherSample(
+    const PacketPiece& piece, const Vec3& q, Vf n, Vf ds, Mf sampled)
+  {
+    const Df d;
+    const Vf s = hn::Mul(n, ds);
+    CastStatistics& statistics = this->Scratch.Statistics;
+    statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
+    switch (this->Scene.Sampling)
+    {
+      case PacketSampling::Extreme:
+        return this->TakeExtreme(piece, q, s, sampled);
+      case PacketSampling::Sum:
+        return this->AddUp(piece, q, s, ds, sampled);
+      case PacketSampling::Surface:
+        return this->CrossSurfaces(piece, q, n, ds, sampled);
+      default:
+        return this->TakeSamplePerRay(piece, s, ds, sampled);
+    }
+  }
+
+  /// Values at positions inside of the volume.
+  HWY_INLINE Vf ValuesAt(const Vec3& q, Mf lanes) const
+  {
+    const SamplePosition at = FindCells(this->Scene.Volume, q, lanes);
+    const Mf border = hn::AndNot(at.Interior, lanes);
+    SampleRows rows;
+    Vf value = Sample<T>(this->Scene.Volume, at, rows);
+    if (HWY_UNLIKELY(!hn::AllFalse(Df(), border)))
+    {
+      value = this->SampleBorder(q, border, value);
+    }
+    return value;
+  }
+
+  HWY_INLINE Vf TimeAt(const PacketPiece& piece, Vf s) const
+  {
+    return hn::MulAdd(s, Splat(piece.Dt), Splat(piece.T0));
+  }
+
+  /// Minima are maxima of what is below zero.
+  HWY_INLINE Mf TakeExtreme(const PacketPiece& piece, const Vec3& q, Vf s, Mf sampled)
+  {
+    const Df d;
+    const bool maximum = this->Scene.Source->Blend.Mode == BlendMode::Maximum;
+    Vf value = this->ValuesAt(q, sampled);
+    value = maximum ? value : hn::Neg(value);
+    // Comparisons with what is not a number are false.
+    const Mf better = hn::And(sampled, hn::Gt(value, this->Out.Tally));
+    this->Scratch.Statistics.VisibleSamples +=
+      static_cast<std::int64_t>(hn::CountTrue(d, better));
+    this->Out.Tally = hn::IfThenElse(better, value, this->Out.Tally);
+    this->Out.FirstVisible =
+      hn::IfThenElse(better, this->TimeAt(piece, s), this->Out.FirstVisible);
+    // Nothing is beyond the end of the range.
+    const Vf end = Splat(maximum ? this->Scene.ValueHigh : -this->Scene.ValueLow);
+    this->Alive = hn::AndNot(hn::Ge(this->Out.Tally, end), this->Alive);
+    return hn::FirstN(d, 0);
+  }
+
+  HWY_INLINE Mf AddUp(const PacketPiece& piece, const Vec3& q, Vf s, Vf ds, Mf sampled)
+  {
+    const Df d;
+    const Di di;
+    const Vf zero = hn::Zero(d);
+    const Vf one = Splat(1.0f);
+    const Vf value = this->ValuesAt(q, sampled);
+    Mf counts = hn::And(sampled, hn::Eq(value, value));
+    if (this->Scene.Source->Blend.Mode == BlendMode::Average)
+    {
+      counts = hn::And(counts,
+        hn::And(hn::Ge(value, Splat(this->Scene.AverageMin)),
+          hn::Le(value, Splat(this->Scene.AverageMax))));
+    }
+    this->Scratch.Statistics.VisibleSamples +=
+      static_cast<std::int64_t>(hn::CountTrue(d, counts));
+    const Vf last = Splat(static_cast<float>(this->Scene.TableSize - 1));
+    const Vf x =
+      hn::Mul(hn::Sub(value, Splat(this->Scene.TableLow)), Splat(this->Scene.TableScale));
+    const Vf entry = hn::IfThenElseZero(counts, Clamp(x, zero, last));
+    const Vf whole = hn::Min(hn::Floor(entry), hn::Sub(last, one));
+    const Vi index = hn::ConvertTo(di, whole);
+    const Vf extinction = Lerp(LoadQuads(this->Scene.Table, index).w,
+      LoadQuads(this->Scene.Table + 4, index).w, hn::Sub(entry, whole));
+    const Vf opacity =
+      hn::Sub(one, Exp2(hn::Neg(hn::Mul(extinction, Splat(this->Scene.UnitDistance)))));
+    const Vf relative = hn::Mul(hn::Sub(value, Splat(this->Scene.ValueLow)),
+      Splat(1.0f / (this->Scene.ValueHigh - this->Scene.ValueLow)));
+    const Vf length = this->Scene.Settings.Opacity == OpacityLength::World
+      ? hn::Mul(ds, Splat(piece.Dt))
+      : hn::Mul(ds, this->LengthOf(piece.Velocity(s)));
+    this->Out.Tally = hn::Add(this->Out.Tally,
+      hn::IfThenElseZero(counts, hn::Mul(hn::Mul(opacity, relative), length)));
+    this->Out.TallyLength =
+      hn::Add(this->Out.TallyLength, hn::IfThenElseZero(counts, length));
+    this->Out.FirstVisible = hn::IfThenElse(
+      counts, hn::Min(this->Out.FirstVisible, this->TimeAt(piece, s)), this->Out.FirstVisible);
+    return hn::FirstN(d, 0);
+  }
+
+  /// Hands the intervals from n to n + 1 that a surface may cross to the integrators.
+  HWY_INLINE Mf CrossSurfaces(const PacketPiece& piece, const Vec3& q, Vf n, Vf ds, Mf lanes)
+  {
+    const Df d;
+    const Vf next = hn::Add(n, Splat(1.0f));
+    const Vec3 end = piece.At(hn::Mul(next, ds));
+    const Mf insideA = hn::And(lanes, IsInside(this->Scene, q));
+    const Mf insideB = hn::And(lanes, IsInside(this->Scene, end));
+    Vf a = this->Out.Tally;
+    const Mf unknown = hn::AndNot(hn::Eq(this->Out.TallyStep, n), insideA);
+    if (!hn::AllFalse(d, unknown))
+    {
+      a = hn::IfThenElse(unknown, this->ValuesAt(q, unknown), a);
+    }
+    const Vf b = hn::AllFalse(d, insideB) ? a : this->ValuesAt(end, insideB);
+    this->Out.Tally = hn::IfThenElse(insideB, b, this->Out.Tally);
+    this->Out.TallyStep = hn::IfThenElse(insideB, next, this->Out.TallyStep);
+    // A value that is not clearly on one side counts as crossing: the integrator knows exactly.
+    const Vf margin = Splat(1e-5f * (this->Scene.ValueHigh - this->Scene.ValueLow));
+    const Vf low = hn::Sub(hn::Min(a, b), margin);
+    const Vf high = hn::Add(hn::Max(a, b), margin);
+    Mf crossed = hn::FirstN(d, 0);
+    for (const float iso : this->Scene.IsoValues)
+    {
+      crossed = hn::Or(crossed, hn::And(hn::Le(low, Splat(iso)), hn::Ge(high, Splat(iso))));
+    }
+    // The volume begins or ends in the interval.
+    const Mf faces = hn::Xor(insideA, insideB);
+    crossed = hn::Or(hn::And(crossed, hn::And(insideA, insideB)), faces);
+    return hn::AllFalse(d, crossed)
+      ? crossed
+      : this->TakeSamplePerRay(piece, hn::Mul(n, ds), ds, crossed);
+  }
+
+  /// What TakeSample does, by the integrators of the rays.
+  HWY_NOINLINE Mf TakeSamplePerRay(const PacketPiece& piece, Vf s, Vf ds, Mf sampled)
+  {
+    const Df d;
+    HWY_ALIGN float at[16], interval[16], flag[16];
+    HWY_ALIGN float curve[9][16];
+    hn::Store(s, d, at);
+    hn::Store(ds, d, interval);
+    hn::Store(hn::IfThenElseZero(sampled, Splat(1.0f)), d, flag);
+    const Vf terms[9] = { piece.Start.x, piece.Start.y, piece.Start.z, piece.Linear.x,
+      piece.Linear.y, piece.Linear.z, piece.Quadratic.x, piece.Quadratic.y, piece.Quadratic.z };
+    for (int i = 0; i < 9; ++i)
+    {
+      hn::Store(terms[i], d, curve[i]);
+    }
+    HWY_ALIGN float visible[16] = {};
+    HWY_ALIGN float done[16] = {};
+    CastStatistics& statistics = this->Scratch.Statistics;
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+    {
+      if (flag[lane] == 0.0f)
+      {
+        continue;
+      }
+      const auto term = [&](int i)
+      { return glm::dvec3(curve[i][lane], curve[i + 1][lane], curve[i + 2][lane]); };
+      const RayPiece one(*this, piece, lane, { term(0), term(3), term(6) });
+      const RayIntegrator::Outcome outcome = this->Scratch.Integrators[lane].AddSample(
+        one, static_cast<double>(at[lane]), static_cast<double>(interval[lane]));
+      statistics.VisibleSamples += outcome.Visible ? 1 : 0;
+      visible[lane] = outcome.Visible ? 1.0f : 0.0f;
+      done[lane] = outcome.Done ? 1.0f : 0.0f;
+    }
+    const Vf zero = hn::Zero(d);
+    this->Alive = hn::AndNot(hn::Gt(hn::Load(d, done), zero), this->Alive);
+    return hn::Gt(hn::Load(d, visible), zero);
+  }
+
+  /// The piece of one ray.
+  class RayPiece : public SampledPiece
+  {
+  public:
+    RayPiece(Packet& packet, const PacketPiece& piece, std::size_t lane, const CurvePiece& curve)
+      : SampledPiece(curve, static_cast<double>(piece.T0), static_cast<double>(piece.Dt))
+      , Whole(packet)
+      , OfAll(piece)
+      , Lane(lane)
+    {
+    }
+
+    glm::dvec3 GradientToWorld(double s, const glm::dvec3& byIndex) const override
+    {
+      return this->Whole.GradientOfRay(this->OfAll, this->Lane, static_cast<float>(s), byIndex);
+    }
+
+  private:
+    Packet& Whole;
+    const PacketPiece& OfAll;
+    std::size_t Lane;
+  };
+
+  /// The gradient by world coordinates at s on one of the rays, from that by index coordinates.
+  HWY_NOINLINE glm::dvec3 GradientOfRay(
+    const PacketPiece& piece, std::size_t lane, float s, const glm::dvec3& byIndex)
+  {
+    // Scaled: squares of huge or tiny scalars are no floats.
+    const double size =
+      std::max({ std::abs(byIndex.x), std::abs(byIndex.y), std::abs(byIndex.z) });
+    if (!(size > 0.0) || !std::isfinite(size))
+    {
+      return glm::dvec3(0.0);
+    }
+    const Df d;
+    const Vec3 g{ Splat(static_cast<float>(byIndex.x / size)),
+      Splat(static_cast<float>(byIndex.y / size)), Splat(static_cast<float>(byIndex.z / size)) };
+    const Vf at = Splat(s);
+    const Vf t = Splat(piece.T0 + s * piece.Dt);
+    Vec3 local;
+    if (this->Scene.Identity)
+    {
+      local = Transform(this->Scene.GradientToRest, g);
+    }
+    else if (piece.Lateral)
+    {
+      Vf determinant;
+      local = this->GradientFromFrames(piece, g, at, t, determinant);
+      const Vf magnitude = hn::Max(hn::Abs(determinant), Splat(1e-30f));
+      local = Scale(hn::Div(hn::CopySign(Splat(1.0f), determinant), magnitude), local);
+    }
+    else
+    {
+      local = this->GradientFromField(piece.At(at), g, t);
+    }
+    const Vec3 world = Transform(this->Scene.GradientToWorld, local);
+    HWY_ALIGN float x[16], y[16], z[16];
+    hn::Store(world.x, d, x);
+    hn::Store(world.y, d, y);
+    hn::Store(world.z, d, z);
+    return size * glm::dvec3(x[lane], y[lane], z[lane]);
   }
 
   /// Samples whose fetches would leave the volume come from the reference functions.
@@ -420,11 +879,11 @@ private:
 
   HWY_NOINLINE Vec3 GradientAtBorder(const Vec3& q, Mf border, const Vec3& gradient) const
   {
-    // Scaled as fetched: squares of huge or tiny scalars are no floats.
+    // Over two voxels and scaled, as fetched: squares of huge or tiny scalars are no floats.
     return ReplaceLanes(border, q, gradient,
       [&](const glm::dvec3& at) {
         return this->Scene.Reference.Gradient(this->Scene.Source->Volume, at) *
-          this->Scene.Volume.Scale;
+          (2.0 * this->Scene.Volume.Scale);
       });
   }
 
@@ -439,7 +898,10 @@ private:
     }
     else if (piece.Lateral)
     {
-      gradient = this->GradientFromFrames(piece, byIndex, s, t);
+      // Only the direction of the gradient is used, but it must not be turned around.
+      Vf determinant;
+      gradient = this->GradientFromFrames(piece, byIndex, s, t, determinant);
+      gradient = Scale(hn::CopySign(Splat(1.0f), determinant), gradient);
     }
     else
     {
@@ -459,9 +921,10 @@ private:
    * Along the image axes u, v and the ray parameter t both the deformed points P and the rest
    * points Q are known, so the gradient G by P solves G . P_u = g . Q_u, and so on for v and t.
    * Derivatives across the tile are those of its node interpolation, at the start and the end of
-   * the piece and linear in between.
+   * the piece and linear in between. Returns G times `determinant`.
    */
-  HWY_INLINE Vec3 GradientFromFrames(const PacketPiece& piece, const Vec3& byIndex, Vf s, Vf t)
+  HWY_INLINE Vec3 GradientFromFrames(
+    const PacketPiece& piece, const Vec3& byIndex, Vf s, Vf t, Vf& determinant)
   {
     if (!this->HaveFrames)
     {
@@ -490,11 +953,8 @@ private:
     const Vec3 pv = MulAdd(t, this->DirectionV, this->OriginV);
     const Vec3& pt = this->Rays.Direction;
     const Vec3 vt = Cross(pv, pt);
-    const Vf determinant = Dot(pu, vt);
-    // Only the direction of the gradient is used, but it must not be turned around.
-    const Vf sign = hn::CopySign(Splat(1.0f), determinant);
-    const Vec3 sum = MulAdd(gu, vt, MulAdd(gv, Cross(pt, pu), Scale(gt, Cross(pu, pv))));
-    return Scale(sign, sum);
+    determinant = Dot(pu, vt);
+    return MulAdd(gu, vt, MulAdd(gv, Cross(pt, pu), Scale(gt, Cross(pu, pv))));
   }
 
   /// The same with J_Phi at the sample itself, where nodes of the tile are too far apart.
@@ -514,6 +974,7 @@ private:
   TileBeam& Beam;
   PacketScratch& Scratch;
   RayPacket Rays;
+  Vf Jitter;
   Mf Alive;
   Vf Wx[4];
   Vf Wy[4];
@@ -574,6 +1035,21 @@ HWY_INLINE PacketShape GetPacketShape()
   const int lanes = static_cast<int>(hn::Lanes(Df()));
   const int width = lanes < 4 ? lanes : 4;
   return { lanes, width, lanes / width };
+}
+
+/// FindJitter() of the pixels of a packet.
+HWY_NOINLINE Vf JitterOf(const PacketScene& scene, int x0, int y0)
+{
+  const Df d;
+  const PacketShape shape = GetPacketShape();
+  const glm::ivec2 origin = scene.Source->Camera.PixelOrigin;
+  HWY_ALIGN float jitter[16];
+  for (int lane = 0; lane < shape.Lanes; ++lane)
+  {
+    jitter[lane] = static_cast<float>(FindJitter(
+      x0 + lane % shape.Width + origin.x, y0 + lane / shape.Width + origin.y));
+  }
+  return hn::Load(d, jitter);
 }
 
 /// Rays end where something opaque was drawn.
@@ -727,10 +1203,21 @@ HWY_NOINLINE void CastTile(
         hn::Mul(hn::Add(Splat(static_cast<float>(x - x0)), dx), Splat(toNodes));
       const Vf nodeY =
         hn::Mul(hn::Add(Splat(static_cast<float>(y - y0)), dy), Splat(toNodes));
-      Packet<T> cast(scene, grid, beam, scratch, rays, nodeX, nodeY, active);
+      const Vf jitter = scene.Settings.Jitter && !scene.Intervals ? JitterOf(scene, x, y)
+                                                                  : hn::Zero(d);
+      Packet<T> cast(scene, grid, beam, scratch, rays, nodeX, nodeY, jitter, active);
       if (!hn::AllFalse(d, active))
       {
-        cast.Cast();
+        if (HWY_UNLIKELY(scene.Sampling != PacketSampling::Composite))
+        {
+          cast.BeginRays(x, y, shape.Width);
+          cast.Cast();
+          cast.EndRays();
+        }
+        else
+        {
+          cast.Cast();
+        }
       }
       StorePixels(scene, image, x, y, active, cast.GetPixels());
     }

@@ -27,9 +27,19 @@ HWY_INLINE Vf LookUpDistance(const PacketScene& scene, const Vec3& q, Mf inside,
 {
   const Df d;
   const Di di;
-  const auto blockOf = [&](Vf x)
-  { return hn::IfThenElseZero(inside, hn::Floor(hn::Mul(x, Splat(1.0f / BlockEdge)))); };
-  block = { blockOf(q.x), blockOf(q.y), blockOf(q.z) };
+  // A position on the upper face belongs to the last block.
+  const auto blockOf = [&](Vf x, int a)
+  {
+    return hn::IfThenElseZero(inside,
+      hn::Min(hn::Floor(hn::Mul(x, Splat(1.0f / BlockEdge))), Splat(scene.LastBlock[a])));
+  };
+  block = { blockOf(q.x, 0), blockOf(q.y, 1), blockOf(q.z, 2) };
+  if (HWY_UNLIKELY(scene.Lower != 0.0f))
+  {
+    // What lies before the first voxels belongs to their blocks.
+    const Vf zero = hn::Zero(d);
+    block = { hn::Max(block.x, zero), hn::Max(block.y, zero), hn::Max(block.z, zero) };
+  }
   const Vi index = hn::Add(hn::ConvertTo(di, block.x),
     hn::Mul(hn::Set(di, scene.Blocks[0]),
       hn::Add(hn::ConvertTo(di, block.y),
@@ -42,9 +52,9 @@ HWY_INLINE Vf LookUpDistance(const PacketScene& scene, const Vec3& q, Mf inside,
 
 HWY_INLINE Mf IsInside(const PacketScene& scene, const Vec3& q)
 {
-  const Vf zero = hn::Zero(Df());
+  const Vf lower = Splat(scene.Lower);
   const auto within = [&](Vf x, int a)
-  { return hn::And(hn::Ge(x, zero), hn::Le(x, Splat(scene.Upper[a]))); };
+  { return hn::And(hn::Ge(x, lower), hn::Le(x, Splat(scene.Upper[a]))); };
   return hn::And(within(q.x, 0), hn::And(within(q.y, 1), within(q.z, 2)));
 }
 
@@ -77,7 +87,7 @@ public:
   {
     const auto beyond = [&](Vf x, int a, const Axis& axis)
     {
-      const Vf gap = hn::Max(hn::Neg(x), hn::Sub(x, Splat(scene.Upper[a])));
+      const Vf gap = hn::Max(hn::Sub(Splat(scene.Lower), x), hn::Sub(x, Splat(scene.Upper[a])));
       return hn::Mul(hn::Sub(gap, Splat(LeapGuard)), axis.Inverse);
     };
     return Whole(hn::Max(
@@ -290,7 +300,7 @@ private:
     Vf most = Splat(-Far);
     for (int a = 0; a < 3; ++a)
     {
-      below[a] = hn::Neg(axis[a]);
+      below[a] = hn::Sub(Splat(scene.Lower), axis[a]);
       above[a] = hn::Sub(axis[a], Splat(scene.Upper[a]));
       most = hn::Max(most, hn::Max(below[a], above[a]));
     }

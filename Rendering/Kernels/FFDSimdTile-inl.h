@@ -85,9 +85,23 @@ HWY_INLINE RayPacket MakeRays(
   return rays;
 }
 
-/// Narrow [From, To] to the deformed bounds.
+/// Narrow [From, To] to the deformed bounds and the shown side of the clipping planes.
 HWY_INLINE void ClipToBounds(const PacketScene& scene, RayPacket& rays)
 {
+  for (const std::array<float, 4>& plane : scene.ClippingPlanes)
+  {
+    const Vec3 normal{ Splat(plane[0]), Splat(plane[1]), Splat(plane[2]) };
+    const Vf slope = Dot(normal, rays.Direction);
+    const Vf start = hn::Add(Dot(normal, rays.Origin), Splat(plane[3]));
+    const Vf zero = hn::Zero(Df());
+    const Vf tiny = Splat(1e-30f);
+    // A slope of zero becomes a very small one: then the plane cuts all of the ray away or nothing.
+    const Mf up = hn::Ge(slope, zero);
+    const Vf safe = hn::IfThenElse(up, hn::Max(slope, tiny), hn::Min(slope, hn::Neg(tiny)));
+    const Vf t = hn::Neg(hn::Div(start, safe));
+    rays.From = hn::IfThenElse(up, hn::Max(rays.From, t), rays.From);
+    rays.To = hn::IfThenElse(up, rays.To, hn::Min(rays.To, t));
+  }
   const auto clip = [&](Vf o, Vf v, float lo, float hi)
   {
     // A direction of zero becomes a very small one: then the slab bounds all of the line or none.

@@ -227,7 +227,8 @@ public:
    * mouse; the first that knows decides:
    * 1. observers of this object's vtkCommand::StartPickEvent (call data: double[2], the display
    *    position), by SetSurfacePoint() in world coordinates;
-   * 2. SurfacePicker, any vtkAbstractPicker, for instance a vtkVolumePicker: its PickPosition;
+   * 2. SurfacePicker, any vtkAbstractPicker: its PickPosition. vtkFFDVolumePicker sees the volume
+   *    that the lattice deforms;
    * 3. without a picker, the depth buffer: what opaque geometry of the scene is there. Volumes
    *    write no depth, so it is not enough for them.
    * PickSurface() returns 1 and a world position, or 0.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDBenchmarkSuites.h"
 
+#include "FFDBenchmarkBlend.h"
 #include "FFDBenchmarkResample.h"
 #include "FFDBenchmarkScene.h"
 #include "FFDBenchmarkWidget.h"
@@ -594,6 +595,23 @@ std::vector<std::unique_ptr<Group>> MakeGroups(const Options& options)
     { { "gather", rounds(5, 11) }, { "unshaded_identity", rounds(3, 11) },
       { "unshaded_smooth45", rounds(3, 11) }, { "shaded_identity", rounds(3, 11) },
       { "shaded_smooth45", rounds(3, 11) } });
+  const std::pair<BlendRows, const char*> blends[] = { { BlendRows::Mip, "Blend/mip" },
+    { BlendRows::Isosurface, "Blend/isosurface" },
+    { BlendRows::TwoComponents, "Composite/two_components" },
+    { BlendRows::GradientOpacity, "Composite/gradient_opacity" } };
+  for (const auto& [blend, name] : blends)
+  {
+    std::vector<std::pair<std::string, std::size_t>> rows = { { "gpu", rounds(2, 5) },
+      { "identity", rounds(5, 11) }, { "exact", rounds(5, 11) },
+      { "reference", rounds(1, SlowRounds) } };
+    if (blend != BlendRows::Isosurface)
+    {
+      rows.insert(rows.begin(), { "fixedpoint", rounds(5, 11) });
+    }
+    const BlendRows which = blend;
+    add(name, [which, folder](Group& group) { return PrepareBlend(group, which, 512, folder); },
+      rows);
+  }
   AddWidgetGroups(options, groups);
   return groups;
 }

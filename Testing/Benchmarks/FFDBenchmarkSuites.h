@@ -39,7 +39,8 @@ constexpr Tolerance PaperTolerance{ 8, 8.0, 0.15 };
 constexpr Tolerance OracleTolerance{ 1, 0.5, 0.002 };     ///< ours by its reference kernels
 
 /// All groups of the chosen mode. Names: Frame/<volume>/<opacity>/<size>/<deformation>,
-/// Drag/<side>, Edit/<side>, Resample/<side>/<interpolation>, Limit.
+/// Drag/<side>, Edit/<side>, Resample/<side>/<interpolation>, Blend/<mode>,
+/// Composite/<what>, Limit.
 std::vector<std::unique_ptr<Group>> MakeGroups(const Options& options);
 
 } // namespace ffdBenchmark

@@ -119,6 +119,10 @@ std::pair<const char*, const char*> GetReferences(const Group& group)
   {
     return { "fixedpoint", "identity" };
   }
+  if (name.rfind("Blend", 0) == 0 || name.rfind("Composite", 0) == 0)
+  {
+    return { group.FindRow("fixedpoint") ? "fixedpoint" : "gpu", "identity" };
+  }
   if (name.rfind("Drag", 0) == 0)
   {
     return { "grid", "bspline" };

@@ -272,9 +272,9 @@ int TestChangesAndBadInput()
   tracer->Update();
   FFD_CHECK(log->Count == 0 && scene.Errors->Count == 0);
   // A mapper that cannot render says so.
-  scene.Mapper->CroppingOn();
+  scene.Mapper->SetBlendMode(99);
   tracer->Update();
-  FFD_CHECK(scene.Errors->Had("CroppingOff"));
+  FFD_CHECK(scene.Errors->Had("SetBlendModeToComposite"));
   return EXIT_SUCCESS;
 }
 

@@ -19,6 +19,7 @@
 #include "vtkFFDResampleVolume.h"
 #include "vtkFFDTransformReader.h"
 #include "vtkFFDTransformWriter.h"
+#include "vtkFFDVolumePicker.h"
 
 #include "vtkNew.h"
 
@@ -68,5 +69,6 @@ int TestInstantiate(int, char*[])
   ok &= Check<vtkFFDJacobian>("vtkFFDJacobian", "vtkImageAlgorithm");
   ok &= Check<vtkFFDDistanceMap>("vtkFFDDistanceMap", "vtkImageAlgorithm");
   ok &= Check<vtkFFDRayTracer>("vtkFFDRayTracer", "vtkPolyDataAlgorithm");
+  ok &= Check<vtkFFDVolumePicker>("vtkFFDVolumePicker", "vtkVolumePicker");
   return ok ? EXIT_SUCCESS : EXIT_FAILURE;
 }

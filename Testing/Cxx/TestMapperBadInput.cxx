@@ -7,7 +7,9 @@
 #include "vtkBitArray.h"
 #include "vtkBSplineTransform.h"
 #include "vtkCellData.h"
+#include "vtkContourValues.h"
 #include "vtkPlane.h"
+#include "vtkSphere.h"
 #include "vtkPolyData.h"
 #include "vtkRectilinearGrid.h"
 #include "vtkStringArray.h"
@@ -86,12 +88,12 @@ bool TestDataSets()
     scene, "no input", "No input", [&] { scene.Mapper->RemoveAllInputConnections(0); },
     [&] { scene.Mapper->SetInputData(scene.Image); });
   input("polydata", "vtkPolyData", vtkNew<vtkPolyData>());
-  input("rectilinear grid", "vtkRectilinearGrid", vtkNew<vtkRectilinearGrid>());
+  input("empty rectilinear grid", "empty", vtkNew<vtkRectilinearGrid>());
   input("unstructured grid", "vtkUnstructuredGrid", vtkNew<vtkUnstructuredGrid>());
   input("2-D", "8 x 8 x 1", Image<vtkImageData>(8, 8, 1));
   input("thin in x", "1 x 8 x 8", Image<vtkImageData>(1, 8, 8));
   input("empty", "empty", vtkNew<vtkImageData>());
-  input("three components", "3 components", Image<vtkImageData>(8, 8, 8, VTK_FLOAT, 3));
+  input("five components", "5 components", Image<vtkImageData>(8, 8, 8, VTK_FLOAT, 5));
 
   vtkNew<vtkImageData> bare;
   bare->SetDimensions(4, 4, 4);
@@ -116,12 +118,43 @@ bool TestDataSets()
 
   vtkNew<vtkFloatArray> cells;
   cells->SetName("cells");
-  cells->SetNumberOfValues(27);
+  cells->SetNumberOfValues(9);
   cells->Fill(1.0);
   vtkNew<vtkImageData> cellImage;
-  cellImage->SetDimensions(4, 4, 4);
+  cellImage->SetDimensions(4, 4, 2);
   cellImage->GetCellData()->SetScalars(cells);
-  input("cell data", "vtkCellDataToPointData", cellImage);
+  input("one layer of cells", "vtkCellDataToPointData", cellImage);
+  cellImage->SetDimensions(4, 4, 4);
+  input("few cells", "27 cells", cellImage);
+
+  vtkNew<vtkRectilinearGrid> falling;
+  falling->SetDimensions(4, 4, 4);
+  vtkNew<vtkFloatArray> coordinates;
+  for (const float x : { 0.0f, 2.0f, 1.0f, 3.0f })
+  {
+    coordinates->InsertNextValue(x);
+  }
+  falling->SetXCoordinates(coordinates);
+  falling->SetYCoordinates(coordinates);
+  falling->SetZCoordinates(coordinates);
+  vtkNew<vtkFloatArray> values;
+  values->SetNumberOfValues(64);
+  values->Fill(1.0);
+  falling->GetPointData()->SetScalars(values);
+  input("falling coordinates", "do not rise", falling);
+
+  vtkNew<vtkFloatArray> fields;
+  fields->SetName("fields");
+  fields->SetNumberOfValues(scene.Image->GetNumberOfPoints());
+  scene.Image->GetFieldData()->AddArray(fields);
+  ok &= Refuses(
+    scene, "field data", "field data",
+    [&] {
+      scene.Mapper->SetScalarMode(VTK_SCALAR_MODE_USE_FIELD_DATA);
+      scene.Mapper->SelectScalarArray("fields");
+    },
+    [&] { scene.Mapper->SetScalarModeToDefault(); });
+  scene.Image->GetFieldData()->RemoveArray("fields");
 
   vtkSmartPointer<vtkImageData> spaced = Image<vtkImageData>(4, 4, 4);
   spaced->SetSpacing(1.0, NaN, 1.0);
@@ -167,32 +200,121 @@ bool TestSettingsOfOthers()
       [&] { scene.Property->SetScalarOpacityUnitDistance(unit); },
       [&] { scene.Property->SetScalarOpacityUnitDistance(1.0); });
   }
+  const auto composite = [&] { scene.Mapper->SetBlendModeToComposite(); };
+  for (const int mode : { -1, 7, 99 })
+  {
+    ok &= Refuses(
+      scene, "blend mode", "SetBlendModeToComposite", [&] { scene.Mapper->SetBlendMode(mode); },
+      composite);
+  }
   ok &= Refuses(
-    scene, "blend mode", "SetBlendModeToComposite",
-    [&] { scene.Mapper->SetBlendModeToMaximumIntensity(); },
-    [&] { scene.Mapper->SetBlendModeToComposite(); });
+    scene, "no isosurface", "GetIsoSurfaceValues",
+    [&]
+    {
+      scene.Mapper->SetBlendModeToIsoSurface();
+      scene.Property->GetIsoSurfaceValues()->SetNumberOfContours(0);
+    },
+    composite);
+  for (const double value : { NaN, Infinity })
+  {
+    ok &= Refuses(
+      scene, "isosurface value", "GetIsoSurfaceValues",
+      [&]
+      {
+        scene.Mapper->SetBlendModeToIsoSurface();
+        scene.Property->GetIsoSurfaceValues()->SetValue(0, value);
+      },
+      composite);
+  }
   ok &= Refuses(
-    scene, "cropping", "CroppingOff", [&] { scene.Mapper->CroppingOn(); },
-    [&] { scene.Mapper->CroppingOff(); });
-  ok &= Refuses(
-    scene, "clipping planes", "RemoveAllClippingPlanes",
-    [&] { scene.Mapper->AddClippingPlane(vtkNew<vtkPlane>()); },
-    [&] { scene.Mapper->RemoveAllClippingPlanes(); });
-  vtkNew<vtkPiecewiseFunction> gradientOpacity;
-  gradientOpacity->AddPoint(0.0, 0.0);
-  gradientOpacity->AddPoint(10.0, 1.0);
-  ok &= Refuses(
-    scene, "gradient opacity", "DisableGradientOpacityOn",
-    [&] { scene.Property->SetGradientOpacity(gradientOpacity); },
-    [&] { scene.Property->DisableGradientOpacityOn(); });
-  scene.Property->DisableGradientOpacityOff();
-  vtkNew<vtkPiecewiseFunction> noGradientOpacity;
-  noGradientOpacity->AddPoint(0.0, 1.0);
-  scene.Property->SetGradientOpacity(noGradientOpacity);
+    scene, "no slice", "SetSliceFunction", [&] { scene.Mapper->SetBlendModeToSlice(); }, composite);
+  vtkNew<vtkSphere> sphere;
+  vtkNew<vtkPlane> plane;
+  for (const int kind : { 0, 1, 2 })
+  {
+    ok &= Refuses(
+      scene, "slice", "SetSliceFunction",
+      [&]
+      {
+        scene.Mapper->SetBlendModeToSlice();
+        scene.Property->SetSliceFunction(plane);
+        plane->SetNormal(0.0, kind == 0 ? NaN : kind == 1 ? 0.0 : 1.0, 0.0);
+        if (kind == 2)
+        {
+          scene.Property->SetSliceFunction(sphere);
+        }
+      },
+      composite);
+  }
+  for (const double low : { 90.0, NaN })
+  {
+    ok &= Refuses(
+      scene, "average range", "AverageIPScalarRange",
+      [&]
+      {
+        scene.Mapper->SetBlendModeToAverageIntensity();
+        scene.Mapper->SetAverageIPScalarRange(low, 80.0);
+      },
+      composite);
+    ok &= Refuses(
+      scene, "cropping", "SetCroppingRegionPlanes",
+      [&]
+      {
+        scene.Mapper->CroppingOn();
+        scene.Mapper->SetCroppingRegionPlanes(low, 80.0, 0.0, 1.0, 0.0, 1.0);
+      },
+      [&] { scene.Mapper->CroppingOff(); });
+    ok &= Refuses(
+      scene, "clipping planes", "RemoveAllClippingPlanes",
+      [&]
+      {
+        plane->SetNormal(std::isnan(low) ? NaN : 0.0, 0.0, 0.0);
+        scene.Mapper->AddClippingPlane(plane);
+      },
+      [&] { scene.Mapper->RemoveAllClippingPlanes(); });
+  }
   ok &= Refuses(
     scene, "2D transfer functions", "TF_1D",
     [&] { scene.Property->SetTransferFunctionMode(vtkVolumeProperty::TF_2D); },
     [&] { scene.Property->SetTransferFunctionMode(vtkVolumeProperty::TF_1D); });
+  vtkSmartPointer<vtkImageData> texels = Image<vtkImageData>(8, 8, 1, VTK_FLOAT, 4);
+  scene.Property->SetTransferFunction2D(texels);
+  ok &= Refuses(
+    scene, "second axis", "\"nowhere\"",
+    [&] { scene.Mapper->SetTransfer2DYAxisArray("nowhere"); },
+    [&] { scene.Mapper->SetTransfer2DYAxisArray(nullptr); });
+  scene.Property->SetTransferFunctionMode(vtkVolumeProperty::TF_1D);
+  ok &= Refuses(
+    scene, "mask of three components", "MaskInput",
+    [&] { scene.Mapper->SetMaskInput(Image<vtkImageData>(8, 8, 8, VTK_UNSIGNED_CHAR, 3)); },
+    [&] { scene.Mapper->SetMaskInput(nullptr); });
+  ok &= Refuses(
+    scene, "empty mask", "MaskInput",
+    [&] { scene.Mapper->SetMaskInput(vtkNew<vtkImageData>()); },
+    [&] { scene.Mapper->SetMaskInput(nullptr); });
+  vtkSmartPointer<vtkImageData> mask = Image<vtkImageData>(8, 8, 8, VTK_UNSIGNED_CHAR, 1);
+  vtkSmartPointer<vtkImageData> two = Image<vtkImageData>(8, 8, 8, VTK_FLOAT, 2);
+  ok &= Refuses(
+    scene, "labels of independent components", "SetMaskTypeToBinary",
+    [&] {
+      scene.Mapper->SetMaskInput(mask);
+      scene.Mapper->SetInputData(two);
+    },
+    [&] {
+      scene.Mapper->SetMaskInput(nullptr);
+      scene.Mapper->SetInputData(scene.Image);
+    });
+  vtkSmartPointer<vtkImageData> colours = Image<vtkImageData>(8, 8, 8, VTK_SHORT, 4);
+  ok &= Refuses(
+    scene, "colours of signed shorts", "IndependentComponentsOn",
+    [&] {
+      scene.Property->IndependentComponentsOff();
+      scene.Mapper->SetInputData(colours);
+    },
+    [&] {
+      scene.Property->IndependentComponentsOn();
+      scene.Mapper->SetInputData(scene.Image);
+    });
   ok &= Refuses(
     scene, "singular matrix", "singular", [&] { scene.Volume->SetScale(1.0, 0.0, 1.0); },
     [&] { scene.Volume->SetScale(1.0); });

@@ -279,7 +279,8 @@ bool TestPrintSelf()
       "InteractiveSampleDistance: 2", "LockSampleDistanceToInputSpacing: 1",
       " ImageSampleDistance: 1", "MinimumImageSampleDistance: 1", "MaximumImageSampleDistance: 10",
       "AutoAdjustSampleDistances: 1", "IntermixIntersectingGeometry: 1", "NumberOfThreads: 0",
-      "ReferenceKernels: 0", "CollectStatistics: 0", "Statistics:" })
+      "MaskInput: ", "MaskType: LabelMap", "MaskBlendFactor: 1", "Transfer2DYAxisArray: (none)",
+      "ComputeNormalFromOpacity: 0", "ReferenceKernels: 0", "CollectStatistics: 0", "Statistics:" })
   {
     if (text.str().find(name) == std::string::npos)
     {

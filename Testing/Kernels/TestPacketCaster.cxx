@@ -135,6 +135,33 @@ public:
     this->Scene.Camera.NdcOrigin = glm::dvec2(-1.0);
   }
 
+  /// After a change of Scene.Blend: the distance map of what counts. False: nothing is leaped over.
+  bool UpdateLeaps()
+  {
+    TransferTable leaps;
+    const bool any = MakeLeapTable(this->Scene.Blend, this->Table, leaps);
+    if (any)
+    {
+      this->Distances = DistanceMap(this->Blocks, leaps);
+    }
+    this->Settings.Leaping = any ? SpaceLeaping::Lipschitz : SpaceLeaping::Off;
+    return any;
+  }
+
+  void SetBlendMode(BlendMode mode)
+  {
+    Blending& blend = this->Scene.Blend;
+    blend.Mode = mode;
+    blend.Low[0] = 0.0;
+    blend.High[0] = 100.0;
+    blend.AverageMin = 30.0;
+    blend.AverageMax = 70.0;
+    blend.IsoValues = { { 25.0, glm::vec3(0.2f, 0.7f, 0.9f), 0.3f },
+      { 60.5, glm::vec3(0.9f, 0.5f, 0.1f), 0.8f } };
+    blend.SliceOrigin = glm::dvec3(119.0, -32.0, 26.0);
+    blend.SliceNormal = glm::normalize(glm::dvec3(1.0, 2.0, 4.0));
+  }
+
   struct Picture
   {
     std::vector<float> Colours;
@@ -328,6 +355,197 @@ TEST(PacketCaster, Options)
         break;
     }
     ExpectSamePicture(scene);
+  }
+}
+
+TEST(PacketCaster, SamplesOneRayAtATime)
+{
+  for (int option = 0; option < 5; ++option)
+  {
+    SCOPED_TRACE("option " + std::to_string(option));
+    TestScene scene(option == 1 ? ScalarType::Float32 : ScalarType::UInt8, 3);
+    scene.SetDeformation(option == 2 ? 0.0 : option == 4 ? 12.0 : 1.5, PullBackKind::Exact);
+    scene.SetCamera(option != 3, 61, 45);
+    scene.Settings.Opacity = option == 3 ? OpacityLength::Material : OpacityLength::World;
+    ForEveryTarget(
+      [&]
+      {
+        scene.Settings.PerRay = false;
+        const TestScene::Picture vectors = scene.Render(false);
+        scene.Settings.PerRay = true;
+        const TestScene::Picture rays = scene.Render(false);
+        const Difference colours = Compare(rays.Colours, vectors.Colours);
+        EXPECT_LT(colours.Mean, 0.005);
+        EXPECT_LT(colours.Largest, option == 4 ? 1.0 : 0.2);
+        EXPECT_GT(colours.Largest, 0.0); // the one was not rendered as the other
+        EXPECT_LT(Compare(rays.Depths, vectors.Depths).Mean, 0.01);
+        const double samples = static_cast<double>(vectors.Statistics.Samples);
+        EXPECT_NEAR(static_cast<double>(rays.Statistics.Samples) / samples, 1.0, 1e-3);
+        const double visible = static_cast<double>(vectors.Statistics.VisibleSamples);
+        EXPECT_NEAR(static_cast<double>(rays.Statistics.VisibleSamples) / visible, 1.0, 1e-3);
+      });
+  }
+}
+
+constexpr BlendMode AllModes[] = { BlendMode::Composite, BlendMode::Maximum, BlendMode::Minimum,
+  BlendMode::Average, BlendMode::Additive, BlendMode::Isosurface, BlendMode::Slice };
+
+TEST(PacketCaster, BlendModes)
+{
+  for (const BlendMode mode : AllModes)
+  {
+    for (const ScalarType type : { ScalarType::UInt8, ScalarType::Float64 })
+    {
+      SCOPED_TRACE("mode " + std::to_string(static_cast<int>(mode)));
+      TestScene scene(type, 3);
+      scene.SetDeformation(1.5, PullBackKind::Exact);
+      scene.SetCamera(true, 61, 45);
+      scene.SetBlendMode(mode);
+      scene.UpdateLeaps();
+      const TestScene::Picture reference = scene.Render(true);
+      ForEveryTarget(
+        [&]
+        {
+          const TestScene::Picture packets = scene.Render(false);
+          const Difference colours = Compare(packets.Colours, reference.Colours);
+          // Pixels on the edge of what is hit are hit or not.
+          EXPECT_LT(colours.Mean, mode == BlendMode::Additive ? 0.3 : 0.1);
+          EXPECT_LT(Compare(packets.Depths, reference.Depths).Mean, 0.2);
+          const double samples = static_cast<double>(packets.Statistics.Samples);
+          EXPECT_GT(samples, 100);
+          // Leaps to intervals end a whole step earlier than they had to.
+          EXPECT_NEAR(samples / static_cast<double>(reference.Statistics.Samples), 1.0,
+            mode == BlendMode::Isosurface ? 0.15 : 0.05);
+        });
+    }
+  }
+}
+
+TEST(PacketCaster, LeapingChangesNoBlendMode)
+{
+  for (const BlendMode mode : AllModes)
+  {
+    for (const bool reference : { true, false })
+    {
+      SCOPED_TRACE("mode " + std::to_string(static_cast<int>(mode)));
+      TestScene scene(ScalarType::UInt8, 9);
+      scene.SetDeformation(2.0, PullBackKind::Exact);
+      scene.SetCamera(true, 64, 64);
+      scene.SetBlendMode(mode);
+      if (!scene.UpdateLeaps())
+      {
+        EXPECT_TRUE(mode == BlendMode::Additive || mode == BlendMode::Slice);
+        continue;
+      }
+      const auto check = [&]
+      {
+        scene.Settings.Leaping = SpaceLeaping::Off;
+        const TestScene::Picture off = scene.Render(reference);
+        for (const SpaceLeaping leaping : { SpaceLeaping::Segment, SpaceLeaping::Lipschitz })
+        {
+          scene.Settings.Leaping = leaping;
+          const TestScene::Picture on = scene.Render(reference);
+          EXPECT_LE(Compare(on.Colours, off.Colours).Largest, 0.01);
+          EXPECT_LE(Compare(on.Depths, off.Depths).Largest, 0.01);
+          // The background is the least value: nothing of it shows, nor anything else then.
+          if (mode != BlendMode::Minimum)
+          {
+            EXPECT_LT(on.Statistics.Samples, off.Statistics.Samples);
+          }
+        }
+      };
+      if (reference)
+      {
+        check();
+      }
+      else
+      {
+        ForEveryTarget(check);
+      }
+    }
+  }
+}
+
+TEST(PacketCaster, JitterCroppingAndClipping)
+{
+  for (int option = 0; option < 6; ++option)
+  {
+    for (const BlendMode mode : { BlendMode::Composite, BlendMode::Maximum, BlendMode::Isosurface })
+    {
+      SCOPED_TRACE(
+        "option " + std::to_string(option) + ", mode " + std::to_string(static_cast<int>(mode)));
+      TestScene scene(ScalarType::UInt8, 3);
+      scene.SetDeformation(1.5, PullBackKind::Exact);
+      scene.SetCamera(true, 61, 45);
+      scene.SetBlendMode(mode);
+      scene.UpdateLeaps();
+      const TestScene::Picture plain = scene.Render(true);
+      Cropping& crop = scene.Scene.Crop;
+      switch (option)
+      {
+        case 0:
+          scene.Settings.Jitter = true;
+          break;
+        case 1:
+          crop.Space = Cropping::Spaces::Rest;
+          crop.Low = glm::dvec3(11.0, 8.0, 9.5);
+          crop.High = glm::dvec3(24.0, 20.3, 15.0);
+          crop.Flags = 0x2ebfeba;
+          break;
+        case 2:
+          crop.Space = Cropping::Spaces::Deformed;
+          crop.Low = glm::dvec3(111.0, -41.0, 20.0);
+          crop.High = glm::dvec3(124.0, -29.0, 30.0);
+          crop.Flags = 0x7be8bef;
+          break;
+        case 3:
+          scene.Scene.ClippingPlanes = { glm::dvec4(1.0, 0.0, 0.0, -113.0),
+            glm::dvec4(0.0, 0.6, -0.8, 46.0) };
+          break;
+        case 4:
+          scene.Settings.Jitter = true;
+          crop.Space = Cropping::Spaces::Rest;
+          crop.Low = glm::dvec3(5.0);
+          crop.High = glm::dvec3(20.0);
+          crop.Flags = 1 << 13;
+          break;
+        default:
+          scene.Scene.ClippingPlanes = { glm::dvec4(-60.0, -40.0, -90.0, 8320.0) };
+          break;
+      }
+      const TestScene::Picture reference = scene.Render(true);
+      // The option does something, but for jitter, which isosurfaces do not take.
+      const double change = Compare(reference.Colours, plain.Colours).Mean;
+      if (option == 0 && mode == BlendMode::Isosurface)
+      {
+        EXPECT_EQ(change, 0.0);
+      }
+      else
+      {
+        EXPECT_GT(change, 1e-5);
+      }
+      scene.Settings.Leaping = SpaceLeaping::Off;
+      EXPECT_LE(Compare(scene.Render(true).Colours, reference.Colours).Largest, 0.01);
+      ForEveryTarget(
+        [&]
+        {
+          scene.Settings.Leaping = SpaceLeaping::Off;
+          const TestScene::Picture off = scene.Render(false);
+          EXPECT_LT(Compare(off.Colours, reference.Colours).Mean, 0.1);
+          EXPECT_LT(Compare(off.Depths, reference.Depths).Mean, 0.2);
+          scene.Settings.Leaping = SpaceLeaping::Lipschitz;
+          const TestScene::Picture on = scene.Render(false);
+          EXPECT_LE(Compare(on.Colours, off.Colours).Largest, 0.01);
+          if (mode != BlendMode::Composite)
+          {
+            return;
+          }
+          // The vector code crops and jitters as the rays one by one do.
+          scene.Settings.PerRay = true;
+          EXPECT_LT(Compare(scene.Render(false).Colours, on.Colours).Mean, 0.005);
+          scene.Settings.PerRay = false;
+        });
+    }
   }
 }
 

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <string>
 #include <vector>
 
 using namespace ffd;
@@ -282,6 +283,432 @@ TEST(RayCaster, DepthsEndRaysAndEarlyTerminationStopsThem)
   {
     ASSERT_EQ(channel, 0.0f);
   }
+}
+
+namespace
+{
+
+/// The scalar of the tests of blend modes at rest: linear, so interpolated without error.
+double Slope(const glm::dvec3& q)
+{
+  return 10.0 + 2.0 * q.x + 1.0 * q.y + 3.0 * q.z;
+}
+
+double SlopeAt(int i, int j, int k)
+{
+  return Slope(glm::dvec3(i, j, k));
+}
+
+/// Gray and opacity are functions of the scalar that the tests can repeat.
+TransferTable SlopeTable()
+{
+  return MakeTable(
+    0.0, 128.0, 4097, [](double x) { return 0.2 + 0.005 * x; },
+    [](double x) { return glm::dvec3(x / 128.0, 0.5, 1.0 - x / 128.0); });
+}
+
+void SetBlend(Stage& stage, BlendMode mode)
+{
+  stage.Scene.Blend.Mode = mode;
+  stage.Scene.Blend.Low[0] = 10.0;
+  stage.Scene.Blend.High[0] = 106.0;
+  stage.Settings.Leaping = SpaceLeaping::Off;
+  stage.Settings.SampleDistance = 0.02;
+}
+
+/// Parts of the viewing rays of a stage in the volume at rest, if that is stretched along z.
+struct Chord
+{
+  double From = 0.0;
+  double To = 120.0;
+  glm::dvec3 Origin;
+  glm::dvec3 Direction; // per unit of t
+
+  Chord(const Stage& stage, int pixel, double stretch)
+  {
+    stage.Ray(pixel % Size, pixel / Size, this->Origin, this->Direction);
+    this->Origin.z /= stretch;
+    this->Direction.z /= stretch;
+    for (int a = 0; a < 3; ++a)
+    {
+      const double t0 = (0.0 - this->Origin[a]) / this->Direction[a];
+      const double t1 = (16.0 - this->Origin[a]) / this->Direction[a];
+      this->From = std::max(this->From, std::min(t0, t1));
+      this->To = std::min(this->To, std::max(t0, t1));
+    }
+  }
+  double Length() const { return this->To - this->From; }
+  glm::dvec3 At(double t) const { return this->Origin + t * this->Direction; }
+};
+
+} // namespace
+
+// Maxima, minima, means and integrals of a linear field along straight rays through a volume that
+// is stretched along z; rays one by one and in packets.
+TEST(RayCaster, ProjectionsOfALinearField)
+{
+  const TestVolume volume(ScalarType::Float32, glm::ivec3(17), SlopeAt);
+  const double stretch = 1.5;
+  const BSplineField field = Stretch(stretch - 1.0);
+  const TransferTable table = SlopeTable();
+  for (const bool reference : { true, false })
+  {
+    for (const BlendMode mode :
+      { BlendMode::Maximum, BlendMode::Minimum, BlendMode::Average, BlendMode::Additive })
+    {
+      SCOPED_TRACE("mode " + std::to_string(static_cast<int>(mode)));
+      Stage stage(volume, &field, PullBackKind::Exact, table);
+      SetBlend(stage, mode);
+      stage.Settings.Reference = reference;
+      stage.Scene.Blend.AverageMin = 40.0;
+      stage.Scene.Blend.AverageMax = 70.0;
+      stage.Scene.Blend.UnitDistance[0] = 20.0;
+      const std::vector<float> image = stage.Render();
+      int hit = 0;
+      for (int pixel = 0; pixel < Size * Size; ++pixel)
+      {
+        const Chord chord(stage, pixel, stretch);
+        const float* rgba = &image[4 * static_cast<std::size_t>(pixel)];
+        if (chord.Length() < 2.0)
+        {
+          continue;
+        }
+        const double ends[2] = { Slope(chord.At(chord.From)), Slope(chord.At(chord.To)) };
+        if (mode == BlendMode::Maximum || mode == BlendMode::Minimum)
+        {
+          const bool first = (ends[0] > ends[1]) == (mode == BlendMode::Maximum);
+          const double value = ends[first ? 0 : 1];
+          const double opacity = 0.2 + 0.005 * value;
+          EXPECT_NEAR(rgba[3], opacity, 1e-3);
+          EXPECT_NEAR(rgba[0], opacity * value / 128.0, 1.5e-3);
+          EXPECT_NEAR(rgba[1], opacity * 0.5, 1e-3);
+          const double depth = stage.Scene.Camera.ToDepth(
+            stage.Scene.Camera.MakeRay(pixel % Size + 0.5, pixel / Size + 0.5).Origin +
+            (first ? chord.From : chord.To) *
+              stage.Scene.Camera.MakeRay(pixel % Size + 0.5, pixel / Size + 0.5).Direction);
+          EXPECT_NEAR(stage.Depths[static_cast<std::size_t>(pixel)], depth, 1e-3);
+          ++hit;
+          continue;
+        }
+        // Opacity times relative value is quadratic along the ray: Simpson's rule is exact.
+        const double rate = (ends[1] - ends[0]) / chord.Length();
+        double a = chord.From;
+        double b = chord.To;
+        if (mode == BlendMode::Average)
+        {
+          const double t0 = chord.From + (40.0 - ends[0]) / rate;
+          const double t1 = chord.From + (70.0 - ends[0]) / rate;
+          a = std::max(a, std::min(t0, t1));
+          b = std::min(b, std::max(t0, t1));
+          if (b - a < 1.0)
+          {
+            continue;
+          }
+        }
+        const auto integrand = [&](double t)
+        {
+          const double value = Slope(chord.At(t));
+          return (0.2 + 0.005 * value) * (value - 10.0) / 96.0;
+        };
+        const double mean =
+          (integrand(a) + 4.0 * integrand(0.5 * (a + b)) + integrand(b)) / 6.0;
+        const double expected =
+          mode == BlendMode::Average ? mean : std::min(1.0, mean * (b - a) / 20.0);
+        EXPECT_EQ(rgba[3], 1.0f);
+        EXPECT_NEAR(rgba[0], expected, mode == BlendMode::Average ? 4e-3 : 1e-3);
+        EXPECT_EQ(rgba[0], rgba[1]);
+        EXPECT_EQ(rgba[0], rgba[2]);
+        ++hit;
+      }
+      EXPECT_GT(hit, 100);
+    }
+  }
+}
+
+// Isosurfaces of a linear field are planes: the ray meets them at a known t, at any sample distance,
+// with a known normal; two of them, semi-transparent, blend.
+TEST(RayCaster, IsosurfacesOfALinearField)
+{
+  const TestVolume volume(ScalarType::Float32, glm::ivec3(17), SlopeAt);
+  const double stretch = 1.5;
+  const BSplineField field = Stretch(stretch - 1.0);
+  const TransferTable table = SlopeTable();
+  const glm::vec3 colours[2] = { glm::vec3(0.9f, 0.3f, 0.1f), glm::vec3(0.2f, 0.5f, 0.8f) };
+  for (const double step : { 0.31, 1.0, 3.0 })
+  {
+    for (const int kind : { 0, 1, 2 })
+    {
+      for (const bool crop : { false, true })
+      {
+        SCOPED_TRACE("step " + std::to_string(step) + ", kind " + std::to_string(kind));
+        Stage stage(volume, &field, PullBackKind::Exact, table);
+        SetBlend(stage, BlendMode::Isosurface);
+        stage.Settings.Reference = kind == 0;
+        stage.Settings.Segments = kind == 1 ? Segmentation::GreedyAngle : Segmentation::ErrorBound;
+        stage.Settings.SampleDistance = step;
+        stage.Settings.Shade = true;
+        Light headlight;
+        headlight.Headlight = true;
+        stage.Scene.Material.Lights = { headlight };
+        stage.Scene.Material.Ambient = 0.0f;
+        stage.Scene.Material.Diffuse = 1.0f;
+        stage.Scene.Material.Specular = 0.0f;
+        stage.Scene.Blend.IsoValues = { { 43.7, colours[0], 0.4f }, { 71.3, colours[1], 0.6f } };
+        if (crop)
+        {
+          stage.Scene.Crop.Space = Cropping::Spaces::Rest;
+          stage.Scene.Crop.Low = glm::dvec3(4.0, 3.0, 2.0);
+          stage.Scene.Crop.High = glm::dvec3(12.0, 13.0, 14.5);
+          stage.Scene.Crop.Flags = 1 << 13;
+        }
+        const std::vector<float> image = stage.Render();
+        const glm::dvec3 normal = glm::normalize(glm::dvec3(2.0, 1.0, 3.0 / stretch));
+        int hits = 0;
+        int misses = 0;
+        for (int pixel = 0; pixel < Size * Size; ++pixel)
+        {
+          const Chord chord(stage, pixel, stretch);
+          const ViewRay ray =
+            stage.Scene.Camera.MakeRay(pixel % Size + 0.5, pixel / Size + 0.5);
+          const double lit = std::abs(glm::dot(normal, ray.Direction));
+          // From the camera the field falls.
+          glm::dvec3 colour(0.0);
+          double light = 1.0;
+          double firstT = 1e9;
+          bool close = false;
+          bool interior = true; // central differences are one-sided on the faces
+          for (const int i : { 1, 0 })
+          {
+            const IsoValue& iso = stage.Scene.Blend.IsoValues[static_cast<std::size_t>(i)];
+            const double t =
+              (iso.Value - Slope(chord.Origin)) / (Slope(chord.Direction) - 10.0);
+            const glm::dvec3 q = chord.At(t);
+            const glm::dvec3 lo = crop ? stage.Scene.Crop.Low : glm::dvec3(0.0);
+            const glm::dvec3 hi = crop ? stage.Scene.Crop.High : glm::dvec3(16.0);
+            bool inside = true;
+            for (int a = 0; a < 3; ++a)
+            {
+              inside = inside && q[a] >= lo[a] && q[a] <= hi[a];
+              close = close || std::abs(q[a] - lo[a]) < 1e-2 || std::abs(q[a] - hi[a]) < 1e-2;
+            }
+            if (inside)
+            {
+              firstT = std::min(firstT, t);
+              interior = interior && std::min({ q.x, q.y, q.z }) > 1.01 &&
+                std::max({ q.x, q.y, q.z }) < 14.99;
+              colour += light * iso.Opacity * lit * glm::dvec3(colours[i]);
+              light *= 1.0 - iso.Opacity;
+            }
+          }
+          if (close)
+          {
+            continue;
+          }
+          const float* rgba = &image[4 * static_cast<std::size_t>(pixel)];
+          EXPECT_NEAR(rgba[3], 1.0 - light, 1e-5) << "pixel " << pixel;
+          for (int c = 0; c < 3 && interior; ++c)
+          {
+            EXPECT_NEAR(rgba[c], colour[c], 2e-3) << "pixel " << pixel;
+          }
+          const float depth = stage.Depths[static_cast<std::size_t>(pixel)];
+          if (firstT < 1e8)
+          {
+            EXPECT_NEAR(
+              depth, stage.Scene.Camera.ToDepth(ray.Origin + firstT * ray.Direction), 2e-5);
+            ++hits;
+          }
+          else
+          {
+            EXPECT_EQ(depth, 1.0f);
+            ++misses;
+          }
+        }
+        EXPECT_GT(hits, 50);
+        EXPECT_GT(misses, 50);
+      }
+    }
+  }
+}
+
+// Values on a plane through the stretched volume.
+TEST(RayCaster, SliceOfALinearField)
+{
+  const TestVolume volume(ScalarType::Float32, glm::ivec3(17), SlopeAt);
+  const double stretch = 1.5;
+  const BSplineField field = Stretch(stretch - 1.0);
+  Stage stage(volume, &field, PullBackKind::Exact, SlopeTable());
+  SetBlend(stage, BlendMode::Slice);
+  stage.Settings.Reference = false;
+  stage.Scene.Blend.SliceOrigin = glm::dvec3(8.0, 8.0, 11.0);
+  stage.Scene.Blend.SliceNormal = glm::normalize(glm::dvec3(0.3, -0.2, 1.0));
+  const std::vector<float> image = stage.Render();
+  EXPECT_LE(stage.Statistics.Samples, stage.Statistics.Rays);
+  int hits = 0;
+  int misses = 0;
+  for (int pixel = 0; pixel < Size * Size; ++pixel)
+  {
+    const ViewRay ray = stage.Scene.Camera.MakeRay(pixel % Size + 0.5, pixel / Size + 0.5);
+    const double t =
+      glm::dot(stage.Scene.Blend.SliceNormal, stage.Scene.Blend.SliceOrigin - ray.Origin) /
+      glm::dot(stage.Scene.Blend.SliceNormal, ray.Direction);
+    glm::dvec3 q = ray.Origin + t * ray.Direction;
+    const float depth = static_cast<float>(stage.Scene.Camera.ToDepth(q));
+    q.z /= stretch;
+    const float* rgba = &image[4 * static_cast<std::size_t>(pixel)];
+    const double nearest = std::min({ q.x, q.y, q.z, 16.0 - q.x, 16.0 - q.y, 16.0 - q.z });
+    if (nearest > 1e-6)
+    {
+      const double value = Slope(q);
+      EXPECT_NEAR(rgba[3], 0.2 + 0.005 * value, 1e-5);
+      EXPECT_NEAR(rgba[0], rgba[3] * value / 128.0, 1e-4);
+      EXPECT_NEAR(stage.Depths[static_cast<std::size_t>(pixel)], depth, 1e-6);
+      ++hits;
+    }
+    else if (nearest < -1e-6)
+    {
+      EXPECT_EQ(rgba[3], 0.0f);
+      EXPECT_EQ(stage.Depths[static_cast<std::size_t>(pixel)], 1.0f);
+      ++misses;
+    }
+  }
+  EXPECT_GT(hits, 100);
+  EXPECT_GT(misses, 50);
+}
+
+// What a clipping plane and cropping in deformed space leave of a slab, by its integral.
+TEST(RayCaster, ClippedAndCroppedSlab)
+{
+  const TestVolume slab(ScalarType::UInt8, glm::ivec3(17), [](int, int, int) { return 106.0; });
+  const BSplineField field = Stretch(0.5);
+  for (const bool reference : { true, false })
+  {
+    for (int option = 0; option < 3; ++option)
+    {
+      Stage stage(slab, &field, PullBackKind::Exact,
+        MakeTable(0.0, 128.0, 4097, [](double) { return 0.5; }));
+      SetBlend(stage, BlendMode::Additive);
+      stage.Settings.Reference = reference;
+      stage.Scene.Blend.UnitDistance[0] = 30.0;
+      if (option == 0)
+      {
+        // Deformed: 0 to 24 along z, of which what is above 9 remains.
+        stage.Scene.ClippingPlanes = { glm::dvec4(0.0, 0.0, 2.0, -18.0) };
+      }
+      else
+      {
+        // Below 4 and above 13 of deformed space, or of the volume at rest.
+        stage.Scene.Crop.Space =
+          option == 1 ? Cropping::Spaces::Deformed : Cropping::Spaces::Rest;
+        stage.Scene.Crop.Low = glm::dvec3(-100.0, -100.0, 4.0);
+        stage.Scene.Crop.High = glm::dvec3(100.0, 100.0, 13.0);
+        stage.Scene.Crop.Flags = 1 << (1 + 3) | 1 << (1 + 3 + 18);
+      }
+      const std::vector<float> image = stage.Render();
+      const double paths[3] = { 15.0, 24.0 - 9.0, 1.5 * (16.0 - 9.0) };
+      const std::size_t centre = 4 * (Size / 2 * Size + Size / 2);
+      EXPECT_NEAR(image[centre], 0.5 * paths[option] / 30.0, 2e-3) << "option " << option;
+      EXPECT_EQ(image[centre + 3], 1.0f);
+    }
+  }
+}
+
+// Samples that lie exactly on an upper face where blocks end, too, belong to the last block.
+TEST(RayCaster, LeapingKeepsSamplesOnTheFaces)
+{
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    for (const bool reference : { true, false })
+    {
+      SCOPED_TRACE("axis " + std::to_string(axis));
+      const TestVolume volume(ScalarType::UInt8, glm::ivec3(17),
+        [axis](int i, int j, int k)
+        { return glm::ivec3(i, j, k)[axis] == 16 ? 100.0 : 0.0; });
+      Stage stage(volume, nullptr, PullBackKind::Exact, Ramp(0.9));
+      glm::dvec3 eye(8.0);
+      eye[axis] += Eye;
+      glm::dvec3 up(0.0);
+      up[(axis + 1) % 3] = 1.0;
+      stage.Scene.Camera.Parallel = true;
+      stage.Scene.Camera.WorldToNdc = glm::ortho(-7.0, 7.0, -7.0, 7.0, 20.0, 120.0) *
+        glm::lookAt(eye, glm::dvec3(8.0), up);
+      stage.Scene.Camera.NdcToWorld = glm::inverse(stage.Scene.Camera.WorldToNdc);
+      stage.Settings.Reference = reference;
+      stage.Settings.Leaping = SpaceLeaping::Off;
+      const std::vector<float> off = stage.Render();
+      // In double precision rounding may miss the face.
+      EXPECT_TRUE(reference || *std::max_element(off.begin(), off.end()) > 0.8f);
+      stage.Settings.Leaping = SpaceLeaping::Lipschitz;
+      const std::vector<float> on = stage.Render();
+      for (std::size_t i = 0; i < off.size(); ++i)
+      {
+        ASSERT_EQ(on[i], off[i]) << "pixel " << i / 4;
+      }
+    }
+  }
+}
+
+// With every blend mode, on volumes of single voxels and on lattices from tame to folded.
+TEST(RayCaster, LeapingChangesNoBlendMode)
+{
+  RandomLattice random(5);
+  int nonEmpty = 0;
+  for (int run = 0; run < 120; ++run)
+  {
+    const double density = std::pow(10.0, random.Number(-4.0, -1.5));
+    const TestVolume volume(ScalarType::UInt8,
+      glm::ivec3(random.Integer(4, 40), random.Integer(4, 40), random.Integer(4, 40)),
+      [&](int, int, int)
+      { return random.Number(0.0, 1.0) < density ? random.Number(50.0, 100.0) : 0.0; });
+    const double amount = std::pow(10.0, random.Number(-1.0, 1.0));
+    std::vector<glm::dvec3> displacements(216);
+    for (glm::dvec3& d : displacements)
+    {
+      d = amount * random.Vector(-1.0, 1.0);
+    }
+    const BSplineField field(glm::ivec3(6), glm::dvec3(-4.0), glm::dvec3(9.0), displacements.data(),
+      1.0, AllBorders[run % 3]);
+    const PullBackKind kinds[] = { PullBackKind::Exact, PullBackKind::FirstOrder,
+      PullBackKind::Forward, PullBackKind::Exact };
+    Stage stage(volume, &field, kinds[run / 3 % 4], Ramp(0.9));
+    stage.Settings.Reference = run % 2 == 0;
+    stage.Settings.Segments = run % 5 == 0 ? Segmentation::GreedyAngle : Segmentation::ErrorBound;
+    stage.Settings.Jitter = run % 7 == 0;
+    Blending& blend = stage.Scene.Blend;
+    const BlendMode modes[] = { BlendMode::Maximum, BlendMode::Isosurface, BlendMode::Average,
+      BlendMode::Composite, BlendMode::Isosurface, BlendMode::Minimum };
+    blend.Mode = modes[run % 6];
+    blend.High[0] = 100.0;
+    blend.AverageMin = 20.0;
+    blend.IsoValues = { { 12.0, glm::vec3(1.0f), 0.4f }, { 40.0, glm::vec3(0.5f), 0.9f } };
+    TransferTable leaps;
+    ASSERT_TRUE(MakeLeapTable(blend, stage.Table, leaps));
+    stage.Distances = DistanceMap(stage.Blocks, leaps);
+    std::vector<float> off;
+    std::vector<float> depths;
+    for (const SpaceLeaping leaping :
+      { SpaceLeaping::Off, SpaceLeaping::Segment, SpaceLeaping::Lipschitz })
+    {
+      stage.Settings.Leaping = leaping;
+      const std::vector<float> image = stage.Render();
+      if (leaping == SpaceLeaping::Off)
+      {
+        off = image;
+        depths = stage.Depths;
+        nonEmpty += *std::max_element(off.begin(), off.end()) > 0.0f ? 1 : 0;
+        continue;
+      }
+      for (std::size_t i = 0; i < off.size(); ++i)
+      {
+        ASSERT_NEAR(image[i], off[i], 1e-4) << "run " << run << ", leaping "
+                                            << static_cast<int>(leaping) << ", pixel " << i / 4;
+      }
+      for (std::size_t i = 0; i < depths.size(); ++i)
+      {
+        ASSERT_NEAR(stage.Depths[i], depths[i], 1e-5) << "run " << run;
+      }
+    }
+  }
+  EXPECT_GT(nonEmpty, 50);
 }
 
 // Leaping takes no sample that contributes, on anything from tame to folded lattices: the images

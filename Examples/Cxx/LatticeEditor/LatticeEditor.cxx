@@ -7,6 +7,7 @@
 #include "vtkFFDLattice.h"
 #include "vtkFFDLatticeRepresentation.h"
 #include "vtkFFDLatticeWidget.h"
+#include "vtkFFDVolumePicker.h"
 
 #include "vtkCallbackCommand.h"
 #include "vtkCamera.h"
@@ -286,8 +287,7 @@ private:
   void Say(const std::string& text);
   void Draw() { this->Window->Render(); }
   bool OnKey(const std::string& key);
-  void Pick(const double display[2]);
-  static void OnEvent(vtkObject* caller, unsigned long event, void* client, void* data);
+  static void OnEvent(vtkObject* caller, unsigned long event, void* client, void*);
 
   vtkSmartPointer<vtkImageData> Image;
   double Range[2] = { 0.0, 1.0 };
@@ -300,6 +300,7 @@ private:
   vtkNew<vtkRenderWindow> Window;
   vtkNew<vtkRenderWindowInteractor> Interactor;
   vtkNew<vtkFFDLatticeWidget> Widget;
+  vtkNew<vtkFFDVolumePicker> Picker;
   vtkNew<vtkTextActor> Status;
   vtkNew<vtkTextActor> HelpText;
   vtkNew<vtkCallbackCommand> Command;
@@ -390,7 +391,10 @@ void Editor::Start(int width, int height)
   rep->SetLattice(this->Lattice);
   rep->SetProp(this->Volume);
   rep->SetOutlineBounds(this->Image->GetBounds());
-  rep->AddObserver(vtkCommand::StartPickEvent, this->Command);
+  // The volume's own surface is what is grabbed, not the lattice in front of it.
+  this->Picker->PickFromListOn();
+  this->Picker->AddPickList(this->Volume);
+  rep->SetSurfacePicker(this->Picker);
   this->Renderer->AddObserver(vtkCommand::EndEvent, this->Command);
   // Ahead of the interactor style, behind the widget (0.5).
   this->Interactor->AddObserver(vtkCommand::KeyPressEvent, this->Command, 0.3f);
@@ -449,41 +453,11 @@ void Editor::ShowStatus()
 }
 
 //------------------------------------------------------------------------------
-void Editor::Pick(const double display[2])
-{
-  // The depth of the first visible sample under the mouse, from the mapper itself.
-  const int* size = this->Renderer->GetSize();
-  const int* origin = this->Renderer->GetOrigin();
-  vtkNew<vtkImageData> colours;
-  vtkNew<vtkImageData> depths;
-  const int x = static_cast<int>(display[0]) - origin[0];
-  const int y = static_cast<int>(display[1]) - origin[1];
-  if (x < 0 || y < 0 || x >= size[0] || y >= size[1] ||
-    !this->Mapper->RenderToImage(
-      this->Renderer, this->Volume, size[0], size[1], colours, depths))
-  {
-    return;
-  }
-  const double depth = depths->GetScalarComponentAsDouble(x, y, 0, 0);
-  if (depth < 1.0)
-  {
-    this->Renderer->SetDisplayPoint(display[0], display[1], depth);
-    this->Renderer->DisplayToWorld();
-    const double* p = this->Renderer->GetWorldPoint();
-    this->Widget->GetLatticeRepresentation()->SetSurfacePoint(
-      p[0] / p[3], p[1] / p[3], p[2] / p[3]);
-  }
-}
-
-//------------------------------------------------------------------------------
-void Editor::OnEvent(vtkObject* caller, unsigned long event, void* client, void* data)
+void Editor::OnEvent(vtkObject* caller, unsigned long event, void* client, void*)
 {
   auto* self = static_cast<Editor*>(client);
   switch (event)
   {
-    case vtkCommand::StartPickEvent:
-      self->Pick(static_cast<double*>(data));
-      break;
     case vtkCommand::EndEvent:
       // Seen with the next frame, whose text is drawn before its time is known.
       self->ShowStatus();

@@ -1,0 +1,457 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FFDRayIntegrator.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace ffd
+{
+namespace
+{
+
+constexpr double Infinity = std::numeric_limits<double>::infinity();
+
+/// Of a sample on a piece.
+class PieceNormals : public NormalSource
+{
+public:
+  PieceNormals(
+    const ViewRay& ray, const CameraView& camera, const SampledPiece& piece, double s)
+    : NormalSource(ray, camera, piece.T0 + s * piece.Dt)
+    , Piece(piece)
+    , S(s)
+  {
+  }
+  glm::dvec3 ToWorld(const glm::dvec3& byIndex) const override
+  {
+    return this->Piece.GradientToWorld(this->S, byIndex);
+  }
+
+private:
+  const SampledPiece& Piece;
+  double S;
+};
+
+} // namespace
+
+//------------------------------------------------------------------------------
+void RayIntegrator::Begin(
+  const IntegrationFrame& frame, const ViewRay& ray, double from, double to)
+{
+  *this = RayIntegrator();
+  this->Frame = &frame;
+  this->Ray = ray;
+  this->From = from;
+  this->To = to;
+  this->LastEnd = -Infinity;
+}
+
+//------------------------------------------------------------------------------
+RayIntegrator::Outcome RayIntegrator::AddSample(
+  const SampledPiece& piece, double s, double interval)
+{
+  switch (this->Frame->Scene->Blend.Mode)
+  {
+    case BlendMode::Maximum:
+    case BlendMode::Minimum:
+      return this->TakeExtreme(piece, s);
+    case BlendMode::Average:
+    case BlendMode::Additive:
+      return this->AddUp(piece, s, interval);
+    case BlendMode::Isosurface:
+      return this->CrossIsosurfaces(piece, s, interval);
+    default:
+      return this->Composite(piece, s, interval);
+  }
+}
+
+//------------------------------------------------------------------------------
+RayIntegrator::Result RayIntegrator::End() const
+{
+  switch (this->Frame->Scene->Blend.Mode)
+  {
+    case BlendMode::Maximum:
+    case BlendMode::Minimum:
+      return this->EndExtreme();
+    case BlendMode::Average:
+    case BlendMode::Additive:
+      return this->EndSum();
+    default:
+      return { this->Colour, this->Transmittance, this->FirstVisible };
+  }
+}
+
+//------------------------------------------------------------------------------
+RayIntegrator::Outcome RayIntegrator::Composite(
+  const SampledPiece& piece, double s, double interval)
+{
+  const IntegrationFrame& frame = *this->Frame;
+  // Packets round otherwise when they find out whether it is inside.
+  const glm::dvec3 q =
+    glm::clamp(piece.Curve.At(s), frame.Scene->Volume.LowerIndex(),
+      frame.Scene->Volume.UpperIndex());
+  if (frame.Classifier->IsHidden(q))
+  {
+    return { false, false, 0.0f };
+  }
+  double values[SampleClassifier::LargestNumberOfComponents];
+  frame.Classifier->Values(q, values);
+  const SampleClassifier::Look look = frame.Classifier->Classify(
+    q, values, PieceNormals(this->Ray, frame.Scene->Camera, piece, s));
+  if (!(look.Extinction > 0.0f))
+  {
+    return { false, false, 0.0f };
+  }
+  const double length = this->LengthOf(piece, s, interval);
+  const float transmittance = frame.Transmittance(look.Extinction * static_cast<float>(length));
+  Outcome outcome = this->AddLook(look.Colour, transmittance, piece.T0 + s * piece.Dt);
+  outcome.Extinction = look.Extinction;
+  return outcome;
+}
+
+//------------------------------------------------------------------------------
+RayIntegrator::Outcome RayIntegrator::AddLook(
+  const glm::vec3& colour, float transmittance, double t)
+{
+  this->FirstVisible = std::min(this->FirstVisible, t);
+  this->Colour += (this->Transmittance * (1.0f - transmittance)) * colour;
+  this->Transmittance *= transmittance;
+  return { true, this->Transmittance < this->Frame->Settings->TerminationTransmittance, 0.0f };
+}
+
+//------------------------------------------------------------------------------
+/// Length by which a sample counts, world units.
+double RayIntegrator::LengthOf(const SampledPiece& piece, double s, double interval) const
+{
+  return this->Frame->Settings->Opacity == OpacityLength::World
+    ? interval * piece.Dt
+    : interval * glm::length(this->Frame->RestToWorld * piece.Curve.Velocity(s));
+}
+
+//------------------------------------------------------------------------------
+RayIntegrator::Outcome RayIntegrator::TakeExtreme(const SampledPiece& piece, double s)
+{
+  const IntegrationFrame& frame = *this->Frame;
+  const Blending& blend = frame.Scene->Blend;
+  const glm::dvec3 q =
+    glm::clamp(piece.Curve.At(s), frame.Scene->Volume.LowerIndex(),
+      frame.Scene->Volume.UpperIndex());
+  if (frame.Classifier->IsHidden(q))
+  {
+    return { false, false, 0.0f };
+  }
+  double values[SampleClassifier::LargestNumberOfComponents];
+  frame.Classifier->Values(q, values);
+  const bool maximum = blend.Mode == BlendMode::Maximum;
+  bool visible = false;
+  bool done = true;
+  for (int c = 0; c < frame.Classifier->GetNumberOfComponents(); ++c)
+  {
+    // Values that are not a number do not count.
+    const bool number = !std::isnan(values[c]);
+    const bool better = number &&
+      (!(this->Lengths[c] > 0.0) ||
+        (maximum ? values[c] > this->Values[c] : values[c] < this->Values[c]));
+    if (better)
+    {
+      this->Values[c] = values[c];
+      this->Lengths[c] = 1.0;
+      this->ExtremeT = c == 0 || !this->Any ? piece.T0 + s * piece.Dt : this->ExtremeT;
+      this->Any = true;
+      visible = true;
+    }
+    // Nothing is beyond the ends of the range.
+    done = done && this->Lengths[c] > 0.0 &&
+      (maximum ? this->Values[c] >= blend.High[c] : this->Values[c] <= blend.Low[c]);
+  }
+  return { visible, done, 0.0f };
+}
+
+//------------------------------------------------------------------------------
+RayIntegrator::Result RayIntegrator::EndExtreme() const
+{
+  const IntegrationFrame& frame = *this->Frame;
+  glm::vec3 colour(0.0f);
+  float opacity = 0.0f;
+  for (int c = 0; c < frame.Classifier->GetNumberOfComponents(); ++c)
+  {
+    if (this->Lengths[c] > 0.0)
+    {
+      const glm::vec4 look = frame.Classifier->ClassifyValue(c, this->Values[c]);
+      const float alpha = look.a * static_cast<float>(frame.Scene->Blend.Weight[c]);
+      colour += alpha * glm::vec3(look);
+      opacity += alpha;
+    }
+  }
+  opacity = std::min(opacity, 1.0f);
+  return { glm::min(colour, glm::vec3(opacity)), 1.0f - opacity,
+    opacity > 0.0f ? this->ExtremeT : Infinity };
+}
+
+//------------------------------------------------------------------------------
+RayIntegrator::Outcome RayIntegrator::AddUp(
+  const SampledPiece& piece, double s, double interval)
+{
+  const IntegrationFrame& frame = *this->Frame;
+  const Blending& blend = frame.Scene->Blend;
+  const glm::dvec3 q =
+    glm::clamp(piece.Curve.At(s), frame.Scene->Volume.LowerIndex(),
+      frame.Scene->Volume.UpperIndex());
+  if (frame.Classifier->IsHidden(q))
+  {
+    return { false, false, 0.0f };
+  }
+  double values[SampleClassifier::LargestNumberOfComponents];
+  frame.Classifier->Values(q, values);
+  const bool average = blend.Mode == BlendMode::Average;
+  const double length = this->LengthOf(piece, s, interval);
+  bool visible = false;
+  for (int c = 0; c < frame.Classifier->GetNumberOfComponents(); ++c)
+  {
+    // In this order values that are not a number do not count.
+    if (!(values[c] == values[c]) ||
+      (average && !(values[c] >= blend.AverageMin && values[c] <= blend.AverageMax)))
+    {
+      continue;
+    }
+    const double opacity = static_cast<double>(frame.Classifier->ClassifyValue(c, values[c]).a);
+    const double relative = (values[c] - blend.Low[c]) / (blend.High[c] - blend.Low[c]);
+    this->Values[c] += opacity * relative * length;
+    this->Lengths[c] += length;
+    visible = true;
+  }
+  if (visible)
+  {
+    this->Any = true;
+    this->FirstVisible = std::min(this->FirstVisible, piece.T0 + s * piece.Dt);
+  }
+  return { visible, false, 0.0f };
+}
+
+//------------------------------------------------------------------------------
+RayIntegrator::Result RayIntegrator::EndSum() const
+{
+  const IntegrationFrame& frame = *this->Frame;
+  const Blending& blend = frame.Scene->Blend;
+  if (!this->Any)
+  {
+    return { glm::vec3(0.0f), 1.0f, Infinity };
+  }
+  double sum = 0.0;
+  for (int c = 0; c < frame.Classifier->GetNumberOfComponents(); ++c)
+  {
+    const double over =
+      blend.Mode == BlendMode::Average ? this->Lengths[c] : blend.UnitDistance[c];
+    sum += over > 0.0 ? blend.Weight[c] * this->Values[c] / over : 0.0;
+  }
+  return { glm::vec3(static_cast<float>(std::clamp(sum, 0.0, 1.0))), 0.0f, this->FirstVisible };
+}
+
+//------------------------------------------------------------------------------
+bool RayIntegrator::IsInside(const glm::dvec3& q) const
+{
+  const glm::dvec3 lower = this->Frame->Scene->Volume.LowerIndex();
+  const glm::dvec3 upper = this->Frame->Scene->Volume.UpperIndex();
+  return q.x >= lower.x && q.y >= lower.y && q.z >= lower.z && q.x <= upper.x &&
+    q.y <= upper.y && q.z <= upper.z;
+}
+
+//------------------------------------------------------------------------------
+double RayIntegrator::ScalarAt(const glm::dvec3& q) const
+{
+  double values[SampleClassifier::LargestNumberOfComponents];
+  this->Frame->Classifier->Values(q, values);
+  return values[this->Frame->Scene->Blend.IsoComponent];
+}
+
+//------------------------------------------------------------------------------
+/// The last position inside of the volume on the way out of it.
+double RayIntegrator::FindFace(const CurvePiece& curve, double inside, double outside) const
+{
+  for (int i = 0; i < 24; ++i)
+  {
+    const double middle = 0.5 * (inside + outside);
+    (this->IsInside(curve.At(middle)) ? inside : outside) = middle;
+  }
+  return inside;
+}
+
+//------------------------------------------------------------------------------
+/// Where the scalar is `value` between a and b, by the secant rule of Illinois: the value at one end
+/// counts half once that end has stayed.
+double RayIntegrator::FindCrossing(
+  const SampledPiece& piece, Value a, Value b, double value) const
+{
+  double fa = a.Scalar - value;
+  double fb = b.Scalar - value;
+  if (fa == 0.0 || fb == 0.0)
+  {
+    return fa == 0.0 ? a.S : b.S;
+  }
+  const double close = 1e-6 * std::abs(b.S - a.S);
+  const glm::dvec3 lower = this->Frame->Scene->Volume.LowerIndex();
+  const glm::dvec3 upper = this->Frame->Scene->Volume.UpperIndex();
+  int stayed = 0;
+  for (int i = 0; i < 50 && std::abs(b.S - a.S) > close; ++i)
+  {
+    double s = (fa * b.S - fb * a.S) / (fa - fb);
+    if (!(s > a.S && s < b.S))
+    {
+      s = 0.5 * (a.S + b.S);
+    }
+    const double f =
+      this->ScalarAt(glm::clamp(piece.Curve.At(s), lower, upper)) - value;
+    if (f == 0.0)
+    {
+      return s;
+    }
+    if ((f < 0.0) == (fb < 0.0))
+    {
+      b.S = s;
+      fb = f;
+      fa *= stayed == -1 ? 0.5 : 1.0;
+      stayed = -1;
+    }
+    else
+    {
+      a.S = s;
+      fa = f;
+      fb *= stayed == 1 ? 0.5 : 1.0;
+      stayed = 1;
+    }
+  }
+  return 0.5 * (a.S + b.S);
+}
+
+//------------------------------------------------------------------------------
+/// Whether the ray is seen there and nothing is cropped.
+bool RayIntegrator::IsShown(const SampledPiece& piece, double s) const
+{
+  const CastScene& scene = *this->Frame->Scene;
+  const double t = piece.T0 + s * piece.Dt;
+  if (!(t >= this->From && t < this->To))
+  {
+    return false;
+  }
+  const glm::dvec3 q = piece.Curve.At(s);
+  switch (scene.Crop.Space)
+  {
+    case Cropping::Spaces::Rest:
+      return scene.Crop.Shows(q);
+    case Cropping::Spaces::Deformed:
+      return scene.Crop.Shows(glm::dvec3(
+        scene.WorldToData * glm::dvec4(this->Ray.Origin + t * this->Ray.Direction, 1.0)));
+    default:
+      return true;
+  }
+}
+
+//------------------------------------------------------------------------------
+RayIntegrator::Outcome RayIntegrator::CrossIsosurfaces(
+  const SampledPiece& piece, double s, double interval)
+{
+  const IntegrationFrame& frame = *this->Frame;
+  const std::vector<IsoValue>& isos = frame.Scene->Blend.IsoValues;
+  Value a{ s, 0.0 };
+  Value b{ std::min(s + interval, 1.0), 0.0 };
+  const bool insideA = this->IsInside(piece.Curve.At(a.S));
+  const bool insideB = this->IsInside(piece.Curve.At(b.S));
+  if (!insideA && !insideB)
+  {
+    return { false, false, 0.0f };
+  }
+  if (insideA)
+  {
+    // Intervals that follow each other share a value: no surface slips through between them.
+    const double t = piece.T0 + a.S * piece.Dt;
+    a.Scalar = std::abs(t - this->LastEnd) < 1e-3 * interval * piece.Dt
+      ? this->LastScalar
+      : this->ScalarAt(piece.Curve.At(a.S));
+  }
+  else
+  {
+    a.S = this->FindFace(piece.Curve, b.S, a.S);
+    a.Scalar = this->ScalarAt(piece.Curve.At(a.S));
+  }
+  if (!insideB)
+  {
+    b.S = this->FindFace(piece.Curve, a.S, b.S);
+  }
+  b.Scalar = this->ScalarAt(piece.Curve.At(b.S));
+  this->LastEnd = insideB ? piece.T0 + b.S * piece.Dt : -Infinity;
+  this->LastScalar = b.Scalar;
+
+  // Values ascend, so do the crossings, or they descend. One at an end belongs to the interval where
+  // the scalar passes it. Comparisons with what is not a number find none.
+  Outcome outcome{ false, false, 0.0f };
+  if (!(a.Scalar < b.Scalar) && !(a.Scalar > b.Scalar))
+  {
+    return outcome;
+  }
+  const bool up = a.Scalar < b.Scalar;
+  const double low = std::min(a.Scalar, b.Scalar);
+  const double high = std::max(a.Scalar, b.Scalar);
+  const auto below = [](const IsoValue& iso, double value) { return iso.Value <= value; };
+  const auto first = std::lower_bound(isos.begin(), isos.end(), low, below);
+  const auto last = std::lower_bound(first, isos.end(), high, below);
+  const std::size_t count = static_cast<std::size_t>(last - first);
+  for (std::size_t i = 0; i < count && !outcome.Done; ++i)
+  {
+    const IsoValue& iso = up ? first[static_cast<std::ptrdiff_t>(i)]
+                             : first[static_cast<std::ptrdiff_t>(count - 1 - i)];
+    if (!(iso.Opacity > 0.0f))
+    {
+      continue;
+    }
+    const double at = this->FindCrossing(piece, a, b, iso.Value);
+    const glm::dvec3 q = glm::clamp(
+      piece.Curve.At(at), frame.Scene->Volume.LowerIndex(),
+      frame.Scene->Volume.UpperIndex());
+    if (this->IsShown(piece, at) && !frame.Classifier->IsHidden(q))
+    {
+      const glm::vec3 colour = frame.Classifier->Light(frame.Scene->Blend.IsoComponent, q,
+        iso.Colour, PieceNormals(this->Ray, frame.Scene->Camera, piece, at));
+      outcome = this->AddLook(colour, 1.0f - iso.Opacity, piece.T0 + at * piece.Dt);
+    }
+  }
+  return outcome;
+}
+
+//------------------------------------------------------------------------------
+RayIntegrator::Outcome RayIntegrator::AddSlice(const glm::dvec3& q, double t)
+{
+  const IntegrationFrame& frame = *this->Frame;
+  if (frame.Classifier->IsHidden(q))
+  {
+    return { false, true, 0.0f };
+  }
+  double values[SampleClassifier::LargestNumberOfComponents];
+  frame.Classifier->Values(q, values);
+  glm::vec3 colour(0.0f);
+  float opacity = 0.0f;
+  for (int c = 0; c < frame.Classifier->GetNumberOfComponents(); ++c)
+  {
+    const glm::vec4 look =
+      std::isnan(values[c]) ? glm::vec4(0.0f) : frame.Classifier->ClassifyValue(c, values[c]);
+    const float alpha = look.a * static_cast<float>(frame.Scene->Blend.Weight[c]);
+    colour += alpha * glm::vec3(look);
+    opacity += alpha;
+  }
+  opacity = std::min(opacity, 1.0f);
+  if (!(opacity > 0.0f))
+  {
+    return { false, true, 0.0f };
+  }
+  this->Colour = glm::min(colour, glm::vec3(opacity));
+  this->Transmittance = 1.0f - opacity;
+  this->FirstVisible = t;
+  return { true, true, 0.0f };
+}
+
+} // namespace ffd

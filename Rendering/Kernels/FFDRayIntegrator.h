@@ -1,0 +1,134 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDRayIntegrator_h
+#define FFDRayIntegrator_h
+
+#include "FFDCastScene.h"
+#include "FFDCurvePiece.h"
+#include "FFDExport.h"
+#include "FFDSampleClassifier.h"
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include <limits>
+
+namespace ffd
+{
+
+/// What all rays of a frame are integrated with.
+struct IntegrationFrame
+{
+  const SampleClassifier* Classifier = nullptr;
+  const CastScene* Scene = nullptr;
+  const CastSettings* Settings = nullptr;
+  glm::dmat3 RestToWorld{ 1.0 }; ///< lengths of deformed rays: index coordinates to world
+  TransmittanceTable Transmittance;
+};
+
+/**
+ * A piece of a deformed ray: its parameter s stands for t = T0 + s * Dt on the viewing ray. Each ray
+ * caster knows in its own way how gradients change along it.
+ */
+class SampledPiece
+{
+public:
+  CurvePiece Curve; ///< index coordinates
+  double T0 = 0.0;
+  double Dt = 0.0;
+
+  SampledPiece() = default;
+  SampledPiece(const CurvePiece& curve, double t0, double dt)
+    : Curve(curve)
+    , T0(t0)
+    , Dt(dt)
+  {
+  }
+  virtual ~SampledPiece() = default;
+
+  /// NormalSource::ToWorld() at s.
+  virtual glm::dvec3 GradientToWorld(double s, const glm::dvec3& byIndex) const = 0;
+};
+
+/**
+ * The state of one ray, and what its samples do to it: the blend modes. Both ray casters hand it
+ * the samples that they take, in the order of the ray; the packets do so where their own vector
+ * code does not apply.
+ */
+class FFD_KERNEL_EXPORT RayIntegrator
+{
+public:
+  /// A new ray, of which [from, to) is seen (t). `frame` must outlive its samples.
+  void Begin(const IntegrationFrame& frame, const ViewRay& ray, double from, double to);
+
+  struct Outcome
+  {
+    bool Visible;     ///< the sample shows
+    bool Done;        ///< nothing that comes after it would
+    float Extinction; ///< of the sample, per world unit
+  };
+
+  /**
+   * The sample at `s` of a piece, which stands for an interval of length `interval` of s that starts
+   * there. It must be inside of the volume and not be cropped; but where the blend mode uses
+   * intervals, these may be anywhere: they are looked at for what is.
+   */
+  Outcome AddSample(const SampledPiece& piece, double s, double interval);
+
+  /// Of BlendMode::Slice the only sample: index coordinates and t, inside of the volume.
+  Outcome AddSlice(const glm::dvec3& q, double t);
+
+  struct Result
+  {
+    glm::vec3 Colour; ///< premultiplied
+    float Transmittance;
+    double FirstVisible; ///< t of the first sample that shows; infinite without one
+  };
+  Result End() const;
+
+private:
+  static constexpr int Components = Blending::LargestNumberOfComponents;
+
+  /// Values of the components at an end of an interval, and where.
+  struct Value
+  {
+    double S;
+    double Scalar;
+  };
+
+  Outcome Composite(const SampledPiece& piece, double s, double interval);
+  Outcome TakeExtreme(const SampledPiece& piece, double s);
+  Outcome AddUp(const SampledPiece& piece, double s, double interval);
+  Outcome CrossIsosurfaces(const SampledPiece& piece, double s, double interval);
+  Outcome AddLook(const glm::vec3& colour, float transmittance, double t);
+  bool IsInside(const glm::dvec3& q) const;
+  double ScalarAt(const glm::dvec3& q) const;
+  double FindCrossing(const SampledPiece& piece, Value a, Value b, double value) const;
+  double FindFace(const CurvePiece& curve, double inside, double outside) const;
+  bool IsShown(const SampledPiece& piece, double s) const;
+  double LengthOf(const SampledPiece& piece, double s, double interval) const;
+  Result EndExtreme() const;
+  Result EndSum() const;
+
+  const IntegrationFrame* Frame = nullptr;
+  ViewRay Ray{};
+  double From = 0.0;
+  double To = 0.0;
+  glm::vec3 Colour{ 0.0f };
+  float Transmittance = 1.0f;
+  double FirstVisible = std::numeric_limits<double>::infinity();
+
+  // Of Maximum, Minimum: the extreme. Of Average, Additive: the sum.
+  double Values[Components] = {};
+  double Lengths[Components] = {}; // what has been added up
+  bool Any = false;                // whether there was a sample
+  double ExtremeT = 0.0;
+
+  // The end of the last interval: mostly the start of the next one.
+  double LastEnd = 0.0;
+  double LastScalar = 0.0;
+};
+
+} // namespace ffd
+
+#endif

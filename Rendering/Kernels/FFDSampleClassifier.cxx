@@ -1,0 +1,496 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FFDSampleClassifier.h"
+
+#include "FFDAxisMap.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ffd
+{
+namespace
+{
+
+/// As that of full opacity in TransferTable: opaque over any interval.
+constexpr double OpaqueExtinction = 2.4e7;
+
+/// Opacity of an interval.
+double OpacityOver(double extinction, double length)
+{
+  return -std::expm1(-extinction * length * 0.69314718055994531);
+}
+
+/// Extinction that gives an interval an opacity.
+double ExtinctionOver(double opacity, double length)
+{
+  const double perLength = opacity < 1.0 ? -std::log2(1.0 - opacity) : OpaqueExtinction;
+  return std::min(perLength / length, 1e30);
+}
+
+double Luminance(const double* rgb)
+{
+  return LuminanceWeights[0] * rgb[0] + LuminanceWeights[1] * rgb[1] +
+    LuminanceWeights[2] * rgb[2];
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+/// Gradients at a sample, found once when they are first asked for.
+class SampleClassifier::Point
+{
+public:
+  Point(const SampleClassifier& classifier, int component, const glm::dvec3& q)
+    : Classifier(classifier)
+    , Component(component)
+    , Q(q)
+  {
+  }
+  const glm::dvec3& GetGradient()
+  {
+    if (!this->HasGradient)
+    {
+      this->Gradient = this->Classifier.FindGradient(this->Component, this->Q);
+      this->HasGradient = true;
+    }
+    return this->Gradient;
+  }
+  double GetMagnitude() { return this->Classifier.FindMagnitude(this->GetGradient()); }
+  const glm::dvec3& GetPosition() const { return this->Q; }
+
+private:
+  const SampleClassifier& Classifier;
+  int Component;
+  glm::dvec3 Q;
+  glm::dvec3 Gradient{ 0.0 };
+  bool HasGradient = false;
+};
+
+//------------------------------------------------------------------------------
+/// Colour before lighting, and extinction, of which `Factor` is still to be multiplied to the
+/// opacity of an interval of the reference length.
+struct SampleClassifier::Emission
+{
+  glm::vec3 Colour;
+  double Extinction;
+  double Factor;
+
+  bool IsVisible() const { return this->Extinction > 0.0 && this->Factor > 0.0; }
+  double Opacity(double length) const
+  {
+    return OpacityOver(this->Extinction, length) * this->Factor;
+  }
+};
+
+//------------------------------------------------------------------------------
+SampleClassifier::SampleClassifier(const ClassifierInputs& inputs)
+  : In(inputs)
+  , Fetch(SelectSampleFunctions(inputs.Volume.Type, inputs.VolumeInterpolation))
+  , FetchNearest(SelectSampleFunctions(inputs.Volume.Type, Interpolation::Nearest))
+  , FetchMask(SelectSampleFunctions(inputs.Mask.Volume.Type, Interpolation::Nearest))
+  , FetchSecondAxis(SelectSampleFunctions(inputs.SecondAxis.Type, inputs.VolumeInterpolation))
+{
+  const VolumeView& volume = this->In.Volume;
+  for (int c = 0; c < std::min(volume.Components, LargestNumberOfComponents); ++c)
+  {
+    this->ComponentViews[c] = GetComponent(volume, c);
+  }
+  const glm::dvec3 edges(glm::length(volume.IndexToData[0]), glm::length(volume.IndexToData[1]),
+    glm::length(volume.IndexToData[2]));
+  this->MagnitudeScale = (edges.x + edges.y + edges.z) / (3.0 * edges);
+  const MaskView& mask = this->In.Mask;
+  if (mask.Volume.Scalars && !mask.SameGrid)
+  {
+    this->ToMask = mask.Volume.DataToIndex * volume.IndexToData;
+    this->MaskOffset = mask.Volume.ToIndex(volume.FirstVoxel);
+  }
+  this->MayHide = this->In.Hidden || (mask.Volume.Scalars && !mask.Labels);
+  const OpticalFunctions& functions = *this->In.Functions;
+  const ComponentOptics& first = functions.Components[0];
+  const bool one = functions.Kind == ComponentKind::Independent &&
+    functions.Components.size() == 1 && first.Plane.IsEmpty() && !mask.Volume.Scalars &&
+    !this->In.Hidden && !volume.Axes && !(this->In.NormalFromOpacity && first.Shade);
+  this->Plain = one && first.Gradients.IsEmpty();
+  this->PlainWithGradient = one && !first.Gradients.IsEmpty();
+}
+
+//------------------------------------------------------------------------------
+SampleClassifier::SampleClassifier(const VolumeView& volume, Interpolation interpolation,
+  const TransferTable& table, const Shading& material, bool shade)
+  : OwnFunctions(new OpticalFunctions)
+  , Fetch(SelectSampleFunctions(volume.Type, interpolation))
+{
+  this->In.Volume = volume;
+  this->In.VolumeInterpolation = interpolation;
+  this->In.Material = &material;
+  this->In.Functions = this->OwnFunctions.get();
+  this->ComponentViews[0] = GetComponent(volume, 0);
+  this->OwnFunctions->Components.resize(1);
+  this->OwnFunctions->Components[0].Table = table;
+  this->OwnFunctions->Components[0].Shade = shade;
+  this->OwnFunctions->Components[0].Surface = material;
+}
+
+//------------------------------------------------------------------------------
+/// Dependent components share the functions of the first one.
+const ComponentOptics& SampleClassifier::OpticsOf(int component) const
+{
+  const OpticalFunctions& functions = *this->In.Functions;
+  return functions.Components[functions.Kind == ComponentKind::Independent
+      ? static_cast<std::size_t>(component)
+      : 0];
+}
+
+//------------------------------------------------------------------------------
+/// What is looked up for opacity, and what normals are of.
+double SampleClassifier::DensityOf(int component, const double* values) const
+{
+  switch (this->In.Functions->Kind)
+  {
+    case ComponentKind::ColourOpacity:
+      return values[1];
+    case ComponentKind::Rgb:
+      return Luminance(values);
+    case ComponentKind::Rgba:
+      return values[3];
+    case ComponentKind::Independent:
+    default:
+      return values[component];
+  }
+}
+
+//------------------------------------------------------------------------------
+glm::dvec3 SampleClassifier::ToVoxel(const glm::dvec3& q) const
+{
+  return this->In.Volume.Axes ? this->In.Volume.Axes->ToVoxel(q) : q;
+}
+
+//------------------------------------------------------------------------------
+void SampleClassifier::Values(const glm::dvec3& q, double* values) const
+{
+  const glm::dvec3 voxel = this->ToVoxel(q);
+  if (this->In.Hidden && this->In.Volume.Margin > 0.0 && this->TouchesHidden(voxel))
+  {
+    this->FetchNearest.Values(this->In.Volume, voxel, values);
+    return;
+  }
+  this->Fetch.Values(this->In.Volume, voxel, values);
+}
+
+//------------------------------------------------------------------------------
+/// Whether one of the cells whose scalars are interpolated at a voxel coordinate is hidden.
+bool SampleClassifier::TouchesHidden(const glm::dvec3& voxel) const
+{
+  const glm::ivec3 last = this->In.Volume.Dimensions - 1;
+  const glm::ivec3 lower(glm::floor(voxel));
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const glm::ivec3 cell = lower + glm::ivec3(corner & 1, corner >> 1 & 1, corner >> 2);
+    if (this->In.Hidden->Has(glm::clamp(cell, glm::ivec3(0), last)))
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
+//------------------------------------------------------------------------------
+double SampleClassifier::MaskAt(const glm::dvec3& q) const
+{
+  const MaskView& mask = this->In.Mask;
+  if (mask.SameGrid)
+  {
+    return this->FetchMask.Value(mask.Volume, this->ToVoxel(q));
+  }
+  const glm::dvec3 m = this->ToMask * q + this->MaskOffset;
+  const glm::dvec3 beyond =
+    glm::max(-0.5 - m, m - (glm::dvec3(mask.Volume.Dimensions) - 0.5));
+  return beyond.x <= 0.0 && beyond.y <= 0.0 && beyond.z <= 0.0
+    ? this->FetchMask.Value(mask.Volume, m)
+    : 0.0;
+}
+
+//------------------------------------------------------------------------------
+bool SampleClassifier::FindHidden(const glm::dvec3& q) const
+{
+  if (this->In.Hidden)
+  {
+    // Cells of voxels that are points begin at these, voxels that are cells have theirs around.
+    const glm::dvec3 cell = glm::floor(this->ToVoxel(q) + this->In.Volume.Margin);
+    const glm::ivec3 last = this->In.Hidden->GetCells() - 1;
+    if (this->In.Hidden->Has(glm::clamp(glm::ivec3(cell), glm::ivec3(0), last)))
+    {
+      return true;
+    }
+  }
+  const MaskView& mask = this->In.Mask;
+  return mask.Volume.Scalars && !mask.Labels && !(this->MaskAt(q) > 0.0);
+}
+
+//------------------------------------------------------------------------------
+/// Half of the differences of a field over one voxel to each side, by index coordinates.
+template <class Field>
+glm::dvec3 SampleClassifier::Difference(const glm::dvec3& voxel, const Field& field) const
+{
+  const VolumeView& v = this->In.Volume;
+  const glm::dvec3 lower = v.LowerIndex();
+  const glm::dvec3 upper = v.UpperIndex();
+  glm::dvec3 gradient;
+  for (int a = 0; a < 3; ++a)
+  {
+    glm::dvec3 before = voxel;
+    glm::dvec3 after = voxel;
+    before[a] = std::max(voxel[a] - 1.0, lower[a]);
+    after[a] = std::min(voxel[a] + 1.0, upper[a]);
+    gradient[a] = 0.5 * (field(after) - field(before));
+    if (v.Axes)
+    {
+      gradient[a] *= (after[a] - before[a]) /
+        (v.Axes->ToIndex(a, after[a]) - v.Axes->ToIndex(a, before[a]));
+    }
+  }
+  return gradient;
+}
+
+//------------------------------------------------------------------------------
+/// Of what normals are of, by index coordinates.
+glm::dvec3 SampleClassifier::FindGradient(int component, const glm::dvec3& q) const
+{
+  const OpticalFunctions& functions = *this->In.Functions;
+  const glm::dvec3 voxel = this->ToVoxel(q);
+  const auto of = [&](int c) -> glm::dvec3
+  {
+    const VolumeView& view = this->ComponentViews[c];
+    return view.Axes
+      ? this->Difference(voxel, [&](const glm::dvec3& at) { return this->Fetch.Value(view, at); })
+      : this->Fetch.Gradient(view, voxel);
+  };
+  switch (functions.Kind)
+  {
+    case ComponentKind::ColourOpacity:
+      return of(1);
+    case ComponentKind::Rgb:
+      return LuminanceWeights[0] * of(0) + LuminanceWeights[1] * of(1) +
+        LuminanceWeights[2] * of(2);
+    case ComponentKind::Rgba:
+      return of(3);
+    case ComponentKind::Independent:
+    default:
+      return of(component);
+  }
+}
+
+//------------------------------------------------------------------------------
+glm::dvec3 SampleClassifier::FindOpacityGradient(int component, const glm::dvec3& q) const
+{
+  return this->Difference(this->ToVoxel(q),
+    [&](const glm::dvec3& voxel)
+    {
+      double values[LargestNumberOfComponents];
+      this->Fetch.Values(this->In.Volume, voxel, values);
+      return static_cast<double>(
+        this->ClassifyValue(component, this->DensityOf(component, values)).a);
+    });
+}
+
+//------------------------------------------------------------------------------
+double SampleClassifier::FindMagnitude(const glm::dvec3& gradient) const
+{
+  return glm::length(gradient * this->MagnitudeScale);
+}
+
+//------------------------------------------------------------------------------
+SampleClassifier::Emission SampleClassifier::FindEmission(
+  int component, const glm::dvec3& q, const double* values, Point& point) const
+{
+  const OpticalFunctions& functions = *this->In.Functions;
+  const ComponentOptics& optics = this->OpticsOf(component);
+  const double density = this->DensityOf(component, values);
+  Emission emission{ glm::vec3(0.0f), 0.0, 1.0 };
+  if (!optics.Plane.IsEmpty())
+  {
+    double second;
+    if (this->In.SecondAxis.Scalars)
+    {
+      second = this->FetchSecondAxis.Value(this->In.SecondAxis, this->ToVoxel(q));
+    }
+    else
+    {
+      second = point.GetMagnitude();
+    }
+    glm::vec4 texel = optics.Plane.Lookup(density, second);
+    emission.Extinction =
+      texel.a > 0.0f ? ExtinctionOver(texel.a, optics.Table.GetUnitDistance()) : 0.0;
+    if (functions.Kind == ComponentKind::ColourOpacity)
+    {
+      texel = optics.Plane.Lookup(values[0], second);
+    }
+    emission.Colour = glm::vec3(texel);
+  }
+  else
+  {
+    const TransferTable::Sample sample = optics.Table.Lookup(density);
+    emission.Extinction = sample.Extinction;
+    if (emission.Extinction > 0.0 && !optics.Gradients.IsEmpty())
+    {
+      emission.Factor = optics.Gradients(point.GetMagnitude());
+    }
+    emission.Colour = functions.Kind == ComponentKind::ColourOpacity
+      ? functions.Colours.Lookup(values[0]).Colour
+      : sample.Colour;
+  }
+  if (functions.Kind == ComponentKind::Rgb || functions.Kind == ComponentKind::Rgba)
+  {
+    emission.Colour = glm::clamp(glm::vec3(glm::dvec3(values[0], values[1], values[2]) *
+                                   functions.ColourScale),
+      0.0f, 1.0f);
+  }
+  return emission;
+}
+
+//------------------------------------------------------------------------------
+SampleClassifier::Emission SampleClassifier::FindLabelEmission(
+  const LabelOptics& label, const double* values, Point& point) const
+{
+  const TransferTable::Sample sample = label.Table.Lookup(this->DensityOf(0, values));
+  Emission emission{ sample.Colour, sample.Extinction, 1.0 };
+  if (emission.Extinction > 0.0 && !label.Gradients.IsEmpty())
+  {
+    emission.Factor = label.Gradients(point.GetMagnitude());
+  }
+  return emission;
+}
+
+//------------------------------------------------------------------------------
+glm::vec3 SampleClassifier::LitColour(
+  int component, const glm::vec3& colour, Point& point, const NormalSource& normals) const
+{
+  const ComponentOptics& optics = this->OpticsOf(component);
+  if (!optics.Shade)
+  {
+    return colour;
+  }
+  const glm::dvec3 gradient = normals.ToWorld(this->In.NormalFromOpacity
+      ? this->FindOpacityGradient(component, point.GetPosition())
+      : point.GetGradient());
+  const double magnitude = glm::length(gradient);
+  const glm::dvec3 normal = magnitude > 0.0 && std::isfinite(magnitude) ? -gradient / magnitude
+                                                                        : glm::dvec3(0.0);
+  return this->In.Material->Shade(
+    optics.Surface, colour, normals.GetPosition(), normal, normals.GetToEye());
+}
+
+//------------------------------------------------------------------------------
+SampleClassifier::Look SampleClassifier::ToLook(const Emission& emission) const
+{
+  const double length = this->In.ReferenceLength;
+  return { emission.Colour,
+    static_cast<float>(emission.Factor == 1.0
+        ? emission.Extinction
+        : ExtinctionOver(emission.Opacity(length), length)) };
+}
+
+//------------------------------------------------------------------------------
+SampleClassifier::Look SampleClassifier::Classify(
+  const glm::dvec3& q, const double* values, const NormalSource& normals) const
+{
+  const OpticalFunctions& functions = *this->In.Functions;
+  if (functions.Components.size() > 1)
+  {
+    return this->ClassifyIndependent(q, values, normals);
+  }
+  Point point(*this, 0, q);
+  const MaskView& mask = this->In.Mask;
+  const LabelOptics* label = mask.Volume.Scalars && mask.Labels && mask.BlendFactor > 0.0f
+    ? functions.FindLabel(this->MaskAt(q))
+    : nullptr;
+  Emission emission;
+  if (!label)
+  {
+    emission = this->FindEmission(0, q, values, point);
+  }
+  else
+  {
+    emission = this->FindLabelEmission(*label, values, point);
+    if (mask.BlendFactor < 1.0f)
+    {
+      const Emission base = this->FindEmission(0, q, values, point);
+      const double length = this->In.ReferenceLength;
+      const double f = mask.BlendFactor;
+      emission.Colour = glm::mix(base.Colour, emission.Colour, mask.BlendFactor);
+      emission.Extinction = ExtinctionOver(
+        (1.0 - f) * base.Opacity(length) + f * emission.Opacity(length), length);
+      emission.Factor = 1.0;
+    }
+  }
+  if (!emission.IsVisible())
+  {
+    return { emission.Colour, 0.0f };
+  }
+  emission.Colour = this->LitColour(0, emission.Colour, point, normals);
+  return this->ToLook(emission);
+}
+
+//------------------------------------------------------------------------------
+SampleClassifier::Look SampleClassifier::ClassifyIndependent(
+  const glm::dvec3& q, const double* values, const NormalSource& normals) const
+{
+  const std::vector<ComponentOptics>& components = this->In.Functions->Components;
+  const double length = this->In.ReferenceLength;
+  glm::vec3 colour(0.0f);
+  double sum = 0.0;
+  double squares = 0.0;
+  for (int c = 0; c < static_cast<int>(components.size()); ++c)
+  {
+    Point point(*this, c, q);
+    Emission emission = this->FindEmission(c, q, values, point);
+    emission.Factor *= components[static_cast<std::size_t>(c)].Weight;
+    if (emission.IsVisible())
+    {
+      const double opacity = emission.Opacity(length);
+      colour +=
+        static_cast<float>(opacity) * this->LitColour(c, emission.Colour, point, normals);
+      sum += opacity;
+      squares += opacity * opacity;
+    }
+  }
+  if (!(sum > 0.0))
+  {
+    return { colour, 0.0f };
+  }
+  const double opacity = squares / sum;
+  return { colour / static_cast<float>(opacity),
+    static_cast<float>(ExtinctionOver(opacity, length)) };
+}
+
+//------------------------------------------------------------------------------
+glm::vec4 SampleClassifier::ClassifyValue(int component, double value) const
+{
+  const OpticalFunctions& functions = *this->In.Functions;
+  const ComponentOptics& optics = this->OpticsOf(component);
+  if (!optics.Plane.IsEmpty())
+  {
+    return optics.Plane.Lookup(value, 1e300);
+  }
+  const TransferTable::Sample sample = optics.Table.Lookup(value);
+  return glm::vec4(functions.Kind == ComponentKind::ColourOpacity
+      ? functions.Colours.Lookup(value).Colour
+      : sample.Colour,
+    static_cast<float>(
+      OpacityOver(static_cast<double>(sample.Extinction), optics.Table.GetUnitDistance())));
+}
+
+//------------------------------------------------------------------------------
+glm::vec3 SampleClassifier::Light(
+  int component, const glm::dvec3& q, const glm::vec3& colour, const NormalSource& normals) const
+{
+  Point point(*this, component, q);
+  return this->LitColour(component, colour, point, normals);
+}
+
+} // namespace ffd

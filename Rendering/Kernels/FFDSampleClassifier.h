@@ -1,0 +1,186 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDSampleClassifier_h
+#define FFDSampleClassifier_h
+
+#include "FFDCameraView.h"
+#include "FFDCellMask.h"
+#include "FFDExport.h"
+#include "FFDOpticalFunctions.h"
+#include "FFDSampling.h"
+#include "FFDShading.h"
+#include "FFDTransferTable.h"
+#include "FFDVolumeView.h"
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include <memory>
+
+namespace ffd
+{
+
+/// Where a sample stands in the world: what its normals and its lighting are found from, on demand.
+class NormalSource
+{
+public:
+  NormalSource(const ViewRay& ray, const CameraView& camera, double t)
+    : Ray(ray)
+    , Camera(camera)
+    , T(t)
+  {
+  }
+  virtual ~NormalSource() = default;
+
+  /// The gradient by world coordinates of a field on the deformed volume, from that by index
+  /// coordinates of the field at rest: J_Phi^T grad f.
+  virtual glm::dvec3 ToWorld(const glm::dvec3& byIndex) const = 0;
+
+  glm::dvec3 GetPosition() const { return this->Ray.Origin + this->T * this->Ray.Direction; }
+
+  /// Unit vector.
+  glm::dvec3 GetToEye() const { return this->Camera.ToEye(this->Ray, this->GetPosition()); }
+
+private:
+  const ViewRay& Ray;
+  const CameraView& Camera;
+  double T;
+};
+
+/// A volume of labels, or of what is inside (more than 0), on a grid of its own.
+struct MaskView
+{
+  VolumeView Volume;      ///< Scalars is null: no mask
+  bool Labels = false;    ///< a label map, else a binary mask
+  float BlendFactor = 1.0f; ///< of the look of a label; the rest is the look without
+  /// Voxel for voxel the grid of the scalars; else a place of its own, by Volume.
+  bool SameGrid = true;
+};
+
+/// Everything about the looks of samples that SampleClassifier needs. What is pointed to outlives it.
+struct ClassifierInputs
+{
+  VolumeView Volume;
+  Interpolation VolumeInterpolation = Interpolation::Linear;
+  const OpticalFunctions* Functions = nullptr;
+  const Shading* Material = nullptr; ///< for its lights: surfaces are those of Functions
+  MaskView Mask;
+  const CellMask* Hidden = nullptr; ///< cells where there is nothing, or null
+  /// Second axis of TransferPlane: scalars on the same grid; none: magnitude of the gradient.
+  VolumeView SecondAxis;
+  bool NormalFromOpacity = false; ///< normals are those of the opacity, not of the scalars
+  /// World length of the intervals for which opacities multiply and add up as in VTK: its sample
+  /// distance.
+  double ReferenceLength = 1.0;
+};
+
+/**
+ * What a sample of the volume at rest looks like. Immutable, one for a frame, used by any number
+ * of threads. Positions are index coordinates inside of the volume.
+ *
+ * Conventions are those of VTK's volume mappers. Opacities of an interval of the reference length
+ * are weighted and multiplied by the gradient opacity; several independent components add up to
+ * the opacity sum(a^2) / sum(a) and the premultiplied colour sum(a c). Magnitudes of gradients are
+ * central differences over one voxel to each side, in scalar units per mean edge of a voxel, of
+ * the volume at rest: tissue looks the same wherever the deformation takes it. Normals are those
+ * of the deformed volume.
+ */
+class FFD_KERNEL_EXPORT SampleClassifier
+{
+public:
+  static constexpr int LargestNumberOfComponents = 4;
+
+  explicit SampleClassifier(const ClassifierInputs& inputs);
+
+  /// One component with its table; `shade`: whether colours are lit. What is referred to must
+  /// outlive the classifier.
+  SampleClassifier(const VolumeView& volume, Interpolation interpolation,
+    const TransferTable& table, const Shading& material, bool shade);
+
+  /// Whether there is nothing but one component and its table: what the vector code of the
+  /// packets does.
+  bool IsPlain() const { return this->Plain; }
+
+  /// Whether there is nothing but that and a gradient opacity: GetGradientOpacity().
+  bool IsPlainWithGradient() const { return this->PlainWithGradient; }
+
+  /// That of the first component, and what takes gradients by index coordinates to its magnitudes.
+  const GradientOpacity& GetGradientOpacity() const
+  {
+    return this->In.Functions->Components[0].Gradients;
+  }
+  const glm::dvec3& GetMagnitudeScale() const { return this->MagnitudeScale; }
+  double GetReferenceLength() const { return this->In.ReferenceLength; }
+
+  int GetNumberOfComponents() const { return this->In.Volume.Components; }
+
+  /// Whether there is nothing at `q`, whatever the scalars: blanked, or outside of a binary mask.
+  bool IsHidden(const glm::dvec3& q) const
+  {
+    return this->MayHide && this->FindHidden(q);
+  }
+
+  /// Interpolated value of each component; scalars of cells beside hidden ones are not interpolated.
+  void Values(const glm::dvec3& q, double* values) const;
+
+  struct Look
+  {
+    glm::vec3 Colour;
+    float Extinction; ///< per world unit; 0: transparent
+  };
+
+  /// The sample at `q`, whose values are `values`, lit if the material is shaded.
+  Look Classify(const glm::dvec3& q, const double* values, const NormalSource& normals) const;
+
+  /// Colour (not premultiplied, not lit) and opacity of a value of a component, over the opacity
+  /// unit distance. Gradients count as large: gradient opacities are not looked at.
+  glm::vec4 ClassifyValue(int component, double value) const;
+
+  /// A colour at `q` lit by the material of a component, with the normal of its scalars; the
+  /// colour itself where nothing is shaded.
+  glm::vec3 Light(int component, const glm::dvec3& q, const glm::vec3& colour,
+    const NormalSource& normals) const;
+
+private:
+  class Point;
+  struct Emission;
+
+  const ComponentOptics& OpticsOf(int component) const;
+  double DensityOf(int component, const double* values) const;
+  bool FindHidden(const glm::dvec3& q) const;
+  bool TouchesHidden(const glm::dvec3& voxel) const;
+  glm::dvec3 ToVoxel(const glm::dvec3& q) const;
+  double MaskAt(const glm::dvec3& q) const;
+  glm::dvec3 FindGradient(int component, const glm::dvec3& q) const;
+  glm::dvec3 FindOpacityGradient(int component, const glm::dvec3& q) const;
+  template <class Field>
+  glm::dvec3 Difference(const glm::dvec3& voxel, const Field& field) const;
+  double FindMagnitude(const glm::dvec3& gradient) const;
+  Emission FindEmission(int component, const glm::dvec3& q, const double* values, Point& point) const;
+  Emission FindLabelEmission(
+    const LabelOptics& label, const double* values, Point& point) const;
+  glm::vec3 LitColour(
+    int component, const glm::vec3& colour, Point& point, const NormalSource& normals) const;
+  Look ToLook(const Emission& emission) const;
+  Look ClassifyIndependent(
+    const glm::dvec3& q, const double* values, const NormalSource& normals) const;
+
+  ClassifierInputs In;
+  std::unique_ptr<OpticalFunctions> OwnFunctions;
+  VolumeView ComponentViews[LargestNumberOfComponents];
+  SampleFunctions Fetch;
+  SampleFunctions FetchNearest; // beside hidden cells
+  SampleFunctions FetchMask;
+  SampleFunctions FetchSecondAxis;
+  glm::dvec3 MagnitudeScale{ 1.0 };
+  glm::dmat3 ToMask{ 1.0 }; // index coordinates to those of the mask
+  glm::dvec3 MaskOffset{ 0.0 };
+  bool Plain = true;
+  bool PlainWithGradient = false;
+  bool MayHide = false;
+};
+
+} // namespace ffd
+
+#endif

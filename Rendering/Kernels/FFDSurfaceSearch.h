@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDSurfaceSearch_h
+#define FFDSurfaceSearch_h
+
+#include "FFDExport.h"
+#include "FFDPullBack.h"
+#include "FFDVolumeView.h"
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include <functional>
+
+namespace ffd
+{
+
+/// A point of a ray in deformed space, and where it is at rest.
+struct SurfacePoint
+{
+  double T = 0.0;               ///< ray parameter
+  glm::dvec3 Deformed{ 0.0 };   ///< data coordinates
+  glm::dvec3 Rest{ 0.0 };       ///< data coordinates
+  glm::dvec3 Index{ 0.0 };      ///< the same in index coordinates
+};
+
+/**
+ * Follows one straight ray through deformed space and finds where a condition on the material under
+ * it begins to hold: what a picker needs, exact instead of fast.
+ *
+ * The pull-back is evaluated point by point, to `Accuracy` voxels, without interpolation. Steps are
+ * as long as the rest position moves by at most half a voxel along each axis, so nothing that is a
+ * voxel thick is missed; where the condition turns, the turn is bisected down to what doubles can
+ * tell.
+ */
+class FFD_KERNEL_EXPORT SurfaceSearch
+{
+public:
+  /// Largest distance of a rest position from the true one, voxels, for maps that are inverted.
+  static constexpr double Accuracy = 1e-9;
+  /// Largest motion of the rest position in a step, voxels along each axis.
+  static constexpr double LongestStep = 0.5;
+  /// Where the rest position jumps (folds) no step is made shorter than this, voxels.
+  static constexpr double ShortestStep = 1.0 / 64.0;
+
+  /// P(t) = origin + t * direction, data coordinates; the map's field outlives this object.
+  SurfaceSearch(const VolumeView& volume, const PullBack& map, const glm::dvec3& origin,
+    const glm::dvec3& direction);
+
+  using Condition = std::function<bool(const SurfacePoint& point)>;
+  using Label = std::function<int(const SurfacePoint& point)>;
+
+  /**
+   * The first t of [from, to] where `condition` holds. False: nowhere. `hit` is the first point
+   * where it does, `before` the last one where it does not, or `hit` itself if it holds at `from`.
+   *
+   * `label` numbers the regions that a point can be in (sides of the faces of the volume, of
+   * cropping planes). Where it changes the ray is looked at on both sides of the change, so that
+   * regions it only touches at an edge, for less than a step, are not missed.
+   */
+  bool FindFirst(double from, double to, const Condition& condition, const Label& label,
+    SurfacePoint& hit, SurfacePoint& before) const;
+
+  SurfacePoint Evaluate(double t) const;
+
+  /// dPhi/dP there: jacobian[column][row].
+  glm::dmat3 EvaluateJacobian(const SurfacePoint& point) const;
+
+  /// Whether an index position lies in the volume, faces included.
+  bool IsInside(const glm::dvec3& index) const;
+
+private:
+  void Bisect(const Condition& beyond, SurfacePoint& before, SurfacePoint& after) const;
+
+  VolumeView Volume;
+  PullBack Map;
+  glm::dvec3 Origin;
+  glm::dvec3 Direction;
+  double TPerVoxel; // along the ray
+};
+
+} // namespace ffd
+
+#endif

@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FFDTransferPlane.h"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace ffd
+{
+
+//------------------------------------------------------------------------------
+TransferPlane::TransferPlane(int width, int height, const float* rgba, const glm::dvec2& low,
+  const glm::dvec2& high, bool nearest)
+  : Width(width)
+  , Height(height)
+  , Low(low)
+  , Scale(glm::dvec2(width - 1, height - 1) / (high - low))
+  , Nearest(nearest)
+  , Texels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height))
+  , VisibleUpTo(static_cast<std::size_t>(width) + 1, 0)
+{
+  std::vector<int> visible(static_cast<std::size_t>(width), 0);
+  for (std::size_t i = 0; i < this->Texels.size(); ++i)
+  {
+    for (int c = 0; c < 4; ++c)
+    {
+      const float channel = rgba[4 * i + static_cast<std::size_t>(c)];
+      // Written so that what is not a number becomes 0.
+      this->Texels[i][c] = channel > 0.0f ? std::min(channel, 1.0f) : 0.0f;
+    }
+    visible[i % static_cast<std::size_t>(width)] |= this->Texels[i].a > 0.0f ? 1 : 0;
+  }
+  for (std::size_t x = 0; x < visible.size(); ++x)
+  {
+    this->VisibleUpTo[x + 1] = this->VisibleUpTo[x] + visible[x];
+  }
+}
+
+//------------------------------------------------------------------------------
+double TransferPlane::TexelOf(double value, int axis) const
+{
+  const double last = (axis == 0 ? this->Width : this->Height) - 1;
+  return std::clamp((value - this->Low[axis]) * this->Scale[axis], 0.0, last);
+}
+
+//------------------------------------------------------------------------------
+glm::vec4 TransferPlane::Lookup(double x, double y) const
+{
+  if (std::isnan(x) || std::isnan(y))
+  {
+    return glm::vec4(0.0f);
+  }
+  const auto texel = [this](int i, int j)
+  {
+    return this->Texels[static_cast<std::size_t>(std::min(i, this->Width - 1)) +
+      static_cast<std::size_t>(this->Width) *
+        static_cast<std::size_t>(std::min(j, this->Height - 1))];
+  };
+  const double u = this->TexelOf(x, 0);
+  const double v = this->TexelOf(y, 1);
+  if (this->Nearest)
+  {
+    return texel(static_cast<int>(u + 0.5), static_cast<int>(v + 0.5));
+  }
+  const int i = static_cast<int>(u);
+  const int j = static_cast<int>(v);
+  const float fx = static_cast<float>(u - i);
+  return glm::mix(glm::mix(texel(i, j), texel(i + 1, j), fx),
+    glm::mix(texel(i, j + 1), texel(i + 1, j + 1), fx), static_cast<float>(v - j));
+}
+
+//------------------------------------------------------------------------------
+bool TransferPlane::IsTransparent(double lo, double hi) const
+{
+  if (!(lo <= hi))
+  {
+    return true;
+  }
+  // A little more than the interval: a sample may leave it by a rounding error.
+  const double guard = lo < hi ? 1e-3 : 0.0;
+  const double last = this->Width - 1;
+  const double from = std::floor(std::max(this->TexelOf(lo, 0) - guard, 0.0));
+  const double to = std::ceil(std::min(this->TexelOf(hi, 0) + guard, last));
+  return this->VisibleUpTo[static_cast<std::size_t>(to) + 1] ==
+    this->VisibleUpTo[static_cast<std::size_t>(from)];
+}
+
+} // namespace ffd

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDTransferPlane_h
+#define FFDTransferPlane_h
+
+#include "FFDExport.h"
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include <cstddef>
+#include <vector>
+
+namespace ffd
+{
+
+/**
+ * A two-dimensional transfer function: colour and opacity over a scalar (x) and a second value (y),
+ * the magnitude of its gradient or another scalar. The first and the last texel lie at the ends of
+ * the ranges, as in VTK; beyond, they hold.
+ */
+class FFD_KERNEL_EXPORT TransferPlane
+{
+public:
+  TransferPlane() = default;
+
+  /**
+   * `rgba`: width * height texels, x fastest, channels in [0, 1] (clamped; what is not a number
+   * counts as 0), over [low.x, high.x] and [low.y, high.y] (low < high). `nearest`: texels are not
+   * interpolated.
+   */
+  TransferPlane(int width, int height, const float* rgba, const glm::dvec2& low,
+    const glm::dvec2& high, bool nearest);
+
+  bool IsEmpty() const { return this->Texels.empty(); }
+
+  /// Colour and opacity; transparent where a value is not a number.
+  glm::vec4 Lookup(double x, double y) const;
+
+  /// Whether every x of [lo, hi] is transparent for all y.
+  bool IsTransparent(double lo, double hi) const;
+
+  std::size_t GetMemorySize() const { return this->Texels.capacity() * sizeof(glm::vec4); }
+
+private:
+  double TexelOf(double value, int axis) const;
+
+  int Width = 0;
+  int Height = 0;
+  glm::dvec2 Low{ 0.0 };
+  glm::dvec2 Scale{ 1.0 }; // texels per unit
+  bool Nearest = false;
+  std::vector<glm::vec4> Texels;
+  std::vector<int> VisibleUpTo; // columns with a visible texel before each
+};
+
+} // namespace ffd
+
+#endif

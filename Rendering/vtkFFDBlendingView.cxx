@@ -1,0 +1,256 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDBlendingView.h"
+
+#include "vtkColorTransferFunction.h"
+#include "vtkContourValues.h"
+#include "vtkImageData.h"
+#include "vtkPiecewiseFunction.h"
+#include "vtkPlane.h"
+#include "vtkPlaneCollection.h"
+#include "vtkVolumeMapper.h"
+#include "vtkVolumeProperty.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <sstream>
+
+namespace ffd
+{
+namespace
+{
+
+bool MakeIsoValues(vtkVolumeProperty* property, Blending& blend, std::string& message)
+{
+  vtkContourValues* values = property->GetIsoSurfaceValues();
+  const int c = blend.IsoComponent;
+  vtkPiecewiseFunction* opacity = property->GetScalarOpacity(c);
+  const bool gray = property->GetColorChannels(c) == 1;
+  if (values->GetNumberOfContours() < 1)
+  {
+    message = "Isosurface blending needs values; set them with "
+              "vtkVolumeProperty::GetIsoSurfaceValues()->SetValue(). Nothing is drawn.";
+    return false;
+  }
+  for (int i = 0; i < values->GetNumberOfContours(); ++i)
+  {
+    const double value = values->GetValue(i);
+    if (!std::isfinite(value))
+    {
+      std::ostringstream why;
+      why << "Value " << i << " of vtkVolumeProperty::GetIsoSurfaceValues() is " << value
+          << "; it must be a number. Nothing is drawn.";
+      message = why.str();
+      return false;
+    }
+    double rgb[3];
+    if (gray)
+    {
+      std::fill_n(rgb, 3, property->GetGrayTransferFunction(c)->GetValue(value));
+    }
+    else
+    {
+      property->GetRGBTransferFunction(c)->GetColor(value, rgb);
+    }
+    blend.IsoValues.push_back({ value, glm::vec3(rgb[0], rgb[1], rgb[2]),
+      std::clamp(static_cast<float>(opacity->GetValue(value)), 0.0f, 1.0f) });
+  }
+  const auto less = [](const IsoValue& a, const IsoValue& b) { return a.Value < b.Value; };
+  const auto same = [](const IsoValue& a, const IsoValue& b) { return a.Value == b.Value; };
+  std::vector<IsoValue>& isos = blend.IsoValues;
+  std::sort(isos.begin(), isos.end(), less);
+  isos.erase(std::unique(isos.begin(), isos.end(), same), isos.end());
+  return true;
+}
+
+bool MakeSlice(vtkVolumeProperty* property, Blending& blend, std::string& message)
+{
+  vtkPlane* plane = vtkPlane::SafeDownCast(property->GetSliceFunction());
+  if (!plane)
+  {
+    message = "Slice blending needs a vtkPlane; set one with "
+              "vtkVolumeProperty::SetSliceFunction(). Nothing is drawn.";
+    return false;
+  }
+  const double* origin = plane->GetOrigin();
+  const double* normal = plane->GetNormal();
+  blend.SliceOrigin = glm::dvec3(origin[0], origin[1], origin[2]);
+  blend.SliceNormal = glm::dvec3(normal[0], normal[1], normal[2]);
+  const double length = glm::length(blend.SliceNormal);
+  if (!(length > 0.0) || !std::isfinite(length) ||
+    !std::isfinite(glm::dot(blend.SliceOrigin, blend.SliceOrigin)))
+  {
+    message = "The origin or the normal of the plane of vtkVolumeProperty::SetSliceFunction() is "
+              "not a number, or the normal has no length. Nothing is drawn.";
+    return false;
+  }
+  blend.SliceNormal /= length;
+  return true;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+bool MakeBlending(vtkVolumeMapper* mapper, vtkVolumeProperty* property, int components,
+  Blending& blend, std::string& message)
+{
+  blend = Blending();
+  if (property->GetIndependentComponents())
+  {
+    for (int c = 0; c < components; ++c)
+    {
+      blend.Weight[c] = property->GetComponentWeight(c);
+      blend.IsoComponent = blend.Weight[c] > blend.Weight[blend.IsoComponent] ? c : blend.IsoComponent;
+    }
+  }
+  for (int c = 0; c < Blending::LargestNumberOfComponents; ++c)
+  {
+    blend.UnitDistance[c] = property->GetScalarOpacityUnitDistance(c);
+  }
+  switch (mapper->GetBlendMode())
+  {
+    case vtkVolumeMapper::COMPOSITE_BLEND:
+      return true;
+    case vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND:
+      blend.Mode = BlendMode::Maximum;
+      return true;
+    case vtkVolumeMapper::MINIMUM_INTENSITY_BLEND:
+      blend.Mode = BlendMode::Minimum;
+      return true;
+    case vtkVolumeMapper::ADDITIVE_BLEND:
+      blend.Mode = BlendMode::Additive;
+      return true;
+    case vtkVolumeMapper::AVERAGE_INTENSITY_BLEND:
+    {
+      blend.Mode = BlendMode::Average;
+      const double* range = mapper->GetAverageIPScalarRange();
+      if (!(range[0] <= range[1]))
+      {
+        std::ostringstream why;
+        why << "AverageIPScalarRange is (" << range[0] << ", " << range[1]
+            << "); its ends must be numbers and ascend. Nothing is drawn.";
+        message = why.str();
+        return false;
+      }
+      blend.AverageMin = range[0];
+      blend.AverageMax = range[1];
+      return true;
+    }
+    case vtkVolumeMapper::ISOSURFACE_BLEND:
+      blend.Mode = BlendMode::Isosurface;
+      return MakeIsoValues(property, blend, message);
+    case vtkVolumeMapper::SLICE_BLEND:
+      blend.Mode = BlendMode::Slice;
+      return MakeSlice(property, blend, message);
+    default:
+      message = "Blend mode " + std::to_string(mapper->GetBlendMode()) +
+        " is unknown; choose one of vtkVolumeMapper::BlendModes, for instance with "
+        "SetBlendModeToComposite(). Nothing is drawn.";
+      return false;
+  }
+}
+
+//------------------------------------------------------------------------------
+void SetRange(Blending& blend, int component, const MinMaxBlocks::Limits& range)
+{
+  // Where all values are equal they are white: there is nothing to compare them with.
+  blend.Low[component] = range.Min < range.Max ? range.Min : range.Min - 1.0;
+  blend.High[component] = range.Max;
+}
+
+//------------------------------------------------------------------------------
+bool MakeCropping(vtkVolumeMapper* mapper, vtkDataSet* input, const VolumeView& volume,
+  bool deformed, Cropping& crop, std::string& message)
+{
+  crop = Cropping();
+  if (!mapper->GetCropping())
+  {
+    return true;
+  }
+  double planes[6];
+  mapper->GetCroppingRegionPlanes(planes);
+  for (int a = 0; a < 3; ++a)
+  {
+    if (!(planes[2 * a] <= planes[2 * a + 1]))
+    {
+      std::ostringstream why;
+      why << "The cropping planes " << planes[2 * a] << ", " << planes[2 * a + 1] << " of axis "
+          << a << " are inverted or not a number. Give SetCroppingRegionPlanes() (xmin, xmax, "
+          << "ymin, ymax, zmin, zmax). Nothing is drawn.";
+      message = why.str();
+      return false;
+    }
+  }
+  double origin[3] = { 0.0, 0.0, 0.0 };
+  double spacing[3] = { 1.0, 1.0, 1.0 };
+  int extent[6] = { 0, 0, 0, 0, 0, 0 };
+  vtkImageData* image = vtkImageData::SafeDownCast(input);
+  if (!deformed && !image)
+  {
+    // A rectilinear grid has no direction: index coordinates are those of equal steps.
+    for (int a = 0; a < 3; ++a)
+    {
+      spacing[a] = volume.IndexToData[a][a];
+      origin[a] = volume.FirstVoxel[a] - volume.Margin * spacing[a];
+    }
+  }
+  else if (!deformed)
+  {
+    image->GetOrigin(origin);
+    image->GetSpacing(spacing);
+    image->GetExtent(extent);
+  }
+  crop.Space = deformed ? Cropping::Spaces::Deformed : Cropping::Spaces::Rest;
+  crop.Flags = mapper->GetCroppingRegionFlags();
+  for (int a = 0; a < 3; ++a)
+  {
+    // Cells are counted from their centres.
+    const double margin = deformed ? 0.0 : volume.Margin;
+    const auto toPlane = [&](double x)
+    { return (x - origin[a]) / spacing[a] - extent[2 * a] - margin; };
+    crop.Low[a] = toPlane(planes[2 * a]);
+    crop.High[a] = toPlane(planes[2 * a + 1]);
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool MakeClippingPlanes(
+  vtkVolumeMapper* mapper, std::vector<glm::dvec4>& planes, std::string& message)
+{
+  planes.clear();
+  vtkPlaneCollection* collection = mapper->GetClippingPlanes();
+  for (int i = 0; collection && i < collection->GetNumberOfItems(); ++i)
+  {
+    vtkPlane* plane = collection->GetItem(i);
+    const double* o = plane->GetOrigin();
+    const double* n = plane->GetNormal();
+    const glm::dvec3 normal(n[0], n[1], n[2]);
+    const double length = glm::length(normal);
+    const double offset = -glm::dot(normal, glm::dvec3(o[0], o[1], o[2]));
+    if (!(length > 0.0) || !std::isfinite(length) || !std::isfinite(offset))
+    {
+      message = "The origin or the normal of clipping plane " + std::to_string(i) +
+        " is not a number, or the normal has no length. Correct it, or call "
+        "RemoveAllClippingPlanes(). Nothing is drawn.";
+      return false;
+    }
+    planes.push_back(glm::dvec4(normal, offset) / length);
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool HaveSameLeaps(const Blending& a, const Blending& b)
+{
+  const auto same = [](const IsoValue& x, const IsoValue& y)
+  { return x.Value == y.Value && (x.Opacity > 0.0f) == (y.Opacity > 0.0f); };
+  return a.Mode == b.Mode && a.AverageMin == b.AverageMin && a.AverageMax == b.AverageMax &&
+    a.IsoComponent == b.IsoComponent &&
+    std::equal(a.IsoValues.begin(), a.IsoValues.end(), b.IsoValues.begin(), b.IsoValues.end(), same);
+}
+
+} // namespace ffd

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Private to this library: not installed, not wrapped.
+#ifndef vtkFFDProbeView_h
+#define vtkFFDProbeView_h
+
+#include "FFDCropping.h"
+#include "FFDPullBack.h"
+#include "FFDPullBackBounds.h"
+#include "FFDSampleClassifier.h"
+#include "FFDVolumeView.h"
+
+class vtkDataArray;
+
+/// What of a mapper is needed to look at its volume point by point. Valid until the mapper, its
+/// input or its deformation changes.
+struct vtkFFDProbeView
+{
+  ffd::VolumeView Volume;
+  vtkDataArray* Scalars = nullptr; // the array that Volume is a view of
+  const ffd::CellMask* Hidden = nullptr;
+  ffd::MaskView Mask;
+  ffd::Cropping Crop;
+  ffd::PullBack Map;
+  ffd::Box Deformed; // the part of deformed space that is rendered, data coordinates
+};
+
+#endif

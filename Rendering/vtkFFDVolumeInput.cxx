@@ -1,0 +1,235 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDVolumeInput.h"
+
+#include "vtkFFDContentTime.h"
+#include "vtkFFDVolumeViewFromImage.h"
+
+#include "vtkCellData.h"
+#include "vtkDataArray.h"
+#include "vtkDataSet.h"
+#include "vtkDataSetAttributes.h"
+#include "vtkImageData.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkRectilinearGrid.h"
+#include "vtkUnsignedCharArray.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <vector>
+
+namespace
+{
+
+constexpr unsigned char HiddenCell =
+  vtkDataSetAttributes::HIDDENCELL | vtkDataSetAttributes::REFINEDCELL;
+constexpr unsigned char HiddenPoint = vtkDataSetAttributes::HIDDENPOINT;
+
+bool HasAny(vtkUnsignedCharArray* ghosts, vtkIdType count, unsigned char bits)
+{
+  if (!ghosts || ghosts->GetNumberOfTuples() < count)
+  {
+    return false;
+  }
+  const unsigned char* p = ghosts->GetPointer(0);
+  return std::any_of(p, p + count, [bits](unsigned char g) { return (g & bits) != 0; });
+}
+
+/// A grid of equal steps with the dimensions and bounds of a rectilinear one.
+void MakeUniform(vtkRectilinearGrid* grid, vtkImageData* image)
+{
+  int extent[6];
+  double bounds[6];
+  grid->GetExtent(extent);
+  grid->GetBounds(bounds);
+  double spacing[3];
+  for (int a = 0; a < 3; ++a)
+  {
+    const int steps = extent[2 * a + 1] - extent[2 * a];
+    spacing[a] = steps > 0 ? (bounds[2 * a + 1] - bounds[2 * a]) / steps : 1.0;
+  }
+  image->SetDimensions(extent[1] - extent[0] + 1, extent[3] - extent[2] + 1,
+    extent[5] - extent[4] + 1);
+  image->SetOrigin(bounds[0], bounds[2], bounds[4]);
+  image->SetSpacing(spacing);
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+bool vtkFFDVolumeInput::Update(
+  vtkDataSet* input, vtkDataArray* scalars, bool ofCells, std::string& message)
+{
+  // The view first: it checks the input.
+  ffd::VolumeView view;
+  vtkImageData* image = vtkImageData::SafeDownCast(input);
+  vtkRectilinearGrid* grid = vtkRectilinearGrid::SafeDownCast(input);
+  vtkNew<vtkImageData> uniform;
+  if (grid)
+  {
+    MakeUniform(grid, uniform);
+    image = uniform;
+  }
+  if (!image)
+  {
+    message = std::string("The input is a ") + input->GetClassName() +
+      "; this mapper renders vtkImageData and vtkRectilinearGrid. Resample it with "
+      "vtkResampleToImage.";
+    return false;
+  }
+  if (!vtkFFDVolumeViewFromImage(image, scalars, true, view, message, ofCells))
+  {
+    return false;
+  }
+  const bool same = this->Input == input && this->InputTime == vtkFFDGetContentTime(input) &&
+    this->Scalars == scalars && this->ScalarsTime == scalars->GetMTime() &&
+    this->View.Scalars == view.Scalars && this->OfCells == ofCells &&
+    this->View.Dimensions == view.Dimensions;
+  this->OfCells = ofCells;
+  this->View = view;
+  if (same)
+  {
+    this->View.Axes = grid ? &this->Axes : nullptr;
+    return true;
+  }
+  this->Input = input;
+  this->InputTime = vtkFFDGetContentTime(input);
+  this->Scalars = scalars;
+  this->ScalarsTime = scalars->GetMTime();
+  this->Changed.Modified();
+  if (grid && !this->UpdateAxes(grid, message))
+  {
+    this->Input = nullptr;
+    return false;
+  }
+  this->UpdateHidden(input);
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDVolumeInput::UpdateAxes(vtkDataSet* input, std::string& message)
+{
+  vtkRectilinearGrid* grid = vtkRectilinearGrid::SafeDownCast(input);
+  if (!grid)
+  {
+    return true;
+  }
+  vtkDataArray* const coordinates[3] = { grid->GetXCoordinates(), grid->GetYCoordinates(),
+    grid->GetZCoordinates() };
+  int dims[3];
+  grid->GetDimensions(dims);
+  std::vector<double> positions[3];
+  for (int a = 0; a < 3; ++a)
+  {
+    const int n = dims[a];
+    std::vector<double> x(static_cast<std::size_t>(n));
+    for (int i = 0; i < n; ++i)
+    {
+      x[static_cast<std::size_t>(i)] = coordinates[a]->GetComponent(i, 0);
+    }
+    for (std::size_t i = 1; i < x.size(); ++i)
+    {
+      if (!(x[i] > x[i - 1]) || !std::isfinite(x[i]) || !std::isfinite(x[i - 1]))
+      {
+        std::ostringstream why;
+        why << "The coordinates of the rectilinear grid do not rise along axis " << a
+            << ": number " << i - 1 << " is " << x[i - 1] << ", number " << i << " is " << x[i]
+            << ". Order them.";
+        message = why.str();
+        return false;
+      }
+    }
+    // To the index coordinates of the grid of equal steps.
+    const double first = x.front();
+    const double perIndex = (x.back() - first) / (n - 1);
+    std::vector<double>& p = positions[a];
+    if (!this->OfCells)
+    {
+      for (double each : x)
+      {
+        p.push_back((each - first) / perIndex);
+      }
+    }
+    else
+    {
+      // Faces and centres of the cells in turn, cells of equal steps counted from their centres.
+      for (std::size_t i = 0; i < x.size(); ++i)
+      {
+        const double face = (x[i] - first) / perIndex - 0.5;
+        if (i > 0)
+        {
+          p.push_back(0.5 * (p.back() + face));
+        }
+        p.push_back(face);
+      }
+    }
+  }
+  this->Axes =
+    this->OfCells ? ffd::AxisMap(positions, -0.5, 0.5) : ffd::AxisMap(positions, 0.0, 1.0);
+  this->View.Axes = &this->Axes;
+  return true;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeInput::UpdateHidden(vtkDataSet* input)
+{
+  const glm::ivec3 cells = this->View.Dimensions - (this->OfCells ? 0 : 1);
+  const glm::ivec3 points = cells + 1;
+  const vtkIdType numberOfCells = static_cast<vtkIdType>(cells.x) * cells.y * cells.z;
+  const vtkIdType numberOfPoints = static_cast<vtkIdType>(points.x) * points.y * points.z;
+  const char* const name = vtkDataSetAttributes::GhostArrayName();
+  auto* cellGhosts = vtkUnsignedCharArray::SafeDownCast(input->GetCellData()->GetArray(name));
+  auto* pointGhosts = vtkUnsignedCharArray::SafeDownCast(input->GetPointData()->GetArray(name));
+  const bool byCells = HasAny(cellGhosts, numberOfCells, HiddenCell);
+  const bool byPoints = HasAny(pointGhosts, numberOfPoints, HiddenPoint);
+  this->HasHidden = byCells || byPoints;
+  this->Hidden = this->HasHidden ? ffd::CellMask(cells) : ffd::CellMask();
+  if (!this->HasHidden)
+  {
+    return;
+  }
+  const unsigned char* cellGhost = byCells ? cellGhosts->GetPointer(0) : nullptr;
+  const unsigned char* pointGhost = byPoints ? pointGhosts->GetPointer(0) : nullptr;
+  vtkIdType cell = 0;
+  for (int k = 0; k < cells.z; ++k)
+  {
+    for (int j = 0; j < cells.y; ++j)
+    {
+      for (int i = 0; i < cells.x; ++i, ++cell)
+      {
+        bool hidden = cellGhost && (cellGhost[cell] & HiddenCell) != 0;
+        for (int corner = 0; pointGhost && !hidden && corner < 8; ++corner)
+        {
+          const vtkIdType x = i + (corner & 1);
+          const vtkIdType y = j + (corner >> 1 & 1);
+          const vtkIdType z = k + (corner >> 2);
+          hidden = (pointGhost[x + points.x * (y + points.y * z)] & HiddenPoint) != 0;
+        }
+        if (hidden)
+        {
+          this->Hidden.Add({ i, j, k });
+        }
+      }
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDVolumeInput::MakeView(
+  vtkDataArray* scalars, ffd::VolumeView& view, std::string& message) const
+{
+  vtkNew<vtkImageData> image;
+  const glm::ivec3 points = this->View.Dimensions + (this->OfCells ? 1 : 0);
+  image->SetDimensions(points.x, points.y, points.z);
+  if (!vtkFFDVolumeViewFromImage(image, scalars, true, view, message, this->OfCells))
+  {
+    return false;
+  }
+  view.FirstVoxel = this->View.FirstVoxel;
+  view.IndexToData = this->View.IndexToData;
+  view.DataToIndex = this->View.DataToIndex;
+  view.Axes = this->View.Axes;
+  return true;
+}
