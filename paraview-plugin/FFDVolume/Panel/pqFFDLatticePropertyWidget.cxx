@@ -28,6 +28,7 @@
 #include "vtkSMProxy.h"
 #include "vtkSMUncheckedPropertyHelper.h"
 #include "vtkSMViewProxy.h"
+#include "vtkWeakPointer.h"
 
 #include <QCheckBox>
 #include <QComboBox>
@@ -141,6 +142,46 @@ std::size_t CountValues(const Sizes& sizes)
     static_cast<std::size_t>(sizes[2]);
 }
 
+/// A line for a number. What is shown is rounded, so a number counts only if it was typed.
+class NumberEdit : public QLineEdit
+{
+public:
+  NumberEdit(QWidget* parent, const QString& name, const QString& help)
+    : QLineEdit(parent)
+  {
+    this->setObjectName(name);
+    this->setToolTip(help);
+    this->setMinimumWidth(NarrowWidth);
+    this->setValidator(new QDoubleValidator(this));
+  }
+
+  /// Unless the user is typing.
+  void show(const QString& text)
+  {
+    if (!this->hasFocus() || this->text() == this->Shown)
+    {
+      this->Shown = text;
+      this->setText(text);
+    }
+  }
+
+  bool takeTyped(double& number)
+  {
+    bool isNumber = false;
+    const double typed = this->text().toDouble(&isNumber);
+    if (!isNumber || this->text() == this->Shown)
+    {
+      return false;
+    }
+    this->Shown = this->text();
+    number = typed;
+    return true;
+  }
+
+private:
+  QString Shown;
+};
+
 QComboBox* MakeChoice(QWidget* parent, const char* name, const QStringList& texts,
   const QList<int>& values, const QString& help)
 {
@@ -173,7 +214,7 @@ public:
   QComboBox* Handle = nullptr;
   QComboBox* Constraint = nullptr;
   QCheckBox* Soft = nullptr;
-  QLineEdit* Radius = nullptr;
+  NumberEdit* Radius = nullptr;
   QComboBox* Falloff = nullptr;
   std::array<QCheckBox*, 3> Symmetry;
   QCheckBox* Lock = nullptr;
@@ -182,7 +223,7 @@ public:
   QCheckBox* Curved = nullptr;
   QLabel* Selected = nullptr;
   QLabel* Volume = nullptr;
-  std::array<QLineEdit*, 3> Center;
+  std::array<NumberEdit*, 3> Center;
   QPushButton* ResetSelected = nullptr;
   pqFFDLatticePointsModel* Points = nullptr;
   QTableView* Table = nullptr;
@@ -194,6 +235,31 @@ public:
   QPointer<pqProxy> Source;
   Rep* Representation = nullptr;
   vtkAbstractWidget* Widget = nullptr;
+
+  struct Observation
+  {
+    vtkWeakPointer<vtkObject> Subject;
+    unsigned long Tag;
+  };
+  std::vector<Observation> Observations;
+
+  void Observe(vtkObject* subject, unsigned long event, QObject* receiver, const char* slot)
+  {
+    this->Observations.push_back(
+      { subject, pqCoreUtilities::connect(subject, event, receiver, slot) });
+  }
+
+  void StopObserving()
+  {
+    for (const Observation& observation : this->Observations)
+    {
+      if (observation.Subject)
+      {
+        observation.Subject->RemoveObserver(observation.Tag);
+      }
+    }
+    this->Observations.clear();
+  }
 
   Sizes EditedSizes = { { 0, 0, 0 } }; // what the displacements were last seen to fit
   bool Interacting = false;
@@ -235,16 +301,15 @@ pqFFDLatticePropertyWidget::pqFFDLatticePropertyWidget(
   this->connect(this, SIGNAL(endInteraction()), SLOT(onEndInteraction()));
   if (in.Representation)
   {
-    pqCoreUtilities::connect(in.Representation, vtkCommand::SelectionChangedEvent, this,
+    in.Observe(in.Representation, vtkCommand::SelectionChangedEvent, this,
       SLOT(onSelectionChanged()));
-    pqCoreUtilities::connect(
-      in.Representation, vtkCommand::ModifiedEvent, this, SLOT(scheduleShow()));
+    in.Observe(in.Representation, vtkCommand::ModifiedEvent, this, SLOT(scheduleShow()));
   }
   for (const char* function : EditedFunctions)
   {
     if (vtkSMProperty* property = smgroup->GetProperty(function))
     {
-      pqCoreUtilities::connect(
+      in.Observe(
         property, vtkCommand::UncheckedPropertyModifiedEvent, this, SLOT(scheduleSettle()));
     }
   }
@@ -257,7 +322,11 @@ pqFFDLatticePropertyWidget::pqFFDLatticePropertyWidget(
 }
 
 //-----------------------------------------------------------------------------
-pqFFDLatticePropertyWidget::~pqFFDLatticePropertyWidget() = default;
+pqFFDLatticePropertyWidget::~pqFFDLatticePropertyWidget()
+{
+  // The superclass takes the widget out of the view, which is an event.
+  this->Internals->StopObserving();
+}
 
 //-----------------------------------------------------------------------------
 void pqFFDLatticePropertyWidget::makeControls()
@@ -354,10 +423,7 @@ void pqFFDLatticePropertyWidget::makeControls()
 
   in.Soft = MakeCheck(this, "SoftEditing", tr("Soft"),
     tr("Control points near the selection follow (o)"));
-  in.Radius = new QLineEdit(this);
-  in.Radius->setObjectName("SoftRadius");
-  in.Radius->setValidator(new QDoubleValidator(0.0, 1e300, 15, in.Radius));
-  in.Radius->setToolTip(
+  in.Radius = new NumberEdit(this, "SoftRadius",
     tr("How far soft editing reaches, in units of the data; 0: two control points far. "
        "The mouse wheel over a control point changes it, too."));
   in.Falloff = MakeChoice(this, "Falloff",
@@ -398,11 +464,7 @@ void pqFFDLatticePropertyWidget::makeControls()
   row.clear();
   for (std::size_t a = 0; a < 3; ++a)
   {
-    in.Center[a] = new QLineEdit(this);
-    in.Center[a]->setObjectName(QString("Center_%1").arg(a));
-    in.Center[a]->setMinimumWidth(NarrowWidth);
-    in.Center[a]->setValidator(new QDoubleValidator(in.Center[a]));
-    in.Center[a]->setToolTip(
+    in.Center[a] = new NumberEdit(this, QString("Center_%1").arg(a),
       tr("Centre of the selected control points; a new one moves them all."));
     this->connect(in.Center[a], SIGNAL(editingFinished()), SLOT(moveSelection()));
     row << in.Center[a];
@@ -696,10 +758,7 @@ void pqFFDLatticePropertyWidget::showState()
   check(in.Lock, rep->GetLockBoundary() != 0);
   check(in.Interior, rep->GetInteriorVisibility() != 0);
   check(in.Curved, rep->GetLineMode() == Rep::CURVED);
-  if (!in.Radius->hasFocus())
-  {
-    in.Radius->setText(QString::number(rep->GetProportionalRadius(), 'g', 6));
-  }
+  in.Radius->show(QString::number(rep->GetProportionalRadius(), 'g', 6));
   in.Radius->setEnabled(in.Soft->isChecked());
   in.Falloff->setEnabled(in.Soft->isChecked());
 
@@ -712,10 +771,7 @@ void pqFFDLatticePropertyWidget::showState()
   for (std::size_t a = 0; a < 3; ++a)
   {
     in.Center[a]->setEnabled(count > 0);
-    if (!in.Center[a]->hasFocus() || count == 0 || !in.Center[a]->isModified())
-    {
-      in.Center[a]->setText(count > 0 ? QString::number(center[a], 'g', 6) : QString());
-    }
+    in.Center[a]->show(count > 0 ? QString::number(center[a], 'g', 6) : QString());
   }
   in.ResetSelected->setEnabled(count > 0);
   in.Points->update(rep);
@@ -735,7 +791,7 @@ void pqFFDLatticePropertyWidget::setOptions()
 {
   pqInternals& in = *this->Internals;
   vtkSMProxy* widget = this->widgetProxy();
-  const auto set = [widget](const char* name, int value) {
+  const auto set = [widget](const char* name, auto value) {
     vtkSMPropertyHelper(widget, name).Set(value);
   };
   set("HandleMode", in.Handle->currentData().toInt());
@@ -751,13 +807,9 @@ void pqFFDLatticePropertyWidget::setOptions()
   set("LineMode", in.Curved->isChecked() ? Rep::CURVED : Rep::STRAIGHT);
   if (in.Representation)
   {
-    // Only what was typed: the text is rounded.
-    bool isNumber = false;
-    const double radius = in.Radius->text().toDouble(&isNumber);
-    const bool typed = in.Radius->isModified() && isNumber && radius >= 0.0;
-    in.Radius->setModified(false);
-    vtkSMPropertyHelper(widget, "ProportionalRadius")
-      .Set(typed ? radius : in.Representation->GetProportionalRadius());
+    double radius = in.Representation->GetProportionalRadius();
+    in.Radius->takeTyped(radius);
+    set("ProportionalRadius", std::max(radius, 0.0));
   }
   widget->UpdateVTKObjects();
   in.Radius->setEnabled(in.Soft->isChecked());
@@ -867,14 +919,9 @@ void pqFFDLatticePropertyWidget::moveSelection()
   double move[3] = { 0.0, 0.0, 0.0 };
   for (std::size_t a = 0; a < 3; ++a)
   {
-    bool isNumber = false;
-    const double to = in.Center[a]->text().toDouble(&isNumber);
-    // Only what was typed: the texts are rounded.
-    if (in.Center[a]->isModified() && isNumber)
-    {
-      move[a] = to - center[a];
-    }
-    in.Center[a]->setModified(false);
+    double to = center[a];
+    in.Center[a]->takeTyped(to);
+    move[a] = to - center[a];
   }
   this->tellEdit(in.Representation->TranslateSelection(move[0], move[1], move[2]));
 }
