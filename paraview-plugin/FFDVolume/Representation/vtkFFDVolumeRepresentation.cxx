@@ -51,6 +51,9 @@ using ffdparts::Bounds;
 using ffdparts::Extent;
 using ffdparts::Grid;
 
+/// How much coarser interactive images can be, in each way.
+constexpr double LargestCoarsening = 10.0;
+
 /// In the field data of a part: its clip box, then the bounds of the whole at rest.
 const char* const PartArray = "FFDVolume.Part";
 
@@ -169,10 +172,10 @@ public:
   Bounds OwnBox = ffdparts::NoBounds; // world coordinates
 
   /// The box of each process in data coordinates, for an image deformed to `deformed`.
-  std::vector<Bounds> CutIntoBoxes(const Bounds& deformed, vtkMatrix4x4* matrix)
+  std::vector<Bounds> CutIntoBoxes(const Bounds& deformed, vtkMatrix4x4* matrix, int blendMode)
   {
     const int ranks = GetNumberOfProcesses();
-    if (KeepsBoxes(matrix))
+    if (KeepsBoxes(matrix) && blendMode == vtkVolumeMapper::COMPOSITE_BLEND)
     {
       return ffdparts::CutIntoBoxes(deformed, ranks);
     }
@@ -198,6 +201,7 @@ void vtkFFDVolumeRepresentation::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
   os << indent << "SampleDistance: " << this->SampleDistance << "\n";
+  os << indent << "ImageSampleDistance: " << this->ImageSampleDistance << "\n";
   os << indent << "Mapper:\n";
   this->Mapper->PrintSelf(os, indent.GetNextIndent());
 }
@@ -245,7 +249,8 @@ int vtkFFDVolumeRepresentation::RequestUpdateExtent(
   const int mode = this->Mapper->GetInverseMode();
   this->Actor->ComputeMatrix();
   const std::vector<Bounds> boxes = this->Internals->CutIntoBoxes(
-    ffdparts::FindDeformedBounds(grid, lattice, mode), this->Actor->GetMatrix());
+    ffdparts::FindDeformedBounds(grid, lattice, mode), this->Actor->GetMatrix(),
+    this->Mapper->GetBlendMode());
   Extent needed = ffdparts::FindNeededExtent(
     grid, lattice, mode, boxes[static_cast<std::size_t>(GetController()->GetLocalProcessId())]);
   if (ffdparts::IsEmpty(needed))
@@ -287,8 +292,25 @@ int vtkFFDVolumeRepresentation::RequestData(
     else if (inputImage)
     {
       vtkStreamingDemandDrivenPipeline::GetWholeExtent(info, this->WholeExtent);
-      image = vtkSmartPointer<vtkImageData>::New();
-      image->ShallowCopy(inputImage);
+      Extent whole;
+      std::copy_n(this->WholeExtent, 6, whole.begin());
+      if (ffdparts::IsEmpty(whole))
+      {
+        inputImage->GetExtent(whole.data());
+      }
+      const int* sizes = inputImage->GetDimensions();
+      if (inputImage->GetNumberOfPoints() > 0 &&
+        (whole[0] == whole[1] || whole[2] == whole[3] || whole[4] == whole[5]))
+      {
+        vtkErrorMacro(<< "The representation \"FFD Volume\" renders volumes, and this image has "
+                      << sizes[0] << " x " << sizes[1] << " x " << sizes[2]
+                      << " points: it needs two along each axis. Choose \"Slice\" or \"Surface\".");
+      }
+      else
+      {
+        image = vtkSmartPointer<vtkImageData>::New();
+        image->ShallowCopy(inputImage);
+      }
     }
   }
   if (image && image->GetNumberOfPoints() > 0)
@@ -336,7 +358,10 @@ int vtkFFDVolumeRepresentation::ProcessViewRequest(
     this->UpdateRenderedImage(image);
     if (image)
     {
-      this->UpdateSampleDistances(image);
+      auto* view = vtkPVRenderView::SafeDownCast(inInfo->Get(vtkPVView::VIEW()));
+      this->UpdateSampleDistances(image, view ? view->GetLODResolution() : 1.0,
+        inInfo->Has(vtkPVRenderView::USE_LOD()) != 0);
+      this->UpdateCropping(image);
     }
     this->OutlineMapper->SetInputConnection(vtkPVRenderView::GetPieceProducer(inInfo, this, 1));
     return 1;
@@ -474,7 +499,7 @@ void vtkFFDVolumeRepresentation::ShareOut()
   const Bounds deformed = ffdparts::FindDeformedBounds(grid, in.KnownLattice, mode);
   this->Actor->ComputeMatrix();
   vtkMatrix4x4* matrix = this->Actor->GetMatrix();
-  const std::vector<Bounds> boxes = in.CutIntoBoxes(deformed, matrix);
+  const std::vector<Bounds> boxes = in.CutIntoBoxes(deformed, matrix, this->Mapper->GetBlendMode());
   const Bounds& box = boxes[own];
   const Extent wanted = ffdparts::FindNeededExtent(grid, in.KnownLattice, mode, box);
   std::vector<int> allWanted(static_cast<std::size_t>(6 * ranks));
@@ -639,13 +664,13 @@ void vtkFFDVolumeRepresentation::UpdateRenderedImage(vtkImageData* image)
 
 //------------------------------------------------------------------------------
 /// The mapper takes distances in world units.
-void vtkFFDVolumeRepresentation::UpdateSampleDistances(vtkImageData* image)
+void vtkFFDVolumeRepresentation::UpdateSampleDistances(
+  vtkImageData* image, double lodResolution, bool useLOD)
 {
-  if (this->SampleDistance == 1.0)
-  {
-    this->Mapper->LockSampleDistanceToInputSpacingOn();
-    return;
-  }
+  const double coarser =
+    std::min(1.0 / std::max(lodResolution, 1.0 / LargestCoarsening), LargestCoarsening);
+  this->Mapper->SetMaximumImageSampleDistance(
+    this->ImageSampleDistance * std::min(coarser * coarser, LargestCoarsening));
   double spacing[3];
   image->GetSpacing(spacing);
   this->Actor->ComputeMatrix();
@@ -662,9 +687,39 @@ void vtkFFDVolumeRepresentation::UpdateSampleDistances(vtkImageData* image)
   }
   if (voxel > 0.0)
   {
-    this->Mapper->SetSampleDistance(this->SampleDistance * voxel);
-    this->Mapper->SetInteractiveSampleDistance(2.0 * this->SampleDistance * voxel);
+    const double distance = this->SampleDistance * voxel;
+    this->Mapper->SetSampleDistance(distance);
+    this->Mapper->SetInteractiveSampleDistance(useLOD ? coarser * distance : distance);
   }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::UpdateCropping(vtkImageData* image)
+{
+  if (!this->Mapper->GetCropping())
+  {
+    return;
+  }
+  // Those of the whole, of which this may be a part.
+  double bounds[6];
+  this->Mapper->GetWholeBounds(bounds);
+  if (!vtkMath::AreBoundsInitialized(bounds))
+  {
+    image->GetBounds(bounds);
+  }
+  double planes[6];
+  for (int i = 0; i < 6; ++i)
+  {
+    planes[i] = this->CroppingOrigin[i / 2] + this->CroppingScale[i / 2] * bounds[i];
+  }
+  for (int a = 0; a < 3; ++a)
+  {
+    if (planes[2 * a] > planes[2 * a + 1])
+    {
+      std::swap(planes[2 * a], planes[2 * a + 1]);
+    }
+  }
+  this->Mapper->SetCroppingRegionPlanes(planes);
 }
 
 //------------------------------------------------------------------------------
@@ -702,6 +757,23 @@ void vtkFFDVolumeRepresentation::SetInverseMode(int mode)
     // The bounds change.
     this->MarkModified();
   }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetBlendMode(int mode)
+{
+  if (mode != this->Mapper->GetBlendMode())
+  {
+    this->Mapper->SetBlendMode(mode);
+    // Another partition among processes.
+    this->MarkMoved();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetCropping(int cropping)
+{
+  this->Mapper->SetCropping(cropping != 0);
 }
 
 //------------------------------------------------------------------------------
@@ -784,6 +856,7 @@ void vtkFFDVolumeRepresentation::SetImageSampleDistance(double pixels)
     vtkErrorMacro(<< "ImageSampleDistance must be from 0.25 to 8 pixels, not " << pixels << ".");
     return;
   }
+  this->ImageSampleDistance = pixels;
   this->Mapper->SetImageSampleDistance(pixels);
   this->Mapper->SetMinimumImageSampleDistance(pixels);
 }

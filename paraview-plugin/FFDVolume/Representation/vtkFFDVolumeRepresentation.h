@@ -68,8 +68,7 @@ public:
 
   ///@{
   /**
-   * Distance between samples in still images, in voxels; twice that while the scene moves. Range
-   * 0.05 to 10, default 1.
+   * Distance between samples in still images, in voxels. Range 0.05 to 10, default 1.
    */
   void SetSampleDistance(double voxels);
   ///@}
@@ -84,9 +83,24 @@ public:
   ///@{
   /**
    * Whether quality gives way while the scene moves, so that it moves smoothly; default on. Off,
-   * interactive images are as still ones.
+   * interactive images are as still ones. On, it follows the view's settings of the level of
+   * detail: for data above the LOD threshold samples are 1 / r times as far apart as in still
+   * images, r being the LOD resolution (0 to 1, ParaView's default 0.5), and for all data rays are
+   * at most 1 / r^2 times as far apart, as few as keep up the frame rate. Both factors are limited
+   * to 10.
    */
   void SetAdaptInteractiveQuality(bool adapt);
+  ///@}
+
+  ///@{
+  /**
+   * Blend mode, vtkVolumeMapper::BlendModes, and cropping as in vtkImageVolumeRepresentation: the
+   * box is CroppingOrigin + CroppingScale times the bounds of the whole image at rest. Where the
+   * order of the parts does not matter for blending but the parts would be blended as if it did
+   * (all modes but COMPOSITE_BLEND), the first of several processes renders the volume alone.
+   */
+  void SetBlendMode(int mode);
+  void SetCropping(int cropping);
   ///@}
 
   ///@{
@@ -123,10 +137,12 @@ private:
   void ShareOut();
   void MarkMoved();
   void UpdateRenderedImage(vtkImageData* image);
-  void UpdateSampleDistances(vtkImageData* image);
+  void UpdateSampleDistances(vtkImageData* image, double lodResolution, bool useLOD);
+  void UpdateCropping(vtkImageData* image);
 
   vtkFFDInverseRayVolumeMapper* Mapper; // the superclass's VolumeMapper
   double SampleDistance = 1.0;
+  double ImageSampleDistance = 1.0;
 
   class vtkInternals;
   std::unique_ptr<vtkInternals> Internals;
