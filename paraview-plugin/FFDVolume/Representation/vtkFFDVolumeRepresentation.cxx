@@ -171,13 +171,23 @@ public:
   vtkSmartPointer<vtkFFDLattice> KnownLattice; // of the data last seen
   Bounds OwnBox = ffdparts::NoBounds; // world coordinates
 
-  /// The box of each process in data coordinates, for an image deformed to `deformed`.
-  std::vector<Bounds> CutIntoBoxes(const Bounds& deformed, vtkMatrix4x4* matrix, int blendMode)
+  ffdparts::PullBackCover Cover;
+
+  /**
+   * The box of each process in data coordinates, for an image deformed to `deformed`, as Cover has
+   * it.
+   */
+  std::vector<Bounds> CutIntoBoxes(
+    const Grid& grid, const Bounds& deformed, vtkMatrix4x4* matrix, int blendMode) const
   {
     const int ranks = GetNumberOfProcesses();
     if (KeepsBoxes(matrix) && blendMode == vtkVolumeMapper::COMPOSITE_BLEND)
     {
-      return ffdparts::CutIntoBoxes(deformed, ranks);
+      return ffdparts::CutIntoBoxes(deformed, ranks,
+        [this, &grid](const Bounds& box) {
+          return static_cast<double>(
+            ffdparts::CountPoints(ffdparts::FindNeededExtent(grid, this->Cover, box)));
+        });
     }
     std::vector<Bounds> boxes(static_cast<std::size_t>(ranks), ffdparts::NoBounds);
     boxes[0] = deformed;
@@ -248,11 +258,13 @@ int vtkFFDVolumeRepresentation::RequestUpdateExtent(
   // that are missing are exchanged.
   const int mode = this->Mapper->GetInverseMode();
   this->Actor->ComputeMatrix();
-  const std::vector<Bounds> boxes = this->Internals->CutIntoBoxes(
+  vtkInternals& in = *this->Internals;
+  in.Cover.SetDeformation(lattice, mode);
+  const std::vector<Bounds> boxes = in.CutIntoBoxes(grid,
     ffdparts::FindDeformedBounds(grid, lattice, mode), this->Actor->GetMatrix(),
     this->Mapper->GetBlendMode());
   Extent needed = ffdparts::FindNeededExtent(
-    grid, lattice, mode, boxes[static_cast<std::size_t>(GetController()->GetLocalProcessId())]);
+    grid, in.Cover, boxes[static_cast<std::size_t>(GetController()->GetLocalProcessId())]);
   if (ffdparts::IsEmpty(needed))
   {
     for (int a = 0; a < 3; ++a)
@@ -494,14 +506,32 @@ void vtkFFDVolumeRepresentation::ShareOut()
     }
   }
 
-  // The same on all processes: the box of each, and what each needs for it.
+  // The same on all processes: the box of each, and what each needs for it. The first one decides:
+  // on processors of different kinds bounds may round differently.
   const int mode = this->Mapper->GetInverseMode();
-  const Bounds deformed = ffdparts::FindDeformedBounds(grid, in.KnownLattice, mode);
+  Bounds deformed = ffdparts::FindDeformedBounds(grid, in.KnownLattice, mode);
+  in.Cover.SetDeformation(in.KnownLattice, mode);
   this->Actor->ComputeMatrix();
   vtkMatrix4x4* matrix = this->Actor->GetMatrix();
-  const std::vector<Bounds> boxes = in.CutIntoBoxes(deformed, matrix, this->Mapper->GetBlendMode());
+  std::vector<Bounds> boxes(static_cast<std::size_t>(ranks));
+  if (own == 0)
+  {
+    boxes = in.CutIntoBoxes(grid, deformed, matrix, this->Mapper->GetBlendMode());
+  }
+  std::vector<double> decided;
+  for (const Bounds& each : boxes)
+  {
+    decided.insert(decided.end(), each.begin(), each.end());
+  }
+  decided.insert(decided.end(), deformed.begin(), deformed.end());
+  controller->Broadcast(decided.data(), static_cast<vtkIdType>(decided.size()), 0);
+  for (std::size_t r = 0; r < boxes.size(); ++r)
+  {
+    std::copy_n(&decided[6 * r], 6, boxes[r].begin());
+  }
+  std::copy_n(&decided[6 * boxes.size()], 6, deformed.begin());
   const Bounds& box = boxes[own];
-  const Extent wanted = ffdparts::FindNeededExtent(grid, in.KnownLattice, mode, box);
+  const Extent wanted = ffdparts::FindNeededExtent(grid, in.Cover, box);
   std::vector<int> allWanted(static_cast<std::size_t>(6 * ranks));
   controller->AllGather(wanted.data(), allWanted.data(), 6);
   std::vector<Extent> needed(static_cast<std::size_t>(ranks));
