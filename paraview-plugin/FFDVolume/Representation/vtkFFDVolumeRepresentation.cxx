@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDVolumeRepresentation.h"
 
-#include "vtkFFDEditLattice.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDVolumeParts.h"
 
+#include "vtkAbstractArray.h"
 #include "vtkAlgorithm.h"
 #include "vtkAlgorithmOutput.h"
 #include "vtkCellData.h"
@@ -40,6 +40,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 vtkStandardNewMacro(vtkFFDVolumeRepresentation);
@@ -132,6 +133,27 @@ vtkSmartPointer<vtkDataArray> ExtractComponent(vtkDataArray* from, int component
   return to;
 }
 
+/// The arrays of an image and when they changed.
+using Sources = std::vector<std::pair<vtkWeakPointer<vtkAbstractArray>, vtkMTimeType>>;
+
+Sources GetSources(vtkImageData* image)
+{
+  Sources sources;
+  if (image)
+  {
+    const std::array<vtkFieldData*, 2> both{ { image->GetPointData(), image->GetCellData() } };
+    for (vtkFieldData* arrays : both)
+    {
+      for (int a = 0; a < arrays->GetNumberOfArrays(); ++a)
+      {
+        vtkAbstractArray* array = arrays->GetAbstractArray(a);
+        sources.emplace_back(array, array->GetMTime());
+      }
+    }
+  }
+  return sources;
+}
+
 bool HaveSameGeometry(vtkImageData* a, vtkImageData* b)
 {
   for (int row = 0; row < 3; ++row)
@@ -172,6 +194,25 @@ public:
   Bounds OwnBox = ffdparts::NoBounds; // world coordinates
 
   ffdparts::PullBackCover Cover;
+  vtkSmartPointer<vtkImageData> Held; // voxels that were brought here last
+  Sources HeldSources;                // of what image
+
+  /// Whether what was brought here last has the voxels `wanted`, and the image is as it was then.
+  bool HoldsVoxelsOf(vtkImageData* image, const Extent& wanted)
+  {
+    Extent held = ffdparts::NoExtent;
+    if (this->Held)
+    {
+      this->Held->GetExtent(held.data());
+    }
+    bool alive = true;
+    for (const auto& source : this->HeldSources)
+    {
+      alive = alive && source.first;
+    }
+    return alive && ffdparts::Contains(held, wanted) && GetSources(image) == this->HeldSources;
+  }
+
 
   /**
    * The box of each process in data coordinates, for an image deformed to `deformed`, as Cover has
@@ -222,61 +263,6 @@ int vtkFFDVolumeRepresentation::FillInputPortInformation(int, vtkInformation* in
   // Wider than what can be rendered: RequestData says what is wrong.
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObject");
   info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
-  return 1;
-}
-
-//------------------------------------------------------------------------------
-int vtkFFDVolumeRepresentation::RequestUpdateExtent(
-  vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs)
-{
-  if (!this->Superclass::RequestUpdateExtent(request, inputs, outputs))
-  {
-    return 0;
-  }
-  vtkInformation* info = inputs[0]->GetInformationObject(0);
-  using Pipeline = vtkStreamingDemandDrivenPipeline;
-  if (GetNumberOfProcesses() == 1 || !info || !info->Has(Pipeline::WHOLE_EXTENT()) ||
-    !vtkImageData::SafeDownCast(info->Get(vtkDataObject::DATA_OBJECT())))
-  {
-    return 1;
-  }
-  const Grid grid = Grid::FromInformation(info);
-  if (ffdparts::IsEmpty(grid.WholeExtent))
-  {
-    return 1;
-  }
-  vtkSmartPointer<vtkFFDLattice> lattice = this->Internals->KnownLattice;
-  if (vtkImageData* points = vtkImageData::SafeDownCast(info->Get(vtkFFDEditLattice::LATTICE())))
-  {
-    lattice = vtkSmartPointer<vtkFFDLattice>::New();
-    if (!lattice->FromImageData(points))
-    {
-      return 1;
-    }
-  }
-  // What is asked for here may be wrong, when the data has a lattice that is not announced: voxels
-  // that are missing are exchanged.
-  const int mode = this->Mapper->GetInverseMode();
-  this->Actor->ComputeMatrix();
-  vtkInternals& in = *this->Internals;
-  in.Cover.SetDeformation(lattice, mode);
-  const std::vector<Bounds> boxes = in.CutIntoBoxes(grid,
-    ffdparts::FindDeformedBounds(grid, lattice, mode), this->Actor->GetMatrix(),
-    this->Mapper->GetBlendMode());
-  Extent needed = ffdparts::FindNeededExtent(
-    grid, in.Cover, boxes[static_cast<std::size_t>(GetController()->GetLocalProcessId())]);
-  if (ffdparts::IsEmpty(needed))
-  {
-    for (int a = 0; a < 3; ++a)
-    {
-      needed[2 * a] = grid.WholeExtent[2 * a];
-      needed[2 * a + 1] = std::min(needed[2 * a] + 1, grid.WholeExtent[2 * a + 1]);
-    }
-  }
-  info->Set(Pipeline::UPDATE_EXTENT(), needed.data(), 6);
-  info->Set(Pipeline::UPDATE_PIECE_NUMBER(), 0);
-  info->Set(Pipeline::UPDATE_NUMBER_OF_PIECES(), 1);
-  info->Remove(Pipeline::EXACT_EXTENT());
   return 1;
 }
 
@@ -544,10 +530,27 @@ void vtkFFDVolumeRepresentation::ShareOut()
   vtkSmartPointer<vtkImageData> part = image;
   if (!complete)
   {
-    part = ffdparts::ExchangeVoxels(controller, grid, image, extents, needed);
-    if (part && in.KnownLattice)
+    // Most often only the lattice has changed, and what was brought for it last time does.
+    const int keepHere = in.HoldsVoxelsOf(image, wanted) ? 1 : 0;
+    int keep = 0;
+    controller->AllReduce(&keepHere, &keep, 1, vtkCommunicator::MIN_OP);
+    if (!keep)
     {
-      in.KnownLattice->AttachTo(part);
+      in.Held = ffdparts::ExchangeVoxels(controller, grid, image, extents, needed);
+      in.HeldSources = GetSources(image);
+    }
+    part = nullptr;
+    if (in.Held && !ffdparts::IsEmpty(wanted))
+    {
+      part = vtkSmartPointer<vtkImageData>::New();
+      part->ShallowCopy(in.Held);
+      // Field data of its own.
+      vtkNew<vtkFieldData> none;
+      part->SetFieldData(none);
+      if (in.KnownLattice)
+      {
+        in.KnownLattice->AttachTo(part);
+      }
     }
   }
   else if (ffdparts::IsEmpty(wanted))

@@ -17,12 +17,15 @@
  *
  * With several processes, deformed space is cut into boxes, one a process. Each renders the parts
  * of the rays inside its box, which ParaView blends in the order of the boxes, so that the picture
- * is that of one process however the volume is bent. Each process asks its input only for the
- * voxels that its box is pulled back to, when the lattice is known before the data
- * (vtkFFDEditLattice::LATTICE()); voxels that the input did not give are exchanged. A volume that
- * is rotated in the scene is rendered by the first process alone: its boxes would not be aligned
- * with the axes, which ParaView's order by boxes needs. For the same reason only one volume at a
- * time is in the right order.
+ * is that of one process however the volume is bent. Boxes are cut so that their processes need few
+ * voxels, which the control points bound. The input is asked for pieces, as all of ParaView does:
+ * an extent would be computed or read a second time, for the selection that ParaView always
+ * extracts asks for pieces. The voxels that a box is pulled back to are exchanged, when the data
+ * change or a box needs others than it has; an edit of the lattice most often needs none.
+ *
+ * A volume that is rotated in the scene is rendered by the first process alone: its boxes would not
+ * be aligned with the axes, which ParaView's order by boxes needs. For the same reason only one
+ * volume at a time is in the right order.
  *
  * @sa vtkFFDInverseRayVolumeMapper vtkFFDEditLattice
  */
@@ -124,8 +127,6 @@ protected:
   ~vtkFFDVolumeRepresentation() override;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
-  int RequestUpdateExtent(
-    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
   int RequestData(
     vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
   void UpdateMapperParameters() override;
