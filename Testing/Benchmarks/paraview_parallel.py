@@ -3,13 +3,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Frame times, edit times, voxels and memory of the ParaView plugin on 1, 2 and 4 processes.
 
-Started without arguments inside a build with the plugin (Testing/ParaView/CMakeLists.txt says what
-is in the environment of its tests):
-
-    ctest --test-dir build -R ParaView.Benchmark   is not there: this is no test
     Module/CMake/with-xvfb.sh python3 Testing/Benchmarks/paraview_parallel.py BUILD [SIZE [RANKS...]]
 
-A file of SIZE^3 floats (default 200) is written and read by as many processes as RANKS say (default
+BUILD is a build folder with the plugin. A file of SIZE^3 floats (default 200) is written and read by as many processes as RANKS say (default
 1 2 4), and shown bent and twisted. Prints a table: per process at most, voxels held for rendering,
 times the reader ran for an edit, seconds for an edit with its frame and for a frame alone, and MB of
 resident memory.
@@ -93,7 +89,6 @@ def main(build, size=200, ranks=(1, 2, 4)):
     half = size // 2
     file = os.path.join(env["HOME"], "volume.vti")
     subprocess.run(
-        ["pvbatch", "-"] if False else
         [sys.executable, "-c",
          "from paraview import simple\n"
          "w = simple.Wavelet(WholeExtent=[%d, %d] * 3)\n"
