@@ -5,10 +5,10 @@
 
     Module/CMake/with-xvfb.sh python3 Testing/Benchmarks/paraview_parallel.py BUILD [SIZE [RANKS...]]
 
-BUILD is a build folder with the plugin. A file of SIZE^3 floats (default 200) is written and read by as many processes as RANKS say (default
-1 2 4), and shown bent and twisted. Prints a table: per process at most, voxels held for rendering,
-times the reader ran for an edit, seconds for an edit with its frame and for a frame alone, and MB of
-resident memory.
+BUILD is a build folder with the plugin. A file of SIZE^3 floats (default 200) is written, read by as
+many processes as RANKS say (default 1 2 4), and shown at rest, bent and twisted. Prints a table: per
+process at most, voxels held for rendering, times the reader ran for an edit, seconds for an edit with
+its frame and for a frame alone, and MB of resident memory.
 """
 
 import os
