@@ -384,16 +384,16 @@ void pqFFDLatticePropertyWidget::makeControls()
 
   row.clear();
   const auto addSelector = [this, &row](const char* name, const QString& text, const QString& help,
-                             void (Rep::*select)()) {
+                             void (Rep::*method)()) {
     auto* button = new QToolButton(this);
     button->setText(text);
     button->setObjectName(name);
     button->setToolTip(help);
     button->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
-    QObject::connect(button, &QToolButton::clicked, this, [this, select]() {
+    QObject::connect(button, &QToolButton::clicked, this, [this, method]() {
       if (Rep* representation = this->Internals->Representation)
       {
-        (representation->*select)();
+        (representation->*method)();
         this->render();
       }
     });
