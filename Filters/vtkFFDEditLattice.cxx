@@ -281,6 +281,18 @@ double vtkFFDEditLattice::GetMinimumJacobianBound()
 }
 
 //------------------------------------------------------------------------------
+vtkDoubleArray* vtkFFDEditLattice::GetBaseDisplacements()
+{
+  return this->BaseLattice->GetDisplacements();
+}
+
+//------------------------------------------------------------------------------
+double vtkFFDEditLattice::GetLatticeDisplacementScale()
+{
+  return this->Lattice->GetDisplacementScale();
+}
+
+//------------------------------------------------------------------------------
 /// Set Lattice, for an image of the geometry that `geometry` has. Returns false when there is none.
 bool vtkFFDEditLattice::MakeLattice(
   vtkImageData* geometry, vtkFFDLattice* inputLattice, bool report)
@@ -311,6 +323,7 @@ bool vtkFFDEditLattice::MakeLattice(
     vtkFFDLatticeSource::ApplyShape(shape, this->Shape, this->Strength, this->Seed);
     AddDisplacements(made, shape);
   }
+  this->BaseLattice->DeepCopy(made);
 
   const int* sizes = this->EditDimensions[0] > 0 ? this->EditDimensions : this->Dimensions;
   const int needed = sizes[0] * sizes[1] * sizes[2];

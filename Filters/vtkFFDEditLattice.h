@@ -37,6 +37,7 @@
 
 #include <vector> // for std::vector
 
+class vtkDoubleArray;
 class vtkFFDLattice;
 class vtkImageData;
 class vtkInformationDataObjectMetaDataKey;
@@ -156,6 +157,17 @@ public:
   double GetMinimumJacobianBound();
   ///@}
 
+  ///@{
+  /**
+   * What editors need besides the edits, of the last update: the displacements that the edits are
+   * added to (those of the input's lattice and of the shape), 3 components, as many tuples as
+   * GetLatticeDimensions() has control points; and the DisplacementScale of the lattice, that of
+   * the input's included. The array belongs to the filter.
+   */
+  vtkDoubleArray* GetBaseDisplacements();
+  double GetLatticeDisplacementScale();
+  ///@}
+
   /**
    * In the pipeline information of the output: the lattice as vtkFFDLattice::ToImageData() makes
    * it.
@@ -180,6 +192,7 @@ private:
   bool MakeLattice(vtkImageData* geometry, vtkFFDLattice* inputLattice, bool report);
 
   vtkNew<vtkFFDLattice> Lattice;
+  vtkNew<vtkFFDLattice> BaseLattice; // without the edits
   int Dimensions[3] = { 6, 6, 6 };
   double Padding = 0.0;
   vtkTypeBool UseInputLattice = 1;

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
 """Run by TestParallel.py with pvbatch --symmetric: pictures of some scenes, and what each process
-holds. Argument: the prefix of the pictures."""
+holds. Arguments: the prefix of the pictures, and a file that one process reads alone."""
 
 import resource
 import sys
@@ -25,10 +25,10 @@ for center, colour in (((8.0, 3.0, 9.0), (1.0, 0.0, 0.0)), ((30.0, 10.0, 22.0), 
     display = simple.Show(ball, view)
     display.ColorArrayName = [None, ""]
     display.DiffuseColor = colour
-for name, shape, strength in (("identity", "None", 0.0), ("smooth", "Bend", 0.6),
-                              ("strong", "Twist", 2.0)):
-    lattice.Shape = shape
-    lattice.Strength = strength
+
+
+def show(name, source):
+    """Pictures, translucent and opaque, and a line of what this process has of them."""
     for opaque in (False, True):
         ffd.set_functions(opaque)
         simple.Render(view)
@@ -38,10 +38,30 @@ for name, shape, strength in (("identity", "None", 0.0), ("smooth", "Bend", 0.6)
         simple.SaveScreenshot("%s.%s%d.png" % (sys.argv[1], name, opaque), view)
         volumes = view.SMProxy.GetRenderer().GetVolumes()
         volumes.InitTraversal()
-        voxels = volumes.GetNextVolume().GetMapper().GetInputDataObject(0, 0).GetNumberOfPoints()
-        given = wavelet_object.GetOutputDataObject(0).GetNumberOfPoints()
+        image = volumes.GetNextVolume().GetMapper().GetInputDataObject(0, 0)
+        voxels = image.GetNumberOfPoints() if image else 0
+        given = source.GetOutputDataObject(0).GetNumberOfPoints()
         # The end of the line in the same write: the lines of several processes meet in one stream.
         sys.stdout.write("RANK %d %s%d voxels %d of the source %d frame %.3f s memory %d MB\n" % (
             rank, name, opaque, voxels, given, seconds,
             resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024))
         sys.stdout.flush()
+
+
+for scene, shape, strength in (("identity", "None", 0.0), ("smooth", "Bend", 0.6),
+                               ("strong", "Twist", 2.0), ("edited", "Twist", 1.9)):
+    lattice.Shape = shape
+    lattice.Strength = strength
+    show(scene, wavelet_object)
+# Other voxels, the same lattice.
+wavelet.XFreq = 30.0
+show("changed", wavelet_object)
+# A reader that gives all to the first process and nothing to the others.
+simple.Delete(lattice)
+reader = simple.LegacyVTKReader(FileNames=[sys.argv[2]])
+lattice = simple.FFDLattice(Input=reader, Shape="Bend", Strength=0.6)
+display = simple.Show(lattice, view)
+display.SetRepresentationType("FFD Volume")
+# Named: a client of its own, as each process is here, does not see the array of the first one.
+simple.ColorBy(display, ("POINTS", "RTData"))
+show("alone", reader.SMProxy.GetClientSideObject())

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Two and four processes give the picture of one, and each holds a part of the voxels."""
+"""Two and four processes give the picture of one, and each holds a part of the voxels: fewer, the
+more processes there are."""
 
 import os
 import re
@@ -9,18 +10,22 @@ import subprocess
 import sys
 import unittest
 
+from paraview import simple
+
 import ffdparaview as ffd
 
-SCENES = [name + opaque for name in ("identity", "smooth", "strong") for opaque in "01"]
+NAMES = ("identity", "smooth", "strong", "edited", "changed", "alone")
+SCENES = [name + opaque for name in NAMES for opaque in "01"]
+VOLUME = os.path.join(ffd.TEMPORARY, "ParaView.alone.vtk")
 
 
 def run(ranks):
-    """Pictures by scene, and for each scene the voxels of each process."""
+    """Pictures by scene; for each scene the voxels of each process, and those of its source."""
     here = os.path.dirname(os.path.abspath(__file__))
     prefix = os.path.join(ffd.TEMPORARY, "ParaView.parallel%d" % ranks)
     result = subprocess.run(
         ["mpiexec", "-np", str(ranks), "pvbatch", "--symmetric",
-         os.path.join(here, "ParallelScenes.py"), prefix],
+         os.path.join(here, "ParallelScenes.py"), prefix, VOLUME],
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
         env={**os.environ, "PYTHONPATH": here + os.pathsep + os.environ.get("PYTHONPATH", "")})
     sys.stdout.write("".join(
@@ -28,18 +33,23 @@ def run(ranks):
     if result.returncode != 0:
         raise RuntimeError("pvbatch on %d processes failed:\n%s" % (ranks, result.stdout))
     voxels = {scene: [] for scene in SCENES}
-    for scene, count in re.findall(r"RANK \d+ (\w+) voxels (\d+)", result.stdout):
+    given = {scene: [] for scene in SCENES}
+    for scene, count, source in re.findall(
+            r"RANK \d+ (\w+) voxels (\d+) of the source (\d+)", result.stdout):
         voxels[scene].append(int(count))
-    return {scene: ffd.read_picture("%s.%s.png" % (prefix, scene)) for scene in SCENES}, voxels
+        given[scene].append(int(source))
+    pictures = {scene: ffd.read_picture("%s.%s.png" % (prefix, scene)) for scene in SCENES}
+    return pictures, voxels, given
 
 
 class TestParallel(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.one, cls.voxels = run(1)
+        simple.SaveData(VOLUME, proxy=ffd.make_wavelet(20))
+        cls.one, cls.voxels, _ = run(1)
 
     def check(self, ranks, most):
-        several, voxels = run(ranks)
+        several, voxels, given = run(ranks)
         for scene in SCENES:
             with self.subTest(scene=scene, ranks=ranks):
                 self.assertGreater(ffd.lit(self.one[scene]), 500)
@@ -48,15 +58,22 @@ class TestParallel(unittest.TestCase):
                 self.assertLessEqual(mean, 0.5)
         whole = self.voxels["identity0"][0]
         self.assertEqual(whole, 41 ** 3)
-        for scene in ("identity0", "smooth0"):
-            self.assertEqual(len(voxels[scene]), ranks)
-            self.assertLess(max(voxels[scene]), most[scene] * whole, scene)
+        for name, part in most.items():
+            with self.subTest(voxels=name, ranks=ranks):
+                self.assertEqual(len(voxels[name + "0"]), ranks)
+                self.assertLess(max(voxels[name + "0"]), part * whole)
+        # The source is asked for a piece; pieces share the voxels between them.
+        for name in ("smooth0", "strong0", "changed0"):
+            self.assertLess(max(given[name]), 1.1 / ranks * whole)
+        self.assertEqual(sorted(given["alone0"]), [0] * (ranks - 1) + [whole])
+        self.assertGreater(ffd.differ(self.one["changed0"], self.one["edited0"])[1], 0.5)
 
+    # With three voxels around a box, half of the cube is 24 of 41 layers, a quarter 14.
     def test_two(self):
-        self.check(2, {"identity0": 0.62, "smooth0": 0.85})
+        self.check(2, {"identity": 0.6, "smooth": 0.63, "strong": 0.63, "alone": 0.63})
 
     def test_four(self):
-        self.check(4, {"identity0": 0.42, "smooth0": 0.7})
+        self.check(4, {"identity": 0.36, "smooth": 0.43, "strong": 0.48, "alone": 0.43})
 
 
 if __name__ == "__main__":

@@ -133,6 +133,102 @@ class TestRepresentation(unittest.TestCase):
             self.assertLessEqual(
                 ffd.differ(ffd.picture(self.view, name), reference)[0], 12, name)
 
+    def interactive_picture(self):
+        """What is shown while the scene moves; before it a still picture, for the data."""
+        from paraview.modules.vtkRemotingViews import vtkPVRenderView  # noqa: F401
+        from vtkmodules.vtkRenderingCore import vtkWindowToImageFilter
+        from paraview.vtk.util.numpy_support import vtk_to_numpy
+        simple.Render(self.view)
+        self.view.SMProxy.InteractiveRender()
+        grab = vtkWindowToImageFilter()
+        grab.SetInput(self.view.GetRenderWindow())
+        grab.ShouldRerenderOff()
+        grab.ReadFrontBufferOff()
+        grab.Update()
+        image = grab.GetOutput()
+        width, height, _ = image.GetDimensions()
+        values = vtk_to_numpy(image.GetPointData().GetScalars())
+        return values.reshape(height, width, -1)[:, :, :3].astype(int)
+
+    def test_level_of_detail(self):
+        """Interactive pictures follow the LOD settings of the view."""
+        self.show(Shape="Twist")
+        ffd.set_functions(opaque=True)
+        self.display.FFDSampleDistance = 0.5
+        self.view.LODThreshold = 0.0
+        self.view.LODResolution = 1.0
+        still = ffd.picture(self.view, "still")
+        fine = self.interactive_picture()
+        self.assertEqual(fine.shape, still.shape)
+        self.assertLessEqual(ffd.differ(fine, still)[0], 3)
+        self.view.LODResolution = 0.2
+        coarse = self.interactive_picture()
+        self.assertGreater(ffd.differ(coarse, still)[0], 8)
+        # The same samples below the threshold, and all rays where the machine keeps up. The view
+        # looks at the threshold when it updates.
+        self.view.LODThreshold = 1000.0
+        self.lattice.Seed = 2
+        self.assertLess(ffd.differ(self.interactive_picture(), still)[1],
+                        ffd.differ(coarse, still)[1])
+        # Without giving way.
+        self.view.LODThreshold = 0.0
+        self.lattice.Seed = 3
+        self.display.FFDAdaptInteractiveQuality = 0
+        self.assertLessEqual(ffd.differ(self.interactive_picture(), still)[0], 3)
+
+    def test_blend_modes(self):
+        """Another picture, or what the mapper cannot do said; nothing of it in the stock names."""
+        composite = self.show(Shape="Twist")
+        for mode in ("Maximum Intensity", "Minimum Intensity", "Average Intensity", "Additive",
+                     "Isosurface", "Slice"):
+            self.display.FFDBlendMode = mode
+            self.display.FFDIsosurfaceValues = [150.0]
+            with ffd.Errors() as errors:
+                picture = ffd.picture(self.view, "blend")
+            self.assertGreater(ffd.differ(picture, composite)[1], 1.0, mode)
+            if ffd.lit(picture) == 0:
+                self.assertTrue(errors.say("Blend mode", "not supported"), mode)
+        self.display.FFDBlendMode = "Composite"
+        self.assertEqual(ffd.differ(ffd.picture(self.view, "composite"), composite)[0], 0)
+
+    def test_cropping(self):
+        whole = self.show(Shape="Twist")
+        self.display.FFDUseCropping = 1
+        self.display.FFDCroppingScale = [1.0, 1.0, 0.5]
+        self.display.FFDCroppingOrigin = [0.0, 0.0, 7.5]
+        with ffd.Errors() as errors:
+            cropped = ffd.picture(self.view, "cropped")
+        if errors.text:
+            self.assertTrue(errors.say("Cropping is not supported"), errors.text)
+        else:
+            # The upper half of it.
+            middle = whole.shape[0] // 2
+            self.assertLess(ffd.lit(cropped), 0.8 * ffd.lit(whole))
+            self.assertLess(np.abs(cropped - whole)[middle + 20:].mean(),
+                            np.abs(cropped - whole)[:middle - 20].mean())
+        self.display.FFDUseCropping = 0
+        self.assertEqual(ffd.differ(ffd.picture(self.view, "uncropped"), whole)[0], 0)
+
+    def test_trace(self):
+        """A Python trace of a session gives the session again."""
+        from paraview import smtrace
+        smtrace.start_trace()
+        lattice = simple.FFDLattice(registrationName="Lattice", Input=self.wavelet)
+        display = simple.Show(lattice, self.view)
+        lattice.Shape = "Bend"
+        lattice.Resolution = [4, 4, 4]
+        lattice.Displacements = list(np.linspace(-2.0, 2.0, 192))
+        display.FFDInverseMode = "First Order"
+        text = smtrace.stop_trace()
+        for words in ("FFDLattice(", "registrationName='Lattice'", "Show("):
+            self.assertIn(words, text)
+        # ParaView traces changes of properties where its windows apply them (TestPanel.py); a
+        # state has all of them.
+        state = smstate.get_state()
+        for words in ("lattice.Shape = 'Bend'", "lattice.Resolution = [4, 4, 4]",
+                      "lattice.Displacements = [-2.0", "FFDInverseMode = 'First Order'"):
+            self.assertIn(words, state)
+
     def test_filters(self):
         """Resampling gives the same picture; geometry moves with the volume."""
         deformed = self.show(Shape="Twist", Strength=1.0)
@@ -279,11 +375,42 @@ class TestRepresentation(unittest.TestCase):
         self.assertGreater(np.abs(ffd.picture(self.view, "fresh") - deformed).mean(), 2.0)
 
     def test_selection(self):
-        self.show(Shape="Twist")
-        simple.SelectSurfacePoints(Rectangle=[0, 0, 159, 139], View=self.view)
-        simple.SelectSurfaceCells(Rectangle=[0, 0, 159, 139], View=self.view)
-        simple.ClearSelection()
-        self.assertGreater(ffd.lit(ffd.picture(self.view, "selection")), 1000)
+        """Selections of all kinds go through the volume: it has no cells to select, hides none."""
+        before = self.show(Shape="Twist")
+        ball = simple.Sphere(Radius=3.0, Center=[30.0, 18.0, 20.0])
+        shown = simple.Show(ball, self.view)
+        shown.ColorArrayName = [None, ""]
+        behind = simple.Sphere(Radius=3.0, Center=[-20.0, 16.0, -12.0])
+        simple.Show(behind, self.view)
+        simple.Render(self.view)
+        rectangle = [0, 0, 159, 139]
+
+        def selected():
+            return [source.SMProxy.GetSelectionInput(0) is not None
+                    for source in (self.lattice, ball, behind)]
+
+        # ParaView selects of one data set at a time.
+        for select in (simple.SelectSurfacePoints, simple.SelectSurfaceCells):
+            simple.Show(ball, self.view)
+            for expected in ([False, True, False], [False, False, True]):
+                select(Rectangle=rectangle, View=self.view)
+                self.assertEqual(selected(), expected, select.__name__)
+                for source in (self.lattice, ball, behind):
+                    simple.ClearSelection(source)
+                simple.Hide(ball, self.view)
+        for select in (simple.SelectPointsThrough, simple.SelectCellsThrough):
+            select(Rectangle=rectangle, View=self.view)
+            self.assertEqual(selected(), [True, False, False], select.__name__)
+            simple.ClearSelection(self.lattice)
+        simple.SelectSurfaceCells(Polygon=[5, 5, 150, 5, 80, 130], View=self.view)
+        for source in (self.lattice, ball, behind):
+            simple.ClearSelection(source)
+        # Picking one thing, as a click does, on the volume and beside it.
+        for x, y in ((80, 70), (2, 2)):
+            self.view.SMProxy.Pick(x, y)
+        simple.Hide(ball, self.view)
+        simple.Hide(behind, self.view)
+        self.assertLessEqual(ffd.differ(ffd.picture(self.view, "selection"), before)[0], 2)
 
     def test_transform(self):
         """Place, scale and rotation of the representation."""
@@ -347,10 +474,11 @@ executive.GetOutputInformation(0).Set(executive.WHOLE_EXTENT(), 0, 4, 0, 4, 0, 4
         wavelet = simple.Wavelet(WholeExtent=[-10, 10, -10, 10, 0, 0])
         lattice = simple.FFDLattice(Input=wavelet, Shape="Bend")
         display = simple.Show(lattice, self.view)
-        display.SetRepresentationType("FFD Volume")
-        with ffd.Errors():
+        with ffd.Errors() as errors:
+            display.SetRepresentationType("FFD Volume")
             picture = ffd.picture(self.view, "flat")
         self.assertEqual(ffd.lit(picture), 0)
+        self.assertTrue(errors.say("FFD Volume", "21 x 21 x 1"), errors.text)
 
     def test_not_a_number(self):
         wavelet = simple.Wavelet(WholeExtent=[-10, 10, -10, 10, -10, 10])

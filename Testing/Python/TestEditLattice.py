@@ -96,6 +96,19 @@ class TestEditLattice(unittest.TestCase):
         second.Update()
         self.assertTrue(second.GetLattice().IsIdentity())
 
+    def test_base_is_what_the_edits_are_added_to(self):
+        self.filter.SetDimensions(5, 5, 5)
+        self.filter.SetShape(vtkffd.vtkFFDLatticeSource.TWIST)
+        self.filter.SetDisplacementScale(0.5)
+        shape = displacements(self.attached())
+        self.filter.SetNumberOfDisplacements(125)
+        self.filter.SetDisplacement(62, 1.0, 2.0, 3.0)
+        numpy.testing.assert_allclose(displacements(self.attached())[62] - shape[62], (1, 2, 3),
+                                      atol=1e-12)
+        base = vtk_to_numpy(self.filter.GetBaseDisplacements())
+        numpy.testing.assert_allclose(base, shape, atol=1e-12)
+        self.assertEqual(self.filter.GetLatticeDisplacementScale(), 0.5)
+
     def test_known_before_the_data(self):
         self.filter.SetShape(vtkffd.vtkFFDLatticeSource.TWIST)
         self.filter.UpdateInformation()

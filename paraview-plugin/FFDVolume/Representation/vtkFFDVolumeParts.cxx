@@ -5,8 +5,10 @@
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDLattice.h"
 
+#include "vtkBSplineTransform.h"
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
+#include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -37,6 +39,15 @@ Bounds UniteBounds(const Bounds& a, const Bounds& b)
     std::max(a[3], b[3]), std::min(a[4], b[4]), std::max(a[5], b[5]) } };
 }
 
+/// Cells per axis that a lattice is refined to for its bounds.
+constexpr int FineCells = 16;
+
+/// Cuts that are made where they cost least.
+constexpr int CutsWithCost = 16;
+
+/// How much better another axis than the longest must be.
+constexpr double Advantage = 0.98;
+
 /// Bounds of 2P - S(P) for P in the box.
 Bounds FindFirstOrderBounds(vtkFFDLattice* lattice, const Bounds& box)
 {
@@ -51,29 +62,56 @@ Bounds FindFirstOrderBounds(vtkFFDLattice* lattice, const Bounds& box)
   return result;
 }
 
-Bounds FindRestBounds(vtkFFDLattice* lattice, int inverseMode, const Bounds& box)
+/// The same, of parts of the box: displacements differ less in them.
+Bounds FindFirstOrderBoundsByParts(vtkFFDLattice* lattice, const Bounds& box)
 {
-  if (!lattice)
+  constexpr int parts = 4;
+  Bounds result = NoBounds;
+  for (int part = 0; part < parts * parts * parts; ++part)
   {
-    return box;
-  }
-  Bounds rest;
-  switch (inverseMode)
-  {
-    case vtkFFDInverseRayVolumeMapper::FIRST_ORDER:
-      return FindFirstOrderBounds(lattice, box);
-    case vtkFFDInverseRayVolumeMapper::PULL_BACK:
-      lattice->GetDeformedBounds(box.data(), rest.data());
-      return rest;
-    default:
+    const int at[3] = { part % parts, part / parts % parts, part / (parts * parts) };
+    Bounds piece;
+    for (int a = 0; a < 3; ++a)
     {
-      vtkNew<vtkFFDLattice> inverse;
-      inverse->DeepCopy(lattice);
-      inverse->Inverse();
-      inverse->GetDeformedBounds(box.data(), rest.data());
-      // Where the map folds the first-order point may be used.
-      return lattice->IsFoldFree() ? rest : UniteBounds(rest, FindFirstOrderBounds(lattice, box));
+      const double side = box[2 * a + 1] - box[2 * a];
+      piece[2 * a] = box[2 * a] + side * at[a] / parts;
+      piece[2 * a + 1] = box[2 * a] + side * (at[a] + 1) / parts;
     }
+    const Bounds one = FindFirstOrderBounds(lattice, piece);
+    result = part == 0 ? one : UniteBounds(result, one);
+  }
+  return result;
+}
+
+bool AreEqual(vtkFFDLattice* a, vtkFFDLattice* b)
+{
+  vtkDoubleArray* x = a->GetDisplacements();
+  vtkDoubleArray* y = b->GetDisplacements();
+  return std::equal(a->GetDimensions(), a->GetDimensions() + 3, b->GetDimensions()) &&
+    std::equal(a->GetDomain(), a->GetDomain() + 6, b->GetDomain()) &&
+    a->GetBorderMode() == b->GetBorderMode() && a->GetInverseFlag() == b->GetInverseFlag() &&
+    a->GetDisplacementScale() == b->GetDisplacementScale() &&
+    std::equal(x->GetPointer(0), x->GetPointer(0) + x->GetNumberOfValues(), y->GetPointer(0));
+}
+
+/// The same map with smaller cells, where a lattice can have them.
+void MakeFine(vtkFFDLattice* lattice)
+{
+  const int border = lattice->GetBorderMode();
+  if (border == VTK_BSPLINE_ZERO_AT_BORDER)
+  {
+    return;
+  }
+  // The domain then has all that varies, outside of which refinement is another map.
+  const int layers = border == VTK_BSPLINE_EDGE ? 2 : 3;
+  int factors[3];
+  for (int a = 0; a < 3; ++a)
+  {
+    factors[a] = std::max(1, FineCells / (lattice->GetDimensions()[a] - 3 + 2 * layers));
+  }
+  if (*std::max_element(factors, factors + 3) > 1 && lattice->Extend(layers))
+  {
+    lattice->Refine(factors[0], factors[1], factors[2]);
   }
 }
 
@@ -86,6 +124,51 @@ Extent ToCells(const Extent& e)
 vtkIdType Count(const Extent& e)
 {
   return static_cast<vtkIdType>(e[1] - e[0] + 1) * (e[3] - e[2] + 1) * (e[5] - e[4] + 1);
+}
+
+std::vector<Bounds> Cut(const Bounds& bounds, int count,
+  const std::function<double(const Bounds&)>& cost, int& cutsLeft)
+{
+  if (count <= 1)
+  {
+    return { bounds };
+  }
+  const int lowerCount = count / 2;
+  int axes[3] = { 0, 1, 2 };
+  std::stable_sort(axes, axes + 3,
+    [&bounds](int a, int b) {
+      return bounds[2 * a + 1] - bounds[2 * a] > bounds[2 * b + 1] - bounds[2 * b];
+    });
+  Bounds first;
+  Bounds second;
+  const auto halve = [&](int axis) {
+    const double lower = bounds[2 * axis];
+    const double upper = bounds[2 * axis + 1];
+    first = second = bounds;
+    first[2 * axis + 1] = second[2 * axis] = lower + (upper - lower) * lowerCount / count;
+  };
+  int best = axes[0];
+  if (cost && cutsLeft > 0)
+  {
+    --cutsLeft;
+    double least = std::numeric_limits<double>::infinity();
+    for (const int axis : axes)
+    {
+      halve(axis);
+      const double worse = std::max(cost(first) / lowerCount, cost(second) / (count - lowerCount));
+      if (worse < Advantage * least)
+      {
+        least = worse;
+        best = axis;
+      }
+    }
+  }
+  halve(best);
+  const Bounds other = second;
+  std::vector<Bounds> boxes = Cut(first, lowerCount, cost, cutsLeft);
+  const std::vector<Bounds> others = Cut(other, count - lowerCount, cost, cutsLeft);
+  boxes.insert(boxes.end(), others.begin(), others.end());
+  return boxes;
 }
 
 vtkIdType At(const Extent& e, int i, int j, int k)
@@ -213,32 +296,11 @@ Bounds Grid::GetBounds() const
 }
 
 //------------------------------------------------------------------------------
-std::vector<Bounds> CutIntoBoxes(const Bounds& bounds, int count)
+std::vector<Bounds> CutIntoBoxes(
+  const Bounds& bounds, int count, const std::function<double(const Bounds&)>& cost)
 {
-  if (count <= 1)
-  {
-    return { bounds };
-  }
-  int longest = 0;
-  for (int a = 1; a < 3; ++a)
-  {
-    if (bounds[2 * a + 1] - bounds[2 * a] > bounds[2 * longest + 1] - bounds[2 * longest])
-    {
-      longest = a;
-    }
-  }
-  const int lowerCount = count / 2;
-  const double lower = bounds[2 * longest];
-  const double upper = bounds[2 * longest + 1];
-  const double cut = lower + (upper - lower) * lowerCount / count;
-  Bounds first = bounds;
-  Bounds second = bounds;
-  first[2 * longest + 1] = cut;
-  second[2 * longest] = cut;
-  std::vector<Bounds> boxes = CutIntoBoxes(first, lowerCount);
-  const std::vector<Bounds> others = CutIntoBoxes(second, count - lowerCount);
-  boxes.insert(boxes.end(), others.begin(), others.end());
-  return boxes;
+  int cutsLeft = CutsWithCost;
+  return Cut(bounds, count, cost, cutsLeft);
 }
 
 //------------------------------------------------------------------------------
@@ -286,14 +348,77 @@ Bounds FindDeformedBounds(const Grid& grid, vtkFFDLattice* lattice, int inverseM
 }
 
 //------------------------------------------------------------------------------
-Extent FindNeededExtent(
-  const Grid& grid, vtkFFDLattice* lattice, int inverseMode, const Bounds& box)
+PullBackCover::PullBackCover() = default;
+
+//------------------------------------------------------------------------------
+PullBackCover::~PullBackCover() = default;
+
+//------------------------------------------------------------------------------
+void PullBackCover::SetDeformation(vtkFFDLattice* lattice, int inverseMode)
+{
+  if (!lattice)
+  {
+    this->Lattice = nullptr;
+    return;
+  }
+  if (this->Lattice && this->InverseMode == inverseMode && AreEqual(this->Lattice, lattice))
+  {
+    return;
+  }
+  this->InverseMode = inverseMode;
+  this->Lattice = vtkSmartPointer<vtkFFDLattice>::New();
+  this->Lattice->DeepCopy(lattice);
+  this->Fine = vtkSmartPointer<vtkFFDLattice>::New();
+  this->Fine->DeepCopy(lattice);
+  MakeFine(this->Fine);
+  this->Inverse = nullptr;
+  if (inverseMode == vtkFFDInverseRayVolumeMapper::EXACT)
+  {
+    this->Inverse = vtkSmartPointer<vtkFFDLattice>::New();
+    this->Inverse->DeepCopy(this->Fine);
+    this->Inverse->Inverse();
+    this->FoldFree = this->Lattice->IsFoldFree();
+  }
+}
+
+//------------------------------------------------------------------------------
+Bounds PullBackCover::FindRestBounds(const Bounds& box) const
+{
+  if (!this->Lattice)
+  {
+    return box;
+  }
+  Bounds rest;
+  switch (this->InverseMode)
+  {
+    case vtkFFDInverseRayVolumeMapper::FIRST_ORDER:
+      return FindFirstOrderBoundsByParts(this->Fine, box);
+    case vtkFFDInverseRayVolumeMapper::PULL_BACK:
+      this->Fine->GetDeformedBounds(box.data(), rest.data());
+      return rest;
+    default:
+      this->Inverse->GetDeformedBounds(box.data(), rest.data());
+      // Where the map folds the first-order point may be used.
+      return this->FoldFree
+        ? rest
+        : UniteBounds(rest, FindFirstOrderBoundsByParts(this->Fine, box));
+  }
+}
+
+//------------------------------------------------------------------------------
+vtkIdType CountPoints(const Extent& extent)
+{
+  return IsEmpty(extent) ? 0 : Count(extent);
+}
+
+//------------------------------------------------------------------------------
+Extent FindNeededExtent(const Grid& grid, const PullBackCover& cover, const Bounds& box)
 {
   if (IsEmpty(box) || IsEmpty(grid.WholeExtent))
   {
     return NoExtent;
   }
-  const Bounds rest = FindRestBounds(lattice, inverseMode, box);
+  const Bounds rest = cover.FindRestBounds(box);
   vtkNew<vtkImageData> image;
   grid.ApplyTo(image);
   double lower[3] = { VTK_DOUBLE_MAX, VTK_DOUBLE_MAX, VTK_DOUBLE_MAX };

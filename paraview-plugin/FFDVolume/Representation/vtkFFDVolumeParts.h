@@ -13,8 +13,10 @@
 #define vtkFFDVolumeParts_h
 
 #include "vtkSmartPointer.h"
+#include "vtkType.h"
 
 #include <array>
+#include <functional>
 #include <vector>
 
 class vtkFFDLattice;
@@ -59,10 +61,15 @@ struct Grid
 };
 
 /**
- * Cut `bounds` into `count` boxes that fill it, by halving the longest side again and again; with
- * a number that is no power of two the sides are cut in proportion.
+ * Cut `bounds` into `count` boxes that fill it, by halving again and again; with a number that is
+ * no power of two the sides are cut in proportion. `cost` says what a box is to its process (voxels
+ * that it needs): the first sixteen cuts are across the axis on which the more expensive half is
+ * cheapest, and the longest one unless another is better by more than two percent. A twist, for
+ * instance, is cut along its axis: each half of what is cut beside it comes from everywhere. Without
+ * a cost the longest side is cut.
  */
-std::vector<Bounds> CutIntoBoxes(const Bounds& bounds, int count);
+std::vector<Bounds> CutIntoBoxes(const Bounds& bounds, int count,
+  const std::function<double(const Bounds&)>& cost = nullptr);
 
 /// The box with the faces that it shares with `whole` moved to infinity.
 Bounds OpenOutwards(const Bounds& box, const Bounds& whole);
@@ -71,11 +78,38 @@ Bounds OpenOutwards(const Bounds& box, const Bounds& whole);
 Bounds FindDeformedBounds(const Grid& grid, vtkFFDLattice* lattice, int inverseMode);
 
 /**
+ * Where boxes of deformed space are pulled back to, by bounds from the control points. The control
+ * points of small lattices are made more for it: the cells of the bounds are then smaller than
+ * those of the lattice, and the bounds tighter.
+ */
+class PullBackCover
+{
+public:
+  PullBackCover();
+  ~PullBackCover();
+
+  /// `lattice` may be null; inverseMode as the mapper's. Cheap when nothing has changed.
+  void SetDeformation(vtkFFDLattice* lattice, int inverseMode);
+
+  /// Rest positions of what is seen in `box`, conservative.
+  Bounds FindRestBounds(const Bounds& box) const;
+
+private:
+  vtkSmartPointer<vtkFFDLattice> Lattice; // as it was set
+  vtkSmartPointer<vtkFFDLattice> Fine;    // the same map with smaller cells
+  vtkSmartPointer<vtkFFDLattice> Inverse; // of Fine
+  int InverseMode = 0;
+  bool FoldFree = true;
+};
+
+/**
  * The voxels that are sampled, with their neighbours, where rays are in `box`. Empty when the box
  * is pulled back to none.
  */
-Extent FindNeededExtent(
-  const Grid& grid, vtkFFDLattice* lattice, int inverseMode, const Bounds& box);
+Extent FindNeededExtent(const Grid& grid, const PullBackCover& cover, const Bounds& box);
+
+/// Points of an extent.
+vtkIdType CountPoints(const Extent& extent);
 
 /**
  * Bring each process the voxels that it needs. `image` is what this process has (may be null),

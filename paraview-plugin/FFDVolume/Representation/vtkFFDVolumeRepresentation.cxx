@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDVolumeRepresentation.h"
 
-#include "vtkFFDEditLattice.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDVolumeParts.h"
 
+#include "vtkAbstractArray.h"
 #include "vtkAlgorithm.h"
 #include "vtkAlgorithmOutput.h"
 #include "vtkCellData.h"
@@ -40,6 +40,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 vtkStandardNewMacro(vtkFFDVolumeRepresentation);
@@ -50,6 +51,9 @@ namespace
 using ffdparts::Bounds;
 using ffdparts::Extent;
 using ffdparts::Grid;
+
+/// How much coarser interactive images can be, in each way.
+constexpr double LargestCoarsening = 10.0;
 
 /// In the field data of a part: its clip box, then the bounds of the whole at rest.
 const char* const PartArray = "FFDVolume.Part";
@@ -129,6 +133,27 @@ vtkSmartPointer<vtkDataArray> ExtractComponent(vtkDataArray* from, int component
   return to;
 }
 
+/// The arrays of an image and when they changed.
+using Sources = std::vector<std::pair<vtkWeakPointer<vtkAbstractArray>, vtkMTimeType>>;
+
+Sources GetSources(vtkImageData* image)
+{
+  Sources sources;
+  if (image)
+  {
+    const std::array<vtkFieldData*, 2> both{ { image->GetPointData(), image->GetCellData() } };
+    for (vtkFieldData* arrays : both)
+    {
+      for (int a = 0; a < arrays->GetNumberOfArrays(); ++a)
+      {
+        vtkAbstractArray* array = arrays->GetAbstractArray(a);
+        sources.emplace_back(array, array->GetMTime());
+      }
+    }
+  }
+  return sources;
+}
+
 bool HaveSameGeometry(vtkImageData* a, vtkImageData* b)
 {
   for (int row = 0; row < 3; ++row)
@@ -168,13 +193,42 @@ public:
   vtkSmartPointer<vtkFFDLattice> KnownLattice; // of the data last seen
   Bounds OwnBox = ffdparts::NoBounds; // world coordinates
 
-  /// The box of each process in data coordinates, for an image deformed to `deformed`.
-  std::vector<Bounds> CutIntoBoxes(const Bounds& deformed, vtkMatrix4x4* matrix)
+  ffdparts::PullBackCover Cover;
+  vtkSmartPointer<vtkImageData> Held; // voxels that were brought here last
+  Sources HeldSources;                // of what image
+
+  /// Whether what was brought here last has the voxels `wanted`, and the image is as it was then.
+  bool HoldsVoxelsOf(vtkImageData* image, const Extent& wanted)
+  {
+    Extent held = ffdparts::NoExtent;
+    if (this->Held)
+    {
+      this->Held->GetExtent(held.data());
+    }
+    bool alive = true;
+    for (const auto& source : this->HeldSources)
+    {
+      alive = alive && source.first;
+    }
+    return alive && ffdparts::Contains(held, wanted) && GetSources(image) == this->HeldSources;
+  }
+
+
+  /**
+   * The box of each process in data coordinates, for an image deformed to `deformed`, as Cover has
+   * it.
+   */
+  std::vector<Bounds> CutIntoBoxes(
+    const Grid& grid, const Bounds& deformed, vtkMatrix4x4* matrix, int blendMode) const
   {
     const int ranks = GetNumberOfProcesses();
-    if (KeepsBoxes(matrix))
+    if (KeepsBoxes(matrix) && blendMode == vtkVolumeMapper::COMPOSITE_BLEND)
     {
-      return ffdparts::CutIntoBoxes(deformed, ranks);
+      return ffdparts::CutIntoBoxes(deformed, ranks,
+        [this, &grid](const Bounds& box) {
+          return static_cast<double>(
+            ffdparts::CountPoints(ffdparts::FindNeededExtent(grid, this->Cover, box)));
+        });
     }
     std::vector<Bounds> boxes(static_cast<std::size_t>(ranks), ffdparts::NoBounds);
     boxes[0] = deformed;
@@ -198,6 +252,7 @@ void vtkFFDVolumeRepresentation::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
   os << indent << "SampleDistance: " << this->SampleDistance << "\n";
+  os << indent << "ImageSampleDistance: " << this->ImageSampleDistance << "\n";
   os << indent << "Mapper:\n";
   this->Mapper->PrintSelf(os, indent.GetNextIndent());
 }
@@ -208,58 +263,6 @@ int vtkFFDVolumeRepresentation::FillInputPortInformation(int, vtkInformation* in
   // Wider than what can be rendered: RequestData says what is wrong.
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObject");
   info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
-  return 1;
-}
-
-//------------------------------------------------------------------------------
-int vtkFFDVolumeRepresentation::RequestUpdateExtent(
-  vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs)
-{
-  if (!this->Superclass::RequestUpdateExtent(request, inputs, outputs))
-  {
-    return 0;
-  }
-  vtkInformation* info = inputs[0]->GetInformationObject(0);
-  using Pipeline = vtkStreamingDemandDrivenPipeline;
-  if (GetNumberOfProcesses() == 1 || !info || !info->Has(Pipeline::WHOLE_EXTENT()) ||
-    !vtkImageData::SafeDownCast(info->Get(vtkDataObject::DATA_OBJECT())))
-  {
-    return 1;
-  }
-  const Grid grid = Grid::FromInformation(info);
-  if (ffdparts::IsEmpty(grid.WholeExtent))
-  {
-    return 1;
-  }
-  vtkSmartPointer<vtkFFDLattice> lattice = this->Internals->KnownLattice;
-  if (vtkImageData* points = vtkImageData::SafeDownCast(info->Get(vtkFFDEditLattice::LATTICE())))
-  {
-    lattice = vtkSmartPointer<vtkFFDLattice>::New();
-    if (!lattice->FromImageData(points))
-    {
-      return 1;
-    }
-  }
-  // What is asked for here may be wrong, when the data has a lattice that is not announced: voxels
-  // that are missing are exchanged.
-  const int mode = this->Mapper->GetInverseMode();
-  this->Actor->ComputeMatrix();
-  const std::vector<Bounds> boxes = this->Internals->CutIntoBoxes(
-    ffdparts::FindDeformedBounds(grid, lattice, mode), this->Actor->GetMatrix());
-  Extent needed = ffdparts::FindNeededExtent(
-    grid, lattice, mode, boxes[static_cast<std::size_t>(GetController()->GetLocalProcessId())]);
-  if (ffdparts::IsEmpty(needed))
-  {
-    for (int a = 0; a < 3; ++a)
-    {
-      needed[2 * a] = grid.WholeExtent[2 * a];
-      needed[2 * a + 1] = std::min(needed[2 * a] + 1, grid.WholeExtent[2 * a + 1]);
-    }
-  }
-  info->Set(Pipeline::UPDATE_EXTENT(), needed.data(), 6);
-  info->Set(Pipeline::UPDATE_PIECE_NUMBER(), 0);
-  info->Set(Pipeline::UPDATE_NUMBER_OF_PIECES(), 1);
-  info->Remove(Pipeline::EXACT_EXTENT());
   return 1;
 }
 
@@ -287,8 +290,25 @@ int vtkFFDVolumeRepresentation::RequestData(
     else if (inputImage)
     {
       vtkStreamingDemandDrivenPipeline::GetWholeExtent(info, this->WholeExtent);
-      image = vtkSmartPointer<vtkImageData>::New();
-      image->ShallowCopy(inputImage);
+      Extent whole;
+      std::copy_n(this->WholeExtent, 6, whole.begin());
+      if (ffdparts::IsEmpty(whole))
+      {
+        inputImage->GetExtent(whole.data());
+      }
+      const int* sizes = inputImage->GetDimensions();
+      if (inputImage->GetNumberOfPoints() > 0 &&
+        (whole[0] == whole[1] || whole[2] == whole[3] || whole[4] == whole[5]))
+      {
+        vtkErrorMacro(<< "The representation \"FFD Volume\" renders volumes, and this image has "
+                      << sizes[0] << " x " << sizes[1] << " x " << sizes[2]
+                      << " points: it needs two along each axis. Choose \"Slice\" or \"Surface\".");
+      }
+      else
+      {
+        image = vtkSmartPointer<vtkImageData>::New();
+        image->ShallowCopy(inputImage);
+      }
     }
   }
   if (image && image->GetNumberOfPoints() > 0)
@@ -336,7 +356,10 @@ int vtkFFDVolumeRepresentation::ProcessViewRequest(
     this->UpdateRenderedImage(image);
     if (image)
     {
-      this->UpdateSampleDistances(image);
+      auto* view = vtkPVRenderView::SafeDownCast(inInfo->Get(vtkPVView::VIEW()));
+      this->UpdateSampleDistances(image, view ? view->GetLODResolution() : 1.0,
+        inInfo->Has(vtkPVRenderView::USE_LOD()) != 0);
+      this->UpdateCropping(image);
     }
     this->OutlineMapper->SetInputConnection(vtkPVRenderView::GetPieceProducer(inInfo, this, 1));
     return 1;
@@ -469,14 +492,32 @@ void vtkFFDVolumeRepresentation::ShareOut()
     }
   }
 
-  // The same on all processes: the box of each, and what each needs for it.
+  // The same on all processes: the box of each, and what each needs for it. The first one decides:
+  // on processors of different kinds bounds may round differently.
   const int mode = this->Mapper->GetInverseMode();
-  const Bounds deformed = ffdparts::FindDeformedBounds(grid, in.KnownLattice, mode);
+  Bounds deformed = ffdparts::FindDeformedBounds(grid, in.KnownLattice, mode);
+  in.Cover.SetDeformation(in.KnownLattice, mode);
   this->Actor->ComputeMatrix();
   vtkMatrix4x4* matrix = this->Actor->GetMatrix();
-  const std::vector<Bounds> boxes = in.CutIntoBoxes(deformed, matrix);
+  std::vector<Bounds> boxes(static_cast<std::size_t>(ranks));
+  if (own == 0)
+  {
+    boxes = in.CutIntoBoxes(grid, deformed, matrix, this->Mapper->GetBlendMode());
+  }
+  std::vector<double> decided;
+  for (const Bounds& each : boxes)
+  {
+    decided.insert(decided.end(), each.begin(), each.end());
+  }
+  decided.insert(decided.end(), deformed.begin(), deformed.end());
+  controller->Broadcast(decided.data(), static_cast<vtkIdType>(decided.size()), 0);
+  for (std::size_t r = 0; r < boxes.size(); ++r)
+  {
+    std::copy_n(&decided[6 * r], 6, boxes[r].begin());
+  }
+  std::copy_n(&decided[6 * boxes.size()], 6, deformed.begin());
   const Bounds& box = boxes[own];
-  const Extent wanted = ffdparts::FindNeededExtent(grid, in.KnownLattice, mode, box);
+  const Extent wanted = ffdparts::FindNeededExtent(grid, in.Cover, box);
   std::vector<int> allWanted(static_cast<std::size_t>(6 * ranks));
   controller->AllGather(wanted.data(), allWanted.data(), 6);
   std::vector<Extent> needed(static_cast<std::size_t>(ranks));
@@ -489,10 +530,27 @@ void vtkFFDVolumeRepresentation::ShareOut()
   vtkSmartPointer<vtkImageData> part = image;
   if (!complete)
   {
-    part = ffdparts::ExchangeVoxels(controller, grid, image, extents, needed);
-    if (part && in.KnownLattice)
+    // Most often only the lattice has changed, and what was brought for it last time does.
+    const int keepHere = in.HoldsVoxelsOf(image, wanted) ? 1 : 0;
+    int keep = 0;
+    controller->AllReduce(&keepHere, &keep, 1, vtkCommunicator::MIN_OP);
+    if (!keep)
     {
-      in.KnownLattice->AttachTo(part);
+      in.Held = ffdparts::ExchangeVoxels(controller, grid, image, extents, needed);
+      in.HeldSources = GetSources(image);
+    }
+    part = nullptr;
+    if (in.Held && !ffdparts::IsEmpty(wanted))
+    {
+      part = vtkSmartPointer<vtkImageData>::New();
+      part->ShallowCopy(in.Held);
+      // Field data of its own.
+      vtkNew<vtkFieldData> none;
+      part->SetFieldData(none);
+      if (in.KnownLattice)
+      {
+        in.KnownLattice->AttachTo(part);
+      }
     }
   }
   else if (ffdparts::IsEmpty(wanted))
@@ -639,13 +697,13 @@ void vtkFFDVolumeRepresentation::UpdateRenderedImage(vtkImageData* image)
 
 //------------------------------------------------------------------------------
 /// The mapper takes distances in world units.
-void vtkFFDVolumeRepresentation::UpdateSampleDistances(vtkImageData* image)
+void vtkFFDVolumeRepresentation::UpdateSampleDistances(
+  vtkImageData* image, double lodResolution, bool useLOD)
 {
-  if (this->SampleDistance == 1.0)
-  {
-    this->Mapper->LockSampleDistanceToInputSpacingOn();
-    return;
-  }
+  const double coarser =
+    std::min(1.0 / std::max(lodResolution, 1.0 / LargestCoarsening), LargestCoarsening);
+  this->Mapper->SetMaximumImageSampleDistance(
+    this->ImageSampleDistance * std::min(coarser * coarser, LargestCoarsening));
   double spacing[3];
   image->GetSpacing(spacing);
   this->Actor->ComputeMatrix();
@@ -662,9 +720,39 @@ void vtkFFDVolumeRepresentation::UpdateSampleDistances(vtkImageData* image)
   }
   if (voxel > 0.0)
   {
-    this->Mapper->SetSampleDistance(this->SampleDistance * voxel);
-    this->Mapper->SetInteractiveSampleDistance(2.0 * this->SampleDistance * voxel);
+    const double distance = this->SampleDistance * voxel;
+    this->Mapper->SetSampleDistance(distance);
+    this->Mapper->SetInteractiveSampleDistance(useLOD ? coarser * distance : distance);
   }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::UpdateCropping(vtkImageData* image)
+{
+  if (!this->Mapper->GetCropping())
+  {
+    return;
+  }
+  // Those of the whole, of which this may be a part.
+  double bounds[6];
+  this->Mapper->GetWholeBounds(bounds);
+  if (!vtkMath::AreBoundsInitialized(bounds))
+  {
+    image->GetBounds(bounds);
+  }
+  double planes[6];
+  for (int i = 0; i < 6; ++i)
+  {
+    planes[i] = this->CroppingOrigin[i / 2] + this->CroppingScale[i / 2] * bounds[i];
+  }
+  for (int a = 0; a < 3; ++a)
+  {
+    if (planes[2 * a] > planes[2 * a + 1])
+    {
+      std::swap(planes[2 * a], planes[2 * a + 1]);
+    }
+  }
+  this->Mapper->SetCroppingRegionPlanes(planes);
 }
 
 //------------------------------------------------------------------------------
@@ -702,6 +790,23 @@ void vtkFFDVolumeRepresentation::SetInverseMode(int mode)
     // The bounds change.
     this->MarkModified();
   }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetBlendMode(int mode)
+{
+  if (mode != this->Mapper->GetBlendMode())
+  {
+    this->Mapper->SetBlendMode(mode);
+    // Another partition among processes.
+    this->MarkMoved();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetCropping(int cropping)
+{
+  this->Mapper->SetCropping(cropping != 0);
 }
 
 //------------------------------------------------------------------------------
@@ -784,6 +889,7 @@ void vtkFFDVolumeRepresentation::SetImageSampleDistance(double pixels)
     vtkErrorMacro(<< "ImageSampleDistance must be from 0.25 to 8 pixels, not " << pixels << ".");
     return;
   }
+  this->ImageSampleDistance = pixels;
   this->Mapper->SetImageSampleDistance(pixels);
   this->Mapper->SetMinimumImageSampleDistance(pixels);
 }

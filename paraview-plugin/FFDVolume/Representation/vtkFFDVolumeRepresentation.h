@@ -17,12 +17,15 @@
  *
  * With several processes, deformed space is cut into boxes, one a process. Each renders the parts
  * of the rays inside its box, which ParaView blends in the order of the boxes, so that the picture
- * is that of one process however the volume is bent. Each process asks its input only for the
- * voxels that its box is pulled back to, when the lattice is known before the data
- * (vtkFFDEditLattice::LATTICE()); voxels that the input did not give are exchanged. A volume that
- * is rotated in the scene is rendered by the first process alone: its boxes would not be aligned
- * with the axes, which ParaView's order by boxes needs. For the same reason only one volume at a
- * time is in the right order.
+ * is that of one process however the volume is bent. Boxes are cut so that their processes need few
+ * voxels, which the control points bound. The input is asked for pieces, as all of ParaView does:
+ * an extent would be computed or read a second time, for the selection that ParaView always
+ * extracts asks for pieces. The voxels that a box is pulled back to are exchanged, when the data
+ * change or a box needs others than it has; an edit of the lattice most often needs none.
+ *
+ * A volume that is rotated in the scene is rendered by the first process alone: its boxes would not
+ * be aligned with the axes, which ParaView's order by boxes needs. For the same reason only one
+ * volume at a time is in the right order.
  *
  * @sa vtkFFDInverseRayVolumeMapper vtkFFDEditLattice
  */
@@ -68,8 +71,7 @@ public:
 
   ///@{
   /**
-   * Distance between samples in still images, in voxels; twice that while the scene moves. Range
-   * 0.05 to 10, default 1.
+   * Distance between samples in still images, in voxels. Range 0.05 to 10, default 1.
    */
   void SetSampleDistance(double voxels);
   ///@}
@@ -84,9 +86,24 @@ public:
   ///@{
   /**
    * Whether quality gives way while the scene moves, so that it moves smoothly; default on. Off,
-   * interactive images are as still ones.
+   * interactive images are as still ones. On, it follows the view's settings of the level of
+   * detail: for data above the LOD threshold samples are 1 / r times as far apart as in still
+   * images, r being the LOD resolution (0 to 1, ParaView's default 0.5), and for all data rays are
+   * at most 1 / r^2 times as far apart, as few as keep up the frame rate. Both factors are limited
+   * to 10.
    */
   void SetAdaptInteractiveQuality(bool adapt);
+  ///@}
+
+  ///@{
+  /**
+   * Blend mode, vtkVolumeMapper::BlendModes, and cropping as in vtkImageVolumeRepresentation: the
+   * box is CroppingOrigin + CroppingScale times the bounds of the whole image at rest. Where the
+   * order of the parts does not matter for blending but the parts would be blended as if it did
+   * (all modes but COMPOSITE_BLEND), the first of several processes renders the volume alone.
+   */
+  void SetBlendMode(int mode);
+  void SetCropping(int cropping);
   ///@}
 
   ///@{
@@ -110,8 +127,6 @@ protected:
   ~vtkFFDVolumeRepresentation() override;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
-  int RequestUpdateExtent(
-    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
   int RequestData(
     vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
   void UpdateMapperParameters() override;
@@ -123,10 +138,12 @@ private:
   void ShareOut();
   void MarkMoved();
   void UpdateRenderedImage(vtkImageData* image);
-  void UpdateSampleDistances(vtkImageData* image);
+  void UpdateSampleDistances(vtkImageData* image, double lodResolution, bool useLOD);
+  void UpdateCropping(vtkImageData* image);
 
   vtkFFDInverseRayVolumeMapper* Mapper; // the superclass's VolumeMapper
   double SampleDistance = 1.0;
+  double ImageSampleDistance = 1.0;
 
   class vtkInternals;
   std::unique_ptr<vtkInternals> Internals;

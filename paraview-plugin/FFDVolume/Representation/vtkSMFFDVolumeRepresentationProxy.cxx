@@ -59,14 +59,25 @@ void vtkSMFFDVolumeRepresentationProxy::PickArray()
   {
     return;
   }
-  unsigned int chosen = 0;
+  // Not field data: the lattice is there.
+  constexpr unsigned int none = VTK_UNSIGNED_INT_MAX;
+  unsigned int chosen = none;
   for (unsigned int i = 0; i < arrays->GetNumberOfStrings(); ++i)
   {
-    if (arrays->GetFieldAssociation(i) == vtkDataObject::POINT)
+    const int association = arrays->GetFieldAssociation(i);
+    if (association == vtkDataObject::POINT)
     {
       chosen = i;
       break;
     }
+    if (association == vtkDataObject::CELL && chosen == none)
+    {
+      chosen = i;
+    }
+  }
+  if (chosen == none)
+  {
+    return;
   }
   this->Picking = true;
   if (parent->SetScalarColoring(arrays->GetString(chosen), arrays->GetFieldAssociation(chosen)))

@@ -7,7 +7,7 @@
  * ParaView picks an array to colour by when a volume is chosen as representation, but only for its
  * own types: another one would stay blank for a data set in solid colour. This proxy does the same
  * for "FFD Volume": when the representation that it is a part of is switched to it, and no array
- * is chosen, it picks the first point array, or else the first array at all.
+ * is chosen, it picks the first point array, or else the first cell array.
  */
 #ifndef vtkSMFFDVolumeRepresentationProxy_h
 #define vtkSMFFDVolumeRepresentationProxy_h

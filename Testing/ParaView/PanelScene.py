@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Run by TestPanel.py in ParaView's graphical client: a scene, and a log of what the filter is
+told. From the environment: FFD_PANEL_LOG, a line of JSON for each update of the filter, and
+FFD_PANEL_TRACE, the Python trace so far."""
+
+import json
+import os
+
+from paraview import simple, smtrace
+from paraview.servermanager import vtkSMTrace
+
+settings = simple.GetSettingsProxy("GeneralSettings")
+settings.AutoApply = int(os.environ["FFD_PANEL_AUTO_APPLY"])
+wavelet = simple.Wavelet(WholeExtent=[-15, 15] * 3)
+lattice = simple.FFDLattice(Input=wavelet, Resolution=[5, 5, 5])
+view = simple.GetActiveViewOrCreate("RenderView")
+view.UseColorPaletteForBackground = 0
+view.Background = [0.0, 0.0, 0.0]
+view.OrientationAxesVisibility = 0
+simple.Show(lattice, view)
+simple.GetColorTransferFunction("RTData").RescaleTransferFunction(37.0, 280.0)
+simple.GetOpacityTransferFunction("RTData").Points = [37, 0, 0.5, 0, 140, 0, 0.5, 0,
+                                                      180, 0.1, 0.5, 0, 280, 0.3, 0.5, 0]
+# The control point in the middle, (2, 2, 2), is in the middle of the view.
+view.CameraPosition = [75.0, 45.0, 60.0]
+view.CameraFocalPoint = [0.0, 0.0, 0.0]
+view.CameraViewUp = [0.0, 0.0, 1.0]
+simple.SetActiveSource(lattice)
+simple.Render(view)
+
+smtrace.start_trace()
+log = open(os.environ["FFD_PANEL_LOG"], "w", encoding="ascii")  # open until the end
+
+
+def note(*_):
+    """Write down what the filter has."""
+    log.write(json.dumps({
+        "resolution": list(lattice.Resolution),
+        "displacements_resolution": list(lattice.DisplacementsResolution),
+        "displacements": list(lattice.Displacements)}) + "\n")
+    log.flush()
+    with open(os.environ["FFD_PANEL_TRACE"], "w", encoding="utf-8") as trace:
+        trace.write(vtkSMTrace.GetActiveTracer().GetCurrentTrace())
+
+
+lattice.SMProxy.AddObserver("UpdateDataEvent", note)

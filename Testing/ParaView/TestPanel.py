@@ -1,0 +1,201 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""ParaView's graphical client, played by its own event player: the lattice is dragged in the view
+and edited in the panel, applied, undone and traced."""
+
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+PLUGIN = os.environ["FFD_PARAVIEW_PLUGIN"]
+TEMPORARY = os.environ["FFD_TEST_TEMPORARY"]
+BASELINE = os.environ["FFD_TEST_BASELINE"]
+HERE = os.path.dirname(os.path.abspath(__file__))
+
+WINDOW = "pqClientMainWindow/"
+VIEW = WINDOW + ("centralwidget/MultiViewWidget/CoreWidget/qt_tabwidget_stackedwidget/"
+                 "MultiViewWidget1/Container/Frame.0/CentralWidgetFrame/Viewport")
+PROPERTIES = WINDOW + "propertiesDock/propertiesPanel/"
+PANEL = PROPERTIES + ("scrollArea/qt_scrollarea_viewport/scrollAreaWidgetContents/"
+                      "PropertiesFrame/ProxyPanel/FFDLattice/")
+
+
+class Events:
+    """Events for ParaView's player."""
+
+    def __init__(self):
+        self.lines = []
+
+    def add(self, target, command, arguments=""):
+        self.lines.append('<pqevent object="%s" command="%s" arguments="%s"/>'
+                          % (target, command, arguments))
+
+    def drag(self, *places):
+        """With the left button, from place to place; (0, 0) to (1, 1), from the top left."""
+        self.add(VIEW, "mousePress", "(%g,%g,1,1,0)" % places[0])
+        for place in places[1:]:
+            self.add(VIEW, "mouseMove", "(%g,%g,0,1,0)" % place)
+        self.add(VIEW, "mouseRelease", "(%g,%g,1,0,0)" % places[-1])
+        self.wait()
+
+    def click(self, button):
+        self.add(button, "activate")
+        self.wait()
+
+    def menu(self, menu, action):
+        self.add(WINDOW + "menubar/" + menu, "activate", action)
+        self.wait()
+
+    def set(self, widget, kind, value):
+        self.add(widget, "set_" + kind, value)
+        if kind == "string":
+            self.add(widget, "key", "16777220")
+        self.wait()
+
+    def wait(self):
+        self.add(VIEW, "pause", "400")
+
+    def play(self, name, auto_apply, baseline=None):
+        """Returns the log of the filter and the Python trace."""
+        folder = tempfile.mkdtemp(prefix="panel.", dir=TEMPORARY)
+        os.chmod(folder, 0o700)
+        script = os.path.join(folder, name + ".xml")
+        log = os.path.join(folder, "log")
+        trace = os.path.join(folder, "trace")
+        with open(script, "w", encoding="ascii") as file:
+            file.write('<?xml version="1.0" ?>\n<pqevents>\n%s\n</pqevents>\n'
+                       % "\n".join(self.lines))
+        command = ["paraview", "--dr", "--script=" + os.path.join(HERE, "PanelScene.py"),
+                   "--test-directory=" + folder, "--test-script=" + script]
+        if baseline:
+            command += ["--test-baseline=" + baseline, "--test-threshold=10"]
+        command.append("--exit")
+        result = subprocess.run(
+            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
+            timeout=240,
+            env={**os.environ, "HOME": folder, "XDG_RUNTIME_DIR": folder,
+                 "PV_PLUGIN_PATH": os.path.dirname(PLUGIN), "FFD_PANEL_LOG": log,
+                 "FFD_PANEL_TRACE": trace, "FFD_PANEL_AUTO_APPLY": str(int(auto_apply))})
+        for image in os.listdir(folder):
+            if image.endswith(".png"):
+                shutil.copy(os.path.join(folder, image), TEMPORARY)
+        if result.returncode != 0:
+            raise AssertionError("ParaView ended with %d:\n%s" % (result.returncode, result.stdout))
+        for word in ("ERR|", "ERROR:", "Warning:"):
+            if word in result.stdout:
+                raise AssertionError("ParaView complained:\n" + result.stdout)
+        with open(log, encoding="ascii") as file:
+            states = [json.loads(line) for line in file]
+        with open(trace, encoding="utf-8") as file:
+            return states, file.read()
+
+
+def moved(state):
+    """Indices of the control points that are displaced."""
+    values = state["displacements"]
+    return [i // 3 for i in range(0, len(values), 3) if any(values[i:i + 3])]
+
+
+MIDDLE = 2 + 5 * (2 + 5 * 2)
+
+
+class TestPanel(unittest.TestCase):
+    def test_apply_and_undo(self):
+        """A drag waits for Apply; undo and redo are ParaView's; the picture is the known one."""
+        events = Events()
+        events.drag((0.5, 0.5), (0.55, 0.4), (0.6, 0.3))
+        events.click(PROPERTIES + "Accept")
+        events.menu("menu_Edit", "actionEditUndo")
+        events.menu("menu_Edit", "actionEditRedo")
+        states, trace = events.play(
+            "apply", auto_apply=False, baseline=os.path.join(BASELINE, "ParaView.TestPanel.png"))
+        # Had the drag been applied by itself there would be more.
+        self.assertEqual([moved(state) for state in states], [[MIDDLE], [], [MIDDLE]])
+        self.assertEqual(states[1]["displacements"], [])
+        self.assertEqual(states[0], states[2])
+        # Up and to the right, as the mouse.
+        x, y, z = states[0]["displacements"][3 * MIDDLE:3 * MIDDLE + 3]
+        self.assertGreater(z, 5.0)
+        self.assertGreater(y - x, 10.0)
+        self.assertIn("Displacements = [0.0, ", trace)
+
+    def test_reset(self):
+        """Reset takes a drag back that was not applied; the next Apply has nothing of it."""
+        events = Events()
+        events.drag((0.5, 0.5), (0.6, 0.3))
+        events.click(PROPERTIES + "Reset")
+        events.set(PANEL + "Resolution_0", "int", "6")
+        events.click(PROPERTIES + "Accept")
+        states, _ = events.play("reset", auto_apply=False)
+        self.assertEqual(states[-1]["resolution"], [6, 5, 5])
+        self.assertEqual(states[-1]["displacements"], [])
+
+    def test_live(self):
+        """With auto-apply the filter follows a drag, which is one step for undo and trace."""
+        events = Events()
+        events.drag((0.5, 0.5), (0.55, 0.4), (0.6, 0.3))
+        events.menu("menu_Edit", "actionEditUndo")
+        events.menu("menu_Edit", "actionEditRedo")
+        states, trace = events.play("live", auto_apply=True)
+        heights = [state["displacements"][3 * MIDDLE + 2] if state["displacements"] else 0.0
+                   for state in states]
+        dragged = max(heights)
+        self.assertTrue(any(0.3 * dragged < height < 0.7 * dragged for height in heights), heights)
+        self.assertEqual(heights[-3:], [dragged, 0.0, dragged])
+        self.assertEqual(trace.count("Displacements ="), 1)
+
+    def test_controls(self):
+        """Resolution, refinement, numeric entry, options and reset."""
+        events = Events()
+        events.drag((0.5, 0.5), (0.6, 0.3))
+        events.set(PANEL + "Resolution_0", "int", "7")
+        events.click(PANEL + "Refine")
+        events.click(PANEL + "SelectAll")
+        events.set(PANEL + "Center_2", "string", "5")
+        events.click(PANEL + "ResetLattice")
+        events.set(PANEL + "Resolution_0", "int", "5")
+        events.set(PANEL + "Resolution_1", "int", "5")
+        events.set(PANEL + "Resolution_2", "int", "5")
+        events.click(PANEL + "SelectNone")
+        events.set(PANEL + "Constraint", "string", "Z axis")
+        events.set(PANEL + "SymmetryX", "boolean", "true")
+        events.drag((0.5, 0.5), (0.6, 0.3))
+        events.click(PANEL + "ResetSelected")
+        events.set(PANEL + "Constraint", "string", "Free")
+        events.set(PANEL + "SoftEditing", "boolean", "true")
+        events.drag((0.5, 0.5), (0.6, 0.3))
+        states, _ = events.play("controls", auto_apply=True)
+
+        # Another resolution keeps the edits, which stay those of the old one until the next edit.
+        drag = states[0]["displacements"]
+        finer = [s for s in states if s["resolution"] == [7, 5, 5]][-1]
+        refined = [s for s in states if s["resolution"] == [11, 7, 7]]
+        for state in (finer, refined[0]):
+            self.assertEqual(state["displacements_resolution"], [5, 5, 5])
+            self.assertEqual(state["displacements"], drag)
+        shifted = [s for s in refined if len(s["displacements"]) == 3 * 11 * 7 * 7][-1]
+        self.assertEqual(shifted["displacements_resolution"], [0, 0, 0])
+        # All control points moved by as much; those at the edge were at rest.
+        shift = shifted["displacements"][:3]
+        self.assertAlmostEqual(shift[0], 0.0, places=9)
+        self.assertNotAlmostEqual(shift[2], 0.0, places=1)
+        heights = shifted["displacements"][2::3]
+        self.assertAlmostEqual(sum(heights) / len(heights), 5.0, places=6)
+        self.assertEqual(refined[-1]["displacements"], [])
+        # Constrained to z.
+        rest = states[states.index(refined[-1]) + 1:]
+        constrained = [s for s in rest if moved(s) == [MIDDLE]][-1]
+        self.assertEqual(constrained["displacements"][3 * MIDDLE:3 * MIDDLE + 2], [0.0, 0.0])
+        self.assertGreater(constrained["displacements"][3 * MIDDLE + 2], 5.0)
+        # The neighbours follow; the mirrored edit of the middle keeps it in the mid-plane.
+        soft = rest[-1]
+        self.assertGreater(len(moved(soft)), 6)
+        self.assertAlmostEqual(soft["displacements"][3 * MIDDLE], 0.0, places=9)
+
+
+if __name__ == "__main__":
+    unittest.main()

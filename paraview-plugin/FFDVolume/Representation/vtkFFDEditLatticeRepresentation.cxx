@@ -1,0 +1,401 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDEditLatticeRepresentation.h"
+
+#include "vtkFFDLattice.h"
+
+#include "vtkDoubleArray.h"
+#include "vtkIdTypeArray.h"
+#include "vtkObjectFactory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+vtkStandardNewMacro(vtkFFDEditLatticeRepresentation);
+
+namespace
+{
+
+constexpr int SmallestSize = 4;
+constexpr int LargestSize = 64;
+constexpr int LargestCount = LargestSize * LargestSize * LargestSize;
+
+std::size_t CountValues(const int sizes[3])
+{
+  return 3 * static_cast<std::size_t>(sizes[0]) * static_cast<std::size_t>(sizes[1]) *
+    static_cast<std::size_t>(sizes[2]);
+}
+
+std::vector<double> GetValues(vtkFFDLattice* lattice)
+{
+  vtkDoubleArray* array = lattice->GetDisplacements();
+  return { array->GetPointer(0), array->GetPointer(0) + array->GetNumberOfValues() };
+}
+
+/// Displacements for `to` sizes of a lattice of `from` sizes, carried over as vtkFFDEditLattice
+/// does. Values that do not fit are none.
+std::vector<double> CarryOver(
+  const std::vector<double>& values, const int from[3], const int to[3], const double domain[6])
+{
+  if (values.size() != CountValues(from))
+  {
+    return std::vector<double>(CountValues(to), 0.0);
+  }
+  if (std::equal(from, from + 3, to))
+  {
+    return values;
+  }
+  vtkNew<vtkFFDLattice> lattice;
+  lattice->SetDomain(domain);
+  lattice->SetDimensions(from);
+  std::copy(values.begin(), values.end(), lattice->GetDisplacements()->GetPointer(0));
+  lattice->Modified();
+  lattice->SetDimensions(to);
+  return GetValues(lattice);
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+vtkFFDEditLatticeRepresentation::vtkFFDEditLatticeRepresentation()
+{
+  this->EditArray->SetNumberOfComponents(1);
+  this->SelectionArray->SetNumberOfComponents(1);
+}
+
+//------------------------------------------------------------------------------
+vtkFFDEditLatticeRepresentation::~vtkFFDEditLatticeRepresentation() = default;
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLatticeRepresentation::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  const auto print = [&os](const int sizes[3])
+  { os << sizes[0] << ", " << sizes[1] << ", " << sizes[2] << "\n"; };
+  os << indent << "Dimensions: ";
+  print(this->Dimensions);
+  os << indent << "Domain: " << this->Domain[0] << ", " << this->Domain[1] << ", "
+     << this->Domain[2] << ", " << this->Domain[3] << ", " << this->Domain[4] << ", "
+     << this->Domain[5] << "\n";
+  os << indent << "BaseDimensions: ";
+  print(this->BaseDimensions);
+  os << indent << "NumberOfBaseDisplacements: " << this->Base.size() / 3 << "\n";
+  os << indent << "DisplacementScale: " << this->DisplacementScale << "\n";
+  os << indent << "EditDimensions: ";
+  print(this->EditDimensions);
+  os << indent << "NumberOfDisplacements: " << this->Edits.size() / 3 << "\n";
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDEditLatticeRepresentation::SetSizes(
+  const char* name, int member[3], const int sizes[3], bool zeroAllowed)
+{
+  const bool none = zeroAllowed && sizes[0] == 0 && sizes[1] == 0 && sizes[2] == 0;
+  for (int a = 0; a < 3; ++a)
+  {
+    if (!none && (sizes[a] < SmallestSize || sizes[a] > LargestSize))
+    {
+      vtkErrorMacro(<< name << " is " << sizes[0] << ", " << sizes[1] << ", " << sizes[2]
+                    << "; each must be from " << SmallestSize << " to " << LargestSize
+                    << ". It stays " << member[0] << ", " << member[1] << ", " << member[2] << ".");
+      return false;
+    }
+  }
+  if (!std::equal(sizes, sizes + 3, member))
+  {
+    std::copy_n(sizes, 3, member);
+    this->LatticeIsStale = true;
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLatticeRepresentation::SetCount(
+  const char* name, std::vector<double>& values, int count)
+{
+  if (count < 0 || count > LargestCount)
+  {
+    vtkErrorMacro(<< name << " is " << count << ", it must be from 0 to " << LargestCount << ".");
+    return;
+  }
+  const std::size_t size = 3 * static_cast<std::size_t>(count);
+  if (size != values.size())
+  {
+    values.resize(size, 0.0);
+    this->LatticeIsStale = true;
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLatticeRepresentation::SetValue(
+  const char* name, std::vector<double>& values, int index, const double value[3])
+{
+  if (index < 0 || 3 * static_cast<std::size_t>(index) >= values.size() ||
+    !std::isfinite(value[0] + value[1] + value[2]))
+  {
+    vtkErrorMacro(<< name << " " << index << ": there are " << values.size() / 3
+                  << ", and values must be finite.");
+    return;
+  }
+  double* at = &values[3 * static_cast<std::size_t>(index)];
+  if (!std::equal(value, value + 3, at))
+  {
+    std::copy_n(value, 3, at);
+    this->LatticeIsStale = true;
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLatticeRepresentation::SetDimensions(int nx, int ny, int nz)
+{
+  const int sizes[3] = { nx, ny, nz };
+  this->SetSizes("Dimensions", this->Dimensions, sizes, false);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLatticeRepresentation::SetBaseDimensions(int nx, int ny, int nz)
+{
+  const int sizes[3] = { nx, ny, nz };
+  this->SetSizes("BaseDimensions", this->BaseDimensions, sizes, false);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLatticeRepresentation::SetEditDimensions(int nx, int ny, int nz)
+{
+  const int sizes[3] = { nx, ny, nz };
+  this->SetSizes("EditDimensions", this->EditDimensions, sizes, true);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLatticeRepresentation::SetDomain(
+  double xmin, double xmax, double ymin, double ymax, double zmin, double zmax)
+{
+  const double domain[6] = { xmin, xmax, ymin, ymax, zmin, zmax };
+  if (!(xmin < xmax && ymin < ymax && zmin < zmax) ||
+    !std::all_of(domain, domain + 6, [](double v) { return std::isfinite(v); }))
+  {
+    vtkErrorMacro(<< "Domain is " << xmin << ", " << xmax << ", " << ymin << ", " << ymax << ", "
+                  << zmin << ", " << zmax
+                  << "; each minimum must be less than its maximum. It stays as it was.");
+    return;
+  }
+  if (!std::equal(domain, domain + 6, this->Domain))
+  {
+    std::copy_n(domain, 6, this->Domain);
+    this->LatticeIsStale = true;
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLatticeRepresentation::SetNumberOfBaseDisplacements(int count)
+{
+  this->SetCount("NumberOfBaseDisplacements", this->Base, count);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLatticeRepresentation::SetBaseDisplacement(
+  int index, double dx, double dy, double dz)
+{
+  const double value[3] = { dx, dy, dz };
+  this->SetValue("BaseDisplacement", this->Base, index, value);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLatticeRepresentation::SetDisplacementScale(double scale)
+{
+  if (!std::isfinite(scale))
+  {
+    vtkErrorMacro(<< "DisplacementScale is " << scale << ", it must be finite.");
+    return;
+  }
+  if (scale != this->DisplacementScale)
+  {
+    this->DisplacementScale = scale;
+    this->LatticeIsStale = true;
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLatticeRepresentation::SetNumberOfDisplacements(int count)
+{
+  this->SetCount("NumberOfDisplacements", this->Edits, count);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLatticeRepresentation::SetDisplacement(int index, double dx, double dy, double dz)
+{
+  const double value[3] = { dx, dy, dz };
+  this->SetValue("Displacement", this->Edits, index, value);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLatticeRepresentation::SetNumberOfSelectedPoints(int count)
+{
+  this->Selected.resize(static_cast<std::size_t>(std::max(count, 0)), -1.0);
+  this->SelectionIsStale = true;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLatticeRepresentation::SetSelectedPoint(int index, double point)
+{
+  if (index >= 0 && static_cast<std::size_t>(index) < this->Selected.size())
+  {
+    this->Selected[static_cast<std::size_t>(index)] = point;
+    this->SelectionIsStale = true;
+  }
+}
+
+//------------------------------------------------------------------------------
+vtkDoubleArray* vtkFFDEditLatticeRepresentation::GetSelection()
+{
+  vtkNew<vtkIdTypeArray> points;
+  this->GetSelectedPoints(points);
+  this->SelectionArray->SetNumberOfValues(points->GetNumberOfValues());
+  for (vtkIdType n = 0; n < points->GetNumberOfValues(); ++n)
+  {
+    this->SelectionArray->SetValue(n, static_cast<double>(points->GetValue(n)));
+  }
+  return this->SelectionArray;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLatticeRepresentation::UpdateLattice()
+{
+  if (this->LatticeIsStale)
+  {
+    vtkFFDLattice* lattice = this->GetLattice();
+    const std::vector<double> base =
+      CarryOver(this->Base, this->BaseDimensions, this->Dimensions, this->Domain);
+    const int* sizes = this->EditDimensions[0] > 0 ? this->EditDimensions : this->Dimensions;
+    // What comes back of the edits that were reported, perhaps in the middle of a drag, is there
+    // already; adding it again would only round differently.
+    const bool ours = !this->LastReported.empty() && this->Edits == this->LastReported &&
+      base == this->BaseHere && std::equal(sizes, sizes + 3, this->Dimensions) &&
+      std::equal(sizes, sizes + 3, lattice->GetDimensions());
+    if (ours)
+    {
+      this->LatticeIsStale = false;
+      this->Composed = this->ReportedValues;
+      if (!std::equal(this->Domain, this->Domain + 6, lattice->GetDomain()))
+      {
+        lattice->SetDomain(this->Domain);
+      }
+      lattice->SetDisplacementScale(this->DisplacementScale);
+      this->Modified();
+    }
+    else if (!this->IsInteracting())
+    {
+      this->LatticeIsStale = false;
+      this->BaseHere = base;
+      std::vector<double> sum = CarryOver(this->Edits, sizes, this->Dimensions, this->Domain);
+      for (std::size_t n = 0; n < sum.size(); ++n)
+      {
+        sum[n] += base[n];
+      }
+      vtkNew<vtkFFDLattice> made;
+      made->SetDomain(this->Domain);
+      made->SetDimensions(this->Dimensions);
+      made->SetDisplacementScale(this->DisplacementScale);
+      std::copy(sum.begin(), sum.end(), made->GetDisplacements()->GetPointer(0));
+      made->Modified();
+      if (GetValues(lattice) != sum)
+      {
+        // Edits that were made elsewhere (ParaView's undo) are none of the widget's own history.
+        this->ClearHistory();
+      }
+      lattice->DeepCopy(made);
+      this->Composed = std::move(sum);
+      this->LastReported.clear();
+      this->Modified();
+    }
+  }
+  if (this->SelectionIsStale)
+  {
+    this->SelectionIsStale = false;
+    const auto count = static_cast<double>(this->GetLattice()->GetNumberOfControlPoints());
+    vtkNew<vtkIdTypeArray> points;
+    for (const double point : this->Selected)
+    {
+      if (point >= 0.0 && point < count)
+      {
+        points->InsertNextValue(static_cast<vtkIdType>(point));
+      }
+    }
+    vtkNew<vtkIdTypeArray> now;
+    this->GetSelectedPoints(now);
+    const vtkIdType* first = now->GetPointer(0);
+    if (now->GetNumberOfValues() != points->GetNumberOfValues() ||
+      !std::equal(first, first + now->GetNumberOfValues(), points->GetPointer(0)))
+    {
+      this->SetSelectedPoints(points);
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+/// Whether the lattice is another than UpdateLattice() made.
+bool vtkFFDEditLatticeRepresentation::IsEdited()
+{
+  this->UpdateLattice();
+  vtkDoubleArray* array = this->GetLattice()->GetDisplacements();
+  return !std::equal(this->Composed.begin(), this->Composed.end(), array->GetPointer(0),
+    array->GetPointer(0) + array->GetNumberOfValues());
+}
+
+//------------------------------------------------------------------------------
+vtkDoubleArray* vtkFFDEditLatticeRepresentation::GetEdits()
+{
+  if (!this->IsEdited())
+  {
+    this->EditArray->SetNumberOfValues(static_cast<vtkIdType>(this->Edits.size()));
+    std::copy(this->Edits.begin(), this->Edits.end(), this->EditArray->GetPointer(0));
+    return this->EditArray;
+  }
+  std::vector<double> edits = GetValues(this->GetLattice());
+  bool any = false;
+  for (std::size_t n = 0; n < edits.size() && n < this->BaseHere.size(); ++n)
+  {
+    edits[n] -= this->BaseHere[n];
+    any = any || edits[n] != 0.0;
+  }
+  if (!any)
+  {
+    edits.clear();
+  }
+  this->EditArray->SetNumberOfValues(static_cast<vtkIdType>(edits.size()));
+  std::copy(edits.begin(), edits.end(), this->EditArray->GetPointer(0));
+  this->LastReported = edits;
+  this->ReportedValues = GetValues(this->GetLattice());
+  return this->EditArray;
+}
+
+//------------------------------------------------------------------------------
+int* vtkFFDEditLatticeRepresentation::GetEditDimensions()
+{
+  return this->IsEdited() ? this->OwnDimensions : this->EditDimensions;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDEditLatticeRepresentation::ResetEdits()
+{
+  this->UpdateLattice();
+  vtkFFDLattice* lattice = this->GetLattice();
+  const std::vector<double> now = GetValues(lattice);
+  if (this->IsInteracting() || now == this->BaseHere || now.size() != this->BaseHere.size())
+  {
+    return 0;
+  }
+  this->ClearHistory();
+  std::copy(this->BaseHere.begin(), this->BaseHere.end(), lattice->GetDisplacements()->GetPointer(0));
+  lattice->Modified();
+  this->Modified();
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDEditLatticeRepresentation::BuildRepresentation()
+{
+  this->UpdateLattice();
+  this->Superclass::BuildRepresentation();
+}
