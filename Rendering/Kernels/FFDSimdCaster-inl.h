@@ -451,10 +451,6 @@ private:
   {
     const PacketLook look(
       this->Scene, piece.At(hn::Mul(n, schedule.Ds)), looking, this->Scratch.Statistics);
-    if (!this->Scene.Identity)
-    {
-      this->Kept.Take(look, looking);
-    }
     const Vf steps = look.CountSteps(this->Scene, leaps);
     if (HWY_UNLIKELY(this->Scene.Intervals))
     {
@@ -981,7 +977,7 @@ private:
   Vf WxSlope[4];
   Vf WySlope[4];
   PacketPixels Out;
-  PacketLook Kept; ///< the last empty cube that was found for each ray
+  PacketLook Kept; ///< the empty cube that was found last where a piece began, for each ray
 
   // Derivatives of the current piece, found when its first visible sample is shaded.
   bool HaveFrames = false;
