@@ -21,7 +21,6 @@ KNOWN_MISSES = {
     # Undeformed, packets follow straight rays from end to end and need half the look-ups of single
     # rays; deformed, a ray looks up once more for each piece that its last empty cube does not reach
     # into. The deformed speed-up is far above the paper's, but the undeformed one farther.
-    "table1.default.keeps.opaque",
     "table1.default.keeps.sparse",
 }
 
