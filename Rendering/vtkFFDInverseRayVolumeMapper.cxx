@@ -316,7 +316,8 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
     this->Input.GetView(), this->Input.GetScalars()->GetDataTypeSize(), rest);
   // All that the bounds depend on: other options of the mapper do not make them anew.
   if (this->DeformationTime == this->Source.GetMTime() && this->RestBounds.Min == rest.Min &&
-    this->RestBounds.Max == rest.Max && this->DeformationReach == reach && this->DeformationCells == mostCells &&
+    this->RestBounds.Max == rest.Max && this->DeformationReach == reach &&
+    this->DeformationCells == mostCells &&
     this->Map.GetKind() == map.GetKind() && this->Map.GetTolerance() == map.GetTolerance())
   {
     return true;

@@ -5,6 +5,7 @@
 #include "FFDBSplineBasis.h"
 #include "FFDControlNet.h"
 #include "FFDJacobianDeterminant.h"
+#include "FFDMatrixBounds.h"
 
 #include <glm/common.hpp>
 #include <glm/matrix.hpp>
@@ -61,23 +62,11 @@ void SetUnbounded(SubCellBounds& bounds)
   bounds.Value[SubCellBounds::Third] = infinity;
 }
 
-/// |m| entry by entry.
-glm::dmat3 Absolute(const glm::dmat3& m)
-{
-  return glm::dmat3(glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2]));
-}
-
 /// Inverse times determinant, in straight-line code that compilers vectorise.
 glm::dmat3 Adjugate(const glm::dmat3& m)
 {
   return glm::transpose(
     glm::dmat3(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])));
-}
-
-double LargestRowSum(const glm::dmat3& m)
-{
-  const glm::dvec3 sums = m[0] + m[1] + m[2];
-  return std::max({ sums.x, sums.y, sums.z });
 }
 
 double LargestColumnSum(const glm::dmat3& m)

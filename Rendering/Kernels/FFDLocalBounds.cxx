@@ -3,6 +3,7 @@
 #include "FFDLocalBounds.h"
 
 #include "FFDBSplineBasis.h"
+#include "FFDMatrixBounds.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -77,11 +78,6 @@ glm::dmat3 ApplyStep(const double m[6][3], const glm::dvec3& step)
   return to;
 }
 
-glm::dmat3 Absolute(const glm::dmat3& m)
-{
-  return glm::dmat3(glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2]));
-}
-
 /// False for a matrix so near to singular that its inverse is mostly rounding.
 bool Invert(const glm::dmat3& m, glm::dmat3& inverse)
 {
@@ -92,12 +88,6 @@ bool Invert(const glm::dmat3& m, glm::dmat3& inverse)
   }
   inverse = glm::inverse(m);
   return true;
-}
-
-double LargestRowSum(const glm::dmat3& m)
-{
-  const glm::dvec3 sums = m[0] + m[1] + m[2];
-  return std::max({ sums.x, sums.y, sums.z });
 }
 
 /// Of boxes in rest space that are worth a look, in cells of the lattice.

@@ -135,19 +135,30 @@ double RayIntegrator::LengthOf(const SampledPiece& piece, double s, double inter
 }
 
 //------------------------------------------------------------------------------
+/// Values of all components at s; false where the volume is hidden.
+bool RayIntegrator::FindValues(const SampledPiece& piece, double s, double* values) const
+{
+  const IntegrationFrame& frame = *this->Frame;
+  const glm::dvec3 q = glm::clamp(piece.Curve.At(s), frame.Scene->Volume.LowerIndex(),
+    frame.Scene->Volume.UpperIndex());
+  if (frame.Classifier->IsHidden(q))
+  {
+    return false;
+  }
+  frame.Classifier->Values(q, values);
+  return true;
+}
+
+//------------------------------------------------------------------------------
 RayIntegrator::Outcome RayIntegrator::TakeExtreme(const SampledPiece& piece, double s)
 {
   const IntegrationFrame& frame = *this->Frame;
   const Blending& blend = frame.Scene->Blend;
-  const glm::dvec3 q =
-    glm::clamp(piece.Curve.At(s), frame.Scene->Volume.LowerIndex(),
-      frame.Scene->Volume.UpperIndex());
-  if (frame.Classifier->IsHidden(q))
+  double values[SampleClassifier::LargestNumberOfComponents];
+  if (!this->FindValues(piece, s, values))
   {
     return { false, false, 0.0f };
   }
-  double values[SampleClassifier::LargestNumberOfComponents];
-  frame.Classifier->Values(q, values);
   const bool maximum = blend.Mode == BlendMode::Maximum;
   bool visible = false;
   bool done = true;
@@ -200,15 +211,11 @@ RayIntegrator::Outcome RayIntegrator::AddUp(
 {
   const IntegrationFrame& frame = *this->Frame;
   const Blending& blend = frame.Scene->Blend;
-  const glm::dvec3 q =
-    glm::clamp(piece.Curve.At(s), frame.Scene->Volume.LowerIndex(),
-      frame.Scene->Volume.UpperIndex());
-  if (frame.Classifier->IsHidden(q))
+  double values[SampleClassifier::LargestNumberOfComponents];
+  if (!this->FindValues(piece, s, values))
   {
     return { false, false, 0.0f };
   }
-  double values[SampleClassifier::LargestNumberOfComponents];
-  frame.Classifier->Values(q, values);
   const bool average = blend.Mode == BlendMode::Average;
   const double length = this->LengthOf(piece, s, interval);
   bool visible = false;

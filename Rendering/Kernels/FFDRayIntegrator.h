@@ -106,6 +106,7 @@ private:
   double FindCrossing(const SampledPiece& piece, Value a, Value b, double value) const;
   double FindFace(const CurvePiece& curve, double inside, double outside) const;
   bool IsShown(const SampledPiece& piece, double s) const;
+  bool FindValues(const SampledPiece& piece, double s, double* values) const;
   double LengthOf(const SampledPiece& piece, double s, double interval) const;
   Result EndExtreme() const;
   Result EndSum() const;
