@@ -329,13 +329,13 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
   this->Map = map;
   ++this->Builds[DEFORMATION_BOUNDS];
   // Only what follows from these bounds is kept: they take far more memory.
-  const ffd::PullBackBounds mapBounds(this->Map);
+  const ffd::PullBackBounds mapBounds(this->Map, ParallelFor);
   this->DeformedBounds = mapBounds.DeformedBounds(rest);
   this->TurnRate = ffd::FindLargestTurnRate(
     mapBounds.Over(mapBounds.RegionsAreInRestSpace() ? rest : this->DeformedBounds));
   this->SpaceBounds = ffd::DeformedSpaceBounds(this->Map, mapBounds,
     { this->DeformedBounds.Min - reach, this->DeformedBounds.Max + reach }, rest, reach,
-    mostCells);
+    mostCells, ParallelFor);
   for (int a = 0; a < 3; ++a)
   {
     this->ReportedBounds[2 * a] = this->DeformedBounds.Min[a];

@@ -4,13 +4,13 @@
 #define FFDMinMaxBlocks_h
 
 #include "FFDExport.h"
+#include "FFDParallelFor.h"
 #include "FFDVolumeView.h"
 
 #include <glm/vec3.hpp>
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 namespace ffd
@@ -42,9 +42,7 @@ public:
     double Max; ///< < Min where a block has no number at all
   };
 
-  /// Runs work(first, last) over [0, count), possibly split over threads.
-  using ParallelFor = std::function<void(std::size_t count,
-    const std::function<void(std::size_t first, std::size_t last)>& work)>;
+  using ParallelFor = ffd::ParallelFor;
 
   MinMaxBlocks() = default;
   MinMaxBlocks(const VolumeView& volume, const ParallelFor& parallelFor);

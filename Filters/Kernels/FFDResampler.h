@@ -4,6 +4,7 @@
 #define FFDResampler_h
 
 #include "FFDExport.h"
+#include "FFDParallelFor.h"
 #include "FFDPullBack.h"
 #include "FFDPullBackBounds.h"
 #include "FFDSplineRows.h"
@@ -13,7 +14,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 namespace ffd
@@ -59,9 +59,7 @@ FFD_KERNEL_EXPORT Box FindRestRegion(
 class FFD_KERNEL_EXPORT Resampler
 {
 public:
-  /// Runs work(first, last) over [0, count), possibly split over threads.
-  using ParallelFor = std::function<void(std::size_t count,
-    const std::function<void(std::size_t first, std::size_t last)>& work)>;
+  using ParallelFor = ffd::ParallelFor;
 
   /// `volume` and `map` are kept by pointer. Components: Increments[0] of the volume.
   Resampler(const VolumeView& volume, const PullBack& map, const ImageGrid& grid,

@@ -11,6 +11,7 @@
 #include <glm/matrix.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -222,20 +223,20 @@ void SetBlossomWeights(double u0, double u1, double w[4][4])
 } // namespace
 
 //------------------------------------------------------------------------------
-PullBackBounds::PullBackBounds(const PullBack& pullBack)
+PullBackBounds::PullBackBounds(const PullBack& pullBack, const ParallelFor& parallelFor)
   : RestRegions(InvertsTheField(pullBack.GetKind()))
   , Kind(pullBack.GetKind())
   , Tolerance(pullBack.GetTolerance())
 {
   if (!pullBack.IsIdentity())
   {
-    this->Find(*pullBack.GetField(), SubCellGrid(*pullBack.GetField()));
+    this->Find(*pullBack.GetField(), SubCellGrid(*pullBack.GetField()), parallelFor);
   }
 }
 
 //------------------------------------------------------------------------------
-PullBackBounds::PullBackBounds(
-  const PullBack& pullBack, const CellRange& cells, const glm::ivec3& factors)
+PullBackBounds::PullBackBounds(const PullBack& pullBack, const CellRange& cells,
+  const glm::ivec3& factors, const ParallelFor& parallelFor)
   : RestRegions(InvertsTheField(pullBack.GetKind()))
   , Kind(pullBack.GetKind())
   , Tolerance(pullBack.GetTolerance())
@@ -270,7 +271,7 @@ PullBackBounds::PullBackBounds(
   this->Refined =
     std::make_shared<const BSplineField>(net.Nodes, origin, spacing, net.Values.data());
   const CellRange refined{ glm::ivec3(1), glm::ivec3(1) + factors * (cells.End - cells.First) };
-  this->Find(*this->Refined, SubCellGrid(refined));
+  this->Find(*this->Refined, SubCellGrid(refined), parallelFor);
 
   SubCellBounds unbounded;
   std::fill_n(unbounded.Value, SubCellBounds::Size, std::numeric_limits<float>::infinity());
@@ -289,12 +290,13 @@ PullBackBounds::PullBackBounds(
 }
 
 //------------------------------------------------------------------------------
-void PullBackBounds::Find(const BSplineField& field, const SubCellGrid& grid)
+void PullBackBounds::Find(
+  const BSplineField& field, const SubCellGrid& grid, const ParallelFor& parallelFor)
 {
   this->Field = &field;
   this->Size = grid.Size;
   this->Cells = { grid.FirstCell, grid.FirstCell + grid.Size / 2 - 1 };
-  ComputeSubCellBounds(field, grid, this->SubCells, &this->Derivatives);
+  ComputeSubCellBounds(field, grid, this->SubCells, &this->Derivatives, parallelFor);
   const glm::ivec3 cells = grid.GetCells();
   const auto cellOf = [&](std::size_t subCell) -> const CellDerivatives&
   {
@@ -307,26 +309,39 @@ void PullBackBounds::Find(const BSplineField& field, const SubCellGrid& grid)
         (static_cast<std::size_t>(j) +
           static_cast<std::size_t>(cells.y) * static_cast<std::size_t>(k))];
   };
-  for (std::size_t index = 0; index < this->SubCells.size(); ++index)
-  {
-    SubCellBounds& bounds = this->SubCells[index];
-    switch (this->Kind)
+  std::atomic<bool> regular{ true };
+  const std::size_t slice =
+    static_cast<std::size_t>(grid.Size.x) * static_cast<std::size_t>(grid.Size.y);
+  RunFor(parallelFor, static_cast<std::size_t>(grid.Size.z),
+    [&](std::size_t first, std::size_t last)
     {
-      case PullBackKind::FirstOrder:
-        Reflect(bounds, 1.0, true);
-        break;
-      case PullBackKind::Forward:
-        Reflect(bounds, 1.0, false);
-        break;
-      case PullBackKind::Exact:
-        this->ProvenInvertible = BoundInverse(bounds, cellOf(index)) && this->ProvenInvertible;
-        break;
-      case PullBackKind::FirstOrderOfInverse:
-        this->ProvenInvertible = BoundInverse(bounds, cellOf(index)) && this->ProvenInvertible;
-        Reflect(bounds, 2.0, true);
-        break;
-    }
-  }
+      bool all = true;
+      for (std::size_t index = first * slice; index < last * slice; ++index)
+      {
+        SubCellBounds& bounds = this->SubCells[index];
+        switch (this->Kind)
+        {
+          case PullBackKind::FirstOrder:
+            Reflect(bounds, 1.0, true);
+            break;
+          case PullBackKind::Forward:
+            Reflect(bounds, 1.0, false);
+            break;
+          case PullBackKind::Exact:
+            all = BoundInverse(bounds, cellOf(index)) && all;
+            break;
+          case PullBackKind::FirstOrderOfInverse:
+            all = BoundInverse(bounds, cellOf(index)) && all;
+            Reflect(bounds, 2.0, true);
+            break;
+        }
+      }
+      if (!all)
+      {
+        regular = false;
+      }
+    });
+  this->ProvenInvertible = this->ProvenInvertible && regular;
   if (this->RestRegions && !this->Refined && !this->ProvenInvertible)
   {
     // Far from the lattice T is a translation, so it is one to one if it folds nowhere.

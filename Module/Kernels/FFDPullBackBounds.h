@@ -45,7 +45,7 @@ struct MapBounds
  * meets the outside: a region that touches this border has infinite second and third derivatives
  * (D itself and the Jacobian interval stay valid: the map is Lipschitz there).
  *
- * Construction costs 0.15 microseconds per sub-cell on one core with AVX-512, 0.28 for the kinds
+ * Construction may be split over threads. It costs 0.15 microseconds per sub-cell on one core with AVX-512, 0.28 for the kinds
  * that invert T (2.1 and 3.8 ms for 8^3 control points, which make 24^3 sub-cells), and 104 bytes
  * per sub-cell; Over() some 60 nanoseconds for a region of a few sub-cells.
  *
@@ -56,14 +56,16 @@ class FFD_KERNEL_EXPORT PullBackBounds
 {
 public:
   PullBackBounds() = default;
-  explicit PullBackBounds(const PullBack& pullBack);
+  explicit PullBackBounds(
+    const PullBack& pullBack, const ParallelFor& parallelFor = ParallelFor());
 
   /**
    * The same over some cells of the lattice only, each cut into 2 * factors sub-cells per axis (by
    * knot insertion, so the map is the same): closer bounds where they are needed. Everything is
    * unbounded outside of these cells, and DeformedBounds() must not be called.
    */
-  PullBackBounds(const PullBack& pullBack, const CellRange& cells, const glm::ivec3& factors);
+  PullBackBounds(const PullBack& pullBack, const CellRange& cells, const glm::ivec3& factors,
+    const ParallelFor& parallelFor = ParallelFor());
 
   /// True when regions are boxes of rest space (see above).
   bool RegionsAreInRestSpace() const { return this->RestRegions; }
@@ -97,7 +99,8 @@ public:
   bool IsProvenInvertible() const { return this->ProvenInvertible; }
 
 private:
-  void Find(const BSplineField& field, const SubCellGrid& grid);
+  void Find(
+    const BSplineField& field, const SubCellGrid& grid, const ParallelFor& parallelFor);
   std::size_t IndexOf(int i, int j, int k) const
   {
     return static_cast<std::size_t>(i) +

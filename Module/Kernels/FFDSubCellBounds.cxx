@@ -519,39 +519,58 @@ HWY_INLINE void StoreDerivatives(
   }
 }
 
-void Compute(const BoundsInput& in, const SubCellGrid& grid, SubCellBounds* bounds,
-  CellDerivatives* derivatives)
+/// What weights of a slice of pieces are contracted into.
+struct Slice
 {
-  const std::size_t rowLength = static_cast<std::size_t>(in.RowLength);
-  std::vector<float> plane(12 * static_cast<std::size_t>(in.Padded.y) * rowLength);
-  std::vector<float> rows(48 * rowLength);
-  Net net;
-  for (int sz = 0; sz < grid.Size.z; ++sz)
+  std::vector<float> Plane;
+  std::vector<float> Rows;
+
+  explicit Slice(const BoundsInput& in)
+    : Plane(12 * static_cast<std::size_t>(in.Padded.y) * static_cast<std::size_t>(in.RowLength))
+    , Rows(48 * static_cast<std::size_t>(in.RowLength))
   {
-    ContractPlane(in, (*in.Half[2])[sz], plane.data());
+  }
+};
+
+/// Ranges of D and its first derivatives over the sub-cells of slices firstZ ... endZ - 1.
+void ComputeRanges(
+  const BoundsInput& in, const SubCellGrid& grid, SubCellBounds* bounds, int firstZ, int endZ)
+{
+  Slice slice(in);
+  Net net;
+  for (int sz = firstZ; sz < endZ; ++sz)
+  {
+    ContractPlane(in, (*in.Half[2])[sz], slice.Plane.data());
     for (int sy = 0; sy < grid.Size.y; ++sy)
     {
-      ContractRows(in, (*in.Half[1])[sy], plane.data(), rows.data());
+      ContractRows(in, (*in.Half[1])[sy], slice.Plane.data(), slice.Rows.data());
       for (int lane0 = 0; lane0 < in.Lanes; lane0 += BlockLanes)
       {
-        StoreRanges<Part::Left>(in, grid, rows.data(), lane0, sy, sz, net, bounds);
-        StoreRanges<Part::Right>(in, grid, rows.data(), lane0, sy, sz, net, bounds);
+        StoreRanges<Part::Left>(in, grid, slice.Rows.data(), lane0, sy, sz, net, bounds);
+        StoreRanges<Part::Right>(in, grid, slice.Rows.data(), lane0, sy, sz, net, bounds);
       }
     }
   }
+}
+
+/// Second and third derivatives over the cells of slices firstZ ... endZ - 1.
+void ComputeDerivatives(const BoundsInput& in, const SubCellGrid& grid, SubCellBounds* bounds,
+  CellDerivatives* derivatives, int firstZ, int endZ)
+{
+  Slice slice(in);
+  Net net;
   const int cellsY = static_cast<int>(in.Full[1]->size());
-  const int cellsZ = static_cast<int>(in.Full[2]->size());
   // A cell's sub-cells along an axis; the constant outside cells have one.
   const auto begin = [](int cell) { return cell == 0 ? 0 : 2 * cell - 1; };
-  for (int cz = 0; cz < cellsZ; ++cz)
+  for (int cz = firstZ; cz < endZ; ++cz)
   {
-    ContractPlane(in, (*in.Full[2])[cz], plane.data());
+    ContractPlane(in, (*in.Full[2])[cz], slice.Plane.data());
     for (int cy = 0; cy < cellsY; ++cy)
     {
-      ContractRows(in, (*in.Full[1])[cy], plane.data(), rows.data());
+      ContractRows(in, (*in.Full[1])[cy], slice.Plane.data(), slice.Rows.data());
       for (int lane0 = 0; lane0 < in.Lanes; lane0 += BlockLanes)
       {
-        ContractBlock<Part::Whole>(in, rows.data(), lane0, net);
+        ContractBlock<Part::Whole>(in, slice.Rows.data(), lane0, net);
         DerivativeSums second;
         DerivativeSums third;
         FindHigherDerivatives(in, net, second, third);
@@ -594,7 +613,8 @@ namespace ffd
 {
 namespace
 {
-HWY_EXPORT(Compute);
+HWY_EXPORT(ComputeRanges);
+HWY_EXPORT(ComputeDerivatives);
 
 /// Weights from B-spline to Bezier coefficients of a cell, or of its left or right half.
 void SetWeights(int part, float w[4][4])
@@ -649,7 +669,8 @@ std::vector<AxisPiece> MakePieces(const SubCellGrid& grid, int axis, int piecesP
 
 //------------------------------------------------------------------------------
 void ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid,
-  std::vector<SubCellBounds>& bounds, std::vector<CellDerivatives>* derivatives)
+  std::vector<SubCellBounds>& bounds, std::vector<CellDerivatives>* derivatives,
+  const ParallelFor& parallelFor)
 {
   bounds.resize(grid.Count());
   if (derivatives)
@@ -769,8 +790,19 @@ void ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid,
   in.Full[0] = nullptr;
   in.Full[1] = &fullY;
   in.Full[2] = &fullZ;
-  HWY_DYNAMIC_DISPATCH(Compute)(
-    in, grid, bounds.data(), derivatives ? derivatives->data() : nullptr);
+  RunFor(parallelFor, static_cast<std::size_t>(grid.Size.z),
+    [&](std::size_t first, std::size_t last)
+    {
+      HWY_DYNAMIC_DISPATCH(ComputeRanges)(
+        in, grid, bounds.data(), static_cast<int>(first), static_cast<int>(last));
+    });
+  RunFor(parallelFor, fullZ.size(),
+    [&](std::size_t first, std::size_t last)
+    {
+      HWY_DYNAMIC_DISPATCH(ComputeDerivatives)(in, grid, bounds.data(),
+        derivatives ? derivatives->data() : nullptr, static_cast<int>(first),
+        static_cast<int>(last));
+    });
 }
 
 } // namespace ffd

@@ -4,6 +4,7 @@
 #define FFDSubCellBounds_h
 
 #include "FFDBSplineField.h"
+#include "FFDParallelFor.h"
 
 #include <vector>
 
@@ -88,7 +89,8 @@ struct SubCellGrid
  * not null, gets the second and third derivatives of each cell one by one, x fastest.
  */
 void ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid,
-  std::vector<SubCellBounds>& bounds, std::vector<CellDerivatives>* derivatives = nullptr);
+  std::vector<SubCellBounds>& bounds, std::vector<CellDerivatives>* derivatives = nullptr,
+  const ParallelFor& parallelFor = ParallelFor());
 
 } // namespace ffd
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 
 namespace ffd
 {
@@ -105,7 +106,8 @@ std::uint8_t DeformedSpaceBounds::PowerTable::Encode(float value) const
 
 //------------------------------------------------------------------------------
 DeformedSpaceBounds::DeformedSpaceBounds(const PullBack& pullBack, const PullBackBounds& bounds,
-  const Box& region, const Box& rest, double resolution, int mostCells)
+  const Box& region, const Box& rest, double resolution, int mostCells,
+  const ParallelFor& parallelFor)
   : Region(region)
   , Resolution(std::max(resolution, 1e-300))
 {
@@ -148,25 +150,51 @@ DeformedSpaceBounds::DeformedSpaceBounds(const PullBack& pullBack, const PullBac
   {
     factors = glm::ivec3(glm::clamp(glm::ceil(0.5 * spacing / this->PartSize), glm::dvec3(1.0),
       glm::dvec3(static_cast<double>(LargestFactor))));
-    refined = PullBackBounds(pullBack, refinedCells, factors);
+    refined = PullBackBounds(pullBack, refinedCells, factors, parallelFor);
   }
   this->Local = LocalBounds(pullBack, bounds, neededCells);
 
+  Grids grids = this->EmptyGrids();
+  if (bounds.RegionsAreInRestSpace())
+  {
+    this->FindFromRest(bounds, refined, refinedCells, factors, field, parallelFor, grids);
+  }
+  else
+  {
+    this->FindOverCells(bounds, refined, refinedCells, field, parallelFor, grids);
+  }
+  this->Encode(grids);
+}
+
+//------------------------------------------------------------------------------
+DeformedSpaceBounds::Grids DeformedSpaceBounds::EmptyGrids() const
+{
   Grids grids;
   UpperBounds nothing;
   std::fill_n(nothing.Jacobian, 18, -Infinity);
   grids.Jacobians.assign(this->IndexOf(this->Cells), nothing);
   grids.Derivatives.assign(
     this->IndexOfPart(Parts * this->Cells), UpperDerivatives{ 0.0f, 0.0f });
-  if (bounds.RegionsAreInRestSpace())
+  return grids;
+}
+
+//------------------------------------------------------------------------------
+void DeformedSpaceBounds::Grids::Include(const Grids& other)
+{
+  for (std::size_t i = 0; i < this->Jacobians.size(); ++i)
   {
-    this->FindFromRest(bounds, refined, refinedCells, factors, field, grids);
+    for (int e = 0; e < 18; ++e)
+    {
+      this->Jacobians[i].Jacobian[e] =
+        std::max(this->Jacobians[i].Jacobian[e], other.Jacobians[i].Jacobian[e]);
+    }
   }
-  else
+  for (std::size_t i = 0; i < this->Derivatives.size(); ++i)
   {
-    this->FindOverCells(bounds, refined, refinedCells, field, grids);
+    UpperDerivatives& part = this->Derivatives[i];
+    part.Second = std::max(part.Second, other.Derivatives[i].Second);
+    part.Third = std::max(part.Third, other.Derivatives[i].Third);
   }
-  this->Encode(grids);
 }
 
 //------------------------------------------------------------------------------
@@ -239,51 +267,56 @@ CellRange DeformedSpaceBounds::FindRefinedCells(
 //------------------------------------------------------------------------------
 void DeformedSpaceBounds::FindOverCells(const PullBackBounds& bounds,
   const PullBackBounds& refined, const CellRange& refinedCells, const BSplineField& field,
-  Grids& grids) const
+  const ParallelFor& parallelFor, Grids& grids) const
 {
   const glm::dvec3 one = field.GetOrigin() + glm::dvec3(refinedCells.First) * field.GetSpacing();
   const glm::dvec3 other = field.GetOrigin() + glm::dvec3(refinedCells.End) * field.GetSpacing();
   const bool anyRefined = glm::all(glm::lessThan(refinedCells.First, refinedCells.End));
   const Box closely{ glm::min(one, other), glm::max(one, other) };
   const glm::ivec3 parts = Parts * this->Cells;
-  for (int k = 0; k < parts.z; ++k)
-  {
-    for (int j = 0; j < parts.y; ++j)
+  // A slice of cells is written to by one thread only.
+  RunFor(parallelFor, static_cast<std::size_t>(this->Cells.z),
+    [&](std::size_t first, std::size_t last)
     {
-      for (int i = 0; i < parts.x; ++i)
+      for (int k = Parts * static_cast<int>(first); k < Parts * static_cast<int>(last); ++k)
       {
-        const glm::ivec3 at(i, j, k);
-        Box box;
-        box.Min = this->Region.Min + glm::dvec3(at) * this->PartSize;
-        box.Max = box.Min + this->PartSize;
-        for (int a = 0; a < 3; ++a)
+        for (int j = 0; j < parts.y; ++j)
         {
-          // The outermost ones have no end.
-          box.Min[a] = at[a] == 0 ? -1e300 : box.Min[a];
-          box.Max[a] = at[a] == parts[a] - 1 ? 1e300 : box.Max[a];
-        }
-        const bool inside = anyRefined && glm::all(glm::greaterThan(box.Min, closely.Min)) &&
-          glm::all(glm::lessThan(box.Max, closely.Max));
-        const MapBounds here = inside ? refined.Over(box) : bounds.Over(box);
-        grids.Derivatives[this->IndexOfPart(at)] = { RoundUp(here.SecondDerivative),
-          RoundUp(here.ThirdDerivative) };
-        UpperBounds& cell = grids.Jacobians[this->IndexOf(at / Parts)];
-        for (int e = 0; e < 9; ++e)
-        {
-          cell.Jacobian[e] =
-            std::max(cell.Jacobian[e], RoundUp(here.JacobianMax[e / 3][e % 3]));
-          cell.Jacobian[NegativeJacobian + e] = std::max(
-            cell.Jacobian[NegativeJacobian + e], RoundUp(-here.JacobianMin[e / 3][e % 3]));
+          for (int i = 0; i < parts.x; ++i)
+          {
+            const glm::ivec3 at(i, j, k);
+            Box box;
+            box.Min = this->Region.Min + glm::dvec3(at) * this->PartSize;
+            box.Max = box.Min + this->PartSize;
+            for (int a = 0; a < 3; ++a)
+            {
+              // The outermost ones have no end.
+              box.Min[a] = at[a] == 0 ? -1e300 : box.Min[a];
+              box.Max[a] = at[a] == parts[a] - 1 ? 1e300 : box.Max[a];
+            }
+            const bool inside = anyRefined && glm::all(glm::greaterThan(box.Min, closely.Min)) &&
+              glm::all(glm::lessThan(box.Max, closely.Max));
+            const MapBounds here = inside ? refined.Over(box) : bounds.Over(box);
+            grids.Derivatives[this->IndexOfPart(at)] = { RoundUp(here.SecondDerivative),
+              RoundUp(here.ThirdDerivative) };
+            UpperBounds& cell = grids.Jacobians[this->IndexOf(at / Parts)];
+            for (int e = 0; e < 9; ++e)
+            {
+              cell.Jacobian[e] =
+                std::max(cell.Jacobian[e], RoundUp(here.JacobianMax[e / 3][e % 3]));
+              cell.Jacobian[NegativeJacobian + e] = std::max(
+                cell.Jacobian[NegativeJacobian + e], RoundUp(-here.JacobianMin[e / 3][e % 3]));
+            }
+          }
         }
       }
-    }
-  }
+    });
 }
 
 //------------------------------------------------------------------------------
 void DeformedSpaceBounds::FindFromRest(const PullBackBounds& bounds,
   const PullBackBounds& refined, const CellRange& refinedCells, const glm::ivec3& factors,
-  const BSplineField& field, Grids& grids) const
+  const BSplineField& field, const ParallelFor& parallelFor, Grids& grids) const
 {
   std::vector<AxisIntervals> axes;
   for (int a = 0; a < 3; ++a)
@@ -294,66 +327,80 @@ void DeformedSpaceBounds::FindFromRest(const PullBackBounds& bounds,
   // The neighbours share a sub-cell's faces: stay off them. But where the field has a kink in such
   // a face, what it does to the derivatives must be seen.
   const double inset = field.GetBorder() == BorderMode::ZeroAtBorder ? 0.0 : 1e-7;
-  for (int k = 0; k < axes[2].Count(); ++k)
-  {
-    for (int j = 0; j < axes[1].Count(); ++j)
+  // Intervals of rest space map to any cells: each thread has grids of its own. A few parts only, as
+  // these have to be put together.
+  const std::size_t slices = static_cast<std::size_t>(axes[2].Count());
+  const std::size_t shares = std::min<std::size_t>(slices, 8);
+  std::mutex mutex;
+  RunFor(parallelFor, shares,
+    [&](std::size_t firstShare, std::size_t lastShare)
     {
-      for (int i = 0; i < axes[0].Count(); ++i)
+      const std::size_t first = slices * firstShare / shares;
+      const std::size_t last = slices * lastShare / shares;
+      Grids mine = this->EmptyGrids();
+      for (int k = static_cast<int>(first); k < static_cast<int>(last); ++k)
       {
-        const glm::ivec3 at(i, j, k);
-        Box rest;
-        for (int a = 0; a < 3; ++a)
+        for (int j = 0; j < axes[1].Count(); ++j)
         {
-          const double h = field.GetSpacing()[a];
-          const double from = field.GetOrigin()[a] + (axes[a].Ends[at[a]] + inset) * h;
-          const double to = field.GetOrigin()[a] + (axes[a].Ends[at[a] + 1] - inset) * h;
-          rest.Min[a] = std::max(-1e300, std::min(from, to));
-          rest.Max[a] = std::min(1e300, std::max(from, to));
-        }
-        const bool inside = axes[0].IsRefined(i) && axes[1].IsRefined(j) && axes[2].IsRefined(k);
-        const PullBackBounds& source = inside ? refined : bounds;
-        const MapBounds here = source.Over(rest);
-        const Box moves = source.DisplacementOver(rest);
-        const glm::ivec3 from = this->PartOf(rest.Min + moves.Min);
-        const glm::ivec3 to = this->PartOf(rest.Max + moves.Max);
-
-        const float second = RoundUp(here.SecondDerivative);
-        const float third = RoundUp(here.ThirdDerivative);
-        for (int c = from.z; c <= to.z; ++c)
-        {
-          for (int b = from.y; b <= to.y; ++b)
+          for (int i = 0; i < axes[0].Count(); ++i)
           {
-            UpperDerivatives* row = &grids.Derivatives[this->IndexOfPart(glm::ivec3(0, b, c))];
-            for (int a = from.x; a <= to.x; ++a)
+            const glm::ivec3 at(i, j, k);
+            Box rest;
+            for (int a = 0; a < 3; ++a)
             {
-              row[a].Second = std::max(row[a].Second, second);
-              row[a].Third = std::max(row[a].Third, third);
+              const double h = field.GetSpacing()[a];
+              const double from = field.GetOrigin()[a] + (axes[a].Ends[at[a]] + inset) * h;
+              const double to = field.GetOrigin()[a] + (axes[a].Ends[at[a] + 1] - inset) * h;
+              rest.Min[a] = std::max(-1e300, std::min(from, to));
+              rest.Max[a] = std::min(1e300, std::max(from, to));
             }
-          }
-        }
-        UpperBounds jacobian;
-        for (int e = 0; e < 9; ++e)
-        {
-          jacobian.Jacobian[e] = RoundUp(here.JacobianMax[e / 3][e % 3]);
-          jacobian.Jacobian[NegativeJacobian + e] = RoundUp(-here.JacobianMin[e / 3][e % 3]);
-        }
-        for (int c = from.z / Parts; c <= to.z / Parts; ++c)
-        {
-          for (int b = from.y / Parts; b <= to.y / Parts; ++b)
-          {
-            for (int a = from.x / Parts; a <= to.x / Parts; ++a)
+            const bool inside = axes[0].IsRefined(i) && axes[1].IsRefined(j) && axes[2].IsRefined(k);
+            const PullBackBounds& source = inside ? refined : bounds;
+            const MapBounds here = source.Over(rest);
+            const Box moves = source.DisplacementOver(rest);
+            const glm::ivec3 from = this->PartOf(rest.Min + moves.Min);
+            const glm::ivec3 to = this->PartOf(rest.Max + moves.Max);
+
+            const float second = RoundUp(here.SecondDerivative);
+            const float third = RoundUp(here.ThirdDerivative);
+            for (int c = from.z; c <= to.z; ++c)
             {
-              UpperBounds& cell = grids.Jacobians[this->IndexOf(glm::ivec3(a, b, c))];
-              for (int e = 0; e < 18; ++e)
+              for (int b = from.y; b <= to.y; ++b)
               {
-                cell.Jacobian[e] = std::max(cell.Jacobian[e], jacobian.Jacobian[e]);
+                UpperDerivatives* row = &mine.Derivatives[this->IndexOfPart(glm::ivec3(0, b, c))];
+                for (int a = from.x; a <= to.x; ++a)
+                {
+                  row[a].Second = std::max(row[a].Second, second);
+                  row[a].Third = std::max(row[a].Third, third);
+                }
+              }
+            }
+            UpperBounds jacobian;
+            for (int e = 0; e < 9; ++e)
+            {
+              jacobian.Jacobian[e] = RoundUp(here.JacobianMax[e / 3][e % 3]);
+              jacobian.Jacobian[NegativeJacobian + e] = RoundUp(-here.JacobianMin[e / 3][e % 3]);
+            }
+            for (int c = from.z / Parts; c <= to.z / Parts; ++c)
+            {
+              for (int b = from.y / Parts; b <= to.y / Parts; ++b)
+              {
+                for (int a = from.x / Parts; a <= to.x / Parts; ++a)
+                {
+                  UpperBounds& cell = mine.Jacobians[this->IndexOf(glm::ivec3(a, b, c))];
+                  for (int e = 0; e < 18; ++e)
+                  {
+                    cell.Jacobian[e] = std::max(cell.Jacobian[e], jacobian.Jacobian[e]);
+                  }
+                }
               }
             }
           }
         }
       }
-    }
-  }
+      const std::lock_guard<std::mutex> lock(mutex);
+      grids.Include(mine);
+    });
 }
 
 //------------------------------------------------------------------------------

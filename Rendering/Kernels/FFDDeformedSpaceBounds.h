@@ -37,7 +37,8 @@ public:
    * larger ones if need be. `pullBack` is kept by pointer.
    */
   DeformedSpaceBounds(const PullBack& pullBack, const PullBackBounds& bounds, const Box& region,
-    const Box& rest, double resolution, int mostCells = 1000);
+    const Box& rest, double resolution, int mostCells = 1000,
+    const ParallelFor& parallelFor = ParallelFor());
 
   /// Bounds of Phi over a box of deformed space.
   MapBounds Over(const Box& box) const;
@@ -97,6 +98,7 @@ private:
   {
     std::vector<UpperBounds> Jacobians;
     std::vector<UpperDerivatives> Derivatives;
+    void Include(const Grids& other);
   };
 
   glm::ivec3 PartOf(const glm::dvec3& p) const;
@@ -105,10 +107,12 @@ private:
   CellRange FindRefinedCells(
     const PullBackBounds& bounds, const BSplineField& field, const CellRange& cells) const;
   void FindOverCells(const PullBackBounds& bounds, const PullBackBounds& refined,
-    const CellRange& refinedCells, const BSplineField& field, Grids& grids) const;
+    const CellRange& refinedCells, const BSplineField& field, const ParallelFor& parallelFor,
+    Grids& grids) const;
   void FindFromRest(const PullBackBounds& bounds, const PullBackBounds& refined,
     const CellRange& refinedCells, const glm::ivec3& factors, const BSplineField& field,
-    Grids& grids) const;
+    const ParallelFor& parallelFor, Grids& grids) const;
+  Grids EmptyGrids() const;
   void Encode(const Grids& grids);
 
   bool OneToOne = true;
