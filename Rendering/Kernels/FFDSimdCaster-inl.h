@@ -1116,6 +1116,22 @@ HWY_INLINE void StorePixels(const PacketScene& scene, const CastImage& image, in
   }
 }
 
+/// What StorePixels() stores of a packet none of whose rays meets anything.
+HWY_INLINE void ClearPixels(const CastImage& image, int x0, int y0)
+{
+  const PacketShape shape = GetPacketShape();
+  const int width = std::min(shape.Width, image.Width - x0);
+  for (int y = y0; width > 0 && y < std::min(y0 + shape.Height, image.Height); ++y)
+  {
+    const std::size_t at = static_cast<std::size_t>(y) * image.Width + x0;
+    std::fill_n(image.Colours + 4 * at, 4 * width, 0.0f);
+    if (image.Depths)
+    {
+      std::fill_n(image.Depths + at, width, 1.0f);
+    }
+  }
+}
+
 template <class T>
 HWY_NOINLINE void CastTile(
   const PacketScene& scene, int x0, int y0, const CastImage& image, PacketScratch& scratch)
@@ -1195,6 +1211,11 @@ HWY_NOINLINE void CastTile(
     {
       const RayPacket rays = stored.Get(packet * static_cast<std::size_t>(shape.Lanes));
       const Mf active = hn::Lt(rays.From, rays.To);
+      if (hn::AllFalse(d, active))
+      {
+        ClearPixels(image, x, y);
+        continue;
+      }
       const Vf nodeX =
         hn::Mul(hn::Add(Splat(static_cast<float>(x - x0)), dx), Splat(toNodes));
       const Vf nodeY =
@@ -1202,18 +1223,15 @@ HWY_NOINLINE void CastTile(
       const Vf jitter = scene.Settings.Jitter && !scene.Intervals ? JitterOf(scene, x, y)
                                                                   : hn::Zero(d);
       Packet<T> cast(scene, grid, beam, scratch, rays, nodeX, nodeY, jitter, active);
-      if (!hn::AllFalse(d, active))
+      if (HWY_UNLIKELY(scene.Sampling != PacketSampling::Composite))
       {
-        if (HWY_UNLIKELY(scene.Sampling != PacketSampling::Composite))
-        {
-          cast.BeginRays(x, y, shape.Width);
-          cast.Cast();
-          cast.EndRays();
-        }
-        else
-        {
-          cast.Cast();
-        }
+        cast.BeginRays(x, y, shape.Width);
+        cast.Cast();
+        cast.EndRays();
+      }
+      else
+      {
+        cast.Cast();
       }
       StorePixels(scene, image, x, y, active, cast.GetPixels());
     }
