@@ -54,6 +54,7 @@
 #include <glm/vector_relational.hpp>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -148,6 +149,7 @@ public:
   bool UpdateVolume(std::string& message);
   bool UpdateDeformation(std::string& message);
   bool UpdateMask(std::string& message);
+  ffd::MinMaxBlocks::Limits RangeOfWhole(const ffd::MinMaxBlocks::Limits& range) const;
   bool UpdateBlocks(vtkVolumeProperty* property, std::string& message);
   bool UpdateFunctions(vtkVolumeProperty* property, std::string& message);
   bool UpdateBlending(vtkVolumeProperty* property, std::string& message);
@@ -163,6 +165,7 @@ public:
     const float* depths, bool interactive, bool checkAbort, float* outDepths);
   void ApplyFinalColours();
   bool IsCroppedToBox() const;
+  ffd::Box UncroppedBounds() const;
   ffd::Box VisibleBounds() const;
   ImageRegion FindRegion(vtkRenderer* renderer, vtkVolume* volume, const glm::ivec2& viewport);
 
@@ -183,6 +186,7 @@ public:
   int DeformationCells = 0; // at most so many
   ffd::PullBack Map;
   ffd::Box RestBounds;
+  ffd::Box WholeBounds; // deformed, of which a clip box shows a part
   double TurnRate = 0.0; // radians per data unit of a viewing ray
   ffd::DeformedSpaceBounds SpaceBounds;
   ffd::Box DeformedBounds;
@@ -193,6 +197,7 @@ public:
   vtkMTimeType FunctionsTime = 0;
   bool FunctionsHaveLabels = false;
   const void* FunctionsSecondAxis = nullptr; // not owned: only compared
+  std::array<double, 2> FunctionsRange{ { 1.0, -1.0 } }; // WholeScalarRange
   vtkTimeStamp FunctionsMade;
   vtkTimeStamp VisibilityChanged; // of the functions: what the distances depend on
   vtkTimeStamp BlocksMade;
@@ -345,6 +350,21 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
 }
 
 //------------------------------------------------------------------------------
+/// The range of the scalars of the whole volume, from that of the input.
+ffd::MinMaxBlocks::Limits vtkFFDInverseRayVolumeMapper::vtkInternals::RangeOfWhole(
+  const ffd::MinMaxBlocks::Limits& range) const
+{
+  const double* whole = this->Self->WholeScalarRange;
+  if (this->Input.GetView().Components > 1 || whole[0] > whole[1])
+  {
+    return range;
+  }
+  return range.Min > range.Max
+    ? ffd::MinMaxBlocks::Limits{ whole[0], whole[1] }
+    : ffd::MinMaxBlocks::Limits{ std::min(whole[0], range.Min), std::max(whole[1], range.Max) };
+}
+
+//------------------------------------------------------------------------------
 bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateBlocks(
   vtkVolumeProperty* property, std::string& message)
 {
@@ -366,8 +386,11 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateBlocks(
     ++this->Builds[MIN_MAX_BLOCKS];
   }
   if (std::all_of(this->Blocks.begin(), this->Blocks.end(),
-        [](const ffd::MinMaxBlocks& blocks)
-        { return blocks.GetRange().Min > blocks.GetRange().Max; }))
+        [this](const ffd::MinMaxBlocks& blocks)
+        {
+          const ffd::MinMaxBlocks::Limits range = this->RangeOfWhole(blocks.GetRange());
+          return range.Min > range.Max;
+        }))
   {
     message = "The scalars of the input hold no finite number: nothing can be rendered.";
     return false;
@@ -384,7 +407,9 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateFunctions(
   const bool hasLabels = this->Mask.Volume.Scalars && this->Mask.Labels;
   if (this->Property == property && this->FunctionsTime == time &&
     this->FunctionsMade > this->BlocksMade && this->FunctionsHaveLabels == hasLabels &&
-    this->FunctionsSecondAxis == this->SecondAxis.Scalars)
+    this->FunctionsSecondAxis == this->SecondAxis.Scalars &&
+    std::equal(
+      this->FunctionsRange.begin(), this->FunctionsRange.end(), this->Self->WholeScalarRange))
   {
     return true;
   }
@@ -398,8 +423,8 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateFunctions(
     const auto at = std::find(this->BlockComponents.begin(), this->BlockComponents.end(), c);
     if (at != this->BlockComponents.end())
     {
-      facts.Ranges.push_back(
-        this->Blocks[static_cast<std::size_t>(at - this->BlockComponents.begin())].GetRange());
+      facts.Ranges.push_back(this->RangeOfWhole(
+        this->Blocks[static_cast<std::size_t>(at - this->BlockComponents.begin())].GetRange()));
     }
     else
     {
@@ -439,6 +464,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateFunctions(
   this->FunctionsTime = time;
   this->FunctionsHaveLabels = hasLabels;
   this->FunctionsSecondAxis = this->SecondAxis.Scalars;
+  std::copy_n(this->Self->WholeScalarRange, 2, this->FunctionsRange.begin());
   this->FunctionsMade.Modified();
   ++this->Builds[TRANSFER_TABLE];
   return true;
@@ -465,7 +491,8 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateBlending(
   }
   for (std::size_t i = 0; i < this->Blocks.size(); ++i)
   {
-    ffd::SetRange(this->Blend, this->BlockComponents[i], this->Blocks[i].GetRange());
+    ffd::SetRange(
+      this->Blend, this->BlockComponents[i], this->RangeOfWhole(this->Blocks[i].GetRange()));
   }
   return true;
 }
@@ -629,17 +656,26 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::IsCroppedToBox() const
 }
 
 //------------------------------------------------------------------------------
-/// The part of the deformed bounds in the clip box; without volume if there is none.
+/// The deformed bounds, as far as they are not cropped, without volume if nothing is left of them.
+ffd::Box vtkFFDInverseRayVolumeMapper::vtkInternals::UncroppedBounds() const
+{
+  ffd::Box box = this->DeformedBounds;
+  if (this->IsCroppedToBox())
+  {
+    box.Min = glm::max(box.Min, this->Crop.Low);
+    box.Max = glm::max(box.Min, glm::min(box.Max, this->Crop.High));
+  }
+  return box;
+}
+
+//------------------------------------------------------------------------------
+/// The part of them in the clip box.
 ffd::Box vtkFFDInverseRayVolumeMapper::vtkInternals::VisibleBounds() const
 {
   const double* clip = this->Self->ClipBox;
-  glm::dvec3 lower = glm::max(this->DeformedBounds.Min, glm::dvec3(clip[0], clip[2], clip[4]));
-  glm::dvec3 upper = glm::min(this->DeformedBounds.Max, glm::dvec3(clip[1], clip[3], clip[5]));
-  if (this->IsCroppedToBox())
-  {
-    lower = glm::max(lower, this->Crop.Low);
-    upper = glm::min(upper, this->Crop.High);
-  }
+  const ffd::Box uncropped = this->UncroppedBounds();
+  const glm::dvec3 lower = glm::max(uncropped.Min, glm::dvec3(clip[0], clip[2], clip[4]));
+  const glm::dvec3 upper = glm::min(uncropped.Max, glm::dvec3(clip[1], clip[3], clip[5]));
   return { lower, glm::max(lower, upper) };
 }
 
@@ -704,6 +740,12 @@ ffd::CastScene vtkFFDInverseRayVolumeMapper::vtkInternals::MakeScene(vtkRenderer
   scene.Map = &this->Map;
   scene.Bounds = &this->SpaceBounds;
   scene.DeformedBounds = this->VisibleBounds();
+  if (this->Self->HasClipBox)
+  {
+    this->WholeBounds = this->UncroppedBounds();
+    scene.WholeAtRest = &this->RestBounds;
+    scene.WholeDeformed = &this->WholeBounds;
+  }
   scene.Blend = this->Blend;
   scene.Crop = this->IsCroppedToBox() ? ffd::Cropping() : this->Crop;
   scene.ClippingPlanes = this->ClippingPlanes;
@@ -1097,6 +1139,30 @@ void vtkFFDInverseRayVolumeMapper::SetWholeBounds(const double bounds[6])
   if (!std::equal(bounds, bounds + 6, this->WholeBounds))
   {
     std::copy_n(bounds, 6, this->WholeBounds);
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetWholeScalarRange(double min, double max)
+{
+  const double range[2] = { min, max };
+  this->SetWholeScalarRange(range);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetWholeScalarRange(const double range[2])
+{
+  if (!std::isfinite(range[0]) || !std::isfinite(range[1]))
+  {
+    vtkErrorMacro(<< "WholeScalarRange must be finite, not " << range[0] << ", " << range[1]
+                  << "; without one give 1, -1. It stays " << this->WholeScalarRange[0] << ", "
+                  << this->WholeScalarRange[1] << ".");
+    return;
+  }
+  if (!std::equal(range, range + 2, this->WholeScalarRange))
+  {
+    std::copy_n(range, 2, this->WholeScalarRange);
     this->Modified();
   }
 }
@@ -1565,6 +1631,7 @@ void vtkFFDInverseRayVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
     this->SetComputeNormalFromOpacity(like->ComputeNormalFromOpacity);
     like->HasClipBox ? this->SetClipBox(like->ClipBox) : this->RemoveClipBox();
     this->SetWholeBounds(like->WholeBounds);
+    this->SetWholeScalarRange(like->WholeScalarRange);
     this->SetNumberOfThreads(like->NumberOfThreads);
     this->SetReferenceKernels(like->ReferenceKernels);
     this->SetCollectStatistics(like->CollectStatistics);
@@ -1619,6 +1686,8 @@ void vtkFFDInverseRayVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "WholeBounds: " << this->WholeBounds[0] << ", " << this->WholeBounds[1] << ", "
      << this->WholeBounds[2] << ", " << this->WholeBounds[3] << ", " << this->WholeBounds[4] << ", "
      << this->WholeBounds[5] << "\n";
+  os << indent << "WholeScalarRange: " << this->WholeScalarRange[0] << ", "
+     << this->WholeScalarRange[1] << "\n";
   os << indent << "ClipBox: " << this->ClipBox[0] << ", " << this->ClipBox[1] << ", "
      << this->ClipBox[2] << ", " << this->ClipBox[3] << ", " << this->ClipBox[4] << ", "
      << this->ClipBox[5] << "\n";

@@ -472,6 +472,17 @@ public:
 
   ///@{
   /**
+   * Least and largest finite scalar of that whole volume, where it has one component: tables of the
+   * transfer functions and blend modes are then those of the whole, and a part without finite
+   * scalars is empty, not an error. Must be finite. Default: none (1, -1), those of the input.
+   */
+  void SetWholeScalarRange(double min, double max);
+  void SetWholeScalarRange(const double range[2]);
+  vtkGetVector2Macro(WholeScalarRange, double);
+  ///@}
+
+  ///@{
+  /**
    * Number of threads, up to 1024; 0, the default, means as many as vtkSMPTools uses. The image is
    * the same, bit by bit, with any number.
    */
@@ -638,6 +649,7 @@ private:
   double ClipBox[6]; // all of space: infinite limits
   bool HasClipBox = false;
   double WholeBounds[6] = { 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 };
+  double WholeScalarRange[2] = { 1.0, -1.0 };
   int CroppingSpace = REST;
   vtkTypeBool UseJittering = 0;
   double FinalColorWindow = 1.0;

@@ -92,7 +92,11 @@ struct CastScene
   const DistanceMap* Distances = nullptr; ///< may be null when Leaping is Off
   const PullBack* Map = nullptr;
   const DeformedSpaceBounds* Bounds = nullptr;
-  Box DeformedBounds; ///< data coordinates
+  Box DeformedBounds; ///< data coordinates; rays are cut to them
+  /// Where Volume and DeformedBounds are parts of a whole, that whole, at rest and deformed, and else
+  /// null: what is rounded and iterated is then the same in all of its parts.
+  const Box* WholeAtRest = nullptr;
+  const Box* WholeDeformed = nullptr;
   Blending Blend;
   Cropping Crop;
   std::vector<glm::dvec4> ClippingPlanes; ///< shown is where dot(plane, (P, 1)) >= 0, P in the world

@@ -246,7 +246,8 @@ PacketCaster::PacketCaster(
   p.UnitDistance = static_cast<float>(scene.Table->GetUnitDistance());
 
   const Box& bounds = scene.DeformedBounds;
-  p.Centre = 0.5 * (bounds.Min + bounds.Max);
+  const Box& whole = scene.WholeDeformed ? *scene.WholeDeformed : bounds;
+  p.Centre = 0.5 * (whole.Min + whole.Max);
   Copy(bounds.Min - p.Centre, p.BoundsMin);
   Copy(bounds.Max - p.Centre, p.BoundsMax);
   p.Identity = scene.Map->IsIdentity();
@@ -256,12 +257,12 @@ PacketCaster::PacketCaster(
     p.Field.Assign(*scene.Map->GetField(), p.Centre);
   }
   // Single precision cannot tell residuals smaller than this.
-  const double resolution = 2e-6 * glm::length(bounds.Max - bounds.Min);
+  const double resolution = 2e-6 * glm::length(whole.Max - whole.Min);
   p.Tolerance = static_cast<float>(std::max(scene.Map->GetTolerance(), resolution));
   if (!p.Identity &&
     (p.Kind == PullBackKind::Exact || p.Kind == PullBackKind::FirstOrderOfInverse))
   {
-    const glm::dvec3 half = 0.5 * (bounds.Max - bounds.Min);
+    const glm::dvec3 half = 0.5 * (whole.Max - whole.Min);
     const glm::dvec3 spacing =
       glm::max(glm::abs(scene.Map->GetField()->GetSpacing()), 2.0 * half / LargestGuess);
     p.InverseGuess.CoverBox(-half, half, spacing);
@@ -269,7 +270,10 @@ PacketCaster::PacketCaster(
   }
 
   CopyRows(v.DataToIndex, p.LocalToIndex);
-  Copy(v.ToIndex(p.Centre), p.IndexOffset);
+  const glm::dvec3 shift =
+    scene.WholeAtRest ? -glm::round(v.ToIndex(scene.WholeAtRest->Min)) : glm::dvec3(0.0);
+  Copy(v.ToIndex(p.Centre) + shift, p.IndexOffset);
+  Copy(shift, p.IndexShift);
   const glm::dmat3 dataToWorld(scene.DataToWorld);
   CopyRows(v.IndexToData, p.IndexToLocal);
   CopyRows(dataToWorld * v.IndexToData, p.IndexToWorld);

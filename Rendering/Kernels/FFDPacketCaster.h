@@ -69,7 +69,8 @@ struct PacketScene
   float Tolerance = 0.0f;   ///< of the inverse, data units
   glm::dvec3 Centre{ 0.0 }; ///< data coordinates
   float LocalToIndex[9] = {};
-  float IndexOffset[3] = {};
+  float IndexOffset[3] = {};        ///< of local to index coordinates of the whole
+  float IndexShift[3] = {};         ///< from those to the voxels here, whole numbers
   float IndexToLocal[9] = {};
   float IndexToWorld[9] = {};
   float LocalToWorld[9] = {};

@@ -957,8 +957,7 @@ private:
   HWY_NOINLINE Vec3 GradientFromField(const Vec3& index, const Vec3& byIndex, Vf t) const
   {
     const Vec3 p = MulAdd(t, this->Rays.Direction, this->Rays.Origin);
-    const Vec3 q = Transform(
-      this->Scene.IndexToLocal, Sub(index, Broadcast(this->Scene.IndexOffset)));
+    const Vec3 q = IndexToLocal(this->Scene, index);
     Vec3 columns[3];
     PullBackJacobian(this->Scene, p, q, columns[0], columns[1], columns[2]);
     const Vec3 rest = Transform(this->Scene.GradientToRest, byIndex);

@@ -41,6 +41,11 @@ HWY_INLINE Vf Splat(float value)
   return hn::Set(Df(), value);
 }
 
+HWY_INLINE Vec3 Broadcast(const float v[3])
+{
+  return { Splat(v[0]), Splat(v[1]), Splat(v[2]) };
+}
+
 HWY_INLINE Vf Clamp(Vf x, Vf lo, Vf hi)
 {
   return hn::Min(hn::Max(x, lo), hi);

@@ -18,11 +18,6 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-HWY_INLINE Vec3 Broadcast(const float v[3])
-{
-  return { Splat(v[0]), Splat(v[1]), Splat(v[2]) };
-}
-
 /// Unit vectors; zero where the length is.
 HWY_INLINE Vec3 Normalize(const Vec3& v)
 {

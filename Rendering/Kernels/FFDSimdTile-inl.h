@@ -118,20 +118,19 @@ HWY_INLINE void ClipToBounds(const PacketScene& scene, RayPacket& rays)
   clip(rays.Origin.z, rays.Direction.z, scene.BoundsMin[2], scene.BoundsMax[2]);
 }
 
+/// Rounded as in the whole: the shift takes nothing more off.
 HWY_INLINE Vec3 LocalToIndex(const PacketScene& scene, const Vec3& local)
 {
-  const Vec3 index = Transform(scene.LocalToIndex, local);
-  return { hn::Add(index.x, Splat(scene.IndexOffset[0])),
-    hn::Add(index.y, Splat(scene.IndexOffset[1])), hn::Add(index.z, Splat(scene.IndexOffset[2])) };
+  return Sub(
+    Add(Transform(scene.LocalToIndex, local), Broadcast(scene.IndexOffset)),
+    Broadcast(scene.IndexShift));
 }
 
-/// The other way round, linear part and offset.
+/// The other way round.
 HWY_INLINE Vec3 IndexToLocal(const PacketScene& scene, const Vec3& index)
 {
   return Transform(scene.IndexToLocal,
-    { hn::Sub(index.x, Splat(scene.IndexOffset[0])),
-      hn::Sub(index.y, Splat(scene.IndexOffset[1])),
-      hn::Sub(index.z, Splat(scene.IndexOffset[2])) });
+    Sub(Add(index, Broadcast(scene.IndexShift)), Broadcast(scene.IndexOffset)));
 }
 
 /**

@@ -49,7 +49,7 @@ def show(name, source):
 
 
 for scene, shape, strength in (("identity", "None", 0.0), ("smooth", "Bend", 0.6),
-                               ("strong", "Twist", 2.0), ("edited", "Twist", 1.9)):
+                               ("strong", "Twist", 2.0), ("edited", "Twist", 1.98)):
     lattice.Shape = shape
     lattice.Strength = strength
     show(scene, wavelet_object)

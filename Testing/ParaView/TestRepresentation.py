@@ -206,6 +206,17 @@ class TestRepresentation(unittest.TestCase):
         self.assertLess(ffd.lit(cropped), 0.8 * ffd.lit(whole))
         self.assertLess(np.abs(cropped - whole)[middle + 20:].mean(),
                         np.abs(cropped - whole)[:middle - 20].mean())
+        # A twist bends cuts across x; those of deformed space are straight.
+        self.display.FFDCroppingScale = [0.5, 1.0, 1.0]
+        self.display.FFDCroppingOrigin = [7.5, 0.0, 0.0]
+        cropped = ffd.picture(self.view, "bent")
+        self.display.FFDCroppingSpace = "Deformed"
+        straight = ffd.picture(self.view, "straight")
+        self.assertGreater(np.abs(straight - cropped).mean(), 0.3)
+        self.assertLess(ffd.lit(straight), 0.95 * ffd.lit(whole))
+        self.display.FFDCroppingScale = [1.0, 1.0, 1.0]
+        self.display.FFDCroppingOrigin = [0.0, 0.0, 0.0]
+        self.assertLessEqual(ffd.differ(ffd.picture(self.view, "box"), whole)[0], 3)
         self.display.FFDUseCropping = 0
         self.assertEqual(ffd.differ(ffd.picture(self.view, "uncropped"), whole)[0], 0)
 

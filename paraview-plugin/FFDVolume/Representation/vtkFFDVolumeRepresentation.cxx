@@ -40,6 +40,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -57,6 +58,45 @@ constexpr double LargestCoarsening = 10.0;
 
 /// In the field data of a part: its clip box, then the bounds of the whole at rest.
 const char* const PartArray = "FFDVolume.Part";
+
+/// And the ranges of the whole array that is shown, of its magnitude and its components: two numbers
+/// each. The name ends with what array it is.
+const char* const RangesArray = "FFDVolume.Ranges.";
+
+/// The array that is to be shown.
+struct ShownArray
+{
+  std::string Name;
+  bool OfCells = false;
+
+  /// Of an algorithm's input array to process; without a name if there is none.
+  static ShownArray FromInformation(vtkInformation* info)
+  {
+    ShownArray shown;
+    if (info && info->Has(vtkDataObject::FIELD_NAME()) && info->Get(vtkDataObject::FIELD_NAME()))
+    {
+      shown.Name = info->Get(vtkDataObject::FIELD_NAME());
+    }
+    shown.OfCells = info && info->Has(vtkDataObject::FIELD_ASSOCIATION()) &&
+      info->Get(vtkDataObject::FIELD_ASSOCIATION()) == vtkDataObject::FIELD_ASSOCIATION_CELLS;
+    return shown;
+  }
+
+  vtkDataArray* FindIn(vtkImageData* image) const
+  {
+    vtkFieldData* arrays = image->GetPointData();
+    if (this->OfCells)
+    {
+      arrays = image->GetCellData();
+    }
+    return arrays->GetArray(this->Name.c_str());
+  }
+
+  std::string GetRangesName() const
+  {
+    return RangesArray + std::string(this->OfCells ? "cells." : "points.") + this->Name;
+  }
+};
 
 vtkMultiProcessController* GetController()
 {
@@ -154,6 +194,45 @@ Sources GetSources(vtkImageData* image)
   return sources;
 }
 
+/// Ranges of the array over all processes, see RangesArray; null if it is nowhere, or holds no finite
+/// number. To be called on all processes.
+vtkSmartPointer<vtkDoubleArray> FindRanges(
+  vtkMultiProcessController* controller, vtkImageData* image, const ShownArray& shown)
+{
+  vtkDataArray* array = image ? shown.FindIn(image) : nullptr;
+  const int componentsHere = array ? array->GetNumberOfComponents() : 0;
+  int components = 0;
+  controller->AllReduce(&componentsHere, &components, 1, vtkCommunicator::MAX_OP);
+  if (components < 1)
+  {
+    return nullptr;
+  }
+  // Least values, and least negated ones.
+  std::vector<double> mine(2 * static_cast<std::size_t>(components + 1), VTK_DOUBLE_MAX);
+  for (int c = -1; array && c < componentsHere; ++c)
+  {
+    double range[2];
+    array->GetFiniteRange(range, c);
+    if (range[0] <= range[1])
+    {
+      mine[2 * static_cast<std::size_t>(c + 1)] = range[0];
+      mine[2 * static_cast<std::size_t>(c + 1) + 1] = -range[1];
+    }
+  }
+  std::vector<double> all(mine.size());
+  controller->AllReduce(
+    mine.data(), all.data(), static_cast<vtkIdType>(mine.size()), vtkCommunicator::MIN_OP);
+  vtkNew<vtkDoubleArray> ranges;
+  ranges->SetName(shown.GetRangesName().c_str());
+  ranges->SetNumberOfComponents(2);
+  for (std::size_t i = 0; i < all.size(); i += 2)
+  {
+    const bool any = all[i] < VTK_DOUBLE_MAX;
+    ranges->InsertNextTuple2(any ? all[i] : 1.0, any ? -all[i + 1] : -1.0);
+  }
+  return ranges;
+}
+
 bool HaveSameGeometry(vtkImageData* a, vtkImageData* b)
 {
   for (int row = 0; row < 3; ++row)
@@ -190,6 +269,8 @@ public:
 
   // Of the parts, when there are several processes.
   bool Changed = true;            // since they were shared out
+  std::string RangesName;         // of the array that the ranges were last found of
+  vtkSmartPointer<vtkImageData> Given; // what this process has of the data
   vtkSmartPointer<vtkFFDLattice> KnownLattice; // of the data last seen
   Bounds OwnBox = ffdparts::NoBounds; // world coordinates
 
@@ -273,6 +354,7 @@ int vtkFFDVolumeRepresentation::RequestData(
   vtkMath::UninitializeBounds(this->DataBounds);
   this->DataSize = 0;
   this->Internals->Changed = true;
+  this->Internals->Given = nullptr;
   std::copy(ffdparts::NoExtent.begin(), ffdparts::NoExtent.end(), this->WholeExtent);
   vtkSmartPointer<vtkImageData> image;
   if (inputs[0]->GetNumberOfInformationObjects() == 1)
@@ -322,6 +404,7 @@ int vtkFFDVolumeRepresentation::RequestData(
     std::copy(deformed.begin(), deformed.end(), this->DataBounds);
     this->DataSize = image->GetActualMemorySize();
     this->Cache = image;
+    this->Internals->Given = image;
     this->Actor->SetEnableLOD(0);
     this->OutlineSource->SetBounds(this->DataBounds);
     this->OutlineSource->Update();
@@ -399,7 +482,8 @@ void vtkFFDVolumeRepresentation::ShareOut()
   vtkMultiProcessController* controller = GetController();
   const int ranks = controller->GetNumberOfProcesses();
   const auto own = static_cast<std::size_t>(controller->GetLocalProcessId());
-  const int changedHere = in.Changed ? 1 : 0;
+  const ShownArray shown = ShownArray::FromInformation(this->GetInputArrayInformation(0));
+  const int changedHere = in.Changed || in.RangesName != shown.GetRangesName() ? 1 : 0;
   int changed = 0;
   controller->AllReduce(&changedHere, &changed, 1, vtkCommunicator::MAX_OP);
   if (!changed)
@@ -407,9 +491,10 @@ void vtkFFDVolumeRepresentation::ShareOut()
     return;
   }
   in.Changed = false;
+  in.RangesName = shown.GetRangesName();
 
   // What each process has: whether an image, whether a lattice, and the geometry of the image.
-  vtkImageData* image = vtkImageData::SafeDownCast(this->Cache);
+  vtkImageData* image = in.Given;
   Extent held = ffdparts::NoExtent;
   Grid grid;
   if (image)
@@ -527,6 +612,7 @@ void vtkFFDVolumeRepresentation::ShareOut()
     std::copy_n(&allWanted[6 * r], 6, needed[r].begin());
     complete = complete && ffdparts::Contains(extents[r], needed[r]);
   }
+  const vtkSmartPointer<vtkDoubleArray> ranges = FindRanges(controller, image, shown);
   vtkSmartPointer<vtkImageData> part = image;
   if (!complete)
   {
@@ -571,6 +657,16 @@ void vtkFFDVolumeRepresentation::ShareOut()
     vtkNew<vtkFieldData> fields;
     fields->PassData(part->GetFieldData());
     fields->AddArray(array);
+    if (ranges)
+    {
+      fields->AddArray(ranges);
+    }
+    if (part == image)
+    {
+      // What is given stays as it is: it is looked at again when another array is shown.
+      part = vtkSmartPointer<vtkImageData>::New();
+      part->ShallowCopy(image);
+    }
     part->SetFieldData(fields);
     this->Cache = part;
     this->DataSize = part->GetActualMemorySize();
@@ -607,12 +703,8 @@ void vtkFFDVolumeRepresentation::UpdateRenderedImage(vtkImageData* image)
     this->VolumeMapper->RemoveAllInputs();
     return;
   }
-  vtkInformation* info = this->GetInputArrayInformation(0);
-  const char* named =
-    info && info->Has(vtkDataObject::FIELD_NAME()) ? info->Get(vtkDataObject::FIELD_NAME()) : nullptr;
-  const char* name = named ? named : "";
-  const bool cells = info && info->Has(vtkDataObject::FIELD_ASSOCIATION()) &&
-    info->Get(vtkDataObject::FIELD_ASSOCIATION()) == vtkDataObject::FIELD_ASSOCIATION_CELLS;
+  const ShownArray shown = ShownArray::FromInformation(this->GetInputArrayInformation(0));
+  const char* name = shown.Name.c_str();
   int component = -1;
   vtkColorTransferFunction* colours =
     this->Property ? this->Property->GetRGBTransferFunction(0) : nullptr;
@@ -620,8 +712,7 @@ void vtkFFDVolumeRepresentation::UpdateRenderedImage(vtkImageData* image)
   {
     component = colours->GetVectorComponent();
   }
-  vtkDataArray* source = cells ? image->GetCellData()->GetArray(name)
-                               : image->GetPointData()->GetArray(name);
+  vtkDataArray* source = shown.FindIn(image);
   const vtkMTimeType time = source ? source->GetMTime() : 0;
   if (in.SourceArray != source || in.SourceTime != time || in.SourceComponent != component ||
     !HaveSameGeometry(in.Rendered, image))
@@ -630,7 +721,7 @@ void vtkFFDVolumeRepresentation::UpdateRenderedImage(vtkImageData* image)
     in.SourceTime = time;
     in.SourceComponent = component;
     vtkSmartPointer<vtkDataArray> array = source;
-    if (array && cells)
+    if (array && shown.OfCells)
     {
       vtkNew<vtkImageData> onlyThis;
       onlyThis->CopyStructure(image);
@@ -678,6 +769,17 @@ void vtkFFDVolumeRepresentation::UpdateRenderedImage(vtkImageData* image)
       ffdparts::OpenOutwards(Bounds{ { 0, 0, 0, 0, 0, 0 } }, Bounds{ { 0, 0, 0, 0, 0, 0 } }).data());
     this->Mapper->SetWholeBounds(ffdparts::NoBounds.data());
   }
+
+  std::array<double, 2> range{ { 1.0, -1.0 } };
+  if (vtkDataArray* ranges = image->GetFieldData()->GetArray(shown.GetRangesName().c_str()))
+  {
+    const int which = ranges->GetNumberOfTuples() == 2 ? 1 : component + 1;
+    if (which < ranges->GetNumberOfTuples())
+    {
+      ranges->GetTuple(which, range.data());
+    }
+  }
+  this->Mapper->SetWholeScalarRange(range.data());
 
   if (!vtkFFDLattice::HasLattice(image))
   {
@@ -736,7 +838,11 @@ void vtkFFDVolumeRepresentation::UpdateCropping(vtkImageData* image)
   // Those of the whole, of which this may be a part.
   double bounds[6];
   this->Mapper->GetWholeBounds(bounds);
-  if (!vtkMath::AreBoundsInitialized(bounds))
+  if (this->Mapper->GetCroppingSpace() == vtkFFDInverseRayVolumeMapper::DEFORMED)
+  {
+    this->Mapper->GetBounds(bounds);
+  }
+  else if (!vtkMath::AreBoundsInitialized(bounds))
   {
     image->GetBounds(bounds);
   }
@@ -759,14 +865,12 @@ void vtkFFDVolumeRepresentation::UpdateCropping(vtkImageData* image)
 void vtkFFDVolumeRepresentation::UpdateMapperParameters()
 {
   // Not the superclass's: it selects the array that UpdateRenderedImage() may have to derive from.
-  vtkInformation* info = this->GetInputArrayInformation(0);
-  const char* name =
-    info && info->Has(vtkDataObject::FIELD_NAME()) ? info->Get(vtkDataObject::FIELD_NAME()) : nullptr;
   if (this->Actor->GetMapper() != this->VolumeMapper)
   {
     this->Actor->SetMapper(this->VolumeMapper);
   }
-  this->Actor->SetVisibility(name && name[0]);
+  this->Actor->SetVisibility(
+    !ShownArray::FromInformation(this->GetInputArrayInformation(0)).Name.empty());
   if (this->Property)
   {
     this->Property->SetIndependentComponents(true);
@@ -807,6 +911,12 @@ void vtkFFDVolumeRepresentation::SetBlendMode(int mode)
 void vtkFFDVolumeRepresentation::SetCropping(int cropping)
 {
   this->Mapper->SetCropping(cropping != 0);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetCroppingSpace(int space)
+{
+  this->Mapper->SetCroppingSpace(space);
 }
 
 //------------------------------------------------------------------------------

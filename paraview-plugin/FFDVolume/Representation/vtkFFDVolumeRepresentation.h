@@ -98,12 +98,14 @@ public:
   ///@{
   /**
    * Blend mode, vtkVolumeMapper::BlendModes, and cropping as in vtkImageVolumeRepresentation: the
-   * box is CroppingOrigin + CroppingScale times the bounds of the whole image at rest. Where the
+   * box is CroppingOrigin + CroppingScale times the bounds of the whole image, at rest or deformed as
+   * CroppingSpace says (vtkFFDInverseRayVolumeMapper::CroppingSpaces, default REST). Where the
    * order of the parts does not matter for blending but the parts would be blended as if it did
    * (all modes but COMPOSITE_BLEND), the first of several processes renders the volume alone.
    */
   void SetBlendMode(int mode);
   void SetCropping(int cropping);
+  void SetCroppingSpace(int space);
   ///@}
 
   ///@{
