@@ -748,15 +748,23 @@ ffd::CastScene vtkFFDInverseRayVolumeMapper::vtkInternals::MakeScene(vtkRenderer
   }
   scene.Blend = this->Blend;
   scene.Crop = this->IsCroppedToBox() ? ffd::Cropping() : this->Crop;
-  scene.ClippingPlanes = this->ClippingPlanes;
-  scene.DataToWorld = ffd::ToMatrix(volume->GetMatrix());
-  scene.WorldToData = glm::inverse(scene.DataToWorld);
-  scene.Material = ffd::MakeShading(renderer, property);
-  scene.Camera = ffd::MakeCameraView(
-    renderer, region.Viewport, region.Origin, region.Rays, region.Step);
+  // The world of the kernels is the space of the data. VTK's mappers measure and light there, too: a
+  // volume looks the same whatever its matrix scales it by.
+  const glm::dmat4 dataToWorld = ffd::ToMatrix(volume->GetMatrix());
+  const glm::dmat4 worldToData = glm::inverse(dataToWorld);
+  for (const glm::dvec4& plane : this->ClippingPlanes)
+  {
+    const glm::dvec4 inData = plane * dataToWorld;
+    scene.ClippingPlanes.push_back(inData / glm::length(glm::dvec3(inData)));
+  }
+  scene.Blend.SliceOrigin = glm::dvec3(worldToData * glm::dvec4(this->Blend.SliceOrigin, 1.0));
+  scene.Blend.SliceNormal = glm::normalize(this->Blend.SliceNormal * glm::dmat3(dataToWorld));
+  scene.Material = ffd::MakeShading(renderer, property, dataToWorld);
+  scene.Camera = ffd::ToData(ffd::MakeCameraView(renderer, region.Viewport, region.Origin,
+                               region.Rays, region.Step),
+    dataToWorld);
   scene.Depths = depths;
-  scene.VoxelSize =
-    FindShortestEdge(glm::dmat3(scene.DataToWorld) * this->Input.GetView().IndexToData);
+  scene.VoxelSize = FindShortestEdge(this->Input.GetView().IndexToData);
   this->MakeClassifier(scene);
   return scene;
 }

@@ -81,8 +81,10 @@
  * vtkGPUVolumeRayCastMapper does, and a single one lights the ambient term whatever its ambient
  * colour.
  *
- * Lengths are in world units unless said otherwise; "voxel" as a unit of length is the shortest
- * voxel edge in world units.
+ * Lengths are those of the data coordinates, before the matrix of the vtkVolume: as VTK's mappers do
+ * it, a volume that its matrix makes larger looks no denser. Lights shine there, too: where a matrix
+ * does not scale all axes alike, normals are those from before it, as with VTK's mappers. "Voxel" as a
+ * unit of length is the shortest voxel edge.
  *
  * @sa
  * vtkFFDLattice vtkFFDVolumePicker vtkFixedPointVolumeRayCastMapper vtkImageReslice
@@ -264,7 +266,7 @@ public:
 
   ///@{
   /**
-   * Distance between samples along the deformed ray, world units. Default: locked to the input,
+   * Distance between samples along the deformed ray, data units. Default: locked to the input,
    * one voxel; setting a distance unlocks it. Must be positive; less than a thousandth of a voxel
    * counts as that.
    */
@@ -275,7 +277,7 @@ public:
   ///@{
   /**
    * Distance between samples while the scene is being moved: when AutoAdjustSampleDistances is on
-   * and less than a second is allotted to the frame. World units. Default: locked to the input,
+   * and less than a second is allotted to the frame. Data units. Default: locked to the input,
    * two voxels; setting a distance unlocks it. Must be positive.
    */
   virtual void SetInteractiveSampleDistance(double distance);

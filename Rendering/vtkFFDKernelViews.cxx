@@ -52,7 +52,14 @@ glm::vec3 Scaled(const double colour[3], double intensity)
   return glm::vec3(colour[0] * intensity, colour[1] * intensity, colour[2] * intensity);
 }
 
-Light MakeLight(vtkLight* source)
+glm::dvec3 Normalized(const glm::dvec3& d)
+{
+  const double length = glm::length(d);
+  return length > 0.0 && std::isfinite(length) ? d / length : glm::dvec3(0.0, 0.0, -1.0);
+}
+
+/// `worldToData`: lights are moved into data coordinates, `unit` is a data unit in the world.
+Light MakeLight(vtkLight* source, const glm::dmat4& worldToData, double unit)
 {
   Light light;
   light.Headlight = source->LightTypeIsHeadlight() && !source->GetPositional();
@@ -60,16 +67,18 @@ Light MakeLight(vtkLight* source)
   double focus[3];
   source->GetTransformedPosition(position);
   source->GetTransformedFocalPoint(focus);
-  light.Axis = Direction(position, focus);
+  light.Axis = Normalized(glm::dmat3(worldToData) * Direction(position, focus));
   light.Towards = -light.Axis;
-  light.Position = glm::dvec3(position[0], position[1], position[2]);
+  light.Position =
+    glm::dvec3(worldToData * glm::dvec4(position[0], position[1], position[2], 1.0));
   light.Positional = source->GetPositional() != 0;
   const double intensity = source->GetIntensity();
   light.Ambient = Scaled(source->GetAmbientColor(), intensity);
   light.Diffuse = Scaled(source->GetDiffuseColor(), intensity);
   light.Specular = Scaled(source->GetSpecularColor(), intensity);
   const double* attenuation = source->GetAttenuationValues();
-  light.Attenuation = glm::dvec3(attenuation[0], attenuation[1], attenuation[2]);
+  light.Attenuation =
+    glm::dvec3(attenuation[0], attenuation[1] * unit, attenuation[2] * unit * unit);
   // As in OpenGL, a cone of more than 90 degrees is none.
   if (source->GetConeAngle() <= 90.0)
   {
@@ -536,8 +545,21 @@ CameraView MakeCameraView(vtkRenderer* renderer, const glm::ivec2& viewport,
 }
 
 //------------------------------------------------------------------------------
-Shading MakeShading(vtkRenderer* renderer, vtkVolumeProperty* property)
+CameraView ToData(const CameraView& world, const glm::dmat4& dataToWorld)
 {
+  CameraView view = world;
+  view.WorldToNdc = world.WorldToNdc * dataToWorld;
+  view.NdcToWorld = glm::inverse(view.WorldToNdc);
+  view.Eye = glm::dvec3(glm::inverse(dataToWorld) * glm::dvec4(world.Eye, 1.0));
+  return view;
+}
+
+//------------------------------------------------------------------------------
+Shading MakeShading(
+  vtkRenderer* renderer, vtkVolumeProperty* property, const glm::dmat4& dataToWorld)
+{
+  const glm::dmat4 worldToData = glm::inverse(dataToWorld);
+  const double unit = std::cbrt(std::abs(glm::determinant(glm::dmat3(dataToWorld))));
   Shading shading;
   shading.Ambient = static_cast<float>(property->GetAmbient(0));
   shading.Diffuse = static_cast<float>(property->GetDiffuse(0));
@@ -552,7 +574,7 @@ Shading MakeShading(vtkRenderer* renderer, vtkVolumeProperty* property)
   {
     if (light->GetSwitch())
     {
-      shading.Lights.push_back(MakeLight(light));
+      shading.Lights.push_back(MakeLight(light, worldToData, unit));
     }
   }
   if (shading.Lights.empty() && lights->GetNumberOfItems() == 0)

@@ -59,9 +59,13 @@ bool FindComponentKind(vtkVolumeProperty* property, int components, ScalarType t
 CameraView MakeCameraView(vtkRenderer* renderer, const glm::ivec2& viewport,
   const glm::ivec2& origin, const glm::ivec2& size, double step);
 
-/// Material of a property's first component under the lights of a renderer; a headlight if it has
-/// none at all.
-Shading MakeShading(vtkRenderer* renderer, vtkVolumeProperty* property);
+/// A camera of the world as one of data coordinates: rays and their lengths are those of the latter.
+CameraView ToData(const CameraView& world, const glm::dmat4& dataToWorld);
+
+/// Material of a property's first component under the lights of a renderer, these in data
+/// coordinates; a headlight if it has none at all.
+Shading MakeShading(
+  vtkRenderer* renderer, vtkVolumeProperty* property, const glm::dmat4& dataToWorld);
 
 } // namespace ffd
 

@@ -15,15 +15,15 @@
  * - 0: the rays in rest space, one polyline for each pixel whose ray meets the deformed bounds, in
  *   the order they were added (the array "Pixel" says which). Point arrays about the segment that begins at a
  *   vertex (the last vertex of a ray has -1 and zeros): "Segment" (its number on the ray),
- *   "SegmentLength" (on the viewing ray, world units), "RestLength" (at rest, data units),
+ *   "SegmentLength" (on the viewing ray, data units), "RestLength" (at rest, data units),
  *   "Samples" (that were interpolated), "Leaps" (look-ups in the distance map that started a leap),
  *   "Passed" (1: proven empty, nothing was looked at), and of the vertex "T" (distance from the
- *   near plane on the viewing ray, world units). Cell arrays: "Pixel" (2 components), "Segments",
+ *   near plane on the viewing ray, data units). Cell arrays: "Pixel" (2 components), "Segments",
  *   "Samples", "VisibleSamples", "Leaps", "Terminated" (1: early ray termination), "Color" (RGBA,
  *   not premultiplied: that of the pixel).
  * - 1: the viewing rays, with the same points, cells and arrays, in deformed space.
  * - 2: what was looked at, a vertex each, in rest space: "Ray" (number of the cell in output 0),
- *   "Segment", "T", "Interval" (the length it stands for on the viewing ray, world units; the last
+ *   "Segment", "T", "Interval" (the length it stands for on the viewing ray, data units; the last
  *   one of a GREEDY_ANGLE segment is shorter, figure 4), "Opacity" (corrected by that length),
  *   "Leap" (1: a look-up that started a leap, 0: a sample).
  *
