@@ -75,11 +75,11 @@ class TestScalarsAndGeometry(unittest.TestCase):
         return image
 
     def render(self, image, deformation=None, matrix=None, scale=1.0, offset=0.0, bounds=None,
-               interpolation="Linear"):
+               interpolation="Linear", unit=1.0):
         """
         RGBA of the image, with transfer functions of scale * scalar + offset. Whole numbers are
         classified half a unit up: for pictures that equal those of bytes, the functions of other
-        scalars move by the difference.
+        scalars move by the difference. `unit`: of lengths, which are those before the matrix.
         """
         whole = image.GetScalarType() not in (vtkConstants.VTK_FLOAT, vtkConstants.VTK_DOUBLE)
 
@@ -96,11 +96,12 @@ class TestScalarsAndGeometry(unittest.TestCase):
         prop.SetScalarOpacity(opacity)
         prop.SetColor(colour)
         prop.ShadeOn()
+        prop.SetScalarOpacityUnitDistance(unit)
         getattr(prop, "SetInterpolationTypeTo" + interpolation)()
         mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
         mapper.SetInputData(image)
         mapper.SetDeformation(deformation)
-        mapper.SetSampleDistance(0.5)
+        mapper.SetSampleDistance(0.5 * unit)
         volume = vtkVolume()
         volume.SetMapper(mapper)
         volume.SetProperty(prop)
@@ -215,23 +216,26 @@ class TestScalarsAndGeometry(unittest.TestCase):
         self.assert_same(self.render(turned, bend), self.render(plain, bend), "turned, bent")
 
     def test_spacing_is_a_scale(self):
+        # But that lengths are those before the matrix: it makes a volume no denser.
         values = self.values.astype(np.uint8)
-        stretched = self.make_image(values, (1, 1, 2))
+        larger = self.make_image(values, (2, 2, 2))
         plain = self.make_image(values)
-        matrix = np.diag([1.0, 1.0, 2.0, 1.0])
-        self.assert_same(self.render(stretched), self.render(plain, matrix=matrix), "spacing",
-                         mean=0.05)
+        matrix = np.diag([2.0, 2.0, 2.0, 1.0])
+        scaled = self.render(plain, matrix=matrix)
+        self.assert_same(self.render(larger, unit=2.0), scaled, "spacing", mean=0.05)
+        self.assertGreater(np.abs(self.render(larger) - scaled).mean(), 1.0)
 
     def test_any_matrix(self):
-        # A matrix with a shear after one that the image can hold as direction and spacing.
+        # A matrix with scales and a shear after one that the image can hold as its direction: lengths
+        # are those before the matrix, so only what keeps them may be on either side.
         values = self.values.astype(np.uint8)
         matrix = np.eye(4)
-        matrix[:3, :3] = rotation((1, 1, 0), 30) @ np.diag([1.2, 0.8, 1.5])
+        matrix[:3, :3] = rotation((1, 1, 0), 30)
         matrix[:3, 3] = (5, -3, 2)
         after = np.eye(4)
-        after[:3, :3] = [[1, 0.4, 0], [0, 1, -0.3], [0.2, 0, 1]]
+        after[:3, :3] = np.diag([1.2, 0.8, 1.5]) @ [[1, 0.4, 0], [0, 1, -0.3], [0.2, 0, 1]]
         plain = self.make_image(values)
-        other = self.make_image(values, (1.2, 0.8, 1.5), (5, -3, 2),
+        other = self.make_image(values, (1, 1, 1), (5, -3, 2),
                                 direction=rotation((1, 1, 0), 30))
         bounds = (-20, 120, -60, 80, -60, 120)
         self.assert_same(self.render(other, matrix=after, bounds=bounds),
