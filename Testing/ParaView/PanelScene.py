@@ -30,6 +30,24 @@ simple.SetActiveSource(lattice)
 simple.Render(view)
 
 smtrace.start_trace()
+WIDGET = ("HandleMode", "Falloff", "ProportionalRadius", "LockBoundary", "FoldGuard",
+          "InteriorVisibility", "LineMode")
+
+
+def describe_widget():
+    """Options of the lattice widget in the view, as the representation that draws it prints them;
+    it is not among the sources, and its class is not known to Python."""
+    shown = view.SMProxy.GetProperty("HiddenRepresentations")
+    for proxy in map(shown.GetProxy, range(shown.GetNumberOfProxies())):
+        if proxy.GetXMLName() == "FFDLatticeWidgetRepresentation":
+            widget = proxy.GetClientSideObject()
+            values = dict(line.strip().partition(": ")[::2]
+                          for line in str(widget.GetRepresentation()).splitlines())
+            return {"Visible": widget.GetWidget().GetEnabled(),
+                    **{name: float(values[name]) for name in WIDGET}}
+    return {}
+
+
 log = open(os.environ["FFD_PANEL_LOG"], "w", encoding="ascii")  # open until the end
 
 
@@ -38,7 +56,8 @@ def note(*_):
     log.write(json.dumps({
         "resolution": list(lattice.Resolution),
         "displacements_resolution": list(lattice.DisplacementsResolution),
-        "displacements": list(lattice.Displacements)}) + "\n")
+        "displacements": list(lattice.Displacements),
+        "widget": describe_widget()}) + "\n")
     log.flush()
     with open(os.environ["FFD_PANEL_TRACE"], "w", encoding="utf-8") as trace:
         trace.write(vtkSMTrace.GetActiveTracer().GetCurrentTrace())

@@ -27,10 +27,13 @@ for center, colour in (((8.0, 3.0, 9.0), (1.0, 0.0, 0.0)), ((30.0, 10.0, 22.0), 
     display.DiffuseColor = colour
 
 
-def show(name, source):
+def show(name, source, settings=(False, True)):
     """Pictures, translucent and opaque, and a line of what this process has of them."""
-    for opaque in (False, True):
-        ffd.set_functions(opaque)
+    for opaque in settings:
+        opacity = ffd.set_functions(opaque)
+        if name == "Minimum":
+            # The least value of a ray is one of those that are transparent otherwise.
+            opacity.Points = [37, 0.2, 0.5, 0, 280, 1, 0.5, 0]
         simple.Render(view)
         start = time.perf_counter()
         simple.Render(view)
@@ -53,6 +56,14 @@ for scene, shape, strength in (("identity", "None", 0.0), ("smooth", "Bend", 0.6
     lattice.Shape = shape
     lattice.Strength = strength
     show(scene, wavelet_object)
+# Modes other than composite: the first process does them alone.
+lattice_display = simple.GetDisplayProperties(lattice, view)
+lattice_display.FFDIsosurfaceValues = [150.0, 210.0]
+for mode in ("Maximum Intensity", "Minimum Intensity", "Average Intensity", "Additive",
+             "Isosurface", "Slice"):
+    lattice_display.FFDBlendMode = mode
+    show(mode.split()[0], wavelet_object, [mode == "Isosurface"])
+lattice_display.FFDBlendMode = "Composite"
 # Other voxels, the same lattice.
 wavelet.XFreq = 30.0
 show("changed", wavelet_object)

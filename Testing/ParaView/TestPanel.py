@@ -196,6 +196,94 @@ class TestPanel(unittest.TestCase):
         self.assertGreater(len(moved(soft)), 6)
         self.assertAlmostEqual(soft["displacements"][3 * MIDDLE], 0.0, places=9)
 
+    def test_options(self):
+        """Options of editing do what they say; those of the display reach the widget."""
+        middle = 3 + 7 * (3 + 7 * 3)
+        near = ((0.5, 0.5), (0.53, 0.45), (0.55, 0.4))
+        far = ((0.5, 0.5), (0.55, 0.4), (0.65, 0.2))
+        events = Events()
+        for axis in range(3):
+            events.set(PANEL + "Resolution_%d" % axis, "int", "7")
+
+        def drag(*places):
+            events.drag(*places)
+            events.click(PANEL + "ResetLattice")
+
+        # Control points are 7.5 apart.
+        events.set(PANEL + "SoftEditing", "boolean", "true")
+        events.set(PANEL + "SoftRadius", "string", "8")
+        drag(*near)
+        events.set(PANEL + "SoftRadius", "string", "11")
+        drag(*near)
+        events.set(PANEL + "Falloff", "string", "Constant")
+        drag(*near)
+        events.set(PANEL + "LockBoundary", "boolean", "true")
+        drag(*near)
+        events.set(PANEL + "LockBoundary", "boolean", "false")
+        events.set(PANEL + "SoftEditing", "boolean", "false")
+        drag(*far)
+        events.set(PANEL + "FoldGuard", "string", "Stop Edits")
+        drag(*far)
+        events.set(PANEL + "FoldGuard", "string", "Warn")
+        drag(*far)
+
+        # The selected control point is the line of the table.
+        def move(height):
+            events.add(PANEL + "Points", "editAccepted", "0.2,%g" % height)
+            events.wait()
+
+        events.set(PANEL + "Handle", "string", "Turn")
+        move(1)
+        events.set(PANEL + "Handle", "string", "Scale")
+        events.set(PANEL + "InteriorPoints", "boolean", "false")
+        move(2)
+        events.set(PANEL + "Handle", "string", "None")
+        events.set(PANEL + "CurvedLines", "boolean", "true")
+        move(3)
+        # What is hidden is not dragged.
+        events.set(PANEL + "InteriorPoints", "boolean", "true")
+        events.set(PANEL + "show3DWidget", "boolean", "false")
+        events.drag(*near)
+        move(4)
+        events.set(PANEL + "show3DWidget", "boolean", "true")
+        move(5)
+        states, _ = events.play("options", auto_apply=True)
+
+        # The last state before each reset is that of the drag; then those of the table.
+        drags, rest = [], states
+        for _ in range(7):
+            reset = next(i for i, state in enumerate(rest) if i and not moved(state)
+                         and moved(rest[i - 1]))
+            drags.append(rest[reset - 1])
+            rest = rest[reset + 1:]
+        self.assertEqual([len(moved(state)) for state in drags], [7, 19, 19, 1, 1, 1, 1])
+        sizes = [[sum(x * x for x in state["displacements"][3 * i:3 * i + 3]) ** 0.5
+                  for i in moved(state)] for state in drags]
+        self.assertLess(sizes[0][0], 0.5 * max(sizes[0]))
+        self.assertLess(sizes[1][0], 0.5 * max(sizes[1]))
+        self.assertAlmostEqual(min(sizes[2]), max(sizes[2]), places=6)
+        self.assertEqual(moved(drags[3]), [middle])
+        self.assertLess(sizes[5][0], 0.9 * sizes[4][0])
+        self.assertAlmostEqual(sizes[6][0], sizes[4][0], places=6)
+        self.assertEqual([state["widget"]["FoldGuard"] for state in drags[4:]], [0, 1, 2])
+
+        table = {}
+        while not moved(rest[0]):
+            rest.pop(0)
+        for state in rest:
+            self.assertEqual(moved(state), [middle])
+            x, y, z = state["displacements"][3 * middle:3 * middle + 3]
+            self.assertEqual((x, y), (0.0, 0.0))
+            table[round(z, 9)] = state["widget"]
+        self.assertEqual(sorted(table), [1, 2, 3, 4, 5])
+        for height, handle, interior, curved, visible in (
+                (1, 2, 1, 0, 1), (2, 3, 0, 0, 1), (3, 0, 0, 1, 1), (4, 0, 1, 1, 0),
+                (5, 0, 1, 1, 1)):
+            self.assertEqual(
+                [table[height][name] for name in
+                 ("HandleMode", "InteriorVisibility", "LineMode", "Visible")],
+                [handle, interior, curved, visible], height)
+
 
 if __name__ == "__main__":
     unittest.main()

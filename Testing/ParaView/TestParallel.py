@@ -15,7 +15,8 @@ from paraview import simple
 import ffdparaview as ffd
 
 NAMES = ("identity", "smooth", "strong", "edited", "changed", "alone")
-SCENES = [name + opaque for name in NAMES for opaque in "01"]
+BLENDS = ("Maximum0", "Minimum0", "Average0", "Additive0", "Isosurface1", "Slice0")
+SCENES = [name + opaque for name in NAMES for opaque in "01"] + list(BLENDS)
 VOLUME = os.path.join(ffd.TEMPORARY, "ParaView.alone.vtk")
 
 
@@ -62,6 +63,13 @@ class TestParallel(unittest.TestCase):
             with self.subTest(voxels=name, ranks=ranks):
                 self.assertEqual(len(voxels[name + "0"]), ranks)
                 self.assertLess(max(voxels[name + "0"]), part * whole)
+        # Modes other than composite have all voxels in the first process; each is another picture.
+        for i, scene in enumerate(BLENDS):
+            with self.subTest(scene=scene, ranks=ranks):
+                self.assertEqual(sum(count >= 0.9 * whole for count in voxels[scene]), 1)
+                for other in (*BLENDS[:i], "edited0"):
+                    self.assertGreater(
+                        ffd.differ(several[scene], several[other])[1], 1.0, other)
         # The source is asked for a piece; pieces share the voxels between them.
         for name in ("smooth0", "strong0", "changed0"):
             self.assertLess(max(given[name]), 1.1 / ranks * whole)

@@ -9,7 +9,7 @@ import unittest
 
 import numpy as np
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
-from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
 from vtkmodules.vtkCommonCore import vtkLogger
 from vtkmodules.vtkIOXML import vtkXMLImageDataReader
@@ -167,6 +167,75 @@ class TestClipBox(unittest.TestCase):
         got, count = alone.picture()
         self.assertLess(abs(count - samples), 1e-4 * samples)
         self.assertLessEqual(np.abs(got - wanted).max() * 255.0, 4.0)
+
+    def test_range_of_the_whole(self):
+        """Tables and blend modes of a part are those of the whole whose range it is told."""
+        size = 25
+        image = vtkImageData()
+        image.SetDimensions(size, size, size)
+        ramp = np.repeat(np.linspace(0.0, 100.0, size), size * size).astype(np.float32)
+        scalars = numpy_to_vtk(ramp, deep=True)
+        scalars.SetName("ramp")
+        image.GetPointData().SetScalars(scalars)
+        cut = 0.5 * (size - 1) - 0.25
+        box = (-1e9, 1e9, -1e9, 1e9, -float("inf"), cut)
+
+        def make(data):
+            scene = Scene(0.0, False, data)
+            scene.mapper.SetDeformation(None)
+            scene.mapper.SetSpaceLeapingToOff()
+            scene.mapper.SetBlendModeToAverageIntensity()
+            scene.mapper.SetClipBox(box)
+            scene.mapper.SetWholeBounds(image.GetBounds())
+            opacity = scene.volume.GetProperty().GetScalarOpacity()
+            opacity.RemoveAllPoints()
+            opacity.AddPoint(0, 1.0)
+            opacity.AddPoint(100, 1.0)
+            scene.renderer.ResetCamera(image.GetBounds())
+            return scene
+
+        def gray(scene):
+            return scene.picture()[0][:, 0]
+
+        wanted = gray(make(image))
+        self.assertGreater(wanted.max(), 0.3)
+        part = vtkImageData()
+        part.DeepCopy(image)
+        part.Crop((0, size - 1, 0, size - 1, 0, (size - 1) // 2 + 2))
+        scene = make(part)
+        self.assertEqual(scene.mapper.GetWholeScalarRange(), (1.0, -1.0))
+        alone = gray(scene)
+        self.assertGreater((alone - wanted).max(), 0.15)
+        scene.mapper.SetWholeScalarRange(0.0, 100.0)
+        self.assertLessEqual(np.abs(gray(scene) - wanted).max(), 1.5 / 255.0)
+        # A copy has it; without one it is the range of the part again.
+        copy = vtkffd.vtkFFDInverseRayVolumeMapper()
+        copy.ShallowCopy(scene.mapper)
+        self.assertEqual(copy.GetWholeScalarRange(), (0.0, 100.0))
+        scene.mapper.SetWholeScalarRange(1.0, -1.0)
+        self.assertTrue(np.array_equal(gray(scene), alone))
+
+        # A part that holds no number at all.
+        vtk_to_numpy(part.GetPointData().GetScalars())[:] = np.nan
+        part.GetPointData().GetScalars().Modified()
+        scene = make(part)
+        scene.mapper.SetWholeScalarRange(0.0, 100.0)
+        self.assertEqual(gray(scene).max(), 0.0)
+        scene.mapper.SetWholeScalarRange(1.0, -1.0)
+        verbosity = vtkLogger.GetCurrentVerbosityCutoff()
+        vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+        errors = []
+        scene.mapper.AddObserver("ErrorEvent", lambda o, e: errors.append(e))
+        self.assertEqual(
+            scene.mapper.RenderToImage(scene.renderer, scene.volume, SIZE, SIZE, vtkImageData()), 0)
+        self.assertEqual(len(errors), 1)
+        # Ranges that are none change nothing.
+        scene.mapper.SetWholeScalarRange(2.0, 5.0)
+        for bad in (float("nan"), float("inf")):
+            scene.mapper.SetWholeScalarRange(0.0, bad)
+            self.assertEqual(scene.mapper.GetWholeScalarRange(), (2.0, 5.0))
+        self.assertEqual(len(errors), 3)
+        vtkLogger.SetStderrVerbosity(verbosity)
 
     def test_bad_box(self):
         mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
