@@ -25,6 +25,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 #include <vector>
 
 vtkStandardNewMacro(vtkFFDVolumePicker);
@@ -114,6 +116,10 @@ public:
       channel.Component = c;
       channel.Volume = ffd::GetComponent(volume, c);
       const int ofProperty = independent ? c : 0;
+      if (independent && last > 0 && !(property->GetComponentWeight(c) > 0.0))
+      {
+        continue; // not in the picture
+      }
       channel.Opacity = property->GetScalarOpacity(ofProperty);
       if (gradientOpacity && property->HasGradientOpacity(ofProperty))
       {
@@ -123,6 +129,15 @@ public:
       view.Scalars->GetFiniteRange(range, c);
       channel.Least = range[0];
       this->Channels.push_back(channel);
+    }
+    if (view.Mask.Volume.Scalars && view.Mask.Labels)
+    {
+      for (const int label : property->GetLabelMapLabels())
+      {
+        vtkPiecewiseFunction* opacity = property->GetLabelScalarOpacity(label);
+        this->Labels[label] = { opacity ? opacity : property->GetScalarOpacity(),
+          gradientOpacity ? property->GetLabelGradientOpacity(label) : nullptr };
+      }
     }
   }
 
@@ -165,6 +180,24 @@ public:
     return glm::transpose(channel.Volume.DataToIndex) * gradient;
   }
 
+  /// The nearest voxel of the mask; 0 outside of it.
+  double MaskAt(const glm::dvec3& index) const
+  {
+    const ffd::MaskView& mask = this->View.Mask;
+    glm::dvec3 at = this->ToVoxel(index);
+    if (!mask.SameGrid)
+    {
+      const ffd::VolumeView& volume = this->View.Volume;
+      at = mask.Volume.ToIndex(volume.FirstVoxel + volume.IndexToData * index);
+      const glm::dvec3 beyond = glm::max(-0.5 - at, at - (glm::dvec3(mask.Volume.Dimensions) - 0.5));
+      if (beyond.x > 0.0 || beyond.y > 0.0 || beyond.z > 0.0)
+      {
+        return 0.0;
+      }
+    }
+    return this->FetchMask.Value(mask.Volume, at);
+  }
+
   /// Blanked, or outside of a binary mask.
   bool IsHidden(const glm::dvec3& index) const
   {
@@ -179,21 +212,17 @@ public:
       }
     }
     const ffd::MaskView& mask = this->View.Mask;
-    if (!mask.Volume.Scalars || mask.Labels)
-    {
-      return false;
-    }
-    glm::dvec3 at = this->ToVoxel(index);
-    if (!mask.SameGrid)
-    {
-      at = mask.Volume.ToIndex(volume.FirstVoxel + volume.IndexToData * index);
-      const glm::dvec3 beyond = glm::max(-0.5 - at, at - (glm::dvec3(mask.Volume.Dimensions) - 0.5));
-      if (beyond.x > 0.0 || beyond.y > 0.0 || beyond.z > 0.0)
-      {
-        return true;
-      }
-    }
-    return !(this->FetchMask.Value(mask.Volume, at) > 0.0);
+    return mask.Volume.Scalars && !mask.Labels && !(this->MaskAt(index) > 0.0);
+  }
+
+  /// As the mapper classifies: `value`, raised as whole numbers are, through both functions.
+  double Opacity(const Channel& channel, vtkPiecewiseFunction* opacity,
+    vtkPiecewiseFunction* gradient, double raised, const glm::dvec3& index) const
+  {
+    const double plain = opacity->GetValue(raised);
+    return gradient && plain > 0.0
+      ? plain * gradient->GetValue(glm::length(this->Gradient(channel, index)))
+      : plain;
   }
 
   /// The first channel whose opacity exceeds `isovalue` there; null: none.
@@ -202,12 +231,21 @@ public:
     for (const Channel& channel : this->Channels)
     {
       const double value = this->Value(channel, index);
-      // As the mapper classifies; false for values that are not a number.
-      const double up = std::min(this->Up, std::max(0.0, value - channel.Least));
-      double opacity = value == value ? channel.Opacity->GetValue(value + up) : 0.0;
-      if (channel.Gradient && opacity > isovalue)
+      double opacity = 0.0;
+      if (value == value)
       {
-        opacity *= channel.Gradient->GetValue(glm::length(this->Gradient(channel, index)));
+        const double raised = value + std::min(this->Up, std::max(0.0, value - channel.Least));
+        opacity = this->Opacity(channel, channel.Opacity, channel.Gradient, raised, index);
+        const auto label = this->Labels.empty()
+          ? this->Labels.end()
+          : this->Labels.find(static_cast<int>(this->MaskAt(index) + 0.5));
+        if (label != this->Labels.end())
+        {
+          const double factor = this->View.Mask.BlendFactor;
+          opacity = (1.0 - factor) * opacity +
+            factor *
+              this->Opacity(channel, label->second.first, label->second.second, raised, index);
+        }
       }
       if (opacity > isovalue)
       {
@@ -217,11 +255,17 @@ public:
     return nullptr;
   }
 
-  const Channel& GetFirst() const { return this->Channels.front(); }
+  /// Null: no component is in the picture.
+  const Channel* GetFirst() const
+  {
+    return this->Channels.empty() ? nullptr : &this->Channels.front();
+  }
 
 private:
   const vtkFFDProbeView& View;
   std::vector<Channel> Channels;
+  /// Of each label that has functions: scalar opacity, and gradient opacity or null.
+  std::map<int, std::pair<vtkPiecewiseFunction*, vtkPiecewiseFunction*>> Labels;
   ffd::SampleFunctions Fetch;   // as in the picture
   ffd::SampleFunctions Between; // linear, for gradients
   ffd::SampleFunctions FetchMask;
@@ -354,6 +398,10 @@ double vtkFFDVolumePicker::IntersectDeformed(const double p1[3], const double p2
   const ffd::SurfaceSearch search(view.Volume, view.Map, origin, direction);
   const CroppingRegions cropping(view.Crop);
   const Visibility visibility(view, property, this->UseVolumeGradientOpacity != 0);
+  if (!visibility.GetFirst())
+  {
+    return VTK_DOUBLE_MAX;
+  }
 
   // From one stretch of the ray that is inside of the volume and not cropped to the next.
   const auto isShown = [&](const ffd::SurfacePoint& p)
@@ -450,7 +498,7 @@ double vtkFFDVolumePicker::IntersectDeformed(const double p1[3], const double p2
   this->SetImageDataPickInfo(&structured.x, extent);
   std::copy_n(&hit.Deformed.x, 3, this->MapperPosition);
   std::copy_n(&hit.Rest.x, 3, this->RestPosition);
-  const Visibility::Channel& of = channel ? *channel : visibility.GetFirst();
+  const Visibility::Channel& of = channel ? *channel : *visibility.GetFirst();
   this->Component = of.Component;
   this->ScalarValue = visibility.Value(of, glm::clamp(hit.Index, lower, upper));
 

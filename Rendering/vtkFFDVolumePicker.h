@@ -26,9 +26,10 @@
  * billionth of a voxel. Steps are at most half a voxel long in the volume at rest.
  *
  * Clipping planes, cropping regions (in the mapper's CroppingSpace), the mapper's ClipBox, blanked
- * points and cells and a binary mask hide what they hide in the picture; label maps, two-dimensional
- * transfer functions and blend modes are not looked at. Pick from a list, PickClippingPlanes, PickCroppingPlanes and
- * UseVolumeGradientOpacity work as in the superclasses.
+ * points and cells and a binary mask hide what they hide in the picture, a label map gives its labels
+ * their scalar opacity, and a component of weight 0 is not there; other weights, two-dimensional
+ * transfer functions and blend modes are not looked at. Pick from a list, PickClippingPlanes,
+ * PickCroppingPlanes and UseVolumeGradientOpacity work as in the superclasses.
  *
  * After a pick of a deformed volume
  * - PickPosition (world) and MapperPosition (data coordinates) are in deformed space, PickNormal and
