@@ -19,6 +19,7 @@
 #include "vtkFFDResampleVolume.h"
 #include "vtkFloatArray.h"
 #include "vtkImageCast.h"
+#include "vtkLightKit.h"
 #include "vtkPlane.h"
 #include "vtkPolyDataMapper.h"
 #include "vtkProperty.h"
@@ -145,6 +146,31 @@ public:
             i, j, k, 1, bytes ? std::min(255.0, std::max(0.0, value / 8.0)) : wave);
         }
       }
+    }
+    return image;
+  }
+
+  /// Bytes: three waves, and the head.
+  vtkSmartPointer<vtkImageData> MakeFourComponents()
+  {
+    vtkSmartPointer<vtkImageData> head = this->Read("headsq", 1, 0.0);
+    auto image = vtkSmartPointer<vtkImageData>::New();
+    image->CopyStructure(head);
+    image->AllocateScalars(VTK_UNSIGNED_CHAR, 4);
+    int dims[3];
+    image->GetDimensions(dims);
+    for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
+    {
+      const double at[3] = { static_cast<double>(i % dims[0]),
+        static_cast<double>(i / dims[0] % dims[1]), static_cast<double>(i / (dims[0] * dims[1])) };
+      for (int c = 0; c < 3; ++c)
+      {
+        image->GetPointData()->GetScalars()->SetComponent(
+          i, c, std::floor(127.0 + 100.0 * std::sin(0.12 * at[c] + 0.07 * at[(c + 1) % 3])));
+      }
+      image->GetPointData()->GetScalars()->SetComponent(i, 3,
+        std::floor(std::min(
+          255.0, std::max(0.0, head->GetPointData()->GetScalars()->GetTuple1(i) / 8.0))));
     }
     return image;
   }
@@ -464,6 +490,8 @@ std::vector<SceneTest> Scenes()
           { 227, 1.0, 0.2, 0.0, 0.9 } },
         2.0, 0.0);
       s.Property->IndependentComponentsOff();
+      // As long as samples: with 2 the GPU mapper is 6.1 apart.
+      s.Property->SetScalarOpacityUnitDistance(s.Ours->GetSampleDistance());
     },
     [](Stage& s, bool on) {
       // Without: one colour.
@@ -472,7 +500,7 @@ std::vector<SceneTest> Scenes()
       colour->AddRGBPoint(227.0, on ? 1.0 : 0.5, on ? 0.2 : 0.5, on ? 0.0 : 0.5);
       s.Property->SetColor(colour);
     },
-    8.0, 45.0, 27.0 });
+    3.0, 22.0, 27.0 });
 
   // What hides voxels. The mask is one of the material: it moves with it, not with the resampled.
   scenes.push_back({ "BinaryMask", "TestGPURayCastCompositeBinaryMask", Reference::Gpu,
@@ -532,6 +560,134 @@ std::vector<SceneTest> Scenes()
       s.Property->Modified();
     },
     1.0, 4.0, 0.0 });
+  scenes.push_back({ "LabelMap", "TestGPURayCastCompositeMask", Reference::Gpu,
+    [](Stage& s) {
+      s.ShowHead();
+      // As long as samples: with 2 the GPU mapper is 14.4 apart.
+      s.Property->SetScalarOpacityUnitDistance(s.Ours->GetSampleDistance());
+      for (const int label : { 1, 2 })
+      {
+        vtkNew<vtkColorTransferFunction> colour;
+        colour->AddRGBPoint(500.0, label == 1 ? 1.0 : 0.1, 0.3, label == 1 ? 0.0 : 1.0);
+        colour->AddRGBPoint(1400.0, label == 1 ? 1.0 : 0.2, 0.9, label == 1 ? 0.2 : 1.0);
+        vtkNew<vtkPiecewiseFunction> opacity;
+        opacity->AddPoint(label == 1 ? 500.0 : 900.0, 0.0);
+        opacity->AddPoint(1400.0, 0.4);
+        s.Property->SetLabelColor(label, colour);
+        s.Property->SetLabelScalarOpacity(label, opacity);
+      }
+    },
+    [](Stage& s, bool on) {
+      auto mask = vtkSmartPointer<vtkImageData>::New();
+      mask->CopyStructure(s.Image);
+      mask->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
+      int dims[3];
+      mask->GetDimensions(dims);
+      for (vtkIdType i = 0; i < mask->GetNumberOfPoints(); ++i)
+      {
+        const int x = static_cast<int>(i % dims[0]);
+        const int z = static_cast<int>(i / (dims[0] * dims[1]));
+        mask->GetPointData()->GetScalars()->SetTuple1(i, x < 28 ? 1.0 : z > 50 ? 2.0 : 0.0);
+      }
+      s.Ours->SetMaskInput(on ? mask.Get() : nullptr);
+      s.Gpu->SetMaskInput(on ? mask.Get() : nullptr);
+      s.Ours->SetMaskTypeToLabelMap();
+      s.Gpu->SetMaskTypeToLabelMap();
+      s.Property->Modified();
+      s.Kept.push_back(mask);
+    },
+    1.5, 10.0, 0.0 });
+  scenes.push_back({ "Slice", "TestGPURayCastSlicePlane", Reference::Gpu,
+    [](Stage& s) {
+      s.ShowHead();
+      s.SetTransferOfMaximum();
+      const double* b = s.Image->GetBounds();
+      vtkNew<vtkPlane> plane;
+      plane->SetOrigin(0.5 * (b[0] + b[1]), 0.5 * (b[2] + b[3]), 0.5 * (b[4] + b[5]));
+      plane->SetNormal(0.3, -1.0, 0.4);
+      s.Property->SetSliceFunction(plane);
+    },
+    [](Stage& s, bool on) {
+      s.All([&](vtkVolumeMapper* m) {
+        m->SetBlendMode(on ? vtkVolumeMapper::SLICE_BLEND : vtkVolumeMapper::COMPOSITE_BLEND);
+      });
+    },
+    // The slices of the GPU mapper are half a voxel off: see TestSlice.
+    6.0, 60.0, 32.0 });
+  scenes.push_back({ "DirectionMatrix", "TestGPURayCastMapperDirectionMatrix", Reference::Gpu,
+    [](Stage& s) { s.ShowEngine(); },
+    [](Stage& s, bool on) {
+      const double c = on ? std::cos(0.6) : 1.0;
+      const double d = on ? std::sin(0.6) : 0.0;
+      s.Image->SetDirectionMatrix(c, -d, 0.0, d, c, 0.0, 0.0, 0.0, 1.0);
+    },
+    1.0, 5.0, 0.0 });
+  scenes.push_back({ "TransferFunction2D", "TestGPURayCastTransfer2D", Reference::Gpu,
+    [](Stage& s) {
+      s.ShowHead();
+      // VTK's GPU mapper does not correct these functions for the sample distance.
+      s.Property->SetScalarOpacityUnitDistance(s.Ours->GetSampleDistance());
+      vtkNew<vtkImageData> plane;
+      plane->SetDimensions(64, 64, 1);
+      plane->AllocateScalars(VTK_FLOAT, 4);
+      for (int j = 0; j < 64; ++j)
+      {
+        for (int i = 0; i < 64; ++i)
+        {
+          const double x = i / 63.0;
+          const double y = j / 63.0;
+          const double texel[4] = { 0.2 + 0.8 * x, 0.9 - 0.6 * y, y,
+            0.3 * std::max(0.0, x - 0.15) * (0.2 + y) };
+          for (int k = 0; k < 4; ++k)
+          {
+            plane->SetScalarComponentFromDouble(i, j, 0, k, texel[k]);
+          }
+        }
+      }
+      s.Property->SetTransferFunction2D(plane);
+    },
+    [](Stage& s, bool on) {
+      s.Property->SetTransferFunctionMode(
+        on ? vtkVolumeProperty::TF_2D : vtkVolumeProperty::TF_1D);
+    },
+    1.5, 4.0, 0.0 });
+  scenes.push_back({ "LightKit", "TestGPURayCastLightKit", Reference::Gpu,
+    [](Stage& s) {
+      // A cube, without highlights: see PositionalLights.
+      s.Show(s.MakeCube(s.Read("engine", 2, 0.0)), ffdTest::SolidEngine(), 2.0, 0.0);
+      s.SetShading(0.1, 0.8, 0.0, 20.0);
+    },
+    [](Stage& s, bool on) {
+      s.Renderer->RemoveAllLights();
+      if (on)
+      {
+        vtkNew<vtkLightKit> kit;
+        kit->AddLightsToRenderer(s.Renderer);
+        s.Kept.push_back(kit.Get());
+      }
+      else
+      {
+        s.Renderer->AddLight(s.Headlight);
+      }
+      s.Property->Modified();
+    },
+    4.0, 15.0, 29.0 });
+  scenes.push_back({ "FourComponentsDependent", "TestGPURayCastFourComponentsDependent",
+    Reference::Gpu,
+    [](Stage& s) {
+      s.Show(s.MakeFourComponents(), { { 60, 1, 1, 1, 0.0 }, { 175, 1, 1, 1, 0.5 } }, 2.0, 0.0);
+      s.Property->IndependentComponentsOff();
+      // As long as samples: with 2 the GPU mapper is 9.5 apart.
+      s.Property->SetScalarOpacityUnitDistance(s.Ours->GetSampleDistance());
+    },
+    [](Stage& s, bool on) {
+      // Without: hardly anything is opaque.
+      vtkNew<vtkPiecewiseFunction> opacity;
+      opacity->AddPoint(60.0, 0.0);
+      opacity->AddPoint(175.0, on ? 0.5 : 0.005);
+      s.Property->SetScalarOpacity(opacity);
+    },
+    4.5, 25.0, 25.0 });
   return scenes;
 }
 
