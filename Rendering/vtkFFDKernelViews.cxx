@@ -40,22 +40,20 @@ constexpr int GradientTable = 1024;
 /// Labels of a label map.
 constexpr int LargestLabel = 65535;
 
+glm::dvec3 Normalized(const glm::dvec3& d)
+{
+  const double length = glm::length(d);
+  return length > 0.0 && std::isfinite(length) ? d / length : glm::dvec3(0.0, 0.0, -1.0);
+}
+
 glm::dvec3 Direction(const double from[3], const double to[3])
 {
-  const glm::dvec3 d(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
-  const double length = glm::length(d);
-  return length > 0.0 ? d / length : glm::dvec3(0.0, 0.0, -1.0);
+  return Normalized(glm::dvec3(to[0] - from[0], to[1] - from[1], to[2] - from[2]));
 }
 
 glm::vec3 Scaled(const double colour[3], double intensity)
 {
   return glm::vec3(colour[0] * intensity, colour[1] * intensity, colour[2] * intensity);
-}
-
-glm::dvec3 Normalized(const glm::dvec3& d)
-{
-  const double length = glm::length(d);
-  return length > 0.0 && std::isfinite(length) ? d / length : glm::dvec3(0.0, 0.0, -1.0);
 }
 
 /// `worldToData`: lights are moved into data coordinates, `unit` is a data unit in the world.

@@ -77,7 +77,7 @@ void TransformLines(std::uint8_t* lines, int count, std::size_t stride, int widt
 
 //------------------------------------------------------------------------------
 DistanceMap::DistanceMap(const MinMaxBlocks& blocks, const TransferTable& table,
-  const MinMaxBlocks::ParallelFor& parallelFor)
+  const ParallelFor& parallelFor)
 {
   this->Build({ &blocks },
     [&table](const MinMaxBlocks::Limits* limits)
@@ -87,7 +87,7 @@ DistanceMap::DistanceMap(const MinMaxBlocks& blocks, const TransferTable& table,
 
 //------------------------------------------------------------------------------
 DistanceMap::DistanceMap(const std::vector<const MinMaxBlocks*>& components,
-  const IsEmpty& isEmpty, const MinMaxBlocks::ParallelFor& parallelFor)
+  const IsEmpty& isEmpty, const ParallelFor& parallelFor)
 {
   this->Build(components, isEmpty, parallelFor);
 }
@@ -95,27 +95,20 @@ DistanceMap::DistanceMap(const std::vector<const MinMaxBlocks*>& components,
 //------------------------------------------------------------------------------
 template <class Test>
 void DistanceMap::Build(const std::vector<const MinMaxBlocks*>& components, const Test& isEmpty,
-  const MinMaxBlocks::ParallelFor& parallelFor)
+  const ParallelFor& parallelFor)
 {
   this->Blocks = components[0]->GetBlocks();
   this->Distances.resize(components[0]->GetNumberOfBlocks() + 3);
   const auto run = [&parallelFor](int count, const std::function<void(int)>& work)
   {
-    const auto range = [&work](std::size_t first, std::size_t last)
-    {
-      for (std::size_t i = first; i < last; ++i)
+    RunFor(parallelFor, static_cast<std::size_t>(count),
+      [&work](std::size_t first, std::size_t last)
       {
-        work(static_cast<int>(i));
-      }
-    };
-    if (parallelFor)
-    {
-      parallelFor(static_cast<std::size_t>(count), range);
-    }
-    else
-    {
-      range(0, static_cast<std::size_t>(count));
-    }
+        for (std::size_t i = first; i < last; ++i)
+        {
+          work(static_cast<int>(i));
+        }
+      });
   };
   run(components[0]->GetParents().z,
     [&](int plane) { this->FindOccupancy(components, isEmpty, plane); });

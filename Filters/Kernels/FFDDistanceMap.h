@@ -34,14 +34,14 @@ class FFD_KERNEL_EXPORT DistanceMap
 public:
   DistanceMap() = default;
   DistanceMap(const MinMaxBlocks& blocks, const TransferTable& table,
-    const MinMaxBlocks::ParallelFor& parallelFor = MinMaxBlocks::ParallelFor());
+    const ParallelFor& parallelFor = ParallelFor());
 
   /// Whether nothing is visible where scalars are within limits, one each for the components.
   using IsEmpty = std::function<bool(const MinMaxBlocks::Limits* limits)>;
 
   /// The same for several components (at most 4), whose blocks have equal sizes.
   DistanceMap(const std::vector<const MinMaxBlocks*>& components, const IsEmpty& isEmpty,
-    const MinMaxBlocks::ParallelFor& parallelFor = MinMaxBlocks::ParallelFor());
+    const ParallelFor& parallelFor = ParallelFor());
 
   const glm::ivec3& GetBlocks() const { return this->Blocks; }
 
@@ -74,7 +74,7 @@ private:
   }
   template <class Test>
   void Build(const std::vector<const MinMaxBlocks*>& components, const Test& isEmpty,
-    const MinMaxBlocks::ParallelFor& parallelFor);
+    const ParallelFor& parallelFor);
   template <class Test>
   void FindOccupancy(
     const std::vector<const MinMaxBlocks*>& components, const Test& isEmpty, int parentPlane);

@@ -75,7 +75,7 @@ void ScanVoxels(const VolumeView& v, const glm::ivec3& first, const glm::ivec3& 
 
 template <class T>
 MinMaxBlocks::Limits FindRange(
-  const VolumeView& volume, const MinMaxBlocks::ParallelFor& parallelFor)
+  const VolumeView& volume, const ParallelFor& parallelFor)
 {
   std::vector<Extremes<T>> slices(static_cast<std::size_t>(volume.Dimensions.z));
   parallelFor(slices.size(),

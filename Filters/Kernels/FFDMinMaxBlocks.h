@@ -42,8 +42,6 @@ public:
     double Max; ///< < Min where a block has no number at all
   };
 
-  using ParallelFor = ffd::ParallelFor;
-
   MinMaxBlocks() = default;
   MinMaxBlocks(const VolumeView& volume, const ParallelFor& parallelFor);
 

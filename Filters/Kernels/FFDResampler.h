@@ -59,8 +59,6 @@ FFD_KERNEL_EXPORT Box FindRestRegion(
 class FFD_KERNEL_EXPORT Resampler
 {
 public:
-  using ParallelFor = ffd::ParallelFor;
-
   /// `volume` and `map` are kept by pointer. Components: Increments[0] of the volume.
   Resampler(const VolumeView& volume, const PullBack& map, const ImageGrid& grid,
     const ResampleSettings& settings);

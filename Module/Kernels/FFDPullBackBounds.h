@@ -45,9 +45,9 @@ struct MapBounds
  * meets the outside: a region that touches this border has infinite second and third derivatives
  * (D itself and the Jacobian interval stay valid: the map is Lipschitz there).
  *
- * Construction may be split over threads. It costs 0.15 microseconds per sub-cell on one core with AVX-512, 0.28 for the kinds
- * that invert T (2.1 and 3.8 ms for 8^3 control points, which make 24^3 sub-cells), and 104 bytes
- * per sub-cell; Over() some 60 nanoseconds for a region of a few sub-cells.
+ * Construction may be split over threads. It costs 0.15 microseconds per sub-cell on one core with
+ * AVX-512, 0.28 for the kinds that invert T (2.1 and 3.8 ms for 8^3 control points, which make 24^3
+ * sub-cells), and 104 bytes per sub-cell; Over() some 60 nanoseconds for a region of a few sub-cells.
  *
  * "Region" is a box in the space where the field is evaluated: deformed space for FirstOrder and
  * Forward, REST space for Exact and FirstOrderOfInverse (that is where T's Jacobian lives).
