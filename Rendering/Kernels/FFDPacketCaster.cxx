@@ -298,6 +298,8 @@ PacketCaster::PacketCaster(
     scene.Crop.Space == Cropping::Spaces::Deformed ? p.Centre : glm::dvec3(0.0);
   Copy(scene.Crop.Low - cropOrigin, p.CropLow);
   Copy(scene.Crop.High - cropOrigin, p.CropHigh);
+  p.Plain = p.Sampling == PacketSampling::Composite && !p.Intervals && !p.GradientFactors &&
+    p.CropSpace == Cropping::Spaces::None;
 
   if (scene.Distances && settings.Leaping != SpaceLeaping::Off)
   {

@@ -86,6 +86,7 @@ struct PacketScene
   float CropHigh[3] = {};
   int CropFlags = 0;
   bool Intervals = false; ///< Blending::UsesIntervals()
+  bool Plain = false;     ///< compositing without cropping and gradient opacity
   /// What blend modes compare values with, values as they are fetched (PacketVolume).
   float ValueLow = 0.0f; ///< ends of their range
   float ValueHigh = 1.0f;
@@ -121,7 +122,7 @@ struct PacketScene
   std::vector<PacketLight> Lights;
 };
 
-/// One layer of a tile: the rest points, in index coordinates, of its 4 x 4 nodes at one t.
+/// One layer of a grid: the rest points, in index coordinates, of its 4 x 4 nodes at one t.
 struct TileLayer
 {
   float X[16];
@@ -134,6 +135,7 @@ struct PacketScratch
 {
   TileSpans Spans;
   std::vector<int> LayerSlots; ///< by fine parameter index: number of the layer, or -1
+  std::array<std::vector<int>, 4> QuarterSlots; ///< the same for the quarters of the tile
   std::vector<TileLayer> Layers;
   std::vector<unsigned char> EmptySpans; ///< of the tile, as far as known (TileBeam)
   std::vector<RayIntegrator> Integrators; ///< of the lanes of a packet, where these are used

@@ -33,6 +33,21 @@ struct PacketPixels
   Vf TallyStep;    ///< sample of the piece where the value is known, or a negative number
 };
 
+/// Which nodes rays are interpolated between.
+enum class LateralNodes
+{
+  Tile,
+  Quarter, ///< of the tile
+  None     ///< none, every ray is followed for itself
+};
+
+HWY_INLINE LateralNodes NodesOf(const TileSpans::Span& span)
+{
+  return span.Lateral ? LateralNodes::Tile
+    : span.LateralInQuarters ? LateralNodes::Quarter
+                             : LateralNodes::None;
+}
+
 /// A piece of the curves of a packet: Start + s * (Linear + s * Quadratic), index coordinates.
 struct PacketPiece
 {
@@ -43,7 +58,7 @@ struct PacketPiece
   int Steps = 0;      ///< fine steps it takes
   float T0 = 0.0f;
   float Dt = 0.0f;
-  bool Lateral = true; ///< interpolated between the nodes of the tile
+  LateralNodes Nodes = LateralNodes::Tile; ///< that it is interpolated between
 
   HWY_INLINE Vec3 At(Vf s) const { return MulAdd(s, MulAdd(s, this->Quadratic, this->Linear), this->Start); }
   HWY_INLINE Vec3 Velocity(Vf s) const
@@ -64,9 +79,12 @@ template <class T>
 class Packet
 {
 public:
-  /// `jitter`: part of an interval by which the samples of each ray are moved on.
+  /**
+   * `x`, `y`: pixels from the first of the tile. `jitter`: part of an interval by which the samples
+   * of each ray are moved on.
+   */
   Packet(const PacketScene& scene, TileGrid& grid, TileBeam& beam, PacketScratch& scratch,
-    const RayPacket& rays, Vf nodeX, Vf nodeY, Vf jitter, Mf active)
+    const RayPacket& rays, Vf x, Vf y, Vf jitter, Mf active)
     : Scene(scene)
     , Grid(grid)
     , Beam(beam)
@@ -74,9 +92,14 @@ public:
     , Rays(rays)
     , Jitter(jitter)
     , Alive(active)
+    , X(x)
+    , Y(y)
   {
-    LagrangeWeights(nodeX, this->Wx, this->WxSlope);
-    LagrangeWeights(nodeY, this->Wy, this->WySlope);
+    if (!scene.Identity)
+    {
+      this->Weights =
+        NodeWeights(hn::Mul(x, Splat(NodesPerPixel)), hn::Mul(y, Splat(NodesPerPixel)));
+    }
     this->Kept = PacketLook::Nothing();
     const Vf zero = hn::Zero(Df());
     this->Out = { { zero, zero, zero }, Splat(1.0f), Splat(1e30f), zero, zero, zero };
@@ -148,7 +171,7 @@ public:
       piece.Quadratic = this->Out.Colour;
       this->CountPiece(piece, this->Alive);
       const PacketSchedule schedule = this->Schedule(piece, Splat(piece.Dt));
-      this->Integrate(piece, schedule, LeapsOf(piece, schedule), this->Alive);
+      this->IntegratePiece(piece, schedule, LeapsOf(piece, schedule), this->Alive);
       return;
     }
     const bool lipschitz = this->Scene.Settings.Leaping == SpaceLeaping::Lipschitz;
@@ -156,7 +179,7 @@ public:
     const float nothing[3] = { 0.0f, 0.0f, 0.0f };
     LeapSlack slack;
     int nodeStep = -1;
-    bool nodeLateral = false;
+    LateralNodes nodeNodes = LateralNodes::None;
     Vec3 node = this->Out.Colour;
     for (int index = static_cast<int>(std::floor(from / spanLength)); index <= last; ++index)
     {
@@ -181,7 +204,7 @@ public:
       PacketPiece piece;
       piece.Steps = steps;
       piece.Dt = spanLength / static_cast<float>(pieces);
-      piece.Lateral = span.Lateral;
+      piece.Nodes = NodesOf(span);
       for (int p = 0; p < pieces; ++p)
       {
         piece.Step = (index - spans.GetFirst()) * stepsPerSpan + p * steps;
@@ -204,7 +227,7 @@ public:
         {
           continue;
         }
-        if (nodeStep != piece.Step || nodeLateral != span.Lateral)
+        if (nodeStep != piece.Step || nodeNodes != piece.Nodes)
         {
           node = this->PositionAt(piece.Step, span, ahead);
         }
@@ -212,8 +235,8 @@ public:
         if (canLeap)
         {
           // A new look costs less than a piece that it may save, but for interpolated ones.
-          const Mf kept =
-            span.Lateral ? this->Kept.FindKept(node, inRange) : hn::FirstN(d, 0);
+          const Mf kept = piece.Nodes != LateralNodes::None ? this->Kept.FindKept(node, inRange)
+                                                            : hn::FirstN(d, 0);
           look =
             PacketLook(this->Scene, node, hn::AndNot(kept, inRange), this->Scratch.Statistics);
           look.Take(this->Kept, kept);
@@ -244,10 +267,10 @@ public:
           schedule.First = hn::Max(
             schedule.First, hn::Sub(look.CountSteps(this->Scene, leaps), this->StepsBack()));
         }
-        this->Integrate(piece, schedule, leaps, inRange);
+        this->IntegratePiece(piece, schedule, leaps, inRange);
         node = end;
         nodeStep = piece.Step + steps;
-        nodeLateral = span.Lateral;
+        nodeNodes = piece.Nodes;
         if (hn::AllFalse(d, this->Alive))
         {
           return;
@@ -258,6 +281,9 @@ public:
 
 private:
   static constexpr float NoExtreme = 3e38f;
+  static constexpr float NodesPerPixel = (NodesPerSide - 1) / static_cast<float>(TileSide - 1);
+  static constexpr float QuarterNodesPerPixel =
+    (NodesPerSide - 1) / static_cast<float>(TileSide / 2 - 1);
 
   void EndIntegrators()
   {
@@ -332,19 +358,51 @@ private:
     }
     // What interpolation is not close enough for is at least where Newton's method starts from.
     const bool solves = this->Scene.Kind == PullBackKind::Exact;
-    if (!span.Lateral && !(span.Bounded && solves))
+    const LateralNodes nodes = NodesOf(span);
+    if (nodes == LateralNodes::Quarter)
+    {
+      return this->InQuarter().Interpolate(this->LayerOf(nodes, step));
+    }
+    if (nodes == LateralNodes::None && !(span.Bounded && solves))
     {
       return LocalToIndex(
         this->Scene, PullBackLanes(this->Scene, p, lanes, this->Scratch.Statistics));
     }
-    const Vec3 interpolated = InterpolateLayer(this->Grid.GetLayer(step), this->Wx, this->Wy);
-    if (span.Lateral)
+    const Vec3 interpolated = this->Weights.Interpolate(this->Grid.GetLayer(step));
+    if (nodes == LateralNodes::Tile)
     {
       return interpolated;
     }
     return LocalToIndex(this->Scene,
       InvertLanes(this->Scene, p, IndexToLocal(this->Scene, interpolated), lanes,
         this->Scratch.Statistics));
+  }
+
+  /// Weights of the nodes of the quarter of the tile.
+  HWY_INLINE const NodeWeights& InQuarter()
+  {
+    if (HWY_UNLIKELY(this->Quarter < 0))
+    {
+      this->FindQuarter();
+    }
+    return this->QuarterWeights;
+  }
+
+  HWY_NOINLINE void FindQuarter()
+  {
+    constexpr float Half = TileSide / 2;
+    const bool right = hn::GetLane(this->X) >= Half;
+    const bool high = hn::GetLane(this->Y) >= Half;
+    this->Quarter = (right ? 1 : 0) + (high ? 2 : 0);
+    const auto nodes = [](Vf pixel, bool second)
+    { return hn::Mul(hn::Sub(pixel, Splat(second ? Half : 0.0f)), Splat(QuarterNodesPerPixel)); };
+    this->QuarterWeights = NodeWeights(nodes(this->X, right), nodes(this->Y, high));
+  }
+
+  HWY_INLINE const TileLayer& LayerOf(LateralNodes nodes, int step)
+  {
+    return nodes == LateralNodes::Quarter ? this->Grid.GetQuarterLayer(this->Quarter, step)
+                                          : this->Grid.GetLayer(step);
   }
 
   HWY_INLINE Vf LengthOf(const Vec3& index) const
@@ -402,18 +460,33 @@ private:
       piece.Velocity(hn::Zero(Df())), piece.Velocity(Splat(1.0f)), schedule.Ds);
   }
 
+  HWY_INLINE void IntegratePiece(const PacketPiece& piece, const PacketSchedule& schedule,
+    const PieceLeap& leaps, Mf lanes)
+  {
+    if (HWY_LIKELY(this->Scene.Plain))
+    {
+      this->template Integrate<true>(piece, schedule, leaps, lanes);
+    }
+    else
+    {
+      this->template Integrate<false>(piece, schedule, leaps, lanes);
+    }
+  }
+
   /**
    * Samples one piece. Each ray steps through it on its own: it leaps until it stands before
    * something that may be visible, and when all rays do, all of them take a sample. So they take
-   * their first visible samples together, wherever on the piece these lie.
+   * their first visible samples together, wherever on the piece these lie. `Plain`: PacketScene::Plain,
+   * so that the innermost loop carries nothing for options that are not used.
    */
-  void Integrate(const PacketPiece& piece, const PacketSchedule& schedule, const PieceLeap& leaps,
+  template <bool Plain>
+  HWY_NOINLINE void Integrate(const PacketPiece& piece, const PacketSchedule& schedule, const PieceLeap& leaps,
     Mf lanes)
   {
     const Df d;
     const bool leap = this->Scene.Settings.Leaping != SpaceLeaping::Off;
-    const bool intervals = this->Scene.Intervals;
-    const bool composite = this->Scene.Sampling == PacketSampling::Composite;
+    const bool intervals = !Plain && this->Scene.Intervals;
+    const bool composite = Plain || this->Scene.Sampling == PacketSampling::Composite;
     this->HaveFrames = false;
     this->Out.TallyStep = Splat(-1.0f);
     Vf n = schedule.First;
@@ -425,7 +498,7 @@ private:
       Mf looking = hn::AndNot(expecting, active);
       while (leap && !hn::AllFalse(d, looking))
       {
-        const Mf empty = this->LookAhead(piece, schedule, leaps, looking, n);
+        const Mf empty = this->template LookAhead<Plain>(piece, schedule, leaps, looking, n);
         active = hn::And(active, hn::Lt(n, schedule.Stop));
         looking = hn::And(active, empty);
       }
@@ -436,23 +509,24 @@ private:
       const Vf s = hn::Mul(n, schedule.Ds);
       const Vec3 q = piece.At(s);
       const Mf sampled =
-        HWY_UNLIKELY(intervals) ? active : hn::And(active, this->IsShown(q, piece, s));
+        intervals ? active : hn::And(active, this->template IsShown<Plain>(q, piece, s));
       expecting = hn::AllFalse(d, sampled) ? sampled
-        : HWY_LIKELY(composite)
-        ? this->TakeSample(piece, q, s, schedule.Ds, sampled)
+        : composite
+        ? this->template TakeSample<Plain>(piece, q, s, schedule.Ds, sampled)
         : this->TakeOtherSample(piece, q, n, schedule.Ds, sampled);
       n = hn::Add(n, hn::IfThenElseZero(active, Splat(1.0f)));
     }
   }
 
   /// Moves the rays of `looking` that stand in empty space on, and says which these are.
+  template <bool Plain>
   HWY_INLINE Mf LookAhead(const PacketPiece& piece, const PacketSchedule& schedule,
     const PieceLeap& leaps, Mf looking, Vf& n)
   {
     const PacketLook look(
       this->Scene, piece.At(hn::Mul(n, schedule.Ds)), looking, this->Scratch.Statistics);
     const Vf steps = look.CountSteps(this->Scene, leaps);
-    if (HWY_UNLIKELY(this->Scene.Intervals))
+    if (!Plain && this->Scene.Intervals)
     {
       // The interval up to the first position that may not be empty is none of them.
       const Vf empty = hn::Sub(steps, Splat(1.0f));
@@ -465,10 +539,11 @@ private:
   }
 
   /// Which positions are inside of the volume and not cropped.
+  template <bool Plain>
   HWY_INLINE Mf IsShown(const Vec3& q, const PacketPiece& piece, Vf s) const
   {
     const Mf inside = IsInside(this->Scene, q);
-    if (HWY_LIKELY(this->Scene.CropSpace == Cropping::Spaces::None))
+    if (Plain || this->Scene.CropSpace == Cropping::Spaces::None)
     {
       return inside;
     }
@@ -503,6 +578,7 @@ private:
   }
 
   /// Samples, shades and composites; returns which of the rays met something visible.
+  template <bool Plain>
   HWY_INLINE Mf TakeSample(const PacketPiece& piece, const Vec3& q, Vf s, Vf ds, Mf sampled)
   {
     const Df d;
@@ -540,7 +616,7 @@ private:
       return visible;
     }
     Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
-    const bool byGradient = this->Scene.GradientFactors != nullptr;
+    const bool byGradient = !Plain && this->Scene.GradientFactors != nullptr;
     if (byGradient || this->Scene.Shade)
     {
       gradient = Gradient<T>(this->Scene.Volume, at, rows);
@@ -549,7 +625,7 @@ private:
         gradient = this->GradientAtBorder(q, border, gradient);
       }
     }
-    if (HWY_UNLIKELY(byGradient))
+    if (byGradient)
     {
       extinction = this->WeighByGradient(extinction, gradient);
       visible = hn::And(visible, hn::Gt(extinction, hn::Zero(d)));
@@ -831,7 +907,7 @@ private:
     {
       local = Transform(this->Scene.GradientToRest, g);
     }
-    else if (piece.Lateral)
+    else if (piece.Nodes != LateralNodes::None)
     {
       Vf determinant;
       local = this->GradientFromFrames(piece, g, at, t, determinant);
@@ -892,7 +968,7 @@ private:
     {
       gradient = Transform(this->Scene.GradientToRest, byIndex);
     }
-    else if (piece.Lateral)
+    else if (piece.Nodes != LateralNodes::None)
     {
       // Only the direction of the gradient is used, but it must not be turned around.
       Vf determinant;
@@ -925,19 +1001,24 @@ private:
     if (!this->HaveFrames)
     {
       this->HaveFrames = true;
+      // By steps of a node of the tile.
+      const bool quarter = piece.Nodes == LateralNodes::Quarter;
+      const NodeWeights& weights = quarter ? this->InQuarter() : this->Weights;
+      const Vf scale = Splat(quarter ? QuarterNodesPerPixel / NodesPerPixel : 1.0f);
       for (int end = 0; end < 2; ++end)
       {
-        const TileLayer& nodes = this->Grid.GetLayer(piece.Step + end * piece.Steps);
-        this->QuU[end] = InterpolateLayer(nodes, this->WxSlope, this->Wy);
-        this->QuV[end] = InterpolateLayer(nodes, this->Wx, this->WySlope);
+        const TileLayer& layer = this->LayerOf(piece.Nodes, piece.Step + end * piece.Steps);
+        this->QuU[end] = Scale(scale, weights.SlopeX(layer));
+        this->QuV[end] = Scale(scale, weights.SlopeY(layer));
       }
       if (!this->HaveAcross)
       {
         this->HaveAcross = true;
-        this->OriginU = InterpolateLayer(this->Grid.Origins, this->WxSlope, this->Wy);
-        this->OriginV = InterpolateLayer(this->Grid.Origins, this->Wx, this->WySlope);
-        this->DirectionU = InterpolateLayer(this->Grid.Directions, this->WxSlope, this->Wy);
-        this->DirectionV = InterpolateLayer(this->Grid.Directions, this->Wx, this->WySlope);
+        const NodeRays& rays = this->Grid.GetRays();
+        this->OriginU = this->Weights.SlopeX(rays.Origins);
+        this->OriginV = this->Weights.SlopeY(rays.Origins);
+        this->DirectionU = this->Weights.SlopeX(rays.Directions);
+        this->DirectionV = this->Weights.SlopeY(rays.Directions);
       }
     }
     const auto between = [&](const Vec3 ends[2])
@@ -971,10 +1052,11 @@ private:
   RayPacket Rays;
   Vf Jitter;
   Mf Alive;
-  Vf Wx[4];
-  Vf Wy[4];
-  Vf WxSlope[4];
-  Vf WySlope[4];
+  Vf X;
+  Vf Y;
+  NodeWeights Weights; ///< of the nodes of the tile
+  int Quarter = -1;    ///< of the tile, and the weights of its nodes: found on first use
+  NodeWeights QuarterWeights;
   PacketPixels Out;
   PacketLook Kept; ///< the empty cube that was found last where a piece began, for each ray
 
@@ -1182,17 +1264,17 @@ HWY_NOINLINE void CastTile(
   TileGrid grid(scene, scratch);
   if (any)
   {
-    grid.SetRays(near, far, static_cast<float>(x0), static_cast<float>(y0));
+    grid.SetRays(near, far, x0, y0);
+    const TileLayer& from = grid.GetRays().Origins;
+    const TileLayer& along = grid.GetRays().Directions;
     glm::dvec3 origins[4];
     glm::dvec3 directions[4];
     const int corners[4] = { 0, 3, 12, 15 };
     for (int c = 0; c < 4; ++c)
     {
       const int i = corners[c];
-      origins[c] = scene.Centre +
-        glm::dvec3(grid.Origins.X[i], grid.Origins.Y[i], grid.Origins.Z[i]);
-      directions[c] =
-        glm::dvec3(grid.Directions.X[i], grid.Directions.Y[i], grid.Directions.Z[i]);
+      origins[c] = scene.Centre + glm::dvec3(from.X[i], from.Y[i], from.Z[i]);
+      directions[c] = glm::dvec3(along.X[i], along.Y[i], along.Z[i]);
     }
     TileSpans& spans = scratch.Spans;
     spans.Start(*scene.Source->Bounds, scene.Settings.Spans, scene.Source->Volume.DataToIndex,
@@ -1203,7 +1285,6 @@ HWY_NOINLINE void CastTile(
   TileBeam beam(scene, grid, scratch);
 
   packet = 0;
-  const float toNodes = (NodesPerSide - 1) / static_cast<float>(TileSide - 1);
   for (int y = y0; y < y0 + TileSide; y += shape.Height)
   {
     for (int x = x0; x < x0 + TileSide; x += shape.Width, ++packet)
@@ -1215,13 +1296,11 @@ HWY_NOINLINE void CastTile(
         ClearPixels(image, x, y);
         continue;
       }
-      const Vf nodeX =
-        hn::Mul(hn::Add(Splat(static_cast<float>(x - x0)), dx), Splat(toNodes));
-      const Vf nodeY =
-        hn::Mul(hn::Add(Splat(static_cast<float>(y - y0)), dy), Splat(toNodes));
+      const Vf tileX = hn::Add(Splat(static_cast<float>(x - x0)), dx);
+      const Vf tileY = hn::Add(Splat(static_cast<float>(y - y0)), dy);
       const Vf jitter = scene.Settings.Jitter && !scene.Intervals ? JitterOf(scene, x, y)
                                                                   : hn::Zero(d);
-      Packet<T> cast(scene, grid, beam, scratch, rays, nodeX, nodeY, jitter, active);
+      Packet<T> cast(scene, grid, beam, scratch, rays, tileX, tileY, jitter, active);
       if (HWY_UNLIKELY(scene.Sampling != PacketSampling::Composite))
       {
         cast.BeginRays(x, y, shape.Width);

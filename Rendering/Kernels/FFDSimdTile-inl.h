@@ -328,10 +328,71 @@ HWY_INLINE Vec3 InterpolateLayer(const TileLayer& layer, const Vf wx[4], const V
     InterpolateNodes(layer.Z, wx, wy) };
 }
 
+/// Weights of the nodes of a square, and their derivatives, for a packet of rays.
+struct NodeWeights
+{
+  Vf X[4];
+  Vf Y[4];
+  Vf XSlope[4];
+  Vf YSlope[4];
+
+  NodeWeights() = default;
+  /// Positions from the first node, spacings of nodes.
+  HWY_INLINE NodeWeights(Vf x, Vf y)
+  {
+    LagrangeWeights(x, this->X, this->XSlope);
+    LagrangeWeights(y, this->Y, this->YSlope);
+  }
+
+  HWY_INLINE Vec3 Interpolate(const TileLayer& layer) const
+  {
+    return InterpolateLayer(layer, this->X, this->Y);
+  }
+  HWY_INLINE Vec3 SlopeX(const TileLayer& layer) const
+  {
+    return InterpolateLayer(layer, this->XSlope, this->Y);
+  }
+  HWY_INLINE Vec3 SlopeY(const TileLayer& layer) const
+  {
+    return InterpolateLayer(layer, this->X, this->YSlope);
+  }
+};
+
+/// Viewing rays through the 4 x 4 nodes of a square of pixels, the outermost pixels included.
+struct NodeRays
+{
+  HWY_ALIGN TileLayer Origins;    ///< local coordinates
+  HWY_ALIGN TileLayer Directions; ///< local coordinates per world unit
+
+  void Set(const PacketScene& scene, const ImageMap& near, const ImageMap& far, float x0, float y0,
+    int side)
+  {
+    const Df d;
+    const float step = static_cast<float>(side - 1) / static_cast<float>(NodesPerSide - 1);
+    HWY_ALIGN float x[TileNodes];
+    HWY_ALIGN float y[TileNodes];
+    for (int i = 0; i < TileNodes; ++i)
+    {
+      x[i] = x0 + 0.5f + step * static_cast<float>(i % NodesPerSide);
+      y[i] = y0 + 0.5f + step * static_cast<float>(i / NodesPerSide);
+    }
+    for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
+    {
+      const RayPacket rays = MakeRays(scene, near, far, hn::Load(d, x + i), hn::Load(d, y + i));
+      hn::Store(rays.Origin.x, d, this->Origins.X + i);
+      hn::Store(rays.Origin.y, d, this->Origins.Y + i);
+      hn::Store(rays.Origin.z, d, this->Origins.Z + i);
+      hn::Store(rays.Direction.x, d, this->Directions.X + i);
+      hn::Store(rays.Direction.y, d, this->Directions.Y + i);
+      hn::Store(rays.Direction.z, d, this->Directions.Z + i);
+    }
+  }
+};
+
 /**
- * The coarse grid of one tile: viewing rays through its 4 x 4 nodes and, by layer of equal t,
- * where the nodes come from. Layers are found on first use and kept, so what a layer holds does
- * not depend on which rays asked for it.
+ * The coarse grids of one tile, one for all of it and one for each quarter: viewing rays through
+ * their 4 x 4 nodes and, by layer of equal t, where the nodes come from. All are found on first use
+ * and kept, so what a layer holds does not depend on which rays asked for it.
  */
 class TileGrid
 {
@@ -342,29 +403,23 @@ public:
   {
   }
 
-  void SetRays(const ImageMap& near, const ImageMap& far, float x0, float y0)
+  /// `near` and `far` are kept by pointer; (x0, y0): first pixel of the tile.
+  void SetRays(const ImageMap& near, const ImageMap& far, int x0, int y0)
   {
-    const Df d;
-    constexpr float step = (TileSide - 1) / static_cast<float>(NodesPerSide - 1);
-    HWY_ALIGN float x[TileNodes];
-    HWY_ALIGN float y[TileNodes];
-    for (int i = 0; i < TileNodes; ++i)
+    this->Near = &near;
+    this->Far = &far;
+    this->X0 = x0;
+    this->Y0 = y0;
+    this->Rays.Set(
+      this->Scene, near, far, static_cast<float>(x0), static_cast<float>(y0), TileSide);
+    for (bool& known : this->HaveQuarter)
     {
-      x[i] = x0 + 0.5f + step * static_cast<float>(i % NodesPerSide);
-      y[i] = y0 + 0.5f + step * static_cast<float>(i / NodesPerSide);
-    }
-    for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
-    {
-      const RayPacket rays =
-        MakeRays(this->Scene, near, far, hn::Load(d, x + i), hn::Load(d, y + i));
-      hn::Store(rays.Origin.x, d, this->Origins.X + i);
-      hn::Store(rays.Origin.y, d, this->Origins.Y + i);
-      hn::Store(rays.Origin.z, d, this->Origins.Z + i);
-      hn::Store(rays.Direction.x, d, this->Directions.X + i);
-      hn::Store(rays.Direction.y, d, this->Directions.Y + i);
-      hn::Store(rays.Direction.z, d, this->Directions.Z + i);
+      known = false;
     }
   }
+
+  /// Rays through the nodes of the tile.
+  const NodeRays& GetRays() const { return this->Rays; }
 
   /// Number of fine steps a span: layers lie at ends and middles of the smallest pieces.
   void Start(int spans, int largestLevel, int firstSpan, float spanLength)
@@ -372,8 +427,9 @@ public:
     this->StepsPerSpan = 1 << (largestLevel + 1);
     this->FirstSpan = firstSpan;
     this->StepLength = spanLength / static_cast<float>(this->StepsPerSpan);
-    this->Scratch.LayerSlots.assign(
-      static_cast<std::size_t>(spans) * static_cast<std::size_t>(this->StepsPerSpan) + 1, -1);
+    this->NumberOfSlots =
+      static_cast<std::size_t>(spans) * static_cast<std::size_t>(this->StepsPerSpan) + 1;
+    this->Scratch.LayerSlots.assign(this->NumberOfSlots, -1);
     this->Scratch.Layers.clear();
   }
 
@@ -382,14 +438,24 @@ public:
   /// Layer at a fine step from the start of the first span.
   const TileLayer& GetLayer(int step)
   {
-    int& slot = this->Scratch.LayerSlots[static_cast<std::size_t>(step)];
-    if (slot < 0)
+    return this->GetLayer(
+      this->Rays, this->Scratch.LayerSlots[static_cast<std::size_t>(step)], step);
+  }
+
+  /// The same with the nodes of a quarter of the tile: 0 to 3, x first.
+  HWY_NOINLINE const TileLayer& GetQuarterLayer(int quarter, int step)
+  {
+    std::vector<int>& slots = this->Scratch.QuarterSlots[quarter];
+    if (!this->HaveQuarter[quarter])
     {
-      slot = static_cast<int>(this->Scratch.Layers.size());
-      this->Scratch.Layers.emplace_back();
-      this->Find(step, this->Scratch.Layers.back());
+      this->HaveQuarter[quarter] = true;
+      slots.assign(this->NumberOfSlots, -1);
+      constexpr int Side = TileSide / 2;
+      this->Quarters[quarter].Set(this->Scene, *this->Near, *this->Far,
+        static_cast<float>(this->X0 + quarter % 2 * Side),
+        static_cast<float>(this->Y0 + quarter / 2 * Side), Side);
     }
-    return this->Scratch.Layers[static_cast<std::size_t>(slot)];
+    return this->GetLayer(this->Quarters[quarter], slots[static_cast<std::size_t>(step)], step);
   }
 
   float TimeOf(int step) const
@@ -397,20 +463,28 @@ public:
     return static_cast<float>(this->FirstSpan * this->StepsPerSpan + step) * this->StepLength;
   }
 
-  HWY_ALIGN TileLayer Origins;    // local coordinates
-  HWY_ALIGN TileLayer Directions; // local coordinates per world unit
-
 private:
-  void Find(int step, TileLayer& layer)
+  HWY_INLINE const TileLayer& GetLayer(const NodeRays& rays, int& slot, int step)
+  {
+    if (slot < 0)
+    {
+      slot = static_cast<int>(this->Scratch.Layers.size());
+      this->Scratch.Layers.emplace_back();
+      this->Find(rays, step, this->Scratch.Layers.back());
+    }
+    return this->Scratch.Layers[static_cast<std::size_t>(slot)];
+  }
+
+  HWY_NOINLINE void Find(const NodeRays& rays, int step, TileLayer& layer)
   {
     const Df d;
     const Vf t = Splat(this->TimeOf(step));
     for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
     {
-      const Vec3 o{ hn::Load(d, this->Origins.X + i), hn::Load(d, this->Origins.Y + i),
-        hn::Load(d, this->Origins.Z + i) };
-      const Vec3 v{ hn::Load(d, this->Directions.X + i), hn::Load(d, this->Directions.Y + i),
-        hn::Load(d, this->Directions.Z + i) };
+      const Vec3 o{ hn::Load(d, rays.Origins.X + i), hn::Load(d, rays.Origins.Y + i),
+        hn::Load(d, rays.Origins.Z + i) };
+      const Vec3 v{ hn::Load(d, rays.Directions.X + i), hn::Load(d, rays.Directions.Y + i),
+        hn::Load(d, rays.Directions.Z + i) };
       const Vec3 rest = PullBackLanes(
         this->Scene, MulAdd(t, v, o), hn::FirstN(d, hn::Lanes(d)), this->Scratch.Statistics);
       const Vec3 index = LocalToIndex(this->Scene, rest);
@@ -422,6 +496,14 @@ private:
 
   const PacketScene& Scene;
   PacketScratch& Scratch;
+  NodeRays Rays;
+  NodeRays Quarters[4];
+  bool HaveQuarter[4] = { false, false, false, false };
+  const ImageMap* Near = nullptr;
+  const ImageMap* Far = nullptr;
+  int X0 = 0;
+  int Y0 = 0;
+  std::size_t NumberOfSlots = 0;
   int StepsPerSpan = 2;
   int FirstSpan = 0;
   float StepLength = 1.0f;

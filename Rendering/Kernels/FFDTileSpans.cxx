@@ -267,8 +267,11 @@ void TileSpans::SetPieces(double third, double bend, Span& span) const
   // 0.0713 M d^3 (Peano kernel), once for each direction, the second amplified by the Lebesgue
   // constant 1.632 of the first. The parabola in t amplifies what its points have by 5/4.
   const double lateral = 1.25 * 0.0713 * (1.0 + 1.632) * bend * this->VoxelsPerDataUnit;
+  // Nodes of a quarter are less than half as far apart: all terms of the bend fall by that cubed.
+  const double inQuarters = lateral / 8.0;
   span.Lateral = lateral <= tolerance;
-  span.PositionError += span.Lateral ? lateral : 0.0;
+  span.LateralInQuarters = !span.Lateral && inQuarters <= tolerance;
+  span.PositionError += span.Lateral ? lateral : span.LateralInQuarters ? inQuarters : 0.0;
 }
 
 //------------------------------------------------------------------------------

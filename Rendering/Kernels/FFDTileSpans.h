@@ -61,6 +61,8 @@ public:
     /// Whether rays may be interpolated between 4 x 4 nodes of the tile, corners included; the
     /// error of that is then in PositionError, too.
     bool Lateral = false;
+    /// The same for 4 x 4 nodes in each quarter of the tile, where those of the tile do not do.
+    bool LateralInQuarters = false;
     glm::dvec3 VelocityMin{ 0.0 }; ///< index units per unit of t
     glm::dvec3 VelocityMax{ 0.0 };
     /// How far, per direction, the nearest of 4 x 4 nodes can be from a ray at the same t, index

@@ -145,6 +145,15 @@ public:
     this->Window->WaitForCompletion();
   }
 
+  /// The volume at rest, drawn again: what is left if the deformation costs nothing.
+  void DrawUndeformed()
+  {
+    this->Mapper->SetDeformation(nullptr);
+    this->Renderer->ResetCameraClippingRange();
+    this->Window->Render();
+    this->Window->WaitForCompletion();
+  }
+
 private:
   void Send(unsigned long event, int offset)
   {
@@ -174,7 +183,8 @@ std::shared_ptr<void> PrepareWidget(
   auto windows = std::make_shared<std::vector<std::unique_ptr<DragWindow>>>();
   for (Row& row : group.GetRows())
   {
-    const bool widget = row.Name != "without_widget";
+    const bool undeformed = row.Name == "undeformed";
+    const bool widget = row.Name != "without_widget" && !undeformed;
     const int lines = row.Name == "curved" ? vtkFFDLatticeRepresentation::CURVED
                                            : vtkFFDLatticeRepresentation::STRAIGHT;
     windows->push_back(std::make_unique<DragWindow>(
@@ -185,7 +195,11 @@ std::shared_ptr<void> PrepareWidget(
       row.Refusal = "the mouse did not take hold of the control point";
       continue;
     }
-    if (widget)
+    if (undeformed)
+    {
+      row.Run = [window] { window->DrawUndeformed(); };
+    }
+    else if (widget)
     {
       row.Run = [window] { window->DragByMouse(); };
     }
@@ -226,7 +240,7 @@ void AddWidgetGroups(const Options& options, std::vector<std::unique_ptr<Group>>
           [folder, opacity](Group& group) {
             return PrepareWidget(group, ReadVolume(folder, "engine"), opacity);
           }),
-      { "full", "interactive", "without_widget" });
+      { "full", "interactive", "without_widget", "undeformed" });
   }
   add(std::make_unique<Group>("WidgetDrag/lattice20",
         [](Group& group) { return PrepareWidget(group, nullptr, Opacity::Opaque); }),

@@ -38,7 +38,8 @@ struct Tally
   double Length = 0.0; ///< of the pieces on their viewing rays, units of t
   // ERROR_BOUND only.
   std::int64_t Proven = 0;  ///< pieces whose bound is within the tolerance
-  std::int64_t Lateral = 0; ///< pieces that are interpolated between the nodes of the tile
+  std::int64_t Lateral = 0;    ///< pieces that are interpolated between the nodes of the tile
+  std::int64_t InQuarters = 0; ///< the same, between nodes of its quarters
   double LargestUnproven = 0.0;
 
   double Mean() const { return this->Points > 0 ? this->Sum / this->Points : 0.0; }
@@ -94,17 +95,22 @@ public:
     return this->DataToIndex * this->Map.Evaluate(origin + t * direction, status);
   }
 
-  /// The same, interpolated between the 4 x 4 nodes of the tile as the packet kernels do.
-  glm::dvec3 InterpolatedPullBack(double x, double y, double t) const
+  /// The same, interpolated between the 4 x 4 nodes of the tile, or of the quarter that pixel lies
+  /// in, as the packet kernels do.
+  glm::dvec3 InterpolatedPullBack(double x, double y, double t, bool inQuarter) const
   {
-    const std::array<double, NodesPerSide> wx = Weights(x);
-    const std::array<double, NodesPerSide> wy = Weights(y);
+    const int side = inQuarter ? TileSide / 2 : TileSide;
+    const double left = inQuarter && x >= side ? side : 0.0;
+    const double low = inQuarter && y >= side ? side : 0.0;
+    const double step = (side - 1) / static_cast<double>(NodesPerSide - 1);
+    const std::array<double, NodesPerSide> wx = Weights((x - left) / step);
+    const std::array<double, NodesPerSide> wy = Weights((y - low) / step);
     glm::dvec3 sum(0.0);
     for (int j = 0; j < NodesPerSide; ++j)
     {
       for (int i = 0; i < NodesPerSide; ++i)
       {
-        sum += wx[i] * wy[j] * this->PullBack(i * NodeStep, j * NodeStep, t);
+        sum += wx[i] * wy[j] * this->PullBack(left + i * step, low + j * step, t);
       }
     }
     return sum;
@@ -136,13 +142,18 @@ public:
     const double dt = settings.Length / (1 << span.Level);
     const double t0 = index * settings.Length + p * dt;
     const auto at = [&](double t)
-    { return span.Lateral ? this->InterpolatedPullBack(x, y, t) : this->PullBack(x, y, t); };
+    {
+      return span.Lateral || span.LateralInQuarters
+        ? this->InterpolatedPullBack(x, y, t, span.LateralInQuarters)
+        : this->PullBack(x, y, t);
+    };
     const ffd::CurvePiece piece =
       ffd::CurvePiece::Parabola(at(t0), at(t0 + 0.5 * dt), at(t0 + dt));
     const bool proven = span.Bounded && span.PositionError <= settings.PositionTolerance;
     ++tally.Pieces;
     tally.Proven += proven ? 1 : 0;
     tally.Lateral += span.Lateral ? 1 : 0;
+    tally.InQuarters += span.LateralInQuarters ? 1 : 0;
     tally.Length += dt;
     for (int i = 0; i <= points; ++i)
     {
@@ -178,9 +189,7 @@ public:
   }
 
 private:
-  static constexpr double NodeStep = (TileSide - 1) / static_cast<double>(NodesPerSide - 1);
-
-  /// Cubic Lagrange weights of the nodes for pixel x.
+  /// Cubic Lagrange weights of the nodes at x, in spacings of nodes.
   static std::array<double, NodesPerSide> Weights(double x)
   {
     std::array<double, NodesPerSide> weights;
@@ -189,7 +198,7 @@ private:
       weights[i] = 1.0;
       for (int j = 0; j < NodesPerSide; ++j)
       {
-        weights[i] *= i == j ? 1.0 : (x / NodeStep - j) / (i - j);
+        weights[i] *= i == j ? 1.0 : (x - j) / (i - j);
       }
     }
     return weights;

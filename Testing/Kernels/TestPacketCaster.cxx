@@ -309,6 +309,23 @@ TEST(PacketCaster, AllPullBacksAndCameras)
   }
 }
 
+/// Where nodes of a tile are too far apart for the deformation, those of its quarters may do: the
+/// pictures are the same, and few points are pulled back ray by ray.
+TEST(PacketCaster, NodesOfQuarters)
+{
+  for (const PullBackKind kind : { PullBackKind::FirstOrder, PullBackKind::Exact })
+  {
+    SCOPED_TRACE("kind " + std::to_string(static_cast<int>(kind)));
+    TestScene scene(ScalarType::UInt8, 5);
+    scene.SetDeformation(0.7, kind);
+    scene.SetCamera(true, 240, 200);
+    ExpectSamePicture(scene);
+    const CastStatistics statistics = scene.Render(false).Statistics;
+    // 7.7 and 1.4 a ray; without the nodes of quarters 13.2 and 1.7.
+    EXPECT_LT(statistics.Evaluations, (kind == PullBackKind::Exact ? 10 : 2) * statistics.Rays);
+  }
+}
+
 TEST(PacketCaster, Options)
 {
   for (int option = 0; option < 6; ++option)

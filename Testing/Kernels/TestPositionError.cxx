@@ -129,6 +129,7 @@ void CheckLattice(RandomLattice& random, const BSplineField& field, PullBackKind
       claims.Errors.Pieces += errors.Pieces;
       claims.Errors.Proven += errors.Proven;
       claims.Errors.Lateral += errors.Lateral;
+      claims.Errors.InQuarters += errors.InQuarters;
       claims.WorstShare = std::max(claims.WorstShare, errors.Largest / tolerance);
     }
   }
@@ -171,6 +172,7 @@ TEST(PositionError, ErrorBoundKeepsItsToleranceOnSmoothLattices)
   // The claims are of use: most is proven, and not by far too much.
   EXPECT_GT(claims.Errors.Proven, claims.Errors.Pieces / 2);
   EXPECT_GT(claims.Errors.Lateral, claims.Errors.Pieces / 10);
+  EXPECT_GT(claims.Errors.InQuarters, claims.Errors.Pieces / 50);
   EXPECT_GT(claims.WorstShare, 0.1);
 }
 
