@@ -16,6 +16,8 @@
 #include "FFDSimdShading-inl.h"
 #include "FFDSimdTile-inl.h"
 
+#include <type_traits>
+
 HWY_BEFORE_NAMESPACE();
 namespace ffd
 {
@@ -713,7 +715,7 @@ private:
   }
 
   /// Values at positions inside of the volume.
-  HWY_INLINE Vf ValuesAt(const Vec3& q, Mf lanes) const
+  HWY_INLINE Vf ValuesAt(const Vec3& q, Mf lanes)
   {
     const SamplePosition at = FindCells(this->Scene.Volume, q, lanes);
     const Mf border = hn::AndNot(at.Interior, lanes);
@@ -926,8 +928,63 @@ private:
     return size * glm::dvec3(x[lane], y[lane], z[lane]);
   }
 
-  /// Samples whose fetches would leave the volume come from the reference functions.
-  HWY_NOINLINE Vf SampleBorder(const Vec3& q, Mf border, Vf value) const
+  /// Lanes whose fetches would leave the volume, but which have voxels around them.
+  HWY_INLINE Mf BetweenVoxels(const Vec3& q, Mf border) const
+  {
+    const PacketVolume& v = this->Scene.Volume;
+    if (std::is_same<T, WideScalar>::value || v.Nearest)
+    {
+      return hn::FirstN(Df(), 0);
+    }
+    const Vf zero = hn::Zero(Df());
+    const auto within = [&](Vf x, int a) {
+      return hn::And(
+        hn::Ge(x, zero), hn::Le(x, Splat(static_cast<float>(v.Dimensions[a] - 1))));
+    };
+    return hn::And(border, hn::And(within(q.x, 0), hn::And(within(q.y, 1), within(q.z, 2))));
+  }
+
+  /// Samples whose fetches would leave the volume.
+  HWY_NOINLINE Vf SampleBorder(const Vec3& q, Mf border, Vf value)
+  {
+    const Df d;
+    const Mf between = this->BetweenVoxels(q, border);
+    if constexpr (!std::is_same<T, WideScalar>::value)
+    {
+      if (!hn::AllFalse(d, between))
+      {
+        this->Border.Fill(this->Scene.Volume, q, between);
+        SampleRows rows;
+        value = hn::IfThenElse(between, this->Border.Sample(rows), value);
+      }
+    }
+    const Mf others = hn::AndNot(between, border);
+    return hn::AllFalse(d, others) ? value : this->SampleByReference(q, others, value);
+  }
+
+  /// Their gradients, after SampleBorder().
+  HWY_NOINLINE Vec3 GradientAtBorder(const Vec3& q, Mf border, const Vec3& gradient) const
+  {
+    const Df d;
+    const Mf between = this->BetweenVoxels(q, border);
+    Vec3 result = gradient;
+    if constexpr (!std::is_same<T, WideScalar>::value)
+    {
+      if (!hn::AllFalse(d, between))
+      {
+        SampleRows rows;
+        this->Border.Sample(rows);
+        const Vec3 g = this->Border.Gradient(rows);
+        result = { hn::IfThenElse(between, g.x, gradient.x),
+          hn::IfThenElse(between, g.y, gradient.y), hn::IfThenElse(between, g.z, gradient.z) };
+      }
+    }
+    const Mf others = hn::AndNot(between, border);
+    return hn::AllFalse(d, others) ? result : this->GradientByReference(q, others, result);
+  }
+
+  /// The same by the reference functions.
+  HWY_NOINLINE Vf SampleByReference(const Vec3& q, Mf border, Vf value) const
   {
     const Df d;
     HWY_ALIGN float x[16], y[16], z[16], values[16], flag[16];
@@ -949,7 +1006,7 @@ private:
     return hn::Load(d, values);
   }
 
-  HWY_NOINLINE Vec3 GradientAtBorder(const Vec3& q, Mf border, const Vec3& gradient) const
+  HWY_NOINLINE Vec3 GradientByReference(const Vec3& q, Mf border, const Vec3& gradient) const
   {
     // Over two voxels and scaled, as fetched: squares of huge or tiny scalars are no floats.
     return ReplaceLanes(border, q, gradient,
@@ -1059,6 +1116,9 @@ private:
   NodeWeights QuarterWeights;
   PacketPixels Out;
   PacketLook Kept; ///< the empty cube that was found last where a piece began, for each ray
+
+  /// Voxels of the last samples at faces of the volume.
+  RepeatedVoxels<std::conditional_t<std::is_same<T, WideScalar>::value, float, T>> Border;
 
   // Derivatives of the current piece, found when its first visible sample is shaded.
   bool HaveFrames = false;

@@ -13,6 +13,10 @@
 
 #include "FFDSimdMath-inl.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+
 HWY_BEFORE_NAMESPACE();
 namespace ffd
 {
@@ -292,6 +296,96 @@ HWY_INLINE Vec3 Gradient(const PacketVolume& v, const SamplePosition& at, const 
     Lerp(hn::Sub(fetch(2 * z), r00), hn::Sub(fetch(y + 2 * z), r10), at.Fy), at.Fz);
   return g;
 }
+
+/**
+ * The 4 x 4 x 4 voxels around the cells of some lanes, those at the faces of the volume repeated
+ * beyond it: with them a sample near a face is fetched as any other.
+ */
+template <class T>
+class RepeatedVoxels
+{
+public:
+  /// `lanes`: positions that lie between voxels of the volume, at least one.
+  HWY_NOINLINE void Fill(const PacketVolume& v, const Vec3& q, Mf lanes)
+  {
+    const Df d;
+    const Di di;
+    this->View = v;
+    this->View.Scalars = this->Voxels;
+    this->View.IncrementY = Side;
+    this->View.IncrementZ = Side * Side;
+    HWY_ALIGN int cells[3][16];
+    const Vf zero = hn::Zero(d);
+    const auto locate = [&](Vf x, int a)
+    {
+      const Vf cell = hn::Floor(Clamp(x, zero, Splat(static_cast<float>(v.Dimensions[a] - 2))));
+      hn::Store(hn::ConvertTo(di, cell), di, cells[a]);
+      return hn::Sub(x, cell);
+    };
+    this->At.Fx = locate(q.x, 0);
+    this->At.Fy = locate(q.y, 1);
+    this->At.Fz = locate(q.z, 2);
+    this->At.Interior = lanes;
+    HWY_ALIGN float flags[16];
+    hn::Store(hn::IfThenElseZero(lanes, Splat(1.0f)), d, flags);
+    int block = 0;
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+    {
+      // Where there is nothing to sample, voxels of others will do.
+      this->At.Offsets[lane] = 1 + Side + Side * Side;
+      if (flags[lane] != 0.0f)
+      {
+        const int cell[3] = { cells[0][lane], cells[1][lane], cells[2][lane] };
+        Copy(v, cell, this->Voxels + block);
+        this->At.Offsets[lane] += block;
+        block += Side * Side * Side;
+      }
+    }
+  }
+
+  HWY_INLINE Vf Sample(SampleRows& rows) const
+  {
+    return HWY_NAMESPACE::Sample<T>(this->View, this->At, rows);
+  }
+  HWY_INLINE Vec3 Gradient(const SampleRows& rows) const
+  {
+    return HWY_NAMESPACE::Gradient<T>(this->View, this->At, rows);
+  }
+
+private:
+  static constexpr int Side = 4;
+
+  /// From one voxel before the cell to one behind it.
+  static void Copy(const PacketVolume& v, const int cell[3], T* to)
+  {
+    const T* const from = static_cast<const T*>(v.Scalars);
+    const auto place = [&](int a, int i)
+    { return static_cast<std::ptrdiff_t>(std::clamp(cell[a] + i - 1, 0, v.Dimensions[a] - 1)); };
+    const std::ptrdiff_t x[Side] = { place(0, 0), place(0, 1), place(0, 2), place(0, 3) };
+    const bool whole = x[3] - x[0] == Side - 1;
+    for (int k = 0; k < Side; ++k)
+    {
+      for (int j = 0; j < Side; ++j, to += Side)
+      {
+        // As words, which is how they are read: loads wait for smaller stores.
+        const T* const row = from + place(1, j) * v.IncrementY + place(2, k) * v.IncrementZ;
+        if (whole)
+        {
+          std::memcpy(to, row + x[0], Side * sizeof(T));
+        }
+        else
+        {
+          const T voxels[Side] = { row[x[0]], row[x[1]], row[x[2]], row[x[3]] };
+          std::memcpy(to, voxels, sizeof(voxels));
+        }
+      }
+    }
+  }
+
+  HWY_ALIGN T Voxels[16 * Side * Side * Side];
+  PacketVolume View;
+  SamplePosition At;
+};
 
 } // namespace HWY_NAMESPACE
 } // namespace ffd
