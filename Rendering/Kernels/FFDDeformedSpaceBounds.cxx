@@ -314,6 +314,46 @@ void DeformedSpaceBounds::FindOverCells(const PullBackBounds& bounds,
 }
 
 //------------------------------------------------------------------------------
+void DeformedSpaceBounds::Include(const MapBounds& here, const glm::ivec3& from,
+  const glm::ivec3& to, Grids& grids) const
+{
+  const float second = RoundUp(here.SecondDerivative);
+  const float third = RoundUp(here.ThirdDerivative);
+  for (int k = from.z; k <= to.z; ++k)
+  {
+    for (int j = from.y; j <= to.y; ++j)
+    {
+      UpperDerivatives* row = &grids.Derivatives[this->IndexOfPart(glm::ivec3(0, j, k))];
+      for (int i = from.x; i <= to.x; ++i)
+      {
+        row[i].Second = std::max(row[i].Second, second);
+        row[i].Third = std::max(row[i].Third, third);
+      }
+    }
+  }
+  UpperBounds jacobian;
+  for (int e = 0; e < 9; ++e)
+  {
+    jacobian.Jacobian[e] = RoundUp(here.JacobianMax[e / 3][e % 3]);
+    jacobian.Jacobian[NegativeJacobian + e] = RoundUp(-here.JacobianMin[e / 3][e % 3]);
+  }
+  for (int k = from.z / Parts; k <= to.z / Parts; ++k)
+  {
+    for (int j = from.y / Parts; j <= to.y / Parts; ++j)
+    {
+      for (int i = from.x / Parts; i <= to.x / Parts; ++i)
+      {
+        UpperBounds& cell = grids.Jacobians[this->IndexOf(glm::ivec3(i, j, k))];
+        for (int e = 0; e < 18; ++e)
+        {
+          cell.Jacobian[e] = std::max(cell.Jacobian[e], jacobian.Jacobian[e]);
+        }
+      }
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
 void DeformedSpaceBounds::FindFromRest(const PullBackBounds& bounds,
   const PullBackBounds& refined, const CellRange& refinedCells, const glm::ivec3& factors,
   const BSplineField& field, const ParallelFor& parallelFor, Grids& grids) const
@@ -360,41 +400,7 @@ void DeformedSpaceBounds::FindFromRest(const PullBackBounds& bounds,
             const Box moves = source.DisplacementOver(rest);
             const glm::ivec3 from = this->PartOf(rest.Min + moves.Min);
             const glm::ivec3 to = this->PartOf(rest.Max + moves.Max);
-
-            const float second = RoundUp(here.SecondDerivative);
-            const float third = RoundUp(here.ThirdDerivative);
-            for (int c = from.z; c <= to.z; ++c)
-            {
-              for (int b = from.y; b <= to.y; ++b)
-              {
-                UpperDerivatives* row = &mine.Derivatives[this->IndexOfPart(glm::ivec3(0, b, c))];
-                for (int a = from.x; a <= to.x; ++a)
-                {
-                  row[a].Second = std::max(row[a].Second, second);
-                  row[a].Third = std::max(row[a].Third, third);
-                }
-              }
-            }
-            UpperBounds jacobian;
-            for (int e = 0; e < 9; ++e)
-            {
-              jacobian.Jacobian[e] = RoundUp(here.JacobianMax[e / 3][e % 3]);
-              jacobian.Jacobian[NegativeJacobian + e] = RoundUp(-here.JacobianMin[e / 3][e % 3]);
-            }
-            for (int c = from.z / Parts; c <= to.z / Parts; ++c)
-            {
-              for (int b = from.y / Parts; b <= to.y / Parts; ++b)
-              {
-                for (int a = from.x / Parts; a <= to.x / Parts; ++a)
-                {
-                  UpperBounds& cell = mine.Jacobians[this->IndexOf(glm::ivec3(a, b, c))];
-                  for (int e = 0; e < 18; ++e)
-                  {
-                    cell.Jacobian[e] = std::max(cell.Jacobian[e], jacobian.Jacobian[e]);
-                  }
-                }
-              }
-            }
+            this->Include(here, from, to, mine);
           }
         }
       }

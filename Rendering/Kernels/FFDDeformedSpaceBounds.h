@@ -112,6 +112,9 @@ private:
   void FindFromRest(const PullBackBounds& bounds, const PullBackBounds& refined,
     const CellRange& refinedCells, const glm::ivec3& factors, const BSplineField& field,
     const ParallelFor& parallelFor, Grids& grids) const;
+  /// Add what holds for points of the parts `from` to `to`.
+  void Include(const MapBounds& here, const glm::ivec3& from, const glm::ivec3& to,
+    Grids& grids) const;
   Grids EmptyGrids() const;
   void Encode(const Grids& grids);
 
