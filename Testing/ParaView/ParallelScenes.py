@@ -41,13 +41,16 @@ def show(name, source, settings=(False, True)):
         simple.SaveScreenshot("%s.%s%d.png" % (sys.argv[1], name, opaque), view)
         volumes = view.SMProxy.GetRenderer().GetVolumes()
         volumes.InitTraversal()
-        image = volumes.GetNextVolume().GetMapper().GetInputDataObject(0, 0)
+        mapper = volumes.GetNextVolume().GetMapper()
+        image = mapper.GetInputDataObject(0, 0)
         voxels = image.GetNumberOfPoints() if image else 0
         given = source.GetOutputDataObject(0).GetNumberOfPoints()
         # The end of the line in the same write: the lines of several processes meet in one stream.
-        sys.stdout.write("RANK %d %s%d voxels %d of the source %d frame %.3f s memory %d MB\n" % (
-            rank, name, opaque, voxels, given, seconds,
-            resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024))
+        sys.stdout.write(
+            "RANK %d %s%d voxels %d of the source %d frame %.3f s memory %d MB bounds %r\n" % (
+                rank, name, opaque, voxels, given, seconds,
+                resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024,
+                mapper.GetBounds() if image else None))
         sys.stdout.flush()
 
 
@@ -67,10 +70,21 @@ lattice_display.FFDBlendMode = "Composite"
 # Other voxels, the same lattice.
 wavelet.XFreq = 30.0
 show("changed", wavelet_object)
+# Integers, and a step of the opacity: samples that are not the same ones show most.
+steps = simple.Calculator(Input=wavelet, ResultArrayName="steps", ResultArrayType="Int",
+                          Function="(coordsX + coordsY + coordsZ + 60) / 8 + RTData / 50")
+wavelet.XFreq = 60.0
+simple.Delete(lattice)
+lattice = simple.FFDLattice(Input=steps, Shape="Twist", Strength=1.5)
+simple.ColorBy(simple.Show(lattice, view), ("POINTS", "steps"))
+simple.GetColorTransferFunction("steps").RescaleTransferFunction(0.0, 20.0)
+simple.GetOpacityTransferFunction("steps").Points = [0, 0, 0.5, 0, 9, 0, 0.5, 0,
+                                                     9.4, 0.6, 0.5, 0, 20, 1, 0.5, 0]
+show("steps", wavelet_object, [False])
 # A reader that gives all to the first process and nothing to the others.
 simple.Delete(lattice)
 reader = simple.LegacyVTKReader(FileNames=[sys.argv[2]])
-lattice = simple.FFDLattice(Input=reader, Shape="Bend", Strength=0.6)
+lattice = simple.FFDLattice(Input=reader, Shape="Bend", Strength=0.66, DisplacementScale=1 / 1.1)
 display = simple.Show(lattice, view)
 display.SetRepresentationType("FFD Volume")
 # Named: a client of its own, as each process is here, does not see the array of the first one.

@@ -16,12 +16,13 @@ import ffdparaview as ffd
 
 NAMES = ("identity", "smooth", "strong", "edited", "changed", "alone")
 BLENDS = ("Maximum0", "Minimum0", "Average0", "Additive0", "Isosurface1", "Slice0")
-SCENES = [name + opaque for name in NAMES for opaque in "01"] + list(BLENDS)
+SCENES = [name + opaque for name in NAMES for opaque in "01"] + [*BLENDS, "steps0"]
 VOLUME = os.path.join(ffd.TEMPORARY, "ParaView.alone.vtk")
 
 
 def run(ranks):
-    """Pictures by scene; for each scene the voxels of each process, and those of its source."""
+    """Pictures by scene; for each scene the voxels of each process, those of its source, and the
+    bounds of the deformed volume as each process with voxels has them."""
     here = os.path.dirname(os.path.abspath(__file__))
     prefix = os.path.join(ffd.TEMPORARY, "ParaView.parallel%d" % ranks)
     result = subprocess.run(
@@ -35,28 +36,33 @@ def run(ranks):
         raise RuntimeError("pvbatch on %d processes failed:\n%s" % (ranks, result.stdout))
     voxels = {scene: [] for scene in SCENES}
     given = {scene: [] for scene in SCENES}
-    for scene, count, source in re.findall(
-            r"RANK \d+ (\w+) voxels (\d+) of the source (\d+)", result.stdout):
+    bounds = {scene: set() for scene in SCENES}
+    for scene, count, source, box in re.findall(
+            r"RANK \d+ (\w+) voxels (\d+) of the source (\d+) .* bounds (.*)", result.stdout):
         voxels[scene].append(int(count))
         given[scene].append(int(source))
+        if box != "None":
+            bounds[scene].add(box)
     pictures = {scene: ffd.read_picture("%s.%s.png" % (prefix, scene)) for scene in SCENES}
-    return pictures, voxels, given
+    return pictures, voxels, given, bounds
 
 
 class TestParallel(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         simple.SaveData(VOLUME, proxy=ffd.make_wavelet(20))
-        cls.one, cls.voxels, _ = run(1)
+        cls.one, cls.voxels, _, cls.bounds = run(1)
 
     def check(self, ranks, most):
-        several, voxels, given = run(ranks)
+        several, voxels, given, bounds = run(ranks)
         for scene in SCENES:
             with self.subTest(scene=scene, ranks=ranks):
                 self.assertGreater(ffd.lit(self.one[scene]), 500)
                 largest, mean = ffd.differ(several[scene], self.one[scene])
                 self.assertLessEqual(largest, 8)
                 self.assertLessEqual(mean, 0.5)
+                # The lattice is the same on all of them, to the last bit.
+                self.assertEqual(bounds[scene], self.bounds[scene])
         whole = self.voxels["identity0"][0]
         self.assertEqual(whole, 41 ** 3)
         for name, part in most.items():

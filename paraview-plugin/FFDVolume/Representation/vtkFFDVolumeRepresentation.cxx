@@ -566,13 +566,22 @@ void vtkFFDVolumeRepresentation::ShareOut()
   {
     vtkNew<vtkFFDLattice> lattice;
     vtkNew<vtkImageData> points;
+    std::array<double, 7> numbers{};
     if (static_cast<int>(own) == withLattice && lattice->ReadFrom(image))
     {
       lattice->ToImageData(points);
+      points->GetOrigin(numbers.data());
+      points->GetSpacing(numbers.data() + 3);
+      numbers[6] = lattice->GetDisplacementScale();
     }
+    // Of an image only the point data are sent bit by bit; the rest comes as decimals.
     controller->Broadcast(points.GetPointer(), withLattice);
+    controller->Broadcast(numbers.data(), static_cast<vtkIdType>(numbers.size()), withLattice);
+    points->SetOrigin(numbers.data());
+    points->SetSpacing(numbers.data() + 3);
     if (points->GetNumberOfPoints() > 0 && lattice->FromImageData(points))
     {
+      lattice->SetDisplacementScale(numbers[6]);
       in.KnownLattice = lattice;
     }
   }
