@@ -48,6 +48,15 @@ def describe_widget():
     return {}
 
 
+def count_volumes():
+    """Volumes in the view whose voxels are in this process."""
+    volumes = view.SMProxy.GetRenderer().GetVolumes()
+    mappers = [volumes.GetItemAsObject(i).GetMapper()
+               for i in range(volumes.GetNumberOfItems())]
+    return sum(mapper is not None and mapper.GetInputDataObject(0, 0) is not None
+               for mapper in mappers)
+
+
 log = open(os.environ["FFD_PANEL_LOG"], "w", encoding="ascii")  # open until the end
 
 
@@ -57,7 +66,7 @@ def note(*_):
         "resolution": list(lattice.Resolution),
         "displacements_resolution": list(lattice.DisplacementsResolution),
         "displacements": list(lattice.Displacements),
-        "widget": describe_widget()}) + "\n")
+        "widget": describe_widget(), "volumes": count_volumes()}) + "\n")
     log.flush()
     with open(os.environ["FFD_PANEL_TRACE"], "w", encoding="utf-8") as trace:
         trace.write(vtkSMTrace.GetActiveTracer().GetCurrentTrace())

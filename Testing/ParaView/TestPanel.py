@@ -59,8 +59,8 @@ class Events:
     def wait(self):
         self.add(VIEW, "pause", "400")
 
-    def play(self, name, auto_apply, baseline=None):
-        """Returns the log of the filter and the Python trace."""
+    def play(self, name, auto_apply, baseline=None, options=()):
+        """Returns the log of the filter and the Python trace. `options`: more of the command line."""
         folder = tempfile.mkdtemp(prefix="panel.", dir=TEMPORARY)
         os.chmod(folder, 0o700)
         script = os.path.join(folder, name + ".xml")
@@ -69,7 +69,7 @@ class Events:
         with open(script, "w", encoding="ascii") as file:
             file.write('<?xml version="1.0" ?>\n<pqevents>\n%s\n</pqevents>\n'
                        % "\n".join(self.lines))
-        command = ["paraview", "--dr", "--script=" + os.path.join(HERE, "PanelScene.py"),
+        command = ["paraview", "--dr", *options, "--script=" + os.path.join(HERE, "PanelScene.py"),
                    "--test-directory=" + folder, "--test-script=" + script]
         if baseline:
             command += ["--test-baseline=" + baseline, "--test-threshold=10"]
@@ -117,11 +117,37 @@ class TestPanel(unittest.TestCase):
         self.assertEqual([moved(state) for state in states], [[MIDDLE], [], [MIDDLE]])
         self.assertEqual(states[1]["displacements"], [])
         self.assertEqual(states[0], states[2])
+        self.assertEqual(states[0]["volumes"], 1)
         # Up and to the right, as the mouse.
         x, y, z = states[0]["displacements"][3 * MIDDLE:3 * MIDDLE + 3]
         self.assertGreater(z, 5.0)
         self.assertGreater(y - x, 10.0)
         self.assertIn("Displacements = [0.0, ", trace)
+
+    def test_server(self):
+        """The client of a server of two processes, which alone have the volume: the same drag, Apply
+        and picture."""
+        port = 21000 + os.getpid() % 9000
+        with subprocess.Popen(
+                ["mpiexec", "-np", "2", "pvserver", "--server-port=%d" % port],
+                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                env={**os.environ, "PV_PLUGIN_PATH": os.path.dirname(PLUGIN)}) as server:
+            try:
+                for line in server.stdout:
+                    if "Accepting" in line:
+                        break
+                events = Events()
+                events.drag((0.5, 0.5), (0.55, 0.4), (0.6, 0.3))
+                events.click(PROPERTIES + "Accept")
+                states, _ = events.play(
+                    "server", auto_apply=False,
+                    baseline=os.path.join(BASELINE, "ParaView.TestPanel.png"),
+                    options=["--server-url=cs://localhost:%d" % port])
+            finally:
+                server.terminate()
+        self.assertEqual([moved(state) for state in states], [[MIDDLE]])
+        self.assertEqual(states[0]["widget"]["Visible"], 1)
+        self.assertEqual(states[0]["volumes"], 0)
 
     def test_reset(self):
         """Reset takes a drag back that was not applied; the next Apply has nothing of it."""

@@ -4,9 +4,13 @@
 
 #include "vtkFFDLattice.h"
 
+#include "vtkCamera.h"
 #include "vtkDoubleArray.h"
 #include "vtkIdTypeArray.h"
+#include "vtkMath.h"
 #include "vtkObjectFactory.h"
+#include "vtkProcessModule.h"
+#include "vtkRenderer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -53,6 +57,30 @@ std::vector<double> CarryOver(
   lattice->Modified();
   lattice->SetDimensions(to);
   return GetValues(lattice);
+}
+
+/// World units of a pixel where the box is farthest from the camera.
+double FindLargestPixel(vtkRenderer* renderer, const double box[6])
+{
+  vtkCamera* camera = renderer->GetActiveCamera();
+  const int* size = renderer->GetSize();
+  if (camera->GetParallelProjection())
+  {
+    return 2.0 * camera->GetParallelScale() / std::max(1, size[1]);
+  }
+  double eye[3];
+  double along[3];
+  camera->GetPosition(eye);
+  camera->GetDirectionOfProjection(along);
+  double depth = 0.0;
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const double to[3] = { box[corner & 1] - eye[0], box[2 + ((corner >> 1) & 1)] - eye[1],
+      box[4 + (corner >> 2)] - eye[2] };
+    depth = std::max(depth, vtkMath::Dot(to, along));
+  }
+  return 2.0 * depth * std::tan(0.5 * vtkMath::RadiansFromDegrees(camera->GetViewAngle())) /
+    std::max(1, size[camera->GetUseHorizontalViewAngle() ? 0 : 1]);
 }
 
 } // namespace
@@ -398,4 +426,25 @@ void vtkFFDEditLatticeRepresentation::BuildRepresentation()
 {
   this->UpdateLattice();
   this->Superclass::BuildRepresentation();
+}
+
+//------------------------------------------------------------------------------
+double* vtkFFDEditLatticeRepresentation::GetBounds()
+{
+  double* bounds = this->Superclass::GetBounds();
+  const int process = vtkProcessModule::GetProcessType();
+  if ((process != vtkProcessModule::PROCESS_SERVER &&
+        process != vtkProcessModule::PROCESS_RENDER_SERVER) ||
+    !this->GetRenderer() || !vtkMath::AreBoundsInitialized(bounds))
+  {
+    return bounds;
+  }
+  // An arrow is a little longer than its shaft.
+  const double pixels = 1.5 * this->GetTransformHandleSize() + this->GetHandleSize();
+  const double room = pixels * FindLargestPixel(this->GetRenderer(), bounds);
+  for (int i = 0; i < 6; ++i)
+  {
+    this->BoundsWithHandles[i] = bounds[i] + (i % 2 == 0 ? -room : room);
+  }
+  return this->BoundsWithHandles;
 }

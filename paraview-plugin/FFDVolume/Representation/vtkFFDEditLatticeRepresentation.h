@@ -96,6 +96,12 @@ public:
 
   void BuildRepresentation() override;
 
+  /**
+   * On a render server with room for the handles, whose size is in pixels: processes draw only what
+   * is in the bounds of all that is visible. Elsewhere without, as the camera is reset by them.
+   */
+  double* GetBounds() VTK_SIZEHINT(6) override;
+
 protected:
   vtkFFDEditLatticeRepresentation();
   ~vtkFFDEditLatticeRepresentation() override;
@@ -125,6 +131,7 @@ private:
   std::vector<double> LastReported; // what GetEdits() gave last, when something was edited,
   std::vector<double> ReportedValues; // and what the displacements were then
   int OwnDimensions[3] = { 0, 0, 0 };
+  double BoundsWithHandles[6] = { 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 };
   vtkNew<vtkDoubleArray> EditArray;
   vtkNew<vtkDoubleArray> SelectionArray;
 };
