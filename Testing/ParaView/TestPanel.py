@@ -57,7 +57,8 @@ class Events:
         self.wait()
 
     def wait(self):
-        self.add(VIEW, "pause", "400")
+        # Auto-apply and the panel wait for the event loop only: timers of zero.
+        self.add(VIEW, "pause", "100")
 
     def play(self, name, auto_apply, baseline=None, options=()):
         """Returns the log of the filter and the Python trace. `options`: more of the command line."""
