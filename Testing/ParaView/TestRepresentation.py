@@ -309,6 +309,38 @@ class TestRepresentation(unittest.TestCase):
         self.assertGreater(np.abs(inside - without).max(), 20)
         self.assertGreater(inside[0], 15)
 
+    def test_translucent_things(self):
+        """Axes grids and translucent surfaces, which the view draws by depth peeling, stand beside
+        the volume; the view's setting stays."""
+        self.show(Shape="Twist")
+        ffd.set_functions(opaque=True)
+        volume = ffd.picture(self.view, "volume")
+        shown = volume.max(axis=2) > 12
+        self.view.AxesGrid.Visibility = 1
+        grid = ffd.picture(self.view, "grid")
+        difference = np.abs(grid - volume).max(axis=2)
+        self.assertLess((difference[shown] > 3).mean(), 0.1)
+        # Lines and numbers around it.
+        self.assertGreater(int((difference[~shown] > 40).sum()), 50)
+        self.assertLess((difference[~shown] > 3).mean(), 0.3)
+        self.view.AxesGrid.Visibility = 0
+        ball = simple.Sphere(Radius=5.0, Center=[0.0, -28.0, 14.0])
+        display = simple.Show(ball, self.view)
+        display.ColorArrayName = [None, ""]
+        # Samples begin at the near plane, which is at another place with the ball.
+        opaque = ffd.picture(self.view, "opaque")
+        display.Opacity = 0.5
+        translucent = ffd.picture(self.view, "translucent")
+        difference = np.abs(translucent - opaque).max(axis=2)
+        self.assertEqual(difference[shown].max(), 0)
+        self.assertGreater(int((difference > 40).sum()), 100)
+        self.assertLess((difference > 3).mean(), 0.1)
+        self.assertEqual(self.view.SMProxy.GetRenderer().GetUseDepthPeelingForVolumes(), True)
+        # Nor does it go when the volume is not there.
+        simple.Delete(self.lattice)
+        simple.Render(self.view)
+        self.assertEqual(self.view.SMProxy.GetRenderer().GetUseDepthPeelingForVolumes(), True)
+
     def test_state_file(self):
         picture = self.show(Shape="Twist", Strength=1.3, Resolution=[4, 4, 4],
                             Displacements=list(np.linspace(-2.0, 2.0, 192)))

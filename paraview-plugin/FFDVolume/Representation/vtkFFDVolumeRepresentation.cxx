@@ -12,6 +12,7 @@
 #include "vtkCellData.h"
 #include "vtkCellDataToPointData.h"
 #include "vtkColorTransferFunction.h"
+#include "vtkCommand.h"
 #include "vtkCommunicator.h"
 #include "vtkDataArray.h"
 #include "vtkDoubleArray.h"
@@ -32,6 +33,7 @@
 #include "vtkPartitionedDataSet.h"
 #include "vtkPointData.h"
 #include "vtkPolyDataMapper.h"
+#include "vtkRenderer.h"
 #include "vtkSMPTools.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkVolumeProperty.h"
@@ -278,6 +280,10 @@ public:
   vtkSmartPointer<vtkImageData> Held; // voxels that were brought here last
   Sources HeldSources;                // of what image
 
+  // Of the renderer of the view.
+  std::array<unsigned long, 2> RenderObservers{ { 0, 0 } };
+  bool TookPeelingOff = false;
+
   /// Whether what was brought here last has the voxels `wanted`, and the image is as it was then.
   bool HoldsVoxelsOf(vtkImageData* image, const Extent& wanted)
   {
@@ -472,6 +478,59 @@ int vtkFFDVolumeRepresentation::ProcessViewRequest(
     return 1;
   }
   return this->Superclass::ProcessViewRequest(request, inInfo, outInfo);
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDVolumeRepresentation::AddToView(vtkView* view)
+{
+  if (!this->Superclass::AddToView(view))
+  {
+    return false;
+  }
+  vtkRenderer* renderer = vtkPVRenderView::SafeDownCast(view)->GetRenderer();
+  this->Internals->RenderObservers = {
+    { renderer->AddObserver(
+        vtkCommand::StartEvent, this, &vtkFFDVolumeRepresentation::BeginRender),
+      renderer->AddObserver(vtkCommand::EndEvent, this, &vtkFFDVolumeRepresentation::EndRender) }
+  };
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDVolumeRepresentation::RemoveFromView(vtkView* view)
+{
+  if (auto* renderView = vtkPVRenderView::SafeDownCast(view))
+  {
+    for (const unsigned long observer : this->Internals->RenderObservers)
+    {
+      renderView->GetRenderer()->RemoveObserver(observer);
+    }
+  }
+  return this->Superclass::RemoveFromView(view);
+}
+
+//------------------------------------------------------------------------------
+/// The passes of depth peeling ask a volume for more than a picture: what they get from mappers that
+/// do not know them is garbage all over the view.
+void vtkFFDVolumeRepresentation::BeginRender(vtkObject* object, unsigned long, void*)
+{
+  vtkRenderer* renderer = vtkRenderer::SafeDownCast(object);
+  if (this->GetVisibility() && this->Actor->GetVisibility() &&
+    this->Actor->GetMapper() == this->VolumeMapper && renderer->GetUseDepthPeelingForVolumes())
+  {
+    this->Internals->TookPeelingOff = true;
+    renderer->SetUseDepthPeelingForVolumes(false);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::EndRender(vtkObject* object, unsigned long, void*)
+{
+  if (this->Internals->TookPeelingOff)
+  {
+    this->Internals->TookPeelingOff = false;
+    vtkRenderer::SafeDownCast(object)->SetUseDepthPeelingForVolumes(true);
+  }
 }
 
 //------------------------------------------------------------------------------

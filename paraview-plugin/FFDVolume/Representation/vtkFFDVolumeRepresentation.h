@@ -27,6 +27,9 @@
  * be aligned with the axes, which ParaView's order by boxes needs. For the same reason only one
  * volume at a time is in the right order.
  *
+ * While the volume is shown the view renders without depth peeling for volumes, which only
+ * vtkOpenGLGPUVolumeRayCastMapper takes part in: translucent surfaces come before all volumes.
+ *
  * @sa vtkFFDInverseRayVolumeMapper vtkFFDEditLattice
  */
 #ifndef vtkFFDVolumeRepresentation_h
@@ -132,11 +135,15 @@ protected:
   int RequestData(
     vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
   void UpdateMapperParameters() override;
+  bool AddToView(vtkView* view) override;
+  bool RemoveFromView(vtkView* view) override;
 
 private:
   vtkFFDVolumeRepresentation(const vtkFFDVolumeRepresentation&) = delete;
   void operator=(const vtkFFDVolumeRepresentation&) = delete;
 
+  void BeginRender(vtkObject* renderer, unsigned long event, void* data);
+  void EndRender(vtkObject* renderer, unsigned long event, void* data);
   void ShareOut();
   void MarkMoved();
   void UpdateRenderedImage(vtkImageData* image);
