@@ -20,6 +20,7 @@ WINDOW = "pqClientMainWindow/"
 VIEW = WINDOW + ("centralwidget/MultiViewWidget/CoreWidget/qt_tabwidget_stackedwidget/"
                  "MultiViewWidget1/Container/Frame.0/CentralWidgetFrame/Viewport")
 PROPERTIES = WINDOW + "propertiesDock/propertiesPanel/"
+BROWSER = WINDOW + "pipelineBrowserDock/pipelineBrowser"
 PANEL = PROPERTIES + ("scrollArea/qt_scrollarea_viewport/scrollAreaWidgetContents/"
                       "PropertiesFrame/ProxyPanel/FFDLattice/")
 
@@ -162,8 +163,12 @@ class TestPanel(unittest.TestCase):
         self.assertEqual(states[-1]["displacements"], [])
 
     def test_live(self):
-        """With auto-apply the filter follows a drag, which is one step for undo and trace."""
+        """With auto-apply the filter follows a drag, which is one step for undo and trace; after
+        a look at another source, too."""
         events = Events()
+        for source in ("/0/0|0", "/0/0/0|0"):
+            events.add(BROWSER, "currentChanged", source)
+            events.wait()
         events.drag((0.5, 0.5), (0.55, 0.4), (0.6, 0.3))
         events.menu("menu_Edit", "actionEditUndo")
         events.menu("menu_Edit", "actionEditRedo")

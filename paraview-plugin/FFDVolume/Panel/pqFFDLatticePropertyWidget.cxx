@@ -262,6 +262,8 @@ public:
   }
 
   Sizes EditedSizes = { { 0, 0, 0 } }; // what the displacements were last seen to fit
+  bool Away = false;          // the panel shows another source
+  bool VisibleBefore = false; // whether the lattice was shown when it went
   bool Interacting = false;
   bool Live = false; // the filter has followed steps of the drag
   bool WasUnmodified = false;
@@ -563,6 +565,31 @@ void pqFFDLatticePropertyWidget::reset()
     }
   }
   this->Superclass::reset();
+}
+
+//-----------------------------------------------------------------------------
+/// The superclass looks at the widget, which may be out of sight already, to know what to show later.
+void pqFFDLatticePropertyWidget::hideEvent(QHideEvent* event)
+{
+  pqInternals& in = *this->Internals;
+  if (!in.Away)
+  {
+    in.Away = true;
+    in.VisibleBefore = this->isWidgetVisible();
+  }
+  this->Superclass::hideEvent(event);
+}
+
+//-----------------------------------------------------------------------------
+void pqFFDLatticePropertyWidget::showEvent(QShowEvent* event)
+{
+  pqInternals& in = *this->Internals;
+  this->Superclass::showEvent(event);
+  if (in.Away)
+  {
+    in.Away = false;
+    this->setWidgetVisible(in.VisibleBefore);
+  }
 }
 
 //-----------------------------------------------------------------------------

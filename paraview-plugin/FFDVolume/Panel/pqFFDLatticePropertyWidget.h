@@ -31,6 +31,10 @@ public:
   void apply() override;
   void reset() override;
 
+protected:
+  void hideEvent(QHideEvent* event) override;
+  void showEvent(QShowEvent* event) override;
+
 protected Q_SLOTS:
   void placeWidget() override;
 
