@@ -45,7 +45,7 @@ class TestNoPanel(unittest.TestCase):
         configured = run(
             "cmake", "-G", "Ninja", "-S", SOURCE, "-B", build, "-DFFD_PARAVIEW_GUI=OFF",
             "-DParaView_DIR=" + PARAVIEW, "-DPython3_EXECUTABLE=" + PYTHON,
-            "-DCMAKE_BUILD_TYPE=Release",
+            "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_INSTALL_LIBDIR=lib",
             "-DCMAKE_CXX_FLAGS_RELEASE=-O0 -DHWY_COMPILE_ONLY_STATIC",
             # Not to be found.
             "-DCMAKE_DISABLE_FIND_PACKAGE_Qt5=ON")
