@@ -209,6 +209,8 @@ struct SceneTest
   double Difference = 2.0; // that the feature makes, mean, at least
   /// What masks are at rest, by index coordinates, for a mask of the resampled volume.
   std::function<double(const double index[3])> Mask;
+  /// What else the resampled volume takes, whose voxels are half as long.
+  std::function<void(Stage&)> Halve;
 };
 
 ffdTest::Picture RenderReference(Stage& stage, const SceneTest& test)
@@ -289,6 +291,16 @@ vtkSmartPointer<vtkImageData> Blanked(
     blanked->GetPointData()->AddArray(ghosts);
   }
   return blanked;
+}
+
+/// Magnitudes of gradients are per voxel: of voxels half as long they are half of these.
+void SetGradientOpacity(Stage& stage, double nothing, double all)
+{
+  vtkNew<vtkPiecewiseFunction> gradient;
+  gradient->AddPoint(0.0, 0.0);
+  gradient->AddPoint(nothing, 0.0);
+  gradient->AddPoint(all, 1.0);
+  stage.Property->SetGradientOpacity(gradient);
 }
 
 /// Scalars of the image at points whose distances grow and shrink along each axis, in its bounds.
@@ -609,7 +621,8 @@ std::vector<SceneTest> Scenes()
       s.Property->SetDisableGradientOpacity(on ? 0 : 1);
     },
     // Deformed: ours are the gradients of the volume at rest.
-    1.0, 4.0, 24.0 });
+    1.0, 4.0, 36.0 });
+  scenes.back().Halve = [](Stage& s) { SetGradientOpacity(s, 25.0, 125.0); };
   // VTK's mappers differ with weights w: from opacities a that of a sample is sum((a w)^2) / sum(a w)
   // in the fixed-point one, sum(a^2) / sum(a w) in the GPU mapper, which is the more opaque the less
   // the weights are. TestComponents measures that in a uniform volume. Ours does as the first.
@@ -681,12 +694,10 @@ std::vector<SceneTest> Scenes()
     Reference::Gpu,
     [](Stage& s) {
       s.ShowHead();
-      vtkNew<vtkPiecewiseFunction> gradient;
-      gradient->AddPoint(50.0, 0.0);
-      gradient->AddPoint(250.0, 1.0);
-      s.Property->SetGradientOpacity(gradient);
+      SetGradientOpacity(s, 50.0, 250.0);
     },
-    scenes.back().Feature, 1.0, 8.0, 24.0 });
+    scenes.back().Feature, 1.0, 8.0, 34.0 });
+  scenes.back().Halve = [](Stage& s) { SetGradientOpacity(s, 25.0, 125.0); };
   scenes.back().Mask = scenes[scenes.size() - 2].Mask;
   scenes.push_back({ "CellData", "TestGPURayCastCellData", Reference::Gpu,
     [](Stage& s) {
@@ -1061,6 +1072,10 @@ int Run(const SceneTest& test, int argc, char* argv[])
     stage.Fixed->SetInputData(start->GetOutput());
     stage.Gpu->SetInputData(start->GetOutput());
     stage.Gpu->SetScalarModeToDefault();
+    if (test.Halve)
+    {
+      test.Halve(stage);
+    }
     stage.Property->Modified();
     if (test.Mask)
     {
