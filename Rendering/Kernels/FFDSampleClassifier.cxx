@@ -58,7 +58,7 @@ public:
   {
     if (!this->HasGradient)
     {
-      this->Gradient = 
+      this->Gradient =
         this->Classifier.FindGradient(this->Component, this->Q, this->OfIntensity);
       this->HasGradient = true;
     }
