@@ -4,6 +4,7 @@
 
 #include "vtkColorTransferFunction.h"
 #include "vtkContourValues.h"
+#include "vtkFFDKernelViews.h"
 #include "vtkImageData.h"
 #include "vtkPiecewiseFunction.h"
 #include "vtkPlane.h"
@@ -23,7 +24,59 @@ namespace ffd
 namespace
 {
 
-bool MakeIsoValues(vtkVolumeProperty* property, Blending& blend, std::string& message)
+/// `low` to `high`: where values are compared with, black and white.
+void SetRange(Blending& blend, int channel, double low, double high)
+{
+  // Where all values are equal they are white: there is nothing to compare them with.
+  blend.Low[channel] = low < high ? low : low - 1.0;
+  blend.High[channel] = high;
+}
+
+void SetRanges(const ScalarFacts& facts, Blending& blend)
+{
+  if (facts.Kind == ComponentKind::Independent)
+  {
+    for (int c = 0; c < static_cast<int>(facts.Ranges.size()); ++c)
+    {
+      const MinMaxBlocks::Limits& range = facts.Ranges[static_cast<std::size_t>(c)];
+      SetRange(blend, c, range.Min, range.Max);
+    }
+    return;
+  }
+  if (blend.Mode == BlendMode::Maximum || blend.Mode == BlendMode::Minimum)
+  {
+    const MinMaxBlocks::Limits range = FindDensityRange(facts, 0);
+    SetRange(blend, 0, range.Min, range.Max);
+  }
+  else if (facts.Kind == ComponentKind::ColourOpacity || blend.Mode == BlendMode::Isosurface)
+  {
+    const MinMaxBlocks::Limits range = FindIntensityRange(facts, 0);
+    SetRange(blend, 0, range.Min, range.Max);
+  }
+  else
+  {
+    // Black and white of values that are colours are those of the colours.
+    SetRange(blend, 0, 0.0, 1.0 / FindColourScale(facts.Type));
+  }
+}
+
+/// The scalar that the opacity of an isosurface is looked up for. Of dependent components, as in
+/// vtkGPUVolumeRayCastMapper, that at the same part of the range of what opacity is looked up for.
+double FindDensityOfIso(const ScalarFacts& facts, double value)
+{
+  if (facts.Kind == ComponentKind::Independent || facts.Kind == ComponentKind::Rgb)
+  {
+    return value;
+  }
+  const MinMaxBlocks::Limits from = FindIntensityRange(facts, 0);
+  const MinMaxBlocks::Limits to = FindDensityRange(facts, 0);
+  return from.Min < from.Max
+    ? to.Min + (value - from.Min) / (from.Max - from.Min) * (to.Max - to.Min)
+    : to.Min;
+}
+
+bool MakeIsoValues(vtkVolumeProperty* property, const ScalarFacts& facts, Blending& blend,
+  std::string& message)
 {
   vtkContourValues* values = property->GetIsoSurfaceValues();
   const int c = blend.IsoComponent;
@@ -47,7 +100,11 @@ bool MakeIsoValues(vtkVolumeProperty* property, Blending& blend, std::string& me
       return false;
     }
     double rgb[3];
-    if (gray)
+    if (facts.Kind == ComponentKind::Rgb || facts.Kind == ComponentKind::Rgba)
+    {
+      std::fill_n(rgb, 3, std::clamp(value * FindColourScale(facts.Type), 0.0, 1.0));
+    }
+    else if (gray)
     {
       std::fill_n(rgb, 3, property->GetGrayTransferFunction(c)->GetValue(value));
     }
@@ -56,7 +113,8 @@ bool MakeIsoValues(vtkVolumeProperty* property, Blending& blend, std::string& me
       property->GetRGBTransferFunction(c)->GetColor(value, rgb);
     }
     blend.IsoValues.push_back({ value, glm::vec3(rgb[0], rgb[1], rgb[2]),
-      std::clamp(static_cast<float>(opacity->GetValue(value)), 0.0f, 1.0f) });
+      std::clamp(
+        static_cast<float>(opacity->GetValue(FindDensityOfIso(facts, value))), 0.0f, 1.0f) });
   }
   const auto less = [](const IsoValue& a, const IsoValue& b) { return a.Value < b.Value; };
   const auto same = [](const IsoValue& a, const IsoValue& b) { return a.Value == b.Value; };
@@ -94,13 +152,13 @@ bool MakeSlice(vtkVolumeProperty* property, Blending& blend, std::string& messag
 } // namespace
 
 //------------------------------------------------------------------------------
-bool MakeBlending(vtkVolumeMapper* mapper, vtkVolumeProperty* property, int components,
+bool MakeBlending(vtkVolumeMapper* mapper, vtkVolumeProperty* property, const ScalarFacts& facts,
   Blending& blend, std::string& message)
 {
   blend = Blending();
-  if (property->GetIndependentComponents())
+  if (facts.Kind == ComponentKind::Independent && property->GetIndependentComponents())
   {
-    for (int c = 0; c < components; ++c)
+    for (int c = 0; c < static_cast<int>(facts.Ranges.size()); ++c)
     {
       blend.Weight[c] = property->GetComponentWeight(c);
       blend.IsoComponent = blend.Weight[c] > blend.Weight[blend.IsoComponent] ? c : blend.IsoComponent;
@@ -113,16 +171,16 @@ bool MakeBlending(vtkVolumeMapper* mapper, vtkVolumeProperty* property, int comp
   switch (mapper->GetBlendMode())
   {
     case vtkVolumeMapper::COMPOSITE_BLEND:
-      return true;
+      break;
     case vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND:
       blend.Mode = BlendMode::Maximum;
-      return true;
+      break;
     case vtkVolumeMapper::MINIMUM_INTENSITY_BLEND:
       blend.Mode = BlendMode::Minimum;
-      return true;
+      break;
     case vtkVolumeMapper::ADDITIVE_BLEND:
       blend.Mode = BlendMode::Additive;
-      return true;
+      break;
     case vtkVolumeMapper::AVERAGE_INTENSITY_BLEND:
     {
       blend.Mode = BlendMode::Average;
@@ -137,28 +195,30 @@ bool MakeBlending(vtkVolumeMapper* mapper, vtkVolumeProperty* property, int comp
       }
       blend.AverageMin = range[0];
       blend.AverageMax = range[1];
-      return true;
+      break;
     }
     case vtkVolumeMapper::ISOSURFACE_BLEND:
       blend.Mode = BlendMode::Isosurface;
-      return MakeIsoValues(property, blend, message);
+      if (!MakeIsoValues(property, facts, blend, message))
+      {
+        return false;
+      }
+      break;
     case vtkVolumeMapper::SLICE_BLEND:
       blend.Mode = BlendMode::Slice;
-      return MakeSlice(property, blend, message);
+      if (!MakeSlice(property, blend, message))
+      {
+        return false;
+      }
+      break;
     default:
       message = "Blend mode " + std::to_string(mapper->GetBlendMode()) +
         " is unknown; choose one of vtkVolumeMapper::BlendModes, for instance with "
         "SetBlendModeToComposite(). Nothing is drawn.";
       return false;
   }
-}
-
-//------------------------------------------------------------------------------
-void SetRange(Blending& blend, int component, const MinMaxBlocks::Limits& range)
-{
-  // Where all values are equal they are white: there is nothing to compare them with.
-  blend.Low[component] = range.Min < range.Max ? range.Min : range.Min - 1.0;
-  blend.High[component] = range.Max;
+  SetRanges(facts, blend);
+  return true;
 }
 
 //------------------------------------------------------------------------------

@@ -24,15 +24,14 @@ class vtkVolumeProperty;
 namespace ffd
 {
 
-/**
- * The blend mode of a mapper with what it takes of the mapper and of the property. `components`: of
- * the scalars. False, and why, if something is missing or makes no sense.
- */
-bool MakeBlending(vtkVolumeMapper* mapper, vtkVolumeProperty* property, int components,
-  Blending& blend, std::string& message);
+struct ScalarFacts;
 
-/// The ranges that values are compared with, by component.
-void SetRange(Blending& blend, int component, const MinMaxBlocks::Limits& range);
+/**
+ * The blend mode of a mapper with what it takes of the mapper, of the property and of the scalars.
+ * False, and why, if something is missing or makes no sense.
+ */
+bool MakeBlending(vtkVolumeMapper* mapper, vtkVolumeProperty* property, const ScalarFacts& facts,
+  Blending& blend, std::string& message);
 
 /**
  * The cropping regions of a mapper; `deformed`: of deformed space, not of the volume at rest. False,

@@ -202,6 +202,7 @@ public:
   vtkTimeStamp VisibilityChanged; // of the functions: what the distances depend on
   vtkTimeStamp BlocksMade;
   vtkTimeStamp DistancesMade;
+  ffd::ScalarFacts Facts; // that they were made for
   ffd::OpticalFunctions Functions;
   ffd::Blending Blend;
   ffd::Blending DistancesBlend; // what Distances was made for
@@ -413,7 +414,8 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateFunctions(
   {
     return true;
   }
-  ffd::ScalarFacts facts;
+  ffd::ScalarFacts& facts = this->Facts;
+  facts = ffd::ScalarFacts();
   facts.Kind = this->Kind;
   facts.Type = volume.Type;
   facts.Nearest = property->GetInterpolationType() != VTK_LINEAR_INTERPOLATION;
@@ -475,24 +477,12 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateBlending(
   vtkVolumeProperty* property, std::string& message)
 {
   const ffd::VolumeView& volume = this->Input.GetView();
-  if (!ffd::MakeBlending(this->Self, property, volume.Components, this->Blend, message) ||
+  if (!ffd::MakeBlending(this->Self, property, this->Facts, this->Blend, message) ||
     !ffd::MakeCropping(this->Self, this->Self->GetInput(), volume,
       this->Self->CroppingSpace == DEFORMED, this->Crop, message) ||
     !ffd::MakeClippingPlanes(this->Self, this->ClippingPlanes, message))
   {
     return false;
-  }
-  if (this->Blend.Mode != ffd::BlendMode::Composite &&
-    this->Kind != ffd::ComponentKind::Independent)
-  {
-    message = "Dependent components can be composited only: call SetBlendModeToComposite(), or "
-              "vtkVolumeProperty::IndependentComponentsOn(). Nothing is drawn.";
-    return false;
-  }
-  for (std::size_t i = 0; i < this->Blocks.size(); ++i)
-  {
-    ffd::SetRange(
-      this->Blend, this->BlockComponents[i], this->RangeOfWhole(this->Blocks[i].GetRange()));
   }
   return true;
 }
@@ -515,8 +505,12 @@ void vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDistances()
   this->CanLeap = true;
   if (this->Blend.Mode != ffd::BlendMode::Composite)
   {
+    // The blocks of dependent components are those of what is looked up for opacity.
+    const bool extreme = this->Blend.Mode == ffd::BlendMode::Maximum ||
+      this->Blend.Mode == ffd::BlendMode::Minimum;
     ffd::TransferTable leaps;
-    this->CanLeap = one && ffd::MakeLeapTable(this->Blend, first.Table, leaps);
+    this->CanLeap = one && (extreme || this->Kind == ffd::ComponentKind::Independent) &&
+      ffd::MakeLeapTable(this->Blend, first.Table, leaps);
     if (this->CanLeap)
     {
       this->Distances = ffd::DistanceMap(this->Blocks[0], leaps, ParallelFor);

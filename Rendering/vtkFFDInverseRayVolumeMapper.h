@@ -39,7 +39,13 @@
  *   three are red, green and blue, the fourth is looked up for opacity. Of three, red, green and blue,
  *   the luminance (0.299, 0.587, 0.114) is looked up for opacity, which VTK's mappers do not have.
  *   Colours are unsigned char, unsigned short, or float and double from 0 to 1. Normals and gradients
- *   are those of what is looked up for opacity. They can be composited only.
+ *   are those of what is looked up for opacity. The opacity unit distance is that of component 0, as
+ *   in vtkFixedPointVolumeRayCastMapper; vtkGPUVolumeRayCastMapper takes that of the last component,
+ *   although it takes the function of component 0. Blend modes other than composite look as in VTK's
+ *   mappers where these draw them: maximum and minimum intensity show the sample with the extreme of
+ *   what is looked up for opacity; average, additive and isosurface are those of the first component
+ *   (of RGB: of the luminance), opacities being looked up as ever, of isosurfaces at the same part of
+ *   the range. Isosurfaces of colours are gray.
  * - Gradient opacity multiplies the opacity over the sample distance. It is that of the volume at
  *   rest, in scalar units per mean edge of a voxel, so tissue looks the same wherever the deformation
  *   takes it; magnitudes above a quarter of the range of the scalars count as that.
@@ -47,6 +53,7 @@
  *   quarter or the range of Transfer2DYAxisArray; their opacity is that over the unit distance.
  *   vtkGPUVolumeRayCastMapper does not correct it for the sample distance.
  * - Colour functions in all colour spaces, with logarithmic scale and colours beyond the range.
+ * - Interpolation is nearest or linear: vtkVolumeProperty offers no other (it clamps to these).
  *
  * Blend modes (vtkVolumeMapper::SetBlendMode) look as with vtkGPUVolumeRayCastMapper:
  * - composite;
@@ -399,7 +406,10 @@ public:
    * those of vtkVolumeProperty::SetLabelColor(), SetLabelScalarOpacity() and
    * SetLabelGradientOpacity(); colour and scalar opacity that a label has none for are those of the
    * property, the gradient opacity is then none. Labels range from 1 to 65535. Label maps need one
-   * component or dependent ones. Default: none.
+   * component or dependent ones, of which labels look up the one that is looked up for opacity; they
+   * are composited only. (VTK's mappers draw labels on one component only: the GPU mapper ignores
+   * them on dependent ones, and its shader does not compile with independent ones.) Binary masks work
+   * on any components and with all blend modes. Default: none.
    */
   virtual void SetMaskInput(vtkImageData* mask);
   vtkGetObjectMacro(MaskInput, vtkImageData);

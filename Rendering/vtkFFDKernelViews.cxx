@@ -389,6 +389,39 @@ bool FindTableFunctions(vtkVolumeProperty* property, int component, const Scalar
 } // namespace
 
 //------------------------------------------------------------------------------
+MinMaxBlocks::Limits FindDensityRange(const ScalarFacts& facts, int channel)
+{
+  switch (facts.Kind)
+  {
+    case ComponentKind::ColourOpacity:
+      return facts.Ranges[1];
+    case ComponentKind::Rgb:
+      return FindIntensityRange(facts, channel);
+    case ComponentKind::Rgba:
+      return facts.Ranges[3];
+    case ComponentKind::Independent:
+    default:
+      return facts.Ranges[static_cast<std::size_t>(channel)];
+  }
+}
+
+//------------------------------------------------------------------------------
+MinMaxBlocks::Limits FindIntensityRange(const ScalarFacts& facts, int channel)
+{
+  if (facts.Kind != ComponentKind::Rgb)
+  {
+    return facts.Ranges[static_cast<std::size_t>(channel)];
+  }
+  MinMaxBlocks::Limits luminance{ 0.0, 0.0 };
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    luminance.Min += LuminanceWeights[i] * facts.Ranges[i].Min;
+    luminance.Max += LuminanceWeights[i] * facts.Ranges[i].Max;
+  }
+  return luminance;
+}
+
+//------------------------------------------------------------------------------
 bool FindComponentKind(vtkVolumeProperty* property, int components, ScalarType type,
   ComponentKind& kind, std::string& message)
 {
@@ -443,20 +476,9 @@ bool MakeOpticalFunctions(vtkVolumeProperty* property, const ScalarFacts& facts,
   {
     ComponentOptics& optics = functions.Components[static_cast<std::size_t>(c)];
     TableFunctions tables;
-    // The component whose range opacity is looked up in.
-    MinMaxBlocks::Limits range = facts.Ranges[static_cast<std::size_t>(
-      facts.Kind == ComponentKind::ColourOpacity ? 1 : facts.Kind == ComponentKind::Rgba ? 3 : c)];
-    bool meetsIntegers = integers;
-    if (facts.Kind == ComponentKind::Rgb)
-    {
-      range = { 0.0, 0.0 };
-      for (std::size_t i = 0; i < 3; ++i)
-      {
-        range.Min += LuminanceWeights[i] * facts.Ranges[i].Min;
-        range.Max += LuminanceWeights[i] * facts.Ranges[i].Max;
-      }
-      meetsIntegers = false;
-    }
+    // In it opacity is looked up.
+    const MinMaxBlocks::Limits range = FindDensityRange(facts, c);
+    const bool meetsIntegers = integers && facts.Kind != ComponentKind::Rgb;
     if (!FindTableFunctions(property, c, facts, tables, message))
     {
       return false;
@@ -517,9 +539,7 @@ bool MakeOpticalFunctions(vtkVolumeProperty* property, const ScalarFacts& facts,
       }
     }
   }
-  functions.ColourScale = facts.Type == ScalarType::UInt8 ? 1.0 / 255.0
-    : facts.Type == ScalarType::UInt16                    ? 1.0 / 65535.0
-                                                          : 1.0;
+  functions.ColourScale = FindColourScale(facts.Type);
   return true;
 }
 

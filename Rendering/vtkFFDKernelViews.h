@@ -39,6 +39,11 @@ struct ScalarFacts
   bool HasLabels = false;
 };
 
+/// Ranges of SampleClassifier::FindDensity() and FindIntensity(): as far as is known without looking
+/// at all voxels.
+MinMaxBlocks::Limits FindDensityRange(const ScalarFacts& facts, int channel);
+MinMaxBlocks::Limits FindIntensityRange(const ScalarFacts& facts, int channel);
+
 /**
  * Functions and surfaces of a property. Interpolated scalars of an integer type are classified half
  * a unit higher, which is on average what vtkFixedPointVolumeRayCastMapper's rounding up to whole

@@ -35,14 +35,15 @@ struct IsoValue
   float Opacity;
 };
 
-/// The blend mode and all that it takes. Arrays are indexed by component.
+/// The blend mode and all that it takes. Arrays are indexed by channel: dependent components are one,
+/// see SampleClassifier::GetNumberOfChannels().
 struct Blending
 {
   static constexpr int LargestNumberOfComponents = 4;
 
   BlendMode Mode = BlendMode::Composite;
 
-  /// Of Isosurface, in ascending order; values of component IsoComponent.
+  /// Of Isosurface, in ascending order; intensities of the channel IsoComponent.
   std::vector<IsoValue> IsoValues;
   int IsoComponent = 0;
 
@@ -51,7 +52,8 @@ struct Blending
   double AverageMax = std::numeric_limits<double>::infinity();
 
   /// The range of the values: ends that Maximum and Minimum cannot pass, and black and white of
-  /// Average and Additive.
+  /// Average and Additive. Of dependent components that of what is looked up for opacity, or that of
+  /// the intensity.
   double Low[LargestNumberOfComponents] = { 0.0, 0.0, 0.0, 0.0 };
   double High[LargestNumberOfComponents] = { 1.0, 1.0, 1.0, 1.0 };
   double Weight[LargestNumberOfComponents] = { 1.0, 1.0, 1.0, 1.0 };

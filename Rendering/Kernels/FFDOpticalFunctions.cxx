@@ -28,6 +28,14 @@ std::vector<int> FindOpacityComponents(ComponentKind kind, int count)
 }
 
 //------------------------------------------------------------------------------
+double FindColourScale(ScalarType type)
+{
+  return type == ScalarType::UInt8 ? 1.0 / 255.0
+    : type == ScalarType::UInt16   ? 1.0 / 65535.0
+                                   : 1.0;
+}
+
+//------------------------------------------------------------------------------
 bool OpticalFunctions::IsTransparent(
   const ComponentOptics& component, const MinMaxBlocks::Limits& limits) const
 {

@@ -52,6 +52,9 @@ struct LabelOptics
 /// OpticalFunctions::IsTransparent().
 FFD_KERNEL_EXPORT std::vector<int> FindOpacityComponents(ComponentKind kind, int count);
 
+/// What takes values that are colours to [0, 1].
+FFD_KERNEL_EXPORT double FindColourScale(ScalarType type);
+
 /**
  * Everything that says what scalars look like, for whole images: made when the property or the
  * scalars change.

@@ -159,19 +159,28 @@ RayIntegrator::Outcome RayIntegrator::TakeExtreme(const SampledPiece& piece, dou
   {
     return { false, false, 0.0f };
   }
+  const SampleClassifier& classifier = *frame.Classifier;
   const bool maximum = blend.Mode == BlendMode::Maximum;
   bool visible = false;
   bool done = true;
-  for (int c = 0; c < frame.Classifier->GetNumberOfComponents(); ++c)
+  for (int c = 0; c < classifier.GetNumberOfChannels(); ++c)
   {
     // Values that are not a number do not count.
-    const bool number = !std::isnan(values[c]);
-    const bool better = number &&
-      (!(this->Lengths[c] > 0.0) ||
-        (maximum ? values[c] > this->Values[c] : values[c] < this->Values[c]));
+    const double density = classifier.FindDensity(c, values);
+    double extreme = classifier.FindDensity(c, this->Values);
+    const bool better = !std::isnan(density) &&
+      (!(this->Lengths[c] > 0.0) || (maximum ? density > extreme : density < extreme));
     if (better)
     {
-      this->Values[c] = values[c];
+      extreme = density;
+      if (classifier.IsDependent())
+      {
+        std::copy_n(values, classifier.GetNumberOfComponents(), this->Values);
+      }
+      else
+      {
+        this->Values[c] = values[c];
+      }
       this->Lengths[c] = 1.0;
       this->ExtremeT = c == 0 || !this->Any ? piece.T0 + s * piece.Dt : this->ExtremeT;
       this->Any = true;
@@ -179,7 +188,7 @@ RayIntegrator::Outcome RayIntegrator::TakeExtreme(const SampledPiece& piece, dou
     }
     // Nothing is beyond the ends of the range.
     done = done && this->Lengths[c] > 0.0 &&
-      (maximum ? this->Values[c] >= blend.High[c] : this->Values[c] <= blend.Low[c]);
+      (maximum ? extreme >= blend.High[c] : extreme <= blend.Low[c]);
   }
   return { visible, done, 0.0f };
 }
@@ -190,11 +199,11 @@ RayIntegrator::Result RayIntegrator::EndExtreme() const
   const IntegrationFrame& frame = *this->Frame;
   glm::vec3 colour(0.0f);
   float opacity = 0.0f;
-  for (int c = 0; c < frame.Classifier->GetNumberOfComponents(); ++c)
+  for (int c = 0; c < frame.Classifier->GetNumberOfChannels(); ++c)
   {
     if (this->Lengths[c] > 0.0)
     {
-      const glm::vec4 look = frame.Classifier->ClassifyValue(c, this->Values[c]);
+      const glm::vec4 look = frame.Classifier->ClassifyValues(c, this->Values);
       const float alpha = look.a * static_cast<float>(frame.Scene->Blend.Weight[c]);
       colour += alpha * glm::vec3(look);
       opacity += alpha;
@@ -219,16 +228,17 @@ RayIntegrator::Outcome RayIntegrator::AddUp(
   const bool average = blend.Mode == BlendMode::Average;
   const double length = this->LengthOf(piece, s, interval);
   bool visible = false;
-  for (int c = 0; c < frame.Classifier->GetNumberOfComponents(); ++c)
+  for (int c = 0; c < frame.Classifier->GetNumberOfChannels(); ++c)
   {
     // In this order values that are not a number do not count.
-    if (!(values[c] == values[c]) ||
-      (average && !(values[c] >= blend.AverageMin && values[c] <= blend.AverageMax)))
+    const double intensity = frame.Classifier->FindIntensity(c, values);
+    if (!(intensity == intensity) || std::isnan(frame.Classifier->FindDensity(c, values)) ||
+      (average && !(intensity >= blend.AverageMin && intensity <= blend.AverageMax)))
     {
       continue;
     }
-    const double opacity = static_cast<double>(frame.Classifier->ClassifyValue(c, values[c]).a);
-    const double relative = (values[c] - blend.Low[c]) / (blend.High[c] - blend.Low[c]);
+    const double opacity = static_cast<double>(frame.Classifier->ClassifyValues(c, values).a);
+    const double relative = (intensity - blend.Low[c]) / (blend.High[c] - blend.Low[c]);
     this->Values[c] += opacity * relative * length;
     this->Lengths[c] += length;
     visible = true;
@@ -251,7 +261,7 @@ RayIntegrator::Result RayIntegrator::EndSum() const
     return { glm::vec3(0.0f), 1.0f, Infinity };
   }
   double sum = 0.0;
-  for (int c = 0; c < frame.Classifier->GetNumberOfComponents(); ++c)
+  for (int c = 0; c < frame.Classifier->GetNumberOfChannels(); ++c)
   {
     const double over =
       blend.Mode == BlendMode::Average ? this->Lengths[c] : blend.UnitDistance[c];
@@ -274,7 +284,8 @@ double RayIntegrator::ScalarAt(const glm::dvec3& q) const
 {
   double values[SampleClassifier::LargestNumberOfComponents];
   this->Frame->Classifier->Values(q, values);
-  return values[this->Frame->Scene->Blend.IsoComponent];
+  return this->Frame->Classifier->FindIntensity(
+    this->Frame->Scene->Blend.IsoComponent, values);
 }
 
 //------------------------------------------------------------------------------
@@ -442,10 +453,11 @@ RayIntegrator::Outcome RayIntegrator::AddSlice(const glm::dvec3& q, double t)
   frame.Classifier->Values(q, values);
   glm::vec3 colour(0.0f);
   float opacity = 0.0f;
-  for (int c = 0; c < frame.Classifier->GetNumberOfComponents(); ++c)
+  for (int c = 0; c < frame.Classifier->GetNumberOfChannels(); ++c)
   {
-    const glm::vec4 look =
-      std::isnan(values[c]) ? glm::vec4(0.0f) : frame.Classifier->ClassifyValue(c, values[c]);
+    const glm::vec4 look = std::isnan(frame.Classifier->FindDensity(c, values))
+      ? glm::vec4(0.0f)
+      : frame.Classifier->ClassifyValues(c, values);
     const float alpha = look.a * static_cast<float>(frame.Scene->Blend.Weight[c]);
     colour += alpha * glm::vec3(look);
     opacity += alpha;

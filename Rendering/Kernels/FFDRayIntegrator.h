@@ -119,9 +119,10 @@ private:
   float Transmittance = 1.0f;
   double FirstVisible = std::numeric_limits<double>::infinity();
 
-  // Of Maximum, Minimum: the extreme. Of Average, Additive: the sum.
+  // Of Maximum, Minimum: the extreme; of dependent components all values of the sample that has it.
+  // Of Average, Additive: the sums of the channels.
   double Values[Components] = {};
-  double Lengths[Components] = {}; // what has been added up
+  double Lengths[Components] = {}; // of the channels: what has been added up
   bool Any = false;                // whether there was a sample
   double ExtremeT = 0.0;
 

@@ -45,17 +45,21 @@ double Luminance(const double* rgb)
 class SampleClassifier::Point
 {
 public:
-  Point(const SampleClassifier& classifier, int component, const glm::dvec3& q)
+  /// Gradients of what is looked up for opacity, or of the intensity.
+  Point(const SampleClassifier& classifier, int component, const glm::dvec3& q,
+    bool ofIntensity = false)
     : Classifier(classifier)
     , Component(component)
     , Q(q)
+    , OfIntensity(ofIntensity)
   {
   }
   const glm::dvec3& GetGradient()
   {
     if (!this->HasGradient)
     {
-      this->Gradient = this->Classifier.FindGradient(this->Component, this->Q);
+      this->Gradient =
+        this->Classifier.FindGradient(this->Component, this->Q, this->OfIntensity);
       this->HasGradient = true;
     }
     return this->Gradient;
@@ -67,6 +71,7 @@ private:
   const SampleClassifier& Classifier;
   int Component;
   glm::dvec3 Q;
+  bool OfIntensity;
   glm::dvec3 Gradient{ 0.0 };
   bool HasGradient = false;
 };
@@ -165,6 +170,42 @@ double SampleClassifier::DensityOf(int component, const double* values) const
 }
 
 //------------------------------------------------------------------------------
+double SampleClassifier::FindIntensity(int channel, const double* values) const
+{
+  switch (this->In.Functions->Kind)
+  {
+    case ComponentKind::ColourOpacity:
+    case ComponentKind::Rgba:
+      return values[0];
+    case ComponentKind::Rgb:
+      return Luminance(values);
+    case ComponentKind::Independent:
+    default:
+      return values[channel];
+  }
+}
+
+//------------------------------------------------------------------------------
+bool SampleClassifier::HasDirectColours() const
+{
+  return this->In.Functions->Kind == ComponentKind::Rgb ||
+    this->In.Functions->Kind == ComponentKind::Rgba;
+}
+
+//------------------------------------------------------------------------------
+/// Of values that are colours; what is not a number is black.
+glm::vec3 SampleClassifier::DirectColour(const double* values) const
+{
+  glm::vec3 colour;
+  for (int c = 0; c < 3; ++c)
+  {
+    const double value = values[c] * this->In.Functions->ColourScale;
+    colour[c] = value > 0.0 ? static_cast<float>(std::min(value, 1.0)) : 0.0f;
+  }
+  return colour;
+}
+
+//------------------------------------------------------------------------------
 glm::dvec3 SampleClassifier::ToVoxel(const glm::dvec3& q) const
 {
   return this->In.Volume.Axes ? this->In.Volume.Axes->ToVoxel(q) : q;
@@ -259,7 +300,8 @@ glm::dvec3 SampleClassifier::Difference(const glm::dvec3& voxel, const Field& fi
 
 //------------------------------------------------------------------------------
 /// Of what normals are of, by index coordinates.
-glm::dvec3 SampleClassifier::FindGradient(int component, const glm::dvec3& q) const
+glm::dvec3 SampleClassifier::FindGradient(
+  int component, const glm::dvec3& q, bool ofIntensity) const
 {
   const OpticalFunctions& functions = *this->In.Functions;
   const glm::dvec3 voxel = this->ToVoxel(q);
@@ -273,12 +315,12 @@ glm::dvec3 SampleClassifier::FindGradient(int component, const glm::dvec3& q) co
   switch (functions.Kind)
   {
     case ComponentKind::ColourOpacity:
-      return of(1);
+      return of(ofIntensity ? 0 : 1);
     case ComponentKind::Rgb:
       return LuminanceWeights[0] * of(0) + LuminanceWeights[1] * of(1) +
         LuminanceWeights[2] * of(2);
     case ComponentKind::Rgba:
-      return of(3);
+      return of(ofIntensity ? 0 : 3);
     case ComponentKind::Independent:
     default:
       return of(component);
@@ -344,11 +386,9 @@ SampleClassifier::Emission SampleClassifier::FindEmission(
       ? functions.Colours.Lookup(values[0]).Colour
       : sample.Colour;
   }
-  if (functions.Kind == ComponentKind::Rgb || functions.Kind == ComponentKind::Rgba)
+  if (this->HasDirectColours())
   {
-    emission.Colour = glm::clamp(glm::vec3(glm::dvec3(values[0], values[1], values[2]) *
-                                   functions.ColourScale),
-      0.0f, 1.0f);
+    emission.Colour = this->DirectColour(values);
   }
   return emission;
 }
@@ -471,26 +511,42 @@ SampleClassifier::Look SampleClassifier::ClassifyIndependent(
 //------------------------------------------------------------------------------
 glm::vec4 SampleClassifier::ClassifyValue(int component, double value) const
 {
-  const OpticalFunctions& functions = *this->In.Functions;
   const ComponentOptics& optics = this->OpticsOf(component);
   if (!optics.Plane.IsEmpty())
   {
     return optics.Plane.Lookup(value, 1e300);
   }
   const TransferTable::Sample sample = optics.Table.Lookup(value);
-  return glm::vec4(functions.Kind == ComponentKind::ColourOpacity
-      ? functions.Colours.Lookup(value).Colour
-      : sample.Colour,
+  return glm::vec4(sample.Colour,
     static_cast<float>(
       OpacityOver(static_cast<double>(sample.Extinction), optics.Table.GetUnitDistance())));
 }
 
 //------------------------------------------------------------------------------
-glm::vec3 SampleClassifier::Light(
-  int component, const glm::dvec3& q, const glm::vec3& colour, const NormalSource& normals) const
+glm::vec4 SampleClassifier::ClassifyValues(int channel, const double* values) const
 {
-  Point point(*this, component, q);
-  return this->LitColour(component, colour, point, normals);
+  const OpticalFunctions& functions = *this->In.Functions;
+  glm::vec4 look = this->ClassifyValue(channel, this->DensityOf(channel, values));
+  if (this->HasDirectColours())
+  {
+    look = glm::vec4(this->DirectColour(values), look.a);
+  }
+  else if (functions.Kind == ComponentKind::ColourOpacity)
+  {
+    const TransferPlane& plane = functions.Components[0].Plane;
+    look = glm::vec4(plane.IsEmpty() ? functions.Colours.Lookup(values[0]).Colour
+                                     : glm::vec3(plane.Lookup(values[0], 1e300)),
+      look.a);
+  }
+  return look;
+}
+
+//------------------------------------------------------------------------------
+glm::vec3 SampleClassifier::Light(
+  int channel, const glm::dvec3& q, const glm::vec3& colour, const NormalSource& normals) const
+{
+  Point point(*this, channel, q, true);
+  return this->LitColour(channel, colour, point, normals);
 }
 
 } // namespace ffd

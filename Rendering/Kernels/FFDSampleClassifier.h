@@ -133,14 +133,37 @@ public:
   /// The sample at `q`, whose values are `values`, lit if the material is shaded.
   Look Classify(const glm::dvec3& q, const double* values, const NormalSource& normals) const;
 
-  /// Colour (not premultiplied, not lit) and opacity of a value of a component, over the opacity
-  /// unit distance. Gradients count as large: gradient opacities are not looked at.
+  /// What blend modes other than compositing work on: independent components, or all dependent ones
+  /// together as a single channel.
+  int GetNumberOfChannels() const
+  {
+    return this->IsDependent() ? 1 : this->In.Volume.Components;
+  }
+  bool IsDependent() const { return this->In.Functions->Kind != ComponentKind::Independent; }
+
+  /// Of all values at a sample, what is looked up for the opacity of a channel. Of three colours the
+  /// luminance.
+  double FindDensity(int channel, const double* values) const
+  {
+    return this->DensityOf(channel, values);
+  }
+
+  /// Of all values at a sample, how bright a channel is: the value, or the first of dependent ones.
+  /// Of three colours the luminance.
+  double FindIntensity(int channel, const double* values) const;
+
+  /// Colour (not premultiplied, not lit) and opacity of a value of an independent component, over the
+  /// opacity unit distance. Gradients count as large: gradient opacities are not looked at. Of
+  /// dependent components the opacity of a density, without a colour.
   glm::vec4 ClassifyValue(int component, double value) const;
 
-  /// A colour at `q` lit by the material of a component, with the normal of its scalars; the
-  /// colour itself where nothing is shaded.
-  glm::vec3 Light(int component, const glm::dvec3& q, const glm::vec3& colour,
-    const NormalSource& normals) const;
+  /// The same of a channel where the values are `values`.
+  glm::vec4 ClassifyValues(int channel, const double* values) const;
+
+  /// A colour at `q` lit by the material of a channel, with the normal of its intensity; the colour
+  /// itself where nothing is shaded.
+  glm::vec3 Light(
+    int channel, const glm::dvec3& q, const glm::vec3& colour, const NormalSource& normals) const;
 
 private:
   class Point;
@@ -148,11 +171,13 @@ private:
 
   const ComponentOptics& OpticsOf(int component) const;
   double DensityOf(int component, const double* values) const;
+  glm::vec3 DirectColour(const double* values) const;
+  bool HasDirectColours() const;
   bool FindHidden(const glm::dvec3& q) const;
   bool TouchesHidden(const glm::dvec3& voxel) const;
   glm::dvec3 ToVoxel(const glm::dvec3& q) const;
   double MaskAt(const glm::dvec3& q) const;
-  glm::dvec3 FindGradient(int component, const glm::dvec3& q) const;
+  glm::dvec3 FindGradient(int component, const glm::dvec3& q, bool ofIntensity) const;
   glm::dvec3 FindOpacityGradient(int component, const glm::dvec3& q) const;
   template <class Field>
   glm::dvec3 Difference(const glm::dvec3& voxel, const Field& field) const;

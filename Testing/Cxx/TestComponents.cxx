@@ -78,7 +78,8 @@ void CheckIndependent(ffdTest::Checks& checks)
   }
 }
 
-/// The GPU mapper draws the same; vtkFixedPointVolumeRayCastMapper leaps and rounds otherwise here.
+/// The GPU mapper draws the same (with a unit distance of the last component that is that of the first,
+/// see CheckUniform()); vtkFixedPointVolumeRayCastMapper leaps and rounds otherwise here.
 /// The GPU mapper takes normals of the first component though, not of the last as documented by
 /// vtkVolumeProperty, so shading is compared with that of one component.
 void CheckDependent(ffdTest::Checks& checks)
@@ -178,6 +179,134 @@ void CheckColours(ffdTest::Scene& scene, ffdTest::Checks& checks)
   scene.Property->IndependentComponentsOn();
 }
 
+/// A uniform volume 32 units thick, whose components have the given values; two voxels in its corners
+/// span the range of bytes.
+vtkSmartPointer<vtkImageData> MakeUniform(const std::vector<double>& values)
+{
+  return ffdTest::MakeImage(33, VTK_UNSIGNED_CHAR, static_cast<int>(values.size()),
+    [&](int c, const ffdTest::Vec3& p) {
+      const double sum = p[0] + p[1] + p[2];
+      return sum == 0.0 ? 0.0 : sum == 3.0 ? 255.0 : values[static_cast<std::size_t>(c)];
+    });
+}
+
+/// The pixel in the middle.
+std::array<int, 3> FindMiddle(const ffdTest::Picture& picture)
+{
+  std::array<int, 3> rgb;
+  const int at = picture.Height / 2 * picture.Width + picture.Width / 2;
+  for (int c = 0; c < 3; ++c)
+  {
+    rgb[static_cast<std::size_t>(c)] = picture.Rgb[static_cast<std::size_t>(3 * at + c)];
+  }
+  return rgb;
+}
+
+/// Through a uniform volume: closed forms, which tell where VTK's mappers differ and why.
+void CheckUniform(ffdTest::Checks& checks)
+{
+  constexpr double Thickness = 32.0;
+  constexpr double Step = 0.5;
+  const auto expect = [&](const std::string& what, const std::array<int, 3>& rgb,
+                        const std::array<double, 3>& expected) {
+    std::ostringstream figures;
+    double worst = 0.0;
+    for (std::size_t c = 0; c < 3; ++c)
+    {
+      figures << rgb[c] << " (" << 255.0 * expected[c] << ") ";
+      worst = std::max(worst, std::abs(rgb[c] - 255.0 * expected[c]));
+    }
+    figures << "at most 2 apart";
+    checks.Expect(worst <= 2.0, what, figures.str());
+  };
+  const auto prepare = [&](ffdTest::Scene& scene, const std::vector<double>& values) {
+    const auto image = MakeUniform(values);
+    scene.SetInput(image);
+    scene.Renderer->SetBackground(0.0, 0.0, 0.0);
+    scene.SetSampleDistance(Step);
+    scene.SetCamera({ 0.0, 0.0, 1.0, true, false }, image->GetBounds());
+    scene.Property->SetInterpolationTypeToLinear();
+  };
+
+  // Two independent components: the first red, the second green.
+  for (const std::array<double, 4>& each : std::vector<std::array<double, 4>>{
+         { 0.04, 0.02, 1.0, 1.0 }, { 0.04, 0.02, 0.5, 0.5 }, { 0.06, 0.01, 0.3, 0.6 } })
+  {
+    ffdTest::Scene scene(60);
+    prepare(scene, { 100.0, 150.0 });
+    scene.Property->IndependentComponentsOn();
+    double a[2];  // of an interval
+    double aw[2]; // weighted
+    for (int c = 0; c < 2; ++c)
+    {
+      const double opacity = each[static_cast<std::size_t>(c)];
+      const double weight = each[static_cast<std::size_t>(c) + 2];
+      const double red = c == 0 ? 1.0 : 0.0;
+      ffdTest::SetComponent(scene.Property, c,
+        { { 0, red, 1.0 - red, 0.0, opacity }, { 255, red, 1.0 - red, 0.0, opacity } });
+      scene.Property->SetComponentWeight(c, weight);
+      a[c] = 1.0 - std::pow(1.0 - opacity, Step);
+      aw[c] = weight * a[c];
+    }
+    // Every interval adds its colour to what is left by those before.
+    const auto march = [&](double alpha) {
+      std::array<double, 3> rgb{ { 0.0, 0.0, 0.0 } };
+      double light = 1.0;
+      for (double t = 0.0; t < Thickness; t += Step)
+      {
+        rgb[0] += light * aw[0];
+        rgb[1] += light * aw[1];
+        light *= 1.0 - alpha;
+      }
+      rgb[0] = std::min(1.0, rgb[0]);
+      rgb[1] = std::min(1.0, rgb[1]);
+      return rgb;
+    };
+    const double sum = aw[0] + aw[1];
+    const auto weighted = march((aw[0] * aw[0] + aw[1] * aw[1]) / sum);
+    std::ostringstream name;
+    name << "uniform, opacities " << each[0] << ", " << each[1] << ", weights " << each[2] << ", "
+         << each[3];
+    // The GPU mapper leaves out the weights in the numerator. It goes first: what it draws with weights
+    // after the fixed-point mapper has drawn in the same window is darker.
+    expect(name.str() + ", GPU mapper", FindMiddle(scene.Render(scene.Gpu)),
+      march((a[0] * a[0] + a[1] * a[1]) / sum));
+    expect(name.str(), FindMiddle(scene.Render(scene.Ours)), weighted);
+    expect(name.str() + ", fixed-point mapper", FindMiddle(scene.RenderFixedRays()), weighted);
+  }
+
+  // Dependent components: the unit distance is that of component 0, but in the GPU mapper.
+  for (const int components : { 2, 4 })
+  {
+    for (const int longer : { 0, components - 1 })
+    {
+      ffdTest::Scene scene(60);
+      prepare(scene, components == 2 ? std::vector<double>{ 100.0, 150.0 }
+                                     : std::vector<double>{ 100.0, 120.0, 140.0, 150.0 });
+      scene.Property->IndependentComponentsOff();
+      constexpr double Opacity = 0.05;
+      ffdTest::SetComponent(
+        scene.Property, 0, { { 0, 1.0, 1.0, 1.0, Opacity }, { 255, 1.0, 1.0, 1.0, Opacity } });
+      scene.Property->SetScalarOpacityUnitDistance(longer, 4.0);
+      const auto colour = [&](double unit) {
+        const double alpha = 1.0 - std::pow(1.0 - Opacity, Thickness / unit);
+        return components == 2
+          ? std::array<double, 3>{ { alpha, alpha, alpha } }
+          : std::array<double, 3>{
+              { alpha * 100.0 / 255.0, alpha * 120.0 / 255.0, alpha * 140.0 / 255.0 } };
+      };
+      const std::string name = "uniform, " + std::to_string(components) +
+        " dependent components, unit distance of " + std::to_string(longer);
+      const double first = longer == 0 ? 4.0 : 1.0;
+      expect(name, FindMiddle(scene.Render(scene.Ours)), colour(first));
+      expect(
+        name + ", fixed-point mapper", FindMiddle(scene.RenderFixedRays()), colour(first));
+      expect(name + ", GPU mapper", FindMiddle(scene.Render(scene.Gpu)),
+        colour(longer == 0 ? 1.0 : 4.0));
+    }
+  }
+}
+
 /// All types, with functions over the same part of their range, give the same picture.
 void CheckTypes(ffdTest::Scene& scene, ffdTest::Checks& checks)
 {
@@ -223,5 +352,6 @@ int TestComponents(int, char*[])
   CheckDependent(checks);
   CheckColours(scene, checks);
   CheckTypes(scene, checks);
+  CheckUniform(checks);
   return checks.Result();
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// The scenes of VTK's own tests of ray-cast volume mappers (Rendering/Volume/Testing), on the data of
-// Testing/Data. Each is rendered four times:
+// The scenes of VTK's own tests of ray-cast volume mappers (Rendering/Volume/Testing and
+// Rendering/VolumeOpenGL2/Testing), on the data of Testing/Data. Each is rendered four times:
 // - without deformation it is that of VTK's mapper in the same process, within the tolerances of the
 //   scene, and no less with a lattice of zeros;
 // - without the feature that the scene is about it is another picture, in ours as in VTK's;
@@ -23,6 +23,7 @@
 #include "vtkPlane.h"
 #include "vtkPolyDataMapper.h"
 #include "vtkProperty.h"
+#include "vtkRectilinearGrid.h"
 #include "vtkSphereSource.h"
 
 #include <map>
@@ -180,6 +181,8 @@ public:
   int Argc;
   char** Argv;
   vtkSmartPointer<vtkImageData> Image;
+  vtkSmartPointer<vtkImageData> Source; // what is resampled: else Image
+  double SourceFactor = 0.5;            // spacing of the resampled, in that of the source
   double Background = 0.0; // a transparent scalar
   double Voxel = 1.0;
   ffdTest::View Camera{ 30.0, 25.0, 1.0, false, false };
@@ -204,6 +207,10 @@ struct SceneTest
   double P99;
   double Decibels;     // deformed, from the resampled volume; 0: not compared
   double Difference = 2.0; // that the feature makes, mean, at least
+  /// What masks are at rest, by index coordinates, for a mask of the resampled volume.
+  std::function<double(const double index[3])> Mask;
+  /// What else the resampled volume takes, whose voxels are half as long.
+  std::function<void(Stage&)> Halve;
 };
 
 ffdTest::Picture RenderReference(Stage& stage, const SceneTest& test)
@@ -249,6 +256,147 @@ void SetPositionalLights(Stage& stage, bool on)
   // The GPU mapper writes its shaders anew when the property changes, not when lights do.
   stage.Property->Modified();
 }
+
+//------------------------------------------------------------------------------
+/// The image with ghosts where `hidden` says so.
+vtkSmartPointer<vtkImageData> Blanked(
+  vtkImageData* image, bool cells, const std::function<bool(const int index[3])>& hidden)
+{
+  auto blanked = vtkSmartPointer<vtkImageData>::New();
+  blanked->ShallowCopy(image);
+  vtkNew<vtkUnsignedCharArray> ghosts;
+  ghosts->SetName(vtkDataSetAttributes::GhostArrayName());
+  ghosts->SetNumberOfTuples(
+    cells ? blanked->GetNumberOfCells() : blanked->GetNumberOfPoints());
+  int dims[3];
+  blanked->GetDimensions(dims);
+  for (int a = 0; cells && a < 3; ++a)
+  {
+    --dims[a];
+  }
+  for (vtkIdType i = 0; i < ghosts->GetNumberOfTuples(); ++i)
+  {
+    const int index[3] = { static_cast<int>(i % dims[0]), static_cast<int>(i / dims[0] % dims[1]),
+      static_cast<int>(i / (dims[0] * dims[1])) };
+    const int ghost = cells ? static_cast<int>(vtkDataSetAttributes::HIDDENCELL)
+                            : static_cast<int>(vtkDataSetAttributes::HIDDENPOINT);
+    ghosts->SetValue(i, static_cast<unsigned char>(hidden(index) ? ghost : 0));
+  }
+  if (cells)
+  {
+    blanked->GetCellData()->AddArray(ghosts);
+  }
+  else
+  {
+    blanked->GetPointData()->AddArray(ghosts);
+  }
+  return blanked;
+}
+
+/// Magnitudes of gradients are per voxel: of voxels half as long they are half of these.
+void SetGradientOpacity(Stage& stage, double nothing, double all)
+{
+  vtkNew<vtkPiecewiseFunction> gradient;
+  gradient->AddPoint(0.0, 0.0);
+  gradient->AddPoint(nothing, 0.0);
+  gradient->AddPoint(all, 1.0);
+  stage.Property->SetGradientOpacity(gradient);
+}
+
+/// Scalars of the image at points whose distances grow and shrink along each axis, in its bounds.
+class UnevenGrid
+{
+public:
+  explicit UnevenGrid(vtkImageData* image)
+  {
+    int dims[3];
+    double origin[3];
+    double spacing[3];
+    image->GetDimensions(dims);
+    image->GetOrigin(origin);
+    image->GetSpacing(spacing);
+    this->Grid->SetDimensions(dims);
+    vtkNew<vtkDoubleArray> coordinates[3];
+    for (int a = 0; a < 3; ++a)
+    {
+      for (int i = 0; i < dims[a]; ++i)
+      {
+        coordinates[a]->InsertNextValue(origin[a] + spacing[a] * Warp(i, dims[a] - 1));
+      }
+    }
+    this->Grid->SetXCoordinates(coordinates[0]);
+    this->Grid->SetYCoordinates(coordinates[1]);
+    this->Grid->SetZCoordinates(coordinates[2]);
+    this->Grid->GetPointData()->SetScalars(image->GetPointData()->GetScalars());
+
+    // The same twice as fine on an even grid.
+    this->Even->SetOrigin(origin);
+    this->Even->SetSpacing(0.5 * spacing[0], 0.5 * spacing[1], 0.5 * spacing[2]);
+    int fine[3];
+    for (int a = 0; a < 3; ++a)
+    {
+      fine[a] = 2 * dims[a] - 1;
+    }
+    this->Even->SetDimensions(fine);
+    this->Even->AllocateScalars(VTK_FLOAT, 1);
+    auto* out = static_cast<float*>(this->Even->GetScalarPointer());
+    std::vector<double> at[3];
+    for (int a = 0; a < 3; ++a)
+    {
+      for (int i = 0; i < fine[a]; ++i)
+      {
+        at[a].push_back(Find(0.5 * i, dims[a] - 1));
+      }
+    }
+    vtkDataArray* scalars = image->GetPointData()->GetScalars();
+    for (int k = 0; k < fine[2]; ++k)
+    {
+      for (int j = 0; j < fine[1]; ++j)
+      {
+        for (int i = 0; i < fine[0]; ++i)
+        {
+          const double p[3] = { at[0][static_cast<std::size_t>(i)],
+            at[1][static_cast<std::size_t>(j)], at[2][static_cast<std::size_t>(k)] };
+          double value = 0.0;
+          for (int corner = 0; corner < 8; ++corner)
+          {
+            double weight = 1.0;
+            int v[3];
+            for (int a = 0; a < 3; ++a)
+            {
+              const int cell = std::min(static_cast<int>(p[a]), dims[a] - 2);
+              const bool upper = (corner >> a & 1) != 0;
+              weight *= upper ? p[a] - cell : 1.0 - (p[a] - cell);
+              v[a] = cell + (upper ? 1 : 0);
+            }
+            value += weight * scalars->GetTuple1((v[2] * dims[1] + v[1]) * dims[0] + v[0]);
+          }
+          *out++ = static_cast<float>(value);
+        }
+      }
+    }
+  }
+  vtkNew<vtkRectilinearGrid> Grid;
+  vtkNew<vtkImageData> Even;
+
+private:
+  static double Warp(int i, int last)
+  {
+    const double x = static_cast<double>(i) / last;
+    return last * (x + 0.05 * std::sin(2.0 * vtkMath::Pi() * x));
+  }
+  /// The index, with its fraction, of a position.
+  static double Find(double position, int last)
+  {
+    int i = 0;
+    while (i < last - 1 && Warp(i + 1, last) <= position)
+    {
+      ++i;
+    }
+    const double low = Warp(i, last);
+    return std::min<double>(last, i + std::max(0.0, (position - low) / (Warp(i + 1, last) - low)));
+  }
+};
 
 //------------------------------------------------------------------------------
 std::vector<SceneTest> Scenes()
@@ -373,6 +521,18 @@ std::vector<SceneTest> Scenes()
           }
         }
         s.SetTransferOfMaximum();
+        if (mode == vtkVolumeMapper::MINIMUM_INTENSITY_BLEND)
+        {
+          // What is around the resampled volume is the most, and transparent.
+          s.Background = 3000.0;
+          s.Property->GetScalarOpacity()->AddPoint(2900.0, 1.0);
+          s.Property->GetScalarOpacity()->AddPoint(3000.0, 0.0);
+        }
+        if (mode == vtkVolumeMapper::ADDITIVE_BLEND)
+        {
+          // Rays through the box of the volume cover the background, and a resampled box is larger.
+          s.Renderer->SetBackground(0.0, 0.0, 0.0);
+        }
       },
       [mode](Stage& s, bool on) {
         s.All([&](vtkVolumeMapper* m) {
@@ -385,12 +545,11 @@ std::vector<SceneTest> Scenes()
   blend("MaximumIntensity", "TestGPURayCastDataTypesMIP", vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND,
     Reference::Fixed, 1.0, 2.0, 33.0);
   blend("MinimumIntensity", "TestGPURayCastDataTypesMinIP",
-    vtkVolumeMapper::MINIMUM_INTENSITY_BLEND, Reference::Gpu, 1.6, 12.0, 0.0);
+    vtkVolumeMapper::MINIMUM_INTENSITY_BLEND, Reference::Gpu, 1.6, 12.0, 31.0);
   blend("AverageIntensity", "TestGPURayCastAverageIP", vtkVolumeMapper::AVERAGE_INTENSITY_BLEND,
     Reference::Gpu, 0.5, 4.0, 33.0);
-  // Rays through the box of the volume cover the background, and a resampled box is larger.
   blend("Additive", "TestGPURayCastAdditive", vtkVolumeMapper::ADDITIVE_BLEND, Reference::Gpu, 0.5,
-    4.0, 0.0);
+    4.0, 40.0);
   scenes.push_back({ "IsoSurface", "TestGPURayCastIsosurface", Reference::Gpu,
     [](Stage& s) {
       s.ShowHead();
@@ -461,7 +620,12 @@ std::vector<SceneTest> Scenes()
       s.Property->SetGradientOpacity(gradient);
       s.Property->SetDisableGradientOpacity(on ? 0 : 1);
     },
-    1.0, 4.0, 0.0 });
+    // Deformed: ours are the gradients of the volume at rest.
+    1.0, 4.0, 36.0 });
+  scenes.back().Halve = [](Stage& s) { SetGradientOpacity(s, 25.0, 125.0); };
+  // VTK's mappers differ with weights w: from opacities a that of a sample is sum((a w)^2) / sum(a w)
+  // in the fixed-point one, sum(a^2) / sum(a w) in the GPU mapper, which is the more opaque the less
+  // the weights are. TestComponents measures that in a uniform volume. Ours does as the first.
   scenes.push_back({ "TwoComponentsIndependent", "TestGPURayCastTwoComponentsIndependent",
     Reference::Fixed,
     [](Stage& s) {
@@ -490,8 +654,9 @@ std::vector<SceneTest> Scenes()
           { 227, 1.0, 0.2, 0.0, 0.9 } },
         2.0, 0.0);
       s.Property->IndependentComponentsOff();
-      // As long as samples: with 2 the GPU mapper is 6.1 apart.
-      s.Property->SetScalarOpacityUnitDistance(s.Ours->GetSampleDistance());
+      // The GPU mapper takes the opacity function of component 0 with the unit distance of the last
+      // one: see TestComponents.
+      s.Property->SetScalarOpacityUnitDistance(1, 2.0);
     },
     [](Stage& s, bool on) {
       // Without: one colour.
@@ -500,7 +665,7 @@ std::vector<SceneTest> Scenes()
       colour->AddRGBPoint(227.0, on ? 1.0 : 0.5, on ? 0.2 : 0.5, on ? 0.0 : 0.5);
       s.Property->SetColor(colour);
     },
-    3.0, 22.0, 27.0 });
+    1.0, 5.0, 39.0 });
 
   // What hides voxels. The mask is one of the material: it moves with it, not with the resampled.
   scenes.push_back({ "BinaryMask", "TestGPURayCastCompositeBinaryMask", Reference::Gpu,
@@ -523,7 +688,17 @@ std::vector<SceneTest> Scenes()
       s.Gpu->SetMaskTypeToBinary();
       s.Kept.push_back(mask);
     },
-    1.0, 8.0, 0.0 });
+    1.0, 8.0, 36.0 });
+  scenes.back().Mask = [](const double p[3]) { return p[0] > 30.5 || p[2] > 60.5 ? 255.0 : 0.0; };
+  scenes.push_back({ "GradientOpacityBinaryMask", "TestGPURayCastCompositeBinaryMask1",
+    Reference::Gpu,
+    [](Stage& s) {
+      s.ShowHead();
+      SetGradientOpacity(s, 50.0, 250.0);
+    },
+    scenes.back().Feature, 1.0, 8.0, 34.0 });
+  scenes.back().Halve = [](Stage& s) { SetGradientOpacity(s, 25.0, 125.0); };
+  scenes.back().Mask = scenes[scenes.size() - 2].Mask;
   scenes.push_back({ "CellData", "TestGPURayCastCellData", Reference::Gpu,
     [](Stage& s) {
       vtkSmartPointer<vtkImageData> head = s.Read("headsq", 1, 0.0);
@@ -545,6 +720,11 @@ std::vector<SceneTest> Scenes()
       }
       cells->GetPointData()->GetScalars()->SetName("points");
       s.Show(cells, ffdTest::HeadsqSkin(), 2.0, 0.0);
+      // Points in the middles of the cells.
+      s.Source = vtkSmartPointer<vtkImageData>::New();
+      s.Source->ShallowCopy(head);
+      const double* spacing = head->GetSpacing();
+      s.Source->SetOrigin(0.5 * spacing[0], 0.5 * spacing[1], 0.5 * spacing[2]);
     },
     [](Stage& s, bool on) {
       s.All([&](vtkVolumeMapper* m) {
@@ -559,11 +739,87 @@ std::vector<SceneTest> Scenes()
       });
       s.Property->Modified();
     },
-    1.0, 4.0, 0.0 });
+    1.0, 4.0, 40.0 });
+  scenes.push_back({ "PointBlanking", "TestGPURayCastVolumeGhostArrays", Reference::Gpu,
+    [](Stage& s) { s.ShowHead(); },
+    [](Stage& s, bool on) {
+      s.SetInput(on ? Blanked(s.Image, false, [](const int i[3]) { return i[0] <= 30 || i[2] >= 60; })
+                    : s.Image);
+      s.Property->Modified();
+    },
+    1.0, 12.0, 30.0 });
+  // Cells with a blanked point are empty.
+  scenes.back().Mask = [](const double p[3]) { return p[0] > 31.0 && p[2] < 59.0 ? 255.0 : 0.0; };
+  scenes.push_back({ "CellBlanking", "TestGPURayCastVolumeUniformGridBlanking", Reference::Gpu,
+    [](Stage& s) { s.ShowHead(); },
+    // The GPU mapper hides the cell before a blanked one, too: those that begin the volume are blanked.
+    [](Stage& s, bool on) {
+      s.SetInput(on ? Blanked(s.Image, true, [](const int i[3]) { return i[0] <= 30 || i[1] <= 20; })
+                    : s.Image);
+      s.Property->Modified();
+    },
+    1.2, 20.0, 29.0 });
+  scenes.back().Mask = [](const double p[3]) { return p[0] > 31.0 && p[1] > 21.0 ? 255.0 : 0.0; };
+  scenes.push_back({ "RectilinearGrid", "TestGPURayCastMapperRectilinearGrid", Reference::Gpu,
+    [](Stage& s) { s.ShowHead(); },
+    [](Stage& s, bool on) {
+      s.SetInput(s.Image);
+      s.Source = nullptr;
+      if (on)
+      {
+        UnevenGrid uneven(s.Image);
+        s.Ours->SetInputData(uneven.Grid);
+        // As voxels of equal steps: the shader of the GPU mapper fetches those of rectilinear grids half
+        // a voxel off, even where all steps are equal, and it does not survive an image before.
+        s.Gpu->SetInputData(uneven.Even);
+        s.Source = uneven.Even;
+        s.SourceFactor = 1.0;
+      }
+      s.Property->Modified();
+    },
+    2.0, 20.0, 32.0 });
+  scenes.push_back({ "Jitter", "TestGPURayCastJittering", Reference::Gpu,
+    [](Stage& s) {
+      s.ShowHead();
+      s.SetSampleDistance(2.0 * s.Voxel);
+    },
+    // The noise is not the same: what is compared is how much there is.
+    [](Stage& s, bool on) {
+      s.Ours->SetUseJittering(on);
+      s.Gpu->SetUseJittering(on ? 1 : 0);
+      s.Property->Modified();
+    },
+    6.0, 35.0, 31.0 });
+  scenes.push_back({ "FourComponentsIndependent", "TestGPURayCastFourComponentsComposite",
+    Reference::Fixed,
+    [](Stage& s) {
+      s.Show(s.MakeFourComponents(), { { 60, 0.2, 0.2, 1, 0.0 }, { 227, 0.2, 0.6, 1, 0.1 } }, 2.0, 0.0);
+      for (int c = 1; c < 4; ++c)
+      {
+        vtkNew<vtkColorTransferFunction> colour;
+        colour->AddRGBPoint(60.0, c == 1 ? 1.0 : 0.2, c == 2 ? 1.0 : 0.2, c == 3 ? 1.0 : 0.0);
+        colour->AddRGBPoint(255.0, 1.0, c == 3 ? 0.9 : 0.4, c == 3 ? 0.8 : 0.1);
+        vtkNew<vtkPiecewiseFunction> opacity;
+        opacity->AddPoint(60.0 + 20.0 * c, 0.0);
+        opacity->AddPoint(255.0, c == 3 ? 0.6 : 0.1);
+        s.Property->SetColor(c, colour);
+        s.Property->SetScalarOpacity(c, opacity);
+        s.Property->SetScalarOpacityUnitDistance(c, 2.0);
+      }
+      s.Property->IndependentComponentsOn();
+    },
+    [](Stage& s, bool on) {
+      for (int c = 0; c < 4; ++c)
+      {
+        s.Property->SetComponentWeight(c, on ? (c == 3 ? 1.0 : 0.4) : (c == 0 ? 1.0 : 0.1));
+      }
+    },
+    2.0, 8.0, 38.0 });
   scenes.push_back({ "LabelMap", "TestGPURayCastCompositeMask", Reference::Gpu,
     [](Stage& s) {
       s.ShowHead();
-      // As long as samples: with 2 the GPU mapper is 14.4 apart.
+      // As long as samples: the GPU mapper takes the opacities of labels as they are, whatever the
+      // unit distance (vtkOpenGLVolumeMaskTransferFunction2D); with 2 it is 14.4 apart.
       s.Property->SetScalarOpacityUnitDistance(s.Ours->GetSampleDistance());
       for (const int label : { 1, 2 })
       {
@@ -596,7 +852,9 @@ std::vector<SceneTest> Scenes()
       s.Property->Modified();
       s.Kept.push_back(mask);
     },
-    1.5, 10.0, 0.0 });
+    1.5, 10.0, 32.0 });
+  scenes.back().Mask = [](const double p[3])
+  { return p[0] < 27.5 ? 1.0 : p[2] > 50.5 ? 2.0 : 0.0; };
   scenes.push_back({ "Slice", "TestGPURayCastSlicePlane", Reference::Gpu,
     [](Stage& s) {
       s.ShowHead();
@@ -614,7 +872,7 @@ std::vector<SceneTest> Scenes()
     },
     // The slices of the GPU mapper are half a voxel off: see TestSlice.
     6.0, 60.0, 32.0 });
-  scenes.push_back({ "DirectionMatrix", "TestGPURayCastMapperDirectionMatrix", Reference::Gpu,
+  scenes.push_back({ "DirectionMatrix", "none", Reference::Gpu,
     [](Stage& s) { s.ShowEngine(); },
     [](Stage& s, bool on) {
       const double c = on ? std::cos(0.6) : 1.0;
@@ -651,7 +909,7 @@ std::vector<SceneTest> Scenes()
         on ? vtkVolumeProperty::TF_2D : vtkVolumeProperty::TF_1D);
     },
     1.5, 4.0, 0.0 });
-  scenes.push_back({ "LightKit", "TestGPURayCastLightKit", Reference::Gpu,
+  scenes.push_back({ "LightKit", "TestGPURayCastVolumeLightKit", Reference::Gpu,
     [](Stage& s) {
       // A cube, without highlights: see PositionalLights.
       s.Show(s.MakeCube(s.Read("engine", 2, 0.0)), ffdTest::SolidEngine(), 2.0, 0.0);
@@ -672,13 +930,13 @@ std::vector<SceneTest> Scenes()
       s.Property->Modified();
     },
     4.0, 15.0, 29.0 });
-  scenes.push_back({ "FourComponentsDependent", "TestGPURayCastFourComponentsDependent",
+  scenes.push_back({ "FourComponentsDependent", "TestGPURayCastFourComponentsDependentGradient",
     Reference::Gpu,
     [](Stage& s) {
       s.Show(s.MakeFourComponents(), { { 60, 1, 1, 1, 0.0 }, { 175, 1, 1, 1, 0.5 } }, 2.0, 0.0);
       s.Property->IndependentComponentsOff();
-      // As long as samples: with 2 the GPU mapper is 9.5 apart.
-      s.Property->SetScalarOpacityUnitDistance(s.Ours->GetSampleDistance());
+      // The GPU mapper takes that of the last component: see TestComponents.
+      s.Property->SetScalarOpacityUnitDistance(3, 2.0);
     },
     [](Stage& s, bool on) {
       // Without: hardly anything is opaque.
@@ -687,7 +945,7 @@ std::vector<SceneTest> Scenes()
       opacity->AddPoint(175.0, on ? 0.5 : 0.005);
       s.Property->SetScalarOpacity(opacity);
     },
-    4.5, 25.0, 25.0 });
+    1.0, 5.0, 43.0 });
   return scenes;
 }
 
@@ -703,6 +961,30 @@ void SavePicture(const ffdTest::Picture& picture, const std::string& file)
   writer->SetInputData(image);
   writer->SetFileName(file.c_str());
   writer->Write();
+}
+
+/// Index coordinates of the points of an image as three components.
+vtkSmartPointer<vtkImageData> MakeIndices(vtkImageData* image)
+{
+  auto indices = vtkSmartPointer<vtkImageData>::New();
+  indices->CopyStructure(image);
+  indices->AllocateScalars(VTK_FLOAT, 3);
+  int dims[3];
+  image->GetDimensions(dims);
+  auto* out = static_cast<float*>(indices->GetScalarPointer());
+  for (int k = 0; k < dims[2]; ++k)
+  {
+    for (int j = 0; j < dims[1]; ++j)
+    {
+      for (int i = 0; i < dims[0]; ++i)
+      {
+        *out++ = static_cast<float>(i);
+        *out++ = static_cast<float>(j);
+        *out++ = static_cast<float>(k);
+      }
+    }
+  }
+  return indices;
 }
 
 int Run(const SceneTest& test, int argc, char* argv[])
@@ -766,12 +1048,17 @@ int Run(const SceneTest& test, int argc, char* argv[])
     stage.Compare(deformed, deformedWithout).Mean, test.Difference);
   if (test.Decibels > 0.0)
   {
+    vtkImageData* source = stage.Source ? stage.Source.Get() : stage.Image.Get();
     double spacing[3];
-    stage.Image->GetSpacing(spacing);
+    source->GetSpacing(spacing);
+    for (double& s : spacing)
+    {
+      s *= stage.SourceFactor;
+    }
     vtkNew<vtkFFDResampleVolume> resample;
-    resample->SetInputData(stage.Image);
+    resample->SetInputData(source);
     resample->SetDeformation(bend);
-    resample->SetOutputSpacing(0.5 * spacing[0], 0.5 * spacing[1], 0.5 * spacing[2]);
+    resample->SetOutputSpacing(spacing);
     resample->SetBackgroundLevel(stage.Background);
     resample->Update();
     // With an extent from 0: VTK's mappers count cropping planes from there.
@@ -784,6 +1071,32 @@ int Run(const SceneTest& test, int argc, char* argv[])
     start->Update();
     stage.Fixed->SetInputData(start->GetOutput());
     stage.Gpu->SetInputData(start->GetOutput());
+    stage.Gpu->SetScalarModeToDefault();
+    if (test.Halve)
+    {
+      test.Halve(stage);
+    }
+    stage.Property->Modified();
+    if (test.Mask)
+    {
+      // What was at rest where a voxel is now decides.
+      vtkNew<vtkImageData> mask;
+      mask->CopyStructure(start->GetOutput());
+      mask->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
+      resample->SetInputData(MakeIndices(source));
+      resample->Update();
+      vtkDataArray* indices = resample->GetOutput()->GetPointData()->GetScalars();
+      for (vtkIdType i = 0; i < mask->GetNumberOfPoints(); ++i)
+      {
+        double index[3];
+        indices->GetTuple(i, index);
+        mask->GetPointData()->GetScalars()->SetTuple1(i, test.Mask(index));
+      }
+      stage.Gpu->SetMaskInput(mask);
+      stage.Gpu->SetMaskType(stage.Ours->GetMaskInput() ? stage.Ours->GetMaskType()
+                                                        : vtkGPUVolumeRayCastMapper::BinaryMaskType);
+      stage.Kept.push_back(mask.Get());
+    }
     const ffdTest::Picture resampled = RenderReference(stage, test);
     SavePicture(resampled, folder + "/Scene." + test.Name + ".resampled.png");
     const ffdTest::Distance distance = stage.Compare(deformed, resampled);

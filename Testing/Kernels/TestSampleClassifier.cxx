@@ -278,6 +278,77 @@ TEST(SampleClassifier, DependentComponents)
   EXPECT_NEAR(OpacityOf(look, 1.0), 0.2, 1e-5);
 }
 
+TEST(SampleClassifier, ChannelsOfDependentComponents)
+{
+  const double values[4] = { 51.0, 102.0, 204.0, 0.5 };
+  const Components volume(glm::ivec3(5), 4,
+    [](int c, const glm::dvec3& p) { return c == 0 ? 9.0 * p.x : c == 3 ? 0.2 * p.z : 0.0; });
+  Fixture f(volume.View);
+  f.Functions.Components.resize(1);
+  f.Functions.Components[0].Table = Ramp(glm::vec3(0.0f), 0.8);
+  f.Functions.Kind = ComponentKind::Rgba;
+  f.Functions.ColourScale = 1.0 / 255.0;
+  {
+    const SampleClassifier classifier(f.Inputs);
+    EXPECT_EQ(classifier.GetNumberOfChannels(), 1);
+    EXPECT_EQ(classifier.FindIntensity(0, values), 51.0);
+    EXPECT_EQ(classifier.FindDensity(0, values), 0.5);
+    const glm::vec4 look = classifier.ClassifyValues(0, values);
+    ExpectColour(glm::vec3(look), glm::dvec3(0.2, 0.4, 0.8));
+    EXPECT_NEAR(look.a, 0.4, 1e-5);
+    // A colour that is not a number is black.
+    const double hole[4] = { NaN, 102.0, 900.0, 0.5 };
+    ExpectColour(glm::vec3(classifier.ClassifyValues(0, hole)), glm::dvec3(0.0, 0.4, 1.0));
+  }
+  {
+    // Surfaces have the normal of the intensity, which rises along x, samples that of the opacity,
+    // along z, towards the light. Ambient light is 0.1.
+    f.Functions.Components[0].Shade = true;
+    const SampleClassifier classifier(f.Inputs);
+    const glm::dvec3 q(2.0);
+    ExpectColour(
+      classifier.Light(0, q, glm::vec3(1.0f), f.Normals), glm::dvec3(0.1), 1e-6);
+    double at[4];
+    classifier.Values(q, at);
+    const glm::vec3 lit = classifier.Classify(q, at, f.Normals).Colour;
+    EXPECT_GT(lit.r, 0.5f * 18.0f / 255.0f);
+    f.Functions.Components[0].Shade = false;
+  }
+  f.Inputs.Volume.Components = 3;
+  f.Functions.Kind = ComponentKind::Rgb;
+  {
+    const SampleClassifier classifier(f.Inputs);
+    const double luminance = 0.299 * 51.0 + 0.587 * 102.0 + 0.114 * 204.0;
+    EXPECT_NEAR(classifier.FindIntensity(0, values), luminance, 1e-12);
+    EXPECT_NEAR(classifier.FindDensity(0, values), luminance, 1e-12);
+  }
+  f.Inputs.Volume.Components = 2;
+  f.Functions.Kind = ComponentKind::ColourOpacity;
+  f.Functions.Colours = Ramp({ 1.0f, 0.5f, 0.0f }, 1.0);
+  {
+    const SampleClassifier classifier(f.Inputs);
+    const double two[2] = { 0.5, 0.25 };
+    EXPECT_EQ(classifier.GetNumberOfChannels(), 1);
+    EXPECT_EQ(classifier.FindIntensity(0, two), 0.5);
+    EXPECT_EQ(classifier.FindDensity(0, two), 0.25);
+    const glm::vec4 look = classifier.ClassifyValues(0, two);
+    ExpectColour(glm::vec3(look), glm::dvec3(0.5, 0.25, 0.0));
+    EXPECT_NEAR(look.a, 0.2, 1e-5);
+  }
+  f.Functions.Kind = ComponentKind::Independent;
+  f.Functions.Components.resize(2);
+  f.Functions.Components[1].Table = Constant({ 0.0f, 1.0f, 0.0f }, 0.6f);
+  {
+    const SampleClassifier classifier(f.Inputs);
+    EXPECT_EQ(classifier.GetNumberOfChannels(), 2);
+    EXPECT_EQ(classifier.FindIntensity(1, values), 102.0);
+    EXPECT_EQ(classifier.FindDensity(1, values), 102.0);
+    const glm::vec4 look = classifier.ClassifyValues(1, values);
+    ExpectColour(glm::vec3(look), glm::dvec3(0.0, 1.0, 0.0));
+    EXPECT_NEAR(look.a, 0.6, 1e-5);
+  }
+}
+
 TEST(SampleClassifier, TransferPlaneOverTheGradientOrAnotherArray)
 {
   const Components volume(
