@@ -31,10 +31,12 @@
 #include "vtkIdTypeArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
+#include "vtkInformationObjectBaseVectorKey.h"
 #include "vtkMath.h"
 #include "vtkMatrix4x4.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
+#include "vtkOpenGLRenderPass.h"
 #include "vtkPlane.h"
 #include "vtkPlaneCollection.h"
 #include "vtkPointData.h"
@@ -221,6 +223,7 @@ public:
   std::vector<float> WindowDepths; // of the pixels of the last frame
   std::vector<float> RayDepths;    // of its rays, where these are not the pixels
   double TimePerRay = 0.0; // seconds, of the last frame in a window
+  bool ToldOfPeeling = false;
   vtkNew<vtkFFDRayStatistics> Statistics;
   vtkFFDImageDisplay Display;
 };
@@ -1308,6 +1311,27 @@ double* vtkFFDInverseRayVolumeMapper::GetBounds()
 }
 
 //------------------------------------------------------------------------------
+/// Whether a pass of depth peeling asks for the volume between translucent surfaces: it wants the
+/// shader of the volume changed, and what is drawn without that is not a picture.
+static bool IsPeeled(vtkRenderer* renderer, vtkVolume* volume)
+{
+  vtkInformation* keys = volume->GetPropertyKeys();
+  vtkInformationObjectBaseVectorKey* passes = vtkOpenGLRenderPass::RenderPasses();
+  if (!renderer->GetUseDepthPeelingForVolumes() || !keys || !keys->Has(passes))
+  {
+    return false;
+  }
+  for (int i = 0; i < passes->Length(keys); ++i)
+  {
+    if (passes->Get(keys, i)->IsA("vtkDepthPeelingPass"))
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
+//------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
 {
   if (renderer->GetSelector())
@@ -1316,6 +1340,19 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
     return;
   }
   vtkInternals& in = *this->Internals;
+  if (IsPeeled(renderer, volume))
+  {
+    // A frame has several passes.
+    if (!in.ToldOfPeeling)
+    {
+      vtkErrorMacro("UseDepthPeelingForVolumes of the renderer is on, but only VTK's GPU mapper can be "
+                    "peeled together with translucent surfaces: the volume is left out. Call "
+                    "UseDepthPeelingForVolumesOff() of the renderer.");
+    }
+    in.ToldOfPeeling = true;
+    return;
+  }
+  in.ToldOfPeeling = false;
   std::string message;
   if (this->GetInputAlgorithm())
   {

@@ -69,6 +69,32 @@ bool TestGeometry()
   return FFDLargestDifference(with, without) > 20 && FFDLargestDifference(with, scene.Show()) == 0;
 }
 
+/// Depth peeling of volumes is for VTK's GPU mapper: an error, and the picture without the volume.
+int TestPeeling()
+{
+  FFDTestScene scene;
+  scene.ConeActor->GetProperty()->SetOpacity(0.5);
+  scene.Renderer->UseDepthPeelingOn();
+  const std::vector<unsigned char> both = scene.Show();
+  FFD_CHECK(scene.Errors->Count == 0);
+  scene.Renderer->UseDepthPeelingForVolumesOn();
+  const std::vector<unsigned char> refused = scene.Show();
+  FFD_CHECK(scene.Errors->Had("UseDepthPeelingForVolumesOff()"));
+  FFD_CHECK(FFDLargestDifference(both, refused) > 20);
+  scene.Volume->VisibilityOff();
+  FFD_CHECK(FFDLargestDifference(refused, scene.Show()) == 0);
+  scene.Volume->VisibilityOn();
+  // Without translucent surfaces nothing is peeled.
+  scene.ConeActor->VisibilityOff();
+  const std::vector<unsigned char> alone = scene.Show();
+  scene.Renderer->UseDepthPeelingForVolumesOff();
+  FFD_CHECK(FFDLargestDifference(alone, scene.Show()) == 0);
+  scene.ConeActor->VisibilityOn();
+  FFD_CHECK(FFDLargestDifference(both, scene.Show()) == 0);
+  FFD_CHECK(scene.Errors->Count == 0);
+  return EXIT_SUCCESS;
+}
+
 struct EventLog
 {
   int Start = 0;
@@ -229,6 +255,7 @@ int TestMapperWindow(int, char*[])
 {
   FFD_CHECK(TestSampleDistances() == EXIT_SUCCESS);
   FFD_CHECK(TestGeometry());
+  FFD_CHECK(TestPeeling() == EXIT_SUCCESS);
   FFD_CHECK(TestEventsAndAbort() == EXIT_SUCCESS);
   FFD_CHECK(TestWindows());
   FFD_CHECK(TestTwoVolumes());
