@@ -7,6 +7,7 @@
 
 #include "FFDAxisMap.h"
 #include "FFDSampling.h"
+#include "FFDOpticalFunctions.h"
 #include "FFDSurfaceSearch.h"
 
 #include "vtkDataArray.h"
@@ -110,7 +111,9 @@ public:
       volume.Type != ffd::ScalarType::Float32 && volume.Type != ffd::ScalarType::Float64;
     this->Up = integers && linear ? 0.5 : 0.0;
     const int last = std::min(volume.Components, VTK_MAX_VRCOMP) - 1;
-    for (int c = independent ? 0 : last; c <= last; ++c)
+    // Of red, green and blue it is the luminance that gives the opacity, else the last component.
+    const bool luminance = !independent && last == 2;
+    for (int c = independent || luminance ? 0 : last; c <= (luminance ? 0 : last); ++c)
     {
       Channel channel;
       channel.Component = c;
@@ -125,9 +128,14 @@ public:
       {
         channel.Gradient = property->GetGradientOpacity(ofProperty);
       }
-      double range[2];
-      view.Scalars->GetFiniteRange(range, c);
-      channel.Least = range[0];
+      for (int term = 0; term < (luminance ? 3 : 1); ++term)
+      {
+        const double weight = luminance ? ffd::LuminanceWeights[term] : 1.0;
+        double range[2];
+        view.Scalars->GetFiniteRange(range, c + term);
+        channel.Least += weight * range[0];
+        channel.Terms.push_back({ ffd::GetComponent(volume, c + term), weight });
+      }
       this->Channels.push_back(channel);
     }
     if (view.Mask.Volume.Scalars && view.Mask.Labels)
@@ -145,6 +153,8 @@ public:
   {
     int Component = 0;
     ffd::VolumeView Volume;
+    /// What is looked up: a weighed sum of components.
+    std::vector<std::pair<ffd::VolumeView, double>> Terms;
     vtkPiecewiseFunction* Opacity = nullptr;
     vtkPiecewiseFunction* Gradient = nullptr;
     double Least = 0.0;
@@ -158,7 +168,7 @@ public:
 
   double Value(const Channel& channel, const glm::dvec3& index) const
   {
-    return this->Fetch.Value(channel.Volume, this->ToVoxel(index));
+    return ValueOf(this->Fetch, channel, this->ToVoxel(index));
   }
 
   /// By data coordinates, at rest: differences of a voxel to each side, of what there is at faces.
@@ -173,8 +183,8 @@ public:
       glm::dvec3 after = before;
       before[a] = std::max(before[a] - 1.0, lower[a]);
       after[a] = std::min(after[a] + 1.0, upper[a]);
-      gradient[a] = (this->Between.Value(channel.Volume, this->ToVoxel(after)) -
-                      this->Between.Value(channel.Volume, this->ToVoxel(before))) /
+      gradient[a] = (ValueOf(this->Between, channel, this->ToVoxel(after)) -
+                      ValueOf(this->Between, channel, this->ToVoxel(before))) /
         (after[a] - before[a]);
     }
     return glm::transpose(channel.Volume.DataToIndex) * gradient;
@@ -262,6 +272,17 @@ public:
   }
 
 private:
+  static double ValueOf(
+    const ffd::SampleFunctions& fetch, const Channel& channel, const glm::dvec3& voxel)
+  {
+    double sum = 0.0;
+    for (const auto& term : channel.Terms)
+    {
+      sum += term.second * fetch.Value(term.first, voxel);
+    }
+    return sum;
+  }
+
   const vtkFFDProbeView& View;
   std::vector<Channel> Channels;
   /// Of each label that has functions: scalar opacity, and gradient opacity or null.

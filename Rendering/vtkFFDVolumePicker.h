@@ -27,7 +27,7 @@
  *
  * Clipping planes, cropping regions (in the mapper's CroppingSpace), the mapper's ClipBox, blanked
  * points and cells and a binary mask hide what they hide in the picture, a label map gives its labels
- * their scalar opacity, and a component of weight 0 is not there; other weights, two-dimensional
+ * their scalar opacity (and, with UseVolumeGradientOpacity, gradient opacity), and a component of weight 0 is not there; other weights, two-dimensional
  * transfer functions and blend modes are not looked at. Pick from a list, PickClippingPlanes,
  * PickCroppingPlanes and UseVolumeGradientOpacity work as in the superclasses.
  *
@@ -40,7 +40,8 @@
  * - PointId, PointIJK, CellId, CellIJK and PCoords are those of RestPosition: they index the input
  *   of the mapper, which is DataSet, a vtkImageData or a vtkRectilinearGrid;
  * - Component is the component whose opacity was met, where components are independent; else the
- *   one that gives the opacity, the last.
+ *   one that gives the opacity, the last. Of three dependent components the luminance gives it: there
+ *   Component is 0, and ScalarValue is the luminance (0.299, 0.587, 0.114).
  *
  * After a pick of something else RestPosition is MapperPosition, ScalarValue is 0 and Component -1.
  *

@@ -228,6 +228,17 @@ int TestComponents()
               [](vtkFFDVolumePicker* p)
               { return p->GetComponent() == 1 && Near(p->GetScalarValue(), Second(p->GetRestPosition())); }) ==
     EXIT_SUCCESS);
+  // Of three the luminance: 0.413 of the first field, 0.587 of the second.
+  const double luminance = 0.413 * Level + 0.587 * SecondLevel;
+  scene.Property->SetScalarOpacity(0, MakeOpacity(luminance));
+  scene.SetImage(MakeFields(3));
+  const auto mixed = [](const double* p) { return 0.413 * First(p) + 0.587 * Second(p); };
+  FFD_CHECK(PickDeformed(scene, "three dependent components",
+              [&](const double* p)
+              { return std::min(DepthInVolume(p), (mixed(p) - luminance) / 6.95); },
+              [&](vtkFFDVolumePicker* p)
+              { return p->GetComponent() == 0 && Near(p->GetScalarValue(), mixed(p->GetRestPosition())); }) ==
+    EXIT_SUCCESS);
   scene.Property->SetScalarOpacity(0, MakeOpacity(Level));
   scene.SetImage(MakeFields(4));
   FFD_CHECK(PickDeformed(scene, "four dependent components",
@@ -486,6 +497,21 @@ int TestMasks()
   scene.Mapper->SetMaskBlendFactor(0.5f);
   FFD_CHECK(PickDeformed(scene, "label map, blended", labelled(0.5 * (Level + deeper)), value) ==
     EXIT_SUCCESS);
+
+  // Gradient opacity of a label: 0.8 at the gradient that there is, so that the opacity of 0.5 is
+  // reached where the scalar opacity is 0.625.
+  scene.Mapper->SetMaskBlendFactor(1.0f);
+  vtkNew<vtkPiecewiseFunction> byGradient;
+  byGradient->AddPoint(0.0, 0.8);
+  byGradient->AddPoint(100.0, 0.8);
+  scene.Property->SetLabelScalarOpacity(1, MakeOpacity(deeper - 100.0));
+  scene.Property->SetLabelGradientOpacity(1, byGradient);
+  scene.Picker->UseVolumeGradientOpacityOn();
+  FFD_CHECK(PickDeformed(scene, "label map with gradient opacity", labelled(deeper), value) ==
+    EXIT_SUCCESS);
+  scene.Picker->UseVolumeGradientOpacityOff();
+  FFD_CHECK(PickDeformed(scene, "label map, gradient opacity not used", labelled(deeper - 100.0),
+              value) == EXIT_SUCCESS);
   scene.Mapper->SetMaskInput(nullptr);
   return PickDeformed(scene, "no mask",
     [](const double* p) { return std::min(DepthInVolume(p), DepthOfFirst(p)); }, value);
