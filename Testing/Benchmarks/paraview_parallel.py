@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Frame times, edit times, voxels and memory of the ParaView plugin on 1, 2 and 4 processes.
 
-    Module/CMake/with-xvfb.sh python3 Testing/Benchmarks/paraview_parallel.py BUILD [SIZE [RANKS...]]
+    Module/CMake/with-xvfb.sh /usr/bin/python3 Testing/Benchmarks/paraview_parallel.py BUILD [SIZE [RANKS...]]
 
 BUILD is a build folder with the plugin. A file of SIZE^3 floats (default 200) is written, read by as
 many processes as RANKS say (default 1 2 4), and shown at rest, bent and twisted. Prints a table: per
