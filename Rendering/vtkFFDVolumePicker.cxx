@@ -109,10 +109,11 @@ public:
       ffd::SelectSampleFunctions(view.Mask.Volume.Type, ffd::Interpolation::Nearest);
     const bool integers =
       volume.Type != ffd::ScalarType::Float32 && volume.Type != ffd::ScalarType::Float64;
-    this->Up = integers && linear ? 0.5 : 0.0;
     const int last = std::min(volume.Components, VTK_MAX_VRCOMP) - 1;
     // Of red, green and blue it is the luminance that gives the opacity, else the last component.
     const bool luminance = !independent && last == 2;
+    // A luminance is no whole number.
+    this->Up = integers && linear && !luminance ? 0.5 : 0.0;
     for (int c = independent || luminance ? 0 : last; c <= (luminance ? 0 : last); ++c)
     {
       Channel channel;
