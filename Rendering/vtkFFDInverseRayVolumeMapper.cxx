@@ -136,6 +136,26 @@ struct ImageRegion
   double Step = 1.0;        // pixels between rays
 };
 
+/// Whether a pass of depth peeling asks for the volume between translucent surfaces: it wants the
+/// shader of the volume changed, and what is drawn without that is not a picture.
+bool IsPeeled(vtkRenderer* renderer, vtkVolume* volume)
+{
+  vtkInformation* keys = volume->GetPropertyKeys();
+  vtkInformationObjectBaseVectorKey* passes = vtkOpenGLRenderPass::RenderPasses();
+  if (!renderer->GetUseDepthPeelingForVolumes() || !keys || !keys->Has(passes))
+  {
+    return false;
+  }
+  for (int i = 0; i < passes->Length(keys); ++i)
+  {
+    if (passes->Get(keys, i)->IsA("vtkDepthPeelingPass"))
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -1308,27 +1328,6 @@ double* vtkFFDInverseRayVolumeMapper::GetBounds()
     std::copy_n(this->Internals->ReportedBounds, 6, this->Bounds);
   }
   return this->Bounds;
-}
-
-//------------------------------------------------------------------------------
-/// Whether a pass of depth peeling asks for the volume between translucent surfaces: it wants the
-/// shader of the volume changed, and what is drawn without that is not a picture.
-static bool IsPeeled(vtkRenderer* renderer, vtkVolume* volume)
-{
-  vtkInformation* keys = volume->GetPropertyKeys();
-  vtkInformationObjectBaseVectorKey* passes = vtkOpenGLRenderPass::RenderPasses();
-  if (!renderer->GetUseDepthPeelingForVolumes() || !keys || !keys->Has(passes))
-  {
-    return false;
-  }
-  for (int i = 0; i < passes->Length(keys); ++i)
-  {
-    if (passes->Get(keys, i)->IsA("vtkDepthPeelingPass"))
-    {
-      return true;
-    }
-  }
-  return false;
 }
 
 //------------------------------------------------------------------------------

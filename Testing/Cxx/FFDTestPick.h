@@ -103,6 +103,22 @@ inline vtkSmartPointer<vtkImageData> MakeRamp(bool oblique)
   return image;
 }
 
+/// The ray that vtkPicker casts through a display position: its points on the near and far planes.
+inline void GetPickRay(vtkRenderer* renderer, double x, double y, double ends[2][3])
+{
+  for (int e = 0; e < 2; ++e)
+  {
+    renderer->SetDisplayPoint(x, y, e);
+    renderer->DisplayToWorld();
+    double w[4];
+    renderer->GetWorldPoint(w);
+    for (int a = 0; a < 3; ++a)
+    {
+      ends[e][a] = w[a] / w[3];
+    }
+  }
+}
+
 /// Whether the cell that was picked is one at a face of the volume or at a cropping plane.
 inline bool LeavesWithinACell(PickScene& scene, vtkFFDVolumePicker* picker)
 {

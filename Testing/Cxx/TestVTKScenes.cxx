@@ -303,6 +303,25 @@ void SetGradientOpacity(Stage& stage, double nothing, double all)
   stage.Property->SetGradientOpacity(gradient);
 }
 
+/// A mask of the image with these values, by columns and slices of voxels; or none.
+void SetMask(Stage& stage, bool on, const std::function<double(int x, int z)>& value)
+{
+  auto mask = vtkSmartPointer<vtkImageData>::New();
+  mask->CopyStructure(stage.Image);
+  mask->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
+  int dims[3];
+  mask->GetDimensions(dims);
+  for (vtkIdType i = 0; i < mask->GetNumberOfPoints(); ++i)
+  {
+    const int x = static_cast<int>(i % dims[0]);
+    const int z = static_cast<int>(i / (dims[0] * dims[1]));
+    mask->GetPointData()->GetScalars()->SetTuple1(i, value(x, z));
+  }
+  stage.Ours->SetMaskInput(on ? mask.Get() : nullptr);
+  stage.Gpu->SetMaskInput(on ? mask.Get() : nullptr);
+  stage.Kept.push_back(mask);
+}
+
 /// Scalars of the image at points whose distances grow and shrink along each axis, in its bounds.
 class UnevenGrid
 {
@@ -671,22 +690,9 @@ std::vector<SceneTest> Scenes()
   scenes.push_back({ "BinaryMask", "TestGPURayCastCompositeBinaryMask", Reference::Gpu,
     [](Stage& s) { s.ShowHead(); },
     [](Stage& s, bool on) {
-      auto mask = vtkSmartPointer<vtkImageData>::New();
-      mask->CopyStructure(s.Image);
-      mask->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
-      int dims[3];
-      mask->GetDimensions(dims);
-      for (vtkIdType i = 0; i < mask->GetNumberOfPoints(); ++i)
-      {
-        const int x = static_cast<int>(i % dims[0]);
-        const int z = static_cast<int>(i / (dims[0] * dims[1]));
-        mask->GetPointData()->GetScalars()->SetTuple1(i, x > 30 || z > 60 ? 255.0 : 0.0);
-      }
-      s.Ours->SetMaskInput(on ? mask.Get() : nullptr);
-      s.Gpu->SetMaskInput(on ? mask.Get() : nullptr);
+      SetMask(s, on, [](int x, int z) { return x > 30 || z > 60 ? 255.0 : 0.0; });
       s.Ours->SetMaskTypeToBinary();
       s.Gpu->SetMaskTypeToBinary();
-      s.Kept.push_back(mask);
     },
     1.0, 8.0, 36.0 });
   scenes.back().Mask = [](const double p[3]) { return p[0] > 30.5 || p[2] > 60.5 ? 255.0 : 0.0; };
@@ -834,23 +840,10 @@ std::vector<SceneTest> Scenes()
       }
     },
     [](Stage& s, bool on) {
-      auto mask = vtkSmartPointer<vtkImageData>::New();
-      mask->CopyStructure(s.Image);
-      mask->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
-      int dims[3];
-      mask->GetDimensions(dims);
-      for (vtkIdType i = 0; i < mask->GetNumberOfPoints(); ++i)
-      {
-        const int x = static_cast<int>(i % dims[0]);
-        const int z = static_cast<int>(i / (dims[0] * dims[1]));
-        mask->GetPointData()->GetScalars()->SetTuple1(i, x < 28 ? 1.0 : z > 50 ? 2.0 : 0.0);
-      }
-      s.Ours->SetMaskInput(on ? mask.Get() : nullptr);
-      s.Gpu->SetMaskInput(on ? mask.Get() : nullptr);
+      SetMask(s, on, [](int x, int z) { return x < 28 ? 1.0 : z > 50 ? 2.0 : 0.0; });
       s.Ours->SetMaskTypeToLabelMap();
       s.Gpu->SetMaskTypeToLabelMap();
       s.Property->Modified();
-      s.Kept.push_back(mask);
     },
     1.5, 10.0, 32.0 });
   scenes.back().Mask = [](const double p[3])

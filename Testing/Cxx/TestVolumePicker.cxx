@@ -187,19 +187,8 @@ int TestDeformed(int inverseMode)
     {
       const int hit = scene.Picker->Pick(x + 0.5, y + 0.5, 0.0, scene.Renderer);
       vtkFFDVolumePicker* p = scene.Picker;
-      // The ray that vtkPicker casts.
       double ends[2][3];
-      for (int e = 0; e < 2; ++e)
-      {
-        scene.Renderer->SetDisplayPoint(x + 0.5, y + 0.5, e);
-        scene.Renderer->DisplayToWorld();
-        double w[4];
-        scene.Renderer->GetWorldPoint(w);
-        for (int a = 0; a < 3; ++a)
-        {
-          ends[e][a] = w[a] / w[3];
-        }
-      }
+      GetPickRay(scene.Renderer, x + 0.5, y + 0.5, ends);
       const double length = FFDDistance(ends[0], ends[1]);
       const double until = hit ? FFDDistance(ends[0], p->GetPickPosition()) : length;
       // The volume and what it can be deformed to lie within 30 of its middle.

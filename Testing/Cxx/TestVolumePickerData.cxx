@@ -129,17 +129,7 @@ int PickDeformed(PickScene& scene, const std::string& name, const Depth& depth, 
       vtkFFDVolumePicker* p = scene.Picker;
       const int hit = p->Pick(x, y, 0.0, scene.Renderer);
       double ends[2][3];
-      for (int e = 0; e < 2; ++e)
-      {
-        scene.Renderer->SetDisplayPoint(x, y, e);
-        scene.Renderer->DisplayToWorld();
-        double w[4];
-        scene.Renderer->GetWorldPoint(w);
-        for (int a = 0; a < 3; ++a)
-        {
-          ends[e][a] = w[a] / w[3];
-        }
-      }
+      GetPickRay(scene.Renderer, x, y, ends);
       const double length = FFDDistance(ends[0], ends[1]);
       const double start = std::max(0.0, FFDDistance(ends[0], Middle) - 26.0);
       const double until = hit ? FFDDistance(ends[0], p->GetPickPosition()) : start + 52.0;
