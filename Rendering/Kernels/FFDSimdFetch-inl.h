@@ -42,17 +42,21 @@ struct Row4
   Vf D;
 };
 
+/// First voxel, along an axis, of the cell that holds a position.
+HWY_INLINE Vf CellOf(const PacketVolume& v, Vf x, int a)
+{
+  return hn::Floor(
+    Clamp(x, hn::Zero(Df()), Splat(static_cast<float>(v.Dimensions[a] - 2))));
+}
+
 /// `lanes`: those that will be sampled.
 HWY_INLINE SamplePosition FindCells(const PacketVolume& v, const Vec3& q, Mf lanes)
 {
   const Df d;
   const Di di;
-  const Vf zero = hn::Zero(d);
-  const auto cellOf = [&](Vf x, int a)
-  { return hn::Floor(Clamp(x, zero, Splat(static_cast<float>(v.Dimensions[a] - 2)))); };
-  const Vf x = cellOf(q.x, 0);
-  const Vf y = cellOf(q.y, 1);
-  const Vf z = cellOf(q.z, 2);
+  const Vf x = CellOf(v, q.x, 0);
+  const Vf y = CellOf(v, q.y, 1);
+  const Vf z = CellOf(v, q.z, 2);
   SamplePosition at;
   at.Fx = hn::Sub(q.x, x);
   at.Fy = hn::Sub(q.y, y);
@@ -315,10 +319,9 @@ public:
     this->View.IncrementY = Side;
     this->View.IncrementZ = Side * Side;
     HWY_ALIGN int cells[3][16];
-    const Vf zero = hn::Zero(d);
     const auto locate = [&](Vf x, int a)
     {
-      const Vf cell = hn::Floor(Clamp(x, zero, Splat(static_cast<float>(v.Dimensions[a] - 2))));
+      const Vf cell = CellOf(v, x, a);
       hn::Store(hn::ConvertTo(di, cell), di, cells[a]);
       return hn::Sub(x, cell);
     };
