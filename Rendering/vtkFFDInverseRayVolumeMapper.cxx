@@ -4,7 +4,9 @@
 
 #include "vtkFFDBlendingView.h"
 #include "vtkFFDDeformationSource.h"
+#include "vtkFFDFrameCoherence.h"
 #include "vtkFFDImageDisplay.h"
+#include "vtkFFDImageRegion.h"
 #include "vtkFFDKernelViews.h"
 #include "vtkFFDProbeView.h"
 #include "vtkFFDRayStatistics.h"
@@ -61,6 +63,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -92,6 +95,11 @@ constexpr int Batches = 16;
 
 /// Time between two of them, if there are fewer.
 constexpr double SecondsPerBatch = 0.02;
+
+/// The image sample distance stays as it is if it need not change by more than this part of it, and
+/// is rounded up to so many steps a pixel: then tiles lie on whole pixels.
+constexpr double StepHysteresis = 0.15;
+constexpr double StepsPerPixel = 8.0;
 
 constexpr int LargestImageSide = 16384;
 
@@ -127,14 +135,11 @@ int FindMostBoundsCells(const ffd::VolumeView& volume, int scalarSize, const ffd
   return static_cast<int>(std::clamp(bytes / bytesPerCell, 216.0, 2000.0));
 }
 
-/// A rectangle of viewport pixels and the grid of rays over it.
-struct ImageRegion
+/// As VTK's ray casters: a second or more is time for a still picture.
+bool IsMoving(vtkVolume* volume)
 {
-  glm::ivec2 Viewport{ 0 }; // pixels of the whole viewport
-  glm::ivec2 Origin{ 0 };   // first pixel, in the viewport
-  glm::ivec2 Rays{ 0 };     // rays per row and column
-  double Step = 1.0;        // pixels between rays
-};
+  return volume->GetAllocatedRenderTime() < 1.0;
+}
 
 /// Whether a pass of depth peeling asks for the volume between translucent surfaces: it wants the
 /// shader of the volume changed, and what is drawn without that is not a picture.
@@ -180,16 +185,18 @@ public:
   static bool CheckView(vtkRenderer* renderer, vtkVolume* volume, std::string& message);
 
   ffd::CastSettings MakeSettings(vtkVolume* volume, double voxelSize, bool interactive) const;
-  ffd::CastScene MakeScene(vtkRenderer* renderer, vtkVolume* volume, const ImageRegion& region,
+  ffd::CastScene MakeScene(vtkRenderer* renderer, vtkVolume* volume, const vtkFFDImageRegion& region,
     const float* depths);
   void MakeClassifier(ffd::CastScene& scene);
-  bool Cast(vtkRenderer* renderer, vtkVolume* volume, const ImageRegion& region,
-    const float* depths, bool interactive, bool checkAbort, float* outDepths);
-  void ApplyFinalColours();
+  bool Cast(vtkRenderer* renderer, vtkVolume* volume, const vtkFFDImageRegion& region,
+    const float* depths, bool interactive, bool window, float* outDepths);
+  void ApplyFinalColours(const vtkFFDImageRegion& region, int tile);
+  bool CanReuse(vtkVolume* volume) const;
+  double FindStep(double allotted, const glm::ivec2& pixels) const;
   bool IsCroppedToBox() const;
   ffd::Box UncroppedBounds() const;
   ffd::Box VisibleBounds() const;
-  ImageRegion FindRegion(vtkRenderer* renderer, vtkVolume* volume, const glm::ivec2& viewport);
+  vtkFFDImageRegion FindRegion(vtkRenderer* renderer, vtkVolume* volume, const glm::ivec2& viewport);
 
   vtkFFDInverseRayVolumeMapper* Self;
 
@@ -243,6 +250,9 @@ public:
   std::vector<float> WindowDepths; // of the pixels of the last frame
   std::vector<float> RayDepths;    // of its rays, where these are not the pixels
   double TimePerRay = 0.0; // seconds, of the last frame in a window
+  double LastStep = 0.0;   // pixels, of the last frame while the scene moved
+  vtkFFDFrameCoherence Coherence;
+  double ReusedFraction = 0.0;
   bool ToldOfPeeling = false;
   vtkNew<vtkFFDRayStatistics> Statistics;
   vtkFFDImageDisplay Display;
@@ -697,10 +707,10 @@ ffd::Box vtkFFDInverseRayVolumeMapper::vtkInternals::VisibleBounds() const
 }
 
 //------------------------------------------------------------------------------
-ImageRegion vtkFFDInverseRayVolumeMapper::vtkInternals::FindRegion(
+vtkFFDImageRegion vtkFFDInverseRayVolumeMapper::vtkInternals::FindRegion(
   vtkRenderer* renderer, vtkVolume* volume, const glm::ivec2& viewport)
 {
-  ImageRegion region;
+  vtkFFDImageRegion region;
   region.Viewport = viewport;
   const ffd::Box visible = this->VisibleBounds();
   if (glm::any(glm::lessThanEqual(visible.Max, visible.Min)))
@@ -744,7 +754,7 @@ ImageRegion vtkFFDInverseRayVolumeMapper::vtkInternals::FindRegion(
 
 //------------------------------------------------------------------------------
 ffd::CastScene vtkFFDInverseRayVolumeMapper::vtkInternals::MakeScene(vtkRenderer* renderer,
-  vtkVolume* volume, const ImageRegion& region, const float* depths)
+  vtkVolume* volume, const vtkFFDImageRegion& region, const float* depths)
 {
   ffd::CastScene scene;
   scene.Volume = this->Input.GetView();
@@ -809,7 +819,7 @@ void vtkFFDInverseRayVolumeMapper::vtkInternals::MakeClassifier(ffd::CastScene& 
 
 //------------------------------------------------------------------------------
 bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtkVolume* volume,
-  const ImageRegion& region, const float* depths, bool interactive, bool checkAbort,
+  const vtkFFDImageRegion& region, const float* depths, bool interactive, bool window,
   float* outDepths)
 {
   const ffd::CastScene scene = this->MakeScene(renderer, volume, region, depths);
@@ -817,25 +827,46 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
   ffd::CastImage image;
   image.Width = region.Rays.x;
   image.Height = region.Rays.y;
-  this->Colours.resize(
-    4 * static_cast<std::size_t>(image.Width) * static_cast<std::size_t>(image.Height));
+  std::vector<int> tiles;
+  if (window && this->CanReuse(volume))
+  {
+    tiles = this->Coherence.Begin({ this->Self->GetSettingsTime(), this->Input.GetMTime(),
+                                    this->FunctionsMade.GetMTime(), volume->GetProperty(),
+                                    volume->GetProperty()->GetMTime(),
+                                    ffd::ToMatrix(volume->GetMatrix()), interactive },
+      scene, region, this->RestBounds, this->Self->FrameCoherenceTolerance, this->Colours);
+    image.Reaches = this->Coherence.GetReaches();
+  }
+  else
+  {
+    this->Coherence.Clear();
+    this->Colours.resize(
+      4 * static_cast<std::size_t>(image.Width) * static_cast<std::size_t>(image.Height));
+    tiles.resize(static_cast<std::size_t>(caster.GetNumberOfTiles(image)));
+    std::iota(tiles.begin(), tiles.end(), 0);
+  }
+  const double part =
+    static_cast<double>(tiles.size()) / std::max(1, caster.GetNumberOfTiles(image));
+  this->ReusedFraction = 1.0 - part;
   image.Colours = this->Colours.data();
   image.Depths = outDepths;
 
   vtkSMPThreadLocal<ffd::RayCaster::Scratch> scratch;
-  const auto renderTiles = [&caster, &image, &scratch](vtkIdType first, vtkIdType last)
+  const auto renderTiles = [&](vtkIdType first, vtkIdType last)
   {
     ffd::RayCaster::Scratch& mine = scratch.Local();
-    for (vtkIdType tile = first; tile < last; ++tile)
+    for (vtkIdType i = first; i < last; ++i)
     {
-      caster.RenderTile(static_cast<int>(tile), image, mine);
+      const int tile = tiles[static_cast<std::size_t>(i)];
+      caster.RenderTile(tile, image, mine);
+      this->ApplyFinalColours(region, tile);
     }
   };
-  const vtkIdType tiles = caster.GetNumberOfTiles(image);
+  const vtkIdType count = static_cast<vtkIdType>(tiles.size());
   // Threads wait for each other between batches: no more of them than a fluent display of progress
   // and a quick abort need.
   const double expected =
-    this->TimePerRay * static_cast<double>(image.Width) * static_cast<double>(image.Height);
+    this->TimePerRay * static_cast<double>(image.Width) * static_cast<double>(image.Height) * part;
   const int batches =
     expected > 0.0 ? std::clamp(static_cast<int>(expected / SecondsPerBatch), 1, Batches) : Batches;
   bool aborted = false;
@@ -843,13 +874,13 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
   {
     for (int batch = 0; batch < batches && !aborted; ++batch)
     {
-      vtkSMPTools::For(tiles * batch / batches, tiles * (batch + 1) / batches, 1, renderTiles);
+      vtkSMPTools::For(count * batch / batches, count * (batch + 1) / batches, 1, renderTiles);
       double progress = static_cast<double>(batch + 1) / batches;
       this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderProgressEvent, &progress);
       this->Self->UpdateProgress(progress);
-      vtkRenderWindow* window = checkAbort ? renderer->GetRenderWindow() : nullptr;
+      vtkRenderWindow* shownIn = window ? renderer->GetRenderWindow() : nullptr;
       aborted = this->Self->GetAbortExecute() != 0 ||
-        (window && batch + 1 < batches && window->CheckAbortStatus());
+        (shownIn && batch + 1 < batches && shownIn->CheckAbortStatus());
     }
   };
   this->Self->SetAbortExecute(0);
@@ -863,7 +894,10 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
     renderImage();
   }
   this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderEndEvent, nullptr);
-  this->ApplyFinalColours();
+  if (aborted)
+  {
+    this->Coherence.Clear();
+  }
 
   if (this->Self->CollectStatistics && !aborted)
   {
@@ -879,8 +913,9 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
 }
 
 //------------------------------------------------------------------------------
-/// Window and level of the colours of the finished image.
-void vtkFFDInverseRayVolumeMapper::vtkInternals::ApplyFinalColours()
+/// Window and level of the colours of a finished tile.
+void vtkFFDInverseRayVolumeMapper::vtkInternals::ApplyFinalColours(
+  const vtkFFDImageRegion& region, int tile)
 {
   const double window = this->Self->FinalColorWindow;
   const double level = this->Self->FinalColorLevel;
@@ -890,14 +925,49 @@ void vtkFFDInverseRayVolumeMapper::vtkInternals::ApplyFinalColours()
   }
   const float scale = static_cast<float>(1.0 / window);
   const float bias = static_cast<float>(0.5 - level / window);
-  for (std::size_t i = 0; i < this->Colours.size(); i += 4)
+  constexpr int size = ffd::RayCaster::TileSize;
+  const int tilesPerRow = (region.Rays.x + size - 1) / size;
+  const glm::ivec2 first(tile % tilesPerRow * size, tile / tilesPerRow * size);
+  const glm::ivec2 end = glm::min(first + size, region.Rays);
+  for (int y = first.y; y < end.y; ++y)
   {
-    float* pixel = &this->Colours[i];
-    for (int c = 0; c < 3; ++c)
+    for (int x = first.x; x < end.x; ++x)
     {
-      pixel[c] = std::clamp(pixel[c] * scale + bias * pixel[3], 0.0f, 1.0f);
+      float* pixel = &this->Colours[4 * (static_cast<std::size_t>(y) * region.Rays.x + x)];
+      for (int c = 0; c < 3; ++c)
+      {
+        pixel[c] = std::clamp(pixel[c] * scale + bias * pixel[3], 0.0f, 1.0f);
+      }
     }
   }
+}
+
+//------------------------------------------------------------------------------
+/// Whether the frame may show parts of the last one again: while the scene moves only, so that no
+/// still picture depends on what was drawn before it.
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::CanReuse(vtkVolume* volume) const
+{
+  return this->Self->FrameCoherence && !this->Self->CollectStatistics &&
+    this->Blend.Mode != ffd::BlendMode::Slice && IsMoving(volume);
+}
+
+//------------------------------------------------------------------------------
+/// Pixels between rays, for the time allotted to a frame.
+double vtkFFDInverseRayVolumeMapper::vtkInternals::FindStep(
+  double allotted, const glm::ivec2& pixels) const
+{
+  const double least = this->Self->MinimumImageSampleDistance;
+  const double most = std::max(least, this->Self->MaximumImageSampleDistance);
+  const double estimate = this->TimePerRay * pixels.x * pixels.y;
+  const double wanted =
+    std::clamp(allotted > 0.0 ? std::sqrt(estimate / allotted) : 1.0, least, most);
+  // Frames of another distance have nothing in common with the last one.
+  if (this->LastStep >= least && this->LastStep <= most &&
+    std::abs(this->LastStep - wanted) <= StepHysteresis * wanted)
+  {
+    return this->LastStep;
+  }
+  return std::min(most, std::ceil(wanted * StepsPerPixel) / StepsPerPixel);
 }
 
 //------------------------------------------------------------------------------
@@ -1235,7 +1305,8 @@ vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetAuxiliaryMemorySize()
 {
   const vtkInternals& in = *this->Internals;
   std::size_t size = in.Distances.GetMemorySize() + in.Functions.GetMemorySize() +
-    in.Source.GetMemorySize() + in.SpaceBounds.GetMemorySize() + in.Input.GetMemorySize();
+    in.Source.GetMemorySize() + in.SpaceBounds.GetMemorySize() + in.Input.GetMemorySize() +
+    in.Coherence.GetMemorySize();
   for (const ffd::MinMaxBlocks& blocks : in.Blocks)
   {
     size += blocks.GetMemorySize();
@@ -1244,13 +1315,39 @@ vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetAuxiliaryMemorySize()
 }
 
 //------------------------------------------------------------------------------
+double vtkFFDInverseRayVolumeMapper::GetReusedFraction()
+{
+  return this->Internals->ReusedFraction;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetFrameCoherenceTolerance(double pixels)
+{
+  if (!(pixels >= 0.0) || !std::isfinite(pixels))
+  {
+    vtkErrorMacro(<< "FrameCoherenceTolerance must be a number that is not negative, not " << pixels
+                  << "; it stays " << this->FrameCoherenceTolerance << ".");
+    return;
+  }
+  if (this->FrameCoherenceTolerance != pixels)
+  {
+    this->FrameCoherenceTolerance = pixels;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
 vtkMTimeType vtkFFDInverseRayVolumeMapper::GetMTime()
 {
+  const vtkMTimeType time = this->GetSettingsTime();
+  return this->Deformation ? std::max(time, this->Deformation->GetMTime()) : time;
+}
+
+//------------------------------------------------------------------------------
+/// The modification time of all but the deformation.
+vtkMTimeType vtkFFDInverseRayVolumeMapper::GetSettingsTime()
+{
   vtkMTimeType time = this->Superclass::GetMTime();
-  if (this->Deformation)
-  {
-    time = std::max(time, this->Deformation->GetMTime());
-  }
   if (this->MaskInput)
   {
     time = std::max(time, this->MaskInput->GetMTime());
@@ -1377,24 +1474,29 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
   }
   vtkNew<vtkTimerLog> timer;
   timer->StartTimer();
-  ImageRegion region = in.FindRegion(renderer, volume, glm::ivec2(size[0], size[1]));
-  const glm::ivec2 pixels = region.Rays;
+  vtkFFDImageRegion region = in.FindRegion(renderer, volume, glm::ivec2(size[0], size[1]));
+  glm::ivec2 pixels = region.Rays;
   if (pixels.x < 1 || pixels.y < 1)
   {
     return;
   }
-  // As VTK's ray casters: a second or more is time for a still picture.
-  const double allotted = volume->GetAllocatedRenderTime();
-  const bool interactive = this->AutoAdjustSampleDistances && allotted < 1.0;
+  const bool interactive = this->AutoAdjustSampleDistances && IsMoving(volume);
   region.Step = this->ImageSampleDistance;
   if (this->AutoAdjustSampleDistances)
   {
-    const double estimate = in.TimePerRay * pixels.x * pixels.y;
-    const double wanted = interactive && allotted > 0.0 ? std::sqrt(estimate / allotted) : 1.0;
-    region.Step = std::min(std::max(wanted, this->MinimumImageSampleDistance),
-      std::max(this->MinimumImageSampleDistance, this->MaximumImageSampleDistance));
+    const double least = this->MinimumImageSampleDistance;
+    region.Step = interactive
+      ? in.FindStep(volume->GetAllocatedRenderTime(), pixels)
+      : std::min(std::max(1.0, least), std::max(least, this->MaximumImageSampleDistance));
   }
+  in.LastStep = interactive ? region.Step : 0.0;
   region.Rays = glm::max(glm::ivec2(1), glm::ivec2(glm::ceil(glm::dvec2(pixels) / region.Step)));
+  if (in.CanReuse(volume))
+  {
+    in.Coherence.Align(region);
+    pixels = glm::min(glm::ivec2(glm::ceil(glm::dvec2(region.Rays) * region.Step)),
+      region.Viewport - region.Origin);
+  }
 
   const float* depths = nullptr;
   vtkRenderWindow* window = renderer->GetRenderWindow();
@@ -1435,7 +1537,9 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
   const double rays = static_cast<double>(region.Rays.x) * region.Rays.y;
   timer->StopTimer();
   this->TimeToDraw = timer->GetElapsedTime();
-  in.TimePerRay = this->TimeToDraw / rays * (interactive ? 1.0 : 0.5);
+  // Part of a picture tells the least that all of it would take.
+  const double perRay = this->TimeToDraw / rays * (interactive ? 1.0 : 0.5);
+  in.TimePerRay = in.ReusedFraction > 0.0 ? std::max(in.TimePerRay, perRay) : perRay;
 
   const glm::dvec2 perPixel = 2.0 / glm::dvec2(region.Viewport);
   const glm::dvec2 lower = glm::dvec2(region.Origin) * perPixel - 1.0;
@@ -1502,7 +1606,7 @@ int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume
     vtkErrorMacro(<< message);
     return 0;
   }
-  ImageRegion region;
+  vtkFFDImageRegion region;
   region.Viewport = glm::ivec2(width, height);
   region.Rays = region.Viewport;
   std::vector<float> firstVisible(depths ? pixels : 0);
@@ -1569,7 +1673,7 @@ int vtkFFDInverseRayVolumeMapper::TraceRays(vtkRenderer* renderer, vtkVolume* vo
     vtkErrorMacro(<< message);
     return 0;
   }
-  ImageRegion region;
+  vtkFFDImageRegion region;
   region.Viewport = glm::ivec2(width, height);
   region.Rays = region.Viewport;
   const ffd::CastScene scene = in.MakeScene(renderer, volume, region, nullptr);
@@ -1603,6 +1707,7 @@ void vtkFFDInverseRayVolumeMapper::ReleaseGraphicsResources(vtkWindow* window)
   vtkInternals& in = *this->Internals;
   in.Display.ReleaseGraphicsResources(window);
   // The images are as large as the window, and made anew with every frame.
+  in.Coherence.Clear();
   std::vector<float>().swap(in.Colours);
   std::vector<float>().swap(in.WindowDepths);
   std::vector<float>().swap(in.RayDepths);
@@ -1657,6 +1762,8 @@ void vtkFFDInverseRayVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
     this->SetMinimumImageSampleDistance(like->MinimumImageSampleDistance);
     this->SetMaximumImageSampleDistance(like->MaximumImageSampleDistance);
     this->SetAutoAdjustSampleDistances(like->AutoAdjustSampleDistances);
+    this->SetFrameCoherence(like->FrameCoherence);
+    this->SetFrameCoherenceTolerance(like->FrameCoherenceTolerance);
     this->SetIntermixIntersectingGeometry(like->IntermixIntersectingGeometry);
     this->SetCroppingSpace(like->CroppingSpace);
     this->SetUseJittering(like->UseJittering);
@@ -1720,6 +1827,8 @@ void vtkFFDInverseRayVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "MinimumImageSampleDistance: " << this->MinimumImageSampleDistance << "\n";
   os << indent << "MaximumImageSampleDistance: " << this->MaximumImageSampleDistance << "\n";
   os << indent << "AutoAdjustSampleDistances: " << this->AutoAdjustSampleDistances << "\n";
+  os << indent << "FrameCoherence: " << this->FrameCoherence << "\n";
+  os << indent << "FrameCoherenceTolerance: " << this->FrameCoherenceTolerance << "\n";
   os << indent << "IntermixIntersectingGeometry: " << this->IntermixIntersectingGeometry << "\n";
   os << indent << "WholeBounds: " << this->WholeBounds[0] << ", " << this->WholeBounds[1] << ", "
      << this->WholeBounds[2] << ", " << this->WholeBounds[3] << ", " << this->WholeBounds[4] << ", "

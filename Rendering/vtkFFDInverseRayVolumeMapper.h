@@ -334,6 +334,37 @@ public:
 
   ///@{
   /**
+   * Whether a frame that follows an edit of the control points alone, while the scene moves, casts
+   * only those tiles of 16 x 16 rays anew that see the edit. "While the scene moves": the renderer
+   * allots less than a second to the frame (vtkRenderWindow::SetDesiredUpdateRate, as interactors and
+   * widgets set it during a drag). Any other change, to camera, clipping range, light, transfer
+   * functions, voxels or options, makes the next picture as a whole, and so does a still frame: no
+   * still picture depends on what was drawn before. Not used for blend mode slice, nor with
+   * CollectStatistics, nor where T is not proven to be one to one. Default: on.
+   */
+  vtkSetMacro(FrameCoherence, vtkTypeBool);
+  vtkGetMacro(FrameCoherence, vtkTypeBool);
+  vtkBooleanMacro(FrameCoherence, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
+   * How far what a tile sees may have moved since its rays were cast, edit by edit added up, until
+   * they are cast again with FrameCoherence: pixels, as they are where it is. 0: tiles are shown again
+   * only if nothing that they see has moved at all. Not negative. Default: 0.1.
+   */
+  virtual void SetFrameCoherenceTolerance(double pixels);
+  vtkGetMacro(FrameCoherenceTolerance, double);
+  ///@}
+
+  /**
+   * Which part, 0 to 1, of the tiles of the last picture in a window was taken from the picture before
+   * it: see SetFrameCoherence(). 0 after RenderToImage().
+   */
+  double GetReusedFraction();
+
+  ///@{
+  /**
    * Whether opaque geometry that was rendered before hides what is behind it. Default: on.
    */
   vtkSetMacro(IntermixIntersectingGeometry, vtkTypeBool);
@@ -631,6 +662,7 @@ private:
   // For looking at the volume point by point; false after an error.
   friend class vtkFFDVolumePicker;
   bool MakeProbeView(vtkFFDProbeView& view);
+  vtkMTimeType GetSettingsTime();
 
   vtkAbstractTransform* Deformation = nullptr;
   int InverseMode = EXACT;
@@ -650,6 +682,8 @@ private:
   double MinimumImageSampleDistance = 1.0;
   double MaximumImageSampleDistance = 10.0;
   vtkTypeBool AutoAdjustSampleDistances = 1;
+  vtkTypeBool FrameCoherence = 1;
+  double FrameCoherenceTolerance = 0.1;
   vtkTypeBool IntermixIntersectingGeometry = 1;
   vtkImageData* MaskInput = nullptr;
   int MaskType = LabelMapMaskType;

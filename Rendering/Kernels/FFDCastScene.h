@@ -109,13 +109,16 @@ struct CastScene
 };
 
 /// Image to render into, rows bottom up, premultiplied RGBA and window depth of the first visible
-/// sample (1 where there is none); `Depths` may be null.
+/// sample (1 where there is none); `Depths` may be null. `Reaches`, which may be null, has an entry
+/// for each tile, x fastest: the t beyond which no ray of it has been followed, infinite where one
+/// goes on to its end or that is not known.
 struct CastImage
 {
   int Width = 0;
   int Height = 0;
   float* Colours = nullptr;
   float* Depths = nullptr;
+  float* Reaches = nullptr;
 };
 
 } // namespace ffd

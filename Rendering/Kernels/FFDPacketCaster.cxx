@@ -25,7 +25,7 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-void CastTileOfAnyType(
+float CastTileOfAnyType(
   const PacketScene& scene, int x0, int y0, const CastImage& image, PacketScratch& scratch)
 {
   switch (scene.Volume.Type)
@@ -327,10 +327,10 @@ PacketCaster::PacketCaster(
 }
 
 //------------------------------------------------------------------------------
-void PacketCaster::RenderTile(
+float PacketCaster::RenderTile(
   int x0, int y0, const CastImage& image, PacketScratch& scratch) const
 {
-  HWY_DYNAMIC_DISPATCH(CastTileOfAnyType)(this->Scene, x0, y0, image, scratch);
+  return HWY_DYNAMIC_DISPATCH(CastTileOfAnyType)(this->Scene, x0, y0, image, scratch);
 }
 
 } // namespace ffd

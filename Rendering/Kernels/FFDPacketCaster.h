@@ -159,7 +159,8 @@ public:
   /// Whether packets can render this scene; else the reference ray caster has to.
   static bool Supports(const CastScene& scene, const CastSettings& settings);
 
-  void RenderTile(int x0, int y0, const CastImage& image, PacketScratch& scratch) const;
+  /// Returns what CastImage::Reaches says of the tile.
+  float RenderTile(int x0, int y0, const CastImage& image, PacketScratch& scratch) const;
 
 private:
   PacketScene Scene;

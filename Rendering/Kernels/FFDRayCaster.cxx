@@ -499,8 +499,16 @@ void RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch) c
   const int y0 = tile / this->GetTilesPerRow(image) * TileSize;
   if (this->Packets)
   {
-    this->Packets->RenderTile(x0, y0, image, scratch.Packets);
+    const float reach = this->Packets->RenderTile(x0, y0, image, scratch.Packets);
+    if (image.Reaches)
+    {
+      image.Reaches[tile] = reach;
+    }
     return;
+  }
+  if (image.Reaches)
+  {
+    image.Reaches[tile] = std::numeric_limits<float>::infinity();
   }
   const int x1 = std::min(x0 + TileSize, image.Width) - 1;
   const int y1 = std::min(y0 + TileSize, image.Height) - 1;

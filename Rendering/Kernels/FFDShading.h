@@ -27,6 +27,16 @@ struct Light
   glm::dvec3 Attenuation{ 1.0, 0.0, 0.0 }; ///< constant, linear, quadratic
   double ConeCosine = -2.0;                ///< below -1: no cone
   double ConeExponent = 1.0;
+
+  bool operator==(const Light& other) const
+  {
+    return this->Headlight == other.Headlight && this->Positional == other.Positional &&
+      this->Position == other.Position && this->Towards == other.Towards &&
+      this->Axis == other.Axis && this->Ambient == other.Ambient &&
+      this->Diffuse == other.Diffuse && this->Specular == other.Specular &&
+      this->Attenuation == other.Attenuation && this->ConeCosine == other.ConeCosine &&
+      this->ConeExponent == other.ConeExponent;
+  }
 };
 
 /// How a material reflects light: factors of the ambient, diffuse and Blinn-Phong specular terms.

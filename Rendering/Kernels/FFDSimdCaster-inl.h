@@ -16,6 +16,7 @@
 #include "FFDSimdShading-inl.h"
 #include "FFDSimdTile-inl.h"
 
+#include <limits>
 #include <type_traits>
 
 HWY_BEFORE_NAMESPACE();
@@ -275,11 +276,15 @@ public:
         nodeNodes = piece.Nodes;
         if (hn::AllFalse(d, this->Alive))
         {
+          this->Reach = t1;
           return;
         }
       }
     }
   }
+
+  /// The t at which the last ray has ended; infinite where one went on to the end.
+  float GetReach() const { return this->Reach; }
 
 private:
   static constexpr float NoExtreme = 3e38f;
@@ -1115,6 +1120,7 @@ private:
   int Quarter = -1;    ///< of the tile, and the weights of its nodes: found on first use
   NodeWeights QuarterWeights;
   PacketPixels Out;
+  float Reach = std::numeric_limits<float>::infinity();
   PacketLook Kept; ///< the empty cube that was found last where a piece began, for each ray
 
   /// Voxels of the last samples at faces of the volume.
@@ -1273,8 +1279,9 @@ HWY_INLINE void ClearPixels(const CastImage& image, int x0, int y0)
   }
 }
 
+/// Returns what CastImage::Reaches says of the tile.
 template <class T>
-HWY_NOINLINE void CastTile(
+HWY_NOINLINE float CastTile(
   const PacketScene& scene, int x0, int y0, const CastImage& image, PacketScratch& scratch)
 {
   const Df d;
@@ -1296,6 +1303,7 @@ HWY_NOINLINE void CastTile(
 
   float tMin = 1e30f;
   float tMax = -1e30f;
+  bool anyMissing = false;
   std::size_t packet = 0;
   for (int y = y0; y < y0 + TileSide; y += shape.Height)
   {
@@ -1312,6 +1320,8 @@ HWY_NOINLINE void CastTile(
       const Mf inImage = hn::And(hn::Lt(px, Splat(static_cast<float>(image.Width))),
         hn::Lt(py, Splat(static_cast<float>(image.Height))));
       const Mf active = hn::And(inImage, hn::Lt(rays.From, rays.To));
+      // Rays that miss what there is now may meet what there will be.
+      anyMissing = anyMissing || !hn::AllFalse(d, hn::AndNot(active, inImage));
       rays.To = hn::IfThenElse(active, rays.To, Splat(-1.0f));
       stored.Set(packet * static_cast<std::size_t>(shape.Lanes), rays);
       tMin = std::min(tMin, SmallestLane(hn::IfThenElse(active, rays.From, Splat(1e30f))));
@@ -1344,6 +1354,7 @@ HWY_NOINLINE void CastTile(
   }
   TileBeam beam(scene, grid, scratch);
 
+  float reach = anyMissing ? std::numeric_limits<float>::infinity() : 0.0f;
   packet = 0;
   for (int y = y0; y < y0 + TileSide; y += shape.Height)
   {
@@ -1372,8 +1383,10 @@ HWY_NOINLINE void CastTile(
         cast.Cast();
       }
       StorePixels(scene, image, x, y, active, cast.GetPixels());
+      reach = std::max(reach, cast.GetReach());
     }
   }
+  return reach;
 }
 
 } // namespace HWY_NAMESPACE

@@ -1,0 +1,415 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FFDPullBackChange.h"
+
+#include "FFDBSplineBasis.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace ffd
+{
+
+namespace
+{
+
+constexpr double Infinity = std::numeric_limits<double>::infinity();
+
+/// A cell is cut into so many parts an axis at most, and there are so many in all.
+constexpr int MostPartsPerCell = 16;
+constexpr std::size_t MostParts = 100000;
+
+/// Parts of the cells [First, End) of one axis.
+struct AxisParts
+{
+  int First = 0;
+  int End = 0;
+  int PerCell = 1;
+  std::vector<std::array<double, 4>> Largest; ///< value of each of the 4 basis functions, by part
+  std::vector<std::array<double, 4>> AtEnds;  ///< their values at the ends, by end
+  std::vector<double> Ends;                   ///< data coordinate of each end
+
+  int Count() const { return (this->End - this->First) * this->PerCell; }
+  /// First of the 4 control points that count in a part, or at the end before it.
+  int NodeOf(int part) const
+  {
+    return this->First + std::min(part, this->Count() - 1) / this->PerCell - 1;
+  }
+};
+
+AxisParts MakeParts(const BSplineField& field, int axis, int first, int end, double resolution)
+{
+  AxisParts parts;
+  parts.First = first;
+  parts.End = end;
+  const double spacing = field.GetSpacing()[axis];
+  parts.PerCell =
+    std::clamp(static_cast<int>(std::lround(std::abs(spacing) / resolution)), 1, MostPartsPerCell);
+  const double step = 1.0 / parts.PerCell;
+  for (int i = 0; i <= parts.Count(); ++i)
+  {
+    // The last end is that of the last cell, not the start of the next one.
+    const int cell = std::min(i, parts.Count() - 1) / parts.PerCell;
+    const double u = (i - cell * parts.PerCell) * step;
+    std::array<double, 4> here;
+    BSplineWeights(u, here.data());
+    parts.AtEnds.push_back(here);
+    parts.Ends.push_back(field.GetOrigin()[axis] + spacing * (first + cell + u));
+    if (i < parts.Count())
+    {
+      // Each of the four pieces is monotone, so the largest value is at an end.
+      std::array<double, 4> next;
+      BSplineWeights(u + step, next.data());
+      std::array<double, 4> largest;
+      std::transform(here.begin(), here.end(), next.begin(), largest.begin(),
+        [](double a, double b) { return std::max(a, b); });
+      parts.Largest.push_back(largest);
+    }
+  }
+  return parts;
+}
+
+/// Values on a grid, x fastest.
+template <class T>
+struct Grid
+{
+  glm::ivec3 Size{ 0 };
+  std::vector<T> Values;
+  explicit Grid(const glm::ivec3& size)
+    : Size(size)
+    , Values(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
+        static_cast<std::size_t>(size.z))
+  {
+  }
+  T& At(int i, int j, int k)
+  {
+    return this->Values[static_cast<std::size_t>(i) +
+      static_cast<std::size_t>(this->Size.x) *
+        (static_cast<std::size_t>(j) +
+          static_cast<std::size_t>(this->Size.y) * static_cast<std::size_t>(k))];
+  }
+  const T& At(int i, int j, int k) const { return const_cast<Grid*>(this)->At(i, j, k); }
+};
+
+/// Sums of 4 neighbours along one axis: entry i of the result is the sum over n of
+/// weights[i][n] times entry offsets[i] + n.
+template <class T>
+Grid<T> SumAlong(const Grid<T>& from, int axis, const std::vector<std::array<double, 4>>& weights,
+  const std::vector<int>& offsets)
+{
+  glm::ivec3 size = from.Size;
+  size[axis] = static_cast<int>(weights.size());
+  Grid<T> to(size);
+  // Entries before and after the axis in the order of the grid.
+  std::size_t inner = 1;
+  for (int a = 0; a < axis; ++a)
+  {
+    inner *= static_cast<std::size_t>(size[a]);
+  }
+  const std::size_t length = static_cast<std::size_t>(from.Size[axis]);
+  const std::size_t outer = from.Values.size() / (inner * length);
+  T* target = to.Values.data();
+  for (std::size_t o = 0; o < outer; ++o)
+  {
+    for (std::size_t i = 0; i < weights.size(); ++i, target += inner)
+    {
+      const T* source =
+        from.Values.data() + (o * length + static_cast<std::size_t>(offsets[i])) * inner;
+      const std::array<double, 4> w = weights[i];
+      for (std::size_t n = 0; n < inner; ++n)
+      {
+        target[n] = w[0] * source[n] + w[1] * source[n + inner] + w[2] * source[n + 2 * inner] +
+          w[3] * source[n + 3 * inner];
+      }
+    }
+  }
+  return to;
+}
+
+/// All three axes: at the parts, by their largest weights, or at their ends, by the values there.
+template <class T>
+Grid<T> SumOver(const Grid<T>& nodes, const AxisParts parts[3], bool ends)
+{
+  Grid<T> sums = nodes;
+  for (int a = 0; a < 3; ++a)
+  {
+    std::vector<int> offsets;
+    for (int i = 0; i < parts[a].Count() + (ends ? 1 : 0); ++i)
+    {
+      offsets.push_back(parts[a].NodeOf(i) - (parts[a].First - 1));
+    }
+    sums = SumAlong(sums, a, ends ? parts[a].AtEnds : parts[a].Largest, offsets);
+  }
+  return sums;
+}
+
+/// What values between the ends of parts can differ from those at the ends by, at most: the error
+/// of linear interpolation, axis by axis.
+glm::dvec3 FindBulge(const Grid<glm::dvec3>& nodes, const AxisParts parts[3])
+{
+  glm::dvec3 bulge(0.0);
+  for (int a = 0; a < 3; ++a)
+  {
+    glm::dvec3 second(0.0);
+    glm::ivec3 step(0);
+    step[a] = 1;
+    for (int k = step.z; k < nodes.Size.z - step.z; ++k)
+    {
+      for (int j = step.y; j < nodes.Size.y - step.y; ++j)
+      {
+        for (int i = step.x; i < nodes.Size.x - step.x; ++i)
+        {
+          second = glm::max(second,
+            glm::abs(nodes.At(i - step.x, j - step.y, k - step.z) - 2.0 * nodes.At(i, j, k) +
+              nodes.At(i + step.x, j + step.y, k + step.z)));
+        }
+      }
+    }
+    bulge += second / (8.0 * parts[a].PerCell * parts[a].PerCell);
+  }
+  return bulge;
+}
+
+/// Upper bound of the norm of all Jacobians within bounds.
+double FindNorm(const MapBounds& bounds)
+{
+  double largest[2] = { 0.0, 0.0 };
+  for (int i = 0; i < 3; ++i)
+  {
+    double column = 0.0;
+    double row = 0.0;
+    for (int j = 0; j < 3; ++j)
+    {
+      column += std::max(std::abs(bounds.JacobianMin[i][j]), std::abs(bounds.JacobianMax[i][j]));
+      row += std::max(std::abs(bounds.JacobianMin[j][i]), std::abs(bounds.JacobianMax[j][i]));
+    }
+    largest[0] = std::max(largest[0], column);
+    largest[1] = std::max(largest[1], row);
+  }
+  return std::sqrt(largest[0] * largest[1]);
+}
+
+/// How far an inverse moves where a displacement does by change.Moved: cell by cell of the lattice.
+void Stretch(const DeformedSpaceBounds& bounds, const AxisParts parts[3],
+  const Grid<glm::dvec3>& corners, PullBackChange& change)
+{
+  const glm::ivec3 perCell(parts[0].PerCell, parts[1].PerCell, parts[2].PerCell);
+  for (int k = 0; k < change.Parts.z; k += perCell.z)
+  {
+    for (int j = 0; j < change.Parts.y; j += perCell.y)
+    {
+      for (int i = 0; i < change.Parts.x; i += perCell.x)
+      {
+        const auto forAll = [&](const glm::ivec3& end, const auto& work)
+        {
+          for (int z = k; z < end.z; ++z)
+          {
+            for (int y = j; y < end.y; ++y)
+            {
+              for (int x = i; x < end.x; ++x)
+              {
+                work(x, y, z);
+              }
+            }
+          }
+        };
+        const glm::ivec3 end = glm::ivec3(i, j, k) + perCell;
+        const auto movedOf = [&](int x, int y, int z) -> double&
+        {
+          return change.Moved[static_cast<std::size_t>(x) +
+            static_cast<std::size_t>(change.Parts.x) *
+              (static_cast<std::size_t>(y) +
+                static_cast<std::size_t>(change.Parts.y) * static_cast<std::size_t>(z))];
+        };
+        double moved = 0.0;
+        forAll(end, [&](int x, int y, int z) { moved = std::max(moved, movedOf(x, y, z)); });
+        if (!(moved > 0.0))
+        {
+          continue;
+        }
+        Box box{ glm::dvec3(Infinity), glm::dvec3(-Infinity) };
+        forAll(end + 1,
+          [&](int x, int y, int z)
+          {
+            box.Min = glm::min(box.Min, corners.At(x, y, z));
+            box.Max = glm::max(box.Max, corners.At(x, y, z));
+          });
+        const double around = change.Margin + moved;
+        const double norm = FindNorm(bounds.Over({ box.Min - around, box.Max + around }));
+        forAll(end,
+          [&](int x, int y, int z)
+          {
+            double& by = movedOf(x, y, z);
+            by = by > 0.0 ? by * norm : 0.0;
+          });
+      }
+    }
+  }
+}
+
+/// The control points, those of the border included, that an edit has changed, and by how much.
+struct Edit
+{
+  glm::ivec3 Low{ std::numeric_limits<int>::max() / 2 };
+  glm::ivec3 High{ std::numeric_limits<int>::min() / 2 };
+  double Largest = 0.0;
+};
+
+/// False where a displacement is not a number.
+bool FindEdit(const BSplineField& old, const BSplineField& now, Edit& edit)
+{
+  const glm::ivec3 padded = now.GetPaddedNodes();
+  std::size_t n = 0;
+  for (int k = 0; k < padded.z; ++k)
+  {
+    for (int j = 0; j < padded.y; ++j)
+    {
+      for (int i = 0; i < padded.x; ++i, ++n)
+      {
+        const glm::dvec3& was = old.GetCoefficients()[n];
+        const glm::dvec3& is = now.GetCoefficients()[n];
+        if (was != is)
+        {
+          const glm::ivec3 node = glm::ivec3(i, j, k) - BSplineField::Padding;
+          edit.Low = glm::min(edit.Low, node);
+          edit.High = glm::max(edit.High, node);
+          const double by = glm::length(is - was);
+          if (!(by < Infinity))
+          {
+            return false;
+          }
+          edit.Largest = std::max(edit.Largest, by);
+        }
+      }
+    }
+  }
+  return true;
+}
+
+bool HaveSameGrid(const BSplineField& a, const BSplineField& b)
+{
+  return a.GetNodes() == b.GetNodes() && a.GetOrigin() == b.GetOrigin() &&
+    a.GetSpacing() == b.GetSpacing() && a.GetBorder() == b.GetBorder();
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+bool FindChange(const PullBack& before, const PullBack& after, const DeformedSpaceBounds& bounds,
+  const Box& region, double resolution, PullBackChange& change)
+{
+  change = PullBackChange();
+  if (!before.GetField() || !after.GetField() || before.GetKind() != after.GetKind() ||
+    !HaveSameGrid(*before.GetField(), *after.GetField()))
+  {
+    return false;
+  }
+  const BSplineField& old = *before.GetField();
+  const BSplineField& now = *after.GetField();
+  const bool inverts =
+    after.GetKind() == PullBackKind::Exact || after.GetKind() == PullBackKind::FirstOrderOfInverse;
+  if (inverts && !bounds.IsOneToOne())
+  {
+    return false;
+  }
+  Edit edit;
+  if (!FindEdit(old, now, edit))
+  {
+    return false;
+  }
+  const glm::ivec3 first = glm::max(edit.Low - 2, now.GetFirstCell());
+  const glm::ivec3 end = glm::min(edit.High + 2, now.GetEndCell());
+  if (glm::any(glm::lessThanEqual(end, first)))
+  {
+    return true;
+  }
+  AxisParts parts[3];
+  std::size_t count = 1;
+  for (int a = 0; a < 3; ++a)
+  {
+    parts[a] = MakeParts(now, a, first[a], end[a], resolution);
+    change.Parts[a] = parts[a].Count();
+    count *= static_cast<std::size_t>(parts[a].Count());
+  }
+  if (count > MostParts)
+  {
+    return false;
+  }
+
+  Grid<double> edits(end - first + 3);
+  Grid<glm::dvec3> nodes(end - first + 3);
+  for (int k = 0; k < nodes.Size.z; ++k)
+  {
+    for (int j = 0; j < nodes.Size.y; ++j)
+    {
+      for (int i = 0; i < nodes.Size.x; ++i)
+      {
+        const glm::ivec3 at = first - 1 + glm::ivec3(i, j, k);
+        nodes.At(i, j, k) = old.Coefficient(at.x, at.y, at.z);
+        edits.At(i, j, k) =
+          glm::length(now.Coefficient(at.x, at.y, at.z) - nodes.At(i, j, k));
+      }
+    }
+  }
+  change.Moved = SumOver(edits, parts, false).Values;
+
+  // The first and the last part of the field go on for ever: as far as they matter.
+  glm::dvec3 lowest = region.Min;
+  glm::dvec3 highest = region.Max;
+  if (inverts)
+  {
+    const Box everywhere{ glm::dvec3(-Infinity), glm::dvec3(Infinity) };
+    const double reach =
+      std::min(FindNorm(bounds.Over(everywhere)) * edit.Largest, std::numeric_limits<double>::max());
+    lowest -= reach;
+    highest += reach;
+  }
+  for (int a = 0; a < 3; ++a)
+  {
+    const bool ascending = now.GetSpacing()[a] > 0.0;
+    const auto extend = [&](double& at, bool down)
+    { at = down ? std::min(at, lowest[a]) : std::max(at, highest[a]); };
+    if (first[a] == now.GetFirstCell()[a])
+    {
+      extend(parts[a].Ends.front(), ascending);
+    }
+    if (end[a] == now.GetEndCell()[a])
+    {
+      extend(parts[a].Ends.back(), !ascending);
+    }
+  }
+
+  Grid<glm::dvec3> corners(change.Parts + 1);
+  if (inverts)
+  {
+    corners = SumOver(nodes, parts, true);
+    change.Margin = glm::length(FindBulge(nodes, parts));
+  }
+  for (int k = 0; k < corners.Size.z; ++k)
+  {
+    for (int j = 0; j < corners.Size.y; ++j)
+    {
+      for (int i = 0; i < corners.Size.x; ++i)
+      {
+        corners.At(i, j, k) +=
+          glm::dvec3(parts[0].Ends[static_cast<std::size_t>(i)],
+            parts[1].Ends[static_cast<std::size_t>(j)], parts[2].Ends[static_cast<std::size_t>(k)]);
+      }
+    }
+  }
+  if (inverts)
+  {
+    Stretch(bounds, parts, corners, change);
+  }
+  change.Corners = std::move(corners.Values);
+  return true;
+}
+
+} // namespace ffd

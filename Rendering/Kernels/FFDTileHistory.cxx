@@ -1,0 +1,300 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FFDTileHistory.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace ffd
+{
+
+namespace
+{
+
+/// Pixels of one picture in the next one; `channels` floats each.
+void Rearrange(const glm::ivec2& from, const glm::ivec2& to, const glm::ivec2& shift, int channels,
+  std::vector<float>& values)
+{
+  std::vector<float> moved(static_cast<std::size_t>(channels) * static_cast<std::size_t>(to.x) *
+    static_cast<std::size_t>(to.y));
+  const glm::ivec2 first = glm::max(glm::ivec2(0), -shift);
+  const glm::ivec2 end = glm::min(to, from - shift);
+  for (int y = first.y; y < end.y && first.x < end.x; ++y)
+  {
+    const std::size_t source = static_cast<std::size_t>(y + shift.y) * from.x + first.x + shift.x;
+    const std::size_t target = static_cast<std::size_t>(y) * to.x + first.x;
+    std::copy_n(values.data() + static_cast<std::size_t>(channels) * source,
+      static_cast<std::size_t>(channels) * (end.x - first.x),
+      moved.data() + static_cast<std::size_t>(channels) * target);
+  }
+  values.swap(moved);
+}
+
+} // namespace
+
+/**
+ * Where the corners of parts, and then the parts, are in the image, and how far from the near plane.
+ * Rays begin there, so what is beyond it by d is at d at least along a ray.
+ */
+class TileHistory::Projection
+{
+public:
+  Projection(const PullBackChange& change, const CameraView& camera)
+    : Margin(static_cast<float>(change.Margin))
+  {
+    const glm::dmat4 rows = glm::transpose(camera.WorldToNdc);
+    glm::dvec4 nearPlane = rows[3] + rows[2];
+    nearPlane /= glm::length(glm::dvec3(nearPlane));
+    // Distance of neighbouring rays on the near plane, and what it grows by with the distance.
+    const glm::dvec2 middle = 0.5 * glm::dvec2(camera.ImageSize);
+    const ViewRay one = camera.MakeRay(middle.x, middle.y);
+    const ViewRay next = camera.MakeRay(middle.x + 1.0, middle.y);
+    this->Pixel = static_cast<float>(glm::length(next.Origin - one.Origin));
+    this->PixelGrowth = static_cast<float>(glm::length(next.Direction - one.Direction));
+
+    // Pixels are the first two rows, each less the corner of the image, in units of a pixel.
+    const glm::dvec4 toX = (rows[0] - camera.NdcOrigin.x * rows[3]) / camera.NdcPerPixel.x;
+    const glm::dvec4 toY = (rows[1] - camera.NdcOrigin.y * rows[3]) / camera.NdcPerPixel.y;
+    const std::size_t count = change.Corners.size();
+    this->LowX.resize(count);
+    this->LowY.resize(count);
+    this->Nearest.resize(count);
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      const glm::dvec3 p = change.Corners[i];
+      const auto along = [&p](const glm::dvec4& row)
+      { return row.x * p.x + row.y * p.y + row.z * p.z + row.w; };
+      const double inverse = 1.0 / along(rows[3]);
+      this->LowX[i] = static_cast<float>(along(toX) * inverse);
+      this->LowY[i] = static_cast<float>(along(toY) * inverse);
+      this->Nearest[i] = static_cast<float>(along(nearPlane));
+    }
+    this->HighX = this->LowX;
+    this->HighY = this->LowY;
+    // Of neighbouring corners the least and the largest, axis by axis.
+    glm::ivec3 size = change.Parts + 1;
+    for (int axis = 2; axis >= 0; --axis)
+    {
+      const auto reduce = [&](std::vector<float>& values, const auto& choose)
+      { Reduce(values, size, axis, choose); };
+      const auto least = [](float a, float b) { return std::min(a, b); };
+      const auto most = [](float a, float b) { return std::max(a, b); };
+      reduce(this->LowX, least);
+      reduce(this->LowY, least);
+      reduce(this->Nearest, least);
+      reduce(this->HighX, most);
+      reduce(this->HighY, most);
+      --size[axis];
+    }
+  }
+
+  /// Data units of a pixel at a distance from the near plane.
+  float GetPixelSize(float distance) const { return this->Pixel + distance * this->PixelGrowth; }
+
+  float Margin;
+  // Of each part.
+  std::vector<float> LowX;
+  std::vector<float> HighX;
+  std::vector<float> LowY;
+  std::vector<float> HighY;
+  std::vector<float> Nearest;
+
+private:
+  template <class Choose>
+  static void Reduce(
+    std::vector<float>& values, const glm::ivec3& size, int axis, const Choose& choose)
+  {
+    std::size_t inner = 1;
+    for (int a = 0; a < axis; ++a)
+    {
+      inner *= static_cast<std::size_t>(size[a]);
+    }
+    const std::size_t length = static_cast<std::size_t>(size[axis]);
+    const std::size_t outer = values.size() / (inner * length);
+    const std::size_t row = (length - 1) * inner;
+    std::vector<float> chosen(outer * row);
+    for (std::size_t o = 0; o < outer; ++o)
+    {
+      const float* from = values.data() + o * length * inner;
+      float* to = chosen.data() + o * row;
+      for (std::size_t i = 0; i < row; ++i)
+      {
+        to[i] = choose(from[i], from[i + inner]);
+      }
+    }
+    values.swap(chosen);
+  }
+
+  float Pixel;
+  float PixelGrowth;
+};
+
+//------------------------------------------------------------------------------
+void TileHistory::Clear()
+{
+  this->Size = glm::ivec2(0);
+  this->Count = glm::ivec2(0);
+  std::vector<Tile>().swap(this->Tiles);
+  std::vector<float>().swap(this->Reaches);
+}
+
+//------------------------------------------------------------------------------
+void TileHistory::Start(const glm::ivec2& size)
+{
+  this->Size = size;
+  this->Count = this->FindTiles(size);
+  const std::size_t count =
+    static_cast<std::size_t>(this->Count.x) * static_cast<std::size_t>(this->Count.y);
+  this->Tiles.assign(count, Tile());
+  this->Reaches.assign(count, std::numeric_limits<float>::infinity());
+}
+
+//------------------------------------------------------------------------------
+void TileHistory::Continue(const glm::ivec2& size, const glm::ivec2& shift,
+  std::vector<float>& colours, std::vector<float>& depths)
+{
+  if (size == this->Size && shift == glm::ivec2(0))
+  {
+    return;
+  }
+  const TileHistory last = *this;
+  this->Start(size);
+  for (int y = 0; y < this->Count.y; ++y)
+  {
+    for (int x = 0; x < this->Count.x; ++x)
+    {
+      const glm::ivec2 tile(x, y);
+      const glm::ivec2 old = tile + shift;
+      // Tiles at the border may have been smaller.
+      const glm::ivec2 pixels = glm::min(size - tile * this->TileSize, glm::ivec2(this->TileSize));
+      const glm::ivec2 had =
+        glm::min(last.Size - old * this->TileSize, glm::ivec2(this->TileSize));
+      if (old.x >= 0 && old.y >= 0 && old.x < last.Count.x && old.y < last.Count.y &&
+        pixels == had)
+      {
+        const std::size_t to = static_cast<std::size_t>(y) * this->Count.x + x;
+        const std::size_t from = static_cast<std::size_t>(old.y) * last.Count.x + old.x;
+        this->Tiles[to] = last.Tiles[from];
+        this->Reaches[to] = last.Reaches[from];
+      }
+    }
+  }
+  Rearrange(last.Size, size, shift * this->TileSize, 4, colours);
+  if (!depths.empty())
+  {
+    Rearrange(last.Size, size, shift * this->TileSize, 1, depths);
+  }
+}
+
+//------------------------------------------------------------------------------
+void TileHistory::NoteChange(
+  const PullBackChange& change, const CameraView& camera, double tolerance)
+{
+  const Projection parts(change, camera);
+  for (std::size_t part = 0; part < change.Moved.size(); ++part)
+  {
+    if (change.Moved[part] > 0.0)
+    {
+      this->NotePart(parts, part, change.Moved[part]);
+    }
+  }
+  for (Tile& tile : this->Tiles)
+  {
+    tile.Moved += tile.MovedNow;
+    tile.MovedNow = 0.0f;
+    tile.Holds = tile.Holds && tile.Moved <= static_cast<float>(tolerance);
+  }
+}
+
+//------------------------------------------------------------------------------
+/// What is in a part has moved.
+void TileHistory::NotePart(const Projection& parts, std::size_t part, double moved)
+{
+  const glm::vec2 most(this->Size);
+  glm::vec2 low(0.0f);
+  glm::vec2 high(most - 1.0f);
+  const float distance = parts.Nearest[part] - parts.Margin;
+  // Before the near plane the projection means nothing. Written so that NaN is that, too.
+  const bool visible = distance > 0.0f && std::isfinite(parts.LowX[part] + parts.HighX[part]) &&
+    std::isfinite(parts.LowY[part] + parts.HighY[part]);
+  const float pixel = parts.GetPixelSize(visible ? distance : 0.0f);
+  if (visible)
+  {
+    // A pixel more, for what is rounded; margins look larger to the sides of the picture.
+    const float around = 1.0f + 2.0f * parts.Margin / pixel;
+    low = glm::clamp(
+      glm::vec2(parts.LowX[part], parts.LowY[part]) - around, glm::vec2(0.0f), most);
+    high = glm::clamp(
+      glm::vec2(parts.HighX[part], parts.HighY[part]) + around, glm::vec2(-1.0f), most - 1.0f);
+  }
+  const float by = static_cast<float>(moved) / pixel;
+  const glm::ivec2 first(low);
+  const glm::ivec2 last(glm::floor(high));
+  for (int y = first.y / this->TileSize; y * this->TileSize <= last.y && y < this->Count.y; ++y)
+  {
+    for (int x = first.x / this->TileSize; x * this->TileSize <= last.x && x < this->Count.x; ++x)
+    {
+      const std::size_t at = static_cast<std::size_t>(y) * this->Count.x + x;
+      if (!(distance > this->Reaches[at]))
+      {
+        this->Tiles[at].MovedNow = std::max(this->Tiles[at].MovedNow, by);
+      }
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+void TileHistory::NoteDepths(const float* before, const float* now, const CameraView& camera)
+{
+  if (!before && !now)
+  {
+    return;
+  }
+  const glm::ivec2 size = this->Size;
+  for (int y = 0; y < size.y; ++y)
+  {
+    const std::size_t row = static_cast<std::size_t>(y) * size.x;
+    for (int x = 0; x < size.x; ++x)
+    {
+      const float was = before ? before[row + x] : 1.0f;
+      const float is = now ? now[row + x] : 1.0f;
+      if (was == is)
+      {
+        continue;
+      }
+      const std::size_t tile =
+        static_cast<std::size_t>(y / this->TileSize) * this->Count.x + x / this->TileSize;
+      if (!this->Tiles[tile].Holds)
+      {
+        continue;
+      }
+      const ViewRay ray = camera.MakeRay(x + 0.5, y + 0.5);
+      this->Tiles[tile].Holds =
+        camera.DepthToT(ray, x + 0.5, y + 0.5, std::min(was, is)) > this->Reaches[tile];
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+std::vector<int> TileHistory::TakeTilesToCast()
+{
+  std::vector<int> tiles;
+  for (std::size_t i = 0; i < this->Tiles.size(); ++i)
+  {
+    if (!this->Tiles[i].Holds)
+    {
+      tiles.push_back(static_cast<int>(i));
+      this->Tiles[i] = Tile();
+      this->Tiles[i].Holds = true;
+      this->Reaches[i] = std::numeric_limits<float>::infinity();
+    }
+  }
+  return tiles;
+}
+
+} // namespace ffd

@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkFFDFrameCoherence
+ * @brief   what of the picture of the last frame can be shown again after an edit of the deformation
+ *
+ * Private to this module: not installed, not wrapped. Knows what the last picture was made from, so
+ * that it can tell whether nothing but the control points has changed since, and keeps the history of
+ * its tiles.
+ */
+#ifndef vtkFFDFrameCoherence_h
+#define vtkFFDFrameCoherence_h
+
+#include "vtkFFDImageRegion.h"
+
+#include "FFDBSplineField.h"
+#include "FFDCastScene.h"
+#include "FFDTileHistory.h"
+
+#include "vtkType.h"
+
+#include <cstddef>
+#include <vector>
+
+class vtkFFDFrameCoherence
+{
+public:
+  vtkFFDFrameCoherence();
+
+  /// All that a picture is made from but the control points, the camera, light and blending of the
+  /// scene and the image region: of which times and values only tell whether they are the same.
+  struct Sources
+  {
+    vtkMTimeType Settings = 0; ///< of the mapper
+    vtkMTimeType Voxels = 0;
+    vtkMTimeType Functions = 0;
+    const void* Property = nullptr; ///< not owned: only compared
+    vtkMTimeType PropertyTime = 0;
+    glm::dmat4 DataToWorld{ 1.0 };
+    bool Interactive = false;
+
+    bool operator==(const Sources& other) const
+    {
+      return this->Settings == other.Settings && this->Voxels == other.Voxels &&
+        this->Functions == other.Functions && this->Property == other.Property &&
+        this->PropertyTime == other.PropertyTime && this->DataToWorld == other.DataToWorld &&
+        this->Interactive == other.Interactive;
+    }
+  };
+
+  /// The next picture has nothing to do with the last.
+  void Clear();
+
+  /// Enlarge a region so that tiles of the next picture lie on those of the last.
+  void Align(vtkFFDImageRegion& region) const;
+
+  /**
+   * Begin a picture. `colours`, 4 floats a ray, are those of the last one, and get the size of this
+   * one; `restBounds` those of the volume, `tolerance` in pixels. Returns the tiles that must be cast.
+   */
+  std::vector<int> Begin(const Sources& sources, const ffd::CastScene& scene,
+    const vtkFFDImageRegion& region, const ffd::Box& restBounds, double tolerance,
+    std::vector<float>& colours);
+
+  /// For the caster, see CastImage::Reaches.
+  float* GetReaches() { return this->Tiles.GetReaches(); }
+
+  std::size_t GetMemorySize() const;
+
+private:
+  bool Continues(const Sources& sources, const ffd::CastScene& scene,
+    const vtkFFDImageRegion& region, glm::ivec2& shift) const;
+
+  ffd::TileHistory Tiles;
+
+  // Of the last picture.
+  Sources LastSources;
+  vtkFFDImageRegion LastRegion;
+  ffd::CameraView LastCamera;
+  ffd::Shading LastMaterial;
+  ffd::Blending LastBlend;
+  ffd::Box LastDeformedBounds;
+  ffd::BSplineField LastField;
+  ffd::PullBackKind LastKind = ffd::PullBackKind::Exact;
+  bool LastWasOneToOne = false;
+  std::vector<float> LastDepths; // empty: nothing was drawn
+};
+
+#endif

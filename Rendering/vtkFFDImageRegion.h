@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Private to this module: not installed, not wrapped.
+#ifndef vtkFFDImageRegion_h
+#define vtkFFDImageRegion_h
+
+#include <glm/vec2.hpp>
+
+/// A rectangle of viewport pixels and the grid of rays over it.
+struct vtkFFDImageRegion
+{
+  glm::ivec2 Viewport{ 0 }; ///< pixels of the whole viewport
+  glm::ivec2 Origin{ 0 };   ///< first pixel, in the viewport
+  glm::ivec2 Rays{ 0 };     ///< rays per row and column
+  double Step = 1.0;        ///< pixels between rays
+};
+
+#endif

@@ -1,0 +1,475 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Frames that cast only what an edit has changed against frames that cast everything.
+#include "FFDTestVolume.h"
+
+#include "vtkCallbackCommand.h"
+#include "vtkContourValues.h"
+#include "vtkLight.h"
+#include "vtkPlane.h"
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+
+namespace
+{
+
+constexpr int Size = 160; // ten tiles of 16 rays a side
+
+/// Whole frames of a drag have tiles elsewhere than frames of their own: differences of rounding.
+constexpr int OtherTiles = 3;
+
+/// A scene that moves, with a lattice of many control points.
+struct MovingScene : FFDTestScene
+{
+  explicit MovingScene(bool coherent)
+  {
+    this->Lattice->SetDimensions(9, 9, 9);
+    this->Lattice->FitToBounds(this->Image->GetBounds(), 0.0);
+    this->Lattice->Reset();
+    this->Lattice->SetDisplacement(4, 4, 4, 1.5, 1.0, 0.5);
+    this->Mapper->AutoAdjustSampleDistancesOff();
+    this->Mapper->SetFrameCoherence(coherent);
+    this->ConeActor->VisibilityOff();
+    this->Show(Size);
+    this->Window->SetDesiredUpdateRate(1000.0);
+  }
+
+  void Move(int i, int j, int k, double x, double y, double z)
+  {
+    double d[3];
+    this->Lattice->GetDisplacement(i, j, k, d);
+    this->Lattice->SetDisplacement(i, j, k, d[0] + x, d[1] + y, d[2] + z);
+  }
+};
+
+struct Difference
+{
+  int Largest = 0;
+  double Mean = 0.0;
+};
+
+Difference Compare(const std::vector<unsigned char>& a, const std::vector<unsigned char>& b)
+{
+  Difference difference;
+  difference.Largest = FFDLargestDifference(a, b);
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+  {
+    difference.Mean += std::abs(static_cast<int>(a[i]) - b[i]);
+  }
+  difference.Mean /= static_cast<double>(std::max<std::size_t>(1, a.size()));
+  return difference;
+}
+
+/// The same done to a scene that shows tiles again and to one that does not.
+class Pair
+{
+public:
+  MovingScene Coherent{ true };
+  MovingScene Whole{ false };
+
+  void Do(const std::function<void(MovingScene&)>& action)
+  {
+    action(this->Coherent);
+    action(this->Whole);
+  }
+
+  /// The next frame of both; what was reused.
+  double Next(Difference& difference)
+  {
+    const std::vector<unsigned char> coherent = this->Coherent.Show(Size);
+    const std::vector<unsigned char> whole = this->Whole.Show(Size);
+    difference = Compare(coherent, whole);
+    if (this->Whole.Mapper->GetReusedFraction() != 0.0)
+    {
+      std::cerr << "FrameCoherence is off, but tiles are shown again\n";
+      difference.Largest = 256;
+    }
+    return this->Coherent.Mapper->GetReusedFraction();
+  }
+  double Next()
+  {
+    Difference difference;
+    return this->Next(difference);
+  }
+};
+
+/// Edits of random control points, `amount` voxels at most; `between` is done before each frame.
+bool Drag(const char* name, Pair& pair, double amount, double leastReused, int largest,
+  double mean, const std::function<void(MovingScene&, int)>& between = {})
+{
+  FFDRandom random(7);
+  pair.Next();
+  double reused = 0.0;
+  Difference worst;
+  constexpr int frames = 8;
+  for (int frame = 0; frame < frames; ++frame)
+  {
+    const int i = static_cast<int>(random.Number(2.0, 7.0));
+    const int j = static_cast<int>(random.Number(2.0, 7.0));
+    const int k = static_cast<int>(random.Number(2.0, 7.0));
+    const double x = random.Number(-amount, amount);
+    const double y = random.Number(-amount, amount);
+    const double z = random.Number(-amount, amount);
+    pair.Do(
+      [&](MovingScene& scene)
+      {
+        scene.Move(i, j, k, x, y, z);
+        if (between)
+        {
+          between(scene, frame);
+        }
+      });
+    Difference difference;
+    reused += pair.Next(difference) / frames;
+    worst.Largest = std::max(worst.Largest, difference.Largest);
+    worst.Mean = std::max(worst.Mean, difference.Mean);
+  }
+  const bool ok = reused >= leastReused && reused < 1.0 && worst.Largest <= largest &&
+    worst.Mean <= mean && pair.Coherent.Errors->Count == 0;
+  std::cout << name << ": " << reused << " of the tiles reused, largest difference "
+            << worst.Largest << ", mean " << worst.Mean << (ok ? "\n" : ": NOT as it must be\n");
+  return ok;
+}
+
+bool TestDrags()
+{
+  bool ok = true;
+  {
+    Pair pair;
+    ok &= Drag("edits", pair, 0.5, 0.4, 6, 0.05);
+  }
+  {
+    Pair pair;
+    pair.Do([](MovingScene& s) { s.Mapper->SetFrameCoherenceTolerance(0.0); });
+    ok &= Drag("tolerance 0", pair, 0.5, 0.3, 2, 0.02);
+  }
+  for (int mode = 0; mode < 3; ++mode)
+  {
+    Pair pair;
+    pair.Do([&](MovingScene& s) { s.Mapper->SetInverseMode(mode); });
+    ok &= Drag(pair.Coherent.Mapper->GetInverseModeAsString(), pair, 0.5, 0.4, 6, 0.05);
+  }
+  for (int mode : { vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND, vtkVolumeMapper::MINIMUM_INTENSITY_BLEND,
+         vtkVolumeMapper::AVERAGE_INTENSITY_BLEND, vtkVolumeMapper::ADDITIVE_BLEND,
+         vtkVolumeMapper::ISOSURFACE_BLEND })
+  {
+    Pair pair;
+    pair.Do(
+      [&](MovingScene& s)
+      {
+        s.Property->GetIsoSurfaceValues()->SetValue(0, 100.0);
+        s.Mapper->SetBlendMode(mode);
+      });
+    ok &= Drag(("blend mode " + std::to_string(mode)).c_str(), pair, 0.5, 0.4,
+      mode == vtkVolumeMapper::ISOSURFACE_BLEND ? 64 : 6, 0.02); // edges of surfaces are hard
+  }
+  {
+    // Tiles on fractions of pixels, as an adapted distance may be.
+    Pair pair;
+    pair.Do([](MovingScene& s) { s.Mapper->SetImageSampleDistance(1.3); });
+    ok &= Drag("image sample distance 1.3", pair, 0.5, 0.2, 6, 0.05);
+  }
+  {
+    Pair pair;
+    pair.Do([](MovingScene& s) { s.Mapper->SetImageSampleDistance(0.5); });
+    ok &= Drag("image sample distance 0.5", pair, 0.5, 0.3, 6, 0.05);
+  }
+  {
+    Pair pair;
+    pair.Do(
+      [](MovingScene& s)
+      {
+        s.Mapper->SetFinalColorWindow(0.6);
+        s.Mapper->SetFinalColorLevel(0.4);
+      });
+    ok &= Drag("final colours", pair, 0.5, 0.4, 10, 0.08);
+  }
+  {
+    Pair pair;
+    pair.Do([](MovingScene& s) { s.Mapper->ReferenceKernelsOn(); });
+    ok &= Drag("reference kernels", pair, 0.5, 0.4, 6, 0.05);
+  }
+  {
+    // The volume grows and shrinks in the picture, which grows and shrinks with it.
+    Pair pair;
+    ok &= Drag("growing", pair, 0.2, 0.1, 6, 0.05,
+      [](MovingScene& s, int frame)
+      {
+        const double by = frame % 6 < 3 ? 1.5 : -1.5;
+        s.Move(frame % 2 ? 8 : 0, 4, 4, frame % 2 ? by : -by, 0.0, 0.0);
+        s.Move(4, 8, 4, 0.0, by, 0.0);
+      });
+  }
+  {
+    // Something opaque moves through the volume.
+    Pair pair;
+    pair.Do([](MovingScene& s) { s.ConeActor->VisibilityOn(); });
+    ok &= Drag("geometry", pair, 0.5, 0.3, 6, 0.05,
+      [](MovingScene& s, int frame) { s.Cone->SetCenter(-4.0 + 2.0 * frame, 10.0, 14.0); });
+  }
+  return ok;
+}
+
+/// Whatever else changes makes the next picture as a whole, edited or not.
+bool TestOtherChanges()
+{
+  bool ok = true;
+  vtkNew<vtkPlane> plane;
+  plane->SetOrigin(10.0, 0.0, 0.0);
+  plane->SetNormal(1.0, 0.1, 0.0);
+  const std::vector<std::pair<const char*, std::function<void(MovingScene&)>>> changes = {
+    { "camera", [](MovingScene& s) { s.Renderer->GetActiveCamera()->Azimuth(20.0); } },
+    { "clipping range",
+      [](MovingScene& s) { s.Renderer->GetActiveCamera()->SetClippingRange(60.0, 120.0); } },
+    { "light",
+      [](MovingScene& s)
+      {
+        vtkNew<vtkLight> light;
+        light->SetPosition(1.0, 5.0, 3.0);
+        s.Property->ShadeOn();
+        s.Renderer->AddLight(light);
+      } },
+    { "material",
+      [](MovingScene& s)
+      {
+        s.Property->ShadeOn();
+        s.Property->SetAmbient(0.5);
+      } },
+    { "opacity", [](MovingScene& s) { s.Opacity->AddPoint(120.0, 0.9); } },
+    { "voxels",
+      [](MovingScene& s)
+      {
+        s.Image->GetPointData()->GetScalars()->FillComponent(0, 60.0);
+        s.Image->GetPointData()->GetScalars()->Modified();
+      } },
+    { "matrix", [](MovingScene& s) { s.Volume->SetPosition(2.0, 0.0, 0.0); } },
+    { "option", [](MovingScene& s) { s.Mapper->SetFinalColorWindow(0.5); } },
+    { "clipping plane", [&](MovingScene& s) { s.Mapper->AddClippingPlane(plane); } },
+    { "another deformation",
+      [](MovingScene& s)
+      {
+        s.Lattice->SetDimensions(7, 7, 7);
+        s.Lattice->FitToBounds(s.Image->GetBounds(), 0.0);
+        s.Lattice->SetDisplacement(3, 3, 3, 0.0, 7.0, 0.0);
+      } },
+    { "kernels",
+      [](MovingScene& s) { s.Mapper->SetReferenceKernels(!s.Mapper->GetReferenceKernels()); } },
+    { "RenderToImage", [](MovingScene& s) { s.Render(); } },
+    { "nothing", [](MovingScene&) {} },
+  };
+  for (const auto& change : changes)
+  {
+    const bool both =
+      std::string(change.first) == "camera" || std::string(change.first) == "nothing";
+    for (bool edited : { true, false })
+    {
+      if (!edited && !both)
+      {
+        continue;
+      }
+      const auto edit = [](MovingScene& s) { s.Move(3, 4, 5, 0.2, 0.0, 0.1); };
+      Pair pair;
+      pair.Next();
+      pair.Do(edit);
+      const double before = pair.Next();
+      const std::vector<unsigned char> picture = pair.Whole.Show(Size);
+      pair.Do(change.second);
+      if (edited)
+      {
+        pair.Do(edit);
+      }
+      Difference difference;
+      const double after = pair.Next(difference);
+      // What is left of the last picture would show.
+      const bool shows = std::string(change.first) != "nothing" &&
+        std::string(change.first) != "RenderToImage" && std::string(change.first) != "kernels";
+      const int changed = FFDLargestDifference(picture, pair.Whole.Show(Size));
+      const bool shownAgain = edited && std::string(change.first) == "nothing";
+      if (!(before > 0.2) || (after > 0.0) != shownAgain || difference.Largest > OtherTiles ||
+        (shows && changed < 10))
+      {
+        std::cerr << change.first << (edited ? ", edited: " : ": ") << before << " reused before, "
+                  << after << " after it, difference " << difference.Largest
+                  << ", changed by " << changed << "\n";
+        ok = false;
+      }
+    }
+  }
+  return ok;
+}
+
+int TestStillPictures()
+{
+  Pair pair;
+  const auto edit = [](MovingScene& s) { s.Move(4, 3, 4, 0.4, 0.3, 0.0); };
+  Difference difference;
+  pair.Next();
+  pair.Do(edit);
+  FFD_CHECK(pair.Next() > 0.2);
+  // The end of a drag, with an edit or without: as if nothing had been drawn before.
+  for (bool edited : { false, true })
+  {
+    pair.Do([](MovingScene& s) { s.Window->SetDesiredUpdateRate(1e-4); });
+    if (edited)
+    {
+      pair.Do(edit);
+    }
+    FFD_CHECK(pair.Next(difference) == 0.0 && difference.Largest == 0);
+    pair.Do([](MovingScene& s) { s.Window->SetDesiredUpdateRate(1000.0); });
+    pair.Do(edit);
+    FFD_CHECK(pair.Next(difference) == 0.0 && difference.Largest <= OtherTiles);
+    pair.Do(edit);
+    FFD_CHECK(pair.Next() > 0.2);
+  }
+  // An edit of nothing.
+  pair.Do([](MovingScene& s) { s.Lattice->Modified(); });
+  FFD_CHECK(pair.Next(difference) == 0.0 && difference.Largest <= OtherTiles);
+  // Counts are those of whole pictures.
+  pair.Do([](MovingScene& s) { s.Mapper->CollectStatisticsOn(); });
+  pair.Next();
+  pair.Do(edit);
+  FFD_CHECK(pair.Next(difference) == 0.0 && difference.Largest == 0);
+  FFD_CHECK(pair.Coherent.Mapper->GetStatistics()->GetNumberOfRays() ==
+    pair.Whole.Mapper->GetStatistics()->GetNumberOfRays());
+  pair.Do([](MovingScene& s) { s.Mapper->CollectStatisticsOff(); });
+  // What folds has no single inverse: whole pictures.
+  pair.Do([](MovingScene& s) { s.Move(4, 4, 4, 30.0, 0.0, 0.0); });
+  pair.Next();
+  pair.Do(edit);
+  FFD_CHECK(pair.Next(difference) == 0.0 && difference.Mean < 0.1); // rays there jump with tiles
+  // Another size of the window.
+  pair.Do([](MovingScene& s) { s.Move(4, 4, 4, -30.0, 0.0, 0.0); });
+  pair.Next();
+  pair.Do([](MovingScene& s) { s.Window->SetSize(Size - 16, Size); });
+  pair.Do(edit);
+  pair.Coherent.Window->Render();
+  FFD_CHECK(pair.Coherent.Mapper->GetReusedFraction() == 0.0);
+  // Nothing is kept in a window that has given its resources back.
+  pair.Coherent.Window->Finalize();
+  pair.Do([](MovingScene& s) { s.Window->SetSize(Size, Size); });
+  pair.Do(edit);
+  FFD_CHECK(pair.Next(difference) == 0.0 && difference.Largest <= OtherTiles);
+  FFD_CHECK(pair.Coherent.Errors->Count == 0);
+  return EXIT_SUCCESS;
+}
+
+/// A frame that was given up leaves nothing that could be shown again.
+int TestAbort()
+{
+  Pair pair;
+  const auto edit = [](MovingScene& s) { s.Move(4, 3, 4, 0.4, 0.3, 0.0); };
+  pair.Next();
+  vtkNew<vtkCallbackCommand> abort;
+  abort->SetCallback([](vtkObject* caller, unsigned long, void*, void*)
+    { vtkAlgorithm::SafeDownCast(caller)->SetAbortExecute(1); });
+  pair.Do(edit);
+  const unsigned long tag = pair.Coherent.Mapper->AddObserver(
+    vtkCommand::VolumeMapperRenderProgressEvent, abort);
+  pair.Coherent.Show(Size);
+  pair.Coherent.Mapper->RemoveObserver(tag);
+  pair.Do(edit);
+  Difference difference;
+  FFD_CHECK(pair.Next(difference) == 0.0 && difference.Largest <= OtherTiles);
+  pair.Do(edit);
+  FFD_CHECK(pair.Next() > 0.2);
+  return EXIT_SUCCESS;
+}
+
+/// What is behind something opaque may move as it likes.
+int TestReach()
+{
+  double reused[2];
+  for (int opaque = 0; opaque < 2; ++opaque)
+  {
+    MovingScene scene(true);
+    scene.Mapper->SetFrameCoherenceTolerance(0.0);
+    if (opaque)
+    {
+      scene.Opacity->RemoveAllPoints();
+      scene.Opacity->AddPoint(0.0, 1.0);
+    }
+    // Face to face, so that the edit, far behind, is hidden by what is in front of it.
+    vtkCamera* camera = scene.Renderer->GetActiveCamera();
+    camera->SetFocalPoint(11.5, 11.5, 11.5);
+    camera->SetPosition(11.5, 11.5, 80.0);
+    scene.Show(Size);
+    scene.Show(Size);
+    scene.Move(4, 4, 2, 1.0, 0.0, 0.0);
+    scene.Show(Size);
+    reused[opaque] = scene.Mapper->GetReusedFraction();
+  }
+  std::cout << "an edit on the far side: " << reused[0] << " reused, behind opaque voxels "
+            << reused[1] << "\n";
+  FFD_CHECK(reused[0] < 0.95);
+  FFD_CHECK(reused[1] == 1.0);
+  return EXIT_SUCCESS;
+}
+
+int TestOptions()
+{
+  MovingScene scene(true);
+  vtkFFDInverseRayVolumeMapper* m = scene.Mapper;
+  FFD_CHECK(m->GetFrameCoherence() == 1 && m->GetFrameCoherenceTolerance() == 0.1);
+  const auto reusedWith = [&](double tolerance)
+  {
+    m->SetFrameCoherenceTolerance(tolerance);
+    scene.Show(Size);
+    scene.Move(4, 4, 4, 0.3, 0.0, 0.0);
+    scene.Show(Size);
+    return m->GetReusedFraction();
+  };
+  const double none = reusedWith(0.0);
+  const double some = reusedWith(0.5);
+  FFD_CHECK(none < some && some < 1.0);
+  FFD_CHECK(reusedWith(1000.0) == 1.0);
+  for (double bad : { -0.1, std::numeric_limits<double>::quiet_NaN(),
+         std::numeric_limits<double>::infinity() })
+  {
+    m->SetFrameCoherenceTolerance(bad);
+    FFD_CHECK(scene.Errors->Had("FrameCoherenceTolerance must be a number that is not negative"));
+    FFD_CHECK(m->GetFrameCoherenceTolerance() == 1000.0);
+  }
+  vtkNew<vtkFFDInverseRayVolumeMapper> copy;
+  m->FrameCoherenceOff();
+  copy->ShallowCopy(m);
+  FFD_CHECK(copy->GetFrameCoherence() == 0 && copy->GetFrameCoherenceTolerance() == 1000.0);
+  return EXIT_SUCCESS;
+}
+
+/// While the scene moves the image sample distance stays as it is if it is about right: else nothing
+/// could be shown again.
+int TestAdaptedDistance()
+{
+  MovingScene scene(true);
+  scene.Mapper->AutoAdjustSampleDistancesOn();
+  scene.Mapper->SetMinimumImageSampleDistance(1.0);
+  scene.Mapper->SetMaximumImageSampleDistance(3.0);
+  scene.Window->SetDesiredUpdateRate(1e9);
+  int reused = 0;
+  for (int i = 0; i < 6; ++i)
+  {
+    scene.Move(4, 4, 4, 0.1, 0.0, 0.0);
+    scene.Show(Size);
+    reused += scene.Mapper->GetReusedFraction() > 0.0 ? 1 : 0;
+  }
+  FFD_CHECK(reused >= 4);
+  return EXIT_SUCCESS;
+}
+
+} // namespace
+
+int TestFrameCoherence(int, char*[])
+{
+  bool ok = TestDrags();
+  ok &= TestOtherChanges();
+  FFD_CHECK(ok);
+  FFD_CHECK(TestStillPictures() == EXIT_SUCCESS);
+  FFD_CHECK(TestAbort() == EXIT_SUCCESS);
+  FFD_CHECK(TestReach() == EXIT_SUCCESS);
+  FFD_CHECK(TestOptions() == EXIT_SUCCESS);
+  FFD_CHECK(TestAdaptedDistance() == EXIT_SUCCESS);
+  return EXIT_SUCCESS;
+}

@@ -1,0 +1,381 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// What an edit is said to have moved at most, and where, against the maps before and after it; and
+// which tiles of a picture that concerns.
+#include "FFDPullBackChange.h"
+#include "FFDTileHistory.h"
+
+#include "RandomLattice.h"
+
+#include <glm/ext/matrix_clip_space.hpp>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <vector>
+
+using namespace ffd;
+
+namespace
+{
+
+constexpr double Infinity = std::numeric_limits<double>::infinity();
+
+constexpr PullBackKind Kinds[] = { PullBackKind::FirstOrder, PullBackKind::Exact,
+  PullBackKind::Forward, PullBackKind::FirstOrderOfInverse };
+
+/// A lattice before and after an edit of some of its control points.
+struct Edited
+{
+  Edited(RandomLattice& random, PullBackKind kind, BorderMode border, double amount)
+  {
+    const glm::ivec3 nodes(random.Integer(4, 9), random.Integer(4, 7), random.Integer(4, 7));
+    glm::dvec3 spacing = random.Vector(4.0, 12.0);
+    spacing.y *= random.Integer(0, 1) ? 1.0 : -1.0;
+    const glm::dvec3 origin = random.Vector(-20.0, 20.0);
+    std::vector<glm::dvec3> displacements(
+      static_cast<std::size_t>(nodes.x) * nodes.y * nodes.z);
+    for (glm::dvec3& d : displacements)
+    {
+      d = amount * random.Vector(-1.0, 1.0) * spacing;
+    }
+    this->Old = BSplineField(nodes, origin, spacing, displacements.data(), 1.0, border);
+    const int edits = random.Integer(1, 3);
+    for (int e = 0; e < edits; ++e)
+    {
+      const int at = random.Integer(0, static_cast<int>(displacements.size()) - 1);
+      displacements[static_cast<std::size_t>(at)] +=
+        0.3 * amount * random.Vector(-1.0, 1.0) * spacing;
+    }
+    this->New = BSplineField(nodes, origin, spacing, displacements.data(), 1.0, border);
+    this->Before = PullBack(&this->Old, kind, 1e-10);
+    this->After = PullBack(&this->New, kind, 1e-10);
+    const glm::dvec3 last = origin + spacing * glm::dvec3(nodes - 1);
+    this->Rest = { glm::min(origin, last), glm::max(origin, last) };
+    const PullBackBounds mapBounds(this->After);
+    const Box region{ this->Rest.Min - 10.0, this->Rest.Max + 10.0 };
+    this->Bounds = DeformedSpaceBounds(this->After, mapBounds, region, this->Rest, 4.0, 2000);
+    this->Inverts =
+      kind == PullBackKind::Exact || kind == PullBackKind::FirstOrderOfInverse;
+    // Displacements by a twentieth of the spacing cannot fold.
+    this->Found = FindChange(
+      this->Before, this->After, this->Bounds, this->Inverts ? this->Rest : region, 3.0, this->Change);
+  }
+
+  double MovedAt(const glm::dvec3& p) const
+  {
+    PullBackStatus status;
+    return glm::length(this->After.Evaluate(p, status) - this->Before.Evaluate(p, status));
+  }
+
+  /// Whether one of the maps leads into the volume: else it does not matter.
+  bool Matters(const glm::dvec3& p) const
+  {
+    PullBackStatus status;
+    const auto inside = [&](const glm::dvec3& q)
+    {
+      return glm::all(glm::greaterThanEqual(q, this->Rest.Min)) &&
+        glm::all(glm::lessThanEqual(q, this->Rest.Max));
+    };
+    return inside(this->After.Evaluate(p, status)) || inside(this->Before.Evaluate(p, status));
+  }
+
+  BSplineField Old;
+  BSplineField New;
+  PullBack Before;
+  PullBack After;
+  DeformedSpaceBounds Bounds;
+  Box Rest;
+  bool Inverts = false;
+  bool Found = false;
+  PullBackChange Change;
+};
+
+/// The largest bound of all parts that a point may be in.
+double BoundAt(const PullBackChange& change, const glm::dvec3& p)
+{
+  const int row = change.Parts.x + 1;
+  const int layer = row * (change.Parts.y + 1);
+  double largest = 0.0;
+  std::size_t part = 0;
+  for (int k = 0; k < change.Parts.z; ++k)
+  {
+    for (int j = 0; j < change.Parts.y; ++j)
+    {
+      for (int i = 0; i < change.Parts.x; ++i, ++part)
+      {
+        glm::dvec3 low(Infinity);
+        glm::dvec3 high(-Infinity);
+        for (int c = 0; c < 8; ++c)
+        {
+          const glm::dvec3& corner = change.Corners[static_cast<std::size_t>(
+            i + (c & 1) + row * (j + (c >> 1 & 1)) + layer * (k + (c >> 2)))];
+          low = glm::min(low, corner - change.Margin);
+          high = glm::max(high, corner + change.Margin);
+        }
+        if (glm::all(glm::greaterThanEqual(p, low)) && glm::all(glm::lessThanEqual(p, high)))
+        {
+          largest = std::max(largest, change.Moved[part]);
+        }
+      }
+    }
+  }
+  return largest;
+}
+
+CameraView RandomCamera(RandomLattice& random, const Box& bounds, const glm::ivec2& size)
+{
+  const double radius = glm::length(bounds.Max - bounds.Min);
+  const glm::dvec3 target = 0.5 * (bounds.Min + bounds.Max);
+  const glm::dvec3 eye =
+    target + glm::normalize(random.Vector(-1.0, 1.0) + 1e-3) * radius * random.Number(0.3, 2.0);
+  CameraView camera;
+  camera.Parallel = random.Integer(0, 2) == 0;
+  const glm::dmat4 projection = camera.Parallel
+    ? glm::ortho(-0.5 * radius, 0.5 * radius, -0.5 * radius, 0.5 * radius, 0.05 * radius, 5.0 * radius)
+    : glm::perspective(random.Number(0.4, 1.2), 1.0, 0.05 * radius, 5.0 * radius);
+  camera.WorldToNdc = projection *
+    glm::lookAt(eye, target, glm::normalize(random.Vector(-1.0, 1.0) + glm::dvec3(1e-3, 0.0, 0.0)));
+  camera.NdcToWorld = glm::inverse(camera.WorldToNdc);
+  camera.ImageSize = size;
+  camera.NdcPerPixel = 2.0 / glm::dvec2(size);
+  camera.Eye = eye;
+  return camera;
+}
+
+} // namespace
+
+TEST(PullBackChange, BoundsWhatMoves)
+{
+  RandomLattice random(11);
+  int checked = 0;
+  int bounded = 0;
+  double closest = 0.0;
+  for (PullBackKind kind : Kinds)
+  {
+    for (BorderMode border : AllBorders)
+    {
+      for (int repeat = 0; repeat < 4; ++repeat)
+      {
+        const Edited edited(random, kind, border, 0.05);
+        ASSERT_TRUE(edited.Found);
+        ASSERT_FALSE(edited.Change.IsEmpty());
+        for (int i = 0; i < 400; ++i)
+        {
+          const glm::dvec3 p = random.Point(edited.New, 1.5);
+          if (!edited.Matters(p))
+          {
+            continue;
+          }
+          const double moved = edited.MovedAt(p);
+          const double bound = BoundAt(edited.Change, p);
+          ASSERT_LE(moved, bound + 1e-8);
+          ++checked;
+          bounded += moved > 1e-3 ? 1 : 0;
+          closest = moved > 1e-3 ? std::max(closest, moved / bound) : closest;
+        }
+      }
+    }
+  }
+  EXPECT_GT(checked, 3000);
+  EXPECT_GT(bounded, 500);
+  // Bounds that are met nearly: nothing much closer could be said.
+  EXPECT_GT(closest, 0.6);
+}
+
+TEST(PullBackChange, TellsOnlyOfEditsOfTheSameLattice)
+{
+  RandomLattice random(5);
+  Edited edited(random, PullBackKind::Exact, BorderMode::Edge, 0.05);
+  PullBackChange change;
+  const auto find = [&](const PullBack& before, const PullBack& after) {
+    return FindChange(before, after, edited.Bounds, edited.Rest, 3.0, change);
+  };
+  EXPECT_TRUE(find(edited.Before, edited.After));
+  EXPECT_FALSE(change.IsEmpty());
+  // No edit at all.
+  EXPECT_TRUE(find(edited.After, edited.After));
+  EXPECT_TRUE(change.IsEmpty());
+  // Another kind, another grid, none.
+  const PullBack forward(&edited.Old, PullBackKind::Forward, 1e-10);
+  EXPECT_FALSE(find(forward, edited.After));
+  const BSplineField other(edited.New.GetNodes(), edited.New.GetOrigin() + 1.0,
+    edited.New.GetSpacing(), nullptr, 1.0, BorderMode::Edge);
+  const PullBack elsewhere(&other, PullBackKind::Exact, 1e-10);
+  EXPECT_FALSE(find(elsewhere, edited.After));
+  const PullBack none;
+  EXPECT_FALSE(find(none, edited.After));
+  // A lattice that folds has no single inverse.
+  const Edited folded(random, PullBackKind::Exact, BorderMode::Edge, 4.0);
+  ASSERT_FALSE(folded.Bounds.IsOneToOne());
+  EXPECT_FALSE(folded.Found);
+  // Not for the kinds that invert nothing.
+  EXPECT_TRUE(Edited(random, PullBackKind::Forward, BorderMode::Edge, 4.0).Found);
+}
+
+TEST(TileHistory, TilesThatSeeTheChangeAreCastAgain)
+{
+  RandomLattice random(23);
+  const glm::ivec2 size(200, 180);
+  const int tilesPerRow = 13;
+  int hits = 0;
+  int kept = 0;
+  for (int repeat = 0; repeat < 24; ++repeat)
+  {
+    const PullBackKind kind = Kinds[repeat % 4];
+    const Edited edited(random, kind, AllBorders[repeat % 3], 0.05);
+    const CameraView camera = RandomCamera(random, edited.Rest, size);
+    for (double tolerance : { 0.0, 0.02, 0.2 })
+    {
+      TileHistory tiles(16);
+      tiles.Start(size);
+      ASSERT_EQ(tiles.TakeTilesToCast().size(), 13u * 12u);
+      // Rays that end early.
+      std::vector<float> reaches(13 * 12);
+      for (std::size_t i = 0; i < reaches.size(); ++i)
+      {
+        const bool ends = random.Integer(0, 1) == 0;
+        reaches[i] = ends ? static_cast<float>(random.Number(0.0, 2.0) *
+                              glm::length(edited.Rest.Max - edited.Rest.Min))
+                          : std::numeric_limits<float>::infinity();
+        tiles.GetReaches()[i] = reaches[i];
+      }
+      tiles.NoteChange(edited.Change, camera, tolerance);
+      const std::vector<int> list = tiles.TakeTilesToCast();
+      const std::set<int> cast(list.begin(), list.end());
+      kept += static_cast<int>(reaches.size() - cast.size());
+      for (int i = 0; i < 8000; ++i)
+      {
+        const glm::dvec2 pixel(random.Integer(0, size.x - 1), random.Integer(0, size.y - 1));
+        const ViewRay ray = camera.MakeRay(pixel.x + 0.5, pixel.y + 0.5);
+        const double t = random.Number(0.0, ray.Far);
+        const glm::dvec3 p = ray.Origin + t * ray.Direction;
+        const int tile =
+          static_cast<int>(pixel.x) / 16 + tilesPerRow * (static_cast<int>(pixel.y) / 16);
+        const ViewRay next = camera.MakeRay(pixel.x + 1.5, pixel.y + 0.5);
+        const double pixelSize = glm::length(next.Origin + t * next.Direction - p);
+        if (t > reaches[static_cast<std::size_t>(tile)] || !edited.Matters(p))
+        {
+          continue;
+        }
+        // Pixels to the sides of a perspective picture are a little larger than those in its middle.
+        if (edited.MovedAt(p) > std::max(1e-8, 2.0 * tolerance * pixelSize))
+        {
+          ++hits;
+          ASSERT_EQ(cast.count(tile), 1u);
+        }
+      }
+    }
+  }
+  EXPECT_GT(hits, 2000);
+  EXPECT_GT(kept, 1500);
+}
+
+TEST(TileHistory, EditsAddUp)
+{
+  RandomLattice random(3);
+  const Edited edited(random, PullBackKind::Exact, BorderMode::Edge, 0.05);
+  const glm::ivec2 size(64, 64);
+  const CameraView camera = RandomCamera(random, edited.Rest, size);
+  // How far the tile that moves most does.
+  double low = 0.0;
+  double high = 1e3;
+  for (int i = 0; i < 40; ++i)
+  {
+    const double middle = 0.5 * (low + high);
+    TileHistory tiles(16);
+    tiles.Start(size);
+    tiles.TakeTilesToCast();
+    tiles.NoteChange(edited.Change, camera, middle);
+    (tiles.TakeTilesToCast().empty() ? high : low) = middle;
+  }
+  ASSERT_GT(high, 1e-3);
+  TileHistory tiles(16);
+  tiles.Start(size);
+  tiles.TakeTilesToCast();
+  for (int edit = 1; edit <= 3; ++edit)
+  {
+    tiles.NoteChange(edited.Change, camera, 2.5 * high);
+    EXPECT_EQ(tiles.TakeTilesToCast().empty(), edit < 3) << edit;
+  }
+}
+
+TEST(TileHistory, DepthsWithinReach)
+{
+  const glm::ivec2 size(40, 33);
+  CameraView camera;
+  camera.Parallel = true;
+  camera.WorldToNdc = glm::ortho(0.0, 40.0, 0.0, 33.0, 0.0, 100.0);
+  camera.NdcToWorld = glm::inverse(camera.WorldToNdc);
+  camera.ImageSize = size;
+  camera.NdcPerPixel = 2.0 / glm::dvec2(size);
+  TileHistory tiles(16);
+  tiles.Start(size);
+  ASSERT_EQ(tiles.TakeTilesToCast().size(), 9u);
+  tiles.GetReaches()[1] = 50.0f;
+  tiles.GetReaches()[4] = 50.0f;
+  std::vector<float> before(40 * 33, 1.0f);
+  std::vector<float> now = before;
+  const auto at = [](int x, int y) { return static_cast<std::size_t>(y * 40 + x); };
+  now[at(17, 3)] = 0.51f;      // tile 1, beyond its reach
+  before[at(18, 20)] = 0.4f;   // tile 4, nearer
+  now[at(39, 32)] = 0.9f;      // tile 8, which goes on to the end
+  tiles.NoteDepths(before.data(), now.data(), camera);
+  EXPECT_EQ(tiles.TakeTilesToCast(), (std::vector<int>{ 4, 8 }));
+  // Nothing was drawn before, and the same now.
+  std::vector<float> same(40 * 33, 1.0f);
+  tiles.NoteDepths(nullptr, same.data(), camera);
+  EXPECT_TRUE(tiles.TakeTilesToCast().empty());
+}
+
+TEST(TileHistory, PicturesMoveByTiles)
+{
+  const auto colour = [](int x, int y, int c) { return static_cast<float>(1000 * y + 4 * x + c); };
+  TileHistory tiles(16);
+  const glm::ivec2 size(40, 48);
+  std::vector<float> colours;
+  std::vector<float> depths;
+  for (int y = 0; y < size.y; ++y)
+  {
+    for (int x = 0; x < size.x; ++x)
+    {
+      depths.push_back(colour(x, y, 7));
+      for (int c = 0; c < 4; ++c)
+      {
+        colours.push_back(colour(x, y, c));
+      }
+    }
+  }
+  tiles.Start(size);
+  tiles.TakeTilesToCast();
+  tiles.GetReaches()[5] = 7.0f; // tile (2, 1), 8 pixels wide
+  tiles.GetReaches()[4] = 6.0f; // tile (1, 1)
+  // One tile more to the left and below, three columns of pixels more to the right.
+  const glm::ivec2 next(16 + 43, 16 + 48);
+  tiles.Continue(next, glm::ivec2(-1, -1), colours, depths);
+  ASSERT_EQ(colours.size(), 4u * 59u * 64u);
+  ASSERT_EQ(depths.size(), 59u * 64u);
+  EXPECT_EQ(tiles.GetReaches()[2 * 4 + 2], 6.0f);
+  // New tiles, and those that have become wider, are cast.
+  EXPECT_EQ(tiles.TakeTilesToCast(), (std::vector<int>{ 0, 1, 2, 3, 4, 7, 8, 11, 12, 15 }));
+  for (int y = 16; y < 64; ++y)
+  {
+    for (int x = 16; x < 48; ++x)
+    {
+      const std::size_t at = static_cast<std::size_t>(y * 59 + x);
+      ASSERT_EQ(depths[at], colour(x - 16, y - 16, 7));
+      ASSERT_EQ(colours[4 * at + 2], colour(x - 16, y - 16, 2));
+    }
+  }
+  // And back to a part of it.
+  tiles.Continue(glm::ivec2(16, 32), glm::ivec2(2, 1), colours, depths);
+  EXPECT_TRUE(tiles.TakeTilesToCast().empty());
+  EXPECT_EQ(tiles.GetReaches()[0], std::numeric_limits<float>::infinity());
+  EXPECT_EQ(colours[0], colour(16, 0, 0));
+  EXPECT_EQ(depths[16], colour(16, 1, 7));
+}
