@@ -44,7 +44,8 @@ class DragWindow
 {
 public:
   /// Without image: the lattice alone, `points` per axis.
-  DragWindow(vtkImageData* image, Opacity opacity, int points, bool adaptive, bool widget, int lines)
+  DragWindow(vtkImageData* image, Opacity opacity, int points, bool adaptive, bool coherent,
+    bool widget, int lines)
   {
     this->Window->SetOffScreenRendering(1);
     this->Window->SetMultiSamples(0);
@@ -59,6 +60,7 @@ public:
       Deform(this->Lattice, image, { Shape::Smooth, 45.0 });
       this->Mapper = MakeMapper(image, this->Lattice, Variant::Exact);
       this->Mapper->SetAutoAdjustSampleDistances(adaptive);
+      this->Mapper->SetFrameCoherence(coherent);
       this->Volume->SetMapper(this->Mapper);
       this->Property = MakeProperty(opacity);
       this->Volume->SetProperty(this->Property);
@@ -188,7 +190,7 @@ std::shared_ptr<void> PrepareWidget(
     const int lines = row.Name == "curved" ? vtkFFDLatticeRepresentation::CURVED
                                            : vtkFFDLatticeRepresentation::STRAIGHT;
     windows->push_back(std::make_unique<DragWindow>(
-      image, opacity, image ? 8 : 20, row.Name == "interactive", widget, lines));
+      image, opacity, image ? 8 : 20, row.Name == "interactive", row.Name != "whole", widget, lines));
     DragWindow* window = windows->back().get();
     if (widget && !window->IsDragging())
     {
@@ -240,7 +242,7 @@ void AddWidgetGroups(const Options& options, std::vector<std::unique_ptr<Group>>
           [folder, opacity](Group& group) {
             return PrepareWidget(group, ReadVolume(folder, "engine"), opacity);
           }),
-      { "full", "interactive", "without_widget", "undeformed" });
+      { "full", "whole", "interactive", "without_widget", "undeformed" });
   }
   add(std::make_unique<Group>("WidgetDrag/lattice20",
         [](Group& group) { return PrepareWidget(group, nullptr, Opacity::Opaque); }),
