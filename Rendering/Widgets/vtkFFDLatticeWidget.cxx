@@ -6,8 +6,11 @@
 #include "vtkFFDLatticeRepresentation.h"
 
 #include "vtkCallbackCommand.h"
+#include "vtkCamera.h"
 #include "vtkCommand.h"
 #include "vtkEvent.h"
+#include "vtkMath.h"
+#include "vtkMatrix4x4.h"
 #include "vtkObjectFactory.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderWindowInteractor.h"
@@ -15,6 +18,9 @@
 #include "vtkWidgetCallbackMapper.h"
 #include "vtkWidgetEvent.h"
 #include "vtkWidgetEventTranslator.h"
+
+#include <algorithm>
+#include <cmath>
 
 vtkStandardNewMacro(vtkFFDLatticeWidget);
 
@@ -28,6 +34,27 @@ constexpr double WheelFactor = 1.1;
 
 constexpr double FarNudge = 10.0;
 constexpr double FineNudge = 0.1;
+
+/// Clipping planes stay where they are until they are this many times as far apart as need be.
+constexpr double WidestRange = 2.0;
+/// Part of the depth of the scene that is left in front of it and behind it when they move.
+constexpr double RangeRoom = 0.25;
+/// As vtkRenderer::ResetCameraClippingRange(): breathing room at the planes.
+constexpr double PlaneMargin = 0.01;
+
+/// How far in front of the camera a box begins and ends.
+void GetDepths(vtkCamera* camera, const double bounds[6], double& nearest, double& farthest)
+{
+  const vtkMatrix4x4* view = camera->GetModelViewTransformMatrix();
+  nearest = farthest = -view->GetElement(2, 3);
+  for (int a = 0; a < 3; ++a)
+  {
+    const double z = -view->GetElement(2, a);
+    nearest += std::min(z * bounds[2 * a], z * bounds[2 * a + 1]);
+    farthest += std::max(z * bounds[2 * a], z * bounds[2 * a + 1]);
+  }
+  nearest = std::max(nearest, 0.0);
+}
 
 } // namespace
 
@@ -257,6 +284,60 @@ void vtkFFDLatticeWidget::EndDrag()
 }
 
 //------------------------------------------------------------------------------
+void vtkFFDLatticeWidget::AdjustClippingRange()
+{
+  vtkRenderer* renderer = this->CurrentRenderer;
+  if (!renderer)
+  {
+    return;
+  }
+  vtkCamera* camera = renderer->GetActiveCamera();
+  const double tolerance = renderer->GetNearClippingPlaneTolerance();
+  double bounds[6];
+  renderer->ComputeVisiblePropBounds(bounds);
+  // The tolerance is found by the first reset.
+  if (!vtkMath::AreBoundsInitialized(bounds) || camera->GetUseOffAxisProjection() ||
+    !(tolerance > 0.0))
+  {
+    renderer->ResetCameraClippingRange();
+    return;
+  }
+  double nearest;
+  double farthest;
+  GetDepths(camera, bounds, nearest, farthest);
+  // What is flat is given some depth, as a reset does.
+  const double gap = camera->GetParallelProjection()
+    ? 0.1 * camera->GetParallelScale()
+    : 0.2 * std::tan(0.5 * vtkMath::RadiansFromDegrees(camera->GetViewAngle())) * farthest;
+  const double depth = std::max(farthest - nearest, gap);
+  const double wanted[2] = { (1.0 - PlaneMargin) * nearest, (1.0 + PlaneMargin) * farthest };
+  const double expansion = renderer->GetClippingRangeExpansion() * depth;
+  const double needed = wanted[1] + expansion -
+    std::max(wanted[0] - expansion, tolerance * (wanted[1] + expansion));
+  double range[2];
+  camera->GetClippingRange(range);
+  // Of a camera among the props nothing is asked but that its near plane is as near as it may be.
+  constexpr double rounding = 1e-9;
+  const double least = tolerance * range[1];
+  const bool holds = range[0] <= std::max(wanted[0], (1.0 + rounding) * least) &&
+    range[1] >= wanted[1];
+  const bool precise = range[0] >= (1.0 - rounding) * least;
+  if (holds && precise && range[1] - range[0] <= WidestRange * needed)
+  {
+    return;
+  }
+  renderer->ResetCameraClippingRange();
+  camera->GetClippingRange(range);
+  const double farPlane = std::max(range[1], wanted[1] + RangeRoom * depth);
+  const double nearPlane =
+    std::max(std::min(range[0], wanted[0] - RangeRoom * depth), tolerance * farPlane);
+  if (nearPlane != range[0] || farPlane != range[1])
+  {
+    camera->SetClippingRange(nearPlane, farPlane);
+  }
+}
+
+//------------------------------------------------------------------------------
 void vtkFFDLatticeWidget::Press(int operation)
 {
   Rep* rep = this->GetLatticeRepresentation();
@@ -379,7 +460,7 @@ void vtkFFDLatticeWidget::MoveAction(vtkAbstractWidget* widget)
   self->InvokeEvent(vtkCommand::InteractionEvent, nullptr);
   if (rep->GetInteractionState() != Rep::SelectingRegion)
   {
-    self->CurrentRenderer->ResetCameraClippingRange();
+    self->AdjustClippingRange();
   }
   self->Render();
 }
@@ -412,7 +493,7 @@ void vtkFFDLatticeWidget::EndSelectAction(vtkAbstractWidget* widget)
   self->EventCallbackCommand->SetAbortFlag(1);
   self->EndDrag();
   self->SetCursor(rep->ComputeInteractionState(x, y));
-  self->CurrentRenderer->ResetCameraClippingRange();
+  self->AdjustClippingRange();
   self->Render();
 }
 
@@ -505,6 +586,7 @@ int vtkFFDLatticeWidget::Perform(int widgetEvent)
 {
   Rep* rep = this->GetLatticeRepresentation();
   const bool selected = rep->GetNumberOfSelectedPoints() > 0;
+  const vtkMTimeType before = rep->GetLattice()->GetMTime();
   // In the middle of a drag only what shapes or ends it.
   const bool shapesDrag = (widgetEvent >= ConstrainX && widgetEvent <= ConstrainAcrossZ) ||
     (widgetEvent >= ToggleProportional && widgetEvent <= DecreaseRadius) ||
@@ -677,6 +759,10 @@ int vtkFFDLatticeWidget::Perform(int widgetEvent)
   }
   if (done && this->Enabled && this->Interactor)
   {
+    if (rep->GetLattice()->GetMTime() != before)
+    {
+      this->AdjustClippingRange();
+    }
     this->Render();
   }
   return done;

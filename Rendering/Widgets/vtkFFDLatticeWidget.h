@@ -50,6 +50,14 @@
  * window has the interactor's DesiredUpdateRate, so that volume mappers may use fewer samples; at
  * its end it has the still one, and is drawn again.
  *
+ * After each edit the clipping range of the camera is looked after: it stays as it is, bit for bit,
+ * while it holds all visible props (vtkRenderer::ComputeVisiblePropBounds()) and is no wider than
+ * twice what vtkRenderer::ResetCameraClippingRange() would give. Volume mappers count their samples
+ * from the near plane: if it moved with every step of a drag, so would the samples of the whole
+ * picture. When the range must change it is reset with room for the next steps, a quarter of the
+ * depth of the scene at least before and behind it, as far as the renderer's
+ * NearClippingPlaneTolerance allows.
+ *
  * @sa vtkFFDLatticeRepresentation vtkFFDLattice
  */
 #ifndef vtkFFDLatticeWidget_h
@@ -172,6 +180,7 @@ private:
   void BindKeys(int modifier, std::initializer_list<const char*> symbols);
   void BindAllKeys();
   void Press(int operation);
+  void AdjustClippingRange();
   void BeginDrag();
   void EndDrag();
   void Attach(vtkFFDLatticeRepresentation* representation);
