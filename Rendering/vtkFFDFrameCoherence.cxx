@@ -38,16 +38,16 @@ bool IsSame(const ffd::Blending& a, const ffd::Blending& b)
 
 //------------------------------------------------------------------------------
 vtkFFDFrameCoherence::vtkFFDFrameCoherence()
-  : Tiles(TileSize)
+  : Quarters(ffd::RayCaster::QuarterSize)
 {
 }
 
 //------------------------------------------------------------------------------
 void vtkFFDFrameCoherence::Clear()
 {
-  if (!this->Tiles.IsEmpty())
+  if (!this->Quarters.IsEmpty())
   {
-    this->Tiles.Clear();
+    this->Quarters.Clear();
     this->LastField = ffd::BSplineField();
     std::vector<float>().swap(this->LastDepths);
   }
@@ -56,7 +56,7 @@ void vtkFFDFrameCoherence::Clear()
 //------------------------------------------------------------------------------
 std::size_t vtkFFDFrameCoherence::GetMemorySize() const
 {
-  return this->Tiles.GetMemorySize() +
+  return this->Quarters.GetMemorySize() +
     this->LastField.GetCoefficients().size() * sizeof(glm::dvec3);
 }
 
@@ -74,7 +74,7 @@ void vtkFFDFrameCoherence::Align(vtkFFDImageRegion& region) const
   }
   const vtkFFDImageRegion& last = this->LastRegion;
   const glm::ivec2 lastEnd(glm::dvec2(last.Origin) + glm::dvec2(last.Rays) * last.Step);
-  if (!this->Tiles.IsEmpty() && region.Viewport == last.Viewport && region.Step == last.Step &&
+  if (!this->Quarters.IsEmpty() && region.Viewport == last.Viewport && region.Step == last.Step &&
     glm::all(glm::lessThanEqual(last.Origin, region.Origin)) &&
     glm::all(glm::greaterThanEqual(lastEnd, end)))
   {
@@ -88,7 +88,7 @@ bool vtkFFDFrameCoherence::Continues(const Sources& sources, const ffd::CastScen
   const vtkFFDImageRegion& region, glm::ivec2& shift) const
 {
   const vtkFFDImageRegion& last = this->LastRegion;
-  if (this->Tiles.IsEmpty() || !(sources == this->LastSources) ||
+  if (this->Quarters.IsEmpty() || !(sources == this->LastSources) ||
     region.Viewport != last.Viewport || region.Step != last.Step || !this->LastWasOneToOne ||
     !IsSame(scene.Blend, this->LastBlend) ||
     scene.Camera.WorldToNdc != this->LastCamera.WorldToNdc ||
@@ -115,7 +115,7 @@ bool vtkFFDFrameCoherence::Continues(const Sources& sources, const ffd::CastScen
 }
 
 //------------------------------------------------------------------------------
-std::vector<int> vtkFFDFrameCoherence::Begin(const Sources& sources, const ffd::CastScene& scene,
+std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Sources& sources, const ffd::CastScene& scene,
   const vtkFFDImageRegion& region, const ffd::Box& restBounds, double tolerance,
   std::vector<float>& colours)
 {
@@ -133,14 +133,15 @@ std::vector<int> vtkFFDFrameCoherence::Begin(const Sources& sources, const ffd::
       Resolution * scene.VoxelSize, change) &&
     !change.IsEmpty())
   {
-    this->Tiles.Continue(region.Rays, shift, colours, this->LastDepths);
-    this->Tiles.NoteDepths(
+    // Tiles are two quarters wide.
+    this->Quarters.Continue(region.Rays, 2 * shift, colours, this->LastDepths);
+    this->Quarters.NoteDepths(
       this->LastDepths.empty() ? nullptr : this->LastDepths.data(), scene.Depths, scene.Camera);
-    this->Tiles.NoteChange(change, scene.Camera, tolerance);
+    this->Quarters.NoteChange(change, scene.Camera, tolerance);
   }
   else
   {
-    this->Tiles.Start(region.Rays);
+    this->Quarters.Start(region.Rays);
   }
   const std::size_t rays =
     static_cast<std::size_t>(region.Rays.x) * static_cast<std::size_t>(region.Rays.y);
@@ -159,5 +160,32 @@ std::vector<int> vtkFFDFrameCoherence::Begin(const Sources& sources, const ffd::
   {
     this->LastDepths.assign(scene.Depths, scene.Depths + rays);
   }
-  return this->Tiles.TakeTilesToCast();
+  return this->TakePartsToCast(region.Rays);
+}
+
+//------------------------------------------------------------------------------
+std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::TakePartsToCast(const glm::ivec2& rays)
+{
+  constexpr int size = ffd::RayCaster::QuarterSize;
+  const int quartersPerRow = (rays.x + size - 1) / size;
+  const int tilesPerRow = (rays.x + TileSize - 1) / TileSize;
+  const int rows = (rays.y + TileSize - 1) / TileSize;
+  std::vector<unsigned int> quarters(
+    static_cast<std::size_t>(tilesPerRow) * static_cast<std::size_t>(rows));
+  for (int at : this->Quarters.TakeTilesToCast())
+  {
+    const int x = at % quartersPerRow;
+    const int y = at / quartersPerRow;
+    quarters[static_cast<std::size_t>(y / 2 * tilesPerRow + x / 2)] |=
+      1u << (x % 2 + 2 * (y % 2));
+  }
+  std::vector<Part> parts;
+  for (std::size_t tile = 0; tile < quarters.size(); ++tile)
+  {
+    if (quarters[tile] != 0)
+    {
+      parts.push_back({ static_cast<int>(tile), quarters[tile] });
+    }
+  }
+  return parts;
 }

@@ -48,6 +48,13 @@ public:
     }
   };
 
+  /// A tile of the caster, and which quarters of it.
+  struct Part
+  {
+    int Tile;
+    unsigned int Quarters;
+  };
+
   /// The next picture has nothing to do with the last.
   void Clear();
 
@@ -56,14 +63,14 @@ public:
 
   /**
    * Begin a picture. `colours`, 4 floats a ray, are those of the last one, and get the size of this
-   * one; `restBounds` those of the volume, `tolerance` in pixels. Returns the tiles that must be cast.
+   * one; `restBounds` those of the volume, `tolerance` in pixels. Returns what must be cast.
    */
-  std::vector<int> Begin(const Sources& sources, const ffd::CastScene& scene,
+  std::vector<Part> Begin(const Sources& sources, const ffd::CastScene& scene,
     const vtkFFDImageRegion& region, const ffd::Box& restBounds, double tolerance,
     std::vector<float>& colours);
 
   /// For the caster, see CastImage::Reaches.
-  float* GetReaches() { return this->Tiles.GetReaches(); }
+  float* GetReaches() { return this->Quarters.GetReaches(); }
 
   std::size_t GetMemorySize() const;
 
@@ -71,7 +78,9 @@ private:
   bool Continues(const Sources& sources, const ffd::CastScene& scene,
     const vtkFFDImageRegion& region, glm::ivec2& shift) const;
 
-  ffd::TileHistory Tiles;
+  std::vector<Part> TakePartsToCast(const glm::ivec2& rays);
+
+  ffd::TileHistory Quarters; // of tiles
 
   // Of the last picture.
   Sources LastSources;

@@ -60,10 +60,10 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bitset>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -141,6 +141,20 @@ bool IsMoving(vtkVolume* volume)
   return volume->GetAllocatedRenderTime() < 1.0;
 }
 
+/// Which part of an image of `rays` some quarters of tiles are, by their number.
+double FindPart(const std::vector<vtkFFDFrameCoherence::Part>& tiles, const glm::ivec2& rays)
+{
+  std::size_t count = 0;
+  for (const vtkFFDFrameCoherence::Part& tile : tiles)
+  {
+    count += std::bitset<4>(tile.Quarters).count();
+  }
+  // At the border of the image there may be fewer quarters to a tile.
+  const glm::ivec2 all =
+    (rays + ffd::RayCaster::QuarterSize - 1) / ffd::RayCaster::QuarterSize;
+  return std::min(1.0, static_cast<double>(count) / std::max(1, all.x * all.y));
+}
+
 /// Whether a pass of depth peeling asks for the volume between translucent surfaces: it wants the
 /// shader of the volume changed, and what is drawn without that is not a picture.
 bool IsPeeled(vtkRenderer* renderer, vtkVolume* volume)
@@ -190,7 +204,7 @@ public:
   void MakeClassifier(ffd::CastScene& scene);
   bool Cast(vtkRenderer* renderer, vtkVolume* volume, const vtkFFDImageRegion& region,
     const float* depths, bool interactive, bool window, float* outDepths);
-  void ApplyFinalColours(const vtkFFDImageRegion& region, int tile);
+  void ApplyFinalColours(const vtkFFDImageRegion& region, const vtkFFDFrameCoherence::Part& tile);
   bool CanReuse(vtkVolume* volume) const;
   double FindStep(double allotted, const glm::ivec2& pixels) const;
   bool IsCroppedToBox() const;
@@ -827,7 +841,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
   ffd::CastImage image;
   image.Width = region.Rays.x;
   image.Height = region.Rays.y;
-  std::vector<int> tiles;
+  std::vector<vtkFFDFrameCoherence::Part> tiles;
   if (window && this->CanReuse(volume))
   {
     tiles = this->Coherence.Begin({ this->Self->GetSettingsTime(), this->Input.GetMTime(),
@@ -842,11 +856,12 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
     this->Coherence.Clear();
     this->Colours.resize(
       4 * static_cast<std::size_t>(image.Width) * static_cast<std::size_t>(image.Height));
-    tiles.resize(static_cast<std::size_t>(caster.GetNumberOfTiles(image)));
-    std::iota(tiles.begin(), tiles.end(), 0);
+    for (int tile = 0; tile < caster.GetNumberOfTiles(image); ++tile)
+    {
+      tiles.push_back({ tile, ffd::RayCaster::AllQuarters });
+    }
   }
-  const double part =
-    static_cast<double>(tiles.size()) / std::max(1, caster.GetNumberOfTiles(image));
+  const double part = FindPart(tiles, region.Rays);
   this->ReusedFraction = 1.0 - part;
   image.Colours = this->Colours.data();
   image.Depths = outDepths;
@@ -857,8 +872,8 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
     ffd::RayCaster::Scratch& mine = scratch.Local();
     for (vtkIdType i = first; i < last; ++i)
     {
-      const int tile = tiles[static_cast<std::size_t>(i)];
-      caster.RenderTile(tile, image, mine);
+      const vtkFFDFrameCoherence::Part& tile = tiles[static_cast<std::size_t>(i)];
+      caster.RenderTile(tile.Tile, image, mine, tile.Quarters);
       this->ApplyFinalColours(region, tile);
     }
   };
@@ -915,7 +930,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
 //------------------------------------------------------------------------------
 /// Window and level of the colours of a finished tile.
 void vtkFFDInverseRayVolumeMapper::vtkInternals::ApplyFinalColours(
-  const vtkFFDImageRegion& region, int tile)
+  const vtkFFDImageRegion& region, const vtkFFDFrameCoherence::Part& tile)
 {
   const double window = this->Self->FinalColorWindow;
   const double level = this->Self->FinalColorLevel;
@@ -927,12 +942,17 @@ void vtkFFDInverseRayVolumeMapper::vtkInternals::ApplyFinalColours(
   const float bias = static_cast<float>(0.5 - level / window);
   constexpr int size = ffd::RayCaster::TileSize;
   const int tilesPerRow = (region.Rays.x + size - 1) / size;
-  const glm::ivec2 first(tile % tilesPerRow * size, tile / tilesPerRow * size);
+  const glm::ivec2 first(tile.Tile % tilesPerRow * size, tile.Tile / tilesPerRow * size);
   const glm::ivec2 end = glm::min(first + size, region.Rays);
   for (int y = first.y; y < end.y; ++y)
   {
     for (int x = first.x; x < end.x; ++x)
     {
+      const glm::ivec2 quarter = (glm::ivec2(x, y) - first) / ffd::RayCaster::QuarterSize;
+      if ((tile.Quarters >> (quarter.x + 2 * quarter.y) & 1u) == 0)
+      {
+        continue;
+      }
       float* pixel = &this->Colours[4 * (static_cast<std::size_t>(y) * region.Rays.x + x)];
       for (int c = 0; c < 3; ++c)
       {

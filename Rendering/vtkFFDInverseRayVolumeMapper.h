@@ -335,7 +335,7 @@ public:
   ///@{
   /**
    * Whether a frame that follows an edit of the control points alone, while the scene moves, casts
-   * only those tiles of 16 x 16 rays anew that see the edit. "While the scene moves": the renderer
+   * only those parts, of 8 x 8 rays, anew that see the edit. "While the scene moves": the renderer
    * allots less than a second to the frame (vtkRenderWindow::SetDesiredUpdateRate, as interactors and
    * widgets set it during a drag). Any other change, to camera, clipping range, light, transfer
    * functions, voxels or options, makes the next picture as a whole, and so does a still frame: no
@@ -349,17 +349,17 @@ public:
 
   ///@{
   /**
-   * How far what a tile sees may have moved since its rays were cast, edit by edit added up, until
-   * they are cast again with FrameCoherence: pixels, as they are where it is. 0: tiles are shown again
-   * only if nothing that they see has moved at all. Not negative. Default: 0.1.
+   * How far what a part of the picture shows may have moved since its rays were cast, edit by edit
+   * added up, until they are cast again with FrameCoherence: pixels, as they are where it is. 0: a part
+   * is shown again only if nothing in it has moved at all. Not negative. Default: 0.1.
    */
   virtual void SetFrameCoherenceTolerance(double pixels);
   vtkGetMacro(FrameCoherenceTolerance, double);
   ///@}
 
   /**
-   * Which part, 0 to 1, of the tiles of the last picture in a window was taken from the picture before
-   * it: see SetFrameCoherence(). 0 after RenderToImage().
+   * How much, 0 to 1, of the last picture in a window was taken from the picture before it: see
+   * SetFrameCoherence(). 0 after RenderToImage().
    */
   double GetReusedFraction();
 

@@ -110,8 +110,8 @@ struct CastScene
 
 /// Image to render into, rows bottom up, premultiplied RGBA and window depth of the first visible
 /// sample (1 where there is none); `Depths` may be null. `Reaches`, which may be null, has an entry
-/// for each tile, x fastest: the t beyond which no ray of it has been followed, infinite where one
-/// goes on to its end or that is not known.
+/// for each quarter of a tile, x fastest: the t beyond which no ray of it has been followed, infinite
+/// where one goes on to its end or that is not known.
 struct CastImage
 {
   int Width = 0;

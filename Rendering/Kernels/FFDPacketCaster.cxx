@@ -25,23 +25,23 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-float CastTileOfAnyType(
-  const PacketScene& scene, int x0, int y0, const CastImage& image, PacketScratch& scratch)
+void CastTileOfAnyType(const PacketScene& scene, int x0, int y0, unsigned int quarters,
+  const CastImage& image, PacketScratch& scratch)
 {
   switch (scene.Volume.Type)
   {
     case ScalarType::Int8:
-      return CastTile<std::int8_t>(scene, x0, y0, image, scratch);
+      return CastTile<std::int8_t>(scene, x0, y0, quarters, image, scratch);
     case ScalarType::UInt8:
-      return CastTile<std::uint8_t>(scene, x0, y0, image, scratch);
+      return CastTile<std::uint8_t>(scene, x0, y0, quarters, image, scratch);
     case ScalarType::Int16:
-      return CastTile<std::int16_t>(scene, x0, y0, image, scratch);
+      return CastTile<std::int16_t>(scene, x0, y0, quarters, image, scratch);
     case ScalarType::UInt16:
-      return CastTile<std::uint16_t>(scene, x0, y0, image, scratch);
+      return CastTile<std::uint16_t>(scene, x0, y0, quarters, image, scratch);
     case ScalarType::Float32:
-      return CastTile<float>(scene, x0, y0, image, scratch);
+      return CastTile<float>(scene, x0, y0, quarters, image, scratch);
     default:
-      return CastTile<WideScalar>(scene, x0, y0, image, scratch);
+      return CastTile<WideScalar>(scene, x0, y0, quarters, image, scratch);
   }
 }
 
@@ -327,10 +327,10 @@ PacketCaster::PacketCaster(
 }
 
 //------------------------------------------------------------------------------
-float PacketCaster::RenderTile(
-  int x0, int y0, const CastImage& image, PacketScratch& scratch) const
+void PacketCaster::RenderTile(int x0, int y0, unsigned int quarters, const CastImage& image,
+  PacketScratch& scratch) const
 {
-  return HWY_DYNAMIC_DISPATCH(CastTileOfAnyType)(this->Scene, x0, y0, image, scratch);
+  HWY_DYNAMIC_DISPATCH(CastTileOfAnyType)(this->Scene, x0, y0, quarters, image, scratch);
 }
 
 } // namespace ffd

@@ -159,8 +159,9 @@ public:
   /// Whether packets can render this scene; else the reference ray caster has to.
   static bool Supports(const CastScene& scene, const CastSettings& settings);
 
-  /// Returns what CastImage::Reaches says of the tile.
-  float RenderTile(int x0, int y0, const CastImage& image, PacketScratch& scratch) const;
+  /// See RayCaster::RenderTile().
+  void RenderTile(int x0, int y0, unsigned int quarters, const CastImage& image,
+    PacketScratch& scratch) const;
 
 private:
   PacketScene Scene;

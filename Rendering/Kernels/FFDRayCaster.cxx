@@ -493,33 +493,42 @@ void RayCaster::TraceRay(
 }
 
 //------------------------------------------------------------------------------
-void RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch) const
+void RayCaster::RenderTile(
+  int tile, const CastImage& image, Scratch& scratch, unsigned int quarters) const
 {
   const int x0 = tile % this->GetTilesPerRow(image) * TileSize;
   const int y0 = tile / this->GetTilesPerRow(image) * TileSize;
   if (this->Packets)
   {
-    const float reach = this->Packets->RenderTile(x0, y0, image, scratch.Packets);
-    if (image.Reaches)
-    {
-      image.Reaches[tile] = reach;
-    }
+    this->Packets->RenderTile(x0, y0, quarters, image, scratch.Packets);
     return;
-  }
-  if (image.Reaches)
-  {
-    image.Reaches[tile] = std::numeric_limits<float>::infinity();
   }
   const int x1 = std::min(x0 + TileSize, image.Width) - 1;
   const int y1 = std::min(y0 + TileSize, image.Height) - 1;
-
+  const auto isWanted = [&](int x, int y) {
+    return (quarters >> (x - x0) / QuarterSize + 2 * ((y - y0) / QuarterSize) & 1u) != 0;
+  };
   for (int y = y0; y <= y1; ++y)
   {
-    const std::size_t at = static_cast<std::size_t>(y) * image.Width + x0;
-    std::fill_n(image.Colours + 4 * at, 4 * (x1 - x0 + 1), 0.0f);
-    if (image.Depths)
+    for (int x = x0; x <= x1; x += QuarterSize)
     {
-      std::fill_n(image.Depths + at, x1 - x0 + 1, 1.0f);
+      if (!isWanted(x, y))
+      {
+        continue;
+      }
+      const std::size_t at = static_cast<std::size_t>(y) * image.Width + x;
+      const int width = std::min(QuarterSize, x1 - x + 1);
+      std::fill_n(image.Colours + 4 * at, 4 * width, 0.0f);
+      if (image.Depths)
+      {
+        std::fill_n(image.Depths + at, width, 1.0f);
+      }
+      if (image.Reaches)
+      {
+        const int perRow = (image.Width + QuarterSize - 1) / QuarterSize;
+        image.Reaches[y / QuarterSize * perRow + x / QuarterSize] =
+          std::numeric_limits<float>::infinity();
+      }
     }
   }
   std::array<Ray, TileSize * TileSize> rays;
@@ -530,7 +539,6 @@ void RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch) c
   {
     return;
   }
-  scratch.Statistics.Rays += count;
   const bool slice = this->Scene.Blend.Mode == BlendMode::Slice;
   const bool greedy = this->Settings.Segments == Segmentation::GreedyAngle;
   if (!slice && !greedy)
@@ -540,6 +548,11 @@ void RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch) c
   for (int i = 0; i < count; ++i)
   {
     Ray& ray = rays[i];
+    if (!isWanted(ray.X, ray.Y))
+    {
+      continue;
+    }
+    ++scratch.Statistics.Rays;
     Pixel pixel(this->Frame, ray);
     if (slice)
     {

@@ -33,6 +33,8 @@ class FFD_KERNEL_EXPORT RayCaster
 {
 public:
   static constexpr int TileSize = 16;
+  static constexpr int QuarterSize = TileSize / 2;
+  static constexpr unsigned int AllQuarters = 15;
 
   RayCaster(const CastScene& scene, const CastSettings& settings);
   ~RayCaster();
@@ -52,7 +54,9 @@ public:
 
   int GetTilesPerRow(const CastImage& image) const;
   int GetNumberOfTiles(const CastImage& image) const;
-  void RenderTile(int tile, const CastImage& image, Scratch& scratch) const;
+  /// `quarters`: of which quarters of the tile the pixels are asked for, a bit each, x fastest.
+  void RenderTile(int tile, const CastImage& image, Scratch& scratch,
+    unsigned int quarters = AllQuarters) const;
 
   /// Cast the ray of one pixel as for the picture, by the reference kernels, and note what was done
   /// on the way. Of `image` only the size matters.

@@ -1279,10 +1279,63 @@ HWY_INLINE void ClearPixels(const CastImage& image, int x0, int y0)
   }
 }
 
-/// Returns what CastImage::Reaches says of the tile.
+/// The reaches of the quarters of a tile, see CastImage.
+class TileReaches
+{
+public:
+  TileReaches(int x0, int y0, unsigned int quarters, const CastImage& image)
+    : X(x0)
+    , Y(y0)
+    , Quarters(quarters)
+    , Image(image)
+  {
+  }
+
+  /// Whether the packet at a pixel is in a quarter that is asked for.
+  HWY_INLINE bool IsWanted(int x, int y) const { return (this->Quarters >> this->At(x, y) & 1) != 0; }
+
+  HWY_INLINE void Include(int x, int y, float reach)
+  {
+    float& here = this->Reaches[this->At(x, y)];
+    here = std::max(here, reach);
+  }
+
+  HWY_INLINE void Store() const
+  {
+    if (!this->Image.Reaches)
+    {
+      return;
+    }
+    const int perRow = (this->Image.Width + QuarterSide - 1) / QuarterSide;
+    for (int quarter = 0; quarter < 4; ++quarter)
+    {
+      const int x = this->X + quarter % 2 * QuarterSide;
+      const int y = this->Y + quarter / 2 * QuarterSide;
+      if (x < this->Image.Width && y < this->Image.Height && this->IsWanted(x, y))
+      {
+        this->Image.Reaches[y / QuarterSide * perRow + x / QuarterSide] = this->Reaches[quarter];
+      }
+    }
+  }
+
+private:
+  static constexpr int QuarterSide = TileSide / 2;
+
+  HWY_INLINE int At(int x, int y) const
+  {
+    return (x - this->X >= QuarterSide ? 1 : 0) + (y - this->Y >= QuarterSide ? 2 : 0);
+  }
+
+  int X;
+  int Y;
+  unsigned int Quarters;
+  const CastImage& Image;
+  float Reaches[4] = { 0.0f, 0.0f, 0.0f, 0.0f };
+};
+
 template <class T>
-HWY_NOINLINE float CastTile(
-  const PacketScene& scene, int x0, int y0, const CastImage& image, PacketScratch& scratch)
+HWY_NOINLINE void CastTile(const PacketScene& scene, int x0, int y0, unsigned int quarters,
+  const CastImage& image, PacketScratch& scratch)
 {
   const Df d;
   const PacketShape shape = GetPacketShape();
@@ -1303,12 +1356,16 @@ HWY_NOINLINE float CastTile(
 
   float tMin = 1e30f;
   float tMax = -1e30f;
-  bool anyMissing = false;
+  TileReaches reaches(x0, y0, quarters, image);
   std::size_t packet = 0;
   for (int y = y0; y < y0 + TileSide; y += shape.Height)
   {
     for (int x = x0; x < x0 + TileSide; x += shape.Width, ++packet)
     {
+      if (!reaches.IsWanted(x, y))
+      {
+        continue;
+      }
       const Vf px = hn::Add(Splat(static_cast<float>(x) + 0.5f), dx);
       const Vf py = hn::Add(Splat(static_cast<float>(y) + 0.5f), dy);
       RayPacket rays = MakeRays(scene, near, far, px, py);
@@ -1321,7 +1378,10 @@ HWY_NOINLINE float CastTile(
         hn::Lt(py, Splat(static_cast<float>(image.Height))));
       const Mf active = hn::And(inImage, hn::Lt(rays.From, rays.To));
       // Rays that miss what there is now may meet what there will be.
-      anyMissing = anyMissing || !hn::AllFalse(d, hn::AndNot(active, inImage));
+      if (!hn::AllFalse(d, hn::AndNot(active, inImage)))
+      {
+        reaches.Include(x, y, std::numeric_limits<float>::infinity());
+      }
       rays.To = hn::IfThenElse(active, rays.To, Splat(-1.0f));
       stored.Set(packet * static_cast<std::size_t>(shape.Lanes), rays);
       tMin = std::min(tMin, SmallestLane(hn::IfThenElse(active, rays.From, Splat(1e30f))));
@@ -1354,12 +1414,15 @@ HWY_NOINLINE float CastTile(
   }
   TileBeam beam(scene, grid, scratch);
 
-  float reach = anyMissing ? std::numeric_limits<float>::infinity() : 0.0f;
   packet = 0;
   for (int y = y0; y < y0 + TileSide; y += shape.Height)
   {
     for (int x = x0; x < x0 + TileSide; x += shape.Width, ++packet)
     {
+      if (!reaches.IsWanted(x, y))
+      {
+        continue;
+      }
       const RayPacket rays = stored.Get(packet * static_cast<std::size_t>(shape.Lanes));
       const Mf active = hn::Lt(rays.From, rays.To);
       if (hn::AllFalse(d, active))
@@ -1383,10 +1446,10 @@ HWY_NOINLINE float CastTile(
         cast.Cast();
       }
       StorePixels(scene, image, x, y, active, cast.GetPixels());
-      reach = std::max(reach, cast.GetReach());
+      reaches.Include(x, y, cast.GetReach());
     }
   }
-  return reach;
+  reaches.Store();
 }
 
 } // namespace HWY_NAMESPACE

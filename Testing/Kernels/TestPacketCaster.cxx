@@ -172,10 +172,12 @@ public:
   {
     std::vector<float> Colours;
     std::vector<float> Depths;
+    std::vector<float> Reaches; // of the quarters of tiles
     CastStatistics Statistics;
   };
 
-  Picture Render(bool reference)
+  /// `quarters`: of each tile, see RayCaster::RenderTile(); other pixels are -1.
+  Picture Render(bool reference, unsigned int quarters = RayCaster::AllQuarters)
   {
     CastSettings settings = this->Settings;
     settings.Reference = reference;
@@ -189,10 +191,13 @@ public:
     image.Height = size.y;
     image.Colours = picture.Colours.data();
     image.Depths = picture.Depths.data();
+    const glm::ivec2 parts = (size + RayCaster::QuarterSize - 1) / RayCaster::QuarterSize;
+    picture.Reaches.assign(static_cast<std::size_t>(parts.x) * parts.y, -1.0f);
+    image.Reaches = picture.Reaches.data();
     auto scratch = std::make_unique<RayCaster::Scratch>();
     for (int tile = 0; tile < caster.GetNumberOfTiles(image); ++tile)
     {
-      caster.RenderTile(tile, image, *scratch);
+      caster.RenderTile(tile, image, *scratch, quarters);
     }
     picture.Statistics = RayCaster::GetStatistics(*scratch);
     return picture;
@@ -618,6 +623,87 @@ TEST(PacketCaster, LeapingChangesNothing)
         });
     }
   }
+}
+
+TEST(PacketCaster, QuartersOfTiles)
+{
+  TestScene scene(ScalarType::UInt8, 4);
+  scene.SetDeformation(2.0, PullBackKind::Exact);
+  // The last tiles are cut in the middle of a quarter.
+  const glm::ivec2 size(60, 53);
+  scene.SetCamera(true, size.x, size.y);
+  ForEveryTarget(
+    [&]
+    {
+      for (bool reference : { true, false })
+      {
+        const TestScene::Picture whole = scene.Render(reference);
+        for (unsigned int quarters : { 1u, 6u, 8u, 11u })
+        {
+          const TestScene::Picture part = scene.Render(reference, quarters);
+          double worst = 0.0;
+          for (int y = 0; y < size.y; ++y)
+          {
+            for (int x = 0; x < size.x; ++x)
+            {
+              const std::size_t at = static_cast<std::size_t>(y) * size.x + x;
+              const std::size_t reach = static_cast<std::size_t>(y / 8) * 8 + x / 8;
+              const bool wanted = (quarters >> (x % 16 / 8 + 2 * (y % 16 / 8)) & 1u) != 0;
+              for (std::size_t c = 4 * at; c < 4 * at + 4; ++c)
+              {
+                // Spans of a tile begin where its first ray does.
+                worst = std::max(worst,
+                  std::abs(static_cast<double>(part.Colours[c]) -
+                    (wanted ? whole.Colours[c] : -1.0f)));
+              }
+              ASSERT_EQ(part.Depths[at] >= 0.0f, wanted);
+              ASSERT_EQ(part.Reaches[reach] >= 0.0f, wanted);
+            }
+          }
+          EXPECT_LE(worst, 2.0 / 255.0) << (reference ? "reference" : "packets");
+          EXPECT_LT(part.Statistics.Rays, whole.Statistics.Rays);
+        }
+      }
+    });
+}
+
+TEST(PacketCaster, ReachesHoldWhatEndsTheRays)
+{
+  TestScene scene(ScalarType::UInt8, 4);
+  scene.SetLeastVisible(5.0);
+  scene.SetDeformation(2.0, PullBackKind::Exact);
+  scene.Settings.TerminationTransmittance = 0.7f;
+  const glm::ivec2 size(64, 64);
+  scene.SetCamera(false, size.x, size.y);
+  ForEveryTarget(
+    [&]
+    {
+      const TestScene::Picture picture = scene.Render(false);
+      int ended = 0;
+      for (int y = 0; y < size.y; ++y)
+      {
+        for (int x = 0; x < size.x; ++x)
+        {
+          const std::size_t at = static_cast<std::size_t>(y) * size.x + x;
+          const float reach = picture.Reaches[static_cast<std::size_t>(y / 8) * 8 + x / 8];
+          const bool terminated = picture.Colours[4 * at + 3] > 0.3f;
+          if (!terminated)
+          {
+            // A ray that goes on sees all that is behind.
+            ASSERT_TRUE(std::isinf(reach));
+          }
+          else if (std::isfinite(reach))
+          {
+            ++ended;
+            // The first visible sample is not beyond, and the near plane not in between.
+            const double t = 270.0 * picture.Depths[at];
+            ASSERT_LE(t, static_cast<double>(reach) + 1e-3);
+            ASSERT_LT(reach, 270.0f);
+          }
+        }
+      }
+      EXPECT_GT(ended, 100);
+    });
 }
 
 } // namespace
