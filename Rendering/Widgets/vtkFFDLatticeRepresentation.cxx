@@ -2774,7 +2774,8 @@ int vtkFFDLatticeRepresentation::RenderOpaqueGeometry(vtkViewport* viewport)
 //------------------------------------------------------------------------------
 int vtkFFDLatticeRepresentation::RenderTranslucentPolygonalGeometry(vtkViewport* viewport)
 {
-  return this->Internals->Scene.RenderTranslucentPolygonalGeometry(viewport);
+  return this->Internals->Scene.RenderTranslucentPolygonalGeometry(
+    viewport, this->GetPropertyKeys());
 }
 
 //------------------------------------------------------------------------------

@@ -446,7 +446,8 @@ public:
   ///@{
   /**
    * Sizes on screen in pixels, whatever the distance: HandleSize of the superclass is the diameter
-   * of a control point (default 9), TransformHandleSize the length of an arm of the handle
+   * of a control point (default 9; nine tenths of it in a lattice of more than 150, three quarters
+   * of more than 400, so that they do not cover the volume), TransformHandleSize the length of an arm of the handle
    * (default 80, 10 to 1000), PickTolerance how far from its middle a point is hit (default 8, 1
    * to 100).
    */

@@ -8,7 +8,9 @@
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
+#include "vtkFloatArray.h"
 #include "vtkGlyph3DMapper.h"
+#include "vtkIdTypeArray.h"
 #include "vtkLabeledDataMapper.h"
 #include "vtkMath.h"
 #include "vtkMatrix4x4.h"
@@ -23,15 +25,19 @@
 #include "vtkProperty.h"
 #include "vtkProperty2D.h"
 #include "vtkRenderer.h"
+#include "vtkShaderProperty.h"
 #include "vtkSphereSource.h"
 #include "vtkStringArray.h"
 #include "vtkTextProperty.h"
+#include "vtkUniforms.h"
 #include "vtkUnsignedCharArray.h"
 
 #include <glm/vec4.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 
 namespace
 {
@@ -39,15 +45,51 @@ namespace
 /// GL_DEPTH_TEST: the loaders of OpenGL have other names in other versions of VTK.
 constexpr unsigned int GlDepthTest = 0x0B71;
 
-/// Glyphs are as fine as their number allows: with software rasterisers their triangles are what a
-/// frame costs. 120 triangles each for a few, 24, and 8 for hundreds and for what is dimmed.
+/// Pixels. OpenGL has larger points almost everywhere, but promises none.
+constexpr double LargestSprite = 60.0;
+
+/// Balls are the smaller the more there are, so that they do not cover what they are to shape; as
+/// meshes, which are for large ones, they are as fine as their number allows: of 120, 24 or 8
+/// triangles.
 struct GlyphLevel
 {
   std::size_t AtMost;
+  double Size;
   int Theta;
   int Phi;
 };
-constexpr GlyphLevel GlyphLevels[] = { { 150, 10, 8 }, { 400, 6, 4 }, { SIZE_MAX, 4, 3 } };
+constexpr GlyphLevel GlyphLevels[] = { { 150, 1.0, 10, 8 }, { 400, 0.9, 6, 4 },
+  { SIZE_MAX, 0.75, 4, 3 } };
+
+const GlyphLevel& GetLevel(std::size_t count)
+{
+  const GlyphLevel* level = GlyphLevels;
+  while (count > level->AtMost)
+  {
+    ++level;
+  }
+  return *level;
+}
+
+/// Of those that are dimmed, however many.
+constexpr double HiddenSize = 0.75;
+
+/// Where vtkPolyDataMapper's fragments find their depth, before they are lit.
+constexpr const char* DepthTag = "//VTK::Depth::Impl";
+/// Where its vertices are done.
+constexpr const char* VertexTag = "//VTK::CustomEnd::Impl";
+
+/// The fragments of a disc.
+constexpr const char* DiscShader =
+  "vec2 place = vec2(2.0 * gl_PointCoord.x - 1.0, 1.0 - 2.0 * gl_PointCoord.y);\n"
+  "  float square = dot(place, place);\n"
+  "  if (square > 1.0) { discard; }\n";
+
+/// Lit as a ball, as those of vtkProperty::RenderPointsAsSpheres, but as deep as its front all over:
+/// fragments with a depth of their own are not skipped where something is in front of them.
+constexpr const char* BallShader = "  vec3 normalVCVSOutput = vec3(place, sqrt(1.0 - square));\n";
+constexpr const char* BallVertexShader = "gl_Position.z += ballFront;\n  //VTK::CustomEnd::Impl\n";
+constexpr const char* BallFront = "ballFront";
 
 } // namespace
 
@@ -68,7 +110,12 @@ vtkFFDProjection::vtkFFDProjection(vtkRenderer* renderer)
   const int* size = renderer->GetSize();
   this->Origin = { origin[0], origin[1] };
   this->Size = { std::max(1, size[0]), std::max(1, size[1]) };
-  if (camera->GetParallelProjection())
+  const vtkMatrix4x4* projection =
+    camera->GetProjectionTransformMatrix(renderer->GetTiledAspectRatio(), -1.0, 1.0);
+  this->Parallel = camera->GetParallelProjection() != 0;
+  this->DepthSlope = projection->GetElement(2, 2);
+  this->DepthOffset = projection->GetElement(2, 3);
+  if (this->Parallel)
   {
     this->PixelPerDepth = 2.0 * camera->GetParallelScale() / this->Size.y;
   }
@@ -103,10 +150,98 @@ double vtkFFDProjection::GetPixelSize(const glm::dvec3& world) const
 }
 
 //------------------------------------------------------------------------------
+double vtkFFDProjection::GetPointShift(double pixels) const
+{
+  // A pixel is PixelPerDepth w long, and w is the distance from the camera, or 1 if parallel.
+  const double part = pixels * this->PixelPerDepth;
+  return this->Parallel ? part * this->DepthSlope
+                        : this->DepthOffset * part / std::max(1.0 - part, 0.5);
+}
+
+//------------------------------------------------------------------------------
+vtkFFDLatticeScene::Layer::Layer()
+{
+  this->Front->PickableOff();
+  this->Hidden->PickableOff();
+  this->Hidden->ForceTranslucentOn();
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeScene::Layer::SetMappers(vtkMapper* front, vtkMapper* hidden)
+{
+  this->Front->SetMapper(front);
+  this->Hidden->SetMapper(hidden);
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDLatticeScene::Layer::Style::operator==(const Style& other) const
+{
+  return this->Property == other.Property && this->Warning == other.Warning &&
+    this->HiddenOpacity == other.HiddenOpacity && this->Diameter == other.Diameter &&
+    this->HiddenDiameter == other.HiddenDiameter;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeScene::Layer::SetStyle(
+  vtkProperty* property, vtkProperty* warning, double hiddenOpacity)
+{
+  const Style style = { property->GetMTime(), warning ? warning->GetMTime() : 0, hiddenOpacity,
+    this->Diameter, this->HiddenDiameter };
+  if (style == this->Made)
+  {
+    return;
+  }
+  this->Made = style;
+  vtkProperty* front = this->Front->GetProperty();
+  front->DeepCopy(property);
+  if (warning)
+  {
+    front->SetColor(warning->GetColor());
+  }
+  double dimmed = front->GetOpacity() * hiddenOpacity;
+  const bool sprites = this->Diameter > 0.0;
+  if (sprites)
+  {
+    front->SetPointSize(static_cast<float>(this->Diameter));
+    front->RenderPointsAsSpheresOn();
+    // Balls cover more than lines do: as dim as those of vtkGlyph3DMapper, which draws the near and
+    // the far side of each with the square of the opacity.
+    const double side = hiddenOpacity * hiddenOpacity;
+    dimmed = front->GetOpacity() * (1.0 - (1.0 - side) * (1.0 - side));
+  }
+  vtkProperty* hidden = this->Hidden->GetProperty();
+  hidden->DeepCopy(front);
+  hidden->SetOpacity(dimmed);
+  hidden->LightingOff();
+  if (sprites)
+  {
+    hidden->SetPointSize(static_cast<float>(this->HiddenDiameter));
+    hidden->RenderPointsAsSpheresOff();
+    vtkShaderProperty* disc = this->Hidden->GetShaderProperty();
+    disc->ClearAllShaderReplacements();
+    disc->AddFragmentShaderReplacement(DepthTag, true, DiscShader, false);
+    vtkShaderProperty* ball = this->Front->GetShaderProperty();
+    ball->ClearAllShaderReplacements();
+    // Translucent ones may be peeled, which needs the depth of each fragment: VTK's own shader.
+    if (front->GetOpacity() == 1.0)
+    {
+      ball->AddVertexShaderReplacement(VertexTag, true, BallVertexShader, false);
+      ball->AddFragmentShaderReplacement(
+        DepthTag, true, std::string(DiscShader) + BallShader, false);
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
 vtkFFDLatticeScene::PolyLines::PolyLines()
 {
   this->Points->SetDataTypeToFloat();
   this->Data->SetPoints(this->Points);
+  this->SetMappers(this->Mapper[0], this->Mapper[1]);
+  for (vtkNew<vtkPolyDataMapper>& mapper : this->Mapper)
+  {
+    mapper->SetInputData(this->Data);
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -137,45 +272,127 @@ void vtkFFDLatticeScene::PolyLines::Set(const Lines& lines)
 }
 
 //------------------------------------------------------------------------------
-vtkFFDLatticeScene::vtkFFDLatticeScene()
+vtkFFDLatticeScene::Sprites::Sprites()
+{
+  this->SetMappers(this->Mapper[0], this->Mapper[1]);
+  for (vtkNew<vtkPolyDataMapper>& mapper : this->Mapper)
+  {
+    mapper->SetInputData(this->Data);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeScene::Sprites::Set(
+  const std::vector<float>& positions, const std::vector<unsigned char>& colours)
+{
+  const auto count = static_cast<vtkIdType>(positions.size() / 3);
+  if (positions.size() != this->Positions.size())
+  {
+    vtkNew<vtkIdTypeArray> cell;
+    cell->SetNumberOfValues(count);
+    std::iota(cell->GetPointer(0), cell->GetPointer(0) + count, 0);
+    vtkNew<vtkCellArray> vertices;
+    vertices->InsertNextCell(count, cell->GetPointer(0));
+    this->Data->SetVerts(vertices);
+  }
+  if (positions != this->Positions)
+  {
+    this->Positions = positions;
+    vtkNew<vtkFloatArray> array;
+    array->SetNumberOfComponents(3);
+    array->SetNumberOfTuples(count);
+    std::copy(positions.begin(), positions.end(), array->GetPointer(0));
+    vtkNew<vtkPoints> points;
+    points->SetData(array);
+    this->Data->SetPoints(points);
+  }
+  if (colours != this->Colours)
+  {
+    this->Colours = colours;
+    vtkNew<vtkUnsignedCharArray> array;
+    array->SetNumberOfComponents(3);
+    array->SetNumberOfTuples(count);
+    std::copy(colours.begin(), colours.end(), array->GetPointer(0));
+    this->Data->GetPointData()->SetScalars(array);
+  }
+}
+
+//------------------------------------------------------------------------------
+vtkFFDLatticeScene::Meshes::Meshes()
 {
   this->Sphere->SetRadius(0.5);
   this->CoarseSphere->SetRadius(0.5);
   this->CoarseSphere->SetThetaResolution(4);
   this->CoarseSphere->SetPhiResolution(3);
-  this->GlyphPoints->SetDataTypeToFloat();
-  this->GlyphData->SetPoints(this->GlyphPoints);
-  this->GlyphSizes->SetName("Size");
-  this->GlyphColours->SetName("Colour");
-  this->GlyphColours->SetNumberOfComponents(3);
-  this->GlyphData->GetPointData()->AddArray(this->GlyphSizes);
-  this->GlyphData->GetPointData()->SetScalars(this->GlyphColours);
+  this->Points->SetDataTypeToFloat();
+  this->Data->SetPoints(this->Points);
+  this->Sizes->SetName("Size");
+  this->Colours->SetName("Colour");
+  this->Colours->SetNumberOfComponents(3);
+  this->Data->GetPointData()->AddArray(this->Sizes);
+  this->Data->GetPointData()->SetScalars(this->Colours);
+  this->SetMappers(this->Mapper[0], this->Mapper[1]);
   for (int pass = 0; pass < 2; ++pass)
   {
-    vtkGlyph3DMapper* glyphs = this->GlyphMapper[pass];
-    glyphs->SetInputData(this->GlyphData);
-    glyphs->SetSourceConnection(
-      (pass == 0 ? this->Sphere : this->CoarseSphere)->GetOutputPort());
-    glyphs->SetScaleArray("Size");
-    glyphs->SetScaleModeToScaleByMagnitude();
-    glyphs->OrientOff();
-    this->LineMapper[pass]->SetInputData(this->LatticePolyLines.Data);
-    this->OutlineMapper[pass]->SetInputData(this->OutlinePolyLines.Data);
-    vtkActor* const actors[NumberOfParts] = { pass ? this->Hidden[Points] : this->Front[Points],
-      pass ? this->Hidden[LatticeLines] : this->Front[LatticeLines],
-      pass ? this->Hidden[Outline] : this->Front[Outline] };
-    actors[Points]->SetMapper(glyphs);
-    actors[LatticeLines]->SetMapper(this->LineMapper[pass]);
-    actors[Outline]->SetMapper(this->OutlineMapper[pass]);
-    for (vtkActor* actor : actors)
-    {
-      actor->PickableOff();
-      if (pass == 1)
-      {
-        actor->ForceTranslucentOn();
-      }
-    }
+    vtkGlyph3DMapper* mapper = this->Mapper[pass];
+    mapper->SetInputData(this->Data);
+    mapper->SetSourceConnection((pass == 0 ? this->Sphere : this->CoarseSphere)->GetOutputPort());
+    mapper->SetScaleArray("Size");
+    mapper->SetScaleModeToScaleByMagnitude();
+    mapper->OrientOff();
   }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeScene::Meshes::Set(const std::vector<Glyph>& glyphs)
+{
+  if (glyphs.empty() && this->Diameters.empty())
+  {
+    return;
+  }
+  const vtkIdType count = static_cast<vtkIdType>(glyphs.size());
+  const GlyphLevel& level = GetLevel(glyphs.size());
+  this->Sphere->SetThetaResolution(level.Theta);
+  this->Sphere->SetPhiResolution(level.Phi);
+  this->Points->SetNumberOfPoints(count);
+  this->Colours->SetNumberOfTuples(count);
+  this->Diameters.resize(glyphs.size());
+  for (vtkIdType g = 0; g < count; ++g)
+  {
+    const Glyph& glyph = glyphs[static_cast<std::size_t>(g)];
+    this->Points->SetPoint(g, &glyph.Position.x);
+    this->Colours->SetTypedTuple(g, glyph.Rgb.data());
+    this->Diameters[static_cast<std::size_t>(g)] = glyph.Diameter;
+  }
+  this->Points->Modified();
+  this->Colours->Modified();
+  this->Data->Modified();
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeScene::Meshes::Scale(const vtkFFDProjection& projection)
+{
+  if (this->Diameters.empty())
+  {
+    return;
+  }
+  const vtkIdType count = this->Points->GetNumberOfPoints();
+  this->Sizes->SetNumberOfTuples(count);
+  for (vtkIdType g = 0; g < count; ++g)
+  {
+    double p[3];
+    this->Points->GetPoint(g, p);
+    this->Sizes->SetValue(g,
+      this->Diameters[static_cast<std::size_t>(g)] *
+        projection.GetPixelSize({ p[0], p[1], p[2] }));
+  }
+  this->Sizes->Modified();
+  this->Data->Modified();
+}
+
+//------------------------------------------------------------------------------
+vtkFFDLatticeScene::vtkFFDLatticeScene()
+{
   this->HandleMapper->SetInputData(this->HandleData);
   this->HandleMapper->SetScalarModeToUseCellData();
   this->HandleActor->SetMapper(this->HandleMapper);
@@ -213,44 +430,75 @@ vtkFFDLatticeScene::~vtkFFDLatticeScene() = default;
 //------------------------------------------------------------------------------
 void vtkFFDLatticeScene::SetGlyphs(const std::vector<Glyph>& glyphs)
 {
-  const vtkIdType count = static_cast<vtkIdType>(glyphs.size());
-  const GlyphLevel* level = GlyphLevels;
-  while (glyphs.size() > level->AtMost)
+  struct Set
   {
-    ++level;
-  }
-  this->Sphere->SetThetaResolution(level->Theta);
-  this->Sphere->SetPhiResolution(level->Phi);
-  this->GlyphPoints->SetNumberOfPoints(count);
-  this->GlyphColours->SetNumberOfTuples(count);
-  this->Diameters.resize(glyphs.size());
-  for (vtkIdType g = 0; g < count; ++g)
+    double Diameter;
+    std::vector<float> Positions;
+    std::vector<unsigned char> Colours;
+  };
+  std::vector<Set> sets;
+  std::vector<Glyph> large;
+  const GlyphLevel& level = GetLevel(glyphs.size());
+  for (const Glyph& glyph : glyphs)
   {
-    const Glyph& glyph = glyphs[static_cast<std::size_t>(g)];
-    this->GlyphPoints->SetPoint(g, &glyph.Position.x);
-    this->GlyphColours->SetTypedTuple(g, glyph.Rgb.data());
-    this->Diameters[static_cast<std::size_t>(g)] = glyph.Diameter;
+    if (glyph.Diameter > LargestSprite)
+    {
+      large.push_back(glyph);
+      continue;
+    }
+    const double diameter = level.Size * glyph.Diameter;
+    auto set = std::find_if(sets.begin(), sets.end(),
+      [diameter](const Set& other) { return other.Diameter == diameter; });
+    if (set == sets.end())
+    {
+      set = sets.insert(sets.end(), Set{ diameter, {}, {} });
+    }
+    for (int a = 0; a < 3; ++a)
+    {
+      set->Positions.push_back(static_cast<float>(glyph.Position[a]));
+    }
+    set->Colours.insert(set->Colours.end(), glyph.Rgb.begin(), glyph.Rgb.end());
   }
-  this->GlyphPoints->Modified();
-  this->GlyphColours->Modified();
-  this->GlyphData->Modified();
+  this->LargeGlyphs.Set(large);
+  // Each in the place of those of its size, so that only those are made anew that changed.
+  const auto find = [this](double diameter) {
+    return std::find_if(this->SpriteSets.begin(), this->SpriteSets.end(),
+      [diameter](const std::unique_ptr<Sprites>& one) { return one->Diameter == diameter; });
+  };
+  for (std::unique_ptr<Sprites>& old : this->SpriteSets)
+  {
+    if (std::none_of(sets.begin(), sets.end(),
+          [&old](const Set& set) { return set.Diameter == old->Diameter; }))
+    {
+      old->Diameter = 0.0;
+    }
+  }
+  for (const Set& set : sets)
+  {
+    auto place = find(set.Diameter);
+    if (place == this->SpriteSets.end())
+    {
+      place = find(0.0);
+    }
+    if (place == this->SpriteSets.end())
+    {
+      place = this->SpriteSets.insert(place, std::make_unique<Sprites>());
+    }
+    (*place)->Diameter = set.Diameter;
+    (*place)->HiddenDiameter = HiddenSize / level.Size * set.Diameter;
+    (*place)->Set(set.Positions, set.Colours);
+  }
 }
 
 //------------------------------------------------------------------------------
 void vtkFFDLatticeScene::ScaleGlyphs(const vtkFFDProjection& projection)
 {
-  const vtkIdType count = this->GlyphPoints->GetNumberOfPoints();
-  this->GlyphSizes->SetNumberOfTuples(count);
-  for (vtkIdType g = 0; g < count; ++g)
+  this->LargeGlyphs.Scale(projection);
+  for (const std::unique_ptr<Sprites>& sprites : this->SpriteSets)
   {
-    double p[3];
-    this->GlyphPoints->GetPoint(g, p);
-    this->GlyphSizes->SetValue(g,
-      this->Diameters[static_cast<std::size_t>(g)] *
-        projection.GetPixelSize({ p[0], p[1], p[2] }));
+    sprites->Front->GetShaderProperty()->GetVertexCustomUniforms()->SetUniformf(
+      BallFront, static_cast<float>(projection.GetPointShift(0.5 * sprites->Diameter)));
   }
-  this->GlyphSizes->Modified();
-  this->GlyphData->Modified();
 }
 
 //------------------------------------------------------------------------------
@@ -337,25 +585,27 @@ void vtkFFDLatticeScene::SetLabels(const std::vector<Label>& labels)
 //------------------------------------------------------------------------------
 void vtkFFDLatticeScene::SetLook(const Look& look)
 {
-  vtkProperty* const properties[NumberOfParts] = { look.Points, look.Lines, look.Outline };
-  const bool shown[NumberOfParts] = { look.ShowPoints, look.ShowLines, look.ShowOutline };
   this->HiddenOpacity = look.HiddenOpacity;
-  for (int part = 0; part < NumberOfParts; ++part)
+  this->LargeGlyphs.Shown = look.ShowPoints && !this->LargeGlyphs.Diameters.empty();
+  this->LargeGlyphs.SetStyle(look.Points, nullptr, look.HiddenOpacity);
+  for (std::unique_ptr<Sprites>& sprites : this->SpriteSets)
   {
-    this->Shown[part] = shown[part];
-    vtkProperty* front = this->Front[part]->GetProperty();
-    front->DeepCopy(properties[part]);
-    if (look.Warning && part != Points)
+    sprites->Shown = look.ShowPoints && sprites->Diameter > 0.0;
+    if (sprites->Shown)
     {
-      front->SetColor(look.Warning->GetColor());
+      sprites->SetStyle(look.Points, nullptr, look.HiddenOpacity);
     }
-    vtkProperty* hidden = this->Hidden[part]->GetProperty();
-    hidden->DeepCopy(front);
-    hidden->SetOpacity(front->GetOpacity() * look.HiddenOpacity);
-    hidden->LightingOff();
   }
+  this->LatticePolyLines.Shown = look.ShowLines;
+  this->LatticePolyLines.SetStyle(look.Lines, look.Warning, look.HiddenOpacity);
+  this->OutlinePolyLines.Shown = look.ShowOutline;
+  this->OutlinePolyLines.SetStyle(look.Outline, look.Warning, look.HiddenOpacity);
   this->HandleShown = look.ShowHandle;
-  this->HandleActor->GetProperty()->DeepCopy(look.Handle);
+  if (look.Handle->GetMTime() > this->HandleStyleTime)
+  {
+    this->HandleActor->GetProperty()->DeepCopy(look.Handle);
+    this->HandleStyleTime.Modified();
+  }
   this->BandActor->SetVisibility(look.ShowRubberBand);
   this->LabelActor->SetVisibility(look.ShowLabels && this->LabelData->GetNumberOfPoints() > 0);
 }
@@ -373,24 +623,44 @@ vtkTextProperty* vtkFFDLatticeScene::GetLabelTextProperty()
 }
 
 //------------------------------------------------------------------------------
+std::vector<vtkFFDLatticeScene::Layer*> vtkFFDLatticeScene::GetShown()
+{
+  std::vector<Layer*> shown;
+  for (const std::unique_ptr<Sprites>& sprites : this->SpriteSets)
+  {
+    shown.push_back(sprites.get());
+  }
+  shown.push_back(&this->LargeGlyphs);
+  shown.push_back(&this->LatticePolyLines);
+  shown.push_back(&this->OutlinePolyLines);
+  shown.erase(
+    std::remove_if(shown.begin(), shown.end(), [](const Layer* layer) { return !layer->Shown; }),
+    shown.end());
+  return shown;
+}
+
+//------------------------------------------------------------------------------
 void vtkFFDLatticeScene::GetActors(vtkPropCollection* actors)
 {
-  for (int part = 0; part < NumberOfParts; ++part)
+  for (Layer* layer : this->GetShown())
   {
-    if (this->Shown[part])
-    {
-      actors->AddItem(this->Front[part]);
-    }
+    actors->AddItem(layer->Front);
   }
 }
 
 //------------------------------------------------------------------------------
 void vtkFFDLatticeScene::ReleaseGraphicsResources(vtkWindow* window)
 {
-  for (int part = 0; part < NumberOfParts; ++part)
+  for (Layer* layer : { static_cast<Layer*>(&this->LargeGlyphs),
+         static_cast<Layer*>(&this->LatticePolyLines), static_cast<Layer*>(&this->OutlinePolyLines) })
   {
-    this->Front[part]->ReleaseGraphicsResources(window);
-    this->Hidden[part]->ReleaseGraphicsResources(window);
+    layer->Front->ReleaseGraphicsResources(window);
+    layer->Hidden->ReleaseGraphicsResources(window);
+  }
+  for (const std::unique_ptr<Sprites>& sprites : this->SpriteSets)
+  {
+    sprites->Front->ReleaseGraphicsResources(window);
+    sprites->Hidden->ReleaseGraphicsResources(window);
   }
   this->HandleActor->ReleaseGraphicsResources(window);
   this->BandActor->ReleaseGraphicsResources(window);
@@ -401,37 +671,36 @@ void vtkFFDLatticeScene::ReleaseGraphicsResources(vtkWindow* window)
 int vtkFFDLatticeScene::RenderOpaqueGeometry(vtkViewport* viewport)
 {
   int rendered = 0;
-  // A renderer asks its actors for their bounds, and by that a glyph mapper updates its source.
-  // These actors belong to no renderer.
-  for (vtkNew<vtkGlyph3DMapper>& glyphs : this->GlyphMapper)
-  {
-    glyphs->Update();
-  }
   if (this->LabelActor->GetVisibility())
   {
     // The labels are made here, and drawn with the overlay.
     rendered += this->LabelActor->RenderOpaqueGeometry(viewport);
   }
-  for (int part = 0; part < NumberOfParts; ++part)
+  if (this->LargeGlyphs.Shown)
   {
-    if (this->Shown[part])
+    // A renderer asks its actors for their bounds, and by that a glyph mapper updates its source.
+    // These actors belong to no renderer.
+    for (vtkNew<vtkGlyph3DMapper>& mapper : this->LargeGlyphs.Mapper)
     {
-      rendered += this->Front[part]->RenderOpaqueGeometry(viewport);
+      mapper->Update();
     }
+  }
+  for (Layer* layer : this->GetShown())
+  {
+    rendered += layer->Front->RenderOpaqueGeometry(viewport);
   }
   return rendered;
 }
 
 //------------------------------------------------------------------------------
-int vtkFFDLatticeScene::RenderTranslucentPolygonalGeometry(vtkViewport* viewport)
+int vtkFFDLatticeScene::RenderTranslucentPolygonalGeometry(
+  vtkViewport* viewport, vtkInformation* passKeys)
 {
   int rendered = 0;
-  for (int part = 0; part < NumberOfParts; ++part)
+  for (Layer* layer : this->GetShown())
   {
-    if (this->Shown[part])
-    {
-      rendered += this->Front[part]->RenderTranslucentPolygonalGeometry(viewport);
-    }
+    layer->Front->SetPropertyKeys(passKeys);
+    rendered += layer->Front->RenderTranslucentPolygonalGeometry(viewport);
   }
   return rendered;
 }
@@ -439,12 +708,9 @@ int vtkFFDLatticeScene::RenderTranslucentPolygonalGeometry(vtkViewport* viewport
 //------------------------------------------------------------------------------
 bool vtkFFDLatticeScene::HasTranslucentPolygonalGeometry()
 {
-  bool has = false;
-  for (int part = 0; part < NumberOfParts; ++part)
-  {
-    has = has || (this->Shown[part] && this->Front[part]->HasTranslucentPolygonalGeometry());
-  }
-  return has;
+  const std::vector<Layer*> shown = this->GetShown();
+  return std::any_of(shown.begin(), shown.end(),
+    [](Layer* layer) { return layer->Front->HasTranslucentPolygonalGeometry() != 0; });
 }
 
 //------------------------------------------------------------------------------
@@ -457,11 +723,13 @@ int vtkFFDLatticeScene::RenderOverlay(vtkViewport* viewport)
     vtkOpenGLState* state = window->GetState();
     vtkOpenGLState::ScopedglEnableDisable keepDepthTest(state, GlDepthTest);
     state->vtkglDisable(GlDepthTest);
-    for (int part = NumberOfParts - 1; part >= 0; --part)
+    if (this->HiddenOpacity > 0.0)
     {
-      if (this->Shown[part] && this->HiddenOpacity > 0.0)
+      std::vector<Layer*> shown = this->GetShown();
+      std::reverse(shown.begin(), shown.end());
+      for (Layer* layer : shown)
       {
-        rendered += this->Hidden[part]->RenderTranslucentPolygonalGeometry(viewport);
+        rendered += layer->Hidden->RenderTranslucentPolygonalGeometry(viewport);
       }
     }
     if (this->HandleShown)

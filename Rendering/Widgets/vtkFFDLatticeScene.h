@@ -5,12 +5,16 @@
 #define vtkFFDLatticeScene_h
 
 #include "vtkNew.h"
+#include "vtkTimeStamp.h"
+#include "vtkType.h"
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include <array>
+#include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,7 +23,9 @@ class vtkActor2D;
 class vtkCellArray;
 class vtkDoubleArray;
 class vtkGlyph3DMapper;
+class vtkInformation;
 class vtkLabeledDataMapper;
+class vtkMapper;
 class vtkPoints;
 class vtkPolyData;
 class vtkPolyDataMapper;
@@ -41,6 +47,9 @@ struct vtkFFDProjection
   glm::dvec2 Origin{ 0.0 }; ///< lower left pixel of the viewport
   glm::dvec2 Size{ 1.0 };
   double PixelPerDepth = 0.0; ///< world units of a pixel at clip coordinate w = 1
+  bool Parallel = false;
+  double DepthSlope = 0.0;  ///< clip coordinate z by view coordinate z
+  double DepthOffset = 0.0; ///< clip coordinate z of view coordinate z = 0
 
   vtkFFDProjection() = default;
   explicit vtkFFDProjection(vtkRenderer* renderer);
@@ -49,12 +58,18 @@ struct vtkFFDProjection
   bool ToDisplay(const glm::dvec3& world, glm::dvec3& display) const;
   /// World units of a pixel at a point; 0 behind the camera.
   double GetPixelSize(const glm::dvec3& world) const;
+  /// What is added to clip coordinate z so that points come nearer by some pixels and are seen where
+  /// they were.
+  double GetPointShift(double pixels) const;
 };
 
 /**
  * What the representation draws, in world coordinates: the actors and their geometry. Nothing here
  * knows of lattices. Everything is drawn as usual with the opaque (or translucent) geometry, and
  * once more, dimmed and through everything, with the overlay.
+ *
+ * A drag draws all of it with every step, perhaps by a software rasteriser, so that what did not
+ * change is not touched: VTK makes buffers anew when a time stamp says so.
  */
 class vtkFFDLatticeScene
 {
@@ -92,8 +107,9 @@ public:
     std::string Text;
   };
 
+  /// Balls: point sprites, or if they are too large for that, meshes.
   void SetGlyphs(const std::vector<Glyph>& glyphs);
-  /// Keep the glyphs' size on screen.
+  /// Keep the size on screen of those that are meshes.
   void ScaleGlyphs(const vtkFFDProjection& projection);
   void SetLines(const Lines& lines);
   void SetOutline(const Lines& lines);
@@ -124,7 +140,8 @@ public:
   void GetActors(vtkPropCollection* actors);
   void ReleaseGraphicsResources(vtkWindow* window);
   int RenderOpaqueGeometry(vtkViewport* viewport);
-  int RenderTranslucentPolygonalGeometry(vtkViewport* viewport);
+  /// The keys are those of the prop that this is part of: what depth peeling tells it.
+  int RenderTranslucentPolygonalGeometry(vtkViewport* viewport, vtkInformation* passKeys);
   int RenderOverlay(vtkViewport* viewport);
   bool HasTranslucentPolygonalGeometry();
 
@@ -132,47 +149,85 @@ private:
   vtkFFDLatticeScene(const vtkFFDLatticeScene&) = delete;
   void operator=(const vtkFFDLatticeScene&) = delete;
 
-  enum Parts
+  /// Something that is drawn twice: as it is, and dimmed.
+  struct Layer
   {
-    Points,
-    LatticeLines,
-    Outline,
-    NumberOfParts
+    vtkNew<vtkActor> Front;
+    vtkNew<vtkActor> Hidden;
+    bool Shown = true;
+    double Diameter = 0.0; ///< pixels, of balls that are points; else 0
+    double HiddenDiameter = 0.0;
+
+    Layer();
+    void SetMappers(vtkMapper* front, vtkMapper* hidden);
+    void SetStyle(vtkProperty* property, vtkProperty* warning, double hiddenOpacity);
+
+  private:
+    /// Of what the properties of the actors were last made.
+    struct Style
+    {
+      vtkMTimeType Property = 0;
+      vtkMTimeType Warning = 0;
+      double HiddenOpacity = 0.0;
+      double Diameter = 0.0;
+      double HiddenDiameter = 0.0;
+      bool operator==(const Style& other) const;
+    };
+    Style Made;
   };
 
-  struct PolyLines
+  struct PolyLines : Layer
   {
     vtkNew<vtkPolyData> Data;
     vtkNew<vtkPoints> Points;
+    vtkNew<vtkPolyDataMapper> Mapper[2];
     std::vector<std::size_t> Ends;
     PolyLines();
     void Set(const Lines& lines);
   };
 
-  bool Shown[NumberOfParts] = { true, true, true };
+  /// Balls of one size as points.
+  struct Sprites : Layer
+  {
+    std::vector<float> Positions;
+    std::vector<unsigned char> Colours;
+    vtkNew<vtkPolyData> Data;
+    vtkNew<vtkPolyDataMapper> Mapper[2];
+    Sprites();
+    void Set(const std::vector<float>& positions, const std::vector<unsigned char>& colours);
+  };
+
+  /// Balls of any size as meshes.
+  struct Meshes : Layer
+  {
+    vtkNew<vtkSphereSource> Sphere;
+    vtkNew<vtkSphereSource> CoarseSphere;
+    vtkNew<vtkPolyData> Data;
+    vtkNew<vtkPoints> Points;
+    vtkNew<vtkDoubleArray> Sizes;
+    vtkNew<vtkUnsignedCharArray> Colours;
+    std::vector<double> Diameters;
+    vtkNew<vtkGlyph3DMapper> Mapper[2];
+    Meshes();
+    void Set(const std::vector<Glyph>& glyphs);
+    void Scale(const vtkFFDProjection& projection);
+  };
+
+  /// Those that are shown, in the order in which they are drawn.
+  std::vector<Layer*> GetShown();
+
   bool HandleShown = false;
   double HiddenOpacity = 0.25;
 
-  vtkNew<vtkActor> Front[NumberOfParts];
-  vtkNew<vtkActor> Hidden[NumberOfParts];
-
-  vtkNew<vtkSphereSource> Sphere;
-  vtkNew<vtkSphereSource> CoarseSphere;
-  vtkNew<vtkPolyData> GlyphData;
-  vtkNew<vtkPoints> GlyphPoints;
-  vtkNew<vtkDoubleArray> GlyphSizes;
-  vtkNew<vtkUnsignedCharArray> GlyphColours;
-  std::vector<double> Diameters;
-  vtkNew<vtkGlyph3DMapper> GlyphMapper[2];
-
+  std::vector<std::unique_ptr<Sprites>> SpriteSets; ///< one for each diameter
+  Meshes LargeGlyphs;
   PolyLines LatticePolyLines;
   PolyLines OutlinePolyLines;
-  vtkNew<vtkPolyDataMapper> LineMapper[2];
-  vtkNew<vtkPolyDataMapper> OutlineMapper[2];
 
   vtkNew<vtkPolyData> HandleData;
   vtkNew<vtkPolyDataMapper> HandleMapper;
   vtkNew<vtkActor> HandleActor;
+  vtkTimeStamp HandleStyleTime;
 
   vtkNew<vtkPolyData> BandData;
   vtkNew<vtkPoints> BandPoints;

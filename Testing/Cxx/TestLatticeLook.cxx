@@ -1,0 +1,263 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// What the representation draws: balls of the sizes that were asked for, as points and as meshes, in
+// front of what is behind them, and how dim they are behind something.
+#include "FFDTestWidget.h"
+
+#include "vtkActor.h"
+#include "vtkMath.h"
+#include "vtkPlaneSource.h"
+#include "vtkPolyDataMapper.h"
+#include "vtkProperty.h"
+#include "vtkUnsignedCharArray.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+
+using ffdTest::Rep;
+using ffdTest::WidgetScene;
+
+namespace
+{
+
+/// What HandleSize becomes for control points that are selected.
+constexpr double SelectedSize = 1.15;
+
+/// One green ball, that of the control point nearest to the camera; no lines.
+class BallScene : public WidgetScene
+{
+public:
+  explicit BallScene(int points = 4)
+    : WidgetScene(points)
+    , Last(points - 1)
+  {
+    this->View->SetHandleMode(Rep::HANDLE_OFF);
+    this->View->LineVisibilityOff();
+    this->View->OutlineVisibilityOff();
+    this->View->GetSelectedPointProperty()->SetColor(0.0, 1.0, 0.0);
+    this->View->GetPointProperty()->SetColor(0.0, 0.0, 1.0);
+    this->View->GetPointProperty()->SetAmbient(1.0);
+    this->View->GetPointProperty()->SetDiffuse(0.0);
+    this->View->SelectPoint(this->Last, this->Last, this->Last);
+    this->Renderer->SetBackground(0.0, 0.0, 0.0);
+  }
+
+  ~BallScene() { this->Widget->Off(); }
+
+  std::array<double, 3> Ball() { return this->Point(this->Last, this->Last, this->Last); }
+
+  /// Pixels of some green.
+  int CountGreen()
+  {
+    const std::vector<unsigned char> rgb = this->Draw();
+    int count = 0;
+    for (std::size_t p = 0; p < rgb.size(); p += 3)
+    {
+      count += rgb[p + 1] > 100 && rgb[p] < 100 ? 1 : 0;
+    }
+    return count;
+  }
+
+  /// The middle of the ball.
+  std::array<int, 3> Middle()
+  {
+    const std::vector<unsigned char> rgb = this->Draw();
+    const std::array<double, 3> at = this->Display(this->Ball());
+    const std::size_t p =
+      3 * (static_cast<std::size_t>(at[0]) + static_cast<std::size_t>(at[1]) * Size);
+    return { rgb[p], rgb[p + 1], rgb[p + 2] };
+  }
+
+  /// World units of a pixel at the ball.
+  double PixelAtBall()
+  {
+    const std::array<double, 3> ball = this->Ball();
+    const std::array<double, 3> display = this->Display(ball);
+    double next[4];
+    vtkInteractorObserver::ComputeDisplayToWorld(
+      this->Renderer, display[0] + 1.0, display[1], display[2], next);
+    return std::sqrt(vtkMath::Distance2BetweenPoints(ball.data(), next));
+  }
+
+  /// A red plane across the line of sight, some pixels nearer than the middle of the ball.
+  void SetPlane(double pixels)
+  {
+    double towards[3];
+    this->Renderer->GetActiveCamera()->GetDirectionOfProjection(towards);
+    const std::array<double, 3> ball = this->Ball();
+    double center[3];
+    for (int a = 0; a < 3; ++a)
+    {
+      towards[a] = -towards[a];
+      center[a] = ball[static_cast<std::size_t>(a)] + pixels * this->PixelAtBall() * towards[a];
+    }
+    vtkNew<vtkPlaneSource> plane;
+    plane->SetOrigin(-100.0, -100.0, 0.0);
+    plane->SetPoint1(100.0, -100.0, 0.0);
+    plane->SetPoint2(-100.0, 100.0, 0.0);
+    plane->SetNormal(towards);
+    plane->SetCenter(center);
+    plane->Update();
+    vtkNew<vtkPolyDataMapper> mapper;
+    mapper->SetInputData(plane->GetOutput());
+    this->Plane->SetMapper(mapper);
+    this->Plane->GetProperty()->SetColor(1.0, 0.0, 0.0);
+    this->Plane->GetProperty()->LightingOff();
+    this->Renderer->AddActor(this->Plane);
+    this->Renderer->ResetCameraClippingRange();
+  }
+
+  void SetParallel()
+  {
+    this->Renderer->GetActiveCamera()->ParallelProjectionOn();
+    this->Renderer->GetActiveCamera()->SetParallelScale(150.0);
+    this->Renderer->ResetCameraClippingRange();
+  }
+
+private:
+  std::vector<unsigned char> Draw()
+  {
+    this->Window->Render();
+    vtkNew<vtkUnsignedCharArray> pixels;
+    this->Window->GetPixelData(0, 0, Size - 1, Size - 1, 0, pixels);
+    std::vector<unsigned char> rgb(static_cast<std::size_t>(pixels->GetNumberOfValues()));
+    std::copy_n(pixels->GetPointer(0), rgb.size(), rgb.begin());
+    return rgb;
+  }
+
+  const int Last;
+  vtkNew<vtkActor> Plane;
+};
+
+//------------------------------------------------------------------------------
+/// HandleSize is the diameter in pixels, as a point and as a mesh, which large balls are.
+int TestSizes()
+{
+  for (bool parallel : { false, true })
+  {
+    BallScene scene;
+    if (parallel)
+    {
+      scene.SetParallel();
+    }
+    for (double size : { 9.0, 20.0, 35.0, 52.0, 53.0, 60.0 })
+    {
+      scene.View->SetHandleSize(size);
+      const double radius = 0.5 * SelectedSize * size;
+      const double found = std::sqrt(scene.CountGreen() / vtkMath::Pi());
+      std::cout << "HandleSize " << size << ": radius " << found << " of " << radius << "\n";
+      FFD_CHECK_NEAR(found, radius, 0.05 * radius + 0.2);
+    }
+    FFD_CHECK(scene.Errors->Count == 0);
+  }
+  // Smaller, where there are many.
+  const struct
+  {
+    int Points;
+    double Part;
+  } parts[] = { { 5, 1.0 }, { 6, 0.9 }, { 7, 0.9 }, { 8, 0.75 } };
+  for (const auto& part : parts)
+  {
+    BallScene scene(part.Points);
+    scene.Renderer->ResetCamera();
+    scene.View->SetHandleSize(30.0);
+    const double radius = 0.5 * SelectedSize * 30.0 * part.Part;
+    FFD_CHECK_NEAR(std::sqrt(scene.CountGreen() / vtkMath::Pi()), radius, 0.03 * radius);
+  }
+  return EXIT_SUCCESS;
+}
+
+//------------------------------------------------------------------------------
+/// Shaded as a ball by the light of the camera: the full colour in the middle, less at the rim.
+int TestShading()
+{
+  BallScene scene;
+  scene.View->SetHandleSize(40.0);
+  scene.View->SetHiddenOpacity(0.0);
+  scene.View->GetPointProperty()->SetAmbient(0.0);
+  scene.View->GetPointProperty()->SetDiffuse(1.0);
+  FFD_CHECK(scene.Middle()[1] > 250);
+  // Cosine above 101 of 255: those nearer to the middle than sqrt(1 - cosine^2) of the radius.
+  const double radius = 0.5 * SelectedSize * 40.0;
+  const double bright = std::sqrt(scene.CountGreen() / vtkMath::Pi()) / radius;
+  FFD_CHECK_NEAR(bright, std::sqrt(1.0 - 101.0 / 255.0 * 101.0 / 255.0), 0.02);
+  FFD_CHECK(scene.Errors->Count == 0);
+  return EXIT_SUCCESS;
+}
+
+//------------------------------------------------------------------------------
+/// A ball is seen if its front is in front, and dimmed behind something.
+int TestDepth()
+{
+  for (bool parallel : { false, true })
+  {
+    for (double size : { 20.0, 30.0, 60.0 })
+    {
+      BallScene scene;
+      if (parallel)
+      {
+        scene.SetParallel();
+      }
+      scene.View->SetHandleSize(size);
+      const double radius = 0.5 * SelectedSize * size;
+      scene.View->SetHiddenOpacity(0.0);
+      for (double part : { -0.5, 0.5, 0.9 })
+      {
+        scene.SetPlane(part * radius);
+        const std::array<int, 3> front = scene.Middle();
+        FFD_CHECK(front[0] < 3 && front[1] > 250);
+      }
+      for (double part : { 1.1, 2.0 })
+      {
+        scene.SetPlane(part * radius);
+        const std::array<int, 3> behind = scene.Middle();
+        FFD_CHECK(behind[0] > 250 && behind[1] < 3);
+      }
+      scene.View->SetHiddenOpacity(0.5);
+      const double dimmed = 1.0 - 0.75 * 0.75;
+      const std::array<int, 3> through = scene.Middle();
+      // Behind large balls are others.
+      const double allowed = size > 20.0 ? 70.0 : 3.0;
+      FFD_CHECK_NEAR(through[0], 255.0 * (1.0 - dimmed), allowed);
+      FFD_CHECK_NEAR(through[1], 255.0 * dimmed, allowed);
+      FFD_CHECK(scene.Errors->Count == 0);
+    }
+  }
+  return EXIT_SUCCESS;
+}
+
+//------------------------------------------------------------------------------
+int TestTranslucent()
+{
+  for (bool peeling : { false, true })
+  {
+    BallScene scene;
+    scene.View->SetHandleSize(30.0);
+    scene.View->SetHiddenOpacity(0.0);
+    scene.SetPlane(-100.0);
+    scene.Renderer->SetUseDepthPeeling(peeling);
+    const int opaque = scene.CountGreen();
+    scene.View->GetPointProperty()->SetOpacity(0.5);
+    const std::array<int, 3> mixed = scene.Middle();
+    std::cout << (peeling ? "peeled: " : "blended: ") << mixed[0] << " " << mixed[1] << "\n";
+    FFD_CHECK(mixed[0] > 40 && mixed[0] < 200 && mixed[1] > 100 && mixed[1] < 200);
+    // And opaque again.
+    scene.View->GetPointProperty()->SetOpacity(1.0);
+    FFD_CHECK(scene.Middle()[1] > 250 && scene.CountGreen() == opaque);
+    FFD_CHECK(scene.Errors->Count == 0);
+  }
+  return EXIT_SUCCESS;
+}
+
+} // namespace
+
+int TestLatticeLook(int, char*[])
+{
+  int failures = 0;
+  failures += TestSizes() != EXIT_SUCCESS;
+  failures += TestShading() != EXIT_SUCCESS;
+  failures += TestDepth() != EXIT_SUCCESS;
+  failures += TestTranslucent() != EXIT_SUCCESS;
+  return failures == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+}
