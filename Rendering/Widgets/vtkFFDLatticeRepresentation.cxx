@@ -1363,6 +1363,7 @@ void vtkFFDLatticeRepresentation::PrintSelf(ostream& os, vtkIndent indent)
   line("OutlineVisibility") << this->OutlineVisibility << "\n";
   line("LabelVisibility") << this->LabelVisibility << "\n";
   line("HiddenOpacity") << this->HiddenOpacity << "\n";
+  line("CullHidden") << this->CullHidden << "\n";
   line("TransformHandleSize") << this->TransformHandleSize << "\n";
   line("PickTolerance") << this->PickTolerance << "\n";
 }
@@ -2781,7 +2782,19 @@ int vtkFFDLatticeRepresentation::RenderTranslucentPolygonalGeometry(vtkViewport*
 //------------------------------------------------------------------------------
 int vtkFFDLatticeRepresentation::RenderOverlay(vtkViewport* viewport)
 {
-  return this->Internals->Scene.RenderOverlay(viewport);
+  vtkRenderer* renderer = vtkRenderer::SafeDownCast(viewport);
+  vtkFFDPixelBox part;
+  if (renderer && this->CullHidden)
+  {
+    part = vtkFFDFindHiding(renderer, this);
+  }
+  else
+  {
+    int size[2];
+    viewport->GetTiledSizeAndOrigin(&size[0], &size[1], &part.Low.x, &part.Low.y);
+    part.High = part.Low + glm::ivec2(size[0], size[1]);
+  }
+  return this->Internals->Scene.RenderOverlay(viewport, part);
 }
 
 //------------------------------------------------------------------------------
@@ -2836,6 +2849,7 @@ void vtkFFDLatticeRepresentation::ShallowCopy(vtkProp* prop)
     this->OutlineVisibility = other->OutlineVisibility;
     this->LabelVisibility = other->LabelVisibility;
     this->HiddenOpacity = other->HiddenOpacity;
+    this->CullHidden = other->CullHidden;
     this->TransformHandleSize = other->TransformHandleSize;
     this->PickTolerance = other->PickTolerance;
     this->HandleSize = other->HandleSize;

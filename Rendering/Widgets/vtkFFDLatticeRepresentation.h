@@ -445,6 +445,18 @@ public:
 
   ///@{
   /**
+   * Whether that is drawn only where something may hide the lattice: within the bounds, on screen, of
+   * the other visible props of the renderer. It is most of what a lattice costs with a software
+   * rasteriser. Turn it off where something else hides the lattice: what another renderer or process
+   * draws. Default: on.
+   */
+  vtkSetMacro(CullHidden, vtkTypeBool);
+  vtkGetMacro(CullHidden, vtkTypeBool);
+  vtkBooleanMacro(CullHidden, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
    * Sizes on screen in pixels, whatever the distance: HandleSize of the superclass is the diameter
    * of a control point (default 9; nine tenths of it in a lattice of more than 150, three quarters
    * of more than 400, so that they do not cover the volume), TransformHandleSize the length of an arm of the handle
@@ -563,6 +575,7 @@ private:
   vtkTypeBool OutlineVisibility = 1;
   vtkTypeBool LabelVisibility = 0;
   double HiddenOpacity = 0.25;
+  vtkTypeBool CullHidden = 1;
   double TransformHandleSize = 80.0;
   double PickTolerance = 8.0;
   double Bounds[6];

@@ -32,6 +32,7 @@
 #include "vtkUniforms.h"
 #include "vtkUnsignedCharArray.h"
 
+#include <glm/common.hpp>
 #include <glm/vec4.hpp>
 
 #include <algorithm>
@@ -44,6 +45,8 @@ namespace
 
 /// GL_DEPTH_TEST: the loaders of OpenGL have other names in other versions of VTK.
 constexpr unsigned int GlDepthTest = 0x0B71;
+/// GL_SCISSOR_TEST
+constexpr unsigned int GlScissorTest = 0x0C11;
 
 /// Pixels. OpenGL has larger points almost everywhere, but promises none.
 constexpr double LargestSprite = 60.0;
@@ -73,6 +76,9 @@ const GlyphLevel& GetLevel(std::size_t count)
 
 /// Of those that are dimmed, however many.
 constexpr double HiddenSize = 0.75;
+
+/// Pixels by which things reach over their bounds: wide lines, large points.
+constexpr double HidingMargin = 12.0;
 
 /// Where vtkPolyDataMapper's fragments find their depth, before they are lit.
 constexpr const char* DepthTag = "//VTK::Depth::Impl";
@@ -156,6 +162,64 @@ double vtkFFDProjection::GetPointShift(double pixels) const
   const double part = pixels * this->PixelPerDepth;
   return this->Parallel ? part * this->DepthSlope
                         : this->DepthOffset * part / std::max(1.0 - part, 0.5);
+}
+
+//------------------------------------------------------------------------------
+vtkFFDPixelBox vtkFFDFindHiding(vtkRenderer* renderer, vtkProp* prop)
+{
+  int size[2];
+  int origin[2];
+  renderer->GetTiledSizeAndOrigin(&size[0], &size[1], &origin[0], &origin[1]);
+  const glm::ivec2 low(origin[0], origin[1]);
+  const glm::ivec2 high = low + glm::ivec2(size[0], size[1]);
+  const vtkFFDPixelBox all{ low, high };
+  const int* tiles = renderer->GetVTKWindow()->GetTileScale();
+  if (tiles[0] != 1 || tiles[1] != 1)
+  {
+    return all;
+  }
+  const vtkFFDProjection projection(renderer);
+  vtkFFDPixelBox box{ high, low };
+  vtkPropCollection* props = renderer->GetViewProps();
+  vtkCollectionSimpleIterator iterator;
+  props->InitTraversal(iterator);
+  while (vtkProp* other = props->GetNextProp(iterator))
+  {
+    if (other == prop || !other->GetVisibility() || other->IsA("vtkActor2D"))
+    {
+      continue;
+    }
+    const double* bounds = other->GetBounds();
+    if (!bounds)
+    {
+      // Data without points; what else has no bounds may be anywhere.
+      if (other->IsA("vtkProp3D"))
+      {
+        continue;
+      }
+      return all;
+    }
+    if (!vtkMath::AreBoundsInitialized(bounds))
+    {
+      continue;
+    }
+    for (int corner = 0; corner < 8; ++corner)
+    {
+      glm::dvec3 at;
+      if (!projection.ToDisplay(
+            { bounds[corner & 1], bounds[2 + (corner >> 1 & 1)], bounds[4 + (corner >> 2)] }, at))
+      {
+        return all; // around the camera
+      }
+      const glm::dvec2 pixel = glm::clamp(glm::dvec2(at) - projection.Origin,
+        glm::dvec2(-HidingMargin), projection.Size + HidingMargin);
+      box.Low = glm::min(box.Low, low + glm::ivec2(glm::floor(pixel - HidingMargin)));
+      box.High = glm::max(box.High, low + glm::ivec2(glm::ceil(pixel + HidingMargin)));
+    }
+  }
+  box.Low = glm::max(box.Low, low);
+  box.High = glm::min(box.High, high);
+  return box;
 }
 
 //------------------------------------------------------------------------------
@@ -714,7 +778,7 @@ bool vtkFFDLatticeScene::HasTranslucentPolygonalGeometry()
 }
 
 //------------------------------------------------------------------------------
-int vtkFFDLatticeScene::RenderOverlay(vtkViewport* viewport)
+int vtkFFDLatticeScene::RenderOverlay(vtkViewport* viewport, const vtkFFDPixelBox& part)
 {
   int rendered = 0;
   auto* window = vtkOpenGLRenderWindow::SafeDownCast(viewport->GetVTKWindow());
@@ -723,8 +787,13 @@ int vtkFFDLatticeScene::RenderOverlay(vtkViewport* viewport)
     vtkOpenGLState* state = window->GetState();
     vtkOpenGLState::ScopedglEnableDisable keepDepthTest(state, GlDepthTest);
     state->vtkglDisable(GlDepthTest);
-    if (this->HiddenOpacity > 0.0)
+    if (this->HiddenOpacity > 0.0 && !part.IsEmpty())
     {
+      vtkOpenGLState::ScopedglEnableDisable keepScissorTest(state, GlScissorTest);
+      vtkOpenGLState::ScopedglScissor keepScissor(state);
+      state->vtkglEnable(GlScissorTest);
+      state->vtkglScissor(
+        part.Low.x, part.Low.y, part.High.x - part.Low.x, part.High.y - part.Low.y);
       std::vector<Layer*> shown = this->GetShown();
       std::reverse(shown.begin(), shown.end());
       for (Layer* layer : shown)

@@ -30,6 +30,7 @@ class vtkPoints;
 class vtkPolyData;
 class vtkPolyDataMapper;
 class vtkPolyDataMapper2D;
+class vtkProp;
 class vtkPropCollection;
 class vtkProperty;
 class vtkProperty2D;
@@ -62,6 +63,20 @@ struct vtkFFDProjection
   /// they were.
   double GetPointShift(double pixels) const;
 };
+
+/// Pixels of the framebuffer, from the lower left corner.
+struct vtkFFDPixelBox
+{
+  glm::ivec2 Low{ 0 };
+  glm::ivec2 High{ 0 }; ///< one past the last; empty if not above Low
+  bool IsEmpty() const { return this->High.x <= this->Low.x || this->High.y <= this->Low.y; }
+};
+
+/**
+ * Where a renderer may draw something in front of `prop`: within the bounds of its other visible
+ * props. All of it, where they do not tell.
+ */
+vtkFFDPixelBox vtkFFDFindHiding(vtkRenderer* renderer, vtkProp* prop);
 
 /**
  * What the representation draws, in world coordinates: the actors and their geometry. Nothing here
@@ -142,7 +157,8 @@ public:
   int RenderOpaqueGeometry(vtkViewport* viewport);
   /// The keys are those of the prop that this is part of: what depth peeling tells it.
   int RenderTranslucentPolygonalGeometry(vtkViewport* viewport, vtkInformation* passKeys);
-  int RenderOverlay(vtkViewport* viewport);
+  /// What is dimmed is drawn in a part of the viewport.
+  int RenderOverlay(vtkViewport* viewport, const vtkFFDPixelBox& part);
   bool HasTranslucentPolygonalGeometry();
 
 private:

@@ -107,6 +107,7 @@ public:
     this->Renderer->AddActor(this->Plane);
     this->Renderer->ResetCameraClippingRange();
   }
+  vtkNew<vtkActor> Plane;
 
   void SetParallel()
   {
@@ -115,7 +116,6 @@ public:
     this->Renderer->ResetCameraClippingRange();
   }
 
-private:
   std::vector<unsigned char> Draw()
   {
     this->Window->Render();
@@ -126,8 +126,8 @@ private:
     return rgb;
   }
 
+private:
   const int Last;
-  vtkNew<vtkActor> Plane;
 };
 
 //------------------------------------------------------------------------------
@@ -250,6 +250,63 @@ int TestTranslucent()
   return EXIT_SUCCESS;
 }
 
+//------------------------------------------------------------------------------
+/// What is dimmed is drawn wherever something hides the lattice, and nowhere else.
+int TestCulling()
+{
+  for (bool parallel : { false, true })
+  {
+    BallScene scene(6);
+    if (parallel)
+    {
+      scene.SetParallel();
+    }
+    scene.View->LineVisibilityOn();
+    const auto compare = [&scene](int& different) {
+      scene.View->SetHiddenOpacity(0.0);
+      const std::vector<unsigned char> none = scene.Draw();
+      scene.View->SetHiddenOpacity(0.25);
+      const std::vector<unsigned char> culled = scene.Draw();
+      scene.View->CullHiddenOff();
+      const std::vector<unsigned char> all = scene.Draw();
+      scene.View->CullHiddenOn();
+      different = 0;
+      bool right = all != none;
+      for (std::size_t p = 0; p < all.size(); p += 3)
+      {
+        // Red is the plane, which is all that hides; through it all is seen.
+        const bool hides = none[p] == 255 && none[p + 1] == 0;
+        right = right && (!hides || std::equal(&all[p], &all[p] + 3, &culled[p]));
+        different += std::equal(&none[p], &none[p] + 3, &culled[p]) ? 0 : 1;
+      }
+      return right;
+    };
+    int different = 0;
+    // Nothing hides, or nothing that is seen.
+    FFD_CHECK(compare(different) && different == 0);
+    scene.SetPlane(30.0);
+    scene.Plane->VisibilityOff();
+    FFD_CHECK(compare(different) && different == 0);
+    scene.Plane->VisibilityOn();
+    FFD_CHECK(compare(different) && different > 1000);
+    // A small one in a corner of the picture.
+    scene.Plane->SetOrigin(scene.Plane->GetCenter());
+    scene.Plane->SetScale(0.1);
+    FFD_CHECK(compare(different) && different > 20 && different < 4000);
+    // One around the camera: everywhere.
+    scene.Plane->SetScale(100.0);
+    scene.Plane->SetPosition(0.0, 0.0, -500.0);
+    FFD_CHECK(compare(different) && different > 1000);
+    // In a part of the window.
+    scene.Plane->SetPosition(0.0, 0.0, 0.0);
+    scene.Plane->SetScale(1.0);
+    scene.Renderer->SetViewport(0.25, 0.5, 1.0, 1.0);
+    FFD_CHECK(compare(different) && different > 300);
+    FFD_CHECK(scene.Errors->Count == 0);
+  }
+  return EXIT_SUCCESS;
+}
+
 } // namespace
 
 int TestLatticeLook(int, char*[])
@@ -259,5 +316,6 @@ int TestLatticeLook(int, char*[])
   failures += TestShading() != EXIT_SUCCESS;
   failures += TestDepth() != EXIT_SUCCESS;
   failures += TestTranslucent() != EXIT_SUCCESS;
+  failures += TestCulling() != EXIT_SUCCESS;
   return failures == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

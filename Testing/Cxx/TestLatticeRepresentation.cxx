@@ -464,6 +464,8 @@ int TestLook()
   ok &= differs(
     "hidden", [&] { rep->SetHiddenOpacity(0.0); }, [&] { rep->SetHiddenOpacity(0.25); });
   ok &= differs(
+    "cull hidden", [&] { rep->CullHiddenOff(); }, [&] { rep->CullHiddenOn(); });
+  ok &= differs(
     "size", [&] { rep->SetHandleSize(14.0); }, [&] { rep->SetHandleSize(9.0); });
   ok &= differs(
     "handle size", [&] { rep->SetTransformHandleSize(50.0); },
@@ -519,7 +521,7 @@ int TestLook()
       ok &= rep->HasTranslucentPolygonalGeometry() == 1;
     },
     [&] { rep->GetLineProperty()->SetOpacity(1.0); });
-  FFD_CHECK(ok && options == 22);
+  FFD_CHECK(ok && options == 23);
   FFD_CHECK(rep->HasTranslucentPolygonalGeometry() == 0);
   // Nothing is built again when nothing changed; graphics resources can be released at any time.
   rep->ReleaseGraphicsResources(scene.Window);

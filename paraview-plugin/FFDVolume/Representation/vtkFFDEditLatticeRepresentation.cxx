@@ -90,6 +90,8 @@ vtkFFDEditLatticeRepresentation::vtkFFDEditLatticeRepresentation()
 {
   this->EditArray->SetNumberOfComponents(1);
   this->SelectionArray->SetNumberOfComponents(1);
+  // What hides the lattice may be drawn by other processes.
+  this->CullHiddenOff();
 }
 
 //------------------------------------------------------------------------------
