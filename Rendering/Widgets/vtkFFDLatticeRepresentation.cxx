@@ -1542,6 +1542,7 @@ void vtkFFDLatticeRepresentation::BuildRepresentation()
     in.BuiltSize != projection.Size || in.BuiltOrigin != projection.Origin)
   {
     in.Scene.ScaleGlyphs(projection);
+    in.Scene.SimplifyLines(projection);
     in.BuildHandle(projection);
     if (this->InteractionState == SelectingRegion)
     {

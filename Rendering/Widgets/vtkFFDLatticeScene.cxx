@@ -33,11 +33,13 @@
 #include "vtkUnsignedCharArray.h"
 
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 
 namespace
@@ -84,6 +86,59 @@ constexpr double HidingMargin = 12.0;
 constexpr const char* DepthTag = "//VTK::Depth::Impl";
 /// Where its vertices are done.
 constexpr const char* VertexTag = "//VTK::CustomEnd::Impl";
+
+/// Pixels by which lines may differ from those through all their points.
+constexpr double LineTolerance = 0.1;
+
+/// The ends of a polyline, and of the points from start to before end those that are needed to stay
+/// within a tolerance of the rest (Douglas and Peucker 1973).
+std::vector<std::size_t> FindPointsToDraw(
+  const std::vector<glm::vec3>& points, std::size_t start, std::size_t end, double tolerance)
+{
+  std::vector<std::size_t> drawn = { start };
+  std::vector<std::size_t> ends = { end - 1 }; // of pieces that begin at the last drawn point
+  while (!ends.empty())
+  {
+    const std::size_t first = drawn.back();
+    const std::size_t last = ends.back();
+    const glm::dvec3 origin(points[first]);
+    const glm::dvec3 along = glm::dvec3(points[last]) - origin;
+    const double length2 = glm::dot(along, along);
+    double farthest2 = tolerance * tolerance;
+    std::size_t at = last;
+    for (std::size_t p = first + 1; p < last; ++p)
+    {
+      const glm::dvec3 from = glm::dvec3(points[p]) - origin;
+      const double t = length2 > 0.0 ? glm::clamp(glm::dot(from, along) / length2, 0.0, 1.0) : 0.0;
+      const glm::dvec3 off = from - t * along;
+      const double distance2 = glm::dot(off, off);
+      // Also true of what is no number, which is left as it is.
+      if (!(distance2 <= farthest2))
+      {
+        farthest2 = distance2;
+        at = p;
+      }
+    }
+    if (at == last)
+    {
+      ends.pop_back();
+      if (last > first)
+      {
+        drawn.push_back(last);
+      }
+    }
+    else
+    {
+      ends.push_back(at);
+    }
+  }
+  return drawn;
+}
+
+/// What vtkPolyDataMapper's fragments end with. Lines have no empty ones; without it their depth is
+/// tested before they are coloured. Where VTK says it otherwise nothing is replaced.
+constexpr const char* EmptyFragments =
+  "  if (gl_FragData[0].a <= 0.0)\n    {\n    discard;\n    }\n";
 
 /// The fragments of a disc.
 constexpr const char* DiscShader =
@@ -299,9 +354,11 @@ void vtkFFDLatticeScene::Layer::SetStyle(
 //------------------------------------------------------------------------------
 vtkFFDLatticeScene::PolyLines::PolyLines()
 {
-  this->Points->SetDataTypeToFloat();
-  this->Data->SetPoints(this->Points);
   this->SetMappers(this->Mapper[0], this->Mapper[1]);
+  for (vtkActor* actor : { this->Front.Get(), this->Hidden.Get() })
+  {
+    actor->GetShaderProperty()->AddFragmentShaderReplacement(EmptyFragments, true, "", false);
+  }
   for (vtkNew<vtkPolyDataMapper>& mapper : this->Mapper)
   {
     mapper->SetInputData(this->Data);
@@ -311,28 +368,125 @@ vtkFFDLatticeScene::PolyLines::PolyLines()
 //------------------------------------------------------------------------------
 void vtkFFDLatticeScene::PolyLines::Set(const Lines& lines)
 {
-  this->Points->SetNumberOfPoints(static_cast<vtkIdType>(lines.Points.size()));
-  for (std::size_t p = 0; p < lines.Points.size(); ++p)
+  std::vector<glm::vec3> points(lines.Points.begin(), lines.Points.end());
+  const bool cells = lines.Ends != this->Ends;
+  if (!cells && points == this->Points)
   {
-    this->Points->SetPoint(static_cast<vtkIdType>(p), &lines.Points[p].x);
+    return;
   }
-  this->Points->Modified();
-  if (lines.Ends != this->Ends)
+  if (cells)
   {
-    this->Ends = lines.Ends;
-    vtkNew<vtkCellArray> cells;
+    this->Drawn.assign(lines.Ends.size(), {});
+  }
+  else
+  {
     std::size_t start = 0;
-    for (std::size_t end : lines.Ends)
+    for (std::size_t line = 0; line < lines.Ends.size(); ++line)
     {
-      cells->InsertNextCell(static_cast<int>(end - start));
-      for (; start < end; ++start)
+      const std::size_t end = lines.Ends[line];
+      if (!std::equal(points.begin() + static_cast<std::ptrdiff_t>(start),
+            points.begin() + static_cast<std::ptrdiff_t>(end),
+            this->Points.begin() + static_cast<std::ptrdiff_t>(start)))
       {
-        cells->InsertCellPoint(static_cast<vtkIdType>(start));
+        this->Drawn[line].clear();
+      }
+      start = end;
+    }
+  }
+  this->Points.swap(points);
+  this->Ends = lines.Ends;
+  this->Low = glm::dvec3(std::numeric_limits<double>::infinity());
+  this->High = -this->Low;
+  vtkNew<vtkFloatArray> array;
+  array->SetNumberOfComponents(3);
+  array->SetNumberOfTuples(static_cast<vtkIdType>(this->Points.size()));
+  float* to = array->GetPointer(0);
+  for (const glm::vec3& p : this->Points)
+  {
+    to = std::copy_n(&p.x, 3, to);
+    this->Low = glm::min(this->Low, glm::dvec3(p));
+    this->High = glm::max(this->High, glm::dvec3(p));
+  }
+  vtkNew<vtkPoints> data;
+  data->SetData(array);
+  this->Data->SetPoints(data);
+  this->Draw();
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeScene::PolyLines::Simplify(const vtkFFDProjection& projection)
+{
+  double pixel = std::numeric_limits<double>::infinity();
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    // 0 where it is behind the camera.
+    pixel = std::min(pixel,
+      projection.GetPixelSize({ corner & 1 ? this->High.x : this->Low.x,
+        corner & 2 ? this->High.y : this->Low.y, corner & 4 ? this->High.z : this->Low.z }));
+  }
+  const double allowed = std::isfinite(pixel) ? LineTolerance * pixel : 0.0;
+  // Another one only if it must be, or if much is to be gained.
+  if (this->Tolerance > allowed || this->Tolerance < 0.25 * allowed)
+  {
+    this->Tolerance = 0.7 * allowed;
+    this->Drawn.assign(this->Ends.size(), {});
+  }
+  bool changed = false;
+  std::size_t start = 0;
+  for (std::size_t line = 0; line < this->Ends.size(); ++line)
+  {
+    const std::size_t end = this->Ends[line];
+    if (this->Drawn[line].empty() && end > start)
+    {
+      this->Drawn[line] = FindPointsToDraw(this->Points, start, end, this->Tolerance);
+      changed = true;
+    }
+    start = end;
+  }
+  if (changed)
+  {
+    this->Draw();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeScene::PolyLines::Draw()
+{
+  std::vector<vtkIdType> offsets = { 0 };
+  std::vector<vtkIdType> points;
+  std::size_t start = 0;
+  for (std::size_t line = 0; line < this->Ends.size(); ++line)
+  {
+    if (this->Drawn[line].empty())
+    {
+      for (std::size_t p = start; p < this->Ends[line]; ++p)
+      {
+        points.push_back(static_cast<vtkIdType>(p));
       }
     }
-    this->Data->SetLines(cells);
+    for (std::size_t p : this->Drawn[line])
+    {
+      points.push_back(static_cast<vtkIdType>(p));
+    }
+    offsets.push_back(static_cast<vtkIdType>(points.size()));
+    start = this->Ends[line];
   }
-  this->Data->Modified();
+  // Index buffers are made anew when the cells are.
+  if (offsets == this->CellOffsets && points == this->CellPoints)
+  {
+    return;
+  }
+  const auto toArray = [](const std::vector<vtkIdType>& values) {
+    vtkNew<vtkIdTypeArray> array;
+    array->SetNumberOfValues(static_cast<vtkIdType>(values.size()));
+    std::copy(values.begin(), values.end(), array->GetPointer(0));
+    return array;
+  };
+  vtkNew<vtkCellArray> cells;
+  cells->SetData(toArray(offsets), toArray(points));
+  this->Data->SetLines(cells);
+  this->CellOffsets.swap(offsets);
+  this->CellPoints.swap(points);
 }
 
 //------------------------------------------------------------------------------
@@ -567,6 +721,13 @@ void vtkFFDLatticeScene::ScaleGlyphs(const vtkFFDProjection& projection)
 
 //------------------------------------------------------------------------------
 void vtkFFDLatticeScene::SetLines(const Lines& lines) { this->LatticePolyLines.Set(lines); }
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeScene::SimplifyLines(const vtkFFDProjection& projection)
+{
+  this->LatticePolyLines.Simplify(projection);
+  this->OutlinePolyLines.Simplify(projection);
+}
 
 //------------------------------------------------------------------------------
 void vtkFFDLatticeScene::SetOutline(const Lines& lines) { this->OutlinePolyLines.Set(lines); }

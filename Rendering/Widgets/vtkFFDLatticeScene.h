@@ -127,6 +127,9 @@ public:
   /// Keep the size on screen of those that are meshes.
   void ScaleGlyphs(const vtkFFDProjection& projection);
   void SetLines(const Lines& lines);
+  /// Leave out points of lines that make no difference in this view. Those of SetLines() are all
+  /// drawn until then.
+  void SimplifyLines(const vtkFFDProjection& projection);
   void SetOutline(const Lines& lines);
   void SetHandle(const std::vector<Shape>& shapes);
   void SetRubberBand(const glm::dvec2& a, const glm::dvec2& b);
@@ -192,14 +195,25 @@ private:
     Style Made;
   };
 
+  /// Polylines, of whose points only those are drawn that make a difference.
   struct PolyLines : Layer
   {
     vtkNew<vtkPolyData> Data;
-    vtkNew<vtkPoints> Points;
     vtkNew<vtkPolyDataMapper> Mapper[2];
+    std::vector<glm::vec3> Points;
     std::vector<std::size_t> Ends;
+    std::vector<std::vector<std::size_t>> Drawn; ///< points of each line; empty: to be found
+    double Tolerance = 0.0;                      ///< with which they were found
+    glm::dvec3 Low{ 0.0 };                       ///< bounds
+    glm::dvec3 High{ 0.0 };
     PolyLines();
     void Set(const Lines& lines);
+    void Simplify(const vtkFFDProjection& projection);
+
+  private:
+    void Draw();
+    std::vector<vtkIdType> CellOffsets; ///< as they are drawn
+    std::vector<vtkIdType> CellPoints;
   };
 
   /// Balls of one size as points.

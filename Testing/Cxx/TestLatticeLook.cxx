@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
 // What the representation draws: balls of the sizes that were asked for, as points and as meshes, in
-// front of what is behind them, and how dim they are behind something.
+// front of what is behind them, how dim they are behind something, and lines where they should be.
 #include "FFDTestWidget.h"
 
 #include "vtkActor.h"
@@ -307,6 +307,101 @@ int TestCulling()
   return EXIT_SUCCESS;
 }
 
+//------------------------------------------------------------------------------
+/// Lines are seen where the lattice says, however many of their points are drawn.
+int TestLines()
+{
+  WidgetScene scene(7);
+  Rep* rep = scene.View;
+  rep->PointVisibilityOff();
+  rep->OutlineVisibilityOff();
+  rep->SetHandleMode(Rep::HANDLE_OFF);
+  rep->SetLineMode(Rep::CURVED);
+  rep->GetLineProperty()->SetColor(1.0, 1.0, 1.0);
+  scene.Renderer->SetBackground(0.0, 0.0, 0.0);
+  const auto draw = [&scene] {
+    scene.Window->Render();
+    vtkNew<vtkUnsignedCharArray> pixels;
+    scene.Window->GetPixelData(
+      0, 0, WidgetScene::Size - 1, WidgetScene::Size - 1, 0, pixels);
+    std::vector<unsigned char> rgb(static_cast<std::size_t>(pixels->GetNumberOfValues()));
+    std::copy_n(pixels->GetPointer(0), rgb.size(), rgb.begin());
+    return rgb;
+  };
+  // Along the knots of each axis, finely; how many are seen and how many are missed.
+  const auto missed = [&](int& seen) {
+    const std::vector<unsigned char> rgb = draw();
+    seen = 0;
+    int misses = 0;
+    double domain[6];
+    scene.Lattice->GetDomain(domain);
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      for (int line = 0; line < 25; ++line)
+      {
+        for (int s = 0; s <= 400; ++s)
+        {
+          // Four cells in the domain.
+          double rest[3];
+          const double place[3] = { s / 400.0, line % 5 / 4.0, line / 5 / 4.0 };
+          for (int a = 0; a < 3; ++a)
+          {
+            const int b = (axis + a) % 3;
+            rest[b] = domain[2 * b] + place[a] * (domain[2 * b + 1] - domain[2 * b]);
+          }
+          std::array<double, 3> moved;
+          scene.Lattice->TransformPoint(rest, moved.data());
+          const std::array<double, 3> at = scene.Display(moved);
+          const int x = static_cast<int>(std::floor(at[0]));
+          const int y = static_cast<int>(std::floor(at[1]));
+          if (at[2] <= 0.0 || at[2] >= 1.0 || x < 1 || y < 1 || x >= WidgetScene::Size - 1 ||
+            y >= WidgetScene::Size - 1)
+          {
+            continue;
+          }
+          bool found = false;
+          for (int n = 0; n < 9 && !found; ++n)
+          {
+            found = rgb[static_cast<std::size_t>(
+                      3 * (x + n % 3 - 1 + WidgetScene::Size * (y + n / 3 - 1)))] > 128;
+          }
+          ++seen;
+          misses += found ? 0 : 1;
+        }
+      }
+    }
+    return misses;
+  };
+  int seen = 0;
+  FFD_CHECK(missed(seen) == 0 && seen > 20000);
+  rep->SetControlPoint(3, 3, 5, 50.0, 70.0, 200.0);
+  rep->SetControlPoint(2, 4, 3, 20.0, 130.0, 50.0);
+  FFD_CHECK(missed(seen) == 0 && seen > 20000);
+  // From afar fewer points do, and from nearby that is seen.
+  vtkCamera* camera = scene.Renderer->GetActiveCamera();
+  for (double zoom : { 0.1, 1.0, 4.0, 0.05, 8.0 })
+  {
+    const double distance = camera->GetDistance();
+    camera->Dolly(zoom);
+    scene.Renderer->ResetCameraClippingRange();
+    FFD_CHECK(missed(seen) == 0);
+    FFD_CHECK(seen > 100);
+    camera->Dolly(distance > 0.0 ? 1.0 / zoom : 1.0);
+    scene.Renderer->ResetCameraClippingRange();
+    FFD_CHECK(missed(seen) == 0 && seen > 20000);
+  }
+  camera->ParallelProjectionOn();
+  for (double scale : { 2000.0, 90.0, 20.0 })
+  {
+    camera->SetParallelScale(scale);
+    scene.Renderer->ResetCameraClippingRange();
+    FFD_CHECK(missed(seen) == 0);
+    FFD_CHECK(seen > 100);
+  }
+  FFD_CHECK(scene.Errors->Count == 0);
+  return EXIT_SUCCESS;
+}
+
 } // namespace
 
 int TestLatticeLook(int, char*[])
@@ -317,5 +412,6 @@ int TestLatticeLook(int, char*[])
   failures += TestDepth() != EXIT_SUCCESS;
   failures += TestTranslucent() != EXIT_SUCCESS;
   failures += TestCulling() != EXIT_SUCCESS;
+  failures += TestLines() != EXIT_SUCCESS;
   return failures == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }
