@@ -6,7 +6,6 @@
 #include "vtkActor2D.h"
 #include "vtkCamera.h"
 #include "vtkCellArray.h"
-#include "vtkCellData.h"
 #include "vtkDoubleArray.h"
 #include "vtkFloatArray.h"
 #include "vtkGlyph3DMapper.h"
@@ -362,6 +361,7 @@ vtkFFDLatticeScene::PolyLines::PolyLines()
   for (vtkNew<vtkPolyDataMapper>& mapper : this->Mapper)
   {
     mapper->SetInputData(this->Data);
+    mapper->StaticOn(); // the data come from no pipeline
   }
 }
 
@@ -496,6 +496,7 @@ vtkFFDLatticeScene::Sprites::Sprites()
   for (vtkNew<vtkPolyDataMapper>& mapper : this->Mapper)
   {
     mapper->SetInputData(this->Data);
+    mapper->StaticOn(); // the data come from no pipeline
   }
 }
 
@@ -612,7 +613,7 @@ void vtkFFDLatticeScene::Meshes::Scale(const vtkFFDProjection& projection)
 vtkFFDLatticeScene::vtkFFDLatticeScene()
 {
   this->HandleMapper->SetInputData(this->HandleData);
-  this->HandleMapper->SetScalarModeToUseCellData();
+  this->HandleMapper->StaticOn();
   this->HandleActor->SetMapper(this->HandleMapper);
   this->HandleActor->PickableOff();
   this->HandleActor->ForceTranslucentOn();
@@ -738,42 +739,36 @@ void vtkFFDLatticeScene::SetHandle(const std::vector<Shape>& shapes)
   vtkNew<vtkPoints> points;
   vtkNew<vtkCellArray> lines;
   vtkNew<vtkCellArray> triangles;
-  vtkNew<vtkUnsignedCharArray> lineColours;
-  lineColours->SetNumberOfComponents(3);
-  vtkNew<vtkUnsignedCharArray> triangleColours;
-  triangleColours->SetNumberOfComponents(3);
+  // Of points: colours of cells would be a texture, which is slow to make.
+  vtkNew<vtkUnsignedCharArray> colours;
+  colours->SetNumberOfComponents(3);
   for (const Shape& shape : shapes)
   {
+    const auto insert = [&](const glm::dvec3& p) {
+      colours->InsertNextTypedTuple(shape.Rgb.data());
+      return points->InsertNextPoint(&p.x);
+    };
     if (!shape.Line.empty())
     {
       lines->InsertNextCell(static_cast<int>(shape.Line.size()));
       for (const glm::dvec3& p : shape.Line)
       {
-        lines->InsertCellPoint(points->InsertNextPoint(&p.x));
+        lines->InsertCellPoint(insert(p));
       }
-      lineColours->InsertNextTypedTuple(shape.Rgb.data());
     }
     for (std::size_t t = 0; t + 2 < shape.Triangles.size(); t += 3)
     {
       triangles->InsertNextCell(3);
       for (std::size_t c = 0; c < 3; ++c)
       {
-        triangles->InsertCellPoint(points->InsertNextPoint(&shape.Triangles[t + c].x));
+        triangles->InsertCellPoint(insert(shape.Triangles[t + c]));
       }
-      triangleColours->InsertNextTypedTuple(shape.Rgb.data());
     }
-  }
-  // Cell data lists lines before polygons.
-  for (vtkIdType t = 0; t < triangleColours->GetNumberOfTuples(); ++t)
-  {
-    unsigned char rgb[3];
-    triangleColours->GetTypedTuple(t, rgb);
-    lineColours->InsertNextTypedTuple(rgb);
   }
   this->HandleData->SetPoints(points);
   this->HandleData->SetLines(lines);
   this->HandleData->SetPolys(triangles);
-  this->HandleData->GetCellData()->SetScalars(lineColours);
+  this->HandleData->GetPointData()->SetScalars(colours);
   this->HandleData->Modified();
 }
 
