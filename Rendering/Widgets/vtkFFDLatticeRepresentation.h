@@ -4,7 +4,7 @@
  * @class   vtkFFDLatticeRepresentation
  * @brief   shows a lattice in the scene, and edits it: the representation of vtkFFDLatticeWidget
  *
- * Draws the control points of a vtkFFDLattice as instanced glyphs of constant size on screen, the
+ * Draws the control points of a vtkFFDLattice as balls of constant size on screen, the
  * lines between them, and the outline of the volume as it is deformed. What lies behind or within
  * something is seen through it, dimmed by HiddenOpacity.
  *
