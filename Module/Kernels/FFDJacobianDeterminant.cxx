@@ -315,7 +315,7 @@ Range BoundJacobianDeterminant(const BSplineField& field, const glm::ivec3& firs
   }
   static const Matrix conversion = MakeConversion();
   const SubCellGrid grid(field);
-  std::vector<SubCellBounds> subCells;
+  SubCellBoundsVector subCells;
   ComputeSubCellBounds(field, grid, subCells);
 
   Search search{ tolerance, { infinity, -infinity }, { infinity, -infinity } };

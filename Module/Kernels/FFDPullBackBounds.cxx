@@ -5,13 +5,11 @@
 #include "FFDBSplineBasis.h"
 #include "FFDControlNet.h"
 #include "FFDJacobianDeterminant.h"
-#include "FFDMatrixBounds.h"
 
 #include <glm/common.hpp>
 #include <glm/matrix.hpp>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -44,154 +42,9 @@ Box Intersect(const Box& a, const Box& b)
   return { glm::max(a.Min, b.Min), glm::min(a.Max, b.Max) };
 }
 
-/// A float that is not below x. One relative step of 2^-22 covers the cast and the sum; far
-/// cheaper than std::nextafter, and this runs 20 times per sub-cell.
-float RoundUp(double x)
-{
-  // Clamped first, as the cast of a value past the range of float is undefined; the step takes
-  // the upper limit to infinity only for values that are infinite or next to it.
-  const float f = static_cast<float>(std::min(x, 3e38));
-  return x > 3e38 ? std::numeric_limits<float>::infinity()
-                  : f + std::abs(f) * 2.4e-7f + std::numeric_limits<float>::min();
-}
-
-void SetUnbounded(SubCellBounds& bounds)
-{
-  constexpr float infinity = std::numeric_limits<float>::infinity();
-  std::fill_n(bounds.Value + SubCellBounds::NegatedJacobianMin, 18, infinity);
-  bounds.Value[SubCellBounds::Second] = infinity;
-  bounds.Value[SubCellBounds::Third] = infinity;
-}
-
-/// Inverse times determinant, in straight-line code that compilers vectorise.
-glm::dmat3 Adjugate(const glm::dmat3& m)
-{
-  return glm::transpose(
-    glm::dmat3(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])));
-}
-
-double LargestColumnSum(const glm::dmat3& m)
-{
-  return std::max({ m[0].x + m[0].y + m[0].z, m[1].x + m[1].y + m[1].z, m[2].x + m[2].y + m[2].z });
-}
-
-/// Bounds of T2[q, r] for the second derivatives of a cell: sum over b, c of |H_bc| q_b r_c.
-glm::dvec3 ApplySecond(const CellDerivatives& cell, const glm::dvec3& q, const glm::dvec3& r)
-{
-  const double pairs[6] = { q.x * r.x, q.x * r.y + q.y * r.x, q.x * r.z + q.z * r.x, q.y * r.y,
-    q.y * r.z + q.z * r.y, q.z * r.z };
-  glm::dvec3 sum(0.0);
-  for (int i = 0; i < 6; ++i)
-  {
-    sum += pairs[i] * glm::dvec3(cell.Second[i][0], cell.Second[i][1], cell.Second[i][2]);
-  }
-  return sum;
-}
-
-/// Bounds of T3[q, q, q].
-glm::dvec3 ApplyThird(const CellDerivatives& cell, const glm::dvec3& q)
-{
-  const double triples[10] = { q.x * q.x * q.x, 3.0 * q.x * q.x * q.y, 3.0 * q.x * q.x * q.z,
-    3.0 * q.x * q.y * q.y, 6.0 * q.x * q.y * q.z, 3.0 * q.x * q.z * q.z, q.y * q.y * q.y,
-    3.0 * q.y * q.y * q.z, 3.0 * q.y * q.z * q.z, q.z * q.z * q.z };
-  glm::dvec3 sum(0.0);
-  for (int i = 0; i < 10; ++i)
-  {
-    sum += triples[i] * glm::dvec3(cell.Third[i][0], cell.Third[i][1], cell.Third[i][2]);
-  }
-  return sum;
-}
-
-/**
- * Turn bounds of D's derivatives into those of the inverse of T(X) = X + D(X), over the same
- * sub-cell of rest space. With J = C + E, |E| <= Delta entry-wise, W = |C^-1| Delta:
- * J^-1 - C^-1 = -C^-1 E J^-1, so |J^-1 - C^-1| <= (W + W^2 + ...) |C^-1| = (I - W)^-1 W |C^-1|
- * when the spectral radius of W is below one; the largest row or column sum proves that.
- */
-bool BoundInverse(SubCellBounds& bounds, const CellDerivatives& cell)
-{
-  glm::dmat3 centre(1.0);
-  glm::dmat3 delta;
-  for (int i = 0; i < 9; ++i)
-  {
-    const double lo = -static_cast<double>(bounds.Value[SubCellBounds::NegatedJacobianMin + i]);
-    const double hi = bounds.Value[SubCellBounds::JacobianMax + i];
-    centre[i / 3][i % 3] += 0.5 * (lo + hi);
-    delta[i / 3][i % 3] = 0.5 * (hi - lo);
-  }
-  const double determinant = glm::determinant(centre);
-  // Also refuses NaN and a matrix so near to singular that its inverse is mostly rounding. A
-  // negative one turns space inside out: T folds, and other points have the same image.
-  if (!(determinant > 1e-9) || !(determinant < 1e30))
-  {
-    SetUnbounded(bounds);
-    return false;
-  }
-  const glm::dmat3 inverse = Adjugate(centre) * (1.0 / determinant);
-  const glm::dmat3 size = Absolute(inverse);
-  const glm::dmat3 w = size * delta;
-  const double radius = std::min(LargestRowSum(w), LargestColumnSum(w));
-  if (!(radius < 0.999))
-  {
-    SetUnbounded(bounds);
-    return false;
-  }
-  const glm::dmat3 remaining = glm::dmat3(1.0) - w;
-  const glm::dmat3 spread =
-    Adjugate(remaining) * (w * size) * (1.0 / glm::determinant(remaining));
-  // The arithmetic above is in double precision: its error is far below this.
-  constexpr double roundingSlack = 1e-9;
-  glm::dmat3 largest;
-  for (int i = 0; i < 9; ++i)
-  {
-    const double middle = inverse[i / 3][i % 3];
-    const double radiusOfEntry = spread[i / 3][i % 3] + roundingSlack * (1.0 + std::abs(middle));
-    bounds.Value[SubCellBounds::NegatedJacobianMin + i] = RoundUp(radiusOfEntry - middle);
-    bounds.Value[SubCellBounds::JacobianMax + i] = RoundUp(radiusOfEntry + middle);
-    largest[i / 3][i % 3] = std::abs(middle) + radiusOfEntry;
-  }
-  // |A|_2 <= sqrt(|A|_1 |A|_inf) and <= the Frobenius norm.
-  const double frobenius = std::sqrt(glm::dot(largest[0], largest[0]) +
-    glm::dot(largest[1], largest[1]) + glm::dot(largest[2], largest[2]));
-  const double alpha =
-    std::min(frobenius, std::sqrt(LargestRowSum(largest) * LargestColumnSum(largest)));
-  // From T(Q(t)) = P + t d: J Q'' = -T2[Q', Q'] and J Q''' = -T3[Q', Q', Q'] - 3 T2[Q', Q''].
-  const double t2 = bounds.Value[SubCellBounds::Second];
-  const double t3 = bounds.Value[SubCellBounds::Third];
-  const double alpha3 = alpha * alpha * alpha;
-  // The same component by component: much closer where the deformation has a direction, as most
-  // have, and never the only bound. |Q'_i| is at most the length of row i of J^-1.
-  const glm::dmat3 rows = glm::transpose(largest);
-  const glm::dvec3 speed(glm::length(rows[0]), glm::length(rows[1]), glm::length(rows[2]));
-  const glm::dvec3 turn = largest * ApplySecond(cell, speed, speed);
-  const glm::dvec3 twist =
-    largest * (ApplyThird(cell, speed) + 3.0 * ApplySecond(cell, speed, turn));
-  bounds.Value[SubCellBounds::Second] = RoundUp(std::min(alpha3 * t2, glm::length(turn)));
-  bounds.Value[SubCellBounds::Third] = RoundUp(
-    std::min(alpha * alpha3 * (t3 + 3.0 * alpha * t2 * t2), glm::length(twist)));
-  return true;
-}
-
 bool InvertsTheField(PullBackKind kind)
 {
   return kind == PullBackKind::Exact || kind == PullBackKind::FirstOrderOfInverse;
-}
-
-/// Replace the interval of every Jacobian entry by diagonal * I + sign * interval.
-void Reflect(SubCellBounds& bounds, double diagonal, bool negate)
-{
-  for (int i = 0; i < 9; ++i)
-  {
-    double lo = bounds.Value[SubCellBounds::NegatedJacobianMin + i]; // -min
-    double hi = bounds.Value[SubCellBounds::JacobianMax + i];
-    if (negate)
-    {
-      std::swap(lo, hi);
-    }
-    const double unit = i % 4 == 0 ? diagonal : 0.0;
-    bounds.Value[SubCellBounds::NegatedJacobianMin + i] = RoundUp(lo - unit);
-    bounds.Value[SubCellBounds::JacobianMax + i] = RoundUp(hi + unit);
-  }
 }
 
 /// Bezier coefficients of one axis over [u0, u1] of a cell from its four control points: the
@@ -296,51 +149,8 @@ void PullBackBounds::Find(
   this->Field = &field;
   this->Size = grid.Size;
   this->Cells = { grid.FirstCell, grid.FirstCell + grid.Size / 2 - 1 };
-  ComputeSubCellBounds(field, grid, this->SubCells, &this->Derivatives, parallelFor);
-  const glm::ivec3 cells = grid.GetCells();
-  const auto cellOf = [&](std::size_t subCell) -> const CellDerivatives&
-  {
-    const int index = static_cast<int>(subCell);
-    const int i = SubCellGrid::CellOf(index % grid.Size.x);
-    const int j = SubCellGrid::CellOf(index / grid.Size.x % grid.Size.y);
-    const int k = SubCellGrid::CellOf(index / grid.Size.x / grid.Size.y);
-    return this->Derivatives[static_cast<std::size_t>(i) +
-      static_cast<std::size_t>(cells.x) *
-        (static_cast<std::size_t>(j) +
-          static_cast<std::size_t>(cells.y) * static_cast<std::size_t>(k))];
-  };
-  std::atomic<bool> regular{ true };
-  const std::size_t slice =
-    static_cast<std::size_t>(grid.Size.x) * static_cast<std::size_t>(grid.Size.y);
-  RunFor(parallelFor, static_cast<std::size_t>(grid.Size.z),
-    [&](std::size_t first, std::size_t last)
-    {
-      bool all = true;
-      for (std::size_t index = first * slice; index < last * slice; ++index)
-      {
-        SubCellBounds& bounds = this->SubCells[index];
-        switch (this->Kind)
-        {
-          case PullBackKind::FirstOrder:
-            Reflect(bounds, 1.0, true);
-            break;
-          case PullBackKind::Forward:
-            Reflect(bounds, 1.0, false);
-            break;
-          case PullBackKind::Exact:
-            all = BoundInverse(bounds, cellOf(index)) && all;
-            break;
-          case PullBackKind::FirstOrderOfInverse:
-            all = BoundInverse(bounds, cellOf(index)) && all;
-            Reflect(bounds, 2.0, true);
-            break;
-        }
-      }
-      if (!all)
-      {
-        regular = false;
-      }
-    });
+  const bool regular = ComputeSubCellBounds(
+    field, grid, this->Kind, this->SubCells, this->Derivatives, parallelFor);
   this->ProvenInvertible = this->ProvenInvertible && regular;
   if (this->RestRegions && !this->Refined && !this->ProvenInvertible)
   {

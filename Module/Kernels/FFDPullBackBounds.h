@@ -124,7 +124,7 @@ private:
   const BSplineField* Field = nullptr;
   PullBackKind Kind = PullBackKind::Exact;
   double Tolerance = 0.0;
-  std::vector<SubCellBounds> SubCells; // of Phi's derivatives and of D, x fastest
+  SubCellBoundsVector SubCells; // of Phi's derivatives and of D, x fastest
   std::vector<CellDerivatives> Derivatives;
   glm::ivec3 Size{ 0 };
   CellRange Cells; // of Field, that have sub-cells

@@ -1,16 +1,20 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
+// Of the many levels of x86 three are worth their compile time.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "FFDSubCellBounds.cxx"
 #include <hwy/foreach_target.h>
 // After foreach_target.h, which includes this file once per instruction set.
 #include <hwy/highway.h>
 
+#include "FFDSimdPullBackBounds-inl.h"
 #include "FFDSubCellBounds.h"
 
 #include <glm/common.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -21,9 +25,6 @@ namespace ffd
 namespace
 {
 
-/// Lanes per block on every target, so that buffers have a fixed size.
-constexpr int BlockLanes = 16;
-
 /// How the four Bezier coefficients of a (sub-)cell of one axis follow from control points
 /// Base ... Base + 3 (in padded indices).
 struct AxisPiece
@@ -32,14 +33,25 @@ struct AxisPiece
   float Weight[4][4] = {};
 };
 
+/// What the bounds are of.
+enum class BoundedMap
+{
+  Displacement, ///< D, without its higher derivatives
+  FirstOrder,   ///< the pull-backs of these names
+  Exact,
+  Forward,
+  FirstOrderOfInverse
+};
+
 /// Everything the SIMD code needs, coefficients divided by their largest magnitude.
 struct BoundsInput
 {
+  BoundedMap Map;
   glm::ivec3 Padded;
   const float* Coefficients; ///< [component][z][y][x], x padded to RowLength
   int RowLength;
   int Lanes; ///< cells of x including the two constant ones
-  const float* LaneScale; ///< per lane, 0 where the outside of x is zero
+  bool ZeroOutside;       ///< the constant lanes, first and last, are zero
   float CoefficientScale; ///< largest magnitude of a coefficient, rounded up
   float InverseLength[3]; ///< smallest spacing over the spacing of each axis, <= 1
   float SecondScale;      ///< from derivatives in units of that smallest spacing
@@ -49,6 +61,18 @@ struct BoundsInput
   float Shift[3];      ///< constant part of the field, not in Coefficients
   const std::vector<AxisPiece>* Half[3]; ///< per sub-cell of y, z
   const std::vector<AxisPiece>* Full[3]; ///< per cell of y, z, the constant ones included
+};
+
+/// Sub-cells of a cell along an axis, First ... End - 1; the constant outside cells have one.
+struct SubCellsOfCell
+{
+  int First;
+  int End;
+  SubCellsOfCell(int cell, int subCells)
+    : First(cell == 0 ? 0 : 2 * cell - 1)
+    , End(cell == 0 ? 1 : std::min(2 * cell + 1, subCells))
+  {
+  }
 };
 
 } // namespace
@@ -63,11 +87,39 @@ namespace HWY_NAMESPACE
 namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<float, BlockLanes>;
 
-/// 3 components of a net of up to 4^3 coefficients, [component][z][y][x][lane].
+/// One component of a net of up to 4^3 coefficients, [z][y][x][lane].
+struct ComponentNet
+{
+  HWY_ALIGN float Value[64 * BlockLanes];
+};
+
+/// From component to component: not a power of two, which would make the loads of all three wait for
+/// each other.
+constexpr int ComponentStride = 65 * BlockLanes;
+
+/// Three components.
 struct Net
 {
-  HWY_ALIGN float Value[3 * 64 * BlockLanes];
+  HWY_ALIGN float Value[3 * ComponentStride];
 };
+
+/// w[0] * from[i] + ... + w[3] * from[i + 3 * stride], for count values, which is whole vectors.
+HWY_INLINE void Contract(
+  const float* w, const float* from, std::ptrdiff_t stride, std::ptrdiff_t count, float* to)
+{
+  const Tag d;
+  const auto w0 = hn::Set(d, w[0]);
+  const auto w1 = hn::Set(d, w[1]);
+  const auto w2 = hn::Set(d, w[2]);
+  const auto w3 = hn::Set(d, w[3]);
+  const std::ptrdiff_t step = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  for (std::ptrdiff_t i = 0; i < count; i += step)
+  {
+    const auto low = hn::MulAdd(w1, hn::LoadU(d, from + i + stride), hn::Mul(w0, hn::LoadU(d, from + i)));
+    const auto high = hn::MulAdd(w2, hn::LoadU(d, from + i + 2 * stride), low);
+    hn::StoreU(hn::MulAdd(w3, hn::LoadU(d, from + i + 3 * stride), high), d, to + i);
+  }
+}
 
 /// Contract y and z: rows[c][bz][by][x] for all x of one (y piece, z piece).
 HWY_INLINE void ContractPlane(const BoundsInput& in, const AxisPiece& piece, float* plane)
@@ -78,13 +130,7 @@ HWY_INLINE void ContractPlane(const BoundsInput& in, const AxisPiece& piece, flo
     const float* from = in.Coefficients + (c * in.Padded.z + piece.Base) * slice;
     for (int b = 0; b < 4; ++b)
     {
-      const float* w = piece.Weight[b];
-      float* to = plane + (c * 4 + b) * slice;
-      for (std::ptrdiff_t i = 0; i < slice; ++i)
-      {
-        to[i] = w[0] * from[i] + w[1] * from[i + slice] + w[2] * from[i + 2 * slice] +
-          w[3] * from[i + 3 * slice];
-      }
+      Contract(piece.Weight[b], from, slice, slice, plane + (c * 4 + b) * slice);
     }
   }
 }
@@ -93,82 +139,98 @@ HWY_INLINE void ContractRows(
   const BoundsInput& in, const AxisPiece& piece, const float* plane, float* rows)
 {
   const std::ptrdiff_t n = in.RowLength;
+  // Room for whole vectors follows, where all is zero.
+  const std::ptrdiff_t used = (in.Lanes + 3 + BlockLanes - 1) / BlockLanes * BlockLanes;
   for (int cz = 0; cz < 12; ++cz)
   {
     const float* from = plane + (static_cast<std::ptrdiff_t>(cz) * in.Padded.y + piece.Base) * n;
     for (int b = 0; b < 4; ++b)
     {
-      const float* w = piece.Weight[b];
-      float* to = rows + (cz * 4 + b) * n;
-      // What follows stays zero: room for whole vectors only.
-      for (std::ptrdiff_t i = 0; i < in.Lanes + 3; ++i)
+      Contract(piece.Weight[b], from, n, used, rows + (cz * 4 + b) * n);
+    }
+  }
+}
+
+/// Bezier coefficients along x of cells from the control points that count there.
+struct Bezier
+{
+  hn::Vec<Tag> b0;
+  hn::Vec<Tag> b1;
+  hn::Vec<Tag> b2;
+  hn::Vec<Tag> b3;
+
+  HWY_INLINE explicit Bezier(const float* from)
+  {
+    const Tag d;
+    const auto sixth = hn::Set(d, 1.0f / 6.0f);
+    const auto third = hn::Set(d, 1.0f / 3.0f);
+    const auto two = hn::Set(d, 2.0f);
+    const auto four = hn::Set(d, 4.0f);
+    const auto c0 = hn::LoadU(d, from);
+    const auto c1 = hn::LoadU(d, from + 1);
+    const auto c2 = hn::LoadU(d, from + 2);
+    const auto c3 = hn::LoadU(d, from + 3);
+    this->b0 = hn::Mul(hn::Add(hn::MulAdd(four, c1, c0), c2), sixth);
+    this->b1 = hn::Mul(hn::MulAdd(two, c1, c2), third);
+    this->b2 = hn::Mul(hn::MulAdd(two, c2, c1), third);
+    this->b3 = hn::Mul(hn::Add(hn::MulAdd(four, c2, c1), c3), sixth);
+  }
+};
+
+HWY_INLINE void ContractBlock(const BoundsInput& in, const float* rows, int lane0, Net& net)
+{
+  const Tag d;
+  const int step = static_cast<int>(hn::Lanes(d));
+  for (int c = 0; c < 3; ++c)
+  {
+    for (int row = 0; row < 16; ++row)
+    {
+      const float* from = rows + static_cast<std::ptrdiff_t>(c * 16 + row) * in.RowLength + lane0;
+      float* to = net.Value + c * ComponentStride + row * 4 * BlockLanes;
+      for (int l = 0; l < BlockLanes; l += step)
       {
-        to[i] = w[0] * from[i] + w[1] * from[i + n] + w[2] * from[i + 2 * n] + w[3] * from[i + 3 * n];
+        const Bezier b(from + l);
+        hn::Store(b.b0, d, to + l);
+        hn::Store(b.b1, d, to + BlockLanes + l);
+        hn::Store(b.b2, d, to + 2 * BlockLanes + l);
+        hn::Store(b.b3, d, to + 3 * BlockLanes + l);
       }
     }
   }
 }
 
-enum class Part
-{
-  Whole,
-  Left,
-  Right
-};
-
-/// Bezier coefficients along x of a block of cells, whole or one half of each.
-template <Part part>
-HWY_INLINE void ContractBlock(const BoundsInput& in, const float* rows, int lane0, Net& net)
+/// The same of one component, for either half of the cells.
+HWY_INLINE void ContractHalves(const BoundsInput& in, const float* rows, int lane0, int component,
+  ComponentNet& left, ComponentNet& right)
 {
   const Tag d;
   const int step = static_cast<int>(hn::Lanes(d));
-  const auto sixth = hn::Set(d, 1.0f / 6.0f);
-  const auto third = hn::Set(d, 1.0f / 3.0f);
   const auto two = hn::Set(d, 2.0f);
   const auto three = hn::Set(d, 3.0f);
-  const auto four = hn::Set(d, 4.0f);
   const auto half = hn::Set(d, 0.5f);
   const auto quarter = hn::Set(d, 0.25f);
   const auto eighth = hn::Set(d, 0.125f);
-  for (int row = 0; row < 48; ++row)
+  for (int row = 0; row < 16; ++row)
   {
-    const float* from = rows + static_cast<std::ptrdiff_t>(row) * in.RowLength + lane0;
-    float* to = net.Value + static_cast<std::ptrdiff_t>(row) * 4 * BlockLanes;
+    const float* from =
+      rows + static_cast<std::ptrdiff_t>(component * 16 + row) * in.RowLength + lane0;
+    float* toLeft = left.Value + row * 4 * BlockLanes;
+    float* toRight = right.Value + row * 4 * BlockLanes;
     for (int l = 0; l < BlockLanes; l += step)
     {
-      const auto scale = hn::LoadU(d, in.LaneScale + lane0 + l);
-      const auto c0 = hn::Mul(hn::LoadU(d, from + l), scale);
-      const auto c1 = hn::Mul(hn::LoadU(d, from + l + 1), scale);
-      const auto c2 = hn::Mul(hn::LoadU(d, from + l + 2), scale);
-      const auto c3 = hn::Mul(hn::LoadU(d, from + l + 3), scale);
-      const auto b0 = hn::Mul(hn::Add(hn::MulAdd(four, c1, c0), c2), sixth);
-      const auto b1 = hn::Mul(hn::MulAdd(two, c1, c2), third);
-      const auto b2 = hn::Mul(hn::MulAdd(two, c2, c1), third);
-      const auto b3 = hn::Mul(hn::Add(hn::MulAdd(four, c2, c1), c3), sixth);
-      const auto middle = hn::Mul(hn::Add(hn::MulAdd(three, hn::Add(b1, b2), b0), b3), eighth);
-      if (part == Part::Whole)
-      {
-        hn::Store(b0, d, to + l);
-        hn::Store(b1, d, to + BlockLanes + l);
-        hn::Store(b2, d, to + 2 * BlockLanes + l);
-        hn::Store(b3, d, to + 3 * BlockLanes + l);
-      }
-      else if (part == Part::Left)
-      {
-        hn::Store(b0, d, to + l);
-        hn::Store(hn::Mul(hn::Add(b0, b1), half), d, to + BlockLanes + l);
-        hn::Store(
-          hn::Mul(hn::Add(hn::MulAdd(two, b1, b0), b2), quarter), d, to + 2 * BlockLanes + l);
-        hn::Store(middle, d, to + 3 * BlockLanes + l);
-      }
-      else
-      {
-        hn::Store(middle, d, to + l);
-        hn::Store(
-          hn::Mul(hn::Add(hn::MulAdd(two, b2, b1), b3), quarter), d, to + BlockLanes + l);
-        hn::Store(hn::Mul(hn::Add(b2, b3), half), d, to + 2 * BlockLanes + l);
-        hn::Store(b3, d, to + 3 * BlockLanes + l);
-      }
+      const Bezier b(from + l);
+      const auto middle =
+        hn::Mul(hn::Add(hn::MulAdd(three, hn::Add(b.b1, b.b2), b.b0), b.b3), eighth);
+      hn::Store(b.b0, d, toLeft + l);
+      hn::Store(hn::Mul(hn::Add(b.b0, b.b1), half), d, toLeft + BlockLanes + l);
+      hn::Store(hn::Mul(hn::Add(hn::MulAdd(two, b.b1, b.b0), b.b2), quarter), d,
+        toLeft + 2 * BlockLanes + l);
+      hn::Store(middle, d, toLeft + 3 * BlockLanes + l);
+      hn::Store(middle, d, toRight + l);
+      hn::Store(hn::Mul(hn::Add(hn::MulAdd(two, b.b2, b.b1), b.b3), quarter), d,
+        toRight + BlockLanes + l);
+      hn::Store(hn::Mul(hn::Add(b.b2, b.b3), half), d, toRight + 2 * BlockLanes + l);
+      hn::Store(b.b3, d, toRight + 3 * BlockLanes + l);
     }
   }
 }
@@ -180,69 +242,64 @@ struct ComponentRange
   HWY_ALIGN float Max[4][BlockLanes];
 };
 
+/// Of four values in a row and of their differences.
+struct RowRange
+{
+  hn::Vec<Tag> Least;
+  hn::Vec<Tag> Most;
+
+  HWY_INLINE void IncludeDifferences(
+    hn::Vec<Tag> v0, hn::Vec<Tag> v1, hn::Vec<Tag> v2, hn::Vec<Tag> v3)
+  {
+    const auto e0 = hn::Sub(v1, v0);
+    const auto e1 = hn::Sub(v2, v1);
+    const auto e2 = hn::Sub(v3, v2);
+    this->Least = hn::Min(this->Least, hn::Min(e0, hn::Min(e1, e2)));
+    this->Most = hn::Max(this->Most, hn::Max(e0, hn::Max(e1, e2)));
+  }
+  HWY_INLINE void Include(hn::Vec<Tag> v0, hn::Vec<Tag> v1, hn::Vec<Tag> v2, hn::Vec<Tag> v3)
+  {
+    this->Least = hn::Min(this->Least, hn::Min(hn::Min(v0, v1), hn::Min(v2, v3)));
+    this->Most = hn::Max(this->Most, hn::Max(hn::Max(v0, v1), hn::Max(v2, v3)));
+  }
+};
+
 HWY_INLINE void FindRange(const float* net, ComponentRange& range)
 {
   const Tag d;
   const int step = static_cast<int>(hn::Lanes(d));
-  // Element strides of a step along x, y, z.
-  constexpr int strides[3] = { BlockLanes, 4 * BlockLanes, 16 * BlockLanes };
+  constexpr int x = BlockLanes;
+  constexpr int y = 4 * BlockLanes;
+  constexpr int z = 16 * BlockLanes;
+  const auto most = hn::Set(d, std::numeric_limits<float>::max());
+  const RowRange none{ most, hn::Neg(most) };
   for (int l = 0; l < BlockLanes; l += step)
   {
-    const float* base = net + l;
-    // Four chains each: one would wait for the latency of every minimum.
-    auto lo0 = hn::Load(d, base);
-    auto lo1 = hn::Load(d, base + BlockLanes);
-    auto lo2 = hn::Load(d, base + 2 * BlockLanes);
-    auto lo3 = hn::Load(d, base + 3 * BlockLanes);
-    auto hi0 = lo0;
-    auto hi1 = lo1;
-    auto hi2 = lo2;
-    auto hi3 = lo3;
-    for (int i = 4; i < 64; i += 4)
+    RowRange value = none;
+    RowRange alongX = none;
+    RowRange alongY = none;
+    RowRange alongZ = none;
+    for (int i = 0; i < 16; ++i)
     {
-      const float* four = base + i * BlockLanes;
-      const auto v0 = hn::Load(d, four);
-      const auto v1 = hn::Load(d, four + BlockLanes);
-      const auto v2 = hn::Load(d, four + 2 * BlockLanes);
-      const auto v3 = hn::Load(d, four + 3 * BlockLanes);
-      lo0 = hn::Min(lo0, v0);
-      lo1 = hn::Min(lo1, v1);
-      lo2 = hn::Min(lo2, v2);
-      lo3 = hn::Min(lo3, v3);
-      hi0 = hn::Max(hi0, v0);
-      hi1 = hn::Max(hi1, v1);
-      hi2 = hn::Max(hi2, v2);
-      hi3 = hn::Max(hi3, v3);
+      const float* row = net + i * 4 * BlockLanes + l;
+      const auto v0 = hn::Load(d, row);
+      const auto v1 = hn::Load(d, row + x);
+      const auto v2 = hn::Load(d, row + 2 * x);
+      const auto v3 = hn::Load(d, row + 3 * x);
+      value.Include(v0, v1, v2, v3);
+      alongX.IncludeDifferences(v0, v1, v2, v3);
+      const float* column = net + i % 4 * x + i / 4 * z + l;
+      alongY.IncludeDifferences(hn::Load(d, column), hn::Load(d, column + y),
+        hn::Load(d, column + 2 * y), hn::Load(d, column + 3 * y));
+      const float* depth = net + i * BlockLanes + l;
+      alongZ.IncludeDifferences(hn::Load(d, depth), hn::Load(d, depth + z),
+        hn::Load(d, depth + 2 * z), hn::Load(d, depth + 3 * z));
     }
-    const auto lo = hn::Min(hn::Min(lo0, lo1), hn::Min(lo2, lo3));
-    const auto hi = hn::Max(hn::Max(hi0, hi1), hn::Max(hi2, hi3));
-    hn::Store(lo, d, range.Min[0] + l);
-    hn::Store(hi, d, range.Max[0] + l);
-    for (int a = 0; a < 3; ++a)
+    const RowRange ranges[4] = { value, alongX, alongY, alongZ };
+    for (int a = 0; a < 4; ++a)
     {
-      const int along = strides[a];
-      const int other1 = strides[(a + 1) % 3];
-      const int other2 = strides[(a + 2) % 3];
-      auto least = hn::Set(d, std::numeric_limits<float>::max());
-      auto most = hn::Neg(least);
-      for (int j = 0; j < 4; ++j)
-      {
-        for (int i = 0; i < 4; ++i)
-        {
-          const float* row = base + i * other1 + j * other2;
-          const auto v0 = hn::Load(d, row);
-          const auto v1 = hn::Load(d, row + along);
-          const auto v2 = hn::Load(d, row + 2 * along);
-          const auto v3 = hn::Load(d, row + 3 * along);
-          const auto e0 = hn::Sub(v1, v0);
-          const auto e1 = hn::Sub(v2, v1);
-          const auto e2 = hn::Sub(v3, v2);
-          least = hn::Min(least, hn::Min(e0, hn::Min(e1, e2)));
-          most = hn::Max(most, hn::Max(e0, hn::Max(e1, e2)));
-        }
-      }
-      hn::Store(least, d, range.Min[a + 1] + l);
-      hn::Store(most, d, range.Max[a + 1] + l);
+      hn::Store(ranges[a].Least, d, range.Min[a] + l);
+      hn::Store(ranges[a].Most, d, range.Max[a] + l);
     }
   }
 }
@@ -280,7 +337,8 @@ HWY_INLINE void Difference(const Net& from, Net& to)
   for (int row = 0; row < 3 * To::Size[2]; ++row)
   {
     const std::ptrdiff_t plane =
-      static_cast<std::ptrdiff_t>(row / To::Size[2] * 4 + row % To::Size[2]) * AxisStride[2];
+      static_cast<std::ptrdiff_t>(row / To::Size[2]) * ComponentStride +
+      static_cast<std::ptrdiff_t>(row % To::Size[2]) * AxisStride[2];
     for (int y = 0; y < To::Size[1]; ++y)
     {
       for (int x = 0; x < To::Size[0]; ++x)
@@ -322,9 +380,9 @@ HWY_INLINE void LargestDifference(
           const float* w = v + AxisStride[Axis];
           const auto a = hn::Sub(hn::Load(d, w), hn::Load(d, v));
           const auto b =
-            hn::Sub(hn::Load(d, w + 64 * BlockLanes), hn::Load(d, v + 64 * BlockLanes));
+            hn::Sub(hn::Load(d, w + ComponentStride), hn::Load(d, v + ComponentStride));
           const auto c =
-            hn::Sub(hn::Load(d, w + 128 * BlockLanes), hn::Load(d, v + 128 * BlockLanes));
+            hn::Sub(hn::Load(d, w + 2 * ComponentStride), hn::Load(d, v + 2 * ComponentStride));
           most = hn::Max(most, hn::MulAdd(a, a, hn::MulAdd(b, b, hn::Mul(c, c))));
           mostA = hn::Max(mostA, hn::Abs(a));
           mostB = hn::Max(mostB, hn::Abs(b));
@@ -347,13 +405,33 @@ constexpr float FirstSlack = 80.0f * RoundingUnit;
 constexpr float SecondSlack = 256.0f * RoundingUnit;
 constexpr float ThirdSlack = 512.0f * RoundingUnit;
 
+/// Zeros for the lanes of a block that are outside of a lattice that is zero there.
+HWY_INLINE void ClearOutside(const BoundsInput& in, int lane0, float* lanes)
+{
+  // Odd reflection leaves non-zero control points next to the outside.
+  if (in.ZeroOutside && lane0 == 0)
+  {
+    lanes[0] = 0.0f;
+  }
+  if (in.ZeroOutside && in.Lanes - 1 - lane0 < BlockLanes)
+  {
+    lanes[in.Lanes - 1 - lane0] = 0.0f;
+  }
+}
+
 /// Ranges of normalised differences -> bounds in data units, minima negated, slack added.
-HWY_INLINE void ScaleRange(const BoundsInput& in, int component, ComponentRange& range)
+HWY_INLINE void ScaleRange(
+  const BoundsInput& in, int lane0, int component, ComponentRange& range, BoundsBlock& bounds)
 {
   const Tag d;
   const int step = static_cast<int>(hn::Lanes(d));
   for (int a = 0; a < 4; ++a)
   {
+    const int lower =
+      a == 0 ? SubCellBounds::NegatedMin : SubCellBounds::NegatedJacobianMin + 3 * (a - 1);
+    const int upper = a == 0 ? SubCellBounds::Max : SubCellBounds::JacobianMax + 3 * (a - 1);
+    ClearOutside(in, lane0, range.Min[a]);
+    ClearOutside(in, lane0, range.Max[a]);
     const auto slack = hn::Set(d, a == 0 ? ValueSlack : FirstSlack);
     const auto scale = hn::Set(d, in.RangeScale[a]);
     // Of the value only: what was subtracted from the coefficients.
@@ -372,66 +450,63 @@ HWY_INLINE void ScaleRange(const BoundsInput& in, int component, ComponentRange&
       hi = hn::Add(hn::Mul(hi, scale), shift);
       // The addition of the shift rounds.
       const auto rounding = hn::Set(d, 4.0f * RoundingUnit);
-      hn::Store(hn::MulAdd(hn::Abs(lo), rounding, lo), d, range.Min[a] + l);
-      hn::Store(hn::MulAdd(hn::Abs(hi), rounding, hi), d, range.Max[a] + l);
+      hn::Store(hn::MulAdd(hn::Abs(lo), rounding, lo), d, bounds.Value[lower + component] + l);
+      hn::Store(hn::MulAdd(hn::Abs(hi), rounding, hi), d, bounds.Value[upper + component] + l);
     }
   }
 }
 
-template <Part part>
-HWY_INLINE void StoreRanges(const BoundsInput& in, const SubCellGrid& grid, const float* rows,
-  int lane0, int sy, int sz, Net& net, SubCellBounds* bounds)
+/// From bounds of D to those of the map of a block; false where its inverse is not bounded.
+HWY_INLINE bool ApplyMap(const BoundsInput& in, const DerivativesBlock& second,
+  const DerivativesBlock& third, int count, BoundsBlock& bounds)
 {
-  ContractBlock<part>(in, rows, lane0, net);
-  const int lanes = std::min(BlockLanes, in.Lanes - lane0);
-  SubCellBounds* row = bounds + grid.Index(0, sy, sz);
-  for (int c = 0; c < 3; ++c)
+  std::copy_n(second.Norm, BlockLanes, bounds.Value[SubCellBounds::Second]);
+  std::copy_n(third.Norm, BlockLanes, bounds.Value[SubCellBounds::Third]);
+  switch (in.Map)
   {
-    ComponentRange range;
-    FindRange(net.Value + c * 64 * BlockLanes, range);
-    ScaleRange(in, c, range);
-    for (int l = 0; l < lanes; ++l)
+    case BoundedMap::Displacement:
+      break;
+    case BoundedMap::FirstOrder:
+      AddIdentity(true, bounds);
+      break;
+    case BoundedMap::Forward:
+      AddIdentity(false, bounds);
+      break;
+    case BoundedMap::Exact:
+      return BoundInverse(second, third, false, count, bounds);
+    case BoundedMap::FirstOrderOfInverse:
+      return BoundInverse(second, third, true, count, bounds);
+  }
+  return true;
+}
+
+/// Lanes first ... end - 1 of a block: every second sub-cell from `to` on.
+HWY_INLINE void StoreBounds(const BoundsBlock& bounds, int first, int end, SubCellBounds* to)
+{
+  for (int l = first; l < end; ++l, to += 2)
+  {
+    for (int v = 0; v < SubCellBounds::Size; ++v)
     {
-      // Cell lane 0 and the last one are the constant outside: a single sub-cell each.
-      const int lane = lane0 + l;
-      const int sx = lane == 0 ? 0 : 2 * lane - 1 + (part == Part::Right ? 1 : 0);
-      if (sx >= grid.Size.x)
-      {
-        continue;
-      }
-      float* v = row[sx].Value + c;
-      v[SubCellBounds::NegatedMin] = range.Min[0][l];
-      v[SubCellBounds::Max] = range.Max[0][l];
-      for (int a = 0; a < 3; ++a)
-      {
-        v[SubCellBounds::NegatedJacobianMin + 3 * a] = range.Min[a + 1][l];
-        v[SubCellBounds::JacobianMax + 3 * a] = range.Max[a + 1][l];
-      }
+      to->Value[v] = bounds.Value[v][l];
     }
   }
 }
 
-/// Derivatives of one order of a block of cells, one after the other as CellDerivatives has them.
-struct DerivativeSums
-{
-  HWY_ALIGN float Square[BlockLanes] = {};       ///< sum of squares over the full tensor
-  HWY_ALIGN float Entry[10][3][BlockLanes] = {}; ///< each derivative by component
-  int Count = 0;                                 ///< derivatives so far
-};
-
-/// Square[lane] += Copies * (factor * (length of the differences + slack))^2.
+/// Adds Copies * (factor * (length of the differences + slack))^2 to the square of the norm, and what
+/// bounds the components as the next entry.
 template <class From, int Axis>
-HWY_INLINE void AddSquare(const Net& from, float factor, float slack, DerivativeSums& sums)
+HWY_INLINE void AddSquare(
+  const Net& from, float factor, float slack, int& count, DerivativesBlock& sums)
 {
   using To = typename From::template Next<Axis>;
   HWY_ALIGN float length[BlockLanes];
-  float(*entry)[BlockLanes] = sums.Entry[sums.Count++];
+  float(*entry)[BlockLanes] = sums.Entry[count++];
   LargestDifference<From, Axis>(from, length, entry);
   const float size = factor * static_cast<float>(To::Factor());
   for (int l = 0; l < BlockLanes; ++l)
   {
     const float term = size * (length[l] + slack);
-    sums.Square[l] += static_cast<float>(To::Copies()) * term * term;
+    sums.Norm[l] += static_cast<float>(To::Copies()) * term * term;
     for (int component = 0; component < 3; ++component)
     {
       entry[component][l] = size * (entry[component][l] + slack);
@@ -439,72 +514,94 @@ HWY_INLINE void AddSquare(const Net& from, float factor, float slack, Derivative
   }
 }
 
+/// Sums of both orders, and how many entries these have so far.
+struct DerivativeSums
+{
+  DerivativesBlock& Second;
+  DerivativesBlock& Third;
+  int Seconds = 0;
+  int Thirds = 0;
+};
+
 template <class From, int Axis>
 HWY_INLINE void AddThird(
   const BoundsInput& in, const Net& twice, float factor, DerivativeSums& sums)
 {
-  AddSquare<From, Axis>(twice, factor * in.InverseLength[Axis], ThirdSlack, sums);
+  AddSquare<From, Axis>(
+    twice, factor * in.InverseLength[Axis], ThirdSlack, sums.Thirds, sums.Third);
 }
 
 /// Second derivatives of `first` along Axis and on to the third ones along Axis ... 2.
 template <class First, int Axis>
-HWY_INLINE void AddSecond(const BoundsInput& in, const Net& first, float factor, Net& twice,
-  DerivativeSums& second, DerivativeSums& third)
+HWY_INLINE void AddSecond(
+  const BoundsInput& in, const Net& first, float factor, Net& twice, DerivativeSums& sums)
 {
   using Second = typename First::template Next<Axis>;
   const float next = factor * in.InverseLength[Axis];
-  AddSquare<First, Axis>(first, next, SecondSlack, second);
+  AddSquare<First, Axis>(first, next, SecondSlack, sums.Seconds, sums.Second);
   Difference<First, Axis>(first, twice);
   if constexpr (Axis == 0)
   {
-    AddThird<Second, 0>(in, twice, next, third);
+    AddThird<Second, 0>(in, twice, next, sums);
   }
   if constexpr (Axis <= 1)
   {
-    AddThird<Second, 1>(in, twice, next, third);
+    AddThird<Second, 1>(in, twice, next, sums);
   }
-  AddThird<Second, 2>(in, twice, next, third);
+  AddThird<Second, 2>(in, twice, next, sums);
 }
 
-/// Norm bounds of the second and third derivatives of a block of cells:
-/// |sum d_a d_b H_ab| <= |d|^2 sqrt(sum |H_ab|^2) by Cauchy and Schwarz; likewise the third.
-HWY_INLINE void FindHigherDerivatives(const BoundsInput& in, const Net& net,
-  DerivativeSums& secondSquare, DerivativeSums& thirdSquare)
+/// From sums of squares of normalised derivatives to norms, in data units.
+HWY_INLINE void ScaleDerivatives(
+  const BoundsInput& in, int lane0, int count, float scale, DerivativesBlock& sums)
 {
-  Net first;
-  Net twice;
-  using None = Order<0, 0, 0>;
-  Difference<None, 0>(net, first);
-  AddSecond<Order<1, 0, 0>, 0>(in, first, in.InverseLength[0], twice, secondSquare, thirdSquare);
-  AddSecond<Order<1, 0, 0>, 1>(in, first, in.InverseLength[0], twice, secondSquare, thirdSquare);
-  AddSecond<Order<1, 0, 0>, 2>(in, first, in.InverseLength[0], twice, secondSquare, thirdSquare);
-  Difference<None, 1>(net, first);
-  AddSecond<Order<0, 1, 0>, 1>(in, first, in.InverseLength[1], twice, secondSquare, thirdSquare);
-  AddSecond<Order<0, 1, 0>, 2>(in, first, in.InverseLength[1], twice, secondSquare, thirdSquare);
-  Difference<None, 2>(net, first);
-  AddSecond<Order<0, 0, 1>, 2>(in, first, in.InverseLength[2], twice, secondSquare, thirdSquare);
-  // The sums above round, too.
+  // The sums round, too.
   constexpr float roundUp = 1.0f + 64.0f * RoundingUnit;
   for (int l = 0; l < BlockLanes; ++l)
   {
-    secondSquare.Square[l] = std::sqrt(secondSquare.Square[l]) * in.SecondScale * roundUp;
-    thirdSquare.Square[l] = std::sqrt(thirdSquare.Square[l]) * in.ThirdScale * roundUp;
+    sums.Norm[l] = std::sqrt(sums.Norm[l]) * scale * roundUp;
+  }
+  ClearOutside(in, lane0, sums.Norm);
+  for (int i = 0; i < count; ++i)
+  {
     for (int component = 0; component < 3; ++component)
     {
-      for (int i = 0; i < secondSquare.Count; ++i)
+      float* entry = sums.Entry[i][component];
+      for (int l = 0; l < BlockLanes; ++l)
       {
-        secondSquare.Entry[i][component][l] *= in.SecondScale * roundUp;
+        entry[l] *= scale * roundUp;
       }
-      for (int i = 0; i < thirdSquare.Count; ++i)
-      {
-        thirdSquare.Entry[i][component][l] *= in.ThirdScale * roundUp;
-      }
+      ClearOutside(in, lane0, entry);
     }
   }
 }
 
+/// Norm bounds of the second and third derivatives of a block of cells:
+/// |sum d_a d_b H_ab| <= |d|^2 sqrt(sum |H_ab|^2) by Cauchy and Schwarz; likewise the third.
+HWY_INLINE void FindHigherDerivatives(const BoundsInput& in, int lane0, const Net& net,
+  DerivativesBlock& second, DerivativesBlock& third)
+{
+  Net first;
+  Net twice;
+  DerivativeSums sums{ second, third };
+  std::fill_n(second.Norm, BlockLanes, 0.0f);
+  std::fill_n(third.Norm, BlockLanes, 0.0f);
+  using None = Order<0, 0, 0>;
+  Difference<None, 0>(net, first);
+  AddSecond<Order<1, 0, 0>, 0>(in, first, in.InverseLength[0], twice, sums);
+  AddSecond<Order<1, 0, 0>, 1>(in, first, in.InverseLength[0], twice, sums);
+  AddSecond<Order<1, 0, 0>, 2>(in, first, in.InverseLength[0], twice, sums);
+  Difference<None, 1>(net, first);
+  AddSecond<Order<0, 1, 0>, 1>(in, first, in.InverseLength[1], twice, sums);
+  AddSecond<Order<0, 1, 0>, 2>(in, first, in.InverseLength[1], twice, sums);
+  Difference<None, 2>(net, first);
+  AddSecond<Order<0, 0, 1>, 2>(in, first, in.InverseLength[2], twice, sums);
+  ScaleDerivatives(in, lane0, sums.Seconds, in.SecondScale, second);
+  ScaleDerivatives(in, lane0, sums.Thirds, in.ThirdScale, third);
+}
+
 HWY_INLINE void StoreDerivatives(
-  const DerivativeSums& second, const DerivativeSums& third, int lane, CellDerivatives& cell)
+  const DerivativesBlock& second, const DerivativesBlock& third, int lane, CellDerivatives& cell)
 {
   for (int component = 0; component < 3; ++component)
   {
@@ -519,89 +616,164 @@ HWY_INLINE void StoreDerivatives(
   }
 }
 
-/// What weights of a slice of pieces are contracted into.
-struct Slice
+/// Bounds over the sub-cells of some slices of cells.
+class SliceBounder
 {
-  std::vector<float> Plane;
-  std::vector<float> Rows;
-
-  explicit Slice(const BoundsInput& in)
-    : Plane(12 * static_cast<std::size_t>(in.Padded.y) * static_cast<std::size_t>(in.RowLength))
+public:
+  SliceBounder(const BoundsInput& in, const SubCellGrid& grid, SubCellBounds* bounds,
+    CellDerivatives* derivatives)
+    : In(in)
+    , Grid(grid)
+    , Bounds(bounds)
+    , Derivatives(derivatives)
+    , Second(static_cast<std::size_t>((in.Lanes + BlockLanes - 1) / BlockLanes))
+    , Third(this->Second.size())
     , Rows(48 * static_cast<std::size_t>(in.RowLength))
   {
+    for (std::vector<float>& plane : this->Planes)
+    {
+      plane.resize(
+        12 * static_cast<std::size_t>(in.Padded.y) * static_cast<std::size_t>(in.RowLength));
+    }
+    for (std::size_t i = 0; i < this->Second.size(); ++i)
+    {
+      std::fill_n(this->Second[i].Norm, BlockLanes, std::numeric_limits<float>::infinity());
+      std::fill_n(this->Third[i].Norm, BlockLanes, std::numeric_limits<float>::infinity());
+    }
   }
+
+  /// Cells of slice cz. Returns whether the map is bounded in all of them.
+  bool AddSlice(int cz)
+  {
+    const SubCellsOfCell z(cz, this->Grid.Size.z);
+    for (int sz = z.First; sz < z.End; ++sz)
+    {
+      ContractPlane(this->In, (*this->In.Half[2])[static_cast<std::size_t>(sz)],
+        this->Planes[sz - z.First].data());
+    }
+    const int cells = static_cast<int>(this->In.Full[1]->size());
+    if (this->Derivatives)
+    {
+      ContractPlane(
+        this->In, (*this->In.Full[2])[static_cast<std::size_t>(cz)], this->Planes[2].data());
+    }
+    bool bounded = true;
+    for (int cy = 0; cy < cells; ++cy)
+    {
+      if (this->Derivatives)
+      {
+        this->AddDerivatives(cy, cz);
+      }
+      const SubCellsOfCell y(cy, this->Grid.Size.y);
+      for (int sz = z.First; sz < z.End; ++sz)
+      {
+        for (int sy = y.First; sy < y.End; ++sy)
+        {
+          bounded = this->AddRow(sy, sz, this->Planes[sz - z.First].data()) && bounded;
+        }
+      }
+    }
+    return bounded;
+  }
+
+private:
+  /// Second and third derivatives of a row of cells.
+  void AddDerivatives(int cy, int cz)
+  {
+    ContractRows(this->In, (*this->In.Full[1])[static_cast<std::size_t>(cy)],
+      this->Planes[2].data(), this->Rows.data());
+    CellDerivatives* row = this->Derivatives +
+      static_cast<std::size_t>(this->In.Lanes) *
+        (static_cast<std::size_t>(cy) +
+          this->In.Full[1]->size() * static_cast<std::size_t>(cz));
+    Net net;
+    for (int lane0 = 0; lane0 < this->In.Lanes; lane0 += BlockLanes)
+    {
+      const std::size_t block = static_cast<std::size_t>(lane0 / BlockLanes);
+      ContractBlock(this->In, this->Rows.data(), lane0, net);
+      FindHigherDerivatives(this->In, lane0, net, this->Second[block], this->Third[block]);
+      const int lanes = std::min(BlockLanes, this->In.Lanes - lane0);
+      for (int l = 0; l < lanes; ++l)
+      {
+        StoreDerivatives(this->Second[block], this->Third[block], l, row[lane0 + l]);
+      }
+    }
+  }
+
+  bool AddRow(int sy, int sz, const float* plane)
+  {
+    ContractRows(
+      this->In, (*this->In.Half[1])[static_cast<std::size_t>(sy)], plane, this->Rows.data());
+    SubCellBounds* row = this->Bounds + this->Grid.Index(0, sy, sz);
+    ComponentNet left;
+    ComponentNet right;
+    ComponentRange range;
+    BoundsBlock bounds[2];
+    bool bounded = true;
+    for (int lane0 = 0; lane0 < this->In.Lanes; lane0 += BlockLanes)
+    {
+      for (int c = 0; c < 3; ++c)
+      {
+        ContractHalves(this->In, this->Rows.data(), lane0, c, left, right);
+        FindRange(left.Value, range);
+        ScaleRange(this->In, lane0, c, range, bounds[0]);
+        FindRange(right.Value, range);
+        ScaleRange(this->In, lane0, c, range, bounds[1]);
+      }
+      const std::size_t block = static_cast<std::size_t>(lane0 / BlockLanes);
+      const int lanes = std::min(BlockLanes, this->In.Lanes - lane0);
+      for (BoundsBlock& half : bounds)
+      {
+        bounded =
+          ApplyMap(this->In, this->Second[block], this->Third[block], lanes, half) && bounded;
+      }
+      // The first and the last lane of all are the constant outside: a single sub-cell each.
+      const int skipped = lane0 == 0 ? 1 : 0;
+      const int beyond = lane0 + lanes == this->In.Lanes ? 1 : 0;
+      if (skipped > 0)
+      {
+        StoreBounds(bounds[1], 0, 1, row);
+      }
+      StoreBounds(bounds[0], skipped, lanes, row + 2 * (lane0 + skipped) - 1);
+      StoreBounds(bounds[1], skipped, lanes - beyond, row + 2 * (lane0 + skipped));
+    }
+    return bounded;
+  }
+
+  const BoundsInput& In;
+  const SubCellGrid& Grid;
+  SubCellBounds* Bounds;
+  CellDerivatives* Derivatives; // null: not wanted
+  std::vector<DerivativesBlock> Second; // of a row of cells, by block
+  std::vector<DerivativesBlock> Third;
+  std::vector<float> Planes[3]; // what the weights of either half and of all of a slice make
+  std::vector<float> Rows;      // of such a plane
 };
 
-/// Ranges of D and its first derivatives over the sub-cells of slices firstZ ... endZ - 1.
-void ComputeRanges(
-  const BoundsInput& in, const SubCellGrid& grid, SubCellBounds* bounds, int firstZ, int endZ)
-{
-  Slice slice(in);
-  Net net;
-  for (int sz = firstZ; sz < endZ; ++sz)
-  {
-    ContractPlane(in, (*in.Half[2])[sz], slice.Plane.data());
-    for (int sy = 0; sy < grid.Size.y; ++sy)
-    {
-      ContractRows(in, (*in.Half[1])[sy], slice.Plane.data(), slice.Rows.data());
-      for (int lane0 = 0; lane0 < in.Lanes; lane0 += BlockLanes)
-      {
-        StoreRanges<Part::Left>(in, grid, slice.Rows.data(), lane0, sy, sz, net, bounds);
-        StoreRanges<Part::Right>(in, grid, slice.Rows.data(), lane0, sy, sz, net, bounds);
-      }
-    }
-  }
-}
-
-/// Second and third derivatives over the cells of slices firstZ ... endZ - 1.
-void ComputeDerivatives(const BoundsInput& in, const SubCellGrid& grid, SubCellBounds* bounds,
+/// Bounds over the sub-cells of cells of slices firstZ ... endZ - 1; whether all are bounded.
+bool BoundSlices(const BoundsInput& in, const SubCellGrid& grid, SubCellBounds* bounds,
   CellDerivatives* derivatives, int firstZ, int endZ)
 {
-  Slice slice(in);
-  Net net;
-  const int cellsY = static_cast<int>(in.Full[1]->size());
-  // A cell's sub-cells along an axis; the constant outside cells have one.
-  const auto begin = [](int cell) { return cell == 0 ? 0 : 2 * cell - 1; };
+  SliceBounder bounder(in, grid, bounds, derivatives);
+  bool bounded = true;
   for (int cz = firstZ; cz < endZ; ++cz)
   {
-    ContractPlane(in, (*in.Full[2])[cz], slice.Plane.data());
-    for (int cy = 0; cy < cellsY; ++cy)
-    {
-      ContractRows(in, (*in.Full[1])[cy], slice.Plane.data(), slice.Rows.data());
-      for (int lane0 = 0; lane0 < in.Lanes; lane0 += BlockLanes)
-      {
-        ContractBlock<Part::Whole>(in, slice.Rows.data(), lane0, net);
-        DerivativeSums second;
-        DerivativeSums third;
-        FindHigherDerivatives(in, net, second, third);
-        const int lanes = std::min(BlockLanes, in.Lanes - lane0);
-        for (int l = 0; derivatives && l < lanes; ++l)
-        {
-          const std::size_t cell = static_cast<std::size_t>(lane0 + l) +
-            static_cast<std::size_t>(in.Lanes) *
-              (static_cast<std::size_t>(cy) +
-                static_cast<std::size_t>(cellsY) * static_cast<std::size_t>(cz));
-          StoreDerivatives(second, third, l, derivatives[cell]);
-        }
-        for (int sz = begin(cz); sz < std::min(begin(cz + 1), grid.Size.z); ++sz)
-        {
-          for (int sy = begin(cy); sy < std::min(begin(cy + 1), grid.Size.y); ++sy)
-          {
-            for (int l = 0; l < lanes; ++l)
-            {
-              const int end = std::min(begin(lane0 + l + 1), grid.Size.x);
-              for (int sx = begin(lane0 + l); sx < end; ++sx)
-              {
-                float* v = bounds[grid.Index(sx, sy, sz)].Value;
-                v[SubCellBounds::Second] = second.Square[l];
-                v[SubCellBounds::Third] = third.Square[l];
-              }
-            }
-          }
-        }
-      }
-    }
+    bounded = bounder.AddSlice(cz) && bounded;
   }
+  return bounded;
+}
+
+/// From the same bound of all of D and its derivatives to those of the map; whether it is bounded.
+bool BoundAlike(const BoundsInput& in, float bound, SubCellBounds& all)
+{
+  BoundsBlock bounds;
+  DerivativesBlock derivatives;
+  std::fill_n(bounds.Value[0], SubCellBounds::Size * BlockLanes, bound);
+  std::fill_n(derivatives.Norm, BlockLanes, bound);
+  std::fill_n(derivatives.Entry[0][0], 30 * BlockLanes, bound);
+  const bool bounded = ApplyMap(in, derivatives, derivatives, 1, bounds);
+  StoreBounds(bounds, 0, 1, &all);
+  return bounded;
 }
 
 } // namespace HWY_NAMESPACE
@@ -613,8 +785,8 @@ namespace ffd
 {
 namespace
 {
-HWY_EXPORT(ComputeRanges);
-HWY_EXPORT(ComputeDerivatives);
+HWY_EXPORT(BoundSlices);
+HWY_EXPORT(BoundAlike);
 
 /// Weights from B-spline to Bezier coefficients of a cell, or of its left or right half.
 void SetWeights(int part, float w[4][4])
@@ -665,11 +837,9 @@ std::vector<AxisPiece> MakePieces(const SubCellGrid& grid, int axis, int piecesP
   return pieces;
 }
 
-} // namespace
-
-//------------------------------------------------------------------------------
-void ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid,
-  std::vector<SubCellBounds>& bounds, std::vector<CellDerivatives>* derivatives,
+/// `derivatives`: null if they are not wanted.
+bool FindSubCellBounds(const BSplineField& field, const SubCellGrid& grid, BoundedMap map,
+  SubCellBoundsVector& bounds, std::vector<CellDerivatives>* derivatives,
   const ParallelFor& parallelFor)
 {
   bounds.resize(grid.Count());
@@ -704,28 +874,30 @@ void ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid,
   // Far below the range of single precision, which a third derivative must not leave.
   constexpr double limit = 1e30;
   const glm::dvec3 offset = glm::abs(shift);
+  BoundsInput in;
+  in.Map = map;
   if (zero || !finite || !(largest * steepest * steepest * steepest < limit) ||
     !(std::max({ offset.x, offset.y, offset.z }) < limit))
   {
+    const float bound = zero ? 0.0f : std::numeric_limits<float>::infinity();
     SubCellBounds all;
-    std::fill_n(
-      all.Value, SubCellBounds::Size, zero ? 0.0f : std::numeric_limits<float>::infinity());
+    const bool bounded = HWY_DYNAMIC_DISPATCH(BoundAlike)(in, bound, all);
     std::fill(bounds.begin(), bounds.end(), all);
     if (derivatives)
     {
       CellDerivatives cell;
-      std::fill_n(&cell.Second[0][0], 18, all.Value[0]);
-      std::fill_n(&cell.Third[0][0], 30, all.Value[0]);
+      std::fill_n(&cell.Second[0][0], 18, bound);
+      std::fill_n(&cell.Third[0][0], 30, bound);
       std::fill(derivatives->begin(), derivatives->end(), cell);
     }
-    return;
+    return bounded;
   }
 
-  BoundsInput in;
   in.Padded = field.GetPaddedNodes();
   in.Lanes = grid.Size.x / 2 + 1;
   // Room for the last block of lanes and the three further control points of its last cell.
-  in.RowLength = ((in.Lanes + BlockLanes - 1) / BlockLanes + 1) * BlockLanes;
+  constexpr int blockLanes = HWY_NAMESPACE::BlockLanes;
+  in.RowLength = ((in.Lanes + blockLanes - 1) / blockLanes + 1) * blockLanes;
   // Not smaller than what keeps the scaled bounds normal numbers.
   in.CoefficientScale = std::nextafter(
     static_cast<float>(std::max(largest, 1e-30)), std::numeric_limits<float>::infinity());
@@ -771,14 +943,7 @@ void ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid,
   }
   in.Coefficients = coefficients.data();
 
-  // Odd reflection leaves non-zero control points next to the outside, which is zero.
-  std::vector<float> laneScale(row, 1.0f);
-  if (field.GetBorder() == BorderMode::ZeroAtBorder && field.GetNodes().x > 1)
-  {
-    laneScale[0] = 0.0f;
-    laneScale[static_cast<std::size_t>(in.Lanes) - 1] = 0.0f;
-  }
-  in.LaneScale = laneScale.data();
+  in.ZeroOutside = field.GetBorder() == BorderMode::ZeroAtBorder && field.GetNodes().x > 1;
 
   const std::vector<AxisPiece> halfY = MakePieces(grid, 1, 2);
   const std::vector<AxisPiece> halfZ = MakePieces(grid, 2, 2);
@@ -790,19 +955,52 @@ void ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid,
   in.Full[0] = nullptr;
   in.Full[1] = &fullY;
   in.Full[2] = &fullZ;
-  RunFor(parallelFor, static_cast<std::size_t>(grid.Size.z),
-    [&](std::size_t first, std::size_t last)
-    {
-      HWY_DYNAMIC_DISPATCH(ComputeRanges)(
-        in, grid, bounds.data(), static_cast<int>(first), static_cast<int>(last));
-    });
+  std::atomic<bool> bounded{ true };
   RunFor(parallelFor, fullZ.size(),
     [&](std::size_t first, std::size_t last)
     {
-      HWY_DYNAMIC_DISPATCH(ComputeDerivatives)(in, grid, bounds.data(),
-        derivatives ? derivatives->data() : nullptr, static_cast<int>(first),
-        static_cast<int>(last));
+      if (!HWY_DYNAMIC_DISPATCH(BoundSlices)(in, grid, bounds.data(),
+            derivatives ? derivatives->data() : nullptr, static_cast<int>(first),
+            static_cast<int>(last)))
+      {
+        bounded = false;
+      }
     });
+  return bounded;
+}
+
+BoundedMap FindBoundedMap(PullBackKind kind)
+{
+  switch (kind)
+  {
+    case PullBackKind::FirstOrder:
+      return BoundedMap::FirstOrder;
+    case PullBackKind::Exact:
+      return BoundedMap::Exact;
+    case PullBackKind::Forward:
+      return BoundedMap::Forward;
+    case PullBackKind::FirstOrderOfInverse:
+      return BoundedMap::FirstOrderOfInverse;
+  }
+  return BoundedMap::Displacement;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+void ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid,
+  SubCellBoundsVector& bounds, const ParallelFor& parallelFor)
+{
+  FindSubCellBounds(field, grid, BoundedMap::Displacement, bounds, nullptr, parallelFor);
+}
+
+//------------------------------------------------------------------------------
+bool ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid, PullBackKind kind,
+  SubCellBoundsVector& bounds, std::vector<CellDerivatives>& derivatives,
+  const ParallelFor& parallelFor)
+{
+  return FindSubCellBounds(
+    field, grid, FindBoundedMap(kind), bounds, &derivatives, parallelFor);
 }
 
 } // namespace ffd

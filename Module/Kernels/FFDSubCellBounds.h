@@ -5,7 +5,11 @@
 
 #include "FFDBSplineField.h"
 #include "FFDParallelFor.h"
+#include "FFDPullBack.h"
 
+#include <memory>
+#include <new>
+#include <utility>
 #include <vector>
 
 namespace ffd
@@ -81,15 +85,48 @@ struct SubCellGrid
   glm::ivec3 Size;
 };
 
+/// Leaves what it makes room for as it is: all of it is written, by several threads.
+template <class T>
+struct UninitializedAllocator : std::allocator<T>
+{
+  template <class U>
+  struct rebind
+  {
+    using other = UninitializedAllocator<U>;
+  };
+  template <class U>
+  void construct(U* p) noexcept
+  {
+    ::new (static_cast<void*>(p)) U;
+  }
+  template <class U, class... Arguments>
+  void construct(U* p, Arguments&&... arguments)
+  {
+    ::new (static_cast<void*>(p)) U(std::forward<Arguments>(arguments)...);
+  }
+};
+
+using SubCellBoundsVector = std::vector<SubCellBounds, UninitializedAllocator<SubCellBounds>>;
+
 /**
  * Bounds of D over every sub-cell of `grid` from its Bezier coefficients (convex hull property):
- * range of D, of every entry of dD/dp, and norm bounds of the second and third derivatives (these
- * over the whole cell of the sub-cell). `bounds` is resized to grid.Count(). Single precision
- * with the rounding error added; SIMD. About 64 * 3 coefficients per sub-cell. `derivatives`, if
- * not null, gets the second and third derivatives of each cell one by one, x fastest.
+ * range of D and of every entry of dD/dp; those of the second and third derivatives are infinite.
+ * `bounds` is resized to grid.Count(). Single precision with the rounding error added; SIMD. About
+ * 64 * 3 coefficients per sub-cell.
  */
 void ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid,
-  std::vector<SubCellBounds>& bounds, std::vector<CellDerivatives>* derivatives = nullptr,
+  SubCellBoundsVector& bounds, const ParallelFor& parallelFor = ParallelFor());
+
+/**
+ * Range of D, and bounds of the derivatives of a pull-back, where the sub-cells are of deformed
+ * space (FirstOrder, Forward) or of rest space (the kinds that invert T): every entry of the
+ * Jacobian, and the norms of the second and third derivatives, which are found over the whole cell
+ * of a sub-cell. The kinds that invert T are unbounded over sub-cells where J_T cannot be proven
+ * regular; returns whether there are none. `derivatives` gets the second and third derivatives of D
+ * over each cell one by one, x fastest.
+ */
+bool ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid, PullBackKind kind,
+  SubCellBoundsVector& bounds, std::vector<CellDerivatives>& derivatives,
   const ParallelFor& parallelFor = ParallelFor());
 
 } // namespace ffd
