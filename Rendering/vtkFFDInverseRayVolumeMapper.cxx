@@ -383,9 +383,9 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
   ++this->Builds[DEFORMATION_BOUNDS];
   // Only what follows from these bounds is kept: they take far more memory.
   const ffd::PullBackBounds mapBounds(this->Map, ParallelFor);
-  this->DeformedBounds = mapBounds.DeformedBounds(rest);
+  this->DeformedBounds = mapBounds.DeformedBounds(rest, ParallelFor);
   this->TurnRate = ffd::FindLargestTurnRate(
-    mapBounds.Over(mapBounds.RegionsAreInRestSpace() ? rest : this->DeformedBounds));
+    mapBounds.Over(mapBounds.RegionsAreInRestSpace() ? rest : this->DeformedBounds, ParallelFor));
   this->SpaceBounds = ffd::DeformedSpaceBounds(this->Map, mapBounds,
     { this->DeformedBounds.Min - reach, this->DeformedBounds.Max + reach }, rest, reach,
     mostCells, ParallelFor);

@@ -20,10 +20,7 @@ namespace
 
 constexpr double Infinity = std::numeric_limits<double>::infinity();
 
-Box EmptyBox()
-{
-  return { glm::dvec3(Infinity), glm::dvec3(-Infinity) };
-}
+Box EmptyBox() { return { glm::dvec3(Infinity), glm::dvec3(-Infinity) }; }
 
 void Include(Box& box, const Box& other)
 {
@@ -149,8 +146,8 @@ void PullBackBounds::Find(
   this->Field = &field;
   this->Size = grid.Size;
   this->Cells = { grid.FirstCell, grid.FirstCell + grid.Size / 2 - 1 };
-  const bool regular = ComputeSubCellBounds(
-    field, grid, this->Kind, this->SubCells, this->Derivatives, parallelFor);
+  const bool regular =
+    ComputeSubCellBounds(field, grid, this->Kind, this->SubCells, this->Derivatives, parallelFor);
   this->ProvenInvertible = this->ProvenInvertible && regular;
   if (this->RestRegions && !this->Refined && !this->ProvenInvertible)
   {
@@ -163,8 +160,7 @@ void PullBackBounds::Find(
 }
 
 //------------------------------------------------------------------------------
-bool PullBackBounds::FindSubCells(
-  const Box& region, glm::ivec3& first, glm::ivec3& last) const
+bool PullBackBounds::FindSubCells(const Box& region, glm::ivec3& first, glm::ivec3& last) const
 {
   if (region.IsEmpty())
   {
@@ -193,21 +189,21 @@ bool PullBackBounds::FindSubCells(
 }
 
 //------------------------------------------------------------------------------
-Box PullBackBounds::GetSubCellBox(const glm::ivec3& subCell) const
+PullBackBounds::SubCellEnds::SubCellEnds(const PullBackBounds& bounds)
 {
-  Box box;
   for (int a = 0; a < 3; ++a)
   {
-    const double h = this->Field->GetSpacing()[a];
-    const double lower = this->Cells.First[a] + 0.5 * (subCell[a] - 1);
-    double lo = subCell[a] == 0 ? -Infinity : lower;
-    double hi = subCell[a] == this->Size[a] - 1 ? Infinity : lower + 0.5;
-    lo = this->Field->GetOrigin()[a] + lo * h;
-    hi = this->Field->GetOrigin()[a] + hi * h;
-    box.Min[a] = std::min(lo, hi);
-    box.Max[a] = std::max(lo, hi);
+    const double h = bounds.Field->GetSpacing()[a];
+    const double origin = bounds.Field->GetOrigin()[a];
+    for (int i = 0; i < bounds.Size[a]; ++i)
+    {
+      const double lower = bounds.Cells.First[a] + 0.5 * (i - 1);
+      const double from = origin + (i == 0 ? -Infinity : lower) * h;
+      const double to = origin + (i == bounds.Size[a] - 1 ? Infinity : lower + 0.5) * h;
+      this->Min[a].push_back(std::min(from, to));
+      this->Max[a].push_back(std::max(from, to));
+    }
   }
-  return box;
 }
 
 //------------------------------------------------------------------------------
@@ -227,6 +223,29 @@ SubCellBounds PullBackBounds::Union(const glm::ivec3& first, const glm::ivec3& l
           sum.Value[v] = row[i].Value[v] > sum.Value[v] ? row[i].Value[v] : sum.Value[v];
         }
       }
+    }
+  }
+  return sum;
+}
+
+//------------------------------------------------------------------------------
+SubCellBounds PullBackBounds::Union(
+  const glm::ivec3& first, const glm::ivec3& last, const ParallelFor& parallelFor) const
+{
+  std::vector<SubCellBounds> slices(static_cast<std::size_t>(last.z - first.z + 1));
+  RunFor(parallelFor, slices.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+    {
+      const int z = first.z + static_cast<int>(k);
+      slices[k] = this->Union({ first.x, first.y, z }, { last.x, last.y, z });
+    }
+  });
+  SubCellBounds sum = slices.front();
+  for (const SubCellBounds& slice : slices)
+  {
+    for (int v = 0; v < SubCellBounds::Size; ++v)
+    {
+      sum.Value[v] = std::max(sum.Value[v], slice.Value[v]);
     }
   }
   return sum;
@@ -260,7 +279,7 @@ bool PullBackBounds::TouchesKink(const Box& region) const
 }
 
 //------------------------------------------------------------------------------
-MapBounds PullBackBounds::Over(const Box& region) const
+MapBounds PullBackBounds::Over(const Box& region, const ParallelFor& parallelFor) const
 {
   MapBounds result;
   glm::ivec3 first;
@@ -269,7 +288,8 @@ MapBounds PullBackBounds::Over(const Box& region) const
   {
     return result;
   }
-  const SubCellBounds sum = this->Union(first, last);
+  const SubCellBounds sum =
+    parallelFor ? this->Union(first, last, parallelFor) : this->Union(first, last);
   for (int i = 0; i < 9; ++i)
   {
     result.JacobianMin[i / 3][i % 3] = -sum.Value[SubCellBounds::NegatedJacobianMin + i];
@@ -314,7 +334,7 @@ Box PullBackBounds::GetDisplacement(const glm::ivec3& subCell) const
 }
 
 //------------------------------------------------------------------------------
-Box PullBackBounds::DeformedBounds(const Box& rest) const
+Box PullBackBounds::DeformedBounds(const Box& rest, const ParallelFor& parallelFor) const
 {
   if (rest.IsEmpty())
   {
@@ -336,7 +356,7 @@ Box PullBackBounds::DeformedBounds(const Box& rest) const
       return this->Preimage(rest, 1.0);
     case PullBackKind::Exact:
       // A converged Q has T(Q) within the tolerance of P.
-      box = grow(this->ForwardImage(rest), this->Tolerance);
+      box = grow(this->ForwardImage(rest, parallelFor), this->Tolerance);
       if (!this->ProvenInvertible)
       {
         Include(box, this->Preimage(rest, -1.0));
@@ -346,6 +366,7 @@ Box PullBackBounds::DeformedBounds(const Box& rest) const
     {
       // With P = T(Q) + e, |e| <= tolerance: Phi(P) = 2P - Q = Q + 2 D(Q) + 2 e.
       const Box grown = grow(rest, 2.0 * this->Tolerance);
+      const SubCellEnds ends(*this);
       glm::ivec3 s;
       for (s.z = 0; s.z < this->Size.z; ++s.z)
       {
@@ -355,7 +376,7 @@ Box PullBackBounds::DeformedBounds(const Box& rest) const
           {
             const Box d = this->GetDisplacement(s);
             const Box reach{ grown.Min - 2.0 * d.Max, grown.Max - 2.0 * d.Min };
-            const Box q = Intersect(this->GetSubCellBox(s), reach);
+            const Box q = Intersect(ends.GetBox(s), reach);
             if (!q.IsEmpty())
             {
               Include(box, Box{ q.Min + d.Min, q.Max + d.Max });
@@ -378,6 +399,7 @@ Box PullBackBounds::DeformedBounds(const Box& rest) const
 Box PullBackBounds::Preimage(const Box& rest, double factor) const
 {
   Box box = EmptyBox();
+  const SubCellEnds ends(*this);
   glm::ivec3 s;
   for (s.z = 0; s.z < this->Size.z; ++s.z)
   {
@@ -389,7 +411,7 @@ Box PullBackBounds::Preimage(const Box& rest, double factor) const
         const Box reach = factor < 0.0 ? Box{ rest.Min + d.Min, rest.Max + d.Max }
                                        : Box{ rest.Min - d.Max, rest.Max - d.Min };
         // Constant sub-cells are unbounded, their intersection with the reach is not.
-        const Box part = Intersect(this->GetSubCellBox(s), reach);
+        const Box part = Intersect(ends.GetBox(s), reach);
         if (!part.IsEmpty())
         {
           Include(box, part);
@@ -401,7 +423,85 @@ Box PullBackBounds::Preimage(const Box& rest, double factor) const
 }
 
 //------------------------------------------------------------------------------
-Box PullBackBounds::ForwardImage(const Box& region) const
+/// The parts of a region in the sub-cells of one axis.
+struct PullBackBounds::AxisParts
+{
+  struct Part
+  {
+    double Min; // data coordinates
+    double Max;
+    int Base;              // the first of the control points that count there
+    BezierWeights Rest;    // of the component along the axis: with where the Bezier points rest
+    BezierWeights Weights; // of the others
+  };
+  std::vector<Part> Parts;
+
+  AxisParts(const BSplineField& field, int axis, const Box& region, const SubCellEnds& ends,
+    int first, int last)
+  {
+    const int begin = field.GetFirstCell()[axis];
+    const int end = field.GetEndCell()[axis];
+    const double h = field.GetSpacing()[axis];
+    for (int i = first; i <= last; ++i)
+    {
+      Part part;
+      part.Min = std::max(ends.Min[axis][static_cast<std::size_t>(i)], region.Min[axis]);
+      part.Max = std::min(ends.Max[axis][static_cast<std::size_t>(i)], region.Max[axis]);
+      // Outside the clamped range both ends coincide and D is constant along the axis.
+      const double u0 = std::clamp<double>((part.Min - field.GetOrigin()[axis]) / h, begin, end);
+      const double u1 = std::clamp<double>((part.Max - field.GetOrigin()[axis]) / h, begin, end);
+      const int cell = std::clamp(begin + (i - 1) / 2, begin, end - 1);
+      double weights[4][4];
+      SetBlossomWeights(u0 - cell, u1 - cell, weights);
+      part.Base = cell - 1;
+      for (int b = 0; b < 4; ++b)
+      {
+        part.Weights.Shift[b] = 0.0;
+        for (int c = 0; c < 4; ++c)
+        {
+          part.Weights.Weight[c][b] = weights[b][c];
+        }
+      }
+      part.Rest = part.Weights;
+      for (int b = 0; b < 4; ++b)
+      {
+        part.Rest.Shift[b] = part.Min + (part.Max - part.Min) * (b / 3.0);
+      }
+      this->Parts.push_back(part);
+    }
+  }
+};
+
+//------------------------------------------------------------------------------
+void PullBackBounds::IncludeImage(
+  const AxisParts axes[3], const glm::ivec3& at, int component, Box& image) const
+{
+  const BSplineField& field = *this->Field;
+  const AxisParts::Part& x = axes[0].Parts[static_cast<std::size_t>(at.x)];
+  const AxisParts::Part& y = axes[1].Parts[static_cast<std::size_t>(at.y)];
+  const AxisParts::Part& z = axes[2].Parts[static_cast<std::size_t>(at.z)];
+  double net[64];
+  double* to = net;
+  for (int k = 0; k < 4; ++k)
+  {
+    for (int j = 0; j < 4; ++j)
+    {
+      const glm::dvec3* row = &field.Coefficient(x.Base, y.Base + j, z.Base + k);
+      for (int i = 0; i < 4; ++i)
+      {
+        *to++ = row[i][component];
+      }
+    }
+  }
+  double range[2];
+  FindBezierRange(net, component == 0 ? x.Rest : x.Weights, component == 1 ? y.Rest : y.Weights,
+    component == 2 ? z.Rest : z.Weights, range);
+  image.Min[component] = std::min(image.Min[component], range[0]);
+  image.Max[component] = std::max(image.Max[component], range[1]);
+}
+
+//------------------------------------------------------------------------------
+Box PullBackBounds::ForwardImage(const Box& region, const ParallelFor& parallelFor) const
 {
   Box image = EmptyBox();
   glm::ivec3 first;
@@ -410,95 +510,98 @@ Box PullBackBounds::ForwardImage(const Box& region) const
   {
     return image;
   }
-  const BSplineField& field = *this->Field;
-  // The extreme points of the image are mostly on the faces of the region: visit the shell first,
-  // so that nearly all of the inside is within the image already and costs a comparison each.
-  for (int pass = 0; pass < 2; ++pass)
+  const SubCellEnds ends(*this);
+  // Without those that are only within rounding of the region.
+  for (int a = 0; a < 3; ++a)
   {
-    glm::ivec3 s;
-    for (s.z = first.z; s.z <= last.z; ++s.z)
+    while (first[a] <= last[a] && ends.Max[a][static_cast<std::size_t>(first[a])] < region.Min[a])
     {
-      for (s.y = first.y; s.y <= last.y; ++s.y)
+      ++first[a];
+    }
+    while (first[a] <= last[a] && ends.Min[a][static_cast<std::size_t>(last[a])] > region.Max[a])
+    {
+      --last[a];
+    }
+  }
+  if (glm::any(glm::greaterThan(first, last)))
+  {
+    return image;
+  }
+  const AxisParts axes[3] = { AxisParts(*this->Field, 0, region, ends, first.x, last.x),
+    AxisParts(*this->Field, 1, region, ends, first.y, last.y),
+    AxisParts(*this->Field, 2, region, ends, first.z, last.z) };
+  const glm::ivec3 count = last - first + 1;
+  const auto reachOf = [&](const glm::ivec3& at) {
+    const AxisParts::Part& x = axes[0].Parts[static_cast<std::size_t>(at.x)];
+    const AxisParts::Part& y = axes[1].Parts[static_cast<std::size_t>(at.y)];
+    const AxisParts::Part& z = axes[2].Parts[static_cast<std::size_t>(at.z)];
+    const Box d = this->GetDisplacement(first + at);
+    return Box{ glm::dvec3(x.Min, y.Min, z.Min) + d.Min, glm::dvec3(x.Max, y.Max, z.Max) + d.Max };
+  };
+  // Those that may reach farthest come first, by their boxes: of the others nearly all are within
+  // their image already and cost a comparison each.
+  std::vector<Box> rows(static_cast<std::size_t>(count.y) * static_cast<std::size_t>(count.z));
+  RunFor(parallelFor, rows.size(), [&](std::size_t firstRow, std::size_t endRow) {
+    for (std::size_t r = firstRow; r < endRow; ++r)
+    {
+      glm::ivec3 of(0, static_cast<int>(r) % count.y, static_cast<int>(r) / count.y);
+      Box row = EmptyBox();
+      for (; of.x < count.x; ++of.x)
       {
-        for (s.x = first.x; s.x <= last.x; ++s.x)
+        Include(row, reachOf(of));
+      }
+      rows[r] = row;
+    }
+  });
+  glm::ivec3 lowest[3] = { glm::ivec3(0), glm::ivec3(0), glm::ivec3(0) };
+  glm::ivec3 highest[3] = { glm::ivec3(0), glm::ivec3(0), glm::ivec3(0) };
+  for (int a = 0; a < 3; ++a)
+  {
+    int low = 0;
+    int high = 0;
+    for (int r = 0; r < count.y * count.z; ++r)
+    {
+      const Box& row = rows[static_cast<std::size_t>(r)];
+      low = row.Min[a] < rows[static_cast<std::size_t>(low)].Min[a] ? r : low;
+      high = row.Max[a] > rows[static_cast<std::size_t>(high)].Max[a] ? r : high;
+    }
+    lowest[a] = { 0, low % count.y, low / count.y };
+    highest[a] = { 0, high % count.y, high / count.y };
+    for (int i = 1; i < count.x; ++i)
+    {
+      const glm::ivec3 one(i, lowest[a].y, lowest[a].z);
+      const glm::ivec3 other(i, highest[a].y, highest[a].z);
+      lowest[a] = reachOf(one).Min[a] < reachOf(lowest[a]).Min[a] ? one : lowest[a];
+      highest[a] = reachOf(other).Max[a] > reachOf(highest[a]).Max[a] ? other : highest[a];
+    }
+  }
+  for (int a = 0; a < 3; ++a)
+  {
+    this->IncludeImage(axes, lowest[a], a, image);
+    this->IncludeImage(axes, highest[a], a, image);
+  }
+  const Box* row = rows.data();
+  glm::ivec3 at;
+  for (at.z = 0; at.z < count.z; ++at.z)
+  {
+    for (at.y = 0; at.y < count.y; ++at.y, ++row)
+    {
+      for (at.x = 0; at.x < count.x && !Contains(image, *row); ++at.x)
+      {
+        const Box reach = reachOf(at);
+        for (int a = 0; a < 3; ++a)
         {
-          const bool shell =
-            glm::any(glm::equal(s, first)) || glm::any(glm::equal(s, last));
-          if (shell != (pass == 0))
+          if (reach.Min[a] < image.Min[a] || reach.Max[a] > image.Max[a])
           {
-            continue;
-          }
-          const Box part = Intersect(this->GetSubCellBox(s), region);
-          const Box d = this->GetDisplacement(s);
-          if (part.IsEmpty() || Contains(image, Box{ part.Min + d.Min, part.Max + d.Max }))
-          {
-            continue;
-          }
-          double weights[3][4][4];
-          double rest[3][4];
-          glm::ivec3 base;
-          for (int a = 0; a < 3; ++a)
-          {
-            const double begin = field.GetFirstCell()[a];
-            const double end = field.GetEndCell()[a];
-            const double h = field.GetSpacing()[a];
-            double u0 = std::clamp((part.Min[a] - field.GetOrigin()[a]) / h, begin, end);
-            double u1 = std::clamp((part.Max[a] - field.GetOrigin()[a]) / h, begin, end);
-            // Outside the clamped range both ends coincide and D is constant along the axis.
-            const int cell = std::clamp(static_cast<int>(begin) + (s[a] - 1) / 2,
-              static_cast<int>(begin), static_cast<int>(end) - 1);
-            SetBlossomWeights(u0 - cell, u1 - cell, weights[a]);
-            base[a] = cell - 1;
-            for (int b = 0; b < 4; ++b)
-            {
-              rest[a][b] = part.Min[a] + (part.Max[a] - part.Min[a]) * (b / 3.0);
-            }
-          }
-          // Contract z, y, x in turn: 16, 4, 1 control points per coefficient.
-          glm::dvec3 planes[4][4][4];
-          for (int j = 0; j < 4; ++j)
-          {
-            for (int i = 0; i < 4; ++i)
-            {
-              const glm::dvec3 c[4] = { field.Coefficient(base.x + i, base.y + j, base.z),
-                field.Coefficient(base.x + i, base.y + j, base.z + 1),
-                field.Coefficient(base.x + i, base.y + j, base.z + 2),
-                field.Coefficient(base.x + i, base.y + j, base.z + 3) };
-              for (int b = 0; b < 4; ++b)
-              {
-                const double* w = weights[2][b];
-                planes[b][j][i] = w[0] * c[0] + w[1] * c[1] + w[2] * c[2] + w[3] * c[3];
-              }
-            }
-          }
-          for (int bz = 0; bz < 4; ++bz)
-          {
-            for (int by = 0; by < 4; ++by)
-            {
-              const double* w = weights[1][by];
-              glm::dvec3 row[4];
-              for (int i = 0; i < 4; ++i)
-              {
-                row[i] = w[0] * planes[bz][0][i] + w[1] * planes[bz][1][i] +
-                  w[2] * planes[bz][2][i] + w[3] * planes[bz][3][i];
-              }
-              for (int bx = 0; bx < 4; ++bx)
-              {
-                const double* v = weights[0][bx];
-                const glm::dvec3 x = glm::dvec3(rest[0][bx], rest[1][by], rest[2][bz]) +
-                  (v[0] * row[0] + v[1] * row[1] + v[2] * row[2] + v[3] * row[3]);
-                image.Min = glm::min(image.Min, x);
-                image.Max = glm::max(image.Max, x);
-              }
-            }
+            this->IncludeImage(axes, at, a, image);
           }
         }
       }
     }
   }
   // Rounding of the sums above.
-  const glm::dvec3 slack =
-    1e-12 * (glm::max(glm::abs(image.Min), glm::abs(image.Max)) + glm::abs(field.GetSpacing()));
+  const glm::dvec3 slack = 1e-12 *
+    (glm::max(glm::abs(image.Min), glm::abs(image.Max)) + glm::abs(this->Field->GetSpacing()));
   return { image.Min - slack, image.Max + slack };
 }
 

@@ -45,9 +45,10 @@ struct MapBounds
  * meets the outside: a region that touches this border has infinite second and third derivatives
  * (D itself and the Jacobian interval stay valid: the map is Lipschitz there).
  *
- * Construction may be split over threads. It costs 0.15 microseconds per sub-cell on one core with
- * AVX-512, 0.28 for the kinds that invert T (2.1 and 3.8 ms for 8^3 control points, which make 24^3
- * sub-cells), and 104 bytes per sub-cell; Over() some 60 nanoseconds for a region of a few sub-cells.
+ * Construction may be split over threads, and its result does not depend on that. It costs 0.1
+ * microseconds per sub-cell on one core with AVX-512, 0.14 for the kinds that invert T (1.4 and 2
+ * ms for 8^3 control points, which make 24^3 sub-cells), and 104 bytes per sub-cell; Over() some 60
+ * nanoseconds for a region of a few sub-cells.
  *
  * "Region" is a box in the space where the field is evaluated: deformed space for FirstOrder and
  * Forward, REST space for Exact and FirstOrderOfInverse (that is where T's Jacobian lives).
@@ -56,8 +57,7 @@ class FFD_KERNEL_EXPORT PullBackBounds
 {
 public:
   PullBackBounds() = default;
-  explicit PullBackBounds(
-    const PullBack& pullBack, const ParallelFor& parallelFor = ParallelFor());
+  explicit PullBackBounds(const PullBack& pullBack, const ParallelFor& parallelFor = ParallelFor());
 
   /**
    * The same over some cells of the lattice only, each cut into 2 * factors sub-cells per axis (by
@@ -70,8 +70,16 @@ public:
   /// True when regions are boxes of rest space (see above).
   bool RegionsAreInRestSpace() const { return this->RestRegions; }
 
-  /// Union of the bounds over all sub-cells that touch `region`.
-  MapBounds Over(const Box& region) const;
+  /// Union of the bounds over all sub-cells that touch `region`; of a large one by several threads.
+  MapBounds Over(const Box& region, const ParallelFor& parallelFor = ParallelFor()) const;
+
+  /// Sub-cells per axis: two a cell, and the constant outside before the first and after the last
+  /// of them; and the bounds over one of these.
+  const glm::ivec3& GetSize() const { return this->Size; }
+  const SubCellBounds& GetSubCell(const glm::ivec3& at) const
+  {
+    return this->SubCells[this->IndexOf(at.x, at.y, at.z)];
+  }
 
   /// Second and third derivatives of D over the cells of the lattice, x fastest, with a constant
   /// cell before the first and after the last of each axis.
@@ -87,7 +95,7 @@ public:
    * cells whose Phi cannot reach `rest` are excluded. Conservative, never too small; empty when
    * `rest` is.
    */
-  Box DeformedBounds(const Box& rest) const;
+  Box DeformedBounds(const Box& rest, const ParallelFor& parallelFor = ParallelFor()) const;
 
   std::size_t GetMemorySize() const
   {
@@ -99,8 +107,7 @@ public:
   bool IsProvenInvertible() const { return this->ProvenInvertible; }
 
 private:
-  void Find(
-    const BSplineField& field, const SubCellGrid& grid, const ParallelFor& parallelFor);
+  void Find(const BSplineField& field, const SubCellGrid& grid, const ParallelFor& parallelFor);
   std::size_t IndexOf(int i, int j, int k) const
   {
     return static_cast<std::size_t>(i) +
@@ -110,13 +117,28 @@ private:
   }
   /// Sub-cells [first, last] per axis that touch `region`; false when there are none.
   bool FindSubCells(const Box& region, glm::ivec3& first, glm::ivec3& last) const;
-  /// Sub-cell as a box of data coordinates; the constant outside ones are infinite.
-  Box GetSubCellBox(const glm::ivec3& subCell) const;
+  /// Where the sub-cells lie, in data coordinates; the constant outside ones are infinite.
+  struct SubCellEnds
+  {
+    std::vector<double> Min[3];
+    std::vector<double> Max[3];
+    explicit SubCellEnds(const PullBackBounds& bounds);
+    Box GetBox(const glm::ivec3& at) const
+    {
+      return { glm::dvec3(this->Min[0][at.x], this->Min[1][at.y], this->Min[2][at.z]),
+        glm::dvec3(this->Max[0][at.x], this->Max[1][at.y], this->Max[2][at.z]) };
+    }
+  };
   SubCellBounds Union(const glm::ivec3& first, const glm::ivec3& last) const;
+  SubCellBounds Union(
+    const glm::ivec3& first, const glm::ivec3& last, const ParallelFor& parallelFor) const;
   bool TouchesKink(const Box& region) const;
   Box GetDisplacement(const glm::ivec3& subCell) const;
+  struct AxisParts;
+  /// Add one component of the image under T of part of a sub-cell, tight.
+  void IncludeImage(const AxisParts axes[3], const glm::ivec3& at, int component, Box& image) const;
   /// Image of `region` under T, tight; and {P : P + factor * D(P) in rest}.
-  Box ForwardImage(const Box& region) const;
+  Box ForwardImage(const Box& region, const ParallelFor& parallelFor) const;
   Box Preimage(const Box& rest, double factor) const;
 
   bool RestRegions = false;
@@ -127,7 +149,7 @@ private:
   SubCellBoundsVector SubCells; // of Phi's derivatives and of D, x fastest
   std::vector<CellDerivatives> Derivatives;
   glm::ivec3 Size{ 0 };
-  CellRange Cells; // of Field, that have sub-cells
+  CellRange Cells;                             // of Field, that have sub-cells
   std::shared_ptr<const BSplineField> Refined; // null: Field is that of the pull-back
 };
 

@@ -73,9 +73,8 @@ HWY_INLINE void StoreRoundedUp(VecD x, float* to)
   const auto limit = hn::Set(d, most);
   const auto clamped = hn::Max(hn::IfThenElse(hn::Le(x, limit), x, limit), hn::Neg(limit));
   const auto single = hn::DemoteTo(f, clamped);
-  const auto above =
-    hn::Add(hn::MulAdd(hn::Abs(single), hn::Set(f, 2.4e-7f), single),
-      hn::Set(f, std::numeric_limits<float>::min()));
+  const auto above = hn::Add(hn::MulAdd(hn::Abs(single), hn::Set(f, 2.4e-7f), single),
+    hn::Set(f, std::numeric_limits<float>::min()));
   const auto infinite = hn::Ge(single, hn::Set(f, static_cast<float>(most)));
   hn::Store(
     hn::IfThenElse(infinite, hn::Set(f, std::numeric_limits<float>::infinity()), above), f, to);
@@ -86,10 +85,7 @@ HWY_INLINE VecD Dot(const Vector3D& a, const Vector3D& b)
   return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
 }
 
-HWY_INLINE VecD Length(const Vector3D& a)
-{
-  return hn::Sqrt(Dot(a, a));
-}
+HWY_INLINE VecD Length(const Vector3D& a) { return hn::Sqrt(Dot(a, a)); }
 
 HWY_INLINE Vector3D Cross(const Vector3D& a, const Vector3D& b)
 {
@@ -99,8 +95,9 @@ HWY_INLINE Vector3D Cross(const Vector3D& a, const Vector3D& b)
 
 HWY_INLINE Vector3D Multiply(const Matrix3D& m, const Vector3D& v)
 {
-  const auto row = [&](VecD a, VecD b, VecD c)
-  { return hn::MulAdd(a, v.x, hn::MulAdd(b, v.y, hn::Mul(c, v.z))); };
+  const auto row = [&](VecD a, VecD b, VecD c) {
+    return hn::MulAdd(a, v.x, hn::MulAdd(b, v.y, hn::Mul(c, v.z)));
+  };
   return { row(m.Column[0].x, m.Column[1].x, m.Column[2].x),
     row(m.Column[0].y, m.Column[1].y, m.Column[2].y),
     row(m.Column[0].z, m.Column[1].z, m.Column[2].z) };
@@ -152,10 +149,7 @@ HWY_INLINE Matrix3D Adjugate(const Matrix3D& m, VecD& determinant)
   return { { { a.x, b.x, c.x }, { a.y, b.y, c.y }, { a.z, b.z, c.z } } };
 }
 
-HWY_INLINE VecD LargestOf(VecD a, VecD b, VecD c)
-{
-  return hn::Max(a, hn::Max(b, c));
-}
+HWY_INLINE VecD LargestOf(VecD a, VecD b, VecD c) { return hn::Max(a, hn::Max(b, c)); }
 
 HWY_INLINE VecD LargestRowSum(const Matrix3D& m)
 {
@@ -181,10 +175,7 @@ HWY_INLINE void AddDerivative(
   sum.z = hn::MulAdd(factor, LoadPromoted(entry[2] + lane), sum.z);
 }
 
-HWY_INLINE Vector3D NoVector()
-{
-  return { hn::Zero(TagD()), hn::Zero(TagD()), hn::Zero(TagD()) };
-}
+HWY_INLINE Vector3D NoVector() { return { hn::Zero(TagD()), hn::Zero(TagD()), hn::Zero(TagD()) }; }
 
 /// Bounds of T2[q, r] for the second derivatives of cells: sum over b, c of |H_bc| q_b r_c.
 HWY_INLINE Vector3D ApplySecond(
@@ -271,10 +262,11 @@ inline bool BoundInverse(const DerivativesBlock& second, const DerivativesBlock&
     const Matrix3D w = Multiply(size, delta);
     const auto radius = hn::Min(LargestRowSum(w), LargestColumnSum(w));
     // Also refuses what is not a number and a matrix so near to singular that its inverse is mostly
-    // rounding. A negative one turns space inside out: T folds, and other points have the same image.
-    const MaskD regular = hn::And(
-      hn::And(hn::Gt(determinant, hn::Set(d, 1e-9)), hn::Lt(determinant, hn::Set(d, 1e30))),
-      hn::Lt(radius, hn::Set(d, 0.999)));
+    // rounding. A negative one turns space inside out: T folds, and other points have the same
+    // image.
+    const MaskD regular =
+      hn::And(hn::And(hn::Gt(determinant, hn::Set(d, 1e-9)), hn::Lt(determinant, hn::Set(d, 1e30))),
+        hn::Lt(radius, hn::Set(d, 0.999)));
     const MaskD used = hn::FirstN(d, static_cast<std::size_t>(count - l));
     allBounded = allBounded && hn::AllTrue(d, hn::Or(regular, hn::Not(used)));
 
@@ -295,8 +287,7 @@ inline bool BoundInverse(const DerivativesBlock& second, const DerivativesBlock&
       for (int row = 0; row < 3; ++row)
       {
         const auto magnitude = hn::Abs(middles[row]);
-        const auto reach =
-          hn::Add(spreads[row], hn::Mul(roundingSlack, hn::Add(one, magnitude)));
+        const auto reach = hn::Add(spreads[row], hn::Mul(roundingSlack, hn::Add(one, magnitude)));
         most[row] = hn::Add(magnitude, reach);
         auto lower = hn::Sub(reach, middles[row]);
         auto upper = hn::Add(reach, middles[row]);
@@ -307,19 +298,17 @@ inline bool BoundInverse(const DerivativesBlock& second, const DerivativesBlock&
           lower = hn::Sub(upper, diagonal);
           upper = hn::Add(swapped, diagonal);
         }
-        StoreRoundedUp(
-          hn::IfThenElse(regular, lower, unbounded), negatedMin[3 * column + row] + l);
+        StoreRoundedUp(hn::IfThenElse(regular, lower, unbounded), negatedMin[3 * column + row] + l);
         StoreRoundedUp(hn::IfThenElse(regular, upper, unbounded), max[3 * column + row] + l);
       }
       largest.Column[column] = { most[0], most[1], most[2] };
     }
     // |A|_2 <= sqrt(|A|_1 |A|_inf) and <= the Frobenius norm.
-    const auto frobenius =
-      hn::Sqrt(hn::Add(Dot(largest.Column[0], largest.Column[0]),
-        hn::Add(Dot(largest.Column[1], largest.Column[1]),
-          Dot(largest.Column[2], largest.Column[2]))));
-    const auto alpha = hn::Min(
-      frobenius, hn::Sqrt(hn::Mul(LargestRowSum(largest), LargestColumnSum(largest))));
+    const auto frobenius = hn::Add(Dot(largest.Column[0], largest.Column[0]),
+      hn::Add(
+        Dot(largest.Column[1], largest.Column[1]), Dot(largest.Column[2], largest.Column[2])));
+    const auto alpha =
+      hn::Sqrt(hn::Min(frobenius, hn::Mul(LargestRowSum(largest), LargestColumnSum(largest))));
     // From T(Q(t)) = P + t d: J Q'' = -T2[Q', Q'] and J Q''' = -T3[Q', Q', Q'] - 3 T2[Q', Q''].
     const auto t2 = LoadPromoted(second.Norm + l);
     const auto t3 = LoadPromoted(third.Norm + l);
@@ -340,8 +329,8 @@ inline bool BoundInverse(const DerivativesBlock& second, const DerivativesBlock&
     const auto thirdMost = hn::Min(
       hn::Mul(hn::Mul(alpha, alpha3), hn::MulAdd(hn::Mul(three, alpha), hn::Mul(t2, t2), t3)),
       Length(twist));
-    StoreRoundedUp(hn::IfThenElse(regular, secondMost, unbounded),
-      bounds.Value[SubCellBounds::Second] + l);
+    StoreRoundedUp(
+      hn::IfThenElse(regular, secondMost, unbounded), bounds.Value[SubCellBounds::Second] + l);
     StoreRoundedUp(
       hn::IfThenElse(regular, thirdMost, unbounded), bounds.Value[SubCellBounds::Third] + l);
   }

@@ -50,7 +50,7 @@ struct BoundsInput
   glm::ivec3 Padded;
   const float* Coefficients; ///< [component][z][y][x], x padded to RowLength
   int RowLength;
-  int Lanes; ///< cells of x including the two constant ones
+  int Lanes;              ///< cells of x including the two constant ones
   bool ZeroOutside;       ///< the constant lanes, first and last, are zero
   float CoefficientScale; ///< largest magnitude of a coefficient, rounded up
   float InverseLength[3]; ///< smallest spacing over the spacing of each axis, <= 1
@@ -93,8 +93,8 @@ struct ComponentNet
   HWY_ALIGN float Value[64 * BlockLanes];
 };
 
-/// From component to component: not a power of two, which would make the loads of all three wait for
-/// each other.
+/// From component to component: not a power of two, which would make the loads of all three wait
+/// for each other.
 constexpr int ComponentStride = 65 * BlockLanes;
 
 /// Three components.
@@ -115,7 +115,8 @@ HWY_INLINE void Contract(
   const std::ptrdiff_t step = static_cast<std::ptrdiff_t>(hn::Lanes(d));
   for (std::ptrdiff_t i = 0; i < count; i += step)
   {
-    const auto low = hn::MulAdd(w1, hn::LoadU(d, from + i + stride), hn::Mul(w0, hn::LoadU(d, from + i)));
+    const auto low =
+      hn::MulAdd(w1, hn::LoadU(d, from + i + stride), hn::Mul(w0, hn::LoadU(d, from + i)));
     const auto high = hn::MulAdd(w2, hn::LoadU(d, from + i + 2 * stride), low);
     hn::StoreU(hn::MulAdd(w3, hn::LoadU(d, from + i + 3 * stride), high), d, to + i);
   }
@@ -227,8 +228,8 @@ HWY_INLINE void ContractHalves(const BoundsInput& in, const float* rows, int lan
         toLeft + 2 * BlockLanes + l);
       hn::Store(middle, d, toLeft + 3 * BlockLanes + l);
       hn::Store(middle, d, toRight + l);
-      hn::Store(hn::Mul(hn::Add(hn::MulAdd(two, b.b2, b.b1), b.b3), quarter), d,
-        toRight + BlockLanes + l);
+      hn::Store(
+        hn::Mul(hn::Add(hn::MulAdd(two, b.b2, b.b1), b.b3), quarter), d, toRight + BlockLanes + l);
       hn::Store(hn::Mul(hn::Add(b.b2, b.b3), half), d, toRight + 2 * BlockLanes + l);
       hn::Store(b.b3, d, toRight + 3 * BlockLanes + l);
     }
@@ -279,21 +280,25 @@ HWY_INLINE void FindRange(const float* net, ComponentRange& range)
     RowRange alongX = none;
     RowRange alongY = none;
     RowRange alongZ = none;
-    for (int i = 0; i < 16; ++i)
+    const float* plane = net + l;  // z = j
+    const float* row = net + l;    // y = i of that
+    const float* column = net + l; // x = i of that
+    const float* depth = net + l;  // y = j and x = i
+    for (int j = 0; j < 4; ++j, plane += z, column = plane)
     {
-      const float* row = net + i * 4 * BlockLanes + l;
-      const auto v0 = hn::Load(d, row);
-      const auto v1 = hn::Load(d, row + x);
-      const auto v2 = hn::Load(d, row + 2 * x);
-      const auto v3 = hn::Load(d, row + 3 * x);
-      value.Include(v0, v1, v2, v3);
-      alongX.IncludeDifferences(v0, v1, v2, v3);
-      const float* column = net + i % 4 * x + i / 4 * z + l;
-      alongY.IncludeDifferences(hn::Load(d, column), hn::Load(d, column + y),
-        hn::Load(d, column + 2 * y), hn::Load(d, column + 3 * y));
-      const float* depth = net + i * BlockLanes + l;
-      alongZ.IncludeDifferences(hn::Load(d, depth), hn::Load(d, depth + z),
-        hn::Load(d, depth + 2 * z), hn::Load(d, depth + 3 * z));
+      for (int i = 0; i < 4; ++i, row += y, column += x, depth += x)
+      {
+        const auto v0 = hn::Load(d, row);
+        const auto v1 = hn::Load(d, row + x);
+        const auto v2 = hn::Load(d, row + 2 * x);
+        const auto v3 = hn::Load(d, row + 3 * x);
+        value.Include(v0, v1, v2, v3);
+        alongX.IncludeDifferences(v0, v1, v2, v3);
+        alongY.IncludeDifferences(hn::Load(d, column), hn::Load(d, column + y),
+          hn::Load(d, column + 2 * y), hn::Load(d, column + 3 * y));
+        alongZ.IncludeDifferences(hn::Load(d, depth), hn::Load(d, depth + z),
+          hn::Load(d, depth + 2 * z), hn::Load(d, depth + 3 * z));
+      }
     }
     const RowRange ranges[4] = { value, alongX, alongY, alongZ };
     for (int a = 0; a < 4; ++a)
@@ -336,8 +341,7 @@ HWY_INLINE void Difference(const Net& from, Net& to)
   const int step = static_cast<int>(hn::Lanes(d));
   for (int row = 0; row < 3 * To::Size[2]; ++row)
   {
-    const std::ptrdiff_t plane =
-      static_cast<std::ptrdiff_t>(row / To::Size[2]) * ComponentStride +
+    const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(row / To::Size[2]) * ComponentStride +
       static_cast<std::ptrdiff_t>(row % To::Size[2]) * AxisStride[2];
     for (int y = 0; y < To::Size[1]; ++y)
     {
@@ -347,7 +351,8 @@ HWY_INLINE void Difference(const Net& from, Net& to)
         for (int l = 0; l < BlockLanes; l += step)
         {
           const float* v = from.Value + at + l;
-          hn::Store(hn::Sub(hn::Load(d, v + AxisStride[Axis]), hn::Load(d, v)), d, to.Value + at + l);
+          hn::Store(
+            hn::Sub(hn::Load(d, v + AxisStride[Axis]), hn::Load(d, v)), d, to.Value + at + l);
         }
       }
     }
@@ -355,10 +360,11 @@ HWY_INLINE void Difference(const Net& from, Net& to)
 }
 
 /// Largest length of the vectors of a difference of a net, and largest magnitude of each of their
-/// components; norms are convex, so these bound them over the cell.
-template <class From, int Axis>
+/// components; norms are convex, so these bound them over the cell. `keep`: the differences go to
+/// `to`.
+template <class From, int Axis, bool keep>
 HWY_INLINE void LargestDifference(
-  const Net& from, float* length, float (*components)[BlockLanes])
+  const Net& from, float* length, float (*components)[BlockLanes], Net* to)
 {
   using To = typename From::template Next<Axis>;
   const Tag d;
@@ -375,8 +381,8 @@ HWY_INLINE void LargestDifference(
       {
         for (int x = 0; x < To::Size[0]; ++x)
         {
-          const float* v =
-            from.Value + z * AxisStride[2] + y * AxisStride[1] + x * AxisStride[0] + l;
+          const std::ptrdiff_t at = z * AxisStride[2] + y * AxisStride[1] + x * AxisStride[0] + l;
+          const float* v = from.Value + at;
           const float* w = v + AxisStride[Axis];
           const auto a = hn::Sub(hn::Load(d, w), hn::Load(d, v));
           const auto b =
@@ -387,6 +393,12 @@ HWY_INLINE void LargestDifference(
           mostA = hn::Max(mostA, hn::Abs(a));
           mostB = hn::Max(mostB, hn::Abs(b));
           mostC = hn::Max(mostC, hn::Abs(c));
+          if constexpr (keep)
+          {
+            hn::Store(a, d, to->Value + at);
+            hn::Store(b, d, to->Value + at + ComponentStride);
+            hn::Store(c, d, to->Value + at + 2 * ComponentStride);
+          }
         }
       }
     }
@@ -483,25 +495,54 @@ HWY_INLINE bool ApplyMap(const BoundsInput& in, const DerivativesBlock& second,
 /// Lanes first ... end - 1 of a block: every second sub-cell from `to` on.
 HWY_INLINE void StoreBounds(const BoundsBlock& bounds, int first, int end, SubCellBounds* to)
 {
-  for (int l = first; l < end; ++l, to += 2)
+  int v = 0;
+#if HWY_TARGET != HWY_SCALAR
+  // Four by four values and lanes are transposed at once.
+  const hn::FixedTag<float, 4> d;
+  for (; v + 4 <= SubCellBounds::Size; v += 4)
   {
-    for (int v = 0; v < SubCellBounds::Size; ++v)
+    for (int l = first / 4 * 4; l < end; l += 4)
     {
-      to->Value[v] = bounds.Value[v][l];
+      const auto r0 = hn::Load(d, bounds.Value[v] + l);
+      const auto r1 = hn::Load(d, bounds.Value[v + 1] + l);
+      const auto r2 = hn::Load(d, bounds.Value[v + 2] + l);
+      const auto r3 = hn::Load(d, bounds.Value[v + 3] + l);
+      const auto low01 = hn::InterleaveLower(d, r0, r1);
+      const auto low23 = hn::InterleaveLower(d, r2, r3);
+      const auto high01 = hn::InterleaveUpper(d, r0, r1);
+      const auto high23 = hn::InterleaveUpper(d, r2, r3);
+      const hn::Vec<decltype(d)> lanes[4] = { hn::ConcatLowerLower(d, low23, low01),
+        hn::ConcatUpperUpper(d, low23, low01), hn::ConcatLowerLower(d, high23, high01),
+        hn::ConcatUpperUpper(d, high23, high01) };
+      for (int i = 0; i < 4; ++i)
+      {
+        if (l + i >= first && l + i < end)
+        {
+          hn::StoreU(lanes[i], d, to[2 * (l + i - first)].Value + v);
+        }
+      }
+    }
+  }
+#endif
+  for (; v < SubCellBounds::Size; ++v)
+  {
+    for (int l = first; l < end; ++l)
+    {
+      to[2 * (l - first)].Value[v] = bounds.Value[v][l];
     }
   }
 }
 
-/// Adds Copies * (factor * (length of the differences + slack))^2 to the square of the norm, and what
-/// bounds the components as the next entry.
-template <class From, int Axis>
+/// Adds Copies * (factor * (length of the differences + slack))^2 to the square of the norm, and
+/// what bounds the components as the next entry. See LargestDifference().
+template <class From, int Axis, bool keep>
 HWY_INLINE void AddSquare(
-  const Net& from, float factor, float slack, int& count, DerivativesBlock& sums)
+  const Net& from, float factor, float slack, int& count, DerivativesBlock& sums, Net* differences)
 {
   using To = typename From::template Next<Axis>;
   HWY_ALIGN float length[BlockLanes];
   float(*entry)[BlockLanes] = sums.Entry[count++];
-  LargestDifference<From, Axis>(from, length, entry);
+  LargestDifference<From, Axis, keep>(from, length, entry, differences);
   const float size = factor * static_cast<float>(To::Factor());
   for (int l = 0; l < BlockLanes; ++l)
   {
@@ -527,8 +568,8 @@ template <class From, int Axis>
 HWY_INLINE void AddThird(
   const BoundsInput& in, const Net& twice, float factor, DerivativeSums& sums)
 {
-  AddSquare<From, Axis>(
-    twice, factor * in.InverseLength[Axis], ThirdSlack, sums.Thirds, sums.Third);
+  AddSquare<From, Axis, false>(
+    twice, factor * in.InverseLength[Axis], ThirdSlack, sums.Thirds, sums.Third, nullptr);
 }
 
 /// Second derivatives of `first` along Axis and on to the third ones along Axis ... 2.
@@ -538,8 +579,7 @@ HWY_INLINE void AddSecond(
 {
   using Second = typename First::template Next<Axis>;
   const float next = factor * in.InverseLength[Axis];
-  AddSquare<First, Axis>(first, next, SecondSlack, sums.Seconds, sums.Second);
-  Difference<First, Axis>(first, twice);
+  AddSquare<First, Axis, true>(first, next, SecondSlack, sums.Seconds, sums.Second, &twice);
   if constexpr (Axis == 0)
   {
     AddThird<Second, 0>(in, twice, next, sums);
@@ -684,8 +724,7 @@ private:
       this->Planes[2].data(), this->Rows.data());
     CellDerivatives* row = this->Derivatives +
       static_cast<std::size_t>(this->In.Lanes) *
-        (static_cast<std::size_t>(cy) +
-          this->In.Full[1]->size() * static_cast<std::size_t>(cz));
+        (static_cast<std::size_t>(cy) + this->In.Full[1]->size() * static_cast<std::size_t>(cz));
     Net net;
     for (int lane0 = 0; lane0 < this->In.Lanes; lane0 += BlockLanes)
     {
@@ -743,7 +782,7 @@ private:
   const BoundsInput& In;
   const SubCellGrid& Grid;
   SubCellBounds* Bounds;
-  CellDerivatives* Derivatives; // null: not wanted
+  CellDerivatives* Derivatives;         // null: not wanted
   std::vector<DerivativesBlock> Second; // of a row of cells, by block
   std::vector<DerivativesBlock> Third;
   std::vector<float> Planes[3]; // what the weights of either half and of all of a slice make
@@ -761,6 +800,58 @@ bool BoundSlices(const BoundsInput& in, const SubCellGrid& grid, SubCellBounds* 
     bounded = bounder.AddSlice(cz) && bounded;
   }
   return bounded;
+}
+
+/// See FindBezierRange() of the header.
+void FindRangeOfBezier(const double* net, const BezierWeights& x, const BezierWeights& y,
+  const BezierWeights& z, double range[2])
+{
+  const hn::CappedTag<double, 4> d;
+  const int step = static_cast<int>(hn::Lanes(d));
+  HWY_ALIGN double plane[16];
+  HWY_ALIGN double row[4];
+  HWY_ALIGN double least[4];
+  HWY_ALIGN double most[4];
+  std::fill_n(least, 4, std::numeric_limits<double>::infinity());
+  std::fill_n(most, 4, -std::numeric_limits<double>::infinity());
+  for (int bz = 0; bz < 4; ++bz)
+  {
+    for (int i = 0; i < 16; i += step)
+    {
+      auto sum = hn::Mul(hn::Set(d, z.Weight[0][bz]), hn::LoadU(d, net + i));
+      for (int k = 1; k < 4; ++k)
+      {
+        sum = hn::MulAdd(hn::Set(d, z.Weight[k][bz]), hn::LoadU(d, net + 16 * k + i), sum);
+      }
+      hn::Store(sum, d, plane + i);
+    }
+    for (int by = 0; by < 4; ++by)
+    {
+      for (int i = 0; i < 4; i += step)
+      {
+        auto sum = hn::Mul(hn::Set(d, y.Weight[0][by]), hn::Load(d, plane + i));
+        for (int j = 1; j < 4; ++j)
+        {
+          sum = hn::MulAdd(hn::Set(d, y.Weight[j][by]), hn::Load(d, plane + 4 * j + i), sum);
+        }
+        hn::Store(sum, d, row + i);
+      }
+      const auto shift = hn::Set(d, y.Shift[by] + z.Shift[bz]);
+      for (int i = 0; i < 4; i += step)
+      {
+        auto sum = hn::Mul(hn::Set(d, row[0]), hn::LoadU(d, x.Weight[0] + i));
+        for (int j = 1; j < 4; ++j)
+        {
+          sum = hn::MulAdd(hn::Set(d, row[j]), hn::LoadU(d, x.Weight[j] + i), sum);
+        }
+        sum = hn::Add(hn::Add(hn::LoadU(d, x.Shift + i), shift), sum);
+        hn::Store(hn::Min(hn::Load(d, least + i), sum), d, least + i);
+        hn::Store(hn::Max(hn::Load(d, most + i), sum), d, most + i);
+      }
+    }
+  }
+  range[0] = std::min({ least[0], least[1], least[2], least[3] });
+  range[1] = std::max({ most[0], most[1], most[2], most[3] });
 }
 
 /// From the same bound of all of D and its derivatives to those of the map; whether it is bounded.
@@ -787,6 +878,7 @@ namespace
 {
 HWY_EXPORT(BoundSlices);
 HWY_EXPORT(BoundAlike);
+HWY_EXPORT(FindRangeOfBezier);
 
 /// Weights from B-spline to Bezier coefficients of a cell, or of its left or right half.
 void SetWeights(int part, float w[4][4])
@@ -956,16 +1048,14 @@ bool FindSubCellBounds(const BSplineField& field, const SubCellGrid& grid, Bound
   in.Full[1] = &fullY;
   in.Full[2] = &fullZ;
   std::atomic<bool> bounded{ true };
-  RunFor(parallelFor, fullZ.size(),
-    [&](std::size_t first, std::size_t last)
+  RunFor(parallelFor, fullZ.size(), [&](std::size_t first, std::size_t last) {
+    if (!HWY_DYNAMIC_DISPATCH(BoundSlices)(in, grid, bounds.data(),
+          derivatives ? derivatives->data() : nullptr, static_cast<int>(first),
+          static_cast<int>(last)))
     {
-      if (!HWY_DYNAMIC_DISPATCH(BoundSlices)(in, grid, bounds.data(),
-            derivatives ? derivatives->data() : nullptr, static_cast<int>(first),
-            static_cast<int>(last)))
-      {
-        bounded = false;
-      }
-    });
+      bounded = false;
+    }
+  });
   return bounded;
 }
 
@@ -988,6 +1078,13 @@ BoundedMap FindBoundedMap(PullBackKind kind)
 } // namespace
 
 //------------------------------------------------------------------------------
+void FindBezierRange(const double net[64], const BezierWeights& x, const BezierWeights& y,
+  const BezierWeights& z, double range[2])
+{
+  HWY_DYNAMIC_DISPATCH(FindRangeOfBezier)(net, x, y, z, range);
+}
+
+//------------------------------------------------------------------------------
 void ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid,
   SubCellBoundsVector& bounds, const ParallelFor& parallelFor)
 {
@@ -999,8 +1096,7 @@ bool ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid, Pu
   SubCellBoundsVector& bounds, std::vector<CellDerivatives>& derivatives,
   const ParallelFor& parallelFor)
 {
-  return FindSubCellBounds(
-    field, grid, FindBoundedMap(kind), bounds, &derivatives, parallelFor);
+  return FindSubCellBounds(field, grid, FindBoundedMap(kind), bounds, &derivatives, parallelFor);
 }
 
 } // namespace ffd

@@ -129,6 +129,19 @@ bool ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid, Pu
   SubCellBoundsVector& bounds, std::vector<CellDerivatives>& derivatives,
   const ParallelFor& parallelFor = ParallelFor());
 
+/// Of one axis: what each of four control points counts for each of four Bezier coefficients, and
+/// what is added to these.
+struct BezierWeights
+{
+  double Weight[4][4]; ///< [control point][coefficient]
+  double Shift[4];
+};
+
+/// Least and largest of the 64 Bezier coefficients of a tricubic, whose control points are `net`, x
+/// fastest: its range is within them. In double precision, up to its rounding.
+void FindBezierRange(const double net[64], const BezierWeights& x, const BezierWeights& y,
+  const BezierWeights& z, double range[2]);
+
 } // namespace ffd
 
 #endif

@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDDeformedSpaceBounds.h"
 
+#include "FFDEighthPowers.h"
+
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -20,6 +23,9 @@ constexpr float Infinity = std::numeric_limits<float>::infinity();
 /// A cell of the lattice is refined into at most so many per axis.
 constexpr int LargestFactor = 4;
 
+/// Threads that scatter bounds over deformed space, each into grids of its own.
+constexpr int LargestNumberOfShares = 16;
+
 /// A float that is not below x.
 float RoundUp(double x)
 {
@@ -27,36 +33,31 @@ float RoundUp(double x)
   return static_cast<double>(single) < x ? std::nextafter(single, Infinity) : single;
 }
 
-/// One axis of rest space cut into intervals: the constant outside of the lattice, its cells, and
-/// the halves of refined cells where the lattice is refined.
+/// Where the sub-cells of one axis lie, in data coordinates.
 struct AxisIntervals
 {
-  std::vector<double> Ends; ///< lattice parameters, from -infinity to infinity
-  int FirstRefined = 0;     ///< interval
-  int EndRefined = 0;
+  std::vector<double> Min;
+  std::vector<double> Max;
 
-  AxisIntervals(int first, int end, int firstRefined, int endRefined, int factor)
+  /// `first`, `end`: cells of the field, each cut into `parts`. The constant outside of them is
+  /// there in either case; its ends are far away.
+  AxisIntervals(const BSplineField& field, int axis, int first, int end, int parts)
   {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    this->Ends.push_back(-infinity);
-    for (int cell = first; cell < end; ++cell)
+    constexpr double far = 1e300;
+    const double origin = field.GetOrigin()[axis];
+    const double h = field.GetSpacing()[axis];
+    const int count = parts * (end - first);
+    for (int i = 0; i < count + 2; ++i)
     {
-      const bool refined = cell >= firstRefined && cell < endRefined;
-      this->FirstRefined =
-        cell == firstRefined ? static_cast<int>(this->Ends.size()) : this->FirstRefined;
-      const int parts = refined ? 2 * factor : 2;
-      for (int part = 0; part < parts; ++part)
-      {
-        this->Ends.push_back(cell + static_cast<double>(part) / parts);
-      }
-      this->EndRefined = refined ? static_cast<int>(this->Ends.size()) : this->EndRefined;
+      const auto endOf = [&](int interval) {
+        return origin + (first + static_cast<double>(interval) / parts) * h;
+      };
+      const double from = i == 0 ? (h > 0.0 ? -far : far) : endOf(i - 1);
+      const double to = i == count + 1 ? (h > 0.0 ? far : -far) : endOf(i);
+      this->Min.push_back(std::min(from, to));
+      this->Max.push_back(std::max(from, to));
     }
-    this->Ends.push_back(end);
-    this->Ends.push_back(infinity);
   }
-
-  int Count() const { return static_cast<int>(this->Ends.size()) - 1; }
-  bool IsRefined(int i) const { return i >= this->FirstRefined && i < this->EndRefined; }
 };
 
 /// The cells of a lattice that a box touches.
@@ -84,7 +85,7 @@ void DeformedSpaceBounds::PowerTable::Set(float largest)
   for (int power = 1; power < 255; ++power)
   {
     // A little more than that, for rounding.
-    this->Value[power] = largest * std::exp2(-0.125f * static_cast<float>(power - 1)) * 1.0001f;
+    this->Value[power] = largest * EighthPower(power - 1) * 1.0001f;
   }
   this->Value[255] = 0.0f;
 }
@@ -100,8 +101,8 @@ std::uint8_t DeformedSpaceBounds::PowerTable::Encode(float value) const
   {
     return 255;
   }
-  const float power = 1.0f + std::floor(8.0f * std::log2(this->Value[1] / (1.0001f * value)));
-  return static_cast<std::uint8_t>(std::clamp(power, 1.0f, 254.0f));
+  const int power = 1 + FindEighthPower(this->Value[1] / (1.0001f * value));
+  return static_cast<std::uint8_t>(std::clamp(power, 1, 254));
 }
 
 //------------------------------------------------------------------------------
@@ -138,18 +139,23 @@ DeformedSpaceBounds::DeformedSpaceBounds(const PullBack& pullBack, const PullBac
   }
   this->Cells = glm::ivec3(cells);
   this->PartSize = size / (static_cast<double>(Parts) * cells);
+  this->PartsPerUnit = 1.0 / this->PartSize;
+  this->LastPart = static_cast<double>(Parts) * cells - 1.0;
 
   const Box needed = bounds.RegionsAreInRestSpace()
     ? Box{ rest.Min - this->Resolution, rest.Max + this->Resolution }
     : region;
   const CellRange neededCells = FindCells(field, needed);
-  const CellRange refinedCells = this->FindRefinedCells(bounds, field, neededCells);
-  glm::ivec3 factors(1);
+  const glm::ivec3 factors(glm::clamp(glm::ceil(0.5 * spacing / this->PartSize), glm::dvec3(1.0),
+    glm::dvec3(static_cast<double>(LargestFactor))));
+  CellRange refinedCells;
   PullBackBounds refined;
+  if (factors != glm::ivec3(1))
+  {
+    refinedCells = this->FindRefinedCells(bounds, field, neededCells);
+  }
   if (glm::all(glm::lessThan(refinedCells.First, refinedCells.End)))
   {
-    factors = glm::ivec3(glm::clamp(glm::ceil(0.5 * spacing / this->PartSize), glm::dvec3(1.0),
-      glm::dvec3(static_cast<double>(LargestFactor))));
     refined = PullBackBounds(pullBack, refinedCells, factors, parallelFor);
   }
   this->Local = LocalBounds(pullBack, bounds, neededCells);
@@ -173,8 +179,7 @@ DeformedSpaceBounds::Grids DeformedSpaceBounds::EmptyGrids() const
   UpperBounds nothing;
   std::fill_n(nothing.Jacobian, 18, -Infinity);
   grids.Jacobians.assign(this->IndexOf(this->Cells), nothing);
-  grids.Derivatives.assign(
-    this->IndexOfPart(Parts * this->Cells), UpperDerivatives{ 0.0f, 0.0f });
+  grids.Derivatives.assign(this->IndexOfPart(Parts * this->Cells), UpperDerivatives{ 0.0f, 0.0f });
   return grids;
 }
 
@@ -203,10 +208,9 @@ std::size_t DeformedSpaceBounds::IndexOf(const glm::ivec3& cell) const
   // Of the end: how many there are.
   const std::size_t row = static_cast<std::size_t>(this->Cells.x);
   const std::size_t slice = row * static_cast<std::size_t>(this->Cells.y);
-  return cell == this->Cells
-    ? slice * static_cast<std::size_t>(this->Cells.z)
-    : static_cast<std::size_t>(cell.x) + row * static_cast<std::size_t>(cell.y) +
-      slice * static_cast<std::size_t>(cell.z);
+  return cell == this->Cells ? slice * static_cast<std::size_t>(this->Cells.z)
+                             : static_cast<std::size_t>(cell.x) +
+      row * static_cast<std::size_t>(cell.y) + slice * static_cast<std::size_t>(cell.z);
 }
 
 //------------------------------------------------------------------------------
@@ -215,18 +219,15 @@ std::size_t DeformedSpaceBounds::IndexOfPart(const glm::ivec3& part) const
   const glm::ivec3 parts = Parts * this->Cells;
   const std::size_t row = static_cast<std::size_t>(parts.x);
   const std::size_t slice = row * static_cast<std::size_t>(parts.y);
-  return part == parts
-    ? slice * static_cast<std::size_t>(parts.z)
-    : static_cast<std::size_t>(part.x) + row * static_cast<std::size_t>(part.y) +
+  return part == parts ? slice * static_cast<std::size_t>(parts.z)
+                       : static_cast<std::size_t>(part.x) + row * static_cast<std::size_t>(part.y) +
       slice * static_cast<std::size_t>(part.z);
 }
 
 //------------------------------------------------------------------------------
 glm::ivec3 DeformedSpaceBounds::PartOf(const glm::dvec3& p) const
 {
-  const glm::dvec3 last(Parts * this->Cells - 1);
-  const glm::dvec3 x = glm::floor((p - this->Region.Min) / this->PartSize);
-  return glm::ivec3(glm::max(glm::dvec3(0.0), glm::min(last, x)));
+  return { this->PartOf(0, p.x), this->PartOf(1, p.y), this->PartOf(2, p.z) };
 }
 
 //------------------------------------------------------------------------------
@@ -241,19 +242,24 @@ CellRange DeformedSpaceBounds::FindRefinedCells(
   // Of these, the box around the cells whose bounds are not close.
   CellRange range{ all.End, all.First };
   const double enough = CloseEnough / (this->Resolution * this->Resolution);
+  const glm::ivec3 firstCell = field.GetFirstCell();
   for (int k = all.First.z; k < all.End.z; ++k)
   {
     for (int j = all.First.y; j < all.End.y; ++j)
     {
       for (int i = all.First.x; i < all.End.x; ++i)
       {
+        // Its eight sub-cells.
         const glm::ivec3 cell(i, j, k);
-        const glm::dvec3 one =
-          field.GetOrigin() + (glm::dvec3(cell) + 1e-7) * field.GetSpacing();
-        const glm::dvec3 other =
-          field.GetOrigin() + (glm::dvec3(cell) + 1.0 - 1e-7) * field.GetSpacing();
-        const MapBounds here = bounds.Over({ glm::min(one, other), glm::max(one, other) });
-        if (!(here.ThirdDerivative <= enough))
+        const glm::ivec3 at = 2 * (cell - firstCell) + 1;
+        double third = 0.0;
+        for (int row = 0; row < 4; ++row)
+        {
+          const SubCellBounds* two = &bounds.GetSubCell({ at.x, at.y + row % 2, at.z + row / 2 });
+          third = std::max<double>(
+            { third, two[0].Value[SubCellBounds::Third], two[1].Value[SubCellBounds::Third] });
+        }
+        if (!(third <= enough))
         {
           range.First = glm::min(range.First, cell);
           range.End = glm::max(range.End, cell + 1);
@@ -265,9 +271,9 @@ CellRange DeformedSpaceBounds::FindRefinedCells(
 }
 
 //------------------------------------------------------------------------------
-void DeformedSpaceBounds::FindOverCells(const PullBackBounds& bounds,
-  const PullBackBounds& refined, const CellRange& refinedCells, const BSplineField& field,
-  const ParallelFor& parallelFor, Grids& grids) const
+void DeformedSpaceBounds::FindOverCells(const PullBackBounds& bounds, const PullBackBounds& refined,
+  const CellRange& refinedCells, const BSplineField& field, const ParallelFor& parallelFor,
+  Grids& grids) const
 {
   const glm::dvec3 one = field.GetOrigin() + glm::dvec3(refinedCells.First) * field.GetSpacing();
   const glm::dvec3 other = field.GetOrigin() + glm::dvec3(refinedCells.End) * field.GetSpacing();
@@ -275,9 +281,8 @@ void DeformedSpaceBounds::FindOverCells(const PullBackBounds& bounds,
   const Box closely{ glm::min(one, other), glm::max(one, other) };
   const glm::ivec3 parts = Parts * this->Cells;
   // A slice of cells is written to by one thread only.
-  RunFor(parallelFor, static_cast<std::size_t>(this->Cells.z),
-    [&](std::size_t first, std::size_t last)
-    {
+  RunFor(
+    parallelFor, static_cast<std::size_t>(this->Cells.z), [&](std::size_t first, std::size_t last) {
       for (int k = Parts * static_cast<int>(first); k < Parts * static_cast<int>(last); ++k)
       {
         for (int j = 0; j < parts.y; ++j)
@@ -302,10 +307,10 @@ void DeformedSpaceBounds::FindOverCells(const PullBackBounds& bounds,
             UpperBounds& cell = grids.Jacobians[this->IndexOf(at / Parts)];
             for (int e = 0; e < 9; ++e)
             {
-              cell.Jacobian[e] =
-                std::max(cell.Jacobian[e], RoundUp(here.JacobianMax[e / 3][e % 3]));
-              cell.Jacobian[NegativeJacobian + e] = std::max(
-                cell.Jacobian[NegativeJacobian + e], RoundUp(-here.JacobianMin[e / 3][e % 3]));
+              float& lower = cell.Jacobian[SubCellBounds::NegatedJacobianMin + e];
+              float& upper = cell.Jacobian[SubCellBounds::JacobianMax + e];
+              lower = std::max(lower, RoundUp(-here.JacobianMin[e / 3][e % 3]));
+              upper = std::max(upper, RoundUp(here.JacobianMax[e / 3][e % 3]));
             }
           }
         }
@@ -314,94 +319,170 @@ void DeformedSpaceBounds::FindOverCells(const PullBackBounds& bounds,
 }
 
 //------------------------------------------------------------------------------
-void DeformedSpaceBounds::Include(const MapBounds& here, const glm::ivec3& from,
-  const glm::ivec3& to, Grids& grids) const
+/// Adds bounds over sub-cells of rest space to the grids of deformed space.
+class DeformedSpaceBounds::Scatter
 {
-  const float second = RoundUp(here.SecondDerivative);
-  const float third = RoundUp(here.ThirdDerivative);
-  for (int k = from.z; k <= to.z; ++k)
+public:
+  Scatter(const DeformedSpaceBounds& bounds, Grids& grids)
+    : Bounds(bounds)
+    , Cells(bounds.Cells)
+    , To(grids)
   {
-    for (int j = from.y; j <= to.y; ++j)
+  }
+
+  /// A row of sub-cells along x: `subCell` that of interval `first`. A kink in one of its faces
+  /// takes all bounds from the higher derivatives.
+  template <class HasKink>
+  void AddRow(const SubCellBounds* subCell, const std::vector<AxisIntervals>& axes,
+    const glm::ivec3& first, int end, const HasKink& hasKink)
+  {
+    const std::size_t y = static_cast<std::size_t>(first.y);
+    const std::size_t z = static_cast<std::size_t>(first.z);
+    for (int i = first.x; i < end; ++i, ++subCell)
     {
-      UpperDerivatives* row = &grids.Derivatives[this->IndexOfPart(glm::ivec3(0, j, k))];
-      for (int i = from.x; i <= to.x; ++i)
-      {
-        row[i].Second = std::max(row[i].Second, second);
-        row[i].Third = std::max(row[i].Third, third);
-      }
+      const std::size_t x = static_cast<std::size_t>(i);
+      const float* least = subCell->Value + SubCellBounds::NegatedMin;
+      const float* most = subCell->Value + SubCellBounds::Max;
+      glm::ivec3 from;
+      glm::ivec3 to;
+      from.x = this->Bounds.PartOf(0, axes[0].Min[x] - static_cast<double>(least[0]));
+      from.y = this->Bounds.PartOf(1, axes[1].Min[y] - static_cast<double>(least[1]));
+      from.z = this->Bounds.PartOf(2, axes[2].Min[z] - static_cast<double>(least[2]));
+      to.x = this->Bounds.PartOf(0, axes[0].Max[x] + static_cast<double>(most[0]));
+      to.y = this->Bounds.PartOf(1, axes[1].Max[y] + static_cast<double>(most[1]));
+      to.z = this->Bounds.PartOf(2, axes[2].Max[z] + static_cast<double>(most[2]));
+      const bool kink = hasKink(i);
+      this->AddDerivatives(kink ? Infinity : subCell->Value[SubCellBounds::Second],
+        kink ? Infinity : subCell->Value[SubCellBounds::Third], from, to);
+      this->AddJacobian(subCell->Value, from, to);
     }
   }
-  UpperBounds jacobian;
-  for (int e = 0; e < 9; ++e)
+
+private:
+  void AddDerivatives(float second, float third, const glm::ivec3& from, const glm::ivec3& to)
   {
-    jacobian.Jacobian[e] = RoundUp(here.JacobianMax[e / 3][e % 3]);
-    jacobian.Jacobian[NegativeJacobian + e] = RoundUp(-here.JacobianMin[e / 3][e % 3]);
-  }
-  for (int k = from.z / Parts; k <= to.z / Parts; ++k)
-  {
-    for (int j = from.y / Parts; j <= to.y / Parts; ++j)
+    const glm::ivec3 parts = Parts * this->Cells;
+    for (int k = from.z; k <= to.z; ++k)
     {
-      for (int i = from.x / Parts; i <= to.x / Parts; ++i)
+      for (int j = from.y; j <= to.y; ++j)
       {
-        UpperBounds& cell = grids.Jacobians[this->IndexOf(glm::ivec3(i, j, k))];
-        for (int e = 0; e < 18; ++e)
+        UpperDerivatives* row = this->To.Derivatives.data() +
+          static_cast<std::ptrdiff_t>(parts.x) * (j + static_cast<std::ptrdiff_t>(parts.y) * k);
+        for (int i = from.x; i <= to.x; ++i)
         {
-          cell.Jacobian[e] = std::max(cell.Jacobian[e], jacobian.Jacobian[e]);
+          row[i].Second = std::max(row[i].Second, second);
+          row[i].Third = std::max(row[i].Third, third);
         }
       }
     }
   }
-}
+
+  void AddJacobian(const float* jacobian, const glm::ivec3& from, const glm::ivec3& to)
+  {
+    for (int k = from.z / Parts; k <= to.z / Parts; ++k)
+    {
+      for (int j = from.y / Parts; j <= to.y / Parts; ++j)
+      {
+        UpperBounds* row = this->To.Jacobians.data() +
+          static_cast<std::ptrdiff_t>(this->Cells.x) *
+            (j + static_cast<std::ptrdiff_t>(this->Cells.y) * k);
+        for (int i = from.x / Parts; i <= to.x / Parts; ++i)
+        {
+          float* cell = row[i].Jacobian;
+          for (int e = 0; e < 18; ++e)
+          {
+            cell[e] = std::max(cell[e], jacobian[e]);
+          }
+        }
+      }
+    }
+  }
+
+  const DeformedSpaceBounds& Bounds;
+  const glm::ivec3 Cells;
+  Grids& To;
+};
 
 //------------------------------------------------------------------------------
-void DeformedSpaceBounds::FindFromRest(const PullBackBounds& bounds,
-  const PullBackBounds& refined, const CellRange& refinedCells, const glm::ivec3& factors,
-  const BSplineField& field, const ParallelFor& parallelFor, Grids& grids) const
+void DeformedSpaceBounds::FindFromRest(const PullBackBounds& bounds, const PullBackBounds& refined,
+  const CellRange& refinedCells, const glm::ivec3& factors, const BSplineField& field,
+  const ParallelFor& parallelFor, Grids& grids) const
 {
+  const bool anyRefined = glm::all(glm::lessThan(refinedCells.First, refinedCells.End));
   std::vector<AxisIntervals> axes;
+  std::vector<AxisIntervals> refinedAxes;
+  // Sub-cells that the refined ones stand for, and those whose faces have a kink.
+  glm::ivec3 firstReplaced(0);
+  glm::ivec3 endReplaced(0);
+  glm::ivec3 firstSmooth(0);
+  const glm::ivec3 size = bounds.GetSize();
+  glm::ivec3 endSmooth = size;
   for (int a = 0; a < 3; ++a)
   {
-    axes.emplace_back(field.GetFirstCell()[a], field.GetEndCell()[a], refinedCells.First[a],
-      refinedCells.End[a], factors[a]);
-  }
-  // The neighbours share a sub-cell's faces: stay off them. But where the field has a kink in such
-  // a face, what it does to the derivatives must be seen.
-  const double inset = field.GetBorder() == BorderMode::ZeroAtBorder ? 0.0 : 1e-7;
-  // Intervals of rest space map to any cells: each thread has grids of its own. A few parts only, as
-  // these have to be put together.
-  const std::size_t slices = static_cast<std::size_t>(axes[2].Count());
-  const std::size_t shares = std::min<std::size_t>(slices, 8);
-  std::mutex mutex;
-  RunFor(parallelFor, shares,
-    [&](std::size_t firstShare, std::size_t lastShare)
+    const int first = field.GetFirstCell()[a];
+    axes.emplace_back(field, a, first, field.GetEndCell()[a], 2);
+    if (anyRefined)
     {
-      const std::size_t first = slices * firstShare / shares;
-      const std::size_t last = slices * lastShare / shares;
-      Grids mine = this->EmptyGrids();
-      for (int k = static_cast<int>(first); k < static_cast<int>(last); ++k)
+      refinedAxes.emplace_back(
+        field, a, refinedCells.First[a], refinedCells.End[a], 2 * factors[a]);
+      firstReplaced[a] = 2 * (refinedCells.First[a] - first) + 1;
+      endReplaced[a] = 2 * (refinedCells.End[a] - first) + 1;
+    }
+    if (field.GetBorder() == BorderMode::ZeroAtBorder && field.GetNodes()[a] > 1)
+    {
+      firstSmooth[a] = 2;
+      endSmooth[a] = size[a] - 2;
+    }
+  }
+  const auto includeSlice = [&](int k, Scatter& scatter) {
+    const bool replacedSlice = k >= firstReplaced.z && k < endReplaced.z;
+    const bool kinkInSlice = k < firstSmooth.z || k >= endSmooth.z;
+    for (int j = 0; j < size.y; ++j)
+    {
+      const SubCellBounds* row = &bounds.GetSubCell({ 0, j, k });
+      const bool kinkInRow = kinkInSlice || j < firstSmooth.y || j >= endSmooth.y;
+      const auto hasKink = [&](
+                             int i) { return kinkInRow || i < firstSmooth.x || i >= endSmooth.x; };
+      const bool replaced = replacedSlice && j >= firstReplaced.y && j < endReplaced.y;
+      const int first = replaced ? firstReplaced.x : size.x;
+      const int end = replaced ? endReplaced.x : size.x;
+      scatter.AddRow(row, axes, { 0, j, k }, first, hasKink);
+      scatter.AddRow(row + end, axes, { end, j, k }, size.x, hasKink);
+    }
+  };
+  // Without those on either side, which mean nothing.
+  const auto includeRefinedSlice = [&](int k, Scatter& scatter) {
+    const glm::ivec3 end = refined.GetSize() - 1;
+    for (int j = 1; j < end.y; ++j)
+    {
+      scatter.AddRow(&refined.GetSubCell({ 1, j, k }), refinedAxes, { 1, j, k }, end.x,
+        [](int) { return false; });
+    }
+  };
+  // Sub-cells map to any cells: each thread has grids of its own. A few only, as these have to be
+  // put together; they take slices as long as there are any.
+  const int refinedSlices = anyRefined ? refined.GetSize().z - 2 : 0;
+  const int slices = size.z + refinedSlices;
+  std::atomic<int> next{ 0 };
+  std::mutex mutex;
+  RunFor(parallelFor, static_cast<std::size_t>(std::min(slices, LargestNumberOfShares)),
+    [&](std::size_t, std::size_t) {
+      int slice = next++;
+      if (slice >= slices)
       {
-        for (int j = 0; j < axes[1].Count(); ++j)
+        return;
+      }
+      Grids mine = this->EmptyGrids();
+      Scatter scatter(*this, mine);
+      for (; slice < slices; slice = next++)
+      {
+        if (slice < refinedSlices)
         {
-          for (int i = 0; i < axes[0].Count(); ++i)
-          {
-            const glm::ivec3 at(i, j, k);
-            Box rest;
-            for (int a = 0; a < 3; ++a)
-            {
-              const double h = field.GetSpacing()[a];
-              const double from = field.GetOrigin()[a] + (axes[a].Ends[at[a]] + inset) * h;
-              const double to = field.GetOrigin()[a] + (axes[a].Ends[at[a] + 1] - inset) * h;
-              rest.Min[a] = std::max(-1e300, std::min(from, to));
-              rest.Max[a] = std::min(1e300, std::max(from, to));
-            }
-            const bool inside = axes[0].IsRefined(i) && axes[1].IsRefined(j) && axes[2].IsRefined(k);
-            const PullBackBounds& source = inside ? refined : bounds;
-            const MapBounds here = source.Over(rest);
-            const Box moves = source.DisplacementOver(rest);
-            const glm::ivec3 from = this->PartOf(rest.Min + moves.Min);
-            const glm::ivec3 to = this->PartOf(rest.Max + moves.Max);
-            this->Include(here, from, to, mine);
-          }
+          includeRefinedSlice(slice + 1, scatter);
+        }
+        else
+        {
+          includeSlice(slice - refinedSlices, scatter);
         }
       }
       const std::lock_guard<std::mutex> lock(mutex);
@@ -444,8 +525,7 @@ void DeformedSpaceBounds::Encode(const Grids& grids)
   {
     largest.Second =
       std::isfinite(part.Second) ? std::max(largest.Second, part.Second) : largest.Second;
-    largest.Third =
-      std::isfinite(part.Third) ? std::max(largest.Third, part.Third) : largest.Third;
+    largest.Third = std::isfinite(part.Third) ? std::max(largest.Third, part.Third) : largest.Third;
   }
   this->SecondPowers.Set(largest.Second);
   this->ThirdPowers.Set(largest.Third);
@@ -495,15 +575,14 @@ MapBounds DeformedSpaceBounds::Over(const Box& box) const
       }
     }
   }
-  const auto decode = [&](int e) -> double
-  {
+  const auto decode = [&](int e) -> double {
     const float code = all.Entry[e];
     return code > 254.0f ? Infinity : this->Least[e] + code * this->Step[e];
   };
   for (int e = 0; e < 9; ++e)
   {
-    bounds.JacobianMin[e / 3][e % 3] = -decode(NegativeJacobian + e);
-    bounds.JacobianMax[e / 3][e % 3] = decode(e);
+    bounds.JacobianMin[e / 3][e % 3] = -decode(SubCellBounds::NegatedJacobianMin + e);
+    bounds.JacobianMax[e / 3][e % 3] = decode(SubCellBounds::JacobianMax + e);
   }
   bounds.SecondDerivative = this->SecondPowers.Value[derivatives.Second];
   bounds.ThirdDerivative = this->ThirdPowers.Value[derivatives.Third];

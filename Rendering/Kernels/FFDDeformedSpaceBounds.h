@@ -9,6 +9,7 @@
 
 #include <glm/vec3.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -62,8 +63,7 @@ public:
 private:
   static constexpr int Parts = 2; ///< of a cell, per axis
 
-  /// Entries of the Jacobian, then the negative entries, as upper bounds.
-  static constexpr int NegativeJacobian = 9;
+  /// Of the Jacobian, as in SubCellBounds.
   struct UpperBounds
   {
     float Jacobian[18];
@@ -102,6 +102,12 @@ private:
   };
 
   glm::ivec3 PartOf(const glm::dvec3& p) const;
+  int PartOf(int axis, double x) const
+  {
+    // Clamped first: a cast of what is not negative rounds downwards.
+    const double part = (x - this->Region.Min[axis]) * this->PartsPerUnit[axis];
+    return static_cast<int>(std::max(0.0, std::min(this->LastPart[axis], part)));
+  }
   std::size_t IndexOf(const glm::ivec3& cell) const;
   std::size_t IndexOfPart(const glm::ivec3& part) const;
   CellRange FindRefinedCells(
@@ -112,9 +118,7 @@ private:
   void FindFromRest(const PullBackBounds& bounds, const PullBackBounds& refined,
     const CellRange& refinedCells, const glm::ivec3& factors, const BSplineField& field,
     const ParallelFor& parallelFor, Grids& grids) const;
-  /// Add what holds for points of the parts `from` to `to`.
-  void Include(const MapBounds& here, const glm::ivec3& from, const glm::ivec3& to,
-    Grids& grids) const;
+  class Scatter;
   Grids EmptyGrids() const;
   void Encode(const Grids& grids);
 
@@ -124,6 +128,8 @@ private:
   double Resolution = 1.0;
   glm::ivec3 Cells{ 1 };
   glm::dvec3 PartSize{ 1.0 };
+  glm::dvec3 PartsPerUnit{ 1.0 };
+  glm::dvec3 LastPart{ 0.0 };
   float Least[18] = {};
   float Step[18] = {};
   std::vector<JacobianCode> Jacobians;     // by cell, x fastest

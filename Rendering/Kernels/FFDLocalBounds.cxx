@@ -3,6 +3,7 @@
 #include "FFDLocalBounds.h"
 
 #include "FFDBSplineBasis.h"
+#include "FFDEighthPowers.h"
 #include "FFDMatrixBounds.h"
 
 #include <glm/common.hpp>
@@ -23,10 +24,7 @@ constexpr int PairIndex[3][3] = { { 0, 1, 2 }, { 1, 3, 4 }, { 2, 4, 5 } };
 constexpr int TripleIndex[3][6] = { { 0, 1, 2, 3, 4, 5 }, { 1, 3, 4, 6, 7, 8 },
   { 2, 4, 5, 7, 8, 9 } };
 
-glm::dvec3 Row(const double row[3])
-{
-  return glm::dvec3(row[0], row[1], row[2]);
-}
+glm::dvec3 Row(const double row[3]) { return glm::dvec3(row[0], row[1], row[2]); }
 
 /// Sum over b, c of m_bc u_b v_c.
 glm::dvec3 Apply(const double m[6][3], const glm::dvec3& u, const glm::dvec3& v)
@@ -120,11 +118,17 @@ LocalBounds::LocalBounds(
   {
     return;
   }
-  float largest = 0.0f;
+  // Entry by entry first: independent maxima are found many at a time.
+  float most[30] = {};
   for (const CellDerivatives& cell : all)
   {
-    largest = std::max(largest, *std::max_element(cell.Third[0], cell.Third[0] + 30));
+    const float* third = &cell.Third[0][0];
+    for (int e = 0; e < 30; ++e)
+    {
+      most[e] = std::max(most[e], third[e]);
+    }
   }
+  const float largest = *std::max_element(most, most + 30);
   if (!std::isfinite(largest))
   {
     return;
@@ -132,30 +136,28 @@ LocalBounds::LocalBounds(
   for (int power = 0; power < 255; ++power)
   {
     // A little more than that, for rounding.
-    this->Powers[power] = largest * std::exp2(-0.125f * static_cast<float>(power)) * 1.0001f;
+    this->Powers[power] = largest * EighthPower(power) * 1.0001f;
   }
+  this->Third.resize(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
+    static_cast<std::size_t>(size.z));
+  CellThird* cell = this->Third.data();
   for (int k = 0; k < size.z; ++k)
   {
     for (int j = 0; j < size.y; ++j)
     {
-      for (int i = 0; i < size.x; ++i)
+      const glm::ivec3 at = skipped + glm::ivec3(0, j, k);
+      const CellDerivatives* from =
+        &all[static_cast<std::size_t>(at.x + allSize.x * (at.y + allSize.y * at.z))];
+      for (int i = 0; i < size.x; ++i, ++cell, ++from)
       {
-        const glm::ivec3 at = skipped + glm::ivec3(i, j, k);
-        const CellDerivatives& from =
-          all[static_cast<std::size_t>(at.x + allSize.x * (at.y + allSize.y * at.z))];
-        CellThird cell;
-        for (int t = 0; t < 10; ++t)
+        const float* third = &from->Third[0][0];
+        std::uint8_t* powers = &cell->Power[0][0];
+        for (int e = 0; e < 30; ++e)
         {
-          for (int a = 0; a < 3; ++a)
-          {
-            const float third = from.Third[t][a];
-            const float power =
-              third > 0.0f ? std::floor(8.0f * std::log2(largest / third)) : 255.0f;
-            cell.Power[t][a] = static_cast<std::uint8_t>(std::clamp(power, 0.0f, 254.0f));
-            cell.Power[t][a] = third > 0.0f ? cell.Power[t][a] : 255;
-          }
+          const int power =
+            third[e] > 0.0f ? std::min(FindEighthPower(largest / third[e]), 254) : 255;
+          powers[e] = static_cast<std::uint8_t>(power);
         }
-        this->Third.push_back(cell);
       }
     }
   }
@@ -236,8 +238,8 @@ void LocalBounds::FindDerivatives(
   for (int a = 0; a < 3; ++a)
   {
     const double scale = 1.0 / field.GetSpacing()[a];
-    const AxisPosition at = LocateOnAxis((p[a] - field.GetOrigin()[a]) * scale,
-      field.GetFirstCell()[a], field.GetEndCell()[a]);
+    const AxisPosition at = LocateOnAxis(
+      (p[a] - field.GetOrigin()[a]) * scale, field.GetFirstCell()[a], field.GetEndCell()[a]);
     first[a] = at.Cell - 1;
     BSplineWeights(at.U, w[a][0]);
     BSplineDerivativeWeights(at.U, w[a][1]);
@@ -405,8 +407,8 @@ LocalMap::Along LocalMap::FindAlong(const VectorRange& v) const
   if (this->Inverse)
   {
     along.First = this->Linear * v.Middle;
-    along.FirstMost = glm::abs(along.First) + this->LinearSpread * glm::abs(v.Middle) +
-      this->LinearMost * v.Spread;
+    along.FirstMost =
+      glm::abs(along.First) + this->LinearSpread * glm::abs(v.Middle) + this->LinearMost * v.Spread;
   }
   double absolute[6][3];
   for (int pair = 0; pair < 6; ++pair)
