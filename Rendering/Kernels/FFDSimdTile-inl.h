@@ -455,7 +455,16 @@ public:
         static_cast<float>(this->X0 + quarter % 2 * Side),
         static_cast<float>(this->Y0 + quarter / 2 * Side), Side);
     }
-    return this->GetLayer(this->Quarters[quarter], slots[static_cast<std::size_t>(step)], step);
+    int& slot = slots[static_cast<std::size_t>(step)];
+    if (slot < 0 && this->Scene.Kind == PullBackKind::Exact)
+    {
+      // Nodes of the tile tell where to start from better than InverseGuess does.
+      const TileLayer tile = this->GetLayer(step);
+      slot = static_cast<int>(this->Scratch.Layers.size());
+      this->Scratch.Layers.emplace_back();
+      this->FindFrom(tile, quarter, step, this->Scratch.Layers.back());
+    }
+    return this->GetLayer(this->Quarters[quarter], slot, step);
   }
 
   float TimeOf(int step) const
@@ -488,6 +497,41 @@ private:
       const Vec3 rest = PullBackLanes(
         this->Scene, MulAdd(t, v, o), hn::FirstN(d, hn::Lanes(d)), this->Scratch.Statistics);
       const Vec3 index = LocalToIndex(this->Scene, rest);
+      hn::StoreU(index.x, d, layer.X + i);
+      hn::StoreU(index.y, d, layer.Y + i);
+      hn::StoreU(index.z, d, layer.Z + i);
+    }
+  }
+
+  /// Find() for the nodes of a quarter, by Newton's method from between those of the tile.
+  HWY_NOINLINE void FindFrom(const TileLayer& tile, int quarter, int step, TileLayer& layer)
+  {
+    const Df d;
+    constexpr float Side = TileSide / 2;
+    constexpr float NodesPerPixel = (NodesPerSide - 1) / static_cast<float>(TileSide - 1);
+    constexpr float StepOfNodes = (Side - 1.0f) / static_cast<float>(NodesPerSide - 1);
+    HWY_ALIGN float x[TileNodes];
+    HWY_ALIGN float y[TileNodes];
+    for (int i = 0; i < TileNodes; ++i)
+    {
+      const float column = static_cast<float>(quarter % 2) * Side;
+      const float row = static_cast<float>(quarter / 2) * Side;
+      x[i] = NodesPerPixel * (column + StepOfNodes * static_cast<float>(i % NodesPerSide));
+      y[i] = NodesPerPixel * (row + StepOfNodes * static_cast<float>(i / NodesPerSide));
+    }
+    const Vf t = Splat(this->TimeOf(step));
+    const NodeRays& rays = this->Quarters[quarter];
+    const Mf all = hn::FirstN(d, hn::Lanes(d));
+    for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
+    {
+      const Vec3 o{ hn::Load(d, rays.Origins.X + i), hn::Load(d, rays.Origins.Y + i),
+        hn::Load(d, rays.Origins.Z + i) };
+      const Vec3 v{ hn::Load(d, rays.Directions.X + i), hn::Load(d, rays.Directions.Y + i),
+        hn::Load(d, rays.Directions.Z + i) };
+      const NodeWeights weights(hn::Load(d, x + i), hn::Load(d, y + i));
+      const Vec3 start = IndexToLocal(this->Scene, weights.Interpolate(tile));
+      const Vec3 index = LocalToIndex(this->Scene,
+        InvertLanes(this->Scene, MulAdd(t, v, o), start, all, this->Scratch.Statistics));
       hn::StoreU(index.x, d, layer.X + i);
       hn::StoreU(index.y, d, layer.Y + i);
       hn::StoreU(index.z, d, layer.Z + i);
