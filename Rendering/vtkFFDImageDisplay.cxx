@@ -12,7 +12,10 @@
 #include "vtkTextureObject.h"
 #include "vtkWeakPointer.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <memory>
+#include <vector>
 
 namespace
 {
@@ -45,6 +48,53 @@ void main()
 }
 )";
 
+/// A rectangle of pixels, from the first to one past the last.
+struct Rectangle
+{
+  int Low[2];
+  int High[2];
+  int Width() const { return this->High[0] - this->Low[0]; }
+  int Height() const { return this->High[1] - this->Low[1]; }
+};
+
+/// What there is to be seen of an image, with a pixel around it to be interpolated to; empty if
+/// nothing is.
+Rectangle FindVisible(int width, int height, const float* colours)
+{
+  Rectangle found = { { width, height }, { 0, 0 } };
+  for (int y = 0; y < height; ++y)
+  {
+    const float* row = colours + 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(y);
+    const auto isVisible = [row](int x)
+    { return row[4 * x] + row[4 * x + 1] + row[4 * x + 2] + row[4 * x + 3] != 0.0f; };
+    int first = 0;
+    while (first < width && !isVisible(first))
+    {
+      ++first;
+    }
+    if (first == width)
+    {
+      continue;
+    }
+    int end = width;
+    while (!isVisible(end - 1))
+    {
+      --end;
+    }
+    found.Low[0] = std::min(found.Low[0], first);
+    found.High[0] = std::max(found.High[0], end);
+    found.Low[1] = std::min(found.Low[1], y);
+    found.High[1] = y + 1;
+  }
+  const int size[2] = { width, height };
+  for (int a = 0; a < 2; ++a)
+  {
+    found.Low[a] = std::max(found.Low[a] - 1, 0);
+    found.High[a] = std::min(found.High[a] + 1, size[a]);
+  }
+  return found;
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -53,6 +103,7 @@ struct vtkFFDImageDisplay::Resources
   vtkNew<vtkTextureObject> Texture;
   std::unique_ptr<vtkOpenGLQuadHelper> Quad;
   vtkWeakPointer<vtkOpenGLRenderWindow> Window;
+  std::vector<float> Visible; // part of the image
 };
 
 //------------------------------------------------------------------------------
@@ -81,12 +132,29 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, cons
   }
   this->Gl->Window = window;
 
+  // Most of the bounds of a volume is empty.
+  const Rectangle part = FindVisible(width, height, colours);
+  if (part.Width() <= 0 || part.Height() <= 0)
+  {
+    return true;
+  }
+  std::vector<float>& visible = this->Gl->Visible;
+  const std::size_t rowLength = 4 * static_cast<std::size_t>(part.Width());
+  visible.resize(rowLength * static_cast<std::size_t>(part.Height()));
+  for (int y = 0; y < part.Height(); ++y)
+  {
+    std::copy_n(colours +
+        4 * (static_cast<std::size_t>(width) * static_cast<std::size_t>(part.Low[1] + y) +
+              static_cast<std::size_t>(part.Low[0])),
+      rowLength, visible.data() + rowLength * static_cast<std::size_t>(y));
+  }
+
   vtkTextureObject* texture = this->Gl->Texture;
   texture->SetContext(window);
   // A texture of the same size is filled again only if it is made again.
   texture->ReleaseGraphicsResources(window);
-  if (!texture->Create2DFromRaw(static_cast<unsigned int>(width),
-        static_cast<unsigned int>(height), 4, VTK_FLOAT, const_cast<float*>(colours)))
+  if (!texture->Create2DFromRaw(static_cast<unsigned int>(part.Width()),
+        static_cast<unsigned int>(part.Height()), 4, VTK_FLOAT, visible.data()))
   {
     return false;
   }
@@ -118,8 +186,14 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, cons
   state->vtkglBlendFuncSeparate(GlOne, GlOneMinusSourceAlpha, GlOne, GlOneMinusSourceAlpha);
 
   texture->Activate();
-  const float corners[4] = { static_cast<float>(rectangle[0]), static_cast<float>(rectangle[1]),
-    static_cast<float>(rectangle[2]), static_cast<float>(rectangle[3]) };
+  const double pixel[2] = { (rectangle[2] - rectangle[0]) / width,
+    (rectangle[3] - rectangle[1]) / height };
+  float corners[4];
+  for (int a = 0; a < 2; ++a)
+  {
+    corners[a] = static_cast<float>(rectangle[a] + pixel[a] * part.Low[a]);
+    corners[2 + a] = static_cast<float>(rectangle[a] + pixel[a] * part.High[a]);
+  }
   program->SetUniform4f("rectangle", corners);
   program->SetUniformi("image", texture->GetTextureUnit());
   this->Gl->Quad->Render();
@@ -136,5 +210,6 @@ void vtkFFDImageDisplay::ReleaseGraphicsResources(vtkWindow* window)
     this->Gl->Quad.reset();
   }
   this->Gl->Texture->ReleaseGraphicsResources(window);
+  std::vector<float>().swap(this->Gl->Visible);
   this->Gl->Window = nullptr;
 }

@@ -351,7 +351,7 @@ public:
   /**
    * How far what a part of the picture shows may have moved since its rays were cast, edit by edit
    * added up, until they are cast again with FrameCoherence: pixels, as they are where it is. 0: a part
-   * is shown again only if nothing in it has moved at all. Not negative. Default: 0.1.
+   * is shown again only if nothing in it has moved at all. Not negative. Default: 0.25.
    */
   virtual void SetFrameCoherenceTolerance(double pixels);
   vtkGetMacro(FrameCoherenceTolerance, double);
@@ -683,7 +683,7 @@ private:
   double MaximumImageSampleDistance = 10.0;
   vtkTypeBool AutoAdjustSampleDistances = 1;
   vtkTypeBool FrameCoherence = 1;
-  double FrameCoherenceTolerance = 0.1;
+  double FrameCoherenceTolerance = 0.25;
   vtkTypeBool IntermixIntersectingGeometry = 1;
   vtkImageData* MaskInput = nullptr;
   int MaskType = LabelMapMaskType;

@@ -278,7 +278,7 @@ bool TestPrintSelf()
       "EarlyRayTerminationThreshold: ", "OpacityLength: WORLD", " SampleDistance: 1",
       "InteractiveSampleDistance: 2", "LockSampleDistanceToInputSpacing: 1",
       " ImageSampleDistance: 1", "MinimumImageSampleDistance: 1", "MaximumImageSampleDistance: 10",
-      "AutoAdjustSampleDistances: 1", "FrameCoherence: 1", "FrameCoherenceTolerance: 0.1",
+      "AutoAdjustSampleDistances: 1", "FrameCoherence: 1", "FrameCoherenceTolerance: 0.25",
       "IntermixIntersectingGeometry: 1", "NumberOfThreads: 0",
       "MaskInput: ", "MaskType: LabelMap", "MaskBlendFactor: 1", "Transfer2DYAxisArray: (none)",
       "ComputeNormalFromOpacity: 0", "ReferenceKernels: 0", "CollectStatistics: 0", "Statistics:" })
