@@ -505,8 +505,10 @@ void RayCaster::RenderTile(
   }
   const int x1 = std::min(x0 + TileSize, image.Width) - 1;
   const int y1 = std::min(y0 + TileSize, image.Height) - 1;
-  const auto isWanted = [&](int x, int y) {
-    return (quarters >> (x - x0) / QuarterSize + 2 * ((y - y0) / QuarterSize) & 1u) != 0;
+  const auto isWanted = [&](int x, int y)
+  {
+    const int quarter = (x - x0) / QuarterSize + 2 * ((y - y0) / QuarterSize);
+    return (quarters >> quarter & 1u) != 0;
   };
   for (int y = y0; y <= y1; ++y)
   {
