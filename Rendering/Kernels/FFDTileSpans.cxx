@@ -183,7 +183,8 @@ struct TileSpans::LocalCourse
   glm::dmat3 JacobianMax;
   double Stretch = 0.0;
   double Third = 0.0; ///< of the rays by t
-  double Bend = 0.0;  ///< by steps of a node, all but what the Jacobian makes of their bends
+  /// By steps of a node along the sides of the tile, all but what the Jacobian makes of their bends.
+  double Bends[2] = { 0.0, 0.0 };
 };
 
 //------------------------------------------------------------------------------
@@ -241,7 +242,7 @@ TileSpans::Course TileSpans::FindCourse(const double t[2]) const
 }
 
 //------------------------------------------------------------------------------
-void TileSpans::SetPieces(double third, double bend, Span& span) const
+void TileSpans::SetPieces(double third, const double bends[2], Span& span) const
 {
   // Error of the parabola through three points a distance d apart: |d3Q/dt3| d^3 / (9 sqrt 3).
   const double along = third * this->VoxelsPerDataUnit;
@@ -265,12 +266,16 @@ void TileSpans::SetPieces(double third, double bend, Span& span) const
 
   // Four equidistant nodes, spacing d, |d3f/du3| <= M: the interpolation error is at most
   // 0.0713 M d^3 (Peano kernel), once for each direction, the second amplified by the Lebesgue
-  // constant 1.632 of the first. The parabola in t amplifies what its points have by 5/4.
-  const double lateral = 1.25 * 0.0713 * (1.0 + 1.632) * bend * this->VoxelsPerDataUnit;
-  // Nodes of a quarter are less than half as far apart: all terms of the bend fall by that cubed.
+  // constant 1.632 of the first, whichever comes first. The parabola in t amplifies what its points
+  // have by 5/4.
+  const double both = std::max(bends[0], bends[1]) + 1.632 * std::min(bends[0], bends[1]);
+  const double lateral = 1.25 * 0.0713 * both * this->VoxelsPerDataUnit;
+  // Nodes of a quarter are less than half as far apart: all terms of the bends fall by that cubed.
   const double inQuarters = lateral / 8.0;
-  span.Lateral = lateral <= tolerance;
-  span.LateralInQuarters = !span.Lateral && inQuarters <= tolerance;
+  // What the parabola has left of the tolerance.
+  const double left = this->Settings.PositionTolerance - span.PositionError;
+  span.Lateral = lateral <= left;
+  span.LateralInQuarters = !span.Lateral && inQuarters <= left;
   span.PositionError += span.Lateral ? lateral : span.LateralInQuarters ? inQuarters : 0.0;
 }
 
@@ -328,7 +333,8 @@ void TileSpans::Find(int index, Span& span) const
   const double third = product(bounds.ThirdDerivative, speed * speed * speed);
   const double bend = product(bounds.ThirdDerivative, first * first * first) +
     product(bounds.SecondDerivative, 3.0 * first * second) + product(stretch, course.NodeThird);
-  this->SetPieces(third, bend, span);
+  const double bends[2] = { bend, bend };
+  this->SetPieces(third, bends, span);
   this->SetMotion(course, bounds.JacobianMin, bounds.JacobianMax, span);
   if (span.Level == 0 && span.Lateral && span.Bounded)
   {
@@ -341,8 +347,10 @@ void TileSpans::Find(int index, Span& span) const
   {
     return;
   }
-  this->SetPieces(std::min(third, local.Third),
-    std::min(bend, local.Bend + product(local.Stretch, course.NodeThird)), span);
+  const double further = product(local.Stretch, course.NodeThird);
+  const double closer[2] = { std::min(bend, local.Bends[0] + further),
+    std::min(bend, local.Bends[1] + further) };
+  this->SetPieces(std::min(third, local.Third), closer, span);
   this->SetMotion(course, Largest(bounds.JacobianMin, local.JacobianMin),
     Smallest(bounds.JacobianMax, local.JacobianMax), span);
 }
@@ -362,8 +370,10 @@ bool TileSpans::FindLocalCourse(const Course& course, LocalCourse& local) const
     0.5 * (this->DirectionMax - this->DirectionMin) });
   const double first = course.NodeFirst;
   const double second = course.NodeSecond;
-  for (const VectorRange& step : { course.NodeX, course.NodeY })
+  const VectorRange steps[2] = { course.NodeX, course.NodeY };
+  for (int side = 0; side < 2; ++side)
   {
+    const VectorRange& step = steps[side];
     double bend = map.ThirdAlong(step);
     if (second > 0.0)
     {
@@ -372,7 +382,7 @@ bool TileSpans::FindLocalCourse(const Course& course, LocalCourse& local) const
       either.Spread += first;
       bend += 3.0 * second / first * 0.5 * map.SecondAlong(either);
     }
-    local.Bend = std::max(local.Bend, bend);
+    local.Bends[side] = bend;
   }
   return true;
 }

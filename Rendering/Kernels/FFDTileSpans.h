@@ -42,8 +42,8 @@ FFD_KERNEL_EXPORT void SetDirectionBends(
  * length, on each of which a deformed ray is replaced by the parabola through its start, middle
  * and end. The level is the smallest for which the interpolation error
  * |d3Q/dt3| (piece / 2)^3 / (9 sqrt 3) is proven to stay under half the position
- * tolerance, over the box of deformed space that the rays of the tile cross in the span. The other
- * half is for interpolation across the tile. So the pieces, and with them the
+ * tolerance, over the box of deformed space that the rays of the tile cross in the span. What is
+ * left of it is for interpolation across the tile. So the pieces, and with them the
  * samples, depend on the tile and the lattice alone: never on what space leaping skips.
  *
  * For each span the same box yields the range of the velocity dQ/dt: what a ray can move at most,
@@ -100,7 +100,7 @@ private:
   void Find(int index, Span& span) const;
   Course FindCourse(const double t[2]) const;
   bool FindLocalCourse(const Course& course, LocalCourse& local) const;
-  void SetPieces(double third, double bend, Span& span) const;
+  void SetPieces(double third, const double bends[2], Span& span) const;
   void SetMotion(const Course& course, const glm::dmat3& jacobianMin,
     const glm::dmat3& jacobianMax, Span& span) const;
 
