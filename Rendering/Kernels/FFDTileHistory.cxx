@@ -255,27 +255,28 @@ void TileHistory::NoteDepths(const float* before, const float* now, const Camera
   {
     return;
   }
-  const glm::ivec2 size = this->Size;
-  for (int y = 0; y < size.y; ++y)
+  const std::vector<float> nothing(static_cast<std::size_t>(this->TileSize), 1.0f);
+  for (int y = 0; y < this->Size.y; ++y)
   {
-    const std::size_t row = static_cast<std::size_t>(y) * size.x;
-    for (int x = 0; x < size.x; ++x)
+    const std::size_t row = static_cast<std::size_t>(y) * this->Size.x;
+    std::size_t tile = static_cast<std::size_t>(y / this->TileSize) * this->Count.x;
+    for (int x0 = 0; x0 < this->Size.x; x0 += this->TileSize, ++tile)
     {
-      const float was = before ? before[row + x] : 1.0f;
-      const float is = now ? now[row + x] : 1.0f;
-      if (was == is)
+      const int width = std::min(this->TileSize, this->Size.x - x0);
+      const float* was = before ? before + row + x0 : nothing.data();
+      const float* is = now ? now + row + x0 : nothing.data();
+      if (!this->Tiles[tile].Holds || std::equal(was, was + width, is))
       {
         continue;
       }
-      const std::size_t tile =
-        static_cast<std::size_t>(y / this->TileSize) * this->Count.x + x / this->TileSize;
-      if (!this->Tiles[tile].Holds)
+      for (int i = 0; i < width; ++i)
       {
-        continue;
+        const double x = x0 + i + 0.5;
+        const ViewRay ray = camera.MakeRay(x, y + 0.5);
+        this->Tiles[tile].Holds = this->Tiles[tile].Holds &&
+          (was[i] == is[i] ||
+            camera.DepthToT(ray, x, y + 0.5, std::min(was[i], is[i])) > this->Reaches[tile]);
       }
-      const ViewRay ray = camera.MakeRay(x + 0.5, y + 0.5);
-      this->Tiles[tile].Holds =
-        camera.DepthToT(ray, x + 0.5, y + 0.5, std::min(was, is)) > this->Reaches[tile];
     }
   }
 }
