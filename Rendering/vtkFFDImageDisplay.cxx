@@ -117,7 +117,7 @@ vtkFFDImageDisplay::~vtkFFDImageDisplay() = default;
 
 //------------------------------------------------------------------------------
 bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, const float* colours,
-  const double rectangle[4])
+  const double rectangle[4], bool pixelByPixel)
 {
   auto* window = vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow());
   if (!window)
@@ -160,8 +160,10 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, cons
   }
   texture->SetWrapS(vtkTextureObject::ClampToEdge);
   texture->SetWrapT(vtkTextureObject::ClampToEdge);
-  texture->SetMinificationFilter(vtkTextureObject::Linear);
-  texture->SetMagnificationFilter(vtkTextureObject::Linear);
+  // Where nothing is to be interpolated, rounding must not do so a little.
+  const int filter = pixelByPixel ? vtkTextureObject::Nearest : vtkTextureObject::Linear;
+  texture->SetMinificationFilter(filter);
+  texture->SetMagnificationFilter(filter);
 
   if (!this->Gl->Quad)
   {

@@ -26,11 +26,12 @@ public:
 
   /**
    * Draw `colours`, width x height floats of premultiplied RGBA, rows bottom up, over the rectangle
-   * (xmin, ymin, xmax, ymax) of the viewport, in normalized device coordinates. Returns false when
-   * the window of the renderer is not an OpenGL one or refuses the texture.
+   * (xmin, ymin, xmax, ymax) of the viewport, in normalized device coordinates. `pixelByPixel`: each
+   * lies on a pixel. Returns false when the window of the renderer is not an OpenGL one or refuses the
+   * texture.
    */
   bool Draw(vtkRenderer* renderer, int width, int height, const float* colours,
-    const double rectangle[4]);
+    const double rectangle[4], bool pixelByPixel);
 
   void ReleaseGraphicsResources(vtkWindow* window);
 

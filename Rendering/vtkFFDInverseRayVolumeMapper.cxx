@@ -1565,7 +1565,8 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
   const glm::dvec2 lower = glm::dvec2(region.Origin) * perPixel - 1.0;
   const glm::dvec2 upper = lower + glm::dvec2(region.Rays) * region.Step * perPixel;
   const double rectangle[4] = { lower.x, lower.y, upper.x, upper.y };
-  if (!in.Display.Draw(renderer, region.Rays.x, region.Rays.y, in.Colours.data(), rectangle))
+  if (!in.Display.Draw(renderer, region.Rays.x, region.Rays.y, in.Colours.data(), rectangle,
+        region.Step == 1.0))
   {
     vtkErrorMacro(<< "The image could not be drawn: the render window is not an OpenGL window or "
                      "refused a texture of "
