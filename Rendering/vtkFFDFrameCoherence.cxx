@@ -48,7 +48,7 @@ void vtkFFDFrameCoherence::Clear()
   if (!this->Quarters.IsEmpty())
   {
     this->Quarters.Clear();
-    this->LastField = ffd::BSplineField();
+    this->LastField.reset();
     std::vector<float>().swap(this->LastDepths);
   }
 }
@@ -57,7 +57,7 @@ void vtkFFDFrameCoherence::Clear()
 std::size_t vtkFFDFrameCoherence::GetMemorySize() const
 {
   return this->Quarters.GetMemorySize() +
-    this->LastField.GetCoefficients().size() * sizeof(glm::dvec3);
+    (this->LastField ? this->LastField->GetCoefficients().size() * sizeof(glm::dvec3) : 0);
 }
 
 //------------------------------------------------------------------------------
@@ -124,7 +124,7 @@ std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Source
     map.GetKind() == ffd::PullBackKind::Exact || map.GetKind() == ffd::PullBackKind::FirstOrderOfInverse;
   const ffd::Box deformed{ glm::min(scene.DeformedBounds.Min, this->LastDeformedBounds.Min),
     glm::max(scene.DeformedBounds.Max, this->LastDeformedBounds.Max) };
-  const ffd::PullBack last(&this->LastField, this->LastKind, map.GetTolerance());
+  const ffd::PullBack last(this->LastField.get(), this->LastKind, map.GetTolerance());
   ffd::PullBackChange change;
   glm::ivec2 shift(0);
   // A frame that follows no edit is a picture of its own: nothing stays inexact.
@@ -152,7 +152,7 @@ std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Source
   this->LastMaterial = scene.Material;
   this->LastBlend = scene.Blend;
   this->LastDeformedBounds = scene.DeformedBounds;
-  this->LastField = *map.GetField();
+  this->LastField = std::make_unique<ffd::BSplineField>(*map.GetField());
   this->LastKind = map.GetKind();
   this->LastWasOneToOne = !inverts || scene.Bounds->IsOneToOne();
   this->LastDepths.clear();

@@ -20,6 +20,7 @@
 #include "vtkType.h"
 
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 class vtkFFDFrameCoherence
@@ -89,7 +90,7 @@ private:
   ffd::Shading LastMaterial;
   ffd::Blending LastBlend;
   ffd::Box LastDeformedBounds;
-  ffd::BSplineField LastField;
+  std::unique_ptr<ffd::BSplineField> LastField;
   ffd::PullBackKind LastKind = ffd::PullBackKind::Exact;
   bool LastWasOneToOne = false;
   std::vector<float> LastDepths; // empty: nothing was drawn
