@@ -120,8 +120,7 @@ std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Source
   std::vector<float>& colours)
 {
   const ffd::PullBack& map = *scene.Map;
-  const bool inverts =
-    map.GetKind() == ffd::PullBackKind::Exact || map.GetKind() == ffd::PullBackKind::FirstOrderOfInverse;
+  const bool inverts = ffd::InvertsTheField(map.GetKind());
   const ffd::Box deformed{ glm::min(scene.DeformedBounds.Min, this->LastDeformedBounds.Min),
     glm::max(scene.DeformedBounds.Max, this->LastDeformedBounds.Max) };
   const ffd::PullBack last(this->LastField.get(), this->LastKind, map.GetTolerance());

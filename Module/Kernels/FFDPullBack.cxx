@@ -201,7 +201,7 @@ PullBack::PullBack(const BSplineField* field, PullBackKind kind, double toleranc
 //------------------------------------------------------------------------------
 glm::dvec3 PullBack::Evaluate(const glm::dvec3& p, PullBackStatus& status) const
 {
-  if (this->Kind == PullBackKind::Exact || this->Kind == PullBackKind::FirstOrderOfInverse)
+  if (InvertsTheField(this->Kind))
   {
     glm::dmat3 jacobian;
     return this->Evaluate(p, jacobian, status);
@@ -226,8 +226,7 @@ glm::dvec3 PullBack::Evaluate(
   {
     return p;
   }
-  const bool inverts =
-    this->Kind == PullBackKind::Exact || this->Kind == PullBackKind::FirstOrderOfInverse;
+  const bool inverts = InvertsTheField(this->Kind);
   if (inverts)
   {
     // Always started from p, never from a neighbour's solution: where several rest points map to

@@ -25,6 +25,12 @@ enum class PullBackKind
   FirstOrderOfInverse
 };
 
+/// Whether a kind solves T(Q) = P, so that the field is evaluated in rest space.
+inline bool InvertsTheField(PullBackKind kind)
+{
+  return kind == PullBackKind::Exact || kind == PullBackKind::FirstOrderOfInverse;
+}
+
 /// How the pull-back follows from a deformation T; the values are those of the public classes.
 enum class InverseMode
 {

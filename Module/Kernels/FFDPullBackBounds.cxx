@@ -39,11 +39,6 @@ Box Intersect(const Box& a, const Box& b)
   return { glm::max(a.Min, b.Min), glm::min(a.Max, b.Max) };
 }
 
-bool InvertsTheField(PullBackKind kind)
-{
-  return kind == PullBackKind::Exact || kind == PullBackKind::FirstOrderOfInverse;
-}
-
 /// Bezier coefficients of one axis over [u0, u1] of a cell from its four control points: the
 /// blossom of the cell polynomial at (u0,u0,u0), (u0,u0,u1), (u0,u1,u1), (u1,u1,u1).
 void SetBlossomWeights(double u0, double u1, double w[4][4])

@@ -348,7 +348,7 @@ bool LocalBounds::Find(const Box& box, LocalMap& map) const
   const glm::dvec3 middle = 0.5 * (box.Min + box.Max);
   const glm::dvec3 half = 0.5 * (box.Max - box.Min);
   const PullBackKind kind = this->Map->GetKind();
-  map.Inverse = kind == PullBackKind::Exact || kind == PullBackKind::FirstOrderOfInverse;
+  map.Inverse = InvertsTheField(kind);
   glm::dmat3 jacobian;
   Change change;
   if (!map.Inverse)

@@ -259,8 +259,7 @@ PacketCaster::PacketCaster(
   // Single precision cannot tell residuals smaller than this.
   const double resolution = 2e-6 * glm::length(whole.Max - whole.Min);
   p.Tolerance = static_cast<float>(std::max(scene.Map->GetTolerance(), resolution));
-  if (!p.Identity &&
-    (p.Kind == PullBackKind::Exact || p.Kind == PullBackKind::FirstOrderOfInverse))
+  if (!p.Identity && InvertsTheField(p.Kind))
   {
     const glm::dvec3 half = 0.5 * (whole.Max - whole.Min);
     const glm::dvec3 spacing =

@@ -3,9 +3,11 @@
 #include "FFDPullBackChange.h"
 
 #include "FFDBSplineBasis.h"
+#include "FFDMatrixBounds.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <glm/vector_relational.hpp>
 
 #include <algorithm>
@@ -180,20 +182,11 @@ glm::dvec3 FindBulge(const Grid<glm::dvec3>& nodes, const AxisParts parts[3])
 /// Upper bound of the norm of all Jacobians within bounds.
 double FindNorm(const MapBounds& bounds)
 {
-  double largest[2] = { 0.0, 0.0 };
-  for (int i = 0; i < 3; ++i)
-  {
-    double column = 0.0;
-    double row = 0.0;
-    for (int j = 0; j < 3; ++j)
-    {
-      column += std::max(std::abs(bounds.JacobianMin[i][j]), std::abs(bounds.JacobianMax[i][j]));
-      row += std::max(std::abs(bounds.JacobianMin[j][i]), std::abs(bounds.JacobianMax[j][i]));
-    }
-    largest[0] = std::max(largest[0], column);
-    largest[1] = std::max(largest[1], row);
-  }
-  return std::sqrt(largest[0] * largest[1]);
+  const glm::dmat3 low = Absolute(bounds.JacobianMin);
+  const glm::dmat3 high = Absolute(bounds.JacobianMax);
+  const glm::dmat3 largest(
+    glm::max(low[0], high[0]), glm::max(low[1], high[1]), glm::max(low[2], high[2]));
+  return std::sqrt(LargestRowSum(largest) * LargestRowSum(glm::transpose(largest)));
 }
 
 /// How far an inverse moves where a displacement does by change.Moved: cell by cell of the lattice.
@@ -313,8 +306,7 @@ bool FindChange(const PullBack& before, const PullBack& after, const DeformedSpa
   }
   const BSplineField& old = *before.GetField();
   const BSplineField& now = *after.GetField();
-  const bool inverts =
-    after.GetKind() == PullBackKind::Exact || after.GetKind() == PullBackKind::FirstOrderOfInverse;
+  const bool inverts = InvertsTheField(after.GetKind());
   if (inverts && !bounds.IsOneToOne())
   {
     return false;

@@ -288,9 +288,6 @@ public:
 
 private:
   static constexpr float NoExtreme = 3e38f;
-  static constexpr float NodesPerPixel = (NodesPerSide - 1) / static_cast<float>(TileSide - 1);
-  static constexpr float QuarterNodesPerPixel =
-    (NodesPerSide - 1) / static_cast<float>(TileSide / 2 - 1);
 
   void EndIntegrators()
   {

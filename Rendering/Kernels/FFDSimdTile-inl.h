@@ -358,6 +358,39 @@ struct NodeWeights
   }
 };
 
+/// Nodes from pixel to pixel of a tile, and of its quarters.
+constexpr float NodesPerPixel = (NodesPerSide - 1) / static_cast<float>(TileSide - 1);
+constexpr float QuarterNodesPerPixel = (NodesPerSide - 1) / static_cast<float>(TileSide / 2 - 1);
+
+/// Where the nodes of a quarter lie between those of the tile.
+class QuarterNodes
+{
+public:
+  HWY_INLINE explicit QuarterNodes(int quarter)
+  {
+    constexpr float Side = TileSide / 2;
+    constexpr float Step = (Side - 1.0f) / static_cast<float>(NodesPerSide - 1);
+    const float column = static_cast<float>(quarter % 2) * Side;
+    const float row = static_cast<float>(quarter / 2) * Side;
+    for (int i = 0; i < TileNodes; ++i)
+    {
+      this->X[i] = NodesPerPixel * (column + Step * static_cast<float>(i % NodesPerSide));
+      this->Y[i] = NodesPerPixel * (row + Step * static_cast<float>(i / NodesPerSide));
+    }
+  }
+
+  /// Of the nodes of the tile, for those of the quarter from number i on.
+  HWY_INLINE NodeWeights GetWeights(std::size_t i) const
+  {
+    const Df d;
+    return NodeWeights(hn::Load(d, this->X + i), hn::Load(d, this->Y + i));
+  }
+
+private:
+  HWY_ALIGN float X[TileNodes];
+  HWY_ALIGN float Y[TileNodes];
+};
+
 /// Viewing rays through the 4 x 4 nodes of a square of pixels, the outermost pixels included.
 struct NodeRays
 {
@@ -460,9 +493,13 @@ public:
     {
       // Nodes of the tile tell where to start from better than InverseGuess does.
       const TileLayer tile = this->GetLayer(step);
-      slot = static_cast<int>(this->Scratch.Layers.size());
-      this->Scratch.Layers.emplace_back();
-      this->FindFrom(tile, quarter, step, this->Scratch.Layers.back());
+      const QuarterNodes nodes(quarter);
+      return this->GetLayer(this->Quarters[quarter], slot, step,
+        [&](std::size_t i, const Vec3& p, Mf lanes)
+        {
+          const Vec3 start = IndexToLocal(this->Scene, nodes.GetWeights(i).Interpolate(tile));
+          return InvertLanes(this->Scene, p, start, lanes, this->Scratch.Statistics);
+        });
     }
     return this->GetLayer(this->Quarters[quarter], slot, step);
   }
@@ -475,16 +512,28 @@ public:
 private:
   HWY_INLINE const TileLayer& GetLayer(const NodeRays& rays, int& slot, int step)
   {
+    return this->GetLayer(rays, slot, step,
+      [&](std::size_t, const Vec3& p, Mf lanes)
+      { return PullBackLanes(this->Scene, p, lanes, this->Scratch.Statistics); });
+  }
+
+  /// `pullBack`: rest points of the nodes from number i on, from their deformed points.
+  template <class PullBackNodes>
+  HWY_INLINE const TileLayer& GetLayer(
+    const NodeRays& rays, int& slot, int step, const PullBackNodes& pullBack)
+  {
     if (slot < 0)
     {
       slot = static_cast<int>(this->Scratch.Layers.size());
       this->Scratch.Layers.emplace_back();
-      this->Find(rays, step, this->Scratch.Layers.back());
+      this->Find(rays, step, pullBack, this->Scratch.Layers.back());
     }
     return this->Scratch.Layers[static_cast<std::size_t>(slot)];
   }
 
-  HWY_NOINLINE void Find(const NodeRays& rays, int step, TileLayer& layer)
+  template <class PullBackNodes>
+  HWY_NOINLINE void Find(
+    const NodeRays& rays, int step, const PullBackNodes& pullBack, TileLayer& layer)
   {
     const Df d;
     const Vf t = Splat(this->TimeOf(step));
@@ -494,44 +543,8 @@ private:
         hn::Load(d, rays.Origins.Z + i) };
       const Vec3 v{ hn::Load(d, rays.Directions.X + i), hn::Load(d, rays.Directions.Y + i),
         hn::Load(d, rays.Directions.Z + i) };
-      const Vec3 rest = PullBackLanes(
-        this->Scene, MulAdd(t, v, o), hn::FirstN(d, hn::Lanes(d)), this->Scratch.Statistics);
+      const Vec3 rest = pullBack(i, MulAdd(t, v, o), hn::FirstN(d, hn::Lanes(d)));
       const Vec3 index = LocalToIndex(this->Scene, rest);
-      hn::StoreU(index.x, d, layer.X + i);
-      hn::StoreU(index.y, d, layer.Y + i);
-      hn::StoreU(index.z, d, layer.Z + i);
-    }
-  }
-
-  /// Find() for the nodes of a quarter, by Newton's method from between those of the tile.
-  HWY_NOINLINE void FindFrom(const TileLayer& tile, int quarter, int step, TileLayer& layer)
-  {
-    const Df d;
-    constexpr float Side = TileSide / 2;
-    constexpr float NodesPerPixel = (NodesPerSide - 1) / static_cast<float>(TileSide - 1);
-    constexpr float StepOfNodes = (Side - 1.0f) / static_cast<float>(NodesPerSide - 1);
-    HWY_ALIGN float x[TileNodes];
-    HWY_ALIGN float y[TileNodes];
-    for (int i = 0; i < TileNodes; ++i)
-    {
-      const float column = static_cast<float>(quarter % 2) * Side;
-      const float row = static_cast<float>(quarter / 2) * Side;
-      x[i] = NodesPerPixel * (column + StepOfNodes * static_cast<float>(i % NodesPerSide));
-      y[i] = NodesPerPixel * (row + StepOfNodes * static_cast<float>(i / NodesPerSide));
-    }
-    const Vf t = Splat(this->TimeOf(step));
-    const NodeRays& rays = this->Quarters[quarter];
-    const Mf all = hn::FirstN(d, hn::Lanes(d));
-    for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
-    {
-      const Vec3 o{ hn::Load(d, rays.Origins.X + i), hn::Load(d, rays.Origins.Y + i),
-        hn::Load(d, rays.Origins.Z + i) };
-      const Vec3 v{ hn::Load(d, rays.Directions.X + i), hn::Load(d, rays.Directions.Y + i),
-        hn::Load(d, rays.Directions.Z + i) };
-      const NodeWeights weights(hn::Load(d, x + i), hn::Load(d, y + i));
-      const Vec3 start = IndexToLocal(this->Scene, weights.Interpolate(tile));
-      const Vec3 index = LocalToIndex(this->Scene,
-        InvertLanes(this->Scene, MulAdd(t, v, o), start, all, this->Scratch.Statistics));
       hn::StoreU(index.x, d, layer.X + i);
       hn::StoreU(index.y, d, layer.Y + i);
       hn::StoreU(index.z, d, layer.Z + i);

@@ -60,8 +60,7 @@ struct Edited
     const PullBackBounds mapBounds(this->After);
     const Box region{ this->Rest.Min - 10.0, this->Rest.Max + 10.0 };
     this->Bounds = DeformedSpaceBounds(this->After, mapBounds, region, this->Rest, 4.0, 2000);
-    this->Inverts =
-      kind == PullBackKind::Exact || kind == PullBackKind::FirstOrderOfInverse;
+    this->Inverts = InvertsTheField(kind);
     // Displacements by a twentieth of the spacing cannot fold.
     this->Found = FindChange(
       this->Before, this->After, this->Bounds, this->Inverts ? this->Rest : region, 3.0, this->Change);
