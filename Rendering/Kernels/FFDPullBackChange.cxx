@@ -189,64 +189,6 @@ double FindNorm(const MapBounds& bounds)
   return std::sqrt(LargestRowSum(largest) * LargestRowSum(glm::transpose(largest)));
 }
 
-/// How far an inverse moves where a displacement does by change.Moved: cell by cell of the lattice.
-void Stretch(const DeformedSpaceBounds& bounds, const AxisParts parts[3],
-  const Grid<glm::dvec3>& corners, PullBackChange& change)
-{
-  const glm::ivec3 perCell(parts[0].PerCell, parts[1].PerCell, parts[2].PerCell);
-  for (int k = 0; k < change.Parts.z; k += perCell.z)
-  {
-    for (int j = 0; j < change.Parts.y; j += perCell.y)
-    {
-      for (int i = 0; i < change.Parts.x; i += perCell.x)
-      {
-        const auto forAll = [&](const glm::ivec3& end, const auto& work)
-        {
-          for (int z = k; z < end.z; ++z)
-          {
-            for (int y = j; y < end.y; ++y)
-            {
-              for (int x = i; x < end.x; ++x)
-              {
-                work(x, y, z);
-              }
-            }
-          }
-        };
-        const glm::ivec3 end = glm::ivec3(i, j, k) + perCell;
-        const auto movedOf = [&](int x, int y, int z) -> double&
-        {
-          return change.Moved[static_cast<std::size_t>(x) +
-            static_cast<std::size_t>(change.Parts.x) *
-              (static_cast<std::size_t>(y) +
-                static_cast<std::size_t>(change.Parts.y) * static_cast<std::size_t>(z))];
-        };
-        double moved = 0.0;
-        forAll(end, [&](int x, int y, int z) { moved = std::max(moved, movedOf(x, y, z)); });
-        if (!(moved > 0.0))
-        {
-          continue;
-        }
-        Box box{ glm::dvec3(Infinity), glm::dvec3(-Infinity) };
-        forAll(end + 1,
-          [&](int x, int y, int z)
-          {
-            box.Min = glm::min(box.Min, corners.At(x, y, z));
-            box.Max = glm::max(box.Max, corners.At(x, y, z));
-          });
-        const double around = change.Margin + moved;
-        const double norm = FindNorm(bounds.Over({ box.Min - around, box.Max + around }));
-        forAll(end,
-          [&](int x, int y, int z)
-          {
-            double& by = movedOf(x, y, z);
-            by = by > 0.0 ? by * norm : 0.0;
-          });
-      }
-    }
-  }
-}
-
 /// The control points, those of the border included, that an edit has changed, and by how much.
 struct Edit
 {
@@ -358,10 +300,18 @@ bool FindChange(const PullBack& before, const PullBack& after, const DeformedSpa
   if (inverts)
   {
     const Box everywhere{ glm::dvec3(-Infinity), glm::dvec3(Infinity) };
-    const double reach =
-      std::min(FindNorm(bounds.Over(everywhere)) * edit.Largest, std::numeric_limits<double>::max());
+    const double largest = std::numeric_limits<double>::max();
+    const double stretch = std::min(FindNorm(bounds.Over(everywhere)), largest);
+    const double reach = std::min(stretch * edit.Largest, largest);
     lowest -= reach;
     highest += reach;
+    if (after.GetKind() == PullBackKind::FirstOrderOfInverse)
+    {
+      for (double& moved : change.Moved)
+      {
+        moved *= stretch;
+      }
+    }
   }
   for (int a = 0; a < 3; ++a)
   {
@@ -382,7 +332,7 @@ bool FindChange(const PullBack& before, const PullBack& after, const DeformedSpa
   if (inverts)
   {
     corners = SumOver(nodes, parts, true);
-    change.Margin = glm::length(FindBulge(nodes, parts));
+    change.Margin = FindBulge(nodes, parts);
   }
   for (int k = 0; k < corners.Size.z; ++k)
   {
@@ -395,10 +345,6 @@ bool FindChange(const PullBack& before, const PullBack& after, const DeformedSpa
             parts[1].Ends[static_cast<std::size_t>(j)], parts[2].Ends[static_cast<std::size_t>(k)]);
       }
     }
-  }
-  if (inverts)
-  {
-    Stretch(bounds, parts, corners, change);
   }
   change.Corners = std::move(corners.Values);
   return true;

@@ -15,15 +15,19 @@ namespace ffd
 {
 
 /**
- * Where a pull-back differs from what it was before an edit: parts of deformed space, and how far
- * rest points in each have moved at most, |after(P) - before(P)|. Each part is the hull of 8
- * neighbouring corners of a bent grid, with a margin around it; outside of all parts nothing has moved.
+ * Where a pull-back differs from what it was before an edit: parts of deformed space, and how far what
+ * was in each has moved at most. Each part is the hull of 8 neighbouring corners of a bent grid, with a
+ * margin around it; outside of all parts nothing has moved.
+ *
+ * For Phi = T^-1 that is how far the material has moved in deformed space, |T_after(Q) - T_before(Q)|
+ * for all Q with T_before(Q) in the part, which is what a picture shows of it. For the other kinds it
+ * is how far rest points have, |Phi_after(P) - Phi_before(P)| for all P in the part.
  */
 struct PullBackChange
 {
   glm::ivec3 Parts{ 0 };            ///< along each axis; 0 where nothing has changed
   std::vector<glm::dvec3> Corners;  ///< Parts + 1 along each axis, x fastest, data coordinates
-  double Margin = 0.0;              ///< data units
+  glm::dvec3 Margin{ 0.0 };         ///< to either side along each axis, data units
   std::vector<double> Moved;        ///< of each part, data units, x fastest; may be infinite
 
   bool IsEmpty() const { return this->Moved.empty(); }
@@ -34,9 +38,9 @@ struct PullBackChange
  * into `region` (rest space for the kinds that invert T, else deformed space).
  *
  * |D_after - D_before| is bounded over parts of the cells that the edited control points count in,
- * by the largest values of the basis functions over each part; an inverse moves by no more than that
- * times the Lipschitz constant of `after`. `bounds` are those of `after`. `resolution`: size of the
- * parts, data units.
+ * by the largest values of the basis functions over each part. Phi of T^-1 moves by no more than that
+ * times the Lipschitz constant of the inverse, taken from `bounds`, those of `after`. `resolution`:
+ * size of the parts, data units.
  *
  * Returns false when nothing can be said: another grid of control points or another kind, an
  * inverse that is not proven to be one to one, or too many parts. `before` must be one to one, too.

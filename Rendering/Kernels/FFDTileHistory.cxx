@@ -45,7 +45,6 @@ class TileHistory::Projection
 {
 public:
   Projection(const PullBackChange& change, const CameraView& camera)
-    : Margin(static_cast<float>(change.Margin))
   {
     const glm::dmat4 rows = glm::transpose(camera.WorldToNdc);
     glm::dvec4 nearPlane = rows[3] + rows[2];
@@ -60,22 +59,37 @@ public:
     // Pixels are the first two rows, each less the corner of the image, in units of a pixel.
     const glm::dvec4 toX = (rows[0] - camera.NdcOrigin.x * rows[3]) / camera.NdcPerPixel.x;
     const glm::dvec4 toY = (rows[1] - camera.NdcOrigin.y * rows[3]) / camera.NdcPerPixel.y;
+    // What a margin to all sides is along a row, at most.
+    const auto marginAlong = [&change](const glm::dvec3& row)
+    { return glm::dot(glm::abs(row), change.Margin); };
+    const double depthMargin = marginAlong(glm::dvec3(rows[3]));
+    const double nearMargin = marginAlong(glm::dvec3(nearPlane));
     const std::size_t count = change.Corners.size();
-    this->LowX.resize(count);
-    this->LowY.resize(count);
-    this->Nearest.resize(count);
+    for (std::vector<float>* values :
+      { &this->LowX, &this->HighX, &this->LowY, &this->HighY, &this->Nearest })
+    {
+      values->resize(count);
+    }
     for (std::size_t i = 0; i < count; ++i)
     {
       const glm::dvec3 p = change.Corners[i];
       const auto along = [&p](const glm::dvec4& row)
       { return row.x * p.x + row.y * p.y + row.z * p.z + row.w; };
-      const double inverse = 1.0 / along(rows[3]);
-      this->LowX[i] = static_cast<float>(along(toX) * inverse);
-      this->LowY[i] = static_cast<float>(along(toY) * inverse);
-      this->Nearest[i] = static_cast<float>(along(nearPlane));
+      const double depth = along(rows[3]);
+      // Moved by d the corner is at (toX (p + d)) / (depth + rows[3] d), which differs from where it
+      // is by ((toX - x rows[3]) d) / (depth + rows[3] d). A part moves with its corners.
+      const auto project = [&](const glm::dvec4& row, float& low, float& high)
+      {
+        const double at = along(row) / depth;
+        const double margin =
+          marginAlong(glm::dvec3(row) - at * glm::dvec3(rows[3])) / (depth - depthMargin);
+        low = static_cast<float>(at - margin);
+        high = static_cast<float>(at + margin);
+      };
+      project(toX, this->LowX[i], this->HighX[i]);
+      project(toY, this->LowY[i], this->HighY[i]);
+      this->Nearest[i] = static_cast<float>(along(nearPlane) - nearMargin);
     }
-    this->HighX = this->LowX;
-    this->HighY = this->LowY;
     // Of neighbouring corners the least and the largest, axis by axis.
     glm::ivec3 size = change.Parts + 1;
     for (int axis = 2; axis >= 0; --axis)
@@ -96,8 +110,7 @@ public:
   /// Data units of a pixel at a distance from the near plane.
   float GetPixelSize(float distance) const { return this->Pixel + distance * this->PixelGrowth; }
 
-  float Margin;
-  // Of each part.
+  // Of each part with its margin.
   std::vector<float> LowX;
   std::vector<float> HighX;
   std::vector<float> LowY;
@@ -218,19 +231,18 @@ void TileHistory::NotePart(const Projection& parts, std::size_t part, double mov
   const glm::vec2 most(this->Size);
   glm::vec2 low(0.0f);
   glm::vec2 high(most - 1.0f);
-  const float distance = parts.Nearest[part] - parts.Margin;
+  const float distance = parts.Nearest[part];
   // Before the near plane the projection means nothing. Written so that NaN is that, too.
   const bool visible = distance > 0.0f && std::isfinite(parts.LowX[part] + parts.HighX[part]) &&
     std::isfinite(parts.LowY[part] + parts.HighY[part]);
   const float pixel = parts.GetPixelSize(visible ? distance : 0.0f);
   if (visible)
   {
-    // A pixel more, for what is rounded; margins look larger to the sides of the picture.
-    const float around = 1.0f + 2.0f * parts.Margin / pixel;
-    low = glm::clamp(
-      glm::vec2(parts.LowX[part], parts.LowY[part]) - around, glm::vec2(0.0f), most);
+    // Rays go through the middles of pixels; half a pixel more for what is rounded.
+    low = glm::clamp(glm::ceil(glm::vec2(parts.LowX[part], parts.LowY[part]) - 1.0f),
+      glm::vec2(0.0f), most);
     high = glm::clamp(
-      glm::vec2(parts.HighX[part], parts.HighY[part]) + around, glm::vec2(-1.0f), most - 1.0f);
+      glm::vec2(parts.HighX[part], parts.HighY[part]), glm::vec2(-1.0f), most - 1.0f);
   }
   const float by = static_cast<float>(moved) / pixel;
   const glm::ivec2 first(low);

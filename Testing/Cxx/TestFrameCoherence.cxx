@@ -426,7 +426,7 @@ int TestOptions()
     return m->GetReusedFraction();
   };
   const double none = reusedWith(0.0);
-  const double some = reusedWith(0.5);
+  const double some = reusedWith(0.1);
   FFD_CHECK(none < some && some < 1.0);
   FFD_CHECK(reusedWith(1000.0) == 1.0);
   for (double bad : { -0.1, std::numeric_limits<double>::quiet_NaN(),
