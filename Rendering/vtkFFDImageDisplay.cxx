@@ -8,13 +8,18 @@
 #include "vtkOpenGLShaderCache.h"
 #include "vtkOpenGLState.h"
 #include "vtkRenderer.h"
+#include "vtkSMPTools.h"
 #include "vtkShaderProgram.h"
 #include "vtkTextureObject.h"
 #include "vtkWeakPointer.h"
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 namespace
@@ -48,6 +53,9 @@ void main()
 }
 )";
 
+/// Rows of pixels that are worth another thread.
+constexpr vtkIdType RowsPerTask = 64;
+
 /// A rectangle of pixels, from the first to one past the last.
 struct Rectangle
 {
@@ -57,16 +65,23 @@ struct Rectangle
   int Height() const { return this->High[1] - this->Low[1]; }
 };
 
-/// What there is to be seen of an image, with a pixel around it to be interpolated to; empty if
-/// nothing is.
-Rectangle FindVisible(int width, int height, const float* colours)
+/// What holds no pixel, and does not count in the hull of several.
+constexpr Rectangle Nothing = { { std::numeric_limits<int>::max(), std::numeric_limits<int>::max() },
+  { 0, 0 } };
+
+/// What there is to be seen of some rows of an image.
+Rectangle FindVisible(int width, int firstRow, int lastRow, const float* colours)
 {
-  Rectangle found = { { width, height }, { 0, 0 } };
-  for (int y = 0; y < height; ++y)
+  Rectangle found = Nothing;
+  for (int y = firstRow; y < lastRow; ++y)
   {
     const float* row = colours + 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(y);
     const auto isVisible = [row](int x)
-    { return row[4 * x] + row[4 * x + 1] + row[4 * x + 2] + row[4 * x + 3] != 0.0f; };
+    {
+      std::uint64_t halves[2];
+      std::memcpy(halves, row + 4 * x, sizeof(halves));
+      return (halves[0] | halves[1]) != 0;
+    };
     int first = 0;
     while (first < width && !isVisible(first))
     {
@@ -76,16 +91,38 @@ Rectangle FindVisible(int width, int height, const float* colours)
     {
       continue;
     }
+    // Not beyond what is known to be visible.
     int end = width;
-    while (!isVisible(end - 1))
+    while (end > found.High[0] && !isVisible(end - 1))
     {
       --end;
     }
     found.Low[0] = std::min(found.Low[0], first);
-    found.High[0] = std::max(found.High[0], end);
+    found.High[0] = end;
     found.Low[1] = std::min(found.Low[1], y);
     found.High[1] = y + 1;
   }
+  return found;
+}
+
+/// What there is to be seen of an image, with a pixel around it to be interpolated to; empty if
+/// nothing is.
+Rectangle FindVisible(int width, int height, const float* colours)
+{
+  Rectangle found = Nothing;
+  std::mutex mutex;
+  vtkSMPTools::For(0, height, RowsPerTask,
+    [&](vtkIdType first, vtkIdType last)
+    {
+      const Rectangle rows =
+        FindVisible(width, static_cast<int>(first), static_cast<int>(last), colours);
+      const std::lock_guard<std::mutex> lock(mutex);
+      for (int a = 0; a < 2; ++a)
+      {
+        found.Low[a] = std::min(found.Low[a], rows.Low[a]);
+        found.High[a] = std::max(found.High[a], rows.High[a]);
+      }
+    });
   const int size[2] = { width, height };
   for (int a = 0; a < 2; ++a)
   {
@@ -141,13 +178,17 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, cons
   std::vector<float>& visible = this->Gl->Visible;
   const std::size_t rowLength = 4 * static_cast<std::size_t>(part.Width());
   visible.resize(rowLength * static_cast<std::size_t>(part.Height()));
-  for (int y = 0; y < part.Height(); ++y)
-  {
-    std::copy_n(colours +
-        4 * (static_cast<std::size_t>(width) * static_cast<std::size_t>(part.Low[1] + y) +
-              static_cast<std::size_t>(part.Low[0])),
-      rowLength, visible.data() + rowLength * static_cast<std::size_t>(y));
-  }
+  vtkSMPTools::For(0, part.Height(), RowsPerTask,
+    [&](vtkIdType first, vtkIdType last)
+    {
+      for (vtkIdType y = first; y < last; ++y)
+      {
+        std::copy_n(colours +
+            4 * (static_cast<std::size_t>(width) * static_cast<std::size_t>(part.Low[1] + y) +
+                  static_cast<std::size_t>(part.Low[0])),
+          rowLength, visible.data() + rowLength * static_cast<std::size_t>(y));
+      }
+    });
 
   vtkTextureObject* texture = this->Gl->Texture;
   texture->SetContext(window);

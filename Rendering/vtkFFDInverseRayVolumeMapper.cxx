@@ -204,6 +204,8 @@ public:
   void MakeClassifier(ffd::CastScene& scene);
   bool Cast(vtkRenderer* renderer, vtkVolume* volume, const vtkFFDImageRegion& region,
     const float* depths, bool interactive, bool window, float* outDepths);
+  template <class Work>
+  void WithThreads(const Work& work) const;
   void ApplyFinalColours(const vtkFFDImageRegion& region, const vtkFFDFrameCoherence::Part& tile);
   bool CanReuse(vtkVolume* volume) const;
   double FindStep(double allotted, const glm::ivec2& pixels) const;
@@ -837,30 +839,48 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
   float* outDepths)
 {
   const ffd::CastScene scene = this->MakeScene(renderer, volume, region, depths);
-  const ffd::RayCaster caster(scene, this->MakeSettings(volume, scene.VoxelSize, interactive));
+  const ffd::CastSettings settings = this->MakeSettings(volume, scene.VoxelSize, interactive);
   ffd::CastImage image;
   image.Width = region.Rays.x;
   image.Height = region.Rays.y;
+  std::unique_ptr<const ffd::RayCaster> made;
   std::vector<vtkFFDFrameCoherence::Part> tiles;
   if (window && this->CanReuse(volume))
   {
-    tiles = this->Coherence.Begin({ this->Self->GetSettingsTime(), this->Input.GetMTime(),
-                                    this->FunctionsMade.GetMTime(), volume->GetProperty(),
-                                    volume->GetProperty()->GetMTime(),
-                                    ffd::ToMatrix(volume->GetMatrix()), interactive },
-      scene, region, this->RestBounds, this->Self->FrameCoherenceTolerance, this->Colours);
+    const vtkFFDFrameCoherence::Sources sources = { this->Self->GetSettingsTime(),
+      this->Input.GetMTime(), this->FunctionsMade.GetMTime(), volume->GetProperty(),
+      volume->GetProperty()->GetMTime(), ffd::ToMatrix(volume->GetMatrix()), interactive };
+    // Both take about as long.
+    const auto prepare = [&](vtkIdType first, vtkIdType last)
+    {
+      for (vtkIdType task = first; task < last; ++task)
+      {
+        if (task == 0)
+        {
+          tiles = this->Coherence.Begin(sources, scene, region, this->RestBounds,
+            this->Self->FrameCoherenceTolerance, this->Colours);
+        }
+        else
+        {
+          made = std::make_unique<const ffd::RayCaster>(scene, settings);
+        }
+      }
+    };
+    this->WithThreads([&prepare] { vtkSMPTools::For(0, 2, 1, prepare); });
     image.Reaches = this->Coherence.GetReaches();
   }
   else
   {
+    made = std::make_unique<const ffd::RayCaster>(scene, settings);
     this->Coherence.Clear();
     this->Colours.resize(
       4 * static_cast<std::size_t>(image.Width) * static_cast<std::size_t>(image.Height));
-    for (int tile = 0; tile < caster.GetNumberOfTiles(image); ++tile)
+    for (int tile = 0; tile < made->GetNumberOfTiles(image); ++tile)
     {
       tiles.push_back({ tile, ffd::RayCaster::AllQuarters });
     }
   }
+  const ffd::RayCaster& caster = *made;
   const double part = FindPart(tiles, region.Rays);
   this->ReusedFraction = 1.0 - part;
   image.Colours = this->Colours.data();
@@ -900,14 +920,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
   };
   this->Self->SetAbortExecute(0);
   this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderStartEvent, nullptr);
-  if (this->Self->NumberOfThreads > 0)
-  {
-    vtkSMPTools::LocalScope(vtkSMPTools::Config{ this->Self->NumberOfThreads }, renderImage);
-  }
-  else
-  {
-    renderImage();
-  }
+  this->WithThreads(renderImage);
   this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderEndEvent, nullptr);
   if (aborted)
   {
@@ -925,6 +938,21 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
       total.VisibleSamples, total.DistanceLookups, total.Evaluations, total.Unconverged);
   }
   return !aborted;
+}
+
+//------------------------------------------------------------------------------
+/// Do work on as many threads as the mapper is to use.
+template <class Work>
+void vtkFFDInverseRayVolumeMapper::vtkInternals::WithThreads(const Work& work) const
+{
+  if (this->Self->NumberOfThreads > 0)
+  {
+    vtkSMPTools::LocalScope(vtkSMPTools::Config{ this->Self->NumberOfThreads }, work);
+  }
+  else
+  {
+    work();
+  }
 }
 
 //------------------------------------------------------------------------------

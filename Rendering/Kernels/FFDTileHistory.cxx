@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace ffd
@@ -271,6 +272,11 @@ void TileHistory::NoteDepths(const float* before, const float* now, const Camera
   for (int y = 0; y < this->Size.y; ++y)
   {
     const std::size_t row = static_cast<std::size_t>(y) * this->Size.x;
+    if (before && now &&
+      std::memcmp(before + row, now + row, sizeof(float) * static_cast<std::size_t>(this->Size.x)) == 0)
+    {
+      continue;
+    }
     std::size_t tile = static_cast<std::size_t>(y / this->TileSize) * this->Count.x;
     for (int x0 = 0; x0 < this->Size.x; x0 += this->TileSize, ++tile)
     {
