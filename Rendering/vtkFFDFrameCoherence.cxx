@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDFrameCoherence.h"
 
+#include "FFDDistanceMap.h"
+#include "FFDMatrixBounds.h"
 #include "FFDRayCaster.h"
 
 #include <glm/common.hpp>
@@ -116,20 +118,29 @@ bool vtkFFDFrameCoherence::Continues(const Sources& sources, const ffd::CastScen
 
 //------------------------------------------------------------------------------
 std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Sources& sources, const ffd::CastScene& scene,
-  const vtkFFDImageRegion& region, const ffd::Box& restBounds, double tolerance,
-  std::vector<float>& colours)
+  const vtkFFDImageRegion& region, const ffd::Box& restBounds, bool leaps,
+  double tolerance, std::vector<float>& colours)
 {
   const ffd::PullBack& map = *scene.Map;
   const bool inverts = ffd::InvertsTheField(map.GetKind());
   const ffd::Box deformed{ glm::min(scene.DeformedBounds.Min, this->LastDeformedBounds.Min),
     glm::max(scene.DeformedBounds.Max, this->LastDeformedBounds.Max) };
   const ffd::PullBack last(this->LastField.get(), this->LastKind, map.GetTolerance());
+  // What is leaped over is not seen.
+  const auto isEmpty = [&scene](const ffd::Box& rest)
+  {
+    const ffd::VolumeView& volume = scene.Volume;
+    const glm::dvec3 middle = volume.ToIndex(0.5 * (rest.Min + rest.Max));
+    const glm::dvec3 half = ffd::Absolute(volume.DataToIndex) * (0.5 * (rest.Max - rest.Min));
+    return scene.Distances->IsEmptyIn(
+      middle - half, middle + half, volume.UpperIndex(), volume.Margin);
+  };
   ffd::PullBackChange change;
   glm::ivec2 shift(0);
   // A frame that follows no edit is a picture of its own: nothing stays inexact.
   if (this->Continues(sources, scene, region, shift) &&
     ffd::FindChange(last, map, *scene.Bounds, inverts ? restBounds : deformed,
-      Resolution * scene.VoxelSize, change) &&
+      Resolution * scene.VoxelSize, leaps ? isEmpty : ffd::IsEmptyAtRest(), change) &&
     !change.IsEmpty())
   {
     // Tiles are two quarters wide.

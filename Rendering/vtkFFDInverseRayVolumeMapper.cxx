@@ -858,7 +858,8 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
         if (task == 0)
         {
           tiles = this->Coherence.Begin(sources, scene, region, this->RestBounds,
-            this->Self->FrameCoherenceTolerance, this->Colours);
+            settings.Leaping != ffd::SpaceLeaping::Off, this->Self->FrameCoherenceTolerance,
+            this->Colours);
         }
         else
         {

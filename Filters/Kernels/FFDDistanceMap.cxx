@@ -3,6 +3,7 @@
 #include "FFDDistanceMap.h"
 
 #include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
 
 #include <algorithm>
 #include <functional>
@@ -217,6 +218,51 @@ bool DistanceMap::FindEmptyBox(
   }
   box.Min = glm::dvec3((block - (distance - 1)) * MinMaxBlocks::BlockSize);
   box.Max = glm::dvec3((block + distance) * MinMaxBlocks::BlockSize);
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool DistanceMap::IsEmptyIn(
+  const glm::dvec3& low, const glm::dvec3& high, const glm::dvec3& upper, double margin) const
+{
+  // Written so that what is not a number is not known to be empty.
+  if (glm::any(glm::lessThan(high, glm::dvec3(-margin))) ||
+    glm::any(glm::greaterThan(low, upper)))
+  {
+    return true;
+  }
+  glm::ivec3 first;
+  glm::ivec3 last;
+  for (int a = 0; a < 3; ++a)
+  {
+    if (!(low[a] <= high[a]))
+    {
+      return false;
+    }
+    const double largest = this->Blocks[a] - 1;
+    first[a] = static_cast<int>(std::clamp(low[a] / MinMaxBlocks::BlockSize, 0.0, largest));
+    last[a] = static_cast<int>(std::clamp(high[a] / MinMaxBlocks::BlockSize, 0.0, largest));
+  }
+  const glm::ivec3 middle = (first + last) / 2;
+  const int distance = this->GetDistance(middle);
+  const glm::ivec3 reach = glm::max(middle - first, last - middle);
+  if (distance == 0 || distance > std::max(reach.x, std::max(reach.y, reach.z)))
+  {
+    return distance > 0;
+  }
+  for (int k = first.z; k <= last.z; ++k)
+  {
+    for (int j = first.y; j <= last.y; ++j)
+    {
+      for (int i = first.x; i <= last.x; ++i)
+      {
+        if (this->GetDistance({ i, j, k }) == 0)
+        {
+          return false;
+        }
+      }
+    }
+  }
   return true;
 }
 

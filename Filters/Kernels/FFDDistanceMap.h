@@ -60,6 +60,11 @@ public:
   bool FindEmptyBox(
     const glm::dvec3& q, const glm::dvec3& upper, EmptyBox& box, double margin = 0.0) const;
 
+  /// Whether nothing is visible in a box of index coordinates, of which what is outside of the volume
+  /// [-margin, upper] does not matter.
+  bool IsEmptyIn(const glm::dvec3& low, const glm::dvec3& high, const glm::dvec3& upper,
+    double margin = 0.0) const;
+
   /// The map itself, x fastest; three more bytes can be read behind the last block.
   const std::uint8_t* GetData() const { return this->Distances.data(); }
 

@@ -189,6 +189,38 @@ double FindNorm(const MapBounds& bounds)
   return std::sqrt(LargestRowSum(largest) * LargestRowSum(glm::transpose(largest)));
 }
 
+/// Parts of which nothing can be seen have not moved.
+void ForgetEmptyParts(
+  const AxisParts parts[3], const IsEmptyAtRest& isEmpty, PullBackChange& change)
+{
+  std::size_t part = 0;
+  for (int k = 0; k < change.Parts.z; ++k)
+  {
+    for (int j = 0; j < change.Parts.y; ++j)
+    {
+      for (int i = 0; i < change.Parts.x; ++i, ++part)
+      {
+        if (!(change.Moved[part] > 0.0))
+        {
+          continue;
+        }
+        const glm::ivec3 at(i, j, k);
+        Box rest;
+        for (int a = 0; a < 3; ++a)
+        {
+          const double* ends = &parts[a].Ends[static_cast<std::size_t>(at[a])];
+          rest.Min[a] = std::min(ends[0], ends[1]);
+          rest.Max[a] = std::max(ends[0], ends[1]);
+        }
+        if (isEmpty(rest))
+        {
+          change.Moved[part] = 0.0;
+        }
+      }
+    }
+  }
+}
+
 /// The control points, those of the border included, that an edit has changed, and by how much.
 struct Edit
 {
@@ -238,7 +270,8 @@ bool HaveSameGrid(const BSplineField& a, const BSplineField& b)
 
 //------------------------------------------------------------------------------
 bool FindChange(const PullBack& before, const PullBack& after, const DeformedSpaceBounds& bounds,
-  const Box& region, double resolution, PullBackChange& change)
+  const Box& region, double resolution,
+  const IsEmptyAtRest& isEmpty, PullBackChange& change)
 {
   change = PullBackChange();
   if (!before.GetField() || !after.GetField() || before.GetKind() != after.GetKind() ||
@@ -326,6 +359,11 @@ bool FindChange(const PullBack& before, const PullBack& after, const DeformedSpa
     {
       extend(parts[a].Ends.back(), !ascending);
     }
+  }
+
+  if (isEmpty && after.GetKind() == PullBackKind::Exact)
+  {
+    ForgetEmptyParts(parts, isEmpty, change);
   }
 
   Grid<glm::dvec3> corners(change.Parts + 1);

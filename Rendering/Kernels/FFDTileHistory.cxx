@@ -232,20 +232,22 @@ void TileHistory::NotePart(const Projection& parts, std::size_t part, double mov
   const glm::vec2 most(this->Size);
   glm::vec2 low(0.0f);
   glm::vec2 high(most - 1.0f);
-  const float distance = parts.Nearest[part];
+  const float distance = parts.Nearest[part] - static_cast<float>(moved);
   // Before the near plane the projection means nothing. Written so that NaN is that, too.
   const bool visible = distance > 0.0f && std::isfinite(parts.LowX[part] + parts.HighX[part]) &&
     std::isfinite(parts.LowY[part] + parts.HighY[part]);
   const float pixel = parts.GetPixelSize(visible ? distance : 0.0f);
+  const float by = static_cast<float>(moved) / pixel;
   if (visible)
   {
-    // Rays go through the middles of pixels; half a pixel more for what is rounded.
-    low = glm::clamp(glm::ceil(glm::vec2(parts.LowX[part], parts.LowY[part]) - 1.0f),
-      glm::vec2(0.0f), most);
-    high = glm::clamp(
-      glm::vec2(parts.HighX[part], parts.HighY[part]), glm::vec2(-1.0f), most - 1.0f);
+    // What is in the part was there before the edit or is there now; it looks larger to the sides of
+    // the picture. Rays go through the middles of pixels; half a pixel more for what is rounded.
+    const float around = 2.0f * by;
+    low = glm::clamp(
+      glm::ceil(glm::vec2(parts.LowX[part], parts.LowY[part]) - around - 1.0f), glm::vec2(0.0f), most);
+    high = glm::clamp(glm::vec2(parts.HighX[part], parts.HighY[part]) + around, glm::vec2(-1.0f),
+      most - 1.0f);
   }
-  const float by = static_cast<float>(moved) / pixel;
   const glm::ivec2 first(low);
   const glm::ivec2 last(glm::floor(high));
   for (int y = first.y / this->TileSize; y * this->TileSize <= last.y && y < this->Count.y; ++y)

@@ -140,6 +140,65 @@ TEST(DistanceMap, EmptyBoxesAreEmpty)
   EXPECT_GT(occupied, 100);
 }
 
+TEST(DistanceMap, BoxesAreEmptyWhoseBlocksAre)
+{
+  RandomLattice random(7);
+  int empty = 0;
+  int occupied = 0;
+  for (int run = 0; run < 60; ++run)
+  {
+    const SparseVolume sparse(random, 50, std::pow(10.0, random.Number(-4.0, -1.0)));
+    const glm::dvec3 upper = sparse.Volume.View.UpperIndex();
+    for (int i = 0; i < 200; ++i)
+    {
+      const glm::dvec3 a = upper * random.Vector(-0.3, 1.3);
+      const glm::dvec3 b = a + random.Number(0.0, 1.0) * upper * random.Vector(-0.5, 0.5);
+      const glm::dvec3 low = glm::min(a, b);
+      const glm::dvec3 high = glm::max(a, b);
+      bool visible = false;
+      for (int n = 0; n < 300; ++n)
+      {
+        const glm::dvec3 p = low + (high - low) * random.Vector(0.0, 1.0);
+        EmptyBox box;
+        visible = visible || !sparse.Map.FindEmptyBox(p, upper, box);
+      }
+      const bool found = sparse.Map.IsEmptyIn(low, high, upper);
+      ASSERT_FALSE(found && visible);
+      // Nothing is called visible for blocks that the box does not reach.
+      const glm::ivec3 first = glm::ivec3(glm::max(low, 0.0)) / MinMaxBlocks::BlockSize;
+      const glm::ivec3 last = glm::min(glm::ivec3(glm::max(high, -1.0)) / MinMaxBlocks::BlockSize,
+        sparse.Map.GetBlocks() - 1);
+      bool any = false;
+      for (int z = first.z; z <= last.z; ++z)
+      {
+        for (int y = first.y; y <= last.y; ++y)
+        {
+          for (int x = first.x; x <= last.x; ++x)
+          {
+            any = any || MayBeVisible(sparse.Volume, { x, y, z });
+          }
+        }
+      }
+      ASSERT_TRUE(found || any);
+      empty += found ? 1 : 0;
+      occupied += found ? 0 : 1;
+    }
+  }
+  EXPECT_GT(empty, 1000);
+  EXPECT_GT(occupied, 1000);
+  // Half a voxel more on every side.
+  const SparseVolume full(random, 20, 1.0);
+  const glm::dvec3 upper = full.Volume.View.UpperIndex();
+  const glm::dvec3 outside(-0.4);
+  EXPECT_TRUE(full.Map.IsEmptyIn(outside - 1.0, outside, upper));
+  EXPECT_FALSE(full.Map.IsEmptyIn(outside - 1.0, outside, upper, 0.5));
+  const SparseVolume none(random, 20, 0.0);
+  EXPECT_TRUE(none.Map.IsEmptyIn(glm::dvec3(-Infinity), glm::dvec3(Infinity), upper));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(none.Map.IsEmptyIn({ 0.0, nan, 0.0 }, upper, upper));
+  EXPECT_FALSE(none.Map.IsEmptyIn(glm::dvec3(0.0), { 1.0, 1.0, nan }, upper));
+}
+
 TEST(DistanceMap, OnlyAFaceOfTheVolumeBelongsToTheOutside)
 {
   RandomLattice random(3);

@@ -63,7 +63,7 @@ struct Edited
     this->Inverts = InvertsTheField(kind);
     // Displacements by a twentieth of the spacing cannot fold.
     this->Found = FindChange(
-      this->Before, this->After, this->Bounds, this->Inverts ? this->Rest : region, 3.0, this->Change);
+      this->Before, this->After, this->Bounds, this->Inverts ? this->Rest : region, 3.0, nullptr, this->Change);
   }
 
   /// How far the rest point of p has moved.
@@ -108,8 +108,9 @@ struct Edited
   PullBackChange Change;
 };
 
-/// The largest bound of all parts that a point may be in.
-double BoundAt(const PullBackChange& change, const glm::dvec3& p)
+/// The largest bound of all parts that a point may be in; `within`: of those that are no farther away
+/// than that times what they have moved by.
+double BoundAt(const PullBackChange& change, const glm::dvec3& p, double within = 0.0)
 {
   const int row = change.Parts.x + 1;
   const int layer = row * (change.Parts.y + 1);
@@ -127,8 +128,8 @@ double BoundAt(const PullBackChange& change, const glm::dvec3& p)
         {
           const glm::dvec3& corner = change.Corners[static_cast<std::size_t>(
             i + (c & 1) + row * (j + (c >> 1 & 1)) + layer * (k + (c >> 2)))];
-          low = glm::min(low, corner - change.Margin);
-          high = glm::max(high, corner + change.Margin);
+          low = glm::min(low, corner - change.Margin - within * change.Moved[part]);
+          high = glm::max(high, corner + change.Margin + within * change.Moved[part]);
         }
         if (glm::all(glm::greaterThanEqual(p, low)) && glm::all(glm::lessThanEqual(p, high)))
         {
@@ -202,13 +203,70 @@ TEST(PullBackChange, BoundsWhatMoves)
   EXPECT_GT(bounded, 500);
 }
 
+TEST(PullBackChange, WhatCannotBeSeenDoesNotCount)
+{
+  RandomLattice random(13);
+  int before = 0;
+  int after = 0;
+  int forgotten = 0;
+  for (PullBackKind kind : Kinds)
+  {
+    for (int repeat = 0; repeat < 12; ++repeat)
+    {
+      Edited edited(random, kind, AllBorders[repeat % 3], 0.05);
+      ASSERT_TRUE(edited.Found);
+      const std::vector<double> all = edited.Change.Moved;
+      // A ball can be seen.
+      const glm::dvec3 middle = random.Point(edited.New, 0.0);
+      const double radius = random.Number(0.2, 1.0) * glm::length(edited.New.GetSpacing());
+      const auto isSeen = [&](const glm::dvec3& q) { return glm::length(q - middle) < radius; };
+      const auto isEmpty = [&](const Box& rest)
+      { return !isSeen(glm::clamp(middle, rest.Min, rest.Max)); };
+      ASSERT_TRUE(FindChange(edited.Before, edited.After, edited.Bounds, edited.Rest, 3.0, isEmpty,
+        edited.Change));
+      ASSERT_EQ(edited.Change.Moved.size(), all.size());
+      for (std::size_t part = 0; part < all.size(); ++part)
+      {
+        ASSERT_TRUE(edited.Change.Moved[part] == all[part] || edited.Change.Moved[part] == 0.0);
+        forgotten += edited.Change.Moved[part] != all[part] ? 1 : 0;
+      }
+      if (kind != PullBackKind::Exact)
+      {
+        ASSERT_EQ(edited.Change.Moved, all);
+        continue;
+      }
+      for (int i = 0; i < 2000; ++i)
+      {
+        const glm::dvec3 p = random.Point(edited.New, 1.0);
+        PullBackStatus status;
+        const glm::dvec3 was = edited.Before.Evaluate(p, status);
+        const glm::dvec3 is = edited.After.Evaluate(p, status);
+        const double bound = BoundAt(edited.Change, p, 1.0) + 1e-8;
+        if (isSeen(was))
+        {
+          ASSERT_LE(glm::length(was + edited.New.Displacement(was) - p), bound);
+          before += bound > 1e-6 ? 1 : 0;
+        }
+        if (isSeen(is))
+        {
+          ASSERT_LE(glm::length(is + edited.Old.Displacement(is) - p), bound);
+          after += bound > 1e-6 ? 1 : 0;
+        }
+      }
+    }
+  }
+  EXPECT_GT(before, 100);
+  EXPECT_GT(after, 100);
+  EXPECT_GT(forgotten, 100);
+}
+
 TEST(PullBackChange, TellsOnlyOfEditsOfTheSameLattice)
 {
   RandomLattice random(5);
   Edited edited(random, PullBackKind::Exact, BorderMode::Edge, 0.05);
   PullBackChange change;
   const auto find = [&](const PullBack& before, const PullBack& after) {
-    return FindChange(before, after, edited.Bounds, edited.Rest, 3.0, change);
+    return FindChange(before, after, edited.Bounds, edited.Rest, 3.0, nullptr, change);
   };
   EXPECT_TRUE(find(edited.Before, edited.After));
   EXPECT_FALSE(change.IsEmpty());
