@@ -117,9 +117,9 @@ bool vtkFFDFrameCoherence::Continues(const Sources& sources, const ffd::CastScen
 }
 
 //------------------------------------------------------------------------------
-std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Sources& sources, const ffd::CastScene& scene,
-  const vtkFFDImageRegion& region, const ffd::Box& restBounds, bool leaps,
-  double tolerance, std::vector<float>& colours)
+std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Sources& sources,
+  const ffd::CastScene& scene, const vtkFFDImageRegion& region, const ffd::Box& restBounds,
+  bool leaps, double tolerance, std::vector<float>& colours)
 {
   const ffd::PullBack& map = *scene.Map;
   const bool inverts = ffd::InvertsTheField(map.GetKind());

@@ -66,8 +66,8 @@ struct Rectangle
 };
 
 /// What holds no pixel, and does not count in the hull of several.
-constexpr Rectangle Nothing = { { std::numeric_limits<int>::max(), std::numeric_limits<int>::max() },
-  { 0, 0 } };
+constexpr int Beyond = std::numeric_limits<int>::max();
+constexpr Rectangle Nothing = { { Beyond, Beyond }, { 0, 0 } };
 
 /// What there is to be seen of some rows of an image.
 Rectangle FindVisible(int width, int firstRow, int lastRow, const float* colours)

@@ -349,10 +349,10 @@ public:
 
   ///@{
   /**
-   * How far what a part of the picture shows may have moved in the deformed volume since its rays were
-   * cast, edit by edit added up, until they are cast again with FrameCoherence: pixels, as large as they
-   * are where it is. (Where T is not inverted, how far in the volume at rest.) 0: a part is shown again
-   * only if nothing in it has moved at all. Not negative. Default: 0.25.
+   * How far what a part of the picture shows may have moved in the deformed volume since its rays
+   * were cast, edit by edit added up, until they are cast again with FrameCoherence: pixels, as large
+   * as they are where it is. (Where T is not inverted, how far in the volume at rest.) 0: a part is
+   * shown again only if nothing in it has moved at all. Not negative. Default: 0.25.
    */
   virtual void SetFrameCoherenceTolerance(double pixels);
   vtkGetMacro(FrameCoherenceTolerance, double);

@@ -60,8 +60,8 @@ public:
   bool FindEmptyBox(
     const glm::dvec3& q, const glm::dvec3& upper, EmptyBox& box, double margin = 0.0) const;
 
-  /// Whether nothing is visible in a box of index coordinates, of which what is outside of the volume
-  /// [-margin, upper] does not matter.
+  /// Whether nothing is visible in a box of index coordinates, of which what is outside of the
+  /// volume [-margin, upper] does not matter.
   bool IsEmptyIn(const glm::dvec3& low, const glm::dvec3& high, const glm::dvec3& upper,
     double margin = 0.0) const;
 

@@ -270,8 +270,7 @@ bool HaveSameGrid(const BSplineField& a, const BSplineField& b)
 
 //------------------------------------------------------------------------------
 bool FindChange(const PullBack& before, const PullBack& after, const DeformedSpaceBounds& bounds,
-  const Box& region, double resolution,
-  const IsEmptyAtRest& isEmpty, PullBackChange& change)
+  const Box& region, double resolution, const IsEmptyAtRest& isEmpty, PullBackChange& change)
 {
   change = PullBackChange();
   if (!before.GetField() || !after.GetField() || before.GetKind() != after.GetKind() ||

@@ -16,14 +16,15 @@ namespace ffd
 {
 
 /**
- * Where a pull-back differs from what it was before an edit: parts of deformed space, and how far what
- * was in each has moved at most. Each part is the hull of 8 neighbouring corners of a bent grid, with a
- * margin around it. What can be seen outside of all parts has not moved, and what has moved is now that
- * far from its part at most.
+ * Where a pull-back differs from what it was before an edit: parts of deformed space, and how far
+ * what was in each has moved at most. Each part is the hull of 8 neighbouring corners of a bent grid,
+ * with a margin around it. What can be seen outside of all parts has not moved, and what has moved is
+ * now that far from its part at most.
  *
- * For Phi = T^-1 that is how far the material has moved in deformed space, |T_after(Q) - T_before(Q)|
- * for all Q with T_before(Q) in the part, which is what a picture shows of it. For the other kinds it
- * is how far rest points have, |Phi_after(P) - Phi_before(P)| for all P in the part.
+ * For Phi = T^-1 that is how far the material has moved in deformed space,
+ * |T_after(Q) - T_before(Q)| for all Q with T_before(Q) in the part, which is what a picture shows of
+ * it. For the other kinds it is how far rest points have, |Phi_after(P) - Phi_before(P)| for all P in
+ * the part.
  */
 struct PullBackChange
 {
@@ -43,10 +44,10 @@ using IsEmptyAtRest = std::function<bool(const Box& rest)>;
  * into `region` (rest space for the kinds that invert T, else deformed space).
  *
  * |D_after - D_before| is bounded over parts of the cells that the edited control points count in,
- * by the largest values of the basis functions over each part. Phi of T^-1 moves by no more than that
- * times the Lipschitz constant of the inverse, taken from `bounds`, those of `after`. `resolution`:
- * size of the parts, data units. `isEmpty` may be null; where it is true nothing counts as moved, for
- * Phi = T^-1, whose parts are boxes at rest.
+ * by the largest values of the basis functions over each part. Phi of T^-1 moves by no more than
+ * that times the Lipschitz constant of the inverse, taken from `bounds`, those of `after`.
+ * `resolution`: size of the parts, data units. `isEmpty` may be null; where it is true nothing counts
+ * as moved, for Phi = T^-1, whose parts are boxes at rest.
  *
  * Returns false when nothing can be said: another grid of control points or another kind, an
  * inverse that is not proven to be one to one, or too many parts. `before` must be one to one, too.

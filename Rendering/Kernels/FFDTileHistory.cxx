@@ -77,8 +77,8 @@ public:
       const auto along = [&p](const glm::dvec4& row)
       { return row.x * p.x + row.y * p.y + row.z * p.z + row.w; };
       const double depth = along(rows[3]);
-      // Moved by d the corner is at (toX (p + d)) / (depth + rows[3] d), which differs from where it
-      // is by ((toX - x rows[3]) d) / (depth + rows[3] d). A part moves with its corners.
+      // Moved by d the corner is at (toX (p + d)) / (depth + rows[3] d), which differs from where
+      // it is by ((toX - x rows[3]) d) / (depth + rows[3] d). A part moves with its corners.
       const auto project = [&](const glm::dvec4& row, float& low, float& high)
       {
         const double at = along(row) / depth;
@@ -240,11 +240,11 @@ void TileHistory::NotePart(const Projection& parts, std::size_t part, double mov
   const float by = static_cast<float>(moved) / pixel;
   if (visible)
   {
-    // What is in the part was there before the edit or is there now; it looks larger to the sides of
-    // the picture. Rays go through the middles of pixels; half a pixel more for what is rounded.
+    // What is in the part was there before the edit or is there now; it looks larger to the sides
+    // of the picture. Rays go through the middles of pixels; half a pixel more for what is rounded.
     const float around = 2.0f * by;
-    low = glm::clamp(
-      glm::ceil(glm::vec2(parts.LowX[part], parts.LowY[part]) - around - 1.0f), glm::vec2(0.0f), most);
+    low = glm::clamp(glm::ceil(glm::vec2(parts.LowX[part], parts.LowY[part]) - around - 1.0f),
+      glm::vec2(0.0f), most);
     high = glm::clamp(glm::vec2(parts.HighX[part], parts.HighY[part]) + around, glm::vec2(-1.0f),
       most - 1.0f);
   }
@@ -274,8 +274,8 @@ void TileHistory::NoteDepths(const float* before, const float* now, const Camera
   for (int y = 0; y < this->Size.y; ++y)
   {
     const std::size_t row = static_cast<std::size_t>(y) * this->Size.x;
-    if (before && now &&
-      std::memcmp(before + row, now + row, sizeof(float) * static_cast<std::size_t>(this->Size.x)) == 0)
+    const std::size_t bytes = sizeof(float) * static_cast<std::size_t>(this->Size.x);
+    if (before && now && std::memcmp(before + row, now + row, bytes) == 0)
     {
       continue;
     }

@@ -62,8 +62,8 @@ struct Edited
     this->Bounds = DeformedSpaceBounds(this->After, mapBounds, region, this->Rest, 4.0, 2000);
     this->Inverts = InvertsTheField(kind);
     // Displacements by a twentieth of the spacing cannot fold.
-    this->Found = FindChange(
-      this->Before, this->After, this->Bounds, this->Inverts ? this->Rest : region, 3.0, nullptr, this->Change);
+    this->Found = FindChange(this->Before, this->After, this->Bounds,
+      this->Inverts ? this->Rest : region, 3.0, nullptr, this->Change);
   }
 
   /// How far the rest point of p has moved.
@@ -108,8 +108,8 @@ struct Edited
   PullBackChange Change;
 };
 
-/// The largest bound of all parts that a point may be in; `within`: of those that are no farther away
-/// than that times what they have moved by.
+/// The largest bound of all parts that a point may be in; `within`: of those that are no farther
+/// away than that times what they have moved by.
 double BoundAt(const PullBackChange& change, const glm::dvec3& p, double within = 0.0)
 {
   const int row = change.Parts.x + 1;
