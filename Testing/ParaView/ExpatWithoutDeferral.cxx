@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
 // To be preloaded into ParaView. Since 2.6.0, and in Debian 12 since 2.5.0-1+deb12u2, expat puts off
-// what it cannot finish, and VTK before 9.3.1 then reads the binary part of an XML file as XML: "not
-// well-formed (invalid token)" (VTK issue 19258). That is any file that ParaView writes by default,
-// and the surfaces that it exchanges between processes.
+// what it cannot finish, and ParaView 5.11 then reads the binary part of an XML file as XML: "not
+// well-formed (invalid token)" (VTK issue 19258; mended in Debian's VTK 9.1). That is any file that
+// ParaView writes by default, and the surfaces that it exchanges between processes.
 #include <dlfcn.h>
 
 extern "C" void* XML_ParserCreate(const char* encoding)

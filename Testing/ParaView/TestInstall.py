@@ -48,8 +48,7 @@ class TestInstall(unittest.TestCase):
             file.write(SCRIPT)
         result = subprocess.run(
             ["pvbatch", script], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-            check=False, env={**os.environ, "PV_PLUGIN_PATH": os.path.dirname(found[0]),
-                              "LD_PRELOAD": ""})
+            check=False, env={**os.environ, "PV_PLUGIN_PATH": os.path.dirname(found[0])})
         self.assertEqual(result.returncode, 0, result.stdout)
         self.assertIn("REPRESENTATION 'FFD Volume'", result.stdout)
         libraries = [line for line in result.stdout.splitlines()
