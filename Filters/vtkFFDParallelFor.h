@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Private to this library: not installed.
+// Private to the project: not installed.
 #ifndef vtkFFDParallelFor_h
 #define vtkFFDParallelFor_h
 

@@ -119,7 +119,7 @@ bool vtkFFDFrameCoherence::Continues(const Sources& sources, const ffd::CastScen
 //------------------------------------------------------------------------------
 std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Sources& sources,
   const ffd::CastScene& scene, const vtkFFDImageRegion& region, const ffd::Box& restBounds,
-  bool leaps, double tolerance, std::vector<float>& colours)
+  double tolerance, std::vector<float>& colours)
 {
   const ffd::PullBack& map = *scene.Map;
   const bool inverts = ffd::InvertsTheField(map.GetKind());
@@ -140,7 +140,7 @@ std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Source
   // A frame that follows no edit is a picture of its own: nothing stays inexact.
   if (this->Continues(sources, scene, region, shift) &&
     ffd::FindChange(last, map, *scene.Bounds, inverts ? restBounds : deformed,
-      Resolution * scene.VoxelSize, leaps ? isEmpty : ffd::IsEmptyAtRest(), change) &&
+      Resolution * scene.VoxelSize, scene.Distances ? isEmpty : ffd::IsEmptyAtRest(), change) &&
     !change.IsEmpty())
   {
     // Tiles are two quarters wide.

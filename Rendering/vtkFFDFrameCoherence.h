@@ -64,12 +64,11 @@ public:
 
   /**
    * Begin a picture. `colours`, 4 floats a ray, are those of the last one, and get the size of this
-   * one; `restBounds` those of the volume, `leaps`: whether the caster leaps over empty space,
-   * `tolerance` in pixels. Returns what must be cast.
+   * one; `restBounds` those of the volume, `tolerance` in pixels. Returns what must be cast.
    */
   std::vector<Part> Begin(const Sources& sources, const ffd::CastScene& scene,
-    const vtkFFDImageRegion& region, const ffd::Box& restBounds, bool leaps,
-    double tolerance, std::vector<float>& colours);
+    const vtkFFDImageRegion& region, const ffd::Box& restBounds, double tolerance,
+    std::vector<float>& colours);
 
   /// For the caster, see CastImage::Reaches.
   float* GetReaches() { return this->Quarters.GetReaches(); }

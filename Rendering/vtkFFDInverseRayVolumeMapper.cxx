@@ -9,6 +9,7 @@
 #include "vtkFFDImageRegion.h"
 #include "vtkFFDKernelViews.h"
 #include "vtkFFDProbeView.h"
+#include "vtkFFDParallelFor.h"
 #include "vtkFFDRayStatistics.h"
 #include "vtkFFDTracedRays.h"
 #include "vtkFFDVolumeInput.h"
@@ -204,8 +205,7 @@ public:
   void MakeClassifier(ffd::CastScene& scene);
   bool Cast(vtkRenderer* renderer, vtkVolume* volume, const vtkFFDImageRegion& region,
     const float* depths, bool interactive, bool window, float* outDepths);
-  template <class Work>
-  void WithThreads(const Work& work) const;
+  bool Leaps() const { return this->Self->SpaceLeaping != OFF && this->CanLeap; }
   void ApplyFinalColours(const vtkFFDImageRegion& region, const vtkFFDFrameCoherence::Part& tile);
   bool CanReuse(vtkVolume* volume) const;
   double FindStep(double allotted, const glm::ivec2& pixels) const;
@@ -634,7 +634,7 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
   ffd::CastSettings settings;
   settings.Segments = self->Segmentation == GREEDY_ANGLE ? ffd::Segmentation::GreedyAngle
                                                          : ffd::Segmentation::ErrorBound;
-  settings.Leaping = self->SpaceLeaping == OFF || !this->CanLeap ? ffd::SpaceLeaping::Off
+  settings.Leaping = !this->Leaps() ? ffd::SpaceLeaping::Off
     : self->SpaceLeaping == SEGMENT            ? ffd::SpaceLeaping::Segment
                                                : ffd::SpaceLeaping::Lipschitz;
   settings.Opacity =
@@ -779,7 +779,7 @@ ffd::CastScene vtkFFDInverseRayVolumeMapper::vtkInternals::MakeScene(vtkRenderer
     ? ffd::Interpolation::Nearest
     : ffd::Interpolation::Linear;
   scene.Table = &this->Functions.Components[0].Table;
-  scene.Distances = &this->Distances;
+  scene.Distances = this->Leaps() ? &this->Distances : nullptr;
   scene.Map = &this->Map;
   scene.Bounds = &this->SpaceBounds;
   scene.DeformedBounds = this->VisibleBounds();
@@ -858,8 +858,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
         if (task == 0)
         {
           tiles = this->Coherence.Begin(sources, scene, region, this->RestBounds,
-            settings.Leaping != ffd::SpaceLeaping::Off, this->Self->FrameCoherenceTolerance,
-            this->Colours);
+            this->Self->FrameCoherenceTolerance, this->Colours);
         }
         else
         {
@@ -867,7 +866,8 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
         }
       }
     };
-    this->WithThreads([&prepare] { vtkSMPTools::For(0, 2, 1, prepare); });
+    vtkFFDWithThreads(
+      this->Self->NumberOfThreads, [&prepare] { vtkSMPTools::For(0, 2, 1, prepare); });
     image.Reaches = this->Coherence.GetReaches();
   }
   else
@@ -921,7 +921,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
   };
   this->Self->SetAbortExecute(0);
   this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderStartEvent, nullptr);
-  this->WithThreads(renderImage);
+  vtkFFDWithThreads(this->Self->NumberOfThreads, renderImage);
   this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderEndEvent, nullptr);
   if (aborted)
   {
@@ -939,21 +939,6 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
       total.VisibleSamples, total.DistanceLookups, total.Evaluations, total.Unconverged);
   }
   return !aborted;
-}
-
-//------------------------------------------------------------------------------
-/// Do work on as many threads as the mapper is to use.
-template <class Work>
-void vtkFFDInverseRayVolumeMapper::vtkInternals::WithThreads(const Work& work) const
-{
-  if (this->Self->NumberOfThreads > 0)
-  {
-    vtkSMPTools::LocalScope(vtkSMPTools::Config{ this->Self->NumberOfThreads }, work);
-  }
-  else
-  {
-    work();
-  }
 }
 
 //------------------------------------------------------------------------------

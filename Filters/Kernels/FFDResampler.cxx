@@ -507,8 +507,7 @@ Resampler::Resampler(const VolumeView& volume, const PullBack& map, const ImageG
 //------------------------------------------------------------------------------
 bool Resampler::Inverts() const
 {
-  return this->Map->GetKind() == PullBackKind::Exact ||
-    this->Map->GetKind() == PullBackKind::FirstOrderOfInverse;
+  return InvertsTheField(this->Map->GetKind());
 }
 
 //------------------------------------------------------------------------------

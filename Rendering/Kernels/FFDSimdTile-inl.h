@@ -237,8 +237,7 @@ HWY_INLINE void PullBackJacobian(
   const PacketScene& scene, const Vec3& p, const Vec3& q, Vec3& a, Vec3& b, Vec3& c)
 {
   const Vf one = Splat(1.0f);
-  const bool inverse = scene.Kind == PullBackKind::Exact ||
-    scene.Kind == PullBackKind::FirstOrderOfInverse;
+  const bool inverse = InvertsTheField(scene.Kind);
   Vec3 at = inverse ? q : p;
   if (scene.Kind == PullBackKind::FirstOrderOfInverse)
   {
