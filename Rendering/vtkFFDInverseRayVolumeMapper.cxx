@@ -156,6 +156,29 @@ double FindPart(const std::vector<vtkFFDFrameCoherence::Part>& tiles, const glm:
   return std::min(1.0, static_cast<double>(count) / std::max(1, all.x * all.y));
 }
 
+/// `colours`, premultiplied, as a picture of bytes.
+void WriteColours(
+  const std::vector<float>& colours, int width, int height, bool premultiplied, vtkImageData* image)
+{
+  image->SetExtent(0, width - 1, 0, height - 1, 0, 0);
+  image->AllocateScalars(VTK_UNSIGNED_CHAR, 4);
+  auto* bytes = static_cast<unsigned char*>(image->GetScalarPointer());
+  const auto toByte = [](float value) {
+    return static_cast<unsigned char>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f);
+  };
+  const std::size_t count = 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  for (std::size_t i = 0; i < count; i += 4)
+  {
+    const float alpha = colours[i + 3];
+    const float scale = premultiplied ? 1.0f : alpha > 0.0f ? 1.0f / alpha : 0.0f;
+    for (std::size_t c = 0; c < 3; ++c)
+    {
+      bytes[i + c] = toByte(colours[i + c] * scale);
+    }
+    bytes[i + 3] = toByte(alpha);
+  }
+}
+
 /// Whether a pass of depth peeling asks for the volume between translucent surfaces: it wants the
 /// shader of the volume changed, and what is drawn without that is not a picture.
 bool IsPeeled(vtkRenderer* renderer, vtkVolume* volume)
@@ -1651,20 +1674,7 @@ int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume
     return 0;
   }
 
-  colours->SetExtent(0, width - 1, 0, height - 1, 0, 0);
-  colours->AllocateScalars(VTK_UNSIGNED_CHAR, 4);
-  auto* bytes = static_cast<unsigned char*>(colours->GetScalarPointer());
-  for (std::size_t i = 0; i < pixels; ++i)
-  {
-    const float* premultiplied = &in.Colours[4 * i];
-    const float alpha = premultiplied[3];
-    for (int c = 0; c < 3; ++c)
-    {
-      const float straight = alpha > 0.0f ? std::min(1.0f, premultiplied[c] / alpha) : 0.0f;
-      bytes[4 * i + c] = static_cast<unsigned char>(straight * 255.0f + 0.5f);
-    }
-    bytes[4 * i + 3] = static_cast<unsigned char>(alpha * 255.0f + 0.5f);
-  }
+  WriteColours(in.Colours, width, height, this->PremultipliedAlpha != 0, colours);
   if (depths)
   {
     depths->SetExtent(0, width - 1, 0, height - 1, 0, 0);
@@ -1804,6 +1814,7 @@ void vtkFFDInverseRayVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
     this->SetUseJittering(like->UseJittering);
     this->SetFinalColorWindow(like->FinalColorWindow);
     this->SetFinalColorLevel(like->FinalColorLevel);
+    this->SetPremultipliedAlpha(like->PremultipliedAlpha);
     this->SetMaskInput(like->MaskInput);
     this->SetMaskType(like->MaskType);
     this->SetMaskBlendFactor(like->MaskBlendFactor);
@@ -1877,6 +1888,7 @@ void vtkFFDInverseRayVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "UseJittering: " << this->UseJittering << "\n";
   os << indent << "FinalColorWindow: " << this->FinalColorWindow << "\n";
   os << indent << "FinalColorLevel: " << this->FinalColorLevel << "\n";
+  os << indent << "PremultipliedAlpha: " << this->PremultipliedAlpha << "\n";
   os << indent << "MaskInput: " << this->MaskInput << "\n";
   os << indent << "MaskType: " << (this->MaskType == BinaryMaskType ? "Binary" : "LabelMap") << "\n";
   os << indent << "MaskBlendFactor: " << this->MaskBlendFactor << "\n";

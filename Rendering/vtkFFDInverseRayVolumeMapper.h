@@ -560,16 +560,30 @@ public:
    */
   vtkFFDRayStatistics* GetStatistics();
 
+  ///@{
+  /**
+   * Whether the colours that RenderToImage() writes are multiplied by their alpha. Over black they
+   * are then the picture in a window, over a background b they are colours + (1 - alpha) b.
+   * Default: off, straight alpha, which image files and most programs expect: colours are divided
+   * by alpha and cut at 1. Straight alpha therefore loses what is brighter than its alpha:
+   * highlights on translucent material, bright lights, and the sums of several independent
+   * components.
+   */
+  vtkSetMacro(PremultipliedAlpha, vtkTypeBool);
+  vtkGetMacro(PremultipliedAlpha, vtkTypeBool);
+  vtkBooleanMacro(PremultipliedAlpha, vtkTypeBool);
+  ///@}
+
   /**
    * Render the volume into images, without any window or OpenGL. Camera, lights and two-sided
    * lighting are those of `renderer`; its window, if any, is not used.
    *
-   * `colours` becomes a width x height x 1 image of 4 unsigned chars, red, green, blue, alpha, not
-   * premultiplied, rows bottom up, transparent where there is nothing. `depths`, if not null,
-   * becomes one of floats: the window depth (0 near, 1 far) of the first visible sample (of the
-   * sample with the extreme value, of the first surface, or of the slice in those blend modes), 1
-   * where there is none. `inputDepths`, if not null, is such an image of what lies in front: rays end
-   * there.
+   * `colours` becomes a width x height x 1 image of 4 unsigned chars, red, green, blue, alpha, rows
+   * bottom up, 0 where there is nothing; see PremultipliedAlpha for what colours are. `depths`, if
+   * not null, becomes one of floats: the window depth (0 near, 1 far) of the first visible sample
+   * (of the sample with the extreme value, of the first surface, or of the slice in those blend
+   * modes), 1 where there is none. `inputDepths`, if not null, is such an image of what lies in
+   * front: rays end there.
    *
    * Returns 1, or 0 after an error or an abort; the images are then left as they were. Width and
    * height range from 1 to 16384.
@@ -701,6 +715,7 @@ private:
   vtkTypeBool UseJittering = 0;
   double FinalColorWindow = 1.0;
   double FinalColorLevel = 0.5;
+  vtkTypeBool PremultipliedAlpha = 0;
   int NumberOfThreads = 0;
   vtkTypeBool ReferenceKernels = 0;
   vtkTypeBool CollectStatistics = 0;

@@ -70,6 +70,16 @@ class TestMapper(unittest.TestCase):
         self.assertTrue(0.0 < depths[15, 20] < 1.0)
         self.assertEqual(depths[0, 0], 1.0)
 
+    def test_premultiplied_alpha(self):
+        self.volume.GetProperty().SetScalarOpacityUnitDistance(20.0)
+        straight, _ = self.render()
+        self.mapper.PremultipliedAlphaOn()
+        premultiplied, _ = self.render()
+        alpha = straight[15, 20, 3]
+        self.assertTrue(50 < alpha < 200)
+        self.assertEqual(tuple(straight[15, 20]), (255, 0, 0, alpha))
+        self.assertEqual(tuple(premultiplied[15, 20]), (alpha, 0, 0, alpha))
+
     def test_lattice_moves_the_picture_and_the_bounds(self):
         rest, _ = self.render()
         lattice = vtkffd.vtkFFDLattice()
