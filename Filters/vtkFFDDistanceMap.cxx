@@ -218,7 +218,7 @@ int vtkFFDDistanceMap::RequestData(
     vtkErrorMacro(<< message);
     return 0;
   }
-  const ffd::MinMaxBlocks blocks(volume, vtkFFDParallelFor);
+  const ffd::MinMaxBlocks blocks(volume, vtkFFDParallelFor());
   if (blocks.GetRange().Min > blocks.GetRange().Max)
   {
     vtkErrorMacro("The scalars of the input hold no finite number: there is nothing to be far "
@@ -248,7 +248,7 @@ int vtkFFDDistanceMap::RequestData(
   vtkNew<vtkUnsignedShortArray> distances;
   distances->SetName("Distance");
   distances->SetNumberOfValues(input->GetNumberOfPoints());
-  vtkFFDParallelFor(static_cast<std::size_t>(volume.Dimensions.z),
+  vtkFFDParallelFor()(static_cast<std::size_t>(volume.Dimensions.z),
     [&volume, &table, &distances](std::size_t first, std::size_t last)
     {
       ffd::MarkVisibleVoxels(volume, table, static_cast<int>(first), static_cast<int>(last),

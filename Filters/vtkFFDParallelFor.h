@@ -6,29 +6,70 @@
 
 #include "vtkSMPTools.h"
 
+#include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <functional>
 
-/// Splits a loop over threads with vtkSMPTools, as the kernels ask for it.
-inline void vtkFFDParallelFor(
-  std::size_t count, const std::function<void(std::size_t first, std::size_t last)>& work)
+/**
+ * Splits loops over threads of vtkSMPTools, as the kernels ask for it (ffd::ParallelFor). The number
+ * of threads is that of the object, not of the process: so many workers, at most, take pieces of the
+ * loop in turn. Several threads may do this at the same time, each with objects of its own.
+ */
+class vtkFFDParallelFor
 {
-  vtkSMPTools::For(0, static_cast<vtkIdType>(count),
-    [&work](vtkIdType first, vtkIdType last)
-    { work(static_cast<std::size_t>(first), static_cast<std::size_t>(last)); });
-}
+public:
+  /// 0: as many threads as vtkSMPTools uses.
+  explicit vtkFFDParallelFor(int threads = 0)
+    : Workers(threads > 0 ? threads : std::max(1, vtkSMPTools::GetEstimatedNumberOfThreads()))
+  {
+  }
 
-/// Run `work` with at most `threads` threads; 0: as many as vtkSMPTools uses.
-inline void vtkFFDWithThreads(int threads, const std::function<void()>& work)
-{
-  if (threads > 0)
+  int GetNumberOfWorkers() const { return this->Workers; }
+
+  /// Runs worker(i) for each i in [0, GetNumberOfWorkers()), at the same time as far as there are
+  /// threads: whichever starts first must be able to do all the work.
+  template <class Worker>
+  void RunWorkers(const Worker& worker) const
   {
-    vtkSMPTools::LocalScope(vtkSMPTools::Config{ threads }, work);
+    if (this->Workers == 1)
+    {
+      worker(0);
+      return;
+    }
+    vtkSMPTools::For(0, this->Workers, 1,
+      [&worker](vtkIdType first, vtkIdType last)
+      {
+        for (vtkIdType i = first; i < last; ++i)
+        {
+          worker(static_cast<int>(i));
+        }
+      });
   }
-  else
+
+  /// Runs work(first, last) over [0, count), in pieces of one size.
+  void operator()(
+    std::size_t count, const std::function<void(std::size_t first, std::size_t last)>& work) const
   {
-    work();
+    const std::size_t piece =
+      std::max<std::size_t>(1, count / (PiecesPerWorker * static_cast<std::size_t>(this->Workers)));
+    std::atomic<std::size_t> next{ 0 };
+    this->RunWorkers(
+      [count, piece, &next, &work](int)
+      {
+        for (std::size_t first = next.fetch_add(piece); first < count;
+             first = next.fetch_add(piece))
+        {
+          work(first, std::min(first + piece, count));
+        }
+      });
   }
-}
+
+private:
+  /// Small pieces keep all workers busy to the end of the loop.
+  static constexpr std::size_t PiecesPerWorker = 8;
+
+  int Workers;
+};
 
 #endif

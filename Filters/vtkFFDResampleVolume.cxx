@@ -672,18 +672,15 @@ int vtkFFDResampleVolume::RequestData(
     static_cast<std::size_t>(result->GetNumberOfComponents()) *
     static_cast<std::size_t>(result->GetDataTypeSize());
   char* const values = static_cast<char*>(result->GetVoidPointer(0));
-  vtkFFDWithThreads(this->NumberOfThreads,
-    [&]
-    {
-      for (int k = extent[4]; k <= extent[5] && !this->GetAbortExecute(); k += SlicesPerBatch)
-      {
-        const int last = std::min(k + SlicesPerBatch - 1, extent[5]);
-        this->NumberOfUnconvergedPoints += resampler.Resample(
-          { extent[0], extent[2], k }, { extent[1], extent[3], last },
-          values + sliceSize * static_cast<std::size_t>(k - extent[4]), vtkFFDParallelFor);
-        this->UpdateProgress(static_cast<double>(last - extent[4] + 1) / (extent[5] - extent[4] + 1));
-      }
-    });
+  const vtkFFDParallelFor parallelFor(this->NumberOfThreads);
+  for (int k = extent[4]; k <= extent[5] && !this->GetAbortExecute(); k += SlicesPerBatch)
+  {
+    const int last = std::min(k + SlicesPerBatch - 1, extent[5]);
+    this->NumberOfUnconvergedPoints += resampler.Resample(
+      { extent[0], extent[2], k }, { extent[1], extent[3], last },
+      values + sliceSize * static_cast<std::size_t>(k - extent[4]), parallelFor);
+    this->UpdateProgress(static_cast<double>(last - extent[4] + 1) / (extent[5] - extent[4] + 1));
+  }
   if (this->GetAbortExecute())
   {
     output->Initialize();

@@ -165,7 +165,8 @@ public:
 
   ///@{
   /**
-   * Number of threads, up to 1024; 0, the default, means as many as vtkSMPTools uses.
+   * Largest number of threads, up to 1024; 0, the default, means as many as vtkSMPTools uses, and
+   * there are never more than that.
    */
   vtkSetClampMacro(NumberOfThreads, int, 0, 1024);
   vtkGetMacro(NumberOfThreads, int);

@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDImageDisplay.h"
 
+#include "vtkFFDParallelFor.h"
+
 #include "vtkNew.h"
 #include "vtkOpenGLQuadHelper.h"
 #include "vtkOpenGLRenderWindow.h"
 #include "vtkOpenGLShaderCache.h"
 #include "vtkOpenGLState.h"
 #include "vtkRenderer.h"
-#include "vtkSMPTools.h"
 #include "vtkShaderProgram.h"
 #include "vtkTextureObject.h"
 #include "vtkWeakPointer.h"
@@ -52,9 +53,6 @@ void main()
   gl_FragData[0] = clamp(texture2D(image, texCoord), 0.0, 1.0);
 }
 )";
-
-/// Rows of pixels that are worth another thread.
-constexpr vtkIdType RowsPerTask = 64;
 
 /// A rectangle of pixels, from the first to one past the last.
 struct Rectangle
@@ -107,12 +105,13 @@ Rectangle FindVisible(int width, int firstRow, int lastRow, const float* colours
 
 /// What there is to be seen of an image, with a pixel around it to be interpolated to; empty if
 /// nothing is.
-Rectangle FindVisible(int width, int height, const float* colours)
+Rectangle FindVisible(
+  int width, int height, const float* colours, const vtkFFDParallelFor& parallelFor)
 {
   Rectangle found = Nothing;
   std::mutex mutex;
-  vtkSMPTools::For(0, height, RowsPerTask,
-    [&](vtkIdType first, vtkIdType last)
+  parallelFor(static_cast<std::size_t>(height),
+    [&](std::size_t first, std::size_t last)
     {
       const Rectangle rows =
         FindVisible(width, static_cast<int>(first), static_cast<int>(last), colours);
@@ -154,7 +153,7 @@ vtkFFDImageDisplay::~vtkFFDImageDisplay() = default;
 
 //------------------------------------------------------------------------------
 bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, const float* colours,
-  const double rectangle[4], bool pixelByPixel)
+  const double rectangle[4], bool pixelByPixel, const vtkFFDParallelFor& parallelFor)
 {
   auto* window = vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow());
   if (!window)
@@ -170,7 +169,7 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, cons
   this->Gl->Window = window;
 
   // Most of the bounds of a volume is empty.
-  const Rectangle part = FindVisible(width, height, colours);
+  const Rectangle part = FindVisible(width, height, colours, parallelFor);
   if (part.Width() <= 0 || part.Height() <= 0)
   {
     return true;
@@ -178,15 +177,15 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, cons
   std::vector<float>& visible = this->Gl->Visible;
   const std::size_t rowLength = 4 * static_cast<std::size_t>(part.Width());
   visible.resize(rowLength * static_cast<std::size_t>(part.Height()));
-  vtkSMPTools::For(0, part.Height(), RowsPerTask,
-    [&](vtkIdType first, vtkIdType last)
+  parallelFor(static_cast<std::size_t>(part.Height()),
+    [&](std::size_t first, std::size_t last)
     {
-      for (vtkIdType y = first; y < last; ++y)
+      for (std::size_t y = first; y < last; ++y)
       {
         std::copy_n(colours +
-            4 * (static_cast<std::size_t>(width) * static_cast<std::size_t>(part.Low[1] + y) +
+            4 * (static_cast<std::size_t>(width) * (static_cast<std::size_t>(part.Low[1]) + y) +
                   static_cast<std::size_t>(part.Low[0])),
-          rowLength, visible.data() + rowLength * static_cast<std::size_t>(y));
+          rowLength, visible.data() + rowLength * y);
       }
     });
 

@@ -13,6 +13,7 @@
 
 #include <memory>
 
+class vtkFFDParallelFor;
 class vtkRenderer;
 class vtkWindow;
 
@@ -31,7 +32,7 @@ public:
    * texture.
    */
   bool Draw(vtkRenderer* renderer, int width, int height, const float* colours,
-    const double rectangle[4], bool pixelByPixel);
+    const double rectangle[4], bool pixelByPixel, const vtkFFDParallelFor& parallelFor);
 
   void ReleaseGraphicsResources(vtkWindow* window);
 

@@ -46,8 +46,6 @@
 #include "vtkPolyData.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
-#include "vtkSMPThreadLocal.h"
-#include "vtkSMPTools.h"
 #include "vtkSmartPointer.h"
 #include "vtkTimerLog.h"
 #include "vtkVolume.h"
@@ -106,15 +104,6 @@ constexpr int LargestImageSide = 16384;
 
 /// Shortest piece and sample distance, voxels: below, an image would take for ever.
 constexpr double ShortestLength = 1e-3;
-
-/// Splits a loop over threads with vtkSMPTools, as the kernels ask for it.
-void ParallelFor(
-  std::size_t count, const std::function<void(std::size_t first, std::size_t last)>& work)
-{
-  vtkSMPTools::For(0, static_cast<vtkIdType>(count), 1,
-    [&work](vtkIdType first, vtkIdType last)
-    { work(static_cast<std::size_t>(first), static_cast<std::size_t>(last)); });
-}
 
 /// The unit "voxel": the shortest edge of a voxel under a linear map from index coordinates.
 double FindShortestEdge(const glm::dmat3& fromIndex)
@@ -228,6 +217,10 @@ public:
   void MakeClassifier(ffd::CastScene& scene);
   bool Cast(vtkRenderer* renderer, vtkVolume* volume, const vtkFFDImageRegion& region,
     const float* depths, bool interactive, bool window, float* outDepths);
+  vtkFFDParallelFor MakeParallelFor() const
+  {
+    return vtkFFDParallelFor(this->Self->NumberOfThreads);
+  }
   bool Leaps() const { return this->Self->SpaceLeaping != OFF && this->CanLeap; }
   void ApplyFinalColours(const vtkFFDImageRegion& region, const vtkFFDFrameCoherence::Part& tile);
   bool CanReuse(vtkVolume* volume) const;
@@ -407,13 +400,14 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
   this->Map = map;
   ++this->Builds[DEFORMATION_BOUNDS];
   // Only what follows from these bounds is kept: they take far more memory.
-  const ffd::PullBackBounds mapBounds(this->Map, ParallelFor);
-  this->DeformedBounds = mapBounds.DeformedBounds(rest, ParallelFor);
+  const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
+  const ffd::PullBackBounds mapBounds(this->Map, parallelFor);
+  this->DeformedBounds = mapBounds.DeformedBounds(rest, parallelFor);
   this->TurnRate = ffd::FindLargestTurnRate(
-    mapBounds.Over(mapBounds.RegionsAreInRestSpace() ? rest : this->DeformedBounds, ParallelFor));
+    mapBounds.Over(mapBounds.RegionsAreInRestSpace() ? rest : this->DeformedBounds, parallelFor));
   this->SpaceBounds = ffd::DeformedSpaceBounds(this->Map, mapBounds,
     { this->DeformedBounds.Min - reach, this->DeformedBounds.Max + reach }, rest, reach,
-    mostCells, ParallelFor);
+    mostCells, parallelFor);
   for (int a = 0; a < 3; ++a)
   {
     this->ReportedBounds[2 * a] = this->DeformedBounds.Min[a];
@@ -453,7 +447,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateBlocks(
     this->Blocks.clear();
     for (int c : components)
     {
-      this->Blocks.emplace_back(ffd::GetComponent(volume, c), ParallelFor);
+      this->Blocks.emplace_back(ffd::GetComponent(volume, c), this->MakeParallelFor());
     }
     this->BlocksMade.Modified();
     ++this->Builds[MIN_MAX_BLOCKS];
@@ -585,12 +579,12 @@ void vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDistances()
       ffd::MakeLeapTable(this->Blend, first.Table, leaps);
     if (this->CanLeap)
     {
-      this->Distances = ffd::DistanceMap(this->Blocks[0], leaps, ParallelFor);
+      this->Distances = ffd::DistanceMap(this->Blocks[0], leaps, this->MakeParallelFor());
     }
   }
   else if (one)
   {
-    this->Distances = ffd::DistanceMap(this->Blocks[0], first.Table, ParallelFor);
+    this->Distances = ffd::DistanceMap(this->Blocks[0], first.Table, this->MakeParallelFor());
   }
   else
   {
@@ -602,7 +596,7 @@ void vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDistances()
     this->Distances = ffd::DistanceMap(blocks,
       [this](const ffd::MinMaxBlocks::Limits* limits)
       { return this->Functions.IsTransparent(limits); },
-      ParallelFor);
+      this->MakeParallelFor());
   }
   this->DistancesBlend = this->Blend;
   this->DistancesMade.Modified();
@@ -866,6 +860,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
   ffd::CastImage image;
   image.Width = region.Rays.x;
   image.Height = region.Rays.y;
+  const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
   std::unique_ptr<const ffd::RayCaster> made;
   std::vector<vtkFFDFrameCoherence::Part> tiles;
   if (window && this->CanReuse(volume))
@@ -874,23 +869,22 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
       this->Input.GetMTime(), this->FunctionsMade.GetMTime(), volume->GetProperty(),
       volume->GetProperty()->GetMTime(), ffd::ToMatrix(volume->GetMatrix()), interactive };
     // Both take about as long.
-    const auto prepare = [&](vtkIdType first, vtkIdType last)
-    {
-      for (vtkIdType task = first; task < last; ++task)
+    parallelFor(2,
+      [&](std::size_t first, std::size_t last)
       {
-        if (task == 0)
+        for (std::size_t task = first; task < last; ++task)
         {
-          tiles = this->Coherence.Begin(sources, scene, region, this->RestBounds,
-            this->Self->FrameCoherenceTolerance, this->Colours);
+          if (task == 0)
+          {
+            tiles = this->Coherence.Begin(sources, scene, region, this->RestBounds,
+              this->Self->FrameCoherenceTolerance, this->Colours);
+          }
+          else
+          {
+            made = std::make_unique<const ffd::RayCaster>(scene, settings);
+          }
         }
-        else
-        {
-          made = std::make_unique<const ffd::RayCaster>(scene, settings);
-        }
-      }
-    };
-    vtkFFDWithThreads(
-      this->Self->NumberOfThreads, [&prepare] { vtkSMPTools::For(0, 2, 1, prepare); });
+      });
     image.Reaches = this->Coherence.GetReaches();
   }
   else
@@ -910,18 +904,25 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
   image.Colours = this->Colours.data();
   image.Depths = outDepths;
 
-  vtkSMPThreadLocal<ffd::RayCaster::Scratch> scratch;
-  const auto renderTiles = [&](vtkIdType first, vtkIdType last)
+  std::vector<ffd::RayCaster::Scratch> scratch(
+    static_cast<std::size_t>(parallelFor.GetNumberOfWorkers()));
+  std::atomic<std::size_t> nextTile{ 0 };
+  const auto renderTiles = [&](std::size_t end)
   {
-    ffd::RayCaster::Scratch& mine = scratch.Local();
-    for (vtkIdType i = first; i < last; ++i)
-    {
-      const vtkFFDFrameCoherence::Part& tile = tiles[static_cast<std::size_t>(i)];
-      caster.RenderTile(tile.Tile, image, mine, tile.Quarters);
-      this->ApplyFinalColours(region, tile);
-    }
+    parallelFor.RunWorkers(
+      [&](int worker)
+      {
+        for (std::size_t i = nextTile++; i < end; i = nextTile++)
+        {
+          const vtkFFDFrameCoherence::Part& tile = tiles[i];
+          caster.RenderTile(
+            tile.Tile, image, scratch[static_cast<std::size_t>(worker)], tile.Quarters);
+          this->ApplyFinalColours(region, tile);
+        }
+      });
+    nextTile = end;
   };
-  const vtkIdType count = static_cast<vtkIdType>(tiles.size());
+  const std::size_t count = tiles.size();
   // Threads wait for each other between batches: no more of them than a fluent display of progress
   // and a quick abort need.
   const double expected =
@@ -929,22 +930,18 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
   const int batches =
     expected > 0.0 ? std::clamp(static_cast<int>(expected / SecondsPerBatch), 1, Batches) : Batches;
   bool aborted = false;
-  const auto renderImage = [&]
-  {
-    for (int batch = 0; batch < batches && !aborted; ++batch)
-    {
-      vtkSMPTools::For(count * batch / batches, count * (batch + 1) / batches, 1, renderTiles);
-      double progress = static_cast<double>(batch + 1) / batches;
-      this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderProgressEvent, &progress);
-      this->Self->UpdateProgress(progress);
-      vtkRenderWindow* shownIn = window ? renderer->GetRenderWindow() : nullptr;
-      aborted = this->Self->GetAbortExecute() != 0 ||
-        (shownIn && batch + 1 < batches && shownIn->CheckAbortStatus());
-    }
-  };
   this->Self->SetAbortExecute(0);
   this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderStartEvent, nullptr);
-  vtkFFDWithThreads(this->Self->NumberOfThreads, renderImage);
+  for (int batch = 0; batch < batches && !aborted; ++batch)
+  {
+    renderTiles(count * static_cast<std::size_t>(batch + 1) / static_cast<std::size_t>(batches));
+    double progress = static_cast<double>(batch + 1) / batches;
+    this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderProgressEvent, &progress);
+    this->Self->UpdateProgress(progress);
+    vtkRenderWindow* shownIn = window ? renderer->GetRenderWindow() : nullptr;
+    aborted = this->Self->GetAbortExecute() != 0 ||
+      (shownIn && batch + 1 < batches && shownIn->CheckAbortStatus());
+  }
   this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderEndEvent, nullptr);
   if (aborted)
   {
@@ -1603,7 +1600,7 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
   const glm::dvec2 upper = lower + glm::dvec2(region.Rays) * region.Step * perPixel;
   const double rectangle[4] = { lower.x, lower.y, upper.x, upper.y };
   if (!in.Display.Draw(renderer, region.Rays.x, region.Rays.y, in.Colours.data(), rectangle,
-        region.Step == 1.0))
+        region.Step == 1.0, in.MakeParallelFor()))
   {
     vtkErrorMacro(<< "The image could not be drawn: the render window is not an OpenGL window or "
                      "refused a texture of "

@@ -527,8 +527,9 @@ public:
 
   ///@{
   /**
-   * Number of threads, up to 1024; 0, the default, means as many as vtkSMPTools uses. The image is
-   * the same, bit by bit, with any number.
+   * Largest number of threads, up to 1024, that make a picture and what it needs; 0, the default,
+   * means as many as vtkSMPTools uses, and there are never more than that. Other mappers, and the
+   * process, are not affected. The image is the same, bit by bit, with any number.
    */
   vtkSetClampMacro(NumberOfThreads, int, 0, 1024);
   vtkGetMacro(NumberOfThreads, int);

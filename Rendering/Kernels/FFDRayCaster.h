@@ -41,8 +41,8 @@ public:
   RayCaster(const RayCaster&) = delete;
   RayCaster& operator=(const RayCaster&) = delete;
 
-  /// Buffers that a thread keeps between tiles.
-  struct Scratch
+  /// Buffers that a thread keeps between tiles; aligned so that no two share a line of the cache.
+  struct alignas(128) Scratch
   {
     PacketScratch Packets;
     TileSpans Spans;

@@ -1,0 +1,129 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Several threads render at the same time, each with a mapper of its own and another number of
+// threads: the number is a property of the mapper, not of the process, and changes no picture.
+
+#include "FFDTestHelpers.h"
+
+#include "vtkColorTransferFunction.h"
+#include "vtkFFDInverseRayVolumeMapper.h"
+#include "vtkFFDLattice.h"
+#include "vtkFFDResampleVolume.h"
+#include "vtkImageData.h"
+#include "vtkNew.h"
+#include "vtkPiecewiseFunction.h"
+#include "vtkRenderer.h"
+#include "vtkSMPTools.h"
+#include "vtkVolume.h"
+#include "vtkVolumeProperty.h"
+
+#include <cmath>
+#include <thread>
+#include <vector>
+
+namespace
+{
+
+constexpr int VolumeSide = 24;
+constexpr int Side = 48;
+constexpr int Edits = 4;
+constexpr int Threads = 4;
+
+using Bytes = std::vector<unsigned char>;
+
+void Append(vtkImageData* image, Bytes& bytes)
+{
+  const auto* first = static_cast<const unsigned char*>(image->GetScalarPointer());
+  bytes.insert(bytes.end(), first,
+    first + image->GetNumberOfPoints() * image->GetNumberOfScalarComponents());
+}
+
+/// The pictures of a lattice that is edited `Edits` times, and the last volume resampled.
+Bytes RenderEdits(int threads)
+{
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(VolumeSide, VolumeSide, VolumeSide);
+  image->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
+  auto* voxel = static_cast<unsigned char*>(image->GetScalarPointer());
+  for (int k = 0; k < VolumeSide; ++k)
+  {
+    for (int j = 0; j < VolumeSide; ++j)
+    {
+      for (int i = 0; i < VolumeSide; ++i)
+      {
+        *voxel++ = static_cast<unsigned char>(
+          128.0 + 120.0 * std::sin(0.7 * i) * std::sin(0.5 * j) * std::sin(0.4 * k));
+      }
+    }
+  }
+  vtkNew<vtkFFDLattice> lattice;
+  lattice->SetDimensions(6, 6, 6);
+  lattice->FitToBounds(image->GetBounds(), 0.0);
+  vtkNew<vtkPiecewiseFunction> opacity;
+  opacity->AddPoint(130.0, 0.0);
+  opacity->AddPoint(255.0, 0.4);
+  vtkNew<vtkColorTransferFunction> color;
+  color->AddRGBPoint(0.0, 1.0, 0.4, 0.2);
+  color->AddRGBPoint(255.0, 0.2, 0.9, 1.0);
+  vtkNew<vtkVolumeProperty> property;
+  property->SetScalarOpacity(opacity);
+  property->SetColor(color);
+  property->SetInterpolationTypeToLinear();
+  property->ShadeOn();
+  vtkNew<vtkFFDInverseRayVolumeMapper> mapper;
+  mapper->SetInputData(image);
+  mapper->SetDeformation(lattice);
+  mapper->SetNumberOfThreads(threads);
+  vtkNew<vtkVolume> volume;
+  volume->SetMapper(mapper);
+  volume->SetProperty(property);
+  vtkNew<vtkRenderer> renderer;
+  renderer->AddVolume(volume);
+
+  Bytes all;
+  for (int edit = 0; edit < Edits; ++edit)
+  {
+    FFDRandom random(edit);
+    random.Shape(lattice, 0.4);
+    renderer->ResetCamera();
+    vtkNew<vtkImageData> colors;
+    if (!mapper->RenderToImage(renderer, volume, Side, Side, colors))
+    {
+      return Bytes();
+    }
+    Append(colors, all);
+  }
+  vtkNew<vtkFFDResampleVolume> resample;
+  resample->SetInputData(image);
+  resample->SetDeformation(lattice);
+  resample->SetNumberOfThreads(threads);
+  resample->Update();
+  Append(resample->GetOutput(), all);
+  return all;
+}
+
+} // namespace
+
+int TestMapperThreads(int, char*[])
+{
+  const Bytes serial = RenderEdits(1);
+  FFD_CHECK(!serial.empty());
+  const int before = vtkSMPTools::GetEstimatedNumberOfThreads();
+  std::vector<Bytes> results(Threads);
+  std::vector<std::thread> threads;
+  for (int i = 0; i < Threads; ++i)
+  {
+    // 1, 2, 3 and as many as there are.
+    threads.emplace_back([&results, i] { results[i] = RenderEdits((i + 1) % Threads); });
+  }
+  for (std::thread& thread : threads)
+  {
+    thread.join();
+  }
+  for (const Bytes& result : results)
+  {
+    FFD_CHECK(result == serial);
+  }
+  FFD_CHECK(vtkSMPTools::GetEstimatedNumberOfThreads() == before);
+  return EXIT_SUCCESS;
+}
