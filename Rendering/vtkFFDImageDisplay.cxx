@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDImageDisplay.h"
 
+#include "vtkFFDOpenGL.h"
 #include "vtkFFDParallelFor.h"
 
 #include "vtkNew.h"
@@ -25,12 +26,6 @@
 
 namespace
 {
-
-// OpenGL names, by value: the header that has them differs between versions of VTK.
-constexpr unsigned int GlBlend = 0x0BE2;
-constexpr unsigned int GlDepthTest = 0x0B71;
-constexpr unsigned int GlOne = 1;
-constexpr unsigned int GlOneMinusSourceAlpha = 0x0303;
 
 const char* const VertexShader = R"(//VTK::System::Dec
 in vec4 ndCoordIn;
@@ -131,6 +126,98 @@ Rectangle FindVisible(
   return found;
 }
 
+/// Forget errors of OpenGL from before. (Without a context there is no end of them.)
+void ClearErrors()
+{
+  for (int i = 0; i < 100 && glGetError() != GL_NO_ERROR; ++i)
+  {
+  }
+}
+
+/// A property of the depth or stencil attachment of the framebuffer that is read from.
+GLint GetAttachment(GLenum attachment, GLenum property)
+{
+  GLint value = 0;
+  glGetFramebufferAttachmentParameteriv(GL_READ_FRAMEBUFFER, attachment, property, &value);
+  return value;
+}
+
+/// The format of the depths of the framebuffer that is read from; 0 if it has none. Depths are
+/// copied between framebuffers only if their formats are the same.
+GLenum FindDepthFormat(bool ofWindow)
+{
+  const GLenum depth = ofWindow ? GL_DEPTH : GL_DEPTH_ATTACHMENT;
+  const GLenum stencil = ofWindow ? GL_STENCIL : GL_STENCIL_ATTACHMENT;
+  if (GetAttachment(depth, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE) == GL_NONE)
+  {
+    return 0;
+  }
+  const GLint bits = GetAttachment(depth, GL_FRAMEBUFFER_ATTACHMENT_DEPTH_SIZE);
+  const bool floats = GetAttachment(depth, GL_FRAMEBUFFER_ATTACHMENT_COMPONENT_TYPE) == GL_FLOAT;
+  const bool withStencil =
+    GetAttachment(stencil, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE) != GL_NONE &&
+    GetAttachment(stencil, GL_FRAMEBUFFER_ATTACHMENT_STENCIL_SIZE) > 0;
+  if (withStencil)
+  {
+    return floats ? GL_DEPTH32F_STENCIL8 : GL_DEPTH24_STENCIL8;
+  }
+  return floats  ? GL_DEPTH_COMPONENT32F
+    : bits <= 16 ? GL_DEPTH_COMPONENT16
+    : bits <= 24 ? GL_DEPTH_COMPONENT24
+                 : GL_DEPTH_COMPONENT32;
+}
+
+/// A framebuffer with one sample for each pixel of a rectangle of the one that is read from.
+class ResolvedDepths
+{
+public:
+  ResolvedDepths(GLenum format, const int rectangle[4])
+  {
+    GLint drawn = 0;
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &drawn);
+    glGenFramebuffers(1, &this->Framebuffer);
+    glGenRenderbuffers(1, &this->Depths);
+    glBindRenderbuffer(GL_RENDERBUFFER, this->Depths);
+    glRenderbufferStorage(GL_RENDERBUFFER, format, rectangle[2], rectangle[3]);
+    glBindRenderbuffer(GL_RENDERBUFFER, 0);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, this->Framebuffer);
+    const bool withStencil = format == GL_DEPTH24_STENCIL8 || format == GL_DEPTH32F_STENCIL8;
+    glFramebufferRenderbuffer(GL_DRAW_FRAMEBUFFER,
+      withStencil ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER,
+      this->Depths);
+    const GLenum noColours = GL_NONE;
+    glDrawBuffers(1, &noColours);
+    const bool scissor = glIsEnabled(GL_SCISSOR_TEST) == GL_TRUE;
+    glDisable(GL_SCISSOR_TEST);
+    glBlitFramebuffer(rectangle[0], rectangle[1], rectangle[0] + rectangle[2],
+      rectangle[1] + rectangle[3], 0, 0, rectangle[2], rectangle[3], GL_DEPTH_BUFFER_BIT,
+      GL_NEAREST);
+    if (scissor)
+    {
+      glEnable(GL_SCISSOR_TEST);
+    }
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(drawn));
+  }
+  ~ResolvedDepths()
+  {
+    glDeleteFramebuffers(1, &this->Framebuffer);
+    glDeleteRenderbuffers(1, &this->Depths);
+  }
+  ResolvedDepths(const ResolvedDepths&) = delete;
+  void operator=(const ResolvedDepths&) = delete;
+
+  void Read(const int size[2], float* depths) const
+  {
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, this->Framebuffer);
+    glReadBuffer(GL_NONE);
+    glReadPixels(0, 0, size[0], size[1], GL_DEPTH_COMPONENT, GL_FLOAT, depths);
+  }
+
+private:
+  GLuint Framebuffer = 0;
+  GLuint Depths = 0;
+};
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -220,12 +307,12 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, cons
   }
 
   vtkOpenGLState* state = window->GetState();
-  vtkOpenGLState::ScopedglEnableDisable keepBlend(state, GlBlend);
-  vtkOpenGLState::ScopedglEnableDisable keepDepthTest(state, GlDepthTest);
+  vtkOpenGLState::ScopedglEnableDisable keepBlend(state, GL_BLEND);
+  vtkOpenGLState::ScopedglEnableDisable keepDepthTest(state, GL_DEPTH_TEST);
   vtkOpenGLState::ScopedglBlendFuncSeparate keepBlendFunction(state);
-  state->vtkglEnable(GlBlend);
-  state->vtkglDisable(GlDepthTest);
-  state->vtkglBlendFuncSeparate(GlOne, GlOneMinusSourceAlpha, GlOne, GlOneMinusSourceAlpha);
+  state->vtkglEnable(GL_BLEND);
+  state->vtkglDisable(GL_DEPTH_TEST);
+  state->vtkglBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
 
   texture->Activate();
   const double pixel[2] = { (rectangle[2] - rectangle[0]) / width,
@@ -241,6 +328,55 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, cons
   this->Gl->Quad->Render();
   texture->Deactivate();
   return true;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDImageDisplay::FindViewport(vtkRenderer* renderer, int viewport[4])
+{
+  if (auto* window = vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow()))
+  {
+    window->GetState()->vtkglGetIntegerv(GL_VIEWPORT, viewport);
+    return;
+  }
+  renderer->GetTiledSizeAndOrigin(&viewport[2], &viewport[3], &viewport[0], &viewport[1]);
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDImageDisplay::ReadDepths(vtkRenderer* renderer, const int rectangle[4], float* depths)
+{
+  auto* window = vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow());
+  if (!window)
+  {
+    return false;
+  }
+  // Not through vtkOpenGLState, which knows what it has bound: it is bound again in the end.
+  GLint drawn = 0;
+  GLint read = 0;
+  GLint samples = 0;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &drawn);
+  glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read);
+  glGetIntegerv(GL_SAMPLES, &samples);
+  ClearErrors();
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(drawn));
+  const GLenum format = FindDepthFormat(drawn == 0);
+  bool ok = format != 0;
+  if (ok)
+  {
+    window->GetState()->vtkglPixelStorei(GL_PACK_ALIGNMENT, 1);
+    if (samples > 0)
+    {
+      ResolvedDepths(format, rectangle).Read(rectangle + 2, depths);
+    }
+    else
+    {
+      glReadPixels(rectangle[0], rectangle[1], rectangle[2], rectangle[3], GL_DEPTH_COMPONENT,
+        GL_FLOAT, depths);
+    }
+    ok = glGetError() == GL_NO_ERROR;
+  }
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(read));
+  ClearErrors();
+  return ok;
 }
 
 //------------------------------------------------------------------------------

@@ -34,6 +34,20 @@ public:
   bool Draw(vtkRenderer* renderer, int width, int height, const float* colours,
     const double rectangle[4], bool pixelByPixel, const vtkFFDParallelFor& parallelFor);
 
+  /**
+   * The rectangle (x, y, width, height) of the framebuffer that the renderer draws into now: that
+   * of a render pass, which may be larger than the window, or the part of the window that is the
+   * renderer's. Empty without a window.
+   */
+  static void FindViewport(vtkRenderer* renderer, int viewport[4]);
+
+  /**
+   * The depths, 0 to 1, of a rectangle (x, y, width, height) of that framebuffer, one a pixel, rows
+   * bottom up; of several samples a pixel one is taken. Returns false, and leaves `depths` as they
+   * are, where the framebuffer has no depth that can be read.
+   */
+  static bool ReadDepths(vtkRenderer* renderer, const int rectangle[4], float* depths);
+
   void ReleaseGraphicsResources(vtkWindow* window);
 
 private:

@@ -228,7 +228,8 @@ public:
   bool IsCroppedToBox() const;
   ffd::Box UncroppedBounds() const;
   ffd::Box VisibleBounds() const;
-  vtkFFDImageRegion FindRegion(vtkRenderer* renderer, vtkVolume* volume, const glm::ivec2& viewport);
+  vtkFFDImageRegion FindRegion(
+    vtkRenderer* renderer, vtkVolume* volume, const vtkFFDImageRegion& whole);
 
   vtkFFDInverseRayVolumeMapper* Self;
 
@@ -629,8 +630,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::CheckView(
               "Check its scale.";
     return false;
   }
-  const ffd::CameraView camera =
-    ffd::MakeCameraView(renderer, glm::ivec2(1), glm::ivec2(0), glm::ivec2(1), 1.0);
+  const ffd::CameraView camera = ffd::MakeCameraView(renderer, vtkFFDImageRegion(glm::ivec2(1)));
   const ffd::ViewRay ray = camera.MakeRay(0.5, 0.5);
   if (!std::isfinite(glm::dot(ray.Origin, ray.Origin)) || !(ray.Far > 0.0) ||
     !std::isfinite(ray.Far))
@@ -740,18 +740,18 @@ ffd::Box vtkFFDInverseRayVolumeMapper::vtkInternals::VisibleBounds() const
 }
 
 //------------------------------------------------------------------------------
+/// The part of a viewport that shows the volume; without rays if none does.
 vtkFFDImageRegion vtkFFDInverseRayVolumeMapper::vtkInternals::FindRegion(
-  vtkRenderer* renderer, vtkVolume* volume, const glm::ivec2& viewport)
+  vtkRenderer* renderer, vtkVolume* volume, const vtkFFDImageRegion& whole)
 {
-  vtkFFDImageRegion region;
-  region.Viewport = viewport;
+  vtkFFDImageRegion region = whole;
+  region.Rays = glm::ivec2(0);
   const ffd::Box visible = this->VisibleBounds();
   if (glm::any(glm::lessThanEqual(visible.Max, visible.Min)))
   {
     return region;
   }
-  const ffd::CameraView camera =
-    ffd::MakeCameraView(renderer, viewport, glm::ivec2(0), viewport, 1.0);
+  const ffd::CameraView camera = ffd::MakeCameraView(renderer, whole);
   const glm::dmat4 toNdc = camera.WorldToNdc * ffd::ToMatrix(volume->GetMatrix());
   glm::dvec2 lo(Infinity);
   glm::dvec2 hi(-Infinity);
@@ -772,7 +772,7 @@ vtkFFDImageRegion vtkFFDInverseRayVolumeMapper::vtkInternals::FindRegion(
     lo = glm::dvec2(-1.0);
     hi = glm::dvec2(1.0);
   }
-  const glm::dvec2 size(viewport);
+  const glm::dvec2 size(whole.Viewport);
   const glm::dvec2 first = glm::floor(0.5 * (glm::clamp(lo, -1.0, 1.0) + 1.0) * size);
   const glm::dvec2 last = glm::ceil(0.5 * (glm::clamp(hi, -1.0, 1.0) + 1.0) * size);
   region.Origin = glm::ivec2(first);
@@ -820,9 +820,7 @@ ffd::CastScene vtkFFDInverseRayVolumeMapper::vtkInternals::MakeScene(vtkRenderer
   scene.Blend.SliceOrigin = glm::dvec3(worldToData * glm::dvec4(this->Blend.SliceOrigin, 1.0));
   scene.Blend.SliceNormal = glm::normalize(this->Blend.SliceNormal * glm::dmat3(dataToWorld));
   scene.Material = ffd::MakeShading(renderer, property, dataToWorld);
-  scene.Camera = ffd::ToData(ffd::MakeCameraView(renderer, region.Viewport, region.Origin,
-                               region.Rays, region.Step),
-    dataToWorld);
+  scene.Camera = ffd::ToData(ffd::MakeCameraView(renderer, region), dataToWorld);
   scene.Depths = depths;
   scene.VoxelSize = FindShortestEdge(this->Input.GetView().IndexToData);
   this->MakeClassifier(scene);
@@ -1519,16 +1517,19 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
     return;
   }
 
-  int size[2];
-  int origin[2];
-  renderer->GetTiledSizeAndOrigin(&size[0], &size[1], &origin[0], &origin[1]);
-  if (size[0] < 1 || size[1] < 1)
+  // A render pass may draw into a framebuffer of its own, but surfaces keep the aspect ratio.
+  int viewport[4];
+  vtkFFDImageDisplay::FindViewport(renderer, viewport);
+  if (viewport[2] < 1 || viewport[3] < 1)
   {
     return;
   }
   vtkNew<vtkTimerLog> timer;
   timer->StartTimer();
-  vtkFFDImageRegion region = in.FindRegion(renderer, volume, glm::ivec2(size[0], size[1]));
+  vtkFFDImageRegion whole(glm::ivec2(viewport[2], viewport[3]));
+  whole.Aspect = renderer->GetTiledAspectRatio();
+  whole.Stereo = true;
+  vtkFFDImageRegion region = in.FindRegion(renderer, volume, whole);
   glm::ivec2 pixels = region.Rays;
   if (pixels.x < 1 || pixels.y < 1)
   {
@@ -1553,15 +1554,13 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
   }
 
   const float* depths = nullptr;
-  vtkRenderWindow* window = renderer->GetRenderWindow();
-  if (this->IntermixIntersectingGeometry && window)
+  if (this->IntermixIntersectingGeometry)
   {
-    const int x0 = origin[0] + region.Origin.x;
-    const int y0 = origin[1] + region.Origin.y;
+    const int rectangle[4] = { viewport[0] + region.Origin.x, viewport[1] + region.Origin.y,
+      pixels.x, pixels.y };
     std::vector<float>& all = in.WindowDepths;
     all.resize(static_cast<std::size_t>(pixels.x) * static_cast<std::size_t>(pixels.y));
-    const bool read = window->GetZbufferData(x0, y0, x0 + pixels.x - 1, y0 + pixels.y - 1,
-                        all.data()) == VTK_OK;
+    const bool read = vtkFFDImageDisplay::ReadDepths(renderer, rectangle, all.data());
     // Where nothing opaque was drawn there is nothing to stop at.
     if (read && std::any_of(all.begin(), all.end(), [](float depth) { return depth < 1.0f; }))
     {
@@ -1661,9 +1660,7 @@ int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume
     vtkErrorMacro(<< message);
     return 0;
   }
-  vtkFFDImageRegion region;
-  region.Viewport = glm::ivec2(width, height);
-  region.Rays = region.Viewport;
+  const vtkFFDImageRegion region(glm::ivec2(width, height));
   std::vector<float> firstVisible(depths ? pixels : 0);
   if (!in.Cast(renderer, volume, region, scene, false, false,
         depths ? firstVisible.data() : nullptr))
@@ -1715,9 +1712,7 @@ int vtkFFDInverseRayVolumeMapper::TraceRays(vtkRenderer* renderer, vtkVolume* vo
     vtkErrorMacro(<< message);
     return 0;
   }
-  vtkFFDImageRegion region;
-  region.Viewport = glm::ivec2(width, height);
-  region.Rays = region.Viewport;
+  const vtkFFDImageRegion region(glm::ivec2(width, height));
   const ffd::CastScene scene = in.MakeScene(renderer, volume, region, nullptr);
   const ffd::RayCaster caster(scene, in.MakeSettings(volume, scene.VoxelSize, false));
   ffd::CastImage image;

@@ -544,18 +544,22 @@ bool MakeOpticalFunctions(vtkVolumeProperty* property, const ScalarFacts& facts,
 }
 
 //------------------------------------------------------------------------------
-CameraView MakeCameraView(vtkRenderer* renderer, const glm::ivec2& viewport,
-  const glm::ivec2& origin, const glm::ivec2& size, double step)
+CameraView MakeCameraView(vtkRenderer* renderer, const vtkFFDImageRegion& region)
 {
   vtkCamera* camera = renderer->GetActiveCamera();
-  const double aspect = static_cast<double>(viewport.x) / viewport.y;
+  const glm::dvec2 viewport(region.Viewport);
+  const glm::dvec2 origin(region.Origin);
   CameraView view;
-  view.WorldToNdc = ToMatrix(camera->GetCompositeProjectionTransformMatrix(aspect, -1.0, 1.0));
+  // The composite matrix is never that of an eye.
+  view.WorldToNdc = region.Stereo
+    ? ToMatrix(camera->GetProjectionTransformMatrix(region.Aspect, -1.0, 1.0)) *
+      ToMatrix(camera->GetModelViewTransformMatrix())
+    : ToMatrix(camera->GetCompositeProjectionTransformMatrix(region.Aspect, -1.0, 1.0));
   view.NdcToWorld = glm::inverse(view.WorldToNdc);
-  view.ImageSize = size;
-  view.PixelOrigin = glm::ivec2(glm::floor(glm::dvec2(origin) / step));
-  view.NdcPerPixel = 2.0 * step / glm::dvec2(viewport);
-  view.NdcOrigin = 2.0 * glm::dvec2(origin) / glm::dvec2(viewport) - 1.0;
+  view.ImageSize = region.Rays;
+  view.PixelOrigin = glm::ivec2(glm::floor(origin / region.Step));
+  view.NdcPerPixel = 2.0 * region.Step / viewport;
+  view.NdcOrigin = 2.0 * origin / viewport - 1.0;
   const double* eye = camera->GetPosition();
   view.Eye = glm::dvec3(eye[0], eye[1], eye[2]);
   view.Parallel = camera->GetParallelProjection() != 0;

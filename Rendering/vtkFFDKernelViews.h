@@ -12,6 +12,8 @@
 #include "FFDShading.h"
 #include "FFDVolumeView.h"
 
+#include "vtkFFDImageRegion.h"
+
 #include <glm/mat4x4.hpp>
 
 #include <string>
@@ -57,12 +59,8 @@ bool MakeOpticalFunctions(vtkVolumeProperty* property, const ScalarFacts& facts,
 bool FindComponentKind(vtkVolumeProperty* property, int components, ScalarType type,
   ComponentKind& kind, std::string& message);
 
-/**
- * Camera of a renderer for an image of `viewport` pixels (the whole viewport) of which the pixels
- * [origin, origin + size * step) are rendered, `step` viewport pixels apart.
- */
-CameraView MakeCameraView(vtkRenderer* renderer, const glm::ivec2& viewport,
-  const glm::ivec2& origin, const glm::ivec2& size, double step);
+/// Camera of a renderer for the rays of a part of its viewport.
+CameraView MakeCameraView(vtkRenderer* renderer, const vtkFFDImageRegion& region);
 
 /// A camera of the world as one of data coordinates: rays and their lengths are those of the latter.
 CameraView ToData(const CameraView& world, const glm::dmat4& dataToWorld);

@@ -442,7 +442,7 @@ public:
   {
     this->Window->Render();
     Picture picture;
-    const int* size = this->Window->GetSize();
+    const int* size = this->Window->GetActualSize(); // not of all tiles
     picture.Width = size[0];
     picture.Height = size[1];
     vtkNew<vtkUnsignedCharArray> pixels;
