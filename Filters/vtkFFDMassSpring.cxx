@@ -437,7 +437,6 @@ void vtkFFDMassSpring::UpdateLattice()
   {
     displacements->SetTypedTuple(static_cast<vtkIdType>(i), &net.Values[i].x);
   }
-  displacements->Modified();
   this->Lattice->Modified();
 }
 

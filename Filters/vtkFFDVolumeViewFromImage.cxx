@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDVolumeViewFromImage.h"
 
+#include "FFDSingularMatrix.h"
 #include "FFDVolumeView.h"
 
 #include "vtkDataArray.h"
@@ -145,8 +146,7 @@ bool vtkFFDVolumeViewFromImage(vtkImageData* image, vtkDataArray* scalars, bool 
       direction[b][a] = matrix->GetElement(a, b);
     }
   }
-  const double volume = std::abs(glm::determinant(direction));
-  if (!(volume > 1e-12) || !std::isfinite(volume))
+  if (ffd::IsSingular(direction))
   {
     message = "The direction matrix of the input image is singular: voxels have no size.";
     return false;

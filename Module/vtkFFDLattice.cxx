@@ -29,6 +29,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <mutex>
 #include <sstream>
 #include <string>
@@ -239,7 +240,8 @@ public:
     this->Determinant.reset();
   }
 
-  const ffd::PullBackBounds& GetBounds(bool inverse)
+  /// What `query` finds in the bounds of the map, under the lock: an update replaces them.
+  ffd::Box AskBounds(bool inverse, const std::function<ffd::Box(const ffd::PullBackBounds&)>& query)
   {
     const std::lock_guard<std::mutex> lock(this->Mutex);
     std::unique_ptr<ffd::PullBackBounds>& bounds = inverse ? this->ForwardBounds : this->ExactBounds;
@@ -250,7 +252,7 @@ public:
         inverse ? ffd::PullBackKind::Forward : ffd::PullBackKind::Exact,
         this->Exact.GetTolerance())));
     }
-    return *bounds;
+    return query(*bounds);
   }
 
   vtkDoubleArray* GetArray() const { return this->Array; }
@@ -662,8 +664,6 @@ void vtkFFDLattice::SetDisplacement(int i, int j, int k, double dx, double dy, d
     return;
   }
   array->SetTypedTuple(index, wanted);
-  // The array's time, not only ours: shallow copies and filters look at it.
-  array->Modified();
   this->Modified();
 }
 
@@ -721,7 +721,6 @@ int vtkFFDLattice::SetDisplacements(vtkDataArray* displacements)
   }
   if (!same)
   {
-    array->Modified();
     this->Modified();
   }
   return 1;
@@ -740,7 +739,6 @@ void vtkFFDLattice::Reset()
   if (changed)
   {
     array->FillValue(0.0);
-    array->Modified();
     this->Modified();
   }
 }
@@ -913,9 +911,10 @@ void vtkFFDLattice::GetDeformedBounds(const double restBounds[6], double bounds[
     return;
   }
   this->Update();
-  const ffd::Box box = this->Lattice->GetBounds(this->InverseFlag != 0)
-                         .DeformedBounds({ { restBounds[0], restBounds[2], restBounds[4] },
-                           { restBounds[1], restBounds[3], restBounds[5] } });
+  const ffd::Box rest{ { restBounds[0], restBounds[2], restBounds[4] },
+    { restBounds[1], restBounds[3], restBounds[5] } };
+  const ffd::Box box = this->Lattice->AskBounds(this->InverseFlag != 0,
+    [&rest](const ffd::PullBackBounds& map) { return map.DeformedBounds(rest); });
   if (!box.IsEmpty())
   {
     for (int a = 0; a < 3; ++a)
@@ -930,8 +929,9 @@ void vtkFFDLattice::GetDeformedBounds(const double restBounds[6], double bounds[
 void vtkFFDLattice::GetDisplacementBounds(double bounds[6])
 {
   this->Update();
-  const ffd::Box box = this->Lattice->GetBounds(this->InverseFlag != 0)
-                         .DisplacementOver({ glm::dvec3(-VTK_DOUBLE_MAX), glm::dvec3(VTK_DOUBLE_MAX) });
+  const ffd::Box everywhere{ glm::dvec3(-VTK_DOUBLE_MAX), glm::dvec3(VTK_DOUBLE_MAX) };
+  const ffd::Box box = this->Lattice->AskBounds(this->InverseFlag != 0,
+    [&everywhere](const ffd::PullBackBounds& map) { return map.DisplacementOver(everywhere); });
   for (int a = 0; a < 3; ++a)
   {
     bounds[2 * a] = box.Min[a];
@@ -1217,7 +1217,8 @@ void vtkFFDLattice::ShallowCopy(vtkFFDLattice* other)
   this->InverseFlag = other->InverseFlag;
   this->InverseTolerance = other->InverseTolerance;
   this->InverseIterations = other->InverseIterations;
-  this->Modified();
+  // The control points are as they were.
+  this->vtkBSplineTransform::Modified();
 }
 
 //------------------------------------------------------------------------------
@@ -1225,6 +1226,14 @@ vtkMTimeType vtkFFDLattice::GetMTime()
 {
   // Not that of vtkBSplineTransform, which asks a pipeline that we do not have.
   return std::max(this->vtkWarpTransform::GetMTime(), this->Lattice->Image->GetMTime());
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLattice::Modified()
+{
+  // Shallow copies and filters look at the array's time, and it may have been written in place.
+  this->Lattice->Array->Modified();
+  this->vtkBSplineTransform::Modified();
 }
 
 //------------------------------------------------------------------------------

@@ -125,9 +125,9 @@ public:
   ///@{
   /**
    * All displacements: 3 components, nx * ny * nz tuples, x fastest. GetDisplacements() is the
-   * lattice's own array: call Modified() on the lattice (or on the array) after editing it in
-   * place. SetDisplacements() copies any array of that shape, and returns 1, or 0 after an error
-   * (null, another shape, not finite).
+   * lattice's own array: call Modified() on the lattice or on the array after editing it in
+   * place; either tells all lattices that share the array. SetDisplacements() copies any array of
+   * that shape, and returns 1, or 0 after an error (null, another shape, not finite).
    */
   vtkDoubleArray* GetDisplacements();
   int SetDisplacements(vtkDataArray* displacements);
@@ -252,6 +252,9 @@ public:
 
   /// Includes the control points.
   vtkMTimeType GetMTime() override;
+
+  /// Marks the control points as changed, too, for the lattices that share them (ShallowCopy()).
+  void Modified() override;
 
   vtkAbstractTransform* MakeTransform() override;
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDTransformFile.h"
 
+#include "FFDSingularMatrix.h"
 #include "FFDTextNumbers.h"
 
 #include <glm/matrix.hpp>
@@ -190,8 +191,7 @@ bool SetLinearStep(TransformStep& step, std::string_view name, const std::vector
 /// A collapsed map has no inverse, and nothing can be shown through it.
 bool IsSingular(const TransformStep& step)
 {
-  return step.Type == TransformStep::Kind::Linear &&
-    !(std::abs(glm::determinant(step.Matrix)) > 1e-12);
+  return step.Type == TransformStep::Kind::Linear && ffd::IsSingular(step.Matrix);
 }
 
 void AppendVector(std::string& text, const glm::dvec3& v)

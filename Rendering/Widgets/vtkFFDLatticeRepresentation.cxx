@@ -42,6 +42,7 @@
 #include <glm/vec4.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -57,6 +58,10 @@ namespace
 /// Below this sine between a line of sight and an axis (or plane) a drag along it does nothing: the
 /// axis is seen end on, and a pixel would mean anything.
 constexpr double EndOn = 0.05;
+
+/// Cosine of 15 degrees: arms of the handle that are nearer to the line of sight are faded.
+constexpr double FadedArm = 0.9659258;
+constexpr unsigned char FadedAlpha = 40;
 
 /// Control points whose pictures are nearer to each other than this cover each other, pixels.
 constexpr double Covering = 2.0;
@@ -203,12 +208,28 @@ public:
     std::vector<glm::dvec3> Path; // world
   };
   std::vector<HandlePart> HandleParts;
-  vtkTimeStamp GeometryTime;
-  vtkTimeStamp ViewTime;
-  int BuiltLineMode = -1;
-  int BuiltInterior = -1;
-  glm::dvec2 BuiltSize{ 0.0 };
-  glm::dvec2 BuiltOrigin{ 0.0 };
+
+  // What the drawing was made from. Each part is made anew when its key differs, so that no setter
+  // has to tell, and none can forget to.
+  struct ShapeKey ///< of the lines, the outline and the bounds
+  {
+    const vtkFFDLattice* Lattice = nullptr;
+    vtkMTimeType LatticeTime = 0;
+    glm::dmat4 Matrix{ 1.0 };
+    std::array<double, 6> OutlineBounds{};
+    int LineMode = -1;
+    vtkTypeBool Interior = 0;
+    bool operator==(const ShapeKey& other) const
+    {
+      return this->Lattice == other.Lattice && this->LatticeTime == other.LatticeTime &&
+        this->Matrix == other.Matrix && this->OutlineBounds == other.OutlineBounds &&
+        this->LineMode == other.LineMode && this->Interior == other.Interior;
+    }
+  };
+  ShapeKey BuiltShape;
+  vtkMTimeType LookTime = 0;    ///< of the glyphs and all that follows options
+  bool HasViewGeometry = false; ///< handle and sizes on screen are those of BuiltView and LookTime
+  vtkFFDProjection BuiltView;
   vtkNew<vtkProperty> PointLook;
   vtkNew<vtkProperty> SelectedLook;
   vtkNew<vtkProperty> HoveredLook;
@@ -242,6 +263,33 @@ public:
       this->Self->InteractionState = Outside;
       this->Self->Modified();
     }
+  }
+
+  /// Set an option within limits. vtkSetClampMacro would let NaN through.
+  void SetClamped(const char* name, double& member, double value, double low, double high)
+  {
+    if (std::isnan(value))
+    {
+      vtkErrorWithObjectMacro(this->Self,
+        << name << ": the value is not a number. Give one from " << low << " to " << high << ".");
+      return;
+    }
+    value = glm::clamp(value, low, high);
+    if (member != value)
+    {
+      member = value;
+      this->Self->Modified();
+    }
+  }
+
+  /// Whether a pointer that a caller gives points at something; an error, if not.
+  bool IsGiven(const void* pointer, const char* name, const char* what)
+  {
+    if (!pointer)
+    {
+      vtkErrorWithObjectMacro(this->Self, << name << ": " << what << ".");
+    }
+    return pointer != nullptr;
   }
 
   std::size_t Count() const { return this->Selected.size(); }
@@ -828,8 +876,10 @@ public:
     double toPart = std::numeric_limits<double>::infinity();
     point = this->FindPoint(display, &toPoint);
     part = this->FindPart(display, &toPart);
-    // The handle is on top, but an arm that points at the viewer must not cover its point.
-    if (toPoint + 1.0 < toPart)
+    // The handle is on top, but it must not keep a selected point from being moved again.
+    const bool onBall = point >= 0 && this->Selected[static_cast<std::size_t>(point)] != 0 &&
+      part != MiddlePart && toPoint <= 0.5 * this->Self->HandleSize;
+    if (onBall || toPoint + 1.0 < toPart)
     {
       part = -1;
     }
@@ -837,6 +887,18 @@ public:
     {
       point = -1;
     }
+  }
+
+  ShapeKey FindShapeKey() const
+  {
+    ShapeKey key;
+    key.Lattice = this->Lattice;
+    key.LatticeTime = this->Lattice->GetMTime();
+    key.Matrix = this->GetMatrix();
+    this->Self->GetOutlineBounds(key.OutlineBounds.data());
+    key.LineMode = this->Self->LineMode;
+    key.Interior = this->Self->InteriorVisibility;
+    return key;
   }
 
   int FindPart(const glm::dvec2& display, double* pixels) const
@@ -1118,6 +1180,9 @@ void vtkFFDLatticeRepresentation::vtkInternals::BuildHandle(const vtkFFDProjecti
   glm::dvec3 center;
   const bool any = this->Self->GetSelectionCenter(&center.x) != 0;
   const glm::dvec3 middle = Transform(matrix, center);
+  glm::dvec3 eye;
+  camera->GetPosition(&eye.x);
+  const glm::dvec3 sight = camera->GetParallelProjection() ? toward : glm::normalize(eye - middle);
   const double pixel = projection.GetPixelSize(middle);
   const double length = this->Self->TransformHandleSize * pixel;
   const int mode = this->Self->HandleMode;
@@ -1127,10 +1192,13 @@ void vtkFFDLatticeRepresentation::vtkInternals::BuildHandle(const vtkFFDProjecti
     for (int a = 0; a < 3; ++a)
     {
       const glm::dvec3 axis = glm::normalize(linear * Unit(a));
+      const bool faded = mode != HANDLE_ROTATE && std::abs(glm::dot(axis, sight)) > FadedArm &&
+        !(this->Self->InteractionState == MovingHandle && this->Part == a);
       const glm::dvec3 u = glm::normalize(glm::cross(axis, Unit(std::abs(axis.x) < 0.6 ? 0 : 1)));
       const glm::dvec3 v = glm::cross(axis, u);
       Shape shape;
       shape.Rgb = colourOf(a);
+      shape.Alpha = faded ? FadedAlpha : 255;
       if (mode == HANDLE_ROTATE)
       {
         for (int s = 0; s <= RingSegments; ++s)
@@ -1177,7 +1245,10 @@ void vtkFFDLatticeRepresentation::vtkInternals::BuildHandle(const vtkFFDProjecti
           }
         }
       }
-      this->HandleParts.push_back({ a, shape.Line });
+      if (!faded)
+      {
+        this->HandleParts.push_back({ a, shape.Line });
+      }
       shapes.push_back(shape);
     }
     if (!single || mode != HANDLE_TRANSLATE)
@@ -1434,7 +1505,6 @@ void vtkFFDLatticeRepresentation::SetOutlineBounds(const double bounds[6])
   {
     std::copy_n(bounds, 6, in.OutlineBounds);
     in.HasOutlineBounds = true;
-    in.BuiltLineMode = -1;
     this->Modified();
   }
 }
@@ -1442,6 +1512,11 @@ void vtkFFDLatticeRepresentation::SetOutlineBounds(const double bounds[6])
 //------------------------------------------------------------------------------
 void vtkFFDLatticeRepresentation::GetOutlineBounds(double bounds[6])
 {
+  if (!this->Internals->IsGiven(
+        bounds, "GetOutlineBounds", "there is no place for the six bounds. Give one"))
+  {
+    return;
+  }
   const vtkInternals& in = *this->Internals;
   if (in.HasOutlineBounds)
   {
@@ -1507,39 +1582,30 @@ void vtkFFDLatticeRepresentation::BuildRepresentation()
 {
   vtkInternals& in = *this->Internals;
   in.Sync();
-  vtkMTimeType shape = in.Lattice->GetMTime();
-  if (in.Prop)
-  {
-    shape = std::max(shape, in.Prop->GetMTime());
-  }
-  const bool lines = in.GeometryTime < shape || in.BuiltLineMode != this->LineMode ||
-    in.BuiltInterior != this->InteriorVisibility;
-  const bool looks = lines || this->BuildTime < this->GetMTime();
+  const vtkInternals::ShapeKey shape = in.FindShapeKey();
+  const vtkMTimeType lookTime = this->GetMTime();
+  const bool lines = !(in.BuiltShape == shape);
   if (lines)
   {
     in.BuildLines();
-    in.BuiltLineMode = this->LineMode;
-    in.BuiltInterior = this->InteriorVisibility;
-    in.GeometryTime.Modified();
+    in.BuiltShape = shape;
   }
-  if (looks)
+  if (lines || in.LookTime != lookTime)
   {
     in.BuildGlyphs();
     in.BuildLook();
+    in.LookTime = lookTime;
+    in.HasViewGeometry = false;
+    this->BuildTime.Modified();
   }
   if (!in.HasView())
   {
-    if (looks)
-    {
-      // Sizes follow as soon as there is a view.
-      in.BuiltSize = glm::dvec2(0.0);
-      this->BuildTime.Modified();
-    }
+    // Sizes follow as soon as there is a view.
+    in.HasViewGeometry = false;
     return;
   }
   const vtkFFDProjection projection(this->Renderer);
-  if (looks || in.ViewTime < this->Renderer->GetActiveCamera()->GetMTime() ||
-    in.BuiltSize != projection.Size || in.BuiltOrigin != projection.Origin)
+  if (!in.HasViewGeometry || !(in.BuiltView == projection))
   {
     in.Scene.ScaleGlyphs(projection);
     in.Scene.SimplifyLines(projection);
@@ -1548,13 +1614,8 @@ void vtkFFDLatticeRepresentation::BuildRepresentation()
     {
       in.Scene.SetRubberBand(in.DragFrom - projection.Origin, in.DragTo - projection.Origin);
     }
-    in.BuiltSize = projection.Size;
-    in.BuiltOrigin = projection.Origin;
-    in.ViewTime.Modified();
-  }
-  if (looks)
-  {
-    this->BuildTime.Modified();
+    in.BuiltView = projection;
+    in.HasViewGeometry = true;
   }
 }
 
@@ -1837,6 +1898,11 @@ vtkIdType vtkFFDLatticeRepresentation::GetHoveredPoint()
 //------------------------------------------------------------------------------
 int vtkFFDLatticeRepresentation::GetSelectionCenter(double center[3])
 {
+  if (!this->Internals->IsGiven(center, "GetSelectionCenter",
+        "there is no place for the center. Give one for three coordinates"))
+  {
+    return 0;
+  }
   vtkInternals& in = *this->Internals;
   in.Sync();
   const std::vector<glm::dvec3> positions = in.GetPositions();
@@ -2136,6 +2202,11 @@ int vtkFFDLatticeRepresentation::AddPin(double x, double y, double z)
 //------------------------------------------------------------------------------
 int vtkFFDLatticeRepresentation::AddPinAtWorld(const double world[3])
 {
+  if (!this->Internals->IsGiven(
+        world, "AddPinAtWorld", "the position is null. Give three world coordinates"))
+  {
+    return 0;
+  }
   const glm::dvec3 p = this->Internals->ToData({ world[0], world[1], world[2] });
   return this->AddPin(p.x, p.y, p.z);
 }
@@ -2149,6 +2220,11 @@ int vtkFFDLatticeRepresentation::GetNumberOfPins()
 //------------------------------------------------------------------------------
 void vtkFFDLatticeRepresentation::GetPin(int pin, double position[3])
 {
+  if (!this->Internals->IsGiven(
+        position, "GetPin", "there is no place for the position. Give one for three coordinates"))
+  {
+    return;
+  }
   vtkInternals& in = *this->Internals;
   if (pin < 0 || pin >= this->GetNumberOfPins())
   {
@@ -2201,6 +2277,11 @@ void vtkFFDLatticeRepresentation::SetSurfacePoint(double x, double y, double z)
 //------------------------------------------------------------------------------
 int vtkFFDLatticeRepresentation::PickSurface(double x, double y, double world[3])
 {
+  if (!this->Internals->IsGiven(world, "PickSurface",
+        "there is no place for the position. Give one for three world coordinates"))
+  {
+    return 0;
+  }
   vtkInternals& in = *this->Internals;
   if (!in.HasView())
   {
@@ -2444,6 +2525,37 @@ void vtkFFDLatticeRepresentation::SetNudgeStep(double step)
 }
 
 //------------------------------------------------------------------------------
+void vtkFFDLatticeRepresentation::SetHiddenOpacity(double opacity)
+{
+  this->Internals->SetClamped("SetHiddenOpacity", this->HiddenOpacity, opacity, 0.0, 1.0);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeRepresentation::SetHandleSize(double size)
+{
+  this->Internals->SetClamped("SetHandleSize", this->HandleSize, size, 0.001, 1000.0);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeRepresentation::SetPlaceFactor(double factor)
+{
+  this->Internals->SetClamped("SetPlaceFactor", this->PlaceFactor, factor, 0.01, VTK_DOUBLE_MAX);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeRepresentation::SetTransformHandleSize(double size)
+{
+  this->Internals->SetClamped(
+    "SetTransformHandleSize", this->TransformHandleSize, size, 10.0, 1000.0);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeRepresentation::SetPickTolerance(double tolerance)
+{
+  this->Internals->SetClamped("SetPickTolerance", this->PickTolerance, tolerance, 1.0, 100.0);
+}
+
+//------------------------------------------------------------------------------
 vtkProperty* vtkFFDLatticeRepresentation::GetPointProperty() { return this->Internals->PointLook; }
 vtkProperty* vtkFFDLatticeRepresentation::GetSelectedPointProperty()
 {
@@ -2513,6 +2625,11 @@ int vtkFFDLatticeRepresentation::ComputeInteractionState(int x, int y, int)
 //------------------------------------------------------------------------------
 void vtkFFDLatticeRepresentation::StartWidgetInteraction(double position[2])
 {
+  if (!this->Internals->IsGiven(
+        position, "StartWidgetInteraction", "the position is null. Give two display coordinates"))
+  {
+    return;
+  }
   vtkInternals& in = *this->Internals;
   in.Sync();
   if (this->IsInteracting())
@@ -2588,6 +2705,11 @@ void vtkFFDLatticeRepresentation::StartWidgetInteraction(double position[2])
 //------------------------------------------------------------------------------
 void vtkFFDLatticeRepresentation::StartRegion(const double position[2], int operation)
 {
+  if (!this->Internals->IsGiven(
+        position, "StartRegion", "the position is null. Give two display coordinates"))
+  {
+    return;
+  }
   vtkInternals& in = *this->Internals;
   in.Sync();
   if (operation < REPLACE || operation > TOGGLE)
@@ -2607,6 +2729,11 @@ void vtkFFDLatticeRepresentation::StartRegion(const double position[2], int oper
 //------------------------------------------------------------------------------
 void vtkFFDLatticeRepresentation::WidgetInteraction(double position[2])
 {
+  if (!this->Internals->IsGiven(
+        position, "WidgetInteraction", "the position is null. Give two display coordinates"))
+  {
+    return;
+  }
   vtkInternals& in = *this->Internals;
   in.Sync();
   if (!this->IsInteracting() || !Finite(position[0], position[1], 0.0))
@@ -2695,6 +2822,11 @@ void vtkFFDLatticeRepresentation::WidgetInteraction(double position[2])
 //------------------------------------------------------------------------------
 void vtkFFDLatticeRepresentation::EndWidgetInteraction(double position[2])
 {
+  if (!this->Internals->IsGiven(
+        position, "EndWidgetInteraction", "the position is null. Give two display coordinates"))
+  {
+    return;
+  }
   vtkInternals& in = *this->Internals;
   in.Sync();
   if (!this->IsInteracting())
@@ -2757,6 +2889,11 @@ double* vtkFFDLatticeRepresentation::GetBounds()
 //------------------------------------------------------------------------------
 void vtkFFDLatticeRepresentation::GetActors(vtkPropCollection* actors)
 {
+  if (!this->Internals->IsGiven(
+        actors, "GetActors", "the collection is null. Give a vtkPropCollection"))
+  {
+    return;
+  }
   this->Internals->Scene.GetActors(actors);
 }
 
@@ -2769,6 +2906,11 @@ void vtkFFDLatticeRepresentation::ReleaseGraphicsResources(vtkWindow* window)
 //------------------------------------------------------------------------------
 int vtkFFDLatticeRepresentation::RenderOpaqueGeometry(vtkViewport* viewport)
 {
+  if (!this->Internals->IsGiven(
+        viewport, "RenderOpaqueGeometry", "the viewport is null. Give the renderer that draws"))
+  {
+    return 0;
+  }
   this->BuildRepresentation();
   return this->Internals->Scene.RenderOpaqueGeometry(viewport);
 }
@@ -2776,6 +2918,11 @@ int vtkFFDLatticeRepresentation::RenderOpaqueGeometry(vtkViewport* viewport)
 //------------------------------------------------------------------------------
 int vtkFFDLatticeRepresentation::RenderTranslucentPolygonalGeometry(vtkViewport* viewport)
 {
+  if (!this->Internals->IsGiven(viewport, "RenderTranslucentPolygonalGeometry",
+        "the viewport is null. Give the renderer that draws"))
+  {
+    return 0;
+  }
   return this->Internals->Scene.RenderTranslucentPolygonalGeometry(
     viewport, this->GetPropertyKeys());
 }
@@ -2783,6 +2930,11 @@ int vtkFFDLatticeRepresentation::RenderTranslucentPolygonalGeometry(vtkViewport*
 //------------------------------------------------------------------------------
 int vtkFFDLatticeRepresentation::RenderOverlay(vtkViewport* viewport)
 {
+  if (!this->Internals->IsGiven(
+        viewport, "RenderOverlay", "the viewport is null. Give the renderer that draws"))
+  {
+    return 0;
+  }
   vtkRenderer* renderer = vtkRenderer::SafeDownCast(viewport);
   vtkFFDPixelBox part;
   if (renderer && this->CullHidden)
@@ -2818,12 +2970,20 @@ void vtkFFDLatticeRepresentation::RegisterPickers()
 //------------------------------------------------------------------------------
 void vtkFFDLatticeRepresentation::ShallowCopy(vtkProp* prop)
 {
+  if (!this->Internals->IsGiven(
+        prop, "ShallowCopy", "the prop to copy is null. Give a vtkFFDLatticeRepresentation"))
+  {
+    return;
+  }
   auto* other = vtkFFDLatticeRepresentation::SafeDownCast(prop);
   if (other && other != this)
   {
+    other->Internals->Sync();
     const vtkInternals& from = *other->Internals;
     vtkInternals& in = *this->Internals;
+    this->CancelInteraction();
     this->SetLattice(from.Lattice);
+    in.Sync();
     this->SetProp(from.Prop);
     this->SetSurfacePicker(from.SurfacePicker);
     in.HasOutlineBounds = from.HasOutlineBounds;
@@ -2864,6 +3024,8 @@ void vtkFFDLatticeRepresentation::ShallowCopy(vtkProp* prop)
     in.OutlineLook->DeepCopy(from.OutlineLook);
     in.WarningLook->DeepCopy(from.WarningLook);
     in.HandleLook->DeepCopy(from.HandleLook);
+    this->GetRubberBandProperty()->DeepCopy(other->GetRubberBandProperty());
+    this->GetLabelTextProperty()->ShallowCopy(other->GetLabelTextProperty());
     this->Modified();
   }
   this->Superclass::ShallowCopy(prop);

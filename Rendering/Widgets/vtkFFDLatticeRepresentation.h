@@ -389,7 +389,9 @@ public:
    * Default: HANDLE_TRANSLATE. The handle is shown while points are selected, for rotating and
    * scaling a single one only with proportional editing (else there is nothing to turn). Its arms
    * are along the data axes; in its middle it moves in the plane of the view, turns about the line
-   * of sight, or scales all axes.
+   * of sight, or scales all axes. An arm within 15 degrees of the line of sight is faded and cannot
+   * be picked: it would hide the point, and a drag along it would mean nothing. A press on a
+   * selected point drags the points, even where an arm or a ring passes over it.
    */
   vtkSetClampMacro(HandleMode, int, HANDLE_OFF, HANDLE_SCALE);
   vtkGetMacro(HandleMode, int);
@@ -436,10 +438,10 @@ public:
 
   ///@{
   /**
-   * Opacity of what is hidden by something: 0, not seen, to 1, as if nothing were there. Default:
-   * 0.25.
+   * Opacity of what is hidden by something: 0, not seen, to 1, as if nothing were there. Clamped;
+   * NaN is refused. Default: 0.25.
    */
-  vtkSetClampMacro(HiddenOpacity, double, 0.0, 1.0);
+  void SetHiddenOpacity(double opacity);
   vtkGetMacro(HiddenOpacity, double);
   ///@}
 
@@ -459,13 +461,15 @@ public:
   /**
    * Sizes on screen in pixels, whatever the distance: HandleSize of the superclass is the diameter
    * of a control point (default 9; nine tenths of it in a lattice of more than 150, three quarters
-   * of more than 400, so that they do not cover the volume), TransformHandleSize the length of an arm of the handle
-   * (default 80, 10 to 1000), PickTolerance how far from its middle a point is hit (default 8, 1
-   * to 100).
+   * of more than 400, so that they do not cover the volume), TransformHandleSize the length of an
+   * arm of the handle (default 80, 10 to 1000), PickTolerance how far from its middle a point is
+   * hit (default 8, 1 to 100). Clamped; NaN is refused. PlaceFactor: as in the superclass.
    */
-  vtkSetClampMacro(TransformHandleSize, double, 10.0, 1000.0);
+  void SetHandleSize(double size) override;
+  void SetPlaceFactor(double factor) override;
+  void SetTransformHandleSize(double size);
   vtkGetMacro(TransformHandleSize, double);
-  vtkSetClampMacro(PickTolerance, double, 1.0, 100.0);
+  void SetPickTolerance(double tolerance);
   vtkGetMacro(PickTolerance, double);
   ///@}
 
@@ -531,7 +535,8 @@ public:
 
   ///@{
   /**
-   * As a prop. The bounds are in world coordinates.
+   * As a prop. The bounds are in world coordinates, and always those of the present lattice, prop
+   * and options.
    */
   double* GetBounds() VTK_SIZEHINT(6) override;
   void GetActors(vtkPropCollection* actors) override;

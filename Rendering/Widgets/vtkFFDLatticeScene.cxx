@@ -188,6 +188,15 @@ vtkFFDProjection::vtkFFDProjection(vtkRenderer* renderer)
 }
 
 //------------------------------------------------------------------------------
+bool vtkFFDProjection::operator==(const vtkFFDProjection& other) const
+{
+  return this->WorldToClip == other.WorldToClip && this->Origin == other.Origin &&
+    this->Size == other.Size && this->PixelPerDepth == other.PixelPerDepth &&
+    this->Parallel == other.Parallel && this->DepthSlope == other.DepthSlope &&
+    this->DepthOffset == other.DepthOffset;
+}
+
+//------------------------------------------------------------------------------
 bool vtkFFDProjection::ToDisplay(const glm::dvec3& world, glm::dvec3& display) const
 {
   const glm::dvec4 clip = this->WorldToClip * glm::dvec4(world, 1.0);
@@ -741,11 +750,12 @@ void vtkFFDLatticeScene::SetHandle(const std::vector<Shape>& shapes)
   vtkNew<vtkCellArray> triangles;
   // Of points: colours of cells would be a texture, which is slow to make.
   vtkNew<vtkUnsignedCharArray> colours;
-  colours->SetNumberOfComponents(3);
+  colours->SetNumberOfComponents(4);
   for (const Shape& shape : shapes)
   {
+    const unsigned char rgba[4] = { shape.Rgb[0], shape.Rgb[1], shape.Rgb[2], shape.Alpha };
     const auto insert = [&](const glm::dvec3& p) {
-      colours->InsertNextTypedTuple(shape.Rgb.data());
+      colours->InsertNextTypedTuple(rgba);
       return points->InsertNextPoint(&p.x);
     };
     if (!shape.Line.empty())

@@ -54,6 +54,7 @@ struct vtkFFDProjection
 
   vtkFFDProjection() = default;
   explicit vtkFFDProjection(vtkRenderer* renderer);
+  bool operator==(const vtkFFDProjection& other) const;
 
   /// Display x, y and the depth (-1 near to 1 far); false behind the camera.
   bool ToDisplay(const glm::dvec3& world, glm::dvec3& display) const;
@@ -114,6 +115,7 @@ public:
     std::vector<glm::dvec3> Line;
     std::vector<glm::dvec3> Triangles;
     Colour Rgb;
+    unsigned char Alpha = 255;
   };
 
   struct Label

@@ -14,8 +14,11 @@
 #include "vtkUnsignedCharArray.h"
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 using ffdTest::Rep;
 using ffdTest::WidgetScene;
@@ -584,6 +587,197 @@ int TestPlaceAndCopy()
 }
 
 //------------------------------------------------------------------------------
+bool SameBounds(vtkFFDLatticeRepresentation* rep, const std::array<double, 6>& expected)
+{
+  const double* b = rep->GetBounds();
+  for (std::size_t i = 0; i < 6; ++i)
+  {
+    if (!(std::abs(b[i] - expected[i]) <= 1e-9))
+    {
+      std::cerr << "bound " << i << " is " << b[i] << ", not " << expected[i] << "\n";
+      return false;
+    }
+  }
+  return true;
+}
+
+/// What is drawn is always that of the present state, by whatever way it came about.
+int TestNothingIsStale()
+{
+  vtkNew<vtkFFDLattice> large;
+  large->SetDomain(0.0, 100.0, 0.0, 100.0, 0.0, 100.0);
+  vtkNew<vtkFFDLatticeRepresentation> rep;
+  FFD_CHECK(SameBounds(rep, { -1.0, 2.0, -1.0, 2.0, -1.0, 2.0 }));
+  // A lattice that is older than what was built.
+  rep->SetLattice(large);
+  FFD_CHECK(SameBounds(rep, { -100.0, 200.0, -100.0, 200.0, -100.0, 200.0 }));
+  vtkNew<vtkActor> prop;
+  prop->SetPosition(1000.0, 0.0, 0.0);
+  rep->GetBounds();
+  rep->SetProp(prop);
+  FFD_CHECK(SameBounds(rep, { 900.0, 1200.0, -100.0, 200.0, -100.0, 200.0 }));
+  rep->SetProp(nullptr);
+  FFD_CHECK(SameBounds(rep, { -100.0, 200.0, -100.0, 200.0, -100.0, 200.0 }));
+  // A copy takes over what was not set by a setter: bounds of the outline.
+  const double wide[6] = { -500.0, 0.0, 0.0, 1.0, 0.0, 1.0 };
+  vtkNew<vtkFFDLatticeRepresentation> copy;
+  copy->SetLattice(large);
+  copy->GetBounds();
+  rep->SetOutlineBounds(wide);
+  copy->ShallowCopy(rep);
+  FFD_CHECK(SameBounds(copy, { -500.0, 200.0, -100.0, 200.0, -100.0, 200.0 }));
+  // The dimensions changed, and the one that is copied has not noticed yet.
+  rep->SelectPoint(3, 3, 3);
+  large->SetDimensions(5, 4, 4);
+  copy->ShallowCopy(rep);
+  FFD_CHECK(copy->GetNumberOfSelectedPoints() == 0 && copy->SelectPoint(4, 3, 3) == 1);
+
+  // Another camera that is older than the picture: the handle is where the new one sees it.
+  WidgetScene scene(5);
+  vtkNew<vtkCamera> other;
+  other->DeepCopy(scene.Renderer->GetActiveCamera());
+  other->SetViewUp(1.0, 0.0, 0.0);
+  other->Zoom(0.5);
+  scene.View->SelectPoint(4, 4, 4);
+  scene.Window->Render();
+  scene.Renderer->SetActiveCamera(other);
+  scene.Window->Render();
+  double arm[3];
+  scene.Lattice->GetControlPoint(4, 4, 4, arm);
+  const std::array<double, 3> base = scene.Display({ arm[0], arm[1], arm[2] });
+  const std::array<double, 3> along = scene.Display({ arm[0] + 1.0, arm[1], arm[2] });
+  const double dx = along[0] - base[0];
+  const double dy = along[1] - base[1];
+  const double length = std::hypot(dx, dy);
+  FFD_CHECK(scene.View->ComputeInteractionState(static_cast<int>(base[0] + 40.0 * dx / length),
+              static_cast<int>(base[1] + 40.0 * dy / length)) == Rep::OnHandle);
+
+  // A lattice that shares the control points follows when they are moved, in every way.
+  vtkNew<vtkFFDLattice> shared;
+  shared->ShallowCopy(large);
+  // One control point alone moves the material at its rest position by 8 / 27 of its way.
+  const auto reaches = [&](double z) {
+    double bounds[6];
+    shared->GetDisplacementBounds(bounds);
+    return bounds[5] >= 8.0 / 27.0 * z && bounds[5] <= z;
+  };
+  rep->SelectPoint(2, 2, 2);
+  FFD_CHECK(reaches(0.0) && rep->TranslateSelection(0.0, 0.0, 8.0) == 1 && reaches(8.0));
+  FFD_CHECK(rep->Undo() == 1 && reaches(0.0));
+  large->GetDisplacements()->SetComponent(30, 2, 4.0);
+  large->Modified();
+  FFD_CHECK(reaches(4.0));
+  const vtkMTimeType before = large->GetMTime();
+  shared->ShallowCopy(large);
+  FFD_CHECK(large->GetMTime() == before);
+  return EXIT_SUCCESS;
+}
+
+//------------------------------------------------------------------------------
+/// Along an axis one arm of the handle points at the viewer: it must not take the press.
+int TestAxisViews()
+{
+  for (const bool parallel : { false, true })
+  {
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      for (const double side : { -1.0, 1.0 })
+      {
+        WidgetScene scene(5);
+        vtkCamera* camera = scene.Renderer->GetActiveCamera();
+        double position[3] = { 50.0, 50.0, 50.0 };
+        position[axis] += 600.0 * side;
+        double up[3] = { 0.0, 0.0, 0.0 };
+        up[(axis + 1) % 3] = 1.0;
+        camera->SetPosition(position);
+        camera->SetViewUp(up);
+        camera->SetParallelProjection(parallel);
+        camera->SetParallelScale(220.0);
+        scene.Renderer->ResetCameraClippingRange();
+        scene.Window->Render();
+        // In the outermost layer that faces the viewer.
+        int at[3] = { 1, 1, 1 };
+        at[axis] = side > 0.0 ? 4 : 0;
+        scene.ClickPoint(at[0], at[1], at[2]);
+        FFD_CHECK(scene.View->IsPointSelected(at[0], at[1], at[2]));
+        FFD_CHECK(scene.View->GetNumberOfSelectedPoints() == 1);
+        for (int again = 0; again < 2; ++again)
+        {
+          const std::array<double, 3> from = scene.Moved(at[0], at[1], at[2]);
+          std::array<double, 3> seen = scene.Display(scene.Point(at[0], at[1], at[2]));
+          // Not in the middle of the ball, either.
+          scene.Press(seen[0] + 2.0, seen[1] - 2.0);
+          FFD_CHECK(scene.View->GetInteractionState() == Rep::MovingPoints);
+          scene.Drag(24.0, 12.0);
+          scene.Release();
+          const std::array<double, 3> to = scene.Moved(at[0], at[1], at[2]);
+          FFD_CHECK_NEAR(to[axis], from[axis], 1e-9);
+          const std::array<double, 3> now = scene.Display(scene.Point(at[0], at[1], at[2]));
+          FFD_CHECK_NEAR(now[0] - seen[0], 24.0, 1.0);
+          FFD_CHECK_NEAR(now[1] - seen[1], 12.0, 1.0);
+        }
+        FFD_CHECK(scene.View->GetNumberOfUndos() == 2);
+        // The arms across the line of sight are still there.
+        const int across = (axis + 1) % 3;
+        const std::array<double, 3> from = scene.Moved(at[0], at[1], at[2]);
+        const std::array<double, 3> seen = scene.Display(scene.Point(at[0], at[1], at[2]));
+        scene.Press(seen[0], seen[1] + 50.0);
+        FFD_CHECK(scene.View->GetInteractionState() == Rep::MovingHandle);
+        scene.Drag(10.0, 20.0);
+        scene.Release();
+        const std::array<double, 3> to = scene.Moved(at[0], at[1], at[2]);
+        FFD_CHECK(to[across] > from[across] + 1.0);
+        FFD_CHECK_NEAR(to[(axis + 2) % 3], from[(axis + 2) % 3], 1e-9);
+      }
+    }
+  }
+  return EXIT_SUCCESS;
+}
+
+//------------------------------------------------------------------------------
+/// Null in the place of everything that is given by pointer.
+int TestNull()
+{
+  WidgetScene scene(4);
+  Rep* rep = scene.View;
+  const std::vector<std::pair<const char*, std::function<void()>>> calls = {
+    { "GetOutlineBounds", [rep] { rep->GetOutlineBounds(nullptr); } },
+    { "SetOutlineBounds", [rep] { rep->SetOutlineBounds(nullptr); } },
+    { "PlaceWidget", [rep] { rep->PlaceWidget(nullptr); } },
+    { "GetSelectedPoints", [rep] { rep->GetSelectedPoints(nullptr); } },
+    { "GetSelectionCenter", [rep] { rep->GetSelectionCenter(nullptr); } },
+    { "MoveMaterial", [rep] { rep->MoveMaterial(nullptr, nullptr); } },
+    { "AddPinAtWorld", [rep] { rep->AddPinAtWorld(nullptr); } },
+    { "GetPin", [rep] { rep->GetPin(0, nullptr); } },
+    { "PickSurface", [rep] { rep->PickSurface(1.0, 1.0, nullptr); } },
+    { "GetChangedPoints", [rep] { rep->GetChangedPoints(nullptr); } },
+    { "StartWidgetInteraction", [rep] { rep->StartWidgetInteraction(nullptr); } },
+    { "StartRegion", [rep] { rep->StartRegion(nullptr, Rep::REPLACE); } },
+    { "WidgetInteraction", [rep] { rep->WidgetInteraction(nullptr); } },
+    { "EndWidgetInteraction", [rep] { rep->EndWidgetInteraction(nullptr); } },
+    { "GetActors", [rep] { rep->GetActors(nullptr); } },
+    { "RenderOpaqueGeometry", [rep] { rep->RenderOpaqueGeometry(nullptr); } },
+    { "RenderTranslucentPolygonalGeometry",
+      [rep] { rep->RenderTranslucentPolygonalGeometry(nullptr); } },
+    { "RenderOverlay", [rep] { rep->RenderOverlay(nullptr); } },
+    { "ShallowCopy", [rep] { rep->ShallowCopy(nullptr); } },
+  };
+  for (const auto& call : calls)
+  {
+    call.second();
+    FFD_CHECK(scene.Errors->Had(call.first));
+  }
+  rep->SetProp(nullptr);
+  rep->SetSurfacePicker(nullptr);
+  rep->ReleaseGraphicsResources(nullptr);
+  scene.Window->Render();
+  scene.Widget->SetRepresentation(nullptr);
+  scene.Window->Render();
+  FFD_CHECK(scene.Errors->Count == 0);
+  return EXIT_SUCCESS;
+}
+
+//------------------------------------------------------------------------------
 int TestBadInput()
 {
   vtkNew<vtkFFDLatticeRepresentation> rep;
@@ -639,6 +833,21 @@ int TestBadInput()
   FFD_CHECK(errors->Had("SetMinimumDeterminant") && rep->GetMinimumDeterminant() == 0.05);
   rep->SetNudgeStep(nan);
   FFD_CHECK(errors->Had("SetNudgeStep") && rep->GetNudgeStep() == 0.0);
+  rep->SetPickTolerance(nan);
+  FFD_CHECK(errors->Had("SetPickTolerance") && rep->GetPickTolerance() == 8.0);
+  rep->SetHiddenOpacity(nan);
+  FFD_CHECK(errors->Had("SetHiddenOpacity") && rep->GetHiddenOpacity() == 0.25);
+  rep->SetTransformHandleSize(nan);
+  FFD_CHECK(errors->Had("SetTransformHandleSize") && rep->GetTransformHandleSize() == 80.0);
+  rep->SetHandleSize(nan);
+  FFD_CHECK(errors->Had("SetHandleSize") && rep->GetHandleSize() == 9.0);
+  rep->SetPlaceFactor(nan);
+  FFD_CHECK(errors->Had("SetPlaceFactor") && rep->GetPlaceFactor() == 1.0);
+  rep->SetPickTolerance(infinity);
+  rep->SetHiddenOpacity(-infinity);
+  rep->SetTransformHandleSize(0.0);
+  FFD_CHECK(rep->GetPickTolerance() == 100.0 && rep->GetHiddenOpacity() == 0.0);
+  FFD_CHECK(rep->GetTransformHandleSize() == 10.0);
   rep->SetUndoMemoryLimit(-5);
   FFD_CHECK(errors->Had("SetUndoMemoryLimit"));
   double flat[6] = { 1.0, 1.0, 2.0, 2.0, 3.0, 3.0 };
@@ -688,6 +897,9 @@ int TestLatticeRepresentation(int, char*[])
   failures += TestPickingManager() != EXIT_SUCCESS;
   failures += TestLook() != EXIT_SUCCESS;
   failures += TestPlaceAndCopy() != EXIT_SUCCESS;
+  failures += TestNothingIsStale() != EXIT_SUCCESS;
+  failures += TestAxisViews() != EXIT_SUCCESS;
+  failures += TestNull() != EXIT_SUCCESS;
   failures += TestBadInput() != EXIT_SUCCESS;
   return failures == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -8,10 +8,11 @@
 #include "vtkBSplineTransform.h"
 #include "vtkCellData.h"
 #include "vtkContourValues.h"
+#include "vtkMatrix3x3.h"
 #include "vtkPlane.h"
-#include "vtkSphere.h"
 #include "vtkPolyData.h"
 #include "vtkRectilinearGrid.h"
+#include "vtkSphere.h"
 #include "vtkStringArray.h"
 #include "vtkTrivialProducer.h"
 #include "vtkUnstructuredGrid.h"
@@ -318,6 +319,19 @@ bool TestSettingsOfOthers()
   ok &= Refuses(
     scene, "singular matrix", "singular", [&] { scene.Volume->SetScale(1.0, 0.0, 1.0); },
     [&] { scene.Volume->SetScale(1.0); });
+
+  // A small scale is no collapse.
+  scene.Mapper->SetDeformation(nullptr);
+  vtkMatrix3x3* direction = scene.Image->GetDirectionMatrix();
+  for (int a = 0; a < 3; ++a)
+  {
+    direction->SetElement(a, a, 1e-5);
+  }
+  direction->Modified();
+  scene.Render();
+  ok &= scene.Errors->Count == 0;
+  direction->Identity();
+  scene.Mapper->SetDeformation(scene.Lattice);
 
   // VTK complains of such a camera itself, so only in the image.
   double position[3];

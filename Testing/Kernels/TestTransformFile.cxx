@@ -94,6 +94,18 @@ TEST(TransformFile, ItkTextIsReadAsWritten)
   ExpectSame(read.Steps[0], linear);
 }
 
+TEST(TransformFile, SmallScaleIsNoCollapse)
+{
+  TransformStep small;
+  small.Matrix = glm::dmat3(1e-5);
+  ffd::ItkTransform read;
+  std::string error;
+  ASSERT_TRUE(ffd::ParseItkTransform(ffd::FormatItkTransform({ small }), read, error)) << error;
+  ExpectSame(read.Steps[0], small);
+  small.Matrix[2] = small.Matrix[1];
+  EXPECT_FALSE(ffd::ParseItkTransform(ffd::FormatItkTransform({ small }), read, error));
+}
+
 TEST(TransformFile, ElastixTextIsReadAsWritten)
 {
   const TransformStep spline = MakeSpline(3, Permuted);
