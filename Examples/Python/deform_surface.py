@@ -35,6 +35,7 @@ from vtkmodules.vtkRenderingCore import (
 )
 
 import vtkffd
+from display import require_display
 
 DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "Testing", "Data")
 
@@ -92,6 +93,7 @@ def main():
     parser.add_argument("--size", type=int, default=512, help="height in pixels")
     parser.add_argument("--strength", type=float, default=0.8, help="of the twist")
     arguments = parser.parse_args()
+    require_display("deform_surface")
     os.makedirs(arguments.output, exist_ok=True)
 
     reader = vtkXMLImageDataReader()

@@ -31,6 +31,7 @@ from vtkmodules.vtkRenderingCore import (
 )
 
 import vtkffd
+from display import require_display
 
 HEAD = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "Testing", "Data",
                     "cthead.vti")
@@ -128,6 +129,7 @@ def main():
     parser.add_argument("--stiffness", type=float, default=500.0,
                         help="of the springs along the axes, N/m")
     arguments = parser.parse_args()
+    require_display("falling_head")
     try:
         os.makedirs(arguments.output, exist_ok=True)
     except OSError as error:

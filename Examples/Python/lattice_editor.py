@@ -21,11 +21,10 @@ import vtkmodules.vtkRenderingVolumeOpenGL2  # noqa: F401
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkLogger, vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
-from vtkmodules.vtkImagingCore import vtkImageExtractComponents
+from vtkmodules.vtkImagingCore import vtkImageBlend, vtkImageExtractComponents
 from vtkmodules.vtkImagingStatistics import vtkImageHistogram
 from vtkmodules.vtkInteractionStyle import vtkInteractorStyleTrackballCamera
-from vtkmodules.vtkIOImage import vtkDICOMImageReader, vtkImageReader2Factory, vtkPNGWriter
-from vtkmodules.vtkIOLegacy import vtkStructuredPointsReader
+from vtkmodules.vtkIOImage import vtkPNGWriter
 from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLImageDataWriter
 from vtkmodules.vtkRenderingCore import (
     vtkColorTransferFunction,
@@ -40,9 +39,11 @@ from vtkmodules.vtkRenderingCore import (
 )
 
 import vtkffd
+from display import has_display, no_display
 
 DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "Testing", "Data")
 REP = vtkffd.vtkFFDLatticeRepresentation
+BACKGROUND = (0.10, 0.11, 0.13)
 
 HELP = """\
 left        select; shift adds, ctrl toggles
@@ -85,10 +86,6 @@ class Complaints:
         vtkOutputWindow.SetInstance(self.previous)
         vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_INFO)
 
-    def has_errors(self):
-        """Whether there are more than warnings."""
-        return "ERROR:" in self.window.GetOutput()
-
     def first(self):
         text = self.window.GetOutput()
         return text.split("): ", 1)[-1].split("\n", 1)[0] if text else ""
@@ -96,37 +93,14 @@ class Complaints:
 
 def read_volume(path):
     """The volume as vtkImageData; Problem if it cannot be used."""
-    if not os.path.exists(path):
-        raise Problem("there is no such file or folder")
-    with Complaints() as complaints:
-        ending = os.path.splitext(path)[1].lower()
-        if os.path.isdir(path):
-            reader = vtkDICOMImageReader()
-            reader.SetDirectoryName(path)
-        elif ending == ".vti":
-            reader = vtkXMLImageDataReader()
-            reader.SetFileName(path)
-        elif ending == ".vtk":
-            reader = vtkStructuredPointsReader()
-            reader.SetFileName(path)
-        else:
-            reader = vtkImageReader2Factory.CreateImageReader2(path)
-            if reader is None:
-                raise Problem("VTK has no reader for it (.vti, .vtk, .mhd, .nii, .nrrd and image "
-                              "files are known, and folders of DICOM slices)")
-            reader.SetFileName(path)
+    reader = vtkffd.vtkFFDVolumeReader()
+    reader.SetFileName(path)
+    with Complaints():
         reader.Update()
-        image = reader.GetOutputDataObject(0)
-    if complaints.has_errors() or image is None or image.GetNumberOfPoints() == 0:
-        if os.path.isdir(path):
-            raise Problem("no DICOM slices were found in it")
-        raise Problem("it cannot be read: " + (complaints.first() or "it is empty"))
+    if reader.GetProblem():
+        raise Problem(reader.GetProblem())
+    image = reader.GetOutput()
     scalars = image.GetPointData().GetScalars()
-    if scalars is None or not isinstance(image, vtkImageData):
-        raise Problem("it holds no image with point scalars")
-    if min(image.GetDimensions()) < 2:
-        raise Problem("it is %d x %d x %d voxels; a volume has at least two along each axis"
-                      % image.GetDimensions())
     if scalars.GetNumberOfComponents() > 1:
         print("lattice_editor: of %d components the first is shown"
               % scalars.GetNumberOfComponents())
@@ -165,6 +139,16 @@ def find_threshold(image):
     return low, high, min(max(threshold, low), high)
 
 
+def write_picture(picture, path):
+    writer = vtkPNGWriter()
+    writer.SetInputConnection(picture.GetOutputPort())
+    writer.SetFileName(path)
+    with Complaints() as complaints:
+        writer.Write()
+    if complaints.first() or writer.GetErrorCode() != 0:
+        raise Problem("%s cannot be written: %s" % (path, complaints.first()))
+
+
 class Editor:
     def __init__(self, volume, points, lattice):
         self.image = read_volume(volume)
@@ -182,6 +166,7 @@ class Editor:
         self.volume = vtkVolume()
         self.volume.SetMapper(self.mapper)
         self.volume.SetProperty(self.property)
+        self.set_scene()
         self.message = "h: help"
         self.before = False
         self.used_key = False
@@ -206,10 +191,18 @@ class Editor:
         self.property.SetSpecular(0.25)
         self.property.SetSpecularPower(20.0)
 
-    def start(self, size):
+    def set_scene(self):
+        """The volume, seen from the front."""
         self.renderer = vtkRenderer()
-        self.renderer.SetBackground(0.10, 0.11, 0.13)
+        self.renderer.SetBackground(*BACKGROUND)
         self.renderer.AddVolume(self.volume)
+        camera = self.renderer.GetActiveCamera()
+        camera.SetPosition(0.75, -1.0, 0.55)
+        camera.SetFocalPoint(0.0, 0.0, 0.0)
+        camera.SetViewUp(0.0, 0.0, 1.0)
+        self.renderer.ResetCamera()
+
+    def start(self, size):
         self.window = vtkRenderWindow()
         self.window.SetSize(*size)
         self.window.SetMultiSamples(0)
@@ -241,7 +234,8 @@ class Editor:
         self.picker.PickFromListOn()
         self.picker.AddPickList(self.volume)
         self.rep.SetSurfacePicker(self.picker)
-        self.renderer.AddObserver("EndEvent", lambda *_: self.show_status())
+        # Before the frame is drawn, so that it tells of what the frame shows.
+        self.renderer.AddObserver("StartEvent", lambda *_: self.show_status())
         self.widget.SetInteractor(self.interactor)
         self.widget.KeyPressActivationOff()
         self.widget.SetDefaultRenderer(self.renderer)
@@ -251,10 +245,6 @@ class Editor:
         self.key_tag = self.interactor.AddObserver("KeyPressEvent", self.on_key_event, 0.3)
         self.char_tag = self.interactor.AddObserver("CharEvent", self.on_char_event, 0.3)
         self.interactor.Initialize()
-        camera = self.renderer.GetActiveCamera()
-        camera.SetPosition(0.75, -1.0, 0.55)
-        camera.SetFocalPoint(0.0, 0.0, 0.0)
-        camera.SetViewUp(0.0, 0.0, 1.0)
         self.renderer.ResetCamera()
         self.widget.On()
         self.renderer.ResetCameraClippingRange()
@@ -346,13 +336,20 @@ class Editor:
         capture = vtkWindowToImageFilter()
         capture.SetInput(self.window)
         capture.ReadFrontBufferOff()
-        writer = vtkPNGWriter()
-        writer.SetInputConnection(capture.GetOutputPort())
-        writer.SetFileName(path)
-        with Complaints() as complaints:
-            writer.Write()
-        if complaints.first() or writer.GetErrorCode() != 0:
-            raise Problem("%s cannot be written: %s" % (path, complaints.first()))
+        write_picture(capture, path)
+
+    def save_volume_picture(self, path, size):
+        """Without a window: the volume alone."""
+        picture, back = vtkImageData(), vtkImageData()
+        if not self.mapper.RenderToImage(self.renderer, self.volume, *size, picture):
+            raise Problem("%s cannot be made" % path)
+        back.DeepCopy(picture)
+        for channel, value in enumerate((*BACKGROUND, 1.0)):
+            back.GetPointData().GetScalars().FillComponent(channel, round(255.0 * value))
+        blend = vtkImageBlend()
+        blend.AddInputData(back)
+        blend.AddInputData(picture)
+        write_picture(blend, path)
 
     def save_lattice(self, path):
         image = vtkImageData()
@@ -410,14 +407,22 @@ def main():
         text = str(problem)
         sys.exit("lattice_editor: " + (
             text if "lattice" in text else "%s: %s" % (arguments.volume, text)))
-    editor.start(arguments.size)
+    unattended = arguments.screenshot or arguments.save_lattice
+    window = has_display()
+    if not window and (arguments.play or not unattended):
+        sys.exit("lattice_editor: " + no_display())
+    if window:
+        editor.start(arguments.size)
     if arguments.play:
         editor.play(arguments.play)
-    if not (arguments.play or arguments.screenshot or arguments.save_lattice):
+    elif not unattended:
         editor.interactor.Start()
     try:
-        if arguments.screenshot:
+        if arguments.screenshot and window:
             editor.save_picture(arguments.screenshot)
+        elif arguments.screenshot:
+            print("lattice_editor: %s The picture shows the volume alone." % no_display())
+            editor.save_volume_picture(arguments.screenshot, arguments.size)
         if arguments.save_lattice:
             editor.save_lattice(arguments.save_lattice)
     except Problem as problem:

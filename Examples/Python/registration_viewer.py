@@ -36,6 +36,7 @@ from vtkmodules.vtkRenderingCore import (
 )
 
 import vtkffd
+from display import require_display
 
 DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "Testing", "Data")
 BACKGROUND = (26, 28, 33)
@@ -228,6 +229,7 @@ def main():
                     arguments.thresholds, arguments.size, arguments.fields)
     viewer.write(os.path.join(arguments.output, "registration.png"))
     if arguments.interactive:
+        require_display("registration_viewer")
         viewer.interact()
 
 

@@ -33,6 +33,7 @@ from vtkmodules.vtkRenderingCore import (
 )
 
 import vtkffd
+from display import require_display
 
 DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "Testing", "Data")
 
@@ -245,6 +246,7 @@ def main():
     parser.add_argument("--output", default="output", help="folder for the pictures")
     parser.add_argument("--interactive", action="store_true", help="open a window at the end")
     arguments = parser.parse_args()
+    require_display("render_deformed")
     try:
         os.makedirs(arguments.output, exist_ok=True)
     except OSError as error:

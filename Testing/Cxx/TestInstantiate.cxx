@@ -20,6 +20,7 @@
 #include "vtkFFDTransformReader.h"
 #include "vtkFFDTransformWriter.h"
 #include "vtkFFDVolumePicker.h"
+#include "vtkFFDVolumeReader.h"
 
 #include "vtkNew.h"
 
@@ -58,6 +59,7 @@ int TestInstantiate(int, char*[])
   ok &= Check<vtkFFDMassSpring>("vtkFFDMassSpring", "vtkAlgorithm");
   ok &= Check<vtkFFDTransformReader>("vtkFFDTransformReader", "vtkAlgorithm");
   ok &= Check<vtkFFDTransformWriter>("vtkFFDTransformWriter", "vtkObject");
+  ok &= Check<vtkFFDVolumeReader>("vtkFFDVolumeReader", "vtkAlgorithm");
   ok &= Check<vtkFFDInverseRayVolumeMapper>("vtkFFDInverseRayVolumeMapper", "vtkVolumeMapper");
   ok &= Check<vtkFFDLatticeRepresentation>("vtkFFDLatticeRepresentation", "vtkWidgetRepresentation");
   ok &= Check<vtkFFDLatticeWidget>("vtkFFDLatticeWidget", "vtkAbstractWidget");

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import unittest
+from unittest import mock
 
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
@@ -69,6 +70,20 @@ class TestExamples(unittest.TestCase):
         outside_before = (shown(before) & ~shown(fixed)).sum() / shown(before).sum()
         outside_after = (shown(after) & ~shown(fixed)).sum() / shown(after).sum()
         self.assertLess(outside_after, 0.5 * outside_before)
+
+    def test_without_a_display(self):
+        for name, *arguments in (("deform_surface",), ("falling_head",), ("paper_figures",),
+                                 ("render_deformed",),
+                                 ("registration_viewer", "--interactive", "--size", "50")):
+            for display in (None, ":977"):
+                with self.subTest((name, display)), mock.patch.dict(os.environ):
+                    os.environ.pop("DISPLAY", None)
+                    if display:
+                        os.environ["DISPLAY"] = display
+                    _, result = run(name, *arguments)
+                    self.assertEqual(result.returncode, 1)
+                    self.assertIn(name + ": no window can be opened", result.stderr)
+                    self.assertEqual(len(result.stderr.splitlines()), 1)
 
     def test_errors_are_told(self):
         for arguments, text in ((("--transform", "/no/such/file"), "/no/such/file"),

@@ -14,7 +14,8 @@ import unittest
 
 import numpy
 import vtkffd
-from vtkmodules.util.numpy_support import vtk_to_numpy
+import ffdvolumefiles
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkIOImage import vtkMetaImageWriter, vtkPNGReader
 from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLImageDataWriter
@@ -44,9 +45,14 @@ RECORDING = (
     key("Tab", 9) + key("Tab", 9) + key("F2") + key("c", 99) + key("h", 104) + key("h", 104))
 
 
-def run(editor, *arguments):
+def run(editor, *arguments, environment=None):
     return subprocess.run([*EDITORS[editor], *arguments], cwd=WORK, capture_output=True, text=True,
-                          timeout=60, check=False)
+                          timeout=60, check=False, env=environment)
+
+
+# Without X, and with a server that is not there.
+NO_DISPLAY = [{name: value for name, value in os.environ.items() if name != "DISPLAY"},
+              {**os.environ, "DISPLAY": ":977"}]
 
 
 def read_image(path):
@@ -119,6 +125,83 @@ class TestLatticeEditor(unittest.TestCase):
                                  "--screenshot", "kind.png")
                     self.assertEqual(result.returncode, 0, result.stderr)
                     self.assertEqual(result.stderr, "")
+
+    def test_patients_are_the_right_way_round(self):
+        """The same volume from files of all kinds: the same picture."""
+        ffdvolumefiles.write_dicom(os.path.join(WORK, "dicom"))
+        ffdvolumefiles.write_nifti(os.path.join(WORK, "body.nii"), "qform")
+        ffdvolumefiles.write_nifti(os.path.join(WORK, "body.nii.gz"), "sform")
+        ffdvolumefiles.write_nrrd(os.path.join(WORK, "body.nrrd"), "right-anterior-superior")
+        ffdvolumefiles.write_nrrd(os.path.join(WORK, "body.nhdr"), "left-posterior-superior")
+        image = vtkImageData()
+        image.SetDimensions(*ffdvolumefiles.SIZE)
+        image.SetSpacing(*ffdvolumefiles.SPACING)
+        image.SetOrigin(*ffdvolumefiles.ORIGIN)
+        image.SetDirectionMatrix(*ffdvolumefiles.DIRECTION.ravel())
+        image.GetPointData().SetScalars(numpy_to_vtk(ffdvolumefiles.voxels().ravel(), deep=True))
+        writer = vtkXMLImageDataWriter()
+        writer.SetInputData(image)
+        writer.SetFileName(os.path.join(WORK, "body.vti"))
+        writer.Write()
+
+        def picture(editor, name):
+            result = run(editor, name, "--size", "240", "200", "--screenshot", "body.png")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            # Above the status line.
+            return read_image(os.path.join(WORK, "body.png"))[40:]
+
+        expected = picture("cxx", "body.vti")
+        self.assertGreater(expected.std(), 15.0)
+        for editor, name in (("cxx", "dicom"), ("cxx", "body.nii"), ("cxx", "body.nrrd"),
+                             ("python", "dicom"), ("python", "body.nii.gz"),
+                             ("python", "body.nhdr")):
+            with self.subTest((editor, name)):
+                self.assertLess(numpy.abs(picture(editor, name) - expected).mean(), 1.0)
+
+    def test_without_a_display(self):
+        for editor in EDITORS:
+            for environment in NO_DISPLAY:
+                with self.subTest((editor, environment.get("DISPLAY"))):
+                    fuel = os.path.join(DATA, "fuel.vti")
+                    result = run(editor, fuel, environment=environment)
+                    self.assertEqual(result.returncode, 1)
+                    self.assertIn("no window can be opened", result.stderr)
+                    self.assertEqual(len(result.stderr.splitlines()), 1)
+                    # What needs no window goes on.
+                    result = run(editor, fuel, "--size", "120", "100", "--screenshot", "alone.png",
+                                 "--save-lattice", "alone.vti", environment=environment)
+                    self.assertEqual(result.returncode, 0, result.stderr)
+                    self.assertIn("volume alone", result.stdout)
+                    picture = read_image(os.path.join(WORK, "alone.png"))
+                    self.assertEqual(picture.shape[:2], (100, 120))
+                    self.assertEqual(picture[0, 0].tolist()[:3], [26, 28, 33])
+                    self.assertGreater((numpy.ptp(picture[..., :3], axis=2) > 15).mean(), 0.02)
+                    os.remove(os.path.join(WORK, "alone.png"))
+                    os.remove(os.path.join(WORK, "alone.vti"))
+
+    def test_status_line_is_that_of_its_frame(self):
+        sys.path.insert(0, os.path.dirname(EDITORS["python"][1]))
+        from lattice_editor import Editor
+        editor = Editor(os.path.join(DATA, "fuel.vti"), 4, None)
+        editor.start((300, 200))
+        shown = []
+        # When the props are drawn.
+        editor.renderer.AddObserver("StartEvent", lambda *_: shown.append(
+            editor.status.GetInput()), -1.0)
+        before = os.getcwd()
+        os.chdir(WORK)
+        try:
+            for symbol, text in (("F5", "saved"), ("F2", "control points"), ("F9", "loaded")):
+                shown.clear()
+                editor.on_key(symbol)
+                self.assertIn(text, shown[-1])
+        finally:
+            os.chdir(before)
+        editor.rep.SelectPoint(1, 1, 1)
+        editor.rep.TranslateSelection(1.0, 0.0, 0.0)
+        editor.window.Render()
+        self.assertIn("1 selected", shown[-1])
+        self.assertIn("undo 1", shown[-1])
 
     def test_bad_files_are_named(self):
         cases = (

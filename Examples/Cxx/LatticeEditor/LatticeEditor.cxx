@@ -3,23 +3,24 @@
 // Shape a volume by hand: a window with a volume, the lattice that deforms it, and
 // vtkFFDLatticeWidget between the two. Usage: LatticeEditor --help; in the window: h.
 // Examples/Python/lattice_editor.py is the same in Python.
+#include "HasDisplay.h"
+
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDLatticeRepresentation.h"
 #include "vtkFFDLatticeWidget.h"
 #include "vtkFFDVolumePicker.h"
+#include "vtkFFDVolumeReader.h"
 
 #include "vtkCallbackCommand.h"
 #include "vtkCamera.h"
 #include "vtkColorTransferFunction.h"
-#include "vtkDICOMImageReader.h"
 #include "vtkDataArray.h"
 #include "vtkIdTypeArray.h"
+#include "vtkImageBlend.h"
 #include "vtkImageData.h"
 #include "vtkImageExtractComponents.h"
 #include "vtkImageHistogram.h"
-#include "vtkImageReader2.h"
-#include "vtkImageReader2Factory.h"
 #include "vtkInteractorEventRecorder.h"
 #include "vtkInteractorStyleTrackballCamera.h"
 #include "vtkLogger.h"
@@ -33,7 +34,6 @@
 #include "vtkRenderer.h"
 #include "vtkSmartPointer.h"
 #include "vtkStringOutputWindow.h"
-#include "vtkStructuredPointsReader.h"
 #include "vtkTextActor.h"
 #include "vtkTextProperty.h"
 #include "vtkVolume.h"
@@ -45,6 +45,7 @@
 #include "vtksys/SystemTools.hxx"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <iomanip>
 #include <iostream>
@@ -116,9 +117,6 @@ public:
                                       : text.substr(start + 3, text.find('\n', start) - start - 3);
   }
 
-  /// Whether there are more than warnings.
-  bool HasErrors() const { return this->Window->GetOutput().find("ERROR:") != std::string::npos; }
-
 private:
   vtkSmartPointer<vtkOutputWindow> Previous;
   vtkNew<vtkStringOutputWindow> Window;
@@ -128,76 +126,19 @@ private:
 /// Read a volume; null, with the reason in `problem`, if it cannot be used.
 vtkSmartPointer<vtkImageData> ReadVolume(const std::string& path, std::string& problem)
 {
-  using vtksys::SystemTools;
-  if (!SystemTools::FileExists(path))
+  vtkNew<vtkFFDVolumeReader> reader;
+  reader->SetFileName(path.c_str());
   {
-    problem = "there is no such file or folder";
+    const Complaints complaints;
+    reader->Update();
+  }
+  problem = reader->GetProblem();
+  if (!problem.empty())
+  {
     return nullptr;
   }
-  const Complaints complaints;
-  vtkSmartPointer<vtkAlgorithm> reader;
-  const std::string ending =
-    SystemTools::LowerCase(SystemTools::GetFilenameLastExtension(path));
-  if (SystemTools::FileIsDirectory(path))
-  {
-    vtkNew<vtkDICOMImageReader> dicom;
-    dicom->SetDirectoryName(path.c_str());
-    reader = dicom;
-  }
-  else if (ending == ".vti")
-  {
-    vtkNew<vtkXMLImageDataReader> xml;
-    xml->SetFileName(path.c_str());
-    reader = xml;
-  }
-  else if (ending == ".vtk")
-  {
-    vtkNew<vtkStructuredPointsReader> legacy;
-    legacy->SetFileName(path.c_str());
-    reader = legacy;
-  }
-  else
-  {
-    auto found = vtkSmartPointer<vtkImageReader2>::Take(
-      vtkImageReader2Factory::CreateImageReader2(path.c_str()));
-    if (!found)
-    {
-      problem = "VTK has no reader for it (.vti, .vtk, .mhd, .nii, .nrrd and image files are "
-                "known, and folders of DICOM slices)";
-      return nullptr;
-    }
-    found->SetFileName(path.c_str());
-    reader = found;
-  }
-  reader->Update();
-  auto* output = vtkImageData::SafeDownCast(reader->GetOutputDataObject(0));
-  vtkSmartPointer<vtkImageData> image = vtkSmartPointer<vtkImageData>::New();
-  if (output)
-  {
-    image->ShallowCopy(output);
-  }
-  if (complaints.HasErrors())
-  {
-    problem = SystemTools::FileIsDirectory(path) ? "no DICOM slices were found in it"
-                                                 : "it cannot be read: " + complaints.GetFirst();
-    return nullptr;
-  }
-  int dims[3];
-  image->GetDimensions(dims);
+  vtkSmartPointer<vtkImageData> image = reader->GetOutput();
   vtkDataArray* scalars = image->GetPointData()->GetScalars();
-  if (!scalars || image->GetNumberOfPoints() == 0)
-  {
-    problem = "it holds no image with point scalars";
-    return nullptr;
-  }
-  if (dims[0] < 2 || dims[1] < 2 || dims[2] < 2)
-  {
-    std::ostringstream text;
-    text << "it is " << dims[0] << " x " << dims[1] << " x " << dims[2]
-         << " voxels; a volume has at least two along each axis";
-    problem = text.str();
-    return nullptr;
-  }
   if (scalars->GetNumberOfComponents() > 1)
   {
     std::cout << "LatticeEditor: of " << scalars->GetNumberOfComponents()
@@ -275,6 +216,7 @@ public:
   bool Open(const std::string& volume, int points, const std::string& lattice);
   void Start(int width, int height);
   bool SavePicture(const std::string& path);
+  bool SaveVolumePicture(const std::string& path, int width, int height);
   bool SaveLattice(const std::string& path);
   bool LoadLattice(const std::string& path);
   void Play(const std::string& path);
@@ -283,6 +225,7 @@ public:
 
 private:
   void SetTransferFunctions();
+  bool WritePicture(vtkAlgorithm* picture, const std::string& path);
   void ShowStatus();
   void Say(const std::string& text);
   void Draw() { this->Window->Render(); }
@@ -329,6 +272,13 @@ bool Editor::Open(const std::string& volume, int points, const std::string& latt
   this->Mapper->SetDeformation(this->Lattice);
   this->Volume->SetMapper(this->Mapper);
   this->Volume->SetProperty(this->Property);
+  this->Renderer->SetBackground(0.10, 0.11, 0.13);
+  this->Renderer->AddVolume(this->Volume);
+  vtkCamera* camera = this->Renderer->GetActiveCamera();
+  camera->SetPosition(0.75, -1.0, 0.55);
+  camera->SetFocalPoint(0.0, 0.0, 0.0);
+  camera->SetViewUp(0.0, 0.0, 1.0);
+  this->Renderer->ResetCamera();
   return true;
 }
 
@@ -361,8 +311,6 @@ void Editor::SetTransferFunctions()
 //------------------------------------------------------------------------------
 void Editor::Start(int width, int height)
 {
-  this->Renderer->SetBackground(0.10, 0.11, 0.13);
-  this->Renderer->AddVolume(this->Volume);
   this->Window->SetSize(width, height);
   this->Window->SetMultiSamples(0);
   this->Window->SetWindowName("vtkFFD lattice editor");
@@ -395,7 +343,8 @@ void Editor::Start(int width, int height)
   this->Picker->PickFromListOn();
   this->Picker->AddPickList(this->Volume);
   rep->SetSurfacePicker(this->Picker);
-  this->Renderer->AddObserver(vtkCommand::EndEvent, this->Command);
+  // Before the frame is drawn, so that the status line tells of what the frame shows.
+  this->Renderer->AddObserver(vtkCommand::StartEvent, this->Command);
   // Ahead of the interactor style, behind the widget (0.5).
   this->Interactor->AddObserver(vtkCommand::KeyPressEvent, this->Command, 0.3f);
   this->Interactor->AddObserver(vtkCommand::CharEvent, this->Command, 0.3f);
@@ -404,10 +353,6 @@ void Editor::Start(int width, int height)
   this->Widget->SetDefaultRenderer(this->Renderer);
   this->Interactor->Initialize();
 
-  vtkCamera* camera = this->Renderer->GetActiveCamera();
-  camera->SetPosition(0.75, -1.0, 0.55);
-  camera->SetFocalPoint(0.0, 0.0, 0.0);
-  camera->SetViewUp(0.0, 0.0, 1.0);
   this->Renderer->ResetCamera();
   this->Widget->On();
   this->Message = "h: help";
@@ -458,8 +403,8 @@ void Editor::OnEvent(vtkObject* caller, unsigned long event, void* client, void*
   auto* self = static_cast<Editor*>(client);
   switch (event)
   {
-    case vtkCommand::EndEvent:
-      // Seen with the next frame, whose text is drawn before its time is known.
+    case vtkCommand::StartEvent:
+      // The time is that of the frame before.
       self->ShowStatus();
       break;
     case vtkCommand::KeyPressEvent:
@@ -554,8 +499,38 @@ bool Editor::SavePicture(const std::string& path)
   vtkNew<vtkWindowToImageFilter> capture;
   capture->SetInput(this->Window);
   capture->ReadFrontBufferOff();
+  return this->WritePicture(capture, path);
+}
+
+//------------------------------------------------------------------------------
+/// Without a window: the volume alone.
+bool Editor::SaveVolumePicture(const std::string& path, int width, int height)
+{
+  vtkNew<vtkImageData> picture;
+  if (!this->Mapper->RenderToImage(this->Renderer, this->Volume, width, height, picture))
+  {
+    this->Problem = path + " cannot be made";
+    return false;
+  }
+  vtkNew<vtkImageData> background;
+  background->DeepCopy(picture);
+  double colour[4] = { 0.0, 0.0, 0.0, 1.0 };
+  this->Renderer->GetBackground(colour);
+  for (int c = 0; c < 4; ++c)
+  {
+    background->GetPointData()->GetScalars()->FillComponent(c, std::round(255.0 * colour[c]));
+  }
+  vtkNew<vtkImageBlend> blend;
+  blend->AddInputData(background);
+  blend->AddInputData(picture);
+  return this->WritePicture(blend, path);
+}
+
+//------------------------------------------------------------------------------
+bool Editor::WritePicture(vtkAlgorithm* picture, const std::string& path)
+{
   vtkNew<vtkPNGWriter> writer;
-  writer->SetInputConnection(capture->GetOutputPort());
+  writer->SetInputConnection(picture->GetOutputPort());
   writer->SetFileName(path.c_str());
   const Complaints complaints;
   writer->Write();
@@ -701,23 +676,40 @@ int main(int argc, char* argv[])
       editor.Problem.find("lattice") != std::string::npos ? editor.Problem
                                                           : volume + ": " + editor.Problem);
   }
-#if defined(__unix__) && !defined(__APPLE__)
-  const char* display = std::getenv("DISPLAY");
-  if (!display || !*display)
+  const bool unattended = !screenshot.empty() || !save.empty();
+  const bool window = HasDisplay();
+  if (!window)
   {
-    return fail("there is no X display (DISPLAY is not set)");
+    const char* display = std::getenv("DISPLAY");
+    const std::string problem =
+      std::string("no window can be opened: there is no usable X display with GLX (DISPLAY is ") +
+      (display && *display ? std::string("'") + display + "'" : std::string("not set")) +
+      "). Log in to a desktop, or start the program with xvfb-run.";
+    if (!play.empty() || !unattended)
+    {
+      return fail(problem);
+    }
+    if (!screenshot.empty())
+    {
+      std::cout << "LatticeEditor: " << problem << " The picture shows the volume alone."
+                << std::endl;
+    }
   }
-#endif
-  editor.Start(width, height);
+  else
+  {
+    editor.Start(width, height);
+  }
   if (!play.empty())
   {
     editor.Play(play);
   }
-  if (play.empty() && screenshot.empty() && save.empty())
+  if (play.empty() && !unattended)
   {
     editor.Interact();
   }
-  if (!screenshot.empty() && !editor.SavePicture(screenshot))
+  if (!screenshot.empty() &&
+    !(window ? editor.SavePicture(screenshot)
+             : editor.SaveVolumePicture(screenshot, width, height)))
   {
     return fail(editor.Problem);
   }

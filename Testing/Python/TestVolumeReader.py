@@ -1,0 +1,146 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""vtkFFDVolumeReader: every voxel of every format is where the file says, in LPS; what cannot be
+read is named."""
+
+import os
+import shutil
+import unittest
+
+import numpy
+import vtkffd
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkIOLegacy import vtkStructuredPointsWriter
+from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
+
+import ffdvolumefiles as files
+
+WORK = os.path.join(os.environ["FFD_TEST_TEMPORARY"], "VolumeReader")
+
+
+class TestVolumeReader(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        shutil.rmtree(WORK, ignore_errors=True)
+        os.makedirs(os.path.join(WORK, "empty"))
+        files.write_meta(os.path.join(WORK, "turned.mha"))
+
+    def read(self, name):
+        reader = vtkffd.vtkFFDVolumeReader()
+        reader.SetFileName(os.path.join(WORK, name))
+        reader.Update()
+        return reader
+
+    def check_places(self, name, tolerance=1e-4):
+        reader = self.read(name)
+        self.assertEqual(reader.GetProblem(), "")
+        image = reader.GetOutput()
+        self.assertEqual(image.GetNumberOfPoints(), numpy.prod(files.SIZE))
+        # What filters are told before they are given the data.
+        info = reader.GetOutputInformation(0)
+        numpy.testing.assert_allclose(info.Get(vtkImageData.ORIGIN()), image.GetOrigin())
+        numpy.testing.assert_allclose(info.Get(vtkImageData.SPACING()), image.GetSpacing())
+        matrix = image.GetDirectionMatrix()
+        numpy.testing.assert_allclose(
+            [info.Get(vtkImageData.DIRECTION(), n) for n in range(9)],
+            [matrix.GetElement(n // 3, n % 3) for n in range(9)])
+        scalars = vtk_to_numpy(image.GetPointData().GetScalars())
+        values = files.voxels()
+        for k, j, i in numpy.ndindex(values.shape):
+            p = files.position(i, j, k)
+            index = [0.0] * 3
+            image.TransformPhysicalPointToContinuousIndex(p, index)
+            nearest = [int(round(n)) for n in index]
+            self.assertLess(numpy.abs(numpy.subtract(index, nearest)).max(), tolerance,
+                            (name, i, j, k))
+            point = image.ComputePointId(nearest)
+            self.assertEqual(scalars[point], values[k, j, i], (name, i, j, k))
+        return reader
+
+    def test_nifti(self):
+        for name, form in (("sform.nii", "sform"), ("sform.nii.gz", "sform"),
+                           ("qform.nii.gz", "qform")):
+            with self.subTest(name):
+                files.write_nifti(os.path.join(WORK, name), form)
+                self.check_places(name)
+        files.write_nifti(os.path.join(WORK, "metres.nii"), "sform", 1000.0, 1)
+        self.check_places("metres.nii")
+        files.write_nifti(os.path.join(WORK, "microns.nii"), "qform", 0.001, 3)
+        self.check_places("microns.nii", 1e-3)
+
+    def test_nrrd(self):
+        for name, space, compressed in (("lps.nrrd", "left-posterior-superior", True),
+                                        ("ras.nrrd", "right-anterior-superior", False),
+                                        ("detached.nhdr", "left-posterior-superior", False)):
+            with self.subTest(name):
+                files.write_nrrd(os.path.join(WORK, name), space, compressed)
+                self.check_places(name)
+
+    def test_metaimage(self):
+        self.check_places("turned.mha")
+
+    def test_dicom(self):
+        for downward in (False, True):
+            name = "dicom%d" % downward
+            files.write_dicom(os.path.join(WORK, name), downward=downward)
+            self.check_places(name)
+
+    def test_image_data(self):
+        reader = self.read("turned.mha")
+        writer = vtkXMLImageDataWriter()
+        writer.SetInputData(reader.GetOutput())
+        writer.SetFileName(os.path.join(WORK, "turned.vti"))
+        writer.Write()
+        self.check_places("turned.vti")
+        legacy = vtkStructuredPointsWriter()
+        legacy.SetInputData(reader.GetOutput())
+        legacy.SetFileName(os.path.join(WORK, "legacy.vtk"))
+        legacy.Write()
+        self.assertEqual(self.read("legacy.vtk").GetOutput().GetDimensions(), files.SIZE)
+
+    def test_what_cannot_be_read(self):
+        with open(os.path.join(WORK, "bad.vti"), "w", encoding="ascii") as file:
+            file.write("this is no XML")
+        with open(os.path.join(WORK, "text.txt"), "w", encoding="ascii") as file:
+            file.write("words")
+        files.write_dicom(os.path.join(WORK, "jpeg"), "1.2.840.10008.1.2.4.70")
+        cases = (("missing.nii", "no such file"), ("bad.vti", "cannot be read"),
+                 ("text.txt", "no reader"), ("empty", "no DICOM slices"),
+                 ("jpeg", "compressed (transfer syntax 1.2.840.10008.1.2.4.70)"),
+                 (os.path.join(os.environ["FFD_TEST_DATA"], "Baseline",
+                               "TestImageDeformedHead.png"), "300 x 300 x 1 voxels"))
+        for name, text in cases:
+            reader = vtkffd.vtkFFDVolumeReader()
+            told = []
+            reader.AddObserver("ErrorEvent", lambda *_: told.append(True))
+            # Nothing of what was read before is left.
+            reader.SetFileName(os.path.join(WORK, "turned.mha"))
+            reader.Update()
+            self.assertGreater(reader.GetOutput().GetNumberOfPoints(), 0)
+            reader.SetFileName(os.path.join(WORK, name))
+            reader.Update()
+            self.assertIn(text, reader.GetProblem())
+            self.assertEqual(len(told), 1, name)
+            self.assertEqual(reader.GetOutput().GetNumberOfPoints(), 0)
+            reader.SetFileName(os.path.join(WORK, "turned.mha"))
+            reader.Update()
+            self.assertEqual(reader.GetProblem(), "")
+            self.assertGreater(reader.GetOutput().GetNumberOfPoints(), 0)
+        # Directions that are none.
+        with open(os.path.join(WORK, "turned.mha"), "rb") as file:
+            content = file.read()
+        head, tail = content.split(b"TransformMatrix = ", 1)
+        with open(os.path.join(WORK, "flat.mha"), "wb") as file:
+            file.write(head + b"TransformMatrix = 1 0 0 1 0 0 0 0 1\n" + tail.split(b"\n", 1)[1])
+        reader = vtkffd.vtkFFDVolumeReader()
+        told = []
+        reader.AddObserver("WarningEvent", lambda *_: told.append(True))
+        reader.SetFileName(os.path.join(WORK, "flat.mha"))
+        reader.Update()
+        self.assertEqual((len(told), reader.GetProblem()), (1, ""))
+        self.assertEqual(reader.GetOutput().GetDirectionMatrix().GetElement(1, 0), 0.0)
+
+
+if __name__ == "__main__":
+    unittest.main()
