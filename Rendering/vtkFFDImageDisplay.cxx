@@ -45,7 +45,8 @@ in vec2 texCoord;
 uniform sampler2D image;
 void main()
 {
-  gl_FragData[0] = clamp(texture2D(image, texCoord), 0.0, 1.0);
+  // Not clamped: targets of bytes do so, those of floats keep what is brighter.
+  gl_FragData[0] = texture2D(image, texCoord);
 }
 )";
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Two and four processes give the picture of one, and each holds a part of the voxels: fewer, the
-more processes there are."""
+"""Two, three and four processes give the picture of one, highlights included, and each holds a part
+of the voxels: fewer, the more processes there are."""
 
 import os
 import re
@@ -20,25 +20,35 @@ SCENES = [name + opaque for name in NAMES for opaque in "01"] + [*BLENDS, "steps
 VOLUME = os.path.join(ffd.TEMPORARY, "ParaView.alone.vtk")
 
 
+SHAPES = ("Bend", "Twist", "Taper", "Bulge", "Random")
+HIGHLIGHTS = (*SHAPES, "White", "FXAA", "Dense", "Near", "Flat", "Hidden", "Again")
+
+
+def run_script(ranks, *arguments):
+    """What a script of this folder puts out on so many processes."""
+    here = os.path.dirname(os.path.abspath(__file__))
+    result = subprocess.run(
+        ["mpiexec", "-np", str(ranks), "pvbatch", "--symmetric",
+         os.path.join(here, arguments[0]), *arguments[1:]],
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
+        env={**os.environ, "PYTHONPATH": here + os.pathsep + os.environ.get("PYTHONPATH", "")})
+    if result.returncode != 0:
+        raise RuntimeError("pvbatch on %d processes failed:\n%s" % (ranks, result.stdout))
+    return result.stdout
+
+
 def run(ranks):
     """Pictures by scene; for each scene the voxels of each process, those of its source, and the
     bounds of the deformed volume as each process with voxels has them."""
-    here = os.path.dirname(os.path.abspath(__file__))
     prefix = os.path.join(ffd.TEMPORARY, "ParaView.parallel%d" % ranks)
-    result = subprocess.run(
-        ["mpiexec", "-np", str(ranks), "pvbatch", "--symmetric",
-         os.path.join(here, "ParallelScenes.py"), prefix, VOLUME],
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
-        env={**os.environ, "PYTHONPATH": here + os.pathsep + os.environ.get("PYTHONPATH", "")})
+    output = run_script(ranks, "ParallelScenes.py", prefix, VOLUME)
     sys.stdout.write("".join(
-        line + "\n" for line in result.stdout.splitlines() if line.startswith("RANK")))
-    if result.returncode != 0:
-        raise RuntimeError("pvbatch on %d processes failed:\n%s" % (ranks, result.stdout))
+        line + "\n" for line in output.splitlines() if line.startswith("RANK")))
     voxels = {scene: [] for scene in SCENES}
     given = {scene: [] for scene in SCENES}
     bounds = {scene: set() for scene in SCENES}
     for scene, count, source, box in re.findall(
-            r"RANK \d+ (\w+) voxels (\d+) of the source (\d+) .* bounds (.*)", result.stdout):
+            r"RANK \d+ (\w+) voxels (\d+) of the source (\d+) .* bounds (.*)", output):
         voxels[scene].append(int(count))
         given[scene].append(int(source))
         if box != "None":
@@ -88,6 +98,26 @@ class TestParallel(unittest.TestCase):
 
     def test_four(self):
         self.check(4, {"identity": 0.36, "smooth": 0.43, "strong": 0.48, "alone": 0.43})
+
+
+class TestHighlights(unittest.TestCase):
+    """Colours brighter than their alpha, whose bytes IceT adds beyond 255."""
+
+    def test_highlights(self):
+        pictures = {}
+        for ranks in (1, 2, 3, 4):
+            prefix = os.path.join(ffd.TEMPORARY, "ParaView.highlights%d" % ranks)
+            run_script(ranks, "ParallelHighlights.py", prefix)
+            pictures[ranks] = {
+                scene: ffd.read_picture("%s.%s.png" % (prefix, scene)) for scene in HIGHLIGHTS}
+        for scene, picture in pictures[1].items():
+            self.assertGreater(ffd.lit(picture), 1000, scene)
+            for ranks in (2, 3, 4):
+                with self.subTest(scene=scene, ranks=ranks):
+                    # ParaView smooths the edges of the finished picture with several processes,
+                    # those of the surfaces alone with one.
+                    expected = pictures[2][scene] if scene == "FXAA" else picture
+                    self.assertLessEqual(ffd.differ(pictures[ranks][scene], expected)[0], 8)
 
 
 if __name__ == "__main__":

@@ -468,6 +468,23 @@ class TestRepresentation(unittest.TestCase):
         self.display.Orientation = [0.0, 0.0, 90.0]
         self.assertGreater(np.abs(ffd.picture(self.view, "rotation") - before).mean(), 1.0)
 
+    def test_sample_distance_is_of_the_data(self):
+        """A scaled volume is sampled at the same voxels: seen from as much farther away it is the
+        same picture."""
+        self.show(Shape="Twist")
+        ffd.set_functions(opaque=True)
+        before = ffd.picture(self.view, "unscaled")
+        position = list(self.view.CameraPosition)
+        for scale in (10.0, 0.1):
+            self.display.Scale = [scale] * 3
+            self.view.CameraPosition = [scale * x for x in position]
+            scaled = ffd.picture(self.view, "scaled")
+            # But for where on the rays, from the near plane on, the samples begin.
+            self.assertLess(ffd.differ(scaled, before)[1], 0.45, scale)
+            volumes = self.view.SMProxy.GetRenderer().GetVolumes()
+            mapper = str(volumes.GetItemAsObject(0).GetMapper())
+            self.assertIn(" SampleDistance: 1\n", mapper, scale)
+
 
 class TestWrongInput(unittest.TestCase):
     """ParaView's usual errors, and no crash."""

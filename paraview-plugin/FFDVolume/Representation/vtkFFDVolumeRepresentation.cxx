@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDVolumeRepresentation.h"
 
+#include "vtkFFDCompositePass.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDVolumeParts.h"
@@ -283,6 +284,8 @@ public:
   // Of the renderer of the view.
   std::array<unsigned long, 2> RenderObservers{ { 0, 0 } };
   bool TookPeelingOff = false;
+  vtkNew<vtkFFDCompositePass> OwnPass;
+  vtkSmartPointer<vtkFFDCompositePass> Pass; // that of the frame: its own or another volume's
 
   /// Whether what was brought here last has the voxels `wanted`, and the image is as it was then.
   bool HoldsVoxelsOf(vtkImageData* image, const Extent& wanted)
@@ -329,6 +332,8 @@ vtkFFDVolumeRepresentation::vtkFFDVolumeRepresentation()
   , Internals(new vtkInternals)
 {
   this->VolumeMapper.TakeReference(this->Mapper);
+  this->Mapper->AddObserver(
+    vtkCommand::VolumeMapperRenderStartEvent, this, &vtkFFDVolumeRepresentation::BeginVolume);
 }
 
 //------------------------------------------------------------------------------
@@ -510,16 +515,35 @@ bool vtkFFDVolumeRepresentation::RemoveFromView(vtkView* view)
 }
 
 //------------------------------------------------------------------------------
-/// The passes of depth peeling ask a volume for more than a picture: what they get from mappers that
-/// do not know them is garbage all over the view.
+/// Called on all rendering processes alike.
 void vtkFFDVolumeRepresentation::BeginRender(vtkObject* object, unsigned long, void*)
 {
   vtkRenderer* renderer = vtkRenderer::SafeDownCast(object);
-  if (this->GetVisibility() && this->Actor->GetVisibility() &&
-    this->Actor->GetMapper() == this->VolumeMapper && renderer->GetUseDepthPeelingForVolumes())
+  if (!this->GetVisibility() || !this->Actor->GetVisibility() ||
+    this->Actor->GetMapper() != this->VolumeMapper)
+  {
+    return;
+  }
+  // The passes of depth peeling ask a volume for more than a picture: what they get from mappers
+  // that do not know them is garbage all over the view.
+  if (renderer->GetUseDepthPeelingForVolumes())
   {
     this->Internals->TookPeelingOff = true;
     renderer->SetUseDepthPeelingForVolumes(false);
+  }
+  // Without shading no colour is brighter than its alpha.
+  if (this->Property && this->Property->GetShade())
+  {
+    this->Internals->Pass = this->Internals->OwnPass->Begin(renderer);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::BeginVolume()
+{
+  if (this->Internals->Pass)
+  {
+    this->Internals->Pass->BlendInFloats();
   }
 }
 
@@ -531,6 +555,8 @@ void vtkFFDVolumeRepresentation::EndRender(vtkObject* object, unsigned long, voi
     this->Internals->TookPeelingOff = false;
     vtkRenderer::SafeDownCast(object)->SetUseDepthPeelingForVolumes(true);
   }
+  this->Internals->Pass = nullptr;
+  this->Internals->OwnPass->End();
 }
 
 //------------------------------------------------------------------------------
@@ -866,7 +892,7 @@ void vtkFFDVolumeRepresentation::UpdateRenderedImage(vtkImageData* image)
 }
 
 //------------------------------------------------------------------------------
-/// The mapper takes distances in world units.
+/// The mapper takes distances in units of the data, before the matrix of the actor.
 void vtkFFDVolumeRepresentation::UpdateSampleDistances(
   vtkImageData* image, double lodResolution, bool useLOD)
 {
@@ -876,17 +902,13 @@ void vtkFFDVolumeRepresentation::UpdateSampleDistances(
     this->ImageSampleDistance * std::min(coarser * coarser, LargestCoarsening));
   double spacing[3];
   image->GetSpacing(spacing);
-  this->Actor->ComputeMatrix();
-  vtkMatrix4x4* matrix = this->Actor->GetMatrix();
   vtkMatrix3x3* direction = image->GetDirectionMatrix();
   double voxel = VTK_DOUBLE_MAX;
   for (int a = 0; a < 3; ++a)
   {
-    const double edge[4] = { direction->GetElement(0, a) * spacing[a],
-      direction->GetElement(1, a) * spacing[a], direction->GetElement(2, a) * spacing[a], 0.0 };
-    double moved[4];
-    matrix->MultiplyPoint(edge, moved);
-    voxel = std::min(voxel, vtkMath::Norm(moved));
+    const double edge[3] = { direction->GetElement(0, a) * spacing[a],
+      direction->GetElement(1, a) * spacing[a], direction->GetElement(2, a) * spacing[a] };
+    voxel = std::min(voxel, vtkMath::Norm(edge));
   }
   if (voxel > 0.0)
   {

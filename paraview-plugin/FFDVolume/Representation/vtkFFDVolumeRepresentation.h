@@ -23,6 +23,9 @@
  * extracts asks for pieces. The voxels that a box is pulled back to are exchanged, when the data
  * change or a box needs others than it has; an edit of the lattice most often needs none.
  *
+ * Pixels of shaded volumes that are brighter than their alpha are composited in floats: see
+ * vtkFFDCompositePass.
+ *
  * A volume that is rotated in the scene is rendered by the first process alone: its boxes would not
  * be aligned with the axes, which ParaView's order by boxes needs. For the same reason only one
  * volume at a time is in the right order.
@@ -74,7 +77,8 @@ public:
 
   ///@{
   /**
-   * Distance between samples in still images, in voxels. Range 0.05 to 10, default 1.
+   * Distance between samples in still images, in voxels of the data: whatever the volume is scaled
+   * by. Range 0.05 to 10, default 1.
    */
   void SetSampleDistance(double voxels);
   ///@}
@@ -144,6 +148,7 @@ private:
 
   void BeginRender(vtkObject* renderer, unsigned long event, void* data);
   void EndRender(vtkObject* renderer, unsigned long event, void* data);
+  void BeginVolume();
   void ShareOut();
   void MarkMoved();
   void UpdateRenderedImage(vtkImageData* image);
