@@ -82,12 +82,6 @@ bool MakeIsoValues(vtkVolumeProperty* property, const ScalarFacts& facts, Blendi
   const int c = blend.IsoComponent;
   vtkPiecewiseFunction* opacity = property->GetScalarOpacity(c);
   const bool gray = property->GetColorChannels(c) == 1;
-  if (values->GetNumberOfContours() < 1)
-  {
-    message = "Isosurface blending needs values; set them with "
-              "vtkVolumeProperty::GetIsoSurfaceValues()->SetValue(). Nothing is drawn.";
-    return false;
-  }
   for (int i = 0; i < values->GetNumberOfContours(); ++i)
   {
     const double value = values->GetValue(i);

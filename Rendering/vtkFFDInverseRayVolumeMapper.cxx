@@ -12,6 +12,7 @@
 #include "vtkFFDParallelFor.h"
 #include "vtkFFDRayStatistics.h"
 #include "vtkFFDTracedRays.h"
+#include "vtkFFDVectorScalars.h"
 #include "vtkFFDVolumeInput.h"
 #include "vtkFFDVolumeViewFromImage.h"
 
@@ -101,6 +102,9 @@ constexpr double StepHysteresis = 0.15;
 constexpr double StepsPerPixel = 8.0;
 
 constexpr int LargestImageSide = 16384;
+
+/// The square of a difference to it is still a number. (By default it is -1e299.)
+constexpr double LargestClippedIntensity = 1e100;
 
 /// Shortest piece and sample distance, voxels: below, an image would take for ever.
 constexpr double ShortestLength = 1e-3;
@@ -201,6 +205,7 @@ public:
   }
 
   bool UpdateVolume(std::string& message);
+  bool FindVectorScalars(vtkDataArray*& scalars, std::string& message);
   bool UpdateDeformation(std::string& message);
   bool UpdateMask(std::string& message);
   ffd::MinMaxBlocks::Limits RangeOfWhole(const ffd::MinMaxBlocks::Limits& range) const;
@@ -214,7 +219,7 @@ public:
   ffd::CastSettings MakeSettings(vtkVolume* volume, double voxelSize, bool interactive) const;
   ffd::CastScene MakeScene(vtkRenderer* renderer, vtkVolume* volume, const vtkFFDImageRegion& region,
     const float* depths);
-  void MakeClassifier(ffd::CastScene& scene);
+  void MakeClassifier(ffd::CastScene& scene, vtkVolumeProperty* property);
   bool Cast(vtkRenderer* renderer, vtkVolume* volume, const vtkFFDImageRegion& region,
     const float* depths, bool interactive, bool window, float* outDepths);
   vtkFFDParallelFor MakeParallelFor() const
@@ -234,6 +239,7 @@ public:
   vtkFFDInverseRayVolumeMapper* Self;
 
   // Of the voxels.
+  vtkFFDVectorScalars VectorScalars; // what VectorMode renders
   vtkFFDVolumeInput Input;
   ffd::VolumeView SecondAxis; // of two-dimensional transfer functions; Scalars is null without
   ffd::MaskView Mask;
@@ -309,7 +315,36 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateVolume(std::string& messa
               "another array with SetScalarMode() and SelectScalarArray().";
     return false;
   }
+  if (!this->FindVectorScalars(scalars, message))
+  {
+    return false;
+  }
   return this->Input.Update(input, scalars, cellFlag == 1, message);
+}
+
+//------------------------------------------------------------------------------
+/// The array that VectorMode renders in the place of the scalars.
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::FindVectorScalars(
+  vtkDataArray*& scalars, std::string& message)
+{
+  const int mode = this->Self->VectorMode;
+  const int component = this->Self->VectorComponent;
+  if (mode == DISABLED || !scalars || scalars->GetNumberOfComponents() < 2)
+  {
+    this->VectorScalars.Clear();
+    return true;
+  }
+  if (mode == COMPONENT && component >= scalars->GetNumberOfComponents())
+  {
+    message = "VectorComponent is " + std::to_string(component) + ", but the scalars have only " +
+      std::to_string(scalars->GetNumberOfComponents()) +
+      " components, counted from 0. Choose one of them with SetVectorComponent().";
+    return false;
+  }
+  scalars = this->VectorScalars.Update(
+    scalars, mode == COMPONENT ? component : vtkFFDVectorScalars::Magnitude,
+    this->MakeParallelFor());
+  return true;
 }
 
 //------------------------------------------------------------------------------
@@ -808,8 +843,8 @@ ffd::CastScene vtkFFDInverseRayVolumeMapper::vtkInternals::MakeScene(vtkRenderer
   }
   scene.Blend = this->Blend;
   scene.Crop = this->IsCroppedToBox() ? ffd::Cropping() : this->Crop;
-  // The world of the kernels is the space of the data. VTK's mappers measure and light there, too: a
-  // volume looks the same whatever its matrix scales it by.
+  // The world of the kernels is the space of the data. VTK's mappers measure there, too: a volume looks
+  // as dense whatever its matrix scales it by.
   const glm::dmat4 dataToWorld = ffd::ToMatrix(volume->GetMatrix());
   const glm::dmat4 worldToData = glm::inverse(dataToWorld);
   for (const glm::dvec4& plane : this->ClippingPlanes)
@@ -823,12 +858,13 @@ ffd::CastScene vtkFFDInverseRayVolumeMapper::vtkInternals::MakeScene(vtkRenderer
   scene.Camera = ffd::ToData(ffd::MakeCameraView(renderer, region), dataToWorld);
   scene.Depths = depths;
   scene.VoxelSize = FindShortestEdge(this->Input.GetView().IndexToData);
-  this->MakeClassifier(scene);
+  this->MakeClassifier(scene, property);
   return scene;
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDInverseRayVolumeMapper::vtkInternals::MakeClassifier(ffd::CastScene& scene)
+void vtkFFDInverseRayVolumeMapper::vtkInternals::MakeClassifier(
+  ffd::CastScene& scene, vtkVolumeProperty* property)
 {
   this->Lighting = scene.Material;
   ffd::ClassifierInputs inputs;
@@ -840,6 +876,13 @@ void vtkFFDInverseRayVolumeMapper::vtkInternals::MakeClassifier(ffd::CastScene& 
   inputs.Hidden = this->Input.GetHidden();
   inputs.SecondAxis = this->SecondAxis;
   inputs.NormalFromOpacity = this->Self->GetComputeNormalFromOpacity();
+  const double clippedIntensity = property->GetClippedVoxelIntensity();
+  if (property->GetUseClippedVoxelIntensity() && std::isfinite(clippedIntensity))
+  {
+    inputs.ClippingPlanes = scene.ClippingPlanes;
+    inputs.ClippedIntensity =
+      std::clamp(clippedIntensity, -LargestClippedIntensity, LargestClippedIntensity);
+  }
   // Of still pictures: those while the scene moves look alike.
   inputs.ReferenceLength = this->Self->LockSampleDistanceToInputSpacing
     ? scene.VoxelSize
@@ -1048,6 +1091,13 @@ vtkAbstractTransform* vtkFFDInverseRayVolumeMapper::GetDeformation()
 
 //------------------------------------------------------------------------------
 vtkCxxSetObjectMacro(vtkFFDInverseRayVolumeMapper, MaskInput, vtkImageData);
+
+//------------------------------------------------------------------------------
+const char* vtkFFDInverseRayVolumeMapper::GetVectorModeAsString() const
+{
+  static const char* const names[] = { "DISABLED", "MAGNITUDE", "COMPONENT" };
+  return names[this->VectorMode - DISABLED];
+}
 
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetMaskBlendFactor(float factor)
@@ -1358,6 +1408,7 @@ vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetAuxiliaryMemorySize()
   const vtkInternals& in = *this->Internals;
   std::size_t size = in.Distances.GetMemorySize() + in.Functions.GetMemorySize() +
     in.Source.GetMemorySize() + in.SpaceBounds.GetMemorySize() + in.Input.GetMemorySize() +
+    in.VectorScalars.GetMemorySize() +
     in.Coherence.GetMemorySize();
   for (const ffd::MinMaxBlocks& blocks : in.Blocks)
   {
@@ -1811,6 +1862,8 @@ void vtkFFDInverseRayVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
     this->SetMaskType(like->MaskType);
     this->SetMaskBlendFactor(like->MaskBlendFactor);
     this->SetTransfer2DYAxisArray(like->Transfer2DYAxisArray);
+    this->SetVectorMode(like->VectorMode);
+    this->SetVectorComponent(like->VectorComponent);
     this->SetComputeNormalFromOpacity(like->ComputeNormalFromOpacity);
     like->HasClipBox ? this->SetClipBox(like->ClipBox) : this->RemoveClipBox();
     this->SetWholeBounds(like->WholeBounds);
@@ -1886,6 +1939,8 @@ void vtkFFDInverseRayVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "MaskBlendFactor: " << this->MaskBlendFactor << "\n";
   os << indent << "Transfer2DYAxisArray: "
      << (this->Transfer2DYAxisArray ? this->Transfer2DYAxisArray : "(none)") << "\n";
+  os << indent << "VectorMode: " << this->GetVectorModeAsString() << "\n";
+  os << indent << "VectorComponent: " << this->VectorComponent << "\n";
   os << indent << "ComputeNormalFromOpacity: " << this->GetComputeNormalFromOpacity() << "\n";
   os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
   os << indent << "ReferenceKernels: " << this->ReferenceKernels << "\n";

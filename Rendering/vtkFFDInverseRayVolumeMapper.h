@@ -26,13 +26,14 @@
  * of any of VTK's numeric types with 1 to 4 components, of points or of cells (two cells an axis or
  * more), chosen with SetScalarMode() and SelectScalarArray(). Scalars of cells reach up to the
  * outermost faces. Scalars that are not a number are transparent, and so are blanked points and cells
- * (vtkGhostType: HIDDENPOINT, HIDDENCELL, REFINEDCELL); duplicates of other processes are not. The
- * voxel of a rectilinear grid, as a unit of length, is one of a grid of equal steps with as many
- * points. Everything else is refused with an error that says what is wrong; the rest of the scene
- * still renders.
+ * (any flag of vtkGhostType, as in vtkGPUVolumeRayCastMapper: duplicates of other processes, too,
+ * which these render). The voxel of a rectilinear grid, as a unit of length, is one of a grid of equal
+ * steps with as many points. Everything else is refused with an error that says what is wrong; the
+ * rest of the scene still renders.
  *
  * The vtkVolumeProperty, as with VTK's own mappers:
- * - Independent components have functions, weights, shading and surfaces of their own. Opacities a
+ * - Independent components have functions, weights and surfaces of their own; all of them are shaded
+ *   or none, by the flag of component 0. Opacities a
  *   over a sample distance make the opacity sum(a^2) / sum(a), colours c the premultiplied colour
  *   sum(a c), of a still picture's sample distance. The weight of a single component is not used.
  * - Dependent components: of two, the first is looked up for colour, the second for opacity. Of four,
@@ -63,7 +64,7 @@
  * - additive: the same summed up, the opacity being that over the scalar opacity unit distance; gray
  *   and opaque wherever a ray meets the volume;
  * - isosurface: surfaces where the scalars cross the values of
- *   vtkVolumeProperty::GetIsoSurfaceValues(), coloured and made semi-transparent by the transfer
+ *   vtkVolumeProperty::GetIsoSurfaceValues() (without any nothing is drawn), coloured and made semi-transparent by the transfer
  *   functions, and shaded if the property says so. The crossing is found in its sample interval to a
  *   millionth of that, so neither pictures nor depths have steps; two crossings of one value within
  *   an interval are none;
@@ -73,7 +74,9 @@
  * Average and additive weight samples by the lengths of their intervals (OpacityLength).
  *
  * Clipping planes (vtkAbstractMapper::AddClippingPlane) are planes of the world: they cut what has
- * been deformed. Cropping is that of the volume at rest or of deformed space, see CroppingSpace.
+ * been deformed. With vtkVolumeProperty::UseClippedVoxelIntensity gradients count what is cut off as
+ * having the intensity ClippedVoxelIntensity, in scalar units; in vtkGPUVolumeRayCastMapper it is in
+ * those of the texture, which are the same for float scalars only. Cropping is that of the volume at rest or of deformed space, see CroppingSpace.
  *
  * Volumes and opaque geometry: geometry that was drawn before hides what is behind it. Several
  * volumes are blended in the order in which the renderer draws them, as with VTK's own mappers;
@@ -85,12 +88,13 @@
  * it is replaced. Convert to float scalars where that matters.
  *
  * A headlight shines from the position of the camera, in parallel projection, too, as that of
- * vtkGPUVolumeRayCastMapper does, and a single one lights the ambient term whatever its ambient
- * colour.
+ * vtkGPUVolumeRayCastMapper does. A single one of intensity 1 lights the ambient term whatever its
+ * ambient colour, again as there; otherwise the ambient term is that of the ambient colours of the
+ * lights times their intensities, black by default.
  *
  * Lengths are those of the data coordinates, before the matrix of the vtkVolume: as VTK's mappers do
- * it, a volume that its matrix makes larger looks no denser. Lights shine there, too: where a matrix
- * does not scale all axes alike, normals are those from before it, as with VTK's mappers. "Voxel" as a
+ * it, a volume that its matrix makes larger looks no denser. Lights shine in the world: where a matrix
+ * does not scale all axes alike, or shears, normals are those of the shape that it makes. "Voxel" as a
  * unit of length is the shortest voxel edge.
  *
  * @sa
@@ -466,6 +470,40 @@ public:
   vtkGetMacro(MaskBlendFactor, float);
   ///@}
 
+  /**
+   * What is rendered of scalars with several components, as in vtkSmartVolumeMapper.
+   */
+  enum VectorModeType
+  {
+    DISABLED = -1, ///< the components, as the property says
+    MAGNITUDE = 0, ///< the root of the sum of their squares
+    COMPONENT = 1  ///< one of them: VectorComponent
+  };
+
+  ///@{
+  /**
+   * Whether scalars with several components are rendered as one with the functions of component 0 of
+   * the property: their magnitude (a float, or a double where that does not hold the type) or one of
+   * them. Scalars of one component are rendered as they are. An array of these scalars is kept, see
+   * GetAuxiliaryMemorySize(). Default: DISABLED.
+   */
+  vtkSetClampMacro(VectorMode, int, DISABLED, COMPONENT);
+  vtkGetMacro(VectorMode, int);
+  void SetVectorModeToDisabled() { this->SetVectorMode(DISABLED); }
+  void SetVectorModeToMagnitude() { this->SetVectorMode(MAGNITUDE); }
+  void SetVectorModeToComponent() { this->SetVectorMode(COMPONENT); }
+  const char* GetVectorModeAsString() const;
+  ///@}
+
+  ///@{
+  /**
+   * Which component VectorMode COMPONENT renders, counted from 0; an error if there is none of that
+   * number. Range 0 to 3. Default: 0.
+   */
+  vtkSetClampMacro(VectorComponent, int, 0, 3);
+  vtkGetMacro(VectorComponent, int);
+  ///@}
+
   ///@{
   /**
    * Name of the array, of the points or cells that the scalars belong to, that is the second axis of
@@ -705,6 +743,8 @@ private:
   int MaskType = LabelMapMaskType;
   float MaskBlendFactor = 1.0f;
   char* Transfer2DYAxisArray = nullptr;
+  int VectorMode = DISABLED;
+  int VectorComponent = 0;
 #if VTK_VERSION_NUMBER < VTK_VERSION_CHECK(9, 2, 0)
   bool ComputeNormalFromOpacity = false;
 #endif

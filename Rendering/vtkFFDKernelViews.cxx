@@ -56,8 +56,8 @@ glm::vec3 Scaled(const double colour[3], double intensity)
   return glm::vec3(colour[0] * intensity, colour[1] * intensity, colour[2] * intensity);
 }
 
-/// `worldToData`: lights are moved into data coordinates, `unit` is a data unit in the world.
-Light MakeLight(vtkLight* source, const glm::dmat4& worldToData, double unit)
+/// In the space of Shading: the world moved by `origin`, in the unit of length `unit`.
+Light MakeLight(vtkLight* source, const glm::dvec3& origin, double unit)
 {
   Light light;
   light.Headlight = source->LightTypeIsHeadlight() && !source->GetPositional();
@@ -65,10 +65,9 @@ Light MakeLight(vtkLight* source, const glm::dmat4& worldToData, double unit)
   double focus[3];
   source->GetTransformedPosition(position);
   source->GetTransformedFocalPoint(focus);
-  light.Axis = Normalized(glm::dmat3(worldToData) * Direction(position, focus));
+  light.Axis = Direction(position, focus);
   light.Towards = -light.Axis;
-  light.Position =
-    glm::dvec3(worldToData * glm::dvec4(position[0], position[1], position[2], 1.0));
+  light.Position = (glm::dvec3(position[0], position[1], position[2]) - origin) / unit;
   light.Positional = source->GetPositional() != 0;
   const double intensity = source->GetIntensity();
   light.Ambient = Scaled(source->GetAmbientColor(), intensity);
@@ -505,7 +504,8 @@ bool MakeOpticalFunctions(vtkVolumeProperty* property, const ScalarFacts& facts,
       optics.Gradients = MakeGradientOpacity(property->GetGradientOpacity(c), range);
     }
     optics.Weight = static_cast<float>(property->GetComponentWeight(c));
-    optics.Shade = property->GetShade(c) != 0;
+    // Of all components, as VTK's mappers have it.
+    optics.Shade = property->GetShade(0) != 0;
     optics.Surface.Ambient = static_cast<float>(property->GetAmbient(c));
     optics.Surface.Diffuse = static_cast<float>(property->GetDiffuse(c));
     optics.Surface.Specular = static_cast<float>(property->GetSpecular(c));
@@ -580,9 +580,12 @@ CameraView ToData(const CameraView& world, const glm::dmat4& dataToWorld)
 Shading MakeShading(
   vtkRenderer* renderer, vtkVolumeProperty* property, const glm::dmat4& dataToWorld)
 {
-  const glm::dmat4 worldToData = glm::inverse(dataToWorld);
-  const double unit = std::cbrt(std::abs(glm::determinant(glm::dmat3(dataToWorld))));
+  // Gradients are divided by squares: those of volumes that their matrix makes huge or tiny stay
+  // within single precision if the unit of length is that of the volume.
+  const glm::dmat3 linear(dataToWorld);
+  const double unit = std::cbrt(std::abs(glm::determinant(linear)));
   Shading shading;
+  shading.SetToLights(linear / unit);
   shading.Ambient = static_cast<float>(property->GetAmbient(0));
   shading.Diffuse = static_cast<float>(property->GetDiffuse(0));
   shading.Specular = static_cast<float>(property->GetSpecular(0));
@@ -590,13 +593,15 @@ Shading MakeShading(
   shading.TwoSided = renderer->GetTwoSidedLighting() != 0;
 
   vtkLightCollection* lights = renderer->GetLights();
+  double intensity = 1.0; // of the last one
   vtkCollectionSimpleIterator iterator;
   lights->InitTraversal(iterator);
   while (vtkLight* light = lights->GetNextLight(iterator))
   {
     if (light->GetSwitch())
     {
-      shading.Lights.push_back(MakeLight(light, worldToData, unit));
+      shading.Lights.push_back(MakeLight(light, glm::dvec3(dataToWorld[3]), unit));
+      intensity = light->GetIntensity();
     }
   }
   if (shading.Lights.empty() && lights->GetNumberOfItems() == 0)
@@ -605,9 +610,9 @@ Shading MakeShading(
     headlight.Headlight = true;
     shading.Lights.push_back(headlight);
   }
-  // A single headlight lights the ambient term, too, although the ambient colour of VTK's lights
-  // is black: so does vtkGPUVolumeRayCastMapper.
-  if (shading.Lights.size() == 1 && shading.Lights[0].Headlight)
+  // A single headlight of intensity 1 lights the ambient term, too, although the ambient colour of
+  // VTK's lights is black: so does vtkGPUVolumeRayCastMapper.
+  if (shading.Lights.size() == 1 && shading.Lights[0].Headlight && intensity == 1.0)
   {
     shading.Lights[0].Ambient = glm::vec3(1.0f);
   }

@@ -65,8 +65,8 @@ CameraView MakeCameraView(vtkRenderer* renderer, const vtkFFDImageRegion& region
 /// A camera of the world as one of data coordinates: rays and their lengths are those of the latter.
 CameraView ToData(const CameraView& world, const glm::dmat4& dataToWorld);
 
-/// Material of a property's first component under the lights of a renderer, these in data
-/// coordinates; a headlight if it has none at all.
+/// Material of a property's first component under the lights of a renderer, these in the world; a
+/// headlight if it has none at all.
 Shading MakeShading(
   vtkRenderer* renderer, vtkVolumeProperty* property, const glm::dmat4& dataToWorld);
 

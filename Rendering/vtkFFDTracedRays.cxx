@@ -138,8 +138,7 @@ void vtkFFDTracedRays::AddVertex(
   this->Rays->T->InsertNextValue(t);
   if (this->ViewingRays)
   {
-    const glm::dvec3 p = glm::dvec3(
-      this->Scene.WorldToData * glm::dvec4(ray.World.Origin + t * ray.World.Direction, 1.0));
+    const glm::dvec3 p = ray.World.Origin + t * ray.World.Direction;
     this->ViewingRays->Points->InsertNextPoint(&p.x);
     this->ViewingRays->T->InsertNextValue(t);
   }

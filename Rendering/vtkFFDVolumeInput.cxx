@@ -23,18 +23,15 @@
 namespace
 {
 
-constexpr unsigned char HiddenCell =
-  vtkDataSetAttributes::HIDDENCELL | vtkDataSetAttributes::REFINEDCELL;
-constexpr unsigned char HiddenPoint = vtkDataSetAttributes::HIDDENPOINT;
-
-bool HasAny(vtkUnsignedCharArray* ghosts, vtkIdType count, unsigned char bits)
+/// Whether there are flags, whatever they say: as in vtkGPUVolumeRayCastMapper all of them hide.
+bool HasAny(vtkUnsignedCharArray* ghosts, vtkIdType count)
 {
   if (!ghosts || ghosts->GetNumberOfTuples() < count)
   {
     return false;
   }
   const unsigned char* p = ghosts->GetPointer(0);
-  return std::any_of(p, p + count, [bits](unsigned char g) { return (g & bits) != 0; });
+  return std::any_of(p, p + count, [](unsigned char g) { return g != 0; });
 }
 
 /// A grid of equal steps with the dimensions and bounds of a rectilinear one.
@@ -182,8 +179,8 @@ void vtkFFDVolumeInput::UpdateHidden(vtkDataSet* input)
   const char* const name = vtkDataSetAttributes::GhostArrayName();
   auto* cellGhosts = vtkUnsignedCharArray::SafeDownCast(input->GetCellData()->GetArray(name));
   auto* pointGhosts = vtkUnsignedCharArray::SafeDownCast(input->GetPointData()->GetArray(name));
-  const bool byCells = HasAny(cellGhosts, numberOfCells, HiddenCell);
-  const bool byPoints = HasAny(pointGhosts, numberOfPoints, HiddenPoint);
+  const bool byCells = HasAny(cellGhosts, numberOfCells);
+  const bool byPoints = HasAny(pointGhosts, numberOfPoints);
   this->HasHidden = byCells || byPoints;
   this->Hidden = this->HasHidden ? ffd::CellMask(cells) : ffd::CellMask();
   if (!this->HasHidden)
@@ -199,13 +196,13 @@ void vtkFFDVolumeInput::UpdateHidden(vtkDataSet* input)
     {
       for (int i = 0; i < cells.x; ++i, ++cell)
       {
-        bool hidden = cellGhost && (cellGhost[cell] & HiddenCell) != 0;
+        bool hidden = cellGhost && cellGhost[cell] != 0;
         for (int corner = 0; pointGhost && !hidden && corner < 8; ++corner)
         {
           const vtkIdType x = i + (corner & 1);
           const vtkIdType y = j + (corner >> 1 & 1);
           const vtkIdType z = k + (corner >> 2);
-          hidden = (pointGhost[x + points.x * (y + points.y * z)] & HiddenPoint) != 0;
+          hidden = pointGhost[x + points.x * (y + points.y * z)] != 0;
         }
         if (hidden)
         {

@@ -5,8 +5,8 @@
  * @brief   the grid and the scalars that a mapper renders, as the kernels see them
  *
  * Private to this module: not installed, not wrapped. Takes vtkImageData and vtkRectilinearGrid,
- * scalars of points or of cells, and blanked points and cells (vtkGhostType: HIDDENPOINT,
- * HIDDENCELL, REFINEDCELL, as vtkImageData::IsCellVisible()).
+ * scalars of points or of cells, and blanked points and cells (any flag of vtkGhostType, as
+ * vtkGPUVolumeRayCastMapper).
  */
 #ifndef vtkFFDVolumeInput_h
 #define vtkFFDVolumeInput_h

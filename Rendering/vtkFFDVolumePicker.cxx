@@ -3,6 +3,7 @@
 #include "vtkFFDVolumePicker.h"
 
 #include "vtkFFDInverseRayVolumeMapper.h"
+#include "vtkFFDKernelViews.h"
 #include "vtkFFDProbeView.h"
 
 #include "FFDAxisMap.h"
@@ -16,11 +17,13 @@
 #include "vtkObjectFactory.h"
 #include "vtkPiecewiseFunction.h"
 #include "vtkRectilinearGrid.h"
+#include "vtkTransform.h"
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <glm/vector_relational.hpp>
 
@@ -536,7 +539,9 @@ double vtkFFDVolumePicker::IntersectDeformed(const double p1[3], const double p2
   const double size = glm::dot(normal, normal);
   if (!(size > 0.0) || !std::isfinite(size))
   {
-    normal = -direction; // back along the ray
+    // Back along the ray in the world, where normals are transformed by the inverse transpose.
+    const glm::dmat3 toWorld = glm::dmat3(ffd::ToMatrix(this->Transform->GetMatrix()));
+    normal = -(glm::transpose(toWorld) * (toWorld * direction));
   }
   normal = glm::normalize(normal);
   std::copy_n(&normal.x, 3, this->MapperNormal);

@@ -82,7 +82,8 @@ struct CastStatistics
   FFD_KERNEL_EXPORT void Add(const CastStatistics& other);
 };
 
-/// Everything a frame is rendered from: plain views, all of them outlive the ray caster's calls.
+/// Everything a frame is rendered from: plain views, all of them outlive the ray caster's calls. The
+/// world of viewing rays is the space of the data.
 struct CastScene
 {
   VolumeView Volume;
@@ -99,9 +100,7 @@ struct CastScene
   const Box* WholeDeformed = nullptr;
   Blending Blend;
   Cropping Crop;
-  std::vector<glm::dvec4> ClippingPlanes; ///< shown is where dot(plane, (P, 1)) >= 0, P in the world
-  glm::dmat4 DataToWorld{ 1.0 };
-  glm::dmat4 WorldToData{ 1.0 };
+  std::vector<glm::dvec4> ClippingPlanes; ///< shown is where dot(plane, (P, 1)) >= 0
   Shading Material;
   CameraView Camera;
   const float* Depths = nullptr; ///< window depths of what is already drawn, one per pixel, or null

@@ -145,7 +145,7 @@ float ToFloat(double value)
   return static_cast<float>(std::clamp(value, -1e37, 1e37));
 }
 
-PacketLight MakePacketLight(const Light& light, const glm::dvec3& worldCentre)
+PacketLight MakePacketLight(const Light& light, const glm::dvec3& centre)
 {
   PacketLight packet;
   packet.Headlight = light.Headlight;
@@ -153,7 +153,7 @@ PacketLight MakePacketLight(const Light& light, const glm::dvec3& worldCentre)
   packet.Cone = light.ConeCosine >= -1.0;
   packet.ConeCosine = static_cast<float>(light.ConeCosine);
   packet.ConeExponent = static_cast<float>(light.ConeExponent);
-  Copy(light.Position - worldCentre, packet.Position);
+  Copy(light.Position - centre, packet.Position);
   Copy(light.Towards, packet.Towards);
   Copy(light.Axis, packet.Axis);
   Copy(light.Ambient, packet.Ambient);
@@ -273,22 +273,16 @@ PacketCaster::PacketCaster(
     scene.WholeAtRest ? -glm::round(v.ToIndex(scene.WholeAtRest->Min)) : glm::dvec3(0.0);
   Copy(v.ToIndex(p.Centre) + shift, p.IndexOffset);
   Copy(shift, p.IndexShift);
-  const glm::dmat3 dataToWorld(scene.DataToWorld);
   CopyRows(v.IndexToData, p.IndexToLocal);
-  CopyRows(dataToWorld * v.IndexToData, p.IndexToWorld);
-  CopyRows(dataToWorld, p.LocalToWorld);
   CopyRows(glm::transpose(v.DataToIndex), p.GradientToRest);
-  CopyRows(glm::transpose(glm::dmat3(scene.WorldToData)), p.GradientToWorld);
-  p.NdcToLocal = glm::translate(glm::dmat4(1.0), -p.Centre) * scene.WorldToData *
-    scene.Camera.NdcToWorld;
+  p.NdcToLocal = glm::translate(glm::dmat4(1.0), -p.Centre) * scene.Camera.NdcToWorld;
 
   for (const glm::dvec4& plane : scene.ClippingPlanes)
   {
-    const glm::dvec4 data = plane * scene.DataToWorld;
-    const double length = glm::length(glm::dvec3(data));
-    const double offset = data.w + glm::dot(glm::dvec3(data), p.Centre);
-    p.ClippingPlanes.push_back({ static_cast<float>(data.x / length),
-      static_cast<float>(data.y / length), static_cast<float>(data.z / length),
+    const double length = glm::length(glm::dvec3(plane));
+    const double offset = plane.w + glm::dot(glm::dvec3(plane), p.Centre);
+    p.ClippingPlanes.push_back({ static_cast<float>(plane.x / length),
+      static_cast<float>(plane.y / length), static_cast<float>(plane.z / length),
       static_cast<float>(offset / length) });
   }
   p.CropSpace = scene.Crop.Space;
@@ -316,12 +310,14 @@ PacketCaster::PacketCaster(
   p.Diffuse = scene.Material.Diffuse;
   p.Specular = scene.Material.Specular;
   p.SpecularPower = scene.Material.SpecularPower;
-  const glm::dvec3 worldCentre(scene.DataToWorld * glm::dvec4(p.Centre, 1.0));
+  const glm::dmat3& toLights = scene.Material.GetToLights();
+  CopyRows(toLights, p.LocalToLights);
+  CopyRows(scene.Material.GetGradientToLights(), p.GradientToLights);
   p.Parallel = scene.Camera.Parallel;
-  Copy(scene.Camera.Eye - worldCentre, p.Eye);
+  Copy(toLights * (scene.Camera.Eye - p.Centre), p.Eye);
   for (const Light& light : scene.Material.Lights)
   {
-    p.Lights.push_back(MakePacketLight(light, worldCentre));
+    p.Lights.push_back(MakePacketLight(light, toLights * p.Centre));
   }
 }
 

@@ -19,7 +19,7 @@
 namespace ffd
 {
 
-/// A light for packets, world coordinates relative to PacketScene::WorldCentre.
+/// A light for packets, in the space of Shading, relative to where that has the Centre of the scene.
 struct PacketLight
 {
   bool Headlight = false;
@@ -72,10 +72,9 @@ struct PacketScene
   float IndexOffset[3] = {};        ///< of local to index coordinates of the whole
   float IndexShift[3] = {};         ///< from those to the voxels here, whole numbers
   float IndexToLocal[9] = {};
-  float IndexToWorld[9] = {};
-  float LocalToWorld[9] = {};
   float GradientToRest[9] = {};     ///< by index coordinates to by data coordinates
-  float GradientToWorld[9] = {};    ///< by data coordinates to by world coordinates
+  float LocalToLights[9] = {};      ///< to the space of Shading
+  float GradientToLights[9] = {};   ///< by data coordinates to by those of that space
 
   glm::dmat4 NdcToLocal{ 1.0 };
   float BoundsMin[3] = {}; ///< deformed bounds, local
@@ -95,7 +94,7 @@ struct PacketScene
   std::vector<float> IsoValues;
   float UnitDistance = 1.0f; ///< of the table
   bool Parallel = false;
-  float Eye[3] = {}; ///< world coordinates less WorldCentre
+  float Eye[3] = {}; ///< in the space of the lights
 
   const unsigned char* Distances = nullptr;
   int Blocks[3] = {};

@@ -210,7 +210,7 @@ public:
   {
     // Scalars on the ray are f(Phi(P)), so their gradient in deformed space is J_Phi^T grad f.
     const glm::dvec3 rest = this->Caster.GradientToRest * byIndex;
-    return this->Caster.GradientToWorld * (glm::transpose(this->At(s)) * rest);
+    return glm::transpose(this->At(s)) * rest;
   }
 
 private:
@@ -337,10 +337,8 @@ RayCaster::RayCaster(const CastScene& scene, const CastSettings& settings)
   : Scene(scene)
   , Settings(settings)
   , GradientToRest(glm::transpose(scene.Volume.DataToIndex))
-  , GradientToWorld(glm::transpose(glm::dmat3(scene.WorldToData)))
 {
-  SetDirectionBends(
-    this->Settings.Spans, this->Scene.Camera, glm::dmat3(this->Scene.WorldToData));
+  SetDirectionBends(this->Settings.Spans, this->Scene.Camera, glm::dmat3(1.0));
   if (!this->Scene.Classifier)
   {
     this->OwnClassifier.reset(new SampleClassifier(this->Scene.Volume,
@@ -351,7 +349,7 @@ RayCaster::RayCaster(const CastScene& scene, const CastSettings& settings)
   this->Frame.Classifier = this->Scene.Classifier;
   this->Frame.Scene = &this->Scene;
   this->Frame.Settings = &this->Settings;
-  this->Frame.RestToWorld = glm::dmat3(scene.DataToWorld) * scene.Volume.IndexToData;
+  this->Frame.RestToWorld = scene.Volume.IndexToData;
   if (PacketCaster::Supports(scene, settings))
   {
     this->Packets.reset(new PacketCaster(this->Scene, this->Settings, this->Frame));
@@ -388,8 +386,8 @@ bool RayCaster::SetUpRay(int x, int y, Ray& ray) const
   ray.X = x;
   ray.Y = y;
   ray.World = camera.MakeRay(x + 0.5, y + 0.5);
-  ray.Origin = glm::dvec3(this->Scene.WorldToData * glm::dvec4(ray.World.Origin, 1.0));
-  ray.Direction = glm::dvec3(this->Scene.WorldToData * glm::dvec4(ray.World.Direction, 0.0));
+  ray.Origin = ray.World.Origin;
+  ray.Direction = ray.World.Direction;
   ray.From = 0.0;
   ray.To = ray.World.Far;
   if (this->Scene.Depths)
@@ -421,8 +419,8 @@ void RayCaster::StartTile(
   for (int c = 0; c < 4; ++c)
   {
     const ViewRay ray = this->Scene.Camera.MakeRay(corners[c][0] + 0.5, corners[c][1] + 0.5);
-    origins[c] = glm::dvec3(this->Scene.WorldToData * glm::dvec4(ray.Origin, 1.0));
-    directions[c] = glm::dvec3(this->Scene.WorldToData * glm::dvec4(ray.Direction, 0.0));
+    origins[c] = ray.Origin;
+    directions[c] = ray.Direction;
   }
   spans.Start(*this->Scene.Bounds, this->Settings.Spans, this->Scene.Volume.DataToIndex, origins,
     directions, tMin, tMax);

@@ -81,8 +81,7 @@ private:
   std::unique_ptr<SampleClassifier> OwnClassifier; // where the scene has none
   IntegrationFrame Frame;
   std::unique_ptr<PacketCaster> Packets; // null: the reference kernels render
-  glm::dmat3 GradientToRest;  // gradient by index coordinates to gradient by data coordinates
-  glm::dmat3 GradientToWorld; // gradient by data coordinates to gradient by world coordinates
+  glm::dmat3 GradientToRest; // gradient by index coordinates to gradient by data coordinates
 };
 
 } // namespace ffd

@@ -363,8 +363,7 @@ bool RayIntegrator::IsShown(const SampledPiece& piece, double s) const
     case Cropping::Spaces::Rest:
       return scene.Crop.Shows(q);
     case Cropping::Spaces::Deformed:
-      return scene.Crop.Shows(glm::dvec3(
-        scene.WorldToData * glm::dvec4(this->Ray.Origin + t * this->Ray.Direction, 1.0)));
+      return scene.Crop.Shows(this->Ray.Origin + t * this->Ray.Direction);
     default:
       return true;
   }

@@ -47,10 +47,11 @@ class SampleClassifier::Point
 public:
   /// Gradients of what is looked up for opacity, or of the intensity.
   Point(const SampleClassifier& classifier, int component, const glm::dvec3& q,
-    bool ofIntensity = false)
+    const NormalSource& normals, bool ofIntensity = false)
     : Classifier(classifier)
     , Component(component)
     , Q(q)
+    , Normals(normals)
     , OfIntensity(ofIntensity)
   {
   }
@@ -58,8 +59,8 @@ public:
   {
     if (!this->HasGradient)
     {
-      this->Gradient =
-        this->Classifier.FindGradient(this->Component, this->Q, this->OfIntensity);
+      this->Gradient = this->Classifier.FindGradient(
+        this->Component, this->Q, this->OfIntensity, this->Normals);
       this->HasGradient = true;
     }
     return this->Gradient;
@@ -71,9 +72,52 @@ private:
   const SampleClassifier& Classifier;
   int Component;
   glm::dvec3 Q;
+  const NormalSource& Normals;
   bool OfIntensity;
   glm::dvec3 Gradient{ 0.0 };
   bool HasGradient = false;
+};
+
+//------------------------------------------------------------------------------
+/// The sides of the clipping planes as seen from a sample, the deformation being linear around it.
+class SampleClassifier::ClippedSpace
+{
+public:
+  /// `q`: index coordinates of the sample.
+  ClippedSpace(const std::vector<glm::dvec4>& planes, const glm::dvec3& q,
+    const NormalSource& normals)
+    : Q(q)
+  {
+    if (planes.empty())
+    {
+      return;
+    }
+    // Gradients go from rest to deformed space by the transposed inverse of what steps do.
+    const glm::dmat3 ofGradients(normals.ToWorld(glm::dvec3(1.0, 0.0, 0.0)),
+      normals.ToWorld(glm::dvec3(0.0, 1.0, 0.0)), normals.ToWorld(glm::dvec3(0.0, 0.0, 1.0)));
+    const glm::dmat3 ofPlanes = glm::inverse(ofGradients);
+    for (const glm::dvec4& plane : planes)
+    {
+      // The sample is shown, whatever is rounded, and so is what lies along the plane from it.
+      const glm::dvec3 normal = ofPlanes * glm::dvec3(plane);
+      const double offset = glm::dot(plane, glm::dvec4(normals.GetPosition(), 1.0));
+      this->Planes.emplace_back(normal, std::max(offset, 0.0) + Slack * glm::length(normal));
+    }
+  }
+
+  /// Whether a position, index coordinates, is clipped.
+  bool Has(const glm::dvec3& index) const
+  {
+    return std::any_of(this->Planes.begin(), this->Planes.end(),
+      [&](const glm::dvec4& plane)
+      { return glm::dot(glm::dvec3(plane), index - this->Q) + plane.w < 0.0; });
+  }
+
+private:
+  static constexpr double Slack = 1e-3; // voxels
+
+  glm::dvec3 Q;
+  std::vector<glm::dvec4> Planes; // of index coordinates relative to the sample
 };
 
 //------------------------------------------------------------------------------
@@ -119,7 +163,9 @@ SampleClassifier::SampleClassifier(const ClassifierInputs& inputs)
   const ComponentOptics& first = functions.Components[0];
   const bool one = functions.Kind == ComponentKind::Independent &&
     functions.Components.size() == 1 && first.Plane.IsEmpty() && !mask.Volume.Scalars &&
-    !this->In.Hidden && !volume.Axes && !(this->In.NormalFromOpacity && first.Shade);
+    !this->In.Hidden && !volume.Axes &&
+    !((this->In.NormalFromOpacity || !this->In.ClippingPlanes.empty()) && first.Shade) &&
+    (this->In.ClippingPlanes.empty() || first.Gradients.IsEmpty());
   this->Plain = one && first.Gradients.IsEmpty();
   this->PlainWithGradient = one && !first.Gradients.IsEmpty();
 }
@@ -212,6 +258,15 @@ glm::dvec3 SampleClassifier::ToVoxel(const glm::dvec3& q) const
 }
 
 //------------------------------------------------------------------------------
+glm::dvec3 SampleClassifier::ToIndex(const glm::dvec3& voxel) const
+{
+  const AxisMap* axes = this->In.Volume.Axes;
+  return axes ? glm::dvec3(axes->ToIndex(0, voxel.x), axes->ToIndex(1, voxel.y),
+                  axes->ToIndex(2, voxel.z))
+              : voxel;
+}
+
+//------------------------------------------------------------------------------
 void SampleClassifier::Values(const glm::dvec3& q, double* values) const
 {
   const glm::dvec3 voxel = this->ToVoxel(q);
@@ -301,13 +356,23 @@ glm::dvec3 SampleClassifier::Difference(const glm::dvec3& voxel, const Field& fi
 //------------------------------------------------------------------------------
 /// Of what normals are of, by index coordinates.
 glm::dvec3 SampleClassifier::FindGradient(
-  int component, const glm::dvec3& q, bool ofIntensity) const
+  int component, const glm::dvec3& q, bool ofIntensity, const NormalSource& normals) const
 {
   const OpticalFunctions& functions = *this->In.Functions;
   const glm::dvec3 voxel = this->ToVoxel(q);
+  const ClippedSpace clipped(this->In.ClippingPlanes, q, normals);
   const auto of = [&](int c) -> glm::dvec3
   {
     const VolumeView& view = this->ComponentViews[c];
+    if (!this->In.ClippingPlanes.empty())
+    {
+      return this->Difference(voxel,
+        [&](const glm::dvec3& at)
+        {
+          return clipped.Has(this->ToIndex(at)) ? this->In.ClippedIntensity
+                                                : this->Fetch.Value(view, at);
+        });
+    }
     return view.Axes
       ? this->Difference(voxel, [&](const glm::dvec3& at) { return this->Fetch.Value(view, at); })
       : this->Fetch.Gradient(view, voxel);
@@ -328,13 +393,19 @@ glm::dvec3 SampleClassifier::FindGradient(
 }
 
 //------------------------------------------------------------------------------
-glm::dvec3 SampleClassifier::FindOpacityGradient(int component, const glm::dvec3& q) const
+glm::dvec3 SampleClassifier::FindOpacityGradient(
+  int component, const glm::dvec3& q, const NormalSource& normals) const
 {
+  const ClippedSpace clipped(this->In.ClippingPlanes, q, normals);
   return this->Difference(this->ToVoxel(q),
     [&](const glm::dvec3& voxel)
     {
       double values[LargestNumberOfComponents];
       this->Fetch.Values(this->In.Volume, voxel, values);
+      if (clipped.Has(this->ToIndex(voxel)))
+      {
+        std::fill_n(values, LargestNumberOfComponents, this->In.ClippedIntensity);
+      }
       return static_cast<double>(
         this->ClassifyValue(component, this->DensityOf(component, values)).a);
     });
@@ -415,14 +486,16 @@ glm::vec3 SampleClassifier::LitColour(
   {
     return colour;
   }
-  const glm::dvec3 gradient = normals.ToWorld(this->In.NormalFromOpacity
-      ? this->FindOpacityGradient(component, point.GetPosition())
-      : point.GetGradient());
+  const Shading& material = *this->In.Material;
+  const glm::dvec3 gradient = material.GetGradientToLights() *
+    normals.ToWorld(this->In.NormalFromOpacity
+        ? this->FindOpacityGradient(component, point.GetPosition(), normals)
+        : point.GetGradient());
   const double magnitude = glm::length(gradient);
   const glm::dvec3 normal = magnitude > 0.0 && std::isfinite(magnitude) ? -gradient / magnitude
                                                                         : glm::dvec3(0.0);
-  return this->In.Material->Shade(
-    optics.Surface, colour, normals.GetPosition(), normal, normals.GetToEye());
+  return material.Shade(optics.Surface, colour, material.GetToLights() * normals.GetPosition(),
+    normal, glm::normalize(material.GetToLights() * normals.GetToEye()));
 }
 
 //------------------------------------------------------------------------------
@@ -444,7 +517,7 @@ SampleClassifier::Look SampleClassifier::Classify(
   {
     return this->ClassifyIndependent(q, values, normals);
   }
-  Point point(*this, 0, q);
+  Point point(*this, 0, q, normals);
   const MaskView& mask = this->In.Mask;
   const LabelOptics* label = mask.Volume.Scalars && mask.Labels && mask.BlendFactor > 0.0f
     ? functions.FindLabel(this->MaskAt(q))
@@ -487,7 +560,7 @@ SampleClassifier::Look SampleClassifier::ClassifyIndependent(
   double squares = 0.0;
   for (int c = 0; c < static_cast<int>(components.size()); ++c)
   {
-    Point point(*this, c, q);
+    Point point(*this, c, q, normals);
     Emission emission = this->FindEmission(c, q, values, point);
     emission.Factor *= components[static_cast<std::size_t>(c)].Weight;
     if (emission.IsVisible())
@@ -545,7 +618,7 @@ glm::vec4 SampleClassifier::ClassifyValues(int channel, const double* values) co
 glm::vec3 SampleClassifier::Light(
   int channel, const glm::dvec3& q, const glm::vec3& colour, const NormalSource& normals) const
 {
-  Point point(*this, channel, q, true);
+  Point point(*this, channel, q, normals, true);
   return this->LitColour(channel, colour, point, normals);
 }
 

@@ -17,11 +17,13 @@
 #include <glm/vec4.hpp>
 
 #include <memory>
+#include <vector>
 
 namespace ffd
 {
 
-/// Where a sample stands in the world: what its normals and its lighting are found from, on demand.
+/// Where a sample stands in deformed space: what its normals and its lighting are found from, on
+/// demand.
 class NormalSource
 {
 public:
@@ -39,7 +41,7 @@ public:
 
   glm::dvec3 GetPosition() const { return this->Ray.Origin + this->T * this->Ray.Direction; }
 
-  /// Unit vector.
+  /// Unit vector of data coordinates.
   glm::dvec3 GetToEye() const { return this->Camera.ToEye(this->Ray, this->GetPosition()); }
 
 private:
@@ -70,6 +72,10 @@ struct ClassifierInputs
   /// Second axis of TransferPlane: scalars on the same grid; none: magnitude of the gradient.
   VolumeView SecondAxis;
   bool NormalFromOpacity = false; ///< normals are those of the opacity, not of the scalars
+  /// Where dot(plane, (P, 1)) < 0, P in deformed space, gradients count ClippedIntensity as the value
+  /// of the voxels.
+  std::vector<glm::dvec4> ClippingPlanes;
+  double ClippedIntensity = 0.0;
   /// World length of the intervals for which opacities multiply and add up as in VTK: its sample
   /// distance.
   double ReferenceLength = 1.0;
@@ -176,9 +182,13 @@ private:
   bool FindHidden(const glm::dvec3& q) const;
   bool TouchesHidden(const glm::dvec3& voxel) const;
   glm::dvec3 ToVoxel(const glm::dvec3& q) const;
+  glm::dvec3 ToIndex(const glm::dvec3& voxel) const;
   double MaskAt(const glm::dvec3& q) const;
-  glm::dvec3 FindGradient(int component, const glm::dvec3& q, bool ofIntensity) const;
-  glm::dvec3 FindOpacityGradient(int component, const glm::dvec3& q) const;
+  class ClippedSpace;
+  glm::dvec3 FindGradient(int component, const glm::dvec3& q, bool ofIntensity,
+    const NormalSource& normals) const;
+  glm::dvec3 FindOpacityGradient(
+    int component, const glm::dvec3& q, const NormalSource& normals) const;
   template <class Field>
   glm::dvec3 Difference(const glm::dvec3& voxel, const Field& field) const;
   double FindMagnitude(const glm::dvec3& gradient) const;

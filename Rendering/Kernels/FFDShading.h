@@ -5,6 +5,8 @@
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
 #include <glm/vec3.hpp>
 
 #include <cmath>
@@ -13,7 +15,7 @@
 namespace ffd
 {
 
-/// A light in world coordinates; its colours include the intensity.
+/// A light in the space of Shading; its colours include the intensity.
 struct Light
 {
   bool Headlight = false;  ///< shines along the viewing ray
@@ -48,15 +50,29 @@ struct Reflectance
   float SpecularPower = 10.0f;
 };
 
-/// Material of the volume and the lights on it.
+/**
+ * Material of the volume and the lights on it. Rays are cast in data coordinates; lights shine in a
+ * space of their own, so that a volume whose matrix does not scale all axes alike is lit as the
+ * deformed shape that it has in the world.
+ */
 struct Shading : Reflectance
 {
   bool TwoSided = true;
   std::vector<Light> Lights;
 
+  /// Takes positions and directions, data coordinates, to the space of the lights.
+  void SetToLights(const glm::dmat3& toLights)
+  {
+    this->ToLights = toLights;
+    this->GradientToLights = glm::transpose(glm::inverse(toLights));
+  }
+  const glm::dmat3& GetToLights() const { return this->ToLights; }
+  /// The same for gradients.
+  const glm::dmat3& GetGradientToLights() const { return this->GradientToLights; }
+
   /**
-   * Colour of a lit sample. `normal`: unit vector towards lower scalars, world coordinates, or
-   * zero where the scalars are constant; `toEye`: unit vector.
+   * Colour of a lit sample, in the space of the lights. `normal`: unit vector towards lower scalars,
+   * or zero where the scalars are constant; `toEye`: unit vector.
    */
   glm::vec3 Shade(const glm::vec3& colour, const glm::dvec3& position, const glm::dvec3& normal,
     const glm::dvec3& toEye) const
@@ -106,6 +122,9 @@ struct Shading : Reflectance
   }
 
 private:
+  glm::dmat3 ToLights{ 1.0 };
+  glm::dmat3 GradientToLights{ 1.0 };
+
   static double LocalStrength(const Light& light, const glm::dvec3& toLight, double distance)
   {
     double strength = 1.0 /

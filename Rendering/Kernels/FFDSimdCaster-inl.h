@@ -104,6 +104,8 @@ public:
         NodeWeights(hn::Mul(x, Splat(NodesPerPixel)), hn::Mul(y, Splat(NodesPerPixel)));
     }
     this->Kept = PacketLook::Nothing();
+    this->ToEye =
+      Normalize(Scale(Splat(-1.0f), Transform(this->Scene.LocalToLights, rays.Direction)));
     const Vf zero = hn::Zero(Df());
     this->Out = { { zero, zero, zero }, Splat(1.0f), Splat(1e30f), zero, zero, zero };
   }
@@ -411,8 +413,8 @@ private:
 
   HWY_INLINE Vf LengthOf(const Vec3& index) const
   {
-    const Vec3 world = Transform(this->Scene.IndexToWorld, index);
-    return hn::Sqrt(Dot(world, world));
+    const Vec3 data = Transform(this->Scene.IndexToLocal, index);
+    return hn::Sqrt(Dot(data, data));
   }
 
   HWY_INLINE void CountPiece(const PacketPiece& piece, Mf lanes)
@@ -922,11 +924,10 @@ private:
     {
       local = this->GradientFromField(piece.At(at), g, t);
     }
-    const Vec3 world = Transform(this->Scene.GradientToWorld, local);
     HWY_ALIGN float x[16], y[16], z[16];
-    hn::Store(world.x, d, x);
-    hn::Store(world.y, d, y);
-    hn::Store(world.z, d, z);
+    hn::Store(local.x, d, x);
+    hn::Store(local.y, d, y);
+    hn::Store(local.z, d, z);
     return size * glm::dvec3(x[lane], y[lane], z[lane]);
   }
 
@@ -1038,13 +1039,13 @@ private:
     {
       gradient = this->GradientFromField(q, byIndex, t);
     }
-    const Vec3 world = Normalize(Transform(this->Scene.GradientToWorld, gradient));
-    const Vec3 normal = Scale(Splat(-1.0f), world);
+    const Vec3 lit = Normalize(Transform(this->Scene.GradientToLights, gradient));
+    const Vec3 normal = Scale(Splat(-1.0f), lit);
     const Vec3 position = Transform(
-      this->Scene.LocalToWorld, MulAdd(t, this->Rays.Direction, this->Rays.Origin));
+      this->Scene.LocalToLights, MulAdd(t, this->Rays.Direction, this->Rays.Origin));
     const Vec3 toEye = this->Scene.Parallel
       ? Normalize(Sub(Broadcast(this->Scene.Eye), position))
-      : Scale(Splat(-1.0f), Transform(this->Scene.LocalToWorld, this->Rays.Direction));
+      : this->ToEye;
     return Shade(this->Scene, colour, position, normal, toEye);
   }
 
@@ -1109,6 +1110,7 @@ private:
   TileBeam& Beam;
   PacketScratch& Scratch;
   RayPacket Rays;
+  Vec3 ToEye; ///< back along them, in the space of the lights
   Vf Jitter;
   Mf Alive;
   Vf X;

@@ -32,7 +32,7 @@ HWY_INLINE Vec3 Normalize(const Vec3& v)
     hn::IfThenElseZero(some, hn::Mul(v.z, inverse)) };
 }
 
-/// Colours of lit samples; `normal` and `toEye`: unit vectors, `position`: less WorldCentre.
+/// Colours of lit samples; `normal` and `toEye`: unit vectors. All in the space of the lights.
 HWY_INLINE Vec3 Shade(const PacketScene& scene, const Vec3& colour, const Vec3& position,
   const Vec3& normal, const Vec3& toEye)
 {

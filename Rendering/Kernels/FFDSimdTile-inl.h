@@ -66,12 +66,6 @@ struct ImageMap
   }
 };
 
-HWY_INLINE Vf WorldLength(const PacketScene& scene, const Vec3& local)
-{
-  const Vec3 world = Transform(scene.LocalToWorld, local);
-  return hn::Sqrt(Dot(world, world));
-}
-
 /// Rays through image positions, near plane to far plane.
 HWY_INLINE RayPacket MakeRays(
   const PacketScene& scene, const ImageMap& near, const ImageMap& far, Vf x, Vf y)
@@ -80,7 +74,7 @@ HWY_INLINE RayPacket MakeRays(
   rays.Origin = near.At(x, y);
   const Vec3 path = Sub(far.At(x, y), rays.Origin);
   rays.From = hn::Zero(Df());
-  rays.To = WorldLength(scene, path);
+  rays.To = hn::Sqrt(Dot(path, path));
   rays.Direction = Scale(hn::Div(Splat(1.0f), rays.To), path);
   return rays;
 }

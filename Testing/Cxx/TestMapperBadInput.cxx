@@ -208,14 +208,6 @@ bool TestSettingsOfOthers()
       scene, "blend mode", "SetBlendModeToComposite", [&] { scene.Mapper->SetBlendMode(mode); },
       composite);
   }
-  ok &= Refuses(
-    scene, "no isosurface", "GetIsoSurfaceValues",
-    [&]
-    {
-      scene.Mapper->SetBlendModeToIsoSurface();
-      scene.Property->GetIsoSurfaceValues()->SetNumberOfContours(0);
-    },
-    composite);
   for (const double value : { NaN, Infinity })
   {
     ok &= Refuses(

@@ -281,6 +281,7 @@ bool TestPrintSelf()
       "AutoAdjustSampleDistances: 1", "FrameCoherence: 1", "FrameCoherenceTolerance: 0.25",
       "IntermixIntersectingGeometry: 1", "NumberOfThreads: 0",
       "MaskInput: ", "MaskType: LabelMap", "MaskBlendFactor: 1", "Transfer2DYAxisArray: (none)",
+      "VectorMode: DISABLED", "VectorComponent: 0",
       "ComputeNormalFromOpacity: 0", "ReferenceKernels: 0", "CollectStatistics: 0", "Statistics:" })
   {
     if (text.str().find(name) == std::string::npos)

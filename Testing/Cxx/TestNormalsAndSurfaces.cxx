@@ -48,9 +48,10 @@ void CheckSurface(ffdTest::Checks& checks)
   scene.Headlight->SetSpecularColor(0.0, 1.0, 0.0);
   check("specular colour", 0.5);
   scene.Headlight->SetSpecularColor(1.0, 1.0, 1.0);
-  // A single headlight lights the ambient term whatever it is, in ours; in the GPU mapper only at
-  // full intensity.
-  scene.SetShading(0.0, 0.5, 0.3, 20.0);
+  // Only at full intensity does a headlight light the ambient term whatever its colour; in the GPU
+  // mapper others do so with white.
+  scene.SetShading(0.2, 0.5, 0.3, 20.0);
+  scene.SetWhiteAmbientLight(false);
   scene.Headlight->SetIntensity(0.5);
   check("intensity", 10.0);
   scene.Headlight->SetIntensity(1.0);

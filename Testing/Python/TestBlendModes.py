@@ -110,6 +110,14 @@ class TestBlendModes(unittest.TestCase):
         values.SetValue(1, 50.0)
         self.assertAlmostEqual(self.render()[0][3], 191, delta=1)
 
+    def test_no_isosurface(self):
+        # Nothing, and no error.
+        self.mapper.SetBlendModeToIsoSurface()
+        self.prop.GetIsoSurfaceValues().SetNumberOfContours(0)
+        for reference in (False, True):
+            self.mapper.SetReferenceKernels(reference)
+            self.assertEqual(list(self.render()[0]), [0, 0, 0, 0])
+
     def test_slice(self):
         self.mapper.SetBlendModeToSlice()
         plane = vtkPlane()

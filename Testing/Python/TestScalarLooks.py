@@ -7,7 +7,7 @@ import unittest
 import numpy
 import vtkffd
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction, vtkPlane
 from vtkmodules.vtkRenderingCore import (
     vtkColorTransferFunction, vtkRenderer, vtkVolume, vtkVolumeProperty)
 
@@ -121,6 +121,142 @@ class TestScalarLooks(unittest.TestCase):
         self.expect([0.5, 0.0, 0.5, 1.0 - 0.9 ** LENGTH], x=24)
         self.mapper.SetMaskInput(None)
         self.expect([1.0, 0.0, 0.0, 1.0 - 0.9 ** LENGTH], x=24)
+
+    def test_shading_of_components(self):
+        # The flag of the first component is that of all, as with VTK's mappers.
+        self.set_points(numpy.ones((SIZE ** 3, 2)))
+        for c in (0, 1):
+            self.set_functions(c, 0.05, 1.0, 1.0, 1.0)
+            self.prop.SetAmbient(c, 0.2)
+        opacity = 1.0 - 0.95 ** LENGTH
+        self.prop.ShadeOff(0)
+        self.prop.ShadeOn(1)
+        self.expect([1.0, 1.0, 1.0, opacity])
+        self.prop.ShadeOn(0)
+        self.prop.ShadeOff(1)
+        # Without a gradient there is the ambient term, of both components.
+        self.expect([0.4, 0.4, 0.4, opacity])
+
+    def test_vector_modes(self):
+        values = numpy.ones((SIZE ** 3, 3)) * [3.0, 4.0, 12.0]
+        for array in (values.astype(numpy.uint8), values, values.astype(numpy.float32)):
+            with self.subTest(dtype=array.dtype):
+                self.image.GetPointData().SetScalars(numpy_to_vtk(array, deep=True))
+                opacity = vtkPiecewiseFunction()
+                colours = vtkColorTransferFunction()
+                for x in (0.0, 20.0):
+                    opacity.AddPoint(x, 0.005 * x)
+                    colours.AddRGBPoint(x, 0.05 * x, 0.0, 1.0)
+                self.prop.SetScalarOpacity(opacity)
+                self.prop.SetColor(colours)
+                self.prop.SetShade(0)
+                self.mapper.SetVectorModeToMagnitude()
+                self.assertEqual(self.mapper.GetVectorMode(), self.mapper.MAGNITUDE)
+                self.expect([0.65, 0.0, 1.0, 1.0 - (1.0 - 0.065) ** LENGTH])
+                self.assertGreater(self.mapper.GetAuxiliaryMemorySize(), SIZE ** 3)
+                self.mapper.SetVectorModeToComponent()
+                for component, value in ((0, 3.0), (1, 4.0), (2, 12.0)):
+                    self.mapper.SetVectorComponent(component)
+                    self.expect([0.05 * value, 0.0, 1.0,
+                                 1.0 - (1.0 - 0.005 * value) ** LENGTH])
+        # Changed vectors are looked at again.
+        self.image.GetPointData().GetScalars().Fill(8.0)
+        self.image.GetPointData().GetScalars().Modified()
+        self.expect([0.4, 0.0, 1.0, 1.0 - 0.96 ** LENGTH])
+        # There is none of this number: an error, and the next picture is right.
+        self.mapper.SetVectorComponent(3)
+        errors = []
+        self.mapper.AddObserver("ErrorEvent", lambda *_: errors.append(1))
+        colours = vtkImageData()
+        self.assertEqual(self.mapper.RenderToImage(self.renderer, self.volume, 8, 8, colours), 0)
+        self.assertEqual(len(errors), 1)
+        self.mapper.SetVectorComponent(0)
+        self.expect([0.4, 0.0, 1.0, 1.0 - 0.96 ** LENGTH])
+        # One component is rendered as it is.
+        self.set_points(numpy.full(SIZE ** 3, 10.0))
+        self.mapper.SetVectorComponent(2)
+        self.expect([0.5, 0.0, 1.0, 1.0 - 0.95 ** LENGTH])
+        # Independent components again.
+        self.mapper.SetVectorModeToDisabled()
+        self.set_points(values)
+        self.set_functions(0, 0.05, 1.0, 0.0, 0.0)
+        self.set_functions(1, 0.0, 0.0, 1.0, 0.0)
+        self.set_functions(2, 0.0, 0.0, 1.0, 0.0)
+        self.expect([1.0, 0.0, 0.0, 1.0 - 0.95 ** LENGTH])
+
+    def test_clipped_voxel_intensity(self):
+        # Rising along x, cut across z: without it the normal is across the view, with it along.
+        _, _, x = numpy.mgrid[0:SIZE, 0:SIZE, 0:SIZE]
+        self.set_points(x.ravel() * 4.0)
+        self.set_functions(0, 1.0, 1.0, 1.0, 1.0)
+        self.prop.ShadeOn()
+        self.prop.SetAmbient(0.0)
+        self.prop.SetDiffuse(1.0)
+        self.prop.SetSpecular(0.0)
+        plane = vtkPlane()
+        plane.SetOrigin(5.0, 5.0, 6.45)
+        plane.SetNormal(0.0, 0.0, -1.0)
+        self.mapper.AddClippingPlane(plane)
+        self.expect([0.0, 0.0, 0.0, 1.0], delta=4)
+        self.prop.SetClippedVoxelIntensity(0.0)
+        self.prop.UseClippedVoxelIntensityOn()
+        # 20 at x = 5 falls to 0 within one voxel to the front; by x it rises by 8 over two.
+        lit = 20.0 / (20.0 ** 2 + 8.0 ** 2) ** 0.5
+        for reference in (False, True):
+            self.mapper.SetReferenceKernels(reference)
+            self.expect([lit, lit, lit, 1.0], delta=4)
+        # The default is as good as minus infinity.
+        self.prop.SetClippedVoxelIntensity(-1e299)
+        self.expect([1.0, 1.0, 1.0, 1.0], delta=2)
+        # Planes cut what has been deformed: stretched along z, the voxels are farther apart.
+        lattice = vtkffd.vtkFFDLattice()
+        lattice.SetDimensions(5, 5, 5)
+        lattice.FitToBounds(self.image.GetBounds(), 0.2)
+        moved = vtk_to_numpy(lattice.GetDisplacements())
+        rest = [0.0] * 3
+        for i in range(5 ** 3):
+            lattice.GetRestPoint(i % 5, i // 5 % 5, i // 25, rest)
+            moved[i, 2] = 0.5 * (rest[2] - 5.0)
+        lattice.GetDisplacements().Modified()
+        lattice.Modified()
+        self.mapper.SetDeformation(lattice)
+        self.prop.SetClippedVoxelIntensity(0.0)
+        lit = 20.0 / 1.5 / ((20.0 / 1.5) ** 2 + 8.0 ** 2) ** 0.5
+        for reference in (False, True):
+            self.mapper.SetReferenceKernels(reference)
+            self.expect([lit, lit, lit, 1.0], delta=4)
+        # Beyond a voxel from the plane nothing changes.
+        self.prop.UseClippedVoxelIntensityOff()
+        self.expect([0.0, 0.0, 0.0, 1.0], delta=4)
+
+    def test_where_vtk_differs(self):
+        # vtkGPUVolumeRayCastMapper draws these otherwise: gray colour functions, opacities of labels
+        # at other sample distances, gradient opacity of dependent components.
+        self.set_points(numpy.ones(SIZE ** 3))
+        self.set_functions(0, 0.1, 1.0, 1.0, 1.0)
+        self.prop.SetColor(constant(0.3))
+        self.expect([0.3, 0.3, 0.3, 1.0 - 0.9 ** LENGTH])
+        self.prop.SetColor(colour(1.0, 0.0, 0.0))
+        mask = vtkImageData()
+        mask.SetDimensions(SIZE, SIZE, SIZE)
+        mask.GetPointData().SetScalars(
+            numpy_to_vtk(numpy.full(SIZE ** 3, 2, dtype=numpy.uint8), deep=True))
+        self.mapper.SetMaskInput(mask)
+        self.prop.SetLabelScalarOpacity(2, constant(0.2))
+        for distance in (0.25, 0.5, 2.0):
+            self.mapper.SetSampleDistance(distance)
+            self.expect([1.0, 0.0, 0.0, 1.0 - 0.8 ** LENGTH])
+        self.mapper.SetMaskInput(None)
+        # Colour and density; the gradient is that of the density.
+        z, _, x = numpy.mgrid[0:SIZE, 0:SIZE, 0:SIZE]
+        self.mapper.SetSampleDistance(0.05)
+        self.prop.IndependentComponentsOff()
+        gradients = vtkPiecewiseFunction()
+        gradients.AddPoint(0.0, 0.0)
+        gradients.AddPoint(2.0, 1.0)
+        self.prop.SetGradientOpacity(gradients)
+        self.set_points(numpy.stack([x.ravel() * 10.0, z.ravel() * 1.0], axis=-1))
+        self.expect([1.0, 0.0, 0.0, 1.0 - 0.95 ** LENGTH], delta=6)
 
     def test_cells(self):
         self.image.GetCellData().SetScalars(

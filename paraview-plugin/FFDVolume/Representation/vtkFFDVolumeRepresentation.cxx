@@ -37,6 +37,7 @@
 #include "vtkRenderer.h"
 #include "vtkSMPTools.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkUnsignedCharArray.h"
 #include "vtkVolumeProperty.h"
 #include "vtkWeakPointer.h"
 
@@ -174,6 +175,31 @@ vtkSmartPointer<vtkDataArray> ExtractComponent(vtkDataArray* from, int component
       }
     });
   return to;
+}
+
+/// Take the flags of duplicates from vtkGhostType, which a copied structure has where something is
+/// blanked: the mapper hides all that have flags, and the part of another process that is rendered
+/// here is a duplicate.
+void ShowDuplicates(vtkImageData* image)
+{
+  const auto show = [](vtkDataSetAttributes* arrays, int duplicate)
+  {
+    const char* const name = vtkDataSetAttributes::GhostArrayName();
+    auto* ghosts = vtkUnsignedCharArray::SafeDownCast(arrays->GetArray(name));
+    if (!ghosts)
+    {
+      return;
+    }
+    vtkNew<vtkUnsignedCharArray> shown; // that of the input is shared
+    shown->DeepCopy(ghosts);
+    for (vtkIdType i = 0; i < shown->GetNumberOfValues(); ++i)
+    {
+      shown->SetValue(i, static_cast<unsigned char>(shown->GetValue(i) & ~duplicate));
+    }
+    arrays->AddArray(shown);
+  };
+  show(image->GetPointData(), vtkDataSetAttributes::DUPLICATEPOINT);
+  show(image->GetCellData(), vtkDataSetAttributes::DUPLICATECELL);
 }
 
 /// The arrays of an image and when they changed.
@@ -832,6 +858,7 @@ void vtkFFDVolumeRepresentation::UpdateRenderedImage(vtkImageData* image)
     }
     in.Rendered->Initialize();
     in.Rendered->CopyStructure(image);
+    ShowDuplicates(in.Rendered);
     if (array)
     {
       in.Rendered->GetPointData()->AddArray(array);
