@@ -119,7 +119,7 @@ bool vtkFFDFrameCoherence::Continues(const Sources& sources, const ffd::CastScen
 //------------------------------------------------------------------------------
 std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Sources& sources,
   const ffd::CastScene& scene, const vtkFFDImageRegion& region, const ffd::Box& restBounds,
-  double tolerance, std::vector<float>& colours)
+  double tolerance, std::vector<float>& colours, std::vector<float>& firstVisible)
 {
   const ffd::PullBack& map = *scene.Map;
   const bool inverts = ffd::InvertsTheField(map.GetKind());
@@ -144,7 +144,7 @@ std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Source
     !change.IsEmpty())
   {
     // Tiles are two quarters wide.
-    this->Quarters.Continue(region.Rays, 2 * shift, colours, this->LastDepths);
+    this->Quarters.Continue(region.Rays, 2 * shift, colours, this->LastDepths, &firstVisible);
     this->Quarters.NoteDepths(
       this->LastDepths.empty() ? nullptr : this->LastDepths.data(), scene.Depths, scene.Camera);
     this->Quarters.NoteChange(change, scene.Camera, tolerance);
@@ -156,6 +156,10 @@ std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Source
   const std::size_t rays =
     static_cast<std::size_t>(region.Rays.x) * static_cast<std::size_t>(region.Rays.y);
   colours.resize(4 * rays);
+  if (!firstVisible.empty())
+  {
+    firstVisible.resize(rays);
+  }
   this->LastSources = sources;
   this->LastRegion = region;
   this->LastCamera = scene.Camera;

@@ -22,6 +22,7 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 namespace
@@ -31,11 +32,14 @@ const char* const VertexShader = R"(//VTK::System::Dec
 in vec4 ndCoordIn;
 in vec2 texCoordIn;
 uniform vec4 rectangle;
+uniform vec4 pixels;
 out vec2 texCoord;
+out vec2 pixelCoord;
 void main()
 {
   gl_Position = vec4(mix(rectangle.xy, rectangle.zw, texCoordIn), ndCoordIn.zw);
   texCoord = texCoordIn;
+  pixelCoord = gl_Position.xy * pixels.xy + pixels.zw;
 }
 )";
 
@@ -47,6 +51,45 @@ void main()
 {
   // Not clamped: targets of bytes do so, those of floats keep what is brighter.
   gl_FragData[0] = texture2D(image, texCoord);
+}
+)";
+
+/// The same with layers, interpolated by hand: each ray has depths of its own.
+const char* const LayerFragmentShader = R"(//VTK::System::Dec
+//VTK::Output::Dec
+in vec2 texCoord;
+in vec2 pixelCoord;
+uniform sampler2D image;
+uniform sampler2D nearImage;
+uniform sampler2D rayDepths;
+uniform sampler2D pixelDepths;
+vec4 colourOf(ivec2 ray, float depth)
+{
+  vec3 d = texelFetch(rayDepths, ray, 0).rgb;
+  vec4 farColour = texelFetch(image, ray, 0);
+  if (depth >= d.b)
+  {
+    return farColour;
+  }
+  vec4 nearColour = texelFetch(nearImage, ray, 0);
+  if (depth >= d.g)
+  {
+    return mix(nearColour, farColour, (depth - d.g) / (d.b - d.g));
+  }
+  return depth <= d.r ? vec4(0.0) : nearColour * ((depth - d.r) / (d.g - d.r));
+}
+void main()
+{
+  float depth = texelFetch(pixelDepths,
+    clamp(ivec2(floor(pixelCoord)), ivec2(0), textureSize(pixelDepths, 0) - 1), 0).r;
+  ivec2 last = textureSize(image, 0) - 1;
+  vec2 at = texCoord * vec2(last + 1) - 0.5;
+  ivec2 low = clamp(ivec2(floor(at)), ivec2(0), last);
+  ivec2 high = clamp(ivec2(floor(at)) + 1, ivec2(0), last);
+  vec2 part = fract(at);
+  vec4 below = mix(colourOf(low, depth), colourOf(ivec2(high.x, low.y), depth), part.x);
+  vec4 above = mix(colourOf(ivec2(low.x, high.y), depth), colourOf(high, depth), part.x);
+  gl_FragData[0] = clamp(mix(below, above, part.y), 0.0, 1.0);
 }
 )";
 
@@ -99,12 +142,10 @@ Rectangle FindVisible(int width, int firstRow, int lastRow, const float* colours
   return found;
 }
 
-/// What there is to be seen of an image, with a pixel around it to be interpolated to; empty if
-/// nothing is.
-Rectangle FindVisible(
-  int width, int height, const float* colours, const vtkFFDParallelFor& parallelFor)
+/// What there is to be seen of an image, added to what is `found`.
+void FindVisible(int width, int height, const float* colours, Rectangle& found,
+  const vtkFFDParallelFor& parallelFor)
 {
-  Rectangle found = Nothing;
   std::mutex mutex;
   parallelFor(static_cast<std::size_t>(height),
     [&](std::size_t first, std::size_t last)
@@ -118,6 +159,11 @@ Rectangle FindVisible(
         found.High[a] = std::max(found.High[a], rows.High[a]);
       }
     });
+}
+
+/// With a pixel around it to be interpolated to; empty if there was nothing.
+Rectangle AddMargin(Rectangle found, int width, int height)
+{
   const int size[2] = { width, height };
   for (int a = 0; a < 2; ++a)
   {
@@ -225,9 +271,60 @@ private:
 struct vtkFFDImageDisplay::Resources
 {
   vtkNew<vtkTextureObject> Texture;
+  vtkNew<vtkTextureObject> NearTexture;
+  vtkNew<vtkTextureObject> RayDepths;
+  vtkNew<vtkTextureObject> PixelDepths;
   std::unique_ptr<vtkOpenGLQuadHelper> Quad;
+  std::unique_ptr<vtkOpenGLQuadHelper> LayerQuad;
   vtkWeakPointer<vtkOpenGLRenderWindow> Window;
-  std::vector<float> Visible; // part of the image
+  std::vector<float> Visible; // part of an image
+
+  /// Fill a texture with a part of an image of `components` floats a pixel.
+  bool Fill(vtkTextureObject* texture, const float* image, int components, int width,
+    const Rectangle& part, int filter, const vtkFFDParallelFor& parallelFor)
+  {
+    const std::size_t pixel = static_cast<std::size_t>(components);
+    const std::size_t rowLength = pixel * static_cast<std::size_t>(part.Width());
+    this->Visible.resize(rowLength * static_cast<std::size_t>(part.Height()));
+    parallelFor(static_cast<std::size_t>(part.Height()),
+      [&](std::size_t first, std::size_t last)
+      {
+        for (std::size_t y = first; y < last; ++y)
+        {
+          const std::size_t from =
+            static_cast<std::size_t>(width) * (static_cast<std::size_t>(part.Low[1]) + y) +
+            static_cast<std::size_t>(part.Low[0]);
+          std::copy_n(image + pixel * from, rowLength, this->Visible.data() + rowLength * y);
+        }
+      });
+    texture->SetContext(this->Window);
+    // A texture of the same size is filled again only if it is made again.
+    texture->ReleaseGraphicsResources(this->Window);
+    if (!texture->Create2DFromRaw(static_cast<unsigned int>(part.Width()),
+          static_cast<unsigned int>(part.Height()), components, VTK_FLOAT, this->Visible.data()))
+    {
+      return false;
+    }
+    texture->SetWrapS(vtkTextureObject::ClampToEdge);
+    texture->SetWrapT(vtkTextureObject::ClampToEdge);
+    texture->SetMinificationFilter(filter);
+    texture->SetMagnificationFilter(filter);
+    return true;
+  }
+
+  /// The program of a quad, made if need be and ready; null if it does not compile.
+  vtkShaderProgram* Ready(std::unique_ptr<vtkOpenGLQuadHelper>& quad, const char* fragmentShader)
+  {
+    if (!quad)
+    {
+      quad.reset(new vtkOpenGLQuadHelper(this->Window, VertexShader, fragmentShader, nullptr));
+    }
+    else
+    {
+      this->Window->GetShaderCache()->ReadyShaderProgram(quad->Program);
+    }
+    return quad->Program && quad->Program->GetCompiled() ? quad->Program : nullptr;
+  }
 };
 
 //------------------------------------------------------------------------------
@@ -241,7 +338,8 @@ vtkFFDImageDisplay::~vtkFFDImageDisplay() = default;
 
 //------------------------------------------------------------------------------
 bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, const float* colours,
-  const double rectangle[4], bool pixelByPixel, const vtkFFDParallelFor& parallelFor)
+  const Layers& layers, const double rectangle[4], bool pixelByPixel,
+  const vtkFFDParallelFor& parallelFor)
 {
   auto* window = vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow());
   if (!window)
@@ -250,59 +348,42 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, cons
   }
   // A window may have been deleted, or have released its resources, without telling the mapper: it
   // was not in a renderer then.
-  if (this->Gl->Window != window || (this->Gl->Quad && !this->Gl->Quad->Program))
+  Resources& gl = *this->Gl;
+  if (gl.Window != window || (gl.Quad && !gl.Quad->Program) ||
+    (gl.LayerQuad && !gl.LayerQuad->Program))
   {
-    this->ReleaseGraphicsResources(this->Gl->Window);
+    this->ReleaseGraphicsResources(gl.Window);
   }
-  this->Gl->Window = window;
+  gl.Window = window;
 
   // Most of the bounds of a volume is empty.
-  const Rectangle part = FindVisible(width, height, colours, parallelFor);
+  Rectangle part = Nothing;
+  FindVisible(width, height, colours, part, parallelFor);
+  if (layers.Colours)
+  {
+    FindVisible(width, height, layers.Colours, part, parallelFor);
+  }
+  part = AddMargin(part, width, height);
   if (part.Width() <= 0 || part.Height() <= 0)
   {
     return true;
   }
-  std::vector<float>& visible = this->Gl->Visible;
-  const std::size_t rowLength = 4 * static_cast<std::size_t>(part.Width());
-  visible.resize(rowLength * static_cast<std::size_t>(part.Height()));
-  parallelFor(static_cast<std::size_t>(part.Height()),
-    [&](std::size_t first, std::size_t last)
-    {
-      for (std::size_t y = first; y < last; ++y)
-      {
-        std::copy_n(colours +
-            4 * (static_cast<std::size_t>(width) * (static_cast<std::size_t>(part.Low[1]) + y) +
-                  static_cast<std::size_t>(part.Low[0])),
-          rowLength, visible.data() + rowLength * y);
-      }
-    });
-
-  vtkTextureObject* texture = this->Gl->Texture;
-  texture->SetContext(window);
-  // A texture of the same size is filled again only if it is made again.
-  texture->ReleaseGraphicsResources(window);
-  if (!texture->Create2DFromRaw(static_cast<unsigned int>(part.Width()),
-        static_cast<unsigned int>(part.Height()), 4, VTK_FLOAT, visible.data()))
+  // Where nothing is to be interpolated, rounding must not do so a little.
+  const int filter = pixelByPixel ? vtkTextureObject::Nearest : vtkTextureObject::Linear;
+  const Rectangle all = { { 0, 0 }, { layers.Pixels[0], layers.Pixels[1] } };
+  if (!gl.Fill(gl.Texture, colours, 4, width, part, filter, parallelFor) ||
+    (layers.Colours &&
+      (!gl.Fill(gl.NearTexture, layers.Colours, 4, width, part, filter, parallelFor) ||
+        !gl.Fill(gl.RayDepths, layers.Depths, 3, width, part, filter, parallelFor) ||
+        !gl.Fill(gl.PixelDepths, layers.PixelDepths, 1, layers.Pixels[0], all, filter,
+          parallelFor))))
   {
     return false;
   }
-  texture->SetWrapS(vtkTextureObject::ClampToEdge);
-  texture->SetWrapT(vtkTextureObject::ClampToEdge);
-  // Where nothing is to be interpolated, rounding must not do so a little.
-  const int filter = pixelByPixel ? vtkTextureObject::Nearest : vtkTextureObject::Linear;
-  texture->SetMinificationFilter(filter);
-  texture->SetMagnificationFilter(filter);
-
-  if (!this->Gl->Quad)
-  {
-    this->Gl->Quad.reset(new vtkOpenGLQuadHelper(window, VertexShader, FragmentShader, nullptr));
-  }
-  else
-  {
-    window->GetShaderCache()->ReadyShaderProgram(this->Gl->Quad->Program);
-  }
-  vtkShaderProgram* program = this->Gl->Quad->Program;
-  if (!program || !program->GetCompiled())
+  std::unique_ptr<vtkOpenGLQuadHelper>& quad = layers.Colours ? gl.LayerQuad : gl.Quad;
+  vtkShaderProgram* program =
+    gl.Ready(quad, layers.Colours ? LayerFragmentShader : FragmentShader);
+  if (!program)
   {
     return false;
   }
@@ -315,19 +396,36 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, cons
   state->vtkglDisable(GL_DEPTH_TEST);
   state->vtkglBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
 
-  texture->Activate();
   const double pixel[2] = { (rectangle[2] - rectangle[0]) / width,
     (rectangle[3] - rectangle[1]) / height };
   float corners[4];
+  float pixels[4];
   for (int a = 0; a < 2; ++a)
   {
     corners[a] = static_cast<float>(rectangle[a] + pixel[a] * part.Low[a]);
     corners[2 + a] = static_cast<float>(rectangle[a] + pixel[a] * part.High[a]);
+    pixels[a] = 0.5f * static_cast<float>(layers.Viewport[a]);
+    pixels[2 + a] = pixels[a] - static_cast<float>(layers.Origin[a]);
   }
   program->SetUniform4f("rectangle", corners);
-  program->SetUniformi("image", texture->GetTextureUnit());
-  this->Gl->Quad->Render();
-  texture->Deactivate();
+  program->SetUniform4f("pixels", pixels);
+  std::vector<std::pair<const char*, vtkTextureObject*>> textures{ { "image", gl.Texture } };
+  if (layers.Colours)
+  {
+    textures.insert(textures.end(),
+      { { "nearImage", gl.NearTexture }, { "rayDepths", gl.RayDepths },
+        { "pixelDepths", gl.PixelDepths } });
+  }
+  for (const auto& texture : textures)
+  {
+    texture.second->Activate();
+    program->SetUniformi(texture.first, texture.second->GetTextureUnit());
+  }
+  quad->Render();
+  for (const auto& texture : textures)
+  {
+    texture.second->Deactivate();
+  }
   return true;
 }
 
@@ -383,12 +481,18 @@ bool vtkFFDImageDisplay::ReadDepths(vtkRenderer* renderer, const int rectangle[4
 //------------------------------------------------------------------------------
 void vtkFFDImageDisplay::ReleaseGraphicsResources(vtkWindow* window)
 {
-  if (this->Gl->Quad)
+  for (std::unique_ptr<vtkOpenGLQuadHelper>* quad : { &this->Gl->Quad, &this->Gl->LayerQuad })
   {
-    this->Gl->Quad->ReleaseGraphicsResources(window);
-    this->Gl->Quad.reset();
+    if (*quad)
+    {
+      (*quad)->ReleaseGraphicsResources(window);
+      quad->reset();
+    }
   }
   this->Gl->Texture->ReleaseGraphicsResources(window);
+  this->Gl->NearTexture->ReleaseGraphicsResources(window);
+  this->Gl->RayDepths->ReleaseGraphicsResources(window);
+  this->Gl->PixelDepths->ReleaseGraphicsResources(window);
   std::vector<float>().swap(this->Gl->Visible);
   this->Gl->Window = nullptr;
 }

@@ -5,8 +5,8 @@
  * @brief   blends a ray cast image into the viewport of a renderer
  *
  * Private to this module: not installed, not wrapped. The image holds premultiplied RGBA and is
- * drawn over a rectangle of the viewport, without depth test: rays already end at the geometry
- * that was drawn before.
+ * drawn over a rectangle of the viewport. Rays already end at the geometry that was drawn before;
+ * where there are fewer of them than pixels, layers tell what ends at the geometry of each pixel.
  */
 #ifndef vtkFFDImageDisplay_h
 #define vtkFFDImageDisplay_h
@@ -26,13 +26,30 @@ public:
   vtkFFDImageDisplay& operator=(const vtkFFDImageDisplay&) = delete;
 
   /**
+   * How a picture with fewer rays than pixels looks in front of the geometry of each pixel. Of each ray
+   * `Depths` are three window depths that ascend: up to the first there is nothing, at the second the
+   * colour is the one in `Colours`, from the third on that of the image, and in between it is
+   * interpolated.
+   */
+  struct Layers
+  {
+    const float* Colours = nullptr; ///< null: there are no layers
+    const float* Depths = nullptr;
+    const float* PixelDepths = nullptr; ///< of pixels, rows bottom up
+    int Pixels[2] = { 0, 0 };           ///< columns and rows of them
+    int Origin[2] = { 0, 0 };           ///< of the first one in the viewport
+    int Viewport[2] = { 1, 1 };         ///< pixels of the viewport
+  };
+
+  /**
    * Draw `colours`, width x height floats of premultiplied RGBA, rows bottom up, over the rectangle
    * (xmin, ymin, xmax, ymax) of the viewport, in normalized device coordinates. `pixelByPixel`: each
    * lies on a pixel. Returns false when the window of the renderer is not an OpenGL one or refuses the
    * texture.
    */
   bool Draw(vtkRenderer* renderer, int width, int height, const float* colours,
-    const double rectangle[4], bool pixelByPixel, const vtkFFDParallelFor& parallelFor);
+    const Layers& layers, const double rectangle[4], bool pixelByPixel,
+    const vtkFFDParallelFor& parallelFor);
 
   /**
    * The rectangle (x, y, width, height) of the framebuffer that the renderer draws into now: that

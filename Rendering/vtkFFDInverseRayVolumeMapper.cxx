@@ -129,6 +129,21 @@ int FindMostBoundsCells(const ffd::VolumeView& volume, int scalarSize, const ffd
   return static_cast<int>(std::clamp(bytes / bytesPerCell, 216.0, 2000.0));
 }
 
+/// Narrow [from, to] to what of a ray is in a box; false if nothing is.
+bool ClipToBox(const glm::dvec3& origin, const glm::dvec3& direction, const ffd::Box& box,
+  double& from, double& to)
+{
+  for (int a = 0; a < 3; ++a)
+  {
+    const double t1 = (box.Min[a] - origin[a]) / direction[a];
+    const double t2 = (box.Max[a] - origin[a]) / direction[a];
+    // Along a face these are not numbers, which cut nothing off.
+    from = std::max(from, std::min(t1, t2));
+    to = std::min(to, std::max(t1, t2));
+  }
+  return from < to;
+}
+
 /// As VTK's ray casters: a second or more is time for a still picture.
 bool IsMoving(vtkVolume* volume)
 {
@@ -227,7 +242,14 @@ public:
     return vtkFFDParallelFor(this->Self->NumberOfThreads);
   }
   bool Leaps() const { return this->Self->SpaceLeaping != OFF && this->CanLeap; }
-  void ApplyFinalColours(const vtkFFDImageRegion& region, const vtkFFDFrameCoherence::Part& tile);
+  class Footprints;
+  void FindRayDepths(const vtkFFDImageRegion& region, const glm::ivec2& pixels);
+  vtkFFDImageDisplay::Layers CastLayers(vtkRenderer* renderer, vtkVolume* volume,
+    const vtkFFDImageRegion& region, const glm::ivec2& pixels, bool interactive);
+  void CastNearer(vtkVolume* volume, ffd::CastScene scene, const vtkFFDImageRegion& region,
+    bool interactive);
+  void ApplyFinalColours(const vtkFFDImageRegion& region, const vtkFFDFrameCoherence::Part& tile,
+    std::vector<float>& colours) const;
   bool CanReuse(vtkVolume* volume) const;
   double FindStep(double allotted, const glm::ivec2& pixels) const;
   bool IsCroppedToBox() const;
@@ -288,6 +310,10 @@ public:
   std::vector<float> Colours;
   std::vector<float> WindowDepths; // of the pixels of the last frame
   std::vector<float> RayDepths;    // of its rays, where these are not the pixels
+  std::vector<float> FirstVisible; // depths of their samples; empty where not needed
+  std::vector<float> NearDepths;   // of rays that end before them; 0 where there is none
+  std::vector<float> NearColours;
+  std::vector<float> LayerDepths; // see vtkFFDImageDisplay::Layers
   double TimePerRay = 0.0; // seconds, of the last frame in a window
   double LastStep = 0.0;   // pixels, of the last frame while the scene moved
   vtkFFDFrameCoherence Coherence;
@@ -901,6 +927,14 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
   ffd::CastImage image;
   image.Width = region.Rays.x;
   image.Height = region.Rays.y;
+  const std::size_t rays =
+    static_cast<std::size_t>(image.Width) * static_cast<std::size_t>(image.Height);
+  const bool layers = window && depths && region.Step > 1.0;
+  if (layers == this->FirstVisible.empty())
+  {
+    this->Coherence.Clear();
+    this->FirstVisible.resize(layers ? rays : 0);
+  }
   const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
   std::unique_ptr<const ffd::RayCaster> made;
   std::vector<vtkFFDFrameCoherence::Part> tiles;
@@ -918,7 +952,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
           if (task == 0)
           {
             tiles = this->Coherence.Begin(sources, scene, region, this->RestBounds,
-              this->Self->FrameCoherenceTolerance, this->Colours);
+              this->Self->FrameCoherenceTolerance, this->Colours, this->FirstVisible);
           }
           else
           {
@@ -932,8 +966,8 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
   {
     made = std::make_unique<const ffd::RayCaster>(scene, settings);
     this->Coherence.Clear();
-    this->Colours.resize(
-      4 * static_cast<std::size_t>(image.Width) * static_cast<std::size_t>(image.Height));
+    this->Colours.resize(4 * rays);
+    this->FirstVisible.resize(layers ? rays : 0);
     for (int tile = 0; tile < made->GetNumberOfTiles(image); ++tile)
     {
       tiles.push_back({ tile, ffd::RayCaster::AllQuarters });
@@ -943,7 +977,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
   const double part = FindPart(tiles, region.Rays);
   this->ReusedFraction = 1.0 - part;
   image.Colours = this->Colours.data();
-  image.Depths = outDepths;
+  image.Depths = layers ? this->FirstVisible.data() : outDepths;
 
   std::vector<ffd::RayCaster::Scratch> scratch(
     static_cast<std::size_t>(parallelFor.GetNumberOfWorkers()));
@@ -958,7 +992,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
           const vtkFFDFrameCoherence::Part& tile = tiles[i];
           caster.RenderTile(
             tile.Tile, image, scratch[static_cast<std::size_t>(worker)], tile.Quarters);
-          this->ApplyFinalColours(region, tile);
+          this->ApplyFinalColours(region, tile, this->Colours);
         }
       });
     nextTile = end;
@@ -1003,9 +1037,208 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
 }
 
 //------------------------------------------------------------------------------
+/// The rays of a frame are drawn over more pixels: those whose centres are nearer than a step.
+class vtkFFDInverseRayVolumeMapper::vtkInternals::Footprints
+{
+public:
+  Footprints(const vtkFFDImageRegion& region, const glm::ivec2& pixels)
+    : Pixels(pixels)
+    , Step(region.Step)
+    , Reach(region.Step > 1.0 ? region.Step : 0.5)
+  {
+  }
+
+  /// Calls work(depth) for the window depths, `all` of them, of the pixels of a ray.
+  template <class Work>
+  void ForEach(const std::vector<float>& all, int x, int y, const Work& work) const
+  {
+    const glm::dvec2 centre = (glm::dvec2(x, y) + 0.5) * this->Step;
+    const glm::ivec2 last = this->Pixels - 1;
+    const glm::ivec2 low =
+      glm::clamp(glm::ivec2(glm::floor(centre - this->Reach + 0.5)), glm::ivec2(0), last);
+    const glm::ivec2 high =
+      glm::clamp(glm::ivec2(glm::ceil(centre + this->Reach - 0.5)) - 1, low, last);
+    for (int py = low.y; py <= high.y; ++py)
+    {
+      for (int px = low.x; px <= high.x; ++px)
+      {
+        work(all[static_cast<std::size_t>(py) * this->Pixels.x + px]);
+      }
+    }
+  }
+
+private:
+  glm::ivec2 Pixels;
+  double Step;
+  double Reach;
+};
+
+//------------------------------------------------------------------------------
+/// The depths where rays end: at the farthest geometry of their pixels. Thin geometry would end those
+/// of the pixels beside it, too.
+void vtkFFDInverseRayVolumeMapper::vtkInternals::FindRayDepths(
+  const vtkFFDImageRegion& region, const glm::ivec2& pixels)
+{
+  const std::size_t columns = static_cast<std::size_t>(region.Rays.x);
+  this->RayDepths.resize(columns * static_cast<std::size_t>(region.Rays.y));
+  const Footprints footprints(region, pixels);
+  this->MakeParallelFor()(static_cast<std::size_t>(region.Rays.y),
+    [&](std::size_t first, std::size_t last)
+    {
+      for (std::size_t y = first; y < last; ++y)
+      {
+        for (std::size_t x = 0; x < columns; ++x)
+        {
+          float farthest = 0.0f;
+          footprints.ForEach(this->WindowDepths, static_cast<int>(x), static_cast<int>(y),
+            [&farthest](float depth) { farthest = std::max(farthest, depth); });
+          this->RayDepths[y * columns + x] = farthest;
+        }
+      }
+    });
+}
+
+//------------------------------------------------------------------------------
+/// After Cast() with these depths: where geometry is nearer in some of the pixels of a ray, what is
+/// seen in front of it. In front of the first visible sample that is nothing; a second ray is cast to
+/// the nearest geometry behind that.
+vtkFFDImageDisplay::Layers vtkFFDInverseRayVolumeMapper::vtkInternals::CastLayers(
+  vtkRenderer* renderer, vtkVolume* volume, const vtkFFDImageRegion& region,
+  const glm::ivec2& pixels, bool interactive)
+{
+  const ffd::CastScene scene = this->MakeScene(renderer, volume, region, nullptr);
+  const bool startsAtSample = this->Blend.Mode == ffd::BlendMode::Composite ||
+    this->Blend.Mode == ffd::BlendMode::Isosurface;
+  const glm::ivec2& rays = region.Rays;
+  const std::size_t count = this->RayDepths.size();
+  const Footprints footprints(region, pixels);
+  const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
+  this->NearDepths.assign(count, 0.0f); // not cast
+  this->LayerDepths.assign(3 * count, -1.0f);
+  std::atomic<bool> any{ false };
+  parallelFor(static_cast<std::size_t>(rays.y),
+    [&](std::size_t firstRow, std::size_t lastRow)
+    {
+      for (int y = static_cast<int>(firstRow); y < static_cast<int>(lastRow); ++y)
+      {
+        for (int x = 0; x < rays.x; ++x)
+        {
+          const std::size_t at = static_cast<std::size_t>(y) * rays.x + x;
+          float nearest = 1.0f;
+          const auto find = [&](float low, float high)
+          {
+            nearest = 1.0f;
+            footprints.ForEach(this->WindowDepths, x, y,
+              [&](float depth)
+              { nearest = depth > low && depth < high ? std::min(nearest, depth) : nearest; });
+          };
+          find(-1.0f, this->RayDepths[at]);
+          const glm::dvec2 p(x + 0.5, y + 0.5);
+          const ffd::CameraView& camera = scene.Camera;
+          const ffd::ViewRay ray = camera.MakeRay(p.x, p.y);
+          double from = 0.0;
+          double to = ray.Far;
+          if (nearest == 1.0f || !ClipToBox(ray.Origin, ray.Direction, scene.DeformedBounds, from, to))
+          {
+            continue;
+          }
+          const auto toT = [&](float depth)
+          { return camera.DepthToT(ray, p.x, p.y, static_cast<double>(depth)); };
+          const auto toDepth = [&](double t)
+          { return static_cast<float>(camera.ToDepth(ray.Origin + t * ray.Direction)); };
+          const float start = startsAtSample ? this->FirstVisible[at] : toDepth(from);
+          to = std::min(to, toT(this->RayDepths[at]));
+          float* depths = &this->LayerDepths[3 * at];
+          std::fill_n(depths, 3, start);
+          find(toDepth(toT(start) + scene.VoxelSize), toDepth(to - scene.VoxelSize));
+          if (nearest < 1.0f)
+          {
+            this->NearDepths[at] = depths[1] = nearest;
+            depths[2] = toDepth(to);
+          }
+          any = true;
+        }
+      }
+    });
+  if (!any)
+  {
+    return {};
+  }
+  this->CastNearer(volume, scene, region, interactive);
+  vtkFFDImageDisplay::Layers layers;
+  layers.Colours = this->NearColours.data();
+  layers.Depths = this->LayerDepths.data();
+  layers.PixelDepths = this->WindowDepths.data();
+  for (int a = 0; a < 2; ++a)
+  {
+    layers.Pixels[a] = pixels[a];
+    layers.Origin[a] = region.Origin[a];
+    layers.Viewport[a] = region.Viewport[a];
+  }
+  return layers;
+}
+
+//------------------------------------------------------------------------------
+/// The rays that end at NearDepths; those of depth 0 are as they were cast.
+void vtkFFDInverseRayVolumeMapper::vtkInternals::CastNearer(
+  vtkVolume* volume, ffd::CastScene scene, const vtkFFDImageRegion& region, bool interactive)
+{
+  scene.Depths = this->NearDepths.data();
+  const ffd::RayCaster caster(scene, this->MakeSettings(volume, scene.VoxelSize, interactive));
+  this->NearColours = this->Colours;
+  ffd::CastImage image;
+  image.Width = region.Rays.x;
+  image.Height = region.Rays.y;
+  image.Colours = this->NearColours.data();
+  constexpr int size = ffd::RayCaster::TileSize;
+  const int tilesPerRow = (image.Width + size - 1) / size;
+  const auto forEachRay = [&](int tile, const auto& work)
+  {
+    const glm::ivec2 first(tile % tilesPerRow * size, tile / tilesPerRow * size);
+    const glm::ivec2 end = glm::min(first + size, region.Rays);
+    for (int y = first.y; y < end.y; ++y)
+    {
+      for (int x = first.x; x < end.x; ++x)
+      {
+        work(static_cast<std::size_t>(y) * image.Width + x);
+      }
+    }
+  };
+  const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
+  std::vector<ffd::RayCaster::Scratch> scratch(
+    static_cast<std::size_t>(parallelFor.GetNumberOfWorkers()));
+  std::atomic<int> nextTile{ 0 };
+  parallelFor.RunWorkers(
+    [&](int worker)
+    {
+      const int tiles = caster.GetNumberOfTiles(image);
+      for (int tile = nextTile++; tile < tiles; tile = nextTile++)
+      {
+        bool any = false;
+        forEachRay(tile, [&](std::size_t at) { any = any || this->NearDepths[at] > 0.0f; });
+        if (!any)
+        {
+          continue;
+        }
+        const vtkFFDFrameCoherence::Part part{ tile, ffd::RayCaster::AllQuarters };
+        caster.RenderTile(tile, image, scratch[static_cast<std::size_t>(worker)], part.Quarters);
+        this->ApplyFinalColours(region, part, this->NearColours);
+        forEachRay(tile,
+          [&](std::size_t at)
+          {
+            if (this->NearDepths[at] == 0.0f)
+            {
+              std::copy_n(&this->Colours[4 * at], 4, &this->NearColours[4 * at]);
+            }
+          });
+      }
+    });
+}
+
+//------------------------------------------------------------------------------
 /// Window and level of the colours of a finished tile.
-void vtkFFDInverseRayVolumeMapper::vtkInternals::ApplyFinalColours(
-  const vtkFFDImageRegion& region, const vtkFFDFrameCoherence::Part& tile)
+void vtkFFDInverseRayVolumeMapper::vtkInternals::ApplyFinalColours(const vtkFFDImageRegion& region,
+  const vtkFFDFrameCoherence::Part& tile, std::vector<float>& colours) const
 {
   const double window = this->Self->FinalColorWindow;
   const double level = this->Self->FinalColorLevel;
@@ -1028,7 +1261,7 @@ void vtkFFDInverseRayVolumeMapper::vtkInternals::ApplyFinalColours(
       {
         continue;
       }
-      float* pixel = &this->Colours[4 * (static_cast<std::size_t>(y) * region.Rays.x + x)];
+      float* pixel = &colours[4 * (static_cast<std::size_t>(y) * region.Rays.x + x)];
       for (int c = 0; c < 3; ++c)
       {
         pixel[c] = std::clamp(pixel[c] * scale + bias * pixel[3], 0.0f, 1.0f);
@@ -1617,18 +1850,7 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
     {
       if (region.Rays != pixels)
       {
-        in.RayDepths.resize(
-          static_cast<std::size_t>(region.Rays.x) * static_cast<std::size_t>(region.Rays.y));
-        for (int y = 0; y < region.Rays.y; ++y)
-        {
-          const int py = std::min(static_cast<int>((y + 0.5) * region.Step), pixels.y - 1);
-          for (int x = 0; x < region.Rays.x; ++x)
-          {
-            const int px = std::min(static_cast<int>((x + 0.5) * region.Step), pixels.x - 1);
-            in.RayDepths[static_cast<std::size_t>(y) * region.Rays.x + x] =
-              all[static_cast<std::size_t>(py) * pixels.x + px];
-          }
-        }
+        in.FindRayDepths(region, pixels);
       }
       depths = region.Rays != pixels ? in.RayDepths.data() : all.data();
     }
@@ -1637,6 +1859,11 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
   if (!in.Cast(renderer, volume, region, depths, interactive, true, nullptr))
   {
     return;
+  }
+  vtkFFDImageDisplay::Layers layers;
+  if (depths && region.Step > 1.0)
+  {
+    layers = in.CastLayers(renderer, volume, region, pixels, interactive);
   }
   const double rays = static_cast<double>(region.Rays.x) * region.Rays.y;
   timer->StopTimer();
@@ -1649,7 +1876,7 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
   const glm::dvec2 lower = glm::dvec2(region.Origin) * perPixel - 1.0;
   const glm::dvec2 upper = lower + glm::dvec2(region.Rays) * region.Step * perPixel;
   const double rectangle[4] = { lower.x, lower.y, upper.x, upper.y };
-  if (!in.Display.Draw(renderer, region.Rays.x, region.Rays.y, in.Colours.data(), rectangle,
+  if (!in.Display.Draw(renderer, region.Rays.x, region.Rays.y, in.Colours.data(), layers, rectangle,
         region.Step == 1.0, in.MakeParallelFor()))
   {
     vtkErrorMacro(<< "The image could not be drawn: the render window is not an OpenGL window or "
@@ -1799,6 +2026,10 @@ void vtkFFDInverseRayVolumeMapper::ReleaseGraphicsResources(vtkWindow* window)
   std::vector<float>().swap(in.Colours);
   std::vector<float>().swap(in.WindowDepths);
   std::vector<float>().swap(in.RayDepths);
+  std::vector<float>().swap(in.FirstVisible);
+  std::vector<float>().swap(in.NearDepths);
+  std::vector<float>().swap(in.LayerDepths);
+  std::vector<float>().swap(in.NearColours);
   this->Superclass::ReleaseGraphicsResources(window);
 }
 

@@ -170,7 +170,7 @@ void TileHistory::Start(const glm::ivec2& size)
 
 //------------------------------------------------------------------------------
 void TileHistory::Continue(const glm::ivec2& size, const glm::ivec2& shift,
-  std::vector<float>& colours, std::vector<float>& depths)
+  std::vector<float>& colours, std::vector<float>& depths, std::vector<float>* firstVisible)
 {
   if (size == this->Size && shift == glm::ivec2(0))
   {
@@ -202,6 +202,10 @@ void TileHistory::Continue(const glm::ivec2& size, const glm::ivec2& shift,
   if (!depths.empty())
   {
     Rearrange(last.Size, size, shift * this->TileSize, 1, depths);
+  }
+  if (firstVisible && !firstVisible->empty())
+  {
+    Rearrange(last.Size, size, shift * this->TileSize, 1, *firstVisible);
   }
 }
 

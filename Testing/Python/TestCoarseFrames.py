@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Frames with fewer rays than pixels around thin geometry, against frames with a ray for each pixel.
+
+In fog that is the same everywhere the two differ only where rays end: at small spheres and lines before,
+in and behind it, which must leave no marks around them and be as deep in the fog as they are.
+"""
+
+import itertools
+import unittest
+
+import numpy
+import vtkffd
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+from vtkmodules.vtkFiltersSources import vtkLineSource, vtkSphereSource
+from vtkmodules.vtkRenderingCore import (
+    vtkActor, vtkColorTransferFunction, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow, vtkVolume,
+    vtkWindowToImageFilter)
+import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
+
+SIZE = 21
+PIXELS = 200
+
+
+def add_geometry(renderer, source):
+    mapper = vtkPolyDataMapper()
+    mapper.SetInputConnection(source.GetOutputPort())
+    actor = vtkActor()
+    actor.SetMapper(mapper)
+    actor.GetProperty().LightingOff()
+    actor.GetProperty().SetColor(0.0, 0.4, 1.0)
+    renderer.AddActor(actor)
+
+
+class TestCoarseFrames(unittest.TestCase):
+    def setUp(self):
+        image = vtkImageData()
+        image.SetDimensions(SIZE, SIZE, SIZE)
+        image.GetPointData().SetScalars(
+            numpy_to_vtk(numpy.full(SIZE ** 3, 100.0, dtype=numpy.float32), deep=True))
+        self.mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+        self.mapper.SetInputData(image)
+        self.mapper.SetSampleDistance(0.1)
+        self.mapper.SetInteractiveSampleDistance(0.1)
+        self.volume = vtkVolume()
+        self.volume.SetMapper(self.mapper)
+        opacity = vtkPiecewiseFunction()
+        opacity.AddPoint(0.0, 0.08)
+        colour = vtkColorTransferFunction()
+        colour.AddRGBPoint(0.0, 1.0, 0.7, 0.2)
+        self.volume.GetProperty().SetScalarOpacity(opacity)
+        self.volume.GetProperty().SetColor(colour)
+        self.renderer = vtkRenderer()
+        self.renderer.SetBackground(0.1, 0.1, 0.2)
+        self.renderer.AddVolume(self.volume)
+        for x, y, z in itertools.product((-3.0, 3.0, 10.0, 17.0, 23.0), repeat=3):
+            sphere = vtkSphereSource()
+            sphere.SetCenter(x, y, z)
+            sphere.SetRadius(0.5)
+            add_geometry(self.renderer, sphere)
+        for y, z in itertools.product((-3.0, 3.0, 10.0, 17.0, 23.0), repeat=2):
+            line = vtkLineSource()
+            line.SetPoint1(-3.0, y, z)
+            line.SetPoint2(23.0, y, z)
+            add_geometry(self.renderer, line)
+        self.window = vtkRenderWindow()
+        self.window.SetMultiSamples(0)
+        self.window.OffScreenRenderingOn()
+        self.window.SetSize(PIXELS, PIXELS)
+        self.window.AddRenderer(self.renderer)
+        camera = self.renderer.GetActiveCamera()
+        camera.SetPosition(40.0, 28.0, 80.0)
+        camera.SetFocalPoint(10.0, 10.0, 10.0)
+        camera.SetViewAngle(18.0)
+        self.renderer.ResetCameraClippingRange()
+
+    def render(self, step):
+        """A frame with so many pixels between rays."""
+        self.mapper.SetMinimumImageSampleDistance(step)
+        self.mapper.SetMaximumImageSampleDistance(step)
+        self.window.SetDesiredUpdateRate(1e9)
+        self.window.Render()
+        pixels = vtkWindowToImageFilter()
+        pixels.SetInput(self.window)
+        pixels.ShouldRerenderOff()
+        pixels.ReadFrontBufferOff()
+        pixels.Update()
+        colours = vtk_to_numpy(pixels.GetOutput().GetPointData().GetScalars())
+        return colours.reshape(PIXELS, PIXELS, 3).astype(int)
+
+    def test_thin_geometry(self):
+        fine = self.render(1.0)
+        self.renderer.RemoveVolume(self.volume)
+        without = self.render(1.0)
+        self.renderer.AddVolume(self.volume)
+        foggy = abs(fine - without).max(axis=-1) > 20
+        self.assertGreater(foggy.sum(), 5000)
+        for step in (2.0, 3.3, 4.0):
+            with self.subTest(step=step):
+                difference = abs(self.render(step) - fine).max(axis=-1)[foggy]
+                print("step %g: mean %.2f, 99 %%: %d, more than 40: %.2f %%" % (
+                    step, difference.mean(), numpy.percentile(difference, 99),
+                    100.0 * (difference > 40).mean()))
+                self.assertLess(difference.mean(), 2.5)
+                self.assertLess((difference > 40).mean(), 0.01)
+
+    def test_without_depths(self):
+        # Nothing that is drawn hides the fog.
+        self.mapper.IntermixIntersectingGeometryOff()
+        fine = self.render(1.0)
+        self.assertLess(abs(self.render(4.0) - fine)[60:140, 60:140].max(), 4)
+
+
+if __name__ == "__main__":
+    unittest.main()
