@@ -64,8 +64,8 @@ public:
 
   /**
    * Begin a picture. `colours`, 4 floats a ray, are those of the last one, and get the size of this
-   * one; so do `firstVisible`, the window depths of the first visible samples, unless they are empty.
-   * `restBounds` those of the volume, `tolerance` in pixels. Returns what must be cast.
+   * one; so do `firstVisible`, the window depths of the first visible samples, unless they are
+   * empty. `restBounds` those of the volume, `tolerance` in pixels. Returns what must be cast.
    */
   std::vector<Part> Begin(const Sources& sources, const ffd::CastScene& scene,
     const vtkFFDImageRegion& region, const ffd::Box& restBounds, double tolerance,

@@ -26,9 +26,9 @@ public:
   vtkFFDImageDisplay& operator=(const vtkFFDImageDisplay&) = delete;
 
   /**
-   * How a picture with fewer rays than pixels looks in front of the geometry of each pixel. Of each ray
-   * `Depths` are three window depths that ascend: up to the first there is nothing, at the second the
-   * colour is the one in `Colours`, from the third on that of the image, and in between it is
+   * How a picture with fewer rays than pixels looks in front of the geometry of each pixel. Of each
+   * ray `Depths` are three window depths that ascend: up to the first there is nothing, at the second
+   * the colour is the one in `Colours`, from the third on that of the image, and in between it is
    * interpolated.
    */
   struct Layers

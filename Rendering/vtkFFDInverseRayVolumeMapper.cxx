@@ -869,8 +869,8 @@ ffd::CastScene vtkFFDInverseRayVolumeMapper::vtkInternals::MakeScene(vtkRenderer
   }
   scene.Blend = this->Blend;
   scene.Crop = this->IsCroppedToBox() ? ffd::Cropping() : this->Crop;
-  // The world of the kernels is the space of the data. VTK's mappers measure there, too: a volume looks
-  // as dense whatever its matrix scales it by.
+  // The world of the kernels is the space of the data. VTK's mappers measure there, too: a volume
+  // looks as dense whatever its matrix scales it by.
   const glm::dmat4 dataToWorld = ffd::ToMatrix(volume->GetMatrix());
   const glm::dmat4 worldToData = glm::inverse(dataToWorld);
   for (const glm::dvec4& plane : this->ClippingPlanes)
@@ -1074,8 +1074,8 @@ private:
 };
 
 //------------------------------------------------------------------------------
-/// The depths where rays end: at the farthest geometry of their pixels. Thin geometry would end those
-/// of the pixels beside it, too.
+/// The depths where rays end: at the farthest geometry of their pixels. Thin geometry would end
+/// those of the pixels beside it, too.
 void vtkFFDInverseRayVolumeMapper::vtkInternals::FindRayDepths(
   const vtkFFDImageRegion& region, const glm::ivec2& pixels)
 {
@@ -1100,8 +1100,8 @@ void vtkFFDInverseRayVolumeMapper::vtkInternals::FindRayDepths(
 
 //------------------------------------------------------------------------------
 /// After Cast() with these depths: where geometry is nearer in some of the pixels of a ray, what is
-/// seen in front of it. In front of the first visible sample that is nothing; a second ray is cast to
-/// the nearest geometry behind that.
+/// seen in front of it. In front of the first visible sample that is nothing; a second ray is cast
+/// to the nearest geometry behind that.
 vtkFFDImageDisplay::Layers vtkFFDInverseRayVolumeMapper::vtkInternals::CastLayers(
   vtkRenderer* renderer, vtkVolume* volume, const vtkFFDImageRegion& region,
   const glm::ivec2& pixels, bool interactive)
@@ -1138,7 +1138,8 @@ vtkFFDImageDisplay::Layers vtkFFDInverseRayVolumeMapper::vtkInternals::CastLayer
           const ffd::ViewRay ray = camera.MakeRay(p.x, p.y);
           double from = 0.0;
           double to = ray.Far;
-          if (nearest == 1.0f || !ClipToBox(ray.Origin, ray.Direction, scene.DeformedBounds, from, to))
+          if (nearest == 1.0f ||
+            !ClipToBox(ray.Origin, ray.Direction, scene.DeformedBounds, from, to))
           {
             continue;
           }

@@ -27,13 +27,13 @@
  * more), chosen with SetScalarMode() and SelectScalarArray(). Scalars of cells reach up to the
  * outermost faces. Scalars that are not a number are transparent, and so are blanked points and cells
  * (any flag of vtkGhostType, as in vtkGPUVolumeRayCastMapper: duplicates of other processes, too,
- * which these render). The voxel of a rectilinear grid, as a unit of length, is one of a grid of equal
- * steps with as many points. Everything else is refused with an error that says what is wrong; the
- * rest of the scene still renders.
+ * which these render). The voxel of a rectilinear grid, as a unit of length, is one of a grid of
+ * equal steps with as many points. Everything else is refused with an error that says what is wrong;
+ * the rest of the scene still renders.
  *
  * The vtkVolumeProperty, as with VTK's own mappers:
- * - Independent components have functions, weights and surfaces of their own; all of them are shaded
- *   or none, by the flag of component 0. Opacities a
+ * - Independent components have functions, weights and surfaces of their own; all of them are
+ *   shaded or none, by the flag of component 0. Opacities a
  *   over a sample distance make the opacity sum(a^2) / sum(a), colours c the premultiplied colour
  *   sum(a c), of a still picture's sample distance. The weight of a single component is not used.
  * - Dependent components: of two, the first is looked up for colour, the second for opacity. Of four,
@@ -64,19 +64,20 @@
  * - additive: the same summed up, the opacity being that over the scalar opacity unit distance; gray
  *   and opaque wherever a ray meets the volume;
  * - isosurface: surfaces where the scalars cross the values of
- *   vtkVolumeProperty::GetIsoSurfaceValues() (without any nothing is drawn), coloured and made semi-transparent by the transfer
- *   functions, and shaded if the property says so. The crossing is found in its sample interval to a
- *   millionth of that, so neither pictures nor depths have steps; two crossings of one value within
- *   an interval are none;
+ *   vtkVolumeProperty::GetIsoSurfaceValues() (without any nothing is drawn), coloured and made
+ *   semi-transparent by the transfer functions, and shaded if the property says so. The crossing is
+ *   found in its sample interval to a millionth of that, so neither pictures nor depths have steps;
+ *   two crossings of one value within an interval are none;
  * - slice: the transfer functions on the plane of vtkVolumeProperty::SetSliceFunction(), world
  *   coordinates: a plane cut through the deformed volume.
  *
  * Average and additive weight samples by the lengths of their intervals (OpacityLength).
  *
  * Clipping planes (vtkAbstractMapper::AddClippingPlane) are planes of the world: they cut what has
- * been deformed. With vtkVolumeProperty::UseClippedVoxelIntensity gradients count what is cut off as
- * having the intensity ClippedVoxelIntensity, in scalar units; in vtkGPUVolumeRayCastMapper it is in
- * those of the texture, which are the same for float scalars only. Cropping is that of the volume at rest or of deformed space, see CroppingSpace.
+ * been deformed. With vtkVolumeProperty::UseClippedVoxelIntensity gradients count what is cut off
+ * as having the intensity ClippedVoxelIntensity, in scalar units; in vtkGPUVolumeRayCastMapper it is
+ * in those of the texture, which are the same for float scalars only. Cropping is that of the volume
+ * at rest or of deformed space, see CroppingSpace.
  *
  * Volumes and opaque geometry: geometry that was drawn before hides what is behind it. Several
  * volumes are blended in the order in which the renderer draws them, as with VTK's own mappers;
@@ -93,9 +94,9 @@
  * lights times their intensities, black by default.
  *
  * Lengths are those of the data coordinates, before the matrix of the vtkVolume: as VTK's mappers do
- * it, a volume that its matrix makes larger looks no denser. Lights shine in the world: where a matrix
- * does not scale all axes alike, or shears, normals are those of the shape that it makes. "Voxel" as a
- * unit of length is the shortest voxel edge.
+ * it, a volume that its matrix makes larger looks no denser. Lights shine in the world: where a
+ * matrix does not scale all axes alike, or shears, normals are those of the shape that it makes.
+ * "Voxel" as a unit of length is the shortest voxel edge.
  *
  * @sa
  * vtkFFDLattice vtkFFDVolumePicker vtkFixedPointVolumeRayCastMapper vtkImageReslice
@@ -482,10 +483,10 @@ public:
 
   ///@{
   /**
-   * Whether scalars with several components are rendered as one with the functions of component 0 of
-   * the property: their magnitude (a float, or a double where that does not hold the type) or one of
-   * them. Scalars of one component are rendered as they are. An array of these scalars is kept, see
-   * GetAuxiliaryMemorySize(). Default: DISABLED.
+   * Whether scalars with several components are rendered as one with the functions of component 0
+   * of the property: their magnitude (a float, or a double where that does not hold the type) or one
+   * of them. Scalars of one component are rendered as they are. An array of these scalars is kept,
+   * see GetAuxiliaryMemorySize(). Default: DISABLED.
    */
   vtkSetClampMacro(VectorMode, int, DISABLED, COMPONENT);
   vtkGetMacro(VectorMode, int);

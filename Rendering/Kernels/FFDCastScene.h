@@ -82,8 +82,8 @@ struct CastStatistics
   FFD_KERNEL_EXPORT void Add(const CastStatistics& other);
 };
 
-/// Everything a frame is rendered from: plain views, all of them outlive the ray caster's calls. The
-/// world of viewing rays is the space of the data.
+/// Everything a frame is rendered from: plain views, all of them outlive the ray caster's calls.
+/// The world of viewing rays is the space of the data.
 struct CastScene
 {
   VolumeView Volume;

@@ -19,7 +19,7 @@
 namespace ffd
 {
 
-/// A light for packets, in the space of Shading, relative to where that has the Centre of the scene.
+/// A light for packets, in the space of Shading, relative to where that has PacketScene::Centre.
 struct PacketLight
 {
   bool Headlight = false;

@@ -72,8 +72,8 @@ struct ClassifierInputs
   /// Second axis of TransferPlane: scalars on the same grid; none: magnitude of the gradient.
   VolumeView SecondAxis;
   bool NormalFromOpacity = false; ///< normals are those of the opacity, not of the scalars
-  /// Where dot(plane, (P, 1)) < 0, P in deformed space, gradients count ClippedIntensity as the value
-  /// of the voxels.
+  /// Where dot(plane, (P, 1)) < 0, P in deformed space, gradients count ClippedIntensity as the
+  /// value of the voxels.
   std::vector<glm::dvec4> ClippingPlanes;
   double ClippedIntensity = 0.0;
   /// World length of the intervals for which opacities multiply and add up as in VTK: its sample

@@ -71,8 +71,8 @@ struct Shading : Reflectance
   const glm::dmat3& GetGradientToLights() const { return this->GradientToLights; }
 
   /**
-   * Colour of a lit sample, in the space of the lights. `normal`: unit vector towards lower scalars,
-   * or zero where the scalars are constant; `toEye`: unit vector.
+   * Colour of a lit sample, in the space of the lights. `normal`: unit vector towards lower
+   * scalars, or zero where the scalars are constant; `toEye`: unit vector.
    */
   glm::vec3 Shade(const glm::vec3& colour, const glm::dvec3& position, const glm::dvec3& normal,
     const glm::dvec3& toEye) const

@@ -47,8 +47,8 @@ public:
   /**
    * The next picture, its pixels counted from tile `shift` of the last one. The colours (4 floats a
    * pixel, rows bottom up) and window depths (one a pixel, or empty where nothing was drawn) of the last
-   * picture, and its first visible depths, the same, if not null or empty, are rearranged to the new
-   * size; what was not in it is undefined, and its tiles do not hold.
+   * picture, and its first visible depths, the same, if not null or empty, are rearranged to the
+   * new size; what was not in it is undefined, and its tiles do not hold.
    */
   void Continue(const glm::ivec2& size, const glm::ivec2& shift, std::vector<float>& colours,
     std::vector<float>& depths, std::vector<float>* firstVisible = nullptr);

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Frames with fewer rays than pixels around thin geometry, against frames with a ray for each pixel.
+"""Frames with fewer rays than pixels around thin geometry, against those of a ray for each pixel.
 
-In fog that is the same everywhere the two differ only where rays end: at small spheres and lines before,
-in and behind it, which must leave no marks around them and be as deep in the fog as they are.
+In fog that is the same everywhere the two differ only where rays end: at small spheres and lines
+before, in and behind it, which must leave no marks around them and be as deep in the fog as they
+are.
 """
 
 import itertools

@@ -242,8 +242,8 @@ class TestLighting(unittest.TestCase):
                 self.print_error(name, vtkFixedPointVolumeRayCastMapper(), plane, expected)
 
     def test_known_numbers(self):
-        # Rising by (3, 0, 3), seen along z, diffuse light only: the root of a half without a matrix;
-        # with z three times as long the normal is (3, 0, 1) and less is lit.
+        # Rising by (3, 0, 3), seen along z, diffuse light only: the root of a half without a
+        # matrix; with z three times as long the normal is (3, 0, 1) and less is lit.
         plane = LitPlane([3.0, 0.0, -3.0])
         plane.prop.SetAmbient(0.0)
         plane.prop.SetDiffuse(1.0)
