@@ -190,6 +190,22 @@ bool PlaceMetaImage(const char* path, const glm::dvec3& spacing, Placement& plac
   return true;
 }
 
+/// What VTK's reader would hang on: a header that holds zeros or does not end. Empty: all is well.
+std::string FindNrrdProblem(const char* path)
+{
+  const std::string text = ReadStart(path);
+  const std::size_t end = std::min(text.find("\n\n"), text.find("\n\r\n"));
+  if (end == std::string::npos && (text.size() == LargestHeader || text.back() != '\n'))
+  {
+    return "it cannot be read: its header does not end (with an empty line, or with the last line "
+           "of "
+           "the file)";
+  }
+  return text.substr(0, end).find('\0') == std::string::npos
+    ? std::string()
+    : "it cannot be read: its header holds zero bytes";
+}
+
 bool PlaceNrrd(const char* path, int rows, bool leftHanded, Placement& place)
 {
   const std::map<std::string, std::string> fields = ReadFields(path, ':');
@@ -379,6 +395,11 @@ bool vtkFFDVolumeReader::vtkInternals::Open(const char* path)
   }
   else if (vtkNew<vtkNrrdReader>()->CanReadFile(path))
   {
+    this->Problem = FindNrrdProblem(path);
+    if (!this->Problem.empty())
+    {
+      return false;
+    }
     this->Make<vtkNrrdReader>(path);
   }
   else

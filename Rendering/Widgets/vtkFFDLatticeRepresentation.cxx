@@ -16,6 +16,8 @@
 #include "vtkFFDLatticeScene.h"
 
 #include "vtkAbstractPicker.h"
+#include "vtkAssemblyPath.h"
+#include "vtkAssemblyPaths.h"
 #include "vtkCamera.h"
 #include "vtkCommand.h"
 #include "vtkDoubleArray.h"
@@ -2964,6 +2966,16 @@ void vtkFFDLatticeRepresentation::RegisterPickers()
   if (manager)
   {
     manager->AddPicker(this->Internals->Picker, this);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeRepresentation::BuildPaths(vtkAssemblyPaths* paths, vtkAssemblyPath* path)
+{
+  if (this->Internals->IsGiven(paths, "BuildPaths", "the paths are null. Give vtkAssemblyPaths") &&
+    this->Internals->IsGiven(path, "BuildPaths", "the path is null. Give a vtkAssemblyPath"))
+  {
+    this->Superclass::BuildPaths(paths, path);
   }
 }
 

@@ -548,6 +548,7 @@ public:
   void ShallowCopy(vtkProp* prop) override;
   vtkMTimeType GetMTime() override;
   void RegisterPickers() override;
+  void BuildPaths(vtkAssemblyPaths* paths, vtkAssemblyPath* path) override;
   ///@}
 
 protected:

@@ -10,8 +10,11 @@
 #include "vtkImageData.h"
 #include "vtkMath.h"
 
+#include <algorithm>
+#include <atomic>
 #include <limits>
 #include <sstream>
+#include <thread>
 
 namespace
 {
@@ -218,6 +221,36 @@ int TestRefine()
   return EXIT_SUCCESS;
 }
 
+/// Bounds that are asked for while another thread updates the lattice.
+int TestThreads()
+{
+  FFDRandom random(5);
+  vtkNew<vtkFFDLattice> lattice;
+  lattice->SetDimensions(6, 6, 6);
+  random.Shape(lattice, 0.2);
+  double expected[6];
+  lattice->GetDisplacementBounds(expected);
+  std::atomic<bool> done(false);
+  std::thread updates([&] {
+    while (!done)
+    {
+      lattice->Modified();
+      lattice->Update();
+    }
+  });
+  bool same = true;
+  for (int n = 0; n < 300; ++n)
+  {
+    double bounds[6];
+    lattice->GetDisplacementBounds(bounds);
+    same = same && std::equal(bounds, bounds + 6, expected);
+  }
+  done = true;
+  updates.join();
+  FFD_CHECK(same);
+  return EXIT_SUCCESS;
+}
+
 int TestCopies()
 {
   FFDRandom random(2);
@@ -258,6 +291,16 @@ int TestCopies()
   FFD_CHECK(d[0] == 1.0);
   deep->GetDisplacement(2, 2, 2, d);
   FFD_CHECK(d[0] != 1.0);
+  // Written in place: either Modified() tells both.
+  double bounds[6];
+  lattice->GetDisplacements()->SetComponent(72, 0, 1e3);
+  lattice->GetDisplacements()->Modified();
+  shallow->GetDisplacementBounds(bounds);
+  FFD_CHECK(bounds[1] > 1e2);
+  lattice->GetDisplacements()->SetComponent(72, 1, 1e3);
+  lattice->Modified();
+  shallow->GetDisplacementBounds(bounds);
+  FFD_CHECK(bounds[3] > 1e2);
   // A new size is its own affair.
   lattice->SetDimensions(7, 7, 7);
   FFD_CHECK(shallow->GetNumberOfControlPoints() == 120);
@@ -422,8 +465,8 @@ int TestFitToBounds()
 
 int TestFFDLattice(int, char*[])
 {
-  return TestDefaultsAndEditing() || TestTimes() || TestRefine() || TestCopies() || TestInverse() ||
-      TestBounds() || TestFitToBounds()
+  return TestDefaultsAndEditing() || TestTimes() || TestRefine() || TestCopies() || TestThreads() ||
+      TestInverse() || TestBounds() || TestFitToBounds()
     ? EXIT_FAILURE
     : EXIT_SUCCESS;
 }

@@ -760,6 +760,7 @@ int TestNull()
     { "RenderTranslucentPolygonalGeometry",
       [rep] { rep->RenderTranslucentPolygonalGeometry(nullptr); } },
     { "RenderOverlay", [rep] { rep->RenderOverlay(nullptr); } },
+    { "BuildPaths", [rep] { rep->BuildPaths(nullptr, nullptr); } },
     { "ShallowCopy", [rep] { rep->ShallowCopy(nullptr); } },
   };
   for (const auto& call : calls)

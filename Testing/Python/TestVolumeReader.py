@@ -105,8 +105,17 @@ class TestVolumeReader(unittest.TestCase):
         with open(os.path.join(WORK, "text.txt"), "w", encoding="ascii") as file:
             file.write("words")
         files.write_dicom(os.path.join(WORK, "jpeg"), "1.2.840.10008.1.2.4.70")
+        # VTK's own reader never comes back from these.
+        files.write_nrrd(os.path.join(WORK, "body.nhdr"), "left-posterior-superior")
+        with open(os.path.join(WORK, "body.nhdr"), "rb") as file:
+            header = file.read()
+        for name, content in (("zero.nhdr", header.replace(b"kinds", b"kin\0s")),
+                              ("endless.nhdr", header.rstrip())):
+            with open(os.path.join(WORK, name), "wb") as file:
+                file.write(content)
         cases = (("missing.nii", "no such file"), ("bad.vti", "cannot be read"),
                  ("text.txt", "no reader"), ("empty", "no DICOM slices"),
+                 ("zero.nhdr", "zero bytes"), ("endless.nhdr", "does not end"),
                  ("jpeg", "compressed (transfer syntax 1.2.840.10008.1.2.4.70)"),
                  (os.path.join(os.environ["FFD_TEST_DATA"], "Baseline",
                                "TestImageDeformedHead.png"), "300 x 300 x 1 voxels"))
