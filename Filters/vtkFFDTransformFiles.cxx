@@ -2,121 +2,48 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDTransformFiles.h"
 
-#include "FFDFieldHeader.h"
+#include "vtkFFDFileAccess.h"
+#include "vtkFFDHdf5Transforms.h"
 
-#include "vtk_zlib.h"
+#include "FFDElastixTransform.h"
+#include "FFDFieldHeader.h"
+#include "FFDItkTransform.h"
+#include "FFDLatticeFile.h"
+#include "FFDMincTransform.h"
+
 #include "vtksys/SystemTools.hxx"
 
 #include <algorithm>
 #include <cstddef>
-#include <fstream>
+#include <iterator>
 #include <string_view>
+#include <utility>
 
 namespace
 {
 
-constexpr std::size_t LargestText = std::size_t(1) << 30;
-constexpr std::size_t Chunk = std::size_t(1) << 20;
+using vtkFFDFileAccess::Proceed;
+using Steps = std::vector<ffd::TransformStep>;
+
 constexpr std::size_t HeadSize = ffd::LargestFieldHeader;
-constexpr int LongestChain = 64;
-/// inflate(): zlib or gzip, found out from the stream.
-constexpr int AnyWindow = 15 + 32;
 
-using Proceed = std::function<bool(double)>;
-
-/// Up to `limit` bytes of a file from `offset` on. What is allocated follows what is there.
-bool ReadBytes(const std::string& name, std::size_t offset, std::size_t limit, std::string& bytes,
-  const Proceed& proceed, std::string& error)
+/// What is passed down through files that name others.
+struct Reading
 {
-  bytes.clear();
-  std::ifstream stream(name, std::ios::binary);
-  if (!stream || vtksys::SystemTools::FileIsDirectory(name))
-  {
-    error = "it cannot be opened";
-    return false;
-  }
-  stream.seekg(static_cast<std::streamoff>(offset));
-  while (stream && bytes.size() < limit)
-  {
-    const std::size_t size = std::min(Chunk, limit - bytes.size());
-    const std::size_t before = bytes.size();
-    bytes.resize(before + size);
-    stream.read(&bytes[before], static_cast<std::streamsize>(size));
-    bytes.resize(before + static_cast<std::size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
-    if (!proceed(0.5))
-    {
-      error = "reading was stopped";
-      return false;
-    }
-  }
-  return true;
-}
-
-/// The first `limit` bytes that a zlib or gzip stream in `packed` holds; fewer when it ends early.
-bool Inflate(std::string_view packed, std::size_t limit, std::string& bytes,
-  const Proceed& proceed, std::string& error)
-{
-  bytes.clear();
-  z_stream stream = {};
-  if (inflateInit2(&stream, AnyWindow) != Z_OK)
-  {
-    error = "zlib cannot be used";
-    return false;
-  }
-  int status = Z_OK;
-  while (status == Z_OK && bytes.size() < limit)
-  {
-    const std::size_t in = std::min(Chunk, packed.size());
-    const std::size_t out = std::min(Chunk, limit - bytes.size());
-    const std::size_t before = bytes.size();
-    bytes.resize(before + out);
-    // zlib does not write to its input.
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
-    stream.avail_in = static_cast<uInt>(in);
-    stream.next_out = reinterpret_cast<Bytef*>(&bytes[before]);
-    stream.avail_out = static_cast<uInt>(out);
-    status = inflate(&stream, Z_NO_FLUSH);
-    packed.remove_prefix(in - stream.avail_in);
-    bytes.resize(before + out - stream.avail_out);
-    if (!proceed(0.5))
-    {
-      error = "reading was stopped";
-      status = Z_ERRNO;
-    }
-    else if (in == 0 && stream.avail_out == out)
-    {
-      break; // truncated
-    }
-  }
-  inflateEnd(&stream);
-  if (status != Z_OK && status != Z_STREAM_END && status != Z_BUF_ERROR)
-  {
-    error = error.empty() ? "the compressed data are damaged" : error;
-    return false;
-  }
-  return true;
-}
-
-bool IsGzip(std::string_view bytes)
-{
-  return bytes.size() > 2 && bytes[0] == '\x1f' && bytes[1] == '\x8b';
-}
+  Proceed Continue;
+  std::size_t Files = 0; // of elastix, read so far
+};
 
 /// The first bytes of a file, decompressed when it is a gzip file (.nii.gz).
 bool ReadHead(const std::string& name, std::string& head, bool& packed, std::string& error)
 {
-  const Proceed always = [](double) { return true; };
-  if (!ReadBytes(name, 0, HeadSize, head, always, error))
+  const Proceed always = [] { return true; };
+  if (!vtkFFDFileAccess::ReadBytes(name, 0, HeadSize, head, always, error))
   {
     return false;
   }
-  packed = IsGzip(head);
-  if (packed)
-  {
-    const std::string bytes = head;
-    return Inflate(bytes, HeadSize, head, always, error);
-  }
-  return true;
+  packed = vtkFFDFileAccess::IsGzip(head);
+  return !packed || vtkFFDFileAccess::ReadCompressed(name, 0, HeadSize, head, always, error);
 }
 
 int DetectFormat(std::string_view head, bool packed)
@@ -132,6 +59,18 @@ int DetectFormat(std::string_view head, bool packed)
   if (ffd::LooksLikeItkTransform(head))
   {
     return vtkFFDTransformFile::ITK_TEXT;
+  }
+  if (vtkFFDHdf5Transforms::LooksLikeHdf5(head))
+  {
+    return vtkFFDTransformFile::ITK_HDF5;
+  }
+  if (ffd::LooksLikeMatlabTransform(head))
+  {
+    return vtkFFDTransformFile::MATLAB;
+  }
+  if (ffd::LooksLikeMincTransform(head))
+  {
+    return vtkFFDTransformFile::MINC;
   }
   if (ffd::LooksLikeNrrd(head))
   {
@@ -153,128 +92,325 @@ int DetectFormat(std::string_view head, bool packed)
   return vtkFFDTransformFile::NONE;
 }
 
-bool ReadField(const std::string& name, vtkFFDTransformFile& file, const std::string& head,
-  bool packed, const Proceed& proceed, std::string& error)
+/// The data that a header describes, in the file `name` from header.Offset on.
+bool ReadFieldData(const std::string& name, const ffd::FieldHeader& header, bool packed,
+  const Proceed& proceed, std::string& data, std::string& error)
 {
-  ffd::FieldHeader header;
-  const bool parsed = file.Format == vtkFFDTransformFile::NIFTI
-    ? ffd::ParseNiftiHeader(head, header, error)
-    : file.Format == vtkFFDTransformFile::NRRD ? ffd::ParseNrrdHeader(head, header, error)
-                                               : ffd::ParseMetaImageHeader(head, header, error);
-  if (!parsed)
-  {
-    return false;
-  }
-  const std::string dataName = header.DataFile.empty()
-    ? name
-    : vtksys::SystemTools::GetFilenamePath(name) +
-      (vtksys::SystemTools::GetFilenamePath(name).empty() ? "" : "/") + header.DataFile;
   const std::size_t wanted = header.GetDataSize();
-  std::string data;
+  std::size_t size = 0;
   if (packed || header.Compressed)
   {
     // A compressed NIfTI file has its header in the stream, too.
     const std::size_t skip = packed ? header.Offset : 0;
-    std::string stream;
-    if (!ReadBytes(dataName, packed ? 0 : header.Offset, std::string::npos, stream, proceed, error) ||
-      !Inflate(stream, wanted + skip, data, proceed, error))
+    if (!vtkFFDFileAccess::ReadCompressed(
+          name, packed ? 0 : header.Offset, wanted + skip, data, proceed, error))
     {
-      error = header.DataFile.empty() ? error : header.DataFile + ": " + error;
       return false;
     }
     data.erase(0, std::min(skip, data.size()));
+    size = data.size();
   }
-  else if (!ReadBytes(dataName, header.Offset, wanted, data, proceed, error))
+  else
+  {
+    // A file that is too short is not read to find that out.
+    if (!vtkFFDFileAccess::FindSize(name, size, error))
+    {
+      return false;
+    }
+    size -= std::min(size, header.Offset);
+    if (size >= wanted &&
+      !vtkFFDFileAccess::ReadBytes(name, header.Offset, wanted, data, proceed, error))
+    {
+      return false;
+    }
+    size = size >= wanted ? data.size() : size;
+  }
+  if (size < wanted)
+  {
+    error =
+      "the data end after " + std::to_string(size) + " of " + std::to_string(wanted) + " bytes";
+    return false;
+  }
+  return true;
+}
+
+bool ReadField(const std::string& name, int format, const std::string& head, bool packed,
+  const Proceed& proceed, Steps& steps, std::string& error)
+{
+  ffd::FieldHeader header;
+  const bool parsed = format == vtkFFDTransformFile::NIFTI
+    ? ffd::ParseNiftiHeader(head, header, error)
+    : format == vtkFFDTransformFile::NRRD ? ffd::ParseNrrdHeader(head, header, error)
+                                          : ffd::ParseMetaImageHeader(head, header, error);
+  if (!parsed)
+  {
+    return false;
+  }
+  std::string dataName = name;
+  if (!header.DataFile.empty() &&
+    !vtkFFDFileAccess::FindBeside(name, header.DataFile, dataName, error))
+  {
+    return false;
+  }
+  std::string data;
+  if (!ReadFieldData(dataName, header, packed, proceed, data, error))
   {
     error = header.DataFile.empty() ? error : header.DataFile + ": " + error;
     return false;
   }
-  if (data.size() < wanted)
-  {
-    error = "the data end after " + std::to_string(data.size()) + " of " + std::to_string(wanted) +
-      " bytes";
-    return false;
-  }
-  file.Steps.resize(1);
+  steps.resize(1);
   return ffd::DecodeField(
-    header, reinterpret_cast<const unsigned char*>(data.data()), file.Steps[0], error);
+    header, reinterpret_cast<const unsigned char*>(data.data()), steps[0], error);
 }
 
-/// The initial transform of an elastix file: next to it, or else where the file says.
-std::string FindInitialFile(const std::string& name, const std::string& initial)
+bool ReadItkText(const std::string& name, const Proceed& proceed, Steps& steps, std::string& error)
+{
+  std::string text;
+  ffd::ItkTransform transform;
+  if (!vtkFFDFileAccess::ReadText(name, text, proceed, error) ||
+    !ffd::ParseItkTransform(text, transform, error))
+  {
+    return false;
+  }
+  steps = std::move(transform.Steps);
+  return true;
+}
+
+bool ReadMatlab(const std::string& name, const Proceed& proceed, Steps& steps, std::string& error)
+{
+  // The largest field as ITK's parameters, and what goes with them.
+  constexpr std::size_t largest = 24 * ffd::LargestField + HeadSize;
+  std::size_t size = 0;
+  std::string bytes;
+  if (!vtkFFDFileAccess::FindSize(name, size, error))
+  {
+    return false;
+  }
+  if (size > largest)
+  {
+    error = "it is larger than any transform that can be read";
+    return false;
+  }
+  steps.resize(1);
+  return vtkFFDFileAccess::ReadBytes(name, 0, largest, bytes, proceed, error) &&
+    ffd::ParseMatlabTransform(bytes, steps[0], error);
+}
+
+bool ReadMinc(const std::string& name, const Proceed& proceed, Steps& steps, std::string& error)
+{
+  std::string text;
+  std::vector<ffd::MincTransformEntry> entries;
+  if (!vtkFFDFileAccess::ReadText(name, text, proceed, error) ||
+    !ffd::ParseMincTransform(text, entries, error))
+  {
+    return false;
+  }
+  for (ffd::MincTransformEntry& entry : entries)
+  {
+    std::string volume;
+    if (!entry.VolumeFile.empty())
+    {
+      if (!vtkFFDFileAccess::FindBeside(name, entry.VolumeFile, volume, error))
+      {
+        return false;
+      }
+      if (!vtkFFDHdf5Transforms::ReadMincGrid(volume, entry.Step, error))
+      {
+        error = entry.VolumeFile + ": " + error;
+        return false;
+      }
+      entry.Step.IsInverse = entry.IsInverse;
+    }
+    steps.push_back(std::move(entry.Step));
+  }
+  return true;
+}
+
+bool ReadAny(const std::string& name, int& format, Steps& steps, ffd::TransformGrid& fixedImage,
+  Reading& reading, std::string& error);
+
+/// A file that an elastix file names: next to it, or else where the file says.
+std::string FindNamedFile(const std::string& name, const std::string& named)
 {
   const std::string folder = vtksys::SystemTools::GetFilenamePath(name);
   const std::string beside =
-    (folder.empty() ? "" : folder + "/") + vtksys::SystemTools::GetFilenameName(initial);
-  return vtksys::SystemTools::FileExists(beside, true) ? beside : initial;
+    (folder.empty() ? "" : folder + "/") + vtksys::SystemTools::GetFilenameName(named);
+  return vtksys::SystemTools::FileExists(beside, true) ? beside : named;
 }
 
-bool ReadElastix(const std::string& name, vtkFFDTransformFile& file, int depth,
-  const Proceed& proceed, std::string& error)
+/// The steps of a file that the elastix file `name` names as `what`.
+bool ReadNamed(const std::string& name, const std::string& named, const char* what, int& format,
+  Steps& steps, ffd::TransformGrid& fixedImage, Reading& reading, std::string& error)
 {
-  std::string text;
-  if (!ReadBytes(name, 0, LargestText + 1, text, proceed, error))
+  static constexpr const char* cause = " cannot be used: ";
+  static constexpr const char* endless = "its chain of transforms does not end";
+  if (reading.Files >= ffd::LargestChain)
   {
+    error = endless;
     return false;
   }
-  if (text.size() > LargestText)
+  if (ReadAny(FindNamedFile(name, named), format, steps, fixedImage, reading, error))
   {
-    error = "it is larger than 1 GiB";
-    return false;
-  }
-  ffd::ElastixTransform transform;
-  if (!ffd::ParseElastixTransform(text, transform, error))
-  {
-    return false;
-  }
-  if (!transform.InitialFile.empty())
-  {
-    const std::string initial = FindInitialFile(name, transform.InitialFile);
-    if (depth >= LongestChain)
-    {
-      error = "its chain of initial transforms does not end";
-      return false;
-    }
-    if (!ReadElastix(initial, file, depth + 1, proceed, error))
-    {
-      if (depth + 1 < LongestChain && error.find("initial transform") == std::string::npos)
-      {
-        error = "the initial transform '" + transform.InitialFile + "' cannot be used: " + error;
-      }
-      return false;
-    }
-  }
-  if (file.FixedImage.Size.x == 0 || transform.FixedImage.Size.x > 0)
-  {
-    file.FixedImage = transform.FixedImage;
-  }
-  if (!transform.Add || transform.InitialFile.empty())
-  {
-    file.Steps.push_back(std::move(transform.Step));
     return true;
   }
-  // The steps so far as one, to which this one can be added.
-  for (std::size_t i = 1; i < file.Steps.size(); ++i)
+  // Once is enough, and not for each file of a circle.
+  if (error != endless && error.find(cause) == std::string::npos)
   {
-    ffd::TransformStep& first = file.Steps[0];
-    const ffd::TransformStep& next = file.Steps[i];
-    if (first.Type != ffd::TransformStep::Kind::Linear ||
-      next.Type != ffd::TransformStep::Kind::Linear)
+    error = std::string("the ") + what + " '" + named + "'" + cause + error;
+  }
+  return false;
+}
+
+/// Number of steps, those of sums counted.
+std::size_t CountSteps(const Steps& steps)
+{
+  std::size_t count = steps.size();
+  for (const ffd::TransformStep& step : steps)
+  {
+    for (const ffd::TransformTerm& term : step.Terms)
     {
-      error = "a transform is added (HowToCombineTransforms \"Add\") to a chain that is not linear";
+      count += CountSteps(term.Steps);
+    }
+  }
+  return count;
+}
+
+/// first(x) + second(x) - x: as one step where there is one, else as a sum.
+void AddSteps(Steps& first, Steps&& second)
+{
+  using Kind = ffd::TransformStep::Kind;
+  for (Steps* chain : { &first, &second })
+  {
+    while (
+      chain->size() > 1 && (*chain)[0].Type == Kind::Linear && (*chain)[1].Type == Kind::Linear)
+    {
+      const ffd::TransformStep a = (*chain)[0];
+      ffd::TransformStep& b = (*chain)[1];
+      b.Offset = b.Matrix * a.Offset + b.Offset;
+      b.Matrix = b.Matrix * a.Matrix;
+      chain->erase(chain->begin());
+    }
+  }
+  if (first.size() == 1 && second.size() == 1 && ffd::AddTransformStep(first[0], second[0]))
+  {
+    return;
+  }
+  ffd::TransformStep sum;
+  sum.Type = Kind::Sum;
+  sum.Terms.resize(2);
+  sum.Terms[0].Steps = std::move(first);
+  sum.Terms[1].Steps = std::move(second);
+  first.clear();
+  first.push_back(std::move(sum));
+}
+
+/// The steps of an elastix file, without those of its initial transform.
+bool ReadOwnSteps(const std::string& name, ffd::ElastixTransform& transform, Steps& steps,
+  Reading& reading, std::string& error)
+{
+  int format = vtkFFDTransformFile::NONE;
+  ffd::TransformGrid ignored;
+  if (!transform.TransformFile.empty())
+  {
+    return ReadNamed(
+      name, transform.TransformFile, "transform", format, steps, ignored, reading, error);
+  }
+  steps.push_back(std::move(transform.Step));
+  if (transform.SubFiles.empty())
+  {
+    return true;
+  }
+  ffd::TransformStep& sum = steps.back();
+  sum.Type = ffd::TransformStep::Kind::Sum;
+  for (std::size_t i = 0; i < transform.SubFiles.size(); ++i)
+  {
+    ffd::TransformTerm term;
+    term.Weight = transform.Weights[i];
+    if (!ReadNamed(
+          name, transform.SubFiles[i], "transform", format, term.Steps, ignored, reading, error))
+    {
       return false;
     }
-    first.Offset = next.Matrix * first.Offset + next.Offset;
-    first.Matrix = next.Matrix * first.Matrix;
+    sum.Terms.push_back(std::move(term));
   }
-  file.Steps.resize(1);
-  if (!ffd::AddTransformStep(file.Steps[0], transform.Step))
+  return true;
+}
+
+bool ReadElastix(const std::string& name, Steps& steps, ffd::TransformGrid& fixedImage,
+  Reading& reading, std::string& error)
+{
+  ++reading.Files;
+  std::string text;
+  ffd::ElastixTransform transform;
+  if (!vtkFFDFileAccess::ReadText(name, text, reading.Continue, error) ||
+    !ffd::ParseElastixTransform(text, transform, error))
   {
-    error = "two splines are added (HowToCombineTransforms \"Add\"); only a spline and linear "
-            "transforms can be";
+    return false;
+  }
+  text = std::string();
+  int format = vtkFFDTransformFile::NONE;
+  if (!transform.InitialFile.empty() &&
+    !ReadNamed(
+      name, transform.InitialFile, "initial transform", format, steps, fixedImage, reading, error))
+  {
+    return false;
+  }
+  if (fixedImage.Size.x == 0 || transform.FixedImage.Size.x > 0)
+  {
+    fixedImage = transform.FixedImage;
+  }
+  Steps own;
+  if (!ReadOwnSteps(name, transform, own, reading, error))
+  {
+    return false;
+  }
+  if (transform.Add && !transform.InitialFile.empty())
+  {
+    AddSteps(steps, std::move(own));
+  }
+  else
+  {
+    std::move(own.begin(), own.end(), std::back_inserter(steps));
+  }
+  if (CountSteps(steps) > ffd::LargestChain)
+  {
+    error = "there are more than 64 transforms";
     return false;
   }
   return true;
+}
+
+bool ReadAny(const std::string& name, int& format, Steps& steps, ffd::TransformGrid& fixedImage,
+  Reading& reading, std::string& error)
+{
+  std::string head;
+  bool packed = false;
+  if (!ReadHead(name, head, packed, error))
+  {
+    return false;
+  }
+  format = DetectFormat(head, packed);
+  switch (format)
+  {
+    case vtkFFDTransformFile::ITK_TEXT:
+      return ReadItkText(name, reading.Continue, steps, error);
+    case vtkFFDTransformFile::ITK_HDF5:
+      return vtkFFDHdf5Transforms::ReadItk(name, steps, error);
+    case vtkFFDTransformFile::MATLAB:
+      return ReadMatlab(name, reading.Continue, steps, error);
+    case vtkFFDTransformFile::MINC:
+      return ReadMinc(name, reading.Continue, steps, error);
+    case vtkFFDTransformFile::ELASTIX:
+      return ReadElastix(name, steps, fixedImage, reading, error);
+    case vtkFFDTransformFile::META_IMAGE:
+    case vtkFFDTransformFile::NRRD:
+    case vtkFFDTransformFile::NIFTI:
+      return ReadField(name, format, head, packed, reading.Continue, steps, error);
+    default:
+      error = "it is no transform of ITK (text, .h5, .mat), elastix parameter file, .xfm file of "
+              "MINC, MetaImage, NRRD or NIfTI file";
+      return false;
+  }
 }
 
 } // namespace
@@ -291,8 +427,8 @@ int vtkFFDDetectTransformFormat(const std::string& fileName, std::string& error)
   const int format = DetectFormat(head, packed);
   if (format == vtkFFDTransformFile::NONE)
   {
-    error = "it is no ITK text transform, elastix parameter file, MetaImage, NRRD, NIfTI or .vti "
-            "file";
+    error = "it is no ITK text transform, .h5 or .mat file of ITK, elastix parameter file, .xfm "
+            "file of MINC, MetaImage, NRRD, NIfTI or .vti file";
   }
   return format;
 }
@@ -302,8 +438,19 @@ std::string vtkFFDFindLatticeFileProblem(const std::string& fileName)
 {
   std::string bytes;
   std::string error;
-  if (!ReadBytes(
-        fileName, 0, std::string::npos, bytes, [](double) { return true; }, error))
+  std::size_t size = 0;
+  bool packed = false;
+  if (!ReadHead(fileName, bytes, packed, error) ||
+    !vtkFFDFileAccess::FindSize(fileName, size, error))
+  {
+    return error;
+  }
+  if (size > ffd::FindLargestLatticeFile(bytes))
+  {
+    return "it is larger than its control points need";
+  }
+  if (!vtkFFDFileAccess::ReadBytes(
+        fileName, 0, size, bytes, [] { return true; }, error))
   {
     return error;
   }
@@ -314,45 +461,7 @@ std::string vtkFFDFindLatticeFileProblem(const std::string& fileName)
 bool vtkFFDReadTransformFile(const std::string& fileName, vtkFFDTransformFile& file,
   const std::function<bool(double)>& proceed, std::string& error)
 {
-  file = vtkFFDTransformFile();
-  error.clear();
-  std::string head;
-  bool packed = false;
-  if (!ReadHead(fileName, head, packed, error))
-  {
-    return false;
-  }
-  file.Format = DetectFormat(head, packed);
-  switch (file.Format)
-  {
-    case vtkFFDTransformFile::ITK_TEXT:
-    {
-      std::string text;
-      if (!ReadBytes(fileName, 0, LargestText + 1, text, proceed, error))
-      {
-        return false;
-      }
-      if (text.size() > LargestText)
-      {
-        error = "it is larger than 1 GiB";
-        return false;
-      }
-      ffd::ItkTransform transform;
-      if (!ffd::ParseItkTransform(text, transform, error))
-      {
-        return false;
-      }
-      file.Steps = std::move(transform.Steps);
-      return true;
-    }
-    case vtkFFDTransformFile::ELASTIX:
-      return ReadElastix(fileName, file, 0, proceed, error);
-    case vtkFFDTransformFile::META_IMAGE:
-    case vtkFFDTransformFile::NRRD:
-    case vtkFFDTransformFile::NIFTI:
-      return ReadField(fileName, file, head, packed, proceed, error);
-    default:
-      error = "it is no ITK text transform, elastix parameter file, MetaImage, NRRD or NIfTI file";
-      return false;
-  }
+  Reading reading;
+  reading.Continue = [&proceed] { return proceed(0.5); };
+  return ReadAny(fileName, file.Format, file.Steps, file.FixedImage, reading, error);
 }

@@ -4,7 +4,7 @@
 #ifndef vtkFFDTransformFiles_h
 #define vtkFFDTransformFiles_h
 
-#include "FFDTransformFile.h"
+#include "FFDTransformStep.h"
 
 #include <functional>
 #include <string>
@@ -21,7 +21,10 @@ struct vtkFFDTransformFile
     META_IMAGE,
     NRRD,
     NIFTI,
-    LATTICE
+    LATTICE,
+    ITK_HDF5,
+    MATLAB,
+    MINC
   };
   int Format = NONE;
   /// In the order in which they are applied, LPS.

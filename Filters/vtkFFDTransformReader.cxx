@@ -3,6 +3,8 @@
 #include "vtkFFDTransformReader.h"
 
 #include "vtkFFDLattice.h"
+#include "vtkFFDSplineTransform.h"
+#include "vtkFFDSumTransform.h"
 #include "vtkFFDTransformFiles.h"
 
 #include "vtkBoundingBox.h"
@@ -28,11 +30,12 @@
 
 #include <cmath>
 #include <exception>
+#include <new>
 
 vtkStandardNewMacro(vtkFFDTransformReader);
 
-static_assert(static_cast<int>(vtkFFDTransformReader::LATTICE) ==
-    static_cast<int>(vtkFFDTransformFile::LATTICE),
+static_assert(
+  static_cast<int>(vtkFFDTransformReader::MINC) == static_cast<int>(vtkFFDTransformFile::MINC),
   "the two lists of formats are the same");
 
 namespace
@@ -95,6 +98,14 @@ vtkSmartPointer<vtkTransform> MakeLinear(const glm::dmat3& matrix, const glm::dv
 vtkSmartPointer<vtkAbstractTransform> MakeGrid(const ffd::TransformStep& step, bool sum)
 {
   const vtkSmartPointer<vtkImageData> image = MakeImage(step);
+  if (step.Type == ffd::TransformStep::Kind::Spline && step.Order != 3)
+  {
+    auto spline = vtkSmartPointer<vtkFFDSplineTransform>::New();
+    spline->SetSplineOrder(step.Order);
+    spline->SetRepeatBorder(sum);
+    spline->SetDisplacementGrid(image);
+    return spline;
+  }
   if (step.Type == ffd::TransformStep::Kind::Spline)
   {
     auto lattice = vtkSmartPointer<vtkFFDLattice>::New();
@@ -105,11 +116,11 @@ vtkSmartPointer<vtkAbstractTransform> MakeGrid(const ffd::TransformStep& step, b
   auto grid = vtkSmartPointer<vtkGridTransform>::New();
   grid->SetDisplacementGridData(image);
   grid->SetInterpolationModeToLinear();
-  return grid;
+  return step.IsInverse ? grid->GetInverse() : grid;
 }
 
 /// The region in which a grid defines the map: all of a field, the supported cells of a spline.
-void AddRegion(const ffd::TransformGrid& grid, int layers, vtkBoundingBox& box)
+void AddRegion(const ffd::TransformGrid& grid, double layers, vtkBoundingBox& box)
 {
   for (int corner = 0; corner < 8; ++corner)
   {
@@ -121,6 +132,92 @@ void AddRegion(const ffd::TransformGrid& grid, int layers, vtkBoundingBox& box)
     const glm::dvec3 p = grid.Origin + grid.Direction * (index * grid.Spacing);
     box.AddPoint(p.x, p.y, p.z);
   }
+}
+
+/// The region of the first grid of a chain, if it has one.
+void AddFirstRegion(const std::vector<ffd::TransformStep>& steps, vtkBoundingBox& box)
+{
+  for (const ffd::TransformStep& step : steps)
+  {
+    for (const ffd::TransformTerm& term : step.Terms)
+    {
+      if (!box.IsValid())
+      {
+        AddFirstRegion(term.Steps, box);
+      }
+    }
+    if (!box.IsValid() && step.Grid.Size.x > 0)
+    {
+      AddRegion(step.Grid,
+        step.Type == ffd::TransformStep::Kind::Spline ? 0.5 * (step.Order - 1) : 0.0, box);
+    }
+  }
+}
+
+vtkSmartPointer<vtkAbstractTransform> MakeChain(std::vector<ffd::TransformStep>& steps);
+
+/// Append what one step is to a chain; the step is used up.
+void AppendStep(ffd::TransformStep& step, std::vector<vtkSmartPointer<vtkAbstractTransform>>& chain)
+{
+  if (step.Type == ffd::TransformStep::Kind::Linear)
+  {
+    chain.push_back(MakeLinear(step.Matrix, step.Offset));
+    return;
+  }
+  if (step.Type == ffd::TransformStep::Kind::Sum)
+  {
+    auto sum = vtkSmartPointer<vtkFFDSumTransform>::New();
+    for (ffd::TransformTerm& term : step.Terms)
+    {
+      sum->AddTransform(MakeChain(term.Steps), term.Weight);
+    }
+    chain.push_back(sum);
+    return;
+  }
+  // A sum has displacements at the border that must not fade out.
+  const bool sum = step.IsSum;
+  if (ffd::AlignTransformStep(step))
+  {
+    chain.push_back(MakeGrid(step, sum));
+    return;
+  }
+  // Into the frame of the grid, deform, and back.
+  const glm::dmat3 toSpace = step.Grid.Direction;
+  const glm::dmat3 toGrid = glm::inverse(toSpace);
+  step.Grid.Origin = toGrid * step.Grid.Origin;
+  step.Grid.Direction = glm::dmat3(1.0);
+  for (glm::dvec3& value : step.Values)
+  {
+    value = toGrid * value;
+  }
+  chain.push_back(MakeLinear(toGrid, glm::dvec3(0.0)));
+  chain.push_back(MakeGrid(step, sum));
+  chain.push_back(MakeLinear(toSpace, glm::dvec3(0.0)));
+}
+
+/// One transform of all steps; they are used up.
+vtkSmartPointer<vtkAbstractTransform> MakeChain(std::vector<ffd::TransformStep>& steps)
+{
+  std::vector<vtkSmartPointer<vtkAbstractTransform>> chain;
+  for (ffd::TransformStep& step : steps)
+  {
+    AppendStep(step, chain);
+  }
+  if (chain.empty())
+  {
+    return vtkSmartPointer<vtkTransform>::New(); // an empty composite
+  }
+  if (chain.size() == 1)
+  {
+    return chain.front();
+  }
+  auto general = vtkSmartPointer<vtkGeneralTransform>::New();
+  general->PostMultiply();
+  for (const auto& link : chain)
+  {
+    general->Concatenate(link);
+  }
+  return general;
 }
 
 } // namespace
@@ -143,10 +240,7 @@ vtkFFDTransformReader::vtkFFDTransformReader()
 }
 
 //------------------------------------------------------------------------------
-vtkFFDTransformReader::~vtkFFDTransformReader()
-{
-  this->SetFileName(nullptr);
-}
+vtkFFDTransformReader::~vtkFFDTransformReader() { this->SetFileName(nullptr); }
 
 //------------------------------------------------------------------------------
 void vtkFFDTransformReader::PrintSelf(ostream& os, vtkIndent indent)
@@ -163,8 +257,8 @@ void vtkFFDTransformReader::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "MaximumCells: " << this->MaximumCells << "\n";
   os << indent << "FileFormat: " << this->GetFileFormatAsString() << "\n";
   os << indent << "LatticeError: " << this->LatticeError << "\n";
-  os << indent << "Transform: "
-     << (this->Transform ? this->Transform->GetClassName() : "(none)") << "\n";
+  os << indent << "Transform: " << (this->Transform ? this->Transform->GetClassName() : "(none)")
+     << "\n";
 }
 
 //------------------------------------------------------------------------------
@@ -235,7 +329,7 @@ void vtkFFDTransformReader::SetFitTolerance(double tolerance)
 const char* vtkFFDTransformReader::GetFileFormatAsString()
 {
   static const char* const names[] = { "Unknown", "ItkText", "Elastix", "MetaImage", "NRRD",
-    "NIfTI", "Lattice" };
+    "NIfTI", "Lattice", "ItkHDF5", "Matlab", "MINC" };
   return names[this->FileFormat];
 }
 
@@ -305,15 +399,19 @@ void vtkFFDTransformReader::ReadAnyFile()
       this->ReadLatticeFile();
       return;
     }
-    const auto proceed = [this](double done)
-    {
+    const auto proceed = [this](double done) {
       this->UpdateProgress(0.8 * done);
       return !this->GetAbortExecute();
     };
-    if (this->FileFormat != UNKNOWN)
+    if (this->FileFormat != UNKNOWN &&
+      vtkFFDReadTransformFile(this->FileName, file, proceed, error))
     {
-      vtkFFDReadTransformFile(this->FileName, file, proceed, error);
+      this->UseFile(file);
     }
+  }
+  catch (const std::bad_alloc&)
+  {
+    error = "it needs more memory than there is";
   }
   catch (const std::exception& problem)
   {
@@ -321,13 +419,18 @@ void vtkFFDTransformReader::ReadAnyFile()
   }
   if (!error.empty())
   {
+    this->Transform = nullptr;
+    this->LatticeIsMade = false;
     vtkErrorMacro("The transform file " << this->FileName << " cannot be used: " << error << ".");
     this->SetErrorCode(vtksys::SystemTools::FileExists(this->FileName)
         ? vtkErrorCode::FileFormatError
         : vtkErrorCode::FileNotFoundError);
-    return;
   }
+}
 
+//------------------------------------------------------------------------------
+void vtkFFDTransformReader::UseFile(vtkFFDTransformFile& file)
+{
   vtkBoundingBox region;
   if (file.FixedImage.Size.x > 0)
   {
@@ -341,67 +444,20 @@ void vtkFFDTransformReader::ReadAnyFile()
     }
     AddRegion(file.FixedImage, 0, region);
   }
-  std::vector<vtkSmartPointer<vtkAbstractTransform>> chain;
-  for (ffd::TransformStep& step : file.Steps)
+  if (this->Coordinates == RAS)
   {
-    if (this->Coordinates == RAS)
+    for (ffd::TransformStep& step : file.Steps)
     {
       ffd::FlipTransformStep(step);
     }
-    if (step.Type == ffd::TransformStep::Kind::Linear)
-    {
-      chain.push_back(MakeLinear(step.Matrix, step.Offset));
-      continue;
-    }
-    const bool spline = step.Type == ffd::TransformStep::Kind::Spline;
-    if (!region.IsValid())
-    {
-      AddRegion(step.Grid, spline ? 1 : 0, region);
-    }
-    // A sum has displacements at the border that must not fade out.
-    const bool sum = step.IsSum;
-    if (ffd::AlignTransformStep(step))
-    {
-      chain.push_back(MakeGrid(step, sum));
-      continue;
-    }
-    // Into the frame of the grid, deform, and back.
-    const glm::dmat3 toSpace = step.Grid.Direction;
-    const glm::dmat3 toGrid = glm::inverse(toSpace);
-    step.Grid.Origin = toGrid * step.Grid.Origin;
-    step.Grid.Direction = glm::dmat3(1.0);
-    for (glm::dvec3& value : step.Values)
-    {
-      value = toGrid * value;
-    }
-    chain.push_back(MakeLinear(toGrid, glm::dvec3(0.0)));
-    chain.push_back(MakeGrid(step, sum));
-    chain.push_back(MakeLinear(toSpace, glm::dvec3(0.0)));
   }
-  if (chain.empty())
+  AddFirstRegion(file.Steps, region);
+  this->Transform = MakeChain(file.Steps);
+  if (vtkFFDLattice* const lattice = vtkFFDLattice::SafeDownCast(this->Transform))
   {
-    chain.push_back(vtkSmartPointer<vtkTransform>::New()); // an empty composite
-  }
-  if (chain.size() == 1)
-  {
-    this->Transform = chain.front();
-    vtkFFDLattice* lattice = vtkFFDLattice::SafeDownCast(this->Transform);
-    if (lattice)
-    {
-      this->Lattice->DeepCopy(lattice);
-      this->LatticeIsExact = true;
-      this->LatticeIsMade = true;
-    }
-  }
-  else
-  {
-    vtkNew<vtkGeneralTransform> general;
-    general->PostMultiply();
-    for (const auto& link : chain)
-    {
-      general->Concatenate(link);
-    }
-    this->Transform = general;
+    this->Lattice->DeepCopy(lattice);
+    this->LatticeIsExact = true;
+    this->LatticeIsMade = true;
   }
   if (region.IsValid())
   {
@@ -463,8 +519,8 @@ void vtkFFDTransformReader::ReadLatticeFile()
   if (problem.empty())
   {
     // Beyond these sums of products overflow.
-    const double range[3] = { scalars->GetMaxNorm(), image->GetCenter()[0] + image->GetCenter()[1] +
-        image->GetCenter()[2], image->GetLength() };
+    const double range[3] = { scalars->GetMaxNorm(),
+      image->GetCenter()[0] + image->GetCenter()[1] + image->GetCenter()[2], image->GetLength() };
     for (const double number : range)
     {
       if (!(std::abs(number) <= LargestLength))
@@ -507,8 +563,7 @@ bool vtkFFDTransformReader::MakeLattice()
   {
     return this->LatticeIsMade;
   }
-  const double* bounds =
-    this->FitBounds[0] <= this->FitBounds[1] ? this->FitBounds : this->Domain;
+  const double* bounds = this->FitBounds[0] <= this->FitBounds[1] ? this->FitBounds : this->Domain;
   this->FitFailed = true;
   if (bounds[0] > bounds[1])
   {
@@ -519,8 +574,8 @@ bool vtkFFDTransformReader::MakeLattice()
     return false;
   }
   this->UpdateProgress(0.8);
-  const double error = this->Lattice->FitToTransform(
-    this->Transform, bounds, this->FitTolerance, this->MaximumCells);
+  const double error =
+    this->Lattice->FitToTransform(this->Transform, bounds, this->FitTolerance, this->MaximumCells);
   if (error < 0.0)
   {
     vtkErrorMacro("The transform in " << this->FileName << ", a " << this->Transform->GetClassName()

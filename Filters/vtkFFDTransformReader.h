@@ -16,35 +16,50 @@
  * @endcode
  *
  * The format is found from the content of the file, not from its name:
- * - ITK text transforms (.tfm, .txt; ITK, 3D Slicer, ANTs), 3-D, double or float: BSplineTransform,
- *   BSplineDeformableTransform (cubic), DisplacementFieldTransform, AffineTransform,
- *   MatrixOffsetTransformBase, TranslationTransform, Euler3DTransform, VersorRigid3DTransform,
- *   Similarity3DTransform, IdentityTransform, and a CompositeTransform of them (the one that was
- *   added last is applied first, as in ITK).
- * - elastix TransformParameters.*.txt: BSplineTransform, RecursiveBSplineTransform (cubic),
- *   AffineTransform, EulerTransform, SimilarityTransform, TranslationTransform, with their chain of
- *   initial transforms, composed, or added where a spline and linear ones are. An initial transform
- *   is looked for in the folder of the file that names it, then by its path as it stands.
+ * - ITK text transforms (.tfm, .txt; ITK, 3D Slicer, ANTs), HDF5 (.h5) and MATLAB level 4 (.mat),
+ * 3-D, double or float: BSplineTransform and BSplineDeformableTransform of order 1 to 3,
+ *   DisplacementFieldTransform (and those that smooth its updates), the linear transforms (Affine,
+ *   MatrixOffsetTransformBase, ScalableAffine, CenteredAffine, Translation, Scale,
+ *   ScaleLogarithmic, Euler3D, CenteredEuler3D, Versor, VersorRigid3D, Rigid3D, QuaternionRigid,
+ *   Similarity3D, ScaleVersor3D, ScaleSkewVersor3D, ComposeScaleSkewVersor3D, Identity), and a
+ *   CompositeTransform of them (the one that was added last is applied first, as in ITK), of which
+ *   .mat files keep only a part: refused. HDF5 files of other shapes are refused: links, data in
+ *   other files, filters other than deflate.
+ * - elastix TransformParameters.*.txt: BSplineTransform, RecursiveBSplineTransform of order 1 to 3,
+ *   AffineTransform, AffineLogTransform, EulerTransform, SimilarityTransform,
+ *   TranslationTransform, WeightedCombinationTransform, and File, which names a file of ITK; with
+ *   their chain of initial transforms, composed or added. A file that one names is looked for in
+ * the folder of the file that names it, then by its path as it stands.
+ * - MINC .xfm: Linear and Grid_Transform (displacements in a MINC 2 volume in the same folder),
+ *   inverted or not, one after the other.
  * - Displacement fields, images of three components: MetaImage (.mhd, .mha), NRRD (.nrrd, .nhdr)
- *   and NIfTI-1 (.nii, .nii.gz), raw or zlib/gzip compressed. Data in a file of their own must lie
- *   in the same folder. Vectors are in LPS, in NIfTI too (ITK's convention, that of ANTs and
- *   elastix). They are interpolated linearly.
+ *   and NIfTI-1 (.nii, .nii.gz), raw or zlib/gzip compressed, gzip of several members too. Data in
+ *   a file of their own must lie in the same folder (or below it), links followed; that of the file
+ *   that the header is a link to counts, too. Vectors are in LPS and in millimetres, in NIfTI too
+ *   (ITK's convention, that of ANTs and elastix; with intent 1006 NIfTI's are RAS), where
+ * xyzt_units (metres, millimetres, microns) holds for the grid. They are interpolated linearly.
  * - A lattice as image data (.vti), as vtkFFDLattice::ToImageData() and vtkXMLImageDataWriter
  *   write.
  *
- * <b>Coordinates.</b> ITK and elastix compute in LPS (x to the left, y to the back, z up), and so do
- * their files, whatever the images' format. With Coordinates LPS (the default) the transform is that
- * of the file; it fits images that VTK reads from MetaImage and NRRD files. With RAS, x and y point
- * the other way, T' = F T F with F = diag(-1, -1, 1); that is the system of 3D Slicer's scene and of
- * the matrices of vtkNIFTIImageReader. A .vti lattice is in the data coordinates of its image and
- * is never turned. VTK's readers ignore the direction cosines of images; where these are not the
- * identity, set vtkImageData's direction matrix before.
+ * Only regular files are read: pipes and devices are refused.
  *
- * <b>What is exact.</b> A spline whose grid runs along the axes is read as a vtkFFDLattice, another
- * one between two rotations; both to rounding equal to ITK's in the region where all 64 control
- * points exist. Outside of it ITK does not deform; here the deformation fades out over the two
- * cells outside (VTK_BSPLINE_ZERO), or continues as at the border for an elastix sum and for
- * fields.
+ * <b>Coordinates.</b> ITK and elastix compute in LPS (x to the left, y to the back, z up), and so
+ * do their files, whatever the images' format. With Coordinates LPS (the default) the transform is
+ * that of the file; it fits images that VTK reads from MetaImage and NRRD files. With RAS, x and y
+ * point the other way, T' = F T F with F = diag(-1, -1, 1); that is the system of 3D Slicer's scene
+ * and of the matrices of vtkNIFTIImageReader. A .vti lattice is in the data coordinates of its
+ * image and is never turned. VTK's readers ignore the direction cosines of images; where these are
+ * not the identity, set vtkImageData's direction matrix before. An .xfm file does not say what it
+ * is in: MINC's tools mean RAS, ITK up to 5.4 writes its LPS as it stands. It is read as it stands;
+ * RAS turns it.
+ *
+ * <b>What is exact.</b> A cubic spline whose grid runs along the axes is read as a vtkFFDLattice,
+ * one of order 1 or 2 as a vtkFFDSplineTransform, a sum that is no spline as a vtkFFDSumTransform;
+ * grids in other directions between two rotations. Splines are equal to ITK's to rounding in the
+ * region where all control points exist. Outside of it ITK does not deform; here the deformation
+ * fades out over the cells outside, or continues as at the border for a spline that a linear
+ * transform was added to, and for fields. The inverse of a Grid_Transform is that of
+ * vtkGridTransform, within its InverseTolerance.
  *
  * The output port has the control points of a lattice, for vtkFFDDeformVolume and others: that of
  * the file where it is one along the axes, else an approximation (vtkFFDLattice::FitToTransform())
@@ -52,10 +67,11 @@
  * the deformation). GetLatticeError() tells its error. A linear transform has no region of its own:
  * set FitBounds, or use GetTransform().
  *
- * <b>Errors.</b> Malformed, truncated and hostile files are reported with what is wrong, and give no
- * transform. What is allocated is bounded by a small multiple of what the file really holds. Every
- * number must be finite and at most 1e12; grids have up to 1024 nodes an axis, fields 2^27 voxels,
- * texts 1 GiB, chains 64 transforms.
+ * <b>Errors.</b> Malformed, truncated and hostile files are reported with what is wrong, and give
+ * no transform. What is allocated is bounded by a small multiple of what the file really holds.
+ * Every number must be finite and at most 1e12; grids have up to 1024 nodes an axis, fields 2^27
+ * voxels, texts 1 GiB, chains 64 transforms. Of .h5 and .mnc files the shape is checked, but
+ * damaged ones are in the hands of the HDF5 library.
  *
  * @sa vtkFFDTransformWriter vtkFFDLattice vtkFFDFitLattice vtkFFDInverseRayVolumeMapper
  */
@@ -70,6 +86,7 @@
 
 class vtkAbstractTransform;
 class vtkFFDLattice;
+struct vtkFFDTransformFile;
 
 class VTKFFDFILTERS_EXPORT vtkFFDTransformReader : public vtkImageAlgorithm
 {
@@ -86,7 +103,10 @@ public:
     META_IMAGE,
     NRRD,
     NIFTI,
-    LATTICE
+    LATTICE,
+    ITK_HDF5,
+    MATLAB,
+    MINC
   };
 
   enum CoordinatesType
@@ -136,7 +156,8 @@ public:
 
   /**
    * The transform, fixed to moving points, reading the file if need be: a vtkFFDLattice, a
-   * vtkTransform, a vtkGridTransform or a vtkGeneralTransform. Null after an error. It belongs to
+   * vtkTransform, a vtkGridTransform, a vtkFFDSplineTransform, a vtkFFDSumTransform or a
+   * vtkGeneralTransform of these. Null after an error. It belongs to
    * the reader; the next file gives another one.
    */
   vtkAbstractTransform* GetTransform();
@@ -178,6 +199,7 @@ private:
 
   bool ReadFile();
   void ReadAnyFile();
+  void UseFile(vtkFFDTransformFile& file);
   void ReadLatticeFile();
   bool MakeLattice();
 

@@ -3,15 +3,19 @@
 #include "vtkFFDTransformWriter.h"
 
 #include "vtkFFDBSplineFieldFromTransform.h"
+#include "vtkFFDFileAccess.h"
 #include "vtkFFDLattice.h"
+#include "vtkFFDSplineTransform.h"
+#include "vtkFFDSumTransform.h"
 
 #include "FFDBSplineField.h"
+#include "FFDElastixTransform.h"
 #include "FFDFieldHeader.h"
-#include "FFDTransformFile.h"
+#include "FFDItkTransform.h"
+#include "FFDTextNumbers.h"
 
 #include "vtkBSplineTransform.h"
 #include "vtkDataArray.h"
-#include "vtkErrorCode.h"
 #include "vtkGeneralTransform.h"
 #include "vtkGridTransform.h"
 #include "vtkImageData.h"
@@ -25,13 +29,14 @@
 
 #include "vtksys/SystemTools.hxx"
 
-#include <glm/matrix.hpp>
+#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
+#include <exception>
+#include <new>
 #include <vector>
 
 vtkStandardNewMacro(vtkFFDTransformWriter);
@@ -64,6 +69,13 @@ ffd::TransformGrid GetGrid(vtkImageData* image)
   return grid;
 }
 
+/// Why a transform has no form in a file: it is the inverse of what a file can say.
+std::string SayInverted(vtkAbstractTransform* transform)
+{
+  return "the " + std::string(transform->GetClassName()) +
+    " is inverted (InverseFlag), which no file can say; fit a lattice to it with vtkFFDFitLattice";
+}
+
 /// A B-spline as a step; empty when it can be one, else the reason.
 std::string MakeSplineStep(vtkBSplineTransform* spline, ffd::TransformStep& step)
 {
@@ -76,9 +88,7 @@ std::string MakeSplineStep(vtkBSplineTransform* spline, ffd::TransformStep& step
   }
   if (inverse)
   {
-    return "the " + std::string(spline->GetClassName()) +
-      " is inverted (InverseFlag), which no file can say; fit a lattice to it with "
-      "vtkFFDFitLattice";
+    return SayInverted(spline);
   }
   const glm::ivec3 n = field.GetNodes();
   step.Type = ffd::TransformStep::Kind::Spline;
@@ -99,39 +109,86 @@ std::string MakeSplineStep(vtkBSplineTransform* spline, ffd::TransformStep& step
   return ffd::FindGridProblem(step.Grid, 4);
 }
 
-std::string MakeFieldStep(vtkGridTransform* transform, ffd::TransformStep& step)
+/// Displacements at the nodes of an image, whose direction VTK's transforms do not use.
+void SetNodes(vtkImageData* image, double scale, double shift, ffd::TransformStep& step)
 {
-  if (transform->GetInverseFlag() != 0)
-  {
-    return "the vtkGridTransform is inverted, which no file can say; fit a lattice to it with "
-           "vtkFFDFitLattice";
-  }
-  transform->Update();
-  vtkImageData* image = transform->GetDisplacementGrid();
-  vtkDataArray* scalars = image ? image->GetPointData()->GetScalars() : nullptr;
-  if (!scalars || scalars->GetNumberOfComponents() != 3)
-  {
-    return "the vtkGridTransform has no grid of displacements";
-  }
-  step.Type = ffd::TransformStep::Kind::Field;
+  vtkDataArray* scalars = image->GetPointData()->GetScalars();
   step.Grid = GetGrid(image);
-  step.Grid.Direction = glm::dmat3(1.0); // vtkGridTransform knows of none
-  step.Grid.Origin = glm::dvec3(image->GetOrigin()[0], image->GetOrigin()[1],
-                       image->GetOrigin()[2]) +
+  step.Grid.Direction = glm::dmat3(1.0);
+  step.Grid.Origin =
+    glm::dvec3(image->GetOrigin()[0], image->GetOrigin()[1], image->GetOrigin()[2]) +
     step.Grid.Spacing *
       glm::dvec3(image->GetExtent()[0], image->GetExtent()[2], image->GetExtent()[4]);
   step.Values.resize(static_cast<std::size_t>(scalars->GetNumberOfTuples()));
   for (std::size_t i = 0; i < step.Values.size(); ++i)
   {
-    double tuple[3];
-    scalars->GetTuple(static_cast<vtkIdType>(i), tuple);
-    for (int a = 0; a < 3; ++a)
-    {
-      step.Values[i][a] =
-        tuple[a] * transform->GetDisplacementScale() + transform->GetDisplacementShift();
-    }
+    scalars->GetTuple(static_cast<vtkIdType>(i), &step.Values[i].x);
+    step.Values[i] = step.Values[i] * scale + shift;
   }
+}
+
+bool HasDisplacements(vtkImageData* image)
+{
+  vtkDataArray* scalars = image ? image->GetPointData()->GetScalars() : nullptr;
+  return scalars && scalars->GetNumberOfComponents() == 3 &&
+    scalars->GetNumberOfTuples() == image->GetNumberOfPoints();
+}
+
+std::string MakeFieldStep(vtkGridTransform* transform, ffd::TransformStep& step)
+{
+  if (transform->GetInverseFlag() != 0)
+  {
+    return SayInverted(transform);
+  }
+  if (transform->GetInterpolationMode() != VTK_LINEAR_INTERPOLATION)
+  {
+    return "the vtkGridTransform interpolates " +
+      std::string(transform->GetInterpolationMode() == VTK_CUBIC_INTERPOLATION ? "cubically"
+                                                                               : "by the nearest") +
+      ", and fields in files are linear: call SetInterpolationModeToLinear(), fit a lattice to it "
+      "with vtkFFDFitLattice, or sample it finely to .mha, .nrrd or .nii with SetReferenceImage()";
+  }
+  transform->Update();
+  vtkImageData* image = transform->GetDisplacementGrid();
+  if (!HasDisplacements(image))
+  {
+    return "the vtkGridTransform has no grid of displacements";
+  }
+  step.Type = ffd::TransformStep::Kind::Field;
+  SetNodes(image, transform->GetDisplacementScale(), transform->GetDisplacementShift(), step);
   return ffd::FindGridProblem(step.Grid, 1);
+}
+
+/// A spline of low order as a step.
+std::string MakeSplineStep(vtkFFDSplineTransform* transform, ffd::TransformStep& step)
+{
+  if (transform->GetInverseFlag() != 0)
+  {
+    return SayInverted(transform);
+  }
+  if (!HasDisplacements(transform->GetDisplacementGrid()))
+  {
+    return "the vtkFFDSplineTransform has no grid of displacements";
+  }
+  step.Type = ffd::TransformStep::Kind::Spline;
+  step.Order = transform->GetSplineOrder();
+  SetNodes(transform->GetDisplacementGrid(), 1.0, 0.0, step);
+  return ffd::FindGridProblem(step.Grid, step.Order + 1);
+}
+
+/// What no reader takes: numbers that are not finite or exceed 1e12, a collapsed matrix.
+std::string FindStepProblem(const ffd::TransformStep& step)
+{
+  const auto usable = [](const glm::dvec3& v) {
+    return std::abs(v.x) <= ffd::LargestNumber && std::abs(v.y) <= ffd::LargestNumber &&
+      std::abs(v.z) <= ffd::LargestNumber;
+  };
+  if (!usable(step.Matrix[0]) || !usable(step.Matrix[1]) || !usable(step.Matrix[2]) ||
+    !usable(step.Offset) || !std::all_of(step.Values.begin(), step.Values.end(), usable))
+  {
+    return "it has numbers that are not finite, or exceed 1e12";
+  }
+  return ffd::IsSingular(step) ? "its matrix is singular" : "";
 }
 
 /// The chain of steps of a transform, first applied first; empty, or why there is none.
@@ -156,6 +213,10 @@ std::string MakeSteps(vtkAbstractTransform* transform, std::vector<ffd::Transfor
   {
     problem = MakeSplineStep(spline, step);
   }
+  else if (auto* low = vtkFFDSplineTransform::SafeDownCast(transform))
+  {
+    problem = MakeSplineStep(low, step);
+  }
   else if (auto* grid = vtkGridTransform::SafeDownCast(transform))
   {
     problem = MakeFieldStep(grid, step);
@@ -176,16 +237,84 @@ std::string MakeSteps(vtkAbstractTransform* transform, std::vector<ffd::Transfor
     problem = "a " + std::string(transform->GetClassName()) +
       " has no form in it; fit a lattice to it with vtkFFDFitLattice";
   }
+  problem = problem.empty() ? FindStepProblem(step) : problem;
   steps.push_back(std::move(step));
+  return steps.size() > ffd::LargestChain ? "it is a chain of more than 64 transforms" : problem;
+}
+
+/**
+ * Why a transform is not what its numbers say: VTK's transforms, and ours, take what is not finite
+ * for the identity, or pass it on at some points only. Empty: no such reason.
+ */
+std::string FindHiddenProblem(vtkAbstractTransform* transform)
+{
+  ffd::TransformStep step;
+  bool inverse = false;
+  std::string problem;
+  ffd::BSplineField field;
+  if (auto* general = vtkGeneralTransform::SafeDownCast(transform))
+  {
+    for (int i = 0; i < general->GetNumberOfConcatenatedTransforms() && problem.empty(); ++i)
+    {
+      problem = FindHiddenProblem(general->GetConcatenatedTransform(i));
+    }
+  }
+  else if (auto* sum = vtkFFDSumTransform::SafeDownCast(transform))
+  {
+    for (int i = 0; i < sum->GetNumberOfTransforms() && problem.empty(); ++i)
+    {
+      problem = FindHiddenProblem(sum->GetTransform(i));
+    }
+  }
+  else if (auto* spline = vtkBSplineTransform::SafeDownCast(transform))
+  {
+    vtkFFDBSplineFieldFromTransform(spline, field, inverse, problem);
+  }
+  else if (auto* low = vtkFFDSplineTransform::SafeDownCast(transform))
+  {
+    if (HasDisplacements(low->GetDisplacementGrid()))
+    {
+      SetNodes(low->GetDisplacementGrid(), 1.0, 0.0, step);
+      problem = FindStepProblem(step);
+    }
+  }
+  else if (auto* grid = vtkGridTransform::SafeDownCast(transform))
+  {
+    grid->Update();
+    if (HasDisplacements(grid->GetDisplacementGrid()))
+    {
+      SetNodes(grid->GetDisplacementGrid(), grid->GetDisplacementScale(),
+        grid->GetDisplacementShift(), step);
+      problem = FindStepProblem(step);
+    }
+  }
   return problem;
 }
 
-/// Displacements at the nodes of a grid.
-bool SampleField(vtkAbstractTransform* transform, ffd::TransformStep& step)
+glm::dvec3 Displace(vtkAbstractTransform* transform, const glm::dvec3& p)
+{
+  glm::dvec3 q;
+  transform->InternalTransformPoint(&p.x, &q.x);
+  return q - p;
+}
+
+/// Displacements at the nodes of a grid; empty, or what is wrong with them.
+std::string SampleField(vtkAbstractTransform* transform, ffd::TransformStep& step)
 {
   const ffd::TransformGrid& grid = step.Grid;
+  const std::size_t count = ffd::CountNodes(grid.Size);
+  if (count > ffd::LargestField)
+  {
+    return "the reference image has more than 2^27 points";
+  }
+  const std::string hidden = FindHiddenProblem(transform);
+  if (!hidden.empty())
+  {
+    return hidden;
+  }
   step.Type = ffd::TransformStep::Kind::Field;
   step.Values.clear();
+  step.Values.reserve(count);
   transform->Update();
   glm::ivec3 i;
   for (i.z = 0; i.z < grid.Size.z; ++i.z)
@@ -194,19 +323,51 @@ bool SampleField(vtkAbstractTransform* transform, ffd::TransformStep& step)
     {
       for (i.x = 0; i.x < grid.Size.x; ++i.x)
       {
-        const glm::dvec3 p = grid.Origin + grid.Direction * (glm::dvec3(i) * grid.Spacing);
-        glm::dvec3 q;
-        transform->InternalTransformPoint(&p.x, &q.x);
-        step.Values.push_back(q - p);
-        const glm::dvec3& d = step.Values.back();
-        if (!(std::abs(d.x) <= 1e12 && std::abs(d.y) <= 1e12 && std::abs(d.z) <= 1e12))
-        {
-          return false;
-        }
+        step.Values.push_back(
+          Displace(transform, grid.Origin + grid.Direction * (glm::dvec3(i) * grid.Spacing)));
       }
     }
   }
-  return true;
+  return FindStepProblem(step).empty()
+    ? ""
+    : "the transform gives displacements that are not finite, or exceed 1e12, in the reference "
+      "image";
+}
+
+/// Largest distance of the transform from the field, interpolated linearly, at centers of cells.
+double MeasureError(vtkAbstractTransform* transform, const ffd::TransformStep& step)
+{
+  const ffd::TransformGrid& grid = step.Grid;
+  const glm::ivec3 size = grid.Size;
+  double largest = 0.0;
+  glm::ivec3 i;
+  // Along an axis of one node there are no cells between nodes, but the node itself.
+  const glm::ivec3 next(size.x > 1, size.y > 1, size.z > 1);
+  for (i.z = 0; i.z < std::max(size.z - 1, 1); ++i.z)
+  {
+    for (i.y = 0; i.y < std::max(size.y - 1, 1); ++i.y)
+    {
+      for (i.x = 0; i.x < std::max(size.x - 1, 1); ++i.x)
+      {
+        glm::dvec3 mean(0.0);
+        for (int corner = 0; corner < 8; ++corner)
+        {
+          const glm::ivec3 n =
+            i + next * glm::ivec3(corner & 1, (corner >> 1) & 1, (corner >> 2) & 1);
+          mean += 0.125 *
+            step.Values[static_cast<std::size_t>(n.x) +
+              static_cast<std::size_t>(size.x) *
+                (static_cast<std::size_t>(n.y) +
+                  static_cast<std::size_t>(size.y) * static_cast<std::size_t>(n.z))];
+        }
+        const glm::dvec3 index = glm::dvec3(i) + 0.5 * glm::dvec3(next);
+        const glm::dvec3 exact =
+          Displace(transform, grid.Origin + grid.Direction * (index * grid.Spacing));
+        largest = std::max(largest, glm::length(exact - mean));
+      }
+    }
+  }
+  return largest;
 }
 
 /// Little endian doubles, interleaved or planar.
@@ -229,13 +390,46 @@ std::string EncodeField(const std::vector<glm::dvec3>& values, bool planar)
   return bytes;
 }
 
-bool WriteFile(const std::string& name, const std::string& head, const std::string& data)
+/// The .vti text of a spline.
+std::string FormatLattice(vtkBSplineTransform* spline, std::string& text)
 {
-  std::ofstream stream(name, std::ios::binary | std::ios::trunc);
-  stream.write(head.data(), static_cast<std::streamsize>(head.size()));
-  stream.write(data.data(), static_cast<std::streamsize>(data.size()));
-  stream.close();
-  return !stream.fail();
+  vtkNew<vtkFFDLattice> lattice;
+  if (vtkFFDLattice::SafeDownCast(spline))
+  {
+    lattice->DeepCopy(spline);
+  }
+  else
+  {
+    lattice->SetBorderMode(spline->GetBorderMode());
+    lattice->SetDisplacementScale(spline->GetDisplacementScale());
+    lattice->FromImageData(spline->GetCoefficientData());
+  }
+  vtkNew<vtkImageData> image;
+  vtkNew<vtkXMLImageDataWriter> writer;
+  writer->SetInputData(image);
+  writer->WriteToOutputStringOn();
+  if (!lattice->ToImageData(image) || !writer->Write())
+  {
+    return "the lattice could not be made into an image";
+  }
+  text = writer->GetOutputString();
+  return std::string();
+}
+
+/// An image over the region where all control points of a spline exist.
+ffd::TransformGrid MakeDomain(const ffd::TransformStep& spline)
+{
+  const ffd::TransformGrid& grid = spline.Grid;
+  const glm::dvec3 length = glm::dvec3(grid.Size - spline.Order) * grid.Spacing;
+  const double longest = std::max({ length.x, length.y, length.z });
+  ffd::TransformGrid image = grid;
+  image.Origin = grid.Origin + grid.Direction * (0.5 * (spline.Order - 1) * grid.Spacing);
+  image.Spacing = glm::dvec3(longest / (DefaultVoxels - 1));
+  for (int a = 0; a < 3; ++a)
+  {
+    image.Size[a] = 1 + static_cast<int>(length[a] / image.Spacing[a] + 0.5);
+  }
+  return image;
 }
 
 int FormatOf(const std::string& fileName)
@@ -248,7 +442,7 @@ int FormatOf(const std::string& fileName)
     return name.rfind("TransformParameters", 0) == 0 ? vtkFFDTransformWriter::ELASTIX
                                                      : vtkFFDTransformWriter::ITK_TEXT;
   }
-  return suffix == ".tfm"                   ? vtkFFDTransformWriter::ITK_TEXT
+  return suffix == ".tfm"                  ? vtkFFDTransformWriter::ITK_TEXT
     : suffix == ".mha" || suffix == ".mhd" ? vtkFFDTransformWriter::META_IMAGE
     : suffix == ".nrrd"                    ? vtkFFDTransformWriter::NRRD
     : suffix == ".nii"                     ? vtkFFDTransformWriter::NIFTI
@@ -263,14 +457,13 @@ vtkFFDTransformWriter::vtkFFDTransformWriter()
   : FileName(nullptr)
   , Coordinates(LPS)
   , FileFormat(BY_NAME)
+  , FieldTolerance(0.1)
+  , FieldError(0.0)
 {
 }
 
 //------------------------------------------------------------------------------
-vtkFFDTransformWriter::~vtkFFDTransformWriter()
-{
-  this->SetFileName(nullptr);
-}
+vtkFFDTransformWriter::~vtkFFDTransformWriter() { this->SetFileName(nullptr); }
 
 //------------------------------------------------------------------------------
 void vtkFFDTransformWriter::PrintSelf(ostream& os, vtkIndent indent)
@@ -279,8 +472,10 @@ void vtkFFDTransformWriter::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "FileName: " << (this->FileName ? this->FileName : "(none)") << "\n";
   os << indent << "Coordinates: " << (this->Coordinates == LPS ? "LPS" : "RAS") << "\n";
   os << indent << "FileFormat: " << this->FileFormat << "\n";
-  os << indent << "Transform: "
-     << (this->Transform ? this->Transform->GetClassName() : "(none)") << "\n";
+  os << indent << "FieldTolerance: " << this->FieldTolerance << "\n";
+  os << indent << "FieldError: " << this->FieldError << "\n";
+  os << indent << "Transform: " << (this->Transform ? this->Transform->GetClassName() : "(none)")
+     << "\n";
   os << indent << "ReferenceImage: " << (this->ReferenceImage ? "given" : "(none)") << "\n";
 }
 
@@ -295,10 +490,7 @@ void vtkFFDTransformWriter::SetTransform(vtkAbstractTransform* transform)
 }
 
 //------------------------------------------------------------------------------
-vtkAbstractTransform* vtkFFDTransformWriter::GetTransform()
-{
-  return this->Transform;
-}
+vtkAbstractTransform* vtkFFDTransformWriter::GetTransform() { return this->Transform; }
 
 //------------------------------------------------------------------------------
 void vtkFFDTransformWriter::SetReferenceImage(vtkImageData* image)
@@ -311,10 +503,7 @@ void vtkFFDTransformWriter::SetReferenceImage(vtkImageData* image)
 }
 
 //------------------------------------------------------------------------------
-vtkImageData* vtkFFDTransformWriter::GetReferenceImage()
-{
-  return this->ReferenceImage;
-}
+vtkImageData* vtkFFDTransformWriter::GetReferenceImage() { return this->ReferenceImage; }
 
 //------------------------------------------------------------------------------
 void vtkFFDTransformWriter::SetCoordinates(int coordinates)
@@ -347,157 +536,199 @@ void vtkFFDTransformWriter::SetFileFormat(int format)
 }
 
 //------------------------------------------------------------------------------
+void vtkFFDTransformWriter::SetFieldTolerance(double tolerance)
+{
+  if (!(tolerance >= 0.0) || !std::isfinite(tolerance))
+  {
+    vtkErrorMacro(
+      "SetFieldTolerance: the tolerance is " << tolerance << ". Give a distance, 0 or more.");
+    return;
+  }
+  if (this->FieldTolerance != tolerance)
+  {
+    this->FieldTolerance = tolerance;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
 int vtkFFDTransformWriter::Write()
 {
+  this->FieldError = 0.0;
   if (!this->FileName || !*this->FileName || !this->Transform)
   {
     vtkErrorMacro("Write: there is no "
       << (this->Transform ? "file name. Call SetFileName()." : "transform. Call SetTransform()."));
     return 0;
   }
-  const std::string name = this->FileName;
-  const int format = this->FileFormat == BY_NAME ? FormatOf(name) : this->FileFormat;
-  const bool ras = this->Coordinates == RAS && format != LATTICE;
-  std::vector<ffd::TransformStep> steps;
   std::string problem;
-  std::string head;
-  std::string data;
-  std::string dataName;
-  const bool field = format == META_IMAGE || format == NRRD || format == NIFTI;
-  ffd::TransformStep reference; // its grid
-  reference.Type = ffd::TransformStep::Kind::Field;
-  if (this->ReferenceImage)
+  try
   {
-    reference.Grid = GetGrid(this->ReferenceImage);
-    problem = ffd::FindGridProblem(reference.Grid, 1);
-    problem = problem.empty() ? problem : "the reference image is not usable: " + problem;
+    problem = this->WriteTransform();
   }
-  if (format == BY_NAME)
+  catch (const std::bad_alloc&)
   {
-    problem = "its suffix is not .tfm, .txt, .mha, .mhd, .nrrd, .nii or .vti. Call SetFileFormat()";
+    problem = "it needs more memory than there is";
   }
-  else if (field && !this->ReferenceImage)
+  catch (const std::exception& exception)
   {
-    problem = "a displacement field needs the points to sample. Call SetReferenceImage()";
-  }
-  else if (problem.empty() && field)
-  {
-    problem = SampleField(this->Transform, reference)
-      ? std::string()
-      : "the transform gives displacements that are not finite, or exceed 1e12, in the "
-        "reference image";
-    steps.push_back(reference);
-  }
-  else if (problem.empty())
-  {
-    problem = MakeSteps(this->Transform, steps);
-    if (problem.empty() && format != ITK_TEXT &&
-      (steps.size() != 1 || steps[0].Type != ffd::TransformStep::Kind::Spline))
-    {
-      problem = "this format holds one spline, not a " +
-        std::string(this->Transform->GetClassName()) + "; fit a lattice with vtkFFDFitLattice";
-    }
+    problem = std::string("writing failed: ") + exception.what();
   }
   if (!problem.empty())
   {
-    vtkErrorMacro("Write: " << name << " cannot be written: " << problem << ".");
+    vtkErrorMacro("Write: " << this->FileName << " cannot be written: " << problem << ".");
     return 0;
   }
-  if (format == LATTICE)
+  if (this->FieldError > this->FieldTolerance)
   {
-    vtkNew<vtkFFDLattice> lattice;
-    if (vtkFFDLattice::SafeDownCast(this->Transform))
+    vtkWarningMacro("The field in "
+      << this->FileName << ", which programs interpolate linearly, is up to " << this->FieldError
+      << " away from the " << this->Transform->GetClassName()
+      << " between its points, more than the FieldTolerance of " << this->FieldTolerance
+      << ". Give a finer ReferenceImage.");
+  }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+std::string vtkFFDTransformWriter::WriteTransform()
+{
+  const std::string name = this->FileName;
+  const int format = this->FileFormat == BY_NAME ? FormatOf(name) : this->FileFormat;
+  if (format == BY_NAME)
+  {
+    return "its suffix is not .tfm, .txt, .mha, .mhd, .nrrd, .nii or .vti. Call SetFileFormat()";
+  }
+  ffd::TransformGrid reference;
+  if (this->ReferenceImage)
+  {
+    reference = GetGrid(this->ReferenceImage);
+    const std::string problem = ffd::FindGridProblem(reference, 1);
+    if (!problem.empty())
     {
-      lattice->DeepCopy(this->Transform);
+      return "the reference image is not usable: " + problem;
+    }
+  }
+  std::string head;
+  std::string data;
+  std::string dataName;
+  const std::string problem = format == META_IMAGE || format == NRRD || format == NIFTI
+    ? this->FormatField(format, reference, head, data, dataName)
+    : this->FormatSteps(format, reference, head);
+  if (!problem.empty())
+  {
+    return problem;
+  }
+  // The data first: a header that is there names data that are there.
+  std::string error;
+  vtkFFDFileAccess::Replacement dataFile;
+  if (!dataName.empty())
+  {
+    if (!dataFile.Write(dataName, std::string(), data, error))
+    {
+      return error;
+    }
+    data.clear();
+  }
+  vtkFFDFileAccess::Replacement file;
+  if (!file.Write(name, head, data, error) || (!dataName.empty() && !dataFile.Commit(error)) ||
+    !file.Commit(error))
+  {
+    return error;
+  }
+  return std::string();
+}
+
+//------------------------------------------------------------------------------
+std::string vtkFFDTransformWriter::FormatField(int format, const ffd::TransformGrid& reference,
+  std::string& head, std::string& data, std::string& dataName)
+{
+  if (!this->ReferenceImage)
+  {
+    return "a displacement field needs the points to sample. Call SetReferenceImage()";
+  }
+  ffd::TransformStep field;
+  field.Grid = reference;
+  const std::string problem = SampleField(this->Transform, field);
+  if (!problem.empty())
+  {
+    return problem;
+  }
+  this->FieldError = MeasureError(this->Transform, field);
+  if (this->Coordinates == RAS)
+  {
+    ffd::FlipTransformStep(field);
+  }
+  const std::string name = this->FileName;
+  if (format == NRRD)
+  {
+    head = ffd::FormatNrrdHeader(field.Grid);
+  }
+  else if (format == NIFTI)
+  {
+    head = ffd::FormatNiftiHeader(field.Grid);
+  }
+  else
+  {
+    const bool detached =
+      vtksys::SystemTools::LowerCase(vtksys::SystemTools::GetFilenameLastExtension(name)) == ".mhd";
+    std::string plain = vtksys::SystemTools::GetFilenameWithoutLastExtension(name) + ".raw";
+    if (detached && ffd::CanNameDataFile(plain))
+    {
+      const std::string folder = vtksys::SystemTools::GetFilenamePath(name);
+      dataName = folder.empty() ? plain : folder + "/" + plain;
     }
     else
     {
-      auto* spline = vtkBSplineTransform::SafeDownCast(this->Transform);
-      lattice->SetBorderMode(spline->GetBorderMode());
-      lattice->SetDisplacementScale(spline->GetDisplacementScale());
-      lattice->FromImageData(spline->GetCoefficientData());
+      plain.clear();
     }
-    vtkNew<vtkImageData> image;
-    vtkNew<vtkXMLImageDataWriter> writer;
-    writer->SetInputData(image);
-    writer->WriteToOutputStringOn();
-    if (!lattice->ToImageData(image) || !writer->Write() ||
-      !WriteFile(name, writer->GetOutputString(), std::string()))
-    {
-      vtkErrorMacro("Write: " << name << " could not be written. Is the folder there, and writable?");
-      return 0;
-    }
-    return 1;
+    head = ffd::FormatMetaImageHeader(field.Grid, plain);
   }
-  for (ffd::TransformStep& step : steps)
+  data = EncodeField(field.Values, format == NIFTI);
+  return std::string();
+}
+
+//------------------------------------------------------------------------------
+std::string vtkFFDTransformWriter::FormatSteps(
+  int format, const ffd::TransformGrid& reference, std::string& head)
+{
+  std::vector<ffd::TransformStep> steps;
+  const std::string problem = MakeSteps(this->Transform, steps);
+  if (!problem.empty())
   {
-    if (ras)
+    return problem;
+  }
+  auto* const spline = vtkBSplineTransform::SafeDownCast(this->Transform);
+  if (format == LATTICE ? !spline
+                        : format == ELASTIX &&
+        (steps.size() != 1 || steps[0].Type != ffd::TransformStep::Kind::Spline))
+  {
+    return "this format holds one spline, not a " + std::string(this->Transform->GetClassName()) +
+      "; fit a lattice with vtkFFDFitLattice";
+  }
+  if (format == LATTICE)
+  {
+    return FormatLattice(spline, head);
+  }
+  if (this->Coordinates == RAS)
+  {
+    for (ffd::TransformStep& step : steps)
     {
       ffd::FlipTransformStep(step);
     }
   }
-  const ffd::TransformGrid& grid = steps.empty() ? reference.Grid : steps[0].Grid;
-  switch (format)
+  if (format == ITK_TEXT)
   {
-    case ITK_TEXT:
-      head = ffd::FormatItkTransform(steps);
-      break;
-    case ELASTIX:
-    {
-      if (!this->ReferenceImage)
-      {
-        // The domain of the spline.
-        double longest = 0.0;
-        for (int a = 0; a < 3; ++a)
-        {
-          longest = std::max(longest, (grid.Size[a] - 3) * grid.Spacing[a]);
-        }
-        reference.Grid = grid;
-        reference.Grid.Origin = grid.Origin + grid.Direction * grid.Spacing;
-        reference.Grid.Spacing = glm::dvec3(longest / (DefaultVoxels - 1));
-        for (int a = 0; a < 3; ++a)
-        {
-          reference.Grid.Size[a] = 1 +
-            static_cast<int>((grid.Size[a] - 3) * grid.Spacing[a] / reference.Grid.Spacing[a] + 0.5);
-        }
-      }
-      else if (ras)
-      {
-        ffd::FlipTransformStep(reference);
-      }
-      head = ffd::FormatElastixTransform(steps[0], reference.Grid);
-      break;
-    }
-    case META_IMAGE:
-      if (vtksys::SystemTools::LowerCase(vtksys::SystemTools::GetFilenameLastExtension(name)) ==
-        ".mhd")
-      {
-        dataName = vtksys::SystemTools::GetFilenameWithoutLastExtension(name) + ".raw";
-      }
-      head = ffd::FormatMetaImageHeader(grid, dataName);
-      break;
-    case NRRD:
-      head = ffd::FormatNrrdHeader(grid);
-      break;
-    default:
-      head = ffd::FormatNiftiHeader(grid);
-      break;
+    head = ffd::FormatItkTransform(steps);
+    return std::string();
   }
-  if (field)
+  ffd::TransformStep image; // what transformix is to make
+  image.Type = ffd::TransformStep::Kind::Field;
+  image.Grid = this->ReferenceImage ? reference : MakeDomain(steps[0]);
+  if (this->ReferenceImage && this->Coordinates == RAS)
   {
-    data = EncodeField(steps[0].Values, format == NIFTI);
+    ffd::FlipTransformStep(image);
   }
-  bool written = true;
-  if (!dataName.empty())
-  {
-    const std::string folder = vtksys::SystemTools::GetFilenamePath(name);
-    written = WriteFile((folder.empty() ? "" : folder + "/") + dataName, std::string(), data);
-    data.clear();
-  }
-  if (!written || !WriteFile(name, head, data))
-  {
-    vtkErrorMacro("Write: " << name << " could not be written. Is the folder there, and writable?");
-    return 0;
-  }
-  return 1;
+  head = ffd::FormatElastixTransform(steps[0], image.Grid);
+  return std::string();
 }

@@ -8,20 +8,27 @@
  * The transform is taken as a map from fixed to moving points, in the given Coordinates.
  *
  * By FileFormat, or by the name:
- * - ITK_TEXT (.tfm, .txt): a vtkFFDLattice or vtkBSplineTransform as BSplineTransform, a linear
- *   transform as AffineTransform, a vtkGridTransform as DisplacementFieldTransform, and a
- *   vtkGeneralTransform of these as CompositeTransform.
- * - ELASTIX (TransformParameters*.txt): one vtkFFDLattice or vtkBSplineTransform, with the grid of
+ * - ITK_TEXT (.tfm, .txt): a vtkFFDLattice, vtkBSplineTransform or vtkFFDSplineTransform as
+ *   BSplineTransform, a linear transform as AffineTransform, a vtkGridTransform that interpolates
+ *   linearly as DisplacementFieldTransform, and a vtkGeneralTransform of up to 64 of these as
+ *   CompositeTransform.
+ * - ELASTIX (TransformParameters*.txt): one vtkFFDLattice, vtkBSplineTransform or
+ *   vtkFFDSplineTransform, with the grid of
  *   ReferenceImage as the image that transformix makes (without one: the domain of the spline in
  *   256 steps of its longest side).
  * - META_IMAGE (.mha, .mhd), NRRD (.nrrd), NIFTI (.nii): any transform, as its displacements at the
- *   points of ReferenceImage, which is required; raw doubles.
+ *   points of ReferenceImage, which is required and has at most 2^27 points; raw doubles. What is
+ *   between the points is interpolated linearly by those who read it, see FieldTolerance. The data
+ *   of an .mhd are in a .raw file of the same name, or in the .mhd itself where MetaImage cannot
+ *   name that file (a name with %, one that begins with LIST or a blank).
  * - LATTICE (.vti): a vtkFFDLattice or vtkBSplineTransform as the image of its control points, in
  *   VTK's data coordinates, never turned.
  *
- * Transforms that are inverted have no such form: invert by fitting a lattice first
- * (vtkFFDFitLattice). A spline that is not zero outside of its grid (VTK_BSPLINE_EDGE) is so for
- * ITK, which does not deform there.
+ * Nothing is written of a transform with numbers that are not finite or exceed 1e12, or with a
+ * singular matrix. Transforms that are inverted, and grids that are interpolated cubically or by
+ * the nearest, have no form in texts: invert by fitting a lattice first (vtkFFDFitLattice). A
+ * spline that is not zero outside of its grid (VTK_BSPLINE_EDGE) is so for ITK, which does not
+ * deform there.
  *
  * @sa vtkFFDTransformReader vtkFFDLattice vtkFFDFitLattice
  */
@@ -32,6 +39,12 @@
 #include "vtkObject.h"
 #include "vtkSmartPointer.h" // for vtkSmartPointer
 
+#include <string> // for std::string
+
+namespace ffd
+{
+struct TransformGrid;
+}
 class vtkAbstractTransform;
 class vtkImageData;
 
@@ -61,7 +74,8 @@ public:
 
   ///@{
   /**
-   * The file. An existing one is replaced, once all of the new one is known to be valid.
+   * The file. It appears under its name when it is complete: after an error (a full disk, too) an
+   * existing one is as it was. A link is followed; what is no regular file is not replaced.
    */
   vtkSetFilePathMacro(FileName);
   vtkGetFilePathMacro(FileName);
@@ -103,6 +117,18 @@ public:
   vtkGetMacro(FileFormat, int);
   ///@}
 
+  ///@{
+  /**
+   * Fields in files are interpolated linearly between their points. FieldError is the largest
+   * distance, data units, of the field written last from the transform at the centers of its cells
+   * (0 after other formats); one that exceeds FieldTolerance (0 or more, default 0.1) is said in a
+   * warning.
+   */
+  void SetFieldTolerance(double tolerance);
+  vtkGetMacro(FieldTolerance, double);
+  vtkGetMacro(FieldError, double);
+  ///@}
+
   /**
    * Write the file. Returns 1, or 0 after an error that says what is missing or not possible.
    */
@@ -116,9 +142,16 @@ private:
   vtkFFDTransformWriter(const vtkFFDTransformWriter&) = delete;
   void operator=(const vtkFFDTransformWriter&) = delete;
 
+  std::string WriteTransform();
+  std::string FormatField(int format, const ffd::TransformGrid& reference, std::string& head,
+    std::string& data, std::string& dataName);
+  std::string FormatSteps(int format, const ffd::TransformGrid& reference, std::string& head);
+
   char* FileName;
   int Coordinates;
   int FileFormat;
+  double FieldTolerance;
+  double FieldError;
   vtkSmartPointer<vtkAbstractTransform> Transform;
   vtkSmartPointer<vtkImageData> ReferenceImage;
 };

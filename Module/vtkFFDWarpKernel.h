@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Private to this library: not installed.
+// Private to the libraries of this project: not installed.
 #ifndef vtkFFDWarpKernel_h
 #define vtkFFDWarpKernel_h
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDFieldHeader.h"
 
+#include "FFDBinaryNumbers.h"
 #include "FFDTextNumbers.h"
 
 #include <glm/matrix.hpp>
@@ -10,7 +11,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <initializer_list>
 #include <map>
 
 namespace ffd
@@ -24,7 +24,11 @@ constexpr std::size_t NiftiHeaderSize = 348;
 constexpr std::size_t NiftiDataOffset = 352;
 constexpr int NiftiVectorIntent = 1007;
 constexpr int NiftiFloat64 = 64;
+constexpr int NiftiDisplacementIntent = 1006;
+constexpr int NiftiMetres = 1;
 constexpr int NiftiMillimetres = 2;
+constexpr int NiftiMicrons = 3;
+constexpr int NiftiSpaceUnits = 7; // bits of xyzt_units
 
 std::size_t SizeOf(Number type)
 {
@@ -65,7 +69,15 @@ bool SetGrid(FieldHeader& header, const glm::dmat3& axes, std::string& error)
 bool IsPlainFileName(std::string_view name)
 {
   return !name.empty() && name.size() < 256 && name != "." && name != ".." &&
-    name.find_first_of(std::string_view("/\\%:\0", 5)) == std::string_view::npos;
+    name.find_first_of(std::string_view("/\\\0", 3)) == std::string_view::npos;
+}
+
+/// What MetaImage and NRRD headers name several files by: LIST, or a printf pattern and its range.
+bool IsFileList(std::string_view name)
+{
+  std::string_view rest = name;
+  return TakeWord(rest) == "LIST" ||
+    (name.find('%') != std::string_view::npos && !Trim(rest).empty());
 }
 
 bool ReadBool(std::string_view text, bool& value)
@@ -89,29 +101,9 @@ bool ReadSize(const std::vector<double>& numbers, std::size_t first, glm::ivec3&
   return true;
 }
 
-/// Unsigned integer of `size` bytes at an offset.
-std::uint64_t LoadBits(const unsigned char* bytes, std::size_t size, bool bigEndian)
-{
-  std::uint64_t bits = 0;
-  for (std::size_t i = 0; i < size; ++i)
-  {
-    bits |= static_cast<std::uint64_t>(bytes[bigEndian ? size - 1 - i : i]) << (8 * i);
-  }
-  return bits;
-}
-
-double LoadFloat(const unsigned char* bytes, bool bigEndian)
-{
-  const std::uint32_t bits = static_cast<std::uint32_t>(LoadBits(bytes, 4, bigEndian));
-  float value = 0.0f;
-  std::memcpy(&value, &bits, sizeof(value));
-  return value;
-}
-
 double LoadNumber(const unsigned char* bytes, Number type, bool bigEndian)
 {
   const std::uint64_t bits = LoadBits(bytes, SizeOf(type), bigEndian);
-  double value = 0.0;
   switch (type)
   {
     case Number::Int8:
@@ -127,15 +119,9 @@ double LoadNumber(const unsigned char* bytes, Number type, bool bigEndian)
     case Number::Float32:
       return LoadFloat(bytes, bigEndian);
     case Number::Float64:
-      std::memcpy(&value, &bits, sizeof(value));
-      return value;
+      return LoadDouble(bytes, bigEndian);
   }
-  return value;
-}
-
-const unsigned char* BytesAt(std::string_view bytes, std::size_t offset)
-{
-  return reinterpret_cast<const unsigned char*>(bytes.data()) + offset;
+  return 0.0;
 }
 
 glm::dmat3 Rows(const std::vector<double>& numbers)
@@ -149,15 +135,12 @@ glm::dmat3 Rows(const std::vector<double>& numbers)
 //------------------------------------------------------------------------------
 std::size_t FieldHeader::GetNumberOfNodes() const
 {
-  return static_cast<std::size_t>(this->Grid.Size.x) *
-    static_cast<std::size_t>(this->Grid.Size.y) * static_cast<std::size_t>(this->Grid.Size.z);
+  return static_cast<std::size_t>(this->Grid.Size.x) * static_cast<std::size_t>(this->Grid.Size.y) *
+    static_cast<std::size_t>(this->Grid.Size.z);
 }
 
 //------------------------------------------------------------------------------
-std::size_t FieldHeader::GetNumberSize() const
-{
-  return SizeOf(this->Type);
-}
+std::size_t FieldHeader::GetNumberSize() const { return SizeOf(this->Type); }
 
 //------------------------------------------------------------------------------
 std::size_t FieldHeader::GetDataSize() const
@@ -213,8 +196,7 @@ bool ParseMetaImageHeader(std::string_view bytes, FieldHeader& header, std::stri
     error = "there is no line ElementDataFile in the first 64 kB";
     return false;
   }
-  const auto value = [&keys](std::string_view key, std::string_view otherwise)
-  {
+  const auto value = [&keys](std::string_view key, std::string_view otherwise) {
     const auto found = keys.find(key);
     return found == keys.end() ? otherwise : found->second;
   };
@@ -243,13 +225,13 @@ bool ParseMetaImageHeader(std::string_view bytes, FieldHeader& header, std::stri
   }
   static const std::map<std::string_view, Number> types = { { "MET_CHAR", Number::Int8 },
     { "MET_UCHAR", Number::UInt8 }, { "MET_SHORT", Number::Int16 },
-    { "MET_USHORT", Number::UInt16 }, { "MET_INT", Number::Int32 },
-    { "MET_UINT", Number::UInt32 }, { "MET_FLOAT", Number::Float32 },
-    { "MET_DOUBLE", Number::Float64 } };
+    { "MET_USHORT", Number::UInt16 }, { "MET_INT", Number::Int32 }, { "MET_UINT", Number::UInt32 },
+    { "MET_FLOAT", Number::Float32 }, { "MET_DOUBLE", Number::Float64 } };
   const auto type = types.find(value("ElementType", ""));
   if (type == types.end())
   {
-    error = "ElementType is " + Quote(value("ElementType", "")) + ", not a scalar type that is known";
+    error =
+      "ElementType is " + Quote(value("ElementType", "")) + ", not a scalar type that is known";
     return false;
   }
   header.Type = type->second;
@@ -260,8 +242,8 @@ bool ParseMetaImageHeader(std::string_view bytes, FieldHeader& header, std::stri
   std::vector<double> matrix;
   if (!ReadNumbers(value("DimSize", ""), "DimSize", size, error) ||
     !ReadNumbers(value("Offset", "0 0 0"), "Offset", offset, error) ||
-    !ReadNumbers(value("ElementSpacing", value("ElementSize", "1 1 1")), "ElementSpacing",
-      spacing, error) ||
+    !ReadNumbers(
+      value("ElementSpacing", value("ElementSize", "1 1 1")), "ElementSpacing", spacing, error) ||
     !ReadNumbers(value("TransformMatrix", "1 0 0 0 1 0 0 0 1"), "TransformMatrix", matrix, error) ||
     !HasCount(size, 3, "DimSize", error) || !HasCount(offset, 3, "Offset", error) ||
     !HasCount(spacing, 3, "ElementSpacing", error) ||
@@ -291,7 +273,7 @@ bool ParseMetaImageHeader(std::string_view bytes, FieldHeader& header, std::stri
   {
     header.Offset = static_cast<std::size_t>(text.data() - bytes.data());
   }
-  else if (file.substr(0, 4) == "LIST" || !IsPlainFileName(file))
+  else if (IsFileList(file) || !IsPlainFileName(file))
   {
     error = "ElementDataFile is " + Quote(file) + ", not LOCAL or one file in the same folder";
     return false;
@@ -304,10 +286,7 @@ bool ParseMetaImageHeader(std::string_view bytes, FieldHeader& header, std::stri
 }
 
 //------------------------------------------------------------------------------
-bool LooksLikeNrrd(std::string_view bytes)
-{
-  return bytes.substr(0, 7) == "NRRD000";
-}
+bool LooksLikeNrrd(std::string_view bytes) { return bytes.substr(0, 7) == "NRRD000"; }
 
 //------------------------------------------------------------------------------
 namespace
@@ -381,8 +360,7 @@ bool ParseNrrdHeader(std::string_view bytes, FieldHeader& header, std::string& e
       return false;
     }
   }
-  const auto value = [&fields](std::string_view key, std::string_view otherwise)
-  {
+  const auto value = [&fields](std::string_view key, std::string_view otherwise) {
     const auto found = fields.find(key);
     return found == fields.end() ? otherwise : found->second;
   };
@@ -442,7 +420,7 @@ bool ParseNrrdHeader(std::string_view bytes, FieldHeader& header, std::string& e
   {
     header.Offset = static_cast<std::size_t>(text.data() - bytes.data());
   }
-  else if (file.substr(0, 4) == "LIST" || !IsPlainFileName(file))
+  else if (IsFileList(file) || !IsPlainFileName(file))
   {
     error = "the data file is " + Quote(file) + ", not one file in the same folder";
     return false;
@@ -456,8 +434,8 @@ bool ParseNrrdHeader(std::string_view bytes, FieldHeader& header, std::string& e
   const bool ras = space == "right-anterior-superior" || space == "RAS";
   if (!ras && space != "left-posterior-superior" && space != "LPS")
   {
-    error = "the space is " + Quote(space) +
-      ", not left-posterior-superior or right-anterior-superior";
+    error =
+      "the space is " + Quote(space) + ", not left-posterior-superior or right-anterior-superior";
     return false;
   }
   std::string_view directions = value("space directions", "none (1,0,0) (0,1,0) (0,0,1)");
@@ -512,8 +490,9 @@ bool ParseNiftiHeader(std::string_view bytes, FieldHeader& header, std::string& 
     error = "the size of the header is not 348 in either byte order";
     return false;
   }
-  const auto integer = [&](std::size_t offset)
-  { return static_cast<int>(static_cast<std::int16_t>(LoadBits(BytesAt(bytes, offset), 2, big))); };
+  const auto integer = [&](std::size_t offset) {
+    return static_cast<int>(static_cast<std::int16_t>(LoadBits(BytesAt(bytes, offset), 2, big)));
+  };
   const auto real = [&](std::size_t offset) { return LoadFloat(BytesAt(bytes, offset), big); };
 
   int dim[8];
@@ -608,13 +587,13 @@ bool ParseNiftiHeader(std::string_view bytes, FieldHeader& header, std::string& 
         return false;
       }
       const double a = std::sqrt(std::max(0.0, 1.0 - square));
-      axes = glm::transpose(glm::dmat3(a * a + b * b - c * c - d * d, 2.0 * (b * c - a * d),
-        2.0 * (b * d + a * c), 2.0 * (b * c + a * d), a * a + c * c - b * b - d * d,
-        2.0 * (c * d - a * b), 2.0 * (b * d - a * c), 2.0 * (c * d + a * b),
-        a * a + d * d - c * c - b * b));
+      axes = glm::transpose(
+        glm::dmat3(a * a + b * b - c * c - d * d, 2.0 * (b * c - a * d), 2.0 * (b * d + a * c),
+          2.0 * (b * c + a * d), a * a + c * c - b * b - d * d, 2.0 * (c * d - a * b),
+          2.0 * (b * d - a * c), 2.0 * (c * d + a * b), a * a + d * d - c * c - b * b));
       axes[2] *= pixel[0] < 0.0 ? -1.0 : 1.0;
-      finite = finite && std::isfinite(origin.x) && std::isfinite(origin.y) &&
-        std::isfinite(origin.z);
+      finite =
+        finite && std::isfinite(origin.x) && std::isfinite(origin.y) && std::isfinite(origin.z);
     }
     for (int a = 0; a < 3; ++a)
     {
@@ -626,384 +605,17 @@ bool ParseNiftiHeader(std::string_view bytes, FieldHeader& header, std::string& 
     error = "the sform, qform or pixel sizes are not finite";
     return false;
   }
-  const glm::dvec3 flip(-1.0, -1.0, 1.0); // RAS to LPS
+  // RAS in the file's units of length to LPS in millimetres.
+  const int units = static_cast<unsigned char>(bytes[123]) & NiftiSpaceUnits;
+  const double length = units == NiftiMetres ? 1e3 : units == NiftiMicrons ? 1e-3 : 1.0;
+  const glm::dvec3 flip(-length, -length, length);
   origin *= flip;
   for (int a = 0; a < 3; ++a)
   {
     axes[a] *= flip;
   }
+  header.VectorsInRas = integer(68) == NiftiDisplacementIntent;
   return SetGrid(header, axes, error);
-}
-
-//------------------------------------------------------------------------------
-namespace
-{
-
-using Attributes = std::map<std::string_view, std::string_view>;
-
-/// The name and the attributes of a tag; false when it is not well formed.
-bool ReadTag(std::string_view tag, std::string_view& name, Attributes& attributes)
-{
-  attributes.clear();
-  name = TakeWord(tag);
-  for (tag = Trim(tag); !tag.empty(); tag = Trim(tag))
-  {
-    const std::size_t equals = tag.find('=');
-    if (equals == std::string_view::npos)
-    {
-      return false;
-    }
-    const std::string_view key = Trim(tag.substr(0, equals));
-    tag = Trim(tag.substr(equals + 1));
-    const std::size_t end = tag.empty() || (tag[0] != '"' && tag[0] != '\'')
-      ? std::string_view::npos
-      : tag.find(tag[0], 1);
-    if (end == std::string_view::npos ||
-      !attributes.emplace(key, tag.substr(1, end - 1)).second)
-    {
-      return false;
-    }
-    tag.remove_prefix(end + 1);
-  }
-  return true;
-}
-
-std::string_view Get(const Attributes& attributes, std::string_view key)
-{
-  const auto found = attributes.find(key);
-  return found == attributes.end() ? std::string_view() : found->second;
-}
-
-bool IsOneOf(std::string_view word, std::initializer_list<std::string_view> words)
-{
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
-/// A whole number within limits, or no attribute of that name.
-bool IsIntegerOrMissing(
-  const Attributes& attributes, std::string_view key, double smallest, double largest)
-{
-  const auto found = attributes.find(key);
-  double value = smallest;
-  return found == attributes.end() ||
-    (found->second.find_first_not_of("-0123456789") == std::string_view::npos &&
-      ReadNumber(found->second, value) && value >= smallest && value <= largest);
-}
-
-/// Attributes of an array; empty, or what is wrong.
-std::string FindArrayProblem(const Attributes& attributes, double fileSize)
-{
-  if (!IsOneOf(Get(attributes, "type"),
-        { "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64", "Float32",
-          "Float64" }))
-  {
-    return "an array has the type " + Quote(Get(attributes, "type"));
-  }
-  if (!IsOneOf(Get(attributes, "format"), { "ascii", "binary", "appended" }) ||
-    (Get(attributes, "format") == "appended") != (attributes.count("offset") != 0))
-  {
-    return "an array has the format " + Quote(Get(attributes, "format"));
-  }
-  if (!IsIntegerOrMissing(attributes, "NumberOfComponents", 1.0, 9.0) ||
-    !IsIntegerOrMissing(attributes, "NumberOfTuples", 0.0, fileSize) ||
-    !IsIntegerOrMissing(attributes, "offset", 0.0, fileSize))
-  {
-    return "the NumberOfComponents, NumberOfTuples or offset of an array is out of range";
-  }
-  return std::string();
-}
-
-/// Where the bytes of an array are, and how many they should be.
-struct LatticeFileArray
-{
-  std::string_view Data; // from the start of the array to the end of the file
-  std::size_t Size = 0;  // bytes, decompressed
-  bool Ascii = false;
-  bool Base64 = true;
-};
-
-/// The first bytes of a base64 text, as many as there are up to `count`.
-std::vector<unsigned char> DecodeBase64(std::string_view text, std::size_t count)
-{
-  static const std::string_view digits =
-    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::vector<unsigned char> bytes;
-  std::uint32_t bits = 0;
-  for (std::size_t i = 0; i < text.size() && bytes.size() < count; ++i)
-  {
-    const std::size_t digit = digits.find(text[i]);
-    if (digit == std::string_view::npos)
-    {
-      break;
-    }
-    bits = (bits << 6) | static_cast<std::uint32_t>(digit);
-    if (i % 4 != 0)
-    {
-      bytes.push_back(static_cast<unsigned char>(bits >> (6 - 2 * (i % 4))));
-    }
-  }
-  return bytes;
-}
-
-/// The block sizes that a compressed array begins with, which VTK's reader trusts.
-std::string FindBlockProblem(
-  const LatticeFileArray& array, bool compressed, std::size_t word, bool bigEndian)
-{
-  const auto read = [&](std::size_t words, std::vector<std::uint64_t>& values)
-  {
-    std::vector<unsigned char> bytes = array.Base64
-      ? DecodeBase64(array.Data, words * word)
-      : std::vector<unsigned char>(array.Data.begin(),
-          array.Data.begin() +
-            static_cast<std::ptrdiff_t>(std::min(array.Data.size(), words * word)));
-    values.clear();
-    for (std::size_t i = 0; (i + 1) * word <= bytes.size(); ++i)
-    {
-      values.push_back(LoadBits(bytes.data() + i * word, word, bigEndian));
-    }
-    return values.size() == words;
-  };
-  const std::string problem = "the sizes of the data of an array do not fit it";
-  std::vector<std::uint64_t> sizes;
-  if (array.Ascii)
-  {
-    return std::string();
-  }
-  if (!compressed)
-  {
-    return read(1, sizes) && sizes[0] == array.Size ? std::string() : problem;
-  }
-  if (!read(1, sizes) || sizes[0] > array.Data.size() || !read(3 + sizes[0], sizes))
-  {
-    return problem;
-  }
-  const std::uint64_t blocks = sizes[0];
-  const std::uint64_t size = sizes[1];
-  const std::uint64_t last = sizes[2];
-  const std::uint64_t whole = blocks - (last != 0 && blocks > 0 ? 1 : 0);
-  // A block is allocated whole, even when the array is shorter.
-  constexpr std::uint64_t largestBlock = std::uint64_t(1) << 26;
-  if (size > largestBlock || last > size || whole * size + last != array.Size)
-  {
-    return problem;
-  }
-  std::uint64_t stored = 0;
-  for (std::size_t i = 3; i < sizes.size(); ++i)
-  {
-    stored += std::min<std::uint64_t>(sizes[i], array.Data.size() + 1);
-  }
-  return stored <= array.Data.size() ? std::string() : problem;
-}
-
-std::size_t SizeOfVTKType(std::string_view type)
-{
-  const std::size_t digit = type.find_first_of("1368");
-  const std::string_view bits = type.substr(std::min(digit, type.size()));
-  return bits == "8" ? 1 : bits == "16" ? 2 : bits == "32" ? 4 : 8;
-}
-
-/// Attributes of any element; empty, or what is wrong. `extent` is that of the image.
-std::string FindElementProblem(std::string_view name, const Attributes& attributes,
-  double fileSize, std::string_view& extent)
-{
-  if (!IsOneOf(name,
-        { "VTKFile", "ImageData", "Piece", "PointData", "CellData", "FieldData", "DataArray",
-          "InformationKey", "Value", "AppendedData" }))
-  {
-    return "the element " + Quote(name) + " is not expected";
-  }
-  if (name == "DataArray")
-  {
-    return FindArrayProblem(attributes, fileSize);
-  }
-  if (name == "VTKFile" &&
-    (Get(attributes, "type") != "ImageData" ||
-      !IsOneOf(Get(attributes, "version"), { "0.1", "1.0", "2.0", "2.1", "2.2" }) ||
-      !IsOneOf(Get(attributes, "byte_order"), { "LittleEndian", "BigEndian" }) ||
-      !IsOneOf(Get(attributes, "header_type"), { "", "UInt32", "UInt64" }) ||
-      !IsOneOf(Get(attributes, "compressor"),
-        { "", "vtkZLibDataCompressor", "vtkLZ4DataCompressor", "vtkLZMADataCompressor" })))
-  {
-    return "its type, version, byte_order, header_type or compressor is not supported";
-  }
-  if (name == "AppendedData" && !IsOneOf(Get(attributes, "encoding"), { "raw", "base64" }))
-  {
-    return "the encoding of its data is " + Quote(Get(attributes, "encoding"));
-  }
-  if (name == "ImageData")
-  {
-    std::vector<double> numbers;
-    std::string error;
-    extent = Get(attributes, "WholeExtent");
-    bool usable = ReadNumbers(extent, "extent", numbers, error) && numbers.size() == 6;
-    for (std::size_t a = 0; a < 3 && usable; ++a)
-    {
-      const double n = numbers[2 * a + 1] - numbers[2 * a] + 1.0;
-      usable = n >= 4.0 && n <= 1024.0 && std::abs(numbers[2 * a]) <= 1e9 &&
-        n == std::floor(n) && numbers[2 * a] == std::floor(numbers[2 * a]);
-    }
-    if (!usable)
-    {
-      return "its extent " + Quote(extent) + " is not one of 4 to 1024 control points per axis";
-    }
-  }
-  if (name == "Piece" && (extent.empty() || Get(attributes, "Extent") != extent))
-  {
-    return "it is not one piece";
-  }
-  return std::string();
-}
-
-} // namespace
-
-//------------------------------------------------------------------------------
-std::string FindLatticeFileProblem(std::string_view bytes)
-{
-  constexpr int largestDepth = 8;
-  const double fileSize = static_cast<double>(bytes.size());
-  std::string_view extent;
-  std::vector<std::string_view> open;
-  bool image = false;
-  bool piece = false;
-  Attributes file;
-  struct Waiting
-  {
-    LatticeFileArray Array;
-    std::size_t Offset = 0; // in the appended data
-  };
-  std::vector<Waiting> waiting;
-  while (true)
-  {
-    const std::size_t begin = bytes.find('<');
-    const std::size_t end =
-      begin == std::string_view::npos ? begin : bytes.find('>', begin);
-    if (end == std::string_view::npos)
-    {
-      return "it ends in the middle";
-    }
-    std::string_view tag = bytes.substr(begin + 1, end - begin - 1);
-    bytes.remove_prefix(end + 1);
-    if (!tag.empty() && (tag[0] == '?' || tag[0] == '!'))
-    {
-      if (!open.empty())
-      {
-        return "there is a declaration inside of it";
-      }
-      continue;
-    }
-    if (!tag.empty() && tag[0] == '/')
-    {
-      if (open.empty() || Trim(tag.substr(1)) != open.back())
-      {
-        return "the end of " + Quote(tag.substr(1)) + " is not expected";
-      }
-      open.pop_back();
-      if (open.empty())
-      {
-        break;
-      }
-      continue;
-    }
-    const bool whole = !tag.empty() && tag.back() == '/';
-    tag.remove_suffix(whole ? 1 : 0);
-    std::string_view name;
-    Attributes attributes;
-    if (!ReadTag(tag, name, attributes))
-    {
-      return "the tag " + Quote(tag) + " is not well formed";
-    }
-    const std::string problem = FindElementProblem(name, attributes, fileSize, extent);
-    if (!problem.empty())
-    {
-      return problem;
-    }
-    if ((name == "ImageData" && image) || (name == "Piece" && piece) ||
-      open.size() >= largestDepth || open.empty() != (name == "VTKFile"))
-    {
-      return "the element " + Quote(name) + " is not expected there";
-    }
-    if (name == "VTKFile")
-    {
-      file = attributes;
-    }
-    if (name == "DataArray")
-    {
-      // Tuples of field data have an attribute; those of points and cells follow from the extent.
-      std::vector<double> numbers;
-      std::string error;
-      double tuples = 1.0;
-      const bool cells = open.back() == "CellData";
-      ReadNumbers(extent, "extent", numbers, error);
-      for (std::size_t axis = 0; axis < 3 && numbers.size() == 6; ++axis)
-      {
-        tuples *= numbers[2 * axis + 1] - numbers[2 * axis] + (cells ? 0.0 : 1.0);
-      }
-      double components = 1.0;
-      ReadNumber(Get(attributes, "NumberOfComponents"), components);
-      if (open.back() == "FieldData" && !ReadNumber(Get(attributes, "NumberOfTuples"), tuples))
-      {
-        return "a field-data array has no NumberOfTuples";
-      }
-      Waiting array;
-      array.Array.Size =
-        static_cast<std::size_t>(tuples * components) * SizeOfVTKType(Get(attributes, "type"));
-      array.Array.Ascii = Get(attributes, "format") == "ascii";
-      double offset = 0.0;
-      if (ReadNumber(Get(attributes, "offset"), offset))
-      {
-        array.Offset = static_cast<std::size_t>(offset);
-      }
-      else
-      {
-        // Behind the names of the array's range, if any.
-        std::size_t start = 0;
-        while (start < bytes.size() && (bytes[start] == ' ' || bytes[start] == '\n'))
-        {
-          ++start;
-        }
-        array.Array.Data = bytes.substr(start);
-      }
-      waiting.push_back(array);
-    }
-    image = image || name == "ImageData";
-    piece = piece || name == "Piece";
-    if (name == "AppendedData")
-    {
-      // No XML from here on.
-      const std::size_t start = bytes.find('_');
-      const std::string_view data =
-        bytes.substr(start == std::string_view::npos ? bytes.size() : start + 1);
-      for (Waiting& array : waiting)
-      {
-        if (array.Array.Data.data() == nullptr && !array.Array.Ascii)
-        {
-          array.Array.Data = data.substr(std::min(array.Offset, data.size()));
-          array.Array.Base64 = Get(attributes, "encoding") == "base64";
-        }
-      }
-      break;
-    }
-    if (!whole)
-    {
-      open.push_back(name);
-    }
-  }
-  if (!image || !piece)
-  {
-    return "there is no image in it";
-  }
-  const bool compressed = !Get(file, "compressor").empty();
-  const std::size_t word = Get(file, "header_type") == "UInt64" ? 8 : 4;
-  for (const Waiting& array : waiting)
-  {
-    const std::string problem = FindBlockProblem(
-      array.Array, compressed, word, Get(file, "byte_order") == "BigEndian");
-    if (!problem.empty())
-    {
-      return problem;
-    }
-  }
-  return std::string();
 }
 
 //------------------------------------------------------------------------------
@@ -1030,7 +642,7 @@ bool DecodeField(
         step.Values.clear();
         return false;
       }
-      step.Values[i][static_cast<int>(a)] = value;
+      step.Values[i][static_cast<int>(a)] = header.VectorsInRas && a < 2 ? -value : value;
     }
   }
   return true;
@@ -1045,8 +657,7 @@ std::string FormatNrrdHeader(const TransformGrid& grid)
   {
     text += ' ' + std::to_string(grid.Size[a]);
   }
-  const auto vector = [&text](const glm::dvec3& v)
-  {
+  const auto vector = [&text](const glm::dvec3& v) {
     text += '(';
     for (int a = 0; a < 3; ++a)
     {
@@ -1067,12 +678,21 @@ std::string FormatNrrdHeader(const TransformGrid& grid)
 }
 
 //------------------------------------------------------------------------------
+bool CanNameDataFile(std::string_view name)
+{
+  const bool printable = std::none_of(name.begin(), name.end(),
+    [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '%'; });
+  // MetaIO takes all that begins with LIST for a list of files.
+  return IsPlainFileName(name) && printable && Trim(name) == name && name.substr(0, 4) != "LIST" &&
+    name != "LOCAL" && name != "Local" && name != "local";
+}
+
+//------------------------------------------------------------------------------
 std::string FormatMetaImageHeader(const TransformGrid& grid, const std::string& dataFile)
 {
   std::string text = "ObjectType = Image\nNDims = 3\nBinaryData = True\n"
                      "BinaryDataByteOrderMSB = False\nCompressedData = False\nTransformMatrix =";
-  const auto vector = [&text](const glm::dvec3& v)
-  {
+  const auto vector = [&text](const glm::dvec3& v) {
     for (int a = 0; a < 3; ++a)
     {
       text += ' ';
@@ -1100,17 +720,16 @@ std::string FormatMetaImageHeader(const TransformGrid& grid, const std::string& 
 std::string FormatNiftiHeader(const TransformGrid& grid)
 {
   std::string bytes(NiftiDataOffset, '\0');
-  const auto store = [&bytes](std::size_t offset, std::uint32_t bits, std::size_t size)
-  {
+  const auto store = [&bytes](std::size_t offset, std::uint32_t bits, std::size_t size) {
     for (std::size_t i = 0; i < size; ++i)
     {
       bytes[offset + i] = static_cast<char>((bits >> (8 * i)) & 255u);
     }
   };
-  const auto integer = [&store](std::size_t offset, int value)
-  { store(offset, static_cast<std::uint32_t>(value), 2); };
-  const auto real = [&store](std::size_t offset, double value)
-  {
+  const auto integer = [&store](std::size_t offset, int value) {
+    store(offset, static_cast<std::uint32_t>(value), 2);
+  };
+  const auto real = [&store](std::size_t offset, double value) {
     const float narrow = static_cast<float>(value);
     std::uint32_t bits = 0;
     std::memcpy(&bits, &narrow, sizeof(bits));

@@ -4,7 +4,7 @@
 #define FFDFieldHeader_h
 
 #include "FFDExport.h"
-#include "FFDTransformFile.h"
+#include "FFDTransformStep.h"
 
 #include <cstddef>
 #include <string>
@@ -41,6 +41,8 @@ struct FFD_KERNEL_EXPORT FieldHeader
   std::string DataFile;
   /// Where the data begin; for NIfTI in the (decompressed) file.
   std::size_t Offset = 0;
+  /// The vectors are in RAS (NIfTI's intent 1006), not in LPS.
+  bool VectorsInRas = false;
   /// Displacement = Slope * number + Intercept.
   double Slope = 1.0;
   double Intercept = 0.0;
@@ -62,7 +64,9 @@ constexpr std::size_t LargestField = std::size_t(1) << 27;
  * dimensions and three components, sizes out of range, directions that are not orthonormal, data
  * in another folder, an encoding that is not supported. ITK's conventions: the vectors are in LPS
  * as they are; MetaImage's geometry is LPS, NRRD's as its "space" says, that of NIfTI is RAS, from
- * the sform where there is one, else from the qform, else from the pixel sizes.
+ * the sform where there is one, else from the qform, else from the pixel sizes, in millimetres
+ * after its xyzt_units (metres, millimetres, microns); vectors of NIfTI's intent 1006 are RAS, and
+ * in none of its files they are scaled by the units.
  */
 FFD_KERNEL_EXPORT bool ParseMetaImageHeader(
   std::string_view bytes, FieldHeader& header, std::string& error);
@@ -77,13 +81,6 @@ FFD_KERNEL_EXPORT bool LooksLikeNrrd(std::string_view bytes);
 FFD_KERNEL_EXPORT bool LooksLikeNifti(std::string_view bytes);
 
 /**
- * Whether a .vti file may be given to vtkXMLImageDataReader as an image of control points: empty, or
- * what is wrong with its elements and attributes. VTK 9.1's reader fails hard on types that it does
- * not know, and allocates what the file claims. `bytes` is the whole file.
- */
-FFD_KERNEL_EXPORT std::string FindLatticeFileProblem(std::string_view bytes);
-
-/**
  * Numbers as they lie in a file to the displacements of `step` (a Field over header.Grid). `data`
  * has header.GetDataSize() bytes. False when one is not finite or exceeds 1e12.
  */
@@ -92,6 +89,8 @@ FFD_KERNEL_EXPORT bool DecodeField(
 
 /// Header of an NRRD file (attached data, raw, little endian doubles, LPS) of this grid.
 FFD_KERNEL_EXPORT std::string FormatNrrdHeader(const TransformGrid& grid);
+/// Whether a MetaImage header can name this file of data, for MetaIO (VTK, ITK) as well.
+FFD_KERNEL_EXPORT bool CanNameDataFile(std::string_view name);
 /// Header of a MetaImage (.mha: local data, raw, little endian doubles; .mhd: in `dataFile`).
 FFD_KERNEL_EXPORT std::string FormatMetaImageHeader(
   const TransformGrid& grid, const std::string& dataFile);

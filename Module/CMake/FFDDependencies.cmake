@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
 # The packages the project is built on. Debian 12: libvtk9-dev libglm-dev libhwy-dev python3-vtk9,
-# and libeigen3-dev for VTK::eigen.
+# libeigen3-dev for VTK::eigen, libhdf5-dev for VTK::hdf5.
 set(ffd_vtk_components
   CommonCore CommonDataModel CommonExecutionModel CommonMath CommonSystem CommonTransforms
-  FiltersCore FiltersGeneral FiltersHybrid FiltersSources
+  FiltersCore FiltersGeneral FiltersHybrid FiltersSources hdf5
   ImagingCore ImagingHybrid ImagingSources ImagingStatistics
   InteractionStyle InteractionWidgets IOImage IOLegacy IOXML
   RenderingCore RenderingFreeType RenderingLabel RenderingOpenGL2 RenderingUI RenderingVolume

@@ -16,7 +16,7 @@ set -euo pipefail
 packages=(
   # to build
   g++ cmake ninja-build
-  libvtk9-dev libglm-dev libhwy-dev libeigen3-dev
+  libvtk9-dev libglm-dev libhwy-dev libeigen3-dev libhdf5-dev
   python3 python3-dev python3-vtk9 python3-numpy
   # to test and measure
   libgtest-dev libbenchmark-dev elastix

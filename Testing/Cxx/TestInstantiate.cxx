@@ -17,6 +17,8 @@
 #include "vtkFFDRayDeflector.h"
 #include "vtkFFDRayTracer.h"
 #include "vtkFFDResampleVolume.h"
+#include "vtkFFDSplineTransform.h"
+#include "vtkFFDSumTransform.h"
 #include "vtkFFDTransformReader.h"
 #include "vtkFFDTransformWriter.h"
 #include "vtkFFDVolumePicker.h"
@@ -57,6 +59,8 @@ int TestInstantiate(int, char*[])
   ok &= Check<vtkFFDEditLattice>("vtkFFDEditLattice", "vtkAlgorithm");
   ok &= Check<vtkFFDFitLattice>("vtkFFDFitLattice", "vtkAlgorithm");
   ok &= Check<vtkFFDMassSpring>("vtkFFDMassSpring", "vtkAlgorithm");
+  ok &= Check<vtkFFDSplineTransform>("vtkFFDSplineTransform", "vtkWarpTransform");
+  ok &= Check<vtkFFDSumTransform>("vtkFFDSumTransform", "vtkWarpTransform");
   ok &= Check<vtkFFDTransformReader>("vtkFFDTransformReader", "vtkAlgorithm");
   ok &= Check<vtkFFDTransformWriter>("vtkFFDTransformWriter", "vtkObject");
   ok &= Check<vtkFFDVolumeReader>("vtkFFDVolumeReader", "vtkAlgorithm");

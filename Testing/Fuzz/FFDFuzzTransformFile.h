@@ -5,8 +5,11 @@
 #ifndef FFDFuzzTransformFile_h
 #define FFDFuzzTransformFile_h
 
+#include "FFDElastixTransform.h"
 #include "FFDFieldHeader.h"
-#include "FFDTransformFile.h"
+#include "FFDItkTransform.h"
+#include "FFDLatticeFile.h"
+#include "FFDMincTransform.h"
 
 #include <cmath>
 #include <cstdio>
@@ -37,8 +40,9 @@ inline void FFDCheckStep(const ffd::TransformStep& step)
     FFDPromise(FFDUsable(step.Matrix[column], 1e25), "the matrix is finite");
   }
   FFDPromise(FFDUsable(step.Offset, 1e38), "the offset is finite");
-  if (step.Type != ffd::TransformStep::Kind::Linear)
+  if (step.Type == ffd::TransformStep::Kind::Spline || step.Type == ffd::TransformStep::Kind::Field)
   {
+    FFDPromise(step.Order >= 1 && step.Order <= 3, "the order of a spline is known");
     FFDPromise(ffd::FindGridProblem(step.Grid, 1).empty(), "the grid is usable");
     FFDPromise(step.Values.size() ==
         static_cast<std::size_t>(step.Grid.Size.x) * static_cast<std::size_t>(step.Grid.Size.y) *
@@ -83,11 +87,41 @@ inline int FFDFuzzTransformFile(std::string_view bytes)
   {
     ++taken;
     FFDCheckStep(elastix.Step);
+    FFDPromise(elastix.Weights.size() == elastix.SubFiles.size(), "there is a weight per file");
+    for (const double weight : elastix.Weights)
+    {
+      FFDPromise(std::abs(weight) <= 1e12, "weights are finite");
+    }
   }
   else
   {
     FFDPromise(!error.empty(), "an error says what is wrong");
   }
+  ffd::TransformStep matlab;
+  if (ffd::ParseMatlabTransform(bytes, matlab, error))
+  {
+    ++taken;
+    FFDCheckStep(matlab);
+  }
+  else
+  {
+    FFDPromise(!error.empty(), "an error says what is wrong");
+  }
+  std::vector<ffd::MincTransformEntry> minc;
+  if (ffd::ParseMincTransform(bytes, minc, error))
+  {
+    ++taken;
+    FFDPromise(!minc.empty(), "there is a transform");
+    for (const ffd::MincTransformEntry& entry : minc)
+    {
+      FFDCheckStep(entry.Step);
+    }
+  }
+  else
+  {
+    FFDPromise(!error.empty(), "an error says what is wrong");
+  }
+  FFDPromise(ffd::FindLargestLatticeFile(bytes) >= 1048576, "a lattice file may be 1 MiB");
   using Parser = bool (*)(std::string_view, ffd::FieldHeader&, std::string&);
   const Parser parsers[] = { ffd::ParseMetaImageHeader, ffd::ParseNrrdHeader,
     ffd::ParseNiftiHeader };

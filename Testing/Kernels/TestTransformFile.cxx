@@ -249,7 +249,10 @@ TEST(TransformFile, SumsAreSumsOfDisplacements)
   const glm::dvec3 p(1.0, 2.0, 3.0);
   EXPECT_LT(Difference(Apply(two, p), 2.0 * Apply(linear, p) - p), 1e-13);
   TransformStep splines = spline;
-  EXPECT_FALSE(ffd::AddTransformStep(splines, spline));
+  ASSERT_TRUE(ffd::AddTransformStep(splines, spline));
+  EXPECT_EQ(splines.Values[7], 2.0 * spline.Values[7]);
+  TransformStep elsewhere = MakeSpline(6, glm::dmat3(1.0));
+  EXPECT_FALSE(ffd::AddTransformStep(elsewhere, spline));
 }
 
 TEST(TransformFile, CorpusOfTheFuzzerKeepsEveryPromise)

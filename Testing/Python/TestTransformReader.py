@@ -6,7 +6,10 @@ import glob
 import gzip
 import json
 import os
+import resource
+import shutil
 import struct
+import time
 import unittest
 
 import numpy as np
@@ -73,9 +76,245 @@ class TestTransformReader(unittest.TestCase):
                 self.assertLess(
                     largest_error(ras.GetTransform(), pairs, (-1.0, -1.0, 1.0)), tolerance)
 
+    def test_every_format_and_type_of_itk(self):
+        expected = golden("itk_points.json")
+        self.assertEqual(len(expected), 22)
+        formats = set()
+        for name, pairs in expected.items():
+            # vtkGridTransform divides a cell into 2^16 steps.
+            tolerance = 1e-4 if "field" in name or name == "itk_composite.xfm" else 1e-12
+            with self.subTest(name):
+                reader = read(name)
+                self.assertLess(largest_error(reader.GetTransform(), pairs), tolerance * 50)
+                formats.add(reader.GetFileFormatAsString())
+                self.assertEqual(reader.CanReadFile(reader.GetFileName()), 1)
+                ras = read(name, "RAS").GetTransform()
+                self.assertLess(largest_error(ras, pairs, (-1.0, -1.0, 1.0)), tolerance * 50)
+        self.assertEqual(formats, {"ItkText", "ItkHDF5", "Matlab", "MINC"})
+
+    def read_text(self, name, text):
+        path = os.path.join(TEMPORARY, name)
+        with open(path, "w", encoding="ascii") as file:
+            file.write(text)
+        reader = vtkffd.vtkFFDTransformReader()
+        reader.SetFileName(path)
+        transform = reader.GetTransform()
+        self.assertIsNotNone(transform)
+        # It belongs to the reader.
+        copy = transform.MakeTransform()
+        copy.DeepCopy(transform)
+        return copy
+
+    def test_elastix_names_files_of_itk(self):
+        expected = golden("itk_points.json")
+        for name in ("itk_VersorTransform.tfm", "itk_ScaleTransform.tfm", "itk_composite.h5",
+                     "itk_ScaleVersor3DTransform.tfm", "itk_ScaleSkewVersor3DTransform.tfm",
+                     "itk_linear.mat", "itk_spline2.tfm"):
+            shutil.copy(os.path.join(FOLDER, name), TEMPORARY)
+            with self.subTest(name):
+                file = '(Transform "File")\n(TransformFileName "out/%s")\n' % name
+                transform = self.read_text("file.txt", file)
+                self.assertLess(largest_error(transform, expected[name]), 1e-10)
+                # As the initial transform of a translation, after which it is applied.
+                chain = self.read_text("chain.txt", '(Transform "TranslationTransform")\n'
+                                       '(TransformParameters 1 2 3)\n'
+                                       '(InitialTransformParameterFileName "file.txt")\n')
+                pairs = [(p, np.add(q, (1, 2, 3))) for p, q in expected[name]]
+                self.assertLess(largest_error(chain, pairs), 1e-10)
+
+    def test_elastix_weights_and_logarithms(self):
+        with open(os.path.join(FOLDER, "elastix5_spline2.txt"), encoding="ascii") as file:
+            spline = self.read_text("sub1.txt", file.read())
+        angle = 0.4
+        turn = self.read_text(
+            "sub2.txt", '(Transform "AffineLogTransform")\n(CenterOfRotationPoint 1 2 3)\n'
+            "(TransformParameters 0 %r 0 %r 0 0 0 0 %r 4 5 6)\n" % (-angle, angle, np.log(2.0)))
+        c, s = np.cos(angle), np.sin(angle)
+        matrix = np.array([[c, -s, 0], [s, c, 0], [0, 0, 2]])
+        points = np.random.default_rng(5).uniform(8.0, 28.0, (10, 3))
+        pairs = [(p, matrix @ (p - (1, 2, 3)) + (1, 2, 3) + (4, 5, 6)) for p in points]
+        self.assertLess(largest_error(turn, pairs), 1e-12)
+        for normalize, total in (("false", 1.0), ("true", 0.9)):
+            both = self.read_text(
+                "weighted.txt", '(Transform "WeightedCombinationTransform")\n'
+                '(TransformParameters 0.6 0.3)\n(SubTransforms "sub1.txt" "sub2.txt")\n'
+                '(NormalizeCombinationWeights "%s")\n' % normalize)
+            pairs = [(p, p + 0.6 / total * (np.array(spline.TransformPoint(p)) - p)
+                      + 0.3 / total * (np.array(turn.TransformPoint(p)) - p)) for p in points]
+            self.assertLess(largest_error(both, pairs), 1e-12)
+
+    def test_minc_inverses(self):
+        pairs = golden("itk_points.json")["itk_linear.xfm"]
+        with open(os.path.join(FOLDER, "itk_linear.xfm"), encoding="ascii") as file:
+            text = file.read()
+        back = self.read_text("i.xfm", text.replace("Linear;\n", "Linear;\nInvert_Flag = True;\n"))
+        self.assertLess(largest_error(back, [(q, p) for p, q in pairs]), 1e-11)
+        # A field, and after it its inverse.
+        shutil.copy(os.path.join(FOLDER, "itk_composite_grid_0.mnc"), TEMPORARY)
+        grid = ("Transform_Type = Grid_Transform;\n%sDisplacement_Volume = "
+                "itk_composite_grid_0.mnc;\n")
+        head = "MNI Transform File\n% a comment; with = signs\n"
+        there = self.read_text("g.xfm", head + grid % "")
+        both = self.read_text("g.xfm", head + grid % "" + grid % "Invert_Flag = True;\n")
+        center = np.array((11.0, 20.0, 20.0))
+        self.assertGreater(np.abs(there.TransformPoint(center) - center).max(), 0.1)
+        self.assertLess(np.abs(both.TransformPoint(center) - center).max(), 2e-3)
+
+    def field_bytes(self, name):
+        with open(os.path.join(FOLDER, name), "rb") as file:
+            return bytearray(file.read())
+
+    def test_nifti_units_and_intents(self):
+        # The grid in metres or microns; the vectors as they are.
+        pairs = golden("points.json")["field_identity.nii"]
+        for units, scale in ((1, 1e3), (2, 1.0), (3, 1e-3), (0, 1.0), (8 + 1, 1e3)):
+            content = self.field_bytes("field_identity.nii")
+            content[123] = units
+            path = os.path.join(TEMPORARY, "units.nii")
+            with open(path, "wb") as file:
+                file.write(content)
+            reader = vtkffd.vtkFFDTransformReader()
+            reader.SetFileName(path)
+            transform = reader.GetTransform()
+            worst = max(np.abs(np.array(transform.TransformPoint(scale * np.array(p)))
+                               - scale * np.array(p) - np.subtract(q, p)).max() for p, q in pairs)
+            self.assertLess(worst, 1e-3 if scale > 1.0 else 1e-4, units)
+        # Vectors of intent 1006 are RAS.
+        struct.pack_into("<h", content, 68, 1006)
+        content[123] = 2
+        with open(path, "wb") as file:
+            file.write(content)
+        reader = vtkffd.vtkFFDTransformReader()
+        reader.SetFileName(path)
+        flipped = [(p, p + np.subtract(q, p) * (-1, -1, 1)) for p, q in pairs]
+        self.assertLess(largest_error(reader.GetTransform(), flipped), 1e-4)
+
+    def test_gzip_of_several_members(self):
+        pairs = golden("points.json")["field_oblique.nii.gz"]
+        content = gzip.decompress(bytes(self.field_bytes("field_oblique.nii.gz")))
+        for cuts in ((400,), (100, 352, 1000), (10, len(content) - 1)):
+            parts = np.split(np.frombuffer(content, np.uint8), cuts)
+            path = os.path.join(TEMPORARY, "members.nii.gz")
+            with open(path, "wb") as file:
+                # Bytes behind the last member are ignored.
+                file.write(b"".join(gzip.compress(part.tobytes()) for part in parts) + b"\0" * 99)
+            reader = vtkffd.vtkFFDTransformReader()
+            reader.SetFileName(path)
+            self.assertLess(largest_error(reader.GetTransform(), pairs), 1e-4)
+
+    def test_only_regular_files(self):
+        pipe = os.path.join(TEMPORARY, "pipe")
+        if os.path.exists(pipe):
+            os.remove(pipe)
+        os.mkfifo(pipe)
+        text = bytes(self.field_bytes("field_oblique.mhd")).replace(b"field_oblique.raw", b"pipe")
+        self.check_refused("detached.mhd", text, "no regular file")
+        for name in (pipe, "/dev/zero"):
+            reader = vtkffd.vtkFFDTransformReader()
+            errors = Errors(reader)
+            reader.SetFileName(name)
+            self.assertIsNone(reader.GetTransform())
+            self.assertIn("no regular file", errors.messages[0])
+            self.assertEqual(reader.CanReadFile(name), 0)
+
+    def test_links_do_not_leave_the_folder(self):
+        outer = os.path.join(TEMPORARY, "links")
+        shutil.rmtree(outer, ignore_errors=True)
+        os.makedirs(os.path.join(outer, "in", "below"))
+        os.makedirs(os.path.join(outer, "out"))
+        header = "field_oblique.mhd"
+        raw = "field_oblique.raw"
+        pairs = golden("points.json")[header]
+
+        def attempt(path):
+            reader = vtkffd.vtkFFDTransformReader()
+            errors = Errors(reader)
+            reader.SetFileName(path)
+            transform = reader.GetTransform()
+            if transform is not None:
+                self.assertLess(largest_error(transform, pairs), 1e-4)
+            return errors.messages
+
+        inside = os.path.join(outer, "in", header)
+        shutil.copy(os.path.join(FOLDER, header), inside)
+        shutil.copy(os.path.join(FOLDER, raw), os.path.join(outer, "out"))
+        os.symlink(os.path.join(outer, "out", raw), os.path.join(outer, "in", raw))
+        self.assertIn("outside of the folder", attempt(inside)[0])
+        # Below the folder is within it.
+        os.remove(os.path.join(outer, "in", raw))
+        shutil.copy(os.path.join(FOLDER, raw), os.path.join(outer, "in", "below"))
+        os.symlink(os.path.join("below", raw), os.path.join(outer, "in", raw))
+        self.assertEqual(attempt(inside), [])
+        # A link to the header, with and without one to the data.
+        os.symlink(inside, os.path.join(outer, "link.mhd"))
+        self.assertEqual(attempt(os.path.join(outer, "link.mhd")), [])
+        os.symlink(os.path.join("in", raw), os.path.join(outer, raw))
+        self.assertEqual(attempt(os.path.join(outer, "link.mhd")), [])
+        # By a path that begins at the current folder.
+        here = os.getcwd()
+        try:
+            os.chdir(os.path.join(outer, "in"))
+            self.assertEqual(attempt(header), [])
+        finally:
+            os.chdir(here)
+
+    def test_no_more_is_read_than_the_header_says(self):
+        name = os.path.join(TEMPORARY, "sparse.raw")
+        with open(name, "wb") as file:
+            file.truncate(6 << 30)
+        text = bytes(self.field_bytes("field_oblique.mhd")).replace(b"field_oblique.raw",
+                                                                    b"sparse.raw")
+        begin = time.monotonic()
+        before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        path = os.path.join(TEMPORARY, "sparse.mhd")
+        with open(path, "wb") as file:
+            file.write(text)
+        reader = vtkffd.vtkFFDTransformReader()
+        reader.SetFileName(path)
+        self.assertIsNotNone(reader.GetTransform())
+        packed = text.replace(b"CompressedData = False", b"CompressedData = True")
+        self.assertNotEqual(packed, text)
+        self.check_refused("sparse.mhd", packed, "damaged")
+        for head in (b"#Insight Transform File V1.0\n", b"(Transform \"a\")\n",
+                     b"<VTKFile type=\"ImageData\"><ImageData>", b"MNI Transform File\n"):
+            with open(name, "r+b") as file:
+                file.write(head)
+            reader.SetFileName(name)
+            self.assertIsNone(reader.GetTransform())
+        self.assertLess(time.monotonic() - begin, 5.0)
+        self.assertLess(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before, 100 << 10)
+        os.remove(name)
+
+    def test_bad_files_of_other_formats_are_refused_by_name(self):
+        def content(name):
+            return bytes(self.field_bytes(name))
+
+        packed = content("itk_field_z.h5")
+        for name, data, expected in (
+                ("bad.h5", packed[:-300], "cannot be used"),
+                ("bad.h5", content("itk_composite_grid_0.mnc"), "TransformGroup"),
+                ("bad.h5", packed.replace(b"Transform_double_3_3", b"Transform_double_2_2"),
+                 "three dimensions"),
+                ("bad.mat", content("itk_linear.mat")[:-5], "ends in the middle"),
+                ("bad.mat", content("itk_linear.mat") * 2, "several transforms"),
+                ("bad.mat", content("itk_linear.mat").replace(b"ScaleSkew", b"ScaleSkip"),
+                 "not supported"),
+                ("bad.xfm", b"MNI Transform File\nTransform_Type = Linear;\n", "Linear_Transform"),
+                ("bad.xfm", b"MNI Transform File\nTransform_Type = User_Transform;\n",
+                 "User_Transform"),
+                ("bad.xfm", b"MNI Transform File\n", "no transform"),
+                ("bad.xfm", content("itk_composite.xfm").replace(b"grid_0", b"grid_7"),
+                 "not in the folder"),
+                ("bad.txt", b"(Transform \"File\")\n", "TransformFileName"),
+                ("bad.txt", b"(Transform \"File\")\n(TransformFileName \"bad.txt\")\n",
+                 "does not end")):
+            with self.subTest((name, expected)):
+                self.check_refused(name, data, expected)
+
     def test_files_of_elastix_do_what_transformix_does(self):
         expected = golden("elastix_points.json")
-        self.assertEqual(len(expected), 7)
+        expected.update(golden("elastix5_points.json"))
+        self.assertEqual(len(expected), 12)
         for name, pairs in expected.items():
             with self.subTest(name):
                 # transformix prints six decimals.
@@ -236,7 +475,7 @@ class TestTransformReader(unittest.TestCase):
                 ('"BSplineTransform"', '"SplineKernelTransform"', "not supported"),
                 ("(FixedImageDimension 3)", "(FixedImageDimension 2)", "FixedImageDimension"),
                 ('Parameters "false"', 'Parameters "true"', "binary"),
-                ("SplineOrder 3", "SplineOrder 2", "cubic"),
+                ("SplineOrder 3", "SplineOrder 4", "not 1, 2 or 3"),
                 ("(GridSize", "(OtherSize", "(GridSize ...)"),
                 ("(TransformParameters ", "(TransformParameters 7 ", "2701 numbers"),
                 ('"NoInitialTransform"', '"bad.txt"', "does not end"),

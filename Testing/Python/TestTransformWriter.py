@@ -3,6 +3,10 @@
 """vtkFFDTransformWriter: what is written is read back, and in the form that VTK's readers see."""
 
 import os
+import resource
+import shutil
+import signal
+import stat
 import unittest
 
 import numpy as np
@@ -164,6 +168,196 @@ class TestTransformWriter(unittest.TestCase):
             near = np.abs(apply(again, nodes) - apply(lattice, nodes)).max()
             self.assertLess(near, 0.05)
 
+    def test_random_lattices_come_back_bit_by_bit(self):
+        random = np.random.default_rng(7)
+        for seed in range(6):
+            lattice = vtkffd.vtkFFDLattice()
+            lattice.SetDimensions(*map(int, random.integers(4, 8, 3)))
+            low = random.uniform(-100.0, 100.0, 3)
+            high = low + random.uniform(0.1, 50.0, 3)
+            lattice.SetDomain(low[0], high[0], low[1], high[1], low[2], high[2])
+            values = vtk_to_numpy(lattice.GetDisplacements())
+            values[:] = random.normal(size=values.shape) * 10.0 ** random.integers(-12, 9)
+            lattice.Modified()
+            for name in ("w.tfm", "TransformParameters.w.txt", "w.vti"):
+                with self.subTest((seed, name)):
+                    self.assertIsNone(write(name, lattice))
+                    again = read(name)[0]
+                    np.testing.assert_array_equal(vtk_to_numpy(again.GetDisplacements()), values)
+                    # The origin is the sum of two numbers of the domain.
+                    np.testing.assert_allclose(again.GetDomain(), lattice.GetDomain(), rtol=1e-13)
+
+    def test_splines_of_low_order(self):
+        for order in (1, 2):
+            image = make_reference()
+            random = np.random.default_rng(order)
+            image.GetPointData().SetScalars(
+                numpy_to_vtk(random.normal(size=(image.GetNumberOfPoints(), 3)), deep=True))
+            spline = vtkffd.vtkFFDSplineTransform()
+            spline.SetSplineOrder(order)
+            spline.SetDisplacementGrid(image)
+            for name in ("w.tfm", "TransformParameters.w.txt"):
+                self.assertIsNone(write(name, spline))
+                again = read(name)[0]
+                self.assertEqual(again.GetSplineOrder(), order)
+                np.testing.assert_array_equal(apply(again), apply(spline))
+            self.assertIn("one spline", write("w.vti", spline))
+            self.assertIn("inverted", write("w.tfm", spline.GetInverse()))
+
+    def test_grids_that_are_not_linear(self):
+        image = make_reference()
+        values = np.random.default_rng(3).uniform(-1, 1, (image.GetNumberOfPoints(), 3))
+        image.GetPointData().SetScalars(numpy_to_vtk(values, deep=True))
+        grid = vtkGridTransform()
+        grid.SetDisplacementGridData(image)
+        grid.SetInterpolationModeToLinear()
+        self.assertIsNone(write("w.tfm", grid))
+        chain = vtkGeneralTransform()
+        chain.Concatenate(grid)
+        for mode in ("Cubic", "NearestNeighbor"):
+            getattr(grid, "SetInterpolationModeTo" + mode)()
+            for transform in (grid, chain):
+                self.assertIn("linear", write("w.tfm", transform))
+
+    def test_error_between_the_points_of_a_field(self):
+        lattice = make_lattice()
+        writer = vtkffd.vtkFFDTransformWriter()
+        warnings = []
+        writer.AddObserver("WarningEvent", Recorder(warnings))
+        writer.SetTransform(lattice)
+        writer.SetFileName(os.path.join(TEMPORARY, "w.mha"))
+        image = make_reference()
+        writer.SetReferenceImage(image)
+        self.assertEqual(writer.GetFieldTolerance(), 0.1)
+        self.assertEqual(writer.Write(), 1)
+        coarse = writer.GetFieldError()
+        # What the linear field misses at the centers of its cells.
+        again = read("w.mha")[0]
+        centers = np.array([(i + 0.5, j + 0.5, k + 0.5) for i in range(16) for j in range(12)
+                            for k in range(8)]) * 2.5
+        missed = np.linalg.norm(apply(again, centers) - apply(lattice, centers), axis=1).max()
+        self.assertAlmostEqual(coarse, missed, delta=1e-4)
+        self.assertEqual(len(warnings), 1 if coarse > 0.1 else 0)
+        writer.SetFieldTolerance(0.5 * coarse)
+        del warnings[:]
+        self.assertEqual(writer.Write(), 1)
+        self.assertEqual(len(warnings), 1)
+        self.assertIn("w.mha", warnings[0])
+        image.SetDimensions(65, 49, 33)
+        image.SetSpacing(0.625, 0.625, 0.625)
+        self.assertEqual(writer.Write(), 1)
+        self.assertLess(writer.GetFieldError(), coarse / 8.0)
+        self.assertEqual(len(warnings), 1)
+        writer.SetFileName(os.path.join(TEMPORARY, "w.tfm"))
+        self.assertEqual(writer.Write(), 1)
+        self.assertEqual(writer.GetFieldError(), 0.0)
+
+    def test_what_is_not_finite_is_not_written(self):
+        for value in (np.nan, np.inf, 1e15):
+            lattice = make_lattice()
+            vtk_to_numpy(lattice.GetDisplacements())[7, 1] = value
+            lattice.Modified()
+            chain = vtkGeneralTransform()
+            chain.Concatenate(lattice)
+            total = vtkffd.vtkFFDSumTransform()
+            total.AddTransform(lattice)
+            image = make_reference()
+            values = np.zeros((image.GetNumberOfPoints(), 3))
+            values[9, 2] = value
+            image.GetPointData().SetScalars(numpy_to_vtk(values, deep=True))
+            grid = vtkGridTransform()
+            grid.SetDisplacementGridData(image)
+            spline = vtkffd.vtkFFDSplineTransform()
+            spline.SetDisplacementGrid(image)
+            for transform in (lattice, chain, total, grid, spline):
+                for name in ("bad.mha", "bad.mhd", "bad.nrrd", "bad.nii", "bad.tfm", "bad.vti",
+                             "TransformParameters.bad.txt"):
+                    with self.subTest((value, transform.GetClassName(), name)):
+                        path = os.path.join(TEMPORARY, name)
+                        if os.path.exists(path):
+                            os.remove(path)
+                        self.assertIsNotNone(write(name, transform, make_reference()))
+                        self.assertFalse(os.path.exists(path))
+        linear = vtkTransform()
+        linear.Translate(np.nan, 0, 0)
+        self.assertIn("finite", write("bad.tfm", linear))
+        linear.Identity()
+        linear.Scale(1, 0, 1)
+        self.assertIn("singular", write("bad.tfm", linear))
+        # A small scale is not singular.
+        linear.Identity()
+        linear.Scale(1e-5, 1e-5, 1e-5)
+        self.assertIsNone(write("w.tfm", linear))
+        np.testing.assert_allclose(apply(read("w.tfm")[0]), apply(linear), rtol=1e-12)
+
+    def test_names_that_metaimage_cannot_name(self):
+        lattice = make_lattice()
+        reference = make_reference()
+        folder = os.path.join(TEMPORARY, "names")
+        shutil.rmtree(folder, ignore_errors=True)
+        os.makedirs(folder)
+        nodes = np.array([reference.GetPoint(i) for i in range(reference.GetNumberOfPoints())])
+        wanted = apply(lattice, nodes) - nodes
+        for name in ("100%", "%03d 1 5 1", "a:b", " leading", "trailing ", "LIST", "LISTED", "LOCAL",
+                     "two words", "new\nline", "\u00c4\u00d6", ".", "x" * 240):
+            with self.subTest(name):
+                path = os.path.join("names", name + ".mhd")
+                self.assertIsNone(write(path, lattice, reference))
+                grid = read(path)[0].GetDisplacementGrid()
+                np.testing.assert_array_equal(
+                    vtk_to_numpy(grid.GetPointData().GetScalars()), wanted)
+                other = vtkMetaImageReader()
+                other.SetFileName(os.path.join(TEMPORARY, path))
+                other.Update()
+                np.testing.assert_array_equal(
+                    vtk_to_numpy(other.GetOutput().GetPointData().GetScalars()), wanted)
+
+    def test_a_file_is_replaced_as_a_whole(self):
+        folder = os.path.join(TEMPORARY, "whole")
+        shutil.rmtree(folder, ignore_errors=True)
+        os.makedirs(folder)
+        lattice = make_lattice()
+        names = ("whole/w.tfm", "whole/w.vti", "whole/w.mhd", "whole/w.nii")
+        for name in names:
+            self.assertIsNone(write(name, lattice, make_reference()))
+        files = sorted(os.listdir(folder))
+        self.assertEqual(files, ["w.mhd", "w.nii", "w.raw", "w.tfm", "w.vti"])
+
+        def contents():
+            result = []
+            for name in sorted(os.listdir(folder)):
+                with open(os.path.join(folder, name), "rb") as file:
+                    result.append((name, file.read()))
+            return result
+
+        before = contents()
+        lattice.SetDisplacement(2, 2, 2, 1.0, 2.0, 3.0)
+        # As on a full disk: no file grows beyond 1000 bytes.
+        limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+        handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        try:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))
+            messages = [write(name, lattice, make_reference()) for name in names]
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+            signal.signal(signal.SIGXFSZ, handler)
+        for message in messages:
+            self.assertIn("space left", message)
+        self.assertEqual(contents(), before)
+        # Permissions are kept, and links followed.
+        target = os.path.join(folder, "w.tfm")
+        os.chmod(target, 0o640)
+        os.symlink("w.tfm", os.path.join(folder, "link.tfm"))
+        self.assertIsNone(write("whole/link.tfm", lattice))
+        self.assertTrue(os.path.islink(os.path.join(folder, "link.tfm")))
+        self.assertEqual(stat.S_IMODE(os.stat(target).st_mode), 0o640)
+        np.testing.assert_array_equal(apply(read("whole/w.tfm")[0]), apply(lattice))
+        # What is no file is not replaced.
+        os.mkfifo(os.path.join(folder, "pipe.tfm"))
+        os.makedirs(os.path.join(folder, "folder.tfm"))
+        for name in ("whole/pipe.tfm", "whole/folder.tfm"):
+            self.assertIn("no regular file", write(name, lattice))
+
     def test_format_overrides_the_name(self):
         writer = vtkffd.vtkFFDTransformWriter
         self.assertIsNone(write("w.dat", make_lattice(), file_format=writer.ITK_TEXT))
@@ -187,6 +381,12 @@ class TestTransformWriter(unittest.TestCase):
         self.assertIn("no/such", write("no/such/w.tfm", lattice))
         self.assertIn("no/such", write("no/such/w.vti", lattice))
         self.assertIn("inverted", write("w.tfm", lattice.GetInverse()))
+        chain = vtkGeneralTransform()
+        chain.Concatenate(lattice)
+        self.assertIn("one spline", write("w.vti", chain))
+        for _ in range(64):
+            chain.Concatenate(make_lattice())
+        self.assertIn("64", write("w.tfm", chain))
         from vtkmodules.vtkCommonTransforms import vtkThinPlateSplineTransform
         self.assertIn("vtkThinPlateSplineTransform", write("w.tfm", vtkThinPlateSplineTransform()))
         writer = vtkffd.vtkFFDTransformWriter()
@@ -195,7 +395,10 @@ class TestTransformWriter(unittest.TestCase):
         self.assertEqual(writer.Write(), 0)
         writer.SetFileFormat(99)
         writer.SetCoordinates(-1)
-        self.assertEqual(len(errors), 3)
+        writer.SetFieldTolerance(-1.0)
+        writer.SetFieldTolerance(np.nan)
+        self.assertEqual(len(errors), 5)
+        self.assertEqual(writer.GetFieldTolerance(), 0.1)
         self.assertEqual((writer.GetFileFormat(), writer.GetCoordinates()), (0, 0))
 
 
