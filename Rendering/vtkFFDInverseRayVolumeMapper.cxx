@@ -29,13 +29,17 @@
 #include "vtkCamera.h"
 #include "vtkCellData.h"
 #include "vtkCommand.h"
+#include "vtkContourValues.h"
 #include "vtkDataArray.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkGarbageCollector.h"
+#include "vtkHardwareSelector.h"
 #include "vtkIdTypeArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationObjectBaseVectorKey.h"
+#include "vtkLight.h"
+#include "vtkLightCollection.h"
 #include "vtkMath.h"
 #include "vtkMatrix4x4.h"
 #include "vtkNew.h"
@@ -45,8 +49,9 @@
 #include "vtkPlaneCollection.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
-#include "vtkRenderWindow.h"
+#include "vtkRectilinearGrid.h"
 #include "vtkRenderer.h"
+#include "vtkRenderWindow.h"
 #include "vtkSmartPointer.h"
 #include "vtkTimerLog.h"
 #include "vtkVolume.h"
@@ -144,12 +149,6 @@ bool ClipToBox(const glm::dvec3& origin, const glm::dvec3& direction, const ffd:
   return from < to;
 }
 
-/// As VTK's ray casters: a second or more is time for a still picture.
-bool IsMoving(vtkVolume* volume)
-{
-  return volume->GetAllocatedRenderTime() < 1.0;
-}
-
 /// Which part of an image of `rays` some quarters of tiles are, by their number.
 double FindPart(const std::vector<vtkFFDFrameCoherence::Part>& tiles, const glm::ivec2& rays)
 {
@@ -184,6 +183,37 @@ void WriteColours(
       bytes[i + c] = toByte(colours[i + c] * scale);
     }
     bytes[i + 3] = toByte(alpha);
+  }
+}
+
+/// Depths, 0 to 1, as numbers of a type: 255 or 65535 times as large as integers.
+template <typename T>
+void WriteDepths(const std::vector<float>& depths, double scale, T* numbers)
+{
+  for (std::size_t i = 0; i < depths.size(); ++i)
+  {
+    const double depth = std::clamp(static_cast<double>(depths[i]), 0.0, 1.0);
+    numbers[i] = static_cast<T>(scale == 1.0 ? depth : scale * depth + 0.5);
+  }
+}
+
+/// What of an image of rays is shown and pickable: more than VTK's GPU mapper takes for empty.
+constexpr float LeastPickedAlpha = 3.0f / 255.0f;
+
+/// Whether a pass of a selector reads what the volume draws.
+bool IsPassRead(vtkHardwareSelector* selector)
+{
+  const int field = selector->GetFieldAssociation();
+  switch (selector->GetCurrentPass())
+  {
+    case vtkHardwareSelector::POINT_ID_LOW24:
+    case vtkHardwareSelector::POINT_ID_HIGH24:
+      return field == vtkDataObject::FIELD_ASSOCIATION_POINTS;
+    case vtkHardwareSelector::CELL_ID_LOW24:
+    case vtkHardwareSelector::CELL_ID_HIGH24:
+      return field == vtkDataObject::FIELD_ASSOCIATION_CELLS;
+    default:
+      return true;
   }
 }
 
@@ -257,6 +287,12 @@ public:
   ffd::Box VisibleBounds() const;
   vtkFFDImageRegion FindRegion(
     vtkRenderer* renderer, vtkVolume* volume, const vtkFFDImageRegion& whole);
+  bool IsMoving(vtkVolume* volume) const;
+  vtkIdType FindIdentifier(const glm::dvec3& deformed, bool cells) const;
+  void PaintIdentifiers(
+    vtkHardwareSelector* selector, const ffd::CameraView& camera, const std::vector<float>& depths);
+  void MoveToBackface(const ffd::CameraView& camera, std::vector<float>& depths) const;
+  double EstimateTime() const { return this->TimePerRay * this->LastPixels; }
 
   vtkFFDInverseRayVolumeMapper* Self;
 
@@ -288,6 +324,7 @@ public:
   bool FunctionsHaveLabels = false;
   const void* FunctionsSecondAxis = nullptr; // not owned: only compared
   std::array<double, 2> FunctionsRange{ { 1.0, -1.0 } }; // WholeScalarRange
+  std::array<int, 3> FunctionsRangeTypes{ { SCALAR, SCALAR, SCALAR } };
   vtkTimeStamp FunctionsMade;
   vtkTimeStamp VisibilityChanged; // of the functions: what the distances depend on
   vtkTimeStamp BlocksMade;
@@ -314,7 +351,12 @@ public:
   std::vector<float> NearDepths;   // of rays that end before them; 0 where there is none
   std::vector<float> NearColours;
   std::vector<float> LayerDepths; // see vtkFFDImageDisplay::Layers
+  std::vector<float> VisibleDepths; // of the first visible samples, where these are asked for
+  vtkNew<vtkImageData> ColourImage; // the last frame that became an image
+  std::vector<float> ImageDepths;   // of that
+  vtkNew<vtkContourValues> DepthPassContourValues;
   double TimePerRay = 0.0; // seconds, of the last frame in a window
+  double LastPixels = 0.0; // that it covered
   double LastStep = 0.0;   // pixels, of the last frame while the scene moved
   vtkFFDFrameCoherence Coherence;
   double ReusedFraction = 0.0;
@@ -534,8 +576,11 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateFunctions(
   const vtkMTimeType time = property->GetMTime();
   const ffd::VolumeView& volume = this->Input.GetView();
   const bool hasLabels = this->Mask.Volume.Scalars && this->Mask.Labels;
+  const std::array<int, 3> rangeTypes = { { this->Self->ColorRangeType,
+    this->Self->ScalarOpacityRangeType, this->Self->GradientOpacityRangeType } };
   if (this->Property == property && this->FunctionsTime == time &&
-    this->FunctionsMade > this->BlocksMade && this->FunctionsHaveLabels == hasLabels &&
+    this->FunctionsRangeTypes == rangeTypes && this->FunctionsMade > this->BlocksMade &&
+    this->FunctionsHaveLabels == hasLabels &&
     this->FunctionsSecondAxis == this->SecondAxis.Scalars &&
     std::equal(
       this->FunctionsRange.begin(), this->FunctionsRange.end(), this->Self->WholeScalarRange))
@@ -548,6 +593,9 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateFunctions(
   facts.Type = volume.Type;
   facts.Nearest = property->GetInterpolationType() != VTK_LINEAR_INTERPOLATION;
   facts.HasLabels = hasLabels;
+  facts.NativeColours = rangeTypes[0] == NATIVE;
+  facts.NativeOpacities = rangeTypes[1] == NATIVE;
+  facts.NativeGradients = rangeTypes[2] == NATIVE;
   for (int c = 0; c < volume.Components; ++c)
   {
     const auto at = std::find(this->BlockComponents.begin(), this->BlockComponents.end(), c);
@@ -593,6 +641,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateFunctions(
   this->Property = property;
   this->FunctionsTime = time;
   this->FunctionsHaveLabels = hasLabels;
+  this->FunctionsRangeTypes = rangeTypes;
   this->FunctionsSecondAxis = this->SecondAxis.Scalars;
   std::copy_n(this->Self->WholeScalarRange, 2, this->FunctionsRange.begin());
   this->FunctionsMade.Modified();
@@ -1010,9 +1059,12 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
   for (int batch = 0; batch < batches && !aborted; ++batch)
   {
     renderTiles(count * static_cast<std::size_t>(batch + 1) / static_cast<std::size_t>(batches));
-    double progress = static_cast<double>(batch + 1) / batches;
-    this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderProgressEvent, &progress);
-    this->Self->UpdateProgress(progress);
+    if (this->Self->ReportProgress)
+    {
+      double progress = static_cast<double>(batch + 1) / batches;
+      this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderProgressEvent, &progress);
+      this->Self->UpdateProgress(progress);
+    }
     vtkRenderWindow* shownIn = window ? renderer->GetRenderWindow() : nullptr;
     aborted = this->Self->GetAbortExecute() != 0 ||
       (shownIn && batch + 1 < batches && shownIn->CheckAbortStatus());
@@ -1272,12 +1324,120 @@ void vtkFFDInverseRayVolumeMapper::vtkInternals::ApplyFinalColours(const vtkFFDI
 }
 
 //------------------------------------------------------------------------------
+/// As VTK's ray casters: a second or more is time for a still picture.
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::IsMoving(vtkVolume* volume) const
+{
+  return volume->GetAllocatedRenderTime() < 1.0 / this->Self->InteractiveUpdateRate;
+}
+
+//------------------------------------------------------------------------------
+/// The point or cell of the input whose material is shown at a point of deformed space.
+vtkIdType vtkFFDInverseRayVolumeMapper::vtkInternals::FindIdentifier(
+  const glm::dvec3& deformed, bool cells) const
+{
+  const ffd::VolumeView& volume = this->Input.GetView();
+  const glm::dvec3 index =
+    ffd::SurfaceSearch(volume, this->Map, deformed, glm::dvec3(0.0)).Evaluate(0.0).Index;
+  const glm::dvec3 inside = glm::clamp(index, volume.LowerIndex(), volume.UpperIndex());
+  const glm::dvec3 at = (volume.Axes ? volume.Axes->ToVoxel(inside) : inside) + volume.Margin;
+  int points[3] = { 2, 2, 2 };
+  vtkDataSet* input = this->Self->GetInput();
+  if (auto* image = vtkImageData::SafeDownCast(input))
+  {
+    image->GetDimensions(points);
+  }
+  else if (auto* grid = vtkRectilinearGrid::SafeDownCast(input))
+  {
+    grid->GetDimensions(points);
+  }
+  vtkIdType id = 0;
+  for (int a = 2; a >= 0; --a)
+  {
+    const vtkIdType count = cells ? points[a] - 1 : points[a];
+    const auto which = static_cast<vtkIdType>(std::floor(cells ? at[a] : at[a] + 0.5));
+    id = id * count + std::clamp<vtkIdType>(which, 0, count - 1);
+  }
+  return id;
+}
+
+//------------------------------------------------------------------------------
+/// What the present pass of a selector is to read from visible pixels, in the place of colours.
+void vtkFFDInverseRayVolumeMapper::vtkInternals::PaintIdentifiers(
+  vtkHardwareSelector* selector, const ffd::CameraView& camera, const std::vector<float>& depths)
+{
+  const int pass = selector->GetCurrentPass();
+  const bool cells =
+    pass == vtkHardwareSelector::CELL_ID_LOW24 || pass == vtkHardwareSelector::CELL_ID_HIGH24;
+  const bool high =
+    pass == vtkHardwareSelector::POINT_ID_HIGH24 || pass == vtkHardwareSelector::CELL_ID_HIGH24;
+  const bool identifiers = cells || high || pass == vtkHardwareSelector::POINT_ID_LOW24;
+  selector->BeginRenderProp();
+  if (pass == vtkHardwareSelector::COMPOSITE_INDEX_PASS)
+  {
+    selector->RenderCompositeIndex(1); // as surfaces that are not of composite data
+  }
+  selector->UpdateMaximumPointId(this->Self->GetInput()->GetNumberOfPoints());
+  selector->UpdateMaximumCellId(this->Self->GetInput()->GetNumberOfCells());
+  float same[3] = { 0.0f, 0.0f, 0.0f };
+  selector->GetPropColorValue(same);
+  selector->EndRenderProp();
+  const auto paint = [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i)
+    {
+      float* pixel = &this->Colours[4 * i];
+      const bool visible = pixel[3] > LeastPickedAlpha;
+      std::copy_n(same, 3, pixel);
+      if (visible && identifiers)
+      {
+        const glm::dvec2 centre(static_cast<double>(i % camera.ImageSize.x) + 0.5,
+          static_cast<double>(i / camera.ImageSize.x) + 0.5);
+        const glm::dvec2 ndc = camera.NdcOrigin + centre * camera.NdcPerPixel;
+        const vtkIdType id =
+          this->FindIdentifier(camera.ToWorld(glm::dvec3(ndc, 2.0 * depths[i] - 1.0)), cells);
+        vtkHardwareSelector::Convert(high ? id >> 24 : id, pixel);
+      }
+      pixel[3] = visible ? 1.0f : 0.0f;
+      for (int c = 0; c < 3 && !visible; ++c)
+      {
+        pixel[c] = 0.0f;
+      }
+    }
+  };
+  this->MakeParallelFor()(depths.size(), paint);
+}
+
+//------------------------------------------------------------------------------
+/// Where nothing is visible, the depths at which rays leave the bounds.
+void vtkFFDInverseRayVolumeMapper::vtkInternals::MoveToBackface(
+  const ffd::CameraView& camera, std::vector<float>& depths) const
+{
+  const ffd::Box bounds = this->VisibleBounds();
+  for (std::size_t i = 0; i < depths.size(); ++i)
+  {
+    if (this->Colours[4 * i + 3] > 0.0f)
+    {
+      continue;
+    }
+    const ffd::ViewRay ray = camera.MakeRay(static_cast<double>(i % camera.ImageSize.x) + 0.5,
+      static_cast<double>(i / camera.ImageSize.x) + 0.5);
+    double enter = 0.0;
+    double leave = ray.Far;
+    if (ClipToBox(ray.Origin, ray.Direction, bounds, enter, leave))
+    {
+      const glm::dvec4 clip =
+        camera.WorldToNdc * glm::dvec4(ray.Origin + leave * ray.Direction, 1.0);
+      depths[i] = static_cast<float>(0.5 * (clip.z / clip.w + 1.0));
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
 /// Whether the frame may show parts of the last one again: while the scene moves only, so that no
 /// still picture depends on what was drawn before it.
 bool vtkFFDInverseRayVolumeMapper::vtkInternals::CanReuse(vtkVolume* volume) const
 {
   return this->Self->FrameCoherence && !this->Self->CollectStatistics &&
-    this->Blend.Mode != ffd::BlendMode::Slice && IsMoving(volume);
+    this->Blend.Mode != ffd::BlendMode::Slice && this->IsMoving(volume);
 }
 
 //------------------------------------------------------------------------------
@@ -1698,6 +1858,191 @@ vtkMTimeType vtkFFDInverseRayVolumeMapper::GetSettingsTime()
 }
 
 //------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetRenderToImage(vtkTypeBool on)
+{
+  if (this->RendersToImage != on)
+  {
+    this->RendersToImage = on;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::GetColorImage(vtkImageData* image)
+{
+  vtkImageData* colours = this->Internals->ColourImage;
+  if (!image || !colours->GetPointData()->GetScalars())
+  {
+    vtkErrorMacro(<< "GetColorImage: "
+                  << (image ? "no frame became an image yet. Call "
+                              "RenderToImageOn() and render a window first."
+                            : "the image is null."));
+    return;
+  }
+  image->DeepCopy(colours);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::GetDepthImage(vtkImageData* image)
+{
+  const std::vector<float>& depths = this->Internals->ImageDepths;
+  if (!image || depths.empty())
+  {
+    vtkErrorMacro(<< "GetDepthImage: "
+                  << (image ? "no frame became an image yet. Call "
+                              "RenderToImageOn() and render a window first."
+                            : "the image is null."));
+    return;
+  }
+  image->Initialize();
+  image->SetExtent(this->Internals->ColourImage->GetExtent());
+  switch (this->DepthImageScalarType)
+  {
+    case VTK_UNSIGNED_CHAR:
+      image->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
+      WriteDepths(depths, 255.0, static_cast<unsigned char*>(image->GetScalarPointer()));
+      break;
+    case VTK_UNSIGNED_SHORT:
+      image->AllocateScalars(VTK_UNSIGNED_SHORT, 1);
+      WriteDepths(depths, 65535.0, static_cast<unsigned short*>(image->GetScalarPointer()));
+      break;
+    default:
+      image->AllocateScalars(VTK_FLOAT, 1);
+      WriteDepths(depths, 1.0, static_cast<float*>(image->GetScalarPointer()));
+      break;
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetInteractiveUpdateRate(double framesPerSecond)
+{
+  this->SetPositive("InteractiveUpdateRate", this->InteractiveUpdateRate,
+    framesPerSecond > 0.0 ? std::clamp(framesPerSecond, 1e-10, 1e10) : framesPerSecond);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::CreateCanonicalView(
+  vtkVolume* volume, vtkImageData* image, int blendMode, double viewDirection[3], double viewUp[3])
+{
+  this->CreateCanonicalView(nullptr, volume, image, blendMode, viewDirection, viewUp);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::CreateCanonicalView(vtkRenderer* renderer, vtkVolume* volume,
+  vtkVolume*, vtkImageData* image, int blendMode, double viewDirection[3], double viewUp[3])
+{
+  this->CreateCanonicalView(renderer, volume, image, blendMode, viewDirection, viewUp);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::CreateCanonicalView(vtkRenderer* renderer, vtkVolume* volume,
+  vtkImageData* image, int blendMode, double viewDirection[3], double viewUp[3])
+{
+  if (!volume || !image)
+  {
+    vtkErrorMacro(<< "CreateCanonicalView needs a volume and an image; the "
+                  << (!volume ? "volume" : "image") << " is null.");
+    return;
+  }
+  vtkNew<vtkRenderer> canonical;
+  vtkNew<vtkLight> headlight;
+  vtkLightCollection* lights = renderer ? renderer->GetLights() : nullptr;
+  if (lights && lights->GetNumberOfItems() > 0)
+  {
+    canonical->SetLightCollection(lights);
+  }
+  else
+  {
+    headlight->SetLightTypeToHeadlight();
+    canonical->AddLight(headlight);
+  }
+  double bounds[6];
+  volume->GetBounds(bounds);
+  const double distance = bounds[1] - bounds[0];
+  const glm::dvec3 centre(
+    0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3]), 0.5 * (bounds[4] + bounds[5]));
+  const glm::dvec3 position =
+    centre - distance * glm::dvec3(viewDirection[0], viewDirection[1], viewDirection[2]);
+  vtkCamera* camera = canonical->GetActiveCamera();
+  camera->SetFocalPoint(centre.x, centre.y, centre.z);
+  camera->SetPosition(position.x, position.y, position.z);
+  camera->SetViewUp(viewUp);
+  camera->ParallelProjectionOn();
+  camera->SetParallelScale(0.5 * distance);
+  canonical->ResetCameraClippingRange(bounds);
+
+  int size[3];
+  image->GetDimensions(size);
+  vtkNew<vtkImageData> colours;
+  const int keptBlendMode = this->BlendMode;
+  const vtkTypeBool keptCropping = this->Cropping;
+  const vtkTypeBool keptAlpha = this->PremultipliedAlpha;
+  this->BlendMode = blendMode;
+  this->Cropping = 0;
+  this->PremultipliedAlpha = 1;
+  const bool made =
+    this->RenderToImage(canonical, volume, size[0], size[1], colours, nullptr, nullptr) == 1;
+  this->BlendMode = keptBlendMode;
+  this->Cropping = keptCropping;
+  this->PremultipliedAlpha = keptAlpha;
+  if (!made)
+  {
+    return;
+  }
+  image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
+  const auto* rgba = static_cast<const unsigned char*>(colours->GetScalarPointer());
+  auto* rgb = static_cast<unsigned char*>(image->GetScalarPointer());
+  for (vtkIdType i = 0; i < colours->GetNumberOfPoints(); ++i)
+  {
+    std::copy_n(rgba + 4 * i, 3, rgb + 3 * i);
+  }
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDInverseRayVolumeMapper::PreLoadData(vtkRenderer*, vtkVolume* volume)
+{
+  if (!volume)
+  {
+    vtkErrorMacro(<< "PreLoadData: the volume is null.");
+    return false;
+  }
+  if (this->GetInputAlgorithm())
+  {
+    this->GetInputAlgorithm()->UpdateWholeExtent();
+  }
+  std::string message;
+  if (!this->Internals->Update(volume->GetProperty(), message))
+  {
+    vtkErrorMacro(<< message);
+    return false;
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+float vtkFFDInverseRayVolumeMapper::GetEstimatedRenderTime(vtkRenderer*, vtkVolume*)
+{
+  return static_cast<float>(this->Internals->EstimateTime());
+}
+
+//------------------------------------------------------------------------------
+float vtkFFDInverseRayVolumeMapper::ComputeRequiredImageSampleDistance(
+  float desiredTime, vtkRenderer*, vtkVolume*)
+{
+  const double wanted = desiredTime > 0.0f
+    ? std::sqrt(this->Internals->EstimateTime() / desiredTime)
+    : this->MaximumImageSampleDistance;
+  return static_cast<float>(std::clamp(wanted, this->MinimumImageSampleDistance,
+    std::max(this->MinimumImageSampleDistance, this->MaximumImageSampleDistance)));
+}
+
+//------------------------------------------------------------------------------
+vtkContourValues* vtkFFDInverseRayVolumeMapper::GetDepthPassContourValues()
+{
+  return this->Internals->DepthPassContourValues;
+}
+
+//------------------------------------------------------------------------------
 bool vtkFFDInverseRayVolumeMapper::MakeProbeView(vtkFFDProbeView& view)
 {
   vtkInternals& in = *this->Internals;
@@ -1767,11 +2112,13 @@ double* vtkFFDInverseRayVolumeMapper::GetBounds()
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
 {
-  if (renderer->GetSelector())
+  vtkHardwareSelector* selector = renderer->GetSelector();
+  if (selector && !IsPassRead(selector))
   {
-    // Colours are identifiers then. The volume has no cells to select and hides none.
     return;
   }
+  // Else it is for a selector or an image.
+  const bool shown = !selector && !this->RendersToImage;
   vtkInternals& in = *this->Internals;
   if (IsPeeled(renderer, volume))
   {
@@ -1814,15 +2161,26 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
   vtkFFDImageRegion whole(glm::ivec2(viewport[2], viewport[3]));
   whole.Aspect = renderer->GetTiledAspectRatio();
   whole.Stereo = true;
-  vtkFFDImageRegion region = in.FindRegion(renderer, volume, whole);
+  vtkFFDImageRegion region = selector || shown ? in.FindRegion(renderer, volume, whole) : whole;
+  if (selector)
+  {
+    unsigned int area[4];
+    selector->GetArea(area);
+    const glm::ivec2 corner(viewport[0], viewport[1]);
+    const glm::ivec2 first = glm::max(glm::ivec2(area[0], area[1]) - corner, region.Origin);
+    const glm::ivec2 last =
+      glm::min(glm::ivec2(area[2], area[3]) - corner, region.Origin + region.Rays - 1);
+    region.Origin = first;
+    region.Rays = last - first + 1;
+  }
   glm::ivec2 pixels = region.Rays;
   if (pixels.x < 1 || pixels.y < 1)
   {
     return;
   }
-  const bool interactive = this->AutoAdjustSampleDistances && IsMoving(volume);
-  region.Step = this->ImageSampleDistance;
-  if (this->AutoAdjustSampleDistances)
+  const bool interactive = shown && this->AutoAdjustSampleDistances && in.IsMoving(volume);
+  region.Step = shown ? this->ImageSampleDistance : 1.0;
+  if (shown && this->AutoAdjustSampleDistances)
   {
     const double least = this->MinimumImageSampleDistance;
     region.Step = interactive
@@ -1831,7 +2189,7 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
   }
   in.LastStep = interactive ? region.Step : 0.0;
   region.Rays = glm::max(glm::ivec2(1), glm::ivec2(glm::ceil(glm::dvec2(pixels) / region.Step)));
-  if (in.CanReuse(volume))
+  if (shown && in.CanReuse(volume))
   {
     in.Coherence.Align(region);
     pixels = glm::min(glm::ivec2(glm::ceil(glm::dvec2(region.Rays) * region.Step)),
@@ -1857,8 +2215,31 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
     }
   }
 
-  if (!in.Cast(renderer, volume, region, depths, interactive, true, nullptr))
+  float* visibleDepths = nullptr;
+  if (!shown)
   {
+    in.VisibleDepths.resize(
+      static_cast<std::size_t>(region.Rays.x) * static_cast<std::size_t>(region.Rays.y));
+    visibleDepths = in.VisibleDepths.data();
+  }
+  if (!in.Cast(renderer, volume, region, depths, interactive, shown, visibleDepths))
+  {
+    return;
+  }
+  const ffd::CameraView camera =
+    ffd::ToData(ffd::MakeCameraView(renderer, region), ffd::ToMatrix(volume->GetMatrix()));
+  if (selector)
+  {
+    in.PaintIdentifiers(selector, camera, in.VisibleDepths);
+  }
+  else if (!shown)
+  {
+    if (this->ClampDepthToBackface)
+    {
+      in.MoveToBackface(camera, in.VisibleDepths);
+    }
+    WriteColours(in.Colours, region.Rays.x, region.Rays.y, true, in.ColourImage);
+    in.ImageDepths = in.VisibleDepths;
     return;
   }
   vtkFFDImageDisplay::Layers layers;
@@ -1868,10 +2249,14 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
   }
   const double rays = static_cast<double>(region.Rays.x) * region.Rays.y;
   timer->StopTimer();
-  this->TimeToDraw = timer->GetElapsedTime();
-  // Part of a picture tells the least that all of it would take.
-  const double perRay = this->TimeToDraw / rays * (interactive ? 1.0 : 0.5);
-  in.TimePerRay = in.ReusedFraction > 0.0 ? std::max(in.TimePerRay, perRay) : perRay;
+  if (shown)
+  {
+    this->TimeToDraw = timer->GetElapsedTime();
+    // Part of a picture tells the least that all of it would take.
+    const double perRay = this->TimeToDraw / rays * (interactive ? 1.0 : 0.5);
+    in.TimePerRay = in.ReusedFraction > 0.0 ? std::max(in.TimePerRay, perRay) : perRay;
+    in.LastPixels = static_cast<double>(pixels.x) * pixels.y;
+  }
 
   const glm::dvec2 perPixel = 2.0 / glm::dvec2(region.Viewport);
   const glm::dvec2 lower = glm::dvec2(region.Origin) * perPixel - 1.0;
@@ -2028,6 +2413,7 @@ void vtkFFDInverseRayVolumeMapper::ReleaseGraphicsResources(vtkWindow* window)
   std::vector<float>().swap(in.WindowDepths);
   std::vector<float>().swap(in.RayDepths);
   std::vector<float>().swap(in.FirstVisible);
+  std::vector<float>().swap(in.VisibleDepths);
   std::vector<float>().swap(in.NearDepths);
   std::vector<float>().swap(in.LayerDepths);
   std::vector<float>().swap(in.NearColours);
@@ -2090,6 +2476,20 @@ void vtkFFDInverseRayVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
     this->SetFinalColorWindow(like->FinalColorWindow);
     this->SetFinalColorLevel(like->FinalColorLevel);
     this->SetPremultipliedAlpha(like->PremultipliedAlpha);
+    this->SetRenderToImage(like->RendersToImage);
+    this->SetDepthImageScalarType(like->DepthImageScalarType);
+    this->SetClampDepthToBackface(like->ClampDepthToBackface);
+    this->SetColorRangeType(like->ColorRangeType);
+    this->SetScalarOpacityRangeType(like->ScalarOpacityRangeType);
+    this->SetGradientOpacityRangeType(like->GradientOpacityRangeType);
+    this->SetInteractiveUpdateRate(like->InteractiveUpdateRate);
+    this->SetReportProgress(like->ReportProgress);
+    this->SetRequestedRenderMode(like->RequestedRenderMode);
+    this->SetInteractiveAdjustSampleDistances(like->InteractiveAdjustSampleDistances);
+    this->SetInterpolationMode(like->InterpolationMode);
+    this->SetMaxMemoryInBytes(like->MaxMemoryInBytes);
+    this->SetMaxMemoryFraction(like->MaxMemoryFraction);
+    this->SetUseDepthPass(like->UseDepthPass);
     this->SetMaskInput(like->MaskInput);
     this->SetMaskType(like->MaskType);
     this->SetMaskBlendFactor(like->MaskBlendFactor);
@@ -2166,6 +2566,21 @@ void vtkFFDInverseRayVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "FinalColorWindow: " << this->FinalColorWindow << "\n";
   os << indent << "FinalColorLevel: " << this->FinalColorLevel << "\n";
   os << indent << "PremultipliedAlpha: " << this->PremultipliedAlpha << "\n";
+  os << indent << "RenderToImage: " << this->RendersToImage << "\n";
+  os << indent << "DepthImageScalarType: " << this->DepthImageScalarType << "\n";
+  os << indent << "ClampDepthToBackface: " << this->ClampDepthToBackface << "\n";
+  os << indent << "ColorRangeType: " << this->ColorRangeType << "\n";
+  os << indent << "ScalarOpacityRangeType: " << this->ScalarOpacityRangeType << "\n";
+  os << indent << "GradientOpacityRangeType: " << this->GradientOpacityRangeType << "\n";
+  os << indent << "InteractiveUpdateRate: " << this->InteractiveUpdateRate << "\n";
+  os << indent << "ReportProgress: " << this->ReportProgress << "\n";
+  os << indent << "RequestedRenderMode: " << this->RequestedRenderMode << "\n";
+  os << indent << "InteractiveAdjustSampleDistances: " << this->InteractiveAdjustSampleDistances
+     << "\n";
+  os << indent << "InterpolationMode: " << this->InterpolationMode << "\n";
+  os << indent << "MaxMemoryInBytes: " << this->MaxMemoryInBytes << "\n";
+  os << indent << "MaxMemoryFraction: " << this->MaxMemoryFraction << "\n";
+  os << indent << "UseDepthPass: " << this->UseDepthPass << "\n";
   os << indent << "MaskInput: " << this->MaskInput << "\n";
   os << indent << "MaskType: " << (this->MaskType == BinaryMaskType ? "Binary" : "LabelMap") << "\n";
   os << indent << "MaskBlendFactor: " << this->MaskBlendFactor << "\n";

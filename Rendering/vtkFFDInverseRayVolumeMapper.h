@@ -88,6 +88,10 @@
  * vtkFixedPointVolumeRayCastMapper does, which rounds them up, so pictures stay what they were when
  * it is replaced. Convert to float scalars where that matters.
  *
+ * Picking by rendering (vtkHardwareSelector, vtkPropPicker, vtkRenderedAreaPicker) finds the volume
+ * where it is visible: where its opacity is more than 3 / 255, as VTK's GPU mapper. Cells and points
+ * are those of the input whose material is shown: of the first visible sample.
+ *
  * A headlight shines from the position of the camera, in parallel projection, too, as that of
  * vtkGPUVolumeRayCastMapper does. A single one of intensity 1 lights the ambient term whatever its
  * ambient colour, again as there; otherwise the ambient term is that of the ambient colours of the
@@ -112,10 +116,14 @@
 #include <memory> // For std::unique_ptr
 
 class vtkAbstractTransform;
+class vtkContourValues;
 class vtkFFDRayStatistics;
 class vtkIdTypeArray;
 class vtkImageData;
 class vtkPolyData;
+class vtkRenderWindow;
+class vtkTextureObject;
+class vtkVolumeProperty;
 struct vtkFFDProbeView;
 
 class VTKFFDRENDERING_EXPORT vtkFFDInverseRayVolumeMapper : public vtkVolumeMapper
@@ -631,6 +639,196 @@ public:
   int RenderToImage(vtkRenderer* renderer, vtkVolume* volume, int width, int height,
     vtkImageData* colours, vtkImageData* depths = nullptr, vtkImageData* inputDepths = nullptr);
 
+  ///@{
+  /**
+   * Whether frames of a render window become images instead of pictures in the window, as with
+   * vtkGPUVolumeRayCastMapper: Render() then draws nothing, and GetColorImage() and GetDepthImage()
+   * give what it would have drawn, a ray for each pixel of the viewport. (RenderToImage() needs
+   * neither a window nor this option.) Default: off.
+   */
+  void SetRenderToImage(vtkTypeBool on);
+  vtkTypeBool GetRenderToImage() { return this->RendersToImage; }
+  vtkBooleanMacro(RenderToImage, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
+   * The last frame with RenderToImageOn(). Colours are 4 unsigned chars, always premultiplied, 0
+   * where there is nothing. Depths are one number of DepthImageScalarType: what the depths of
+   * RenderToImage() are, from 0 to 1 as float, to 255 or 65535 as unsigned char or short. An error,
+   * and `image` stays as it is, if there was no such frame.
+   */
+  void GetColorImage(vtkImageData* image);
+  void GetDepthImage(vtkImageData* image);
+  ///@}
+
+  ///@{
+  /**
+   * Type of GetDepthImage(): VTK_UNSIGNED_CHAR, VTK_UNSIGNED_SHORT, or VTK_FLOAT for any other
+   * number. Default: VTK_FLOAT.
+   */
+  vtkSetMacro(DepthImageScalarType, int);
+  vtkGetMacro(DepthImageScalarType, int);
+  void SetDepthImageScalarTypeToUnsignedChar() { this->SetDepthImageScalarType(VTK_UNSIGNED_CHAR); }
+  void SetDepthImageScalarTypeToUnsignedShort()
+  {
+    this->SetDepthImageScalarType(VTK_UNSIGNED_SHORT);
+  }
+  void SetDepthImageScalarTypeToFloat() { this->SetDepthImageScalarType(VTK_FLOAT); }
+  ///@}
+
+  ///@{
+  /**
+   * Whether GetDepthImage() has, where nothing is visible, the depth at which the ray leaves
+   * GetBounds() (without deformation: the back faces of the volume) instead of 1. Default: off.
+   */
+  vtkSetMacro(ClampDepthToBackface, vtkTypeBool);
+  vtkGetMacro(ClampDepthToBackface, vtkTypeBool);
+  vtkBooleanMacro(ClampDepthToBackface, vtkTypeBool);
+  ///@}
+
+  /**
+   * Which scalars transfer functions are asked for.
+   */
+  enum TFRangeType
+  {
+    SCALAR = 0, ///< all: beyond the first and last point the function's Clamping says what it is
+    NATIVE      ///< those of the range of the function: others count as its nearest end
+  };
+
+  ///@{
+  /**
+   * Default: SCALAR. As in vtkGPUVolumeRayCastMapper; of functions with ClampingOn(), their default,
+   * and without colours beyond the range NATIVE changes nothing.
+   */
+  vtkSetClampMacro(ColorRangeType, int, SCALAR, NATIVE);
+  vtkGetMacro(ColorRangeType, int);
+  vtkSetClampMacro(ScalarOpacityRangeType, int, SCALAR, NATIVE);
+  vtkGetMacro(ScalarOpacityRangeType, int);
+  vtkSetClampMacro(GradientOpacityRangeType, int, SCALAR, NATIVE);
+  vtkGetMacro(GradientOpacityRangeType, int);
+  ///@}
+
+  ///@{
+  /**
+   * The scene counts as moving when the renderer allots less than 1 / InteractiveUpdateRate seconds
+   * to a frame: then AutoAdjustSampleDistances and FrameCoherence apply. Range 1e-10 to 1e10.
+   * Default: 1, as in vtkSmartVolumeMapper.
+   */
+  virtual void SetInteractiveUpdateRate(double framesPerSecond);
+  vtkGetMacro(InteractiveUpdateRate, double);
+  ///@}
+
+  ///@{
+  /**
+   * Whether pictures invoke ProgressEvent and VolumeMapperRenderProgressEvent. Default: on.
+   */
+  vtkSetMacro(ReportProgress, bool);
+  vtkGetMacro(ReportProgress, bool);
+  ///@}
+
+  ///@{
+  /**
+   * A picture of the volume alone, without cropping, in parallel projection along `viewDirection`,
+   * over black: `image`, whose dimensions say how large, is given 3 unsigned chars a pixel. The
+   * half width of the bounds fits its half height. Three signatures, those of
+   * vtkFixedPointVolumeRayCastMapper, vtkGPUVolumeRayCastMapper and vtkSmartVolumeMapper; the lights
+   * are those of the renderer, or a headlight. `volume2` is not used.
+   */
+  void CreateCanonicalView(vtkVolume* volume, vtkImageData* image, int blendMode,
+    double viewDirection[3], double viewUp[3]);
+  void CreateCanonicalView(vtkRenderer* renderer, vtkVolume* volume, vtkImageData* image,
+    int blendMode, double viewDirection[3], double viewUp[3]);
+  void CreateCanonicalView(vtkRenderer* renderer, vtkVolume* volume, vtkVolume* volume2,
+    vtkImageData* image, int blendMode, double viewDirection[3], double viewUp[3]);
+  ///@}
+
+  /**
+   * Make what the next frame needs of voxels, deformation and functions now. False after an error.
+   */
+  bool PreLoadData(vtkRenderer* renderer, vtkVolume* volume);
+
+  ///@{
+  /**
+   * Seconds that a picture with a ray a pixel would take, from the last one in a window; 0 before.
+   * The arguments are not used: it is that of the last volume and renderer.
+   */
+  float GetEstimatedRenderTime(vtkRenderer* renderer, vtkVolume* volume = nullptr);
+  ///@}
+
+  /**
+   * Pixels between rays, within the limits of the automatic image sample distance, with which that
+   * would take `desiredTime` seconds.
+   */
+  float ComputeRequiredImageSampleDistance(
+    float desiredTime, vtkRenderer* renderer, vtkVolume* volume = nullptr);
+
+  /**
+   * End the picture that is being made, as SetAbortExecute(1) does: to be called by its observers.
+   */
+  void AbortRender() { this->SetAbortExecute(1); }
+
+  ///@{
+  /**
+   * Names of vtkGPUVolumeRayCastMapper, vtkOpenGLGPUVolumeRayCastMapper and vtkSmartVolumeMapper
+   * that change nothing here, so that code written for those mappers compiles and runs.
+   *
+   * They choose among mappers, of which there is one: it draws in every window
+   * (IsRenderSupported() is 1) on the CPU (GetLastUsedRenderMode() is RayCastRenderMode); whether
+   * distances adapt is AutoAdjustSampleDistances alone. They limit, split or reduce textures, of
+   * which there are none: the reduction ratio is 1, textures are null. They look for the first
+   * surface in a pass of its own, which space leaping does. There is one input.
+   */
+  enum
+  {
+    DefaultRenderMode = 0,
+    RayCastRenderMode = 1,
+    GPURenderMode = 2,
+    OSPRayRenderMode = 3,
+    UndefinedRenderMode = 4,
+    InvalidRenderMode = 5
+  };
+  enum Passes
+  {
+    RenderPass,
+    DepthPass = 1
+  };
+  virtual int IsRenderSupported(vtkRenderWindow*, vtkVolumeProperty*) { return 1; }
+  vtkSetMacro(RequestedRenderMode, int);
+  vtkGetMacro(RequestedRenderMode, int);
+  void SetRequestedRenderModeToDefault() { this->SetRequestedRenderMode(DefaultRenderMode); }
+  void SetRequestedRenderModeToRayCast() { this->SetRequestedRenderMode(RayCastRenderMode); }
+  void SetRequestedRenderModeToGPU() { this->SetRequestedRenderMode(GPURenderMode); }
+  void SetRequestedRenderModeToOSPRay() { this->SetRequestedRenderMode(OSPRayRenderMode); }
+  int GetLastUsedRenderMode() { return RayCastRenderMode; }
+  vtkSetMacro(InteractiveAdjustSampleDistances, vtkTypeBool);
+  vtkGetMacro(InteractiveAdjustSampleDistances, vtkTypeBool);
+  vtkBooleanMacro(InteractiveAdjustSampleDistances, vtkTypeBool);
+  vtkSetMacro(InterpolationMode, int);
+  vtkGetMacro(InterpolationMode, int);
+  void SetInterpolationModeToNearestNeighbor() { this->SetInterpolationMode(0); }
+  void SetInterpolationModeToLinear() { this->SetInterpolationMode(1); }
+  void SetInterpolationModeToCubic() { this->SetInterpolationMode(3); }
+  vtkSetMacro(MaxMemoryInBytes, vtkIdType);
+  vtkGetMacro(MaxMemoryInBytes, vtkIdType);
+  vtkSetClampMacro(MaxMemoryFraction, float, 0.1f, 1.0f);
+  vtkGetMacro(MaxMemoryFraction, float);
+  void GetReductionRatio(double ratio[3]) { ratio[0] = ratio[1] = ratio[2] = 1.0; }
+  void SetPartitions(unsigned short, unsigned short, unsigned short) {}
+  vtkTextureObject* GetColorTexture() { return nullptr; }
+  vtkTextureObject* GetDepthTexture() { return nullptr; }
+  void SetSharedDepthTexture(vtkTextureObject*) {}
+  vtkSetMacro(UseDepthPass, vtkTypeBool);
+  vtkGetMacro(UseDepthPass, vtkTypeBool);
+  vtkBooleanMacro(UseDepthPass, vtkTypeBool);
+  vtkContourValues* GetDepthPassContourValues();
+  int GetCurrentPass() { return RenderPass; }
+  int GetInputCount() { return this->GetNumberOfInputConnections(0); }
+  vtkDataSet* GetTransformedInput(int = 0) { return this->GetInput(); }
+  double* GetBoundsFromPort(int) VTK_SIZEHINT(6) { return this->GetBounds(); }
+  void GPURender(vtkRenderer* renderer, vtkVolume* volume) { this->Render(renderer, volume); }
+  ///@}
+
   /**
    * What vtkFFDRayTracer puts out, see there: the rays of the given pixels (2 components, column
    * and row, from the lower left) of a picture of width x height pixels, as RenderToImage() would
@@ -758,6 +956,20 @@ private:
   double FinalColorWindow = 1.0;
   double FinalColorLevel = 0.5;
   vtkTypeBool PremultipliedAlpha = 0;
+  vtkTypeBool RendersToImage = 0;
+  int DepthImageScalarType = VTK_FLOAT;
+  vtkTypeBool ClampDepthToBackface = 0;
+  int ColorRangeType = SCALAR;
+  int ScalarOpacityRangeType = SCALAR;
+  int GradientOpacityRangeType = SCALAR;
+  double InteractiveUpdateRate = 1.0;
+  bool ReportProgress = true;
+  int RequestedRenderMode = DefaultRenderMode;
+  vtkTypeBool InteractiveAdjustSampleDistances = 1;
+  int InterpolationMode = 3;
+  vtkIdType MaxMemoryInBytes = 0;
+  float MaxMemoryFraction = 0.75f;
+  vtkTypeBool UseDepthPass = 0;
   int NumberOfThreads = 0;
   vtkTypeBool ReferenceKernels = 0;
   vtkTypeBool CollectStatistics = 0;

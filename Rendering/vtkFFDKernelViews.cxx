@@ -13,6 +13,7 @@
 #include "vtkPiecewiseFunction.h"
 #include "vtkPointData.h"
 #include "vtkRenderer.h"
+#include "vtkSmartPointer.h"
 #include "vtkVolumeProperty.h"
 
 #include <glm/common.hpp>
@@ -281,6 +282,40 @@ TransferTable MakeTable(const TableFunctions& functions, const MinMaxBlocks::Lim
     lo, hi, static_cast<std::size_t>(size), colours.data(), opacities.data(), functions.Unit);
 }
 
+/// Copies of functions that are constant beyond their ranges.
+class NativeFunctions
+{
+public:
+  vtkPiecewiseFunction* Truncate(vtkPiecewiseFunction* function) { return this->Copy(function); }
+  vtkColorTransferFunction* Truncate(vtkColorTransferFunction* function)
+  {
+    vtkColorTransferFunction* copy = this->Copy(function);
+    if (copy)
+    {
+      copy->SetUseBelowRangeColor(0);
+      copy->SetUseAboveRangeColor(0);
+    }
+    return copy;
+  }
+
+private:
+  template <typename Function>
+  Function* Copy(Function* function)
+  {
+    if (!function)
+    {
+      return nullptr;
+    }
+    auto copy = vtkSmartPointer<Function>::New();
+    copy->DeepCopy(function);
+    copy->ClampingOn();
+    this->Copies.push_back(copy);
+    return copy;
+  }
+
+  std::vector<vtkSmartPointer<vtkObject>> Copies;
+};
+
 /// Of a function without any effect: none.
 GradientOpacity MakeGradientOpacity(
   vtkPiecewiseFunction* function, const MinMaxBlocks::Limits& range)
@@ -482,6 +517,16 @@ bool MakeOpticalFunctions(vtkVolumeProperty* property, const ScalarFacts& facts,
     {
       return false;
     }
+    NativeFunctions native;
+    if (facts.NativeColours)
+    {
+      tables.Colour = native.Truncate(tables.Colour);
+      tables.Gray = native.Truncate(tables.Gray);
+    }
+    if (facts.NativeOpacities)
+    {
+      tables.Opacity = native.Truncate(tables.Opacity);
+    }
     TableFunctions used = tables;
     if (!independent)
     {
@@ -501,7 +546,9 @@ bool MakeOpticalFunctions(vtkVolumeProperty* property, const ScalarFacts& facts,
     }
     if (!planes && property->HasGradientOpacity(c))
     {
-      optics.Gradients = MakeGradientOpacity(property->GetGradientOpacity(c), range);
+      vtkPiecewiseFunction* gradient = property->GetGradientOpacity(c);
+      optics.Gradients =
+        MakeGradientOpacity(facts.NativeGradients ? native.Truncate(gradient) : gradient, range);
     }
     optics.Weight = static_cast<float>(property->GetComponentWeight(c));
     // Of all components, as VTK's mappers have it.

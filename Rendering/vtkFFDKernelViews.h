@@ -39,6 +39,9 @@ struct ScalarFacts
   bool HasSecondAxis = false; ///< of two-dimensional transfer functions; else it is the gradient
   MinMaxBlocks::Limits SecondAxis{ 0.0, 1.0 };
   bool HasLabels = false;
+  bool NativeColours = false; ///< colour functions are asked for scalars of their ranges only
+  bool NativeOpacities = false;
+  bool NativeGradients = false; ///< opacities of gradients
 };
 
 /// Ranges of SampleClassifier::FindDensity() and FindIntensity(): as far as is known without looking
