@@ -22,8 +22,7 @@ import vtkmodules.vtkRenderingVolumeOpenGL2  # noqa: F401
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
 from vtkmodules.vtkInteractionStyle import vtkInteractorStyleTrackballCamera
-from vtkmodules.vtkIOImage import vtkImageReader2Factory, vtkPNGWriter
-from vtkmodules.vtkIOXML import vtkXMLImageDataReader
+from vtkmodules.vtkIOImage import vtkPNGWriter
 from vtkmodules.vtkRenderingCore import (
     vtkActor2D,
     vtkColorTransferFunction,
@@ -43,14 +42,11 @@ BACKGROUND = (26, 28, 33)
 
 
 def read_image(path):
-    if path.endswith(".vti"):
-        reader = vtkXMLImageDataReader()
-    else:
-        reader = vtkImageReader2Factory.CreateImageReader2(path)
-    if not os.path.exists(path) or reader is None:
-        sys.exit("cannot read %s: give a .vti, .mhd, .mha, .nrrd or .nii volume" % path)
+    reader = vtkffd.vtkFFDVolumeReader()
     reader.SetFileName(path)
     reader.Update()
+    if reader.GetProblem():
+        sys.exit("cannot read %s: %s" % (path, reader.GetProblem()))
     return reader.GetOutput()
 
 
@@ -212,7 +208,7 @@ def main():
                         default=os.path.join(DATA, "Transforms", "elastix_bspline.txt"),
                         help="what maps points of the fixed volume to points of the moving one")
     parser.add_argument("--coordinates", choices=("LPS", "RAS"), default="LPS",
-                        help="of the volumes, as VTK reads them")
+                        help="of .vti volumes; files of other formats are read in LPS")
     parser.add_argument("--thresholds", type=float, nargs=2, default=(110.0, 1150.0),
                         help="scalars of the fixed and the moving volume where they become visible")
     parser.add_argument("--fields", type=int, default=6, help="of the checkerboard, per side")

@@ -10,6 +10,7 @@ import sys
 import unittest
 from unittest import mock
 
+import ffdvolumefiles
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOImage import vtkPNGReader
@@ -70,6 +71,19 @@ class TestExamples(unittest.TestCase):
         outside_before = (shown(before) & ~shown(fixed)).sum() / shown(before).sum()
         outside_after = (shown(after) & ~shown(fixed)).sum() / shown(after).sum()
         self.assertLess(outside_after, 0.5 * outside_before)
+
+    def test_registration_viewer_reads_what_it_names(self):
+        path = os.path.join(os.environ["FFD_TEST_TEMPORARY"], "example_body")
+        ffdvolumefiles.write_nrrd(path + ".nrrd", "right-anterior-superior")
+        ffdvolumefiles.write_nifti(path + ".nii.gz", "sform")
+        output, result = run("registration_viewer", "--fixed", path + ".nrrd", "--moving",
+                             path + ".nii.gz", "--thresholds", "300", "300", "--size", "60")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        # Before the registration the two lie on each other, but for their colours.
+        picture = read(os.path.join(output, "registration.png"))
+        shown = np.abs(picture - BACKGROUND).max(axis=-1) > 20
+        self.assertGreater(shown[60:, :60].mean(), 0.05)
+        self.assertLess((shown[60:, :60] != shown[60:, 60:]).mean(), 0.03)
 
     def test_without_a_display(self):
         for name, *arguments in (("deform_surface",), ("falling_head",), ("paper_figures",),
