@@ -16,8 +16,12 @@
 #include "vtkGaussianBlurPass.h"
 #include "vtkHiddenLineRemovalPass.h"
 #include "vtkLightsPass.h"
+#include "vtkObjectFactory.h"
 #include "vtkOpaquePass.h"
+#include "vtkOpenGLFramebufferObject.h"
 #include "vtkOpenGLFXAAPass.h"
+#include "vtkOpenGLRenderWindow.h"
+#include "vtkOpenGLState.h"
 #include "vtkOrderIndependentTranslucentPass.h"
 #include "vtkOverlayPass.h"
 #include "vtkPanoramicProjectionPass.h"
@@ -25,6 +29,7 @@
 #include "vtkPolyDataMapper.h"
 #include "vtkProperty.h"
 #include "vtkRenderPassCollection.h"
+#include "vtkRenderState.h"
 #include "vtkRenderStepsPass.h"
 #include "vtkSequencePass.h"
 #include "vtkShadowMapBakerPass.h"
@@ -94,6 +99,55 @@ private:
     this->Renderer->AddActor(actor);
   }
 };
+
+/// The usual steps in a framebuffer with several samples, or without depths.
+class FramebufferPass : public vtkRenderPass
+{
+public:
+  static FramebufferPass* New();
+  vtkTypeMacro(FramebufferPass, vtkRenderPass);
+
+  void Render(const vtkRenderState* s) override
+  {
+    constexpr unsigned int ReadFramebuffer = 0x8CA8;
+    constexpr unsigned int ColourBuffer = 0x4000;
+    constexpr unsigned int Nearest = 0x2600;
+    auto* window = vtkOpenGLRenderWindow::SafeDownCast(s->GetRenderer()->GetRenderWindow());
+    vtkOpenGLState* state = window->GetState();
+    int size[2];
+    s->GetWindowSize(size);
+    state->PushFramebufferBindings();
+    this->Framebuffer->SetContext(window);
+    this->Framebuffer->PopulateFramebuffer(
+      size[0], size[1], true, 1, VTK_UNSIGNED_CHAR, this->Depth, 24, this->Samples);
+    this->Framebuffer->Bind();
+    vtkRenderState inside(s->GetRenderer());
+    inside.SetPropArrayAndCount(s->GetPropArray(), s->GetPropArrayCount());
+    inside.SetFrameBuffer(this->Framebuffer);
+    this->Steps->Render(&inside);
+    state->PopFramebufferBindings();
+    state->PushReadFramebufferBinding();
+    this->Framebuffer->Bind(ReadFramebuffer);
+    this->Framebuffer->ActivateReadBuffer(0);
+    state->vtkglBlitFramebuffer(
+      0, 0, size[0], size[1], 0, 0, size[0], size[1], ColourBuffer, Nearest);
+    state->PopReadFramebufferBinding();
+  }
+
+  void ReleaseGraphicsResources(vtkWindow* window) override
+  {
+    this->Framebuffer->ReleaseGraphicsResources(window);
+    this->Steps->ReleaseGraphicsResources(window);
+  }
+
+  bool Depth = true;
+  int Samples = 0;
+
+private:
+  vtkNew<vtkOpenGLFramebufferObject> Framebuffer;
+  vtkNew<vtkRenderStepsPass> Steps;
+};
+vtkStandardNewMacro(FramebufferPass);
 
 Pass Sequence(std::initializer_list<Pass> passes)
 {
@@ -171,6 +225,14 @@ Pass Panorama(int type)
   pass->SetProjectionType(type);
   pass->SetAngle(90.0);
   pass->SetCubeResolution(300);
+  return pass;
+}
+
+Pass InFramebuffer(bool depth, int samples)
+{
+  vtkNew<FramebufferPass> pass;
+  pass->Depth = depth;
+  pass->Samples = samples;
   return pass;
 }
 
@@ -265,6 +327,9 @@ int TestRenderPasses(int argc, char* argv[])
       { "vtkPointFillPass", OfSteps<vtkPointFillPass> },
       { "vtkToneMappingPass", OfSteps<vtkToneMappingPass> },
       { "vtkOpenGLFXAAPass", OfSteps<vtkOpenGLFXAAPass> },
+      { "a framebuffer", [] { return InFramebuffer(true, 0); } },
+      { "a framebuffer with four samples a pixel", [] { return InFramebuffer(true, 4); } },
+      { "a framebuffer without depths", [] { return InFramebuffer(false, 0); } },
       { "vtkSimpleMotionBlurPass", MotionBlur },
       { "vtkPanoramicProjectionPass, equirectangular",
         [] { return Panorama(vtkPanoramicProjectionPass::Equirectangular); } },
@@ -275,7 +340,8 @@ int TestRenderPasses(int argc, char* argv[])
     {
       const Pass pass = each.second();
       scene.Renderer->SetPass(pass);
-      Check(scene, each.first, each.first != "vtkClearZPass", checks);
+      Check(scene, each.first,
+        each.first != "vtkClearZPass" && each.first != "a framebuffer without depths", checks);
       scene.Renderer->SetPass(nullptr);
       pass->ReleaseGraphicsResources(scene.Window);
     }
@@ -296,6 +362,14 @@ int TestRenderPasses(int argc, char* argv[])
         s.Renderer->SetPass(OfSteps<vtkSSAAPass>());
       } },
     { "on screen", [](PassScene& s) { s.Window->SetOffScreenRendering(0); } },
+    { "layers",
+      [](PassScene& s) {
+        vtkNew<vtkRenderer> below;
+        below->SetBackground(s.Renderer->GetBackground());
+        s.Window->SetNumberOfLayers(2);
+        s.Window->AddRenderer(below);
+        s.Renderer->SetLayer(1);
+      } },
     { "FXAA", [](PassScene& s) { s.Renderer->UseFXAAOn(); } },
     { "SSAO",
       [](PassScene& s) {
