@@ -4,6 +4,7 @@
 
 #include "vtkFFDFileAccess.h"
 
+#include "FFDBinaryNumbers.h"
 #include "FFDFieldHeader.h"
 #include "FFDItkTransform.h"
 #include "FFDTextNumbers.h"
@@ -14,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
@@ -173,31 +175,17 @@ bool ReadNumbers(hid_t set, bool integers, std::vector<hsize_t>& size, std::vect
     H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data()) >= 0;
 }
 
-/// One text, as a set or as an attribute, of fixed or variable length.
+/// One text of fixed length, as a set or as an attribute.
 template <class Reader>
-bool ReadText(hid_t typeId, hid_t spaceId, const Reader& read, std::string& text)
+bool ReadFixedText(hid_t typeId, hid_t spaceId, const Reader& read, std::string& text)
 {
   const Handle type(typeId, H5Tclose);
   const Handle space(spaceId, H5Sclose);
-  if (!type.IsOpen() || !space.IsOpen() || H5Tget_class(type) != H5T_STRING ||
-    H5Sget_simple_extent_npoints(space) != 1)
-  {
-    return false;
-  }
   const Handle memory(H5Tcopy(H5T_C_S1), H5Tclose);
-  if (H5Tis_variable_str(type) > 0)
-  {
-    char* characters = nullptr;
-    if (H5Tset_size(memory, H5T_VARIABLE) < 0 || read(memory, &characters) < 0 || !characters)
-    {
-      return false;
-    }
-    text = characters;
-    H5free_memory(characters);
-    return text.size() <= LongestText;
-  }
   text.assign(LongestText, '\0');
-  if (H5Tget_size(type) > LongestText || H5Tset_size(memory, LongestText) < 0 ||
+  if (!type.IsOpen() || !space.IsOpen() || H5Tget_class(type) != H5T_STRING ||
+    H5Tis_variable_str(type) != 0 || H5Tget_size(type) > LongestText ||
+    H5Sget_simple_extent_npoints(space) != 1 || H5Tset_size(memory, LongestText) < 0 ||
     read(memory, &text[0]) < 0)
   {
     return false;
@@ -206,16 +194,79 @@ bool ReadText(hid_t typeId, hid_t spaceId, const Reader& read, std::string& text
   return true;
 }
 
-bool ReadTextSet(hid_t parent, const char* name, std::string& text)
+/**
+ * One text of variable length, which lies in a heap of the file, without HDF5's own function: that
+ * of HDF5 1.10 trusts the sizes in a damaged heap and reads beyond it. A set holds the length, the
+ * heap's address and the text's index in the heap; a heap holds objects of an index and a size.
+ */
+bool ReadHeapText(const std::string& name, hid_t set, std::string& text)
 {
-  const Handle set(OpenDataSet(parent, name), H5Dclose);
-  return set.IsOpen() && IsContained(set, 1, 1) &&
-    ReadText(
-      H5Dget_type(set), H5Dget_space(set),
-      [&set](hid_t memory, void* data) {
-        return H5Dread(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data);
-      },
-      text);
+  constexpr std::size_t referenceSize = 16;
+  constexpr std::size_t headSize = 16; // of a heap, and of an object in it
+  constexpr std::uint64_t largestHeap = 1048576;
+  const vtkFFDFileAccess::Proceed always = [] { return true; };
+  std::string reference;
+  std::string heap;
+  std::string error;
+  const haddr_t offset = H5Dget_offset(set);
+  if (offset == HADDR_UNDEF || H5Dget_storage_size(set) != referenceSize ||
+    !vtkFFDFileAccess::ReadBytes(
+      name, static_cast<std::size_t>(offset), referenceSize, reference, always, error) ||
+    reference.size() != referenceSize)
+  {
+    return false;
+  }
+  const auto word = [](const std::string& bytes, std::size_t at, std::size_t size) {
+    return ffd::LoadBits(ffd::BytesAt(bytes, at), size, false);
+  };
+  const std::uint64_t length = word(reference, 0, 4);
+  const std::uint64_t index = word(reference, 12, 4);
+  const std::size_t address = static_cast<std::size_t>(word(reference, 4, 8));
+  if (length > LongestText ||
+    !vtkFFDFileAccess::ReadBytes(name, address, largestHeap, heap, always, error) ||
+    heap.size() < headSize || heap.compare(0, 4, "GCOL") != 0)
+  {
+    return false;
+  }
+  const std::size_t end =
+    static_cast<std::size_t>(std::min<std::uint64_t>(word(heap, 8, 8), heap.size()));
+  for (std::size_t at = headSize; at + headSize <= end;)
+  {
+    const std::uint64_t size = word(heap, at + 8, 8);
+    if (word(heap, at, 2) == 0 || size > end - at - headSize)
+    {
+      return false; // the free space at the end
+    }
+    if (word(heap, at, 2) == index)
+    {
+      text =
+        heap.substr(at + headSize, static_cast<std::size_t>(std::min<std::uint64_t>(size, length)));
+      text.resize(std::min(text.find('\0'), text.size()));
+      return true;
+    }
+    at += headSize + static_cast<std::size_t>((size + 7) / 8 * 8);
+  }
+  return false;
+}
+
+bool ReadTextSet(const std::string& name, hid_t parent, const char* setName, std::string& text)
+{
+  const Handle set(OpenDataSet(parent, setName), H5Dclose);
+  if (!set.IsOpen() || !IsContained(set, 1, 1))
+  {
+    return false;
+  }
+  const Handle type(H5Dget_type(set), H5Tclose);
+  if (type.IsOpen() && H5Tis_variable_str(type) > 0)
+  {
+    return ReadHeapText(name, set, text);
+  }
+  return ReadFixedText(
+    H5Dget_type(set), H5Dget_space(set),
+    [&set](hid_t memory, void* data) {
+      return H5Dread(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data);
+    },
+    text);
 }
 
 bool ReadTextAttribute(hid_t object, const char* name, std::string& text)
@@ -223,7 +274,7 @@ bool ReadTextAttribute(hid_t object, const char* name, std::string& text)
   const Handle attribute(
     H5Aexists(object, name) > 0 ? H5Aopen(object, name, H5P_DEFAULT) : -1, H5Aclose);
   return attribute.IsOpen() &&
-    ReadText(
+    ReadFixedText(
       H5Aget_type(attribute), H5Aget_space(attribute),
       [&attribute](hid_t memory, void* data) { return H5Aread(attribute, memory, data); }, text);
 }
@@ -397,7 +448,7 @@ bool ReadItk(const std::string& name, std::vector<ffd::TransformStep>& steps, st
       break;
     }
     types.emplace_back();
-    if (!ReadTextSet(group, "TransformType", types.back()))
+    if (!ReadTextSet(name, group, "TransformType", types.back()))
     {
       error = "a transform has no TransformType";
       return false;

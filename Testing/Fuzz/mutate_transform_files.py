@@ -20,6 +20,8 @@ import time
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 WORDS = (b"nan", b"inf", b"-1", b"0", b"1e309", b"4294967296", b"9223372036854775807", b"1e-320",
          b"\n", b" ", b"\0", b"=", b"(", b")", b"<", b"/>", b"3", b"100000")
+GRID = ("MNI Transform File\nTransform_Type = Grid_Transform;\n"
+        "Displacement_Volume = %s;\n")
 FILES_PER_CHILD = 500
 MEMORY = 2 << 30
 
@@ -65,11 +67,16 @@ def child(path, seed, folders):
                     seeds.append((name, file.read()))
     taken = 0
     for _ in range(FILES_PER_CHILD):
-        _name, data = rng.choice(seeds)
+        name, data = rng.choice(seeds)
         with open(path, "wb") as file:
             file.write(mutate(data, rng.choice(seeds)[1], rng))
         reader = vtkffd.vtkFFDTransformReader()
         reader.SetFileName(path)
+        if name.endswith(".mnc"):
+            # Volumes are read by way of a file that names them.
+            with open(path + ".xfm", "w", encoding="ascii") as file:
+                file.write(GRID % os.path.basename(path))
+            reader.SetFileName(path + ".xfm")
         transform = reader.GetTransform()
         if transform is not None:
             taken += 1
