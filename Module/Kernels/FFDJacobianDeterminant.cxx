@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace ffd
@@ -237,6 +238,13 @@ struct Search
       }
     }
     const Range enclosure = RangeOf(values);
+    // Beyond the numbers no part settles anything; a sum tells of values that are not a number.
+    if (!std::isfinite(std::accumulate(values.begin(), values.end(), 0.0)))
+    {
+      constexpr double infinity = std::numeric_limits<double>::infinity();
+      this->Attained = this->Proven = { -infinity, infinity };
+      return;
+    }
     if (depth == 0 || this->Settles(enclosure))
     {
       this->Proven.Min = std::min(this->Proven.Min, enclosure.Min);
@@ -370,6 +378,10 @@ Range BoundJacobianDeterminant(const BSplineField& field, const glm::ivec3& firs
     }
   }
   const double slack = ConversionSlack * largest;
+  if (!std::isfinite(slack))
+  {
+    return { -infinity, infinity };
+  }
   return { search.Proven.Min - slack, search.Proven.Max + slack };
 }
 

@@ -7,7 +7,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 using namespace ffd;
 
@@ -156,4 +159,27 @@ TEST(JacobianDeterminant, NonFiniteCoefficientsAreUnbounded)
   const BSplineField field(glm::ivec3(4), glm::dvec3(0.0), glm::dvec3(1.0), d.data());
   EXPECT_TRUE(std::isinf(OverDomain(field).Min));
   EXPECT_TRUE(std::isinf(OverDomain(field).Max));
+}
+
+TEST(JacobianDeterminant, HugeCoefficientsAreUnboundedAtOnce)
+{
+  // Of 1000 cells, none of which needs to be subdivided to know that.
+  std::vector<double> displacements(13, 0.0);
+  for (std::size_t i = 0; i < displacements.size(); i += 2)
+  {
+    displacements[i] = 1e300;
+  }
+  std::vector<glm::dvec3> values(13 * 13 * 13);
+  for (std::size_t i = 0; i < values.size(); ++i)
+  {
+    values[i] =
+      glm::dvec3(displacements[i % 13], displacements[i / 13 % 13], displacements[i / 169]);
+  }
+  const BSplineField field(glm::ivec3(13), glm::dvec3(0.0), glm::dvec3(1.0), values.data());
+  const auto begin = std::chrono::steady_clock::now();
+  const Range range = OverDomain(field);
+  EXPECT_EQ(range.Min, -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(range.Max, std::numeric_limits<double>::infinity());
+  // Minutes, when each cell is subdivided.
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10));
 }

@@ -563,6 +563,53 @@ executive.GetOutputInformation(0).Set(executive.WHOLE_EXTENT(), 0, 4, 0, 4, 0, 4
             lattice.UpdatePipeline()
         self.assertTrue(errors.say("must be finite"), errors.text)
 
+    def test_hostile_values(self):
+        """Every number of ours can be set to anything: no crash, and with the value of before the
+        picture is that of before."""
+        wavelet = simple.Wavelet(WholeExtent=[-8, 8] * 3)
+        lattice = simple.FFDLattice(Input=wavelet, Shape="Twist", Resolution=[4, 4, 4])
+        lattice.Displacements = [0.1, 0.2, 0.3] * 64
+        display = simple.Show(lattice, self.view)
+        display.FFDUseCropping = 1
+        ffd.set_functions()
+        before = ffd.picture(self.view, "hostile")
+        self.assertGreater(ffd.lit(before), 500)
+        swept = []
+        for proxy in (lattice, display):
+            for name in proxy.ListProperties():
+                smproperty = proxy.SMProxy.GetProperty(name)
+                if smproperty.GetInformationOnly() or not smproperty.GetClassName() in (
+                        "vtkSMDoubleVectorProperty", "vtkSMIntVectorProperty"):
+                    continue
+                if proxy is display and not name.startswith("FFD") and name not in (
+                        "Position", "Scale", "Orientation", "Origin", "Ambient", "Diffuse",
+                        "Specular", "SpecularPower"):
+                    continue
+                values = [smproperty.GetElement(i)
+                          for i in range(smproperty.GetNumberOfElements())]
+                if not values:
+                    continue
+                hostile = (0, -1, -(2 ** 31), 2 ** 31 - 1)
+                if smproperty.GetClassName() == "vtkSMDoubleVectorProperty":
+                    hostile = (0.0, -1.0, 1e-300, 1e300, -1e300, float("inf"), float("-inf"),
+                               float("nan"))
+                swept.append(name)
+                with ffd.Errors():
+                    for value in hostile:
+                        for i in range(len(values)):
+                            smproperty.SetElement(i, value)
+                        proxy.SMProxy.UpdateVTKObjects()
+                        simple.Render(self.view)
+                for i, value in enumerate(values):
+                    smproperty.SetElement(i, value)
+                proxy.SMProxy.UpdateVTKObjects()
+                # But for where the near plane is, from which samples are counted.
+                largest, mean = ffd.differ(ffd.picture(self.view, "hostile"), before)
+                self.assertLessEqual(largest, 12, name)
+                self.assertLess(mean, 0.2, name)
+        for name in ("Strength", "Displacements", "FFDSampleDistance", "Scale"):
+            self.assertIn(name, swept)
+
 
 if __name__ == "__main__":
     unittest.main()

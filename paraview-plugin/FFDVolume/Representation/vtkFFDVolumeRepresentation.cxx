@@ -29,11 +29,14 @@
 #include "vtkObjectFactory.h"
 #include "vtkOutlineSource.h"
 #include "vtkPVLODVolume.h"
+#include "vtkPVProgressHandler.h"
 #include "vtkPVRenderView.h"
+#include "vtkPVSession.h"
 #include "vtkPVView.h"
 #include "vtkPartitionedDataSet.h"
 #include "vtkPointData.h"
 #include "vtkPolyDataMapper.h"
+#include "vtkProcessModule.h"
 #include "vtkRenderer.h"
 #include "vtkSMPTools.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
@@ -310,6 +313,7 @@ public:
   // Of the renderer of the view.
   std::array<unsigned long, 2> RenderObservers{ { 0, 0 } };
   bool TookPeelingOff = false;
+  bool ShowsProgress = false;
   vtkNew<vtkFFDCompositePass> OwnPass;
   vtkSmartPointer<vtkFFDCompositePass> Pass; // that of the frame: its own or another volume's
 
@@ -358,6 +362,7 @@ vtkFFDVolumeRepresentation::vtkFFDVolumeRepresentation()
   , Internals(new vtkInternals)
 {
   this->VolumeMapper.TakeReference(this->Mapper);
+  this->Mapper->SetProgressText("FFD Volume");
   this->Mapper->AddObserver(
     vtkCommand::VolumeMapperRenderStartEvent, this, &vtkFFDVolumeRepresentation::BeginVolume);
 }
@@ -517,6 +522,16 @@ bool vtkFFDVolumeRepresentation::AddToView(vtkView* view)
   if (!this->Superclass::AddToView(view))
   {
     return false;
+  }
+  // Long frames show how far they are where pipelines do.
+  vtkProcessModule* processes = vtkProcessModule::GetProcessModule();
+  auto* session = vtkPVSession::SafeDownCast(
+    processes && processes->GetActiveSession() ? processes->GetActiveSession()
+                                               : (processes ? processes->GetSession() : nullptr));
+  if (session && session->GetProgressHandler() && !this->Internals->ShowsProgress)
+  {
+    this->Internals->ShowsProgress = true;
+    session->GetProgressHandler()->RegisterProgressEvent(this->Mapper, 0);
   }
   vtkRenderer* renderer = vtkPVRenderView::SafeDownCast(view)->GetRenderer();
   this->Internals->RenderObservers = {
