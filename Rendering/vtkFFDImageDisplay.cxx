@@ -89,7 +89,7 @@ void main()
   vec2 part = fract(at);
   vec4 below = mix(colourOf(low, depth), colourOf(ivec2(high.x, low.y), depth), part.x);
   vec4 above = mix(colourOf(ivec2(low.x, high.y), depth), colourOf(high, depth), part.x);
-  gl_FragData[0] = clamp(mix(below, above, part.y), 0.0, 1.0);
+  gl_FragData[0] = mix(below, above, part.y);
 }
 )";
 

@@ -35,7 +35,7 @@ if [ "${1:-}" = --paraview ]; then
   # plugin needs cannot be installed next to python3-vtk9: setup-paraview.sh.
   packages+=(
     paraview paraview-dev
-    qtbase5-dev qttools5-dev libqt5svg5-dev libqt5opengl5-dev
+    qtbase5-dev qttools5-dev libqt5svg5-dev libqt5opengl5-dev libx11-dev libxtst6
     openmpi-bin
   )
 fi
