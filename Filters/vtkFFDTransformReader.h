@@ -16,8 +16,8 @@
  * @endcode
  *
  * The format is found from the content of the file, not from its name:
- * - ITK text transforms (.tfm, .txt; ITK, 3D Slicer, ANTs), HDF5 (.h5) and MATLAB level 4 (.mat),
- * 3-D, double or float: BSplineTransform and BSplineDeformableTransform of order 1 to 3,
+ * - ITK text transforms (.tfm, .txt; ITK, 3D Slicer, ANTs), HDF5 (.h5) and MATLAB level 4 (.mat)
+ *   files, 3-D, double or float: BSplineTransform and BSplineDeformableTransform of order 1 to 3,
  *   DisplacementFieldTransform (and those that smooth its updates), the linear transforms (Affine,
  *   MatrixOffsetTransformBase, ScalableAffine, CenteredAffine, Translation, Scale,
  *   ScaleLogarithmic, Euler3D, CenteredEuler3D, Versor, VersorRigid3D, Rigid3D, QuaternionRigid,
@@ -29,7 +29,7 @@
  *   AffineTransform, AffineLogTransform, EulerTransform, SimilarityTransform,
  *   TranslationTransform, WeightedCombinationTransform, and File, which names a file of ITK; with
  *   their chain of initial transforms, composed or added. A file that one names is looked for in
- * the folder of the file that names it, then by its path as it stands.
+ *   the folder of the file that names it, then by its path as it stands.
  * - MINC .xfm: Linear and Grid_Transform (displacements in a MINC 2 volume in the same folder),
  *   inverted or not, one after the other.
  * - Displacement fields, images of three components: MetaImage (.mhd, .mha), NRRD (.nrrd, .nhdr)
@@ -37,7 +37,7 @@
  *   a file of their own must lie in the same folder (or below it), links followed; that of the file
  *   that the header is a link to counts, too. Vectors are in LPS and in millimetres, in NIfTI too
  *   (ITK's convention, that of ANTs and elastix; with intent 1006 NIfTI's are RAS), where
- * xyzt_units (metres, millimetres, microns) holds for the grid. They are interpolated linearly.
+ *   xyzt_units (metres, millimetres, microns) holds for the grid. They are interpolated linearly.
  * - A lattice as image data (.vti), as vtkFFDLattice::ToImageData() and vtkXMLImageDataWriter
  *   write.
  *

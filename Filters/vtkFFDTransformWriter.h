@@ -13,9 +13,8 @@
  *   linearly as DisplacementFieldTransform, and a vtkGeneralTransform of up to 64 of these as
  *   CompositeTransform.
  * - ELASTIX (TransformParameters*.txt): one vtkFFDLattice, vtkBSplineTransform or
- *   vtkFFDSplineTransform, with the grid of
- *   ReferenceImage as the image that transformix makes (without one: the domain of the spline in
- *   256 steps of its longest side).
+ *   vtkFFDSplineTransform, with the grid of ReferenceImage as the image that transformix makes
+ *   (without one: the domain of the spline in 256 steps of its longest side).
  * - META_IMAGE (.mha, .mhd), NRRD (.nrrd), NIFTI (.nii): any transform, as its displacements at the
  *   points of ReferenceImage, which is required and has at most 2^27 points; raw doubles. What is
  *   between the points is interpolated linearly by those who read it, see FieldTolerance. The data
@@ -24,11 +23,11 @@
  * - LATTICE (.vti): a vtkFFDLattice or vtkBSplineTransform as the image of its control points, in
  *   VTK's data coordinates, never turned.
  *
- * Nothing is written of a transform with numbers that are not finite or exceed 1e12, or with a
- * singular matrix. Transforms that are inverted, and grids that are interpolated cubically or by
- * the nearest, have no form in texts: invert by fitting a lattice first (vtkFFDFitLattice). A
- * spline that is not zero outside of its grid (VTK_BSPLINE_EDGE) is so for ITK, which does not
- * deform there.
+ * Nothing is written of a transform with numbers that are not finite, in texts and lattices also
+ * none with numbers that exceed 1e12 or with a singular matrix. Transforms that are inverted, and
+ * grids that are interpolated cubically or by the nearest, have no form in texts: invert by fitting
+ * a lattice first (vtkFFDFitLattice). A spline that is not zero outside of its grid
+ * (VTK_BSPLINE_EDGE) is so for ITK, which does not deform there.
  *
  * @sa vtkFFDTransformReader vtkFFDLattice vtkFFDFitLattice
  */
