@@ -430,7 +430,9 @@ TEST(TileHistory, PicturesMoveByTiles)
   tiles.GetReaches()[4] = 6.0f; // tile (1, 1)
   // One tile more to the left and below, three columns of pixels more to the right.
   const glm::ivec2 next(16 + 43, 16 + 48);
-  tiles.Continue(next, glm::ivec2(-1, -1), colours, depths);
+  std::vector<float> firstVisible = depths;
+  tiles.Continue(next, glm::ivec2(-1, -1), colours, depths, &firstVisible);
+  EXPECT_EQ(firstVisible.size(), depths.size());
   ASSERT_EQ(colours.size(), 4u * 59u * 64u);
   ASSERT_EQ(depths.size(), 59u * 64u);
   EXPECT_EQ(tiles.GetReaches()[2 * 4 + 2], 6.0f);
@@ -442,6 +444,7 @@ TEST(TileHistory, PicturesMoveByTiles)
     {
       const std::size_t at = static_cast<std::size_t>(y * 59 + x);
       ASSERT_EQ(depths[at], colour(x - 16, y - 16, 7));
+      ASSERT_EQ(firstVisible[at], depths[at]);
       ASSERT_EQ(colours[4 * at + 2], colour(x - 16, y - 16, 2));
     }
   }

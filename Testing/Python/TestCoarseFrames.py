@@ -106,6 +106,40 @@ class TestCoarseFrames(unittest.TestCase):
                 self.assertLess(difference.mean(), 2.5)
                 self.assertLess((difference > 40).mean(), 0.01)
 
+    def test_frames_that_show_parts_again(self):
+        # While a control point is dragged and the bounds grow by it, against frames of their own.
+        lattice = vtkffd.vtkFFDLattice()
+        lattice.SetDimensions(7, 7, 7)
+        lattice.FitToBounds(self.mapper.GetInput().GetBounds())
+        self.mapper.SetDeformation(lattice)
+        self.renderer.GetActiveCamera().SetViewAngle(40.0)
+        # In blocks, so that the depths of neighbouring rays are unlike.
+        z, y, x = numpy.mgrid[0:SIZE, 0:SIZE, 0:SIZE] // 4
+        values = 100.0 * ((x + y + z) % 2)
+        self.mapper.GetInput().GetPointData().SetScalars(
+            numpy_to_vtk(values.ravel().astype(numpy.float32), deep=True))
+        opacity = self.volume.GetProperty().GetScalarOpacity()
+        opacity.RemoveAllPoints()
+        opacity.AddPoint(20.0, 0.0)
+        opacity.AddPoint(60.0, 0.5)
+        self.render(2.0)
+        reused = 0.0
+        for step in range(1, 5):
+            lattice.SetDisplacement(0, 3, 5, -3.0 * step, 0.0, 0.0)
+            again = self.render(2.0)
+            reused = max(reused, self.mapper.GetReusedFraction())
+            fresh = self.mapper.NewInstance()
+            fresh.ShallowCopy(self.mapper)
+            self.volume.SetMapper(fresh)
+            self.mapper, kept = fresh, self.mapper
+            difference = abs(self.render(2.0) - again).max(axis=-1)
+            self.mapper = kept
+            self.volume.SetMapper(kept)
+            print("step %d: largest %d, more than 20: %d" % (
+                step, difference.max(), (difference > 20).sum()))
+            self.assertLess((difference > 20).sum(), 20)
+        self.assertGreater(reused, 0.2)
+
     def test_without_depths(self):
         # Nothing that is drawn hides the fog.
         self.mapper.IntermixIntersectingGeometryOff()
