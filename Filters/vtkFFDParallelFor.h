@@ -8,8 +8,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <functional>
+#include <utility>
 
 /**
  * Splits loops over threads of vtkSMPTools, as the kernels ask for it (ffd::ParallelFor). The number
@@ -19,9 +21,20 @@
 class vtkFFDParallelFor
 {
 public:
+  using Clock = std::chrono::steady_clock;
+
+  /// Is told how much of a loop is done, 0 to 1, once `Due()` has passed: by the thread that runs the
+  /// loop, while the others rest. `Report` may throw to end the loop.
+  struct Listener
+  {
+    std::function<Clock::time_point()> Due;
+    std::function<void(double part)> Report;
+  };
+
   /// 0: as many threads as vtkSMPTools uses.
-  explicit vtkFFDParallelFor(int threads = 0)
+  explicit vtkFFDParallelFor(int threads = 0, Listener listener = Listener())
     : Workers(threads > 0 ? threads : std::max(1, vtkSMPTools::GetEstimatedNumberOfThreads()))
+    , Progress(std::move(listener))
   {
   }
 
@@ -54,22 +67,35 @@ public:
     const std::size_t piece =
       std::max<std::size_t>(1, count / (PiecesPerWorker * static_cast<std::size_t>(this->Workers)));
     std::atomic<std::size_t> next{ 0 };
-    this->RunWorkers(
-      [count, piece, &next, &work](int)
-      {
-        for (std::size_t first = next.fetch_add(piece); first < count;
-             first = next.fetch_add(piece))
+    while (next < count)
+    {
+      const Clock::time_point due = this->Progress.Due ? this->Progress.Due() : Clock::time_point::max();
+      this->RunWorkers(
+        [count, piece, due, &next, &work](int)
         {
-          work(first, std::min(first + piece, count));
-        }
-      });
+          do
+          {
+            const std::size_t first = next.fetch_add(piece);
+            if (first >= count)
+            {
+              return;
+            }
+            work(first, std::min(first + piece, count));
+          } while (due == Clock::time_point::max() || Clock::now() < due);
+        });
+      if (due != Clock::time_point::max() && Clock::now() >= due)
+      {
+        this->Progress.Report(std::min(1.0, static_cast<double>(next) / static_cast<double>(count)));
+      }
+    }
   }
 
 private:
   /// Small pieces keep all workers busy to the end of the loop.
-  static constexpr std::size_t PiecesPerWorker = 8;
+  static constexpr std::size_t PiecesPerWorker = 32;
 
   int Workers;
+  Listener Progress;
 };
 
 #endif

@@ -54,6 +54,7 @@ public:
   {
     int Tile;
     unsigned int Quarters;
+    int First = 0; ///< where to go on, see RayCaster::RenderTile()
   };
 
   /// The next picture has nothing to do with the last.

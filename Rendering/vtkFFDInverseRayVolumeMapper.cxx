@@ -4,6 +4,7 @@
 
 #include "vtkFFDBlendingView.h"
 #include "vtkFFDDeformationSource.h"
+#include "vtkFFDFrame.h"
 #include "vtkFFDFrameCoherence.h"
 #include "vtkFFDImageDisplay.h"
 #include "vtkFFDImageRegion.h"
@@ -26,6 +27,7 @@
 #include "FFDSurfaceSearch.h"
 
 #include "vtkAbstractTransform.h"
+#include "vtkAlgorithmOutput.h"
 #include "vtkCamera.h"
 #include "vtkCellData.h"
 #include "vtkCommand.h"
@@ -69,6 +71,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -95,11 +98,8 @@ constexpr double BoundsResolution = 16.0;
 /// A span is halved at most so often, however small the minimum segment length.
 constexpr int LargestSpanLevel = 10;
 
-/// Tiles are rendered in so many batches; progress and abort are dealt with in between.
-constexpr int Batches = 16;
-
-/// Time between two of them, if there are fewer.
-constexpr double SecondsPerBatch = 0.02;
+/// Reports of the progress of a frame of which no time is known; else the clock says when.
+constexpr std::size_t LeastReports = 16;
 
 /// The image sample distance stays as it is if it need not change by more than this part of it, and
 /// is rounded up to so many steps a pixel: then tiles lie on whole pixels.
@@ -259,6 +259,8 @@ public:
   bool UpdateBlending(vtkVolumeProperty* property, std::string& message);
   void UpdateDistances();
   bool Update(vtkVolumeProperty* property, std::string& message);
+  bool Prepare(vtkVolume* volume, std::string& message);
+  bool Refuse(const char* what) const;
   static bool CheckView(vtkRenderer* renderer, vtkVolume* volume, std::string& message);
 
   ffd::CastSettings MakeSettings(vtkVolume* volume, double voxelSize, bool interactive) const;
@@ -267,10 +269,7 @@ public:
   void MakeClassifier(ffd::CastScene& scene, vtkVolumeProperty* property);
   bool Cast(vtkRenderer* renderer, vtkVolume* volume, const vtkFFDImageRegion& region,
     const float* depths, bool interactive, bool window, float* outDepths);
-  vtkFFDParallelFor MakeParallelFor() const
-  {
-    return vtkFFDParallelFor(this->Self->NumberOfThreads);
-  }
+  vtkFFDParallelFor MakeParallelFor() const;
   bool Leaps() const { return this->Self->SpaceLeaping != OFF && this->CanLeap; }
   class Footprints;
   void FindRayDepths(const vtkFFDImageRegion& region, const glm::ivec2& pixels);
@@ -281,6 +280,9 @@ public:
   void ApplyFinalColours(const vtkFFDImageRegion& region, const vtkFFDFrameCoherence::Part& tile,
     std::vector<float>& colours) const;
   bool CanReuse(vtkVolume* volume) const;
+  void ReleaseImages();
+  double FindStillTime(const glm::ivec2& pixels, bool interactive) const;
+  vtkMTimeType FindSceneTime(vtkVolume* volume) const;
   double FindStep(double allotted, const glm::ivec2& pixels) const;
   bool IsCroppedToBox() const;
   ffd::Box UncroppedBounds() const;
@@ -295,6 +297,12 @@ public:
   double EstimateTime() const { return this->TimePerRay * this->LastPixels; }
 
   vtkFFDInverseRayVolumeMapper* Self;
+
+  // Of the frame in progress, null without: nothing of the following changes then but by the frame.
+  vtkFFDFrame* Frame = nullptr;
+  bool Prepared = false; // the frame is past its preparation
+  bool Quiet = false;    // it does not report now
+  std::vector<vtkDataArray*> Arrays; // that views point into; not owned, only handed to the frame
 
   // Of the voxels.
   vtkFFDVectorScalars VectorScalars; // what VectorMode renders
@@ -344,7 +352,26 @@ public:
 
   vtkTypeInt64 Builds[NUMBER_OF_CACHED_PARTS] = {};
 
+  /// Where a picture in the window lies, and what the camera sees there.
+  struct View
+  {
+    bool Complete = false;
+    vtkFFDImageRegion Region;
+    glm::dmat4 DataToNdc{ 1.0 };
+
+    bool IsSameAs(const View& other) const
+    {
+      return this->Complete && this->Region.Viewport == other.Region.Viewport &&
+        this->DataToNdc == other.DataToNdc;
+    }
+  };
+
   std::vector<float> Colours;
+  double FinalWindow = 1.0;       // of the frame in progress
+  double FinalLevel = 0.5;
+  View Shown;                     // of Colours
+  std::vector<float> LastColours; // of the picture before a still one, which may be aborted
+  View Last;
   std::vector<float> WindowDepths; // of the pixels of the last frame
   std::vector<float> RayDepths;    // of its rays, where these are not the pixels
   std::vector<float> FirstVisible; // depths of their samples; empty where not needed
@@ -357,6 +384,7 @@ public:
   vtkNew<vtkContourValues> DepthPassContourValues;
   double TimePerRay = 0.0; // seconds, of the last frame in a window
   double LastPixels = 0.0; // that it covered
+  double StillTime = 0.0;  // seconds that a still picture is expected to take
   double LastStep = 0.0;   // pixels, of the last frame while the scene moved
   vtkFFDFrameCoherence Coherence;
   double ReusedFraction = 0.0;
@@ -387,6 +415,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateVolume(std::string& messa
   {
     return false;
   }
+  this->Arrays = { scalars };
   return this->Input.Update(input, scalars, cellFlag == 1, message);
 }
 
@@ -425,12 +454,13 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateMask(std::string& message
   {
     this->Mask.Labels = this->Self->MaskType == LabelMapMaskType;
     this->Mask.BlendFactor = this->Self->MaskBlendFactor;
-    if (!vtkFFDVolumeViewFromImage(
-          image, image->GetPointData()->GetScalars(), false, this->Mask.Volume, message))
+    vtkDataArray* labels = image->GetPointData()->GetScalars();
+    if (!vtkFFDVolumeViewFromImage(image, labels, false, this->Mask.Volume, message))
     {
       message = "MaskInput: " + message;
       return false;
     }
+    this->Arrays.push_back(labels);
     this->Mask.SameGrid = this->Mask.Volume.Dimensions == volume.Dimensions;
   }
   this->SecondAxis = ffd::VolumeView();
@@ -452,6 +482,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateMask(std::string& message
       message = "Transfer2DYAxisArray: " + message;
       return false;
     }
+    this->Arrays.push_back(array);
   }
   return true;
 }
@@ -497,7 +528,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
   {
     return true;
   }
-  this->DeformationTime = this->Source.GetMTime();
+  this->DeformationTime = 0; // until all of it is there: an abort leaves out the rest
   this->DeformationReach = reach;
   this->DeformationCells = mostCells;
   this->RestBounds = rest;
@@ -517,6 +548,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
     this->ReportedBounds[2 * a] = this->DeformedBounds.Min[a];
     this->ReportedBounds[2 * a + 1] = this->DeformedBounds.Max[a];
   }
+  this->DeformationTime = this->Source.GetMTime();
   return true;
 }
 
@@ -547,12 +579,13 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateBlocks(
   const std::vector<int> components = ffd::FindOpacityComponents(this->Kind, volume.Components);
   if (this->BlocksMade.GetMTime() < this->Input.GetMTime() || components != this->BlockComponents)
   {
-    this->BlockComponents = components;
+    this->BlockComponents.clear();
     this->Blocks.clear();
     for (int c : components)
     {
       this->Blocks.emplace_back(ffd::GetComponent(volume, c), this->MakeParallelFor());
     }
+    this->BlockComponents = components;
     this->BlocksMade.Modified();
     ++this->Builds[MIN_MAX_BLOCKS];
   }
@@ -726,6 +759,63 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Update(
   }
   this->UpdateDistances();
   return true;
+}
+
+//------------------------------------------------------------------------------
+/// Update everything for the frame in progress. False after an error or, without a message, an abort.
+/// What observers of the progress change meanwhile is part of the frame, what they change later is not.
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::Prepare(vtkVolume* volume, std::string& message)
+{
+  try
+  {
+    if (vtkAlgorithm* algorithm = this->Self->GetInputAlgorithm())
+    {
+      algorithm->UpdateWholeExtent();
+    }
+    this->Quiet = false;
+    bool ok = this->Update(volume->GetProperty(), message);
+    if (this->Frame->HasReported())
+    {
+      this->Quiet = true;
+      message.clear();
+      ok = this->Update(volume->GetProperty(), message);
+    }
+    this->Prepared = ok;
+  }
+  catch (const vtkFFDFrame::Aborted&)
+  {
+    return false;
+  }
+  if (this->Prepared)
+  {
+    this->Frame->Hold(this->Arrays);
+  }
+  return this->Prepared;
+}
+
+//------------------------------------------------------------------------------
+/// Whether a frame is in progress, with an error that tells so.
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::Refuse(const char* what) const
+{
+  if (this->Frame)
+  {
+    vtkErrorWithObjectMacro(this->Self, << what
+      << " was called while the mapper renders, by an observer of its events: that is not possible. "
+         "Call it after the frame, as in an observer of the render window's EndEvent.");
+  }
+  return this->Frame != nullptr;
+}
+
+//------------------------------------------------------------------------------
+vtkFFDParallelFor vtkFFDInverseRayVolumeMapper::vtkInternals::MakeParallelFor() const
+{
+  vtkFFDParallelFor::Listener listener;
+  if (vtkFFDFrame* frame = this->Quiet || this->Prepared ? nullptr : this->Frame)
+  {
+    listener = { [frame] { return frame->GetNextReport(); },
+      [frame](double part) { frame->ReportPreparation(part); } };
+  }
+  return vtkFFDParallelFor(this->Self->NumberOfThreads, std::move(listener));
 }
 
 //------------------------------------------------------------------------------
@@ -1030,52 +1120,65 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
 
   std::vector<ffd::RayCaster::Scratch> scratch(
     static_cast<std::size_t>(parallelFor.GetNumberOfWorkers()));
-  std::atomic<std::size_t> nextTile{ 0 };
-  const auto renderTiles = [&](std::size_t end)
+  // Observers may change the options.
+  const bool collect = this->Self->CollectStatistics != 0;
+  this->FinalWindow = this->Self->FinalColorWindow;
+  this->FinalLevel = this->Self->FinalColorLevel;
+  std::atomic<std::size_t> next{ 0 };
+  std::mutex mutex;
+  std::vector<vtkFFDFrameCoherence::Part> stopped; // tiles that have begun
+  bool aborted = !this->Frame->ReportCasting(0.0);
+  if (tiles.empty() && !aborted)
   {
+    this->Frame->ReportCasting(1.0);
+  }
+  const std::size_t most =
+    this->TimePerRay > 0.0 ? tiles.size() : tiles.size() / LeastReports + 1; // of tiles between reports
+  while (next < tiles.size() && !aborted)
+  {
+    const ffd::Deadline due = this->Frame->GetNextReport();
+    const std::size_t end = std::min(tiles.size(), next + most);
     parallelFor.RunWorkers(
       [&](int worker)
       {
-        for (std::size_t i = nextTile++; i < end; i = nextTile++)
+        do
         {
-          const vtkFFDFrameCoherence::Part& tile = tiles[i];
-          caster.RenderTile(
-            tile.Tile, image, scratch[static_cast<std::size_t>(worker)], tile.Quarters);
-          this->ApplyFinalColours(region, tile, this->Colours);
-        }
+          const std::size_t i = next++;
+          if (i >= end)
+          {
+            return;
+          }
+          vtkFFDFrameCoherence::Part& tile = tiles[i];
+          // A tile that stops evaluates some of the deformation again: that is not to be counted.
+          tile.First = caster.RenderTile(tile.Tile, image, scratch[static_cast<std::size_t>(worker)],
+            tile.Quarters, tile.First, collect ? ffd::NoDeadline : due);
+          if (tile.First == 0)
+          {
+            this->ApplyFinalColours(region, tile, this->Colours);
+          }
+          else
+          {
+            const std::lock_guard<std::mutex> lock(mutex);
+            stopped.push_back(tile);
+          }
+        } while (vtkFFDFrame::Clock::now() < due);
       });
-    nextTile = end;
-  };
-  const std::size_t count = tiles.size();
-  // Threads wait for each other between batches: no more of them than a fluent display of progress
-  // and a quick abort need.
-  const double expected =
-    this->TimePerRay * static_cast<double>(image.Width) * static_cast<double>(image.Height) * part;
-  const int batches =
-    expected > 0.0 ? std::clamp(static_cast<int>(expected / SecondsPerBatch), 1, Batches) : Batches;
-  bool aborted = false;
-  this->Self->SetAbortExecute(0);
-  this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderStartEvent, nullptr);
-  for (int batch = 0; batch < batches && !aborted; ++batch)
-  {
-    renderTiles(count * static_cast<std::size_t>(batch + 1) / static_cast<std::size_t>(batches));
-    if (this->Self->ReportProgress)
+    std::size_t begun = std::min<std::size_t>(next, end);
+    for (const vtkFFDFrameCoherence::Part& tile : stopped)
     {
-      double progress = static_cast<double>(batch + 1) / batches;
-      this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderProgressEvent, &progress);
-      this->Self->UpdateProgress(progress);
+      tiles[--begun] = tile;
     }
-    vtkRenderWindow* shownIn = window ? renderer->GetRenderWindow() : nullptr;
-    aborted = this->Self->GetAbortExecute() != 0 ||
-      (shownIn && batch + 1 < batches && shownIn->CheckAbortStatus());
+    stopped.clear();
+    next = begun;
+    aborted =
+      !this->Frame->ReportCasting(static_cast<double>(begun) / static_cast<double>(tiles.size()));
   }
-  this->Self->InvokeEvent(vtkCommand::VolumeMapperRenderEndEvent, nullptr);
   if (aborted)
   {
     this->Coherence.Clear();
   }
 
-  if (this->Self->CollectStatistics && !aborted)
+  if (collect && !aborted)
   {
     ffd::CastStatistics total;
     for (const ffd::RayCaster::Scratch& each : scratch)
@@ -1293,8 +1396,8 @@ void vtkFFDInverseRayVolumeMapper::vtkInternals::CastNearer(
 void vtkFFDInverseRayVolumeMapper::vtkInternals::ApplyFinalColours(const vtkFFDImageRegion& region,
   const vtkFFDFrameCoherence::Part& tile, std::vector<float>& colours) const
 {
-  const double window = this->Self->FinalColorWindow;
-  const double level = this->Self->FinalColorLevel;
+  const double window = this->FinalWindow;
+  const double level = this->FinalLevel;
   if (window == 1.0 && level == 0.5)
   {
     return;
@@ -1429,6 +1532,48 @@ void vtkFFDInverseRayVolumeMapper::vtkInternals::MoveToBackface(
       depths[i] = static_cast<float>(0.5 * (clip.z / clip.w + 1.0));
     }
   }
+}
+
+//------------------------------------------------------------------------------
+/// The images are as large as the window, and made anew with every frame.
+void vtkFFDInverseRayVolumeMapper::vtkInternals::ReleaseImages()
+{
+  this->Coherence.Clear();
+  std::vector<float>().swap(this->Colours);
+  std::vector<float>().swap(this->LastColours);
+  std::vector<float>().swap(this->WindowDepths);
+  std::vector<float>().swap(this->RayDepths);
+  std::vector<float>().swap(this->FirstVisible);
+  std::vector<float>().swap(this->VisibleDepths);
+  std::vector<float>().swap(this->NearDepths);
+  std::vector<float>().swap(this->LayerDepths);
+  std::vector<float>().swap(this->NearColours);
+  this->Shown = View();
+  this->Last = View();
+}
+
+//------------------------------------------------------------------------------
+/// Changes with what a frame is made from.
+vtkMTimeType vtkFFDInverseRayVolumeMapper::vtkInternals::FindSceneTime(vtkVolume* volume) const
+{
+  return std::max(this->Self->GetMTime(), volume->GetMTime());
+}
+
+//------------------------------------------------------------------------------
+/// Seconds that a still picture of so many pixels takes, from the frame that has been made.
+double vtkFFDInverseRayVolumeMapper::vtkInternals::FindStillTime(
+  const glm::ivec2& pixels, bool interactive) const
+{
+  if (!interactive)
+  {
+    // What has been cast of an aborted one tells of the rest.
+    const double part = this->Frame->GetCastPart();
+    return part > 0.0 ? this->Frame->GetSeconds() / part : this->StillTime;
+  }
+  const double samples = this->Self->LockSampleDistanceToInputSpacing
+    ? 2.0
+    : this->Self->InteractiveSampleDistance / this->Self->SampleDistance;
+  return this->TimePerRay * pixels.x * pixels.y * std::max(1.0, samples);
 }
 
 //------------------------------------------------------------------------------
@@ -1812,6 +1957,12 @@ vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetAuxiliaryMemorySize()
 }
 
 //------------------------------------------------------------------------------
+double vtkFFDInverseRayVolumeMapper::GetExpectedStillTime()
+{
+  return this->Internals->StillTime;
+}
+
+//------------------------------------------------------------------------------
 double vtkFFDInverseRayVolumeMapper::GetReusedFraction()
 {
   return this->Internals->ReusedFraction;
@@ -1855,6 +2006,22 @@ vtkMTimeType vtkFFDInverseRayVolumeMapper::GetSettingsTime()
     time = std::max(time, this->ClippingPlanes->GetItem(i)->GetMTime());
   }
   return time;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::Update()
+{
+  if (vtkAlgorithmOutput* connection =
+        this->GetNumberOfInputConnections(0) > 0 ? this->GetInputConnection(0, 0) : nullptr)
+  {
+    connection->GetProducer()->Update(connection->GetIndex());
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::Update(int)
+{
+  this->Update();
 }
 
 //------------------------------------------------------------------------------
@@ -2006,6 +2173,10 @@ bool vtkFFDInverseRayVolumeMapper::PreLoadData(vtkRenderer*, vtkVolume* volume)
     vtkErrorMacro(<< "PreLoadData: the volume is null.");
     return false;
   }
+  if (this->Internals->Refuse("PreLoadData()"))
+  {
+    return false;
+  }
   if (this->GetInputAlgorithm())
   {
     this->GetInputAlgorithm()->UpdateWholeExtent();
@@ -2046,17 +2217,29 @@ vtkContourValues* vtkFFDInverseRayVolumeMapper::GetDepthPassContourValues()
 bool vtkFFDInverseRayVolumeMapper::MakeProbeView(vtkFFDProbeView& view)
 {
   vtkInternals& in = *this->Internals;
-  if (this->GetInputAlgorithm())
+  if (in.Frame && !in.Prepared && in.Refuse("A look at the volume"))
   {
-    this->GetInputAlgorithm()->UpdateWholeExtent();
-  }
-  std::string message;
-  if (!in.UpdateVolume(message) || !in.UpdateDeformation(message) || !in.UpdateMask(message) ||
-    !ffd::MakeCropping(this, this->GetInput(), in.Input.GetView(), this->CroppingSpace == DEFORMED,
-      view.Crop, message))
-  {
-    vtkErrorMacro(<< message);
     return false;
+  }
+  if (in.Frame)
+  {
+    // That of the frame.
+    view.Crop = in.Crop;
+  }
+  else
+  {
+    if (this->GetInputAlgorithm())
+    {
+      this->GetInputAlgorithm()->UpdateWholeExtent();
+    }
+    std::string message;
+    if (!in.UpdateVolume(message) || !in.UpdateDeformation(message) || !in.UpdateMask(message) ||
+      !ffd::MakeCropping(this, this->GetInput(), in.Input.GetView(),
+        this->CroppingSpace == DEFORMED, view.Crop, message))
+    {
+      vtkErrorMacro(<< message);
+      return false;
+    }
   }
   view.Volume = in.Input.GetView();
   view.Scalars = in.Input.GetScalars();
@@ -2095,6 +2278,12 @@ int vtkFFDInverseRayVolumeMapper::GetRestPosition(const double deformed[3], doub
 //------------------------------------------------------------------------------
 double* vtkFFDInverseRayVolumeMapper::GetBounds()
 {
+  if (this->Internals->Frame)
+  {
+    // What the frame shows, whatever its observers have changed.
+    std::copy_n(this->Internals->ReportedBounds, 6, this->Bounds);
+    return this->Bounds;
+  }
   vtkMath::UninitializeBounds(this->Bounds);
   if (!this->GetDataSetInput())
   {
@@ -2133,19 +2322,21 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
     return;
   }
   in.ToldOfPeeling = false;
-  std::string message;
-  if (this->GetInputAlgorithm())
+  if (in.Refuse("Render()"))
   {
-    this->GetInputAlgorithm()->UpdateWholeExtent();
-  }
-  if (!in.Update(volume->GetProperty(), message))
-  {
-    vtkErrorMacro(<< message);
     return;
   }
-  if (!in.CheckView(renderer, volume, message))
+  vtkRenderWindow* window = renderer->GetRenderWindow();
+  vtkFFDFrame frame(in.Frame, this, renderer, volume, window);
+  frame.SetReportsProgress(this->ReportProgress);
+  in.Prepared = false;
+  std::string message;
+  if (!in.Prepare(volume, message) || !in.CheckView(renderer, volume, message))
   {
-    vtkErrorMacro(<< message);
+    if (!message.empty())
+    {
+      vtkErrorMacro(<< message);
+    }
     return;
   }
 
@@ -2222,9 +2413,27 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
       static_cast<std::size_t>(region.Rays.x) * static_cast<std::size_t>(region.Rays.y));
     visibleDepths = in.VisibleDepths.data();
   }
-  if (!in.Cast(renderer, volume, region, depths, interactive, shown, visibleDepths))
+  vtkInternals::View view;
+  view.Region = region;
+  view.DataToNdc =
+    ffd::MakeCameraView(renderer, whole).WorldToNdc * ffd::ToMatrix(volume->GetMatrix());
+  if (in.Shown.Complete && !(shown && in.CanReuse(volume)))
+  {
+    in.Colours.swap(in.LastColours);
+    in.Last = in.Shown;
+  }
+  in.Shown.Complete = false;
+  const vtkMTimeType sceneTime = in.FindSceneTime(volume);
+  const bool done =
+    in.Cast(renderer, volume, region, depths, interactive, shown, visibleDepths);
+  timer->StopTimer();
+  if (!done && !(shown && in.Last.IsSameAs(view)))
   {
     return;
+  }
+  if (selector && !this->GetInput())
+  {
+    return; // an observer has taken it away
   }
   const ffd::CameraView camera =
     ffd::ToData(ffd::MakeCameraView(renderer, region), ffd::ToMatrix(volume->GetMatrix()));
@@ -2242,27 +2451,35 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
     in.ImageDepths = in.VisibleDepths;
     return;
   }
-  vtkFFDImageDisplay::Layers layers;
-  if (depths && region.Step > 1.0)
-  {
-    layers = in.CastLayers(renderer, volume, region, pixels, interactive);
-  }
-  const double rays = static_cast<double>(region.Rays.x) * region.Rays.y;
-  timer->StopTimer();
   if (shown)
   {
     this->TimeToDraw = timer->GetElapsedTime();
-    // Part of a picture tells the least that all of it would take.
-    const double perRay = this->TimeToDraw / rays * (interactive ? 1.0 : 0.5);
-    in.TimePerRay = in.ReusedFraction > 0.0 ? std::max(in.TimePerRay, perRay) : perRay;
-    in.LastPixels = static_cast<double>(pixels.x) * pixels.y;
+    if (done)
+    {
+      // Part of a picture tells the least that all of it would take.
+      const double rays = static_cast<double>(region.Rays.x) * region.Rays.y;
+      const double perRay = this->TimeToDraw / rays * (interactive ? 1.0 : 0.5);
+      in.TimePerRay = in.ReusedFraction > 0.0 ? std::max(in.TimePerRay, perRay) : perRay;
+      in.LastPixels = static_cast<double>(pixels.x) * pixels.y;
+      view.Complete = true;
+      in.Shown = view;
+    }
+    in.StillTime = in.FindStillTime(pixels, interactive);
+  }
+  // After an abort the last picture: the window may be read before the next frame is there.
+  const std::vector<float>& colours = done ? in.Colours : in.LastColours;
+  region = done ? region : in.Last.Region;
+  vtkFFDImageDisplay::Layers layers;
+  if (done && depths && region.Step > 1.0 && in.FindSceneTime(volume) == sceneTime)
+  {
+    layers = in.CastLayers(renderer, volume, region, pixels, interactive);
   }
 
   const glm::dvec2 perPixel = 2.0 / glm::dvec2(region.Viewport);
   const glm::dvec2 lower = glm::dvec2(region.Origin) * perPixel - 1.0;
   const glm::dvec2 upper = lower + glm::dvec2(region.Rays) * region.Step * perPixel;
   const double rectangle[4] = { lower.x, lower.y, upper.x, upper.y };
-  if (!in.Display.Draw(renderer, region.Rays.x, region.Rays.y, in.Colours.data(), layers, rectangle,
+  if (!in.Display.Draw(renderer, region.Rays.x, region.Rays.y, colours.data(), layers, rectangle,
         region.Step == 1.0, in.MakeParallelFor()))
   {
     vtkErrorMacro(<< "The image could not be drawn: the render window is not an OpenGL window or "
@@ -2289,6 +2506,10 @@ int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume
     return 0;
   }
   vtkInternals& in = *this->Internals;
+  if (in.Refuse("RenderToImage()"))
+  {
+    return 0;
+  }
   std::string message;
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   const float* scene = nullptr;
@@ -2310,21 +2531,25 @@ int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume
     }
     scene = static_cast<const float*>(inputDepths->GetScalarPointer());
   }
-  if (this->GetInputAlgorithm())
+  vtkFFDFrame frame(in.Frame, this, renderer, volume, nullptr);
+  frame.SetReportsProgress(this->ReportProgress);
+  in.Prepared = false;
+  if (inputDepths)
   {
-    this->GetInputAlgorithm()->UpdateWholeExtent();
+    frame.Hold({ inputDepths->GetPointData()->GetScalars() });
   }
-  if (!in.Update(volume->GetProperty(), message))
+  const vtkSmartPointer<vtkImageData> keptColours(colours);
+  const vtkSmartPointer<vtkImageData> keptDepths(depths);
+  if (!in.Prepare(volume, message) || !in.CheckView(renderer, volume, message))
   {
-    vtkErrorMacro(<< message);
-    return 0;
-  }
-  if (!in.CheckView(renderer, volume, message))
-  {
-    vtkErrorMacro(<< message);
+    if (!message.empty())
+    {
+      vtkErrorMacro(<< message);
+    }
     return 0;
   }
   const vtkFFDImageRegion region(glm::ivec2(width, height));
+  in.Shown.Complete = false;
   std::vector<float> firstVisible(depths ? pixels : 0);
   if (!in.Cast(renderer, volume, region, scene, false, false,
         depths ? firstVisible.data() : nullptr))
@@ -2362,6 +2587,10 @@ int vtkFFDInverseRayVolumeMapper::TraceRays(vtkRenderer* renderer, vtkVolume* vo
     return 0;
   }
   vtkInternals& in = *this->Internals;
+  if (in.Refuse("TraceRays()"))
+  {
+    return 0;
+  }
   std::string message;
   if (this->GetInputAlgorithm())
   {
@@ -2407,17 +2636,15 @@ void vtkFFDInverseRayVolumeMapper::ReleaseGraphicsResources(vtkWindow* window)
 {
   vtkInternals& in = *this->Internals;
   in.Display.ReleaseGraphicsResources(window);
-  // The images are as large as the window, and made anew with every frame.
-  in.Coherence.Clear();
-  std::vector<float>().swap(in.Colours);
-  std::vector<float>().swap(in.WindowDepths);
-  std::vector<float>().swap(in.RayDepths);
-  std::vector<float>().swap(in.FirstVisible);
-  std::vector<float>().swap(in.VisibleDepths);
-  std::vector<float>().swap(in.NearDepths);
-  std::vector<float>().swap(in.LayerDepths);
-  std::vector<float>().swap(in.NearColours);
   this->Superclass::ReleaseGraphicsResources(window);
+  if (in.Frame)
+  {
+    in.Frame->AtEnd([&in] { in.ReleaseImages(); });
+  }
+  else
+  {
+    in.ReleaseImages();
+  }
 }
 
 //------------------------------------------------------------------------------

@@ -102,6 +102,23 @@
  * matrix does not scale all axes alike, or shears, normals are those of the shape that it makes.
  * "Voxel" as a unit of length is the shortest voxel edge.
  *
+ * Progress and abort: StartEvent and VolumeMapperRenderStartEvent begin a frame, ProgressEvent
+ * (GetProgress()) and VolumeMapperRenderProgressEvent (with a double) tell how much of it is done, from
+ * 0 to 1, every 10 to 50 ms, its preparation included (limits of the voxels, distances, bounds), and
+ * VolumeMapperRenderEndEvent and EndEvent end it, all in the thread that renders. SetAbortExecute(1) in an
+ * observer ends the frame, and so does vtkRenderWindow::SetAbortRender(), as of an observer of the
+ * window's AbortCheckEvent; while the scene moves, once the frame has taken twice what is allotted to
+ * it. A window then goes on to show its last picture; the next frame is made as a whole. See
+ * vtkFFDInteractiveFrames for applications.
+ *
+ * Observers of these events, and of others while the mapper renders, may do anything to the mapper,
+ * its inputs and the scene. The frame shows what it began with: new inputs, deformations and options
+ * count from the next frame on, what is removed or deleted stays until the frame is over, and so do
+ * the resources that ReleaseGraphicsResources() releases. GetBounds(), GetRestPosition() and pickers
+ * tell of the frame. Render(), RenderToImage() and TraceRays() of the same mapper are refused with an
+ * error, and a frame ends without a picture, and with an error, if the memory of an array that it
+ * reads is freed by changing the size of the array.
+ *
  * @sa
  * vtkFFDLattice vtkFFDVolumePicker vtkFixedPointVolumeRayCastMapper vtkImageReslice
  * vtkBSplineTransform
@@ -370,6 +387,12 @@ public:
   virtual void SetFrameCoherenceTolerance(double pixels);
   vtkGetMacro(FrameCoherenceTolerance, double);
   ///@}
+
+  /**
+   * Seconds that a still picture in a window is expected to take: as long as the last one did, or
+   * what follows from a moving or an aborted one. 0 before the first frame.
+   */
+  double GetExpectedStillTime();
 
   /**
    * How much, 0 to 1, of the last picture in a window was taken from the picture before it: see
@@ -879,6 +902,16 @@ public:
    * table, lattice and its bounds; not the image.
    */
   vtkTypeInt64 GetAuxiliaryMemorySize();
+
+  ///@{
+  /**
+   * Bring the input up to date. No StartEvent, ProgressEvent and EndEvent come of this: they are those
+   * of frames.
+   */
+  void Update() override;
+  void Update(int port) override;
+  using vtkVolumeMapper::Update;
+  ///@}
 
   /**
    * Includes the modification times of the deformation and of the clipping planes.

@@ -19,6 +19,7 @@
 
 #include <glm/vec4.hpp>
 
+#include <chrono>
 #include <cstdint>
 #include <vector>
 
@@ -66,6 +67,10 @@ struct CastSettings
   /// composite it: for tests.
   bool PerRay = false;
 };
+
+/// When work on a tile stops, to be gone on with later.
+using Deadline = std::chrono::steady_clock::time_point;
+constexpr Deadline NoDeadline = Deadline::max();
 
 /// Counts of one image; the measures of section 5 of the paper.
 struct CastStatistics

@@ -25,23 +25,23 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-void CastTileOfAnyType(const PacketScene& scene, int x0, int y0, unsigned int quarters,
-  const CastImage& image, PacketScratch& scratch)
+int CastTileOfAnyType(const PacketScene& scene, int x0, int y0, unsigned int quarters,
+  const CastImage& image, PacketScratch& scratch, int first, Deadline deadline)
 {
   switch (scene.Volume.Type)
   {
     case ScalarType::Int8:
-      return CastTile<std::int8_t>(scene, x0, y0, quarters, image, scratch);
+      return CastTile<std::int8_t>(scene, x0, y0, quarters, image, scratch, first, deadline);
     case ScalarType::UInt8:
-      return CastTile<std::uint8_t>(scene, x0, y0, quarters, image, scratch);
+      return CastTile<std::uint8_t>(scene, x0, y0, quarters, image, scratch, first, deadline);
     case ScalarType::Int16:
-      return CastTile<std::int16_t>(scene, x0, y0, quarters, image, scratch);
+      return CastTile<std::int16_t>(scene, x0, y0, quarters, image, scratch, first, deadline);
     case ScalarType::UInt16:
-      return CastTile<std::uint16_t>(scene, x0, y0, quarters, image, scratch);
+      return CastTile<std::uint16_t>(scene, x0, y0, quarters, image, scratch, first, deadline);
     case ScalarType::Float32:
-      return CastTile<float>(scene, x0, y0, quarters, image, scratch);
+      return CastTile<float>(scene, x0, y0, quarters, image, scratch, first, deadline);
     default:
-      return CastTile<WideScalar>(scene, x0, y0, quarters, image, scratch);
+      return CastTile<WideScalar>(scene, x0, y0, quarters, image, scratch, first, deadline);
   }
 }
 
@@ -322,10 +322,11 @@ PacketCaster::PacketCaster(
 }
 
 //------------------------------------------------------------------------------
-void PacketCaster::RenderTile(int x0, int y0, unsigned int quarters, const CastImage& image,
-  PacketScratch& scratch) const
+int PacketCaster::RenderTile(int x0, int y0, unsigned int quarters, const CastImage& image,
+  PacketScratch& scratch, int first, Deadline deadline) const
 {
-  HWY_DYNAMIC_DISPATCH(CastTileOfAnyType)(this->Scene, x0, y0, quarters, image, scratch);
+  return HWY_DYNAMIC_DISPATCH(CastTileOfAnyType)(
+    this->Scene, x0, y0, quarters, image, scratch, first, deadline);
 }
 
 } // namespace ffd

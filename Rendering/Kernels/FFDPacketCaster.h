@@ -158,9 +158,9 @@ public:
   /// Whether packets can render this scene; else the reference ray caster has to.
   static bool Supports(const CastScene& scene, const CastSettings& settings);
 
-  /// See RayCaster::RenderTile().
-  void RenderTile(int x0, int y0, unsigned int quarters, const CastImage& image,
-    PacketScratch& scratch) const;
+  /// See RayCaster::RenderTile(); `first` counts packets.
+  int RenderTile(int x0, int y0, unsigned int quarters, const CastImage& image,
+    PacketScratch& scratch, int first, Deadline deadline) const;
 
 private:
   PacketScene Scene;

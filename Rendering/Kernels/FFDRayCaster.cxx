@@ -491,15 +491,15 @@ void RayCaster::TraceRay(
 }
 
 //------------------------------------------------------------------------------
-void RayCaster::RenderTile(
-  int tile, const CastImage& image, Scratch& scratch, unsigned int quarters) const
+int RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch, unsigned int quarters,
+  int first, Deadline deadline) const
 {
   const int x0 = tile % this->GetTilesPerRow(image) * TileSize;
   const int y0 = tile / this->GetTilesPerRow(image) * TileSize;
   if (this->Packets)
   {
-    this->Packets->RenderTile(x0, y0, quarters, image, scratch.Packets);
-    return;
+    return this->Packets->RenderTile(
+      x0, y0, quarters, image, scratch.Packets, first, deadline);
   }
   const int x1 = std::min(x0 + TileSize, image.Width) - 1;
   const int y1 = std::min(y0 + TileSize, image.Height) - 1;
@@ -508,7 +508,7 @@ void RayCaster::RenderTile(
     const int quarter = (x - x0) / QuarterSize + 2 * ((y - y0) / QuarterSize);
     return (quarters >> quarter & 1u) != 0;
   };
-  for (int y = y0; y <= y1; ++y)
+  for (int y = y0; y <= y1 && first == 0; ++y)
   {
     for (int x = x0; x <= x1; x += QuarterSize)
     {
@@ -537,7 +537,7 @@ void RayCaster::RenderTile(
   const int count = this->SetUpTile(x0, y0, x1, y1, rays.data(), tMin, tMax);
   if (count == 0)
   {
-    return;
+    return 0;
   }
   const bool slice = this->Scene.Blend.Mode == BlendMode::Slice;
   const bool greedy = this->Settings.Segments == Segmentation::GreedyAngle;
@@ -545,7 +545,7 @@ void RayCaster::RenderTile(
   {
     this->StartTile(x0, y0, x1, y1, tMin, tMax, scratch.Spans);
   }
-  for (int i = 0; i < count; ++i)
+  for (int i = first; i < count; ++i)
   {
     Ray& ray = rays[i];
     if (!isWanted(ray.X, ray.Y))
@@ -578,7 +578,12 @@ void RayCaster::RenderTile(
       image.Depths[at] = static_cast<float>(this->Scene.Camera.ToDepth(
         ray.World.Origin + result.FirstVisible * ray.World.Direction));
     }
+    if (deadline != NoDeadline && std::chrono::steady_clock::now() >= deadline)
+    {
+      return i + 1;
+    }
   }
+  return 0;
 }
 
 //------------------------------------------------------------------------------

@@ -55,8 +55,10 @@ public:
   int GetTilesPerRow(const CastImage& image) const;
   int GetNumberOfTiles(const CastImage& image) const;
   /// `quarters`: of which quarters of the tile the pixels are asked for, a bit each, x fastest.
-  void RenderTile(int tile, const CastImage& image, Scratch& scratch,
-    unsigned int quarters = AllQuarters) const;
+  /// Stops at the deadline, with some pixels done: returns 0 when the tile is finished, else the
+  /// number to go on with, as `first`. The pixels do not depend on the stops.
+  int RenderTile(int tile, const CastImage& image, Scratch& scratch,
+    unsigned int quarters = AllQuarters, int first = 0, Deadline deadline = NoDeadline) const;
 
   /// Cast the ray of one pixel as for the picture, by the reference kernels, and note what was done
   /// on the way. Of `image` only the size matters.

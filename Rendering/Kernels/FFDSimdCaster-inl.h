@@ -1333,8 +1333,8 @@ private:
 };
 
 template <class T>
-HWY_NOINLINE void CastTile(const PacketScene& scene, int x0, int y0, unsigned int quarters,
-  const CastImage& image, PacketScratch& scratch)
+HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int quarters,
+  const CastImage& image, PacketScratch& scratch, int first, Deadline deadline)
 {
   const Df d;
   const PacketShape shape = GetPacketShape();
@@ -1356,6 +1356,7 @@ HWY_NOINLINE void CastTile(const PacketScene& scene, int x0, int y0, unsigned in
   float tMin = 1e30f;
   float tMax = -1e30f;
   TileReaches reaches(x0, y0, quarters, image);
+  const std::size_t firstPacket = static_cast<std::size_t>(first);
   std::size_t packet = 0;
   for (int y = y0; y < y0 + TileSide; y += shape.Height)
   {
@@ -1376,8 +1377,9 @@ HWY_NOINLINE void CastTile(const PacketScene& scene, int x0, int y0, unsigned in
       const Mf inImage = hn::And(hn::Lt(px, Splat(static_cast<float>(image.Width))),
         hn::Lt(py, Splat(static_cast<float>(image.Height))));
       const Mf active = hn::And(inImage, hn::Lt(rays.From, rays.To));
-      // Rays that miss what there is now may meet what there will be.
-      if (!hn::AllFalse(d, hn::AndNot(active, inImage)))
+      // Rays that miss what there is now may meet what there will be; of those that were cast before
+      // the last stop nothing is known any more.
+      if (packet < firstPacket || !hn::AllFalse(d, hn::AndNot(active, inImage)))
       {
         reaches.Include(x, y, std::numeric_limits<float>::infinity());
       }
@@ -1385,7 +1387,8 @@ HWY_NOINLINE void CastTile(const PacketScene& scene, int x0, int y0, unsigned in
       stored.Set(packet * static_cast<std::size_t>(shape.Lanes), rays);
       tMin = std::min(tMin, SmallestLane(hn::IfThenElse(active, rays.From, Splat(1e30f))));
       tMax = std::max(tMax, LargestLane(hn::IfThenElse(active, rays.To, Splat(-1e30f))));
-      scratch.Statistics.Rays += static_cast<std::int64_t>(hn::CountTrue(d, active));
+      scratch.Statistics.Rays +=
+        firstPacket > 0 ? 0 : static_cast<std::int64_t>(hn::CountTrue(d, active));
     }
   }
 
@@ -1418,7 +1421,7 @@ HWY_NOINLINE void CastTile(const PacketScene& scene, int x0, int y0, unsigned in
   {
     for (int x = x0; x < x0 + TileSide; x += shape.Width, ++packet)
     {
-      if (!reaches.IsWanted(x, y))
+      if (packet < firstPacket || !reaches.IsWanted(x, y))
       {
         continue;
       }
@@ -1446,9 +1449,14 @@ HWY_NOINLINE void CastTile(const PacketScene& scene, int x0, int y0, unsigned in
       }
       StorePixels(scene, image, x, y, active, cast.GetPixels());
       reaches.Include(x, y, cast.GetReach());
+      if (deadline != NoDeadline && std::chrono::steady_clock::now() >= deadline)
+      {
+        return static_cast<int>(packet) + 1;
+      }
     }
   }
   reaches.Store();
+  return 0;
 }
 
 } // namespace HWY_NAMESPACE

@@ -15,6 +15,7 @@
 #include "vtkFFDLatticeWidget.h"
 #include "vtkFFDMassSpring.h"
 #include "vtkFFDRayDeflector.h"
+#include "vtkFFDInteractiveFrames.h"
 #include "vtkFFDRayTracer.h"
 #include "vtkFFDResampleVolume.h"
 #include "vtkFFDSplineTransform.h"
@@ -74,6 +75,7 @@ int TestInstantiate(int, char*[])
   ok &= Check<vtkFFDDeformGeometry>("vtkFFDDeformGeometry", "vtkPointSetAlgorithm");
   ok &= Check<vtkFFDJacobian>("vtkFFDJacobian", "vtkImageAlgorithm");
   ok &= Check<vtkFFDDistanceMap>("vtkFFDDistanceMap", "vtkImageAlgorithm");
+  ok &= Check<vtkFFDInteractiveFrames>("vtkFFDInteractiveFrames", "vtkObject");
   ok &= Check<vtkFFDRayTracer>("vtkFFDRayTracer", "vtkPolyDataAlgorithm");
   ok &= Check<vtkFFDVolumePicker>("vtkFFDVolumePicker", "vtkVolumePicker");
   return ok ? EXIT_SUCCESS : EXIT_FAILURE;

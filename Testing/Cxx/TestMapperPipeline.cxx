@@ -328,7 +328,8 @@ void AbortAtOnce(vtkObject* caller, unsigned long, void*, void*)
   vtkAlgorithm::SafeDownCast(caller)->SetAbortExecute(1);
 }
 
-/// An aborted frame shows the rest of the scene and nothing of the volume, and costs no next one.
+/// An aborted frame shows the last picture of the view, or nothing of the volume where there is none,
+/// and costs no next one.
 int TestAbort()
 {
   FFDTestScene scene;
@@ -343,7 +344,13 @@ int TestAbort()
   command->SetCallback(AbortAtOnce);
   const unsigned long tag =
     scene.Mapper->AddObserver(vtkCommand::VolumeMapperRenderProgressEvent, command);
-  FFD_CHECK(FFDLargestDifference(scene.Show(), empty) == 0);
+  FFD_CHECK(FFDLargestDifference(scene.Show(), whole) == 0);
+  scene.Renderer->GetActiveCamera()->Azimuth(10.0);
+  const std::vector<unsigned char> aborted = scene.Show();
+  scene.Volume->VisibilityOff();
+  FFD_CHECK(FFDLargestDifference(scene.Show(), aborted) == 0);
+  scene.Volume->VisibilityOn();
+  scene.Renderer->GetActiveCamera()->Azimuth(-10.0);
   FFD_CHECK(scene.Mapper->GetTimeToDraw() == time || scene.Mapper->GetTimeToDraw() > 0.0);
   scene.Mapper->RemoveObserver(tag);
   FFD_CHECK(FFDLargestDifference(scene.Show(), whole) == 0);

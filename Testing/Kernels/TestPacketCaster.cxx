@@ -174,10 +174,13 @@ public:
     std::vector<float> Depths;
     std::vector<float> Reaches; // of the quarters of tiles
     CastStatistics Statistics;
+    int Stops = 0; // of tiles
   };
 
-  /// `quarters`: of each tile, see RayCaster::RenderTile(); other pixels are -1.
-  Picture Render(bool reference, unsigned int quarters = RayCaster::AllQuarters)
+  /// `quarters`: of each tile, see RayCaster::RenderTile(); other pixels are -1. `deadline`: after
+  /// which a tile stops, to be gone on with at once.
+  Picture Render(bool reference, unsigned int quarters = RayCaster::AllQuarters,
+    Deadline deadline = NoDeadline)
   {
     CastSettings settings = this->Settings;
     settings.Reference = reference;
@@ -197,7 +200,12 @@ public:
     auto scratch = std::make_unique<RayCaster::Scratch>();
     for (int tile = 0; tile < caster.GetNumberOfTiles(image); ++tile)
     {
-      caster.RenderTile(tile, image, *scratch, quarters);
+      int next = 0;
+      do
+      {
+        next = caster.RenderTile(tile, image, *scratch, quarters, next, deadline);
+        picture.Stops += next > 0 ? 1 : 0;
+      } while (next > 0);
     }
     picture.Statistics = RayCaster::GetStatistics(*scratch);
     return picture;
@@ -662,6 +670,35 @@ TEST(PacketCaster, QuartersOfTiles)
           }
           EXPECT_LE(worst, 2.0 / 255.0) << (reference ? "reference" : "packets");
           EXPECT_LT(part.Statistics.Rays, whole.Statistics.Rays);
+        }
+      }
+    });
+}
+
+/// A tile that stops after each packet, or each ray of the reference, and goes on, gives the same
+/// pixels. Of the rays before its last stop it is not known how far they reach.
+TEST(PacketCaster, TilesThatStop)
+{
+  TestScene scene(ScalarType::UInt8, 4);
+  scene.SetDeformation(2.0, PullBackKind::Exact);
+  scene.SetCamera(true, 60, 53);
+  ForEveryTarget(
+    [&]
+    {
+      for (bool reference : { true, false })
+      {
+        const TestScene::Picture whole = scene.Render(reference);
+        const TestScene::Picture stopped =
+          scene.Render(reference, RayCaster::AllQuarters, Deadline::min());
+        EXPECT_EQ(whole.Stops, 0);
+        EXPECT_GT(stopped.Stops, 100);
+        EXPECT_EQ(stopped.Colours, whole.Colours);
+        EXPECT_EQ(stopped.Depths, whole.Depths);
+        EXPECT_EQ(stopped.Statistics.Rays, whole.Statistics.Rays);
+        EXPECT_EQ(stopped.Statistics.Samples, whole.Statistics.Samples);
+        for (std::size_t i = 0; i < whole.Reaches.size(); ++i)
+        {
+          EXPECT_GE(stopped.Reaches[i], whole.Reaches[i]);
         }
       }
     });

@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkFFDInteractiveFrames
+ * @brief   shows a coarse picture before each long still one, and lets new input abort that
+ *
+ * For applications in which a user moves a scene with vtkFFDInverseRayVolumeMapper: give it the
+ * interactor, and keep it for as long as the window is used. From then on, whoever calls
+ * vtkRenderWindow::Render():
+ *
+ * - A still frame that its mappers expect to take longer than LongestWait is preceded by a coarse one,
+ *   made as while the scene moves, unless the window shows that already. The still frame follows from
+ *   the event loop of the interactor.
+ * - A mouse button, the wheel or a key aborts a still frame: within some 100 ms the event loop goes on
+ *   with it, and the window goes on to show the coarse picture. The still frame is made when the
+ *   interaction is over.
+ * - ProgressEvent with GetProgress() tells how far a still frame is, for a status line.
+ *
+ * A frame is a still one when the desired update rate of the window is as vtkRenderWindowInteractor
+ * has it when nothing moves: a second or more for each renderer. Only the input that the window's
+ * GetEventPending() knows of aborts frames by itself, as that of X11; elsewhere call Abort().
+ *
+ * Not for programs without an event loop, which would get coarse pictures: there each frame is to be
+ * what it is asked to be. RenderStill() makes a still frame at once, for a screenshot.
+ *
+ * @sa
+ * vtkFFDInverseRayVolumeMapper::GetExpectedStillTime vtkRenderWindow::CheckAbortStatus
+ */
+#ifndef vtkFFDInteractiveFrames_h
+#define vtkFFDInteractiveFrames_h
+
+#include "vtkFFDRenderingModule.h" // For export macro
+#include "vtkObject.h"
+
+#include <memory> // For std::unique_ptr
+
+class vtkRenderWindowInteractor;
+
+class VTKFFDRENDERING_EXPORT vtkFFDInteractiveFrames : public vtkObject
+{
+public:
+  static vtkFFDInteractiveFrames* New();
+  vtkTypeMacro(vtkFFDInteractiveFrames, vtkObject);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /**
+   * The interactor with the window to look after, which must have its window already; null: none.
+   * Default: null. It is not kept alive.
+   */
+  void SetInteractor(vtkRenderWindowInteractor* interactor);
+  vtkRenderWindowInteractor* GetInteractor();
+  ///@}
+
+  ///@{
+  /**
+   * Seconds that a still frame may take without a coarse one before it. The first frame, of which
+   * nothing is known, counts as longer. Not negative. Default: 0.3.
+   */
+  void SetLongestWait(double seconds);
+  vtkGetMacro(LongestWait, double);
+  ///@}
+
+  /// How much of the still frame in progress is done, 0 to 1; 1 when there is none.
+  vtkGetMacro(Progress, double);
+
+  /// Whether the window shows a coarse picture that a still one is to follow.
+  bool IsStillFrameDue();
+
+  /// How many still frames have been aborted.
+  vtkGetMacro(NumberOfAbortedFrames, int);
+
+  /// Abort the still frame in progress, if there is one; it is made again later.
+  void Abort();
+
+  /// Make a still frame now, as a whole.
+  void RenderStill();
+
+protected:
+  vtkFFDInteractiveFrames();
+  ~vtkFFDInteractiveFrames() override;
+
+private:
+  vtkFFDInteractiveFrames(const vtkFFDInteractiveFrames&) = delete;
+  void operator=(const vtkFFDInteractiveFrames&) = delete;
+
+  double LongestWait = 0.3;
+  double Progress = 1.0;
+  int NumberOfAbortedFrames = 0;
+
+  class vtkInternals;
+  std::unique_ptr<vtkInternals> Internals;
+};
+
+#endif
