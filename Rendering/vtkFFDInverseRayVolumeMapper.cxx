@@ -89,6 +89,9 @@ constexpr double LongestAutomaticSegment = 64.0;
 /// Longest piece of ERROR_BOUND, voxels.
 constexpr double LongestSpan = 16.0;
 
+/// The same where nothing is deformed: more than any volume is long.
+constexpr double LongestStraightSpan = 1e6;
+
 /// Pieces where no position error can be proven, voxels.
 constexpr double UnprovenLength = 2.0;
 
@@ -121,17 +124,18 @@ double FindShortestEdge(const glm::dmat3& fromIndex)
     glm::length(fromIndex[0]), std::min(glm::length(fromIndex[1]), glm::length(fromIndex[2])));
 }
 
-/// How many cells of bounds a volume is worth: each takes 34 bytes. `whole`: of which the image may
-/// be a part, which must be rendered as in the whole.
-int FindMostBoundsCells(const ffd::VolumeView& volume, int scalarSize, const ffd::Box& whole)
+/// How many cells of bounds a volume is worth: each takes 34 bytes. Not by the size of the scalars:
+/// rays are cut into the same pieces whatever the type. `whole`: of which the image may be a part,
+/// which must be rendered as in the whole.
+int FindMostBoundsCells(const ffd::VolumeView& volume, const ffd::Box& whole)
 {
-  constexpr double bytesPerCell = 24000.0;
-  double bytes = scalarSize;
+  constexpr double voxelsPerCell = 24000.0;
+  double voxels = 1.0;
   for (int a = 0; a < 3; ++a)
   {
-    bytes *= (whole.Max[a] - whole.Min[a]) / glm::length(volume.IndexToData[a]) + 1.0;
+    voxels *= (whole.Max[a] - whole.Min[a]) / glm::length(volume.IndexToData[a]) + 1.0;
   }
-  return static_cast<int>(std::clamp(bytes / bytesPerCell, 216.0, 2000.0));
+  return static_cast<int>(std::clamp(voxels / voxelsPerCell, 216.0, 2000.0));
 }
 
 /// Narrow [from, to] to what of a ray is in a box; false if nothing is.
@@ -518,8 +522,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
     this->Self->InverseTolerance * voxel);
   // Pieces of rays and the rays around a tile reach out of the bounds by about so much.
   const double reach = BoundsResolution * voxel;
-  const int mostCells = FindMostBoundsCells(
-    this->Input.GetView(), this->Input.GetScalars()->GetDataTypeSize(), rest);
+  const int mostCells = FindMostBoundsCells(this->Input.GetView(), rest);
   // All that the bounds depend on: other options of the mapper do not make them anew.
   if (this->DeformationTime == this->Source.GetMTime() && this->RestBounds.Min == rest.Min &&
     this->RestBounds.Max == rest.Max && this->DeformationReach == reach &&
@@ -897,6 +900,11 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
   const double perSpan = std::floor(longest * voxelSize / settings.SampleDistance + 1e-6);
   settings.Spans.Length =
     perSpan >= 1.0 ? perSpan * settings.SampleDistance : longest * voxelSize;
+  if (this->Map.IsIdentity() && perSpan < 1.0)
+  {
+    // Straight rays need no shorter ones.
+    settings.Spans.Length = std::min(settings.SampleDistance, LongestStraightSpan * voxelSize);
+  }
   settings.Spans.PositionTolerance = self->PositionTolerance;
   settings.Spans.LargestLevel = std::clamp(
     static_cast<int>(std::floor(std::log2(longest / shortest) + 1e-9)), 0,
@@ -2242,7 +2250,6 @@ bool vtkFFDInverseRayVolumeMapper::MakeProbeView(vtkFFDProbeView& view)
     }
   }
   view.Volume = in.Input.GetView();
-  view.Scalars = in.Input.GetScalars();
   view.Hidden = in.Input.GetHidden();
   view.Mask = in.Mask;
   view.Map = in.Map;

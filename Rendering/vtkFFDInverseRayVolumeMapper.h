@@ -83,10 +83,14 @@
  * volumes are blended in the order in which the renderer draws them, as with VTK's own mappers;
  * where they overlap the later one is drawn over the earlier one.
  *
- * With linear interpolation whole numbers (scalars of an integer type) are classified half a unit
- * higher than they are interpolated, the least scalar excepted. On average that is what
- * vtkFixedPointVolumeRayCastMapper does, which rounds them up, so pictures stay what they were when
- * it is replaced. Convert to float scalars where that matters.
+ * Normals and gradient opacities are those of central differences over one voxel to each side; at
+ * the faces of the volume, and beside blanked cells, over what there is. With nearest interpolation
+ * they are those of the nearest voxel.
+ *
+ * Interpolated scalars are classified as they are, whatever their type: the same values as bytes
+ * and as floats give the same picture, that of vtkGPUVolumeRayCastMapper on floats.
+ * vtkFixedPointVolumeRayCastMapper rounds interpolated whole numbers up, so that its pictures of
+ * them are a little denser (1 to 4 of 255).
  *
  * Picking by rendering (vtkHardwareSelector, vtkPropPicker, vtkRenderedAreaPicker) finds the volume
  * where it is visible: where its opacity is more than 3 / 255, as VTK's GPU mapper. Cells and points
@@ -305,7 +309,10 @@ public:
   /**
    * Distance between samples along the deformed ray, data units. Default: locked to the input,
    * one voxel; setting a distance unlocks it. Must be positive; less than a thousandth of a voxel
-   * counts as that.
+   * counts as that. Where nothing is deformed samples lie at whole multiples of it behind the face
+   * through which the ray enters the volume, or behind the near clipping plane if that is inside,
+   * as with vtkGPUVolumeRayCastMapper; a deformed ray has the samples of that at rest, as far as
+   * its pieces hold whole numbers of them.
    */
   virtual void SetSampleDistance(double distance);
   vtkGetMacro(SampleDistance, double);

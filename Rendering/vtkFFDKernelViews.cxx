@@ -158,22 +158,6 @@ struct TableFunctions
     }
     return most;
   }
-  /// The functions at one scalar, as GetTable gives them over a range.
-  void Evaluate(double x, float* rgb, float& opacity) const
-  {
-    double colour[3] = { 0.0, 0.0, 0.0 };
-    if (this->Gray)
-    {
-      std::fill_n(colour, 3, this->Gray->GetValue(x));
-    }
-    else if (this->Colour)
-    {
-      this->Colour->GetColor(
-        this->IsLogarithmic() && !(x > 0.0) ? this->Colour->GetRange()[0] : x, colour);
-    }
-    std::copy_n(colour, 3, rgb);
-    opacity = this->Opacity ? static_cast<float>(this->Opacity->GetValue(x)) : 0.0f;
-  }
   void Tabulate(double lo, double hi, int size, float* rgb, float* opacity) const
   {
     const std::size_t n = static_cast<std::size_t>(size);
@@ -216,17 +200,11 @@ struct TableFunctions
 };
 
 /**
- * Table of functions over the range of a component. `integers`: entries are to meet whole numbers.
- * `roundUp`: scalars are classified half a unit higher.
+ * Table of functions over the range of a component. It does not depend on the scalar type: the same
+ * values look the same as bytes and as floats.
  */
-TransferTable MakeTable(const TableFunctions& functions, const MinMaxBlocks::Limits& range,
-  bool roundUp, bool integers)
+TransferTable MakeTable(const TableFunctions& functions, const MinMaxBlocks::Limits& range)
 {
-  // What scalar the functions are asked for. Never more than the least scalar where that is what
-  // the voxels hold: it is the background, and stays as transparent as it is.
-  const double up = roundUp ? 0.5 : 0.0;
-  const auto classified = [&](double x) { return x + std::min(up, std::max(0.0, x - range.Min)); };
-
   double lo = range.Min;
   double hi = range.Max;
   // Beyond their last points clamped functions are constant: spend no entries there, so that a
@@ -240,44 +218,31 @@ TransferTable MakeTable(const TableFunctions& functions, const MinMaxBlocks::Lim
     const bool beyond = !functions.Gray && functions.Colour &&
       (functions.Colour->GetUseBelowRangeColor() || functions.Colour->GetUseAboveRangeColor());
     const double margin = beyond ? std::max(1.0, 1e-3 * (last - first)) : 0.0;
-    lo = std::min(std::max(lo, first - up - margin), hi);
+    lo = std::min(std::max(lo, first - margin), hi);
     hi = std::max(std::min(hi, last + margin), lo);
   }
   if (!(hi - lo > 1e-12 * std::max(std::abs(lo), std::abs(hi))))
   {
     hi = lo + std::max(1.0, std::abs(lo));
   }
-  int size = SmallestTable;
-  if (integers && hi - lo <= LargestTable)
+  // Steps are equal, logarithmic functions bend most at their small end.
+  int size = functions.IsLogarithmic()
+    ? LargestTable
+    : std::clamp(functions.EstimateSamples(lo, hi), SmallestTable, LargestTable);
+  const double width = std::ceil(hi) - std::floor(lo);
+  if (hi - lo >= 1.0 && width < LargestTable)
   {
-    // A whole number of entries a unit, so that whole scalars are met exactly.
-    const int width = static_cast<int>(hi - lo);
-    const int perUnit = std::max(1, SmallestTable / std::max(1, width));
+    // A whole number of entries a unit: whole scalars, and the points of functions that lie there,
+    // are met exactly.
     lo = std::floor(lo);
-    hi = lo + width + 1;
-    size = perUnit * (width + 1) + 1;
-  }
-  else
-  {
-    // Steps are equal, logarithmic functions bend most at their small end.
-    size = functions.IsLogarithmic()
-      ? LargestTable
-      : std::clamp(functions.EstimateSamples(lo, hi), SmallestTable, LargestTable);
+    hi = lo + width;
+    const int perUnit = std::max(1, static_cast<int>(size / width));
+    size = perUnit * static_cast<int>(width) + 1;
   }
 
   std::vector<float> opacities(static_cast<std::size_t>(size));
   std::vector<float> colours(3 * static_cast<std::size_t>(size));
-  functions.Tabulate(lo + up, hi + up, size, colours.data(), opacities.data());
-  for (int i = 0; i < size; ++i)
-  {
-    const double x = lo + (hi - lo) * i / (size - 1);
-    if (x >= range.Min + up)
-    {
-      break;
-    }
-    const std::size_t at = static_cast<std::size_t>(i);
-    functions.Evaluate(classified(x), &colours[3 * at], opacities[at]);
-  }
+  functions.Tabulate(lo, hi, size, colours.data(), opacities.data());
   return TransferTable(
     lo, hi, static_cast<std::size_t>(size), colours.data(), opacities.data(), functions.Unit);
 }
@@ -491,9 +456,6 @@ bool MakeOpticalFunctions(vtkVolumeProperty* property, const ScalarFacts& facts,
 {
   functions = OpticalFunctions();
   functions.Kind = facts.Kind;
-  const bool integers =
-    facts.Type != ScalarType::Float32 && facts.Type != ScalarType::Float64;
-  const bool roundUp = integers && !facts.Nearest;
   const bool planes = property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D;
   const bool independent = facts.Kind == ComponentKind::Independent;
   if (facts.HasLabels && independent && facts.Ranges.size() > 1)
@@ -512,7 +474,6 @@ bool MakeOpticalFunctions(vtkVolumeProperty* property, const ScalarFacts& facts,
     TableFunctions tables;
     // In it opacity is looked up.
     const MinMaxBlocks::Limits range = FindDensityRange(facts, c);
-    const bool meetsIntegers = integers && facts.Kind != ComponentKind::Rgb;
     if (!FindTableFunctions(property, c, facts, tables, message))
     {
       return false;
@@ -533,12 +494,12 @@ bool MakeOpticalFunctions(vtkVolumeProperty* property, const ScalarFacts& facts,
       used.Colour = nullptr;
       used.Gray = nullptr;
     }
-    optics.Table = MakeTable(used, range, roundUp && meetsIntegers, meetsIntegers);
+    optics.Table = MakeTable(used, range);
     if (facts.Kind == ComponentKind::ColourOpacity)
     {
       used = tables;
       used.Opacity = nullptr;
-      functions.Colours = MakeTable(used, facts.Ranges[0], roundUp, integers);
+      functions.Colours = MakeTable(used, facts.Ranges[0]);
     }
     if (planes && !MakePlane(property, c, range, facts, optics.Plane, message))
     {
@@ -576,7 +537,7 @@ bool MakeOpticalFunctions(vtkVolumeProperty* property, const ScalarFacts& facts,
           ofLabel.Opacity = opacity;
         }
         LabelOptics made;
-        made.Table = MakeTable(ofLabel, range, roundUp && meetsIntegers, meetsIntegers);
+        made.Table = MakeTable(ofLabel, range);
         made.Gradients = MakeGradientOpacity(property->GetLabelGradientOpacity(label), range);
         functions.LabelIndices.resize(
           std::max(functions.LabelIndices.size(), static_cast<std::size_t>(label) + 1), -1);

@@ -50,9 +50,8 @@ MinMaxBlocks::Limits FindDensityRange(const ScalarFacts& facts, int channel);
 MinMaxBlocks::Limits FindIntensityRange(const ScalarFacts& facts, int channel);
 
 /**
- * Functions and surfaces of a property. Interpolated scalars of an integer type are classified half
- * a unit higher, which is on average what vtkFixedPointVolumeRayCastMapper's rounding up to whole
- * numbers comes to. Returns false and a message for the user when something is missing or wrong.
+ * Functions and surfaces of a property: tables of what it says, whatever the scalar type. Returns
+ * false and a message for the user when something is missing or wrong.
  */
 bool MakeOpticalFunctions(vtkVolumeProperty* property, const ScalarFacts& facts,
   OpticalFunctions& functions, std::string& message);

@@ -10,14 +10,11 @@
 #include "FFDSampleClassifier.h"
 #include "FFDVolumeView.h"
 
-class vtkDataArray;
-
 /// What of a mapper is needed to look at its volume point by point. Valid until the mapper, its
 /// input or its deformation changes.
 struct vtkFFDProbeView
 {
   ffd::VolumeView Volume;
-  vtkDataArray* Scalars = nullptr; // the array that Volume is a view of
   const ffd::CellMask* Hidden = nullptr;
   ffd::MaskView Mask;
   ffd::Cropping Crop;

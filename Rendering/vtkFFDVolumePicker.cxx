@@ -7,11 +7,11 @@
 #include "vtkFFDProbeView.h"
 
 #include "FFDAxisMap.h"
+#include "FFDDifferences.h"
 #include "FFDSampling.h"
 #include "FFDOpticalFunctions.h"
 #include "FFDSurfaceSearch.h"
 
-#include "vtkDataArray.h"
 #include "vtkImageData.h"
 #include "vtkLODProp3D.h"
 #include "vtkObjectFactory.h"
@@ -104,19 +104,15 @@ public:
   {
     const ffd::VolumeView& volume = view.Volume;
     const bool independent = property->GetIndependentComponents() != 0;
-    const bool linear = property->GetInterpolationType() != VTK_NEAREST_INTERPOLATION;
+    this->Nearest = property->GetInterpolationType() == VTK_NEAREST_INTERPOLATION;
     this->Fetch = ffd::SelectSampleFunctions(
-      volume.Type, linear ? ffd::Interpolation::Linear : ffd::Interpolation::Nearest);
-    this->Between = ffd::SelectSampleFunctions(volume.Type, ffd::Interpolation::Linear);
+      volume.Type, this->Nearest ? ffd::Interpolation::Nearest : ffd::Interpolation::Linear);
+    this->FetchNearest = ffd::SelectSampleFunctions(volume.Type, ffd::Interpolation::Nearest);
     this->FetchMask =
       ffd::SelectSampleFunctions(view.Mask.Volume.Type, ffd::Interpolation::Nearest);
-    const bool integers =
-      volume.Type != ffd::ScalarType::Float32 && volume.Type != ffd::ScalarType::Float64;
     const int last = std::min(volume.Components, VTK_MAX_VRCOMP) - 1;
     // Of red, green and blue it is the luminance that gives the opacity, else the last component.
     const bool luminance = !independent && last == 2;
-    // A luminance is no whole number.
-    this->Up = integers && linear && !luminance ? 0.5 : 0.0;
     for (int c = independent || luminance ? 0 : last; c <= (luminance ? 0 : last); ++c)
     {
       Channel channel;
@@ -135,9 +131,6 @@ public:
       for (int term = 0; term < (luminance ? 3 : 1); ++term)
       {
         const double weight = luminance ? ffd::LuminanceWeights[term] : 1.0;
-        double range[2];
-        view.Scalars->GetFiniteRange(range, c + term);
-        channel.Least += weight * range[0];
         channel.Terms.push_back({ ffd::GetComponent(volume, c + term), weight });
       }
       this->Channels.push_back(channel);
@@ -161,7 +154,6 @@ public:
     std::vector<std::pair<ffd::VolumeView, double>> Terms;
     vtkPiecewiseFunction* Opacity = nullptr;
     vtkPiecewiseFunction* Gradient = nullptr;
-    double Least = 0.0;
   };
 
   /// Whole numbers at voxels.
@@ -175,23 +167,13 @@ public:
     return ValueOf(this->Fetch, channel, this->ToVoxel(index));
   }
 
-  /// By data coordinates, at rest: differences of a voxel to each side, of what there is at faces.
+  /// By data coordinates, at rest, as the picture is shaded.
   glm::dvec3 Gradient(const Channel& channel, const glm::dvec3& index) const
   {
-    const glm::dvec3 lower = channel.Volume.LowerIndex();
-    const glm::dvec3 upper = channel.Volume.UpperIndex();
-    glm::dvec3 gradient(0.0);
-    for (int a = 0; a < 3; ++a)
-    {
-      glm::dvec3 before = glm::clamp(index, lower, upper);
-      glm::dvec3 after = before;
-      before[a] = std::max(before[a] - 1.0, lower[a]);
-      after[a] = std::min(after[a] + 1.0, upper[a]);
-      gradient[a] = (ValueOf(this->Between, channel, this->ToVoxel(after)) -
-                      ValueOf(this->Between, channel, this->ToVoxel(before))) /
-        (after[a] - before[a]);
-    }
-    return glm::transpose(channel.Volume.DataToIndex) * gradient;
+    return glm::transpose(channel.Volume.DataToIndex) *
+      ffd::FindDifferences(channel.Volume, this->ToVoxel(index), this->Nearest, this->View.Hidden,
+        [&](const glm::dvec3& at, bool nearest)
+        { return ValueOf(nearest ? this->FetchNearest : this->Fetch, channel, at); });
   }
 
   /// The nearest voxel of the mask; 0 outside of it.
@@ -229,11 +211,11 @@ public:
     return mask.Volume.Scalars && !mask.Labels && !(this->MaskAt(index) > 0.0);
   }
 
-  /// As the mapper classifies: `value`, raised as whole numbers are, through both functions.
+  /// As the mapper classifies: `value` through both functions.
   double Opacity(const Channel& channel, vtkPiecewiseFunction* opacity,
-    vtkPiecewiseFunction* gradient, double raised, const glm::dvec3& index) const
+    vtkPiecewiseFunction* gradient, double value, const glm::dvec3& index) const
   {
-    const double plain = opacity->GetValue(raised);
+    const double plain = opacity->GetValue(value);
     return gradient && plain > 0.0
       ? plain * gradient->GetValue(glm::length(this->Gradient(channel, index)))
       : plain;
@@ -248,8 +230,7 @@ public:
       double opacity = 0.0;
       if (value == value)
       {
-        const double raised = value + std::min(this->Up, std::max(0.0, value - channel.Least));
-        opacity = this->Opacity(channel, channel.Opacity, channel.Gradient, raised, index);
+        opacity = this->Opacity(channel, channel.Opacity, channel.Gradient, value, index);
         const auto label = this->Labels.empty()
           ? this->Labels.end()
           : this->Labels.find(static_cast<int>(this->MaskAt(index) + 0.5));
@@ -258,7 +239,7 @@ public:
           const double factor = this->View.Mask.BlendFactor;
           opacity = (1.0 - factor) * opacity +
             factor *
-              this->Opacity(channel, label->second.first, label->second.second, raised, index);
+              this->Opacity(channel, label->second.first, label->second.second, value, index);
         }
       }
       if (opacity > isovalue)
@@ -291,10 +272,10 @@ private:
   std::vector<Channel> Channels;
   /// Of each label that has functions: scalar opacity, and gradient opacity or null.
   std::map<int, std::pair<vtkPiecewiseFunction*, vtkPiecewiseFunction*>> Labels;
-  ffd::SampleFunctions Fetch;   // as in the picture
-  ffd::SampleFunctions Between; // linear, for gradients
+  bool Nearest;
+  ffd::SampleFunctions Fetch; // as in the picture
+  ffd::SampleFunctions FetchNearest; // of gradients beside hidden cells
   ffd::SampleFunctions FetchMask;
-  double Up;
 };
 
 /// Outward normal at rest of the face of the volume through which a ray comes in; zero: of none.

@@ -20,8 +20,7 @@
  *
  * The surface is where the scalar opacity function first exceeds VolumeOpacityIsovalue, as with
  * vtkVolumePicker: with 0, where the volume begins to be visible at all. Scalars are interpolated
- * and classified as in the picture (whole numbers half a unit up, see
- * vtkFFDInverseRayVolumeMapper). The pull-back of the mapper's InverseMode is evaluated at every
+ * and classified as in the picture. The pull-back of the mapper's InverseMode is evaluated at every
  * step and the crossing is bisected, so the position is not that of a sample but exact: to a
  * billionth of a voxel. Steps are at most half a voxel long in the volume at rest.
  *

@@ -23,9 +23,7 @@ struct ViewRay
 /**
  * Rays through the pixels of an image, perspective or parallel.
  *
- * t is measured from the near clipping plane, and samples lie at multiples of the sample distance
- * from there, as in vtkFixedPointVolumeRayCastMapper: without deformation the two take the same
- * samples.
+ * t is measured from the near clipping plane.
  */
 struct CameraView
 {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDPacketCaster.h"
 
+#include "FFDSamplePhase.h"
 #include "FFDScalarDispatch.h"
 
 #include <algorithm>
@@ -273,6 +274,9 @@ PacketCaster::PacketCaster(
     scene.WholeAtRest ? -glm::round(v.ToIndex(scene.WholeAtRest->Min)) : glm::dvec3(0.0);
   Copy(v.ToIndex(p.Centre) + shift, p.IndexOffset);
   Copy(shift, p.IndexShift);
+  const Box rest = FindRestBox(v, scene.WholeAtRest);
+  Copy(rest.Min + shift, p.RestMin);
+  Copy(rest.Max + shift, p.RestMax);
   CopyRows(v.IndexToData, p.IndexToLocal);
   CopyRows(glm::transpose(v.DataToIndex), p.GradientToRest);
   p.NdcToLocal = glm::translate(glm::dmat4(1.0), -p.Centre) * scene.Camera.NdcToWorld;

@@ -71,6 +71,8 @@ struct PacketScene
   float LocalToIndex[9] = {};
   float IndexOffset[3] = {};        ///< of local to index coordinates of the whole
   float IndexShift[3] = {};         ///< from those to the voxels here, whole numbers
+  float RestMin[3] = {};            ///< FindRestBox(), index coordinates before the shift
+  float RestMax[3] = {};
   float IndexToLocal[9] = {};
   float GradientToRest[9] = {};     ///< by index coordinates to by data coordinates
   float LocalToLights[9] = {};      ///< to the space of Shading

@@ -157,7 +157,8 @@ struct RayCaster::Ray
   glm::dvec3 Direction; // data coordinates per world unit
   double From = 0.0;
   double To = 0.0;
-  double Jitter = 0.0; // of its samples
+  double Jitter = 0.0; // of its samples, as parts of intervals
+  double Phase = 0.0;  // the same, from multiples of the sample distance
   int X = 0;
   int Y = 0;
 };
@@ -337,6 +338,7 @@ RayCaster::RayCaster(const CastScene& scene, const CastSettings& settings)
   : Scene(scene)
   , Settings(settings)
   , GradientToRest(glm::transpose(scene.Volume.DataToIndex))
+  , RestBox(FindRestBox(scene.Volume, scene.WholeAtRest))
 {
   SetDirectionBends(this->Settings.Spans, this->Scene.Camera, glm::dmat3(1.0));
   if (!this->Scene.Classifier)
@@ -403,9 +405,15 @@ bool RayCaster::SetUpRay(int x, int y, Ray& ray) const
   {
     ClipToPlane(plane, ray.World, ray.From, ray.To);
   }
-  ray.Jitter = this->Settings.Jitter && !this->Scene.Blend.UsesIntervals()
-    ? FindJitter(x + camera.PixelOrigin.x, y + camera.PixelOrigin.y)
-    : 0.0;
+  if (!this->Scene.Blend.UsesIntervals())
+  {
+    ray.Jitter = this->Settings.Jitter
+      ? FindJitter(x + camera.PixelOrigin.x, y + camera.PixelOrigin.y)
+      : 0.0;
+    const VolumeView& volume = this->Scene.Volume;
+    ray.Phase = FindPhase(volume.ToIndex(ray.Origin), volume.DataToIndex * ray.Direction,
+      this->RestBox, this->Settings.SampleDistance, ray.Jitter);
+  }
   return ClipToBox(ray.Origin, ray.Direction, this->Scene.DeformedBounds, ray.From, ray.To);
 }
 
@@ -783,7 +791,7 @@ void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
       };
       sampler.Integrate(JacobianPiece<decltype(jacobianAt)>(*this, piece, t0, dt, jacobianAt),
         ScheduleEvenly(length, this->Settings.SampleDistance, (ray.From - t0) / dt,
-          (ray.To - t0) / dt, ray.Jitter, this->Scene.Blend.UsesIntervals()));
+          (ray.To - t0) / dt, ray.Phase, this->Scene.Blend.UsesIntervals()));
     }
   }
 }

@@ -8,6 +8,7 @@
 #include "FFDPacketCaster.h"
 #include "FFDRayIntegrator.h"
 #include "FFDSampleClassifier.h"
+#include "FFDSamplePhase.h"
 #include "FFDTracedRay.h"
 
 #include <memory>
@@ -84,6 +85,7 @@ private:
   IntegrationFrame Frame;
   std::unique_ptr<PacketCaster> Packets; // null: the reference kernels render
   glm::dmat3 GradientToRest; // gradient by index coordinates to gradient by data coordinates
+  Box RestBox;               // the whole volume at rest, index coordinates
 };
 
 } // namespace ffd

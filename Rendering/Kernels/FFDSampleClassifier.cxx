@@ -3,6 +3,7 @@
 #include "FFDSampleClassifier.h"
 
 #include "FFDAxisMap.h"
+#include "FFDDifferences.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -175,6 +176,7 @@ SampleClassifier::SampleClassifier(const VolumeView& volume, Interpolation inter
   const TransferTable& table, const Shading& material, bool shade)
   : OwnFunctions(new OpticalFunctions)
   , Fetch(SelectSampleFunctions(volume.Type, interpolation))
+  , FetchNearest(SelectSampleFunctions(volume.Type, Interpolation::Nearest))
 {
   this->In.Volume = volume;
   this->In.VolumeInterpolation = interpolation;
@@ -270,29 +272,13 @@ glm::dvec3 SampleClassifier::ToIndex(const glm::dvec3& voxel) const
 void SampleClassifier::Values(const glm::dvec3& q, double* values) const
 {
   const glm::dvec3 voxel = this->ToVoxel(q);
-  if (this->In.Hidden && this->In.Volume.Margin > 0.0 && this->TouchesHidden(voxel))
+  if (this->In.Hidden && this->In.Volume.Margin > 0.0 &&
+    TouchesHidden(this->In.Volume, *this->In.Hidden, voxel))
   {
     this->FetchNearest.Values(this->In.Volume, voxel, values);
     return;
   }
   this->Fetch.Values(this->In.Volume, voxel, values);
-}
-
-//------------------------------------------------------------------------------
-/// Whether one of the cells whose scalars are interpolated at a voxel coordinate is hidden.
-bool SampleClassifier::TouchesHidden(const glm::dvec3& voxel) const
-{
-  const glm::ivec3 last = this->In.Volume.Dimensions - 1;
-  const glm::ivec3 lower(glm::floor(voxel));
-  for (int corner = 0; corner < 8; ++corner)
-  {
-    const glm::ivec3 cell = lower + glm::ivec3(corner & 1, corner >> 1 & 1, corner >> 2);
-    if (this->In.Hidden->Has(glm::clamp(cell, glm::ivec3(0), last)))
-    {
-      return true;
-    }
-  }
-  return false;
 }
 
 //------------------------------------------------------------------------------
@@ -329,28 +315,14 @@ bool SampleClassifier::FindHidden(const glm::dvec3& q) const
 }
 
 //------------------------------------------------------------------------------
-/// Half of the differences of a field over one voxel to each side, by index coordinates.
+/// FindDifferences() of a field that is given the functions to fetch scalars with.
 template <class Field>
 glm::dvec3 SampleClassifier::Difference(const glm::dvec3& voxel, const Field& field) const
 {
-  const VolumeView& v = this->In.Volume;
-  const glm::dvec3 lower = v.LowerIndex();
-  const glm::dvec3 upper = v.UpperIndex();
-  glm::dvec3 gradient;
-  for (int a = 0; a < 3; ++a)
-  {
-    glm::dvec3 before = voxel;
-    glm::dvec3 after = voxel;
-    before[a] = std::max(voxel[a] - 1.0, lower[a]);
-    after[a] = std::min(voxel[a] + 1.0, upper[a]);
-    gradient[a] = 0.5 * (field(after) - field(before));
-    if (v.Axes)
-    {
-      gradient[a] *= (after[a] - before[a]) /
-        (v.Axes->ToIndex(a, after[a]) - v.Axes->ToIndex(a, before[a]));
-    }
-  }
-  return gradient;
+  return FindDifferences(this->In.Volume, voxel,
+    this->In.VolumeInterpolation == Interpolation::Nearest, this->In.Hidden,
+    [&](const glm::dvec3& at, bool nearest)
+    { return field(nearest ? this->FetchNearest : this->Fetch, at); });
 }
 
 //------------------------------------------------------------------------------
@@ -367,14 +339,15 @@ glm::dvec3 SampleClassifier::FindGradient(
     if (!this->In.ClippingPlanes.empty())
     {
       return this->Difference(voxel,
-        [&](const glm::dvec3& at)
+        [&](const SampleFunctions& fetch, const glm::dvec3& at)
         {
           return clipped.Has(this->ToIndex(at)) ? this->In.ClippedIntensity
-                                                : this->Fetch.Value(view, at);
+                                                : fetch.Value(view, at);
         });
     }
-    return view.Axes
-      ? this->Difference(voxel, [&](const glm::dvec3& at) { return this->Fetch.Value(view, at); })
+    return view.Axes || this->In.Hidden
+      ? this->Difference(voxel, [&](const SampleFunctions& fetch, const glm::dvec3& at)
+          { return fetch.Value(view, at); })
       : this->Fetch.Gradient(view, voxel);
   };
   switch (functions.Kind)
@@ -398,10 +371,10 @@ glm::dvec3 SampleClassifier::FindOpacityGradient(
 {
   const ClippedSpace clipped(this->In.ClippingPlanes, q, normals);
   return this->Difference(this->ToVoxel(q),
-    [&](const glm::dvec3& voxel)
+    [&](const SampleFunctions& fetch, const glm::dvec3& voxel)
     {
       double values[LargestNumberOfComponents];
-      this->Fetch.Values(this->In.Volume, voxel, values);
+      fetch.Values(this->In.Volume, voxel, values);
       if (clipped.Has(this->ToIndex(voxel)))
       {
         std::fill_n(values, LargestNumberOfComponents, this->In.ClippedIntensity);

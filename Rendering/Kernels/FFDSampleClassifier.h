@@ -88,7 +88,7 @@ struct ClassifierInputs
  * Conventions are those of VTK's volume mappers. Opacities of an interval of the reference length
  * are weighted and multiplied by the gradient opacity; several independent components add up to
  * the opacity sum(a^2) / sum(a) and the premultiplied colour sum(a c). Magnitudes of gradients are
- * central differences over one voxel to each side, in scalar units per mean edge of a voxel, of
+ * those of FindDifferences(), in scalar units per mean edge of a voxel, of
  * the volume at rest: tissue looks the same wherever the deformation takes it. Normals are those
  * of the deformed volume.
  */
@@ -180,7 +180,6 @@ private:
   glm::vec3 DirectColour(const double* values) const;
   bool HasDirectColours() const;
   bool FindHidden(const glm::dvec3& q) const;
-  bool TouchesHidden(const glm::dvec3& voxel) const;
   glm::dvec3 ToVoxel(const glm::dvec3& q) const;
   glm::dvec3 ToIndex(const glm::dvec3& voxel) const;
   double MaskAt(const glm::dvec3& q) const;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDSampling.h"
 
+#include "FFDDifferences.h"
 #include "FFDScalarDispatch.h"
 
 #include <glm/common.hpp>
@@ -92,20 +93,17 @@ void NearestValues(const VolumeView& v, const glm::dvec3& q, double* values)
 }
 
 template <class T>
-glm::dvec3 CentralDifferences(const VolumeView& v, const glm::dvec3& q)
+glm::dvec3 TrilinearGradient(const VolumeView& v, const glm::dvec3& q)
 {
-  const glm::dvec3 lower = v.LowerIndex();
-  const glm::dvec3 upper = v.UpperIndex();
-  glm::dvec3 gradient;
-  for (int a = 0; a < 3; ++a)
-  {
-    glm::dvec3 before = q;
-    glm::dvec3 after = q;
-    before[a] = std::max(q[a] - 1.0, lower[a]);
-    after[a] = std::min(q[a] + 1.0, upper[a]);
-    gradient[a] = 0.5 * (TrilinearValue<T>(v, after) - TrilinearValue<T>(v, before));
-  }
-  return gradient;
+  return FindDifferences(v, q, false, nullptr,
+    [&v](const glm::dvec3& at, bool) { return TrilinearValue<T>(v, at); });
+}
+
+template <class T>
+glm::dvec3 NearestGradient(const VolumeView& v, const glm::dvec3& q)
+{
+  return FindDifferences(
+    v, q, true, nullptr, [&v](const glm::dvec3& at, bool) { return NearestValue<T>(v, at); });
 }
 
 } // namespace
@@ -129,8 +127,8 @@ SampleFunctions SelectSampleFunctions(ScalarType type, Interpolation interpolati
     {
       using T = decltype(zero);
       return interpolation == Interpolation::Linear
-        ? SampleFunctions{ &TrilinearValue<T>, &TrilinearValues<T>, &CentralDifferences<T> }
-        : SampleFunctions{ &NearestValue<T>, &NearestValues<T>, &CentralDifferences<T> };
+        ? SampleFunctions{ &TrilinearValue<T>, &TrilinearValues<T>, &TrilinearGradient<T> }
+        : SampleFunctions{ &NearestValue<T>, &NearestValues<T>, &NearestGradient<T> };
     });
 }
 

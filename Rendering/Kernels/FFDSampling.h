@@ -31,8 +31,7 @@ struct SampleFunctions
   /// The same of all components, written to `values`.
   void (*Values)(const VolumeView& volume, const glm::dvec3& q, double* values);
 
-  /// Central differences of interpolated values one voxel to each side, per index unit:
-  /// (f(q + e) - f(q - e)) / 2, positions clamped to the volume.
+  /// FindDifferences() of the values, per index unit, of a volume that nothing is hidden of.
   glm::dvec3 (*Gradient)(const VolumeView& volume, const glm::dvec3& q);
 };
 

@@ -83,17 +83,17 @@ class Packet
 {
 public:
   /**
-   * `x`, `y`: pixels from the first of the tile. `jitter`: part of an interval by which the samples
+   * `x`, `y`: pixels from the first of the tile. `phase`: part of an interval by which the samples
    * of each ray are moved on.
    */
   Packet(const PacketScene& scene, TileGrid& grid, TileBeam& beam, PacketScratch& scratch,
-    const RayPacket& rays, Vf x, Vf y, Vf jitter, Mf active)
+    const RayPacket& rays, Vf x, Vf y, Vf phase, Mf active)
     : Scene(scene)
     , Grid(grid)
     , Beam(beam)
     , Scratch(scratch)
     , Rays(rays)
-    , Jitter(jitter)
+    , Phase(phase)
     , Alive(active)
     , X(x)
     , Y(y)
@@ -439,10 +439,10 @@ private:
     const Vf slack = Splat(1e-3f);
     PacketSchedule schedule;
     schedule.Ds = hn::Div(one, count);
-    const Vf early = this->Scene.Intervals ? Splat(1.0f - 1e-3f) : hn::Add(slack, this->Jitter);
-    schedule.First = hn::Add(hn::Ceil(hn::Sub(hn::Mul(sFrom, count), early)), this->Jitter);
+    const Vf early = this->Scene.Intervals ? Splat(1.0f - 1e-3f) : hn::Add(slack, this->Phase);
+    schedule.First = hn::Add(hn::Ceil(hn::Sub(hn::Mul(sFrom, count), early)), this->Phase);
     schedule.Stop = hn::Min(count,
-      hn::Add(hn::Ceil(hn::Sub(hn::Sub(hn::Mul(sTo, count), slack), this->Jitter)), this->Jitter));
+      hn::Add(hn::Ceil(hn::Sub(hn::Sub(hn::Mul(sTo, count), slack), this->Phase)), this->Phase));
     return schedule;
   }
 
@@ -454,10 +454,7 @@ private:
   HWY_INLINE Vf StepsBack() const
   {
     const Vf one = Splat(1.0f);
-    const Vf zero = hn::Zero(Df());
-    return this->Scene.Intervals ? one
-      : this->Scene.Settings.Jitter ? hn::Sub(one, this->Jitter)
-                                    : zero;
+    return this->Scene.Intervals ? one : hn::Sub(one, this->Phase);
   }
 
   static HWY_INLINE PieceLeap LeapsOf(const PacketPiece& piece, const PacketSchedule& schedule)
@@ -977,7 +974,7 @@ private:
       {
         SampleRows rows;
         this->Border.Sample(rows);
-        const Vec3 g = this->Border.Gradient(rows);
+        const Vec3 g = AtFaces(this->Scene.Volume, q, this->Border.Gradient(rows));
         result = { hn::IfThenElse(between, g.x, gradient.x),
           hn::IfThenElse(between, g.y, gradient.y), hn::IfThenElse(between, g.z, gradient.z) };
       }
@@ -1111,7 +1108,7 @@ private:
   PacketScratch& Scratch;
   RayPacket Rays;
   Vec3 ToEye; ///< back along them, in the space of the lights
-  Vf Jitter;
+  Vf Phase;
   Mf Alive;
   Vf X;
   Vf Y;
@@ -1434,9 +1431,10 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       }
       const Vf tileX = hn::Add(Splat(static_cast<float>(x - x0)), dx);
       const Vf tileY = hn::Add(Splat(static_cast<float>(y - y0)), dy);
-      const Vf jitter = scene.Settings.Jitter && !scene.Intervals ? JitterOf(scene, x, y)
-                                                                  : hn::Zero(d);
-      Packet<T> cast(scene, grid, beam, scratch, rays, tileX, tileY, jitter, active);
+      const Vf phase = scene.Intervals
+        ? hn::Zero(d)
+        : PhaseOf(scene, rays, scene.Settings.Jitter ? JitterOf(scene, x, y) : hn::Zero(d));
+      Packet<T> cast(scene, grid, beam, scratch, rays, tileX, tileY, phase, active);
       if (HWY_UNLIKELY(scene.Sampling != PacketSampling::Composite))
       {
         cast.BeginRays(x, y, shape.Width);

@@ -301,6 +301,19 @@ HWY_INLINE Vec3 Gradient(const PacketVolume& v, const SamplePosition& at, const 
   return g;
 }
 
+/// What Gradient() gives of repeated voxels, over as much of the two voxels as the volume has.
+HWY_INLINE Vec3 AtFaces(const PacketVolume& v, const Vec3& q, const Vec3& gradient)
+{
+  const auto scale = [&](Vf x, int a)
+  {
+    const Vf one = Splat(1.0f);
+    const Vf after = hn::Min(hn::Add(x, one), Splat(static_cast<float>(v.Dimensions[a] - 1)));
+    return hn::Div(Splat(2.0f), hn::Sub(after, hn::Max(hn::Sub(x, one), hn::Zero(Df()))));
+  };
+  return { hn::Mul(gradient.x, scale(q.x, 0)), hn::Mul(gradient.y, scale(q.y, 1)),
+    hn::Mul(gradient.z, scale(q.z, 2)) };
+}
+
 /**
  * The 4 x 4 x 4 voxels around the cells of some lanes, those at the faces of the volume repeated
  * beyond it: with them a sample near a face is fetched as any other.

@@ -9,6 +9,7 @@
 #endif
 
 #include "FFDPacketCaster.h"
+#include "FFDSamplePhase.h"
 
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdSpline-inl.h"
@@ -112,12 +113,49 @@ HWY_INLINE void ClipToBounds(const PacketScene& scene, RayPacket& rays)
   clip(rays.Origin.z, rays.Direction.z, scene.BoundsMin[2], scene.BoundsMax[2]);
 }
 
+/// Index coordinates of the whole that the volume is a part of.
+HWY_INLINE Vec3 LocalToWholeIndex(const PacketScene& scene, const Vec3& local)
+{
+  return Add(Transform(scene.LocalToIndex, local), Broadcast(scene.IndexOffset));
+}
+
+/// FindPhase() of the rays of a packet.
+HWY_INLINE Vf PhaseOf(const PacketScene& scene, const RayPacket& rays, Vf jitter)
+{
+  const Vf zero = hn::Zero(Df());
+  Vf enter = Splat(-1e30f);
+  Vf exit = Splat(1e30f);
+  Vf enterSlope = zero;
+  Vf exitSlope = zero;
+  const auto cross = [&](Vf o, Vf v, int a)
+  {
+    const Vf slope = hn::Max(hn::Abs(v), Splat(static_cast<float>(LeastSlope)));
+    const Vf inverse = hn::CopySign(hn::Div(Splat(1.0f), slope), v);
+    const Vf t0 = hn::Mul(hn::Sub(Splat(scene.RestMin[a]), o), inverse);
+    const Vf t1 = hn::Mul(hn::Sub(Splat(scene.RestMax[a]), o), inverse);
+    const Vf near = hn::Min(t0, t1);
+    const Vf far = hn::Max(t0, t1);
+    enterSlope = hn::IfThenElse(hn::Gt(near, enter), slope, enterSlope);
+    enter = hn::Max(enter, near);
+    exitSlope = hn::IfThenElse(hn::Lt(far, exit), slope, exitSlope);
+    exit = hn::Min(exit, far);
+  };
+  const Vec3 origin = LocalToWholeIndex(scene, rays.Origin);
+  const Vec3 direction = Transform(scene.LocalToIndex, rays.Direction);
+  cross(origin.x, direction.x, 0);
+  cross(origin.y, direction.y, 1);
+  cross(origin.z, direction.z, 2);
+  const Mf past = hn::And(hn::Gt(enter, exit), hn::Gt(exitSlope, enterSlope));
+  const Vf t = hn::Max(hn::IfThenElse(past, exit, enter), zero);
+  const Vf x = hn::MulAdd(t, Splat(static_cast<float>(1.0 / scene.Settings.SampleDistance)),
+    hn::Sub(jitter, Splat(static_cast<float>(PhaseGuard))));
+  return hn::Sub(x, hn::Floor(x));
+}
+
 /// Rounded as in the whole: the shift takes nothing more off.
 HWY_INLINE Vec3 LocalToIndex(const PacketScene& scene, const Vec3& local)
 {
-  return Sub(
-    Add(Transform(scene.LocalToIndex, local), Broadcast(scene.IndexOffset)),
-    Broadcast(scene.IndexShift));
+  return Sub(LocalToWholeIndex(scene, local), Broadcast(scene.IndexShift));
 }
 
 /// The other way round.

@@ -647,8 +647,6 @@ inline Picture RenderExactly(Scene& scene, vtkImageData* image, double sampleDis
   {
     values[i] = scalars->GetComponent(static_cast<vtkIdType>(i), 0);
   }
-  const bool integers = scalars->GetDataType() != VTK_FLOAT && scalars->GetDataType() != VTK_DOUBLE;
-  const double least = *std::min_element(values.begin(), values.end());
   const double exponent = sampleDistance / scene.Property->GetScalarOpacityUnitDistance();
   for (int pixel = 0; pixel < size[0] * size[1]; ++pixel)
   {
@@ -678,7 +676,9 @@ inline Picture RenderExactly(Scene& scene, vtkImageData* image, double sampleDis
     const double step = sampleDistance / std::sqrt(length);
     double rgb[3] = { 0.0, 0.0, 0.0 };
     double light = 1.0;
-    for (double k = std::ceil(from / step); k * step < to && light > 1e-5; k += 1.0)
+    // The first sample lies a step behind the face, less what keeps the last one of a whole number
+    // of steps inside.
+    for (double t = from + 0.99 * step; t < to && light > 1e-5; t += step)
     {
       double weight[3];
       std::size_t at = 0;
@@ -686,7 +686,7 @@ inline Picture RenderExactly(Scene& scene, vtkImageData* image, double sampleDis
         static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) };
       for (int a = 0; a < 3; ++a)
       {
-        const double q = ends[0][a] + k * step * (ends[1][a] - ends[0][a]);
+        const double q = ends[0][a] + t * (ends[1][a] - ends[0][a]);
         const int cell = std::max(0, std::min(static_cast<int>(q), dims[a] - 2));
         weight[a] = q - cell;
         at += static_cast<std::size_t>(cell) * stride[a];
@@ -704,8 +704,6 @@ inline Picture RenderExactly(Scene& scene, vtkImageData* image, double sampleDis
         }
         value += w * values[offset];
       }
-      // Whole numbers are classified as vtkFixedPointVolumeRayCastMapper does on average.
-      value += integers ? std::min(0.5, value - least) : 0.0;
       const double opacity = scene.Property->GetScalarOpacity()->GetValue(value);
       if (opacity > 0.0)
       {

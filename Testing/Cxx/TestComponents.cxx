@@ -321,8 +321,6 @@ void CheckTypes(ffdTest::Scene& scene, ffdTest::Checks& checks)
       { { 5, Functions[c][0][1], Functions[c][0][2], Functions[c][0][3], 0.0 },
         { 120, Functions[c][2][1], Functions[c][2][2], Functions[c][2][3], 0.2 } });
   }
-  // Nearest: whole numbers are not classified half a unit higher then.
-  scene.Property->SetInterpolationTypeToNearest();
   ffdTest::Picture first;
   for (const int type : types)
   {
@@ -339,7 +337,6 @@ void CheckTypes(ffdTest::Scene& scene, ffdTest::Checks& checks)
       std::string("two components of ") + vtkImageScalarTypeNameMacro(type),
       ffdTest::ToString(apart) + " (max at most 2)");
   }
-  scene.Property->SetInterpolationTypeToLinear();
 }
 
 } // namespace

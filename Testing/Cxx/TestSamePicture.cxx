@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
 // What must not change the picture does not: space leaping, the number of threads, a window or
-// none. In all inverse modes and segmentations, on smooth, strong and random deformations, with
-// folds too.
+// none, the scalar type. In all inverse modes and segmentations, on smooth, strong and random
+// deformations, with folds too.
 #include "FFDTestScenes.h"
 
 #include "vtkFFDRayStatistics.h"
+#include "vtkImageCast.h"
 #include "vtkMinimalStandardRandomSequence.h"
 
 #include <cstring>
@@ -152,6 +153,67 @@ void CheckThreads(ffdTest::Scene& scene, const std::string& name, ffdTest::Check
   scene.Ours->SetSegmentationToErrorBound();
 }
 
+/// The same values as bytes, 16-bit integers and floats look the same, with a steep function, too.
+void CheckScalarTypes(ffdTest::Scene& scene, vtkImageData* image, const std::string& name,
+  ffdTest::Checks& checks)
+{
+  const ffdTest::Transfer steep = { { 0, 0.2, 0.3, 0.9, 0.0 }, { 40, 0.3, 0.4, 0.7, 0.0 },
+    { 60, 0.9, 0.6, 0.2, 0.9 }, { 255, 1.0, 1.0, 1.0, 0.9 } };
+  ffdTest::SetTransfer(scene.Property, steep, 1.0);
+  const int types[] = { VTK_UNSIGNED_CHAR, VTK_SHORT, VTK_UNSIGNED_SHORT, VTK_FLOAT, VTK_DOUBLE };
+  for (const bool shaded : { true, false })
+  {
+    scene.Property->SetShade(shaded);
+    for (const int leaping : { Mapper::OFF, Mapper::LIPSCHITZ })
+    {
+      scene.Ours->SetSpaceLeaping(leaping);
+      ffdTest::Picture bytes;
+      for (const int type : types)
+      {
+        vtkNew<vtkImageCast> cast;
+        cast->SetInputData(image);
+        cast->SetOutputScalarType(type);
+        cast->Update();
+        scene.Ours->SetInputData(cast->GetOutput());
+        const ffdTest::Picture picture = scene.RenderToImage();
+        bytes = bytes.Rgb.empty() ? picture : bytes;
+        const ffdTest::Distance d = scene.Compare(picture, bytes);
+        checks.Expect(d.Pixels > 3000 && d.Mean <= 0.1 && d.Max <= 2.0,
+          name + (shaded ? ", shaded, " : ", unshaded, ") + scene.Ours->GetSpaceLeapingAsString() +
+            ", " + vtkImageScalarTypeNameMacro(type),
+          ffdTest::ToString(d) + " from bytes (mean at most 0.1, max 2)");
+      }
+    }
+  }
+  scene.SetInput(image);
+  ffdTest::SetTransfer(scene.Property, ffdTest::SolidEngine(), 1.0);
+  scene.Property->ShadeOn();
+}
+
+/// Undeformed, samples are a sample distance apart even where pieces of rays are shorter.
+void CheckLongSteps(ffdTest::Scene& scene, double voxel, ffdTest::Checks& checks)
+{
+  scene.SetSampleDistance(3.0 * voxel);
+  ffdTest::Picture longest;
+  for (const double pieces : { 16.0, 2.0, 0.7 })
+  {
+    scene.Ours->SetMaximumSegmentLength(pieces);
+    for (const bool reference : { false, true })
+    {
+      scene.Ours->SetReferenceKernels(reference);
+      const ffdTest::Picture picture = scene.RenderToImage();
+      longest = longest.Rgb.empty() ? picture : longest;
+      const ffdTest::Distance d = scene.Compare(picture, longest);
+      checks.Expect(d.Pixels > 3000 && d.Mean <= 0.05,
+        "long steps, pieces of " + std::to_string(pieces) + (reference ? ", reference" : ""),
+        ffdTest::ToString(d) + " from long pieces (mean at most 0.05)");
+    }
+  }
+  scene.Ours->ReferenceKernelsOff();
+  scene.Ours->SetMaximumSegmentLength(8.0);
+  scene.SetSampleDistance(voxel);
+}
+
 /// Without a window the picture is the same.
 void CheckWindow(ffdTest::Scene& scene, const std::string& name, ffdTest::Checks& checks)
 {
@@ -199,6 +261,10 @@ int TestSamePicture(int argc, char* argv[])
     CheckLeaping(scene, shape.Name, checks);
     CheckThreads(scene, shape.Name, checks);
     CheckWindow(scene, shape.Name, checks);
+    if (shape.Name != "folded")
+    {
+      CheckScalarTypes(scene, image, shape.Name, checks);
+    }
 
     if (!shape.Folds)
     {
@@ -218,6 +284,11 @@ int TestSamePicture(int argc, char* argv[])
         ffdTest::ToString(e) + " (mean below 0.5)");
     }
   }
+
+  scene.Ours->SetDeformation(nullptr);
+  scene.SetCamera({ 30.0, 30.0, 1.0, false, false }, bounds);
+  CheckScalarTypes(scene, image, "undeformed", checks);
+  CheckLongSteps(scene, voxel, checks);
 
   // Depths that cut the picture: nothing is seen of what lies behind.
   scene.Ours->SetDeformation(shapes[0].Transform);

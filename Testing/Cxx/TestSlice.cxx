@@ -89,8 +89,7 @@ void CheckExactly(ffdTest::Scene& scene, vtkImageData* image, vtkPlane* plane,
 {
   const ffdTest::Distance d =
     scene.Compare(scene.Render(scene.Ours), SliceExactly(scene, image, plane, pullBack));
-  // A pixel on the border of the volume may be in or out; whole numbers are classified half a unit
-  // up.
+  // A pixel on the border of the volume may be in or out.
   checks.Expect(d.Pixels > 3000 && d.Mean <= 0.5 && d.P99 <= 1.0, name,
     ffdTest::ToString(d) + " from the interpolated plane (mean at most 0.5, p99 1)");
 }

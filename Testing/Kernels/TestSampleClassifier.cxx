@@ -8,11 +8,14 @@
 #include "TestVolume.h"
 
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <string>
 #include <vector>
 
 using namespace ffd;
@@ -495,6 +498,66 @@ TEST(SampleClassifier, BinaryMasksAndHiddenCells)
   }
 }
 
+// A linear field has its gradient beside hidden cells, too: nothing of what they hide is looked at.
+TEST(SampleClassifier, GradientsBesideHiddenCells)
+{
+  const glm::dvec3 slope(0.02, 0.03, 0.06);
+  const glm::ivec3 n(7);
+  RandomLattice random(8);
+  // Points: hidden are the cells around those that are blanked. Cells: these themselves.
+  const std::vector<glm::ivec3> blanked = { { 2, 2, 4 }, { 4, 4, 4 }, { 6, 3, 0 }, { 3, 0, 2 } };
+  const Components volume(n, 1,
+    [&](int, const glm::dvec3& p)
+    {
+      const bool out = std::find(blanked.begin(), blanked.end(), glm::ivec3(p)) != blanked.end();
+      return out ? 1e3 : 0.1 + glm::dot(slope, p);
+    });
+  for (const bool cells : { false, true })
+  {
+    CellMask hidden(cells ? n : n - 1);
+    for (const glm::ivec3& at : blanked)
+    {
+      for (int corner = 0; corner < (cells ? 1 : 8); ++corner)
+      {
+        const glm::ivec3 cell = at - glm::ivec3(corner & 1, corner >> 1 & 1, corner >> 2);
+        if (glm::all(glm::greaterThanEqual(cell, glm::ivec3(0))) &&
+          glm::all(glm::lessThan(cell, hidden.GetCells())))
+        {
+          hidden.Add(cell);
+        }
+      }
+    }
+    for (const Interpolation interpolation : { Interpolation::Linear, Interpolation::Nearest })
+    {
+      SCOPED_TRACE(std::string(cells ? "cells" : "points") +
+        (interpolation == Interpolation::Linear ? ", linear" : ", nearest"));
+      Fixture f(volume.View);
+      f.Inputs.Volume.Margin = cells ? 0.5 : 0.0;
+      f.Inputs.VolumeInterpolation = interpolation;
+      f.Inputs.Hidden = &hidden;
+      f.Functions.Components.resize(1);
+      f.Functions.Components[0].Table = Constant(glm::vec3(1.0f), 0.5f);
+      f.Functions.Components[0].Gradients = GradientOpacity({ 0.0f, 1.0f }, 1.0);
+      const SampleClassifier classifier(f.Inputs);
+      const glm::dvec3 lower = f.Inputs.Volume.LowerIndex();
+      const glm::dvec3 size = f.Inputs.Volume.UpperIndex() - lower;
+      int shown = 0;
+      for (int s = 0; s < 5000; ++s)
+      {
+        const glm::dvec3 q = lower + size * random.Vector(0.0, 1.0);
+        if (!classifier.IsHidden(q))
+        {
+          ++shown;
+          ASSERT_NEAR(OpacityOf(f.Look(q), 1.0), 0.5 * glm::length(slope), 1e-4)
+            << q.x << " " << q.y << " " << q.z;
+        }
+      }
+      EXPECT_GT(shown, 3000);
+      EXPECT_LT(shown, 5000);
+    }
+  }
+}
+
 TEST(SampleClassifier, NormalsOfTheOpacity)
 {
   // The scalars rise along x, and a little towards the eye.
@@ -563,9 +626,12 @@ TEST(SampleClassifier, RectilinearAxes)
       ASSERT_NEAR(axes.ToIndex(a, axes.ToVoxel(a, q[a])), q[a], 1e-12);
     }
   }
-  // Its gradient, too, away from the border.
-  const SampleClassifier::Look look = f.Look({ 2.0, 3.0, 4.0 });
-  EXPECT_NEAR(OpacityOf(look, 1.0), 0.5 * glm::length(slope), 1e-5);
+  // Its gradient, too, up to the faces.
+  for (const double at : { 0.0, 0.1, 1.3, 2.0, 5.8, 6.0 })
+  {
+    const SampleClassifier::Look look = f.Look({ at, 3.0, at });
+    EXPECT_NEAR(OpacityOf(look, 1.0), 0.5 * glm::length(slope), 1e-5) << at;
+  }
 
   // Cells: their faces and centres. Each holds its own value at its centre, and is nearest within.
   std::vector<double> nodes[3];

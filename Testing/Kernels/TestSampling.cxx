@@ -102,19 +102,55 @@ TEST(Sampling, GradientOfQuadraticFunctions)
   }
 }
 
-TEST(Sampling, GradientAtTheBorderUsesTheBorder)
+TEST(Sampling, GradientOfALinearFunctionUpToTheFaces)
 {
-  const TestVolume volume(
-    ScalarType::Float32, glm::ivec3(4), [](int i, int j, int k) { return i + 10 * j + 100 * k; });
-  for (const Interpolation interpolation : { Interpolation::Linear, Interpolation::Nearest })
+  const auto linear = [](int i, int j, int k) { return i + 10 * j + 100 * k; };
+  RandomLattice random(5);
+  for (const int n : { 2, 3, 4, 7 })
   {
-    const SampleFunctions f = SelectSampleFunctions(ScalarType::Float32, interpolation);
-    const glm::dvec3 upper = volume.View.UpperIndex();
-    // One-sided: half of the difference, as documented.
-    ExpectNear(f.Gradient(volume.View, glm::dvec3(0.0)), glm::dvec3(0.5, 5.0, 50.0), 1e-12);
-    ExpectNear(f.Gradient(volume.View, upper), glm::dvec3(0.5, 5.0, 50.0), 1e-12);
-    ExpectNear(
-      f.Gradient(volume.View, glm::dvec3(0.25, 1.5, 2.5)), glm::dvec3(0.625, 10.0, 75.0), 1e-12);
+    const TestVolume volume(ScalarType::Float32, glm::ivec3(n), linear);
+    for (const double margin : { 0.0, 0.5 })
+    {
+      VolumeView view = volume.View;
+      view.Margin = margin;
+      for (const Interpolation interpolation : { Interpolation::Linear, Interpolation::Nearest })
+      {
+        const SampleFunctions f = SelectSampleFunctions(ScalarType::Float32, interpolation);
+        const glm::dvec3 slope(1.0, 10.0, 100.0);
+        ExpectNear(f.Gradient(view, view.LowerIndex()), slope, 1e-12);
+        ExpectNear(f.Gradient(view, view.UpperIndex()), slope, 1e-12);
+        for (int s = 0; s < 200; ++s)
+        {
+          const glm::dvec3 q =
+            view.LowerIndex() + (view.UpperIndex() - view.LowerIndex()) * random.Vector(0.0, 1.0);
+          ExpectNear(f.Gradient(view, q), slope, 1e-10);
+        }
+      }
+    }
+  }
+}
+
+TEST(Sampling, NearestGradientIsThatOfTheNearestVoxel)
+{
+  RandomLattice random(6);
+  const TestVolume volume(
+    ScalarType::UInt8, glm::ivec3(5, 6, 7), [&](int, int, int) { return random.Integer(0, 255); });
+  const SampleFunctions f = SelectSampleFunctions(ScalarType::UInt8, Interpolation::Nearest);
+  for (int s = 0; s < 500; ++s)
+  {
+    const glm::dvec3 q = volume.View.UpperIndex() * random.Vector(0.0, 1.0);
+    const glm::ivec3 n(glm::floor(q + 0.5));
+    glm::dvec3 expected;
+    for (int a = 0; a < 3; ++a)
+    {
+      glm::ivec3 low = n;
+      glm::ivec3 high = n;
+      low[a] = std::max(n[a] - 1, 0);
+      high[a] = std::min(n[a] + 1, volume.View.Dimensions[a] - 1);
+      expected[a] =
+        (volume.At(high.x, high.y, high.z) - volume.At(low.x, low.y, low.z)) / (high[a] - low[a]);
+    }
+    ExpectNear(f.Gradient(volume.View, q), expected, 1e-12);
   }
 }
 
@@ -125,7 +161,7 @@ TEST(Sampling, TwoVoxelsPerAxisAreEnough)
   const SampleFunctions f = SelectSampleFunctions(ScalarType::Int16, Interpolation::Linear);
   EXPECT_DOUBLE_EQ(f.Value(volume.View, glm::dvec3(0.5)), 3.5);
   EXPECT_DOUBLE_EQ(f.Value(volume.View, glm::dvec3(1.0)), 7.0);
-  ExpectNear(f.Gradient(volume.View, glm::dvec3(0.5)), glm::dvec3(0.5, 1.0, 2.0), 1e-12);
+  ExpectNear(f.Gradient(volume.View, glm::dvec3(0.5)), glm::dvec3(1.0, 2.0, 4.0), 1e-12);
 }
 
 TEST(Sampling, NotANumberSpreadsToItsNeighboursOnly)
@@ -163,7 +199,7 @@ TEST(Sampling, IndicesBeyond32Bits)
   const glm::dvec3 upper = view.UpperIndex();
   EXPECT_EQ(f.Value(view, upper), 200.0);
   EXPECT_DOUBLE_EQ(f.Value(view, upper - glm::dvec3(0.0, 0.0, 0.5)), 100.0);
-  ExpectNear(f.Gradient(view, upper), glm::dvec3(100.0), 1e-12);
+  ExpectNear(f.Gradient(view, upper), glm::dvec3(200.0), 1e-12);
   EXPECT_EQ(f.Value(view, glm::dvec3(5.0, 0.0, 512.0)), 90.0);
   const SampleFunctions nearest = SelectSampleFunctions(ScalarType::UInt8, Interpolation::Nearest);
   EXPECT_EQ(nearest.Value(view, upper), 200.0);

@@ -77,14 +77,11 @@ class TestScalarsAndGeometry(unittest.TestCase):
     def render(self, image, deformation=None, matrix=None, scale=1.0, offset=0.0, bounds=None,
                interpolation="Linear", unit=1.0):
         """
-        RGBA of the image, with transfer functions of scale * scalar + offset. Whole numbers are
-        classified half a unit up: for pictures that equal those of bytes, the functions of other
-        scalars move by the difference. `unit`: of lengths, which are those before the matrix.
+        RGBA of the image, with transfer functions of scale * scalar + offset. `unit`: of lengths,
+        which are those before the matrix.
         """
-        whole = image.GetScalarType() not in (vtkConstants.VTK_FLOAT, vtkConstants.VTK_DOUBLE)
-
         def at(scalar):
-            return scale * (scalar - 0.5) + offset + (0.5 if whole else 0.0)
+            return scale * scalar + offset
 
         opacity = vtkPiecewiseFunction()
         colour = vtkColorTransferFunction()
