@@ -13,6 +13,7 @@
 #include "vtkRenderWindowInteractor.h"
 #include "vtkRenderer.h"
 #include "vtkRendererCollection.h"
+#include "vtkTimerLog.h"
 #include "vtkVolume.h"
 #include "vtkVolumeCollection.h"
 #include "vtkWeakPointer.h"
@@ -30,6 +31,7 @@ namespace
 /// Milliseconds from a coarse picture, or from an abort, to the still frame.
 constexpr unsigned long AfterCoarse = 10;
 constexpr unsigned long AfterAbort = 200;
+constexpr unsigned long TimerPeriod = 20;
 
 } // namespace
 
@@ -84,6 +86,7 @@ public:
   bool Due = false;    // a still frame is to follow
   double StillRate = 0.0;
   int Timer = -1;
+  double NotBefore = 0.0; // of the still frame
   std::array<vtkMTimeType, 3> ShownTime{};
 };
 
@@ -330,17 +333,18 @@ void vtkFFDInteractiveFrames::vtkInternals::OnProgress(vtkObject* caller)
 void vtkFFDInteractiveFrames::vtkInternals::Schedule(unsigned long milliseconds)
 {
   this->Due = true;
+  this->NotBefore = vtkTimerLog::GetUniversalTime() + 1e-3 * static_cast<double>(milliseconds);
   if (this->Interactor && this->Timer < 0)
   {
-    this->Timer = this->Interactor->CreateOneShotTimer(milliseconds);
+    // Of X11's timers, one that is made while another one fires never fires itself.
+    this->Timer = this->Interactor->CreateRepeatingTimer(TimerPeriod);
   }
 }
 
 //------------------------------------------------------------------------------
 void vtkFFDInteractiveFrames::vtkInternals::OnTimer()
 {
-  this->Timer = -1;
-  if (!this->Due || !this->Window)
+  if (!this->Due || !this->Window || vtkTimerLog::GetUniversalTime() < this->NotBefore)
   {
     return;
   }

@@ -416,7 +416,11 @@ def main():
     if arguments.play:
         editor.play(arguments.play)
     elif not unattended:
+        # Coarse pictures before long still ones, which new input aborts.
+        frames = vtkffd.vtkFFDInteractiveFrames()
+        frames.SetInteractor(editor.interactor)
         editor.interactor.Start()
+        frames.SetInteractor(None)
     try:
         if arguments.screenshot and window:
             editor.save_picture(arguments.screenshot)

@@ -5,6 +5,7 @@
 // Examples/Python/lattice_editor.py is the same in Python.
 #include "HasDisplay.h"
 
+#include "vtkFFDInteractiveFrames.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDLatticeRepresentation.h"
@@ -220,7 +221,13 @@ public:
   bool SaveLattice(const std::string& path);
   bool LoadLattice(const std::string& path);
   void Play(const std::string& path);
-  void Interact() { this->Interactor->Start(); }
+  void Interact()
+  {
+    // Coarse pictures before long still ones, which new input aborts.
+    this->Frames->SetInteractor(this->Interactor);
+    this->Interactor->Start();
+    this->Frames->SetInteractor(nullptr);
+  }
   std::string Problem;
 
 private:
@@ -242,6 +249,7 @@ private:
   vtkNew<vtkRenderer> Renderer;
   vtkNew<vtkRenderWindow> Window;
   vtkNew<vtkRenderWindowInteractor> Interactor;
+  vtkNew<vtkFFDInteractiveFrames> Frames;
   vtkNew<vtkFFDLatticeWidget> Widget;
   vtkNew<vtkFFDVolumePicker> Picker;
   vtkNew<vtkTextActor> Status;

@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""A long still frame is preceded by a coarse one, can be aborted, and is made again later."""
+
+import time
+import unittest
+
+import vtkffd
+import vtkmodules.vtkInteractionStyle  # noqa: F401
+import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
+from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction
+from vtkmodules.vtkImagingCore import vtkRTAnalyticSource
+from vtkmodules.vtkRenderingCore import (
+    vtkRenderer,
+    vtkRenderWindow,
+    vtkRenderWindowInteractor,
+    vtkVolume,
+)
+
+
+class InteractiveFrames(unittest.TestCase):
+    def setUp(self):
+        source = vtkRTAnalyticSource()
+        self.mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+        self.mapper.SetInputConnection(source.GetOutputPort())
+        # Slow: many samples, of which each counts, by one thread.
+        self.mapper.SetSampleDistance(0.002)
+        self.mapper.SetInteractiveSampleDistance(1.0)
+        self.mapper.SetNumberOfThreads(1)
+        volume = vtkVolume()
+        volume.SetMapper(self.mapper)
+        opacity = vtkPiecewiseFunction()
+        opacity.AddPoint(0.0, 0.001)
+        opacity.AddPoint(300.0, 0.02)
+        volume.GetProperty().SetScalarOpacity(opacity)
+        renderer = vtkRenderer()
+        renderer.AddVolume(volume)
+        self.window = vtkRenderWindow()
+        self.window.SetSize(200, 200)
+        self.window.AddRenderer(renderer)
+        self.interactor = vtkRenderWindowInteractor()
+        self.interactor.SetRenderWindow(self.window)
+        self.interactor.Initialize()
+        self.frames = vtkffd.vtkFFDInteractiveFrames()
+        self.frames.SetInteractor(self.interactor)
+
+    def tearDown(self):
+        self.frames.SetInteractor(None)
+
+    def test_coarse_abort_still(self):
+        self.window.Render()
+        self.assertTrue(self.frames.IsStillFrameDue())
+        self.assertGreater(self.mapper.GetExpectedStillTime(), 0.3)
+        values = []
+        end = time.monotonic() + 60.0
+
+        def on_progress(_caller, _event):
+            values.append(self.frames.GetProgress())
+            if len(values) == 5:
+                self.frames.Abort()
+                # The still frame that follows is fast enough.
+                self.mapper.SetSampleDistance(0.5)
+
+        def on_timer(_caller, _event):
+            done = len(values) > 6 and not self.frames.IsStillFrameDue()
+            if done or time.monotonic() > end:
+                self.interactor.TerminateApp()
+
+        self.frames.AddObserver("ProgressEvent", on_progress)
+        self.interactor.CreateRepeatingTimer(50)
+        self.interactor.AddObserver("TimerEvent", on_timer, -1.0)
+        self.interactor.Start()
+        self.assertEqual(self.frames.GetNumberOfAbortedFrames(), 1)
+        self.assertFalse(self.frames.IsStillFrameDue())
+        self.assertEqual(values[:5], sorted(values[:5]))
+        self.assertLess(values[4], 0.5)
+        self.assertEqual(self.mapper.GetProgress(), 1.0)
+
+
+if __name__ == "__main__":
+    unittest.main()
