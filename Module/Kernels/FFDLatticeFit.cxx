@@ -20,8 +20,17 @@ namespace
 constexpr int FirstCells = 4;
 /// Weight of second differences on control points that no sample of a grid determines.
 constexpr double GridPenalty = 1e-9;
+/// Of conjugate gradients.
 constexpr int LargestIterations = 200;
-constexpr double ResidualReduction = 1e-10;
+constexpr double ResidualReduction = 1e-7;
+/// Smoothness below which control points that no landmark determines would be left to rounding.
+constexpr double LeastSmoothness = 1e-10;
+/// What is left of landmarks is fitted again at most so often, while that leaves less than this
+/// part.
+constexpr int LargestRounds = 10;
+constexpr double RoundGain = 0.7;
+/// A level that leaves more than this part of the error of the level before was hardly worth it.
+constexpr double LevelGain = 0.98;
 /// Singular values of scattered points below this fraction of the largest are directions in which
 /// they do not extend.
 constexpr double RankTolerance = 1e-9;
@@ -507,15 +516,13 @@ public:
     }
     this->WeightScale = 1.0 / sum;
     const glm::dvec3 h = fit.GetSpacing();
+    // As the lattice will be evaluated, outside of its domain, too.
+    const BSplineField field = FieldOf(fit);
     for (const glm::dvec3& point : points)
     {
       Row row;
-      for (int a = 0; a < 3; ++a)
-      {
-        double u = 0.0;
-        row.First[a] = CellOf((point[a] - fit.Lower[a]) / h[a], fit.Cells[a], u);
-        BSplineWeights(u, row.Basis[static_cast<std::size_t>(a)].data());
-      }
+      row.Count =
+        static_cast<std::size_t>(field.ControlWeights(point, row.Nodes.data(), row.Basis.data()));
       this->Rows.push_back(row);
     }
     // Second derivatives as differences of control points, integrated by the cells' volume.
@@ -534,11 +541,10 @@ public:
       [this](std::size_t r, std::size_t id, double weight)
       { this->Diagonal[id] += this->Weights[r] * this->WeightScale * weight * weight; });
     this->ForDifferences(
-      [this](double factor, const std::size_t* ids, const double* coefficients, int count)
-      {
-        for (int n = 0; n < count; ++n)
+      [this](double factor, std::size_t id, const auto& offsets, const auto& coefficients) {
+        for (std::size_t n = 0; n < offsets.size(); ++n)
         {
-          this->Diagonal[ids[n]] += factor * coefficients[n] * coefficients[n];
+          this->Diagonal[id + offsets[n]] += factor * coefficients[n] * coefficients[n];
         }
       });
   }
@@ -569,16 +575,16 @@ public:
     this->Evaluate(net, values);
     this->Gather(values, result);
     this->ForDifferences(
-      [&](double factor, const std::size_t* ids, const double* coefficients, int count)
-      {
+      [&](double factor, std::size_t id, const auto& offsets, const auto& coefficients) {
         glm::dvec3 difference(0.0);
-        for (int n = 0; n < count; ++n)
+        for (std::size_t n = 0; n < offsets.size(); ++n)
         {
-          difference += coefficients[n] * net[ids[n]];
+          difference += coefficients[n] * net[id + offsets[n]];
         }
-        for (int n = 0; n < count; ++n)
+        difference *= factor;
+        for (std::size_t n = 0; n < offsets.size(); ++n)
         {
-          result[ids[n]] += factor * coefficients[n] * difference;
+          result[id + offsets[n]] += coefficients[n] * difference;
         }
       });
   }
@@ -586,8 +592,9 @@ public:
 private:
   struct Row
   {
-    glm::ivec3 First{ 0 };
-    std::array<std::array<double, 4>, 3> Basis{};
+    std::size_t Count = 0;
+    std::array<std::size_t, BSplineField::MaximumSupport> Nodes;
+    std::array<double, BSplineField::MaximumSupport> Basis;
   };
 
   std::size_t Index(int i, int j, int k) const
@@ -604,54 +611,50 @@ private:
     for (std::size_t r = 0; r < this->Rows.size(); ++r)
     {
       const Row& row = this->Rows[r];
-      for (int k = 0; k < 4; ++k)
+      for (std::size_t n = 0; n < row.Count; ++n)
       {
-        for (int j = 0; j < 4; ++j)
+        visit(r, row.Nodes[n], row.Basis[n]);
+      }
+    }
+  }
+
+  /// visit(factor, id, offsets, coefficients) for each place of a difference that spans `reach`.
+  template <std::size_t Count, typename Visit>
+  void ForDifference(double factor, const glm::ivec3& reach,
+    const std::array<std::size_t, Count>& offsets, const std::array<double, Count>& coefficients,
+    const Visit& visit) const
+  {
+    const glm::ivec3 end = this->Nodes - reach;
+    for (int k = 0; k < end.z; ++k)
+    {
+      for (int j = 0; j < end.y; ++j)
+      {
+        const std::size_t first = this->Index(0, j, k);
+        for (std::size_t i = 0; i < static_cast<std::size_t>(end.x); ++i)
         {
-          const double weight = row.Basis[2][static_cast<std::size_t>(k)] *
-            row.Basis[1][static_cast<std::size_t>(j)];
-          const std::size_t id = this->Index(row.First.x, row.First.y + j, row.First.z + k);
-          for (std::size_t i = 0; i < 4; ++i)
-          {
-            visit(r, id + i, weight * row.Basis[0][i]);
-          }
+          visit(factor, first + i, offsets, coefficients);
         }
       }
     }
   }
 
+  /// The differences that stand for the second derivatives.
   template <typename Visit>
   void ForDifferences(const Visit& visit) const
   {
-    static const double second[3] = { 1.0, -2.0, 1.0 };
-    static const double mixed[4] = { 1.0, -1.0, -1.0, 1.0 };
     const std::size_t strides[3] = { 1, static_cast<std::size_t>(this->Nodes.x),
       static_cast<std::size_t>(this->Nodes.x) * static_cast<std::size_t>(this->Nodes.y) };
-    glm::ivec3 i;
-    for (i.z = 0; i.z < this->Nodes.z; ++i.z)
+    for (int a = 0; a < 3; ++a)
     {
-      for (i.y = 0; i.y < this->Nodes.y; ++i.y)
-      {
-        for (i.x = 0; i.x < this->Nodes.x; ++i.x)
-        {
-          const std::size_t id = this->Index(i.x, i.y, i.z);
-          for (int a = 0; a < 3; ++a)
-          {
-            const int b = (a + 1) % 3;
-            if (this->Second[a] > 0.0 && i[a] + 2 < this->Nodes[a])
-            {
-              const std::size_t ids[3] = { id, id + strides[a], id + 2 * strides[a] };
-              visit(this->Second[a], ids, second, 3);
-            }
-            if (this->Mixed[a] > 0.0 && i[a] + 1 < this->Nodes[a] && i[b] + 1 < this->Nodes[b])
-            {
-              const std::size_t ids[4] = { id, id + strides[a], id + strides[b],
-                id + strides[a] + strides[b] };
-              visit(this->Mixed[a], ids, mixed, 4);
-            }
-          }
-        }
-      }
+      const int b = (a + 1) % 3;
+      glm::ivec3 reach(0);
+      reach[a] = 2;
+      this->ForDifference<3>(this->Second[a], reach, { { 0, strides[a], 2 * strides[a] } },
+        { { 1.0, -2.0, 1.0 } }, visit);
+      reach[a] = reach[b] = 1;
+      this->ForDifference<4>(this->Mixed[a], reach,
+        { { 0, strides[a], strides[b], strides[a] + strides[b] } }, { { 1.0, -1.0, -1.0, 1.0 } },
+        visit);
     }
   }
 
@@ -664,13 +667,15 @@ private:
   std::vector<double> Diagonal;
 };
 
-/// Preconditioned conjugate gradients for the three components at once, from zero.
-std::vector<glm::dvec3> SolvePoints(const PointSystem& system,
-  const std::vector<glm::dvec3>& values, const FitLimits& limits, double done, bool& stopped)
+/**
+ * Preconditioned conjugate gradients for the three components at once, from `net`: it becomes the
+ * net of least squares of `values` and bending energy, or one nearer to that. False: stopped.
+ */
+bool SolvePoints(const PointSystem& system, const std::vector<glm::dvec3>& values,
+  const FitLimits& limits, double done, std::vector<glm::dvec3>& net)
 {
   const std::size_t n = system.GetSize();
   const std::vector<double>& diagonal = system.GetDiagonal();
-  std::vector<glm::dvec3> net(n, glm::dvec3(0.0));
   std::vector<glm::dvec3> residual;
   system.Gather(values, residual);
   std::vector<glm::dvec3> z(n);
@@ -687,19 +692,24 @@ std::vector<glm::dvec3> SolvePoints(const PointSystem& system,
     }
     return sum;
   };
+  // As small as rounding lets the residual of the whole right-hand side become.
+  const glm::dvec3 target = ResidualReduction * ResidualReduction * precondition();
+  system.Apply(net, image);
+  for (std::size_t i = 0; i < n; ++i)
+  {
+    residual[i] -= image[i];
+  }
   rho = precondition();
   direction = z;
-  const glm::dvec3 target = ResidualReduction * ResidualReduction * rho;
   for (int iteration = 0; iteration < LargestIterations; ++iteration)
   {
     if (!(rho.x > target.x || rho.y > target.y || rho.z > target.z))
     {
       break;
     }
-    stopped = !Proceeds(limits, done);
-    if (stopped)
+    if (!Proceeds(limits, done))
     {
-      break;
+      return false;
     }
     system.Apply(direction, image);
     glm::dvec3 curvature(0.0);
@@ -710,7 +720,7 @@ std::vector<glm::dvec3> SolvePoints(const PointSystem& system,
     glm::dvec3 length(0.0);
     for (int a = 0; a < 3; ++a)
     {
-      length[a] = curvature[a] > 0.0 ? rho[a] / curvature[a] : 0.0;
+      length[a] = rho[a] > target[a] && curvature[a] > 0.0 ? rho[a] / curvature[a] : 0.0;
     }
     for (std::size_t i = 0; i < n; ++i)
     {
@@ -729,7 +739,7 @@ std::vector<glm::dvec3> SolvePoints(const PointSystem& system,
     }
     rho = next;
   }
-  return net;
+  return true;
 }
 
 } // namespace
@@ -739,14 +749,6 @@ FitStatus FitNetToPoints(const std::vector<glm::dvec3>& points,
   const std::vector<glm::dvec3>& displacements, const std::vector<double>& weights,
   double smoothness, const FitLimits& limits, FittedNet& fit)
 {
-  std::vector<double> ones;
-  const std::vector<double>* used = &weights;
-  if (weights.empty())
-  {
-    ones.assign(points.size(), 1.0);
-    used = &ones;
-  }
-  std::vector<glm::dvec3> places = points;
   for (std::size_t i = 0; i < points.size(); ++i)
   {
     for (int a = 0; a < 3; ++a)
@@ -755,14 +757,33 @@ FitStatus FitNetToPoints(const std::vector<glm::dvec3>& points,
       {
         return FitStatus::NotFinite;
       }
-      places[i][a] =
-        std::min(std::max(points[i][a], fit.Lower[a]), fit.Lower[a] + fit.Extent[a]);
     }
   }
+  const std::vector<double> used =
+    weights.empty() ? std::vector<double>(points.size(), 1.0) : weights;
+  std::vector<glm::dvec3> residual(points.size());
+  // The errors of a net as the lattice will be evaluated; whether they are small enough.
+  const auto measure = [&](FittedNet& net) {
+    const BSplineField field = FieldOf(net);
+    double largest = 0.0;
+    double squares = 0.0;
+    double sum = 0.0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+    {
+      residual[i] = displacements[i] - field.Displacement(points[i]);
+      largest = std::max(largest, Dot(residual[i], residual[i]));
+      squares += used[i] * Dot(residual[i], residual[i]);
+      sum += used[i];
+    }
+    net.LargestError = std::sqrt(largest);
+    net.RootMeanSquareError = std::sqrt(squares / sum);
+    return net.LargestError <= limits.Tolerance;
+  };
+
   // Level 0: the affine map, as a net of one cell (B-splines have linear precision).
   glm::dmat3 matrix(0.0);
   glm::dvec3 offset(0.0);
-  AffineFit(places, displacements, *used, matrix, offset);
+  AffineFit(points, displacements, used, matrix, offset);
   fit.Cells = glm::ivec3(1);
   fit.Net.Nodes = glm::ivec3(4);
   fit.Net.Values.clear();
@@ -777,52 +798,68 @@ FitStatus FitNetToPoints(const std::vector<glm::dvec3>& points,
       }
     }
   }
-  std::vector<glm::dvec3> residual(points.size());
-  const auto measure = [&]
-  {
-    const BSplineField field = FieldOf(fit);
-    double largest = 0.0;
-    double squares = 0.0;
-    double sum = 0.0;
-    for (std::size_t i = 0; i < points.size(); ++i)
-    {
-      residual[i] = displacements[i] - field.Displacement(places[i]);
-      largest = std::max(largest, Dot(residual[i], residual[i]));
-      squares += (*used)[i] * Dot(residual[i], residual[i]);
-      sum += (*used)[i];
-    }
-    fit.LargestError = std::sqrt(largest);
-    fit.RootMeanSquareError = std::sqrt(squares / sum);
-    return fit.LargestError <= limits.Tolerance;
-  };
-  if (measure())
+  if (measure(fit))
   {
     return FitStatus::Reached;
   }
+  const double weight = std::max(smoothness, LeastSmoothness);
+  FittedNet level = fit;
+  int futile = 0; // levels in a row that were hardly better
   for (double done = 0.0;; done = 0.5 * (1.0 + done))
   {
-    const PointSystem system(places, *used, fit, smoothness);
-    bool stopped = false;
-    const std::vector<glm::dvec3> correction =
-      SolvePoints(system, residual, limits, done, stopped);
-    if (stopped)
+    const double before = fit.RootMeanSquareError;
+    const PointSystem system(points, used, level, weight);
+    // What is left is asked for again (iterated Tikhonov regularization): that undoes what the
+    // bending energy takes off consistent landmarks, and soon ends where they contradict each
+    // other.
+    std::vector<glm::dvec3> aims = displacements;
+    for (int round = 0; round < LargestRounds; ++round)
     {
-      return FitStatus::Stopped;
+      if (!SolvePoints(system, aims, limits, done, level.Net.Values))
+      {
+        return FitStatus::Stopped;
+      }
+      const double last = round == 0 ? HUGE_VAL : level.RootMeanSquareError;
+      const bool reached = measure(level);
+      if (level.RootMeanSquareError < fit.RootMeanSquareError)
+      {
+        fit = level;
+      }
+      if (reached)
+      {
+        // The smoothest net within the tolerance (discrepancy principle).
+        for (double stiffer = 10.0 * weight; round == 0 && stiffer <= 1.0; stiffer *= 10.0)
+        {
+          const PointSystem stiff(points, used, level, stiffer);
+          if (!SolvePoints(stiff, displacements, limits, done, level.Net.Values))
+          {
+            return FitStatus::Stopped;
+          }
+          if (!measure(level))
+          {
+            break;
+          }
+          fit = level;
+        }
+        return FitStatus::Reached;
+      }
+      if (!(level.RootMeanSquareError < RoundGain * last))
+      {
+        break;
+      }
+      for (std::size_t i = 0; i < aims.size(); ++i)
+      {
+        aims[i] += residual[i];
+      }
     }
-    for (std::size_t i = 0; i < correction.size(); ++i)
-    {
-      fit.Net.Values[i] += correction[i];
-    }
-    if (measure())
-    {
-      return FitStatus::Reached;
-    }
-    if (2 * fit.Cells.x > limits.MaximumCells)
+    const bool gained = fit.RootMeanSquareError < LevelGain * before;
+    futile = gained || system.GetSize() < points.size() ? 0 : futile + 1;
+    if (2 * level.Cells.x > limits.MaximumCells || futile == 2)
     {
       return FitStatus::NotReached;
     }
-    fit.Net = RefineControlNet(fit.Net, glm::ivec3(2));
-    fit.Cells *= 2;
+    level.Net = RefineControlNet(level.Net, glm::ivec3(2));
+    level.Cells *= 2;
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -185,6 +186,147 @@ TEST(LatticeFit, SmoothnessAndWeightsCount)
   const auto errorAt7 = [&](const ffd::FittedNet& fit)
   { return Length(FieldOf(fit).Displacement(points[7]) - displacements[7]); };
   EXPECT_LT(errorAt7(weighted), 0.1 * errorAt7(stiff));
+}
+
+/// Largest and root mean square distance of the result from the displacements, as it is evaluated.
+void ExpectTrueErrors(const ffd::FittedNet& fit, const std::vector<glm::dvec3>& points,
+  const std::vector<glm::dvec3>& displacements)
+{
+  double largest = 0.0;
+  double squares = 0.0;
+  const ffd::BSplineField field = FieldOf(fit);
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    const double error = Length(field.Displacement(points[i]) - displacements[i]);
+    largest = std::max(largest, error);
+    squares += error * error / static_cast<double>(points.size());
+  }
+  EXPECT_NEAR(fit.LargestError, largest, 1e-12 * (1.0 + largest));
+  EXPECT_NEAR(fit.RootMeanSquareError, std::sqrt(squares), 1e-12 * (1.0 + largest));
+}
+
+TEST(LatticeFit, ContradictionsAreAveraged)
+{
+  // Each point twice, with displacements +-e around a smooth one: the best that there is leaves e.
+  Random random;
+  const ffd::FittedNet box = MakeBox();
+  std::vector<glm::dvec3> points;
+  std::vector<glm::dvec3> displacements;
+  double squares = 0.0;
+  for (int i = 0; i < 30; ++i)
+  {
+    const glm::dvec3 p = random.Point(box);
+    const glm::dvec3 e(random(-1, 1), random(-1, 1), random(-1, 1));
+    points.insert(points.end(), 2, p);
+    displacements.push_back(Smooth(p) + e);
+    displacements.push_back(Smooth(p) - e);
+    squares += Length(e) * Length(e) / 30.0;
+  }
+  const double possible = std::sqrt(squares);
+  for (const double smoothness : { 0.0, 1e-12, 1e-6 })
+  {
+    double last = 1e300;
+    for (const int cells : { 1, 2, 4, 8, 16 })
+    {
+      ffd::FittedNet fit = box;
+      EXPECT_EQ(
+        ffd::FitNetToPoints(points, displacements, {}, smoothness, { 1e-3, cells, {} }, fit),
+        FitStatus::NotReached);
+      ExpectTrueErrors(fit, points, displacements);
+      EXPECT_GE(fit.RootMeanSquareError, possible - 1e-9);
+      EXPECT_LE(fit.RootMeanSquareError, last) << "finer is worse, " << cells;
+      last = fit.RootMeanSquareError;
+    }
+    EXPECT_LT(last, 1.01 * possible) << smoothness;
+  }
+}
+
+TEST(LatticeFit, NoiseIsFollowedNoFurtherThanTheTolerance)
+{
+  Random random;
+  const ffd::FittedNet box = MakeBox();
+  std::vector<glm::dvec3> points;
+  std::vector<glm::dvec3> displacements;
+  constexpr double noise = 0.2; // per axis: 0.35 a vector
+  std::normal_distribution<double> normal(0.0, noise);
+  for (int i = 0; i < 100; ++i)
+  {
+    points.push_back(random.Point(box));
+    displacements.push_back(Smooth(points.back()) +
+      glm::dvec3(normal(random.Engine), normal(random.Engine), normal(random.Engine)));
+  }
+  const auto errorBetween = [&](const ffd::FittedNet& fit) {
+    Random other;
+    double squares = 0.0;
+    for (int i = 0; i < 1000; ++i)
+    {
+      const glm::dvec3 p = other.Point(box);
+      const double error = Length(FieldOf(fit).Displacement(p) - Smooth(p));
+      squares += error * error / 1000.0;
+    }
+    return std::sqrt(squares);
+  };
+  // Asked to follow the noise, it is followed at the landmarks, and hardly amplified between them.
+  ffd::FittedNet close = box;
+  ffd::FitNetToPoints(points, displacements, {}, 1e-6, { 0.1, 16, {} }, close);
+  ExpectTrueErrors(close, points, displacements);
+  EXPECT_LT(close.RootMeanSquareError, 0.1);
+  EXPECT_LT(errorBetween(close), 1.5 * std::sqrt(3.0) * noise);
+  // Asked for its size, it is averaged.
+  ffd::FittedNet smooth = box;
+  EXPECT_EQ(ffd::FitNetToPoints(
+              points, displacements, {}, 1e-6, { 3.0 * std::sqrt(3.0) * noise, 16, {} }, smooth),
+    FitStatus::Reached);
+  ExpectTrueErrors(smooth, points, displacements);
+  EXPECT_LT(errorBetween(smooth), std::sqrt(3.0) * noise);
+}
+
+TEST(LatticeFit, PointsOutOfTheBoxAndDegenerateOnes)
+{
+  Random random;
+  ffd::FittedNet box = MakeBox();
+  const auto fitTo = [&](const std::vector<glm::dvec3>& points, double tolerance, int cells) {
+    std::vector<glm::dvec3> displacements;
+    for (const glm::dvec3& p : points)
+    {
+      displacements.push_back(Smooth(p));
+    }
+    ffd::FittedNet fit = box;
+    const FitStatus status =
+      ffd::FitNetToPoints(points, displacements, {}, 1e-6, { tolerance, cells, {} }, fit);
+    ExpectTrueErrors(fit, points, displacements);
+    for (const glm::dvec3& value : fit.Net.Values)
+    {
+      EXPECT_LT(Length(value), 20.0);
+    }
+    return status;
+  };
+  std::vector<glm::dvec3> points;
+  for (int i = 0; i < 60; ++i)
+  {
+    points.push_back(box.Lower - 0.3 * box.Extent + 1.6 * (random.Point(box) - box.Lower));
+  }
+  fitTo(points, 0.05, 16);
+  points.clear();
+  for (int i = 0; i < 15; ++i)
+  {
+    points.push_back(box.Lower + box.Extent * (i / 14.0)); // collinear
+  }
+  EXPECT_EQ(fitTo(points, 0.05, 16), FitStatus::Reached);
+  points.assign(1, box.Lower);
+  EXPECT_EQ(fitTo(points, 1e-9, 16), FitStatus::Reached);
+  points.clear();
+  for (int i = 0; i < 100; ++i)
+  {
+    points.push_back(box.Lower + 0.5 * box.Extent + 1e-3 * random.Point(box)); // a cluster
+  }
+  EXPECT_EQ(fitTo(points, 1e-3, 16), FitStatus::Reached);
+  points.clear();
+  for (int i = 0; i < 10000; ++i)
+  {
+    points.push_back(random.Point(box));
+  }
+  EXPECT_EQ(fitTo(points, 0.5, 4), FitStatus::Reached);
 }
 
 TEST(LatticeFit, GridOfASplineGivesTheSplineBack)

@@ -94,6 +94,37 @@ class TestFitLattice(unittest.TestCase):
         theirs = np.linalg.norm(apply(plate, inner) - bend(inner), axis=1).mean()
         self.assertLess(ours, 2.0 * theirs)
 
+    def test_contradictions_are_averaged_and_errors_are_true(self):
+        source = random_points(20)
+        off = RNG.normal(0.0, 3.0, source.shape)
+        self.fit.SetSourceLandmarks(points_of(np.concatenate([source, source])))
+        self.fit.SetTargetLandmarks(points_of(np.concatenate([source + off, source - off])))
+        possible = np.sqrt(np.mean(np.sum(off ** 2, axis=1)))
+        last = np.inf
+        for smoothness, cells in ((1e-6, 1), (1e-6, 8), (0.0, 1), (0.0, 8)):
+            self.fit.SetSmoothness(smoothness)
+            self.fit.SetMaximumCells(cells)
+            lattice = self.fit.GetLattice()
+            error = np.concatenate([apply(lattice, source) - source - off,
+                                    apply(lattice, source) - source + off])
+            error = np.linalg.norm(error, axis=1)
+            rms = np.sqrt(np.mean(error ** 2))
+            self.assertAlmostEqual(rms, self.fit.GetRootMeanSquareError(), 9)
+            self.assertAlmostEqual(error.max(), self.fit.GetMaximumError(), 9)
+            self.assertLess(rms, 1.5 * possible if cells == 1 else 1.01 * possible)
+            self.assertLessEqual(rms, np.inf if cells == 1 else last)
+            last = rms
+
+    def test_errors_of_landmarks_out_of_the_bounds_are_true(self):
+        source = random_points(60)
+        self.fit.SetSourceLandmarks(points_of(source))
+        self.fit.SetTargetLandmarks(points_of(bend(source)))
+        self.fit.SetBounds(10, 30, -5, 15, 10, 20)
+        self.fit.SetMaximumCells(4)
+        lattice = self.fit.GetLattice()
+        error = np.linalg.norm(apply(lattice, source) - bend(source), axis=1)
+        self.assertAlmostEqual(error.max(), self.fit.GetMaximumError(), 9)
+
     def test_edited_landmarks_are_fitted_again(self):
         source = points_of(random_points(6))
         target = vtkPoints()
