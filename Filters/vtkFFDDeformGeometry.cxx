@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDDeformGeometry.h"
 
+#include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
 
 #include "vtkAbstractTransform.h"
@@ -360,7 +361,8 @@ vtkTypeBool vtkFFDDeformGeometry::ProcessRequest(
     info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES(), 1);
     info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
   }
-  return this->Superclass::ProcessRequest(request, inputs, outputs);
+  return vtkFFDGuardedRequest(this, "vtkFFDDeformGeometry", outputs,
+    [&] { return this->Superclass::ProcessRequest(request, inputs, outputs); });
 }
 
 //------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 #include "vtkFFDDeformVolume.h"
 
 #include "vtkFFDContentTime.h"
+#include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
 
 #include "vtkAlgorithmOutput.h"
@@ -22,6 +23,7 @@
 #include <string>
 
 vtkStandardNewMacro(vtkFFDDeformVolume);
+vtkFFDGuardedProcessRequestMacro(vtkFFDDeformVolume);
 
 namespace
 {
@@ -254,27 +256,29 @@ int vtkFFDDeformVolume::InterpolateKeyframes(double time, vtkFFDLattice* lattice
     times.push_back(keyframe.Time);
   }
   const std::vector<double> weights = FindWeights(times, time, this->KeyframeInterpolation);
-  vtkNew<vtkDoubleArray> sum;
-  sum->SetNumberOfComponents(3);
-  sum->SetNumberOfTuples(this->Keyframes.front().Lattice->GetNumberOfControlPoints());
-  sum->Fill(0.0);
-  for (std::size_t i = 0; i < weights.size(); ++i)
-  {
-    if (weights[i] != 0.0)
+  return vtkFFDGuarded(this, "InterpolateKeyframes", 0, [&] {
+    vtkNew<vtkDoubleArray> sum;
+    sum->SetNumberOfComponents(3);
+    sum->SetNumberOfTuples(this->Keyframes.front().Lattice->GetNumberOfControlPoints());
+    sum->Fill(0.0);
+    for (std::size_t i = 0; i < weights.size(); ++i)
     {
-      vtkFFDLattice* keyframe = this->Keyframes[i].Lattice;
-      const double factor = weights[i] * keyframe->GetDisplacementScale();
-      const double* from = keyframe->GetDisplacements()->GetPointer(0);
-      double* to = sum->GetPointer(0);
-      for (vtkIdType k = 0; k < sum->GetNumberOfValues(); ++k)
+      if (weights[i] != 0.0)
       {
-        to[k] += factor * from[k];
+        vtkFFDLattice* keyframe = this->Keyframes[i].Lattice;
+        const double factor = weights[i] * keyframe->GetDisplacementScale();
+        const double* from = keyframe->GetDisplacements()->GetPointer(0);
+        double* to = sum->GetPointer(0);
+        for (vtkIdType k = 0; k < sum->GetNumberOfValues(); ++k)
+        {
+          to[k] += factor * from[k];
+        }
       }
     }
-  }
-  lattice->DeepCopy(this->Keyframes.front().Lattice);
-  lattice->SetDisplacementScale(1.0);
-  return lattice->SetDisplacements(sum);
+    lattice->DeepCopy(this->Keyframes.front().Lattice);
+    lattice->SetDisplacementScale(1.0);
+    return lattice->SetDisplacements(sum);
+  });
 }
 
 //------------------------------------------------------------------------------

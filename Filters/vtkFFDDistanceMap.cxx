@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDDistanceMap.h"
 
+#include "vtkFFDGuard.h"
 #include "vtkFFDParallelFor.h"
 #include "vtkFFDVolumeViewFromImage.h"
 
@@ -30,6 +31,7 @@
 #include <vector>
 
 vtkStandardNewMacro(vtkFFDDistanceMap);
+vtkFFDGuardedProcessRequestMacro(vtkFFDDistanceMap);
 
 namespace
 {
@@ -245,6 +247,9 @@ int vtkFFDDistanceMap::RequestData(
     this->UpdateProgress(1.0);
     return 1;
   }
+  vtkFFDRequireMemory(2.0 * static_cast<double>(input->GetNumberOfPoints()),
+    "The distances of " + std::to_string(input->GetNumberOfPoints()) + " voxels",
+    "Set Resolution to BLOCKS.");
   vtkNew<vtkUnsignedShortArray> distances;
   distances->SetName("Distance");
   distances->SetNumberOfValues(input->GetNumberOfPoints());

@@ -67,6 +67,10 @@ public:
   /// Includes the opacity function.
   vtkMTimeType GetMTime() override;
 
+  /// As in the superclass; what does not fit into the memory is an error, not an exception.
+  vtkTypeBool ProcessRequest(
+    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
+
 protected:
   vtkFFDDistanceMap();
   ~vtkFFDDistanceMap() override;

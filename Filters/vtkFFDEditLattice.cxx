@@ -3,6 +3,7 @@
 #include "vtkFFDEditLattice.h"
 
 #include "vtkFFDContentTime.h"
+#include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDLatticeSource.h"
 
@@ -19,6 +20,7 @@
 #include <cmath>
 
 vtkStandardNewMacro(vtkFFDEditLattice);
+vtkFFDGuardedProcessRequestMacro(vtkFFDEditLattice);
 
 vtkInformationKeyMacro(vtkFFDEditLattice, LATTICE, DataObjectMetaData);
 

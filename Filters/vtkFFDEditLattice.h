@@ -174,6 +174,10 @@ public:
    */
   static vtkInformationDataObjectMetaDataKey* LATTICE();
 
+  /// As in the superclass; what does not fit into the memory is an error, not an exception.
+  vtkTypeBool ProcessRequest(
+    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
+
 protected:
   vtkFFDEditLattice();
   ~vtkFFDEditLattice() override;

@@ -3,6 +3,7 @@
 #include "vtkFFDFitLattice.h"
 
 #include "vtkFFDFitNetToTransform.h"
+#include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
 
 #include "FFDLatticeFit.h"
@@ -28,12 +29,16 @@
 #include <vector>
 
 vtkStandardNewMacro(vtkFFDFitLattice);
+vtkFFDGuardedProcessRequestMacro(vtkFFDFitLattice);
 
 namespace
 {
 
 /// What the box of landmarks is enlarged by on each side.
 constexpr double LandmarkMargin = 0.1;
+
+/// A copy of the displacements, and three to work on.
+constexpr double BytesPerSample = 96.0;
 
 std::vector<glm::dvec3> CopyPoints(vtkPoints* points)
 {
@@ -435,6 +440,9 @@ void vtkFFDFitLattice::Fit(vtkImageData* field)
       count[a] = extent[2 * a + 1] - extent[2 * a] + 1;
       first[a] = origin[a] + extent[2 * a] * spacing[a];
     }
+    vtkFFDRequireMemory(BytesPerSample * static_cast<double>(field->GetNumberOfPoints()),
+      "The fit to " + std::to_string(field->GetNumberOfPoints()) + " displacements",
+      "Use a coarser image.");
     std::vector<glm::dvec3> displacements(static_cast<std::size_t>(field->GetNumberOfPoints()));
     for (std::size_t i = 0; i < displacements.size(); ++i)
     {

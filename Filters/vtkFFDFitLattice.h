@@ -6,15 +6,18 @@
  *
  * Coarse to fine: cells are halved until the largest error is at most Tolerance, or MaximumCells
  * per axis are reached. What is followed is one of
- * - <b>Landmarks</b>, SourceLandmarks and TargetLandmarks, with LandmarkWeights: points x_i that shall
- *   move to y_i. First the affine map of least squares, then splines of 1, 2, 4, ... cells per axis,
- *   each the (weighted) least-squares fit to what is left, with Smoothness as weight of the bending
- *   energy, which decides what happens between the landmarks. At least one pair; with fewer than
- *   four, or in a plane, the affine map is the smallest one that there is. Error: at the landmarks.
+ * - <b>Landmarks</b>, SourceLandmarks and TargetLandmarks, with LandmarkWeights: points x_i that
+ * shall move to y_i. First the affine map of least squares, then splines of 1, 2, 4, ... cells per
+ * axis, each the (weighted) fit of least squares and of bending energy, which decides what happens
+ *   between the landmarks. Landmarks that contradict each other (in one place, or too near to each
+ *   other) are averaged; consistent ones are met within Tolerance, as smoothly as that allows: give
+ *   the accuracy of the landmarks as Tolerance, and their noise is not followed. The result is the
+ *   best of all levels. At least one pair; with fewer than four, or in a plane, the affine map is
+ *   the smallest one that there is. Error: that of the result, at all landmarks.
  * - <b>A displacement field</b>, the image at the input: point scalars of three components, the
- *   displacement at each point. The exact least-squares spline of all samples within the bounds (the
- *   normal equations of a tensor product are solved axis by axis), so noise is averaged. Images with
- *   a direction matrix other than the identity are refused: go through a vtkGridTransform and
+ *   displacement at each point. The exact least-squares spline of all samples within the bounds
+ * (the normal equations of a tensor product are solved axis by axis), so noise is averaged. Images
+ * with a direction matrix other than the identity are refused: go through a vtkGridTransform and
  *   Transform. Error: at the samples.
  * - <b>Transform</b>, any vtkAbstractTransform: interpolated at the nodes, axes refined one by one
  *   (vtkFFDLattice::FitToTransform(), which the mapper uses for transforms that are no B-spline).
@@ -25,8 +28,8 @@
  * object. The domain is Bounds; by default that of the image, or the box of both kinds of landmarks
  * enlarged by a tenth; a transform has none and needs Bounds.
  *
- * Cost: landmarks O(64 n + cells^3) for each of up to 200 iterations of a level; a field O(samples)
- * a level (256^3 samples: seconds).
+ * Cost: landmarks O(64 n + cells^3) for each of up to 2000 iterations of a level; a field
+ * O(samples) a level (256^3 samples: seconds).
  *
  * @sa vtkFFDLattice vtkFFDTransformReader vtkThinPlateSplineTransform
  */
@@ -71,9 +74,9 @@ public:
 
   ///@{
   /**
-   * Weight of the bending energy for landmarks, 0 or more, without unit; default 1e-6. 0 leaves what
-   * no landmark determines at the affine map. The larger, the smoother between landmarks, and the
-   * finer the levels that a tolerance takes.
+   * Least weight of the bending energy for landmarks, 0 or more, without unit; default 1e-6. Less
+   * than 1e-10 counts as that. The larger, the smoother between landmarks, the more contradictions
+   * are averaged, and the finer the levels that a tolerance takes.
    */
   void SetSmoothness(double smoothness);
   vtkGetMacro(Smoothness, double);
@@ -129,6 +132,10 @@ public:
 
   /// Includes landmarks and transform.
   vtkMTimeType GetMTime() override;
+
+  /// As in the superclass; what does not fit into the memory is an error, not an exception.
+  vtkTypeBool ProcessRequest(
+    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
 
 protected:
   vtkFFDFitLattice();

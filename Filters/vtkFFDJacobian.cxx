@@ -3,7 +3,9 @@
 #include "vtkFFDJacobian.h"
 
 #include "vtkFFDBSplineFieldFromTransform.h"
+#include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
+#include "vtkFFDParallelFor.h"
 
 #include "FFDBSplineField.h"
 #include "FFDSplineRows.h"
@@ -19,9 +21,8 @@
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
-#include "vtkSMPThreadLocal.h"
-#include "vtkSMPTools.h"
 #include "vtkSmartPointer.h"
+#include "vtkSMPThreadLocal.h"
 #include "vtkUnsignedCharArray.h"
 
 #include <glm/matrix.hpp>
@@ -34,6 +35,7 @@
 #include <vector>
 
 vtkStandardNewMacro(vtkFFDJacobian);
+vtkFFDGuardedProcessRequestMacro(vtkFFDJacobian);
 
 namespace
 {
@@ -219,6 +221,8 @@ int vtkFFDJacobian::RequestData(
   int extent[6];
   output->GetExtent(extent);
   const vtkIdType points = output->GetNumberOfPoints();
+  vtkFFDRequireMemory(5.0 * static_cast<double>(points),
+    "The determinants of " + std::to_string(points) + " points", "Use a coarser image.");
   vtkNew<vtkFloatArray> determinants;
   determinants->SetName("JacobianDeterminant");
   determinants->SetNumberOfValues(points);
@@ -238,14 +242,15 @@ int vtkFFDJacobian::RequestData(
     for (vtkIdType slice = 0; slice < slices && !this->GetAbortExecute(); slice += SlicesPerBatch)
     {
       const vtkIdType last = std::min<vtkIdType>(slices, slice + SlicesPerBatch);
-      vtkSMPTools::For(slice * rowsPerSlice, last * rowsPerSlice,
-        [&](vtkIdType begin, vtkIdType end)
-        {
+      const vtkIdType firstRow = slice * rowsPerSlice;
+      vtkFFDParallelFor()(static_cast<std::size_t>(last * rowsPerSlice - firstRow),
+        [&](std::size_t begin, std::size_t end) {
           ffd::SplineRows::Scratch scratch;
           std::vector<glm::dmat3> jacobians(static_cast<std::size_t>(rowLength));
           Summary& summary = summaries.Local();
-          for (vtkIdType row = begin; row < end; ++row)
+          for (std::size_t r = begin; r < end; ++r)
           {
+            const vtkIdType row = firstRow + static_cast<vtkIdType>(r);
             evaluator.Evaluate(extent[2] + static_cast<int>(row % rowsPerSlice),
               extent[4] + static_cast<int>(row / rowsPerSlice), scratch, jacobians);
             for (vtkIdType i = 0; i < rowLength; ++i)

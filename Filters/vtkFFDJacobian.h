@@ -62,6 +62,10 @@ public:
   /// Includes the deformation.
   vtkMTimeType GetMTime() override;
 
+  /// As in the superclass; what does not fit into the memory is an error, not an exception.
+  vtkTypeBool ProcessRequest(
+    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
+
 protected:
   vtkFFDJacobian();
   ~vtkFFDJacobian() override;

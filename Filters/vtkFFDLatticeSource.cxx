@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDLatticeSource.h"
 
+#include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
 
 #include "vtkDataObject.h"
@@ -16,11 +17,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 vtkStandardNewMacro(vtkFFDLatticeSource);
+vtkFFDGuardedProcessRequestMacro(vtkFFDLatticeSource);
 
 namespace
 {
+
+/// The lattice, two copies while its shape is computed, and the output.
+constexpr double BytesPerPoint = 96.0;
 
 constexpr const char* ShapeNames[] = { "Identity", "Bend", "Twist", "Taper", "Bulge", "Wave",
   "Random" };
@@ -323,7 +329,11 @@ int vtkFFDLatticeSource::ApplyShape(vtkFFDLattice* lattice, int shape, double st
   random->Initialize(static_cast<vtkTypeUInt32>(std::max(seed, 1)));
   vtkNew<vtkDoubleArray> displacements;
   displacements->SetNumberOfComponents(3);
-  displacements->SetNumberOfTuples(lattice->GetNumberOfControlPoints());
+  if (!vtkFFDGuard(lattice, "ApplyShape",
+        [&] { displacements->SetNumberOfTuples(lattice->GetNumberOfControlPoints()); }))
+  {
+    return 0;
+  }
   vtkIdType id = 0;
   for (int k = 0; k < n[2]; ++k)
   {
@@ -356,6 +366,11 @@ int vtkFFDLatticeSource::ApplyShape(vtkFFDLattice* lattice, int shape, double st
 //------------------------------------------------------------------------------
 void vtkFFDLatticeSource::UpdateLattice()
 {
+  const double points = 1.0 * this->Dimensions[0] * this->Dimensions[1] * this->Dimensions[2];
+  vtkFFDRequireMemory(BytesPerPoint * points,
+    std::to_string(this->Dimensions[0]) + " x " + std::to_string(this->Dimensions[1]) + " x " +
+      std::to_string(this->Dimensions[2]) + " control points",
+    "Give smaller Dimensions.");
   // Reset first: resizing would carry the old shape over, to be overwritten.
   this->Lattice->Reset();
   this->Lattice->SetDimensions(this->Dimensions);

@@ -162,6 +162,10 @@ public:
    */
   static int ApplyShape(vtkFFDLattice* lattice, int shape, double strength, int seed = 1);
 
+  /// As in the superclass; what does not fit into the memory is an error, not an exception.
+  vtkTypeBool ProcessRequest(
+    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
+
 protected:
   vtkFFDLatticeSource();
   ~vtkFFDLatticeSource() override;

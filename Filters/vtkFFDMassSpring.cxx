@@ -3,6 +3,7 @@
 #include "vtkFFDMassSpring.h"
 
 #include "vtkFFDBodySolver.h"
+#include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
 
 #include "FFDControlNet.h"
@@ -18,6 +19,7 @@
 #include <cmath>
 
 vtkStandardNewMacro(vtkFFDMassSpring);
+vtkFFDGuardedProcessRequestMacro(vtkFFDMassSpring);
 
 namespace
 {
@@ -308,114 +310,120 @@ void vtkFFDMassSpring::SetDuration(double duration)
 //------------------------------------------------------------------------------
 bool vtkFFDMassSpring::Prepare()
 {
-  vtkInternals& body = *this->Body;
-  vtkNew<vtkFFDLattice> unit;
-  vtkFFDLattice* lattice = this->InputLattice ? this->InputLattice.GetPointer() : unit.GetPointer();
-  if (body.Valid && (!this->InputLattice || body.LatticeTime == lattice->GetMTime()))
-  {
-    return true;
-  }
-  int n[3];
-  double first[3];
-  double spacing[3];
-  lattice->GetDimensions(n);
-  lattice->GetRestPoint(0, 0, 0, first);
-  lattice->GetSpacing(spacing);
-  vtkDoubleArray* displacements = lattice->GetDisplacements();
-  bool finite = true;
-  for (vtkIdType i = 0; i < displacements->GetNumberOfValues(); ++i)
-  {
-    finite = finite && std::isfinite(displacements->GetValue(i) * lattice->GetDisplacementScale());
-  }
-  if (!finite || lattice->GetInverseFlag() != 0 ||
-    std::max({ n[0], n[1], n[2] }) > LargestDimension ||
-    displacements->GetNumberOfTuples() != lattice->GetNumberOfControlPoints())
-  {
-    vtkErrorMacro("The lattice cannot be a body: it is inverted, has more than "
-      << LargestDimension << " control points along an axis, or displacements that are not finite.");
-    body.Valid = false;
-    return false;
-  }
-  body.Offset = this->Model == LINEAR_ELASTIC ? 1 : 0;
-  glm::ivec3 nodes;
-  glm::dvec3 origin;
-  const glm::dvec3 step(spacing[0], spacing[1], spacing[2]);
-  for (int a = 0; a < 3; ++a)
-  {
-    nodes[a] = n[a] - 2 * body.Offset;
-    origin[a] = first[a] + body.Offset * spacing[a];
-  }
-  if (this->Model == LINEAR_ELASTIC)
-  {
-    body.Solver.reset(new vtkFFDElasticSolver(
-      nodes, origin, step, this->Mass, this->YoungModulus, this->PoissonRatio));
-  }
-  else
-  {
-    body.Solver.reset(new vtkFFDSpringSolver(nodes, origin, step, this->Mass,
-      this->StructuralStiffness, this->ShearStiffness, this->BendStiffness));
-  }
-  vtkFFDBodySolver& solver = *body.Solver;
-  const std::size_t size = solver.GetSize();
-  body.Loads = vtkFFDBodyLoads();
-  body.Loads.Touches.assign(size, 0);
-  // Elastic nodes start where the spline takes them, masses where the control points are.
-  vtkNew<vtkFFDLattice> start;
-  start->DeepCopy(lattice);
-  start->Update();
-  for (int k = 0; k < nodes.z; ++k)
-  {
-    for (int j = 0; j < nodes.y; ++j)
+  return vtkFFDGuarded(this, "The body", false, [&] {
+    vtkInternals& body = *this->Body;
+    vtkNew<vtkFFDLattice> unit;
+    vtkFFDLattice* lattice =
+      this->InputLattice ? this->InputLattice.GetPointer() : unit.GetPointer();
+    if (body.Valid && (!this->InputLattice || body.LatticeTime == lattice->GetMTime()))
     {
-      for (int i = 0; i < nodes.x; ++i)
+      return true;
+    }
+    int n[3];
+    double first[3];
+    double spacing[3];
+    lattice->GetDimensions(n);
+    lattice->GetRestPoint(0, 0, 0, first);
+    lattice->GetSpacing(spacing);
+    vtkDoubleArray* displacements = lattice->GetDisplacements();
+    bool finite = true;
+    for (vtkIdType i = 0; i < displacements->GetNumberOfValues(); ++i)
+    {
+      finite =
+        finite && std::isfinite(displacements->GetValue(i) * lattice->GetDisplacementScale());
+    }
+    if (!finite || lattice->GetInverseFlag() != 0 ||
+      std::max({ n[0], n[1], n[2] }) > LargestDimension ||
+      displacements->GetNumberOfTuples() != lattice->GetNumberOfControlPoints())
+    {
+      vtkErrorMacro("The lattice cannot be a body: it is inverted, has more than "
+        << LargestDimension
+        << " control points along an axis, or displacements that are not finite.");
+      body.Valid = false;
+      return false;
+    }
+    body.Valid = false;
+    body.Offset = this->Model == LINEAR_ELASTIC ? 1 : 0;
+    glm::ivec3 nodes;
+    glm::dvec3 origin;
+    const glm::dvec3 step(spacing[0], spacing[1], spacing[2]);
+    for (int a = 0; a < 3; ++a)
+    {
+      nodes[a] = n[a] - 2 * body.Offset;
+      origin[a] = first[a] + body.Offset * spacing[a];
+    }
+    if (this->Model == LINEAR_ELASTIC)
+    {
+      body.Solver.reset(new vtkFFDElasticSolver(
+        nodes, origin, step, this->Mass, this->YoungModulus, this->PoissonRatio));
+    }
+    else
+    {
+      body.Solver.reset(new vtkFFDSpringSolver(nodes, origin, step, this->Mass,
+        this->StructuralStiffness, this->ShearStiffness, this->BendStiffness));
+    }
+    vtkFFDBodySolver& solver = *body.Solver;
+    const std::size_t size = solver.GetSize();
+    body.Loads = vtkFFDBodyLoads();
+    body.Loads.Touches.assign(size, 0);
+    // Elastic nodes start where the spline takes them, masses where the control points are.
+    vtkNew<vtkFFDLattice> start;
+    start->DeepCopy(lattice);
+    start->Update();
+    for (int k = 0; k < nodes.z; ++k)
+    {
+      for (int j = 0; j < nodes.y; ++j)
       {
-        const std::size_t id = solver.Index(i, j, k);
-        glm::dvec3& position = solver.Positions[id];
-        if (this->Model == LINEAR_ELASTIC)
+        for (int i = 0; i < nodes.x; ++i)
         {
-          start->InternalTransformPoint(&solver.Rest[id].x, &position.x);
-        }
-        else
-        {
-          double d[3];
-          lattice->GetDisplacement(i, j, k, d);
-          position += lattice->GetDisplacementScale() * glm::dvec3(d[0], d[1], d[2]);
-          body.Loads.Touches[id] = i >= 1 && j >= 1 && k >= 1 && i < nodes.x - 1 &&
-            j < nodes.y - 1 && k < nodes.z - 1;
+          const std::size_t id = solver.Index(i, j, k);
+          glm::dvec3& position = solver.Positions[id];
+          if (this->Model == LINEAR_ELASTIC)
+          {
+            start->InternalTransformPoint(&solver.Rest[id].x, &position.x);
+          }
+          else
+          {
+            double d[3];
+            lattice->GetDisplacement(i, j, k, d);
+            position += lattice->GetDisplacementScale() * glm::dvec3(d[0], d[1], d[2]);
+            body.Loads.Touches[id] =
+              i >= 1 && j >= 1 && k >= 1 && i < nodes.x - 1 && j < nodes.y - 1 && k < nodes.z - 1;
+          }
         }
       }
     }
-  }
-  glm::dvec3 center(0.0);
-  for (const glm::dvec3& position : solver.Positions)
-  {
-    center += position / static_cast<double>(size);
-  }
-  const glm::dvec3 velocity(
-    this->InitialVelocity[0], this->InitialVelocity[1], this->InitialVelocity[2]);
-  const glm::dvec3 w(this->InitialSpin[0], this->InitialSpin[1], this->InitialSpin[2]);
-  for (std::size_t i = 0; i < size; ++i)
-  {
-    const glm::dvec3 r = solver.Positions[i] - center;
-    solver.Velocities[i] = velocity +
-      glm::dvec3(w.y * r.z - w.z * r.y, w.z * r.x - w.x * r.z, w.x * r.y - w.y * r.x);
-  }
-  body.Loads.Pinned.assign(size, 0);
-  if (body.KeptPins.size() == size)
-  {
-    body.Loads.Pinned = body.KeptPins;
-  }
-  body.KeptPins = body.Loads.Pinned;
-  body.Loads.Targets = solver.Positions;
-  body.Handle = -1;
-  body.Steps = 0;
-  body.LatticeTime = lattice->GetMTime();
-  body.Valid = true;
-  // The domain and the border of the body's lattice, for our own.
-  this->Lattice->DeepCopy(lattice);
-  this->Lattice->SetDisplacementScale(1.0);
-  this->UpdateLattice();
-  return true;
+    glm::dvec3 center(0.0);
+    for (const glm::dvec3& position : solver.Positions)
+    {
+      center += position / static_cast<double>(size);
+    }
+    const glm::dvec3 velocity(
+      this->InitialVelocity[0], this->InitialVelocity[1], this->InitialVelocity[2]);
+    const glm::dvec3 w(this->InitialSpin[0], this->InitialSpin[1], this->InitialSpin[2]);
+    for (std::size_t i = 0; i < size; ++i)
+    {
+      const glm::dvec3 r = solver.Positions[i] - center;
+      solver.Velocities[i] =
+        velocity + glm::dvec3(w.y * r.z - w.z * r.y, w.z * r.x - w.x * r.z, w.x * r.y - w.y * r.x);
+    }
+    body.Loads.Pinned.assign(size, 0);
+    if (body.KeptPins.size() == size)
+    {
+      body.Loads.Pinned = body.KeptPins;
+    }
+    body.KeptPins = body.Loads.Pinned;
+    body.Loads.Targets = solver.Positions;
+    body.Handle = -1;
+    body.Steps = 0;
+    body.LatticeTime = lattice->GetMTime();
+    body.Valid = true;
+    // The domain and the border of the body's lattice, for our own.
+    this->Lattice->DeepCopy(lattice);
+    this->Lattice->SetDisplacementScale(1.0);
+    this->UpdateLattice();
+    return true;
+  });
 }
 
 //------------------------------------------------------------------------------
@@ -627,78 +635,85 @@ int vtkFFDMassSpring::Step(int count)
 //------------------------------------------------------------------------------
 bool vtkFFDMassSpring::Advance(int count)
 {
-  if (!this->Prepare())
-  {
-    return false;
-  }
-  vtkInternals& body = *this->Body;
-  vtkFFDBodyLoads& loads = body.Loads;
-  loads.Gravity = { this->Gravity[0], this->Gravity[1], this->Gravity[2] };
-  loads.Damping = this->Damping;
-  loads.FloorNormal = { this->FloorNormal[0], this->FloorNormal[1], this->FloorNormal[2] };
-  loads.FloorHeight = 0.0;
-  for (int a = 0; a < 3; ++a)
-  {
-    loads.FloorHeight += this->FloorOrigin[a] * this->FloorNormal[a];
-  }
-  loads.FloorFriction = this->FloorFriction;
-  loads.Floor = this->Floor != 0;
-  if (this->Floor && this->Model == LINEAR_ELASTIC)
-  {
-    vtkErrorMacro("A linear elastic body knows no floor. Turn Floor off, or use SPRINGS.");
-    return false;
-  }
-  if (auto* springs = dynamic_cast<vtkFFDSpringSolver*>(body.Solver.get()))
-  {
-    springs->Iterations = this->Iterations;
-  }
-  bool ok = true;
-  for (int i = 0; i < count && ok; ++i)
-  {
-    ok = body.Solver->Step(this->TimeStep, loads);
-    for (const glm::dvec3& position : body.Solver->Positions)
+  return vtkFFDGuarded(this, "Step", false, [&] {
+    if (!this->Prepare())
     {
-      ok = ok && std::isfinite(position.x) && std::isfinite(position.y) &&
-        std::isfinite(position.z);
+      return false;
     }
-    body.Steps += ok ? 1 : 0;
-  }
-  if (!ok)
-  {
-    vtkErrorMacro("The motion cannot be computed: the numbers of stiffness, mass and TimeStep are "
-                  "too far apart, or forces are too large. The body is reset.");
-    body.Valid = false;
-    this->Prepare();
-    return false;
-  }
-  this->UpdateLattice();
-  return true;
+    vtkInternals& body = *this->Body;
+    vtkFFDBodyLoads& loads = body.Loads;
+    loads.Gravity = { this->Gravity[0], this->Gravity[1], this->Gravity[2] };
+    loads.Damping = this->Damping;
+    loads.FloorNormal = { this->FloorNormal[0], this->FloorNormal[1], this->FloorNormal[2] };
+    loads.FloorHeight = 0.0;
+    for (int a = 0; a < 3; ++a)
+    {
+      loads.FloorHeight += this->FloorOrigin[a] * this->FloorNormal[a];
+    }
+    loads.FloorFriction = this->FloorFriction;
+    loads.Floor = this->Floor != 0;
+    if (this->Floor && this->Model == LINEAR_ELASTIC)
+    {
+      vtkErrorMacro("A linear elastic body knows no floor. Turn Floor off, or use SPRINGS.");
+      return false;
+    }
+    if (auto* springs = dynamic_cast<vtkFFDSpringSolver*>(body.Solver.get()))
+    {
+      springs->Iterations = this->Iterations;
+    }
+    bool ok = true;
+    for (int i = 0; i < count && ok; ++i)
+    {
+      ok = body.Solver->Step(this->TimeStep, loads);
+      for (const glm::dvec3& position : body.Solver->Positions)
+      {
+        ok =
+          ok && std::isfinite(position.x) && std::isfinite(position.y) && std::isfinite(position.z);
+      }
+      body.Steps += ok ? 1 : 0;
+    }
+    if (!ok)
+    {
+      vtkErrorMacro(
+        "The motion cannot be computed: the numbers of stiffness, mass and TimeStep are "
+        "too far apart, or forces are too large. The body is reset.");
+      body.Valid = false;
+      this->Prepare();
+      return false;
+    }
+    this->UpdateLattice();
+    return true;
+  });
 }
 
 //------------------------------------------------------------------------------
 int vtkFFDMassSpring::SolveEquilibrium()
 {
-  // Takes over the loads.
-  if (!this->Advance(0))
-  {
-    return 0;
-  }
-  const std::vector<glm::dvec3> before = this->Body->Solver->Positions;
-  bool ok = this->Body->Solver->Settle(this->Body->Loads);
-  for (const glm::dvec3& position : this->Body->Solver->Positions)
-  {
-    ok = ok && std::isfinite(position.x) && std::isfinite(position.y) && std::isfinite(position.z);
-  }
-  if (!ok)
-  {
-    this->Body->Solver->Positions = before;
-    vtkErrorMacro("SolveEquilibrium: nothing holds the body, or part of it. Pin three points or more "
-                  "that are not on a line.");
-    return 0;
-  }
-  this->UpdateLattice();
-  this->Modified();
-  return 1;
+  return vtkFFDGuarded(this, "SolveEquilibrium", 0, [&] {
+    // Takes over the loads.
+    if (!this->Advance(0))
+    {
+      return 0;
+    }
+    const std::vector<glm::dvec3> before = this->Body->Solver->Positions;
+    bool ok = this->Body->Solver->Settle(this->Body->Loads);
+    for (const glm::dvec3& position : this->Body->Solver->Positions)
+    {
+      ok =
+        ok && std::isfinite(position.x) && std::isfinite(position.y) && std::isfinite(position.z);
+    }
+    if (!ok)
+    {
+      this->Body->Solver->Positions = before;
+      vtkErrorMacro(
+        "SolveEquilibrium: nothing holds the body, or part of it. Pin three points or more "
+        "that are not on a line.");
+      return 0;
+    }
+    this->UpdateLattice();
+    this->Modified();
+    return 1;
+  });
 }
 
 //------------------------------------------------------------------------------

@@ -10,7 +10,9 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <exception>
 #include <functional>
+#include <mutex>
 #include <utility>
 
 /**
@@ -50,14 +52,28 @@ public:
       worker(0);
       return;
     }
-    vtkSMPTools::For(0, this->Workers, 1,
-      [&worker](vtkIdType first, vtkIdType last)
-      {
-        for (vtkIdType i = first; i < last; ++i)
+    // An exception, of an allocation for instance, would end the process if it left a thread.
+    std::exception_ptr error;
+    std::mutex mutex;
+    vtkSMPTools::For(
+      0, this->Workers, 1, [&worker, &error, &mutex](vtkIdType first, vtkIdType last) {
+        try
         {
-          worker(static_cast<int>(i));
+          for (vtkIdType i = first; i < last; ++i)
+          {
+            worker(static_cast<int>(i));
+          }
+        }
+        catch (...)
+        {
+          const std::lock_guard<std::mutex> lock(mutex);
+          error = std::current_exception();
         }
       });
+    if (error)
+    {
+      std::rethrow_exception(error);
+    }
   }
 
   /// Runs work(first, last) over [0, count), in pieces of one size.

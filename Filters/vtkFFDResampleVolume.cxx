@@ -3,6 +3,7 @@
 #include "vtkFFDResampleVolume.h"
 
 #include "vtkFFDDeformationSource.h"
+#include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDParallelFor.h"
 #include "vtkFFDVolumeViewFromImage.h"
@@ -31,10 +32,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <new>
 #include <sstream>
 
 vtkStandardNewMacro(vtkFFDResampleVolume);
+vtkFFDGuardedProcessRequestMacro(vtkFFDResampleVolume);
 
 namespace
 {
@@ -45,6 +46,9 @@ constexpr int SlicesPerBatch = 32;
 
 /// What no memory holds: then the deformation, or the spacing, is not what was meant.
 constexpr double LargestNumberOfPoints = 68719476736.0; // 2^36
+
+/// Numbers of points along an axis fit into an int.
+constexpr int LargestIndex = std::numeric_limits<int>::max() / 2;
 
 /// Rounding must not add a layer to a box that ends at a point.
 constexpr double IndexSlack = 1e-6;
@@ -301,6 +305,21 @@ void vtkFFDResampleVolume::SetPositionTolerance(double voxels)
 }
 
 //------------------------------------------------------------------------------
+void vtkFFDResampleVolume::SetBackgroundLevel(double value)
+{
+  if (!std::isfinite(value))
+  {
+    vtkErrorMacro("SetBackgroundLevel: the value is " << value << ". Give a finite number.");
+    return;
+  }
+  if (this->BackgroundLevel != value)
+  {
+    this->BackgroundLevel = value;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
 const char* vtkFFDResampleVolume::GetInverseModeAsString() const
 {
   static const char* const names[] = { "FIRST_ORDER", "EXACT", "PULL_BACK" };
@@ -405,10 +424,13 @@ void vtkFFDResampleVolume::SetOutputExtent(int x0, int x1, int y0, int y1, int z
 //------------------------------------------------------------------------------
 void vtkFFDResampleVolume::SetOutputExtent(const int extent[6])
 {
-  if (!extent || extent[0] > extent[1] || extent[2] > extent[3] || extent[4] > extent[5])
+  if (!extent || extent[0] > extent[1] || extent[2] > extent[3] || extent[4] > extent[5] ||
+    std::any_of(extent, extent + 6, [](int i) { return i < -LargestIndex || i > LargestIndex; }))
   {
-    vtkErrorMacro("SetOutputExtent: the extent is null or empty. Give the first and the last index "
-                  "of each axis, first <= last.");
+    vtkErrorMacro(
+      "SetOutputExtent: the extent is null, empty or reaches too far. Give the first and "
+      "the last index of each axis, first <= last, from -"
+      << LargestIndex << " to " << LargestIndex << ".");
     return;
   }
   if (this->DefaultExtent || !std::equal(extent, extent + 6, this->OutputExtent))
@@ -642,21 +664,15 @@ int vtkFFDResampleVolume::RequestData(
     vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(scalars->GetDataType()));
   result->SetName(scalars->GetName());
   result->SetNumberOfComponents(scalars->GetNumberOfComponents());
+  const double sides[3] = { extent[1] - extent[0] + 1.0, extent[3] - extent[2] + 1.0,
+    extent[5] - extent[4] + 1.0 };
+  std::ostringstream what;
+  what << sides[0] << " x " << sides[1] << " x " << sides[2] << " points";
+  vtkFFDRequireMemory(
+    sides[0] * sides[1] * sides[2] * result->GetNumberOfComponents() * result->GetDataTypeSize(),
+    what.str(), "Update the output in pieces, or call SetOutputSpacing() or SetOutputExtent().");
   output->SetExtent(extent);
-  try
-  {
-    result->SetNumberOfTuples(output->GetNumberOfPoints());
-  }
-  catch (const std::bad_alloc&)
-  {
-    output->Initialize();
-    vtkErrorMacro("There is not enough memory for "
-      << extent[1] - extent[0] + 1 << " x " << extent[3] - extent[2] + 1 << " x "
-      << extent[5] - extent[4] + 1
-      << " points. Update the output in pieces, or call SetOutputSpacing() or "
-         "SetOutputExtent().");
-    return 0;
-  }
+  result->SetNumberOfTuples(output->GetNumberOfPoints());
   output->GetPointData()->SetScalars(result);
   // The executive passed it on.
   vtkFFDLattice::DetachFrom(output);
@@ -664,7 +680,8 @@ int vtkFFDResampleVolume::RequestData(
   const vtkInternals& in = *this->Internals;
   ffd::ResampleSettings settings;
   settings.Interpolation = static_cast<ffd::ResampleInterpolation>(this->InterpolationMode);
-  settings.Background = this->BackgroundLevel;
+  settings.Background =
+    std::clamp(this->BackgroundLevel, result->GetDataTypeMin(), result->GetDataTypeMax());
   settings.UniqueInverse = in.Bounds.IsProvenInvertible();
   const ffd::Resampler resampler(volume, in.Map, in.Output, settings);
   const std::size_t sliceSize = static_cast<std::size_t>(extent[1] - extent[0] + 1) *

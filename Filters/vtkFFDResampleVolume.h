@@ -125,9 +125,9 @@ public:
   ///@{
   /**
    * Value of the points that no point of the input moved to, every component; clamped to the range
-   * of the scalar type. Default: 0.
+   * of the scalar type. Must be finite. Default: 0.
    */
-  vtkSetMacro(BackgroundLevel, double);
+  virtual void SetBackgroundLevel(double value);
   vtkGetMacro(BackgroundLevel, double);
   ///@}
 
@@ -180,6 +180,10 @@ public:
 
   /// Includes the deformation.
   vtkMTimeType GetMTime() override;
+
+  /// As in the superclass; what does not fit into the memory is an error, not an exception.
+  vtkTypeBool ProcessRequest(
+    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
 
 protected:
   vtkFFDResampleVolume();

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDTransformReader.h"
 
+#include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDSplineTransform.h"
 #include "vtkFFDSumTransform.h"
@@ -33,6 +34,7 @@
 #include <new>
 
 vtkStandardNewMacro(vtkFFDTransformReader);
+vtkFFDGuardedProcessRequestMacro(vtkFFDTransformReader);
 
 static_assert(
   static_cast<int>(vtkFFDTransformReader::MINC) == static_cast<int>(vtkFFDTransformFile::MINC),

@@ -184,6 +184,10 @@ public:
   /// Whether the file can be opened and begins as one of the formats.
   int CanReadFile(const char* fileName);
 
+  /// As in the superclass; what does not fit into the memory is an error, not an exception.
+  vtkTypeBool ProcessRequest(
+    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
+
 protected:
   vtkFFDTransformReader();
   ~vtkFFDTransformReader() override;

@@ -4,6 +4,7 @@
 
 #include "vtkFFDBSplineFieldFromTransform.h"
 #include "vtkFFDFileAccess.h"
+#include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDSplineTransform.h"
 #include "vtkFFDSumTransform.h"
@@ -35,14 +36,15 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <exception>
-#include <new>
 #include <vector>
 
 vtkStandardNewMacro(vtkFFDTransformWriter);
 
 namespace
 {
+
+/// Of a field: three doubles, and the same again as bytes of the file.
+constexpr double BytesPerSample = 48.0;
 
 /// Voxels along the longest side of the image that transformix makes when none is given.
 constexpr int DefaultVoxels = 256;
@@ -312,6 +314,8 @@ std::string SampleField(vtkAbstractTransform* transform, ffd::TransformStep& ste
   {
     return hidden;
   }
+  vtkFFDRequireMemory(BytesPerSample * static_cast<double>(count),
+    "The displacements at " + std::to_string(count) + " points", "Give a coarser ReferenceImage.");
   step.Type = ffd::TransformStep::Kind::Field;
   step.Values.clear();
   step.Values.reserve(count);
@@ -562,17 +566,9 @@ int vtkFFDTransformWriter::Write()
     return 0;
   }
   std::string problem;
-  try
+  if (!vtkFFDGuard(this, "Write", [&] { problem = this->WriteTransform(); }))
   {
-    problem = this->WriteTransform();
-  }
-  catch (const std::bad_alloc&)
-  {
-    problem = "it needs more memory than there is";
-  }
-  catch (const std::exception& exception)
-  {
-    problem = std::string("writing failed: ") + exception.what();
+    return 0;
   }
   if (!problem.empty())
   {

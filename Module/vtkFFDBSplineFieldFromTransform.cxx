@@ -13,6 +13,14 @@
 #include <sstream>
 #include <vector>
 
+namespace
+{
+
+/// Products of three are still finite numbers.
+constexpr double LargestDisplacement = 1e100;
+
+} // namespace
+
 //------------------------------------------------------------------------------
 bool vtkFFDBSplineFieldFromTransform(
   vtkBSplineTransform* transform, ffd::BSplineField& field, bool& inverse, std::string& error)
@@ -66,12 +74,15 @@ bool vtkFFDBSplineFieldFromTransform(
   {
     double d[3];
     scalars->GetTuple(i, d);
-    if (!std::isfinite(d[0] * scale) || !std::isfinite(d[1] * scale) ||
-      !std::isfinite(d[2] * scale))
+    // False for what is not a number, too.
+    if (!(std::abs(d[0] * scale) <= LargestDisplacement &&
+          std::abs(d[1] * scale) <= LargestDisplacement &&
+          std::abs(d[2] * scale) <= LargestDisplacement))
     {
       std::ostringstream message;
       message << "control point (" << i % nodes.x << ", " << i / nodes.x % nodes.y << ", "
-              << i / nodes.x / nodes.y << ") has a displacement that is not finite";
+              << i / nodes.x / nodes.y
+              << ") has a displacement that is not finite or exceeds 1e100";
       error = message.str();
       return false;
     }

@@ -3,6 +3,7 @@
 #include "vtkFFDLattice.h"
 
 #include "vtkFFDFitNetToTransform.h"
+#include "vtkFFDGuard.h"
 
 #include "FFDBSplineField.h"
 #include "FFDControlNet.h"
@@ -43,6 +44,11 @@ namespace
 constexpr int MinimumDimension = 4;
 constexpr int MaximumDimension = 1024;
 constexpr int MaximumFactor = 64;
+/// Bytes per control point while a lattice is changed: its array, and two copies to work on.
+constexpr double BytesPerPoint = 72.0;
+/// Largest coordinate and displacement, and smallest spacing its inverse: products of three, as in
+/// a determinant, are finite numbers.
+constexpr double LargestLength = 1e100;
 constexpr int CurrentVersion = 1;
 constexpr const char* Prefix = "FFDLattice.";
 constexpr const char* DisplacementName = "Displacement";
@@ -52,6 +58,21 @@ const char* const ArrayNames[] = { "Version", "Dimensions", "Origin", "Spacing",
 bool AllFinite(const double* values, int count)
 {
   return std::all_of(values, values + count, [](double v) { return std::isfinite(v); });
+}
+
+/// False for what is not a number, too.
+bool AllWithinRange(const double* values, int count)
+{
+  return std::all_of(values, values + count, [](double v) { return std::abs(v) <= LargestLength; });
+}
+
+/// Throws when there is not enough memory for so many control points.
+void RequireMemory(const glm::ivec3& nodes, double bytesPerPoint = BytesPerPoint)
+{
+  vtkFFDRequireMemory(bytesPerPoint * nodes.x * nodes.y * nodes.z,
+    std::to_string(nodes.x) + " x " + std::to_string(nodes.y) + " x " + std::to_string(nodes.z) +
+      " control points",
+    "Give fewer control points.");
 }
 
 /// A lattice as plain values: what files and images hold, validated before it is used.
@@ -77,10 +98,11 @@ struct LatticeState
           std::to_string(a) + " has " + std::to_string(n);
       }
       count *= static_cast<std::size_t>(n);
-      if (!std::isfinite(this->Origin[a]) || !std::isfinite(this->Spacing[a]) ||
-        !(this->Spacing[a] > 0.0))
+      const double ends[2] = { this->Origin[a], this->Origin[a] + (n - 1) * this->Spacing[a] };
+      if (!AllWithinRange(ends, 2) || !(this->Spacing[a] >= 1.0 / LargestLength))
       {
-        return "origin and spacing must be finite and the spacing positive on every axis";
+        return "origin and spacing must be finite and the spacing positive on every axis, "
+               "coordinates at most 1e100 and the spacing at least 1e-100";
       }
     }
     if (this->Net.Values.size() != count)
@@ -88,20 +110,23 @@ struct LatticeState
       return "there are " + std::to_string(this->Net.Values.size()) + " displacements for " +
         std::to_string(count) + " control points";
     }
+    if (!std::isfinite(this->Scale))
+    {
+      return "the displacement scale is not finite";
+    }
+    const double factor = std::max(1.0, std::abs(this->Scale));
     for (std::size_t i = 0; i < count; ++i)
     {
-      if (!AllFinite(&this->Net.Values[i].x, 3))
+      const glm::dvec3 scaled = factor * this->Net.Values[i];
+      if (!AllWithinRange(&scaled.x, 3))
       {
-        return "the displacement of control point " + std::to_string(i) + " is not finite";
+        return "the displacement of control point " + std::to_string(i) +
+          " is not finite or, with the displacement scale, exceeds 1e100";
       }
     }
     if (this->BorderMode < VTK_BSPLINE_EDGE || this->BorderMode > VTK_BSPLINE_ZERO_AT_BORDER)
     {
       return "the border mode is " + std::to_string(this->BorderMode) + ", not 0, 1 or 2";
-    }
-    if (!std::isfinite(this->Scale))
-    {
-      return "the displacement scale is not finite";
     }
     return std::string();
   }
@@ -306,14 +331,16 @@ public:
   /// A new image, so that shallow copies and readers of the old one keep what they have.
   void SetImage(const LatticeState& state)
   {
-    this->Array = vtkSmartPointer<vtkDoubleArray>::New();
-    this->Array->SetName(DisplacementName);
-    this->Array->SetNumberOfComponents(3);
-    this->Array->SetNumberOfTuples(static_cast<vtkIdType>(state.Net.Values.size()));
+    // The old one stays until the new one has its memory.
+    auto array = vtkSmartPointer<vtkDoubleArray>::New();
+    array->SetName(DisplacementName);
+    array->SetNumberOfComponents(3);
+    array->SetNumberOfTuples(static_cast<vtkIdType>(state.Net.Values.size()));
     for (std::size_t i = 0; i < state.Net.Values.size(); ++i)
     {
-      this->Array->SetTuple(static_cast<vtkIdType>(i), &state.Net.Values[i].x);
+      array->SetTuple(static_cast<vtkIdType>(i), &state.Net.Values[i].x);
     }
+    this->Array = array;
     this->Image = vtkSmartPointer<vtkImageData>::New();
     this->Image->SetDimensions(state.Net.Nodes.x, state.Net.Nodes.y, state.Net.Nodes.z);
     this->Image->SetOrigin(state.Origin);
@@ -328,6 +355,62 @@ public:
     producer->SetOutput(this->Image);
     self->vtkBSplineTransform::SetCoefficientConnection(producer->GetOutputPort());
   }
+
+  /// The same shape, or nearly, with other numbers of control points, which are possible.
+  void Resize(vtkFFDLattice* self, const glm::ivec3& wanted)
+  {
+    int n[3];
+    this->Image->GetDimensions(n);
+    if (wanted == glm::ivec3(n[0], n[1], n[2]))
+    {
+      return;
+    }
+    RequireMemory(wanted);
+    const LatticeState old = this->GetState(self);
+    LatticeState state = old;
+    bool multiple = true;
+    for (int a = 0; a < 3; ++a)
+    {
+      multiple = multiple && (wanted[a] - 3) % (n[a] - 3) == 0;
+      state.Spacing[a] = old.Spacing[a] * (n[a] - 3) / (wanted[a] - 3);
+      state.Origin[a] = old.Origin[a] + old.Spacing[a] - state.Spacing[a];
+    }
+    if (self->IsIdentity())
+    {
+      state.Net.Nodes = wanted;
+      state.Net.Values.assign(static_cast<std::size_t>(wanted.x) *
+          static_cast<std::size_t>(wanted.y) * static_cast<std::size_t>(wanted.z),
+        glm::dvec3(0.0));
+    }
+    else if (multiple)
+    {
+      state.Net = ffd::RefineControlNet(old.Net, (wanted - 3) / (old.Net.Nodes - 3));
+    }
+    else
+    {
+      const ffd::BSplineField field(old.Net.Nodes, { old.Origin[0], old.Origin[1], old.Origin[2] },
+        { old.Spacing[0], old.Spacing[1], old.Spacing[2] }, old.Net.Values.data());
+      ffd::ControlNet samples;
+      samples.Nodes = wanted - 2;
+      for (int k = 1; k < wanted.z - 1; ++k)
+      {
+        for (int j = 1; j < wanted.y - 1; ++j)
+        {
+          for (int i = 1; i < wanted.x - 1; ++i)
+          {
+            samples.Values.push_back(field.Displacement({ state.Origin[0] + i * state.Spacing[0],
+              state.Origin[1] + j * state.Spacing[1], state.Origin[2] + k * state.Spacing[2] }));
+          }
+        }
+      }
+      state.Net = ffd::InterpolateControlNet(samples);
+    }
+    this->SetState(self, state);
+    self->Modified();
+  }
+
+  int ReadFrom(vtkFFDLattice* self, vtkDataObject* object);
+  int FromImageData(vtkFFDLattice* self, vtkImageData* image);
 
   /// Take over a validated state. Modified() is up to the caller.
   void SetState(vtkFFDLattice* self, const LatticeState& state)
@@ -387,13 +470,6 @@ void vtkFFDLattice::SetDimensions(const int dimensions[3])
 void vtkFFDLattice::SetDimensions(int nx, int ny, int nz)
 {
   const glm::ivec3 wanted(nx, ny, nz);
-  LatticeState state = this->Lattice->GetState(this);
-  if (state.Net.Nodes == wanted)
-  {
-    return;
-  }
-  bool multiple = true;
-  glm::ivec3 factors(1);
   for (int a = 0; a < 3; ++a)
   {
     if (wanted[a] < MinimumDimension || wanted[a] > MaximumDimension)
@@ -403,48 +479,8 @@ void vtkFFDLattice::SetDimensions(int nx, int ny, int nz)
                                           "axis: a cubic B-spline cell has 4.");
       return;
     }
-    multiple = multiple && (wanted[a] - 3) % (state.Net.Nodes[a] - 3) == 0;
-    factors[a] = (wanted[a] - 3) / (state.Net.Nodes[a] - 3);
   }
-  const LatticeState old = state;
-  for (int a = 0; a < 3; ++a)
-  {
-    state.Spacing[a] = old.Spacing[a] * (old.Net.Nodes[a] - 3) / (wanted[a] - 3);
-    state.Origin[a] = old.Origin[a] + old.Spacing[a] - state.Spacing[a];
-  }
-  if (this->IsIdentity())
-  {
-    state.Net.Nodes = wanted;
-    state.Net.Values.assign(
-      static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny) * static_cast<std::size_t>(nz),
-      glm::dvec3(0.0));
-  }
-  else if (multiple)
-  {
-    state.Net = ffd::RefineControlNet(old.Net, factors);
-  }
-  else
-  {
-    const ffd::BSplineField field(old.Net.Nodes,
-      { old.Origin[0], old.Origin[1], old.Origin[2] },
-      { old.Spacing[0], old.Spacing[1], old.Spacing[2] }, old.Net.Values.data());
-    ffd::ControlNet samples;
-    samples.Nodes = wanted - 2;
-    for (int k = 1; k < nz - 1; ++k)
-    {
-      for (int j = 1; j < ny - 1; ++j)
-      {
-        for (int i = 1; i < nx - 1; ++i)
-        {
-          samples.Values.push_back(field.Displacement({ state.Origin[0] + i * state.Spacing[0],
-            state.Origin[1] + j * state.Spacing[1], state.Origin[2] + k * state.Spacing[2] }));
-        }
-      }
-    }
-    state.Net = ffd::InterpolateControlNet(samples);
-  }
-  this->Lattice->SetState(this, state);
-  this->Modified();
+  vtkFFDGuard(this, "SetDimensions", [&] { this->Lattice->Resize(this, wanted); });
 }
 
 //------------------------------------------------------------------------------
@@ -492,12 +528,13 @@ void vtkFFDLattice::SetDomain(const double bounds[6])
     const double hi = bounds[2 * a + 1];
     spacing[a] = (hi - lo) / (n[a] - 3);
     origin[a] = lo - spacing[a];
-    if (!std::isfinite(lo) || !std::isfinite(hi) || !(lo < hi) || !std::isfinite(spacing[a]) ||
-      !(lo + spacing[a] > lo))
+    const double ends[2] = { origin[a], hi + spacing[a] };
+    if (!AllWithinRange(ends, 2) || !(spacing[a] >= 1.0 / LargestLength) || !(lo + spacing[a] > lo))
     {
       vtkErrorMacro("SetDomain: the domain " << DescribeBounds(bounds)
                                              << " is empty, inverted or not finite on axis " << a
-                                             << ". Give finite bounds with min < max per axis.");
+                                             << ". Give bounds of at most 1e99, with min < max per "
+                                                "axis.");
       return;
     }
   }
@@ -649,11 +686,11 @@ void vtkFFDLattice::SetDisplacement(int i, int j, int k, double dx, double dy, d
     return;
   }
   const double wanted[3] = { dx, dy, dz };
-  if (!AllFinite(wanted, 3))
+  if (!AllWithinRange(wanted, 3))
   {
     vtkErrorMacro("SetDisplacement: control point ("
       << i << ", " << j << ", " << k << ") would be displaced by (" << dx << ", " << dy << ", "
-      << dz << "). Give finite numbers.");
+      << dz << "). Give finite numbers of at most 1e100.");
     return;
   }
   double current[3];
@@ -699,13 +736,17 @@ int vtkFFDLattice::SetDisplacements(vtkDataArray* displacements)
       << " tuples of 3 components, x fastest.");
     return 0;
   }
-  const std::vector<glm::dvec3> values = CopyTuples(displacements);
+  std::vector<glm::dvec3> values;
+  if (!vtkFFDGuard(this, "SetDisplacements", [&] { values = CopyTuples(displacements); }))
+  {
+    return 0;
+  }
   for (std::size_t i = 0; i < values.size(); ++i)
   {
-    if (!AllFinite(&values[i].x, 3))
+    if (!AllWithinRange(&values[i].x, 3))
     {
-      vtkErrorMacro(
-        "SetDisplacements: tuple " << i << " of the array is not finite. Give finite numbers.");
+      vtkErrorMacro("SetDisplacements: tuple "
+        << i << " of the array is not finite or exceeds 1e100. Give finite numbers.");
       return 0;
     }
   }
@@ -765,11 +806,12 @@ bool vtkFFDLattice::IsIdentity()
 int vtkFFDLattice::Refine(int factorX, int factorY, int factorZ)
 {
   const glm::ivec3 factors(factorX, factorY, factorZ);
-  LatticeState state = this->Lattice->GetState(this);
+  glm::ivec3 nodes;
+  this->GetDimensions(&nodes.x);
   for (int a = 0; a < 3; ++a)
   {
     if (factors[a] < 1 || factors[a] > MaximumFactor ||
-      (state.Net.Nodes[a] - 3) * factors[a] + 3 > MaximumDimension)
+      (nodes[a] - 3) * factors[a] + 3 > MaximumDimension)
     {
       vtkErrorMacro("Refine: factor " << factors[a] << " on axis " << a
                                       << " is not possible. Give 1 to 64, and at most 1024 control "
@@ -781,23 +823,26 @@ int vtkFFDLattice::Refine(int factorX, int factorY, int factorZ)
   {
     return 1;
   }
-  state.Net = ffd::RefineControlNet(state.Net, factors);
-  for (int a = 0; a < 3; ++a)
-  {
-    const double spacing = state.Spacing[a] / factors[a];
-    state.Origin[a] += state.Spacing[a] - spacing;
-    state.Spacing[a] = spacing;
-  }
-  this->Lattice->SetState(this, state);
-  this->Modified();
-  return 1;
+  return vtkFFDGuard(this, "Refine", [&] {
+    RequireMemory((nodes - 3) * factors + 3);
+    LatticeState state = this->Lattice->GetState(this);
+    state.Net = ffd::RefineControlNet(state.Net, factors);
+    for (int a = 0; a < 3; ++a)
+    {
+      const double spacing = state.Spacing[a] / factors[a];
+      state.Origin[a] += state.Spacing[a] - spacing;
+      state.Spacing[a] = spacing;
+    }
+    this->Lattice->SetState(this, state);
+    this->Modified();
+  });
 }
 
 //------------------------------------------------------------------------------
 int vtkFFDLattice::Extend(int layers)
 {
-  LatticeState state = this->Lattice->GetState(this);
-  const glm::ivec3 old = state.Net.Nodes;
+  glm::ivec3 old;
+  this->GetDimensions(&old.x);
   const int largest = std::max({ old.x, old.y, old.z });
   if (layers < 1 || layers > MaximumFactor || largest + 2 * layers > MaximumDimension)
   {
@@ -812,34 +857,37 @@ int vtkFFDLattice::Extend(int layers)
                   "change of the map. Set border mode Edge or Zero.");
     return 0;
   }
-  ffd::ControlNet net;
-  net.Nodes = old + 2 * layers;
-  for (int k = -layers; k < old.z + layers; ++k)
-  {
-    for (int j = -layers; j < old.y + layers; ++j)
+  return vtkFFDGuard(this, "Extend", [&] {
+    RequireMemory(old + 2 * layers);
+    LatticeState state = this->Lattice->GetState(this);
+    ffd::ControlNet net;
+    net.Nodes = old + 2 * layers;
+    for (int k = -layers; k < old.z + layers; ++k)
     {
-      for (int i = -layers; i < old.x + layers; ++i)
+      for (int j = -layers; j < old.y + layers; ++j)
       {
-        const glm::ivec3 source = glm::clamp(glm::ivec3(i, j, k), glm::ivec3(0), old - 1);
-        const bool inside = source == glm::ivec3(i, j, k);
-        const std::size_t index = static_cast<std::size_t>(source.x) +
-          static_cast<std::size_t>(old.x) *
-            (static_cast<std::size_t>(source.y) +
-              static_cast<std::size_t>(old.y) * static_cast<std::size_t>(source.z));
-        net.Values.push_back(inside || this->BorderMode == VTK_BSPLINE_EDGE
-            ? state.Net.Values[index]
-            : glm::dvec3(0.0));
+        for (int i = -layers; i < old.x + layers; ++i)
+        {
+          const glm::ivec3 source = glm::clamp(glm::ivec3(i, j, k), glm::ivec3(0), old - 1);
+          const bool inside = source == glm::ivec3(i, j, k);
+          const std::size_t index = static_cast<std::size_t>(source.x) +
+            static_cast<std::size_t>(old.x) *
+              (static_cast<std::size_t>(source.y) +
+                static_cast<std::size_t>(old.y) * static_cast<std::size_t>(source.z));
+          net.Values.push_back(inside || this->BorderMode == VTK_BSPLINE_EDGE
+              ? state.Net.Values[index]
+              : glm::dvec3(0.0));
+        }
       }
     }
-  }
-  state.Net = net;
-  for (int a = 0; a < 3; ++a)
-  {
-    state.Origin[a] -= layers * state.Spacing[a];
-  }
-  this->Lattice->SetState(this, state);
-  this->Modified();
-  return 1;
+    state.Net = net;
+    for (int a = 0; a < 3; ++a)
+    {
+      state.Origin[a] -= layers * state.Spacing[a];
+    }
+    this->Lattice->SetState(this, state);
+    this->Modified();
+  });
 }
 
 //------------------------------------------------------------------------------
@@ -879,23 +927,32 @@ double vtkFFDLattice::FitToTransform(
   ffd::FittedNet fit;
   fit.Lower = { domain[0], domain[2], domain[4] };
   fit.Extent = { domain[1] - domain[0], domain[3] - domain[2], domain[5] - domain[4] };
-  if (vtkFFDFitNetToTransform(transform, limits, fit) == ffd::FitStatus::NotFinite)
-  {
-    vtkErrorMacro("FitToTransform: the transform "
-      << transform->GetClassName() << " gives points that are not finite within "
-      << DescribeBounds(domain) << ". The lattice is left as it was.");
-    return -1.0;
-  }
-  LatticeState state;
-  state.Net = std::move(fit.Net);
-  for (int a = 0; a < 3; ++a)
-  {
-    state.Spacing[a] = fit.GetSpacing()[a];
-    state.Origin[a] = fit.GetOrigin()[a];
-  }
-  this->Lattice->SetState(this, state);
-  this->Modified();
-  return fit.LargestError;
+  return vtkFFDGuarded(this, "FitToTransform", -1.0, [&] {
+    LatticeState state;
+    const ffd::FitStatus status = vtkFFDFitNetToTransform(transform, limits, fit);
+    if (status != ffd::FitStatus::NotFinite)
+    {
+      state.Net = std::move(fit.Net);
+      for (int a = 0; a < 3; ++a)
+      {
+        state.Spacing[a] = fit.GetSpacing()[a];
+        state.Origin[a] = fit.GetOrigin()[a];
+      }
+    }
+    const std::string problem = status == ffd::FitStatus::NotFinite
+      ? "the transform gives points that are not finite"
+      : state.FindProblem();
+    if (!problem.empty())
+    {
+      vtkErrorMacro("FitToTransform: the "
+        << transform->GetClassName() << " cannot be followed within " << DescribeBounds(domain)
+        << ": " << problem << ". The lattice is left as it was.");
+      return -1.0;
+    }
+    this->Lattice->SetState(this, state);
+    this->Modified();
+    return fit.LargestError;
+  });
 }
 
 //------------------------------------------------------------------------------
@@ -913,8 +970,11 @@ void vtkFFDLattice::GetDeformedBounds(const double restBounds[6], double bounds[
   this->Update();
   const ffd::Box rest{ { restBounds[0], restBounds[2], restBounds[4] },
     { restBounds[1], restBounds[3], restBounds[5] } };
-  const ffd::Box box = this->Lattice->AskBounds(this->InverseFlag != 0,
-    [&rest](const ffd::PullBackBounds& map) { return map.DeformedBounds(rest); });
+  const ffd::Box none{ glm::dvec3(1.0), glm::dvec3(-1.0) };
+  const ffd::Box box = vtkFFDGuarded(this, "GetDeformedBounds", none, [&] {
+    return this->Lattice->AskBounds(this->InverseFlag != 0,
+      [&rest](const ffd::PullBackBounds& map) { return map.DeformedBounds(rest); });
+  });
   if (!box.IsEmpty())
   {
     for (int a = 0; a < 3; ++a)
@@ -930,8 +990,10 @@ void vtkFFDLattice::GetDisplacementBounds(double bounds[6])
 {
   this->Update();
   const ffd::Box everywhere{ glm::dvec3(-VTK_DOUBLE_MAX), glm::dvec3(VTK_DOUBLE_MAX) };
-  const ffd::Box box = this->Lattice->AskBounds(this->InverseFlag != 0,
-    [&everywhere](const ffd::PullBackBounds& map) { return map.DisplacementOver(everywhere); });
+  const ffd::Box box = vtkFFDGuarded(this, "GetDisplacementBounds", ffd::Box(), [&] {
+    return this->Lattice->AskBounds(this->InverseFlag != 0,
+      [&everywhere](const ffd::PullBackBounds& map) { return map.DisplacementOver(everywhere); });
+  });
   for (int a = 0; a < 3; ++a)
   {
     bounds[2 * a] = box.Min[a];
@@ -944,15 +1006,20 @@ void vtkFFDLattice::GetJacobianDeterminantBounds(double range[2])
 {
   this->Update();
   vtkLatticeInternals& lattice = *this->Lattice;
-  const std::lock_guard<std::mutex> lock(lattice.Mutex);
-  if (!lattice.Determinant)
-  {
-    // The domain's cells.
-    lattice.Determinant.reset(new ffd::Range(ffd::BoundJacobianDeterminant(
-      lattice.Field, glm::ivec3(1), lattice.Field.GetNodes() - 2)));
-  }
-  range[0] = lattice.Determinant->Min;
-  range[1] = lattice.Determinant->Max;
+  // What cannot be computed is not proven.
+  range[0] = -VTK_DOUBLE_MAX;
+  range[1] = VTK_DOUBLE_MAX;
+  vtkFFDGuard(this, "GetJacobianDeterminantBounds", [&] {
+    const std::lock_guard<std::mutex> lock(lattice.Mutex);
+    if (!lattice.Determinant)
+    {
+      // The domain's cells.
+      lattice.Determinant.reset(new ffd::Range(
+        ffd::BoundJacobianDeterminant(lattice.Field, glm::ivec3(1), lattice.Field.GetNodes() - 2)));
+    }
+    range[0] = lattice.Determinant->Min;
+    range[1] = lattice.Determinant->Max;
+  });
 }
 
 //------------------------------------------------------------------------------
@@ -990,30 +1057,38 @@ int vtkFFDLattice::AttachTo(vtkDataObject* object)
     vtkErrorMacro("AttachTo: the data object is null. Give the data set to deform.");
     return 0;
   }
-  vtkFieldData* fields = object->GetFieldData();
-  if (!fields)
-  {
-    vtkNew<vtkFieldData> made;
-    object->SetFieldData(made);
-    fields = object->GetFieldData();
-  }
-  const LatticeState state = this->Lattice->GetState(this);
-  AddNumbers<vtkIntArray>(fields, "Version", &CurrentVersion, 1);
-  AddNumbers<vtkIntArray>(fields, "Dimensions", &state.Net.Nodes.x, 3);
-  AddNumbers<vtkDoubleArray>(fields, "Origin", state.Origin, 3);
-  AddNumbers<vtkDoubleArray>(fields, "Spacing", state.Spacing, 3);
-  AddNumbers<vtkIntArray>(fields, "BorderMode", &state.BorderMode, 1);
-  AddNumbers<vtkIntArray>(fields, "Inverse", &state.Inverse, 1);
-  AddNumbers<vtkDoubleArray>(fields, "DisplacementScale", &state.Scale, 1);
-  vtkNew<vtkDoubleArray> displacements;
-  displacements->DeepCopy(this->Lattice->GetArray());
-  displacements->SetName((std::string(Prefix) + DisplacementName).c_str());
-  fields->AddArray(displacements);
-  return 1;
+  return vtkFFDGuard(this, "AttachTo", [&] {
+    // First what may fail for want of memory.
+    const LatticeState state = this->Lattice->GetState(this);
+    vtkNew<vtkDoubleArray> displacements;
+    displacements->DeepCopy(this->Lattice->GetArray());
+    displacements->SetName((std::string(Prefix) + DisplacementName).c_str());
+    vtkFieldData* fields = object->GetFieldData();
+    if (!fields)
+    {
+      vtkNew<vtkFieldData> made;
+      object->SetFieldData(made);
+      fields = object->GetFieldData();
+    }
+    AddNumbers<vtkIntArray>(fields, "Version", &CurrentVersion, 1);
+    AddNumbers<vtkIntArray>(fields, "Dimensions", &state.Net.Nodes.x, 3);
+    AddNumbers<vtkDoubleArray>(fields, "Origin", state.Origin, 3);
+    AddNumbers<vtkDoubleArray>(fields, "Spacing", state.Spacing, 3);
+    AddNumbers<vtkIntArray>(fields, "BorderMode", &state.BorderMode, 1);
+    AddNumbers<vtkIntArray>(fields, "Inverse", &state.Inverse, 1);
+    AddNumbers<vtkDoubleArray>(fields, "DisplacementScale", &state.Scale, 1);
+    fields->AddArray(displacements);
+  });
 }
 
 //------------------------------------------------------------------------------
 int vtkFFDLattice::ReadFrom(vtkDataObject* object)
+{
+  return vtkFFDGuarded(this, "ReadFrom", 0, [&] { return this->Lattice->ReadFrom(this, object); });
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDLattice::vtkLatticeInternals::ReadFrom(vtkFFDLattice* self, vtkDataObject* object)
 {
   LatticeState state;
   int version = 0;
@@ -1065,14 +1140,15 @@ int vtkFFDLattice::ReadFrom(vtkDataObject* object)
   }
   if (!problem.empty())
   {
-    vtkErrorMacro("ReadFrom: no lattice can be read from the "
-      << (object ? object->GetClassName() : "data object") << ": " << problem
-      << ". Attach one with AttachTo() or vtkFFDDeformVolume.");
+    vtkErrorWithObjectMacro(self,
+      "ReadFrom: no lattice can be read from the "
+        << (object ? object->GetClassName() : "data object") << ": " << problem
+        << ". Attach one with AttachTo() or vtkFFDDeformVolume.");
     return 0;
   }
   state.Inverse = state.Inverse != 0 ? 1 : 0;
-  this->Lattice->SetState(this, state);
-  this->Modified();
+  this->SetState(self, state);
+  self->Modified();
   return 1;
 }
 
@@ -1084,18 +1160,26 @@ int vtkFFDLattice::ToImageData(vtkImageData* image)
     vtkErrorMacro("ToImageData: the image is null. Give a vtkImageData to fill.");
     return 0;
   }
-  const LatticeState state = this->Lattice->GetState(this);
-  image->DeepCopy(this->Lattice->Image);
-  AddNumbers<vtkIntArray>(image->GetFieldData(), "BorderMode", &state.BorderMode, 1);
-  AddNumbers<vtkIntArray>(image->GetFieldData(), "Inverse", &state.Inverse, 1);
-  AddNumbers<vtkDoubleArray>(image->GetFieldData(), "DisplacementScale", &state.Scale, 1);
-  return 1;
+  return vtkFFDGuard(this, "ToImageData", [&] {
+    const LatticeState state = this->Lattice->GetState(this);
+    image->DeepCopy(this->Lattice->Image);
+    AddNumbers<vtkIntArray>(image->GetFieldData(), "BorderMode", &state.BorderMode, 1);
+    AddNumbers<vtkIntArray>(image->GetFieldData(), "Inverse", &state.Inverse, 1);
+    AddNumbers<vtkDoubleArray>(image->GetFieldData(), "DisplacementScale", &state.Scale, 1);
+  });
 }
 
 //------------------------------------------------------------------------------
 int vtkFFDLattice::FromImageData(vtkImageData* image)
 {
-  LatticeState state = this->Lattice->GetState(this);
+  return vtkFFDGuarded(
+    this, "FromImageData", 0, [&] { return this->Lattice->FromImageData(this, image); });
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDLattice::vtkLatticeInternals::FromImageData(vtkFFDLattice* self, vtkImageData* image)
+{
+  LatticeState state = this->GetState(self);
   std::string problem;
   vtkDataArray* scalars = image ? image->GetPointData()->GetScalars() : nullptr;
   if (!image)
@@ -1136,12 +1220,13 @@ int vtkFFDLattice::FromImageData(vtkImageData* image)
   }
   if (!problem.empty())
   {
-    vtkErrorMacro("The image cannot be the control points of a lattice: "
-      << problem << ". Give an image of displacements, 4 or more points per axis.");
+    vtkErrorWithObjectMacro(self,
+      "The image cannot be the control points of a lattice: "
+        << problem << ". Give an image of displacements, 4 or more points per axis.");
     return 0;
   }
-  this->Lattice->SetState(this, state);
-  this->Modified();
+  this->SetState(self, state);
+  self->Modified();
   return 1;
 }
 
@@ -1247,7 +1332,11 @@ void vtkFFDLattice::InternalDeepCopy(vtkAbstractTransform* transform)
 {
   // vtkAbstractTransform::DeepCopy lets nothing but lattices through.
   vtkFFDLattice* other = vtkFFDLattice::SafeDownCast(transform);
-  this->Lattice->SetState(this, other->Lattice->GetState(other));
+  vtkFFDGuard(this, "DeepCopy", [&] {
+    RequireMemory(
+      glm::ivec3(other->GetDimensions()[0], other->GetDimensions()[1], other->GetDimensions()[2]));
+    this->Lattice->SetState(this, other->Lattice->GetState(other));
+  });
   this->InverseTolerance = other->InverseTolerance;
   this->InverseIterations = other->InverseIterations;
 }
@@ -1256,26 +1345,37 @@ void vtkFFDLattice::InternalDeepCopy(vtkAbstractTransform* transform)
 void vtkFFDLattice::InternalUpdate()
 {
   std::string problem = this->Lattice->FindTampering();
-  LatticeState state;
-  if (problem.empty())
-  {
-    state = this->Lattice->GetState(this);
-    problem = state.FindProblem();
-  }
+  const bool computed = vtkFFDGuard(this, "Update", [&] {
+    LatticeState state;
+    if (problem.empty())
+    {
+      glm::ivec3 nodes;
+      this->GetDimensions(&nodes.x);
+      RequireMemory(nodes, 2.0 / 3.0 * BytesPerPoint); // it has its array
+      state = this->Lattice->GetState(this);
+      problem = state.FindProblem();
+    }
+    if (!problem.empty())
+    {
+      return;
+    }
+    this->Superclass::InternalUpdate();
+    this->Lattice->SetField(
+      ffd::BSplineField(state.Net.Nodes, { state.Origin[0], state.Origin[1], state.Origin[2] },
+        { state.Spacing[0], state.Spacing[1], state.Spacing[2] }, state.Net.Values.data(),
+        state.Scale, static_cast<ffd::BorderMode>(state.BorderMode)),
+      this->InverseTolerance);
+  });
   if (!problem.empty())
   {
     vtkErrorMacro("The control points are not usable: "
       << problem << ". The lattice does not deform until this is put right, e.g. with Reset().");
+  }
+  if (!computed || !problem.empty())
+  {
     this->GridPointer = nullptr;
     this->Lattice->SetField(ffd::BSplineField(), this->InverseTolerance);
-    return;
   }
-  this->Superclass::InternalUpdate();
-  this->Lattice->SetField(
-    ffd::BSplineField(state.Net.Nodes, { state.Origin[0], state.Origin[1], state.Origin[2] },
-      { state.Spacing[0], state.Spacing[1], state.Spacing[2] }, state.Net.Values.data(),
-      state.Scale, static_cast<ffd::BorderMode>(state.BorderMode)),
-    this->InverseTolerance);
 }
 
 //------------------------------------------------------------------------------

@@ -6,11 +6,12 @@
 #include "vtkFFDDeformationSource.h"
 #include "vtkFFDFrame.h"
 #include "vtkFFDFrameCoherence.h"
+#include "vtkFFDGuard.h"
 #include "vtkFFDImageDisplay.h"
 #include "vtkFFDImageRegion.h"
 #include "vtkFFDKernelViews.h"
-#include "vtkFFDProbeView.h"
 #include "vtkFFDParallelFor.h"
+#include "vtkFFDProbeView.h"
 #include "vtkFFDRayStatistics.h"
 #include "vtkFFDTracedRays.h"
 #include "vtkFFDVectorScalars.h"
@@ -24,6 +25,7 @@
 #include "FFDPullBackBounds.h"
 #include "FFDRayCaster.h"
 #include "FFDSampleClassifier.h"
+#include "FFDSingularMatrix.h"
 #include "FFDSurfaceSearch.h"
 
 #include "vtkAbstractTransform.h"
@@ -72,6 +74,7 @@
 #include <cstring>
 #include <limits>
 #include <mutex>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -85,6 +88,10 @@ constexpr double Infinity = std::numeric_limits<double>::infinity();
 
 /// Longest piece when the curvature bound sets the length, voxels.
 constexpr double LongestAutomaticSegment = 64.0;
+
+/// Longest piece that can be asked for, and longest minimum, voxels: beyond, a ray would have none.
+constexpr double LongestSegment = 1e4;
+constexpr double LongestMinimum = 64.0;
 
 /// Longest piece of ERROR_BOUND, voxels.
 constexpr double LongestSpan = 16.0;
@@ -101,6 +108,13 @@ constexpr double BoundsResolution = 16.0;
 /// A span is halved at most so often, however small the minimum segment length.
 constexpr int LargestSpanLevel = 10;
 
+/// Most that a deformation may enlarge the volume: beyond, its inverse is lost in rounding, and
+/// takes for ever.
+constexpr double LargestGrowth = 1e5;
+
+/// Of the inverse, voxels: more could not be told from no inverse.
+constexpr double LargestTolerance = 1.0;
+
 /// Reports of the progress of a frame of which no time is known; else the clock says when.
 constexpr std::size_t LeastReports = 16;
 
@@ -113,6 +127,9 @@ constexpr int LargestImageSide = 16384;
 
 /// The square of a difference to it is still a number. (By default it is -1e299.)
 constexpr double LargestClippedIntensity = 1e100;
+
+/// Of an image while it is made: colours and depth as floats, and what they become.
+constexpr double BytesPerPixel = 28.0;
 
 /// Shortest piece and sample distance, voxels: below, an image would take for ever.
 constexpr double ShortestLength = 1e-3;
@@ -519,7 +536,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
   const ffd::PullBack map(&this->Source.GetField(),
     ffd::FindPullBackKind(
       static_cast<ffd::InverseMode>(this->Self->InverseMode), this->Source.IsInverted()),
-    this->Self->InverseTolerance * voxel);
+    std::min(this->Self->InverseTolerance, LargestTolerance) * voxel);
   // Pieces of rays and the rays around a tile reach out of the bounds by about so much.
   const double reach = BoundsResolution * voxel;
   const int mostCells = FindMostBoundsCells(this->Input.GetView(), rest);
@@ -541,6 +558,16 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
   const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
   const ffd::PullBackBounds mapBounds(this->Map, parallelFor);
   this->DeformedBounds = mapBounds.DeformedBounds(rest, parallelFor);
+  const double growth = glm::length(this->DeformedBounds.Max - this->DeformedBounds.Min) /
+    glm::length(rest.Max - rest.Min);
+  if (!this->DeformedBounds.IsEmpty() && growth > LargestGrowth)
+  {
+    std::ostringstream text;
+    text << "The deformation makes the volume " << growth
+         << " times as large, which cannot be rendered. Check its displacements and their scale.";
+    message = text.str();
+    return false;
+  }
   this->TurnRate = ffd::FindLargestTurnRate(
     mapBounds.Over(mapBounds.RegionsAreInRestSpace() ? rest : this->DeformedBounds, parallelFor));
   this->SpaceBounds = ffd::DeformedSpaceBounds(this->Map, mapBounds,
@@ -826,8 +853,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::CheckView(
   vtkRenderer* renderer, vtkVolume* volume, std::string& message)
 {
   volume->ComputeMatrix();
-  const double size = std::abs(glm::determinant(glm::dmat3(ffd::ToMatrix(volume->GetMatrix()))));
-  if (!(size > 0.0) || !std::isfinite(size))
+  if (ffd::IsSingular(glm::dmat3(ffd::ToMatrix(volume->GetMatrix()))))
   {
     message = "The matrix of the volume is singular or not a number: it has no inside to render. "
               "Check its scale.";
@@ -877,8 +903,8 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
   settings.SampleDistance = std::max(settings.SampleDistance, ShortestLength * voxelSize);
 
   const double angle = vtkMath::RadiansFromDegrees(self->AngleThreshold);
-  const double shortest = std::max(self->MinimumSegmentLength, ShortestLength);
-  double longest = self->MaximumSegmentLength;
+  const double shortest = std::clamp(self->MinimumSegmentLength, ShortestLength, LongestMinimum);
+  double longest = std::min(self->MaximumSegmentLength, LongestSegment);
   if (longest == 0.0)
   {
     longest = LongestAutomaticSegment;
@@ -1680,6 +1706,18 @@ bool vtkFFDInverseRayVolumeMapper::SetPositive(const char* name, double& member,
 }
 
 //------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetMaxMemoryFraction(float fraction)
+{
+  // vtkSetClampMacro lets through what is not a number.
+  const float clamped = fraction >= 0.1f ? std::min(fraction, 1.0f) : 0.1f;
+  if (this->MaxMemoryFraction != clamped)
+  {
+    this->MaxMemoryFraction = clamped;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetInverseTolerance(double voxels)
 {
   this->SetPositive("InverseTolerance", this->InverseTolerance, voxels);
@@ -1828,6 +1866,11 @@ void vtkFFDInverseRayVolumeMapper::SetClipBox(
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetClipBox(const double box[6])
 {
+  if (!box)
+  {
+    vtkErrorMacro(<< "ClipBox is null. Give (xmin, xmax, ymin, ymax, zmin, zmax).");
+    return;
+  }
   for (int a = 0; a < 3; ++a)
   {
     if (!(box[2 * a] <= box[2 * a + 1]))
@@ -1874,7 +1917,7 @@ void vtkFFDInverseRayVolumeMapper::SetWholeBounds(
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetWholeBounds(const double bounds[6])
 {
-  if (!std::all_of(bounds, bounds + 6, [](double b) { return std::isfinite(b); }))
+  if (!bounds || !std::all_of(bounds, bounds + 6, [](double b) { return std::isfinite(b); }))
   {
     vtkErrorMacro(<< "WholeBounds must be finite: (xmin, xmax, ymin, ymax, zmin, zmax), or "
                      "uninitialized (1, -1, 1, -1, 1, -1). They stay as they were.");
@@ -1897,6 +1940,11 @@ void vtkFFDInverseRayVolumeMapper::SetWholeScalarRange(double min, double max)
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetWholeScalarRange(const double range[2])
 {
+  if (!range)
+  {
+    vtkErrorMacro(<< "WholeScalarRange is null. Give two numbers.");
+    return;
+  }
   if (!std::isfinite(range[0]) || !std::isfinite(range[1]))
   {
     vtkErrorMacro(<< "WholeScalarRange must be finite, not " << range[0] << ", " << range[1]
@@ -2241,9 +2289,17 @@ bool vtkFFDInverseRayVolumeMapper::MakeProbeView(vtkFFDProbeView& view)
       this->GetInputAlgorithm()->UpdateWholeExtent();
     }
     std::string message;
-    if (!in.UpdateVolume(message) || !in.UpdateDeformation(message) || !in.UpdateMask(message) ||
-      !ffd::MakeCropping(this, this->GetInput(), in.Input.GetView(),
-        this->CroppingSpace == DEFORMED, view.Crop, message))
+    bool known = false;
+    if (!vtkFFDGuard(this, "The volume", [&] {
+          known = in.UpdateVolume(message) && in.UpdateDeformation(message) &&
+            in.UpdateMask(message) &&
+            ffd::MakeCropping(this, this->GetInput(), in.Input.GetView(),
+              this->CroppingSpace == DEFORMED, view.Crop, message);
+        }))
+    {
+      return false;
+    }
+    if (!known)
     {
       vtkErrorMacro(<< message);
       return false;
@@ -2264,6 +2320,11 @@ bool vtkFFDInverseRayVolumeMapper::MakeProbeView(vtkFFDProbeView& view)
 //------------------------------------------------------------------------------
 int vtkFFDInverseRayVolumeMapper::GetRestPosition(const double deformed[3], double rest[3])
 {
+  if (!deformed || !rest)
+  {
+    vtkErrorMacro(<< "GetRestPosition: a point is null. Give two of three numbers.");
+    return 0;
+  }
   const glm::dvec3 p(deformed[0], deformed[1], deformed[2]);
   if (!std::isfinite(glm::dot(p, p)))
   {
@@ -2297,16 +2358,24 @@ double* vtkFFDInverseRayVolumeMapper::GetBounds()
     return this->Bounds;
   }
   this->Update();
-  std::string message;
-  if (this->Internals->UpdateVolume(message) && this->Internals->UpdateDeformation(message))
-  {
-    std::copy_n(this->Internals->ReportedBounds, 6, this->Bounds);
-  }
+  vtkFFDGuard(this, "GetBounds", [this] {
+    std::string message;
+    if (this->Internals->UpdateVolume(message) && this->Internals->UpdateDeformation(message))
+    {
+      std::copy_n(this->Internals->ReportedBounds, 6, this->Bounds);
+    }
+  });
   return this->Bounds;
 }
 
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
+{
+  vtkFFDGuard(this, "Render", [&] { this->RenderInWindow(renderer, volume); });
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolume* volume)
 {
   vtkHardwareSelector* selector = renderer->GetSelector();
   if (selector && !IsPassRead(selector))
@@ -2499,6 +2568,15 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
 int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume* volume, int width,
   int height, vtkImageData* colours, vtkImageData* depths, vtkImageData* inputDepths)
 {
+  return vtkFFDGuarded(this, "RenderToImage", 0, [&] {
+    return this->MakeImages(renderer, volume, width, height, colours, depths, inputDepths);
+  });
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDInverseRayVolumeMapper::MakeImages(vtkRenderer* renderer, vtkVolume* volume, int width,
+  int height, vtkImageData* colours, vtkImageData* depths, vtkImageData* inputDepths)
+{
   if (!renderer || !volume || !colours)
   {
     vtkErrorMacro(<< "RenderToImage needs a renderer, a volume and an image for the colours; the "
@@ -2556,6 +2634,9 @@ int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume
     return 0;
   }
   const vtkFFDImageRegion region(glm::ivec2(width, height));
+  vtkFFDRequireMemory(BytesPerPixel * static_cast<double>(pixels),
+    std::to_string(width) + " x " + std::to_string(height) + " pixels",
+    "Give a smaller width and height.");
   in.Shown.Complete = false;
   std::vector<float> firstVisible(depths ? pixels : 0);
   if (!in.Cast(renderer, volume, region, scene, false, false,
@@ -2577,6 +2658,16 @@ int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume
 
 //------------------------------------------------------------------------------
 int vtkFFDInverseRayVolumeMapper::TraceRays(vtkRenderer* renderer, vtkVolume* volume, int width,
+  int height, vtkIdTypeArray* pixels, vtkPolyData* rays, vtkPolyData* viewingRays,
+  vtkPolyData* samples)
+{
+  return vtkFFDGuarded(this, "TraceRays", 0, [&] {
+    return this->MakeRays(renderer, volume, width, height, pixels, rays, viewingRays, samples);
+  });
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDInverseRayVolumeMapper::MakeRays(vtkRenderer* renderer, vtkVolume* volume, int width,
   int height, vtkIdTypeArray* pixels, vtkPolyData* rays, vtkPolyData* viewingRays,
   vtkPolyData* samples)
 {

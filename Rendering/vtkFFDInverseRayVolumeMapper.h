@@ -193,7 +193,7 @@ public:
   ///@{
   /**
    * Largest distance between T(Phi(P)) and P in EXACT mode, in voxels. Default: 0.01. Must be
-   * positive.
+   * positive; more than 1 counts as that.
    */
   virtual void SetInverseTolerance(double voxels);
   vtkGetMacro(InverseTolerance, double);
@@ -241,11 +241,12 @@ public:
   ///@{
   /**
    * Limits of the length of a piece on the viewing ray, in voxels. Defaults: 0.5 and 16; the paper
-   * has 0.5 and 8. Pieces of ERROR_BOUND are never longer than 16. The minimum must be positive (less than 0.001 counts as that), the maximum not below it
-   * (else it counts as the minimum), or 0: then it follows from the
-   * deformation (section 4.5): the arc that turns by the angle threshold on the circle of the
-   * largest curvature that any deformed ray can have, at most 64 voxels. Where ERROR_BOUND can prove
-   * no error, as at folds, pieces are 2 voxels long, if the limits allow it.
+   * has 0.5 and 8. Pieces of ERROR_BOUND are never longer than 16. The minimum must be positive
+   * (less than 0.001 and more than 64 count as these), the maximum (more than 10000 counts as that)
+   * not below it (else it counts as the minimum), or 0: then it follows from the deformation
+   * (section 4.5): the arc that turns by the angle threshold on the circle of the largest curvature
+   * that any deformed ray can have, at most 64 voxels. Where ERROR_BOUND can prove no error, as at
+   * folds, pieces are 2 voxels long, if the limits allow it.
    */
   virtual void SetMinimumSegmentLength(double voxels);
   vtkGetMacro(MinimumSegmentLength, double);
@@ -841,7 +842,7 @@ public:
   void SetInterpolationModeToCubic() { this->SetInterpolationMode(3); }
   vtkSetMacro(MaxMemoryInBytes, vtkIdType);
   vtkGetMacro(MaxMemoryInBytes, vtkIdType);
-  vtkSetClampMacro(MaxMemoryFraction, float, 0.1f, 1.0f);
+  virtual void SetMaxMemoryFraction(float fraction);
   vtkGetMacro(MaxMemoryFraction, float);
   void GetReductionRatio(double ratio[3]) { ratio[0] = ratio[1] = ratio[2] = 1.0; }
   void SetPartitions(unsigned short, unsigned short, unsigned short) {}
@@ -951,6 +952,13 @@ private:
   void operator=(const vtkFFDInverseRayVolumeMapper&) = delete;
 
   bool SetPositive(const char* name, double& member, double value);
+
+  // What the public methods guard against exceptions.
+  void RenderInWindow(vtkRenderer* renderer, vtkVolume* volume);
+  int MakeImages(vtkRenderer* renderer, vtkVolume* volume, int width, int height,
+    vtkImageData* colours, vtkImageData* depths, vtkImageData* inputDepths);
+  int MakeRays(vtkRenderer* renderer, vtkVolume* volume, int width, int height,
+    vtkIdTypeArray* pixels, vtkPolyData* rays, vtkPolyData* viewingRays, vtkPolyData* samples);
 
   // For looking at the volume point by point; false after an error.
   friend class vtkFFDVolumePicker;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDRayTracer.h"
 
+#include "vtkFFDGuard.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
 
 #include "vtkCamera.h"
@@ -18,6 +19,7 @@
 #include <algorithm>
 
 vtkStandardNewMacro(vtkFFDRayTracer);
+vtkFFDGuardedProcessRequestMacro(vtkFFDRayTracer);
 
 namespace
 {

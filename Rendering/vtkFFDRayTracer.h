@@ -90,6 +90,10 @@ public:
   /// Includes the renderer's camera, the volume, its property and its mapper.
   vtkMTimeType GetMTime() override;
 
+  /// As in the superclass; what does not fit into the memory is an error, not an exception.
+  vtkTypeBool ProcessRequest(
+    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
+
 protected:
   vtkFFDRayTracer();
   ~vtkFFDRayTracer() override;

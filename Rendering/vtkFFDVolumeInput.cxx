@@ -18,6 +18,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <string>
 #include <vector>
 
 namespace
@@ -66,6 +67,21 @@ bool vtkFFDVolumeInput::Update(
   vtkNew<vtkImageData> uniform;
   if (grid)
   {
+    vtkDataArray* const coordinates[3] = { grid->GetXCoordinates(), grid->GetYCoordinates(),
+      grid->GetZCoordinates() };
+    int dims[3];
+    grid->GetDimensions(dims);
+    for (int a = 0; a < 3; ++a)
+    {
+      const vtkIdType count = coordinates[a] ? coordinates[a]->GetNumberOfTuples() : 0;
+      if (count < dims[a])
+      {
+        message = "The rectilinear grid has " + std::to_string(count) + " coordinates along axis " +
+          std::to_string(a) + " for its " + std::to_string(dims[a]) +
+          " points there. Give it as many.";
+        return false;
+      }
+    }
     MakeUniform(grid, uniform);
     image = uniform;
   }
