@@ -20,9 +20,10 @@
  * passes through, with an error. Any vtkAbstractTransform is used as it is, not approximated.
  *
  * Points, the active normals and the active vectors of points and cells are transformed, those of
- * a cell by the Jacobian at the mean of its points; all other arrays and the cells pass. A lattice
- * attached to the input is taken off. Points that are not a number stay so. Runs on all cores,
- * reports progress and obeys AbortExecute (the output is then empty).
+ * a cell by the Jacobian at the mean of its points; all other arrays and the cells pass. Vectors
+ * and normals of integer types become float. A lattice attached to the input is taken off. Points
+ * that are not a number stay so. Points run on all cores, cells on one. Reports progress and obeys
+ * AbortExecute (the output is then empty).
  *
  * @sa vtkFFDInverseRayVolumeMapper vtkFFDDeformVolume vtkTransformFilter
  */
@@ -102,7 +103,8 @@ public:
   ///@{
   /**
    * Largest distance that is left between 2P - T(P) and X in FIRST_ORDER mode, data units, as a
-   * fraction of the diagonal of the input's bounds. Default: 1e-6. Must be positive.
+   * fraction of the diagonal of the input's bounds (of 1 where that is 0). Default: 1e-6. Must be
+   * positive.
    */
   virtual void SetInverseTolerance(double fraction);
   vtkGetMacro(InverseTolerance, double);

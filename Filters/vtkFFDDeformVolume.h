@@ -15,7 +15,8 @@
  * Keyframes are lattices at times. The output then has time steps, those of the keyframes and of
  * the input, and the lattice attached at time t is interpolated between the keyframes, control
  * point by control point, so the deformation itself is. Before the first and after the last
- * keyframe the lattice is theirs. An animation sets the time of the pipeline and draws:
+ * keyframe the lattice is theirs; without a requested time it is that of the first. An animation
+ * sets the time of the pipeline and draws:
  * @code{.py}
  * deform.AddKeyframe(0.0, rest)
  * deform.AddKeyframe(1.0, bent)
@@ -58,7 +59,8 @@ public:
    * the lattice, so its edits re-execute the filter; a keyframe at the same time is replaced. All
    * lattices need the same dimensions, domain, border mode and inverse flag, which is checked when
    * the filter runs; their displacement scales may differ. Indices beyond the last are an error:
-   * the time is then NaN and the lattice null.
+   * the time is then NaN and the lattice null. So is a time that is not finite or a null lattice in
+   * AddKeyframe(), and a time without a keyframe in RemoveKeyframe(); nothing changes then.
    */
   void AddKeyframe(double time, vtkFFDLattice* lattice);
   void RemoveKeyframe(double time);
@@ -73,7 +75,7 @@ public:
   {
     STEP,   ///< they jump at each keyframe
     LINEAR, ///< on straight lines, at constant speed
-    SPLINE  ///< on natural cubic splines (vtkCardinalSpline): no jerk at the keyframes
+    SPLINE  ///< on natural cubic splines (vtkCardinalSpline): velocity and acceleration continuous
   };
 
   ///@{

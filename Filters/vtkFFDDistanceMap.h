@@ -18,8 +18,9 @@
  *
  * The scalars of the output are called "Distance". The input is a vtkImageData with at least two
  * voxels along each axis; its active point scalars, or those of SetInputArrayToProcess(), need one
- * component. Voxels that are not a number are invisible. The whole input is needed; the blocks are
- * built on all cores. Reports progress and obeys AbortExecute (the output is then empty).
+ * component, and a finite number among them. Voxels that are not a number are invisible. The whole
+ * input is needed; visible blocks and voxels are found on all cores. Reports progress; VOXELS obeys
+ * AbortExecute (the output is then empty).
  *
  * @sa vtkFFDInverseRayVolumeMapper
  */

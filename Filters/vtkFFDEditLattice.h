@@ -15,7 +15,7 @@
  *   domain is then its domain, else that of the whole image enlarged by Padding;
  * - the Shape, as vtkFFDLatticeSource::ApplyShape();
  * - the edits, SetDisplacement().
- * The sum is scaled by DisplacementScale.
+ * The sum is scaled by DisplacementScale, and by that of the input's lattice where that is used.
  *
  * The edits are those of a lattice of EditDimensions control points over the same domain; when
  * Dimensions differs they are carried over as vtkFFDLattice::SetDimensions() does, exactly where

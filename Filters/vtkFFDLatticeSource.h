@@ -54,8 +54,8 @@ public:
 
   ///@{
   /**
-   * Bounds to deform, (xmin, xmax, ...), min <= max, finite; an axis without extent is widened as
-   * by vtkFFDLattice::FitToBounds(). Default the unit cube.
+   * Bounds to deform, (xmin, xmax, ...), min <= max, finite, not a single point; an axis without
+   * extent is widened as by vtkFFDLattice::FitToBounds(). Default the unit cube.
    */
   void SetBounds(const double bounds[6]);
   void SetBounds(double xmin, double xmax, double ymin, double ymax, double zmin, double zmax);
@@ -108,8 +108,8 @@ public:
   /**
    * Whether displacements that make the map fold are scaled down, all by the same factor, until
    * vtkFFDLattice::GetMinimumJacobianBound() proves that it does not, with a determinant of at
-   * least MinimumJacobian. The factor is found to 1e-3 and is 1 where nothing folds. Takes some
-   * twenty proofs, milliseconds each. Default off.
+   * least MinimumJacobian. The factor is found to a thousandth of itself, and is 1 where nothing
+   * folds; finding one of f takes about 10 + log2(1 / f) proofs. Default off.
    */
   vtkSetMacro(FoldFree, vtkTypeBool);
   vtkGetMacro(FoldFree, vtkTypeBool);
@@ -152,13 +152,14 @@ public:
 
   /**
    * Scale the displacements of `lattice` down until it is proven not to fold, see FoldFree. Returns
-   * the factor, or 0 after an error (null, a determinant out of range), the lattice unchanged.
+   * the factor, or 0 with a warning (null, a determinant out of range), the lattice unchanged.
    */
   static double LimitToFoldFree(vtkFFDLattice* lattice, double minimumJacobian = 0.05);
 
   /**
-   * Replace the displacements of `lattice` by a shape over its domain. Returns 1, or 0 after an
-   * error (null, unknown shape, strength not finite), the lattice unchanged.
+   * Replace the displacements of `lattice` by a shape over its domain. Returns 1, or 0 with a
+   * warning (null, unknown shape, strength not finite), the lattice unchanged. A seed below 1 counts
+   * as 1.
    */
   static int ApplyShape(vtkFFDLattice* lattice, int shape, double strength, int seed = 1);
 

@@ -19,16 +19,19 @@
  *   outer control points follow. No floor.
  *
  * Units are those of the user, consistent: with data in mm and seconds, gravity is 9810. Mass is that
- * of the whole body: in equal shares for springs, an eighth of each cell's to its corners for a solid. Stiffness of springs is force per length, per spring.
+ * of the whole body: in equal shares for springs, an eighth of each cell's to its corners for a
+ * solid. Stiffness of springs is force per length, per spring.
  *
  * Two ways to use it. Interactive: Step() in a timer, then render with GetLattice() as the mapper's
  * deformation; drag with SetHandle(). As a source: the output is the image of the control points (as
  * that of vtkFFDLatticeSource) at the time that the pipeline asks for, in [0, Duration]; going back in
- * time starts again. What shapes the body (lattice, model, mass, stiffness, InitialVelocity, TimeStep)
- * starts it again, too; loads, pins and handle act from the next step on.
+ * time starts again. What shapes the body (lattice, model, mass, stiffness, material,
+ * InitialVelocity, InitialSpin, TimeStep) starts it again, too, as Reset() does; loads, pins and
+ * handle act from the next step on.
  *
- * Speed: the matrix is factorized when pins or the time step change, tenths of a second for 10^3 control
- * points; then a step takes about 10 ms for springs and less than 1 ms for a solid (one core).
+ * Cost: a sparse matrix is factorized when pins, the dragged point or the time step change, for
+ * LINEAR_ELASTIC also when the damping does; then a step of SPRINGS solves with it once for each of
+ * its Iterations, one of LINEAR_ELASTIC once. Runs on one core.
  *
  * @sa vtkFFDLattice vtkFFDDeformVolume
  */
@@ -138,9 +141,10 @@ public:
   ///@{
   /**
    * A plane that stops the control points 1 to n - 2, those of the domain (the outer ones shape the
-   * border only): points p with (p - FloorOrigin) . FloorNormal >= 0 are above. FloorFriction is the
-   * rate at which touching points lose their sliding velocity, 1 / time, >= 0, default 20. Off by
-   * default; SPRINGS only.
+   * border only): points p with (p - FloorOrigin) . FloorNormal >= 0 are above. FloorOrigin is the
+   * origin by default, FloorNormal, which is made a unit vector and must not be 0, is (0, 0, 1).
+   * FloorFriction is the rate at which touching points lose their sliding velocity, 1 / time, >= 0,
+   * default 20. Off by default; SPRINGS only: a step of LINEAR_ELASTIC with a floor is an error.
    */
   vtkSetMacro(Floor, vtkTypeBool);
   vtkGetMacro(Floor, vtkTypeBool);
@@ -166,7 +170,7 @@ public:
 
   ///@{
   /**
-   * Last time that the pipeline can ask for, >= 0. Default 10.
+   * Last time that the pipeline can ask for, >= 0, at most 10^7 steps. Default 10.
    */
   void SetDuration(double duration);
   vtkGetMacro(Duration, double);
@@ -175,7 +179,8 @@ public:
   ///@{
   /**
    * Hold control point (i, j, k) where it is, or let it go. PinLayer: all points with this index
-   * along an axis (0, 1, 2). With LINEAR_ELASTIC indices are from 1 to n - 2.
+   * along an axis (0, 1, 2). UnpinAll() also releases the handle. With LINEAR_ELASTIC indices are
+   * from 1 to n - 2.
    */
   void Pin(int i, int j, int k);
   void Unpin(int i, int j, int k);

@@ -20,8 +20,9 @@
  * taken off, as the output is deformed already. Voxels that are not finite reach the points that
  * they have weight in.
  *
- * The output is streamed: an update of a part of the extent asks the input for what that part
- * comes from and no more, and gives the same values as an update of the whole. All cores are used,
+ * The output is streamed: an update of a part of the extent gives the same values as an update of
+ * the whole, and with SetDeformation() it asks the input for what that part comes from and the
+ * voxels around it only (a lattice attached to the input needs all of that). All cores are used,
  * the result does not depend on their number. Progress is reported, AbortExecute is obeyed (the
  * output is then empty).
  *
@@ -133,7 +134,8 @@ public:
 
   ///@{
   /**
-   * Distance between output points per axis, data units, positive. Default: that of the input.
+   * Distance between output points per axis, data units, positive. Default: that of the input; the
+   * getter then returns what was set last, 1, 1, 1 at first.
    */
   virtual void SetOutputSpacing(double x, double y, double z);
   virtual void SetOutputSpacing(const double spacing[3]);
@@ -144,7 +146,7 @@ public:
   ///@{
   /**
    * Position of the output point of index (0, 0, 0), data coordinates. Default: the origin of the
-   * input.
+   * input; the getter then returns what was set last, 0, 0, 0 at first.
    */
   virtual void SetOutputOrigin(double x, double y, double z);
   virtual void SetOutputOrigin(const double origin[3]);
@@ -155,7 +157,8 @@ public:
   ///@{
   /**
    * Whole extent of the output, indices first to last of each axis, first <= last. Default: the
-   * smallest that holds the bounds of the deformed volume, which are never too small.
+   * smallest that holds the bounds of the deformed volume, which are never too small; the getter
+   * then returns what was set last, an empty extent at first.
    */
   virtual void SetOutputExtent(int x0, int x1, int y0, int y1, int z0, int z1);
   virtual void SetOutputExtent(const int extent[6]);

@@ -51,7 +51,7 @@ public:
    * The displacements, data units, as point scalars of 3 components; origin, spacing and extent of
    * the image say where the control points rest, its direction is not used. Null, the default,
    * or an image without them, of a spacing of zero, or with a number that is not finite (these with
-   * an error): the identity.
+   * an error): the identity. Referenced, also by deep copies of the transform.
    */
   void SetDisplacementGrid(vtkImageData* grid);
   vtkImageData* GetDisplacementGrid();

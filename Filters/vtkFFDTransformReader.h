@@ -145,8 +145,8 @@ public:
 
   ///@{
   /**
-   * Largest error of that lattice, data units, > 0 (default 0.1), and the most cells per axis that
-   * may be spent on it, 1 to 256 (default 64).
+   * Largest error of that lattice to aim at, data units, > 0 (default 0.1), and the most cells per
+   * axis that may be spent on it, 1 to 256 (default 64). A warning tells when these do not suffice.
    */
   void SetFitTolerance(double tolerance);
   vtkGetMacro(FitTolerance, double);

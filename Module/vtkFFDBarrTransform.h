@@ -21,7 +21,8 @@
  *   from Center along BendAxis.
  *
  * Defaults: BEND by 0 degrees, that is none; Axis z towards x, Range -0.5 to 0.5 and Center the
- * origin. Setters refuse what is not finite and out of range, with an error.
+ * origin. Setters refuse what is not finite or out of range, with an error;
+ * SetDeformationType() clamps.
  *
  * The mapper approximates it by a lattice, within its PositionTolerance. A taper or twist whose ends
  * lie within the volume has a crease there with the linear profile of the original; SmoothProfile
@@ -105,7 +106,8 @@ public:
 
   ///@{
   /**
-   * Degrees, of TWIST (any) and BEND (-360 to 360). Default: 0.
+   * Degrees, of TWIST and BEND, finite. Default: 0. BEND by more than 360 either way bends by 360,
+   * with a warning when the transform is updated.
    */
   void SetAngle(double degrees);
   vtkGetMacro(Angle, double);
@@ -130,7 +132,8 @@ public:
   vtkBooleanMacro(SmoothProfile, vtkTypeBool);
   ///@}
 
-  /// Center and Range from the bounds of what is deformed; call it after SetAxis().
+  /// Center and Range from the bounds of what is deformed, which must have an extent along Axis:
+  /// call it after SetAxis().
   void FitToBounds(const double bounds[6]);
 
   vtkAbstractTransform* MakeTransform() override;

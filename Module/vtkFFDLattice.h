@@ -29,9 +29,9 @@
  * d[..., 2] += 3.0
  * lattice.Modified()
  * @endcode
- * Setters refuse NaN, infinite values, bad sizes and bad indices with an error, and leave the
- * state as it was. NaN that were written into the array behind the setters are reported when the
- * transform is updated, and the transform is the identity until they are gone.
+ * Setters refuse NaN, infinite values, bad sizes, sizes beyond the memory and bad indices with an
+ * error, and leave the state as it was. NaN that were written into the array behind the setters are
+ * reported when the transform is updated, and the transform is the identity until they are gone.
  *
  * Copies: DeepCopy() copies everything, ShallowCopy() shares the control points.
  *
@@ -169,10 +169,11 @@ public:
    * (ffd::InterpolateControlNet), and the axes on which the error is too large get twice the
    * cells, until the largest error found at the centres of cells and of their edges is at most
    * `tolerance` (> 0, data units) or every such axis has `maximumCells` (1 to 256). Returns the
-   * largest error found, which can exceed the tolerance, or -1 after an error (null, bad bounds,
-   * the transform gives NaN). Sets BorderMode to Edge, DisplacementScale to 1 and InverseFlag to
-   * 0. Start: four cells per axis. The error is measured, not proven: a transform with features
-   * finer than a cell can hide them.
+   * largest error found, which can exceed the tolerance, or -1 after an error (null, this lattice
+   * itself, bad bounds, a tolerance or a number of cells out of range, a transform that gives
+   * points that are not finite), the lattice unchanged. Sets BorderMode to Edge, DisplacementScale
+   * to 1 and InverseFlag to 0. Start: four cells per axis. The error is measured, not proven: a
+   * transform with features finer than a cell can hide them.
    */
   double FitToTransform(vtkAbstractTransform* transform, const double bounds[6],
     double tolerance, int maximumCells = 64);
@@ -193,7 +194,8 @@ public:
   /**
    * Proven bounds of det J_T over the domain (ffd::BoundJacobianDeterminant), within 1e-3 of what
    * is attained: the local change of volume. Positive minimum: T does not fold in the domain.
-   * Computed when asked for and kept until the next edit; milliseconds for 8^3 control points.
+   * Computed when asked for and kept until the next edit; the time is proportional to the number
+   * of control points.
    */
   double GetMinimumJacobianBound();
   void GetJacobianDeterminantBounds(double range[2]);

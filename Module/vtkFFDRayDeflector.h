@@ -23,7 +23,7 @@
  * a factor above 0 and below 2.531, ROTATE always. The weight is of this project, with two
  * continuous derivatives, so that the mapper's lattice follows it closely.
  *
- * Setters refuse what is not finite or out of range, with an error.
+ * Setters refuse what is not finite or out of range, with an error; SetDeflectorType() clamps.
  *
  * @sa vtkFFDBarrTransform vtkFFDInverseRayVolumeMapper vtkGeneralTransform
  */
@@ -95,7 +95,7 @@ public:
 
   ///@{
   /**
-   * Degrees, of ROTATE. Default: 0.
+   * Degrees, of ROTATE, finite. Default: 0.
    */
   void SetAngle(double degrees);
   vtkGetMacro(Angle, double);

@@ -81,7 +81,8 @@
  *
  * Volumes and opaque geometry: geometry that was drawn before hides what is behind it. Several
  * volumes are blended in the order in which the renderer draws them, as with VTK's own mappers;
- * where they overlap the later one is drawn over the earlier one.
+ * where they overlap the later one is drawn over the earlier one. Translucent surfaces are drawn
+ * before them; vtkRenderer::UseDepthPeelingForVolumes is refused with an error.
  *
  * Normals and gradient opacities are those of central differences over one voxel to each side; at
  * the faces of the volume, and beside blanked cells, over what there is. With nearest interpolation
@@ -160,7 +161,8 @@ public:
    * it is; any other transform is approximated by a lattice within PositionTolerance over the
    * region that matters (a warning tells when that could not be reached). Default: none, which
    * means the lattice attached to the input if there is one (vtkFFDLattice::AttachTo), else no
-   * deformation.
+   * deformation. One that makes the diagonal of the bounds more than 100000 times as long is
+   * refused with an error.
    */
   virtual void SetDeformation(vtkAbstractTransform*);
   virtual vtkAbstractTransform* GetDeformation();
@@ -222,8 +224,8 @@ public:
   ///@{
   /**
    * Largest distance between a piece and the true deformed ray, in voxels, for ERROR_BOUND.
-   * Default: 0.1. Must be positive. Where no bound can be proven (folds) pieces have the minimum
-   * length.
+   * Default: 0.1. Must be positive. Where no bound can be proven, as at folds, the distance may be
+   * larger: see MinimumSegmentLength.
    */
   virtual void SetPositionTolerance(double voxels);
   vtkGetMacro(PositionTolerance, double);
@@ -241,12 +243,13 @@ public:
   ///@{
   /**
    * Limits of the length of a piece on the viewing ray, in voxels. Defaults: 0.5 and 16; the paper
-   * has 0.5 and 8. Pieces of ERROR_BOUND are never longer than 16. The minimum must be positive
-   * (less than 0.001 and more than 64 count as these), the maximum (more than 10000 counts as that)
-   * not below it (else it counts as the minimum), or 0: then it follows from the deformation
-   * (section 4.5): the arc that turns by the angle threshold on the circle of the largest curvature
-   * that any deformed ray can have, at most 64 voxels. Where ERROR_BOUND can prove no error, as at
-   * folds, pieces are 2 voxels long, if the limits allow it.
+   * has 0.5 and 8. The minimum must be positive; less than 0.001 and more than 64 count as these. A
+   * maximum of more than 10000 counts as that, one below the minimum as the minimum. A maximum of 0
+   * follows from the deformation (section 4.5): the arc that turns by the angle threshold on the
+   * circle of the largest curvature that any deformed ray can have, at most 64 voxels. Pieces of
+   * ERROR_BOUND are no longer than 16 voxels, unless the minimum is; where no error can be proven,
+   * as at folds, they are at most 2 voxels long, or as short as the minimum allows. Where nothing
+   * is deformed they are as long as the sample distance, if that is longer.
    */
   virtual void SetMinimumSegmentLength(double voxels);
   vtkGetMacro(MinimumSegmentLength, double);
@@ -322,8 +325,9 @@ public:
   ///@{
   /**
    * Distance between samples while the scene is being moved: when AutoAdjustSampleDistances is on
-   * and less than a second is allotted to the frame. Data units. Default: locked to the input,
-   * two voxels; setting a distance unlocks it. Must be positive.
+   * and less than 1 / InteractiveUpdateRate seconds are allotted to the frame. Data units. Default:
+   * locked to the input, two voxels; setting a distance unlocks it. Must be positive; less than a
+   * thousandth of a voxel counts as that.
    */
   virtual void SetInteractiveSampleDistance(double distance);
   vtkGetMacro(InteractiveSampleDistance, double);
@@ -343,7 +347,8 @@ public:
   ///@{
   /**
    * Pixels between rays in each direction when sample distances are not adjusted automatically.
-   * Range 0.1 to 100; below 1 there are several rays a pixel. Default: 1.
+   * Range 0.1 to 100, positive numbers beyond it are clamped; below 1 there are several rays a
+   * pixel. Default: 1.
    */
   virtual void SetImageSampleDistance(double pixels);
   vtkGetMacro(ImageSampleDistance, double);
@@ -351,7 +356,8 @@ public:
 
   ///@{
   /**
-   * Limits of the automatic image sample distance. Defaults: 1 and 10. Range 0.1 to 100.
+   * Limits of the automatic image sample distance. Defaults: 1 and 10. Range 0.1 to 100, positive
+   * numbers beyond it are clamped. A maximum below the minimum counts as the minimum.
    */
   virtual void SetMinimumImageSampleDistance(double pixels);
   vtkGetMacro(MinimumImageSampleDistance, double);
@@ -363,7 +369,8 @@ public:
   /**
    * Whether the image sample distance is chosen so that a frame takes the time that the renderer
    * allots to it (vtkRenderWindow::SetDesiredUpdateRate), and the interactive sample distance is
-   * used in quick frames. Default: on. Still frames are not affected.
+   * used in quick frames. Default: on. Still frames then have one ray a pixel, if the limits of the
+   * automatic image sample distance allow it.
    */
   vtkSetMacro(AutoAdjustSampleDistances, vtkTypeBool);
   vtkGetMacro(AutoAdjustSampleDistances, vtkTypeBool);
@@ -374,11 +381,12 @@ public:
   /**
    * Whether a frame that follows an edit of the control points alone, while the scene moves, casts
    * only those parts, of 8 x 8 rays, anew that see the edit. "While the scene moves": the renderer
-   * allots less than a second to the frame (vtkRenderWindow::SetDesiredUpdateRate, as interactors and
-   * widgets set it during a drag). Any other change, to camera, clipping range, light, transfer
-   * functions, voxels or options, makes the next picture as a whole, and so does a still frame: no
-   * still picture depends on what was drawn before. Not used for blend mode slice, nor with
-   * CollectStatistics, nor where T is not proven to be one to one. Default: on.
+   * allots less than 1 / InteractiveUpdateRate seconds to the frame
+   * (vtkRenderWindow::SetDesiredUpdateRate, as interactors and widgets set it during a drag). Any
+   * other change, to camera, clipping range, light, transfer functions, voxels or options, makes
+   * the next picture as a whole, and so does a still frame: no still picture depends on what was
+   * drawn before. Not used for blend mode slice, nor with CollectStatistics, nor where T is not
+   * proven to be one to one. Default: on.
    */
   vtkSetMacro(FrameCoherence, vtkTypeBool);
   vtkGetMacro(FrameCoherence, vtkTypeBool);
@@ -570,10 +578,11 @@ public:
   ///@{
   /**
    * A box of deformed space, data coordinates (xmin, xmax, ymin, ymax, zmin, zmax), that the rays
-   * are cut to. The samples stay where they are without it: each belongs to one of two boxes that
-   * share a face, so that pictures of the boxes of a partition, blended in their order, are the
-   * picture of the whole. For parallel rendering, where a process may hold only the part of the
-   * volume that its box is pulled back to. Limits may be infinite, not NaN. Default: all of space.
+   * are cut to, min <= max. The samples stay where they are without it: each belongs to one of two
+   * boxes that share a face, so that pictures of the boxes of a partition, blended in their order,
+   * are the picture of the whole. For parallel rendering, where a process may hold only the part of
+   * the volume that its box is pulled back to. Limits may be infinite, not NaN. Default: all of
+   * space.
    */
   void SetClipBox(const double box[6]);
   void SetClipBox(double xmin, double xmax, double ymin, double ymax, double zmin, double zmax);
@@ -616,9 +625,14 @@ public:
   ///@{
   /**
    * Whether the reference kernels render: one ray after the other in double precision, the oracle
-   * that the fast kernels are tested against. Default: off. The picture is the same but for
-   * rounding. GREEDY_ANGLE and volumes of 2 GiB or more, or with less than 4 voxels along an
-   * axis, are always rendered by them.
+   * that the fast kernels are tested against. Default: off. The pictures differ by rounding and by
+   * what PositionTolerance and InverseTolerance allow.
+   *
+   * They always render GREEDY_ANGLE and the blend mode slice. They also render scalars of 2 GiB or
+   * more, or of fewer than 4 voxels (or cells) along an axis, if these are one component of a
+   * vtkImageData without gradient opacity, two-dimensional functions, mask and blanking, and, where
+   * it is shaded, without ComputeNormalFromOpacity and clipped voxel intensities. The fast kernels
+   * look up all else ray by ray, in volumes of any size.
    */
   vtkSetMacro(ReferenceKernels, vtkTypeBool);
   vtkGetMacro(ReferenceKernels, vtkTypeBool);
@@ -711,7 +725,9 @@ public:
   ///@{
   /**
    * Whether GetDepthImage() has, where nothing is visible, the depth at which the ray leaves
-   * GetBounds() (without deformation: the back faces of the volume) instead of 1. Default: off.
+   * GetBounds() (without deformation: the back faces of the volume), cut to ClipBox and, with
+   * CroppingSpace DEFORMED and VTK_CROP_SUBVOLUME, to the cropping planes, instead of 1. Default:
+   * off.
    */
   vtkSetMacro(ClampDepthToBackface, vtkTypeBool);
   vtkGetMacro(ClampDepthToBackface, vtkTypeBool);
@@ -863,7 +879,8 @@ public:
   /**
    * What vtkFFDRayTracer puts out, see there: the rays of the given pixels (2 components, column
    * and row, from the lower left) of a picture of width x height pixels, as RenderToImage() would
-   * cast them. `viewingRays` and `samples` may be null. Returns 1, or 0 after an error.
+   * cast them. `viewingRays` and `samples` may be null. Returns 1, or 0 after an error. A pixel
+   * outside of the picture is left out, with an error; the others are traced.
    */
   int TraceRays(vtkRenderer* renderer, vtkVolume* volume, int width, int height,
     vtkIdTypeArray* pixels, vtkPolyData* rays, vtkPolyData* viewingRays, vtkPolyData* samples);
@@ -907,7 +924,9 @@ public:
 
   /**
    * Memory held besides the volume itself, in bytes: limits and distances of the blocks, transfer
-   * table, lattice and its bounds; not the image.
+   * table, lattice and its bounds, the scalars that VectorMode makes, blanked cells, the
+   * coordinates of a rectilinear grid, and what FrameCoherence keeps of the last picture; not the
+   * image.
    */
   vtkTypeInt64 GetAuxiliaryMemorySize();
 
@@ -922,7 +941,7 @@ public:
   ///@}
 
   /**
-   * Includes the modification times of the deformation and of the clipping planes.
+   * Includes the modification times of the deformation, the mask and the clipping planes.
    */
   vtkMTimeType GetMTime() override;
 

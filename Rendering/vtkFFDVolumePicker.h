@@ -26,9 +26,10 @@
  *
  * Clipping planes, cropping regions (in the mapper's CroppingSpace), the mapper's ClipBox, blanked
  * points and cells and a binary mask hide what they hide in the picture, a label map gives its labels
- * their scalar opacity (and, with UseVolumeGradientOpacity, gradient opacity), and a component of weight 0 is not there; other weights, two-dimensional
- * transfer functions and blend modes are not looked at. Pick from a list, PickClippingPlanes,
- * PickCroppingPlanes and UseVolumeGradientOpacity work as in the superclasses.
+ * their scalar opacity (and, with UseVolumeGradientOpacity, gradient opacity), and a component of
+ * weight 0 is not there; other weights, two-dimensional transfer functions and blend modes are not
+ * looked at. Pick from a list, PickClippingPlanes, PickCroppingPlanes and UseVolumeGradientOpacity
+ * work as in the superclasses.
  *
  * After a pick of a deformed volume
  * - PickPosition (world) and MapperPosition (data coordinates) are in deformed space, PickNormal and
@@ -44,7 +45,7 @@
  *
  * After a pick of something else RestPosition is MapperPosition, ScalarValue is 0 and Component -1.
  *
- * One pick takes about a thousand evaluations of the deformation: in the order of a millisecond.
+ * A pick evaluates the pull-back at least twice for each voxel that the ray passes up to the hit.
  *
  * @sa
  * vtkFFDInverseRayVolumeMapper vtkFFDRayTracer vtkFFDLatticeWidget vtkVolumePicker vtkCellPicker

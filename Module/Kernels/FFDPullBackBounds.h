@@ -45,10 +45,9 @@ struct MapBounds
  * meets the outside: a region that touches this border has infinite second and third derivatives
  * (D itself and the Jacobian interval stay valid: the map is Lipschitz there).
  *
- * Construction may be split over threads, and its result does not depend on that. It costs 0.1
- * microseconds per sub-cell on one core with AVX-512, 0.14 for the kinds that invert T (1.4 and 2
- * ms for 8^3 control points, which make 24^3 sub-cells), and 104 bytes per sub-cell; Over() some 60
- * nanoseconds for a region of a few sub-cells.
+ * Construction may be split over threads, and its result does not depend on that. Time and memory
+ * are proportional to the number of sub-cells (24^3 for 8^3 control points; 104 bytes each); those
+ * of Over() to the number of sub-cells that the region meets.
  *
  * "Region" is a box in the space where the field is evaluated: deformed space for FirstOrder and
  * Forward, REST space for Exact and FirstOrderOfInverse (that is where T's Jacobian lives).

@@ -63,8 +63,8 @@ private:
  * at the middle of the box, and only the third ones, which change little within a cell, from the
  * control net. For the kinds that invert T the box is first enclosed in rest space by a region that
  * a Newton step maps into itself (Brouwer's theorem; as Neumaier, Interval Methods for Systems of
- * Equations, 1990, chapter 5), over which T is proven to be one to one. Some microseconds a box: for
- * where PullBackBounds, which is cheap to ask, is too loose, as bounds of T^-1 grow with the fifth
+ * Equations, 1990, chapter 5), over which T is proven to be one to one. For where
+ * PullBackBounds, which is far cheaper to ask, is too loose, as bounds of T^-1 grow with the fifth
  * power of those of its Jacobian.
  *
  * The answer depends on the box alone. Where T folds somewhere else, Phi may still take the other

@@ -141,8 +141,9 @@ public:
   ///@}
 
   /**
-   * Select by a rectangle of the window (display coordinates, pixels), hidden points as well.
-   * Needs a renderer. Returns the number of points within.
+   * Select by a rectangle of the window (display coordinates, pixels), also points that something
+   * covers, but none that PointVisibility or InteriorVisibility leaves out. Needs a renderer.
+   * Returns the number of points within.
    */
   int SelectRegion(double x0, double y0, double x1, double y1, int operation = REPLACE);
 
@@ -178,8 +179,8 @@ public:
   int SetControlPoint(int i, int j, int k, double x, double y, double z);
 
   /**
-   * Move the selection in the plane of the view, or along the constraint axis, by steps of
-   * NudgeStep. Needs a renderer.
+   * Move the selection by steps of NudgeStep: in the plane of the view, in the constraint plane, or
+   * along the constraint axis (by right + up). Needs a renderer.
    */
   int NudgeSelection(double right, double up);
 
@@ -322,9 +323,9 @@ public:
 
   ///@{
   /**
-   * Keep the LockedLayers (0 to 3, default 3) outermost layers of control points as they are.
-   * With three, nothing moves outside the domain and on its faces, so that the surroundings of
-   * the volume stay; that leaves n - 6 control points per axis to edit. Default: off.
+   * Keep the outermost layers of control points as they are. Default: off. LockedLayers, 0 to 3, is
+   * how many. Default: 3. With three, nothing moves outside the domain and on its faces, so that the
+   * surroundings of the volume stay; that leaves n - 6 control points per axis to edit.
    */
   vtkSetMacro(LockBoundary, vtkTypeBool);
   vtkGetMacro(LockBoundary, vtkTypeBool);
@@ -342,9 +343,9 @@ public:
   };
   ///@{
   /**
-   * Fold guard. GUARD_CLAMP stops an edit where the proven lower bound of det J_T in the domain
-   * reaches MinimumDeterminant (0 to below 1, default 0.05); a lattice that is below it already
-   * may be made better, not worse. Default: GUARD_OFF. IsFolded() asks whether the bound is below
+   * Fold guard. Default: GUARD_OFF. GUARD_CLAMP stops an edit where the proven lower bound of det
+   * J_T in the domain reaches MinimumDeterminant (0 to below 1, default 0.05); a lattice that is
+   * below it already may be made better, not worse. IsFolded() asks whether the bound is below
    * MinimumDeterminant now.
    */
   vtkSetClampMacro(FoldGuard, int, GUARD_OFF, GUARD_WARN);
@@ -463,7 +464,8 @@ public:
    * of a control point (default 9; nine tenths of it in a lattice of more than 150, three quarters
    * of more than 400, so that they do not cover the volume), TransformHandleSize the length of an
    * arm of the handle (default 80, 10 to 1000), PickTolerance how far from its middle a point is
-   * hit (default 8, 1 to 100). Clamped; NaN is refused. PlaceFactor: as in the superclass.
+   * hit (default 8, 1 to 100). HandleSize is from 0.001 to 1000, PlaceFactor from 0.01. Clamped;
+   * NaN is refused.
    */
   void SetHandleSize(double size) override;
   void SetPlaceFactor(double factor) override;

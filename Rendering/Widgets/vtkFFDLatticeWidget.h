@@ -19,7 +19,7 @@
  * Mouse, where a control point or the handle is under it; else it is the camera's:
  * - left click: select; with shift: add; with control: toggle. Drag: move the selection.
  * - shift or control and drag from an empty place: rubber band, adds or toggles.
- * - wheel, during a drag or over a point with proportional editing on: its radius.
+ * - wheel, during a drag or over a point or the handle, with proportional editing on: its radius.
  * - in VOLUME mode, left drag on the volume: the material follows; shift and click: pin it.
  *
  * Keys (keys that mean nothing at the moment are left to others, such as r to the camera while

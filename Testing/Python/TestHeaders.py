@@ -1,0 +1,157 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Headers against their code: each documented default of an option that a class can be asked for,
+and what the header of the mapper says of the scenes that the reference kernels render."""
+
+import pathlib
+import re
+import unittest
+
+import numpy as np
+import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
+import vtkmodules.vtkRenderingVolumeOpenGL2  # noqa: F401
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction, vtkPlane
+from vtkmodules.vtkRenderingCore import (
+    vtkColorTransferFunction, vtkRenderer, vtkVolume)
+
+import vtkffd
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+GETTER = re.compile(r"vtkGet(?:Vector\d)?Macro\((\w+)")
+# "Default: 0.1.", "Defaults: 1 and 10.", "default 0.05", "Default FREE, the plane of the view"
+DEFAULT = re.compile(r"\b[Dd]efaults?:? +([-\w./]+(?:(?:, | and )[-\w./]+)*)")
+WORDS = {"on": 1, "off": 0, "none": None, "null": None}
+
+
+def documented(header):
+    """(getter names, documented defaults) of the groups of a header that have both."""
+    groups = r"/\*\*(.*?)\*/(.*?)(?=/\*\*|///@\}|///@\{|\Z)"
+    for comment, code in re.findall(groups, header.read_text(), re.S):
+        names = GETTER.findall(code)
+        text = re.sub(r"\s*\n\s*\* ?", " ", comment)
+        defaults = [[word.rstrip(".") for word in re.split(r", | and ", words)]
+                    for words in DEFAULT.findall(text)]
+        if names and defaults:
+            yield names, defaults
+
+
+def value_of(cls, word):
+    """What a documented default stands for; ValueError for prose."""
+    if word in WORDS:
+        return WORDS[word]
+    if re.fullmatch(r"[A-Z]\w+", word) and hasattr(cls, word):
+        return getattr(cls, word)
+    numerator, _, denominator = word.partition("/")
+    return float(numerator) / float(denominator or 1)
+
+
+def values_of(cls, words):
+    """The values that words begin with: "5, as the paper" is 5. ValueError for prose."""
+    values = [value_of(cls, words[0])]
+    for word in words[1:]:
+        try:
+            values.append(value_of(cls, word))
+        except ValueError:
+            break
+    return values
+
+
+class TestDefaults(unittest.TestCase):
+    def test_defaults_are_those_of_the_headers(self):
+        checked = 0
+        for header in sorted(SOURCE.glob("[FMR]*/**/vtkFFD*.h")):
+            cls = getattr(vtkffd, header.stem, None)
+            if cls is None:
+                continue
+            thing = cls()
+            for names, defaults in documented(header):
+                got = []
+                for name in names:
+                    value = getattr(thing, "Get" + name)()
+                    got.extend(value if isinstance(value, tuple) else [value])
+                try:
+                    wanted = [value for words in defaults for value in values_of(cls, words)]
+                except ValueError:
+                    continue  # prose, as "that of the input"
+                if len(names) == 1 and len(wanted) == 1 and wanted[0] is not None:
+                    wanted *= len(got)
+                if len(wanted) == len(got):
+                    checked += 1
+                    with self.subTest(header=header.name, names=names):
+                        self.assertEqual(got, wanted)
+        self.assertGreater(checked, 80)
+
+
+def evaluations(dimensions, components, gradient, mode, reference):
+    """Evaluations of the deformation in a picture: they tell which kernels made it."""
+    image = vtkImageData()
+    image.SetDimensions(dimensions)
+    values = np.random.RandomState(1).rand(image.GetNumberOfPoints(), components) * 255
+    scalars = numpy_to_vtk(values.astype(np.float32), deep=1)
+    image.GetPointData().SetScalars(scalars)
+    lattice = vtkffd.vtkFFDLattice()
+    lattice.SetDimensions(5, 5, 5)
+    lattice.FitToBounds(image.GetBounds())
+    vtkffd.vtkFFDLatticeSource.ApplyShape(lattice, vtkffd.vtkFFDLatticeSource.TWIST, 0.5)
+    mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+    mapper.SetInputData(image)
+    mapper.SetDeformation(lattice)
+    mapper.SetReferenceKernels(reference)
+    mapper.CollectStatisticsOn()
+    if mode == "GREEDY_ANGLE":
+        mapper.SetSegmentationToGreedyAngle()
+    elif mode:
+        getattr(mapper, "SetBlendModeTo" + mode)()
+    volume = vtkVolume()
+    volume.SetMapper(mapper)
+    prop = volume.GetProperty()
+    prop.SetInterpolationTypeToLinear()
+    plane = vtkPlane()
+    plane.SetOrigin(image.GetCenter())
+    prop.SetSliceFunction(plane)
+    prop.GetIsoSurfaceValues().SetValue(0, 120)
+    for c in range(components):
+        opacity = vtkPiecewiseFunction()
+        opacity.AddPoint(0, 0.0)
+        opacity.AddPoint(255, 0.5)
+        prop.SetScalarOpacity(c, opacity)
+        prop.SetColor(c, vtkColorTransferFunction())
+        prop.GetRGBTransferFunction(c).AddRGBPoint(0, 1, 0, 0)
+        if gradient:
+            factor = vtkPiecewiseFunction()
+            factor.AddPoint(0, 0.2)
+            factor.AddPoint(60, 1.0)
+            prop.SetGradientOpacity(c, factor)
+    renderer = vtkRenderer()
+    renderer.AddVolume(volume)
+    renderer.ResetCamera()
+    assert mapper.RenderToImage(renderer, volume, 48, 48, vtkImageData())
+    return mapper.GetStatistics().GetNumberOfEvaluations()
+
+
+class TestReferenceKernels(unittest.TestCase):
+    """The scenes that the header names."""
+
+    def check(self, always, dimensions, components=1, gradient=False, mode=""):
+        both = [evaluations(dimensions, components, gradient, mode, on) for on in (0, 1)]
+        with self.subTest(dimensions=dimensions, components=components, mode=mode):
+            self.assertEqual(both[0] == both[1], always, both)
+
+    def test_always(self):
+        for dimensions in ((3, 12, 12), (12, 12, 3)):
+            for mode in ("", "IsoSurface", "MaximumIntensity"):
+                self.check(True, dimensions, mode=mode)
+        self.check(True, (12, 12, 12), mode="Slice")
+        self.check(True, (12, 12, 12), mode="GREEDY_ANGLE")
+
+    def test_only_when_asked_for(self):
+        self.check(False, (12, 12, 12))
+        self.check(False, (4, 12, 12))
+        for dimensions in ((3, 12, 12), (12, 12, 3)):
+            self.check(False, dimensions, gradient=True)
+            self.check(False, dimensions, components=2)
+
+
+if __name__ == "__main__":
+    unittest.main()
