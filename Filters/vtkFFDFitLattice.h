@@ -7,18 +7,18 @@
  * Coarse to fine: cells are halved until the largest error is at most Tolerance, or MaximumCells
  * per axis are reached. What is followed is one of
  * - <b>Landmarks</b>, SourceLandmarks and TargetLandmarks, with LandmarkWeights: points x_i that
- *   shall move to y_i. First the affine map of least squares, then splines of 1, 2, 4, ... cells per
- *   axis, each the (weighted) fit of least squares and of bending energy, which decides what happens
- *   between the landmarks. Landmarks that contradict each other (in one place, or too near to each
- *   other) are averaged; consistent ones are met within Tolerance, as smoothly as that allows: give
- *   the accuracy of the landmarks as Tolerance, and their noise is not followed. The result is the
- *   best of all levels. At least one pair; with fewer than four, or in a plane, the affine map is
- *   the smallest one that there is. Error: that of the result, at all landmarks.
+ *   shall move to y_i. First the affine map of least squares, then splines of 1, 2, 4, ... cells
+ *   per axis, each the (weighted) fit of least squares and of bending energy, which decides what
+ *   happens between the landmarks. Landmarks that contradict each other (in one place, or too near
+ *   to each other) are averaged; consistent ones are met within Tolerance, as smoothly as that
+ *   allows: give the accuracy of the landmarks as Tolerance, and their noise is not followed. The
+ *   result is the best of all levels. At least one pair; with fewer than four, or in a plane, the
+ *   affine map is the smallest one that there is. Error: that of the result, at all landmarks.
  * - <b>A displacement field</b>, the image at the input: point scalars of three components, the
  *   displacement at each point. The exact least-squares spline of all samples within the bounds
- *   (the normal equations of a tensor product are solved axis by axis), so noise is averaged. Images
- *   with a direction matrix other than the identity are refused: go through a vtkGridTransform and
- *   Transform. Error: at the samples.
+ *   (the normal equations of a tensor product are solved axis by axis), so noise is averaged.
+ *   Images with a direction matrix other than the identity are refused: go through a
+ *   vtkGridTransform and Transform. Error: at the samples.
  * - <b>Transform</b>, any vtkAbstractTransform: interpolated at the nodes, axes refined one by one
  *   (vtkFFDLattice::FitToTransform(), which the mapper uses for transforms that are no B-spline).
  *   Error: at the centres of cells and of their edges.

@@ -158,8 +158,8 @@ public:
 
   /**
    * Replace the displacements of `lattice` by a shape over its domain. Returns 1, or 0 with a
-   * warning (null, unknown shape, strength not finite), the lattice unchanged. A seed below 1 counts
-   * as 1.
+   * warning (null, unknown shape, strength not finite), the lattice unchanged. A seed below 1
+   * counts as 1.
    */
   static int ApplyShape(vtkFFDLattice* lattice, int shape, double strength, int seed = 1);
 

@@ -69,9 +69,9 @@
  *
  * <b>Errors.</b> Malformed, truncated and hostile files are reported with what is wrong, and give
  * no transform. What is allocated is bounded by a small multiple of what the file really holds.
- * Every number must be finite and at most 1e12; grids have up to 1024 nodes an axis, fields 2^27
- * voxels, texts 1 GiB, chains 64 transforms. Of .h5 and .mnc files the shape is checked, but
- * damaged ones are in the hands of the HDF5 library.
+ * Every number must be finite and at most 1e12; grids and fields have up to 1024 nodes an axis,
+ * fields 2^27 voxels, texts 1 GiB, chains 64 transforms. Of .h5 and .mnc files the shape is
+ * checked, but damaged ones are in the hands of the HDF5 library.
  *
  * @sa vtkFFDTransformWriter vtkFFDLattice vtkFFDFitLattice vtkFFDInverseRayVolumeMapper
  */

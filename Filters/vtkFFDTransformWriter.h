@@ -14,7 +14,7 @@
  *   CompositeTransform.
  * - ELASTIX (TransformParameters*.txt): one vtkFFDLattice, vtkBSplineTransform or
  *   vtkFFDSplineTransform, with the grid of ReferenceImage as the image that transformix makes
- *   (without one: the domain of the spline in 256 steps of its longest side).
+ *   (without one: the domain of the spline, 256 points along its longest side).
  * - META_IMAGE (.mha, .mhd), NRRD (.nrrd), NIFTI (.nii): any transform, as its displacements at the
  *   points of ReferenceImage, which is required and has at most 2^27 points; raw doubles. What is
  *   between the points is interpolated linearly by those who read it, see FieldTolerance. The data
@@ -90,8 +90,9 @@ public:
 
   ///@{
   /**
-   * Image whose points displacement fields are sampled at: dimensions, origin, spacing and
-   * direction; scalars are not needed. In the given Coordinates. Default none.
+   * Image whose points displacement fields are sampled at: dimensions (at most 1024 an axis),
+   * origin, spacing and direction (orthonormal); scalars are not needed. In the given Coordinates.
+   * Default none.
    */
   void SetReferenceImage(vtkImageData* image);
   vtkImageData* GetReferenceImage();

@@ -8,7 +8,8 @@
  * patient. This one chooses VTK's reader by the content and the name of the file, and puts what the
  * file says of directions into origin, spacing and direction matrix of the image:
  * - a folder of DICOM slices (one series, not compressed): position and orientation of the patient;
- * - NIfTI (.nii, .nii.gz, .hdr and .img): the sform, else the qform, and the unit of length;
+ * - NIfTI (.nii, .nii.gz, .hdr and .img): the sform, else the qform (else the axes as they are),
+ *   and the unit of length;
  * - NRRD (.nrrd, .nhdr): space, space directions and space origin;
  * - MetaImage (.mhd, .mha): TransformMatrix and Offset;
  * - image data (.vti), which have a direction matrix, and legacy image data (.vtk);

@@ -8,9 +8,11 @@
  * interactor, and keep it for as long as the window is used. From then on, whoever calls
  * vtkRenderWindow::Render():
  *
- * - A still frame that its mappers expect to take longer than LongestWait is preceded by a coarse one,
- *   made as while the scene moves, unless the window shows that already. The still frame follows from
- *   the event loop of the interactor.
+ * - A still frame that its mappers expect to take longer than LongestWait is preceded by a coarse
+ *   one, made as while the scene moves, unless the window shows that already. The still frame
+ *   follows from the event loop of the interactor. Mappers with AutoAdjustSampleDistances off have
+ *   no coarse frames and do not count, and before the interactor is initialized all frames are
+ *   still ones.
  * - A mouse button, the wheel or a key aborts a still frame: within some 100 ms the event loop goes on
  *   with it, and the window goes on to show the coarse picture. The still frame is made when the
  *   interaction is over.

@@ -6,8 +6,10 @@
  *
  * The measures of section 5 of "Fast Volume Deformation Using Inverse-Ray-Deformation and FFD",
  * counted by vtkFFDInverseRayVolumeMapper while CollectStatistics is on. They do not depend on the
- * machine, the number of threads or the level of code optimization. "Per ray" means per ray that
- * meets the bounds of the deformed volume; all averages are 0 when there is no such ray.
+ * number of threads. With the reference kernels (ReferenceKernels) they do not depend on the
+ * machine, either; the fast ones follow packets of as many rays as the vector instructions of the
+ * machine are wide, on which look-ups and evaluations depend. "Per ray" means per ray that meets
+ * the bounds of the deformed volume; all averages are 0 when there is no such ray.
  *
  * @sa
  * vtkFFDInverseRayVolumeMapper

@@ -9,7 +9,8 @@
  * Examples/Python/paper_figures.py draws them). The rays are cast by the mapper of the given volume
  * with all its settings, for a picture of ImageSize pixels seen by the renderer's camera, as
  * vtkFFDInverseRayVolumeMapper::RenderToImage() would make it. With GREEDY_ANGLE these are the
- * paper's polylines, with ERROR_BOUND the parabolas, drawn with eight lines each.
+ * paper's polylines, with ERROR_BOUND the parabolas, drawn with eight lines each (straight ones
+ * with one). The reference kernels of the mapper cast them.
  *
  * Three outputs, in data coordinates of the volume:
  * - 0: the rays in rest space, one polyline for each pixel whose ray meets the deformed bounds, in
@@ -78,8 +79,8 @@ public:
   ///@{
   /**
    * The pixels, by column and row from the lower left. AddPixelGrid() adds columns x rows of them,
-   * evenly spread over the picture. A pixel outside of the picture is an error when the filter runs,
-   * and is left out.
+   * evenly spread over the picture of the present ImageSize; more than that has are an error. A
+   * pixel outside of the picture is an error when the filter runs, and is left out.
    */
   void AddPixel(int x, int y);
   void AddPixelGrid(int columns, int rows);

@@ -324,8 +324,8 @@ public:
   ///@{
   /**
    * Keep the outermost layers of control points as they are. Default: off. LockedLayers, 0 to 3, is
-   * how many. Default: 3. With three, nothing moves outside the domain and on its faces, so that the
-   * surroundings of the volume stay; that leaves n - 6 control points per axis to edit.
+   * how many. Default: 3. With three, nothing moves outside the domain and on its faces, so that
+   * the surroundings of the volume stay; that leaves n - 6 control points per axis to edit.
    */
   vtkSetMacro(LockBoundary, vtkTypeBool);
   vtkGetMacro(LockBoundary, vtkTypeBool);
