@@ -309,6 +309,24 @@ class TestRepresentation(unittest.TestCase):
         self.assertGreater(np.abs(inside - without).max(), 20)
         self.assertGreater(inside[0], 15)
 
+    def test_points_in_coarse_pictures(self):
+        """Small things in the volume, as control points are, leave no dark marks where there are
+        fewer rays than pixels."""
+        self.show(Shape="Twist", Resolution=[4, 4, 4])
+        self.opacity.Points = [37, 0, 0.5, 0, 140, 0.1, 0.5, 0, 180, 0.3, 0.5, 0, 280, 0.6, 0.5, 0]
+        without = ffd.picture(self.view, "without points")
+        for i in range(27):
+            point = simple.Show(simple.Sphere(
+                Radius=0.5, Center=[8.0 * (i % 3 - 1), 8.0 * (i // 3 % 3 - 1), 8.0 * (i // 9 - 1)]),
+                self.view)
+            point.ColorArrayName = [None, ""]
+            point.AmbientColor = point.DiffuseColor = [0.9, 1.0, 0.9]
+        fine = ffd.picture(self.view, "fine points")
+        self.assertGreater(ffd.differ(fine, without)[0], 20)
+        self.display.FFDImageSampleDistance = 4.0
+        coarse = ffd.picture(self.view, "coarse points")
+        self.assertLess((fine - coarse).max(), 50)
+
     def test_translucent_things(self):
         """Axes grids and translucent surfaces, which the view draws by depth peeling, stand beside
         the volume; the view's setting stays."""
