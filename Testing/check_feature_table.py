@@ -15,6 +15,8 @@ section = readme.split("## What it can do, next to VTK's mappers", 1)[1].split("
 rows = [line.strip("|").split("|") for line in section.splitlines() if line.startswith("| ")][1:]
 registered = (root / "Testing/Cxx/CMakeLists.txt").read_text(encoding="utf-8")
 tests = set(re.findall(r"ffd_add_cxx_test\((\w+)", registered))
+python = (root / "Testing/Python/CMakeLists.txt").read_text(encoding="utf-8")
+tests.update(re.findall(r"ffd_add_python_test\((\w+)\.py", python))
 scenes = set(re.findall(r"ffd_add_scene_tests\(TestVTKScenes([^)]*)\)", registered)[0].split())
 
 wrong = []
@@ -27,7 +29,7 @@ for row in rows:
         if not known:
             wrong.append(f"'{row[0].strip()}' names {name}, which is not registered")
 for line in wrong:
-    print(f"README.md: {line} in Testing/Cxx/CMakeLists.txt.")
+    print(f"README.md: {line} in Testing/Cxx or Testing/Python.")
 if len(rows) < 20:
     wrong.append("table")
     print(f"README.md: the feature table has {len(rows)} rows; has it been moved?")
