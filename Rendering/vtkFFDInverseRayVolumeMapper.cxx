@@ -1009,12 +1009,10 @@ vtkFFDImageRegion vtkFFDInverseRayVolumeMapper::vtkInternals::FindRegion(
   const glm::dvec2 size(whole.Viewport);
   const glm::dvec2 first = glm::floor(0.5 * (glm::clamp(lo, -1.0, 1.0) + 1.0) * size);
   const glm::dvec2 last = glm::ceil(0.5 * (glm::clamp(hi, -1.0, 1.0) + 1.0) * size);
+  // Rays of a tile share evaluations: with the same tiles a picture is the same in a window, as an
+  // image, and in the boxes of several processes, whatever part of the viewport it covers.
   region.Origin = glm::ivec2(first);
-  if (this->Self->HasClipBox)
-  {
-    // Tiles share evaluations: with the same tiles the samples of all boxes are on one grid.
-    region.Origin -= region.Origin % ffd::RayCaster::TileSize;
-  }
+  region.Origin -= region.Origin % ffd::RayCaster::TileSize;
   region.Rays = glm::ivec2(last) - region.Origin;
   return region;
 }
