@@ -164,16 +164,16 @@ public:
   int Extend(int layers);
 
   /**
-   * Shape the lattice like `transform` over bounds[6]: its displacements are sampled at the
-   * control points of the domain (set to `bounds`, flat axes as in FitToBounds) and interpolated
-   * (ffd::InterpolateControlNet), and the axes on which the error is too large get twice the
-   * cells, until the largest error found at the centres of cells and of their edges is at most
-   * `tolerance` (> 0, data units) or every such axis has `maximumCells` (1 to 256). Returns the
-   * largest error found, which can exceed the tolerance, or -1 after an error (null, this lattice
-   * itself, bad bounds, a tolerance or a number of cells out of range, a transform that gives
-   * points that are not finite), the lattice unchanged. Sets BorderMode to Edge, DisplacementScale
-   * to 1 and InverseFlag to 0. Start: four cells per axis. The error is measured, not proven: a
-   * transform with features finer than a cell can hide them.
+   * Shape the lattice like `transform` over bounds[6]: its displacements are sampled at the control
+   * points of the domain (set to `bounds`, flat axes as in FitToBounds) and interpolated
+   * (ffd::InterpolateControlNet), and the axes on which the error is too large get twice the cells,
+   * until the largest error found at the centres of cells and of their edges is at most `tolerance`
+   * (> 0, data units) or every such axis has `maximumCells` (1 to 256). Returns the largest error
+   * found, which can exceed the tolerance, or -1 after an error (null, this lattice itself, bad
+   * bounds, a tolerance or a number of cells out of range, a transform that gives points that are
+   * not finite), the lattice unchanged. Sets BorderMode to Edge, DisplacementScale to 1 and
+   * InverseFlag to 0. Start: four cells per axis, or maximumCells if that is less. The error is
+   * measured, not proven: a transform with features finer than a cell can hide them.
    */
   double FitToTransform(vtkAbstractTransform* transform, const double bounds[6],
     double tolerance, int maximumCells = 64);

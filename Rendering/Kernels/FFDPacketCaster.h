@@ -157,7 +157,9 @@ public:
   PacketCaster(
     const CastScene& scene, const CastSettings& settings, const IntegrationFrame& frame);
 
-  /// Whether packets can render this scene; else the reference ray caster has to.
+  /// Whether packets can render this scene; else the reference ray caster has to: the paper's
+  /// polyline, slices, and of what vector code looks up (SampleClassifier::IsPlain()) volumes of
+  /// more than 2^31 - 1 bytes or fewer than 4 voxels along an axis.
   static bool Supports(const CastScene& scene, const CastSettings& settings);
 
   /// See RayCaster::RenderTile(); `first` counts packets.

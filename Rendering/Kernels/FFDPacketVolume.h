@@ -9,8 +9,8 @@ namespace ffd
 {
 
 /**
- * What the packet kernels need of the voxels: 32-bit offsets, so at most 2^31 - 1 bytes; larger
- * volumes are left to the reference kernels.
+ * What the packet kernels need of the voxels: 32-bit offsets, so at most 2^31 - 1 bytes. Larger
+ * volumes are looked up ray by ray or left to the reference kernels: PacketCaster::Supports().
  */
 struct PacketVolume
 {

@@ -27,8 +27,8 @@ namespace ffd
  * RayIntegrator; both are shared by all kernels.
  *
  * The kernels here are the reference: one ray after the other, double precision. PacketCaster
- * renders the same picture faster, and does so unless CastSettings::Reference is set or the scene
- * is one it does not support (the paper's polyline among them).
+ * renders the same picture, within the tolerances, faster, and does so unless
+ * CastSettings::Reference is set or PacketCaster::Supports() is false.
  */
 class FFD_KERNEL_EXPORT RayCaster
 {
