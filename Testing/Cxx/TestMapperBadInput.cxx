@@ -354,7 +354,8 @@ bool TestDeformations()
       [&] { scene.Mapper->SetDeformation(scene.Lattice); });
   }
 
-  // Folded and collapsed lattices, and displacements beyond all measure: an image, of numbers.
+  // Folded and collapsed lattices: an image, of numbers. Displacements beyond all measure: that, or
+  // an error that says so, at once.
   vtkNew<vtkFFDLattice> lattice;
   lattice->SetDimensions(6, 6, 6);
   lattice->FitToBounds(scene.Image->GetBounds(), 0.0);
@@ -379,6 +380,13 @@ bool TestDeformations()
       {
         scene.Mapper->SetSegmentation(segmentation);
         const std::vector<unsigned char> image = scene.Render(20);
+        if (kind == 3 && image.empty() && scene.Errors->Count > 0 &&
+          scene.Errors->Message.find("times as large") != std::string::npos)
+        {
+          scene.Errors->Count = 0;
+          scene.Errors->Message.clear();
+          continue;
+        }
         if (image.empty() || scene.Errors->Count != 0)
         {
           std::cerr << "deformation " << kind << ", mode " << mode << ": " << scene.Errors->Message;
