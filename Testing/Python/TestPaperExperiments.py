@@ -22,6 +22,8 @@ KNOWN_MISSES = {
     # rays; deformed, a ray looks up once more for each piece that its last empty cube does not reach
     # into. The deformed speed-up is far above the paper's, but the undeformed one farther.
     "table1.default.keeps.sparse",
+    # The same, since samples begin at the face where a ray enters the volume: 74 % of 75.
+    "table1.default.keeps.opaque",
 }
 
 
