@@ -142,8 +142,8 @@ std::shared_ptr<void> PrepareBlend(
   gpu->SetSampleDistance(1.0f);
   if (mode == vtkVolumeMapper::COMPOSITE_BLEND)
   {
-    addVtk("gpu", gpu);
     addVtk("fixedpoint", MakeFixedPointMapper());
+    addVtk("gpu", gpu);
   }
   else
   {
@@ -181,7 +181,7 @@ std::shared_ptr<void> PrepareBlend(
     Judge(*row, s->View, picture, expected, OracleTolerance, "the reference kernels");
     if (!deformed && row->Refusal.empty())
     {
-      Judge(*row, s->View, picture, theirs, FixedPointTolerance, "VTK's mapper");
+      Judge(*row, s->View, picture, theirs, BlendTolerance, "VTK's mapper");
     }
     row->Run = [s, volume] { s->View.Draw(volume); };
     Row* reference = group.FindRow("reference");

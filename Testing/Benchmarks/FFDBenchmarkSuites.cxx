@@ -162,25 +162,21 @@ std::shared_ptr<void> PrepareFrames(
 
   Row* fixedPoint = group.FindRow("fixedpoint");
   Row* identity = group.FindRow("identity");
-  vtkSmartPointer<vtkUnsignedCharArray> fixedPicture;
   if (fixedPoint)
   {
     auto mapper = MakeFixedPointMapper();
     mapper->SetInputData(scene->Image);
     vtkVolume* volume = stage->AddVolume(mapper, scene->Property);
-    fixedPicture = stage->DrawAndCapture(volume);
     fixedPoint->Run = drawing(volume);
   }
   if (identity)
   {
+    auto oracle = MakeOracle(scene->Image, scene->Still, Variant::Exact);
+    const auto expected = stage->DrawAndCapture(stage->AddVolume(oracle, scene->Property));
     auto mapper = MakeMapper(scene->Image, scene->Still, Variant::Exact);
     vtkVolume* volume = stage->AddVolume(mapper, scene->Property);
     const auto picture = DrawAndCount(*stage, mapper, volume, scene->Image, *identity);
-    if (fixedPicture)
-    {
-      Judge(identity, *stage, picture, "vtkFixedPointVolumeRayCastMapper", fixedPicture,
-        FixedPointTolerance);
-    }
+    Judge(identity, *stage, picture, "the reference kernels", expected, OracleTolerance);
     identity->Run = drawing(volume);
   }
   for (const NamedVariant& variant : FrameVariants)

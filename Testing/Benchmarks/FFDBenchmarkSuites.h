@@ -22,8 +22,8 @@ struct Options
 
 /**
  * Largest differences of pictures with which a row is reported, see Difference. Two ray casters
- * never agree in every pixel: vtkFixedPointVolumeRayCastMapper shades with encoded normals of the
- * voxels, resampling interpolates twice, the paper's polyline has its samples elsewhere.
+ * never agree in every pixel: resampling interpolates twice, the paper's polyline has its samples
+ * elsewhere. vtkFixedPointVolumeRayCastMapper rounds values and normals, so it judges no frame of ours.
  */
 struct Tolerance
 {
@@ -31,7 +31,7 @@ struct Tolerance
   double Mean;
   double Outliers;
 };
-constexpr Tolerance FixedPointTolerance{ 8, 12.0, 0.05 }; ///< ours undeformed by fixed point
+constexpr Tolerance BlendTolerance{ 8, 12.0, 0.05 };      ///< blend modes by VTK's mappers
 constexpr Tolerance ResampleTolerance{ 8, 12.0, 0.05 };   ///< resample routes by ours
 /// The paper's polyline by the curve. Its samples count from where a ray enters the volume: where the
 /// material ends with the volume, as on the engine's front, they are all equally deep in it.

@@ -15,6 +15,7 @@
 #include "vtkFixedPointVolumeRayCastMapper.h"
 #include "vtkImageChangeInformation.h"
 #include "vtkImageConstantPad.h"
+#include "vtkImageCast.h"
 #include "vtkImageData.h"
 #include "vtkImageShrink3D.h"
 #include "vtkLight.h"
@@ -130,6 +131,16 @@ inline vtkSmartPointer<vtkImageData> ReadVolume(
     std::exit(EXIT_FAILURE);
   }
   return image;
+}
+
+/// The image with float scalars: VTK's mappers round whole numbers.
+inline vtkSmartPointer<vtkImageData> AsFloats(vtkImageData* image)
+{
+  vtkNew<vtkImageCast> cast;
+  cast->SetInputData(image);
+  cast->SetOutputScalarTypeToFloat();
+  cast->Update();
+  return cast->GetOutput();
 }
 
 /**

@@ -16,7 +16,7 @@ int TestClippingPlanes(int argc, char* argv[])
   ffdTest::Checks checks;
   ffdTest::Scene scene;
   const vtkSmartPointer<vtkImageData> image =
-    ffdTest::Padded(ffdTest::ReadVolume(argc, argv, "engine", 2), 0.0);
+    ffdTest::AsFloats(ffdTest::Padded(ffdTest::ReadVolume(argc, argv, "engine", 2), 0.0));
   double bounds[6];
   image->GetBounds(bounds);
   const double voxel = image->GetSpacing()[0];
@@ -24,7 +24,8 @@ int TestClippingPlanes(int argc, char* argv[])
     0.5 * (bounds[4] + bounds[5]) };
   ffdTest::SetTransfer(scene.Property, ffdTest::SemiTransparentEngine(), 1.0);
   scene.SetInput(image);
-  scene.SetSampleDistance(0.4 * voxel);
+  // Short: samples count from other places in each mapper.
+  scene.SetSampleDistance(0.2 * voxel);
   scene.SetCamera({ 30.0, 30.0, 1.0, false, false }, bounds);
   const ffdTest::Picture whole = scene.Render(scene.Ours);
 
@@ -46,8 +47,7 @@ int TestClippingPlanes(int argc, char* argv[])
     figures << "\n      ours-fixed " << toFixed << "\n      ours-gpu   " << toGpu
             << "\n      gpu-fixed  " << apart;
     // VTK's two mappers are each other's yardstick, as in TestIdentityAgainstVTK.
-    checks.Expect(toFixed.Pixels > 1500 && toFixed.Mean <= apart.Mean && toFixed.Mean <= 1.0 &&
-        toGpu.Mean <= apart.Mean + 0.3,
+    checks.Expect(toFixed.Pixels > 1500 && toFixed.Mean <= apart.Mean && toGpu.Mean <= apart.Mean,
       name + ", no farther from them than they are from each other", figures.str());
     return ours;
   };

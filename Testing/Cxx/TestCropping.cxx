@@ -69,7 +69,7 @@ int TestCropping(int argc, char* argv[])
   ffdTest::Checks checks;
   ffdTest::Scene scene;
   const vtkSmartPointer<vtkImageData> image =
-    ffdTest::Padded(ffdTest::ReadVolume(argc, argv, "engine", 2), 0.0);
+    ffdTest::AsFloats(ffdTest::Padded(ffdTest::ReadVolume(argc, argv, "engine", 2), 0.0));
   double bounds[6];
   image->GetBounds(bounds);
   const double voxel = image->GetSpacing()[0];

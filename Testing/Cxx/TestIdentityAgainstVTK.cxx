@@ -15,7 +15,6 @@
 // by up to half a pixel.
 #include "FFDTestScenes.h"
 
-#include "vtkImageCast.h"
 
 #include <iostream>
 #include <sstream>
@@ -47,11 +46,7 @@ enum class Light
 void SetInputs(ffdTest::Scene& scene, vtkImageData* image)
 {
   scene.SetInput(image);
-  vtkNew<vtkImageCast> cast;
-  cast->SetInputData(image);
-  cast->SetOutputScalarTypeToFloat();
-  cast->Update();
-  scene.Gpu->SetInputData(cast->GetOutput());
+  scene.Gpu->SetInputData(ffdTest::AsFloats(image));
 }
 
 /// Ours is at most half as far from the GPU mapper as VTK's other mapper.
