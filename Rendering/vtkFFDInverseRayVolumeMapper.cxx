@@ -2376,7 +2376,8 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
 void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolume* volume)
 {
   vtkHardwareSelector* selector = renderer->GetSelector();
-  if (selector && !IsPassRead(selector))
+  // Render passes do not look at whether a prop can be picked.
+  if (selector && (!volume->GetPickable() || !IsPassRead(selector)))
   {
     return;
   }

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
 """Run by TestPanel.py in ParaView's graphical client: a scene, and a log of what the filter is
-told. From the environment: FFD_PANEL_LOG, a line of JSON for each update of the filter, and
-FFD_PANEL_TRACE, the Python trace so far."""
+told. From the environment: FFD_PANEL_LOG, a line of JSON for each update of the filter,
+FFD_PANEL_TRACE, the Python trace so far, and FFD_PANEL_STEP, the pixels from ray to ray."""
 
 import json
 import os
@@ -18,7 +18,8 @@ view = simple.GetActiveViewOrCreate("RenderView")
 view.UseColorPaletteForBackground = 0
 view.Background = [0.0, 0.0, 0.0]
 view.OrientationAxesVisibility = 0
-simple.Show(lattice, view)
+shown = simple.Show(lattice, view)
+shown.FFDImageSampleDistance = float(os.environ["FFD_PANEL_STEP"])
 simple.GetColorTransferFunction("RTData").RescaleTransferFunction(37.0, 280.0)
 simple.GetOpacityTransferFunction("RTData").Points = [37, 0, 0.5, 0, 140, 0, 0.5, 0,
                                                       180, 0.1, 0.5, 0, 280, 0.3, 0.5, 0]

@@ -61,8 +61,9 @@ class Events:
         # Auto-apply and the panel wait for the event loop only: timers of zero.
         self.add(VIEW, "pause", "100")
 
-    def play(self, name, auto_apply, baseline=None, options=()):
-        """Returns the log of the filter and the Python trace. `options`: more of the command line."""
+    def play(self, name, auto_apply, baseline=None, options=(), step=1.0):
+        """Returns the log of the filter and the Python trace. `options`: more of the command line;
+        `step`: pixels from ray to ray."""
         folder = tempfile.mkdtemp(prefix="panel.", dir=TEMPORARY)
         os.chmod(folder, 0o700)
         script = os.path.join(folder, name + ".xml")
@@ -81,7 +82,8 @@ class Events:
             timeout=240,
             env={**os.environ, "HOME": folder, "XDG_RUNTIME_DIR": folder,
                  "PV_PLUGIN_PATH": os.path.dirname(PLUGIN), "FFD_PANEL_LOG": log,
-                 "FFD_PANEL_TRACE": trace, "FFD_PANEL_AUTO_APPLY": str(int(auto_apply))})
+                 "FFD_PANEL_TRACE": trace, "FFD_PANEL_AUTO_APPLY": str(int(auto_apply)),
+                 "FFD_PANEL_STEP": str(step)})
         for image in os.listdir(folder):
             if image.endswith(".png"):
                 shutil.copy(os.path.join(folder, image), TEMPORARY)
@@ -144,7 +146,8 @@ class TestPanel(unittest.TestCase):
                 states, _ = events.play(
                     "server", auto_apply=False,
                     baseline=os.path.join(BASELINE, "ParaView.TestPanel.png"),
-                    options=["--server-url=cs://localhost:%d" % port])
+                    # Frames long enough to tell their progress, which the client must not get.
+                    options=["--server-url=cs://localhost:%d" % port], step=0.5)
             finally:
                 server.terminate()
         self.assertEqual([moved(state) for state in states], [[MIDDLE]])

@@ -436,7 +436,7 @@ class TestRepresentation(unittest.TestCase):
         self.assertGreater(np.abs(ffd.picture(self.view, "fresh") - deformed).mean(), 2.0)
 
     def test_selection(self):
-        """Selections of all kinds go through the volume: it has no cells to select, hides none."""
+        """The volume is selected as ParaView's own is, unless it is not pickable."""
         before = self.show(Shape="Twist")
         ball = simple.Sphere(Radius=3.0, Center=[30.0, 18.0, 20.0])
         shown = simple.Show(ball, self.view)
@@ -451,6 +451,11 @@ class TestRepresentation(unittest.TestCase):
                     for source in (self.lattice, ball, behind)]
 
         # ParaView selects of one data set at a time.
+        simple.SelectSurfacePoints(Rectangle=rectangle, View=self.view)
+        self.assertEqual(selected(), [True, False, False])
+        simple.ClearSelection(self.lattice)
+        display = simple.GetDisplayProperties(self.lattice, self.view)
+        display.Pickable = 0
         for select in (simple.SelectSurfacePoints, simple.SelectSurfaceCells):
             simple.Show(ball, self.view)
             for expected in ([False, True, False], [False, False, True]):
@@ -459,6 +464,7 @@ class TestRepresentation(unittest.TestCase):
                 for source in (self.lattice, ball, behind):
                     simple.ClearSelection(source)
                 simple.Hide(ball, self.view)
+        display.Pickable = 1
         for select in (simple.SelectPointsThrough, simple.SelectCellsThrough):
             select(Rectangle=rectangle, View=self.view)
             self.assertEqual(selected(), [True, False, False], select.__name__)

@@ -523,12 +523,17 @@ bool vtkFFDVolumeRepresentation::AddToView(vtkView* view)
   {
     return false;
   }
-  // Long frames show how far they are where pipelines do.
+  // Long frames show how far they are where pipelines do, but not those of a server: their client
+  // would update its window, which makes another OpenGL context current, while it waits for the
+  // picture, and would draw the picture in that one.
   vtkProcessModule* processes = vtkProcessModule::GetProcessModule();
   auto* session = vtkPVSession::SafeDownCast(
     processes && processes->GetActiveSession() ? processes->GetActiveSession()
                                                : (processes ? processes->GetSession() : nullptr));
-  if (session && session->GetProgressHandler() && !this->Internals->ShowsProgress)
+  const auto type = vtkProcessModule::GetProcessType();
+  const bool ownWindow =
+    type == vtkProcessModule::PROCESS_CLIENT || type == vtkProcessModule::PROCESS_BATCH;
+  if (ownWindow && session && session->GetProgressHandler() && !this->Internals->ShowsProgress)
   {
     this->Internals->ShowsProgress = true;
     session->GetProgressHandler()->RegisterProgressEvent(this->Mapper, 0);
