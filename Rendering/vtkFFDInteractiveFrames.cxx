@@ -3,16 +3,17 @@
 #include "vtkFFDInteractiveFrames.h"
 
 #include "vtkFFDInverseRayVolumeMapper.h"
+#include "vtkFFDPendingInput.h"
 
 #include "vtkCallbackCommand.h"
 #include "vtkCamera.h"
 #include "vtkCommand.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
-#include "vtkRenderWindow.h"
-#include "vtkRenderWindowInteractor.h"
 #include "vtkRenderer.h"
 #include "vtkRendererCollection.h"
+#include "vtkRenderWindow.h"
+#include "vtkRenderWindowInteractor.h"
 #include "vtkTimerLog.h"
 #include "vtkVolume.h"
 #include "vtkVolumeCollection.h"
@@ -21,6 +22,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 #include <vector>
 
 vtkStandardNewMacro(vtkFFDInteractiveFrames);
@@ -51,9 +53,9 @@ public:
     : Self(self)
   {
     this->Command->SetClientData(this);
-    this->Command->SetCallback(
-      [](vtkObject* caller, unsigned long event, void* data, void* call)
-      { static_cast<vtkInternals*>(data)->Execute(caller, event, call); });
+    this->Command->SetCallback([](vtkObject* caller, unsigned long event, void* data, void* call) {
+      static_cast<vtkInternals*>(data)->Execute(caller, event, call);
+    });
   }
 
   ~vtkInternals() { this->Detach(); }
@@ -65,6 +67,8 @@ public:
   void Begin();
   void End();
   void OnProgress(vtkObject* mapper);
+  void ShowProgress();
+  void RestoreTitle();
   void OnTimer();
   void Schedule(unsigned long milliseconds);
 
@@ -81,12 +85,15 @@ public:
 
   Kind Frame = Kind::Other; // in progress, or the last one
   bool InFrame = false;
-  bool Final = false;  // the frame is to be a still one
-  bool Whole = false;  // nor is it to be aborted
-  bool Due = false;    // a still frame is to follow
+  bool Final = false; // the frame is to be a still one
+  bool Whole = false; // nor is it to be aborted
+  bool Due = false;   // a still frame is to follow
   double StillRate = 0.0;
   int Timer = -1;
   double NotBefore = 0.0; // of the still frame
+  double BeginTime = 0.0; // of the frame
+  std::string Title;      // of the window, while another one is shown
+  std::string ShownTitle;
   std::array<vtkMTimeType, 3> ShownTime{};
 };
 
@@ -165,7 +172,7 @@ void vtkFFDInteractiveFrames::vtkInternals::Execute(
     this->End();
   }
   else if (this->InFrame && this->Frame == Kind::Still && !this->Whole && this->Window &&
-    this->Window->GetEventPending())
+    HasPendingInput(this->Window))
   {
     this->Window->SetAbortRender(1);
   }
@@ -267,8 +274,8 @@ void vtkFFDInteractiveFrames::vtkInternals::Begin()
     this->Frame = Kind::Moving;
     return;
   }
-  const bool isShown = (last == Kind::Moving || last == Kind::Coarse) &&
-    this->ShownTime == this->FindSceneTime();
+  const bool isShown =
+    (last == Kind::Moving || last == Kind::Coarse) && this->ShownTime == this->FindSceneTime();
   if (!this->Final && !isShown && this->Interactor->GetInitialized() && this->TakesLong())
   {
     this->Frame = Kind::Coarse;
@@ -277,6 +284,7 @@ void vtkFFDInteractiveFrames::vtkInternals::Begin()
     return;
   }
   this->Frame = Kind::Still;
+  this->BeginTime = vtkTimerLog::GetUniversalTime();
   this->Self->Progress = 0.0;
 }
 
@@ -297,6 +305,7 @@ void vtkFFDInteractiveFrames::vtkInternals::End()
   {
     this->Due = false;
     this->Self->Progress = 1.0;
+    this->RestoreTitle();
     if (this->Window->GetAbortRender())
     {
       ++this->Self->NumberOfAbortedFrames;
@@ -321,12 +330,47 @@ void vtkFFDInteractiveFrames::vtkInternals::OnProgress(vtkObject* caller)
   const double part = (static_cast<double>(at - this->Mappers.begin()) + (*at)->GetProgress()) /
     static_cast<double>(this->Mappers.size());
   this->Self->Progress = std::max(this->Self->Progress, part);
+  this->ShowProgress();
   this->Self->InvokeEvent(vtkCommand::ProgressEvent, &this->Self->Progress);
   // The window itself asks no more than five times a second.
-  if (!this->Whole && this->Window && this->Window->GetEventPending())
+  if (!this->Whole && this->Window && HasPendingInput(this->Window))
   {
     this->Window->SetAbortRender(1);
   }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInteractiveFrames::vtkInternals::ShowProgress()
+{
+  if (!this->Self->ShowProgressInTitle || !this->Window || !this->Window->GetShowWindow() ||
+    vtkTimerLog::GetUniversalTime() - this->BeginTime < this->Self->LongestWait)
+  {
+    return;
+  }
+  if (this->ShownTitle.empty())
+  {
+    const char* title = this->Window->GetWindowName();
+    this->Title = title ? title : "";
+  }
+  const int percent = static_cast<int>(100.0 * this->Self->Progress);
+  const std::string shown = this->Title + " - rendering, " + std::to_string(percent) + " %";
+  if (shown != this->ShownTitle)
+  {
+    this->ShownTitle = shown;
+    this->Window->SetWindowName(shown.c_str());
+  }
+}
+
+//------------------------------------------------------------------------------
+/// The title as before, unless somebody else has changed it.
+void vtkFFDInteractiveFrames::vtkInternals::RestoreTitle()
+{
+  const char* title = this->Window->GetWindowName();
+  if (!this->ShownTitle.empty() && title && this->ShownTitle == title)
+  {
+    this->Window->SetWindowName(this->Title.c_str());
+  }
+  this->ShownTitle.clear();
 }
 
 //------------------------------------------------------------------------------
@@ -405,10 +449,7 @@ void vtkFFDInteractiveFrames::SetLongestWait(double seconds)
 }
 
 //------------------------------------------------------------------------------
-bool vtkFFDInteractiveFrames::IsStillFrameDue()
-{
-  return this->Internals->Due;
-}
+bool vtkFFDInteractiveFrames::IsStillFrameDue() { return this->Internals->Due; }
 
 //------------------------------------------------------------------------------
 void vtkFFDInteractiveFrames::Abort()
@@ -442,6 +483,7 @@ void vtkFFDInteractiveFrames::PrintSelf(ostream& os, vtkIndent indent)
   this->Superclass::PrintSelf(os, indent);
   os << indent << "Interactor: " << this->GetInteractor() << "\n";
   os << indent << "LongestWait: " << this->LongestWait << "\n";
+  os << indent << "ShowProgressInTitle: " << this->ShowProgressInTitle << "\n";
   os << indent << "Progress: " << this->Progress << "\n";
   os << indent << "NumberOfAbortedFrames: " << this->NumberOfAbortedFrames << "\n";
 }

@@ -13,17 +13,20 @@
  *   follows from the event loop of the interactor. Mappers with AutoAdjustSampleDistances off have
  *   no coarse frames and do not count, and before the interactor is initialized all frames are
  *   still ones.
- * - A mouse button, the wheel or a key aborts a still frame: within some 100 ms the event loop goes on
- *   with it, and the window goes on to show the coarse picture. The still frame is made when the
+ * - A mouse button, the wheel or a key aborts a still frame: within some 100 ms the event loop goes
+ * on with it, and the window goes on to show the coarse picture. The still frame is made when the
  *   interaction is over.
- * - ProgressEvent with GetProgress() tells how far a still frame is, for a status line.
+ * - The window's title tells how far a long still frame is (ShowProgressInTitle), and so does
+ *   ProgressEvent with GetProgress(), for other ways to show it: what is in the window itself, like
+ *   a vtkTextActor, changes with the next frame only.
  *
  * A frame is a still one when the desired update rate of the window is as vtkRenderWindowInteractor
- * has it when nothing moves: a second or more for each renderer. Only the input that the window's
- * GetEventPending() knows of aborts frames by itself, as that of X11; elsewhere call Abort().
+ * has it when nothing moves: a second or more for each renderer. Input aborts frames by itself
+ * under X11, keys but for modifiers alone included, and elsewhere as far as the window's
+ * GetEventPending() knows of it; otherwise call Abort().
  *
- * Not for programs without an event loop, which would get coarse pictures: there each frame is to be
- * what it is asked to be. RenderStill() makes a still frame at once, for a screenshot.
+ * Not for programs without an event loop, which would get coarse pictures: there each frame is to
+ * be what it is asked to be. RenderStill() makes a still frame at once, for a screenshot.
  *
  * @sa
  * vtkFFDInverseRayVolumeMapper::GetExpectedStillTime vtkRenderWindow::CheckAbortStatus
@@ -63,6 +66,16 @@ public:
   vtkGetMacro(LongestWait, double);
   ///@}
 
+  ///@{
+  /**
+   * Whether the window's title tells how far a still frame is, once that takes longer than
+   * LongestWait; the title is as before when the frame ends. Default: on.
+   */
+  vtkSetMacro(ShowProgressInTitle, bool);
+  vtkGetMacro(ShowProgressInTitle, bool);
+  vtkBooleanMacro(ShowProgressInTitle, bool);
+  ///@}
+
   /// How much of the still frame in progress is done, 0 to 1; 1 when there is none.
   vtkGetMacro(Progress, double);
 
@@ -87,6 +100,7 @@ private:
   void operator=(const vtkFFDInteractiveFrames&) = delete;
 
   double LongestWait = 0.3;
+  bool ShowProgressInTitle = true;
   double Progress = 1.0;
   int NumberOfAbortedFrames = 0;
 

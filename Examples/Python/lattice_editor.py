@@ -202,7 +202,7 @@ class Editor:
         camera.SetViewUp(0.0, 0.0, 1.0)
         self.renderer.ResetCamera()
 
-    def start(self, size):
+    def start(self, size, interactive=False):
         self.window = vtkRenderWindow()
         self.window.SetSize(*size)
         self.window.SetMultiSamples(0)
@@ -211,6 +211,7 @@ class Editor:
         self.interactor = vtkRenderWindowInteractor()
         self.interactor.SetRenderWindow(self.window)
         self.interactor.SetInteractorStyle(vtkInteractorStyleTrackballCamera())
+        self.frames = vtkffd.vtkFFDInteractiveFrames()
         self.status, self.help = vtkTextActor(), vtkTextActor()
         for text in (self.status, self.help):
             text.GetTextProperty().SetFontFamilyToCourier()
@@ -248,9 +249,16 @@ class Editor:
         self.renderer.ResetCamera()
         self.widget.On()
         self.renderer.ResetCameraClippingRange()
+        if interactive:
+            # Coarse pictures before long still ones, which new input aborts.
+            self.frames.SetInteractor(self.interactor)
         self.window.Render()
         # Once more for the time of a frame that is not the first.
         self.window.Render()
+
+    def interact(self):
+        self.interactor.Start()
+        self.frames.SetInteractor(None)
 
     def say(self, text, aloud=True):
         self.message = text
@@ -332,9 +340,13 @@ class Editor:
         return True
 
     def save_picture(self, path):
-        self.window.Render()
+        if self.frames.GetInteractor():
+            self.frames.RenderStill()
+        else:
+            self.window.Render()
         capture = vtkWindowToImageFilter()
         capture.SetInput(self.window)
+        capture.ShouldRerenderOff()
         capture.ReadFrontBufferOff()
         write_picture(capture, path)
 
@@ -412,15 +424,11 @@ def main():
     if not window and (arguments.play or not unattended):
         sys.exit("lattice_editor: " + no_display())
     if window:
-        editor.start(arguments.size)
+        editor.start(arguments.size, not arguments.play and not unattended)
     if arguments.play:
         editor.play(arguments.play)
     elif not unattended:
-        # Coarse pictures before long still ones, which new input aborts.
-        frames = vtkffd.vtkFFDInteractiveFrames()
-        frames.SetInteractor(editor.interactor)
-        editor.interactor.Start()
-        frames.SetInteractor(None)
+        editor.interact()
     try:
         if arguments.screenshot and window:
             editor.save_picture(arguments.screenshot)

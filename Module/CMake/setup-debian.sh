@@ -16,14 +16,14 @@ set -euo pipefail
 packages=(
   # to build
   g++ cmake ninja-build
-  libvtk9-dev libglm-dev libhwy-dev libeigen3-dev libhdf5-dev
+  libvtk9-dev libglm-dev libhwy-dev libeigen3-dev libhdf5-dev libx11-dev
   python3 python3-dev python3-vtk9 python3-numpy
   # to test and measure
   libgtest-dev libbenchmark-dev elastix
   # to draw the curves of Examples/paper_experiments
   python3-matplotlib
   # to render without a display: an X server and Mesa's software rasteriser
-  xvfb xauth libgl1-mesa-dri
+  xvfb xauth libgl1-mesa-dri libxtst6
 )
 
 say() { printf 'setup: %s\n' "$*"; }
@@ -35,7 +35,7 @@ if [ "${1:-}" = --paraview ]; then
   # plugin needs cannot be installed next to python3-vtk9: setup-paraview.sh.
   packages+=(
     paraview paraview-dev
-    qtbase5-dev qttools5-dev libqt5svg5-dev libqt5opengl5-dev libx11-dev libxtst6
+    qtbase5-dev qttools5-dev libqt5svg5-dev libqt5opengl5-dev libxi-dev
     openmpi-bin
   )
 fi

@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A long still frame is preceded by a coarse one, can be aborted, and is made again later."""
+"""A long still frame is preceded by a coarse one, tells how far it is, is aborted by input, and is
+made again later."""
 
 import time
 import unittest
 
+import ffdinput
 import vtkffd
 import vtkmodules.vtkInteractionStyle  # noqa: F401
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
@@ -75,6 +77,66 @@ class InteractiveFrames(unittest.TestCase):
         self.assertEqual(values[:5], sorted(values[:5]))
         self.assertLess(values[4], 0.5)
         self.assertEqual(self.mapper.GetProgress(), 1.0)
+
+    def test_input_aborts(self):
+        """All in one event loop: VTK's for X does not start twice."""
+        self.window.SetWindowName("Slow")
+        self.window.Render()
+        window = int(self.window.GetGenericWindowId().split("_")[1], 16)
+        ffdinput.focus(window)
+        ffdinput.move_in(window, 100, 100)
+        inputs = {"wheel": lambda: ffdinput.click(ffdinput.WHEEL_UP),
+                  "button": lambda: ffdinput.click(ffdinput.LEFT),
+                  "key": lambda: ffdinput.strike("Left"),
+                  # As one presses it before a click.
+                  "modifier": lambda: ffdinput.strike("Shift_L")}
+        slow = {"modifier": 0.02}
+        names = list(inputs)
+        aborted, seconds, given, titles = {}, {}, [], set()
+        end = time.monotonic() + 60.0
+
+        def on_progress(_caller, _event):
+            if not given and "%" in self.window.GetWindowName():
+                inputs[names[0]]()
+                given.append(time.monotonic())
+                # The still frame that follows is fast enough.
+                self.mapper.SetSampleDistance(0.5)
+
+        def on_end(_caller, _event):
+            if given and names:
+                seconds.setdefault(names[0], time.monotonic() - given[0])
+                aborted.setdefault(names[0], self.frames.GetNumberOfAbortedFrames())
+
+        def on_timer(_caller, _event):
+            if names and given and not self.frames.IsStillFrameDue():
+                titles.add(self.window.GetWindowName())
+                names.pop(0)
+                given.clear()
+                if names:
+                    self.mapper.SetSampleDistance(slow.get(names[0], 0.002))
+                    self.window.Render()
+            if not names or time.monotonic() > end:
+                self.interactor.TerminateApp()
+
+        self.frames.AddObserver("ProgressEvent", on_progress)
+        self.window.AddObserver("EndEvent", on_end)
+        self.interactor.CreateRepeatingTimer(50)
+        self.interactor.AddObserver("TimerEvent", on_timer, -1.0)
+        self.interactor.Start()
+        self.assertEqual(aborted, {"wheel": 1, "button": 2, "key": 3, "modifier": 3})
+        self.assertEqual(titles, {"Slow"})
+        for name in ("wheel", "button", "key"):
+            self.assertLess(seconds[name], 0.5, name)
+
+    def test_title_stays(self):
+        self.window.SetWindowName("Mine")
+        self.frames.ShowProgressInTitleOff()
+        self.mapper.SetSampleDistance(0.01)
+        names = set()
+        self.frames.AddObserver("ProgressEvent",
+                                lambda *_: names.add(self.window.GetWindowName()))
+        self.frames.RenderStill()
+        self.assertEqual(names, {"Mine"})
 
 
 if __name__ == "__main__":

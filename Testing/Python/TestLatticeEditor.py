@@ -206,6 +206,27 @@ class TestLatticeEditor(unittest.TestCase):
         self.assertIn("1 selected", shown[-1])
         self.assertIn("undo 1", shown[-1])
 
+    def test_saved_picture_is_the_still_one(self):
+        sys.path.insert(0, os.path.dirname(EDITORS["python"][1]))
+        from lattice_editor import Editor
+        pictures = []
+        for interactive in (False, True):
+            editor = Editor(os.path.join(DATA, "fuel.vti"), 4, None)
+            editor.mapper.SetSampleDistance(0.02)
+            editor.mapper.SetInteractiveSampleDistance(3.0)
+            editor.start((200, 150), interactive)
+            editor.status.VisibilityOff()
+            editor.frames.SetLongestWait(0.0)
+            if interactive:
+                editor.renderer.GetActiveCamera().Modified()
+                editor.window.Render()
+                self.assertTrue(editor.frames.IsStillFrameDue())
+            editor.save_picture(os.path.join(WORK, "saved.png"))
+            pictures.append(read_image(os.path.join(WORK, "saved.png")))
+            editor.frames.SetInteractor(None)
+        self.assertGreater((numpy.ptp(pictures[0], axis=2) > 15).mean(), 0.02)
+        self.assertLessEqual(numpy.abs(pictures[0] - pictures[1]).max(), 1)
+
     def test_bad_files_are_named(self):
         cases = (
             (("missing.vti",), "missing.vti: there is no such file or folder"),

@@ -215,7 +215,7 @@ class Editor
 {
 public:
   bool Open(const std::string& volume, int points, const std::string& lattice);
-  void Start(int width, int height);
+  void Start(int width, int height, bool interactive);
   bool SavePicture(const std::string& path);
   bool SaveVolumePicture(const std::string& path, int width, int height);
   bool SaveLattice(const std::string& path);
@@ -223,8 +223,6 @@ public:
   void Play(const std::string& path);
   void Interact()
   {
-    // Coarse pictures before long still ones, which new input aborts.
-    this->Frames->SetInteractor(this->Interactor);
     this->Interactor->Start();
     this->Frames->SetInteractor(nullptr);
   }
@@ -317,7 +315,7 @@ void Editor::SetTransferFunctions()
 }
 
 //------------------------------------------------------------------------------
-void Editor::Start(int width, int height)
+void Editor::Start(int width, int height, bool interactive)
 {
   this->Window->SetSize(width, height);
   this->Window->SetMultiSamples(0);
@@ -365,6 +363,11 @@ void Editor::Start(int width, int height)
   this->Widget->On();
   this->Message = "h: help";
   this->Renderer->ResetCameraClippingRange();
+  if (interactive)
+  {
+    // Coarse pictures before long still ones, which new input aborts.
+    this->Frames->SetInteractor(this->Interactor);
+  }
   this->Draw();
   // Once more for the time of a frame that is not the first.
   this->Draw();
@@ -503,9 +506,17 @@ bool Editor::OnKey(const std::string& key)
 //------------------------------------------------------------------------------
 bool Editor::SavePicture(const std::string& path)
 {
-  this->Draw();
+  if (this->Frames->GetInteractor())
+  {
+    this->Frames->RenderStill();
+  }
+  else
+  {
+    this->Draw();
+  }
   vtkNew<vtkWindowToImageFilter> capture;
   capture->SetInput(this->Window);
+  capture->ShouldRerenderOff();
   capture->ReadFrontBufferOff();
   return this->WritePicture(capture, path);
 }
@@ -705,7 +716,7 @@ int main(int argc, char* argv[])
   }
   else
   {
-    editor.Start(width, height);
+    editor.Start(width, height, play.empty() && !unattended);
   }
   if (!play.empty())
   {

@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Input as from a mouse and a keyboard, for tests that run under X: it comes to programs by their
+connections to the X server (extension XTEST), not by calls. Windows are X's numbers of them."""
+
+import ctypes
+
+LEFT, WHEEL_UP, WHEEL_DOWN = 1, 4, 5
+
+_x11 = ctypes.CDLL("libX11.so.6")
+_xtest = ctypes.CDLL("libXtst.so.6")
+_x11.XOpenDisplay.restype = ctypes.c_void_p
+_x11.XStringToKeysym.restype = ctypes.c_ulong
+_x11.XKeysymToKeycode.argtypes = [ctypes.c_void_p, ctypes.c_ulong]
+_x11.XKeysymToKeycode.restype = ctypes.c_ubyte
+_server = ctypes.c_void_p(_x11.XOpenDisplay(None))
+
+
+def move(x, y):
+    """Move the pointer to a pixel of the screen, from its upper left corner."""
+    _xtest.XTestFakeMotionEvent(_server, -1, x, y, ctypes.c_ulong(0))
+    _x11.XSync(_server, 0)
+
+
+def move_in(window, x, y):
+    """Move the pointer to a pixel of a window, from its upper left corner."""
+    _x11.XWarpPointer(_server, ctypes.c_ulong(0), ctypes.c_ulong(window), 0, 0, 0, 0, x, y)
+    _x11.XSync(_server, 0)
+
+
+def focus(window):
+    """Let the window have what keys are pressed; it must be mapped."""
+    _x11.XSetInputFocus(_server, ctypes.c_ulong(window), 1, ctypes.c_ulong(0))
+    _x11.XSync(_server, 0)
+
+
+def press(button, down=True):
+    _xtest.XTestFakeButtonEvent(_server, button, int(down), ctypes.c_ulong(0))
+    _x11.XSync(_server, 0)
+
+
+def release(button):
+    press(button, False)
+
+
+def click(button):
+    press(button)
+    release(button)
+
+
+def strike(symbol):
+    """Press and release a key by its name, as 'Left' or 'Shift_L'."""
+    code = _x11.XKeysymToKeycode(_server, _x11.XStringToKeysym(symbol.encode()))
+    for down in (1, 0):
+        _xtest.XTestFakeKeyEvent(_server, code, down, ctypes.c_ulong(0))
+    _x11.XSync(_server, 0)
