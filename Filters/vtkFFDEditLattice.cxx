@@ -113,6 +113,11 @@ bool vtkFFDEditLattice::SetFinite(const char* name, double& member, double value
 bool vtkFFDEditLattice::SetSizes(
   const char* name, int member[3], const int sizes[3], bool zeroAllowed)
 {
+  if (!sizes)
+  {
+    vtkErrorMacro("Set" << name << ": the numbers of control points are null. Give three numbers.");
+    return false;
+  }
   const bool none = zeroAllowed && sizes[0] == 0 && sizes[1] == 0 && sizes[2] == 0;
   for (int a = 0; a < 3; ++a)
   {

@@ -246,6 +246,11 @@ void vtkFFDMassSpring::SetGravity(double x, double y, double z)
 //------------------------------------------------------------------------------
 void vtkFFDMassSpring::SetGravity(const double gravity[3])
 {
+  if (!gravity)
+  {
+    vtkErrorMacro("SetGravity: gravity is null. Give three numbers.");
+    return;
+  }
   this->SetGravity(gravity[0], gravity[1], gravity[2]);
 }
 

@@ -2468,6 +2468,24 @@ double vtkFFDLatticeRepresentation::GetEffectiveRadius()
 }
 
 //------------------------------------------------------------------------------
+void vtkFFDLatticeRepresentation::SetSymmetry(vtkTypeBool x, vtkTypeBool y, vtkTypeBool z)
+{
+  const vtkTypeBool symmetry[3] = { x, y, z };
+  this->SetSymmetry(symmetry);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeRepresentation::SetSymmetry(const vtkTypeBool symmetry[3])
+{
+  if (this->Internals->IsGiven(symmetry, "SetSymmetry", "the flags are null. Give one per axis") &&
+    !std::equal(symmetry, symmetry + 3, this->Symmetry))
+  {
+    std::copy_n(symmetry, 3, this->Symmetry);
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
 void vtkFFDLatticeRepresentation::SetFalloff(int falloff)
 {
   if (falloff < SMOOTH || falloff > CONSTANT)

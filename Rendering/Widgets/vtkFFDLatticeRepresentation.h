@@ -317,7 +317,8 @@ public:
    * Symmetric editing across the mid-plane of the lattice normal to an axis: what is done on one
    * side is done, mirrored, on the other. The active point says which side leads. Default: off.
    */
-  vtkSetVector3Macro(Symmetry, vtkTypeBool);
+  void SetSymmetry(vtkTypeBool x, vtkTypeBool y, vtkTypeBool z);
+  void SetSymmetry(const vtkTypeBool symmetry[3]);
   vtkGetVector3Macro(Symmetry, vtkTypeBool);
   ///@}
 
