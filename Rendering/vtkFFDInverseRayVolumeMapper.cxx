@@ -2159,10 +2159,11 @@ void vtkFFDInverseRayVolumeMapper::CreateCanonicalView(vtkRenderer* renderer, vt
 void vtkFFDInverseRayVolumeMapper::CreateCanonicalView(vtkRenderer* renderer, vtkVolume* volume,
   vtkImageData* image, int blendMode, double viewDirection[3], double viewUp[3])
 {
-  if (!volume || !image)
+  if (!volume || !image || !viewDirection || !viewUp)
   {
-    vtkErrorMacro(<< "CreateCanonicalView needs a volume and an image; the "
-                  << (!volume ? "volume" : "image") << " is null.");
+    vtkErrorMacro(<< "CreateCanonicalView needs a volume, an image and two directions; the "
+                  << (!volume ? "volume" : !image ? "image" : "direction or the upward direction")
+                  << " is null.");
     return;
   }
   vtkNew<vtkRenderer> canonical;
@@ -2203,9 +2204,12 @@ void vtkFFDInverseRayVolumeMapper::CreateCanonicalView(vtkRenderer* renderer, vt
   this->PremultipliedAlpha = 1;
   const bool made =
     this->RenderToImage(canonical, volume, size[0], size[1], colours, nullptr, nullptr) == 1;
-  this->BlendMode = keptBlendMode;
-  this->Cropping = keptCropping;
-  this->PremultipliedAlpha = keptAlpha;
+  // What an observer has set meanwhile stays.
+  const auto restore = [](int& option, int was, int meanwhile)
+  { option = option == meanwhile ? was : option; };
+  restore(this->BlendMode, keptBlendMode, blendMode);
+  restore(this->Cropping, keptCropping, 0);
+  restore(this->PremultipliedAlpha, keptAlpha, 1);
   if (!made)
   {
     return;
@@ -2637,6 +2641,7 @@ int vtkFFDInverseRayVolumeMapper::MakeImages(vtkRenderer* renderer, vtkVolume* v
     std::to_string(width) + " x " + std::to_string(height) + " pixels",
     "Give a smaller width and height.");
   in.Shown.Complete = false;
+  const bool premultiplied = this->PremultipliedAlpha != 0; // observers may change it
   std::vector<float> firstVisible(depths ? pixels : 0);
   if (!in.Cast(renderer, volume, region, scene, false, false,
         depths ? firstVisible.data() : nullptr))
@@ -2644,7 +2649,7 @@ int vtkFFDInverseRayVolumeMapper::MakeImages(vtkRenderer* renderer, vtkVolume* v
     return 0;
   }
 
-  WriteColours(in.Colours, width, height, this->PremultipliedAlpha != 0, colours);
+  WriteColours(in.Colours, width, height, premultiplied, colours);
   if (depths)
   {
     depths->SetExtent(0, width - 1, 0, height - 1, 0, 0);

@@ -1,0 +1,263 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every setter of the mapper, called by an observer of each event of a frame, in a window and of
+RenderToImage(): the frame shows what it began with or, while it is still prepared, all of the change,
+and the next one is that of a new mapper on which the same setter was called between frames. Setters are found by introspection; values are those of the
+getters, and others.
+
+    python3 TestMapperObservers.py [SETTER]      one setter alone
+"""
+
+import re
+import sys
+import unittest
+
+import numpy as np
+import vtkffd
+import vtkmodules.vtkRenderingOpenGL2  # noqa: F401 (the window's implementation)
+import vtkmodules.vtkRenderingVolumeOpenGL2  # noqa: F401
+from TestHostileValues import make_image, make_lattice, make_property, signatures
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkObject, vtkUnsignedCharArray
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPlane, vtkPlaneCollection, vtkPlanes
+from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow, vtkVolume
+from vtkmodules.vtkRenderingVolume import vtkVolumeMapper
+
+SIDE = 24
+EVENTS = ("StartEvent", "VolumeMapperRenderStartEvent", "VolumeMapperRenderProgressEvent",
+          "ProgressEvent", "VolumeMapperRenderEndEvent", "EndEvent")
+#: When nothing is prepared any more.
+LATE = {"ProgressEvent", "VolumeMapperRenderEndEvent", "EndEvent"}
+#: Not a setting of the mapper, with the reason.
+NOT_CALLED = {
+    "SetExecutive": "replaces the pipeline that runs the event",
+    "SetDefaultExecutivePrototype": "is static: all algorithms would change",
+    "SetInformation": "replaces the keys of the pipeline",
+    "SetProgress": "is called by the frame itself",
+    "SetProgressObserver": "takes the progress events away",
+    "SetProgressText": "is text of the progress events",
+    "SetProgressShiftScale": "scales the progress events",
+}
+#: The frame in progress is meant to change.
+ABORTS = {"SetAbortExecute", "AbortExecuteOn"}
+
+
+def make_mask():
+    mask = vtkImageData()
+    mask.SetDimensions(12, 12, 12)
+    mask.AllocateScalars(3, 1)  # VTK_UNSIGNED_CHAR
+    values = vtk_to_numpy(mask.GetPointData().GetScalars())
+    values[:] = 1
+    values[:600] = 0
+    return mask
+
+
+def make_plane():
+    plane = vtkPlane()
+    plane.SetOrigin(5.0, 6.0, 5.0)
+    plane.SetNormal(1.0, 0.5, 0.0)
+    return plane
+
+
+def make_planes():
+    planes = vtkPlaneCollection()
+    planes.AddItem(make_plane())
+    return planes
+
+
+class Scene:
+    """A window with a deformed volume, whose mapper is replaced for each check."""
+
+    def __init__(self):
+        self.image = make_image()
+        self.lattice = make_lattice()
+        self.volume = vtkVolume()
+        self.volume.SetProperty(make_property())
+        self.renderer = vtkRenderer()
+        self.renderer.AddVolume(self.volume)
+        self.renderer.SetBackground(0.1, 0.2, 0.3)
+        self.window = vtkRenderWindow()
+        self.window.SetOffScreenRendering(1)
+        self.window.SetMultiSamples(0)
+        self.window.SetSize(SIDE, SIDE)
+        self.window.AddRenderer(self.renderer)
+        self.plane = make_plane()
+        self.new_mapper()
+        self.renderer.GetActiveCamera().SetPosition(1.0, 2.0, 5.0)
+        self.renderer.GetActiveCamera().SetFocalPoint(0.0, 0.0, 0.0)
+        self.renderer.ResetCamera((0, 11, 0, 11, 0, 11))
+
+    def new_mapper(self):
+        self.mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+        self.mapper.SetInputData(self.image)
+        self.mapper.SetDeformation(self.lattice)
+        self.mapper.SetAutoAdjustSampleDistances(0)
+        self.mapper.AddClippingPlane(self.plane)
+        self.mapper.SetMaskInput(MASK)
+        self.errors = []
+        self.mapper.AddObserver("ErrorEvent", self.on_error)
+        self.volume.SetMapper(self.mapper)
+        return self.mapper
+
+    def on_error(self, _caller, _event, message=""):
+        self.errors.append(message)
+
+    on_error.CallDataType = "string0"
+
+    def render(self):
+        self.renderer.GetActiveCamera().SetClippingRange(5.0, 500.0)
+        self.window.Render()
+        pixels = vtkUnsignedCharArray()
+        self.window.GetPixelData(0, 0, SIDE - 1, SIDE - 1, 0, pixels, 0)
+        return vtk_to_numpy(pixels).copy()
+
+    def to_image(self):
+        image = vtkImageData()
+        if not self.mapper.RenderToImage(self.renderer, self.volume, SIDE, SIDE, image):
+            return np.zeros(0)
+        return vtk_to_numpy(image.GetPointData().GetScalars()).copy()
+
+
+MASK = make_mask()
+OTHER_IMAGE = make_image(9, 5)
+OBJECTS = {
+    "vtkAbstractTransform": lambda: vtkffd.vtkFFDLattice(),
+    "vtkImageData": make_mask,
+    "vtkDataObject": lambda: OTHER_IMAGE,
+    "vtkDataSet": lambda: OTHER_IMAGE,
+    "vtkPlane": make_plane,
+    "vtkPlaneCollection": make_planes,
+    "vtkPlanes": vtkPlanes,
+    "vtkTextureObject": lambda: None,
+}
+
+
+def setters():
+    cls = vtkffd.vtkFFDInverseRayVolumeMapper
+    for name in sorted(set(dir(cls)) - set(dir(vtkObject))):
+        if re.match(r"(Set|Add|Remove|Select)[A-Z]|\w+(On|Off)$", name) and name not in NOT_CALLED:
+            for types in signatures(getattr(cls, name)):
+                yield name, types
+
+
+def other_values(kind, current):
+    """Values of a type: what the getter gives, and others."""
+    if kind == "float":
+        now = current if isinstance(current, float) else 1.0
+        return [now, 0.3 * now + 0.1, 2.0 * now + 0.5]
+    if kind in ("int", "bool"):
+        now = int(current) if isinstance(current, (int, bool)) else 1
+        return [now, 1 - now if now in (0, 1) else 0, 2]
+    if kind == "str":
+        return ["scalars", None]
+    if kind.startswith(("(", "[")):
+        count = kind.count(",") + 1
+        cast = float if "float" in kind else int
+        now = list(current) if isinstance(current, tuple) and len(current) == count else None
+        made = [cast(v) for v in ([2, 9] * count)[:count]]
+        return ([now] if now else []) + [made]
+    maker = OBJECTS.get(kind.split(".")[-1])
+    return [maker(), None] if maker else [None]
+
+
+def argument_lists(mapper, name, types):
+    getter = getattr(mapper, re.sub("^Set", "Get", name), None)
+    try:
+        current = getter() if getter and name.startswith("Set") else None
+    except TypeError:
+        current = None
+    if len(types) > 1 and isinstance(current, tuple) and len(current) == len(types):
+        lists = [other_values(kind, value) for kind, value in zip(types, current)]
+    elif len(types) > 2 and set(types) == {"float"}:
+        lists = [[2.0 + 7.0 * (i % 2), 3.0 + 5.0 * (i % 2)] for i in range(len(types))]
+    else:
+        lists = [other_values(kind, current) for kind in types]
+    longest = max((len(values) for values in lists), default=1)
+    for i in range(1 if name == "AddClippingPlane" else longest):  # VTK crashes with None
+        yield [values[min(i, len(values) - 1)] for values in lists]
+
+
+class TestMapperObservers(unittest.TestCase):
+    def test_every_setter_in_every_event(self):
+        scene = Scene()
+        frames = (scene.render, scene.to_image)
+        before = [frame() for frame in frames]
+        for picture in before:
+            self.assertGreater(len(np.unique(picture)), 20)
+        called = set()
+        changing = set()
+        for name, types in setters():
+            if ONLY and name != ONLY:
+                continue
+            for arguments in argument_lists(scene.mapper, name, types):
+                scene.new_mapper()
+                for frame in frames:
+                    frame()
+                if not call(scene.mapper, name, arguments):
+                    continue
+                called.add(name)
+                expected = [frame() for frame in frames]
+                if not np.array_equal(before[0], expected[0]):
+                    changing.add(name)
+                for event in EVENTS:
+                    self.check(scene, 0, (before, expected), name, arguments, [event])
+                self.check(scene, 1, (before, expected), name, arguments, EVENTS)
+                self.check(scene, 1, (before, expected), name, arguments, ["ProgressEvent"])
+        self.assertTrue(ONLY or (len(called) > 150 and len(changing) > 40),
+                        (len(called), sorted(changing)))
+
+    def test_settings_made_during_a_canonical_view_stay(self):
+        scene = Scene()
+        mapper = scene.mapper
+        image = vtkImageData()
+        image.SetDimensions(SIDE, SIDE, 1)
+
+        def change(*_):
+            mapper.SetBlendModeToAdditive()
+            mapper.SetCropping(1)
+
+        for observed in (False, True):
+            if observed:
+                mapper.AddObserver("ProgressEvent", change)
+            mapper.CreateCanonicalView(scene.volume, image, 1, (0.0, 0.0, -1.0), (0.0, 1.0, 0.0))
+            self.assertEqual((mapper.GetBlendMode(), mapper.GetCropping()),
+                             (vtkVolumeMapper.ADDITIVE_BLEND, 1) if observed else (0, 0))
+
+    def check(self, scene, frame, pictures, name, arguments, events):
+        """`frame`: 0 in the window, 1 as an image. ProgressEvent: that of the end."""
+        mapper = scene.new_mapper()
+        render = (scene.render, scene.to_image)[frame]
+        before, expected = (each[frame] for each in pictures)
+        calls = []
+
+        def once(_caller, event):
+            if event not in calls and (event != "ProgressEvent" or mapper.GetProgress() >= 1.0):
+                calls.append(event)
+                call(mapper, name, arguments)
+
+        tags = [mapper.AddObserver(event, once) for event in events]
+        during = render()
+        for tag in tags:
+            mapper.RemoveObserver(tag)
+        after = render()
+        with self.subTest(setter=name, arguments=arguments, events=events, image=frame):
+            self.assertTrue(calls, "no event came")
+            late = calls[0] in LATE
+            if name not in ABORTS and (late or not np.array_equal(during, expected)):
+                np.testing.assert_array_equal(during, before, "the frame in progress changed")
+            np.testing.assert_array_equal(after, expected, "the next frame")
+
+
+def call(mapper, name, arguments):
+    """Whether the wrapping lets the call through."""
+    try:
+        getattr(mapper, name)(*arguments)
+    except (TypeError, ValueError, OverflowError):
+        return False
+    return True
+
+
+ONLY = sys.argv.pop(1) if len(sys.argv) > 1 and not sys.argv[1].startswith("-") else None
+
+if __name__ == "__main__":
+    unittest.main()
