@@ -1,12 +1,10 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Run by TestAbort.py in ParaView's graphical client: a mouse button is pressed during a long frame.
-From the environment: FFD_ABORT_LOG, lines of JSON."""
+"""Run by TestAbort.py in ParaView's graphical client: a volume whose still frames take long. How frames
+begin and end goes to the file FFD_ABORT_LOG as lines of JSON."""
 
-import ctypes
 import json
 import os
-import threading
 import time
 
 from paraview import servermanager, simple
@@ -23,40 +21,33 @@ simple.Render(view)
 
 log = open(os.environ["FFD_ABORT_LOG"], "w", encoding="ascii")  # open until the end
 handler = servermanager.ActiveConnection.Session.GetProgressHandler()
+window = view.GetRenderWindow()
 progress = []
 handler.AddObserver("ProgressEvent", lambda *_: progress.append(handler.GetLastProgressText()))
-begin = 0.0
 
 
-def note(*_):
-    """Write down how a frame ended."""
-    log.write(json.dumps({"seconds": time.monotonic() - begin, "progress": progress,
-                          "aborted": view.GetRenderWindow().GetAbortRender()}) + "\n")
+def write(**line):
+    log.write(json.dumps({"time": time.monotonic(), **line}) + "\n")
     log.flush()
+
+
+def begin(*_):
+    # Still frames are wanted at less than one a second.
+    write(event="begin", still=window.GetDesiredUpdateRate() < 1.0)
     progress.clear()
 
 
-x11 = ctypes.CDLL("libX11.so.6")
-xtest = ctypes.CDLL("libXtst.so.6")
-x11.XOpenDisplay.restype = ctypes.c_void_p
-server = ctypes.c_void_p(x11.XOpenDisplay(None))
+def end(*_):
+    write(event="end", still=window.GetDesiredUpdateRate() < 1.0,
+          aborted=bool(window.GetAbortRender()), progress=progress.count("FFD Volume"))
 
 
-def press():
-    """The left button, in the view, for a while."""
-    time.sleep(0.3)
-    xtest.XTestFakeMotionEvent(server, -1, *middle, 0)
-    xtest.XTestFakeButtonEvent(server, 1, 1, 0)
-    x11.XFlush(server)
-    time.sleep(1.0)
-    xtest.XTestFakeButtonEvent(server, 1, 0, 0)
-    x11.XFlush(server)
-
-
-middle = (700, 400)  # of a screen of 1280 x 1024 that ParaView fills
-view.SMProxy.AddObserver("EndEvent", note)
-for frame in range(2):
-    if frame == 1:
-        threading.Thread(target=press).start()
-    begin = time.monotonic()
-    simple.Render(view)
+# After the plugin's observers at the beginning, before them at the end.
+window.AddObserver("StartEvent", begin, -1.0)
+window.AddObserver("EndEvent", end, 1.0)
+simple.Render(view)
+swaps = []
+window.AddObserver("StartEvent", lambda *_: swaps.append(bool(window.GetSwapBuffers())))
+simple.SaveScreenshot(os.environ["FFD_ABORT_LOG"] + ".png", view)
+write(event="screenshot", swaps=any(swaps))
+write(event="ready")

@@ -1,0 +1,369 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pqFFDLongFrames.h"
+
+#include "vtkFFDInverseRayVolumeMapper.h"
+
+#include "pqApplicationCore.h"
+#include "pqCoreUtilities.h"
+#include "pqServerManagerModel.h"
+#include "pqView.h"
+
+#include "vtkCommand.h"
+#include "vtkRenderer.h"
+#include "vtkRendererCollection.h"
+#include "vtkRenderWindow.h"
+#include "vtkSMRenderViewProxy.h"
+#include "vtkVolume.h"
+#include "vtkVolumeCollection.h"
+
+#include <QApplication>
+#include <QEvent>
+#include <QTimer>
+#include <QWidget>
+
+#include <algorithm>
+
+#ifdef FFD_HAS_X11
+#include <X11/XKBlib.h>
+#include <X11/Xlib.h>
+#include <X11/Xutil.h>
+#ifdef FFD_HAS_XINPUT2
+#include <X11/extensions/XInput2.h>
+#endif
+// Macros that are names of Qt's.
+#undef None
+#undef KeyPress
+#undef Bool
+#undef Status
+#endif
+
+namespace
+{
+
+/// Milliseconds from an abort to the still frame, and between looks whether the interaction is
+/// over.
+constexpr int AfterAbort = 100;
+
+/// Milliseconds from a coarse picture, which is shown meanwhile, to the still one.
+constexpr int AfterCoarse = 20;
+
+/// Still frames are wanted at less than this rate.
+constexpr double StillRateLimit = 1.0;
+
+/// Rate of the coarse frames, as ParaView has it while the scene moves.
+constexpr double CoarseRate = 5.0;
+
+/// Seconds that a still frame may take without a coarse one before it.
+constexpr double LongestWait = 0.3;
+
+/// Whether still frames of the window are expected to take long, and coarse ones are shorter.
+bool TakesLong(vtkRenderWindow* window)
+{
+  double expected = 0.0;
+  vtkCollectionSimpleIterator r;
+  vtkRendererCollection* renderers = window->GetRenderers();
+  renderers->InitTraversal(r);
+  while (vtkRenderer* renderer = renderers->GetNextRenderer(r))
+  {
+    vtkVolumeCollection* volumes = renderer->GetVolumes();
+    vtkCollectionSimpleIterator v;
+    volumes->InitTraversal(v);
+    while (vtkVolume* volume = volumes->GetNextVolume(v))
+    {
+      auto* mapper = vtkFFDInverseRayVolumeMapper::SafeDownCast(volume->GetMapper());
+      if (mapper && volume->GetVisibility() && mapper->GetAutoAdjustSampleDistances())
+      {
+        const double time = mapper->GetExpectedStillTime();
+        expected += time > 0.0 ? time : VTK_DOUBLE_MAX;
+      }
+    }
+  }
+  return expected > LongestWait;
+}
+
+#ifdef FFD_HAS_X11
+bool IsModifier(::Display* display, unsigned int keycode)
+{
+  const KeySym key = XkbKeycodeToKeysym(display, static_cast<KeyCode>(keycode), 0, 0);
+  return IsModifierKey(key);
+}
+#endif
+
+} // namespace
+
+//------------------------------------------------------------------------------
+pqFFDLongFrames::pqFFDLongFrames(QObject* parentObject)
+  : QObject(parentObject)
+  , Again(new QTimer(this))
+{
+  this->Again->setSingleShot(true);
+  QObject::connect(this->Again, SIGNAL(timeout()), this, SLOT(renderAgain()));
+}
+
+//------------------------------------------------------------------------------
+pqFFDLongFrames::~pqFFDLongFrames() { this->shutdown(); }
+
+//------------------------------------------------------------------------------
+void pqFFDLongFrames::startup()
+{
+  if (!pqApplicationCore::instance())
+  {
+    return;
+  }
+#ifdef FFD_HAS_X11
+  if (QGuiApplication::platformName() == "xcb")
+  {
+    this->Display = XOpenDisplay(nullptr);
+  }
+#ifdef FFD_HAS_XINPUT2
+  // What is pressed, and not only what is held at the moment: the wheel is never held.
+  auto* display = static_cast<::Display*>(this->Display);
+  int event;
+  int error;
+  int major = 2;
+  int minor = 1; // from which on events come in spite of grabs
+  if (display && XQueryExtension(display, "XInputExtension", &this->InputOpcode, &event, &error) &&
+    XIQueryVersion(display, &major, &minor) == Success)
+  {
+    unsigned char bits[XIMaskLen(XI_LASTEVENT)] = {};
+    XISetMask(bits, XI_RawButtonPress);
+    XISetMask(bits, XI_RawKeyPress);
+    XIEventMask mask;
+    mask.deviceid = XIAllMasterDevices;
+    mask.mask_len = sizeof(bits);
+    mask.mask = bits;
+    XISelectEvents(display, DefaultRootWindow(display), &mask, 1);
+    XFlush(display);
+  }
+  else
+  {
+    this->InputOpcode = 0;
+  }
+#endif
+#endif
+  qApp->installEventFilter(this);
+  pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
+  QObject::connect(model, SIGNAL(viewAdded(pqView*)), this, SLOT(watch(pqView*)));
+  for (pqView* view : model->findItems<pqView*>())
+  {
+    this->watch(view);
+  }
+}
+
+//------------------------------------------------------------------------------
+void pqFFDLongFrames::shutdown()
+{
+  this->Again->stop();
+  if (qApp)
+  {
+    qApp->removeEventFilter(this);
+  }
+#ifdef FFD_HAS_X11
+  if (this->Display)
+  {
+    XCloseDisplay(static_cast<::Display*>(this->Display));
+  }
+#endif
+  this->Display = nullptr;
+}
+
+//------------------------------------------------------------------------------
+bool pqFFDLongFrames::eventFilter(QObject* watched, QEvent* event)
+{
+  switch (event->type())
+  {
+    case QEvent::KeyPress:
+    case QEvent::MouseButtonPress:
+    case QEvent::MouseButtonRelease:
+    case QEvent::Wheel:
+      this->Asked = this->Asked || event->spontaneous();
+      break;
+    default:
+      break;
+  }
+  return this->QObject::eventFilter(watched, event);
+}
+
+//------------------------------------------------------------------------------
+void pqFFDLongFrames::watch(pqView* view)
+{
+  auto* proxy = vtkSMRenderViewProxy::SafeDownCast(view->getViewProxy());
+  if (vtkRenderWindow* window = proxy ? proxy->GetRenderWindow() : nullptr)
+  {
+    pqCoreUtilities::connect(window, vtkCommand::StartEvent, this, SLOT(beginFrame(vtkObject*)));
+    pqCoreUtilities::connect(window, vtkCommand::EndEvent, this, SLOT(endFrame(vtkObject*)));
+    pqCoreUtilities::connect(
+      window, vtkCommand::AbortCheckEvent, this, SLOT(checkAbort(vtkObject*)));
+  }
+}
+
+//------------------------------------------------------------------------------
+pqView* pqFFDLongFrames::findView(vtkRenderWindow* window) const
+{
+  pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
+  for (pqView* view : model->findItems<pqView*>())
+  {
+    auto* proxy = vtkSMRenderViewProxy::SafeDownCast(view->getViewProxy());
+    if (proxy && proxy->GetRenderWindow() == window)
+    {
+      return view;
+    }
+  }
+  return nullptr;
+}
+
+//------------------------------------------------------------------------------
+void pqFFDLongFrames::beginFrame(vtkObject* caller)
+{
+  auto* window = vtkRenderWindow::SafeDownCast(caller);
+  this->noteNewInput();
+  this->NewButton = false;
+  this->NewKey = false;
+  const auto last = this->Last.find(window);
+  const bool isShown = last != this->Last.end() && last->second != Kind::Still;
+  Kind kind = Kind::Still;
+  if (window->GetDesiredUpdateRate() >= StillRateLimit)
+  {
+    kind = Kind::Moving;
+  }
+  // Screenshots are taken without swapping buffers.
+  else if (this->Asked && !this->Final && !isShown && window->GetSwapBuffers() && TakesLong(window))
+  {
+    kind = Kind::Coarse;
+    this->StillRate = window->GetDesiredUpdateRate();
+    window->SetDesiredUpdateRate(CoarseRate);
+  }
+  this->Last[window] = kind;
+}
+
+//------------------------------------------------------------------------------
+void pqFFDLongFrames::endFrame(vtkObject* caller)
+{
+  auto* window = vtkRenderWindow::SafeDownCast(caller);
+  const Kind kind = this->Last[window];
+  if (kind == Kind::Coarse)
+  {
+    window->SetDesiredUpdateRate(this->StillRate);
+    this->Unfinished = this->findView(window);
+    this->Again->start(AfterCoarse);
+  }
+  else if (kind == Kind::Still && !window->GetAbortRender())
+  {
+    this->Asked = false;
+    if (this->Unfinished == this->findView(window))
+    {
+      this->Unfinished = nullptr;
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+void pqFFDLongFrames::checkAbort(vtkObject* caller)
+{
+  auto* window = vtkRenderWindow::SafeDownCast(caller);
+  const auto last = this->Last.find(window);
+  if (!this->Display || last == this->Last.end() || last->second != Kind::Still)
+  {
+    return;
+  }
+  pqView* view = this->findView(window);
+  if (view && this->hasInput(view))
+  {
+    window->SetAbortRender(1);
+    this->Unfinished = view;
+    this->Again->start(AfterAbort);
+  }
+}
+
+//------------------------------------------------------------------------------
+/// Read what was pressed since the last time.
+void pqFFDLongFrames::noteNewInput()
+{
+#ifdef FFD_HAS_XINPUT2
+  auto* display = static_cast<::Display*>(this->Display);
+  while (display && this->InputOpcode != 0 && XPending(display) > 0)
+  {
+    XEvent event;
+    XNextEvent(display, &event);
+    if (event.type == GenericEvent && event.xcookie.extension == this->InputOpcode &&
+      XGetEventData(display, &event.xcookie))
+    {
+      const auto* raw = static_cast<const XIRawEvent*>(event.xcookie.data);
+      this->NewButton = this->NewButton || raw->evtype == XI_RawButtonPress;
+      this->NewKey = this->NewKey ||
+        (raw->evtype == XI_RawKeyPress &&
+          !IsModifier(display, static_cast<unsigned int>(raw->detail)));
+      XFreeEventData(display, &event.xcookie);
+    }
+  }
+#endif
+}
+
+//------------------------------------------------------------------------------
+/// Whether anything is or was pressed that is meant for the view.
+bool pqFFDLongFrames::hasInput(pqView* view)
+{
+#ifdef FFD_HAS_X11
+  auto* display = static_cast<::Display*>(this->Display);
+  QWidget* widget = view->widget();
+  if (!display || !widget || !widget->isVisible())
+  {
+    return false;
+  }
+  this->noteNewInput();
+  Window root;
+  Window child;
+  int x;
+  int y;
+  int inWindow[2];
+  unsigned int buttons = 0;
+  if (XQueryPointer(display, DefaultRootWindow(display), &root, &child, &x, &y, &inWindow[0],
+        &inWindow[1], &buttons) &&
+    (this->NewButton ||
+      (buttons & (Button1Mask | Button2Mask | Button3Mask | Button4Mask | Button5Mask)) != 0))
+  {
+    const QPoint place = QPoint(x, y) / widget->devicePixelRatioF();
+    return widget->rect().contains(widget->mapFromGlobal(place));
+  }
+  if (!QApplication::activeWindow())
+  {
+    return false;
+  }
+  if (this->NewKey)
+  {
+    return true;
+  }
+  char keys[32];
+  XQueryKeymap(display, keys);
+  for (unsigned int code = 0; code < 256; ++code)
+  {
+    if ((keys[code / 8] & (1 << code % 8)) != 0 && !IsModifier(display, code))
+    {
+      return true;
+    }
+  }
+#else
+  (void)view;
+#endif
+  return false;
+}
+
+//------------------------------------------------------------------------------
+void pqFFDLongFrames::renderAgain()
+{
+  this->noteNewInput();
+  this->NewButton = false;
+  this->NewKey = false;
+  if (this->Unfinished && this->hasInput(this->Unfinished))
+  {
+    this->Again->start(AfterAbort);
+    return;
+  }
+  if (this->Unfinished)
+  {
+    this->Final = true;
+    this->Unfinished->forceRender();
+    this->Final = false;
+  }
+}

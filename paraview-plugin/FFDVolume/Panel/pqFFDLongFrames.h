@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef pqFFDLongFrames_h
+#define pqFFDLongFrames_h
+
+#include <QObject>
+#include <QPointer>
+
+#include <map>
+
+class QTimer;
+class pqView;
+class vtkObject;
+class vtkRenderWindow;
+
+/**
+ * Shows a coarse picture before long still ones, and lets new input abort those, in the views that
+ * this process renders itself.
+ *
+ * A still frame that the user asked for, as by Apply, and that FFD Volume expects to take longer
+ * than 0.3 s, is made with the quality of moving ones first; the still one follows from the event
+ * loop. Frames of scripts and screenshots are as they are asked to be.
+ *
+ * ParaView renders in the thread that handles input, so input waits until a frame is there. FFD
+ * Volume asks the render window now and then whether to go on; this class answers, from what the X
+ * server tells of the pointer and the keyboard, on a connection of its own: no event is taken or
+ * handled before the frame is over. A mouse button or the wheel in the view, or a key other than a
+ * modifier while ParaView has the keyboard, aborts the still frame, and the view goes on to show
+ * the picture that it has. The still frame is made once nothing is pressed any more. Elsewhere than
+ * under X nothing is aborted, and without the extension XInput 2 only by what is being held.
+ */
+class pqFFDLongFrames : public QObject
+{
+  Q_OBJECT
+
+public:
+  pqFFDLongFrames(QObject* parent = nullptr);
+  ~pqFFDLongFrames() override;
+
+  /// Called by ParaView when the plugin is loaded and unloaded.
+  void startup();
+  void shutdown();
+
+  bool eventFilter(QObject* watched, QEvent* event) override;
+
+private Q_SLOTS:
+  void watch(pqView* view);
+  void beginFrame(vtkObject* window);
+  void endFrame(vtkObject* window);
+  void checkAbort(vtkObject* window);
+  void renderAgain();
+
+private:
+  Q_DISABLE_COPY(pqFFDLongFrames)
+
+  enum class Kind
+  {
+    Moving,
+    Coarse, ///< asked for as a still one
+    Still
+  };
+
+  pqView* findView(vtkRenderWindow* window) const;
+  void noteNewInput();
+  bool hasInput(pqView* view);
+
+  void* Display = nullptr; // a connection of its own to the X server
+  int InputOpcode = 0;     // of XInput 2 there; 0: not available
+  bool NewButton = false;  // pressed since the frame began
+  bool NewKey = false;
+
+  std::map<vtkRenderWindow*, Kind> Last; // frame of each window
+  double StillRate = 0.0;
+  bool Asked = false; // the user did something since the last still frame
+  bool Final = false; // the frame is to be a still one
+  QTimer* Again;
+  QPointer<pqView> Unfinished; // shows less than a still frame
+};
+
+#endif
