@@ -74,3 +74,31 @@ function (ffd_configure_module module)
     "${CMAKE_CURRENT_SOURCE_DIR}/Kernels")
   vtk_module_link("${module}" PRIVATE $<BUILD_INTERFACE:ffd_build_flags>)
 endfunction ()
+
+# ffd_take_compiled_kernels(<module's target> <variable>)
+#
+# Replaces the kernels' sources that the variable lists by object files, where FFD_KERNEL_OBJECTS names
+# the file in which another build of this tree lists its own (FFDParaView.cmake). Kernels know
+# nothing of VTK, so those of one build fit every VTK, and they are what takes longest to compile.
+set(FFD_KERNEL_OBJECTS "" CACHE FILEPATH "Compiled kernels of another build to use; empty: none")
+mark_as_advanced(FFD_KERNEL_OBJECTS)
+function (ffd_take_compiled_kernels target variable)
+  if (NOT FFD_KERNEL_OBJECTS)
+    return ()
+  endif ()
+  include("${FFD_KERNEL_OBJECTS}")
+  set(objects)
+  foreach (source IN LISTS ${variable})
+    set(object ${ffd_objects_${target}})
+    list(FILTER object INCLUDE REGEX "/${source}\\.[a-z]+$")
+    list(LENGTH object found)
+    if (NOT found EQUAL 1)
+      message(FATAL_ERROR
+        "${FFD_KERNEL_OBJECTS} names no object file of ${source}. Build the tree that it belongs to "
+        "again, or unset FFD_KERNEL_OBJECTS.")
+    endif ()
+    list(APPEND objects "${object}")
+  endforeach ()
+  set_source_files_properties(${objects} PROPERTIES EXTERNAL_OBJECT TRUE)
+  set(${variable} ${objects} PARENT_SCOPE)
+endfunction ()

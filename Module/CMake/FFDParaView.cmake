@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-# The ParaView plugin, a build of its own inside this one: ParaView has its own VTK, and the modules
-# are compiled for it a second time.
+# The ParaView plugin, a build of its own inside this one: ParaView has its own VTK, and what knows of
+# VTK in the modules is compiled for it a second time.
 #
 # Without ParaView_DIR the ParaView 5.11 of Debian 12 is used, through the prefix that
 # setup-paraview.sh makes.
@@ -37,6 +37,15 @@ if (NOT FFD_PARAVIEW_JOBS)
   endif ()
 endif ()
 
+# The kernels are compiled once for both, see ffd_take_compiled_kernels().
+set(ffd_kernel_objects "${CMAKE_BINARY_DIR}/kernel-objects.cmake")
+set(ffd_kernel_targets Core Filters Rendering Widgets)
+set(content)
+foreach (target IN LISTS ffd_kernel_targets)
+  string(APPEND content "set(ffd_objects_${target} \"$<TARGET_OBJECTS:${target}>\")\n")
+endforeach ()
+file(GENERATE OUTPUT "${ffd_kernel_objects}" CONTENT "${content}")
+
 ExternalProject_Add(ffd_paraview
   SOURCE_DIR "${CMAKE_SOURCE_DIR}/paraview-plugin"
   BINARY_DIR "${ffd_paraview_build}"
@@ -50,10 +59,12 @@ ExternalProject_Add(ffd_paraview
     "-DCMAKE_C_COMPILER=${CMAKE_C_COMPILER}"
     "-DCMAKE_CXX_FLAGS=${CMAKE_CXX_FLAGS}"
     "-DFFD_USE_CCACHE=${FFD_USE_CCACHE}"
+    "-DFFD_KERNEL_OBJECTS=${ffd_kernel_objects}"
     "-DFFD_STRICT_WARNINGS=${FFD_STRICT_WARNINGS}"
     "-DCMAKE_INSTALL_LIBDIR=${CMAKE_INSTALL_LIBDIR}"
   BUILD_COMMAND "${CMAKE_COMMAND}" --build <BINARY_DIR> --parallel "${FFD_PARAVIEW_JOBS}"
   INSTALL_COMMAND ""
+  DEPENDS ${ffd_kernel_targets}
   BUILD_ALWAYS ON
   USES_TERMINAL_CONFIGURE ON
   USES_TERMINAL_BUILD ON)

@@ -7,7 +7,7 @@ import os
 import unittest
 
 import numpy as np
-from paraview import simple, smstate
+from paraview import servermanager, simple, smstate
 
 import ffdparaview as ffd
 
@@ -598,41 +598,95 @@ executive.GetOutputInformation(0).Set(executive.WHOLE_EXTENT(), 0, 4, 0, 4, 0, 4
         ffd.set_functions()
         before = ffd.picture(self.view, "hostile")
         self.assertGreater(ffd.lit(before), 500)
-        swept = []
-        for proxy in (lattice, display):
-            for name in proxy.ListProperties():
-                smproperty = proxy.SMProxy.GetProperty(name)
-                if smproperty.GetInformationOnly() or not smproperty.GetClassName() in (
-                        "vtkSMDoubleVectorProperty", "vtkSMIntVectorProperty"):
-                    continue
-                if proxy is display and not name.startswith("FFD") and name not in (
-                        "Position", "Scale", "Orientation", "Origin", "Ambient", "Diffuse",
-                        "Specular", "SpecularPower"):
-                    continue
-                values = [smproperty.GetElement(i)
-                          for i in range(smproperty.GetNumberOfElements())]
-                if not values:
-                    continue
-                hostile = (0, -1, -(2 ** 31), 2 ** 31 - 1)
-                if smproperty.GetClassName() == "vtkSMDoubleVectorProperty":
-                    hostile = (0.0, -1.0, 1e-300, 1e300, -1e300, float("inf"), float("-inf"),
-                               float("nan"))
-                swept.append(name)
-                with ffd.Errors():
-                    for value in hostile:
-                        for i in range(len(values)):
-                            smproperty.SetElement(i, value)
-                        proxy.SMProxy.UpdateVTKObjects()
-                        simple.Render(self.view)
-                for i, value in enumerate(values):
-                    smproperty.SetElement(i, value)
-                proxy.SMProxy.UpdateVTKObjects()
-                # But for where the near plane is, from which samples are counted.
-                largest, mean = ffd.differ(ffd.picture(self.view, "hostile"), before)
-                self.assertLessEqual(largest, 12, name)
-                self.assertLess(mean, 0.2, name)
+        ours = ("Position", "Scale", "Orientation", "Origin", "Ambient", "Diffuse", "Specular",
+                "SpecularPower")
+        swept = self.sweep(lattice, before)
+        swept += self.sweep(display, before,
+                            lambda name: name.startswith("FFD") or name in ours)
         for name in ("Strength", "Displacements", "FFDSampleDistance", "Scale"):
             self.assertIn(name, swept)
+
+    def sweep(self, proxy, before, wanted=lambda name: True):
+        """Set numbers to what they should not be, and back: the picture must be that of before."""
+        swept = []
+        # By their names, where Python has labels.
+        iterator = proxy.SMProxy.NewPropertyIterator()
+        iterator.Begin()
+        names = []
+        while not iterator.IsAtEnd():
+            names.append(iterator.GetKey())
+            iterator.Next()
+        for name in names:
+            smproperty = proxy.SMProxy.GetProperty(name)
+            if smproperty.GetInformationOnly() or not wanted(name) or (
+                    not smproperty.GetClassName() in (
+                        "vtkSMDoubleVectorProperty", "vtkSMIntVectorProperty")):
+                continue
+            values = [smproperty.GetElement(i) for i in range(smproperty.GetNumberOfElements())]
+            if not values:
+                continue
+            hostile = (0, -1, -(2 ** 31), 2 ** 31 - 1)
+            if smproperty.GetClassName() == "vtkSMDoubleVectorProperty":
+                hostile = (0.0, -1.0, 1e-300, 1e300, -1e300, float("inf"), float("-inf"),
+                           float("nan"))
+            swept.append(name)
+            with ffd.Errors():
+                for value in hostile:
+                    for i in range(len(values)):
+                        smproperty.SetElement(i, value)
+                    proxy.SMProxy.UpdateVTKObjects()
+                    simple.Render(self.view)
+            for i, value in enumerate(values):
+                smproperty.SetElement(i, value)
+            proxy.SMProxy.UpdateVTKObjects()
+            # But for where the near plane is, from which samples are counted.
+            largest, mean = ffd.differ(ffd.picture(self.view, "hostile"), before)
+            self.assertLessEqual(largest, 12, name)
+            self.assertLess(mean, 0.2, name)
+        return swept
+
+    def test_hostile_values_of_filters(self):
+        wavelet = simple.Wavelet(WholeExtent=[-8, 8] * 3)
+        lattice = simple.FFDLattice(Input=wavelet, Shape="Twist", Resolution=[4, 4, 4])
+        ffd.set_functions()
+        for make, expected in (
+                (lambda: simple.FFDResampleToImage(
+                    Input=lattice, Scalars=["POINTS", "RTData"]),
+                 {"InverseMode", "Interpolation", "BackgroundLevel"}),
+                (lambda: simple.FFDDeformGeometry(
+                    Input=simple.Sphere(Radius=6.0), Lattice=lattice),
+                 {"InverseMode", "TransformAllInputVectors"})):
+            filtered = make()
+            simple.Show(filtered, self.view)
+            before = ffd.picture(self.view, "hostile")
+            self.assertGreater(ffd.lit(before), 300)
+            self.assertEqual(set(self.sweep(filtered, before)), expected)
+            simple.Hide(filtered, self.view)
+
+    def test_hostile_values_of_the_widget(self):
+        """The proxy that the panel drags control points with."""
+        manager = servermanager.ProxyManager()
+        widget = servermanager._getPyProxy(
+            manager.NewProxy("representations", "FFDLatticeWidgetRepresentation"))
+        widget.Enabled = 1
+        widget.Domain = [-8.0, 8.0] * 3
+        widget.OutlineBounds = [-8.0, 8.0] * 3
+        widget.Dimensions = [4, 4, 4]
+        widget.BaseDimensions = [4, 4, 4]
+        widget.BaseDisplacements = [0.5, 0.0, 0.0] * 64
+        widget.EditDimensions = [4, 4, 4]
+        widget.Displacements = [0.0, 1.0, 0.0] * 64
+        widget.Selection = [5.0]
+        widget.UpdateVTKObjects()
+        self.view.SMProxy.GetProperty("HiddenRepresentations").AddProxy(widget.SMProxy)
+        self.view.SMProxy.UpdateVTKObjects()
+        before = ffd.picture(self.view, "hostile")
+        self.assertGreater(ffd.lit(before), 500)
+        swept = self.sweep(widget, before)
+        for name in ("Domain", "Dimensions", "OutlineBounds", "Displacements", "Selection",
+                     "ProportionalRadius", "Falloff", "Symmetry", "Enabled"):
+            self.assertIn(name, swept)
+        self.view.SMProxy.GetProperty("HiddenRepresentations").RemoveProxy(widget.SMProxy)
 
 
 if __name__ == "__main__":

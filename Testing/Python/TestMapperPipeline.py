@@ -3,6 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The mapper at the end of a pipeline with time; every option is copied and printed."""
 
+import time
 import unittest
 
 import numpy as np
@@ -250,6 +251,45 @@ class TestMapperPipeline(unittest.TestCase):
         self.assertEqual(out.GetNumberOfPoints(), 0)
         scene.mapper.RemoveObserver(tag)
         np.testing.assert_array_equal(scene.picture(), whole)
+
+    def test_preparation_of_a_large_volume_is_aborted(self):
+        """Block ranges, then distances. Processor time is counted, which other programs do not change;
+        the memory of the many zeros is never touched."""
+        n = 768
+        values = np.zeros((n, n, n), np.uint8)
+        values[350:420, 250:400, 250:400] = 100
+        image = vtkImageData()
+        image.SetDimensions(n, n, n)
+        image.SetSpacing(N / n, N / n, N / n)
+        image.GetPointData().SetScalars(numpy_to_vtk(values.ravel()))
+        image.GetPointData().GetScalars().SetName("ball")
+
+        def prepare(stop):
+            """Processor seconds of all reports and of the end, aborted at a progress of stop."""
+            scene = Scene()
+            scene.mapper.SetInputData(image)
+            scene.mapper.SetSpaceLeaping(scene.mapper.LIPSCHITZ)
+            reports = []
+
+            def on_progress(*_):
+                reports.append((scene.mapper.GetProgress(), time.process_time()))
+                if reports[-1][0] >= stop:
+                    scene.mapper.SetAbortExecute(1)
+
+            scene.mapper.AddObserver("ProgressEvent", on_progress)
+            begin = time.process_time()
+            whole = scene.mapper.RenderToImage(
+                scene.renderer, scene.volume, SIZE, SIZE, vtkImageData())
+            end = time.process_time()
+            self.assertEqual(whole, 0 if stop < 1.0 else 1)
+            return np.array([begin] + [seconds for _, seconds in reports] + [end])
+
+        seconds = prepare(2.0)
+        self.assertGreater(seconds[-1] - seconds[0], 0.5)
+        self.assertLess(np.diff(seconds).max(), 0.25)
+        for stop in (0.0, 0.1, 0.28, 0.4):
+            seconds = prepare(stop)
+            self.assertLess(seconds[-1] - seconds[-2], 0.05)
 
 
 if __name__ == "__main__":
