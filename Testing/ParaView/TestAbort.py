@@ -39,7 +39,7 @@ class TestAbort(unittest.TestCase):
         self.process.kill()
         self.process.wait()
 
-    def next(self, event, seconds=60.0, **wanted):
+    def next(self, event, seconds=200.0, **wanted):
         """The next line of the log of such an event, those before it are left out."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
