@@ -344,7 +344,9 @@ double RayIntegrator::FindCrossing(
       stayed = 1;
     }
   }
-  return 0.5 * (a.S + b.S);
+  // Behind the crossing: between the nearest voxels of both sides it would be left to rounding whose
+  // gradient is taken.
+  return b.S;
 }
 
 //------------------------------------------------------------------------------

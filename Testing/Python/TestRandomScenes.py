@@ -271,18 +271,21 @@ class TestRandomScenes(unittest.TestCase):
     """The first scenes of the series."""
 
     def test_every_way_gives_the_same_picture(self):
-        for number in range(SCENES[0], SCENES[1]):
+        for number in (*range(*SCENES), *SINGLE):
             with self.subTest(scene=number):
                 wrong, scene = check(number)
                 self.assertFalse(wrong, "scene %d (%s): %s" % (number, ", ".join(scene.words), wrong))
 
 
 SCENES = (0, 40)
+#: Further ones that have failed: surfaces at the faces between nearest voxels.
+SINGLE = (481, 545)
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
     parser.add_argument("--scenes", help="first and one past the last scene, e.g. 0:400")
     options, rest = parser.parse_known_args()
     if options.scenes:
+        SINGLE = ()
         SCENES = tuple(int(part) for part in options.scenes.split(":"))
     unittest.main(argv=sys.argv[:1] + rest)
