@@ -231,9 +231,22 @@ function (ffd_add_python_test file)
   if (arg_RENDERING)
     set(rendering RENDERING)
   endif ()
+  # The interpreter is not built with sanitizers: their library is loaded before it, together with
+  # that of the exceptions, which it must find. What Python itself keeps is no leak of ours.
+  set(preload)
+  if (FFD_SANITIZERS MATCHES "address")
+    foreach (library IN ITEMS libasan.so libstdc++.so)
+      execute_process(COMMAND "${CMAKE_CXX_COMPILER}" "-print-file-name=${library}"
+        OUTPUT_VARIABLE path OUTPUT_STRIP_TRAILING_WHITESPACE)
+      list(APPEND preload "${path}")
+    endforeach ()
+    list(JOIN preload " " preload)
+    set(preload "LD_PRELOAD=${preload}" "ASAN_OPTIONS=detect_leaks=0:strict_string_checks=1")
+  endif ()
   ffd_set_test_properties("Python.${name}" python ${rendering}
     TIMEOUT "${arg_TIMEOUT}" LABELS ${arg_LABELS}
     ENVIRONMENT
       "PYTHONPATH=${CMAKE_BINARY_DIR}/python"
-      "PYTHONDONTWRITEBYTECODE=1")
+      "PYTHONDONTWRITEBYTECODE=1"
+      ${preload})
 endfunction ()

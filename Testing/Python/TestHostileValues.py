@@ -10,6 +10,7 @@ is finite, and the next picture or result is made in time, of finite numbers.
 
 import itertools
 import math
+import os
 import re
 import signal
 import subprocess
@@ -26,8 +27,8 @@ from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkRenderingCore import vtkRenderer, vtkVolume, vtkVolumeProperty
 
-#: Seconds for one call with the result after it.
-TIME_LIMIT = 20.0
+#: Seconds for one call with the result after it; sanitizers take longer.
+TIME_LIMIT = 200.0 if "libasan" in os.environ.get("LD_PRELOAD", "") else 20.0
 NUMBERS = (math.nan, math.inf, -math.inf, 0.0, -1.0, 1e300, -1e300, 1e-300, 1e12, -1e12)
 INTEGERS = (0, -1, 2147483647, -2147483648, 1000)
 #: Options of the mapper that change how a picture is made, not what it shows.
