@@ -45,13 +45,13 @@
  *
  * <b>Coordinates.</b> ITK and elastix compute in LPS (x to the left, y to the back, z up), and so
  * do their files, whatever the images' format. With Coordinates LPS (the default) the transform is
- * that of the file; it fits images that VTK reads from MetaImage and NRRD files. With RAS, x and y
- * point the other way, T' = F T F with F = diag(-1, -1, 1); that is the system of 3D Slicer's scene
- * and of the matrices of vtkNIFTIImageReader. A .vti lattice is in the data coordinates of its
- * image and is never turned. VTK's readers ignore the direction cosines of images; where these are
- * not the identity, set vtkImageData's direction matrix before. An .xfm file does not say what it
- * is in: MINC's tools mean RAS, ITK up to 5.4 writes its LPS as it stands. It is read as it stands;
- * RAS turns it.
+ * that of the file; it fits the images of vtkFFDVolumeReader, which reads every format with its
+ * position and direction cosines in LPS. (VTK's readers ignore direction cosines: what they read
+ * fits only where these are the identity, or after vtkImageData::SetDirectionMatrix().) With RAS, x
+ * and y point the other way, T' = F T F with F = diag(-1, -1, 1); that is the system of 3D Slicer's
+ * scene and of the matrices of vtkNIFTIImageReader. A .vti lattice is in the data coordinates of
+ * its image and is never turned. An .xfm file does not say what it is in: MINC's tools mean RAS,
+ * ITK up to 5.4 writes its LPS as it stands. It is read as it stands; RAS turns it.
  *
  * <b>What is exact.</b> A cubic spline whose grid runs along the axes is read as a vtkFFDLattice,
  * one of order 1 or 2 as a vtkFFDSplineTransform, a sum that is no spline as a vtkFFDSumTransform;
@@ -73,7 +73,8 @@
  * fields 2^27 voxels, texts 1 GiB, chains 64 transforms. Of .h5 and .mnc files the shape is
  * checked, but damaged ones are in the hands of the HDF5 library.
  *
- * @sa vtkFFDTransformWriter vtkFFDLattice vtkFFDFitLattice vtkFFDInverseRayVolumeMapper
+ * @sa vtkFFDVolumeReader vtkFFDTransformWriter vtkFFDLattice vtkFFDFitLattice
+ * vtkFFDInverseRayVolumeMapper
  */
 #ifndef vtkFFDTransformReader_h
 #define vtkFFDTransformReader_h

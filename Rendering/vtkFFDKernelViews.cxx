@@ -285,7 +285,8 @@ private:
 GradientOpacity MakeGradientOpacity(
   vtkPiecewiseFunction* function, const MinMaxBlocks::Limits& range)
 {
-  bool effective = false;
+  // Without clamping it is 0 beyond its last points.
+  bool effective = function && !function->GetClamping();
   for (int i = 0; function && i < function->GetSize(); ++i)
   {
     double node[4];

@@ -95,13 +95,38 @@ private:
   const ffd::Cropping& Crop;
 };
 
+/// A function as the mapper asks for it: beyond its range constant, or as it says itself.
+struct Lookup
+{
+  vtkPiecewiseFunction* Function = nullptr;
+  bool Native = false;
+
+  explicit operator bool() const { return this->Function != nullptr; }
+  double operator()(double x) const
+  {
+    const double* range = this->Function->GetRange();
+    if (this->Native && x <= range[0])
+    {
+      // Without clamping the value at the first point is 0, too.
+      double node[4] = { 0.0, 0.0, 0.0, 0.0 };
+      this->Function->GetNodeValue(0, node);
+      return node[1];
+    }
+    return this->Function->GetValue(this->Native ? std::min(x, range[1]) : x);
+  }
+};
+
 /// What there is at a rest position: opacity, component by component, as the picture shows it.
 class Visibility
 {
 public:
-  Visibility(const vtkFFDProbeView& view, vtkVolumeProperty* property, bool gradientOpacity)
+  Visibility(const vtkFFDProbeView& view, vtkVolumeProperty* property,
+    vtkFFDInverseRayVolumeMapper* mapper, bool gradientOpacity)
     : View(view)
   {
+    constexpr int native = vtkFFDInverseRayVolumeMapper::NATIVE;
+    const bool nativeOpacity = mapper->GetScalarOpacityRangeType() == native;
+    const bool nativeGradient = mapper->GetGradientOpacityRangeType() == native;
     const ffd::VolumeView& volume = view.Volume;
     const bool independent = property->GetIndependentComponents() != 0;
     this->Nearest = property->GetInterpolationType() == VTK_NEAREST_INTERPOLATION;
@@ -123,10 +148,10 @@ public:
       {
         continue; // not in the picture
       }
-      channel.Opacity = property->GetScalarOpacity(ofProperty);
+      channel.Opacity = { property->GetScalarOpacity(ofProperty), nativeOpacity };
       if (gradientOpacity && property->HasGradientOpacity(ofProperty))
       {
-        channel.Gradient = property->GetGradientOpacity(ofProperty);
+        channel.Gradient = { property->GetGradientOpacity(ofProperty), nativeGradient };
       }
       for (int term = 0; term < (luminance ? 3 : 1); ++term)
       {
@@ -140,8 +165,10 @@ public:
       for (const int label : property->GetLabelMapLabels())
       {
         vtkPiecewiseFunction* opacity = property->GetLabelScalarOpacity(label);
-        this->Labels[label] = { opacity ? opacity : property->GetScalarOpacity(),
-          gradientOpacity ? property->GetLabelGradientOpacity(label) : nullptr };
+        // Those of labels are asked for all scalars.
+        this->Labels[label] = { opacity ? Lookup{ opacity }
+                                        : Lookup{ property->GetScalarOpacity(), nativeOpacity },
+          { gradientOpacity ? property->GetLabelGradientOpacity(label) : nullptr } };
       }
     }
   }
@@ -152,8 +179,8 @@ public:
     ffd::VolumeView Volume;
     /// What is looked up: a weighed sum of components.
     std::vector<std::pair<ffd::VolumeView, double>> Terms;
-    vtkPiecewiseFunction* Opacity = nullptr;
-    vtkPiecewiseFunction* Gradient = nullptr;
+    Lookup Opacity;
+    Lookup Gradient;
   };
 
   /// Whole numbers at voxels.
@@ -212,12 +239,12 @@ public:
   }
 
   /// As the mapper classifies: `value` through both functions.
-  double Opacity(const Channel& channel, vtkPiecewiseFunction* opacity,
-    vtkPiecewiseFunction* gradient, double value, const glm::dvec3& index) const
+  double Opacity(const Channel& channel, const Lookup& opacity, const Lookup& gradient,
+    double value, const glm::dvec3& index) const
   {
-    const double plain = opacity->GetValue(value);
+    const double plain = opacity(value);
     return gradient && plain > 0.0
-      ? plain * gradient->GetValue(glm::length(this->Gradient(channel, index)))
+      ? plain * gradient(glm::length(this->Gradient(channel, index)))
       : plain;
   }
 
@@ -271,7 +298,7 @@ private:
   const vtkFFDProbeView& View;
   std::vector<Channel> Channels;
   /// Of each label that has functions: scalar opacity, and gradient opacity or null.
-  std::map<int, std::pair<vtkPiecewiseFunction*, vtkPiecewiseFunction*>> Labels;
+  std::map<int, std::pair<Lookup, Lookup>> Labels;
   bool Nearest;
   ffd::SampleFunctions Fetch; // as in the picture
   ffd::SampleFunctions FetchNearest; // of gradients beside hidden cells
@@ -403,7 +430,7 @@ double vtkFFDVolumePicker::IntersectDeformed(const double p1[3], const double p2
   }
   const ffd::SurfaceSearch search(view.Volume, view.Map, origin, direction);
   const CroppingRegions cropping(view.Crop);
-  const Visibility visibility(view, property, this->UseVolumeGradientOpacity != 0);
+  const Visibility visibility(view, property, mapper, this->UseVolumeGradientOpacity != 0);
   if (!visibility.GetFirst())
   {
     return VTK_DOUBLE_MAX;

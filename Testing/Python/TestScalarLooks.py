@@ -231,7 +231,8 @@ class TestScalarLooks(unittest.TestCase):
 
     def test_where_vtk_differs(self):
         # vtkGPUVolumeRayCastMapper draws these otherwise: gray colour functions, opacities of labels
-        # at other sample distances, gradient opacity of dependent components.
+        # at other sample distances, gradient opacity and normals of dependent components (it takes
+        # those of the first one).
         self.set_points(numpy.ones(SIZE ** 3))
         self.set_functions(0, 0.1, 1.0, 1.0, 1.0)
         self.prop.SetColor(constant(0.3))
@@ -257,6 +258,16 @@ class TestScalarLooks(unittest.TestCase):
         self.prop.SetGradientOpacity(gradients)
         self.set_points(numpy.stack([x.ravel() * 10.0, z.ravel() * 1.0], axis=-1))
         self.expect([1.0, 0.0, 0.0, 1.0 - 0.95 ** LENGTH], delta=6)
+        # Of colours and density, too; so are normals, which point at the viewer here.
+        ramps = [x.ravel() / 20.0, x.ravel() / 20.0, x.ravel() / 20.0, z.ravel() * 1.0]
+        self.set_points(numpy.stack(ramps, axis=-1))
+        self.expect([0.26, 0.26, 0.26, 1.0 - 0.95 ** LENGTH], delta=6)
+        self.prop.DisableGradientOpacityOn()
+        self.prop.ShadeOn()
+        self.prop.SetAmbient(0.0)
+        self.prop.SetDiffuse(0.8)
+        self.prop.SetSpecular(0.0)
+        self.expect([0.8 * 0.26] * 3 + [1.0 - 0.9 ** LENGTH])
 
     def test_cells(self):
         self.image.GetCellData().SetScalars(

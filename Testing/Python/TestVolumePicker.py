@@ -117,6 +117,29 @@ class TestVolumePicker(unittest.TestCase):
         self.assertLess(distances[0], distances[1])
         self.assertLess(distances[1], distances[2])
 
+    def test_range_types(self):
+        # Functions that are 0 beyond their points, unless they are asked for their ranges only.
+        self.mapper.SetDeformation(None)
+        self.image.GetPointData().GetScalars().Fill(200)
+        prop = self.volume.GetProperty()
+        at = (SIZE // 2, SIZE // 2, 0, self.renderer)
+        prop.GetScalarOpacity().ClampingOff()
+        self.assertEqual(self.picker.Pick(*at), 0)
+        self.mapper.SetScalarOpacityRangeType(self.mapper.NATIVE)
+        self.assertEqual(self.picker.Pick(*at), 1)
+        gradient = vtkPiecewiseFunction()
+        gradient.AddPoint(10, 1.0)
+        gradient.AddPoint(20, 1.0)
+        gradient.ClampingOff()
+        prop.SetGradientOpacity(gradient)
+        self.picker.UseVolumeGradientOpacityOn()
+        colours = vtkImageData()
+        for type, seen in ((self.mapper.SCALAR, 0), (self.mapper.NATIVE, 1)):
+            self.mapper.SetGradientOpacityRangeType(type)
+            self.assertEqual(self.picker.Pick(*at), seen)
+            self.mapper.RenderToImage(self.renderer, self.volume, SIZE, SIZE, colours)
+            self.assertEqual(colours.GetPointData().GetScalars().GetRange(3)[1] > 0, seen)
+
 
 if __name__ == "__main__":
     unittest.main()

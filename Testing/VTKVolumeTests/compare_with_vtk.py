@@ -116,6 +116,9 @@ def main():
     parser.add_argument("--data", type=Path, help="folder with VTK's test data, as far as at hand")
     parser.add_argument("--only", default="", help="regular expression that names of tests match")
     parser.add_argument("--timeout", type=float, default=120.0, help="seconds for each run")
+    parser.add_argument(
+        "--replay", action="store_true", help="replay the recorded interaction of tests that have one"
+    )
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="parallel compilers")
     options = parser.parse_args()
     source = options.source.resolve()
@@ -161,6 +164,8 @@ def main():
                 )
             elif (work / f"{test.stem}_{mapper}").exists():
                 program = [str(work / f"{test.stem}_{mapper}"), *common]
+                if not options.replay:
+                    program.append("--DisableReplay")
                 ends.append(run([*program, "-V", "/nowhere/picture.png"], folder, options.timeout))
             else:
                 ends.append("does not compile")
