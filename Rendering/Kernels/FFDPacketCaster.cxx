@@ -73,6 +73,9 @@ HWY_EXPORT(FindInverseGuessOf);
 /// Nodes per axis of the field that guesses the inverse, at most.
 constexpr double LargestGuess = 16.0;
 
+/// Specular powers that are found by multiplications, at most.
+constexpr float LargestWholePower = 128.0f;
+
 /// Offsets of the packet kernels are 32-bit numbers of bytes.
 constexpr double LargestVolume = 2147483647.0;
 
@@ -146,10 +149,10 @@ float ToFloat(double value)
   return static_cast<float>(std::clamp(value, -1e37, 1e37));
 }
 
-PacketLight MakePacketLight(const Light& light, const glm::dvec3& centre)
+PacketLight MakePacketLight(
+  const Light& light, const Reflectance& material, const glm::dvec3& centre)
 {
   PacketLight packet;
-  packet.Headlight = light.Headlight;
   packet.Positional = light.Positional;
   packet.Cone = light.ConeCosine >= -1.0;
   packet.ConeCosine = static_cast<float>(light.ConeCosine);
@@ -157,9 +160,9 @@ PacketLight MakePacketLight(const Light& light, const glm::dvec3& centre)
   Copy(light.Position - centre, packet.Position);
   Copy(light.Towards, packet.Towards);
   Copy(light.Axis, packet.Axis);
-  Copy(light.Ambient, packet.Ambient);
-  Copy(light.Diffuse, packet.Diffuse);
-  Copy(light.Specular, packet.Specular);
+  Copy(material.Ambient * light.Ambient, packet.Ambient);
+  Copy(material.Diffuse * light.Diffuse, packet.Diffuse);
+  Copy(material.Specular * light.Specular, packet.Specular);
   Copy(light.Attenuation, packet.Attenuation);
   return packet;
 }
@@ -208,8 +211,7 @@ PacketCaster::PacketCaster(
   p.Lower = static_cast<float>(v.LowerIndex().x);
   Copy(v.UpperIndex(), p.Upper);
 
-  p.Table = scene.Table->GetEntries();
-  p.TableSize = static_cast<int>(scene.Table->GetSize());
+  p.Table = PacketTable(scene.Table->GetEntries(), scene.Table->GetSize());
   if (IsWide(v.Type))
   {
     p.Volume.Shift = scene.Table->GetLow();
@@ -310,18 +312,32 @@ PacketCaster::PacketCaster(
 
   p.Shade = settings.Shade;
   p.TwoSided = scene.Material.TwoSided;
-  p.Ambient = scene.Material.Ambient;
-  p.Diffuse = scene.Material.Diffuse;
-  p.Specular = scene.Material.Specular;
   p.SpecularPower = scene.Material.SpecularPower;
+  if (p.SpecularPower == std::floor(p.SpecularPower) && p.SpecularPower <= LargestWholePower)
+  {
+    p.WholeSpecularPower = static_cast<int>(p.SpecularPower);
+  }
   const glm::dmat3& toLights = scene.Material.GetToLights();
   CopyRows(toLights, p.LocalToLights);
   CopyRows(scene.Material.GetGradientToLights(), p.GradientToLights);
+  CopyRows(
+    scene.Material.GetGradientToLights() * glm::transpose(v.DataToIndex), p.IndexGradientToLights);
   p.Parallel = scene.Camera.Parallel;
   Copy(toLights * (scene.Camera.Eye - p.Centre), p.Eye);
   for (const Light& light : scene.Material.Lights)
   {
-    p.Lights.push_back(MakePacketLight(light, toLights * p.Centre));
+    const PacketLight packet = MakePacketLight(light, scene.Material, toLights * p.Centre);
+    if (!light.Headlight)
+    {
+      p.Lights.push_back(packet);
+      continue;
+    }
+    for (int c = 0; c < 3; ++c)
+    {
+      p.Headlights.Ambient[c] += packet.Ambient[c];
+      p.Headlights.Diffuse[c] += packet.Diffuse[c];
+      p.Headlights.Specular[c] += packet.Specular[c];
+    }
   }
 }
 

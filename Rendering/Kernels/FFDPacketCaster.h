@@ -6,6 +6,7 @@
 #include "FFDCastScene.h"
 #include "FFDExport.h"
 #include "FFDPacketField.h"
+#include "FFDPacketTable.h"
 #include "FFDPacketVolume.h"
 #include "FFDRayIntegrator.h"
 #include "FFDTileSpans.h"
@@ -19,10 +20,10 @@
 namespace ffd
 {
 
-/// A light for packets, in the space of Shading, relative to where that has PacketScene::Centre.
+/// A light for packets, in the space of Shading, relative to where that has PacketScene::Centre;
+/// its colours include the coefficients of the material.
 struct PacketLight
 {
-  bool Headlight = false;
   bool Positional = false;
   bool Cone = false;
   float Position[3] = {};
@@ -77,6 +78,7 @@ struct PacketScene
   float GradientToRest[9] = {};     ///< by index coordinates to by data coordinates
   float LocalToLights[9] = {};      ///< to the space of Shading
   float GradientToLights[9] = {};   ///< by data coordinates to by those of that space
+  float IndexGradientToLights[9] = {}; ///< the same by index coordinates, undeformed
 
   glm::dmat4 NdcToLocal{ 1.0 };
   float BoundsMin[3] = {}; ///< deformed bounds, local
@@ -102,10 +104,9 @@ struct PacketScene
   int Blocks[3] = {};
   float LastBlock[3] = {};
 
-  const float* Table = nullptr; ///< red, green, blue, extinction of each entry
-  int TableSize = 0;
-  float TableLow = 0.0f;
-  float TableScale = 1.0f;
+  PacketTable Table;
+  float TableLow = 0.0f;   ///< value of the first entry
+  float TableScale = 1.0f; ///< entries a unit of values
 
   /// Gradient opacity: factors by the length of GradientScale times the gradient as fetched; null
   /// without. They multiply the opacity over ReferenceLength.
@@ -116,11 +117,10 @@ struct PacketScene
 
   bool Shade = false;
   bool TwoSided = true;
-  float Ambient = 0.0f;
-  float Diffuse = 0.0f;
-  float Specular = 0.0f;
   float SpecularPower = 1.0f;
-  std::vector<PacketLight> Lights;
+  int WholeSpecularPower = -1;     ///< that, or -1 where it is no whole number or large
+  PacketLight Headlights;          ///< the sums of their colours
+  std::vector<PacketLight> Lights; ///< the others
 };
 
 /// One layer of a grid: the rest points, in index coordinates, of its 4 x 4 nodes at one t.

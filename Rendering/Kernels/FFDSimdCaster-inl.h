@@ -14,6 +14,7 @@
 #include "FFDSimdLeap-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdShading-inl.h"
+#include "FFDSimdTable-inl.h"
 #include "FFDSimdTile-inl.h"
 
 #include <limits>
@@ -585,35 +586,22 @@ private:
   HWY_INLINE Mf TakeSample(const PacketPiece& piece, const Vec3& q, Vf s, Vf ds, Mf sampled)
   {
     const Df d;
-    const Di di;
     CastStatistics& statistics = this->Scratch.Statistics;
     statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
 
     const SamplePosition at = FindCells(this->Scene.Volume, q, sampled);
     const Mf border = hn::AndNot(at.Interior, sampled);
     const bool anyBorder = !hn::AllFalse(d, border);
-    SampleRows rows;
+    SampleRows<T> rows;
     Vf value = Sample<T>(this->Scene.Volume, at, rows);
     if (HWY_UNLIKELY(anyBorder))
     {
       value = this->SampleBorder(q, border, value);
     }
 
-    const float* table = this->Scene.Table;
-    const Vf last = Splat(static_cast<float>(this->Scene.TableSize - 1));
-    const Vf x =
-      hn::Mul(hn::Sub(value, Splat(this->Scene.TableLow)), Splat(this->Scene.TableScale));
-    // Comparisons with what is not a number are false: such lanes fall out here.
-    const Mf number = hn::Eq(x, x);
-    const Vf entry = hn::IfThenElseZero(number, Clamp(x, hn::Zero(d), last));
-    const Vf whole = hn::Min(hn::Floor(entry), hn::Sub(last, Splat(1.0f)));
-    const Vi index = hn::ConvertTo(di, whole);
-    const Vf fraction = hn::Sub(entry, whole);
-    const Vec4 below = LoadQuads(table, index);
-    const Vec4 above = LoadQuads(table + 4, index);
-    Vf extinction = Lerp(below.w, above.w, fraction);
-    Mf visible =
-      hn::And(hn::And(sampled, number), hn::Gt(extinction, hn::Zero(d)));
+    const TableLookup look(this->Scene, value);
+    Vf extinction = look.Extinction();
+    Mf visible = hn::And(hn::And(sampled, look.IsNumber()), hn::Gt(extinction, hn::Zero(d)));
     if (hn::AllFalse(d, visible))
     {
       return visible;
@@ -639,8 +627,7 @@ private:
     }
     statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
 
-    Vec3 colour{ Lerp(below.x, above.x, fraction), Lerp(below.y, above.y, fraction),
-      Lerp(below.z, above.z, fraction) };
+    Vec3 colour = look.Colour();
     const Vf t = hn::MulAdd(s, Splat(piece.Dt), Splat(piece.T0));
     if (this->Scene.Shade)
     {
@@ -720,7 +707,7 @@ private:
   {
     const SamplePosition at = FindCells(this->Scene.Volume, q, lanes);
     const Mf border = hn::AndNot(at.Interior, lanes);
-    SampleRows rows;
+    SampleRows<T> rows;
     Vf value = Sample<T>(this->Scene.Volume, at, rows);
     if (HWY_UNLIKELY(!hn::AllFalse(Df(), border)))
     {
@@ -757,8 +744,6 @@ private:
   HWY_INLINE Mf AddUp(const PacketPiece& piece, const Vec3& q, Vf s, Vf ds, Mf sampled)
   {
     const Df d;
-    const Di di;
-    const Vf zero = hn::Zero(d);
     const Vf one = Splat(1.0f);
     const Vf value = this->ValuesAt(q, sampled);
     Mf counts = hn::And(sampled, hn::Eq(value, value));
@@ -770,14 +755,7 @@ private:
     }
     this->Scratch.Statistics.VisibleSamples +=
       static_cast<std::int64_t>(hn::CountTrue(d, counts));
-    const Vf last = Splat(static_cast<float>(this->Scene.TableSize - 1));
-    const Vf x =
-      hn::Mul(hn::Sub(value, Splat(this->Scene.TableLow)), Splat(this->Scene.TableScale));
-    const Vf entry = hn::IfThenElseZero(counts, Clamp(x, zero, last));
-    const Vf whole = hn::Min(hn::Floor(entry), hn::Sub(last, one));
-    const Vi index = hn::ConvertTo(di, whole);
-    const Vf extinction = Lerp(LoadQuads(this->Scene.Table, index).w,
-      LoadQuads(this->Scene.Table + 4, index).w, hn::Sub(entry, whole));
+    const Vf extinction = TableLookup(this->Scene, value).Extinction();
     const Vf opacity =
       hn::Sub(one, Exp2(hn::Neg(hn::Mul(extinction, Splat(this->Scene.UnitDistance)))));
     const Vf relative = hn::Mul(hn::Sub(value, Splat(this->Scene.ValueLow)),
@@ -954,7 +932,7 @@ private:
       if (!hn::AllFalse(d, between))
       {
         this->Border.Fill(this->Scene.Volume, q, between);
-        SampleRows rows;
+        SampleRows<T> rows;
         value = hn::IfThenElse(between, this->Border.Sample(rows), value);
       }
     }
@@ -972,7 +950,7 @@ private:
     {
       if (!hn::AllFalse(d, between))
       {
-        SampleRows rows;
+        SampleRows<T> rows;
         this->Border.Sample(rows);
         const Vec3 g = AtFaces(this->Scene.Volume, q, this->Border.Gradient(rows));
         result = { hn::IfThenElse(between, g.x, gradient.x),
@@ -1020,30 +998,30 @@ private:
   HWY_INLINE Vec3 ShadeSample(const PacketPiece& piece, const Vec3& q, const Vec3& colour,
     const Vec3& byIndex, Vf s, Vf t)
   {
-    Vec3 gradient; // by local coordinates of deformed space
+    Vec3 gradient; // by coordinates of the lights' space
     if (this->Scene.Identity)
     {
-      gradient = Transform(this->Scene.GradientToRest, byIndex);
+      gradient = Transform(this->Scene.IndexGradientToLights, byIndex);
     }
     else if (piece.Nodes != LateralNodes::None)
     {
       // Only the direction of the gradient is used, but it must not be turned around.
       Vf determinant;
-      gradient = this->GradientFromFrames(piece, byIndex, s, t, determinant);
-      gradient = Scale(hn::CopySign(Splat(1.0f), determinant), gradient);
+      const Vec3 local = this->GradientFromFrames(piece, byIndex, s, t, determinant);
+      gradient = Transform(
+        this->Scene.GradientToLights, Scale(hn::CopySign(Splat(1.0f), determinant), local));
     }
     else
     {
-      gradient = this->GradientFromField(q, byIndex, t);
+      gradient = Transform(this->Scene.GradientToLights, this->GradientFromField(q, byIndex, t));
     }
-    const Vec3 lit = Normalize(Transform(this->Scene.GradientToLights, gradient));
-    const Vec3 normal = Scale(Splat(-1.0f), lit);
-    const Vec3 position = Transform(
-      this->Scene.LocalToLights, MulAdd(t, this->Rays.Direction, this->Rays.Origin));
-    const Vec3 toEye = this->Scene.Parallel
-      ? Normalize(Sub(Broadcast(this->Scene.Eye), position))
-      : this->ToEye;
-    return Shade(this->Scene, colour, position, normal, toEye);
+    const auto position = [&] {
+      return Transform(
+        this->Scene.LocalToLights, MulAdd(t, this->Rays.Direction, this->Rays.Origin));
+    };
+    const Vec3 toEye =
+      this->Scene.Parallel ? Normalize(Sub(Broadcast(this->Scene.Eye), position())) : this->ToEye;
+    return Shade(this->Scene, colour, gradient, toEye, position);
   }
 
   /**

@@ -29,17 +29,9 @@ struct SamplePosition
   Vf Fx;
   Vf Fy;
   Vf Fz;
+  Vi Weights;                ///< 1 - Fx and Fx as PairWeights()
   HWY_ALIGN int Offsets[16]; ///< elements
   Mf Interior; ///< the voxels one further out on each side exist, too
-};
-
-/// Values of four neighbouring voxels of a row, from one before the cell to one behind it.
-struct Row4
-{
-  Vf A;
-  Vf B;
-  Vf C;
-  Vf D;
 };
 
 /// First voxel, along an axis, of the cell that holds a position.
@@ -70,6 +62,7 @@ HWY_INLINE SamplePosition FindCells(const PacketVolume& v, const Vec3& q, Mf lan
     at.Fy = snap(at.Fy);
     at.Fz = snap(at.Fz);
   }
+  at.Weights = PairWeights(at.Fx);
   const auto within = [&](Vf c, int a)
   {
     return hn::And(hn::Ge(c, Splat(1.0f)), hn::Le(c, Splat(static_cast<float>(v.Dimensions[a] - 3))));
@@ -86,8 +79,14 @@ HWY_INLINE SamplePosition FindCells(const PacketVolume& v, const Vec3& q, Mf lan
 }
 
 /**
- * Fetches for one scalar type. Offsets name the voxel at the start of the cell; a fetch may read
- * from the voxel before it to the second one behind it, never more.
+ * Fetches for one scalar type: rows of voxels, interpolated along x. Offsets name the voxel at the
+ * start of the cell; a fetch may read from the voxel before it to the second one behind it.
+ *
+ * Row: the voxels from one before the cell to one behind it.
+ * Along: values along x in units of Fetch::Unit, as they are interpolated and subtracted.
+ * Middle(), Before(), Behind(): at the position, and one voxel before and behind it.
+ * Middle(v, at, delta): the same without the voxels further out.
+ * Value(): what a value in these units stands for.
  */
 template <class T>
 struct Fetch;
@@ -97,10 +96,50 @@ struct WideScalar
 {
 };
 
+/// Values of the four voxels of a row.
+struct Row4
+{
+  Vf A;
+  Vf B;
+  Vf C;
+  Vf D;
+};
+
+/// What is interpolated in single precision. Loader::Load: the voxels at a distance from the cells.
+template <class Loader>
+struct FetchFloats
+{
+  using Row = Row4;
+  using Along = Vf;
+  static constexpr float Unit = 1.0f;
+  static HWY_INLINE Vf ToFloat(Vf along) { return along; }
+  static HWY_INLINE Vf Value(Vf value) { return value; }
+  static HWY_INLINE Row LoadRow(const PacketVolume& v, const int* offsets, int delta)
+  {
+    return { Loader::Load(v, offsets, delta - 1), Loader::Load(v, offsets, delta),
+      Loader::Load(v, offsets, delta + 1), Loader::Load(v, offsets, delta + 2) };
+  }
+  static HWY_INLINE Vf Before(const Row& r, const SamplePosition& at)
+  {
+    return Lerp(r.A, r.B, at.Fx);
+  }
+  static HWY_INLINE Vf Middle(const Row& r, const SamplePosition& at)
+  {
+    return Lerp(r.B, r.C, at.Fx);
+  }
+  static HWY_INLINE Vf Behind(const Row& r, const SamplePosition& at)
+  {
+    return Lerp(r.C, r.D, at.Fx);
+  }
+  static HWY_INLINE Vf Middle(const PacketVolume& v, const SamplePosition& at, int delta)
+  {
+    return Lerp(Loader::Load(v, at.Offsets, delta), Loader::Load(v, at.Offsets, delta + 1), at.Fx);
+  }
+};
+
 /// Wide types: one scalar load a lane, made relative to the table in double precision. The type is
 /// looked at for each load, so that five types do not need five copies of everything.
-template <>
-struct Fetch<WideScalar>
+struct WideLoader
 {
   static HWY_NOINLINE Vf Load(const PacketVolume& v, const int* offsets, int delta)
   {
@@ -117,154 +156,197 @@ struct Fetch<WideScalar>
       });
     return hn::Load(d, values);
   }
-  static Row4 LoadRow4(const PacketVolume& v, const int* offsets, int delta)
-  {
-    return { Load(v, offsets, delta - 1), Load(v, offsets, delta), Load(v, offsets, delta + 1),
-      Load(v, offsets, delta + 2) };
-  }
-  static void LoadPair(const PacketVolume& v, const int* offsets, int delta, Vf& b, Vf& c)
-  {
-    b = Load(v, offsets, delta);
-    c = Load(v, offsets, delta + 1);
-  }
+};
+template <>
+struct Fetch<WideScalar> : FetchFloats<WideLoader>
+{
 };
 
-template <>
-struct Fetch<float>
+struct FloatLoader
 {
-  static Vf Load(const PacketVolume& v, const int* offsets, int delta)
+  static HWY_INLINE Vf Load(const PacketVolume& v, const int* offsets, int delta)
   {
     return LoadLanes<float, 4>(v.Scalars, 4 * static_cast<std::ptrdiff_t>(delta), offsets);
   }
-  static Row4 LoadRow4(const PacketVolume& v, const int* offsets, int delta)
-  {
-    return { Load(v, offsets, delta - 1), Load(v, offsets, delta), Load(v, offsets, delta + 1),
-      Load(v, offsets, delta + 2) };
-  }
-  static void LoadPair(const PacketVolume& v, const int* offsets, int delta, Vf& b, Vf& c)
-  {
-    b = Load(v, offsets, delta);
-    c = Load(v, offsets, delta + 1);
-  }
+};
+template <>
+struct Fetch<float> : FetchFloats<FloatLoader>
+{
 };
 
-/// 8-bit types: one 32-bit load holds the four voxels of a row.
-template <class T, bool Signed>
+// Integers of at most 16 bits are interpolated along x as such (PairWeights): a pair of voxels
+// times a pair of weights in one instruction. So positions along x are rounded to 1 / FixedOne of a
+// voxel, which is about what single precision has left of them.
+
+/// 8-bit types: one 32-bit load holds the four voxels of a row. Signed ones go to the upper bytes
+/// of the halves, which extends their sign.
+template <bool Signed>
 struct FetchBytes
 {
-  template <int Byte>
-  static Vf Extract(Vi word)
+  using Row = Vi;
+  using Along = Vi;
+  static constexpr float Unit = 1.0f / (Signed ? 256 * FixedOne : FixedOne);
+  static HWY_INLINE Vf ToFloat(Vi along) { return hn::ConvertTo(Df(), along); }
+  static HWY_INLINE Vf Value(Vf value) { return hn::Mul(value, Splat(Unit)); }
+  static HWY_INLINE Vi LoadRow(const PacketVolume& v, const int* offsets, int delta)
   {
-    const Df d;
+    return LoadLanes<int, 1>(v.Scalars, delta - 1, offsets);
+  }
+  static HWY_INLINE Vi Before(Vi row, const SamplePosition& at)
+  {
+    return MultiplyPairs(Pair<0>(row), at.Weights);
+  }
+  static HWY_INLINE Vi Middle(Vi row, const SamplePosition& at)
+  {
+    return MultiplyPairs(Pair<1>(row), at.Weights);
+  }
+  static HWY_INLINE Vi Behind(Vi row, const SamplePosition& at)
+  {
+    return MultiplyPairs(Pair<2>(row), at.Weights);
+  }
+  static HWY_INLINE Vi Middle(const PacketVolume& v, const SamplePosition& at, int delta)
+  {
+    return Middle(LoadRow(v, at.Offsets, delta), at);
+  }
+
+private:
+  /// Two neighbouring bytes of each lane as halves of 16 bits.
+  template <int First>
+  static HWY_INLINE Vi Pair(Vi row)
+  {
     const Di di;
-    if constexpr (Signed)
-    {
-      return hn::ConvertTo(d, hn::ShiftRight<24>(hn::ShiftLeft<24 - 8 * Byte>(word)));
-    }
-    else
-    {
-      return hn::ConvertTo(d, hn::And(hn::ShiftRight<8 * Byte>(word), hn::Set(di, 255)));
-    }
-  }
-  static Row4 LoadRow4(const PacketVolume& v, const int* offsets, int delta)
-  {
-    const Vi word = LoadLanes<int, 1>(v.Scalars, delta - 1, offsets);
-    return { Extract<0>(word), Extract<1>(word), Extract<2>(word), Extract<3>(word) };
-  }
-  static void LoadPair(const PacketVolume& v, const int* offsets, int delta, Vf& b, Vf& c)
-  {
-    const Vi word = LoadLanes<int, 1>(v.Scalars, delta - 1, offsets);
-    b = Extract<1>(word);
-    c = Extract<2>(word);
+#if HWY_TARGET == HWY_SCALAR
+    const Vi byte = hn::Set(di, 255);
+    const Vi low = hn::And(hn::ShiftRight<8 * First>(row), byte);
+    const Vi high = hn::And(hn::ShiftRight<8 * First + 8>(row), byte);
+    const Vi pair = hn::Or(low, hn::ShiftLeft<16>(high));
+    return Signed ? hn::ShiftLeft<8>(pair) : pair;
+#else
+    // From which byte of a block of 128 bits each byte comes; 0x80: zero.
+    const auto half = [](unsigned int from) { return Signed ? 0x80u | from << 8 : from | 0x8000u; };
+    const auto pair = [&](unsigned int lane) {
+      return half(4 * lane + First) | half(4 * lane + First + 1) << 16;
+    };
+    HWY_ALIGN const unsigned int from[4] = { pair(0), pair(1), pair(2), pair(3) };
+    const hn::Repartition<std::uint8_t, Di> bytes;
+    return hn::BitCast(di,
+      hn::TableLookupBytesOr0(hn::BitCast(bytes, row),
+        hn::BitCast(bytes, hn::LoadDup128(hn::RebindToUnsigned<Di>(), from))));
+#endif
   }
 };
 template <>
-struct Fetch<std::uint8_t> : FetchBytes<std::uint8_t, false>
+struct Fetch<std::uint8_t> : FetchBytes<false>
 {
 };
 template <>
-struct Fetch<std::int8_t> : FetchBytes<std::int8_t, true>
+struct Fetch<std::int8_t> : FetchBytes<true>
 {
 };
 
-/// 16-bit types: a 32-bit load holds two voxels.
-template <class T, bool Signed>
+/// 16-bit types: a 32-bit load holds two voxels, which is a pair already. Those without a sign are
+/// made signed by an offset.
+template <bool Signed>
 struct FetchWords
 {
-  static Vf Low(Vi word)
+  struct Row
   {
-    const Df d;
-    const Di di;
-    if constexpr (Signed)
-    {
-      return hn::ConvertTo(d, hn::ShiftRight<16>(hn::ShiftLeft<16>(word)));
-    }
-    else
-    {
-      return hn::ConvertTo(d, hn::And(word, hn::Set(di, 0xFFFF)));
-    }
+    Vi AB;
+    Vi CD;
+  };
+  using Along = Vi;
+  static constexpr float Unit = 1.0f / FixedOne;
+  static HWY_INLINE Vf ToFloat(Vi along) { return hn::ConvertTo(Df(), along); }
+  static HWY_INLINE Vf Value(Vf value)
+  {
+    return hn::MulAdd(value, Splat(Unit), Splat(Signed ? 0.0f : 32768.0f));
   }
-  static Vf High(Vi word)
+  static HWY_INLINE Row LoadRow(const PacketVolume& v, const int* offsets, int delta)
   {
-    const Df d;
-    const Di di;
-    if constexpr (Signed)
-    {
-      return hn::ConvertTo(d, hn::ShiftRight<16>(word));
-    }
-    else
-    {
-      return hn::ConvertTo(d, hn::And(hn::ShiftRight<16>(word), hn::Set(di, 0xFFFF)));
-    }
+    return { Load(v, offsets, delta - 1), Load(v, offsets, delta + 1) };
   }
-  static Vi Words(const PacketVolume& v, const int* offsets, int delta)
+  static HWY_INLINE Vi Before(const Row& r, const SamplePosition& at)
   {
-    return LoadLanes<int, 2>(v.Scalars, 2 * static_cast<std::ptrdiff_t>(delta), offsets);
+    return MultiplyPairs(r.AB, at.Weights);
   }
-  static Row4 LoadRow4(const PacketVolume& v, const int* offsets, int delta)
+  static HWY_INLINE Vi Middle(const Row& r, const SamplePosition& at)
   {
-    const Vi first = Words(v, offsets, delta - 1);
-    const Vi second = Words(v, offsets, delta + 1);
-    return { Low(first), High(first), Low(second), High(second) };
+    const Vi b = hn::And(hn::ShiftRight<16>(r.AB), hn::Set(Di(), 0xFFFF));
+    return MultiplyPairs(hn::Or(b, hn::ShiftLeft<16>(r.CD)), at.Weights);
   }
-  static void LoadPair(const PacketVolume& v, const int* offsets, int delta, Vf& b, Vf& c)
+  static HWY_INLINE Vi Behind(const Row& r, const SamplePosition& at)
   {
-    const Vi word = Words(v, offsets, delta);
-    b = Low(word);
-    c = High(word);
+    return MultiplyPairs(r.CD, at.Weights);
+  }
+  static HWY_INLINE Vi Middle(const PacketVolume& v, const SamplePosition& at, int delta)
+  {
+    return MultiplyPairs(Load(v, at.Offsets, delta), at.Weights);
+  }
+
+private:
+  static HWY_INLINE Vi Load(const PacketVolume& v, const int* offsets, int delta)
+  {
+    const Vi pair = LoadLanes<int, 2>(v.Scalars, 2 * static_cast<std::ptrdiff_t>(delta), offsets);
+    return Signed ? pair : hn::Xor(pair, hn::Set(Di(), static_cast<int>(0x80008000u)));
   }
 };
 template <>
-struct Fetch<std::uint16_t> : FetchWords<std::uint16_t, false>
+struct Fetch<std::uint16_t> : FetchWords<false>
 {
 };
 template <>
-struct Fetch<std::int16_t> : FetchWords<std::int16_t, true>
+struct Fetch<std::int16_t> : FetchWords<true>
 {
 };
 
-/// The four rows of a cell, kept by a sample for its gradient.
+/// The four rows of a cell, kept by a sample for its gradient, and their values at the position.
+template <class T>
 struct SampleRows
 {
-  Row4 R00;
-  Row4 R10; // y + 1
-  Row4 R01; // z + 1
-  Row4 R11;
+  typename Fetch<T>::Row R00;
+  typename Fetch<T>::Row R10; // y + 1
+  typename Fetch<T>::Row R01; // z + 1
+  typename Fetch<T>::Row R11;
+  typename Fetch<T>::Along M00;
+  typename Fetch<T>::Along M10;
+  typename Fetch<T>::Along M01;
+  typename Fetch<T>::Along M11;
 };
+
+/// Interpolates along y and z between four values along x.
+template <class T>
+HWY_INLINE Vf Across(const SamplePosition& at, typename Fetch<T>::Along a00,
+  typename Fetch<T>::Along a10, typename Fetch<T>::Along a01, typename Fetch<T>::Along a11)
+{
+  using F = Fetch<T>;
+  return Lerp(Lerp(F::ToFloat(a00), F::ToFloat(a10), at.Fy),
+    Lerp(F::ToFloat(a01), F::ToFloat(a11), at.Fy), at.Fz);
+}
+
+/// Difference along x, over two voxels, in a row.
+template <class T>
+HWY_INLINE typename Fetch<T>::Along Slope(
+  const SamplePosition& at, const typename Fetch<T>::Row& row)
+{
+  return hn::Sub(Fetch<T>::Behind(row, at), Fetch<T>::Before(row, at));
+}
 
 /// Trilinear scalar of interior lanes; rows are kept for Gradient.
 template <class T>
-HWY_INLINE Vf Sample(const PacketVolume& v, const SamplePosition& at, SampleRows& rows)
+HWY_INLINE Vf Sample(const PacketVolume& v, const SamplePosition& at, SampleRows<T>& rows)
 {
+  using F = Fetch<T>;
   const int y = v.IncrementY;
   const int z = v.IncrementZ;
-  rows.R00 = Fetch<T>::LoadRow4(v, at.Offsets, 0);
-  rows.R10 = Fetch<T>::LoadRow4(v, at.Offsets, y);
-  rows.R01 = Fetch<T>::LoadRow4(v, at.Offsets, z);
-  rows.R11 = Fetch<T>::LoadRow4(v, at.Offsets, y + z);
-  const auto along = [&](const Row4& r) { return Lerp(r.B, r.C, at.Fx); };
-  return Lerp(Lerp(along(rows.R00), along(rows.R10), at.Fy),
-    Lerp(along(rows.R01), along(rows.R11), at.Fy), at.Fz);
+  rows.R00 = F::LoadRow(v, at.Offsets, 0);
+  rows.R10 = F::LoadRow(v, at.Offsets, y);
+  rows.R01 = F::LoadRow(v, at.Offsets, z);
+  rows.R11 = F::LoadRow(v, at.Offsets, y + z);
+  rows.M00 = F::Middle(rows.R00, at);
+  rows.M10 = F::Middle(rows.R10, at);
+  rows.M01 = F::Middle(rows.R01, at);
+  rows.M11 = F::Middle(rows.R11, at);
+  return F::Value(Across<T>(at, rows.M00, rows.M10, rows.M01, rows.M11));
 }
 
 /**
@@ -273,32 +355,22 @@ HWY_INLINE Vf Sample(const PacketVolume& v, const SamplePosition& at, SampleRows
  * eight beside them along x, come with the sample.
  */
 template <class T>
-HWY_INLINE Vec3 Gradient(const PacketVolume& v, const SamplePosition& at, const SampleRows& rows)
+HWY_INLINE Vec3 Gradient(const PacketVolume& v, const SamplePosition& at, const SampleRows<T>& rows)
 {
+  using F = Fetch<T>;
   const int y = v.IncrementY;
   const int z = v.IncrementZ;
-  const auto slope = [&](const Row4& r)
-  { return Lerp(hn::Sub(r.C, r.A), hn::Sub(r.D, r.B), at.Fx); };
-  const auto along = [&](const Row4& r) { return Lerp(r.B, r.C, at.Fx); };
-  const auto fetch = [&](int delta)
-  {
-    Vf b;
-    Vf c;
-    Fetch<T>::LoadPair(v, at.Offsets, delta, b, c);
-    return Lerp(b, c, at.Fx);
+  const Vec3 g{ //
+    Across<T>(at, Slope<T>(at, rows.R00), Slope<T>(at, rows.R10), Slope<T>(at, rows.R01),
+      Slope<T>(at, rows.R11)),
+    Across<T>(at, hn::Sub(rows.M10, F::Middle(v, at, -y)),
+      hn::Sub(F::Middle(v, at, 2 * y), rows.M00), hn::Sub(rows.M11, F::Middle(v, at, z - y)),
+      hn::Sub(F::Middle(v, at, z + 2 * y), rows.M01)),
+    Across<T>(at, hn::Sub(rows.M01, F::Middle(v, at, -z)),
+      hn::Sub(rows.M11, F::Middle(v, at, y - z)), hn::Sub(F::Middle(v, at, 2 * z), rows.M00),
+      hn::Sub(F::Middle(v, at, y + 2 * z), rows.M10))
   };
-  const Vf r00 = along(rows.R00);
-  const Vf r10 = along(rows.R10);
-  const Vf r01 = along(rows.R01);
-  const Vf r11 = along(rows.R11);
-  Vec3 g;
-  g.x = Lerp(Lerp(slope(rows.R00), slope(rows.R10), at.Fy),
-    Lerp(slope(rows.R01), slope(rows.R11), at.Fy), at.Fz);
-  g.y = Lerp(Lerp(hn::Sub(r10, fetch(-y)), hn::Sub(fetch(2 * y), r00), at.Fy),
-    Lerp(hn::Sub(r11, fetch(z - y)), hn::Sub(fetch(z + 2 * y), r01), at.Fy), at.Fz);
-  g.z = Lerp(Lerp(hn::Sub(r01, fetch(-z)), hn::Sub(r11, fetch(y - z)), at.Fy),
-    Lerp(hn::Sub(fetch(2 * z), r00), hn::Sub(fetch(y + 2 * z), r10), at.Fy), at.Fz);
-  return g;
+  return F::Unit == 1.0f ? g : Scale(Splat(F::Unit), g);
 }
 
 /// What Gradient() gives of repeated voxels, over as much of the two voxels as the volume has.
@@ -341,6 +413,7 @@ public:
     this->At.Fx = locate(q.x, 0);
     this->At.Fy = locate(q.y, 1);
     this->At.Fz = locate(q.z, 2);
+    this->At.Weights = PairWeights(this->At.Fx);
     this->At.Interior = lanes;
     HWY_ALIGN float flags[16];
     hn::Store(hn::IfThenElseZero(lanes, Splat(1.0f)), d, flags);
@@ -359,11 +432,11 @@ public:
     }
   }
 
-  HWY_INLINE Vf Sample(SampleRows& rows) const
+  HWY_INLINE Vf Sample(SampleRows<T>& rows) const
   {
     return HWY_NAMESPACE::Sample<T>(this->View, this->At, rows);
   }
-  HWY_INLINE Vec3 Gradient(const SampleRows& rows) const
+  HWY_INLINE Vec3 Gradient(const SampleRows<T>& rows) const
   {
     return HWY_NAMESPACE::Gradient<T>(this->View, this->At, rows);
   }

@@ -12,6 +12,7 @@
 #include <hwy/highway.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 
 HWY_BEFORE_NAMESPACE();
@@ -167,71 +168,97 @@ HWY_INLINE auto JoinQuads(D d, const Quad& quad)
 template <class Word, int Scale>
 HWY_INLINE auto LoadLanes(const void* base, std::ptrdiff_t bytes, const int* offsets)
 {
+  static_assert(sizeof(Word) == sizeof(float), "words of 32 bits are loaded");
   const hn::Rebind<Word, Df> d;
   const char* from = static_cast<const char*>(base) + bytes;
-  const auto load = [&](int lane)
-  {
-    Word word;
-    std::memcpy(&word, from + static_cast<std::ptrdiff_t>(offsets[lane]) * Scale, sizeof(Word));
+  // As floats, which compilers load into vector registers without a detour.
+  const auto load = [&](int lane) {
+    float word;
+    std::memcpy(&word, from + static_cast<std::ptrdiff_t>(offsets[lane]) * Scale, sizeof(word));
     return word;
   };
 #if HWY_TARGET == HWY_SCALAR
-  return hn::Set(d, load(0));
+  return hn::BitCast(d, hn::Set(Df(), load(0)));
 #else
-  return JoinQuads(d,
-    [&](int block)
-    {
-      const int first = 4 * block;
-      HWY_ALIGN const Word words[4] = { load(first), load(first + 1), load(first + 2),
-        load(first + 3) };
-      return hn::Load(hn::CappedTag<Word, 4>(), words);
-    });
+  return hn::BitCast(d, JoinQuads(Df(), [&](int block) {
+    const int first = 4 * block;
+    HWY_ALIGN const float words[4] = { load(first), load(first + 1), load(first + 2),
+      load(first + 3) };
+    return hn::Load(hn::CappedTag<float, 4>(), words);
+  }));
 #endif
 }
 
-/// Four floats of every lane.
-struct Vec4
+/// Weights of 16-bit numbers add up to this.
+constexpr int FixedOne = 1 << 14;
+
+/// 1 - f and f, in units of 1 / FixedOne, in the lower and the upper half of each lane; 0 <= f
+/// <= 1.
+HWY_INLINE Vi PairWeights(Vf f)
 {
-  Vf x;
-  Vf y;
-  Vf z;
-  Vf w;
+  const Vi upper = hn::NearestInt(hn::Mul(f, Splat(static_cast<float>(FixedOne))));
+  return hn::Add(hn::Sub(hn::ShiftLeft<16>(upper), upper), hn::Set(Di(), FixedOne));
+}
+
+/// Sum of the products of the signed lower halves and of the upper halves of each lane.
+HWY_INLINE Vi MultiplyPairs(Vi a, Vi b)
+{
+#if HWY_TARGET == HWY_SCALAR
+  const auto low = [](Vi v) { return hn::ShiftRight<16>(hn::ShiftLeft<16>(v)); };
+  return hn::Add(hn::Mul(low(a), low(b)), hn::Mul(hn::ShiftRight<16>(a), hn::ShiftRight<16>(b)));
+#else
+  const Di di;
+  const hn::Repartition<std::int16_t, Di> halves;
+  Vi odd = hn::Zero(di);
+  const Vi even = hn::ReorderWidenMulAccumulate(
+    di, hn::BitCast(halves, a), hn::BitCast(halves, b), hn::Zero(di), odd);
+  return hn::RearrangeToOddPlusEven(even, odd);
+#endif
+}
+
+/// Four words of every lane.
+struct Quads
+{
+  Vi x;
+  Vi y;
+  Vi z;
+  Vi w;
 };
 
 /**
- * The four floats at `table + 4 * index` of each lane: one load a lane and a transposition, where
+ * The four words at `table + 4 * index` of each lane: one load a lane and a transposition, where
  * four gathers would load four times.
  */
-HWY_INLINE Vec4 LoadQuads(const float* table, Vi index)
+HWY_INLINE Quads LoadQuads(const std::uint32_t* table, Vi index)
 {
-  const Df d;
+  const Di di;
+  const int* words = reinterpret_cast<const int*>(table);
 #if HWY_TARGET == HWY_SCALAR
   const Vi at = hn::ShiftLeft<2>(index);
-  return { hn::GatherIndex(d, table, at), hn::GatherIndex(d, table + 1, at),
-    hn::GatherIndex(d, table + 2, at), hn::GatherIndex(d, table + 3, at) };
+  return { hn::GatherIndex(di, words, at), hn::GatherIndex(di, words + 1, at),
+    hn::GatherIndex(di, words + 2, at), hn::GatherIndex(di, words + 3, at) };
 #else
   HWY_ALIGN int at[16];
-  hn::Store(hn::ShiftLeft<2>(index), Di(), at);
+  hn::Store(hn::ShiftLeft<2>(index), di, at);
   // The quads of lanes k, k + 4, k + 8 ... in one vector.
-  const auto column = [&](int k)
-  {
-    return JoinQuads(d,
-      [&](int block) { return hn::LoadU(hn::CappedTag<float, 4>(), table + at[4 * block + k]); });
+  const auto column = [&](int k) {
+    return JoinQuads(
+      di, [&](int block) { return hn::LoadU(hn::CappedTag<int, 4>(), words + at[4 * block + k]); });
   };
-  const Vf a = column(0);
-  const Vf b = column(1);
-  const Vf c = column(2);
-  const Vf e = column(3);
-  // Transposition of 4 x 4 floats in every block of 128 bits.
-  const hn::Repartition<double, Df> dd;
-  const auto lowAB = hn::BitCast(dd, hn::InterleaveLower(d, a, b));
-  const auto lowCE = hn::BitCast(dd, hn::InterleaveLower(d, c, e));
-  const auto highAB = hn::BitCast(dd, hn::InterleaveUpper(d, a, b));
-  const auto highCE = hn::BitCast(dd, hn::InterleaveUpper(d, c, e));
-  return { hn::BitCast(d, hn::InterleaveLower(dd, lowAB, lowCE)),
-    hn::BitCast(d, hn::InterleaveUpper(dd, lowAB, lowCE)),
-    hn::BitCast(d, hn::InterleaveLower(dd, highAB, highCE)),
-    hn::BitCast(d, hn::InterleaveUpper(dd, highAB, highCE)) };
+  const Vi a = column(0);
+  const Vi b = column(1);
+  const Vi c = column(2);
+  const Vi e = column(3);
+  // Transposition of 4 x 4 words in every block of 128 bits.
+  const hn::Repartition<std::uint64_t, Di> pairs;
+  const auto lowAB = hn::BitCast(pairs, hn::InterleaveLower(di, a, b));
+  const auto lowCE = hn::BitCast(pairs, hn::InterleaveLower(di, c, e));
+  const auto highAB = hn::BitCast(pairs, hn::InterleaveUpper(di, a, b));
+  const auto highCE = hn::BitCast(pairs, hn::InterleaveUpper(di, c, e));
+  return { hn::BitCast(di, hn::InterleaveLower(pairs, lowAB, lowCE)),
+    hn::BitCast(di, hn::InterleaveUpper(pairs, lowAB, lowCE)),
+    hn::BitCast(di, hn::InterleaveLower(pairs, highAB, highCE)),
+    hn::BitCast(di, hn::InterleaveUpper(pairs, highAB, highCE)) };
 #endif
 }
 
@@ -284,6 +311,31 @@ HWY_INLINE Vf Log2(Vf x)
   s = hn::MulAdd(s, u2, Splat(1.0f / 3.0f));
   s = hn::MulAdd(s, u2, Splat(1.0f));
   return hn::MulAdd(hn::Mul(Splat(2.8853900818f), u), s, hn::ConvertTo(d, exponent));
+}
+
+/// 1 / sqrt(x) for positive normal x; relative error below 3e-7.
+HWY_INLINE Vf InverseSqrt(Vf x)
+{
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+  // Estimates of 12 bits and more, and one step of Newton's method.
+  const Vf y = hn::ApproximateReciprocalSqrt(x);
+  const Vf half = hn::Mul(hn::Mul(x, y), Splat(0.5f));
+  return hn::Mul(y, hn::NegMulAdd(half, y, Splat(1.5f)));
+#else
+  return hn::Div(Splat(1.0f), hn::Sqrt(x));
+#endif
+}
+
+/// x^power for 0 <= x and whole numbers power >= 0.
+HWY_INLINE Vf WholePower(Vf x, int power)
+{
+  Vf result = (power & 1) != 0 ? x : Splat(1.0f);
+  while ((power >>= 1) != 0)
+  {
+    x = hn::Mul(x, x);
+    result = (power & 1) != 0 ? hn::Mul(result, x) : result;
+  }
+  return result;
 }
 
 /// x^power for 0 <= x, power >= 0.

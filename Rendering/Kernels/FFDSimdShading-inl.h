@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Blinn-Phong shading of packets, as Shading::Shade. Included once per target of Highway.
+// Blinn-Phong shading of packets, as Shading::Shade(). Included once per target of Highway.
 #if defined(FFD_SIMD_SHADING_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef FFD_SIMD_SHADING_INL_H_
 #undef FFD_SIMD_SHADING_INL_H_
@@ -18,32 +18,53 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// Unit vectors; zero where the length is.
-HWY_INLINE Vec3 Normalize(const Vec3& v)
+/// 1 / length of vectors; zero where it is zero, or has no direction that single precision can
+/// tell.
+HWY_INLINE Vf InverseLength(const Vec3& v)
 {
   const Vf squared = Dot(v, v);
-  const Mf some = hn::Gt(squared, Splat(1e-30f));
-  // Very long and infinite vectors have no direction that single precision can tell.
-  const Mf finite = hn::Lt(squared, Splat(1e37f));
-  const Vf inverse = hn::IfThenElseZero(
-    hn::And(some, finite), hn::Div(Splat(1.0f), hn::Sqrt(hn::Max(squared, Splat(1e-30f)))));
+  const Mf some = hn::And(hn::Gt(squared, Splat(1e-30f)), hn::Lt(squared, Splat(1e37f)));
+  return hn::IfThenElseZero(some, InverseSqrt(hn::IfThenElse(some, squared, Splat(1.0f))));
+}
+
+/// Unit vectors; zero where InverseLength() is.
+HWY_INLINE Vec3 Normalize(const Vec3& v)
+{
+  const Vf inverse = InverseLength(v);
+  const Mf some = hn::Gt(inverse, hn::Zero(Df()));
   return { hn::IfThenElseZero(some, hn::Mul(v.x, inverse)),
     hn::IfThenElseZero(some, hn::Mul(v.y, inverse)),
     hn::IfThenElseZero(some, hn::Mul(v.z, inverse)) };
 }
 
-/// Colours of lit samples; `normal` and `toEye`: unit vectors. All in the space of the lights.
-HWY_INLINE Vec3 Shade(const PacketScene& scene, const Vec3& colour, const Vec3& position,
-  const Vec3& normal, const Vec3& toEye)
+/// Light that samples send to the eye, without that of headlights.
+struct Lighting
 {
-  const Df d;
-  const Vf zero = hn::Zero(d);
-  Vec3 ambient{ zero, zero, zero };
-  Vec3 diffuse = ambient;
-  Vec3 specular = ambient;
+  Vec3 Ambient;
+  Vec3 Diffuse;
+  Vec3 Specular;
+};
+
+/// x to the specular power, 0 <= x <= 1.
+HWY_INLINE Vf Highlight(const PacketScene& scene, Vf x)
+{
+  return scene.WholeSpecularPower >= 0 ? WholePower(x, scene.WholeSpecularPower)
+                                       : Power(x, scene.SpecularPower);
+}
+
+/// Cosine of an angle between directions as it counts for lighting.
+HWY_INLINE Vf LitCosine(const PacketScene& scene, Vf cosine)
+{
+  return hn::Min(hn::Max(scene.TwoSided ? hn::Abs(cosine) : cosine, hn::Zero(Df())), Splat(1.0f));
+}
+
+/// Adds the lights that are no headlights.
+HWY_NOINLINE void AddLights(const PacketScene& scene, const Vec3& position, const Vec3& normal,
+  const Vec3& toEye, Lighting& lit)
+{
   for (const PacketLight& light : scene.Lights)
   {
-    Vec3 toLight = light.Headlight ? toEye : Broadcast(light.Towards);
+    Vec3 toLight = Broadcast(light.Towards);
     Vf strength = Splat(1.0f);
     if (light.Positional)
     {
@@ -56,34 +77,45 @@ HWY_INLINE Vec3 Shade(const PacketScene& scene, const Vec3& colour, const Vec3& 
       if (light.Cone)
       {
         const Vf cosine = hn::Neg(Dot(toLight, Broadcast(light.Axis)));
-        const Mf lit = hn::Ge(cosine, Splat(light.ConeCosine));
+        const Mf inCone = hn::Ge(cosine, Splat(light.ConeCosine));
         strength = hn::IfThenElseZero(
-          lit, hn::Mul(strength, Power(hn::Max(cosine, zero), light.ConeExponent)));
+          inCone, hn::Mul(strength, Power(hn::Max(cosine, hn::Zero(Df())), light.ConeExponent)));
       }
     }
-    Vf nDotL = Dot(normal, toLight);
-    // The half vector of a headlight is the direction to the eye.
-    Vf nDotH = light.Headlight ? nDotL : Dot(normal, Normalize(Add(toLight, toEye)));
-    if (scene.TwoSided)
-    {
-      nDotL = hn::Abs(nDotL);
-      nDotH = hn::Abs(nDotH);
-    }
-    nDotL = hn::Mul(strength, hn::Max(nDotL, zero));
-    const Vf highlight = hn::Mul(
-      strength, Power(hn::Min(hn::Max(nDotH, zero), Splat(1.0f)), scene.SpecularPower));
-    ambient = Add(ambient, Broadcast(light.Ambient));
-    diffuse = MulAdd(nDotL, Broadcast(light.Diffuse), diffuse);
-    specular = MulAdd(highlight, Broadcast(light.Specular), specular);
+    const Vf nDotL = LitCosine(scene, Dot(normal, toLight));
+    const Vf nDotH = LitCosine(scene, Dot(normal, Normalize(Add(toLight, toEye))));
+    lit.Ambient = Add(lit.Ambient, Broadcast(light.Ambient));
+    lit.Diffuse = MulAdd(hn::Mul(strength, nDotL), Broadcast(light.Diffuse), lit.Diffuse);
+    lit.Specular =
+      MulAdd(hn::Mul(strength, Highlight(scene, nDotH)), Broadcast(light.Specular), lit.Specular);
   }
-  const auto mix = [&](Vf c, Vf a, Vf f, Vf s)
+}
+
+/**
+ * Colours of lit samples. `gradient`: of any length, the normal is opposite to it; `toEye`: unit
+ * vectors; `positionOf()`: where the samples are. All in the space of the lights.
+ */
+template <class PositionOf>
+HWY_INLINE Vec3 Shade(const PacketScene& scene, const Vec3& colour, const Vec3& gradient,
+  const Vec3& toEye, const PositionOf& positionOf)
+{
+  const Vf inverse = InverseLength(gradient);
+  // The half vector of headlights is the direction to the eye.
+  const Vf facing = LitCosine(scene,
+    hn::IfThenElseZero(
+      hn::Gt(inverse, hn::Zero(Df())), hn::Neg(hn::Mul(Dot(gradient, toEye), inverse))));
+  const Vf highlight = Highlight(scene, facing);
+  const PacketLight& headlights = scene.Headlights;
+  Lighting lit{ Broadcast(headlights.Ambient), Scale(facing, Broadcast(headlights.Diffuse)),
+    Scale(highlight, Broadcast(headlights.Specular)) };
+  if (HWY_UNLIKELY(!scene.Lights.empty()))
   {
-    return hn::MulAdd(c, hn::MulAdd(Splat(scene.Ambient), a, hn::Mul(Splat(scene.Diffuse), f)),
-      hn::Mul(Splat(scene.Specular), s));
-  };
-  return { mix(colour.x, ambient.x, diffuse.x, specular.x),
-    mix(colour.y, ambient.y, diffuse.y, specular.y),
-    mix(colour.z, ambient.z, diffuse.z, specular.z) };
+    const Vec3 normal = Scale(Splat(-1.0f), Normalize(gradient));
+    AddLights(scene, positionOf(), normal, toEye, lit);
+  }
+  return { hn::MulAdd(colour.x, hn::Add(lit.Ambient.x, lit.Diffuse.x), lit.Specular.x),
+    hn::MulAdd(colour.y, hn::Add(lit.Ambient.y, lit.Diffuse.y), lit.Specular.y),
+    hn::MulAdd(colour.z, hn::Add(lit.Ambient.z, lit.Diffuse.z), lit.Specular.z) };
 }
 
 } // namespace HWY_NAMESPACE

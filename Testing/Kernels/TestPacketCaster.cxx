@@ -13,6 +13,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <random>
 #include <string>
@@ -35,7 +36,8 @@ double BlobValue(const glm::dvec3& p)
 class TestScene
 {
 public:
-  explicit TestScene(ScalarType type, std::uint32_t seed = 1)
+  /// `wholeRange`: the values are spread over all that integers of the type can be.
+  explicit TestScene(ScalarType type, std::uint32_t seed = 1, bool wholeRange = false)
     : Random(seed)
   {
     const glm::ivec3 dims(39, 31, 27);
@@ -51,6 +53,11 @@ public:
       [&](auto zero)
       {
         using T = decltype(zero);
+        if (wholeRange)
+        {
+          this->First = static_cast<double>(std::numeric_limits<T>::lowest());
+          this->Last = static_cast<double>(std::numeric_limits<T>::max());
+        }
         // Room behind the last voxel would hide reads beyond it from the sanitizer.
         this->Bytes.resize(
           static_cast<std::size_t>(dims.x) * dims.y * dims.z * sizeof(T));
@@ -61,7 +68,9 @@ public:
           {
             for (int i = 0; i < dims.x; ++i)
             {
-              *voxel++ = static_cast<T>(BlobValue(glm::dvec3(i, j, k)));
+              const double part = 0.01 * BlobValue(glm::dvec3(i, j, k));
+              *voxel++ =
+                static_cast<T>(std::round(this->First + part * (this->Last - this->First)));
             }
           }
         }
@@ -81,7 +90,7 @@ public:
     this->SetDeformation(0.0, PullBackKind::Exact);
   }
 
-  /// Values up to `least` are transparent.
+  /// Values up to `least` of 0 to 100 are transparent.
   void SetLeastVisible(double least)
   {
     std::vector<float> rgb(3 * 1601);
@@ -94,7 +103,8 @@ public:
       rgb[3 * i + 2] = 1.0f - v / 100.0f;
       opacity[i] = std::max(0.0f, 0.004f * (v - static_cast<float>(least)));
     }
-    this->Table = TransferTable(0.0, 100.0, opacity.size(), rgb.data(), opacity.data(), 1.0);
+    this->Table =
+      TransferTable(this->First, this->Last, opacity.size(), rgb.data(), opacity.data(), 1.0);
     this->Distances = DistanceMap(this->Blocks, this->Table);
     this->Scene.Table = &this->Table;
     this->Scene.Distances = &this->Distances;
@@ -215,6 +225,8 @@ public:
   CastSettings Settings;
 
 private:
+  double First = 0.0; ///< values of the blob's 0 and 100
+  double Last = 100.0;
   std::mt19937 Random;
   std::vector<char> Bytes;
   MinMaxBlocks Blocks;
@@ -305,6 +317,23 @@ TEST(PacketCaster, AllScalarTypes)
     TestScene scene(type);
     scene.SetCamera(true, 61, 45); // no whole number of tiles
     ExpectSamePicture(scene);
+  }
+}
+
+/// Integers of 16 bits and less are interpolated as such: with all their bits, and signs.
+TEST(PacketCaster, WholeRangeOfIntegers)
+{
+  for (const ScalarType type :
+    { ScalarType::Int8, ScalarType::UInt8, ScalarType::Int16, ScalarType::UInt16 })
+  {
+    for (const double leastVisible : { 20.0, -60.0 }) // the second one: at faces, too
+    {
+      SCOPED_TRACE("type " + std::to_string(static_cast<int>(type)));
+      TestScene scene(type, 1, true);
+      scene.SetLeastVisible(leastVisible);
+      scene.SetCamera(true, 61, 45);
+      ExpectSamePicture(scene, leastVisible < 0.0 ? 30.0 : 6.0);
+    }
   }
 }
 
@@ -411,6 +440,20 @@ TEST(PacketCaster, Options)
     }
     // Single precision takes a position between two voxels for nearest to the other one.
     ExpectSamePicture(scene, option == 1 ? 12.0 : 6.0);
+  }
+}
+
+/// Whole powers are multiplied, others are not.
+TEST(PacketCaster, SpecularPowers)
+{
+  for (const float power : { 0.0f, 1.0f, 7.0f, 7.5f, 128.0f, 200.0f })
+  {
+    SCOPED_TRACE("power " + std::to_string(power));
+    TestScene scene(ScalarType::UInt8, 3);
+    scene.SetCamera(true, 64, 48);
+    scene.Scene.Material.Specular = 0.8f;
+    scene.Scene.Material.SpecularPower = power;
+    ExpectSamePicture(scene);
   }
 }
 

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Looking up transfer tables, a value a lane. Included once per target of Highway.
+#if defined(FFD_SIMD_TABLE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef FFD_SIMD_TABLE_INL_H_
+#undef FFD_SIMD_TABLE_INL_H_
+#else
+#define FFD_SIMD_TABLE_INL_H_
+#endif
+
+#include "FFDPacketCaster.h"
+#include "FFDPacketTable.h"
+
+#include "FFDSimdMath-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ffd
+{
+namespace HWY_NAMESPACE
+{
+
+/// What the transfer table says of values; what is asked of it is computed only then.
+class TableLookup
+{
+public:
+  /// `values`: as they are fetched (PacketVolume).
+  HWY_INLINE TableLookup(const PacketScene& scene, Vf values)
+  {
+    const Df d;
+    const Vf intervals = Splat(static_cast<float>(scene.Table.GetNumberOfIntervals()));
+    const Vf x = hn::Mul(hn::Sub(values, Splat(scene.TableLow)), Splat(scene.TableScale));
+    // Comparisons with what is not a number are false.
+    this->Number = hn::Eq(x, x);
+    const Vf entry = hn::IfThenElseZero(this->Number, Clamp(x, hn::Zero(d), intervals));
+    const Vf whole = hn::Min(hn::Floor(entry), hn::Sub(intervals, Splat(1.0f)));
+    this->Fraction = hn::Sub(entry, whole);
+    this->Words = LoadQuads(scene.Table.GetWords(), hn::ConvertTo(Di(), whole));
+  }
+
+  HWY_INLINE Mf IsNumber() const { return this->Number; }
+
+  /// Per world unit; of what is no number that of the first entry.
+  HWY_INLINE Vf Extinction() const
+  {
+    const Df d;
+    return Lerp(hn::BitCast(d, this->Words.x), hn::BitCast(d, this->Words.y), this->Fraction);
+  }
+
+  HWY_INLINE Vec3 Colour() const
+  {
+    const Vi weights = PairWeights(this->Fraction);
+    constexpr int Bits = PacketTable::ColourBits;
+    const Vi first = this->Words.z;
+    const Vi second = this->Words.w;
+    return { Channel(first, hn::ShiftLeft<16>(second), weights),
+      Channel(hn::ShiftRight<Bits>(first), hn::ShiftLeft<16 - Bits>(second), weights),
+      Channel(hn::ShiftRight<2 * Bits>(first), hn::ShiftRight<2 * Bits - 16>(second), weights) };
+  }
+
+private:
+  /// `first`: in the lowest bits, `second`: in those of the upper half.
+  static HWY_INLINE Vf Channel(Vi first, Vi second, Vi weights)
+  {
+    const Vi low = hn::Set(Di(), PacketTable::LargestColour);
+    const Vi high = hn::Set(Di(), PacketTable::LargestColour << 16);
+    const Vi pair = hn::Or(hn::And(first, low), hn::And(second, high));
+    return hn::Mul(hn::ConvertTo(Df(), MultiplyPairs(pair, weights)),
+      Splat(1.0f / (static_cast<float>(FixedOne) * PacketTable::LargestColour)));
+  }
+
+  Vf Fraction;
+  Mf Number;
+  Quads Words;
+};
+
+} // namespace HWY_NAMESPACE
+} // namespace ffd
+HWY_AFTER_NAMESPACE();
+
+#endif
