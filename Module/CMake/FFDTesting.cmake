@@ -95,6 +95,23 @@ macro (ffd_list_test_sources extension)
   set_property(DIRECTORY APPEND PROPERTY ffd_listed_test_sources ${ARGN})
 endmacro ()
 
+# ffd_precompile_headers(<property> <target> <header>...)
+# Parse the headers once for all targets with the same property, whose first one compiles them. Not with
+# a compiler cache, which would not cache what uses them, and not with strict warnings, where
+# sources must do with what they include themselves.
+function (ffd_precompile_headers property target)
+  if (CMAKE_CXX_COMPILER_LAUNCHER OR FFD_STRICT_WARNINGS OR FFD_SANITIZERS)
+    return ()
+  endif ()
+  get_property(first GLOBAL PROPERTY "${property}")
+  if (first)
+    target_precompile_headers("${target}" REUSE_FROM "${first}")
+  else ()
+    target_precompile_headers("${target}" PRIVATE ${ARGN})
+    set_property(GLOBAL PROPERTY "${property}" "${target}")
+  endif ()
+endfunction ()
+
 # ffd_add_kernel_test(<Name> <sources>... [LABELS ...] [TIMEOUT s])
 # A Google Test executable that sees the private headers of the kernels and links all our modules.
 # GTEST_SKIP() counts as failure: loop over what the machine has instead.
@@ -112,6 +129,8 @@ function (ffd_add_kernel_test name)
     ${ffd_modules}
     glm::glm hwy::hwy
     GTest::gtest_main)
+  ffd_precompile_headers(ffd_kernel_test_headers "${name}"
+    <gtest/gtest.h> <glm/glm.hpp> <algorithm> <cmath> <functional> <random> <string> <vector>)
   add_test(NAME "Kernels.${name}" COMMAND "${name}")
   set_tests_properties("Kernels.${name}" PROPERTIES
     FAIL_REGULAR_EXPRESSION "\\[  SKIPPED \\];0 tests from 0 test suites")
@@ -181,6 +200,11 @@ function (ffd_build_cxx_tests)
     set_target_properties(FFDCxxTests PROPERTIES ENABLE_EXPORTS ON)
   endif ()
   target_include_directories(FFDCxxTests PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}")
+  ffd_precompile_headers(ffd_cxx_test_headers FFDCxxTests
+    <vtkCamera.h> <vtkColorTransferFunction.h> <vtkDoubleArray.h> <vtkImageData.h> <vtkNew.h>
+    <vtkPiecewiseFunction.h> <vtkPointData.h> <vtkRegressionTestImage.h> <vtkRenderWindow.h>
+    <vtkRenderer.h> <vtkSmartPointer.h> <vtkVolume.h> <vtkVolumeProperty.h>
+    <algorithm> <array> <cmath> <functional> <iostream> <sstream> <string> <vector>)
   target_link_libraries(FFDCxxTests PRIVATE
     ffd_build_flags
     ${ffd_modules}
