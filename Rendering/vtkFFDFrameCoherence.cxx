@@ -139,7 +139,7 @@ std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Source
   glm::ivec2 shift(0);
   // A frame that follows no edit is a picture of its own: nothing stays inexact.
   if (this->Continues(sources, scene, region, shift) &&
-    ffd::FindChange(last, map, *scene.Bounds, inverts ? restBounds : deformed,
+    ffd::FindChange(last, map, scene.Limits, inverts ? restBounds : deformed,
       Resolution * scene.VoxelSize, scene.Distances ? isEmpty : ffd::IsEmptyAtRest(), change) &&
     !change.IsEmpty())
   {
@@ -168,7 +168,7 @@ std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Source
   this->LastDeformedBounds = scene.DeformedBounds;
   this->LastField = std::make_unique<ffd::BSplineField>(*map.GetField());
   this->LastKind = map.GetKind();
-  this->LastWasOneToOne = !inverts || scene.Bounds->IsOneToOne();
+  this->LastWasOneToOne = !inverts || scene.Limits.OneToOne;
   this->LastDepths.clear();
   if (scene.Depths)
   {

@@ -18,7 +18,6 @@
 #include "vtkFFDVolumeInput.h"
 #include "vtkFFDVolumeViewFromImage.h"
 
-#include "FFDDeformedSpaceBounds.h"
 #include "FFDDistanceMap.h"
 #include "FFDMinMaxBlocks.h"
 #include "FFDOpticalFunctions.h"
@@ -94,19 +93,7 @@ constexpr double LongestSegment = 1e4;
 constexpr double LongestMinimum = 64.0;
 
 /// Longest piece of ERROR_BOUND, voxels.
-constexpr double LongestSpan = 16.0;
-
-/// The same where nothing is deformed: more than any volume is long.
-constexpr double LongestStraightSpan = 1e6;
-
-/// Pieces where no position error can be proven, voxels.
-constexpr double UnprovenLength = 2.0;
-
-/// Size of the cells that hold what is proven of the pull-back, voxels.
-constexpr double BoundsResolution = 16.0;
-
-/// A span is halved at most so often, however small the minimum segment length.
-constexpr int LargestSpanLevel = 10;
+constexpr double LongestPiece = 64.0;
 
 /// Most that a deformation may enlarge the volume: beyond, its inverse is lost in rounding, and
 /// takes for ever.
@@ -139,20 +126,6 @@ double FindShortestEdge(const glm::dmat3& fromIndex)
 {
   return std::min(
     glm::length(fromIndex[0]), std::min(glm::length(fromIndex[1]), glm::length(fromIndex[2])));
-}
-
-/// How many cells of bounds a volume is worth: each takes 34 bytes. Not by the size of the scalars:
-/// rays are cut into the same pieces whatever the type. `whole`: of which the image may be a part,
-/// which must be rendered as in the whole.
-int FindMostBoundsCells(const ffd::VolumeView& volume, const ffd::Box& whole)
-{
-  constexpr double voxelsPerCell = 24000.0;
-  double voxels = 1.0;
-  for (int a = 0; a < 3; ++a)
-  {
-    voxels *= (whole.Max[a] - whole.Min[a]) / glm::length(volume.IndexToData[a]) + 1.0;
-  }
-  return static_cast<int>(std::clamp(voxels / voxelsPerCell, 216.0, 2000.0));
 }
 
 /// Narrow [from, to] to what of a ray is in a box; false if nothing is.
@@ -337,13 +310,11 @@ public:
   // Of the deformation.
   vtkFFDDeformationSource Source;
   vtkMTimeType DeformationTime = 0; // that of the field
-  double DeformationReach = 0.0;
-  int DeformationCells = 0; // at most so many
   ffd::PullBack Map;
   ffd::Box RestBounds;
   ffd::Box WholeBounds; // deformed, of which a clip box shows a part
   double TurnRate = 0.0; // radians per data unit of a viewing ray
-  ffd::DeformedSpaceBounds SpaceBounds;
+  ffd::PullBackLimits Limits;
   ffd::Box DeformedBounds;
   double ReportedBounds[6] = { 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 };
 
@@ -537,20 +508,14 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
     ffd::FindPullBackKind(
       static_cast<ffd::InverseMode>(this->Self->InverseMode), this->Source.IsInverted()),
     std::min(this->Self->InverseTolerance, LargestTolerance) * voxel);
-  // Pieces of rays and the rays around a tile reach out of the bounds by about so much.
-  const double reach = BoundsResolution * voxel;
-  const int mostCells = FindMostBoundsCells(this->Input.GetView(), rest);
   // All that the bounds depend on: other options of the mapper do not make them anew.
   if (this->DeformationTime == this->Source.GetMTime() && this->RestBounds.Min == rest.Min &&
-    this->RestBounds.Max == rest.Max && this->DeformationReach == reach &&
-    this->DeformationCells == mostCells &&
+    this->RestBounds.Max == rest.Max &&
     this->Map.GetKind() == map.GetKind() && this->Map.GetTolerance() == map.GetTolerance())
   {
     return true;
   }
   this->DeformationTime = 0; // until all of it is there: an abort leaves out the rest
-  this->DeformationReach = reach;
-  this->DeformationCells = mostCells;
   this->RestBounds = rest;
   this->Map = map;
   ++this->Builds[DEFORMATION_BOUNDS];
@@ -570,9 +535,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
   }
   this->TurnRate = ffd::FindLargestTurnRate(
     mapBounds.Over(mapBounds.RegionsAreInRestSpace() ? rest : this->DeformedBounds, parallelFor));
-  this->SpaceBounds = ffd::DeformedSpaceBounds(this->Map, mapBounds,
-    { this->DeformedBounds.Min - reach, this->DeformedBounds.Max + reach }, rest, reach,
-    mostCells, parallelFor);
+  this->Limits = mapBounds.GetLimits();
   for (int a = 0; a < 3; ++a)
   {
     this->ReportedBounds[2 * a] = this->DeformedBounds.Min[a];
@@ -914,30 +877,15 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
       longest = std::min(longest, angle / (this->TurnRate * FindShortestEdge(this->Input.GetView().IndexToData)));
     }
   }
+  const double longestPiece =
+    self->MaximumSegmentLength == 0.0 ? LongestPiece : std::min(longest, LongestPiece);
   longest = std::max(longest, shortest);
   settings.Polyline.AngleThreshold = angle;
   settings.Polyline.MinimumLength = shortest * voxelSize;
   settings.Polyline.MaximumLength = longest * voxelSize;
-  // Bounds get worse with the length of a span, faster than its pieces get fewer; and longer spans
-  // could not be halved down to the minimum.
-  longest = std::max(shortest, std::min(longest, LongestSpan));
-  longest = std::min(longest, shortest * (1 << LargestSpanLevel));
-  // A whole number of samples a span: then they are equidistant where nothing is deformed.
-  const double perSpan = std::floor(longest * voxelSize / settings.SampleDistance + 1e-6);
-  settings.Spans.Length =
-    perSpan >= 1.0 ? perSpan * settings.SampleDistance : longest * voxelSize;
-  if (this->Map.IsIdentity() && perSpan < 1.0)
-  {
-    // Straight rays need no shorter ones.
-    settings.Spans.Length = std::min(settings.SampleDistance, LongestStraightSpan * voxelSize);
-  }
-  settings.Spans.PositionTolerance = self->PositionTolerance;
-  settings.Spans.LargestLevel = std::clamp(
-    static_cast<int>(std::floor(std::log2(longest / shortest) + 1e-9)), 0,
-    LargestSpanLevel);
-  settings.Spans.UnprovenLevel = std::clamp(
-    static_cast<int>(std::ceil(std::log2(longest / UnprovenLength))), 0,
-    settings.Spans.LargestLevel);
+  settings.Pieces.Longest = std::max(longestPiece, shortest) * voxelSize;
+  settings.Pieces.Shortest = shortest * voxelSize;
+  settings.Pieces.PositionTolerance = self->PositionTolerance;
   return settings;
 }
 
@@ -1030,7 +978,7 @@ ffd::CastScene vtkFFDInverseRayVolumeMapper::vtkInternals::MakeScene(vtkRenderer
   scene.Table = &this->Functions.Components[0].Table;
   scene.Distances = this->Leaps() ? &this->Distances : nullptr;
   scene.Map = &this->Map;
-  scene.Bounds = &this->SpaceBounds;
+  scene.Limits = this->Limits;
   scene.DeformedBounds = this->VisibleBounds();
   if (this->Self->HasClipBox)
   {
@@ -2000,7 +1948,7 @@ vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetAuxiliaryMemorySize()
 {
   const vtkInternals& in = *this->Internals;
   std::size_t size = in.Distances.GetMemorySize() + in.Functions.GetMemorySize() +
-    in.Source.GetMemorySize() + in.SpaceBounds.GetMemorySize() + in.Input.GetMemorySize() +
+    in.Source.GetMemorySize() + in.Input.GetMemorySize() +
     in.VectorScalars.GetMemorySize() +
     in.Coherence.GetMemorySize();
   for (const ffd::MinMaxBlocks& blocks : in.Blocks)

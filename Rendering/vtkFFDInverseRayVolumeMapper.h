@@ -206,7 +206,7 @@ public:
    */
   enum Segmentations
   {
-    ERROR_BOUND, ///< parabolas whose distance from the true curve is proven to be small
+    ERROR_BOUND, ///< curves whose distance from the true ones is measured to be small
     GREEDY_ANGLE ///< the paper's polyline, section 4.5
   };
 
@@ -223,9 +223,10 @@ public:
 
   ///@{
   /**
-   * Largest distance between a piece and the true deformed ray, in voxels, for ERROR_BOUND.
-   * Default: 0.1. Must be positive. Where no bound can be proven, as at folds, the distance may be
-   * larger: see MinimumSegmentLength.
+   * Largest distance of a sample from its true position, in voxels, for ERROR_BOUND. Default: 0.1.
+   * Must be positive. Neighbouring rays share interpolants of the pull-back, whose error is measured
+   * on themselves, at points between their nodes, with a safety factor; where no interpolant is close
+   * enough, every sample is pulled back by itself.
    */
   virtual void SetPositionTolerance(double voxels);
   vtkGetMacro(PositionTolerance, double);
@@ -242,14 +243,13 @@ public:
 
   ///@{
   /**
-   * Limits of the length of a piece on the viewing ray, in voxels. Defaults: 0.5 and 16; the paper
+   * Limits of the length of a piece on the viewing ray, in voxels. Defaults: 0.5 and 64; the paper
    * has 0.5 and 8. The minimum must be positive; less than 0.001 and more than 64 count as these. A
    * maximum of more than 10000 counts as that, one below the minimum as the minimum. A maximum of 0
-   * follows from the deformation (section 4.5): the arc that turns by the angle threshold on the
-   * circle of the largest curvature that any deformed ray can have, at most 64 voxels. Pieces of
-   * ERROR_BOUND are no longer than 16 voxels, unless the minimum is; where no error can be proven,
-   * as at folds, they are at most 2 voxels long, or as short as the minimum allows. Where nothing
-   * is deformed they are as long as the sample distance, if that is longer.
+   * means: for GREEDY_ANGLE what follows from the deformation (section 4.5), the arc that turns by the
+   * angle threshold on the circle of the largest curvature that any deformed ray can have, at most 64
+   * voxels; for ERROR_BOUND 64 voxels, which is also the most that it takes. Its pieces have a power of
+   * two of samples, at least one.
    */
   virtual void SetMinimumSegmentLength(double voxels);
   vtkGetMacro(MinimumSegmentLength, double);
@@ -311,7 +311,8 @@ public:
 
   ///@{
   /**
-   * Distance between samples along the deformed ray, data units. Default: locked to the input,
+   * Distance between samples along the viewing ray, data units. Samples lie at whole multiples of it
+   * from the face where the ray enters the volume at rest, whatever the pieces are. Default: locked to the input,
    * one voxel; setting a distance unlocks it. Must be positive; less than a thousandth of a voxel
    * counts as that. Where nothing is deformed samples lie at whole multiples of it behind the face
    * through which the ray enters the volume, or behind the near clipping plane if that is inside,
@@ -991,7 +992,7 @@ private:
   double PositionTolerance = 0.1;
   double AngleThreshold = 5.0;
   double MinimumSegmentLength = 0.5;
-  double MaximumSegmentLength = 16.0;
+  double MaximumSegmentLength = 64.0;
   int SpaceLeaping = LIPSCHITZ;
   double EarlyRayTerminationThreshold = 1.0 / 255.0;
   int OpacityLength = WORLD;

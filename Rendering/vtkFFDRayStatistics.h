@@ -36,8 +36,8 @@ public:
 
   ///@{
   /**
-   * Number of pieces that the deformed rays were cut into and sampled on. Pieces that LIPSCHITZ
-   * space leaping passes over are not counted.
+   * Number of pieces that the deformed rays were cut into and sampled on. Pieces that are passed over
+   * because nothing can be seen in them are not counted.
    */
   vtkGetMacro(NumberOfSegments, vtkTypeInt64);
   double GetSegmentsPerRay() const;
@@ -67,8 +67,8 @@ public:
 
   ///@{
   /**
-   * Number of transparent positions inside the volume where a distance was looked up to leap on
-   * (figure 6c).
+   * Number of look-ups of distances to what is visible (figure 6c). With ERROR_BOUND one look-up is
+   * for a part of a piece and all rays of 4 x 4 pixels.
    */
   vtkGetMacro(NumberOfDistanceLookups, vtkTypeInt64);
   double GetDistanceLookupsPerRay() const;

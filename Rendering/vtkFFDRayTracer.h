@@ -9,8 +9,8 @@
  * Examples/Python/paper_figures.py draws them). The rays are cast by the mapper of the given volume
  * with all its settings, for a picture of ImageSize pixels seen by the renderer's camera, as
  * vtkFFDInverseRayVolumeMapper::RenderToImage() would make it. With GREEDY_ANGLE these are the
- * paper's polylines, with ERROR_BOUND the parabolas, drawn with eight lines each (straight ones
- * with one). The reference kernels of the mapper cast them.
+ * paper's polylines, with ERROR_BOUND a line from sample to sample. The reference kernels of the mapper
+ * cast them.
  *
  * Three outputs, in data coordinates of the volume:
  * - 0: the rays in rest space, one polyline for each pixel whose ray meets the deformed bounds, in
@@ -18,7 +18,7 @@
  *   vertex (the last vertex of a ray has -1 and zeros): "Segment" (its number on the ray),
  *   "SegmentLength" (on the viewing ray, data units), "RestLength" (at rest, data units),
  *   "Samples" (that were interpolated), "Leaps" (look-ups in the distance map that started a leap),
- *   "Passed" (1: proven empty, nothing was looked at), and of the vertex "T" (distance from the
+ *   "Passed" (1: proven empty, nothing was looked at; of GREEDY_ANGLE alone), and of the vertex "T" (distance from the
  *   near plane on the viewing ray, data units). Cell arrays: "Pixel" (2 components), "Segments",
  *   "Samples", "VisibleSamples", "Leaps", "Terminated" (1: early ray termination), "Color" (RGBA,
  *   not premultiplied: that of the pixel).

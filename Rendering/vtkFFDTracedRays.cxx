@@ -24,7 +24,7 @@ namespace
 {
 
 /// Lines that a parabola is drawn with.
-constexpr int LinesPerParabola = 8;
+constexpr int LinesPerCurve = 8;
 
 /// What is known of the segment that begins at a vertex.
 struct Segment
@@ -183,9 +183,7 @@ void vtkFFDTracedRays::Add(const ffd::TracedRay& ray, int x, int y)
   {
     const ffd::TracedPiece& piece = ray.Pieces[i];
     const glm::dmat3& toData = this->Scene.Volume.IndexToData;
-    const bool straight =
-      glm::length(piece.Curve.Quadratic) <= 1e-12 * glm::length(piece.Curve.Linear);
-    const int lines = straight ? 1 : LinesPerParabola;
+    const int lines = piece.Curve.IsLine() ? 1 : LinesPerCurve;
     Segment segment;
     segment.Index = static_cast<int>(i);
     segment.Length = piece.To - piece.From;

@@ -34,12 +34,10 @@ def run(folder, size=256, quick=False, position_program=None, progress=None):
     body = []
 
     # Table 1.
-    methods = ("paper", "default", "reference") if quick else tuple(scene.METHODS)
+    methods = ("paper", "default") if quick else tuple(scene.METHODS)
     header, rows = report.table1(table, methods, ("smooth",))
     for shape in shapes[1:]:
-        # Folded lattices take the reference kernels minutes.
-        more = ("paper",) if quick else [
-            m for m in methods if not (shape == "random" and m == "reference")]
+        more = ("paper",) if quick else methods
         rows += [row for row in report.table1(table, more, (shape,))[1] if row[1] == shape]
     order = [scene.OPACITY_TITLES[name] for name in scene.OPACITIES]
     rows.sort(key=lambda row: order.index(row[0]))
@@ -47,8 +45,7 @@ def run(folder, size=256, quick=False, position_program=None, progress=None):
     body += ["## Table 1: samples without optimisation over samples and look-ups with it\n",
              report.markdown_table(header, rows),
              "![Table 1](%s)\n" % figures.draw_table1(folder, table, (
-                 ("random", "paper"), ("smooth", "paper"), ("smooth", "default"),
-                 ("smooth", "reference")))]
+                 ("random", "paper"), ("smooth", "paper"), ("smooth", "default")))]
 
     # Figures 5 to 7.
     body += ["## Figure 5: the engine by magnitude and opacity, the paper's method\n"]
@@ -87,7 +84,6 @@ def run(folder, size=256, quick=False, position_program=None, progress=None):
 
     # What must show.
     checks = experiments.check_trends(table, magnitudes)
-    checks += experiments.check_ours(table, "reference")
     checks += experiments.check_ours(table, "default")
     checks += experiments.check_figure8(rows8)
     if errors is not None:

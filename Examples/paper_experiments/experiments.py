@@ -179,6 +179,9 @@ def check_ours(table, method):
 #: less than what tells the cuts apart.
 FIGURE8_DISTANCE = 0.0625
 
+#: PositionTolerance of ERROR_BOUND in figure 8, voxels: what it allows is less than that, too.
+FIGURE8_TOLERANCE = 0.02
+
 #: Figure 8: how rays are cut. "exact" has a segment for every sample.
 FIGURE8 = {
     "undeformed": "a: undeformed",
@@ -234,6 +237,8 @@ def run_figure8(image, size, sample_distance, progress=None):
         method = "firstorder" if name == "bound" else "paper"
         mapper = scene.make_mapper(image, lattice, method, True, sample_distance)
         mapper.SetOpacityLengthToMaterial()
+        if name == "bound":
+            mapper.SetPositionTolerance(FIGURE8_TOLERANCE)
         fixed = {"fixed2": 2.0, "fixed4": 4.0, "exact": sample_distance}.get(name)
         if fixed:
             mapper.SetMinimumSegmentLength(fixed)

@@ -109,8 +109,7 @@ def draw_table1(folder, table, curves):
     figure, axes = pyplot.subplots(1, 3, figsize=(13.0, 4.2), constrained_layout=True)
     styles = {"paper": ("#0072B2", "the paper's method, here"),
               "default": ("#D55E00", "vtkFFD, default settings"),
-              "firstorder": ("#CC79A7", "vtkFFD, FIRST_ORDER"),
-              "reference": ("#009E73", "vtkFFD, one ray at a time")}
+              "firstorder": ("#CC79A7", "vtkFFD, FIRST_ORDER")}
     lines = {"smooth": "-", "random": ":"}
     for panel, opacity in zip(axes, scene.OPACITIES):
         panel.plot(scene.TABLE_MAGNITUDES, experiments.PAPER_TABLE[opacity], "k-", linewidth=2.5,

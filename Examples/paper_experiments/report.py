@@ -156,22 +156,9 @@ DIFFERENCES = """\
 """
 
 PACKETS = """\
-- *default* and *reference* are the same algorithm, take the same samples, and differ in look-ups alone:
-  {packet0:.1f} against {single0:.1f} a ray undeformed, {packet:.1f} against {single:.1f} at 45 ({title},
-  smooth). Undeformed, *default* follows a straight ray as one piece from end to end, so nothing but the
-  distances limits its leaps. Deformed, a packet of neighbouring rays goes from piece to piece, and all
-  of its rays look up where one has to. So the part of the undeformed speed-up that it keeps at 45
-  ({kept:.0f} %) says how fast the undeformed case is; from 15 to 45 it keeps {later:.0f} %. All look-ups
-  are counted, although a packet makes them for all of its rays at once. Table 1 is not a table of times;
-  Testing/Benchmarks has those.
-"""
-
-BOUNDS = """\
-- EXACT needs bounds of T^-1. For lattices far from smooth they are loose, and where T folds there are
-  none: pieces become short, down to the minimum, and LIPSCHITZ can no longer leap far ({title}, at 45:
-  *wave* {wave:.2f} one ray at a time, *random* {default:.2f}). FIRST_ORDER, the paper's own pull-back,
-  is a polynomial of the lattice and has no such problem (*random* {firstorder:.2f}; the paper's method
-  {paper:.2f}). That the pieces are far shorter than they had to be shows under "Position error".
+- *default* looks distances up for parts of a piece and 4 x 4 rays at once: {straight:.2f} look-ups a ray
+  undeformed, {bent:.2f} at 45 ({title}, smooth). All rays of a packet take a sample where one of them
+  has to. Table 1 is not a table of times; Testing/Benchmarks has those.
 """
 
 
@@ -183,17 +170,5 @@ def differences(table, methods, shapes):
     start = table.get("smooth", 0, "paper", "semi").segment_length
     text = DIFFERENCES.format(start=start, ends=ends)
     title = scene.OPACITY_TITLES["sparse"]
-    ratios = [table.ratio("smooth", m, "default", "sparse") for m in scene.TABLE_MAGNITUDES]
-    lookups = {m: [table.get("smooth", at, m, "sparse").lookups for at in (0, 45)]
-               for m in ("default", "reference")}
-    text += PACKETS.format(
-        packet0=lookups["default"][0], single0=lookups["reference"][0],
-        packet=lookups["default"][1], single=lookups["reference"][1], title=title,
-        kept=100.0 * ratios[-1] / ratios[0], later=100.0 * ratios[-1] / ratios[1])
-    if "firstorder" in methods and "random" in shapes:
-        ratios = {m: table.ratio("random", 45, m, "sparse")
-                  for m in ("default", "firstorder", "paper")}
-        if ratios["default"] < ratios["firstorder"]:
-            wave = table.ratio("wave", 45, "reference", "sparse")
-            text += BOUNDS.format(title=title, wave=wave, **ratios)
-    return text
+    straight, bent = (table.get("smooth", at, "default", "sparse").lookups for at in (0, 45))
+    return text + PACKETS.format(straight=straight, bent=bent, title=title)

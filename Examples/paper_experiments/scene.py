@@ -158,7 +158,6 @@ METHODS = {
     "paper": "the paper's method: GREEDY_ANGLE, SEGMENT, FIRST_ORDER, MATERIAL",
     "default": "vtkFFD, default settings: ERROR_BOUND, LIPSCHITZ, EXACT, WORLD",
     "firstorder": "vtkFFD, default settings but FIRST_ORDER",
-    "reference": "vtkFFD, default settings, ReferenceKernels: one ray at a time",
 }
 
 
@@ -177,8 +176,6 @@ def make_mapper(image, lattice, method, optimised=True, sample_distance=SAMPLE_D
         mapper.SetOpacityLengthToMaterial()
     elif method == "firstorder":
         mapper.SetInverseModeToFirstOrder()
-    elif method == "reference":
-        mapper.ReferenceKernelsOn()
     elif method != "default":
         raise ValueError("unknown method '%s'" % method)
     if not optimised:

@@ -261,4 +261,39 @@ glm::dvec3 PullBack::Evaluate(
   return p + sign * d;
 }
 
+//------------------------------------------------------------------------------
+glm::dmat3 PullBack::FindJacobian(const glm::dvec3& p, const glm::dvec3& q) const
+{
+  if (this->IsIdentity())
+  {
+    return glm::dmat3(1.0);
+  }
+  glm::dmat3 jacobian;
+  switch (this->Kind)
+  {
+    case PullBackKind::FirstOrder:
+      this->Field->Displacement(p, jacobian);
+      return glm::dmat3(1.0) - jacobian;
+    case PullBackKind::Forward:
+      this->Field->Displacement(p, jacobian);
+      return glm::dmat3(1.0) + jacobian;
+    default:
+      break;
+  }
+  const bool mirrored = this->Kind == PullBackKind::FirstOrderOfInverse;
+  this->Field->Displacement(mirrored ? p + (p - q) : q, jacobian);
+  jacobian += glm::dmat3(1.0);
+  glm::dmat3 inverse(1.0);
+  for (int a = 0; a < 3; ++a)
+  {
+    glm::dvec3 unit(0.0);
+    unit[a] = 1.0;
+    if (!Solve(jacobian, unit, inverse[a]))
+    {
+      return glm::dmat3(1.0);
+    }
+  }
+  return mirrored ? glm::dmat3(2.0) - inverse : inverse;
+}
+
 } // namespace ffd

@@ -78,6 +78,9 @@ public:
   /// Q = Phi(p) and dPhi/dp: jacobian[column][row] (GLM is column major).
   glm::dvec3 Evaluate(const glm::dvec3& p, glm::dmat3& jacobian, PullBackStatus& status) const;
 
+  /// dPhi/dp at p, of which it is known that Phi(p) = q.
+  glm::dmat3 FindJacobian(const glm::dvec3& p, const glm::dvec3& q) const;
+
 private:
   const BSplineField* Field = nullptr;
   PullBackKind Kind = PullBackKind::Exact;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDPullBackBounds.h"
 
+#include "FFDMatrixBounds.h"
+
 #include "FFDBSplineBasis.h"
 #include "FFDControlNet.h"
 #include "FFDJacobianDeterminant.h"
@@ -598,6 +600,21 @@ Box PullBackBounds::ForwardImage(const Box& region, const ParallelFor& parallelF
   const glm::dvec3 slack = 1e-12 *
     (glm::max(glm::abs(image.Min), glm::abs(image.Max)) + glm::abs(this->Field->GetSpacing()));
   return { image.Min - slack, image.Max + slack };
+}
+
+//------------------------------------------------------------------------------
+PullBackLimits PullBackBounds::GetLimits() const
+{
+  constexpr double Infinity = std::numeric_limits<double>::infinity();
+  const MapBounds everywhere = this->Over({ glm::dvec3(-Infinity), glm::dvec3(Infinity) });
+  PullBackLimits limits;
+  limits.OneToOne = !this->RestRegions || this->ProvenInvertible;
+  const glm::dmat3 low = Absolute(everywhere.JacobianMin);
+  const glm::dmat3 high = Absolute(everywhere.JacobianMax);
+  const glm::dmat3 largest(
+    glm::max(low[0], high[0]), glm::max(low[1], high[1]), glm::max(low[2], high[2]));
+  limits.LargestStretch = std::sqrt(LargestRowSum(largest) * LargestRowSum(glm::transpose(largest)));
+  return limits;
 }
 
 } // namespace ffd

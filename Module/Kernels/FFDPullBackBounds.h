@@ -35,6 +35,13 @@ struct MapBounds
   double ThirdDerivative = 0.0;
 };
 
+/// What is known of a pull-back everywhere.
+struct PullBackLimits
+{
+  bool OneToOne = true;        ///< proven: every point of deformed space comes from one point alone
+  double LargestStretch = 1.0; ///< of lengths, by Phi; may be infinite
+};
+
 /**
  * Bounds of the pull-back Phi from the control net alone (convex hull property), recomputed at
  * every edit. Each lattice cell is cut into 2^3 sub-cells; over each the Bezier coefficients of
@@ -101,6 +108,9 @@ public:
     return this->SubCells.capacity() * sizeof(SubCellBounds) +
       this->Derivatives.capacity() * sizeof(CellDerivatives);
   }
+
+  /// What is left of the bounds where only the whole counts.
+  PullBackLimits GetLimits() const;
 
   /// True when J_T is proven regular everywhere, so that T has one inverse (kinds that invert T).
   bool IsProvenInvertible() const { return this->ProvenInvertible; }

@@ -6,14 +6,13 @@
 #include "FFDBlending.h"
 #include "FFDCameraView.h"
 #include "FFDCropping.h"
-#include "FFDDeformedSpaceBounds.h"
 #include "FFDDistanceMap.h"
 #include "FFDExport.h"
 #include "FFDPolyline.h"
 #include "FFDPullBack.h"
+#include "FFDPullBackBounds.h"
 #include "FFDSampling.h"
 #include "FFDShading.h"
-#include "FFDTileSpans.h"
 #include "FFDTransferTable.h"
 #include "FFDVolumeView.h"
 
@@ -29,7 +28,7 @@ namespace ffd
 /// How a deformed ray is cut into pieces.
 enum class Segmentation
 {
-  ErrorBound, ///< parabolas on a grid shared by the tile, position error bounded (TileSpans)
+  ErrorBound, ///< interpolants shared by the rays of a tile, position error measured (TilePiece)
   GreedyAngle ///< the paper's polyline, section 4.5 (PolylineWalker)
 };
 
@@ -50,14 +49,22 @@ enum class OpacityLength
 
 class SampleClassifier;
 
+/// Parameters of ERROR_BOUND.
+struct PieceSettings
+{
+  double Longest = 64.0; ///< piece, units of t
+  double Shortest = 0.5;
+  double PositionTolerance = 0.1; ///< voxels
+};
+
 struct CastSettings
 {
   Segmentation Segments = Segmentation::ErrorBound;
   SpaceLeaping Leaping = SpaceLeaping::Lipschitz;
   OpacityLength Opacity = OpacityLength::World;
   PolylineSettings Polyline;
-  SpanSettings Spans;
-  double SampleDistance = 1.0;       ///< world units, along the deformed ray
+  PieceSettings Pieces;
+  double SampleDistance = 1.0;       ///< world units, along the viewing ray
   double InverseTolerance = 0.01;      ///< of the pull-back, voxels
   float TerminationTransmittance = 0;  ///< a ray ends when less than this passes it
   bool Shade = false;
@@ -97,7 +104,7 @@ struct CastScene
   const SampleClassifier* Classifier = nullptr; ///< null: one component by Table and Material
   const DistanceMap* Distances = nullptr; ///< may be null when Leaping is Off
   const PullBack* Map = nullptr;
-  const DeformedSpaceBounds* Bounds = nullptr;
+  PullBackLimits Limits; ///< of Map
   Box DeformedBounds; ///< data coordinates; rays are cut to them
   /// Where Volume and DeformedBounds are parts of a whole, that whole, at rest and deformed, and else
   /// null: what is rounded and iterated is then the same in all of its parts.

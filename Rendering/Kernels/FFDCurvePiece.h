@@ -15,29 +15,39 @@ namespace ffd
 {
 
 /**
- * A piece of a deformed ray: Q(s) = Start + s * (Linear + s * Quadratic), 0 <= s <= 1, in index
- * coordinates of the volume. Both segmentations hand their pieces to the sampler in this form; the
- * paper's polyline has no quadratic term.
+ * A piece of a deformed ray: a quartic Q(s), 0 <= s <= 1, in index coordinates of the volume. Both
+ * segmentations hand their pieces to the sampler in this form; the paper's polyline has linear ones.
  */
 struct CurvePiece
 {
-  glm::dvec3 Start{ 0.0 };
-  glm::dvec3 Linear{ 0.0 };
-  glm::dvec3 Quadratic{ 0.0 };
+  static constexpr int NumberOfTerms = 5;
+  glm::dvec3 Terms[NumberOfTerms] = {}; ///< of s^0 to s^4
 
-  glm::dvec3 At(double s) const { return this->Start + s * (this->Linear + s * this->Quadratic); }
-  glm::dvec3 Velocity(double s) const { return this->Linear + (2.0 * s) * this->Quadratic; }
-
-  static CurvePiece Line(const glm::dvec3& a, const glm::dvec3& b)
+  glm::dvec3 At(double s) const
   {
-    return { a, b - a, glm::dvec3(0.0) };
+    return this->Terms[0] +
+      s * (this->Terms[1] + s * (this->Terms[2] + s * (this->Terms[3] + s * this->Terms[4])));
   }
+  glm::dvec3 Velocity(double s) const
+  {
+    return this->Terms[1] +
+      s * (2.0 * this->Terms[2] + s * (3.0 * this->Terms[3] + (4.0 * s) * this->Terms[4]));
+  }
+  /// Whether it is a line that is run through evenly.
+  bool IsLine() const
+  {
+    const double rest =
+      glm::length(this->Terms[2]) + glm::length(this->Terms[3]) + glm::length(this->Terms[4]);
+    return rest <= 1e-12 * glm::length(this->Terms[1]);
+  }
+
+  static CurvePiece Line(const glm::dvec3& a, const glm::dvec3& b) { return { { a, b - a } }; }
 
   /// The parabola through the positions at s = 0, 1/2 and 1.
   static CurvePiece Parabola(const glm::dvec3& a, const glm::dvec3& middle, const glm::dvec3& b)
   {
     const glm::dvec3 linear = 4.0 * middle - 3.0 * a - b;
-    return { a, linear, b - a - linear };
+    return { { a, linear, b - a - linear } };
   }
 };
 
@@ -96,32 +106,6 @@ inline SampleSchedule ScheduleWithRemainder(
     schedule.Count = 1;
     schedule.LastInterval = 1.0;
   }
-  return schedule;
-}
-
-/**
- * Equal intervals of about `sampleDistance` over the whole piece, sampled at their start. `length`
- * is the length of the piece. Of the samples only those in [from, to) remain, so where they lie
- * does not depend on where the ray enters a box or ends at a surface. They are moved on by
- * `jitter` of an interval. `intervals`: the interval that holds `from` belongs to it, too.
- */
-inline SampleSchedule ScheduleEvenly(double length, double sampleDistance, double from, double to,
-  double jitter = 0.0, bool intervals = false)
-{
-  // In this order what is not a number becomes the limit.
-  const double count =
-    std::max(1.0, std::min<double>(LargestSampleCount, std::round(length / sampleDistance)));
-  // A sample at the very start of the range belongs to it, rounding errors or not.
-  constexpr double Slack = 1e-3;
-  const double first =
-    std::ceil(std::max(from, 0.0) * count - (intervals ? 1.0 - Slack : Slack + jitter));
-  const double end = std::min(count, std::ceil(std::min(to, 1.0) * count - Slack - jitter));
-  SampleSchedule schedule;
-  schedule.Count = static_cast<int>(std::max(0.0, end - first));
-  schedule.Step = 1.0 / count;
-  schedule.First = first * schedule.Step;
-  schedule.LastInterval = schedule.Step;
-  schedule.Jitter = jitter;
   return schedule;
 }
 

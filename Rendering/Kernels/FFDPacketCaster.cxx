@@ -46,9 +46,35 @@ int CastTileOfAnyType(const PacketScene& scene, int x0, int y0, unsigned int qua
   }
 }
 
-void FindInverseGuessOf(PacketScene& scene)
+void MoveSeeds(PacketScene& scene)
 {
-  FindInverseGuess(scene);
+  const Df d;
+  const std::size_t count = scene.Seeds.size();
+  for (std::size_t first = 0; first < count; first += hn::Lanes(d))
+  {
+    HWY_ALIGN float p[3][16];
+    const auto at = [&](std::size_t lane) -> PacketSeed&
+    { return scene.Seeds[std::min(first + lane, count - 1)]; };
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+    {
+      for (int a = 0; a < 3; ++a)
+      {
+        p[a][lane] = at(lane).Point[a];
+      }
+    }
+    const Vec3 point{ hn::Load(d, p[0]), hn::Load(d, p[1]), hn::Load(d, p[2]) };
+    const Vec3 image = Add(point, Displacement(scene.Field, point));
+    hn::Store(image.x, d, p[0]);
+    hn::Store(image.y, d, p[1]);
+    hn::Store(image.z, d, p[2]);
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+    {
+      for (int a = 0; a < 3; ++a)
+      {
+        at(lane).Image[a] = p[a][lane];
+      }
+    }
+  }
 }
 
 } // namespace HWY_NAMESPACE
@@ -68,10 +94,16 @@ namespace
 {
 
 HWY_EXPORT(CastTileOfAnyType);
-HWY_EXPORT(FindInverseGuessOf);
+HWY_EXPORT(MoveSeeds);
 
-/// Nodes per axis of the field that guesses the inverse, at most.
-constexpr double LargestGuess = 16.0;
+/// Seeds of Newton's method along each axis of the volume.
+constexpr int SeedsPerAxis = 7;
+
+/// Length of the parts of a piece that are tested for emptiness, voxels.
+constexpr double PartLength = 2.0;
+
+/// Of positions in single precision, relative to their size.
+constexpr double SinglePrecision = 4e-7;
 
 /// Specular powers that are found by multiplications, at most.
 constexpr float LargestWholePower = 128.0f;
@@ -262,21 +294,40 @@ PacketCaster::PacketCaster(
   // Single precision cannot tell residuals smaller than this.
   const double resolution = 2e-6 * glm::length(whole.Max - whole.Min);
   p.Tolerance = static_cast<float>(std::max(scene.Map->GetTolerance(), resolution));
+  const Box rest = FindRestBox(v, scene.WholeAtRest);
   if (!p.Identity && InvertsTheField(p.Kind))
   {
-    const glm::dvec3 half = 0.5 * (whole.Max - whole.Min);
-    const glm::dvec3 spacing =
-      glm::max(glm::abs(scene.Map->GetField()->GetSpacing()), 2.0 * half / LargestGuess);
-    p.InverseGuess.CoverBox(-half, half, spacing);
-    HWY_DYNAMIC_DISPATCH(FindInverseGuessOf)(p);
+    for (int i = 0; i < SeedsPerAxis * SeedsPerAxis * SeedsPerAxis; ++i)
+    {
+      const glm::dvec3 part(i % SeedsPerAxis, i / SeedsPerAxis % SeedsPerAxis,
+        i / SeedsPerAxis / SeedsPerAxis);
+      const glm::dvec3 at =
+        v.FirstVoxel + v.IndexToData *
+          glm::mix(rest.Min, rest.Max, part / static_cast<double>(SeedsPerAxis - 1));
+      PacketSeed seed;
+      Copy(at - p.Centre, seed.Point);
+      p.Seeds.push_back(seed);
+    }
+    HWY_DYNAMIC_DISPATCH(MoveSeeds)(p);
   }
+  const double distance = settings.SampleDistance;
+  const double voxel = scene.VoxelSize;
+  p.VoxelsPerUnit = static_cast<float>(1.0 / voxel);
+  p.PositionTolerance = static_cast<float>(std::max(settings.Pieces.PositionTolerance,
+    SinglePrecision * glm::length(whole.Max - whole.Min) / voxel));
+  p.ShortestPiece = static_cast<float>(settings.Pieces.Shortest / voxel);
+  // Powers of two, so that pieces can be halved down to a sample.
+  const auto powerOfTwo = [](double most)
+  { return 1 << static_cast<int>(std::clamp(std::floor(std::log2(most) + 1e-6), 0.0, 20.0)); };
+  p.SamplesPerTop = powerOfTwo(settings.Pieces.Longest / distance);
+  p.SamplesPerPart = powerOfTwo(PartLength * voxel / distance);
+  p.LeapsPieces = scene.Distances && settings.Leaping == SpaceLeaping::Lipschitz;
 
   CopyRows(v.DataToIndex, p.LocalToIndex);
   const glm::dvec3 shift =
     scene.WholeAtRest ? -glm::round(v.ToIndex(scene.WholeAtRest->Min)) : glm::dvec3(0.0);
   Copy(v.ToIndex(p.Centre) + shift, p.IndexOffset);
   Copy(shift, p.IndexShift);
-  const Box rest = FindRestBox(v, scene.WholeAtRest);
   Copy(rest.Min + shift, p.RestMin);
   Copy(rest.Max + shift, p.RestMax);
   CopyRows(v.IndexToData, p.IndexToLocal);

@@ -9,7 +9,7 @@
 #include "FFDPacketTable.h"
 #include "FFDPacketVolume.h"
 #include "FFDRayIntegrator.h"
-#include "FFDTileSpans.h"
+#include "FFDTilePiece.h"
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
@@ -47,6 +47,13 @@ enum class PacketSampling
   PerRay     ///< the RayIntegrator of each ray
 };
 
+/// A point of rest space and where T takes it, local coordinates.
+struct PacketSeed
+{
+  float Point[3];
+  float Image[3];
+};
+
 /**
  * A frame in the form the packet kernels read: single precision, positions relative to a point
  * near the volume ("local" coordinates: data coordinates less Centre).
@@ -66,7 +73,7 @@ struct PacketScene
   bool Identity = false;
   PullBackKind Kind = PullBackKind::Exact;
   PacketField Field;
-  PacketField InverseGuess; ///< about T^-1(P) - P, where Newton's method starts
+  std::vector<PacketSeed> Seeds; ///< over the volume, where Newton's method starts from nowhere
   float Tolerance = 0.0f;   ///< of the inverse, data units
   glm::dvec3 Centre{ 0.0 }; ///< data coordinates
   float LocalToIndex[9] = {};
@@ -100,6 +107,12 @@ struct PacketScene
   bool Parallel = false;
   float Eye[3] = {}; ///< in the space of the lights
 
+  float PositionTolerance = 0.1f; ///< of interpolants, voxels
+  float VoxelsPerUnit = 1.0f;     ///< lengths in data units to lengths in voxels
+  float ShortestPiece = 0.5f;     ///< voxels
+  int SamplesPerTop = 1;          ///< of the longest pieces
+  int SamplesPerPart = 1;         ///< of a piece, that are tested for emptiness together, at least
+  bool LeapsPieces = false;       ///< whether pieces are tested for emptiness as a whole
   const unsigned char* Distances = nullptr;
   int Blocks[3] = {};
   float LastBlock[3] = {};
@@ -123,32 +136,31 @@ struct PacketScene
   std::vector<PacketLight> Lights; ///< the others
 };
 
-/// One layer of a grid: the rest points, in index coordinates, of its 4 x 4 nodes at one t.
-struct TileLayer
+/// A position that was sampled, for measurements of its error: pixel, t, and index coordinates.
+struct SampledPosition
 {
-  float X[16];
-  float Y[16];
-  float Z[16];
+  int X;
+  int Y;
+  float T;
+  float Index[3];
 };
 
 /// Buffers that a thread keeps between tiles.
 struct PacketScratch
 {
-  TileSpans Spans;
-  std::vector<int> LayerSlots; ///< by fine parameter index: number of the layer, or -1
-  std::array<std::vector<int>, 4> QuarterSlots; ///< the same for the quarters of the tile
-  std::vector<TileLayer> Layers;
-  std::vector<unsigned char> EmptySpans; ///< of the tile, as far as known (TileBeam)
+  TilePiecePool Pieces;
+  std::vector<TilePiece*> Tops; ///< of the trees of pieces of the tile, front to back, as far as known
   std::vector<RayIntegrator> Integrators; ///< of the lanes of a packet, where these are used
-  std::array<float, 9 * 256> Rays; ///< origin, direction (local), from, to, image position
+  std::array<float, 8 * TileSide * TileSide> Rays; ///< origin, direction (local), from, to
   CastStatistics Statistics;
+  std::vector<SampledPosition>* Positions = nullptr; ///< where to note samples, or null
 };
 
 /**
  * The fast ray caster: packets of neighbouring rays in lockstep, a ray a lane of the widest vector
  * instructions that the machine has (Highway, chosen at run time). The pull-back is evaluated on a
- * coarse grid of 4 x 4 nodes a tile and interpolated, with a proven error (TileSpans); where that
- * is too large it is evaluated for each ray. Takes the samples of the reference ray caster.
+ * coarse grid of 4 x 4 nodes a tile and interpolated, with an error that is measured (TilePiece); where
+ * it is too large it is evaluated for each sample. Takes the samples of the reference ray caster.
  */
 class FFD_KERNEL_EXPORT PacketCaster
 {

@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <utility>
 #include <vector>
 
 namespace ffd
@@ -37,6 +36,8 @@ public:
   std::vector<float> Coefficients; ///< x, y, z of each control point
   /// |D(a + e) - D(a) - D'(a) e| <= SecondDerivative / 2 |e|^2 inside of the lattice.
   float SecondDerivative = 0.0f;
+  /// Of a step of Newton's method: one that is longer leaves what is known of the field.
+  float LongestStep = 0.0f;
   /// Whether that holds everywhere: there is no kink where the lattice ends.
   bool Smooth = true;
 
@@ -61,73 +62,9 @@ public:
       this->Coefficients.push_back(static_cast<float>(c.z));
     }
     this->SecondDerivative = static_cast<float>(FindSecondDerivative(field));
+    const glm::dvec3 h = glm::abs(field.GetSpacing());
+    this->LongestStep = static_cast<float>(std::max({ h.x, h.y, h.z }));
   }
-
-  /**
-   * A field over [min, max] with `spacing` that approximates what it is given at its nodes:
-   * SetNodes() with values at GetNode(), the difference being of the fourth order of the spacing.
-   */
-  void CoverBox(const glm::dvec3& min, const glm::dvec3& max, const glm::dvec3& spacing)
-  {
-    for (int a = 0; a < 3; ++a)
-    {
-      const double cells = std::max(1.0, std::ceil((max[a] - min[a]) / spacing[a]));
-      this->Nodes[a] = static_cast<int>(cells) + FirstOffset + 3;
-      this->Origin[a] = static_cast<float>(min[a]);
-      this->InverseSpacing[a] = static_cast<float>(1.0 / spacing[a]);
-      this->ClampMin[a] = 0.0f;
-      this->ClampMax[a] = static_cast<float>(cells);
-    }
-    this->StrideY = this->Nodes[0];
-    this->StrideZ = this->Nodes[1];
-    this->Coefficients.assign(3 * this->GetNumberOfNodes(), 0.0f);
-  }
-
-  std::size_t GetNumberOfNodes() const
-  {
-    return static_cast<std::size_t>(this->Nodes[0]) * static_cast<std::size_t>(this->Nodes[1]) *
-      static_cast<std::size_t>(this->Nodes[2]);
-  }
-
-  /// Position of node i, x fastest, after CoverBox().
-  glm::vec3 GetNode(std::size_t i) const
-  {
-    const std::size_t nx = static_cast<std::size_t>(this->Nodes[0]);
-    const std::size_t ny = static_cast<std::size_t>(this->Nodes[1]);
-    const std::size_t at[3] = { i % nx, i / nx % ny, i / (nx * ny) };
-    glm::vec3 p;
-    for (int a = 0; a < 3; ++a)
-    {
-      const float node = static_cast<float>(at[a]) - static_cast<float>(FirstOffset + 1);
-      p[a] = this->Origin[a] + node / this->InverseSpacing[a];
-    }
-    return p;
-  }
-
-  /// Quasi-interpolation: c = f - (second difference of f) / 6 along each axis.
-  void SetNodes(std::vector<float>&& values)
-  {
-    this->Coefficients = std::move(values);
-    const std::size_t strides[3] = { 3, 3 * static_cast<std::size_t>(this->Nodes[0]),
-      3 * static_cast<std::size_t>(this->Nodes[0]) * static_cast<std::size_t>(this->Nodes[1]) };
-    std::vector<float> source;
-    for (int a = 0; a < 3; ++a)
-    {
-      source = this->Coefficients;
-      const std::size_t n = static_cast<std::size_t>(this->Nodes[a]);
-      for (std::size_t i = 0; i < source.size(); ++i)
-      {
-        const std::size_t at = i / strides[a] % n;
-        if (at > 0 && at + 1 < n)
-        {
-          this->Coefficients[i] =
-            (8.0f * source[i] - source[i - strides[a]] - source[i + strides[a]]) / 6.0f;
-        }
-      }
-    }
-  }
-
-  int Nodes[3] = {}; ///< after CoverBox()
 
 private:
   /// The second derivatives are convex combinations of second differences of control points.

@@ -3,7 +3,6 @@
 #include "FFDPullBackChange.h"
 
 #include "FFDBSplineBasis.h"
-#include "FFDMatrixBounds.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -179,16 +178,6 @@ glm::dvec3 FindBulge(const Grid<glm::dvec3>& nodes, const AxisParts parts[3])
   return bulge;
 }
 
-/// Upper bound of the norm of all Jacobians within bounds.
-double FindNorm(const MapBounds& bounds)
-{
-  const glm::dmat3 low = Absolute(bounds.JacobianMin);
-  const glm::dmat3 high = Absolute(bounds.JacobianMax);
-  const glm::dmat3 largest(
-    glm::max(low[0], high[0]), glm::max(low[1], high[1]), glm::max(low[2], high[2]));
-  return std::sqrt(LargestRowSum(largest) * LargestRowSum(glm::transpose(largest)));
-}
-
 /// Parts of which nothing can be seen have not moved.
 void ForgetEmptyParts(
   const AxisParts parts[3], const IsEmptyAtRest& isEmpty, PullBackChange& change)
@@ -269,7 +258,7 @@ bool HaveSameGrid(const BSplineField& a, const BSplineField& b)
 } // namespace
 
 //------------------------------------------------------------------------------
-bool FindChange(const PullBack& before, const PullBack& after, const DeformedSpaceBounds& bounds,
+bool FindChange(const PullBack& before, const PullBack& after, const PullBackLimits& limits,
   const Box& region, double resolution, const IsEmptyAtRest& isEmpty, PullBackChange& change)
 {
   change = PullBackChange();
@@ -281,7 +270,7 @@ bool FindChange(const PullBack& before, const PullBack& after, const DeformedSpa
   const BSplineField& old = *before.GetField();
   const BSplineField& now = *after.GetField();
   const bool inverts = InvertsTheField(after.GetKind());
-  if (inverts && !bounds.IsOneToOne())
+  if (inverts && !limits.OneToOne)
   {
     return false;
   }
@@ -331,9 +320,8 @@ bool FindChange(const PullBack& before, const PullBack& after, const DeformedSpa
   glm::dvec3 highest = region.Max;
   if (inverts)
   {
-    const Box everywhere{ glm::dvec3(-Infinity), glm::dvec3(Infinity) };
     const double largest = std::numeric_limits<double>::max();
-    const double stretch = std::min(FindNorm(bounds.Over(everywhere)), largest);
+    const double stretch = std::min(limits.LargestStretch, largest);
     const double reach = std::min(stretch * edit.Largest, largest);
     lowest -= reach;
     highest += reach;

@@ -3,9 +3,9 @@
 #ifndef FFDPullBackChange_h
 #define FFDPullBackChange_h
 
-#include "FFDDeformedSpaceBounds.h"
 #include "FFDExport.h"
 #include "FFDPullBack.h"
+#include "FFDPullBackBounds.h"
 
 #include <glm/vec3.hpp>
 
@@ -45,7 +45,7 @@ using IsEmptyAtRest = std::function<bool(const Box& rest)>;
  *
  * |D_after - D_before| is bounded over parts of the cells that the edited control points count in,
  * by the largest values of the basis functions over each part. Phi of T^-1 moves by no more than
- * that times the Lipschitz constant of the inverse, taken from `bounds`, those of `after`.
+ * that times the Lipschitz constant of the inverse, of `limits`, those of `after`.
  * `resolution`: size of the parts, data units. `isEmpty` may be null; where it is true nothing counts
  * as moved, for Phi = T^-1, whose parts are boxes at rest.
  *
@@ -53,7 +53,7 @@ using IsEmptyAtRest = std::function<bool(const Box& rest)>;
  * inverse that is not proven to be one to one, or too many parts. `before` must be one to one, too.
  */
 FFD_KERNEL_EXPORT bool FindChange(const PullBack& before, const PullBack& after,
-  const DeformedSpaceBounds& bounds, const Box& region, double resolution,
+  const PullBackLimits& limits, const Box& region, double resolution,
   const IsEmptyAtRest& isEmpty, PullBackChange& change);
 
 } // namespace ffd

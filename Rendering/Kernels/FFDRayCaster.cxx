@@ -63,49 +63,6 @@ int CountStepsInside(
   return steps > 0.0 ? static_cast<int>(steps) : 0;
 }
 
-/**
- * What is left of the distances from a deformed ray to the six faces of an empty box, while the
- * ray is followed span by span without being evaluated.
- */
-class LeapSlack
-{
-public:
-  void Clear() { this->Valid = false; }
-
-  void Set(const glm::dvec3& q, const EmptyBox& box, double guard)
-  {
-    this->Low = q - box.Min - guard;
-    this->High = box.Max - q - guard;
-    this->Valid = true;
-  }
-
-  /// Whether a piece of length dt with velocities [vMin, vMax] stays inside; if so, pass it.
-  bool Pass(const glm::dvec3& vMin, const glm::dvec3& vMax, double dt)
-  {
-    if (!this->Valid)
-    {
-      return false;
-    }
-    const glm::dvec3 high = this->High - glm::max(vMax, glm::dvec3(0.0)) * dt;
-    const glm::dvec3 low = this->Low + glm::min(vMin, glm::dvec3(0.0)) * dt;
-    if (!(high.x >= 0.0 && high.y >= 0.0 && high.z >= 0.0 && low.x >= 0.0 && low.y >= 0.0 &&
-          low.z >= 0.0))
-    {
-      this->Valid = false;
-      return false;
-    }
-    // A velocity that points away from a face for certain gives distance back.
-    this->High -= vMax * dt;
-    this->Low += vMin * dt;
-    return true;
-  }
-
-private:
-  bool Valid = false;
-  glm::dvec3 Low{ 0.0 };
-  glm::dvec3 High{ 0.0 };
-};
-
 /// Narrow [from, to] to the part of a ray where dot(plane, (P, 1)) >= 0.
 void ClipToPlane(const glm::dvec4& plane, const ViewRay& ray, double& from, double& to)
 {
@@ -340,7 +297,6 @@ RayCaster::RayCaster(const CastScene& scene, const CastSettings& settings)
   , GradientToRest(glm::transpose(scene.Volume.DataToIndex))
   , RestBox(FindRestBox(scene.Volume, scene.WholeAtRest))
 {
-  SetDirectionBends(this->Settings.Spans, this->Scene.Camera, glm::dmat3(1.0));
   if (!this->Scene.Classifier)
   {
     this->OwnClassifier.reset(new SampleClassifier(this->Scene.Volume,
@@ -418,25 +374,7 @@ bool RayCaster::SetUpRay(int x, int y, Ray& ray) const
 }
 
 //------------------------------------------------------------------------------
-void RayCaster::StartTile(
-  int x0, int y0, int x1, int y1, double tMin, double tMax, TileSpans& spans) const
-{
-  const int corners[4][2] = { { x0, y0 }, { x1, y0 }, { x0, y1 }, { x1, y1 } };
-  glm::dvec3 origins[4];
-  glm::dvec3 directions[4];
-  for (int c = 0; c < 4; ++c)
-  {
-    const ViewRay ray = this->Scene.Camera.MakeRay(corners[c][0] + 0.5, corners[c][1] + 0.5);
-    origins[c] = ray.Origin;
-    directions[c] = ray.Direction;
-  }
-  spans.Start(*this->Scene.Bounds, this->Settings.Spans, this->Scene.Volume.DataToIndex, origins,
-    directions, tMin, tMax);
-}
-
-//------------------------------------------------------------------------------
-int RayCaster::SetUpTile(
-  int x0, int y0, int x1, int y1, Ray* rays, double& tMin, double& tMax) const
+int RayCaster::SetUpTile(int x0, int y0, int x1, int y1, Ray* rays) const
 {
   int count = 0;
   for (int y = y0; y <= y1; ++y)
@@ -446,8 +384,6 @@ int RayCaster::SetUpTile(
       Ray& ray = rays[count];
       if (this->SetUpRay(x, y, ray))
       {
-        tMin = std::min(tMin, ray.From);
-        tMax = std::max(tMax, ray.To);
         ++count;
       }
     }
@@ -481,17 +417,7 @@ void RayCaster::TraceRay(
   }
   else
   {
-    // The pieces are those that all rays of the tile share.
-    const int x0 = x / TileSize * TileSize;
-    const int y0 = y / TileSize * TileSize;
-    const int x1 = std::min(x0 + TileSize, image.Width) - 1;
-    const int y1 = std::min(y0 + TileSize, image.Height) - 1;
-    std::array<Ray, TileSize * TileSize> rays;
-    double tMin = Infinity;
-    double tMax = -Infinity;
-    this->SetUpTile(x0, y0, x1, y1, rays.data(), tMin, tMax);
-    this->StartTile(x0, y0, x1, y1, tMin, tMax, scratch.Spans);
-    this->CastSpans(ray, pixel, scratch);
+    this->CastSamples(ray, pixel, scratch.Statistics);
   }
   traced.Terminated = pixel.Done;
   const RayIntegrator::Result result = pixel.Integrator.End();
@@ -540,19 +466,13 @@ int RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch, un
     }
   }
   std::array<Ray, TileSize * TileSize> rays;
-  double tMin = Infinity;
-  double tMax = -Infinity;
-  const int count = this->SetUpTile(x0, y0, x1, y1, rays.data(), tMin, tMax);
+  const int count = this->SetUpTile(x0, y0, x1, y1, rays.data());
   if (count == 0)
   {
     return 0;
   }
   const bool slice = this->Scene.Blend.Mode == BlendMode::Slice;
   const bool greedy = this->Settings.Segments == Segmentation::GreedyAngle;
-  if (!slice && !greedy)
-  {
-    this->StartTile(x0, y0, x1, y1, tMin, tMax, scratch.Spans);
-  }
   for (int i = first; i < count; ++i)
   {
     Ray& ray = rays[i];
@@ -572,7 +492,7 @@ int RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch, un
     }
     else
     {
-      this->CastSpans(ray, pixel, scratch);
+      this->CastSamples(ray, pixel, scratch.Statistics);
     }
     const std::size_t at = static_cast<std::size_t>(ray.Y) * image.Width + ray.X;
     const RayIntegrator::Result result = pixel.Integrator.End();
@@ -649,7 +569,7 @@ void RayCaster::CastPolyline(Ray& ray, Pixel& pixel, CastStatistics& statistics)
     if (!empty)
     {
       sampler.ForgetEmptyBox();
-      const double length = glm::length(this->Frame.RestToWorld * piece.Linear);
+      const double length = glm::length(this->Frame.RestToWorld * piece.Terms[1]);
       const auto jacobianAt = [&](double s)
       { return start.Jacobian * (1.0 - s) + end.Jacobian * s; };
       sampler.Integrate(
@@ -664,135 +584,93 @@ void RayCaster::CastPolyline(Ray& ray, Pixel& pixel, CastStatistics& statistics)
 }
 
 //------------------------------------------------------------------------------
-void RayCaster::CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const
+/**
+ * The truth that ERROR_BOUND is measured by: every sample is pulled back by itself. Where T is
+ * inverted, Newton's method goes on from the sample before; where that fails it starts anew.
+ */
+void RayCaster::CastSamples(Ray& ray, Pixel& pixel, CastStatistics& statistics) const
 {
-  CastStatistics& statistics = scratch.Statistics;
   const VolumeView& volume = this->Scene.Volume;
-  const glm::dvec3 upper = volume.UpperIndex();
-  const double spanLength = scratch.Spans.GetLength();
+  const PullBack& map = *this->Scene.Map;
+  const bool identity = map.IsIdentity();
+  const bool inverse = !identity && InvertsTheField(map.GetKind());
+  const bool mirrored = map.GetKind() == PullBackKind::FirstOrderOfInverse;
+  const bool intervals = this->Scene.Blend.UsesIntervals();
+  const double distance = this->Settings.SampleDistance;
   Sampler sampler(*this, ray, pixel, statistics);
 
   const auto pointAt = [&](double t) { return ray.Origin + t * ray.Direction; };
-  const auto evaluate = [&](double t)
+  // Data coordinates. `start`: about where it leads to.
+  const auto pullBack = [&](double t, const glm::dvec3* start)
   {
+    const glm::dvec3 p = pointAt(t);
+    if (inverse && start)
+    {
+      glm::dvec3 q;
+      int evaluations = 0;
+      const bool found = SolveInverse(*map.GetField(), p, mirrored ? 2.0 * p - *start : *start,
+        map.GetTolerance(), q, evaluations);
+      statistics.Evaluations += evaluations;
+      if (found)
+      {
+        return mirrored ? 2.0 * p - q : q;
+      }
+    }
     PullBackStatus status;
-    const glm::dvec3 rest = this->Scene.Map->Evaluate(pointAt(t), status);
+    const glm::dvec3 q = map.Evaluate(p, status);
     statistics.Evaluations += status.Evaluations;
     statistics.Unconverged += status.Converged ? 0 : 1;
-    return volume.ToIndex(rest);
-  };
-  const auto evaluateJacobian = [&](double t)
-  {
-    PullBackStatus status;
-    glm::dmat3 jacobian;
-    this->Scene.Map->Evaluate(pointAt(t), jacobian, status);
-    statistics.Evaluations += status.Evaluations;
-    return jacobian;
+    return q;
   };
 
-  // Where a piece that is passed would run: for the trace only, so it is not counted.
-  const auto notePassed = [&](double t0, double t1)
+  // A sample at the very start of the range belongs to it, rounding errors or not.
+  constexpr double Slack = 1e-3;
+  const double early = intervals ? 1.0 - Slack : Slack + ray.Phase;
+  const double first = std::ceil(ray.From / distance - early);
+  const double stop = std::ceil(ray.To / distance - Slack - ray.Phase);
+  if (!(first < stop))
   {
-    if (pixel.Trace)
+    // Too short for a sample: a piece without one.
+    ++statistics.Segments;
+    statistics.SegmentLength += (ray.To - ray.From) / this->Scene.VoxelSize;
+    pixel.NotePiece(CurvePiece::Line(volume.ToIndex(pullBack(ray.From, nullptr)),
+                      volume.ToIndex(pullBack(ray.To, nullptr))),
+      ray.From, ray.To, false);
+    return;
+  }
+  glm::dvec3 rest = pullBack((first + ray.Phase) * distance, nullptr);
+  glm::dvec3 index = volume.ToIndex(rest);
+  glm::dvec3 move(0.0);
+  for (double n = first; n < stop && !pixel.Done; n += 1.0)
+  {
+    const double t = (n + ray.Phase) * distance;
+    const glm::dvec3 guess = rest + move;
+    const glm::dvec3 nextRest = pullBack(t + distance, &guess);
+    const glm::dvec3 next = volume.ToIndex(nextRest);
+    CurvePiece piece = CurvePiece::Line(index, next);
+    if (intervals && !identity)
     {
-      glm::dvec3 at[3];
-      for (int i = 0; i < 3; ++i)
-      {
-        PullBackStatus status;
-        at[i] = volume.ToIndex(this->Scene.Map->Evaluate(pointAt(t0 + 0.5 * i * (t1 - t0)), status));
-      }
-      pixel.NotePiece(CurvePiece::Parabola(at[0], at[1], at[2]), t0, t1, true);
+      const glm::dvec3 halfway = rest + 0.5 * move;
+      piece = CurvePiece::Parabola(
+        index, volume.ToIndex(pullBack(t + 0.5 * distance, &halfway)), next);
     }
-  };
-
-  // The parabola through points with an error amplifies it by 5/4 at most; the rest allows for
-  // the inverse of the Jacobian between the residual that is bounded and the position.
-  const double inverseError = 2.0 * this->Settings.InverseTolerance;
-  LeapSlack slack;
-  // The last node that was evaluated: mostly the start of the next piece.
-  double nodeT = -Infinity;
-  glm::dvec3 node(0.0);
-  const int lastSpan = static_cast<int>(std::floor(ray.To / spanLength));
-  for (int index = static_cast<int>(std::floor(ray.From / spanLength));
-       index <= lastSpan && !pixel.Done; ++index)
-  {
-    const TileSpans::Span& span = scratch.Spans.Get(index);
-    const int pieces = 1 << span.Level;
-    const double dt = spanLength / pieces;
-    for (int p = 0; p < pieces && !pixel.Done; ++p)
+    ++statistics.Segments;
+    statistics.SegmentLength += distance / this->Scene.VoxelSize;
+    pixel.NotePiece(piece, t, t + distance, false);
+    const auto jacobianAt = [&](double s)
     {
-      const double t0 = index * spanLength + p * dt;
-      const double t1 = index * spanLength + (p + 1) * dt;
-      if (t1 <= ray.From || t0 >= ray.To)
-      {
-        continue;
-      }
-      const bool canLeap = this->Settings.Leaping == SpaceLeaping::Lipschitz && span.Bounded;
-      if (canLeap && slack.Pass(span.VelocityMin, span.VelocityMax, dt))
-      {
-        notePassed(t0, t1);
-        continue;
-      }
-      if (nodeT != t0)
-      {
-        node = evaluate(t0);
-        nodeT = t0;
-      }
-      EmptyBox box;
-      bool lookedUp = false;
-      if (canLeap && this->Scene.Distances->FindEmptyBox(node, upper, box, volume.Margin))
-      {
-        lookedUp = IsInside(volume, node);
-        statistics.DistanceLookups += lookedUp ? 1 : 0;
-        sampler.SetLastEmptyBox(box);
-        slack.Set(node, box, span.PositionError + inverseError + LeapGuard);
-        if (slack.Pass(span.VelocityMin, span.VelocityMax, dt))
-        {
-          notePassed(t0, t1);
-          if (lookedUp)
-          {
-            pixel.NoteSample(node, t0, dt, true, 0.0f);
-          }
-          continue;
-        }
-      }
-      slack.Clear();
-
-      const glm::dvec3 middle = evaluate(0.5 * (t0 + t1));
-      const glm::dvec3 end = evaluate(t1);
-      const CurvePiece piece = CurvePiece::Parabola(node, middle, end);
-      pixel.NotePiece(piece, t0, t1, false);
-      if (lookedUp)
-      {
-        pixel.NoteSample(piece.Start, t0, dt, true, 0.0f);
-      }
-      node = end;
-      nodeT = t1;
-      ++statistics.Segments;
-      statistics.SegmentLength += dt / this->Scene.VoxelSize;
-
-      const double length = glm::length(this->Frame.RestToWorld * (middle - piece.Start)) +
-        glm::length(this->Frame.RestToWorld * (end - middle));
-
-      glm::dmat3 jacobians[3];
-      bool haveJacobians = false;
-      const auto jacobianAt = [&](double s)
-      {
-        if (!haveJacobians)
-        {
-          jacobians[0] = evaluateJacobian(t0);
-          jacobians[1] = evaluateJacobian(0.5 * (t0 + t1));
-          jacobians[2] = evaluateJacobian(t1);
-          haveJacobians = true;
-        }
-        // Quadratic Lagrange interpolation at s = 0, 1/2, 1.
-        return jacobians[0] * ((1.0 - s) * (1.0 - 2.0 * s)) + jacobians[1] * (4.0 * s * (1.0 - s)) +
-          jacobians[2] * (s * (2.0 * s - 1.0));
-      };
-      sampler.Integrate(JacobianPiece<decltype(jacobianAt)>(*this, piece, t0, dt, jacobianAt),
-        ScheduleEvenly(length, this->Settings.SampleDistance, (ray.From - t0) / dt,
-          (ray.To - t0) / dt, ray.Phase, this->Scene.Blend.UsesIntervals()));
-    }
+      const glm::dvec3 q = volume.IndexToData * piece.At(s) + volume.FirstVoxel;
+      return map.FindJacobian(pointAt(t + s * distance), q);
+    };
+    SampleSchedule schedule;
+    schedule.Count = 1;
+    schedule.Step = 1.0;
+    schedule.LastInterval = 1.0;
+    sampler.Integrate(
+      JacobianPiece<decltype(jacobianAt)>(*this, piece, t, distance, jacobianAt), schedule);
+    move = nextRest - rest;
+    rest = nextRest;
+    index = next;
   }
 }
 

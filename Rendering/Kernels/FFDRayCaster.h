@@ -33,7 +33,7 @@ namespace ffd
 class FFD_KERNEL_EXPORT RayCaster
 {
 public:
-  static constexpr int TileSize = 16;
+  static constexpr int TileSize = TileSide;
   static constexpr int QuarterSize = TileSize / 2;
   static constexpr unsigned int AllQuarters = 15;
 
@@ -46,7 +46,6 @@ public:
   struct alignas(128) Scratch
   {
     PacketScratch Packets;
-    TileSpans Spans;
     CastStatistics Statistics;
   };
 
@@ -73,11 +72,10 @@ private:
   class JacobianPiece;
 
   bool SetUpRay(int x, int y, Ray& ray) const;
-  int SetUpTile(int x0, int y0, int x1, int y1, Ray* rays, double& tMin, double& tMax) const;
+  int SetUpTile(int x0, int y0, int x1, int y1, Ray* rays) const;
   void CastSlice(const Ray& ray, Pixel& pixel, CastStatistics& statistics) const;
-  void CastSpans(Ray& ray, Pixel& pixel, Scratch& scratch) const;
+  void CastSamples(Ray& ray, Pixel& pixel, CastStatistics& statistics) const;
   void CastPolyline(Ray& ray, Pixel& pixel, CastStatistics& statistics) const;
-  void StartTile(int x0, int y0, int x1, int y1, double tMin, double tMax, TileSpans& spans) const;
 
   CastScene Scene;
   CastSettings Settings;

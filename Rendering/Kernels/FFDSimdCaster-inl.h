@@ -13,9 +13,11 @@
 #include "FFDSimdFetch-inl.h"
 #include "FFDSimdLeap-inl.h"
 #include "FFDSimdMath-inl.h"
+#include "FFDSimdPieces-inl.h"
+#include "FFDSimdPullBack-inl.h"
+#include "FFDSimdRays-inl.h"
 #include "FFDSimdShading-inl.h"
 #include "FFDSimdTable-inl.h"
-#include "FFDSimdTile-inl.h"
 
 #include <limits>
 #include <type_traits>
@@ -34,49 +36,30 @@ struct PacketPixels
   Vf FirstVisible; ///< t
   Vf Tally;        ///< the extreme, or the sum; of surfaces, the value at TallyStep
   Vf TallyLength;  ///< what has been summed up over, world units
-  Vf TallyStep;    ///< sample of the piece where the value is known, or a negative number
+  Vf TallyStep;    ///< number of the sample whose value is known, or a negative one
 };
 
-/// Which nodes rays are interpolated between.
-enum class LateralNodes
+HWY_INLINE Mf IsInside(const PacketScene& scene, const Vec3& q)
 {
-  Tile,
-  Quarter, ///< of the tile
-  None     ///< none, every ray is followed for itself
-};
-
-HWY_INLINE LateralNodes NodesOf(const TileSpans::Span& span)
-{
-  return span.Lateral ? LateralNodes::Tile
-    : span.LateralInQuarters ? LateralNodes::Quarter
-                             : LateralNodes::None;
+  const Vf lower = Splat(scene.Lower);
+  const auto within = [&](Vf x, int a)
+  { return hn::And(hn::Ge(x, lower), hn::Le(x, Splat(scene.Upper[a]))); };
+  return hn::And(within(q.x, 0), hn::And(within(q.y, 1), within(q.z, 2)));
 }
 
-/// A piece of the curves of a packet: Start + s * (Linear + s * Quadratic), index coordinates.
-struct PacketPiece
+/// The curves of a packet over some samples, index coordinates; s runs from 0 to 1.
+struct PacketCurve
 {
-  Vec3 Start;
-  Vec3 Linear;
-  Vec3 Quadratic;
-  int Step = 0;       ///< fine step of its start
-  int Steps = 0;      ///< fine steps it takes
-  float T0 = 0.0f;
-  float Dt = 0.0f;
-  LateralNodes Nodes = LateralNodes::Tile; ///< that it is interpolated between
+  Quartic Position;
+  Vf T0;      ///< t = T0 + s * Dt
+  Vf Dt;
+  Vf PerStep; ///< s from sample to sample
+  TilePiece* Piece = nullptr; ///< that is cast by curves, or null
+  bool Interpolated = false;  ///< whether the curves are those of its interpolant
+  int X = 0;  ///< first pixel of the packet, from that of the square of the piece
+  Vf Row;     ///< rows of pixels in the square
 
-  HWY_INLINE Vec3 At(Vf s) const { return MulAdd(s, MulAdd(s, this->Quadratic, this->Linear), this->Start); }
-  HWY_INLINE Vec3 Velocity(Vf s) const
-  {
-    return MulAdd(hn::Add(s, s), this->Quadratic, this->Linear);
-  }
-};
-
-/// Samples of a piece: at s = n * Ds for whole numbers n, First <= n < Stop.
-struct PacketSchedule
-{
-  Vf Ds;
-  Vf First;
-  Vf Stop;
+  HWY_INLINE Vf TimeAt(Vf s) const { return hn::MulAdd(s, this->Dt, this->T0); }
 };
 
 template <class T>
@@ -84,27 +67,21 @@ class Packet
 {
 public:
   /**
-   * `x`, `y`: pixels from the first of the tile. `phase`: part of an interval by which the samples
-   * of each ray are moved on.
+   * (x, y): first pixel of the packet, from that of the tile. `rows`: rows of its pixels from y on.
+   * `phase`: part of an interval by which the samples of each ray are moved on.
    */
-  Packet(const PacketScene& scene, TileGrid& grid, TileBeam& beam, PacketScratch& scratch,
-    const RayPacket& rays, Vf x, Vf y, Vf phase, Mf active)
+  Packet(const PacketScene& scene, TilePieces& pieces, PacketScratch& scratch,
+    const RayPacket& rays, int x, int y, Vf rows, Vf phase, Mf active)
     : Scene(scene)
-    , Grid(grid)
-    , Beam(beam)
+    , Pieces(pieces)
     , Scratch(scratch)
     , Rays(rays)
     , Phase(phase)
     , Alive(active)
     , X(x)
     , Y(y)
+    , Rows(rows)
   {
-    if (!scene.Identity)
-    {
-      this->Weights =
-        NodeWeights(hn::Mul(x, Splat(NodesPerPixel)), hn::Mul(y, Splat(NodesPerPixel)));
-    }
-    this->Kept = PacketLook::Nothing();
     this->ToEye =
       Normalize(Scale(Splat(-1.0f), Transform(this->Scene.LocalToLights, rays.Direction)));
     const Vf zero = hn::Zero(Df());
@@ -157,132 +134,13 @@ public:
   void Cast()
   {
     const Df d;
-    TileSpans& spans = this->Scratch.Spans;
-    const float spanLength = static_cast<float>(spans.GetLength());
-    const Vf big = Splat(1e30f);
-    const float from = SmallestLane(hn::IfThenElse(this->Alive, this->Rays.From, big));
-    const float to = LargestLane(hn::IfThenElse(this->Alive, this->Rays.To, hn::Neg(big)));
-    const int last = static_cast<int>(std::floor(to / spanLength));
-    const int stepsPerSpan = this->Grid.GetStepsPerSpan();
-    if (this->Scene.Identity)
+    this->FindSamples();
+    const int top = this->Scene.SamplesPerTop;
+    const int first = std::max(this->Pieces.GetFirst(), FloorDivide(this->FirstSample, top));
+    const int last = std::min(this->Pieces.GetLast(), FloorDivide(this->EndSample - 1, top));
+    for (int index = first; index <= last && !hn::AllFalse(d, this->Alive); ++index)
     {
-      // Straight rays are one piece from end to end.
-      PacketPiece piece;
-      piece.Step =
-        (static_cast<int>(std::floor(from / spanLength)) - spans.GetFirst()) * stepsPerSpan;
-      piece.T0 = this->Grid.TimeOf(piece.Step);
-      piece.Dt = spanLength * static_cast<float>(last + 1) - piece.T0;
-      piece.Start = this->PositionAt(piece.Step, TileSpans::Span(), this->Alive);
-      piece.Linear = Transform(this->Scene.LocalToIndex, Scale(Splat(piece.Dt), this->Rays.Direction));
-      piece.Quadratic = this->Out.Colour;
-      this->CountPiece(piece, this->Alive);
-      const PacketSchedule schedule = this->Schedule(piece, Splat(piece.Dt));
-      this->IntegratePiece(piece, schedule, LeapsOf(piece, schedule), this->Alive);
-      return;
-    }
-    const bool lipschitz = this->Scene.Settings.Leaping == SpaceLeaping::Lipschitz;
-    const Mf everyone = hn::FirstN(d, hn::Lanes(d));
-    const float nothing[3] = { 0.0f, 0.0f, 0.0f };
-    LeapSlack slack;
-    int nodeStep = -1;
-    LateralNodes nodeNodes = LateralNodes::None;
-    Vec3 node = this->Out.Colour;
-    for (int index = static_cast<int>(std::floor(from / spanLength)); index <= last; ++index)
-    {
-      const TileSpans::Span& span = spans.Get(index);
-      const float guard = FindLeapGuard(this->Scene, span);
-      const float velocityMin[3] = { static_cast<float>(span.VelocityMin.x),
-        static_cast<float>(span.VelocityMin.y), static_cast<float>(span.VelocityMin.z) };
-      const float velocityMax[3] = { static_cast<float>(span.VelocityMax.x),
-        static_cast<float>(span.VelocityMax.y), static_cast<float>(span.VelocityMax.z) };
-      if (lipschitz && this->Beam.IsEmpty(index))
-      {
-        slack.Pass(everyone, velocityMin, velocityMax, spanLength, guard);
-        continue;
-      }
-      const int pieces = 1 << span.Level;
-      const int steps = stepsPerSpan / pieces;
-      const bool canLeap = lipschitz && span.Bounded;
-      if (!canLeap)
-      {
-        slack.Clear();
-      }
-      PacketPiece piece;
-      piece.Steps = steps;
-      piece.Dt = spanLength / static_cast<float>(pieces);
-      piece.Nodes = NodesOf(span);
-      for (int p = 0; p < pieces; ++p)
-      {
-        piece.Step = (index - spans.GetFirst()) * stepsPerSpan + p * steps;
-        piece.T0 = this->Grid.TimeOf(piece.Step);
-        const float t1 = this->Grid.TimeOf(piece.Step + steps);
-        // Rays that have not begun yet are followed, too: leaps must be theirs as well.
-        const Mf ahead = hn::And(this->Alive, hn::Gt(this->Rays.To, Splat(piece.T0)));
-        if (hn::AllFalse(d, ahead))
-        {
-          return;
-        }
-        Mf inRange = hn::And(ahead, hn::Lt(this->Rays.From, Splat(t1)));
-        if (canLeap)
-        {
-          const Mf passed =
-            slack.Pass(everyone, velocityMin, velocityMax, piece.Dt, guard);
-          inRange = hn::AndNot(passed, inRange);
-        }
-        if (hn::AllFalse(d, inRange))
-        {
-          continue;
-        }
-        if (nodeStep != piece.Step || nodeNodes != piece.Nodes)
-        {
-          node = this->PositionAt(piece.Step, span, ahead);
-        }
-        PacketLook look;
-        if (canLeap)
-        {
-          // A new look costs less than a piece that it may save, but for interpolated ones.
-          const Mf kept = piece.Nodes != LateralNodes::None ? this->Kept.FindKept(node, inRange)
-                                                            : hn::FirstN(d, 0);
-          look =
-            PacketLook(this->Scene, node, hn::AndNot(kept, inRange), this->Scratch.Statistics);
-          look.Take(this->Kept, kept);
-          this->Kept.Take(look, inRange);
-          slack.Find(this->Scene, look, inRange, nothing);
-          const Mf passed = slack.Pass(inRange, velocityMin, velocityMax, piece.Dt, guard);
-          inRange = hn::AndNot(passed, inRange);
-          if (hn::AllFalse(d, inRange))
-          {
-            nodeStep = -1;
-            continue;
-          }
-        }
-
-        const Vec3 middle = this->PositionAt(piece.Step + steps / 2, span, ahead);
-        const Vec3 end = this->PositionAt(piece.Step + steps, span, ahead);
-        piece.Start = node;
-        // 4 middle - 3 start - end
-        piece.Linear = Sub(MulAdd(Splat(4.0f), middle, Scale(Splat(-3.0f), node)), end);
-        piece.Quadratic = Sub(Sub(end, node), piece.Linear);
-        this->CountPiece(piece, inRange);
-        const Vf length = hn::Add(
-          this->LengthOf(Sub(middle, node)), this->LengthOf(Sub(end, middle)));
-        PacketSchedule schedule = this->Schedule(piece, length);
-        const PieceLeap leaps = LeapsOf(piece, schedule);
-        if (canLeap)
-        {
-          schedule.First = hn::Max(
-            schedule.First, hn::Sub(look.CountSteps(this->Scene, leaps), this->StepsBack()));
-        }
-        this->IntegratePiece(piece, schedule, leaps, inRange);
-        node = end;
-        nodeStep = piece.Step + steps;
-        nodeNodes = piece.Nodes;
-        if (hn::AllFalse(d, this->Alive))
-        {
-          this->Reach = t1;
-          return;
-        }
-      }
+      this->CastPiece(this->Pieces.GetTop(index));
     }
   }
 
@@ -291,6 +149,8 @@ public:
 
 private:
   static constexpr float NoExtreme = 3e38f;
+  /// Kept between a leap and the faces of an empty cube, index units: rounding errors.
+  static constexpr float LeapGuard[3] = { 2e-3f, 2e-3f, 2e-3f };
 
   void EndIntegrators()
   {
@@ -354,62 +214,238 @@ private:
     this->Out.Transmittance = hn::IfThenElse(any, zero, one);
   }
 
-  /// Index coordinates of every ray at a fine step.
-  HWY_INLINE Vec3 PositionAt(int step, const TileSpans::Span& span, Mf lanes)
+  static int FloorDivide(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
+
+  /**
+   * Which samples each ray takes: whole numbers n, at t = (n + phase) * sample distance, where
+   * First <= n < Stop. Of blend modes that use intervals that which holds From is the first.
+   */
+  HWY_INLINE void FindSamples()
   {
-    const Vf t = Splat(this->Grid.TimeOf(step));
-    const Vec3 p = MulAdd(t, this->Rays.Direction, this->Rays.Origin);
+    const Vf inverse = Splat(static_cast<float>(1.0 / this->Scene.Settings.SampleDistance));
+    // A sample at the very start of the range belongs to it, rounding errors or not.
+    const Vf slack = Splat(1e-3f);
+    const Vf early = this->Scene.Intervals ? Splat(1.0f - 1e-3f) : hn::Add(slack, this->Phase);
+    this->First = hn::Ceil(hn::Sub(hn::Mul(this->Rays.From, inverse), early));
+    this->Stop =
+      hn::Ceil(hn::Sub(hn::Sub(hn::Mul(this->Rays.To, inverse), slack), this->Phase));
+    const Vf big = Splat(1e9f);
+    const Vf first = hn::IfThenElse(this->Alive, this->First, big);
+    const Vf stop = hn::IfThenElse(this->Alive, this->Stop, hn::Neg(big));
+    this->FirstSample = static_cast<int>(SmallestLane(first));
+    this->EndSample = static_cast<int>(LargestLane(stop));
+  }
+
+  /// Takes the samples of the packet that lie in a piece.
+  HWY_NOINLINE void CastPiece(TilePiece& piece)
+  {
+    if (piece.FirstSample >= this->EndSample ||
+      piece.FirstSample + piece.Samples <= this->FirstSample ||
+      hn::AllFalse(Df(), this->Alive))
+    {
+      return;
+    }
+    switch (this->Pieces.Find(piece))
+    {
+      case TilePiece::State::Empty:
+        return;
+      case TilePiece::State::Halved:
+        this->CastPiece(*piece.Children[0]);
+        this->CastPiece(*piece.Children[1]);
+        return;
+      case TilePiece::State::Quartered:
+      {
+        const int half = piece.Side / 2;
+        const std::size_t right = this->X - piece.X >= half ? 1 : 0;
+        const std::size_t high = this->Y - piece.Y >= half ? 2 : 0;
+        this->CastPiece(*piece.Children[right + high]);
+        return;
+      }
+      case TilePiece::State::PerSample:
+        this->CastPerSample(piece);
+        return;
+      default:
+        this->CastCurves(piece);
+        return;
+    }
+  }
+
+  HWY_INLINE void CastCurves(TilePiece& piece)
+  {
+    const int x = this->X - piece.X;
+    const int y = this->Y - piece.Y;
+    const int block = y / BlockSide * (piece.Side / BlockSide) + x / BlockSide;
+    std::uint32_t needed = piece.Needed[static_cast<std::size_t>(block)];
+    const std::uint32_t inside = piece.Inside[static_cast<std::size_t>(block)];
+    if (needed == 0)
+    {
+      return;
+    }
+    PacketCurve curve;
+    this->FindCurve(piece, x, y, curve);
+    this->CountPiece(piece);
+    this->HaveSlopes = false;
+    this->Out.TallyStep = Splat(-1e30f);
+    this->SkipTo = Splat(-1e30f);
+    this->Expecting = hn::FirstN(Df(), 0);
+    for (; needed != 0; needed &= needed - 1)
+    {
+      const int part = static_cast<int>(hwy::Num0BitsBelowLS1Bit_Nonzero32(needed));
+      const int from = piece.FirstSample + part * piece.SamplesPerPart;
+      const int to = std::min(from + piece.SamplesPerPart, piece.FirstSample + piece.Samples);
+      const bool within = (inside >> part & 1u) != 0;
+      for (int n = std::max(from, this->FirstSample); n < to; ++n)
+      {
+        const Vf s = hn::Mul(
+          hn::Add(this->Phase, Splat(static_cast<float>(n - piece.FirstSample))), curve.PerStep);
+        if (!this->TakeSamples(curve, n, s, within))
+        {
+          return;
+        }
+      }
+    }
+  }
+
+  /// Each sample is pulled back by itself, from the last one on.
+  HWY_NOINLINE void CastPerSample(TilePiece& piece)
+  {
+    const Df d;
+    this->CountPiece(piece);
+    const int x = this->X - piece.X;
+    const int y = this->Y - piece.Y;
+    PacketCurve about;
+    this->FindCurve(piece, x, y, about);
+    const int from = std::max(piece.FirstSample, this->FirstSample);
+    const int to = std::min(piece.FirstSample + piece.Samples, this->EndSample);
+    const float distance = static_cast<float>(this->Scene.Settings.SampleDistance);
+    const auto timeOf = [&](int n)
+    { return hn::Mul(hn::Add(this->Phase, Splat(static_cast<float>(n))), Splat(distance)); };
+    const auto positionAt = [&](int n, const Vec3& start)
+    {
+      const Vec3 p = MulAdd(timeOf(n), this->Rays.Direction, this->Rays.Origin);
+      return LocalToIndex(this->Scene,
+        PullBackFrom(this->Scene, p, IndexToLocal(this->Scene, start), this->Alive,
+          this->Scratch.Statistics));
+    };
+    PacketCurve curve;
+    const Vf zero = hn::Zero(d);
+    for (Vec3& term : curve.Position.Terms)
+    {
+      term = { zero, zero, zero };
+    }
+    curve.Dt = Splat(distance);
+    curve.PerStep = Splat(1.0f);
+    const Vf s = hn::Mul(
+      hn::Add(this->Phase, Splat(static_cast<float>(from - piece.FirstSample))), about.PerStep);
+    Vec3 next = positionAt(from, about.Position.At(s));
+    Vec3 move = Scale(about.PerStep, about.Position.Slope(s));
+    this->Out.TallyStep = Splat(-1e30f);
+    for (int n = from; n < to; ++n)
+    {
+      curve.Position.Terms[0] = next;
+      next = positionAt(n + 1, Add(next, move));
+      move = Sub(next, curve.Position.Terms[0]);
+      curve.Position.Terms[1] = move;
+      curve.T0 = timeOf(n);
+      if (!this->TakeSamples(curve, n, zero, false))
+      {
+        return;
+      }
+    }
+  }
+
+  HWY_INLINE void FindCurve(TilePiece& piece, int x, int y, PacketCurve& curve)
+  {
+    const Df d;
+    curve.Piece = &piece;
+    curve.T0 = Splat(piece.T0);
+    curve.Dt = Splat(piece.Dt);
+    curve.PerStep = Splat(1.0f / static_cast<float>(piece.Samples));
     if (this->Scene.Identity)
     {
-      return LocalToIndex(this->Scene, p);
+      // Straight rays need no interpolation.
+      const Vf zero = hn::Zero(d);
+      const Vec3 nothing{ zero, zero, zero };
+      curve.Position.Terms[0] = LocalToIndex(
+        this->Scene, MulAdd(curve.T0, this->Rays.Direction, this->Rays.Origin));
+      curve.Position.Terms[1] =
+        Transform(this->Scene.LocalToIndex, Scale(curve.Dt, this->Rays.Direction));
+      curve.Position.Terms[2] = nothing;
+      curve.Position.Terms[3] = nothing;
+      curve.Position.Terms[4] = nothing;
+      return;
     }
-    // What interpolation is not close enough for is at least where Newton's method starts from.
-    const bool solves = this->Scene.Kind == PullBackKind::Exact;
-    const LateralNodes nodes = NodesOf(span);
-    if (nodes == LateralNodes::Quarter)
-    {
-      return this->InQuarter().Interpolate(this->LayerOf(nodes, step));
-    }
-    if (nodes == LateralNodes::None && !(span.Bounded && solves))
-    {
-      return LocalToIndex(
-        this->Scene, PullBackLanes(this->Scene, p, lanes, this->Scratch.Statistics));
-    }
-    const Vec3 interpolated = this->Weights.Interpolate(this->Grid.GetLayer(step));
-    if (nodes == LateralNodes::Tile)
-    {
-      return interpolated;
-    }
-    return LocalToIndex(this->Scene,
-      InvertLanes(this->Scene, p, IndexToLocal(this->Scene, interpolated), lanes,
-        this->Scratch.Statistics));
+    this->Pieces.NeedColumns(piece);
+    curve.Interpolated = true;
+    curve.X = x;
+    curve.Row = hn::Mul(hn::Add(this->Rows, Splat(static_cast<float>(y))),
+      Splat(3.0f / static_cast<float>(piece.Side - 1)));
+    Vf rows[4];
+    LagrangeWeights(curve.Row, rows);
+    curve.Position = FindPacketCurve(piece.Columns, x, rows);
   }
 
-  /// Weights of the nodes of the quarter of the tile.
-  HWY_INLINE const NodeWeights& InQuarter()
+  /// The sample n of every ray, at s of a curve; false when all rays have ended.
+  HWY_INLINE bool TakeSamples(const PacketCurve& curve, int n, Vf s, bool within)
   {
-    if (HWY_UNLIKELY(this->Quarter < 0))
+    const Df d;
+    const Vf number = Splat(static_cast<float>(n));
+    Mf active = hn::And(
+      this->Alive, hn::And(hn::Ge(number, this->First), hn::Lt(number, this->Stop)));
+    if (HWY_UNLIKELY(hn::AllFalse(d, active)))
     {
-      this->FindQuarter();
+      return true;
     }
-    return this->QuarterWeights;
-  }
-
-  HWY_NOINLINE void FindQuarter()
-  {
-    constexpr float Half = TileSide / 2;
-    const bool right = hn::GetLane(this->X) >= Half;
-    const bool high = hn::GetLane(this->Y) >= Half;
-    this->Quarter = (right ? 1 : 0) + (high ? 2 : 0);
-    const auto nodes = [](Vf pixel, bool second)
-    { return hn::Mul(hn::Sub(pixel, Splat(second ? Half : 0.0f)), Splat(QuarterNodesPerPixel)); };
-    this->QuarterWeights = NodeWeights(nodes(this->X, right), nodes(this->Y, high));
-  }
-
-  HWY_INLINE const TileLayer& LayerOf(LateralNodes nodes, int step)
-  {
-    return nodes == LateralNodes::Quarter ? this->Grid.GetQuarterLayer(this->Quarter, step)
-                                          : this->Grid.GetLayer(step);
+    const Vec3 q = curve.Position.At(s);
+    if (this->Scene.Distances && curve.Piece)
+    {
+      active = this->LeapFrom(curve, q, number, active);
+      if (hn::AllFalse(d, active))
+      {
+        return true;
+      }
+    }
+    if (HWY_UNLIKELY(this->Scratch.Positions))
+    {
+      this->NotePositions(q, curve.TimeAt(s), hn::And(active, IsInside(this->Scene, q)));
+    }
+    if (HWY_LIKELY(this->Scene.Plain))
+    {
+      if (!within)
+      {
+        active = hn::And(active, IsInside(this->Scene, q));
+        if (hn::AllFalse(d, active))
+        {
+          return true;
+        }
+      }
+      this->template TakeSample<true>(curve, q, s, active);
+    }
+    else
+    {
+      if (!this->Scene.Intervals)
+      {
+        active = hn::And(active, this->IsShown(q, curve, s));
+        if (hn::AllFalse(d, active))
+        {
+          return true;
+        }
+      }
+      if (this->Scene.Sampling == PacketSampling::Composite)
+      {
+        this->template TakeSample<false>(curve, q, s, active);
+      }
+      else
+      {
+        this->TakeOtherSample(curve, q, s, number, active);
+      }
+    }
+    if (HWY_UNLIKELY(hn::AllFalse(d, this->Alive)))
+    {
+      this->Reach = static_cast<float>((n + 2) * this->Scene.Settings.SampleDistance);
+      return false;
+    }
+    return true;
   }
 
   HWY_INLINE Vf LengthOf(const Vec3& index) const
@@ -418,136 +454,66 @@ private:
     return hn::Sqrt(Dot(data, data));
   }
 
-  HWY_INLINE void CountPiece(const PacketPiece& piece, Mf lanes)
-  {
-    CastStatistics& statistics = this->Scratch.Statistics;
-    const int rays = static_cast<int>(hn::CountTrue(Df(), lanes));
-    statistics.Segments += rays;
-    statistics.SegmentLength += rays * (piece.Dt / this->Scene.Source->VoxelSize);
-  }
-
-  /// As ScheduleEvenly, a schedule a lane. `length`: of the piece in rest space, world units.
-  HWY_INLINE PacketSchedule Schedule(const PacketPiece& piece, Vf length) const
-  {
-    const Vf zero = hn::Zero(Df());
-    const Vf one = Splat(1.0f);
-    const float inverseDistance = static_cast<float>(1.0 / this->Scene.Settings.SampleDistance);
-    const Vf count = hn::Max(one, hn::Round(hn::Mul(length, Splat(inverseDistance))));
-    const Vf t0 = Splat(piece.T0);
-    const Vf inverseDt = Splat(1.0f / piece.Dt);
-    const Vf sFrom = hn::Max(hn::Mul(hn::Sub(this->Rays.From, t0), inverseDt), zero);
-    const Vf sTo = hn::Min(hn::Mul(hn::Sub(this->Rays.To, t0), inverseDt), one);
-    const Vf slack = Splat(1e-3f);
-    PacketSchedule schedule;
-    schedule.Ds = hn::Div(one, count);
-    const Vf early = this->Scene.Intervals ? Splat(1.0f - 1e-3f) : hn::Add(slack, this->Phase);
-    schedule.First = hn::Add(hn::Ceil(hn::Sub(hn::Mul(sFrom, count), early)), this->Phase);
-    schedule.Stop = hn::Min(count,
-      hn::Add(hn::Ceil(hn::Sub(hn::Sub(hn::Mul(sTo, count), slack), this->Phase)), this->Phase));
-    return schedule;
-  }
-
   /**
-   * What has to be taken off the number of steps to the first position that may not be empty, for
-   * the first sample of a piece: where samples do not lie on whole steps, or stand for what comes
-   * after them.
+   * The lanes of `active` that may see something. Those whose last sample was visible expect the next one
+   * to be; the others look up how many samples of the piece are empty for certain.
    */
-  HWY_INLINE Vf StepsBack() const
-  {
-    const Vf one = Splat(1.0f);
-    return this->Scene.Intervals ? one : hn::Sub(one, this->Phase);
-  }
-
-  static HWY_INLINE PieceLeap LeapsOf(const PacketPiece& piece, const PacketSchedule& schedule)
-  {
-    return PieceLeap(
-      piece.Velocity(hn::Zero(Df())), piece.Velocity(Splat(1.0f)), schedule.Ds);
-  }
-
-  HWY_INLINE void IntegratePiece(const PacketPiece& piece, const PacketSchedule& schedule,
-    const PieceLeap& leaps, Mf lanes)
-  {
-    if (HWY_LIKELY(this->Scene.Plain))
-    {
-      this->template Integrate<true>(piece, schedule, leaps, lanes);
-    }
-    else
-    {
-      this->template Integrate<false>(piece, schedule, leaps, lanes);
-    }
-  }
-
-  /**
-   * Samples one piece. Each ray steps through it on its own: it leaps until it stands before
-   * something that may be visible, and when all rays do, all of them take a sample. So they take
-   * their first visible samples together, wherever on the piece these lie. `Plain`: PacketScene::Plain,
-   * so that the innermost loop carries nothing for options that are not used.
-   */
-  template <bool Plain>
-  HWY_NOINLINE void Integrate(const PacketPiece& piece, const PacketSchedule& schedule, const PieceLeap& leaps,
-    Mf lanes)
+  HWY_INLINE Mf LeapFrom(const PacketCurve& curve, const Vec3& q, Vf number, Mf active)
   {
     const Df d;
-    const bool leap = this->Scene.Settings.Leaping != SpaceLeaping::Off;
-    const bool intervals = !Plain && this->Scene.Intervals;
-    const bool composite = Plain || this->Scene.Sampling == PacketSampling::Composite;
-    this->HaveFrames = false;
-    this->Out.TallyStep = Splat(-1.0f);
-    Vf n = schedule.First;
-    // Rays whose last sample was visible expect the next one to be.
-    Mf expecting = hn::FirstN(d, 0);
-    for (;;)
+    active = hn::And(active, hn::Ge(number, this->SkipTo));
+    const Mf looking = hn::AndNot(this->Expecting, active);
+    this->Expecting = hn::FirstN(d, 0);
+    if (hn::AllFalse(d, looking))
     {
-      Mf active = hn::And(hn::And(lanes, this->Alive), hn::Lt(n, schedule.Stop));
-      Mf looking = hn::AndNot(expecting, active);
-      while (leap && !hn::AllFalse(d, looking))
+      return active;
+    }
+    const Vf steps =
+      EmptySpaceQuery(this->Scene, q).CountSteps(LeapGuard, curve.Piece->Up, curve.Piece->Down);
+    // An interval is empty if its end is in the cube, too.
+    const Mf empty = hn::And(
+      looking, hn::Ge(steps, this->Scene.Intervals ? Splat(1.0f) : hn::Zero(d)));
+    const Vf more = this->Scene.Intervals ? steps : hn::Add(steps, Splat(1.0f));
+    this->SkipTo = hn::IfThenElse(empty, hn::Add(number, more), this->SkipTo);
+    this->Scratch.Statistics.DistanceLookups +=
+      static_cast<std::int64_t>(hn::CountTrue(d, hn::And(empty, IsInside(this->Scene, q))));
+    return hn::AndNot(empty, active);
+  }
+
+  HWY_NOINLINE void NotePositions(const Vec3& q, Vf t, Mf lanes)
+  {
+    const Df d;
+    HWY_ALIGN float x[16], y[16], z[16], times[16], flag[16];
+    hn::Store(q.x, d, x);
+    hn::Store(q.y, d, y);
+    hn::Store(q.z, d, z);
+    hn::Store(t, d, times);
+    hn::Store(hn::IfThenElseZero(lanes, Splat(1.0f)), d, flag);
+    const int width = std::min(static_cast<int>(hn::Lanes(d)), 4);
+    for (int lane = 0; lane < static_cast<int>(hn::Lanes(d)); ++lane)
+    {
+      if (flag[lane] != 0.0f)
       {
-        const Mf empty = this->template LookAhead<Plain>(piece, schedule, leaps, looking, n);
-        active = hn::And(active, hn::Lt(n, schedule.Stop));
-        looking = hn::And(active, empty);
+        this->Scratch.Positions->push_back({ this->Pieces.GetX() + this->X + lane % width,
+          this->Pieces.GetY() + this->Y + lane / width, times[lane],
+          { x[lane], y[lane], z[lane] } });
       }
-      if (hn::AllFalse(d, active))
-      {
-        return;
-      }
-      const Vf s = hn::Mul(n, schedule.Ds);
-      const Vec3 q = piece.At(s);
-      const Mf sampled =
-        intervals ? active : hn::And(active, this->template IsShown<Plain>(q, piece, s));
-      expecting = hn::AllFalse(d, sampled) ? sampled
-        : composite
-        ? this->template TakeSample<Plain>(piece, q, s, schedule.Ds, sampled)
-        : this->TakeOtherSample(piece, q, n, schedule.Ds, sampled);
-      n = hn::Add(n, hn::IfThenElseZero(active, Splat(1.0f)));
     }
   }
 
-  /// Moves the rays of `looking` that stand in empty space on, and says which these are.
-  template <bool Plain>
-  HWY_INLINE Mf LookAhead(const PacketPiece& piece, const PacketSchedule& schedule,
-    const PieceLeap& leaps, Mf looking, Vf& n)
+  HWY_INLINE void CountPiece(const TilePiece& piece)
   {
-    const PacketLook look(
-      this->Scene, piece.At(hn::Mul(n, schedule.Ds)), looking, this->Scratch.Statistics);
-    const Vf steps = look.CountSteps(this->Scene, leaps);
-    if (!Plain && this->Scene.Intervals)
-    {
-      // The interval up to the first position that may not be empty is none of them.
-      const Vf empty = hn::Sub(steps, Splat(1.0f));
-      const Mf some = hn::And(looking, hn::Gt(empty, hn::Zero(Df())));
-      n = hn::Add(n, hn::IfThenElseZero(some, empty));
-      return some;
-    }
-    n = hn::Add(n, steps);
-    return look.GetFree();
+    CastStatistics& statistics = this->Scratch.Statistics;
+    const int rays = static_cast<int>(hn::CountTrue(Df(), this->Alive));
+    statistics.Segments += rays;
+    statistics.SegmentLength += rays * (static_cast<double>(piece.Dt) / this->Scene.Source->VoxelSize);
   }
 
   /// Which positions are inside of the volume and not cropped.
-  template <bool Plain>
-  HWY_INLINE Mf IsShown(const Vec3& q, const PacketPiece& piece, Vf s) const
+  HWY_INLINE Mf IsShown(const Vec3& q, const PacketCurve& curve, Vf s) const
   {
     const Mf inside = IsInside(this->Scene, q);
-    if (Plain || this->Scene.CropSpace == Cropping::Spaces::None)
+    if (this->Scene.CropSpace == Cropping::Spaces::None)
     {
       return inside;
     }
@@ -555,8 +521,8 @@ private:
     {
       return hn::And(inside, this->IsUncropped(q));
     }
-    const Vf t = hn::MulAdd(s, Splat(piece.Dt), Splat(piece.T0));
-    return hn::And(inside, this->IsUncropped(MulAdd(t, this->Rays.Direction, this->Rays.Origin)));
+    return hn::And(inside,
+      this->IsUncropped(MulAdd(curve.TimeAt(s), this->Rays.Direction, this->Rays.Origin)));
   }
 
   HWY_NOINLINE Mf IsUncropped(const Vec3& p) const
@@ -581,9 +547,10 @@ private:
     return hn::Gt(hn::Load(d, shown), hn::Zero(d));
   }
 
-  /// Samples, shades and composites; returns which of the rays met something visible.
+  /// Samples, shades and composites. `Plain`: PacketScene::Plain, so that nothing is carried for
+  /// options that are not used.
   template <bool Plain>
-  HWY_INLINE Mf TakeSample(const PacketPiece& piece, const Vec3& q, Vf s, Vf ds, Mf sampled)
+  HWY_NOINLINE void TakeSample(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
   {
     const Df d;
     CastStatistics& statistics = this->Scratch.Statistics;
@@ -604,7 +571,7 @@ private:
     Mf visible = hn::And(hn::And(sampled, look.IsNumber()), hn::Gt(extinction, hn::Zero(d)));
     if (hn::AllFalse(d, visible))
     {
-      return visible;
+      return;
     }
     Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
     const bool byGradient = !Plain && this->Scene.GradientFactors != nullptr;
@@ -622,20 +589,21 @@ private:
       visible = hn::And(visible, hn::Gt(extinction, hn::Zero(d)));
       if (hn::AllFalse(d, visible))
       {
-        return visible;
+        return;
       }
     }
     statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
+    this->Expecting = visible;
 
     Vec3 colour = look.Colour();
-    const Vf t = hn::MulAdd(s, Splat(piece.Dt), Splat(piece.T0));
+    const Vf t = curve.TimeAt(s);
     if (this->Scene.Shade)
     {
-      colour = this->ShadeSample(piece, q, colour, gradient, s, t);
+      colour = this->ShadeSample(curve, q, colour, gradient, s, t);
     }
     const Vf interval = this->Scene.Settings.Opacity == OpacityLength::World
-      ? hn::Mul(ds, Splat(piece.Dt))
-      : hn::Mul(ds, this->LengthOf(piece.Velocity(s)));
+      ? Splat(static_cast<float>(this->Scene.Settings.SampleDistance))
+      : hn::Mul(curve.PerStep, this->LengthOf(curve.Position.Slope(s)));
     const Vf transmittance = Exp2(hn::Neg(hn::Mul(extinction, interval)));
     const Vf weight = hn::IfThenElseZero(
       visible, hn::Mul(this->Out.Transmittance, hn::Sub(Splat(1.0f), transmittance)));
@@ -647,7 +615,6 @@ private:
     const Mf ended =
       hn::Lt(this->Out.Transmittance, Splat(this->Scene.Settings.TerminationTransmittance));
     this->Alive = hn::AndNot(ended, this->Alive);
-    return visible;
   }
 
   /// The extinction whose opacity over the reference length is that of `extinction` times the factor
@@ -681,24 +648,23 @@ private:
     return hn::IfThenElse(hn::Ge(factor, one), extinction, weighed);
   }
 
-  /// What TakeSample does, for all that is not plain compositing; at s = n * ds.
-  HWY_NOINLINE Mf TakeOtherSample(
-    const PacketPiece& piece, const Vec3& q, Vf n, Vf ds, Mf sampled)
+  /// What TakeSample does, for all that is not plain compositing. `number`: of the sample.
+  HWY_NOINLINE void TakeOtherSample(
+    const PacketCurve& curve, const Vec3& q, Vf s, Vf number, Mf sampled)
   {
     const Df d;
-    const Vf s = hn::Mul(n, ds);
     CastStatistics& statistics = this->Scratch.Statistics;
     statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
     switch (this->Scene.Sampling)
     {
       case PacketSampling::Extreme:
-        return this->TakeExtreme(piece, q, s, sampled);
+        return this->TakeExtreme(curve, q, s, sampled);
       case PacketSampling::Sum:
-        return this->AddUp(piece, q, s, ds, sampled);
+        return this->AddUp(curve, q, s, sampled);
       case PacketSampling::Surface:
-        return this->CrossSurfaces(piece, q, n, ds, sampled);
+        return this->CrossSurfaces(curve, q, s, number, sampled);
       default:
-        return this->TakeSamplePerRay(piece, s, ds, sampled);
+        return this->TakeSamplePerRay(curve, s, sampled);
     }
   }
 
@@ -716,13 +682,8 @@ private:
     return value;
   }
 
-  HWY_INLINE Vf TimeAt(const PacketPiece& piece, Vf s) const
-  {
-    return hn::MulAdd(s, Splat(piece.Dt), Splat(piece.T0));
-  }
-
   /// Minima are maxima of what is below zero.
-  HWY_INLINE Mf TakeExtreme(const PacketPiece& piece, const Vec3& q, Vf s, Mf sampled)
+  HWY_INLINE void TakeExtreme(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
   {
     const Df d;
     const bool maximum = this->Scene.Source->Blend.Mode == BlendMode::Maximum;
@@ -734,14 +695,13 @@ private:
       static_cast<std::int64_t>(hn::CountTrue(d, better));
     this->Out.Tally = hn::IfThenElse(better, value, this->Out.Tally);
     this->Out.FirstVisible =
-      hn::IfThenElse(better, this->TimeAt(piece, s), this->Out.FirstVisible);
+      hn::IfThenElse(better, curve.TimeAt(s), this->Out.FirstVisible);
     // Nothing is beyond the end of the range.
     const Vf end = Splat(maximum ? this->Scene.ValueHigh : -this->Scene.ValueLow);
     this->Alive = hn::AndNot(hn::Ge(this->Out.Tally, end), this->Alive);
-    return hn::FirstN(d, 0);
   }
 
-  HWY_INLINE Mf AddUp(const PacketPiece& piece, const Vec3& q, Vf s, Vf ds, Mf sampled)
+  HWY_INLINE void AddUp(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
   {
     const Df d;
     const Vf one = Splat(1.0f);
@@ -761,27 +721,27 @@ private:
     const Vf relative = hn::Mul(hn::Sub(value, Splat(this->Scene.ValueLow)),
       Splat(1.0f / (this->Scene.ValueHigh - this->Scene.ValueLow)));
     const Vf length = this->Scene.Settings.Opacity == OpacityLength::World
-      ? hn::Mul(ds, Splat(piece.Dt))
-      : hn::Mul(ds, this->LengthOf(piece.Velocity(s)));
+      ? Splat(static_cast<float>(this->Scene.Settings.SampleDistance))
+      : hn::Mul(curve.PerStep, this->LengthOf(curve.Position.Slope(s)));
     this->Out.Tally = hn::Add(this->Out.Tally,
       hn::IfThenElseZero(counts, hn::Mul(hn::Mul(opacity, relative), length)));
     this->Out.TallyLength =
       hn::Add(this->Out.TallyLength, hn::IfThenElseZero(counts, length));
     this->Out.FirstVisible = hn::IfThenElse(
-      counts, hn::Min(this->Out.FirstVisible, this->TimeAt(piece, s)), this->Out.FirstVisible);
-    return hn::FirstN(d, 0);
+      counts, hn::Min(this->Out.FirstVisible, curve.TimeAt(s)), this->Out.FirstVisible);
   }
 
-  /// Hands the intervals from n to n + 1 that a surface may cross to the integrators.
-  HWY_INLINE Mf CrossSurfaces(const PacketPiece& piece, const Vec3& q, Vf n, Vf ds, Mf lanes)
+  /// Hands the intervals to the next sample that a surface may cross to the integrators.
+  HWY_INLINE void CrossSurfaces(
+    const PacketCurve& curve, const Vec3& q, Vf s, Vf number, Mf lanes)
   {
     const Df d;
-    const Vf next = hn::Add(n, Splat(1.0f));
-    const Vec3 end = piece.At(hn::Mul(next, ds));
+    const Vf next = hn::Add(number, Splat(1.0f));
+    const Vec3 end = curve.Position.At(hn::Add(s, curve.PerStep));
     const Mf insideA = hn::And(lanes, IsInside(this->Scene, q));
     const Mf insideB = hn::And(lanes, IsInside(this->Scene, end));
     Vf a = this->Out.Tally;
-    const Mf unknown = hn::AndNot(hn::Eq(this->Out.TallyStep, n), insideA);
+    const Mf unknown = hn::AndNot(hn::Eq(this->Out.TallyStep, number), insideA);
     if (!hn::AllFalse(d, unknown))
     {
       a = hn::IfThenElse(unknown, this->ValuesAt(q, unknown), a);
@@ -801,27 +761,29 @@ private:
     // The volume begins or ends in the interval.
     const Mf faces = hn::Xor(insideA, insideB);
     crossed = hn::Or(hn::And(crossed, hn::And(insideA, insideB)), faces);
-    return hn::AllFalse(d, crossed)
-      ? crossed
-      : this->TakeSamplePerRay(piece, hn::Mul(n, ds), ds, crossed);
+    if (!hn::AllFalse(d, crossed))
+    {
+      this->TakeSamplePerRay(curve, s, crossed);
+    }
   }
 
   /// What TakeSample does, by the integrators of the rays.
-  HWY_NOINLINE Mf TakeSamplePerRay(const PacketPiece& piece, Vf s, Vf ds, Mf sampled)
+  HWY_NOINLINE void TakeSamplePerRay(const PacketCurve& curve, Vf s, Mf sampled)
   {
     const Df d;
-    HWY_ALIGN float at[16], interval[16], flag[16];
-    HWY_ALIGN float curve[9][16];
+    HWY_ALIGN float at[16], interval[16], t0[16], dt[16], flag[16];
+    HWY_ALIGN float terms[3 * TileLayers][16];
     hn::Store(s, d, at);
-    hn::Store(ds, d, interval);
+    hn::Store(curve.PerStep, d, interval);
+    hn::Store(curve.T0, d, t0);
+    hn::Store(curve.Dt, d, dt);
     hn::Store(hn::IfThenElseZero(sampled, Splat(1.0f)), d, flag);
-    const Vf terms[9] = { piece.Start.x, piece.Start.y, piece.Start.z, piece.Linear.x,
-      piece.Linear.y, piece.Linear.z, piece.Quadratic.x, piece.Quadratic.y, piece.Quadratic.z };
-    for (int i = 0; i < 9; ++i)
+    for (int k = 0; k < TileLayers; ++k)
     {
-      hn::Store(terms[i], d, curve[i]);
+      hn::Store(curve.Position.Terms[k].x, d, terms[3 * k]);
+      hn::Store(curve.Position.Terms[k].y, d, terms[3 * k + 1]);
+      hn::Store(curve.Position.Terms[k].z, d, terms[3 * k + 2]);
     }
-    HWY_ALIGN float visible[16] = {};
     HWY_ALIGN float done[16] = {};
     CastStatistics& statistics = this->Scratch.Statistics;
     for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
@@ -830,28 +792,30 @@ private:
       {
         continue;
       }
-      const auto term = [&](int i)
-      { return glm::dvec3(curve[i][lane], curve[i + 1][lane], curve[i + 2][lane]); };
-      const RayPiece one(*this, piece, lane, { term(0), term(3), term(6) });
+      CurvePiece piece;
+      for (int k = 0; k < TileLayers; ++k)
+      {
+        piece.Terms[k] = glm::dvec3(terms[3 * k][lane], terms[3 * k + 1][lane], terms[3 * k + 2][lane]);
+      }
+      const RayPiece one(*this, curve, lane, piece, static_cast<double>(t0[lane]),
+        static_cast<double>(dt[lane]));
       const RayIntegrator::Outcome outcome = this->Scratch.Integrators[lane].AddSample(
         one, static_cast<double>(at[lane]), static_cast<double>(interval[lane]));
       statistics.VisibleSamples += outcome.Visible ? 1 : 0;
-      visible[lane] = outcome.Visible ? 1.0f : 0.0f;
       done[lane] = outcome.Done ? 1.0f : 0.0f;
     }
-    const Vf zero = hn::Zero(d);
-    this->Alive = hn::AndNot(hn::Gt(hn::Load(d, done), zero), this->Alive);
-    return hn::Gt(hn::Load(d, visible), zero);
+    this->Alive = hn::AndNot(hn::Gt(hn::Load(d, done), hn::Zero(d)), this->Alive);
   }
 
   /// The piece of one ray.
   class RayPiece : public SampledPiece
   {
   public:
-    RayPiece(Packet& packet, const PacketPiece& piece, std::size_t lane, const CurvePiece& curve)
-      : SampledPiece(curve, static_cast<double>(piece.T0), static_cast<double>(piece.Dt))
+    RayPiece(Packet& packet, const PacketCurve& curve, std::size_t lane, const CurvePiece& piece,
+      double t0, double dt)
+      : SampledPiece(piece, t0, dt)
       , Whole(packet)
-      , OfAll(piece)
+      , OfAll(curve)
       , Lane(lane)
     {
     }
@@ -863,13 +827,13 @@ private:
 
   private:
     Packet& Whole;
-    const PacketPiece& OfAll;
+    const PacketCurve& OfAll;
     std::size_t Lane;
   };
 
   /// The gradient by world coordinates at s on one of the rays, from that by index coordinates.
   HWY_NOINLINE glm::dvec3 GradientOfRay(
-    const PacketPiece& piece, std::size_t lane, float s, const glm::dvec3& byIndex)
+    const PacketCurve& curve, std::size_t lane, float s, const glm::dvec3& byIndex)
   {
     // Scaled: squares of huge or tiny scalars are no floats.
     const double size =
@@ -882,23 +846,10 @@ private:
     const Vec3 g{ Splat(static_cast<float>(byIndex.x / size)),
       Splat(static_cast<float>(byIndex.y / size)), Splat(static_cast<float>(byIndex.z / size)) };
     const Vf at = Splat(s);
-    const Vf t = Splat(piece.T0 + s * piece.Dt);
-    Vec3 local;
-    if (this->Scene.Identity)
-    {
-      local = Transform(this->Scene.GradientToRest, g);
-    }
-    else if (piece.Nodes != LateralNodes::None)
-    {
-      Vf determinant;
-      local = this->GradientFromFrames(piece, g, at, t, determinant);
-      const Vf magnitude = hn::Max(hn::Abs(determinant), Splat(1e-30f));
-      local = Scale(hn::Div(hn::CopySign(Splat(1.0f), determinant), magnitude), local);
-    }
-    else
-    {
-      local = this->GradientFromField(piece.At(at), g, t);
-    }
+    Vf determinant;
+    Vec3 local = this->GradientAt(curve, curve.Position.At(at), g, at, determinant);
+    const Vf magnitude = hn::Max(hn::Abs(determinant), Splat(1e-30f));
+    local = Scale(hn::Div(hn::CopySign(Splat(1.0f), determinant), magnitude), local);
     HWY_ALIGN float x[16], y[16], z[16];
     hn::Store(local.x, d, x);
     hn::Store(local.y, d, y);
@@ -994,8 +945,8 @@ private:
       });
   }
 
-  /// Colour of a lit sample: the normal is J_Phi^T grad f, with J_Phi from the tile's own grid.
-  HWY_INLINE Vec3 ShadeSample(const PacketPiece& piece, const Vec3& q, const Vec3& colour,
+  /// Colour of a lit sample: the normal is J_Phi^T grad f.
+  HWY_INLINE Vec3 ShadeSample(const PacketCurve& curve, const Vec3& q, const Vec3& colour,
     const Vec3& byIndex, Vf s, Vf t)
   {
     Vec3 gradient; // by coordinates of the lights' space
@@ -1003,17 +954,13 @@ private:
     {
       gradient = Transform(this->Scene.IndexGradientToLights, byIndex);
     }
-    else if (piece.Nodes != LateralNodes::None)
+    else
     {
       // Only the direction of the gradient is used, but it must not be turned around.
       Vf determinant;
-      const Vec3 local = this->GradientFromFrames(piece, byIndex, s, t, determinant);
+      const Vec3 local = this->GradientAt(curve, q, byIndex, s, determinant);
       gradient = Transform(
         this->Scene.GradientToLights, Scale(hn::CopySign(Splat(1.0f), determinant), local));
-    }
-    else
-    {
-      gradient = Transform(this->Scene.GradientToLights, this->GradientFromField(q, byIndex, t));
     }
     const auto position = [&] {
       return Transform(
@@ -1024,43 +971,36 @@ private:
     return Shade(this->Scene, colour, gradient, toEye, position);
   }
 
+  /// `determinant` times the gradient by local coordinates of deformed space, from that by index
+  /// coordinates at q.
+  HWY_INLINE Vec3 GradientAt(
+    const PacketCurve& curve, const Vec3& q, const Vec3& byIndex, Vf s, Vf& determinant)
+  {
+    if (curve.Interpolated)
+    {
+      return this->GradientFromFrames(curve, byIndex, s, determinant);
+    }
+    determinant = Splat(1.0f);
+    return this->Scene.Identity ? Transform(this->Scene.GradientToRest, byIndex)
+                                : this->GradientFromField(q, byIndex, curve.TimeAt(s));
+  }
+
   /**
    * Along the image axes u, v and the ray parameter t both the deformed points P and the rest
    * points Q are known, so the gradient G by P solves G . P_u = g . Q_u, and so on for v and t.
-   * Derivatives across the tile are those of its node interpolation, at the start and the end of
-   * the piece and linear in between. Returns G times `determinant`.
+   * Returns G times `determinant`. The derivatives of Q are those of the interpolant.
    */
   HWY_INLINE Vec3 GradientFromFrames(
-    const PacketPiece& piece, const Vec3& byIndex, Vf s, Vf t, Vf& determinant)
+    const PacketCurve& curve, const Vec3& byIndex, Vf s, Vf& determinant)
   {
-    if (!this->HaveFrames)
+    if (HWY_UNLIKELY(!this->HaveSlopes))
     {
-      this->HaveFrames = true;
-      // By steps of a node of the tile.
-      const bool quarter = piece.Nodes == LateralNodes::Quarter;
-      const NodeWeights& weights = quarter ? this->InQuarter() : this->Weights;
-      const Vf scale = Splat(quarter ? QuarterNodesPerPixel / NodesPerPixel : 1.0f);
-      for (int end = 0; end < 2; ++end)
-      {
-        const TileLayer& layer = this->LayerOf(piece.Nodes, piece.Step + end * piece.Steps);
-        this->QuU[end] = Scale(scale, weights.SlopeX(layer));
-        this->QuV[end] = Scale(scale, weights.SlopeY(layer));
-      }
-      if (!this->HaveAcross)
-      {
-        this->HaveAcross = true;
-        const NodeRays& rays = this->Grid.GetRays();
-        this->OriginU = this->Weights.SlopeX(rays.Origins);
-        this->OriginV = this->Weights.SlopeY(rays.Origins);
-        this->DirectionU = this->Weights.SlopeX(rays.Directions);
-        this->DirectionV = this->Weights.SlopeY(rays.Directions);
-      }
+      this->FindSlopes(curve);
     }
-    const auto between = [&](const Vec3 ends[2])
-    { return MulAdd(s, Sub(ends[1], ends[0]), ends[0]); };
-    const Vf gu = Dot(byIndex, between(this->QuU));
-    const Vf gv = Dot(byIndex, between(this->QuV));
-    const Vf gt = hn::Mul(Dot(byIndex, piece.Velocity(s)), Splat(1.0f / piece.Dt));
+    const Vf t = curve.TimeAt(s);
+    const Vf gu = Dot(byIndex, this->SlopeU.At(s));
+    const Vf gv = Dot(byIndex, this->SlopeV.At(s));
+    const Vf gt = hn::Div(Dot(byIndex, curve.Position.Slope(s)), curve.Dt);
     const Vec3 pu = MulAdd(t, this->DirectionU, this->OriginU);
     const Vec3 pv = MulAdd(t, this->DirectionV, this->OriginV);
     const Vec3& pt = this->Rays.Direction;
@@ -1069,7 +1009,27 @@ private:
     return MulAdd(gu, vt, MulAdd(gv, Cross(pt, pu), Scale(gt, Cross(pu, pv))));
   }
 
-  /// The same with J_Phi at the sample itself, where nodes of the tile are too far apart.
+  HWY_NOINLINE void FindSlopes(const PacketCurve& curve)
+  {
+    this->HaveSlopes = true;
+    Vf rows[4];
+    LagrangeWeights(curve.Row, rows);
+    this->SlopeU = FindPacketCurve(curve.Piece->ColumnSlopes, curve.X, rows);
+    LagrangeSlopes(curve.Row, rows);
+    for (Vf& row : rows)
+    {
+      row = hn::Mul(row, Splat(3.0f / static_cast<float>(curve.Piece->Side - 1)));
+    }
+    this->SlopeV = FindPacketCurve(curve.Piece->Columns, curve.X, rows);
+    if (!this->HaveRaySlopes)
+    {
+      this->HaveRaySlopes = true;
+      this->Pieces.FindRaySlopes(this->X, this->Y, this->Rows, this->OriginU, this->DirectionU,
+        this->OriginV, this->DirectionV);
+    }
+  }
+
+  /// The same with J_Phi at the sample itself.
   HWY_NOINLINE Vec3 GradientFromField(const Vec3& index, const Vec3& byIndex, Vf t) const
   {
     const Vec3 p = MulAdd(t, this->Rays.Direction, this->Rays.Origin);
@@ -1081,32 +1041,34 @@ private:
   }
 
   const PacketScene& Scene;
-  TileGrid& Grid;
-  TileBeam& Beam;
+  TilePieces& Pieces;
   PacketScratch& Scratch;
   RayPacket Rays;
   Vec3 ToEye; ///< back along them, in the space of the lights
   Vf Phase;
   Mf Alive;
-  Vf X;
-  Vf Y;
-  NodeWeights Weights; ///< of the nodes of the tile
-  int Quarter = -1;    ///< of the tile, and the weights of its nodes: found on first use
-  NodeWeights QuarterWeights;
+  int X; ///< first pixel, from that of the tile
+  int Y;
+  Vf Rows;  ///< of the pixels, from Y on
+  Vf First; ///< samples, see FindSamples()
+  Vf Stop;
+  int FirstSample = 0; ///< of all rays
+  int EndSample = 0;
   PacketPixels Out;
   float Reach = std::numeric_limits<float>::infinity();
-  PacketLook Kept; ///< the empty cube that was found last where a piece began, for each ray
+  Vf SkipTo;    ///< samples of the piece before this one are empty for certain
+  Mf Expecting; ///< rays whose last sample was visible
 
   /// Voxels of the last samples at faces of the volume.
   RepeatedVoxels<std::conditional_t<std::is_same<T, WideScalar>::value, float, T>> Border;
 
-  // Derivatives of the current piece, found when its first visible sample is shaded.
-  bool HaveFrames = false;
-  Vec3 QuU[2];
-  Vec3 QuV[2];
+  // Derivatives of the current curve by pixels, found when its first visible sample is shaded.
+  bool HaveSlopes = false;
+  Quartic SlopeU;
+  Quartic SlopeV;
 
-  // Derivatives of the viewing rays across the tile, found with them.
-  bool HaveAcross = false;
+  // Derivatives of the viewing rays by pixels, found with them.
+  bool HaveRaySlopes = false;
   Vec3 OriginU;
   Vec3 OriginV;
   Vec3 DirectionU;
@@ -1116,6 +1078,7 @@ private:
 /// Rays of a tile, packet by packet, as they lie in PacketScratch::Rays.
 struct StoredRays
 {
+  static constexpr std::size_t RaysPerTile = TileSide * TileSide;
   float* Data;
   explicit StoredRays(PacketScratch& scratch)
     : Data(scratch.Rays.data())
@@ -1128,13 +1091,13 @@ struct StoredRays
       rays.Direction.y, rays.Direction.z, rays.From, rays.To };
     for (int i = 0; i < 8; ++i)
     {
-      hn::StoreU(all[i], d, this->Data + 256 * i + first);
+      hn::StoreU(all[i], d, this->Data + RaysPerTile * i + first);
     }
   }
   HWY_INLINE RayPacket Get(std::size_t first) const
   {
     const Df d;
-    const auto load = [&](int i) { return hn::LoadU(d, this->Data + 256 * i + first); };
+    const auto load = [&](int i) { return hn::LoadU(d, this->Data + RaysPerTile * i + first); };
     return { { load(0), load(1), load(2) }, { load(3), load(4), load(5) }, load(6), load(7) };
   }
 };
@@ -1367,29 +1330,11 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
     }
   }
 
-  const bool any = tMin < tMax;
-  TileGrid grid(scene, scratch);
-  if (any)
+  TilePieces pieces(scene, scratch, near, far, x0, y0);
+  if (tMin < tMax)
   {
-    grid.SetRays(near, far, x0, y0);
-    const TileLayer& from = grid.GetRays().Origins;
-    const TileLayer& along = grid.GetRays().Directions;
-    glm::dvec3 origins[4];
-    glm::dvec3 directions[4];
-    const int corners[4] = { 0, 3, 12, 15 };
-    for (int c = 0; c < 4; ++c)
-    {
-      const int i = corners[c];
-      origins[c] = scene.Centre + glm::dvec3(from.X[i], from.Y[i], from.Z[i]);
-      directions[c] = glm::dvec3(along.X[i], along.Y[i], along.Z[i]);
-    }
-    TileSpans& spans = scratch.Spans;
-    spans.Start(*scene.Source->Bounds, scene.Settings.Spans, scene.Source->Volume.DataToIndex,
-      origins, directions, tMin, tMax);
-    grid.Start(spans.GetNumberOfSpans(), scene.Settings.Spans.LargestLevel, spans.GetFirst(),
-      static_cast<float>(scene.Settings.Spans.Length));
+    pieces.Start(tMin, tMax);
   }
-  TileBeam beam(scene, grid, scratch);
 
   packet = 0;
   for (int y = y0; y < y0 + TileSide; y += shape.Height)
@@ -1407,12 +1352,10 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
         ClearPixels(image, x, y);
         continue;
       }
-      const Vf tileX = hn::Add(Splat(static_cast<float>(x - x0)), dx);
-      const Vf tileY = hn::Add(Splat(static_cast<float>(y - y0)), dy);
       const Vf phase = scene.Intervals
         ? hn::Zero(d)
         : PhaseOf(scene, rays, scene.Settings.Jitter ? JitterOf(scene, x, y) : hn::Zero(d));
-      Packet<T> cast(scene, grid, beam, scratch, rays, tileX, tileY, phase, active);
+      Packet<T> cast(scene, pieces, scratch, rays, x - x0, y - y0, dy, phase, active);
       if (HWY_UNLIKELY(scene.Sampling != PacketSampling::Composite))
       {
         cast.BeginRays(x, y, shape.Width);

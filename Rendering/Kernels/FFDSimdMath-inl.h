@@ -91,6 +91,13 @@ HWY_INLINE Vec3 Scale(Vf s, const Vec3& a)
   return { hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z) };
 }
 
+/// The lanes of `mask` from `yes`, the others from `no`.
+HWY_INLINE Vec3 Select(Mf mask, const Vec3& yes, const Vec3& no)
+{
+  return { hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y),
+    hn::IfThenElse(mask, yes.z, no.z) };
+}
+
 /// m * a for a 3 x 3 matrix stored row by row.
 HWY_INLINE Vec3 Transform(const float m[9], const Vec3& a)
 {

@@ -182,55 +182,76 @@ HWY_INLINE Mf IsInLattice(const PacketField& field, const Vec3& p)
   return hn::And(within(p.x, 0), hn::And(within(p.y, 1), within(p.z, 2)));
 }
 
-/**
- * T(Q) = p for every lane by Newton's method, from `q`. A lane is done when its residual is under
- * the tolerance, or earlier, when the theorem of Newton and Kantorovich bounds the error of its
- * next iterate: with h = |J^-1| M |delta| <= 1/2 that is h |delta|, M being a bound of the second
- * derivative. What a lane gets does not depend on the others. Returns the lanes that are done; the
- * others need the damped iteration of PullBack.
- */
-HWY_INLINE Mf SolveInverse(
-  const PacketField& field, const Vec3& p, float tolerance, Vec3& q, int& evaluations)
+/// J_T^-1 (T(q) - p): what a step of Newton's method takes off q. `norm`: of J_T^-1, Frobenius.
+HWY_INLINE Vec3 FindNewtonStep(
+  const PacketField& field, const Vec3& p, const Vec3& q, Vec3& residual, Vf& norm)
 {
-  constexpr int LargestSteps = 10;
-  const Df d;
   const Vf one = Splat(1.0f);
-  Mf done = hn::FirstN(d, 0);
+  Vec3 displacement;
+  Vec3 a;
+  Vec3 b;
+  Vec3 c;
+  EvaluateField<true>(field, q, displacement, a, b, c);
+  residual = Add(Sub(q, p), displacement);
+  // Solve (I + [a b c]) delta = residual by Cramer's rule.
+  a.x = hn::Add(a.x, one);
+  b.y = hn::Add(b.y, one);
+  c.z = hn::Add(c.z, one);
+  const Vec3 bc = Cross(b, c);
+  const Vec3 ca = Cross(c, a);
+  const Vec3 ab = Cross(a, b);
+  const Vf determinant = Dot(a, bc);
+  const Vf smallest = Splat(1e-6f);
+  const Vf inverse = hn::Div(one,
+    hn::IfThenElse(hn::Lt(hn::Abs(determinant), smallest), hn::CopySign(smallest, determinant),
+      determinant));
+  norm = hn::Mul(
+    hn::Abs(inverse), hn::Sqrt(hn::Add(Dot(bc, bc), hn::Add(Dot(ca, ca), Dot(ab, ab)))));
+  return Scale(inverse, { Dot(residual, bc), Dot(residual, ca), Dot(residual, ab) });
+}
+
+HWY_INLINE Vec3 FindNewtonStep(const PacketField& field, const Vec3& p, const Vec3& q)
+{
+  Vec3 residual;
+  Vf norm;
+  return FindNewtonStep(field, p, q, residual, norm);
+}
+
+/**
+ * T(Q) = p for the lanes of `active` by Newton's method from `q`, with steps of limited length. A lane
+ * is done when its residual is under the tolerance, or earlier, when the theorem of Newton and
+ * Kantorovich bounds the error of its next iterate: with h = |J^-1| M |delta| <= 1/2 that is
+ * h |delta|, M being a bound of the second derivative. What a lane gets does not depend on the
+ * others. Returns the lanes that are done.
+ */
+HWY_INLINE Mf SolveInverse(const PacketField& field, const Vec3& p, float tolerance, Mf active,
+  Vec3& q, int& evaluations)
+{
+  constexpr int LargestSteps = 12;
+  const Df d;
+  Mf done = hn::Not(active);
   for (int step = 0; step < LargestSteps; ++step)
   {
-    Vec3 displacement;
-    Vec3 a;
-    Vec3 b;
-    Vec3 c;
-    EvaluateField<true>(field, q, displacement, a, b, c);
+    Vec3 residual;
+    Vf norm;
+    const Vec3 delta = FindNewtonStep(field, p, q, residual, norm);
     ++evaluations;
-    const Vec3 residual = Add(Sub(q, p), displacement);
     done = hn::Or(done, hn::Le(Dot(residual, residual), Splat(tolerance * tolerance)));
     if (hn::AllTrue(d, done))
     {
       break;
     }
-    // Solve (I + [a b c]) delta = residual by Cramer's rule.
-    a.x = hn::Add(a.x, one);
-    b.y = hn::Add(b.y, one);
-    c.z = hn::Add(c.z, one);
-    const Vec3 bc = Cross(b, c);
-    const Vec3 ca = Cross(c, a);
-    const Vec3 ab = Cross(a, b);
-    const Vf inverse = hn::Div(one, Dot(a, bc));
-    const Vec3 delta = Scale(
-      inverse, { Dot(residual, bc), Dot(residual, ca), Dot(residual, ab) });
-    const Vec3 next = Sub(q, delta);
-    const Vf norm = hn::Mul(
-      hn::Abs(inverse), hn::Sqrt(hn::Add(Dot(bc, bc), hn::Add(Dot(ca, ca), Dot(ab, ab)))));
     const Vf length = hn::Sqrt(Dot(delta, delta));
+    const Vf longest = Splat(field.LongestStep);
+    const Vf part = hn::Min(Splat(1.0f), hn::Div(longest, hn::Max(length, Splat(1e-30f))));
+    const Vec3 next = MulAdd(hn::Neg(part), delta, q);
     const Vf h = hn::Mul(hn::Mul(norm, Splat(field.SecondDerivative)), length);
     const Mf proven = hn::And(hn::And(hn::Le(h, Splat(0.5f)),
-                                hn::Le(hn::Mul(h, length), Splat(tolerance))),
+                                hn::And(hn::Le(length, longest),
+                                  hn::Le(hn::Mul(h, length), Splat(tolerance)))),
       field.Smooth ? hn::FirstN(d, hn::Lanes(d))
                    : hn::And(IsInLattice(field, q), IsInLattice(field, next)));
-    q = { hn::IfThenElse(done, q.x, next.x), hn::IfThenElse(done, q.y, next.y),
-      hn::IfThenElse(done, q.z, next.z) };
+    q = Select(done, q, next);
     done = hn::Or(done, proven);
     if (hn::AllTrue(d, done))
     {

@@ -1,216 +1,257 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// How far the pieces that deformed rays are cut into lie from the true curves, in voxels.
+// How far the positions that the ray caster samples lie from the true ones, in voxels.
 #ifndef PositionError_h
 #define PositionError_h
 
-#include "FFDCameraView.h"
-#include "FFDCurvePiece.h"
-#include "FFDDeformedSpaceBounds.h"
-#include "FFDPolyline.h"
-#include "FFDPullBack.h"
-#include "FFDTileSpans.h"
+#include "FFDRayCaster.h"
+#include "RandomLattice.h"
 
 #include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 #include <glm/mat3x3.hpp>
-#include <glm/mat4x4.hpp>
+#include <glm/matrix.hpp>
 #include <glm/vec3.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 namespace positionError
 {
 
-constexpr int TileSide = 16;
-constexpr int NodesPerSide = 4;
-
-/// Distances between pieces and the true curve Phi(P(t)) at the same t, voxels.
+/// Distances of sampled positions from Phi(P), voxels.
 struct Tally
 {
-  double Largest = 0.0;
-  double LargestSideways = 0.0; ///< the part across the piece: how far its line is from the curve
-  double Sum = 0.0;
-  std::int64_t Points = 0;
-  std::int64_t Pieces = 0;
-  double Length = 0.0; ///< of the pieces on their viewing rays, units of t
-  // ERROR_BOUND only.
-  std::int64_t Proven = 0;  ///< pieces whose bound is within the tolerance
-  std::int64_t Lateral = 0;    ///< pieces that are interpolated between the nodes of the tile
-  std::int64_t InQuarters = 0; ///< the same, between nodes of its quarters
-  double LargestUnproven = 0.0;
+  std::vector<double> Errors;
+  std::int64_t Lost = 0; ///< samples whose true position was not found
+  ffd::CastStatistics Statistics;
 
-  double Mean() const { return this->Points > 0 ? this->Sum / this->Points : 0.0; }
-
-  void Add(const glm::dvec3& error, const glm::dvec3& along, bool proven = true)
+  double Largest() const
   {
-    const double distance = glm::length(error);
-    if (!proven)
+    return this->Errors.empty() ? 0.0 : *std::max_element(this->Errors.begin(), this->Errors.end());
+  }
+  double Mean() const
+  {
+    double sum = 0.0;
+    for (const double error : this->Errors)
     {
-      this->LargestUnproven = std::max(this->LargestUnproven, distance);
-      return;
+      sum += error;
     }
-    const double speed = glm::length(along);
-    const double forward = speed > 0.0 ? glm::dot(error, along) / speed : 0.0;
-    this->Largest = std::max(this->Largest, distance);
-    this->LargestSideways = std::max(this->LargestSideways,
-      std::sqrt(std::max(0.0, distance * distance - forward * forward)));
-    this->Sum += distance;
-    ++this->Points;
+    return this->Errors.empty() ? 0.0 : sum / static_cast<double>(this->Errors.size());
+  }
+  double Share(double above) const
+  {
+    const auto count = std::count_if(
+      this->Errors.begin(), this->Errors.end(), [&](double error) { return error > above; });
+    return this->Errors.empty() ? 0.0
+                                : static_cast<double>(count) / static_cast<double>(this->Errors.size());
   }
 };
 
-/// A tile of 16 x 16 pixels, and the pull-back along its rays in index coordinates.
-class Tile
+/// Whether the determinant of J_T is above `least` at some points of every cell, so that T is one to one.
+inline bool IsOneToOne(const ffd::BSplineField& field, double least)
+{
+  const glm::ivec3 first = field.GetFirstCell();
+  const glm::ivec3 end = field.GetEndCell();
+  constexpr int PerCell = 3;
+  for (int k = PerCell * first.z; k <= PerCell * end.z; ++k)
+  {
+    for (int j = PerCell * first.y; j <= PerCell * end.y; ++j)
+    {
+      for (int i = PerCell * first.x; i <= PerCell * end.x; ++i)
+      {
+        const glm::dvec3 p = field.GetOrigin() +
+          field.GetSpacing() * glm::clamp(glm::dvec3(i, j, k) / static_cast<double>(PerCell),
+                                 glm::dvec3(first) + 1e-6, glm::dvec3(end) - 1e-6);
+        glm::dmat3 jacobian;
+        field.Displacement(p, jacobian);
+        if (!(glm::determinant(glm::dmat3(1.0) + jacobian) > least))
+        {
+          return false;
+        }
+      }
+    }
+  }
+  return true;
+}
+
+/// A volume without empty space in the lattice, cast by a camera.
+class Scene
 {
 public:
-  Tile(const ffd::CameraView& camera, int x, int y, const glm::dmat4& worldToData,
-    const ffd::PullBack& map, const glm::dmat3& dataToIndex)
-    : Camera(camera)
-    , X(x)
-    , Y(y)
-    , WorldToData(worldToData)
-    , Map(map)
-    , DataToIndex(dataToIndex)
+  /// `side`: voxels along the longest edge of the volume [0, extent].
+  Scene(const ffd::BSplineField& field, ffd::PullBackKind kind, const glm::dvec3& extent, int side)
+    : Map(&field, kind, 1e-9)
   {
+    const double voxel = std::max({ extent.x, extent.y, extent.z }) / (side - 1);
+    ffd::VolumeView& volume = this->Cast.Volume;
+    volume.Dimensions = glm::max(glm::ivec3(glm::round(extent / voxel)) + 1, glm::ivec3(4));
+    // Every row is the same one.
+    this->Row.assign(static_cast<std::size_t>(volume.Dimensions.x) + 8, 100);
+    volume.Scalars = this->Row.data();
+    volume.Type = ffd::ScalarType::UInt8;
+    volume.Increments[0] = 1;
+    volume.Increments[1] = 0;
+    volume.Increments[2] = 0;
+    volume.IndexToData = glm::dmat3(voxel);
+    volume.DataToIndex = glm::dmat3(1.0 / voxel);
+    const float rgb[6] = { 1, 1, 1, 1, 1, 1 };
+    const float opacity[2] = { 1e-6f, 1e-6f };
+    this->Table = ffd::TransferTable(0.0, 255.0, 2, rgb, opacity, 1.0);
+    this->Cast.Table = &this->Table;
+    this->Cast.Map = &this->Map;
+    const ffd::PullBackBounds bounds(this->Map);
+    this->Cast.Limits = bounds.GetLimits();
+    this->Cast.DeformedBounds = bounds.DeformedBounds({ glm::dvec3(0.0), extent });
+    this->Cast.VoxelSize = voxel;
+    this->Settings.Leaping = ffd::SpaceLeaping::Off;
+    this->Settings.SampleDistance = voxel;
+    this->Settings.Pieces.Longest = 64.0 * voxel;
+    this->Settings.Pieces.Shortest = 0.5 * voxel;
   }
 
-  /// The ray through pixel (x, y) of the tile; between pixels for the nodes.
-  void GetRay(double x, double y, glm::dvec3& origin, glm::dvec3& direction) const
+  void SetCamera(const glm::dmat4& worldToNdc, int pixels)
   {
-    const ffd::ViewRay ray = this->Camera.MakeRay(this->X + x + 0.5, this->Y + y + 0.5);
-    origin = glm::dvec3(this->WorldToData * glm::dvec4(ray.Origin, 1.0));
-    direction = glm::dvec3(this->WorldToData * glm::dvec4(ray.Direction, 0.0));
+    ffd::CameraView& camera = this->Cast.Camera;
+    camera.WorldToNdc = worldToNdc;
+    camera.NdcToWorld = glm::inverse(worldToNdc);
+    camera.ImageSize = glm::ivec2(pixels);
+    camera.NdcPerPixel = glm::dvec2(2.0 / pixels);
+    camera.NdcOrigin = glm::dvec2(-1.0);
   }
 
-  /// Where the point at t of the ray through (x, y) comes from.
-  glm::dvec3 PullBack(double x, double y, double t) const
+  /// Errors of about `count` positions, of tiles taken by chance.
+  void Measure(RandomLattice& random, std::size_t count, Tally& tally)
   {
-    glm::dvec3 origin;
-    glm::dvec3 direction;
-    this->GetRay(x, y, origin, direction);
-    ffd::PullBackStatus status;
-    return this->DataToIndex * this->Map.Evaluate(origin + t * direction, status);
-  }
-
-  /// The same, interpolated between the 4 x 4 nodes of the tile, or of the quarter that pixel lies
-  /// in, as the packet kernels do.
-  glm::dvec3 InterpolatedPullBack(double x, double y, double t, bool inQuarter) const
-  {
-    const int side = inQuarter ? TileSide / 2 : TileSide;
-    const double left = inQuarter && x >= side ? side : 0.0;
-    const double low = inQuarter && y >= side ? side : 0.0;
-    const double step = (side - 1) / static_cast<double>(NodesPerSide - 1);
-    const std::array<double, NodesPerSide> wx = Weights((x - left) / step);
-    const std::array<double, NodesPerSide> wy = Weights((y - low) / step);
-    glm::dvec3 sum(0.0);
-    for (int j = 0; j < NodesPerSide; ++j)
+    const ffd::RayCaster caster(this->Cast, this->Settings);
+    const int pixels = this->Cast.Camera.ImageSize.x;
+    std::vector<float> colours(4 * static_cast<std::size_t>(pixels) * pixels);
+    ffd::CastImage image;
+    image.Width = pixels;
+    image.Height = pixels;
+    image.Colours = colours.data();
+    auto scratch = std::make_unique<ffd::RayCaster::Scratch>();
+    std::vector<ffd::SampledPosition> positions;
+    scratch->Packets.Positions = &positions;
+    const int tiles = caster.GetNumberOfTiles(image);
+    const std::size_t wanted = tally.Errors.size() + count;
+    constexpr std::size_t PerTile = 1500;
+    for (int turn = 0; turn < 3 * tiles && tally.Errors.size() < wanted; ++turn)
     {
-      for (int i = 0; i < NodesPerSide; ++i)
+      positions.clear();
+      caster.RenderTile(random.Integer(0, tiles - 1), image, *scratch);
+      const std::size_t step = std::max<std::size_t>(1, positions.size() / PerTile);
+      for (std::size_t i = 0; i < positions.size(); i += step)
       {
-        sum += wx[i] * wy[j] * this->PullBack(left + i * step, low + j * step, t);
+        this->Add(positions[i], tally);
       }
     }
-    return sum;
+    tally.Statistics.Add(ffd::RayCaster::GetStatistics(*scratch));
   }
 
-  /// Begin the tile as RayCaster does.
-  void Start(ffd::TileSpans& spans, const ffd::DeformedSpaceBounds& bounds,
-    ffd::SpanSettings settings, double tMin, double tMax) const
-  {
-    ffd::SetDirectionBends(settings, this->Camera, glm::dmat3(this->WorldToData));
-    glm::dvec3 origins[4];
-    glm::dvec3 directions[4];
-    for (int c = 0; c < 4; ++c)
-    {
-      this->GetRay(
-        c & 1 ? TileSide - 1 : 0, c & 2 ? TileSide - 1 : 0, origins[c], directions[c]);
-    }
-    spans.Start(bounds, settings, this->DataToIndex, origins, directions, tMin, tMax);
-  }
-
-  /**
-   * Measure piece `p` of span `index` on the ray through pixel (x, y), at `points` places. The
-   * span's claim is whether its bound is within the tolerance.
-   */
-  void MeasureSpan(ffd::TileSpans& spans, const ffd::SpanSettings& settings, int index, int p,
-    double x, double y, int points, Tally& tally) const
-  {
-    const ffd::TileSpans::Span& span = spans.Get(index);
-    const double dt = settings.Length / (1 << span.Level);
-    const double t0 = index * settings.Length + p * dt;
-    const auto at = [&](double t)
-    {
-      return span.Lateral || span.LateralInQuarters
-        ? this->InterpolatedPullBack(x, y, t, span.LateralInQuarters)
-        : this->PullBack(x, y, t);
-    };
-    const ffd::CurvePiece piece =
-      ffd::CurvePiece::Parabola(at(t0), at(t0 + 0.5 * dt), at(t0 + dt));
-    const bool proven = span.Bounded && span.PositionError <= settings.PositionTolerance;
-    ++tally.Pieces;
-    tally.Proven += proven ? 1 : 0;
-    tally.Lateral += span.Lateral ? 1 : 0;
-    tally.InQuarters += span.LateralInQuarters ? 1 : 0;
-    tally.Length += dt;
-    for (int i = 0; i <= points; ++i)
-    {
-      const double s = static_cast<double>(i) / points;
-      tally.Add(piece.At(s) - this->PullBack(x, y, t0 + s * dt), piece.Velocity(s), proven);
-    }
-  }
-
-  /// Measure the whole polyline of the ray through pixel (x, y).
-  void MeasurePolyline(const ffd::PolylineSettings& settings, double x, double y, double from,
-    double to, int points, Tally& tally) const
-  {
-    glm::dvec3 origin;
-    glm::dvec3 direction;
-    this->GetRay(x, y, origin, direction);
-    ffd::PolylineWalker walker(this->Map, settings, origin, direction, from, to, false);
-    ffd::PolylineVertex start = walker.GetVertex();
-    while (walker.Next())
-    {
-      const ffd::PolylineVertex end = walker.GetVertex();
-      const ffd::CurvePiece piece =
-        ffd::CurvePiece::Line(this->DataToIndex * start.Rest, this->DataToIndex * end.Rest);
-      const double dt = end.T - start.T;
-      ++tally.Pieces;
-      tally.Length += dt;
-      for (int i = 0; i <= points; ++i)
-      {
-        const double s = static_cast<double>(i) / points;
-        tally.Add(piece.At(s) - this->PullBack(x, y, start.T + s * dt), piece.Linear);
-      }
-      start = end;
-    }
-  }
+  ffd::CastScene Cast;
+  ffd::CastSettings Settings;
 
 private:
-  /// Cubic Lagrange weights of the nodes at x, in spacings of nodes.
-  static std::array<double, NodesPerSide> Weights(double x)
+  void Add(const ffd::SampledPosition& sample, Tally& tally) const
   {
-    std::array<double, NodesPerSide> weights;
-    for (int i = 0; i < NodesPerSide; ++i)
+    const ffd::VolumeView& volume = this->Cast.Volume;
+    const ffd::ViewRay ray = this->Cast.Camera.MakeRay(sample.X + 0.5, sample.Y + 0.5);
+    const glm::dvec3 p = ray.Origin + static_cast<double>(sample.T) * ray.Direction;
+    const glm::dvec3 index(sample.Index[0], sample.Index[1], sample.Index[2]);
+    glm::dvec3 q;
+    if (InvertsTheField(this->Map.GetKind()))
     {
-      weights[i] = 1.0;
-      for (int j = 0; j < NodesPerSide; ++j)
+      int evaluations = 0;
+      if (!SolveInverse(*this->Map.GetField(), p, volume.IndexToData * index, 1e-9, q, evaluations))
       {
-        weights[i] *= i == j ? 1.0 : (x - j) / (i - j);
+        ++tally.Lost;
+        return;
       }
     }
-    return weights;
+    else
+    {
+      ffd::PullBackStatus status;
+      q = this->Map.Evaluate(p, status);
+    }
+    tally.Errors.push_back(glm::length(volume.ToIndex(q) - index));
   }
 
-  ffd::CameraView Camera;
-  int X;
-  int Y;
-  glm::dmat4 WorldToData;
-  const ffd::PullBack& Map;
-  glm::dmat3 DataToIndex;
+  ffd::PullBack Map;
+  ffd::TransferTable Table;
+  std::vector<std::uint8_t> Row;
 };
+
+/// Cameras from near and far, perspective, parallel and inside of a volume [0, extent].
+inline glm::dmat4 MakeCamera(RandomLattice& random, const glm::dvec3& extent)
+{
+  const double radius = 0.5 * glm::length(extent);
+  const glm::dvec3 direction = glm::normalize(random.Vector(-1.0, 1.0) + 1e-3);
+  const glm::dvec3 up = glm::normalize(random.Vector(-1.0, 1.0) + 2e-3);
+  const int kind = random.Integer(0, 3);
+  const double distance = kind == 0 ? 0.3 * radius : radius * random.Number(1.5, 6.0);
+  const glm::dvec3 target = 0.5 * extent + 0.3 * random.Vector(-1.0, 1.0) * extent;
+  const glm::dmat4 view = glm::lookAt(target + distance * direction, target, up);
+  const double near = std::max(0.02 * radius, distance - 2.5 * radius);
+  const double far = distance + 3.0 * radius;
+  const glm::dmat4 projection = kind == 1
+    ? glm::ortho(-radius, radius, -radius, radius, near, far)
+    : glm::perspective(kind == 0 ? 1.5 : 2.0 * std::atan(radius * random.Number(0.3, 1.1) / distance),
+        1.0, near, far);
+  return projection * view;
+}
+
+/// A lattice over [0, extent] that is one to one: random displacements, or a smooth twist, bend or wave.
+inline ffd::BSplineField MakeField(RandomLattice& random, const glm::dvec3& extent, std::string& name)
+{
+  for (double part = 1.0;; part *= 0.7)
+  {
+    const int side = random.Integer(4, 20);
+    const int shape = random.Integer(0, 3);
+    const double amount = part * random.Number(0.1, 1.0);
+    const glm::dvec3 spacing = extent / static_cast<double>(side - 3);
+    const glm::dvec3 origin = -spacing;
+    std::vector<glm::dvec3> displacements;
+    for (int i = 0; i < side * side * side; ++i)
+    {
+      const glm::dvec3 p =
+        origin + spacing * glm::dvec3(i % side, i / side % side, i / side / side);
+      const glm::dvec3 u = p / extent - 0.5;
+      glm::dvec3 d(0.0);
+      if (shape == 0)
+      {
+        d = 0.8 * amount * random.Vector(-1.0, 1.0) * spacing;
+      }
+      else if (shape == 1)
+      {
+        const double angle = 3.1 * amount * u.z;
+        d = glm::dvec3(std::cos(angle) * u.x - std::sin(angle) * u.y - u.x,
+              std::sin(angle) * u.x + std::cos(angle) * u.y - u.y, 0.0) *
+          extent;
+      }
+      else if (shape == 2)
+      {
+        d = glm::dvec3(0.5 * amount * std::cos(3.1 * u.z), 0.25 * amount * std::cos(3.1 * u.x), 0.0) *
+          extent;
+      }
+      else
+      {
+        d = -0.7 * amount * u * std::exp(-4.0 * glm::dot(u, u)) * extent;
+      }
+      displacements.push_back(d);
+    }
+    const ffd::BSplineField field(glm::ivec3(side), origin, spacing, displacements.data());
+    if (IsOneToOne(field, 0.05))
+    {
+      constexpr const char* Shapes[] = { "random", "twist", "wave", "bulge" };
+      name = std::string(Shapes[shape]) + " " + std::to_string(side) + "^3";
+      return field;
+    }
+  }
+}
 
 } // namespace positionError
 

@@ -80,59 +80,15 @@ TEST(ScheduleWithRemainder, IntervalsFillThePiece)
   }
 }
 
-TEST(ScheduleEvenly, ClippingRemovesSamplesAndMovesNone)
-{
-  RandomLattice random(3);
-  for (int run = 0; run < 2000; ++run)
-  {
-    const double length = random.Number(0.0, 20.0);
-    const double distance = random.Number(0.1, 3.0);
-    const SampleSchedule all = ScheduleEvenly(length, distance, -1.0, 2.0);
-    ASSERT_EQ(all.Count, std::max(1, static_cast<int>(std::round(length / distance))));
-    ASSERT_DOUBLE_EQ(all.Count * all.Step, 1.0);
-    const double from = random.Number(-0.3, 1.2);
-    const double to = from + random.Number(0.0, 1.2);
-    std::vector<double> expected;
-    for (int i = 0; i < all.Count; ++i)
-    {
-      if (all.Position(i) >= from && all.Position(i) < to)
-      {
-        expected.push_back(all.Position(i));
-      }
-    }
-    const SampleSchedule clipped = ScheduleEvenly(length, distance, from, to);
-    ASSERT_EQ(clipped.Count, static_cast<int>(expected.size()));
-    for (int i = 0; i < clipped.Count; ++i)
-    {
-      ASSERT_NEAR(clipped.Position(i), expected[static_cast<std::size_t>(i)], 1e-14);
-      // Each stands for a whole interval, the last one as well.
-      ASSERT_EQ(clipped.Interval(i), all.Step);
-    }
-  }
-}
 
-TEST(ScheduleEvenly, AdjacentClipsShareNoSample)
-{
-  for (int cut = 0; cut <= 40; ++cut)
-  {
-    const double at = cut / 40.0;
-    const int before = ScheduleEvenly(8.0, 1.0, 0.0, at).Count;
-    const int after = ScheduleEvenly(8.0, 1.0, at, 1.0).Count;
-    ASSERT_EQ(before + after, 8) << at;
-  }
-}
-
-TEST(Schedules, AbsurdLengthsStayCountable)
+TEST(ScheduleWithRemainder, AbsurdLengthsStayCountable)
 {
   for (const double length : { 1e12, 1e300, std::numeric_limits<double>::infinity(),
          std::numeric_limits<double>::quiet_NaN() })
   {
-    for (const SampleSchedule& schedule :
-      { ScheduleWithRemainder(length, 1.0), ScheduleEvenly(length, 1.0, 0.0, 1.0) })
-    {
-      EXPECT_GE(schedule.Count, 0);
-      EXPECT_LE(schedule.Count, LargestSampleCount);
-      EXPECT_TRUE(std::isfinite(schedule.Position(schedule.Count)));
-    }
+    const SampleSchedule schedule = ScheduleWithRemainder(length, 1.0);
+    EXPECT_GE(schedule.Count, 0);
+    EXPECT_LE(schedule.Count, LargestSampleCount);
+    EXPECT_TRUE(std::isfinite(schedule.Position(schedule.Count)));
   }
 }

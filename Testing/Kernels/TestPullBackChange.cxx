@@ -59,10 +59,10 @@ struct Edited
     this->Rest = { glm::min(origin, last), glm::max(origin, last) };
     const PullBackBounds mapBounds(this->After);
     const Box region{ this->Rest.Min - 10.0, this->Rest.Max + 10.0 };
-    this->Bounds = DeformedSpaceBounds(this->After, mapBounds, region, this->Rest, 4.0, 2000);
+    this->Limits = mapBounds.GetLimits();
     this->Inverts = InvertsTheField(kind);
     // Displacements by a twentieth of the spacing cannot fold.
-    this->Found = FindChange(this->Before, this->After, this->Bounds,
+    this->Found = FindChange(this->Before, this->After, this->Limits,
       this->Inverts ? this->Rest : region, 3.0, nullptr, this->Change);
   }
 
@@ -101,7 +101,7 @@ struct Edited
   BSplineField New;
   PullBack Before;
   PullBack After;
-  DeformedSpaceBounds Bounds;
+  PullBackLimits Limits;
   Box Rest;
   bool Inverts = false;
   bool Found = false;
@@ -222,7 +222,7 @@ TEST(PullBackChange, WhatCannotBeSeenDoesNotCount)
       const auto isSeen = [&](const glm::dvec3& q) { return glm::length(q - middle) < radius; };
       const auto isEmpty = [&](const Box& rest)
       { return !isSeen(glm::clamp(middle, rest.Min, rest.Max)); };
-      ASSERT_TRUE(FindChange(edited.Before, edited.After, edited.Bounds, edited.Rest, 3.0, isEmpty,
+      ASSERT_TRUE(FindChange(edited.Before, edited.After, edited.Limits, edited.Rest, 3.0, isEmpty,
         edited.Change));
       ASSERT_EQ(edited.Change.Moved.size(), all.size());
       for (std::size_t part = 0; part < all.size(); ++part)
@@ -266,7 +266,7 @@ TEST(PullBackChange, TellsOnlyOfEditsOfTheSameLattice)
   Edited edited(random, PullBackKind::Exact, BorderMode::Edge, 0.05);
   PullBackChange change;
   const auto find = [&](const PullBack& before, const PullBack& after) {
-    return FindChange(before, after, edited.Bounds, edited.Rest, 3.0, nullptr, change);
+    return FindChange(before, after, edited.Limits, edited.Rest, 3.0, nullptr, change);
   };
   EXPECT_TRUE(find(edited.Before, edited.After));
   EXPECT_FALSE(change.IsEmpty());
@@ -284,7 +284,7 @@ TEST(PullBackChange, TellsOnlyOfEditsOfTheSameLattice)
   EXPECT_FALSE(find(none, edited.After));
   // A lattice that folds has no single inverse.
   const Edited folded(random, PullBackKind::Exact, BorderMode::Edge, 4.0);
-  ASSERT_FALSE(folded.Bounds.IsOneToOne());
+  ASSERT_FALSE(folded.Limits.OneToOne);
   EXPECT_FALSE(folded.Found);
   // Not for the kinds that invert nothing.
   EXPECT_TRUE(Edited(random, PullBackKind::Forward, BorderMode::Edge, 4.0).Found);

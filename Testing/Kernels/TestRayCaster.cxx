@@ -36,12 +36,10 @@ struct Stage
     const Box rest{ glm::dvec3(0.0), volume.View.UpperIndex() };
     this->Scene.Volume = volume.View;
     this->Scene.DeformedBounds = this->MapBounds.DeformedBounds(rest);
-    this->SpaceBounds = DeformedSpaceBounds(this->Map, this->MapBounds,
-      { this->Scene.DeformedBounds.Min - 20.0, this->Scene.DeformedBounds.Max + 20.0 }, rest, 4.0);
+    this->Scene.Limits = this->MapBounds.GetLimits();
     this->Scene.Table = &this->Table;
     this->Scene.Distances = &this->Distances;
     this->Scene.Map = &this->Map;
-    this->Scene.Bounds = &this->SpaceBounds;
     const glm::dvec3 centre = 0.5 * rest.Max;
     this->Camera = centre + glm::dvec3(0.0, 0.0, Eye);
     this->Scene.Camera.WorldToNdc = glm::perspective(0.35, 1.0, 20.0, 120.0) *
@@ -121,7 +119,6 @@ struct Stage
   PullBackBounds MapBounds;
   MinMaxBlocks Blocks;
   DistanceMap Distances;
-  DeformedSpaceBounds SpaceBounds;
   CastScene Scene;
   CastSettings Settings;
   CastStatistics Statistics;
@@ -202,7 +199,7 @@ TEST(RayCaster, DeformedIsThePullBackOfEverySample)
     Stage stage(volume, &field, kinds[run % 3], Ramp());
     stage.Settings.Segments = run % 2 ? Segmentation::GreedyAngle : Segmentation::ErrorBound;
     stage.Settings.SampleDistance = 0.1;
-    stage.Settings.Spans.PositionTolerance = 0.01;
+    stage.Settings.Pieces.PositionTolerance = 0.01;
     stage.Settings.Polyline.AngleThreshold = 0.01;
     Compare(stage.Render(), stage.Integrate(volume, 0.1), 2e-3, 2e-2);
   }
@@ -459,6 +456,7 @@ TEST(RayCaster, IsosurfacesOfALinearField)
         Stage stage(volume, &field, PullBackKind::Exact, table);
         SetBlend(stage, BlendMode::Isosurface);
         stage.Settings.Reference = kind == 0;
+        stage.Settings.Pieces.PositionTolerance = 1e-3;
         stage.Settings.Segments = kind == 1 ? Segmentation::GreedyAngle : Segmentation::ErrorBound;
         stage.Settings.SampleDistance = step;
         stage.Settings.Shade = true;
@@ -750,6 +748,7 @@ TEST(RayCaster, LeapingChangesNoByte)
       PullBackKind::Forward, PullBackKind::Exact };
     Stage stage(volume, &field, kinds[run / 3 % 4], Ramp(0.9));
     stage.Settings.Segments = run % 5 == 0 ? Segmentation::GreedyAngle : Segmentation::ErrorBound;
+    stage.Settings.Reference = run % 5 == 1;
     stage.Settings.Shade = run % 7 == 0;
     std::vector<float> off;
     std::vector<float> depths;

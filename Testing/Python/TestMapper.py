@@ -155,6 +155,7 @@ class TestMapper(unittest.TestCase):
         lattice.Modified()
         self.mapper.SetDeformation(lattice)
         self.mapper.SetInverseModeToFirstOrder()
+        self.mapper.SetPositionTolerance(0.01)
         camera = self.renderer.GetActiveCamera()
         camera.SetPosition(48.0, 40.0, 120.0)
         camera.SetFocalPoint(50.0, 48.0, 0.0)

@@ -1,0 +1,167 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Viewing rays of packets. Included once per target of Highway.
+#if defined(FFD_SIMD_RAYS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef FFD_SIMD_RAYS_INL_H_
+#undef FFD_SIMD_RAYS_INL_H_
+#else
+#define FFD_SIMD_RAYS_INL_H_
+#endif
+
+#include "FFDPacketCaster.h"
+#include "FFDSamplePhase.h"
+
+#include "FFDSimdMath-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ffd
+{
+namespace HWY_NAMESPACE
+{
+
+/// A packet of viewing rays, local coordinates: P(t) = Origin + t * Direction, t in world units.
+struct RayPacket
+{
+  Vec3 Origin;
+  Vec3 Direction;
+  Vf From;
+  Vf To;
+};
+
+/// The affine map from image positions to homogeneous local coordinates at one depth.
+struct ImageMap
+{
+  float Base[4];
+  float PerX[4];
+  float PerY[4];
+
+  ImageMap() = default;
+  ImageMap(const glm::dmat4& ndcToLocal, const CameraView& camera, double ndcDepth)
+  {
+    const glm::dvec4 base =
+      ndcToLocal * glm::dvec4(camera.NdcOrigin.x, camera.NdcOrigin.y, ndcDepth, 1.0);
+    const glm::dvec4 perX = ndcToLocal[0] * camera.NdcPerPixel.x;
+    const glm::dvec4 perY = ndcToLocal[1] * camera.NdcPerPixel.y;
+    for (int c = 0; c < 4; ++c)
+    {
+      this->Base[c] = static_cast<float>(base[c]);
+      this->PerX[c] = static_cast<float>(perX[c]);
+      this->PerY[c] = static_cast<float>(perY[c]);
+    }
+  }
+
+  HWY_INLINE Vec3 At(Vf x, Vf y) const
+  {
+    const auto component = [&](int c)
+    {
+      return hn::MulAdd(
+        Splat(this->PerX[c]), x, hn::MulAdd(Splat(this->PerY[c]), y, Splat(this->Base[c])));
+    };
+    const Vf inverse = hn::Div(Splat(1.0f), component(3));
+    return Scale(inverse, { component(0), component(1), component(2) });
+  }
+};
+
+/// Rays through image positions, near plane to far plane.
+HWY_INLINE RayPacket MakeRays(
+  const PacketScene& scene, const ImageMap& near, const ImageMap& far, Vf x, Vf y)
+{
+  RayPacket rays;
+  rays.Origin = near.At(x, y);
+  const Vec3 path = Sub(far.At(x, y), rays.Origin);
+  rays.From = hn::Zero(Df());
+  rays.To = hn::Sqrt(Dot(path, path));
+  rays.Direction = Scale(hn::Div(Splat(1.0f), rays.To), path);
+  return rays;
+}
+
+/// Narrow [From, To] to the deformed bounds and the shown side of the clipping planes.
+HWY_INLINE void ClipToBounds(const PacketScene& scene, RayPacket& rays)
+{
+  for (const std::array<float, 4>& plane : scene.ClippingPlanes)
+  {
+    const Vec3 normal{ Splat(plane[0]), Splat(plane[1]), Splat(plane[2]) };
+    const Vf slope = Dot(normal, rays.Direction);
+    const Vf start = hn::Add(Dot(normal, rays.Origin), Splat(plane[3]));
+    const Vf zero = hn::Zero(Df());
+    const Vf tiny = Splat(1e-30f);
+    // A slope of zero becomes a very small one: then the plane cuts all of the ray away or nothing.
+    const Mf up = hn::Ge(slope, zero);
+    const Vf safe = hn::IfThenElse(up, hn::Max(slope, tiny), hn::Min(slope, hn::Neg(tiny)));
+    const Vf t = hn::Neg(hn::Div(start, safe));
+    rays.From = hn::IfThenElse(up, hn::Max(rays.From, t), rays.From);
+    rays.To = hn::IfThenElse(up, rays.To, hn::Min(rays.To, t));
+  }
+  const auto clip = [&](Vf o, Vf v, float lo, float hi)
+  {
+    // A direction of zero becomes a very small one: then the slab bounds all of the line or none.
+    const Vf tiny = Splat(1e-30f);
+    const Vf safe = hn::IfThenElse(hn::Lt(hn::Abs(v), tiny), tiny, v);
+    const Vf inverse = hn::Div(Splat(1.0f), safe);
+    const Vf a = hn::Mul(hn::Sub(Splat(lo), o), inverse);
+    const Vf b = hn::Mul(hn::Sub(Splat(hi), o), inverse);
+    rays.From = hn::Max(rays.From, hn::Min(a, b));
+    rays.To = hn::Min(rays.To, hn::Max(a, b));
+  };
+  clip(rays.Origin.x, rays.Direction.x, scene.BoundsMin[0], scene.BoundsMax[0]);
+  clip(rays.Origin.y, rays.Direction.y, scene.BoundsMin[1], scene.BoundsMax[1]);
+  clip(rays.Origin.z, rays.Direction.z, scene.BoundsMin[2], scene.BoundsMax[2]);
+}
+
+/// Index coordinates of the whole that the volume is a part of.
+HWY_INLINE Vec3 LocalToWholeIndex(const PacketScene& scene, const Vec3& local)
+{
+  return Add(Transform(scene.LocalToIndex, local), Broadcast(scene.IndexOffset));
+}
+
+/// FindPhase() of the rays of a packet.
+HWY_INLINE Vf PhaseOf(const PacketScene& scene, const RayPacket& rays, Vf jitter)
+{
+  const Vf zero = hn::Zero(Df());
+  Vf enter = Splat(-1e30f);
+  Vf exit = Splat(1e30f);
+  Vf enterSlope = zero;
+  Vf exitSlope = zero;
+  const auto cross = [&](Vf o, Vf v, int a)
+  {
+    const Vf slope = hn::Max(hn::Abs(v), Splat(static_cast<float>(LeastSlope)));
+    const Vf inverse = hn::CopySign(hn::Div(Splat(1.0f), slope), v);
+    const Vf t0 = hn::Mul(hn::Sub(Splat(scene.RestMin[a]), o), inverse);
+    const Vf t1 = hn::Mul(hn::Sub(Splat(scene.RestMax[a]), o), inverse);
+    const Vf near = hn::Min(t0, t1);
+    const Vf far = hn::Max(t0, t1);
+    enterSlope = hn::IfThenElse(hn::Gt(near, enter), slope, enterSlope);
+    enter = hn::Max(enter, near);
+    exitSlope = hn::IfThenElse(hn::Lt(far, exit), slope, exitSlope);
+    exit = hn::Min(exit, far);
+  };
+  const Vec3 origin = LocalToWholeIndex(scene, rays.Origin);
+  const Vec3 direction = Transform(scene.LocalToIndex, rays.Direction);
+  cross(origin.x, direction.x, 0);
+  cross(origin.y, direction.y, 1);
+  cross(origin.z, direction.z, 2);
+  const Mf past = hn::And(hn::Gt(enter, exit), hn::Gt(exitSlope, enterSlope));
+  const Vf t = hn::Max(hn::IfThenElse(past, exit, enter), zero);
+  const Vf x = hn::MulAdd(t, Splat(static_cast<float>(1.0 / scene.Settings.SampleDistance)),
+    hn::Sub(jitter, Splat(static_cast<float>(PhaseGuard))));
+  return hn::Sub(x, hn::Floor(x));
+}
+
+/// Rounded as in the whole: the shift takes nothing more off.
+HWY_INLINE Vec3 LocalToIndex(const PacketScene& scene, const Vec3& local)
+{
+  return Sub(LocalToWholeIndex(scene, local), Broadcast(scene.IndexShift));
+}
+
+/// The other way round.
+HWY_INLINE Vec3 IndexToLocal(const PacketScene& scene, const Vec3& index)
+{
+  return Transform(scene.IndexToLocal,
+    Sub(Add(index, Broadcast(scene.IndexShift)), Broadcast(scene.IndexOffset)));
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace ffd
+HWY_AFTER_NAMESPACE();
+
+#endif
