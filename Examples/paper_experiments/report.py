@@ -126,11 +126,9 @@ is the part where fixed segments of 4 voxels differ most; the third and the four
 """
 
 POSITION_TEXT = """\
-Distance between the piece of a ray that is sampled and the true curve Phi(P(t)) at the same t, over
-many rays of image tiles, in voxels. ERROR_BOUND is measured as the fast kernels render it, with
-interpolation between the 4 x 4 nodes of a tile where TileSpans allows it. Pieces whose bound is
-larger than the tolerance at the minimum length, or infinite (folds), are not proven; their largest
-error is given apart.
+Distance between where a ray is sampled and the true position Phi(P(t)) at the same t, over many rays,
+in voxels: of polylines at places of each segment, of ERROR_BOUND at the samples that the fast kernels
+take. Where T folds (*random 45*, EXACT) the true position is that of one branch of several.
 """
 
 DIFFERENCES = """\

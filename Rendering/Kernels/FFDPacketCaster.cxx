@@ -181,6 +181,21 @@ float ToFloat(double value)
   return static_cast<float>(std::clamp(value, -1e37, 1e37));
 }
 
+/// Bounds in data coordinates of a box of index coordinates.
+Box FindBounds(const VolumeView& volume, const Box& index)
+{
+  Box bounds{ glm::dvec3(1e300), glm::dvec3(-1e300) };
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const glm::dvec3 part(corner & 1, corner >> 1 & 1, corner >> 2);
+    const glm::dvec3 at =
+      volume.FirstVoxel + volume.IndexToData * glm::mix(index.Min, index.Max, part);
+    bounds.Min = glm::min(bounds.Min, at);
+    bounds.Max = glm::max(bounds.Max, at);
+  }
+  return bounds;
+}
+
 PacketLight MakePacketLight(
   const Light& light, const Reflectance& material, const glm::dvec3& centre)
 {
@@ -287,14 +302,16 @@ PacketCaster::PacketCaster(
   Copy(bounds.Max - p.Centre, p.BoundsMax);
   p.Identity = scene.Map->IsIdentity();
   p.Kind = scene.Map->GetKind();
-  if (!p.Identity)
-  {
-    p.Field.Assign(*scene.Map->GetField(), p.Centre);
-  }
   // Single precision cannot tell residuals smaller than this.
   const double resolution = 2e-6 * glm::length(whole.Max - whole.Min);
   p.Tolerance = static_cast<float>(std::max(scene.Map->GetTolerance(), resolution));
   const Box rest = FindRestBox(v, scene.WholeAtRest);
+  if (!p.Identity)
+  {
+    const Box restBounds = FindBounds(v, rest);
+    p.Field.Assign(
+      *scene.Map->GetField(), p.Centre, InvertsTheField(p.Kind) ? &restBounds : nullptr);
+  }
   if (!p.Identity && InvertsTheField(p.Kind))
   {
     for (int i = 0; i < SeedsPerAxis * SeedsPerAxis * SeedsPerAxis; ++i)

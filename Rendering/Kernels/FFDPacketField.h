@@ -4,6 +4,7 @@
 #define FFDPacketField_h
 
 #include "FFDBSplineField.h"
+#include "FFDPullBackBounds.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -25,8 +26,7 @@ class PacketField
 {
 public:
   /// From a cell number to the first of its four control points on an axis.
-  static constexpr int FirstOffset = BSplineField::Padding - 1;
-
+  int FirstOffset = BSplineField::Padding - 1;
   float Origin[3] = {};
   float InverseSpacing[3] = {};
   float ClampMin[3] = {};
@@ -36,12 +36,19 @@ public:
   std::vector<float> Coefficients; ///< x, y, z of each control point
   /// |D(a + e) - D(a) - D'(a) e| <= SecondDerivative / 2 |e|^2 inside of the lattice.
   float SecondDerivative = 0.0f;
-  /// Of a step of Newton's method: one that is longer leaves what is known of the field.
-  float LongestStep = 0.0f;
   /// Whether that holds everywhere: there is no kink where the lattice ends.
   bool Smooth = true;
+  /// Of a step of Newton's method: one that is longer leaves what is known of the field.
+  float LongestStep = 0.0f;
 
-  void Assign(const BSplineField& field, const glm::dvec3& centre)
+  /**
+   * Take a copy. `rest`, if not null: the volume at rest, outside of which nobody needs D as it is. Where
+   * control points of the lattice alone count in it, D goes on linearly outside of the lattice for some
+   * cells and is constant from there: so T stays smooth, and one to one where the lattice turns the
+   * volume by large angles, which it would not with a D that is constant at once. T^-1 is the same
+   * wherever it leads into the volume.
+   */
+  void Assign(const BSplineField& field, const glm::dvec3& centre, const Box* rest = nullptr)
   {
     this->Smooth = field.GetBorder() != BorderMode::ZeroAtBorder;
     for (int a = 0; a < 3; ++a)
@@ -51,15 +58,16 @@ public:
       this->ClampMin[a] = static_cast<float>(field.GetFirstCell()[a]);
       this->ClampMax[a] = static_cast<float>(field.GetEndCell()[a]);
     }
-    this->StrideY = field.GetPaddedNodes().x;
-    this->StrideZ = field.GetPaddedNodes().y;
-    this->Coefficients.clear();
-    this->Coefficients.reserve(3 * field.GetCoefficients().size());
-    for (const glm::dvec3& c : field.GetCoefficients())
+    if (rest && CanExtend(field, *rest))
     {
-      this->Coefficients.push_back(static_cast<float>(c.x));
-      this->Coefficients.push_back(static_cast<float>(c.y));
-      this->Coefficients.push_back(static_cast<float>(c.z));
+      this->Extend(field);
+    }
+    else
+    {
+      this->StrideY = field.GetPaddedNodes().x;
+      this->StrideZ = field.GetPaddedNodes().y;
+      this->FirstOffset = BSplineField::Padding - 1;
+      this->Copy(field.GetCoefficients());
     }
     this->SecondDerivative = static_cast<float>(FindSecondDerivative(field));
     const glm::dvec3 h = glm::abs(field.GetSpacing());
@@ -67,6 +75,102 @@ public:
   }
 
 private:
+  static constexpr int Extension = 4; ///< cells in which D goes on linearly
+  static constexpr int ExtendedPadding = Extension + 3;
+
+  void Copy(const std::vector<glm::dvec3>& coefficients)
+  {
+    this->Coefficients.clear();
+    this->Coefficients.reserve(3 * coefficients.size());
+    for (const glm::dvec3& c : coefficients)
+    {
+      this->Coefficients.push_back(static_cast<float>(c.x));
+      this->Coefficients.push_back(static_cast<float>(c.y));
+      this->Coefficients.push_back(static_cast<float>(c.z));
+    }
+  }
+
+  static bool CanExtend(const BSplineField& field, const Box& rest)
+  {
+    constexpr double Rounding = 1e-6; // cells
+    for (int a = 0; a < 3; ++a)
+    {
+      const double from = (rest.Min[a] - field.GetOrigin()[a]) / field.GetSpacing()[a];
+      const double to = (rest.Max[a] - field.GetOrigin()[a]) / field.GetSpacing()[a];
+      if (!(field.GetNodes()[a] >= 4 && std::min(from, to) >= 1.0 - Rounding &&
+            std::max(from, to) <= field.GetNodes()[a] - 2 + Rounding))
+      {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  void Extend(const BSplineField& field)
+  {
+    const glm::ivec3 nodes = field.GetNodes();
+    const glm::ivec3 size = nodes + 2 * ExtendedPadding;
+    const auto at = [&](int i, int j, int k)
+    {
+      return static_cast<std::size_t>(i) +
+        static_cast<std::size_t>(size.x) *
+        (static_cast<std::size_t>(j) + static_cast<std::size_t>(size.y) * static_cast<std::size_t>(k));
+    };
+    std::vector<glm::dvec3> c(
+      static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z));
+    // What the nearest node and the one beside it count, along each axis.
+    const auto factors = [&](int i, int axis, int& node, int& beside, double& out)
+    {
+      const int n = i - ExtendedPadding;
+      const int last = nodes[axis] - 1;
+      node = std::clamp(n, 0, last);
+      beside = n < 0 ? 1 : n > last ? last - 1 : node;
+      out = std::min(std::abs(n - node), Extension);
+    };
+    for (int k = 0; k < size.z; ++k)
+    {
+      for (int j = 0; j < size.y; ++j)
+      {
+        for (int i = 0; i < size.x; ++i)
+        {
+          const int index[3] = { i, j, k };
+          int node[3];
+          int beside[3];
+          double out[3];
+          for (int a = 0; a < 3; ++a)
+          {
+            factors(index[a], a, node[a], beside[a], out[a]);
+          }
+          glm::dvec3 sum(0.0);
+          for (int corner = 0; corner < 8; ++corner)
+          {
+            double weight = 1.0;
+            int from[3];
+            for (int a = 0; a < 3; ++a)
+            {
+              const bool second = (corner >> a & 1) != 0;
+              weight *= second ? -out[a] : 1.0 + out[a];
+              from[a] = second ? beside[a] : node[a];
+            }
+            sum += weight == 0.0 ? glm::dvec3(0.0)
+                                 : weight * field.Coefficient(from[0], from[1], from[2]);
+          }
+          c[at(i, j, k)] = sum;
+        }
+      }
+    }
+    this->StrideY = size.x;
+    this->StrideZ = size.y;
+    this->FirstOffset = ExtendedPadding - 1;
+    this->Smooth = true;
+    for (int a = 0; a < 3; ++a)
+    {
+      this->ClampMin[a] = static_cast<float>(-Extension - 2);
+      this->ClampMax[a] = static_cast<float>(nodes[a] + Extension);
+    }
+    this->Copy(c);
+  }
+
   /// The second derivatives are convex combinations of second differences of control points.
   static double FindSecondDerivative(const BSplineField& field)
   {

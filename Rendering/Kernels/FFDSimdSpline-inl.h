@@ -81,7 +81,7 @@ HWY_NOINLINE void EvaluateField(const PacketField& field, const Vec3& p, Vec3& d
     p.y, field.Origin[1], field.InverseSpacing[1], field.ClampMin[1], field.ClampMax[1], ay);
   LocateOnAxis<WithSlopes>(
     p.z, field.Origin[2], field.InverseSpacing[2], field.ClampMin[2], field.ClampMax[2], az);
-  const Vi offset = hn::Set(di, PacketField::FirstOffset);
+  const Vi offset = hn::Set(di, field.FirstOffset);
   const Vi base = hn::Add(hn::Add(ax.Cell, offset),
     hn::Mul(hn::Set(di, field.StrideY),
       hn::Add(hn::Add(ay.Cell, offset),
