@@ -315,7 +315,9 @@ private:
     const int y = this->Y - piece.Y;
     PacketCurve about;
     this->FindCurve(piece, x, y, about);
-    const int from = std::max(piece.FirstSample, this->FirstSample);
+    // From the start of the piece on, wherever the rays begin: which of several branches of T^-1 is
+    // followed must not depend on that.
+    const int from = piece.FirstSample;
     const int to = std::min(piece.FirstSample + piece.Samples, this->EndSample);
     const float distance = static_cast<float>(this->Scene.Settings.SampleDistance);
     const auto timeOf = [&](int n)
@@ -335,8 +337,7 @@ private:
     }
     curve.Dt = Splat(distance);
     curve.PerStep = Splat(1.0f);
-    const Vf s = hn::Mul(
-      hn::Add(this->Phase, Splat(static_cast<float>(from - piece.FirstSample))), about.PerStep);
+    const Vf s = hn::Mul(this->Phase, about.PerStep);
     Vec3 next = positionAt(from, about.Position.At(s));
     Vec3 move = Scale(about.PerStep, about.Position.Slope(s));
     this->Out.TallyStep = Splat(-1e30f);

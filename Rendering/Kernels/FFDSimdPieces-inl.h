@@ -173,7 +173,7 @@ private:
   using Layers = std::array<NodeVectors, TileLayers>;
 
   /// Newton steps at the points of check are multiplied by this, to stand for those between them.
-  static constexpr float SafetyFactor = 1.6f;
+  static constexpr float SafetyFactor = 2.0f;
   /// An error that is larger is not known well, voxels.
   static constexpr float LargestKnownError = 20.0f;
   /// Halving has not helped where it leaves more than this of an error.
@@ -212,6 +212,30 @@ private:
     }
   }
 
+  /// Where the nodes of the second layer of a piece come from, by the derivative at the first one.
+  void Extrapolate(const NodeRays& rays, const TilePiece& piece, const NodeVectors& first,
+    NodeVectors& second) const
+  {
+    const Df d;
+    for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
+    {
+      const Vec3 q = LoadNodes(first, i);
+      const Vec3 move = Scale(Splat(0.25f * piece.Dt), LoadNodes(rays.Directions, i));
+      Vec3 a{ move.x, hn::Zero(d), hn::Zero(d) };
+      Vec3 b{ hn::Zero(d), move.y, hn::Zero(d) };
+      Vec3 c{ hn::Zero(d), hn::Zero(d), move.z };
+      if (!this->Scene.Identity)
+      {
+        PullBackJacobian(
+          this->Scene, rays.At(Splat(piece.T0), i), IndexToLocal(this->Scene, q), a, b, c);
+        a = Scale(move.x, a);
+        b = Scale(move.y, b);
+        c = Scale(move.z, c);
+      }
+      StoreNodes(Add(q, Transform(this->Scene.LocalToIndex, Add(a, Add(b, c)))), second, i);
+    }
+  }
+
   HWY_NOINLINE void AddTop()
   {
     TilePiece& piece = this->Scratch.Pieces.Add();
@@ -221,38 +245,25 @@ private:
     const int number = static_cast<int>(this->Scratch.Tops.size());
     this->SetTimes(piece, (this->First + number) * this->Scene.SamplesPerTop, this->Scene.SamplesPerTop);
     const NodeRays rays = this->GetRays(piece, NodeAt);
+    // From nowhere, not from the piece before: what a piece is must not depend on where the rays of a
+    // picture, or of a part of one, begin.
     alignas(64) Layers layers;
-    if (number == 0)
-    {
-      this->Solve(rays, piece.T0, false, layers[0]);
-    }
-    else
-    {
-      layers[0] = this->LastLayer;
-    }
+    this->Solve(rays, piece.T0, false, layers[0]);
+    this->Extrapolate(rays, piece, layers[0], layers[1]);
     for (std::size_t k = 1; k < TileLayers; ++k)
     {
-      // Extrapolated along t.
       NodeVectors& guess = layers[k];
-      for (std::size_t a = 0; a < 3; ++a)
+      for (std::size_t a = 0; k > 1 && a < 3; ++a)
       {
         for (std::size_t i = 0; i < TileNodes; ++i)
         {
           const float last = layers[k - 1][a][i];
-          const float before = k > 1 ? layers[k - 2][a][i]
-            : number > 0             ? this->LayerBefore[a][i]
-                                     : last;
-          const float before2 = k > 2 ? layers[k - 3][a][i]
-            : k > 1 && number > 0     ? this->LayerBefore[a][i]
-                                      : 0.0f;
-          const bool quadratic = k > 2 || (k > 1 && number > 0);
-          guess[a][i] = quadratic ? 3.0f * (last - before) + before2 : 2.0f * last - before;
+          const float before = layers[k - 2][a][i];
+          guess[a][i] = k > 2 ? 3.0f * (last - before) + layers[k - 3][a][i] : 2.0f * last - before;
         }
       }
       this->Solve(rays, piece.T0 + 0.25f * static_cast<float>(k) * piece.Dt, true, guess);
     }
-    this->LayerBefore = layers[3];
-    this->LastLayer = layers[4];
     FitQuartics(layers, piece.Terms);
     this->Scratch.Tops.push_back(&piece);
   }
@@ -662,8 +673,6 @@ private:
   int Y0;
   int First = 0;
   int Last = -1;
-  alignas(64) NodeVectors LastLayer;
-  alignas(64) NodeVectors LayerBefore;
 };
 
 /// The curves of a packet whose first pixel is (x, y), from that of the square of a piece, and their

@@ -204,9 +204,9 @@ void CheckLongSteps(ffdTest::Scene& scene, double voxel, ffdTest::Checks& checks
       const ffdTest::Picture picture = scene.RenderToImage();
       longest = longest.Rgb.empty() ? picture : longest;
       const ffdTest::Distance d = scene.Compare(picture, longest);
-      checks.Expect(d.Pixels > 3000 && d.Mean <= 0.05,
+      checks.Expect(d.Pixels > 3000 && d.Mean <= 0.1,
         "long steps, pieces of " + std::to_string(pieces) + (reference ? ", reference" : ""),
-        ffdTest::ToString(d) + " from long pieces (mean at most 0.05)");
+        ffdTest::ToString(d) + " from long pieces (mean at most 0.1)");
     }
   }
   scene.Ours->ReferenceKernelsOff();
@@ -268,20 +268,17 @@ int TestSamePicture(int argc, char* argv[])
 
     if (!shape.Folds)
     {
-      // The default bound on the error of the curves is small enough to see nothing of it.
-      // Pieces hold whole numbers of samples; short steps, so that only the curves differ.
-      scene.SetSampleDistance(0.1 * voxel);
-      const ffdTest::Picture fine = scene.RenderToImage();
-      scene.Ours->SetMaximumSegmentLength(0.5);
-      scene.Ours->SetPositionTolerance(0.001);
-      scene.Ours->SetInverseTolerance(0.0001);
-      const ffdTest::Distance e = scene.Compare(fine, scene.RenderToImage());
-      scene.Ours->SetMaximumSegmentLength(8.0);
+      // The default bound on the error of positions is small enough to see nothing of it: samples lie
+      // where they lie, whatever the pieces are.
+      const double tolerance = scene.Ours->GetPositionTolerance();
       scene.Ours->SetPositionTolerance(0.1);
-      scene.Ours->SetInverseTolerance(0.01);
-      scene.SetSampleDistance(voxel);
-      checks.Expect(e.Pixels > 3000 && e.Mean < 0.5, shape.Name + ", ERROR_BOUND against very fine",
-        ffdTest::ToString(e) + " (mean below 0.5)");
+      const ffdTest::Picture coarse = scene.RenderToImage();
+      scene.Ours->SetPositionTolerance(0.005);
+      const ffdTest::Distance e = scene.Compare(coarse, scene.RenderToImage());
+      scene.Ours->SetPositionTolerance(tolerance);
+      checks.Expect(e.Pixels > 3000 && e.Mean < 0.5 && e.P99 <= 4.0,
+        shape.Name + ", position tolerance 0.1 against 0.005",
+        ffdTest::ToString(e) + " (mean below 0.5, p99 at most 4)");
     }
   }
 
