@@ -195,7 +195,8 @@ public:
   ///@{
   /**
    * Largest distance between T(Phi(P)) and P in EXACT mode, in voxels. Default: 0.01. Must be
-   * positive; more than 1 counts as that.
+   * positive; more than 1 counts as that, and with ERROR_BOUND more than a tenth of the
+   * PositionTolerance as a tenth.
    */
   virtual void SetInverseTolerance(double voxels);
   vtkGetMacro(InverseTolerance, double);

@@ -102,6 +102,9 @@ constexpr int SeedsPerAxis = 7;
 /// Length of the parts of a piece that are tested for emptiness, voxels.
 constexpr double PartLength = 2.0;
 
+/// Tolerance of nodes, as a part of that of positions.
+constexpr double NodeTolerance = 0.1;
+
 /// Of positions in single precision, relative to their size.
 constexpr double SinglePrecision = 4e-7;
 
@@ -304,7 +307,10 @@ PacketCaster::PacketCaster(
   p.Kind = scene.Map->GetKind();
   // Single precision cannot tell residuals smaller than this.
   const double resolution = 2e-6 * glm::length(whole.Max - whole.Min);
-  p.Tolerance = static_cast<float>(std::max(scene.Map->GetTolerance(), resolution));
+  // Nodes must be far closer than what is interpolated between them.
+  const double tolerance = std::min(scene.Map->GetTolerance(),
+    NodeTolerance * settings.Pieces.PositionTolerance * scene.VoxelSize);
+  p.Tolerance = static_cast<float>(std::max(tolerance, resolution));
   const Box rest = FindRestBox(v, scene.WholeAtRest);
   if (!p.Identity)
   {
