@@ -38,8 +38,9 @@ HWY_INLINE void LagrangeSlopes(Vf u, Vf w[4])
   const Vf b = hn::Sub(u, Splat(1.0f));
   const Vf c = hn::Sub(u, Splat(2.0f));
   const Vf e = hn::Sub(u, Splat(3.0f));
-  const auto pairs = [](Vf x, Vf y, Vf z)
-  { return hn::MulAdd(x, y, hn::MulAdd(x, z, hn::Mul(y, z))); };
+  const auto pairs = [](Vf x, Vf y, Vf z) {
+    return hn::MulAdd(x, y, hn::MulAdd(x, z, hn::Mul(y, z)));
+  };
   const Vf sixth = Splat(1.0f / 6.0f);
   const Vf half = Splat(0.5f);
   w[0] = hn::Neg(hn::Mul(sixth, pairs(b, c, e)));
@@ -66,8 +67,7 @@ HWY_INLINE void TransformNodes(
   }
   for (std::size_t c = 0; c < 4; c += hn::Lanes(d4))
   {
-    const auto rowOf = [&](const float* row)
-    {
+    const auto rowOf = [&](const float* row) {
       auto sum = hn::Mul(hn::Set(d4, row[0]), hn::Load(d4, byNode[0] + c));
       sum = hn::MulAdd(hn::Set(d4, row[1]), hn::Load(d4, byNode[1] + c), sum);
       sum = hn::MulAdd(hn::Set(d4, row[2]), hn::Load(d4, byNode[2] + c), sum);
@@ -152,8 +152,8 @@ struct Quartic
   HWY_INLINE Vec3 At(Vf s) const
   {
     return MulAdd(s,
-      MulAdd(s, MulAdd(s, MulAdd(s, this->Terms[4], this->Terms[3]), this->Terms[2]),
-        this->Terms[1]),
+      MulAdd(
+        s, MulAdd(s, MulAdd(s, this->Terms[4], this->Terms[3]), this->Terms[2]), this->Terms[1]),
       this->Terms[0]);
   }
   HWY_INLINE Vec3 Slope(Vf s) const
@@ -238,13 +238,15 @@ struct BezierHull
       {
         const auto term = [&](std::size_t k) { return hn::Load(d, b[k][a].data() + i); };
         const Vf b0 = term(0), b1 = term(1), b2 = term(2), b3 = term(3), b4 = term(4);
-        const auto store = [&](std::size_t k, Vf v) { hn::Store(v, d, this->Layers[k][a].data() + i); };
+        const auto store = [&](std::size_t k, Vf v) {
+          hn::Store(v, d, this->Layers[k][a].data() + i);
+        };
         store(0, b0);
         store(1, hn::MulAdd(Splat(0.25f), b1, b0));
         store(2, hn::MulAdd(Splat(1.0f / 6.0f), b2, hn::MulAdd(Splat(0.5f), b1, b0)));
         store(3,
-          hn::MulAdd(Splat(0.25f), b3,
-            hn::MulAdd(Splat(0.5f), b2, hn::MulAdd(Splat(0.75f), b1, b0))));
+          hn::MulAdd(
+            Splat(0.25f), b3, hn::MulAdd(Splat(0.5f), b2, hn::MulAdd(Splat(0.75f), b1, b0))));
         store(4, hn::Add(hn::Add(hn::Add(b0, b1), hn::Add(b2, b3)), b4));
       }
     }
@@ -264,8 +266,8 @@ struct BezierHull
     }
   }
 
-  /// The largest |dQ/dx| + |dQ/dy| by steps from the first node to the last, and the largest dQ/ds and
-  /// -dQ/ds, not negative.
+  /// The largest |dQ/dx| + |dQ/dy| by steps from the first node to the last, and the largest dQ/ds
+  /// and -dQ/ds, not negative.
   void GetSpeeds(float across[3], float up[3], float down[3]) const
   {
     for (std::size_t a = 0; a < 3; ++a)

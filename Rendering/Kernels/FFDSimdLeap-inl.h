@@ -19,8 +19,8 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// Positions from which nothing visible is near: the empty cube around each lane's block, and how far
-/// its lane may move in it.
+/// Positions from which nothing visible is near: the empty cube around each lane's block, and how
+/// far its lane may move in it.
 class EmptySpaceQuery
 {
 public:

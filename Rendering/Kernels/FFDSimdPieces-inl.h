@@ -64,19 +64,19 @@ struct CheckSet
   float Along[4];
 };
 /// The first is about where interpolants of smooth functions have their largest errors.
-constexpr CheckSet CheckSets[3] = {
-  { { 0.12f, 0.39f, 0.61f, 0.88f }, { 0.08f, 0.36f, 0.64f, 0.94f } },
+constexpr CheckSet CheckSets[3] = { { { 0.12f, 0.39f, 0.61f, 0.88f },
+                                      { 0.08f, 0.36f, 0.64f, 0.94f } },
   { { 0.06f, 0.22f, 0.5f, 0.93f }, { 0.04f, 0.19f, 0.55f, 0.98f } },
   { { 0.17f, 0.45f, 0.79f, 0.96f }, { 0.13f, 0.45f, 0.72f, 0.88f } } };
 
 /**
  * The pieces of a tile: a tree that is made front to back as rays ask for it, so that nothing is
- * evaluated behind the point where all of them have ended. Where pieces begin and end depends on the
- * tile and the deformation alone, and samples do not depend on the pieces.
+ * evaluated behind the point where all of them have ended. Where pieces begin and end depends on
+ * the tile and the deformation alone, and samples do not depend on the pieces.
  *
- * In a piece the pull-back is replaced by an interpolant whose nodes are exact. Its error is measured
- * on itself, by the length of a Newton step at points between the nodes, times a safety factor. A
- * piece that is not close enough is halved along the rays or quartered across them.
+ * In a piece the pull-back is replaced by an interpolant whose nodes are exact. Its error is
+ * measured on itself, by the length of a Newton step at points between the nodes, times a safety
+ * factor. A piece that is not close enough is halved along the rays or quartered across them.
  */
 class TilePieces
 {
@@ -142,8 +142,8 @@ public:
 
   /// Derivatives of the viewing rays by columns and rows of pixels, for the packet at (x, y) of the
   /// tile: differences over a few pixels, which keep the digits.
-  HWY_NOINLINE void FindRaySlopes(int x, int y, Vf rows, Vec3& originU, Vec3& directionU,
-    Vec3& originV, Vec3& directionV) const
+  HWY_NOINLINE void FindRaySlopes(
+    int x, int y, Vf rows, Vec3& originU, Vec3& directionU, Vec3& originV, Vec3& directionV) const
   {
     const Df d;
     constexpr float Reach = 4.0f;
@@ -155,8 +155,7 @@ public:
     }
     const Vf px = hn::Add(hn::Load(d, columns), Splat(static_cast<float>(this->X0 + x) + 0.5f));
     const Vf py = hn::Add(rows, Splat(static_cast<float>(this->Y0 + y) + 0.5f));
-    const auto slope = [&](Vf dx, Vf dy, Vec3& origin, Vec3& direction)
-    {
+    const auto slope = [&](Vf dx, Vf dy, Vec3& origin, Vec3& direction) {
       const RayPacket a =
         MakeRays(this->Scene, this->Near, this->Far, hn::Sub(px, dx), hn::Sub(py, dy));
       const RayPacket b =
@@ -187,7 +186,8 @@ private:
     piece.FirstSample = firstSample;
     piece.Samples = samples;
     piece.T0 = static_cast<float>(firstSample * distance);
-    piece.Dt = static_cast<float>((firstSample + static_cast<double>(samples)) * distance) - piece.T0;
+    piece.Dt =
+      static_cast<float>((firstSample + static_cast<double>(samples)) * distance) - piece.T0;
   }
 
   NodeRays GetRays(const TilePiece& piece, const float at[4]) const
@@ -243,10 +243,11 @@ private:
     piece.X = 0;
     piece.Y = 0;
     const int number = static_cast<int>(this->Scratch.Tops.size());
-    this->SetTimes(piece, (this->First + number) * this->Scene.SamplesPerTop, this->Scene.SamplesPerTop);
+    this->SetTimes(
+      piece, (this->First + number) * this->Scene.SamplesPerTop, this->Scene.SamplesPerTop);
     const NodeRays rays = this->GetRays(piece, NodeAt);
-    // From nowhere, not from the piece before: what a piece is must not depend on where the rays of a
-    // picture, or of a part of one, begin.
+    // From nowhere, not from the piece before: what a piece is must not depend on where the rays of
+    // a picture, or of a part of one, begin.
     alignas(64) Layers layers;
     this->Solve(rays, piece.T0, false, layers[0]);
     this->Extrapolate(rays, piece, layers[0], layers[1]);
@@ -297,9 +298,9 @@ private:
   }
 
   /**
-   * Of the interpolant, voxels, with the safety factor: the longest Newton step at points of check. A
-   * piece over several cells of the lattice has more of them; none are looked at beyond the first set
-   * that tells that it is not close enough.
+   * Of the interpolant, voxels, with the safety factor: the longest Newton step at points of check.
+   * A piece over several cells of the lattice has more of them; none are looked at beyond the first
+   * set that tells that it is not close enough.
    */
   HWY_NOINLINE float MeasureError(const TilePiece& piece, const BezierHull& hull)
   {
@@ -386,8 +387,8 @@ private:
     {
       from[a] = static_cast<double>(low[a] - margin);
       to[a] = static_cast<double>(high[a] + margin);
-      outside = outside || high[a] + margin < this->Scene.Lower ||
-        low[a] - margin > this->Scene.Upper[a];
+      outside =
+        outside || high[a] + margin < this->Scene.Lower || low[a] - margin > this->Scene.Upper[a];
     }
     return outside ||
       (this->Scene.LeapsPieces &&
@@ -400,8 +401,7 @@ private:
   {
     const float length = piece.Dt * this->Scene.VoxelsPerUnit;
     const float width = this->FindWidth(piece) * this->Scene.VoxelsPerUnit;
-    const bool canHalve =
-      piece.Samples > 1 && 0.5f * length >= this->Scene.ShortestPiece * 0.999f;
+    const bool canHalve = piece.Samples > 1 && 0.5f * length >= this->Scene.ShortestPiece * 0.999f;
     const bool canQuarter = piece.Side > SmallestSide && width > 0.5f;
     // Where T folds or nearly so no interpolant will do.
     const bool hopeless = !(piece.Error < 1.0f) && length <= 8.0f && piece.Side <= 16;
@@ -427,8 +427,9 @@ private:
     float squared = 0.0f;
     for (std::size_t a = 0; a < 3; ++a)
     {
-      const auto at = [&](std::size_t i)
-      { return rays.Origins[a][i] + (piece.T0 + 0.5f * piece.Dt) * rays.Directions[a][i]; };
+      const auto at = [&](std::size_t i) {
+        return rays.Origins[a][i] + (piece.T0 + 0.5f * piece.Dt) * rays.Directions[a][i];
+      };
       const float path = at(15) - at(0);
       squared += path * path;
     }
@@ -447,21 +448,18 @@ private:
       child.X = piece.X;
       child.Y = piece.Y;
       child.ErrorBefore = piece.Error;
-      this->SetTimes(
-        child, piece.FirstSample + h * half, h == 0 ? half : piece.Samples - half);
+      this->SetTimes(child, piece.FirstSample + h * half, h == 0 ? half : piece.Samples - half);
       alignas(64) Layers layers;
       for (std::size_t k = 0; k < TileLayers; ++k)
       {
-        const float s =
-          (child.T0 - piece.T0 + 0.25f * static_cast<float>(k) * child.Dt) / piece.Dt;
+        const float s = (child.T0 - piece.T0 + 0.25f * static_cast<float>(k) * child.Dt) / piece.Dt;
         for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
         {
           StoreNodes(LoadQuartic(piece.Terms, i).At(Splat(s)), layers[k], i);
         }
         if (k % 2 == 1)
         {
-          this->Solve(
-            rays, child.T0 + 0.25f * static_cast<float>(k) * child.Dt, true, layers[k]);
+          this->Solve(rays, child.T0 + 0.25f * static_cast<float>(k) * child.Dt, true, layers[k]);
         }
       }
       FitQuartics(layers, child.Terms);
@@ -480,8 +478,7 @@ private:
       child.X = piece.X + q % 2 * half;
       child.Y = piece.Y + q / 2 * half;
       this->SetTimes(child, piece.FirstSample, piece.Samples);
-      const auto positions = [&](int part)
-      {
+      const auto positions = [&](int part) {
         float at[4];
         for (int i = 0; i < 4; ++i)
         {
@@ -522,8 +519,8 @@ private:
     const Di di;
     const PacketScene& scene = this->Scene;
     piece.SamplesPerPart = std::min(piece.Samples,
-      std::max(scene.SamplesPerPart,
-        (piece.Samples + LargestNumberOfParts - 1) / LargestNumberOfParts));
+      std::max(
+        scene.SamplesPerPart, (piece.Samples + LargestNumberOfParts - 1) / LargestNumberOfParts));
     const int parts = (piece.Samples + piece.SamplesPerPart - 1) / piece.SamplesPerPart;
     const float halfPart =
       0.5f * static_cast<float>(piece.SamplesPerPart) / static_cast<float>(piece.Samples);
@@ -534,8 +531,8 @@ private:
     float down[3];
     for (int a = 0; a < 3; ++a)
     {
-      radius[a] = across[a] * 0.5f * static_cast<float>(BlockSide - 1) /
-          static_cast<float>(piece.Side - 1) +
+      radius[a] =
+        across[a] * 0.5f * static_cast<float>(BlockSide - 1) / static_cast<float>(piece.Side - 1) +
         std::max(piece.Up[a], piece.Down[a]) * halfPart + 2.0f * Rounding;
       up[a] = 2.0f * halfPart * piece.Up[a];
       down[a] = 2.0f * halfPart * piece.Down[a];
@@ -633,7 +630,8 @@ private:
     const float nodesPerPixel = 3.0f / static_cast<float>(piece.Side - 1);
     for (int x = 0; x < piece.Side; x += static_cast<int>(hn::Lanes(d)))
     {
-      const Vf u = hn::Mul(Splat(nodesPerPixel), hn::Add(hn::Iota(d, 0.0f), Splat(static_cast<float>(x))));
+      const Vf u =
+        hn::Mul(Splat(nodesPerPixel), hn::Add(hn::Iota(d, 0.0f), Splat(static_cast<float>(x))));
       Vf w[4];
       Vf slope[4];
       LagrangeWeights(u, w);
@@ -649,8 +647,7 @@ private:
           for (std::size_t j = 0; j < NodesPerSide; ++j)
           {
             const float* row = piece.Terms[k][a].data() + NodesPerSide * j;
-            const auto sum = [&](const Vf* v)
-            {
+            const auto sum = [&](const Vf* v) {
               Vf r = hn::Mul(v[0], Splat(row[0]));
               r = hn::MulAdd(v[1], Splat(row[1]), r);
               r = hn::MulAdd(v[2], Splat(row[2]), r);
@@ -675,8 +672,8 @@ private:
   int Last = -1;
 };
 
-/// The curves of a packet whose first pixel is (x, y), from that of the square of a piece, and their
-/// derivatives by pixels. `rows`: weights of the rows of nodes, or their slopes.
+/// The curves of a packet whose first pixel is (x, y), from that of the square of a piece, and
+/// their derivatives by pixels. `rows`: weights of the rows of nodes, or their slopes.
 HWY_INLINE Quartic FindPacketCurve(
   const std::array<TilePiece::ColumnTerms, TileLayers>& columns, int x, const Vf rows[4])
 {
@@ -684,10 +681,8 @@ HWY_INLINE Quartic FindPacketCurve(
   Quartic curve;
   for (std::size_t k = 0; k < TileLayers; ++k)
   {
-    const auto component = [&](std::size_t a)
-    {
-      const auto row = [&](std::size_t j)
-      {
+    const auto component = [&](std::size_t a) {
+      const auto row = [&](std::size_t j) {
 #if HWY_TARGET == HWY_SCALAR
         return hn::Load(d, columns[k][a][j].data() + x);
 #else

@@ -20,7 +20,8 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// A point of rest space for each lane whose image under T is about p: the nearest of PacketScene::Seeds.
+/// A point of rest space for each lane whose image under T is about p: the nearest of
+/// PacketScene::Seeds.
 HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
 {
   Vf least = Splat(1e37f);
@@ -37,17 +38,18 @@ HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
 }
 
 /**
- * T^-1 of every lane by Newton's method from `start`, local coordinates. Lanes that it does not solve
- * start again from the nearest seed; where that does not help, T folds or nearly so, and they take
- * the point of first order.
+ * T^-1 of every lane by Newton's method from `start`, local coordinates. Lanes that it does not
+ * solve start again from the nearest seed; where that does not help, T folds or nearly so, and they
+ * take the point of first order.
  */
-HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& start, Mf active,
-  CastStatistics& statistics)
+HWY_INLINE Vec3 InvertFrom(
+  const PacketScene& scene, const Vec3& p, const Vec3& start, Mf active, CastStatistics& statistics)
 {
   const Df d;
   Vec3 q = start;
   int evaluations = 0;
-  Mf stuck = hn::AndNot(SolveInverse(scene.Field, p, scene.Tolerance, active, q, evaluations), active);
+  Mf stuck =
+    hn::AndNot(SolveInverse(scene.Field, p, scene.Tolerance, active, q, evaluations), active);
   if (HWY_UNLIKELY(!hn::AllFalse(d, stuck)))
   {
     Vec3 again = FindColdStart(scene, p);
@@ -72,8 +74,8 @@ HWY_INLINE Vec3 MirrorAt(const PacketScene& scene, const Vec3& p, const Vec3& q)
 }
 
 /// Phi of every lane in `active`, local coordinates. `start`: about where it leads to.
-HWY_INLINE Vec3 PullBackFrom(const PacketScene& scene, const Vec3& p, const Vec3& start, Mf active,
-  CastStatistics& statistics)
+HWY_INLINE Vec3 PullBackFrom(
+  const PacketScene& scene, const Vec3& p, const Vec3& start, Mf active, CastStatistics& statistics)
 {
   if (scene.Identity)
   {
@@ -81,8 +83,7 @@ HWY_INLINE Vec3 PullBackFrom(const PacketScene& scene, const Vec3& p, const Vec3
   }
   if (InvertsTheField(scene.Kind))
   {
-    return MirrorAt(
-      scene, p, InvertFrom(scene, p, MirrorAt(scene, p, start), active, statistics));
+    return MirrorAt(scene, p, InvertFrom(scene, p, MirrorAt(scene, p, start), active, statistics));
   }
   statistics.Evaluations += static_cast<std::int64_t>(hn::CountTrue(Df(), active));
   const Vec3 displacement = Displacement(scene.Field, p);
@@ -149,8 +150,8 @@ HWY_INLINE void PullBackJacobian(
     const Vec3 r1 = Cross(c, a);
     const Vec3 r2 = Cross(a, b);
     const Vf determinant = Dot(a, r0);
-    const Vf safe = hn::IfThenElse(
-      hn::Lt(hn::Abs(determinant), Splat(1e-12f)), Splat(1e-12f), determinant);
+    const Vf safe =
+      hn::IfThenElse(hn::Lt(hn::Abs(determinant), Splat(1e-12f)), Splat(1e-12f), determinant);
     const Vf s = hn::Div(one, safe);
     a = Scale(s, { r0.x, r1.x, r2.x });
     b = Scale(s, { r0.y, r1.y, r2.y });

@@ -52,8 +52,7 @@ struct ImageMap
 
   HWY_INLINE Vec3 At(Vf x, Vf y) const
   {
-    const auto component = [&](int c)
-    {
+    const auto component = [&](int c) {
       return hn::MulAdd(
         Splat(this->PerX[c]), x, hn::MulAdd(Splat(this->PerY[c]), y, Splat(this->Base[c])));
     };
@@ -92,8 +91,7 @@ HWY_INLINE void ClipToBounds(const PacketScene& scene, RayPacket& rays)
     rays.From = hn::IfThenElse(up, hn::Max(rays.From, t), rays.From);
     rays.To = hn::IfThenElse(up, rays.To, hn::Min(rays.To, t));
   }
-  const auto clip = [&](Vf o, Vf v, float lo, float hi)
-  {
+  const auto clip = [&](Vf o, Vf v, float lo, float hi) {
     // A direction of zero becomes a very small one: then the slab bounds all of the line or none.
     const Vf tiny = Splat(1e-30f);
     const Vf safe = hn::IfThenElse(hn::Lt(hn::Abs(v), tiny), tiny, v);
@@ -122,8 +120,7 @@ HWY_INLINE Vf PhaseOf(const PacketScene& scene, const RayPacket& rays, Vf jitter
   Vf exit = Splat(1e30f);
   Vf enterSlope = zero;
   Vf exitSlope = zero;
-  const auto cross = [&](Vf o, Vf v, int a)
-  {
+  const auto cross = [&](Vf o, Vf v, int a) {
     const Vf slope = hn::Max(hn::Abs(v), Splat(static_cast<float>(LeastSlope)));
     const Vf inverse = hn::CopySign(hn::Div(Splat(1.0f), slope), v);
     const Vf t0 = hn::Mul(hn::Sub(Splat(scene.RestMin[a]), o), inverse);
@@ -156,8 +153,8 @@ HWY_INLINE Vec3 LocalToIndex(const PacketScene& scene, const Vec3& local)
 /// The other way round.
 HWY_INLINE Vec3 IndexToLocal(const PacketScene& scene, const Vec3& index)
 {
-  return Transform(scene.IndexToLocal,
-    Sub(Add(index, Broadcast(scene.IndexShift)), Broadcast(scene.IndexOffset)));
+  return Transform(
+    scene.IndexToLocal, Sub(Add(index, Broadcast(scene.IndexShift)), Broadcast(scene.IndexOffset)));
 }
 
 } // namespace HWY_NAMESPACE

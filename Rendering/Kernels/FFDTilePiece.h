@@ -29,19 +29,19 @@ constexpr int LargestNumberOfParts = 32;
 using NodeVectors = std::array<std::array<float, TileNodes>, 3>;
 
 /**
- * The rays of a square of pixels over some of their samples, bent: where the pull-back is replaced by
- * an interpolant, bicubic over 4 x 4 nodes in the square and quartic along the rays.
+ * The rays of a square of pixels over some of their samples, bent: where the pull-back is replaced
+ * by an interpolant, bicubic over 4 x 4 nodes in the square and quartic along the rays.
  */
 struct alignas(64) TilePiece
 {
   enum class State : unsigned char
   {
-    Unknown,  ///< nobody has asked yet
-    Empty,    ///< nothing can be seen in it
-    Curves,   ///< the interpolant is close enough
-    Halved,   ///< along the rays: two children
-    Quartered,///< across them: four children
-    PerSample ///< each sample is pulled back by itself
+    Unknown,   ///< nobody has asked yet
+    Empty,     ///< nothing can be seen in it
+    Curves,    ///< the interpolant is close enough
+    Halved,    ///< along the rays: two children
+    Quartered, ///< across them: four children
+    PerSample  ///< each sample is pulled back by itself
   };
   State Known = State::Unknown;
   bool HasColumns = false;
@@ -50,24 +50,25 @@ struct alignas(64) TilePiece
   int Y = 0;
   int FirstSample = 0; ///< samples n: t = (n + phase) * sample distance, phase in [0, 1)
   int Samples = 0;
-  float T0 = 0.0f;     ///< t of the first sample at phase 0
-  float Dt = 0.0f;     ///< to the end of the last interval
-  float Error = 0.0f;       ///< measured, with its safety factor, voxels
-  float ErrorBefore = 1e30f;///< that of the parent, if the parent was halved
+  float T0 = 0.0f;           ///< t of the first sample at phase 0
+  float Dt = 0.0f;           ///< to the end of the last interval
+  float Error = 0.0f;        ///< measured, with its safety factor, voxels
+  float ErrorBefore = 1e30f; ///< that of the parent, if the parent was halved
   std::array<TilePiece*, 4> Children{};
 
   /// Terms of s^k at the nodes, index coordinates; s runs from 0 to 1.
   alignas(64) std::array<NodeVectors, TileLayers> Terms;
 
-  /// For each block of 4 x 4 pixels, x fastest: parts of the piece in which something may be seen, and
-  /// parts in which all that a sample and its gradient need lies between voxels.
+  /// For each block of 4 x 4 pixels, x fastest: parts of the piece in which something may be seen,
+  /// and parts in which all that a sample and its gradient need lies between voxels.
   std::array<std::uint32_t, BlocksPerTile> Needed;
   std::array<std::uint32_t, BlocksPerTile> Inside;
   int SamplesPerPart = 1;
   float Up[3];   ///< most that a ray moves along each axis from sample to sample, index units
   float Down[3]; ///< the same the other way
 
-  /// Terms at the pixel columns of the square, for each row of nodes, and their derivatives by pixels.
+  /// Terms at the pixel columns of the square, for each row of nodes, and their derivatives by
+  /// pixels.
   using ColumnTerms = std::array<std::array<std::array<float, TileSide>, NodesPerSide>, 3>;
   alignas(64) std::array<ColumnTerms, TileLayers> Columns;
   alignas(64) std::array<ColumnTerms, TileLayers> ColumnSlopes;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// How far from the true deformed rays samples are taken, in voxels: the paper's polylines by their angle
-// and by fixed lengths, and ERROR_BOUND by its tolerance.
+// How far from the true deformed rays samples are taken, in voxels: the paper's polylines by their
+// angle and by fixed lengths, and ERROR_BOUND by its tolerance.
 #include "FFDPolyline.h"
 #include "PositionError.h"
 
@@ -43,10 +43,9 @@ ffd::BSplineField MakeField(const std::function<glm::dvec3(const glm::dvec3&)>& 
 ffd::BSplineField MakeSmooth(double magnitude)
 {
   const auto halfCosine = [](double u) { return std::cos(Pi * (u - 0.5)); };
-  return MakeField(
-    [&](const glm::dvec3& u) {
-      return magnitude * glm::dvec3(halfCosine(u.z), 22.0 / 45.0 * halfCosine(u.x), 0.0);
-    });
+  return MakeField([&](const glm::dvec3& u) {
+    return magnitude * glm::dvec3(halfCosine(u.z), 22.0 / 45.0 * halfCosine(u.x), 0.0);
+  });
 }
 
 ffd::BSplineField MakeRandom(double magnitude)
@@ -89,7 +88,8 @@ bool Clip(const ffd::ViewRay& ray, const ffd::Box& box, double& from, double& to
 }
 
 void Print(const std::string& deformation, const char* mode, const char* segmentation,
-  double parameter, double piecesPer100, double evaluationsPerRay, const positionError::Tally& tally)
+  double parameter, double piecesPer100, double evaluationsPerRay,
+  const positionError::Tally& tally)
 {
   std::printf("%s,%s,%s,%g,%.2f,%.2f,%.2e,%.2e\n", deformation.c_str(), mode, segmentation,
     parameter, piecesPer100, evaluationsPerRay, tally.Largest(), tally.Mean());
@@ -97,8 +97,8 @@ void Print(const std::string& deformation, const char* mode, const char* segment
 
 /// The polylines of some rays, at `points` places of each segment.
 void MeasurePolylines(const Deformation& deformation, const Mode& mode, const char* name,
-  double parameter, const ffd::PolylineSettings& settings, const positionError::Scene& scene, int rays,
-  int points)
+  double parameter, const ffd::PolylineSettings& settings, const positionError::Scene& scene,
+  int rays, int points)
 {
   const ffd::PullBack map(&deformation.Field, mode.Kind, 1e-9);
   RandomLattice random(7);
@@ -137,7 +137,8 @@ void MeasurePolylines(const Deformation& deformation, const Mode& mode, const ch
     }
     evaluations += walker.GetEvaluations();
   }
-  Print(deformation.Name, mode.Name, name, parameter, 100.0 * pieces / length, evaluations / rays, tally);
+  Print(deformation.Name, mode.Name, name, parameter, 100.0 * pieces / length, evaluations / rays,
+    tally);
 }
 
 /// All segmentations of one deformation in one mode.
@@ -178,8 +179,9 @@ int main(int argc, char* argv[])
   const bool quick = argc == 2 && std::strcmp(argv[1], "--quick") == 0;
   if (argc > 1 && !quick)
   {
-    std::fprintf(stderr, "usage: ffd_position_error [--quick]\n"
-                         "Prints a table of position errors as CSV; lengths in voxels.\n");
+    std::fprintf(stderr,
+      "usage: ffd_position_error [--quick]\n"
+      "Prints a table of position errors as CSV; lengths in voxels.\n");
     return EXIT_FAILURE;
   }
   std::vector<Deformation> deformations;

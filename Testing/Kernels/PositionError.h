@@ -46,12 +46,14 @@ struct Tally
   {
     const auto count = std::count_if(
       this->Errors.begin(), this->Errors.end(), [&](double error) { return error > above; });
-    return this->Errors.empty() ? 0.0
-                                : static_cast<double>(count) / static_cast<double>(this->Errors.size());
+    return this->Errors.empty()
+      ? 0.0
+      : static_cast<double>(count) / static_cast<double>(this->Errors.size());
   }
 };
 
-/// Whether the determinant of J_T is above `least` at some points of every cell, so that T is one to one.
+/// Whether the determinant of J_T is above `least` at some points of every cell, so that T is one
+/// to one.
 inline bool IsOneToOne(const ffd::BSplineField& field, double least)
 {
   const glm::ivec3 first = field.GetFirstCell();
@@ -64,8 +66,9 @@ inline bool IsOneToOne(const ffd::BSplineField& field, double least)
       for (int i = PerCell * first.x; i <= PerCell * end.x; ++i)
       {
         const glm::dvec3 p = field.GetOrigin() +
-          field.GetSpacing() * glm::clamp(glm::dvec3(i, j, k) / static_cast<double>(PerCell),
-                                 glm::dvec3(first) + 1e-6, glm::dvec3(end) - 1e-6);
+          field.GetSpacing() *
+            glm::clamp(glm::dvec3(i, j, k) / static_cast<double>(PerCell), glm::dvec3(first) + 1e-6,
+              glm::dvec3(end) - 1e-6);
         glm::dmat3 jacobian;
         field.Displacement(p, jacobian);
         if (!(glm::determinant(glm::dmat3(1.0) + jacobian) > least))
@@ -199,13 +202,16 @@ inline glm::dmat4 MakeCamera(RandomLattice& random, const glm::dvec3& extent)
   const double far = distance + 3.0 * radius;
   const glm::dmat4 projection = kind == 1
     ? glm::ortho(-radius, radius, -radius, radius, near, far)
-    : glm::perspective(kind == 0 ? 1.5 : 2.0 * std::atan(radius * random.Number(0.3, 1.1) / distance),
-        1.0, near, far);
+    : glm::perspective(
+        kind == 0 ? 1.5 : 2.0 * std::atan(radius * random.Number(0.3, 1.1) / distance), 1.0, near,
+        far);
   return projection * view;
 }
 
-/// A lattice over [0, extent] that is one to one: random displacements, or a smooth twist, bend or wave.
-inline ffd::BSplineField MakeField(RandomLattice& random, const glm::dvec3& extent, std::string& name)
+/// A lattice over [0, extent] that is one to one: random displacements, or a smooth twist, bend or
+/// wave.
+inline ffd::BSplineField MakeField(
+  RandomLattice& random, const glm::dvec3& extent, std::string& name)
 {
   for (double part = 1.0;; part *= 0.7)
   {
@@ -234,7 +240,8 @@ inline ffd::BSplineField MakeField(RandomLattice& random, const glm::dvec3& exte
       }
       else if (shape == 2)
       {
-        d = glm::dvec3(0.5 * amount * std::cos(3.1 * u.z), 0.25 * amount * std::cos(3.1 * u.x), 0.0) *
+        d =
+          glm::dvec3(0.5 * amount * std::cos(3.1 * u.z), 0.25 * amount * std::cos(3.1 * u.x), 0.0) *
           extent;
       }
       else

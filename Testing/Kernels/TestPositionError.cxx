@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// No position that ERROR_BOUND samples is farther from the true one than the tolerance, where T is one to
-// one: random lattices, shapes and cameras, all inverse modes. FFD_POSITION_SCENES and
+// No position that ERROR_BOUND samples is farther from the true one than the tolerance, where T is
+// one to one: random lattices, shapes and cameras, all inverse modes. FFD_POSITION_SCENES and
 // FFD_POSITION_SAMPLES ask for more scenes, and more samples of each.
 #include "PositionError.h"
 
@@ -45,8 +45,9 @@ TEST(PositionError, IsWithinTheTolerance)
     std::string line = "scene " + std::to_string(i) + ", " + name + ", kind " +
       std::to_string(static_cast<int>(kind)) + ": " + std::to_string(tally.Errors.size()) +
       " samples, largest " + std::to_string(tally.Largest() / tolerance) + " tolerances, above " +
-      std::to_string(tally.Share(tolerance)) + ", mean " + std::to_string(tally.Mean() / tolerance) +
-      ", evaluations a ray " + std::to_string(tally.Statistics.Evaluations / rays);
+      std::to_string(tally.Share(tolerance)) + ", mean " +
+      std::to_string(tally.Mean() / tolerance) + ", evaluations a ray " +
+      std::to_string(tally.Statistics.Evaluations / rays);
     EXPECT_LE(tally.Largest(), tolerance) << line;
     EXPECT_EQ(tally.Lost, 0) << line;
     if (std::getenv("FFD_POSITION_PRINT"))
