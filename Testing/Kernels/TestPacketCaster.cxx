@@ -371,7 +371,7 @@ TEST(PacketCaster, NodesOfQuarters)
     ExpectSamePicture(scene);
     const CastStatistics statistics = scene.Render(false).Statistics;
     // A ray takes some 20 samples, and Newton's method more than one evaluation for each.
-    EXPECT_LT(statistics.Evaluations, (kind == PullBackKind::Exact ? 6 : 3) * statistics.Rays);
+    EXPECT_LT(statistics.Evaluations, (kind == PullBackKind::Exact ? 10 : 5) * statistics.Rays);
   }
 }
 
