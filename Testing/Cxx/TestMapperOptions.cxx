@@ -97,7 +97,7 @@ int TestRayOptions()
     [&] { m->SetPositionTolerance(0.01); }, 1.2);
   m->SetPositionTolerance(0.01);
   ok &= Counts(
-    scene, "MinimumSegmentLength", evaluations, [&] { m->SetMinimumSegmentLength(16.0); },
+    scene, "MinimumSegmentLength", segments, [&] { m->SetMinimumSegmentLength(16.0); },
     [&] { m->SetMinimumSegmentLength(0.5); }, 1.2);
   m->SetMinimumSegmentLength(0.5);
   m->SetPositionTolerance(0.1);
