@@ -90,7 +90,7 @@ class InteractiveFrames(unittest.TestCase):
                   "key": lambda: ffdinput.strike("Left"),
                   # As one presses it before a click.
                   "modifier": lambda: ffdinput.strike("Shift_L")}
-        slow = {"modifier": 0.02}
+        slow = {"modifier": 0.006}
         names = list(inputs)
         aborted, seconds, given, titles = {}, {}, [], set()
         end = time.monotonic() + 60.0
