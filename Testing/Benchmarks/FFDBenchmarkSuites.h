@@ -33,9 +33,10 @@ struct Tolerance
 };
 constexpr Tolerance BlendTolerance{ 8, 12.0, 0.05 };      ///< blend modes by VTK's mappers
 constexpr Tolerance ResampleTolerance{ 8, 12.0, 0.05 };   ///< resample routes by ours
-/// The paper's polyline by the curve. Its samples count from where a ray enters the volume: where the
-/// material ends with the volume, as on the engine's front, they are all equally deep in it.
-constexpr Tolerance PaperTolerance{ 8, 8.0, 0.15 };
+/// The paper's polyline by the curve. Its samples count from where a ray enters the volume, and are
+/// equidistant in the volume at rest, not on the viewing ray: where the material ends with the volume,
+/// as on the engine's front, they are all equally deep in it, and elsewhere at other depths.
+constexpr Tolerance PaperTolerance{ 8, 12.0, 0.3 };
 constexpr Tolerance OracleTolerance{ 1, 0.5, 0.002 };     ///< ours by its reference kernels
 
 /// All groups of the chosen mode. Names: Frame/<volume>/<opacity>/<size>/<deformation>,
