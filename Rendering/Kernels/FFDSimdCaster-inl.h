@@ -292,7 +292,8 @@ private:
     {
       const int part = static_cast<int>(hwy::Num0BitsBelowLS1Bit_Nonzero32(needed));
       const int from = piece.FirstSample + part * piece.SamplesPerPart;
-      const int to = std::min(from + piece.SamplesPerPart, piece.FirstSample + piece.Samples);
+      const int to = std::min(
+        { from + piece.SamplesPerPart, piece.FirstSample + piece.Samples, this->EndSample });
       const bool within = (inside >> part & 1u) != 0;
       for (int n = std::max(from, this->FirstSample); n < to; ++n)
       {

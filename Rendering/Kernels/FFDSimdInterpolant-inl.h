@@ -174,6 +174,25 @@ HWY_INLINE Quartic LoadQuartic(const std::array<NodeVectors, TileLayers>& terms,
   return curve;
 }
 
+/// The layer at s of quartics.
+HWY_INLINE void FindLayer(
+  const std::array<NodeVectors, TileLayers>& terms, float s, NodeVectors& layer)
+{
+  for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(Df()))
+  {
+    StoreNodes(LoadQuartic(terms, i).At(Splat(s)), layer, i);
+  }
+}
+
+/// Of the four nodes of a row.
+HWY_INLINE Vf InterpolateRow(const float* row, const Vf weights[4])
+{
+  Vf sum = hn::Mul(weights[0], Splat(row[0]));
+  sum = hn::MulAdd(weights[1], Splat(row[1]), sum);
+  sum = hn::MulAdd(weights[2], Splat(row[2]), sum);
+  return hn::MulAdd(weights[3], Splat(row[3]), sum);
+}
+
 /// The quartics through layers at s = 0, 1/4, 1/2, 3/4 and 1.
 HWY_INLINE void FitQuartics(
   const std::array<NodeVectors, TileLayers>& layers, std::array<NodeVectors, TileLayers>& terms)
@@ -223,6 +242,8 @@ HWY_INLINE void ExtendRange(const float* values, float& low, float& high)
 struct BezierHull
 {
   alignas(64) std::array<NodeVectors, TileLayers> Layers;
+  float Low[3]; ///< the box around them
+  float High[3];
 
   explicit BezierHull(const std::array<NodeVectors, TileLayers>& terms)
   {
@@ -249,19 +270,11 @@ struct BezierHull
             Splat(0.25f), b3, hn::MulAdd(Splat(0.5f), b2, hn::MulAdd(Splat(0.75f), b1, b0))));
         store(4, hn::Add(hn::Add(hn::Add(b0, b1), hn::Add(b2, b3)), b4));
       }
-    }
-  }
-
-  /// The box around them.
-  void GetBox(float low[3], float high[3]) const
-  {
-    for (std::size_t a = 0; a < 3; ++a)
-    {
-      low[a] = 1e30f;
-      high[a] = -1e30f;
-      for (std::size_t k = 0; k < TileLayers; ++k)
+      this->Low[a] = 1e30f;
+      this->High[a] = -1e30f;
+      for (const NodeVectors& layer : this->Layers)
       {
-        ExtendRange(this->Layers[k][a].data(), low[a], high[a]);
+        ExtendRange(layer[a].data(), this->Low[a], this->High[a]);
       }
     }
   }

@@ -236,6 +236,21 @@ private:
     }
   }
 
+  /// Layer k > 1 from the two or three before it.
+  static void Extrapolate(Layers& layers, std::size_t k)
+  {
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      for (std::size_t i = 0; i < TileNodes; ++i)
+      {
+        const float last = layers[k - 1][a][i];
+        const float before = layers[k - 2][a][i];
+        layers[k][a][i] =
+          k > 2 ? 3.0f * (last - before) + layers[k - 3][a][i] : 2.0f * last - before;
+      }
+    }
+  }
+
   HWY_NOINLINE void AddTop()
   {
     TilePiece& piece = this->Scratch.Pieces.Add();
@@ -253,17 +268,11 @@ private:
     this->Extrapolate(rays, piece, layers[0], layers[1]);
     for (std::size_t k = 1; k < TileLayers; ++k)
     {
-      NodeVectors& guess = layers[k];
-      for (std::size_t a = 0; k > 1 && a < 3; ++a)
+      if (k > 1)
       {
-        for (std::size_t i = 0; i < TileNodes; ++i)
-        {
-          const float last = layers[k - 1][a][i];
-          const float before = layers[k - 2][a][i];
-          guess[a][i] = k > 2 ? 3.0f * (last - before) + layers[k - 3][a][i] : 2.0f * last - before;
-        }
+        Extrapolate(layers, k);
       }
-      this->Solve(rays, piece.T0 + 0.25f * static_cast<float>(k) * piece.Dt, true, guess);
+      this->Solve(rays, piece.T0 + 0.25f * static_cast<float>(k) * piece.Dt, true, layers[k]);
     }
     FitQuartics(layers, piece.Terms);
     this->Scratch.Tops.push_back(&piece);
@@ -279,10 +288,7 @@ private:
     {
       // What is sampled is the interpolant, or what replaces it within the error.
       const float margin = (close ? 0.0f : piece.Error + tolerance) + Rounding;
-      float low[3];
-      float high[3];
-      hull.GetBox(low, high);
-      if (this->IsEmptyBox(low, high, margin))
+      if (this->IsEmptyBox(hull.Low, hull.High, margin))
       {
         piece.Known = TilePiece::State::Empty;
         return;
@@ -362,16 +368,13 @@ private:
   /// Cells of the lattice that a hull extends over, along the axis where they are most.
   float CountCells(const BezierHull& hull) const
   {
-    float low[3];
-    float high[3];
-    hull.GetBox(low, high);
     float cells = 0.0f;
     for (int a = 0; a < 3; ++a)
     {
       float extent = 0.0f;
       for (int b = 0; b < 3; ++b)
       {
-        extent += std::abs(this->Scene.IndexToLocal[3 * a + b]) * (high[b] - low[b]);
+        extent += std::abs(this->Scene.IndexToLocal[3 * a + b]) * (hull.High[b] - hull.Low[b]);
       }
       cells = std::max(cells, extent * std::abs(this->Scene.Field.InverseSpacing[a]));
     }
@@ -439,7 +442,6 @@ private:
   void Halve(TilePiece& piece)
   {
     const NodeRays rays = this->GetRays(piece, NodeAt);
-    const Df d;
     const int half = piece.Samples / 2;
     for (int h = 0; h < 2; ++h)
     {
@@ -453,10 +455,7 @@ private:
       for (std::size_t k = 0; k < TileLayers; ++k)
       {
         const float s = (child.T0 - piece.T0 + 0.25f * static_cast<float>(k) * child.Dt) / piece.Dt;
-        for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
-        {
-          StoreNodes(LoadQuartic(piece.Terms, i).At(Splat(s)), layers[k], i);
-        }
+        FindLayer(piece.Terms, s, layers[k]);
         if (k % 2 == 1)
         {
           this->Solve(rays, child.T0 + 0.25f * static_cast<float>(k) * child.Dt, true, layers[k]);
@@ -495,15 +494,11 @@ private:
         TransformNodes(piece.Terms[k], x.Weight, y.Weight, terms[k]);
       }
       const NodeRays rays = this->GetRays(child, NodeAt);
-      const Df d;
       alignas(64) Layers layers;
       for (std::size_t k = 0; k < TileLayers; ++k)
       {
         const float s = 0.25f * static_cast<float>(k);
-        for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
-        {
-          StoreNodes(LoadQuartic(terms, i).At(Splat(s)), layers[k], i);
-        }
+        FindLayer(terms, s, layers[k]);
         this->Solve(rays, child.T0 + s * child.Dt, true, layers[k]);
       }
       FitQuartics(layers, child.Terms);
@@ -614,12 +609,7 @@ private:
     Vf sum = hn::Zero(Df());
     for (int j = 0; j < NodesPerSide; ++j)
     {
-      const float* row = nodes + NodesPerSide * j;
-      Vf r = hn::Mul(wx[0], Splat(row[0]));
-      r = hn::MulAdd(wx[1], Splat(row[1]), r);
-      r = hn::MulAdd(wx[2], Splat(row[2]), r);
-      r = hn::MulAdd(wx[3], Splat(row[3]), r);
-      sum = hn::MulAdd(wy[j], r, sum);
+      sum = hn::MulAdd(wy[j], InterpolateRow(nodes + NodesPerSide * j, wx), sum);
     }
     return sum;
   }
@@ -647,14 +637,8 @@ private:
           for (std::size_t j = 0; j < NodesPerSide; ++j)
           {
             const float* row = piece.Terms[k][a].data() + NodesPerSide * j;
-            const auto sum = [&](const Vf* v) {
-              Vf r = hn::Mul(v[0], Splat(row[0]));
-              r = hn::MulAdd(v[1], Splat(row[1]), r);
-              r = hn::MulAdd(v[2], Splat(row[2]), r);
-              return hn::MulAdd(v[3], Splat(row[3]), r);
-            };
-            hn::Store(sum(w), d, piece.Columns[k][a][j].data() + x);
-            hn::Store(sum(slope), d, piece.ColumnSlopes[k][a][j].data() + x);
+            hn::Store(InterpolateRow(row, w), d, piece.Columns[k][a][j].data() + x);
+            hn::Store(InterpolateRow(row, slope), d, piece.ColumnSlopes[k][a][j].data() + x);
           }
         }
       }

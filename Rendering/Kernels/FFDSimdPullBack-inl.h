@@ -125,12 +125,8 @@ HWY_INLINE void PullBackJacobian(
 {
   const Vf one = Splat(1.0f);
   const bool inverse = InvertsTheField(scene.Kind);
-  Vec3 at = inverse ? q : p;
-  if (scene.Kind == PullBackKind::FirstOrderOfInverse)
-  {
-    // q = 2p - T^-1(p): the field lives at T^-1(p).
-    at = Sub(Add(p, p), q);
-  }
+  // Of the kinds that invert T the field lives at T^-1(p).
+  const Vec3 at = inverse ? MirrorAt(scene, p, q) : p;
   Vec3 displacement;
   EvaluateField<true>(scene.Field, at, displacement, a, b, c);
   if (scene.Kind == PullBackKind::FirstOrder)
