@@ -18,6 +18,11 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
+/// Control points along an axis that lanes are evaluated over together, at most.
+constexpr int LargestSupport = 8;
+/// Cells of an axis whose supports have that many.
+constexpr int LargestSpread = LargestSupport - 3;
+
 /// Position of every lane on one axis of the lattice.
 struct SplineAxis
 {
@@ -61,10 +66,123 @@ HWY_INLINE void LocateOnAxis(
   }
 }
 
+/// Weights of the control points along an axis that some lanes need, the same ones for all lanes.
+struct SplineSupport
+{
+  int First; ///< cell of the first lane along the axis
+  int Count; ///< control points
+  Vf Weights[LargestSupport];
+  Vf Slopes[LargestSupport];
+};
+
+/// `lanes`: at least one, in cells of `axis` from `first` on, fewer than LargestSpread of them.
+template <bool WithSlopes>
+HWY_INLINE void SpreadOverSupport(
+  const SplineAxis& axis, Mf lanes, int first, SplineSupport& support)
+{
+  const Df d;
+  const Di di;
+  const hn::Mask<Di> mine = hn::RebindMask(di, lanes);
+  const Vi cells = hn::Sub(axis.Cell, hn::Set(di, first));
+  const int last = hn::GetLane(hn::MaxOfLanes(di, hn::IfThenElseZero(mine, cells)));
+  support.First = first;
+  support.Count = 4 + last;
+  if (last == 0)
+  {
+    for (int i = 0; i < 4; ++i)
+    {
+      support.Weights[i] = axis.Weights[i];
+      support.Slopes[i] = WithSlopes ? axis.Slopes[i] : hn::Zero(d);
+    }
+    return;
+  }
+  for (int n = 0; n < support.Count; ++n)
+  {
+    support.Weights[n] = hn::Zero(d);
+    support.Slopes[n] = hn::Zero(d);
+  }
+  for (int cell = 0; cell <= last; ++cell)
+  {
+    const Mf here = hn::RebindMask(d, hn::Eq(cells, hn::Set(di, cell)));
+    for (int i = 0; i < 4; ++i)
+    {
+      Vf& weight = support.Weights[cell + i];
+      weight = hn::IfThenElse(here, axis.Weights[i], weight);
+      if constexpr (WithSlopes)
+      {
+        Vf& slope = support.Slopes[cell + i];
+        slope = hn::IfThenElse(here, axis.Slopes[i], slope);
+      }
+    }
+  }
+}
+
+/// A displacement, and with slopes its Jacobian by columns.
+struct FieldValue
+{
+  Vec3 Displacement;
+  Vec3 Dx;
+  Vec3 Dy;
+  Vec3 Dz;
+};
+
+/// The sum over Nx x y.Count x z.Count control points from `corner` on.
+template <bool WithSlopes, int Nx>
+HWY_INLINE void SumOverSupport(const float* corner, std::size_t stepY, std::size_t stepZ,
+  const SplineSupport& x, const SplineSupport& y, const SplineSupport& z, FieldValue& value)
+{
+  const Vf zero = hn::Zero(Df());
+  const Vec3 nothing{ zero, zero, zero };
+  Vec3 sum = nothing;
+  Vec3 sumX = nothing;
+  Vec3 sumY = nothing;
+  Vec3 sumZ = nothing;
+  for (int k = 0; k < z.Count; ++k, corner += stepZ)
+  {
+    Vec3 plane = nothing;
+    Vec3 planeX = nothing;
+    Vec3 planeY = nothing;
+    const float* c = corner;
+    for (int j = 0; j < y.Count; ++j, c += stepY)
+    {
+      Vec3 row = Scale(x.Weights[0], Broadcast(c));
+      Vec3 slope = nothing;
+      if constexpr (WithSlopes)
+      {
+        slope = Scale(x.Slopes[0], Broadcast(c));
+      }
+      for (int i = 1; i < Nx; ++i)
+      {
+        const Vec3 point = Broadcast(c + 3 * i);
+        row = MulAdd(x.Weights[i], point, row);
+        if constexpr (WithSlopes)
+        {
+          slope = MulAdd(x.Slopes[i], point, slope);
+        }
+      }
+      plane = MulAdd(y.Weights[j], row, plane);
+      if constexpr (WithSlopes)
+      {
+        planeY = MulAdd(y.Slopes[j], row, planeY);
+        planeX = MulAdd(y.Weights[j], slope, planeX);
+      }
+    }
+    sum = MulAdd(z.Weights[k], plane, sum);
+    if constexpr (WithSlopes)
+    {
+      sumX = MulAdd(z.Weights[k], planeX, sumX);
+      sumY = MulAdd(z.Weights[k], planeY, sumY);
+      sumZ = MulAdd(z.Slopes[k], plane, sumZ);
+    }
+  }
+  value = { sum, sumX, sumY, sumZ };
+}
+
 /**
- * D of every lane, and with WithSlopes its Jacobian by columns (dx, dy, dz). Neighbouring lanes
- * mostly share a lattice cell, so the cells are dealt with one after the other, each with its
- * control points broadcast to all lanes.
+ * D of every lane, and with WithSlopes its Jacobian by columns (dx, dy, dz). Lanes are mostly near
+ * to each other: those that are within a few cells of the lattice are summed up over all control
+ * points that any of them needs, each broadcast to all lanes. What a lane gets does not depend on
+ * the others: control points that it does not need weigh nothing.
  */
 template <bool WithSlopes>
 HWY_NOINLINE void EvaluateField(const PacketField& field, const Vec3& p, Vec3& displacement,
@@ -72,94 +190,78 @@ HWY_NOINLINE void EvaluateField(const PacketField& field, const Vec3& p, Vec3& d
 {
   const Df d;
   const Di di;
-  SplineAxis ax;
-  SplineAxis ay;
-  SplineAxis az;
-  LocateOnAxis<WithSlopes>(
-    p.x, field.Origin[0], field.InverseSpacing[0], field.ClampMin[0], field.ClampMax[0], ax);
-  LocateOnAxis<WithSlopes>(
-    p.y, field.Origin[1], field.InverseSpacing[1], field.ClampMin[1], field.ClampMax[1], ay);
-  LocateOnAxis<WithSlopes>(
-    p.z, field.Origin[2], field.InverseSpacing[2], field.ClampMin[2], field.ClampMax[2], az);
-  const Vi offset = hn::Set(di, field.FirstOffset);
-  const Vi base = hn::Add(hn::Add(ax.Cell, offset),
-    hn::Mul(hn::Set(di, field.StrideY),
-      hn::Add(hn::Add(ay.Cell, offset),
-        hn::Mul(hn::Set(di, field.StrideZ), hn::Add(az.Cell, offset)))));
-
-  HWY_ALIGN int bases[16];
-  hn::Store(base, di, bases);
-  const Vf zero = hn::Zero(d);
-  displacement = { zero, zero, zero };
-  if constexpr (WithSlopes)
+  SplineAxis axes[3];
+  const Vf position[3] = { p.x, p.y, p.z };
+  for (int a = 0; a < 3; ++a)
   {
-    dx = displacement;
-    dy = displacement;
-    dz = displacement;
+    LocateOnAxis<WithSlopes>(position[a], field.Origin[a], field.InverseSpacing[a],
+      field.ClampMin[a], field.ClampMax[a], axes[a]);
   }
-  const std::size_t lanes = hn::Lanes(d);
-  std::uint32_t todo = lanes == 32 ? ~0u : (1u << lanes) - 1u;
-  while (todo)
+  const std::size_t stepY = 3 * static_cast<std::size_t>(field.StrideY);
+  const std::size_t stepZ = stepY * static_cast<std::size_t>(field.StrideZ);
+  Mf todo = hn::FirstN(d, hn::Lanes(d));
+  for (bool first = true; first || !hn::AllFalse(d, todo); first = false)
   {
-    const int cell = bases[hwy::Num0BitsBelowLS1Bit_Nonzero32(todo)];
-    std::uint32_t same = 0;
-    for (std::size_t i = 0; i < lanes; ++i)
+    // Those within reach of the one that comes first along each axis.
+    Mf lanes = todo;
+    SplineSupport support[3];
+    std::size_t corner = 0;
+    for (int a = 2; a >= 0; --a)
     {
-      same |= bases[i] == cell ? 1u << i : 0u;
+      const Vi far = hn::Set(di, 1 << 30);
+      const int least = hn::GetLane(hn::MinOfLanes(
+        di, hn::IfThenElse(hn::RebindMask(di, lanes), axes[a].Cell, far)));
+      lanes = hn::And(lanes,
+        hn::RebindMask(d, hn::Lt(axes[a].Cell, hn::Set(di, least + LargestSpread))));
+      support[a].First = least;
     }
-    todo &= ~same;
-    Vec3 sum{ zero, zero, zero };
-    Vec3 sumX = sum;
-    Vec3 sumY = sum;
-    Vec3 sumZ = sum;
-    for (int k = 0; k < 4; ++k)
+    for (int a = 0; a < 3; ++a)
     {
-      Vec3 plane{ zero, zero, zero };
-      Vec3 planeX = plane;
-      Vec3 planeY = plane;
-      for (int j = 0; j < 4; ++j)
-      {
-        const float* c = field.Coefficients.data() +
-          3 * (static_cast<std::size_t>(cell) +
-                static_cast<std::size_t>(field.StrideY) *
-                  (static_cast<std::size_t>(j) +
-                    static_cast<std::size_t>(field.StrideZ) * static_cast<std::size_t>(k)));
-        Vec3 row = Scale(ax.Weights[0], { Splat(c[0]), Splat(c[1]), Splat(c[2]) });
-        row = MulAdd(ax.Weights[1], { Splat(c[3]), Splat(c[4]), Splat(c[5]) }, row);
-        row = MulAdd(ax.Weights[2], { Splat(c[6]), Splat(c[7]), Splat(c[8]) }, row);
-        row = MulAdd(ax.Weights[3], { Splat(c[9]), Splat(c[10]), Splat(c[11]) }, row);
-        plane = MulAdd(ay.Weights[j], row, plane);
-        if constexpr (WithSlopes)
-        {
-          planeY = MulAdd(ay.Slopes[j], row, planeY);
-          Vec3 slope = Scale(ax.Slopes[0], { Splat(c[0]), Splat(c[1]), Splat(c[2]) });
-          slope = MulAdd(ax.Slopes[1], { Splat(c[3]), Splat(c[4]), Splat(c[5]) }, slope);
-          slope = MulAdd(ax.Slopes[2], { Splat(c[6]), Splat(c[7]), Splat(c[8]) }, slope);
-          slope = MulAdd(ax.Slopes[3], { Splat(c[9]), Splat(c[10]), Splat(c[11]) }, slope);
-          planeX = MulAdd(ay.Weights[j], slope, planeX);
-        }
-      }
-      sum = MulAdd(az.Weights[k], plane, sum);
-      if constexpr (WithSlopes)
-      {
-        sumX = MulAdd(az.Weights[k], planeX, sumX);
-        sumY = MulAdd(az.Weights[k], planeY, sumY);
-        sumZ = MulAdd(az.Slopes[k], plane, sumZ);
-      }
+      SpreadOverSupport<WithSlopes>(axes[a], lanes, support[a].First, support[a]);
     }
-    const Mf mine = hn::RebindMask(d, hn::Eq(base, hn::Set(di, cell)));
-    const auto select = [mine](const Vec3& yes, const Vec3& no) -> Vec3
+    const auto at = [&](int a)
+    { return static_cast<std::size_t>(support[a].First + field.FirstOffset); };
+    corner = 3 * at(0) + stepY * at(1) + stepZ * at(2);
+    const float* const c = field.Coefficients.data() + corner;
+    FieldValue value;
+    switch (support[0].Count)
     {
-      return { hn::IfThenElse(mine, yes.x, no.x), hn::IfThenElse(mine, yes.y, no.y),
-        hn::IfThenElse(mine, yes.z, no.z) };
-    };
-    displacement = select(sum, displacement);
-    if constexpr (WithSlopes)
-    {
-      dx = select(sumX, dx);
-      dy = select(sumY, dy);
-      dz = select(sumZ, dz);
+      case 4:
+        SumOverSupport<WithSlopes, 4>(
+          c, stepY, stepZ, support[0], support[1], support[2], value);
+        break;
+      case 5:
+        SumOverSupport<WithSlopes, 5>(
+          c, stepY, stepZ, support[0], support[1], support[2], value);
+        break;
+      case 6:
+        SumOverSupport<WithSlopes, 6>(
+          c, stepY, stepZ, support[0], support[1], support[2], value);
+        break;
+      case 7:
+        SumOverSupport<WithSlopes, 7>(
+          c, stepY, stepZ, support[0], support[1], support[2], value);
+        break;
+      default:
+        SumOverSupport<WithSlopes, 8>(
+          c, stepY, stepZ, support[0], support[1], support[2], value);
+        break;
     }
+    if (first)
+    {
+      displacement = value.Displacement;
+      dx = value.Dx;
+      dy = value.Dy;
+      dz = value.Dz;
+    }
+    else
+    {
+      displacement = Select(lanes, value.Displacement, displacement);
+      dx = Select(lanes, value.Dx, dx);
+      dy = Select(lanes, value.Dy, dy);
+      dz = Select(lanes, value.Dz, dz);
+    }
+    todo = hn::AndNot(lanes, todo);
   }
 }
 
