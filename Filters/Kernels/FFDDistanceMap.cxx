@@ -6,6 +6,7 @@
 #include <glm/vector_relational.hpp>
 
 #include <algorithm>
+#include <cstring>
 #include <functional>
 #include <limits>
 #include <vector>
@@ -170,6 +171,13 @@ void DistanceMap::TransformPlane(int k)
   std::vector<std::uint8_t> work;
   TransformLines(&this->Distances[this->IndexOf({ 0, 0, k })], this->Blocks.y,
     static_cast<std::size_t>(this->Blocks.x), this->Blocks.x, work);
+}
+
+//------------------------------------------------------------------------------
+bool DistanceMap::IsAnythingVisible() const
+{
+  const std::size_t count = std::max<std::size_t>(this->Distances.size(), 3) - 3;
+  return count > 0 && std::memchr(this->Distances.data(), 0, count) != nullptr;
 }
 
 //------------------------------------------------------------------------------

@@ -65,6 +65,9 @@ public:
   bool IsEmptyIn(const glm::dvec3& low, const glm::dvec3& high, const glm::dvec3& upper,
     double margin = 0.0) const;
 
+  /// Whether any block may be visible.
+  bool IsAnythingVisible() const;
+
   /// The map itself, x fastest; three more bytes can be read behind the last block.
   const std::uint8_t* GetData() const { return this->Distances.data(); }
 

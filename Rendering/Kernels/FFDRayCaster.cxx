@@ -296,6 +296,8 @@ RayCaster::RayCaster(const CastScene& scene, const CastSettings& settings)
   , Settings(settings)
   , GradientToRest(glm::transpose(scene.Volume.DataToIndex))
   , RestBox(FindRestBox(scene.Volume, scene.WholeAtRest))
+  , Visible(scene.Blend.Mode == BlendMode::Slice || !scene.Distances ||
+      settings.Leaping == SpaceLeaping::Off || scene.Distances->IsAnythingVisible())
 {
   if (!this->Scene.Classifier)
   {
@@ -308,7 +310,7 @@ RayCaster::RayCaster(const CastScene& scene, const CastSettings& settings)
   this->Frame.Scene = &this->Scene;
   this->Frame.Settings = &this->Settings;
   this->Frame.RestToWorld = scene.Volume.IndexToData;
-  if (PacketCaster::Supports(scene, settings))
+  if (this->Visible && PacketCaster::Supports(scene, settings))
   {
     this->Packets.reset(new PacketCaster(this->Scene, this->Settings, this->Frame));
   }
@@ -465,12 +467,12 @@ int RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch, un
       }
     }
   }
-  std::array<Ray, TileSize * TileSize> rays;
-  const int count = this->SetUpTile(x0, y0, x1, y1, rays.data());
-  if (count == 0)
+  if (!this->Visible)
   {
     return 0;
   }
+  std::array<Ray, TileSize * TileSize> rays;
+  const int count = this->SetUpTile(x0, y0, x1, y1, rays.data());
   const bool slice = this->Scene.Blend.Mode == BlendMode::Slice;
   const bool greedy = this->Settings.Segments == Segmentation::GreedyAngle;
   for (int i = first; i < count; ++i)
