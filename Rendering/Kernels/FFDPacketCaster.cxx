@@ -63,15 +63,33 @@ void MoveSeeds(PacketScene& scene)
       }
     }
     const Vec3 point{ hn::Load(d, p[0]), hn::Load(d, p[1]), hn::Load(d, p[2]) };
-    const Vec3 image = Add(point, Displacement(scene.Field, point));
+    const NewtonStep step = FindNewtonStep(scene.Field, point, point);
+    const Vec3 image = Add(point, step.Residual);
+    HWY_ALIGN float inverse[9][16];
+    for (int column = 0; column < 3; ++column)
+    {
+      const auto unit = [&](int a) { return Splat(a == column ? 1.0f : 0.0f); };
+      const Vec3 moved = step.Apply({ unit(0), unit(1), unit(2) });
+      hn::Store(moved.x, d, inverse[column]);
+      hn::Store(moved.y, d, inverse[3 + column]);
+      hn::Store(moved.z, d, inverse[6 + column]);
+    }
+    HWY_ALIGN float squared[16];
+    hn::Store(Dot(image, image), d, squared);
     hn::Store(image.x, d, p[0]);
     hn::Store(image.y, d, p[1]);
     hn::Store(image.z, d, p[2]);
     for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
     {
+      PacketSeed& seed = at(lane);
+      seed.SquaredImage = squared[lane];
       for (int a = 0; a < 3; ++a)
       {
-        at(lane).Image[a] = p[a][lane];
+        seed.Image[a] = p[a][lane];
+      }
+      for (int i = 0; i < 9; ++i)
+      {
+        seed.Inverse[i] = inverse[i][lane];
       }
     }
   }
@@ -103,7 +121,7 @@ constexpr int SeedsPerAxis = 7;
 constexpr double PartLength = 2.0;
 
 /// Tolerance of nodes, as a part of that of positions.
-constexpr double NodeTolerance = 0.1;
+constexpr double NodeTolerance = 0.5;
 
 /// Of positions in single precision, relative to their size.
 constexpr double SinglePrecision = 4e-7;
@@ -308,9 +326,10 @@ PacketCaster::PacketCaster(
   // Single precision cannot tell residuals smaller than this.
   const double resolution = 2e-6 * glm::length(whole.Max - whole.Min);
   // Nodes must be far closer than what is interpolated between them.
-  const double tolerance = std::min(scene.Map->GetTolerance(),
-    NodeTolerance * settings.Pieces.PositionTolerance * scene.VoxelSize);
-  p.Tolerance = static_cast<float>(std::max(tolerance, resolution));
+  const double tolerance = NodeTolerance * settings.Pieces.PositionTolerance * scene.VoxelSize;
+  p.Tolerance =
+    static_cast<float>(std::max(std::min(scene.Map->GetTolerance(), tolerance), resolution));
+  p.NodeTolerance = static_cast<float>(std::max(tolerance, resolution));
   const Box rest = FindRestBox(v, scene.WholeAtRest);
   if (!p.Identity)
   {

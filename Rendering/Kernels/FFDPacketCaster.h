@@ -52,6 +52,8 @@ struct PacketSeed
 {
   float Point[3];
   float Image[3];
+  float SquaredImage; ///< the squared length of Image
+  float Inverse[9];   ///< of the Jacobian matrix of T there, row by row
 };
 
 /**
@@ -74,7 +76,8 @@ struct PacketScene
   PullBackKind Kind = PullBackKind::Exact;
   PacketField Field;
   std::vector<PacketSeed> Seeds; ///< over the volume, where Newton's method starts from nowhere
-  float Tolerance = 0.0f;   ///< of the inverse, data units
+  float Tolerance = 0.0f;     ///< of the inverse at samples, data units
+  float NodeTolerance = 0.0f; ///< the same at nodes of interpolants
   glm::dvec3 Centre{ 0.0 }; ///< data coordinates
   float LocalToIndex[9] = {};
   float IndexOffset[3] = {};        ///< of local to index coordinates of the whole

@@ -327,8 +327,8 @@ private:
     {
       const Vec3 p = MulAdd(timeOf(n), this->Rays.Direction, this->Rays.Origin);
       return LocalToIndex(this->Scene,
-        PullBackFrom(this->Scene, p, IndexToLocal(this->Scene, start), this->Alive,
-          this->Scratch.Statistics));
+        PullBackFrom(this->Scene, p, IndexToLocal(this->Scene, start), this->Scene.Tolerance,
+          this->Alive, this->Scratch.Statistics));
     };
     PacketCurve curve;
     const Vf zero = hn::Zero(d);

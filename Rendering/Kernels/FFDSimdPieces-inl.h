@@ -179,6 +179,8 @@ private:
   static constexpr float LittleHelp = 0.3f;
   static constexpr int SmallestSide = 4;
   static constexpr float Rounding = 0.01f;
+  /// Of a piece from what can be seen, voxels: so far its error may be as large.
+  static constexpr float FarAway = 4.0f;
 
   void SetTimes(TilePiece& piece, int firstSample, int samples) const
   {
@@ -197,56 +199,57 @@ private:
   }
 
   /// Where the nodes at t come from, index coordinates; `layer` has about that.
-  HWY_NOINLINE void Solve(const NodeRays& rays, float t, bool guessed, NodeVectors& layer)
+  HWY_NOINLINE void Solve(const NodeRays& rays, float t, NodeVectors& layer)
   {
     const Df d;
     const Mf all = hn::FirstN(d, hn::Lanes(d));
     for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
     {
-      const Vec3 p = rays.At(Splat(t), i);
-      const Vec3 q = guessed
-        ? PullBackFrom(this->Scene, p, IndexToLocal(this->Scene, LoadNodes(layer, i)), all,
-            this->Scratch.Statistics)
-        : PullBackLanes(this->Scene, p, all, this->Scratch.Statistics);
+      const Vec3 q = PullBackFrom(this->Scene, rays.At(Splat(t), i),
+        IndexToLocal(this->Scene, LoadNodes(layer, i)), this->Scene.NodeTolerance, all,
+        this->Scratch.Statistics);
       StoreNodes(LocalToIndex(this->Scene, q), layer, i);
     }
   }
 
-  /// Where the nodes of the second layer of a piece come from, by the derivative at the first one.
-  void Extrapolate(const NodeRays& rays, const TilePiece& piece, const NodeVectors& first,
-    NodeVectors& second) const
+  /// The layers of a top, front to back, each from what is known of those before it.
+  HWY_NOINLINE void SolveTop(const NodeRays& rays, const TilePiece& piece, Layers& layers)
   {
     const Df d;
+    const Mf all = hn::FirstN(d, hn::Lanes(d));
+    const float step = 0.25f * piece.Dt;
     for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
     {
-      const Vec3 q = LoadNodes(first, i);
-      const Vec3 move = Scale(Splat(0.25f * piece.Dt), LoadNodes(rays.Directions, i));
-      Vec3 a{ move.x, hn::Zero(d), hn::Zero(d) };
-      Vec3 b{ hn::Zero(d), move.y, hn::Zero(d) };
-      Vec3 c{ hn::Zero(d), hn::Zero(d), move.z };
-      if (!this->Scene.Identity)
+      const Vec3 path = Scale(Splat(step), LoadNodes(rays.Directions, i));
+      Vec3 q[TileLayers];
+      Vec3 move = path;
+      for (int k = 0; k < TileLayers; ++k)
       {
-        PullBackJacobian(
-          this->Scene, rays.At(Splat(piece.T0), i), IndexToLocal(this->Scene, q), a, b, c);
-        a = Scale(move.x, a);
-        b = Scale(move.y, b);
-        c = Scale(move.z, c);
-      }
-      StoreNodes(Add(q, Transform(this->Scene.LocalToIndex, Add(a, Add(b, c)))), second, i);
-    }
-  }
-
-  /// Layer k > 1 from the two or three before it.
-  static void Extrapolate(Layers& layers, std::size_t k)
-  {
-    for (std::size_t a = 0; a < 3; ++a)
-    {
-      for (std::size_t i = 0; i < TileNodes; ++i)
-      {
-        const float last = layers[k - 1][a][i];
-        const float before = layers[k - 2][a][i];
-        layers[k][a][i] =
-          k > 2 ? 3.0f * (last - before) + layers[k - 3][a][i] : 2.0f * last - before;
+        const Vec3 p = rays.At(Splat(piece.T0 + step * static_cast<float>(k)), i);
+        // From nowhere, not from the piece before: what a piece is must not depend on where the
+        // rays of a picture, or of a part of one, begin. Then by the polynomial through the layers
+        // that has the derivative of the last one.
+        Vec3 start;
+        switch (k)
+        {
+          case 0:
+            start = StartFromNowhere(this->Scene, p);
+            break;
+          case 1:
+            start = Add(q[0], move);
+            break;
+          case 2:
+            start = MulAdd(Splat(2.0f), move, q[0]);
+            break;
+          default:
+            start = MulAdd(Splat(3.0f), Add(move, q[k - 2]),
+              Scale(Splat(-0.5f), MulAdd(Splat(3.0f), q[k - 1], q[k - 3])));
+            break;
+        }
+        move = path;
+        q[k] = PullBackFrom(
+          this->Scene, p, start, this->Scene.NodeTolerance, all, this->Scratch.Statistics, &move);
+        StoreNodes(LocalToIndex(this->Scene, q[k]), layers[static_cast<std::size_t>(k)], i);
       }
     }
   }
@@ -260,20 +263,8 @@ private:
     const int number = static_cast<int>(this->Scratch.Tops.size());
     this->SetTimes(
       piece, (this->First + number) * this->Scene.SamplesPerTop, this->Scene.SamplesPerTop);
-    const NodeRays rays = this->GetRays(piece, NodeAt);
-    // From nowhere, not from the piece before: what a piece is must not depend on where the rays of
-    // a picture, or of a part of one, begin.
     alignas(64) Layers layers;
-    this->Solve(rays, piece.T0, false, layers[0]);
-    this->Extrapolate(rays, piece, layers[0], layers[1]);
-    for (std::size_t k = 1; k < TileLayers; ++k)
-    {
-      if (k > 1)
-      {
-        Extrapolate(layers, k);
-      }
-      this->Solve(rays, piece.T0 + 0.25f * static_cast<float>(k) * piece.Dt, true, layers[k]);
-    }
+    this->SolveTop(this->GetRays(piece, NodeAt), piece, layers);
     FitQuartics(layers, piece.Terms);
     this->Scratch.Tops.push_back(&piece);
   }
@@ -282,11 +273,18 @@ private:
   {
     const float tolerance = this->Scene.PositionTolerance;
     const BezierHull hull(piece.Terms);
+    // What is sampled is the interpolant, or what replaces it within the error. Where that is far
+    // from all that can be seen the error need not be known well.
+    if (this->IsEmptyBox(hull.Low, hull.High, FarAway) &&
+      this->EstimateError(piece) + tolerance <= FarAway)
+    {
+      piece.Known = TilePiece::State::Empty;
+      return;
+    }
     piece.Error = this->MeasureError(piece, hull);
     const bool close = piece.Error <= tolerance;
     if (piece.Error < LargestKnownError)
     {
-      // What is sampled is the interpolant, or what replaces it within the error.
       const float margin = (close ? 0.0f : piece.Error + tolerance) + Rounding;
       if (this->IsEmptyBox(hull.Low, hull.High, margin))
       {
@@ -303,10 +301,18 @@ private:
     this->Split(piece);
   }
 
+  /// Of the interpolant, voxels, from few points of check.
+  float EstimateError(const TilePiece& piece)
+  {
+    return this->Scene.Identity ? 0.0f
+                                : 2.0f * SafetyFactor * PointsOfCheck(*this, piece, 0).FindError(0);
+  }
+
   /**
    * Of the interpolant, voxels, with the safety factor: the longest Newton step at points of check.
-   * A piece over several cells of the lattice has more of them; none are looked at beyond the first
-   * set that tells that it is not close enough.
+   * They are looked at 16 at a time until one tells that the interpolant is not close enough, or
+   * until it is well within the tolerance: by as much as there have been few of them. A piece over
+   * several cells of the lattice has more.
    */
   HWY_NOINLINE float MeasureError(const TilePiece& piece, const BezierHull& hull)
   {
@@ -318,52 +324,77 @@ private:
     const float cells = this->CountCells(hull);
     const int sets = cells > 2.0f ? 3 : cells > 1.0f ? 2 : 1;
     float largest = 0.0f;
-    for (int set = 0; set < sets && largest <= enough; ++set)
+    for (int set = 0; set < sets; ++set)
     {
-      largest = std::max(largest, this->CheckAt(piece, CheckSets[set], enough));
+      PointsOfCheck points(*this, piece, set);
+      for (int turn = 0; turn < PointsOfCheck::Turns; ++turn)
+      {
+        largest = std::max(largest, points.FindError(turn));
+        const float seen = static_cast<float>(set * PointsOfCheck::Turns + turn + 1) /
+          static_cast<float>(sets * PointsOfCheck::Turns);
+        if (largest > enough || largest <= 0.5f * seen / static_cast<float>(sets) * enough)
+        {
+          return SafetyFactor * largest;
+        }
+      }
     }
     return SafetyFactor * largest;
   }
 
-  /// The longest Newton step at the points of a set, voxels; huge where it cannot be told. What is
-  /// above `enough` is not looked at further.
-  HWY_NOINLINE float CheckAt(const TilePiece& piece, const CheckSet& set, float enough)
+  /// Points between the nodes of a piece where its error is measured.
+  class PointsOfCheck
   {
-    const NodePositions positions(set.Across);
-    const NodeRays rays = this->GetRays(piece, set.Across);
-    alignas(64) Layers terms;
-    for (std::size_t k = 0; k < TileLayers; ++k)
+  public:
+    static constexpr int Turns = 4;
+
+    PointsOfCheck(const TilePieces& pieces, const TilePiece& piece, int set)
+      : Pieces(pieces)
+      , Piece(piece)
+      , Along(CheckSets[set].Along)
+      , Rays(pieces.GetRays(piece, CheckSets[set].Across))
     {
-      TransformNodes(piece.Terms[k], positions.Weight, positions.Weight, terms[k]);
+      const NodePositions positions(CheckSets[set].Across);
+      for (std::size_t k = 0; k < TileLayers; ++k)
+      {
+        TransformNodes(piece.Terms[k], positions.Weight, positions.Weight, this->Terms[k]);
+      }
     }
-    const Df d;
-    float squared = 0.0f;
-    for (int turn = 0; turn < 4 && squared <= enough * enough; ++turn)
+
+    /// The longest Newton step at the points, voxels; huge where it cannot be told. Each point sees
+    /// four values of s, one a turn.
+    HWY_NOINLINE float FindError(int turn) const
     {
-      // Each point sees four values of s, one after the other.
+      const Df d;
+      const PacketScene& scene = this->Pieces.Scene;
       Vf largest = hn::Zero(d);
       HWY_ALIGN float at[TileNodes];
       for (int i = 0; i < TileNodes; ++i)
       {
-        at[i] = set.Along[(i % 4 + i / 4 + turn) % 4];
+        at[i] = this->Along[(i % 4 + i / 4 + turn) % 4];
       }
       for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
       {
         const Vf s = hn::Load(d, at + i);
-        const Vec3 q = LoadQuartic(terms, i).At(s);
-        const Vec3 p = rays.At(hn::MulAdd(s, Splat(piece.Dt), Splat(piece.T0)), i);
-        const Vec3 error = Transform(this->Scene.LocalToIndex,
-          FindPullBackError(
-            this->Scene, p, IndexToLocal(this->Scene, q), this->Scratch.Statistics));
+        const Vec3 q = LoadQuartic(this->Terms, i).At(s);
+        const Vec3 p =
+          this->Rays.At(hn::MulAdd(s, Splat(this->Piece.Dt), Splat(this->Piece.T0)), i);
+        const Vec3 error = Transform(scene.LocalToIndex,
+          FindPullBackError(scene, p, IndexToLocal(scene, q), this->Pieces.Scratch.Statistics));
         const Vf length = Dot(error, error);
         // Comparisons with what is not a number are false.
         const Vf huge = Splat(1e20f);
         largest = hn::Max(largest, hn::IfThenElse(hn::Lt(length, huge), length, huge));
       }
-      squared = std::max(squared, LargestLane(largest));
+      return std::sqrt(LargestLane(largest));
     }
-    return std::sqrt(squared);
-  }
+
+  private:
+    const TilePieces& Pieces;
+    const TilePiece& Piece;
+    const float* Along;
+    NodeRays Rays;
+    alignas(64) Layers Terms;
+  };
 
   /// Cells of the lattice that a hull extends over, along the axis where they are most.
   float CountCells(const BezierHull& hull) const
@@ -458,7 +489,7 @@ private:
         FindLayer(piece.Terms, s, layers[k]);
         if (k % 2 == 1)
         {
-          this->Solve(rays, child.T0 + 0.25f * static_cast<float>(k) * child.Dt, true, layers[k]);
+          this->Solve(rays, child.T0 + 0.25f * static_cast<float>(k) * child.Dt, layers[k]);
         }
       }
       FitQuartics(layers, child.Terms);
@@ -499,7 +530,7 @@ private:
       {
         const float s = 0.25f * static_cast<float>(k);
         FindLayer(terms, s, layers[k]);
-        this->Solve(rays, child.T0 + s * child.Dt, true, layers[k]);
+        this->Solve(rays, child.T0 + s * child.Dt, layers[k]);
       }
       FitQuartics(layers, child.Terms);
       piece.Children[static_cast<std::size_t>(q)] = &child;

@@ -20,40 +20,74 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// A point of rest space for each lane whose image under T is about p: the nearest of
-/// PacketScene::Seeds.
+/**
+ * A point of rest space for each lane whose image under T is about p: a step of Newton's method from
+ * the nearest of PacketScene::Seeds.
+ */
 HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
 {
+  const Df d;
+  const Di di;
+  // Of |p - image|^2 what differs from seed to seed.
   Vf least = Splat(1e37f);
-  Vec3 start = p;
-  for (const PacketSeed& seed : scene.Seeds)
+  Vi nearest = hn::Zero(di);
+  const int count = static_cast<int>(scene.Seeds.size());
+  for (int i = 0; i < count; ++i)
   {
-    const Vec3 path = Sub(p, Broadcast(seed.Image));
-    const Vf distance = Dot(path, path);
-    const Mf closer = hn::Lt(distance, least);
+    const PacketSeed& seed = scene.Seeds[static_cast<std::size_t>(i)];
+    const Vf distance = hn::NegMulAdd(p.x, Splat(2.0f * seed.Image[0]),
+      hn::NegMulAdd(p.y, Splat(2.0f * seed.Image[1]),
+        hn::NegMulAdd(p.z, Splat(2.0f * seed.Image[2]), Splat(seed.SquaredImage))));
+    nearest = hn::IfThenElse(
+      hn::RebindMask(di, hn::Lt(distance, least)), hn::Set(di, i), nearest);
     least = hn::Min(distance, least);
-    start = Select(closer, Broadcast(seed.Point), start);
   }
-  return start;
+  HWY_ALIGN int seeds[16];
+  HWY_ALIGN float point[3][16], image[3][16], inverse[9][16];
+  hn::Store(nearest, di, seeds);
+  for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+  {
+    const PacketSeed& seed = scene.Seeds[static_cast<std::size_t>(seeds[lane])];
+    for (int a = 0; a < 3; ++a)
+    {
+      point[a][lane] = seed.Point[a];
+      image[a][lane] = seed.Image[a];
+    }
+    for (int i = 0; i < 9; ++i)
+    {
+      inverse[i][lane] = seed.Inverse[i];
+    }
+  }
+  const auto load = [&](const float(*rows)[16]) -> Vec3
+  { return { hn::Load(d, rows[0]), hn::Load(d, rows[1]), hn::Load(d, rows[2]) }; };
+  const Vec3 path = Sub(p, load(image));
+  const Vec3 step{ Dot(path, load(inverse)), Dot(path, load(inverse + 3)),
+    Dot(path, load(inverse + 6)) };
+  const Vf length = hn::Sqrt(Dot(step, step));
+  const Vf part = hn::Min(
+    Splat(1.0f), hn::Div(Splat(scene.Field.LongestStep), hn::Max(length, Splat(1e-30f))));
+  return MulAdd(part, step, load(point));
 }
 
 /**
  * T^-1 of every lane by Newton's method from `start`, local coordinates. Lanes that it does not
  * solve start again from the nearest seed; where that does not help, T folds or nearly so, and they
- * take the point of first order.
+ * take the point of first order. `step`: the last one.
  */
-HWY_INLINE Vec3 InvertFrom(
-  const PacketScene& scene, const Vec3& p, const Vec3& start, Mf active, CastStatistics& statistics)
+HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& start,
+  float tolerance, Mf active, NewtonStep& step, CastStatistics& statistics)
 {
   const Df d;
   Vec3 q = start;
   int evaluations = 0;
-  Mf stuck =
-    hn::AndNot(SolveInverse(scene.Field, p, scene.Tolerance, active, q, evaluations), active);
+  Mf stuck = hn::AndNot(
+    SolveInverse(scene.Field, p, tolerance, active, q, step, evaluations), active);
   if (HWY_UNLIKELY(!hn::AllFalse(d, stuck)))
   {
     Vec3 again = FindColdStart(scene, p);
-    const Mf solved = SolveInverse(scene.Field, p, scene.Tolerance, stuck, again, evaluations);
+    NewtonStep other;
+    const Mf solved =
+      SolveInverse(scene.Field, p, tolerance, stuck, again, other, evaluations);
     q = Select(hn::And(stuck, solved), again, q);
     stuck = hn::AndNot(solved, stuck);
     if (!hn::AllFalse(d, stuck))
@@ -73,9 +107,12 @@ HWY_INLINE Vec3 MirrorAt(const PacketScene& scene, const Vec3& p, const Vec3& q)
   return scene.Kind == PullBackKind::FirstOrderOfInverse ? Sub(Add(p, p), q) : q;
 }
 
-/// Phi of every lane in `active`, local coordinates. `start`: about where it leads to.
-HWY_INLINE Vec3 PullBackFrom(
-  const PacketScene& scene, const Vec3& p, const Vec3& start, Mf active, CastStatistics& statistics)
+/**
+ * Phi of every lane in `active`, local coordinates. `start`: about where it leads to. `move`, if not
+ * null: a change of p in, and about what that changes out, of the kinds that invert T.
+ */
+HWY_INLINE Vec3 PullBackFrom(const PacketScene& scene, const Vec3& p, const Vec3& start, float tolerance,
+  Mf active, CastStatistics& statistics, Vec3* move = nullptr)
 {
   if (scene.Identity)
   {
@@ -83,20 +120,24 @@ HWY_INLINE Vec3 PullBackFrom(
   }
   if (InvertsTheField(scene.Kind))
   {
-    return MirrorAt(scene, p, InvertFrom(scene, p, MirrorAt(scene, p, start), active, statistics));
+    NewtonStep step;
+    const Vec3 q = InvertFrom(scene, p, MirrorAt(scene, p, start), tolerance, active, step, statistics);
+    if (move)
+    {
+      *move = MirrorAt(scene, *move, step.Apply(*move));
+    }
+    return MirrorAt(scene, p, q);
   }
   statistics.Evaluations += static_cast<std::int64_t>(hn::CountTrue(Df(), active));
   const Vec3 displacement = Displacement(scene.Field, p);
   return scene.Kind == PullBackKind::FirstOrder ? Sub(p, displacement) : Add(p, displacement);
 }
 
-/// The same from nowhere.
-HWY_INLINE Vec3 PullBackLanes(
-  const PacketScene& scene, const Vec3& p, Mf active, CastStatistics& statistics)
+/// Where to look for Phi of every lane, from nowhere.
+HWY_INLINE Vec3 StartFromNowhere(const PacketScene& scene, const Vec3& p)
 {
   const bool inverse = !scene.Identity && InvertsTheField(scene.Kind);
-  const Vec3 start = inverse ? MirrorAt(scene, p, FindColdStart(scene, p)) : p;
-  return PullBackFrom(scene, p, start, active, statistics);
+  return inverse ? MirrorAt(scene, p, FindColdStart(scene, p)) : p;
 }
 
 /// About how far q is from Phi(p): for the kinds that invert T, by a step of Newton's method.
@@ -110,10 +151,10 @@ HWY_INLINE Vec3 FindPullBackError(
   if (!InvertsTheField(scene.Kind))
   {
     const Mf all = hn::FirstN(Df(), hn::Lanes(Df()));
-    return Sub(PullBackFrom(scene, p, q, all, statistics), q);
+    return Sub(PullBackFrom(scene, p, q, scene.Tolerance, all, statistics), q);
   }
   statistics.Evaluations += static_cast<std::int64_t>(hn::Lanes(Df()));
-  return FindNewtonStep(scene.Field, p, MirrorAt(scene, p, q));
+  return FindNewtonStep(scene.Field, p, MirrorAt(scene, p, q)).Delta;
 }
 
 /**

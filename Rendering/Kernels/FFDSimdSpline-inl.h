@@ -284,9 +284,24 @@ HWY_INLINE Mf IsInLattice(const PacketField& field, const Vec3& p)
   return hn::And(within(p.x, 0), hn::And(within(p.y, 1), within(p.z, 2)));
 }
 
-/// J_T^-1 (T(q) - p): what a step of Newton's method takes off q. `norm`: of J_T^-1, Frobenius.
-HWY_INLINE Vec3 FindNewtonStep(
-  const PacketField& field, const Vec3& p, const Vec3& q, Vec3& residual, Vf& norm)
+/// A step of Newton's method for T(q) = p.
+struct NewtonStep
+{
+  Vec3 Residual; ///< T(q) - p
+  Vec3 Delta;    ///< J_T^-1 times that: what the step takes off q
+  Vf Norm;       ///< of J_T^-1, Frobenius
+  Vec3 Rows[3];  ///< of J_T^-1 times its determinant
+  Vf Inverse;    ///< 1 / determinant
+
+  /// J_T^-1 v
+  HWY_INLINE Vec3 Apply(const Vec3& v) const
+  {
+    return Scale(
+      this->Inverse, { Dot(v, this->Rows[0]), Dot(v, this->Rows[1]), Dot(v, this->Rows[2]) });
+  }
+};
+
+HWY_INLINE NewtonStep FindNewtonStep(const PacketField& field, const Vec3& p, const Vec3& q)
 {
   const Vf one = Splat(1.0f);
   Vec3 displacement;
@@ -294,71 +309,58 @@ HWY_INLINE Vec3 FindNewtonStep(
   Vec3 b;
   Vec3 c;
   EvaluateField<true>(field, q, displacement, a, b, c);
-  residual = Add(Sub(q, p), displacement);
+  NewtonStep step;
+  step.Residual = Add(Sub(q, p), displacement);
   // Solve (I + [a b c]) delta = residual by Cramer's rule.
   a.x = hn::Add(a.x, one);
   b.y = hn::Add(b.y, one);
   c.z = hn::Add(c.z, one);
-  const Vec3 bc = Cross(b, c);
-  const Vec3 ca = Cross(c, a);
-  const Vec3 ab = Cross(a, b);
-  const Vf determinant = Dot(a, bc);
+  step.Rows[0] = Cross(b, c);
+  step.Rows[1] = Cross(c, a);
+  step.Rows[2] = Cross(a, b);
+  const Vf determinant = Dot(a, step.Rows[0]);
   const Vf smallest = Splat(1e-6f);
-  const Vf inverse = hn::Div(one,
+  step.Inverse = hn::Div(one,
     hn::IfThenElse(hn::Lt(hn::Abs(determinant), smallest), hn::CopySign(smallest, determinant),
       determinant));
-  norm = hn::Mul(
-    hn::Abs(inverse), hn::Sqrt(hn::Add(Dot(bc, bc), hn::Add(Dot(ca, ca), Dot(ab, ab)))));
-  return Scale(inverse, { Dot(residual, bc), Dot(residual, ca), Dot(residual, ab) });
-}
-
-HWY_INLINE Vec3 FindNewtonStep(const PacketField& field, const Vec3& p, const Vec3& q)
-{
-  Vec3 residual;
-  Vf norm;
-  return FindNewtonStep(field, p, q, residual, norm);
+  const auto square = [&](int row) { return Dot(step.Rows[row], step.Rows[row]); };
+  step.Norm = hn::Mul(
+    hn::Abs(step.Inverse), hn::Sqrt(hn::Add(square(0), hn::Add(square(1), square(2)))));
+  step.Delta = step.Apply(step.Residual);
+  return step;
 }
 
 /**
  * T(Q) = p for the lanes of `active` by Newton's method from `q`, with steps of limited length. A lane
- * is done when its residual is under the tolerance, or earlier, when the theorem of Newton and
- * Kantorovich bounds the error of its next iterate: with h = |J^-1| M |delta| <= 1/2 that is
- * h |delta|, M being a bound of the second derivative. What a lane gets does not depend on the
- * others. Returns the lanes that are done.
+ * is done with a step that ends within the tolerance: by the theorem of Newton and Kantorovich that
+ * is where with h = |J^-1| M |delta| <= 1/2, M being a bound of the second derivative, h |delta| is.
+ * Where the theorem says nothing it is done when its residual is under the tolerance. What a lane
+ * gets does not depend on the others. Returns the lanes that are done; `step` is the last one.
  */
 HWY_INLINE Mf SolveInverse(const PacketField& field, const Vec3& p, float tolerance, Mf active,
-  Vec3& q, int& evaluations)
+  Vec3& q, NewtonStep& step, int& evaluations)
 {
   constexpr int LargestSteps = 12;
   const Df d;
+  const Vf longest = Splat(field.LongestStep);
   Mf done = hn::Not(active);
-  for (int step = 0; step < LargestSteps; ++step)
+  for (int i = 0; i < LargestSteps && !hn::AllTrue(d, done); ++i)
   {
-    Vec3 residual;
-    Vf norm;
-    const Vec3 delta = FindNewtonStep(field, p, q, residual, norm);
+    step = FindNewtonStep(field, p, q);
     ++evaluations;
-    done = hn::Or(done, hn::Le(Dot(residual, residual), Splat(tolerance * tolerance)));
-    if (hn::AllTrue(d, done))
-    {
-      break;
-    }
-    const Vf length = hn::Sqrt(Dot(delta, delta));
-    const Vf longest = Splat(field.LongestStep);
+    const Vf length = hn::Sqrt(Dot(step.Delta, step.Delta));
     const Vf part = hn::Min(Splat(1.0f), hn::Div(longest, hn::Max(length, Splat(1e-30f))));
-    const Vec3 next = MulAdd(hn::Neg(part), delta, q);
-    const Vf h = hn::Mul(hn::Mul(norm, Splat(field.SecondDerivative)), length);
-    const Mf proven = hn::And(hn::And(hn::Le(h, Splat(0.5f)),
-                                hn::And(hn::Le(length, longest),
-                                  hn::Le(hn::Mul(h, length), Splat(tolerance)))),
-      field.Smooth ? hn::FirstN(d, hn::Lanes(d))
-                   : hn::And(IsInLattice(field, q), IsInLattice(field, next)));
-    q = Select(done, q, next);
-    done = hn::Or(done, proven);
-    if (hn::AllTrue(d, done))
+    const Vec3 next = MulAdd(hn::Neg(part), step.Delta, q);
+    const Vf h = hn::Mul(hn::Mul(step.Norm, Splat(field.SecondDerivative)), length);
+    Mf known = hn::And(hn::Le(h, Splat(0.5f)), hn::Le(length, longest));
+    if (!field.Smooth)
     {
-      break;
+      known = hn::And(known, hn::And(IsInLattice(field, q), IsInLattice(field, next)));
     }
+    const Mf met = hn::Le(Dot(step.Residual, step.Residual), Splat(tolerance * tolerance));
+    q = Select(hn::Or(done, hn::AndNot(known, met)), q, next);
+    done = hn::Or(
+      done, hn::Or(met, hn::And(known, hn::Le(hn::Mul(h, length), Splat(tolerance)))));
   }
   return done;
 }
