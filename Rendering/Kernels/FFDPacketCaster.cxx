@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 // The packet kernels are compiled once for every instruction set that Highway knows here; the best
 // one that the machine has is chosen when they are called first. Of the many levels of x86 three
@@ -217,6 +218,32 @@ Box FindBounds(const VolumeView& volume, const Box& index)
   return bounds;
 }
 
+/// The range of values outside of which nothing is visible.
+void FindVisibleRange(const TransferTable& table, PacketScene& scene)
+{
+  const float* const entries = table.GetEntries();
+  const auto isVisible = [&](std::size_t i) { return entries[4 * i + 3] > 0.0f; };
+  const std::size_t size = table.GetSize();
+  std::size_t first = 0;
+  while (first < size && !isVisible(first))
+  {
+    ++first;
+  }
+  std::size_t last = size;
+  while (last > first && !isVisible(last - 1))
+  {
+    --last;
+  }
+  // From the entry before to the one behind, and a little more for rounding errors.
+  const auto valueAt = [&](double entry)
+  { return static_cast<float>(entry / static_cast<double>(scene.TableScale) +
+      static_cast<double>(scene.TableLow)); };
+  constexpr float Infinite = std::numeric_limits<float>::infinity();
+  constexpr double Guard = 1.01;
+  scene.VisibleLow = first == 0 ? -Infinite : valueAt(static_cast<double>(first) - Guard);
+  scene.VisibleHigh = last == size ? Infinite : valueAt(static_cast<double>(last) - 1.0 + Guard);
+}
+
 PacketLight MakePacketLight(
   const Light& light, const Reflectance& material, const glm::dvec3& centre)
 {
@@ -292,6 +319,8 @@ PacketCaster::PacketCaster(
     p.TableLow = static_cast<float>(scene.Table->GetLow());
     p.TableScale = static_cast<float>(scene.Table->GetScale());
   }
+
+  FindVisibleRange(*scene.Table, p);
 
   if (gradients)
   {
@@ -401,6 +430,8 @@ PacketCaster::PacketCaster(
       p.Blocks[a] = scene.Distances->GetBlocks()[a];
       p.LastBlock[a] = static_cast<float>(p.Blocks[a] - 1);
     }
+    p.LeapsRays =
+      p.Sampling == PacketSampling::PerRay || p.Sampling == PacketSampling::Surface;
   }
 
   p.Shade = settings.Shade;

@@ -120,7 +120,12 @@ struct PacketScene
   int Blocks[3] = {};
   float LastBlock[3] = {};
 
+  /// Whether single rays leap within pieces: where a sample costs more than a look-up.
+  bool LeapsRays = false;
+
   PacketTable Table;
+  float VisibleLow = 0.0f; ///< values between these may be visible, no others
+  float VisibleHigh = 0.0f;
   float TableLow = 0.0f;   ///< value of the first entry
   float TableScale = 1.0f; ///< entries a unit of values
 

@@ -287,7 +287,6 @@ private:
     this->HaveSlopes = false;
     this->Out.TallyStep = Splat(-1e30f);
     this->SkipTo = Splat(-1e30f);
-    this->Expecting = hn::FirstN(Df(), 0);
     for (; needed != 0; needed &= needed - 1)
     {
       const int part = static_cast<int>(hwy::Num0BitsBelowLS1Bit_Nonzero32(needed));
@@ -399,7 +398,7 @@ private:
       return true;
     }
     const Vec3 q = curve.Position.At(s);
-    if (this->Scene.Distances && curve.Piece)
+    if (HWY_UNLIKELY(this->Scene.LeapsRays) && curve.Piece)
     {
       active = this->LeapFrom(curve, q, number, active);
       if (hn::AllFalse(d, active))
@@ -456,17 +455,13 @@ private:
     return hn::Sqrt(Dot(data, data));
   }
 
-  /**
-   * The lanes of `active` that may see something. Those whose last sample was visible expect the next one
-   * to be; the others look up how many samples of the piece are empty for certain.
-   */
-  HWY_INLINE Mf LeapFrom(const PacketCurve& curve, const Vec3& q, Vf number, Mf active)
+  /// The lanes of `active` that may see something: looks up how many samples of the piece are empty
+  /// for certain.
+  HWY_NOINLINE Mf LeapFrom(const PacketCurve& curve, const Vec3& q, Vf number, Mf active)
   {
     const Df d;
     active = hn::And(active, hn::Ge(number, this->SkipTo));
-    const Mf looking = hn::AndNot(this->Expecting, active);
-    this->Expecting = hn::FirstN(d, 0);
-    if (hn::AllFalse(d, looking))
+    if (hn::AllFalse(d, active))
     {
       return active;
     }
@@ -474,7 +469,7 @@ private:
       EmptySpaceQuery(this->Scene, q).CountSteps(LeapGuard, curve.Piece->Up, curve.Piece->Down);
     // An interval is empty if its end is in the cube, too.
     const Mf empty = hn::And(
-      looking, hn::Ge(steps, this->Scene.Intervals ? Splat(1.0f) : hn::Zero(d)));
+      active, hn::Ge(steps, this->Scene.Intervals ? Splat(1.0f) : hn::Zero(d)));
     const Vf more = this->Scene.Intervals ? steps : hn::Add(steps, Splat(1.0f));
     this->SkipTo = hn::IfThenElse(empty, hn::Add(number, more), this->SkipTo);
     this->Scratch.Statistics.DistanceLookups +=
@@ -568,9 +563,17 @@ private:
       value = this->SampleBorder(q, border, value);
     }
 
+    // Comparisons with what is not a number are false.
+    sampled = hn::And(sampled,
+      hn::And(hn::Ge(value, Splat(this->Scene.VisibleLow)),
+        hn::Le(value, Splat(this->Scene.VisibleHigh))));
+    if (hn::AllFalse(d, sampled))
+    {
+      return;
+    }
     const TableLookup look(this->Scene, value);
     Vf extinction = look.Extinction();
-    Mf visible = hn::And(hn::And(sampled, look.IsNumber()), hn::Gt(extinction, hn::Zero(d)));
+    Mf visible = hn::And(sampled, hn::Gt(extinction, hn::Zero(d)));
     if (hn::AllFalse(d, visible))
     {
       return;
@@ -595,7 +598,6 @@ private:
       }
     }
     statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
-    this->Expecting = visible;
 
     Vec3 colour = look.Colour();
     const Vf t = curve.TimeAt(s);
@@ -1059,7 +1061,6 @@ private:
   PacketPixels Out;
   float Reach = std::numeric_limits<float>::infinity();
   Vf SkipTo;    ///< samples of the piece before this one are empty for certain
-  Mf Expecting; ///< rays whose last sample was visible
 
   /// Voxels of the last samples at faces of the volume.
   RepeatedVoxels<std::conditional_t<std::is_same<T, WideScalar>::value, float, T>> Border;
