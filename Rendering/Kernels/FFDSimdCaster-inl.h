@@ -18,6 +18,7 @@
 #include "FFDSimdRays-inl.h"
 #include "FFDSimdShading-inl.h"
 #include "FFDSimdTable-inl.h"
+#include "FFDSimdWindow-inl.h"
 
 #include <limits>
 #include <type_traits>
@@ -149,6 +150,8 @@ public:
 
 private:
   static constexpr float NoExtreme = 3e38f;
+  /// From a pair of samples to that whose voxels are prefetched.
+  static constexpr float SamplesAhead = 4.5f;
   /// Kept between a leap and the faces of an empty cube, index units: rounding errors.
   static constexpr float LeapGuard[3] = { 2e-3f, 2e-3f, 2e-3f };
 
@@ -294,12 +297,22 @@ private:
       const int to = std::min(
         { from + piece.SamplesPerPart, piece.FirstSample + piece.Samples, this->EndSample });
       const bool within = (inside >> part & 1u) != 0;
-      for (int n = std::max(from, this->FirstSample); n < to; ++n)
+      const bool pairs = within && this->Scene.Plain && !this->Scratch.Positions;
+      for (int n = std::max(from, this->FirstSample); n < to; n += pairs ? 2 : 1)
       {
         const Vf s = hn::Mul(
           hn::Add(this->Phase, Splat(static_cast<float>(n - piece.FirstSample))), curve.PerStep);
-        if (!this->TakeSamples(curve, n, s, within))
+        if (pairs)
         {
+          this->TakePair(curve, n, s, n + 1 < to);
+        }
+        else
+        {
+          this->TakeSamples(curve, n, s, within);
+        }
+        if (HWY_UNLIKELY(hn::AllFalse(Df(), this->Alive)))
+        {
+          this->EndAt(n + (pairs ? 1 : 0));
           return;
         }
       }
@@ -348,8 +361,10 @@ private:
       move = Sub(next, curve.Position.Terms[0]);
       curve.Position.Terms[1] = move;
       curve.T0 = timeOf(n);
-      if (!this->TakeSamples(curve, n, zero, false))
+      this->TakeSamples(curve, n, zero, false);
+      if (HWY_UNLIKELY(hn::AllFalse(d, this->Alive)))
       {
+        this->EndAt(n);
         return;
       }
     }
@@ -386,8 +401,14 @@ private:
     curve.Position = FindPacketCurve(piece.Columns, x, rows);
   }
 
-  /// The sample n of every ray, at s of a curve; false when all rays have ended.
-  HWY_INLINE bool TakeSamples(const PacketCurve& curve, int n, Vf s, bool within)
+  /// All rays have ended with the sample n.
+  HWY_INLINE void EndAt(int n)
+  {
+    this->Reach = static_cast<float>((n + 2) * this->Scene.Settings.SampleDistance);
+  }
+
+  /// The sample n of every ray, at s of a curve.
+  HWY_INLINE void TakeSamples(const PacketCurve& curve, int n, Vf s, bool within)
   {
     const Df d;
     const Vf number = Splat(static_cast<float>(n));
@@ -395,7 +416,7 @@ private:
       this->Alive, hn::And(hn::Ge(number, this->First), hn::Lt(number, this->Stop)));
     if (HWY_UNLIKELY(hn::AllFalse(d, active)))
     {
-      return true;
+      return;
     }
     const Vec3 q = curve.Position.At(s);
     if (HWY_UNLIKELY(this->Scene.LeapsRays) && curve.Piece)
@@ -403,7 +424,7 @@ private:
       active = this->LeapFrom(curve, q, number, active);
       if (hn::AllFalse(d, active))
       {
-        return true;
+        return;
       }
     }
     if (HWY_UNLIKELY(this->Scratch.Positions))
@@ -417,7 +438,7 @@ private:
         active = hn::And(active, IsInside(this->Scene, q));
         if (hn::AllFalse(d, active))
         {
-          return true;
+          return;
         }
       }
       this->template TakeSample<true>(curve, q, s, active);
@@ -429,7 +450,7 @@ private:
         active = hn::And(active, this->IsShown(q, curve, s));
         if (hn::AllFalse(d, active))
         {
-          return true;
+          return;
         }
       }
       if (this->Scene.Sampling == PacketSampling::Composite)
@@ -441,12 +462,6 @@ private:
         this->TakeOtherSample(curve, q, s, number, active);
       }
     }
-    if (HWY_UNLIKELY(hn::AllFalse(d, this->Alive)))
-    {
-      this->Reach = static_cast<float>((n + 2) * this->Scene.Settings.SampleDistance);
-      return false;
-    }
-    return true;
   }
 
   HWY_INLINE Vf LengthOf(const Vec3& index) const
@@ -544,25 +559,109 @@ private:
     return hn::Gt(hn::Load(d, shown), hn::Zero(d));
   }
 
+  /// A sample of each ray, fetched from a source of rows.
+  template <class Source>
+  struct Fetched
+  {
+    Vec3 Index; ///< where
+    Vf S;       ///< of the curve
+    SamplePosition At;
+    Source Voxels;
+    SampleRows<T> Rows;
+    Vf Value;
+  };
+
+  /// Fetches `sample` at its position; false where the source does not hold all voxels of `lanes`,
+  /// which are interior.
+  template <class Source>
+  HWY_INLINE bool FetchSample(Fetched<Source>& sample, Mf lanes) const
+  {
+    if (!sample.Voxels.Fit(this->Scene.Volume, sample.At, lanes))
+    {
+      return false;
+    }
+    sample.Value = Sample<T>(sample.Voxels, sample.At, sample.Rows);
+    return true;
+  }
+
   /// Samples, shades and composites. `Plain`: PacketScene::Plain, so that nothing is carried for
   /// options that are not used.
   template <bool Plain>
   HWY_NOINLINE void TakeSample(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
   {
+    Fetched<OffsetRows<T>> sample;
+    sample.Index = q;
+    sample.S = s;
+    sample.At = FindCells(this->Scene.Volume, q);
+    const Mf border = hn::AndNot(sample.At.Interior, sampled);
+    this->FetchSample(sample, hn::And(sample.At.Interior, sampled));
+    if (HWY_UNLIKELY(!hn::AllFalse(Df(), border)))
+    {
+      sample.Value = this->SampleBorder(q, border, sample.Value);
+    }
+    this->template Composite<Plain>(sample, curve, sampled, border);
+  }
+
+  /**
+   * The samples n and, if `both`, n + 1 of a plain scene, all inside of the volume, at s and s +
+   * PerStep of the curve. They are fetched together: each alone would wait for its voxels.
+   */
+  HWY_NOINLINE void TakePair(const PacketCurve& curve, int n, Vf s, bool both)
+  {
+    const Df d;
+    Mf lanes[2];
+    for (int i = 0; i < 2; ++i)
+    {
+      const Vf number = Splat(static_cast<float>(n + i));
+      lanes[i] = hn::And(hn::And(this->Alive, hn::FirstN(d, i == 0 || both ? hn::Lanes(d) : 0)),
+        hn::And(hn::Ge(number, this->First), hn::Lt(number, this->Stop)));
+    }
+    PrefetchCells<T>(
+      this->Scene.Volume, curve.Position.At(hn::MulAdd(Splat(SamplesAhead), curve.PerStep, s)));
+    if constexpr (HasVoxelWindow<T>())
+    {
+      if (HWY_LIKELY(this->template TakePairFrom<VoxelWindow<T>>(curve, s, lanes)))
+      {
+        return;
+      }
+    }
+    this->template TakePairFrom<OffsetRows<T>>(curve, s, lanes);
+  }
+
+  template <class Source>
+  HWY_INLINE bool TakePairFrom(const PacketCurve& curve, Vf s, const Mf lanes[2])
+  {
+    const Df d;
+    Fetched<Source> samples[2];
+    for (int i = 0; i < 2; ++i)
+    {
+      samples[i].S = s;
+      samples[i].Index = curve.Position.At(s);
+      samples[i].At = FindCells(this->Scene.Volume, samples[i].Index);
+      s = hn::Add(s, curve.PerStep);
+    }
+    if (!this->FetchSample(samples[0], lanes[0]) || !this->FetchSample(samples[1], lanes[1]))
+    {
+      return false;
+    }
+    const Mf none = hn::FirstN(d, 0);
+    this->template Composite<true>(samples[0], curve, hn::And(lanes[0], this->Alive), none);
+    this->template Composite<true>(samples[1], curve, hn::And(lanes[1], this->Alive), none);
+    return true;
+  }
+
+  /// Shades and composites a sample of the lanes of `sampled`, `border` of which have been fetched by
+  /// SampleBorder().
+  template <bool Plain, class Source>
+  HWY_NOINLINE void Composite(
+    Fetched<Source>& sample, const PacketCurve& curve, Mf sampled, Mf border)
+  {
     const Df d;
     CastStatistics& statistics = this->Scratch.Statistics;
     statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
-
-    const SamplePosition at = FindCells(this->Scene.Volume, q, sampled);
-    const Mf border = hn::AndNot(at.Interior, sampled);
-    const bool anyBorder = !hn::AllFalse(d, border);
-    SampleRows<T> rows;
-    Vf value = Sample<T>(this->Scene.Volume, at, rows);
-    if (HWY_UNLIKELY(anyBorder))
-    {
-      value = this->SampleBorder(q, border, value);
-    }
-
+    const Vf value = sample.Value;
+    const Vec3& q = sample.Index;
+    const Vf s = sample.S;
     // Comparisons with what is not a number are false.
     sampled = hn::And(sampled,
       hn::And(hn::Ge(value, Splat(this->Scene.VisibleLow)),
@@ -582,8 +681,9 @@ private:
     const bool byGradient = !Plain && this->Scene.GradientFactors != nullptr;
     if (byGradient || this->Scene.Shade)
     {
-      gradient = Gradient<T>(this->Scene.Volume, at, rows);
-      if (HWY_UNLIKELY(anyBorder))
+      sample.Voxels.Widen();
+      gradient = Gradient<T>(sample.Voxels, sample.At, sample.Rows);
+      if (HWY_UNLIKELY(!hn::AllFalse(d, border)))
       {
         gradient = this->GradientAtBorder(q, border, gradient);
       }
@@ -675,10 +775,12 @@ private:
   /// Values at positions inside of the volume.
   HWY_INLINE Vf ValuesAt(const Vec3& q, Mf lanes)
   {
-    const SamplePosition at = FindCells(this->Scene.Volume, q, lanes);
+    const SamplePosition at = FindCells(this->Scene.Volume, q);
     const Mf border = hn::AndNot(at.Interior, lanes);
+    OffsetRows<T> voxels;
+    voxels.Fit(this->Scene.Volume, at, hn::And(at.Interior, lanes));
     SampleRows<T> rows;
-    Vf value = Sample<T>(this->Scene.Volume, at, rows);
+    Vf value = Sample<T>(voxels, at, rows);
     if (HWY_UNLIKELY(!hn::AllFalse(Df(), border)))
     {
       value = this->SampleBorder(q, border, value);

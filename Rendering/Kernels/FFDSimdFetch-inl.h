@@ -13,6 +13,8 @@
 
 #include "FFDSimdMath-inl.h"
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
@@ -23,14 +25,16 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// Where the lanes sample: cell, position in it, offset of its first voxel.
+/// Where the lanes sample: cell and position in it.
 struct SamplePosition
 {
+  Vi X; ///< first voxel of the cell
+  Vi Y;
+  Vi Z;
   Vf Fx;
   Vf Fy;
   Vf Fz;
-  Vi Weights;                ///< 1 - Fx and Fx as PairWeights()
-  HWY_ALIGN int Offsets[16]; ///< elements
+  Vi Weights;  ///< 1 - Fx and Fx as PairWeights()
   Mf Interior; ///< the voxels one further out on each side exist, too
 };
 
@@ -41,15 +45,16 @@ HWY_INLINE Vf CellOf(const PacketVolume& v, Vf x, int a)
     Clamp(x, hn::Zero(Df()), Splat(static_cast<float>(v.Dimensions[a] - 2))));
 }
 
-/// `lanes`: those that will be sampled.
-HWY_INLINE SamplePosition FindCells(const PacketVolume& v, const Vec3& q, Mf lanes)
+HWY_INLINE SamplePosition FindCells(const PacketVolume& v, const Vec3& q)
 {
-  const Df d;
   const Di di;
   const Vf x = CellOf(v, q.x, 0);
   const Vf y = CellOf(v, q.y, 1);
   const Vf z = CellOf(v, q.z, 2);
   SamplePosition at;
+  at.X = hn::ConvertTo(di, x);
+  at.Y = hn::ConvertTo(di, y);
+  at.Z = hn::ConvertTo(di, z);
   at.Fx = hn::Sub(q.x, x);
   at.Fy = hn::Sub(q.y, y);
   at.Fz = hn::Sub(q.z, z);
@@ -68,14 +73,28 @@ HWY_INLINE SamplePosition FindCells(const PacketVolume& v, const Vec3& q, Mf lan
     return hn::And(hn::Ge(c, Splat(1.0f)), hn::Le(c, Splat(static_cast<float>(v.Dimensions[a] - 3))));
   };
   at.Interior = hn::And(within(x, 0), hn::And(within(y, 1), within(z, 2)));
-  const Vi offset = hn::Add(hn::ConvertTo(di, x),
-    hn::Add(hn::Mul(hn::ConvertTo(di, y), hn::Set(di, v.IncrementY)),
-      hn::Mul(hn::ConvertTo(di, z), hn::Set(di, v.IncrementZ))));
-  // Lanes that may not be fetched from read the first cell that may.
-  const Vi safe = hn::Set(di, 1 + v.IncrementY + v.IncrementZ);
-  hn::Store(
-    hn::IfThenElse(hn::RebindMask(di, hn::And(at.Interior, lanes)), offset, safe), di, at.Offsets);
   return at;
+}
+
+/// Asks for the voxels of the cells at positions that are sampled soon.
+template <class T>
+HWY_INLINE void PrefetchCells(const PacketVolume& v, const Vec3& q)
+{
+  if constexpr (sizeof(T) <= sizeof(float))
+  {
+    const Di di;
+    const auto cell = [&](Vf x, int a) { return hn::ConvertTo(di, CellOf(v, x, a)); };
+    const Vi offset = hn::Add(cell(q.x, 0),
+      hn::Add(hn::Mul(cell(q.y, 1), hn::Set(di, v.IncrementY)),
+        hn::Mul(cell(q.z, 2), hn::Set(di, v.IncrementZ))));
+    HWY_ALIGN int offsets[16];
+    hn::Store(offset, di, offsets);
+    const T* const first = static_cast<const T*>(v.Scalars);
+    for (std::size_t lane = 0; lane < hn::Lanes(di); ++lane)
+    {
+      hwy::Prefetch(first + offsets[lane]);
+    }
+  }
 }
 
 /**
@@ -85,7 +104,7 @@ HWY_INLINE SamplePosition FindCells(const PacketVolume& v, const Vec3& q, Mf lan
  * Row: the voxels from one before the cell to one behind it.
  * Along: values along x in units of Fetch::Unit, as they are interpolated and subtracted.
  * Middle(), Before(), Behind(): at the position, and one voxel before and behind it.
- * Middle(v, at, delta): the same without the voxels further out.
+ * Middle(v, offsets, delta, at): the same without the voxels further out.
  * Value(): what a value in these units stands for.
  */
 template <class T>
@@ -131,9 +150,10 @@ struct FetchFloats
   {
     return Lerp(r.C, r.D, at.Fx);
   }
-  static HWY_INLINE Vf Middle(const PacketVolume& v, const SamplePosition& at, int delta)
+  static HWY_INLINE Vf Middle(
+    const PacketVolume& v, const int* offsets, int delta, const SamplePosition& at)
   {
-    return Lerp(Loader::Load(v, at.Offsets, delta), Loader::Load(v, at.Offsets, delta + 1), at.Fx);
+    return Lerp(Loader::Load(v, offsets, delta), Loader::Load(v, offsets, delta + 1), at.Fx);
   }
 };
 
@@ -204,9 +224,10 @@ struct FetchBytes
   {
     return MultiplyPairs(Pair<2>(row), at.Weights);
   }
-  static HWY_INLINE Vi Middle(const PacketVolume& v, const SamplePosition& at, int delta)
+  static HWY_INLINE Vi Middle(
+    const PacketVolume& v, const int* offsets, int delta, const SamplePosition& at)
   {
-    return Middle(LoadRow(v, at.Offsets, delta), at);
+    return Middle(LoadRow(v, offsets, delta), at);
   }
 
 private:
@@ -278,9 +299,10 @@ struct FetchWords
   {
     return MultiplyPairs(r.CD, at.Weights);
   }
-  static HWY_INLINE Vi Middle(const PacketVolume& v, const SamplePosition& at, int delta)
+  static HWY_INLINE Vi Middle(
+    const PacketVolume& v, const int* offsets, int delta, const SamplePosition& at)
   {
-    return MultiplyPairs(Load(v, at.Offsets, delta), at.Weights);
+    return MultiplyPairs(Load(v, offsets, delta), at.Weights);
   }
 
 private:
@@ -331,17 +353,64 @@ HWY_INLINE typename Fetch<T>::Along Slope(
   return hn::Sub(Fetch<T>::Behind(row, at), Fetch<T>::Before(row, at));
 }
 
-/// Trilinear scalar of interior lanes; rows are kept for Gradient.
+/**
+ * Rows of voxels that lie dy and dz from those of the cells, loaded lane by lane. Row() gives all
+ * four voxels, Middle() what Fetch::Middle() does of those of the cell.
+ */
 template <class T>
-HWY_INLINE Vf Sample(const PacketVolume& v, const SamplePosition& at, SampleRows<T>& rows)
+class OffsetRows
+{
+public:
+  /// Of the cells of `lanes`; the others get the first cell that may be fetched from.
+  HWY_INLINE bool Fit(const PacketVolume& v, const SamplePosition& at, Mf lanes)
+  {
+    const Di di;
+    this->Volume = &v;
+    const Vi offset = hn::Add(at.X,
+      hn::Add(hn::Mul(at.Y, hn::Set(di, v.IncrementY)), hn::Mul(at.Z, hn::Set(di, v.IncrementZ))));
+    const Vi safe = hn::Set(di, 1 + v.IncrementY + v.IncrementZ);
+    hn::Store(hn::IfThenElse(hn::RebindMask(di, lanes), offset, safe), di, this->Offsets);
+    return true;
+  }
+
+  /// Of cells at known offsets, elements.
+  HWY_INLINE void Set(const PacketVolume& v, const int offsets[16])
+  {
+    this->Volume = &v;
+    std::copy_n(offsets, 16, this->Offsets);
+  }
+
+  /// All voxels are at hand for Gradient().
+  HWY_INLINE void Widen() const {}
+
+  HWY_INLINE typename Fetch<T>::Row Row(int dy, int dz) const
+  {
+    return Fetch<T>::LoadRow(*this->Volume, this->Offsets, this->Delta(dy, dz));
+  }
+  HWY_INLINE typename Fetch<T>::Along Middle(int dy, int dz, const SamplePosition& at) const
+  {
+    return Fetch<T>::Middle(*this->Volume, this->Offsets, this->Delta(dy, dz), at);
+  }
+
+private:
+  HWY_INLINE int Delta(int dy, int dz) const
+  {
+    return dy * this->Volume->IncrementY + dz * this->Volume->IncrementZ;
+  }
+
+  const PacketVolume* Volume = nullptr;
+  HWY_ALIGN int Offsets[16]; ///< elements
+};
+
+/// Trilinear scalar of interior lanes; rows are kept for Gradient.
+template <class T, class Source>
+HWY_INLINE Vf Sample(const Source& source, const SamplePosition& at, SampleRows<T>& rows)
 {
   using F = Fetch<T>;
-  const int y = v.IncrementY;
-  const int z = v.IncrementZ;
-  rows.R00 = F::LoadRow(v, at.Offsets, 0);
-  rows.R10 = F::LoadRow(v, at.Offsets, y);
-  rows.R01 = F::LoadRow(v, at.Offsets, z);
-  rows.R11 = F::LoadRow(v, at.Offsets, y + z);
+  rows.R00 = source.Row(0, 0);
+  rows.R10 = source.Row(1, 0);
+  rows.R01 = source.Row(0, 1);
+  rows.R11 = source.Row(1, 1);
   rows.M00 = F::Middle(rows.R00, at);
   rows.M10 = F::Middle(rows.R10, at);
   rows.M01 = F::Middle(rows.R01, at);
@@ -354,21 +423,19 @@ HWY_INLINE Vf Sample(const PacketVolume& v, const SamplePosition& at, SampleRows
  * interpolated samples, from the 32 voxels that the seven samples touch. The inner eight, and the
  * eight beside them along x, come with the sample.
  */
-template <class T>
-HWY_INLINE Vec3 Gradient(const PacketVolume& v, const SamplePosition& at, const SampleRows<T>& rows)
+template <class T, class Source>
+HWY_INLINE Vec3 Gradient(
+  const Source& source, const SamplePosition& at, const SampleRows<T>& rows)
 {
   using F = Fetch<T>;
-  const int y = v.IncrementY;
-  const int z = v.IncrementZ;
+  const auto middle = [&](int dy, int dz) { return source.Middle(dy, dz, at); };
   const Vec3 g{ //
     Across<T>(at, Slope<T>(at, rows.R00), Slope<T>(at, rows.R10), Slope<T>(at, rows.R01),
       Slope<T>(at, rows.R11)),
-    Across<T>(at, hn::Sub(rows.M10, F::Middle(v, at, -y)),
-      hn::Sub(F::Middle(v, at, 2 * y), rows.M00), hn::Sub(rows.M11, F::Middle(v, at, z - y)),
-      hn::Sub(F::Middle(v, at, z + 2 * y), rows.M01)),
-    Across<T>(at, hn::Sub(rows.M01, F::Middle(v, at, -z)),
-      hn::Sub(rows.M11, F::Middle(v, at, y - z)), hn::Sub(F::Middle(v, at, 2 * z), rows.M00),
-      hn::Sub(F::Middle(v, at, y + 2 * z), rows.M10))
+    Across<T>(at, hn::Sub(rows.M10, middle(-1, 0)), hn::Sub(middle(2, 0), rows.M00),
+      hn::Sub(rows.M11, middle(-1, 1)), hn::Sub(middle(2, 1), rows.M01)),
+    Across<T>(at, hn::Sub(rows.M01, middle(0, -1)), hn::Sub(rows.M11, middle(1, -1)),
+      hn::Sub(middle(0, 2), rows.M00), hn::Sub(middle(1, 2), rows.M10))
   };
   return F::Unit == 1.0f ? g : Scale(Splat(F::Unit), g);
 }
@@ -417,28 +484,30 @@ public:
     this->At.Interior = lanes;
     HWY_ALIGN float flags[16];
     hn::Store(hn::IfThenElseZero(lanes, Splat(1.0f)), d, flags);
+    HWY_ALIGN int offsets[16] = {};
     int block = 0;
     for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
     {
       // Where there is nothing to sample, voxels of others will do.
-      this->At.Offsets[lane] = 1 + Side + Side * Side;
+      offsets[lane] = 1 + Side + Side * Side;
       if (flags[lane] != 0.0f)
       {
         const int cell[3] = { cells[0][lane], cells[1][lane], cells[2][lane] };
         Copy(v, cell, this->Voxels + block);
-        this->At.Offsets[lane] += block;
+        offsets[lane] += block;
         block += Side * Side * Side;
       }
     }
+    this->Rows.Set(this->View, offsets);
   }
 
   HWY_INLINE Vf Sample(SampleRows<T>& rows) const
   {
-    return HWY_NAMESPACE::Sample<T>(this->View, this->At, rows);
+    return HWY_NAMESPACE::Sample<T>(this->Rows, this->At, rows);
   }
   HWY_INLINE Vec3 Gradient(const SampleRows<T>& rows) const
   {
-    return HWY_NAMESPACE::Gradient<T>(this->View, this->At, rows);
+    return HWY_NAMESPACE::Gradient<T>(this->Rows, this->At, rows);
   }
 
 private:
@@ -474,6 +543,7 @@ private:
   HWY_ALIGN T Voxels[16 * Side * Side * Side];
   PacketVolume View;
   SamplePosition At;
+  OffsetRows<T> Rows;
 };
 
 } // namespace HWY_NAMESPACE

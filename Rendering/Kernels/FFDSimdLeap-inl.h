@@ -19,6 +19,55 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
+/// Numbers, along an axis, of the blocks that positions are in; what is outside of the volume counts
+/// as in the nearest block.
+HWY_INLINE Vf BlockOf(const PacketScene& scene, Vf x, int a)
+{
+  constexpr float PerVoxel = 1.0f / static_cast<float>(MinMaxBlocks::BlockSize);
+  return hn::Floor(
+    Clamp(hn::Mul(x, Splat(PerVoxel)), hn::Zero(Df()), Splat(scene.LastBlock[a])));
+}
+
+/// Distances of blocks to the nearest visible one.
+HWY_INLINE Vf DistanceOf(const PacketScene& scene, Vf x, Vf y, Vf z)
+{
+  const Di di;
+  const Vi index = hn::Add(hn::ConvertTo(di, x),
+    hn::Mul(hn::Set(di, scene.Blocks[0]),
+      hn::Add(hn::ConvertTo(di, y), hn::Mul(hn::Set(di, scene.Blocks[1]), hn::ConvertTo(di, z)))));
+  HWY_ALIGN int offsets[16];
+  hn::Store(index, di, offsets);
+  return hn::ConvertTo(
+    Df(), hn::And(LoadLanes<int, 1>(scene.Distances, 0, offsets), hn::Set(di, 255)));
+}
+
+/// The lanes of `lanes` whose boxes of `radius` around q touch empty blocks only: eight of them at
+/// most, so boxes larger than a block are not told.
+HWY_INLINE Mf FindEmptyBoxes(
+  const PacketScene& scene, const Vec3& q, const float radius[3], Mf lanes)
+{
+  const Df d;
+  const float largest = std::max({ radius[0], radius[1], radius[2] });
+  if (2.0f * largest > static_cast<float>(MinMaxBlocks::BlockSize))
+  {
+    return hn::FirstN(d, 0);
+  }
+  const Vf position[3] = { q.x, q.y, q.z };
+  Vf ends[3][2];
+  for (int a = 0; a < 3; ++a)
+  {
+    ends[a][0] = BlockOf(scene, hn::Sub(position[a], Splat(radius[a])), a);
+    ends[a][1] = BlockOf(scene, hn::Add(position[a], Splat(radius[a])), a);
+  }
+  for (int corner = 0; corner < 8 && !hn::AllFalse(d, lanes); ++corner)
+  {
+    const Vf distance = DistanceOf(
+      scene, ends[0][corner & 1], ends[1][corner >> 1 & 1], ends[2][corner >> 2]);
+    lanes = hn::And(lanes, hn::Gt(distance, hn::Zero(d)));
+  }
+  return lanes;
+}
+
 /// Positions from which nothing visible is near: the empty cube around each lane's block, and how
 /// far its lane may move in it.
 class EmptySpaceQuery
@@ -28,7 +77,6 @@ public:
   HWY_INLINE EmptySpaceQuery(const PacketScene& scene, const Vec3& q)
   {
     const Df d;
-    const Di di;
     const Vf zero = hn::Zero(d);
     const Vf edge = Splat(BlockEdge);
     const Vf far = Splat(Far);
@@ -38,17 +86,9 @@ public:
     Vf block[3];
     for (int a = 0; a < 3; ++a)
     {
-      block[a] = hn::Floor(Clamp(
-        hn::Mul(this->Position[a], Splat(1.0f / BlockEdge)), zero, Splat(scene.LastBlock[a])));
+      block[a] = BlockOf(scene, this->Position[a], a);
     }
-    const Vi index = hn::Add(hn::ConvertTo(di, block[0]),
-      hn::Mul(hn::Set(di, scene.Blocks[0]),
-        hn::Add(hn::ConvertTo(di, block[1]),
-          hn::Mul(hn::Set(di, scene.Blocks[1]), hn::ConvertTo(di, block[2])))));
-    HWY_ALIGN int offsets[16];
-    hn::Store(index, di, offsets);
-    const Vf distance =
-      hn::ConvertTo(d, hn::And(LoadLanes<int, 1>(scene.Distances, 0, offsets), hn::Set(di, 255)));
+    const Vf distance = DistanceOf(scene, block[0], block[1], block[2]);
     this->Empty = hn::Gt(distance, zero);
     for (int a = 0; a < 3; ++a)
     {

@@ -624,6 +624,7 @@ private:
           const Mf empty = hn::And(seen, hn::Ge(steps, hn::Zero(d)));
           skipTo = hn::IfThenElse(empty, hn::Add(hn::Add(number, Splat(1.0f)), steps), skipTo);
           seen = hn::AndNot(empty, seen);
+          seen = hn::AndNot(FindEmptyBoxes(scene, at, radius, seen), seen);
         }
         const Vi bit = hn::Set(di, static_cast<int>(1u << part));
         needed = hn::Or(needed, hn::IfThenElseZero(hn::RebindMask(di, seen), bit));
