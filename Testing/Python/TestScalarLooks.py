@@ -231,8 +231,8 @@ class TestScalarLooks(unittest.TestCase):
 
     def test_where_vtk_differs(self):
         # vtkGPUVolumeRayCastMapper draws these otherwise: gray colour functions, opacities of labels
-        # at other sample distances, gradient opacity and normals of dependent components (it takes
-        # those of the first one).
+        # and of two-dimensional functions at other sample distances, gradient opacity and normals of
+        # dependent components (it takes those of the first one).
         self.set_points(numpy.ones(SIZE ** 3))
         self.set_functions(0, 0.1, 1.0, 1.0, 1.0)
         self.prop.SetColor(constant(0.3))
@@ -248,6 +248,15 @@ class TestScalarLooks(unittest.TestCase):
             self.mapper.SetSampleDistance(distance)
             self.expect([1.0, 0.0, 0.0, 1.0 - 0.8 ** LENGTH])
         self.mapper.SetMaskInput(None)
+        plane = vtkImageData()
+        plane.SetDimensions(4, 4, 1)
+        looks = numpy.tile(numpy.float32([1.0, 0.0, 0.0, 0.2]), (16, 1))
+        plane.GetPointData().SetScalars(numpy_to_vtk(looks, deep=True))
+        self.prop.SetTransferFunction2D(plane)
+        for distance in (0.25, 0.5, 2.0):
+            self.mapper.SetSampleDistance(distance)
+            self.expect([1.0, 0.0, 0.0, 1.0 - 0.8 ** LENGTH])
+        self.prop.SetTransferFunctionMode(vtkVolumeProperty.TF_1D)
         # Colour and density; the gradient is that of the density.
         z, _, x = numpy.mgrid[0:SIZE, 0:SIZE, 0:SIZE]
         self.mapper.SetSampleDistance(0.05)
