@@ -322,7 +322,7 @@ Range BoundJacobianDeterminant(const BSplineField& field, const glm::ivec3& firs
     }
   }
   static const Matrix conversion = MakeConversion();
-  const SubCellGrid grid(CellRange{ first, end });
+  const SubCellGrid grid(field);
   SubCellBoundsVector subCells;
   ComputeSubCellBounds(field, grid, subCells);
 

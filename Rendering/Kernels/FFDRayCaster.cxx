@@ -297,7 +297,7 @@ RayCaster::RayCaster(const CastScene& scene, const CastSettings& settings)
   , GradientToRest(glm::transpose(scene.Volume.DataToIndex))
   , RestBox(FindRestBox(scene.Volume, scene.WholeAtRest))
   , Visible(scene.Blend.Mode == BlendMode::Slice || !scene.Distances ||
-      settings.Leaping != SpaceLeaping::Lipschitz || scene.Distances->IsAnythingVisible())
+      settings.Leaping == SpaceLeaping::Off || scene.Distances->IsAnythingVisible())
 {
   if (!this->Scene.Classifier)
   {

@@ -84,7 +84,7 @@ private:
   std::unique_ptr<PacketCaster> Packets; // null: the reference kernels render
   glm::dmat3 GradientToRest; // gradient by index coordinates to gradient by data coordinates
   Box RestBox;               // the whole volume at rest, index coordinates
-  bool Visible;              // false: LIPSCHITZ would leap over all samples, so no ray is cast
+  bool Visible;              // false: all samples would be leaped over, so no ray is cast
 };
 
 } // namespace ffd

@@ -685,15 +685,18 @@ TEST(PacketCaster, NothingIsEvaluatedWhereNothingCanBeSeen)
   scene.SetLeastVisible(200.0);
   scene.SetDeformation(2.0, PullBackKind::Exact);
   scene.SetCamera(true, 64, 64);
-  scene.Settings.Leaping = SpaceLeaping::Lipschitz;
   for (const bool reference : { false, true })
   {
-    const TestScene::Picture picture = scene.Render(reference);
-    EXPECT_EQ(picture.Statistics.Evaluations, 0);
-    EXPECT_EQ(picture.Statistics.Segments, 0);
-    EXPECT_EQ(picture.Statistics.Samples, 0);
-    EXPECT_EQ(picture.Colours, std::vector<float>(picture.Colours.size(), 0.0f));
-    EXPECT_EQ(picture.Depths, std::vector<float>(picture.Depths.size(), 1.0f));
+    for (const SpaceLeaping leaping : { SpaceLeaping::Segment, SpaceLeaping::Lipschitz })
+    {
+      scene.Settings.Leaping = leaping;
+      const TestScene::Picture picture = scene.Render(reference);
+      EXPECT_EQ(picture.Statistics.Evaluations, 0);
+      EXPECT_EQ(picture.Statistics.Segments, 0);
+      EXPECT_EQ(picture.Statistics.Samples, 0);
+      EXPECT_EQ(picture.Colours, std::vector<float>(picture.Colours.size(), 0.0f));
+      EXPECT_EQ(picture.Depths, std::vector<float>(picture.Depths.size(), 1.0f));
+    }
   }
 }
 

@@ -186,3 +186,42 @@ TEST(Polyline, CountsEvaluations)
   const std::size_t vertices = Walk(walker).size();
   EXPECT_EQ(walker.GetEvaluations(), static_cast<std::int64_t>(vertices));
 }
+
+TEST(Polyline, TurnRateBoundsTheTurning)
+{
+  RandomLattice random(5);
+  int bounded = 0;
+  double tightest = 0.0;
+  for (int run = 0; run < 400; ++run)
+  {
+    const BSplineField field =
+      random.Field(std::pow(10.0, random.Number(-2.5, -0.3)), BorderMode::Edge);
+    const PullBackKind kind = Kinds[run % 4];
+    const PullBack map(&field, kind, 1e-12);
+    const PullBackBounds bounds(map);
+    const double rate = FindLargestTurnRate(bounds.Over({ glm::dvec3(-1e6), glm::dvec3(1e6) }));
+    if (!std::isfinite(rate))
+    {
+      continue;
+    }
+    ++bounded;
+    for (int s = 0; s < 40; ++s)
+    {
+      const glm::dvec3 direction = glm::normalize(random.Vector(-1.0, 1.0) + 1e-6);
+      const glm::dvec3 p = random.Point(field, 1.0);
+      const double h = 1e-3;
+      PullBackStatus status;
+      glm::dmat3 before;
+      glm::dmat3 after;
+      map.Evaluate(p, before, status);
+      map.Evaluate(p + h * direction, after, status);
+      const double turned = Angle(before * direction, after * direction);
+      ASSERT_LE(turned, rate * h * (1.0 + 1e-6) + 1e-9);
+      tightest = std::max(tightest, turned / (rate * h));
+    }
+  }
+  EXPECT_GT(bounded, 100);
+  // The bound is of use: not orders of magnitude too large.
+  EXPECT_GT(tightest, 0.05);
+  EXPECT_EQ(FindLargestTurnRate(MapBounds()), 0.0);
+}

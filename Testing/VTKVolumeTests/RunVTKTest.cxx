@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
 // The main program of one of VTK's tests, as VTK's test driver is: an interactor that is started
-// takes the picture and returns, so that nothing waits for a user. Readers of VTK's parallel modules,
-// which want MPI, are not taken.
+// takes the picture and returns, so that nothing waits for a user.
 #include "vtkNew.h"
 #include "vtkTestingInteractor.h"
 #include "vtkTestingObjectFactory.h"
@@ -29,10 +28,7 @@ int main(int argc, char* argv[])
       vtkTestingInteractor::ValidBaseline = argv[i + 1];
     }
   }
-  for (const char* overridden : { "vtkRenderWindowInteractor", "vtkNrrdReader" })
-  {
-    vtkObjectFactory::SetAllEnableFlags(0, overridden);
-  }
+  vtkObjectFactory::SetAllEnableFlags(0, "vtkRenderWindowInteractor");
   vtkObjectFactory::RegisterFactory(vtkNew<vtkTestingObjectFactory>());
   return RunVTKTest(argc, argv);
 }

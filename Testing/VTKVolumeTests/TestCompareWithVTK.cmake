@@ -9,7 +9,7 @@ execute_process(
   OUTPUT_VARIABLE table
   COMMAND_ERROR_IS_FATAL ANY)
 message("${table}")
-foreach (test IN ITEMS TestSampleVolume SampleVolume)
+foreach (test IN ITEMS TestSampleVolume.cxx SampleVolume.py)
   # Mean and largest difference; both runs ended without an error.
   if (NOT table MATCHES "\n${test} +([0-9.]+) +([0-9]+) +[0-9.]+ % +ended, ended\n")
     message(FATAL_ERROR "${test} was not compared.")

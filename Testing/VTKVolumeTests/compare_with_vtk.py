@@ -30,8 +30,10 @@ from vtk.util.numpy_support import vtk_to_numpy
 import standin_data
 
 HERE = Path(__file__).resolve().parent
+# The mappers, and a helper of Python tests that has one.
 MAPPERS = re.compile(
     r"vtk(FixedPointVolumeRayCast|GPUVolumeRayCast|OpenGLGPUVolumeRayCast|SmartVolume)Mapper"
+    r"|FixedPointRayCasterNearest"
 )
 FOLDERS = (
     "Rendering/Volume/Testing",
@@ -78,12 +80,14 @@ def run(command, folder, timeout, **more):
                 stdin=subprocess.DEVNULL, check=False, **more
             ).returncode  # fmt: skip
         except subprocess.TimeoutExpired:
+            for unfinished in folder.glob("*.png"):
+                unfinished.unlink()
             return "timeout"
     if code < 0:
         return f"signal {-code}"
     # Without a baseline every test that gets as far as its picture ends with 1.
     text = (folder / "log.txt").read_text(encoding="utf-8", errors="replace")
-    return "errors" if "ERROR:" in text else "ended"
+    return "errors" if re.search(r"ERROR:| ERR\|", text) else "ended"
 
 
 def read_image(path):
@@ -103,6 +107,8 @@ def compare(theirs, ours):
     a, b = (read_image(each[0]) for each in paths)
     if a.shape != b.shape:
         return f"sizes differ: {a.shape} and {b.shape}"
+    if numpy.ptp(a.reshape(-1, 3), axis=0).max() == 0 and numpy.array_equal(a, b):
+        return "nothing but a background"
     difference = numpy.abs(a.astype(int) - b.astype(int))
     part = 100.0 * numpy.mean(difference.max(axis=2) > 16)
     return f"{difference.mean():7.2f} {difference.max():5d} {part:7.2f} %"
@@ -118,6 +124,9 @@ def main():
     parser.add_argument("--timeout", type=float, default=120.0, help="seconds for each run")
     parser.add_argument(
         "--replay", action="store_true", help="replay the recorded interaction of tests that have one"
+    )
+    parser.add_argument(
+        "--keep", action="store_true", help="keep what VTK's mappers drew in an earlier run"
     )
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="parallel compilers")
     options = parser.parse_args()
@@ -141,7 +150,7 @@ def main():
     standin_data.make(str(data), str(HERE.parent / "Data"))
     build(source, cxx_tests, work, ffd_build, options.jobs)
 
-    print(f"{'test':52} {'mean':>7} {'most':>5} {'> 16':>9}   VTK's run, ours")
+    print(f"{'test':56} {'mean':>7} {'most':>5} {'> 16':>9}   VTK's run, ours")
     environment = dict(os.environ)
     environment["PYTHONPATH"] = os.pathsep.join(
         [str(ffd_build / "python"), str(HERE), environment.get("PYTHONPATH", "")]
@@ -151,11 +160,16 @@ def main():
         ends = []
         folders = []
         for mapper in ("vtk", "ffd"):
-            folder = work / "pictures" / test.stem / mapper
+            folder = work / "pictures" / test.name / mapper
             folder.mkdir(parents=True, exist_ok=True)
-            for old in folder.glob("*.png"):
-                old.unlink()
             folders.append(folder)
+            # How a run ended is written last: what was interrupted is not kept.
+            end = folder / "end.txt"
+            if options.keep and mapper == "vtk" and end.exists():
+                ends.append(end.read_text(encoding="utf-8"))
+                continue
+            for old in (*folder.glob("*.png"), *folder.glob("end.txt")):
+                old.unlink()
             common = ["-D", str(root), "-T", str(folder)]
             if test.suffix == ".py":
                 script = [sys.executable, str(HERE / "run_vtk_test.py"), mapper, str(source / test)]
@@ -169,8 +183,9 @@ def main():
                 ends.append(run([*program, "-V", "/nowhere/picture.png"], folder, options.timeout))
             else:
                 ends.append("does not compile")
+            end.write_text(ends[-1], encoding="utf-8")
         crashed = crashed or ends[1].startswith("signal")
-        print(f"{test.stem:52} {compare(*folders):23}   {ends[0]}, {ends[1]}", flush=True)
+        print(f"{test.name:56} {compare(*folders):23}   {ends[0]}, {ends[1]}", flush=True)
     return 1 if crashed else 0
 
 

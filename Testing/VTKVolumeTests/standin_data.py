@@ -130,16 +130,67 @@ def make(folder, volumes):
     for name in ("sphere.slc", "neghip.slc"):
         path = missing(name)
         if path:
-            z, y, x = numpy.mgrid[0:64, 0:64, 0:64] - 31.5
+            z, y, x = numpy.mgrid[0:50, 0:50, 0:50] - 24.5
             sphere = numpy.clip(255.0 - 8.0 * numpy.sqrt(x * x + y * y + z * z), 0.0, 255.0)
             values = neghip if name.startswith("neghip") else sphere.astype(numpy.uint8)
             with open(path, "wb") as slc:
                 # Magic number, dimensions, bits, spacing, unit, source, modification, compression;
-                # an icon of no pixels; the slices.
-                slc.write(b"11111 64 64 64 8 1.0 1.0 1.0 0 0 0 0\n0 0 X")
+                # an icon of one pixel; the slices.
+                slc.write(b"11111 %d %d %d 8 1.0 1.0 1.0 0 0 0 0\n1 1 X123" % values.shape[::-1])
                 slc.write(numpy.ascontiguousarray(values).tobytes())
     path = missing("MagnitudeImage_256x256x148")
     if path:
         values = numpy.zeros((148, 256, 256), ">u2")
         values[:128] = engine.astype(">u2") * 8
         values.tofile(path)
+    path = missing("TestGPURayCastTransfer2DYScalarsTransferFunction.vti")
+    if path:
+        # Colors and opacities in 0 to 1; pressure along x, temperature along y.
+        y, x = numpy.mgrid[0:256, 0:256] / 255.0
+        table = numpy.stack([x, 1.0 - x, y, 0.3 * numpy.clip(4.0 * x - 1.0, 0.0, 1.0) * y], axis=2)
+        _write(vtk.vtkXMLImageDataWriter(), path, _image(table[numpy.newaxis].astype(numpy.float32)))
+    path = missing("disk_out_ref.ex2")
+    if path:
+        cylinder = vtk.vtkImplicitBoolean()
+        cylinder.SetOperationTypeToIntersection()
+        for function in (vtk.vtkCylinder(), vtk.vtkBox()):
+            cylinder.AddFunction(function)
+        cylinder.GetFunction().GetItemAsObject(0).SetAxis(0.0, 0.0, 1.0)
+        cylinder.GetFunction().GetItemAsObject(0).SetRadius(5.75)
+        cylinder.GetFunction().GetItemAsObject(1).SetBounds(-6.0, 6.0, -6.0, 6.0, -10.0, 10.1)
+        z, y, x = numpy.mgrid[-10:10:21j, -6:6:25j, -6:6:25j]
+        image = _image(numpy.exp(-(x * x + y * y) / 12.0) * (1.0 + 0.05 * z) * 0.03, (0.5, 0.5, 1.0), "Pres")
+        image.SetOrigin(-6.0, -6.0, -10.0)
+        heat = numpy_to_vtk((293.0 + 30.0 * (z + 10.0) + 4.0 * x).ravel(), deep=True)
+        heat.SetName("Temp")
+        image.GetPointData().AddArray(heat)
+        disk = vtk.vtkExtractGeometry()
+        disk.SetInputData(image)
+        disk.SetImplicitFunction(cylinder)
+        writer = vtk.vtkExodusIIWriter()
+        writer.SetFileName(path)
+        writer.SetInputConnection(disk.GetOutputPort())
+        writer.Write()
+    path = missing("headmr3blocks/headmr3blocks.vtm")
+    if path:
+        blocks = vtk.vtkMultiBlockDataSet()
+        for i in range(3):
+            # Neighbouring blocks share a face.
+            part = head[:, :, i * 21 : i * 21 + 22].clip(0, 2560) // 10
+            block = _image(part.astype(numpy.int16), (3.2, 3.2, 1.5), "MetaImage")
+            block.SetOrigin(i * 21 * 3.2, 0.0, 0.0)
+            blocks.SetBlock(i, block)
+        _write(vtk.vtkXMLMultiBlockDataWriter(), path, blocks)
+    path = missing("m4_TotalDensity.cube")
+    if path:
+        atoms = [(6, 0.0, 0.0, 0.0), (8, 2.3, 0.0, 0.0), (1, -1.2, 1.7, 0.0), (1, -1.2, -1.7, 0.0)]
+        x, y, z = numpy.mgrid[-6:6:41j, -6:6:41j, -6:6:41j]
+        density = sum(n * numpy.exp(-1.5 * numpy.sqrt((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2)) for n, a, b, c in atoms)
+        with open(path, "w", encoding="ascii") as cube:
+            cube.write("stand-in\nTotal density\n%d -6.0 -6.0 -6.0\n" % len(atoms))
+            for axis in numpy.eye(3) * 0.3:
+                cube.write("41 %f %f %f\n" % tuple(axis))
+            for n, a, b, c in atoms:
+                cube.write("%d 0.0 %f %f %f\n" % (n, a, b, c))
+            for row in density.reshape(-1, 41):
+                cube.write(" ".join("%.5e" % value for value in row) + "\n")
