@@ -150,8 +150,6 @@ public:
 
 private:
   static constexpr float NoExtreme = 3e38f;
-  /// From a pair of samples to that whose voxels are prefetched.
-  static constexpr float SamplesAhead = 4.5f;
   /// Kept between a leap and the faces of an empty cube, index units: rounding errors.
   static constexpr float LeapGuard[3] = { 2e-3f, 2e-3f, 2e-3f };
 
@@ -297,14 +295,14 @@ private:
       const int to = std::min(
         { from + piece.SamplesPerPart, piece.FirstSample + piece.Samples, this->EndSample });
       const bool within = (inside >> part & 1u) != 0;
-      const bool pairs = within && this->Scene.Plain && !this->Scratch.Positions;
-      for (int n = std::max(from, this->FirstSample); n < to; n += pairs ? 2 : 1)
+      const bool inner = within && this->Scene.Plain && !this->Scratch.Positions;
+      for (int n = std::max(from, this->FirstSample); n < to; ++n)
       {
         const Vf s = hn::Mul(
           hn::Add(this->Phase, Splat(static_cast<float>(n - piece.FirstSample))), curve.PerStep);
-        if (pairs)
+        if (inner)
         {
-          this->TakePair(curve, n, s, n + 1 < to);
+          this->TakeInnerSample(curve, n, s);
         }
         else
         {
@@ -312,7 +310,7 @@ private:
         }
         if (HWY_UNLIKELY(hn::AllFalse(Df(), this->Alive)))
         {
-          this->EndAt(n + (pairs ? 1 : 0));
+          this->EndAt(n);
           return;
         }
       }
@@ -559,109 +557,63 @@ private:
     return hn::Gt(hn::Load(d, shown), hn::Zero(d));
   }
 
-  /// A sample of each ray, fetched from a source of rows.
-  template <class Source>
-  struct Fetched
-  {
-    Vec3 Index; ///< where
-    Vf S;       ///< of the curve
-    SamplePosition At;
-    Source Voxels;
-    SampleRows<T> Rows;
-    Vf Value;
-  };
-
-  /// Fetches `sample` at its position; false where the source does not hold all voxels of `lanes`,
-  /// which are interior.
-  template <class Source>
-  HWY_INLINE bool FetchSample(Fetched<Source>& sample, Mf lanes) const
-  {
-    if (!sample.Voxels.Fit(this->Scene.Volume, sample.At, lanes))
-    {
-      return false;
-    }
-    sample.Value = Sample<T>(sample.Voxels, sample.At, sample.Rows);
-    return true;
-  }
-
   /// Samples, shades and composites. `Plain`: PacketScene::Plain, so that nothing is carried for
   /// options that are not used.
   template <bool Plain>
   HWY_NOINLINE void TakeSample(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
   {
-    Fetched<OffsetRows<T>> sample;
-    sample.Index = q;
-    sample.S = s;
-    sample.At = FindCells(this->Scene.Volume, q);
-    const Mf border = hn::AndNot(sample.At.Interior, sampled);
-    this->FetchSample(sample, hn::And(sample.At.Interior, sampled));
+    SampleCells cells;
+    const SamplePosition at = FindCells(this->Scene.Volume, q, false, cells);
+    const Mf interior = IsInterior(this->Scene.Volume, cells);
+    const Mf border = hn::AndNot(interior, sampled);
+    OffsetRows<T> voxels;
+    voxels.Fit(this->Scene.Volume, cells, hn::And(interior, sampled));
+    SampleRows<T> rows;
+    Vf value = Sample<T>(voxels, at, rows);
     if (HWY_UNLIKELY(!hn::AllFalse(Df(), border)))
     {
-      sample.Value = this->SampleBorder(q, border, sample.Value);
+      value = this->SampleBorder(q, border, value);
     }
-    this->template Composite<Plain>(sample, curve, sampled, border);
+    this->template Composite<Plain>(voxels, at, rows, value, curve, q, s, sampled, border);
   }
 
-  /**
-   * The samples n and, if `both`, n + 1 of a plain scene, all inside of the volume, at s and s +
-   * PerStep of the curve. They are fetched together: each alone would wait for its voxels.
-   */
-  HWY_NOINLINE void TakePair(const PacketCurve& curve, int n, Vf s, bool both)
+  /// The same for a plain scene, where all that samples and gradients need lies between voxels.
+  HWY_NOINLINE void TakeInnerSample(const PacketCurve& curve, int n, Vf s)
   {
-    const Df d;
-    Mf lanes[2];
-    for (int i = 0; i < 2; ++i)
-    {
-      const Vf number = Splat(static_cast<float>(n + i));
-      lanes[i] = hn::And(hn::And(this->Alive, hn::FirstN(d, i == 0 || both ? hn::Lanes(d) : 0)),
-        hn::And(hn::Ge(number, this->First), hn::Lt(number, this->Stop)));
-    }
-    PrefetchCells<T>(
-      this->Scene.Volume, curve.Position.At(hn::MulAdd(Splat(SamplesAhead), curve.PerStep, s)));
+    const Vf number = Splat(static_cast<float>(n));
+    const Mf sampled = hn::And(
+      this->Alive, hn::And(hn::Ge(number, this->First), hn::Lt(number, this->Stop)));
+    const Vec3 q = curve.Position.At(s);
+    SampleCells cells;
+    const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
+    const auto composite = [&](auto& voxels) {
+      SampleRows<T> rows;
+      const Vf value = Sample<T>(voxels, at, rows);
+      this->template Composite<true>(
+        voxels, at, rows, value, curve, q, s, sampled, hn::FirstN(Df(), 0));
+    };
     if constexpr (HasVoxelWindow<T>())
     {
-      if (HWY_LIKELY(this->template TakePairFrom<VoxelWindow<T>>(curve, s, lanes)))
+      VoxelWindow<T> window;
+      if (HWY_LIKELY(window.Fit(this->Scene.Volume, cells, sampled)))
       {
-        return;
+        return composite(window);
       }
     }
-    this->template TakePairFrom<OffsetRows<T>>(curve, s, lanes);
+    OffsetRows<T> voxels;
+    voxels.Fit(this->Scene.Volume, cells, sampled);
+    composite(voxels);
   }
 
-  template <class Source>
-  HWY_INLINE bool TakePairFrom(const PacketCurve& curve, Vf s, const Mf lanes[2])
-  {
-    const Df d;
-    Fetched<Source> samples[2];
-    for (int i = 0; i < 2; ++i)
-    {
-      samples[i].S = s;
-      samples[i].Index = curve.Position.At(s);
-      samples[i].At = FindCells(this->Scene.Volume, samples[i].Index);
-      s = hn::Add(s, curve.PerStep);
-    }
-    if (!this->FetchSample(samples[0], lanes[0]) || !this->FetchSample(samples[1], lanes[1]))
-    {
-      return false;
-    }
-    const Mf none = hn::FirstN(d, 0);
-    this->template Composite<true>(samples[0], curve, hn::And(lanes[0], this->Alive), none);
-    this->template Composite<true>(samples[1], curve, hn::And(lanes[1], this->Alive), none);
-    return true;
-  }
-
-  /// Shades and composites a sample of the lanes of `sampled`, `border` of which have been fetched by
+  /// Shades and composites samples of the lanes of `sampled`, those of `border` fetched by
   /// SampleBorder().
   template <bool Plain, class Source>
-  HWY_NOINLINE void Composite(
-    Fetched<Source>& sample, const PacketCurve& curve, Mf sampled, Mf border)
+  HWY_INLINE void Composite(Source& voxels, const SamplePosition& at, const SampleRows<T>& rows,
+    Vf value, const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled, Mf border)
   {
     const Df d;
     CastStatistics& statistics = this->Scratch.Statistics;
     statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
-    const Vf value = sample.Value;
-    const Vec3& q = sample.Index;
-    const Vf s = sample.S;
     // Comparisons with what is not a number are false.
     sampled = hn::And(sampled,
       hn::And(hn::Ge(value, Splat(this->Scene.VisibleLow)),
@@ -681,8 +633,8 @@ private:
     const bool byGradient = !Plain && this->Scene.GradientFactors != nullptr;
     if (byGradient || this->Scene.Shade)
     {
-      sample.Voxels.Widen();
-      gradient = Gradient<T>(sample.Voxels, sample.At, sample.Rows);
+      voxels.Widen();
+      gradient = Gradient<T>(voxels, at, rows);
       if (HWY_UNLIKELY(!hn::AllFalse(d, border)))
       {
         gradient = this->GradientAtBorder(q, border, gradient);
@@ -775,10 +727,12 @@ private:
   /// Values at positions inside of the volume.
   HWY_INLINE Vf ValuesAt(const Vec3& q, Mf lanes)
   {
-    const SamplePosition at = FindCells(this->Scene.Volume, q);
-    const Mf border = hn::AndNot(at.Interior, lanes);
+    SampleCells cells;
+    const SamplePosition at = FindCells(this->Scene.Volume, q, false, cells);
+    const Mf interior = IsInterior(this->Scene.Volume, cells);
+    const Mf border = hn::AndNot(interior, lanes);
     OffsetRows<T> voxels;
-    voxels.Fit(this->Scene.Volume, at, hn::And(at.Interior, lanes));
+    voxels.Fit(this->Scene.Volume, cells, hn::And(interior, lanes));
     SampleRows<T> rows;
     Vf value = Sample<T>(voxels, at, rows);
     if (HWY_UNLIKELY(!hn::AllFalse(Df(), border)))
@@ -1270,36 +1224,29 @@ HWY_INLINE void StorePixels(const PacketScene& scene, const CastImage& image, in
 {
   const Df d;
   const PacketShape shape = GetPacketShape();
-  HWY_ALIGN float r[16], g[16], b[16], a[16], t[16];
-  const Vf zero = hn::Zero(d);
-  hn::Store(hn::IfThenElse(active, pixels.Colour.x, zero), d, r);
-  hn::Store(hn::IfThenElse(active, pixels.Colour.y, zero), d, g);
-  hn::Store(hn::IfThenElse(active, pixels.Colour.z, zero), d, b);
-  hn::Store(
-    hn::IfThenElse(active, hn::Sub(Splat(1.0f), pixels.Transmittance), zero), d, a);
+  const auto shown = [&](Vf v) { return hn::IfThenElseZero(active, v); };
+  HWY_ALIGN float colours[4 * 16];
+  hn::StoreInterleaved4(shown(pixels.Colour.x), shown(pixels.Colour.y), shown(pixels.Colour.z),
+    shown(hn::Sub(Splat(1.0f), pixels.Transmittance)), d, colours);
+  HWY_ALIGN float t[16];
   hn::Store(hn::IfThenElse(active, pixels.FirstVisible, Splat(1e30f)), d, t);
-  for (int lane = 0; lane < shape.Lanes; ++lane)
+  const int width = std::min(shape.Width, image.Width - x0);
+  const int height = std::min(shape.Height, image.Height - y0);
+  for (int row = 0; row < height && width > 0; ++row)
   {
-    const int x = x0 + lane % shape.Width;
-    const int y = y0 + lane / shape.Width;
-    if (x >= image.Width || y >= image.Height)
+    const int y = y0 + row;
+    const std::size_t first = static_cast<std::size_t>(y) * image.Width + x0;
+    std::copy_n(colours + 4 * row * shape.Width, 4 * width, image.Colours + 4 * first);
+    for (int column = 0; image.Depths && column < width; ++column)
     {
-      continue;
-    }
-    const std::size_t at = static_cast<std::size_t>(y) * image.Width + x;
-    float* colour = image.Colours + 4 * at;
-    colour[0] = r[lane];
-    colour[1] = g[lane];
-    colour[2] = b[lane];
-    colour[3] = a[lane];
-    if (image.Depths)
-    {
-      image.Depths[at] = 1.0f;
-      if (t[lane] < 1e29f)
+      const float nearest = t[row * shape.Width + column];
+      float& depth = image.Depths[first + static_cast<std::size_t>(column)];
+      depth = 1.0f;
+      if (nearest < 1e29f)
       {
-        const ViewRay ray = scene.Source->Camera.MakeRay(x + 0.5, y + 0.5);
-        image.Depths[at] = static_cast<float>(scene.Source->Camera.ToDepth(
-          ray.Origin + static_cast<double>(t[lane]) * ray.Direction));
+        const ViewRay ray = scene.Source->Camera.MakeRay(x0 + column + 0.5, y + 0.5);
+        depth = static_cast<float>(scene.Source->Camera.ToDepth(
+          ray.Origin + static_cast<double>(nearest) * ray.Direction));
       }
     }
   }

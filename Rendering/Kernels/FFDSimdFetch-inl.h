@@ -13,8 +13,6 @@
 
 #include "FFDSimdMath-inl.h"
 
-#include <hwy/cache_control.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
@@ -25,17 +23,21 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// Where the lanes sample: cell and position in it.
-struct SamplePosition
+/// First voxels of the cells that the lanes sample.
+struct SampleCells
 {
-  Vi X; ///< first voxel of the cell
+  Vi X;
   Vi Y;
   Vi Z;
+};
+
+/// Where in its cell each lane samples.
+struct SamplePosition
+{
   Vf Fx;
   Vf Fy;
   Vf Fz;
-  Vi Weights;  ///< 1 - Fx and Fx as PairWeights()
-  Mf Interior; ///< the voxels one further out on each side exist, too
+  Vi Weights; ///< 1 - Fx and Fx as PairWeights()
 };
 
 /// First voxel, along an axis, of the cell that holds a position.
@@ -45,20 +47,28 @@ HWY_INLINE Vf CellOf(const PacketVolume& v, Vf x, int a)
     Clamp(x, hn::Zero(Df()), Splat(static_cast<float>(v.Dimensions[a] - 2))));
 }
 
-HWY_INLINE SamplePosition FindCells(const PacketVolume& v, const Vec3& q)
+/// `inner`: all positions that count lie between voxels.
+HWY_INLINE SamplePosition FindCells(
+  const PacketVolume& v, const Vec3& q, bool inner, SampleCells& cells)
 {
+  const Df d;
   const Di di;
-  const Vf x = CellOf(v, q.x, 0);
-  const Vf y = CellOf(v, q.y, 1);
-  const Vf z = CellOf(v, q.z, 2);
   SamplePosition at;
-  at.X = hn::ConvertTo(di, x);
-  at.Y = hn::ConvertTo(di, y);
-  at.Z = hn::ConvertTo(di, z);
-  at.Fx = hn::Sub(q.x, x);
-  at.Fy = hn::Sub(q.y, y);
-  at.Fz = hn::Sub(q.z, z);
-  if (v.Nearest)
+  const auto locate = [&](Vf x, int a, Vi& cell, Vf& part) {
+    if (inner)
+    {
+      cell = hn::ConvertTo(di, x);
+      part = hn::Sub(x, hn::ConvertTo(d, cell));
+      return;
+    }
+    const Vf first = CellOf(v, x, a);
+    cell = hn::ConvertTo(di, first);
+    part = hn::Sub(x, first);
+  };
+  locate(q.x, 0, cells.X, at.Fx);
+  locate(q.y, 1, cells.Y, at.Fy);
+  locate(q.z, 2, cells.Z, at.Fz);
+  if (HWY_UNLIKELY(v.Nearest))
   {
     // The nearest voxel is linear interpolation with weights of zero and one.
     const auto snap = [&](Vf f)
@@ -68,33 +78,18 @@ HWY_INLINE SamplePosition FindCells(const PacketVolume& v, const Vec3& q)
     at.Fz = snap(at.Fz);
   }
   at.Weights = PairWeights(at.Fx);
-  const auto within = [&](Vf c, int a)
-  {
-    return hn::And(hn::Ge(c, Splat(1.0f)), hn::Le(c, Splat(static_cast<float>(v.Dimensions[a] - 3))));
-  };
-  at.Interior = hn::And(within(x, 0), hn::And(within(y, 1), within(z, 2)));
   return at;
 }
 
-/// Asks for the voxels of the cells at positions that are sampled soon.
-template <class T>
-HWY_INLINE void PrefetchCells(const PacketVolume& v, const Vec3& q)
+/// Lanes whose cells have neighbours on all sides: the voxels one further out exist, too.
+HWY_INLINE Mf IsInterior(const PacketVolume& v, const SampleCells& cells)
 {
-  if constexpr (sizeof(T) <= sizeof(float))
-  {
-    const Di di;
-    const auto cell = [&](Vf x, int a) { return hn::ConvertTo(di, CellOf(v, x, a)); };
-    const Vi offset = hn::Add(cell(q.x, 0),
-      hn::Add(hn::Mul(cell(q.y, 1), hn::Set(di, v.IncrementY)),
-        hn::Mul(cell(q.z, 2), hn::Set(di, v.IncrementZ))));
-    HWY_ALIGN int offsets[16];
-    hn::Store(offset, di, offsets);
-    const T* const first = static_cast<const T*>(v.Scalars);
-    for (std::size_t lane = 0; lane < hn::Lanes(di); ++lane)
-    {
-      hwy::Prefetch(first + offsets[lane]);
-    }
-  }
+  const Di di;
+  const auto within = [&](Vi c, int a) {
+    return hn::And(hn::Gt(c, hn::Zero(di)), hn::Lt(c, hn::Set(di, v.Dimensions[a] - 2)));
+  };
+  return hn::RebindMask(
+    Df(), hn::And(within(cells.X, 0), hn::And(within(cells.Y, 1), within(cells.Z, 2))));
 }
 
 /**
@@ -362,12 +357,13 @@ class OffsetRows
 {
 public:
   /// Of the cells of `lanes`; the others get the first cell that may be fetched from.
-  HWY_INLINE bool Fit(const PacketVolume& v, const SamplePosition& at, Mf lanes)
+  HWY_INLINE bool Fit(const PacketVolume& v, const SampleCells& cells, Mf lanes)
   {
     const Di di;
     this->Volume = &v;
-    const Vi offset = hn::Add(at.X,
-      hn::Add(hn::Mul(at.Y, hn::Set(di, v.IncrementY)), hn::Mul(at.Z, hn::Set(di, v.IncrementZ))));
+    const Vi offset = hn::Add(cells.X,
+      hn::Add(hn::Mul(cells.Y, hn::Set(di, v.IncrementY)),
+        hn::Mul(cells.Z, hn::Set(di, v.IncrementZ))));
     const Vi safe = hn::Set(di, 1 + v.IncrementY + v.IncrementZ);
     hn::Store(hn::IfThenElse(hn::RebindMask(di, lanes), offset, safe), di, this->Offsets);
     return true;
@@ -481,7 +477,6 @@ public:
     this->At.Fy = locate(q.y, 1);
     this->At.Fz = locate(q.z, 2);
     this->At.Weights = PairWeights(this->At.Fx);
-    this->At.Interior = lanes;
     HWY_ALIGN float flags[16];
     hn::Store(hn::IfThenElseZero(lanes, Splat(1.0f)), d, flags);
     HWY_ALIGN int offsets[16] = {};

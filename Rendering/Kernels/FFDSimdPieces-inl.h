@@ -620,11 +620,16 @@ private:
         {
           this->Scratch.Statistics.DistanceLookups +=
             static_cast<std::int64_t>(hn::CountTrue(d, seen));
-          const Vf steps = EmptySpaceQuery(scene, at).CountSteps(radius, up, down);
+          const EmptySpaceQuery query(scene, at);
+          const Vf steps = query.CountSteps(radius, up, down);
           const Mf empty = hn::And(seen, hn::Ge(steps, hn::Zero(d)));
           skipTo = hn::IfThenElse(empty, hn::Add(hn::Add(number, Splat(1.0f)), steps), skipTo);
           seen = hn::AndNot(empty, seen);
-          seen = hn::AndNot(FindEmptyBoxes(scene, at, radius, seen), seen);
+          const Mf unclear = hn::And(seen, query.IsEmpty());
+          if (!hn::AllFalse(d, unclear))
+          {
+            seen = hn::AndNot(FindEmptyBoxes(scene, at, radius, unclear), seen);
+          }
         }
         const Vi bit = hn::Set(di, static_cast<int>(1u << part));
         needed = hn::Or(needed, hn::IfThenElseZero(hn::RebindMask(di, seen), bit));

@@ -55,23 +55,25 @@ class VoxelWindow
 {
 public:
   /// Whether the window of some lanes is large enough; then Sample() may follow. `lanes`: interior.
-  HWY_INLINE bool Fit(const PacketVolume& v, const SamplePosition& at, Mf lanes)
+  HWY_INLINE bool Fit(const PacketVolume& v, const SampleCells& cells, Mf lanes)
   {
     const Di di;
     if (v.Dimensions[0] < Side || v.Dimensions[1] < Side || v.Dimensions[2] < Side)
     {
       return false;
     }
-    // Across rows in the middle of the window, which a lane in the middle of the packet is in.
-    const int x = std::clamp(MiddleLane(at.X) - Reach / 2, 1, v.Dimensions[0] - Side + 1);
-    const int y = std::clamp(MiddleLane(at.Y) - Reach / 2, 1, v.Dimensions[1] - Side + 1);
     const hn::Mask<Di> mine = hn::RebindMask(di, lanes);
-    const Vi far = hn::Set(di, 1 << 30);
-    const int least = hn::GetLane(hn::MinOfLanes(di, hn::IfThenElse(mine, at.Z, far)));
-    const int z = std::clamp(least, 1, v.Dimensions[2] - Slabs + 1);
-    const Vi dx = hn::Sub(at.X, hn::Set(di, x));
-    const Vi dy = hn::Sub(at.Y, hn::Set(di, y));
-    const Vi dz = hn::Sub(at.Z, hn::Set(di, z));
+    const auto cornerOf = [&](Vi cell, int voxels, int a) {
+      const Vi far = hn::Set(di, 1 << 30);
+      const int least = hn::GetLane(hn::MinOfLanes(di, hn::IfThenElse(mine, cell, far)));
+      return std::clamp(least, 1, v.Dimensions[a] - voxels + 1);
+    };
+    const int x = cornerOf(cells.X, Side, 0);
+    const int y = cornerOf(cells.Y, Side, 1);
+    const int z = cornerOf(cells.Z, Slabs, 2);
+    const Vi dx = hn::Sub(cells.X, hn::Set(di, x));
+    const Vi dy = hn::Sub(cells.Y, hn::Set(di, y));
+    const Vi dz = hn::Sub(cells.Z, hn::Set(di, z));
     const __mmask16 outside = _mm512_cmpgt_epu32_mask(dx.raw, _mm512_set1_epi32(Reach)) |
       _mm512_cmpgt_epu32_mask(dy.raw, _mm512_set1_epi32(Reach)) |
       _mm512_cmpgt_epu32_mask(dz.raw, _mm512_set1_epi32(Depth - 1));
@@ -129,11 +131,6 @@ private:
   static constexpr int Reach = Side - 4;  ///< cells of a window, along x and y, beyond the first
   static constexpr int Depth = 4;         ///< cells along z
   static constexpr int Slabs = Depth + 3; ///< voxels along z
-
-  static HWY_INLINE int MiddleLane(Vi v)
-  {
-    return _mm_cvtsi128_si32(_mm_shuffle_epi32(_mm512_extracti32x4_epi32(v.raw, 1), 1));
-  }
 
   /// Row `number` of a slab, counted from the one before the corner.
   template <int Number>

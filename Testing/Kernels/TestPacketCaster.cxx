@@ -481,7 +481,9 @@ TEST(PacketCaster, SamplesOneRayAtATime)
         EXPECT_GT(colours.Largest, 0.0); // the one was not rendered as the other
         EXPECT_LT(Compare(rays.Depths, vectors.Depths).Mean, 0.01);
         const double samples = static_cast<double>(vectors.Statistics.Samples);
-        EXPECT_NEAR(static_cast<double>(rays.Statistics.Samples) / samples, 1.0, 1e-3);
+        // Rays that are sampled one at a time leap by themselves, too.
+        EXPECT_LT(static_cast<double>(rays.Statistics.Samples) / samples, 1.001);
+        EXPECT_GT(static_cast<double>(rays.Statistics.Samples) / samples, 0.8);
         const double visible = static_cast<double>(vectors.Statistics.VisibleSamples);
         EXPECT_NEAR(static_cast<double>(rays.Statistics.VisibleSamples) / visible, 1.0, 1e-3);
       });
