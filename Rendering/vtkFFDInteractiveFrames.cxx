@@ -35,6 +35,30 @@ constexpr unsigned long AfterCoarse = 10;
 constexpr unsigned long AfterAbort = 200;
 constexpr unsigned long TimerPeriod = 20;
 
+/// Call function(vtkFFDInverseRayVolumeMapper*) for the mappers of the volumes that the window
+/// shows.
+template <class Function>
+void ForEachShownMapper(vtkRenderWindow* window, Function function)
+{
+  vtkCollectionSimpleIterator r;
+  vtkRendererCollection* renderers = window->GetRenderers();
+  renderers->InitTraversal(r);
+  while (vtkRenderer* renderer = renderers->GetNextRenderer(r))
+  {
+    vtkCollectionSimpleIterator v;
+    vtkVolumeCollection* volumes = renderer->GetVolumes();
+    volumes->InitTraversal(v);
+    while (vtkVolume* volume = volumes->GetNextVolume(v))
+    {
+      auto* mapper = vtkFFDInverseRayVolumeMapper::SafeDownCast(volume->GetMapper());
+      if (mapper && volume->GetVisibility() && renderer->GetDraw())
+      {
+        function(mapper);
+      }
+    }
+  }
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -74,7 +98,6 @@ public:
 
   bool IsStillRate() const;
   void FindMappers();
-  bool TakesLong() const;
   std::array<vtkMTimeType, 3> FindSceneTime() const;
 
   vtkFFDInteractiveFrames* Self;
@@ -198,40 +221,10 @@ void vtkFFDInteractiveFrames::vtkInternals::FindMappers()
     }
   }
   this->Mappers.clear();
-  vtkCollectionSimpleIterator r;
-  vtkRendererCollection* renderers = this->Window->GetRenderers();
-  renderers->InitTraversal(r);
-  while (vtkRenderer* renderer = renderers->GetNextRenderer(r))
-  {
-    vtkVolumeCollection* volumes = renderer->GetVolumes();
-    vtkCollectionSimpleIterator v;
-    volumes->InitTraversal(v);
-    while (vtkVolume* volume = volumes->GetNextVolume(v))
-    {
-      auto* mapper = vtkFFDInverseRayVolumeMapper::SafeDownCast(volume->GetMapper());
-      if (mapper && volume->GetVisibility() && renderer->GetDraw())
-      {
-        mapper->AddObserver(vtkCommand::ProgressEvent, this->Command);
-        this->Mappers.emplace_back(mapper);
-      }
-    }
-  }
-}
-
-//------------------------------------------------------------------------------
-/// Whether a still frame is too long to be waited for, and a coarse one is shorter.
-bool vtkFFDInteractiveFrames::vtkInternals::TakesLong() const
-{
-  double expected = 0.0;
-  for (vtkFFDInverseRayVolumeMapper* mapper : this->Mappers)
-  {
-    if (mapper->GetAutoAdjustSampleDistances())
-    {
-      const double time = mapper->GetExpectedStillTime();
-      expected += time > 0.0 ? time : VTK_DOUBLE_MAX;
-    }
-  }
-  return expected > this->Self->LongestWait;
+  ForEachShownMapper(this->Window, [this](vtkFFDInverseRayVolumeMapper* mapper) {
+    mapper->AddObserver(vtkCommand::ProgressEvent, this->Command);
+    this->Mappers.emplace_back(mapper);
+  });
 }
 
 //------------------------------------------------------------------------------
@@ -276,7 +269,8 @@ void vtkFFDInteractiveFrames::vtkInternals::Begin()
   }
   const bool isShown =
     (last == Kind::Moving || last == Kind::Coarse) && this->ShownTime == this->FindSceneTime();
-  if (!this->Final && !isShown && this->Interactor->GetInitialized() && this->TakesLong())
+  if (!this->Final && !isShown && this->Interactor->GetInitialized() &&
+    vtkFFDInteractiveFrames::GetExpectedStillTime(this->Window) > this->Self->LongestWait)
   {
     this->Frame = Kind::Coarse;
     this->StillRate = this->Window->GetDesiredUpdateRate();
@@ -446,6 +440,23 @@ void vtkFFDInteractiveFrames::SetLongestWait(double seconds)
     this->LongestWait = seconds;
     this->Modified();
   }
+}
+
+//------------------------------------------------------------------------------
+double vtkFFDInteractiveFrames::GetExpectedStillTime(vtkRenderWindow* window)
+{
+  double expected = 0.0;
+  if (window)
+  {
+    ForEachShownMapper(window, [&expected](vtkFFDInverseRayVolumeMapper* mapper) {
+      if (mapper->GetAutoAdjustSampleDistances())
+      {
+        const double time = mapper->GetExpectedStillTime();
+        expected = time > 0.0 ? expected + time : VTK_DOUBLE_MAX;
+      }
+    });
+  }
+  return expected;
 }
 
 //------------------------------------------------------------------------------

@@ -39,6 +39,7 @@
 
 #include <memory> // For std::unique_ptr
 
+class vtkRenderWindow;
 class vtkRenderWindowInteractor;
 
 class VTKFFDRENDERING_EXPORT vtkFFDInteractiveFrames : public vtkObject
@@ -78,6 +79,14 @@ public:
 
   /// How much of the still frame in progress is done, 0 to 1; 1 when there is none.
   vtkGetMacro(Progress, double);
+
+  /**
+   * Seconds that the volumes in the window are expected to take in a still frame, of those that the
+   * window shows, that have a vtkFFDInverseRayVolumeMapper, and that have coarse frames
+   * (AutoAdjustSampleDistances): 0 if there is none or no window, VTK_DOUBLE_MAX if nothing is
+   * known of one of them yet.
+   */
+  static double GetExpectedStillTime(vtkRenderWindow* window);
 
   /// Whether the window shows a coarse picture that a still one is to follow.
   bool IsStillFrameDue();

@@ -2,7 +2,8 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
 """A long frame shows its progress in ParaView's window; the mouse, its wheel and keys abort it; one that
-the user asked for is preceded by a coarse one. ParaView gets its input from outside, as from a user."""
+the user asked for is preceded by a coarse one: where ParaView renders itself and where its server
+does. ParaView gets its input from outside, as from a user."""
 
 import json
 import os
@@ -12,7 +13,8 @@ import tempfile
 import time
 import unittest
 
-from ffdparaview import PLUGIN, TEMPORARY
+import ffdparaview as ffd
+import numpy as np
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.append(os.path.join(HERE, "..", "Python"))
@@ -26,24 +28,45 @@ RESET_CAMERA = (781, 81)
 
 class TestAbort(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.mkdtemp(prefix="abort.", dir=TEMPORARY)
-        os.chmod(folder, 0o700)
-        self.log = os.path.join(folder, "log")
+        self.processes = []
+
+    def begin(self):
+        self.folder = tempfile.mkdtemp(prefix="abort.", dir=ffd.TEMPORARY)
+        os.chmod(self.folder, 0o700)
+        self.log = os.path.join(self.folder, "log")
         self.seen = 0
-        self.process = subprocess.Popen(
-            ["paraview", "--dr", "--script=" + os.path.join(HERE, "AbortScene.py")],
-            env={**os.environ, "HOME": folder, "XDG_RUNTIME_DIR": folder,
-                 "PV_PLUGIN_PATH": os.path.dirname(PLUGIN), "FFD_ABORT_LOG": self.log})
 
     def tearDown(self):
-        self.process.kill()
-        self.process.wait()
+        for process in reversed(self.processes):
+            process.kill()
+            process.wait()
+        self.processes.clear()
 
-    def next(self, event, seconds=200.0, **wanted):
+    def start(self, *command, **options):
+        self.processes.append(subprocess.Popen(
+            command, **options,
+            env={**os.environ, "HOME": self.folder, "XDG_RUNTIME_DIR": self.folder,
+                 "PV_PLUGIN_PATH": os.path.dirname(ffd.PLUGIN), "FFD_ABORT_LOG": self.log}))
+
+    def start_server(self, port):
+        path = os.path.join(self.folder, "server")
+        with open(path, "w", encoding="utf-8") as output:
+            self.start("pvserver", "--server-port=%d" % port, stdout=output,
+                       stderr=subprocess.STDOUT)
+        end = time.monotonic() + 60.0
+        while time.monotonic() < end:
+            with open(path, encoding="utf-8") as output:
+                if "Accepting" in output.read():
+                    return
+            time.sleep(0.1)
+        self.fail("The server does not accept connections.")
+
+    def next(self, event, seconds=100.0, **wanted):
         """The next line of the log of such an event, those before it are left out."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
-            self.assertIsNone(self.process.poll())
+            for process in self.processes:
+                self.assertIsNone(process.poll())
             if os.path.exists(self.log):
                 with open(self.log, encoding="ascii") as file:
                     lines = file.read().split("\n")[:-1]
@@ -55,6 +78,16 @@ class TestAbort(unittest.TestCase):
             time.sleep(0.02)
         self.fail("There was no %s with %s." % (event, wanted))
 
+    def wait_until_idle(self):
+        """Until no frame has begun for a second."""
+        while True:
+            time.sleep(1.0)
+            with open(self.log, encoding="ascii") as file:
+                lines = [json.loads(line) for line in file.read().split("\n")[:-1]]
+            if lines[-1]["event"] != "begin" and time.monotonic() - lines[-1]["time"] > 1.0:
+                self.seen = len(lines)
+                return
+
     def abort_by(self, act):
         """Act in the next still frame; it must end soon, and without a picture."""
         self.next("begin", still=True)
@@ -65,7 +98,7 @@ class TestAbort(unittest.TestCase):
         self.assertTrue(line["aborted"])
         self.assertLess(line["time"] - now, 0.5 * self.whole)
 
-    def test_abort(self):
+    def check_aborts(self):
         begin = self.next("begin", still=True)
         end = self.next("end", still=True)
         self.whole = end["time"] - begin["time"]
@@ -75,13 +108,14 @@ class TestAbort(unittest.TestCase):
         self.assertFalse(self.next("screenshot")["swaps"])
         # What the window's first events bring about.
         self.next("ready")
-        time.sleep(1.0)
+        self.wait_until_idle()
 
         # A turn of the camera, and the still frame after it.
         ffdinput.move(*BACKGROUND)
         ffdinput.press(ffdinput.LEFT)
-        self.next("begin", still=False)
+        time.sleep(0.2)
         ffdinput.move(BACKGROUND[0] + 40, BACKGROUND[1] + 10)
+        self.next("begin", still=False)
         self.next("end", still=False)
         ffdinput.release(ffdinput.LEFT)
         self.abort_by(lambda: ffdinput.click(ffdinput.WHEEL_DOWN))
@@ -100,6 +134,25 @@ class TestAbort(unittest.TestCase):
         ffdinput.move(*BACKGROUND)
         self.abort_by(lambda: ffdinput.click(ffdinput.WHEEL_UP))
         self.next("end", still=True, aborted=False)
+
+    def test_abort(self):
+        pictures = {}
+        for name in ("local", "server"):
+            with self.subTest(name):
+                self.begin()
+                options = []
+                if name == "server":
+                    port = 21000 + os.getpid() % 9000
+                    self.start_server(port)
+                    options = ["--server-url=cs://localhost:%d" % port]
+                self.start("paraview", "--dr", *options,
+                           "--script=" + os.path.join(HERE, "AbortScene.py"))
+                self.check_aborts()
+                pictures[name] = ffd.read_picture(self.log + ".png")
+            self.tearDown()
+        # Progress that is shown while the client waits for the picture does not spoil that.
+        self.assertGreater(np.ptp(pictures["local"]), 100)
+        self.assertLess(ffd.differ(pictures["local"], pictures["server"])[1], 0.5)
 
 
 if __name__ == "__main__":

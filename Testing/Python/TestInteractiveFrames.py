@@ -10,6 +10,7 @@ import ffdinput
 import vtkffd
 import vtkmodules.vtkInteractionStyle  # noqa: F401
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
+from vtkmodules.vtkCommonCore import VTK_DOUBLE_MAX
 from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction
 from vtkmodules.vtkImagingCore import vtkRTAnalyticSource
 from vtkmodules.vtkRenderingCore import (
@@ -50,9 +51,16 @@ class InteractiveFrames(unittest.TestCase):
         self.frames.SetInteractor(None)
 
     def test_coarse_abort_still(self):
+        expected = self.frames.GetExpectedStillTime
+        self.assertEqual(expected(self.window), VTK_DOUBLE_MAX)
         self.window.Render()
         self.assertTrue(self.frames.IsStillFrameDue())
         self.assertGreater(self.mapper.GetExpectedStillTime(), 0.3)
+        self.assertEqual(expected(self.window), self.mapper.GetExpectedStillTime())
+        self.mapper.AutoAdjustSampleDistancesOff()
+        self.assertEqual(expected(self.window), 0.0)
+        self.mapper.AutoAdjustSampleDistancesOn()
+        self.assertEqual(expected(None), 0.0)
         values = []
         end = time.monotonic() + 60.0
 

@@ -2,20 +2,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqFFDLongFrames.h"
 
-#include "vtkFFDInverseRayVolumeMapper.h"
+#include "vtkFFDInteractiveFrames.h"
+#include "vtkFFDServerFrames.h"
+#include "vtkSMFFDVolumeRepresentationProxy.h"
 
 #include "pqApplicationCore.h"
 #include "pqCoreUtilities.h"
+#include "pqServer.h"
 #include "pqServerManagerModel.h"
 #include "pqView.h"
 
 #include "vtkCommand.h"
-#include "vtkRenderer.h"
-#include "vtkRendererCollection.h"
+#include "vtkPVProgressHandler.h"
 #include "vtkRenderWindow.h"
+#include "vtkSMProperty.h"
+#include "vtkSMPropertyHelper.h"
 #include "vtkSMRenderViewProxy.h"
-#include "vtkVolume.h"
-#include "vtkVolumeCollection.h"
+#include "vtkSMSession.h"
+#include "vtkTimerLog.h"
 
 #include <QApplication>
 #include <QEvent>
@@ -57,29 +61,20 @@ constexpr double CoarseRate = 5.0;
 /// Seconds that a still frame may take without a coarse one before it.
 constexpr double LongestWait = 0.3;
 
-/// Whether still frames of the window are expected to take long, and coarse ones are shorter.
-bool TakesLong(vtkRenderWindow* window)
+/// Let the server make coarse pictures of the volumes in the view next. False if there is none.
+bool MakeServerCoarse(vtkSMViewProxy* view)
 {
-  double expected = 0.0;
-  vtkCollectionSimpleIterator r;
-  vtkRendererCollection* renderers = window->GetRenderers();
-  renderers->InitTraversal(r);
-  while (vtkRenderer* renderer = renderers->GetNextRenderer(r))
+  bool any = false;
+  vtkSMPropertyHelper all(view, "Representations");
+  for (unsigned int i = 0; i < all.GetNumberOfElements(); ++i)
   {
-    vtkVolumeCollection* volumes = renderer->GetVolumes();
-    vtkCollectionSimpleIterator v;
-    volumes->InitTraversal(v);
-    while (vtkVolume* volume = volumes->GetNextVolume(v))
-    {
-      auto* mapper = vtkFFDInverseRayVolumeMapper::SafeDownCast(volume->GetMapper());
-      if (mapper && volume->GetVisibility() && mapper->GetAutoAdjustSampleDistances())
-      {
-        const double time = mapper->GetExpectedStillTime();
-        expected += time > 0.0 ? time : VTK_DOUBLE_MAX;
-      }
-    }
+    vtkSMProxy* each = all.GetAsProxy(i);
+    vtkSMProperty* own = each ? each->GetProperty("FFDSampleDistance") : nullptr;
+    auto* volume =
+      vtkSMFFDVolumeRepresentationProxy::SafeDownCast(own ? own->GetParent() : nullptr);
+    any = (volume && volume->RenderNextAtRate(CoarseRate)) || any;
   }
-  return expected > LongestWait;
+  return any;
 }
 
 #ifdef FFD_HAS_X11
@@ -149,6 +144,11 @@ void pqFFDLongFrames::startup()
   {
     this->watch(view);
   }
+  QObject::connect(model, SIGNAL(serverAdded(pqServer*)), this, SLOT(watchServer(pqServer*)));
+  for (pqServer* server : model->findItems<pqServer*>())
+  {
+    this->watchServer(server);
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -191,11 +191,21 @@ void pqFFDLongFrames::watch(pqView* view)
   auto* proxy = vtkSMRenderViewProxy::SafeDownCast(view->getViewProxy());
   if (vtkRenderWindow* window = proxy ? proxy->GetRenderWindow() : nullptr)
   {
+    pqCoreUtilities::connect(proxy, vtkCommand::StartEvent, this,
+      SLOT(prepareFrame(vtkObject*, unsigned long, void*)));
     pqCoreUtilities::connect(window, vtkCommand::StartEvent, this, SLOT(beginFrame(vtkObject*)));
     pqCoreUtilities::connect(window, vtkCommand::EndEvent, this, SLOT(endFrame(vtkObject*)));
     pqCoreUtilities::connect(
       window, vtkCommand::AbortCheckEvent, this, SLOT(checkAbort(vtkObject*)));
   }
+}
+
+//------------------------------------------------------------------------------
+void pqFFDLongFrames::watchServer(pqServer* server)
+{
+  vtkPVProgressHandler* handler = server->session()->GetProgressHandler();
+  pqCoreUtilities::connect(
+    handler, vtkCommand::ProgressEvent, this, SLOT(checkServerAbort(vtkObject*)));
 }
 
 //------------------------------------------------------------------------------
@@ -214,42 +224,76 @@ pqView* pqFFDLongFrames::findView(vtkRenderWindow* window) const
 }
 
 //------------------------------------------------------------------------------
+/// Whether a coarse frame may come before a still one of the window.
+bool pqFFDLongFrames::mayBeCoarse(vtkRenderWindow* window) const
+{
+  const auto found = this->Windows.find(window);
+  const bool isShown = found != this->Windows.end() && found->second.Last != Kind::Still;
+  // Screenshots are taken without swapping buffers.
+  return this->Asked && !this->Final && !isShown && window->GetSwapBuffers();
+}
+
+//------------------------------------------------------------------------------
+/// Before the server is asked for the frame.
+void pqFFDLongFrames::prepareFrame(vtkObject* caller, unsigned long, void* interactive)
+{
+  auto* proxy = vtkSMRenderViewProxy::SafeDownCast(caller);
+  vtkRenderWindow* window = proxy ? proxy->GetRenderWindow() : nullptr;
+  if (!window || !ffdserver::HasRenderServer(proxy->GetSession()))
+  {
+    return;
+  }
+  const bool still = interactive && *static_cast<int*>(interactive) == 0;
+  const bool mayBeCoarse = still && this->mayBeCoarse(window);
+  Frames& frames = this->Windows[window];
+  const bool isLong = !(frames.StillTime > 0.0) || frames.StillTime > LongestWait;
+  frames.Coarse = mayBeCoarse && isLong && MakeServerCoarse(proxy);
+}
+
+//------------------------------------------------------------------------------
 void pqFFDLongFrames::beginFrame(vtkObject* caller)
 {
   auto* window = vtkRenderWindow::SafeDownCast(caller);
   this->noteNewInput();
   this->NewButton = false;
   this->NewKey = false;
-  const auto last = this->Last.find(window);
-  const bool isShown = last != this->Last.end() && last->second != Kind::Still;
+  pqView* view = this->findView(window);
+  const bool isServers = view && ffdserver::HasRenderServer(view->getServer()->session());
   Kind kind = Kind::Still;
   if (window->GetDesiredUpdateRate() >= StillRateLimit)
   {
     kind = Kind::Moving;
   }
-  // Screenshots are taken without swapping buffers.
-  else if (this->Asked && !this->Final && !isShown && window->GetSwapBuffers() && TakesLong(window))
+  else if (isServers ? this->Windows[window].Coarse
+                     : this->mayBeCoarse(window) &&
+        vtkFFDInteractiveFrames::GetExpectedStillTime(window) > LongestWait)
   {
     kind = Kind::Coarse;
     this->StillRate = window->GetDesiredUpdateRate();
     window->SetDesiredUpdateRate(CoarseRate);
   }
-  this->Last[window] = kind;
+  Frames& frames = this->Windows[window];
+  frames.Coarse = false;
+  frames.Last = kind;
+  frames.BeginTime = vtkTimerLog::GetUniversalTime();
+  this->Rendering = window;
 }
 
 //------------------------------------------------------------------------------
 void pqFFDLongFrames::endFrame(vtkObject* caller)
 {
   auto* window = vtkRenderWindow::SafeDownCast(caller);
-  const Kind kind = this->Last[window];
-  if (kind == Kind::Coarse)
+  this->Rendering = nullptr;
+  Frames& frames = this->Windows[window];
+  if (frames.Last == Kind::Coarse)
   {
     window->SetDesiredUpdateRate(this->StillRate);
     this->Unfinished = this->findView(window);
     this->Again->start(AfterCoarse);
   }
-  else if (kind == Kind::Still && !window->GetAbortRender())
+  else if (frames.Last == Kind::Still && !window->GetAbortRender())
   {
+    frames.StillTime = vtkTimerLog::GetUniversalTime() - frames.BeginTime;
     this->Asked = false;
     if (this->Unfinished == this->findView(window))
     {
@@ -259,20 +303,39 @@ void pqFFDLongFrames::endFrame(vtkObject* caller)
 }
 
 //------------------------------------------------------------------------------
+/// End the still frame in progress when there is input for its view.
+bool pqFFDLongFrames::abortIfAsked(vtkRenderWindow* window)
+{
+  const auto found = this->Windows.find(window);
+  pqView* view = this->findView(window);
+  if (!this->Display || found == this->Windows.end() || found->second.Last != Kind::Still ||
+    !view || !this->hasInput(view))
+  {
+    return false;
+  }
+  window->SetAbortRender(1);
+  this->Unfinished = view;
+  this->Again->start(AfterAbort);
+  return true;
+}
+
+//------------------------------------------------------------------------------
 void pqFFDLongFrames::checkAbort(vtkObject* caller)
 {
-  auto* window = vtkRenderWindow::SafeDownCast(caller);
-  const auto last = this->Last.find(window);
-  if (!this->Display || last == this->Last.end() || last->second != Kind::Still)
+  this->abortIfAsked(vtkRenderWindow::SafeDownCast(caller));
+}
+
+//------------------------------------------------------------------------------
+/// A message of progress has come: if the client waits for a picture, then from the server.
+void pqFFDLongFrames::checkServerAbort(vtkObject* caller)
+{
+  vtkRenderWindow* window = this->Rendering;
+  pqView* view = window ? this->findView(window) : nullptr;
+  vtkSMSession* session = view ? view->getServer()->session() : nullptr;
+  if (session && session->GetProgressHandler() == caller && ffdserver::HasRenderServer(session) &&
+    !window->GetAbortRender() && this->abortIfAsked(window))
   {
-    return;
-  }
-  pqView* view = this->findView(window);
-  if (view && this->hasInput(view))
-  {
-    window->SetAbortRender(1);
-    this->Unfinished = view;
-    this->Again->start(AfterAbort);
+    ffdserver::AskForAbort(session);
   }
 }
 

@@ -9,25 +9,28 @@
 #include <map>
 
 class QTimer;
+class pqServer;
 class pqView;
 class vtkObject;
 class vtkRenderWindow;
 
 /**
- * Shows a coarse picture before long still ones, and lets new input abort those, in the views that
- * this process renders itself.
+ * Shows a coarse picture before long still ones, and lets new input abort those.
  *
  * A still frame that the user asked for, as by Apply, and that FFD Volume expects to take longer
  * than 0.3 s, is made with the quality of moving ones first; the still one follows from the event
- * loop. Frames of scripts and screenshots are as they are asked to be.
+ * loop. Frames of scripts and screenshots are as they are asked to be. Of a server's frame the last
+ * one tells how long it takes.
  *
  * ParaView renders in the thread that handles input, so input waits until a frame is there. FFD
- * Volume asks the render window now and then whether to go on; this class answers, from what the X
- * server tells of the pointer and the keyboard, on a connection of its own: no event is taken or
- * handled before the frame is over. A mouse button or the wheel in the view, or a key other than a
+ * Volume asks the render window now and then whether to go on, and the message with which a server
+ * tells its progress asks the same; this class answers, from what the X server tells of the pointer
+ * and the keyboard, on a connection of its own: no event is taken or handled before the frame is
+ * over. A mouse button or the wheel in the view, or a key other than a
  * modifier while ParaView has the keyboard, aborts the still frame, and the view goes on to show
  * the picture that it has. The still frame is made once nothing is pressed any more. Elsewhere than
- * under X nothing is aborted, and without the extension XInput 2 only by what is being held.
+ * under X nothing is aborted, and without the extension XInput 2 only by what is being held; nor
+ * are frames of servers of several processes.
  */
 class pqFFDLongFrames : public QObject
 {
@@ -45,9 +48,12 @@ public:
 
 private Q_SLOTS:
   void watch(pqView* view);
+  void watchServer(pqServer* server);
+  void prepareFrame(vtkObject* viewProxy, unsigned long, void* interactive);
   void beginFrame(vtkObject* window);
   void endFrame(vtkObject* window);
   void checkAbort(vtkObject* window);
+  void checkServerAbort(vtkObject* progressHandler);
   void renderAgain();
 
 private:
@@ -60,7 +66,18 @@ private:
     Still
   };
 
+  /// What is known of a window.
+  struct Frames
+  {
+    Kind Last = Kind::Still; // the frame in progress, or the last one
+    bool Coarse = false;     // the server makes a coarse one for the next
+    double BeginTime = 0.0;
+    double StillTime = 0.0; // of the last still one that was not aborted, seconds; 0: unknown
+  };
+
   pqView* findView(vtkRenderWindow* window) const;
+  bool mayBeCoarse(vtkRenderWindow* window) const;
+  bool abortIfAsked(vtkRenderWindow* window);
   void noteNewInput();
   bool hasInput(pqView* view);
 
@@ -69,7 +86,8 @@ private:
   bool NewButton = false;  // pressed since the frame began
   bool NewKey = false;
 
-  std::map<vtkRenderWindow*, Kind> Last; // frame of each window
+  std::map<vtkRenderWindow*, Frames> Windows;
+  vtkRenderWindow* Rendering = nullptr; // whose frame is in progress
   double StillRate = 0.0;
   bool Asked = false; // the user did something since the last still frame
   bool Final = false; // the frame is to be a still one

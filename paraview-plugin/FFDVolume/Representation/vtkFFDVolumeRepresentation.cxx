@@ -5,6 +5,7 @@
 #include "vtkFFDCompositePass.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDLattice.h"
+#include "vtkFFDServerFrames.h"
 #include "vtkFFDVolumeParts.h"
 
 #include "vtkAbstractArray.h"
@@ -38,6 +39,7 @@
 #include "vtkPolyDataMapper.h"
 #include "vtkProcessModule.h"
 #include "vtkRenderer.h"
+#include "vtkRenderWindow.h"
 #include "vtkSMPTools.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkUnsignedCharArray.h"
@@ -59,6 +61,9 @@ namespace
 using ffdparts::Bounds;
 using ffdparts::Extent;
 using ffdparts::Grid;
+
+/// Seconds between messages of progress, and looks for an abort, in frames of a server.
+constexpr double ServerProgressInterval = 0.1;
 
 /// How much coarser interactive images can be, in each way.
 constexpr double LargestCoarsening = 10.0;
@@ -313,7 +318,10 @@ public:
   // Of the renderer of the view.
   std::array<unsigned long, 2> RenderObservers{ { 0, 0 } };
   bool TookPeelingOff = false;
-  bool ShowsProgress = false;
+  vtkWeakPointer<vtkPVSession> Session;   // whose progress is told
+  vtkWeakPointer<vtkRenderWindow> Window; // of the frame in progress
+  double ProgressInterval = 0.0;          // of the session before the frame; 0: not changed
+  double NextRate = 0.0;                  // RenderNextAtRate(); 0: as asked
   vtkNew<vtkFFDCompositePass> OwnPass;
   vtkSmartPointer<vtkFFDCompositePass> Pass; // that of the frame: its own or another volume's
 
@@ -365,6 +373,8 @@ vtkFFDVolumeRepresentation::vtkFFDVolumeRepresentation()
   this->Mapper->SetProgressText("FFD Volume");
   this->Mapper->AddObserver(
     vtkCommand::VolumeMapperRenderStartEvent, this, &vtkFFDVolumeRepresentation::BeginVolume);
+  this->Mapper->AddObserver(
+    vtkCommand::ProgressEvent, this, &vtkFFDVolumeRepresentation::ContinueVolume);
 }
 
 //------------------------------------------------------------------------------
@@ -479,9 +489,15 @@ int vtkFFDVolumeRepresentation::ProcessViewRequest(
       : nullptr;
     this->UpdateMapperParameters();
     this->UpdateRenderedImage(image);
+    auto* view = vtkPVRenderView::SafeDownCast(inInfo->Get(vtkPVView::VIEW()));
+    vtkRenderWindow* window = view ? view->GetRenderWindow() : nullptr;
+    if (window && this->Internals->NextRate > window->GetDesiredUpdateRate())
+    {
+      window->SetDesiredUpdateRate(this->Internals->NextRate);
+    }
+    this->Internals->NextRate = 0.0;
     if (image)
     {
-      auto* view = vtkPVRenderView::SafeDownCast(inInfo->Get(vtkPVView::VIEW()));
       this->UpdateSampleDistances(image, view ? view->GetLODResolution() : 1.0,
         inInfo->Has(vtkPVRenderView::USE_LOD()) != 0);
       this->UpdateCropping(image);
@@ -523,9 +539,9 @@ bool vtkFFDVolumeRepresentation::AddToView(vtkView* view)
   {
     return false;
   }
-  // Long frames show how far they are where pipelines do, but not those of a server: their client
-  // would update its window, which makes another OpenGL context current, while it waits for the
-  // picture, and would draw the picture in that one.
+  // Frames show how far they are where pipelines do. A client's window is not to draw the picture
+  // of its server in the OpenGL context of what shows the progress.
+  vtkInternals& in = *this->Internals;
   vtkProcessModule* processes = vtkProcessModule::GetProcessModule();
   auto* session = vtkPVSession::SafeDownCast(
     processes && processes->GetActiveSession() ? processes->GetActiveSession()
@@ -533,10 +549,20 @@ bool vtkFFDVolumeRepresentation::AddToView(vtkView* view)
   const auto type = vtkProcessModule::GetProcessType();
   const bool ownWindow =
     type == vtkProcessModule::PROCESS_CLIENT || type == vtkProcessModule::PROCESS_BATCH;
-  if (ownWindow && session && session->GetProgressHandler() && !this->Internals->ShowsProgress)
+  const bool toClient = session && session->GetController(vtkPVSession::CLIENT);
+  if ((ownWindow || toClient) && session && session->GetProgressHandler() && !in.Session)
   {
-    this->Internals->ShowsProgress = true;
+    in.Session = session;
     session->GetProgressHandler()->RegisterProgressEvent(this->Mapper, 0);
+    if (toClient)
+    {
+      ffdserver::Listen(session);
+    }
+    else
+    {
+      session->GetProgressHandler()->AddObserver(
+        vtkCommand::ProgressEvent, this, &vtkFFDVolumeRepresentation::TakeContextBack, -1.0f);
+    }
   }
   vtkRenderer* renderer = vtkPVRenderView::SafeDownCast(view)->GetRenderer();
   this->Internals->RenderObservers = {
@@ -570,6 +596,14 @@ void vtkFFDVolumeRepresentation::BeginRender(vtkObject* object, unsigned long, v
   {
     return;
   }
+  vtkInternals& in = *this->Internals;
+  in.Window = renderer->GetRenderWindow();
+  vtkPVProgressHandler* progress = in.Session ? in.Session->GetProgressHandler() : nullptr;
+  if (progress && progress->GetProgressInterval() > ServerProgressInterval)
+  {
+    in.ProgressInterval = progress->GetProgressInterval();
+    progress->SetProgressInterval(ServerProgressInterval);
+  }
   // The passes of depth peeling ask a volume for more than a picture: what they get from mappers
   // that do not know them is garbage all over the view.
   if (renderer->GetUseDepthPeelingForVolumes())
@@ -594,6 +628,27 @@ void vtkFFDVolumeRepresentation::BeginVolume()
 }
 
 //------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::ContinueVolume()
+{
+  vtkPVSession* session = this->Internals->Session;
+  // The processes of a server end a frame together or not at all.
+  if (session && session->GetController(vtkPVSession::CLIENT) && GetNumberOfProcesses() == 1 &&
+    ffdserver::IsAbortAsked(session))
+  {
+    this->Mapper->SetAbortExecute(1);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::TakeContextBack()
+{
+  if (this->Internals->Window)
+  {
+    this->Internals->Window->MakeCurrent();
+  }
+}
+
+//------------------------------------------------------------------------------
 void vtkFFDVolumeRepresentation::EndRender(vtkObject* object, unsigned long, void*)
 {
   if (this->Internals->TookPeelingOff)
@@ -601,8 +656,15 @@ void vtkFFDVolumeRepresentation::EndRender(vtkObject* object, unsigned long, voi
     this->Internals->TookPeelingOff = false;
     vtkRenderer::SafeDownCast(object)->SetUseDepthPeelingForVolumes(true);
   }
-  this->Internals->Pass = nullptr;
-  this->Internals->OwnPass->End();
+  vtkInternals& in = *this->Internals;
+  if (in.ProgressInterval > 0.0 && in.Session && in.Session->GetProgressHandler())
+  {
+    in.Session->GetProgressHandler()->SetProgressInterval(in.ProgressInterval);
+    in.ProgressInterval = 0.0;
+  }
+  in.Window = nullptr;
+  in.Pass = nullptr;
+  in.OwnPass->End();
 }
 
 //------------------------------------------------------------------------------
@@ -1146,6 +1208,15 @@ void vtkFFDVolumeRepresentation::SetAdaptInteractiveQuality(bool adapt)
 {
   this->Mapper->SetAutoAdjustSampleDistances(adapt);
 }
+
+//------------------------------------------------------------------------------
+bool vtkFFDVolumeRepresentation::GetAdaptInteractiveQuality()
+{
+  return this->Mapper->GetAutoAdjustSampleDistances() != 0;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::RenderNextAtRate(double rate) { this->Internals->NextRate = rate; }
 
 //------------------------------------------------------------------------------
 /// The boxes of a partition are boxes of the scene.

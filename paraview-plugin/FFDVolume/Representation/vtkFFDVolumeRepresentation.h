@@ -126,6 +126,18 @@ public:
   ///@}
 
   /**
+   * Make the next picture, if it is to be a still one, with the quality of moving ones of `rate`
+   * pictures a second, more than 0. For a server: a client sees to its own window, see
+   * pqFFDLongFrames.
+   */
+  void RenderNextAtRate(double rate);
+
+  /**
+   * Whether coarse pictures differ from still ones, SetAdaptInteractiveQuality().
+   */
+  bool GetAdaptInteractiveQuality();
+
+  /**
    * Voxels of the image that this process holds for rendering; what the parallel partition is
    * measured by.
    */
@@ -149,6 +161,8 @@ private:
   void BeginRender(vtkObject* renderer, unsigned long event, void* data);
   void EndRender(vtkObject* renderer, unsigned long event, void* data);
   void BeginVolume();
+  void ContinueVolume();
+  void TakeContextBack();
   void ShareOut();
   void MarkMoved();
   void UpdateRenderedImage(vtkImageData* image);

@@ -2,13 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkSMFFDVolumeRepresentationProxy.h"
 
+#include "vtkFFDVolumeRepresentation.h"
+
+#include "vtkClientServerStream.h"
 #include "vtkCommand.h"
+#include "vtkCompositeRepresentation.h"
 #include "vtkDataObject.h"
 #include "vtkObjectFactory.h"
+#include "vtkPVSession.h"
 #include "vtkSMArrayListDomain.h"
-#include "vtkSMPVRepresentationProxy.h"
 #include "vtkSMProperty.h"
 #include "vtkSMPropertyHelper.h"
+#include "vtkSMPVRepresentationProxy.h"
 
 #include <cstring>
 
@@ -38,6 +43,25 @@ void vtkSMFFDVolumeRepresentationProxy::CreateVTKObjects()
     type->AddObserver(
       vtkCommand::ModifiedEvent, this, &vtkSMFFDVolumeRepresentationProxy::PickArray);
   }
+}
+
+//------------------------------------------------------------------------------
+bool vtkSMFFDVolumeRepresentationProxy::RenderNextAtRate(double rate)
+{
+  auto* own = vtkFFDVolumeRepresentation::SafeDownCast(this->GetClientSideObject());
+  vtkSMProxy* parent = this->GetParentProxy();
+  auto* all =
+    parent ? vtkCompositeRepresentation::SafeDownCast(parent->GetClientSideObject()) : nullptr;
+  if (!own || !all || all->GetActiveRepresentation() != own || !all->GetVisibility() ||
+    !own->GetAdaptInteractiveQuality())
+  {
+    return false;
+  }
+  vtkClientServerStream stream;
+  stream << vtkClientServerStream::Invoke << VTKOBJECT(this) << "RenderNextAtRate" << rate
+         << vtkClientServerStream::End;
+  this->ExecuteStream(stream, false, vtkPVSession::RENDER_SERVER);
+  return true;
 }
 
 //------------------------------------------------------------------------------

@@ -7,7 +7,8 @@
  * ParaView picks an array to colour by when a volume is chosen as representation, but only for its
  * own types: another one would stay blank for a data set in solid colour. This proxy does the same
  * for "FFD Volume": when the representation that it is a part of is switched to it, and no array
- * is chosen, it picks the first point array, or else the first cell array.
+ * is chosen, it picks the first point array, or else the first cell array. And it asks the server
+ * for coarse pictures.
  */
 #ifndef vtkSMFFDVolumeRepresentationProxy_h
 #define vtkSMFFDVolumeRepresentationProxy_h
@@ -21,6 +22,13 @@ public:
   static vtkSMFFDVolumeRepresentationProxy* New();
   vtkTypeMacro(vtkSMFFDVolumeRepresentationProxy, vtkSMRepresentationProxy);
   void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  /**
+   * Let the server make its next picture with the quality of moving ones, of `rate` pictures a
+   * second, even if it is asked for as a still one. False, and nothing is done, where this
+   * representation is not shown, or moving pictures are as still ones.
+   */
+  bool RenderNextAtRate(double rate);
 
 protected:
   vtkSMFFDVolumeRepresentationProxy();

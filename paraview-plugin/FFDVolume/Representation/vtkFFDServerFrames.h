@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @file vtkFFDServerFrames.h
+ * How the client of a ParaView server aborts a frame of it. Private to the plugin.
+ *
+ * While the server renders, the client waits for the picture; messages of progress are the only
+ * ones that reach it. When one comes, it may send a message that asks for an abort. The server
+ * looks for it now and then during the frame, without taking it from the connection, where it is
+ * followed by nothing that belongs to the frame. It is taken, and does nothing, when the server
+ * waits for the next request.
+ */
+#ifndef vtkFFDServerFrames_h
+#define vtkFFDServerFrames_h
+
+#include "vtkFFDParaViewModule.h" // For export macro
+
+class vtkPVSession;
+
+namespace ffdserver
+{
+
+/// On the root of a server that renders: to be called before its client can ask for an abort.
+void Listen(vtkPVSession* session);
+
+/// On the root of a server that renders: whether its client has asked for an abort of this frame,
+/// or is gone.
+bool IsAbortAsked(vtkPVSession* session);
+
+/// Whether a server renders for this client.
+VTKFFDPARAVIEW_EXPORT bool HasRenderServer(vtkPVSession* session);
+
+/// On a client, while it waits for the picture of the server.
+VTKFFDPARAVIEW_EXPORT void AskForAbort(vtkPVSession* session);
+
+} // namespace ffdserver
+
+#endif
