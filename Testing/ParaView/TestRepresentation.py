@@ -480,17 +480,35 @@ class TestRepresentation(unittest.TestCase):
         self.assertLessEqual(ffd.differ(ffd.picture(self.view, "selection"), before)[0], 2)
 
     def test_transform(self):
-        """Place, scale and rotation of the representation."""
-        before = self.show(Shape="Twist")
-        self.display.Position = [0.0, 0.0, 6.0]
-        moved = ffd.picture(self.view, "position")
-        self.assertGreater(np.abs(moved - before).mean(), 2.0)
+        """Place, rotation and scale of the representation: as if the camera had moved, and half as
+        wide along y."""
+        self.show(Shape="Twist")
+        ffd.set_functions(opaque=True)
+        before = ffd.picture(self.view, "untransformed")
+        self.assertGreater(ffd.lit(before), 1000)
+        x, y, z = self.view.CameraPosition
+        self.display.Position = [5.0, 0.0, 6.0]
+        self.assertGreater(np.abs(ffd.picture(self.view, "position") - before).mean(), 2.0)
+        self.view.CameraPosition = [x + 5.0, y, z + 6.0]
+        self.view.CameraFocalPoint = [5.0, 0.0, 6.0]
+        # But for where on the rays, from the near plane on, the samples begin.
+        self.assertLess(ffd.differ(ffd.picture(self.view, "followed"), before)[1], 0.45)
         self.display.Position = [0.0, 0.0, 0.0]
-        self.display.Scale = [1.0, 0.5, 1.0]
-        self.assertLess(ffd.lit(ffd.picture(self.view, "scale")), ffd.lit(before))
-        self.display.Scale = [1.0, 1.0, 1.0]
+        self.view.CameraFocalPoint = [0.0, 0.0, 0.0]
         self.display.Orientation = [0.0, 0.0, 90.0]
-        self.assertGreater(np.abs(ffd.picture(self.view, "rotation") - before).mean(), 1.0)
+        self.view.CameraPosition = [-y, x, z]
+        self.assertLess(ffd.differ(ffd.picture(self.view, "rotation"), before)[1], 0.45)
+        self.display.Orientation = [0.0, 0.0, 0.0]
+        self.view.CameraPosition = [100.0, 0.0, 0.0]
+        self.view.CameraParallelProjection = 1
+        self.view.CameraParallelScale = 30.0
+        sizes = []
+        for scale in ([1.0, 1.0, 1.0], [1.0, 0.5, 1.0]):
+            self.display.Scale = scale
+            seen = ffd.picture(self.view, "scale").max(axis=2) > 0
+            sizes.append([np.ptp(np.nonzero(seen.any(axis=axis))[0]) + 1 for axis in (0, 1)])
+        self.assertAlmostEqual(sizes[1][0], 0.5 * sizes[0][0], delta=2)
+        self.assertAlmostEqual(sizes[1][1], sizes[0][1], delta=1)
 
     def test_sample_distance_is_of_the_data(self):
         """A scaled volume is sampled at the same voxels: seen from as much farther away it is the
