@@ -57,11 +57,10 @@ bool IsAbortAsked(vtkPVSession* session)
     // The communicator sends tag and length before each message, that of a remote call begins with
     // the tag of what is to be called, in the order of Intel's bytes.
     int message[3] = {};
-    const auto size =
-      recv(socket->GetSocketDescriptor(), message, sizeof(message), MSG_PEEK | MSG_DONTWAIT);
+    const auto size = static_cast<int>(
+      recv(socket->GetSocketDescriptor(), message, sizeof(message), MSG_PEEK | MSG_DONTWAIT));
     vtkByteSwap::SwapLE(&message[2]);
-    return size == 0 ||
-      (size == static_cast<decltype(size)>(sizeof(message)) && message[2] == AbortTag);
+    return size == 0 || (size == static_cast<int>(sizeof(message)) && message[2] == AbortTag);
   }
 #else
   (void)session;
