@@ -12,6 +12,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <vector>
 
 namespace ffd
 {
@@ -394,6 +396,168 @@ int RayCaster::SetUpTile(int x0, int y0, int x1, int y1, Ray* rays) const
 }
 
 //------------------------------------------------------------------------------
+namespace
+{
+
+/// The curve of a pixel in a piece: the terms of its nodes, bicubic.
+CurvePiece FindCurve(const TilePiece& piece, int x, int y, const glm::dvec3& shift)
+{
+  const auto weigh = [&piece](int pixel, int first, double weights[NodesPerSide])
+  {
+    const double at = (pixel - first) * (NodesPerSide - 1.0) / (piece.Side - 1);
+    for (int i = 0; i < NodesPerSide; ++i)
+    {
+      weights[i] = 1.0;
+      for (int j = 0; j < NodesPerSide; ++j)
+      {
+        weights[i] *= i == j ? 1.0 : (at - j) / (i - j);
+      }
+    }
+  };
+  double across[NodesPerSide];
+  double up[NodesPerSide];
+  weigh(x, piece.X, across);
+  weigh(y, piece.Y, up);
+  CurvePiece curve;
+  for (int node = 0; node < TileNodes; ++node)
+  {
+    const double weight = across[node % NodesPerSide] * up[node / NodesPerSide];
+    for (int k = 0; k < TileLayers; ++k)
+    {
+      for (int c = 0; c < 3; ++c)
+      {
+        const NodeVectors& terms = piece.Terms[static_cast<std::size_t>(k)];
+        curve.Terms[k][c] += weight *
+          terms[static_cast<std::size_t>(c)][static_cast<std::size_t>(node)];
+      }
+    }
+  }
+  curve.Terms[0] -= shift;
+  return curve;
+}
+
+/// The part of a curve from s = a to b, as one from 0 to 1.
+CurvePiece Restrict(const CurvePiece& curve, double a, double b)
+{
+  CurvePiece part = curve;
+  // Horner's scheme, once for each derivative at a.
+  for (int k = 0; k < CurvePiece::NumberOfTerms; ++k)
+  {
+    for (int i = CurvePiece::NumberOfTerms - 2; i >= k; --i)
+    {
+      part.Terms[i] += a * part.Terms[i + 1];
+    }
+  }
+  double power = 1.0;
+  for (glm::dvec3& term : part.Terms)
+  {
+    term *= power;
+    power *= b - a;
+  }
+  return part;
+}
+
+/// The pieces that a pixel of the tile was cast in, front to back; false behind the last one that was
+/// looked at.
+bool CollectPieces(
+  const TilePiece& piece, int x, int y, std::vector<const TilePiece*>& pieces)
+{
+  switch (piece.Known)
+  {
+    case TilePiece::State::Unknown:
+      return false;
+    case TilePiece::State::Halved:
+      return CollectPieces(*piece.Children[0], x, y, pieces) &&
+        CollectPieces(*piece.Children[1], x, y, pieces);
+    case TilePiece::State::Quartered:
+      for (const TilePiece* child : piece.Children)
+      {
+        if (x >= child->X && x < child->X + child->Side && y >= child->Y &&
+          y < child->Y + child->Side)
+        {
+          return CollectPieces(*child, x, y, pieces);
+        }
+      }
+      return false;
+    default:
+      pieces.push_back(&piece);
+      return true;
+  }
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+/// Renders the quarter of the tile that the pixel is in, and looks at what that has left.
+void RayCaster::TracePackets(
+  const Ray& ray, const CastImage& image, Scratch& scratch, Pixel& pixel, TracedRay& traced) const
+{
+  const int x = ray.X % TileSize;
+  const int y = ray.Y % TileSize;
+  const std::size_t rows = static_cast<std::size_t>(std::min(ray.Y - y + TileSize, image.Height));
+  // Of its pixels only those of the quarter are ever touched.
+  const std::unique_ptr<float[]> colours(new float[4 * rows * static_cast<std::size_t>(image.Width)]);
+  CastImage picture;
+  picture.Width = image.Width;
+  picture.Height = image.Height;
+  picture.Colours = colours.get();
+  std::vector<SampledPosition> positions;
+  scratch.Packets.Positions = &positions;
+  this->Packets->RenderTile(ray.X - x, ray.Y - y, 1u << (x / QuarterSize + 2 * (y / QuarterSize)),
+    picture, scratch.Packets, 0, NoDeadline);
+  scratch.Packets.Positions = nullptr;
+  positions.erase(std::remove_if(positions.begin(), positions.end(),
+                    [&ray](const SampledPosition& at) { return at.X != ray.X || at.Y != ray.Y; }),
+    positions.end());
+
+  std::vector<const TilePiece*> pieces;
+  for (const TilePiece* top : scratch.Packets.Tops)
+  {
+    if (!CollectPieces(*top, x, y, pieces))
+    {
+      break;
+    }
+  }
+  const VolumeView& volume = this->Scene.Volume;
+  const glm::dvec3 shift = this->Scene.WholeAtRest
+    ? -glm::round(volume.ToIndex(this->Scene.WholeAtRest->Min))
+    : glm::dvec3(0.0);
+  std::size_t next = 0;
+  for (const TilePiece* piece : pieces)
+  {
+    const double from = std::max<double>(piece->T0, ray.From);
+    const double to = std::min<double>(static_cast<double>(piece->T0) + piece->Dt, ray.To);
+    if (!(from < to))
+    {
+      continue;
+    }
+    const CurvePiece curve = Restrict(FindCurve(*piece, x, y, shift),
+      (from - piece->T0) / piece->Dt, (to - piece->T0) / piece->Dt);
+    pixel.NotePiece(curve, from, to, piece->Known == TilePiece::State::Empty);
+    const auto jacobianAt = [&](double s)
+    {
+      return this->Scene.Map->FindJacobian(ray.Origin + (from + s * (to - from)) * ray.Direction,
+        volume.IndexToData * curve.At(s) + volume.FirstVoxel);
+    };
+    const JacobianPiece<decltype(jacobianAt)> sampled(*this, curve, from, to - from, jacobianAt);
+    for (; next < positions.size() && positions[next].T < to; ++next)
+    {
+      const SampledPosition& at = positions[next];
+      const double s = std::clamp((at.T - from) / (to - from), 0.0, 1.0);
+      const double distance = this->Settings.SampleDistance;
+      const RayIntegrator::Outcome outcome =
+        pixel.Integrator.AddSample(sampled, s, distance / (to - from));
+      pixel.NoteSample(glm::dvec3(at.Index[0], at.Index[1], at.Index[2]) - shift, at.T, distance,
+        false, outcome.Extinction);
+    }
+  }
+  const float* colour =
+    colours.get() + 4 * (static_cast<std::size_t>(ray.Y) * image.Width + ray.X);
+  traced.Colour = glm::vec4(colour[0], colour[1], colour[2], colour[3]);
+  traced.Terminated = 1.0f - traced.Colour.a < this->Settings.TerminationTransmittance;
+}
+
+//------------------------------------------------------------------------------
 void RayCaster::TraceRay(
   int x, int y, const CastImage& image, Scratch& scratch, TracedRay& traced) const
 {
@@ -409,6 +573,11 @@ void RayCaster::TraceRay(
   traced.To = ray.To;
   Pixel pixel(this->Frame, ray);
   pixel.Trace = &traced;
+  if (this->Packets)
+  {
+    this->TracePackets(ray, image, scratch, pixel, traced);
+    return;
+  }
   if (this->Scene.Blend.Mode == BlendMode::Slice)
   {
     this->CastSlice(ray, pixel, scratch.Statistics);

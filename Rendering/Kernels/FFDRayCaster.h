@@ -60,8 +60,8 @@ public:
   int RenderTile(int tile, const CastImage& image, Scratch& scratch,
     unsigned int quarters = AllQuarters, int first = 0, Deadline deadline = NoDeadline) const;
 
-  /// Cast the ray of one pixel as for the picture, by the reference kernels, and note what was done
-  /// on the way. Of `image` only the size matters.
+  /// Cast the ray of one pixel as for the picture and note what was done on the way: by packets the
+  /// pieces of its tile. Of `image` only the size matters.
   void TraceRay(int x, int y, const CastImage& image, Scratch& scratch, TracedRay& traced) const;
 
 private:
@@ -73,6 +73,8 @@ private:
 
   bool SetUpRay(int x, int y, Ray& ray) const;
   int SetUpTile(int x0, int y0, int x1, int y1, Ray* rays) const;
+  void TracePackets(const Ray& ray, const CastImage& image, Scratch& scratch, Pixel& pixel,
+    TracedRay& traced) const;
   void CastSlice(const Ray& ray, Pixel& pixel, CastStatistics& statistics) const;
   void CastSamples(Ray& ray, Pixel& pixel, CastStatistics& statistics) const;
   void CastPolyline(Ray& ray, Pixel& pixel, CastStatistics& statistics) const;

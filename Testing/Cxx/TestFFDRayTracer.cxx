@@ -229,6 +229,73 @@ int TestAgainstPicture()
   return EXIT_SUCCESS;
 }
 
+// What the packets used: pieces of many samples, where they are, and their picture.
+int TestPieces()
+{
+  FFDTestScene scene;
+  scene.Mapper->CollectStatisticsOn();
+  vtkNew<vtkFFDRayTracer> tracer;
+  tracer->SetRenderer(scene.Renderer);
+  tracer->SetVolume(scene.Volume);
+  tracer->SetImageSize(Side, Side);
+  tracer->AddPixelGrid(Side, Side);
+  for (const int leaping :
+    { vtkFFDInverseRayVolumeMapper::OFF, vtkFFDInverseRayVolumeMapper::LIPSCHITZ })
+  {
+    scene.Mapper->SetSpaceLeaping(leaping);
+    const std::vector<unsigned char> picture = scene.Render(Side);
+    vtkFFDRayStatistics* statistics = scene.Mapper->GetStatistics();
+    tracer->Update();
+    vtkPolyData* rest = tracer->GetOutput(0);
+    vtkPolyData* viewing = tracer->GetOutput(1);
+    double samples = 0.0;
+    double pieces = 0.0;
+    double passed = 0.0;
+    std::vector<unsigned char> colours(picture.size(), 0);
+    for (vtkIdType cell = 0; cell < rest->GetNumberOfLines(); ++cell)
+    {
+      samples += Value(rest->GetCellData(), "Samples", cell);
+      pieces += Value(rest->GetCellData(), "Segments", cell);
+      const double pixel = Value(rest->GetCellData(), "Pixel", cell, 0) +
+        Side * Value(rest->GetCellData(), "Pixel", cell, 1);
+      for (int c = 0; c < 4; ++c)
+      {
+        colours[static_cast<std::size_t>(4 * pixel + c)] =
+          static_cast<unsigned char>(Value(rest->GetCellData(), "Color", cell, c));
+      }
+    }
+    for (std::size_t i = 0; i < picture.size(); ++i)
+    {
+      FFD_CHECK_NEAR(colours[i], picture[i], 1.0);
+    }
+    FFD_CHECK(samples > 1000.0);
+    FFD_CHECK_NEAR(samples, statistics->GetSamplesPerRay() *
+        static_cast<double>(statistics->GetNumberOfRays()), 0.02 * samples);
+    FFD_CHECK(pieces >= static_cast<double>(rest->GetNumberOfLines()));
+    FFD_CHECK(pieces < 8.0 * static_cast<double>(rest->GetNumberOfLines()));
+    for (vtkIdType i = 0; i < rest->GetNumberOfPoints(); ++i)
+    {
+      passed += Value(rest->GetPointData(), "Passed", i);
+      double p[3];
+      double q[3];
+      double t[3];
+      viewing->GetPoint(i, p);
+      rest->GetPoint(i, q);
+      scene.Lattice->TransformPoint(q, t);
+      // Outside of the volume the deformation is not that of the lattice, and does not matter.
+      bool inside = true;
+      for (const double at : q)
+      {
+        inside = inside && at >= 0.0 && at <= 23.0;
+      }
+      FFD_CHECK(!inside || Value(rest->GetPointData(), "Passed", i) != 0.0 ||
+        FFDDistance(p, t) < 0.2);
+    }
+    FFD_CHECK((leaping == vtkFFDInverseRayVolumeMapper::OFF) == (passed == 0.0));
+  }
+  return EXIT_SUCCESS;
+}
+
 int TestChangesAndBadInput()
 {
   FFDTestScene scene;
@@ -283,6 +350,7 @@ int TestChangesAndBadInput()
 
 int TestFFDRayTracer(int, char*[])
 {
-  return TestVertices() || TestAgainstPicture() || TestChangesAndBadInput() ? EXIT_FAILURE
-                                                                           : EXIT_SUCCESS;
+  return TestVertices() || TestAgainstPicture() || TestPieces() || TestChangesAndBadInput()
+    ? EXIT_FAILURE
+    : EXIT_SUCCESS;
 }
