@@ -6,24 +6,25 @@
  *
  * Shows what vtkFFDInverseRayVolumeMapper does: the rays of some pixels, bent as it bends them, the
  * pieces it cuts them into, and where it samples and leaps (figures 2 to 4 of the paper;
- * Examples/Python/paper_figures.py draws them). The rays are cast by the mapper of the given volume
- * with all its settings, for a picture of ImageSize pixels seen by the renderer's camera, as
- * vtkFFDInverseRayVolumeMapper::RenderToImage() would make it. With GREEDY_ANGLE these are the
- * paper's polylines. With ERROR_BOUND they are the pieces of the tile of the pixel, as the mapper found
- * them for all rays of the tile together, up to where it stopped: curves of 8 lines each, those that it
- * found empty included; where no curve is close enough and each sample is pulled back by itself, the
- * curve that it started from. With ReferenceKernels they are lines from sample to sample.
+ * Examples/Python/paper_figures.py draws them). The rays are cast by the mapper of the given
+ * volume with all its settings, for a picture of ImageSize pixels seen by the renderer's camera,
+ * as vtkFFDInverseRayVolumeMapper::RenderToImage() would make it. With GREEDY_ANGLE these are the
+ * paper's polylines. With ERROR_BOUND they are the pieces of the tile of the pixel, as the mapper
+ * found them for all rays of the tile together, up to where it stopped: curves of 8 lines each,
+ * those that it found empty included; where no curve is close enough and each sample is pulled
+ * back by itself, the curve that it started from. With ReferenceKernels they are lines from sample
+ * to sample.
  *
  * Three outputs, in data coordinates of the volume:
  * - 0: the rays in rest space, one polyline for each pixel whose ray meets the deformed bounds, in
- *   the order they were added (the array "Pixel" says which). Point arrays about the segment that begins at a
- *   vertex (the last vertex of a ray has -1 and zeros): "Segment" (its number on the ray),
- *   "SegmentLength" (on the viewing ray, data units), "RestLength" (at rest, data units),
- *   "Samples" (that were interpolated), "Leaps" (look-ups in the distance map that started a leap; not
- *   of ERROR_BOUND without ReferenceKernels), "Passed" (1: empty, nothing was looked at), and of the
- *   vertex "T" (distance from the near plane on the viewing ray, data units). Cell arrays: "Pixel" (2 components), "Segments",
- *   "Samples", "VisibleSamples", "Leaps", "Terminated" (1: early ray termination), "Color" (RGBA,
- *   not premultiplied: that of the pixel).
+ *   the order they were added (the array "Pixel" says which). Point arrays about the segment that
+ *   begins at a vertex (the last vertex of a ray has -1 and zeros): "Segment" (its number on the
+ *   ray), "SegmentLength" (on the viewing ray, data units), "RestLength" (at rest, data units),
+ *   "Samples" (that were interpolated), "Leaps" (look-ups in the distance map that started a leap;
+ *   not of ERROR_BOUND without ReferenceKernels), "Passed" (1: empty, nothing was looked at), and
+ *   of the vertex "T" (distance from the near plane on the viewing ray, data units). Cell arrays:
+ *   "Pixel" (2 components), "Segments", "Samples", "VisibleSamples", "Leaps", "Terminated" (1:
+ *   early ray termination), "Color" (RGBA, not premultiplied: that of the pixel).
  * - 1: the viewing rays, with the same points, cells and arrays, in deformed space.
  * - 2: what was looked at, a vertex each, in rest space: "Ray" (number of the cell in output 0),
  *   "Segment", "T", "Interval" (the length it stands for on the viewing ray, data units; the last

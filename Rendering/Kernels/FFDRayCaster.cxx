@@ -457,31 +457,28 @@ CurvePiece Restrict(const CurvePiece& curve, double a, double b)
   return part;
 }
 
-/// The pieces that a pixel of the tile was cast in, front to back; false behind the last one that was
-/// looked at.
-bool CollectPieces(
-  const TilePiece& piece, int x, int y, std::vector<const TilePiece*>& pieces)
+/// The pieces that a pixel of the tile was cast in, front to back: those that were looked at.
+void CollectPieces(const TilePiece& piece, int x, int y, std::vector<const TilePiece*>& pieces)
 {
-  switch (piece.Known)
+  if (piece.Known == TilePiece::State::Halved)
   {
-    case TilePiece::State::Unknown:
-      return false;
-    case TilePiece::State::Halved:
-      return CollectPieces(*piece.Children[0], x, y, pieces) &&
-        CollectPieces(*piece.Children[1], x, y, pieces);
-    case TilePiece::State::Quartered:
-      for (const TilePiece* child : piece.Children)
+    CollectPieces(*piece.Children[0], x, y, pieces);
+    CollectPieces(*piece.Children[1], x, y, pieces);
+  }
+  else if (piece.Known == TilePiece::State::Quartered)
+  {
+    for (const TilePiece* child : piece.Children)
+    {
+      if (x >= child->X && x < child->X + child->Side && y >= child->Y &&
+        y < child->Y + child->Side)
       {
-        if (x >= child->X && x < child->X + child->Side && y >= child->Y &&
-          y < child->Y + child->Side)
-        {
-          return CollectPieces(*child, x, y, pieces);
-        }
+        CollectPieces(*child, x, y, pieces);
       }
-      return false;
-    default:
-      pieces.push_back(&piece);
-      return true;
+    }
+  }
+  else if (piece.Known != TilePiece::State::Unknown)
+  {
+    pieces.push_back(&piece);
   }
 }
 
@@ -496,7 +493,8 @@ void RayCaster::TracePackets(
   const int y = ray.Y % TileSize;
   const std::size_t rows = static_cast<std::size_t>(std::min(ray.Y - y + TileSize, image.Height));
   // Of its pixels only those of the quarter are ever touched.
-  const std::unique_ptr<float[]> colours(new float[4 * rows * static_cast<std::size_t>(image.Width)]);
+  const std::unique_ptr<float[]> colours(
+    new float[4 * rows * static_cast<std::size_t>(image.Width)]);
   CastImage picture;
   picture.Width = image.Width;
   picture.Height = image.Height;
@@ -513,10 +511,7 @@ void RayCaster::TracePackets(
   std::vector<const TilePiece*> pieces;
   for (const TilePiece* top : scratch.Packets.Tops)
   {
-    if (!CollectPieces(*top, x, y, pieces))
-    {
-      break;
-    }
+    CollectPieces(*top, x, y, pieces);
   }
   const VolumeView& volume = this->Scene.Volume;
   const glm::dvec3 shift = this->Scene.WholeAtRest
