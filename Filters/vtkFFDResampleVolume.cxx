@@ -202,7 +202,7 @@ public:
     this->Map = ffd::PullBack(&this->Source.GetField(),
       ffd::FindPullBackKind(static_cast<ffd::InverseMode>(mode), this->Source.IsInverted()),
       tolerance);
-    this->Bounds = ffd::PullBackBounds(this->Map);
+    this->Bounds.Update(this->Map);
     this->MapTime = this->Source.GetMTime();
     this->MapMode = mode;
     this->MapTolerance = tolerance;

@@ -251,8 +251,8 @@ public:
 
   // Derived from Field when asked for; guarded, as queries may come from several threads.
   std::mutex Mutex;
-  std::unique_ptr<ffd::PullBackBounds> ForwardBounds;
-  std::unique_ptr<ffd::PullBackBounds> ExactBounds;
+  ffd::PullBackBounds Bounds[2]; // of Exact, of Forward
+  bool BoundsAreCurrent[2] = { false, false };
   std::unique_ptr<ffd::Range> Determinant;
 
   void SetField(const ffd::BSplineField& field, double tolerance)
@@ -260,8 +260,7 @@ public:
     const std::lock_guard<std::mutex> lock(this->Mutex);
     this->Field = field;
     this->Exact = ffd::PullBack(&this->Field, ffd::PullBackKind::Exact, tolerance);
-    this->ForwardBounds.reset();
-    this->ExactBounds.reset();
+    this->BoundsAreCurrent[0] = this->BoundsAreCurrent[1] = false;
     this->Determinant.reset();
   }
 
@@ -269,15 +268,16 @@ public:
   ffd::Box AskBounds(bool inverse, const std::function<ffd::Box(const ffd::PullBackBounds&)>& query)
   {
     const std::lock_guard<std::mutex> lock(this->Mutex);
-    std::unique_ptr<ffd::PullBackBounds>& bounds = inverse ? this->ForwardBounds : this->ExactBounds;
-    if (!bounds)
+    ffd::PullBackBounds& bounds = this->Bounds[inverse ? 1 : 0];
+    if (!this->BoundsAreCurrent[inverse ? 1 : 0])
     {
       // What the object becomes under T^-1 are the points P with T(P) in it: the forward kind.
-      bounds.reset(new ffd::PullBackBounds(ffd::PullBack(&this->Field,
+      bounds.Update(ffd::PullBack(&this->Field,
         inverse ? ffd::PullBackKind::Forward : ffd::PullBackKind::Exact,
-        this->Exact.GetTolerance())));
+        this->Exact.GetTolerance()));
+      this->BoundsAreCurrent[inverse ? 1 : 0] = true;
     }
-    return query(*bounds);
+    return query(bounds);
   }
 
   vtkDoubleArray* GetArray() const { return this->Array; }

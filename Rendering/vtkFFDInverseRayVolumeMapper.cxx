@@ -313,8 +313,7 @@ public:
   ffd::PullBack Map;
   ffd::Box RestBounds;
   ffd::Box WholeBounds; // deformed, of which a clip box shows a part
-  double TurnRate = 0.0; // radians per data unit of a viewing ray
-  ffd::PullBackLimits Limits;
+  ffd::PullBackBounds MapBounds;
   ffd::Box DeformedBounds;
   double ReportedBounds[6] = { 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 };
 
@@ -519,10 +518,9 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
   this->RestBounds = rest;
   this->Map = map;
   ++this->Builds[DEFORMATION_BOUNDS];
-  // Only what follows from these bounds is kept: they take far more memory.
   const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
-  const ffd::PullBackBounds mapBounds(this->Map, parallelFor);
-  this->DeformedBounds = mapBounds.DeformedBounds(rest, parallelFor);
+  this->MapBounds.Update(this->Map, parallelFor);
+  this->DeformedBounds = this->MapBounds.DeformedBounds(rest, parallelFor);
   const double growth = glm::length(this->DeformedBounds.Max - this->DeformedBounds.Min) /
     glm::length(rest.Max - rest.Min);
   if (!this->DeformedBounds.IsEmpty() && growth > LargestGrowth)
@@ -533,9 +531,6 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& 
     message = text.str();
     return false;
   }
-  this->TurnRate = ffd::FindLargestTurnRate(
-    mapBounds.Over(mapBounds.RegionsAreInRestSpace() ? rest : this->DeformedBounds, parallelFor));
-  this->Limits = mapBounds.GetLimits();
   for (int a = 0; a < 3; ++a)
   {
     this->ReportedBounds[2 * a] = this->DeformedBounds.Min[a];
@@ -871,10 +866,14 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
   if (longest == 0.0)
   {
     longest = LongestAutomaticSegment;
-    if (this->TurnRate > 0.0)
+    const double rate = settings.Segments == ffd::Segmentation::GreedyAngle
+      ? this->MapBounds.FindLargestTurnRate(
+          ffd::InvertsTheField(this->Map.GetKind()) ? this->RestBounds : this->DeformedBounds)
+      : 0.0;
+    if (rate > 0.0)
     {
       // The rate is per data unit; so is the shortest edge of a voxel.
-      longest = std::min(longest, angle / (this->TurnRate * FindShortestEdge(this->Input.GetView().IndexToData)));
+      longest = std::min(longest, angle / (rate * FindShortestEdge(this->Input.GetView().IndexToData)));
     }
   }
   const double longestPiece =
@@ -978,7 +977,7 @@ ffd::CastScene vtkFFDInverseRayVolumeMapper::vtkInternals::MakeScene(vtkRenderer
   scene.Table = &this->Functions.Components[0].Table;
   scene.Distances = this->Leaps() ? &this->Distances : nullptr;
   scene.Map = &this->Map;
-  scene.Limits = this->Limits;
+  scene.Limits = this->MapBounds.GetLimits();
   scene.DeformedBounds = this->VisibleBounds();
   if (this->Self->HasClipBox)
   {
@@ -1948,7 +1947,7 @@ vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetAuxiliaryMemorySize()
 {
   const vtkInternals& in = *this->Internals;
   std::size_t size = in.Distances.GetMemorySize() + in.Functions.GetMemorySize() +
-    in.Source.GetMemorySize() + in.Input.GetMemorySize() +
+    in.Source.GetMemorySize() + in.MapBounds.GetMemorySize() + in.Input.GetMemorySize() +
     in.VectorScalars.GetMemorySize() +
     in.Coherence.GetMemorySize();
   for (const ffd::MinMaxBlocks& blocks : in.Blocks)

@@ -322,7 +322,7 @@ Range BoundJacobianDeterminant(const BSplineField& field, const glm::ivec3& firs
     }
   }
   static const Matrix conversion = MakeConversion();
-  const SubCellGrid grid(field);
+  const SubCellGrid grid(CellRange{ first, end });
   SubCellBoundsVector subCells;
   ComputeSubCellBounds(field, grid, subCells);
 

@@ -8,13 +8,11 @@
 // After foreach_target.h, which includes this file once per instruction set.
 #include <hwy/highway.h>
 
-#include "FFDSimdPullBackBounds-inl.h"
 #include "FFDSubCellBounds.h"
 
 #include <glm/common.hpp>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -33,34 +31,19 @@ struct AxisPiece
   float Weight[4][4] = {};
 };
 
-/// What the bounds are of.
-enum class BoundedMap
-{
-  Displacement, ///< D, without its higher derivatives
-  FirstOrder,   ///< the pull-backs of these names
-  Exact,
-  Forward,
-  FirstOrderOfInverse
-};
-
 /// Everything the SIMD code needs, coefficients divided by their largest magnitude.
 struct BoundsInput
 {
-  BoundedMap Map;
   glm::ivec3 Padded;
   const float* Coefficients; ///< [component][z][y][x], x padded to RowLength
   int RowLength;
   int Lanes;              ///< cells of x including the two constant ones
   bool ZeroOutside;       ///< the constant lanes, first and last, are zero
   float CoefficientScale; ///< largest magnitude of a coefficient, rounded up
-  float InverseLength[3]; ///< smallest spacing over the spacing of each axis, <= 1
-  float SecondScale;      ///< from derivatives in units of that smallest spacing
-  float ThirdScale;
   float RangeScale[4]; ///< of a normalised value and of first differences along x, y, z
   bool Mirrored[4];    ///< negative spacing: minimum and maximum of the derivative swap
   float Shift[3];      ///< constant part of the field, not in Coefficients
   const std::vector<AxisPiece>* Half[3]; ///< per sub-cell of y, z
-  const std::vector<AxisPiece>* Full[3]; ///< per cell of y, z, the constant ones included
 };
 
 /// Sub-cells of a cell along an axis, First ... End - 1; the constant outside cells have one.
@@ -85,22 +68,21 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 namespace hn = hwy::HWY_NAMESPACE;
+
+/// Lanes per block on every target, so that buffers have a fixed size.
+constexpr int BlockLanes = 16;
 using Tag = hn::CappedTag<float, BlockLanes>;
+
+/// Bounds over a block of sub-cells, as in SubCellBounds.
+struct BoundsBlock
+{
+  HWY_ALIGN float Value[SubCellBounds::Size][BlockLanes];
+};
 
 /// One component of a net of up to 4^3 coefficients, [z][y][x][lane].
 struct ComponentNet
 {
   HWY_ALIGN float Value[64 * BlockLanes];
-};
-
-/// From component to component: not a power of two, which would make the loads of all three wait
-/// for each other.
-constexpr int ComponentStride = 65 * BlockLanes;
-
-/// Three components.
-struct Net
-{
-  HWY_ALIGN float Value[3 * ComponentStride];
 };
 
 /// w[0] * from[i] + ... + w[3] * from[i + 3 * stride], for count values, which is whole vectors.
@@ -178,29 +160,7 @@ struct Bezier
   }
 };
 
-HWY_INLINE void ContractBlock(const BoundsInput& in, const float* rows, int lane0, Net& net)
-{
-  const Tag d;
-  const int step = static_cast<int>(hn::Lanes(d));
-  for (int c = 0; c < 3; ++c)
-  {
-    for (int row = 0; row < 16; ++row)
-    {
-      const float* from = rows + static_cast<std::ptrdiff_t>(c * 16 + row) * in.RowLength + lane0;
-      float* to = net.Value + c * ComponentStride + row * 4 * BlockLanes;
-      for (int l = 0; l < BlockLanes; l += step)
-      {
-        const Bezier b(from + l);
-        hn::Store(b.b0, d, to + l);
-        hn::Store(b.b1, d, to + BlockLanes + l);
-        hn::Store(b.b2, d, to + 2 * BlockLanes + l);
-        hn::Store(b.b3, d, to + 3 * BlockLanes + l);
-      }
-    }
-  }
-}
-
-/// The same of one component, for either half of the cells.
+/// Bezier coefficients of one component of either half of a block of cells.
 HWY_INLINE void ContractHalves(const BoundsInput& in, const float* rows, int lane0, int component,
   ComponentNet& left, ComponentNet& right)
 {
@@ -309,113 +269,11 @@ HWY_INLINE void FindRange(const float* net, ComponentRange& range)
   }
 }
 
-/// A derivative of a tricubic: differences of order X, Y, Z, which leave this many coefficients.
-template <int X, int Y, int Z>
-struct Order
-{
-  static constexpr int Size[3] = { 4 - X, 4 - Y, 4 - Z };
-  template <int Axis>
-  using Next = Order<X + (Axis == 0), Y + (Axis == 1), Z + (Axis == 2)>;
-  /// Number of times the derivative occurs in the full symmetric tensor: (X+Y+Z)! / (X! Y! Z!).
-  static constexpr double Copies()
-  {
-    constexpr double factorial[4] = { 1.0, 1.0, 2.0, 6.0 };
-    return factorial[X + Y + Z] / (factorial[X] * factorial[Y] * factorial[Z]);
-  }
-  /// From differences of Bezier coefficients to the derivative, unit spacing.
-  static constexpr double Factor()
-  {
-    constexpr double falling[4] = { 1.0, 3.0, 6.0, 6.0 };
-    return falling[X] * falling[Y] * falling[Z];
-  }
-};
-
-constexpr int AxisStride[3] = { BlockLanes, 4 * BlockLanes, 16 * BlockLanes };
-
-/// Differences of a net along an axis; `From` is the order of the net.
-template <class From, int Axis>
-HWY_INLINE void Difference(const Net& from, Net& to)
-{
-  using To = typename From::template Next<Axis>;
-  const Tag d;
-  const int step = static_cast<int>(hn::Lanes(d));
-  for (int row = 0; row < 3 * To::Size[2]; ++row)
-  {
-    const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(row / To::Size[2]) * ComponentStride +
-      static_cast<std::ptrdiff_t>(row % To::Size[2]) * AxisStride[2];
-    for (int y = 0; y < To::Size[1]; ++y)
-    {
-      for (int x = 0; x < To::Size[0]; ++x)
-      {
-        const std::ptrdiff_t at = plane + y * AxisStride[1] + x * AxisStride[0];
-        for (int l = 0; l < BlockLanes; l += step)
-        {
-          const float* v = from.Value + at + l;
-          hn::Store(
-            hn::Sub(hn::Load(d, v + AxisStride[Axis]), hn::Load(d, v)), d, to.Value + at + l);
-        }
-      }
-    }
-  }
-}
-
-/// Largest length of the vectors of a difference of a net, and largest magnitude of each of their
-/// components; norms are convex, so these bound them over the cell. `keep`: the differences go to
-/// `to`.
-template <class From, int Axis, bool keep>
-HWY_INLINE void LargestDifference(
-  const Net& from, float* length, float (*components)[BlockLanes], Net* to)
-{
-  using To = typename From::template Next<Axis>;
-  const Tag d;
-  const int step = static_cast<int>(hn::Lanes(d));
-  for (int l = 0; l < BlockLanes; l += step)
-  {
-    auto most = hn::Zero(d);
-    auto mostA = most;
-    auto mostB = most;
-    auto mostC = most;
-    for (int z = 0; z < To::Size[2]; ++z)
-    {
-      for (int y = 0; y < To::Size[1]; ++y)
-      {
-        for (int x = 0; x < To::Size[0]; ++x)
-        {
-          const std::ptrdiff_t at = z * AxisStride[2] + y * AxisStride[1] + x * AxisStride[0] + l;
-          const float* v = from.Value + at;
-          const float* w = v + AxisStride[Axis];
-          const auto a = hn::Sub(hn::Load(d, w), hn::Load(d, v));
-          const auto b =
-            hn::Sub(hn::Load(d, w + ComponentStride), hn::Load(d, v + ComponentStride));
-          const auto c =
-            hn::Sub(hn::Load(d, w + 2 * ComponentStride), hn::Load(d, v + 2 * ComponentStride));
-          most = hn::Max(most, hn::MulAdd(a, a, hn::MulAdd(b, b, hn::Mul(c, c))));
-          mostA = hn::Max(mostA, hn::Abs(a));
-          mostB = hn::Max(mostB, hn::Abs(b));
-          mostC = hn::Max(mostC, hn::Abs(c));
-          if constexpr (keep)
-          {
-            hn::Store(a, d, to->Value + at);
-            hn::Store(b, d, to->Value + at + ComponentStride);
-            hn::Store(c, d, to->Value + at + 2 * ComponentStride);
-          }
-        }
-      }
-    }
-    hn::Store(hn::Sqrt(most), d, length + l);
-    hn::Store(mostA, d, components[0] + l);
-    hn::Store(mostB, d, components[1] + l);
-    hn::Store(mostC, d, components[2] + l);
-  }
-}
-
 /// Relative to coefficients of magnitude <= 1: rounding of the coefficients to float, of three
 /// contractions and of the differences, counted generously.
 constexpr float RoundingUnit = 1.0f / 16777216.0f; // 2^-24
 constexpr float ValueSlack = 32.0f * RoundingUnit;
 constexpr float FirstSlack = 80.0f * RoundingUnit;
-constexpr float SecondSlack = 256.0f * RoundingUnit;
-constexpr float ThirdSlack = 512.0f * RoundingUnit;
 
 /// Zeros for the lanes of a block that are outside of a lattice that is zero there.
 HWY_INLINE void ClearOutside(const BoundsInput& in, int lane0, float* lanes)
@@ -468,30 +326,6 @@ HWY_INLINE void ScaleRange(
   }
 }
 
-/// From bounds of D to those of the map of a block; false where its inverse is not bounded.
-HWY_INLINE bool ApplyMap(const BoundsInput& in, const DerivativesBlock& second,
-  const DerivativesBlock& third, int count, BoundsBlock& bounds)
-{
-  std::copy_n(second.Norm, BlockLanes, bounds.Value[SubCellBounds::Second]);
-  std::copy_n(third.Norm, BlockLanes, bounds.Value[SubCellBounds::Third]);
-  switch (in.Map)
-  {
-    case BoundedMap::Displacement:
-      break;
-    case BoundedMap::FirstOrder:
-      AddIdentity(true, bounds);
-      break;
-    case BoundedMap::Forward:
-      AddIdentity(false, bounds);
-      break;
-    case BoundedMap::Exact:
-      return BoundInverse(second, third, false, count, bounds);
-    case BoundedMap::FirstOrderOfInverse:
-      return BoundInverse(second, third, true, count, bounds);
-  }
-  return true;
-}
-
 /// Lanes first ... end - 1 of a block: every second sub-cell from `to` on.
 HWY_INLINE void StoreBounds(const BoundsBlock& bounds, int first, int end, SubCellBounds* to)
 {
@@ -533,222 +367,44 @@ HWY_INLINE void StoreBounds(const BoundsBlock& bounds, int first, int end, SubCe
   }
 }
 
-/// Adds Copies * (factor * (length of the differences + slack))^2 to the square of the norm, and
-/// what bounds the components as the next entry. See LargestDifference().
-template <class From, int Axis, bool keep>
-HWY_INLINE void AddSquare(
-  const Net& from, float factor, float slack, int& count, DerivativesBlock& sums, Net* differences)
-{
-  using To = typename From::template Next<Axis>;
-  HWY_ALIGN float length[BlockLanes];
-  float(*entry)[BlockLanes] = sums.Entry[count++];
-  LargestDifference<From, Axis, keep>(from, length, entry, differences);
-  const float size = factor * static_cast<float>(To::Factor());
-  for (int l = 0; l < BlockLanes; ++l)
-  {
-    const float term = size * (length[l] + slack);
-    sums.Norm[l] += static_cast<float>(To::Copies()) * term * term;
-    for (int component = 0; component < 3; ++component)
-    {
-      entry[component][l] = size * (entry[component][l] + slack);
-    }
-  }
-}
-
-/// Sums of both orders, and how many entries these have so far.
-struct DerivativeSums
-{
-  DerivativesBlock& Second;
-  DerivativesBlock& Third;
-  int Seconds = 0;
-  int Thirds = 0;
-};
-
-template <class From, int Axis>
-HWY_INLINE void AddThird(
-  const BoundsInput& in, const Net& twice, float factor, DerivativeSums& sums)
-{
-  AddSquare<From, Axis, false>(
-    twice, factor * in.InverseLength[Axis], ThirdSlack, sums.Thirds, sums.Third, nullptr);
-}
-
-/// Second derivatives of `first` along Axis and on to the third ones along Axis ... 2.
-template <class First, int Axis>
-HWY_INLINE void AddSecond(
-  const BoundsInput& in, const Net& first, float factor, Net& twice, DerivativeSums& sums)
-{
-  using Second = typename First::template Next<Axis>;
-  const float next = factor * in.InverseLength[Axis];
-  AddSquare<First, Axis, true>(first, next, SecondSlack, sums.Seconds, sums.Second, &twice);
-  if constexpr (Axis == 0)
-  {
-    AddThird<Second, 0>(in, twice, next, sums);
-  }
-  if constexpr (Axis <= 1)
-  {
-    AddThird<Second, 1>(in, twice, next, sums);
-  }
-  AddThird<Second, 2>(in, twice, next, sums);
-}
-
-/// From sums of squares of normalised derivatives to norms, in data units.
-HWY_INLINE void ScaleDerivatives(
-  const BoundsInput& in, int lane0, int count, float scale, DerivativesBlock& sums)
-{
-  // The sums round, too.
-  constexpr float roundUp = 1.0f + 64.0f * RoundingUnit;
-  for (int l = 0; l < BlockLanes; ++l)
-  {
-    sums.Norm[l] = std::sqrt(sums.Norm[l]) * scale * roundUp;
-  }
-  ClearOutside(in, lane0, sums.Norm);
-  for (int i = 0; i < count; ++i)
-  {
-    for (int component = 0; component < 3; ++component)
-    {
-      float* entry = sums.Entry[i][component];
-      for (int l = 0; l < BlockLanes; ++l)
-      {
-        entry[l] *= scale * roundUp;
-      }
-      ClearOutside(in, lane0, entry);
-    }
-  }
-}
-
-/// Norm bounds of the second and third derivatives of a block of cells:
-/// |sum d_a d_b H_ab| <= |d|^2 sqrt(sum |H_ab|^2) by Cauchy and Schwarz; likewise the third.
-HWY_INLINE void FindHigherDerivatives(const BoundsInput& in, int lane0, const Net& net,
-  DerivativesBlock& second, DerivativesBlock& third)
-{
-  Net first;
-  Net twice;
-  DerivativeSums sums{ second, third };
-  std::fill_n(second.Norm, BlockLanes, 0.0f);
-  std::fill_n(third.Norm, BlockLanes, 0.0f);
-  using None = Order<0, 0, 0>;
-  Difference<None, 0>(net, first);
-  AddSecond<Order<1, 0, 0>, 0>(in, first, in.InverseLength[0], twice, sums);
-  AddSecond<Order<1, 0, 0>, 1>(in, first, in.InverseLength[0], twice, sums);
-  AddSecond<Order<1, 0, 0>, 2>(in, first, in.InverseLength[0], twice, sums);
-  Difference<None, 1>(net, first);
-  AddSecond<Order<0, 1, 0>, 1>(in, first, in.InverseLength[1], twice, sums);
-  AddSecond<Order<0, 1, 0>, 2>(in, first, in.InverseLength[1], twice, sums);
-  Difference<None, 2>(net, first);
-  AddSecond<Order<0, 0, 1>, 2>(in, first, in.InverseLength[2], twice, sums);
-  ScaleDerivatives(in, lane0, sums.Seconds, in.SecondScale, second);
-  ScaleDerivatives(in, lane0, sums.Thirds, in.ThirdScale, third);
-}
-
-HWY_INLINE void StoreDerivatives(
-  const DerivativesBlock& second, const DerivativesBlock& third, int lane, CellDerivatives& cell)
-{
-  for (int component = 0; component < 3; ++component)
-  {
-    for (int i = 0; i < 6; ++i)
-    {
-      cell.Second[i][component] = second.Entry[i][component][lane];
-    }
-    for (int i = 0; i < 10; ++i)
-    {
-      cell.Third[i][component] = third.Entry[i][component][lane];
-    }
-  }
-}
-
 /// Bounds over the sub-cells of some slices of cells.
 class SliceBounder
 {
 public:
-  SliceBounder(const BoundsInput& in, const SubCellGrid& grid, SubCellBounds* bounds,
-    CellDerivatives* derivatives)
+  SliceBounder(const BoundsInput& in, const SubCellGrid& grid, SubCellBounds* bounds)
     : In(in)
     , Grid(grid)
     , Bounds(bounds)
-    , Derivatives(derivatives)
-    , Second(static_cast<std::size_t>((in.Lanes + BlockLanes - 1) / BlockLanes))
-    , Third(this->Second.size())
+    , Plane(12 * static_cast<std::size_t>(in.Padded.y) * static_cast<std::size_t>(in.RowLength))
     , Rows(48 * static_cast<std::size_t>(in.RowLength))
   {
-    for (std::vector<float>& plane : this->Planes)
-    {
-      plane.resize(
-        12 * static_cast<std::size_t>(in.Padded.y) * static_cast<std::size_t>(in.RowLength));
-    }
-    for (std::size_t i = 0; i < this->Second.size(); ++i)
-    {
-      std::fill_n(this->Second[i].Norm, BlockLanes, std::numeric_limits<float>::infinity());
-      std::fill_n(this->Third[i].Norm, BlockLanes, std::numeric_limits<float>::infinity());
-    }
   }
 
-  /// Cells of slice cz. Returns whether the map is bounded in all of them.
-  bool AddSlice(int cz)
+  /// Sub-cells of slice cz of cells.
+  void AddSlice(int cz)
   {
     const SubCellsOfCell z(cz, this->Grid.Size.z);
     for (int sz = z.First; sz < z.End; ++sz)
     {
-      ContractPlane(this->In, (*this->In.Half[2])[static_cast<std::size_t>(sz)],
-        this->Planes[sz - z.First].data());
-    }
-    const int cells = static_cast<int>(this->In.Full[1]->size());
-    if (this->Derivatives)
-    {
       ContractPlane(
-        this->In, (*this->In.Full[2])[static_cast<std::size_t>(cz)], this->Planes[2].data());
-    }
-    bool bounded = true;
-    for (int cy = 0; cy < cells; ++cy)
-    {
-      if (this->Derivatives)
+        this->In, (*this->In.Half[2])[static_cast<std::size_t>(sz)], this->Plane.data());
+      for (int sy = 0; sy < this->Grid.Size.y; ++sy)
       {
-        this->AddDerivatives(cy, cz);
-      }
-      const SubCellsOfCell y(cy, this->Grid.Size.y);
-      for (int sz = z.First; sz < z.End; ++sz)
-      {
-        for (int sy = y.First; sy < y.End; ++sy)
-        {
-          bounded = this->AddRow(sy, sz, this->Planes[sz - z.First].data()) && bounded;
-        }
+        this->AddRow(sy, sz);
       }
     }
-    return bounded;
   }
 
 private:
-  /// Second and third derivatives of a row of cells.
-  void AddDerivatives(int cy, int cz)
+  void AddRow(int sy, int sz)
   {
-    ContractRows(this->In, (*this->In.Full[1])[static_cast<std::size_t>(cy)],
-      this->Planes[2].data(), this->Rows.data());
-    CellDerivatives* row = this->Derivatives +
-      static_cast<std::size_t>(this->In.Lanes) *
-        (static_cast<std::size_t>(cy) + this->In.Full[1]->size() * static_cast<std::size_t>(cz));
-    Net net;
-    for (int lane0 = 0; lane0 < this->In.Lanes; lane0 += BlockLanes)
-    {
-      const std::size_t block = static_cast<std::size_t>(lane0 / BlockLanes);
-      ContractBlock(this->In, this->Rows.data(), lane0, net);
-      FindHigherDerivatives(this->In, lane0, net, this->Second[block], this->Third[block]);
-      const int lanes = std::min(BlockLanes, this->In.Lanes - lane0);
-      for (int l = 0; l < lanes; ++l)
-      {
-        StoreDerivatives(this->Second[block], this->Third[block], l, row[lane0 + l]);
-      }
-    }
-  }
-
-  bool AddRow(int sy, int sz, const float* plane)
-  {
-    ContractRows(
-      this->In, (*this->In.Half[1])[static_cast<std::size_t>(sy)], plane, this->Rows.data());
+    ContractRows(this->In, (*this->In.Half[1])[static_cast<std::size_t>(sy)], this->Plane.data(),
+      this->Rows.data());
     SubCellBounds* row = this->Bounds + this->Grid.Index(0, sy, sz);
     ComponentNet left;
     ComponentNet right;
     ComponentRange range;
     BoundsBlock bounds[2];
-    bool bounded = true;
     for (int lane0 = 0; lane0 < this->In.Lanes; lane0 += BlockLanes)
     {
       for (int c = 0; c < 3; ++c)
@@ -759,13 +415,7 @@ private:
         FindRange(right.Value, range);
         ScaleRange(this->In, lane0, c, range, bounds[1]);
       }
-      const std::size_t block = static_cast<std::size_t>(lane0 / BlockLanes);
       const int lanes = std::min(BlockLanes, this->In.Lanes - lane0);
-      for (BoundsBlock& half : bounds)
-      {
-        bounded =
-          ApplyMap(this->In, this->Second[block], this->Third[block], lanes, half) && bounded;
-      }
       // The first and the last lane of all are the constant outside: a single sub-cell each.
       const int skipped = lane0 == 0 ? 1 : 0;
       const int beyond = lane0 + lanes == this->In.Lanes ? 1 : 0;
@@ -776,30 +426,24 @@ private:
       StoreBounds(bounds[0], skipped, lanes, row + 2 * (lane0 + skipped) - 1);
       StoreBounds(bounds[1], skipped, lanes - beyond, row + 2 * (lane0 + skipped));
     }
-    return bounded;
   }
 
   const BoundsInput& In;
   const SubCellGrid& Grid;
   SubCellBounds* Bounds;
-  CellDerivatives* Derivatives;         // null: not wanted
-  std::vector<DerivativesBlock> Second; // of a row of cells, by block
-  std::vector<DerivativesBlock> Third;
-  std::vector<float> Planes[3]; // what the weights of either half and of all of a slice make
-  std::vector<float> Rows;      // of such a plane
+  std::vector<float> Plane; // what the weights of half of a slice make
+  std::vector<float> Rows;  // of such a plane
 };
 
-/// Bounds over the sub-cells of cells of slices firstZ ... endZ - 1; whether all are bounded.
-bool BoundSlices(const BoundsInput& in, const SubCellGrid& grid, SubCellBounds* bounds,
-  CellDerivatives* derivatives, int firstZ, int endZ)
+/// Bounds over the sub-cells of cells of slices firstZ ... endZ - 1.
+void BoundSlices(
+  const BoundsInput& in, const SubCellGrid& grid, SubCellBounds* bounds, int firstZ, int endZ)
 {
-  SliceBounder bounder(in, grid, bounds, derivatives);
-  bool bounded = true;
+  SliceBounder bounder(in, grid, bounds);
   for (int cz = firstZ; cz < endZ; ++cz)
   {
-    bounded = bounder.AddSlice(cz) && bounded;
+    bounder.AddSlice(cz);
   }
-  return bounded;
 }
 
 /// See FindBezierRange() of the header.
@@ -854,19 +498,6 @@ void FindRangeOfBezier(const double* net, const BezierWeights& x, const BezierWe
   range[1] = std::max({ most[0], most[1], most[2], most[3] });
 }
 
-/// From the same bound of all of D and its derivatives to those of the map; whether it is bounded.
-bool BoundAlike(const BoundsInput& in, float bound, SubCellBounds& all)
-{
-  BoundsBlock bounds;
-  DerivativesBlock derivatives;
-  std::fill_n(bounds.Value[0], SubCellBounds::Size * BlockLanes, bound);
-  std::fill_n(derivatives.Norm, BlockLanes, bound);
-  std::fill_n(derivatives.Entry[0][0], 30 * BlockLanes, bound);
-  const bool bounded = ApplyMap(in, derivatives, derivatives, 1, bounds);
-  StoreBounds(bounds, 0, 1, &all);
-  return bounded;
-}
-
 } // namespace HWY_NAMESPACE
 } // namespace ffd
 HWY_AFTER_NAMESPACE();
@@ -877,16 +508,14 @@ namespace ffd
 namespace
 {
 HWY_EXPORT(BoundSlices);
-HWY_EXPORT(BoundAlike);
 HWY_EXPORT(FindRangeOfBezier);
 
-/// Weights from B-spline to Bezier coefficients of a cell, or of its left or right half.
-void SetWeights(int part, float w[4][4])
+/// Weights from B-spline to Bezier coefficients of the lower or the upper half of a cell.
+void SetWeights(int half, float w[4][4])
 {
   const double b[4][4] = { { 1 / 6.0, 4 / 6.0, 1 / 6.0, 0 }, { 0, 4 / 6.0, 2 / 6.0, 0 },
     { 0, 2 / 6.0, 4 / 6.0, 0 }, { 0, 1 / 6.0, 4 / 6.0, 1 / 6.0 } };
-  const double split[3][4][4] = {
-    { { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 0, 0, 1, 0 }, { 0, 0, 0, 1 } },
+  const double split[2][4][4] = {
     { { 1, 0, 0, 0 }, { .5, .5, 0, 0 }, { .25, .5, .25, 0 }, { .125, .375, .375, .125 } },
     { { .125, .375, .375, .125 }, { 0, .25, .5, .25 }, { 0, 0, .5, .5 }, { 0, 0, 0, 1 } },
   };
@@ -897,24 +526,23 @@ void SetWeights(int part, float w[4][4])
       double sum = 0.0;
       for (int k = 0; k < 4; ++k)
       {
-        sum += split[part][i][k] * b[k][j];
+        sum += split[half][i][k] * b[k][j];
       }
       w[i][j] = static_cast<float>(sum);
     }
   }
 }
 
-/// The pieces of one axis: constant outside, cells (or their halves), constant outside.
-std::vector<AxisPiece> MakePieces(const SubCellGrid& grid, int axis, int piecesPerCell)
+/// The pieces of one axis: constant outside, halves of cells, constant outside.
+std::vector<AxisPiece> MakePieces(const SubCellGrid& grid, int axis)
 {
   const int first = grid.FirstCell[axis];
-  const int cells = grid.Size[axis] / 2 - 1;
-  std::vector<AxisPiece> pieces(static_cast<std::size_t>(cells * piecesPerCell + 2));
-  for (int i = 0; i < cells * piecesPerCell; ++i)
+  std::vector<AxisPiece> pieces(static_cast<std::size_t>(grid.Size[axis]));
+  for (int i = 0; i < grid.Size[axis] - 2; ++i)
   {
     AxisPiece& piece = pieces[static_cast<std::size_t>(i) + 1];
-    piece.Base = first + i / piecesPerCell - 1 + BSplineField::Padding;
-    SetWeights(piecesPerCell == 1 ? 0 : 1 + i % piecesPerCell, piece.Weight);
+    piece.Base = first + i / 2 - 1 + BSplineField::Padding;
+    SetWeights(i % 2, piece.Weight);
   }
   // The constant value is that of the outermost Bezier coefficient.
   AxisPiece& low = pieces.front();
@@ -929,18 +557,20 @@ std::vector<AxisPiece> MakePieces(const SubCellGrid& grid, int axis, int piecesP
   return pieces;
 }
 
-/// `derivatives`: null if they are not wanted.
-bool FindSubCellBounds(const BSplineField& field, const SubCellGrid& grid, BoundedMap map,
-  SubCellBoundsVector& bounds, std::vector<CellDerivatives>* derivatives,
-  const ParallelFor& parallelFor)
+} // namespace
+
+//------------------------------------------------------------------------------
+void FindBezierRange(const double net[64], const BezierWeights& x, const BezierWeights& y,
+  const BezierWeights& z, double range[2])
+{
+  HWY_DYNAMIC_DISPATCH(FindRangeOfBezier)(net, x, y, z, range);
+}
+
+//------------------------------------------------------------------------------
+void ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid,
+  SubCellBoundsVector& bounds, const ParallelFor& parallelFor)
 {
   bounds.resize(grid.Count());
-  if (derivatives)
-  {
-    const glm::ivec3 cells = grid.GetCells();
-    derivatives->resize(static_cast<std::size_t>(cells.x) * static_cast<std::size_t>(cells.y) *
-      static_cast<std::size_t>(cells.z));
-  }
   // A translation has no derivatives: taken out, it costs the rest no digits of single precision.
   // Only where the field continues it outside; the weights of a point sum to one.
   glm::dvec3 shift(0.0);
@@ -963,26 +593,18 @@ bool FindSubCellBounds(const BSplineField& field, const SubCellGrid& grid, Bound
   const double largest = std::max({ extent.x, extent.y, extent.z });
   const glm::dvec3 inverse = glm::abs(1.0 / field.GetSpacing());
   const double steepest = std::max({ 1.0, inverse.x, inverse.y, inverse.z });
-  // Far below the range of single precision, which a third derivative must not leave.
+  // Far below the range of single precision, which a derivative must not leave.
   constexpr double limit = 1e30;
   const glm::dvec3 offset = glm::abs(shift);
   BoundsInput in;
-  in.Map = map;
-  if (zero || !finite || !(largest * steepest * steepest * steepest < limit) ||
+  if (zero || !finite || !(largest * steepest < limit) ||
     !(std::max({ offset.x, offset.y, offset.z }) < limit))
   {
     const float bound = zero ? 0.0f : std::numeric_limits<float>::infinity();
     SubCellBounds all;
-    const bool bounded = HWY_DYNAMIC_DISPATCH(BoundAlike)(in, bound, all);
+    std::fill_n(all.Value, SubCellBounds::Size, bound);
     std::fill(bounds.begin(), bounds.end(), all);
-    if (derivatives)
-    {
-      CellDerivatives cell;
-      std::fill_n(&cell.Second[0][0], 18, bound);
-      std::fill_n(&cell.Third[0][0], 30, bound);
-      std::fill(derivatives->begin(), derivatives->end(), cell);
-    }
-    return bounded;
+    return;
   }
 
   in.Padded = field.GetPaddedNodes();
@@ -993,16 +615,12 @@ bool FindSubCellBounds(const BSplineField& field, const SubCellGrid& grid, Bound
   // Not smaller than what keeps the scaled bounds normal numbers.
   in.CoefficientScale = std::nextafter(
     static_cast<float>(std::max(largest, 1e-30)), std::numeric_limits<float>::infinity());
-  const double shortest = std::max({ inverse.x, inverse.y, inverse.z });
-  in.SecondScale = static_cast<float>(in.CoefficientScale * shortest * shortest);
-  in.ThirdScale = static_cast<float>(in.CoefficientScale * shortest * shortest * shortest);
   in.RangeScale[0] = in.CoefficientScale;
   in.Mirrored[0] = false;
   for (int a = 0; a < 3; ++a)
   {
     // Three times the difference over half a spacing.
     const double factor = 6.0 / field.GetSpacing()[a];
-    in.InverseLength[a] = static_cast<float>(inverse[a] / shortest);
     in.RangeScale[a + 1] = static_cast<float>(std::abs(factor) * in.CoefficientScale);
     in.Mirrored[a + 1] = factor < 0.0;
     in.Shift[a] = static_cast<float>(shift[a]);
@@ -1037,66 +655,16 @@ bool FindSubCellBounds(const BSplineField& field, const SubCellGrid& grid, Bound
 
   in.ZeroOutside = field.GetBorder() == BorderMode::ZeroAtBorder && field.GetNodes().x > 1;
 
-  const std::vector<AxisPiece> halfY = MakePieces(grid, 1, 2);
-  const std::vector<AxisPiece> halfZ = MakePieces(grid, 2, 2);
-  const std::vector<AxisPiece> fullY = MakePieces(grid, 1, 1);
-  const std::vector<AxisPiece> fullZ = MakePieces(grid, 2, 1);
+  const std::vector<AxisPiece> halfY = MakePieces(grid, 1);
+  const std::vector<AxisPiece> halfZ = MakePieces(grid, 2);
   in.Half[0] = nullptr;
   in.Half[1] = &halfY;
   in.Half[2] = &halfZ;
-  in.Full[0] = nullptr;
-  in.Full[1] = &fullY;
-  in.Full[2] = &fullZ;
-  std::atomic<bool> bounded{ true };
-  RunFor(parallelFor, fullZ.size(), [&](std::size_t first, std::size_t last) {
-    if (!HWY_DYNAMIC_DISPATCH(BoundSlices)(in, grid, bounds.data(),
-          derivatives ? derivatives->data() : nullptr, static_cast<int>(first),
-          static_cast<int>(last)))
-    {
-      bounded = false;
-    }
-  });
-  return bounded;
-}
-
-BoundedMap FindBoundedMap(PullBackKind kind)
-{
-  switch (kind)
-  {
-    case PullBackKind::FirstOrder:
-      return BoundedMap::FirstOrder;
-    case PullBackKind::Exact:
-      return BoundedMap::Exact;
-    case PullBackKind::Forward:
-      return BoundedMap::Forward;
-    case PullBackKind::FirstOrderOfInverse:
-      return BoundedMap::FirstOrderOfInverse;
-  }
-  return BoundedMap::Displacement;
-}
-
-} // namespace
-
-//------------------------------------------------------------------------------
-void FindBezierRange(const double net[64], const BezierWeights& x, const BezierWeights& y,
-  const BezierWeights& z, double range[2])
-{
-  HWY_DYNAMIC_DISPATCH(FindRangeOfBezier)(net, x, y, z, range);
-}
-
-//------------------------------------------------------------------------------
-void ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid,
-  SubCellBoundsVector& bounds, const ParallelFor& parallelFor)
-{
-  FindSubCellBounds(field, grid, BoundedMap::Displacement, bounds, nullptr, parallelFor);
-}
-
-//------------------------------------------------------------------------------
-bool ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid, PullBackKind kind,
-  SubCellBoundsVector& bounds, std::vector<CellDerivatives>& derivatives,
-  const ParallelFor& parallelFor)
-{
-  return FindSubCellBounds(field, grid, FindBoundedMap(kind), bounds, &derivatives, parallelFor);
+  RunFor(parallelFor, static_cast<std::size_t>(grid.GetCells().z),
+    [&](std::size_t first, std::size_t last) {
+      HWY_DYNAMIC_DISPATCH(BoundSlices)
+      (in, grid, bounds.data(), static_cast<int>(first), static_cast<int>(last));
+    });
 }
 
 } // namespace ffd

@@ -5,7 +5,6 @@
 
 #include "FFDBSplineField.h"
 #include "FFDParallelFor.h"
-#include "FFDPullBack.h"
 
 #include <memory>
 #include <new>
@@ -16,29 +15,17 @@ namespace ffd
 {
 
 /**
- * Bounds of a map over one sub-cell, kept as upper bounds only (lower ones negated), so that the
- * union of two is an element-wise maximum of 26 floats. Rounded outwards.
+ * Range of D and of every entry of dD/dp over one sub-cell, kept as upper bounds only (lower ones
+ * negated), so that the union of two is an element-wise maximum of 24 floats. Rounded outwards.
  */
 struct SubCellBounds
 {
-  static constexpr int Size = 26;
+  static constexpr int Size = 24;
   static constexpr int NegatedJacobianMin = 0; ///< 9: -min of entry [column * 3 + row]
   static constexpr int JacobianMax = 9;        ///< 9
   static constexpr int NegatedMin = 18;        ///< 3: -min of the displacement
   static constexpr int Max = 21;               ///< 3
-  static constexpr int Second = 24;            ///< see MapBounds::SecondDerivative
-  static constexpr int Third = 25;
   float Value[Size];
-};
-
-/**
- * Bounds of the second and third derivatives of D over one cell, component by component and
- * derivative by derivative: |d^2 D_a / dp_b dp_c| and so on.
- */
-struct CellDerivatives
-{
-  float Second[6][3]; ///< xx, xy, xz, yy, yz, zz
-  float Third[10][3]; ///< xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz
 };
 
 /// Cells First ... End - 1 of a field, per axis.
@@ -75,11 +62,8 @@ struct SubCellGrid
     return static_cast<std::size_t>(this->Size.x) * static_cast<std::size_t>(this->Size.y) *
       static_cast<std::size_t>(this->Size.z);
   }
-  /// Cells per axis, the constant outside ones included, and the cell of a sub-cell.
+  /// Cells per axis, the constant outside ones included.
   glm::ivec3 GetCells() const { return this->Size / 2 + 1; }
-  static int CellOf(int subCell) { return (subCell + 1) / 2; }
-  /// Lower end of sub-cell i in control-point indices; sub-cell 0 has none.
-  double LowerEnd(int axis, int i) const { return this->FirstCell[axis] + 0.5 * (i - 1); }
 
   glm::ivec3 FirstCell;
   glm::ivec3 Size;
@@ -109,25 +93,12 @@ struct UninitializedAllocator : std::allocator<T>
 using SubCellBoundsVector = std::vector<SubCellBounds, UninitializedAllocator<SubCellBounds>>;
 
 /**
- * Bounds of D over every sub-cell of `grid` from its Bezier coefficients (convex hull property):
- * range of D and of every entry of dD/dp; those of the second and third derivatives are infinite.
+ * Bounds of D over every sub-cell of `grid` from its Bezier coefficients (convex hull property).
  * `bounds` is resized to grid.Count(). Single precision with the rounding error added; SIMD. About
  * 64 * 3 coefficients per sub-cell.
  */
 void ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid,
   SubCellBoundsVector& bounds, const ParallelFor& parallelFor = ParallelFor());
-
-/**
- * Range of D, and bounds of the derivatives of a pull-back, where the sub-cells are of deformed
- * space (FirstOrder, Forward) or of rest space (the kinds that invert T): every entry of the
- * Jacobian, and the norms of the second and third derivatives, which are found over the whole cell
- * of a sub-cell. The kinds that invert T are unbounded over sub-cells where J_T cannot be proven
- * regular; returns whether there are none. `derivatives` gets the second and third derivatives of D
- * over each cell one by one, x fastest.
- */
-bool ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid, PullBackKind kind,
-  SubCellBoundsVector& bounds, std::vector<CellDerivatives>& derivatives,
-  const ParallelFor& parallelFor = ParallelFor());
 
 /// Of one axis: what each of four control points counts for each of four Bezier coefficients, and
 /// what is added to these.

@@ -13,29 +13,6 @@ namespace ffd
 {
 
 //------------------------------------------------------------------------------
-double FindLargestTurnRate(const MapBounds& bounds)
-{
-  if (bounds.SecondDerivative == 0.0)
-  {
-    return 0.0;
-  }
-  const glm::dmat3 centre = 0.5 * (bounds.JacobianMin + bounds.JacobianMax);
-  const glm::dmat3 inverse = glm::inverse(centre);
-  double inverseNorm = 0.0; // Frobenius, an upper bound of the spectral norm
-  double radius = 0.0;
-  for (int column = 0; column < 3; ++column)
-  {
-    const glm::dvec3 half = 0.5 * (bounds.JacobianMax[column] - bounds.JacobianMin[column]);
-    inverseNorm += glm::dot(inverse[column], inverse[column]);
-    radius += glm::dot(half, half);
-  }
-  const double slowest = 1.0 / std::sqrt(inverseNorm) - std::sqrt(radius);
-  // The negation also catches what is not a number.
-  return !(slowest > 0.0) ? std::numeric_limits<double>::infinity()
-                          : bounds.SecondDerivative / slowest;
-}
-
-//------------------------------------------------------------------------------
 PolylineWalker::PolylineWalker(const PullBack& pullBack, const PolylineSettings& settings,
   const glm::dvec3& origin, const glm::dvec3& direction, double from, double to, bool withJacobian)
   : Map(pullBack)

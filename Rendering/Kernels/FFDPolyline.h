@@ -5,7 +5,6 @@
 
 #include "FFDExport.h"
 #include "FFDPullBack.h"
-#include "FFDPullBackBounds.h"
 
 #include <glm/vec3.hpp>
 
@@ -21,13 +20,6 @@ struct PolylineSettings
   double MinimumLength = 0.5;                  ///< of a segment on the viewing ray, units of t
   double MaximumLength = 8.0;
 };
-
-/**
- * Bound of how fast a deformed ray turns, radians per data unit of its viewing ray: the largest
- * curvature of section 4.5, times the speed. |Q' x Q''| / |Q'|^2 <= |Q''| / |Q'|, with |Q'| at
- * least the smallest singular value of dPhi/dP. Infinite where that cannot be bounded.
- */
-FFD_KERNEL_EXPORT double FindLargestTurnRate(const MapBounds& bounds);
 
 /// One vertex of the polyline: a point of the viewing ray and where it comes from.
 struct PolylineVertex

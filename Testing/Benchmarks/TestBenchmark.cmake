@@ -37,3 +37,33 @@ if (rows LESS 40)
   message(FATAL_ERROR "Only ${rows} times in ${REPORT}.")
 endif ()
 message(STATUS "${rows} times in ${REPORT}")
+
+# The page of targets: each figure is there, and each target says whether it is met.
+execute_process(
+  COMMAND "${BENCHMARK}" --targets --quick "--json=${REPORT}"
+    "--only=engine.*(bare|empty|fixedpoint|undeformed|bend45)|vectors|paper/opaque"
+  OUTPUT_VARIABLE page
+  RESULT_VARIABLE status)
+if (NOT status EQUAL 0 OR NOT page MATCHES "targets met")
+  message(FATAL_ERROR "ffd_benchmark --targets ended with ${status}: ${page}")
+endif ()
+file(READ "${REPORT}" report)
+string(JSON count LENGTH "${report}")
+set(met 0)
+math(EXPR last "${count} - 1")
+foreach (i RANGE ${last})
+  string(JSON name GET "${report}" ${i} name)
+  string(JSON figure GET "${report}" ${i} figure)
+  string(JSON target ERROR_VARIABLE none GET "${report}" ${i} target)
+  # Five shapes are left out.
+  if (name MATCHES "bend45|empty frame|undeformed, ms|paper" AND NOT figure MATCHES "^-?[0-9]")
+    message(SEND_ERROR "${name} has no figure: ${figure}")
+  endif ()
+  if (NOT target MATCHES "NOTFOUND$")
+    string(JSON is_met GET "${report}" ${i} met)
+    math(EXPR met "${met} + 1")
+  endif ()
+endforeach ()
+if (met LESS 4)
+  message(FATAL_ERROR "Only ${met} targets in ${REPORT}: ${report}")
+endif ()

@@ -3,6 +3,7 @@
 // Measures vtkFFDInverseRayVolumeMapper against what it replaces. See Usage below and NOTES.md.
 #include "FFDBenchmarkResample.h"
 #include "FFDBenchmarkSuites.h"
+#include "FFDBenchmarkTargets.h"
 #include "FFDGatherLoop.h"
 
 #include <benchmark/benchmark.h>
@@ -24,12 +25,14 @@ namespace
 {
 
 const char* const Usage =
-  "usage: ffd_benchmark [--quick] [--only=REGEX] [--rounds=N] [--data=FOLDER]\n"
-  "                     [Google Benchmark's options]\n"
+  "usage: ffd_benchmark [--targets] [--quick] [--only=REGEX] [--rounds=N] [--data=FOLDER]\n"
+  "                     [--json=FILE] [Google Benchmark's options]\n"
+  "  --targets      measure what the ray caster is to reach, and report on one page what is met\n"
   "  --quick        a small selection, about a minute: shows that everything works\n"
   "  --only=REGEX   measure the rows whose names (<group>/<row>) match, and no others\n"
   "  --rounds=N     how often each row is timed\n"
   "  --data=FOLDER  where engine.vti and cthead.vti are\n"
+  "  --json=FILE    write the targets, their figures and whether they are met\n"
   "  --benchmark_out=FILE --benchmark_out_format=json writes all times and counters\n"
   "The rows of a group are timed in turns, so that their ratios mean something on a busy machine.\n"
   "A row whose picture is not what it should be is refused: it gets a message and no time.\n";
@@ -178,11 +181,14 @@ int PrintTable(const std::vector<std::unique_ptr<Group>>& groups)
   return refused;
 }
 
+std::vector<ffdBenchmark::Target> PrintedTargets;
+
 //------------------------------------------------------------------------------
 void PrintTarget(const std::string& what, double figure, double target, bool atMost = true)
 {
   if (!std::isnan(figure))
   {
+    PrintedTargets.push_back({ what, figure, target, atMost });
     std::printf("  %-70s %8.3f  %s %-6g %s\n", what.c_str(), figure, atMost ? "<=" : ">=", target,
       (atMost ? figure <= target : figure >= target) ? "met" : "MISSED");
   }
@@ -229,7 +235,7 @@ void PrintTargets(const std::vector<std::unique_ptr<Group>>& groups)
       const double gain = group->GetRatio("grid", "exact");
       if (name == "Drag/256")
       {
-        PrintTarget(name + " grid / exact", gain, 30.0, false);
+        PrintTarget(name + " grid / exact", gain, 60.0, false);
       }
       else if (!std::isnan(gain))
       {
@@ -318,6 +324,8 @@ int main(int argc, char* argv[])
   ffdBenchmark::Options options;
   const char* folder = std::getenv("FFD_TEST_DATA");
   options.DataFolder = folder ? folder : FFD_BENCHMARK_DATA;
+  bool onlyTargets = false;
+  std::string json;
   int kept = 1;
   for (int i = 1; i < argc; ++i)
   {
@@ -329,6 +337,14 @@ int main(int argc, char* argv[])
     if (std::strcmp(argv[i], "--quick") == 0)
     {
       options.Quick = true;
+    }
+    else if (std::strcmp(argv[i], "--targets") == 0)
+    {
+      onlyTargets = true;
+    }
+    else if (const char* file = GetValue(argv[i], "--json="))
+    {
+      json = file;
     }
     else if (const char* only = GetValue(argv[i], "--only="))
     {
@@ -362,20 +378,39 @@ int main(int argc, char* argv[])
     std::cerr << Usage;
     return EXIT_FAILURE;
   }
-  const auto groups = ffdBenchmark::MakeGroups(options);
+  const auto groups =
+    onlyTargets ? ffdBenchmark::MakeTargetGroups(options) : ffdBenchmark::MakeGroups(options);
   if (groups.empty())
   {
     std::cerr << "ffd_benchmark: no row matches --only.\n";
     return EXIT_FAILURE;
   }
-  Register(groups);
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
-  const int refused = PrintTable(groups);
-  PrintTargets(groups);
-  if (refused > 0)
+  if (onlyTargets)
   {
-    std::printf("\n%d rows were refused.\n", refused);
+    for (const auto& group : groups)
+    {
+      std::cerr << group->GetName() << "\n";
+      group->Measure();
+    }
+    PrintedTargets = ffdBenchmark::FindTargets(groups);
+    ffdBenchmark::PrintTargetPage(groups, PrintedTargets);
+  }
+  else
+  {
+    Register(groups);
+    benchmark::RunSpecifiedBenchmarks();
+    const int refused = PrintTable(groups);
+    PrintTargets(groups);
+    if (refused > 0)
+    {
+      std::printf("\n%d rows were refused.\n", refused);
+    }
+  }
+  benchmark::Shutdown();
+  if (!json.empty() && !ffdBenchmark::WriteTargets(json, PrintedTargets))
+  {
+    std::cerr << "ffd_benchmark: cannot write " << json << ".\n";
+    return EXIT_FAILURE;
   }
   return EXIT_SUCCESS;
 }
