@@ -61,7 +61,7 @@ class TestAbort(unittest.TestCase):
             time.sleep(0.1)
         self.fail("The server does not accept connections.")
 
-    def next(self, event, seconds=100.0, **wanted):
+    def next(self, event, seconds=200.0, **wanted):
         """The next line of the log of such an event, those before it are left out."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
