@@ -299,7 +299,11 @@ RayCaster::RayCaster(const CastScene& scene, const CastSettings& settings)
   , GradientToRest(glm::transpose(scene.Volume.DataToIndex))
   , RestBox(FindRestBox(scene.Volume, scene.WholeAtRest))
   , Visible(scene.Blend.Mode == BlendMode::Slice || !scene.Distances ||
-      settings.Leaping == SpaceLeaping::Off || scene.Distances->IsAnythingVisible())
+      settings.Leaping == SpaceLeaping::Off ||
+      // The paper's method counts what it does in empty space, too.
+      (settings.Segments == Segmentation::GreedyAngle &&
+        settings.Leaping == SpaceLeaping::Segment) ||
+      scene.Distances->IsAnythingVisible())
 {
   if (!this->Scene.Classifier)
   {
