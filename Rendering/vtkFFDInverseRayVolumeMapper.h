@@ -181,8 +181,11 @@ public:
 
   ///@{
   /**
-   * Which pull-back is used. Default: EXACT. Where T cannot be inverted (folds) EXACT uses the
-   * first-order point and counts it, see vtkFFDRayStatistics::GetNumberOfUnconvergedPoints.
+   * Which pull-back is used. Default: EXACT. Where T folds, a deformed point has several rest
+   * points: those count where T keeps the orientation of the volume, what it turns inside out is not
+   * shown. Points without such a rest point show nothing and are counted, see
+   * vtkFFDRayStatistics::GetNumberOfUnconvergedPoints. (The paper's segmentation, GREEDY_ANGLE, and
+   * the reference kernels use the first-order point there.)
    */
   vtkSetClampMacro(InverseMode, int, FIRST_ORDER, PULL_BACK);
   vtkGetMacro(InverseMode, int);
@@ -195,8 +198,9 @@ public:
   ///@{
   /**
    * Largest distance between T(Phi(P)) and P in EXACT mode, in voxels. Default: 0.01. Must be
-   * positive; more than 1 counts as that, and with ERROR_BOUND more than a tenth of the
-   * PositionTolerance as a tenth.
+   * positive; more than 1 counts as that. With ERROR_BOUND positions are as close as the
+   * PositionTolerance says; InverseTolerance counts only where samples are pulled back by themselves,
+   * and there at most as half of that.
    */
   virtual void SetInverseTolerance(double voxels);
   vtkGetMacro(InverseTolerance, double);

@@ -84,8 +84,8 @@ public:
 
   ///@{
   /**
-   * Number of points where the inverse of the deformation did not converge (folds), so that the
-   * first-order point of the paper's equation (3) was used.
+   * Number of points that no rest point was found of (folds): they show nothing, or with
+   * GREEDY_ANGLE and the reference kernels the first-order point of the paper's equation (3).
    */
   vtkGetMacro(NumberOfUnconvergedPoints, vtkTypeInt64);
   ///@}

@@ -78,6 +78,8 @@ void MoveSeeds(PacketScene& scene)
     }
     HWY_ALIGN float squared[16];
     hn::Store(Dot(image, image), d, squared);
+    HWY_ALIGN float determinants[16];
+    hn::Store(step.Inverse, d, determinants);
     hn::Store(image.x, d, p[0]);
     hn::Store(image.y, d, p[1]);
     hn::Store(image.z, d, p[2]);
@@ -85,6 +87,7 @@ void MoveSeeds(PacketScene& scene)
     {
       PacketSeed& seed = at(lane);
       seed.SquaredImage = squared[lane];
+      seed.Positive = determinants[lane] > 0.0f;
       for (int a = 0; a < 3; ++a)
       {
         seed.Image[a] = p[a][lane];
@@ -219,6 +222,19 @@ Box FindBounds(const VolumeView& volume, const Box& index)
   return bounds;
 }
 
+/// Where T folds, parts of the volume are turned inside out: seeds there go.
+void KeepOneOrientation(PacketScene& scene)
+{
+  const auto positive = std::count_if(scene.Seeds.begin(), scene.Seeds.end(),
+    [](const PacketSeed& seed) { return seed.Positive; });
+  const bool most = 2 * positive >= static_cast<std::ptrdiff_t>(scene.Seeds.size());
+  scene.Orientation = most ? 1.0f : -1.0f;
+  scene.Folds = positive != 0 && positive != static_cast<std::ptrdiff_t>(scene.Seeds.size());
+  scene.Seeds.erase(std::remove_if(scene.Seeds.begin(), scene.Seeds.end(),
+                      [&](const PacketSeed& seed) { return seed.Positive != most; }),
+    scene.Seeds.end());
+}
+
 /// The range of values outside of which nothing is visible.
 void FindVisibleRange(const TransferTable& table, PacketScene& scene)
 {
@@ -321,7 +337,10 @@ PacketCaster::PacketCaster(
     p.TableScale = static_cast<float>(scene.Table->GetScale());
   }
 
-  FindVisibleRange(*scene.Table, p);
+  if (settings.Leaping != SpaceLeaping::Off)
+  {
+    FindVisibleRange(*scene.Table, p);
+  }
 
   if (gradients)
   {
@@ -351,6 +370,7 @@ PacketCaster::PacketCaster(
   p.Centre = 0.5 * (whole.Min + whole.Max);
   Copy(bounds.Min - p.Centre, p.BoundsMin);
   Copy(bounds.Max - p.Centre, p.BoundsMax);
+  p.FarAway = static_cast<float>(1e3 * glm::length(whole.Max - whole.Min));
   p.Identity = scene.Map->IsIdentity();
   p.Kind = scene.Map->GetKind();
   // Single precision cannot tell residuals smaller than this.
@@ -361,9 +381,9 @@ PacketCaster::PacketCaster(
     static_cast<float>(std::max(std::min(scene.Map->GetTolerance(), tolerance), resolution));
   p.NodeTolerance = static_cast<float>(std::max(tolerance, resolution));
   const Box rest = FindRestBox(v, scene.WholeAtRest);
+  const Box restBounds = FindBounds(v, rest);
   if (!p.Identity)
   {
-    const Box restBounds = FindBounds(v, rest);
     p.Field.Assign(
       *scene.Map->GetField(), p.Centre, InvertsTheField(p.Kind) ? &restBounds : nullptr);
   }
@@ -381,6 +401,9 @@ PacketCaster::PacketCaster(
       p.Seeds.push_back(seed);
     }
     HWY_DYNAMIC_DISPATCH(MoveSeeds)(p);
+    KeepOneOrientation(p);
+    Copy(restBounds.Min - p.Centre, p.RestLow);
+    Copy(restBounds.Max - p.Centre, p.RestHigh);
   }
   const double distance = settings.SampleDistance;
   const double voxel = scene.VoxelSize;
@@ -431,8 +454,7 @@ PacketCaster::PacketCaster(
       p.Blocks[a] = scene.Distances->GetBlocks()[a];
       p.LastBlock[a] = static_cast<float>(p.Blocks[a] - 1);
     }
-    p.LeapsRays =
-      p.Sampling == PacketSampling::PerRay || p.Sampling == PacketSampling::Surface;
+    p.LeapsRays = p.Sampling != PacketSampling::Composite;
   }
 
   p.Shade = settings.Shade;

@@ -15,6 +15,7 @@
 #include <glm/vec3.hpp>
 
 #include <array>
+#include <limits>
 #include <vector>
 
 namespace ffd
@@ -54,6 +55,7 @@ struct PacketSeed
   float Image[3];
   float SquaredImage; ///< the squared length of Image
   float Inverse[9];   ///< of the Jacobian matrix of T there, row by row
+  bool Positive;      ///< whether its determinant is
 };
 
 /**
@@ -76,6 +78,11 @@ struct PacketScene
   PullBackKind Kind = PullBackKind::Exact;
   PacketField Field;
   std::vector<PacketSeed> Seeds; ///< over the volume, where Newton's method starts from nowhere
+  bool Folds = false;       ///< whether T is known to turn parts of the volume inside out
+  float Orientation = 1.0f; ///< sign of the determinant of T where it does not
+  float RestLow[3] = {};    ///< the volume at rest, local coordinates
+  float RestHigh[3] = {};
+  float FarAway = 0.0f; ///< a local coordinate outside of all
   float Tolerance = 0.0f;     ///< of the inverse at samples, data units
   float NodeTolerance = 0.0f; ///< the same at nodes of interpolants
   glm::dvec3 Centre{ 0.0 }; ///< data coordinates
@@ -120,12 +127,13 @@ struct PacketScene
   int Blocks[3] = {};
   float LastBlock[3] = {};
 
-  /// Whether single rays leap within pieces: where a sample costs more than a look-up.
+  /// Whether single rays always leap within pieces, too: where a sample costs more than a look-up.
   bool LeapsRays = false;
 
   PacketTable Table;
-  float VisibleLow = 0.0f; ///< values between these may be visible, no others
-  float VisibleHigh = 0.0f;
+  /// Values between these may be visible, no others. Without space leaping all are looked up.
+  float VisibleLow = -std::numeric_limits<float>::infinity();
+  float VisibleHigh = std::numeric_limits<float>::infinity();
   float TableLow = 0.0f;   ///< value of the first entry
   float TableScale = 1.0f; ///< entries a unit of values
 

@@ -150,6 +150,8 @@ public:
 
 private:
   static constexpr float NoExtreme = 3e38f;
+  /// Samples from one that is nowhere in the volume to the next one that is looked for.
+  static constexpr int SamplesOfNothing = 4;
   /// Kept between a leap and the faces of an empty cube, index units: rounding errors.
   static constexpr float LeapGuard[3] = { 2e-3f, 2e-3f, 2e-3f };
 
@@ -288,6 +290,7 @@ private:
     this->HaveSlopes = false;
     this->Out.TallyStep = Splat(-1e30f);
     this->SkipTo = Splat(-1e30f);
+    this->Expecting = hn::FirstN(Df(), 0);
     for (; needed != 0; needed &= needed - 1)
     {
       const int part = static_cast<int>(hwy::Num0BitsBelowLS1Bit_Nonzero32(needed));
@@ -295,7 +298,8 @@ private:
       const int to = std::min(
         { from + piece.SamplesPerPart, piece.FirstSample + piece.Samples, this->EndSample });
       const bool within = (inside >> part & 1u) != 0;
-      const bool inner = within && this->Scene.Plain && !this->Scratch.Positions;
+      const bool inner =
+        within && this->Scene.Plain && !piece.LeapsRays && !this->Scratch.Positions;
       for (int n = std::max(from, this->FirstSample); n < to; ++n)
       {
         const Vf s = hn::Mul(
@@ -335,10 +339,22 @@ private:
     { return hn::Mul(hn::Add(this->Phase, Splat(static_cast<float>(n))), Splat(distance)); };
     const auto positionAt = [&](int n, const Vec3& start)
     {
+      // Where there was nothing there is likely to be nothing again.
+      const Vec3 local = IndexToLocal(this->Scene, start);
+      Mf active = this->Alive;
+      if (n % SamplesOfNothing != 0)
+      {
+        active = hn::AndNot(IsNowhere(this->Scene, local), active);
+      }
+      if (hn::AllFalse(d, active))
+      {
+        return start;
+      }
       const Vec3 p = MulAdd(timeOf(n), this->Rays.Direction, this->Rays.Origin);
-      return LocalToIndex(this->Scene,
-        PullBackFrom(this->Scene, p, IndexToLocal(this->Scene, start), this->Scene.Tolerance,
-          this->Alive, this->Scratch.Statistics));
+      const Vec3 q = LocalToIndex(this->Scene,
+        PullBackFrom(this->Scene, p, local, this->Scene.Tolerance, active,
+          this->Scratch.Statistics));
+      return Select(active, q, start);
     };
     PacketCurve curve;
     const Vf zero = hn::Zero(d);
@@ -417,7 +433,7 @@ private:
       return;
     }
     const Vec3 q = curve.Position.At(s);
-    if (HWY_UNLIKELY(this->Scene.LeapsRays) && curve.Piece)
+    if (curve.Piece && curve.Piece->LeapsRays)
     {
       active = this->LeapFrom(curve, q, number, active);
       if (hn::AllFalse(d, active))
@@ -468,13 +484,17 @@ private:
     return hn::Sqrt(Dot(data, data));
   }
 
-  /// The lanes of `active` that may see something: looks up how many samples of the piece are empty
-  /// for certain.
+  /**
+   * The lanes of `active` that may see something. Those whose last sample was visible expect the next one
+   * to be; the others look up how many samples of the piece are empty for certain.
+   */
   HWY_NOINLINE Mf LeapFrom(const PacketCurve& curve, const Vec3& q, Vf number, Mf active)
   {
     const Df d;
     active = hn::And(active, hn::Ge(number, this->SkipTo));
-    if (hn::AllFalse(d, active))
+    const Mf looking = hn::AndNot(this->Expecting, active);
+    this->Expecting = hn::FirstN(d, 0);
+    if (hn::AllFalse(d, looking))
     {
       return active;
     }
@@ -482,7 +502,7 @@ private:
       EmptySpaceQuery(this->Scene, q).CountSteps(LeapGuard, curve.Piece->Up, curve.Piece->Down);
     // An interval is empty if its end is in the cube, too.
     const Mf empty = hn::And(
-      active, hn::Ge(steps, this->Scene.Intervals ? Splat(1.0f) : hn::Zero(d)));
+      looking, hn::Ge(steps, this->Scene.Intervals ? Splat(1.0f) : hn::Zero(d)));
     const Vf more = this->Scene.Intervals ? steps : hn::Add(steps, Splat(1.0f));
     this->SkipTo = hn::IfThenElse(empty, hn::Add(number, more), this->SkipTo);
     this->Scratch.Statistics.DistanceLookups +=
@@ -650,6 +670,7 @@ private:
       }
     }
     statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
+    this->Expecting = visible;
 
     Vec3 colour = look.Colour();
     const Vf t = curve.TimeAt(s);
@@ -1117,6 +1138,7 @@ private:
   PacketPixels Out;
   float Reach = std::numeric_limits<float>::infinity();
   Vf SkipTo;    ///< samples of the piece before this one are empty for certain
+  Mf Expecting; ///< rays whose last sample was visible
 
   /// Voxels of the last samples at faces of the volume.
   RepeatedVoxels<std::conditional_t<std::is_same<T, WideScalar>::value, float, T>> Border;

@@ -41,14 +41,19 @@ HWY_INLINE Vf DistanceOf(const PacketScene& scene, Vf x, Vf y, Vf z)
     Df(), hn::And(LoadLanes<int, 1>(scene.Distances, 0, offsets), hn::Set(di, 255)));
 }
 
-/// The lanes of `lanes` whose boxes of `radius` around q touch empty blocks only: eight of them at
-/// most, so boxes larger than a block are not told.
+/// Whether boxes of a radius touch eight blocks at most.
+inline bool CanTellBoxes(const float radius[3])
+{
+  constexpr float Half = 0.5f * static_cast<float>(MinMaxBlocks::BlockSize);
+  return std::max({ radius[0], radius[1], radius[2] }) <= Half;
+}
+
+/// The lanes of `lanes` whose boxes of `radius` around q touch empty blocks only, if CanTellBoxes().
 HWY_INLINE Mf FindEmptyBoxes(
   const PacketScene& scene, const Vec3& q, const float radius[3], Mf lanes)
 {
   const Df d;
-  const float largest = std::max({ radius[0], radius[1], radius[2] });
-  if (2.0f * largest > static_cast<float>(MinMaxBlocks::BlockSize))
+  if (!CanTellBoxes(radius))
   {
     return hn::FirstN(d, 0);
   }

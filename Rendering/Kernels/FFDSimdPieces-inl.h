@@ -438,7 +438,8 @@ private:
     const bool canHalve = piece.Samples > 1 && 0.5f * length >= this->Scene.ShortestPiece * 0.999f;
     const bool canQuarter = piece.Side > SmallestSide && width > 0.5f;
     // Where T folds or nearly so no interpolant will do.
-    const bool hopeless = !(piece.Error < 1.0f) && length <= 8.0f && piece.Side <= 16;
+    const float longest = this->Scene.Folds ? 32.0f : 8.0f;
+    const bool hopeless = !(piece.Error < 1.0f) && length <= longest && piece.Side <= 16;
     const bool halvedInVain = piece.Error > LittleHelp * piece.ErrorBefore;
     if (hopeless || !(canHalve || canQuarter))
     {
@@ -565,6 +566,9 @@ private:
       piece.Up[a] /= static_cast<float>(piece.Samples);
       piece.Down[a] /= static_cast<float>(piece.Samples);
     }
+    // Of blocks wider than what FindEmptyBoxes() tells single rays may leap where the block does not.
+    piece.LeapsRays = this->Scene.Distances != nullptr &&
+      (this->Scene.LeapsRays || !CanTellBoxes(radius));
     const int blocksPerRow = piece.Side / BlockSide;
     const int blocks = blocksPerRow * blocksPerRow;
     const Vf toNodes = Splat(3.0f / static_cast<float>(piece.Side - 1));

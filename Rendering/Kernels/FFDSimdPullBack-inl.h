@@ -69,32 +69,63 @@ HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
   return MulAdd(part, step, load(point));
 }
 
+/// Lanes that lie in the volume at rest, or about.
+HWY_INLINE Mf IsInRestBox(const PacketScene& scene, const Vec3& q)
+{
+  const auto within = [&](Vf x, int a) {
+    return hn::And(hn::Ge(x, Splat(scene.RestLow[a])), hn::Le(x, Splat(scene.RestHigh[a])));
+  };
+  return hn::And(within(q.x, 0), hn::And(within(q.y, 1), within(q.z, 2)));
+}
+
+/// Lanes whose T^-1 does not lead into the volume: InvertFrom() gives them a point far outside.
+HWY_INLINE Mf IsNowhere(const PacketScene& scene, const Vec3& q)
+{
+  return hn::Gt(hn::Abs(q.x), Splat(0.1f * scene.FarAway));
+}
+
 /**
- * T^-1 of every lane by Newton's method from `start`, local coordinates. Lanes that it does not
- * solve start again from the nearest seed; where that does not help, T folds or nearly so, and they
- * take the point of first order. `step`: the last one.
+ * T^-1 of every lane by Newton's method from `start`, local coordinates. Where T folds, several rest
+ * points lead to p: those count where T does not turn the volume inside out. Lanes that do not find
+ * such a one start again from the nearest seed; where that does not help, there is nothing at p, and
+ * they get a point far outside. `step`: the last one.
  */
 HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& start,
   float tolerance, Mf active, NewtonStep& step, CastStatistics& statistics)
 {
+  // Where T folds many points have no solution.
+  const int mostSteps = scene.Folds ? 5 : 12;
+  const int mostStepsAgain = scene.Folds ? 7 : 12;
   const Df d;
   Vec3 q = start;
   int evaluations = 0;
-  Mf stuck = hn::AndNot(
-    SolveInverse(scene.Field, p, tolerance, active, q, step, evaluations), active);
+  const auto solve = [&](Mf lanes, int steps, Vec3& at, NewtonStep& last) {
+    const Mf solved =
+      SolveInverse(scene.Field, p, tolerance, lanes, steps, at, last, evaluations);
+    const Mf kept = hn::Gt(hn::Mul(last.Inverse, Splat(scene.Orientation)), hn::Zero(d));
+    return hn::And(solved, hn::Or(kept, hn::Not(IsInRestBox(scene, at))));
+  };
+  // From where there was nothing as from nowhere.
+  const Mf cold = IsNowhere(scene, start);
+  if (HWY_UNLIKELY(!hn::AllFalse(d, cold)))
+  {
+    q = Select(cold, FindColdStart(scene, p), q);
+  }
+  Mf stuck = hn::AndNot(solve(active, mostSteps, q, step), active);
   if (HWY_UNLIKELY(!hn::AllFalse(d, stuck)))
   {
-    Vec3 again = FindColdStart(scene, p);
-    NewtonStep other;
-    const Mf solved =
-      SolveInverse(scene.Field, p, tolerance, stuck, again, other, evaluations);
-    q = Select(hn::And(stuck, solved), again, q);
-    stuck = hn::AndNot(solved, stuck);
-    if (!hn::AllFalse(d, stuck))
+    const Mf again = hn::AndNot(cold, stuck);
+    if (!hn::AllFalse(d, again))
     {
-      q = Select(stuck, Sub(p, Displacement(scene.Field, p)), q);
-      statistics.Unconverged += static_cast<std::int64_t>(hn::CountTrue(d, stuck));
+      Vec3 other = FindColdStart(scene, p);
+      NewtonStep last;
+      const Mf solved = solve(again, mostStepsAgain, other, last);
+      q = Select(hn::And(again, solved), other, q);
+      stuck = hn::AndNot(hn::And(again, solved), stuck);
     }
+    const Vf outside = Splat(scene.FarAway);
+    q = Select(stuck, { outside, outside, outside }, q);
+    statistics.Unconverged += static_cast<std::int64_t>(hn::CountTrue(d, stuck));
   }
   statistics.Evaluations +=
     static_cast<std::int64_t>(evaluations) * static_cast<std::int64_t>(hn::CountTrue(d, active));

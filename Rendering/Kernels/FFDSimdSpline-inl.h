@@ -332,19 +332,18 @@ HWY_INLINE NewtonStep FindNewtonStep(const PacketField& field, const Vec3& p, co
 
 /**
  * T(Q) = p for the lanes of `active` by Newton's method from `q`, with steps of limited length. A lane
- * is done with a step that ends within the tolerance: by the theorem of Newton and Kantorovich that
- * is where with h = |J^-1| M |delta| <= 1/2, M being a bound of the second derivative, h |delta| is.
- * Where the theorem says nothing it is done when its residual is under the tolerance. What a lane
- * gets does not depend on the others. Returns the lanes that are done; `step` is the last one.
+ * is done with a step no longer than the tolerance, or earlier: by the theorem of Newton and
+ * Kantorovich with a step delta that ends within h |delta| of Q, where h = |J^-1| M |delta| <= 1/2, M
+ * being a bound of the second derivative. What a lane gets does not depend on the others. Returns the
+ * lanes that are done; `step` is the last one.
  */
 HWY_INLINE Mf SolveInverse(const PacketField& field, const Vec3& p, float tolerance, Mf active,
-  Vec3& q, NewtonStep& step, int& evaluations)
+  int largestSteps, Vec3& q, NewtonStep& step, int& evaluations)
 {
-  constexpr int LargestSteps = 12;
   const Df d;
   const Vf longest = Splat(field.LongestStep);
   Mf done = hn::Not(active);
-  for (int i = 0; i < LargestSteps && !hn::AllTrue(d, done); ++i)
+  for (int i = 0; i < largestSteps && !hn::AllTrue(d, done); ++i)
   {
     step = FindNewtonStep(field, p, q);
     ++evaluations;
@@ -357,10 +356,10 @@ HWY_INLINE Mf SolveInverse(const PacketField& field, const Vec3& p, float tolera
     {
       known = hn::And(known, hn::And(IsInLattice(field, q), IsInLattice(field, next)));
     }
-    const Mf met = hn::Le(Dot(step.Residual, step.Residual), Splat(tolerance * tolerance));
-    q = Select(hn::Or(done, hn::AndNot(known, met)), q, next);
-    done = hn::Or(
-      done, hn::Or(met, hn::And(known, hn::Le(hn::Mul(h, length), Splat(tolerance)))));
+    q = Select(done, q, next);
+    done = hn::Or(done,
+      hn::Or(hn::Le(length, Splat(tolerance)),
+        hn::And(known, hn::Le(hn::Mul(h, length), Splat(tolerance)))));
   }
   return done;
 }

@@ -30,14 +30,11 @@ public:
     const Vf intervals = Splat(static_cast<float>(scene.Table.GetNumberOfIntervals()));
     const Vf x = hn::Mul(hn::Sub(values, Splat(scene.TableLow)), Splat(scene.TableScale));
     // Comparisons with what is not a number are false.
-    this->Number = hn::Eq(x, x);
-    const Vf entry = hn::IfThenElseZero(this->Number, Clamp(x, hn::Zero(d), intervals));
+    const Vf entry = hn::IfThenElseZero(hn::Eq(x, x), Clamp(x, hn::Zero(d), intervals));
     const Vf whole = hn::Min(hn::Floor(entry), hn::Sub(intervals, Splat(1.0f)));
     this->Fraction = hn::Sub(entry, whole);
     this->Words = LoadQuads(scene.Table.GetWords(), hn::ConvertTo(Di(), whole));
   }
-
-  HWY_INLINE Mf IsNumber() const { return this->Number; }
 
   /// Per world unit; of what is no number that of the first entry.
   HWY_INLINE Vf Extinction() const
@@ -69,7 +66,6 @@ private:
   }
 
   Vf Fraction;
-  Mf Number;
   Quads Words;
 };
 

@@ -45,6 +45,7 @@ struct alignas(64) TilePiece
   };
   State Known = State::Unknown;
   bool HasColumns = false;
+  bool LeapsRays = false; ///< whether single rays leap in it, too
   int Side = TileSide; ///< pixels
   int X = 0;           ///< first pixel, from that of the tile
   int Y = 0;

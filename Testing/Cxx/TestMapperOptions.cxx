@@ -90,9 +90,6 @@ int TestRayOptions()
   const auto segments = [&] { return counts->GetSegmentsPerRay(); };
   m->SetSpaceLeapingToOff();
   ok &= Counts(
-    scene, "InverseTolerance", evaluations, [&] { m->SetInverseTolerance(0.01); },
-    [&] { m->SetInverseTolerance(1e-10); }, 1.1);
-  ok &= Counts(
     scene, "PositionTolerance", segments, [&] { m->SetPositionTolerance(0.1); },
     [&] { m->SetPositionTolerance(0.01); }, 1.2);
   m->SetPositionTolerance(0.01);
@@ -107,6 +104,10 @@ int TestRayOptions()
   m->SetMaximumSegmentLength(8.0);
   m->ReferenceKernelsOn();
   m->SetSegmentationToGreedyAngle();
+  ok &= Counts(
+    scene, "InverseTolerance", evaluations, [&] { m->SetInverseTolerance(0.01); },
+    [&] { m->SetInverseTolerance(1e-10); }, 1.1);
+  m->SetInverseTolerance(0.01);
   ok &= Counts(
     scene, "AngleThreshold", segments, [&] { m->SetAngleThreshold(5.0); },
     [&] { m->SetAngleThreshold(0.5); }, 1.2);

@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Where the deformation folds, the picture is that of the volume moved forward, without holes.
+
+A solid block is bent until its inner side folds. Its points are moved by T and projected: pixels that
+points well within the block reach, at which T keeps their orientation, must be opaque, and pixels that
+no point of the block comes near to must be empty.
+"""
+
+import unittest
+
+import numpy
+import vtkffd
+import vtkmodules.vtkRenderingOpenGL2  # noqa: F401 (the window's implementation)
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+from vtkmodules.vtkRenderingCore import (
+    vtkColorTransferFunction, vtkRenderer, vtkRenderWindow, vtkVolume)
+
+VOXELS = (64, 64, 32)
+SIZE = 200
+
+
+def make_block():
+    image = vtkImageData()
+    image.SetDimensions(*VOXELS)
+    values = numpy.full(VOXELS[0] * VOXELS[1] * VOXELS[2], 200, numpy.uint8)
+    image.GetPointData().SetScalars(numpy_to_vtk(values, deep=True))
+    return image
+
+
+def make_lattice(image, shape, strength):
+    source = vtkffd.vtkFFDLatticeSource()
+    source.SetBounds(image.GetBounds())
+    source.SetDimensions(8, 8, 8)
+    source.SetShape(shape)
+    source.SetStrength(strength)
+    source.Update()
+    return source.GetLattice()
+
+
+def make_mapper(image, lattice):
+    mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+    mapper.SetInputData(image)
+    mapper.SetDeformation(lattice)
+    mapper.SetAutoAdjustSampleDistances(False)
+    mapper.SetSampleDistance(0.5)
+    return mapper
+
+
+def moved_points(lattice, margin):
+    """Points of the block at least `margin` voxels within it that T moves, keeping orientation."""
+    step = 0.5
+    axes = [numpy.arange(margin, n - 1 - margin + 1e-6, step) for n in VOXELS]
+    grid = numpy.stack(numpy.meshgrid(*axes, indexing="ij"), -1)
+    moved = numpy.empty_like(grid)
+    for index in numpy.ndindex(grid.shape[:3]):
+        moved[index] = lattice.TransformPoint(*grid[index])
+    slopes = [numpy.gradient(moved, step, axis=a) for a in range(3)]
+    determinants = numpy.einsum("...i,...i", slopes[0], numpy.cross(slopes[1], slopes[2]))
+    return moved.reshape(-1, 3), determinants.reshape(-1)
+
+
+class TestFolds(unittest.TestCase):
+    def render(self, mapper, center):
+        volume = vtkVolume()
+        volume.SetMapper(mapper)
+        opacity, color = vtkPiecewiseFunction(), vtkColorTransferFunction()
+        opacity.AddPoint(0, 1)
+        opacity.AddPoint(255, 1)
+        color.AddRGBPoint(0, 1, 1, 1)
+        volume.GetProperty().SetScalarOpacity(opacity)
+        volume.GetProperty().SetColor(color)
+        renderer, window = vtkRenderer(), vtkRenderWindow()
+        window.SetOffScreenRendering(1)
+        window.SetSize(SIZE, SIZE)
+        window.AddRenderer(renderer)
+        renderer.AddVolume(volume)
+        camera = renderer.GetActiveCamera()
+        camera.SetFocalPoint(*center)
+        camera.SetPosition(*(center + numpy.array([90.0, 60.0, 180.0])))
+        camera.SetViewUp(0, 1, 0)
+        renderer.ResetCameraClippingRange(mapper.GetBounds())
+        colors = vtkImageData()
+        self.assertEqual(mapper.RenderToImage(renderer, volume, SIZE, SIZE, colors), 1)
+        pixels = vtk_to_numpy(colors.GetPointData().GetScalars())
+        return renderer, pixels.reshape(SIZE, SIZE, -1)[..., 3]
+
+    def project(self, renderer, points):
+        camera = renderer.GetActiveCamera()
+        matrix = camera.GetCompositeProjectionTransformMatrix(1.0, -1, 1)
+        rows = numpy.array([[matrix.GetElement(i, j) for j in range(4)] for i in range(4)])
+        homogeneous = numpy.c_[points, numpy.ones(len(points))] @ rows.T
+        return (homogeneous[:, :2] / homogeneous[:, 3:] * 0.5 + 0.5) * SIZE
+
+    def check(self, shape, strength, folds):
+        image = make_block()
+        lattice = make_lattice(image, shape, strength)
+        mapper = make_mapper(image, lattice)
+        bounds = numpy.array(mapper.GetBounds()).reshape(3, 2)
+        renderer, alpha = self.render(mapper, bounds.mean(axis=1))
+        inner, determinants = moved_points(lattice, 1.5)
+        self.assertEqual((determinants < 0).any(), folds)
+
+        covered = numpy.zeros((SIZE, SIZE), bool)
+        at = numpy.floor(self.project(renderer, inner[determinants > 0.05])).astype(int)
+        at = at[((at >= 0) & (at < SIZE)).all(axis=1)]
+        covered[at[:, 1], at[:, 0]] = True
+        self.assertGreater(covered.sum(), 3000)
+        holes = covered & (alpha < 128)
+        self.assertLess(holes.sum() / covered.sum(), 0.001, "pixels without what is there")
+
+        reached = numpy.zeros((SIZE, SIZE), bool)
+        outer, _ = moved_points(lattice, 0.0)
+        for dy in (-1.5, 0, 1.5):
+            for dx in (-1.5, 0, 1.5):
+                at = numpy.floor(self.project(renderer, outer) + (dx, dy)).astype(int)
+                at = at[((at >= 0) & (at < SIZE)).all(axis=1)]
+                reached[at[:, 1], at[:, 0]] = True
+        self.assertEqual(((alpha > 0) & ~reached).sum(), 0, "pixels with what is not there")
+        return mapper
+
+    def test_bend_that_folds(self):
+        self.check(vtkffd.vtkFFDLatticeSource.BEND, 2, True)
+
+    def test_bend_that_does_not(self):
+        self.check(vtkffd.vtkFFDLatticeSource.BEND, 0.7, False)
+
+    def test_small_edits_do_not_blink(self):
+        """Pictures of a little more of a bend that folds differ by the movement alone."""
+        alphas = []
+        for strength in (2, 2.002):
+            image = make_block()
+            mapper = make_mapper(
+                image, make_lattice(image, vtkffd.vtkFFDLatticeSource.BEND, strength))
+            _, alpha = self.render(mapper, numpy.array([32.0, 10.0, 16.0]))
+            alphas.append(alpha > 128)
+        changed = (alphas[0] != alphas[1]).sum()
+        self.assertGreater(alphas[0].sum(), 3000)
+        self.assertLess(changed / alphas[0].sum(), 0.01)
+
+
+if __name__ == "__main__":
+    unittest.main()
