@@ -177,6 +177,10 @@ private:
   static constexpr float LargestKnownError = 20.0f;
   /// Halving has not helped where it leaves more than this of an error.
   static constexpr float LittleHelp = 0.3f;
+  /// What the derivatives of an interpolant may be wrong by, of their size; and the part of the
+  /// tolerance of positions below which they are not looked at.
+  static constexpr float LargestSlopeError = 0.1f;
+  static constexpr float FinestForSlopes = 0.1f;
   static constexpr int SmallestSide = 4;
   static constexpr float Rounding = 0.01f;
   /// Of a piece from what can be seen, voxels: so far its error may be as large.
@@ -282,7 +286,7 @@ private:
       return;
     }
     piece.Error = this->MeasureError(piece, hull);
-    const bool close = piece.Error <= tolerance;
+    const bool close = piece.Error <= tolerance && this->HasCloseSlopes(piece);
     if (piece.Error < LargestKnownError)
     {
       const float margin = (close ? 0.0f : piece.Error + tolerance) + Rounding;
@@ -339,6 +343,40 @@ private:
       }
     }
     return SafetyFactor * largest;
+  }
+
+  /// Whether the normals that the derivatives of an interpolant make are good enough. An error e
+  /// that is zero at nodes a third of a width w apart has a derivative of at most 18 e / w.
+  bool HasCloseSlopes(const TilePiece& piece) const
+  {
+    if (!this->Scene.Shade || piece.Error <= FinestForSlopes * this->Scene.PositionTolerance)
+    {
+      return true;
+    }
+    NodeVectors middle;
+    NodeVectors end;
+    FindLayer(piece.Terms, 0.5f, middle);
+    FindLayer(piece.Terms, 1.0f, end);
+    const float* m = this->Scene.IndexToLocal;
+    const auto length = [m](float x, float y, float z) {
+      float squared = 0.0f;
+      for (int row = 0; row < 9; row += 3)
+      {
+        const float along = m[row] * x + m[row + 1] * y + m[row + 2] * z;
+        squared += along * along;
+      }
+      return std::sqrt(squared);
+    };
+    const auto distance = [&](const NodeVectors& a, std::size_t i, const NodeVectors& b,
+                            std::size_t j) {
+      return length(b[0][j] - a[0][i], b[1][j] - a[1][i], b[2][j] - a[2][i]);
+    };
+    const float extent = std::min({ distance(middle, 0, middle, NodesPerSide - 1),
+      distance(middle, 0, middle, TileNodes - NodesPerSide), distance(piece.Terms[0], 5, end, 5) });
+    // Errors are in voxels: data units along the longest edge of one.
+    const float edge =
+      std::max({ length(1.0f, 0.0f, 0.0f), length(0.0f, 1.0f, 0.0f), length(0.0f, 0.0f, 1.0f) });
+    return 18.0f / SafetyFactor * piece.Error * edge <= LargestSlopeError * extent;
   }
 
   /// Points between the nodes of a piece where its error is measured.

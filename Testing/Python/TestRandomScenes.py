@@ -210,6 +210,22 @@ class Scene:
             return None
         return vtk_to_numpy(colors.GetPointData().GetScalars()).reshape(SIZE, SIZE, 4).astype(int)
 
+    def distances_when_moved(self, plain):
+        """How far the picture is from that of the volume moved at rest by PositionTolerance, either
+        way along each of its axes: the largest of each of distance(). Positions between exact ones
+        may be wrong by that much."""
+        origin = numpy.array(self.image.GetOrigin())
+        direction = self.image.GetDirectionMatrix()
+        found = []
+        for axis in range(3):
+            step = numpy.array([direction.GetElement(row, axis) for row in range(3)])
+            step *= self.image.GetSpacing()[axis] * self.mapper.GetPositionTolerance()
+            for moved in (origin - step, origin + step):
+                self.image.SetOrigin(*moved)
+                found.append(distance(self.image_of(), plain))
+        self.image.SetOrigin(*origin)
+        return numpy.max(found, axis=0)
+
     def window_of(self):
         """What a window shows, over black."""
         window = vtkRenderWindow()
@@ -255,7 +271,12 @@ def check(number):
     expect("leaping", scene.image_of(), plain, 1.0, 1, 1)
     scene.mapper.SetSpaceLeapingToLipschitz()
     scene.mapper.ReferenceKernelsOn()
-    expect("reference", scene.image_of(), plain, 0.5, 16, 255)
+    reference = scene.image_of()
+    bounds = (0.5, 16, 255)
+    if scene.property.GetInterpolationType() == 0:
+        # A small error of the position may turn a voxel into the next one.
+        bounds = numpy.maximum(bounds, scene.distances_when_moved(reference))
+    expect("reference", reference, plain, *bounds)
     scene.mapper.ReferenceKernelsOff()
     expect("window", scene.window_of(), plain[..., :3], 1.0, 1, 1)
     if scene.components < 3:
@@ -278,8 +299,9 @@ class TestRandomScenes(unittest.TestCase):
 
 
 SCENES = (0, 40)
-#: Further ones that have failed: surfaces at the faces between nearest voxels.
-SINGLE = (481, 545)
+#: Further ones that have failed: surfaces at the faces between nearest voxels; a camera inside, where
+#: normals were those of interpolants over few voxels.
+SINGLE = (481, 545, 323)
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
