@@ -812,6 +812,16 @@ private:
       counts, hn::Min(this->Out.FirstVisible, curve.TimeAt(s)), this->Out.FirstVisible);
   }
 
+  /// By what fetched values may be wrong: single precision has few digits left of small differences
+  /// of large values, and 16 bits without a sign are fetched with an offset.
+  float FindRounding() const
+  {
+    const float low = this->Scene.ValueLow;
+    const float high = this->Scene.ValueHigh;
+    const float offset = std::is_same<T, std::uint16_t>::value ? 32768.0f : 0.0f;
+    return 1e-5f * (high - low) + 1e-6f * std::max({ std::abs(low), std::abs(high), offset });
+  }
+
   /// Hands the intervals to the next sample that a surface may cross to the integrators.
   HWY_INLINE void CrossSurfaces(
     const PacketCurve& curve, const Vec3& q, Vf s, Vf number, Mf lanes)
@@ -831,7 +841,7 @@ private:
     this->Out.Tally = hn::IfThenElse(insideB, b, this->Out.Tally);
     this->Out.TallyStep = hn::IfThenElse(insideB, next, this->Out.TallyStep);
     // A value that is not clearly on one side counts as crossing: the integrator knows exactly.
-    const Vf margin = Splat(1e-5f * (this->Scene.ValueHigh - this->Scene.ValueLow));
+    const Vf margin = Splat(this->FindRounding());
     const Vf low = hn::Sub(hn::Min(a, b), margin);
     const Vf high = hn::Add(hn::Max(a, b), margin);
     Mf crossed = hn::FirstN(d, 0);
