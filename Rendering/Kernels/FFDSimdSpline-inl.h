@@ -12,6 +12,9 @@
 
 #include "FFDSimdMath-inl.h"
 
+#include <cstddef>
+#include <type_traits>
+
 HWY_BEFORE_NAMESPACE();
 namespace ffd
 {
@@ -69,13 +72,12 @@ HWY_INLINE void LocateOnAxis(
 /// Weights of the control points along an axis that some lanes need, the same ones for all lanes.
 struct SplineSupport
 {
-  int First; ///< cell of the first lane along the axis
   int Count; ///< control points
   Vf Weights[LargestSupport];
   Vf Slopes[LargestSupport];
 };
 
-/// `lanes`: at least one, in cells of `axis` from `first` on, fewer than LargestSpread of them.
+/// `lanes`: at least one, in the LargestSpread cells of `axis` from `first` on.
 template <bool WithSlopes>
 HWY_INLINE void SpreadOverSupport(
   const SplineAxis& axis, Mf lanes, int first, SplineSupport& support)
@@ -85,7 +87,6 @@ HWY_INLINE void SpreadOverSupport(
   const hn::Mask<Di> mine = hn::RebindMask(di, lanes);
   const Vi cells = hn::Sub(axis.Cell, hn::Set(di, first));
   const int last = hn::GetLane(hn::MaxOfLanes(di, hn::IfThenElseZero(mine, cells)));
-  support.First = first;
   support.Count = 4 + last;
   if (last == 0)
   {
@@ -204,47 +205,45 @@ HWY_NOINLINE void EvaluateField(const PacketField& field, const Vec3& p, Vec3& d
   {
     // Those within reach of the one that comes first along each axis.
     Mf lanes = todo;
-    SplineSupport support[3];
-    std::size_t corner = 0;
+    int least[3];
     for (int a = 2; a >= 0; --a)
     {
       const Vi far = hn::Set(di, 1 << 30);
-      const int least = hn::GetLane(hn::MinOfLanes(
+      least[a] = hn::GetLane(hn::MinOfLanes(
         di, hn::IfThenElse(hn::RebindMask(di, lanes), axes[a].Cell, far)));
       lanes = hn::And(lanes,
-        hn::RebindMask(d, hn::Lt(axes[a].Cell, hn::Set(di, least + LargestSpread))));
-      support[a].First = least;
+        hn::RebindMask(d, hn::Lt(axes[a].Cell, hn::Set(di, least[a] + LargestSpread))));
     }
+    SplineSupport support[3];
+    std::size_t offsets[3];
     for (int a = 0; a < 3; ++a)
     {
-      SpreadOverSupport<WithSlopes>(axes[a], lanes, support[a].First, support[a]);
+      SpreadOverSupport<WithSlopes>(axes[a], lanes, least[a], support[a]);
+      offsets[a] = static_cast<std::size_t>(least[a] + field.FirstOffset);
     }
-    const auto at = [&](int a)
-    { return static_cast<std::size_t>(support[a].First + field.FirstOffset); };
-    corner = 3 * at(0) + stepY * at(1) + stepZ * at(2);
-    const float* const c = field.Coefficients.data() + corner;
+    const float* const corner =
+      field.Coefficients.data() + 3 * offsets[0] + stepY * offsets[1] + stepZ * offsets[2];
     FieldValue value;
+    const auto sum = [&](auto columns) {
+      SumOverSupport<WithSlopes, decltype(columns)::value>(
+        corner, stepY, stepZ, support[0], support[1], support[2], value);
+    };
     switch (support[0].Count)
     {
       case 4:
-        SumOverSupport<WithSlopes, 4>(
-          c, stepY, stepZ, support[0], support[1], support[2], value);
+        sum(std::integral_constant<int, 4>());
         break;
       case 5:
-        SumOverSupport<WithSlopes, 5>(
-          c, stepY, stepZ, support[0], support[1], support[2], value);
+        sum(std::integral_constant<int, 5>());
         break;
       case 6:
-        SumOverSupport<WithSlopes, 6>(
-          c, stepY, stepZ, support[0], support[1], support[2], value);
+        sum(std::integral_constant<int, 6>());
         break;
       case 7:
-        SumOverSupport<WithSlopes, 7>(
-          c, stepY, stepZ, support[0], support[1], support[2], value);
+        sum(std::integral_constant<int, 7>());
         break;
       default:
-        SumOverSupport<WithSlopes, 8>(
-          c, stepY, stepZ, support[0], support[1], support[2], value);
+        sum(std::integral_constant<int, LargestSupport>());
         break;
     }
     if (first)

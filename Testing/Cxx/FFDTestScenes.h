@@ -198,11 +198,18 @@ inline std::string ToString(const Distance& d)
   return text.str();
 }
 
-/// `background` of the pictures, three bytes.
+/// `background` of the pictures, three bytes. Pictures of unlike sizes are as far apart as can be, and
+/// so are two of which neither shows anything: of those nothing is known.
 inline Distance Compare(
   const Picture& a, const Picture& b, const std::array<unsigned char, 3>& background)
 {
   Distance result;
+  result.Mean = result.P99 = result.Max = 255.0;
+  result.Psnr = 0.0;
+  if (a.Rgb.size() != b.Rgb.size())
+  {
+    return result;
+  }
   std::vector<int> worst;
   double squares = 0.0;
   for (std::size_t i = 0; i + 2 < a.Rgb.size(); i += 3)
@@ -223,12 +230,6 @@ inline Distance Compare(
       squares += square;
     }
   }
-  if (a.Rgb.size() != b.Rgb.size())
-  {
-    result.Mean = result.P99 = result.Max = 255.0;
-    result.Psnr = 0.0;
-    return result;
-  }
   if (worst.empty())
   {
     return result;
@@ -243,6 +244,7 @@ inline Distance Compare(
   result.Mean = sum / static_cast<double>(worst.size());
   result.P99 = worst[(worst.size() - 1) * 99 / 100];
   result.Max = worst.back();
+  result.Psnr = std::numeric_limits<double>::infinity();
   if (squares > 0.0)
   {
     result.Psnr =
