@@ -384,8 +384,10 @@ PacketCaster::PacketCaster(
   const Box restBounds = FindBounds(v, rest);
   if (!p.Identity)
   {
-    p.Field.Assign(
-      *scene.Map->GetField(), p.Centre, InvertsTheField(p.Kind) ? &restBounds : nullptr);
+    // Only where T is not known to be one to one: what goes on linearly may fold where D as it is does
+    // not, and lead Newton's method out of the volume.
+    const bool extended = InvertsTheField(p.Kind) && !scene.Limits.OneToOne;
+    p.Field.Assign(*scene.Map->GetField(), p.Centre, extended ? &restBounds : nullptr);
   }
   if (!p.Identity && InvertsTheField(p.Kind))
   {
