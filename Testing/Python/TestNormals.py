@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""How far lit pictures of a crumpled lattice are from those of the reference kernels, as the docstring of
-PositionTolerance says: normals of the default kernels are those of interpolated rays."""
+"""How far lit pictures of a crumpled lattice are from those of the reference kernels, as the
+docstring of PositionTolerance says: normals of the default kernels are those of interpolated rays."""
 
 import unittest
 
@@ -22,10 +22,12 @@ class TestNormals(unittest.TestCase):
 
     def setUp(self):
         z, y, x = numpy.meshgrid(*3 * [numpy.arange(SIDE)], indexing="ij")
-        values = 100 + 60 * numpy.sin(0.11 * x) * numpy.cos(0.09 * y) + 50 * numpy.sin(0.1 * z + 0.05 * x)
+        values = (100 + 60 * numpy.sin(0.11 * x) * numpy.cos(0.09 * y) +
+                  50 * numpy.sin(0.1 * z + 0.05 * x))
         image = vtkImageData()
         image.SetDimensions(SIDE, SIDE, SIDE)
-        image.GetPointData().SetScalars(numpy_to_vtk(values.astype(numpy.float32).ravel(), deep=True))
+        image.GetPointData().SetScalars(
+            numpy_to_vtk(values.astype(numpy.float32).ravel(), deep=True))
         lattice = vtkffd.vtkFFDLattice()
         lattice.SetDimensions(POINTS, POINTS, POINTS)
         lattice.FitToBounds(image.GetBounds())
