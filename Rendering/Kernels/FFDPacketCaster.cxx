@@ -391,6 +391,7 @@ PacketCaster::PacketCaster(
   }
   if (!p.Identity && InvertsTheField(p.Kind))
   {
+    const double extent = glm::length(restBounds.Max - restBounds.Min);
     for (int i = 0; i < SeedsPerAxis * SeedsPerAxis * SeedsPerAxis; ++i)
     {
       const glm::dvec3 part(i % SeedsPerAxis, i / SeedsPerAxis % SeedsPerAxis,
@@ -399,7 +400,9 @@ PacketCaster::PacketCaster(
         v.FirstVoxel + v.IndexToData *
           glm::mix(rest.Min, rest.Max, part / static_cast<double>(SeedsPerAxis - 1));
       PacketSeed seed;
-      Copy(at - p.Centre, seed.Point);
+      // The same to the last bit whatever part of the volume is here.
+      const double unit = std::exp2(std::floor(std::log2(1e-3 * extent)));
+      Copy(unit * glm::round((at - p.Centre) / unit), seed.Point);
       p.Seeds.push_back(seed);
     }
     HWY_DYNAMIC_DISPATCH(MoveSeeds)(p);

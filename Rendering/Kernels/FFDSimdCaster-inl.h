@@ -433,6 +433,14 @@ private:
       return;
     }
     const Vec3 q = curve.Position.At(s);
+    if (!curve.Piece && this->Scene.Distances && !this->Scene.Intervals)
+    {
+      active = hn::AndNot(EmptySpaceQuery(this->Scene, q).IsEmpty(), active);
+      if (hn::AllFalse(d, active))
+      {
+        return;
+      }
+    }
     if (curve.Piece && curve.Piece->LeapsRays)
     {
       active = this->LeapFrom(curve, q, number, active);
