@@ -200,7 +200,7 @@ public:
    * Largest distance between T(Phi(P)) and P in EXACT mode, in voxels. Default: 0.01. Must be
    * positive; more than 1 counts as that. With ERROR_BOUND positions are as close as the
    * PositionTolerance says; InverseTolerance counts only where samples are pulled back by themselves,
-   * and there at most as half of that.
+   * and there at most as a tenth of that.
    */
   virtual void SetInverseTolerance(double voxels);
   vtkGetMacro(InverseTolerance, double);

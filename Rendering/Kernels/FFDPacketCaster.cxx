@@ -126,7 +126,7 @@ constexpr int SeedsPerAxis = 7;
 constexpr double PartLength = 2.0;
 
 /// Tolerance of nodes, as a part of that of positions.
-constexpr double NodeTolerance = 0.5;
+constexpr double NodeTolerance = 0.1;
 
 /// Of positions in single precision, relative to their size.
 constexpr double SinglePrecision = 4e-7;
