@@ -55,8 +55,9 @@ void MoveSeeds(PacketScene& scene)
   for (std::size_t first = 0; first < count; first += hn::Lanes(d))
   {
     HWY_ALIGN float p[3][16];
-    const auto at = [&](std::size_t lane) -> PacketSeed&
-    { return scene.Seeds[std::min(first + lane, count - 1)]; };
+    const auto at = [&](std::size_t lane) -> PacketSeed& {
+      return scene.Seeds[std::min(first + lane, count - 1)];
+    };
     for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
     {
       for (int a = 0; a < 3; ++a)
@@ -163,10 +164,7 @@ int SizeOf(ScalarType type)
 }
 
 /// Types whose values single precision does not hold.
-bool IsWide(ScalarType type)
-{
-  return SizeOf(type) > 2 && type != ScalarType::Float32;
-}
+bool IsWide(ScalarType type) { return SizeOf(type) > 2 && type != ScalarType::Float32; }
 
 PacketSampling SamplingOf(BlendMode mode)
 {
@@ -188,8 +186,7 @@ PacketSampling SamplingOf(BlendMode mode)
 /// Whether the vector code can fetch these voxels.
 bool CanFetchPackets(const VolumeView& v)
 {
-  const double bytes =
-    static_cast<double>(v.Increments[2]) * v.Dimensions.z * SizeOf(v.Type);
+  const double bytes = static_cast<double>(v.Increments[2]) * v.Dimensions.z * SizeOf(v.Type);
   return bytes <= LargestVolume && v.Increments[0] == 1 && v.Dimensions.x >= 4 &&
     v.Dimensions.y >= 4 && v.Dimensions.z >= 4;
 }
@@ -202,10 +199,7 @@ bool HasVectorGradientOpacity(const CastScene& scene, const SampleClassifier& cl
 }
 
 /// Beyond it single precision has only infinity.
-float ToFloat(double value)
-{
-  return static_cast<float>(std::clamp(value, -1e37, 1e37));
-}
+float ToFloat(double value) { return static_cast<float>(std::clamp(value, -1e37, 1e37)); }
 
 /// Bounds in data coordinates of a box of index coordinates.
 Box FindBounds(const VolumeView& volume, const Box& index)
@@ -225,8 +219,8 @@ Box FindBounds(const VolumeView& volume, const Box& index)
 /// Where T folds, parts of the volume are turned inside out: seeds there go.
 void KeepOneOrientation(PacketScene& scene)
 {
-  const auto positive = std::count_if(scene.Seeds.begin(), scene.Seeds.end(),
-    [](const PacketSeed& seed) { return seed.Positive; });
+  const auto positive = std::count_if(
+    scene.Seeds.begin(), scene.Seeds.end(), [](const PacketSeed& seed) { return seed.Positive; });
   const bool most = 2 * positive >= static_cast<std::ptrdiff_t>(scene.Seeds.size());
   scene.Orientation = most ? 1.0f : -1.0f;
   scene.Folds = positive != 0 && positive != static_cast<std::ptrdiff_t>(scene.Seeds.size());
@@ -252,9 +246,10 @@ void FindVisibleRange(const TransferTable& table, PacketScene& scene)
     --last;
   }
   // From the entry before to the one behind, and a little more for rounding errors.
-  const auto valueAt = [&](double entry)
-  { return static_cast<float>(entry / static_cast<double>(scene.TableScale) +
-      static_cast<double>(scene.TableLow)); };
+  const auto valueAt = [&](double entry) {
+    return static_cast<float>(
+      entry / static_cast<double>(scene.TableScale) + static_cast<double>(scene.TableLow));
+  };
   constexpr float Infinite = std::numeric_limits<float>::infinity();
   constexpr double Guard = 1.01;
   scene.VisibleLow = first == 0 ? -Infinite : valueAt(static_cast<double>(first) - Guard);
@@ -353,8 +348,9 @@ PacketCaster::PacketCaster(
     p.ReferenceLength = static_cast<float>(frame.Classifier->GetReferenceLength());
   }
   const bool wide = IsWide(v.Type);
-  const auto fetched = [&](double value)
-  { return ToFloat(wide ? (value - p.Volume.Shift) * p.Volume.Scale : value); };
+  const auto fetched = [&](double value) {
+    return ToFloat(wide ? (value - p.Volume.Shift) * p.Volume.Scale : value);
+  };
   p.ValueLow = fetched(scene.Blend.Low[0]);
   p.ValueHigh = fetched(scene.Blend.High[0]);
   p.AverageMin = fetched(scene.Blend.AverageMin);
@@ -384,8 +380,8 @@ PacketCaster::PacketCaster(
   const Box restBounds = FindBounds(v, rest);
   if (!p.Identity)
   {
-    // Only where T is not known to be one to one: what goes on linearly may fold where D as it is does
-    // not, and lead Newton's method out of the volume.
+    // Only where T is not known to be one to one: what goes on linearly may fold where D as it is
+    // does not, and lead Newton's method out of the volume.
     const bool extended = InvertsTheField(p.Kind) && !scene.Limits.OneToOne;
     p.Field.Assign(*scene.Map->GetField(), p.Centre, extended ? &restBounds : nullptr);
   }
@@ -394,11 +390,10 @@ PacketCaster::PacketCaster(
     const double extent = glm::length(restBounds.Max - restBounds.Min);
     for (int i = 0; i < SeedsPerAxis * SeedsPerAxis * SeedsPerAxis; ++i)
     {
-      const glm::dvec3 part(i % SeedsPerAxis, i / SeedsPerAxis % SeedsPerAxis,
-        i / SeedsPerAxis / SeedsPerAxis);
-      const glm::dvec3 at =
-        v.FirstVoxel + v.IndexToData *
-          glm::mix(rest.Min, rest.Max, part / static_cast<double>(SeedsPerAxis - 1));
+      const glm::dvec3 part(
+        i % SeedsPerAxis, i / SeedsPerAxis % SeedsPerAxis, i / SeedsPerAxis / SeedsPerAxis);
+      const glm::dvec3 at = v.FirstVoxel +
+        v.IndexToData * glm::mix(rest.Min, rest.Max, part / static_cast<double>(SeedsPerAxis - 1));
       PacketSeed seed;
       // The same to the last bit whatever part of the volume is here.
       const double unit = std::exp2(std::floor(std::log2(1e-3 * extent)));
@@ -417,8 +412,9 @@ PacketCaster::PacketCaster(
     SinglePrecision * glm::length(whole.Max - whole.Min) / voxel));
   p.ShortestPiece = static_cast<float>(settings.Pieces.Shortest / voxel);
   // Powers of two, so that pieces can be halved down to a sample.
-  const auto powerOfTwo = [](double most)
-  { return 1 << static_cast<int>(std::clamp(std::floor(std::log2(most) + 1e-6), 0.0, 20.0)); };
+  const auto powerOfTwo = [](double most) {
+    return 1 << static_cast<int>(std::clamp(std::floor(std::log2(most) + 1e-6), 0.0, 20.0));
+  };
   p.SamplesPerTop = powerOfTwo(settings.Pieces.Longest / distance);
   p.SamplesPerPart = powerOfTwo(PartLength * voxel / distance);
   p.LeapsPieces = scene.Distances && settings.Leaping == SpaceLeaping::Lipschitz;
@@ -438,9 +434,9 @@ PacketCaster::PacketCaster(
   {
     const double length = glm::length(glm::dvec3(plane));
     const double offset = plane.w + glm::dot(glm::dvec3(plane), p.Centre);
-    p.ClippingPlanes.push_back({ static_cast<float>(plane.x / length),
-      static_cast<float>(plane.y / length), static_cast<float>(plane.z / length),
-      static_cast<float>(offset / length) });
+    p.ClippingPlanes.push_back(
+      { static_cast<float>(plane.x / length), static_cast<float>(plane.y / length),
+        static_cast<float>(plane.z / length), static_cast<float>(offset / length) });
   }
   p.CropSpace = scene.Crop.Space;
   p.CropFlags = scene.Crop.Flags;

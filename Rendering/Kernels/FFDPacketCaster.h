@@ -71,30 +71,30 @@ struct PacketScene
   SampleFunctions Reference; ///< for the few samples at the border of the volume
 
   PacketVolume Volume;
-  float Lower = 0.0f;  ///< where samples begin and end, index coordinates
+  float Lower = 0.0f; ///< where samples begin and end, index coordinates
   float Upper[3] = {};
 
   bool Identity = false;
   PullBackKind Kind = PullBackKind::Exact;
   PacketField Field;
   std::vector<PacketSeed> Seeds; ///< over the volume, where Newton's method starts from nowhere
-  bool Folds = false;       ///< whether T is known to turn parts of the volume inside out
-  float Orientation = 1.0f; ///< sign of the determinant of T where it does not
-  float RestLow[3] = {};    ///< the volume at rest, local coordinates
+  bool Folds = false;            ///< whether T is known to turn parts of the volume inside out
+  float Orientation = 1.0f;      ///< sign of the determinant of T where it does not
+  float RestLow[3] = {};         ///< the volume at rest, local coordinates
   float RestHigh[3] = {};
-  float FarAway = 0.0f; ///< a local coordinate outside of all
+  float FarAway = 0.0f;       ///< a local coordinate outside of all
   float Tolerance = 0.0f;     ///< of the inverse at samples, data units
   float NodeTolerance = 0.0f; ///< the same at nodes of interpolants
-  glm::dvec3 Centre{ 0.0 }; ///< data coordinates
+  glm::dvec3 Centre{ 0.0 };   ///< data coordinates
   float LocalToIndex[9] = {};
-  float IndexOffset[3] = {};        ///< of local to index coordinates of the whole
-  float IndexShift[3] = {};         ///< from those to the voxels here, whole numbers
-  float RestMin[3] = {};            ///< FindRestBox(), index coordinates before the shift
+  float IndexOffset[3] = {}; ///< of local to index coordinates of the whole
+  float IndexShift[3] = {};  ///< from those to the voxels here, whole numbers
+  float RestMin[3] = {};     ///< FindRestBox(), index coordinates before the shift
   float RestMax[3] = {};
   float IndexToLocal[9] = {};
-  float GradientToRest[9] = {};     ///< by index coordinates to by data coordinates
-  float LocalToLights[9] = {};      ///< to the space of Shading
-  float GradientToLights[9] = {};   ///< by data coordinates to by those of that space
+  float GradientToRest[9] = {};        ///< by index coordinates to by data coordinates
+  float LocalToLights[9] = {};         ///< to the space of Shading
+  float GradientToLights[9] = {};      ///< by data coordinates to by those of that space
   float IndexGradientToLights[9] = {}; ///< the same by index coordinates, undeformed
 
   glm::dmat4 NdcToLocal{ 1.0 };
@@ -165,7 +165,8 @@ struct SampledPosition
 struct PacketScratch
 {
   TilePiecePool Pieces;
-  std::vector<TilePiece*> Tops; ///< of the trees of pieces of the tile, front to back, as far as known
+  std::vector<TilePiece*>
+    Tops; ///< of the trees of pieces of the tile, front to back, as far as known
   std::vector<RayIntegrator> Integrators; ///< of the lanes of a packet, where these are used
   std::array<float, 8 * TileSide * TileSide> Rays; ///< origin, direction (local), from, to
   CastStatistics Statistics;
@@ -175,15 +176,15 @@ struct PacketScratch
 /**
  * The fast ray caster: packets of neighbouring rays in lockstep, a ray a lane of the widest vector
  * instructions that the machine has (Highway, chosen at run time). The pull-back is evaluated on a
- * coarse grid of 4 x 4 nodes a tile and interpolated, with an error that is measured (TilePiece); where
- * it is too large it is evaluated for each sample. Takes the samples of the reference ray caster.
+ * coarse grid of 4 x 4 nodes a tile and interpolated, with an error that is measured (TilePiece);
+ * where it is too large it is evaluated for each sample. Takes the samples of the reference ray
+ * caster.
  */
 class FFD_KERNEL_EXPORT PacketCaster
 {
 public:
   /// `scene` and `frame` must outlive the caster.
-  PacketCaster(
-    const CastScene& scene, const CastSettings& settings, const IntegrationFrame& frame);
+  PacketCaster(const CastScene& scene, const CastSettings& settings, const IntegrationFrame& frame);
 
   /// Whether packets can render this scene; else the reference ray caster has to: the paper's
   /// polyline, slices, and of what vector code looks up (SampleClassifier::IsPlain()) volumes of

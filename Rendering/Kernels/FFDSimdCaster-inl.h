@@ -43,8 +43,9 @@ struct PacketPixels
 HWY_INLINE Mf IsInside(const PacketScene& scene, const Vec3& q)
 {
   const Vf lower = Splat(scene.Lower);
-  const auto within = [&](Vf x, int a)
-  { return hn::And(hn::Ge(x, lower), hn::Le(x, Splat(scene.Upper[a]))); };
+  const auto within = [&](Vf x, int a) {
+    return hn::And(hn::Ge(x, lower), hn::Le(x, Splat(scene.Upper[a])));
+  };
   return hn::And(within(q.x, 0), hn::And(within(q.y, 1), within(q.z, 2)));
 }
 
@@ -52,13 +53,13 @@ HWY_INLINE Mf IsInside(const PacketScene& scene, const Vec3& q)
 struct PacketCurve
 {
   Quartic Position;
-  Vf T0;      ///< t = T0 + s * Dt
+  Vf T0; ///< t = T0 + s * Dt
   Vf Dt;
-  Vf PerStep; ///< s from sample to sample
+  Vf PerStep;                 ///< s from sample to sample
   TilePiece* Piece = nullptr; ///< that is cast by curves, or null
   bool Interpolated = false;  ///< whether the curves are those of its interpolant
-  int X = 0;  ///< first pixel of the packet, from that of the square of the piece
-  Vf Row;     ///< rows of pixels in the square
+  int X = 0;                  ///< first pixel of the packet, from that of the square of the piece
+  Vf Row;                     ///< rows of pixels in the square
 
   HWY_INLINE Vf TimeAt(Vf s) const { return hn::MulAdd(s, this->Dt, this->T0); }
 };
@@ -230,8 +231,7 @@ private:
     const Vf slack = Splat(1e-3f);
     const Vf early = this->Scene.Intervals ? Splat(1.0f - 1e-3f) : hn::Add(slack, this->Phase);
     this->First = hn::Ceil(hn::Sub(hn::Mul(this->Rays.From, inverse), early));
-    this->Stop =
-      hn::Ceil(hn::Sub(hn::Sub(hn::Mul(this->Rays.To, inverse), slack), this->Phase));
+    this->Stop = hn::Ceil(hn::Sub(hn::Sub(hn::Mul(this->Rays.To, inverse), slack), this->Phase));
     const Vf big = Splat(1e9f);
     const Vf first = hn::IfThenElse(this->Alive, this->First, big);
     const Vf stop = hn::IfThenElse(this->Alive, this->Stop, hn::Neg(big));
@@ -243,8 +243,7 @@ private:
   HWY_NOINLINE void CastPiece(TilePiece& piece)
   {
     if (piece.FirstSample >= this->EndSample ||
-      piece.FirstSample + piece.Samples <= this->FirstSample ||
-      hn::AllFalse(Df(), this->Alive))
+      piece.FirstSample + piece.Samples <= this->FirstSample || hn::AllFalse(Df(), this->Alive))
     {
       return;
     }
@@ -335,10 +334,10 @@ private:
     const int from = piece.FirstSample;
     const int to = std::min(piece.FirstSample + piece.Samples, this->EndSample);
     const float distance = static_cast<float>(this->Scene.Settings.SampleDistance);
-    const auto timeOf = [&](int n)
-    { return hn::Mul(hn::Add(this->Phase, Splat(static_cast<float>(n))), Splat(distance)); };
-    const auto positionAt = [&](int n, const Vec3& start)
-    {
+    const auto timeOf = [&](int n) {
+      return hn::Mul(hn::Add(this->Phase, Splat(static_cast<float>(n))), Splat(distance));
+    };
+    const auto positionAt = [&](int n, const Vec3& start) {
       // Where there was nothing there is likely to be nothing again.
       const Vec3 local = IndexToLocal(this->Scene, start);
       Mf active = this->Alive;
@@ -352,8 +351,8 @@ private:
       }
       const Vec3 p = MulAdd(timeOf(n), this->Rays.Direction, this->Rays.Origin);
       const Vec3 q = LocalToIndex(this->Scene,
-        PullBackFrom(this->Scene, p, local, this->Scene.Tolerance, active,
-          this->Scratch.Statistics));
+        PullBackFrom(
+          this->Scene, p, local, this->Scene.Tolerance, active, this->Scratch.Statistics));
       return Select(active, q, start);
     };
     PacketCurve curve;
@@ -396,8 +395,8 @@ private:
       // Straight rays need no interpolation.
       const Vf zero = hn::Zero(d);
       const Vec3 nothing{ zero, zero, zero };
-      curve.Position.Terms[0] = LocalToIndex(
-        this->Scene, MulAdd(curve.T0, this->Rays.Direction, this->Rays.Origin));
+      curve.Position.Terms[0] =
+        LocalToIndex(this->Scene, MulAdd(curve.T0, this->Rays.Direction, this->Rays.Origin));
       curve.Position.Terms[1] =
         Transform(this->Scene.LocalToIndex, Scale(curve.Dt, this->Rays.Direction));
       curve.Position.Terms[2] = nothing;
@@ -426,8 +425,8 @@ private:
   {
     const Df d;
     const Vf number = Splat(static_cast<float>(n));
-    Mf active = hn::And(
-      this->Alive, hn::And(hn::Ge(number, this->First), hn::Lt(number, this->Stop)));
+    Mf active =
+      hn::And(this->Alive, hn::And(hn::Ge(number, this->First), hn::Lt(number, this->Stop)));
     if (HWY_UNLIKELY(hn::AllFalse(d, active)))
     {
       return;
@@ -493,8 +492,8 @@ private:
   }
 
   /**
-   * The lanes of `active` that may see something. Those whose last sample was visible expect the next one
-   * to be; the others look up how many samples of the piece are empty for certain.
+   * The lanes of `active` that may see something. Those whose last sample was visible expect the
+   * next one to be; the others look up how many samples of the piece are empty for certain.
    */
   HWY_NOINLINE Mf LeapFrom(const PacketCurve& curve, const Vec3& q, Vf number, Mf active)
   {
@@ -509,8 +508,8 @@ private:
     const Vf steps =
       EmptySpaceQuery(this->Scene, q).CountSteps(LeapGuard, curve.Piece->Up, curve.Piece->Down);
     // An interval is empty if its end is in the cube, too.
-    const Mf empty = hn::And(
-      looking, hn::Ge(steps, this->Scene.Intervals ? Splat(1.0f) : hn::Zero(d)));
+    const Mf empty =
+      hn::And(looking, hn::Ge(steps, this->Scene.Intervals ? Splat(1.0f) : hn::Zero(d)));
     const Vf more = this->Scene.Intervals ? steps : hn::Add(steps, Splat(1.0f));
     this->SkipTo = hn::IfThenElse(empty, hn::Add(number, more), this->SkipTo);
     this->Scratch.Statistics.DistanceLookups +=
@@ -544,7 +543,8 @@ private:
     CastStatistics& statistics = this->Scratch.Statistics;
     const int rays = static_cast<int>(hn::CountTrue(Df(), this->Alive));
     statistics.Segments += rays;
-    statistics.SegmentLength += rays * (static_cast<double>(piece.Dt) / this->Scene.Source->VoxelSize);
+    statistics.SegmentLength +=
+      rays * (static_cast<double>(piece.Dt) / this->Scene.Source->VoxelSize);
   }
 
   /// Which positions are inside of the volume and not cropped.
@@ -559,8 +559,8 @@ private:
     {
       return hn::And(inside, this->IsUncropped(q));
     }
-    return hn::And(inside,
-      this->IsUncropped(MulAdd(curve.TimeAt(s), this->Rays.Direction, this->Rays.Origin)));
+    return hn::And(
+      inside, this->IsUncropped(MulAdd(curve.TimeAt(s), this->Rays.Direction, this->Rays.Origin)));
   }
 
   HWY_NOINLINE Mf IsUncropped(const Vec3& p) const
@@ -568,13 +568,12 @@ private:
     const Df d;
     const Di di;
     const Vf one = Splat(1.0f);
-    const auto slab = [&](Vf x, int a)
-    {
+    const auto slab = [&](Vf x, int a) {
       return hn::Add(hn::IfThenElseZero(hn::Ge(x, Splat(this->Scene.CropLow[a])), one),
         hn::IfThenElseZero(hn::Ge(x, Splat(this->Scene.CropHigh[a])), one));
     };
-    const Vf region = hn::MulAdd(Splat(9.0f), slab(p.z, 2),
-      hn::MulAdd(Splat(3.0f), slab(p.y, 1), slab(p.x, 0)));
+    const Vf region =
+      hn::MulAdd(Splat(9.0f), slab(p.z, 2), hn::MulAdd(Splat(3.0f), slab(p.y, 1), slab(p.x, 0)));
     HWY_ALIGN int regions[16];
     HWY_ALIGN float shown[16];
     hn::Store(hn::ConvertTo(di, region), di, regions);
@@ -609,8 +608,8 @@ private:
   HWY_NOINLINE void TakeInnerSample(const PacketCurve& curve, int n, Vf s)
   {
     const Vf number = Splat(static_cast<float>(n));
-    const Mf sampled = hn::And(
-      this->Alive, hn::And(hn::Ge(number, this->First), hn::Lt(number, this->Stop)));
+    const Mf sampled =
+      hn::And(this->Alive, hn::And(hn::Ge(number, this->First), hn::Lt(number, this->Stop)));
     const Vec3 q = curve.Position.At(s);
     SampleCells cells;
     const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
@@ -695,15 +694,15 @@ private:
     this->Out.Colour = MulAdd(weight, colour, this->Out.Colour);
     this->Out.Transmittance = hn::IfThenElse(
       visible, hn::Mul(this->Out.Transmittance, transmittance), this->Out.Transmittance);
-    this->Out.FirstVisible = hn::IfThenElse(
-      visible, hn::Min(this->Out.FirstVisible, t), this->Out.FirstVisible);
+    this->Out.FirstVisible =
+      hn::IfThenElse(visible, hn::Min(this->Out.FirstVisible, t), this->Out.FirstVisible);
     const Mf ended =
       hn::Lt(this->Out.Transmittance, Splat(this->Scene.Settings.TerminationTransmittance));
     this->Alive = hn::AndNot(ended, this->Alive);
   }
 
-  /// The extinction whose opacity over the reference length is that of `extinction` times the factor
-  /// of a gradient; as SampleClassifier.
+  /// The extinction whose opacity over the reference length is that of `extinction` times the
+  /// factor of a gradient; as SampleClassifier.
   HWY_NOINLINE Vf WeighByGradient(Vf extinction, const Vec3& gradient) const
   {
     const Df d;
@@ -721,13 +720,11 @@ private:
       LoadLanes<float, 4>(this->Scene.GradientFactors, 4, offsets), hn::Sub(x, whole));
     const Vf one = Splat(1.0f);
     const Vf length = Splat(this->Scene.ReferenceLength);
-    const Vf opacity =
-      hn::Mul(factor, hn::Sub(one, Exp2(hn::Neg(hn::Mul(extinction, length)))));
+    const Vf opacity = hn::Mul(factor, hn::Sub(one, Exp2(hn::Neg(hn::Mul(extinction, length)))));
     // What is nearly transparent has no digits left in 1 - opacity, but its logarithm is linear.
     const Vf passed = hn::Sub(one, opacity);
     const Vf logarithm = hn::IfThenElse(hn::Lt(opacity, Splat(1e-3f)),
-      hn::Mul(hn::Mul(opacity, Splat(1.4426950409f)),
-        hn::MulAdd(opacity, Splat(0.5f), one)),
+      hn::Mul(hn::Mul(opacity, Splat(1.4426950409f)), hn::MulAdd(opacity, Splat(0.5f), one)),
       hn::Neg(Log2(hn::Max(passed, Splat(1e-30f)))));
     const Vf weighed = hn::Div(hn::Max(logarithm, hn::Zero(d)), length);
     return hn::IfThenElse(hn::Ge(factor, one), extinction, weighed);
@@ -780,11 +777,9 @@ private:
     value = maximum ? value : hn::Neg(value);
     // Comparisons with what is not a number are false.
     const Mf better = hn::And(sampled, hn::Gt(value, this->Out.Tally));
-    this->Scratch.Statistics.VisibleSamples +=
-      static_cast<std::int64_t>(hn::CountTrue(d, better));
+    this->Scratch.Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, better));
     this->Out.Tally = hn::IfThenElse(better, value, this->Out.Tally);
-    this->Out.FirstVisible =
-      hn::IfThenElse(better, curve.TimeAt(s), this->Out.FirstVisible);
+    this->Out.FirstVisible = hn::IfThenElse(better, curve.TimeAt(s), this->Out.FirstVisible);
     // Nothing is beyond the end of the range.
     const Vf end = Splat(maximum ? this->Scene.ValueHigh : -this->Scene.ValueLow);
     this->Alive = hn::AndNot(hn::Ge(this->Out.Tally, end), this->Alive);
@@ -802,8 +797,7 @@ private:
         hn::And(hn::Ge(value, Splat(this->Scene.AverageMin)),
           hn::Le(value, Splat(this->Scene.AverageMax))));
     }
-    this->Scratch.Statistics.VisibleSamples +=
-      static_cast<std::int64_t>(hn::CountTrue(d, counts));
+    this->Scratch.Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, counts));
     const Vf extinction = TableLookup(this->Scene, value).Extinction();
     const Vf opacity =
       hn::Sub(one, Exp2(hn::Neg(hn::Mul(extinction, Splat(this->Scene.UnitDistance)))));
@@ -812,10 +806,9 @@ private:
     const Vf length = this->Scene.Settings.Opacity == OpacityLength::World
       ? Splat(static_cast<float>(this->Scene.Settings.SampleDistance))
       : hn::Mul(curve.PerStep, this->LengthOf(curve.Position.Slope(s)));
-    this->Out.Tally = hn::Add(this->Out.Tally,
-      hn::IfThenElseZero(counts, hn::Mul(hn::Mul(opacity, relative), length)));
-    this->Out.TallyLength =
-      hn::Add(this->Out.TallyLength, hn::IfThenElseZero(counts, length));
+    this->Out.Tally = hn::Add(
+      this->Out.Tally, hn::IfThenElseZero(counts, hn::Mul(hn::Mul(opacity, relative), length)));
+    this->Out.TallyLength = hn::Add(this->Out.TallyLength, hn::IfThenElseZero(counts, length));
     this->Out.FirstVisible = hn::IfThenElse(
       counts, hn::Min(this->Out.FirstVisible, curve.TimeAt(s)), this->Out.FirstVisible);
   }
@@ -831,8 +824,7 @@ private:
   }
 
   /// Hands the intervals to the next sample that a surface may cross to the integrators.
-  HWY_INLINE void CrossSurfaces(
-    const PacketCurve& curve, const Vec3& q, Vf s, Vf number, Mf lanes)
+  HWY_INLINE void CrossSurfaces(const PacketCurve& curve, const Vec3& q, Vf s, Vf number, Mf lanes)
   {
     const Df d;
     const Vf next = hn::Add(number, Splat(1.0f));
@@ -894,10 +886,11 @@ private:
       CurvePiece piece;
       for (int k = 0; k < TileLayers; ++k)
       {
-        piece.Terms[k] = glm::dvec3(terms[3 * k][lane], terms[3 * k + 1][lane], terms[3 * k + 2][lane]);
+        piece.Terms[k] =
+          glm::dvec3(terms[3 * k][lane], terms[3 * k + 1][lane], terms[3 * k + 2][lane]);
       }
-      const RayPiece one(*this, curve, lane, piece, static_cast<double>(t0[lane]),
-        static_cast<double>(dt[lane]));
+      const RayPiece one(
+        *this, curve, lane, piece, static_cast<double>(t0[lane]), static_cast<double>(dt[lane]));
       const RayIntegrator::Outcome outcome = this->Scratch.Integrators[lane].AddSample(
         one, static_cast<double>(at[lane]), static_cast<double>(interval[lane]));
       statistics.VisibleSamples += outcome.Visible ? 1 : 0;
@@ -935,8 +928,7 @@ private:
     const PacketCurve& curve, std::size_t lane, float s, const glm::dvec3& byIndex)
   {
     // Scaled: squares of huge or tiny scalars are no floats.
-    const double size =
-      std::max({ std::abs(byIndex.x), std::abs(byIndex.y), std::abs(byIndex.z) });
+    const double size = std::max({ std::abs(byIndex.x), std::abs(byIndex.y), std::abs(byIndex.z) });
     if (!(size > 0.0) || !std::isfinite(size))
     {
       return glm::dvec3(0.0);
@@ -966,8 +958,7 @@ private:
     }
     const Vf zero = hn::Zero(Df());
     const auto within = [&](Vf x, int a) {
-      return hn::And(
-        hn::Ge(x, zero), hn::Le(x, Splat(static_cast<float>(v.Dimensions[a] - 1))));
+      return hn::And(hn::Ge(x, zero), hn::Le(x, Splat(static_cast<float>(v.Dimensions[a] - 1))));
     };
     return hn::And(border, hn::And(within(q.x, 0), hn::And(within(q.y, 1), within(q.z, 2))));
   }
@@ -1037,16 +1028,15 @@ private:
   HWY_NOINLINE Vec3 GradientByReference(const Vec3& q, Mf border, const Vec3& gradient) const
   {
     // Over two voxels and scaled, as fetched: squares of huge or tiny scalars are no floats.
-    return ReplaceLanes(border, q, gradient,
-      [&](const glm::dvec3& at) {
-        return this->Scene.Reference.Gradient(this->Scene.Source->Volume, at) *
-          (2.0 * this->Scene.Volume.Scale);
-      });
+    return ReplaceLanes(border, q, gradient, [&](const glm::dvec3& at) {
+      return this->Scene.Reference.Gradient(this->Scene.Source->Volume, at) *
+        (2.0 * this->Scene.Volume.Scale);
+    });
   }
 
   /// Colour of a lit sample: the normal is J_Phi^T grad f.
-  HWY_INLINE Vec3 ShadeSample(const PacketCurve& curve, const Vec3& q, const Vec3& colour,
-    const Vec3& byIndex, Vf s, Vf t)
+  HWY_INLINE Vec3 ShadeSample(
+    const PacketCurve& curve, const Vec3& q, const Vec3& colour, const Vec3& byIndex, Vf s, Vf t)
   {
     Vec3 gradient; // by coordinates of the lights' space
     if (this->Scene.Identity)
@@ -1225,8 +1215,8 @@ HWY_NOINLINE Vf JitterOf(const PacketScene& scene, int x0, int y0)
   HWY_ALIGN float jitter[16];
   for (int lane = 0; lane < shape.Lanes; ++lane)
   {
-    jitter[lane] = static_cast<float>(FindJitter(
-      x0 + lane % shape.Width + origin.x, y0 + lane / shape.Width + origin.y));
+    jitter[lane] = static_cast<float>(
+      FindJitter(x0 + lane % shape.Width + origin.x, y0 + lane / shape.Width + origin.y));
   }
   return hn::Load(d, jitter);
 }
@@ -1252,8 +1242,8 @@ HWY_INLINE void ClipToDepths(
     if (depth < 1.0)
     {
       const ViewRay ray = camera.MakeRay(x + 0.5, y + 0.5);
-      to[lane] = std::min(
-        to[lane], static_cast<float>(camera.DepthToT(ray, x + 0.5, y + 0.5, depth)));
+      to[lane] =
+        std::min(to[lane], static_cast<float>(camera.DepthToT(ray, x + 0.5, y + 0.5, depth)));
     }
   }
   rays.To = hn::Load(d, to);
@@ -1285,8 +1275,8 @@ HWY_INLINE void StorePixels(const PacketScene& scene, const CastImage& image, in
       if (nearest < 1e29f)
       {
         const ViewRay ray = scene.Source->Camera.MakeRay(x0 + column + 0.5, y + 0.5);
-        depth = static_cast<float>(scene.Source->Camera.ToDepth(
-          ray.Origin + static_cast<double>(nearest) * ray.Direction));
+        depth = static_cast<float>(
+          scene.Source->Camera.ToDepth(ray.Origin + static_cast<double>(nearest) * ray.Direction));
       }
     }
   }
@@ -1321,7 +1311,10 @@ public:
   }
 
   /// Whether the packet at a pixel is in a quarter that is asked for.
-  HWY_INLINE bool IsWanted(int x, int y) const { return (this->Quarters >> this->At(x, y) & 1) != 0; }
+  HWY_INLINE bool IsWanted(int x, int y) const
+  {
+    return (this->Quarters >> this->At(x, y) & 1) != 0;
+  }
 
   HWY_INLINE void Include(int x, int y, float reach)
   {
@@ -1407,8 +1400,8 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       const Mf inImage = hn::And(hn::Lt(px, Splat(static_cast<float>(image.Width))),
         hn::Lt(py, Splat(static_cast<float>(image.Height))));
       const Mf active = hn::And(inImage, hn::Lt(rays.From, rays.To));
-      // Rays that miss what there is now may meet what there will be; of those that were cast before
-      // the last stop nothing is known any more.
+      // Rays that miss what there is now may meet what there will be; of those that were cast
+      // before the last stop nothing is known any more.
       if (packet < firstPacket || !hn::AllFalse(d, hn::AndNot(active, inImage)))
       {
         reaches.Include(x, y, std::numeric_limits<float>::infinity());

@@ -43,8 +43,7 @@ struct SamplePosition
 /// First voxel, along an axis, of the cell that holds a position.
 HWY_INLINE Vf CellOf(const PacketVolume& v, Vf x, int a)
 {
-  return hn::Floor(
-    Clamp(x, hn::Zero(Df()), Splat(static_cast<float>(v.Dimensions[a] - 2))));
+  return hn::Floor(Clamp(x, hn::Zero(Df()), Splat(static_cast<float>(v.Dimensions[a] - 2))));
 }
 
 /// `inner`: all positions that count lie between voxels.
@@ -71,8 +70,7 @@ HWY_INLINE SamplePosition FindCells(
   if (HWY_UNLIKELY(v.Nearest))
   {
     // The nearest voxel is linear interpolation with weights of zero and one.
-    const auto snap = [&](Vf f)
-    { return hn::IfThenElseZero(hn::Ge(f, Splat(0.5f)), Splat(1.0f)); };
+    const auto snap = [&](Vf f) { return hn::IfThenElseZero(hn::Ge(f, Splat(0.5f)), Splat(1.0f)); };
     at.Fx = snap(at.Fx);
     at.Fy = snap(at.Fy);
     at.Fz = snap(at.Fz);
@@ -160,15 +158,13 @@ struct WideLoader
   {
     const Df d;
     HWY_ALIGN float values[16];
-    DispatchScalarType(v.Type,
-      [&](auto zero)
+    DispatchScalarType(v.Type, [&](auto zero) {
+      const auto* p = static_cast<const decltype(zero)*>(v.Scalars) + delta;
+      for (std::size_t i = 0; i < hn::Lanes(d); ++i)
       {
-        const auto* p = static_cast<const decltype(zero)*>(v.Scalars) + delta;
-        for (std::size_t i = 0; i < hn::Lanes(d); ++i)
-        {
-          values[i] = static_cast<float>((static_cast<double>(p[offsets[i]]) - v.Shift) * v.Scale);
-        }
-      });
+        values[i] = static_cast<float>((static_cast<double>(p[offsets[i]]) - v.Shift) * v.Scale);
+      }
+    });
     return hn::Load(d, values);
   }
 };
@@ -362,8 +358,8 @@ public:
     const Di di;
     this->Volume = &v;
     const Vi offset = hn::Add(cells.X,
-      hn::Add(hn::Mul(cells.Y, hn::Set(di, v.IncrementY)),
-        hn::Mul(cells.Z, hn::Set(di, v.IncrementZ))));
+      hn::Add(
+        hn::Mul(cells.Y, hn::Set(di, v.IncrementY)), hn::Mul(cells.Z, hn::Set(di, v.IncrementZ))));
     const Vi safe = hn::Set(di, 1 + v.IncrementY + v.IncrementZ);
     hn::Store(hn::IfThenElse(hn::RebindMask(di, lanes), offset, safe), di, this->Offsets);
     return true;
@@ -420,8 +416,7 @@ HWY_INLINE Vf Sample(const Source& source, const SamplePosition& at, SampleRows<
  * eight beside them along x, come with the sample.
  */
 template <class T, class Source>
-HWY_INLINE Vec3 Gradient(
-  const Source& source, const SamplePosition& at, const SampleRows<T>& rows)
+HWY_INLINE Vec3 Gradient(const Source& source, const SamplePosition& at, const SampleRows<T>& rows)
 {
   using F = Fetch<T>;
   const auto middle = [&](int dy, int dz) { return source.Middle(dy, dz, at); };
@@ -439,8 +434,7 @@ HWY_INLINE Vec3 Gradient(
 /// What Gradient() gives of repeated voxels, over as much of the two voxels as the volume has.
 HWY_INLINE Vec3 AtFaces(const PacketVolume& v, const Vec3& q, const Vec3& gradient)
 {
-  const auto scale = [&](Vf x, int a)
-  {
+  const auto scale = [&](Vf x, int a) {
     const Vf one = Splat(1.0f);
     const Vf after = hn::Min(hn::Add(x, one), Splat(static_cast<float>(v.Dimensions[a] - 1)));
     return hn::Div(Splat(2.0f), hn::Sub(after, hn::Max(hn::Sub(x, one), hn::Zero(Df()))));
@@ -467,8 +461,7 @@ public:
     this->View.IncrementY = Side;
     this->View.IncrementZ = Side * Side;
     HWY_ALIGN int cells[3][16];
-    const auto locate = [&](Vf x, int a)
-    {
+    const auto locate = [&](Vf x, int a) {
       const Vf cell = CellOf(v, x, a);
       hn::Store(hn::ConvertTo(di, cell), di, cells[a]);
       return hn::Sub(x, cell);
@@ -512,8 +505,9 @@ private:
   static void Copy(const PacketVolume& v, const int cell[3], T* to)
   {
     const T* const from = static_cast<const T*>(v.Scalars);
-    const auto place = [&](int a, int i)
-    { return static_cast<std::ptrdiff_t>(std::clamp(cell[a] + i - 1, 0, v.Dimensions[a] - 1)); };
+    const auto place = [&](int a, int i) {
+      return static_cast<std::ptrdiff_t>(std::clamp(cell[a] + i - 1, 0, v.Dimensions[a] - 1));
+    };
     const std::ptrdiff_t x[Side] = { place(0, 0), place(0, 1), place(0, 2), place(0, 3) };
     const bool whole = x[3] - x[0] == Side - 1;
     for (int k = 0; k < Side; ++k)

@@ -19,13 +19,12 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// Numbers, along an axis, of the blocks that positions are in; what is outside of the volume counts
-/// as in the nearest block.
+/// Numbers, along an axis, of the blocks that positions are in; what is outside of the volume
+/// counts as in the nearest block.
 HWY_INLINE Vf BlockOf(const PacketScene& scene, Vf x, int a)
 {
   constexpr float PerVoxel = 1.0f / static_cast<float>(MinMaxBlocks::BlockSize);
-  return hn::Floor(
-    Clamp(hn::Mul(x, Splat(PerVoxel)), hn::Zero(Df()), Splat(scene.LastBlock[a])));
+  return hn::Floor(Clamp(hn::Mul(x, Splat(PerVoxel)), hn::Zero(Df()), Splat(scene.LastBlock[a])));
 }
 
 /// Distances of blocks to the nearest visible one.
@@ -48,7 +47,8 @@ inline bool CanTellBoxes(const float radius[3])
   return std::max({ radius[0], radius[1], radius[2] }) <= Half;
 }
 
-/// The lanes of `lanes` whose boxes of `radius` around q touch empty blocks only, if CanTellBoxes().
+/// The lanes of `lanes` whose boxes of `radius` around q touch empty blocks only, if
+/// CanTellBoxes().
 HWY_INLINE Mf FindEmptyBoxes(
   const PacketScene& scene, const Vec3& q, const float radius[3], Mf lanes)
 {
@@ -66,8 +66,8 @@ HWY_INLINE Mf FindEmptyBoxes(
   }
   for (int corner = 0; corner < 8 && !hn::AllFalse(d, lanes); ++corner)
   {
-    const Vf distance = DistanceOf(
-      scene, ends[0][corner & 1], ends[1][corner >> 1 & 1], ends[2][corner >> 2]);
+    const Vf distance =
+      DistanceOf(scene, ends[0][corner & 1], ends[1][corner >> 1 & 1], ends[2][corner >> 2]);
     lanes = hn::And(lanes, hn::Gt(distance, hn::Zero(d)));
   }
   return lanes;

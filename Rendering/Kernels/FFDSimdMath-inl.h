@@ -37,26 +37,14 @@ struct Vec3
   Vf z;
 };
 
-HWY_INLINE Vf Splat(float value)
-{
-  return hn::Set(Df(), value);
-}
+HWY_INLINE Vf Splat(float value) { return hn::Set(Df(), value); }
 
-HWY_INLINE Vec3 Broadcast(const float v[3])
-{
-  return { Splat(v[0]), Splat(v[1]), Splat(v[2]) };
-}
+HWY_INLINE Vec3 Broadcast(const float v[3]) { return { Splat(v[0]), Splat(v[1]), Splat(v[2]) }; }
 
-HWY_INLINE Vf Clamp(Vf x, Vf lo, Vf hi)
-{
-  return hn::Min(hn::Max(x, lo), hi);
-}
+HWY_INLINE Vf Clamp(Vf x, Vf lo, Vf hi) { return hn::Min(hn::Max(x, lo), hi); }
 
 /// a + t * (b - a)
-HWY_INLINE Vf Lerp(Vf a, Vf b, Vf t)
-{
-  return hn::MulAdd(t, hn::Sub(b, a), a);
-}
+HWY_INLINE Vf Lerp(Vf a, Vf b, Vf t) { return hn::MulAdd(t, hn::Sub(b, a), a); }
 
 HWY_INLINE Vf Dot(const Vec3& a, const Vec3& b)
 {
@@ -66,8 +54,7 @@ HWY_INLINE Vf Dot(const Vec3& a, const Vec3& b)
 HWY_INLINE Vec3 Cross(const Vec3& a, const Vec3& b)
 {
   return { hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)),
-    hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
-    hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x)) };
+    hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)), hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x)) };
 }
 
 HWY_INLINE Vec3 Add(const Vec3& a, const Vec3& b)
@@ -101,10 +88,8 @@ HWY_INLINE Vec3 Select(Mf mask, const Vec3& yes, const Vec3& no)
 /// m * a for a 3 x 3 matrix stored row by row.
 HWY_INLINE Vec3 Transform(const float m[9], const Vec3& a)
 {
-  const auto row = [&](const float* r)
-  {
-    return hn::MulAdd(
-      Splat(r[0]), a.x, hn::MulAdd(Splat(r[1]), a.y, hn::Mul(Splat(r[2]), a.z)));
+  const auto row = [&](const float* r) {
+    return hn::MulAdd(Splat(r[0]), a.x, hn::MulAdd(Splat(r[1]), a.y, hn::Mul(Splat(r[2]), a.z)));
   };
   return { row(m), row(m + 3), row(m + 6) };
 }
@@ -269,15 +254,9 @@ HWY_INLINE Quads LoadQuads(const std::uint32_t* table, Vi index)
 #endif
 }
 
-HWY_INLINE float SmallestLane(Vf v)
-{
-  return hn::GetLane(hn::MinOfLanes(Df(), v));
-}
+HWY_INLINE float SmallestLane(Vf v) { return hn::GetLane(hn::MinOfLanes(Df(), v)); }
 
-HWY_INLINE float LargestLane(Vf v)
-{
-  return hn::GetLane(hn::MaxOfLanes(Df(), v));
-}
+HWY_INLINE float LargestLane(Vf v) { return hn::GetLane(hn::MaxOfLanes(Df(), v)); }
 
 /// 2^x for x <= 0; relative error below 3e-7, zero below -80.
 HWY_INLINE Vf Exp2(Vf x)
@@ -306,8 +285,7 @@ HWY_INLINE Vf Log2(Vf x)
   const Di di;
   const Vi bits = hn::BitCast(di, x);
   const Vi exponent = hn::Sub(hn::ShiftRight<23>(bits), hn::Set(di, 127));
-  const Vi mantissa =
-    hn::Or(hn::And(bits, hn::Set(di, 0x007FFFFF)), hn::Set(di, 0x3F800000));
+  const Vi mantissa = hn::Or(hn::And(bits, hn::Set(di, 0x007FFFFF)), hn::Set(di, 0x3F800000));
   const Vf m = hn::BitCast(d, mantissa); // 1 <= m < 2
   // log2(m) = 2 / ln 2 * atanh(u), u = (m - 1) / (m + 1) <= 1 / 3.
   const Vf u = hn::Div(hn::Sub(m, Splat(1.0f)), hn::Add(m, Splat(1.0f)));
@@ -349,7 +327,8 @@ HWY_INLINE Vf WholePower(Vf x, int power)
 HWY_INLINE Vf Power(Vf x, float power)
 {
   const Mf zero = hn::Lt(x, Splat(1e-20f));
-  const Vf y = Exp2(hn::Min(hn::Mul(Splat(power), Log2(hn::Max(x, Splat(1e-20f)))), hn::Zero(Df())));
+  const Vf y =
+    Exp2(hn::Min(hn::Mul(Splat(power), Log2(hn::Max(x, Splat(1e-20f)))), hn::Zero(Df())));
   return hn::IfThenZeroElse(zero, y);
 }
 

@@ -604,9 +604,10 @@ private:
       piece.Up[a] /= static_cast<float>(piece.Samples);
       piece.Down[a] /= static_cast<float>(piece.Samples);
     }
-    // Of blocks wider than what FindEmptyBoxes() tells single rays may leap where the block does not.
-    piece.LeapsRays = this->Scene.Distances != nullptr &&
-      (this->Scene.LeapsRays || !CanTellBoxes(radius));
+    // Of blocks wider than what FindEmptyBoxes() tells single rays may leap where the block does
+    // not.
+    piece.LeapsRays =
+      this->Scene.Distances != nullptr && (this->Scene.LeapsRays || !CanTellBoxes(radius));
     const int blocksPerRow = piece.Side / BlockSide;
     const int blocks = blocksPerRow * blocksPerRow;
     const Vf toNodes = Splat(3.0f / static_cast<float>(piece.Side - 1));

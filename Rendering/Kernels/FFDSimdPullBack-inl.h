@@ -21,8 +21,8 @@ namespace HWY_NAMESPACE
 {
 
 /**
- * A point of rest space for each lane whose image under T is about p: a step of Newton's method from
- * the nearest of PacketScene::Seeds.
+ * A point of rest space for each lane whose image under T is about p: a step of Newton's method
+ * from the nearest of PacketScene::Seeds.
  */
 HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
 {
@@ -38,8 +38,7 @@ HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
     const Vf distance = hn::NegMulAdd(p.x, Splat(2.0f * seed.Image[0]),
       hn::NegMulAdd(p.y, Splat(2.0f * seed.Image[1]),
         hn::NegMulAdd(p.z, Splat(2.0f * seed.Image[2]), Splat(seed.SquaredImage))));
-    nearest = hn::IfThenElse(
-      hn::RebindMask(di, hn::Lt(distance, least)), hn::Set(di, i), nearest);
+    nearest = hn::IfThenElse(hn::RebindMask(di, hn::Lt(distance, least)), hn::Set(di, i), nearest);
     least = hn::Min(distance, least);
   }
   HWY_ALIGN int seeds[16];
@@ -58,14 +57,15 @@ HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
       inverse[i][lane] = seed.Inverse[i];
     }
   }
-  const auto load = [&](const float(*rows)[16]) -> Vec3
-  { return { hn::Load(d, rows[0]), hn::Load(d, rows[1]), hn::Load(d, rows[2]) }; };
+  const auto load = [&](const float(*rows)[16]) -> Vec3 {
+    return { hn::Load(d, rows[0]), hn::Load(d, rows[1]), hn::Load(d, rows[2]) };
+  };
   const Vec3 path = Sub(p, load(image));
   const Vec3 step{ Dot(path, load(inverse)), Dot(path, load(inverse + 3)),
     Dot(path, load(inverse + 6)) };
   const Vf length = hn::Sqrt(Dot(step, step));
-  const Vf part = hn::Min(
-    Splat(1.0f), hn::Div(Splat(scene.Field.LongestStep), hn::Max(length, Splat(1e-30f))));
+  const Vf part =
+    hn::Min(Splat(1.0f), hn::Div(Splat(scene.Field.LongestStep), hn::Max(length, Splat(1e-30f))));
   return MulAdd(part, step, load(point));
 }
 
@@ -85,10 +85,10 @@ HWY_INLINE Mf IsNowhere(const PacketScene& scene, const Vec3& q)
 }
 
 /**
- * T^-1 of every lane by Newton's method from `start`, local coordinates. Where T folds, several rest
- * points lead to p: those count where T does not turn the volume inside out. Lanes that do not find
- * such a one start again from the nearest seed; where that does not help, there is nothing at p, and
- * they get a point far outside. `step`: the last one.
+ * T^-1 of every lane by Newton's method from `start`, local coordinates. Where T folds, several
+ * rest points lead to p: those count where T does not turn the volume inside out. Lanes that do not
+ * find such a one start again from the nearest seed; where that does not help, there is nothing at
+ * p, and they get a point far outside. `step`: the last one.
  */
 HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& start,
   float tolerance, Mf active, NewtonStep& step, CastStatistics& statistics)
@@ -100,8 +100,7 @@ HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& 
   Vec3 q = start;
   int evaluations = 0;
   const auto solve = [&](Mf lanes, int steps, Vec3& at, NewtonStep& last) {
-    const Mf solved =
-      SolveInverse(scene.Field, p, tolerance, lanes, steps, at, last, evaluations);
+    const Mf solved = SolveInverse(scene.Field, p, tolerance, lanes, steps, at, last, evaluations);
     const Mf kept = hn::Gt(hn::Mul(last.Inverse, Splat(scene.Orientation)), hn::Zero(d));
     return hn::And(solved, hn::Or(kept, hn::Not(IsInRestBox(scene, at))));
   };
@@ -139,11 +138,11 @@ HWY_INLINE Vec3 MirrorAt(const PacketScene& scene, const Vec3& p, const Vec3& q)
 }
 
 /**
- * Phi of every lane in `active`, local coordinates. `start`: about where it leads to. `move`, if not
- * null: a change of p in, and about what that changes out, of the kinds that invert T.
+ * Phi of every lane in `active`, local coordinates. `start`: about where it leads to. `move`, if
+ * not null: a change of p in, and about what that changes out, of the kinds that invert T.
  */
-HWY_INLINE Vec3 PullBackFrom(const PacketScene& scene, const Vec3& p, const Vec3& start, float tolerance,
-  Mf active, CastStatistics& statistics, Vec3* move = nullptr)
+HWY_INLINE Vec3 PullBackFrom(const PacketScene& scene, const Vec3& p, const Vec3& start,
+  float tolerance, Mf active, CastStatistics& statistics, Vec3* move = nullptr)
 {
   if (scene.Identity)
   {
@@ -152,7 +151,8 @@ HWY_INLINE Vec3 PullBackFrom(const PacketScene& scene, const Vec3& p, const Vec3
   if (InvertsTheField(scene.Kind))
   {
     NewtonStep step;
-    const Vec3 q = InvertFrom(scene, p, MirrorAt(scene, p, start), tolerance, active, step, statistics);
+    const Vec3 q =
+      InvertFrom(scene, p, MirrorAt(scene, p, start), tolerance, active, step, statistics);
     if (move)
     {
       *move = MirrorAt(scene, *move, step.Apply(*move));

@@ -52,20 +52,18 @@ HWY_INLINE void LocateOnAxis(
   axis.Weights[0] = hn::Mul(sixth, hn::Mul(v2, v));
   axis.Weights[3] = hn::Mul(sixth, hn::Mul(u2, u));
   // 4 - 6 u^2 + 3 u^3, and its mirror image.
-  axis.Weights[1] = hn::Mul(
-    sixth, hn::MulAdd(u2, hn::MulAdd(Splat(3.0f), u, Splat(-6.0f)), Splat(4.0f)));
-  axis.Weights[2] = hn::Mul(
-    sixth, hn::MulAdd(v2, hn::MulAdd(Splat(3.0f), v, Splat(-6.0f)), Splat(4.0f)));
+  axis.Weights[1] =
+    hn::Mul(sixth, hn::MulAdd(u2, hn::MulAdd(Splat(3.0f), u, Splat(-6.0f)), Splat(4.0f)));
+  axis.Weights[2] =
+    hn::Mul(sixth, hn::MulAdd(v2, hn::MulAdd(Splat(3.0f), v, Splat(-6.0f)), Splat(4.0f)));
   if constexpr (WithSlopes)
   {
     const Mf inside = hn::And(hn::Gt(x, Splat(lo)), hn::Lt(x, Splat(hi)));
     const Vf toData = hn::IfThenElseZero(inside, Splat(inverseSpacing));
     axis.Slopes[0] = hn::Mul(toData, hn::Mul(Splat(-0.5f), v2));
     axis.Slopes[3] = hn::Mul(toData, hn::Mul(Splat(0.5f), u2));
-    axis.Slopes[1] =
-      hn::Mul(toData, hn::Mul(u, hn::MulAdd(Splat(1.5f), u, Splat(-2.0f))));
-    axis.Slopes[2] =
-      hn::Mul(toData, hn::Mul(hn::Neg(v), hn::MulAdd(Splat(1.5f), v, Splat(-2.0f))));
+    axis.Slopes[1] = hn::Mul(toData, hn::Mul(u, hn::MulAdd(Splat(1.5f), u, Splat(-2.0f))));
+    axis.Slopes[2] = hn::Mul(toData, hn::Mul(hn::Neg(v), hn::MulAdd(Splat(1.5f), v, Splat(-2.0f))));
   }
 }
 
@@ -186,8 +184,8 @@ HWY_INLINE void SumOverSupport(const float* corner, std::size_t stepY, std::size
  * the others: control points that it does not need weigh nothing.
  */
 template <bool WithSlopes>
-HWY_NOINLINE void EvaluateField(const PacketField& field, const Vec3& p, Vec3& displacement,
-  Vec3& dx, Vec3& dy, Vec3& dz)
+HWY_NOINLINE void EvaluateField(
+  const PacketField& field, const Vec3& p, Vec3& displacement, Vec3& dx, Vec3& dy, Vec3& dz)
 {
   const Df d;
   const Di di;
@@ -209,10 +207,10 @@ HWY_NOINLINE void EvaluateField(const PacketField& field, const Vec3& p, Vec3& d
     for (int a = 2; a >= 0; --a)
     {
       const Vi far = hn::Set(di, 1 << 30);
-      least[a] = hn::GetLane(hn::MinOfLanes(
-        di, hn::IfThenElse(hn::RebindMask(di, lanes), axes[a].Cell, far)));
-      lanes = hn::And(lanes,
-        hn::RebindMask(d, hn::Lt(axes[a].Cell, hn::Set(di, least[a] + LargestSpread))));
+      least[a] = hn::GetLane(
+        hn::MinOfLanes(di, hn::IfThenElse(hn::RebindMask(di, lanes), axes[a].Cell, far)));
+      lanes = hn::And(
+        lanes, hn::RebindMask(d, hn::Lt(axes[a].Cell, hn::Set(di, least[a] + LargestSpread))));
     }
     SplineSupport support[3];
     std::size_t offsets[3];
@@ -275,8 +273,7 @@ HWY_INLINE Vec3 Displacement(const PacketField& field, const Vec3& p)
 /// Lanes inside of the lattice, where the field has two derivatives.
 HWY_INLINE Mf IsInLattice(const PacketField& field, const Vec3& p)
 {
-  const auto within = [&](Vf x, int a)
-  {
+  const auto within = [&](Vf x, int a) {
     const Vf cell = hn::Mul(hn::Sub(x, Splat(field.Origin[a])), Splat(field.InverseSpacing[a]));
     return hn::And(hn::Gt(cell, Splat(field.ClampMin[a])), hn::Lt(cell, Splat(field.ClampMax[a])));
   };
@@ -320,21 +317,21 @@ HWY_INLINE NewtonStep FindNewtonStep(const PacketField& field, const Vec3& p, co
   const Vf determinant = Dot(a, step.Rows[0]);
   const Vf smallest = Splat(1e-6f);
   step.Inverse = hn::Div(one,
-    hn::IfThenElse(hn::Lt(hn::Abs(determinant), smallest), hn::CopySign(smallest, determinant),
-      determinant));
+    hn::IfThenElse(
+      hn::Lt(hn::Abs(determinant), smallest), hn::CopySign(smallest, determinant), determinant));
   const auto square = [&](int row) { return Dot(step.Rows[row], step.Rows[row]); };
-  step.Norm = hn::Mul(
-    hn::Abs(step.Inverse), hn::Sqrt(hn::Add(square(0), hn::Add(square(1), square(2)))));
+  step.Norm =
+    hn::Mul(hn::Abs(step.Inverse), hn::Sqrt(hn::Add(square(0), hn::Add(square(1), square(2)))));
   step.Delta = step.Apply(step.Residual);
   return step;
 }
 
 /**
- * T(Q) = p for the lanes of `active` by Newton's method from `q`, with steps of limited length. A lane
- * is done with a step no longer than the tolerance, or earlier: by the theorem of Newton and
- * Kantorovich with a step delta that ends within h |delta| of Q, where h = |J^-1| M |delta| <= 1/2, M
- * being a bound of the second derivative. What a lane gets does not depend on the others. Returns the
- * lanes that are done; `step` is the last one.
+ * T(Q) = p for the lanes of `active` by Newton's method from `q`, with steps of limited length. A
+ * lane is done with a step no longer than the tolerance, or earlier: by the theorem of Newton and
+ * Kantorovich with a step delta that ends within h |delta| of Q, where h = |J^-1| M |delta| <= 1/2,
+ * M being a bound of the second derivative. What a lane gets does not depend on the others. Returns
+ * the lanes that are done; `step` is the last one.
  */
 HWY_INLINE Mf SolveInverse(const PacketField& field, const Vec3& p, float tolerance, Mf active,
   int largestSteps, Vec3& q, NewtonStep& step, int& evaluations)

@@ -36,8 +36,8 @@ namespace HWY_NAMESPACE
 template <class T>
 constexpr bool HasVoxelWindow()
 {
-  return FFD_HAS_VOXEL_WINDOWS && (std::is_same<T, std::uint8_t>::value ||
-                                    std::is_same<T, std::int8_t>::value);
+  return FFD_HAS_VOXEL_WINDOWS &&
+    (std::is_same<T, std::uint8_t>::value || std::is_same<T, std::int8_t>::value);
 }
 
 template <class T>
@@ -45,10 +45,10 @@ class VoxelWindow;
 
 #if FFD_HAS_VOXEL_WINDOWS
 /**
- * The rays of a packet are neighbours: all bytes that they need at one sample mostly lie in a window
- * of 8 x 8 x 7 voxels. It is loaded into registers, slab by slab, and rows are looked up there by
- * permutations of bytes, where loads lane by lane would take several times as many instructions. A
- * source of rows as OffsetRows.
+ * The rays of a packet are neighbours: all bytes that they need at one sample mostly lie in a
+ * window of 8 x 8 x 7 voxels. It is loaded into registers, slab by slab, and rows are looked up
+ * there by permutations of bytes, where loads lane by lane would take several times as many
+ * instructions. A source of rows as OffsetRows.
  */
 template <class T>
 class VoxelWindow
@@ -82,8 +82,8 @@ public:
       return false;
     }
     this->Corner = static_cast<const std::uint8_t*>(v.Scalars) +
-      static_cast<std::ptrdiff_t>(z) * v.IncrementZ + static_cast<std::ptrdiff_t>(y) * v.IncrementY +
-      x - 1;
+      static_cast<std::ptrdiff_t>(z) * v.IncrementZ +
+      static_cast<std::ptrdiff_t>(y) * v.IncrementY + x - 1;
     this->StepY = v.IncrementY;
     this->StepZ = v.IncrementZ;
     this->High = _mm512_cmpgt_epi32_mask(dz.raw, _mm512_set1_epi32(1));
@@ -136,7 +136,8 @@ private:
   template <int Number>
   HWY_INLINE __m512i LoadRow(int slab, __m512i rows) const
   {
-    const std::uint8_t* const row = this->Corner + (slab - 1) * this->StepZ + (Number - 1) * this->StepY;
+    const std::uint8_t* const row =
+      this->Corner + (slab - 1) * this->StepZ + (Number - 1) * this->StepY;
     return _mm512_mask_broadcastq_epi64(
       rows, 1 << Number, _mm_loadl_epi64(reinterpret_cast<const __m128i*>(row)));
   }
