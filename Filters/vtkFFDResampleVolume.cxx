@@ -96,8 +96,8 @@ ffd::Box FindBox(const ffd::ImageGrid& grid, const int extent[6])
     glm::dvec3(-std::numeric_limits<double>::infinity()) };
   for (int corner = 0; corner < 8; ++corner)
   {
-    const glm::dvec3 p = grid.ToData(glm::dvec3(
-      extent[corner & 1], extent[2 + (corner >> 1 & 1)], extent[4 + (corner >> 2 & 1)]));
+    const glm::dvec3 p = grid.ToData(
+      glm::dvec3(extent[corner & 1], extent[2 + (corner >> 1 & 1)], extent[4 + (corner >> 2 & 1)]));
     box.Min = glm::min(box.Min, p);
     box.Max = glm::max(box.Max, p);
   }
@@ -114,8 +114,8 @@ ffd::Box FindIndices(const ffd::ImageGrid& grid, const ffd::ImageGrid& other, co
   ffd::Box moved = indices;
   for (int corner = 0; corner < 8; ++corner)
   {
-    const glm::dvec3 p = other.ToData(glm::dvec3(
-      extent[corner & 1], extent[2 + (corner >> 1 & 1)], extent[4 + (corner >> 2 & 1)]));
+    const glm::dvec3 p = other.ToData(
+      glm::dvec3(extent[corner & 1], extent[2 + (corner >> 1 & 1)], extent[4 + (corner >> 2 & 1)]));
     const glm::dvec3 d((corner & 1 ? displacement.Max : displacement.Min).x,
       (corner & 2 ? displacement.Max : displacement.Min).y,
       (corner & 4 ? displacement.Max : displacement.Min).z);
@@ -146,6 +146,22 @@ ffd::Box FindIndices(const ffd::ImageGrid& grid, const ffd::Box& box)
   return { glm::floor(indices.Min + IndexSlack), glm::ceil(indices.Max - IndexSlack) };
 }
 
+/// The pull-back of a deformation and its bounds.
+struct BoundedMap
+{
+  ffd::PullBack Map;
+  ffd::PullBackBounds Bounds;
+};
+
+ffd::Made MakeBoundedMap(BoundedMap& result, ffd::StageTools&,
+  const ffd::Product<ffd::DeformationField>& field, ffd::InverseMode mode, double tolerance)
+{
+  result.Map =
+    ffd::PullBack(&field->Field, ffd::FindPullBackKind(mode, field->Inverted), tolerance);
+  result.Bounds.Update(result.Map);
+  return ffd::Made::Anew;
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -153,59 +169,39 @@ ffd::Box FindIndices(const ffd::ImageGrid& grid, const ffd::Box& box)
 class vtkFFDResampleVolume::vtkInternals
 {
 public:
-  vtkFFDDeformationSource Source;
-  ffd::PullBack Map;
-  ffd::PullBackBounds Bounds;
+  ffd::StageOrder Order;
+  vtkFFDDeformationSource Source{ Order };
+  ffd::Stage<&MakeBoundedMap> Pulled{ Order };
   ffd::ImageGrid Input;
   ffd::ImageGrid Output;
   ffd::Box RestBounds;
-  // What Map and Bounds were made from.
-  vtkMTimeType MapTime = 0;
-  int MapMode = -1;
-  double MapTolerance = 0.0;
 
   /// Indices of the output that hold the whole deformed volume.
   ffd::Box FindDeformedIndices(vtkInformation* input) const
   {
     int whole[6];
     input->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), whole);
-    if (this->Map.IsIdentity())
+    const ffd::PullBack& map = this->Pulled->Map;
+    const ffd::PullBackBounds& bounds = this->Pulled->Bounds;
+    if (map.IsIdentity())
     {
       return FindIndices(
         this->Output, this->Input, whole, ffd::Box{ glm::dvec3(0.0), glm::dvec3(0.0) });
     }
     // Two bounds: the first is tight, but a box of data coordinates, so loose for turned images.
-    const ffd::Box first =
-      FindIndices(this->Output, this->Bounds.DeformedBounds(this->RestBounds));
+    const ffd::Box first = FindIndices(this->Output, bounds.DeformedBounds(this->RestBounds));
     constexpr double large = 1e300;
-    const ffd::Box d =
-      this->Bounds.DisplacementOver({ glm::dvec3(-large), glm::dvec3(large) });
+    const ffd::Box d = bounds.DisplacementOver({ glm::dvec3(-large), glm::dvec3(large) });
     // P - Phi(P) is D of some point, or -D for the kinds that read T from output to input.
-    const bool opposite = this->Map.GetKind() == ffd::PullBackKind::Forward ||
-      this->Map.GetKind() == ffd::PullBackKind::FirstOrderOfInverse;
-    const glm::dvec3 slack(this->MapTolerance);
+    const bool opposite = map.GetKind() == ffd::PullBackKind::Forward ||
+      map.GetKind() == ffd::PullBackKind::FirstOrderOfInverse;
+    const glm::dvec3 slack(map.GetTolerance());
     const ffd::Box second = FindIndices(this->Output, this->Input, whole,
       opposite ? ffd::Box{ -d.Max - slack, -d.Min + slack }
                : ffd::Box{ d.Min - slack, d.Max + slack });
-    return first.IsEmpty() ? second
-                           : ffd::Box{ glm::max(first.Min, second.Min),
-                               glm::min(first.Max, second.Max) };
-  }
-
-  void UpdateMap(int mode, double tolerance)
-  {
-    if (this->MapTime == this->Source.GetMTime() && this->MapMode == mode &&
-      this->MapTolerance == tolerance)
-    {
-      return;
-    }
-    this->Map = ffd::PullBack(&this->Source.GetField(),
-      ffd::FindPullBackKind(static_cast<ffd::InverseMode>(mode), this->Source.IsInverted()),
-      tolerance);
-    this->Bounds.Update(this->Map);
-    this->MapTime = this->Source.GetMTime();
-    this->MapMode = mode;
-    this->MapTolerance = tolerance;
+    return first.IsEmpty()
+      ? second
+      : ffd::Box{ glm::max(first.Min, second.Min), glm::min(first.Max, second.Max) };
   }
 };
 
@@ -216,19 +212,13 @@ vtkFFDResampleVolume::vtkFFDResampleVolume()
 }
 
 //------------------------------------------------------------------------------
-vtkFFDResampleVolume::~vtkFFDResampleVolume()
-{
-  this->SetDeformation(nullptr);
-}
+vtkFFDResampleVolume::~vtkFFDResampleVolume() { this->SetDeformation(nullptr); }
 
 //------------------------------------------------------------------------------
 vtkCxxSetObjectMacro(vtkFFDResampleVolume, Deformation, vtkAbstractTransform);
 
 //------------------------------------------------------------------------------
-vtkAbstractTransform* vtkFFDResampleVolume::GetDeformation()
-{
-  return this->Deformation;
-}
+vtkAbstractTransform* vtkFFDResampleVolume::GetDeformation() { return this->Deformation; }
 
 //------------------------------------------------------------------------------
 void vtkFFDResampleVolume::PrintSelf(ostream& os, vtkIndent indent)
@@ -280,8 +270,8 @@ bool vtkFFDResampleVolume::SetPositive(const char* name, double& member, double 
 {
   if (!(value > 0.0) || !std::isfinite(value))
   {
-    vtkErrorMacro(<< name << " must be a positive number, not " << value << "; it stays "
-                  << member << ".");
+    vtkErrorMacro(<< name << " must be a positive number, not " << value << "; it stays " << member
+                  << ".");
     return false;
   }
   if (member != value)
@@ -498,17 +488,19 @@ bool vtkFFDResampleVolume::UpdateInternals(vtkInformation* input, std::string& m
   const double voxel = std::min({ glm::length(in.Input.IndexToData[0]),
     glm::length(in.Input.IndexToData[1]), glm::length(in.Input.IndexToData[2]) });
   vtkImageData* image = vtkImageData::GetData(input);
-  std::string warning;
-  if (!in.Source.Update(
-        this->Deformation, image, bounds, this->PositionTolerance * voxel, message, warning))
+  ffd::StageTools tools;
+  in.Order.Begin();
+  if (!in.Source.Update(this->Deformation, image, bounds, this->PositionTolerance * voxel, tools))
   {
+    message = tools.Message;
     return false;
   }
-  if (!warning.empty())
+  if (!tools.Warning.empty())
   {
-    vtkWarningMacro(<< warning);
+    vtkWarningMacro(<< tools.Warning);
   }
-  in.UpdateMap(this->InverseMode, this->InverseTolerance * voxel);
+  in.Pulled.Update(tools, in.Source.GetProduct(), static_cast<ffd::InverseMode>(this->InverseMode),
+    this->InverseTolerance * voxel);
 
   in.Output = in.Input;
   for (int a = 0; a < 3; ++a)
@@ -578,8 +570,7 @@ int vtkFFDResampleVolume::RequestInformation(
     const bool has = input->Has(vtkDataObject::SPACING()) != 0;
     spacing[a] = this->DefaultSpacing
       ? (has ? input->Get(vtkDataObject::SPACING())[a] : 1.0)
-      : std::copysign(
-          this->OutputSpacing[a], has ? input->Get(vtkDataObject::SPACING())[a] : 1.0);
+      : std::copysign(this->OutputSpacing[a], has ? input->Get(vtkDataObject::SPACING())[a] : 1.0);
   }
   output->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent, 6);
   output->Set(vtkDataObject::SPACING(), spacing, 3);
@@ -609,7 +600,7 @@ int vtkFFDResampleVolume::RequestUpdateExtent(
   output->Get(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(), wanted);
   const vtkInternals& in = *this->Internals;
   const ffd::Box rest =
-    ffd::FindRestRegion(in.Map, in.Bounds, FindBox(in.Output, wanted));
+    ffd::FindRestRegion(in.Pulled->Map, in.Pulled->Bounds, FindBox(in.Output, wanted));
   const ffd::Box indices = FindIndices(in.Input, rest);
   // One layer more than what is needed: for rounding, and so that the part is never flat.
   const double reach = this->InterpolationMode == CUBIC ? 2.0 : 1.0;
@@ -637,8 +628,7 @@ int vtkFFDResampleVolume::RequestData(
   vtkImageData* output = vtkImageData::GetData(info);
   this->NumberOfUnconvergedPoints = 0;
   std::string message;
-  if (!input || !output ||
-    !this->UpdateInternals(inputs[0]->GetInformationObject(0), message))
+  if (!input || !output || !this->UpdateInternals(inputs[0]->GetInformationObject(0), message))
   {
     vtkErrorMacro(<< (message.empty() ? "There is no image to resample." : message.c_str()));
     return 0;
@@ -682,8 +672,8 @@ int vtkFFDResampleVolume::RequestData(
   settings.Interpolation = static_cast<ffd::ResampleInterpolation>(this->InterpolationMode);
   settings.Background =
     std::clamp(this->BackgroundLevel, result->GetDataTypeMin(), result->GetDataTypeMax());
-  settings.UniqueInverse = in.Bounds.IsProvenInvertible();
-  const ffd::Resampler resampler(volume, in.Map, in.Output, settings);
+  settings.UniqueInverse = in.Pulled->Bounds.IsProvenInvertible();
+  const ffd::Resampler resampler(volume, in.Pulled->Map, in.Output, settings);
   const std::size_t sliceSize = static_cast<std::size_t>(extent[1] - extent[0] + 1) *
     static_cast<std::size_t>(extent[3] - extent[2] + 1) *
     static_cast<std::size_t>(result->GetNumberOfComponents()) *
@@ -693,9 +683,9 @@ int vtkFFDResampleVolume::RequestData(
   for (int k = extent[4]; k <= extent[5] && !this->GetAbortExecute(); k += SlicesPerBatch)
   {
     const int last = std::min(k + SlicesPerBatch - 1, extent[5]);
-    this->NumberOfUnconvergedPoints += resampler.Resample(
-      { extent[0], extent[2], k }, { extent[1], extent[3], last },
-      values + sliceSize * static_cast<std::size_t>(k - extent[4]), parallelFor);
+    this->NumberOfUnconvergedPoints +=
+      resampler.Resample({ extent[0], extent[2], k }, { extent[1], extent[3], last },
+        values + sliceSize * static_cast<std::size_t>(k - extent[4]), parallelFor);
     this->UpdateProgress(static_cast<double>(last - extent[4] + 1) / (extent[5] - extent[4] + 1));
   }
   if (this->GetAbortExecute())

@@ -5,8 +5,8 @@
 #include "vtkFFDBSplineFieldFromTransform.h"
 
 #include "vtkAbstractTransform.h"
-#include "vtkBSplineTransform.h"
 #include "vtkBoundingBox.h"
+#include "vtkBSplineTransform.h"
 #include "vtkFFDLattice.h"
 #include "vtkFieldData.h"
 #include "vtkImageData.h"
@@ -15,6 +15,8 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <string>
+#include <utility>
 
 namespace
 {
@@ -31,102 +33,8 @@ bool IsSame(const ffd::BSplineField& a, const ffd::BSplineField& b)
     a.GetCoefficients() == b.GetCoefficients();
 }
 
-} // namespace
-
-//------------------------------------------------------------------------------
-vtkFFDDeformationSource::vtkFFDDeformationSource() = default;
-
-//------------------------------------------------------------------------------
-vtkFFDDeformationSource::~vtkFFDDeformationSource() = default;
-
-//------------------------------------------------------------------------------
-bool vtkFFDDeformationSource::Update(vtkAbstractTransform* transform, vtkDataObject* image,
-  const double bounds[6], double tolerance, std::string& message, std::string& warning)
-{
-  const bool attached = !transform && vtkFFDLattice::HasLattice(image);
-  const bool foreign = transform && !vtkBSplineTransform::SafeDownCast(transform);
-  const void* from = transform;
-  vtkMTimeType time = 0;
-  if (transform)
-  {
-    transform->Update();
-    time = transform->GetMTime();
-  }
-  else if (attached)
-  {
-    from = image;
-    time = std::max(image->GetMTime(), image->GetFieldData()->GetMTime());
-  }
-  // Only an approximation depends on where it is made and how well.
-  const bool same = this->Changed.GetMTime() > 0 && this->MadeFrom == from &&
-    this->MadeFromTime == time &&
-    (!foreign ||
-      (this->MadeWithTolerance == tolerance &&
-        std::equal(bounds, bounds + 6, this->MadeForBounds)));
-  if (same)
-  {
-    return true;
-  }
-
-  ffd::BSplineField field;
-  bool inverted = false;
-  vtkBSplineTransform* spline = vtkBSplineTransform::SafeDownCast(transform);
-  if (attached)
-  {
-    if (!this->Lattice->ReadFrom(image))
-    {
-      message = "The lattice attached to the input cannot be read. Attach it again with "
-                "vtkFFDLattice::AttachTo(), or remove it with vtkFFDLattice::DetachFrom().";
-      return false;
-    }
-    spline = this->Lattice;
-  }
-  else if (foreign)
-  {
-    double region[6];
-    this->FindFitRegion(transform, bounds, region);
-    const double error = this->Lattice->FitToTransform(transform, region, tolerance);
-    if (error < 0.0)
-    {
-      message = std::string("The deformation, a ") + transform->GetClassName() +
-        ", cannot be approximated by a lattice over the volume. Check that it is finite there.";
-      return false;
-    }
-    if (error > tolerance)
-    {
-      std::ostringstream text;
-      text << "The deformation, a " << transform->GetClassName()
-           << ", is approximated by a lattice with an error of " << error
-           << " instead of the PositionTolerance of " << tolerance << " (data units).";
-      warning = text.str();
-    }
-    spline = this->Lattice;
-  }
-  std::string reason;
-  if (spline && !vtkFFDBSplineFieldFromTransform(spline, field, inverted, reason))
-  {
-    message = "The deformation cannot be used: " + reason;
-    return false;
-  }
-  // Read again is not changed: an image with a lattice may be new for other reasons.
-  const bool changed = this->Changed.GetMTime() == 0 || inverted != this->Inverted ||
-    !IsSame(field, this->Field);
-  this->MadeFrom = from;
-  this->MadeFromTime = time;
-  std::copy_n(bounds, 6, this->MadeForBounds);
-  this->MadeWithTolerance = tolerance;
-  if (changed)
-  {
-    this->Field = field;
-    this->Inverted = inverted;
-    this->Changed.Modified();
-  }
-  return true;
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDDeformationSource::FindFitRegion(
-  vtkAbstractTransform* transform, const double bounds[6], double region[6]) const
+/// The box over which a lattice stands for a transform.
+void FindFitRegion(vtkAbstractTransform* transform, const double bounds[6], double region[6])
 {
   // The renderer evaluates the deformation in the volume at rest and, in the other inverse modes,
   // where the volume is moved to or comes from: all of that has to be covered.
@@ -141,8 +49,7 @@ void vtkFFDDeformationSource::FindFitRegion(
       double p[3];
       for (int a = 0; a < 3; ++a)
       {
-        p[a] = bounds[2 * a] +
-          (bounds[2 * a + 1] - bounds[2 * a]) * index[a] / (ProbesPerSide - 1);
+        p[a] = bounds[2 * a] + (bounds[2 * a + 1] - bounds[2 * a]) * index[a] / (ProbesPerSide - 1);
       }
       direction->TransformPoint(p, p);
       if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))
@@ -159,8 +66,105 @@ void vtkFFDDeformationSource::FindFitRegion(
   }
 }
 
+} // namespace
+
+//------------------------------------------------------------------------------
+ffd::Made ffd::MakeDeformationField(DeformationField& result, StageTools& tools,
+  const Source<vtkAbstractTransform>& source, const Source<vtkDataObject>& attached,
+  const std::optional<FitLimits>& fit)
+{
+  vtkAbstractTransform* transform = source.Object;
+  vtkBSplineTransform* spline = vtkBSplineTransform::SafeDownCast(transform);
+  if (!result.Lattice)
+  {
+    result.Lattice = vtkSmartPointer<vtkFFDLattice>::New();
+  }
+  if (attached.Object)
+  {
+    if (!result.Lattice->ReadFrom(attached.Object))
+    {
+      tools.Message = "The lattice attached to the input cannot be read. Attach it again with "
+                      "vtkFFDLattice::AttachTo(), or remove it with vtkFFDLattice::DetachFrom().";
+      return Made::Not;
+    }
+    spline = result.Lattice;
+  }
+  else if (fit)
+  {
+    double region[6];
+    FindFitRegion(transform, fit->data(), region);
+    const double tolerance = fit->back();
+    const double error = result.Lattice->FitToTransform(transform, region, tolerance);
+    if (error < 0.0)
+    {
+      tools.Message = std::string("The deformation, a ") + transform->GetClassName() +
+        ", cannot be approximated by a lattice over the volume. Check that it is finite there.";
+      return Made::Not;
+    }
+    if (error > tolerance)
+    {
+      std::ostringstream text;
+      text << "The deformation, a " << transform->GetClassName()
+           << ", is approximated by a lattice with an error of " << error
+           << " instead of the PositionTolerance of " << tolerance << " (data units).";
+      tools.Warning = text.str();
+    }
+    spline = result.Lattice;
+  }
+  BSplineField field;
+  bool inverted = false;
+  std::string reason;
+  if (spline && !vtkFFDBSplineFieldFromTransform(spline, field, inverted, reason))
+  {
+    tools.Message = "The deformation cannot be used: " + reason;
+    return Made::Not;
+  }
+  // An image with a lattice may be new for other reasons.
+  if (inverted == result.Inverted && IsSame(field, result.Field))
+  {
+    return Made::Same;
+  }
+  result.Field = std::move(field);
+  result.Inverted = inverted;
+  return Made::Anew;
+}
+
+//------------------------------------------------------------------------------
+vtkFFDDeformationSource::vtkFFDDeformationSource(ffd::StageOrder& order)
+  : Field(order)
+{
+}
+
+//------------------------------------------------------------------------------
+vtkFFDDeformationSource::~vtkFFDDeformationSource() = default;
+
+//------------------------------------------------------------------------------
+bool vtkFFDDeformationSource::Update(vtkAbstractTransform* transform, vtkDataObject* image,
+  const double bounds[6], double tolerance, ffd::StageTools& tools)
+{
+  ffd::Source<vtkAbstractTransform> source;
+  ffd::Source<vtkDataObject> attached;
+  std::optional<ffd::FitLimits> fit;
+  if (transform)
+  {
+    transform->Update();
+    source = { transform, transform->GetMTime() };
+    if (!vtkBSplineTransform::SafeDownCast(transform))
+    {
+      fit.emplace();
+      std::copy_n(bounds, 6, fit->begin());
+      fit->back() = tolerance;
+    }
+  }
+  else if (vtkFFDLattice::HasLattice(image))
+  {
+    attached = { image, std::max(image->GetMTime(), image->GetFieldData()->GetMTime()) };
+  }
+  return this->Field.Update(tools, source, attached, fit);
+}
+
 //------------------------------------------------------------------------------
 std::size_t vtkFFDDeformationSource::GetMemorySize() const
 {
-  return this->Field.GetCoefficients().capacity() * sizeof(glm::dvec3);
+  return this->Field.GetLast().Field.GetCoefficients().capacity() * sizeof(glm::dvec3);
 }

@@ -4,31 +4,54 @@
  * @class   vtkFFDDeformationSource
  * @brief   turns what a user gave as deformation into a B-spline field for the kernels
  *
- * Private to the libraries of this project: not installed, not wrapped. In this order: the given transform, used as
- * it is when it is a B-spline, else approximated by a lattice; the lattice attached to the image;
- * no deformation.
+ * Private to the libraries of this project: not installed, not wrapped. In this order: the given
+ * transform, used as it is when it is a B-spline, else approximated by a lattice; the lattice
+ * attached to the image; no deformation.
  */
 #ifndef vtkFFDDeformationSource_h
 #define vtkFFDDeformationSource_h
 
 #include "FFDBSplineField.h"
 #include "FFDExport.h"
+#include "FFDStage.h"
 
-#include "vtkNew.h"
-#include "vtkTimeStamp.h"
-#include "vtkType.h"
+#include "vtkSmartPointer.h"
 
+#include <array>
 #include <cstddef>
-#include <string>
+#include <optional>
 
 class vtkAbstractTransform;
-class vtkFFDLattice;
 class vtkDataObject;
+class vtkFFDLattice;
+
+namespace ffd
+{
+
+/// A deformation for the kernels.
+struct DeformationField
+{
+  BSplineField Field;
+  bool Inverted = false;                  ///< the deformation is the inverse of the field's map
+  vtkSmartPointer<vtkFFDLattice> Lattice; ///< that was read or fitted, for the next time
+};
+
+/// Where a transform is approximated, and how well: bounds of the image, then the largest error,
+/// data units.
+using FitLimits = std::array<double, 7>;
+
+/// The field of a transform or, without one, of the lattice that `attached` holds; `fit` for the
+/// transforms that are approximated.
+Made MakeDeformationField(DeformationField& result, StageTools& tools,
+  const Source<vtkAbstractTransform>& transform, const Source<vtkDataObject>& attached,
+  const std::optional<FitLimits>& fit);
+
+} // namespace ffd
 
 class vtkFFDDeformationSource
 {
 public:
-  FFD_KERNEL_EXPORT vtkFFDDeformationSource();
+  FFD_KERNEL_EXPORT explicit vtkFFDDeformationSource(ffd::StageOrder& order);
   FFD_KERNEL_EXPORT ~vtkFFDDeformationSource();
   vtkFFDDeformationSource(const vtkFFDDeformationSource&) = delete;
   vtkFFDDeformationSource& operator=(const vtkFFDDeformationSource&) = delete;
@@ -36,32 +59,18 @@ public:
   /**
    * Bring the field up to date. `bounds`: those of the image; `tolerance`: largest error of an
    * approximation, data units. Returns false and a message when the deformation cannot be used;
-   * `warning` is set when it can, with a reservation.
+   * the warning of `tools` is set when it can, with a reservation.
    */
   FFD_KERNEL_EXPORT bool Update(vtkAbstractTransform* transform, vtkDataObject* image,
-    const double bounds[6], double tolerance, std::string& message, std::string& warning);
+    const double bounds[6], double tolerance, ffd::StageTools& tools);
 
-  const ffd::BSplineField& GetField() const { return this->Field; }
-  /// Whether the deformation is the inverse of the field's map.
-  bool IsInverted() const { return this->Inverted; }
-  bool IsZero() const { return this->Field.IsZero(); }
-  /// When the field changed last.
-  vtkMTimeType GetMTime() const { return this->Changed.GetMTime(); }
+  /// The field, which is another one when its control points, or where they lie, have changed.
+  ffd::Product<ffd::DeformationField> GetProduct() const { return this->Field.GetProduct(); }
+  std::int64_t GetNumberOfBuilds() const { return this->Field.GetNumberOfBuilds(); }
   FFD_KERNEL_EXPORT std::size_t GetMemorySize() const;
 
 private:
-  void FindFitRegion(
-    vtkAbstractTransform* transform, const double bounds[6], double region[6]) const;
-
-  ffd::BSplineField Field;
-  bool Inverted = false;
-  vtkTimeStamp Changed;
-  vtkNew<vtkFFDLattice> Lattice; // attached to the image, or fitted
-  // What the field was made from.
-  const void* MadeFrom = nullptr; // not owned: only compared
-  vtkMTimeType MadeFromTime = 0;
-  double MadeForBounds[6] = { 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 };
-  double MadeWithTolerance = 0.0;
+  ffd::Stage<&ffd::MakeDeformationField> Field;
 };
 
 #endif

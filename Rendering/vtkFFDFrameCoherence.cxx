@@ -32,8 +32,9 @@ bool IsSame(const ffd::Blending& a, const ffd::Blending& b)
   // The rest depends on what Sources tells of.
   return a.Mode == b.Mode &&
     std::equal(a.IsoValues.begin(), a.IsoValues.end(), b.IsoValues.begin(), b.IsoValues.end(),
-      [](const ffd::IsoValue& x, const ffd::IsoValue& y)
-      { return x.Value == y.Value && x.Colour == y.Colour && x.Opacity == y.Opacity; });
+      [](const ffd::IsoValue& x, const ffd::IsoValue& y) {
+        return x.Value == y.Value && x.Colour == y.Colour && x.Opacity == y.Opacity;
+      });
 }
 
 } // namespace
@@ -127,8 +128,7 @@ std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Source
     glm::max(scene.DeformedBounds.Max, this->LastDeformedBounds.Max) };
   const ffd::PullBack last(this->LastField.get(), this->LastKind, map.GetTolerance());
   // What is leaped over is not seen.
-  const auto isEmpty = [&scene](const ffd::Box& rest)
-  {
+  const auto isEmpty = [&scene](const ffd::Box& rest) {
     const ffd::VolumeView& volume = scene.Volume;
     const glm::dvec3 middle = volume.ToIndex(0.5 * (rest.Min + rest.Max));
     const glm::dvec3 half = ffd::Absolute(volume.DataToIndex) * (0.5 * (rest.Max - rest.Min));
@@ -178,7 +178,8 @@ std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Source
 }
 
 //------------------------------------------------------------------------------
-std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::TakePartsToCast(const glm::ivec2& rays)
+std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::TakePartsToCast(
+  const glm::ivec2& rays)
 {
   constexpr int size = ffd::RayCaster::QuarterSize;
   const int quartersPerRow = (rays.x + size - 1) / size;
@@ -190,8 +191,7 @@ std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::TakePartsToCast(co
   {
     const int x = at % quartersPerRow;
     const int y = at / quartersPerRow;
-    quarters[static_cast<std::size_t>(y / 2 * tilesPerRow + x / 2)] |=
-      1u << (x % 2 + 2 * (y % 2));
+    quarters[static_cast<std::size_t>(y / 2 * tilesPerRow + x / 2)] |= 1u << (x % 2 + 2 * (y % 2));
   }
   std::vector<Part> parts;
   for (std::size_t tile = 0; tile < quarters.size(); ++tile)

@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   vtkFFDFrameCoherence
- * @brief   what of the picture of the last frame can be shown again after an edit of the deformation
+ * @brief   what of the picture of the last frame can be shown again after an edit of the
+ * deformation
  *
  * Private to this module: not installed, not wrapped. Knows what the last picture was made from, so
- * that it can tell whether nothing but the control points has changed since, and keeps the history of
- * its tiles.
+ * that it can tell whether nothing but the control points has changed since, and keeps the history
+ * of its tiles.
  */
 #ifndef vtkFFDFrameCoherence_h
 #define vtkFFDFrameCoherence_h
@@ -15,13 +16,17 @@
 
 #include "FFDBSplineField.h"
 #include "FFDCastScene.h"
+#include "FFDStage.h"
 #include "FFDTileHistory.h"
 
 #include "vtkType.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <vector>
+
+class vtkVolumeProperty;
 
 class vtkFFDFrameCoherence
 {
@@ -33,10 +38,9 @@ public:
   struct Sources
   {
     vtkMTimeType Settings = 0; ///< of the mapper
-    vtkMTimeType Voxels = 0;
-    vtkMTimeType Functions = 0;
-    const void* Property = nullptr; ///< not owned: only compared
-    vtkMTimeType PropertyTime = 0;
+    std::uint64_t Voxels = 0;  ///< version of them
+    std::uint64_t Functions = 0;
+    ffd::Source<vtkVolumeProperty> Property;
     glm::dmat4 DataToWorld{ 1.0 };
     bool Interactive = false;
 
@@ -44,8 +48,7 @@ public:
     {
       return this->Settings == other.Settings && this->Voxels == other.Voxels &&
         this->Functions == other.Functions && this->Property == other.Property &&
-        this->PropertyTime == other.PropertyTime && this->DataToWorld == other.DataToWorld &&
-        this->Interactive == other.Interactive;
+        this->DataToWorld == other.DataToWorld && this->Interactive == other.Interactive;
     }
   };
 

@@ -3,8 +3,8 @@
 #include "vtkFFDInverseRayVolumeMapper.h"
 
 #include "vtkFFDBlendingView.h"
-#include "vtkFFDDeformationSource.h"
 #include "vtkFFDFrame.h"
+#include "vtkFFDFrameCache.h"
 #include "vtkFFDFrameCoherence.h"
 #include "vtkFFDGuard.h"
 #include "vtkFFDImageDisplay.h"
@@ -14,14 +14,7 @@
 #include "vtkFFDProbeView.h"
 #include "vtkFFDRayStatistics.h"
 #include "vtkFFDTracedRays.h"
-#include "vtkFFDVectorScalars.h"
-#include "vtkFFDVolumeInput.h"
-#include "vtkFFDVolumeViewFromImage.h"
 
-#include "FFDDistanceMap.h"
-#include "FFDMinMaxBlocks.h"
-#include "FFDOpticalFunctions.h"
-#include "FFDPullBackBounds.h"
 #include "FFDRayCaster.h"
 #include "FFDSampleClassifier.h"
 #include "FFDSingularMatrix.h"
@@ -95,13 +88,6 @@ constexpr double LongestMinimum = 64.0;
 /// Longest piece of ERROR_BOUND, voxels.
 constexpr double LongestPiece = 64.0;
 
-/// Most that a deformation may enlarge the volume: beyond, its inverse is lost in rounding, and
-/// takes for ever.
-constexpr double LargestGrowth = 1e5;
-
-/// Of the inverse, voxels: more could not be told from no inverse.
-constexpr double LargestTolerance = 1.0;
-
 /// Reports of the progress of a frame of which no time is known; else the clock says when.
 constexpr std::size_t LeastReports = 16;
 
@@ -120,13 +106,6 @@ constexpr double BytesPerPixel = 28.0;
 
 /// Shortest piece and sample distance, voxels: below, an image would take for ever.
 constexpr double ShortestLength = 1e-3;
-
-/// The unit "voxel": the shortest edge of a voxel under a linear map from index coordinates.
-double FindShortestEdge(const glm::dmat3& fromIndex)
-{
-  return std::min(
-    glm::length(fromIndex[0]), std::min(glm::length(fromIndex[1]), glm::length(fromIndex[2])));
-}
 
 /// Narrow [from, to] to what of a ray is in a box; false if nothing is.
 bool ClipToBox(const glm::dvec3& origin, const glm::dvec3& direction, const ffd::Box& box,
@@ -243,15 +222,6 @@ public:
   {
   }
 
-  bool UpdateVolume(std::string& message);
-  bool FindVectorScalars(vtkDataArray*& scalars, std::string& message);
-  bool UpdateDeformation(std::string& message);
-  bool UpdateMask(std::string& message);
-  ffd::MinMaxBlocks::Limits RangeOfWhole(const ffd::MinMaxBlocks::Limits& range) const;
-  bool UpdateBlocks(vtkVolumeProperty* property, std::string& message);
-  bool UpdateFunctions(vtkVolumeProperty* property, std::string& message);
-  bool UpdateBlending(vtkVolumeProperty* property, std::string& message);
-  void UpdateDistances();
   bool Update(vtkVolumeProperty* property, std::string& message);
   bool Prepare(vtkVolume* volume, std::string& message);
   bool Refuse(const char* what) const;
@@ -264,7 +234,6 @@ public:
   bool Cast(vtkRenderer* renderer, vtkVolume* volume, const vtkFFDImageRegion& region,
     const float* depths, bool interactive, bool window, float* outDepths);
   vtkFFDParallelFor MakeParallelFor() const;
-  bool Leaps() const { return this->Self->SpaceLeaping != OFF && this->CanLeap; }
   class Footprints;
   void FindRayDepths(const vtkFFDImageRegion& region, const glm::ivec2& pixels);
   vtkFFDImageDisplay::Layers CastLayers(vtkRenderer* renderer, vtkVolume* volume,
@@ -296,52 +265,13 @@ public:
   vtkFFDFrame* Frame = nullptr;
   bool Prepared = false; // the frame is past its preparation
   bool Quiet = false;    // it does not report now
-  std::vector<vtkDataArray*> Arrays; // that views point into; not owned, only handed to the frame
 
-  // Of the voxels.
-  vtkFFDVectorScalars VectorScalars; // what VectorMode renders
-  vtkFFDVolumeInput Input;
-  ffd::VolumeView SecondAxis; // of two-dimensional transfer functions; Scalars is null without
-  ffd::MaskView Mask;
-  ffd::ComponentKind Kind = ffd::ComponentKind::Independent;
-  std::vector<ffd::MinMaxBlocks> Blocks; // of the components that opacity depends on
-  std::vector<int> BlockComponents;      // which these are
-
-  // Of the deformation.
-  vtkFFDDeformationSource Source;
-  vtkMTimeType DeformationTime = 0; // that of the field
-  ffd::PullBack Map;
-  ffd::Box RestBounds;
+  vtkFFDFrameCache Cache;
   ffd::Box WholeBounds; // deformed, of which a clip box shows a part
-  ffd::PullBackBounds MapBounds;
-  ffd::Box DeformedBounds;
-  double ReportedBounds[6] = { 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 };
-
-  // Of the transfer functions.
-  vtkVolumeProperty* Property = nullptr; // not owned: only compared
-  vtkMTimeType FunctionsTime = 0;
-  bool FunctionsHaveLabels = false;
-  const void* FunctionsSecondAxis = nullptr; // not owned: only compared
-  std::array<double, 2> FunctionsRange{ { 1.0, -1.0 } }; // WholeScalarRange
-  std::array<int, 3> FunctionsRangeTypes{ { SCALAR, SCALAR, SCALAR } };
-  vtkTimeStamp FunctionsMade;
-  vtkTimeStamp VisibilityChanged; // of the functions: what the distances depend on
-  vtkTimeStamp BlocksMade;
-  vtkTimeStamp DistancesMade;
-  ffd::ScalarFacts Facts; // that they were made for
-  ffd::OpticalFunctions Functions;
-  ffd::Blending Blend;
-  ffd::Blending DistancesBlend; // what Distances was made for
-  ffd::Cropping Crop;
-  std::vector<glm::dvec4> ClippingPlanes;
-  ffd::DistanceMap Distances;
-  bool CanLeap = true; // else every sample counts
 
   // Of a frame.
   ffd::Shading Lighting;
   std::unique_ptr<ffd::SampleClassifier> Classifier;
-
-  vtkTypeInt64 Builds[NUMBER_OF_CACHED_PARTS] = {};
 
   /// Where a picture in the window lies, and what the camera sees there.
   struct View
@@ -385,368 +315,14 @@ public:
 };
 
 //------------------------------------------------------------------------------
-bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateVolume(std::string& message)
-{
-  vtkDataSet* input = this->Self->GetInput();
-  if (!input)
-  {
-    message = "No input: call SetInputData() or SetInputConnection().";
-    return false;
-  }
-  int cellFlag = 0;
-  vtkDataArray* scalars = vtkAbstractMapper::GetScalars(input, this->Self->ScalarMode,
-    this->Self->ArrayAccessMode, this->Self->ArrayId, this->Self->ArrayName, cellFlag);
-  if (scalars && cellFlag == 2)
-  {
-    message = "The scalars to render are field data; they must belong to points or cells. Choose "
-              "another array with SetScalarMode() and SelectScalarArray().";
-    return false;
-  }
-  if (!this->FindVectorScalars(scalars, message))
-  {
-    return false;
-  }
-  this->Arrays = { scalars };
-  return this->Input.Update(input, scalars, cellFlag == 1, message);
-}
-
-//------------------------------------------------------------------------------
-/// The array that VectorMode renders in the place of the scalars.
-bool vtkFFDInverseRayVolumeMapper::vtkInternals::FindVectorScalars(
-  vtkDataArray*& scalars, std::string& message)
-{
-  const int mode = this->Self->VectorMode;
-  const int component = this->Self->VectorComponent;
-  if (mode == DISABLED || !scalars || scalars->GetNumberOfComponents() < 2)
-  {
-    this->VectorScalars.Clear();
-    return true;
-  }
-  if (mode == COMPONENT && component >= scalars->GetNumberOfComponents())
-  {
-    message = "VectorComponent is " + std::to_string(component) + ", but the scalars have only " +
-      std::to_string(scalars->GetNumberOfComponents()) +
-      " components, counted from 0. Choose one of them with SetVectorComponent().";
-    return false;
-  }
-  scalars = this->VectorScalars.Update(
-    scalars, mode == COMPONENT ? component : vtkFFDVectorScalars::Magnitude,
-    this->MakeParallelFor());
-  return true;
-}
-
-//------------------------------------------------------------------------------
-/// The mask, and the second axis of two-dimensional transfer functions.
-bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateMask(std::string& message)
-{
-  const ffd::VolumeView& volume = this->Input.GetView();
-  this->Mask = ffd::MaskView();
-  if (vtkImageData* image = this->Self->MaskInput)
-  {
-    this->Mask.Labels = this->Self->MaskType == LabelMapMaskType;
-    this->Mask.BlendFactor = this->Self->MaskBlendFactor;
-    vtkDataArray* labels = image->GetPointData()->GetScalars();
-    if (!vtkFFDVolumeViewFromImage(image, labels, false, this->Mask.Volume, message))
-    {
-      message = "MaskInput: " + message;
-      return false;
-    }
-    this->Arrays.push_back(labels);
-    this->Mask.SameGrid = this->Mask.Volume.Dimensions == volume.Dimensions;
-  }
-  this->SecondAxis = ffd::VolumeView();
-  if (this->Self->Transfer2DYAxisArray)
-  {
-    vtkDataSet* input = this->Self->GetInput();
-    const std::string name = this->Self->Transfer2DYAxisArray;
-    vtkDataArray* array = volume.Margin > 0.0 ? input->GetCellData()->GetArray(name.c_str())
-                                              : input->GetPointData()->GetArray(name.c_str());
-    if (!array)
-    {
-      message = "Transfer2DYAxisArray: the input has no " +
-        std::string(volume.Margin > 0.0 ? "cell" : "point") + " array \"" + name +
-        "\". Name one, or nullptr for the magnitude of the gradient.";
-      return false;
-    }
-    if (!this->Input.MakeView(array, this->SecondAxis, message))
-    {
-      message = "Transfer2DYAxisArray: " + message;
-      return false;
-    }
-    this->Arrays.push_back(array);
-  }
-  return true;
-}
-
-//------------------------------------------------------------------------------
-bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDeformation(std::string& message)
-{
-  vtkDataSet* input = this->Self->GetInput();
-  double bounds[6];
-  input->GetBounds(bounds);
-  if (vtkMath::AreBoundsInitialized(this->Self->WholeBounds))
-  {
-    std::copy_n(this->Self->WholeBounds, 6, bounds);
-  }
-  const double voxel = FindShortestEdge(this->Input.GetView().IndexToData);
-  std::string warning;
-  const vtkMTimeType lastField = this->Source.GetMTime();
-  if (!this->Source.Update(this->Self->Deformation, input, bounds,
-        this->Self->PositionTolerance * voxel, message, warning))
-  {
-    return false;
-  }
-  if (!warning.empty())
-  {
-    vtkWarningWithObjectMacro(this->Self, << warning);
-  }
-  const ffd::Box rest{ glm::dvec3(bounds[0], bounds[2], bounds[4]),
-    glm::dvec3(bounds[1], bounds[3], bounds[5]) };
-  this->Builds[DEFORMATION_FIELD] += this->Source.GetMTime() != lastField ? 1 : 0;
-  const ffd::PullBack map(&this->Source.GetField(),
-    ffd::FindPullBackKind(
-      static_cast<ffd::InverseMode>(this->Self->InverseMode), this->Source.IsInverted()),
-    std::min(this->Self->InverseTolerance, LargestTolerance) * voxel);
-  // All that the bounds depend on: other options of the mapper do not make them anew.
-  if (this->DeformationTime == this->Source.GetMTime() && this->RestBounds.Min == rest.Min &&
-    this->RestBounds.Max == rest.Max &&
-    this->Map.GetKind() == map.GetKind() && this->Map.GetTolerance() == map.GetTolerance())
-  {
-    return true;
-  }
-  this->DeformationTime = 0; // until all of it is there: an abort leaves out the rest
-  this->RestBounds = rest;
-  this->Map = map;
-  ++this->Builds[DEFORMATION_BOUNDS];
-  const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
-  this->MapBounds.Update(this->Map, parallelFor);
-  this->DeformedBounds = this->MapBounds.DeformedBounds(rest, parallelFor);
-  const double growth = glm::length(this->DeformedBounds.Max - this->DeformedBounds.Min) /
-    glm::length(rest.Max - rest.Min);
-  if (!this->DeformedBounds.IsEmpty() && growth > LargestGrowth)
-  {
-    std::ostringstream text;
-    text << "The deformation makes the volume " << growth
-         << " times as large, which cannot be rendered. Check its displacements and their scale.";
-    message = text.str();
-    return false;
-  }
-  for (int a = 0; a < 3; ++a)
-  {
-    this->ReportedBounds[2 * a] = this->DeformedBounds.Min[a];
-    this->ReportedBounds[2 * a + 1] = this->DeformedBounds.Max[a];
-  }
-  this->DeformationTime = this->Source.GetMTime();
-  return true;
-}
-
-//------------------------------------------------------------------------------
-/// The range of the scalars of the whole volume, from that of the input.
-ffd::MinMaxBlocks::Limits vtkFFDInverseRayVolumeMapper::vtkInternals::RangeOfWhole(
-  const ffd::MinMaxBlocks::Limits& range) const
-{
-  const double* whole = this->Self->WholeScalarRange;
-  if (this->Input.GetView().Components > 1 || whole[0] > whole[1])
-  {
-    return range;
-  }
-  return range.Min > range.Max
-    ? ffd::MinMaxBlocks::Limits{ whole[0], whole[1] }
-    : ffd::MinMaxBlocks::Limits{ std::min(whole[0], range.Min), std::max(whole[1], range.Max) };
-}
-
-//------------------------------------------------------------------------------
-bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateBlocks(
-  vtkVolumeProperty* property, std::string& message)
-{
-  const ffd::VolumeView& volume = this->Input.GetView();
-  if (!ffd::FindComponentKind(property, volume.Components, volume.Type, this->Kind, message))
-  {
-    return false;
-  }
-  const std::vector<int> components = ffd::FindOpacityComponents(this->Kind, volume.Components);
-  if (this->BlocksMade.GetMTime() < this->Input.GetMTime() || components != this->BlockComponents)
-  {
-    this->BlockComponents.clear();
-    this->Blocks.clear();
-    for (int c : components)
-    {
-      this->Blocks.emplace_back(ffd::GetComponent(volume, c), this->MakeParallelFor());
-    }
-    this->BlockComponents = components;
-    this->BlocksMade.Modified();
-    ++this->Builds[MIN_MAX_BLOCKS];
-  }
-  if (std::all_of(this->Blocks.begin(), this->Blocks.end(),
-        [this](const ffd::MinMaxBlocks& blocks)
-        {
-          const ffd::MinMaxBlocks::Limits range = this->RangeOfWhole(blocks.GetRange());
-          return range.Min > range.Max;
-        }))
-  {
-    message = "The scalars of the input hold no finite number: nothing can be rendered.";
-    return false;
-  }
-  return true;
-}
-
-//------------------------------------------------------------------------------
-bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateFunctions(
-  vtkVolumeProperty* property, std::string& message)
-{
-  const vtkMTimeType time = property->GetMTime();
-  const ffd::VolumeView& volume = this->Input.GetView();
-  const bool hasLabels = this->Mask.Volume.Scalars && this->Mask.Labels;
-  const std::array<int, 3> rangeTypes = { { this->Self->ColorRangeType,
-    this->Self->ScalarOpacityRangeType, this->Self->GradientOpacityRangeType } };
-  if (this->Property == property && this->FunctionsTime == time &&
-    this->FunctionsRangeTypes == rangeTypes && this->FunctionsMade > this->BlocksMade &&
-    this->FunctionsHaveLabels == hasLabels &&
-    this->FunctionsSecondAxis == this->SecondAxis.Scalars &&
-    std::equal(
-      this->FunctionsRange.begin(), this->FunctionsRange.end(), this->Self->WholeScalarRange))
-  {
-    return true;
-  }
-  ffd::ScalarFacts& facts = this->Facts;
-  facts = ffd::ScalarFacts();
-  facts.Kind = this->Kind;
-  facts.Type = volume.Type;
-  facts.Nearest = property->GetInterpolationType() != VTK_LINEAR_INTERPOLATION;
-  facts.HasLabels = hasLabels;
-  facts.NativeColours = rangeTypes[0] == NATIVE;
-  facts.NativeOpacities = rangeTypes[1] == NATIVE;
-  facts.NativeGradients = rangeTypes[2] == NATIVE;
-  for (int c = 0; c < volume.Components; ++c)
-  {
-    const auto at = std::find(this->BlockComponents.begin(), this->BlockComponents.end(), c);
-    if (at != this->BlockComponents.end())
-    {
-      facts.Ranges.push_back(this->RangeOfWhole(
-        this->Blocks[static_cast<std::size_t>(at - this->BlockComponents.begin())].GetRange()));
-    }
-    else
-    {
-      double range[2];
-      this->Input.GetScalars()->GetFiniteRange(range, c);
-      facts.Ranges.push_back({ range[0], range[1] });
-    }
-    if (!(facts.Ranges.back().Min <= facts.Ranges.back().Max))
-    {
-      // Not a number anywhere: nothing is looked up.
-      facts.Ranges.back() = { 0.0, 1.0 };
-    }
-  }
-  if (this->SecondAxis.Scalars)
-  {
-    vtkDataSet* input = this->Self->GetInput();
-    vtkDataSetAttributes* data = volume.Margin > 0.0
-      ? static_cast<vtkDataSetAttributes*>(input->GetCellData())
-      : static_cast<vtkDataSetAttributes*>(input->GetPointData());
-    double range[2];
-    data->GetArray(this->Self->Transfer2DYAxisArray)->GetFiniteRange(range, 0);
-    facts.HasSecondAxis = true;
-    facts.SecondAxis = { range[0], range[1] };
-  }
-  ffd::OpticalFunctions functions;
-  if (!ffd::MakeOpticalFunctions(property, facts, functions, message))
-  {
-    this->Property = nullptr;
-    return false;
-  }
-  if (this->FunctionsMade.GetMTime() == 0 || !ffd::ShowTheSame(functions, this->Functions))
-  {
-    this->VisibilityChanged.Modified();
-  }
-  this->Functions = std::move(functions);
-  this->Property = property;
-  this->FunctionsTime = time;
-  this->FunctionsHaveLabels = hasLabels;
-  this->FunctionsRangeTypes = rangeTypes;
-  this->FunctionsSecondAxis = this->SecondAxis.Scalars;
-  std::copy_n(this->Self->WholeScalarRange, 2, this->FunctionsRange.begin());
-  this->FunctionsMade.Modified();
-  ++this->Builds[TRANSFER_TABLE];
-  return true;
-}
-
-//------------------------------------------------------------------------------
-bool vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateBlending(
-  vtkVolumeProperty* property, std::string& message)
-{
-  const ffd::VolumeView& volume = this->Input.GetView();
-  if (!ffd::MakeBlending(this->Self, property, this->Facts, this->Blend, message) ||
-    !ffd::MakeCropping(this->Self, this->Self->GetInput(), volume,
-      this->Self->CroppingSpace == DEFORMED, this->Crop, message) ||
-    !ffd::MakeClippingPlanes(this->Self, this->ClippingPlanes, message))
-  {
-    return false;
-  }
-  return true;
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDInverseRayVolumeMapper::vtkInternals::UpdateDistances()
-{
-  // Compositing leaps over what is transparent; the other modes look at the opacities, too.
-  const vtkTimeStamp& functions =
-    this->Blend.Mode == ffd::BlendMode::Composite ? this->VisibilityChanged : this->FunctionsMade;
-  if (this->Self->SpaceLeaping == OFF ||
-    (this->DistancesMade > functions && this->DistancesMade > this->BlocksMade &&
-      ffd::HaveSameLeaps(this->Blend, this->DistancesBlend)))
-  {
-    return;
-  }
-  const ffd::ComponentOptics& first = this->Functions.Components[0];
-  const bool one =
-    this->Blocks.size() == 1 && first.Plane.IsEmpty() && this->Functions.Labels.empty();
-  this->CanLeap = true;
-  if (this->Blend.Mode != ffd::BlendMode::Composite)
-  {
-    // The blocks of dependent components are those of what is looked up for opacity.
-    const bool extreme = this->Blend.Mode == ffd::BlendMode::Maximum ||
-      this->Blend.Mode == ffd::BlendMode::Minimum;
-    ffd::TransferTable leaps;
-    this->CanLeap = one && (extreme || this->Kind == ffd::ComponentKind::Independent) &&
-      ffd::MakeLeapTable(this->Blend, first.Table, leaps);
-    if (this->CanLeap)
-    {
-      this->Distances = ffd::DistanceMap(this->Blocks[0], leaps, this->MakeParallelFor());
-    }
-  }
-  else if (one)
-  {
-    this->Distances = ffd::DistanceMap(this->Blocks[0], first.Table, this->MakeParallelFor());
-  }
-  else
-  {
-    std::vector<const ffd::MinMaxBlocks*> blocks;
-    for (const ffd::MinMaxBlocks& each : this->Blocks)
-    {
-      blocks.push_back(&each);
-    }
-    this->Distances = ffd::DistanceMap(blocks,
-      [this](const ffd::MinMaxBlocks::Limits* limits)
-      { return this->Functions.IsTransparent(limits); },
-      this->MakeParallelFor());
-  }
-  this->DistancesBlend = this->Blend;
-  this->DistancesMade.Modified();
-  ++this->Builds[DISTANCE_MAP];
-}
-
-//------------------------------------------------------------------------------
 bool vtkFFDInverseRayVolumeMapper::vtkInternals::Update(
   vtkVolumeProperty* property, std::string& message)
 {
-  if (!this->UpdateVolume(message) || !this->UpdateDeformation(message) ||
-    !this->UpdateMask(message) || !this->UpdateBlocks(property, message) ||
-    !this->UpdateFunctions(property, message) || !this->UpdateBlending(property, message))
-  {
-    return false;
-  }
-  this->UpdateDistances();
-  return true;
+  ffd::StageTools tools;
+  tools.Parallel = this->MakeParallelFor();
+  const bool ok = this->Cache.Update(this->Self, property, tools);
+  message = tools.Message;
+  return ok;
 }
 
 //------------------------------------------------------------------------------
@@ -776,7 +352,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Prepare(vtkVolume* volume, std:
   }
   if (this->Prepared)
   {
-    this->Frame->Hold(this->Arrays);
+    this->Frame->Hold(this->Cache.GetArrays());
   }
   return this->Prepared;
 }
@@ -838,7 +414,7 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
   ffd::CastSettings settings;
   settings.Segments = self->Segmentation == GREEDY_ANGLE ? ffd::Segmentation::GreedyAngle
                                                          : ffd::Segmentation::ErrorBound;
-  settings.Leaping = !this->Leaps() ? ffd::SpaceLeaping::Off
+  settings.Leaping = !this->Cache.GetDistances() ? ffd::SpaceLeaping::Off
     : self->SpaceLeaping == SEGMENT            ? ffd::SpaceLeaping::Segment
                                                : ffd::SpaceLeaping::Lipschitz;
   settings.Opacity =
@@ -866,14 +442,15 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
   if (longest == 0.0)
   {
     longest = LongestAutomaticSegment;
+    const ffd::BoundedPullBack& map = this->Cache.GetPullBack();
     const double rate = settings.Segments == ffd::Segmentation::GreedyAngle
-      ? this->MapBounds.FindLargestTurnRate(
-          ffd::InvertsTheField(this->Map.GetKind()) ? this->RestBounds : this->DeformedBounds)
+      ? map.Bounds.FindLargestTurnRate(
+          ffd::InvertsTheField(map.Map.GetKind()) ? map.RestBounds : map.DeformedBounds)
       : 0.0;
     if (rate > 0.0)
     {
       // The rate is per data unit; so is the shortest edge of a voxel.
-      longest = std::min(longest, angle / (rate * FindShortestEdge(this->Input.GetView().IndexToData)));
+      longest = std::min(longest, angle / (rate * this->Cache.GetVoxelSize()));
     }
   }
   const double longestPiece =
@@ -892,19 +469,20 @@ ffd::CastSettings vtkFFDInverseRayVolumeMapper::vtkInternals::MakeSettings(
 /// Whether the cropping is that to a box of deformed space: then the rays are cut to it.
 bool vtkFFDInverseRayVolumeMapper::vtkInternals::IsCroppedToBox() const
 {
-  return this->Crop.Space == ffd::Cropping::Spaces::Deformed &&
-    this->Crop.Flags == VTK_CROP_SUBVOLUME;
+  const ffd::Cropping& crop = this->Cache.GetCropping();
+  return crop.Space == ffd::Cropping::Spaces::Deformed && crop.Flags == VTK_CROP_SUBVOLUME;
 }
 
 //------------------------------------------------------------------------------
 /// The deformed bounds, as far as they are not cropped, without volume if nothing is left of them.
 ffd::Box vtkFFDInverseRayVolumeMapper::vtkInternals::UncroppedBounds() const
 {
-  ffd::Box box = this->DeformedBounds;
+  ffd::Box box = this->Cache.GetPullBack().DeformedBounds;
   if (this->IsCroppedToBox())
   {
-    box.Min = glm::max(box.Min, this->Crop.Low);
-    box.Max = glm::max(box.Min, glm::min(box.Max, this->Crop.High));
+    const ffd::Cropping& crop = this->Cache.GetCropping();
+    box.Min = glm::max(box.Min, crop.Low);
+    box.Max = glm::max(box.Min, glm::min(box.Max, crop.High));
   }
   return box;
 }
@@ -968,40 +546,42 @@ vtkFFDImageRegion vtkFFDInverseRayVolumeMapper::vtkInternals::FindRegion(
 ffd::CastScene vtkFFDInverseRayVolumeMapper::vtkInternals::MakeScene(vtkRenderer* renderer,
   vtkVolume* volume, const vtkFFDImageRegion& region, const float* depths)
 {
+  const vtkFFDFrameCache& cache = this->Cache;
+  const ffd::BoundedPullBack& map = cache.GetPullBack();
   ffd::CastScene scene;
-  scene.Volume = this->Input.GetView();
+  scene.Volume = cache.GetVolume();
   vtkVolumeProperty* property = volume->GetProperty();
   scene.VolumeInterpolation = property->GetInterpolationType() == VTK_NEAREST_INTERPOLATION
     ? ffd::Interpolation::Nearest
     : ffd::Interpolation::Linear;
-  scene.Table = &this->Functions.Components[0].Table;
-  scene.Distances = this->Leaps() ? &this->Distances : nullptr;
-  scene.Map = &this->Map;
-  scene.Limits = this->MapBounds.GetLimits();
+  scene.Table = &cache.GetFunctions().Components[0].Table;
+  scene.Distances = cache.GetDistances();
+  scene.Map = &map.Map;
+  scene.Limits = map.Bounds.GetLimits();
   scene.DeformedBounds = this->VisibleBounds();
   if (this->Self->HasClipBox)
   {
     this->WholeBounds = this->UncroppedBounds();
-    scene.WholeAtRest = &this->RestBounds;
+    scene.WholeAtRest = &map.RestBounds;
     scene.WholeDeformed = &this->WholeBounds;
   }
-  scene.Blend = this->Blend;
-  scene.Crop = this->IsCroppedToBox() ? ffd::Cropping() : this->Crop;
+  scene.Blend = cache.GetBlending();
+  scene.Crop = this->IsCroppedToBox() ? ffd::Cropping() : cache.GetCropping();
   // The world of the kernels is the space of the data. VTK's mappers measure there, too: a volume
   // looks as dense whatever its matrix scales it by.
   const glm::dmat4 dataToWorld = ffd::ToMatrix(volume->GetMatrix());
   const glm::dmat4 worldToData = glm::inverse(dataToWorld);
-  for (const glm::dvec4& plane : this->ClippingPlanes)
+  for (const glm::dvec4& plane : cache.GetClippingPlanes())
   {
     const glm::dvec4 inData = plane * dataToWorld;
     scene.ClippingPlanes.push_back(inData / glm::length(glm::dvec3(inData)));
   }
-  scene.Blend.SliceOrigin = glm::dvec3(worldToData * glm::dvec4(this->Blend.SliceOrigin, 1.0));
-  scene.Blend.SliceNormal = glm::normalize(this->Blend.SliceNormal * glm::dmat3(dataToWorld));
+  scene.Blend.SliceOrigin = glm::dvec3(worldToData * glm::dvec4(scene.Blend.SliceOrigin, 1.0));
+  scene.Blend.SliceNormal = glm::normalize(scene.Blend.SliceNormal * glm::dmat3(dataToWorld));
   scene.Material = ffd::MakeShading(renderer, property, dataToWorld);
   scene.Camera = ffd::ToData(ffd::MakeCameraView(renderer, region), dataToWorld);
   scene.Depths = depths;
-  scene.VoxelSize = FindShortestEdge(this->Input.GetView().IndexToData);
+  scene.VoxelSize = cache.GetVoxelSize();
   this->MakeClassifier(scene, property);
   return scene;
 }
@@ -1014,11 +594,11 @@ void vtkFFDInverseRayVolumeMapper::vtkInternals::MakeClassifier(
   ffd::ClassifierInputs inputs;
   inputs.Volume = scene.Volume;
   inputs.VolumeInterpolation = scene.VolumeInterpolation;
-  inputs.Functions = &this->Functions;
+  inputs.Functions = &this->Cache.GetFunctions();
   inputs.Material = &this->Lighting;
-  inputs.Mask = this->Mask;
-  inputs.Hidden = this->Input.GetHidden();
-  inputs.SecondAxis = this->SecondAxis;
+  inputs.Mask = this->Cache.GetMask();
+  inputs.Hidden = this->Cache.GetHidden();
+  inputs.SecondAxis = this->Cache.GetSecondAxis();
   inputs.NormalFromOpacity = this->Self->GetComputeNormalFromOpacity();
   const double clippedIntensity = property->GetClippedVoxelIntensity();
   if (property->GetUseClippedVoxelIntensity() && std::isfinite(clippedIntensity))
@@ -1059,8 +639,8 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
   if (window && this->CanReuse(volume))
   {
     const vtkFFDFrameCoherence::Sources sources = { this->Self->GetSettingsTime(),
-      this->Input.GetMTime(), this->FunctionsMade.GetMTime(), volume->GetProperty(),
-      volume->GetProperty()->GetMTime(), ffd::ToMatrix(volume->GetMatrix()), interactive };
+      this->Cache.GetVoxelsVersion(), this->Cache.GetFunctionsVersion(),
+      ffd::FindSource(volume->GetProperty()), ffd::ToMatrix(volume->GetMatrix()), interactive };
     // Both take about as long.
     parallelFor(2,
       [&](std::size_t first, std::size_t last)
@@ -1069,7 +649,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Cast(vtkRenderer* renderer, vtk
         {
           if (task == 0)
           {
-            tiles = this->Coherence.Begin(sources, scene, region, this->RestBounds,
+            tiles = this->Coherence.Begin(sources, scene, region, this->Cache.GetPullBack().RestBounds,
               this->Self->FrameCoherenceTolerance, this->Colours, this->FirstVisible);
           }
           else
@@ -1241,8 +821,9 @@ vtkFFDImageDisplay::Layers vtkFFDInverseRayVolumeMapper::vtkInternals::CastLayer
   const glm::ivec2& pixels, bool interactive)
 {
   const ffd::CastScene scene = this->MakeScene(renderer, volume, region, nullptr);
-  const bool startsAtSample = this->Blend.Mode == ffd::BlendMode::Composite ||
-    this->Blend.Mode == ffd::BlendMode::Isosurface;
+  const ffd::BlendMode mode = scene.Blend.Mode;
+  const bool startsAtSample =
+    mode == ffd::BlendMode::Composite || mode == ffd::BlendMode::Isosurface;
   const glm::ivec2& rays = region.Rays;
   const std::size_t count = this->RayDepths.size();
   const Footprints footprints(region, pixels);
@@ -1417,9 +998,9 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::IsMoving(vtkVolume* volume) con
 vtkIdType vtkFFDInverseRayVolumeMapper::vtkInternals::FindIdentifier(
   const glm::dvec3& deformed, bool cells) const
 {
-  const ffd::VolumeView& volume = this->Input.GetView();
+  const ffd::VolumeView& volume = this->Cache.GetVolume();
   const glm::dvec3 index =
-    ffd::SurfaceSearch(volume, this->Map, deformed, glm::dvec3(0.0)).Evaluate(0.0).Index;
+    ffd::SurfaceSearch(volume, this->Cache.GetPullBack().Map, deformed, glm::dvec3(0.0)).Evaluate(0.0).Index;
   const glm::dvec3 inside = glm::clamp(index, volume.LowerIndex(), volume.UpperIndex());
   const glm::dvec3 at = (volume.Axes ? volume.Axes->ToVoxel(inside) : inside) + volume.Margin;
   int points[3] = { 2, 2, 2 };
@@ -1561,7 +1142,7 @@ double vtkFFDInverseRayVolumeMapper::vtkInternals::FindStillTime(
 bool vtkFFDInverseRayVolumeMapper::vtkInternals::CanReuse(vtkVolume* volume) const
 {
   return this->Self->FrameCoherence && !this->Self->CollectStatistics &&
-    this->Blend.Mode != ffd::BlendMode::Slice && this->IsMoving(volume);
+    this->Cache.GetBlending().Mode != ffd::BlendMode::Slice && this->IsMoving(volume);
 }
 
 //------------------------------------------------------------------------------
@@ -1939,21 +1520,15 @@ vtkFFDRayStatistics* vtkFFDInverseRayVolumeMapper::GetStatistics()
 //------------------------------------------------------------------------------
 vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetNumberOfBuilds(int part)
 {
-  return part >= 0 && part < NUMBER_OF_CACHED_PARTS ? this->Internals->Builds[part] : -1;
+  return part >= 0 && part < NUMBER_OF_CACHED_PARTS ? this->Internals->Cache.GetNumberOfBuilds(part)
+                                                   : -1;
 }
 
 //------------------------------------------------------------------------------
 vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetAuxiliaryMemorySize()
 {
   const vtkInternals& in = *this->Internals;
-  std::size_t size = in.Distances.GetMemorySize() + in.Functions.GetMemorySize() +
-    in.Source.GetMemorySize() + in.MapBounds.GetMemorySize() + in.Input.GetMemorySize() +
-    in.VectorScalars.GetMemorySize() +
-    in.Coherence.GetMemorySize();
-  for (const ffd::MinMaxBlocks& blocks : in.Blocks)
-  {
-    size += blocks.GetMemorySize();
-  }
+  const std::size_t size = in.Cache.GetMemorySize() + in.Coherence.GetMemorySize();
   return static_cast<vtkTypeInt64>(size);
 }
 
@@ -2226,43 +1801,38 @@ bool vtkFFDInverseRayVolumeMapper::MakeProbeView(vtkFFDProbeView& view)
   {
     return false;
   }
-  if (in.Frame)
-  {
-    // That of the frame.
-    view.Crop = in.Crop;
-  }
-  else
+  // During a frame it is that of the frame.
+  if (!in.Frame)
   {
     if (this->GetInputAlgorithm())
     {
       this->GetInputAlgorithm()->UpdateWholeExtent();
     }
-    std::string message;
+    ffd::StageTools tools;
+    tools.Parallel = in.MakeParallelFor();
     bool known = false;
-    if (!vtkFFDGuard(this, "The volume", [&] {
-          known = in.UpdateVolume(message) && in.UpdateDeformation(message) &&
-            in.UpdateMask(message) &&
-            ffd::MakeCropping(this, this->GetInput(), in.Input.GetView(),
-              this->CroppingSpace == DEFORMED, view.Crop, message);
-        }))
+    if (!vtkFFDGuard(this, "The volume", [&] { known = in.Cache.UpdateProbe(this, tools); }))
     {
       return false;
     }
     if (!known)
     {
-      vtkErrorMacro(<< message);
+      vtkErrorMacro(<< tools.Message);
       return false;
     }
   }
-  view.Volume = in.Input.GetView();
-  view.Hidden = in.Input.GetHidden();
-  view.Mask = in.Mask;
-  view.Map = in.Map;
+  const vtkFFDFrameCache& cache = in.Cache;
+  view.Crop = cache.GetCropping();
+  view.Volume = cache.GetVolume();
+  view.Hidden = cache.GetHidden();
+  view.Mask = cache.GetMask();
+  view.Map = cache.GetPullBack().Map;
   // A little more than the bounds: a ray is to be seen coming in through a face that lies on them.
-  const double margin = 0.01 * FindShortestEdge(view.Volume.IndexToData);
+  const double margin = 0.01 * cache.GetVoxelSize();
   const double* clip = this->ClipBox;
-  view.Deformed = { glm::max(in.DeformedBounds.Min - margin, glm::dvec3(clip[0], clip[2], clip[4])),
-    glm::min(in.DeformedBounds.Max + margin, glm::dvec3(clip[1], clip[3], clip[5])) };
+  const ffd::Box& deformed = cache.GetPullBack().DeformedBounds;
+  view.Deformed = { glm::max(deformed.Min - margin, glm::dvec3(clip[0], clip[2], clip[4])),
+    glm::min(deformed.Max + margin, glm::dvec3(clip[1], clip[3], clip[5])) };
   return true;
 }
 
@@ -2298,7 +1868,7 @@ double* vtkFFDInverseRayVolumeMapper::GetBounds()
   if (this->Internals->Frame)
   {
     // What the frame shows, whatever its observers have changed.
-    std::copy_n(this->Internals->ReportedBounds, 6, this->Bounds);
+    std::copy_n(this->Internals->Cache.GetReportedBounds(), 6, this->Bounds);
     return this->Bounds;
   }
   vtkMath::UninitializeBounds(this->Bounds);
@@ -2308,10 +1878,12 @@ double* vtkFFDInverseRayVolumeMapper::GetBounds()
   }
   this->Update();
   vtkFFDGuard(this, "GetBounds", [this] {
-    std::string message;
-    if (this->Internals->UpdateVolume(message) && this->Internals->UpdateDeformation(message))
+    vtkInternals& in = *this->Internals;
+    ffd::StageTools tools;
+    tools.Parallel = in.MakeParallelFor();
+    if (in.Cache.UpdateBounds(this, tools))
     {
-      std::copy_n(this->Internals->ReportedBounds, 6, this->Bounds);
+      std::copy_n(in.Cache.GetReportedBounds(), 6, this->Bounds);
     }
   });
   return this->Bounds;

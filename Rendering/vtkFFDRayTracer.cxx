@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDRayTracer.h"
 
+#include "vtkFFDFrameStages.h"
 #include "vtkFFDGuard.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
 
@@ -48,16 +49,10 @@ vtkCxxSetObjectMacro(vtkFFDRayTracer, Renderer, vtkRenderer);
 vtkCxxSetObjectMacro(vtkFFDRayTracer, Volume, vtkVolume);
 
 //------------------------------------------------------------------------------
-vtkRenderer* vtkFFDRayTracer::GetRenderer()
-{
-  return this->Renderer;
-}
+vtkRenderer* vtkFFDRayTracer::GetRenderer() { return this->Renderer; }
 
 //------------------------------------------------------------------------------
-vtkVolume* vtkFFDRayTracer::GetVolume()
-{
-  return this->Volume;
-}
+vtkVolume* vtkFFDRayTracer::GetVolume() { return this->Volume; }
 
 //------------------------------------------------------------------------------
 void vtkFFDRayTracer::PrintSelf(ostream& os, vtkIndent indent)
@@ -85,7 +80,8 @@ void vtkFFDRayTracer::SetImageSize(int width, int height)
 {
   if (width < 1 || height < 1 || width > LargestImageSide || height > LargestImageSide)
   {
-    vtkErrorMacro("SetImageSize: " << width << " x " << height << " is not possible. Each side must "
+    vtkErrorMacro("SetImageSize: " << width << " x " << height
+                                   << " is not possible. Each side must "
                                    << "be from 1 to " << LargestImageSide << ".");
     return;
   }
@@ -136,10 +132,7 @@ void vtkFFDRayTracer::RemoveAllPixels()
 }
 
 //------------------------------------------------------------------------------
-vtkIdType vtkFFDRayTracer::GetNumberOfPixels()
-{
-  return this->Pixels->GetNumberOfTuples();
-}
+vtkIdType vtkFFDRayTracer::GetNumberOfPixels() { return this->Pixels->GetNumberOfTuples(); }
 
 //------------------------------------------------------------------------------
 vtkMTimeType vtkFFDRayTracer::GetMTime()
@@ -151,7 +144,8 @@ vtkMTimeType vtkFFDRayTracer::GetMTime()
   }
   if (this->Volume)
   {
-    time = std::max({ time, this->Volume->GetMTime(), this->Volume->GetProperty()->GetMTime() });
+    time = std::max<vtkMTimeType>(
+      { time, this->Volume->GetMTime(), ffd::FindSource(this->Volume->GetProperty()).Time });
     if (this->Volume->GetMapper())
     {
       time = std::max(time, this->Volume->GetMapper()->GetMTime());
@@ -172,14 +166,13 @@ void vtkFFDRayTracer::ReportReferences(vtkGarbageCollector* collector)
 int vtkFFDRayTracer::RequestData(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* outputs)
 {
-  vtkFFDInverseRayVolumeMapper* mapper = this->Volume
-    ? vtkFFDInverseRayVolumeMapper::SafeDownCast(this->Volume->GetMapper())
-    : nullptr;
+  vtkFFDInverseRayVolumeMapper* mapper =
+    this->Volume ? vtkFFDInverseRayVolumeMapper::SafeDownCast(this->Volume->GetMapper()) : nullptr;
   if (!this->Renderer || !mapper)
   {
     vtkErrorMacro(<< (this->Renderer
-        ? "There is no volume with a vtkFFDInverseRayVolumeMapper. Call SetVolume()."
-        : "There is no renderer to look from. Call SetRenderer()."));
+                      ? "There is no volume with a vtkFFDInverseRayVolumeMapper. Call SetVolume()."
+                      : "There is no renderer to look from. Call SetRenderer()."));
     return 0;
   }
   return mapper->TraceRays(this->Renderer, this->Volume, this->ImageSize[0], this->ImageSize[1],

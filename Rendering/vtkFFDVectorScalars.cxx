@@ -2,26 +2,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDVectorScalars.h"
 
-#include "vtkFFDParallelFor.h"
-
 #include "vtkArrayDispatch.h"
 #include "vtkDataArray.h"
 #include "vtkDataArrayRange.h"
 
 #include <cmath>
 
+namespace ffd
+{
 namespace
 {
 
 struct Scalarize
 {
   template <class From, class To>
-  void operator()(
-    From* vectors, To* scalars, int component, const vtkFFDParallelFor& parallelFor) const
+  void operator()(From* vectors, To* scalars, int component, const ParallelFor& parallelFor) const
   {
-    parallelFor(static_cast<std::size_t>(vectors->GetNumberOfTuples()),
-      [vectors, scalars, component](std::size_t first, std::size_t last)
-      {
+    RunFor(parallelFor, static_cast<std::size_t>(vectors->GetNumberOfTuples()),
+      [vectors, scalars, component](std::size_t first, std::size_t last) {
         const auto from = vtk::DataArrayTupleRange(
           vectors, static_cast<vtkIdType>(first), static_cast<vtkIdType>(last));
         auto to = vtk::DataArrayValueRange<1>(
@@ -48,49 +46,33 @@ struct Scalarize
 } // namespace
 
 //------------------------------------------------------------------------------
-vtkDataArray* vtkFFDVectorScalars::Update(
-  vtkDataArray* vectors, int component, const vtkFFDParallelFor& parallelFor)
+Made MakeVectorScalars(vtkSmartPointer<vtkDataArray>& scalars, StageTools& tools,
+  const Source<vtkDataArray>& source, std::uint64_t, int component)
 {
-  if (this->Scalars && this->Vectors == vectors && this->Time == vectors->GetMTime() &&
-    this->Component == component)
-  {
-    return this->Scalars;
-  }
-  this->Vectors = vectors;
-  this->Time = vectors->GetMTime();
-  this->Component = component;
+  // An observer of the progress may take the vectors away from their data set.
+  const vtkSmartPointer<vtkDataArray> vectors(source.Object);
   const bool exact = vectors->GetDataTypeSize() <= 2 || vectors->GetDataType() == VTK_FLOAT;
-  this->Scalars.TakeReference(component >= 0
+  scalars.TakeReference(component >= 0
       ? vtkDataArray::CreateDataArray(vectors->GetDataType())
       : vtkDataArray::CreateDataArray(exact ? VTK_FLOAT : VTK_DOUBLE));
-  this->Scalars->SetName(vectors->GetName());
-  this->Scalars->SetNumberOfTuples(vectors->GetNumberOfTuples());
+  scalars->SetName(vectors->GetName());
+  scalars->SetNumberOfTuples(vectors->GetNumberOfTuples());
   const Scalarize worker;
   if (component >= 0)
   {
     if (!vtkArrayDispatch::Dispatch2SameValueType::Execute(
-          vectors, this->Scalars.Get(), worker, component, parallelFor))
+          vectors.Get(), scalars.Get(), worker, component, tools.Parallel))
     {
-      worker(vectors, this->Scalars.Get(), component, parallelFor);
+      worker(vectors.Get(), scalars.Get(), component, tools.Parallel);
     }
   }
   else if (!vtkArrayDispatch::Dispatch2ByValueType<vtkArrayDispatch::AllTypes,
-             vtkArrayDispatch::Reals>::Execute(
-             vectors, this->Scalars.Get(), worker, component, parallelFor))
+             vtkArrayDispatch::Reals>::Execute(vectors.Get(), scalars.Get(), worker, component,
+             tools.Parallel))
   {
-    worker(vectors, this->Scalars.Get(), component, parallelFor);
+    worker(vectors.Get(), scalars.Get(), component, tools.Parallel);
   }
-  return this->Scalars;
+  return Made::Anew;
 }
 
-//------------------------------------------------------------------------------
-void vtkFFDVectorScalars::Clear()
-{
-  *this = vtkFFDVectorScalars();
-}
-
-//------------------------------------------------------------------------------
-std::size_t vtkFFDVectorScalars::GetMemorySize() const
-{
-  return this->Scalars ? static_cast<std::size_t>(this->Scalars->GetActualMemorySize()) * 1024 : 0;
-}
+} // namespace ffd

@@ -1,44 +1,31 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-/**
- * @class   vtkFFDVectorScalars
- * @brief   array of one component that is rendered in the place of one with several
- *
- * Private to this module: not installed, not wrapped. The array is made again only when what it is
- * made from changes.
- */
+// Private to this module: not installed, not wrapped.
 #ifndef vtkFFDVectorScalars_h
 #define vtkFFDVectorScalars_h
 
-#include "vtkSmartPointer.h"
-#include "vtkType.h"
+#include "FFDStage.h"
 
-#include <cstddef>
+#include "vtkSmartPointer.h"
+
+#include <cstdint>
 
 class vtkDataArray;
-class vtkFFDParallelFor;
 
-class vtkFFDVectorScalars
+namespace ffd
 {
-public:
-  /// What stands for the magnitude, in the place of the number of a component.
-  static constexpr int Magnitude = -1;
 
-  /// A component of the vectors, of their type, or their magnitude, float (double, where float does
-  /// not hold the type). `component` must be one of theirs.
-  vtkDataArray* Update(
-    vtkDataArray* vectors, int component, const vtkFFDParallelFor& parallelFor);
+/// Stands for the magnitude, in the place of the number of a component.
+constexpr int Magnitude = -1;
 
-  /// Free the array.
-  void Clear();
+/**
+ * The array of one component that is rendered in the place of one with several: a component of
+ * them, of their type, or their magnitude, float (double, where float does not hold the type).
+ * `component` must be one of theirs, or Magnitude; `contentTime` is that of the data set.
+ */
+Made MakeVectorScalars(vtkSmartPointer<vtkDataArray>& scalars, StageTools& tools,
+  const Source<vtkDataArray>& vectors, std::uint64_t contentTime, int component);
 
-  std::size_t GetMemorySize() const;
-
-private:
-  vtkSmartPointer<vtkDataArray> Vectors;
-  vtkMTimeType Time = 0;
-  int Component = 0;
-  vtkSmartPointer<vtkDataArray> Scalars;
-};
+} // namespace ffd
 
 #endif

@@ -1,0 +1,282 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDFrameCache.h"
+
+#include "vtkFFDBlendingView.h"
+#include "vtkFFDContentTime.h"
+#include "vtkFFDVolumeViewFromImage.h"
+
+#include "vtkCellData.h"
+#include "vtkDataArray.h"
+#include "vtkDataSet.h"
+#include "vtkImageData.h"
+#include "vtkMath.h"
+#include "vtkPointData.h"
+#include "vtkSmartPointer.h"
+#include "vtkVolumeProperty.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
+
+namespace
+{
+
+/// Of the inverse, voxels: more could not be told from no inverse.
+constexpr double LargestTolerance = 1.0;
+
+} // namespace
+
+//------------------------------------------------------------------------------
+double vtkFFDFrameCache::GetVoxelSize() const
+{
+  const glm::dmat3& fromIndex = this->GetVolume().IndexToData;
+  return std::min(
+    glm::length(fromIndex[0]), std::min(glm::length(fromIndex[1]), glm::length(fromIndex[2])));
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDFrameCache::UpdateBounds(Mapper* mapper, ffd::StageTools& tools)
+{
+  this->Order.Begin();
+  // Observers of the progress may take it away from the mapper.
+  const vtkSmartPointer<vtkDataSet> input(mapper->GetInput());
+  if (!input)
+  {
+    tools.Message = "No input: call SetInputData() or SetInputConnection().";
+    return false;
+  }
+  return this->UpdateVoxels(mapper, input, tools) && this->UpdatePullBack(mapper, input, tools);
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDFrameCache::UpdateProbe(Mapper* mapper, ffd::StageTools& tools)
+{
+  return this->UpdateBounds(mapper, tools) &&
+    this->FindMask(mapper, mapper->GetInput(), tools.Message) &&
+    ffd::MakeCropping(mapper, mapper->GetInput(), this->GetVolume(),
+      mapper->GetCroppingSpace() == Mapper::DEFORMED, this->Crop, tools.Message);
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDFrameCache::Update(
+  Mapper* mapper, vtkVolumeProperty* replaceable, ffd::StageTools& tools)
+{
+  const vtkSmartPointer<vtkVolumeProperty> property(replaceable);
+  const vtkSmartPointer<vtkDataSet> input(mapper->GetInput());
+  if (!this->UpdateBounds(mapper, tools) || !this->FindMask(mapper, input, tools.Message) ||
+    !this->UpdateBlocks(mapper, property, tools))
+  {
+    return false;
+  }
+  std::copy_n(mapper->GetWholeScalarRange(), 2, this->Lookup.WholeRange.begin());
+  this->Lookup.Native = { { mapper->GetColorRangeType() == Mapper::NATIVE,
+    mapper->GetScalarOpacityRangeType() == Mapper::NATIVE,
+    mapper->GetGradientOpacityRangeType() == Mapper::NATIVE } };
+  this->Lookup.HasLabels = this->Mask.Volume.Scalars && this->Mask.Labels;
+  ffd::Source<vtkDataArray> secondAxis;
+  if (this->SecondAxisArray)
+  {
+    secondAxis = { this->SecondAxisArray, this->SecondAxisArray->GetMTime() };
+  }
+  if (!this->Functions.Update(tools, this->Voxels.GetProduct(), this->Blocks.GetProduct(),
+        ffd::FindSource(property), this->Lookup, secondAxis) ||
+    !ffd::MakeBlending(mapper, property, this->Functions->Facts, this->Blend, tools.Message) ||
+    !ffd::MakeCropping(mapper, input, this->GetVolume(),
+      mapper->GetCroppingSpace() == Mapper::DEFORMED, this->Crop, tools.Message) ||
+    !ffd::MakeClippingPlanes(mapper, this->ClippingPlanes, tools.Message))
+  {
+    return false;
+  }
+  this->Distances = nullptr;
+  if (mapper->GetSpaceLeaping() == Mapper::OFF)
+  {
+    return true;
+  }
+  // Compositing leaps over what is transparent; the other modes look at the opacities, too.
+  ffd::Product<ffd::TransferFunctions> functions = this->Functions.GetProduct();
+  if (this->Blend.Mode == ffd::BlendMode::Composite)
+  {
+    functions = functions.WithVersion(functions->Visibility);
+  }
+  this->Space.Update(tools, this->Blocks.GetProduct(), functions, { this->Blend });
+  this->Distances = this->Space->CanLeap ? &this->Space->Distances : nullptr;
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDFrameCache::UpdateVoxels(Mapper* mapper, vtkDataSet* input, ffd::StageTools& tools)
+{
+  int cellFlag = 0;
+  vtkSmartPointer<vtkDataArray> scalars(
+    vtkAbstractMapper::GetScalars(input, mapper->GetScalarMode(), mapper->GetArrayAccessMode(),
+      mapper->GetArrayId(), mapper->GetArrayName(), cellFlag));
+  if (scalars && cellFlag == 2)
+  {
+    tools.Message = "The scalars to render are field data; they must belong to points or cells. "
+                    "Choose another array with SetScalarMode() and SelectScalarArray().";
+    return false;
+  }
+  const bool ofCells = cellFlag == 1;
+  const int mode = mapper->GetVectorMode();
+  const int component = mapper->GetVectorComponent();
+  if (mode == Mapper::DISABLED || !scalars || scalars->GetNumberOfComponents() < 2)
+  {
+    this->VectorScalars.Clear();
+  }
+  else
+  {
+    if (mode == Mapper::COMPONENT && component >= scalars->GetNumberOfComponents())
+    {
+      tools.Message = "VectorComponent is " + std::to_string(component) +
+        ", but the scalars have only " + std::to_string(scalars->GetNumberOfComponents()) +
+        " components, counted from 0. Choose one of them with SetVectorComponent().";
+      return false;
+    }
+    this->VectorScalars.Update(tools, { scalars, scalars->GetMTime() }, vtkFFDGetContentTime(input),
+      mode == Mapper::COMPONENT ? component : ffd::Magnitude);
+    scalars = this->VectorScalars.Get();
+  }
+  this->Arrays = { scalars };
+  ffd::UniformView view;
+  return ffd::FindUniformView(input, scalars, ofCells, view, tools.Message) &&
+    this->Voxels.Update(
+      tools, view, ffd::GridSources::Of(input), { scalars, scalars->GetMTime() }, ofCells);
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDFrameCache::UpdatePullBack(Mapper* mapper, vtkDataSet* input, ffd::StageTools& tools)
+{
+  std::array<double, 6> bounds;
+  input->GetBounds(bounds.data());
+  if (vtkMath::AreBoundsInitialized(mapper->GetWholeBounds()))
+  {
+    std::copy_n(mapper->GetWholeBounds(), 6, bounds.begin());
+  }
+  const double voxel = this->GetVoxelSize();
+  const bool made = this->Field.Update(
+    mapper->GetDeformation(), input, bounds.data(), mapper->GetPositionTolerance() * voxel, tools);
+  if (!tools.Warning.empty())
+  {
+    vtkWarningWithObjectMacro(mapper, << tools.Warning);
+    tools.Warning.clear();
+  }
+  if (!made ||
+    !this->PullBack.Update(tools, this->Field.GetProduct(), bounds,
+      static_cast<ffd::InverseMode>(mapper->GetInverseMode()),
+      std::min(mapper->GetInverseTolerance(), LargestTolerance) * voxel))
+  {
+    return false;
+  }
+  const ffd::Box& deformed = this->PullBack->DeformedBounds;
+  for (int a = 0; a < 3; ++a)
+  {
+    this->ReportedBounds[2 * a] = deformed.Min[a];
+    this->ReportedBounds[2 * a + 1] = deformed.Max[a];
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+/// The mask, and the second axis of two-dimensional transfer functions.
+bool vtkFFDFrameCache::FindMask(Mapper* mapper, vtkDataSet* input, std::string& message)
+{
+  const ffd::VolumeView& volume = this->GetVolume();
+  this->Mask = ffd::MaskView();
+  if (vtkImageData* image = mapper->GetMaskInput())
+  {
+    this->Mask.Labels = mapper->GetMaskType() == Mapper::LabelMapMaskType;
+    this->Mask.BlendFactor = mapper->GetMaskBlendFactor();
+    vtkDataArray* labels = image->GetPointData()->GetScalars();
+    if (!vtkFFDVolumeViewFromImage(image, labels, false, this->Mask.Volume, message))
+    {
+      message = "MaskInput: " + message;
+      return false;
+    }
+    this->Arrays.push_back(labels);
+    this->Mask.SameGrid = this->Mask.Volume.Dimensions == volume.Dimensions;
+  }
+  this->SecondAxis = ffd::VolumeView();
+  this->SecondAxisArray = nullptr;
+  if (const char* name = mapper->GetTransfer2DYAxisArray())
+  {
+    const bool ofCells = this->Voxels->OfCells;
+    vtkDataArray* array =
+      ofCells ? input->GetCellData()->GetArray(name) : input->GetPointData()->GetArray(name);
+    if (!array)
+    {
+      message = "Transfer2DYAxisArray: the input has no " +
+        std::string(ofCells ? "cell" : "point") + " array \"" + name +
+        "\". Name one, or nullptr for the magnitude of the gradient.";
+      return false;
+    }
+    if (!ffd::MakeFurtherView(this->Voxels.Get(), array, this->SecondAxis, message))
+    {
+      message = "Transfer2DYAxisArray: " + message;
+      return false;
+    }
+    this->Arrays.push_back(array);
+    this->SecondAxisArray = array;
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDFrameCache::UpdateBlocks(
+  Mapper* mapper, vtkVolumeProperty* property, ffd::StageTools& tools)
+{
+  const ffd::VolumeView& volume = this->GetVolume();
+  if (!ffd::FindComponentKind(
+        property, volume.Components, volume.Type, this->Lookup.Kind, tools.Message))
+  {
+    return false;
+  }
+  this->Blocks.Update(tools, this->Voxels.GetProduct(),
+    ffd::FindOpacityComponents(this->Lookup.Kind, volume.Components));
+  std::array<double, 2> whole;
+  std::copy_n(mapper->GetWholeScalarRange(), 2, whole.begin());
+  const std::vector<ffd::MinMaxBlocks>& blocks = this->Blocks->Blocks;
+  if (std::all_of(blocks.begin(), blocks.end(), [&](const ffd::MinMaxBlocks& each) {
+        const ffd::MinMaxBlocks::Limits range =
+          ffd::FindRangeOfWhole(each.GetRange(), volume.Components, whole);
+        return range.Min > range.Max;
+      }))
+  {
+    tools.Message = "The scalars of the input hold no finite number: nothing can be rendered.";
+    return false;
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+vtkTypeInt64 vtkFFDFrameCache::GetNumberOfBuilds(int part) const
+{
+  switch (part)
+  {
+    case Mapper::MIN_MAX_BLOCKS:
+      return this->Blocks.GetNumberOfBuilds();
+    case Mapper::DEFORMATION_FIELD:
+      return this->Field.GetNumberOfBuilds();
+    case Mapper::DEFORMATION_BOUNDS:
+      return this->PullBack.GetNumberOfBuilds();
+    case Mapper::TRANSFER_TABLE:
+      return this->Functions.GetNumberOfBuilds();
+    case Mapper::DISTANCE_MAP:
+      return this->Space.GetNumberOfBuilds();
+    default:
+      return -1;
+  }
+}
+
+//------------------------------------------------------------------------------
+std::size_t vtkFFDFrameCache::GetMemorySize() const
+{
+  const vtkDataArray* scalars = this->VectorScalars.GetLast();
+  return this->Space.GetLast().Distances.GetMemorySize() +
+    this->Functions.GetLast().Optics.GetMemorySize() + this->Field.GetMemorySize() +
+    this->PullBack.GetLast().Bounds.GetMemorySize() +
+    this->Voxels.GetLast().Hidden.GetMemorySize() +
+    (scalars ? static_cast<std::size_t>(scalars->GetActualMemorySize()) * 1024 : 0) +
+    this->Blocks.GetLast().GetMemorySize();
+}

@@ -1,0 +1,212 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDFrameStages.h"
+
+#include "vtkFFDBlendingView.h"
+
+#include "FFDSampling.h"
+
+#include "vtkColorTransferFunction.h"
+#include "vtkDataArray.h"
+#include "vtkPiecewiseFunction.h"
+#include "vtkVolumeProperty.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <sstream>
+#include <utility>
+
+namespace ffd
+{
+namespace
+{
+
+/// Most that a deformation may enlarge the volume: beyond, its inverse is lost in rounding, and
+/// takes for ever.
+constexpr double LargestGrowth = 1e5;
+
+} // namespace
+
+//------------------------------------------------------------------------------
+Made MakeBoundedPullBack(BoundedPullBack& result, StageTools& tools,
+  const Product<DeformationField>& field, const std::array<double, 6>& bounds, InverseMode mode,
+  double tolerance)
+{
+  result.Map = PullBack(&field->Field, FindPullBackKind(mode, field->Inverted), tolerance);
+  result.RestBounds = { glm::dvec3(bounds[0], bounds[2], bounds[4]),
+    glm::dvec3(bounds[1], bounds[3], bounds[5]) };
+  result.Bounds.Update(result.Map, tools.Parallel);
+  const Box& rest = result.RestBounds;
+  Box& deformed = result.DeformedBounds;
+  deformed = result.Bounds.DeformedBounds(rest, tools.Parallel);
+  const double growth = glm::length(deformed.Max - deformed.Min) / glm::length(rest.Max - rest.Min);
+  if (!deformed.IsEmpty() && growth > LargestGrowth)
+  {
+    std::ostringstream text;
+    text << "The deformation makes the volume " << growth
+         << " times as large, which cannot be rendered. Check its displacements and their scale.";
+    tools.Message = text.str();
+    return Made::Not;
+  }
+  return Made::Anew;
+}
+
+//------------------------------------------------------------------------------
+std::size_t ComponentBlocks::GetMemorySize() const
+{
+  std::size_t size = 0;
+  for (const MinMaxBlocks& each : this->Blocks)
+  {
+    size += each.GetMemorySize();
+  }
+  return size;
+}
+
+//------------------------------------------------------------------------------
+Made MakeComponentBlocks(ComponentBlocks& result, StageTools& tools, const Product<Voxels>& voxels,
+  const std::vector<int>& components)
+{
+  result.Blocks.clear();
+  result.Components = components;
+  for (int c : components)
+  {
+    result.Blocks.emplace_back(GetComponent(voxels->View, c), tools.Parallel);
+  }
+  return Made::Anew;
+}
+
+//------------------------------------------------------------------------------
+MinMaxBlocks::Limits FindRangeOfWhole(
+  const MinMaxBlocks::Limits& range, int components, const std::array<double, 2>& whole)
+{
+  if (components > 1 || whole[0] > whole[1])
+  {
+    return range;
+  }
+  return range.Min > range.Max
+    ? MinMaxBlocks::Limits{ whole[0], whole[1] }
+    : MinMaxBlocks::Limits{ std::min(whole[0], range.Min), std::max(whole[1], range.Max) };
+}
+
+//------------------------------------------------------------------------------
+Source<vtkVolumeProperty> FindSource(vtkVolumeProperty* property)
+{
+  vtkMTimeType time = property->GetMTime();
+  for (const int label : property->GetLabelMapLabels())
+  {
+    vtkObject* const functions[3] = { property->GetLabelColor(label),
+      property->GetLabelScalarOpacity(label), property->GetLabelGradientOpacity(label) };
+    for (vtkObject* function : functions)
+    {
+      time = function ? std::max(time, function->GetMTime()) : time;
+    }
+  }
+  return { property, time };
+}
+
+//------------------------------------------------------------------------------
+Made MakeTransferFunctions(TransferFunctions& result, StageTools& tools,
+  const Product<Voxels>& voxels, const Product<ComponentBlocks>& blocks,
+  const Source<vtkVolumeProperty>& property, const LookupOptions& options,
+  const Source<vtkDataArray>& secondAxis)
+{
+  const VolumeView& volume = voxels->View;
+  ScalarFacts facts;
+  facts.Kind = options.Kind;
+  facts.Type = volume.Type;
+  facts.Nearest = property.Object->GetInterpolationType() != VTK_LINEAR_INTERPOLATION;
+  facts.HasLabels = options.HasLabels;
+  facts.NativeColours = options.Native[0];
+  facts.NativeOpacities = options.Native[1];
+  facts.NativeGradients = options.Native[2];
+  const std::vector<int>& known = blocks->Components;
+  for (int c = 0; c < volume.Components; ++c)
+  {
+    const auto at = std::find(known.begin(), known.end(), c);
+    if (at != known.end())
+    {
+      facts.Ranges.push_back(
+        FindRangeOfWhole(blocks->Blocks[static_cast<std::size_t>(at - known.begin())].GetRange(),
+          volume.Components, options.WholeRange));
+    }
+    else
+    {
+      double range[2];
+      voxels->Scalars->GetFiniteRange(range, c);
+      facts.Ranges.push_back({ range[0], range[1] });
+    }
+    if (!(facts.Ranges.back().Min <= facts.Ranges.back().Max))
+    {
+      // Not a number anywhere: nothing is looked up.
+      facts.Ranges.back() = { 0.0, 1.0 };
+    }
+  }
+  if (secondAxis.Object)
+  {
+    double range[2];
+    secondAxis.Object->GetFiniteRange(range, 0);
+    facts.HasSecondAxis = true;
+    facts.SecondAxis = { range[0], range[1] };
+  }
+  OpticalFunctions optics;
+  if (!MakeOpticalFunctions(property.Object, facts, optics, tools.Message))
+  {
+    return Made::Not;
+  }
+  if (result.Visibility == 0 || !ShowTheSame(optics, result.Optics))
+  {
+    ++result.Visibility;
+  }
+  result.Facts = std::move(facts);
+  result.Optics = std::move(optics);
+  return Made::Anew;
+}
+
+//------------------------------------------------------------------------------
+bool LeapBlending::operator==(const LeapBlending& other) const
+{
+  return HaveSameLeaps(this->Blend, other.Blend);
+}
+
+//------------------------------------------------------------------------------
+Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<ComponentBlocks>& blocks,
+  const Product<TransferFunctions>& functions, const LeapBlending& blending)
+{
+  const OpticalFunctions& optics = functions->Optics;
+  const ComponentOptics& first = optics.Components[0];
+  const bool one = blocks->Blocks.size() == 1 && first.Plane.IsEmpty() && optics.Labels.empty();
+  const BlendMode mode = blending.Blend.Mode;
+  result.CanLeap = true;
+  if (mode != BlendMode::Composite)
+  {
+    // The blocks of dependent components are those of what is looked up for opacity.
+    const bool extreme = mode == BlendMode::Maximum || mode == BlendMode::Minimum;
+    TransferTable leaps;
+    result.CanLeap = one && (extreme || functions->Facts.Kind == ComponentKind::Independent) &&
+      MakeLeapTable(blending.Blend, first.Table, leaps);
+    if (result.CanLeap)
+    {
+      result.Distances = DistanceMap(blocks->Blocks[0], leaps, tools.Parallel);
+    }
+  }
+  else if (one)
+  {
+    result.Distances = DistanceMap(blocks->Blocks[0], first.Table, tools.Parallel);
+  }
+  else
+  {
+    std::vector<const MinMaxBlocks*> components;
+    for (const MinMaxBlocks& each : blocks->Blocks)
+    {
+      components.push_back(&each);
+    }
+    result.Distances = DistanceMap(
+      components,
+      [&optics](const MinMaxBlocks::Limits* limits) { return optics.IsTransparent(limits); },
+      tools.Parallel);
+  }
+  return Made::Anew;
+}
+
+} // namespace ffd

@@ -1,0 +1,118 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * What vtkFFDFrameCache keeps between frames, in the order in which it is made, after the scalars
+ * (MakeVectorScalars(), MakeVoxels()) and the field (MakeDeformationField()). The parameters of a
+ * maker are all that its result depends on. Private to this module: not installed, not wrapped.
+ */
+#ifndef vtkFFDFrameStages_h
+#define vtkFFDFrameStages_h
+
+#include "vtkFFDDeformationSource.h"
+#include "vtkFFDKernelViews.h"
+#include "vtkFFDVoxels.h"
+
+#include "FFDBlending.h"
+#include "FFDDistanceMap.h"
+#include "FFDMinMaxBlocks.h"
+#include "FFDOpticalFunctions.h"
+#include "FFDPullBack.h"
+#include "FFDPullBackBounds.h"
+#include "FFDStage.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+class vtkDataArray;
+class vtkVolumeProperty;
+
+namespace ffd
+{
+
+/// The pull-back, and the bounds that follow from the field.
+struct BoundedPullBack
+{
+  PullBack Map;
+  Box RestBounds;
+  PullBackBounds Bounds;
+  Box DeformedBounds; ///< of RestBounds
+};
+
+/// `restBounds`: those of the whole volume, data coordinates; `tolerance` of the inverse, data
+/// units.
+Made MakeBoundedPullBack(BoundedPullBack& result, StageTools& tools,
+  const Product<DeformationField>& field, const std::array<double, 6>& restBounds, InverseMode mode,
+  double tolerance);
+
+/// Limits of the scalars of components, in blocks.
+struct ComponentBlocks
+{
+  std::vector<MinMaxBlocks> Blocks;
+  std::vector<int> Components; ///< which these are
+
+  std::size_t GetMemorySize() const;
+};
+
+/// `components`: those that the opacity depends on.
+Made MakeComponentBlocks(ComponentBlocks& result, StageTools& tools, const Product<Voxels>& voxels,
+  const std::vector<int>& components);
+
+/// Options of the mapper that scalars are looked up by.
+struct LookupOptions
+{
+  ComponentKind Kind = ComponentKind::Independent;
+  std::array<double, 2> WholeRange{ { 1.0, -1.0 } }; ///< vtkFFD...Mapper::WholeScalarRange
+  std::array<bool, 3> Native{};                      ///< ranges of colours, opacities, gradients
+  bool HasLabels = false;
+
+  bool operator==(const LookupOptions& other) const
+  {
+    return this->Kind == other.Kind && this->WholeRange == other.WholeRange &&
+      this->Native == other.Native && this->HasLabels == other.HasLabels;
+  }
+};
+
+/// Range of the scalars of the whole volume, from that of the part that is rendered here.
+MinMaxBlocks::Limits FindRangeOfWhole(
+  const MinMaxBlocks::Limits& range, int components, const std::array<double, 2>& wholeRange);
+
+/// Tables of the transfer functions.
+struct TransferFunctions
+{
+  ScalarFacts Facts; ///< that they were made for
+  OpticalFunctions Optics;
+  std::uint64_t Visibility = 0; ///< another number when other scalars are transparent
+};
+
+/// A property with its time, which is later than its own: that of the functions of labels counts.
+Source<vtkVolumeProperty> FindSource(vtkVolumeProperty* property);
+
+/// `secondAxis`: of two-dimensional functions, null for the gradient.
+Made MakeTransferFunctions(TransferFunctions& result, StageTools& tools,
+  const Product<Voxels>& voxels, const Product<ComponentBlocks>& blocks,
+  const Source<vtkVolumeProperty>& property, const LookupOptions& options,
+  const Source<vtkDataArray>& secondAxis);
+
+/// A blend mode; the same for a distance map if they leap over the same blocks.
+struct LeapBlending
+{
+  Blending Blend;
+
+  bool operator==(const LeapBlending& other) const;
+};
+
+/// The blocks in which nothing is visible.
+struct EmptySpace
+{
+  DistanceMap Distances;
+  bool CanLeap = true; ///< false: every sample counts, and there are no distances
+};
+
+Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<ComponentBlocks>& blocks,
+  const Product<TransferFunctions>& functions, const LeapBlending& blending);
+
+} // namespace ffd
+
+#endif
