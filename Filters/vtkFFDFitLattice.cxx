@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDFitLattice.h"
 
-#include "vtkFFDFitNetToTransform.h"
+#include "vtkFFDTransformSampler.h"
 #include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
 
@@ -453,7 +453,8 @@ void vtkFFDFitLattice::Fit(vtkImageData* field)
   }
   else
   {
-    status = vtkFFDFitNetToTransform(this->Transform, limits, fit);
+    status =
+      ffd::FitNetToFunction(vtkFFDMakeTransformSampler(this->Transform), limits, fit);
   }
   if (status == ffd::FitStatus::Stopped)
   {

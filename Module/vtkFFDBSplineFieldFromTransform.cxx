@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDBSplineFieldFromTransform.h"
 
+#include "vtkFFDLatticeData.h"
+
 #include "FFDBSplineField.h"
+#include "FFDLattice.h"
 
 #include "vtkBSplineTransform.h"
 #include "vtkDataArray.h"
@@ -12,14 +15,6 @@
 #include <cmath>
 #include <sstream>
 #include <vector>
-
-namespace
-{
-
-/// Products of three are still finite numbers.
-constexpr double LargestDisplacement = 1e100;
-
-} // namespace
 
 //------------------------------------------------------------------------------
 bool vtkFFDBSplineFieldFromTransform(
@@ -69,15 +64,14 @@ bool vtkFFDBSplineFieldFromTransform(
     return false;
   }
   const double scale = transform->GetDisplacementScale();
-  std::vector<glm::dvec3> displacements(static_cast<std::size_t>(count));
+  const std::vector<glm::dvec3> displacements = vtkFFDCopyTuples(scalars);
   for (vtkIdType i = 0; i < count; ++i)
   {
-    double d[3];
-    scalars->GetTuple(i, d);
+    const glm::dvec3 d = displacements[static_cast<std::size_t>(i)] * scale;
     // False for what is not a number, too.
-    if (!(std::abs(d[0] * scale) <= LargestDisplacement &&
-          std::abs(d[1] * scale) <= LargestDisplacement &&
-          std::abs(d[2] * scale) <= LargestDisplacement))
+    if (!(std::abs(d.x) <= ffd::Lattice::LargestLength &&
+          std::abs(d.y) <= ffd::Lattice::LargestLength &&
+          std::abs(d.z) <= ffd::Lattice::LargestLength))
     {
       std::ostringstream message;
       message << "control point (" << i % nodes.x << ", " << i / nodes.x % nodes.y << ", "
@@ -86,7 +80,6 @@ bool vtkFFDBSplineFieldFromTransform(
       error = message.str();
       return false;
     }
-    displacements[static_cast<std::size_t>(i)] = { d[0], d[1], d[2] };
   }
   field = ffd::BSplineField(nodes, first, step, displacements.data(), scale,
     static_cast<ffd::BorderMode>(transform->GetBorderMode()));

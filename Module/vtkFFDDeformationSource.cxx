@@ -3,14 +3,16 @@
 #include "vtkFFDDeformationSource.h"
 
 #include "vtkFFDBSplineFieldFromTransform.h"
+#include "vtkFFDLatticeData.h"
+#include "vtkFFDTransformSampler.h"
+
+#include "FFDLattice.h"
 
 #include "vtkAbstractTransform.h"
 #include "vtkBoundingBox.h"
 #include "vtkBSplineTransform.h"
-#include "vtkFFDLattice.h"
 #include "vtkFieldData.h"
 #include "vtkImageData.h"
-#include "vtkSmartPointer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -34,7 +36,7 @@ bool IsSame(const ffd::BSplineField& a, const ffd::BSplineField& b)
 }
 
 /// The box over which a lattice stands for a transform.
-void FindFitRegion(vtkAbstractTransform* transform, const double bounds[6], double region[6])
+ffd::Box FindFitRegion(vtkAbstractTransform* transform, const double bounds[6])
 {
   // The renderer evaluates the deformation in the volume at rest and, in the other inverse modes,
   // where the volume is moved to or comes from: all of that has to be covered.
@@ -58,12 +60,15 @@ void FindFitRegion(vtkAbstractTransform* transform, const double bounds[6], doub
       }
     }
   }
+  ffd::Box region;
   for (int a = 0; a < 3; ++a)
   {
     const double margin = RegionMargin * box.GetLength(a);
-    region[2 * a] = box.GetBound(2 * a) - margin;
-    region[2 * a + 1] = box.GetBound(2 * a + 1) + margin;
+    region.Min[a] = box.GetBound(2 * a) - margin;
+    region.Max[a] = box.GetBound(2 * a + 1) + margin;
   }
+  ffd::WidenFlatAxes(region);
+  return region;
 }
 
 } // namespace
@@ -71,50 +76,56 @@ void FindFitRegion(vtkAbstractTransform* transform, const double bounds[6], doub
 //------------------------------------------------------------------------------
 ffd::Made ffd::MakeDeformationField(DeformationField& result, StageTools& tools,
   const Source<vtkAbstractTransform>& source, const Source<vtkDataObject>& attached,
-  const std::optional<FitLimits>& fit)
+  const std::optional<FitRegion>& fit)
 {
-  vtkAbstractTransform* transform = source.Object;
-  vtkBSplineTransform* spline = vtkBSplineTransform::SafeDownCast(transform);
-  if (!result.Lattice)
-  {
-    result.Lattice = vtkSmartPointer<vtkFFDLattice>::New();
-  }
-  if (attached.Object)
-  {
-    if (!result.Lattice->ReadFrom(attached.Object))
-    {
-      tools.Message = "The lattice attached to the input cannot be read. Attach it again with "
-                      "vtkFFDLattice::AttachTo(), or remove it with vtkFFDLattice::DetachFrom().";
-      return Made::Not;
-    }
-    spline = result.Lattice;
-  }
-  else if (fit)
-  {
-    double region[6];
-    FindFitRegion(transform, fit->data(), region);
-    const double tolerance = fit->back();
-    const double error = result.Lattice->FitToTransform(transform, region, tolerance);
-    if (error < 0.0)
-    {
-      tools.Message = std::string("The deformation, a ") + transform->GetClassName() +
-        ", cannot be approximated by a lattice over the volume. Check that it is finite there.";
-      return Made::Not;
-    }
-    if (error > tolerance)
-    {
-      std::ostringstream text;
-      text << "The deformation, a " << transform->GetClassName()
-           << ", is approximated by a lattice with an error of " << error
-           << " instead of the PositionTolerance of " << tolerance << " (data units).";
-      tools.Warning = text.str();
-    }
-    spline = result.Lattice;
-  }
   BSplineField field;
   bool inverted = false;
   std::string reason;
-  if (spline && !vtkFFDBSplineFieldFromTransform(spline, field, inverted, reason))
+  if (attached.Object)
+  {
+    Lattice lattice;
+    reason = vtkFFDReadLattice(attached.Object, lattice);
+    if (!reason.empty())
+    {
+      tools.Message = "The lattice attached to the input cannot be read: " + reason +
+        ". Attach it again with vtkFFDLattice::AttachTo(), or remove it with "
+        "vtkFFDLattice::DetachFrom().";
+      return Made::Not;
+    }
+    field = lattice.MakeField();
+    inverted = lattice.Inverse;
+  }
+  else if (fit)
+  {
+    const std::string name = source.Object->GetClassName();
+    Lattice lattice;
+    FitLimits limits;
+    limits.Tolerance = fit->back();
+    double error = 0.0;
+    const bool finite =
+      lattice.Fit(FindFitRegion(source.Object, fit->data()),
+        vtkFFDMakeTransformSampler(source.Object), limits, error) != FitStatus::NotFinite;
+    reason = finite ? lattice.FindProblem() : "it gives points that are not finite";
+    if (!reason.empty())
+    {
+      tools.Message = "The deformation, a " + name +
+        ", cannot be approximated by a lattice over the volume: " + reason +
+        ". Check that it is finite there.";
+      return Made::Not;
+    }
+    if (error > limits.Tolerance)
+    {
+      std::ostringstream text;
+      text << "The deformation, a " << name << ", is approximated by a lattice with an error of "
+           << error << " instead of the PositionTolerance of " << limits.Tolerance
+           << " (data units).";
+      tools.Warning = text.str();
+    }
+    field = lattice.MakeField();
+  }
+  else if (source.Object &&
+    !vtkFFDBSplineFieldFromTransform(
+      vtkBSplineTransform::SafeDownCast(source.Object), field, inverted, reason))
   {
     tools.Message = "The deformation cannot be used: " + reason;
     return Made::Not;
@@ -144,7 +155,7 @@ bool vtkFFDDeformationSource::Update(vtkAbstractTransform* transform, vtkDataObj
 {
   ffd::Source<vtkAbstractTransform> source;
   ffd::Source<vtkDataObject> attached;
-  std::optional<ffd::FitLimits> fit;
+  std::optional<ffd::FitRegion> fit;
   if (transform)
   {
     transform->Update();
@@ -156,7 +167,7 @@ bool vtkFFDDeformationSource::Update(vtkAbstractTransform* transform, vtkDataObj
       fit->back() = tolerance;
     }
   }
-  else if (vtkFFDLattice::HasLattice(image))
+  else if (vtkFFDHasLattice(image))
   {
     attached = { image, std::max(image->GetMTime(), image->GetFieldData()->GetMTime()) };
   }

@@ -15,15 +15,13 @@
 #include "FFDExport.h"
 #include "FFDStage.h"
 
-#include "vtkSmartPointer.h"
-
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
 class vtkAbstractTransform;
 class vtkDataObject;
-class vtkFFDLattice;
 
 namespace ffd
 {
@@ -32,19 +30,18 @@ namespace ffd
 struct DeformationField
 {
   BSplineField Field;
-  bool Inverted = false;                  ///< the deformation is the inverse of the field's map
-  vtkSmartPointer<vtkFFDLattice> Lattice; ///< that was read or fitted, for the next time
+  bool Inverted = false; ///< the deformation is the inverse of the field's map
 };
 
 /// Where a transform is approximated, and how well: bounds of the image, then the largest error,
 /// data units.
-using FitLimits = std::array<double, 7>;
+using FitRegion = std::array<double, 7>;
 
 /// The field of a transform or, without one, of the lattice that `attached` holds; `fit` for the
 /// transforms that are approximated.
 Made MakeDeformationField(DeformationField& result, StageTools& tools,
   const Source<vtkAbstractTransform>& transform, const Source<vtkDataObject>& attached,
-  const std::optional<FitLimits>& fit);
+  const std::optional<FitRegion>& fit);
 
 } // namespace ffd
 

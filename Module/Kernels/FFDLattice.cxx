@@ -38,6 +38,14 @@ Lattice::Lattice()
 }
 
 //------------------------------------------------------------------------------
+Lattice::Lattice(ControlNet net, const glm::dvec3& origin, const glm::dvec3& spacing)
+  : Net(std::move(net))
+  , Origin(origin)
+  , Spacing(spacing)
+{
+}
+
+//------------------------------------------------------------------------------
 Lattice::Lattice(const glm::ivec3& nodes, const Box& domain)
 {
   this->Net.Nodes = nodes;

@@ -46,6 +46,10 @@ struct FFD_KERNEL_EXPORT Lattice
   /// 4 x 4 x 4 control points over the unit cube, no deformation.
   Lattice();
 
+  /// A net of control points, the first of which rests at `origin`. A net without values makes a
+  /// lattice that has a geometry only.
+  Lattice(ControlNet net, const glm::dvec3& origin, const glm::dvec3& spacing);
+
   /// `nodes` control points over a domain (Min < Max), no deformation.
   Lattice(const glm::ivec3& nodes, const Box& domain);
 

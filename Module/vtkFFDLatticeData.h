@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Private to the libraries of this project: not installed, not wrapped.
+#ifndef vtkFFDLatticeData_h
+#define vtkFFDLatticeData_h
+
+#include "FFDExport.h"
+
+#include "vtkSmartPointer.h"
+
+#include <glm/vec3.hpp>
+
+#include <string>
+#include <vector>
+
+class vtkDataArray;
+class vtkDataObject;
+class vtkDoubleArray;
+class vtkFFDLattice;
+class vtkImageData;
+
+namespace ffd
+{
+struct Lattice;
+}
+
+/// The tuples of an array of 3 components; none for another number. The values of a vtkDoubleArray
+/// are copied as they lie.
+FFD_KERNEL_EXPORT std::vector<glm::dvec3> vtkFFDCopyTuples(vtkDataArray* array);
+
+/// The displacements of a lattice as an array.
+FFD_KERNEL_EXPORT vtkSmartPointer<vtkDoubleArray> vtkFFDMakeDisplacementArray(
+  const std::vector<glm::dvec3>& displacements);
+
+/// Writes the values that differ into an array of as many tuples of 3 components; nothing into one
+/// of another shape. Returns whether any differs; the array is not marked as modified.
+FFD_KERNEL_EXPORT bool vtkFFDWriteTuples(
+  const std::vector<glm::dvec3>& values, vtkDoubleArray* array);
+
+/// The value of a lattice, as its control points and options are now. It may have a problem, which
+/// FindProblem() tells.
+FFD_KERNEL_EXPORT ffd::Lattice vtkFFDGetLatticeValue(vtkFFDLattice* lattice);
+
+///@{
+/**
+ * A lattice in the field data of a data object: see vtkFFDLattice::AttachTo() for the arrays.
+ * vtkFFDReadLattice() returns what is missing or malformed, and leaves the lattice, or an empty
+ * string.
+ */
+FFD_KERNEL_EXPORT bool vtkFFDHasLattice(vtkDataObject* object);
+void vtkFFDRemoveLattice(vtkDataObject* object);
+void vtkFFDWriteLattice(const ffd::Lattice& lattice, vtkDataObject* object);
+std::string vtkFFDReadLattice(vtkDataObject* object, ffd::Lattice& lattice);
+///@}
+
+///@{
+/**
+ * A lattice as an image of its control points: see vtkFFDLattice::ToImageData(). What an image does
+ * not say (border mode, flag, scale) stays as it is in `lattice`.
+ */
+void vtkFFDWriteLatticeOptions(const ffd::Lattice& lattice, vtkImageData* image);
+std::string vtkFFDReadLatticeImage(vtkImageData* image, ffd::Lattice& lattice);
+///@}
+
+#endif

@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Private to the libraries of this project: not installed.
+#ifndef vtkFFDTransformSampler_h
+#define vtkFFDTransformSampler_h
+
+#include "FFDExport.h"
+#include "FFDLatticeFit.h"
+
+class vtkAbstractTransform;
+
+/**
+ * Samples the displacements of a transform for the fits of ffd::FitNetToFunction() and
+ * ffd::Lattice::Fit(). Each call updates the transform, which must outlive the sampler.
+ */
+FFD_KERNEL_EXPORT ffd::DisplacementSampler vtkFFDMakeTransformSampler(
+  vtkAbstractTransform* transform);
+
+#endif
