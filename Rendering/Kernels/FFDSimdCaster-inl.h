@@ -83,6 +83,7 @@ public:
     , X(x)
     , Y(y)
     , Rows(rows)
+    , Window(scene.Volume)
   {
     this->ToEye =
       Normalize(Scale(Splat(-1.0f), Transform(this->Scene.LocalToLights, rays.Direction)));
@@ -235,6 +236,10 @@ private:
     const Vf big = Splat(1e9f);
     const Vf first = hn::IfThenElse(this->Alive, this->First, big);
     const Vf stop = hn::IfThenElse(this->Alive, this->Stop, hn::Neg(big));
+    const float low = SmallestLane(hn::IfThenElse(this->Alive, this->Phase, Splat(1.0f)));
+    const float high = LargestLane(hn::IfThenElse(this->Alive, this->Phase, hn::Zero(Df())));
+    this->MiddlePhase = 0.5f * (low + high);
+    this->PhaseRange = 0.5f * (high - low);
     this->FirstSample = static_cast<int>(SmallestLane(first));
     this->EndSample = static_cast<int>(LargestLane(stop));
   }
@@ -272,31 +277,59 @@ private:
     }
   }
 
+  /// The first part, from `part` on and before `end`, in which something may be seen; `end` or more
+  /// where there is none.
+  HWY_INLINE int FindNeeded(TilePiece& piece, int block, int part, int end)
+  {
+    while (part < end)
+    {
+      this->Pieces.NeedPart(piece, part);
+      const std::uint32_t needed = piece.Needed[static_cast<std::size_t>(block)] >> part;
+      if (needed != 0)
+      {
+        return part + static_cast<int>(hwy::Num0BitsBelowLS1Bit_Nonzero32(needed));
+      }
+      part = piece.KnownParts;
+    }
+    return part;
+  }
+
+  HWY_NOINLINE void BeginCurves(TilePiece& piece, int x, int y, int block, PacketCurve& curve)
+  {
+    this->FindCurve(piece, x, y, curve);
+    this->CountPiece(piece);
+    this->HaveSlopes = false;
+    if constexpr (HasVoxelWindow<T>())
+    {
+      this->Window.Follow(piece, block, this->MiddlePhase, this->PhaseRange);
+    }
+    this->Out.TallyStep = Splat(-1e30f);
+    this->SkipTo = Splat(-1e30f);
+    this->Expecting = hn::FirstN(Df(), 0);
+  }
+
   HWY_INLINE void CastCurves(TilePiece& piece)
   {
     const int x = this->X - piece.X;
     const int y = this->Y - piece.Y;
     const int block = y / BlockSide * (piece.Side / BlockSide) + x / BlockSide;
-    std::uint32_t needed = piece.Needed[static_cast<std::size_t>(block)];
-    const std::uint32_t inside = piece.Inside[static_cast<std::size_t>(block)];
-    if (needed == 0)
-    {
-      return;
-    }
     PacketCurve curve;
-    this->FindCurve(piece, x, y, curve);
-    this->CountPiece(piece);
-    this->HaveSlopes = false;
-    this->Out.TallyStep = Splat(-1e30f);
-    this->SkipTo = Splat(-1e30f);
-    this->Expecting = hn::FirstN(Df(), 0);
-    for (; needed != 0; needed &= needed - 1)
+    bool begun = false;
+    const int first = std::max(0, this->FirstSample - piece.FirstSample) / piece.SamplesPerPart;
+    const int samples = std::min(piece.Samples, this->EndSample - piece.FirstSample);
+    const int end = (samples + piece.SamplesPerPart - 1) / piece.SamplesPerPart;
+    for (int part = this->FindNeeded(piece, block, first, end); part < end;
+         part = this->FindNeeded(piece, block, part + 1, end))
     {
-      const int part = static_cast<int>(hwy::Num0BitsBelowLS1Bit_Nonzero32(needed));
       const int from = piece.FirstSample + part * piece.SamplesPerPart;
+      if (!begun)
+      {
+        this->BeginCurves(piece, x, y, block, curve);
+        begun = true;
+      }
       const int to = std::min(
         { from + piece.SamplesPerPart, piece.FirstSample + piece.Samples, this->EndSample });
-      const bool within = (inside >> part & 1u) != 0;
+      const bool within = (piece.Inside[static_cast<std::size_t>(block)] >> part & 1u) != 0;
       const bool inner =
         within && this->Scene.Plain && !piece.LeapsRays && !this->Scratch.Positions;
       for (int n = std::max(from, this->FirstSample); n < to; ++n)
@@ -613,7 +646,7 @@ private:
     const Vec3 q = curve.Position.At(s);
     SampleCells cells;
     const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
-    const auto composite = [&](auto& voxels) {
+    const auto composite = [&](auto&& voxels) {
       SampleRows<T> rows;
       const Vf value = Sample<T>(voxels, at, rows);
       this->template Composite<true>(
@@ -621,10 +654,16 @@ private:
     };
     if constexpr (HasVoxelWindow<T>())
     {
-      VoxelWindow<T> window;
-      if (HWY_LIKELY(window.Fit(this->Scene.Volume, cells, sampled)))
+      switch (this->Window.MoveTo(n))
       {
-        return composite(window);
+        case WindowFit::Two:
+          return composite(WindowRows<T, WindowFit::Two>(this->Window, cells));
+        case WindowFit::Three:
+          return composite(WindowRows<T, WindowFit::Three>(this->Window, cells));
+        case WindowFit::Four:
+          return composite(WindowRows<T, WindowFit::Four>(this->Window, cells));
+        default:
+          break;
       }
     }
     OffsetRows<T> voxels;
@@ -1148,6 +1187,11 @@ private:
   Vf SkipTo;    ///< samples of the piece before this one are empty for certain
   Mf Expecting; ///< rays whose last sample was visible
 
+  float MiddlePhase; ///< of the rays
+  float PhaseRange;  ///< most that a phase is from it
+
+  /// Voxels around the last inner sample.
+  VoxelWindow<T> Window;
   /// Voxels of the last samples at faces of the volume.
   RepeatedVoxels<std::conditional_t<std::is_same<T, WideScalar>::value, float, T>> Border;
 

@@ -56,7 +56,7 @@ HWY_INLINE SamplePosition FindCells(
   const auto locate = [&](Vf x, int a, Vi& cell, Vf& part) {
     if (inner)
     {
-      cell = hn::ConvertTo(di, x);
+      cell = Truncate(x);
       part = hn::Sub(x, hn::ConvertTo(d, cell));
       return;
     }

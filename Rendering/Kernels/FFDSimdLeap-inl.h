@@ -27,48 +27,67 @@ HWY_INLINE Vf BlockOf(const PacketScene& scene, Vf x, int a)
   return hn::Floor(Clamp(hn::Mul(x, Splat(PerVoxel)), hn::Zero(Df()), Splat(scene.LastBlock[a])));
 }
 
-/// Distances of blocks to the nearest visible one.
-HWY_INLINE Vf DistanceOf(const PacketScene& scene, Vf x, Vf y, Vf z)
+/// Distances of blocks to the nearest visible one, a byte each: that of the block and those of the
+/// next three along x.
+HWY_INLINE Vi DistancesFrom(const PacketScene& scene, Vf x, Vf y, Vf z)
 {
   const Di di;
-  const Vi index = hn::Add(hn::ConvertTo(di, x),
+  const Vi index = hn::Add(Truncate(x),
     hn::Mul(hn::Set(di, scene.Blocks[0]),
-      hn::Add(hn::ConvertTo(di, y), hn::Mul(hn::Set(di, scene.Blocks[1]), hn::ConvertTo(di, z)))));
+      hn::Add(Truncate(y), hn::Mul(hn::Set(di, scene.Blocks[1]), Truncate(z)))));
   HWY_ALIGN int offsets[16];
-  hn::Store(index, di, offsets);
-  return hn::ConvertTo(
-    Df(), hn::And(LoadLanes<int, 1>(scene.Distances, 0, offsets), hn::Set(di, 255)));
+  StoreIndices(index, offsets);
+  return LoadLanes<int, 1>(scene.Distances, 0, offsets);
 }
 
-/// Whether boxes of a radius touch eight blocks at most.
-inline bool CanTellBoxes(const float radius[3])
+/// Whether boxes of a radius touch three blocks along each axis at most.
+inline bool CanTellBoxes(const std::array<float, 3>& radius)
 {
-  constexpr float Half = 0.5f * static_cast<float>(MinMaxBlocks::BlockSize);
-  return std::max({ radius[0], radius[1], radius[2] }) <= Half;
+  return std::max({ radius[0], radius[1], radius[2] }) <=
+    static_cast<float>(MinMaxBlocks::BlockSize);
 }
 
 /// The lanes of `lanes` whose boxes of `radius` around q touch empty blocks only, if
 /// CanTellBoxes().
 HWY_INLINE Mf FindEmptyBoxes(
-  const PacketScene& scene, const Vec3& q, const float radius[3], Mf lanes)
+  const PacketScene& scene, const Vec3& q, const std::array<float, 3>& radius, Mf lanes)
 {
   const Df d;
-  if (!CanTellBoxes(radius))
-  {
-    return hn::FirstN(d, 0);
-  }
+  const Di di;
   const Vf position[3] = { q.x, q.y, q.z };
-  Vf ends[3][2];
-  for (int a = 0; a < 3; ++a)
+  // The first block along each axis, the last one, and one between them.
+  Vf blocks[3][3];
+  int count[3];
+  for (std::size_t a = 0; a < 3; ++a)
   {
-    ends[a][0] = BlockOf(scene, hn::Sub(position[a], Splat(radius[a])), a);
-    ends[a][1] = BlockOf(scene, hn::Add(position[a], Splat(radius[a])), a);
+    const int axis = static_cast<int>(a);
+    blocks[a][0] = BlockOf(scene, hn::Sub(position[a], Splat(radius[a])), axis);
+    blocks[a][1] = BlockOf(scene, hn::Add(position[a], Splat(radius[a])), axis);
+    blocks[a][2] = hn::Min(hn::Add(blocks[a][0], Splat(1.0f)), blocks[a][1]);
+    count[a] = 2.0f * radius[a] <= static_cast<float>(MinMaxBlocks::BlockSize) ? 2 : 3;
   }
-  for (int corner = 0; corner < 8 && !hn::AllFalse(d, lanes); ++corner)
+  // A load holds the blocks along x; the bytes behind them count as empty.
+  const auto byteIf = [&](Vf less, Vf more, int byte) {
+    return hn::IfThenZeroElse(hn::RebindMask(di, hn::Lt(less, more)), hn::Set(di, byte));
+  };
+  const Vi behind = hn::Or(hn::Set(di, static_cast<int>(0xff000000u)),
+    hn::Or(
+      byteIf(blocks[0][0], blocks[0][1], 0xff00), byteIf(blocks[0][2], blocks[0][1], 0xff0000)));
+  for (int z = 0; z < count[2]; ++z)
   {
-    const Vf distance =
-      DistanceOf(scene, ends[0][corner & 1], ends[1][corner >> 1 & 1], ends[2][corner >> 2]);
-    lanes = hn::And(lanes, hn::Gt(distance, hn::Zero(d)));
+    for (int y = 0; y < count[1]; ++y)
+    {
+      if (hn::AllFalse(d, lanes))
+      {
+        return lanes;
+      }
+      const Vi distances =
+        hn::Or(DistancesFrom(scene, blocks[0][0], blocks[1][y], blocks[2][z]), behind);
+      // The highest bits of bytes that are zero, and maybe of those behind such a byte.
+      const Vi zeros = hn::And(hn::AndNot(distances, hn::Sub(distances, hn::Set(di, 0x01010101))),
+        hn::Set(di, static_cast<int>(0x80808080u)));
+      lanes = hn::And(lanes, hn::RebindMask(d, hn::Eq(zeros, hn::Zero(di))));
+    }
   }
   return lanes;
 }
@@ -93,7 +112,8 @@ public:
     {
       block[a] = BlockOf(scene, this->Position[a], a);
     }
-    const Vf distance = DistanceOf(scene, block[0], block[1], block[2]);
+    const Vf distance = hn::ConvertTo(
+      d, hn::And(DistancesFrom(scene, block[0], block[1], block[2]), hn::Set(Di(), 0xff)));
     this->Empty = hn::Gt(distance, zero);
     for (int a = 0; a < 3; ++a)
     {

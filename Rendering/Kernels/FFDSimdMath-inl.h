@@ -43,6 +43,21 @@ HWY_INLINE Vec3 Broadcast(const float v[3]) { return { Splat(v[0]), Splat(v[1]),
 
 HWY_INLINE Vf Clamp(Vf x, Vf lo, Vf hi) { return hn::Min(hn::Max(x, lo), hi); }
 
+/// The whole parts of numbers that fit 32 bits: hn::ConvertTo() without the saturation of those
+/// that do not.
+HWY_INLINE Vi Truncate(Vf v)
+{
+#if !HWY_ARCH_X86 || HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
+  return hn::ConvertTo(Di(), v);
+#elif HWY_TARGET <= HWY_AVX3
+  return Vi{ _mm512_cvttps_epi32(v.raw) };
+#elif HWY_TARGET == HWY_AVX2
+  return Vi{ _mm256_cvttps_epi32(v.raw) };
+#else
+  return Vi{ _mm_cvttps_epi32(v.raw) };
+#endif
+}
+
 /// a + t * (b - a)
 HWY_INLINE Vf Lerp(Vf a, Vf b, Vf t) { return hn::MulAdd(t, hn::Sub(b, a), a); }
 
@@ -188,7 +203,7 @@ constexpr int FixedOne = 1 << 14;
 /// <= 1.
 HWY_INLINE Vi PairWeights(Vf f)
 {
-  const Vi upper = hn::NearestInt(hn::Mul(f, Splat(static_cast<float>(FixedOne))));
+  const Vi upper = Truncate(hn::MulAdd(f, Splat(static_cast<float>(FixedOne)), Splat(0.5f)));
   return hn::Add(hn::Sub(hn::ShiftLeft<16>(upper), upper), hn::Set(Di(), FixedOne));
 }
 
@@ -205,6 +220,16 @@ HWY_INLINE Vi MultiplyPairs(Vi a, Vi b)
   const Vi even = hn::ReorderWidenMulAccumulate(
     di, hn::BitCast(halves, a), hn::BitCast(halves, b), hn::Zero(di), odd);
   return hn::RearrangeToOddPlusEven(even, odd);
+#endif
+}
+
+/// Stores numbers that are read one by one: compilers that see the store take them out of the
+/// vector instead, which takes more instructions than to load them.
+HWY_INLINE void StoreIndices(Vi indices, int (&to)[16])
+{
+  hn::Store(indices, Di(), to);
+#if HWY_COMPILER_GCC || HWY_COMPILER_CLANG
+  asm("" : "+m"(to));
 #endif
 }
 
@@ -231,7 +256,7 @@ HWY_INLINE Quads LoadQuads(const std::uint32_t* table, Vi index)
     hn::GatherIndex(di, words + 2, at), hn::GatherIndex(di, words + 3, at) };
 #else
   HWY_ALIGN int at[16];
-  hn::Store(hn::ShiftLeft<2>(index), di, at);
+  StoreIndices(hn::ShiftLeft<2>(index), at);
   // The quads of lanes k, k + 4, k + 8 ... in one vector.
   const auto column = [&](int k) {
     return JoinQuads(
@@ -274,7 +299,7 @@ HWY_INLINE Vf Exp2(Vf x)
   p = hn::MulAdd(p, f, Splat(2.4015361e-1f));
   p = hn::MulAdd(p, f, Splat(6.9315308e-1f));
   p = hn::MulAdd(p, f, Splat(9.9999994e-1f));
-  const Vi exponent = hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(di, whole), hn::Set(di, 127)));
+  const Vi exponent = hn::ShiftLeft<23>(hn::Add(Truncate(whole), hn::Set(di, 127)));
   return hn::IfThenZeroElse(tiny, hn::Mul(p, hn::BitCast(d, exponent)));
 }
 

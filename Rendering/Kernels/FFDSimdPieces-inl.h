@@ -131,6 +131,15 @@ public:
     return piece.Known;
   }
 
+  /// TilePiece::Needed and Inside of a part.
+  HWY_INLINE void NeedPart(TilePiece& piece, int part)
+  {
+    while (HWY_UNLIKELY(piece.KnownParts <= part))
+    {
+      this->FindMoreParts(piece);
+    }
+  }
+
   /// TilePiece::Columns, found on first use.
   HWY_INLINE void NeedColumns(TilePiece& piece)
   {
@@ -298,7 +307,7 @@ private:
     }
     if (close)
     {
-      this->FindParts(piece, hull);
+      this->BeginParts(piece, hull);
       piece.Known = TilePiece::State::Curves;
       return;
     }
@@ -577,37 +586,25 @@ private:
     piece.Known = TilePiece::State::Quartered;
   }
 
-  /// Fills Needed and Inside.
-  HWY_NOINLINE void FindParts(TilePiece& piece, const BezierHull& hull)
+  /// What Needed and Inside are found from.
+  HWY_NOINLINE void BeginParts(TilePiece& piece, const BezierHull& hull)
   {
     const Df d;
-    const Di di;
-    const PacketScene& scene = this->Scene;
     piece.SamplesPerPart = std::min(piece.Samples,
-      std::max(
-        scene.SamplesPerPart, (piece.Samples + LargestNumberOfParts - 1) / LargestNumberOfParts));
-    const int parts = (piece.Samples + piece.SamplesPerPart - 1) / piece.SamplesPerPart;
-    const float halfPart =
-      0.5f * static_cast<float>(piece.SamplesPerPart) / static_cast<float>(piece.Samples);
+      std::max(this->Scene.SamplesPerPart,
+        (piece.Samples + LargestNumberOfParts - 1) / LargestNumberOfParts));
+    piece.Parts = (piece.Samples + piece.SamplesPerPart - 1) / piece.SamplesPerPart;
+    piece.KnownParts = 0;
     float across[3];
     hull.GetSpeeds(across, piece.Up, piece.Down);
-    float radius[3];
-    float up[3]; // from part to part
-    float down[3];
     for (int a = 0; a < 3; ++a)
     {
-      radius[a] =
+      piece.Radius[a] =
         across[a] * 0.5f * static_cast<float>(BlockSide - 1) / static_cast<float>(piece.Side - 1) +
-        std::max(piece.Up[a], piece.Down[a]) * halfPart + 2.0f * Rounding;
-      up[a] = 2.0f * halfPart * piece.Up[a];
-      down[a] = 2.0f * halfPart * piece.Down[a];
+        2.0f * Rounding;
       piece.Up[a] /= static_cast<float>(piece.Samples);
       piece.Down[a] /= static_cast<float>(piece.Samples);
     }
-    // Of blocks wider than what FindEmptyBoxes() tells single rays may leap where the block does
-    // not.
-    piece.LeapsRays =
-      this->Scene.Distances != nullptr && (this->Scene.LeapsRays || !CanTellBoxes(radius));
     const int blocksPerRow = piece.Side / BlockSide;
     const int blocks = blocksPerRow * blocksPerRow;
     const Vf toNodes = Splat(3.0f / static_cast<float>(piece.Side - 1));
@@ -626,18 +623,68 @@ private:
       Vf wy[4];
       LagrangeWeights(hn::Mul(toNodes, hn::Load(d, x)), wx);
       LagrangeWeights(hn::Mul(toNodes, hn::Load(d, y)), wy);
+      for (std::size_t k = 0; k < TileLayers; ++k)
+      {
+        hn::StoreInterleaved4(Interpolate(piece.Terms[k][0].data(), wx, wy),
+          Interpolate(piece.Terms[k][1].data(), wx, wy),
+          Interpolate(piece.Terms[k][2].data(), wx, wy), hn::Zero(d), d,
+          piece.MiddleTerms[k][static_cast<std::size_t>(first)].data());
+      }
+    }
+    std::fill_n(piece.Needed.begin(), blocks, 0u);
+    std::fill_n(piece.Inside.begin(), blocks, 0u);
+    std::fill_n(piece.SkippedParts.begin(), blocks, 0.0f);
+    // In wide blocks single rays may leap where the block does not.
+    piece.LeapsRays = this->Scene.Distances != nullptr &&
+      (this->Scene.LeapsRays || !CanTellBoxes(this->FindPartRadius(piece)));
+  }
+
+  /// Most that the positions of a block in a part are from that in the middle, index units.
+  std::array<float, 3> FindPartRadius(const TilePiece& piece) const
+  {
+    std::array<float, 3> radius;
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      radius[a] = piece.Radius[a] +
+        0.5f * static_cast<float>(piece.SamplesPerPart) * std::max(piece.Up[a], piece.Down[a]);
+    }
+    return radius;
+  }
+
+  /// Fills Needed and Inside for the next parts.
+  HWY_NOINLINE void FindMoreParts(TilePiece& piece)
+  {
+    const Df d;
+    const Di di;
+    const PacketScene& scene = this->Scene;
+    const std::array<float, 3> radius = this->FindPartRadius(piece);
+    const bool tellsBoxes = CanTellBoxes(radius);
+    const float samples = static_cast<float>(piece.SamplesPerPart);
+    float up[3]; // from part to part
+    float down[3];
+    for (int a = 0; a < 3; ++a)
+    {
+      up[a] = samples * piece.Up[a];
+      down[a] = samples * piece.Down[a];
+    }
+    const float perSample = 1.0f / static_cast<float>(piece.Samples);
+    const int end = std::min(piece.Parts, piece.KnownParts + PartsAtOnce);
+    const int blocks = (piece.Side / BlockSide) * (piece.Side / BlockSide);
+    for (std::size_t first = 0; first < static_cast<std::size_t>(blocks); first += hn::Lanes(d))
+    {
       Quartic curve;
       for (std::size_t k = 0; k < TileLayers; ++k)
       {
-        curve.Terms[k] = { Interpolate(piece.Terms[k][0].data(), wx, wy),
-          Interpolate(piece.Terms[k][1].data(), wx, wy),
-          Interpolate(piece.Terms[k][2].data(), wx, wy) };
+        Vf unused;
+        Vec3& term = curve.Terms[k];
+        hn::LoadInterleaved4(d, piece.MiddleTerms[k][first].data(), term.x, term.y, term.z, unused);
       }
-      Vi needed = hn::Zero(di);
-      Vi inside = hn::Zero(di);
-      Vf skipTo = hn::Zero(d); // parts
-      const Mf blocksHere = hn::FirstN(d, static_cast<std::size_t>(blocks - first));
-      for (int part = 0; part < parts; ++part)
+      const hn::Rebind<std::uint32_t, Df> du;
+      auto needed = hn::BitCast(di, hn::Load(du, piece.Needed.data() + first));
+      auto inside = hn::BitCast(di, hn::Load(du, piece.Inside.data() + first));
+      Vf skipTo = hn::Load(d, piece.SkippedParts.data() + first);
+      const Mf blocksHere = hn::FirstN(d, static_cast<std::size_t>(blocks) - first);
+      for (int part = piece.KnownParts; part < end; ++part)
       {
         const Vf number = Splat(static_cast<float>(part));
         const Mf looking = hn::And(blocksHere, hn::Ge(number, skipTo));
@@ -645,18 +692,18 @@ private:
         {
           continue;
         }
-        const Vec3 at = curve.At(Splat(halfPart * static_cast<float>(2 * part + 1)));
+        const Vec3 at = curve.At(Splat((static_cast<float>(part) + 0.5f) * samples * perSample));
         const Vf q[3] = { at.x, at.y, at.z };
         Mf within = looking;
         Mf outside = hn::FirstN(d, 0);
         for (int a = 0; a < 3; ++a)
         {
-          const float end = static_cast<float>(scene.Volume.Dimensions[a] - 2);
-          within = hn::And(within,
-            hn::And(hn::Ge(q[a], Splat(1.0f + radius[a])), hn::Lt(q[a], Splat(end - radius[a]))));
+          const float r = radius[static_cast<std::size_t>(a)];
+          const float last = static_cast<float>(scene.Volume.Dimensions[a] - 2);
+          within =
+            hn::And(within, hn::And(hn::Ge(q[a], Splat(1.0f + r)), hn::Lt(q[a], Splat(last - r))));
           outside = hn::Or(outside,
-            hn::Or(hn::Lt(q[a], Splat(scene.Lower - radius[a])),
-              hn::Gt(q[a], Splat(scene.Upper[a] + radius[a]))));
+            hn::Or(hn::Lt(q[a], Splat(scene.Lower - r)), hn::Gt(q[a], Splat(scene.Upper[a] + r))));
         }
         Mf seen = hn::AndNot(outside, looking);
         if (scene.Distances && !hn::AllFalse(d, seen))
@@ -664,13 +711,13 @@ private:
           this->Scratch.Statistics.DistanceLookups +=
             static_cast<std::int64_t>(hn::CountTrue(d, seen));
           const EmptySpaceQuery query(scene, at);
-          const Vf steps = query.CountSteps(radius, up, down);
+          const Vf steps = query.CountSteps(radius.data(), up, down);
           const Mf empty = hn::And(seen, hn::Ge(steps, hn::Zero(d)));
           skipTo = hn::IfThenElse(empty, hn::Add(hn::Add(number, Splat(1.0f)), steps), skipTo);
           seen = hn::AndNot(empty, seen);
-          const Mf unclear = hn::And(seen, query.IsEmpty());
-          if (!hn::AllFalse(d, unclear))
+          if (tellsBoxes)
           {
+            const Mf unclear = hn::And(seen, query.IsEmpty());
             seen = hn::AndNot(FindEmptyBoxes(scene, at, radius, unclear), seen);
           }
         }
@@ -678,10 +725,11 @@ private:
         needed = hn::Or(needed, hn::IfThenElseZero(hn::RebindMask(di, seen), bit));
         inside = hn::Or(inside, hn::IfThenElseZero(hn::RebindMask(di, within), bit));
       }
-      const hn::Rebind<std::uint32_t, Df> du;
       hn::Store(hn::BitCast(du, needed), du, piece.Needed.data() + first);
       hn::Store(hn::BitCast(du, inside), du, piece.Inside.data() + first);
+      hn::Store(skipTo, d, piece.SkippedParts.data() + first);
     }
+    piece.KnownParts = end;
   }
 
   static HWY_INLINE Vf Interpolate(const float* nodes, const Vf wx[4], const Vf wy[4])

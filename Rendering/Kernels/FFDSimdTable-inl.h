@@ -33,7 +33,7 @@ public:
     const Vf entry = hn::IfThenElseZero(hn::Eq(x, x), Clamp(x, hn::Zero(d), intervals));
     const Vf whole = hn::Min(hn::Floor(entry), hn::Sub(intervals, Splat(1.0f)));
     this->Fraction = hn::Sub(entry, whole);
-    this->Words = LoadQuads(scene.Table.GetWords(), hn::ConvertTo(Di(), whole));
+    this->Words = LoadQuads(scene.Table.GetWords(), Truncate(whole));
   }
 
   /// Per world unit; of what is no number that of the first entry.

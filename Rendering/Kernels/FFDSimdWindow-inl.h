@@ -9,6 +9,7 @@
 #endif
 
 #include "FFDPacketVolume.h"
+#include "FFDTilePiece.h"
 
 #include "FFDSimdFetch-inl.h"
 #include "FFDSimdMath-inl.h"
@@ -40,85 +41,185 @@ constexpr bool HasVoxelWindow()
     (std::is_same<T, std::uint8_t>::value || std::is_same<T, std::int8_t>::value);
 }
 
-template <class T>
-class VoxelWindow;
+/// Layers of cells along z that a packet is in at a sample.
+enum class WindowFit
+{
+  Two,
+  Three,
+  Four,
+  None ///< it is wider than the window
+};
+
+template <class T, WindowFit Fit>
+class WindowRows;
 
 #if FFD_HAS_VOXEL_WINDOWS
 /**
  * The rays of a packet are neighbours: all bytes that they need at one sample mostly lie in a
- * window of 8 x 8 x 7 voxels. It is loaded into registers, slab by slab, and rows are looked up
- * there by permutations of bytes, where loads lane by lane would take several times as many
- * instructions. A source of rows as OffsetRows.
+ * window of 8 x 8 x 5 voxels, or of a few layers more. VoxelWindow tells where the window begins,
+ * from the curve in the middle of the packet, and fetches ahead what comes into it.
  */
 template <class T>
 class VoxelWindow
 {
 public:
-  /// Whether the window of some lanes is large enough; then Sample() may follow. `lanes`: interior.
-  HWY_INLINE bool Fit(const PacketVolume& v, const SampleCells& cells, Mf lanes)
+  /// `v` must outlive the window.
+  explicit VoxelWindow(const PacketVolume& v)
+    : Volume(v)
+    , LastCorner(
+        _mm_setr_epi32(v.Dimensions[0] - Side + 1, v.Dimensions[1] - Side + 1, v.Dimensions[2], 0))
+    , Usable(std::min({ v.Dimensions[0], v.Dimensions[1], v.Dimensions[2] }) >= Side)
+  {
+  }
+
+  /// For the samples of the packet that is a block of a piece: sample n of each ray lies at s =
+  /// (n - FirstSample + p) / Samples, p being at most `range` from `phase`.
+  HWY_INLINE void Follow(const TilePiece& piece, int block, float phase, float range)
+  {
+    for (std::size_t k = 0; k < TileLayers; ++k)
+    {
+      this->Lowest[k] = _mm_load_ps(piece.MiddleTerms[k][static_cast<std::size_t>(block)].data());
+    }
+    const __m128 speed = _mm_max_ps(Vector(piece.Up), Vector(piece.Down));
+    const __m128 radius = _mm_fmadd_ps(_mm_set1_ps(range), speed, Vector(piece.Radius));
+    this->Lowest[0] = _mm_sub_ps(this->Lowest[0], radius);
+    this->Width = _mm_add_ps(radius, radius);
+    this->PerStep = 1.0f / static_cast<float>(piece.Samples);
+    this->Offset = phase - static_cast<float>(piece.FirstSample);
+    // From the first cell of the window to the first voxel of the slab that comes next.
+    this->ToNextSlab = _mm_setr_epi32(-1, -1, piece.Up[2] > piece.Down[2] ? LargestDepth : -1, 0);
+  }
+
+  /// To where the samples n of the rays are; all that they and their gradients need exists.
+  HWY_INLINE WindowFit MoveTo(int n)
+  {
+    if (HWY_UNLIKELY(!this->Usable))
+    {
+      return WindowFit::None;
+    }
+    this->Prefetch(n + SamplesAhead);
+    const __m128 low = this->LowestAt(n);
+    this->Corner = _mm_min_epi32(_mm_cvttps_epi32(low), this->LastCorner);
+    const __m128i beyond =
+      _mm_sub_epi32(_mm_cvttps_epi32(_mm_add_ps(low, this->Width)), this->Corner);
+    const __m128i most = _mm_setr_epi32(Reach, Reach, LargestDepth - 1, 0);
+    if (_mm_movemask_epi8(_mm_cmpgt_epi32(beyond, most)) != 0)
+    {
+      return WindowFit::None;
+    }
+    const int layers = _mm_extract_epi32(beyond, 2) + 1;
+    return layers <= 2 ? WindowFit::Two : layers == 3 ? WindowFit::Three : WindowFit::Four;
+  }
+
+private:
+  template <class, WindowFit>
+  friend class WindowRows;
+
+  static constexpr int Side = 8;         ///< voxels along x and y
+  static constexpr int Reach = Side - 4; ///< cells along x and y, beyond the first
+  static constexpr int LargestDepth = 4; ///< cells along z
+  static constexpr int SamplesAhead = 3;
+
+  static HWY_INLINE __m128 Vector(const float v[3]) { return _mm_setr_ps(v[0], v[1], v[2], 0.0f); }
+
+  /// Below all positions of the samples n, index coordinates.
+  HWY_INLINE __m128 LowestAt(int n) const
+  {
+    const __m128 s = _mm_set1_ps((static_cast<float>(n) + this->Offset) * this->PerStep);
+    const __m128* const terms = this->Lowest;
+    __m128 low = _mm_fmadd_ps(s, terms[4], terms[3]);
+    low = _mm_fmadd_ps(s, low, terms[2]);
+    low = _mm_fmadd_ps(s, low, terms[1]);
+    return _mm_fmadd_ps(s, low, terms[0]);
+  }
+
+  /// The slab that comes into the window of the samples n.
+  HWY_INLINE void Prefetch(int n) const
+  {
+    const PacketVolume& v = this->Volume;
+    const __m128i last =
+      _mm_setr_epi32(v.Dimensions[0] - Side, v.Dimensions[1] - Side, v.Dimensions[2] - 1, 0);
+    const __m128i next = _mm_add_epi32(_mm_cvttps_epi32(this->LowestAt(n)), this->ToNextSlab);
+    const __m128i at = _mm_max_epi32(_mm_min_epi32(next, last), _mm_setzero_si128());
+    const std::ptrdiff_t stepY = v.IncrementY;
+    const char* const rows = static_cast<const char*>(v.Scalars) +
+      _mm_extract_epi32(at, 2) * static_cast<std::ptrdiff_t>(v.IncrementZ) +
+      _mm_extract_epi32(at, 1) * stepY + _mm_cvtsi128_si32(at);
+    for (int row = 0; row < Side; ++row)
+    {
+      _mm_prefetch(rows + row * stepY, _MM_HINT_T0);
+    }
+  }
+
+  const PacketVolume& Volume;
+  __m128i LastCorner;
+  bool Usable; ///< whether the volume is as large as a window
+  float PerStep = 0.0f;
+  float Offset = 0.0f;
+  __m128 Lowest[TileLayers]; ///< terms of the curve that no ray is below
+  __m128 Width;              ///< how far above it a ray is at most
+  __m128i ToNextSlab;
+  __m128i Corner; ///< first cell along each axis
+};
+
+/**
+ * The rows of a sample: the window is loaded into registers, slab by slab, and rows are looked up
+ * there by permutations of bytes, where loads lane by lane would take several times as many
+ * instructions. A source of rows as OffsetRows.
+ */
+template <class T, WindowFit Fit>
+class WindowRows
+{
+public:
+  /// `window`: moved to the sample, which `cells` are of.
+  HWY_INLINE WindowRows(const VoxelWindow<T>& window, const SampleCells& cells)
   {
     const Di di;
-    if (v.Dimensions[0] < Side || v.Dimensions[1] < Side || v.Dimensions[2] < Side)
-    {
-      return false;
-    }
-    const hn::Mask<Di> mine = hn::RebindMask(di, lanes);
-    const auto cornerOf = [&](Vi cell, int voxels, int a) {
-      const Vi far = hn::Set(di, 1 << 30);
-      const int least = hn::GetLane(hn::MinOfLanes(di, hn::IfThenElse(mine, cell, far)));
-      return std::clamp(least, 1, v.Dimensions[a] - voxels + 1);
-    };
-    const int x = cornerOf(cells.X, Side, 0);
-    const int y = cornerOf(cells.Y, Side, 1);
-    const int z = cornerOf(cells.Z, Slabs, 2);
-    const Vi dx = hn::Sub(cells.X, hn::Set(di, x));
-    const Vi dy = hn::Sub(cells.Y, hn::Set(di, y));
+    const int x = _mm_cvtsi128_si32(window.Corner);
+    const int y = _mm_extract_epi32(window.Corner, 1);
+    const int z = _mm_extract_epi32(window.Corner, 2);
+    this->StepY = window.Volume.IncrementY;
+    this->StepZ = window.Volume.IncrementZ;
+    this->First = static_cast<const std::uint8_t*>(window.Volume.Scalars) + (z - 1) * this->StepZ +
+      (y - 1) * this->StepY + x - 1;
     const Vi dz = hn::Sub(cells.Z, hn::Set(di, z));
-    const __mmask16 outside = _mm512_cmpgt_epu32_mask(dx.raw, _mm512_set1_epi32(Reach)) |
-      _mm512_cmpgt_epu32_mask(dy.raw, _mm512_set1_epi32(Reach)) |
-      _mm512_cmpgt_epu32_mask(dz.raw, _mm512_set1_epi32(Depth - 1));
-    if ((outside & mine.raw) != 0)
-    {
-      return false;
-    }
-    this->Corner = static_cast<const std::uint8_t*>(v.Scalars) +
-      static_cast<std::ptrdiff_t>(z) * v.IncrementZ +
-      static_cast<std::ptrdiff_t>(y) * v.IncrementY + x - 1;
-    this->StepY = v.IncrementY;
-    this->StepZ = v.IncrementZ;
+    const Vi odd = Fit == WindowFit::Two ? dz : hn::And(dz, hn::Set(di, 1));
     this->High = _mm512_cmpgt_epi32_mask(dz.raw, _mm512_set1_epi32(1));
     // Of the row at (0, 0), in two slabs: its first byte, and the three behind it.
-    const Vi first = hn::Add(hn::ShiftLeft<6>(hn::And(dz, hn::Set(di, 1))),
-      hn::Add(hn::ShiftLeft<3>(hn::Add(dy, hn::Set(di, 1))), dx));
+    const Vi at = hn::Add(hn::ShiftLeft<6>(odd),
+      hn::Add(hn::ShiftLeft<3>(cells.Y), hn::Sub(cells.X, hn::Set(di, x + 8 * (y - 1)))));
     this->Index = _mm512_add_epi8(
-      _mm512_shuffle_epi8(first.raw, _mm512_set4_epi32(0x0c0c0c0c, 0x08080808, 0x04040404, 0)),
+      _mm512_shuffle_epi8(at.raw, _mm512_set4_epi32(0x0c0c0c0c, 0x08080808, 0x04040404, 0)),
       _mm512_set1_epi32(0x03020100));
-    for (int k = 1; k < Slabs - 1; ++k)
+    for (int k = 1; k < NumberOfSlabs - 1; ++k)
     {
-      this->Slab[k] = this->Load(k, _mm512_setzero_si512(), std::make_integer_sequence<int, 6>());
+      this->Slabs[k] = this->LoadSlab(k);
     }
-    return true;
   }
 
   /// Before Gradient(): the voxels that it alone needs.
   HWY_INLINE void Widen()
   {
-    this->Slab[0] = this->Load(0, _mm512_setzero_si512(), std::make_integer_sequence<int, 6>());
-    this->Slab[Slabs - 1] =
-      this->Load(Slabs - 1, _mm512_setzero_si512(), std::make_integer_sequence<int, 6>());
-    for (int k = 1; k < Slabs - 1; ++k)
-    {
-      this->Slab[k] = this->LoadRow<7>(k, this->LoadRow<0>(k, this->Slab[k]));
-    }
+    this->Slabs[0] = this->LoadSlab(0);
+    this->Slabs[NumberOfSlabs - 1] = this->LoadSlab(NumberOfSlabs - 1);
   }
 
   HWY_INLINE Vi Row(int dy, int dz) const
   {
     const __m512i index = _mm512_add_epi8(this->Index, _mm512_set1_epi8(static_cast<char>(8 * dy)));
-    const __m512i* const slab = this->Slab + 1 + dz;
+    const __m512i* const slab = this->Slabs + 1 + dz;
     const __m512i low = _mm512_permutex2var_epi8(slab[0], index, slab[1]);
-    const __m512i high = _mm512_permutex2var_epi8(slab[2], index, slab[3]);
-    return Vi{ _mm512_mask_mov_epi32(low, this->High, high) };
+    if constexpr (Fit == WindowFit::Two)
+    {
+      return Vi{ low };
+    }
+    else
+    {
+      const __m512i high = Fit == WindowFit::Three
+        ? _mm512_permutexvar_epi8(index, slab[2])
+        : _mm512_permutex2var_epi8(slab[2], index, slab[3]);
+      return Vi{ _mm512_mask_mov_epi32(low, this->High, high) };
+    }
   }
 
   HWY_INLINE Vi Middle(int dy, int dz, const SamplePosition& at) const
@@ -127,35 +228,38 @@ public:
   }
 
 private:
-  static constexpr int Side = 8;          ///< voxels along x and y
-  static constexpr int Reach = Side - 4;  ///< cells of a window, along x and y, beyond the first
-  static constexpr int Depth = 4;         ///< cells along z
-  static constexpr int Slabs = Depth + 3; ///< voxels along z
+  /// Voxels along z.
+  static constexpr int NumberOfSlabs = Fit == WindowFit::Two ? 5 : Fit == WindowFit::Three ? 6 : 7;
 
-  /// Row `number` of a slab, counted from the one before the corner.
-  template <int Number>
-  HWY_INLINE __m512i LoadRow(int slab, __m512i rows) const
+  HWY_INLINE __m512i LoadSlab(int slab) const
   {
-    const std::uint8_t* const row =
-      this->Corner + (slab - 1) * this->StepZ + (Number - 1) * this->StepY;
-    return _mm512_mask_broadcastq_epi64(
-      rows, 1 << Number, _mm_loadl_epi64(reinterpret_cast<const __m128i*>(row)));
+    const std::uint8_t* const first = this->First + slab * this->StepZ;
+    const auto twoRows = [&](int row) {
+      const std::uint8_t* const from = first + row * this->StepY;
+      const __m128i low = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(from));
+      return _mm_castps_si128(
+        _mm_loadh_pi(_mm_castsi128_ps(low), reinterpret_cast<const __m64*>(from + this->StepY)));
+    };
+    const auto fourRows = [&](int row) {
+      return _mm256_inserti128_si256(_mm256_castsi128_si256(twoRows(row)), twoRows(row + 2), 1);
+    };
+    return _mm512_inserti64x4(_mm512_castsi256_si512(fourRows(0)), fourRows(4), 1);
   }
 
-  /// Rows 1 to 6.
-  template <int... Numbers>
-  HWY_INLINE __m512i Load(int slab, __m512i rows, std::integer_sequence<int, Numbers...>) const
-  {
-    ((rows = this->LoadRow<Numbers + 1>(slab, rows)), ...);
-    return rows;
-  }
-
-  const std::uint8_t* Corner = nullptr;
-  std::ptrdiff_t StepY = 0;
-  std::ptrdiff_t StepZ = 0;
+  const std::uint8_t* First; ///< voxel of the window, one before the first cell
+  std::ptrdiff_t StepY;
+  std::ptrdiff_t StepZ;
   __m512i Index;
   __mmask16 High;
-  __m512i Slab[Slabs];
+  __m512i Slabs[NumberOfSlabs];
+};
+#else
+/// Not used.
+template <class T>
+class VoxelWindow
+{
+public:
+  explicit VoxelWindow(const PacketVolume&) {}
 };
 #endif
 

@@ -24,6 +24,8 @@ constexpr int BlockSide = 4;
 constexpr int BlocksPerTile = (TileSide / BlockSide) * (TileSide / BlockSide);
 /// Parts of a piece that a block is tested in: a bit each.
 constexpr int LargestNumberOfParts = 32;
+/// Parts that are tested at once.
+constexpr int PartsAtOnce = 8;
 
 /// A vector at each of the 16 nodes, by component.
 using NodeVectors = std::array<std::array<float, TileNodes>, 3>;
@@ -46,8 +48,8 @@ struct alignas(64) TilePiece
   State Known = State::Unknown;
   bool HasColumns = false;
   bool LeapsRays = false; ///< whether single rays leap in it, too
-  int Side = TileSide; ///< pixels
-  int X = 0;           ///< first pixel, from that of the tile
+  int Side = TileSide;    ///< pixels
+  int X = 0;              ///< first pixel, from that of the tile
   int Y = 0;
   int FirstSample = 0; ///< samples n: t = (n + phase) * sample distance, phase in [0, 1)
   int Samples = 0;
@@ -61,12 +63,20 @@ struct alignas(64) TilePiece
   alignas(64) std::array<NodeVectors, TileLayers> Terms;
 
   /// For each block of 4 x 4 pixels, x fastest: parts of the piece in which something may be seen,
-  /// and parts in which all that a sample and its gradient need lies between voxels.
-  std::array<std::uint32_t, BlocksPerTile> Needed;
-  std::array<std::uint32_t, BlocksPerTile> Inside;
+  /// and parts in which all that a sample and its gradient need lies between voxels; found front to
+  /// back.
+  alignas(64) std::array<std::uint32_t, BlocksPerTile> Needed;
+  alignas(64) std::array<std::uint32_t, BlocksPerTile> Inside;
+  alignas(64) std::array<float, BlocksPerTile> SkippedParts; ///< before the next one to look at
   int SamplesPerPart = 1;
-  float Up[3];   ///< most that a ray moves along each axis from sample to sample, index units
-  float Down[3]; ///< the same the other way
+  int Parts = 0;
+  int KnownParts = 0;
+  float Up[3];     ///< most that a ray moves along each axis from sample to sample, index units
+  float Down[3];   ///< the same the other way
+  float Radius[3]; ///< most that rays of a block are from its middle at the same s, index units
+
+  /// Terms of s^k in the middle of each block; the fourth component is zero.
+  alignas(64) std::array<std::array<std::array<float, 4>, BlocksPerTile>, TileLayers> MiddleTerms;
 
   /// Terms at the pixel columns of the square, for each row of nodes, and their derivatives by
   /// pixels.
