@@ -4,16 +4,13 @@
 
 #include "FFDSamplePhase.h"
 #include "FFDScalarDispatch.h"
+#include "FFDSimdTargets.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-// The packet kernels are compiled once for every instruction set that Highway knows here; the best
-// one that the machine has is chosen when they are called first. Of the many levels of x86 four
-// are worth their compile time.
-#define HWY_WANT_AVX3_DL
-#define HWY_DISABLED_TARGETS HWY_SSSE3
+// The packet kernels are compiled once for every instruction set of FFDSimdTargets.h.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "FFDPacketCaster.cxx"
 #include <hwy/foreach_target.h>

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDGatherLoop.h"
 
-// The same targets as the packets of the ray caster have.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+#include "FFDSimdTargets.h" // Those of the ray caster.
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "FFDGatherLoop.cxx"
 #include <hwy/foreach_target.h>

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
 // The bounds are proofs: nothing that is sampled may ever leave them.
+#include "EveryTarget.h"
 #include "FFDPullBackBounds.h"
 #include "RandomLattice.h"
 
@@ -66,6 +67,39 @@ TEST(PullBackBounds, ContainSampledDisplacements)
         ASSERT_TRUE(Holds(range, field.Displacement(PointIn(random, region))));
       }
     }
+  }
+}
+
+TEST(PullBackBounds, AreTheSameWithEveryTarget)
+{
+  RandomLattice random(33);
+  for (int l = 0; l < 30; ++l)
+  {
+    const BSplineField field =
+      random.Field(std::pow(10.0, random.Number(-3.0, 0.3)), AllBorders[l % 3], 4);
+    const PullBack pullBack(&field, AllKinds[l / 3 % 4], 1e-3);
+    const glm::dvec3 corner = random.Vector(-30.0, 30.0);
+    const Box box{ corner, corner + random.Vector(0.1, 20.0) };
+    const PullBackBounds best(pullBack);
+    const Box expected = best.DisplacementOver(box);
+    const double slack = 1e-5 * (1.0 + glm::length(expected.Max - expected.Min));
+    ForEveryTarget(
+      [&]
+      {
+        const PullBackBounds bounds(pullBack);
+        const Box found = bounds.DisplacementOver(box);
+        EXPECT_LT(glm::length(found.Min - expected.Min), slack);
+        EXPECT_LT(glm::length(found.Max - expected.Max), slack);
+        const double turn = best.FindLargestTurnRate(box);
+        if (std::isfinite(turn))
+        {
+          EXPECT_NEAR(bounds.FindLargestTurnRate(box), turn, 1e-3 * turn);
+        }
+        else
+        {
+          EXPECT_EQ(bounds.FindLargestTurnRate(box), turn);
+        }
+      });
   }
 }
 
