@@ -14,6 +14,7 @@
 #include "vtkMatrix4x4.h"
 #include "vtkTransformToGrid.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 

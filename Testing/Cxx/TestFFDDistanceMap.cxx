@@ -14,6 +14,7 @@
 #include "vtkPointData.h"
 #include "vtkSmartPointer.h"
 
+#include <algorithm>
 #include <limits>
 #include <vector>
 

@@ -18,6 +18,7 @@
 #include "vtkThinPlateSplineTransform.h"
 #include "vtkTransform.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace

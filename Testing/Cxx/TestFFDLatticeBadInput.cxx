@@ -9,6 +9,7 @@
 #include "vtkPolyData.h"
 #include "vtkTransform.h"
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 

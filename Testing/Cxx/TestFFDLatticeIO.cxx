@@ -15,6 +15,7 @@
 #include "vtkXMLImageDataReader.h"
 #include "vtkXMLImageDataWriter.h"
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 

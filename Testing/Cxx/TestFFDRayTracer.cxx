@@ -14,6 +14,7 @@
 #include "vtkMath.h"
 #include "vtkPolyData.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace

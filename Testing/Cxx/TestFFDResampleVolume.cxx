@@ -22,6 +22,7 @@
 #include "vtkThinPlateSplineTransform.h"
 #include "vtkTransform.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 

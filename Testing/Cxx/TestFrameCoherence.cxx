@@ -8,6 +8,7 @@
 #include "vtkLight.h"
 #include "vtkPlane.h"
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 #include <string>

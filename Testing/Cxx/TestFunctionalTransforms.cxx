@@ -11,6 +11,7 @@
 #include "vtkImageReslice.h"
 #include "vtkMath.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <utility>

@@ -16,6 +16,7 @@
 #include "FFDTestScenes.h"
 
 
+#include <algorithm>
 #include <iostream>
 #include <sstream>
 #include <string>

@@ -7,6 +7,7 @@
 #include "vtkEvent.h"
 #include "vtkWidgetEventTranslator.h"
 
+#include <algorithm>
 #include <cmath>
 
 using ffdTest::Rep;

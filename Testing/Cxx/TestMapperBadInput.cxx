@@ -17,6 +17,7 @@
 #include "vtkTrivialProducer.h"
 #include "vtkUnstructuredGrid.h"
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 

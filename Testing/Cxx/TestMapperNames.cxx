@@ -8,6 +8,7 @@
 #include "vtkContourValues.h"
 #include "vtkSmartVolumeMapper.h"
 
+#include <algorithm>
 #include <type_traits>
 
 namespace

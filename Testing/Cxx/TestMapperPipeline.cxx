@@ -16,6 +16,7 @@
 
 #include "vtksys/SystemInformation.hxx"
 
+#include <algorithm>
 #include <array>
 #include <functional>
 

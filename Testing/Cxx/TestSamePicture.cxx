@@ -9,6 +9,7 @@
 #include "vtkImageCast.h"
 #include "vtkMinimalStandardRandomSequence.h"
 
+#include <algorithm>
 #include <cstring>
 #include <string>
 #include <vector>

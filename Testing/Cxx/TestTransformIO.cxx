@@ -12,6 +12,7 @@
 #include "vtksys/Directory.hxx"
 #include "vtksys/SystemTools.hxx"
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 

@@ -26,6 +26,7 @@
 #include "vtkRectilinearGrid.h"
 #include "vtkSphereSource.h"
 
+#include <algorithm>
 #include <map>
 #include <set>
 

@@ -13,6 +13,7 @@
 #include "vtkPropCollection.h"
 #include "vtkTransform.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace

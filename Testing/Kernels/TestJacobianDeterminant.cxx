@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <limits>
 #include <vector>
 
@@ -176,10 +176,10 @@ TEST(JacobianDeterminant, HugeCoefficientsAreUnboundedAtOnce)
       glm::dvec3(displacements[i % 13], displacements[i / 13 % 13], displacements[i / 169]);
   }
   const BSplineField field(glm::ivec3(13), glm::dvec3(0.0), glm::dvec3(1.0), values.data());
-  const auto begin = std::chrono::steady_clock::now();
+  const std::clock_t begin = std::clock();
   const Range range = OverDomain(field);
   EXPECT_EQ(range.Min, -std::numeric_limits<double>::infinity());
   EXPECT_EQ(range.Max, std::numeric_limits<double>::infinity());
   // Minutes, when each cell is subdivided.
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10));
+  EXPECT_LT(std::clock() - begin, 10 * CLOCKS_PER_SEC);
 }

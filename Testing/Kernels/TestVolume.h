@@ -10,6 +10,7 @@
 
 #include <glm/matrix.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <vector>
