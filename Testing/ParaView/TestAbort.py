@@ -53,7 +53,7 @@ class TestAbort(unittest.TestCase):
         with open(path, "w", encoding="utf-8") as output:
             self.start("pvserver", "--server-port=%d" % port, stdout=output,
                        stderr=subprocess.STDOUT)
-        end = time.monotonic() + 60.0
+        end = time.monotonic() + 1000.0
         while time.monotonic() < end:
             with open(path, encoding="utf-8") as output:
                 if "Accepting" in output.read():
@@ -61,7 +61,7 @@ class TestAbort(unittest.TestCase):
             time.sleep(0.1)
         self.fail("The server does not accept connections.")
 
-    def next(self, event, seconds=200.0, **wanted):
+    def next(self, event, seconds=1000.0, **wanted):
         """The next line of the log of such an event, those before it are left out."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:

@@ -79,7 +79,6 @@ class Events:
         command.append("--exit")
         result = subprocess.run(
             command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
-            timeout=240,
             env={**os.environ, "HOME": folder, "XDG_RUNTIME_DIR": folder,
                  "PV_PLUGIN_PATH": os.path.dirname(PLUGIN), "FFD_PANEL_LOG": log,
                  "FFD_PANEL_TRACE": trace, "FFD_PANEL_AUTO_APPLY": str(int(auto_apply)),

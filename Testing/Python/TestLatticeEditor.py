@@ -47,7 +47,7 @@ RECORDING = (
 
 def run(editor, *arguments, environment=None):
     return subprocess.run([*EDITORS[editor], *arguments], cwd=WORK, capture_output=True, text=True,
-                          timeout=60, check=False, env=environment)
+                          check=False, env=environment)
 
 
 # Without X, and with a server that is not there.
