@@ -3,13 +3,10 @@
 # The ParaView plugin, a build of its own inside this one: ParaView has its own VTK, and what knows of
 # VTK in the modules is compiled for it a second time.
 #
-# Without ParaView_DIR the ParaView 5.11 of Debian 12 is used, through the prefix that
-# setup-paraview.sh makes.
+# Without ParaView_DIR Debian's ParaView is used, through the prefix that setup-paraview.sh makes.
 include(ExternalProject)
+include(FFDParaViewPanel)
 
-set(FFD_PARAVIEW_GUI AUTO CACHE STRING
-  "Build the plugin's Qt panel: ON, OFF, or AUTO (if Qt's development packages are found)")
-set_property(CACHE FFD_PARAVIEW_GUI PROPERTY STRINGS AUTO ON OFF)
 set(FFD_PARAVIEW_JOBS "" CACHE STRING "Parallel compilers of the plugin's build; empty: as many as processors")
 mark_as_advanced(FFD_PARAVIEW_JOBS)
 
@@ -21,10 +18,10 @@ if (NOT ParaView_DIR)
     RESULT_VARIABLE failed)
   if (failed)
     message(FATAL_ERROR
-      "FFD_BUILD_PARAVIEW_PLUGIN: Debian's ParaView 5.11 cannot be used, see above. Set "
+      "FFD_BUILD_PARAVIEW_PLUGIN: Debian's ParaView cannot be used, see above. Set "
       "ParaView_DIR to use another ParaView 5.11 or later.")
   endif ()
-  file(GLOB ffd_paraview_dir "${ffd_paraview_prefix}/lib/*/cmake/paraview-5.11")
+  file(GLOB ffd_paraview_dir "${ffd_paraview_prefix}/lib/*/cmake/paraview-5.*")
 else ()
   set(ffd_paraview_dir "${ParaView_DIR}")
 endif ()
@@ -69,9 +66,10 @@ ExternalProject_Add(ffd_paraview
   USES_TERMINAL_CONFIGURE ON
   USES_TERMINAL_BUILD ON)
 
-# Found by ParaView when PV_PLUGIN_PATH names the folder.
-set(FFD_PARAVIEW_PLUGIN_SUBDIR "${CMAKE_INSTALL_LIBDIR}/paraview-5.11/plugins/FFDVolume")
-set(FFD_PARAVIEW_PLUGIN_DIR "${ffd_paraview_build}/${FFD_PARAVIEW_PLUGIN_SUBDIR}")
+# Found by ParaView when PV_PLUGIN_PATH names the folder; lib/paraview-5.13/..., after ParaView's own.
+get_filename_component(ffd_paraview_release "${ffd_paraview_dir}" NAME)
+set(FFD_PARAVIEW_PLUGIN_DIR
+  "${ffd_paraview_build}/${CMAKE_INSTALL_LIBDIR}/${ffd_paraview_release}/plugins/FFDVolume")
 install(CODE "
   execute_process(
     COMMAND \"${CMAKE_COMMAND}\" --install \"${ffd_paraview_build}\" --prefix \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}\"

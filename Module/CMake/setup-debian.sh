@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Install the Debian 12 packages that vtkFFD is built and tested with. Packages that are there
-# already are left alone, so a second run only looks and ends in a moment.
+# Install the packages of Debian 12 or 13 that vtkFFD is built and tested with. Packages that are
+# there already are left alone, so a second run only looks and ends in a moment.
 #
 # usage: Module/CMake/setup-debian.sh [--paraview] [--list | --help]
 #   --paraview  those of the ParaView plugin, too
@@ -29,15 +29,21 @@ packages=(
 say() { printf 'setup: %s\n' "$*"; }
 die() { printf 'setup: %s\n' "$@" >&2; exit 1; }
 
+system=unknown
+if [ -r /etc/os-release ]; then
+  # shellcheck source=/dev/null
+  system="$(. /etc/os-release && printf '%s %s' "${ID:-unknown}" "${VERSION_ID:-}")"
+fi
+
 if [ "${1:-}" = --paraview ]; then
   shift
-  # ParaView 5.11, Qt for the plugin's panel, and MPI's launcher for parallel servers. What else the
-  # plugin needs cannot be installed next to python3-vtk9: setup-paraview.sh.
-  packages+=(
-    paraview paraview-dev
-    qtbase5-dev qttools5-dev libqt5svg5-dev libqt5opengl5-dev libxi-dev
-    openmpi-bin
-  )
+  # ParaView, the Qt that it is built with for the plugin's panel, and MPI's launcher for parallel
+  # servers. What else the plugin needs cannot be installed next to python3-vtk9: setup-paraview.sh.
+  packages+=(paraview paraview-dev libxi-dev openmpi-bin)
+  case "$system" in
+    "debian 12") packages+=(qtbase5-dev qttools5-dev libqt5svg5-dev libqt5opengl5-dev) ;; # ParaView 5.11
+    *) packages+=(qt6-base-dev qt6-tools-dev qt6-svg-dev qt6-5compat-dev) ;;              # ParaView 5.13
+  esac
 fi
 case "${1:-}" in
   --list) printf '%s\n' "${packages[@]}"; exit 0 ;;
@@ -51,16 +57,14 @@ if [ "${FFD_SKIP_SETUP:-0}" = 1 ]; then
   exit 0
 fi
 
-system=unknown
-if [ -r /etc/os-release ]; then
-  # shellcheck source=/dev/null
-  system="$(. /etc/os-release && printf '%s %s' "${ID:-unknown}" "${VERSION_ID:-}")"
-fi
-if [ "$system" != "debian 12" ]; then
-  die "this script knows the packages of Debian 12 only; this system is '$system'." \
-    "Install what corresponds to: ${packages[*]}" \
-    "then run again with FFD_SKIP_SETUP=1 in the environment."
-fi
+case "$system" in
+  "debian 12" | "debian 13") ;;
+  *)
+    die "this script knows the packages of Debian 12 and 13 only; this system is '$system'." \
+      "Install what corresponds to: ${packages[*]}" \
+      "then run again with FFD_SKIP_SETUP=1 in the environment."
+    ;;
+esac
 
 # Status of each package; unknown ones are silent, hence counted as missing.
 declare -A installed=()
@@ -110,7 +114,7 @@ apt_get() {
     rm -f "$log"
     die "$purpose failed; apt-get's last lines are above." \
       "Missing packages: ${missing[*]}" \
-      "Is there a network connection, and do the apt sources hold Debian 12 'main'? If apt wants" \
+      "Is there a network connection, and do the apt sources hold Debian's 'main'? If apt wants" \
       "to remove packages, they conflict with these (python3-paraview does)." \
       "Once that is settled run this again, or as root:" "  $manual"
   fi

@@ -2,15 +2,15 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Make a private prefix that Debian 12's ParaView 5.11 can be built against and run from Python.
+# Make a private prefix that Debian's ParaView can be built against and run from Python.
 # ParaView's Python modules and the wrapping hierarchies that its CMake package asks for are in the
 # package python3-paraview, which cannot be installed next to python3-vtk9. So it is downloaded and
 # unpacked, not installed, and the prefix joins it with links to what paraview-dev installed.
 # Needs no root. A second run with the same folder ends at once.
 #
 # usage: Module/CMake/setup-paraview.sh DEST
-#   DEST/lib/<triplet>/cmake/paraview-5.11  for ParaView_DIR
-#   DEST/lib/python3/dist-packages          for PYTHONPATH, with /usr/bin/python3
+#   DEST/lib/<triplet>/cmake/paraview-<version>  for ParaView_DIR
+#   DEST/lib/python3/dist-packages               for PYTHONPATH, with /usr/bin/python3
 set -euo pipefail
 
 say() { printf 'setup-paraview: %s\n' "$*"; }
@@ -21,7 +21,6 @@ if [ $# -ne 1 ] || [ "$1" = --help ]; then
   exit 2
 fi
 prefix="$1"
-release=paraview-5.11
 triplet="$(gcc -print-multiarch)"
 
 version="$(dpkg-query -W -f '${Version}' paraview-dev 2>/dev/null || true)"
@@ -31,8 +30,10 @@ fi
 if [ "$(cat "$prefix/version" 2>/dev/null || true)" = "$version" ]; then
   exit 0
 fi
+minor="$(cut -d. -f1,2 <<<"$version")"
+release="paraview-$minor"
 if ! [ -d "/usr/lib/$triplet/cmake/$release" ]; then
-  die "paraview-dev $version is not ParaView 5.11: /usr/lib/$triplet/cmake/$release is missing." \
+  die "paraview-dev $version is not laid out as Debian's: /usr/lib/$triplet/cmake/$release is missing." \
     "Point ParaView_DIR at your ParaView instead."
 fi
 
@@ -56,11 +57,11 @@ say "downloading and unpacking python3-paraview $version"
 package="$prefix/package/usr"
 # The package files find their prefix from where they are, so these are copied, the rest is linked.
 cp -r "/usr/lib/$triplet/cmake/$release" "$prefix/lib/$triplet/cmake/"
-ln -sfn "/usr/lib/$triplet"/libvtk* "/usr/lib/$triplet"/*pv5.11* "/usr/lib/$triplet/$release" \
+ln -sfn "/usr/lib/$triplet"/libvtk* "/usr/lib/$triplet"/*"pv$minor"* "/usr/lib/$triplet/$release" \
   "$package/lib/$triplet"/* "$prefix/lib/$triplet/"
 ln -sfn "/usr/include/$release" "$prefix/include/"
 ln -sfn "$package/lib/python3/dist-packages" "$prefix/lib/python3/dist-packages"
-for program in /usr/bin/*pv5.11* /usr/bin/paraview /usr/bin/pvbatch* /usr/bin/pvserver /usr/bin/pvdataserver \
+for program in /usr/bin/*"pv$minor"* /usr/bin/paraview /usr/bin/pvbatch* /usr/bin/pvserver /usr/bin/pvdataserver \
   /usr/bin/pvrenderserver "$package"/bin/*; do
   if [ -e "$program" ]; then
     ln -sfn "$program" "$prefix/bin/"

@@ -11,6 +11,7 @@ process at most, voxels held for rendering, times the reader ran for an edit, se
 its frame and for a frame alone, and MB of resident memory.
 """
 
+import glob
 import os
 import subprocess
 import sys
@@ -75,8 +76,8 @@ def environment(build):
     home = tempfile.mkdtemp(prefix="ffd-paraview.")
     return {**os.environ, "HOME": home, "XDG_RUNTIME_DIR": home,
             "PYTHONPATH": os.path.join(build, "paraview-prefix/lib/python3/dist-packages"),
-            "FFD_PARAVIEW_PLUGIN": os.path.join(
-                build, "paraview/lib/paraview-5.11/plugins/FFDVolume/FFDVolume.so"),
+            "FFD_PARAVIEW_PLUGIN": glob.glob(os.path.join(
+                build, "paraview/lib/paraview-*/plugins/FFDVolume/FFDVolume.so"))[0],
             "LIBGL_ALWAYS_SOFTWARE": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1",
             "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
             "OMPI_MCA_mpi_yield_when_idle": "1",

@@ -12,7 +12,7 @@ import unittest
 
 PLUGIN = os.environ["FFD_PARAVIEW_PLUGIN"]
 TEMPORARY = os.environ["FFD_TEST_TEMPORARY"]
-# .../lib/paraview-5.11/plugins/FFDVolume/FFDVolume.so in the build of the plugin.
+# .../lib/paraview-5.*/plugins/FFDVolume/FFDVolume.so in the build of the plugin.
 BUILD = os.path.abspath(os.path.join(os.path.dirname(PLUGIN), *[os.pardir] * 4))
 
 SCRIPT = """
@@ -42,7 +42,7 @@ class TestInstall(unittest.TestCase):
         os.rename(prefix, moved)
         found = glob.glob(os.path.join(moved, "**", "FFDVolume.so"), recursive=True)
         self.assertEqual(len(found), 1, found)
-        self.assertTrue(found[0].endswith("paraview-5.11/plugins/FFDVolume/FFDVolume.so"), found)
+        self.assertRegex(found[0], r"/lib/paraview-5\.\d+/plugins/FFDVolume/FFDVolume\.so$")
         script = os.path.join(self.folder, "script.py")
         with open(script, "w", encoding="ascii") as file:
             file.write(SCRIPT)
