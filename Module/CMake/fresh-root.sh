@@ -87,6 +87,7 @@ done
 suite="$1"
 shift
 source="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)"
+# shellcheck disable=SC2016 # apt expands them
 mirror="$(apt-get indextargets --format '$(LABEL) $(REPO_URI)' 'Created-By: Packages' |
   sed -n '/^Debian /{s/^Debian //p;q}')"
 [ -n "$mirror" ] || die "apt is not configured for any mirror of Debian"
