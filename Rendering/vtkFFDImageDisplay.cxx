@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDImageDisplay.h"
 
-#include "vtkFFDOpenGL.h"
 #include "vtkFFDParallelFor.h"
+#include "vtkFFDVersions.h"
 
 #include "vtkNew.h"
 #include "vtkOpenGLQuadHelper.h"
@@ -14,6 +14,7 @@
 #include "vtkShaderProgram.h"
 #include "vtkTextureObject.h"
 #include "vtkWeakPointer.h"
+#include VTK_FFD_OPENGL_HEADER
 
 #include <algorithm>
 #include <cstddef>

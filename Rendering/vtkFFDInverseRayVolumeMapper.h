@@ -132,7 +132,7 @@
 #define vtkFFDInverseRayVolumeMapper_h
 
 #include "vtkFFDRenderingModule.h" // For export macro
-#include "vtkVersionMacros.h"      // For VTK_VERSION_NUMBER
+#include "vtkFFDVersions.h"        // For VTK_FFD_OWN_COMPUTE_NORMAL_FROM_OPACITY
 #include "vtkVolumeMapper.h"
 
 #include <memory> // For std::unique_ptr
@@ -572,7 +572,7 @@ public:
   vtkGetStringMacro(Transfer2DYAxisArray);
   ///@}
 
-#if VTK_VERSION_NUMBER < VTK_VERSION_CHECK(9, 2, 0)
+#ifdef VTK_FFD_OWN_COMPUTE_NORMAL_FROM_OPACITY
   ///@{
   /**
    * Whether normals for shading are those of the opacity function instead of the scalars. Default:
@@ -1020,7 +1020,7 @@ private:
   char* Transfer2DYAxisArray = nullptr;
   int VectorMode = DISABLED;
   int VectorComponent = 0;
-#if VTK_VERSION_NUMBER < VTK_VERSION_CHECK(9, 2, 0)
+#ifdef VTK_FFD_OWN_COMPUTE_NORMAL_FROM_OPACITY
   bool ComputeNormalFromOpacity = false;
 #endif
   double ClipBox[6]; // all of space: infinite limits

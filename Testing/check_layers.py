@@ -14,10 +14,10 @@ The rules:
                      only to the left; Rendering/Widgets includes Module's headers only
   plugin-only        headers of ParaView and Qt only in paraview-plugin
   installed-private  an installed header (of a class that its folder's CMakeLists.txt lists in
-                     set(classes ...)) includes no GLM, Highway or kernel header, and no header of
-                     ours that is not installed
-  one-class          an installed header exports one class, named as the file; a header that is
-                     not installed exports none
+                     set(classes ...), or one in set(headers ...)) includes no GLM, Highway or
+                     kernel header, and no header of ours that is not installed
+  one-class          an installed header of a class exports one class, named as the file; other
+                     headers export none
   spdx               each source file names its copyright and license in its first lines
   ascii              sources hold only ASCII characters
 """
@@ -51,6 +51,7 @@ C_HEADERS = {"assert.h", "float.h", "inttypes.h", "limits.h", "math.h", "stddef.
              "stdio.h", "stdlib.h", "string.h"}
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^">]+)[">]', re.MULTILINE)
 CLASS_LIST = re.compile(r"^set\(classes\s([^)]*)\)", re.MULTILINE)
+HEADER_LIST = re.compile(r"^set\(headers\s([^)]*)\)", re.MULTILINE)
 EXPORTED_CLASS = re.compile(r"^\s*class\s+\w+_EXPORT\s+(\w+)[^;]*?\{", re.MULTILINE)
 PLUGIN_HEADER = re.compile(r"^(vtkPV|vtkSM(?!P)|vtkSI(?!m)|pq|pv|Q[A-Z]|Qt[A-Z])\w*(\.h)?$|^Qt\w*/")
 SKIPPED_FOLDERS = {".git", "__pycache__", "output", "Data"}
@@ -91,8 +92,10 @@ class Checker:
         self.root = root
         self.violations = []
         self.files = source_files(root)
-        # Headers that are installed: those of the classes that the layers' CMakeLists.txt list.
+        # Headers that are installed: those of the classes, and those without any, that the layers'
+        # CMakeLists.txt list.
         self.installed = set()
+        self.without_class = set()
         for layer in LAYERS:
             listing = os.path.join(root, layer, "CMakeLists.txt")
             if os.path.exists(listing):
@@ -101,6 +104,9 @@ class Checker:
                 for names in CLASS_LIST.findall(text):
                     self.installed.update(os.path.join(layer, name + ".h")
                                           for name in names.split())
+                for names in HEADER_LIST.findall(text):
+                    self.without_class.update(os.path.join(layer, name) for name in names.split())
+        self.installed |= self.without_class
         # Our headers by file name: names are unique (checked), since headers flatten at install.
         self.headers = {}
         for path in self.files:
@@ -188,10 +194,10 @@ class Checker:
 
     def check_class(self, path, text):
         classes = EXPORTED_CLASS.findall(text)
-        if path not in self.installed:
+        if path not in self.installed or path in self.without_class:
             if classes:
                 self.report("one-class", path, 1,
-                            f"exports {', '.join(classes)} but is not installed; list the class "
+                            f"exports {', '.join(classes)} but is no installed class; list it "
                             "under set(classes ...) in the folder's CMakeLists.txt")
             return
         expected = os.path.basename(path)[:-2]
@@ -212,12 +218,13 @@ SPDX_CXX = ("// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors\n"
             "// SPDX-License-Identifier: BSD-3-Clause\n")
 
 CLEAN_TREE = {
-    "Module/CMakeLists.txt": "set(classes\n  vtkFFDLow)\n",
+    "Module/CMakeLists.txt": "set(classes\n  vtkFFDLow)\nset(headers vtkFFDNames.h)\n",
+    "Module/vtkFFDNames.h": '#include "vtkVersionMacros.h"\n',
     "Filters/CMakeLists.txt": "set(classes\n  # of the pipeline\n  vtkFFDMiddle)\n",
     "Rendering/CMakeLists.txt": "set(classes vtkFFDTop)\nset(glue vtkFFDGlue.cxx)\n",
     "Rendering/vtkFFDGlue.h": '#include "FFDHigh.h"\n#include <glm/vec3.hpp>\n',
     "Module/Kernels/FFDBase.h": "#include <vector>\n#include <glm/vec3.hpp>\n",
-    "Module/vtkFFDLow.h": '#include "vtkFFDCoreModule.h"\n#include "vtkObject.h"\n'
+    "Module/vtkFFDLow.h": '#include "vtkFFDCoreModule.h"\n#include "vtkFFDNames.h"\n'
                           "class VTKFFDCORE_EXPORT vtkFFDLow : public vtkObject\n{\n};\n",
     "Module/vtkFFDLow.cxx": '#include "vtkFFDLow.h"\n#include "FFDBase.h"\n#include <cmath>\n',
     "Filters/vtkFFDMiddle.h": '#include "vtkFFDFiltersModule.h"\n'
@@ -253,6 +260,8 @@ VIOLATIONS = (
     ("installed-private", "Module/vtkFFDLow.h", "#include <hwy/highway.h>\n"),
     ("installed-private", "Rendering/vtkFFDTop.h", '#include "vtkFFDGlue.h"\n'),
     ("one-class", "Rendering/vtkFFDGlue.h", "class VTKFFDRENDERING_EXPORT vtkFFDGlue\n{\n};\n"),
+    ("installed-private", "Module/vtkFFDNames.h", "#include <glm/vec3.hpp>\n"),
+    ("one-class", "Module/vtkFFDNames.h", "class VTKFFDCORE_EXPORT vtkFFDOther\n{\n};\n"),
     ("one-class", "Module/vtkFFDLow.h", "class VTKFFDCORE_EXPORT vtkFFDOther\n{\n};\n"),
     ("ascii", "Module/vtkFFDLow.cxx", "// na\u00efve\n"),
     ("spdx", "Testing/Cxx/TestNew.cxx", "int TestNew() { return 0; }\n"),
