@@ -4,15 +4,12 @@
 
 #include "vtkActor.h"
 #include "vtkActor2D.h"
-#include "vtkCamera.h"
 #include "vtkCellArray.h"
 #include "vtkDoubleArray.h"
 #include "vtkFloatArray.h"
 #include "vtkGlyph3DMapper.h"
 #include "vtkIdTypeArray.h"
 #include "vtkLabeledDataMapper.h"
-#include "vtkMath.h"
-#include "vtkMatrix4x4.h"
 #include "vtkOpenGLRenderWindow.h"
 #include "vtkOpenGLState.h"
 #include "vtkPointData.h"
@@ -23,17 +20,16 @@
 #include "vtkPropCollection.h"
 #include "vtkProperty.h"
 #include "vtkProperty2D.h"
-#include "vtkRenderer.h"
 #include "vtkShaderProperty.h"
 #include "vtkSphereSource.h"
 #include "vtkStringArray.h"
 #include "vtkTextProperty.h"
 #include "vtkUniforms.h"
 #include "vtkUnsignedCharArray.h"
+#include "vtkViewport.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <glm/vec4.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -77,9 +73,6 @@ const GlyphLevel& GetLevel(std::size_t count)
 
 /// Of those that are dimmed, however many.
 constexpr double HiddenSize = 0.75;
-
-/// Pixels by which things reach over their bounds: wide lines, large points.
-constexpr double HidingMargin = 12.0;
 
 /// Where vtkPolyDataMapper's fragments find their depth, before they are lit.
 constexpr const char* DepthTag = "//VTK::Depth::Impl";
@@ -135,7 +128,7 @@ std::vector<std::size_t> FindPointsToDraw(
 }
 
 /// What vtkPolyDataMapper's fragments end with. Lines have no empty ones; without it their depth is
-/// tested before they are coloured. Where VTK says it otherwise nothing is replaced.
+/// tested before they are colored. Where VTK says it otherwise nothing is replaced.
 constexpr const char* EmptyFragments =
   "  if (gl_FragData[0].a <= 0.0)\n    {\n    discard;\n    }\n";
 
@@ -145,145 +138,13 @@ constexpr const char* DiscShader =
   "  float square = dot(place, place);\n"
   "  if (square > 1.0) { discard; }\n";
 
-/// Lit as a ball, as those of vtkProperty::RenderPointsAsSpheres, but as deep as its front all over:
-/// fragments with a depth of their own are not skipped where something is in front of them.
+/// Lit as a ball, as those of vtkProperty::RenderPointsAsSpheres, but as deep as its front all
+/// over: fragments with a depth of their own are not skipped where something is in front of them.
 constexpr const char* BallShader = "  vec3 normalVCVSOutput = vec3(place, sqrt(1.0 - square));\n";
 constexpr const char* BallVertexShader = "gl_Position.z += ballFront;\n  //VTK::CustomEnd::Impl\n";
 constexpr const char* BallFront = "ballFront";
 
 } // namespace
-
-//------------------------------------------------------------------------------
-vtkFFDProjection::vtkFFDProjection(vtkRenderer* renderer)
-{
-  vtkCamera* camera = renderer->GetActiveCamera();
-  const vtkMatrix4x4* matrix = camera->GetCompositeProjectionTransformMatrix(
-    renderer->GetTiledAspectRatio(), -1.0, 1.0);
-  for (int r = 0; r < 4; ++r)
-  {
-    for (int c = 0; c < 4; ++c)
-    {
-      this->WorldToClip[c][r] = matrix->GetElement(r, c);
-    }
-  }
-  const int* origin = renderer->GetOrigin();
-  const int* size = renderer->GetSize();
-  this->Origin = { origin[0], origin[1] };
-  this->Size = { std::max(1, size[0]), std::max(1, size[1]) };
-  const vtkMatrix4x4* projection =
-    camera->GetProjectionTransformMatrix(renderer->GetTiledAspectRatio(), -1.0, 1.0);
-  this->Parallel = camera->GetParallelProjection() != 0;
-  this->DepthSlope = projection->GetElement(2, 2);
-  this->DepthOffset = projection->GetElement(2, 3);
-  if (this->Parallel)
-  {
-    this->PixelPerDepth = 2.0 * camera->GetParallelScale() / this->Size.y;
-  }
-  else
-  {
-    this->PixelPerDepth =
-      2.0 * std::tan(0.5 * vtkMath::RadiansFromDegrees(camera->GetViewAngle())) /
-      (camera->GetUseHorizontalViewAngle() ? this->Size.x : this->Size.y);
-  }
-}
-
-//------------------------------------------------------------------------------
-bool vtkFFDProjection::operator==(const vtkFFDProjection& other) const
-{
-  return this->WorldToClip == other.WorldToClip && this->Origin == other.Origin &&
-    this->Size == other.Size && this->PixelPerDepth == other.PixelPerDepth &&
-    this->Parallel == other.Parallel && this->DepthSlope == other.DepthSlope &&
-    this->DepthOffset == other.DepthOffset;
-}
-
-//------------------------------------------------------------------------------
-bool vtkFFDProjection::ToDisplay(const glm::dvec3& world, glm::dvec3& display) const
-{
-  const glm::dvec4 clip = this->WorldToClip * glm::dvec4(world, 1.0);
-  if (!(clip.w > 0.0))
-  {
-    return false;
-  }
-  const glm::dvec3 view = glm::dvec3(clip) / clip.w;
-  // As vtkViewport::ViewToDisplay().
-  const glm::dvec2 pixel = this->Origin + 0.5 * (glm::dvec2(view) + 1.0) * this->Size;
-  display = { pixel.x, pixel.y, view.z };
-  return true;
-}
-
-//------------------------------------------------------------------------------
-double vtkFFDProjection::GetPixelSize(const glm::dvec3& world) const
-{
-  const glm::dvec4 clip = this->WorldToClip * glm::dvec4(world, 1.0);
-  return clip.w > 0.0 ? clip.w * this->PixelPerDepth : 0.0;
-}
-
-//------------------------------------------------------------------------------
-double vtkFFDProjection::GetPointShift(double pixels) const
-{
-  // A pixel is PixelPerDepth w long, and w is the distance from the camera, or 1 if parallel.
-  const double part = pixels * this->PixelPerDepth;
-  return this->Parallel ? part * this->DepthSlope
-                        : this->DepthOffset * part / std::max(1.0 - part, 0.5);
-}
-
-//------------------------------------------------------------------------------
-vtkFFDPixelBox vtkFFDFindHiding(vtkRenderer* renderer, vtkProp* prop)
-{
-  int size[2];
-  int origin[2];
-  renderer->GetTiledSizeAndOrigin(&size[0], &size[1], &origin[0], &origin[1]);
-  const glm::ivec2 low(origin[0], origin[1]);
-  const glm::ivec2 high = low + glm::ivec2(size[0], size[1]);
-  const vtkFFDPixelBox all{ low, high };
-  const int* tiles = renderer->GetVTKWindow()->GetTileScale();
-  if (tiles[0] != 1 || tiles[1] != 1)
-  {
-    return all;
-  }
-  const vtkFFDProjection projection(renderer);
-  vtkFFDPixelBox box{ high, low };
-  vtkPropCollection* props = renderer->GetViewProps();
-  vtkCollectionSimpleIterator iterator;
-  props->InitTraversal(iterator);
-  while (vtkProp* other = props->GetNextProp(iterator))
-  {
-    if (other == prop || !other->GetVisibility() || other->IsA("vtkActor2D"))
-    {
-      continue;
-    }
-    const double* bounds = other->GetBounds();
-    if (!bounds)
-    {
-      // Data without points; what else has no bounds may be anywhere.
-      if (other->IsA("vtkProp3D"))
-      {
-        continue;
-      }
-      return all;
-    }
-    if (!vtkMath::AreBoundsInitialized(bounds))
-    {
-      continue;
-    }
-    for (int corner = 0; corner < 8; ++corner)
-    {
-      glm::dvec3 at;
-      if (!projection.ToDisplay(
-            { bounds[corner & 1], bounds[2 + (corner >> 1 & 1)], bounds[4 + (corner >> 2)] }, at))
-      {
-        return all; // around the camera
-      }
-      const glm::dvec2 pixel = glm::clamp(glm::dvec2(at) - projection.Origin,
-        glm::dvec2(-HidingMargin), projection.Size + HidingMargin);
-      box.Low = glm::min(box.Low, low + glm::ivec2(glm::floor(pixel - HidingMargin)));
-      box.High = glm::max(box.High, low + glm::ivec2(glm::ceil(pixel + HidingMargin)));
-    }
-  }
-  box.Low = glm::max(box.Low, low);
-  box.High = glm::min(box.High, high);
-  return box;
-}
 
 //------------------------------------------------------------------------------
 vtkFFDLatticeScene::Layer::Layer()
@@ -511,7 +372,7 @@ vtkFFDLatticeScene::Sprites::Sprites()
 
 //------------------------------------------------------------------------------
 void vtkFFDLatticeScene::Sprites::Set(
-  const std::vector<float>& positions, const std::vector<unsigned char>& colours)
+  const std::vector<float>& positions, const std::vector<unsigned char>& colors)
 {
   const auto count = static_cast<vtkIdType>(positions.size() / 3);
   if (positions.size() != this->Positions.size())
@@ -534,13 +395,13 @@ void vtkFFDLatticeScene::Sprites::Set(
     points->SetData(array);
     this->Data->SetPoints(points);
   }
-  if (colours != this->Colours)
+  if (colors != this->Colors)
   {
-    this->Colours = colours;
+    this->Colors = colors;
     vtkNew<vtkUnsignedCharArray> array;
     array->SetNumberOfComponents(3);
     array->SetNumberOfTuples(count);
-    std::copy(colours.begin(), colours.end(), array->GetPointer(0));
+    std::copy(colors.begin(), colors.end(), array->GetPointer(0));
     this->Data->GetPointData()->SetScalars(array);
   }
 }
@@ -555,10 +416,10 @@ vtkFFDLatticeScene::Meshes::Meshes()
   this->Points->SetDataTypeToFloat();
   this->Data->SetPoints(this->Points);
   this->Sizes->SetName("Size");
-  this->Colours->SetName("Colour");
-  this->Colours->SetNumberOfComponents(3);
+  this->Colors->SetName("Color");
+  this->Colors->SetNumberOfComponents(3);
   this->Data->GetPointData()->AddArray(this->Sizes);
-  this->Data->GetPointData()->SetScalars(this->Colours);
+  this->Data->GetPointData()->SetScalars(this->Colors);
   this->SetMappers(this->Mapper[0], this->Mapper[1]);
   for (int pass = 0; pass < 2; ++pass)
   {
@@ -583,17 +444,17 @@ void vtkFFDLatticeScene::Meshes::Set(const std::vector<Glyph>& glyphs)
   this->Sphere->SetThetaResolution(level.Theta);
   this->Sphere->SetPhiResolution(level.Phi);
   this->Points->SetNumberOfPoints(count);
-  this->Colours->SetNumberOfTuples(count);
+  this->Colors->SetNumberOfTuples(count);
   this->Diameters.resize(glyphs.size());
   for (vtkIdType g = 0; g < count; ++g)
   {
     const Glyph& glyph = glyphs[static_cast<std::size_t>(g)];
     this->Points->SetPoint(g, &glyph.Position.x);
-    this->Colours->SetTypedTuple(g, glyph.Rgb.data());
+    this->Colors->SetTypedTuple(g, glyph.Rgb.data());
     this->Diameters[static_cast<std::size_t>(g)] = glyph.Diameter;
   }
   this->Points->Modified();
-  this->Colours->Modified();
+  this->Colors->Modified();
   this->Data->Modified();
 }
 
@@ -611,8 +472,7 @@ void vtkFFDLatticeScene::Meshes::Scale(const vtkFFDProjection& projection)
     double p[3];
     this->Points->GetPoint(g, p);
     this->Sizes->SetValue(g,
-      this->Diameters[static_cast<std::size_t>(g)] *
-        projection.GetPixelSize({ p[0], p[1], p[2] }));
+      this->Diameters[static_cast<std::size_t>(g)] * projection.GetPixelSize({ p[0], p[1], p[2] }));
   }
   this->Sizes->Modified();
   this->Data->Modified();
@@ -662,7 +522,7 @@ void vtkFFDLatticeScene::SetGlyphs(const std::vector<Glyph>& glyphs)
   {
     double Diameter;
     std::vector<float> Positions;
-    std::vector<unsigned char> Colours;
+    std::vector<unsigned char> Colors;
   };
   std::vector<Set> sets;
   std::vector<Glyph> large;
@@ -685,7 +545,7 @@ void vtkFFDLatticeScene::SetGlyphs(const std::vector<Glyph>& glyphs)
     {
       set->Positions.push_back(static_cast<float>(glyph.Position[a]));
     }
-    set->Colours.insert(set->Colours.end(), glyph.Rgb.begin(), glyph.Rgb.end());
+    set->Colors.insert(set->Colors.end(), glyph.Rgb.begin(), glyph.Rgb.end());
   }
   this->LargeGlyphs.Set(large);
   // Each in the place of those of its size, so that only those are made anew that changed.
@@ -714,7 +574,7 @@ void vtkFFDLatticeScene::SetGlyphs(const std::vector<Glyph>& glyphs)
     }
     (*place)->Diameter = set.Diameter;
     (*place)->HiddenDiameter = HiddenSize / level.Size * set.Diameter;
-    (*place)->Set(set.Positions, set.Colours);
+    (*place)->Set(set.Positions, set.Colors);
   }
 }
 
@@ -748,14 +608,14 @@ void vtkFFDLatticeScene::SetHandle(const std::vector<Shape>& shapes)
   vtkNew<vtkPoints> points;
   vtkNew<vtkCellArray> lines;
   vtkNew<vtkCellArray> triangles;
-  // Of points: colours of cells would be a texture, which is slow to make.
-  vtkNew<vtkUnsignedCharArray> colours;
-  colours->SetNumberOfComponents(4);
+  // Of points: colors of cells would be a texture, which is slow to make.
+  vtkNew<vtkUnsignedCharArray> colors;
+  colors->SetNumberOfComponents(4);
   for (const Shape& shape : shapes)
   {
     const unsigned char rgba[4] = { shape.Rgb[0], shape.Rgb[1], shape.Rgb[2], shape.Alpha };
     const auto insert = [&](const glm::dvec3& p) {
-      colours->InsertNextTypedTuple(rgba);
+      colors->InsertNextTypedTuple(rgba);
       return points->InsertNextPoint(&p.x);
     };
     if (!shape.Line.empty())
@@ -778,7 +638,7 @@ void vtkFFDLatticeScene::SetHandle(const std::vector<Shape>& shapes)
   this->HandleData->SetPoints(points);
   this->HandleData->SetLines(lines);
   this->HandleData->SetPolys(triangles);
-  this->HandleData->GetPointData()->SetScalars(colours);
+  this->HandleData->GetPointData()->SetScalars(colors);
   this->HandleData->Modified();
 }
 
@@ -881,8 +741,9 @@ void vtkFFDLatticeScene::GetActors(vtkPropCollection* actors)
 //------------------------------------------------------------------------------
 void vtkFFDLatticeScene::ReleaseGraphicsResources(vtkWindow* window)
 {
-  for (Layer* layer : { static_cast<Layer*>(&this->LargeGlyphs),
-         static_cast<Layer*>(&this->LatticePolyLines), static_cast<Layer*>(&this->OutlinePolyLines) })
+  for (Layer* layer :
+    { static_cast<Layer*>(&this->LargeGlyphs), static_cast<Layer*>(&this->LatticePolyLines),
+      static_cast<Layer*>(&this->OutlinePolyLines) })
   {
     layer->Front->ReleaseGraphicsResources(window);
     layer->Hidden->ReleaseGraphicsResources(window);

@@ -4,11 +4,12 @@
 #ifndef vtkFFDLatticeScene_h
 #define vtkFFDLatticeScene_h
 
+#include "vtkFFDProjection.h"
+
 #include "vtkNew.h"
 #include "vtkTimeStamp.h"
 #include "vtkType.h"
 
-#include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
@@ -30,54 +31,14 @@ class vtkPoints;
 class vtkPolyData;
 class vtkPolyDataMapper;
 class vtkPolyDataMapper2D;
-class vtkProp;
 class vtkPropCollection;
 class vtkProperty;
 class vtkProperty2D;
-class vtkRenderer;
 class vtkSphereSource;
 class vtkTextProperty;
 class vtkUnsignedCharArray;
 class vtkViewport;
 class vtkWindow;
-
-/// How the world is seen: projections of many points at once, in pixels of the window.
-struct vtkFFDProjection
-{
-  glm::dmat4 WorldToClip{ 1.0 };
-  glm::dvec2 Origin{ 0.0 }; ///< lower left pixel of the viewport
-  glm::dvec2 Size{ 1.0 };
-  double PixelPerDepth = 0.0; ///< world units of a pixel at clip coordinate w = 1
-  bool Parallel = false;
-  double DepthSlope = 0.0;  ///< clip coordinate z by view coordinate z
-  double DepthOffset = 0.0; ///< clip coordinate z of view coordinate z = 0
-
-  vtkFFDProjection() = default;
-  explicit vtkFFDProjection(vtkRenderer* renderer);
-  bool operator==(const vtkFFDProjection& other) const;
-
-  /// Display x, y and the depth (-1 near to 1 far); false behind the camera.
-  bool ToDisplay(const glm::dvec3& world, glm::dvec3& display) const;
-  /// World units of a pixel at a point; 0 behind the camera.
-  double GetPixelSize(const glm::dvec3& world) const;
-  /// What is added to clip coordinate z so that points come nearer by some pixels and are seen where
-  /// they were.
-  double GetPointShift(double pixels) const;
-};
-
-/// Pixels of the framebuffer, from the lower left corner.
-struct vtkFFDPixelBox
-{
-  glm::ivec2 Low{ 0 };
-  glm::ivec2 High{ 0 }; ///< one past the last; empty if not above Low
-  bool IsEmpty() const { return this->High.x <= this->Low.x || this->High.y <= this->Low.y; }
-};
-
-/**
- * Where a renderer may draw something in front of `prop`: within the bounds of its other visible
- * props. All of it, where they do not tell.
- */
-vtkFFDPixelBox vtkFFDFindHiding(vtkRenderer* renderer, vtkProp* prop);
 
 /**
  * What the representation draws, in world coordinates: the actors and their geometry. Nothing here
@@ -90,7 +51,7 @@ vtkFFDPixelBox vtkFFDFindHiding(vtkRenderer* renderer, vtkProp* prop);
 class vtkFFDLatticeScene
 {
 public:
-  using Colour = std::array<unsigned char, 3>;
+  using Color = std::array<unsigned char, 3>;
 
   vtkFFDLatticeScene();
   ~vtkFFDLatticeScene();
@@ -106,15 +67,15 @@ public:
   {
     glm::dvec3 Position;
     double Diameter; ///< pixels
-    Colour Rgb;
+    Color Rgb;
   };
 
-  /// Lines and triangles of one colour, of the handle.
+  /// Lines and triangles of one color, of the handle.
   struct Shape
   {
     std::vector<glm::dvec3> Line;
     std::vector<glm::dvec3> Triangles;
-    Colour Rgb;
+    Color Rgb;
     unsigned char Alpha = 255;
   };
 
@@ -222,11 +183,11 @@ private:
   struct Sprites : Layer
   {
     std::vector<float> Positions;
-    std::vector<unsigned char> Colours;
+    std::vector<unsigned char> Colors;
     vtkNew<vtkPolyData> Data;
     vtkNew<vtkPolyDataMapper> Mapper[2];
     Sprites();
-    void Set(const std::vector<float>& positions, const std::vector<unsigned char>& colours);
+    void Set(const std::vector<float>& positions, const std::vector<unsigned char>& colors);
   };
 
   /// Balls of any size as meshes.
@@ -237,7 +198,7 @@ private:
     vtkNew<vtkPolyData> Data;
     vtkNew<vtkPoints> Points;
     vtkNew<vtkDoubleArray> Sizes;
-    vtkNew<vtkUnsignedCharArray> Colours;
+    vtkNew<vtkUnsignedCharArray> Colors;
     std::vector<double> Diameters;
     vtkNew<vtkGlyph3DMapper> Mapper[2];
     Meshes();
