@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDFitLattice.h"
 
-#include "vtkFFDTransformSampler.h"
 #include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
+#include "vtkFFDLatticeData.h"
+#include "vtkFFDTransformSampler.h"
 
 #include "FFDLatticeFit.h"
 
@@ -353,7 +354,8 @@ void vtkFFDFitLattice::Fit(vtkImageData* field)
   }
   else if (field)
   {
-    if (!scalars || scalars->GetNumberOfComponents() != 3 || field->GetNumberOfPoints() < 1)
+    if (!scalars || scalars->GetNumberOfComponents() != 3 || field->GetNumberOfPoints() < 1 ||
+      scalars->GetNumberOfTuples() != field->GetNumberOfPoints())
     {
       problem = "The image at the input has no point scalars with 3 components, the displacements";
     }
@@ -443,11 +445,7 @@ void vtkFFDFitLattice::Fit(vtkImageData* field)
     vtkFFDRequireMemory(BytesPerSample * static_cast<double>(field->GetNumberOfPoints()),
       "The fit to " + std::to_string(field->GetNumberOfPoints()) + " displacements",
       "Use a coarser image.");
-    std::vector<glm::dvec3> displacements(static_cast<std::size_t>(field->GetNumberOfPoints()));
-    for (std::size_t i = 0; i < displacements.size(); ++i)
-    {
-      scalars->GetTuple(static_cast<vtkIdType>(i), &displacements[i].x);
-    }
+    const std::vector<glm::dvec3> displacements = vtkFFDCopyTuples(scalars);
     status = ffd::FitNetToGrid(
       count, first, { spacing[0], spacing[1], spacing[2] }, displacements, limits, fit);
   }
@@ -474,14 +472,7 @@ void vtkFFDFitLattice::Fit(vtkImageData* field)
   image->SetDimensions(fit.Net.Nodes.x, fit.Net.Nodes.y, fit.Net.Nodes.z);
   image->SetOrigin(origin.x, origin.y, origin.z);
   image->SetSpacing(spacing.x, spacing.y, spacing.z);
-  vtkNew<vtkDoubleArray> values;
-  values->SetNumberOfComponents(3);
-  values->SetNumberOfTuples(static_cast<vtkIdType>(fit.Net.Values.size()));
-  for (std::size_t i = 0; i < fit.Net.Values.size(); ++i)
-  {
-    values->SetTypedTuple(static_cast<vtkIdType>(i), &fit.Net.Values[i].x);
-  }
-  image->GetPointData()->SetScalars(values);
+  image->GetPointData()->SetScalars(vtkFFDMakeDisplacementArray(fit.Net.Values));
   if (!this->Lattice->FromImageData(image))
   {
     return;
