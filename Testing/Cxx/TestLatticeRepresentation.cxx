@@ -612,6 +612,22 @@ int TestNothingIsStale()
   // A lattice that is older than what was built.
   rep->SetLattice(large);
   FFD_CHECK(SameBounds(rep, { -100.0, 200.0, -100.0, 200.0, -100.0, 200.0 }));
+  // One of the same time: they share control points that were marked as changed.
+  vtkNew<vtkFFDLattice> moved;
+  moved->SetDomain(0.0, 100.0, 0.0, 100.0, 0.0, 100.0);
+  moved->GetDisplacements()->FillComponent(2, 300.0);
+  vtkNew<vtkFFDLattice> still;
+  still->ShallowCopy(moved);
+  still->SetDisplacementScale(0.0);
+  moved->GetDisplacements()->Modified();
+  FFD_CHECK(moved->GetMTime() == still->GetMTime());
+  vtkNew<vtkFFDLatticeRepresentation> either;
+  const double beside[6] = { -500.0, -400.0, 0.0, 1.0, 0.0, 1.0 };
+  either->SetOutlineBounds(beside);
+  either->SetLattice(moved);
+  FFD_CHECK(SameBounds(either, { -500.0, 200.0, -100.0, 200.0, 200.0, 500.0 }));
+  either->SetLattice(still);
+  FFD_CHECK(SameBounds(either, { -500.0, 200.0, -100.0, 200.0, 0.0, 500.0 }));
   vtkNew<vtkActor> prop;
   prop->SetPosition(1000.0, 0.0, 0.0);
   rep->GetBounds();
