@@ -138,6 +138,24 @@ glm::dvec3 Lattice::GetControlPoint(std::size_t point) const
 }
 
 //------------------------------------------------------------------------------
+std::vector<glm::dvec3> Lattice::GetControlPoints() const
+{
+  std::vector<glm::dvec3> points = this->Net.Values;
+  std::size_t point = 0;
+  for (int k = 0; k < this->Net.Nodes.z; ++k)
+  {
+    for (int j = 0; j < this->Net.Nodes.y; ++j)
+    {
+      for (int i = 0; i < this->Net.Nodes.x; ++i, ++point)
+      {
+        points[point] = this->GetRestPoint({ i, j, k }) + points[point];
+      }
+    }
+  }
+  return points;
+}
+
+//------------------------------------------------------------------------------
 bool Lattice::IsIdentity() const
 {
   return this->Scale == 0.0 ||

@@ -13,6 +13,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 namespace ffd
 {
@@ -66,6 +67,8 @@ struct FFD_KERNEL_EXPORT Lattice
   glm::dvec3 GetRestPoint(const glm::ivec3& at) const;
   /// Rest point + displacement; Scale is not applied.
   glm::dvec3 GetControlPoint(std::size_t point) const;
+  /// All of them, in the order of their indices.
+  std::vector<glm::dvec3> GetControlPoints() const;
 
   /// True when no displacement, or the scale, differs from zero; NaN differ.
   bool IsIdentity() const;

@@ -42,7 +42,12 @@ vtkFFDLatticeGeometry::vtkFFDLatticeGeometry(
   : Lattice(lattice)
   , DataToWorld(dataToWorld)
   , Interior(interior)
+  , Positions(lattice.GetControlPoints())
 {
+  for (glm::dvec3& position : this->Positions)
+  {
+    position = vtkFFDTransformPoint(dataToWorld, position);
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -55,12 +60,6 @@ bool vtkFFDLatticeGeometry::IsShown(std::size_t point) const
   const glm::ivec3 at = this->Lattice.IndicesOf(point);
   const glm::ivec3 last = this->Lattice.Net.Nodes - 1;
   return at.x == 0 || at.y == 0 || at.z == 0 || at.x == last.x || at.y == last.y || at.z == last.z;
-}
-
-//------------------------------------------------------------------------------
-glm::dvec3 vtkFFDLatticeGeometry::GetPosition(std::size_t point) const
-{
-  return vtkFFDTransformPoint(this->DataToWorld, this->Lattice.GetControlPoint(point));
 }
 
 //------------------------------------------------------------------------------
@@ -196,10 +195,7 @@ void vtkFFDLatticeGeometry::FindBounds(
       high = glm::max(high, p);
     }
   };
-  for (std::size_t p = 0; p < this->Lattice.Net.Values.size(); ++p)
-  {
-    include(this->GetPosition(p));
-  }
+  std::for_each(this->Positions.begin(), this->Positions.end(), include);
   for (const Lines* one : lines)
   {
     std::for_each(one->Points.begin(), one->Points.end(), include);
@@ -221,7 +217,7 @@ std::vector<vtkFFDLatticeScene::Glyph> vtkFFDLatticeGeometry::MakeGlyphs(
   glyphs.reserve(editor.GetNumberOfPoints());
   for (std::size_t p = 0; p < editor.GetNumberOfPoints(); ++p)
   {
-    if (!this->IsShown(p) || !IsFinite(this->Lattice.GetControlPoint(p)))
+    if (!this->IsShown(p) || !IsFinite(this->Positions[p]))
     {
       continue;
     }
@@ -248,7 +244,7 @@ std::vector<vtkFFDLatticeScene::Label> vtkFFDLatticeGeometry::MakeLabels(
   for (std::size_t p = 0; p < editor.GetNumberOfPoints(); ++p)
   {
     const bool named = editor.GetSelected()[p] || static_cast<std::ptrdiff_t>(p) == hovered;
-    if (named && this->IsShown(p) && IsFinite(this->Lattice.GetControlPoint(p)))
+    if (named && this->IsShown(p) && IsFinite(this->Positions[p]))
     {
       const glm::ivec3 at = this->Lattice.IndicesOf(p);
       labels.push_back({ this->GetPosition(p),

@@ -33,7 +33,7 @@ public:
   bool IsShown(std::size_t point) const;
 
   /// Position of a control point in the world.
-  glm::dvec3 GetPosition(std::size_t point) const;
+  const glm::dvec3& GetPosition(std::size_t point) const { return this->Positions[point]; }
 
   /// From control point to control point.
   Lines MakeStraightLines() const;
@@ -68,6 +68,7 @@ private:
   const ffd::Lattice& Lattice;
   glm::dmat4 DataToWorld;
   bool Interior;
+  std::vector<glm::dvec3> Positions; // of the control points, world
 };
 
 #endif

@@ -4,8 +4,6 @@
 // and leave the rest to ffd::LatticeEditor.
 #include "vtkFFDLatticeRepresentationInternals.h"
 
-#include "vtkFFDLatticeGeometry.h"
-
 #include "vtkCamera.h"
 #include "vtkCommand.h"
 #include "vtkIdTypeArray.h"

@@ -3,7 +3,6 @@
 #include "vtkFFDLatticeRepresentationInternals.h"
 
 #include "vtkFFDLatticeData.h"
-#include "vtkFFDLatticeGeometry.h"
 
 #include "vtkCommand.h"
 #include "vtkDoubleArray.h"
@@ -511,19 +510,17 @@ void vtkFFDLatticeRepresentation::vtkInternals::Build()
   const ShapeKey shape = this->FindShapeKey();
   const vtkMTimeType lookTime = this->Self->GetMTime();
   const bool lines = !(this->BuiltShape == shape);
-  const bool look = lines || this->LookTime != lookTime;
-  if (look)
+  if (lines || this->LookTime != lookTime)
   {
     this->Load();
-  }
-  if (lines)
-  {
-    this->BuildLines();
-    this->BuiltShape = shape;
-  }
-  if (look)
-  {
-    this->BuildGlyphs();
+    const vtkFFDLatticeGeometry geometry(
+      this->Editor.GetLattice(), shape.Matrix, this->Self->InteriorVisibility != 0);
+    if (lines)
+    {
+      this->BuildLines(geometry);
+      this->BuiltShape = shape;
+    }
+    this->BuildGlyphs(geometry);
     this->BuildLook();
     this->LookTime = lookTime;
     this->HasViewGeometry = false;
@@ -552,10 +549,8 @@ void vtkFFDLatticeRepresentation::vtkInternals::Build()
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDLatticeRepresentation::vtkInternals::BuildLines()
+void vtkFFDLatticeRepresentation::vtkInternals::BuildLines(const vtkFFDLatticeGeometry& geometry)
 {
-  const vtkFFDLatticeGeometry geometry(
-    this->Editor.GetLattice(), this->GetMatrix(), this->Self->InteriorVisibility != 0);
   const vtkFFDLatticeScene::Lines lines =
     this->Self->LineMode == CURVED ? geometry.MakeCurvedLines() : geometry.MakeStraightLines();
   double bounds[6];
@@ -567,10 +562,8 @@ void vtkFFDLatticeRepresentation::vtkInternals::BuildLines()
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDLatticeRepresentation::vtkInternals::BuildGlyphs()
+void vtkFFDLatticeRepresentation::vtkInternals::BuildGlyphs(const vtkFFDLatticeGeometry& geometry)
 {
-  const vtkFFDLatticeGeometry geometry(
-    this->Editor.GetLattice(), this->GetMatrix(), this->Self->InteriorVisibility != 0);
   vtkFFDLatticeGeometry::GlyphLook look;
   look.Size = this->Self->HandleSize;
   look.Plain = ToBytes(this->Looks[PointLook]->GetColor());

@@ -4,6 +4,7 @@
 #ifndef vtkFFDLatticeRepresentationInternals_h
 #define vtkFFDLatticeRepresentationInternals_h
 
+#include "vtkFFDLatticeGeometry.h"
 #include "vtkFFDLatticePicker.h"
 #include "vtkFFDLatticeRepresentation.h"
 #include "vtkFFDLatticeScene.h"
@@ -167,8 +168,8 @@ private:
     }
   };
   ShapeKey FindShapeKey() const;
-  void BuildLines();
-  void BuildGlyphs();
+  void BuildLines(const vtkFFDLatticeGeometry& geometry);
+  void BuildGlyphs(const vtkFFDLatticeGeometry& geometry);
   void BuildHandle(const vtkFFDProjection& projection);
   void BuildLook();
   bool HandleIsShown() const;

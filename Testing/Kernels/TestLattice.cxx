@@ -98,6 +98,12 @@ TEST(Lattice, ControlPointsAreNumberedXFastest)
   EXPECT_EQ(lattice.GetRestPoint({ 2, 3, 4 }), glm::dvec3(2.0, 6.0, 12.0));
   lattice.Net.Values[lattice.IndexOf({ 2, 3, 4 })] = { 1.0, 2.0, 3.0 };
   EXPECT_EQ(lattice.GetControlPoint(lattice.IndexOf({ 2, 3, 4 })), glm::dvec3(3.0, 8.0, 15.0));
+  const std::vector<glm::dvec3> points = lattice.GetControlPoints();
+  ASSERT_EQ(points.size(), index);
+  for (std::size_t p = 0; p < index; ++p)
+  {
+    ASSERT_EQ(points[p], lattice.GetControlPoint(p));
+  }
 }
 
 TEST(Lattice, ProblemsAreNamed)

@@ -161,7 +161,7 @@ TEST(LatticeEditor, RotationKeepsLengthsAboutAnyAxis)
   glm::dvec3 center;
   editor.GetSelectionCenter(center);
   ExpectNear(center, glm::dvec3(1.5), 1e-11);
-  const std::vector<glm::dvec3> positions = editor.GetPositions();
+  const std::vector<glm::dvec3> positions = editor.GetLattice().GetControlPoints();
   for (const int n : { 0, 17, 100, 215 })
   {
     const auto at = static_cast<std::size_t>(n);

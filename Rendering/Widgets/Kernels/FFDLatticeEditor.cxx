@@ -70,17 +70,6 @@ std::ptrdiff_t LatticeEditor::FindPoint(const glm::ivec3& at) const
 }
 
 //------------------------------------------------------------------------------
-std::vector<glm::dvec3> LatticeEditor::GetPositions() const
-{
-  std::vector<glm::dvec3> positions(this->GetNumberOfPoints());
-  for (std::size_t p = 0; p < positions.size(); ++p)
-  {
-    positions[p] = this->Edited.GetControlPoint(p);
-  }
-  return positions;
-}
-
-//------------------------------------------------------------------------------
 double LatticeEditor::GetSmallestSpacing() const
 {
   const glm::dvec3& spacing = this->Edited.Spacing;
@@ -233,12 +222,10 @@ void LatticeEditor::GrabPoints(const PointSet& points, std::ptrdiff_t leader)
     const auto first = std::find(points.begin(), points.end(), 1);
     this->Leader = first == points.end() ? 0 : static_cast<std::size_t>(first - points.begin());
   }
-  this->StartPositions.resize(points.size());
-  for (std::size_t p = 0; p < points.size(); ++p)
-  {
-    this->StartPositions[p] =
-      this->Edited.GetRestPoint(this->Edited.IndicesOf(p)) + this->StartDisplacements[p];
-  }
+  // Positions at the beginning of the edit, which may have moved some points already.
+  Lattice start = this->Edited;
+  start.Net.Values = this->StartDisplacements;
+  this->StartPositions = start.GetControlPoints();
   // The center is that of the leading side: the other only mirrors it.
   const glm::ivec3 lead = this->Edited.IndicesOf(this->Leader);
   glm::dvec3 sum(0.0);

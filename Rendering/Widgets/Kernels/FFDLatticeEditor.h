@@ -78,7 +78,6 @@ public:
   /// Index of control point (i, j, k), or None.
   std::ptrdiff_t FindPoint(const glm::ivec3& at) const;
 
-  std::vector<glm::dvec3> GetPositions() const;
   double GetSmallestSpacing() const;
   /// Of proportional editing.
   double GetEffectiveRadius() const;
