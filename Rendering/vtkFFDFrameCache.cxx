@@ -81,7 +81,7 @@ bool vtkFFDFrameCache::Update(
     secondAxis = { this->SecondAxisArray, this->SecondAxisArray->GetMTime() };
   }
   if (!this->Functions.Update(tools, this->Voxels.GetProduct(), this->Blocks.GetProduct(),
-        ffd::FindSource(property), this->Lookup, secondAxis) ||
+        ffd::FindSource(property, this->GetVolume().Components), this->Lookup, secondAxis) ||
     !ffd::MakeBlending(mapper, property, this->Functions->Facts, this->Blend, tools.Message) ||
     !ffd::MakeCropping(mapper, input, this->GetVolume(),
       mapper->GetCroppingSpace() == Mapper::DEFORMED, this->Crop, tools.Message) ||

@@ -90,8 +90,16 @@ MinMaxBlocks::Limits FindRangeOfWhole(
 }
 
 //------------------------------------------------------------------------------
-Source<vtkVolumeProperty> FindSource(vtkVolumeProperty* property)
+Source<vtkVolumeProperty> FindSource(vtkVolumeProperty* property, int components)
 {
+  for (int c = 0; c < components; ++c)
+  {
+    property->GetScalarOpacity(c);
+    property->GetGradientOpacity(c);
+    property->GetColorChannels(c) == 1
+      ? static_cast<vtkObject*>(property->GetGrayTransferFunction(c))
+      : property->GetRGBTransferFunction(c);
+  }
   vtkMTimeType time = property->GetMTime();
   for (const int label : property->GetLabelMapLabels())
   {

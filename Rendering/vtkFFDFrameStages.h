@@ -86,8 +86,9 @@ struct TransferFunctions
   std::uint64_t Visibility = 0; ///< another number when other scalars are transparent
 };
 
-/// A property with its time, which is later than its own: that of the functions of labels counts.
-Source<vtkVolumeProperty> FindSource(vtkVolumeProperty* property);
+/// A property with its time; that of the functions of labels counts, too. VTK makes the functions of
+/// `components` that are missing, which changes the property, when it is first asked for them.
+Source<vtkVolumeProperty> FindSource(vtkVolumeProperty* property, int components = 1);
 
 /// `secondAxis`: of two-dimensional functions, null for the gradient.
 Made MakeTransferFunctions(TransferFunctions& result, StageTools& tools,

@@ -8,7 +8,6 @@ getters, and others.
     python3 TestMapperObservers.py [SETTER]      one setter alone
 """
 
-import re
 import sys
 import unittest
 
@@ -16,10 +15,11 @@ import numpy as np
 import vtkffd
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401 (the window's implementation)
 import vtkmodules.vtkRenderingVolumeOpenGL2  # noqa: F401
-from TestHostileValues import make_image, make_lattice, make_property, signatures
+from ffdsetters import argument_lists, call, make_mask, make_plane, setters
+from TestHostileValues import make_image, make_lattice, make_property
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkObject, vtkUnsignedCharArray
-from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPlane, vtkPlaneCollection, vtkPlanes
+from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
+from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow, vtkVolume
 from vtkmodules.vtkRenderingVolume import vtkVolumeMapper
 
@@ -40,29 +40,6 @@ NOT_CALLED = {
 }
 #: The frame in progress is meant to change.
 ABORTS = {"SetAbortExecute", "AbortExecuteOn"}
-
-
-def make_mask():
-    mask = vtkImageData()
-    mask.SetDimensions(12, 12, 12)
-    mask.AllocateScalars(3, 1)  # VTK_UNSIGNED_CHAR
-    values = vtk_to_numpy(mask.GetPointData().GetScalars())
-    values[:] = 1
-    values[:600] = 0
-    return mask
-
-
-def make_plane():
-    plane = vtkPlane()
-    plane.SetOrigin(5.0, 6.0, 5.0)
-    plane.SetNormal(1.0, 0.5, 0.0)
-    return plane
-
-
-def make_planes():
-    planes = vtkPlaneCollection()
-    planes.AddItem(make_plane())
-    return planes
 
 
 class Scene:
@@ -119,62 +96,6 @@ class Scene:
 
 
 MASK = make_mask()
-OTHER_IMAGE = make_image(9, 5)
-OBJECTS = {
-    "vtkAbstractTransform": lambda: vtkffd.vtkFFDLattice(),
-    "vtkImageData": make_mask,
-    "vtkDataObject": lambda: OTHER_IMAGE,
-    "vtkDataSet": lambda: OTHER_IMAGE,
-    "vtkPlane": make_plane,
-    "vtkPlaneCollection": make_planes,
-    "vtkPlanes": vtkPlanes,
-    "vtkTextureObject": lambda: None,
-}
-
-
-def setters():
-    cls = vtkffd.vtkFFDInverseRayVolumeMapper
-    for name in sorted(set(dir(cls)) - set(dir(vtkObject))):
-        if re.match(r"(Set|Add|Remove|Select)[A-Z]|\w+(On|Off)$", name) and name not in NOT_CALLED:
-            for types in signatures(getattr(cls, name)):
-                yield name, types
-
-
-def other_values(kind, current):
-    """Values of a type: what the getter gives, and others."""
-    if kind == "float":
-        now = current if isinstance(current, float) else 1.0
-        return [now, 0.3 * now + 0.1, 2.0 * now + 0.5]
-    if kind in ("int", "bool"):
-        now = int(current) if isinstance(current, (int, bool)) else 1
-        return [now, 1 - now if now in (0, 1) else 0, 2]
-    if kind == "str":
-        return ["scalars", None]
-    if kind.startswith(("(", "[")):
-        count = kind.count(",") + 1
-        cast = float if "float" in kind else int
-        now = list(current) if isinstance(current, tuple) and len(current) == count else None
-        made = [cast(v) for v in ([2, 9] * count)[:count]]
-        return ([now] if now else []) + [made]
-    maker = OBJECTS.get(kind.split(".")[-1])
-    return [maker(), None] if maker else [None]
-
-
-def argument_lists(mapper, name, types):
-    getter = getattr(mapper, re.sub("^Set", "Get", name), None)
-    try:
-        current = getter() if getter and name.startswith("Set") else None
-    except TypeError:
-        current = None
-    if len(types) > 1 and isinstance(current, tuple) and len(current) == len(types):
-        lists = [other_values(kind, value) for kind, value in zip(types, current)]
-    elif len(types) > 2 and set(types) == {"float"}:
-        lists = [[2.0 + 7.0 * (i % 2), 3.0 + 5.0 * (i % 2)] for i in range(len(types))]
-    else:
-        lists = [other_values(kind, current) for kind in types]
-    longest = max((len(values) for values in lists), default=1)
-    for i in range(1 if name == "AddClippingPlane" else longest):  # VTK crashes with None
-        yield [values[min(i, len(values) - 1)] for values in lists]
 
 
 class TestMapperObservers(unittest.TestCase):
@@ -186,8 +107,8 @@ class TestMapperObservers(unittest.TestCase):
             self.assertGreater(len(np.unique(picture)), 20)
         called = set()
         changing = set()
-        for name, types in setters():
-            if ONLY and name != ONLY:
+        for name, types in setters(vtkffd.vtkFFDInverseRayVolumeMapper):
+            if name in NOT_CALLED or (ONLY and name != ONLY):
                 continue
             for arguments in argument_lists(scene.mapper, name, types):
                 scene.new_mapper()
@@ -246,15 +167,6 @@ class TestMapperObservers(unittest.TestCase):
             if name not in ABORTS and (late or not np.array_equal(during, expected)):
                 np.testing.assert_array_equal(during, before, "the frame in progress changed")
             np.testing.assert_array_equal(after, expected, "the next frame")
-
-
-def call(mapper, name, arguments):
-    """Whether the wrapping lets the call through."""
-    try:
-        getattr(mapper, name)(*arguments)
-    except (TypeError, ValueError, OverflowError):
-        return False
-    return True
 
 
 ONLY = sys.argv.pop(1) if len(sys.argv) > 1 and not sys.argv[1].startswith("-") else None
