@@ -991,6 +991,7 @@ private:
   // For looking at the volume point by point; false after an error.
   friend class vtkFFDVolumePicker;
   bool MakeProbeView(vtkFFDProbeView& view);
+  friend class vtkFFDFrameScene;
   vtkMTimeType GetSettingsTime();
 
   vtkAbstractTransform* Deformation = nullptr;

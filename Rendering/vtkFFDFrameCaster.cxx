@@ -1,0 +1,453 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDFrameCaster.h"
+
+#include "vtkFFDFrame.h"
+#include "vtkFFDFrameCache.h"
+#include "vtkFFDFramePlan.h"
+#include "vtkFFDFrameScene.h"
+#include "vtkFFDFrameStages.h"
+#include "vtkFFDInverseRayVolumeMapper.h"
+#include "vtkFFDKernelViews.h"
+#include "vtkFFDRayStatistics.h"
+
+#include "FFDClipToBox.h"
+#include "FFDRayCaster.h"
+
+#include "vtkMatrix4x4.h"
+#include "vtkVolume.h"
+#include "vtkVolumeProperty.h"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <bitset>
+#include <memory>
+#include <mutex>
+
+namespace
+{
+
+/// Reports of the progress of a frame of which no time is known; else the clock says when.
+constexpr std::size_t LeastReports = 16;
+
+/// Which part of an image of `rays` some quarters of tiles are, by their number.
+double FindPart(const std::vector<vtkFFDFrameCoherence::Part>& tiles, const glm::ivec2& rays)
+{
+  std::size_t count = 0;
+  for (const vtkFFDFrameCoherence::Part& tile : tiles)
+  {
+    count += std::bitset<4>(tile.Quarters).count();
+  }
+  // At the border of the image there may be fewer quarters to a tile.
+  const glm::ivec2 all = (rays + ffd::RayCaster::QuarterSize - 1) / ffd::RayCaster::QuarterSize;
+  return std::min(1.0, static_cast<double>(count) / std::max(1, all.x * all.y));
+}
+
+/// The rays of a frame are drawn over more pixels: those whose centres are nearer than a step.
+class Footprints
+{
+public:
+  Footprints(const vtkFFDImageRegion& region, const glm::ivec2& pixels)
+    : Pixels(pixels)
+    , Step(region.Step)
+    , Reach(region.Step > 1.0 ? region.Step : 0.5)
+  {
+  }
+
+  /// Calls work(depth) for the window depths, `all` of them, of the pixels of a ray.
+  template <class Work>
+  void ForEach(const std::vector<float>& all, int x, int y, const Work& work) const
+  {
+    const glm::dvec2 centre = (glm::dvec2(x, y) + 0.5) * this->Step;
+    const glm::ivec2 last = this->Pixels - 1;
+    const glm::ivec2 low =
+      glm::clamp(glm::ivec2(glm::floor(centre - this->Reach + 0.5)), glm::ivec2(0), last);
+    const glm::ivec2 high =
+      glm::clamp(glm::ivec2(glm::ceil(centre + this->Reach - 0.5)) - 1, low, last);
+    for (int py = low.y; py <= high.y; ++py)
+    {
+      for (int px = low.x; px <= high.x; ++px)
+      {
+        work(all[static_cast<std::size_t>(py) * this->Pixels.x + px]);
+      }
+    }
+  }
+
+private:
+  glm::ivec2 Pixels;
+  double Step;
+  double Reach;
+};
+
+} // namespace
+
+//------------------------------------------------------------------------------
+vtkFFDFrameCaster::vtkFFDFrameCaster(
+  vtkFFDInverseRayVolumeMapper* mapper, const vtkFFDFrameCache& cache)
+  : Mapper(mapper)
+  , Cache(cache)
+{
+}
+
+//------------------------------------------------------------------------------
+vtkFFDFrameCaster::~vtkFFDFrameCaster() = default;
+
+//------------------------------------------------------------------------------
+vtkFFDParallelFor vtkFFDFrameCaster::MakeParallelFor() const
+{
+  return vtkFFDParallelFor(this->Mapper->GetNumberOfThreads());
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDFrameCaster::CanReuse(vtkVolume* volume) const
+{
+  return this->Mapper->GetFrameCoherence() && !this->Mapper->GetCollectStatistics() &&
+    this->Cache.GetBlending().Mode != ffd::BlendMode::Slice &&
+    vtkFFDFramePlan::IsMoving(this->Mapper, volume);
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDFrameCaster::Cast(
+  vtkFFDFrame& frame, const View& view, const float* depths, float* outDepths)
+{
+  const vtkFFDImageRegion& region = view.Region;
+  const vtkFFDFrameScene views(
+    this->Mapper, this->Cache, view.Renderer, view.Volume, region, depths);
+  const ffd::CastScene& scene = views.Get();
+  const ffd::CastSettings settings =
+    vtkFFDFramePlan::MakeSettings(this->Mapper, this->Cache, view.Volume, view.Interactive);
+  ffd::CastImage image;
+  image.Width = region.Rays.x;
+  image.Height = region.Rays.y;
+  const std::size_t rays =
+    static_cast<std::size_t>(image.Width) * static_cast<std::size_t>(image.Height);
+  const bool layers = view.InWindow && depths && region.Step > 1.0;
+  if (layers == this->FirstVisible.empty())
+  {
+    this->Coherence.Clear();
+    this->FirstVisible.resize(layers ? rays : 0);
+  }
+  const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
+  std::unique_ptr<const ffd::RayCaster> made;
+  std::vector<vtkFFDFrameCoherence::Part> tiles;
+  if (view.InWindow && this->CanReuse(view.Volume))
+  {
+    const vtkFFDFrameCoherence::Sources sources = { view.SettingsTime,
+      this->Cache.GetVoxelsVersion(), this->Cache.GetFunctionsVersion(),
+      ffd::FindSource(view.Volume->GetProperty()), ffd::ToMatrix(view.Volume->GetMatrix()),
+      view.Interactive };
+    // Both take about as long.
+    parallelFor(2, [&](std::size_t first, std::size_t last) {
+      for (std::size_t task = first; task < last; ++task)
+      {
+        if (task == 0)
+        {
+          tiles =
+            this->Coherence.Begin(sources, scene, region, this->Cache.GetPullBack().RestBounds,
+              this->Mapper->GetFrameCoherenceTolerance(), this->Colours, this->FirstVisible);
+        }
+        else
+        {
+          made = std::make_unique<const ffd::RayCaster>(scene, settings);
+        }
+      }
+    });
+    image.Reaches = this->Coherence.GetReaches();
+  }
+  else
+  {
+    made = std::make_unique<const ffd::RayCaster>(scene, settings);
+    this->Coherence.Clear();
+    this->Colours.resize(4 * rays);
+    this->FirstVisible.resize(layers ? rays : 0);
+    for (int tile = 0; tile < made->GetNumberOfTiles(image); ++tile)
+    {
+      tiles.push_back({ tile, ffd::RayCaster::AllQuarters });
+    }
+  }
+  const ffd::RayCaster& caster = *made;
+  const double part = FindPart(tiles, region.Rays);
+  this->ReusedFraction = 1.0 - part;
+  image.Colours = this->Colours.data();
+  image.Depths = layers ? this->FirstVisible.data() : outDepths;
+
+  std::vector<ffd::RayCaster::Scratch> scratch(
+    static_cast<std::size_t>(parallelFor.GetNumberOfWorkers()));
+  // Observers may change the options.
+  const bool collect = this->Mapper->GetCollectStatistics() != 0;
+  this->FinalWindow = this->Mapper->GetFinalColorWindow();
+  this->FinalLevel = this->Mapper->GetFinalColorLevel();
+  std::atomic<std::size_t> next{ 0 };
+  std::mutex mutex;
+  std::vector<vtkFFDFrameCoherence::Part> stopped; // tiles that have begun
+  bool aborted = !frame.ReportCasting(0.0);
+  if (tiles.empty() && !aborted)
+  {
+    frame.ReportCasting(1.0);
+  }
+  const std::size_t most =
+    view.KnowsTime ? tiles.size() : tiles.size() / LeastReports + 1; // of tiles between reports
+  while (next < tiles.size() && !aborted)
+  {
+    const ffd::Deadline due = frame.GetNextReport();
+    const std::size_t end = std::min(tiles.size(), next + most);
+    parallelFor.RunWorkers([&](int worker) {
+      do
+      {
+        const std::size_t i = next++;
+        if (i >= end)
+        {
+          return;
+        }
+        vtkFFDFrameCoherence::Part& tile = tiles[i];
+        // A tile that stops evaluates some of the deformation again: that is not to be counted.
+        tile.First = caster.RenderTile(tile.Tile, image, scratch[static_cast<std::size_t>(worker)],
+          tile.Quarters, tile.First, collect ? ffd::NoDeadline : due);
+        if (tile.First == 0)
+        {
+          this->ApplyFinalColours(region, tile, this->Colours);
+        }
+        else
+        {
+          const std::lock_guard<std::mutex> lock(mutex);
+          stopped.push_back(tile);
+        }
+      } while (vtkFFDFrame::Clock::now() < due);
+    });
+    std::size_t begun = std::min<std::size_t>(next, end);
+    for (const vtkFFDFrameCoherence::Part& tile : stopped)
+    {
+      tiles[--begun] = tile;
+    }
+    stopped.clear();
+    next = begun;
+    aborted = !frame.ReportCasting(static_cast<double>(begun) / static_cast<double>(tiles.size()));
+  }
+  if (aborted)
+  {
+    this->Coherence.Clear();
+  }
+
+  if (collect && !aborted)
+  {
+    ffd::CastStatistics total;
+    for (const ffd::RayCaster::Scratch& each : scratch)
+    {
+      total.Add(ffd::RayCaster::GetStatistics(each));
+    }
+    this->Mapper->GetStatistics()->SetCounts(total.Rays, total.Segments, total.SegmentLength,
+      total.Samples, total.VisibleSamples, total.DistanceLookups, total.Evaluations,
+      total.Unconverged);
+  }
+  return !aborted;
+}
+
+//------------------------------------------------------------------------------
+/// The depths where rays end: at the farthest geometry of their pixels. Thin geometry would end
+/// those of the pixels beside it, too.
+const float* vtkFFDFrameCaster::FindRayDepths(
+  const vtkFFDImageRegion& region, const glm::ivec2& pixels)
+{
+  const std::size_t columns = static_cast<std::size_t>(region.Rays.x);
+  this->RayDepths.resize(columns * static_cast<std::size_t>(region.Rays.y));
+  const Footprints footprints(region, pixels);
+  this->MakeParallelFor()(
+    static_cast<std::size_t>(region.Rays.y), [&](std::size_t first, std::size_t last) {
+      for (std::size_t y = first; y < last; ++y)
+      {
+        for (std::size_t x = 0; x < columns; ++x)
+        {
+          float farthest = 0.0f;
+          footprints.ForEach(this->WindowDepths, static_cast<int>(x), static_cast<int>(y),
+            [&farthest](float depth) { farthest = std::max(farthest, depth); });
+          this->RayDepths[y * columns + x] = farthest;
+        }
+      }
+    });
+  return this->RayDepths.data();
+}
+
+//------------------------------------------------------------------------------
+/// After Cast() with these depths: where geometry is nearer in some of the pixels of a ray, what is
+/// seen in front of it. In front of the first visible sample that is nothing; a second ray is cast
+/// to the nearest geometry behind that.
+vtkFFDImageDisplay::Layers vtkFFDFrameCaster::CastLayers(const View& view, const glm::ivec2& pixels)
+{
+  const vtkFFDImageRegion& region = view.Region;
+  const vtkFFDFrameScene views(
+    this->Mapper, this->Cache, view.Renderer, view.Volume, region, nullptr);
+  const ffd::CastScene& scene = views.Get();
+  const ffd::BlendMode mode = scene.Blend.Mode;
+  const bool startsAtSample =
+    mode == ffd::BlendMode::Composite || mode == ffd::BlendMode::Isosurface;
+  const glm::ivec2& rays = region.Rays;
+  const std::size_t count = this->RayDepths.size();
+  const Footprints footprints(region, pixels);
+  const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
+  this->NearDepths.assign(count, 0.0f); // not cast
+  this->LayerDepths.assign(3 * count, -1.0f);
+  std::atomic<bool> any{ false };
+  parallelFor(static_cast<std::size_t>(rays.y), [&](std::size_t firstRow, std::size_t lastRow) {
+    for (int y = static_cast<int>(firstRow); y < static_cast<int>(lastRow); ++y)
+    {
+      for (int x = 0; x < rays.x; ++x)
+      {
+        const std::size_t at = static_cast<std::size_t>(y) * rays.x + x;
+        float nearest = 1.0f;
+        const auto find = [&](float low, float high) {
+          nearest = 1.0f;
+          footprints.ForEach(this->WindowDepths, x, y, [&](float depth) {
+            nearest = depth > low && depth < high ? std::min(nearest, depth) : nearest;
+          });
+        };
+        find(-1.0f, this->RayDepths[at]);
+        const glm::dvec2 p(x + 0.5, y + 0.5);
+        const ffd::CameraView& camera = scene.Camera;
+        const ffd::ViewRay ray = camera.MakeRay(p.x, p.y);
+        double from = 0.0;
+        double to = ray.Far;
+        if (nearest == 1.0f ||
+          !ClipToBox(ray.Origin, ray.Direction, scene.DeformedBounds, from, to))
+        {
+          continue;
+        }
+        const auto toT = [&](float depth) {
+          return camera.DepthToT(ray, p.x, p.y, static_cast<double>(depth));
+        };
+        const auto toDepth = [&](double t) {
+          return static_cast<float>(camera.ToDepth(ray.Origin + t * ray.Direction));
+        };
+        const float start = startsAtSample ? this->FirstVisible[at] : toDepth(from);
+        to = std::min(to, toT(this->RayDepths[at]));
+        float* depths = &this->LayerDepths[3 * at];
+        std::fill_n(depths, 3, start);
+        find(toDepth(toT(start) + scene.VoxelSize), toDepth(to - scene.VoxelSize));
+        if (nearest < 1.0f)
+        {
+          this->NearDepths[at] = depths[1] = nearest;
+          depths[2] = toDepth(to);
+        }
+        any = true;
+      }
+    }
+  });
+  if (!any)
+  {
+    return {};
+  }
+  this->CastNearer(view, scene);
+  vtkFFDImageDisplay::Layers layers;
+  layers.Colours = this->NearColours.data();
+  layers.Depths = this->LayerDepths.data();
+  layers.PixelDepths = this->WindowDepths.data();
+  for (int a = 0; a < 2; ++a)
+  {
+    layers.Pixels[a] = pixels[a];
+    layers.Origin[a] = region.Origin[a];
+    layers.Viewport[a] = region.Viewport[a];
+  }
+  return layers;
+}
+
+//------------------------------------------------------------------------------
+/// The rays that end at NearDepths; those of depth 0 are as they were cast.
+void vtkFFDFrameCaster::CastNearer(const View& view, ffd::CastScene scene)
+{
+  const vtkFFDImageRegion& region = view.Region;
+  scene.Depths = this->NearDepths.data();
+  const ffd::RayCaster caster(
+    scene, vtkFFDFramePlan::MakeSettings(this->Mapper, this->Cache, view.Volume, view.Interactive));
+  this->NearColours = this->Colours;
+  ffd::CastImage image;
+  image.Width = region.Rays.x;
+  image.Height = region.Rays.y;
+  image.Colours = this->NearColours.data();
+  constexpr int size = ffd::RayCaster::TileSize;
+  const int tilesPerRow = (image.Width + size - 1) / size;
+  const auto forEachRay = [&](int tile, const auto& work) {
+    const glm::ivec2 first(tile % tilesPerRow * size, tile / tilesPerRow * size);
+    const glm::ivec2 end = glm::min(first + size, region.Rays);
+    for (int y = first.y; y < end.y; ++y)
+    {
+      for (int x = first.x; x < end.x; ++x)
+      {
+        work(static_cast<std::size_t>(y) * image.Width + x);
+      }
+    }
+  };
+  const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
+  std::vector<ffd::RayCaster::Scratch> scratch(
+    static_cast<std::size_t>(parallelFor.GetNumberOfWorkers()));
+  std::atomic<int> nextTile{ 0 };
+  parallelFor.RunWorkers([&](int worker) {
+    const int tiles = caster.GetNumberOfTiles(image);
+    for (int tile = nextTile++; tile < tiles; tile = nextTile++)
+    {
+      bool any = false;
+      forEachRay(tile, [&](std::size_t at) { any = any || this->NearDepths[at] > 0.0f; });
+      if (!any)
+      {
+        continue;
+      }
+      const vtkFFDFrameCoherence::Part part{ tile, ffd::RayCaster::AllQuarters };
+      caster.RenderTile(tile, image, scratch[static_cast<std::size_t>(worker)], part.Quarters);
+      this->ApplyFinalColours(region, part, this->NearColours);
+      forEachRay(tile, [&](std::size_t at) {
+        if (this->NearDepths[at] == 0.0f)
+        {
+          std::copy_n(&this->Colours[4 * at], 4, &this->NearColours[4 * at]);
+        }
+      });
+    }
+  });
+}
+
+//------------------------------------------------------------------------------
+/// Window and level of the colours of a finished tile.
+void vtkFFDFrameCaster::ApplyFinalColours(const vtkFFDImageRegion& region,
+  const vtkFFDFrameCoherence::Part& tile, std::vector<float>& colours) const
+{
+  const double window = this->FinalWindow;
+  const double level = this->FinalLevel;
+  if (window == 1.0 && level == 0.5)
+  {
+    return;
+  }
+  const float scale = static_cast<float>(1.0 / window);
+  const float bias = static_cast<float>(0.5 - level / window);
+  constexpr int size = ffd::RayCaster::TileSize;
+  const int tilesPerRow = (region.Rays.x + size - 1) / size;
+  const glm::ivec2 first(tile.Tile % tilesPerRow * size, tile.Tile / tilesPerRow * size);
+  const glm::ivec2 end = glm::min(first + size, region.Rays);
+  for (int y = first.y; y < end.y; ++y)
+  {
+    for (int x = first.x; x < end.x; ++x)
+    {
+      const glm::ivec2 quarter = (glm::ivec2(x, y) - first) / ffd::RayCaster::QuarterSize;
+      if ((tile.Quarters >> (quarter.x + 2 * quarter.y) & 1u) == 0)
+      {
+        continue;
+      }
+      float* pixel = &colours[4 * (static_cast<std::size_t>(y) * region.Rays.x + x)];
+      for (int c = 0; c < 3; ++c)
+      {
+        pixel[c] = std::clamp(pixel[c] * scale + bias * pixel[3], 0.0f, 1.0f);
+      }
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDFrameCaster::ReleaseImages()
+{
+  this->Coherence.Clear();
+  std::vector<float>().swap(this->Colours);
+  std::vector<float>().swap(this->WindowDepths);
+  std::vector<float>().swap(this->RayDepths);
+  std::vector<float>().swap(this->FirstVisible);
+  std::vector<float>().swap(this->NearDepths);
+  std::vector<float>().swap(this->LayerDepths);
+  std::vector<float>().swap(this->NearColours);
+}

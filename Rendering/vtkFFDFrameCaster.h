@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkFFDFrameCaster
+ * @brief   casts the rays of a frame, with progress, and keeps its picture
+ *
+ * Private to this module: not installed, not wrapped. Parts of the last picture are shown again
+ * where vtkFFDFrameCoherence says so. The mapper and its cache must outlive it.
+ */
+#ifndef vtkFFDFrameCaster_h
+#define vtkFFDFrameCaster_h
+
+#include "vtkFFDFrameCoherence.h"
+#include "vtkFFDImageDisplay.h"
+#include "vtkFFDImageRegion.h"
+#include "vtkFFDParallelFor.h"
+
+#include "FFDCastScene.h"
+
+#include "vtkType.h"
+
+#include <glm/vec2.hpp>
+
+#include <vector>
+
+class vtkFFDFrame;
+class vtkFFDFrameCache;
+class vtkFFDInverseRayVolumeMapper;
+class vtkRenderer;
+class vtkVolume;
+
+class vtkFFDFrameCaster
+{
+public:
+  vtkFFDFrameCaster(vtkFFDInverseRayVolumeMapper* mapper, const vtkFFDFrameCache& cache);
+  ~vtkFFDFrameCaster();
+  vtkFFDFrameCaster(const vtkFFDFrameCaster&) = delete;
+  vtkFFDFrameCaster& operator=(const vtkFFDFrameCaster&) = delete;
+
+  /// What is cast.
+  struct View
+  {
+    vtkRenderer* Renderer = nullptr;
+    vtkVolume* Volume = nullptr;
+    vtkFFDImageRegion Region;
+    bool Interactive = false;      ///< see vtkFFDFramePlan::PlaceRays()
+    bool InWindow = false;         ///< else it is for a selector or an image
+    bool KnowsTime = false;        ///< about how long it takes
+    vtkMTimeType SettingsTime = 0; ///< of the mapper, without its deformation
+  };
+
+  /**
+   * Make the picture. `depths`, one a ray, or null: those of what is already drawn; `outDepths`, or
+   * null: those of the first visible samples. False after an abort.
+   */
+  bool Cast(vtkFFDFrame& frame, const View& view, const float* depths, float* outDepths);
+
+  /// The picture: premultiplied colours, 4 floats a ray.
+  std::vector<float>& GetColours() { return this->Colours; }
+
+  /// Window depths of the pixels of a frame: to be written to before Cast().
+  std::vector<float>& GetWindowDepths() { return this->WindowDepths; }
+
+  /// Those of the rays, for Cast(): rays may be farther apart than pixels.
+  const float* FindRayDepths(const vtkFFDImageRegion& region, const glm::ivec2& pixels);
+
+  /// After Cast() with the depths of FindRayDepths(), see vtkFFDImageDisplay.
+  vtkFFDImageDisplay::Layers CastLayers(const View& view, const glm::ivec2& pixels);
+
+  /// Whether the frame may show parts of the last one again: while the scene moves only, so that no
+  /// still picture depends on what was drawn before it.
+  bool CanReuse(vtkVolume* volume) const;
+
+  vtkFFDFrameCoherence& GetCoherence() { return this->Coherence; }
+  const vtkFFDFrameCoherence& GetCoherence() const { return this->Coherence; }
+  double GetReusedFraction() const { return this->ReusedFraction; }
+
+  /// The images are as large as the window, and made anew with every frame.
+  void ReleaseImages();
+
+private:
+  vtkFFDParallelFor MakeParallelFor() const;
+  void CastNearer(const View& view, ffd::CastScene scene);
+  void ApplyFinalColours(const vtkFFDImageRegion& region, const vtkFFDFrameCoherence::Part& tile,
+    std::vector<float>& colours) const;
+
+  vtkFFDInverseRayVolumeMapper* Mapper; // not owned
+  const vtkFFDFrameCache& Cache;
+
+  std::vector<float> Colours;
+  double FinalWindow = 1.0; // of the frame in progress
+  double FinalLevel = 0.5;
+  std::vector<float> WindowDepths; // of the pixels of the last frame
+  std::vector<float> RayDepths;    // of its rays, where these are not the pixels
+  std::vector<float> FirstVisible; // depths of their samples; empty where not needed
+  std::vector<float> NearDepths;   // of rays that end before them; 0 where there is none
+  std::vector<float> NearColours;
+  std::vector<float> LayerDepths; // see vtkFFDImageDisplay::Layers
+  vtkFFDFrameCoherence Coherence;
+  double ReusedFraction = 0.0;
+};
+
+#endif

@@ -1,0 +1,226 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDFramePlan.h"
+
+#include "vtkFFDFrame.h"
+#include "vtkFFDFrameCache.h"
+#include "vtkFFDFrameScene.h"
+#include "vtkFFDInverseRayVolumeMapper.h"
+#include "vtkFFDKernelViews.h"
+
+#include "FFDRayCaster.h"
+
+#include "vtkMath.h"
+#include "vtkMatrix4x4.h"
+#include "vtkVolume.h"
+#include "vtkVolumeProperty.h"
+
+#include <glm/common.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/vector_relational.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace
+{
+
+constexpr double Infinity = std::numeric_limits<double>::infinity();
+
+/// Longest piece when the curvature bound sets the length, voxels.
+constexpr double LongestAutomaticSegment = 64.0;
+
+/// Longest piece that can be asked for, and longest minimum, voxels: beyond, a ray would have none.
+constexpr double LongestSegment = 1e4;
+constexpr double LongestMinimum = 64.0;
+
+/// Longest piece of ERROR_BOUND, voxels.
+constexpr double LongestPiece = 64.0;
+
+/// The image sample distance stays as it is if it need not change by more than this part of it, and
+/// is rounded up to so many steps a pixel: then tiles lie on whole pixels.
+constexpr double StepHysteresis = 0.15;
+constexpr double StepsPerPixel = 8.0;
+
+/// Shortest piece and sample distance, voxels: below, an image would take for ever.
+constexpr double ShortestLength = 1e-3;
+
+} // namespace
+
+//------------------------------------------------------------------------------
+ffd::CastSettings vtkFFDFramePlan::MakeSettings(vtkFFDInverseRayVolumeMapper* mapper,
+  const vtkFFDFrameCache& cache, vtkVolume* volume, bool interactive)
+{
+  const double voxelSize = cache.GetVoxelSize();
+  ffd::CastSettings settings;
+  settings.Segments = mapper->GetSegmentation() == vtkFFDInverseRayVolumeMapper::GREEDY_ANGLE
+    ? ffd::Segmentation::GreedyAngle
+    : ffd::Segmentation::ErrorBound;
+  settings.Leaping = !cache.GetDistances() ? ffd::SpaceLeaping::Off
+    : mapper->GetSpaceLeaping() == vtkFFDInverseRayVolumeMapper::SEGMENT
+    ? ffd::SpaceLeaping::Segment
+    : ffd::SpaceLeaping::Lipschitz;
+  settings.Opacity = mapper->GetOpacityLength() == vtkFFDInverseRayVolumeMapper::WORLD
+    ? ffd::OpacityLength::World
+    : ffd::OpacityLength::Material;
+  settings.TerminationTransmittance = static_cast<float>(mapper->GetEarlyRayTerminationThreshold());
+  settings.InverseTolerance = mapper->GetInverseTolerance();
+  settings.Reference = mapper->GetReferenceKernels() != 0;
+  settings.Shade = volume->GetProperty()->GetShade(0) != 0;
+  settings.Jitter = mapper->GetUseJittering() != 0;
+  if (mapper->GetLockSampleDistanceToInputSpacing())
+  {
+    settings.SampleDistance = (interactive ? 2.0 : 1.0) * voxelSize;
+  }
+  else
+  {
+    settings.SampleDistance =
+      interactive ? mapper->GetInteractiveSampleDistance() : mapper->GetSampleDistance();
+  }
+  settings.SampleDistance = std::max(settings.SampleDistance, ShortestLength * voxelSize);
+
+  const double angle = vtkMath::RadiansFromDegrees(mapper->GetAngleThreshold());
+  const double shortest =
+    std::clamp(mapper->GetMinimumSegmentLength(), ShortestLength, LongestMinimum);
+  double longest = std::min(mapper->GetMaximumSegmentLength(), LongestSegment);
+  if (longest == 0.0)
+  {
+    longest = LongestAutomaticSegment;
+    const ffd::BoundedPullBack& map = cache.GetPullBack();
+    const double rate = settings.Segments == ffd::Segmentation::GreedyAngle
+      ? map.Bounds.FindLargestTurnRate(
+          ffd::InvertsTheField(map.Map.GetKind()) ? map.RestBounds : map.DeformedBounds)
+      : 0.0;
+    if (rate > 0.0)
+    {
+      // The rate is per data unit; so is the shortest edge of a voxel.
+      longest = std::min(longest, angle / (rate * voxelSize));
+    }
+  }
+  const double longestPiece =
+    mapper->GetMaximumSegmentLength() == 0.0 ? LongestPiece : std::min(longest, LongestPiece);
+  longest = std::max(longest, shortest);
+  settings.Polyline.AngleThreshold = angle;
+  settings.Polyline.MinimumLength = shortest * voxelSize;
+  settings.Polyline.MaximumLength = longest * voxelSize;
+  settings.Pieces.Longest = std::max(longestPiece, shortest) * voxelSize;
+  settings.Pieces.Shortest = shortest * voxelSize;
+  settings.Pieces.PositionTolerance = mapper->GetPositionTolerance();
+  return settings;
+}
+
+//------------------------------------------------------------------------------
+vtkFFDImageRegion vtkFFDFramePlan::FindRegion(
+  const ffd::Box& visible, vtkRenderer* renderer, vtkVolume* volume, const vtkFFDImageRegion& whole)
+{
+  vtkFFDImageRegion region = whole;
+  region.Rays = glm::ivec2(0);
+  if (glm::any(glm::lessThanEqual(visible.Max, visible.Min)))
+  {
+    return region;
+  }
+  const ffd::CameraView camera = ffd::MakeCameraView(renderer, whole);
+  const glm::dmat4 toNdc = camera.WorldToNdc * ffd::ToMatrix(volume->GetMatrix());
+  glm::dvec2 lo(Infinity);
+  glm::dvec2 hi(-Infinity);
+  bool behind = false;
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const glm::dvec3 p((corner & 1 ? visible.Max : visible.Min).x,
+      (corner & 2 ? visible.Max : visible.Min).y, (corner & 4 ? visible.Max : visible.Min).z);
+    const glm::dvec4 clip = toNdc * glm::dvec4(p, 1.0);
+    // Behind the near plane the projection means nothing.
+    behind = behind || !(clip.w > 0.0) || !(clip.z >= -clip.w);
+    const glm::dvec2 ndc = glm::dvec2(clip) / clip.w;
+    lo = glm::min(lo, ndc);
+    hi = glm::max(hi, ndc);
+  }
+  if (behind)
+  {
+    lo = glm::dvec2(-1.0);
+    hi = glm::dvec2(1.0);
+  }
+  const glm::dvec2 size(whole.Viewport);
+  const glm::dvec2 first = glm::floor(0.5 * (glm::clamp(lo, -1.0, 1.0) + 1.0) * size);
+  const glm::dvec2 last = glm::ceil(0.5 * (glm::clamp(hi, -1.0, 1.0) + 1.0) * size);
+  // Rays of a tile share evaluations: with the same tiles a picture is the same in a window, as an
+  // image, and in the boxes of several processes, whatever part of the viewport it covers.
+  region.Origin = glm::ivec2(first);
+  region.Origin -= region.Origin % ffd::RayCaster::TileSize;
+  region.Rays = glm::ivec2(last) - region.Origin;
+  return region;
+}
+
+//------------------------------------------------------------------------------
+/// As VTK's ray casters: a second or more is time for a still picture.
+bool vtkFFDFramePlan::IsMoving(vtkFFDInverseRayVolumeMapper* mapper, vtkVolume* volume)
+{
+  return volume->GetAllocatedRenderTime() < 1.0 / mapper->GetInteractiveUpdateRate();
+}
+
+//------------------------------------------------------------------------------
+double vtkFFDFramePlan::FindStep(
+  vtkFFDInverseRayVolumeMapper* mapper, double allotted, const glm::ivec2& pixels) const
+{
+  const double least = mapper->GetMinimumImageSampleDistance();
+  const double most = std::max(least, mapper->GetMaximumImageSampleDistance());
+  const double estimate = this->TimePerRay * pixels.x * pixels.y;
+  const double wanted =
+    std::clamp(allotted > 0.0 ? std::sqrt(estimate / allotted) : 1.0, least, most);
+  // Frames of another distance have nothing in common with the last one.
+  if (this->LastStep >= least && this->LastStep <= most &&
+    std::abs(this->LastStep - wanted) <= StepHysteresis * wanted)
+  {
+    return this->LastStep;
+  }
+  return std::min(most, std::ceil(wanted * StepsPerPixel) / StepsPerPixel);
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDFramePlan::PlaceRays(
+  vtkFFDInverseRayVolumeMapper* mapper, vtkVolume* volume, bool shown, vtkFFDImageRegion& region)
+{
+  const glm::ivec2 pixels = region.Rays;
+  const bool interactive =
+    shown && mapper->GetAutoAdjustSampleDistances() && IsMoving(mapper, volume);
+  region.Step = shown ? mapper->GetImageSampleDistance() : 1.0;
+  if (shown && mapper->GetAutoAdjustSampleDistances())
+  {
+    const double least = mapper->GetMinimumImageSampleDistance();
+    region.Step = interactive
+      ? this->FindStep(mapper, volume->GetAllocatedRenderTime(), pixels)
+      : std::min(std::max(1.0, least), std::max(least, mapper->GetMaximumImageSampleDistance()));
+  }
+  this->LastStep = interactive ? region.Step : 0.0;
+  region.Rays = glm::max(glm::ivec2(1), glm::ivec2(glm::ceil(glm::dvec2(pixels) / region.Step)));
+  return interactive;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDFramePlan::NoteFrame(double seconds, const vtkFFDImageRegion& region,
+  const glm::ivec2& pixels, bool interactive, double reusedFraction)
+{
+  // Part of a picture tells the least that all of it would take.
+  const double rays = static_cast<double>(region.Rays.x) * region.Rays.y;
+  const double perRay = seconds / rays * (interactive ? 1.0 : 0.5);
+  this->TimePerRay = reusedFraction > 0.0 ? std::max(this->TimePerRay, perRay) : perRay;
+  this->LastPixels = static_cast<double>(pixels.x) * pixels.y;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDFramePlan::NoteStillTime(vtkFFDInverseRayVolumeMapper* mapper, const vtkFFDFrame& frame,
+  const glm::ivec2& pixels, bool interactive)
+{
+  if (!interactive)
+  {
+    // What has been cast of an aborted one tells of the rest.
+    const double part = frame.GetCastPart();
+    this->StillTime = part > 0.0 ? frame.GetSeconds() / part : this->StillTime;
+    return;
+  }
+  const double samples = mapper->GetLockSampleDistanceToInputSpacing()
+    ? 2.0
+    : mapper->GetInteractiveSampleDistance() / mapper->GetSampleDistance();
+  this->StillTime = this->TimePerRay * pixels.x * pixels.y * std::max(1.0, samples);
+}

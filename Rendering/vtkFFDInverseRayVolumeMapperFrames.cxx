@@ -1,0 +1,681 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// The frames of vtkFFDInverseRayVolumeMapper: in windows, for selectors, as images; rays and
+// points.
+#include "vtkFFDInverseRayVolumeMapperInternals.h"
+
+#include "vtkFFDFrameOutput.h"
+#include "vtkFFDFrameScene.h"
+#include "vtkFFDGuard.h"
+#include "vtkFFDKernelViews.h"
+#include "vtkFFDProbeView.h"
+#include "vtkFFDTracedRays.h"
+
+#include "FFDRayCaster.h"
+#include "FFDSingularMatrix.h"
+
+#include "vtkCamera.h"
+#include "vtkDataArray.h"
+#include "vtkHardwareSelector.h"
+#include "vtkIdTypeArray.h"
+#include "vtkInformation.h"
+#include "vtkInformationObjectBaseVectorKey.h"
+#include "vtkLight.h"
+#include "vtkLightCollection.h"
+#include "vtkMatrix4x4.h"
+#include "vtkOpenGLRenderPass.h"
+#include "vtkPointData.h"
+#include "vtkPolyData.h"
+#include "vtkRenderer.h"
+#include "vtkRenderWindow.h"
+#include "vtkSmartPointer.h"
+#include "vtkTimerLog.h"
+#include "vtkVolume.h"
+#include "vtkVolumeProperty.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace
+{
+
+constexpr int LargestImageSide = 16384;
+
+/// Of an image while it is made: colours and depth as floats, and what they become.
+constexpr double BytesPerPixel = 28.0;
+
+/// Whether a pass of depth peeling asks for the volume between translucent surfaces: it wants the
+/// shader of the volume changed, and what is drawn without that is not a picture.
+bool IsPeeled(vtkRenderer* renderer, vtkVolume* volume)
+{
+  vtkInformation* keys = volume->GetPropertyKeys();
+  vtkInformationObjectBaseVectorKey* passes = vtkOpenGLRenderPass::RenderPasses();
+  if (!renderer->GetUseDepthPeelingForVolumes() || !keys || !keys->Has(passes))
+  {
+    return false;
+  }
+  for (int i = 0; i < passes->Length(keys); ++i)
+  {
+    if (passes->Get(keys, i)->IsA("vtkDepthPeelingPass"))
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::Update(
+  vtkVolumeProperty* property, std::string& message)
+{
+  ffd::StageTools tools;
+  tools.Parallel = this->MakeParallelFor();
+  const bool ok = this->Cache.Update(this->Self, property, tools);
+  message = tools.Message;
+  return ok;
+}
+
+//------------------------------------------------------------------------------
+/// Update everything for the frame in progress. False after an error or, without a message, an
+/// abort. What observers of the progress change meanwhile is part of the frame, what they change
+/// later is not.
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::Prepare(vtkVolume* volume, std::string& message)
+{
+  try
+  {
+    if (vtkAlgorithm* algorithm = this->Self->GetInputAlgorithm())
+    {
+      algorithm->UpdateWholeExtent();
+    }
+    this->Quiet = false;
+    bool ok = this->Update(volume->GetProperty(), message);
+    if (this->Frame->HasReported())
+    {
+      this->Quiet = true;
+      message.clear();
+      ok = this->Update(volume->GetProperty(), message);
+    }
+    this->Prepared = ok;
+  }
+  catch (const vtkFFDFrame::Aborted&)
+  {
+    return false;
+  }
+  if (this->Prepared)
+  {
+    this->Frame->Hold(this->Cache.GetArrays());
+  }
+  return this->Prepared;
+}
+
+//------------------------------------------------------------------------------
+/// Whether a frame is in progress, with an error that tells so.
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::Refuse(const char* what) const
+{
+  if (this->Frame)
+  {
+    vtkErrorWithObjectMacro(
+      this->Self, << what
+                  << " was called while the mapper renders, by an observer of its events: that is "
+                     "not possible. "
+                     "Call it after the frame, as in an observer of the render window's EndEvent.");
+  }
+  return this->Frame != nullptr;
+}
+
+//------------------------------------------------------------------------------
+vtkFFDParallelFor vtkFFDInverseRayVolumeMapper::vtkInternals::MakeParallelFor() const
+{
+  vtkFFDParallelFor::Listener listener;
+  if (vtkFFDFrame* frame = this->Quiet || this->Prepared ? nullptr : this->Frame)
+  {
+    listener = { [frame] { return frame->GetNextReport(); },
+      [frame](double part) { frame->ReportPreparation(part); } };
+  }
+  return vtkFFDParallelFor(this->Self->NumberOfThreads, std::move(listener));
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::CheckView(
+  vtkRenderer* renderer, vtkVolume* volume, std::string& message)
+{
+  volume->ComputeMatrix();
+  if (ffd::IsSingular(glm::dmat3(ffd::ToMatrix(volume->GetMatrix()))))
+  {
+    message = "The matrix of the volume is singular or not a number: it has no inside to render. "
+              "Check its scale.";
+    return false;
+  }
+  const ffd::CameraView camera = ffd::MakeCameraView(renderer, vtkFFDImageRegion(glm::ivec2(1)));
+  const ffd::ViewRay ray = camera.MakeRay(0.5, 0.5);
+  if (!std::isfinite(glm::dot(ray.Origin, ray.Origin)) || !(ray.Far > 0.0) ||
+    !std::isfinite(ray.Far))
+  {
+    message = "The camera of the renderer has no viewing ray: its position, focal point, scale or "
+              "clipping range is not a number or makes the projection singular. Check them, or "
+              "call ResetCamera().";
+    return false;
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::vtkInternals::ReleaseImages()
+{
+  this->Caster.ReleaseImages();
+  std::vector<float>().swap(this->LastColours);
+  std::vector<float>().swap(this->VisibleDepths);
+  this->Shown = View();
+  this->Last = View();
+}
+
+//------------------------------------------------------------------------------
+/// Changes with what a frame is made from.
+vtkMTimeType vtkFFDInverseRayVolumeMapper::vtkInternals::FindSceneTime(vtkVolume* volume) const
+{
+  return std::max(this->Self->GetMTime(), volume->GetMTime());
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDInverseRayVolumeMapper::PreLoadData(vtkRenderer*, vtkVolume* volume)
+{
+  if (!volume)
+  {
+    vtkErrorMacro(<< "PreLoadData: the volume is null.");
+    return false;
+  }
+  if (this->Internals->Refuse("PreLoadData()"))
+  {
+    return false;
+  }
+  if (this->GetInputAlgorithm())
+  {
+    this->GetInputAlgorithm()->UpdateWholeExtent();
+  }
+  std::string message;
+  if (!this->Internals->Update(volume->GetProperty(), message))
+  {
+    vtkErrorMacro(<< message);
+    return false;
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDInverseRayVolumeMapper::MakeProbeView(vtkFFDProbeView& view)
+{
+  vtkInternals& in = *this->Internals;
+  if (in.Frame && !in.Prepared && in.Refuse("A look at the volume"))
+  {
+    return false;
+  }
+  // During a frame it is that of the frame.
+  if (!in.Frame)
+  {
+    if (this->GetInputAlgorithm())
+    {
+      this->GetInputAlgorithm()->UpdateWholeExtent();
+    }
+    ffd::StageTools tools;
+    tools.Parallel = in.MakeParallelFor();
+    bool known = false;
+    if (!vtkFFDGuard(this, "The volume", [&] { known = in.Cache.UpdateProbe(this, tools); }))
+    {
+      return false;
+    }
+    if (!known)
+    {
+      vtkErrorMacro(<< tools.Message);
+      return false;
+    }
+  }
+  const vtkFFDFrameCache& cache = in.Cache;
+  view.Crop = cache.GetCropping();
+  view.Volume = cache.GetVolume();
+  view.Hidden = cache.GetHidden();
+  view.Mask = cache.GetMask();
+  view.Map = cache.GetPullBack().Map;
+  // A little more than the bounds: a ray is to be seen coming in through a face that lies on them.
+  const double margin = 0.01 * cache.GetVoxelSize();
+  const double* clip = this->ClipBox;
+  const ffd::Box& deformed = cache.GetPullBack().DeformedBounds;
+  view.Deformed = { glm::max(deformed.Min - margin, glm::dvec3(clip[0], clip[2], clip[4])),
+    glm::min(deformed.Max + margin, glm::dvec3(clip[1], clip[3], clip[5])) };
+  return true;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
+{
+  vtkFFDGuard(this, "Render", [&] { this->RenderInWindow(renderer, volume); });
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolume* volume)
+{
+  vtkHardwareSelector* selector = renderer->GetSelector();
+  // Render passes do not look at whether a prop can be picked.
+  if (selector && (!volume->GetPickable() || !vtkFFDIsPassRead(selector)))
+  {
+    return;
+  }
+  // Else it is for a selector or an image.
+  const bool shown = !selector && !this->RendersToImage;
+  vtkInternals& in = *this->Internals;
+  if (IsPeeled(renderer, volume))
+  {
+    // A frame has several passes.
+    if (!in.ToldOfPeeling)
+    {
+      vtkErrorMacro(
+        "UseDepthPeelingForVolumes of the renderer is on, but only VTK's GPU mapper can be "
+        "peeled together with translucent surfaces: the volume is left out. Call "
+        "UseDepthPeelingForVolumesOff() of the renderer.");
+    }
+    in.ToldOfPeeling = true;
+    return;
+  }
+  in.ToldOfPeeling = false;
+  if (in.Refuse("Render()"))
+  {
+    return;
+  }
+  vtkRenderWindow* window = renderer->GetRenderWindow();
+  vtkFFDFrame frame(in.Frame, this, renderer, volume, window);
+  frame.SetReportsProgress(this->ReportProgress);
+  in.Prepared = false;
+  std::string message;
+  if (!in.Prepare(volume, message) || !in.CheckView(renderer, volume, message))
+  {
+    if (!message.empty())
+    {
+      vtkErrorMacro(<< message);
+    }
+    return;
+  }
+
+  // A render pass may draw into a framebuffer of its own, but surfaces keep the aspect ratio.
+  int viewport[4];
+  vtkFFDImageDisplay::FindViewport(renderer, viewport);
+  if (viewport[2] < 1 || viewport[3] < 1)
+  {
+    return;
+  }
+  vtkNew<vtkTimerLog> timer;
+  timer->StartTimer();
+  vtkFFDImageRegion whole(glm::ivec2(viewport[2], viewport[3]));
+  whole.Aspect = renderer->GetTiledAspectRatio();
+  whole.Stereo = true;
+  vtkFFDImageRegion region = selector || shown
+    ? vtkFFDFramePlan::FindRegion(
+        vtkFFDFrameScene::FindVisibleBounds(this, in.Cache), renderer, volume, whole)
+    : whole;
+  if (selector)
+  {
+    unsigned int area[4];
+    selector->GetArea(area);
+    const glm::ivec2 corner(viewport[0], viewport[1]);
+    const glm::ivec2 first = glm::max(glm::ivec2(area[0], area[1]) - corner, region.Origin);
+    const glm::ivec2 last =
+      glm::min(glm::ivec2(area[2], area[3]) - corner, region.Origin + region.Rays - 1);
+    region.Origin = first;
+    region.Rays = last - first + 1;
+  }
+  glm::ivec2 pixels = region.Rays;
+  if (pixels.x < 1 || pixels.y < 1)
+  {
+    return;
+  }
+  const bool interactive = in.Plan.PlaceRays(this, volume, shown, region);
+  if (shown && in.Caster.CanReuse(volume))
+  {
+    in.Caster.GetCoherence().Align(region);
+    pixels = glm::min(glm::ivec2(glm::ceil(glm::dvec2(region.Rays) * region.Step)),
+      region.Viewport - region.Origin);
+  }
+
+  const float* depths = nullptr;
+  if (this->IntermixIntersectingGeometry)
+  {
+    const int rectangle[4] = { viewport[0] + region.Origin.x, viewport[1] + region.Origin.y,
+      pixels.x, pixels.y };
+    std::vector<float>& all = in.Caster.GetWindowDepths();
+    all.resize(static_cast<std::size_t>(pixels.x) * static_cast<std::size_t>(pixels.y));
+    const bool read = vtkFFDImageDisplay::ReadDepths(renderer, rectangle, all.data());
+    // Where nothing opaque was drawn there is nothing to stop at.
+    if (read && std::any_of(all.begin(), all.end(), [](float depth) { return depth < 1.0f; }))
+    {
+      depths = region.Rays != pixels ? in.Caster.FindRayDepths(region, pixels) : all.data();
+    }
+  }
+
+  float* visibleDepths = nullptr;
+  if (!shown)
+  {
+    in.VisibleDepths.resize(
+      static_cast<std::size_t>(region.Rays.x) * static_cast<std::size_t>(region.Rays.y));
+    visibleDepths = in.VisibleDepths.data();
+  }
+  vtkInternals::View view;
+  view.Region = region;
+  view.DataToNdc =
+    ffd::MakeCameraView(renderer, whole).WorldToNdc * ffd::ToMatrix(volume->GetMatrix());
+  if (in.Shown.Complete && !(shown && in.Caster.CanReuse(volume)))
+  {
+    in.Caster.GetColours().swap(in.LastColours);
+    in.Last = in.Shown;
+  }
+  in.Shown.Complete = false;
+  const vtkMTimeType sceneTime = in.FindSceneTime(volume);
+  vtkFFDFrameCaster::View cast;
+  cast.Renderer = renderer;
+  cast.Volume = volume;
+  cast.Region = region;
+  cast.Interactive = interactive;
+  cast.InWindow = shown;
+  cast.KnowsTime = in.Plan.KnowsTime();
+  cast.SettingsTime = this->GetSettingsTime();
+  const bool done = in.Caster.Cast(frame, cast, depths, visibleDepths);
+  timer->StopTimer();
+  if (!done && !(shown && in.Last.IsSameAs(view)))
+  {
+    return;
+  }
+  if (selector && !this->GetInput())
+  {
+    return; // an observer has taken it away
+  }
+  const ffd::CameraView camera =
+    ffd::ToData(ffd::MakeCameraView(renderer, region), ffd::ToMatrix(volume->GetMatrix()));
+  if (selector)
+  {
+    vtkFFDPaintIdentifiers(
+      selector, this, in.Cache, camera, in.VisibleDepths, in.Caster.GetColours());
+  }
+  else if (!shown)
+  {
+    if (this->ClampDepthToBackface)
+    {
+      vtkFFDMoveToBackface(this, in.Cache, camera, in.Caster.GetColours(), in.VisibleDepths);
+    }
+    vtkFFDWriteColours(in.Caster.GetColours(), region.Rays.x, region.Rays.y, true, in.ColourImage);
+    in.ImageDepths = in.VisibleDepths;
+    return;
+  }
+  if (shown)
+  {
+    this->TimeToDraw = timer->GetElapsedTime();
+    if (done)
+    {
+      in.Plan.NoteFrame(
+        this->TimeToDraw, region, pixels, interactive, in.Caster.GetReusedFraction());
+      view.Complete = true;
+      in.Shown = view;
+    }
+    in.Plan.NoteStillTime(this, frame, pixels, interactive);
+  }
+  // After an abort the last picture: the window may be read before the next frame is there.
+  const std::vector<float>& colours = done ? in.Caster.GetColours() : in.LastColours;
+  region = done ? region : in.Last.Region;
+  vtkFFDImageDisplay::Layers layers;
+  if (done && depths && region.Step > 1.0 && in.FindSceneTime(volume) == sceneTime)
+  {
+    layers = in.Caster.CastLayers(cast, pixels);
+  }
+
+  const glm::dvec2 perPixel = 2.0 / glm::dvec2(region.Viewport);
+  const glm::dvec2 lower = glm::dvec2(region.Origin) * perPixel - 1.0;
+  const glm::dvec2 upper = lower + glm::dvec2(region.Rays) * region.Step * perPixel;
+  const double rectangle[4] = { lower.x, lower.y, upper.x, upper.y };
+  if (!in.Display.Draw(renderer, region.Rays.x, region.Rays.y, colours.data(), layers, rectangle,
+        region.Step == 1.0, in.MakeParallelFor()))
+  {
+    vtkErrorMacro(<< "The image could not be drawn: the render window is not an OpenGL window or "
+                     "refused a texture of "
+                  << region.Rays.x << " x " << region.Rays.y << ". Use RenderToImage() there.");
+  }
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume* volume, int width,
+  int height, vtkImageData* colours, vtkImageData* depths, vtkImageData* inputDepths)
+{
+  return vtkFFDGuarded(this, "RenderToImage", 0, [&] {
+    return this->MakeImages(renderer, volume, width, height, colours, depths, inputDepths);
+  });
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDInverseRayVolumeMapper::MakeImages(vtkRenderer* renderer, vtkVolume* volume, int width,
+  int height, vtkImageData* colours, vtkImageData* depths, vtkImageData* inputDepths)
+{
+  if (!renderer || !volume || !colours)
+  {
+    vtkErrorMacro(<< "RenderToImage needs a renderer, a volume and an image for the colours; the "
+                  << (!renderer ? "renderer" : (!volume ? "volume" : "image")) << " is null.");
+    return 0;
+  }
+  if (width < 1 || height < 1 || width > LargestImageSide || height > LargestImageSide)
+  {
+    vtkErrorMacro(<< "RenderToImage: an image of " << width << " x " << height
+                  << " pixels was asked for; each side must be from 1 to " << LargestImageSide
+                  << ".");
+    return 0;
+  }
+  vtkInternals& in = *this->Internals;
+  if (in.Refuse("RenderToImage()"))
+  {
+    return 0;
+  }
+  std::string message;
+  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  const float* scene = nullptr;
+  if (inputDepths)
+  {
+    int dims[3];
+    inputDepths->GetDimensions(dims);
+    if (dims[0] != width || dims[1] != height || dims[2] != 1 ||
+      inputDepths->GetScalarType() != VTK_FLOAT ||
+      inputDepths->GetNumberOfScalarComponents() != 1 ||
+      !inputDepths->GetPointData()->GetScalars() ||
+      inputDepths->GetPointData()->GetScalars()->GetNumberOfTuples() <
+        static_cast<vtkIdType>(pixels))
+    {
+      vtkErrorMacro(<< "RenderToImage: the input depths must be one float a pixel, " << width
+                    << " x " << height << " x 1; they are " << dims[0] << " x " << dims[1] << " x "
+                    << dims[2] << ".");
+      return 0;
+    }
+    scene = static_cast<const float*>(inputDepths->GetScalarPointer());
+  }
+  vtkFFDFrame frame(in.Frame, this, renderer, volume, nullptr);
+  frame.SetReportsProgress(this->ReportProgress);
+  in.Prepared = false;
+  if (inputDepths)
+  {
+    frame.Hold({ inputDepths->GetPointData()->GetScalars() });
+  }
+  const vtkSmartPointer<vtkImageData> keptColours(colours);
+  const vtkSmartPointer<vtkImageData> keptDepths(depths);
+  if (!in.Prepare(volume, message) || !in.CheckView(renderer, volume, message))
+  {
+    if (!message.empty())
+    {
+      vtkErrorMacro(<< message);
+    }
+    return 0;
+  }
+  const vtkFFDImageRegion region(glm::ivec2(width, height));
+  vtkFFDRequireMemory(BytesPerPixel * static_cast<double>(pixels),
+    std::to_string(width) + " x " + std::to_string(height) + " pixels",
+    "Give a smaller width and height.");
+  in.Shown.Complete = false;
+  const bool premultiplied = this->PremultipliedAlpha != 0; // observers may change it
+  std::vector<float> firstVisible(depths ? pixels : 0);
+  vtkFFDFrameCaster::View cast;
+  cast.Renderer = renderer;
+  cast.Volume = volume;
+  cast.Region = region;
+  cast.KnowsTime = in.Plan.KnowsTime();
+  if (!in.Caster.Cast(frame, cast, scene, depths ? firstVisible.data() : nullptr))
+  {
+    return 0;
+  }
+
+  vtkFFDWriteColours(in.Caster.GetColours(), width, height, premultiplied, colours);
+  if (depths)
+  {
+    depths->SetExtent(0, width - 1, 0, height - 1, 0, 0);
+    depths->AllocateScalars(VTK_FLOAT, 1);
+    std::copy(
+      firstVisible.begin(), firstVisible.end(), static_cast<float*>(depths->GetScalarPointer()));
+  }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDInverseRayVolumeMapper::TraceRays(vtkRenderer* renderer, vtkVolume* volume, int width,
+  int height, vtkIdTypeArray* pixels, vtkPolyData* rays, vtkPolyData* viewingRays,
+  vtkPolyData* samples)
+{
+  return vtkFFDGuarded(this, "TraceRays", 0, [&] {
+    return this->MakeRays(renderer, volume, width, height, pixels, rays, viewingRays, samples);
+  });
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDInverseRayVolumeMapper::MakeRays(vtkRenderer* renderer, vtkVolume* volume, int width,
+  int height, vtkIdTypeArray* pixels, vtkPolyData* rays, vtkPolyData* viewingRays,
+  vtkPolyData* samples)
+{
+  if (!renderer || !volume || !pixels || !rays || pixels->GetNumberOfComponents() != 2)
+  {
+    vtkErrorMacro(<< "TraceRays needs a renderer, a volume, two numbers for each pixel and a "
+                     "vtkPolyData for the rays; one of them is null.");
+    return 0;
+  }
+  if (width < 1 || height < 1 || width > LargestImageSide || height > LargestImageSide)
+  {
+    vtkErrorMacro(<< "TraceRays: an image of " << width << " x " << height
+                  << " pixels was asked for; each side must be from 1 to " << LargestImageSide
+                  << ".");
+    return 0;
+  }
+  vtkInternals& in = *this->Internals;
+  if (in.Refuse("TraceRays()"))
+  {
+    return 0;
+  }
+  std::string message;
+  if (this->GetInputAlgorithm())
+  {
+    this->GetInputAlgorithm()->UpdateWholeExtent();
+  }
+  if (in.Update(volume->GetProperty(), message))
+  {
+    in.CheckView(renderer, volume, message);
+  }
+  if (!message.empty())
+  {
+    vtkErrorMacro(<< message);
+    return 0;
+  }
+  const vtkFFDImageRegion region(glm::ivec2(width, height));
+  const vtkFFDFrameScene views(this, in.Cache, renderer, volume, region, nullptr);
+  const ffd::CastScene& scene = views.Get();
+  const ffd::RayCaster caster(scene, vtkFFDFramePlan::MakeSettings(this, in.Cache, volume, false));
+  ffd::CastImage image;
+  image.Width = width;
+  image.Height = height;
+  ffd::RayCaster::Scratch scratch;
+  vtkFFDTracedRays result(scene, rays, viewingRays, samples);
+  ffd::TracedRay traced;
+  for (vtkIdType i = 0; i < pixels->GetNumberOfTuples(); ++i)
+  {
+    const vtkIdType x = pixels->GetTypedComponent(i, 0);
+    const vtkIdType y = pixels->GetTypedComponent(i, 1);
+    if (x < 0 || y < 0 || x >= width || y >= height)
+    {
+      vtkErrorMacro(<< "TraceRays: the image of " << width << " x " << height
+                    << " pixels has no pixel (" << x << ", " << y << "); it is left out.");
+      continue;
+    }
+    caster.TraceRay(static_cast<int>(x), static_cast<int>(y), image, scratch, traced);
+    result.Add(traced, static_cast<int>(x), static_cast<int>(y));
+  }
+  result.Finish();
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::CreateCanonicalView(vtkRenderer* renderer, vtkVolume* volume,
+  vtkImageData* image, int blendMode, double viewDirection[3], double viewUp[3])
+{
+  if (!volume || !image || !viewDirection || !viewUp)
+  {
+    vtkErrorMacro(<< "CreateCanonicalView needs a volume, an image and two directions; the "
+                  << (!volume ? "volume" : !image ? "image" : "direction or the upward direction")
+                  << " is null.");
+    return;
+  }
+  vtkNew<vtkRenderer> canonical;
+  vtkNew<vtkLight> headlight;
+  vtkLightCollection* lights = renderer ? renderer->GetLights() : nullptr;
+  if (lights && lights->GetNumberOfItems() > 0)
+  {
+    canonical->SetLightCollection(lights);
+  }
+  else
+  {
+    headlight->SetLightTypeToHeadlight();
+    canonical->AddLight(headlight);
+  }
+  double bounds[6];
+  volume->GetBounds(bounds);
+  const double distance = bounds[1] - bounds[0];
+  const glm::dvec3 centre(
+    0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3]), 0.5 * (bounds[4] + bounds[5]));
+  const glm::dvec3 position =
+    centre - distance * glm::dvec3(viewDirection[0], viewDirection[1], viewDirection[2]);
+  vtkCamera* camera = canonical->GetActiveCamera();
+  camera->SetFocalPoint(centre.x, centre.y, centre.z);
+  camera->SetPosition(position.x, position.y, position.z);
+  camera->SetViewUp(viewUp);
+  camera->ParallelProjectionOn();
+  camera->SetParallelScale(0.5 * distance);
+  canonical->ResetCameraClippingRange(bounds);
+
+  int size[3];
+  image->GetDimensions(size);
+  vtkNew<vtkImageData> colours;
+  const int keptBlendMode = this->BlendMode;
+  const vtkTypeBool keptCropping = this->Cropping;
+  const vtkTypeBool keptAlpha = this->PremultipliedAlpha;
+  this->BlendMode = blendMode;
+  this->Cropping = 0;
+  this->PremultipliedAlpha = 1;
+  const bool made =
+    this->RenderToImage(canonical, volume, size[0], size[1], colours, nullptr, nullptr) == 1;
+  // What an observer has set meanwhile stays.
+  const auto restore = [](int& option, int was, int meanwhile)
+  { option = option == meanwhile ? was : option; };
+  restore(this->BlendMode, keptBlendMode, blendMode);
+  restore(this->Cropping, keptCropping, 0);
+  restore(this->PremultipliedAlpha, keptAlpha, 1);
+  if (!made)
+  {
+    return;
+  }
+  image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
+  const auto* rgba = static_cast<const unsigned char*>(colours->GetScalarPointer());
+  auto* rgb = static_cast<unsigned char*>(image->GetScalarPointer());
+  for (vtkIdType i = 0; i < colours->GetNumberOfPoints(); ++i)
+  {
+    std::copy_n(rgba + 4 * i, 3, rgb + 3 * i);
+  }
+}

@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Private to this module: not installed, not wrapped.
+#ifndef vtkFFDInverseRayVolumeMapperInternals_h
+#define vtkFFDInverseRayVolumeMapperInternals_h
+
+#include "vtkFFDFrame.h"
+#include "vtkFFDFrameCache.h"
+#include "vtkFFDFrameCaster.h"
+#include "vtkFFDFramePlan.h"
+#include "vtkFFDImageDisplay.h"
+#include "vtkFFDImageRegion.h"
+#include "vtkFFDInverseRayVolumeMapper.h"
+#include "vtkFFDParallelFor.h"
+#include "vtkFFDRayStatistics.h"
+
+#include "vtkContourValues.h"
+#include "vtkImageData.h"
+#include "vtkNew.h"
+
+#include <glm/mat4x4.hpp>
+
+#include <string>
+#include <vector>
+
+/// The parts of a mapper that frames are made by, and what is kept between frames.
+class vtkFFDInverseRayVolumeMapper::vtkInternals
+{
+public:
+  explicit vtkInternals(vtkFFDInverseRayVolumeMapper* self)
+    : Self(self)
+  {
+  }
+
+  /// Bring the cache up to date for a picture. False, with a message, if there is none.
+  bool Update(vtkVolumeProperty* property, std::string& message);
+  bool Prepare(vtkVolume* volume, std::string& message);
+  bool Refuse(const char* what) const;
+  static bool CheckView(vtkRenderer* renderer, vtkVolume* volume, std::string& message);
+  vtkFFDParallelFor MakeParallelFor() const;
+  vtkMTimeType FindSceneTime(vtkVolume* volume) const;
+  void ReleaseImages();
+
+  vtkFFDInverseRayVolumeMapper* Self;
+
+  // Of the frame in progress, null without: nothing of the following changes then but by the frame.
+  vtkFFDFrame* Frame = nullptr;
+  bool Prepared = false; // the frame is past its preparation
+  bool Quiet = false;    // it does not report now
+
+  vtkFFDFrameCache Cache;
+  vtkFFDFramePlan Plan;
+  vtkFFDFrameCaster Caster{ Self, Cache };
+  vtkFFDImageDisplay Display;
+
+  /// Where a picture in the window lies, and what the camera sees there.
+  struct View
+  {
+    bool Complete = false;
+    vtkFFDImageRegion Region;
+    glm::dmat4 DataToNdc{ 1.0 };
+
+    bool IsSameAs(const View& other) const
+    {
+      return this->Complete && this->Region.Viewport == other.Region.Viewport &&
+        this->DataToNdc == other.DataToNdc;
+    }
+  };
+
+  View Shown;                     // of the picture of the caster
+  std::vector<float> LastColours; // of the picture before a still one, which may be aborted
+  View Last;
+  std::vector<float> VisibleDepths; // of the first visible samples, where these are asked for
+  vtkNew<vtkImageData> ColourImage; // the last frame that became an image
+  std::vector<float> ImageDepths;   // of that
+  vtkNew<vtkContourValues> DepthPassContourValues;
+  bool ToldOfPeeling = false;
+  vtkNew<vtkFFDRayStatistics> Statistics;
+};
+
+#endif
