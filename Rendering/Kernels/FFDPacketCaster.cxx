@@ -195,6 +195,56 @@ bool HasVectorGradientOpacity(const CastScene& scene, const SampleClassifier& cl
     CanFetchPackets(scene.Volume);
 }
 
+/// Whether the vector code composites with the mask or the labels of this scene.
+bool HasVectorMask(const CastScene& scene, const SampleClassifier& classifier)
+{
+  const VolumeView& mask = classifier.GetMask().Volume;
+  return classifier.IsPlainWithMask() && scene.Blend.Mode == BlendMode::Composite &&
+    CanFetchPackets(scene.Volume) &&
+    static_cast<double>(mask.Increments[2]) * mask.Dimensions.z <= LargestVolume;
+}
+
+/// A table over values as they are fetched.
+void AddTable(const TransferTable& table, PacketScene& scene)
+{
+  const PacketVolume& v = scene.Volume;
+  scene.Table.Add(table.GetEntries(), table.GetSize(),
+    static_cast<float>((table.GetLow() - v.Shift) * v.Scale),
+    static_cast<float>(table.GetScale() / v.Scale));
+}
+
+/// The mask of a scene, and the tables of its labels.
+void SetMask(const SampleClassifier& classifier, PacketScene& scene)
+{
+  const MaskView& mask = classifier.GetMask();
+  PacketMask& p = scene.Mask;
+  p.Scalars = mask.Volume.Scalars;
+  p.Type = mask.Volume.Type;
+  for (int a = 0; a < 3; ++a)
+  {
+    p.Dimensions[a] = mask.Volume.Dimensions[a];
+    p.Increments[a] = static_cast<int>(mask.Volume.Increments[a]);
+  }
+  p.SameGrid = mask.SameGrid;
+  CopyRows(classifier.GetToMask(), p.FromIndex);
+  Copy(classifier.GetMaskOffset(), p.Offset);
+  p.Labels = mask.Labels;
+  p.BlendFactor = mask.BlendFactor;
+  if (!mask.Labels || !(mask.BlendFactor > 0.0f))
+  {
+    return;
+  }
+  const OpticalFunctions& functions = classifier.GetFunctions();
+  for (const LabelOptics& label : functions.Labels)
+  {
+    AddTable(label.Table, scene);
+  }
+  for (const int index : functions.LabelIndices)
+  {
+    p.Tables.push_back(index + 1);
+  }
+}
+
 /// Beyond it single precision has only infinity.
 float ToFloat(double value) { return static_cast<float>(std::clamp(value, -1e37, 1e37)); }
 
@@ -229,6 +279,7 @@ void KeepOneOrientation(PacketScene& scene)
 /// The range of values outside of which nothing is visible.
 void FindVisibleRange(const TransferTable& table, PacketScene& scene)
 {
+  const PacketTable::Range& range = scene.Table.GetRange(0);
   const float* const entries = table.GetEntries();
   const auto isVisible = [&](std::size_t i) { return entries[4 * i + 3] > 0.0f; };
   const std::size_t size = table.GetSize();
@@ -245,7 +296,7 @@ void FindVisibleRange(const TransferTable& table, PacketScene& scene)
   // From the entry before to the one behind, and a little more for rounding errors.
   const auto valueAt = [&](double entry) {
     return static_cast<float>(
-      entry / static_cast<double>(scene.TableScale) + static_cast<double>(scene.TableLow));
+      entry / static_cast<double>(range.Scale) + static_cast<double>(range.Low));
   };
   constexpr float Infinite = std::numeric_limits<float>::infinity();
   constexpr double Guard = 1.01;
@@ -297,7 +348,8 @@ PacketCaster::PacketCaster(
   p.Source = &scene;
   p.Frame = &frame;
   const bool gradients = HasVectorGradientOpacity(scene, *frame.Classifier);
-  p.Sampling = settings.PerRay || !(gradients || frame.Classifier->IsPlain())
+  const bool masked = HasVectorMask(scene, *frame.Classifier);
+  p.Sampling = settings.PerRay || !(gradients || masked || frame.Classifier->IsPlain())
     ? PacketSampling::PerRay
     : SamplingOf(scene.Blend.Mode);
   p.Intervals = scene.Blend.UsesIntervals();
@@ -315,21 +367,18 @@ PacketCaster::PacketCaster(
   p.Lower = static_cast<float>(v.LowerIndex().x);
   Copy(v.UpperIndex(), p.Upper);
 
-  p.Table = PacketTable(scene.Table->GetEntries(), scene.Table->GetSize());
   if (IsWide(v.Type))
   {
     p.Volume.Shift = scene.Table->GetLow();
     p.Volume.Scale = scene.Table->GetScale();
-    p.TableLow = 0.0f;
-    p.TableScale = 1.0f;
   }
-  else
-  {
-    p.TableLow = static_cast<float>(scene.Table->GetLow());
-    p.TableScale = static_cast<float>(scene.Table->GetScale());
-  }
+  AddTable(*scene.Table, p);
 
-  if (settings.Leaping != SpaceLeaping::Off)
+  if (masked)
+  {
+    SetMask(*frame.Classifier, p);
+  }
+  if (settings.Leaping != SpaceLeaping::Off && p.Mask.Tables.empty())
   {
     FindVisibleRange(*scene.Table, p);
   }
@@ -342,8 +391,8 @@ PacketCaster::PacketCaster(
     // Packets fetch differences over two voxels, scaled as their values.
     Copy(frame.Classifier->GetMagnitudeScale() * (0.5 * opacity.GetScale() / p.Volume.Scale),
       p.GradientScale);
-    p.ReferenceLength = static_cast<float>(frame.Classifier->GetReferenceLength());
   }
+  p.ReferenceLength = static_cast<float>(frame.Classifier->GetReferenceLength());
   const bool wide = IsWide(v.Type);
   const auto fetched = [&](double value) {
     return ToFloat(wide ? (value - p.Volume.Shift) * p.Volume.Scale : value);
@@ -441,8 +490,9 @@ PacketCaster::PacketCaster(
     scene.Crop.Space == Cropping::Spaces::Deformed ? p.Centre : glm::dvec3(0.0);
   Copy(scene.Crop.Low - cropOrigin, p.CropLow);
   Copy(scene.Crop.High - cropOrigin, p.CropHigh);
-  p.Plain = p.Sampling == PacketSampling::Composite && !p.Intervals && !p.GradientFactors &&
+  p.Inner = p.Sampling == PacketSampling::Composite && !p.Intervals &&
     p.CropSpace == Cropping::Spaces::None;
+  p.Plain = p.Inner && !p.GradientFactors && !p.Mask.Scalars;
 
   if (scene.Distances && settings.Leaping != SpaceLeaping::Off)
   {

@@ -6,6 +6,7 @@
 #include "FFDCastScene.h"
 #include "FFDExport.h"
 #include "FFDPacketField.h"
+#include "FFDPacketMask.h"
 #include "FFDPacketTable.h"
 #include "FFDPacketVolume.h"
 #include "FFDRayIntegrator.h"
@@ -106,7 +107,8 @@ struct PacketScene
   float CropHigh[3] = {};
   int CropFlags = 0;
   bool Intervals = false; ///< Blending::UsesIntervals()
-  bool Plain = false;     ///< compositing without cropping and gradient opacity
+  bool Plain = false;     ///< compositing without cropping, gradient opacity, and masks
+  bool Inner = false;     ///< compositing without cropping: samples inside need no more tests
   /// What blend modes compare values with, values as they are fetched (PacketVolume).
   float ValueLow = 0.0f; ///< ends of their range
   float ValueHigh = 1.0f;
@@ -130,12 +132,11 @@ struct PacketScene
   /// Whether single rays always leap within pieces, too: where a sample costs more than a look-up.
   bool LeapsRays = false;
 
-  PacketTable Table;
+  PacketTable Table; ///< and behind it those of the labels
+  PacketMask Mask;
   /// Values between these may be visible, no others. Without space leaping all are looked up.
   float VisibleLow = -std::numeric_limits<float>::infinity();
   float VisibleHigh = std::numeric_limits<float>::infinity();
-  float TableLow = 0.0f;   ///< value of the first entry
-  float TableScale = 1.0f; ///< entries a unit of values
 
   /// Gradient opacity: factors by the length of GradientScale times the gradient as fetched; null
   /// without. They multiply the opacity over ReferenceLength.

@@ -14,7 +14,7 @@ namespace ffd
 {
 
 /**
- * Transfer table in the form that the packet kernels read: a single load of 128 bits gives what
+ * Transfer tables in the form that the packet kernels read: a single load of 128 bits gives what
  * they interpolate between an entry and the next one. Extinctions are as precise as they were:
  * where a ray ends depends on them. Colours have ten bits, 0.13 of 255 apart from what they were at
  * most.
@@ -32,26 +32,38 @@ public:
   };
   static_assert(sizeof(Interval) == 16, "intervals are loaded as 128 bits");
 
-  PacketTable() = default;
-
-  /// `entries`: red, green, blue, extinction of each.
-  PacketTable(const float* entries, std::size_t size)
-    : Intervals(size - 1)
+  /// Where a table is, and the values that it stands for; loaded as 128 bits, too.
+  struct Range
   {
-    for (std::size_t i = 0; i < this->Intervals.size(); ++i)
+    std::int32_t First; ///< interval
+    float Intervals;    ///< how many
+    float Low;          ///< value of the first entry
+    float Scale;        ///< entries a unit of values
+  };
+  static_assert(sizeof(Range) == 16, "ranges are loaded as 128 bits");
+
+  /// Another table behind those that there are. `entries`: red, green, blue, extinction of each.
+  void Add(const float* entries, std::size_t size, float low, float scale)
+  {
+    this->Ranges.push_back({ static_cast<std::int32_t>(this->Intervals.size()),
+      static_cast<float>(size - 1), low, scale });
+    for (std::size_t i = 0; i + 1 < size; ++i)
     {
+      Interval interval;
       for (std::size_t end = 0; end < 2; ++end)
       {
         const float* entry = entries + 4 * (i + end);
-        std::memcpy(&this->Intervals[i].Extinctions[end], entry + 3, sizeof(float));
-        this->Intervals[i].Colours[end] = ColourOf(entry[0]) | ColourOf(entry[1]) << ColourBits |
+        std::memcpy(&interval.Extinctions[end], entry + 3, sizeof(float));
+        interval.Colours[end] = ColourOf(entry[0]) | ColourOf(entry[1]) << ColourBits |
           ColourOf(entry[2]) << 2 * ColourBits;
       }
+      this->Intervals.push_back(interval);
     }
   }
 
   const std::uint32_t* GetWords() const { return this->Intervals[0].Extinctions; }
-  int GetNumberOfIntervals() const { return static_cast<int>(this->Intervals.size()); }
+  const Range& GetRange(std::size_t table) const { return this->Ranges[table]; }
+  const Range* GetRanges() const { return this->Ranges.data(); }
 
 private:
   static std::uint32_t ColourOf(float channel)
@@ -60,6 +72,7 @@ private:
       std::lround(static_cast<float>(LargestColour) * std::clamp(channel, 0.0f, 1.0f)));
   }
 
+  std::vector<Range> Ranges;
   std::vector<Interval> Intervals;
 };
 

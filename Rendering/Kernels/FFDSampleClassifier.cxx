@@ -163,12 +163,15 @@ SampleClassifier::SampleClassifier(const ClassifierInputs& inputs)
   const OpticalFunctions& functions = *this->In.Functions;
   const ComponentOptics& first = functions.Components[0];
   const bool one = functions.Kind == ComponentKind::Independent &&
-    functions.Components.size() == 1 && first.Plane.IsEmpty() && !mask.Volume.Scalars &&
-    !this->In.Hidden && !volume.Axes &&
+    functions.Components.size() == 1 && first.Plane.IsEmpty() && !this->In.Hidden && !volume.Axes &&
     !((this->In.NormalFromOpacity || !this->In.ClippingPlanes.empty()) && first.Shade) &&
     (this->In.ClippingPlanes.empty() || first.Gradients.IsEmpty());
-  this->Plain = one && first.Gradients.IsEmpty();
-  this->PlainWithGradient = one && !first.Gradients.IsEmpty();
+  const bool labelsHaveGradients = std::any_of(functions.Labels.begin(), functions.Labels.end(),
+    [](const LabelOptics& label) { return !label.Gradients.IsEmpty(); });
+  const bool masked = mask.Volume.Scalars != nullptr;
+  this->Plain = one && !masked && first.Gradients.IsEmpty();
+  this->PlainWithGradient = one && !masked && !first.Gradients.IsEmpty();
+  this->PlainWithMask = one && masked && first.Gradients.IsEmpty() && !labelsHaveGradients;
 }
 
 //------------------------------------------------------------------------------

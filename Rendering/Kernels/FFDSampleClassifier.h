@@ -111,6 +111,16 @@ public:
   /// Whether there is nothing but that and a gradient opacity: GetGradientOpacity().
   bool IsPlainWithGradient() const { return this->PlainWithGradient; }
 
+  /// Whether there is nothing but one component, its table, and a mask, or a label map whose labels
+  /// have tables: GetMask().
+  bool IsPlainWithMask() const { return this->PlainWithMask; }
+  const MaskView& GetMask() const { return this->In.Mask; }
+  const OpticalFunctions& GetFunctions() const { return *this->In.Functions; }
+
+  /// Takes index coordinates of the volume to those of a mask on a grid of its own.
+  const glm::dmat3& GetToMask() const { return this->ToMask; }
+  const glm::dvec3& GetMaskOffset() const { return this->MaskOffset; }
+
   /// That of the first component, and what takes gradients by index coordinates to its magnitudes.
   const GradientOpacity& GetGradientOpacity() const
   {
@@ -212,6 +222,7 @@ private:
   glm::dvec3 MaskOffset{ 0.0 };
   bool Plain = true;
   bool PlainWithGradient = false;
+  bool PlainWithMask = false;
   bool MayHide = false;
 };
 

@@ -12,6 +12,7 @@
 
 #include "FFDSimdFetch-inl.h"
 #include "FFDSimdLeap-inl.h"
+#include "FFDSimdMask-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdPieces-inl.h"
 #include "FFDSimdPullBack-inl.h"
@@ -331,14 +332,21 @@ private:
         { from + piece.SamplesPerPart, piece.FirstSample + piece.Samples, this->EndSample });
       const bool within = (piece.Inside[static_cast<std::size_t>(block)] >> part & 1u) != 0;
       const bool inner =
-        within && this->Scene.Plain && !piece.LeapsRays && !this->Scratch.Positions;
+        within && this->Scene.Inner && !piece.LeapsRays && !this->Scratch.Positions;
       for (int n = std::max(from, this->FirstSample); n < to; ++n)
       {
         const Vf s = hn::Mul(
           hn::Add(this->Phase, Splat(static_cast<float>(n - piece.FirstSample))), curve.PerStep);
         if (inner)
         {
-          this->TakeInnerSample(curve, n, s);
+          if (HWY_LIKELY(this->Scene.Plain))
+          {
+            this->template TakeInnerSample<true>(curve, n, s);
+          }
+          else
+          {
+            this->template TakeInnerSample<false>(curve, n, s);
+          }
         }
         else
         {
@@ -637,7 +645,9 @@ private:
     this->template Composite<Plain>(voxels, at, rows, value, curve, q, s, sampled, border);
   }
 
-  /// The same for a plain scene, where all that samples and gradients need lies between voxels.
+  /// The same for PacketScene::Inner, where all that samples and gradients need lies between
+  /// voxels.
+  template <bool Plain>
   HWY_NOINLINE void TakeInnerSample(const PacketCurve& curve, int n, Vf s)
   {
     const Vf number = Splat(static_cast<float>(n));
@@ -649,7 +659,7 @@ private:
     const auto composite = [&](auto&& voxels) {
       SampleRows<T> rows;
       const Vf value = Sample<T>(voxels, at, rows);
-      this->template Composite<true>(
+      this->template Composite<Plain>(
         voxels, at, rows, value, curve, q, s, sampled, hn::FirstN(Df(), 0));
     };
     if constexpr (HasVoxelWindow<T>())
@@ -688,9 +698,23 @@ private:
     {
       return;
     }
-    const TableLookup look(this->Scene, value);
+    const PacketMask& mask = this->Scene.Mask;
+    const bool labeled = !Plain && !mask.Tables.empty();
+    const Vi tables = labeled ? FindLabelTables(mask, q) : hn::Zero(Di());
+    const TableLookup look =
+      labeled ? TableLookup(this->Scene, value, tables) : TableLookup(this->Scene, value);
     Vf extinction = look.Extinction();
+    Vec3 colour;
+    const bool mixed = labeled && mask.BlendFactor < 1.0f;
+    if (HWY_UNLIKELY(mixed))
+    {
+      this->MixWithLabels(value, look, tables, extinction, colour);
+    }
     Mf visible = hn::And(sampled, hn::Gt(extinction, hn::Zero(d)));
+    if (!Plain && mask.Scalars && !mask.Labels && !hn::AllFalse(d, visible))
+    {
+      visible = hn::And(visible, IsInMask(mask, q));
+    }
     if (hn::AllFalse(d, visible))
     {
       return;
@@ -718,7 +742,10 @@ private:
     statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
     this->Expecting = visible;
 
-    Vec3 colour = look.Colour();
+    if (HWY_LIKELY(!mixed))
+    {
+      colour = look.Colour();
+    }
     const Vf t = curve.TimeAt(s);
     if (this->Scene.Shade)
     {
@@ -757,16 +784,46 @@ private:
     hn::Store(hn::ConvertTo(di, whole), di, offsets);
     const Vf factor = Lerp(LoadLanes<float, 4>(this->Scene.GradientFactors, 0, offsets),
       LoadLanes<float, 4>(this->Scene.GradientFactors, 4, offsets), hn::Sub(x, whole));
-    const Vf one = Splat(1.0f);
+    const Vf weighed = this->ExtinctionOf(hn::Mul(factor, this->OpacityOf(extinction)));
+    return hn::IfThenElse(hn::Ge(factor, Splat(1.0f)), extinction, weighed);
+  }
+
+  /// Opacity over the reference length.
+  HWY_INLINE Vf OpacityOf(Vf extinction) const
+  {
     const Vf length = Splat(this->Scene.ReferenceLength);
-    const Vf opacity = hn::Mul(factor, hn::Sub(one, Exp2(hn::Neg(hn::Mul(extinction, length)))));
+    return hn::Sub(Splat(1.0f), Exp2(hn::Neg(hn::Mul(extinction, length))));
+  }
+
+  /// The extinction that gives the reference length an opacity.
+  HWY_INLINE Vf ExtinctionOf(Vf opacity) const
+  {
+    const Vf one = Splat(1.0f);
     // What is nearly transparent has no digits left in 1 - opacity, but its logarithm is linear.
     const Vf passed = hn::Sub(one, opacity);
     const Vf logarithm = hn::IfThenElse(hn::Lt(opacity, Splat(1e-3f)),
       hn::Mul(hn::Mul(opacity, Splat(1.4426950409f)), hn::MulAdd(opacity, Splat(0.5f), one)),
       hn::Neg(Log2(hn::Max(passed, Splat(1e-30f)))));
-    const Vf weighed = hn::Div(hn::Max(logarithm, hn::Zero(d)), length);
-    return hn::IfThenElse(hn::Ge(factor, one), extinction, weighed);
+    return hn::Div(hn::Max(logarithm, hn::Zero(Df())), Splat(this->Scene.ReferenceLength));
+  }
+
+  /// Where there is a label, its look is mixed with that of the scalars alone; as SampleClassifier.
+  /// `extinction`: that of the label.
+  HWY_NOINLINE void MixWithLabels(
+    Vf value, const TableLookup& ofLabel, Vi tables, Vf& extinction, Vec3& colour) const
+  {
+    const Df d;
+    const TableLookup base(this->Scene, value);
+    const Vf factor = hn::IfThenElse(hn::RebindMask(d, hn::Gt(tables, hn::Zero(Di()))),
+      Splat(this->Scene.Mask.BlendFactor), hn::Zero(d));
+    const Vec3 a = base.Colour();
+    const Vec3 b = ofLabel.Colour();
+    colour = { Lerp(a.x, b.x, factor), Lerp(a.y, b.y, factor), Lerp(a.z, b.z, factor) };
+    const Vf without = base.Extinction();
+    const Vf opacity = Lerp(this->OpacityOf(without), this->OpacityOf(extinction), factor);
+    const Mf some = hn::Gt(hn::Add(without, extinction), hn::Zero(d));
+    extinction = hn::IfThenElse(hn::Gt(factor, hn::Zero(d)),
+      hn::IfThenElseZero(some, this->ExtinctionOf(opacity)), extinction);
   }
 
   /// What TakeSample does, for all that is not plain compositing. `number`: of the sample.

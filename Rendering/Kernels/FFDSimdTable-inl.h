@@ -23,17 +23,22 @@ namespace HWY_NAMESPACE
 class TableLookup
 {
 public:
-  /// `values`: as they are fetched (PacketVolume).
+  /// `values`: as they are fetched (PacketVolume); in the first table.
   HWY_INLINE TableLookup(const PacketScene& scene, Vf values)
   {
+    const PacketTable::Range& range = scene.Table.GetRange(0);
+    this->Find(scene.Table, values, Splat(range.Low), Splat(range.Scale), Splat(range.Intervals),
+      hn::Zero(Di()));
+  }
+
+  /// `tables`: in which one to look.
+  HWY_INLINE TableLookup(const PacketScene& scene, Vf values, Vi tables)
+  {
     const Df d;
-    const Vf intervals = Splat(static_cast<float>(scene.Table.GetNumberOfIntervals()));
-    const Vf x = hn::Mul(hn::Sub(values, Splat(scene.TableLow)), Splat(scene.TableScale));
-    // Comparisons with what is not a number are false.
-    const Vf entry = hn::IfThenElseZero(hn::Eq(x, x), Clamp(x, hn::Zero(d), intervals));
-    const Vf whole = hn::Min(hn::Floor(entry), hn::Sub(intervals, Splat(1.0f)));
-    this->Fraction = hn::Sub(entry, whole);
-    this->Words = LoadQuads(scene.Table.GetWords(), Truncate(whole));
+    const Quads range =
+      LoadQuads(reinterpret_cast<const std::uint32_t*>(scene.Table.GetRanges()), tables);
+    this->Find(scene.Table, values, hn::BitCast(d, range.z), hn::BitCast(d, range.w),
+      hn::BitCast(d, range.y), range.x);
   }
 
   /// Per world unit; of what is no number that of the first entry.
@@ -55,6 +60,18 @@ public:
   }
 
 private:
+  HWY_INLINE void Find(
+    const PacketTable& table, Vf values, Vf low, Vf scale, Vf intervals, Vi first)
+  {
+    const Df d;
+    const Vf x = hn::Mul(hn::Sub(values, low), scale);
+    // Comparisons with what is not a number are false.
+    const Vf entry = hn::IfThenElseZero(hn::Eq(x, x), Clamp(x, hn::Zero(d), intervals));
+    const Vf whole = hn::Min(hn::Floor(entry), hn::Sub(intervals, Splat(1.0f)));
+    this->Fraction = hn::Sub(entry, whole);
+    this->Words = LoadQuads(table.GetWords(), hn::Add(first, Truncate(whole)));
+  }
+
   /// `first`: in the lowest bits, `second`: in those of the upper half.
   static HWY_INLINE Vf Channel(Vi first, Vi second, Vi weights)
   {

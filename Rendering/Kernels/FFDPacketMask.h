@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDPacketMask_h
+#define FFDPacketMask_h
+
+#include "FFDVolumeView.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace ffd
+{
+
+/// A mask or a label map in the form that the packet kernels read: offsets are 32-bit numbers.
+struct PacketMask
+{
+  const void* Scalars = nullptr; ///< null: there is none
+  ScalarType Type = ScalarType::UInt8;
+  int Dimensions[3] = {};
+  int Increments[3] = {}; ///< elements
+  /// Voxel for voxel the grid of the volume; else `FromIndex` and `Offset` take its index
+  /// coordinates to those of the mask.
+  bool SameGrid = true;
+  float FromIndex[9] = {};
+  float Offset[3] = {};
+
+  bool Labels = false;      ///< a label map, else a binary mask
+  float BlendFactor = 1.0f; ///< of the look of a label; the rest is the look without
+  std::vector<int> Tables;  ///< by label: which table its look is in, 0 without one
+
+  int TableOf(double label) const
+  {
+    const bool known = label >= 0.5 && label < static_cast<double>(this->Tables.size()) - 0.5;
+    return known ? this->Tables[static_cast<std::size_t>(label + 0.5)] : 0;
+  }
+};
+
+} // namespace ffd
+
+#endif

@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Looking up masks and labels, a position a lane. Included once per target of Highway.
+#if defined(FFD_SIMD_MASK_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef FFD_SIMD_MASK_INL_H_
+#undef FFD_SIMD_MASK_INL_H_
+#else
+#define FFD_SIMD_MASK_INL_H_
+#endif
+
+#include "FFDPacketMask.h"
+#include "FFDScalarDispatch.h"
+
+#include "FFDSimdMath-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ffd
+{
+namespace HWY_NAMESPACE
+{
+
+/// Offsets of the voxels of a mask that are nearest to positions q, index coordinates of the
+/// volume, in elements; -1 outside of a mask on a grid of its own.
+HWY_INLINE void FindMaskVoxels(const PacketMask& mask, const Vec3& q, int (&offsets)[16])
+{
+  const Df d;
+  const Di di;
+  const Vec3 at = mask.SameGrid ? q : Add(Transform(mask.FromIndex, q), Broadcast(mask.Offset));
+  const Vf half = Splat(0.5f);
+  Mf outside = hn::FirstN(d, 0);
+  Vi offset = hn::Zero(di);
+  const auto add = [&](Vf x, int a) {
+    const Vf last = Splat(static_cast<float>(mask.Dimensions[a] - 1));
+    outside = hn::Or(outside, hn::Or(hn::Lt(x, hn::Neg(half)), hn::Gt(x, hn::Add(last, half))));
+    const Vi voxel = Truncate(Clamp(hn::Add(x, half), hn::Zero(d), last));
+    offset = hn::Add(offset, hn::Mul(voxel, hn::Set(di, mask.Increments[a])));
+  };
+  add(at.x, 0);
+  add(at.y, 1);
+  add(at.z, 2);
+  if (!mask.SameGrid)
+  {
+    offset = hn::IfThenElse(hn::RebindMask(di, outside), hn::Set(di, -1), offset);
+  }
+  StoreIndices(offset, offsets);
+}
+
+/// Lanes that are inside of a binary mask.
+HWY_NOINLINE Mf IsInMask(const PacketMask& mask, const Vec3& q)
+{
+  const Df d;
+  HWY_ALIGN int offsets[16];
+  FindMaskVoxels(mask, q, offsets);
+  HWY_ALIGN float inside[16];
+  DispatchScalarType(mask.Type, [&](auto zero) {
+    const auto* const scalars = static_cast<const decltype(zero)*>(mask.Scalars);
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+    {
+      inside[lane] = offsets[lane] >= 0 && scalars[offsets[lane]] > zero ? 1.0f : 0.0f;
+    }
+  });
+  return hn::Gt(hn::Load(d, inside), hn::Zero(d));
+}
+
+/// Which table of PacketScene::Table the label at each position has.
+HWY_NOINLINE Vi FindLabelTables(const PacketMask& mask, const Vec3& q)
+{
+  const Di di;
+  HWY_ALIGN int offsets[16];
+  FindMaskVoxels(mask, q, offsets);
+  HWY_ALIGN int tables[16];
+  DispatchScalarType(mask.Type, [&](auto zero) {
+    const auto* const scalars = static_cast<const decltype(zero)*>(mask.Scalars);
+    for (std::size_t lane = 0; lane < hn::Lanes(di); ++lane)
+    {
+      tables[lane] =
+        offsets[lane] >= 0 ? mask.TableOf(static_cast<double>(scalars[offsets[lane]])) : 0;
+    }
+  });
+  return hn::Load(di, tables);
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace ffd
+HWY_AFTER_NAMESPACE();
+
+#endif
