@@ -25,7 +25,7 @@ double Dot(const Row& a, const Row& b)
 
 //------------------------------------------------------------------------------
 DirectManipulation MoveMaterial(const BSplineField& field, const std::vector<unsigned char>& locked,
-  const std::vector<MaterialMove>& wishes)
+  const std::vector<MaterialMove>& constraints)
 {
   struct Weights
   {
@@ -34,11 +34,11 @@ DirectManipulation MoveMaterial(const BSplineField& field, const std::vector<uns
     int Count;
   };
   DirectManipulation result;
-  std::vector<Weights> weights(wishes.size());
-  for (std::size_t w = 0; w < wishes.size(); ++w)
+  std::vector<Weights> weights(constraints.size());
+  for (std::size_t w = 0; w < constraints.size(); ++w)
   {
     Weights& at = weights[w];
-    at.Count = field.ControlWeights(wishes[w].RestPoint, at.Nodes, at.Values);
+    at.Count = field.ControlWeights(constraints[w].RestPoint, at.Nodes, at.Values);
     int kept = 0;
     for (int n = 0; n < at.Count; ++n)
     {
@@ -56,10 +56,10 @@ DirectManipulation MoveMaterial(const BSplineField& field, const std::vector<uns
   result.Nodes.erase(std::unique(result.Nodes.begin(), result.Nodes.end()), result.Nodes.end());
 
   const std::size_t columns = result.Nodes.size();
-  std::vector<Row> rows(wishes.size(), Row(columns, 0.0));
+  std::vector<Row> rows(constraints.size(), Row(columns, 0.0));
   std::vector<Row> basis; // orthonormal
   std::vector<glm::dvec3> amounts;
-  for (std::size_t w = 0; w < wishes.size(); ++w)
+  for (std::size_t w = 0; w < constraints.size(); ++w)
   {
     Row& row = rows[w];
     for (int n = 0; n < weights[w].Count; ++n)
@@ -69,7 +69,7 @@ DirectManipulation MoveMaterial(const BSplineField& field, const std::vector<uns
       row[static_cast<std::size_t>(at - result.Nodes.begin())] = weights[w].Values[n];
     }
     Row rest = row;
-    glm::dvec3 missing = wishes[w].Move;
+    glm::dvec3 missing = constraints[w].Move;
     // Modified Gram-Schmidt, twice: the second time removes what rounding has left of the first.
     for (int pass = 0; pass < 2; ++pass)
     {

@@ -32,8 +32,8 @@ BSplineField Changed(const BSplineField& field, const DirectManipulation& change
   {
     values[change.Nodes[n]] += change.Changes[n];
   }
-  return BSplineField(field.GetNodes(), field.GetOrigin(), field.GetSpacing(), values.data(), 1.0,
-    field.GetBorder());
+  return BSplineField(
+    field.GetNodes(), field.GetOrigin(), field.GetSpacing(), values.data(), 1.0, field.GetBorder());
 }
 
 } // namespace
@@ -109,18 +109,18 @@ TEST(DirectManipulation, PinsHoldAndTheNormIsTheSmallest)
   for (int l = 0; l < 60; ++l)
   {
     const BSplineField field = random.Field(1.0, AllBorders[l % 3], 6);
-    std::vector<MaterialMove> wishes;
+    std::vector<MaterialMove> constraints;
     for (int w = 0; w < 5; ++w)
     {
-      wishes.push_back({ random.Point(field, -1.0), glm::dvec3(0.0) });
+      constraints.push_back({ random.Point(field, -1.0), glm::dvec3(0.0) });
     }
-    wishes.push_back({ random.Point(field, -1.0), random.Vector(-1.0, 1.0) });
-    const DirectManipulation change = MoveMaterial(field, {}, wishes);
+    constraints.push_back({ random.Point(field, -1.0), random.Vector(-1.0, 1.0) });
+    const DirectManipulation change = MoveMaterial(field, {}, constraints);
     const BSplineField after = Changed(field, change);
-    for (const MaterialMove& wish : wishes)
+    for (const MaterialMove& constraint : constraints)
     {
-      EXPECT_LT(glm::distance(after.Displacement(wish.RestPoint),
-                  field.Displacement(wish.RestPoint) + wish.Move),
+      EXPECT_LT(glm::distance(after.Displacement(constraint.RestPoint),
+                  field.Displacement(constraint.RestPoint) + constraint.Move),
         1e-9);
     }
     // Smallest norm: orthogonal to every direction that moves no point. Such directions: any net,
@@ -130,12 +130,12 @@ TEST(DirectManipulation, PinsHoldAndTheNormIsTheSmallest)
     {
       d = random.Vector(-1.0, 1.0);
     }
-    const BSplineField any(field.GetNodes(), field.GetOrigin(), field.GetSpacing(), net.data(), 1.0,
-      field.GetBorder());
-    std::vector<MaterialMove> same = wishes;
-    for (MaterialMove& wish : same)
+    const BSplineField any(
+      field.GetNodes(), field.GetOrigin(), field.GetSpacing(), net.data(), 1.0, field.GetBorder());
+    std::vector<MaterialMove> same = constraints;
+    for (MaterialMove& constraint : same)
     {
-      wish.Move = any.Displacement(wish.RestPoint);
+      constraint.Move = any.Displacement(constraint.RestPoint);
     }
     const DirectManipulation fulfil = MoveMaterial(field, {}, same);
     for (std::size_t n = 0; n < fulfil.Nodes.size(); ++n)
@@ -178,7 +178,7 @@ TEST(DirectManipulation, LockedPointsStay)
   }
 }
 
-TEST(DirectManipulation, WishesThatCannotBeFulfilledAreTold)
+TEST(DirectManipulation, ConstraintsThatCannotBeMetAreTold)
 {
   RandomLattice random(75);
   const BSplineField field = random.Field(1.0, BorderMode::Zero, 5);
@@ -193,8 +193,8 @@ TEST(DirectManipulation, WishesThatCannotBeFulfilledAreTold)
   EXPECT_EQ(change.Achieved[0], glm::dvec3(0.0));
   // All locked.
   const glm::ivec3 n = field.GetNodes();
-  change = MoveMaterial(field,
-    std::vector<unsigned char>(static_cast<std::size_t>(n.x * n.y * n.z), 1), { { p, p } });
+  change = MoveMaterial(
+    field, std::vector<unsigned char>(static_cast<std::size_t>(n.x * n.y * n.z), 1), { { p, p } });
   EXPECT_TRUE(change.Nodes.empty());
   // None.
   EXPECT_TRUE(MoveMaterial(field, {}, {}).Nodes.empty());
