@@ -184,8 +184,8 @@ public:
    * Which pull-back is used. Default: EXACT. Where T folds, a deformed point has several rest
    * points: those count where T keeps the orientation of the volume, what it turns inside out is not
    * shown. Points without such a rest point show nothing and are counted, see
-   * vtkFFDRayStatistics::GetNumberOfUnconvergedPoints. (The paper's segmentation, GREEDY_ANGLE, and
-   * the reference kernels use the first-order point there.)
+   * vtkFFDRayStatistics::GetNumberOfUnconvergedPoints. (The paper's segmentation, GREEDY_ANGLE, uses
+   * the first-order point there.)
    */
   vtkSetClampMacro(InverseMode, int, FIRST_ORDER, PULL_BACK);
   vtkGetMacro(InverseMode, int);

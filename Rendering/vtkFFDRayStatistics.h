@@ -85,7 +85,7 @@ public:
   ///@{
   /**
    * Number of points that no rest point was found of (folds): they show nothing, or with
-   * GREEDY_ANGLE and the reference kernels the first-order point of the paper's equation (3).
+   * GREEDY_ANGLE the first-order point of the paper's equation (3).
    */
   vtkGetMacro(NumberOfUnconvergedPoints, vtkTypeInt64);
   ///@}

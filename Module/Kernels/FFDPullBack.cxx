@@ -176,6 +176,17 @@ bool SolveInverse(const BSplineField& field, const glm::dvec3& p, const glm::dve
 }
 
 //------------------------------------------------------------------------------
+bool SolveInverseNear(const BSplineField& field, const glm::dvec3& p, const glm::dvec3& start,
+  double tolerance, glm::dvec3& q, int& evaluations)
+{
+  Residual r = EvaluateResidual(field, p, start, 1.0, evaluations);
+  const bool converged =
+    Newton(field, p, 1.0, tolerance, MaximumNewtonSteps, r, evaluations);
+  q = r.Point;
+  return converged;
+}
+
+//------------------------------------------------------------------------------
 PullBackKind FindPullBackKind(InverseMode mode, bool inverted)
 {
   switch (mode)

@@ -95,6 +95,10 @@ private:
 FFD_KERNEL_EXPORT bool SolveInverse(const BSplineField& field, const glm::dvec3& p,
   const glm::dvec3& start, double tolerance, glm::dvec3& q, int& evaluations);
 
+/// The same by damped Newton alone: of several solutions one near `start`, if there is one.
+FFD_KERNEL_EXPORT bool SolveInverseNear(const BSplineField& field, const glm::dvec3& p,
+  const glm::dvec3& start, double tolerance, glm::dvec3& q, int& evaluations);
+
 } // namespace ffd
 
 #endif

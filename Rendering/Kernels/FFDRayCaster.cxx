@@ -320,6 +320,45 @@ RayCaster::RayCaster(const CastScene& scene, const CastSettings& settings)
   {
     this->Packets.reset(new PacketCaster(this->Scene, this->Settings, this->Frame));
   }
+  else if (settings.Segments == Segmentation::ErrorBound && !scene.Map->IsIdentity() &&
+    InvertsTheField(scene.Map->GetKind()) && !scene.Limits.OneToOne)
+  {
+    this->Inverse.reset(new OrientedInverse(
+      *scene.Map->GetField(), scene.Map->GetTolerance(), scene.Volume, this->RestBox));
+  }
+}
+
+//------------------------------------------------------------------------------
+/// Phi(p), data coordinates, for the reference kernels. `start`, if not null: about that.
+glm::dvec3 RayCaster::PullBackAlone(
+  const glm::dvec3& p, const glm::dvec3* start, CastStatistics& statistics) const
+{
+  const PullBack& map = *this->Scene.Map;
+  const bool mirrored = map.GetKind() == PullBackKind::FirstOrderOfInverse;
+  const auto mirror = [&](const glm::dvec3& q) { return mirrored ? 2.0 * p - q : q; };
+  PullBackStatus status;
+  glm::dvec3 q;
+  if (this->Inverse)
+  {
+    status.Converged =
+      this->Inverse->Solve(p, start ? mirror(*start) : p, q, status.Evaluations);
+    q = mirror(q);
+  }
+  else if (start && InvertsTheField(map.GetKind()) && !map.IsIdentity() &&
+    SolveInverse(
+      *map.GetField(), p, mirror(*start), map.GetTolerance(), q, status.Evaluations))
+  {
+    q = mirror(q);
+  }
+  else
+  {
+    const int before = status.Evaluations;
+    q = map.Evaluate(p, status);
+    status.Evaluations += before;
+  }
+  statistics.Evaluations += status.Evaluations;
+  statistics.Unconverged += status.Converged ? 0 : 1;
+  return q;
 }
 
 //------------------------------------------------------------------------------
@@ -695,11 +734,8 @@ void RayCaster::CastSlice(const Ray& ray, Pixel& pixel, CastStatistics& statisti
   {
     return;
   }
-  PullBackStatus status;
   const glm::dvec3 p = ray.Origin + t * ray.Direction;
-  const glm::dvec3 q = this->Scene.Volume.ToIndex(this->Scene.Map->Evaluate(p, status));
-  statistics.Evaluations += status.Evaluations;
-  statistics.Unconverged += status.Converged ? 0 : 1;
+  const glm::dvec3 q = this->Scene.Volume.ToIndex(this->PullBackAlone(p, nullptr, statistics));
   const Cropping& crop = this->Scene.Crop;
   pixel.NotePiece(CurvePiece::Line(q, q), t, t, false);
   if (!IsInside(this->Scene.Volume, q) ||
@@ -763,34 +799,14 @@ void RayCaster::CastSamples(Ray& ray, Pixel& pixel, CastStatistics& statistics) 
   const VolumeView& volume = this->Scene.Volume;
   const PullBack& map = *this->Scene.Map;
   const bool identity = map.IsIdentity();
-  const bool inverse = !identity && InvertsTheField(map.GetKind());
-  const bool mirrored = map.GetKind() == PullBackKind::FirstOrderOfInverse;
   const bool intervals = this->Scene.Blend.UsesIntervals();
   const double distance = this->Settings.SampleDistance;
   Sampler sampler(*this, ray, pixel, statistics);
 
   const auto pointAt = [&](double t) { return ray.Origin + t * ray.Direction; };
   // Data coordinates. `start`: about where it leads to.
-  const auto pullBack = [&](double t, const glm::dvec3* start)
-  {
-    const glm::dvec3 p = pointAt(t);
-    if (inverse && start)
-    {
-      glm::dvec3 q;
-      int evaluations = 0;
-      const bool found = SolveInverse(*map.GetField(), p, mirrored ? 2.0 * p - *start : *start,
-        map.GetTolerance(), q, evaluations);
-      statistics.Evaluations += evaluations;
-      if (found)
-      {
-        return mirrored ? 2.0 * p - q : q;
-      }
-    }
-    PullBackStatus status;
-    const glm::dvec3 q = map.Evaluate(p, status);
-    statistics.Evaluations += status.Evaluations;
-    statistics.Unconverged += status.Converged ? 0 : 1;
-    return q;
+  const auto pullBack = [&](double t, const glm::dvec3* start) {
+    return this->PullBackAlone(pointAt(t), start, statistics);
   };
 
   // A sample at the very start of the range belongs to it, rounding errors or not.

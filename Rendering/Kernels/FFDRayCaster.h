@@ -5,6 +5,7 @@
 
 #include "FFDCastScene.h"
 #include "FFDExport.h"
+#include "FFDOrientedInverse.h"
 #include "FFDPacketCaster.h"
 #include "FFDRayIntegrator.h"
 #include "FFDSampleClassifier.h"
@@ -75,6 +76,8 @@ private:
   int SetUpTile(int x0, int y0, int x1, int y1, Ray* rays) const;
   void TracePackets(const Ray& ray, const CastImage& image, Scratch& scratch, Pixel& pixel,
     TracedRay& traced) const;
+  glm::dvec3 PullBackAlone(
+    const glm::dvec3& p, const glm::dvec3* start, CastStatistics& statistics) const;
   void CastSlice(const Ray& ray, Pixel& pixel, CastStatistics& statistics) const;
   void CastSamples(Ray& ray, Pixel& pixel, CastStatistics& statistics) const;
   void CastPolyline(Ray& ray, Pixel& pixel, CastStatistics& statistics) const;
@@ -84,6 +87,7 @@ private:
   std::unique_ptr<SampleClassifier> OwnClassifier; // where the scene has none
   IntegrationFrame Frame;
   std::unique_ptr<PacketCaster> Packets; // null: the reference kernels render
+  std::unique_ptr<OrientedInverse> Inverse; // of the reference kernels; null: T is one to one
   glm::dmat3 GradientToRest; // gradient by index coordinates to gradient by data coordinates
   Box RestBox;               // the whole volume at rest, index coordinates
   bool Visible;              // false: all samples would be leaped over, so no ray is cast

@@ -362,8 +362,8 @@ private:
     {
       return true;
     }
-    NodeVectors middle;
-    NodeVectors end;
+    alignas(64) NodeVectors middle;
+    alignas(64) NodeVectors end;
     FindLayer(piece.Terms, 0.5f, middle);
     FindLayer(piece.Terms, 1.0f, end);
     const float* m = this->Scene.IndexToLocal;

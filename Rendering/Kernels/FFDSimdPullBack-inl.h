@@ -69,15 +69,6 @@ HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
   return MulAdd(part, step, load(point));
 }
 
-/// Lanes that lie in the volume at rest, or about.
-HWY_INLINE Mf IsInRestBox(const PacketScene& scene, const Vec3& q)
-{
-  const auto within = [&](Vf x, int a) {
-    return hn::And(hn::Ge(x, Splat(scene.RestLow[a])), hn::Le(x, Splat(scene.RestHigh[a])));
-  };
-  return hn::And(within(q.x, 0), hn::And(within(q.y, 1), within(q.z, 2)));
-}
-
 /// Lanes whose T^-1 does not lead into the volume: InvertFrom() gives them a point far outside.
 HWY_INLINE Mf IsNowhere(const PacketScene& scene, const Vec3& q)
 {
@@ -86,9 +77,10 @@ HWY_INLINE Mf IsNowhere(const PacketScene& scene, const Vec3& q)
 
 /**
  * T^-1 of every lane by Newton's method from `start`, local coordinates. Where T folds, several
- * rest points lead to p: those count where T does not turn the volume inside out. Lanes that do not
- * find such a one start again from the nearest seed; where that does not help, there is nothing at
- * p, and they get a point far outside. `step`: the last one.
+ * rest points lead to p: those count where T does not turn space inside out, beside the volume, too,
+ * or rays would follow a wrong one past the volume. Lanes that do not find such a one start again
+ * from the nearest seed; where that does not help, there is nothing at p, and they get a point far
+ * outside. `step`: the last one.
  */
 HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& start,
   float tolerance, Mf active, NewtonStep& step, CastStatistics& statistics)
@@ -102,7 +94,7 @@ HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& 
   const auto solve = [&](Mf lanes, int steps, Vec3& at, NewtonStep& last) {
     const Mf solved = SolveInverse(scene.Field, p, tolerance, lanes, steps, at, last, evaluations);
     const Mf kept = hn::Gt(hn::Mul(last.Inverse, Splat(scene.Orientation)), hn::Zero(d));
-    return hn::And(solved, hn::Or(kept, hn::Not(IsInRestBox(scene, at))));
+    return hn::And(solved, kept);
   };
   // From where there was nothing as from nowhere.
   const Mf cold = IsNowhere(scene, start);

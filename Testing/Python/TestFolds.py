@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where the deformation folds, the picture is that of the volume moved forward, without holes.
+"""Where the deformation folds, or nearly does, the picture is that of the volume moved forward,
+without holes, by all kernels.
 
 A solid block is bent until its inner side folds. Its points are moved by T and projected: pixels that
 points well within the block reach, at which T keeps their orientation, must be opaque, and pixels that
@@ -14,6 +15,7 @@ import vtkffd
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401 (the window's implementation)
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+from vtkmodules.vtkImagingCore import vtkRTAnalyticSource
 from vtkmodules.vtkRenderingCore import (
     vtkColorTransferFunction, vtkRenderer, vtkRenderWindow, vtkVolume)
 
@@ -62,12 +64,12 @@ def moved_points(lattice, margin):
 
 
 class TestFolds(unittest.TestCase):
-    def render(self, mapper, center):
+    def render(self, mapper, center, path=(90.0, 60.0, 180.0), opacities=((0, 1.0), (255, 1.0))):
         volume = vtkVolume()
         volume.SetMapper(mapper)
         opacity, color = vtkPiecewiseFunction(), vtkColorTransferFunction()
-        opacity.AddPoint(0, 1)
-        opacity.AddPoint(255, 1)
+        for value, height in opacities:
+            opacity.AddPoint(value, height)
         color.AddRGBPoint(0, 1, 1, 1)
         volume.GetProperty().SetScalarOpacity(opacity)
         volume.GetProperty().SetColor(color)
@@ -78,7 +80,7 @@ class TestFolds(unittest.TestCase):
         renderer.AddVolume(volume)
         camera = renderer.GetActiveCamera()
         camera.SetFocalPoint(*center)
-        camera.SetPosition(*(center + numpy.array([90.0, 60.0, 180.0])))
+        camera.SetPosition(*(center + numpy.array(path)))
         camera.SetViewUp(0, 1, 0)
         renderer.ResetCameraClippingRange(mapper.GetBounds())
         colors = vtkImageData()
@@ -125,6 +127,32 @@ class TestFolds(unittest.TestCase):
 
     def test_bend_that_does_not(self):
         self.check(vtkffd.vtkFFDLatticeSource.BEND, 0.7, False)
+
+    def test_strong_bends_by_all_kernels(self):
+        """Beside the volume T folds where its lattice ends; in it a bend of 1 does not, and its rays
+        enter it at any sample. One of 2 folds: the reference kernels show the same branch."""
+        source = vtkRTAnalyticSource()
+        source.SetWholeExtent(-20, 20, -20, 20, -20, 20)
+        source.Update()
+        for size, strength in ((4, 1), (6, 1.2), (6, 2)):
+            lattice = vtkffd.vtkFFDLattice()
+            lattice.SetDimensions(size, size, size)
+            lattice.FitToBounds(source.GetOutput().GetBounds())
+            vtkffd.vtkFFDLatticeSource.ApplyShape(
+                lattice, vtkffd.vtkFFDLatticeSource.BEND, strength)
+            self.assertEqual(lattice.IsFoldFree(), strength < 2)
+            mapper = make_mapper(source.GetOutput(), lattice)
+            mapper.SetSampleDistance(1.0)
+            alphas = []
+            for reference in (False, True):
+                mapper.SetReferenceKernels(reference)
+                _, alpha = self.render(
+                    mapper, numpy.zeros(3), (100.0, 60.0, 80.0), ((140, 0.0), (180, 0.3), (280, 1.0)))
+                alphas.append(alpha.astype(int))
+            far = (numpy.abs(alphas[0] - alphas[1]) > 20).sum()
+            with self.subTest(size=size, strength=strength):
+                self.assertGreater((alphas[1] > 0).sum(), 3000)
+                self.assertLessEqual(far, 12)  # edges
 
     def test_small_edits_do_not_blink(self):
         """Pictures of a little more of a bend that folds differ by the movement alone."""

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDOrientedInverse_h
+#define FFDOrientedInverse_h
+
+#include "FFDPullBack.h"
+#include "FFDPullBackBounds.h"
+#include "FFDVolumeView.h"
+
+#include <vector>
+
+namespace ffd
+{
+
+/**
+ * T^-1 of the reference kernels where T folds, so that several rest points lead to a deformed
+ * point: those in the volume count at which T keeps the orientation that it has at most points of
+ * the volume. It is PacketScene::Orientation in double precision.
+ */
+class OrientedInverse
+{
+public:
+  /// `rest`: the volume at rest, index coordinates. `field` must outlive this object.
+  OrientedInverse(
+    const BSplineField& field, double tolerance, const VolumeView& volume, const Box& rest);
+
+  /**
+   * Solve T(q) = p by Newton's method, from `start` and then from the points of a grid whose images
+   * are nearest to p. Where no solution counts q is one outside of the volume; false if none is
+   * found, and q is then far outside.
+   */
+  bool Solve(const glm::dvec3& p, const glm::dvec3& start, glm::dvec3& q, int& evaluations) const;
+
+private:
+  struct Seed
+  {
+    glm::dvec3 Point;
+    glm::dvec3 Image;
+    bool Positive; // the orientation
+  };
+  Seed MakeSeed(const glm::dvec3& point) const;
+
+  const BSplineField& Field;
+  double Tolerance;
+  VolumeView Volume;
+  Box Rest;
+  std::vector<Seed> Seeds;
+  bool Positive = true;
+  double Reach = 0.0; // from seed to seed, at most, when deformed
+};
+
+} // namespace ffd
+
+#endif
