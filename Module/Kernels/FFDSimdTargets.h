@@ -13,6 +13,10 @@
 // be used: their vectors have no size at compile time, and ours are members of structures. NEON
 // takes the place of SVE; other vector units, and new ones, are served by Highway's fallback in
 // plain C++.
+#ifdef __GNUC__
+// Highway 1.0 evaluates the macro below without some of its names: no warning (-Wundef).
+#pragma GCC system_header
+#endif
 #define HWY_WANT_AVX3_DL
 #define HWY_DISABLED_TARGETS                                                                       \
   (~(HWY_SCALAR | HWY_EMU128 | HWY_SSE2 | HWY_SSE4 | HWY_AVX2 | HWY_AVX3 | HWY_AVX3_DL |           \
