@@ -184,7 +184,7 @@ PacketSampling SamplingOf(BlendMode mode)
 bool CanFetchPackets(const VolumeView& v)
 {
   const double bytes = static_cast<double>(v.Increments[2]) * v.Dimensions.z * SizeOf(v.Type);
-  return bytes <= LargestVolume && v.Increments[0] == 1 && v.Dimensions.x >= 4 &&
+  return bytes <= LargestVolume && v.Increments[0] == v.Components && v.Dimensions.x >= 4 &&
     v.Dimensions.y >= 4 && v.Dimensions.z >= 4;
 }
 
@@ -202,6 +202,16 @@ bool HasVectorMask(const CastScene& scene, const SampleClassifier& classifier)
   return classifier.IsPlainWithMask() && scene.Blend.Mode == BlendMode::Composite &&
     CanFetchPackets(scene.Volume) &&
     static_cast<double>(mask.Increments[2]) * mask.Dimensions.z <= LargestVolume;
+}
+
+/// Whether the vector code composites the several components of this scene.
+bool HasVectorComponents(const CastScene& scene, const SampleClassifier& classifier)
+{
+  const VolumeView& mask = classifier.GetMask().Volume;
+  return classifier.HasPlainComponents() && scene.Blend.Mode == BlendMode::Composite &&
+    scene.Volume.Components <= SampleClassifier::LargestNumberOfComponents &&
+    !IsWide(scene.Volume.Type) && CanFetchPackets(scene.Volume) &&
+    (!mask.Scalars || static_cast<double>(mask.Increments[2]) * mask.Dimensions.z <= LargestVolume);
 }
 
 /// A table over values as they are fetched.
@@ -322,6 +332,74 @@ PacketLight MakePacketLight(
   return packet;
 }
 
+/// `reflectance`: of one component.
+PacketSurface MakeSurface(
+  const Shading& material, const Reflectance& reflectance, const glm::dvec3& centre)
+{
+  PacketSurface surface;
+  const float power = reflectance.SpecularPower;
+  surface.SpecularPower = power;
+  if (power == std::floor(power) && power <= LargestWholePower)
+  {
+    surface.WholeSpecularPower = static_cast<int>(power);
+  }
+  for (const Light& light : material.Lights)
+  {
+    const PacketLight packet = MakePacketLight(light, reflectance, centre);
+    if (!light.Headlight)
+    {
+      surface.Lights.push_back(packet);
+      continue;
+    }
+    for (int c = 0; c < 3; ++c)
+    {
+      surface.Headlights.Ambient[c] += packet.Ambient[c];
+      surface.Headlights.Diffuse[c] += packet.Diffuse[c];
+      surface.Headlights.Specular[c] += packet.Specular[c];
+    }
+  }
+  return surface;
+}
+
+PacketGradientOpacity MakeGradientOpacity(
+  const GradientOpacity& opacity, const SampleClassifier& classifier, const PacketVolume& volume)
+{
+  PacketGradientOpacity packet;
+  if (!opacity.IsEmpty())
+  {
+    packet.Factors = opacity.GetFactors().data();
+    packet.Size = static_cast<int>(opacity.GetFactors().size());
+    // Packets fetch differences over two voxels, scaled as their values.
+    Copy(classifier.GetMagnitudeScale() * (0.5 * opacity.GetScale() / volume.Scale), packet.Scale);
+  }
+  return packet;
+}
+
+/// Looks of several components; the table of the first one is there already.
+void AddComponents(const SampleClassifier& classifier, const Shading& material,
+  const glm::dvec3& centre, PacketScene& scene)
+{
+  const OpticalFunctions& functions = classifier.GetFunctions();
+  scene.KindOfComponents = functions.Kind;
+  scene.ColourScale = static_cast<float>(functions.ColourScale);
+  for (const ComponentOptics& optics : functions.Components)
+  {
+    if (!scene.Components.empty())
+    {
+      AddTable(optics.Table, scene);
+    }
+    PacketComponent component;
+    component.Gradients = MakeGradientOpacity(optics.Gradients, classifier, scene.Volume);
+    component.Weight = optics.Weight;
+    component.Surface = MakeSurface(material, optics.Surface, centre);
+    scene.Components.push_back(component);
+  }
+  if (functions.Kind == ComponentKind::ColourOpacity)
+  {
+    AddTable(functions.Colours, scene);
+  }
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -348,8 +426,11 @@ PacketCaster::PacketCaster(
   p.Source = &scene;
   p.Frame = &frame;
   const bool gradients = HasVectorGradientOpacity(scene, *frame.Classifier);
-  const bool masked = HasVectorMask(scene, *frame.Classifier);
-  p.Sampling = settings.PerRay || !(gradients || masked || frame.Classifier->IsPlain())
+  const bool components = HasVectorComponents(scene, *frame.Classifier);
+  const bool masked = HasVectorMask(scene, *frame.Classifier) ||
+    (components && frame.Classifier->GetMask().Volume.Scalars);
+  p.Sampling =
+    settings.PerRay || !(gradients || masked || components || frame.Classifier->IsPlain())
     ? PacketSampling::PerRay
     : SamplingOf(scene.Blend.Mode);
   p.Intervals = scene.Blend.UsesIntervals();
@@ -361,6 +442,7 @@ PacketCaster::PacketCaster(
   {
     p.Volume.Dimensions[a] = v.Dimensions[a];
   }
+  p.Volume.Components = components ? v.Components : 1;
   p.Volume.IncrementY = static_cast<int>(v.Increments[1]);
   p.Volume.IncrementZ = static_cast<int>(v.Increments[2]);
   p.Volume.Nearest = scene.VolumeInterpolation == Interpolation::Nearest;
@@ -378,19 +460,15 @@ PacketCaster::PacketCaster(
   {
     SetMask(*frame.Classifier, p);
   }
-  if (settings.Leaping != SpaceLeaping::Off && p.Mask.Tables.empty())
+  if (settings.Leaping != SpaceLeaping::Off && p.Mask.Tables.empty() && !components)
   {
     FindVisibleRange(*scene.Table, p);
   }
 
   if (gradients)
   {
-    const GradientOpacity& opacity = frame.Classifier->GetGradientOpacity();
-    p.GradientFactors = opacity.GetFactors().data();
-    p.NumberOfGradientFactors = static_cast<int>(opacity.GetFactors().size());
-    // Packets fetch differences over two voxels, scaled as their values.
-    Copy(frame.Classifier->GetMagnitudeScale() * (0.5 * opacity.GetScale() / p.Volume.Scale),
-      p.GradientScale);
+    p.Gradients =
+      MakeGradientOpacity(frame.Classifier->GetGradientOpacity(), *frame.Classifier, p.Volume);
   }
   p.ReferenceLength = static_cast<float>(frame.Classifier->GetReferenceLength());
   const bool wide = IsWide(v.Type);
@@ -491,8 +569,8 @@ PacketCaster::PacketCaster(
   Copy(scene.Crop.Low - cropOrigin, p.CropLow);
   Copy(scene.Crop.High - cropOrigin, p.CropHigh);
   p.Inner = p.Sampling == PacketSampling::Composite && !p.Intervals &&
-    p.CropSpace == Cropping::Spaces::None;
-  p.Plain = p.Inner && !p.GradientFactors && !p.Mask.Scalars;
+    p.CropSpace == Cropping::Spaces::None && !components;
+  p.Plain = p.Inner && !p.Gradients.Factors && !p.Mask.Scalars;
 
   if (scene.Distances && settings.Leaping != SpaceLeaping::Off)
   {
@@ -507,11 +585,6 @@ PacketCaster::PacketCaster(
 
   p.Shade = settings.Shade;
   p.TwoSided = scene.Material.TwoSided;
-  p.SpecularPower = scene.Material.SpecularPower;
-  if (p.SpecularPower == std::floor(p.SpecularPower) && p.SpecularPower <= LargestWholePower)
-  {
-    p.WholeSpecularPower = static_cast<int>(p.SpecularPower);
-  }
   const glm::dmat3& toLights = scene.Material.GetToLights();
   CopyRows(toLights, p.LocalToLights);
   CopyRows(scene.Material.GetGradientToLights(), p.GradientToLights);
@@ -519,20 +592,10 @@ PacketCaster::PacketCaster(
     scene.Material.GetGradientToLights() * glm::transpose(v.DataToIndex), p.IndexGradientToLights);
   p.Parallel = scene.Camera.Parallel;
   Copy(toLights * (scene.Camera.Eye - p.Centre), p.Eye);
-  for (const Light& light : scene.Material.Lights)
+  p.Surface = MakeSurface(scene.Material, scene.Material, toLights * p.Centre);
+  if (p.Volume.Components > 1)
   {
-    const PacketLight packet = MakePacketLight(light, scene.Material, toLights * p.Centre);
-    if (!light.Headlight)
-    {
-      p.Lights.push_back(packet);
-      continue;
-    }
-    for (int c = 0; c < 3; ++c)
-    {
-      p.Headlights.Ambient[c] += packet.Ambient[c];
-      p.Headlights.Diffuse[c] += packet.Diffuse[c];
-      p.Headlights.Specular[c] += packet.Specular[c];
-    }
+    AddComponents(*frame.Classifier, scene.Material, toLights * p.Centre, p);
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "FFDCastScene.h"
 #include "FFDExport.h"
+#include "FFDOpticalFunctions.h"
 #include "FFDPacketField.h"
 #include "FFDPacketMask.h"
 #include "FFDPacketTable.h"
@@ -57,6 +58,32 @@ struct PacketSeed
   float SquaredImage; ///< the squared length of Image
   float Inverse[9];   ///< of the Jacobian matrix of T there, row by row
   bool Positive;      ///< whether its determinant is
+};
+
+/// A material, and the lights on it in the space of Shading.
+struct PacketSurface
+{
+  float SpecularPower = 1.0f;
+  int WholeSpecularPower = -1;     ///< that, or -1 where it is no whole number or large
+  PacketLight Headlights;          ///< the sums of their colours
+  std::vector<PacketLight> Lights; ///< the others
+};
+
+/// Factors of the opacity over PacketScene::ReferenceLength, by the length of Scale times the
+/// gradient as fetched.
+struct PacketGradientOpacity
+{
+  const float* Factors = nullptr; ///< null: there are none
+  int Size = 0;
+  float Scale[3] = {};
+};
+
+/// Looks of one of several components; its transfer table has the same number.
+struct PacketComponent
+{
+  PacketGradientOpacity Gradients;
+  float Weight = 1.0f; ///< of its opacity
+  PacketSurface Surface;
 };
 
 /**
@@ -138,19 +165,17 @@ struct PacketScene
   float VisibleLow = -std::numeric_limits<float>::infinity();
   float VisibleHigh = std::numeric_limits<float>::infinity();
 
-  /// Gradient opacity: factors by the length of GradientScale times the gradient as fetched; null
-  /// without. They multiply the opacity over ReferenceLength.
-  const float* GradientFactors = nullptr;
-  int NumberOfGradientFactors = 0;
-  float GradientScale[3] = {};
-  float ReferenceLength = 1.0f;
+  PacketGradientOpacity Gradients; ///< of the first component
+  float ReferenceLength = 1.0f;    ///< over which gradient opacities and components are weighed
+
+  /// Several components; else there are none here.
+  ComponentKind KindOfComponents = ComponentKind::Independent;
+  std::vector<PacketComponent> Components; ///< independent ones, or all dependent ones as one
+  float ColourScale = 1.0f;                ///< takes values that are colours to [0, 1]
 
   bool Shade = false;
   bool TwoSided = true;
-  float SpecularPower = 1.0f;
-  int WholeSpecularPower = -1;     ///< that, or -1 where it is no whole number or large
-  PacketLight Headlights;          ///< the sums of their colours
-  std::vector<PacketLight> Lights; ///< the others
+  PacketSurface Surface; ///< of the first component
 };
 
 /// A position that was sampled, for measurements of its error: pixel, t, and index coordinates.

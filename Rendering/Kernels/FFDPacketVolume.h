@@ -17,6 +17,7 @@ struct PacketVolume
   const void* Scalars = nullptr;
   ScalarType Type = ScalarType::UInt8;
   int Dimensions[3] = {};
+  int Components = 1; ///< side by side in memory
   int IncrementY = 0; ///< elements
   int IncrementZ = 0;
   bool Nearest = false;

@@ -162,15 +162,24 @@ SampleClassifier::SampleClassifier(const ClassifierInputs& inputs)
   this->MayHide = this->In.Hidden || (mask.Volume.Scalars && !mask.Labels);
   const OpticalFunctions& functions = *this->In.Functions;
   const ComponentOptics& first = functions.Components[0];
-  const bool one = functions.Kind == ComponentKind::Independent &&
-    functions.Components.size() == 1 && first.Plane.IsEmpty() && !this->In.Hidden && !volume.Axes &&
-    !((this->In.NormalFromOpacity || !this->In.ClippingPlanes.empty()) && first.Shade) &&
-    (this->In.ClippingPlanes.empty() || first.Gradients.IsEmpty());
+  const auto all = [&](auto has)
+  { return std::all_of(functions.Components.begin(), functions.Components.end(), has); };
+  const bool clipped = !this->In.ClippingPlanes.empty();
+  const bool noGradients =
+    all([](const ComponentOptics& optics) { return optics.Gradients.IsEmpty(); });
+  const bool simple = all([](const ComponentOptics& optics) { return optics.Plane.IsEmpty(); }) &&
+    !this->In.Hidden && !volume.Axes &&
+    !((this->In.NormalFromOpacity || clipped) && first.Shade) && (!clipped || noGradients);
+  const bool one =
+    simple && functions.Kind == ComponentKind::Independent && functions.Components.size() == 1;
   const bool labelsHaveGradients = std::any_of(functions.Labels.begin(), functions.Labels.end(),
     [](const LabelOptics& label) { return !label.Gradients.IsEmpty(); });
   const bool masked = mask.Volume.Scalars != nullptr;
   this->Plain = one && !masked && first.Gradients.IsEmpty();
   this->PlainWithGradient = one && !masked && !first.Gradients.IsEmpty();
+  this->PlainComponents = simple && volume.Components > 1 && !(masked && mask.Labels) &&
+    (functions.Kind != ComponentKind::Independent ||
+      static_cast<int>(functions.Components.size()) == volume.Components);
   this->PlainWithMask = one && masked && first.Gradients.IsEmpty() && !labelsHaveGradients;
 }
 

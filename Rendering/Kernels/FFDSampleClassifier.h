@@ -114,6 +114,10 @@ public:
   /// Whether there is nothing but one component, its table, and a mask, or a label map whose labels
   /// have tables: GetMask().
   bool IsPlainWithMask() const { return this->PlainWithMask; }
+
+  /// Whether there is nothing but several components with tables, gradient opacities and maybe a
+  /// binary mask.
+  bool HasPlainComponents() const { return this->PlainComponents; }
   const MaskView& GetMask() const { return this->In.Mask; }
   const OpticalFunctions& GetFunctions() const { return *this->In.Functions; }
 
@@ -223,6 +227,7 @@ private:
   bool Plain = true;
   bool PlainWithGradient = false;
   bool PlainWithMask = false;
+  bool PlainComponents = false;
   bool MayHide = false;
 };
 

@@ -10,6 +10,7 @@
 
 #include "FFDPacketCaster.h"
 
+#include "FFDSimdComponents-inl.h"
 #include "FFDSimdFetch-inl.h"
 #include "FFDSimdLeap-inl.h"
 #include "FFDSimdMask-inl.h"
@@ -517,7 +518,14 @@ private:
       }
       if (this->Scene.Sampling == PacketSampling::Composite)
       {
-        this->template TakeSample<false>(curve, q, s, active);
+        if (this->Scene.Volume.Components > 1)
+        {
+          this->TakeComponents(curve, q, s, active);
+        }
+        else
+        {
+          this->template TakeSample<false>(curve, q, s, active);
+        }
       }
       else
       {
@@ -720,7 +728,7 @@ private:
       return;
     }
     Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
-    const bool byGradient = !Plain && this->Scene.GradientFactors != nullptr;
+    const bool byGradient = !Plain && this->Scene.Gradients.Factors != nullptr;
     if (byGradient || this->Scene.Shade)
     {
       voxels.Widen();
@@ -732,7 +740,7 @@ private:
     }
     if (byGradient)
     {
-      extinction = this->WeighByGradient(extinction, gradient);
+      extinction = this->WeighByGradient(this->Scene.Gradients, extinction, gradient);
       visible = hn::And(visible, hn::Gt(extinction, hn::Zero(d)));
       if (hn::AllFalse(d, visible))
       {
@@ -749,8 +757,15 @@ private:
     const Vf t = curve.TimeAt(s);
     if (this->Scene.Shade)
     {
-      colour = this->ShadeSample(curve, q, colour, gradient, s, t);
+      colour = this->ShadeSample(this->Scene.Surface, curve, q, colour, gradient, s, t);
     }
+    this->AddLook(colour, extinction, visible, curve, s, t);
+  }
+
+  /// Composites colours that are lit.
+  HWY_INLINE void AddLook(
+    const Vec3& colour, Vf extinction, Mf visible, const PacketCurve& curve, Vf s, Vf t)
+  {
     const Vf interval = this->Scene.Settings.Opacity == OpacityLength::World
       ? Splat(static_cast<float>(this->Scene.Settings.SampleDistance))
       : hn::Mul(curve.PerStep, this->LengthOf(curve.Position.Slope(s)));
@@ -769,23 +784,30 @@ private:
 
   /// The extinction whose opacity over the reference length is that of `extinction` times the
   /// factor of a gradient; as SampleClassifier.
-  HWY_NOINLINE Vf WeighByGradient(Vf extinction, const Vec3& gradient) const
+  HWY_NOINLINE Vf WeighByGradient(
+    const PacketGradientOpacity& gradients, Vf extinction, const Vec3& gradient) const
+  {
+    const Vf factor = this->FactorOf(gradients, gradient);
+    const Vf weighed = this->ExtinctionOf(hn::Mul(factor, this->OpacityOf(extinction)));
+    return hn::IfThenElse(hn::Ge(factor, Splat(1.0f)), extinction, weighed);
+  }
+
+  /// Of opacities over the reference length.
+  HWY_INLINE Vf FactorOf(const PacketGradientOpacity& gradients, const Vec3& gradient) const
   {
     const Df d;
     const Di di;
-    const Vec3 scaled{ hn::Mul(gradient.x, Splat(this->Scene.GradientScale[0])),
-      hn::Mul(gradient.y, Splat(this->Scene.GradientScale[1])),
-      hn::Mul(gradient.z, Splat(this->Scene.GradientScale[2])) };
-    const Vf last = Splat(static_cast<float>(this->Scene.NumberOfGradientFactors - 1));
+    const Vec3 scaled{ hn::Mul(gradient.x, Splat(gradients.Scale[0])),
+      hn::Mul(gradient.y, Splat(gradients.Scale[1])),
+      hn::Mul(gradient.z, Splat(gradients.Scale[2])) };
+    const Vf last = Splat(static_cast<float>(gradients.Size - 1));
     const Vf magnitude = hn::Sqrt(Dot(scaled, scaled));
     const Vf x = hn::IfThenElseZero(hn::Eq(magnitude, magnitude), hn::Min(magnitude, last));
     const Vf whole = hn::Min(hn::Floor(x), hn::Sub(last, Splat(1.0f)));
     HWY_ALIGN int offsets[16];
     hn::Store(hn::ConvertTo(di, whole), di, offsets);
-    const Vf factor = Lerp(LoadLanes<float, 4>(this->Scene.GradientFactors, 0, offsets),
-      LoadLanes<float, 4>(this->Scene.GradientFactors, 4, offsets), hn::Sub(x, whole));
-    const Vf weighed = this->ExtinctionOf(hn::Mul(factor, this->OpacityOf(extinction)));
-    return hn::IfThenElse(hn::Ge(factor, Splat(1.0f)), extinction, weighed);
+    return Lerp(LoadLanes<float, 4>(gradients.Factors, 0, offsets),
+      LoadLanes<float, 4>(gradients.Factors, 4, offsets), hn::Sub(x, whole));
   }
 
   /// Opacity over the reference length.
@@ -824,6 +846,212 @@ private:
     const Mf some = hn::Gt(hn::Add(without, extinction), hn::Zero(d));
     extinction = hn::IfThenElse(hn::Gt(factor, hn::Zero(d)),
       hn::IfThenElseZero(some, this->ExtinctionOf(opacity)), extinction);
+  }
+
+  /// What TakeSample does, for several components; as SampleClassifier.
+  HWY_NOINLINE void TakeComponents(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
+  {
+    if constexpr (!std::is_same<T, WideScalar>::value)
+    {
+      const Df d;
+      CastStatistics& statistics = this->Scratch.Statistics;
+      statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
+      SampleCells cells;
+      const SamplePosition at = FindCells(this->Scene.Volume, q, false, cells);
+      const Mf interior = IsInterior(this->Scene.Volume, cells);
+      const Mf border = hn::AndNot(interior, sampled);
+      ComponentSamples<T> samples(this->Scene.Volume, cells, at, hn::And(interior, sampled));
+      Vf values[LargestNumberOfComponents];
+      samples.FindValues(values);
+      if (HWY_UNLIKELY(!hn::AllFalse(d, border)))
+      {
+        this->ComponentsAtBorder(q, border, values);
+      }
+      Vf extinctions[LargestNumberOfComponents];
+      Mf visible = hn::FirstN(d, 0);
+      for (std::size_t c = 0; c < this->Scene.Components.size(); ++c)
+      {
+        // Comparisons with what is not a number are false.
+        const Vf density = this->DensityOf(c, values);
+        const Vf weight = Splat(this->Scene.Components[c].Weight);
+        const Mf counts = hn::And(hn::Eq(density, density), hn::Gt(weight, hn::Zero(d)));
+        extinctions[c] =
+          hn::IfThenElseZero(counts, TableLookup(this->Scene, density, c).Extinction());
+        visible = hn::Or(visible, hn::Gt(extinctions[c], hn::Zero(d)));
+      }
+      visible = hn::And(visible, sampled);
+      if (this->Scene.Mask.Scalars && !hn::AllFalse(d, visible))
+      {
+        visible = hn::And(visible, IsInMask(this->Scene.Mask, q));
+      }
+      if (hn::AllFalse(d, visible))
+      {
+        return;
+      }
+      Vec3 gradients[LargestNumberOfComponents];
+      if (this->Scene.Shade || this->HasGradientOpacities())
+      {
+        samples.FindGradients(gradients);
+        if (HWY_UNLIKELY(!hn::AllFalse(d, border)))
+        {
+          this->ComponentGradientsAtBorder(q, border, gradients);
+        }
+      }
+      const Vf t = curve.TimeAt(s);
+      Vec3 colour;
+      Vf extinction;
+      if (this->Scene.KindOfComponents == ComponentKind::Independent)
+      {
+        this->MixComponents(curve, q, s, t, values, extinctions, gradients, colour, extinction);
+      }
+      else
+      {
+        this->LookAtDependent(
+          curve, q, s, t, values, extinctions[0], gradients, colour, extinction);
+      }
+      visible = hn::And(visible, hn::Gt(extinction, hn::Zero(d)));
+      if (hn::AllFalse(d, visible))
+      {
+        return;
+      }
+      statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
+      this->Expecting = visible;
+      this->AddLook(colour, extinction, visible, curve, s, t);
+    }
+  }
+
+  HWY_INLINE bool HasGradientOpacities() const
+  {
+    return std::any_of(this->Scene.Components.begin(), this->Scene.Components.end(),
+      [](const PacketComponent& component) { return component.Gradients.Factors != nullptr; });
+  }
+
+  /// Of all components at a sample, what is looked up for the opacity of one of the looks, and what
+  /// its normals are of.
+  HWY_INLINE Vf DensityOf(std::size_t look, const Vf* values) const
+  {
+    const auto weight = [](int c) { return Splat(static_cast<float>(LuminanceWeights[c])); };
+    switch (this->Scene.KindOfComponents)
+    {
+      case ComponentKind::ColourOpacity:
+        return values[1];
+      case ComponentKind::Rgb:
+        return hn::MulAdd(
+          weight(0), values[0], hn::MulAdd(weight(1), values[1], hn::Mul(weight(2), values[2])));
+      case ComponentKind::Rgba:
+        return values[3];
+      default:
+        return values[look];
+    }
+  }
+
+  /// Independent components: the opacity is sum(a^2) / sum(a), the premultiplied colour sum(a c).
+  HWY_NOINLINE void MixComponents(const PacketCurve& curve, const Vec3& q, Vf s, Vf t,
+    const Vf* values, const Vf* extinctions, const Vec3* gradients, Vec3& colour, Vf& extinction)
+  {
+    const Df d;
+    const Vf zero = hn::Zero(d);
+    Vec3 colours{ zero, zero, zero };
+    Vf sum = zero;
+    Vf squares = zero;
+    for (std::size_t c = 0; c < this->Scene.Components.size(); ++c)
+    {
+      const PacketComponent& component = this->Scene.Components[c];
+      const Mf visible = hn::Gt(extinctions[c], zero);
+      if (hn::AllFalse(d, visible))
+      {
+        continue;
+      }
+      Vf opacity = hn::Mul(Splat(component.Weight), this->OpacityOf(extinctions[c]));
+      if (component.Gradients.Factors)
+      {
+        opacity = hn::Mul(opacity, this->FactorOf(component.Gradients, gradients[c]));
+      }
+      opacity = hn::IfThenElseZero(visible, opacity);
+      Vec3 own = TableLookup(this->Scene, values[c], c).Colour();
+      if (this->Scene.Shade)
+      {
+        own = this->ShadeSample(component.Surface, curve, q, own, gradients[c], s, t);
+      }
+      colours = MulAdd(opacity, own, colours);
+      sum = hn::Add(sum, opacity);
+      squares = hn::MulAdd(opacity, opacity, squares);
+    }
+    const Vf one = Splat(1.0f);
+    const Mf some = hn::Gt(squares, zero);
+    const Vf opacity = hn::Div(squares, hn::IfThenElse(some, sum, one));
+    colour = Scale(hn::Div(one, hn::IfThenElse(some, opacity, one)), colours);
+    extinction = hn::IfThenElseZero(some, this->ExtinctionOf(opacity));
+  }
+
+  /// Dependent components. `ofTable`: extinction of the density.
+  HWY_NOINLINE void LookAtDependent(const PacketCurve& curve, const Vec3& q, Vf s, Vf t,
+    const Vf* values, Vf ofTable, const Vec3* gradients, Vec3& colour, Vf& extinction)
+  {
+    const Df d;
+    const Vf zero = hn::Zero(d);
+    const PacketComponent& component = this->Scene.Components[0];
+    Vec3 gradient{ zero, zero, zero };
+    if (this->Scene.Shade || component.Gradients.Factors)
+    {
+      const auto along = [&](Vf Vec3::*axis) {
+        Vf of[LargestNumberOfComponents];
+        for (int c = 0; c < this->Scene.Volume.Components; ++c)
+        {
+          of[c] = gradients[c].*axis;
+        }
+        return this->DensityOf(0, of);
+      };
+      gradient = { along(&Vec3::x), along(&Vec3::y), along(&Vec3::z) };
+    }
+    extinction = ofTable;
+    if (component.Gradients.Factors)
+    {
+      extinction = hn::IfThenElseZero(
+        hn::Gt(ofTable, zero), this->WeighByGradient(component.Gradients, ofTable, gradient));
+    }
+    if (this->Scene.KindOfComponents == ComponentKind::ColourOpacity)
+    {
+      colour = TableLookup(this->Scene, values[0], 1).Colour();
+    }
+    else
+    {
+      // What is not a number is black: comparisons with it are false.
+      const auto channel = [&](int c) {
+        const Vf value = hn::Mul(values[c], Splat(this->Scene.ColourScale));
+        return hn::IfThenElseZero(hn::Gt(value, zero), hn::Min(value, Splat(1.0f)));
+      };
+      colour = { channel(0), channel(1), channel(2) };
+    }
+    if (this->Scene.Shade)
+    {
+      colour = this->ShadeSample(component.Surface, curve, q, colour, gradient, s, t);
+    }
+  }
+
+  /// Values at the faces of the volume, by the reference functions.
+  HWY_NOINLINE void ComponentsAtBorder(const Vec3& q, Mf border, Vf* values) const
+  {
+    const VolumeView& volume = this->Scene.Source->Volume;
+    for (int c = 0; c < volume.Components; ++c)
+    {
+      const VolumeView component = GetComponent(volume, c);
+      const Vf zero = hn::Zero(Df());
+      values[c] = ReplaceLanes(border, q, { values[c], zero, zero }, [&](const glm::dvec3& at) {
+        return glm::dvec3(this->Scene.Reference.Value(component, at), 0.0, 0.0);
+      }).x;
+    }
+  }
+
+  HWY_NOINLINE void ComponentGradientsAtBorder(const Vec3& q, Mf border, Vec3* gradients) const
+  {
+    const VolumeView& volume = this->Scene.Source->Volume;
+    for (int c = 0; c < volume.Components; ++c)
+    {
+      const VolumeView component = GetComponent(volume, c);
+      gradients[c] = ReplaceLanes(border, q, gradients[c],
+        [&](const glm::dvec3& at) { return 2.0 * this->Scene.Reference.Gradient(component, at); });
+    }
   }
 
   /// What TakeSample does, for all that is not plain compositing. `number`: of the sample.
@@ -1131,8 +1359,8 @@ private:
   }
 
   /// Colour of a lit sample: the normal is J_Phi^T grad f.
-  HWY_INLINE Vec3 ShadeSample(
-    const PacketCurve& curve, const Vec3& q, const Vec3& colour, const Vec3& byIndex, Vf s, Vf t)
+  HWY_INLINE Vec3 ShadeSample(const PacketSurface& surface, const PacketCurve& curve, const Vec3& q,
+    const Vec3& colour, const Vec3& byIndex, Vf s, Vf t)
   {
     Vec3 gradient; // by coordinates of the lights' space
     if (this->Scene.Identity)
@@ -1153,7 +1381,7 @@ private:
     };
     const Vec3 toEye =
       this->Scene.Parallel ? Normalize(Sub(Broadcast(this->Scene.Eye), position())) : this->ToEye;
-    return Shade(this->Scene, colour, gradient, toEye, position);
+    return Shade(this->Scene, surface, colour, gradient, toEye, position);
   }
 
   /// `determinant` times the gradient by local coordinates of deformed space, from that by index

@@ -46,10 +46,10 @@ struct Lighting
 };
 
 /// x to the specular power, 0 <= x <= 1.
-HWY_INLINE Vf Highlight(const PacketScene& scene, Vf x)
+HWY_INLINE Vf Highlight(const PacketSurface& surface, Vf x)
 {
-  return scene.WholeSpecularPower >= 0 ? WholePower(x, scene.WholeSpecularPower)
-                                       : Power(x, scene.SpecularPower);
+  return surface.WholeSpecularPower >= 0 ? WholePower(x, surface.WholeSpecularPower)
+                                         : Power(x, surface.SpecularPower);
 }
 
 /// Cosine of an angle between directions as it counts for lighting.
@@ -59,10 +59,10 @@ HWY_INLINE Vf LitCosine(const PacketScene& scene, Vf cosine)
 }
 
 /// Adds the lights that are no headlights.
-HWY_NOINLINE void AddLights(const PacketScene& scene, const Vec3& position, const Vec3& normal,
-  const Vec3& toEye, Lighting& lit)
+HWY_NOINLINE void AddLights(const PacketScene& scene, const PacketSurface& surface,
+  const Vec3& position, const Vec3& normal, const Vec3& toEye, Lighting& lit)
 {
-  for (const PacketLight& light : scene.Lights)
+  for (const PacketLight& light : surface.Lights)
   {
     Vec3 toLight = Broadcast(light.Towards);
     Vf strength = Splat(1.0f);
@@ -87,7 +87,7 @@ HWY_NOINLINE void AddLights(const PacketScene& scene, const Vec3& position, cons
     lit.Ambient = Add(lit.Ambient, Broadcast(light.Ambient));
     lit.Diffuse = MulAdd(hn::Mul(strength, nDotL), Broadcast(light.Diffuse), lit.Diffuse);
     lit.Specular =
-      MulAdd(hn::Mul(strength, Highlight(scene, nDotH)), Broadcast(light.Specular), lit.Specular);
+      MulAdd(hn::Mul(strength, Highlight(surface, nDotH)), Broadcast(light.Specular), lit.Specular);
   }
 }
 
@@ -96,22 +96,22 @@ HWY_NOINLINE void AddLights(const PacketScene& scene, const Vec3& position, cons
  * vectors; `positionOf()`: where the samples are. All in the space of the lights.
  */
 template <class PositionOf>
-HWY_INLINE Vec3 Shade(const PacketScene& scene, const Vec3& colour, const Vec3& gradient,
-  const Vec3& toEye, const PositionOf& positionOf)
+HWY_INLINE Vec3 Shade(const PacketScene& scene, const PacketSurface& surface, const Vec3& colour,
+  const Vec3& gradient, const Vec3& toEye, const PositionOf& positionOf)
 {
   const Vf inverse = InverseLength(gradient);
   // The half vector of headlights is the direction to the eye.
   const Vf facing = LitCosine(scene,
     hn::IfThenElseZero(
       hn::Gt(inverse, hn::Zero(Df())), hn::Neg(hn::Mul(Dot(gradient, toEye), inverse))));
-  const Vf highlight = Highlight(scene, facing);
-  const PacketLight& headlights = scene.Headlights;
+  const Vf highlight = Highlight(surface, facing);
+  const PacketLight& headlights = surface.Headlights;
   Lighting lit{ Broadcast(headlights.Ambient), Scale(facing, Broadcast(headlights.Diffuse)),
     Scale(highlight, Broadcast(headlights.Specular)) };
-  if (HWY_UNLIKELY(!scene.Lights.empty()))
+  if (HWY_UNLIKELY(!surface.Lights.empty()))
   {
     const Vec3 normal = Scale(Splat(-1.0f), Normalize(gradient));
-    AddLights(scene, positionOf(), normal, toEye, lit);
+    AddLights(scene, surface, positionOf(), normal, toEye, lit);
   }
   return { hn::MulAdd(colour.x, hn::Add(lit.Ambient.x, lit.Diffuse.x), lit.Specular.x),
     hn::MulAdd(colour.y, hn::Add(lit.Ambient.y, lit.Diffuse.y), lit.Specular.y),

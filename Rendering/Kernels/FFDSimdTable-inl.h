@@ -23,15 +23,15 @@ namespace HWY_NAMESPACE
 class TableLookup
 {
 public:
-  /// `values`: as they are fetched (PacketVolume); in the first table.
-  HWY_INLINE TableLookup(const PacketScene& scene, Vf values)
+  /// `values`: as they are fetched (PacketVolume); `table`: in which one to look.
+  HWY_INLINE TableLookup(const PacketScene& scene, Vf values, std::size_t table = 0)
   {
-    const PacketTable::Range& range = scene.Table.GetRange(0);
+    const PacketTable::Range& range = scene.Table.GetRange(table);
     this->Find(scene.Table, values, Splat(range.Low), Splat(range.Scale), Splat(range.Intervals),
-      hn::Zero(Di()));
+      hn::Set(Di(), range.First));
   }
 
-  /// `tables`: in which one to look.
+  /// `tables`: in which one each lane looks.
   HWY_INLINE TableLookup(const PacketScene& scene, Vf values, Vi tables)
   {
     const Df d;
