@@ -57,10 +57,15 @@ say "downloading and unpacking python3-paraview $version"
 package="$prefix/package/usr"
 # The package files find their prefix from where they are, so these are copied, the rest is linked.
 cp -r "/usr/lib/$triplet/cmake/$release" "$prefix/lib/$triplet/cmake/"
-ln -sfn "/usr/lib/$triplet"/libvtk* "/usr/lib/$triplet"/*"pv$minor"* "/usr/lib/$triplet/$release" \
-  "$package/lib/$triplet"/* "$prefix/lib/$triplet/"
+mapfile -t files < <(dpkg-query -L paraview paraview-dev |
+  grep -x "/usr/lib/$triplet/[^/]*" | grep -v '/cmake$')
+ln -sfn "${files[@]}" "$package/lib/$triplet"/* "$prefix/lib/$triplet/"
 ln -sfn "/usr/include/$release" "$prefix/include/"
 ln -sfn "$package/lib/python3/dist-packages" "$prefix/lib/python3/dist-packages"
+# Debian 13 names extension modules with Python's tag, of which ParaView's CMake package knows nothing.
+find "$package/lib/python3/dist-packages" -name '*.cpython-*.so' | while IFS= read -r module; do
+  ln -sfn "$(basename "$module")" "${module%.cpython-*}.so"
+done
 for program in /usr/bin/*"pv$minor"* /usr/bin/paraview /usr/bin/pvbatch* /usr/bin/pvserver /usr/bin/pvdataserver \
   /usr/bin/pvrenderserver "$package"/bin/*; do
   if [ -e "$program" ]; then
