@@ -108,15 +108,33 @@ bool vtkFFDInverseRayVolumeMapper::SetPositive(const char* name, double& member,
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDInverseRayVolumeMapper::SetMaxMemoryFraction(float fraction)
+void vtkFFDInverseRayVolumeMapper::SetClamped(float& option, float value, float low, float high)
 {
   // vtkSetClampMacro lets through what is not a number.
-  const float clamped = fraction >= 0.1f ? std::min(fraction, 1.0f) : 0.1f;
-  if (this->MaxMemoryFraction != clamped)
+  const float clamped = value >= low ? std::min(value, high) : low;
+  if (option != clamped)
   {
-    this->MaxMemoryFraction = clamped;
+    option = clamped;
     this->Modified();
   }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetMaxMemoryFraction(float fraction)
+{
+  this->SetClamped(this->MaxMemoryFraction, fraction, 0.1f, 1.0f);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetGlobalIlluminationReach(float reach)
+{
+  this->SetClamped(this->GlobalIlluminationReach, reach, 0.0f, 1.0f);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetVolumetricScatteringBlending(float blending)
+{
+  this->SetClamped(this->VolumetricScatteringBlending, blending, 0.0f, 2.0f);
 }
 
 //------------------------------------------------------------------------------
@@ -701,6 +719,8 @@ void vtkFFDInverseRayVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
     this->SetMaxMemoryInBytes(like->MaxMemoryInBytes);
     this->SetMaxMemoryFraction(like->MaxMemoryFraction);
     this->SetUseDepthPass(like->UseDepthPass);
+    this->SetGlobalIlluminationReach(like->GlobalIlluminationReach);
+    this->SetVolumetricScatteringBlending(like->VolumetricScatteringBlending);
     this->SetMaskInput(like->MaskInput);
     this->SetMaskType(like->MaskType);
     this->SetMaskBlendFactor(like->MaskBlendFactor);
@@ -792,6 +812,8 @@ void vtkFFDInverseRayVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "MaxMemoryInBytes: " << this->MaxMemoryInBytes << "\n";
   os << indent << "MaxMemoryFraction: " << this->MaxMemoryFraction << "\n";
   os << indent << "UseDepthPass: " << this->UseDepthPass << "\n";
+  os << indent << "GlobalIlluminationReach: " << this->GlobalIlluminationReach << "\n";
+  os << indent << "VolumetricScatteringBlending: " << this->VolumetricScatteringBlending << "\n";
   os << indent << "MaskInput: " << this->MaskInput << "\n";
   os << indent << "MaskType: " << (this->MaskType == BinaryMaskType ? "Binary" : "LabelMap") << "\n";
   os << indent << "MaskBlendFactor: " << this->MaskBlendFactor << "\n";

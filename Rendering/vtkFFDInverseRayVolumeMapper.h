@@ -833,7 +833,9 @@ public:
    * (IsRenderSupported() is 1) on the CPU (GetLastUsedRenderMode() is RayCastRenderMode); whether
    * distances adapt is AutoAdjustSampleDistances alone. They limit, split or reduce textures, of
    * which there are none: the reduction ratio is 1, textures are null. They look for the first
-   * surface in a pass of its own, which space leaping does. There is one input.
+   * surface in a pass of its own, which space leaping does. There is one input. Light is not
+   * scattered: GlobalIlluminationReach, clamped to 0 to 1, and VolumetricScatteringBlending, clamped
+   * to 0 to 2, are those of VTK 9.2; default 0.
    */
   enum
   {
@@ -877,6 +879,10 @@ public:
   vtkSetMacro(UseDepthPass, vtkTypeBool);
   vtkGetMacro(UseDepthPass, vtkTypeBool);
   vtkBooleanMacro(UseDepthPass, vtkTypeBool);
+  virtual void SetGlobalIlluminationReach(float reach);
+  vtkGetMacro(GlobalIlluminationReach, float);
+  virtual void SetVolumetricScatteringBlending(float blending);
+  vtkGetMacro(VolumetricScatteringBlending, float);
   vtkContourValues* GetDepthPassContourValues();
   int GetCurrentPass() { return RenderPass; }
   int GetInputCount() { return this->GetNumberOfInputConnections(0); }
@@ -980,6 +986,7 @@ private:
   void operator=(const vtkFFDInverseRayVolumeMapper&) = delete;
 
   bool SetPositive(const char* name, double& member, double value);
+  void SetClamped(float& option, float value, float low, float high);
 
   // What the public methods guard against exceptions.
   void RenderInWindow(vtkRenderer* renderer, vtkVolume* volume);
@@ -1047,6 +1054,8 @@ private:
   vtkIdType MaxMemoryInBytes = 0;
   float MaxMemoryFraction = 0.75f;
   vtkTypeBool UseDepthPass = 0;
+  float GlobalIlluminationReach = 0.0f;
+  float VolumetricScatteringBlending = 0.0f;
   int NumberOfThreads = 0;
   vtkTypeBool ReferenceKernels = 0;
   vtkTypeBool CollectStatistics = 0;

@@ -13,6 +13,10 @@
 // be used: their vectors have no size at compile time, and ours are members of structures. NEON
 // takes the place of SVE; other vector units, and new ones, are served by Highway's fallback in
 // plain C++.
+//
+// On Arm that leaves one target, which every 64-bit processor has, and nothing to choose at run time.
+// Highway is told so by the name that it has for systems that cannot tell: otherwise it asks GCC for
+// "+crypto" function by function, which constructors that the compiler makes do not get.
 #ifdef __GNUC__
 // Highway 1.0 evaluates the macro below without some of its names: no warning (-Wundef).
 #pragma GCC system_header
@@ -21,6 +25,9 @@
 #define HWY_DISABLED_TARGETS                                                                       \
   (~(HWY_SCALAR | HWY_EMU128 | HWY_SSE2 | HWY_SSE4 | HWY_AVX2 | HWY_AVX3 | HWY_AVX3_DL |           \
     HWY_NEON_WITHOUT_AES | HWY_NEON | HWY_PPC8 | HWY_WASM))
+#if (defined(__aarch64__) || defined(__arm__)) && !defined(TOOLCHAIN_MISS_SYS_AUXV_H)
+#define TOOLCHAIN_MISS_SYS_AUXV_H
+#endif
 #include <hwy/detect_targets.h>
 
 // Highway 1.0 (Debian 12) does not have these.

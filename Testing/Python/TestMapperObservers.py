@@ -39,7 +39,8 @@ NOT_CALLED = {
     "SetProgressShiftScale": "scales the progress events",
 }
 #: The frame in progress is meant to change.
-ABORTS = {"SetAbortExecute", "AbortExecuteOn"}
+# The last one is of VTK 9.3.
+ABORTS = {"SetAbortExecute", "AbortExecuteOn", "SetAbortExecuteAndUpdateTime"}
 
 
 class Scene:

@@ -155,7 +155,7 @@ class TestMapperPipeline(unittest.TestCase):
         """Names X of the mapper for which there are both SetX and GetX of numbers."""
         mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
         # Not of this mapper alone: about events, errors, the pipeline and references.
-        foreign = {"AbortExecute", "Progress", "ProgressShiftScale", "ReferenceCount", "Debug",
+        foreign = {"AbortExecute", "AbortOutput", "Progress", "ProgressShiftScale", "ReferenceCount", "Debug",
                    "GlobalWarningDisplay", "ReleaseDataFlag", "ArrayAccessMode", "ArrayId",
                    # Of two ways to say the same, the one that unlocks the other is set last.
                    "LockSampleDistanceToInputSpacing"}
