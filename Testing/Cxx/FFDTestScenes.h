@@ -11,6 +11,7 @@
 #include "vtkColorTransferFunction.h"
 #include "vtkDoubleArray.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
+#include "vtkFFDVersions.h"
 #include "vtkFixedPointRayCastImage.h"
 #include "vtkFixedPointVolumeRayCastMapper.h"
 #include "vtkImageChangeInformation.h"
@@ -390,6 +391,9 @@ public:
     this->Property->ShadeOn();
     this->Property->SetAmbient(ambient);
     this->Property->SetDiffuse(diffuse);
+#ifdef VTK_FFD_GPU_MAPPER_REFLECTS_HIGHLIGHTS
+    specular = 0.0;
+#endif
     this->Property->SetSpecular(specular);
     this->Property->SetSpecularPower(power);
   }

@@ -204,7 +204,8 @@ int TestPipeline()
   calls = -10;
   filter->Modified();
   filter->Update();
-  FFD_CHECK(calls < -8 && filter->GetOutput()->GetNumberOfPoints() == 0);
+  // VTK 9.3 reports the end of an aborted update, too.
+  FFD_CHECK(calls <= -8 && filter->GetOutput()->GetNumberOfPoints() == 0);
   return EXIT_SUCCESS;
 }
 
