@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# The experiments of the paper, from a fresh checkout on Debian 12: install missing system packages,
+# The experiments of the paper, from a fresh checkout on Debian 12 or 13: install missing system packages,
 # build vtkFFD into build/, and write the report to output/paper (Examples/paper_experiments).
 #
 # usage: Examples/paper_experiments.sh [ARGUMENT...]

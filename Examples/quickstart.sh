@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# From a fresh checkout to pictures on Debian 12: install missing system packages, build vtkFFD
+# From a fresh checkout to pictures on Debian 12 or 13: install missing system packages, build vtkFFD
 # into build/, and render a deformed volume (Examples/Python/render_deformed.py). Prints where the
 # pictures are and what was measured.
 #

@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Set up, build and test vtkFFD on Debian 12: install missing system packages, configure and build
+# Set up, build and test vtkFFD on Debian 12 or 13: install missing system packages, configure and build
 # everything, and run all tests under a virtual X server with Mesa's software rasteriser, so that
 # the results do not depend on the desktop. Ends with ctest's summary and its exit status.
 #

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-# The packages the project is built on. Debian 12: libvtk9-dev libglm-dev libhwy-dev python3-vtk9,
+# The packages the project is built on. Debian: libvtk9-dev libglm-dev libhwy-dev python3-vtk9,
 # libeigen3-dev for VTK::eigen, libhdf5-dev for VTK::hdf5.
 set(ffd_vtk_components
   CommonCore CommonDataModel CommonExecutionModel CommonMath CommonSystem CommonTransforms

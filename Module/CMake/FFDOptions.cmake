@@ -69,6 +69,17 @@ if (FFD_SANITIZERS)
   target_link_options(ffd_build_flags INTERFACE -fsanitize=${FFD_SANITIZERS})
 endif ()
 
+# ffd_link_private(<module> <target>...): libraries that a module's sources use and its headers do not.
+# Shared libraries bring them along; with static ones those who link them must find them, too, which
+# FFDConfig.cmake does.
+function (ffd_link_private module)
+  set(targets ${ARGN})
+  if (BUILD_SHARED_LIBS)
+    list(TRANSFORM targets REPLACE "(.+)" "$<BUILD_INTERFACE:\\1>")
+  endif ()
+  vtk_module_link("${module}" PRIVATE ${targets})
+endfunction ()
+
 # Settings that every module library shares: flags, the kernels' include path, GLM and Highway.
 # They stay private, so nothing of them reaches an installed header.
 function (ffd_configure_module module)
@@ -76,16 +87,28 @@ function (ffd_configure_module module)
   vtk_module_include("${module}" PRIVATE
     "${FFD_SOURCE_DIR}/Module/Kernels"
     "${CMAKE_CURRENT_SOURCE_DIR}/Kernels")
-  vtk_module_link("${module}" PRIVATE $<BUILD_INTERFACE:ffd_build_flags>)
+  # Not linked: static libraries would have to export it.
+  vtk_module_compile_options("${module}" PRIVATE
+    $<TARGET_PROPERTY:ffd_build_flags,INTERFACE_COMPILE_OPTIONS>)
+  vtk_module_link_options("${module}" PRIVATE
+    $<TARGET_PROPERTY:ffd_build_flags,INTERFACE_LINK_OPTIONS>)
 endfunction ()
 
 # ffd_take_compiled_kernels(<module's target> <variable>)
 #
 # Replaces the kernels' sources that the variable lists by object files, where FFD_KERNEL_OBJECTS names
-# the file in which another build of this tree lists its own (FFDParaView.cmake). Kernels know
+# the file in which another build of this tree lists its own, by ffd_list_compiled_kernels(<file>
+# <targets>): the ParaView plugin's, and the static one of Testing/Install. Kernels know
 # nothing of VTK, so those of one build fit every VTK, and they are what takes longest to compile.
 set(FFD_KERNEL_OBJECTS "" CACHE FILEPATH "Compiled kernels of another build to use; empty: none")
 mark_as_advanced(FFD_KERNEL_OBJECTS)
+function (ffd_list_compiled_kernels file targets)
+  set(content)
+  foreach (target IN LISTS targets)
+    string(APPEND content "set(ffd_objects_${target} \"$<TARGET_OBJECTS:${target}>\")\n")
+  endforeach ()
+  file(GENERATE OUTPUT "${file}" CONTENT "${content}")
+endfunction ()
 function (ffd_take_compiled_kernels target variable)
   if (NOT FFD_KERNEL_OBJECTS)
     return ()

@@ -34,15 +34,6 @@ if (NOT FFD_PARAVIEW_JOBS)
   endif ()
 endif ()
 
-# The kernels are compiled once for both, see ffd_take_compiled_kernels().
-set(ffd_kernel_objects "${CMAKE_BINARY_DIR}/kernel-objects.cmake")
-set(ffd_kernel_targets Core Filters Rendering Widgets)
-set(content)
-foreach (target IN LISTS ffd_kernel_targets)
-  string(APPEND content "set(ffd_objects_${target} \"$<TARGET_OBJECTS:${target}>\")\n")
-endforeach ()
-file(GENERATE OUTPUT "${ffd_kernel_objects}" CONTENT "${content}")
-
 ExternalProject_Add(ffd_paraview
   SOURCE_DIR "${CMAKE_SOURCE_DIR}/paraview-plugin"
   BINARY_DIR "${ffd_paraview_build}"

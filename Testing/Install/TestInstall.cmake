@@ -1,13 +1,15 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
 # Test of the installed package, run by ctest as Install.Consumer:
+#   0. with STATIC_SOURCE, build static libraries of that source tree, to be installed;
 #   1. install into WORK/prefix and move that to WORK/moved (nothing may point to the first place);
 #   2. nothing private is installed: no kernel, GLM or Highway header, and no installed header
 #      includes one;
 #   3. the project in CONSUMER finds the package, compiles every installed header on its own,
 #      links and runs;
-#   4. the same with a component that does not exist, and without the C language, gives the
-#      messages that name the cure;
+#   4. the same with a component that does not exist, a version that this is not compatible with, and
+#      without the C language, gives the messages that name the cure; an optional component may be
+#      missing;
 #   5. the installed Python package can be imported from the moved tree.
 cmake_minimum_required(VERSION 3.25)
 
@@ -41,6 +43,24 @@ file(MAKE_DIRECTORY "${WORK}")
 set(configuration)
 if (CONFIGURATION)
   set(configuration --config "${CONFIGURATION}")
+endif ()
+
+if (STATIC_SOURCE)
+  # It is linked and run, not measured: without optimisation, but for the kernels. The folder is
+  # kept, so that it is brought up to date the next time.
+  set(BUILD_TREE "${WORK}-build")
+  run("Configuring static libraries" "${CMAKE_COMMAND}" -S "${STATIC_SOURCE}" -B "${BUILD_TREE}"
+    -G "${GENERATOR}"
+    "-DCMAKE_BUILD_TYPE=${CONFIGURATION}"
+    "-DCMAKE_C_COMPILER=${C_COMPILER}"
+    "-DCMAKE_CXX_COMPILER=${CXX_COMPILER}"
+    "-DCMAKE_CXX_FLAGS=-O0"
+    "-DCMAKE_CXX_FLAGS_RELEASE=-DNDEBUG"
+    "-DCMAKE_INSTALL_LIBDIR=${LIBRARY_DESTINATION}"
+    "-DVTK_DIR=${VTK_PACKAGE}"
+    -DBUILD_SHARED_LIBS=OFF -DBUILD_TESTING=OFF -DFFD_WRAP_PYTHON=OFF -DFFD_BUILD_EXAMPLES=OFF
+    "-DFFD_KERNEL_OBJECTS=${KERNEL_OBJECTS}")
+  run("Building static libraries" "${CMAKE_COMMAND}" --build "${BUILD_TREE}" ${configuration})
 endif ()
 
 run("Installing the build tree" "${CMAKE_COMMAND}" --install "${BUILD_TREE}"
@@ -93,6 +113,10 @@ message("${run_output}")
 
 refuse("Asking for a component that does not exist" "FFD has no component 'Levitation'"
   ${configure} -B "${WORK}/build-component" -DCONSUMER_COMPONENT=Levitation)
+foreach (version IN ITEMS 0.2 0.0.9 1)
+  refuse("Asking for version ${version}" "compatible with requested version \"${version}\""
+    ${configure} -B "${WORK}/build-version" "-DCONSUMER_VERSION=${version}")
+endforeach ()
 refuse("Configuring without the C language" "LANGUAGES C CXX"
   ${configure} -B "${WORK}/build-language" -DCONSUMER_LANGUAGES=CXX)
 
