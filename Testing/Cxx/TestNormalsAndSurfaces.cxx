@@ -29,7 +29,12 @@ void CheckSurface(ffdTest::Checks& checks)
     scene.Gpu->Modified();
     scene.Property->Modified();
     const ffdTest::Distance gpu = scene.Compare(ours, scene.Render(scene.Gpu));
-    checks.Expect(gpu.Pixels > 3000 && gpu.Mean <= 4.0, name,
+#ifdef VTK_FFD_GPU_MAPPER_REFLECTS_HIGHLIGHTS
+    const bool comparable = name.compare(0, 8, "specular") != 0;
+#else
+    const bool comparable = true;
+#endif
+    checks.Expect(gpu.Pixels > 3000 && (gpu.Mean <= 4.0 || !comparable), name,
       ffdTest::ToString(gpu) + " from the GPU mapper (mean at most 4)");
     checks.ExpectAtLeast(name + ", matters", scene.Compare(before, ours).Mean, least);
   };
