@@ -128,7 +128,7 @@ class TestTransformReader(unittest.TestCase):
         angle = 0.4
         turn = self.read_text(
             "sub2.txt", '(Transform "AffineLogTransform")\n(CenterOfRotationPoint 1 2 3)\n'
-            "(TransformParameters 0 %r 0 %r 0 0 0 0 %r 4 5 6)\n" % (-angle, angle, np.log(2.0)))
+            "(TransformParameters 0 %r 0 %r 0 0 0 0 %r 4 5 6)\n" % (-angle, angle, float(np.log(2.0))))
         c, s = np.cos(angle), np.sin(angle)
         matrix = np.array([[c, -s, 0], [s, c, 0], [0, 0, 2]])
         points = np.random.default_rng(5).uniform(8.0, 28.0, (10, 3))
