@@ -253,6 +253,7 @@ class TestScalarLooks(unittest.TestCase):
         looks = numpy.tile(numpy.float32([1.0, 0.0, 0.0, 0.2]), (16, 1))
         plane.GetPointData().SetScalars(numpy_to_vtk(looks, deep=True))
         self.prop.SetTransferFunction2D(plane)
+        self.prop.SetTransferFunctionMode(vtkVolumeProperty.TF_2D)  # not by itself in VTK 9.3
         for distance in (0.25, 0.5, 2.0):
             self.mapper.SetSampleDistance(distance)
             self.expect([1.0, 0.0, 0.0, 1.0 - 0.8 ** LENGTH])
