@@ -105,14 +105,14 @@ struct Lookup
   double operator()(double x) const
   {
     const double* range = this->Function->GetRange();
-    if (this->Native && x <= range[0])
+    if (this->Native && this->Function->GetSize() > 0 && (x <= range[0] || x >= range[1]))
     {
-      // Without clamping the value at the first point is 0, too.
+      // Without clamping the value at the first point is 0, too; since VTK 9.2 that at the last.
       double node[4] = { 0.0, 0.0, 0.0, 0.0 };
-      this->Function->GetNodeValue(0, node);
+      this->Function->GetNodeValue(x <= range[0] ? 0 : this->Function->GetSize() - 1, node);
       return node[1];
     }
-    return this->Function->GetValue(this->Native ? std::min(x, range[1]) : x);
+    return this->Function->GetValue(x);
   }
 };
 
