@@ -101,7 +101,8 @@ child=
 # shellcheck disable=SC2317 # called by the trap
 cleanup() {
   if [ -n "$child" ]; then
-    kill "$child" 2>/dev/null || true
+    # unshare heeds nothing less, and all processes of the namespace go with it.
+    kill -KILL "$child" 2>/dev/null || true
     wait "$child" 2>/dev/null || true
   fi
   rm -rf --one-file-system "$work"
