@@ -9,20 +9,24 @@ from paraview import simple
 
 import ffdparaview as ffd
 
+def show_volume(view, intensity):
+    display = simple.Show(lattice, view)
+    display.FFDShade = 1
+    display.Ambient = 0.1
+    display.Diffuse = 0.7
+    display.Specular = 1.0
+    display.SpecularPower = 20.0
+    light = simple.AddLight(view)
+    light.Coords = "Camera"
+    light.Intensity = intensity
+
+
 ffd.load()
 view = ffd.make_view((120, 100))
 view.CameraPosition = [100.0, 60.0, 80.0]
 lattice = simple.FFDLattice(Input=ffd.make_wavelet(20))
-display = simple.Show(lattice, view)
-display.FFDShade = 1
-display.Ambient = 0.1
-display.Diffuse = 0.7
-display.Specular = 1.0
-display.SpecularPower = 20.0
+show_volume(view, 0.4)
 simple.GetColorTransferFunction("RTData").RGBPoints = [37, 0.9, 0.6, 0.4, 280, 1.0, 1.0, 0.9]
-light = simple.AddLight(view)
-light.Coords = "Camera"
-light.Intensity = 0.4
 # In the volume, shining behind it, and in front of it.
 balls = [simple.Sphere(Radius=6.0, Center=center, ThetaResolution=24, PhiResolution=24)
          for center in ((8.0, 3.0, 9.0), (-30.0, -12.0, -20.0), (30.0, 10.0, 22.0))]
@@ -33,7 +37,7 @@ for ball in balls:
     shown.Specular = 1.0 if ball is balls[1] else 0.0
 
 
-def picture(name):
+def picture(name, view=view):
     simple.SaveScreenshot("%s.%s.png" % (sys.argv[1], name), view, ImageResolution=[200, 180])
 
 
@@ -67,3 +71,13 @@ simple.Hide(lattice, view)
 picture("Hidden")
 simple.Show(lattice, view)
 picture("Again")
+# Passes that process the finished picture; of several processes ParaView gives them no depths.
+simple.GetOpacityTransferFunction("RTData").Points = [
+    37, 0, 0.5, 0, 140, 0, 0.5, 0, 180, 0.1, 0.5, 0, 280, 0.3, 0.5, 0]
+lattice.Shape = "Bend"
+for name in ("EDL", "Tones"):
+    other = ffd.make_view((120, 100), "RenderViewWithEDL" if name == "EDL" else "RenderView")
+    other.CameraPosition = [100.0, 60.0, 80.0]
+    show_volume(other, 1.0)
+    other.UseToneMapping = 1 if name == "Tones" else 0
+    picture(name, other)

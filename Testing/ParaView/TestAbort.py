@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A long frame shows its progress in ParaView's window; the mouse, its wheel and keys abort it; one that
 the user asked for is preceded by a coarse one: where ParaView renders itself and where its server
-does. ParaView gets its input from outside, as from a user."""
+does, of one process or two. ParaView gets its input from outside, as from a user."""
 
 import json
 import os
@@ -38,7 +38,11 @@ class TestAbort(unittest.TestCase):
 
     def tearDown(self):
         for process in reversed(self.processes):
-            process.kill()
+            # mpiexec passes on that it is to end, and could not pass on that it is killed.
+            if process.args[0] == "mpiexec":
+                process.terminate()
+            else:
+                process.kill()
             process.wait()
         self.processes.clear()
 
@@ -48,11 +52,11 @@ class TestAbort(unittest.TestCase):
             env={**os.environ, "HOME": self.folder, "XDG_RUNTIME_DIR": self.folder,
                  "PV_PLUGIN_PATH": os.path.dirname(ffd.PLUGIN), "FFD_ABORT_LOG": self.log}))
 
-    def start_server(self, port):
+    def start_server(self, port, ranks):
         path = os.path.join(self.folder, "server")
         with open(path, "w", encoding="utf-8") as output:
-            self.start("pvserver", "--server-port=%d" % port, stdout=output,
-                       stderr=subprocess.STDOUT)
+            self.start(*(["mpiexec", "-np", str(ranks)] if ranks > 1 else []), "pvserver",
+                       "--server-port=%d" % port, stdout=output, stderr=subprocess.STDOUT)
         end = time.monotonic() + 1000.0
         while time.monotonic() < end:
             with open(path, encoding="utf-8") as output:
@@ -137,13 +141,13 @@ class TestAbort(unittest.TestCase):
 
     def test_abort(self):
         pictures = {}
-        for name in ("local", "server"):
+        for name, ranks in (("local", 0), ("server", 1), ("servers", 2)):
             with self.subTest(name):
                 self.begin()
                 options = []
-                if name == "server":
-                    port = 21000 + os.getpid() % 9000
-                    self.start_server(port)
+                if ranks > 0:
+                    port = 21000 + (os.getpid() + ranks) % 9000
+                    self.start_server(port, ranks)
                     options = ["--server-url=cs://localhost:%d" % port]
                 self.start("paraview", "--dr", *options,
                            "--script=" + os.path.join(HERE, "AbortScene.py"))
@@ -152,7 +156,8 @@ class TestAbort(unittest.TestCase):
             self.tearDown()
         # Progress that is shown while the client waits for the picture does not spoil that.
         self.assertGreater(np.ptp(pictures["local"]), 100)
-        self.assertLess(ffd.differ(pictures["local"], pictures["server"])[1], 0.5)
+        for name in ("server", "servers"):
+            self.assertLess(ffd.differ(pictures["local"], pictures[name])[1], 0.5, name)
 
 
 if __name__ == "__main__":

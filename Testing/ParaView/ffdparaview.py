@@ -27,8 +27,8 @@ def load(remote=False):
     simple._DisableFirstRenderCameraReset()
 
 
-def make_view(size=(160, 140)):
-    view = simple.CreateView("RenderView")
+def make_view(size=(160, 140), kind="RenderView"):
+    view = simple.CreateView(kind)
     view.ViewSize = list(size)
     view.OrientationAxesVisibility = 0
     view.UseColorPaletteForBackground = 0

@@ -30,7 +30,7 @@ class vtkRenderWindow;
  * modifier while ParaView has the keyboard, aborts the still frame, and the view goes on to show
  * the picture that it has. The still frame is made once nothing is pressed any more. Elsewhere than
  * under X nothing is aborted, and without the extension XInput 2 only by what is being held; nor
- * are frames of servers of several processes.
+ * are frames of tiled displays.
  */
 class pqFFDLongFrames : public QObject
 {

@@ -2,18 +2,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDCompositePass.h"
 
+#include "vtkFFDServerFrames.h"
+#include "vtkFFDVersions.h"
+
 #include "vtkCameraPass.h"
 #include "vtkCommunicator.h"
 #include "vtkFloatArray.h"
+#include "vtkImageProcessingPass.h"
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkOpenGLFramebufferObject.h"
 #include "vtkOpenGLRenderWindow.h"
+#include "vtkOpenGLState.h"
 #include "vtkOrderedCompositingHelper.h"
 #include "vtkRenderer.h"
 #include "vtkRenderState.h"
 #include "vtkTextureObject.h"
+#include VTK_FFD_OPENGL_HEADER
 
 #if __has_include("vtkIceTCompositePass.h")
 #include "vtkIceTCompositePass.h"
@@ -22,6 +28,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 vtkStandardNewMacro(vtkFFDCompositePass);
 
@@ -57,6 +64,7 @@ struct vtkFFDCompositePass::Place
   vtkSmartPointer<vtkRenderPass> Scene; // the pass that renders it
   bool RenderEmptyImages = false;
   bool Tiled = false;
+  bool OnWindow = true; // not on a texture of an image processing pass, which has floats
 };
 
 //------------------------------------------------------------------------------
@@ -66,9 +74,11 @@ vtkFFDCompositePass::vtkFFDCompositePass() = default;
 vtkFFDCompositePass::~vtkFFDCompositePass() { this->End(); }
 
 //------------------------------------------------------------------------------
-vtkFFDCompositePass* vtkFFDCompositePass::Begin(vtkRenderer* renderer)
+vtkFFDCompositePass* vtkFFDCompositePass::Begin(vtkRenderer* renderer, bool mayBeBright)
 {
-  auto* camera = vtkCameraPass::SafeDownCast(renderer->GetPass());
+  auto* processing = vtkImageProcessingPass::SafeDownCast(renderer->GetPass());
+  auto* camera =
+    vtkCameraPass::SafeDownCast(processing ? processing->GetDelegatePass() : renderer->GetPass());
   auto* iceT = camera ? vtkIceTCompositePass::SafeDownCast(camera->GetDelegatePass()) : nullptr;
   auto* window = vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow());
   if (!iceT || !iceT->GetController() || !window || renderer->GetSelector())
@@ -78,6 +88,7 @@ vtkFFDCompositePass* vtkFFDCompositePass::Begin(vtkRenderer* renderer)
   vtkRenderPass* scene = iceT->GetRenderPass();
   if (auto* other = vtkFFDCompositePass::SafeDownCast(scene))
   {
+    other->MayBeBright = other->MayBeBright || mayBeBright;
     return other;
   }
   vtkOrderedCompositingHelper* order = iceT->GetOrderedCompositingHelper();
@@ -92,6 +103,8 @@ vtkFFDCompositePass* vtkFFDCompositePass::Begin(vtkRenderer* renderer)
   this->Taken->IceT = iceT;
   this->Taken->Scene = scene;
   this->Taken->RenderEmptyImages = iceT->GetRenderEmptyImages();
+  this->Taken->OnWindow = !processing;
+  this->MayBeBright = mayBeBright;
   const int* tiles = iceT->GetTileDimensions();
   this->Taken->Tiled = tiles[0] != 1 || tiles[1] != 1 || iceT->GetDataReplicatedOnAllProcesses();
   // Processes without anything in the picture exchange pixels with the others.
@@ -112,9 +125,12 @@ void vtkFFDCompositePass::End()
 }
 
 //------------------------------------------------------------------------------
+void vtkFFDCompositePass::SetWait(std::function<void()> wait) { this->Wait = std::move(wait); }
+
+//------------------------------------------------------------------------------
 void vtkFFDCompositePass::BlendInFloats()
 {
-  if (!this->Window || this->Bytes)
+  if (!this->Window || !this->MayBeBright || this->Bytes || !this->Taken->OnWindow)
   {
     return;
   }
@@ -144,15 +160,33 @@ void vtkFFDCompositePass::Render(const vtkRenderState* state)
   this->Order =
     this->Taken->IceT->GetOrderedCompositingHelper()->ComputeSortOrder(renderer->GetActiveCamera());
 
+  const bool isPart = ffdserver::IsGroup() && !this->Taken->Tiled;
+  if (isPart)
+  {
+    ffdserver::BeginPart();
+  }
   this->Taken->Scene->Render(state);
   this->NumberOfRenderedProps = this->Taken->Scene->GetNumberOfRenderedProps();
+  if (isPart)
+  {
+    ffdserver::EndPart(this->Wait);
+  }
+  if (this->MayBeBright)
+  {
+    this->CompositeBright();
+  }
+  this->Window = nullptr;
+}
 
-  const int last[2] = { this->Size[0] - 1, this->Size[1] - 1 };
-  vtkNew<vtkFloatArray> drawn;
-  this->Window->GetRGBAPixelData(0, 0, last[0], last[1], 0, drawn);
-  this->Pixels.assign(drawn->GetPointer(0), drawn->GetPointer(0) + drawn->GetNumberOfValues());
+//------------------------------------------------------------------------------
+/// See to what was drawn here being composited right where it is brighter than its alpha. Called on
+/// all processes.
+void vtkFFDCompositePass::CompositeBright()
+{
+  // As IceT does: of the framebuffer that is bound, which may be that of an image processing pass.
   this->Pixels.resize(
     4 * static_cast<std::size_t>(this->Size[0]) * static_cast<std::size_t>(this->Size[1]));
+  glReadPixels(0, 0, this->Size[0], this->Size[1], GL_RGBA, GL_FLOAT, this->Pixels.data());
   bool changed = false;
   if (this->Bytes)
   {
@@ -165,7 +199,7 @@ void vtkFFDCompositePass::Render(const vtkRenderState* state)
   bool composite = false;
   if (this->Taken->Tiled)
   {
-    this->LimitToAlpha();
+    changed = this->RaiseAlpha() || changed;
   }
   else
   {
@@ -179,10 +213,15 @@ void vtkFFDCompositePass::Render(const vtkRenderState* state)
     {
       this->Composite(bright, bytes);
     }
-    this->Window->SetRGBACharPixelData(0, 0, last[0], last[1], bytes.data(), 0);
+    vtkOpenGLState* openGL = this->Window->GetState();
+    const vtkOpenGLState::ScopedglEnableDisable blend(openGL, GL_BLEND);
+    const vtkOpenGLState::ScopedglEnableDisable depthTest(openGL, GL_DEPTH_TEST);
+    const vtkOpenGLState::ScopedglEnableDisable scissor(openGL, GL_SCISSOR_TEST);
+    openGL->vtkglDisable(GL_BLEND);
+    this->Window->DrawPixels(
+      0, 0, this->Size[0] - 1, this->Size[1] - 1, 4, VTK_UNSIGNED_CHAR, bytes.data());
   }
   this->Pixels.clear();
-  this->Window = nullptr;
 }
 
 //------------------------------------------------------------------------------
@@ -214,15 +253,22 @@ bool vtkFFDCompositePass::FindBright(Rectangle& where) const
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDCompositePass::LimitToAlpha()
+/// Where colours are brighter than their alpha, make that as large: sums do not wrap, and what is
+/// behind counts less. Returns whether there is such a pixel.
+bool vtkFFDCompositePass::RaiseAlpha()
 {
+  bool any = false;
   for (std::size_t i = 0; i < this->Pixels.size(); i += 4)
   {
-    for (std::size_t c = 0; c < 3; ++c)
+    float* pixel = &this->Pixels[i];
+    const float brightest = std::min(std::max({ pixel[0], pixel[1], pixel[2] }), 1.0f);
+    if (brightest > pixel[3] + Brighter)
     {
-      this->Pixels[i + c] = std::min(this->Pixels[i + c], this->Pixels[i + 3]);
+      pixel[3] = brightest;
+      any = true;
     }
   }
+  return any;
 }
 
 //------------------------------------------------------------------------------
@@ -304,8 +350,9 @@ struct vtkFFDCompositePass::Place
 // Several processes are composited by IceT only.
 vtkFFDCompositePass::vtkFFDCompositePass() = default;
 vtkFFDCompositePass::~vtkFFDCompositePass() = default;
-vtkFFDCompositePass* vtkFFDCompositePass::Begin(vtkRenderer*) { return nullptr; }
+vtkFFDCompositePass* vtkFFDCompositePass::Begin(vtkRenderer*, bool) { return nullptr; }
 void vtkFFDCompositePass::End() {}
+void vtkFFDCompositePass::SetWait(std::function<void()>) {}
 void vtkFFDCompositePass::BlendInFloats() {}
 void vtkFFDCompositePass::Render(const vtkRenderState*) {}
 

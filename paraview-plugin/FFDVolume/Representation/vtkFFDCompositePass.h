@@ -15,9 +15,12 @@
  * to the process that is foremost at a pixel. The others show nothing there, so IceT adds nothing
  * to it. Everything else is left to IceT.
  *
- * Tiled displays, where processes do not render the same pixels at the same time: colours are
- * limited to their alpha. With an image processing pass (EDL), without IceT (ParaView without MPI)
- * and with multisampling this pass is not used.
+ * Tiled displays, where processes do not render the same pixels at the same time: alpha is raised
+ * to the brightest colour. Image processing passes (EDL, tone mapping) have float textures of their
+ * own. Without IceT (ParaView without MPI) and with multisampling this pass is not used.
+ *
+ * On servers of several processes it also lets the root see to its client until all have drawn
+ * their volumes.
  *
  * Begin() and Render() have to be called on all processes.
  */
@@ -27,6 +30,7 @@
 #include "vtkRenderPass.h"
 #include "vtkSmartPointer.h"
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -43,10 +47,17 @@ public:
 
   /**
    * Stand in the way of the renderer's IceT pass until End(). Returns the pass that does: this one,
-   * or another one that does already, or null where it cannot be used.
+   * or another one that does already, or null where it cannot be used. `mayBeBright`: a volume may
+   * have colours brighter than their alpha.
    */
-  vtkFFDCompositePass* Begin(vtkRenderer* renderer);
+  vtkFFDCompositePass* Begin(vtkRenderer* renderer, bool mayBeBright);
   void End();
+
+  /**
+   * What the root of a server calls while it waits for the other processes, see
+   * ffdserver::EndPart().
+   */
+  void SetWait(std::function<void()> wait);
 
   /**
    * What is drawn from here on in this frame is blended in floats. To be called before a volume is
@@ -66,11 +77,14 @@ private:
 
   struct Rectangle;
   bool FindBright(Rectangle& where) const;
-  void LimitToAlpha();
+  void CompositeBright();
+  bool RaiseAlpha();
   void Composite(const Rectangle& where, std::vector<unsigned char>& bytes) const;
 
   struct Place; // where in ParaView's passes this one stands
   std::unique_ptr<Place> Taken;
+  bool MayBeBright = false;
+  std::function<void()> Wait;
 
   vtkOpenGLRenderWindow* Window = nullptr; // while rendering
   int Size[2] = { 0, 0 };

@@ -375,6 +375,9 @@ vtkFFDVolumeRepresentation::vtkFFDVolumeRepresentation()
     vtkCommand::VolumeMapperRenderStartEvent, this, &vtkFFDVolumeRepresentation::BeginVolume);
   this->Mapper->AddObserver(
     vtkCommand::ProgressEvent, this, &vtkFFDVolumeRepresentation::ContinueVolume);
+  // Messages of progress are what a client may answer with a request for an abort.
+  this->Internals->OwnPass->SetWait(
+    [this]() { this->Mapper->UpdateProgress(this->Mapper->GetProgress()); });
 }
 
 //------------------------------------------------------------------------------
@@ -612,9 +615,10 @@ void vtkFFDVolumeRepresentation::BeginRender(vtkObject* object, unsigned long, v
     renderer->SetUseDepthPeelingForVolumes(false);
   }
   // Without shading no colour is brighter than its alpha.
-  if (this->Property && this->Property->GetShade())
+  const bool mayBeBright = this->Property && this->Property->GetShade();
+  if (mayBeBright || ffdserver::IsGroup())
   {
-    this->Internals->Pass = this->Internals->OwnPass->Begin(renderer);
+    this->Internals->Pass = this->Internals->OwnPass->Begin(renderer, mayBeBright);
   }
 }
 
@@ -630,10 +634,7 @@ void vtkFFDVolumeRepresentation::BeginVolume()
 //------------------------------------------------------------------------------
 void vtkFFDVolumeRepresentation::ContinueVolume()
 {
-  vtkPVSession* session = this->Internals->Session;
-  // The processes of a server end a frame together or not at all.
-  if (session && session->GetController(vtkPVSession::CLIENT) && GetNumberOfProcesses() == 1 &&
-    ffdserver::IsAbortAsked(session))
+  if (ffdserver::IsAbortAsked(this->Internals->Session))
   {
     this->Mapper->SetAbortExecute(1);
   }
