@@ -526,8 +526,6 @@ PacketCaster::PacketCaster(
     }
     HWY_DYNAMIC_DISPATCH(MoveSeeds)(p);
     KeepOneOrientation(p);
-    Copy(restBounds.Min - p.Centre, p.RestLow);
-    Copy(restBounds.Max - p.Centre, p.RestHigh);
   }
   const double distance = settings.SampleDistance;
   const double voxel = scene.VoxelSize;

@@ -108,8 +108,6 @@ struct PacketScene
   std::vector<PacketSeed> Seeds; ///< over the volume, where Newton's method starts from nowhere
   bool Folds = false;            ///< whether T is known to turn parts of the volume inside out
   float Orientation = 1.0f;      ///< sign of the determinant of T where it does not
-  float RestLow[3] = {};         ///< the volume at rest, local coordinates
-  float RestHigh[3] = {};
   float FarAway = 0.0f;       ///< a local coordinate outside of all
   float Tolerance = 0.0f;     ///< of the inverse at samples, data units
   float NodeTolerance = 0.0f; ///< the same at nodes of interpolants

@@ -795,7 +795,6 @@ private:
   /// Of opacities over the reference length.
   HWY_INLINE Vf FactorOf(const PacketGradientOpacity& gradients, const Vec3& gradient) const
   {
-    const Df d;
     const Di di;
     const Vec3 scaled{ hn::Mul(gradient.x, Splat(gradients.Scale[0])),
       hn::Mul(gradient.y, Splat(gradients.Scale[1])),
@@ -1720,7 +1719,7 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       }
       const Vf px = hn::Add(Splat(static_cast<float>(x) + 0.5f), dx);
       const Vf py = hn::Add(Splat(static_cast<float>(y) + 0.5f), dy);
-      RayPacket rays = MakeRays(scene, near, far, px, py);
+      RayPacket rays = MakeRays(near, far, px, py);
       if (scene.Source->Depths)
       {
         ClipToDepths(scene, image, x, y, rays);

@@ -29,8 +29,7 @@ struct NodeRays
   alignas(64) NodeVectors Directions; ///< local coordinates per unit of t
 
   /// (x0, y0): first pixel of the square; `at`: columns and rows of the nodes, 0 to 1.
-  NodeRays(const PacketScene& scene, const ImageMap& near, const ImageMap& far, int x0, int y0,
-    int side, const float at[4])
+  NodeRays(const ImageMap& near, const ImageMap& far, int x0, int y0, int side, const float at[4])
   {
     const Df d;
     HWY_ALIGN float x[TileNodes];
@@ -42,7 +41,7 @@ struct NodeRays
     }
     for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
     {
-      const RayPacket rays = MakeRays(scene, near, far, hn::Load(d, x + i), hn::Load(d, y + i));
+      const RayPacket rays = MakeRays(near, far, hn::Load(d, x + i), hn::Load(d, y + i));
       StoreNodes(rays.Origin, this->Origins, i);
       StoreNodes(rays.Direction, this->Directions, i);
     }
@@ -165,10 +164,8 @@ public:
     const Vf px = hn::Add(hn::Load(d, columns), Splat(static_cast<float>(this->X0 + x) + 0.5f));
     const Vf py = hn::Add(rows, Splat(static_cast<float>(this->Y0 + y) + 0.5f));
     const auto slope = [&](Vf dx, Vf dy, Vec3& origin, Vec3& direction) {
-      const RayPacket a =
-        MakeRays(this->Scene, this->Near, this->Far, hn::Sub(px, dx), hn::Sub(py, dy));
-      const RayPacket b =
-        MakeRays(this->Scene, this->Near, this->Far, hn::Add(px, dx), hn::Add(py, dy));
+      const RayPacket a = MakeRays(this->Near, this->Far, hn::Sub(px, dx), hn::Sub(py, dy));
+      const RayPacket b = MakeRays(this->Near, this->Far, hn::Add(px, dx), hn::Add(py, dy));
       const Vf inverse = Splat(0.5f / Reach);
       origin = Scale(inverse, Sub(b.Origin, a.Origin));
       direction = Scale(inverse, Sub(b.Direction, a.Direction));
@@ -207,8 +204,7 @@ private:
 
   NodeRays GetRays(const TilePiece& piece, const float at[4]) const
   {
-    return NodeRays(
-      this->Scene, this->Near, this->Far, this->X0 + piece.X, this->Y0 + piece.Y, piece.Side, at);
+    return NodeRays(this->Near, this->Far, this->X0 + piece.X, this->Y0 + piece.Y, piece.Side, at);
   }
 
   /// Where the nodes at t come from, index coordinates; `layer` has about that.

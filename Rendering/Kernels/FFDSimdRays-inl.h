@@ -62,8 +62,7 @@ struct ImageMap
 };
 
 /// Rays through image positions, near plane to far plane.
-HWY_INLINE RayPacket MakeRays(
-  const PacketScene& scene, const ImageMap& near, const ImageMap& far, Vf x, Vf y)
+HWY_INLINE RayPacket MakeRays(const ImageMap& near, const ImageMap& far, Vf x, Vf y)
 {
   RayPacket rays;
   rays.Origin = near.At(x, y);
