@@ -28,7 +28,8 @@ struct ScalarFacts;
 
 /**
  * The blend mode of a mapper with what it takes of the mapper, of the property and of the scalars.
- * False, and why, if something is missing or makes no sense.
+ * False, and why, if something is missing or makes no sense. The plane of a slice is still that of
+ * the world.
  */
 bool MakeBlending(vtkVolumeMapper* mapper, vtkVolumeProperty* property, const ScalarFacts& facts,
   Blending& blend, std::string& message);

@@ -94,7 +94,7 @@ bool vtkFFDFrameCoherence::Continues(const Sources& sources, const ffd::CastScen
   if (this->Quarters.IsEmpty() || !(sources == this->LastSources) ||
     region.Viewport != last.Viewport || region.Step != last.Step || !this->LastWasOneToOne ||
     !IsSame(scene.Blend, this->LastBlend) ||
-    scene.Camera.WorldToNdc != this->LastCamera.WorldToNdc ||
+    scene.Camera.DataToNdc != this->LastCamera.DataToNdc ||
     scene.Camera.Eye != this->LastCamera.Eye ||
     scene.Camera.Parallel != this->LastCamera.Parallel ||
     scene.Material.TwoSided != this->LastMaterial.TwoSided ||

@@ -164,7 +164,7 @@ void vtkFFDPaintIdentifiers(vtkHardwareSelector* selector, vtkFFDInverseRayVolum
           static_cast<double>(i / camera.ImageSize.x) + 0.5);
         const glm::dvec2 ndc = camera.NdcOrigin + centre * camera.NdcPerPixel;
         const vtkIdType id = FindIdentifier(
-          mapper->GetInput(), cache, camera.ToWorld(glm::dvec3(ndc, 2.0 * depths[i] - 1.0)), cells);
+          mapper->GetInput(), cache, camera.ToData(glm::dvec3(ndc, 2.0 * depths[i] - 1.0)), cells);
         vtkHardwareSelector::Convert(high ? id >> 24 : id, pixel);
       }
       pixel[3] = visible ? 1.0f : 0.0f;
@@ -195,7 +195,7 @@ void vtkFFDMoveToBackface(vtkFFDInverseRayVolumeMapper* mapper, const vtkFFDFram
     if (ffd::ClipToBox(ray.Origin, ray.Direction, bounds, enter, leave))
     {
       const glm::dvec4 clip =
-        camera.WorldToNdc * glm::dvec4(ray.Origin + leave * ray.Direction, 1.0);
+        camera.DataToNdc * glm::dvec4(ray.Origin + leave * ray.Direction, 1.0);
       depths[i] = static_cast<float>(0.5 * (clip.z / clip.w + 1.0));
     }
   }

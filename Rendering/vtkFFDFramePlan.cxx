@@ -62,7 +62,7 @@ ffd::CastSettings vtkFFDFramePlan::MakeSettings(vtkFFDInverseRayVolumeMapper* ma
     ? ffd::SpaceLeaping::Segment
     : ffd::SpaceLeaping::Lipschitz;
   settings.Opacity = mapper->GetOpacityLength() == vtkFFDInverseRayVolumeMapper::WORLD
-    ? ffd::OpacityLength::World
+    ? ffd::OpacityLength::Deformed
     : ffd::OpacityLength::Material;
   settings.TerminationTransmittance = static_cast<float>(mapper->GetEarlyRayTerminationThreshold());
   settings.InverseTolerance = mapper->GetInverseTolerance();
@@ -120,8 +120,8 @@ vtkFFDImageRegion vtkFFDFramePlan::FindRegion(
   {
     return region;
   }
-  const ffd::CameraView camera = ffd::MakeCameraView(renderer, whole);
-  const glm::dmat4 toNdc = camera.WorldToNdc * ffd::ToMatrix(volume->GetMatrix());
+  const glm::dmat4 toNdc =
+    ffd::MakeCameraView(renderer, whole, ffd::ToMatrix(volume->GetMatrix())).DataToNdc;
   glm::dvec2 lo(Infinity);
   glm::dvec2 hi(-Infinity);
   bool behind = false;

@@ -83,8 +83,8 @@ vtkFFDFrameScene::vtkFFDFrameScene(vtkFFDInverseRayVolumeMapper* mapper,
   }
   scene.Blend = cache.GetBlending();
   scene.Crop = IsCroppedToBox(cache) ? ffd::Cropping() : cache.GetCropping();
-  // The world of the kernels is the space of the data. VTK's mappers measure there, too: a volume
-  // looks as dense whatever its matrix scales it by.
+  // Kernels know data coordinates alone. VTK's mappers measure lengths there, too: a volume looks
+  // as dense whatever its matrix scales it by.
   const glm::dmat4 dataToWorld = ffd::ToMatrix(volume->GetMatrix());
   const glm::dmat4 worldToData = glm::inverse(dataToWorld);
   for (const glm::dvec4& plane : cache.GetClippingPlanes())
@@ -95,7 +95,7 @@ vtkFFDFrameScene::vtkFFDFrameScene(vtkFFDInverseRayVolumeMapper* mapper,
   scene.Blend.SliceOrigin = glm::dvec3(worldToData * glm::dvec4(scene.Blend.SliceOrigin, 1.0));
   scene.Blend.SliceNormal = glm::normalize(scene.Blend.SliceNormal * glm::dmat3(dataToWorld));
   scene.Material = ffd::MakeShading(renderer, property, dataToWorld);
-  scene.Camera = ffd::ToData(ffd::MakeCameraView(renderer, region), dataToWorld);
+  scene.Camera = ffd::MakeCameraView(renderer, region, dataToWorld);
   scene.Depths = depths;
   scene.VoxelSize = cache.GetVoxelSize();
   this->MakeClassifier(mapper, cache, property);

@@ -151,7 +151,8 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::CheckView(
               "Check its scale.";
     return false;
   }
-  const ffd::CameraView camera = ffd::MakeCameraView(renderer, vtkFFDImageRegion(glm::ivec2(1)));
+  const ffd::CameraView camera =
+    ffd::MakeCameraView(renderer, vtkFFDImageRegion(glm::ivec2(1)), glm::dmat4(1.0));
   const ffd::ViewRay ray = camera.MakeRay(0.5, 0.5);
   if (!std::isfinite(glm::dot(ray.Origin, ray.Origin)) || !(ray.Far > 0.0) ||
     !std::isfinite(ray.Far))
@@ -364,7 +365,7 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   vtkInternals::View view;
   view.Region = region;
   view.DataToNdc =
-    ffd::MakeCameraView(renderer, whole).WorldToNdc * ffd::ToMatrix(volume->GetMatrix());
+    ffd::MakeCameraView(renderer, whole, ffd::ToMatrix(volume->GetMatrix())).DataToNdc;
   if (in.Shown.Complete && !(shown && in.Caster.CanReuse(volume)))
   {
     in.Caster.GetColours().swap(in.LastColours);
@@ -391,7 +392,7 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
     return; // an observer has taken it away
   }
   const ffd::CameraView camera =
-    ffd::ToData(ffd::MakeCameraView(renderer, region), ffd::ToMatrix(volume->GetMatrix()));
+    ffd::MakeCameraView(renderer, region, ffd::ToMatrix(volume->GetMatrix()));
   if (selector)
   {
     vtkFFDPaintIdentifiers(
@@ -619,7 +620,9 @@ void vtkFFDInverseRayVolumeMapper::CreateCanonicalView(vtkRenderer* renderer, vt
   if (!volume || !image || !viewDirection || !viewUp)
   {
     vtkErrorMacro(<< "CreateCanonicalView needs a volume, an image and two directions; the "
-                  << (!volume ? "volume" : !image ? "image" : "direction or the upward direction")
+                  << (!volume     ? "volume"
+                         : !image ? "image"
+                                  : "direction or the upward direction")
                   << " is null.");
     return;
   }
@@ -662,8 +665,9 @@ void vtkFFDInverseRayVolumeMapper::CreateCanonicalView(vtkRenderer* renderer, vt
   const bool made =
     this->RenderToImage(canonical, volume, size[0], size[1], colours, nullptr, nullptr) == 1;
   // What an observer has set meanwhile stays.
-  const auto restore = [](int& option, int was, int meanwhile)
-  { option = option == meanwhile ? was : option; };
+  const auto restore = [](int& option, int was, int meanwhile) {
+    option = option == meanwhile ? was : option;
+  };
   restore(this->BlendMode, keptBlendMode, blendMode);
   restore(this->Cropping, keptCropping, 0);
   restore(this->PremultipliedAlpha, keptAlpha, 1);

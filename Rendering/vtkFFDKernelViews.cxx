@@ -117,8 +117,7 @@ struct TableFunctions
   {
     first = std::numeric_limits<double>::infinity();
     last = -first;
-    const auto add = [&](const double* range)
-    {
+    const auto add = [&](const double* range) {
       first = std::min(first, range[0]);
       last = std::max(last, range[1]);
     };
@@ -341,8 +340,9 @@ bool MakePlane(vtkVolumeProperty* property, int component, const MinMaxBlocks::L
   {
     second = facts.SecondAxis;
   }
-  const auto upper = [](const MinMaxBlocks::Limits& limits)
-  { return limits.Max > limits.Min ? limits.Max : limits.Min + 1.0; };
+  const auto upper = [](const MinMaxBlocks::Limits& limits) {
+    return limits.Max > limits.Min ? limits.Max : limits.Min + 1.0;
+  };
   plane = TransferPlane(dims[0], dims[1], static_cast<const float*>(texels->GetVoidPointer(0)),
     glm::dvec2(range.Min, second.Min), glm::dvec2(upper(range), upper(second)), facts.Nearest);
   return true;
@@ -365,8 +365,7 @@ bool FindTableFunctions(vtkVolumeProperty* property, int component, const Scalar
       "vtkVolumeProperty::SetScalarOpacity().";
     return false;
   }
-  const bool direct =
-    facts.Kind == ComponentKind::Rgb || facts.Kind == ComponentKind::Rgba;
+  const bool direct = facts.Kind == ComponentKind::Rgb || facts.Kind == ComponentKind::Rgba;
   if (!direct &&
     (gray ? (!functions.Gray || functions.Gray->GetSize() < 1)
           : (!functions.Colour || functions.Colour->GetSize() < 1)))
@@ -439,9 +438,8 @@ bool FindComponentKind(vtkVolumeProperty* property, int components, ScalarType t
       : components == 3    ? ComponentKind::Rgb
                            : ComponentKind::Rgba;
   }
-  if ((kind == ComponentKind::Rgb || kind == ComponentKind::Rgba) &&
-    type != ScalarType::UInt8 && type != ScalarType::UInt16 && type != ScalarType::Float32 &&
-    type != ScalarType::Float64)
+  if ((kind == ComponentKind::Rgb || kind == ComponentKind::Rgba) && type != ScalarType::UInt8 &&
+    type != ScalarType::UInt16 && type != ScalarType::Float32 && type != ScalarType::Float64)
   {
     message = "Dependent components that are colours must be unsigned char, unsigned short, float "
               "or double (0 to 1). Convert them with vtkImageShiftScale, or call "
@@ -553,35 +551,28 @@ bool MakeOpticalFunctions(vtkVolumeProperty* property, const ScalarFacts& facts,
 }
 
 //------------------------------------------------------------------------------
-CameraView MakeCameraView(vtkRenderer* renderer, const vtkFFDImageRegion& region)
+CameraView MakeCameraView(
+  vtkRenderer* renderer, const vtkFFDImageRegion& region, const glm::dmat4& dataToWorld)
 {
   vtkCamera* camera = renderer->GetActiveCamera();
   const glm::dvec2 viewport(region.Viewport);
   const glm::dvec2 origin(region.Origin);
   CameraView view;
   // The composite matrix is never that of an eye.
-  view.WorldToNdc = region.Stereo
+  const glm::dmat4 worldToNdc = region.Stereo
     ? ToMatrix(camera->GetProjectionTransformMatrix(region.Aspect, -1.0, 1.0)) *
       ToMatrix(camera->GetModelViewTransformMatrix())
     : ToMatrix(camera->GetCompositeProjectionTransformMatrix(region.Aspect, -1.0, 1.0));
-  view.NdcToWorld = glm::inverse(view.WorldToNdc);
+  view.DataToNdc = worldToNdc * dataToWorld;
+  view.NdcToData = glm::inverse(view.DataToNdc);
   view.ImageSize = region.Rays;
   view.PixelOrigin = glm::ivec2(glm::floor(origin / region.Step));
   view.NdcPerPixel = 2.0 * region.Step / viewport;
   view.NdcOrigin = 2.0 * origin / viewport - 1.0;
   const double* eye = camera->GetPosition();
-  view.Eye = glm::dvec3(eye[0], eye[1], eye[2]);
+  view.Eye =
+    glm::dvec3(glm::inverse(dataToWorld) * glm::dvec4(glm::dvec3(eye[0], eye[1], eye[2]), 1.0));
   view.Parallel = camera->GetParallelProjection() != 0;
-  return view;
-}
-
-//------------------------------------------------------------------------------
-CameraView ToData(const CameraView& world, const glm::dmat4& dataToWorld)
-{
-  CameraView view = world;
-  view.WorldToNdc = world.WorldToNdc * dataToWorld;
-  view.NdcToWorld = glm::inverse(view.WorldToNdc);
-  view.Eye = glm::dvec3(glm::inverse(dataToWorld) * glm::dvec4(world.Eye, 1.0));
   return view;
 }
 

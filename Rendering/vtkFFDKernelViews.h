@@ -44,8 +44,8 @@ struct ScalarFacts
   bool NativeGradients = false; ///< opacities of gradients
 };
 
-/// Ranges of SampleClassifier::FindDensity() and FindIntensity(): as far as is known without looking
-/// at all voxels.
+/// Ranges of SampleClassifier::FindDensity() and FindIntensity(): as far as is known without
+/// looking at all voxels.
 MinMaxBlocks::Limits FindDensityRange(const ScalarFacts& facts, int channel);
 MinMaxBlocks::Limits FindIntensityRange(const ScalarFacts& facts, int channel);
 
@@ -61,11 +61,10 @@ bool MakeOpticalFunctions(vtkVolumeProperty* property, const ScalarFacts& facts,
 bool FindComponentKind(vtkVolumeProperty* property, int components, ScalarType type,
   ComponentKind& kind, std::string& message);
 
-/// Camera of a renderer for the rays of a part of its viewport.
-CameraView MakeCameraView(vtkRenderer* renderer, const vtkFFDImageRegion& region);
-
-/// A camera of the world as one of data coordinates: rays and their lengths are those of the latter.
-CameraView ToData(const CameraView& world, const glm::dmat4& dataToWorld);
+/// Camera of a renderer for the rays of a part of its viewport, in the data coordinates that
+/// `dataToWorld`, the matrix of the volume, takes to the world.
+CameraView MakeCameraView(
+  vtkRenderer* renderer, const vtkFFDImageRegion& region, const glm::dmat4& dataToWorld);
 
 /// Material of a property's first component under the lights of a renderer, these in the world; a
 /// headlight if it has none at all.

@@ -138,7 +138,7 @@ void vtkFFDTracedRays::AddVertex(
   this->Rays->T->InsertNextValue(t);
   if (this->ViewingRays)
   {
-    const glm::dvec3 p = ray.World.Origin + t * ray.World.Direction;
+    const glm::dvec3 p = ray.Viewing.Origin + t * ray.Viewing.Direction;
     this->ViewingRays->Points->InsertNextPoint(&p.x);
     this->ViewingRays->T->InsertNextValue(t);
   }

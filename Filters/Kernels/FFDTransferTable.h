@@ -16,7 +16,7 @@ namespace ffd
 /**
  * Colour and extinction over the scalar range, sampled at equal steps and interpolated linearly.
  *
- * Extinction is stored as -log2(1 - opacity) per world unit, so that the opacity of an interval of
+ * Extinction is stored as -log2(1 - opacity) per data unit, so that the opacity of an interval of
  * any length is 1 - 2^(-extinction * length): the opacity correction of section 4.4 of the paper
  * (its reference [20]) for every interval, the last one of a segment included.
  */
@@ -27,7 +27,7 @@ public:
 
   /**
    * `rgb`: 3 * size colours, `opacity`: size opacities in [0, 1] for an interval of
-   * `unitDistance` (> 0, world units), both at `size` >= 2 equal steps from scalar `lo` to
+   * `unitDistance` (> 0, data units), both at `size` >= 2 equal steps from scalar `lo` to
    * scalar `hi` (lo < hi). Opacities are clamped; values that are not a number count as 0.
    */
   TransferTable(double lo, double hi, std::size_t size, const float* rgb, const float* opacity,
@@ -36,7 +36,7 @@ public:
   struct Sample
   {
     glm::vec3 Colour;
-    float Extinction; ///< per world unit; 0: transparent
+    float Extinction; ///< per data unit; 0: transparent
   };
 
   /// Entry of a scalar; scalars outside of the range get the first or last entry, a scalar that

@@ -57,10 +57,10 @@ struct Blending
   double Low[LargestNumberOfComponents] = { 0.0, 0.0, 0.0, 0.0 };
   double High[LargestNumberOfComponents] = { 1.0, 1.0, 1.0, 1.0 };
   double Weight[LargestNumberOfComponents] = { 1.0, 1.0, 1.0, 1.0 };
-  /// Of Additive: length, world units, over which a value of full opacity counts once.
+  /// Of Additive: length, data units, over which a value of full opacity counts once.
   double UnitDistance[LargestNumberOfComponents] = { 1.0, 1.0, 1.0, 1.0 };
 
-  /// Of Slice: the plane, world coordinates.
+  /// Of Slice: the plane, data coordinates.
   glm::dvec3 SliceOrigin{ 0.0 };
   glm::dvec3 SliceNormal{ 0.0, 0.0, 1.0 };
 

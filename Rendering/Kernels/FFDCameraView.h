@@ -12,7 +12,8 @@
 namespace ffd
 {
 
-/// A viewing ray in world coordinates: P(t) = Origin + t * Direction, 0 <= t <= Far, world units.
+/// A viewing ray in deformed space, data coordinates: P(t) = Origin + t * Direction, 0 <= t <= Far,
+/// t in data units.
 struct ViewRay
 {
   glm::dvec3 Origin;    ///< on the near clipping plane
@@ -21,21 +22,21 @@ struct ViewRay
 };
 
 /**
- * Rays through the pixels of an image, perspective or parallel.
+ * Rays through the pixels of an image, perspective or parallel, in data coordinates.
  *
  * t is measured from the near clipping plane.
  */
 struct CameraView
 {
-  glm::dmat4 NdcToWorld{ 1.0 };
-  glm::dmat4 WorldToNdc{ 1.0 };
+  glm::dmat4 NdcToData{ 1.0 };
+  glm::dmat4 DataToNdc{ 1.0 };
   glm::ivec2 ImageSize{ 0 };
   /// Normalized device coordinates of the lower left corner of pixel (0, 0), and of one pixel.
   glm::dvec2 NdcOrigin{ -1.0 };
   glm::dvec2 NdcPerPixel{ 0.0 };
   /// Column and row of pixel (0, 0) in the whole image: the pattern of FindJitter() stays there.
   glm::ivec2 PixelOrigin{ 0 };
-  /// Where the camera is, world coordinates: lights and highlights are seen from there, by parallel
+  /// Where the camera is, data coordinates: lights and highlights are seen from there, by parallel
   /// projection, too (as vtkGPUVolumeRayCastMapper does).
   glm::dvec3 Eye{ 0.0 };
   bool Parallel = false;
@@ -44,8 +45,8 @@ struct CameraView
   ViewRay MakeRay(double x, double y) const
   {
     const glm::dvec2 ndc = this->NdcOrigin + glm::dvec2(x, y) * this->NdcPerPixel;
-    const glm::dvec3 near = this->ToWorld(glm::dvec3(ndc, -1.0));
-    const glm::dvec3 far = this->ToWorld(glm::dvec3(ndc, 1.0));
+    const glm::dvec3 near = this->ToData(glm::dvec3(ndc, -1.0));
+    const glm::dvec3 far = this->ToData(glm::dvec3(ndc, 1.0));
     ViewRay ray;
     ray.Origin = near;
     ray.Far = glm::length(far - near);
@@ -54,24 +55,24 @@ struct CameraView
   }
 
   /// Unit vector from a point of a ray to the camera.
-  glm::dvec3 ToEye(const ViewRay& ray, const glm::dvec3& world) const
+  glm::dvec3 ToEye(const ViewRay& ray, const glm::dvec3& position) const
   {
-    const glm::dvec3 path = this->Eye - world;
+    const glm::dvec3 path = this->Eye - position;
     const double distance = glm::length(path);
     return this->Parallel && distance > 0.0 ? path / distance : -ray.Direction;
   }
 
-  /// World position of normalized device coordinates (z: -1 near, 1 far).
-  glm::dvec3 ToWorld(const glm::dvec3& ndc) const
+  /// Position of normalized device coordinates (z: -1 near, 1 far).
+  glm::dvec3 ToData(const glm::dvec3& ndc) const
   {
-    const glm::dvec4 p = this->NdcToWorld * glm::dvec4(ndc, 1.0);
+    const glm::dvec4 p = this->NdcToData * glm::dvec4(ndc, 1.0);
     return glm::dvec3(p) / p.w;
   }
 
-  /// Window depth (0 near, 1 far) of a world position.
-  double ToDepth(const glm::dvec3& world) const
+  /// Window depth (0 near, 1 far) of a position.
+  double ToDepth(const glm::dvec3& position) const
   {
-    const glm::dvec4 p = this->WorldToNdc * glm::dvec4(world, 1.0);
+    const glm::dvec4 p = this->DataToNdc * glm::dvec4(position, 1.0);
     return 0.5 * (p.z / p.w + 1.0);
   }
 
@@ -79,7 +80,7 @@ struct CameraView
   double DepthToT(const ViewRay& ray, double x, double y, double depth) const
   {
     const glm::dvec2 ndc = this->NdcOrigin + glm::dvec2(x, y) * this->NdcPerPixel;
-    const glm::dvec3 p = this->ToWorld(glm::dvec3(ndc, 2.0 * depth - 1.0));
+    const glm::dvec3 p = this->ToData(glm::dvec3(ndc, 2.0 * depth - 1.0));
     return glm::dot(p - ray.Origin, ray.Direction);
   }
 };

@@ -43,7 +43,7 @@ enum class SpaceLeaping
 /// The length that opacities are corrected by.
 enum class OpacityLength
 {
-  World,   ///< of the interval on the viewing ray: the image equals that of a resampled volume
+  Deformed, ///< of the interval on the viewing ray: the image equals that of a resampled volume
   Material ///< of the interval in rest space, as the paper
 };
 
@@ -52,7 +52,7 @@ class SampleClassifier;
 /// Parameters of ERROR_BOUND.
 struct PieceSettings
 {
-  double Longest = 64.0; ///< piece, units of t
+  double Longest = 64.0; ///< piece, data units of the viewing ray, as Shortest
   double Shortest = 0.5;
   double PositionTolerance = 0.1; ///< voxels
 };
@@ -61,10 +61,10 @@ struct CastSettings
 {
   Segmentation Segments = Segmentation::ErrorBound;
   SpaceLeaping Leaping = SpaceLeaping::Lipschitz;
-  OpacityLength Opacity = OpacityLength::World;
+  OpacityLength Opacity = OpacityLength::Deformed;
   PolylineSettings Polyline;
   PieceSettings Pieces;
-  double SampleDistance = 1.0;       ///< world units, along the viewing ray
+  double SampleDistance = 1.0;       ///< data units, along the viewing ray
   double InverseTolerance = 0.01;      ///< of the pull-back, voxels
   float TerminationTransmittance = 0;  ///< a ray ends when less than this passes it
   bool Shade = false;
@@ -95,7 +95,8 @@ struct CastStatistics
 };
 
 /// Everything a frame is rendered from: plain views, all of them outlive the ray caster's calls.
-/// The world of viewing rays is the space of the data.
+/// All of it is in data coordinates: viewing rays, planes and bounds in deformed space, voxels at
+/// rest. Directions to lights are those of the world, see Shading.
 struct CastScene
 {
   VolumeView Volume;
@@ -116,7 +117,7 @@ struct CastScene
   Shading Material;
   CameraView Camera;
   const float* Depths = nullptr; ///< window depths of what is already drawn, one per pixel, or null
-  double VoxelSize = 1.0;        ///< world length of the shortest voxel edge
+  double VoxelSize = 1.0;        ///< length of the shortest voxel edge, data units
 };
 
 /// Image to render into, rows bottom up, premultiplied RGBA and window depth of the first visible

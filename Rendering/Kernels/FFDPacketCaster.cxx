@@ -550,7 +550,7 @@ PacketCaster::PacketCaster(
   Copy(rest.Max + shift, p.RestMax);
   CopyRows(v.IndexToData, p.IndexToLocal);
   CopyRows(glm::transpose(v.DataToIndex), p.GradientToRest);
-  p.NdcToLocal = glm::translate(glm::dmat4(1.0), -p.Centre) * scene.Camera.NdcToWorld;
+  p.NdcToLocal = glm::translate(glm::dmat4(1.0), -p.Centre) * scene.Camera.NdcToData;
 
   for (const glm::dvec4& plane : scene.ClippingPlanes)
   {

@@ -111,9 +111,9 @@ bool ClipToBox(const glm::dvec3& origin, const glm::dvec3& direction, const Box&
 //------------------------------------------------------------------------------
 struct RayCaster::Ray
 {
-  ViewRay World;
+  ViewRay Viewing;
   glm::dvec3 Origin;    // data coordinates
-  glm::dvec3 Direction; // data coordinates per world unit
+  glm::dvec3 Direction; // per data unit of the viewing ray
   double From = 0.0;
   double To = 0.0;
   double Jitter = 0.0; // of its samples, as parts of intervals
@@ -131,7 +131,7 @@ struct RayCaster::Pixel
 
   Pixel(const IntegrationFrame& frame, const Ray& ray)
   {
-    this->Integrator.Begin(frame, ray.World, ray.From, ray.To);
+    this->Integrator.Begin(frame, ray.Viewing, ray.From, ray.To);
   }
 
   /// A piece from `from` to `to`; what is sampled afterwards lies on it.
@@ -166,7 +166,7 @@ public:
     , At(jacobianAt)
   {
   }
-  glm::dvec3 GradientToWorld(double s, const glm::dvec3& byIndex) const override
+  glm::dvec3 GradientToDeformed(double s, const glm::dvec3& byIndex) const override
   {
     // Scalars on the ray are f(Phi(P)), so their gradient in deformed space is J_Phi^T grad f.
     const glm::dvec3 rest = this->Caster.GradientToRest * byIndex;
@@ -315,7 +315,7 @@ RayCaster::RayCaster(const CastScene& scene, const CastSettings& settings)
   this->Frame.Classifier = this->Scene.Classifier;
   this->Frame.Scene = &this->Scene;
   this->Frame.Settings = &this->Settings;
-  this->Frame.RestToWorld = scene.Volume.IndexToData;
+  this->Frame.IndexToData = scene.Volume.IndexToData;
   if (this->Visible && PacketCaster::Supports(scene, settings))
   {
     this->Packets.reset(new PacketCaster(this->Scene, this->Settings, this->Frame));
@@ -390,23 +390,23 @@ bool RayCaster::SetUpRay(int x, int y, Ray& ray) const
   const CameraView& camera = this->Scene.Camera;
   ray.X = x;
   ray.Y = y;
-  ray.World = camera.MakeRay(x + 0.5, y + 0.5);
-  ray.Origin = ray.World.Origin;
-  ray.Direction = ray.World.Direction;
+  ray.Viewing = camera.MakeRay(x + 0.5, y + 0.5);
+  ray.Origin = ray.Viewing.Origin;
+  ray.Direction = ray.Viewing.Direction;
   ray.From = 0.0;
-  ray.To = ray.World.Far;
+  ray.To = ray.Viewing.Far;
   if (this->Scene.Depths)
   {
     const std::size_t at = static_cast<std::size_t>(y) * camera.ImageSize.x + x;
     const double depth = this->Scene.Depths[at];
     if (depth < 1.0)
     {
-      ray.To = std::min(ray.To, camera.DepthToT(ray.World, x + 0.5, y + 0.5, depth));
+      ray.To = std::min(ray.To, camera.DepthToT(ray.Viewing, x + 0.5, y + 0.5, depth));
     }
   }
   for (const glm::dvec4& plane : this->Scene.ClippingPlanes)
   {
-    ClipToPlane(plane, ray.World, ray.From, ray.To);
+    ClipToPlane(plane, ray.Viewing, ray.From, ray.To);
   }
   if (!this->Scene.Blend.UsesIntervals())
   {
@@ -602,7 +602,7 @@ void RayCaster::TraceRay(
   traced = TracedRay();
   Ray ray;
   traced.Hit = this->SetUpRay(x, y, ray);
-  traced.World = ray.World;
+  traced.Viewing = ray.Viewing;
   if (!traced.Hit)
   {
     return;
@@ -713,7 +713,7 @@ int RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch, un
     if (image.Depths && result.FirstVisible < Infinity)
     {
       image.Depths[at] = static_cast<float>(this->Scene.Camera.ToDepth(
-        ray.World.Origin + result.FirstVisible * ray.World.Direction));
+        ray.Viewing.Origin + result.FirstVisible * ray.Viewing.Direction));
     }
     if (deadline != NoDeadline && std::chrono::steady_clock::now() >= deadline)
     {
@@ -727,8 +727,8 @@ int RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch, un
 void RayCaster::CastSlice(const Ray& ray, Pixel& pixel, CastStatistics& statistics) const
 {
   const glm::dvec3& normal = this->Scene.Blend.SliceNormal;
-  const double slope = glm::dot(normal, ray.World.Direction);
-  const double t = glm::dot(normal, this->Scene.Blend.SliceOrigin - ray.World.Origin) / slope;
+  const double slope = glm::dot(normal, ray.Viewing.Direction);
+  const double t = glm::dot(normal, this->Scene.Blend.SliceOrigin - ray.Viewing.Origin) / slope;
   // False where the ray runs along the plane, too.
   if (!(t >= ray.From && t < ray.To))
   {
@@ -775,7 +775,7 @@ void RayCaster::CastPolyline(Ray& ray, Pixel& pixel, CastStatistics& statistics)
     if (!empty)
     {
       sampler.ForgetEmptyBox();
-      const double length = glm::length(this->Frame.RestToWorld * piece.Terms[1]);
+      const double length = glm::length(this->Frame.IndexToData * piece.Terms[1]);
       const auto jacobianAt = [&](double s)
       { return start.Jacobian * (1.0 - s) + end.Jacobian * s; };
       sampler.Integrate(

@@ -28,9 +28,9 @@ public:
     , S(s)
   {
   }
-  glm::dvec3 ToWorld(const glm::dvec3& byIndex) const override
+  glm::dvec3 ToDeformed(const glm::dvec3& byIndex) const override
   {
-    return this->Piece.GradientToWorld(this->S, byIndex);
+    return this->Piece.GradientToDeformed(this->S, byIndex);
   }
 
 private:
@@ -126,12 +126,12 @@ RayIntegrator::Outcome RayIntegrator::AddLook(
 }
 
 //------------------------------------------------------------------------------
-/// Length by which a sample counts, world units.
+/// Length by which a sample counts, data units.
 double RayIntegrator::LengthOf(const SampledPiece& piece, double s, double interval) const
 {
-  return this->Frame->Settings->Opacity == OpacityLength::World
+  return this->Frame->Settings->Opacity == OpacityLength::Deformed
     ? interval * piece.Dt
-    : interval * glm::length(this->Frame->RestToWorld * piece.Curve.Velocity(s));
+    : interval * glm::length(this->Frame->IndexToData * piece.Curve.Velocity(s));
 }
 
 //------------------------------------------------------------------------------

@@ -22,7 +22,7 @@ struct IntegrationFrame
   const SampleClassifier* Classifier = nullptr;
   const CastScene* Scene = nullptr;
   const CastSettings* Settings = nullptr;
-  glm::dmat3 RestToWorld{ 1.0 }; ///< lengths of deformed rays: index coordinates to world
+  glm::dmat3 IndexToData{ 1.0 }; ///< of the volume at rest: lengths of deformed rays
   TransmittanceTable Transmittance;
 };
 
@@ -46,8 +46,8 @@ public:
   }
   virtual ~SampledPiece() = default;
 
-  /// NormalSource::ToWorld() at s.
-  virtual glm::dvec3 GradientToWorld(double s, const glm::dvec3& byIndex) const = 0;
+  /// NormalSource::ToDeformed() at s.
+  virtual glm::dvec3 GradientToDeformed(double s, const glm::dvec3& byIndex) const = 0;
 };
 
 /**
@@ -65,7 +65,7 @@ public:
   {
     bool Visible;     ///< the sample shows
     bool Done;        ///< nothing that comes after it would
-    float Extinction; ///< of the sample, per world unit
+    float Extinction; ///< of the sample, per data unit
   };
 
   /**

@@ -94,8 +94,8 @@ public:
       return;
     }
     // Gradients go from rest to deformed space by the transposed inverse of what steps do.
-    const glm::dmat3 ofGradients(normals.ToWorld(glm::dvec3(1.0, 0.0, 0.0)),
-      normals.ToWorld(glm::dvec3(0.0, 1.0, 0.0)), normals.ToWorld(glm::dvec3(0.0, 0.0, 1.0)));
+    const glm::dmat3 ofGradients(normals.ToDeformed(glm::dvec3(1.0, 0.0, 0.0)),
+      normals.ToDeformed(glm::dvec3(0.0, 1.0, 0.0)), normals.ToDeformed(glm::dvec3(0.0, 0.0, 1.0)));
     const glm::dmat3 ofPlanes = glm::inverse(ofGradients);
     for (const glm::dvec4& plane : planes)
     {
@@ -473,7 +473,7 @@ glm::vec3 SampleClassifier::LitColour(
   }
   const Shading& material = *this->In.Material;
   const glm::dvec3 gradient = material.GetGradientToLights() *
-    normals.ToWorld(this->In.NormalFromOpacity
+    normals.ToDeformed(this->In.NormalFromOpacity
         ? this->FindOpacityGradient(component, point.GetPosition(), normals)
         : point.GetGradient());
   const double magnitude = glm::length(gradient);

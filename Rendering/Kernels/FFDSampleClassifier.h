@@ -35,9 +35,9 @@ public:
   }
   virtual ~NormalSource() = default;
 
-  /// The gradient by world coordinates of a field on the deformed volume, from that by index
+  /// The gradient by data coordinates of a field on the deformed volume, from that by index
   /// coordinates of the field at rest: J_Phi^T grad f.
-  virtual glm::dvec3 ToWorld(const glm::dvec3& byIndex) const = 0;
+  virtual glm::dvec3 ToDeformed(const glm::dvec3& byIndex) const = 0;
 
   glm::dvec3 GetPosition() const { return this->Ray.Origin + this->T * this->Ray.Direction; }
 
@@ -76,7 +76,7 @@ struct ClassifierInputs
   /// value of the voxels.
   std::vector<glm::dvec4> ClippingPlanes;
   double ClippedIntensity = 0.0;
-  /// World length of the intervals for which opacities multiply and add up as in VTK: its sample
+  /// Length, data units, of the intervals for which opacities multiply and add up as in VTK: its sample
   /// distance.
   double ReferenceLength = 1.0;
 };
@@ -147,7 +147,7 @@ public:
   struct Look
   {
     glm::vec3 Colour;
-    float Extinction; ///< per world unit; 0: transparent
+    float Extinction; ///< per data unit; 0: transparent
   };
 
   /// The sample at `q`, whose values are `values`, lit if the material is shaded.

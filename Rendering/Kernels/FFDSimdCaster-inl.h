@@ -38,7 +38,7 @@ struct PacketPixels
   Vf Transmittance;
   Vf FirstVisible; ///< t
   Vf Tally;        ///< the extreme, or the sum; of surfaces, the value at TallyStep
-  Vf TallyLength;  ///< what has been summed up over, world units
+  Vf TallyLength;  ///< what has been summed up over, data units
   Vf TallyStep;    ///< number of the sample whose value is known, or a negative one
 };
 
@@ -766,7 +766,7 @@ private:
   HWY_INLINE void AddLook(
     const Vec3& colour, Vf extinction, Mf visible, const PacketCurve& curve, Vf s, Vf t)
   {
-    const Vf interval = this->Scene.Settings.Opacity == OpacityLength::World
+    const Vf interval = this->Scene.Settings.Opacity == OpacityLength::Deformed
       ? Splat(static_cast<float>(this->Scene.Settings.SampleDistance))
       : hn::Mul(curve.PerStep, this->LengthOf(curve.Position.Slope(s)));
     const Vf transmittance = Exp2(hn::Neg(hn::Mul(extinction, interval)));
@@ -1126,7 +1126,7 @@ private:
       hn::Sub(one, Exp2(hn::Neg(hn::Mul(extinction, Splat(this->Scene.UnitDistance)))));
     const Vf relative = hn::Mul(hn::Sub(value, Splat(this->Scene.ValueLow)),
       Splat(1.0f / (this->Scene.ValueHigh - this->Scene.ValueLow)));
-    const Vf length = this->Scene.Settings.Opacity == OpacityLength::World
+    const Vf length = this->Scene.Settings.Opacity == OpacityLength::Deformed
       ? Splat(static_cast<float>(this->Scene.Settings.SampleDistance))
       : hn::Mul(curve.PerStep, this->LengthOf(curve.Position.Slope(s)));
     this->Out.Tally = hn::Add(
@@ -1235,7 +1235,7 @@ private:
     {
     }
 
-    glm::dvec3 GradientToWorld(double s, const glm::dvec3& byIndex) const override
+    glm::dvec3 GradientToDeformed(double s, const glm::dvec3& byIndex) const override
     {
       return this->Whole.GradientOfRay(this->OfAll, this->Lane, static_cast<float>(s), byIndex);
     }
@@ -1246,7 +1246,7 @@ private:
     std::size_t Lane;
   };
 
-  /// The gradient by world coordinates at s on one of the rays, from that by index coordinates.
+  /// The gradient by data coordinates at s on one of the rays, from that by index coordinates.
   HWY_NOINLINE glm::dvec3 GradientOfRay(
     const PacketCurve& curve, std::size_t lane, float s, const glm::dvec3& byIndex)
   {

@@ -19,7 +19,7 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// A packet of viewing rays, local coordinates: P(t) = Origin + t * Direction, t in world units.
+/// A packet of viewing rays, local coordinates: P(t) = Origin + t * Direction, t in data units.
 struct RayPacket
 {
   Vec3 Origin;

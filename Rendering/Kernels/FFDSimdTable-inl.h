@@ -41,7 +41,7 @@ public:
       hn::BitCast(d, range.y), range.x);
   }
 
-  /// Per world unit; of what is no number that of the first entry.
+  /// Per data unit; of what is no number that of the first entry.
   HWY_INLINE Vf Extinction() const
   {
     const Df d;

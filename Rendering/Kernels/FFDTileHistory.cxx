@@ -47,7 +47,7 @@ class TileHistory::Projection
 public:
   Projection(const PullBackChange& change, const CameraView& camera)
   {
-    const glm::dmat4 rows = glm::transpose(camera.WorldToNdc);
+    const glm::dmat4 rows = glm::transpose(camera.DataToNdc);
     glm::dvec4 nearPlane = rows[3] + rows[2];
     nearPlane /= glm::length(glm::dvec3(nearPlane));
     // Distance of neighbouring rays on the near plane, and what it grows by with the distance.

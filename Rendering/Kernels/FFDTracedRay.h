@@ -19,9 +19,9 @@ struct TracedSample
 {
   glm::dvec3 Index;   ///< index coordinates, at rest
   double T;           ///< on the viewing ray
-  double Interval;    ///< length that the sample stands for, world units on the viewing ray
+  double Interval;    ///< length that the sample stands for, data units on the viewing ray
   bool Leap;          ///< a look-up in the distance map from which a leap started, not a sample
-  float Extinction;   ///< of samples, per world unit
+  float Extinction;   ///< of samples, per data unit
 };
 
 /// A piece of a deformed ray, and what was done on it.
@@ -38,7 +38,7 @@ struct TracedPiece
 /// A ray as it was cast for a picture.
 struct TracedRay
 {
-  ViewRay World;
+  ViewRay Viewing;
   bool Hit = false; ///< whether it meets the bounds of the deformed volume
   double From = 0.0;
   double To = 0.0;

@@ -116,11 +116,11 @@ public:
     this->Settings.Pieces.Shortest = 0.5 * voxel;
   }
 
-  void SetCamera(const glm::dmat4& worldToNdc, int pixels)
+  void SetCamera(const glm::dmat4& dataToNdc, int pixels)
   {
     ffd::CameraView& camera = this->Cast.Camera;
-    camera.WorldToNdc = worldToNdc;
-    camera.NdcToWorld = glm::inverse(worldToNdc);
+    camera.DataToNdc = dataToNdc;
+    camera.NdcToData = glm::inverse(dataToNdc);
     camera.ImageSize = glm::ivec2(pixels);
     camera.NdcPerPixel = glm::dvec2(2.0 / pixels);
     camera.NdcOrigin = glm::dvec2(-1.0);

@@ -144,8 +144,8 @@ public:
     const glm::dmat4 projection = perspective
       ? glm::perspective(0.6, aspect, 30.0, 300.0)
       : glm::ortho(-35.0 * aspect, 35.0 * aspect, -35.0, 35.0, 30.0, 300.0);
-    this->Scene.Camera.WorldToNdc = projection * view;
-    this->Scene.Camera.NdcToWorld = glm::inverse(this->Scene.Camera.WorldToNdc);
+    this->Scene.Camera.DataToNdc = projection * view;
+    this->Scene.Camera.NdcToData = glm::inverse(this->Scene.Camera.DataToNdc);
     this->Scene.Camera.ImageSize = glm::ivec2(width, height);
     this->Scene.Camera.NdcPerPixel = 2.0 / glm::dvec2(width, height);
     this->Scene.Camera.NdcOrigin = glm::dvec2(-1.0);
@@ -457,7 +457,7 @@ TEST(PacketCaster, SamplesOneRayAtATime)
     TestScene scene(option == 1 ? ScalarType::Float32 : ScalarType::UInt8, 3);
     scene.SetDeformation(option == 2 ? 0.0 : option == 4 ? 12.0 : 1.5, PullBackKind::Exact);
     scene.SetCamera(option != 3, 61, 45);
-    scene.Settings.Opacity = option == 3 ? OpacityLength::Material : OpacityLength::World;
+    scene.Settings.Opacity = option == 3 ? OpacityLength::Material : OpacityLength::Deformed;
     ForEveryTarget(
       [&]
       {

@@ -152,9 +152,9 @@ CameraView RandomCamera(RandomLattice& random, const Box& bounds, const glm::ive
   const glm::dmat4 projection = camera.Parallel
     ? glm::ortho(-0.5 * radius, 0.5 * radius, -0.5 * radius, 0.5 * radius, 0.05 * radius, 5.0 * radius)
     : glm::perspective(random.Number(0.4, 1.2), 1.0, 0.05 * radius, 5.0 * radius);
-  camera.WorldToNdc = projection *
+  camera.DataToNdc = projection *
     glm::lookAt(eye, target, glm::normalize(random.Vector(-1.0, 1.0) + glm::dvec3(1e-3, 0.0, 0.0)));
-  camera.NdcToWorld = glm::inverse(camera.WorldToNdc);
+  camera.NdcToData = glm::inverse(camera.DataToNdc);
   camera.ImageSize = size;
   camera.NdcPerPixel = 2.0 / glm::dvec2(size);
   camera.Eye = eye;
@@ -410,8 +410,8 @@ TEST(TileHistory, DepthsWithinReach)
   const glm::ivec2 size(40, 33);
   CameraView camera;
   camera.Parallel = true;
-  camera.WorldToNdc = glm::ortho(0.0, 40.0, 0.0, 33.0, 0.0, 100.0);
-  camera.NdcToWorld = glm::inverse(camera.WorldToNdc);
+  camera.DataToNdc = glm::ortho(0.0, 40.0, 0.0, 33.0, 0.0, 100.0);
+  camera.NdcToData = glm::inverse(camera.DataToNdc);
   camera.ImageSize = size;
   camera.NdcPerPixel = 2.0 / glm::dvec2(size);
   TileHistory tiles(16);

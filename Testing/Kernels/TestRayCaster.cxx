@@ -42,9 +42,9 @@ struct Stage
     this->Scene.Map = &this->Map;
     const glm::dvec3 centre = 0.5 * rest.Max;
     this->Camera = centre + glm::dvec3(0.0, 0.0, Eye);
-    this->Scene.Camera.WorldToNdc = glm::perspective(0.35, 1.0, 20.0, 120.0) *
+    this->Scene.Camera.DataToNdc = glm::perspective(0.35, 1.0, 20.0, 120.0) *
       glm::lookAt(this->Camera, centre, glm::dvec3(0.0, 1.0, 0.0));
-    this->Scene.Camera.NdcToWorld = glm::inverse(this->Scene.Camera.WorldToNdc);
+    this->Scene.Camera.NdcToData = glm::inverse(this->Scene.Camera.DataToNdc);
     this->Scene.Camera.ImageSize = glm::ivec2(Size);
     this->Scene.Camera.NdcPerPixel = glm::dvec2(2.0 / Size);
     this->Settings.Reference = true;
@@ -205,16 +205,16 @@ TEST(RayCaster, DeformedIsThePullBackOfEverySample)
   }
 }
 
-TEST(RayCaster, WorldAndMaterialOpacityOfAStretchedSlab)
+TEST(RayCaster, DeformedAndMaterialOpacityOfAStretchedSlab)
 {
   const TestVolume slab(ScalarType::UInt8, glm::ivec3(17), [](int, int, int) { return 100.0; });
-  const double extinction = 0.05; // per world unit
+  const double extinction = 0.05; // per data unit
   const TransferTable table =
     MakeTable(0.0, 200.0, 3, [extinction](double) { return 1.0 - std::exp2(-extinction); });
   for (const double slope : { 0.0, 0.5, -0.3 })
   {
     const BSplineField field = Stretch(slope);
-    for (const OpacityLength length : { OpacityLength::World, OpacityLength::Material })
+    for (const OpacityLength length : { OpacityLength::Deformed, OpacityLength::Material })
     {
       for (const Segmentation segments : { Segmentation::ErrorBound, Segmentation::GreedyAngle })
       {
@@ -224,7 +224,7 @@ TEST(RayCaster, WorldAndMaterialOpacityOfAStretchedSlab)
         stage.Settings.SampleDistance = 0.05;
         const std::vector<float> image = stage.Render();
         // The central ray runs along z: 16 voxels at rest.
-        const double path = 16.0 * (length == OpacityLength::World ? 1.0 + slope : 1.0);
+        const double path = 16.0 * (length == OpacityLength::Deformed ? 1.0 + slope : 1.0);
         const std::size_t centre = 4 * (Size / 2 * Size + Size / 2);
         EXPECT_NEAR(image[centre + 3], 1.0 - std::exp2(-extinction * path), 4e-3)
           << "slope " << slope;
@@ -642,9 +642,9 @@ TEST(RayCaster, LeapingKeepsSamplesAtTheFaces)
       glm::dvec3 up(0.0);
       up[(axis + 1) % 3] = 1.0;
       stage.Scene.Camera.Parallel = true;
-      stage.Scene.Camera.WorldToNdc = glm::ortho(-7.0, 7.0, -7.0, 7.0, 20.0, 120.0) *
+      stage.Scene.Camera.DataToNdc = glm::ortho(-7.0, 7.0, -7.0, 7.0, 20.0, 120.0) *
         glm::lookAt(eye, glm::dvec3(8.0), up);
-      stage.Scene.Camera.NdcToWorld = glm::inverse(stage.Scene.Camera.WorldToNdc);
+      stage.Scene.Camera.NdcToData = glm::inverse(stage.Scene.Camera.DataToNdc);
       stage.Settings.Reference = reference;
       stage.Settings.Leaping = SpaceLeaping::Off;
       const std::vector<float> off = stage.Render();

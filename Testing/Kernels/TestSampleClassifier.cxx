@@ -98,7 +98,7 @@ public:
     this->Ray.Origin = glm::dvec3(0.0, 0.0, 100.0);
     this->Ray.Direction = glm::dvec3(0.0, 0.0, -1.0);
   }
-  glm::dvec3 ToWorld(const glm::dvec3& byIndex) const override
+  glm::dvec3 ToDeformed(const glm::dvec3& byIndex) const override
   {
     ++this->Asked;
     return byIndex;
