@@ -145,42 +145,39 @@ public:
     {
       gradients[c] = { zero, zero, zero };
     }
-    // f(q + e) - f(q - e): the voxels of the cell count with the other weight of their axis, those
-    // one further out with that of their neighbour.
-    const auto add = [&](int axis, Vf weight, const Vf* voxels) {
-      for (int c = 0; c < this->Volume.Components; ++c)
-      {
-        Vf& sum = axis == 0 ? gradients[c].x : axis == 1 ? gradients[c].y : gradients[c].z;
-        sum = hn::MulAdd(weight, voxels[c], sum);
-      }
-    };
     for (int axis = 0; axis < 3; ++axis)
     {
       const int b = (axis + 1) % 3;
       const int e = (axis + 2) % 3;
-      const Vf before = hn::Neg(this->Weights[axis][0]);
-      const Vf behind = this->Weights[axis][1];
       for (int side = 0; side < 4; ++side)
       {
         int at[3];
         at[b] = side & 1;
         at[e] = side >> 1;
-        const Vf weight = hn::Mul(this->Weights[b][at[b]], this->Weights[e][at[e]]);
         const auto corner = [&](int end) {
           at[axis] = end;
           return this->Corners[at[0] + 2 * at[1] + 4 * at[2]];
         };
-        add(axis, hn::Neg(hn::Mul(weight, behind)), corner(0));
-        add(axis, hn::Neg(hn::Mul(weight, before)), corner(1));
-        Vf voxels[LargestNumberOfComponents];
-        const auto further = [&](int end) {
+        const auto load = [&](int end, Vf* voxels) {
           at[axis] = end;
           LoadComponents<T>(
             this->Volume, this->Offsets, this->DeltaOf(at[0], at[1], at[2]), voxels);
-          return voxels;
         };
-        add(axis, hn::Mul(weight, before), further(-1));
-        add(axis, hn::Mul(weight, behind), further(2));
+        const Vf* const first = corner(0);
+        const Vf* const second = corner(1);
+        Vf before[LargestNumberOfComponents];
+        Vf behind[LargestNumberOfComponents];
+        load(-1, before);
+        load(2, behind);
+        const Vf weight = hn::Mul(this->Weights[b][at[b]], this->Weights[e][at[e]]);
+        for (int c = 0; c < this->Volume.Components; ++c)
+        {
+          // Differences first: they are zero where voxels are equal.
+          const Vf difference = Lerp(
+            hn::Sub(second[c], before[c]), hn::Sub(behind[c], first[c]), this->Weights[axis][1]);
+          Vf& sum = axis == 0 ? gradients[c].x : axis == 1 ? gradients[c].y : gradients[c].z;
+          sum = hn::MulAdd(weight, difference, sum);
+        }
       }
     }
   }

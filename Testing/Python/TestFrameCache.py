@@ -212,7 +212,8 @@ CLASSES = {
             SetCroppingRegionPlanes SetCroppingSpace SetCroppingSpaceToDeformed
             SetCroppingSpaceToRest SetDepthImageScalarType SetDepthImageScalarTypeToFloat
             SetDepthImageScalarTypeToUnsignedChar SetDepthImageScalarTypeToUnsignedShort
-            SetFrameCoherence SetFrameCoherenceTolerance SetInputArrayToProcess
+            SetFrameCoherence SetFrameCoherenceTolerance SetGlobalIlluminationReach
+            SetInputArrayToProcess
             SetInteractiveAdjustSampleDistances SetInteractiveSampleDistance
             SetInteractiveUpdateRate SetIntermixIntersectingGeometry SetInterpolationMode
             SetInterpolationModeToCubic SetInterpolationModeToLinear
@@ -227,7 +228,8 @@ CLASSES = {
             SetScalarModeToDefault SetScalarModeToUsePointData SetSegmentationToErrorBound
             SetSharedDepthTexture SetSpaceLeaping SetSpaceLeapingToLipschitz
             SetSpaceLeapingToOff SetSpaceLeapingToSegment SetUseDepthPass SetVectorComponent
-            SetVectorModeToMagnitude UseDepthPassOff UseDepthPassOn UseJitteringOff""",
+            SetVectorModeToMagnitude SetVolumetricScatteringBlending UseDepthPassOff
+            UseDepthPassOn UseJitteringOff""",
         "B": """
             SetInverseTolerance""",
         "TD": """
