@@ -195,23 +195,27 @@ bool HasVectorGradientOpacity(const CastScene& scene, const SampleClassifier& cl
     CanFetchPackets(scene.Volume);
 }
 
+/// Whether the vector code can look up a mask, if there is one.
+bool CanFetchMask(const VolumeView& mask)
+{
+  return !mask.Scalars ||
+    static_cast<double>(mask.Increments[2]) * mask.Dimensions.z <= LargestVolume;
+}
+
 /// Whether the vector code composites with the mask or the labels of this scene.
 bool HasVectorMask(const CastScene& scene, const SampleClassifier& classifier)
 {
-  const VolumeView& mask = classifier.GetMask().Volume;
   return classifier.IsPlainWithMask() && scene.Blend.Mode == BlendMode::Composite &&
-    CanFetchPackets(scene.Volume) &&
-    static_cast<double>(mask.Increments[2]) * mask.Dimensions.z <= LargestVolume;
+    CanFetchPackets(scene.Volume) && CanFetchMask(classifier.GetMask().Volume);
 }
 
 /// Whether the vector code composites the several components of this scene.
 bool HasVectorComponents(const CastScene& scene, const SampleClassifier& classifier)
 {
-  const VolumeView& mask = classifier.GetMask().Volume;
   return classifier.HasPlainComponents() && scene.Blend.Mode == BlendMode::Composite &&
     scene.Volume.Components <= SampleClassifier::LargestNumberOfComponents &&
     !IsWide(scene.Volume.Type) && CanFetchPackets(scene.Volume) &&
-    (!mask.Scalars || static_cast<double>(mask.Increments[2]) * mask.Dimensions.z <= LargestVolume);
+    CanFetchMask(classifier.GetMask().Volume);
 }
 
 /// A table over values as they are fetched.

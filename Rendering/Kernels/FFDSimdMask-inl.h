@@ -45,39 +45,37 @@ HWY_INLINE void FindMaskVoxels(const PacketMask& mask, const Vec3& q, int (&offs
   StoreIndices(offset, offsets);
 }
 
-/// Lanes that are inside of a binary mask.
-HWY_NOINLINE Mf IsInMask(const PacketMask& mask, const Vec3& q)
+/// Of each lane function(scalar of the mask at the voxel nearest to q), a number; 0 outside of it.
+template <class Number, class Function>
+HWY_INLINE auto LookUpMask(const PacketMask& mask, const Vec3& q, const Function& function)
 {
-  const Df d;
+  const hn::Rebind<Number, Df> d;
   HWY_ALIGN int offsets[16];
   FindMaskVoxels(mask, q, offsets);
-  HWY_ALIGN float inside[16];
+  HWY_ALIGN Number numbers[16];
   DispatchScalarType(mask.Type, [&](auto zero) {
     const auto* const scalars = static_cast<const decltype(zero)*>(mask.Scalars);
     for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
     {
-      inside[lane] = offsets[lane] >= 0 && scalars[offsets[lane]] > zero ? 1.0f : 0.0f;
+      numbers[lane] =
+        offsets[lane] >= 0 ? function(static_cast<double>(scalars[offsets[lane]])) : Number(0);
     }
   });
-  return hn::Gt(hn::Load(d, inside), hn::Zero(d));
+  return hn::Load(d, numbers);
+}
+
+/// Lanes that are inside of a binary mask.
+HWY_NOINLINE Mf IsInMask(const PacketMask& mask, const Vec3& q)
+{
+  const Vf inside =
+    LookUpMask<float>(mask, q, [](double value) { return value > 0.0 ? 1.0f : 0.0f; });
+  return hn::Gt(inside, hn::Zero(Df()));
 }
 
 /// Which table of PacketScene::Table the label at each position has.
 HWY_NOINLINE Vi FindLabelTables(const PacketMask& mask, const Vec3& q)
 {
-  const Di di;
-  HWY_ALIGN int offsets[16];
-  FindMaskVoxels(mask, q, offsets);
-  HWY_ALIGN int tables[16];
-  DispatchScalarType(mask.Type, [&](auto zero) {
-    const auto* const scalars = static_cast<const decltype(zero)*>(mask.Scalars);
-    for (std::size_t lane = 0; lane < hn::Lanes(di); ++lane)
-    {
-      tables[lane] =
-        offsets[lane] >= 0 ? mask.TableOf(static_cast<double>(scalars[offsets[lane]])) : 0;
-    }
-  });
-  return hn::Load(di, tables);
+  return LookUpMask<int>(mask, q, [&](double label) { return mask.TableOf(label); });
 }
 
 } // namespace HWY_NAMESPACE
