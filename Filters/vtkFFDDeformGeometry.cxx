@@ -4,6 +4,7 @@
 
 #include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
+#include "vtkFFDParallelFor.h"
 
 #include "vtkAbstractTransform.h"
 #include "vtkCellData.h"
@@ -17,9 +18,8 @@
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
-#include "vtkPointSet.h"
 #include "vtkPoints.h"
-#include "vtkSMPTools.h"
+#include "vtkPointSet.h"
 #include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
@@ -192,8 +192,8 @@ struct VectorArray
 void AddVectorArray(std::vector<VectorArray>& arrays, vtkDataArray* from, bool normals)
 {
   if (!from || from->GetNumberOfComponents() != 3 ||
-    std::any_of(arrays.begin(), arrays.end(),
-      [from](const VectorArray& each) { return each.From == from; }))
+    std::any_of(
+      arrays.begin(), arrays.end(), [from](const VectorArray& each) { return each.From == from; }))
   {
     return;
   }
@@ -251,25 +251,16 @@ void Replace(vtkDataSetAttributes* to, const std::vector<VectorArray>& arrays)
 } // namespace
 
 //------------------------------------------------------------------------------
-vtkFFDDeformGeometry::vtkFFDDeformGeometry()
-{
-  this->SetNumberOfInputPorts(2);
-}
+vtkFFDDeformGeometry::vtkFFDDeformGeometry() { this->SetNumberOfInputPorts(2); }
 
 //------------------------------------------------------------------------------
-vtkFFDDeformGeometry::~vtkFFDDeformGeometry()
-{
-  this->SetDeformation(nullptr);
-}
+vtkFFDDeformGeometry::~vtkFFDDeformGeometry() { this->SetDeformation(nullptr); }
 
 //------------------------------------------------------------------------------
 vtkCxxSetObjectMacro(vtkFFDDeformGeometry, Deformation, vtkAbstractTransform);
 
 //------------------------------------------------------------------------------
-vtkAbstractTransform* vtkFFDDeformGeometry::GetDeformation()
-{
-  return this->Deformation;
-}
+vtkAbstractTransform* vtkFFDDeformGeometry::GetDeformation() { return this->Deformation; }
 
 //------------------------------------------------------------------------------
 void vtkFFDDeformGeometry::PrintSelf(ostream& os, vtkIndent indent)
@@ -448,11 +439,11 @@ int vtkFFDDeformGeometry::RequestData(
   for (vtkIdType first = 0; first < points && !this->GetAbortExecute(); first += PointsPerBatch)
   {
     const vtkIdType last = std::min(points, first + PointsPerBatch);
-    vtkSMPTools::For(first, last,
-      [&map, from, &to, &pointArrays, &unconverged](vtkIdType begin, vtkIdType end)
-      {
+    vtkFFDParallelFor()(static_cast<std::size_t>(last - first),
+      [&map, from, first, &to, &pointArrays, &unconverged](std::size_t begin, std::size_t end) {
         vtkIdType missed = 0;
-        for (vtkIdType i = begin; i < end; ++i)
+        const vtkIdType stop = first + static_cast<vtkIdType>(end);
+        for (vtkIdType i = first + static_cast<vtkIdType>(begin); i < stop; ++i)
         {
           double x[3];
           double moved[3];
@@ -473,19 +464,19 @@ int vtkFFDDeformGeometry::RequestData(
   for (vtkIdType cell = 0; cell < cells && !this->GetAbortExecute(); ++cell)
   {
     input->GetCellPoints(cell, ids);
-    double centre[3] = { 0.0, 0.0, 0.0 };
+    double center[3] = { 0.0, 0.0, 0.0 };
     for (vtkIdType i = 0; i < ids->GetNumberOfIds(); ++i)
     {
       double x[3];
       from->GetPoint(ids->GetId(i), x);
       for (int a = 0; a < 3; ++a)
       {
-        centre[a] += x[a] / ids->GetNumberOfIds();
+        center[a] += x[a] / ids->GetNumberOfIds();
       }
     }
     double moved[3];
     double jacobian[3][3];
-    map.Evaluate(centre, moved, jacobian);
+    map.Evaluate(center, moved, jacobian);
     for (const VectorArray& array : cellArrays)
     {
       array.Move(cell, jacobian);

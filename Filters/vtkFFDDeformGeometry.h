@@ -4,8 +4,8 @@
  * @class   vtkFFDDeformGeometry
  * @brief   move surfaces, points and their vectors with a deformed volume
  *
- * What belongs to a volume, contours, landmarks, tracts, has to move as the volume does when it is
- * drawn by vtkFFDInverseRayVolumeMapper. This filter moves the points X of any vtkPointSet to where
+ * Contours, landmarks and tracts of a volume have to move as the volume does when it is drawn by
+ * vtkFFDInverseRayVolumeMapper. This filter moves the points X of any vtkPointSet to where
  * the mapper shows the voxels of X:
  * - InverseMode EXACT: to T(X); vectors by the Jacobian J of T, normals by its inverse transposed,
  *   unit length. The same as vtkTransformFilter does with T.
@@ -61,7 +61,7 @@ public:
   void SetLatticeData(vtkDataObject* data);
   ///@}
 
-  /// What T means to the mapper, as in vtkFFDInverseRayVolumeMapper.
+  /// How the mapper uses T, as in vtkFFDInverseRayVolumeMapper.
   enum InverseModes
   {
     FIRST_ORDER,

@@ -63,8 +63,7 @@ std::string FindMismatch(vtkFFDLattice* a, vtkFFDLattice* b)
 }
 
 /// The coefficients of the keyframes in the value at `time`: value = sum of weight * keyframe.
-std::vector<double> FindWeights(
-  const std::vector<double>& times, double time, int interpolation)
+std::vector<double> FindWeights(const std::vector<double>& times, double time, int interpolation)
 {
   const std::size_t count = times.size();
   std::vector<double> weights(count, 0.0);
@@ -113,10 +112,7 @@ std::vector<double> FindWeights(
 } // namespace
 
 //------------------------------------------------------------------------------
-vtkFFDDeformVolume::vtkFFDDeformVolume()
-{
-  this->SetNumberOfInputPorts(2);
-}
+vtkFFDDeformVolume::vtkFFDDeformVolume() { this->SetNumberOfInputPorts(2); }
 
 //------------------------------------------------------------------------------
 vtkFFDDeformVolume::~vtkFFDDeformVolume() = default;
@@ -194,18 +190,15 @@ void vtkFFDDeformVolume::RemoveAllKeyframes()
 }
 
 //------------------------------------------------------------------------------
-int vtkFFDDeformVolume::GetNumberOfKeyframes()
-{
-  return static_cast<int>(this->Keyframes.size());
-}
+int vtkFFDDeformVolume::GetNumberOfKeyframes() { return static_cast<int>(this->Keyframes.size()); }
 
 //------------------------------------------------------------------------------
 double vtkFFDDeformVolume::GetKeyframeTime(int index)
 {
   if (index < 0 || index >= this->GetNumberOfKeyframes())
   {
-    vtkErrorMacro("GetKeyframeTime: there is no keyframe " << index << " of "
-                                                           << this->Keyframes.size() << ".");
+    vtkErrorMacro(
+      "GetKeyframeTime: there is no keyframe " << index << " of " << this->Keyframes.size() << ".");
     return std::numeric_limits<double>::quiet_NaN();
   }
   return this->Keyframes[static_cast<std::size_t>(index)].Time;
@@ -234,18 +227,17 @@ int vtkFFDDeformVolume::InterpolateKeyframes(double time, vtkFFDLattice* lattice
 {
   if (!lattice || this->Keyframes.empty() || !std::isfinite(time))
   {
-    vtkErrorMacro("InterpolateKeyframes: "
-      << (!lattice                   ? "the lattice to fill is null"
-             : this->Keyframes.empty() ? "there are no keyframes, call AddKeyframe()"
-                                       : "the time is not finite")
-      << ".");
+    vtkErrorMacro("InterpolateKeyframes: " << (!lattice ? "the lattice to fill is null"
+                                                  : this->Keyframes.empty()
+                                                  ? "there are no keyframes, call AddKeyframe()"
+                                                  : "the time is not finite")
+                                           << ".");
     return 0;
   }
   std::vector<double> times;
   for (const Keyframe& keyframe : this->Keyframes)
   {
-    const std::string mismatch =
-      FindMismatch(this->Keyframes.front().Lattice, keyframe.Lattice);
+    const std::string mismatch = FindMismatch(this->Keyframes.front().Lattice, keyframe.Lattice);
     if (!mismatch.empty())
     {
       vtkErrorMacro("The keyframes at times " << this->Keyframes.front().Time << " and "
@@ -292,10 +284,7 @@ void vtkFFDDeformVolume::SetLattice(vtkFFDLattice* lattice)
 }
 
 //------------------------------------------------------------------------------
-vtkFFDLattice* vtkFFDDeformVolume::GetLattice()
-{
-  return this->Lattice;
-}
+vtkFFDLattice* vtkFFDDeformVolume::GetLattice() { return this->Lattice; }
 
 //------------------------------------------------------------------------------
 void vtkFFDDeformVolume::SetLatticeConnection(vtkAlgorithmOutput* connection)

@@ -107,7 +107,7 @@ public:
   /// Includes the lattice and those of the keyframes.
   vtkMTimeType GetMTime() override;
 
-  /// As in the superclass; what does not fit into the memory is an error, not an exception.
+  /// Overridden so that data that do not fit into the memory are an error, not an exception.
   vtkTypeBool ProcessRequest(
     vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
 

@@ -39,10 +39,7 @@ namespace
 constexpr int Block = ffd::MinMaxBlocks::BlockSize;
 
 /// Blocks along an axis of so many voxels.
-int CountBlocks(int voxels)
-{
-  return (voxels - 1 + Block - 1) / Block;
-}
+int CountBlocks(int voxels) { return (voxels - 1 + Block - 1) / Block; }
 
 /// Entries of the table: at least, and at most.
 constexpr int SmallestTable = 4096;
@@ -58,8 +55,8 @@ ffd::TransferTable MakeOpacityTable(
   {
     high = low + std::max(1.0, std::abs(low));
   }
-  int size = std::clamp(
-    opacity->EstimateMinNumberOfSamples(low, high), SmallestTable, LargestTable);
+  int size =
+    std::clamp(opacity->EstimateMinNumberOfSamples(low, high), SmallestTable, LargestTable);
   if (integers && high - low < LargestTable)
   {
     // Whole numbers are met exactly.
@@ -67,10 +64,9 @@ ffd::TransferTable MakeOpacityTable(
     size = std::max(1, SmallestTable / std::max(1, width)) * width + 1;
   }
   std::vector<float> opacities(static_cast<std::size_t>(size));
-  const std::vector<float> colours(3 * opacities.size(), 1.0f);
+  const std::vector<float> colors(3 * opacities.size(), 1.0f);
   opacity->GetTable(low, high, size, opacities.data());
-  return ffd::TransferTable(
-    low, high, opacities.size(), colours.data(), opacities.data(), 1.0);
+  return ffd::TransferTable(low, high, opacities.size(), colors.data(), opacities.data(), 1.0);
 }
 
 } // namespace
@@ -79,19 +75,13 @@ ffd::TransferTable MakeOpacityTable(
 vtkFFDDistanceMap::vtkFFDDistanceMap() = default;
 
 //------------------------------------------------------------------------------
-vtkFFDDistanceMap::~vtkFFDDistanceMap()
-{
-  this->SetScalarOpacity(nullptr);
-}
+vtkFFDDistanceMap::~vtkFFDDistanceMap() { this->SetScalarOpacity(nullptr); }
 
 //------------------------------------------------------------------------------
 vtkCxxSetObjectMacro(vtkFFDDistanceMap, ScalarOpacity, vtkPiecewiseFunction);
 
 //------------------------------------------------------------------------------
-vtkPiecewiseFunction* vtkFFDDistanceMap::GetScalarOpacity()
-{
-  return this->ScalarOpacity;
-}
+vtkPiecewiseFunction* vtkFFDDistanceMap::GetScalarOpacity() { return this->ScalarOpacity; }
 
 //------------------------------------------------------------------------------
 void vtkFFDDistanceMap::PrintSelf(ostream& os, vtkIndent indent)
@@ -154,7 +144,7 @@ int vtkFFDDistanceMap::RequestInformation(
   int blocks[6];
   for (int a = 0; a < 3; ++a)
   {
-    // The centre of block 0.
+    // The center of block 0.
     first[a] = (extent[2 * a] + 0.5 * Block) * spacing[a];
     blocks[2 * a] = 0;
     blocks[2 * a + 1] = std::max(0, CountBlocks(extent[2 * a + 1] - extent[2 * a] + 1) - 1);
@@ -254,14 +244,12 @@ int vtkFFDDistanceMap::RequestData(
   distances->SetName("Distance");
   distances->SetNumberOfValues(input->GetNumberOfPoints());
   vtkFFDParallelFor()(static_cast<std::size_t>(volume.Dimensions.z),
-    [&volume, &table, &distances](std::size_t first, std::size_t last)
-    {
-      ffd::MarkVisibleVoxels(volume, table, static_cast<int>(first), static_cast<int>(last),
-        distances->GetPointer(0));
+    [&volume, &table, &distances](std::size_t first, std::size_t last) {
+      ffd::MarkVisibleVoxels(
+        volume, table, static_cast<int>(first), static_cast<int>(last), distances->GetPointer(0));
     });
-  const bool done = ffd::FindChebyshevDistances(volume.Dimensions, distances->GetPointer(0),
-    [this](double part)
-    {
+  const bool done =
+    ffd::FindChebyshevDistances(volume.Dimensions, distances->GetPointer(0), [this](double part) {
       this->UpdateProgress(0.3 + 0.7 * part);
       return this->GetAbortExecute() == 0;
     });

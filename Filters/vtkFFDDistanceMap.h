@@ -7,12 +7,12 @@
  * Space leaping (section 4.6 of the paper) needs to know of every place how far it is at least to
  * something visible under the current opacity function. This filter puts out that map, for a look
  * at it or for programs of one's own. Distances are Chebyshev distances, the largest of the
- * distances along the axes: a place of distance d is the centre of an empty cube.
+ * distances along the axes: a place of distance d is the center of an empty cube.
  *
  * Resolution:
- * - BLOCKS (default): as vtkFFDInverseRayVolumeMapper leaps by them. One unsigned char for each block
- *   of 4^3 cells, in blocks: 0 where the block may hold something visible, 1 next to such a block,
- *   at most 255. The points of the output are the centres of the blocks.
+ * - BLOCKS (default): as vtkFFDInverseRayVolumeMapper leaps by them. One unsigned char for each
+ *   block of 4^3 cells, in blocks: 0 where the block may hold something visible, 1 next to such a
+ *   block, at most 255. The points of the output are the centers of the blocks.
  * - VOXELS: as in the paper. One unsigned short for each voxel, in voxels, on the grid of the
  *   input: 0 where the voxel is visible, 65535 everywhere if nothing is.
  *
@@ -48,10 +48,11 @@ public:
   virtual vtkPiecewiseFunction* GetScalarOpacity();
   ///@}
 
+  /// Resolution of the output.
   enum Resolutions
   {
-    BLOCKS,
-    VOXELS
+    BLOCKS, ///< blocks of 4^3 cells, as the mapper's
+    VOXELS  ///< single voxels
   };
 
   ///@{
@@ -68,7 +69,7 @@ public:
   /// Includes the opacity function.
   vtkMTimeType GetMTime() override;
 
-  /// As in the superclass; what does not fit into the memory is an error, not an exception.
+  /// Overridden so that data that do not fit into the memory are an error, not an exception.
   vtkTypeBool ProcessRequest(
     vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
 

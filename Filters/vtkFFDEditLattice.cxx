@@ -264,22 +264,13 @@ void vtkFFDEditLattice::GetDisplacement(int index, double displacement[3]) const
 }
 
 //------------------------------------------------------------------------------
-vtkFFDLattice* vtkFFDEditLattice::GetLattice()
-{
-  return this->Lattice;
-}
+vtkFFDLattice* vtkFFDEditLattice::GetLattice() { return this->Lattice; }
 
 //------------------------------------------------------------------------------
-int* vtkFFDEditLattice::GetLatticeDimensions()
-{
-  return this->Lattice->GetDimensions();
-}
+int* vtkFFDEditLattice::GetLatticeDimensions() { return this->Lattice->GetDimensions(); }
 
 //------------------------------------------------------------------------------
-double* vtkFFDEditLattice::GetLatticeDomain()
-{
-  return this->Lattice->GetDomain();
-}
+double* vtkFFDEditLattice::GetLatticeDomain() { return this->Lattice->GetDomain(); }
 
 //------------------------------------------------------------------------------
 double vtkFFDEditLattice::GetMinimumJacobianBound()

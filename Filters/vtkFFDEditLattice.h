@@ -60,7 +60,7 @@ public:
 
   ///@{
   /**
-   * What the bounds of the image are enlarged by on each side, as a fraction of the extent, 0 to
+   * Margin that is added to the bounds of the image on each side, as a fraction of the extent, 0 to
    * 10. Default 0. Not used with a lattice of the input.
    */
   void SetPadding(double padding);
@@ -148,9 +148,9 @@ public:
 
   ///@{
   /**
-   * Of the lattice of the last update, for display: the number of control points per axis, the
-   * domain (xmin, xmax, ymin, ...), and a proven lower bound of the local change of volume; zero
-   * or less means that the deformation may fold (vtkFFDLattice::GetMinimumJacobianBound()).
+   * Facts about the lattice of the last update, for display: the number of control points per axis,
+   * the domain (xmin, xmax, ymin, ...), and a proven lower bound of the local change of volume;
+   * zero or less means that the deformation may fold (vtkFFDLattice::GetMinimumJacobianBound()).
    */
   int* GetLatticeDimensions() VTK_SIZEHINT(3);
   double* GetLatticeDomain() VTK_SIZEHINT(6);
@@ -159,7 +159,7 @@ public:
 
   ///@{
   /**
-   * What editors need besides the edits, of the last update: the displacements that the edits are
+   * Results of the last update that editors need: the displacements that the edits are
    * added to (those of the input's lattice and of the shape), 3 components, as many tuples as
    * GetLatticeDimensions() has control points; and the DisplacementScale of the lattice, that of
    * the input's included. The array belongs to the filter.
@@ -174,7 +174,7 @@ public:
    */
   static vtkInformationDataObjectMetaDataKey* LATTICE();
 
-  /// As in the superclass; what does not fit into the memory is an error, not an exception.
+  /// Overridden so that data that do not fit into the memory are an error, not an exception.
   vtkTypeBool ProcessRequest(
     vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
 

@@ -35,7 +35,7 @@ vtkFFDGuardedProcessRequestMacro(vtkFFDFitLattice);
 namespace
 {
 
-/// What the box of landmarks is enlarged by on each side.
+/// Margin that is added to the box of landmarks on each side, as a fraction of its longest edge.
 constexpr double LandmarkMargin = 0.1;
 
 /// A copy of the displacements, and three to work on.
@@ -76,8 +76,8 @@ void vtkFFDFitLattice::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "TargetLandmarks: "
      << (this->TargetLandmarks ? this->TargetLandmarks->GetNumberOfPoints() : 0) << " points\n";
   os << indent << "LandmarkWeights: " << (this->LandmarkWeights ? "given" : "(none)") << "\n";
-  os << indent << "Transform: "
-     << (this->Transform ? this->Transform->GetClassName() : "(none)") << "\n";
+  os << indent << "Transform: " << (this->Transform ? this->Transform->GetClassName() : "(none)")
+     << "\n";
   os << indent << "Smoothness: " << this->Smoothness << "\n";
   os << indent << "Bounds:";
   for (const double bound : this->Bounds)
@@ -101,10 +101,7 @@ void vtkFFDFitLattice::SetSourceLandmarks(vtkPoints* points)
 }
 
 //------------------------------------------------------------------------------
-vtkPoints* vtkFFDFitLattice::GetSourceLandmarks()
-{
-  return this->SourceLandmarks;
-}
+vtkPoints* vtkFFDFitLattice::GetSourceLandmarks() { return this->SourceLandmarks; }
 
 //------------------------------------------------------------------------------
 void vtkFFDFitLattice::SetTargetLandmarks(vtkPoints* points)
@@ -117,10 +114,7 @@ void vtkFFDFitLattice::SetTargetLandmarks(vtkPoints* points)
 }
 
 //------------------------------------------------------------------------------
-vtkPoints* vtkFFDFitLattice::GetTargetLandmarks()
-{
-  return this->TargetLandmarks;
-}
+vtkPoints* vtkFFDFitLattice::GetTargetLandmarks() { return this->TargetLandmarks; }
 
 //------------------------------------------------------------------------------
 void vtkFFDFitLattice::SetLandmarkWeights(vtkDataArray* weights)
@@ -133,10 +127,7 @@ void vtkFFDFitLattice::SetLandmarkWeights(vtkDataArray* weights)
 }
 
 //------------------------------------------------------------------------------
-vtkDataArray* vtkFFDFitLattice::GetLandmarkWeights()
-{
-  return this->LandmarkWeights;
-}
+vtkDataArray* vtkFFDFitLattice::GetLandmarkWeights() { return this->LandmarkWeights; }
 
 //------------------------------------------------------------------------------
 void vtkFFDFitLattice::SetTransform(vtkAbstractTransform* transform)
@@ -149,10 +140,7 @@ void vtkFFDFitLattice::SetTransform(vtkAbstractTransform* transform)
 }
 
 //------------------------------------------------------------------------------
-vtkAbstractTransform* vtkFFDFitLattice::GetTransform()
-{
-  return this->Transform;
-}
+vtkAbstractTransform* vtkFFDFitLattice::GetTransform() { return this->Transform; }
 
 //------------------------------------------------------------------------------
 void vtkFFDFitLattice::SetSmoothness(double smoothness)
@@ -225,8 +213,7 @@ vtkMTimeType vtkFFDFitLattice::GetMTime()
   vtkMTimeType time = this->Superclass::GetMTime();
   for (vtkObject* object : { static_cast<vtkObject*>(this->SourceLandmarks),
          static_cast<vtkObject*>(this->TargetLandmarks),
-         static_cast<vtkObject*>(this->LandmarkWeights),
-         static_cast<vtkObject*>(this->Transform) })
+         static_cast<vtkObject*>(this->LandmarkWeights), static_cast<vtkObject*>(this->Transform) })
   {
     time = object ? std::max(time, object->GetMTime()) : time;
   }
@@ -396,8 +383,7 @@ void vtkFFDFitLattice::Fit(vtkImageData* field)
   ffd::FitLimits limits;
   limits.Tolerance = this->Tolerance;
   limits.MaximumCells = this->MaximumCells;
-  limits.Proceed = [this](double done)
-  {
+  limits.Proceed = [this](double done) {
     this->UpdateProgress(done);
     return !this->GetAbortExecute();
   };
@@ -424,8 +410,7 @@ void vtkFFDFitLattice::Fit(vtkImageData* field)
         }
       }
     }
-    status =
-      ffd::FitNetToPoints(from, displacements, weights, this->Smoothness, limits, fit);
+    status = ffd::FitNetToPoints(from, displacements, weights, this->Smoothness, limits, fit);
   }
   else if (field)
   {
@@ -451,8 +436,7 @@ void vtkFFDFitLattice::Fit(vtkImageData* field)
   }
   else
   {
-    status =
-      ffd::FitNetToFunction(vtkFFDMakeTransformSampler(this->Transform), limits, fit);
+    status = ffd::FitNetToFunction(vtkFFDMakeTransformSampler(this->Transform), limits, fit);
   }
   if (status == ffd::FitStatus::Stopped)
   {
@@ -461,7 +445,9 @@ void vtkFFDFitLattice::Fit(vtkImageData* field)
   }
   if (status == ffd::FitStatus::NotFinite)
   {
-    vtkErrorMacro("The " << (landmarks ? "landmarks" : field ? "displacements" : "transform")
+    vtkErrorMacro("The " << (landmarks  ? "landmarks"
+                                : field ? "displacements"
+                                        : "transform")
                          << " to fit give values that are not finite within the bounds, or no "
                             "samples lie in them.");
     return;

@@ -21,7 +21,7 @@
  *   vtkGridTransform and Transform. Error: at the samples.
  * - <b>Transform</b>, any vtkAbstractTransform: interpolated at the nodes, axes refined one by one
  *   (vtkFFDLattice::FitToTransform(), which the mapper uses for transforms that are no B-spline).
- *   Error: at the centres of cells and of their edges.
+ *   Error: at the centers of cells and of their edges.
  *
  * The output is the image of the control points, as that of vtkFFDLatticeSource: for
  * vtkFFDDeformVolume, files and vtkFFDLattice::FromImageData(). GetLattice() is the same as an
@@ -133,7 +133,7 @@ public:
   /// Includes landmarks and transform.
   vtkMTimeType GetMTime() override;
 
-  /// As in the superclass; what does not fit into the memory is an error, not an exception.
+  /// Overridden so that data that do not fit into the memory are an error, not an exception.
   vtkTypeBool ProcessRequest(
     vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
 

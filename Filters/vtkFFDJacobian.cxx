@@ -43,7 +43,7 @@ namespace
 /// Between two looks at AbortExecute.
 constexpr int SlicesPerBatch = 32;
 
-/// What the threads count.
+/// Counts of one thread.
 struct Summary
 {
   double Least = std::numeric_limits<double>::infinity();
@@ -67,8 +67,8 @@ public:
     }
   }
 
-  void Evaluate(int j, int k, ffd::SplineRows::Scratch& scratch,
-    std::vector<glm::dmat3>& jacobians) const
+  void Evaluate(
+    int j, int k, ffd::SplineRows::Scratch& scratch, std::vector<glm::dmat3>& jacobians) const
   {
     if (this->Rows)
     {
@@ -81,8 +81,7 @@ public:
     }
     for (std::size_t i = 0; i < jacobians.size(); ++i)
     {
-      const glm::dvec3 p =
-        this->Grid.ToData(glm::dvec3(this->First + static_cast<int>(i), j, k));
+      const glm::dvec3 p = this->Grid.ToData(glm::dvec3(this->First + static_cast<int>(i), j, k));
       double moved[3];
       double derivative[3][3];
       this->Transform->InternalTransformDerivative(&p.x, moved, derivative);
@@ -106,19 +105,13 @@ private:
 vtkFFDJacobian::vtkFFDJacobian() = default;
 
 //------------------------------------------------------------------------------
-vtkFFDJacobian::~vtkFFDJacobian()
-{
-  this->SetDeformation(nullptr);
-}
+vtkFFDJacobian::~vtkFFDJacobian() { this->SetDeformation(nullptr); }
 
 //------------------------------------------------------------------------------
 vtkCxxSetObjectMacro(vtkFFDJacobian, Deformation, vtkAbstractTransform);
 
 //------------------------------------------------------------------------------
-vtkAbstractTransform* vtkFFDJacobian::GetDeformation()
-{
-  return this->Deformation;
-}
+vtkAbstractTransform* vtkFFDJacobian::GetDeformation() { return this->Deformation; }
 
 //------------------------------------------------------------------------------
 void vtkFFDJacobian::PrintSelf(ostream& os, vtkIndent indent)
@@ -136,8 +129,8 @@ void vtkFFDJacobian::SetFoldThreshold(double determinant)
 {
   if (!std::isfinite(determinant))
   {
-    vtkErrorMacro("SetFoldThreshold: the determinant is " << determinant
-                                                          << ". Give a finite number.");
+    vtkErrorMacro(
+      "SetFoldThreshold: the determinant is " << determinant << ". Give a finite number.");
     return;
   }
   if (this->FoldThreshold != determinant)
@@ -190,8 +183,9 @@ int vtkFFDJacobian::RequestData(
     vtkNew<vtkFFDLattice> lattice;
     if (!vtkFFDLattice::HasLattice(input))
     {
-      vtkErrorMacro("There is no deformation, the determinant is 1. Call SetDeformation(), or attach "
-                    "a lattice to the input.");
+      vtkErrorMacro(
+        "There is no deformation, the determinant is 1. Call SetDeformation(), or attach "
+        "a lattice to the input.");
     }
     else
     {
@@ -233,8 +227,7 @@ int vtkFFDJacobian::RequestData(
   vtkSMPThreadLocal<Summary> summaries;
   if (points > 0)
   {
-    const JacobianRows evaluator(
-      transform, rows ? &field : nullptr, grid, extent[0], extent[1]);
+    const JacobianRows evaluator(transform, rows ? &field : nullptr, grid, extent[0], extent[1]);
     const vtkIdType rowLength = extent[1] - extent[0] + 1;
     const vtkIdType rowsPerSlice = extent[3] - extent[2] + 1;
     const double threshold = this->FoldThreshold;
@@ -256,7 +249,7 @@ int vtkFFDJacobian::RequestData(
             for (vtkIdType i = 0; i < rowLength; ++i)
             {
               const double determinant = glm::determinant(jacobians[static_cast<std::size_t>(i)]);
-              // What is not a number is no proper map either.
+              // A determinant that is not a number counts as a fold.
               const bool folded = !(determinant > threshold);
               determinants->SetValue(row * rowLength + i, static_cast<float>(determinant));
               mask->SetValue(row * rowLength + i, folded ? 1 : 0);

@@ -52,8 +52,8 @@ public:
 
   ///@{
   /**
-   * Of the last update: smallest and largest finite determinant (1, -1 without any), and how many
-   * points are marked.
+   * Results of the last update: the smallest and the largest finite determinant (1, -1 without
+   * any), and the number of points that are marked.
    */
   vtkGetVector2Macro(DeterminantRange, double);
   vtkGetMacro(NumberOfFoldedPoints, vtkIdType);
@@ -62,7 +62,7 @@ public:
   /// Includes the deformation.
   vtkMTimeType GetMTime() override;
 
-  /// As in the superclass; what does not fit into the memory is an error, not an exception.
+  /// Overridden so that data that do not fit into the memory are an error, not an exception.
   vtkTypeBool ProcessRequest(
     vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
 

@@ -31,7 +31,7 @@ constexpr double BytesPerPoint = 96.0;
 constexpr const char* ShapeNames[] = { "Identity", "Bend", "Twist", "Taper", "Bulge", "Wave",
   "Random" };
 
-/// Where a shape takes a point given relative to the domain's centre.
+/// Where a shape takes a point given relative to the domain's center.
 void MovePoint(int shape, double strength, const double half[3], const double p[3], double moved[3])
 {
   std::copy(p, p + 3, moved);
@@ -149,8 +149,9 @@ void vtkFFDLatticeSource::SetBounds(const double bounds[6])
   }
   if (!usable || !extended)
   {
-    vtkErrorMacro("SetBounds: the bounds are null, inverted, not finite or a single point. Give the "
-                  "bounds of the data, (xmin, xmax, ymin, ymax, zmin, zmax).");
+    vtkErrorMacro(
+      "SetBounds: the bounds are null, inverted, not finite or a single point. Give the "
+      "bounds of the data, (xmin, xmax, ymin, ymax, zmin, zmax).");
     return;
   }
   if (!std::equal(bounds, bounds + 6, this->Bounds))
@@ -197,8 +198,8 @@ void vtkFFDLatticeSource::SetPadding(double padding)
 {
   if (!std::isfinite(padding) || padding < 0.0)
   {
-    vtkErrorMacro("SetPadding: the padding is " << padding
-                                                << ". Give a fraction of the extent, 0 or more.");
+    vtkErrorMacro(
+      "SetPadding: the padding is " << padding << ". Give a fraction of the extent, 0 or more.");
     return;
   }
   if (this->Padding != padding)
@@ -224,10 +225,7 @@ void vtkFFDLatticeSource::SetShape(int shape)
 }
 
 //------------------------------------------------------------------------------
-const char* vtkFFDLatticeSource::GetShapeAsString()
-{
-  return ShapeNames[this->Shape];
-}
+const char* vtkFFDLatticeSource::GetShapeAsString() { return ShapeNames[this->Shape]; }
 
 //------------------------------------------------------------------------------
 void vtkFFDLatticeSource::SetStrength(double strength)
@@ -314,14 +312,14 @@ int vtkFFDLatticeSource::ApplyShape(vtkFFDLattice* lattice, int shape, double st
   int n[3];
   double domain[6];
   double spacing[3];
-  double centre[3];
+  double center[3];
   double half[3];
   lattice->GetDimensions(n);
   lattice->GetDomain(domain);
   lattice->GetSpacing(spacing);
   for (int a = 0; a < 3; ++a)
   {
-    centre[a] = 0.5 * (domain[2 * a] + domain[2 * a + 1]);
+    center[a] = 0.5 * (domain[2 * a] + domain[2 * a + 1]);
     half[a] = 0.5 * (domain[2 * a + 1] - domain[2 * a]);
   }
   constexpr double foldFree = 0.4;
@@ -345,7 +343,7 @@ int vtkFFDLatticeSource::ApplyShape(vtkFFDLattice* lattice, int shape, double st
         double moved[3];
         double displacement[3];
         lattice->GetRestPoint(i, j, k, rest);
-        vtkMath::Subtract(rest, centre, rest);
+        vtkMath::Subtract(rest, center, rest);
         MovePoint(shape, strength, half, rest, moved);
         vtkMath::Subtract(moved, rest, displacement);
         if (shape == RANDOM)

@@ -10,14 +10,14 @@
  * GetLattice() is the same as an object, and ApplyShape() shapes a lattice of one's own.
  *
  * Every control point is displaced as the shape displaces its rest point, so the deformation is
- * the shape smoothed by the spline. With s the strength and the domain's centre and extents:
+ * the shape smoothed by the spline. With s the strength and the domain's center and extents:
  * - IDENTITY: none.
  * - BEND: the x axis is bent towards +y into an arc of s * 90 degrees (Barr 1984), length kept.
  * - TWIST: about z, from -s * 45 degrees at the lower to s * 45 at the upper end.
  * - TAPER: x and y are scaled by 1 + s / 2 at the lower to 1 - s / 2 at the upper end of z; to a
  *   point at s = 2.
- * - BULGE: outwards from the centre, fading to nothing at the ellipsoid within the domain; the
- *   displacement is s / 2 of the position at the centre. Inwards for s < 0.
+ * - BULGE: outwards from the center, fading to nothing at the ellipsoid within the domain; the
+ *   displacement is s / 2 of the position at the center. Inwards for s < 0.
  * - WAVE: along z, s * 10 % of the extent of z, two periods over x.
  * - RANDOM: every component uniform in s * [-0.4, 0.4] spacings, reproducible by Seed. At most
  *   |s| = 1 the map cannot fold (Choi and Lee 2000: displacements below 0.403 spacings); beyond
@@ -41,6 +41,7 @@ public:
   vtkTypeMacro(vtkFFDLatticeSource, vtkImageAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
+  /// Ready shapes.
   enum ShapeType
   {
     IDENTITY = 0,
@@ -73,8 +74,8 @@ public:
 
   ///@{
   /**
-   * What the bounds are enlarged by on each side, as a fraction of the extent, 0 or more. Default
-   * 0.
+   * Margin that is added to the bounds on each side, as a fraction of the extent, 0 or more.
+   * Default 0.
    */
   void SetPadding(double padding);
   vtkGetMacro(Padding, double);
@@ -163,7 +164,7 @@ public:
    */
   static int ApplyShape(vtkFFDLattice* lattice, int shape, double strength, int seed = 1);
 
-  /// As in the superclass; what does not fit into the memory is an error, not an exception.
+  /// Overridden so that data that do not fit into the memory are an error, not an exception.
   vtkTypeBool ProcessRequest(
     vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
 

@@ -8,8 +8,8 @@
 #include "vtkFFDParallelFor.h"
 #include "vtkFFDVolumeViewFromImage.h"
 
+#include "Bounds/FFDPullBackBounds.h"
 #include "FFDPullBack.h"
-#include "FFDPullBackBounds.h"
 #include "FFDResampler.h"
 #include "FFDVolumeView.h"
 
@@ -41,10 +41,11 @@ namespace
 {
 
 /// Slices of the output between two looks at AbortExecute; a multiple of the step of the nodes
-/// that an inverse is solved for at, which neighbouring batches both need.
+/// that an inverse is solved for at, which neighboring batches both need.
 constexpr int SlicesPerBatch = 32;
 
-/// What no memory holds: then the deformation, or the spacing, is not what was meant.
+/// The largest number of points of an output. More fit into no memory; the deformation or the
+/// spacing is then a mistake.
 constexpr double LargestNumberOfPoints = 68719476736.0; // 2^36
 
 /// Numbers of points along an axis fit into an int.

@@ -28,7 +28,7 @@
  *
  * Cost: rows of the output that are parallel to an axis of the lattice, as they are unless the
  * image is turned, take their displacements from sums that a row shares. FIRST_ORDER and PULL_BACK
- * are many times faster than vtkImageReslice with a vtkBSplineTransform; EXACT solves at every
+ * are faster than vtkImageReslice with a vtkBSplineTransform; EXACT solves at every
  * fourth point and checks the others (Testing/Benchmarks/NOTES.md has figures). EXACT with a
  * lattice that is not proven free of folds solves at every point and takes several times longer.
  *
@@ -103,7 +103,7 @@ public:
   vtkGetMacro(PositionTolerance, double);
   ///@}
 
-  /// How values between voxels are found.
+  /// Interpolation of values between voxels.
   enum InterpolationModes
   {
     NEAREST,
@@ -184,7 +184,7 @@ public:
   /// Includes the deformation.
   vtkMTimeType GetMTime() override;
 
-  /// As in the superclass; what does not fit into the memory is an error, not an exception.
+  /// Overridden so that data that do not fit into the memory are an error, not an exception.
   vtkTypeBool ProcessRequest(
     vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
 

@@ -164,8 +164,8 @@ void vtkFFDBarrTransform::SetScale(double first, double last)
 {
   if (!(first > 0.0) || !(last > 0.0) || !std::isfinite(first) || !std::isfinite(last))
   {
-    vtkErrorMacro("SetScale: " << first << " and " << last
-                               << " are no scales. Give two positive numbers.");
+    vtkErrorMacro(
+      "SetScale: " << first << " and " << last << " are no scales. Give two positive numbers.");
     return;
   }
   if (this->Scale[0] != first || this->Scale[1] != last)
@@ -186,16 +186,13 @@ void vtkFFDBarrTransform::FitToBounds(const double bounds[6])
       << this->Axis << ". Give those of what is deformed.");
     return;
   }
-  this->SetCenter(0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3]),
-    0.5 * (bounds[4] + bounds[5]));
+  this->SetCenter(
+    0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3]), 0.5 * (bounds[4] + bounds[5]));
   this->SetRange(bounds[2 * this->Axis], bounds[2 * this->Axis + 1]);
 }
 
 //------------------------------------------------------------------------------
-vtkAbstractTransform* vtkFFDBarrTransform::MakeTransform()
-{
-  return vtkFFDBarrTransform::New();
-}
+vtkAbstractTransform* vtkFFDBarrTransform::MakeTransform() { return vtkFFDBarrTransform::New(); }
 
 //------------------------------------------------------------------------------
 void vtkFFDBarrTransform::InternalUpdate()
@@ -204,7 +201,7 @@ void vtkFFDBarrTransform::InternalUpdate()
   map.Kind = static_cast<ffd::BarrDeformation::Shape>(this->DeformationType);
   map.U = this->Axis;
   map.V = this->BendAxis;
-  map.Centre = glm::dvec3(this->Center[0], this->Center[1], this->Center[2]);
+  map.Center = glm::dvec3(this->Center[0], this->Center[1], this->Center[2]);
   map.Low = this->Range[0];
   map.High = this->Range[1];
   double degrees = this->Angle;

@@ -17,16 +17,16 @@
  *   upper end. Keeps volume.
  * - BEND: Axis is bent towards BendAxis into an arc of Angle degrees; the line through Center keeps
  *   its length, and Center its place and direction. Beyond the ends it goes straight on. One-to-one
- *   on this side of the centre of curvature, which is (Range[1] - Range[0]) / Angle (in radians)
+ *   on this side of the center of curvature, which is (Range[1] - Range[0]) / Angle (in radians)
  *   from Center along BendAxis.
  *
  * Defaults: BEND by 0 degrees, that is none; Axis z towards x, Range -0.5 to 0.5 and Center the
  * origin. Setters refuse what is not finite or out of range, with an error;
  * SetDeformationType() clamps.
  *
- * The mapper approximates it by a lattice, within its PositionTolerance. A taper or twist whose ends
- * lie within the volume has a crease there with the linear profile of the original; SmoothProfile
- * avoids that.
+ * The mapper approximates it by a lattice, within its PositionTolerance. A taper or twist whose
+ * ends lie within the volume has a crease there with the linear profile of the original;
+ * SmoothProfile avoids that.
  *
  * @sa vtkFFDRayDeflector vtkFFDLatticeSource vtkFFDInverseRayVolumeMapper
  */
@@ -50,11 +50,12 @@ public:
   vtkTypeMacro(vtkFFDBarrTransform, vtkWarpTransform);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
+  /// Barr's deformations.
   enum DeformationTypes
   {
-    TAPER,
-    TWIST,
-    BEND
+    TAPER, ///< scales across the axis
+    TWIST, ///< turns about the axis
+    BEND   ///< bends the axis to an arc
   };
 
   ///@{
@@ -147,8 +148,7 @@ protected:
 
   void ForwardTransformPoint(const float in[3], float out[3]) override;
   void ForwardTransformPoint(const double in[3], double out[3]) override;
-  void ForwardTransformDerivative(
-    const float in[3], float out[3], float derivative[3][3]) override;
+  void ForwardTransformDerivative(const float in[3], float out[3], float derivative[3][3]) override;
   void ForwardTransformDerivative(
     const double in[3], double out[3], double derivative[3][3]) override;
   void InverseTransformPoint(const float in[3], float out[3]) override;

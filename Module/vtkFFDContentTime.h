@@ -4,8 +4,7 @@
 #ifndef vtkFFDContentTime_h
 #define vtkFFDContentTime_h
 
-#include "FFDExport.h"
-
+#include "vtkFFDCoreModule.h" // For export macro
 #include "vtkType.h"
 
 class vtkDataSet;
@@ -17,10 +16,10 @@ class vtkDataSet;
  * executions would look like a new volume, and what is derived from the voxels would be made again
  * at every edit of a lattice.
  */
-FFD_KERNEL_EXPORT vtkMTimeType vtkFFDGetContentTime(vtkDataSet* data);
+VTKFFDCORE_EXPORT vtkMTimeType vtkFFDGetContentTime(vtkDataSet* data);
 
 /// To be called at the end of RequestData(): `output` has the content of `input`. Forgotten as soon
 /// as the output is modified in any way but by its field data.
-FFD_KERNEL_EXPORT void vtkFFDPassContentTime(vtkDataSet* input, vtkDataSet* output);
+VTKFFDCORE_EXPORT void vtkFFDPassContentTime(vtkDataSet* input, vtkDataSet* output);
 
 #endif

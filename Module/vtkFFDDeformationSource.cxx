@@ -25,7 +25,7 @@ namespace
 
 /// Points a side of the grid that probes where a foreign transform moves the volume.
 constexpr int ProbesPerSide = 9;
-/// What is added on each side to the region so found, by its size.
+/// Margin that is added to the region on each side, as a fraction of its size.
 constexpr double RegionMargin = 0.1;
 
 bool IsSame(const ffd::BSplineField& a, const ffd::BSplineField& b)

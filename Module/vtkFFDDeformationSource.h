@@ -11,8 +11,9 @@
 #ifndef vtkFFDDeformationSource_h
 #define vtkFFDDeformationSource_h
 
+#include "vtkFFDCoreModule.h" // For export macro
+
 #include "FFDBSplineField.h"
-#include "FFDExport.h"
 #include "FFDStage.h"
 
 #include <array>
@@ -48,8 +49,8 @@ Made MakeDeformationField(DeformationField& result, StageTools& tools,
 class vtkFFDDeformationSource
 {
 public:
-  FFD_KERNEL_EXPORT explicit vtkFFDDeformationSource(ffd::StageOrder& order);
-  FFD_KERNEL_EXPORT ~vtkFFDDeformationSource();
+  VTKFFDCORE_EXPORT explicit vtkFFDDeformationSource(ffd::StageOrder& order);
+  VTKFFDCORE_EXPORT ~vtkFFDDeformationSource();
   vtkFFDDeformationSource(const vtkFFDDeformationSource&) = delete;
   vtkFFDDeformationSource& operator=(const vtkFFDDeformationSource&) = delete;
 
@@ -58,13 +59,13 @@ public:
    * approximation, data units. Returns false and a message when the deformation cannot be used;
    * the warning of `tools` is set when it can, with a reservation.
    */
-  FFD_KERNEL_EXPORT bool Update(vtkAbstractTransform* transform, vtkDataObject* image,
+  VTKFFDCORE_EXPORT bool Update(vtkAbstractTransform* transform, vtkDataObject* image,
     const double bounds[6], double tolerance, ffd::StageTools& tools);
 
   /// The field, which is another one when its control points, or where they lie, have changed.
   ffd::Product<ffd::DeformationField> GetProduct() const { return this->Field.GetProduct(); }
   std::int64_t GetNumberOfBuilds() const { return this->Field.GetNumberOfBuilds(); }
-  FFD_KERNEL_EXPORT std::size_t GetMemorySize() const;
+  VTKFFDCORE_EXPORT std::size_t GetMemorySize() const;
 
 private:
   ffd::Stage<&ffd::MakeDeformationField> Field;

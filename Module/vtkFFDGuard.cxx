@@ -77,7 +77,7 @@ double ReadNumber(const std::string& path, const std::string& key)
   return file >> number ? number : Infinity;
 }
 
-/// What the groups above a process, from its own up to the root, leave it.
+/// The memory that the control groups of a process, from its own up to the root, leave it.
 double FindGroupMemory(const std::string& root, std::string group, const char* limitName,
   const char* usageName, const char* cacheKey)
 {
@@ -136,7 +136,7 @@ double FindSystemMemory()
   return available;
 }
 
-/// What the limits of the process leave of its address space and of its data.
+/// The memory that the limits of the process on its address space and its data leave.
 double FindProcessMemory()
 {
   double available = Infinity;

@@ -4,7 +4,7 @@
 #ifndef vtkFFDGuard_h
 #define vtkFFDGuard_h
 
-#include "FFDExport.h"
+#include "vtkFFDCoreModule.h" // For export macro
 
 #include <functional>
 #include <string>
@@ -17,7 +17,7 @@ class vtkObject;
  * (memory that is free or easily made free, and swap), of what the control groups of the process
  * leave it, and of what its resource limits do. Where none of these is known: infinity.
  */
-FFD_KERNEL_EXPORT double vtkFFDAvailableMemory();
+VTKFFDCORE_EXPORT double vtkFFDAvailableMemory();
 
 /**
  * To be called before a large allocation, inside of vtkFFDGuard(): throws an error that the guard
@@ -25,14 +25,14 @@ FFD_KERNEL_EXPORT double vtkFFDAvailableMemory();
  * would succeed and the process be killed when it fills the memory. `what` is the subject of the
  * message, "1024 x 1024 x 1024 control points"; `advice` says what to do, a sentence.
  */
-FFD_KERNEL_EXPORT void vtkFFDRequireMemory(
+VTKFFDCORE_EXPORT void vtkFFDRequireMemory(
   double bytes, const std::string& what, const std::string& advice);
 
 /**
  * Runs `work`, and reports each exception as an error of `self`: no exception may pass through VTK,
  * which would end the process. `where` starts the message. Returns whether `work` came to its end.
  */
-FFD_KERNEL_EXPORT bool vtkFFDGuard(
+VTKFFDCORE_EXPORT bool vtkFFDGuard(
   vtkObject* self, const char* where, const std::function<void()>& work);
 
 /// The result of `work`, or `failure` where an exception ended it: see vtkFFDGuard().
@@ -45,7 +45,7 @@ Result vtkFFDGuarded(vtkObject* self, const char* where, Result failure, const W
 
 /// vtkFFDGuarded() for vtkAlgorithm::ProcessRequest(): after a failure the next request starts
 /// anew.
-FFD_KERNEL_EXPORT int vtkFFDGuardedRequest(vtkObject* self, const char* where,
+VTKFFDCORE_EXPORT int vtkFFDGuardedRequest(vtkObject* self, const char* where,
   vtkInformationVector* outputs, const std::function<int()>& work);
 
 /**

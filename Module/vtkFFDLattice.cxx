@@ -95,7 +95,7 @@ public:
   vtkSmartPointer<vtkImageData> Image;
   vtkSmartPointer<vtkDoubleArray> Array; // the scalars of Image
 
-  /// What evaluates the map; made of the image by InternalUpdate().
+  /// Evaluates the map; InternalUpdate() makes it of the image.
   ffd::LatticeMap Map;
 
   /// The image is public (GetCoefficientData): is it still what SetValue() made of it?
@@ -625,7 +625,7 @@ void vtkFFDLattice::GetDisplacementBounds(double bounds[6])
 void vtkFFDLattice::GetJacobianDeterminantBounds(double range[2])
 {
   this->Update();
-  // What cannot be computed is not proven.
+  // Nothing is proven where nothing can be computed.
   const ffd::Range unknown{ -VTK_DOUBLE_MAX, VTK_DOUBLE_MAX };
   const ffd::Range found = vtkFFDGuarded(this, "GetJacobianDeterminantBounds", unknown,
     [this] { return this->Lattice->Map.GetDeterminantBounds(); });

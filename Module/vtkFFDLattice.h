@@ -89,7 +89,7 @@ public:
   /**
    * SetDomain() to bounds enlarged on each side by `padding` times the extent of the axis
    * (0 <= padding, default 0; 0.1 adds a tenth on either side). An axis without extent (a 2-D
-   * image) is given that of the thinnest other axis, centred; at least one axis must have some.
+   * image) is given that of the thinnest other axis, centered; at least one axis must have some.
    */
   void FitToBounds(const double bounds[6], double padding = 0.0);
 
@@ -167,7 +167,7 @@ public:
    * Shape the lattice like `transform` over bounds[6]: its displacements are sampled at the control
    * points of the domain (set to `bounds`, flat axes as in FitToBounds) and interpolated
    * (ffd::InterpolateControlNet), and the axes on which the error is too large get twice the cells,
-   * until the largest error found at the centres of cells and of their edges is at most `tolerance`
+   * until the largest error found at the centers of cells and of their edges is at most `tolerance`
    * (> 0, data units) or every such axis has `maximumCells` (1 to 256). Returns the largest error
    * found, which can exceed the tolerance, or -1 after an error (null, this lattice itself, bad
    * bounds, a tolerance or a number of cells out of range, a transform that gives points that are
@@ -175,8 +175,8 @@ public:
    * InverseFlag to 0. Start: four cells per axis, or maximumCells if that is less. The error is
    * measured, not proven: a transform with features finer than a cell can hide them.
    */
-  double FitToTransform(vtkAbstractTransform* transform, const double bounds[6],
-    double tolerance, int maximumCells = 64);
+  double FitToTransform(vtkAbstractTransform* transform, const double bounds[6], double tolerance,
+    int maximumCells = 64);
 
   ///@{
   /**

@@ -4,8 +4,7 @@
 #ifndef vtkFFDLatticeData_h
 #define vtkFFDLatticeData_h
 
-#include "FFDExport.h"
-
+#include "vtkFFDCoreModule.h" // For export macro
 #include "vtkSmartPointer.h"
 
 #include <glm/vec3.hpp>
@@ -26,20 +25,20 @@ struct Lattice;
 
 /// The tuples of an array of 3 components; none for another number. The values of a vtkDoubleArray
 /// are copied as they lie.
-FFD_KERNEL_EXPORT std::vector<glm::dvec3> vtkFFDCopyTuples(vtkDataArray* array);
+VTKFFDCORE_EXPORT std::vector<glm::dvec3> vtkFFDCopyTuples(vtkDataArray* array);
 
 /// The displacements of a lattice as an array.
-FFD_KERNEL_EXPORT vtkSmartPointer<vtkDoubleArray> vtkFFDMakeDisplacementArray(
+VTKFFDCORE_EXPORT vtkSmartPointer<vtkDoubleArray> vtkFFDMakeDisplacementArray(
   const std::vector<glm::dvec3>& displacements);
 
 /// Writes the values that differ into an array of as many tuples of 3 components; nothing into one
 /// of another shape. Returns whether any differs; the array is not marked as modified.
-FFD_KERNEL_EXPORT bool vtkFFDWriteTuples(
+VTKFFDCORE_EXPORT bool vtkFFDWriteTuples(
   const std::vector<glm::dvec3>& values, vtkDoubleArray* array);
 
 /// The value of a lattice, as its control points and options are now. It may have a problem, which
 /// FindProblem() tells.
-FFD_KERNEL_EXPORT ffd::Lattice vtkFFDGetLatticeValue(vtkFFDLattice* lattice);
+VTKFFDCORE_EXPORT ffd::Lattice vtkFFDGetLatticeValue(vtkFFDLattice* lattice);
 
 ///@{
 /**
@@ -47,7 +46,7 @@ FFD_KERNEL_EXPORT ffd::Lattice vtkFFDGetLatticeValue(vtkFFDLattice* lattice);
  * vtkFFDReadLattice() returns what is missing or malformed, and leaves the lattice, or an empty
  * string.
  */
-FFD_KERNEL_EXPORT bool vtkFFDHasLattice(vtkDataObject* object);
+VTKFFDCORE_EXPORT bool vtkFFDHasLattice(vtkDataObject* object);
 void vtkFFDRemoveLattice(vtkDataObject* object);
 void vtkFFDWriteLattice(const ffd::Lattice& lattice, vtkDataObject* object);
 std::string vtkFFDReadLattice(vtkDataObject* object, ffd::Lattice& lattice);

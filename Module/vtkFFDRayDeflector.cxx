@@ -140,17 +140,14 @@ bool vtkFFDRayDeflector::IsFoldFree()
 }
 
 //------------------------------------------------------------------------------
-vtkAbstractTransform* vtkFFDRayDeflector::MakeTransform()
-{
-  return vtkFFDRayDeflector::New();
-}
+vtkAbstractTransform* vtkFFDRayDeflector::MakeTransform() { return vtkFFDRayDeflector::New(); }
 
 //------------------------------------------------------------------------------
 void vtkFFDRayDeflector::InternalUpdate()
 {
   ffd::RayDeflector& map = *this->Map;
   map.Kind = static_cast<ffd::RayDeflector::Shape>(this->DeflectorType);
-  map.Centre = glm::dvec3(this->Center[0], this->Center[1], this->Center[2]);
+  map.Center = glm::dvec3(this->Center[0], this->Center[1], this->Center[2]);
   map.Radius = this->Radius;
   map.Vector = glm::dvec3(this->Vector[0], this->Vector[1], this->Vector[2]);
   map.Angle = vtkMath::RadiansFromDegrees(this->Angle);

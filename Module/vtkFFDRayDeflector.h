@@ -9,7 +9,7 @@
  * a sphere: a deflector. This is one as a VTK transform, so that vtkFFDInverseRayVolumeMapper (and
  * any filter that takes a transform) draws with it; vtkGeneralTransform concatenates several.
  *
- * The transform moves space within Radius of Center, most at the centre, by the weight
+ * The transform moves space within Radius of Center, most at the center, by the weight
  * a = (1 - (distance / Radius)^2)^3, and nothing outside:
  * - TRANSLATE: X + a * Vector.
  * - ROTATE: turned by a * Angle about the axis Vector through Center.
@@ -47,11 +47,12 @@ public:
   vtkTypeMacro(vtkFFDRayDeflector, vtkWarpTransform);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
+  /// Kinds of deflectors, by their effect on the space around the center.
   enum DeflectorTypes
   {
-    TRANSLATE,
-    ROTATE,
-    SCALE
+    TRANSLATE, ///< moves it
+    ROTATE,    ///< turns it about an axis
+    SCALE      ///< makes it larger or smaller
   };
 
   ///@{
@@ -85,7 +86,7 @@ public:
 
   ///@{
   /**
-   * Displacement of the centre (TRANSLATE) or axis of rotation (ROTATE; zero is no rotation), data
+   * Displacement of the center (TRANSLATE) or axis of rotation (ROTATE; zero is no rotation), data
    * units. Default: 0, 0, 0.
    */
   void SetVector(double x, double y, double z);
@@ -103,7 +104,7 @@ public:
 
   ///@{
   /**
-   * Of SCALE, positive. Default: 1.
+   * Factor of SCALE, positive. Default: 1.
    */
   void SetFactor(double factor);
   vtkGetMacro(Factor, double);
@@ -123,8 +124,7 @@ protected:
 
   void ForwardTransformPoint(const float in[3], float out[3]) override;
   void ForwardTransformPoint(const double in[3], double out[3]) override;
-  void ForwardTransformDerivative(
-    const float in[3], float out[3], float derivative[3][3]) override;
+  void ForwardTransformDerivative(const float in[3], float out[3], float derivative[3][3]) override;
   void ForwardTransformDerivative(
     const double in[3], double out[3], double derivative[3][3]) override;
   void InverseTransformPoint(const float in[3], float out[3]) override;

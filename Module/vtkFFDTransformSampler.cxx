@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDTransformSampler.h"
 
+#include "FFDGridIndex.h"
+
 #include "vtkFFDLatticeData.h"
 
 #include "vtkAbstractTransform.h"
@@ -17,8 +19,7 @@ ffd::DisplacementSampler vtkFFDMakeTransformSampler(vtkAbstractTransform* transf
   return [transform](const glm::ivec3& count, const glm::dvec3& first, const glm::dvec3& step,
            std::vector<glm::dvec3>& displacements) {
     std::vector<glm::dvec3> positions;
-    positions.reserve(static_cast<std::size_t>(count.x) * static_cast<std::size_t>(count.y) *
-      static_cast<std::size_t>(count.z));
+    positions.reserve(ffd::GridSize(count));
     for (int k = 0; k < count.z; ++k)
     {
       for (int j = 0; j < count.y; ++j)

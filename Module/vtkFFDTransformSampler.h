@@ -4,7 +4,8 @@
 #ifndef vtkFFDTransformSampler_h
 #define vtkFFDTransformSampler_h
 
-#include "FFDExport.h"
+#include "vtkFFDCoreModule.h" // For export macro
+
 #include "FFDLatticeFit.h"
 
 class vtkAbstractTransform;
@@ -13,7 +14,7 @@ class vtkAbstractTransform;
  * Samples the displacements of a transform for the fits of ffd::FitNetToFunction() and
  * ffd::Lattice::Fit(). Each call updates the transform, which must outlive the sampler.
  */
-FFD_KERNEL_EXPORT ffd::DisplacementSampler vtkFFDMakeTransformSampler(
+VTKFFDCORE_EXPORT ffd::DisplacementSampler vtkFFDMakeTransformSampler(
   vtkAbstractTransform* transform);
 
 #endif

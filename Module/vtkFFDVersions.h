@@ -18,9 +18,9 @@
 #define VTK_FFD_OWN_COMPUTE_NORMAL_FROM_OPACITY
 #endif
 
-// VTK 9.2 computes the highlights of vtkGPUVolumeRayCastMapper from the reflected ray (Phong) instead of
-// the half vector (Blinn), which vtkFixedPointVolumeRayCastMapper and we keep to: for tests that
-// compare with it.
+// VTK 9.2 computes the highlights of vtkGPUVolumeRayCastMapper from the reflected ray (Phong)
+// instead of the half vector (Blinn), which vtkFixedPointVolumeRayCastMapper and we keep to: for
+// tests that compare with it.
 #if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0)
 #define VTK_FFD_GPU_MAPPER_REFLECTS_HIGHLIGHTS
 #endif

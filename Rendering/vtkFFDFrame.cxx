@@ -5,8 +5,8 @@
 #include "vtkCommand.h"
 #include "vtkDataArray.h"
 #include "vtkNew.h"
-#include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
+#include "vtkRenderWindow.h"
 #include "vtkVolume.h"
 #include "vtkVolumeMapper.h"
 
@@ -25,7 +25,7 @@ constexpr double IntervalPart = 0.5;
 /// events would leave none.
 constexpr double LeastPatience = 0.05;
 
-/// What the preparation may take of the progress.
+/// Progress at which the preparation ends at the latest.
 constexpr double PreparationEnd = 0.5;
 
 /// Keeps objects until the renderer is done with them, then forgets them and itself.
@@ -130,12 +130,10 @@ void vtkFFDFrame::Hold(const std::vector<vtkDataArray*>& arrays)
 //------------------------------------------------------------------------------
 bool vtkFFDFrame::IsIntact() const
 {
-  return std::all_of(this->Arrays.begin(), this->Arrays.end(),
-    [](const HeldArray& held)
-    {
-      return !held.Data ||
-        (held.Array->GetSize() >= held.Size && held.Array->GetVoidPointer(0) == held.Data);
-    });
+  return std::all_of(this->Arrays.begin(), this->Arrays.end(), [](const HeldArray& held) {
+    return !held.Data ||
+      (held.Array->GetSize() >= held.Size && held.Array->GetVoidPointer(0) == held.Data);
+  });
 }
 
 //------------------------------------------------------------------------------

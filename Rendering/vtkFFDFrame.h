@@ -4,14 +4,16 @@
  * @class   vtkFFDFrame
  * @brief   guards a frame of a volume mapper that is in progress
  *
- * Private to this module: not installed, not wrapped. Observers of the frame's events may do anything:
- * change or delete what is being rendered, or call the mapper again. The guard keeps alive what the
- * frame reads, lets the mapper tell such calls from others (they see the frame's snapshot, are refused,
- * or are put off until its end), and is the one place that reports progress and asks for an abort.
+ * Private to this module: not installed, not wrapped. Observers of the frame's events may do
+ * anything: change or delete what is being rendered, or call the mapper again. The guard keeps
+ * alive what the frame reads, lets the mapper tell such calls from others (they see the frame's
+ * snapshot, are refused, or are put off until its end), and is the one place that reports progress
+ * and asks for an abort.
  *
  * Events come from the thread that renders, while no other one works on the frame: first
- * StartEvent and VolumeMapperRenderStartEvent, then VolumeMapperRenderProgressEvent and ProgressEvent
- * with values that do not fall, then VolumeMapperRenderEndEvent and EndEvent, however the frame ends.
+ * StartEvent and VolumeMapperRenderStartEvent, then VolumeMapperRenderProgressEvent and
+ * ProgressEvent with values that do not fall, then VolumeMapperRenderEndEvent and EndEvent, however
+ * the frame ends.
  */
 #ifndef vtkFFDFrame_h
 #define vtkFFDFrame_h
@@ -36,7 +38,8 @@ class vtkFFDFrame
 public:
   using Clock = std::chrono::steady_clock;
 
-  /// Thrown through the kernels that prepare a frame when it is aborted, in the thread that renders.
+  /// Thrown through the kernels that prepare a frame when it is aborted, in the thread that
+  /// renders.
   struct Aborted
   {
   };
@@ -65,8 +68,8 @@ public:
   /// The last of ReportCasting().
   double GetCastPart() const { return this->CastPart; }
 
-  /// How much of a loop of the preparation has been done: of one after the other, their number is not
-  /// known. Throws Aborted.
+  /// How much of a loop of the preparation has been done: of one after the other, their number is
+  /// not known. Throws Aborted.
   void ReportPreparation(double part);
   /// How much of the picture has been cast. Returns whether to go on.
   bool ReportCasting(double part);

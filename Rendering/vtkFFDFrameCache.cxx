@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDFrameCache.h"
 
-#include "vtkFFDBlendingView.h"
+#include "vtkFFDBlendingFromMapper.h"
 #include "vtkFFDContentTime.h"
+#include "vtkFFDCroppingFromMapper.h"
 #include "vtkFFDVolumeViewFromImage.h"
 
 #include "vtkCellData.h"
@@ -23,7 +24,7 @@
 namespace
 {
 
-/// Of the inverse, voxels: more could not be told from no inverse.
+/// The largest tolerance of the inverse, voxels: more would be as good as no inverse.
 constexpr double LargestTolerance = 1.0;
 
 } // namespace
@@ -90,6 +91,7 @@ bool vtkFFDFrameCache::Update(
     return false;
   }
   this->Distances = nullptr;
+  this->Peaks = nullptr;
   if (mapper->GetSpaceLeaping() == Mapper::OFF)
   {
     return true;
@@ -102,6 +104,8 @@ bool vtkFFDFrameCache::Update(
   }
   this->Space.Update(tools, this->Blocks.GetProduct(), functions, { this->Blend });
   this->Distances = this->Space->CanLeap ? &this->Space->Distances : nullptr;
+  this->Peaks =
+    this->Space->CanLeap && !this->Space->Peaks.IsEmpty() ? &this->Space->Peaks : nullptr;
   return true;
 }
 
@@ -142,7 +146,7 @@ bool vtkFFDFrameCache::UpdateVoxels(Mapper* mapper, vtkDataSet* input, ffd::Stag
   ffd::UniformView view;
   return ffd::FindUniformView(input, scalars, ofCells, view, tools.Message) &&
     this->Voxels.Update(
-      tools, view, ffd::GridSources::Of(input), { scalars, scalars->GetMTime() }, ofCells);
+      tools, view, ffd::GridSources::FromDataSet(input), { scalars, scalars->GetMTime() }, ofCells);
 }
 
 //------------------------------------------------------------------------------
@@ -274,8 +278,8 @@ std::size_t vtkFFDFrameCache::GetMemorySize() const
 {
   const vtkDataArray* scalars = this->VectorScalars.GetLast();
   return this->Space.GetLast().Distances.GetMemorySize() +
-    this->Functions.GetLast().Optics.GetMemorySize() + this->Field.GetMemorySize() +
-    this->PullBack.GetLast().Bounds.GetMemorySize() +
+    this->Space.GetLast().Peaks.GetMemorySize() + this->Functions.GetLast().Optics.GetMemorySize() +
+    this->Field.GetMemorySize() + this->PullBack.GetLast().Bounds.GetMemorySize() +
     this->Voxels.GetLast().Hidden.GetMemorySize() +
     (scalars ? static_cast<std::size_t>(scalars->GetActualMemorySize()) * 1024 : 0) +
     this->Blocks.GetLast().GetMemorySize();

@@ -62,7 +62,7 @@ public:
   /// The unit "voxel", data units: the shortest edge of a voxel.
   double GetVoxelSize() const;
   const ffd::MaskView& GetMask() const { return this->Mask; }
-  /// Of two-dimensional transfer functions; Scalars is null without.
+  /// The second axis of two-dimensional transfer functions; Scalars is null without any.
   const ffd::VolumeView& GetSecondAxis() const { return this->SecondAxis; }
   const ffd::BoundedPullBack& GetPullBack() const { return this->PullBack.Get(); }
   const ffd::OpticalFunctions& GetFunctions() const { return this->Functions->Optics; }
@@ -72,6 +72,8 @@ public:
   const std::vector<glm::dvec4>& GetClippingPlanes() const { return this->ClippingPlanes; }
   /// Null where nothing is leaped over.
   const ffd::DistanceMap* GetDistances() const { return this->Distances; }
+  /// Where no larger, or smaller, value can be found; null where that is not asked.
+  const ffd::ValuePeaks* GetPeaks() const { return this->Peaks; }
   /// The arrays that views point into, not owned.
   const std::vector<vtkDataArray*>& GetArrays() const { return this->Arrays; }
 
@@ -107,7 +109,7 @@ private:
   ffd::Stage<&ffd::MakeTransferFunctions> Functions{ Order };
   ffd::Stage<&ffd::MakeEmptySpace> Space{ Order };
 
-  // Of the last update.
+  // Inputs of the last update.
   std::vector<vtkDataArray*> Arrays;
   ffd::LookupOptions Lookup;
   ffd::MaskView Mask;
@@ -117,6 +119,7 @@ private:
   ffd::Cropping Crop;
   std::vector<glm::dvec4> ClippingPlanes;
   const ffd::DistanceMap* Distances = nullptr;
+  const ffd::ValuePeaks* Peaks = nullptr;
   double ReportedBounds[6] = { 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 };
 };
 

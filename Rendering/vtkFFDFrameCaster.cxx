@@ -8,8 +8,8 @@
 #include "vtkFFDFrameScene.h"
 #include "vtkFFDFrameStages.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
-#include "vtkFFDKernelViews.h"
 #include "vtkFFDRayStatistics.h"
+#include "vtkFFDViewFromRenderer.h"
 
 #include "FFDClipToBox.h"
 #include "FFDRayCaster.h"
@@ -32,20 +32,20 @@ namespace
 /// Reports of the progress of a frame of which no time is known; else the clock says when.
 constexpr std::size_t LeastReports = 16;
 
-/// Which part of an image of `rays` some quarters of tiles are, by their number.
+/// Which part of an image of `rays` some subtiles of tiles are, by their number.
 double FindPart(const std::vector<vtkFFDFrameCoherence::Part>& tiles, const glm::ivec2& rays)
 {
   std::size_t count = 0;
   for (const vtkFFDFrameCoherence::Part& tile : tiles)
   {
-    count += std::bitset<4>(tile.Quarters).count();
+    count += std::bitset<4>(tile.Subtiles).count();
   }
-  // At the border of the image there may be fewer quarters to a tile.
-  const glm::ivec2 all = (rays + ffd::RayCaster::QuarterSize - 1) / ffd::RayCaster::QuarterSize;
+  // At the border of the image there may be fewer subtiles to a tile.
+  const glm::ivec2 all = (rays + ffd::RayCaster::SubtileSize - 1) / ffd::RayCaster::SubtileSize;
   return std::min(1.0, static_cast<double>(count) / std::max(1, all.x * all.y));
 }
 
-/// The rays of a frame are drawn over more pixels: those whose centres are nearer than a step.
+/// The rays of a frame are drawn over more pixels: those whose centers are nearer than a step.
 class Footprints
 {
 public:
@@ -60,12 +60,12 @@ public:
   template <class Work>
   void ForEach(const std::vector<float>& all, int x, int y, const Work& work) const
   {
-    const glm::dvec2 centre = (glm::dvec2(x, y) + 0.5) * this->Step;
+    const glm::dvec2 center = (glm::dvec2(x, y) + 0.5) * this->Step;
     const glm::ivec2 last = this->Pixels - 1;
     const glm::ivec2 low =
-      glm::clamp(glm::ivec2(glm::floor(centre - this->Reach + 0.5)), glm::ivec2(0), last);
+      glm::clamp(glm::ivec2(glm::floor(center - this->Reach + 0.5)), glm::ivec2(0), last);
     const glm::ivec2 high =
-      glm::clamp(glm::ivec2(glm::ceil(centre + this->Reach - 0.5)) - 1, low, last);
+      glm::clamp(glm::ivec2(glm::ceil(center + this->Reach - 0.5)) - 1, low, last);
     for (int py = low.y; py <= high.y; ++py)
     {
       for (int px = low.x; px <= high.x; ++px)
@@ -146,7 +146,7 @@ bool vtkFFDFrameCaster::Cast(
         {
           tiles =
             this->Coherence.Begin(sources, scene, region, this->Cache.GetPullBack().RestBounds,
-              this->Mapper->GetFrameCoherenceTolerance(), this->Colours, this->FirstVisible);
+              this->Mapper->GetFrameCoherenceTolerance(), this->Colors, this->FirstVisible);
         }
         else
         {
@@ -160,17 +160,17 @@ bool vtkFFDFrameCaster::Cast(
   {
     made = std::make_unique<const ffd::RayCaster>(scene, settings);
     this->Coherence.Clear();
-    this->Colours.resize(4 * rays);
+    this->Colors.resize(4 * rays);
     this->FirstVisible.resize(layers ? rays : 0);
     for (int tile = 0; tile < made->GetNumberOfTiles(image); ++tile)
     {
-      tiles.push_back({ tile, ffd::RayCaster::AllQuarters });
+      tiles.push_back({ tile, ffd::RayCaster::AllSubtiles });
     }
   }
   const ffd::RayCaster& caster = *made;
   const double part = FindPart(tiles, region.Rays);
   this->ReusedFraction = 1.0 - part;
-  image.Colours = this->Colours.data();
+  image.Colors = this->Colors.data();
   image.Depths = layers ? this->FirstVisible.data() : outDepths;
 
   std::vector<ffd::RayCaster::Scratch> scratch(
@@ -187,8 +187,9 @@ bool vtkFFDFrameCaster::Cast(
   {
     frame.ReportCasting(1.0);
   }
-  const std::size_t most =
-    view.KnowsTime ? tiles.size() : tiles.size() / LeastReports + 1; // of tiles between reports
+  const std::size_t most = view.HasTimeEstimate
+    ? tiles.size()
+    : tiles.size() / LeastReports + 1; // of tiles between reports
   while (next < tiles.size() && !aborted)
   {
     const ffd::Deadline due = frame.GetNextReport();
@@ -204,10 +205,10 @@ bool vtkFFDFrameCaster::Cast(
         vtkFFDFrameCoherence::Part& tile = tiles[i];
         // A tile that stops evaluates some of the deformation again: that is not to be counted.
         tile.First = caster.RenderTile(tile.Tile, image, scratch[static_cast<std::size_t>(worker)],
-          tile.Quarters, tile.First, collect ? ffd::NoDeadline : due);
+          tile.Subtiles, tile.First, collect ? ffd::NoDeadline : due);
         if (tile.First == 0)
         {
-          this->ApplyFinalColours(region, tile, this->Colours);
+          this->ApplyFinalColors(region, tile, this->Colors);
         }
         else
         {
@@ -339,7 +340,7 @@ vtkFFDImageDisplay::Layers vtkFFDFrameCaster::CastLayers(const View& view, const
   }
   this->CastNearer(view, scene);
   vtkFFDImageDisplay::Layers layers;
-  layers.Colours = this->NearColours.data();
+  layers.Colors = this->NearColors.data();
   layers.Depths = this->LayerDepths.data();
   layers.PixelDepths = this->WindowDepths.data();
   for (int a = 0; a < 2; ++a)
@@ -359,11 +360,11 @@ void vtkFFDFrameCaster::CastNearer(const View& view, ffd::CastScene scene)
   scene.Depths = this->NearDepths.data();
   const ffd::RayCaster caster(
     scene, vtkFFDFramePlan::MakeSettings(this->Mapper, this->Cache, view.Volume, view.Interactive));
-  this->NearColours = this->Colours;
+  this->NearColors = this->Colors;
   ffd::CastImage image;
   image.Width = region.Rays.x;
   image.Height = region.Rays.y;
-  image.Colours = this->NearColours.data();
+  image.Colors = this->NearColors.data();
   constexpr int size = ffd::RayCaster::TileSize;
   const int tilesPerRow = (image.Width + size - 1) / size;
   const auto forEachRay = [&](int tile, const auto& work) {
@@ -391,13 +392,13 @@ void vtkFFDFrameCaster::CastNearer(const View& view, ffd::CastScene scene)
       {
         continue;
       }
-      const vtkFFDFrameCoherence::Part part{ tile, ffd::RayCaster::AllQuarters };
-      caster.RenderTile(tile, image, scratch[static_cast<std::size_t>(worker)], part.Quarters);
-      this->ApplyFinalColours(region, part, this->NearColours);
+      const vtkFFDFrameCoherence::Part part{ tile, ffd::RayCaster::AllSubtiles };
+      caster.RenderTile(tile, image, scratch[static_cast<std::size_t>(worker)], part.Subtiles);
+      this->ApplyFinalColors(region, part, this->NearColors);
       forEachRay(tile, [&](std::size_t at) {
         if (this->NearDepths[at] == 0.0f)
         {
-          std::copy_n(&this->Colours[4 * at], 4, &this->NearColours[4 * at]);
+          std::copy_n(&this->Colors[4 * at], 4, &this->NearColors[4 * at]);
         }
       });
     }
@@ -405,9 +406,9 @@ void vtkFFDFrameCaster::CastNearer(const View& view, ffd::CastScene scene)
 }
 
 //------------------------------------------------------------------------------
-/// Window and level of the colours of a finished tile.
-void vtkFFDFrameCaster::ApplyFinalColours(const vtkFFDImageRegion& region,
-  const vtkFFDFrameCoherence::Part& tile, std::vector<float>& colours) const
+/// Window and level of the colors of a finished tile.
+void vtkFFDFrameCaster::ApplyFinalColors(const vtkFFDImageRegion& region,
+  const vtkFFDFrameCoherence::Part& tile, std::vector<float>& colors) const
 {
   const double window = this->FinalWindow;
   const double level = this->FinalLevel;
@@ -425,12 +426,12 @@ void vtkFFDFrameCaster::ApplyFinalColours(const vtkFFDImageRegion& region,
   {
     for (int x = first.x; x < end.x; ++x)
     {
-      const glm::ivec2 quarter = (glm::ivec2(x, y) - first) / ffd::RayCaster::QuarterSize;
-      if ((tile.Quarters >> (quarter.x + 2 * quarter.y) & 1u) == 0)
+      const glm::ivec2 subtile = (glm::ivec2(x, y) - first) / ffd::RayCaster::SubtileSize;
+      if ((tile.Subtiles >> (subtile.x + 2 * subtile.y) & 1u) == 0)
       {
         continue;
       }
-      float* pixel = &colours[4 * (static_cast<std::size_t>(y) * region.Rays.x + x)];
+      float* pixel = &colors[4 * (static_cast<std::size_t>(y) * region.Rays.x + x)];
       for (int c = 0; c < 3; ++c)
       {
         pixel[c] = std::clamp(pixel[c] * scale + bias * pixel[3], 0.0f, 1.0f);
@@ -443,11 +444,11 @@ void vtkFFDFrameCaster::ApplyFinalColours(const vtkFFDImageRegion& region,
 void vtkFFDFrameCaster::ReleaseImages()
 {
   this->Coherence.Clear();
-  std::vector<float>().swap(this->Colours);
+  std::vector<float>().swap(this->Colors);
   std::vector<float>().swap(this->WindowDepths);
   std::vector<float>().swap(this->RayDepths);
   std::vector<float>().swap(this->FirstVisible);
   std::vector<float>().swap(this->NearDepths);
   std::vector<float>().swap(this->LayerDepths);
-  std::vector<float>().swap(this->NearColours);
+  std::vector<float>().swap(this->NearColors);
 }

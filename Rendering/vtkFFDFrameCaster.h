@@ -37,7 +37,7 @@ public:
   vtkFFDFrameCaster(const vtkFFDFrameCaster&) = delete;
   vtkFFDFrameCaster& operator=(const vtkFFDFrameCaster&) = delete;
 
-  /// What is cast.
+  /// Input of a cast.
   struct View
   {
     vtkRenderer* Renderer = nullptr;
@@ -45,7 +45,7 @@ public:
     vtkFFDImageRegion Region;
     bool Interactive = false;      ///< see vtkFFDFramePlan::PlaceRays()
     bool InWindow = false;         ///< else it is for a selector or an image
-    bool KnowsTime = false;        ///< about how long it takes
+    bool HasTimeEstimate = false;  ///< about how long it takes
     vtkMTimeType SettingsTime = 0; ///< of the mapper, without its deformation
   };
 
@@ -55,13 +55,13 @@ public:
    */
   bool Cast(vtkFFDFrame& frame, const View& view, const float* depths, float* outDepths);
 
-  /// The picture: premultiplied colours, 4 floats a ray.
-  std::vector<float>& GetColours() { return this->Colours; }
+  /// The picture: premultiplied colors, 4 floats a ray.
+  std::vector<float>& GetColors() { return this->Colors; }
 
   /// Window depths of the pixels of a frame: to be written to before Cast().
   std::vector<float>& GetWindowDepths() { return this->WindowDepths; }
 
-  /// Those of the rays, for Cast(): rays may be farther apart than pixels.
+  /// Depths of the rays, for Cast(): rays may be farther apart than pixels.
   const float* FindRayDepths(const vtkFFDImageRegion& region, const glm::ivec2& pixels);
 
   /// After Cast() with the depths of FindRayDepths(), see vtkFFDImageDisplay.
@@ -81,20 +81,20 @@ public:
 private:
   vtkFFDParallelFor MakeParallelFor() const;
   void CastNearer(const View& view, ffd::CastScene scene);
-  void ApplyFinalColours(const vtkFFDImageRegion& region, const vtkFFDFrameCoherence::Part& tile,
-    std::vector<float>& colours) const;
+  void ApplyFinalColors(const vtkFFDImageRegion& region, const vtkFFDFrameCoherence::Part& tile,
+    std::vector<float>& colors) const;
 
   vtkFFDInverseRayVolumeMapper* Mapper; // not owned
   const vtkFFDFrameCache& Cache;
 
-  std::vector<float> Colours;
+  std::vector<float> Colors;
   double FinalWindow = 1.0; // of the frame in progress
   double FinalLevel = 0.5;
   std::vector<float> WindowDepths; // of the pixels of the last frame
   std::vector<float> RayDepths;    // of its rays, where these are not the pixels
   std::vector<float> FirstVisible; // depths of their samples; empty where not needed
   std::vector<float> NearDepths;   // of rays that end before them; 0 where there is none
-  std::vector<float> NearColours;
+  std::vector<float> NearColors;
   std::vector<float> LayerDepths; // see vtkFFDImageDisplay::Layers
   vtkFFDFrameCoherence Coherence;
   double ReusedFraction = 0.0;

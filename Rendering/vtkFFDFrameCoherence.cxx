@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDFrameCoherence.h"
 
+#include "Bounds/FFDMatrixBounds.h"
 #include "FFDDistanceMap.h"
-#include "FFDMatrixBounds.h"
 #include "FFDRayCaster.h"
 
 #include <glm/common.hpp>
@@ -27,30 +27,57 @@ int FindTilePixels(double step)
   return pixels == std::floor(pixels) ? static_cast<int>(pixels) : 0;
 }
 
-bool IsSame(const ffd::Blending& a, const ffd::Blending& b)
+} // namespace
+
+namespace ffd
 {
-  // The rest depends on what Sources tells of.
-  return a.Mode == b.Mode &&
-    std::equal(a.IsoValues.begin(), a.IsoValues.end(), b.IsoValues.begin(), b.IsoValues.end(),
-      [](const ffd::IsoValue& x, const ffd::IsoValue& y) {
-        return x.Value == y.Value && x.Colour == y.Colour && x.Opacity == y.Opacity;
+
+//------------------------------------------------------------------------------
+bool FixedView::operator==(const FixedView& other) const
+{
+  return this->DataToNdc == other.DataToNdc && this->Eye == other.Eye &&
+    this->Parallel == other.Parallel && this->Viewport == other.Viewport &&
+    this->Step == other.Step;
+}
+
+//------------------------------------------------------------------------------
+bool FixedLight::operator==(const FixedLight& other) const
+{
+  return this->Lights == other.Lights && this->TwoSided == other.TwoSided;
+}
+
+//------------------------------------------------------------------------------
+bool FixedBlend::operator==(const FixedBlend& other) const
+{
+  return this->Mode == other.Mode &&
+    std::equal(this->IsoValues.begin(), this->IsoValues.end(), other.IsoValues.begin(),
+      other.IsoValues.end(), [](const IsoValue& a, const IsoValue& b) {
+        return a.Value == b.Value && a.Color == b.Color && a.Opacity == b.Opacity;
       });
 }
 
-} // namespace
+//------------------------------------------------------------------------------
+Made MakeFixedScene(FixedScene&, StageTools&, std::uint64_t, std::uint64_t, std::uint64_t,
+  const Source<vtkVolumeProperty>&, const glm::dmat4&, bool, const FixedView&, const FixedLight&,
+  const FixedBlend&)
+{
+  return Made::Anew;
+}
+
+} // namespace ffd
 
 //------------------------------------------------------------------------------
 vtkFFDFrameCoherence::vtkFFDFrameCoherence()
-  : Quarters(ffd::RayCaster::QuarterSize)
+  : Subtiles(ffd::RayCaster::SubtileSize)
 {
 }
 
 //------------------------------------------------------------------------------
 void vtkFFDFrameCoherence::Clear()
 {
-  if (!this->Quarters.IsEmpty())
+  if (!this->Subtiles.IsEmpty())
   {
-    this->Quarters.Clear();
+    this->Subtiles.Clear();
     this->LastField.reset();
     std::vector<float>().swap(this->LastDepths);
   }
@@ -59,7 +86,7 @@ void vtkFFDFrameCoherence::Clear()
 //------------------------------------------------------------------------------
 std::size_t vtkFFDFrameCoherence::GetMemorySize() const
 {
-  return this->Quarters.GetMemorySize() +
+  return this->Subtiles.GetMemorySize() +
     (this->LastField ? this->LastField->GetCoefficients().size() * sizeof(glm::dvec3) : 0);
 }
 
@@ -77,7 +104,7 @@ void vtkFFDFrameCoherence::Align(vtkFFDImageRegion& region) const
   }
   const vtkFFDImageRegion& last = this->LastRegion;
   const glm::ivec2 lastEnd(glm::dvec2(last.Origin) + glm::dvec2(last.Rays) * last.Step);
-  if (!this->Quarters.IsEmpty() && region.Viewport == last.Viewport && region.Step == last.Step &&
+  if (!this->Subtiles.IsEmpty() && region.Viewport == last.Viewport && region.Step == last.Step &&
     glm::all(glm::lessThanEqual(last.Origin, region.Origin)) &&
     glm::all(glm::greaterThanEqual(lastEnd, end)))
   {
@@ -86,23 +113,27 @@ void vtkFFDFrameCoherence::Align(vtkFFDImageRegion& region) const
 }
 
 //------------------------------------------------------------------------------
-/// Whether nothing but control points has changed, and how many tiles the picture has moved by.
-bool vtkFFDFrameCoherence::Continues(const Sources& sources, const ffd::CastScene& scene,
-  const vtkFFDImageRegion& region, glm::ivec2& shift) const
+/// Whether nothing but control points and the place of the region has changed; notes the scene.
+bool vtkFFDFrameCoherence::IsSameScene(
+  const Sources& sources, const ffd::CastScene& scene, const vtkFFDImageRegion& region)
 {
-  const vtkFFDImageRegion& last = this->LastRegion;
-  if (this->Quarters.IsEmpty() || !(sources == this->LastSources) ||
-    region.Viewport != last.Viewport || region.Step != last.Step || !this->LastWasOneToOne ||
-    !IsSame(scene.Blend, this->LastBlend) ||
-    scene.Camera.DataToNdc != this->LastCamera.DataToNdc ||
-    scene.Camera.Eye != this->LastCamera.Eye ||
-    scene.Camera.Parallel != this->LastCamera.Parallel ||
-    scene.Material.TwoSided != this->LastMaterial.TwoSided ||
-    !(scene.Material.Lights == this->LastMaterial.Lights))
-  {
-    return false;
-  }
-  const glm::ivec2 moved = region.Origin - last.Origin;
+  const std::int64_t last = this->Scene.GetNumberOfBuilds();
+  ffd::StageTools tools;
+  this->Order.Begin();
+  this->Scene.Update(tools, sources.Settings, sources.Voxels, sources.Functions, sources.Property,
+    sources.DataToWorld, sources.Interactive,
+    { scene.Camera.DataToNdc, scene.Camera.Eye, scene.Camera.Parallel, region.Viewport,
+      region.Step },
+    { scene.Material.Lights, scene.Material.TwoSided },
+    { scene.Blend.Mode, scene.Blend.IsoValues });
+  return this->Scene.GetNumberOfBuilds() == last;
+}
+
+//------------------------------------------------------------------------------
+/// How many tiles the picture has moved by; false where that is no whole number.
+bool vtkFFDFrameCoherence::FindShift(const vtkFFDImageRegion& region, glm::ivec2& shift) const
+{
+  const glm::ivec2 moved = region.Origin - this->LastRegion.Origin;
   shift = glm::ivec2(0);
   if (moved == glm::ivec2(0))
   {
@@ -120,14 +151,14 @@ bool vtkFFDFrameCoherence::Continues(const Sources& sources, const ffd::CastScen
 //------------------------------------------------------------------------------
 std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Sources& sources,
   const ffd::CastScene& scene, const vtkFFDImageRegion& region, const ffd::Box& restBounds,
-  double tolerance, std::vector<float>& colours, std::vector<float>& firstVisible)
+  double tolerance, std::vector<float>& colors, std::vector<float>& firstVisible)
 {
   const ffd::PullBack& map = *scene.Map;
   const bool inverts = ffd::InvertsTheField(map.GetKind());
   const ffd::Box deformed{ glm::min(scene.DeformedBounds.Min, this->LastDeformedBounds.Min),
     glm::max(scene.DeformedBounds.Max, this->LastDeformedBounds.Max) };
   const ffd::PullBack last(this->LastField.get(), this->LastKind, map.GetTolerance());
-  // What is leaped over is not seen.
+  // Nothing can be seen in space that rays leap over.
   const auto isEmpty = [&scene](const ffd::Box& rest) {
     const ffd::VolumeView& volume = scene.Volume;
     const glm::dvec3 middle = volume.ToIndex(0.5 * (rest.Min + rest.Max));
@@ -138,33 +169,31 @@ std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Source
   ffd::PullBackChange change;
   glm::ivec2 shift(0);
   // A frame that follows no edit is a picture of its own: nothing stays inexact.
-  if (this->Continues(sources, scene, region, shift) &&
+  const bool same = this->IsSameScene(sources, scene, region);
+  if (same && !this->Subtiles.IsEmpty() && this->LastWasOneToOne &&
+    this->FindShift(region, shift) &&
     ffd::FindChange(last, map, scene.Limits, inverts ? restBounds : deformed,
       Resolution * scene.VoxelSize, scene.Distances ? isEmpty : ffd::IsEmptyAtRest(), change) &&
     !change.IsEmpty())
   {
-    // Tiles are two quarters wide.
-    this->Quarters.Continue(region.Rays, 2 * shift, colours, this->LastDepths, &firstVisible);
-    this->Quarters.NoteDepths(
+    // Tiles are two subtiles wide.
+    this->Subtiles.Continue(region.Rays, 2 * shift, colors, this->LastDepths, &firstVisible);
+    this->Subtiles.RecordDepths(
       this->LastDepths.empty() ? nullptr : this->LastDepths.data(), scene.Depths, scene.Camera);
-    this->Quarters.NoteChange(change, scene.Camera, tolerance);
+    this->Subtiles.RecordChange(change, scene.Camera, tolerance);
   }
   else
   {
-    this->Quarters.Start(region.Rays);
+    this->Subtiles.Start(region.Rays);
   }
   const std::size_t rays =
     static_cast<std::size_t>(region.Rays.x) * static_cast<std::size_t>(region.Rays.y);
-  colours.resize(4 * rays);
+  colors.resize(4 * rays);
   if (!firstVisible.empty())
   {
     firstVisible.resize(rays);
   }
-  this->LastSources = sources;
   this->LastRegion = region;
-  this->LastCamera = scene.Camera;
-  this->LastMaterial = scene.Material;
-  this->LastBlend = scene.Blend;
   this->LastDeformedBounds = scene.DeformedBounds;
   this->LastField = std::make_unique<ffd::BSplineField>(*map.GetField());
   this->LastKind = map.GetKind();
@@ -174,31 +203,31 @@ std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Source
   {
     this->LastDepths.assign(scene.Depths, scene.Depths + rays);
   }
-  return this->TakePartsToCast(region.Rays);
+  return this->CollectPartsToCast(region.Rays);
 }
 
 //------------------------------------------------------------------------------
-std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::TakePartsToCast(
+std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::CollectPartsToCast(
   const glm::ivec2& rays)
 {
-  constexpr int size = ffd::RayCaster::QuarterSize;
+  constexpr int size = ffd::RayCaster::SubtileSize;
   const int quartersPerRow = (rays.x + size - 1) / size;
   const int tilesPerRow = (rays.x + TileSize - 1) / TileSize;
   const int rows = (rays.y + TileSize - 1) / TileSize;
-  std::vector<unsigned int> quarters(
+  std::vector<unsigned int> subtiles(
     static_cast<std::size_t>(tilesPerRow) * static_cast<std::size_t>(rows));
-  for (int at : this->Quarters.TakeTilesToCast())
+  for (int at : this->Subtiles.CollectTilesToCast())
   {
     const int x = at % quartersPerRow;
     const int y = at / quartersPerRow;
-    quarters[static_cast<std::size_t>(y / 2 * tilesPerRow + x / 2)] |= 1u << (x % 2 + 2 * (y % 2));
+    subtiles[static_cast<std::size_t>(y / 2 * tilesPerRow + x / 2)] |= 1u << (x % 2 + 2 * (y % 2));
   }
   std::vector<Part> parts;
-  for (std::size_t tile = 0; tile < quarters.size(); ++tile)
+  for (std::size_t tile = 0; tile < subtiles.size(); ++tile)
   {
-    if (quarters[tile] != 0)
+    if (subtiles[tile] != 0)
     {
-      parts.push_back({ static_cast<int>(tile), quarters[tile] });
+      parts.push_back({ static_cast<int>(tile), subtiles[tile] });
     }
   }
   return parts;

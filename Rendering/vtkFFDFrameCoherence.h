@@ -28,13 +28,60 @@
 
 class vtkVolumeProperty;
 
+namespace ffd
+{
+
+/// The camera and the resolution of a picture.
+struct FixedView
+{
+  glm::dmat4 DataToNdc{ 1.0 };
+  glm::dvec3 Eye{ 0.0 };
+  bool Parallel = false;
+  glm::ivec2 Viewport{ 0 };
+  double Step = 1.0; ///< pixels between rays
+
+  bool operator==(const FixedView& other) const;
+};
+
+/// The lights of a picture.
+struct FixedLight
+{
+  std::vector<Light> Lights;
+  bool TwoSided = false;
+
+  bool operator==(const FixedLight& other) const;
+};
+
+/// The part of blending that neither the settings nor the property tell.
+struct FixedBlend
+{
+  BlendMode Mode = BlendMode::Composite;
+  std::vector<IsoValue> IsoValues;
+
+  bool operator==(const FixedBlend& other) const;
+};
+
+/// Stands for everything that a picture is made from except the control points and the place of its
+/// region: pictures of the same scene differ only where an edit shows.
+struct FixedScene
+{
+};
+
+/// The inputs are compared only. The settings of the mapper are given by their time, voxels and
+/// functions by their versions.
+Made MakeFixedScene(FixedScene& scene, StageTools& tools, std::uint64_t settings,
+  std::uint64_t voxels, std::uint64_t functions, const Source<vtkVolumeProperty>& property,
+  const glm::dmat4& dataToWorld, bool interactive, const FixedView& view, const FixedLight& light,
+  const FixedBlend& blend);
+
+} // namespace ffd
+
 class vtkFFDFrameCoherence
 {
 public:
   vtkFFDFrameCoherence();
 
-  /// All that a picture is made from but the control points, the camera, light and blending of the
-  /// scene and the image region: of which times and values only tell whether they are the same.
+  /// Inputs of ffd::MakeFixedScene() that the scene to cast does not tell.
   struct Sources
   {
     vtkMTimeType Settings = 0; ///< of the mapper
@@ -43,20 +90,13 @@ public:
     ffd::Source<vtkVolumeProperty> Property;
     glm::dmat4 DataToWorld{ 1.0 };
     bool Interactive = false;
-
-    bool operator==(const Sources& other) const
-    {
-      return this->Settings == other.Settings && this->Voxels == other.Voxels &&
-        this->Functions == other.Functions && this->Property == other.Property &&
-        this->DataToWorld == other.DataToWorld && this->Interactive == other.Interactive;
-    }
   };
 
-  /// A tile of the caster, and which quarters of it.
+  /// A tile of the caster, and which subtiles of it.
   struct Part
   {
     int Tile;
-    unsigned int Quarters;
+    unsigned int Subtiles;
     int First = 0; ///< where to go on, see RayCaster::RenderTile()
   };
 
@@ -67,33 +107,31 @@ public:
   void Align(vtkFFDImageRegion& region) const;
 
   /**
-   * Begin a picture. `colours`, 4 floats a ray, are those of the last one, and get the size of this
+   * Begin a picture. `colors`, 4 floats a ray, are those of the last one, and get the size of this
    * one; so do `firstVisible`, the window depths of the first visible samples, unless they are
    * empty. `restBounds` those of the volume, `tolerance` in pixels. Returns what must be cast.
    */
   std::vector<Part> Begin(const Sources& sources, const ffd::CastScene& scene,
     const vtkFFDImageRegion& region, const ffd::Box& restBounds, double tolerance,
-    std::vector<float>& colours, std::vector<float>& firstVisible);
+    std::vector<float>& colors, std::vector<float>& firstVisible);
 
   /// For the caster, see CastImage::Reaches.
-  float* GetReaches() { return this->Quarters.GetReaches(); }
+  float* GetReaches() { return this->Subtiles.GetReaches(); }
 
   std::size_t GetMemorySize() const;
 
 private:
-  bool Continues(const Sources& sources, const ffd::CastScene& scene,
-    const vtkFFDImageRegion& region, glm::ivec2& shift) const;
+  bool IsSameScene(
+    const Sources& sources, const ffd::CastScene& scene, const vtkFFDImageRegion& region);
+  bool FindShift(const vtkFFDImageRegion& region, glm::ivec2& shift) const;
 
-  std::vector<Part> TakePartsToCast(const glm::ivec2& rays);
+  std::vector<Part> CollectPartsToCast(const glm::ivec2& rays);
 
-  ffd::TileHistory Quarters; // of tiles
+  ffd::TileHistory Subtiles; // of tiles
 
-  // Of the last picture.
-  Sources LastSources;
+  ffd::StageOrder Order;
+  ffd::Stage<&ffd::MakeFixedScene> Scene{ Order }; // of the last picture, as the following
   vtkFFDImageRegion LastRegion;
-  ffd::CameraView LastCamera;
-  ffd::Shading LastMaterial;
-  ffd::Blending LastBlend;
   ffd::Box LastDeformedBounds;
   std::unique_ptr<ffd::BSplineField> LastField;
   ffd::PullBackKind LastKind = ffd::PullBackKind::Exact;

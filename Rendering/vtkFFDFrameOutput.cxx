@@ -34,7 +34,7 @@ void WriteDepths(const std::vector<float>& depths, double scale, T* numbers)
   }
 }
 
-/// What of an image of rays is shown and pickable: more than VTK's GPU mapper takes for empty.
+/// Pixels with more alpha than this can be picked, as with VTK's GPU mapper.
 constexpr float LeastPickedAlpha = 3.0f / 255.0f;
 
 /// The point or cell of the input whose material is shown at a point of deformed space.
@@ -70,9 +70,9 @@ vtkIdType FindIdentifier(
 } // namespace
 
 //------------------------------------------------------------------------------
-/// `colours`, premultiplied, as a picture of bytes.
-void vtkFFDWriteColours(
-  const std::vector<float>& colours, int width, int height, bool premultiplied, vtkImageData* image)
+/// `colors`, premultiplied, as a picture of bytes.
+void vtkFFDWriteColors(
+  const std::vector<float>& colors, int width, int height, bool premultiplied, vtkImageData* image)
 {
   image->SetExtent(0, width - 1, 0, height - 1, 0, 0);
   image->AllocateScalars(VTK_UNSIGNED_CHAR, 4);
@@ -83,11 +83,11 @@ void vtkFFDWriteColours(
   const std::size_t count = 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   for (std::size_t i = 0; i < count; i += 4)
   {
-    const float alpha = colours[i + 3];
+    const float alpha = colors[i + 3];
     const float scale = premultiplied ? 1.0f : alpha > 0.0f ? 1.0f / alpha : 0.0f;
     for (std::size_t c = 0; c < 3; ++c)
     {
-      bytes[i + c] = toByte(colours[i + c] * scale);
+      bytes[i + c] = toByte(colors[i + c] * scale);
     }
     bytes[i + 3] = toByte(alpha);
   }
@@ -134,7 +134,7 @@ bool vtkFFDIsPassRead(vtkHardwareSelector* selector)
 //------------------------------------------------------------------------------
 void vtkFFDPaintIdentifiers(vtkHardwareSelector* selector, vtkFFDInverseRayVolumeMapper* mapper,
   const vtkFFDFrameCache& cache, const ffd::CameraView& camera, const std::vector<float>& depths,
-  std::vector<float>& colours)
+  std::vector<float>& colors)
 {
   const int pass = selector->GetCurrentPass();
   const bool cells =
@@ -155,14 +155,14 @@ void vtkFFDPaintIdentifiers(vtkHardwareSelector* selector, vtkFFDInverseRayVolum
   const auto paint = [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i)
     {
-      float* pixel = &colours[4 * i];
+      float* pixel = &colors[4 * i];
       const bool visible = pixel[3] > LeastPickedAlpha;
       std::copy_n(same, 3, pixel);
       if (visible && identifiers)
       {
-        const glm::dvec2 centre(static_cast<double>(i % camera.ImageSize.x) + 0.5,
+        const glm::dvec2 center(static_cast<double>(i % camera.ImageSize.x) + 0.5,
           static_cast<double>(i / camera.ImageSize.x) + 0.5);
-        const glm::dvec2 ndc = camera.NdcOrigin + centre * camera.NdcPerPixel;
+        const glm::dvec2 ndc = camera.NdcOrigin + center * camera.NdcPerPixel;
         const vtkIdType id = FindIdentifier(
           mapper->GetInput(), cache, camera.ToData(glm::dvec3(ndc, 2.0 * depths[i] - 1.0)), cells);
         vtkHardwareSelector::Convert(high ? id >> 24 : id, pixel);
@@ -179,12 +179,12 @@ void vtkFFDPaintIdentifiers(vtkHardwareSelector* selector, vtkFFDInverseRayVolum
 
 //------------------------------------------------------------------------------
 void vtkFFDMoveToBackface(vtkFFDInverseRayVolumeMapper* mapper, const vtkFFDFrameCache& cache,
-  const ffd::CameraView& camera, const std::vector<float>& colours, std::vector<float>& depths)
+  const ffd::CameraView& camera, const std::vector<float>& colors, std::vector<float>& depths)
 {
   const ffd::Box bounds = vtkFFDFrameScene::FindVisibleBounds(mapper, cache);
   for (std::size_t i = 0; i < depths.size(); ++i)
   {
-    if (colours[4 * i + 3] > 0.0f)
+    if (colors[4 * i + 3] > 0.0f)
     {
       continue;
     }

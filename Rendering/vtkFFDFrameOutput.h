@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
 /**
- * What a finished picture is turned into: images of bytes, identifiers for a selector. Private to
+ * Turns a finished picture into images of bytes, or into identifiers for a selector. Private to
  * this module: not installed, not wrapped.
  */
 #ifndef vtkFFDFrameOutput_h
@@ -16,9 +16,9 @@ class vtkFFDInverseRayVolumeMapper;
 class vtkHardwareSelector;
 class vtkImageData;
 
-/// `colours`, premultiplied, 4 floats a pixel, as a picture of bytes.
-void vtkFFDWriteColours(const std::vector<float>& colours, int width, int height,
-  bool premultiplied, vtkImageData* image);
+/// `colors`, premultiplied, 4 floats a pixel, as a picture of bytes.
+void vtkFFDWriteColors(
+  const std::vector<float>& colors, int width, int height, bool premultiplied, vtkImageData* image);
 
 /// Depths, 0 to 1, as an image of the extent that it has: 255 or 65535 times as large as integers,
 /// of VTK_UNSIGNED_CHAR or VTK_UNSIGNED_SHORT, and else as floats.
@@ -27,14 +27,14 @@ void vtkFFDWriteDepths(const std::vector<float>& depths, int scalarType, vtkImag
 /// Whether a pass of a selector reads what the volume draws.
 bool vtkFFDIsPassRead(vtkHardwareSelector* selector);
 
-/// What the present pass of a selector is to read from visible pixels, in the place of colours;
-/// `depths`: those of the first visible samples.
+/// Draws, in the place of colors, the identifiers that the present pass of a selector reads from
+/// visible pixels; `depths`: those of the first visible samples.
 void vtkFFDPaintIdentifiers(vtkHardwareSelector* selector, vtkFFDInverseRayVolumeMapper* mapper,
   const vtkFFDFrameCache& cache, const ffd::CameraView& camera, const std::vector<float>& depths,
-  std::vector<float>& colours);
+  std::vector<float>& colors);
 
 /// Where nothing is visible, set `depths` to those at which rays leave the visible bounds.
 void vtkFFDMoveToBackface(vtkFFDInverseRayVolumeMapper* mapper, const vtkFFDFrameCache& cache,
-  const ffd::CameraView& camera, const std::vector<float>& colours, std::vector<float>& depths);
+  const ffd::CameraView& camera, const std::vector<float>& colors, std::vector<float>& depths);
 
 #endif

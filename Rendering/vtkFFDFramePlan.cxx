@@ -6,7 +6,7 @@
 #include "vtkFFDFrameCache.h"
 #include "vtkFFDFrameScene.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
-#include "vtkFFDKernelViews.h"
+#include "vtkFFDViewFromRenderer.h"
 
 #include "FFDRayCaster.h"
 
@@ -198,7 +198,7 @@ bool vtkFFDFramePlan::PlaceRays(
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDFramePlan::NoteFrame(double seconds, const vtkFFDImageRegion& region,
+void vtkFFDFramePlan::RecordFrame(double seconds, const vtkFFDImageRegion& region,
   const glm::ivec2& pixels, bool interactive, double reusedFraction)
 {
   // Part of a picture tells the least that all of it would take.
@@ -209,12 +209,12 @@ void vtkFFDFramePlan::NoteFrame(double seconds, const vtkFFDImageRegion& region,
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDFramePlan::NoteStillTime(vtkFFDInverseRayVolumeMapper* mapper, const vtkFFDFrame& frame,
-  const glm::ivec2& pixels, bool interactive)
+void vtkFFDFramePlan::RecordStillTime(vtkFFDInverseRayVolumeMapper* mapper,
+  const vtkFFDFrame& frame, const glm::ivec2& pixels, bool interactive)
 {
   if (!interactive)
   {
-    // What has been cast of an aborted one tells of the rest.
+    // The time of an aborted frame is extrapolated from the part that was cast.
     const double part = frame.GetCastPart();
     this->StillTime = part > 0.0 ? frame.GetSeconds() / part : this->StillTime;
     return;

@@ -43,14 +43,14 @@ public:
     vtkFFDInverseRayVolumeMapper* mapper, vtkVolume* volume, bool shown, vtkFFDImageRegion& region);
 
   /// After a frame in a window: `seconds` that it took, the pixels that it covers.
-  void NoteFrame(double seconds, const vtkFFDImageRegion& region, const glm::ivec2& pixels,
+  void RecordFrame(double seconds, const vtkFFDImageRegion& region, const glm::ivec2& pixels,
     bool interactive, double reusedFraction);
 
   /// After a frame in a window that may have been aborted: what it tells of still pictures.
-  void NoteStillTime(vtkFFDInverseRayVolumeMapper* mapper, const vtkFFDFrame& frame,
+  void RecordStillTime(vtkFFDInverseRayVolumeMapper* mapper, const vtkFFDFrame& frame,
     const glm::ivec2& pixels, bool interactive);
 
-  bool KnowsTime() const { return this->TimePerRay > 0.0; }
+  bool HasTimeEstimate() const { return this->TimePerRay > 0.0; }
   /// Seconds that a frame like the last one is expected to take.
   double EstimateTime() const { return this->TimePerRay * this->LastPixels; }
   /// Seconds that a still picture is expected to take.

@@ -5,7 +5,7 @@
 #include "vtkFFDFrameCache.h"
 #include "vtkFFDImageRegion.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
-#include "vtkFFDKernelViews.h"
+#include "vtkFFDViewFromRenderer.h"
 
 #include "vtkMatrix4x4.h"
 #include "vtkVolume.h"
@@ -72,6 +72,7 @@ vtkFFDFrameScene::vtkFFDFrameScene(vtkFFDInverseRayVolumeMapper* mapper,
     : ffd::Interpolation::Linear;
   scene.Table = &cache.GetFunctions().Components[0].Table;
   scene.Distances = cache.GetDistances();
+  scene.Peaks = cache.GetPeaks();
   scene.Map = &map.Map;
   scene.Limits = map.Bounds.GetLimits();
   scene.DeformedBounds = FindVisibleBounds(mapper, cache);
@@ -126,7 +127,7 @@ void vtkFFDFrameScene::MakeClassifier(
     inputs.ClippedIntensity =
       std::clamp(clippedIntensity, -LargestClippedIntensity, LargestClippedIntensity);
   }
-  // Of still pictures: those while the scene moves look alike.
+  // The length is that of still pictures, so that pictures while the scene moves look alike.
   inputs.ReferenceLength =
     mapper->GetLockSampleDistanceToInputSpacing() ? scene.VoxelSize : mapper->GetSampleDistance();
   this->Classifier.reset(new ffd::SampleClassifier(inputs));

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDFrameStages.h"
 
-#include "vtkFFDBlendingView.h"
+#include "vtkFFDBlendingFromMapper.h"
 
 #include "FFDSampling.h"
 
@@ -125,7 +125,7 @@ Made MakeTransferFunctions(TransferFunctions& result, StageTools& tools,
   facts.Type = volume.Type;
   facts.Nearest = property.Object->GetInterpolationType() != VTK_LINEAR_INTERPOLATION;
   facts.HasLabels = options.HasLabels;
-  facts.NativeColours = options.Native[0];
+  facts.NativeColors = options.Native[0];
   facts.NativeOpacities = options.Native[1];
   facts.NativeGradients = options.Native[2];
   const std::vector<int>& known = blocks->Components;
@@ -162,7 +162,7 @@ Made MakeTransferFunctions(TransferFunctions& result, StageTools& tools,
   {
     return Made::Not;
   }
-  if (result.Visibility == 0 || !ShowTheSame(optics, result.Optics))
+  if (result.Visibility == 0 || !HaveSameVisibility(optics, result.Optics))
   {
     ++result.Visibility;
   }
@@ -186,6 +186,7 @@ Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<Compone
   const bool one = blocks->Blocks.size() == 1 && first.Plane.IsEmpty() && optics.Labels.empty();
   const BlendMode mode = blending.Blend.Mode;
   result.CanLeap = true;
+  result.Peaks = ValuePeaks();
   if (mode != BlendMode::Composite)
   {
     // The blocks of dependent components are those of what is looked up for opacity.
@@ -196,6 +197,11 @@ Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<Compone
     if (result.CanLeap)
     {
       result.Distances = DistanceMap(blocks->Blocks[0], leaps, tools.Parallel);
+      if (extreme)
+      {
+        result.Peaks =
+          ValuePeaks(blocks->Blocks[0], mode == BlendMode::Maximum ? 1 : -1, tools.Parallel);
+      }
     }
   }
   else if (one)

@@ -1,24 +1,26 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
 /**
- * What vtkFFDFrameCache keeps between frames, in the order in which it is made, after the scalars
- * (MakeVectorScalars(), MakeVoxels()) and the field (MakeDeformationField()). The parameters of a
- * maker are all that its result depends on. Private to this module: not installed, not wrapped.
+ * Makers of the stages that vtkFFDFrameCache keeps between frames, in the order of their making,
+ * after the scalars (MakeVectorScalars(), MakeVoxels()) and the field (MakeDeformationField()). The
+ * parameters of a maker are all that its result depends on. Private to this module: not installed,
+ * not wrapped.
  */
 #ifndef vtkFFDFrameStages_h
 #define vtkFFDFrameStages_h
 
 #include "vtkFFDDeformationSource.h"
-#include "vtkFFDKernelViews.h"
+#include "vtkFFDOpticsFromProperty.h"
 #include "vtkFFDVoxels.h"
 
+#include "Bounds/FFDPullBackBounds.h"
 #include "FFDBlending.h"
 #include "FFDDistanceMap.h"
 #include "FFDMinMaxBlocks.h"
 #include "FFDOpticalFunctions.h"
 #include "FFDPullBack.h"
-#include "FFDPullBackBounds.h"
 #include "FFDStage.h"
+#include "FFDValuePeaks.h"
 
 #include <array>
 #include <cstddef>
@@ -64,7 +66,7 @@ struct LookupOptions
 {
   ComponentKind Kind = ComponentKind::Independent;
   std::array<double, 2> WholeRange{ { 1.0, -1.0 } }; ///< vtkFFD...Mapper::WholeScalarRange
-  std::array<bool, 3> Native{};                      ///< ranges of colours, opacities, gradients
+  std::array<bool, 3> Native{};                      ///< ranges of colors, opacities, gradients
   bool HasLabels = false;
 
   bool operator==(const LookupOptions& other) const
@@ -86,8 +88,8 @@ struct TransferFunctions
   std::uint64_t Visibility = 0; ///< another number when other scalars are transparent
 };
 
-/// A property with its time; that of the functions of labels counts, too. VTK makes the functions of
-/// `components` that are missing, which changes the property, when it is first asked for them.
+/// A property with its time; that of the functions of labels counts, too. VTK makes the functions
+/// of `components` that are missing, which changes the property, when it is first asked for them.
 Source<vtkVolumeProperty> FindSource(vtkVolumeProperty* property, int components = 1);
 
 /// `secondAxis`: of two-dimensional functions, null for the gradient.
@@ -108,6 +110,7 @@ struct LeapBlending
 struct EmptySpace
 {
   DistanceMap Distances;
+  ValuePeaks Peaks;    ///< of the only component, where largest or smallest values are looked for
   bool CanLeap = true; ///< false: every sample counts, and there are no distances
 };
 

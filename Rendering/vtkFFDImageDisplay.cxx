@@ -64,20 +64,20 @@ uniform sampler2D image;
 uniform sampler2D nearImage;
 uniform sampler2D rayDepths;
 uniform sampler2D pixelDepths;
-vec4 colourOf(ivec2 ray, float depth)
+vec4 colorOf(ivec2 ray, float depth)
 {
   vec3 d = texelFetch(rayDepths, ray, 0).rgb;
-  vec4 farColour = texelFetch(image, ray, 0);
+  vec4 farColor = texelFetch(image, ray, 0);
   if (depth >= d.b)
   {
-    return farColour;
+    return farColor;
   }
-  vec4 nearColour = texelFetch(nearImage, ray, 0);
+  vec4 nearColor = texelFetch(nearImage, ray, 0);
   if (depth >= d.g)
   {
-    return mix(nearColour, farColour, (depth - d.g) / (d.b - d.g));
+    return mix(nearColor, farColor, (depth - d.g) / (d.b - d.g));
   }
-  return depth <= d.r ? vec4(0.0) : nearColour * ((depth - d.r) / (d.g - d.r));
+  return depth <= d.r ? vec4(0.0) : nearColor * ((depth - d.r) / (d.g - d.r));
 }
 void main()
 {
@@ -88,8 +88,8 @@ void main()
   ivec2 low = clamp(ivec2(floor(at)), ivec2(0), last);
   ivec2 high = clamp(ivec2(floor(at)) + 1, ivec2(0), last);
   vec2 part = fract(at);
-  vec4 below = mix(colourOf(low, depth), colourOf(ivec2(high.x, low.y), depth), part.x);
-  vec4 above = mix(colourOf(ivec2(low.x, high.y), depth), colourOf(high, depth), part.x);
+  vec4 below = mix(colorOf(low, depth), colorOf(ivec2(high.x, low.y), depth), part.x);
+  vec4 above = mix(colorOf(ivec2(low.x, high.y), depth), colorOf(high, depth), part.x);
   gl_FragData[0] = mix(below, above, part.y);
 }
 )";
@@ -103,19 +103,18 @@ struct Rectangle
   int Height() const { return this->High[1] - this->Low[1]; }
 };
 
-/// What holds no pixel, and does not count in the hull of several.
+/// Limit of an empty rectangle, which does not count in the hull of several.
 constexpr int Beyond = std::numeric_limits<int>::max();
 constexpr Rectangle Nothing = { { Beyond, Beyond }, { 0, 0 } };
 
-/// What there is to be seen of some rows of an image.
-Rectangle FindVisible(int width, int firstRow, int lastRow, const float* colours)
+/// The rectangle of visible pixels in some rows of an image.
+Rectangle FindVisible(int width, int firstRow, int lastRow, const float* colors)
 {
   Rectangle found = Nothing;
   for (int y = firstRow; y < lastRow; ++y)
   {
-    const float* row = colours + 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(y);
-    const auto isVisible = [row](int x)
-    {
+    const float* row = colors + 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(y);
+    const auto isVisible = [row](int x) {
       std::uint64_t halves[2];
       std::memcpy(halves, row + 4 * x, sizeof(halves));
       return (halves[0] | halves[1]) != 0;
@@ -143,23 +142,21 @@ Rectangle FindVisible(int width, int firstRow, int lastRow, const float* colours
   return found;
 }
 
-/// What there is to be seen of an image, added to what is `found`.
-void FindVisible(int width, int height, const float* colours, Rectangle& found,
+/// Adds the visible pixels of an image to the rectangle `found`.
+void FindVisible(int width, int height, const float* colors, Rectangle& found,
   const vtkFFDParallelFor& parallelFor)
 {
   std::mutex mutex;
-  parallelFor(static_cast<std::size_t>(height),
-    [&](std::size_t first, std::size_t last)
+  parallelFor(static_cast<std::size_t>(height), [&](std::size_t first, std::size_t last) {
+    const Rectangle rows =
+      FindVisible(width, static_cast<int>(first), static_cast<int>(last), colors);
+    const std::lock_guard<std::mutex> lock(mutex);
+    for (int a = 0; a < 2; ++a)
     {
-      const Rectangle rows =
-        FindVisible(width, static_cast<int>(first), static_cast<int>(last), colours);
-      const std::lock_guard<std::mutex> lock(mutex);
-      for (int a = 0; a < 2; ++a)
-      {
-        found.Low[a] = std::min(found.Low[a], rows.Low[a]);
-        found.High[a] = std::max(found.High[a], rows.High[a]);
-      }
-    });
+      found.Low[a] = std::min(found.Low[a], rows.Low[a]);
+      found.High[a] = std::max(found.High[a], rows.High[a]);
+    }
+  });
 }
 
 /// With a pixel around it to be interpolated to; empty if there was nothing.
@@ -233,8 +230,8 @@ public:
     glFramebufferRenderbuffer(GL_DRAW_FRAMEBUFFER,
       withStencil ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER,
       this->Depths);
-    const GLenum noColours = GL_NONE;
-    glDrawBuffers(1, &noColours);
+    const GLenum noColors = GL_NONE;
+    glDrawBuffers(1, &noColors);
     const bool scissor = glIsEnabled(GL_SCISSOR_TEST) == GL_TRUE;
     glDisable(GL_SCISSOR_TEST);
     glBlitFramebuffer(rectangle[0], rectangle[1], rectangle[0] + rectangle[2],
@@ -287,17 +284,15 @@ struct vtkFFDImageDisplay::Resources
     const std::size_t pixel = static_cast<std::size_t>(components);
     const std::size_t rowLength = pixel * static_cast<std::size_t>(part.Width());
     this->Visible.resize(rowLength * static_cast<std::size_t>(part.Height()));
-    parallelFor(static_cast<std::size_t>(part.Height()),
-      [&](std::size_t first, std::size_t last)
+    parallelFor(static_cast<std::size_t>(part.Height()), [&](std::size_t first, std::size_t last) {
+      for (std::size_t y = first; y < last; ++y)
       {
-        for (std::size_t y = first; y < last; ++y)
-        {
-          const std::size_t from =
-            static_cast<std::size_t>(width) * (static_cast<std::size_t>(part.Low[1]) + y) +
-            static_cast<std::size_t>(part.Low[0]);
-          std::copy_n(image + pixel * from, rowLength, this->Visible.data() + rowLength * y);
-        }
-      });
+        const std::size_t from =
+          static_cast<std::size_t>(width) * (static_cast<std::size_t>(part.Low[1]) + y) +
+          static_cast<std::size_t>(part.Low[0]);
+        std::copy_n(image + pixel * from, rowLength, this->Visible.data() + rowLength * y);
+      }
+    });
     texture->SetContext(this->Window);
     // A texture of the same size is filled again only if it is made again.
     texture->ReleaseGraphicsResources(this->Window);
@@ -338,7 +333,7 @@ vtkFFDImageDisplay::vtkFFDImageDisplay()
 vtkFFDImageDisplay::~vtkFFDImageDisplay() = default;
 
 //------------------------------------------------------------------------------
-bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, const float* colours,
+bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, const float* colors,
   const Layers& layers, const double rectangle[4], bool pixelByPixel,
   const vtkFFDParallelFor& parallelFor)
 {
@@ -359,10 +354,10 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, cons
 
   // Most of the bounds of a volume is empty.
   Rectangle part = Nothing;
-  FindVisible(width, height, colours, part, parallelFor);
-  if (layers.Colours)
+  FindVisible(width, height, colors, part, parallelFor);
+  if (layers.Colors)
   {
-    FindVisible(width, height, layers.Colours, part, parallelFor);
+    FindVisible(width, height, layers.Colors, part, parallelFor);
   }
   part = AddMargin(part, width, height);
   if (part.Width() <= 0 || part.Height() <= 0)
@@ -372,18 +367,17 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, cons
   // Where nothing is to be interpolated, rounding must not do so a little.
   const int filter = pixelByPixel ? vtkTextureObject::Nearest : vtkTextureObject::Linear;
   const Rectangle all = { { 0, 0 }, { layers.Pixels[0], layers.Pixels[1] } };
-  if (!gl.Fill(gl.Texture, colours, 4, width, part, filter, parallelFor) ||
-    (layers.Colours &&
-      (!gl.Fill(gl.NearTexture, layers.Colours, 4, width, part, filter, parallelFor) ||
+  if (!gl.Fill(gl.Texture, colors, 4, width, part, filter, parallelFor) ||
+    (layers.Colors &&
+      (!gl.Fill(gl.NearTexture, layers.Colors, 4, width, part, filter, parallelFor) ||
         !gl.Fill(gl.RayDepths, layers.Depths, 3, width, part, filter, parallelFor) ||
-        !gl.Fill(gl.PixelDepths, layers.PixelDepths, 1, layers.Pixels[0], all, filter,
-          parallelFor))))
+        !gl.Fill(
+          gl.PixelDepths, layers.PixelDepths, 1, layers.Pixels[0], all, filter, parallelFor))))
   {
     return false;
   }
-  std::unique_ptr<vtkOpenGLQuadHelper>& quad = layers.Colours ? gl.LayerQuad : gl.Quad;
-  vtkShaderProgram* program =
-    gl.Ready(quad, layers.Colours ? LayerFragmentShader : FragmentShader);
+  std::unique_ptr<vtkOpenGLQuadHelper>& quad = layers.Colors ? gl.LayerQuad : gl.Quad;
+  vtkShaderProgram* program = gl.Ready(quad, layers.Colors ? LayerFragmentShader : FragmentShader);
   if (!program)
   {
     return false;
@@ -411,7 +405,7 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, cons
   program->SetUniform4f("rectangle", corners);
   program->SetUniform4f("pixels", pixels);
   std::vector<std::pair<const char*, vtkTextureObject*>> textures{ { "image", gl.Texture } };
-  if (layers.Colours)
+  if (layers.Colors)
   {
     textures.insert(textures.end(),
       { { "nearImage", gl.NearTexture }, { "rayDepths", gl.RayDepths },

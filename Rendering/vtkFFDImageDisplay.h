@@ -27,13 +27,13 @@ public:
 
   /**
    * How a picture with fewer rays than pixels looks in front of the geometry of each pixel. Of each
-   * ray `Depths` are three window depths that ascend: up to the first there is nothing, at the second
-   * the colour is the one in `Colours`, from the third on that of the image, and in between it is
-   * interpolated.
+   * ray `Depths` are three window depths that ascend: up to the first there is nothing, at the
+   * second the color is the one in `Colors`, from the third on that of the image, and in between it
+   * is interpolated.
    */
   struct Layers
   {
-    const float* Colours = nullptr; ///< null: there are no layers
+    const float* Colors = nullptr; ///< null: there are no layers
     const float* Depths = nullptr;
     const float* PixelDepths = nullptr; ///< of pixels, rows bottom up
     int Pixels[2] = { 0, 0 };           ///< columns and rows of them
@@ -42,14 +42,13 @@ public:
   };
 
   /**
-   * Draw `colours`, width x height floats of premultiplied RGBA, rows bottom up, over the rectangle
-   * (xmin, ymin, xmax, ymax) of the viewport, in normalized device coordinates. `pixelByPixel`: each
-   * lies on a pixel. Returns false when the window of the renderer is not an OpenGL one or refuses the
-   * texture.
+   * Draw `colors`, width x height floats of premultiplied RGBA, rows bottom up, over the rectangle
+   * (xmin, ymin, xmax, ymax) of the viewport, in normalized device coordinates. `pixelByPixel`:
+   * each lies on a pixel. Returns false when the window of the renderer is not an OpenGL one or
+   * refuses the texture.
    */
-  bool Draw(vtkRenderer* renderer, int width, int height, const float* colours,
-    const Layers& layers, const double rectangle[4], bool pixelByPixel,
-    const vtkFFDParallelFor& parallelFor);
+  bool Draw(vtkRenderer* renderer, int width, int height, const float* colors, const Layers& layers,
+    const double rectangle[4], bool pixelByPixel, const vtkFFDParallelFor& parallelFor);
 
   /**
    * The rectangle (x, y, width, height) of the framebuffer that the renderer draws into now: that

@@ -374,7 +374,7 @@ void vtkFFDInteractiveFrames::vtkInternals::Schedule(unsigned long milliseconds)
   this->NotBefore = vtkTimerLog::GetUniversalTime() + 1e-3 * static_cast<double>(milliseconds);
   if (this->Interactor && this->Timer < 0)
   {
-    // Of X11's timers, one that is made while another one fires never fires itself.
+    // A timer of X11 that is made while another one fires never fires itself.
     this->Timer = this->Interactor->CreateRepeatingTimer(TimerPeriod);
   }
 }

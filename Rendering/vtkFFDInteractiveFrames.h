@@ -14,7 +14,7 @@
  *   no coarse frames and do not count, and before the interactor is initialized all frames are
  *   still ones.
  * - A mouse button, the wheel or a key aborts a still frame: within some 100 ms the event loop goes
- * on with it, and the window goes on to show the coarse picture. The still frame is made when the
+ *   on with it, and the window goes on to show the coarse picture. The still frame is made when the
  *   interaction is over.
  * - The window's title tells how far a long still frame is (ShowProgressInTitle), and so does
  *   ProgressEvent with GetProgress(), for other ways to show it: what is in the window itself, like

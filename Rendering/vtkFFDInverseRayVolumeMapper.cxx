@@ -59,10 +59,7 @@ vtkFFDInverseRayVolumeMapper::~vtkFFDInverseRayVolumeMapper()
 vtkCxxSetObjectMacro(vtkFFDInverseRayVolumeMapper, Deformation, vtkAbstractTransform);
 
 //------------------------------------------------------------------------------
-vtkAbstractTransform* vtkFFDInverseRayVolumeMapper::GetDeformation()
-{
-  return this->Deformation;
-}
+vtkAbstractTransform* vtkFFDInverseRayVolumeMapper::GetDeformation() { return this->Deformation; }
 
 //------------------------------------------------------------------------------
 vtkCxxSetObjectMacro(vtkFFDInverseRayVolumeMapper, MaskInput, vtkImageData);
@@ -95,8 +92,8 @@ bool vtkFFDInverseRayVolumeMapper::SetPositive(const char* name, double& member,
 {
   if (!(value > 0.0) || !std::isfinite(value))
   {
-    vtkErrorMacro(<< name << " must be a positive number, not " << value << "; it stays "
-                  << member << ".");
+    vtkErrorMacro(<< name << " must be a positive number, not " << value << "; it stays " << member
+                  << ".");
     return false;
   }
   if (member != value)
@@ -295,8 +292,8 @@ void vtkFFDInverseRayVolumeMapper::SetClipBox(const double box[6])
   {
     if (!(box[2 * a] <= box[2 * a + 1]))
     {
-      vtkErrorMacro(<< "ClipBox: the limits " << box[2 * a] << ", " << box[2 * a + 1]
-                    << " of axis " << a
+      vtkErrorMacro(<< "ClipBox: the limits " << box[2 * a] << ", " << box[2 * a + 1] << " of axis "
+                    << a
                     << " are inverted or not a number. Give (xmin, xmax, ymin, ymax, zmin, zmax); "
                        "the clip box stays as it was.");
       return;
@@ -415,7 +412,7 @@ vtkFFDRayStatistics* vtkFFDInverseRayVolumeMapper::GetStatistics()
 vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetNumberOfBuilds(int part)
 {
   return part >= 0 && part < NUMBER_OF_CACHED_PARTS ? this->Internals->Cache.GetNumberOfBuilds(part)
-                                                   : -1;
+                                                    : -1;
 }
 
 //------------------------------------------------------------------------------
@@ -489,10 +486,7 @@ void vtkFFDInverseRayVolumeMapper::Update()
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDInverseRayVolumeMapper::Update(int)
-{
-  this->Update();
-}
+void vtkFFDInverseRayVolumeMapper::Update(int) { this->Update(); }
 
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetRenderToImage(vtkTypeBool on)
@@ -507,8 +501,8 @@ void vtkFFDInverseRayVolumeMapper::SetRenderToImage(vtkTypeBool on)
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::GetColorImage(vtkImageData* image)
 {
-  vtkImageData* colours = this->Internals->ColourImage;
-  if (!image || !colours->GetPointData()->GetScalars())
+  vtkImageData* colors = this->Internals->ColorImage;
+  if (!image || !colors->GetPointData()->GetScalars())
   {
     vtkErrorMacro(<< "GetColorImage: "
                   << (image ? "no frame became an image yet. Call "
@@ -516,7 +510,7 @@ void vtkFFDInverseRayVolumeMapper::GetColorImage(vtkImageData* image)
                             : "the image is null."));
     return;
   }
-  image->DeepCopy(colours);
+  image->DeepCopy(colors);
 }
 
 //------------------------------------------------------------------------------
@@ -532,7 +526,7 @@ void vtkFFDInverseRayVolumeMapper::GetDepthImage(vtkImageData* image)
     return;
   }
   image->Initialize();
-  image->SetExtent(this->Internals->ColourImage->GetExtent());
+  image->SetExtent(this->Internals->ColorImage->GetExtent());
   vtkFFDWriteDepths(depths, this->DepthImageScalarType, image);
 }
 
@@ -611,7 +605,7 @@ double* vtkFFDInverseRayVolumeMapper::GetBounds()
 {
   if (this->Internals->Frame)
   {
-    // What the frame shows, whatever its observers have changed.
+    // The bounds of the volume that the frame shows, whatever its observers have changed.
     std::copy_n(this->Internals->Cache.GetReportedBounds(), 6, this->Bounds);
     return this->Bounds;
   }
@@ -775,8 +769,8 @@ void vtkFFDInverseRayVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "OpacityLength: " << this->GetOpacityLengthAsString() << "\n";
   os << indent << "SampleDistance: " << this->SampleDistance << "\n";
   os << indent << "InteractiveSampleDistance: " << this->InteractiveSampleDistance << "\n";
-  os << indent
-     << "LockSampleDistanceToInputSpacing: " << this->LockSampleDistanceToInputSpacing << "\n";
+  os << indent << "LockSampleDistanceToInputSpacing: " << this->LockSampleDistanceToInputSpacing
+     << "\n";
   os << indent << "ImageSampleDistance: " << this->ImageSampleDistance << "\n";
   os << indent << "MinimumImageSampleDistance: " << this->MinimumImageSampleDistance << "\n";
   os << indent << "MaximumImageSampleDistance: " << this->MaximumImageSampleDistance << "\n";
@@ -815,7 +809,8 @@ void vtkFFDInverseRayVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "GlobalIlluminationReach: " << this->GlobalIlluminationReach << "\n";
   os << indent << "VolumetricScatteringBlending: " << this->VolumetricScatteringBlending << "\n";
   os << indent << "MaskInput: " << this->MaskInput << "\n";
-  os << indent << "MaskType: " << (this->MaskType == BinaryMaskType ? "Binary" : "LabelMap") << "\n";
+  os << indent << "MaskType: " << (this->MaskType == BinaryMaskType ? "Binary" : "LabelMap")
+     << "\n";
   os << indent << "MaskBlendFactor: " << this->MaskBlendFactor << "\n";
   os << indent << "Transfer2DYAxisArray: "
      << (this->Transfer2DYAxisArray ? this->Transfer2DYAxisArray : "(none)") << "\n";

@@ -1,5 +1,9 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
+// Longer than other files, because it is the documentation of one class: VTK wants a public class
+// in one header, and each of its options states units, range, default and errors here, where users
+// and the generated reference read them. The code is in vtkFFDInverseRayVolumeMapper*.cxx and
+// vtkFFDFrame*.
 /**
  * @class   vtkFFDInverseRayVolumeMapper
  * @brief   volume renderer that bends the viewing rays instead of the voxels
@@ -22,38 +26,38 @@
  * The deformation T works in the data coordinates of the image: those of its origin, spacing and
  * direction, before the matrix of the vtkVolume.
  *
- * Input: a vtkImageData or a vtkRectilinearGrid with at least two points along each axis, and scalars
- * of any of VTK's numeric types with 1 to 4 components, of points or of cells (two cells an axis or
- * more), chosen with SetScalarMode() and SelectScalarArray(). Scalars of cells reach up to the
- * outermost faces. Scalars that are not a number are transparent, and so are blanked points and cells
- * (any flag of vtkGhostType, as in vtkGPUVolumeRayCastMapper: duplicates of other processes, too,
- * which these render). The voxel of a rectilinear grid, as a unit of length, is one of a grid of
- * equal steps with as many points. Everything else is refused with an error that says what is wrong;
- * the rest of the scene still renders.
+ * Input: a vtkImageData or a vtkRectilinearGrid with at least two points along each axis, and
+ * scalars of any of VTK's numeric types with 1 to 4 components, of points or of cells (two cells an
+ * axis or more), chosen with SetScalarMode() and SelectScalarArray(). Scalars of cells reach up to
+ * the outermost faces. Scalars that are not a number are transparent, and so are blanked points and
+ * cells (any flag of vtkGhostType, as in vtkGPUVolumeRayCastMapper: duplicates of other processes,
+ * too, which these render). The voxel of a rectilinear grid, as a unit of length, is one of a grid
+ * of equal steps with as many points. Everything else is refused with an error that says what is
+ * wrong; the rest of the scene still renders.
  *
  * The vtkVolumeProperty, as with VTK's own mappers:
  * - Independent components have functions, weights and surfaces of their own; all of them are
  *   shaded or none, by the flag of component 0. Opacities a
- *   over a sample distance make the opacity sum(a^2) / sum(a), colours c the premultiplied colour
+ *   over a sample distance make the opacity sum(a^2) / sum(a), colors c the premultiplied color
  *   sum(a c), of a still picture's sample distance. The weight of a single component is not used.
- * - Dependent components: of two, the first is looked up for colour, the second for opacity. Of four,
- *   three are red, green and blue, the fourth is looked up for opacity. Of three, red, green and blue,
- *   the luminance (0.299, 0.587, 0.114) is looked up for opacity, which VTK's mappers do not have.
- *   Colours are unsigned char, unsigned short, or float and double from 0 to 1. Normals and gradients
- *   are those of what is looked up for opacity. The opacity unit distance is that of component 0, as
- *   in vtkFixedPointVolumeRayCastMapper; vtkGPUVolumeRayCastMapper takes that of the last component,
- *   although it takes the function of component 0. Blend modes other than composite look as in VTK's
- *   mappers where these draw them: maximum and minimum intensity show the sample with the extreme of
- *   what is looked up for opacity; average, additive and isosurface are those of the first component
- *   (of RGB: of the luminance), opacities being looked up as ever, of isosurfaces at the same part of
- *   the range. Isosurfaces of colours are gray.
+ * - Dependent components: of two, the first is looked up for color, the second for opacity. Of
+ *   four, three are red, green and blue, the fourth is looked up for opacity. Of three, red, green
+ *   and blue, the luminance (0.299, 0.587, 0.114) is looked up for opacity, which VTK's mappers do
+ *   not have. Colors are unsigned char, unsigned short, or float and double from 0 to 1. Normals
+ *   and gradients are those of what is looked up for opacity. The opacity unit distance is that of
+ *   component 0, as in vtkFixedPointVolumeRayCastMapper; vtkGPUVolumeRayCastMapper takes that of
+ *   the last component, although it takes the function of component 0. Blend modes other than
+ *   composite look as in VTK's mappers where these draw them: maximum and minimum intensity show
+ *   the sample with the extreme of what is looked up for opacity; average, additive and isosurface
+ *   are those of the first component (of RGB: of the luminance), opacities being looked up as ever,
+ *   of isosurfaces at the same part of the range. Isosurfaces of colors are gray.
  * - Gradient opacity multiplies the opacity over the sample distance. It is that of the volume at
- *   rest, in scalar units per mean edge of a voxel, so tissue looks the same wherever the deformation
- *   takes it; magnitudes above a quarter of the range of the scalars count as that.
+ *   rest, in scalar units per mean edge of a voxel, so tissue looks the same wherever the
+ *   deformation takes it; magnitudes above a quarter of the range of the scalars count as that.
  * - Two-dimensional transfer functions span the range of the scalars and, on the second axis, that
  *   quarter or the range of Transfer2DYAxisArray; their opacity is that over the unit distance.
  *   vtkGPUVolumeRayCastMapper does not correct it for the sample distance.
- * - Colour functions in all colour spaces, with logarithmic scale and colours beyond the range.
+ * - Color functions in all color spaces, with logarithmic scale and colors beyond the range.
  * - Interpolation is nearest or linear: vtkVolumeProperty offers no other (it clamps to these).
  *
  * Blend modes (vtkVolumeMapper::SetBlendMode) look as with vtkGPUVolumeRayCastMapper:
@@ -61,10 +65,10 @@
  * - maximum and minimum intensity: the transfer functions at the extreme value of each ray;
  * - average: the mean of opacity times value, values from 0 to 1 over the scalar range, of those in
  *   AverageIPScalarRange; gray and opaque wherever there are any;
- * - additive: the same summed up, the opacity being that over the scalar opacity unit distance; gray
- *   and opaque wherever a ray meets the volume;
+ * - additive: the same summed up, the opacity being that over the scalar opacity unit distance;
+ *   gray and opaque wherever a ray meets the volume;
  * - isosurface: surfaces where the scalars cross the values of
- *   vtkVolumeProperty::GetIsoSurfaceValues() (without any nothing is drawn), coloured and made
+ *   vtkVolumeProperty::GetIsoSurfaceValues() (without any nothing is drawn), colored and made
  *   semi-transparent by the transfer functions, and shaded if the property says so. The crossing is
  *   found in its sample interval to a millionth of that, so neither pictures nor depths have steps;
  *   two crossings of one value within an interval are none;
@@ -75,9 +79,9 @@
  *
  * Clipping planes (vtkAbstractMapper::AddClippingPlane) are planes of the world: they cut what has
  * been deformed. With vtkVolumeProperty::UseClippedVoxelIntensity gradients count what is cut off
- * as having the intensity ClippedVoxelIntensity, in scalar units; in vtkGPUVolumeRayCastMapper it is
- * in those of the texture, which are the same for float scalars only. Cropping is that of the volume
- * at rest or of deformed space, see CroppingSpace.
+ * as having the intensity ClippedVoxelIntensity, in scalar units; in vtkGPUVolumeRayCastMapper it
+ * is in those of the texture, which are the same for float scalars only. Cropping is that of the
+ * volume at rest or of deformed space, see CroppingSpace.
  *
  * Volumes and opaque geometry: geometry that was drawn before hides what is behind it. Several
  * volumes are blended in the order in which the renderer draws them, as with VTK's own mappers;
@@ -94,35 +98,35 @@
  * them are a little denser (1 to 4 of 255).
  *
  * Picking by rendering (vtkHardwareSelector, vtkPropPicker, vtkRenderedAreaPicker) finds the volume
- * where it is visible: where its opacity is more than 3 / 255, as VTK's GPU mapper. Cells and points
- * are those of the input whose material is shown: of the first visible sample.
+ * where it is visible: where its opacity is more than 3 / 255, as VTK's GPU mapper. Cells and
+ * points are those of the input whose material is shown: of the first visible sample.
  *
  * A headlight shines from the position of the camera, in parallel projection, too, as that of
  * vtkGPUVolumeRayCastMapper does. A single one of intensity 1 lights the ambient term whatever its
- * ambient colour, again as there; otherwise the ambient term is that of the ambient colours of the
+ * ambient color, again as there; otherwise the ambient term is that of the ambient colors of the
  * lights times their intensities, black by default.
  *
- * Lengths are those of the data coordinates, before the matrix of the vtkVolume: as VTK's mappers do
- * it, a volume that its matrix makes larger looks no denser. Lights shine in the world: where a
+ * Lengths are those of the data coordinates, before the matrix of the vtkVolume: as VTK's mappers
+ * do it, a volume that its matrix makes larger looks no denser. Lights shine in the world: where a
  * matrix does not scale all axes alike, or shears, normals are those of the shape that it makes.
  * "Voxel" as a unit of length is the shortest voxel edge.
  *
  * Progress and abort: StartEvent and VolumeMapperRenderStartEvent begin a frame, ProgressEvent
- * (GetProgress()) and VolumeMapperRenderProgressEvent (with a double) tell how much of it is done, from
- * 0 to 1, every 10 to 50 ms, its preparation included (limits of the voxels, distances, bounds), and
- * VolumeMapperRenderEndEvent and EndEvent end it, all in the thread that renders. SetAbortExecute(1) in an
- * observer ends the frame, and so does vtkRenderWindow::SetAbortRender(), as of an observer of the
- * window's AbortCheckEvent; while the scene moves, once the frame has taken twice what is allotted to
- * it. A window then goes on to show its last picture; the next frame is made as a whole. See
- * vtkFFDInteractiveFrames for applications.
+ * (GetProgress()) and VolumeMapperRenderProgressEvent (with a double) tell how much of it is done,
+ * from 0 to 1, every 10 to 50 ms, its preparation included (limits of the voxels, distances,
+ * bounds), and VolumeMapperRenderEndEvent and EndEvent end it, all in the thread that renders.
+ * SetAbortExecute(1) in an observer ends the frame, and so does vtkRenderWindow::SetAbortRender(),
+ * as of an observer of the window's AbortCheckEvent; while the scene moves, once the frame has
+ * taken twice what is allotted to it. A window then goes on to show its last picture; the next
+ * frame is made as a whole. See vtkFFDInteractiveFrames for applications.
  *
  * Observers of these events, and of others while the mapper renders, may do anything to the mapper,
- * its inputs and the scene. The frame shows what it began with: new inputs, deformations and options
- * count from the next frame on, what is removed or deleted stays until the frame is over, and so do
- * the resources that ReleaseGraphicsResources() releases. GetBounds(), GetRestPosition() and pickers
- * tell of the frame. Render(), RenderToImage() and TraceRays() of the same mapper are refused with an
- * error, and a frame ends without a picture, and with an error, if the memory of an array that it
- * reads is freed by changing the size of the array.
+ * its inputs and the scene. The frame shows what it began with: new inputs, deformations and
+ * options count from the next frame on, what is removed or deleted stays until the frame is over,
+ * and so do the resources that ReleaseGraphicsResources() releases. GetBounds(), GetRestPosition()
+ * and pickers tell of the frame. Render(), RenderToImage() and TraceRays() of the same mapper are
+ * refused with an error, and a frame ends without a picture, and with an error, if the memory of an
+ * array that it reads is freed by changing the size of the array.
  *
  * @sa
  * vtkFFDLattice vtkFFDVolumePicker vtkFixedPointVolumeRayCastMapper vtkImageReslice
@@ -182,10 +186,10 @@ public:
   ///@{
   /**
    * Which pull-back is used. Default: EXACT. Where T folds, a deformed point has several rest
-   * points: those count where T keeps the orientation of the volume, what it turns inside out is not
-   * shown. Points without such a rest point show nothing and are counted, see
-   * vtkFFDRayStatistics::GetNumberOfUnconvergedPoints. (The paper's segmentation, GREEDY_ANGLE, uses
-   * the first-order point there.)
+   * points: those count where T keeps the orientation of the volume, what it turns inside out is
+   * not shown. Points without such a rest point show nothing and are counted, see
+   * vtkFFDRayStatistics::GetNumberOfUnconvergedPoints. (The paper's segmentation, GREEDY_ANGLE,
+   * uses the first-order point there.)
    */
   vtkSetClampMacro(InverseMode, int, FIRST_ORDER, PULL_BACK);
   vtkGetMacro(InverseMode, int);
@@ -199,15 +203,15 @@ public:
   /**
    * Largest distance between T(Phi(P)) and P in EXACT mode, in voxels. Default: 0.01. Must be
    * positive; more than 1 counts as that. With ERROR_BOUND positions are as close as the
-   * PositionTolerance says; InverseTolerance counts only where samples are pulled back by themselves,
-   * and there at most as a tenth of that.
+   * PositionTolerance says; InverseTolerance counts only where samples are pulled back by
+   * themselves, and there at most as a tenth of that.
    */
   virtual void SetInverseTolerance(double voxels);
   vtkGetMacro(InverseTolerance, double);
   ///@}
 
   /**
-   * How deformed rays are cut into pieces.
+   * How deformed rays are cut into segments.
    */
   enum Segmentations
   {
@@ -229,12 +233,12 @@ public:
   ///@{
   /**
    * Largest distance of a sample from its true position, in voxels, for ERROR_BOUND. Default: 0.1.
-   * Must be positive. Neighbouring rays share interpolants of the pull-back, whose error is measured
-   * on themselves, at points between their nodes, with a safety factor; where no interpolant is close
-   * enough, every sample is pulled back by itself. Normals follow from the derivatives of the
-   * interpolants: measured where neighbouring control points of a fine lattice are moved apart by up to
-   * its spacing, lit pictures differ from those with true normals by a mean of 0.4 of 255, 99 % of the
-   * pixels by at most 4; by 0.15 and 1 with a tolerance of 0.02.
+   * Must be positive. Neighboring rays share interpolants of the pull-back, whose error is
+   * measured on themselves, at points between their nodes, with a safety factor; where no
+   * interpolant is close enough, every sample is pulled back by itself. Normals follow from the
+   * derivatives of the interpolants: measured where neighboring control points of a fine lattice
+   * are moved apart by up to its spacing, lit pictures differ from those with true normals by a
+   * mean of 0.4 of 255, 99 % of the pixels by at most 4; by 0.15 and 1 with a tolerance of 0.02.
    */
   virtual void SetPositionTolerance(double voxels);
   vtkGetMacro(PositionTolerance, double);
@@ -242,7 +246,7 @@ public:
 
   ///@{
   /**
-   * Largest angle between neighbouring segments, in degrees, for GREEDY_ANGLE; segments of the
+   * Largest angle between neighboring segments, in degrees, for GREEDY_ANGLE; segments of the
    * minimum length may turn by more. Default: 5, as the paper. Must be positive and below 180.
    */
   virtual void SetAngleThreshold(double degrees);
@@ -251,13 +255,13 @@ public:
 
   ///@{
   /**
-   * Limits of the length of a piece on the viewing ray, in voxels. Defaults: 0.5 and 64; the paper
-   * has 0.5 and 8. The minimum must be positive; less than 0.001 and more than 64 count as these. A
-   * maximum of more than 10000 counts as that, one below the minimum as the minimum. A maximum of 0
-   * means: for GREEDY_ANGLE what follows from the deformation (section 4.5), the arc that turns by the
-   * angle threshold on the circle of the largest curvature that any deformed ray can have, at most 64
-   * voxels; for ERROR_BOUND 64 voxels, which is also the most that it takes. Its pieces have a power of
-   * two of samples, at least one.
+   * Limits of the length of a segment on the viewing ray, in voxels. Defaults: 0.5 and 64; the
+   * paper has 0.5 and 8. The minimum must be positive; less than 0.001 and more than 64 count as
+   * these. A maximum of more than 10000 counts as that, one below the minimum as the minimum. A
+   * maximum of 0 means: for GREEDY_ANGLE what follows from the deformation (section 4.5), the arc
+   * that turns by the angle threshold on the circle of the largest curvature that any deformed ray
+   * can have, at most 64 voxels; for ERROR_BOUND 64 voxels, which is also the most that it takes.
+   * Its segments have a power of two of samples, at least one.
    */
   virtual void SetMinimumSegmentLength(double voxels);
   vtkGetMacro(MinimumSegmentLength, double);
@@ -266,13 +270,13 @@ public:
   ///@}
 
   /**
-   * How empty space is passed over.
+   * How rays leap over empty space.
    */
   enum SpaceLeapings
   {
     OFF,      ///< every sample is taken
-    SEGMENT,  ///< leaps end with the piece, as section 4.6
-    LIPSCHITZ ///< leaps pass any number of pieces that provably stay in empty space
+    SEGMENT,  ///< leaps end with the segment, as section 4.6
+    LIPSCHITZ ///< leaps pass any number of segments that stay in empty space
   };
 
   ///@{
@@ -319,13 +323,13 @@ public:
 
   ///@{
   /**
-   * Distance between samples along the viewing ray, data units. Samples lie at whole multiples of it
-   * from the face where the ray enters the volume at rest, whatever the pieces are. Default: locked to the input,
-   * one voxel; setting a distance unlocks it. Must be positive; less than a thousandth of a voxel
-   * counts as that. Where nothing is deformed samples lie at whole multiples of it behind the face
-   * through which the ray enters the volume, or behind the near clipping plane if that is inside,
-   * as with vtkGPUVolumeRayCastMapper; a deformed ray has the samples of that at rest, as far as
-   * its pieces hold whole numbers of them.
+   * Distance between samples along the viewing ray, data units. Default: locked to the input, one
+   * voxel; setting a distance unlocks it. Must be positive; less than a thousandth of a voxel
+   * counts as that. Samples lie at whole multiples of it behind the face through which the ray
+   * enters the volume, or behind the near clipping plane if that is inside, as with
+   * vtkGPUVolumeRayCastMapper. Those of a deformed ray lie as far along it as where nothing is
+   * deformed, so that an edit of the deformation moves none. With GREEDY_ANGLE distances are those
+   * at rest from the start of each segment, whose last interval is shorter (figure 4 of the paper).
    */
   virtual void SetSampleDistance(double distance);
   vtkGetMacro(SampleDistance, double);
@@ -389,8 +393,8 @@ public:
   ///@{
   /**
    * Whether a frame that follows an edit of the control points alone, while the scene moves, casts
-   * only those parts, of 8 x 8 rays, anew that see the edit. "While the scene moves": the renderer
-   * allots less than 1 / InteractiveUpdateRate seconds to the frame
+   * only those parts, of 16 x 16 rays, anew that see the edit. "While the scene moves": the
+   * renderer allots less than 1 / InteractiveUpdateRate seconds to the frame
    * (vtkRenderWindow::SetDesiredUpdateRate, as interactors and widgets set it during a drag). Any
    * other change, to camera, clipping range, light, transfer functions, voxels or options, makes
    * the next picture as a whole, and so does a still frame: no still picture depends on what was
@@ -405,9 +409,9 @@ public:
   ///@{
   /**
    * How far what a part of the picture shows may have moved in the deformed volume since its rays
-   * were cast, edit by edit added up, until they are cast again with FrameCoherence: pixels, as large
-   * as they are where it is. (Where T is not inverted, how far in the volume at rest.) 0: a part is
-   * shown again only if nothing in it has moved at all. Not negative. Default: 0.25.
+   * were cast, edit by edit added up, until they are cast again with FrameCoherence: pixels, as
+   * large as they are where it is. (Where T is not inverted, how far in the volume at rest.) 0: a
+   * part is shown again only if nothing in it has moved at all. Not negative. Default: 0.25.
    */
   virtual void SetFrameCoherenceTolerance(double pixels);
   vtkGetMacro(FrameCoherenceTolerance, double);
@@ -445,10 +449,10 @@ public:
 
   ///@{
   /**
-   * What the planes of SetCroppingRegionPlanes(), data coordinates, cut into the 27 regions of
-   * SetCroppingRegionFlags() when CroppingOn() is set. Default: REST. Planes run along the axes of
-   * the image at rest (its direction matrix turns them, too), in deformed space along those of the
-   * data coordinates.
+   * The space that the planes of SetCroppingRegionPlanes(), data coordinates, cut into the 27
+   * regions of SetCroppingRegionFlags() when CroppingOn() is set. Default: REST. Planes run along
+   * the axes of the image at rest (its direction matrix turns them, too), in deformed space along
+   * those of the data coordinates.
    */
   vtkSetClampMacro(CroppingSpace, int, REST, DEFORMED);
   vtkGetMacro(CroppingSpace, int);
@@ -460,8 +464,8 @@ public:
   ///@{
   /**
    * Whether the samples of each ray are moved on by a part of the sample distance that differs from
-   * pixel to pixel, in a fixed pattern: noise in the place of the rings that samples on equal depths
-   * make. Default: off. Isosurfaces and slices, which are exact, are not changed by it.
+   * pixel to pixel, in a fixed pattern: jitter trades the banding that samples at equal depths make
+   * for noise. Default: off. Isosurfaces and slices, which are exact, are not changed by it.
    */
   vtkSetMacro(UseJittering, vtkTypeBool);
   vtkGetMacro(UseJittering, vtkTypeBool);
@@ -470,7 +474,7 @@ public:
 
   ///@{
   /**
-   * Window and level of the colours of the finished picture, from 0 to 1: colours of level - window
+   * Window and level of the colors of the finished picture, from 0 to 1: colors of level - window
    * / 2 become black, of level + window / 2 white. A negative window inverts. Defaults: 1 and 0.5,
    * which change nothing. The window must not be 0.
    */
@@ -481,7 +485,7 @@ public:
   ///@}
 
   /**
-   * What a mask is, as in vtkGPUVolumeRayCastMapper.
+   * Kinds of masks, as in vtkGPUVolumeRayCastMapper.
    */
   enum MaskTypes
   {
@@ -492,17 +496,17 @@ public:
   ///@{
   /**
    * A mask at rest, one component of any type: it is deformed along with the volume. Each sample
-   * takes the nearest voxel of it. A mask with the dimensions of the scalars belongs to them voxel by
-   * voxel; another lies where its origin, spacing and direction say, and is 0 elsewhere.
+   * takes the nearest voxel of it. A mask with the dimensions of the scalars belongs to them voxel
+   * by voxel; another lies where its origin, spacing and direction say, and is 0 elsewhere.
    *
    * In a label map, label 0 and labels without functions look as the property says. Others have
    * those of vtkVolumeProperty::SetLabelColor(), SetLabelScalarOpacity() and
-   * SetLabelGradientOpacity(); colour and scalar opacity that a label has none for are those of the
+   * SetLabelGradientOpacity(); color and scalar opacity that a label has none for are those of the
    * property, the gradient opacity is then none. Labels range from 1 to 65535. Label maps need one
-   * component or dependent ones, of which labels look up the one that is looked up for opacity; they
-   * are composited only. (VTK's mappers draw labels on one component only: the GPU mapper ignores
-   * them on dependent ones, and its shader does not compile with independent ones.) Binary masks work
-   * on any components and with all blend modes. Default: none.
+   * component or dependent ones, of which labels look up the one that is looked up for opacity;
+   * they are composited only. (VTK's mappers draw labels on one component only: the GPU mapper
+   * ignores them on dependent ones, and its shader does not compile with independent ones.) Binary
+   * masks work on any components and with all blend modes. Default: none.
    */
   virtual void SetMaskInput(vtkImageData* mask);
   vtkGetObjectMacro(MaskInput, vtkImageData);
@@ -520,7 +524,7 @@ public:
 
   ///@{
   /**
-   * How much of the look of a label is taken, colour and opacity; the rest is the look without a
+   * How much of the look of a label is taken, color and opacity; the rest is the look without a
    * mask. Range 0 to 1. Default: 1.
    */
   virtual void SetMaskBlendFactor(float factor);
@@ -528,7 +532,7 @@ public:
   ///@}
 
   /**
-   * What is rendered of scalars with several components, as in vtkSmartVolumeMapper.
+   * Ways to render scalars with several components, as in vtkSmartVolumeMapper.
    */
   enum VectorModeType
   {
@@ -540,9 +544,9 @@ public:
   ///@{
   /**
    * Whether scalars with several components are rendered as one with the functions of component 0
-   * of the property: their magnitude (a float, or a double where that does not hold the type) or one
-   * of them. Scalars of one component are rendered as they are. An array of these scalars is kept,
-   * see GetAuxiliaryMemorySize(). Default: DISABLED.
+   * of the property: their magnitude (a float, or a double where that does not hold the type) or
+   * one of them. Scalars of one component are rendered as they are. An array of these scalars is
+   * kept, see GetAuxiliaryMemorySize(). Default: DISABLED.
    */
   vtkSetClampMacro(VectorMode, int, DISABLED, COMPONENT);
   vtkGetMacro(VectorMode, int);
@@ -563,10 +567,10 @@ public:
 
   ///@{
   /**
-   * Name of the array, of the points or cells that the scalars belong to, that is the second axis of
-   * two-dimensional transfer functions (vtkVolumeProperty::SetTransferFunction2D()); they span the
-   * range of its first component. Default: none, which means the magnitude of the gradient, up to a
-   * quarter of the range of the scalars.
+   * Name of the array, of the points or cells that the scalars belong to, that is the second axis
+   * of two-dimensional transfer functions (vtkVolumeProperty::SetTransferFunction2D()); they span
+   * the range of its first component. Default: none, which means the magnitude of the gradient, up
+   * to a quarter of the range of the scalars.
    */
   vtkSetStringMacro(Transfer2DYAxisArray);
   vtkGetStringMacro(Transfer2DYAxisArray);
@@ -637,11 +641,11 @@ public:
    * that the fast kernels are tested against. Default: off. The pictures differ by rounding and by
    * what PositionTolerance and InverseTolerance allow.
    *
-   * They always render GREEDY_ANGLE and the blend mode slice. They also render scalars of 2 GiB or
-   * more, or of fewer than 4 voxels (or cells) along an axis, if these are one component of a
-   * vtkImageData without gradient opacity, two-dimensional functions, mask and blanking, and, where
-   * it is shaded, without ComputeNormalFromOpacity and clipped voxel intensities. The fast kernels
-   * look up all else ray by ray, in volumes of any size.
+   * They always render GREEDY_ANGLE and the blend mode slice. They also render scalars of fewer
+   * than 4 voxels (or cells) along an axis, or of slices of more than 256 MiB, if these are one
+   * component of a vtkImageData without gradient opacity, two-dimensional functions, mask and
+   * blanking, and, where it is shaded, without ComputeNormalFromOpacity and clipped voxel
+   * intensities. The fast kernels look up what they have no vector code for ray by ray.
    */
   vtkSetMacro(ReferenceKernels, vtkTypeBool);
   vtkGetMacro(ReferenceKernels, vtkTypeBool);
@@ -664,9 +668,9 @@ public:
 
   ///@{
   /**
-   * Whether the colours that RenderToImage() writes are multiplied by their alpha. Over black they
-   * are then the picture in a window, over a background b they are colours + (1 - alpha) b.
-   * Default: off, straight alpha, which image files and most programs expect: colours are divided
+   * Whether the colors that RenderToImage() writes are multiplied by their alpha. Over black they
+   * are then the picture in a window, over a background b they are colors + (1 - alpha) b.
+   * Default: off, straight alpha, which image files and most programs expect: colors are divided
    * by alpha and cut at 1. Straight alpha therefore loses what is brighter than its alpha:
    * highlights on translucent material, bright lights, and the sums of several independent
    * components.
@@ -680,8 +684,8 @@ public:
    * Render the volume into images, without any window or OpenGL. Camera, lights and two-sided
    * lighting are those of `renderer`; its window, if any, is not used.
    *
-   * `colours` becomes a width x height x 1 image of 4 unsigned chars, red, green, blue, alpha, rows
-   * bottom up, 0 where there is nothing; see PremultipliedAlpha for what colours are. `depths`, if
+   * `colors` becomes a width x height x 1 image of 4 unsigned chars, red, green, blue, alpha, rows
+   * bottom up, 0 where there is nothing; see PremultipliedAlpha for what colors are. `depths`, if
    * not null, becomes one of floats: the window depth (0 near, 1 far) of the first visible sample
    * (of the sample with the extreme value, of the first surface, or of the slice in those blend
    * modes), 1 where there is none. `inputDepths`, if not null, is such an image of what lies in
@@ -691,7 +695,7 @@ public:
    * height range from 1 to 16384.
    */
   int RenderToImage(vtkRenderer* renderer, vtkVolume* volume, int width, int height,
-    vtkImageData* colours, vtkImageData* depths = nullptr, vtkImageData* inputDepths = nullptr);
+    vtkImageData* colors, vtkImageData* depths = nullptr, vtkImageData* inputDepths = nullptr);
 
   ///@{
   /**
@@ -707,7 +711,7 @@ public:
 
   ///@{
   /**
-   * The last frame with RenderToImageOn(). Colours are 4 unsigned chars, always premultiplied, 0
+   * The last frame with RenderToImageOn(). Colors are 4 unsigned chars, always premultiplied, 0
    * where there is nothing. Depths are one number of DepthImageScalarType: what the depths of
    * RenderToImage() are, from 0 to 1 as float, to 255 or 65535 as unsigned char or short. An error,
    * and `image` stays as it is, if there was no such frame.
@@ -754,8 +758,8 @@ public:
 
   ///@{
   /**
-   * Default: SCALAR. As in vtkGPUVolumeRayCastMapper; of functions with ClampingOn(), their default,
-   * and without colours beyond the range NATIVE changes nothing.
+   * Default: SCALAR. As in vtkGPUVolumeRayCastMapper; of functions with ClampingOn(), their
+   * default, and without colors beyond the range NATIVE changes nothing.
    */
   vtkSetClampMacro(ColorRangeType, int, SCALAR, NATIVE);
   vtkGetMacro(ColorRangeType, int);
@@ -788,8 +792,8 @@ public:
    * A picture of the volume alone, without cropping, in parallel projection along `viewDirection`,
    * over black: `image`, whose dimensions say how large, is given 3 unsigned chars a pixel. The
    * half width of the bounds fits its half height. Three signatures, those of
-   * vtkFixedPointVolumeRayCastMapper, vtkGPUVolumeRayCastMapper and vtkSmartVolumeMapper; the lights
-   * are those of the renderer, or a headlight. `volume2` is not used.
+   * vtkFixedPointVolumeRayCastMapper, vtkGPUVolumeRayCastMapper and vtkSmartVolumeMapper; the
+   * lights are those of the renderer, or a headlight. `volume2` is not used.
    */
   void CreateCanonicalView(vtkVolume* volume, vtkImageData* image, int blendMode,
     double viewDirection[3], double viewUp[3]);
@@ -834,8 +838,8 @@ public:
    * distances adapt is AutoAdjustSampleDistances alone. They limit, split or reduce textures, of
    * which there are none: the reduction ratio is 1, textures are null. They look for the first
    * surface in a pass of its own, which space leaping does. There is one input. Light is not
-   * scattered: GlobalIlluminationReach, clamped to 0 to 1, and VolumetricScatteringBlending, clamped
-   * to 0 to 2, are those of VTK 9.2; default 0.
+   * scattered: GlobalIlluminationReach, clamped to 0 to 1, and VolumetricScatteringBlending,
+   * clamped to 0 to 2, are those of VTK 9.2; default 0.
    */
   enum
   {
@@ -892,10 +896,10 @@ public:
   ///@}
 
   /**
-   * What vtkFFDRayTracer puts out, see there: the rays of the given pixels (2 components, column
-   * and row, from the lower left) of a picture of width x height pixels, as RenderToImage() would
-   * cast them. `viewingRays` and `samples` may be null. Returns 1, or 0 after an error. A pixel
-   * outside of the picture is left out, with an error; the others are traced.
+   * Makes the output of vtkFFDRayTracer, see there: the rays of the given pixels (2 components,
+   * column and row, from the lower left) of a picture of width x height pixels, as RenderToImage()
+   * would cast them. `viewingRays` and `samples` may be null. Returns 1, or 0 after an error. A
+   * pixel outside of the picture is left out, with an error; the others are traced.
    */
   int TraceRays(vtkRenderer* renderer, vtkVolume* volume, int width, int height,
     vtkIdTypeArray* pixels, vtkPolyData* rays, vtkPolyData* viewingRays, vtkPolyData* samples);
@@ -903,8 +907,8 @@ public:
   /**
    * Where the material that is shown at a point of deformed space lies at rest: the pull-back of
    * `deformed`, by InverseMode, but to a billionth of a voxel. Both in data coordinates; the point
-   * may lie outside of the volume, then so does the result. vtkFFDVolumePicker does this for what is
-   * seen at a pixel. Returns 1, or 0 after an error; `rest` is then left as it was.
+   * may lie outside of the volume, then so does the result. vtkFFDVolumePicker does this for what
+   * is seen at a pixel. Returns 1, or 0 after an error; `rest` is then left as it was.
    */
   int GetRestPosition(const double deformed[3], double rest[3]);
 
@@ -918,15 +922,15 @@ public:
   ///@}
 
   /**
-   * What is made from the inputs and kept between frames.
+   * Parts that are made from the inputs and kept between frames.
    */
   enum CachedParts
   {
-    MIN_MAX_BLOCKS,      ///< limits of the scalars, from the voxels
-    DEFORMATION_FIELD,   ///< the B-spline, from the deformation (a foreign one is approximated)
-    DEFORMATION_BOUNDS,  ///< of the pull-back and of the deformed volume, from that
-    TRANSFER_TABLE,      ///< functions and surfaces, from the property
-    DISTANCE_MAP,        ///< of empty space, from blocks and table
+    MIN_MAX_BLOCKS,     ///< limits of the scalars, from the voxels
+    DEFORMATION_FIELD,  ///< the B-spline, from the deformation (a foreign one is approximated)
+    DEFORMATION_BOUNDS, ///< of the pull-back and of the deformed volume, from that
+    TRANSFER_TABLE,     ///< functions and surfaces, from the property
+    DISTANCE_MAP,       ///< of empty space, from blocks and table
     NUMBER_OF_CACHED_PARTS
   };
 
@@ -947,8 +951,8 @@ public:
 
   ///@{
   /**
-   * Bring the input up to date. No StartEvent, ProgressEvent and EndEvent come of this: they are those
-   * of frames.
+   * Bring the input up to date. No StartEvent, ProgressEvent and EndEvent come of this: they are
+   * those of frames.
    */
   void Update() override;
   void Update(int port) override;
@@ -988,10 +992,10 @@ private:
   bool SetPositive(const char* name, double& member, double value);
   void SetClamped(float& option, float value, float low, float high);
 
-  // What the public methods guard against exceptions.
+  // The bodies of public methods, which guard them against exceptions.
   void RenderInWindow(vtkRenderer* renderer, vtkVolume* volume);
   int MakeImages(vtkRenderer* renderer, vtkVolume* volume, int width, int height,
-    vtkImageData* colours, vtkImageData* depths, vtkImageData* inputDepths);
+    vtkImageData* colors, vtkImageData* depths, vtkImageData* inputDepths);
   int MakeRays(vtkRenderer* renderer, vtkVolume* volume, int width, int height,
     vtkIdTypeArray* pixels, vtkPolyData* rays, vtkPolyData* viewingRays, vtkPolyData* samples);
 

@@ -7,9 +7,9 @@
 #include "vtkFFDFrameOutput.h"
 #include "vtkFFDFrameScene.h"
 #include "vtkFFDGuard.h"
-#include "vtkFFDKernelViews.h"
 #include "vtkFFDProbeView.h"
 #include "vtkFFDTracedRays.h"
+#include "vtkFFDViewFromRenderer.h"
 
 #include "FFDRayCaster.h"
 #include "FFDSingularMatrix.h"
@@ -44,7 +44,7 @@ namespace
 
 constexpr int LargestImageSide = 16384;
 
-/// Of an image while it is made: colours and depth as floats, and what they become.
+/// Memory of a pixel while an image is made: colors and depth as floats, and as bytes.
 constexpr double BytesPerPixel = 28.0;
 
 /// Whether a pass of depth peeling asks for the volume between translucent surfaces: it wants the
@@ -141,6 +141,21 @@ vtkFFDParallelFor vtkFFDInverseRayVolumeMapper::vtkInternals::MakeParallelFor() 
 }
 
 //------------------------------------------------------------------------------
+/// False, with an error, for an image of no such size, and where an observer of a frame calls.
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::CanMakeImage(
+  const char* method, int width, int height) const
+{
+  if (width < 1 || height < 1 || width > LargestImageSide || height > LargestImageSide)
+  {
+    vtkErrorWithObjectMacro(this->Self, << method << ": an image of " << width << " x " << height
+                                        << " pixels was asked for; each side must be from 1 to "
+                                        << LargestImageSide << ".");
+    return false;
+  }
+  return !this->Refuse((std::string(method) + "()").c_str());
+}
+
+//------------------------------------------------------------------------------
 bool vtkFFDInverseRayVolumeMapper::vtkInternals::CheckView(
   vtkRenderer* renderer, vtkVolume* volume, std::string& message)
 {
@@ -169,7 +184,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::CheckView(
 void vtkFFDInverseRayVolumeMapper::vtkInternals::ReleaseImages()
 {
   this->Caster.ReleaseImages();
-  std::vector<float>().swap(this->LastColours);
+  std::vector<float>().swap(this->LastColors);
   std::vector<float>().swap(this->VisibleDepths);
   this->Shown = View();
   this->Last = View();
@@ -368,7 +383,7 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
     ffd::MakeCameraView(renderer, whole, ffd::ToMatrix(volume->GetMatrix())).DataToNdc;
   if (in.Shown.Complete && !(shown && in.Caster.CanReuse(volume)))
   {
-    in.Caster.GetColours().swap(in.LastColours);
+    in.Caster.GetColors().swap(in.LastColors);
     in.Last = in.Shown;
   }
   in.Shown.Complete = false;
@@ -379,7 +394,7 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   cast.Region = region;
   cast.Interactive = interactive;
   cast.InWindow = shown;
-  cast.KnowsTime = in.Plan.KnowsTime();
+  cast.HasTimeEstimate = in.Plan.HasTimeEstimate();
   cast.SettingsTime = this->GetSettingsTime();
   const bool done = in.Caster.Cast(frame, cast, depths, visibleDepths);
   timer->StopTimer();
@@ -396,15 +411,15 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   if (selector)
   {
     vtkFFDPaintIdentifiers(
-      selector, this, in.Cache, camera, in.VisibleDepths, in.Caster.GetColours());
+      selector, this, in.Cache, camera, in.VisibleDepths, in.Caster.GetColors());
   }
   else if (!shown)
   {
     if (this->ClampDepthToBackface)
     {
-      vtkFFDMoveToBackface(this, in.Cache, camera, in.Caster.GetColours(), in.VisibleDepths);
+      vtkFFDMoveToBackface(this, in.Cache, camera, in.Caster.GetColors(), in.VisibleDepths);
     }
-    vtkFFDWriteColours(in.Caster.GetColours(), region.Rays.x, region.Rays.y, true, in.ColourImage);
+    vtkFFDWriteColors(in.Caster.GetColors(), region.Rays.x, region.Rays.y, true, in.ColorImage);
     in.ImageDepths = in.VisibleDepths;
     return;
   }
@@ -413,15 +428,15 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
     this->TimeToDraw = timer->GetElapsedTime();
     if (done)
     {
-      in.Plan.NoteFrame(
+      in.Plan.RecordFrame(
         this->TimeToDraw, region, pixels, interactive, in.Caster.GetReusedFraction());
       view.Complete = true;
       in.Shown = view;
     }
-    in.Plan.NoteStillTime(this, frame, pixels, interactive);
+    in.Plan.RecordStillTime(this, frame, pixels, interactive);
   }
   // After an abort the last picture: the window may be read before the next frame is there.
-  const std::vector<float>& colours = done ? in.Caster.GetColours() : in.LastColours;
+  const std::vector<float>& colors = done ? in.Caster.GetColors() : in.LastColors;
   region = done ? region : in.Last.Region;
   vtkFFDImageDisplay::Layers layers;
   if (done && depths && region.Step > 1.0 && in.FindSceneTime(volume) == sceneTime)
@@ -433,7 +448,7 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   const glm::dvec2 lower = glm::dvec2(region.Origin) * perPixel - 1.0;
   const glm::dvec2 upper = lower + glm::dvec2(region.Rays) * region.Step * perPixel;
   const double rectangle[4] = { lower.x, lower.y, upper.x, upper.y };
-  if (!in.Display.Draw(renderer, region.Rays.x, region.Rays.y, colours.data(), layers, rectangle,
+  if (!in.Display.Draw(renderer, region.Rays.x, region.Rays.y, colors.data(), layers, rectangle,
         region.Step == 1.0, in.MakeParallelFor()))
   {
     vtkErrorMacro(<< "The image could not be drawn: the render window is not an OpenGL window or "
@@ -444,32 +459,24 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
 
 //------------------------------------------------------------------------------
 int vtkFFDInverseRayVolumeMapper::RenderToImage(vtkRenderer* renderer, vtkVolume* volume, int width,
-  int height, vtkImageData* colours, vtkImageData* depths, vtkImageData* inputDepths)
+  int height, vtkImageData* colors, vtkImageData* depths, vtkImageData* inputDepths)
 {
-  return vtkFFDGuarded(this, "RenderToImage", 0, [&] {
-    return this->MakeImages(renderer, volume, width, height, colours, depths, inputDepths);
-  });
+  return vtkFFDGuarded(this, "RenderToImage", 0,
+    [&] { return this->MakeImages(renderer, volume, width, height, colors, depths, inputDepths); });
 }
 
 //------------------------------------------------------------------------------
 int vtkFFDInverseRayVolumeMapper::MakeImages(vtkRenderer* renderer, vtkVolume* volume, int width,
-  int height, vtkImageData* colours, vtkImageData* depths, vtkImageData* inputDepths)
+  int height, vtkImageData* colors, vtkImageData* depths, vtkImageData* inputDepths)
 {
-  if (!renderer || !volume || !colours)
+  if (!renderer || !volume || !colors)
   {
-    vtkErrorMacro(<< "RenderToImage needs a renderer, a volume and an image for the colours; the "
+    vtkErrorMacro(<< "RenderToImage needs a renderer, a volume and an image for the colors; the "
                   << (!renderer ? "renderer" : (!volume ? "volume" : "image")) << " is null.");
     return 0;
   }
-  if (width < 1 || height < 1 || width > LargestImageSide || height > LargestImageSide)
-  {
-    vtkErrorMacro(<< "RenderToImage: an image of " << width << " x " << height
-                  << " pixels was asked for; each side must be from 1 to " << LargestImageSide
-                  << ".");
-    return 0;
-  }
   vtkInternals& in = *this->Internals;
-  if (in.Refuse("RenderToImage()"))
+  if (!in.CanMakeImage("RenderToImage", width, height))
   {
     return 0;
   }
@@ -501,7 +508,7 @@ int vtkFFDInverseRayVolumeMapper::MakeImages(vtkRenderer* renderer, vtkVolume* v
   {
     frame.Hold({ inputDepths->GetPointData()->GetScalars() });
   }
-  const vtkSmartPointer<vtkImageData> keptColours(colours);
+  const vtkSmartPointer<vtkImageData> keptColors(colors);
   const vtkSmartPointer<vtkImageData> keptDepths(depths);
   if (!in.Prepare(volume, message) || !in.CheckView(renderer, volume, message))
   {
@@ -522,13 +529,13 @@ int vtkFFDInverseRayVolumeMapper::MakeImages(vtkRenderer* renderer, vtkVolume* v
   cast.Renderer = renderer;
   cast.Volume = volume;
   cast.Region = region;
-  cast.KnowsTime = in.Plan.KnowsTime();
+  cast.HasTimeEstimate = in.Plan.HasTimeEstimate();
   if (!in.Caster.Cast(frame, cast, scene, depths ? firstVisible.data() : nullptr))
   {
     return 0;
   }
 
-  vtkFFDWriteColours(in.Caster.GetColours(), width, height, premultiplied, colours);
+  vtkFFDWriteColors(in.Caster.GetColors(), width, height, premultiplied, colors);
   if (depths)
   {
     depths->SetExtent(0, width - 1, 0, height - 1, 0, 0);
@@ -560,15 +567,8 @@ int vtkFFDInverseRayVolumeMapper::MakeRays(vtkRenderer* renderer, vtkVolume* vol
                      "vtkPolyData for the rays; one of them is null.");
     return 0;
   }
-  if (width < 1 || height < 1 || width > LargestImageSide || height > LargestImageSide)
-  {
-    vtkErrorMacro(<< "TraceRays: an image of " << width << " x " << height
-                  << " pixels was asked for; each side must be from 1 to " << LargestImageSide
-                  << ".");
-    return 0;
-  }
   vtkInternals& in = *this->Internals;
-  if (in.Refuse("TraceRays()"))
+  if (!in.CanMakeImage("TraceRays", width, height))
   {
     return 0;
   }
@@ -641,12 +641,12 @@ void vtkFFDInverseRayVolumeMapper::CreateCanonicalView(vtkRenderer* renderer, vt
   double bounds[6];
   volume->GetBounds(bounds);
   const double distance = bounds[1] - bounds[0];
-  const glm::dvec3 centre(
+  const glm::dvec3 center(
     0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3]), 0.5 * (bounds[4] + bounds[5]));
   const glm::dvec3 position =
-    centre - distance * glm::dvec3(viewDirection[0], viewDirection[1], viewDirection[2]);
+    center - distance * glm::dvec3(viewDirection[0], viewDirection[1], viewDirection[2]);
   vtkCamera* camera = canonical->GetActiveCamera();
-  camera->SetFocalPoint(centre.x, centre.y, centre.z);
+  camera->SetFocalPoint(center.x, center.y, center.z);
   camera->SetPosition(position.x, position.y, position.z);
   camera->SetViewUp(viewUp);
   camera->ParallelProjectionOn();
@@ -655,7 +655,7 @@ void vtkFFDInverseRayVolumeMapper::CreateCanonicalView(vtkRenderer* renderer, vt
 
   int size[3];
   image->GetDimensions(size);
-  vtkNew<vtkImageData> colours;
+  vtkNew<vtkImageData> colors;
   const int keptBlendMode = this->BlendMode;
   const vtkTypeBool keptCropping = this->Cropping;
   const vtkTypeBool keptAlpha = this->PremultipliedAlpha;
@@ -663,8 +663,8 @@ void vtkFFDInverseRayVolumeMapper::CreateCanonicalView(vtkRenderer* renderer, vt
   this->Cropping = 0;
   this->PremultipliedAlpha = 1;
   const bool made =
-    this->RenderToImage(canonical, volume, size[0], size[1], colours, nullptr, nullptr) == 1;
-  // What an observer has set meanwhile stays.
+    this->RenderToImage(canonical, volume, size[0], size[1], colors, nullptr, nullptr) == 1;
+  // Options that an observer has set meanwhile stay.
   const auto restore = [](int& option, int was, int meanwhile) {
     option = option == meanwhile ? was : option;
   };
@@ -676,9 +676,9 @@ void vtkFFDInverseRayVolumeMapper::CreateCanonicalView(vtkRenderer* renderer, vt
     return;
   }
   image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
-  const auto* rgba = static_cast<const unsigned char*>(colours->GetScalarPointer());
+  const auto* rgba = static_cast<const unsigned char*>(colors->GetScalarPointer());
   auto* rgb = static_cast<unsigned char*>(image->GetScalarPointer());
-  for (vtkIdType i = 0; i < colours->GetNumberOfPoints(); ++i)
+  for (vtkIdType i = 0; i < colors->GetNumberOfPoints(); ++i)
   {
     std::copy_n(rgba + 4 * i, 3, rgb + 3 * i);
   }

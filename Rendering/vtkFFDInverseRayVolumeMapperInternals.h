@@ -36,6 +36,7 @@ public:
   bool Update(vtkVolumeProperty* property, std::string& message);
   bool Prepare(vtkVolume* volume, std::string& message);
   bool Refuse(const char* what) const;
+  bool CanMakeImage(const char* method, int width, int height) const;
   static bool CheckView(vtkRenderer* renderer, vtkVolume* volume, std::string& message);
   vtkFFDParallelFor MakeParallelFor() const;
   vtkMTimeType FindSceneTime(vtkVolume* volume) const;
@@ -43,7 +44,7 @@ public:
 
   vtkFFDInverseRayVolumeMapper* Self;
 
-  // Of the frame in progress, null without: nothing of the following changes then but by the frame.
+  // The frame in progress, or null. Meanwhile only the frame changes the following members.
   vtkFFDFrame* Frame = nullptr;
   bool Prepared = false; // the frame is past its preparation
   bool Quiet = false;    // it does not report now
@@ -53,7 +54,7 @@ public:
   vtkFFDFrameCaster Caster{ Self, Cache };
   vtkFFDImageDisplay Display;
 
-  /// Where a picture in the window lies, and what the camera sees there.
+  /// The place of a picture in the window, and the view of the camera there.
   struct View
   {
     bool Complete = false;
@@ -67,11 +68,11 @@ public:
     }
   };
 
-  View Shown;                     // of the picture of the caster
-  std::vector<float> LastColours; // of the picture before a still one, which may be aborted
+  View Shown;                    // of the picture of the caster
+  std::vector<float> LastColors; // of the picture before a still one, which may be aborted
   View Last;
   std::vector<float> VisibleDepths; // of the first visible samples, where these are asked for
-  vtkNew<vtkImageData> ColourImage; // the last frame that became an image
+  vtkNew<vtkImageData> ColorImage;  // the last frame that became an image
   std::vector<float> ImageDepths;   // of that
   vtkNew<vtkContourValues> DepthPassContourValues;
   bool ToldOfPeeling = false;

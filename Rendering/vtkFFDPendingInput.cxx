@@ -23,7 +23,7 @@ struct PendingInput
 
 /// Notes what is in the queue and takes nothing out. It must not ask the server, as for keys'
 /// names.
-Bool NoteEvent(Display*, XEvent* event, XPointer data)
+Bool RecordEvent(Display*, XEvent* event, XPointer data)
 {
   auto* pending = reinterpret_cast<PendingInput*>(data);
   if (event->xany.window == pending->Place)
@@ -54,7 +54,7 @@ bool HasPendingInput(vtkRenderWindow* window)
       return false;
     }
     XEvent none;
-    XCheckIfEvent(display, &none, NoteEvent, reinterpret_cast<XPointer>(&pending));
+    XCheckIfEvent(display, &none, RecordEvent, reinterpret_cast<XPointer>(&pending));
     return pending.HasButton ||
       std::any_of(pending.Keys.begin(), pending.Keys.end(),
         [](XKeyEvent& key) { return !IsModifierKey(XLookupKeysym(&key, 0)); });

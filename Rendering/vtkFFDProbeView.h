@@ -4,14 +4,14 @@
 #ifndef vtkFFDProbeView_h
 #define vtkFFDProbeView_h
 
+#include "Bounds/FFDPullBackBounds.h"
 #include "FFDCropping.h"
 #include "FFDPullBack.h"
-#include "FFDPullBackBounds.h"
 #include "FFDSampleClassifier.h"
 #include "FFDVolumeView.h"
 
-/// What of a mapper is needed to look at its volume point by point. Valid until the mapper, its
-/// input or its deformation changes.
+/// The parts of a mapper that are needed to look at its volume point by point. Valid until the
+/// mapper, its input or its deformation changes.
 struct vtkFFDProbeView
 {
   ffd::VolumeView Volume;

@@ -35,10 +35,7 @@ double vtkFFDRayStatistics::GetAverageSegmentLength() const
 }
 
 //------------------------------------------------------------------------------
-double vtkFFDRayStatistics::GetSamplesPerRay() const
-{
-  return this->PerRay(this->NumberOfSamples);
-}
+double vtkFFDRayStatistics::GetSamplesPerRay() const { return this->PerRay(this->NumberOfSamples); }
 
 //------------------------------------------------------------------------------
 double vtkFFDRayStatistics::GetVisibleSamplesPerRay() const
@@ -59,10 +56,7 @@ double vtkFFDRayStatistics::GetEvaluationsPerRay() const
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDRayStatistics::Reset()
-{
-  this->SetCounts(0, 0, 0.0, 0, 0, 0, 0, 0);
-}
+void vtkFFDRayStatistics::Reset() { this->SetCounts(0, 0, 0.0, 0, 0, 0, 0, 0); }
 
 //------------------------------------------------------------------------------
 void vtkFFDRayStatistics::SetCounts(vtkTypeInt64 rays, vtkTypeInt64 segments, double segmentLength,

@@ -36,8 +36,8 @@ public:
 
   ///@{
   /**
-   * Number of pieces that the deformed rays were cut into and sampled on. Pieces that are passed over
-   * because nothing can be seen in them are not counted.
+   * Number of pieces that the deformed rays were cut into and sampled on. Pieces that are passed
+   * over because nothing can be seen in them are not counted.
    */
   vtkGetMacro(NumberOfSegments, vtkTypeInt64);
   double GetSegmentsPerRay() const;

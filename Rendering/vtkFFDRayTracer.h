@@ -31,8 +31,8 @@
  *   one of a GREEDY_ANGLE segment is shorter, figure 4), "Opacity" (corrected by that length),
  *   "Leap" (1: a look-up that started a leap, 0: a sample).
  *
- * This class lives next to the mapper and not with the filters because it is the mapper's ray caster
- * that it shows, not another one.
+ * This class lives next to the mapper and not with the filters because it is the mapper's ray
+ * caster that it shows, not another one.
  *
  * @sa vtkFFDInverseRayVolumeMapper vtkFFDRayStatistics
  */
@@ -94,7 +94,7 @@ public:
   /// Includes the renderer's camera, the volume, its property and its mapper.
   vtkMTimeType GetMTime() override;
 
-  /// As in the superclass; what does not fit into the memory is an error, not an exception.
+  /// Overridden so that data that do not fit into the memory are an error, not an exception.
   vtkTypeBool ProcessRequest(
     vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
 

@@ -26,7 +26,7 @@ namespace
 /// Lines that a parabola is drawn with.
 constexpr int LinesPerCurve = 8;
 
-/// What is known of the segment that begins at a vertex.
+/// The segment that begins at a vertex.
 struct Segment
 {
   int Index = -1;
@@ -76,7 +76,7 @@ struct vtkFFDTracedRays::Output
     Prepare(this->RayVisible.Get(), "VisibleSamples");
     Prepare(this->RayLeaps.Get(), "Leaps");
     Prepare(this->Terminated.Get(), "Terminated");
-    Prepare(this->Colour.Get(), "Color", 4);
+    Prepare(this->Color.Get(), "Color", 4);
   }
 
   void AddSegment(const Segment& segment)
@@ -92,7 +92,7 @@ struct vtkFFDTracedRays::Output
   vtkPolyData* Target;
   vtkNew<vtkPoints> Points;
   vtkNew<vtkCellArray> Cells;
-  // Of the points.
+  // Arrays of the points.
   vtkNew<vtkDoubleArray> T;
   vtkNew<vtkIntArray> SegmentIndex;
   vtkNew<vtkDoubleArray> SegmentLength;
@@ -100,19 +100,19 @@ struct vtkFFDTracedRays::Output
   vtkNew<vtkIntArray> SampleCount;
   vtkNew<vtkIntArray> LeapCount;
   vtkNew<vtkUnsignedCharArray> Passed;
-  // Of the samples.
+  // Arrays of the samples.
   vtkNew<vtkIntArray> Ray;
   vtkNew<vtkUnsignedCharArray> Leap;
   vtkNew<vtkDoubleArray> Interval;
   vtkNew<vtkDoubleArray> Opacity;
-  // Of the rays.
+  // Arrays of the rays.
   vtkNew<vtkIntArray> Pixel;
   vtkNew<vtkIntArray> Segments;
   vtkNew<vtkIntArray> RaySamples;
   vtkNew<vtkIntArray> RayVisible;
   vtkNew<vtkIntArray> RayLeaps;
   vtkNew<vtkUnsignedCharArray> Terminated;
-  vtkNew<vtkUnsignedCharArray> Colour;
+  vtkNew<vtkUnsignedCharArray> Color;
 };
 
 //------------------------------------------------------------------------------
@@ -129,11 +129,9 @@ vtkFFDTracedRays::vtkFFDTracedRays(
 vtkFFDTracedRays::~vtkFFDTracedRays() = default;
 
 //------------------------------------------------------------------------------
-void vtkFFDTracedRays::AddVertex(
-  const ffd::TracedRay& ray, const glm::dvec3& index, double t)
+void vtkFFDTracedRays::AddVertex(const ffd::TracedRay& ray, const glm::dvec3& index, double t)
 {
-  const glm::dvec3 rest =
-    this->Scene.Volume.FirstVoxel + this->Scene.Volume.IndexToData * index;
+  const glm::dvec3 rest = this->Scene.Volume.FirstVoxel + this->Scene.Volume.IndexToData * index;
   this->Rays->Points->InsertNextPoint(&rest.x);
   this->Rays->T->InsertNextValue(t);
   if (this->ViewingRays)
@@ -231,11 +229,11 @@ void vtkFFDTracedRays::Add(const ffd::TracedRay& ray, int x, int y)
   out.RayVisible->InsertNextValue(visible);
   out.RayLeaps->InsertNextValue(leaps);
   out.Terminated->InsertNextValue(ray.Terminated ? 1 : 0);
-  const float alpha = ray.Colour.a;
-  const unsigned char colour[4] = { ToByte(alpha > 0.0f ? ray.Colour.r / alpha : 0.0f),
-    ToByte(alpha > 0.0f ? ray.Colour.g / alpha : 0.0f),
-    ToByte(alpha > 0.0f ? ray.Colour.b / alpha : 0.0f), ToByte(alpha) };
-  out.Colour->InsertNextTypedTuple(colour);
+  const float alpha = ray.Color.a;
+  const unsigned char color[4] = { ToByte(alpha > 0.0f ? ray.Color.r / alpha : 0.0f),
+    ToByte(alpha > 0.0f ? ray.Color.g / alpha : 0.0f),
+    ToByte(alpha > 0.0f ? ray.Color.b / alpha : 0.0f), ToByte(alpha) };
+  out.Color->InsertNextTypedTuple(color);
   ++this->Count;
 }
 
@@ -262,7 +260,7 @@ void vtkFFDTracedRays::Finish()
       out->Target->GetPointData()->AddArray(array);
     }
     vtkDataArray* const ofRays[] = { rays.Pixel, rays.Segments, rays.RaySamples, rays.RayVisible,
-      rays.RayLeaps, rays.Terminated, rays.Colour };
+      rays.RayLeaps, rays.Terminated, rays.Color };
     for (vtkDataArray* array : ofRays)
     {
       out->Target->GetCellData()->AddArray(array);

@@ -20,8 +20,8 @@ class vtkFFDTracedRays
 {
 public:
   /// `viewingRays` and `samples` may be null; the scene outlives this object.
-  vtkFFDTracedRays(const ffd::CastScene& scene, vtkPolyData* rays, vtkPolyData* viewingRays,
-    vtkPolyData* samples);
+  vtkFFDTracedRays(
+    const ffd::CastScene& scene, vtkPolyData* rays, vtkPolyData* viewingRays, vtkPolyData* samples);
   ~vtkFFDTracedRays();
 
   /// A ray without pieces, which misses the volume, leaves nothing: VTK has no empty polylines.

@@ -18,7 +18,7 @@ struct Scalarize
   template <class From, class To>
   void operator()(From* vectors, To* scalars, int component, const ParallelFor& parallelFor) const
   {
-    RunFor(parallelFor, static_cast<std::size_t>(vectors->GetNumberOfTuples()),
+    parallelFor(static_cast<std::size_t>(vectors->GetNumberOfTuples()),
       [vectors, scalars, component](std::size_t first, std::size_t last) {
         const auto from = vtk::DataArrayTupleRange(
           vectors, static_cast<vtkIdType>(first), static_cast<vtkIdType>(last));

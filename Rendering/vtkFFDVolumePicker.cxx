@@ -3,13 +3,13 @@
 #include "vtkFFDVolumePicker.h"
 
 #include "vtkFFDInverseRayVolumeMapper.h"
-#include "vtkFFDKernelViews.h"
 #include "vtkFFDProbeView.h"
+#include "vtkFFDViewFromRenderer.h"
 
 #include "FFDAxisMap.h"
 #include "FFDDifferences.h"
-#include "FFDSampling.h"
 #include "FFDOpticalFunctions.h"
+#include "FFDSampling.h"
 #include "FFDSurfaceSearch.h"
 
 #include "vtkImageData.h"
@@ -116,7 +116,7 @@ struct Lookup
   }
 };
 
-/// What there is at a rest position: opacity, component by component, as the picture shows it.
+/// Finds the opacity at a rest position, component by component, as the picture shows it.
 class Visibility
 {
 public:
@@ -136,7 +136,7 @@ public:
     this->FetchMask =
       ffd::SelectSampleFunctions(view.Mask.Volume.Type, ffd::Interpolation::Nearest);
     const int last = std::min(volume.Components, VTK_MAX_VRCOMP) - 1;
-    // Of red, green and blue it is the luminance that gives the opacity, else the last component.
+    // The luminance of red, green and blue gives the opacity, else the last component.
     const bool luminance = !independent && last == 2;
     for (int c = independent || luminance ? 0 : last; c <= (luminance ? 0 : last); ++c)
     {
@@ -165,7 +165,7 @@ public:
       for (const int label : property->GetLabelMapLabels())
       {
         vtkPiecewiseFunction* opacity = property->GetLabelScalarOpacity(label);
-        // Those of labels are asked for all scalars.
+        // Functions of labels are looked up for all scalars.
         this->Labels[label] = { opacity ? Lookup{ opacity }
                                         : Lookup{ property->GetScalarOpacity(), nativeOpacity },
           { gradientOpacity ? property->GetLabelGradientOpacity(label) : nullptr } };
@@ -177,7 +177,7 @@ public:
   {
     int Component = 0;
     ffd::VolumeView Volume;
-    /// What is looked up: a weighed sum of components.
+    /// The value that is looked up: a weighted sum of components.
     std::vector<std::pair<ffd::VolumeView, double>> Terms;
     Lookup Opacity;
     Lookup Gradient;
@@ -199,8 +199,9 @@ public:
   {
     return glm::transpose(channel.Volume.DataToIndex) *
       ffd::FindDifferences(channel.Volume, this->ToVoxel(index), this->Nearest, this->View.Hidden,
-        [&](const glm::dvec3& at, bool nearest)
-        { return ValueOf(nearest ? this->FetchNearest : this->Fetch, channel, at); });
+        [&](const glm::dvec3& at, bool nearest) {
+          return ValueOf(nearest ? this->FetchNearest : this->Fetch, channel, at);
+        });
   }
 
   /// The nearest voxel of the mask; 0 outside of it.
@@ -212,7 +213,8 @@ public:
     {
       const ffd::VolumeView& volume = this->View.Volume;
       at = mask.Volume.ToIndex(volume.FirstVoxel + volume.IndexToData * index);
-      const glm::dvec3 beyond = glm::max(-0.5 - at, at - (glm::dvec3(mask.Volume.Dimensions) - 0.5));
+      const glm::dvec3 beyond =
+        glm::max(-0.5 - at, at - (glm::dvec3(mask.Volume.Dimensions) - 0.5));
       if (beyond.x > 0.0 || beyond.y > 0.0 || beyond.z > 0.0)
       {
         return 0.0;
@@ -243,9 +245,8 @@ public:
     double value, const glm::dvec3& index) const
   {
     const double plain = opacity(value);
-    return gradient && plain > 0.0
-      ? plain * gradient(glm::length(this->Gradient(channel, index)))
-      : plain;
+    return gradient && plain > 0.0 ? plain * gradient(glm::length(this->Gradient(channel, index)))
+                                   : plain;
   }
 
   /// The first channel whose opacity exceeds `isovalue` there; null: none.
@@ -297,10 +298,10 @@ private:
 
   const vtkFFDProbeView& View;
   std::vector<Channel> Channels;
-  /// Of each label that has functions: scalar opacity, and gradient opacity or null.
+  /// Functions of each label that has any: scalar opacity, and gradient opacity or null.
   std::map<int, std::pair<Lookup, Lookup>> Labels;
   bool Nearest;
-  ffd::SampleFunctions Fetch; // as in the picture
+  ffd::SampleFunctions Fetch;        // as in the picture
   ffd::SampleFunctions FetchNearest; // of gradients beside hidden cells
   ffd::SampleFunctions FetchMask;
 };
@@ -437,24 +438,22 @@ double vtkFFDVolumePicker::IntersectDeformed(const double p1[3], const double p2
   }
 
   // From one stretch of the ray that is inside of the volume and not cropped to the next.
-  const auto isShown = [&](const ffd::SurfacePoint& p)
-  { return search.IsInside(p.Index) && !cropping.Hides(p); };
+  const auto isShown = [&](const ffd::SurfacePoint& p) {
+    return search.IsInside(p.Index) && !cropping.Hides(p);
+  };
   const glm::dvec3 lower = view.Volume.LowerIndex();
   const glm::dvec3 upper = view.Volume.UpperIndex();
-  const auto label = [&](const ffd::SurfacePoint& p)
-  {
+  const auto label = [&](const ffd::SurfacePoint& p) {
     const glm::ivec3 region = cropping.IsOn() ? cropping.Region(p) : glm::ivec3(0);
     int number = 0;
     for (int a = 0; a < 3; ++a)
     {
-      number = 5 * number +
-        (p.Index[a] < lower[a] ? 3 : p.Index[a] > upper[a] ? 4 : region[a]);
+      number = 5 * number + (p.Index[a] < lower[a] ? 3 : p.Index[a] > upper[a] ? 4 : region[a]);
     }
     return number;
   };
   const Visibility::Channel* channel = nullptr;
-  const auto isHitOrHidden = [&](const ffd::SurfacePoint& p)
-  {
+  const auto isHitOrHidden = [&](const ffd::SurfacePoint& p) {
     channel = isShown(p) ? visibility.Find(p.Index, this->VolumeOpacityIsovalue) : nullptr;
     return channel || !isShown(p);
   };
@@ -525,7 +524,7 @@ double vtkFFDVolumePicker::IntersectDeformed(const double p1[3], const double p2
   {
     grid->GetExtent(extent);
   }
-  // Scalars of cells are counted from the centres of these.
+  // Scalars of cells are counted from the centers of these.
   const glm::dvec3 structured = visibility.ToVoxel(glm::clamp(hit.Index, lower, upper)) +
     view.Volume.Margin + glm::dvec3(extent[0], extent[2], extent[4]);
   this->SetImageDataPickInfo(&structured.x, extent);
@@ -539,9 +538,8 @@ double vtkFFDVolumePicker::IntersectDeformed(const double p1[3], const double p2
   const bool ofDeformedPlane = plane >= 0 && !cropping.IsAtRest();
   if (!(glm::dot(faceNormal, faceNormal) > 0.0) || !ofDeformedPlane)
   {
-    const glm::dvec3 rest = glm::dot(faceNormal, faceNormal) > 0.0
-      ? faceNormal
-      : -visibility.Gradient(of, hit.Index);
+    const glm::dvec3 rest =
+      glm::dot(faceNormal, faceNormal) > 0.0 ? faceNormal : -visibility.Gradient(of, hit.Index);
     normal = glm::transpose(search.EvaluateJacobian(hit)) * rest;
   }
   const double size = glm::dot(normal, normal);

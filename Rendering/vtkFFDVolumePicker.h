@@ -5,8 +5,8 @@
  * @brief   pick the visible surface of deformed volumes, and the voxel that has moved there
  *
  * A vtkVolumePicker that sees volumes as vtkFFDInverseRayVolumeMapper renders them. Everything else
- * in the scene (surfaces, images, volumes of other mappers) it picks as its superclasses do, and the
- * first hit along the ray wins. Put it in the place of a vtkVolumePicker or vtkCellPicker:
+ * in the scene (surfaces, images, volumes of other mappers) it picks as its superclasses do, and
+ * the first hit along the ray wins. Put it in the place of a vtkVolumePicker or vtkCellPicker:
  *
  * @code
  * vtkNew<vtkFFDVolumePicker> picker;
@@ -25,23 +25,24 @@
  * billionth of a voxel. Steps are at most half a voxel long in the volume at rest.
  *
  * Clipping planes, cropping regions (in the mapper's CroppingSpace), the mapper's ClipBox, blanked
- * points and cells and a binary mask hide what they hide in the picture, a label map gives its labels
- * their scalar opacity (and, with UseVolumeGradientOpacity, gradient opacity), and a component of
- * weight 0 is not there; other weights, two-dimensional transfer functions and blend modes are not
- * looked at. Pick from a list, PickClippingPlanes, PickCroppingPlanes and UseVolumeGradientOpacity
- * work as in the superclasses.
+ * points and cells and a binary mask hide what they hide in the picture, a label map gives its
+ * labels their scalar opacity (and, with UseVolumeGradientOpacity, gradient opacity), and a
+ * component of weight 0 is not there; other weights, two-dimensional transfer functions and blend
+ * modes are not looked at. Pick from a list, PickClippingPlanes, PickCroppingPlanes and
+ * UseVolumeGradientOpacity work as in the superclasses.
  *
  * After a pick of a deformed volume
- * - PickPosition (world) and MapperPosition (data coordinates) are in deformed space, PickNormal and
- *   MapperNormal those of the deformed surface: the gradient at rest, taken through the Jacobian of
- *   the pull-back; at a face of the volume, at a cropping or a clipping plane, that of the face;
+ * - PickPosition (world) and MapperPosition (data coordinates) are in deformed space, PickNormal
+ *   and MapperNormal those of the deformed surface: the gradient at rest, taken through the
+ *   Jacobian of the pull-back; at a face of the volume, at a cropping or a clipping plane, that of
+ *   the face;
  * - RestPosition (data coordinates) is where that material lies in the volume at rest, ScalarValue
  *   the interpolated scalar there;
  * - PointId, PointIJK, CellId, CellIJK and PCoords are those of RestPosition: they index the input
  *   of the mapper, which is DataSet, a vtkImageData or a vtkRectilinearGrid;
  * - Component is the component whose opacity was met, where components are independent; else the
- *   one that gives the opacity, the last. Of three dependent components the luminance gives it: there
- *   Component is 0, and ScalarValue is the luminance (0.299, 0.587, 0.114).
+ *   one that gives the opacity, the last. Of three dependent components the luminance gives it:
+ *   there Component is 0, and ScalarValue is the luminance (0.299, 0.587, 0.114).
  *
  * After a pick of something else RestPosition is MapperPosition, ScalarValue is 0 and Component -1.
  *

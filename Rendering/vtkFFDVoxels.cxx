@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDVoxels.h"
 
+#include "FFDGridIndex.h"
+
 #include "vtkFFDContentTime.h"
 #include "vtkFFDVolumeViewFromImage.h"
 
@@ -56,7 +58,7 @@ void MakeUniform(vtkRectilinearGrid* grid, vtkImageData* image)
   image->SetSpacing(spacing);
 }
 
-/// Where the voxels of a rectilinear grid lie.
+/// Positions of the voxels of a rectilinear grid.
 bool MakeAxes(vtkRectilinearGrid* grid, const GridSources& sources, bool ofCells, AxisMap& axes,
   std::string& message)
 {
@@ -95,7 +97,7 @@ bool MakeAxes(vtkRectilinearGrid* grid, const GridSources& sources, bool ofCells
     }
     else
     {
-      // Faces and centres of the cells in turn, cells of equal steps counted from their centres.
+      // Faces and centers of the cells in turn, cells of equal steps counted from their centers.
       for (std::size_t i = 0; i < x.size(); ++i)
       {
         const double face = (x[i] - first) / perIndex - 0.5;
@@ -141,10 +143,9 @@ void MakeHidden(vtkDataSet* input, Voxels& voxels)
         bool hidden = cellGhost && cellGhost[cell] != 0;
         for (int corner = 0; pointGhost && !hidden && corner < 8; ++corner)
         {
-          const vtkIdType x = i + (corner & 1);
-          const vtkIdType y = j + (corner >> 1 & 1);
-          const vtkIdType z = k + (corner >> 2);
-          hidden = pointGhost[x + points.x * (y + points.y * z)] != 0;
+          const std::size_t point =
+            GridIndex(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2), points);
+          hidden = pointGhost[point] != 0;
         }
         if (hidden)
         {
@@ -168,7 +169,7 @@ bool UniformView::operator==(const UniformView& other) const
 }
 
 //------------------------------------------------------------------------------
-GridSources GridSources::Of(vtkDataSet* input)
+GridSources GridSources::FromDataSet(vtkDataSet* input)
 {
   GridSources sources;
   sources.Grid = { input, vtkFFDGetContentTime(input) };

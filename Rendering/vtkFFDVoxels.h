@@ -39,7 +39,7 @@ struct GridSources
   Source<vtkDataSet> Grid; ///< the time is that of vtkFFDGetContentTime()
   std::array<Source<vtkDataArray>, 3> Coordinates;
 
-  static GridSources Of(vtkDataSet* input);
+  static GridSources FromDataSet(vtkDataSet* input);
   bool operator==(const GridSources& other) const
   {
     return this->Grid == other.Grid && this->Coordinates == other.Coordinates;

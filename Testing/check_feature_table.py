@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every test that the feature table of README.md names must be a registered one.
+"""Every test that the feature table of Module/Documentation/features.md names must be a registered one.
 
 usage: check_feature_table.py [ROOT]
 """
@@ -10,7 +10,8 @@ import re
 import sys
 
 root = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else pathlib.Path(__file__).parents[1]
-readme = (root / "README.md").read_text(encoding="utf-8")
+page = "Module/Documentation/features.md"
+readme = (root / page).read_text(encoding="utf-8")
 section = readme.split("## What it can do, next to VTK's mappers", 1)[1].split("\n## ", 1)[0]
 rows = [line.strip("|").split("|") for line in section.splitlines() if line.startswith("| ")][1:]
 registered = (root / "Testing/Cxx/CMakeLists.txt").read_text(encoding="utf-8")
@@ -29,9 +30,9 @@ for row in rows:
         if not known:
             wrong.append(f"'{row[0].strip()}' names {name}, which is not registered")
 for line in wrong:
-    print(f"README.md: {line} in Testing/Cxx or Testing/Python.")
+    print(f"{page}: {line} in Testing/Cxx or Testing/Python.")
 if len(rows) < 20:
     wrong.append("table")
-    print(f"README.md: the feature table has {len(rows)} rows; has it been moved?")
+    print(f"{page}: the feature table has {len(rows)} rows; has it been moved?")
 print(f"{len(rows)} rows checked")
 sys.exit(1 if wrong else 0)

@@ -8,14 +8,18 @@ usage: check_layers.py [SOURCE]     check the tree SOURCE (default: the one this
                                     that it is found and that the clean tree passes
 
 The rules:
-  kernel-include     files in a folder named Kernels include the standard library, GLM, Highway
-                     and kernel headers that their layer may see; never a vtk*.h
-  layer              Module (Core) <- Filters <- Rendering <- paraview-plugin: an include goes
-                     only to the left; Rendering/Widgets includes Module's headers only
+  kernel-include     files in a folder named Kernels include the standard library, GLM, Highway,
+                     Eigen and kernel headers that their layer may see; never a vtk*.h. No Eigen in
+                     files that are compiled for several instruction sets
+  layer              a module includes headers of the modules below it only, as LAYERS says: the
+                     deformation (Module), then volumes, then filters or rendering; files, physics and
+                     widgets stand on the deformation alone. Its vtk.module names no others of ours
+  export             a symbol is exported by the macro of its own module: FFD_CORE_EXPORT in
+                     Module/Kernels, VTKFFDCORE_EXPORT in Module
   plugin-only        headers of ParaView and Qt only in paraview-plugin
   installed-private  an installed header (of a class that its folder's CMakeLists.txt lists in
-                     set(classes ...), or one in set(headers ...)) includes no GLM, Highway or
-                     kernel header, and no header of ours that is not installed
+                     set(classes ...), or one in set(headers ...)) includes no GLM, Highway, Eigen
+                     or kernel header, and no header of ours that is not installed
   one-class          an installed header of a class exports one class, named as the file; other
                      headers export none
   spdx               each source file names its copyright and license in its first lines
@@ -32,19 +36,24 @@ SOURCE_SUFFIXES = (".h", ".hpp", ".txx", ".cxx", ".cpp", ".in", ".cmake", ".py",
                    ".module", ".md", ".yml", ".yaml", ".json", ".supp", ".txt", ".plugin")
 CODE_SUFFIXES = (".h", ".hpp", ".txx", ".cxx", ".cpp")
 SPDX_SUFFIXES = CODE_SUFFIXES + (".cmake", ".py", ".sh")
-# Folders of the libraries, lowest layer first, and the folders whose public headers each may use.
+# Folders of the modules, and the further ones whose headers, kernels or not, each may use.
 LAYERS = {
-    "Module": ("Module",),
-    "Filters": ("Module", "Filters"),
-    "Rendering": ("Module", "Filters", "Rendering"),
-    os.path.join("Rendering", "Widgets"): ("Module", os.path.join("Rendering", "Widgets")),
+    "Module": (),
+    "Module/Volumes": ("Module",),
+    "Filters": ("Module", "Module/Volumes"),
+    "Filters/IO": ("Module",),
+    "Filters/Physics": ("Module",),
+    "Rendering": ("Module", "Module/Volumes"),
+    "Rendering/Widgets": ("Module",),
 }
-# Kernels of a layer may use the kernels of these.
-KERNEL_LAYERS = {
-    "Module": ("Module",),
-    "Filters": ("Module", "Filters"),
-    "Rendering": ("Module", "Filters", "Rendering"),
-    os.path.join("Rendering", "Widgets"): ("Module", os.path.join("Rendering", "Widgets")),
+MODULES = {
+    "Core": "Module",
+    "Volumes": "Module/Volumes",
+    "Filters": "Filters",
+    "IO": "Filters/IO",
+    "Physics": "Filters/Physics",
+    "Rendering": "Rendering",
+    "Widgets": "Rendering/Widgets",
 }
 # The standard library's headers have no suffix; these C ones are the exception.
 C_HEADERS = {"assert.h", "float.h", "inttypes.h", "limits.h", "math.h", "stddef.h", "stdint.h",
@@ -53,6 +62,9 @@ INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^">]+)[">]', re.MULTIL
 CLASS_LIST = re.compile(r"^set\(classes\s([^)]*)\)", re.MULTILINE)
 HEADER_LIST = re.compile(r"^set\(headers\s([^)]*)\)", re.MULTILINE)
 EXPORTED_CLASS = re.compile(r"^\s*class\s+\w+_EXPORT\s+(\w+)[^;]*?\{", re.MULTILINE)
+# A macro where it is used, not where it is defined.
+EXPORT = re.compile(r"^(?![ \t]*#).*?\b((?:VTKFFD|FFD_)\w*EXPORT)\b", re.MULTILINE)
+MODULE_NAME = re.compile(r"\bFFD::(\w+)")
 PLUGIN_HEADER = re.compile(r"^(vtkPV|vtkSM(?!P)|vtkSI(?!m)|pq|pv|Q[A-Z]|Qt[A-Z])\w*(\.h)?$|^Qt\w*/")
 SKIPPED_FOLDERS = {".git", "__pycache__", "output", "Data"}
 
@@ -78,13 +90,17 @@ def source_files(root):
 def layer_of(path):
     """The library folder that holds path, else None."""
     for layer in sorted(LAYERS, key=len, reverse=True):
-        if path.startswith(layer + os.sep):
+        if path.replace(os.sep, "/").startswith(layer + "/"):
             return layer
     return None
 
 
 def is_kernel(path):
     return "Kernels" in os.path.dirname(path).split(os.sep) and layer_of(path) is not None
+
+
+def may_use(layer):
+    return f"{layer} may use only " + ", ".join((layer, *LAYERS[layer]))
 
 
 class Checker:
@@ -139,11 +155,35 @@ class Checker:
                                 "has no SPDX lines at its start (copy them from another file)")
             if path.endswith(CODE_SUFFIXES):
                 self.check_includes(path, text)
-                if path.endswith(".h") and layer_of(path) is not None and not is_kernel(path):
-                    self.check_class(path, text)
+                if layer_of(path) is not None:
+                    self.check_exports(path, text)
+                    if path.endswith(".h") and not is_kernel(path):
+                        self.check_class(path, text)
+            if os.path.basename(path) == "vtk.module" and layer_of(path) is not None:
+                self.check_module(path, text)
         return self.violations
 
+    def check_module(self, path, text):
+        """The vtk.module of a folder names itself and the modules that it may use."""
+        layer = layer_of(path)
+        for match in MODULE_NAME.finditer(text):
+            named = MODULES.get(match.group(1))
+            if named != layer and named not in LAYERS[layer]:
+                self.report("layer", path, text.count("\n", 0, match.start()) + 1,
+                            f"names {match.group()}; {may_use(layer)}")
+
+    def check_exports(self, path, text):
+        layer = layer_of(path)
+        module = next(name for name, folder in MODULES.items() if folder == layer).upper()
+        expected = f"FFD_{module}_EXPORT" if is_kernel(path) else f"VTKFFD{module}_EXPORT"
+        for match in EXPORT.finditer(text):
+            if match.group(1) != expected:
+                self.report("export", path, text.count("\n", 0, match.start(1)) + 1,
+                            f"exports by {match.group(1)}; its module's macro is {expected}")
+
     def check_includes(self, path, text):
+        # Compiled once for each instruction set: inline functions of others would get mixed up.
+        vectorized = path.endswith("-inl.h") or "hwy/foreach_target.h" in text
         for match in INCLUDE.finditer(text):
             quote, header = match.groups()
             line = text.count("\n", 0, match.start(2)) + 1
@@ -152,45 +192,47 @@ class Checker:
                 self.report("plugin-only", path, line,
                             f"includes {header}; ParaView and Qt belong into paraview-plugin")
             if is_kernel(path):
-                self.check_kernel_include(path, line, header, quote)
+                self.check_kernel_include(path, line, header, quote, vectorized)
             elif layer_of(path) is not None:
                 self.check_class_include(path, line, header, name)
 
-    def check_kernel_include(self, path, line, header, quote):
+    def check_kernel_include(self, path, line, header, quote, vectorized):
         own = self.headers.get(os.path.basename(header))
         if header.startswith(("glm/", "hwy/")):
+            return
+        if header.startswith("Eigen/") and not vectorized:
             return
         if quote == "<" and (re.fullmatch(r"[a-z_]+", header) or header in C_HEADERS):
             return
         if own is not None and is_kernel(own):
-            if layer_of(own) not in KERNEL_LAYERS[layer_of(path)]:
-                self.report("layer", path, line, f"includes {own}, of a layer above its own")
+            self.check_layer(path, line, own, layer_of(own))
             return
         # foreach_target.h of Highway includes the file itself, by a macro: no quoted path.
         self.report("kernel-include", path, line,
-                    f"includes {header}; kernels may include the standard library, GLM, Highway "
-                    "and kernel headers only")
+                    f"includes {header}; kernels may include the standard library, GLM, Highway, "
+                    "Eigen (not for several instruction sets) and kernel headers only")
 
     def check_class_include(self, path, line, header, name):
         own = self.headers.get(name)
-        if path in self.installed and (header.startswith(("glm/", "hwy/"))
+        if path in self.installed and (header.startswith(("glm/", "hwy/", "Eigen/"))
                                        or (own is not None and own not in self.installed)):
             self.report("installed-private", path, line,
                         f"includes {header}, which is not installed; forward declare, or move "
                         "it into the .cxx")
         if own is None or own == path:
             # A module header (vtkFFD<Component>Module.h) belongs to the layer that writes it.
-            generated = re.fullmatch(r"vtkFFD(Core|Filters|Rendering|Widgets)Module\.h", name)
-            if not generated:
+            generated = re.fullmatch(r"vtkFFD(\w+)Module\.h", name)
+            if not generated or generated.group(1) not in MODULES:
                 return
-            layer = {"Core": "Module", "Filters": "Filters", "Rendering": "Rendering",
-                     "Widgets": os.path.join("Rendering", "Widgets")}[generated.group(1)]
+            layer = MODULES[generated.group(1)]
         else:
             layer = layer_of(own)
-        if layer not in LAYERS[layer_of(path)]:
+        self.check_layer(path, line, header, layer)
+
+    def check_layer(self, path, line, header, layer):
+        if layer != layer_of(path) and layer not in LAYERS[layer_of(path)]:
             self.report("layer", path, line,
-                        f"includes {header} of {layer}; {layer_of(path)} may use only "
-                        + ", ".join(LAYERS[layer_of(path)]))
+                        f"includes {header} of {layer}; {may_use(layer_of(path))}")
 
     def check_class(self, path, text):
         classes = EXPORTED_CLASS.findall(text)
@@ -223,6 +265,10 @@ CLEAN_TREE = {
     "Filters/CMakeLists.txt": "set(classes\n  # of the pipeline\n  vtkFFDMiddle)\n",
     "Rendering/CMakeLists.txt": "set(classes vtkFFDTop)\nset(glue vtkFFDGlue.cxx)\n",
     "Rendering/vtkFFDGlue.h": '#include "FFDHigh.h"\n#include <glm/vec3.hpp>\n',
+    "Module/vtk.module": "NAME\n  FFD::Core\n",
+    "Module/Volumes/Kernels/FFDView.h": '#include "FFDBase.h"\n',
+    "Rendering/vtk.module": "NAME\n  FFD::Rendering\nDEPENDS\n  FFD::Core\n  FFD::Volumes\n",
+    "Rendering/Widgets/vtk.module": "NAME\n  FFD::Widgets\nDEPENDS\n  FFD::Core\n",
     "Module/Kernels/FFDBase.h": "#include <vector>\n#include <glm/vec3.hpp>\n",
     "Module/vtkFFDLow.h": '#include "vtkFFDCoreModule.h"\n#include "vtkFFDNames.h"\n'
                           "class VTKFFDCORE_EXPORT vtkFFDLow : public vtkObject\n{\n};\n",
@@ -231,7 +277,7 @@ CLEAN_TREE = {
                               "class VTKFFDFILTERS_EXPORT vtkFFDMiddle : public vtkObject\n{\n};\n",
     "Rendering/Kernels/FFDHigh.cxx": '#include "FFDBase.h"\n#include <hwy/highway.h>\n'
                                      "#include <cstdint>\n#include <math.h>\n",
-    "Rendering/Kernels/FFDHigh.h": "#include <string>\nclass FFD_KERNEL_EXPORT High\n{\n};\n",
+    "Rendering/Kernels/FFDHigh.h": "#include <string>\nclass FFD_RENDERING_EXPORT High\n{\n};\n",
     "Rendering/vtkFFDTop.h": '#include "vtkFFDRenderingModule.h"\n'
                              "class VTKFFDRENDERING_EXPORT vtkFFDTop : public vtkVolumeMapper\n"
                              "{\n};\n",
@@ -244,10 +290,19 @@ CLEAN_TREE = {
 VIOLATIONS = (
     ("kernel-include", "Module/Kernels/FFDBase.h", '#include "vtkMath.h"\n'),
     ("kernel-include", "Module/Kernels/FFDBase.h", "#include <vtkSMPTools.h>\n"),
-    ("kernel-include", "Rendering/Kernels/FFDHigh.cxx", "#  include <Eigen/Core>\n"),
+    ("kernel-include", "Rendering/Kernels/FFDHigh.cxx", "#  include <boost/any.hpp>\n"),
+    ("kernel-include", "Rendering/Kernels/FFDSimdHigh-inl.h", "#include <Eigen/Core>\n"),
+    ("kernel-include", "Rendering/Kernels/FFDHigh.cxx",
+     "#include <hwy/foreach_target.h>\n#include <Eigen/Core>\n"),
     ("kernel-include", "Rendering/Kernels/FFDHigh.cxx", '#include "vtkFFDLow.h"\n'),
     ("layer", "Module/Kernels/FFDBase.h", '#include "FFDHigh.h"\n'),
     ("layer", "Module/vtkFFDLow.cxx", '#include "vtkFFDMiddle.h"\n'),
+    ("layer", "Module/vtkFFDLow.cxx", '#include "FFDView.h"\n'),
+    ("layer", "Rendering/vtkFFDTop.cxx", '#include "vtkFFDMiddle.h"\n'),
+    ("layer", "Rendering/Widgets/vtkFFDHandle.cxx", '#include "FFDView.h"\n'),
+    ("layer", "Rendering/Widgets/vtk.module", "PRIVATE_DEPENDS\n  FFD::Rendering\n"),
+    ("export", "Rendering/Kernels/FFDHigh.h", "void FFD_CORE_EXPORT Cast();\n"),
+    ("export", "Module/vtkFFDGuard.h", "FFD_CORE_EXPORT void vtkFFDGuard();\n"),
     ("layer", "Module/vtkFFDLow.cxx", '#include "FFDHigh.h"\n'),
     ("layer", "Filters/vtkFFDMiddle.h", '#include "vtkFFDRenderingModule.h"\n'),
     ("layer", "Rendering/Widgets/vtkFFDHandle.cxx", '#include "vtkFFDMiddle.h"\n'),
@@ -258,6 +313,7 @@ VIOLATIONS = (
     ("installed-private", "Module/vtkFFDLow.h", "#include <glm/mat3x3.hpp>\n"),
     ("installed-private", "Rendering/vtkFFDTop.h", '#include "FFDHigh.h"\n'),
     ("installed-private", "Module/vtkFFDLow.h", "#include <hwy/highway.h>\n"),
+    ("installed-private", "Module/vtkFFDLow.h", "#include <Eigen/Core>\n"),
     ("installed-private", "Rendering/vtkFFDTop.h", '#include "vtkFFDGlue.h"\n'),
     ("one-class", "Rendering/vtkFFDGlue.h", "class VTKFFDRENDERING_EXPORT vtkFFDGlue\n{\n};\n"),
     ("installed-private", "Module/vtkFFDNames.h", "#include <glm/vec3.hpp>\n"),

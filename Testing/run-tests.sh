@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 #
 # Set up, build and test vtkFFD on Debian 12 or 13: install missing system packages, configure and build
-# everything, and run all tests under a virtual X server with Mesa's software rasteriser, so that
+# everything, and run all tests under a virtual X server with Mesa's software rasterizer, so that
 # the results do not depend on the desktop. Ends with ctest's summary and its exit status.
 #
 # usage: Testing/run-tests.sh [CTEST ARGUMENT...]     e.g. Testing/run-tests.sh -L kernels
@@ -29,10 +29,11 @@ if [ "$preset" = release ]; then
     setup=(--paraview)
     options=(-D FFD_BUILD_PARAVIEW_PLUGIN=ON)
   fi
+  setup+=(--documentation)
 fi
 Module/CMake/setup-debian.sh "${setup[@]}"
 echo "run-tests: configuring and building (preset $preset)"
 cmake --preset "$preset" "${options[@]}"
 cmake --build --preset "$preset" --parallel "${FFD_JOBS:-$(nproc)}"
-echo "run-tests: testing under Xvfb with Mesa's software rasteriser"
+echo "run-tests: testing under Xvfb with Mesa's software rasterizer"
 exec Module/CMake/with-xvfb.sh ctest --preset "$preset" --output-on-failure --no-tests=error "$@"

@@ -45,13 +45,13 @@ def make_property():
     opacity = vtkPiecewiseFunction()
     for scalar, alpha in [(60, 0.0), (75, 0.25), (110, 0.3), (140, 0.9), (255, 0.95)]:
         opacity.AddPoint(scalar, alpha)
-    colour = vtkColorTransferFunction()
+    color = vtkColorTransferFunction()
     for point in [(60, 0.85, 0.6, 0.48), (110, 0.9, 0.7, 0.58), (140, 0.98, 0.94, 0.86),
                   (255, 1.0, 1.0, 0.97)]:
-        colour.AddRGBPoint(*point)
+        color.AddRGBPoint(*point)
     prop = vtkVolumeProperty()
     prop.SetScalarOpacity(opacity)
-    prop.SetColor(colour)
+    prop.SetColor(color)
     prop.SetInterpolationTypeToLinear()
     prop.ShadeOn()
     prop.SetSpecular(0.3)
@@ -74,11 +74,11 @@ def make_animation(reader):
     return deform
 
 
-def background(size, colour):
+def background(size, color):
     image = vtkImageData()
     image.SetDimensions(size, size, 1)
     image.AllocateScalars(3, 4)
-    for component, value in enumerate(colour + (255,)):
+    for component, value in enumerate(color + (255,)):
         image.GetPointData().GetScalars().FillComponent(component, value)
     return image
 

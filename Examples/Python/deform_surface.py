@@ -45,12 +45,12 @@ def make_skin():
     opacity = vtkPiecewiseFunction()
     for scalar, alpha in [(55, 0.0), (70, 0.06), (110, 0.05), (130, 0.0)]:
         opacity.AddPoint(scalar, alpha)
-    colour = vtkColorTransferFunction()
-    colour.AddRGBPoint(55, 0.9, 0.62, 0.5)
-    colour.AddRGBPoint(130, 0.95, 0.75, 0.65)
+    color = vtkColorTransferFunction()
+    color.AddRGBPoint(55, 0.9, 0.62, 0.5)
+    color.AddRGBPoint(130, 0.95, 0.75, 0.65)
     prop = vtkVolumeProperty()
     prop.SetScalarOpacity(opacity)
-    prop.SetColor(colour)
+    prop.SetColor(color)
     prop.SetInterpolationTypeToLinear()
     prop.ShadeOn()
     return prop
@@ -67,13 +67,13 @@ def make_landmarks(surface, count=24):
     return landmarks
 
 
-def add_geometry(renderer, source, colour):
+def add_geometry(renderer, source, color):
     mapper = vtkPolyDataMapper()
     mapper.SetInputConnection(source.GetOutputPort())
     mapper.ScalarVisibilityOff()
     actor = vtkActor()
     actor.SetMapper(mapper)
-    actor.GetProperty().SetColor(colour)
+    actor.GetProperty().SetColor(color)
     actor.GetProperty().SetSpecular(0.3)
     renderer.AddActor(actor)
 

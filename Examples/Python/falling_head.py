@@ -44,12 +44,12 @@ def make_property():
     opacity = vtkPiecewiseFunction()
     for scalar, alpha in ((60, 0.0), (75, 0.25), (110, 0.3), (140, 0.9), (255, 0.95)):
         opacity.AddPoint(scalar, alpha)
-    colour = vtkColorTransferFunction()
+    color = vtkColorTransferFunction()
     for point in ((60, 0.85, 0.6, 0.48), (110, 0.9, 0.7, 0.58), (140, 0.98, 0.94, 0.86)):
-        colour.AddRGBPoint(*point)
+        color.AddRGBPoint(*point)
     prop = vtkVolumeProperty()
     prop.SetScalarOpacity(opacity)
-    prop.SetColor(colour)
+    prop.SetColor(color)
     prop.SetInterpolationTypeToLinear()
     prop.ShadeOn()
     return prop

@@ -67,13 +67,13 @@ def make_volume(image, lattice):
     opacity = vtkPiecewiseFunction()
     for scalar, alpha in [(70, 0.0), (100, 0.06), (170, 0.08), (200, 0.6), (255, 0.7)]:
         opacity.AddPoint(scalar, alpha)
-    colour = vtkColorTransferFunction()
-    colour.AddRGBPoint(70, 0.75, 0.6, 0.45)
-    colour.AddRGBPoint(170, 0.6, 0.68, 0.8)
-    colour.AddRGBPoint(255, 0.9, 0.95, 1.0)
+    color = vtkColorTransferFunction()
+    color.AddRGBPoint(70, 0.75, 0.6, 0.45)
+    color.AddRGBPoint(170, 0.6, 0.68, 0.8)
+    color.AddRGBPoint(255, 0.9, 0.95, 1.0)
     prop = vtkVolumeProperty()
     prop.SetScalarOpacity(opacity)
-    prop.SetColor(colour)
+    prop.SetColor(color)
     prop.SetInterpolationTypeToLinear()
     prop.ShadeOn()
     mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
@@ -107,36 +107,36 @@ def trace(image, volume, pixels):
 
 def aim(renderer, image, direction, up, zoom=1.0):
     """A parallel view of the volume from a direction."""
-    centre = image.GetCenter()
+    center = image.GetCenter()
     camera = renderer.GetActiveCamera()
     camera.ParallelProjectionOn()
-    camera.SetFocalPoint(centre)
-    camera.SetPosition([c + 1000.0 * d for c, d in zip(centre, direction)])
+    camera.SetFocalPoint(center)
+    camera.SetPosition([c + 1000.0 * d for c, d in zip(center, direction)])
     camera.SetViewUp(up)
     camera.SetParallelScale(0.5 * image.GetLength() / zoom)
     camera.SetClippingRange(1.0, 2000.0)
 
 
-def add(renderer, source, colour):
+def add(renderer, source, color):
     mapper = vtkPolyDataMapper()
     mapper.SetInputConnection(source.GetOutputPort())
     mapper.ScalarVisibilityOff()
     actor = vtkActor()
     actor.SetMapper(mapper)
-    actor.GetProperty().SetColor(colour)
+    actor.GetProperty().SetColor(color)
     actor.GetProperty().SetAmbient(0.4)
     renderer.AddActor(actor)
 
 
-def add_lines(renderer, lines, colour, radius):
+def add_lines(renderer, lines, color, radius):
     tubes = vtkTubeFilter()
     tubes.SetInputData(lines)
     tubes.SetRadius(radius)
     tubes.SetNumberOfSides(12)
-    add(renderer, tubes, colour)
+    add(renderer, tubes, color)
 
 
-def add_points(renderer, points, colour, radius):
+def add_points(renderer, points, color, radius):
     data = vtkPolyData()
     places = vtkPoints()
     for point in points:
@@ -149,7 +149,7 @@ def add_points(renderer, points, colour, radius):
     glyphs = vtkGlyph3D()
     glyphs.SetInputData(data)
     glyphs.SetSourceConnection(ball.GetOutputPort())
-    add(renderer, glyphs, colour)
+    add(renderer, glyphs, color)
 
 
 def polyline(points, closed_pairs=None):
@@ -221,9 +221,9 @@ def draw_figure_3(image, lattice, size, path):
     renderer = vtkRenderer()
     aim(renderer, image, (0.0, 0.0, 1.0), (0.0, 1.0, 0.0), 1.25)
     unit = image.GetLength()
-    for points, colour in ((p, WHITE), (p_ffd, RED), (p_inv, GREEN)):
-        add_lines(renderer, polyline(points), colour, 0.002 * unit)
-        add_points(renderer, points, colour, 0.006 * unit)
+    for points, color in ((p, WHITE), (p_ffd, RED), (p_inv, GREEN)):
+        add_lines(renderer, polyline(points), color, 0.002 * unit)
+        add_points(renderer, points, color, 0.006 * unit)
     add_lines(renderer, polyline(p_ffd, p_inv), (0.45, 0.47, 0.5), 0.001 * unit)
     write([renderer], size, path)
 
@@ -245,9 +245,9 @@ def draw_figure_4(image, lattice, size, path):
     aim(renderer, image, (0.0, 0.0, 1.0), (0.0, 1.0, 0.0))
     camera = renderer.GetActiveCamera()
     # Close to where the ray turns.
-    centre = places[len(places) // 4]
-    camera.SetFocalPoint(centre)
-    camera.SetPosition(centre[0], centre[1], centre[2] + 1000.0)
+    center = places[len(places) // 4]
+    camera.SetFocalPoint(center)
+    camera.SetPosition(center[0], center[1], center[2] + 1000.0)
     camera.SetParallelScale(13.0)
     add_lines(renderer, rest, GREEN, 0.12)
     add_points(renderer, vertices(rest), GREEN, 0.3)

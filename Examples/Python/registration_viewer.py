@@ -62,17 +62,17 @@ def read_transform(path, coordinates):
     return transform
 
 
-def make_property(threshold, top, colour):
+def make_property(threshold, top, color):
     opacity = vtkPiecewiseFunction()
     for scalar, alpha in ((threshold, 0.0), (0.85 * threshold + 0.15 * top, 0.4), (top, 0.95)):
         opacity.AddPoint(scalar, alpha)
-    colours = vtkColorTransferFunction()
-    colours.AddRGBPoint(threshold, *colour)
-    colours.AddRGBPoint(top, 1.0, 1.0, 0.95)
+    colors = vtkColorTransferFunction()
+    colors.AddRGBPoint(threshold, *color)
+    colors.AddRGBPoint(top, 1.0, 1.0, 0.95)
     prop = vtkVolumeProperty()
     prop.SetScalarOpacity(opacity)
     prop.SetScalarOpacityUnitDistance(2.0)
-    prop.SetColor(colours)
+    prop.SetColor(colors)
     prop.SetInterpolationTypeToLinear()
     prop.ShadeOn()
     return prop
@@ -93,10 +93,10 @@ class View:
         self.volume.SetProperty(prop)
 
     def render(self, renderer, size):
-        colours = vtkImageData()
-        if self.mapper.RenderToImage(renderer, self.volume, size, size, colours, None) != 1:
+        colors = vtkImageData()
+        if self.mapper.RenderToImage(renderer, self.volume, size, size, colors, None) != 1:
             sys.exit("rendering failed")
-        rgba = vtk_to_numpy(colours.GetPointData().GetScalars()).reshape(size, size, 4)
+        rgba = vtk_to_numpy(colors.GetPointData().GetScalars()).reshape(size, size, 4)
         alpha = rgba[..., 3:].astype(np.float32) / 255.0
         return (rgba[..., :3] * alpha + np.array(BACKGROUND) * (1.0 - alpha)).astype(np.uint8)
 

@@ -42,7 +42,7 @@ SCENES = {
         "file": "engine.vti",
         "title": "engine block (CT)",
         "opacity": [(60, 0.0), (90, 0.12), (150, 0.15), (175, 0.85), (255, 0.95)],
-        "colour": [
+        "color": [
             (60, 0.75, 0.55, 0.35),
             (140, 0.85, 0.78, 0.65),
             (170, 0.55, 0.65, 0.85),
@@ -57,7 +57,7 @@ SCENES = {
         "file": "cthead.vti",
         "title": "CT head",
         "opacity": [(60, 0.0), (75, 0.25), (110, 0.3), (140, 0.9), (255, 0.95)],
-        "colour": [
+        "color": [
             (60, 0.85, 0.6, 0.48),
             (110, 0.9, 0.7, 0.58),
             (140, 0.98, 0.94, 0.86),
@@ -77,12 +77,12 @@ def make_property(scene):
     opacity = vtkPiecewiseFunction()
     for scalar, alpha in scene["opacity"]:
         opacity.AddPoint(scalar, alpha)
-    colour = vtkColorTransferFunction()
-    for point in scene["colour"]:
-        colour.AddRGBPoint(*point)
+    color = vtkColorTransferFunction()
+    for point in scene["color"]:
+        color.AddRGBPoint(*point)
     prop = vtkVolumeProperty()
     prop.SetScalarOpacity(opacity)
-    prop.SetColor(colour)
+    prop.SetColor(color)
     prop.SetScalarOpacityUnitDistance(scene["unit"])
     prop.SetInterpolationTypeToLinear()
     prop.ShadeOn()

@@ -42,7 +42,7 @@ def run(folder, size=256, quick=False, position_program=None, progress=None):
     order = [scene.OPACITY_TITLES[name] for name in scene.OPACITIES]
     rows.sort(key=lambda row: order.index(row[0]))
     report.write_csv(folder, "table1.csv", header, rows)
-    body += ["## Table 1: samples without optimisation over samples and look-ups with it\n",
+    body += ["## Table 1: samples without optimization over samples and look-ups with it\n",
              report.markdown_table(header, rows),
              "![Table 1](%s)\n" % figures.draw_table1(folder, table, (
                  ("random", "paper"), ("smooth", "paper"), ("smooth", "default")))]
@@ -53,9 +53,9 @@ def run(folder, size=256, quick=False, position_program=None, progress=None):
         name = figures.draw_figure5(folder, image, shape, 96 if quick else size, progress)
         body += ["![Figure 5, %s](%s)\n" % (shape, name)]
     if not quick:
-        body += ["## Figure 6: with optimisation\n",
+        body += ["## Figure 6: with optimization\n",
                  "![Figure 6](%s)\n" % figures.draw_figure6(folder, table, magnitudes),
-                 "## Figure 7: without optimisation\n",
+                 "## Figure 7: without optimization\n",
                  "![Figure 7](%s)\n" % figures.draw_figure7(folder, table, magnitudes)]
 
     # Figure 8.

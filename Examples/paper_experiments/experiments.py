@@ -34,14 +34,14 @@ class CountTable:
         """With space leaping and early ray termination."""
         return self._get(shape, magnitude, method, opacity, True)
 
-    def get_unoptimised(self, shape, magnitude, method, opacity="opaque"):
+    def get_unoptimized(self, shape, magnitude, method, opacity="opaque"):
         """With neither: then the opacities change nothing, and one stands for all."""
         return self._get(shape, magnitude, method, opacity, False)
 
     def ratio(self, shape, magnitude, method, opacity):
-        """Samples without optimisation over samples and look-ups with it: an entry of table 1."""
-        optimised = self.get(shape, magnitude, method, opacity).operations
-        return self.get_unoptimised(shape, magnitude, method).samples / optimised
+        """Samples without optimization over samples and look-ups with it: an entry of table 1."""
+        optimized = self.get(shape, magnitude, method, opacity).operations
+        return self.get_unoptimized(shape, magnitude, method).samples / optimized
 
     def samples(self, counts):
         """
@@ -55,21 +55,21 @@ class CountTable:
         return counts.lookups * self._rays_scale(counts)
 
     def _rays_scale(self, counts):
-        return counts.rays / self.get_unoptimised("smooth", 0, "paper").rays
+        return counts.rays / self.get_unoptimized("smooth", 0, "paper").rays
 
-    def _get(self, shape, magnitude, method, opacity, optimised):
+    def _get(self, shape, magnitude, method, opacity, optimized):
         if magnitude == 0:
             shape = next(iter(scene.SHAPES))  # all the same
-        key = (shape, magnitude, method, opacity, optimised)
+        key = (shape, magnitude, method, opacity, optimized)
         if key not in self.counts:
             at = (shape, magnitude)
             if at not in self.lattices:
                 self.lattices[at] = scene.make_lattice(self.image, shape, magnitude)
             self.progress("%s %d, %s, %s, %s" % (
                 shape, magnitude, method, opacity,
-                "optimised" if optimised else "not optimised"))
+                "optimized" if optimized else "not optimized"))
             mapper = scene.make_mapper(
-                self.image, self.lattices[at], method, optimised, self.sample_distance)
+                self.image, self.lattices[at], method, optimized, self.sample_distance)
             # Shading changes no count of samples; only seen pictures need it.
             prop = scene.make_property(opacity, shade=False)
             self.counts[key] = scene.render(
@@ -79,14 +79,14 @@ class CountTable:
     def rows(self):
         """All counts so far, for a CSV file: header and rows."""
         header = [
-            "deformation", "magnitude", "method", "opacity", "optimised", "rays",
+            "deformation", "magnitude", "method", "opacity", "optimized", "rays",
             "segments_per_ray", "average_segment_length", "samples_per_ray",
             "visible_samples_per_ray", "distance_lookups_per_ray", "evaluations_per_ray",
             "unconverged_points"]
         rows = []
-        for (shape, magnitude, method, opacity, optimised), c in sorted(self.counts.items()):
+        for (shape, magnitude, method, opacity, optimized), c in sorted(self.counts.items()):
             rows.append([
-                shape if magnitude else "none", magnitude, method, opacity, int(optimised), c.rays,
+                shape if magnitude else "none", magnitude, method, opacity, int(optimized), c.rays,
                 "%.3f" % c.segments_per_ray, "%.3f" % c.segment_length, "%.3f" % c.samples,
                 "%.3f" % c.visible_samples, "%.3f" % c.lookups, "%.3f" % c.evaluations,
                 c.unconverged])
@@ -119,19 +119,19 @@ def check_trends(table, magnitudes):
     checks.append(Check(
         "fig6a.segment_length", "falls from nearly 8 to about 2 voxels, without end pieces",
         _list(lengths), lengths[0] > 6.0 and 1.4 <= lengths[-1] <= 2.4 and _falls(lengths)))
-    lengths = [table.get_unoptimised("random", m, "paper").segment_length for m in magnitudes]
+    lengths = [table.get_unoptimized("random", m, "paper").segment_length for m in magnitudes]
     checks.append(Check(
-        "fig7a.segment_length", "the same without optimisation",
+        "fig7a.segment_length", "the same without optimization",
         _list(lengths), lengths[0] > 6.0 and 1.4 <= lengths[-1] <= 2.4 and _falls(lengths)))
 
-    samples = [table.samples(table.get_unoptimised("random", m, "paper")) for m in magnitudes]
+    samples = [table.samples(table.get_unoptimized("random", m, "paper")) for m in magnitudes]
     checks.append(Check(
-        "fig7b.samples", "samples a ray rise steadily without optimisation",
+        "fig7b.samples", "samples a ray rise steadily without optimization",
         _list(samples), all(b > a for a, b in zip(samples, samples[1:]))))
-    same = [table.get_unoptimised("random", magnitudes[-1], "paper", opacity).samples
+    same = [table.get_unoptimized("random", magnitudes[-1], "paper", opacity).samples
             for opacity in scene.OPACITIES]
     checks.append(Check(
-        "fig7.opacity_is_irrelevant", "without optimisation all opacities cost the same",
+        "fig7.opacity_is_irrelevant", "without optimization all opacities cost the same",
         _list(same), max(same) - min(same) < 1e-9))
 
     for shape in ("smooth", "random"):
@@ -199,7 +199,7 @@ class Figure8Row:
 
     segments: float  # a ray
     evaluations: float
-    mean_colour: float  # of 255, over the pixels that either picture covers
+    mean_color: float  # of 255, over the pixels that either picture covers
     changed: float  # part of those pixels that differ by more than 8 of 255
     mean_depth: float  # voxels, over the pixels that both cover
     depth_95: float  # percentile
@@ -209,7 +209,7 @@ class Figure8Row:
 def depth_roughness(depths, exact):
     """
     How rough a surface is that should be as smooth as another one: root mean square of the
-    difference of their depths less its mean over the four neighbours, where all of them agree to
+    difference of their depths less its mean over the four neighbors, where all of them agree to
     a few voxels, so that outlines do not count.
     """
     with numpy.errstate(invalid="ignore"):
@@ -250,7 +250,7 @@ def run_figure8(image, size, sample_distance, progress=None):
         if name in ("undeformed", "exact"):
             continue
         difference = numpy.abs(picture.over((0, 0, 0)) - exact.over((0, 0, 0))).max(axis=2) * 255.0
-        covered = (picture.colours[:, :, 3] > 0) | (exact.colours[:, :, 3] > 0)
+        covered = (picture.colors[:, :, 3] > 0) | (exact.colors[:, :, 3] > 0)
         both = numpy.isfinite(picture.depths) & numpy.isfinite(exact.depths)
         apart = numpy.abs(picture.depths[both] - exact.depths[both])
         rows[name] = Figure8Row(

@@ -16,7 +16,7 @@ import experiments  # noqa: E402
 import scene  # noqa: E402
 
 BACKGROUND = (0.10, 0.11, 0.13)
-COLOURS = {"semi": "#0072B2", "opaque": "#D55E00", "sparse": "#009E73"}
+COLORS = {"semi": "#0072B2", "opaque": "#D55E00", "sparse": "#009E73"}
 STYLES = {"paper": "-", "default": "--"}
 
 
@@ -67,7 +67,7 @@ def _curves(folder, name, table, magnitudes, panels, methods, opacities):
                     panel.plot(
                         magnitudes,
                         [value(get(shape, m, method, opacity)) for m in magnitudes],
-                        STYLES[method], color=COLOURS[opacity], marker="o", markersize=3,
+                        STYLES[method], color=COLORS[opacity], marker="o", markersize=3,
                         label="%s, %s" % (
                             {"paper": "paper's method", "default": "vtkFFD"}[method],
                             {"semi": "semi-transparent", "opaque": "opaque",
@@ -97,8 +97,8 @@ def draw_figure6(folder, table, magnitudes):
 
 def draw_figure7(folder, table, magnitudes):
     panels = (
-        ("a: average segment length (voxels)", lambda c: c.segment_length, table.get_unoptimised),
-        ("b: samples per ray", table.samples, table.get_unoptimised),
+        ("a: average segment length (voxels)", lambda c: c.segment_length, table.get_unoptimized),
+        ("b: samples per ray", table.samples, table.get_unoptimized),
     )
     return _curves(folder, "figure7.png", table, magnitudes, panels, ("paper", "default"),
                    ("opaque",))
@@ -115,17 +115,17 @@ def draw_table1(folder, table, curves):
         panel.plot(scene.TABLE_MAGNITUDES, experiments.PAPER_TABLE[opacity], "k-", linewidth=2.5,
                    marker="s", label="the paper's table 1")
         for shape, method in curves:
-            colour, title = styles[method]
+            color, title = styles[method]
             panel.plot(
                 scene.TABLE_MAGNITUDES,
                 [table.ratio(shape, m, method, opacity) for m in scene.TABLE_MAGNITUDES],
-                lines[shape], color=colour, marker="o", markersize=4,
+                lines[shape], color=color, marker="o", markersize=4,
                 label="%s, %s" % (title, shape))
         panel.set_ylim(bottom=0.0)
         panel.grid(True, alpha=0.3)
         panel.set_title(scene.OPACITY_TITLES[opacity], fontsize=10)
         panel.set_xlabel("deformation magnitude (voxels)", fontsize=9)
-    axes[0].set_ylabel("samples without / operations with optimisation", fontsize=9)
+    axes[0].set_ylabel("samples without / operations with optimization", fontsize=9)
     handles, labels = axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="lower center", ncol=3, fontsize=8)
     figure.get_layout_engine().set(rect=(0.0, 0.16, 1.0, 0.84))
@@ -144,14 +144,14 @@ def _find_crop(pictures, side):
 
 
 def draw_figure8(folder, pictures):
-    """Pictures; the part where they differ most; differences from the exact one in colour, and of
+    """Pictures; the part where they differ most; differences from the exact one in color, and of
     the surface along the view."""
     names = list(experiments.FIGURE8)
     figure, axes = pyplot.subplots(
         4, len(names), figsize=(3.0 * len(names), 12.6),
         gridspec_kw={"left": 0.0, "right": 1.0, "bottom": 0.0, "top": 0.97, "wspace": 0.02,
                      "hspace": 0.08})
-    crop = _find_crop(pictures, pictures["exact"].colours.shape[0] // 4)
+    crop = _find_crop(pictures, pictures["exact"].colors.shape[0] // 4)
     exact = pictures["exact"]
     for column, name in enumerate(names):
         picture = pictures[name]
@@ -163,7 +163,7 @@ def draw_figure8(folder, pictures):
             axes[3][column].set_axis_off()
             continue
         _show(axes[2][column], 8.0 * numpy.abs(pixels - exact.over(BACKGROUND)),
-              "difference of colours x 8")
+              "difference of colors x 8")
         both = numpy.isfinite(picture.depths) & numpy.isfinite(exact.depths)
         apart = numpy.full(both.shape, numpy.nan)
         apart[both] = numpy.abs(picture.depths[both] - exact.depths[both])
@@ -184,9 +184,9 @@ def draw_position_error(folder, rows):
     figure, axes = pyplot.subplots(
         1, len(deformations), squeeze=False, figsize=(5.0 * len(deformations), 4.4),
         constrained_layout=True)
-    colours = {"FIRST_ORDER": "#0072B2", "EXACT": "#D55E00", "PULL_BACK": "#009E73"}
+    colors = {"FIRST_ORDER": "#0072B2", "EXACT": "#D55E00", "PULL_BACK": "#009E73"}
     for panel, deformation in zip(axes[0], deformations):
-        for inverse, colour in colours.items():
+        for inverse, color in colors.items():
             for kind, marker in (("ERROR_BOUND", "o"), ("GREEDY_ANGLE", "^")):
                 mine = [r for r in rows if r["deformation"] == deformation
                         and r["inverse"] == inverse and r["segmentation"] == kind]
@@ -195,7 +195,7 @@ def draw_position_error(folder, rows):
                 panel.plot(
                     [float(r["pieces_per_100_voxels"]) for r in mine],
                     [max(float(r["largest_error"]), 1e-6) for r in mine],
-                    "-" if kind == "ERROR_BOUND" else ":", marker=marker, color=colour,
+                    "-" if kind == "ERROR_BOUND" else ":", marker=marker, color=color,
                     markersize=4, label="%s, %s" % (kind, inverse))
         panel.set_xscale("log")
         panel.set_yscale("log")

@@ -43,7 +43,7 @@ def table1(table, methods, shapes):
 
 def counts_at_table_magnitudes(table, methods, shapes):
     """What table 1 is made of."""
-    header = ["opacity", "deformation", "rendered by", "magnitude", "samples, not optimised",
+    header = ["opacity", "deformation", "rendered by", "magnitude", "samples, not optimized",
               "samples", "of them visible", "look-ups", "evaluations", "segment length"]
     rows = []
     for opacity in scene.OPACITIES:
@@ -51,7 +51,7 @@ def counts_at_table_magnitudes(table, methods, shapes):
             for method in methods:
                 for magnitude in scene.TABLE_MAGNITUDES:
                     c = table.get(shape, magnitude, method, opacity)
-                    u = table.get_unoptimised(shape, magnitude, method)
+                    u = table.get_unoptimized(shape, magnitude, method)
                     rows.append([opacity, shape, method, magnitude, "%.1f" % u.samples,
                                  "%.2f" % c.samples, "%.2f" % c.visible_samples,
                                  "%.2f" % c.lookups, "%.2f" % c.evaluations,
@@ -65,12 +65,12 @@ def check_rows(checks):
 
 
 def figure8_rows(rows):
-    header = ["rays", "segments a ray", "evaluations a ray", "mean colour difference (of 255)",
+    header = ["rays", "segments a ray", "evaluations a ray", "mean color difference (of 255)",
               "pixels beyond 8 of 255", "mean distance (voxels)", "95 % below (voxels)",
               "roughness (voxels)"]
     return header, [
         [experiments.FIGURE8[name], "%.1f" % r.segments, "%.1f" % r.evaluations,
-         "%.2f" % r.mean_colour, "%.2f %%" % (100.0 * r.changed), "%.3f" % r.mean_depth,
+         "%.2f" % r.mean_color, "%.2f %%" % (100.0 * r.changed), "%.3f" % r.mean_depth,
          "%.3f" % r.depth_95, "%.3f" % r.roughness] for name, r in rows.items()]
 
 
@@ -100,7 +100,7 @@ the angle (5 degrees) and what is counted. The rest had to be chosen:
 
 Counted are, per ray: pieces that the ray was cut into and sampled on, and their length on the viewing
 ray; interpolated scalars ("samples"); and positions in empty space where a distance was looked up
-("look-ups"). Table 1 divides the samples without optimisation (no leaping, no early termination) by
+("look-ups"). Table 1 divides the samples without optimization (no leaping, no early termination) by
 samples plus look-ups with it, so a look-up weighs as much as a sample, as in the paper.
 
 Methods:
@@ -121,7 +121,7 @@ FIGURE8_TEXT = """\
 {shape}, magnitude {magnitude}, samples every {distance} voxel, opaque. Each row is compared with a
 picture whose rays have a segment for every sample, so that every sample is exactly where equation (3)
 puts it. "Distance" is that of the surfaces along the view; "roughness" is the root mean square of
-what the difference of the surfaces has that its four neighbours do not. The second row of the figure
+what the difference of the surfaces has that its four neighbors do not. The second row of the figure
 is the part where fixed segments of 4 voxels differ most; the third and the fourth show differences.
 """
 
@@ -150,7 +150,7 @@ DIFFERENCES = """\
   voxels long, fixed ones of 2 and 4 are hardly worse. That ours look smooth even with 4 voxels is also
   due to normals: they come from the derivatives of the deformation, not from the segments. Those of
   the fast kernels come from the 4 x 4 nodes of a tile and have no proven bound: under so severe a
-  deformation ERROR_BOUND is closest in position, but not in colour.
+  deformation ERROR_BOUND is closest in position, but not in color.
 """
 
 PACKETS = """\

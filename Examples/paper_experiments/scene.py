@@ -73,14 +73,14 @@ def make_property(opacity, shade=True):
     alpha = vtkPiecewiseFunction()
     for scalar, value in OPACITIES[opacity]:
         alpha.AddPoint(scalar, value)
-    colour = vtkColorTransferFunction()
-    colour.AddRGBPoint(70, 0.80, 0.66, 0.48)
-    colour.AddRGBPoint(150, 0.88, 0.82, 0.72)
-    colour.AddRGBPoint(190, 0.60, 0.70, 0.86)
-    colour.AddRGBPoint(255, 0.90, 0.95, 1.0)
+    color = vtkColorTransferFunction()
+    color.AddRGBPoint(70, 0.80, 0.66, 0.48)
+    color.AddRGBPoint(150, 0.88, 0.82, 0.72)
+    color.AddRGBPoint(190, 0.60, 0.70, 0.86)
+    color.AddRGBPoint(255, 0.90, 0.95, 1.0)
     prop = vtkVolumeProperty()
     prop.SetScalarOpacity(alpha)
-    prop.SetColor(colour)
+    prop.SetColor(color)
     prop.SetScalarOpacityUnitDistance(1.0)
     prop.SetInterpolationTypeToLinear()
     prop.SetShade(1 if shade else 0)
@@ -161,8 +161,8 @@ METHODS = {
 }
 
 
-def make_mapper(image, lattice, method, optimised=True, sample_distance=SAMPLE_DISTANCE):
-    """`optimised`: with space leaping and early ray termination, or with neither."""
+def make_mapper(image, lattice, method, optimized=True, sample_distance=SAMPLE_DISTANCE):
+    """`optimized`: with space leaping and early ray termination, or with neither."""
     mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
     mapper.SetInputData(image)
     mapper.SetDeformation(lattice)
@@ -178,7 +178,7 @@ def make_mapper(image, lattice, method, optimised=True, sample_distance=SAMPLE_D
         mapper.SetInverseModeToFirstOrder()
     elif method != "default":
         raise ValueError("unknown method '%s'" % method)
-    if not optimised:
+    if not optimized:
         mapper.SetSpaceLeapingToOff()
         mapper.SetEarlyRayTerminationThreshold(0.0)
     return mapper
@@ -193,14 +193,14 @@ PICTURE_DISTANCE = 2.3
 def make_renderer(image, distance):
     """A perspective camera that sees three sides of the block."""
     bounds = image.GetBounds()
-    centre = numpy.array([0.5 * (bounds[2 * a] + bounds[2 * a + 1]) for a in range(3)])
+    center = numpy.array([0.5 * (bounds[2 * a] + bounds[2 * a + 1]) for a in range(3)])
     direction = numpy.array([-0.75, -0.55, -1.0])
     direction /= numpy.linalg.norm(direction)
     distance *= (bounds[1] - bounds[0])
     renderer = vtkRenderer()
     camera = renderer.GetActiveCamera()
-    camera.SetFocalPoint(*centre)
-    camera.SetPosition(*(centre - distance * direction))
+    camera.SetFocalPoint(*center)
+    camera.SetPosition(*(center - distance * direction))
     camera.SetViewUp(0.0, 1.0, 0.0)
     camera.SetViewAngle(2.0 * math.degrees(math.atan(0.25)))
     camera.SetClippingRange(0.2 * distance, 2.0 * distance)
@@ -228,13 +228,13 @@ class Counts:
 
 @dataclass(frozen=True)
 class Picture:
-    colours: numpy.ndarray  # height x width x 4, 8 bits, rows top down, not premultiplied
+    colors: numpy.ndarray  # height x width x 4, 8 bits, rows top down, not premultiplied
     depths: numpy.ndarray  # world units from the eye along the view direction; inf: nothing there
     counts: Counts
 
     def over(self, background):
-        """Colours over an opaque background, height x width x 3, 0..1."""
-        rgba = self.colours.astype(float) / 255.0
+        """Colors over an opaque background, height x width x 3, 0..1."""
+        rgba = self.colors.astype(float) / 255.0
         alpha = rgba[:, :, 3:]
         return rgba[:, :, :3] * alpha + numpy.asarray(background) * (1.0 - alpha)
 
@@ -245,16 +245,16 @@ def render(image, mapper, prop, size, distance=PICTURE_DISTANCE):
     volume.SetMapper(mapper)
     volume.SetProperty(prop)
     renderer = make_renderer(image, distance)
-    colours = vtkImageData()
+    colors = vtkImageData()
     depths = vtkImageData()
-    if not mapper.RenderToImage(renderer, volume, size, size, colours, depths):
+    if not mapper.RenderToImage(renderer, volume, size, size, colors, depths):
         raise SystemExit("paper_experiments: the mapper could not render")
     near, far = renderer.GetActiveCamera().GetClippingRange()
     window = vtk_to_numpy(depths.GetPointData().GetScalars()).reshape(size, size)[::-1]
     window = window.astype(float)
     away = numpy.where(
         window < 1.0, near * far / (far - window * (far - near)), numpy.inf)
-    rgba = vtk_to_numpy(colours.GetPointData().GetScalars()).reshape(size, size, 4)[::-1].copy()
+    rgba = vtk_to_numpy(colors.GetPointData().GetScalars()).reshape(size, size, 4)[::-1].copy()
     s = mapper.GetStatistics()
     counts = Counts(
         s.GetNumberOfRays(), s.GetSegmentsPerRay(), s.GetAverageSegmentLength(),

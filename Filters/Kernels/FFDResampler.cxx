@@ -22,7 +22,7 @@ namespace
 /// Distance of the points where the inverse is solved for, in points of the grid.
 constexpr int NodeStep = 4;
 
-/// What lies outside of the volume by less than this, in voxels, is inside.
+/// Positions outside of the volume by less than this, in voxels, count as inside.
 constexpr double BorderSlack = 1e-6;
 
 /// Whole numbers that rounding hid.
@@ -32,10 +32,7 @@ double Snap(double value)
   return std::abs(value - whole) <= 1e-9 ? whole : value;
 }
 
-int FloorDivide(int a, int b)
-{
-  return a / b - (a % b != 0 && (a % b < 0) != (b < 0) ? 1 : 0);
-}
+int FloorDivide(int a, int b) { return a / b - (a % b != 0 && (a % b < 0) != (b < 0) ? 1 : 0); }
 
 /// Weights of four equidistant nodes for the position t in [0, 1] between the middle two: the cubic
 /// through them (Lagrange), error O(step^4).
@@ -47,7 +44,8 @@ void CubicThroughNodes(double t, double w[4])
   w[3] = (t + 1.0) * t * (t - 1.0) / 6.0;
 }
 
-/// What values of a scalar type are summed in: all of 8 and 16 bits fit exactly into a float.
+/// The type in which values of a scalar type are summed: integers of 8 and 16 bits fit exactly
+/// into a float.
 template <class T>
 using Arithmetic = typename std::conditional<sizeof(T) <= 2, float, double>::type;
 
@@ -184,8 +182,9 @@ private:
     const A tx = static_cast<A>(t[0]);
     const A ty = static_cast<A>(t[1]);
     const A tz = static_cast<A>(t[2]);
-    const auto line = [tx, x](const T* p)
-    { return Lerp<T, A>(static_cast<A>(p[0]), static_cast<A>(p[x]), tx); };
+    const auto line = [tx, x](const T* p) {
+      return Lerp<T, A>(static_cast<A>(p[0]), static_cast<A>(p[x]), tx);
+    };
     for (int c = 0; c < this->Components; ++c)
     {
       const T* const p = this->Voxels + offset + c;
@@ -243,8 +242,8 @@ private:
         // As above: a voxel without weight does not count.
         if (weight != A(0))
         {
-          sum +=
-            weight * static_cast<A>(this->Voxels[offsets[0][i] + offsets[1][j] + offsets[2][k] + c]);
+          sum += weight *
+            static_cast<A>(this->Voxels[offsets[0][i] + offsets[1][j] + offsets[2][k] + c]);
         }
       }
       out[c] = Convert<T, A>(sum);
@@ -266,10 +265,7 @@ Box Moved(const Box& box, const Box& range, double sign)
                     : Box{ box.Min - range.Max, box.Max - range.Min };
 }
 
-Box Union(const Box& a, const Box& b)
-{
-  return { glm::min(a.Min, b.Min), glm::max(a.Max, b.Max) };
-}
+Box Union(const Box& a, const Box& b) { return { glm::min(a.Min, b.Min), glm::max(a.Max, b.Max) }; }
 
 } // namespace
 
@@ -311,7 +307,7 @@ Box FindRestRegion(const PullBack& map, const PullBackBounds& bounds, const Box&
 }
 
 //------------------------------------------------------------------------------
-/// Where the points of one extent come from.
+/// Rest positions of the points of one extent.
 class Resampler::Extent
 {
 public:
@@ -326,8 +322,7 @@ public:
     }
     if (!resampler.Inverts())
     {
-      this->Rows.reset(
-        new SplineRows(*resampler.Map->GetField(), resampler.Grid, first.x, last.x));
+      this->Rows.reset(new SplineRows(*resampler.Map->GetField(), resampler.Grid, first.x, last.x));
       return;
     }
     if (resampler.Settings.UniqueInverse)
@@ -342,7 +337,8 @@ public:
 
   std::size_t GetNumberOfNodeRows() const
   {
-    return static_cast<std::size_t>(this->NodeCount.y) * static_cast<std::size_t>(this->NodeCount.z);
+    return static_cast<std::size_t>(this->NodeCount.y) *
+      static_cast<std::size_t>(this->NodeCount.z);
   }
 
   /// Solve for the inverse at the nodes: displacements T^-1(P) - P.
@@ -352,28 +348,27 @@ public:
     // Also of the kind that reflects the inverse: the inverse itself is what is smooth and checked.
     const PullBack inverse(
       this->Owner.Map->GetField(), PullBackKind::Exact, this->Owner.Map->GetTolerance());
-    parallelFor(this->GetNumberOfNodeRows(),
-      [this, &inverse](std::size_t from, std::size_t to)
+    parallelFor(this->GetNumberOfNodeRows(), [this, &inverse](std::size_t from, std::size_t to) {
+      for (std::size_t row = from; row < to; ++row)
       {
-        for (std::size_t row = from; row < to; ++row)
+        const int j = static_cast<int>(row % static_cast<std::size_t>(this->NodeCount.y));
+        const int k = static_cast<int>(row / static_cast<std::size_t>(this->NodeCount.y));
+        glm::dvec3* const nodes = &this->Nodes[row * static_cast<std::size_t>(this->NodeCount.x)];
+        for (int i = 0; i < this->NodeCount.x; ++i)
         {
-          const int j = static_cast<int>(row % static_cast<std::size_t>(this->NodeCount.y));
-          const int k = static_cast<int>(row / static_cast<std::size_t>(this->NodeCount.y));
-          glm::dvec3* const nodes = &this->Nodes[row * static_cast<std::size_t>(this->NodeCount.x)];
-          for (int i = 0; i < this->NodeCount.x; ++i)
-          {
-            const glm::dvec3 p = this->Owner.Grid.ToData(
-              glm::dvec3((this->FirstNode + glm::ivec3(i, j, k)) * NodeStep));
-            PullBackStatus status;
-            nodes[i] = inverse.Evaluate(p, status) - p;
-          }
+          const glm::dvec3 p =
+            this->Owner.Grid.ToData(glm::dvec3((this->FirstNode + glm::ivec3(i, j, k)) * NodeStep));
+          PullBackStatus status;
+          nodes[i] = inverse.Evaluate(p, status) - p;
         }
-      });
+      }
+    });
   }
 
-  /// Where the points of row (j, k) come from, in the volume. Adds the unconverged ones.
-  void FindPositions(int j, int k, SplineRows::Scratch& scratch, RowPositions& row,
-    std::int64_t& unconverged) const
+  /// Finds the rest positions of the points of row (j, k), in the volume. Adds the unconverged
+  /// ones.
+  void FindPositions(
+    int j, int k, SplineRows::Scratch& scratch, RowPositions& row, std::int64_t& unconverged) const
   {
     const PullBack& map = *this->Owner.Map;
     const int count = this->Count.x;
@@ -395,8 +390,8 @@ public:
       this->FindInverses(j, k, scratch, row, unconverged);
     }
     const glm::dmat3& m = this->Owner.ToVolume;
-    const glm::dvec3 start = this->Owner.ToVolumeOffset + m[1] * static_cast<double>(j) +
-      m[2] * static_cast<double>(k);
+    const glm::dvec3 start =
+      this->Owner.ToVolumeOffset + m[1] * static_cast<double>(j) + m[2] * static_cast<double>(k);
     for (int i = 0; i < count; ++i)
     {
       const double at = this->First.x + i;
@@ -408,8 +403,8 @@ public:
 
 private:
   /// As above for the kinds that invert T: Phi(P) - P in index coordinates.
-  void FindInverses(int j, int k, SplineRows::Scratch& scratch, RowPositions& row,
-    std::int64_t& unconverged) const
+  void FindInverses(
+    int j, int k, SplineRows::Scratch& scratch, RowPositions& row, std::int64_t& unconverged) const
   {
     const PullBack& map = *this->Owner.Map;
     const bool reflected = map.GetKind() == PullBackKind::FirstOrderOfInverse;
@@ -429,7 +424,8 @@ private:
         const int cell = FloorDivide(index, NodeStep);
         double w[4];
         CubicThroughNodes(static_cast<double>(index - cell * NodeStep) / NodeStep, w);
-        const glm::dvec3* const nodes = &line[static_cast<std::size_t>(cell - 1 - this->FirstNode.x)];
+        const glm::dvec3* const nodes =
+          &line[static_cast<std::size_t>(cell - 1 - this->FirstNode.x)];
         u = w[0] * nodes[0] + w[1] * nodes[1] + w[2] * nodes[2] + w[3] * nodes[3];
         // T(P + u) - P; false for what is not a number, too.
         found = glm::length(u + map.GetField()->Displacement(p + u)) <= map.GetTolerance();
@@ -505,14 +501,11 @@ Resampler::Resampler(const VolumeView& volume, const PullBack& map, const ImageG
 }
 
 //------------------------------------------------------------------------------
-bool Resampler::Inverts() const
-{
-  return InvertsTheField(this->Map->GetKind());
-}
+bool Resampler::Inverts() const { return InvertsTheField(this->Map->GetKind()); }
 
 //------------------------------------------------------------------------------
-std::int64_t Resampler::Resample(const glm::ivec3& first, const glm::ivec3& last, void* out,
-  const ParallelFor& parallelFor) const
+std::int64_t Resampler::Resample(
+  const glm::ivec3& first, const glm::ivec3& last, void* out, const ParallelFor& parallelFor) const
 {
   const glm::ivec3 count = last - first + 1;
   if (count.x < 1 || count.y < 1 || count.z < 1)
@@ -525,27 +518,23 @@ std::int64_t Resampler::Resample(const glm::ivec3& first, const glm::ivec3& last
   const std::size_t rows = static_cast<std::size_t>(count.y) * static_cast<std::size_t>(count.z);
   const std::size_t rowLength =
     static_cast<std::size_t>(count.x) * static_cast<std::size_t>(this->Volume->Increments[0]);
-  DispatchScalarType(this->Volume->Type,
-    [&](auto zero)
-    {
-      using T = decltype(zero);
-      const RowSampler<T> sampler(*this->Volume, this->Settings);
-      parallelFor(rows,
-        [&](std::size_t from, std::size_t to)
-        {
-          SplineRows::Scratch scratch;
-          RowPositions positions;
-          std::int64_t missed = 0;
-          for (std::size_t row = from; row < to; ++row)
-          {
-            const int j = first.y + static_cast<int>(row % static_cast<std::size_t>(count.y));
-            const int k = first.z + static_cast<int>(row / static_cast<std::size_t>(count.y));
-            extent.FindPositions(j, k, scratch, positions, missed);
-            sampler.Sample(positions, count.x, static_cast<T*>(out) + row * rowLength);
-          }
-          unconverged += missed;
-        });
+  DispatchScalarType(this->Volume->Type, [&](auto zero) {
+    using T = decltype(zero);
+    const RowSampler<T> sampler(*this->Volume, this->Settings);
+    parallelFor(rows, [&](std::size_t from, std::size_t to) {
+      SplineRows::Scratch scratch;
+      RowPositions positions;
+      std::int64_t missed = 0;
+      for (std::size_t row = from; row < to; ++row)
+      {
+        const int j = first.y + static_cast<int>(row % static_cast<std::size_t>(count.y));
+        const int k = first.z + static_cast<int>(row / static_cast<std::size_t>(count.y));
+        extent.FindPositions(j, k, scratch, positions, missed);
+        sampler.Sample(positions, count.x, static_cast<T*>(out) + row * rowLength);
+      }
+      unconverged += missed;
     });
+  });
   return unconverged;
 }
 

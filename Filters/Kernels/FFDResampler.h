@@ -3,10 +3,10 @@
 #ifndef FFDResampler_h
 #define FFDResampler_h
 
+#include "Bounds/FFDPullBackBounds.h"
 #include "FFDExport.h"
 #include "FFDParallelFor.h"
 #include "FFDPullBack.h"
-#include "FFDPullBackBounds.h"
 #include "FFDSplineRows.h"
 #include "FFDVolumeView.h"
 
@@ -19,7 +19,7 @@
 namespace ffd
 {
 
-/// How values between voxels are found.
+/// Interpolation of values between voxels.
 enum class ResampleInterpolation
 {
   Nearest,
@@ -40,7 +40,7 @@ struct ResampleSettings
  * A box that contains Phi(P) for every P in `deformed`: what has to be known of the volume at rest
  * to resample that part of deformed space. Conservative, unconverged points included.
  */
-FFD_KERNEL_EXPORT Box FindRestRegion(
+FFD_FILTERS_EXPORT Box FindRestRegion(
   const PullBack& map, const PullBackBounds& bounds, const Box& deformed);
 
 /**
@@ -56,7 +56,7 @@ FFD_KERNEL_EXPORT Box FindRestRegion(
  * points that they have weight in. The result does not depend on how the grid is split into
  * extents, nor on the number of threads.
  */
-class FFD_KERNEL_EXPORT Resampler
+class FFD_FILTERS_EXPORT Resampler
 {
 public:
   /// `volume` and `map` are kept by pointer. Components: Increments[0] of the volume.

@@ -92,8 +92,8 @@ glm::dvec3 SplineRows::GetPoint(int i, int j, int k) const
 }
 
 //------------------------------------------------------------------------------
-void SplineRows::Collapse(const double weightsB[4], const double weightsC[4], int cellB,
-  int cellC, std::vector<glm::dvec3>& line) const
+void SplineRows::Collapse(const double weightsB[4], const double weightsC[4], int cellB, int cellC,
+  std::vector<glm::dvec3>& line) const
 {
   const glm::ivec3& nodes = this->Field->GetPaddedNodes();
   const std::size_t strides[3] = { 1, static_cast<std::size_t>(nodes.x),
@@ -122,8 +122,8 @@ void SplineRows::Collapse(const double weightsB[4], const double weightsC[4], in
 }
 
 //------------------------------------------------------------------------------
-void SplineRows::Displacements(int j, int k, const glm::dmat3& factor, Scratch& scratch,
-  double* x, double* y, double* z) const
+void SplineRows::Displacements(
+  int j, int k, const glm::dmat3& factor, Scratch& scratch, double* x, double* y, double* z) const
 {
   if (!this->IsAligned())
   {

@@ -31,13 +31,13 @@ struct ImageGrid
  * A displacement field at the points of an image grid, row by row. Where the rows run along an
  * axis of the field, which they do unless the image is turned, the 64 control points of a cell are
  * first summed over the two other axes, once per row; a point then takes a sum of four, whose
- * weights are the same in all rows. That is some 10 times faster than BSplineField::Displacement(),
+ * weights are the same in all rows. That is much faster than BSplineField::Displacement(),
  * and equal to it up to rounding. Other rows are evaluated point by point.
  *
  * The results depend on the index of a point alone, not on the range of indices: an image can be
  * made piece by piece.
  */
-class FFD_KERNEL_EXPORT SplineRows
+class FFD_FILTERS_EXPORT SplineRows
 {
 public:
   /// Rows of the points first ... last of `grid`. `field` is kept by pointer.
@@ -46,15 +46,15 @@ public:
   int GetCount() const { return this->Count; }
   bool IsAligned() const { return this->Axis >= 0; }
 
-  /// What the rows of one thread share.
+  /// Working memory that the rows of one thread share.
   struct Scratch
   {
     std::vector<glm::dvec3> Lines[3];
   };
 
   /// `factor` * D of the points of row (j, k), as three arrays of GetCount() numbers.
-  void Displacements(int j, int k, const glm::dmat3& factor, Scratch& scratch, double* x,
-    double* y, double* z) const;
+  void Displacements(int j, int k, const glm::dmat3& factor, Scratch& scratch, double* x, double* y,
+    double* z) const;
 
   /// Jacobians of D of the points of row (j, k), [column][row].
   void Jacobians(int j, int k, Scratch& scratch, glm::dmat3* jacobians) const;

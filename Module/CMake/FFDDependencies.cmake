@@ -1,12 +1,13 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
 # The packages the project is built on. Debian: libvtk9-dev libglm-dev libhwy-dev python3-vtk9,
-# libeigen3-dev for VTK::eigen, libhdf5-dev for VTK::hdf5.
+# libeigen3-dev, libhdf5-dev for VTK::hdf5.
 set(ffd_vtk_components
-  CommonCore CommonDataModel CommonExecutionModel CommonMath CommonSystem CommonTransforms
+  CommonCore CommonDataModel CommonExecutionModel CommonMath CommonMisc CommonSystem
+  CommonTransforms
   FiltersCore FiltersGeneral FiltersHybrid FiltersSources hdf5
   ImagingCore ImagingHybrid ImagingSources ImagingStatistics
-  InteractionStyle InteractionWidgets IOImage IOLegacy IOXML
+  InteractionStyle InteractionWidgets IOCore IOImage IOLegacy IOXML
   RenderingCore RenderingFreeType RenderingLabel RenderingOpenGL2 RenderingUI RenderingVolume
   RenderingVolumeOpenGL2
   TestingCore TestingRendering)
@@ -22,3 +23,4 @@ endif ()
 find_package(VTK 9.1 REQUIRED COMPONENTS ${ffd_vtk_components})
 find_package(glm REQUIRED)
 find_package(HWY REQUIRED)
+find_package(Eigen3 3.3 REQUIRED NO_MODULE)

@@ -53,7 +53,7 @@ if (FFD_STRICT_WARNINGS)
     -Wcast-align -Wcast-qual -Wformat=2 -Wnon-virtual-dtor
     -Woverloaded-virtual -Wpointer-arith -Wshadow -Wundef -Wunused -Wvla)
   if (CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    # GCC 12 takes vectors of GLM and small arrays that a loop fills for uninitialised at -O3.
+    # GCC 12 takes vectors of GLM and small arrays that a loop fills for uninitialized at -O3.
     list(APPEND ffd_warnings
       -Wduplicated-branches -Wduplicated-cond -Wlogical-op -Wno-maybe-uninitialized)
   endif ()
@@ -80,13 +80,24 @@ function (ffd_link_private module)
   vtk_module_link("${module}" PRIVATE ${targets})
 endfunction ()
 
-# Settings that every module library shares: flags, the kernels' include path, GLM and Highway.
-# They stay private, so nothing of them reaches an installed header.
+# ffd_use_headers(<module> <target>...): libraries of headers alone, which nobody who links the module needs.
+function (ffd_use_headers module)
+  foreach (target IN LISTS ARGN)
+    vtk_module_link("${module}" PRIVATE "$<BUILD_INTERFACE:${target}>")
+  endforeach ()
+endfunction ()
+
+# ffd_configure_module(<module> <folder>...): settings that every module library shares. The sources may
+# include the kernels of the module and of the folders. All of it stays private, so nothing of it
+# reaches an installed header.
 function (ffd_configure_module module)
-  vtk_module_definitions("${module}" PRIVATE FFD_BUILDING_KERNELS)
-  vtk_module_include("${module}" PRIVATE
-    "${FFD_SOURCE_DIR}/Module/Kernels"
-    "${CMAKE_CURRENT_SOURCE_DIR}/Kernels")
+  string(REPLACE "FFD::" "" name "${module}")
+  string(TOUPPER "${name}" name)
+  vtk_module_definitions("${module}" PRIVATE "FFD_BUILDING_${name}")
+  set(folders ${ARGN})
+  list(TRANSFORM folders PREPEND "${FFD_SOURCE_DIR}/")
+  list(TRANSFORM folders APPEND "/Kernels")
+  vtk_module_include("${module}" PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}/Kernels" ${folders})
   # Not linked: static libraries would have to export it.
   vtk_module_compile_options("${module}" PRIVATE
     $<TARGET_PROPERTY:ffd_build_flags,INTERFACE_COMPILE_OPTIONS>)

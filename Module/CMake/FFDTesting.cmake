@@ -10,7 +10,7 @@ Helpers to add tests. One line per test in the CMakeLists.txt of the test's fold
   Testing/Python    ffd_add_python_test(<file>.py [<options>])   unittest through "import vtkffd"
 
 Options, where they apply:
-  RENDERING      opens a render window: gets the label "rendering", Mesa's software rasteriser, and
+  RENDERING      opens a render window: gets the label "rendering", Mesa's software rasterizer, and
                  fails with a message when there is no X display
   LABELS <l>...  further ctest labels (each test has the label of its kind: kernels, cxx, python)
   TIMEOUT <s>    seconds, default FFD_TEST_TIME_LIMIT (an hour)
@@ -39,7 +39,7 @@ set(ffd_test_environment
 if (FFD_SANITIZERS)
   # Libraries that are not ours (Mesa, OpenMPI, VTK's own) are suppressed by name. What no
   # suppression hides is switched off: Xlib and xcb lock in both orders, and Mesa's locks are seen
-  # in part only. VTK's SMP tools run on standard threads: TBB synchronises by atomics that the
+  # in part only. VTK's SMP tools run on standard threads: TBB synchronizes by atomics that the
   # thread sanitizer does not see.
   set(suppressions "${CMAKE_SOURCE_DIR}/Testing/Sanitizers")
   list(APPEND ffd_test_environment
@@ -117,11 +117,7 @@ function (ffd_add_kernel_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "LABELS")
   ffd_list_test_sources(cxx ${arg_UNPARSED_ARGUMENTS})
   add_executable("${name}" ${arg_UNPARSED_ARGUMENTS})
-  target_include_directories("${name}" PRIVATE
-    "${CMAKE_SOURCE_DIR}/Module/Kernels"
-    "${CMAKE_SOURCE_DIR}/Filters/Kernels"
-    "${CMAKE_SOURCE_DIR}/Rendering/Kernels"
-    "${CMAKE_SOURCE_DIR}/Rendering/Widgets/Kernels")
+  target_include_directories("${name}" PRIVATE ${ffd_kernel_folders})
   target_link_libraries("${name}" PRIVATE
     ffd_build_flags
     ${ffd_modules}

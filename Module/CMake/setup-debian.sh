@@ -5,9 +5,10 @@
 # Install the packages of Debian 12 or 13 that vtkFFD is built and tested with. Packages that are
 # there already are left alone, so a second run only looks and ends in a moment.
 #
-# usage: Module/CMake/setup-debian.sh [--paraview] [--list | --help]
-#   --paraview  those of the ParaView plugin, too
-#   --list      print the packages and stop
+# usage: Module/CMake/setup-debian.sh [--paraview] [--documentation] [--list | --help]
+#   --paraview       those of the ParaView plugin, too
+#   --documentation  those that build the documentation and check formats and types, too
+#   --list           print the packages and stop
 #
 # FFD_SKIP_SETUP=1 in the environment skips the check: for systems that have the same
 # dependencies by other means.
@@ -22,7 +23,7 @@ packages=(
   libgtest-dev libbenchmark-dev elastix
   # to draw the curves of Examples/paper_experiments
   python3-matplotlib
-  # to render without a display: an X server and Mesa's software rasteriser
+  # to render without a display: an X server and Mesa's software rasterizer
   xvfb xauth libgl1-mesa-dri libxtst6
 )
 
@@ -44,6 +45,14 @@ if [ "${1:-}" = --paraview ]; then
     "debian 12") packages+=(qtbase5-dev qttools5-dev libqt5svg5-dev libqt5opengl5-dev) ;; # ParaView 5.11
     *) packages+=(qt6-base-dev qt6-tools-dev qt6-svg-dev qt6-5compat-dev) ;;              # ParaView 5.13
   esac
+fi
+if [ "${1:-}" = --documentation ]; then
+  shift
+  packages+=(doxygen mypy)
+  # Debian 13 has later versions only, which format otherwise; there that test counts as skipped.
+  if [ "$system" = "debian 12" ]; then
+    packages+=(clang-format-14)
+  fi
 fi
 case "${1:-}" in
   --list) printf '%s\n' "${packages[@]}"; exit 0 ;;

@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Run a command under its own virtual X server with Mesa's software rasteriser, whatever display
+# Run a command under its own virtual X server with Mesa's software rasterizer, whatever display
 # and graphics card the machine has: images then do not depend on the user's desktop. The server
 # picks a free display number and ends with the command, whose exit status is passed on.
 #

@@ -3,6 +3,7 @@
 #include "FFDBSplineField.h"
 
 #include "FFDBSplineBasis.h"
+#include "FFDGridIndex.h"
 
 #include <algorithm>
 #include <cmath>
@@ -65,8 +66,8 @@ BSplineField::BSplineField(const glm::ivec3& nodes, const glm::dvec3& origin,
     this->ClampMin[a] = this->FirstCell[a];
     this->ClampMax[a] = this->EndCell[a];
   }
-  this->Coefficients.assign(static_cast<std::size_t>(this->PaddedNodes.x) * this->PaddedNodes.y *
-      this->PaddedNodes.z,
+  this->Coefficients.assign(
+    static_cast<std::size_t>(this->PaddedNodes.x) * this->PaddedNodes.y * this->PaddedNodes.z,
     glm::dvec3(0.0));
   if (!displacements)
   {
@@ -81,9 +82,7 @@ BSplineField::BSplineField(const glm::ivec3& nodes, const glm::dvec3& origin,
       for (int i = -Padding; i < nodes.x + Padding; ++i)
       {
         const BorderSource si = FindBorderSource(i, nodes.x, border);
-        const std::size_t from = si.Index +
-          static_cast<std::size_t>(nodes.x) *
-            (sj.Index + static_cast<std::size_t>(nodes.y) * static_cast<std::size_t>(sk.Index));
+        const std::size_t from = GridIndex(si.Index, sj.Index, sk.Index, nodes);
         const glm::dvec3 c = displacements[from] * (si.Sign * sj.Sign * sk.Sign * scale);
         this->Coefficients[this->CoefficientIndex(i, j, k)] = c;
         this->Zero = this->Zero && c == glm::dvec3(0.0);
@@ -120,8 +119,8 @@ glm::dvec3 BSplineField::Displacement(const glm::dvec3& p) const
 }
 
 //------------------------------------------------------------------------------
-int BSplineField::ControlWeights(const glm::dvec3& p, std::size_t nodes[MaximumSupport],
-  double weights[MaximumSupport]) const
+int BSplineField::ControlWeights(
+  const glm::dvec3& p, std::size_t nodes[MaximumSupport], double weights[MaximumSupport]) const
 {
   const glm::dvec3 x = (p - this->Origin) * this->InverseSpacing;
   // Per axis the control points themselves: those past the border are one of them, or none.
@@ -162,10 +161,7 @@ int BSplineField::ControlWeights(const glm::dvec3& p, std::size_t nodes[MaximumS
         const double value = weight[0][i] * weight[1][j] * weight[2][k];
         if (value != 0.0)
         {
-          nodes[found] = static_cast<std::size_t>(index[0][i]) +
-            static_cast<std::size_t>(this->Nodes.x) *
-              (static_cast<std::size_t>(index[1][j]) +
-                static_cast<std::size_t>(this->Nodes.y) * static_cast<std::size_t>(index[2][k]));
+          nodes[found] = GridIndex(index[0][i], index[1][j], index[2][k], this->Nodes);
           weights[found] = value;
           ++found;
         }

@@ -4,6 +4,7 @@
 #define FFDBSplineField_h
 
 #include "FFDExport.h"
+#include "FFDGridIndex.h"
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
@@ -13,7 +14,7 @@
 namespace ffd
 {
 
-/// What the displacement does outside the control points; the values are those of
+/// How the displacement goes on outside the control points; the values are those of
 /// vtkBSplineTransform (VTK_BSPLINE_EDGE, VTK_BSPLINE_ZERO, VTK_BSPLINE_ZERO_AT_BORDER).
 enum class BorderMode
 {
@@ -36,7 +37,7 @@ enum class BorderMode
  * is the same for all border modes. An axis with a single control point is constant, as in
  * vtkBSplineTransform.
  */
-class FFD_KERNEL_EXPORT BSplineField
+class FFD_CORE_EXPORT BSplineField
 {
 public:
   static constexpr int Padding = 3;
@@ -74,8 +75,8 @@ public:
    * applied, and no control point is named twice. Returns how many there are; control points of
    * weight zero are left out.
    */
-  int ControlWeights(const glm::dvec3& p, std::size_t nodes[MaximumSupport],
-    double weights[MaximumSupport]) const;
+  int ControlWeights(
+    const glm::dvec3& p, std::size_t nodes[MaximumSupport], double weights[MaximumSupport]) const;
 
   /// First cell with varying coefficients and one past the last one, per axis, border included.
   /// Outside of [FirstCell, EndCell) the field is constant along the axis.
@@ -89,10 +90,7 @@ public:
   }
   std::size_t CoefficientIndex(int i, int j, int k) const
   {
-    return static_cast<std::size_t>(i + Padding) +
-      static_cast<std::size_t>(this->PaddedNodes.x) *
-      (static_cast<std::size_t>(j + Padding) +
-        static_cast<std::size_t>(this->PaddedNodes.y) * static_cast<std::size_t>(k + Padding));
+    return GridIndex(i + Padding, j + Padding, k + Padding, this->PaddedNodes);
   }
   const glm::ivec3& GetPaddedNodes() const { return this->PaddedNodes; }
   const std::vector<glm::dvec3>& GetCoefficients() const { return this->Coefficients; }

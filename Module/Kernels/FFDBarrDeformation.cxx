@@ -61,15 +61,15 @@ glm::dvec3 BarrDeformation::Forward(const glm::dvec3& p, glm::dmat3& jacobian) c
     const int v = this->V;
     const double along = std::clamp(p[u], this->Low, this->High);
     const bool inside = along == p[u];
-    const double theta = k * (along - this->Centre[u]);
+    const double theta = k * (along - this->Center[u]);
     const double s = std::sin(theta);
     const double c = std::cos(theta);
     const double y = p[u] - along;
-    const double z = p[v] - this->Centre[v];
+    const double z = p[v] - this->Center[v];
     // The limit of small k: 1/k cancels in sin(theta)/k and (1 - cos(theta))/k.
-    moved[u] = this->Centre[u] - s * z + s / k + c * y;
-    moved[v] = this->Centre[v] + c * z + 2.0 * std::sin(0.5 * theta) * std::sin(0.5 * theta) / k +
-      s * y;
+    moved[u] = this->Center[u] - s * z + s / k + c * y;
+    moved[v] =
+      this->Center[v] + c * z + 2.0 * std::sin(0.5 * theta) * std::sin(0.5 * theta) / k + s * y;
     const double stretch = inside ? 1.0 - k * z : 1.0;
     jacobian[u][u] = c * stretch;
     jacobian[u][v] = s * stretch;
@@ -79,16 +79,16 @@ glm::dvec3 BarrDeformation::Forward(const glm::dvec3& p, glm::dmat3& jacobian) c
   }
   const int v = this->FirstOther();
   const int w = this->SecondOther();
-  const double y = p[v] - this->Centre[v];
-  const double z = p[w] - this->Centre[w];
+  const double y = p[v] - this->Center[v];
+  const double z = p[w] - this->Center[w];
   double slope;
   const double profile = this->FindProfile(p[u], slope);
   if (this->Kind == Shape::Taper)
   {
     const double scale = this->Scale[0] + (this->Scale[1] - this->Scale[0]) * profile;
     const double scaleSlope = (this->Scale[1] - this->Scale[0]) * slope;
-    moved[v] = this->Centre[v] + scale * y;
-    moved[w] = this->Centre[w] + scale * z;
+    moved[v] = this->Center[v] + scale * y;
+    moved[w] = this->Center[w] + scale * z;
     jacobian[v][v] = scale;
     jacobian[w][w] = scale;
     jacobian[u][v] = scaleSlope * y;
@@ -98,8 +98,8 @@ glm::dvec3 BarrDeformation::Forward(const glm::dvec3& p, glm::dmat3& jacobian) c
   const double theta = this->Angle * profile;
   const double s = std::sin(theta);
   const double c = std::cos(theta);
-  moved[v] = this->Centre[v] + c * y - s * z;
-  moved[w] = this->Centre[w] + s * y + c * z;
+  moved[v] = this->Center[v] + c * y - s * z;
+  moved[w] = this->Center[w] + s * y + c * z;
   jacobian[v][v] = c;
   jacobian[v][w] = s;
   jacobian[w][v] = -s;
@@ -122,44 +122,44 @@ glm::dvec3 BarrDeformation::Inverse(const glm::dvec3& p) const
       return p;
     }
     const int v = this->V;
-    const double y = p[u] - this->Centre[u];
-    const double z = p[v] - this->Centre[v] - 1.0 / k;
-    const double first = k * (this->Low - this->Centre[u]);
-    const double last = k * (this->High - this->Centre[u]);
+    const double y = p[u] - this->Center[u];
+    const double z = p[v] - this->Center[v] - 1.0 / k;
+    const double first = k * (this->Low - this->Center[u]);
+    const double last = k * (this->High - this->Center[u]);
     const double middle = 0.5 * (first + last);
-    // The angle as seen from the centre of curvature, on the turn that the arc lies on.
+    // The angle as seen from the center of curvature, on the turn that the arc lies on.
     double theta = k > 0.0 ? std::atan2(y, -z) : std::atan2(-y, z);
     theta += Turn * std::round((middle - theta) / Turn);
     const double clamped = std::clamp(theta, std::min(first, last), std::max(first, last));
-    const double along = this->Centre[u] + clamped / k;
+    const double along = this->Center[u] + clamped / k;
     if (clamped == theta)
     {
       rest[u] = along;
-      rest[v] = this->Centre[v] + 1.0 / k - std::copysign(std::hypot(y, z), k);
+      rest[v] = this->Center[v] + 1.0 / k - std::copysign(std::hypot(y, z), k);
       return rest;
     }
     const double s = std::sin(clamped);
     const double c = std::cos(clamped);
     rest[u] = along + c * y + s * z;
-    rest[v] = this->Centre[v] + 1.0 / k - s * y + c * z;
+    rest[v] = this->Center[v] + 1.0 / k - s * y + c * z;
     return rest;
   }
   const int v = this->FirstOther();
   const int w = this->SecondOther();
-  const double y = p[v] - this->Centre[v];
-  const double z = p[w] - this->Centre[w];
+  const double y = p[v] - this->Center[v];
+  const double z = p[w] - this->Center[w];
   double slope;
   const double profile = this->FindProfile(p[u], slope);
   if (this->Kind == Shape::Taper)
   {
     const double scale = this->Scale[0] + (this->Scale[1] - this->Scale[0]) * profile;
-    rest[v] = this->Centre[v] + y / scale;
-    rest[w] = this->Centre[w] + z / scale;
+    rest[v] = this->Center[v] + y / scale;
+    rest[w] = this->Center[w] + z / scale;
     return rest;
   }
   const double theta = this->Angle * profile;
-  rest[v] = this->Centre[v] + std::cos(theta) * y + std::sin(theta) * z;
-  rest[w] = this->Centre[w] - std::sin(theta) * y + std::cos(theta) * z;
+  rest[v] = this->Center[v] + std::cos(theta) * y + std::sin(theta) * z;
+  rest[w] = this->Center[w] - std::sin(theta) * y + std::cos(theta) * z;
   return rest;
 }
 

@@ -16,7 +16,7 @@ namespace ffd
  * 1984: reference [1] of the paper. Along the axis u the coordinate runs from Low to
  * High; beyond, the deformation goes on as at the end: constant scale, constant angle, straight.
  */
-struct FFD_KERNEL_EXPORT BarrDeformation
+struct FFD_CORE_EXPORT BarrDeformation
 {
   enum class Shape
   {
@@ -28,7 +28,7 @@ struct FFD_KERNEL_EXPORT BarrDeformation
   Shape Kind = Shape::Bend;
   int U = 2;
   int V = 0; ///< of Bend, not U; the others take the axes after U in cyclic order
-  glm::dvec3 Centre{ 0.0 };
+  glm::dvec3 Center{ 0.0 };
   double Low = -0.5;
   double High = 0.5;
   double Angle = 0.0; ///< radians
@@ -38,7 +38,7 @@ struct FFD_KERNEL_EXPORT BarrDeformation
   glm::dvec3 Forward(const glm::dvec3& p) const;
   /// The Jacobian as [column][row].
   glm::dvec3 Forward(const glm::dvec3& p, glm::dmat3& jacobian) const;
-  /// In closed form. Exact for all points but those of Bend beyond the centre of curvature, where
+  /// In closed form. Exact for all points but those of Bend beyond the center of curvature, where
   /// the deformation folds.
   glm::dvec3 Inverse(const glm::dvec3& p) const;
 

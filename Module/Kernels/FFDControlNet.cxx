@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDControlNet.h"
 
+#include "FFDGridIndex.h"
+
 #include <algorithm>
 #include <cstddef>
 
@@ -17,8 +19,7 @@ ControlNet MapLines(const ControlNet& net, int axis, int size, const Line& line)
   ControlNet result;
   result.Nodes = net.Nodes;
   result.Nodes[axis] = size;
-  result.Values.resize(static_cast<std::size_t>(result.Nodes.x) *
-    static_cast<std::size_t>(result.Nodes.y) * static_cast<std::size_t>(result.Nodes.z));
+  result.Values.resize(GridSize(result.Nodes));
   std::size_t stride = 1;
   for (int a = 0; a < axis; ++a)
   {
@@ -131,9 +132,8 @@ ControlNet RefineControlNet(const ControlNet& net, const glm::ivec3& factors)
     const std::vector<double> mask = RefinementMask(factor);
     const int nodes = result.Nodes[axis];
     const int size = (nodes - 3) * factor + 3;
-    result = MapLines(result, axis, size,
-      [&](const std::vector<glm::dvec3>& in, std::vector<glm::dvec3>& out)
-      {
+    result = MapLines(
+      result, axis, size, [&](const std::vector<glm::dvec3>& in, std::vector<glm::dvec3>& out) {
         for (int i = 0; i < size; ++i)
         {
           // Fine control point i rests at 1 + (i - 1) / factor of the coarse ones.

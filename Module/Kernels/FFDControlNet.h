@@ -26,7 +26,7 @@ struct ControlNet
  * within the domain up to rounding: a convolution with the refinement mask
  * ((1 + z + ... + z^(f-1)) / f)^4 f (Lane and Riesenfeld 1980, for factor f).
  */
-FFD_KERNEL_EXPORT ControlNet RefineControlNet(const ControlNet& net, const glm::ivec3& factors);
+FFD_CORE_EXPORT ControlNet RefineControlNet(const ControlNet& net, const glm::ivec3& factors);
 
 /**
  * The control net whose spline takes the given samples at the inner control points 1 ... n - 2 of
@@ -37,7 +37,7 @@ FFD_KERNEL_EXPORT ControlNet RefineControlNet(const ControlNet& net, const glm::
  * mirrors or repeats, not even reproduces a linear map. Fewer than four samples: quadratic (three)
  * or linear (two).
  */
-FFD_KERNEL_EXPORT ControlNet InterpolateControlNet(const ControlNet& samples);
+FFD_CORE_EXPORT ControlNet InterpolateControlNet(const ControlNet& samples);
 
 } // namespace ffd
 

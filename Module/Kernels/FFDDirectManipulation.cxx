@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDDirectManipulation.h"
 
+#include <Eigen/Dense>
+
 #include <algorithm>
-#include <cmath>
-#include <numeric>
 
 namespace ffd
 {
@@ -13,13 +13,6 @@ namespace
 
 /// Part of a row that must be left when what the earlier rows span is taken away.
 constexpr double Independence = 1e-4;
-
-using Row = std::vector<double>;
-
-double Dot(const Row& a, const Row& b)
-{
-  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
-}
 
 } // namespace
 
@@ -55,64 +48,48 @@ DirectManipulation MoveMaterial(const BSplineField& field, const std::vector<uns
   std::sort(result.Nodes.begin(), result.Nodes.end());
   result.Nodes.erase(std::unique(result.Nodes.begin(), result.Nodes.end()), result.Nodes.end());
 
-  const std::size_t columns = result.Nodes.size();
-  std::vector<Row> rows(constraints.size(), Row(columns, 0.0));
-  std::vector<Row> basis; // orthonormal
-  std::vector<glm::dvec3> amounts;
-  for (std::size_t w = 0; w < constraints.size(); ++w)
+  const auto columns = static_cast<Eigen::Index>(result.Nodes.size());
+  const auto count = static_cast<Eigen::Index>(constraints.size());
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(columns, count); // a column for each constraint
+  Eigen::MatrixXd basis(columns, count);                        // orthonormal
+  Eigen::Matrix3Xd amounts(3, count);
+  Eigen::Index rank = 0;
+  for (Eigen::Index w = 0; w < count; ++w)
   {
-    Row& row = rows[w];
-    for (int n = 0; n < weights[w].Count; ++n)
+    const Weights& at = weights[static_cast<std::size_t>(w)];
+    for (int n = 0; n < at.Count; ++n)
     {
-      const auto at =
-        std::lower_bound(result.Nodes.begin(), result.Nodes.end(), weights[w].Nodes[n]);
-      row[static_cast<std::size_t>(at - result.Nodes.begin())] = weights[w].Values[n];
+      const auto node = std::lower_bound(result.Nodes.begin(), result.Nodes.end(), at.Nodes[n]);
+      rows(node - result.Nodes.begin(), w) = at.Values[n];
     }
-    Row rest = row;
-    glm::dvec3 missing = constraints[w].Move;
-    // Modified Gram-Schmidt, twice: the second time removes what rounding has left of the first.
+    Eigen::VectorXd rest = rows.col(w);
+    const glm::dvec3& move = constraints[static_cast<std::size_t>(w)].Move;
+    Eigen::Vector3d missing(move.x, move.y, move.z);
+    // Gram-Schmidt, twice: the second time removes what rounding has left of the first.
     for (int pass = 0; pass < 2; ++pass)
     {
-      for (std::size_t b = 0; b < basis.size(); ++b)
-      {
-        const double part = Dot(basis[b], rest);
-        for (std::size_t c = 0; c < columns; ++c)
-        {
-          rest[c] -= part * basis[b][c];
-        }
-        missing -= part * amounts[b];
-      }
+      const Eigen::VectorXd parts = basis.leftCols(rank).transpose() * rest;
+      rest -= basis.leftCols(rank) * parts;
+      missing -= amounts.leftCols(rank) * parts;
     }
-    const double length = std::sqrt(Dot(rest, rest));
-    const double whole = std::sqrt(Dot(row, row));
-    if (!(length > Independence * whole) || !(whole > 0.0))
+    const double length = rest.norm();
+    if (length > Independence * rows.col(w).norm())
     {
-      continue;
+      basis.col(rank) = rest / length;
+      amounts.col(rank) = missing / length;
+      ++rank;
     }
-    for (double& value : rest)
-    {
-      value /= length;
-    }
-    basis.push_back(std::move(rest));
-    amounts.push_back(missing / length);
   }
 
-  result.Changes.assign(columns, glm::dvec3(0.0));
-  for (std::size_t b = 0; b < basis.size(); ++b)
+  const Eigen::Matrix3Xd changes = amounts.leftCols(rank) * basis.leftCols(rank).transpose();
+  const Eigen::Matrix3Xd achieved = changes * rows;
+  for (Eigen::Index c = 0; c < columns; ++c)
   {
-    for (std::size_t c = 0; c < columns; ++c)
-    {
-      result.Changes[c] += basis[b][c] * amounts[b];
-    }
+    result.Changes.emplace_back(changes(0, c), changes(1, c), changes(2, c));
   }
-  for (const Row& row : rows)
+  for (Eigen::Index w = 0; w < count; ++w)
   {
-    glm::dvec3 achieved(0.0);
-    for (std::size_t c = 0; c < columns; ++c)
-    {
-      achieved += row[c] * result.Changes[c];
-    }
-    result.Achieved.push_back(achieved);
+    result.Achieved.emplace_back(achieved(0, w), achieved(1, w), achieved(2, w));
   }
   return result;
 }

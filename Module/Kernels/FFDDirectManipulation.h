@@ -41,7 +41,7 @@ struct DirectManipulation
  * `field` gives the geometry and border mode; its displacements do not matter. Cost: the square of
  * the number of constraints times 64.
  */
-FFD_KERNEL_EXPORT DirectManipulation MoveMaterial(const BSplineField& field,
+FFD_CORE_EXPORT DirectManipulation MoveMaterial(const BSplineField& field,
   const std::vector<unsigned char>& locked, const std::vector<MaterialMove>& constraints);
 
 } // namespace ffd

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDFoldGuard.h"
 
+#include "Bounds/FFDJacobianDeterminant.h"
 #include "FFDBSplineField.h"
-#include "FFDJacobianDeterminant.h"
+#include "FFDGridIndex.h"
 
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
@@ -15,13 +16,6 @@ namespace
 
 constexpr int Bisections = 8;
 constexpr double BoundTolerance = 1e-2;
-
-std::size_t IndexOf(const glm::ivec3& nodes, int i, int j, int k)
-{
-  return static_cast<std::size_t>(i) +
-    static_cast<std::size_t>(nodes.x) *
-    (static_cast<std::size_t>(j) + static_cast<std::size_t>(nodes.y) * static_cast<std::size_t>(k));
-}
 
 /// The part of two nets that the cells which differ depend on.
 struct Part
@@ -37,8 +31,7 @@ struct Part
       mixed[n] = glm::mix(this->Before.Values[n], this->After.Values[n], fraction);
     }
     const BSplineField field(this->Before.Nodes, glm::dvec3(0.0), spacing, mixed.data());
-    return BoundJacobianDeterminant(
-      field, glm::ivec3(1), this->Before.Nodes - 2, BoundTolerance)
+    return BoundJacobianDeterminant(field, glm::ivec3(1), this->Before.Nodes - 2, BoundTolerance)
       .Min;
   }
 };
@@ -55,7 +48,7 @@ Part FindPart(const ControlNet& before, const ControlNet& after)
     {
       for (int i = 0; i < n.x; ++i)
       {
-        const std::size_t at = IndexOf(n, i, j, k);
+        const std::size_t at = GridIndex(i, j, k, n);
         if (before.Values[at] != after.Values[at])
         {
           low = glm::min(low, glm::ivec3(i, j, k));
@@ -81,7 +74,7 @@ Part FindPart(const ControlNet& before, const ControlNet& after)
     {
       for (int i = 0; i < size.x; ++i)
       {
-        const std::size_t at = IndexOf(n, first.x - 1 + i, first.y - 1 + j, first.z - 1 + k);
+        const std::size_t at = GridIndex(first - 1 + glm::ivec3(i, j, k), n);
         part.Before.Values.push_back(before.Values[at]);
         part.After.Values.push_back(after.Values[at]);
       }
@@ -93,8 +86,8 @@ Part FindPart(const ControlNet& before, const ControlNet& after)
 } // namespace
 
 //------------------------------------------------------------------------------
-FoldLimit LimitFold(const ControlNet& before, const ControlNet& after, const glm::dvec3& spacing,
-  double minimum)
+FoldLimit LimitFold(
+  const ControlNet& before, const ControlNet& after, const glm::dvec3& spacing, double minimum)
 {
   const Part part = FindPart(before, after);
   if (part.Before.Values.empty())

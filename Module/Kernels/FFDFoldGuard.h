@@ -11,7 +11,7 @@
 namespace ffd
 {
 
-/// How far an edit may go.
+/// The result of LimitFold(): how far an edit may go.
 struct FoldLimit
 {
   double Fraction = 1.0;    ///< of the way from the net before to the net after, 0 to 1
@@ -27,8 +27,8 @@ struct FoldLimit
  * one that was checked. The displacements are those that count (scale included), the spacing is
  * that of the control points. Equal nets: fraction 1.
  */
-FFD_KERNEL_EXPORT FoldLimit LimitFold(const ControlNet& before, const ControlNet& after,
-  const glm::dvec3& spacing, double minimum);
+FFD_CORE_EXPORT FoldLimit LimitFold(
+  const ControlNet& before, const ControlNet& after, const glm::dvec3& spacing, double minimum);
 
 } // namespace ffd
 

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDLattice.h"
 
+#include "FFDGridIndex.h"
+
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
@@ -22,19 +24,13 @@ bool IsWithinRange(const glm::dvec3& v)
     std::abs(v.z) <= Lattice::LargestLength;
 }
 
-std::size_t CountPoints(const glm::ivec3& nodes)
-{
-  return static_cast<std::size_t>(nodes.x) * static_cast<std::size_t>(nodes.y) *
-    static_cast<std::size_t>(nodes.z);
-}
-
 } // namespace
 
 //------------------------------------------------------------------------------
 Lattice::Lattice()
 {
   this->Net.Nodes = glm::ivec3(MinimumNodes);
-  this->Net.Values.assign(CountPoints(this->Net.Nodes), glm::dvec3(0.0));
+  this->Net.Values.assign(GridSize(this->Net.Nodes), glm::dvec3(0.0));
 }
 
 //------------------------------------------------------------------------------
@@ -49,7 +45,7 @@ Lattice::Lattice(ControlNet net, const glm::dvec3& origin, const glm::dvec3& spa
 Lattice::Lattice(const glm::ivec3& nodes, const Box& domain)
 {
   this->Net.Nodes = nodes;
-  this->Net.Values.assign(CountPoints(nodes), glm::dvec3(0.0));
+  this->Net.Values.assign(GridSize(nodes), glm::dvec3(0.0));
   this->SetDomain(domain);
 }
 
@@ -73,7 +69,7 @@ std::string Lattice::FindProblem() const
              "coordinates at most 1e100 and the spacing at least 1e-100";
     }
   }
-  const std::size_t count = CountPoints(this->Net.Nodes);
+  const std::size_t count = GridSize(this->Net.Nodes);
   if (this->Net.Values.size() != count)
   {
     return "there are " + std::to_string(this->Net.Values.size()) + " displacements for " +
@@ -109,13 +105,7 @@ bool Lattice::HasPoint(const glm::ivec3& at) const
 }
 
 //------------------------------------------------------------------------------
-std::size_t Lattice::IndexOf(const glm::ivec3& at) const
-{
-  return static_cast<std::size_t>(at.x) +
-    static_cast<std::size_t>(this->Net.Nodes.x) *
-    (static_cast<std::size_t>(at.y) +
-      static_cast<std::size_t>(this->Net.Nodes.y) * static_cast<std::size_t>(at.z));
-}
+std::size_t Lattice::IndexOf(const glm::ivec3& at) const { return GridIndex(at, this->Net.Nodes); }
 
 //------------------------------------------------------------------------------
 glm::ivec3 Lattice::IndicesOf(std::size_t point) const
@@ -208,7 +198,7 @@ Lattice Lattice::Resize(const glm::ivec3& nodes) const
   if (this->IsIdentity())
   {
     result.Net.Nodes = nodes;
-    result.Net.Values.assign(CountPoints(nodes), glm::dvec3(0.0));
+    result.Net.Values.assign(GridSize(nodes), glm::dvec3(0.0));
   }
   else if (isMultiple)
   {
@@ -219,7 +209,7 @@ Lattice Lattice::Resize(const glm::ivec3& nodes) const
     const BSplineField field(old, this->Origin, this->Spacing, this->Net.Values.data());
     ControlNet samples;
     samples.Nodes = nodes - 2;
-    samples.Values.reserve(CountPoints(samples.Nodes));
+    samples.Values.reserve(GridSize(samples.Nodes));
     for (int k = 1; k < nodes.z - 1; ++k)
     {
       for (int j = 1; j < nodes.y - 1; ++j)
@@ -253,7 +243,7 @@ Lattice Lattice::Extend(int layers) const
   result.Origin = this->Origin - static_cast<double>(layers) * this->Spacing;
   result.Net.Nodes = old + 2 * layers;
   result.Net.Values.clear();
-  result.Net.Values.reserve(CountPoints(result.Net.Nodes));
+  result.Net.Values.reserve(GridSize(result.Net.Nodes));
   for (int k = -layers; k < old.z + layers; ++k)
   {
     for (int j = -layers; j < old.y + layers; ++j)

@@ -3,11 +3,11 @@
 #ifndef FFDLattice_h
 #define FFDLattice_h
 
+#include "Bounds/FFDPullBackBounds.h"
 #include "FFDBSplineField.h"
 #include "FFDControlNet.h"
 #include "FFDExport.h"
 #include "FFDLatticeFit.h"
-#include "FFDPullBackBounds.h"
 
 #include <glm/vec3.hpp>
 
@@ -27,7 +27,7 @@ namespace ffd
  * All lengths are data units. The methods expect a lattice without a problem (FindProblem()) and
  * arguments in the stated ranges; they throw std::bad_alloc where there is not enough memory.
  */
-struct FFD_KERNEL_EXPORT Lattice
+struct FFD_CORE_EXPORT Lattice
 {
   static constexpr int MinimumNodes = 4; ///< control points per axis: a cubic cell has four
   static constexpr int MaximumNodes = 1024;
@@ -116,7 +116,7 @@ struct FFD_KERNEL_EXPORT Lattice
 
 /// Replaces axes without extent by that of the thinnest other axis, centered. Returns false, and
 /// leaves the box, when no axis has an extent.
-FFD_KERNEL_EXPORT bool WidenFlatAxes(Box& box);
+FFD_CORE_EXPORT bool WidenFlatAxes(Box& box);
 
 } // namespace ffd
 

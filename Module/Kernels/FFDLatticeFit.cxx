@@ -4,6 +4,11 @@
 
 #include "FFDBSplineBasis.h"
 #include "FFDBSplineField.h"
+#include "FFDGridIndex.h"
+#include "FFDLinearOperator.h"
+
+#include <Eigen/Dense>
+#include <Eigen/IterativeLinearSolvers>
 
 #include <glm/mat3x3.hpp>
 
@@ -11,6 +16,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+#include <utility>
 
 namespace ffd
 {
@@ -20,13 +27,13 @@ namespace
 constexpr int FirstCells = 4;
 /// Weight of second differences on control points that no sample of a grid determines.
 constexpr double GridPenalty = 1e-9;
-/// Of conjugate gradients.
+/// The largest number of iterations of conjugate gradients.
 constexpr int LargestIterations = 200;
 constexpr double ResidualReduction = 1e-7;
 /// Smoothness below which control points that no landmark determines would be left to rounding.
 constexpr double LeastSmoothness = 1e-10;
-/// What is left of landmarks is fitted again at most so often, while that leaves less than this
-/// part.
+/// The residuals of landmarks are fitted again at most so often, while each round leaves less than
+/// this part of them.
 constexpr int LargestRounds = 10;
 constexpr double RoundGain = 0.7;
 /// A level that leaves more than this part of the error of the level before was hardly worth it.
@@ -35,16 +42,7 @@ constexpr double LevelGain = 0.98;
 /// they do not extend.
 constexpr double RankTolerance = 1e-9;
 
-double Dot(const glm::dvec3& a, const glm::dvec3& b)
-{
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-std::size_t CountOf(const glm::ivec3& n)
-{
-  return static_cast<std::size_t>(n.x) * static_cast<std::size_t>(n.y) *
-    static_cast<std::size_t>(n.z);
-}
+double Dot(const glm::dvec3& a, const glm::dvec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 bool Proceeds(const FitLimits& limits, double done)
 {
@@ -87,7 +85,7 @@ FitStatus FitNetToFunction(
     fit.Net = InterpolateControlNet(samples);
     const BSplineField field = FieldOf(fit);
 
-    // Centres of the edges along each axis, which tell the axis to refine, and of the cells.
+    // Centers of the edges along each axis, which tell the axis to refine, and of the cells.
     double perAxis[3] = { 0.0, 0.0, 0.0 };
     double squares = 0.0;
     std::size_t tests = 0;
@@ -185,8 +183,8 @@ public:
         }
       }
     }
-    const double penalty = GridPenalty *
-      std::max(1.0, static_cast<double>(t.size()) / static_cast<double>(cells));
+    const double penalty =
+      GridPenalty * std::max(1.0, static_cast<double>(t.size()) / static_cast<double>(cells));
     const double difference[3] = { 1.0, -2.0, 1.0 };
     for (std::size_t i = 0; i + 2 < this->Size; ++i)
     {
@@ -209,8 +207,7 @@ public:
         {
           sum -= this->Element(i, k) * this->Element(j, k);
         }
-        this->Element(i, j) =
-          i == j ? std::sqrt(std::max(sum, 1e-300)) : sum / this->Element(j, j);
+        this->Element(i, j) = i == j ? std::sqrt(std::max(sum, 1e-300)) : sum / this->Element(j, j);
       }
     }
   }
@@ -329,7 +326,7 @@ FitStatus FitNetToGrid(const glm::ivec3& count, const glm::dvec3& first, const g
     }
   }
   std::vector<glm::dvec3> samples;
-  samples.reserve(CountOf(inside));
+  samples.reserve(GridSize(inside));
   for (int k = 0; k < inside.z; ++k)
   {
     for (int j = 0; j < inside.y; ++j)
@@ -337,10 +334,7 @@ FitStatus FitNetToGrid(const glm::ivec3& count, const glm::dvec3& first, const g
       for (int i = 0; i < inside.x; ++i)
       {
         const glm::ivec3 at = begin + glm::ivec3(i, j, k);
-        const glm::dvec3& d = displacements[static_cast<std::size_t>(at.x) +
-          static_cast<std::size_t>(count.x) *
-            (static_cast<std::size_t>(at.y) +
-              static_cast<std::size_t>(count.y) * static_cast<std::size_t>(at.z))];
+        const glm::dvec3& d = displacements[GridIndex(at, count)];
         if (!std::isfinite(d.x) || !std::isfinite(d.y) || !std::isfinite(d.z))
         {
           return FitStatus::NotFinite;
@@ -366,8 +360,7 @@ FitStatus FitNetToGrid(const glm::ivec3& count, const glm::dvec3& first, const g
       std::vector<double> t;
       for (int i = 0; i < inside[a]; ++i)
       {
-        t.push_back(
-          (first[a] + (begin[a] + i) * step[a] - fit.Lower[a]) / fit.GetSpacing()[a]);
+        t.push_back((first[a] + (begin[a] + i) * step[a] - fit.Lower[a]) / fit.GetSpacing()[a]);
       }
       axes.emplace_back(t, fit.Cells[a]);
     }
@@ -379,8 +372,8 @@ FitStatus FitNetToGrid(const glm::ivec3& count, const glm::dvec3& first, const g
       }
       AxisFit& axis = axes[static_cast<std::size_t>(a)];
       values = MapLines(values, nodes, a, axis.GetSize(),
-        [&axis](const glm::dvec3* in, std::size_t inStride, glm::dvec3* out, std::size_t outStride)
-        { axis.Solve(in, out, inStride, outStride); });
+        [&axis](const glm::dvec3* in, std::size_t inStride, glm::dvec3* out,
+          std::size_t outStride) { axis.Solve(in, out, inStride, outStride); });
     }
     fit.Net.Nodes = nodes;
     fit.Net.Values = values;
@@ -388,8 +381,8 @@ FitStatus FitNetToGrid(const glm::ivec3& count, const glm::dvec3& first, const g
     {
       const AxisFit& axis = axes[static_cast<std::size_t>(a)];
       values = MapLines(values, nodes, a, static_cast<std::size_t>(inside[a]),
-        [&axis](const glm::dvec3* in, std::size_t inStride, glm::dvec3* out, std::size_t outStride)
-        { axis.Evaluate(in, out, inStride, outStride); });
+        [&axis](const glm::dvec3* in, std::size_t inStride, glm::dvec3* out,
+          std::size_t outStride) { axis.Evaluate(in, out, inStride, outStride); });
     }
     double largest = 0.0;
     double squares = 0.0;
@@ -418,327 +411,186 @@ FitStatus FitNetToGrid(const glm::ivec3& count, const glm::dvec3& first, const g
 namespace
 {
 
-/// Eigenvalues (descending) and unit eigenvectors (columns) of a symmetric matrix: Jacobi's method.
-void SymmetricEigen(glm::dmat3 m, glm::dvec3& values, glm::dmat3& vectors)
+/// Vectors as rows: as a std::vector<glm::dvec3> holds them.
+using Vectors = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+Eigen::Map<const Vectors> AsRows(const std::vector<glm::dvec3>& values)
 {
-  vectors = glm::dmat3(1.0);
-  for (int sweep = 0; sweep < 32; ++sweep)
-  {
-    for (int p = 0; p < 2; ++p)
-    {
-      for (int q = p + 1; q < 3; ++q)
-      {
-        if (m[p][q] == 0.0)
-        {
-          continue;
-        }
-        const double theta = 0.5 * (m[q][q] - m[p][p]) / m[p][q];
-        const double t =
-          (theta >= 0.0 ? 1.0 : -1.0) / (std::abs(theta) + std::sqrt(theta * theta + 1.0));
-        const double c = 1.0 / std::sqrt(t * t + 1.0);
-        const double s = t * c;
-        glm::dmat3 rotation(1.0);
-        rotation[p][p] = c;
-        rotation[q][q] = c;
-        rotation[q][p] = s; // column q, row p
-        rotation[p][q] = -s;
-        glm::dmat3 transposed(rotation);
-        std::swap(transposed[q][p], transposed[p][q]);
-        m = transposed * m * rotation;
-        m[p][q] = m[q][p] = 0.0;
-        vectors = vectors * rotation;
-      }
-    }
-  }
-  values = { m[0][0], m[1][1], m[2][2] };
+  return { &values[0].x, static_cast<Eigen::Index>(values.size()), 3 };
 }
 
 /// The affine displacement of least squares, smallest where the points do not determine it.
 void AffineFit(const std::vector<glm::dvec3>& points, const std::vector<glm::dvec3>& displacements,
   const std::vector<double>& weights, glm::dmat3& matrix, glm::dvec3& offset)
 {
-  double sum = 0.0;
-  glm::dvec3 center(0.0);
-  glm::dvec3 mean(0.0);
-  for (std::size_t i = 0; i < points.size(); ++i)
+  const Eigen::Map<const Eigen::VectorXd> w(
+    weights.data(), static_cast<Eigen::Index>(weights.size()));
+  const Eigen::RowVector3d center = w.transpose() * AsRows(points) / w.sum();
+  const Eigen::RowVector3d mean = w.transpose() * AsRows(displacements) / w.sum();
+  const auto root = w.cwiseSqrt().asDiagonal();
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixX3d> solver;
+  solver.setThreshold(RankTolerance);
+  solver.compute(root * (AsRows(points).rowwise() - center));
+  // Row a: displacement for each coordinate a.
+  const Eigen::Matrix3d linear = solver.solve(root * (AsRows(displacements).rowwise() - mean));
+  const Eigen::RowVector3d constant = mean - center * linear;
+  for (int a = 0; a < 3; ++a)
   {
-    sum += weights[i];
-    center += weights[i] * points[i];
-    mean += weights[i] * displacements[i];
+    matrix[a] = { linear(a, 0), linear(a, 1), linear(a, 2) };
+    offset[a] = constant[a];
   }
-  center /= sum;
-  mean /= sum;
-  glm::dmat3 moments(0.0);
-  glm::dmat3 products(0.0); // column a: sum of displacement times coordinate a
-  for (std::size_t i = 0; i < points.size(); ++i)
-  {
-    const glm::dvec3 x = points[i] - center;
-    const glm::dvec3 d = displacements[i] - mean;
-    for (int a = 0; a < 3; ++a)
-    {
-      moments[a] += weights[i] * x[a] * x;
-      products[a] += weights[i] * x[a] * d;
-    }
-  }
-  glm::dvec3 values;
-  glm::dmat3 vectors;
-  SymmetricEigen(moments, values, vectors);
-  const double largest = std::max({ values.x, values.y, values.z });
-  glm::dmat3 inverse(0.0);
-  for (int e = 0; e < 3; ++e)
-  {
-    // Squared extents, so the tolerance is squared, too.
-    if (values[e] > RankTolerance * RankTolerance * largest && values[e] > 0.0)
-    {
-      for (int a = 0; a < 3; ++a)
-      {
-        inverse[a] += vectors[e][a] / values[e] * vectors[e];
-      }
-    }
-  }
-  matrix = products * inverse;
-  offset = mean - matrix * center;
 }
 
-/// The quadratic form of FitNetToPoints at one level, for conjugate gradients.
+/**
+ * The least-squares problem of FitNetToPoints at one level: rows of the B-splines at the points,
+ * and of the differences that stand for the second derivatives, each times the root of its weight.
+ * Columns are scaled to length 1, which is the preconditioner: unknowns are control points times
+ * GetScale().
+ */
 class PointSystem
 {
 public:
   PointSystem(const std::vector<glm::dvec3>& points, const std::vector<double>& weights,
     const FittedNet& fit, double smoothness)
     : Nodes(fit.Cells + 3)
-    , Weights(weights)
+    , Roots(Eigen::Map<const Eigen::VectorXd>(
+        weights.data(), static_cast<Eigen::Index>(weights.size())))
   {
-    double sum = 0.0;
-    for (const double weight : weights)
-    {
-      sum += weight;
-    }
-    this->WeightScale = 1.0 / sum;
+    this->Roots = (this->Roots / this->Roots.sum()).cwiseSqrt().eval();
     const glm::dvec3 h = fit.GetSpacing();
-    // As the lattice will be evaluated, outside of its domain, too.
-    const BSplineField field = FieldOf(fit);
-    for (const glm::dvec3& point : points)
-    {
-      Row row;
-      row.Count =
-        static_cast<std::size_t>(field.ControlWeights(point, row.Nodes.data(), row.Basis.data()));
-      this->Rows.push_back(row);
-    }
     // Second derivatives as differences of control points, integrated by the cells' volume.
     const double longest = std::max({ fit.Extent.x, fit.Extent.y, fit.Extent.z });
     const double volume = fit.Extent.x * fit.Extent.y * fit.Extent.z;
     const double scale =
       smoothness * longest * longest * longest * longest / volume * h.x * h.y * h.z;
+    // As the lattice will be evaluated, outside of its domain, too.
+    const BSplineField field = FieldOf(fit);
+    std::vector<Eigen::Triplet<double>> entries;
+    int row = 0;
+    for (const glm::dvec3& point : points)
+    {
+      std::array<std::size_t, BSplineField::MaximumSupport> nodes;
+      std::array<double, BSplineField::MaximumSupport> basis;
+      const int count = field.ControlWeights(point, nodes.data(), basis.data());
+      for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n)
+      {
+        entries.emplace_back(row, static_cast<int>(nodes[n]), this->Roots[row] * basis[n]);
+      }
+      ++row;
+    }
     for (int a = 0; a < 3; ++a)
     {
-      this->Second[a] = scale / (h[a] * h[a] * h[a] * h[a]);
       const int b = (a + 1) % 3;
-      this->Mixed[a] = 2.0 * scale / (h[a] * h[a] * h[b] * h[b]);
+      glm::ivec3 alongA(0);
+      glm::ivec3 alongB(0);
+      alongA[a] = 1;
+      alongB[b] = 1;
+      const double second = std::sqrt(scale) / (h[a] * h[a]);
+      const double mixed = std::sqrt(2.0 * scale) / (h[a] * h[b]);
+      row = this->AddDifferences(
+        { { 0 * alongA, second }, { alongA, -2.0 * second }, { 2 * alongA, second } }, row,
+        entries);
+      row = this->AddDifferences({ { 0 * alongA, mixed }, { alongA, -mixed }, { alongB, -mixed },
+                                   { alongA + alongB, mixed } },
+        row, entries);
     }
-    this->Diagonal.assign(CountOf(this->Nodes), 0.0);
-    this->ForRows(
-      [this](std::size_t r, std::size_t id, double weight)
-      { this->Diagonal[id] += this->Weights[r] * this->WeightScale * weight * weight; });
-    this->ForDifferences(
-      [this](double factor, std::size_t id, const auto& offsets, const auto& coefficients) {
-        for (std::size_t n = 0; n < offsets.size(); ++n)
-        {
-          this->Diagonal[id + offsets[n]] += factor * coefficients[n] * coefficients[n];
-        }
-      });
+    this->Matrix.resize(row, static_cast<Eigen::Index>(GridSize(this->Nodes)));
+    this->Matrix.setFromTriplets(entries.begin(), entries.end());
+    const Eigen::VectorXd squares =
+      this->Matrix.cwiseAbs2().transpose() * Eigen::VectorXd::Ones(this->Matrix.rows());
+    this->Scale = squares.cwiseSqrt().cwiseMax(std::numeric_limits<double>::min());
+    this->Matrix = this->Matrix * this->Scale.cwiseInverse().asDiagonal();
   }
 
-  std::size_t GetSize() const { return this->Diagonal.size(); }
-  const std::vector<double>& GetDiagonal() const { return this->Diagonal; }
+  std::size_t GetSize() const { return GridSize(this->Nodes); }
+  const Eigen::VectorXd& GetScale() const { return this->Scale; }
 
-  /// Values of the net at the points.
-  void Evaluate(const std::vector<glm::dvec3>& net, std::vector<glm::dvec3>& values) const
+  /// The right-hand side of the normal equations for these values at the points.
+  Vectors Project(const std::vector<glm::dvec3>& values) const
   {
-    values.assign(this->Rows.size(), glm::dvec3(0.0));
-    this->ForRows([&](std::size_t r, std::size_t id, double weight)
-      { values[r] += weight * net[id]; });
+    return this->Matrix.topRows(this->Roots.size()).transpose() *
+      (this->Roots.asDiagonal() * AsRows(values));
   }
 
-  /// B^T W values.
-  void Gather(const std::vector<glm::dvec3>& values, std::vector<glm::dvec3>& net) const
+  /// The matrix of the normal equations times three columns.
+  Vectors Apply(const Eigen::Ref<const Vectors>& columns) const
   {
-    net.assign(this->GetSize(), glm::dvec3(0.0));
-    this->ForRows([&](std::size_t r, std::size_t id, double weight)
-      { net[id] += this->Weights[r] * this->WeightScale * weight * values[r]; });
-  }
-
-  /// The whole matrix.
-  void Apply(const std::vector<glm::dvec3>& net, std::vector<glm::dvec3>& result) const
-  {
-    std::vector<glm::dvec3> values;
-    this->Evaluate(net, values);
-    this->Gather(values, result);
-    this->ForDifferences(
-      [&](double factor, std::size_t id, const auto& offsets, const auto& coefficients) {
-        glm::dvec3 difference(0.0);
-        for (std::size_t n = 0; n < offsets.size(); ++n)
-        {
-          difference += coefficients[n] * net[id + offsets[n]];
-        }
-        difference *= factor;
-        for (std::size_t n = 0; n < offsets.size(); ++n)
-        {
-          result[id + offsets[n]] += coefficients[n] * difference;
-        }
-      });
+    const Vectors rows = this->Matrix * columns;
+    return this->Matrix.transpose() * rows;
   }
 
 private:
-  struct Row
+  /// One row for each place of a difference: factors of control points beside that place.
+  int AddDifferences(const std::vector<std::pair<glm::ivec3, double>>& terms, int row,
+    std::vector<Eigen::Triplet<double>>& entries) const
   {
-    std::size_t Count = 0;
-    std::array<std::size_t, BSplineField::MaximumSupport> Nodes;
-    std::array<double, BSplineField::MaximumSupport> Basis;
-  };
-
-  std::size_t Index(int i, int j, int k) const
-  {
-    return static_cast<std::size_t>(i) +
-      static_cast<std::size_t>(this->Nodes.x) *
-      (static_cast<std::size_t>(j) +
-        static_cast<std::size_t>(this->Nodes.y) * static_cast<std::size_t>(k));
-  }
-
-  template <typename Visit>
-  void ForRows(const Visit& visit) const
-  {
-    for (std::size_t r = 0; r < this->Rows.size(); ++r)
-    {
-      const Row& row = this->Rows[r];
-      for (std::size_t n = 0; n < row.Count; ++n)
-      {
-        visit(r, row.Nodes[n], row.Basis[n]);
-      }
-    }
-  }
-
-  /// visit(factor, id, offsets, coefficients) for each place of a difference that spans `reach`.
-  template <std::size_t Count, typename Visit>
-  void ForDifference(double factor, const glm::ivec3& reach,
-    const std::array<std::size_t, Count>& offsets, const std::array<double, Count>& coefficients,
-    const Visit& visit) const
-  {
-    const glm::ivec3 end = this->Nodes - reach;
+    const glm::ivec3 end = this->Nodes - terms.back().first;
     for (int k = 0; k < end.z; ++k)
     {
       for (int j = 0; j < end.y; ++j)
       {
-        const std::size_t first = this->Index(0, j, k);
-        for (std::size_t i = 0; i < static_cast<std::size_t>(end.x); ++i)
+        for (int i = 0; i < end.x; ++i, ++row)
         {
-          visit(factor, first + i, offsets, coefficients);
+          for (const auto& term : terms)
+          {
+            const std::size_t node = GridIndex(glm::ivec3(i, j, k) + term.first, this->Nodes);
+            entries.emplace_back(row, static_cast<int>(node), term.second);
+          }
         }
       }
     }
-  }
-
-  /// The differences that stand for the second derivatives.
-  template <typename Visit>
-  void ForDifferences(const Visit& visit) const
-  {
-    const std::size_t strides[3] = { 1, static_cast<std::size_t>(this->Nodes.x),
-      static_cast<std::size_t>(this->Nodes.x) * static_cast<std::size_t>(this->Nodes.y) };
-    for (int a = 0; a < 3; ++a)
-    {
-      const int b = (a + 1) % 3;
-      glm::ivec3 reach(0);
-      reach[a] = 2;
-      this->ForDifference<3>(this->Second[a], reach, { { 0, strides[a], 2 * strides[a] } },
-        { { 1.0, -2.0, 1.0 } }, visit);
-      reach[a] = reach[b] = 1;
-      this->ForDifference<4>(this->Mixed[a], reach,
-        { { 0, strides[a], strides[b], strides[a] + strides[b] } }, { { 1.0, -1.0, -1.0, 1.0 } },
-        visit);
-    }
+    return row;
   }
 
   glm::ivec3 Nodes;
-  const std::vector<double>& Weights;
-  double WeightScale = 1.0;
-  std::vector<Row> Rows;
-  glm::dvec3 Second{ 0.0 };
-  glm::dvec3 Mixed{ 0.0 };
-  std::vector<double> Diagonal;
+  Eigen::VectorXd Roots; // of the weights of the points
+  Eigen::SparseMatrix<double, Eigen::RowMajor> Matrix;
+  Eigen::VectorXd Scale;
+};
+
+/// Thrown out of a solution that the caller of the fit stops.
+struct SolutionStopped
+{
 };
 
 /**
- * Preconditioned conjugate gradients for the three components at once, from `net`: it becomes the
- * net of least squares of `values` and bending energy, or one nearer to that. False: stopped.
+ * Conjugate gradients from `net`: it becomes the net of least squares of `values` and bending
+ * energy, or one nearer to that. False: stopped.
  */
 bool SolvePoints(const PointSystem& system, const std::vector<glm::dvec3>& values,
   const FitLimits& limits, double done, std::vector<glm::dvec3>& net)
 {
-  const std::size_t n = system.GetSize();
-  const std::vector<double>& diagonal = system.GetDiagonal();
-  std::vector<glm::dvec3> residual;
-  system.Gather(values, residual);
-  std::vector<glm::dvec3> z(n);
-  std::vector<glm::dvec3> direction(n);
-  std::vector<glm::dvec3> image;
-  glm::dvec3 rho(0.0);
-  const auto precondition = [&]
-  {
-    glm::dvec3 sum(0.0);
-    for (std::size_t i = 0; i < n; ++i)
-    {
-      z[i] = diagonal[i] > 0.0 ? residual[i] / diagonal[i] : glm::dvec3(0.0);
-      sum += z[i] * residual[i];
-    }
-    return sum;
-  };
-  // As small as rounding lets the residual of the whole right-hand side become.
-  const glm::dvec3 target = ResidualReduction * ResidualReduction * precondition();
-  system.Apply(net, image);
-  for (std::size_t i = 0; i < n; ++i)
-  {
-    residual[i] -= image[i];
-  }
-  rho = precondition();
-  direction = z;
-  for (int iteration = 0; iteration < LargestIterations; ++iteration)
-  {
-    if (!(rho.x > target.x || rho.y > target.y || rho.z > target.z))
-    {
-      break;
-    }
+  // All three components at once, as one long vector.
+  const Eigen::Index rows = system.GetScale().size();
+  const auto asRows = [rows](auto& vector) { return Eigen::Map<Vectors>(vector.data(), rows, 3); };
+  const LinearOperator normalEquations(3 * rows, [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
     if (!Proceeds(limits, done))
     {
-      return false;
+      throw SolutionStopped();
     }
-    system.Apply(direction, image);
-    glm::dvec3 curvature(0.0);
-    for (std::size_t i = 0; i < n; ++i)
-    {
-      curvature += direction[i] * image[i];
-    }
-    glm::dvec3 length(0.0);
-    for (int a = 0; a < 3; ++a)
-    {
-      length[a] = rho[a] > target[a] && curvature[a] > 0.0 ? rho[a] / curvature[a] : 0.0;
-    }
-    for (std::size_t i = 0; i < n; ++i)
-    {
-      net[i] += length * direction[i];
-      residual[i] -= length * image[i];
-    }
-    const glm::dvec3 next = precondition();
-    glm::dvec3 beta(0.0);
-    for (int a = 0; a < 3; ++a)
-    {
-      beta[a] = rho[a] > 0.0 ? next[a] / rho[a] : 0.0;
-    }
-    for (std::size_t i = 0; i < n; ++i)
-    {
-      direction[i] = z[i] + beta * direction[i];
-    }
-    rho = next;
+    Eigen::VectorXd result(x.size());
+    asRows(result) = system.Apply(Eigen::Map<const Vectors>(x.data(), rows, 3));
+    return result;
+  });
+  Eigen::VectorXd right(3 * rows);
+  asRows(right) = system.Project(values);
+  Eigen::VectorXd solution(3 * rows);
+  asRows(solution) = system.GetScale().asDiagonal() * AsRows(net);
+  Eigen::ConjugateGradient<LinearOperator, Eigen::Lower | Eigen::Upper,
+    Eigen::IdentityPreconditioner>
+    solver(normalEquations);
+  solver.setMaxIterations(LargestIterations);
+  solver.setTolerance(ResidualReduction);
+  try
+  {
+    solution = solver.solveWithGuess(right, solution).eval();
   }
+  catch (const SolutionStopped&)
+  {
+    return false;
+  }
+  Eigen::Map<Vectors>(&net[0].x, rows, 3) =
+    system.GetScale().cwiseInverse().asDiagonal() * asRows(solution);
   return true;
 }
 
@@ -809,8 +661,8 @@ FitStatus FitNetToPoints(const std::vector<glm::dvec3>& points,
   {
     const double before = fit.RootMeanSquareError;
     const PointSystem system(points, used, level, weight);
-    // What is left is asked for again (iterated Tikhonov regularization): that undoes what the
-    // bending energy takes off consistent landmarks, and soon ends where they contradict each
+    // The residuals are added to the aims (iterated Tikhonov regularization): that restores what
+    // the bending energy takes off consistent landmarks, and soon ends where they contradict each
     // other.
     std::vector<glm::dvec3> aims = displacements;
     for (int round = 0; round < LargestRounds; ++round)

@@ -56,9 +56,9 @@ using DisplacementSampler = std::function<bool(const glm::ivec3& count, const gl
 /**
  * A net over `fit.Lower`, `fit.Extent` that follows a displacement that can be evaluated anywhere:
  * it interpolates the samples at the nodes (InterpolateControlNet), and the axes that err too much
- * at the centres of cells and of their edges get twice the cells. Starts with four cells.
+ * at the centers of cells and of their edges get twice the cells. Starts with four cells.
  */
-FFD_KERNEL_EXPORT FitStatus FitNetToFunction(
+FFD_CORE_EXPORT FitStatus FitNetToFunction(
   const DisplacementSampler& sample, const FitLimits& limits, FittedNet& fit);
 
 /**
@@ -69,7 +69,7 @@ FFD_KERNEL_EXPORT FitStatus FitNetToFunction(
  * determines. The cells double on all axes, until the error at the samples is small enough or a
  * cell is smaller than the step.
  */
-FFD_KERNEL_EXPORT FitStatus FitNetToGrid(const glm::ivec3& count, const glm::dvec3& first,
+FFD_CORE_EXPORT FitStatus FitNetToGrid(const glm::ivec3& count, const glm::dvec3& first,
   const glm::dvec3& step, const std::vector<glm::dvec3>& displacements, const FitLimits& limits,
   FittedNet& fit);
 
@@ -92,7 +92,7 @@ FFD_KERNEL_EXPORT FitStatus FitNetToGrid(const glm::ivec3& count, const glm::dve
  * field goes on as BSplineField does (BorderMode::Edge). `weights` are positive, or empty: 1.
  * Smoothness below 1e-10 counts as that.
  */
-FFD_KERNEL_EXPORT FitStatus FitNetToPoints(const std::vector<glm::dvec3>& points,
+FFD_CORE_EXPORT FitStatus FitNetToPoints(const std::vector<glm::dvec3>& points,
   const std::vector<glm::dvec3>& displacements, const std::vector<double>& weights,
   double smoothness, const FitLimits& limits, FittedNet& fit);
 

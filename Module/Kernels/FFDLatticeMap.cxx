@@ -55,7 +55,7 @@ const PullBackBounds& LatticeMap::UpdateBounds()
   const int which = this->Inverse ? 1 : 0;
   if (!this->BoundsAreCurrent[which])
   {
-    // What the object becomes under T^-1 are the points P with T(P) in it: the forward kind.
+    // The image of the object under T^-1 holds the points P with T(P) in it: the forward kind.
     this->Bounds[which].Update(PullBack(&this->Field,
       this->Inverse ? PullBackKind::Forward : PullBackKind::Exact, this->Exact.GetTolerance()));
     this->BoundsAreCurrent[which] = true;

@@ -3,11 +3,11 @@
 #ifndef FFDLatticeMap_h
 #define FFDLatticeMap_h
 
+#include "Bounds/FFDJacobianDeterminant.h"
+#include "Bounds/FFDPullBackBounds.h"
 #include "FFDBSplineField.h"
 #include "FFDExport.h"
-#include "FFDJacobianDeterminant.h"
 #include "FFDPullBack.h"
-#include "FFDPullBackBounds.h"
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
@@ -27,7 +27,7 @@ struct Lattice;
  * Between updates all methods may be called from several threads; the queries of bounds wait for
  * each other and for an update. Evaluation does not, so an update excludes it.
  */
-class FFD_KERNEL_EXPORT LatticeMap
+class FFD_CORE_EXPORT LatticeMap
 {
 public:
   /// The identity.

@@ -5,32 +5,49 @@
 
 #include <cstddef>
 #include <functional>
+#include <type_traits>
+#include <utility>
 
 namespace ffd
 {
 
-/// Runs work(first, last) over [0, count), possibly split over threads. An empty one stands for
-/// one thread: see RunFor().
-using ParallelFor = std::function<void(std::size_t count,
-  const std::function<void(std::size_t first, std::size_t last)>& work)>;
-
-/// work(first, last) over [0, count): by `parallelFor`, or in one go if that is empty.
-inline void RunFor(const ParallelFor& parallelFor, std::size_t count,
-  const std::function<void(std::size_t first, std::size_t last)>& work)
+/**
+ * Runs work(first, last) over [0, count), split over threads by what it is made of: a function
+ * object with the same arguments, vtkFFDParallelFor for instance. A default-constructed one runs
+ * the work in one go on the calling thread.
+ */
+class ParallelFor
 {
-  if (count == 0)
+public:
+  using Work = std::function<void(std::size_t first, std::size_t last)>;
+
+  ParallelFor() = default;
+  template <class Splitter,
+    class = std::enable_if_t<!std::is_same<std::decay_t<Splitter>, ParallelFor>::value>>
+  ParallelFor(Splitter&& splitter)
+    : Split(std::forward<Splitter>(splitter))
   {
-    return;
   }
-  if (parallelFor)
+
+  void operator()(std::size_t count, const Work& work) const
   {
-    parallelFor(count, work);
+    if (count == 0)
+    {
+      return;
+    }
+    if (this->Split)
+    {
+      this->Split(count, work);
+    }
+    else
+    {
+      work(0, count);
+    }
   }
-  else
-  {
-    work(0, count);
-  }
-}
+
+private:
+  std::function<void(std::size_t count, const Work& work)> Split;
+};
 
 } // namespace ffd
 

@@ -64,7 +64,7 @@ bool Solve(const glm::dmat3& m, const glm::dvec3& b, glm::dvec3& x)
   return true;
 }
 
-/// What rounding of the positions alone leaves of a residual: no tolerance can be below it.
+/// The tolerance, but no less than the residual that the rounding of positions alone leaves.
 double ReachableTolerance(const glm::dvec3& p, const glm::dvec3& q, double tolerance)
 {
   const glm::dvec3 a = glm::max(glm::abs(p), glm::abs(q));
@@ -118,8 +118,8 @@ bool Newton(const BSplineField& field, const glm::dvec3& p, double strength, dou
  * predictor dQ/ds = -J_s^-1 D and a few Newton steps as corrector, the step in s halved when the
  * corrector fails and doubled when it succeeds.
  */
-bool Continuation(const BSplineField& field, const glm::dvec3& p, double tolerance, Residual& r,
-  int& evaluations)
+bool Continuation(
+  const BSplineField& field, const glm::dvec3& p, double tolerance, Residual& r, int& evaluations)
 {
   constexpr int correctorSteps = 4;
   Residual current = EvaluateResidual(field, p, p, 0.0, evaluations);
@@ -133,8 +133,8 @@ bool Continuation(const BSplineField& field, const glm::dvec3& p, double toleran
     {
       break;
     }
-    Residual trial = EvaluateResidual(
-      field, p, current.Point - (next - strength) * tangent, next, evaluations);
+    Residual trial =
+      EvaluateResidual(field, p, current.Point - (next - strength) * tangent, next, evaluations);
     const int steps = next < 1.0 ? correctorSteps : MaximumNewtonSteps;
     if (Newton(field, p, next, tolerance, steps, trial, evaluations))
     {
@@ -180,8 +180,7 @@ bool SolveInverseNear(const BSplineField& field, const glm::dvec3& p, const glm:
   double tolerance, glm::dvec3& q, int& evaluations)
 {
   Residual r = EvaluateResidual(field, p, start, 1.0, evaluations);
-  const bool converged =
-    Newton(field, p, 1.0, tolerance, MaximumNewtonSteps, r, evaluations);
+  const bool converged = Newton(field, p, 1.0, tolerance, MaximumNewtonSteps, r, evaluations);
   q = r.Point;
   return converged;
 }
@@ -240,11 +239,10 @@ glm::dvec3 PullBack::Evaluate(
   const bool inverts = InvertsTheField(this->Kind);
   if (inverts)
   {
-    // Always started from p, never from a neighbour's solution: where several rest points map to
+    // Always started from p, never from a neighbor's solution: where several rest points map to
     // p the choice must not depend on what was evaluated before.
     Residual r;
-    status.Converged =
-      SolveInverseAt(*this->Field, p, p, this->Tolerance, r, status.Evaluations);
+    status.Converged = SolveInverseAt(*this->Field, p, p, this->Tolerance, r, status.Evaluations);
     glm::dvec3 columns[3];
     bool regular = status.Converged;
     for (int a = 0; a < 3 && regular; ++a)

@@ -40,7 +40,7 @@ enum class InverseMode
 };
 
 /// The kind for a deformation that is the field's map, or (`inverted`) the inverse of that.
-FFD_KERNEL_EXPORT PullBackKind FindPullBackKind(InverseMode mode, bool inverted);
+FFD_CORE_EXPORT PullBackKind FindPullBackKind(InverseMode mode, bool inverted);
 
 /// How an evaluation of the pull-back ended.
 struct PullBackStatus
@@ -57,7 +57,7 @@ struct PullBackStatus
  * points that no rest point maps to) the first-order point of equation (3) is returned and the
  * status says so: the result is always finite for finite input.
  */
-class FFD_KERNEL_EXPORT PullBack
+class FFD_CORE_EXPORT PullBack
 {
 public:
   PullBack() = default;
@@ -92,11 +92,11 @@ private:
  * strength of the deformation from the identity. Returns whether |T(q) - p| <= tolerance;
  * `q` is then the solution, else the last iterate. `evaluations` is increased.
  */
-FFD_KERNEL_EXPORT bool SolveInverse(const BSplineField& field, const glm::dvec3& p,
+FFD_CORE_EXPORT bool SolveInverse(const BSplineField& field, const glm::dvec3& p,
   const glm::dvec3& start, double tolerance, glm::dvec3& q, int& evaluations);
 
 /// The same by damped Newton alone: of several solutions one near `start`, if there is one.
-FFD_KERNEL_EXPORT bool SolveInverseNear(const BSplineField& field, const glm::dvec3& p,
+FFD_CORE_EXPORT bool SolveInverseNear(const BSplineField& field, const glm::dvec3& p,
   const glm::dvec3& start, double tolerance, glm::dvec3& q, int& evaluations);
 
 } // namespace ffd

@@ -50,16 +50,16 @@ double RayDeflector::FindWeight(double distance)
 }
 
 //------------------------------------------------------------------------------
-double RayDeflector::FindWeight(const glm::dvec3& fromCentre, glm::dvec3& gradient) const
+double RayDeflector::FindWeight(const glm::dvec3& fromCenter, glm::dvec3& gradient) const
 {
   const double square = this->Radius * this->Radius;
-  const double rest = 1.0 - glm::dot(fromCentre, fromCentre) / square;
+  const double rest = 1.0 - glm::dot(fromCenter, fromCenter) / square;
   if (!(rest > 0.0))
   {
     gradient = glm::dvec3(0.0);
     return 0.0;
   }
-  gradient = (-6.0 * rest * rest / square) * fromCentre;
+  gradient = (-6.0 * rest * rest / square) * fromCenter;
   return rest * rest * rest;
 }
 
@@ -73,7 +73,7 @@ glm::dvec3 RayDeflector::Forward(const glm::dvec3& p) const
 //------------------------------------------------------------------------------
 glm::dvec3 RayDeflector::Forward(const glm::dvec3& p, glm::dmat3& jacobian) const
 {
-  const glm::dvec3 x = p - this->Centre;
+  const glm::dvec3 x = p - this->Center;
   glm::dvec3 gradient;
   const double weight = this->FindWeight(x, gradient);
   jacobian = glm::dmat3(1.0);
@@ -95,13 +95,13 @@ glm::dvec3 RayDeflector::Forward(const glm::dvec3& p, glm::dmat3& jacobian) cons
         jacobian[b] =
           Turned(unit, axis, angle) + this->Angle * gradient[b] * glm::cross(axis, turned);
       }
-      return this->Centre + turned;
+      return this->Center + turned;
     }
     case Shape::Scale:
     {
       const double more = this->Factor - 1.0;
       jacobian = glm::dmat3(1.0 + weight * more) + glm::outerProduct(more * x, gradient);
-      return this->Centre + (1.0 + weight * more) * x;
+      return this->Center + (1.0 + weight * more) * x;
     }
     case Shape::Translate:
     default:
@@ -113,16 +113,16 @@ glm::dvec3 RayDeflector::Forward(const glm::dvec3& p, glm::dmat3& jacobian) cons
 //------------------------------------------------------------------------------
 glm::dvec3 RayDeflector::Inverse(const glm::dvec3& p) const
 {
-  const glm::dvec3 x = p - this->Centre;
+  const glm::dvec3 x = p - this->Center;
   const double distance = glm::length(x);
   switch (this->Kind)
   {
     case Shape::Rotate:
-      // Distances from the centre stay.
-      return distance < this->Radius
-        ? this->Centre +
-          Turned(x, glm::normalize(this->Vector), -this->Angle * FindWeight(distance / this->Radius))
-        : p;
+      // Distances from the center stay.
+      return distance < this->Radius ? this->Center +
+          Turned(
+            x, glm::normalize(this->Vector), -this->Angle * FindWeight(distance / this->Radius))
+                                     : p;
     case Shape::Scale:
     {
       if (!(distance > 0.0 && distance < this->Radius))
@@ -133,7 +133,7 @@ glm::dvec3 RayDeflector::Inverse(const glm::dvec3& p) const
       const double radius = this->Radius;
       const double rest = FindRoot(0.0, radius,
         [=](double r) { return r * (1.0 + more * FindWeight(r / radius)) - distance; });
-      return this->Centre + (rest / distance) * x;
+      return this->Center + (rest / distance) * x;
     }
     case Shape::Translate:
     default:

@@ -13,20 +13,20 @@ namespace ffd
 
 /**
  * A deflector after Kurzion and Yagel, "Space Deformation using Ray Deflectors", 1995: reference
- * [10] of the paper. Within a sphere space is moved, most at its centre and not at all at its
+ * [10] of the paper. Within a sphere space is moved, most at its center and not at all at its
  * border, by the weight a = (1 - (distance / Radius)^2)^3, which has two continuous derivatives.
  */
-struct FFD_KERNEL_EXPORT RayDeflector
+struct FFD_CORE_EXPORT RayDeflector
 {
   enum class Shape
   {
     Translate, ///< X + a * Vector
-    Rotate,    ///< turned by a * Angle about the axis Vector through Centre
-    Scale      ///< Centre + (1 + a * (Factor - 1)) * (X - Centre)
+    Rotate,    ///< turned by a * Angle about the axis Vector through Center
+    Scale      ///< Center + (1 + a * (Factor - 1)) * (X - Center)
   };
 
   Shape Kind = Shape::Translate;
-  glm::dvec3 Centre{ 0.0 };
+  glm::dvec3 Center{ 0.0 };
   double Radius = 1.0;
   glm::dvec3 Vector{ 0.0, 0.0, 1.0 };
   double Angle = 0.0; ///< radians
@@ -43,10 +43,10 @@ struct FFD_KERNEL_EXPORT RayDeflector
   bool IsFoldFree() const;
 
 private:
-  /// Weight at a distance from the centre, in radii.
+  /// Weight at a distance from the center, in radii.
   static double FindWeight(double distance);
   /// The weight and its gradient.
-  double FindWeight(const glm::dvec3& fromCentre, glm::dvec3& gradient) const;
+  double FindWeight(const glm::dvec3& fromCenter, glm::dvec3& gradient) const;
 };
 
 } // namespace ffd

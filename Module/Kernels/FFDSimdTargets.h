@@ -14,9 +14,9 @@
 // takes the place of SVE; other vector units, and new ones, are served by Highway's fallback in
 // plain C++.
 //
-// On Arm that leaves one target, which every 64-bit processor has, and nothing to choose at run time.
-// Highway is told so by the name that it has for systems that cannot tell: otherwise it asks GCC for
-// "+crypto" function by function, which constructors that the compiler makes do not get.
+// On Arm that leaves one target, which every 64-bit processor has, and nothing to choose at run
+// time. Highway is told so by the name that it has for systems that cannot tell: otherwise it asks
+// GCC for "+crypto" function by function, which constructors that the compiler makes do not get.
 #ifdef __GNUC__
 // Highway 1.0 evaluates the macro below without some of its names: no warning (-Wundef).
 #pragma GCC system_header

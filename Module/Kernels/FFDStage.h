@@ -15,7 +15,7 @@
 namespace ffd
 {
 
-/// What a maker did to the result of its stage.
+/// Outcome of a maker for the result of its stage.
 enum class Made
 {
   Anew, ///< the result is another one
@@ -23,7 +23,7 @@ enum class Made
   Not   ///< there is no result; StageTools::Message tells the user why
 };
 
-/// What a maker uses besides its inputs. The result must not depend on it.
+/// Tools of a maker besides its inputs. The result must not depend on them.
 struct StageTools
 {
   ParallelFor Parallel;
@@ -195,7 +195,7 @@ public:
     return product;
   }
 
-  /// What was made last, even if it is not valid: for the memory that it takes.
+  /// The last result, even if it is not valid: for the memory that it takes.
   const Result& GetLast() const { return this->Last; }
 
   /// How often there was a new result.

@@ -24,7 +24,7 @@ public:
   {
   }
 
-  /// Values of [from, to] count; entries on either side of an end are its neighbourhood.
+  /// Values of [from, to] count; entries on either side of an end are its neighborhood.
   void Set(double from, double to)
   {
     const double last = static_cast<double>(this->Counts.size() - 1);
@@ -70,8 +70,8 @@ bool MakeLeapTable(const Blending& blend, const TransferTable& looks, TransferTa
       // A value shows, or may keep another one from being the extreme, from the first one on that
       // shows.
       const std::size_t size = looks.GetSize();
-      Flags flags(looks.GetLow(),
-        looks.GetLow() + static_cast<double>(size - 1) / looks.GetScale(), size);
+      Flags flags(
+        looks.GetLow(), looks.GetLow() + static_cast<double>(size - 1) / looks.GetScale(), size);
       const bool maximum = blend.Mode == BlendMode::Maximum;
       bool shows = false;
       for (std::size_t i = 0; i < size; ++i)

@@ -15,7 +15,7 @@
 namespace ffd
 {
 
-/// What becomes of the samples of a ray; as the blend modes of vtkVolumeMapper.
+/// How the samples of a ray are combined: the blend modes of vtkVolumeMapper.
 enum class BlendMode
 {
   Composite,  ///< front to back, opacities corrected for the lengths of intervals
@@ -31,36 +31,37 @@ enum class BlendMode
 struct IsoValue
 {
   double Value;
-  glm::vec3 Colour;
+  glm::vec3 Color;
   float Opacity;
 };
 
-/// The blend mode and all that it takes. Arrays are indexed by channel: dependent components are one,
-/// see SampleClassifier::GetNumberOfChannels().
+/// The blend mode and all that it takes. Arrays are indexed by channel: dependent components are
+/// one, see SampleClassifier::GetNumberOfChannels().
 struct Blending
 {
   static constexpr int LargestNumberOfComponents = 4;
 
   BlendMode Mode = BlendMode::Composite;
 
-  /// Of Isosurface, in ascending order; intensities of the channel IsoComponent.
+  /// Values of Isosurface in ascending order: intensities of the channel IsoComponent.
   std::vector<IsoValue> IsoValues;
   int IsoComponent = 0;
 
-  /// Of Average: other values do not count.
+  /// The range of Average: other values do not count.
   double AverageMin = -std::numeric_limits<double>::infinity();
   double AverageMax = std::numeric_limits<double>::infinity();
 
   /// The range of the values: ends that Maximum and Minimum cannot pass, and black and white of
-  /// Average and Additive. Of dependent components that of what is looked up for opacity, or that of
-  /// the intensity.
+  /// Average and Additive. Of dependent components that of what is looked up for opacity, or that
+  /// of the intensity.
   double Low[LargestNumberOfComponents] = { 0.0, 0.0, 0.0, 0.0 };
   double High[LargestNumberOfComponents] = { 1.0, 1.0, 1.0, 1.0 };
   double Weight[LargestNumberOfComponents] = { 1.0, 1.0, 1.0, 1.0 };
-  /// Of Additive: length, data units, over which a value of full opacity counts once.
+  /// The unit distance of Additive: the length, data units, over which a value of full opacity
+  /// counts once.
   double UnitDistance[LargestNumberOfComponents] = { 1.0, 1.0, 1.0, 1.0 };
 
-  /// Of Slice: the plane, data coordinates.
+  /// The plane of Slice, data coordinates.
   glm::dvec3 SliceOrigin{ 0.0 };
   glm::dvec3 SliceNormal{ 0.0, 0.0, 1.0 };
 
@@ -74,17 +75,17 @@ struct Blending
  * blocks. Of intervals both ends have to be in them. Returns false where every sample counts: then
  * nothing may be leaped over.
  */
-FFD_KERNEL_EXPORT bool MakeLeapTable(
+FFD_RENDERING_EXPORT bool MakeLeapTable(
   const Blending& blend, const TransferTable& looks, TransferTable& leaps);
 
 /**
- * Part of a sample interval, 0 to 0.98, by which the samples of a ray are moved on: trades the rings
- * of samples on equal depths for noise. A low-discrepancy pattern over the pixels.
+ * Part of a sample interval, 0 to 0.98, by which the samples of a ray are moved on: trades the
+ * rings of samples on equal depths for noise. A low-discrepancy pattern over the pixels.
  */
 inline double FindJitter(int x, int y)
 {
   const auto fraction = [](double v) { return v - std::floor(v); };
-  // Weights of the generalised golden ratio in two dimensions.
+  // Weights of the generalized golden ratio in two dimensions.
   return 0.98 * fraction(0.7548776662466927 * x + 0.5698402909980532 * y);
 }
 

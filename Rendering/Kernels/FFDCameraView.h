@@ -41,7 +41,7 @@ struct CameraView
   glm::dvec3 Eye{ 0.0 };
   bool Parallel = false;
 
-  /// The ray through image position (x, y); pixel (i, j) has its centre at (i + 0.5, j + 0.5).
+  /// The ray through image position (x, y); pixel (i, j) has its center at (i + 0.5, j + 0.5).
   ViewRay MakeRay(double x, double y) const
   {
     const glm::dvec2 ndc = this->NdcOrigin + glm::dvec2(x, y) * this->NdcPerPixel;

@@ -3,6 +3,7 @@
 #ifndef FFDCastScene_h
 #define FFDCastScene_h
 
+#include "Bounds/FFDPullBackBounds.h"
 #include "FFDBlending.h"
 #include "FFDCameraView.h"
 #include "FFDCropping.h"
@@ -10,10 +11,10 @@
 #include "FFDExport.h"
 #include "FFDPolyline.h"
 #include "FFDPullBack.h"
-#include "FFDPullBackBounds.h"
 #include "FFDSampling.h"
 #include "FFDShading.h"
 #include "FFDTransferTable.h"
+#include "FFDValuePeaks.h"
 #include "FFDVolumeView.h"
 
 #include <glm/vec4.hpp>
@@ -25,14 +26,14 @@
 namespace ffd
 {
 
-/// How a deformed ray is cut into pieces.
+/// How a deformed ray is cut into segments.
 enum class Segmentation
 {
   ErrorBound, ///< interpolants shared by the rays of a tile, position error measured (TilePiece)
   GreedyAngle ///< the paper's polyline, section 4.5 (PolylineWalker)
 };
 
-/// How empty space is passed over.
+/// How rays leap over empty space.
 enum class SpaceLeaping
 {
   Off,
@@ -44,7 +45,7 @@ enum class SpaceLeaping
 enum class OpacityLength
 {
   Deformed, ///< of the interval on the viewing ray: the image equals that of a resampled volume
-  Material ///< of the interval in rest space, as the paper
+  Material  ///< of the interval in rest space, as the paper
 };
 
 class SampleClassifier;
@@ -64,15 +65,17 @@ struct CastSettings
   OpacityLength Opacity = OpacityLength::Deformed;
   PolylineSettings Polyline;
   PieceSettings Pieces;
-  double SampleDistance = 1.0;       ///< data units, along the viewing ray
-  double InverseTolerance = 0.01;      ///< of the pull-back, voxels
-  float TerminationTransmittance = 0;  ///< a ray ends when less than this passes it
+  double SampleDistance = 1.0;        ///< data units, along the viewing ray
+  double InverseTolerance = 0.01;     ///< of the pull-back, voxels
+  float TerminationTransmittance = 0; ///< a ray ends when less than this passes it
   bool Shade = false;
   bool Jitter = false;    ///< samples are moved on by FindJitter(); not those of isosurfaces
   bool Reference = false; ///< use the reference kernels even where packets could render
   /// Packets hand every sample to the RayIntegrator of its ray, even where their vector code could
   /// composite it: for tests.
   bool PerRay = false;
+  /// Bytes that offsets of voxels may lead over, at most; less than what 32 bits hold for tests.
+  double LargestReach = 2147483647.0;
 };
 
 /// When work on a tile stops, to be gone on with later.
@@ -91,7 +94,7 @@ struct CastStatistics
   std::int64_t Evaluations = 0; ///< of the deformation
   std::int64_t Unconverged = 0; ///< points where the inverse did not converge
 
-  FFD_KERNEL_EXPORT void Add(const CastStatistics& other);
+  FFD_RENDERING_EXPORT void Add(const CastStatistics& other);
 };
 
 /// Everything a frame is rendered from: plain views, all of them outlive the ray caster's calls.
@@ -103,12 +106,13 @@ struct CastScene
   Interpolation VolumeInterpolation = Interpolation::Linear;
   const TransferTable* Table = nullptr;
   const SampleClassifier* Classifier = nullptr; ///< null: one component by Table and Material
-  const DistanceMap* Distances = nullptr; ///< may be null when Leaping is Off
+  const DistanceMap* Distances = nullptr;       ///< may be null when Leaping is Off
+  const ValuePeaks* Peaks = nullptr;            ///< of Maximum and Minimum; may be null
   const PullBack* Map = nullptr;
   PullBackLimits Limits; ///< of Map
-  Box DeformedBounds; ///< data coordinates; rays are cut to them
-  /// Where Volume and DeformedBounds are parts of a whole, that whole, at rest and deformed, and else
-  /// null: what is rounded and iterated is then the same in all of its parts.
+  Box DeformedBounds;    ///< data coordinates; rays are cut to them
+  /// Where Volume and DeformedBounds are parts of a whole, that whole, at rest and deformed, and
+  /// else null: what is rounded and iterated is then the same in all of its parts.
   const Box* WholeAtRest = nullptr;
   const Box* WholeDeformed = nullptr;
   Blending Blend;
@@ -122,13 +126,13 @@ struct CastScene
 
 /// Image to render into, rows bottom up, premultiplied RGBA and window depth of the first visible
 /// sample (1 where there is none); `Depths` may be null. `Reaches`, which may be null, has an entry
-/// for each quarter of a tile, x fastest: the t beyond which no ray of it has been followed, infinite
-/// where one goes on to its end or that is not known.
+/// for each quarter of a tile, x fastest: the t beyond which no ray of it has been followed,
+/// infinite where one goes on to its end or that is not known.
 struct CastImage
 {
   int Width = 0;
   int Height = 0;
-  float* Colours = nullptr;
+  float* Colors = nullptr;
   float* Depths = nullptr;
   float* Reaches = nullptr;
 };

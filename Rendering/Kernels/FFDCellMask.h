@@ -3,6 +3,8 @@
 #ifndef FFDCellMask_h
 #define FFDCellMask_h
 
+#include "FFDGridIndex.h"
+
 #include <glm/vec3.hpp>
 
 #include <cstddef>
@@ -21,10 +23,7 @@ public:
   /// No cell of `cells` cells along each axis.
   explicit CellMask(const glm::ivec3& cells)
     : Cells(cells)
-    , Bits((static_cast<std::size_t>(cells.x) * static_cast<std::size_t>(cells.y) *
-               static_cast<std::size_t>(cells.z) +
-             63) /
-        64)
+    , Bits((GridSize(cells) + 63) / 64)
   {
   }
 
@@ -32,26 +31,19 @@ public:
 
   void Add(const glm::ivec3& cell)
   {
-    const std::size_t at = this->IndexOf(cell);
+    const std::size_t at = GridIndex(cell, this->Cells);
     this->Bits[at / 64] |= std::uint64_t{ 1 } << at % 64;
   }
 
   bool Has(const glm::ivec3& cell) const
   {
-    const std::size_t at = this->IndexOf(cell);
+    const std::size_t at = GridIndex(cell, this->Cells);
     return (this->Bits[at / 64] >> at % 64 & 1) != 0;
   }
 
   std::size_t GetMemorySize() const { return this->Bits.capacity() * sizeof(std::uint64_t); }
 
 private:
-  std::size_t IndexOf(const glm::ivec3& cell) const
-  {
-    return cell.x +
-      static_cast<std::size_t>(this->Cells.x) *
-      (cell.y + static_cast<std::size_t>(this->Cells.y) * cell.z);
-  }
-
   glm::ivec3 Cells{ 0 };
   std::vector<std::uint64_t> Bits; // x fastest
 };

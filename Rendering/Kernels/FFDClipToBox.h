@@ -3,7 +3,7 @@
 #ifndef FFDClipToBox_h
 #define FFDClipToBox_h
 
-#include "FFDPullBackBounds.h"
+#include "Bounds/FFDBox.h"
 
 #include <glm/vec3.hpp>
 

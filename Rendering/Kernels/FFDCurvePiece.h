@@ -16,7 +16,8 @@ namespace ffd
 
 /**
  * A piece of a deformed ray: a quartic Q(s), 0 <= s <= 1, in index coordinates of the volume. Both
- * segmentations hand their pieces to the sampler in this form; the paper's polyline has linear ones.
+ * segmentations hand their pieces to the sampler in this form; the paper's polyline has linear
+ * ones.
  */
 struct CurvePiece
 {

@@ -12,7 +12,7 @@ std::vector<int> FindOpacityComponents(ComponentKind kind, int count)
 {
   switch (kind)
   {
-    case ComponentKind::ColourOpacity:
+    case ComponentKind::ColorOpacity:
       return { 1 };
     case ComponentKind::Rgb:
       return { 0, 1, 2 };
@@ -28,11 +28,9 @@ std::vector<int> FindOpacityComponents(ComponentKind kind, int count)
 }
 
 //------------------------------------------------------------------------------
-double FindColourScale(ScalarType type)
+double FindColorScale(ScalarType type)
 {
-  return type == ScalarType::UInt8 ? 1.0 / 255.0
-    : type == ScalarType::UInt16   ? 1.0 / 65535.0
-                                   : 1.0;
+  return type == ScalarType::UInt8 ? 1.0 / 255.0 : type == ScalarType::UInt16 ? 1.0 / 65535.0 : 1.0;
 }
 
 //------------------------------------------------------------------------------
@@ -85,7 +83,7 @@ bool OpticalFunctions::IsTransparent(const MinMaxBlocks::Limits* limits) const
 //------------------------------------------------------------------------------
 std::size_t OpticalFunctions::GetMemorySize() const
 {
-  std::size_t size = this->Colours.GetMemorySize();
+  std::size_t size = this->Colors.GetMemorySize();
   for (const ComponentOptics& component : this->Components)
   {
     size += component.Table.GetMemorySize() + component.Plane.GetMemorySize();
@@ -98,10 +96,10 @@ std::size_t OpticalFunctions::GetMemorySize() const
 }
 
 //------------------------------------------------------------------------------
-bool ShowTheSame(const OpticalFunctions& a, const OpticalFunctions& b)
+bool HaveSameVisibility(const OpticalFunctions& a, const OpticalFunctions& b)
 {
   if (a.Kind != b.Kind || a.Components.size() != b.Components.size() || !a.Labels.empty() ||
-    !b.Labels.empty() || a.ColourScale != b.ColourScale)
+    !b.Labels.empty() || a.ColorScale != b.ColorScale)
   {
     return false;
   }

@@ -18,13 +18,13 @@
 namespace ffd
 {
 
-/// What the components of the scalars are.
+/// Meaning of the components of the scalars.
 enum class ComponentKind
 {
-  Independent,   ///< each has functions of its own
-  ColourOpacity, ///< two: the first is looked up for colour, the second for opacity
-  Rgb,           ///< three: colour; its luminance is looked up for opacity
-  Rgba           ///< four: colour, and what is looked up for opacity
+  Independent,  ///< each has functions of its own
+  ColorOpacity, ///< two: the first is looked up for color, the second for opacity
+  Rgb,          ///< three: color; its luminance is looked up for opacity
+  Rgba          ///< four: color, and what is looked up for opacity
 };
 
 /// Weights of red, green and blue in the luminance (ITU-R BT.601).
@@ -50,21 +50,21 @@ struct LabelOptics
 
 /// Components, of `count`, that the opacity depends on, in the order of
 /// OpticalFunctions::IsTransparent().
-FFD_KERNEL_EXPORT std::vector<int> FindOpacityComponents(ComponentKind kind, int count);
+FFD_RENDERING_EXPORT std::vector<int> FindOpacityComponents(ComponentKind kind, int count);
 
-/// What takes values that are colours to [0, 1].
-FFD_KERNEL_EXPORT double FindColourScale(ScalarType type);
+/// The factor that scales values that are colors to [0, 1].
+FFD_RENDERING_EXPORT double FindColorScale(ScalarType type);
 
 /**
  * Everything that says what scalars look like, for whole images: made when the property or the
  * scalars change.
  */
-struct FFD_KERNEL_EXPORT OpticalFunctions
+struct FFD_RENDERING_EXPORT OpticalFunctions
 {
   ComponentKind Kind = ComponentKind::Independent;
   std::vector<ComponentOptics> Components; ///< one, or one for each independent component
-  TransferTable Colours;    ///< ColourOpacity: colours over the first component
-  double ColourScale = 1.0; ///< Rgb, Rgba: what takes their values to [0, 1]
+  TransferTable Colors;                    ///< ColorOpacity: colors over the first component
+  double ColorScale = 1.0;                 ///< Rgb, Rgba: what takes their values to [0, 1]
   std::vector<LabelOptics> Labels;
   std::vector<int> LabelIndices; ///< by label: entry of Labels, or -1
 
@@ -91,7 +91,7 @@ private:
 
 /// Whether IsTransparent() certainly says the same of both for all limits. False where that would
 /// take long to find out: with planes or labels.
-FFD_KERNEL_EXPORT bool ShowTheSame(const OpticalFunctions& a, const OpticalFunctions& b);
+FFD_RENDERING_EXPORT bool HaveSameVisibility(const OpticalFunctions& a, const OpticalFunctions& b);
 
 } // namespace ffd
 

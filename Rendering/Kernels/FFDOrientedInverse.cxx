@@ -20,7 +20,7 @@ namespace
 /// Seeds along each axis of the volume, as those of the packets.
 constexpr int SeedsPerAxis = 7;
 
-/// Of the seeds, those that are tried.
+/// The number of seeds that are tried.
 constexpr std::size_t SeedsTried = 6;
 
 } // namespace

@@ -3,8 +3,8 @@
 #ifndef FFDOrientedInverse_h
 #define FFDOrientedInverse_h
 
+#include "Bounds/FFDPullBackBounds.h"
 #include "FFDPullBack.h"
-#include "FFDPullBackBounds.h"
 #include "FFDVolumeView.h"
 
 #include <vector>

@@ -17,7 +17,7 @@
 
 #include <hwy/highway.h>
 
-#include "FFDSimdCaster-inl.h"
+#include "FFDSimdTile-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace ffd
@@ -132,8 +132,11 @@ constexpr double SinglePrecision = 4e-7;
 /// Specular powers that are found by multiplications, at most.
 constexpr float LargestWholePower = 128.0f;
 
-/// Offsets of the packet kernels are 32-bit numbers of bytes.
-constexpr double LargestVolume = 2147483647.0;
+/// Bytes that a 32-bit offset leads over.
+constexpr double LargestReach = 2147483647.0;
+
+/// Of a slice: it and those around it are in reach of each other.
+constexpr double LargestSlice = LargestReach / 8.0;
 
 template <class Vector>
 void Copy(const Vector& from, float to[3])
@@ -183,39 +186,51 @@ PacketSampling SamplingOf(BlendMode mode)
 /// Whether the vector code can fetch these voxels.
 bool CanFetchPackets(const VolumeView& v)
 {
-  const double bytes = static_cast<double>(v.Increments[2]) * v.Dimensions.z * SizeOf(v.Type);
-  return bytes <= LargestVolume && v.Increments[0] == v.Components && v.Dimensions.x >= 4 &&
+  const double slice = static_cast<double>(v.Increments[2]) * SizeOf(v.Type);
+  return slice <= LargestSlice && v.Increments[0] == v.Components && v.Dimensions.x >= 4 &&
     v.Dimensions.y >= 4 && v.Dimensions.z >= 4;
 }
 
-/// Whether the vector code composites with the gradient opacity of this scene.
-bool HasVectorGradientOpacity(const CastScene& scene, const SampleClassifier& classifier)
+/// Whether the vector code can look up the voxels of a mask, if there is one.
+bool CanLookUpMask(const VolumeView& v)
 {
-  return classifier.IsPlainWithGradient() && scene.Blend.Mode == BlendMode::Composite &&
-    CanFetchPackets(scene.Volume);
+  return !v.Scalars || static_cast<double>(v.Increments[2]) <= LargestSlice;
 }
 
-/// Whether the vector code can look up a mask, if there is one.
-bool CanFetchMask(const VolumeView& mask)
+/// Whether it can look up those of the second axis of a two-dimensional transfer function: offsets
+/// lead over the whole of it.
+bool CanLookUpAxis(const VolumeView& v)
 {
-  return !mask.Scalars ||
-    static_cast<double>(mask.Increments[2]) * mask.Dimensions.z <= LargestVolume;
+  return !v.Scalars ||
+    (v.Increments[0] == 1 &&
+      static_cast<double>(v.Increments[2]) * v.Dimensions.z * SizeOf(v.Type) <= LargestReach);
 }
 
-/// Whether the vector code composites with the mask or the labels of this scene.
-bool HasVectorMask(const CastScene& scene, const SampleClassifier& classifier)
+/// Whether the vector code composites what this scene shows: else its rays are integrated one by
+/// one.
+bool CanComposite(const CastScene& scene, const SampleClassifier& classifier)
 {
-  return classifier.IsPlainWithMask() && scene.Blend.Mode == BlendMode::Composite &&
-    CanFetchPackets(scene.Volume) && CanFetchMask(classifier.GetMask().Volume);
-}
-
-/// Whether the vector code composites the several components of this scene.
-bool HasVectorComponents(const CastScene& scene, const SampleClassifier& classifier)
-{
-  return classifier.HasPlainComponents() && scene.Blend.Mode == BlendMode::Composite &&
-    scene.Volume.Components <= SampleClassifier::LargestNumberOfComponents &&
-    !IsWide(scene.Volume.Type) && CanFetchPackets(scene.Volume) &&
-    CanFetchMask(classifier.GetMask().Volume);
+  const OpticalFunctions& functions = classifier.GetFunctions();
+  const MaskView& mask = classifier.GetMask();
+  const bool one = functions.Kind == ComponentKind::Independent && functions.Components.size() == 1;
+  const bool labels = mask.Volume.Scalars && mask.Labels;
+  const bool plane = !functions.Components[0].Plane.IsEmpty();
+  if (!classifier.IsSimple() || !CanFetchPackets(scene.Volume) || !CanLookUpMask(mask.Volume) ||
+    (plane && !CanLookUpAxis(classifier.GetSecondAxis())))
+  {
+    return false;
+  }
+  if (one)
+  {
+    return scene.Volume.Components == 1 && !(plane && labels);
+  }
+  const bool planes = std::any_of(functions.Components.begin(), functions.Components.end(),
+    [](const ComponentOptics& optics) { return !optics.Plane.IsEmpty(); });
+  const int components = scene.Volume.Components;
+  return !planes && !labels && !IsWide(scene.Volume.Type) && components > 1 &&
+    components <= SampleClassifier::LargestNumberOfComponents &&
+    (functions.Kind != ComponentKind::Independent ||
+      static_cast<int>(functions.Components.size()) == components);
 }
 
 /// A table over values as they are fetched.
@@ -227,7 +242,14 @@ void AddTable(const TransferTable& table, PacketScene& scene)
     static_cast<float>(table.GetScale() / v.Scale));
 }
 
-/// The mask of a scene, and the tables of its labels.
+/// What takes gradients as packets fetch them, differences over two voxels scaled as the values, to
+/// vectors whose length is the magnitude.
+glm::dvec3 FindMagnitudeScale(const SampleClassifier& classifier, const PacketVolume& volume)
+{
+  return classifier.GetMagnitudeScale() * (0.5 / volume.Scale);
+}
+
+/// The mask of a scene, and the tables and gradient opacities of its labels.
 void SetMask(const SampleClassifier& classifier, PacketScene& scene)
 {
   const MaskView& mask = classifier.GetMask();
@@ -249,18 +271,72 @@ void SetMask(const SampleClassifier& classifier, PacketScene& scene)
     return;
   }
   const OpticalFunctions& functions = classifier.GetFunctions();
+  std::vector<const GradientOpacity*> gradients{ &functions.Components[0].Gradients };
   for (const LabelOptics& label : functions.Labels)
   {
     AddTable(label.Table, scene);
+    gradients.push_back(&label.Gradients);
   }
   for (const int index : functions.LabelIndices)
   {
     p.Tables.push_back(index + 1);
   }
+  if (std::all_of(gradients.begin(), gradients.end(),
+        [](const GradientOpacity* opacity) { return opacity->IsEmpty(); }))
+  {
+    return;
+  }
+  for (const GradientOpacity* opacity : gradients)
+  {
+    const std::vector<float> factors =
+      opacity->IsEmpty() ? std::vector<float>(2, 1.0f) : opacity->GetFactors();
+    p.GradientRanges.push_back({ static_cast<std::int32_t>(p.GradientFactors.size()),
+      static_cast<float>(factors.size() - 1), static_cast<float>(opacity->GetScale()), 0 });
+    p.GradientFactors.insert(p.GradientFactors.end(), factors.begin(), factors.end());
+  }
+  Copy(FindMagnitudeScale(classifier, scene.Volume), p.MagnitudeScale);
+}
+
+/// The two-dimensional transfer function of one component.
+void SetPlane(const SampleClassifier& classifier, PacketScene& scene)
+{
+  const ComponentOptics& optics = classifier.GetFunctions().Components[0];
+  const TransferPlane& plane = optics.Plane;
+  const PacketVolume& v = scene.Volume;
+  PacketPlane& p = scene.Plane;
+  p.Texels = &plane.GetTexels()[0].x;
+  p.Size[0] = plane.GetWidth();
+  p.Size[1] = plane.GetHeight();
+  p.Low[0] = static_cast<float>((plane.GetLow().x - v.Shift) * v.Scale);
+  p.Low[1] = static_cast<float>(plane.GetLow().y);
+  p.Scale[0] = static_cast<float>(plane.GetScale().x / v.Scale);
+  p.Scale[1] = static_cast<float>(plane.GetScale().y);
+  p.Nearest = plane.IsNearest();
+  p.UnitDistance = static_cast<float>(optics.Table.GetUnitDistance());
+  Copy(FindMagnitudeScale(classifier, v), p.MagnitudeScale);
+  const VolumeView& second = classifier.GetSecondAxis();
+  p.SecondAxis.Scalars = second.Scalars;
+  p.SecondAxis.Type = second.Type;
+  for (int a = 0; a < 3; ++a)
+  {
+    p.SecondAxis.Dimensions[a] = second.Dimensions[a];
+  }
+  p.SecondAxis.IncrementY = static_cast<int>(second.Increments[1]);
+  p.SecondAxis.IncrementZ = static_cast<int>(second.Increments[2]);
+  p.SecondAxis.Nearest = v.Nearest;
 }
 
 /// Beyond it single precision has only infinity.
 float ToFloat(double value) { return static_cast<float>(std::clamp(value, -1e37, 1e37)); }
+
+/// The least float that is not below a number: floats compare with it as they do with the number.
+float RoundUp(double value)
+{
+  const float rounded = ToFloat(value);
+  return static_cast<double>(rounded) < value
+    ? std::nextafter(rounded, std::numeric_limits<float>::infinity())
+    : rounded;
+}
 
 /// Bounds in data coordinates of a box of index coordinates.
 Box FindBounds(const VolumeView& volume, const Box& index)
@@ -290,43 +366,48 @@ void KeepOneOrientation(PacketScene& scene)
     scene.Seeds.end());
 }
 
-/// The range of values outside of which nothing is visible.
+/// The range of values outside of which nothing is visible, from the first and the last of `size`
+/// entries with something visible; entry 0 stands for `low`, and there are `scale` entries a unit.
+void SetVisibleRange(int first, int last, int size, float low, float scale, PacketScene& scene)
+{
+  // From the entry before to the one behind, and a little more for rounding errors.
+  const auto valueAt = [&](double entry) {
+    return static_cast<float>(entry / static_cast<double>(scale) + static_cast<double>(low));
+  };
+  constexpr float Infinite = std::numeric_limits<float>::infinity();
+  constexpr double Guard = 1.01;
+  scene.VisibleLow = first == 0 ? -Infinite : valueAt(first - Guard);
+  scene.VisibleHigh = last == size - 1 ? Infinite : valueAt(last + Guard);
+}
+
 void FindVisibleRange(const TransferTable& table, PacketScene& scene)
 {
   const PacketTable::Range& range = scene.Table.GetRange(0);
   const float* const entries = table.GetEntries();
-  const auto isVisible = [&](std::size_t i) { return entries[4 * i + 3] > 0.0f; };
-  const std::size_t size = table.GetSize();
-  std::size_t first = 0;
+  const auto isVisible = [&](int i) { return entries[4 * static_cast<std::size_t>(i) + 3] > 0.0f; };
+  const int size = static_cast<int>(table.GetSize());
+  int first = 0;
   while (first < size && !isVisible(first))
   {
     ++first;
   }
-  std::size_t last = size;
-  while (last > first && !isVisible(last - 1))
+  int last = size - 1;
+  while (last >= first && !isVisible(last))
   {
     --last;
   }
-  // From the entry before to the one behind, and a little more for rounding errors.
-  const auto valueAt = [&](double entry) {
-    return static_cast<float>(
-      entry / static_cast<double>(range.Scale) + static_cast<double>(range.Low));
-  };
-  constexpr float Infinite = std::numeric_limits<float>::infinity();
-  constexpr double Guard = 1.01;
-  scene.VisibleLow = first == 0 ? -Infinite : valueAt(static_cast<double>(first) - Guard);
-  scene.VisibleHigh = last == size ? Infinite : valueAt(static_cast<double>(last) - 1.0 + Guard);
+  SetVisibleRange(first, last, size, range.Low, range.Scale, scene);
 }
 
 PacketLight MakePacketLight(
-  const Light& light, const Reflectance& material, const glm::dvec3& centre)
+  const Light& light, const Reflectance& material, const glm::dvec3& center)
 {
   PacketLight packet;
   packet.Positional = light.Positional;
   packet.Cone = light.ConeCosine >= -1.0;
   packet.ConeCosine = static_cast<float>(light.ConeCosine);
   packet.ConeExponent = static_cast<float>(light.ConeExponent);
-  Copy(light.Position - centre, packet.Position);
+  Copy(light.Position - center, packet.Position);
   Copy(light.Towards, packet.Towards);
   Copy(light.Axis, packet.Axis);
   Copy(material.Ambient * light.Ambient, packet.Ambient);
@@ -338,7 +419,7 @@ PacketLight MakePacketLight(
 
 /// `reflectance`: of one component.
 PacketSurface MakeSurface(
-  const Shading& material, const Reflectance& reflectance, const glm::dvec3& centre)
+  const Shading& material, const Reflectance& reflectance, const glm::dvec3& center)
 {
   PacketSurface surface;
   const float power = reflectance.SpecularPower;
@@ -349,7 +430,7 @@ PacketSurface MakeSurface(
   }
   for (const Light& light : material.Lights)
   {
-    const PacketLight packet = MakePacketLight(light, reflectance, centre);
+    const PacketLight packet = MakePacketLight(light, reflectance, center);
     if (!light.Headlight)
     {
       surface.Lights.push_back(packet);
@@ -373,19 +454,18 @@ PacketGradientOpacity MakeGradientOpacity(
   {
     packet.Factors = opacity.GetFactors().data();
     packet.Size = static_cast<int>(opacity.GetFactors().size());
-    // Packets fetch differences over two voxels, scaled as their values.
-    Copy(classifier.GetMagnitudeScale() * (0.5 * opacity.GetScale() / volume.Scale), packet.Scale);
+    Copy(FindMagnitudeScale(classifier, volume) * opacity.GetScale(), packet.Scale);
   }
   return packet;
 }
 
 /// Looks of several components; the table of the first one is there already.
 void AddComponents(const SampleClassifier& classifier, const Shading& material,
-  const glm::dvec3& centre, PacketScene& scene)
+  const glm::dvec3& center, PacketScene& scene)
 {
   const OpticalFunctions& functions = classifier.GetFunctions();
   scene.KindOfComponents = functions.Kind;
-  scene.ColourScale = static_cast<float>(functions.ColourScale);
+  scene.ColorScale = static_cast<float>(functions.ColorScale);
   for (const ComponentOptics& optics : functions.Components)
   {
     if (!scene.Components.empty())
@@ -395,12 +475,12 @@ void AddComponents(const SampleClassifier& classifier, const Shading& material,
     PacketComponent component;
     component.Gradients = MakeGradientOpacity(optics.Gradients, classifier, scene.Volume);
     component.Weight = optics.Weight;
-    component.Surface = MakeSurface(material, optics.Surface, centre);
+    component.Surface = MakeSurface(material, optics.Surface, center);
     scene.Components.push_back(component);
   }
-  if (functions.Kind == ComponentKind::ColourOpacity)
+  if (functions.Kind == ComponentKind::ColorOpacity)
   {
-    AddTable(functions.Colours, scene);
+    AddTable(functions.Colors, scene);
   }
 }
 
@@ -429,14 +509,16 @@ PacketCaster::PacketCaster(
   p.Settings = settings;
   p.Source = &scene;
   p.Frame = &frame;
-  const bool gradients = HasVectorGradientOpacity(scene, *frame.Classifier);
-  const bool components = HasVectorComponents(scene, *frame.Classifier);
-  const bool masked = HasVectorMask(scene, *frame.Classifier) ||
-    (components && frame.Classifier->GetMask().Volume.Scalars);
-  p.Sampling =
-    settings.PerRay || !(gradients || masked || components || frame.Classifier->IsPlain())
-    ? PacketSampling::PerRay
-    : SamplingOf(scene.Blend.Mode);
+  const SampleClassifier& classifier = *frame.Classifier;
+  const OpticalFunctions& functions = classifier.GetFunctions();
+  const bool composites =
+    !settings.PerRay && scene.Blend.Mode == BlendMode::Composite && CanComposite(scene, classifier);
+  p.Sampling = composites || (classifier.IsPlain() && !settings.PerRay)
+    ? SamplingOf(scene.Blend.Mode)
+    : PacketSampling::PerRay;
+  const bool components = composites && v.Components > 1;
+  const bool masked = composites && classifier.GetMask().Volume.Scalars;
+  const bool plane = composites && !functions.Components[0].Plane.IsEmpty();
   p.Intervals = scene.Blend.UsesIntervals();
   p.Reference = SelectSampleFunctions(v.Type, scene.VolumeInterpolation);
 
@@ -449,6 +531,10 @@ PacketCaster::PacketCaster(
   p.Volume.Components = components ? v.Components : 1;
   p.Volume.IncrementY = static_cast<int>(v.Increments[1]);
   p.Volume.IncrementZ = static_cast<int>(v.Increments[2]);
+  p.Volume.ElementSize = SizeOf(v.Type);
+  const double slice = static_cast<double>(v.Increments[2]) * p.Volume.ElementSize;
+  const double reach = std::floor(std::min(settings.LargestReach, LargestReach) / slice) - 4.0;
+  p.Volume.SlicesInReach = reach < v.Dimensions.z ? static_cast<int>(std::max(reach, 1.0)) : 0;
   p.Volume.Nearest = scene.VolumeInterpolation == Interpolation::Nearest;
   p.Lower = static_cast<float>(v.LowerIndex().x);
   Copy(v.UpperIndex(), p.Upper);
@@ -462,38 +548,61 @@ PacketCaster::PacketCaster(
 
   if (masked)
   {
-    SetMask(*frame.Classifier, p);
+    SetMask(classifier, p);
   }
-  if (settings.Leaping != SpaceLeaping::Off && p.Mask.Tables.empty() && !components)
+  if (plane)
+  {
+    SetPlane(classifier, p);
+  }
+  if (settings.Leaping != SpaceLeaping::Off && plane)
+  {
+    const glm::ivec2 visible = functions.Components[0].Plane.FindVisibleColumns();
+    SetVisibleRange(visible.x, visible.y, p.Plane.Size[0], p.Plane.Low[0], p.Plane.Scale[0], p);
+  }
+  else if (settings.Leaping != SpaceLeaping::Off && p.Mask.Tables.empty() && !components)
   {
     FindVisibleRange(*scene.Table, p);
   }
-
-  if (gradients)
+  if (composites && !components && !plane && p.Mask.Tables.empty())
   {
-    p.Gradients =
-      MakeGradientOpacity(frame.Classifier->GetGradientOpacity(), *frame.Classifier, p.Volume);
+    p.Gradients = MakeGradientOpacity(classifier.GetGradientOpacity(), classifier, p.Volume);
   }
-  p.ReferenceLength = static_cast<float>(frame.Classifier->GetReferenceLength());
+  p.OpacityByGradient =
+    p.Gradients.Factors || !p.Mask.GradientRanges.empty() || (plane && !p.Plane.SecondAxis.Scalars);
+  p.ReferenceLength = static_cast<float>(classifier.GetReferenceLength());
   const bool wide = IsWide(v.Type);
-  const auto fetched = [&](double value) {
-    return ToFloat(wide ? (value - p.Volume.Shift) * p.Volume.Scale : value);
+  const auto asFetched = [&](double value) {
+    return wide ? (value - p.Volume.Shift) * p.Volume.Scale : value;
   };
+  const auto fetched = [&](double value) { return ToFloat(asFetched(value)); };
   p.ValueLow = fetched(scene.Blend.Low[0]);
   p.ValueHigh = fetched(scene.Blend.High[0]);
+  const bool maximum = scene.Blend.Mode == BlendMode::Maximum;
+  p.LastExtreme =
+    maximum ? std::min(p.ValueHigh, p.VisibleHigh) : std::min(-p.ValueLow, -p.VisibleLow);
+  if (p.Sampling == PacketSampling::Extreme && settings.Leaping != SpaceLeaping::Off)
+  {
+    p.Peaks = scene.Peaks;
+  }
   p.AverageMin = fetched(scene.Blend.AverageMin);
   p.AverageMax = fetched(scene.Blend.AverageMax);
   for (const IsoValue& iso : scene.Blend.IsoValues)
   {
-    p.IsoValues.push_back(fetched(iso.Value));
+    if (iso.Opacity > 0.0f)
+    {
+      const double exact = asFetched(iso.Value);
+      const float value = RoundUp(exact);
+      p.IsoValues.push_back({ value, ToFloat(static_cast<double>(value) - exact),
+        { iso.Color.r, iso.Color.g, iso.Color.b }, iso.Opacity });
+    }
   }
   p.UnitDistance = static_cast<float>(scene.Table->GetUnitDistance());
 
   const Box& bounds = scene.DeformedBounds;
   const Box& whole = scene.WholeDeformed ? *scene.WholeDeformed : bounds;
-  p.Centre = 0.5 * (whole.Min + whole.Max);
-  Copy(bounds.Min - p.Centre, p.BoundsMin);
-  Copy(bounds.Max - p.Centre, p.BoundsMax);
+  p.Center = 0.5 * (whole.Min + whole.Max);
+  Copy(bounds.Min - p.Center, p.BoundsMin);
+  Copy(bounds.Max - p.Center, p.BoundsMax);
   p.FarAway = static_cast<float>(1e3 * glm::length(whole.Max - whole.Min));
   p.Identity = scene.Map->IsIdentity();
   p.Kind = scene.Map->GetKind();
@@ -511,7 +620,7 @@ PacketCaster::PacketCaster(
     // Only where T is not known to be one to one: what goes on linearly may fold where D as it is
     // does not, and lead Newton's method out of the volume.
     const bool extended = InvertsTheField(p.Kind) && !scene.Limits.OneToOne;
-    p.Field.Assign(*scene.Map->GetField(), p.Centre, extended ? &restBounds : nullptr);
+    p.Field.Assign(*scene.Map->GetField(), p.Center, extended ? &restBounds : nullptr);
   }
   if (!p.Identity && InvertsTheField(p.Kind))
   {
@@ -525,7 +634,7 @@ PacketCaster::PacketCaster(
       PacketSeed seed;
       // The same to the last bit whatever part of the volume is here.
       const double unit = std::exp2(std::floor(std::log2(1e-3 * extent)));
-      Copy(unit * glm::round((at - p.Centre) / unit), seed.Point);
+      Copy(unit * glm::round((at - p.Center) / unit), seed.Point);
       p.Seeds.push_back(seed);
     }
     HWY_DYNAMIC_DISPATCH(MoveSeeds)(p);
@@ -548,18 +657,18 @@ PacketCaster::PacketCaster(
   CopyRows(v.DataToIndex, p.LocalToIndex);
   const glm::dvec3 shift =
     scene.WholeAtRest ? -glm::round(v.ToIndex(scene.WholeAtRest->Min)) : glm::dvec3(0.0);
-  Copy(v.ToIndex(p.Centre) + shift, p.IndexOffset);
+  Copy(v.ToIndex(p.Center) + shift, p.IndexOffset);
   Copy(shift, p.IndexShift);
   Copy(rest.Min + shift, p.RestMin);
   Copy(rest.Max + shift, p.RestMax);
   CopyRows(v.IndexToData, p.IndexToLocal);
   CopyRows(glm::transpose(v.DataToIndex), p.GradientToRest);
-  p.NdcToLocal = glm::translate(glm::dmat4(1.0), -p.Centre) * scene.Camera.NdcToData;
+  p.NdcToLocal = glm::translate(glm::dmat4(1.0), -p.Center) * scene.Camera.NdcToData;
 
   for (const glm::dvec4& plane : scene.ClippingPlanes)
   {
     const double length = glm::length(glm::dvec3(plane));
-    const double offset = plane.w + glm::dot(glm::dvec3(plane), p.Centre);
+    const double offset = plane.w + glm::dot(glm::dvec3(plane), p.Center);
     p.ClippingPlanes.push_back(
       { static_cast<float>(plane.x / length), static_cast<float>(plane.y / length),
         static_cast<float>(plane.z / length), static_cast<float>(offset / length) });
@@ -567,12 +676,12 @@ PacketCaster::PacketCaster(
   p.CropSpace = scene.Crop.Space;
   p.CropFlags = scene.Crop.Flags;
   const glm::dvec3 cropOrigin =
-    scene.Crop.Space == Cropping::Spaces::Deformed ? p.Centre : glm::dvec3(0.0);
+    scene.Crop.Space == Cropping::Spaces::Deformed ? p.Center : glm::dvec3(0.0);
   Copy(scene.Crop.Low - cropOrigin, p.CropLow);
   Copy(scene.Crop.High - cropOrigin, p.CropHigh);
   p.Inner = p.Sampling == PacketSampling::Composite && !p.Intervals &&
     p.CropSpace == Cropping::Spaces::None && !components;
-  p.Plain = p.Inner && !p.Gradients.Factors && !p.Mask.Scalars;
+  p.Plain = p.Inner && !p.OpacityByGradient && !p.Mask.Scalars && !plane;
 
   if (scene.Distances && settings.Leaping != SpaceLeaping::Off)
   {
@@ -593,11 +702,11 @@ PacketCaster::PacketCaster(
   CopyRows(
     scene.Material.GetGradientToLights() * glm::transpose(v.DataToIndex), p.IndexGradientToLights);
   p.Parallel = scene.Camera.Parallel;
-  Copy(toLights * (scene.Camera.Eye - p.Centre), p.Eye);
-  p.Surface = MakeSurface(scene.Material, scene.Material, toLights * p.Centre);
+  Copy(toLights * (scene.Camera.Eye - p.Center), p.Eye);
+  p.Surface = MakeSurface(scene.Material, scene.Material, toLights * p.Center);
   if (p.Volume.Components > 1)
   {
-    AddComponents(*frame.Classifier, scene.Material, toLights * p.Centre, p);
+    AddComponents(classifier, scene.Material, toLights * p.Center, p);
   }
 }
 

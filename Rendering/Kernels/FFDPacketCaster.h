@@ -8,6 +8,7 @@
 #include "FFDOpticalFunctions.h"
 #include "FFDPacketField.h"
 #include "FFDPacketMask.h"
+#include "FFDPacketPlane.h"
 #include "FFDPacketTable.h"
 #include "FFDPacketVolume.h"
 #include "FFDRayIntegrator.h"
@@ -23,8 +24,8 @@
 namespace ffd
 {
 
-/// A light for packets, in the space of Shading, relative to where that has PacketScene::Centre;
-/// its colours include the coefficients of the material.
+/// A light for packets, in the space of Shading, relative to where that has PacketScene::Center;
+/// its colors include the coefficients of the material.
 struct PacketLight
 {
   bool Positional = false;
@@ -46,7 +47,7 @@ enum class PacketSampling
   Composite, ///< vector code: TakeSample
   Extreme,   ///< vector code: Maximum, Minimum
   Sum,       ///< vector code: Average, Additive
-  Surface,   ///< vector code finds the intervals that surfaces cross, RayIntegrator the surfaces
+  Surface,   ///< vector code: Isosurface
   PerRay     ///< the RayIntegrator of each ray
 };
 
@@ -65,8 +66,18 @@ struct PacketSurface
 {
   float SpecularPower = 1.0f;
   int WholeSpecularPower = -1;     ///< that, or -1 where it is no whole number or large
-  PacketLight Headlights;          ///< the sums of their colours
+  PacketLight Headlights;          ///< the sums of their colors
   std::vector<PacketLight> Lights; ///< the others
+};
+
+/// A value, as fetched, whose isosurface is shown: Value less Excess, which is not negative and
+/// smaller than what floats can tell.
+struct PacketSurfaceValue
+{
+  float Value;
+  float Excess;
+  float Color[3];
+  float Opacity;
 };
 
 /// Factors of the opacity over PacketScene::ReferenceLength, by the length of Scale times the
@@ -88,7 +99,7 @@ struct PacketComponent
 
 /**
  * A frame in the form the packet kernels read: single precision, positions relative to a point
- * near the volume ("local" coordinates: data coordinates less Centre).
+ * near the volume ("local" coordinates: data coordinates less Center).
  */
 struct PacketScene
 {
@@ -108,10 +119,10 @@ struct PacketScene
   std::vector<PacketSeed> Seeds; ///< over the volume, where Newton's method starts from nowhere
   bool Folds = false;            ///< whether T is known to turn parts of the volume inside out
   float Orientation = 1.0f;      ///< sign of the determinant of T where it does not
-  float FarAway = 0.0f;       ///< a local coordinate outside of all
-  float Tolerance = 0.0f;     ///< of the inverse at samples, data units
-  float NodeTolerance = 0.0f; ///< the same at nodes of interpolants
-  glm::dvec3 Centre{ 0.0 };   ///< data coordinates
+  float FarAway = 0.0f;          ///< a local coordinate outside of all
+  float Tolerance = 0.0f;        ///< of the inverse at samples, data units
+  float NodeTolerance = 0.0f;    ///< the same at nodes of interpolants
+  glm::dvec3 Center{ 0.0 };      ///< data coordinates
   float LocalToIndex[9] = {};
   float IndexOffset[3] = {}; ///< of local to index coordinates of the whole
   float IndexShift[3] = {};  ///< from those to the voxels here, whole numbers
@@ -132,15 +143,20 @@ struct PacketScene
   float CropHigh[3] = {};
   int CropFlags = 0;
   bool Intervals = false; ///< Blending::UsesIntervals()
-  bool Plain = false;     ///< compositing without cropping, gradient opacity, and masks
-  bool Inner = false;     ///< compositing without cropping: samples inside need no more tests
+  bool Plain =
+    false; ///< compositing of one component by its table alone, without cropping and masks
+  bool Inner = false; ///< compositing without cropping: samples inside need no more tests
   /// What blend modes compare values with, values as they are fetched (PacketVolume).
   float ValueLow = 0.0f; ///< ends of their range
   float ValueHigh = 1.0f;
+  /// Rays that look for extremes end at it, values times the sign of Peaks: beyond there is
+  /// nothing, or nothing that can be seen.
+  float LastExtreme = std::numeric_limits<float>::infinity();
+  const ValuePeaks* Peaks = nullptr; ///< of extremes, with space leaping
   float AverageMin = 0.0f;
   float AverageMax = 0.0f;
-  std::vector<float> IsoValues;
-  float UnitDistance = 1.0f; ///< of the table
+  std::vector<PacketSurfaceValue> IsoValues; ///< ascending; visible ones
+  float UnitDistance = 1.0f;                 ///< of the table
   bool Parallel = false;
   float Eye[3] = {}; ///< in the space of the lights
 
@@ -163,13 +179,15 @@ struct PacketScene
   float VisibleLow = -std::numeric_limits<float>::infinity();
   float VisibleHigh = std::numeric_limits<float>::infinity();
 
-  PacketGradientOpacity Gradients; ///< of the first component
+  PacketPlane Plane;               ///< in the place of the first table
+  PacketGradientOpacity Gradients; ///< of the first component, unless labels have theirs
+  bool OpacityByGradient = false;  ///< whether extinctions of one component depend on gradients
   float ReferenceLength = 1.0f;    ///< over which gradient opacities and components are weighed
 
   /// Several components; else there are none here.
   ComponentKind KindOfComponents = ComponentKind::Independent;
   std::vector<PacketComponent> Components; ///< independent ones, or all dependent ones as one
-  float ColourScale = 1.0f;                ///< takes values that are colours to [0, 1]
+  float ColorScale = 1.0f;                 ///< takes values that are colors to [0, 1]
 
   bool Shade = false;
   bool TwoSided = true;
@@ -198,13 +216,13 @@ struct PacketScratch
 };
 
 /**
- * The fast ray caster: packets of neighbouring rays in lockstep, a ray a lane of the widest vector
+ * The fast ray caster: packets of neighboring rays in lockstep, a ray a lane of the widest vector
  * instructions that the machine has (Highway, chosen at run time). The pull-back is evaluated on a
  * coarse grid of 4 x 4 nodes a tile and interpolated, with an error that is measured (TilePiece);
  * where it is too large it is evaluated for each sample. Takes the samples of the reference ray
  * caster.
  */
-class FFD_KERNEL_EXPORT PacketCaster
+class FFD_RENDERING_EXPORT PacketCaster
 {
 public:
   /// `scene` and `frame` must outlive the caster.
@@ -212,7 +230,7 @@ public:
 
   /// Whether packets can render this scene; else the reference ray caster has to: the paper's
   /// polyline, slices, and of what vector code looks up (SampleClassifier::IsPlain()) volumes of
-  /// more than 2^31 - 1 bytes or fewer than 4 voxels along an axis.
+  /// fewer than 4 voxels along an axis or slices of more than 256 MiB.
   static bool Supports(const CastScene& scene, const CastSettings& settings);
 
   /// See RayCaster::RenderTile(); `first` counts packets.

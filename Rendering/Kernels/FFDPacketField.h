@@ -3,8 +3,8 @@
 #ifndef FFDPacketField_h
 #define FFDPacketField_h
 
+#include "Bounds/FFDPullBackBounds.h"
 #include "FFDBSplineField.h"
-#include "FFDPullBackBounds.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -42,18 +42,18 @@ public:
   float LongestStep = 0.0f;
 
   /**
-   * Take a copy. `rest`, if not null: the volume at rest, outside of which nobody needs D as it is. Where
-   * control points of the lattice alone count in it, D goes on linearly outside of the lattice for some
-   * cells and is constant from there: so T stays smooth, and one to one where the lattice turns the
-   * volume by large angles, which it would not with a D that is constant at once. T^-1 is the same
-   * wherever it leads into the volume.
+   * Take a copy. `rest`, if not null: the volume at rest, outside of which nobody needs D as it is.
+   * Where control points of the lattice alone count in it, D goes on linearly outside of the
+   * lattice for some cells and is constant from there: so T stays smooth, and one to one where the
+   * lattice turns the volume by large angles, which it would not with a D that is constant at once.
+   * T^-1 is the same wherever it leads into the volume.
    */
-  void Assign(const BSplineField& field, const glm::dvec3& centre, const Box* rest = nullptr)
+  void Assign(const BSplineField& field, const glm::dvec3& center, const Box* rest = nullptr)
   {
     this->Smooth = field.GetBorder() != BorderMode::ZeroAtBorder;
     for (int a = 0; a < 3; ++a)
     {
-      this->Origin[a] = static_cast<float>(field.GetOrigin()[a] - centre[a]);
+      this->Origin[a] = static_cast<float>(field.GetOrigin()[a] - center[a]);
       this->InverseSpacing[a] = static_cast<float>(1.0 / field.GetSpacing()[a]);
       this->ClampMin[a] = static_cast<float>(field.GetFirstCell()[a]);
       this->ClampMax[a] = static_cast<float>(field.GetEndCell()[a]);
@@ -110,17 +110,16 @@ private:
   {
     const glm::ivec3 nodes = field.GetNodes();
     const glm::ivec3 size = nodes + 2 * ExtendedPadding;
-    const auto at = [&](int i, int j, int k)
-    {
+    const auto at = [&](int i, int j, int k) {
       return static_cast<std::size_t>(i) +
         static_cast<std::size_t>(size.x) *
-        (static_cast<std::size_t>(j) + static_cast<std::size_t>(size.y) * static_cast<std::size_t>(k));
+        (static_cast<std::size_t>(j) +
+          static_cast<std::size_t>(size.y) * static_cast<std::size_t>(k));
     };
-    std::vector<glm::dvec3> c(
-      static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z));
+    std::vector<glm::dvec3> c(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
+      static_cast<std::size_t>(size.z));
     // What the nearest node and the one beside it count, along each axis.
-    const auto factors = [&](int i, int axis, int& node, int& beside, double& out)
-    {
+    const auto factors = [&](int i, int axis, int& node, int& beside, double& out) {
       const int n = i - ExtendedPadding;
       const int last = nodes[axis] - 1;
       node = std::clamp(n, 0, last);
@@ -183,7 +182,7 @@ private:
     {
       for (int b = a; b < 3; ++b)
       {
-        // c(+a +b) - c(+a) - c(+b) + c, which for a = b is the difference centred on +a.
+        // c(+a +b) - c(+a) - c(+b) + c, which for a = b is the difference centered on +a.
         const glm::ivec3 end = n - (a == b ? 2 : 1);
         glm::ivec3 last = n;
         last[a] = end[a];
@@ -196,8 +195,8 @@ private:
             for (int i = 0; i < last.x; ++i)
             {
               const std::ptrdiff_t at = i + strides[1] * j + strides[2] * k;
-              const glm::dvec3 difference = c[at + strides[a] + strides[b]] -
-                c[at + strides[a]] - c[at + strides[b]] + c[at];
+              const glm::dvec3 difference =
+                c[at + strides[a] + strides[b]] - c[at + strides[a]] - c[at + strides[b]] + c[at];
               largest = std::max(largest, glm::dot(difference, difference));
             }
           }

@@ -6,6 +6,7 @@
 #include "FFDVolumeView.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace ffd
@@ -27,6 +28,20 @@ struct PacketMask
   bool Labels = false;      ///< a label map, else a binary mask
   float BlendFactor = 1.0f; ///< of the look of a label; the rest is the look without
   std::vector<int> Tables;  ///< by label: which table its look is in, 0 without one
+
+  /// Factors of the opacity of a table, by the length of MagnitudeScale times the gradient as
+  /// fetched; loaded as 128 bits.
+  struct GradientRange
+  {
+    std::int32_t First; ///< in GradientFactors
+    float Last;         ///< how many factors there are, less one
+    float Scale;        ///< entries a unit of the length
+    std::int32_t Unused;
+  };
+  static_assert(sizeof(GradientRange) == 16, "ranges are loaded as 128 bits");
+  std::vector<GradientRange> GradientRanges; ///< by table; none: no factors
+  std::vector<float> GradientFactors;
+  float MagnitudeScale[3] = {};
 
   int TableOf(double label) const
   {

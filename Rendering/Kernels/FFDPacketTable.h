@@ -16,19 +16,19 @@ namespace ffd
 /**
  * Transfer tables in the form that the packet kernels read: a single load of 128 bits gives what
  * they interpolate between an entry and the next one. Extinctions are as precise as they were:
- * where a ray ends depends on them. Colours have ten bits, 0.13 of 255 apart from what they were at
+ * where a ray ends depends on them. Colors have ten bits, 0.13 of 255 apart from what they were at
  * most.
  */
 class PacketTable
 {
 public:
-  static constexpr int ColourBits = 10;
-  static constexpr int LargestColour = (1 << ColourBits) - 1;
+  static constexpr int ColorBits = 10;
+  static constexpr int LargestColor = (1 << ColorBits) - 1;
 
   struct Interval
   {
     std::uint32_t Extinctions[2]; ///< floats, of the entry and of the next one
-    std::uint32_t Colours[2];     ///< red in the lowest bits, green, blue
+    std::uint32_t Colors[2];      ///< red in the lowest bits, green, blue
   };
   static_assert(sizeof(Interval) == 16, "intervals are loaded as 128 bits");
 
@@ -54,8 +54,8 @@ public:
       {
         const float* entry = entries + 4 * (i + end);
         std::memcpy(&interval.Extinctions[end], entry + 3, sizeof(float));
-        interval.Colours[end] = ColourOf(entry[0]) | ColourOf(entry[1]) << ColourBits |
-          ColourOf(entry[2]) << 2 * ColourBits;
+        interval.Colors[end] =
+          ColorOf(entry[0]) | ColorOf(entry[1]) << ColorBits | ColorOf(entry[2]) << 2 * ColorBits;
       }
       this->Intervals.push_back(interval);
     }
@@ -66,10 +66,10 @@ public:
   const Range* GetRanges() const { return this->Ranges.data(); }
 
 private:
-  static std::uint32_t ColourOf(float channel)
+  static std::uint32_t ColorOf(float channel)
   {
     return static_cast<std::uint32_t>(
-      std::lround(static_cast<float>(LargestColour) * std::clamp(channel, 0.0f, 1.0f)));
+      std::lround(static_cast<float>(LargestColor) * std::clamp(channel, 0.0f, 1.0f)));
   }
 
   std::vector<Range> Ranges;

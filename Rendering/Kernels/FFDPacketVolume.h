@@ -9,8 +9,8 @@ namespace ffd
 {
 
 /**
- * What the packet kernels need of the voxels: 32-bit offsets, so at most 2^31 - 1 bytes. Larger
- * volumes are looked up ray by ray or left to the reference kernels: PacketCaster::Supports().
+ * What the packet kernels need of the voxels. Offsets of the lanes of a packet are 32-bit numbers:
+ * in volumes of 2 GiB and more they count from a slice near the packet.
  */
 struct PacketVolume
 {
@@ -20,6 +20,9 @@ struct PacketVolume
   int Components = 1; ///< side by side in memory
   int IncrementY = 0; ///< elements
   int IncrementZ = 0;
+  int ElementSize = 1; ///< bytes
+  /// Slices that offsets from one of them may lead over; 0: over all.
+  int SlicesInReach = 0;
   bool Nearest = false;
   /// Types wider than 24 bits are fetched as (scalar - Shift) * Scale, so that single precision
   /// suffices from there on; for the others Shift and Scale are not applied.

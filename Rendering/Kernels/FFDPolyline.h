@@ -25,8 +25,8 @@ struct PolylineSettings
 struct PolylineVertex
 {
   double T = 0.0;
-  glm::dvec3 Rest{ 0.0 };      ///< Phi(P(T)), data coordinates
-  glm::dmat3 Jacobian{ 1.0 };  ///< dPhi/dP there, when asked for
+  glm::dvec3 Rest{ 0.0 };     ///< Phi(P(T)), data coordinates
+  glm::dmat3 Jacobian{ 1.0 }; ///< dPhi/dP there, when asked for
 };
 
 /**
@@ -37,7 +37,7 @@ struct PolylineVertex
  * length nor above the maximum. The paper's pseudo-code clamps the length after it has placed the
  * point; here the point is placed at the clamped length.
  */
-class FFD_KERNEL_EXPORT PolylineWalker
+class FFD_RENDERING_EXPORT PolylineWalker
 {
 public:
   PolylineWalker(const PullBack& pullBack, const PolylineSettings& settings,

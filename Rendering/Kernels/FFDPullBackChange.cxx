@@ -3,6 +3,7 @@
 #include "FFDPullBackChange.h"
 
 #include "FFDBSplineBasis.h"
+#include "FFDGridIndex.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -85,21 +86,14 @@ struct Grid
   std::vector<T> Values;
   explicit Grid(const glm::ivec3& size)
     : Size(size)
-    , Values(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
-        static_cast<std::size_t>(size.z))
+    , Values(GridSize(size))
   {
   }
-  T& At(int i, int j, int k)
-  {
-    return this->Values[static_cast<std::size_t>(i) +
-      static_cast<std::size_t>(this->Size.x) *
-        (static_cast<std::size_t>(j) +
-          static_cast<std::size_t>(this->Size.y) * static_cast<std::size_t>(k))];
-  }
+  T& At(int i, int j, int k) { return this->Values[GridIndex(i, j, k, this->Size)]; }
   const T& At(int i, int j, int k) const { return const_cast<Grid*>(this)->At(i, j, k); }
 };
 
-/// Sums of 4 neighbours along one axis: entry i of the result is the sum over n of
+/// Sums of 4 neighbors along one axis: entry i of the result is the sum over n of
 /// weights[i][n] times entry offsets[i] + n.
 template <class T>
 Grid<T> SumAlong(const Grid<T>& from, int axis, const std::vector<std::array<double, 4>>& weights,
@@ -151,8 +145,8 @@ Grid<T> SumOver(const Grid<T>& nodes, const AxisParts parts[3], bool ends)
   return sums;
 }
 
-/// What values between the ends of parts can differ from those at the ends by, at most: the error
-/// of linear interpolation, axis by axis.
+/// The largest difference of values within parts from those at their ends: the error of linear
+/// interpolation, axis by axis.
 glm::dvec3 FindBulge(const Grid<glm::dvec3>& nodes, const AxisParts parts[3])
 {
   glm::dvec3 bulge(0.0);
@@ -308,8 +302,7 @@ bool FindChange(const PullBack& before, const PullBack& after, const PullBackLim
       {
         const glm::ivec3 at = first - 1 + glm::ivec3(i, j, k);
         nodes.At(i, j, k) = old.Coefficient(at.x, at.y, at.z);
-        edits.At(i, j, k) =
-          glm::length(now.Coefficient(at.x, at.y, at.z) - nodes.At(i, j, k));
+        edits.At(i, j, k) = glm::length(now.Coefficient(at.x, at.y, at.z) - nodes.At(i, j, k));
       }
     }
   }
@@ -336,8 +329,9 @@ bool FindChange(const PullBack& before, const PullBack& after, const PullBackLim
   for (int a = 0; a < 3; ++a)
   {
     const bool ascending = now.GetSpacing()[a] > 0.0;
-    const auto extend = [&](double& at, bool down)
-    { at = down ? std::min(at, lowest[a]) : std::max(at, highest[a]); };
+    const auto extend = [&](double& at, bool down) {
+      at = down ? std::min(at, lowest[a]) : std::max(at, highest[a]);
+    };
     if (first[a] == now.GetFirstCell()[a])
     {
       extend(parts[a].Ends.front(), ascending);
@@ -365,9 +359,8 @@ bool FindChange(const PullBack& before, const PullBack& after, const PullBackLim
     {
       for (int i = 0; i < corners.Size.x; ++i)
       {
-        corners.At(i, j, k) +=
-          glm::dvec3(parts[0].Ends[static_cast<std::size_t>(i)],
-            parts[1].Ends[static_cast<std::size_t>(j)], parts[2].Ends[static_cast<std::size_t>(k)]);
+        corners.At(i, j, k) += glm::dvec3(parts[0].Ends[static_cast<std::size_t>(i)],
+          parts[1].Ends[static_cast<std::size_t>(j)], parts[2].Ends[static_cast<std::size_t>(k)]);
       }
     }
   }

@@ -3,9 +3,9 @@
 #ifndef FFDPullBackChange_h
 #define FFDPullBackChange_h
 
+#include "Bounds/FFDPullBackBounds.h"
 #include "FFDExport.h"
 #include "FFDPullBack.h"
-#include "FFDPullBackBounds.h"
 
 #include <glm/vec3.hpp>
 
@@ -17,21 +17,21 @@ namespace ffd
 
 /**
  * Where a pull-back differs from what it was before an edit: parts of deformed space, and how far
- * what was in each has moved at most. Each part is the hull of 8 neighbouring corners of a bent grid,
- * with a margin around it. What can be seen outside of all parts has not moved, and what has moved is
- * now that far from its part at most.
+ * what was in each has moved at most. Each part is the hull of 8 neighboring corners of a bent
+ * grid, with a margin around it. What can be seen outside of all parts has not moved, and what has
+ * moved is now that far from its part at most.
  *
  * For Phi = T^-1 that is how far the material has moved in deformed space,
- * |T_after(Q) - T_before(Q)| for all Q with T_before(Q) in the part, which is what a picture shows of
- * it. For the other kinds it is how far rest points have, |Phi_after(P) - Phi_before(P)| for all P in
- * the part.
+ * |T_after(Q) - T_before(Q)| for all Q with T_before(Q) in the part, which is what a picture shows
+ * of it. For the other kinds it is how far rest points have, |Phi_after(P) - Phi_before(P)| for all
+ * P in the part.
  */
 struct PullBackChange
 {
-  glm::ivec3 Parts{ 0 };            ///< along each axis; 0 where nothing has changed
-  std::vector<glm::dvec3> Corners;  ///< Parts + 1 along each axis, x fastest, data coordinates
-  glm::dvec3 Margin{ 0.0 };         ///< to either side along each axis, data units
-  std::vector<double> Moved;        ///< of each part, data units, x fastest; may be infinite
+  glm::ivec3 Parts{ 0 };           ///< along each axis; 0 where nothing has changed
+  std::vector<glm::dvec3> Corners; ///< Parts + 1 along each axis, x fastest, data coordinates
+  glm::dvec3 Margin{ 0.0 };        ///< to either side along each axis, data units
+  std::vector<double> Moved;       ///< of each part, data units, x fastest; may be infinite
 
   bool IsEmpty() const { return this->Moved.empty(); }
 };
@@ -46,15 +46,15 @@ using IsEmptyAtRest = std::function<bool(const Box& rest)>;
  * |D_after - D_before| is bounded over parts of the cells that the edited control points count in,
  * by the largest values of the basis functions over each part. Phi of T^-1 moves by no more than
  * that times the Lipschitz constant of the inverse, of `limits`, those of `after`.
- * `resolution`: size of the parts, data units. `isEmpty` may be null; where it is true nothing counts
- * as moved, for Phi = T^-1, whose parts are boxes at rest.
+ * `resolution`: size of the parts, data units. `isEmpty` may be null; where it is true nothing
+ * counts as moved, for Phi = T^-1, whose parts are boxes at rest.
  *
  * Returns false when nothing can be said: another grid of control points or another kind, an
  * inverse that is not proven to be one to one, or too many parts. `before` must be one to one, too.
  */
-FFD_KERNEL_EXPORT bool FindChange(const PullBack& before, const PullBack& after,
-  const PullBackLimits& limits, const Box& region, double resolution,
-  const IsEmptyAtRest& isEmpty, PullBackChange& change);
+FFD_RENDERING_EXPORT bool FindChange(const PullBack& before, const PullBack& after,
+  const PullBackLimits& limits, const Box& region, double resolution, const IsEmptyAtRest& isEmpty,
+  PullBackChange& change);
 
 } // namespace ffd
 

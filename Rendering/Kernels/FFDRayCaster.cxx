@@ -85,8 +85,8 @@ void ClipToPlane(const glm::dvec4& plane, const ViewRay& ray, double& from, doub
 }
 
 /// Narrow [from, to] to the part of a line inside a box; false when nothing is left.
-bool ClipToBox(const glm::dvec3& origin, const glm::dvec3& direction, const Box& box, double& from,
-  double& to)
+bool ClipToBox(
+  const glm::dvec3& origin, const glm::dvec3& direction, const Box& box, double& from, double& to)
 {
   for (int a = 0; a < 3; ++a)
   {
@@ -126,8 +126,8 @@ struct RayCaster::Ray
 struct RayCaster::Pixel
 {
   RayIntegrator Integrator;
-  bool Done = false;           // early ray termination
-  TracedRay* Trace = nullptr;  // where to note what is done, or null
+  bool Done = false;          // early ray termination
+  TracedRay* Trace = nullptr; // where to note what is done, or null
 
   Pixel(const IntegrationFrame& frame, const Ray& ray)
   {
@@ -207,8 +207,9 @@ public:
       const bool inside = IsInside(scene.Volume, q);
       // Leaps of the paper end with the piece; ours know what was found before it.
       const bool known = lipschitz && Contains(this->LastEmptyBox, q);
-      if (known || (leap && scene.Distances->FindEmptyBox(
-                    q, this->Upper, this->LastEmptyBox, scene.Volume.Margin)))
+      if (known ||
+        (leap &&
+          scene.Distances->FindEmptyBox(q, this->Upper, this->LastEmptyBox, scene.Volume.Margin)))
       {
         if (inside && !known)
         {
@@ -223,8 +224,8 @@ public:
           continue;
         }
         // An interval is empty if its end is in the box, too.
-        const int empty = CountStepsInside(
-          piece.Curve, s, schedule.Step, schedule.Count - i, this->LastEmptyBox);
+        const int empty =
+          CountStepsInside(piece.Curve, s, schedule.Step, schedule.Count - i, this->LastEmptyBox);
         if (empty > 0)
         {
           i += empty - 1;
@@ -238,8 +239,8 @@ public:
       ++this->Statistics.Samples;
       const RayIntegrator::Outcome outcome =
         this->Out.Integrator.AddSample(piece, s, schedule.Interval(i));
-      this->Out.NoteSample(q, piece.T0 + s * piece.Dt, schedule.Interval(i) * piece.Dt, false,
-        outcome.Extinction);
+      this->Out.NoteSample(
+        q, piece.T0 + s * piece.Dt, schedule.Interval(i) * piece.Dt, false, outcome.Extinction);
       this->Statistics.VisibleSamples += outcome.Visible ? 1 : 0;
       if (outcome.Done)
       {
@@ -307,9 +308,9 @@ RayCaster::RayCaster(const CastScene& scene, const CastSettings& settings)
 {
   if (!this->Scene.Classifier)
   {
-    this->OwnClassifier.reset(new SampleClassifier(this->Scene.Volume,
-      this->Scene.VolumeInterpolation, *this->Scene.Table, this->Scene.Material,
-      this->Settings.Shade));
+    this->OwnClassifier.reset(
+      new SampleClassifier(this->Scene.Volume, this->Scene.VolumeInterpolation, *this->Scene.Table,
+        this->Scene.Material, this->Settings.Shade));
     this->Scene.Classifier = this->OwnClassifier.get();
   }
   this->Frame.Classifier = this->Scene.Classifier;
@@ -340,13 +341,11 @@ glm::dvec3 RayCaster::PullBackAlone(
   glm::dvec3 q;
   if (this->Inverse)
   {
-    status.Converged =
-      this->Inverse->Solve(p, start ? mirror(*start) : p, q, status.Evaluations);
+    status.Converged = this->Inverse->Solve(p, start ? mirror(*start) : p, q, status.Evaluations);
     q = mirror(q);
   }
   else if (start && InvertsTheField(map.GetKind()) && !map.IsIdentity() &&
-    SolveInverse(
-      *map.GetField(), p, mirror(*start), map.GetTolerance(), q, status.Evaluations))
+    SolveInverse(*map.GetField(), p, mirror(*start), map.GetTolerance(), q, status.Evaluations))
   {
     q = mirror(q);
   }
@@ -410,9 +409,8 @@ bool RayCaster::SetUpRay(int x, int y, Ray& ray) const
   }
   if (!this->Scene.Blend.UsesIntervals())
   {
-    ray.Jitter = this->Settings.Jitter
-      ? FindJitter(x + camera.PixelOrigin.x, y + camera.PixelOrigin.y)
-      : 0.0;
+    ray.Jitter =
+      this->Settings.Jitter ? FindJitter(x + camera.PixelOrigin.x, y + camera.PixelOrigin.y) : 0.0;
     const VolumeView& volume = this->Scene.Volume;
     ray.Phase = FindPhase(volume.ToIndex(ray.Origin), volume.DataToIndex * ray.Direction,
       this->RestBox, this->Settings.SampleDistance, ray.Jitter);
@@ -445,8 +443,7 @@ namespace
 /// The curve of a pixel in a piece: the terms of its nodes, bicubic.
 CurvePiece FindCurve(const TilePiece& piece, int x, int y, const glm::dvec3& shift)
 {
-  const auto weigh = [&piece](int pixel, int first, double weights[NodesPerSide])
-  {
+  const auto weigh = [&piece](int pixel, int first, double weights[NodesPerSide]) {
     const double at = (pixel - first) * (NodesPerSide - 1.0) / (piece.Side - 1);
     for (int i = 0; i < NodesPerSide; ++i)
     {
@@ -470,8 +467,8 @@ CurvePiece FindCurve(const TilePiece& piece, int x, int y, const glm::dvec3& shi
       for (int c = 0; c < 3; ++c)
       {
         const NodeVectors& terms = piece.Terms[static_cast<std::size_t>(k)];
-        curve.Terms[k][c] += weight *
-          terms[static_cast<std::size_t>(c)][static_cast<std::size_t>(node)];
+        curve.Terms[k][c] +=
+          weight * terms[static_cast<std::size_t>(c)][static_cast<std::size_t>(node)];
       }
     }
   }
@@ -528,23 +525,23 @@ void CollectPieces(const TilePiece& piece, int x, int y, std::vector<const TileP
 } // namespace
 
 //------------------------------------------------------------------------------
-/// Renders the quarter of the tile that the pixel is in, and looks at what that has left.
+/// Renders the subtile of the tile that the pixel is in, and looks at what that has left.
 void RayCaster::TracePackets(
   const Ray& ray, const CastImage& image, Scratch& scratch, Pixel& pixel, TracedRay& traced) const
 {
   const int x = ray.X % TileSize;
   const int y = ray.Y % TileSize;
   const std::size_t rows = static_cast<std::size_t>(std::min(ray.Y - y + TileSize, image.Height));
-  // Of its pixels only those of the quarter are ever touched.
-  const std::unique_ptr<float[]> colours(
+  // Only pixels of the subtile are touched.
+  const std::unique_ptr<float[]> colors(
     new float[4 * rows * static_cast<std::size_t>(image.Width)]);
   CastImage picture;
   picture.Width = image.Width;
   picture.Height = image.Height;
-  picture.Colours = colours.get();
+  picture.Colors = colors.get();
   std::vector<SampledPosition> positions;
   scratch.Packets.Positions = &positions;
-  this->Packets->RenderTile(ray.X - x, ray.Y - y, 1u << (x / QuarterSize + 2 * (y / QuarterSize)),
+  this->Packets->RenderTile(ray.X - x, ray.Y - y, 1u << (x / SubtileSize + 2 * (y / SubtileSize)),
     picture, scratch.Packets, 0, NoDeadline);
   scratch.Packets.Positions = nullptr;
   positions.erase(std::remove_if(positions.begin(), positions.end(),
@@ -569,11 +566,10 @@ void RayCaster::TracePackets(
     {
       continue;
     }
-    const CurvePiece curve = Restrict(FindCurve(*piece, x, y, shift),
-      (from - piece->T0) / piece->Dt, (to - piece->T0) / piece->Dt);
+    const CurvePiece curve = Restrict(
+      FindCurve(*piece, x, y, shift), (from - piece->T0) / piece->Dt, (to - piece->T0) / piece->Dt);
     pixel.NotePiece(curve, from, to, piece->Known == TilePiece::State::Empty);
-    const auto jacobianAt = [&](double s)
-    {
+    const auto jacobianAt = [&](double s) {
       return this->Scene.Map->FindJacobian(ray.Origin + (from + s * (to - from)) * ray.Direction,
         volume.IndexToData * curve.At(s) + volume.FirstVoxel);
     };
@@ -589,10 +585,9 @@ void RayCaster::TracePackets(
         false, outcome.Extinction);
     }
   }
-  const float* colour =
-    colours.get() + 4 * (static_cast<std::size_t>(ray.Y) * image.Width + ray.X);
-  traced.Colour = glm::vec4(colour[0], colour[1], colour[2], colour[3]);
-  traced.Terminated = 1.0f - traced.Colour.a < this->Settings.TerminationTransmittance;
+  const float* color = colors.get() + 4 * (static_cast<std::size_t>(ray.Y) * image.Width + ray.X);
+  traced.Color = glm::vec4(color[0], color[1], color[2], color[3]);
+  traced.Terminated = 1.0f - traced.Color.a < this->Settings.TerminationTransmittance;
 }
 
 //------------------------------------------------------------------------------
@@ -630,46 +625,44 @@ void RayCaster::TraceRay(
   }
   traced.Terminated = pixel.Done;
   const RayIntegrator::Result result = pixel.Integrator.End();
-  traced.Colour = glm::vec4(result.Colour, 1.0f - result.Transmittance);
+  traced.Color = glm::vec4(result.Color, 1.0f - result.Transmittance);
 }
 
 //------------------------------------------------------------------------------
-int RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch, unsigned int quarters,
+int RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch, unsigned int subtiles,
   int first, Deadline deadline) const
 {
   const int x0 = tile % this->GetTilesPerRow(image) * TileSize;
   const int y0 = tile / this->GetTilesPerRow(image) * TileSize;
   if (this->Packets)
   {
-    return this->Packets->RenderTile(
-      x0, y0, quarters, image, scratch.Packets, first, deadline);
+    return this->Packets->RenderTile(x0, y0, subtiles, image, scratch.Packets, first, deadline);
   }
   const int x1 = std::min(x0 + TileSize, image.Width) - 1;
   const int y1 = std::min(y0 + TileSize, image.Height) - 1;
-  const auto isWanted = [&](int x, int y)
-  {
-    const int quarter = (x - x0) / QuarterSize + 2 * ((y - y0) / QuarterSize);
-    return (quarters >> quarter & 1u) != 0;
+  const auto isWanted = [&](int x, int y) {
+    const int subtile = (x - x0) / SubtileSize + 2 * ((y - y0) / SubtileSize);
+    return (subtiles >> subtile & 1u) != 0;
   };
   for (int y = y0; y <= y1 && first == 0; ++y)
   {
-    for (int x = x0; x <= x1; x += QuarterSize)
+    for (int x = x0; x <= x1; x += SubtileSize)
     {
       if (!isWanted(x, y))
       {
         continue;
       }
       const std::size_t at = static_cast<std::size_t>(y) * image.Width + x;
-      const int width = std::min(QuarterSize, x1 - x + 1);
-      std::fill_n(image.Colours + 4 * at, 4 * width, 0.0f);
+      const int width = std::min(SubtileSize, x1 - x + 1);
+      std::fill_n(image.Colors + 4 * at, 4 * width, 0.0f);
       if (image.Depths)
       {
         std::fill_n(image.Depths + at, width, 1.0f);
       }
       if (image.Reaches)
       {
-        const int perRow = (image.Width + QuarterSize - 1) / QuarterSize;
-        image.Reaches[y / QuarterSize * perRow + x / QuarterSize] =
+        const int perRow = (image.Width + SubtileSize - 1) / SubtileSize;
+        image.Reaches[y / SubtileSize * perRow + x / SubtileSize] =
           std::numeric_limits<float>::infinity();
       }
     }
@@ -705,11 +698,11 @@ int RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch, un
     }
     const std::size_t at = static_cast<std::size_t>(ray.Y) * image.Width + ray.X;
     const RayIntegrator::Result result = pixel.Integrator.End();
-    float* colour = image.Colours + 4 * at;
-    colour[0] = result.Colour.r;
-    colour[1] = result.Colour.g;
-    colour[2] = result.Colour.b;
-    colour[3] = 1.0f - result.Transmittance;
+    float* color = image.Colors + 4 * at;
+    color[0] = result.Color.r;
+    color[1] = result.Color.g;
+    color[2] = result.Color.b;
+    color[3] = 1.0f - result.Transmittance;
     if (image.Depths && result.FirstVisible < Infinity)
     {
       image.Depths[at] = static_cast<float>(this->Scene.Camera.ToDepth(
@@ -776,10 +769,9 @@ void RayCaster::CastPolyline(Ray& ray, Pixel& pixel, CastStatistics& statistics)
     {
       sampler.ForgetEmptyBox();
       const double length = glm::length(this->Frame.IndexToData * piece.Terms[1]);
-      const auto jacobianAt = [&](double s)
-      { return start.Jacobian * (1.0 - s) + end.Jacobian * s; };
-      sampler.Integrate(
-        JacobianPiece<decltype(jacobianAt)>(*this, piece, start.T, dt, jacobianAt),
+      const auto jacobianAt = [&](
+                                double s) { return start.Jacobian * (1.0 - s) + end.Jacobian * s; };
+      sampler.Integrate(JacobianPiece<decltype(jacobianAt)>(*this, piece, start.T, dt, jacobianAt),
         ScheduleWithRemainder(length, this->Settings.SampleDistance, ray.Jitter));
     }
     start = end;
@@ -837,14 +829,13 @@ void RayCaster::CastSamples(Ray& ray, Pixel& pixel, CastStatistics& statistics) 
     if (intervals && !identity)
     {
       const glm::dvec3 halfway = rest + 0.5 * move;
-      piece = CurvePiece::Parabola(
-        index, volume.ToIndex(pullBack(t + 0.5 * distance, &halfway)), next);
+      piece =
+        CurvePiece::Parabola(index, volume.ToIndex(pullBack(t + 0.5 * distance, &halfway)), next);
     }
     ++statistics.Segments;
     statistics.SegmentLength += distance / this->Scene.VoxelSize;
     pixel.NotePiece(piece, t, t + distance, false);
-    const auto jacobianAt = [&](double s)
-    {
+    const auto jacobianAt = [&](double s) {
       const glm::dvec3 q = volume.IndexToData * piece.At(s) + volume.FirstVoxel;
       return map.FindJacobian(pointAt(t + s * distance), q);
     };

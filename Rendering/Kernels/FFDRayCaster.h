@@ -24,19 +24,19 @@ namespace ffd
  * number of threads, each with its own scratch, and the image does not depend on who renders
  * which.
  *
- * What a sample looks like is up to SampleClassifier, what becomes of it on its ray to
- * RayIntegrator; both are shared by all kernels.
+ * SampleClassifier finds color and opacity of a sample, RayIntegrator combines the samples of a
+ * ray; all kernels share both.
  *
  * The kernels here are the reference: one ray after the other, double precision. PacketCaster
  * renders the same picture, within the tolerances, faster, and does so unless
  * CastSettings::Reference is set or PacketCaster::Supports() is false.
  */
-class FFD_KERNEL_EXPORT RayCaster
+class FFD_RENDERING_EXPORT RayCaster
 {
 public:
   static constexpr int TileSize = TileSide;
-  static constexpr int QuarterSize = TileSize / 2;
-  static constexpr unsigned int AllQuarters = 15;
+  static constexpr int SubtileSize = TileSize / 2;
+  static constexpr unsigned int AllSubtiles = 15;
 
   RayCaster(const CastScene& scene, const CastSettings& settings);
   ~RayCaster();
@@ -50,16 +50,16 @@ public:
     CastStatistics Statistics;
   };
 
-  /// What a thread has counted.
+  /// The counts of a thread.
   static CastStatistics GetStatistics(const Scratch& scratch);
 
   int GetTilesPerRow(const CastImage& image) const;
   int GetNumberOfTiles(const CastImage& image) const;
-  /// `quarters`: of which quarters of the tile the pixels are asked for, a bit each, x fastest.
+  /// `subtiles`: of which subtiles of the tile the pixels are asked for, a bit each, x fastest.
   /// Stops at the deadline, with some pixels done: returns 0 when the tile is finished, else the
   /// number to go on with, as `first`. The pixels do not depend on the stops.
   int RenderTile(int tile, const CastImage& image, Scratch& scratch,
-    unsigned int quarters = AllQuarters, int first = 0, Deadline deadline = NoDeadline) const;
+    unsigned int subtiles = AllSubtiles, int first = 0, Deadline deadline = NoDeadline) const;
 
   /// Cast the ray of one pixel as for the picture and note what was done on the way: by packets the
   /// pieces of its tile. Of `image` only the size matters.
@@ -86,7 +86,7 @@ private:
   CastSettings Settings;
   std::unique_ptr<SampleClassifier> OwnClassifier; // where the scene has none
   IntegrationFrame Frame;
-  std::unique_ptr<PacketCaster> Packets; // null: the reference kernels render
+  std::unique_ptr<PacketCaster> Packets;    // null: the reference kernels render
   std::unique_ptr<OrientedInverse> Inverse; // of the reference kernels; null: T is one to one
   glm::dmat3 GradientToRest; // gradient by index coordinates to gradient by data coordinates
   Box RestBox;               // the whole volume at rest, index coordinates

@@ -17,12 +17,11 @@ namespace
 
 constexpr double Infinity = std::numeric_limits<double>::infinity();
 
-/// Of a sample on a piece.
+/// Normals of samples on a segment.
 class PieceNormals : public NormalSource
 {
 public:
-  PieceNormals(
-    const ViewRay& ray, const CameraView& camera, const SampledPiece& piece, double s)
+  PieceNormals(const ViewRay& ray, const CameraView& camera, const SampledPiece& piece, double s)
     : NormalSource(ray, camera, piece.T0 + s * piece.Dt)
     , Piece(piece)
     , S(s)
@@ -41,8 +40,7 @@ private:
 } // namespace
 
 //------------------------------------------------------------------------------
-void RayIntegrator::Begin(
-  const IntegrationFrame& frame, const ViewRay& ray, double from, double to)
+void RayIntegrator::Begin(const IntegrationFrame& frame, const ViewRay& ray, double from, double to)
 {
   *this = RayIntegrator();
   this->Frame = &frame;
@@ -83,7 +81,7 @@ RayIntegrator::Result RayIntegrator::End() const
     case BlendMode::Additive:
       return this->EndSum();
     default:
-      return { this->Colour, this->Transmittance, this->FirstVisible };
+      return { this->Color, this->Transmittance, this->FirstVisible };
   }
 }
 
@@ -93,34 +91,32 @@ RayIntegrator::Outcome RayIntegrator::Composite(
 {
   const IntegrationFrame& frame = *this->Frame;
   // Packets round otherwise when they find out whether it is inside.
-  const glm::dvec3 q =
-    glm::clamp(piece.Curve.At(s), frame.Scene->Volume.LowerIndex(),
-      frame.Scene->Volume.UpperIndex());
+  const glm::dvec3 q = glm::clamp(
+    piece.Curve.At(s), frame.Scene->Volume.LowerIndex(), frame.Scene->Volume.UpperIndex());
   if (frame.Classifier->IsHidden(q))
   {
     return { false, false, 0.0f };
   }
   double values[SampleClassifier::LargestNumberOfComponents];
   frame.Classifier->Values(q, values);
-  const SampleClassifier::Look look = frame.Classifier->Classify(
-    q, values, PieceNormals(this->Ray, frame.Scene->Camera, piece, s));
+  const SampleClassifier::Look look =
+    frame.Classifier->Classify(q, values, PieceNormals(this->Ray, frame.Scene->Camera, piece, s));
   if (!(look.Extinction > 0.0f))
   {
     return { false, false, 0.0f };
   }
   const double length = this->LengthOf(piece, s, interval);
   const float transmittance = frame.Transmittance(look.Extinction * static_cast<float>(length));
-  Outcome outcome = this->AddLook(look.Colour, transmittance, piece.T0 + s * piece.Dt);
+  Outcome outcome = this->AddLook(look.Color, transmittance, piece.T0 + s * piece.Dt);
   outcome.Extinction = look.Extinction;
   return outcome;
 }
 
 //------------------------------------------------------------------------------
-RayIntegrator::Outcome RayIntegrator::AddLook(
-  const glm::vec3& colour, float transmittance, double t)
+RayIntegrator::Outcome RayIntegrator::AddLook(const glm::vec3& color, float transmittance, double t)
 {
   this->FirstVisible = std::min(this->FirstVisible, t);
-  this->Colour += (this->Transmittance * (1.0f - transmittance)) * colour;
+  this->Color += (this->Transmittance * (1.0f - transmittance)) * color;
   this->Transmittance *= transmittance;
   return { true, this->Transmittance < this->Frame->Settings->TerminationTransmittance, 0.0f };
 }
@@ -139,8 +135,8 @@ double RayIntegrator::LengthOf(const SampledPiece& piece, double s, double inter
 bool RayIntegrator::FindValues(const SampledPiece& piece, double s, double* values) const
 {
   const IntegrationFrame& frame = *this->Frame;
-  const glm::dvec3 q = glm::clamp(piece.Curve.At(s), frame.Scene->Volume.LowerIndex(),
-    frame.Scene->Volume.UpperIndex());
+  const glm::dvec3 q = glm::clamp(
+    piece.Curve.At(s), frame.Scene->Volume.LowerIndex(), frame.Scene->Volume.UpperIndex());
   if (frame.Classifier->IsHidden(q))
   {
     return false;
@@ -197,7 +193,7 @@ RayIntegrator::Outcome RayIntegrator::TakeExtreme(const SampledPiece& piece, dou
 RayIntegrator::Result RayIntegrator::EndExtreme() const
 {
   const IntegrationFrame& frame = *this->Frame;
-  glm::vec3 colour(0.0f);
+  glm::vec3 color(0.0f);
   float opacity = 0.0f;
   for (int c = 0; c < frame.Classifier->GetNumberOfChannels(); ++c)
   {
@@ -205,18 +201,17 @@ RayIntegrator::Result RayIntegrator::EndExtreme() const
     {
       const glm::vec4 look = frame.Classifier->ClassifyValues(c, this->Values);
       const float alpha = look.a * static_cast<float>(frame.Scene->Blend.Weight[c]);
-      colour += alpha * glm::vec3(look);
+      color += alpha * glm::vec3(look);
       opacity += alpha;
     }
   }
   opacity = std::min(opacity, 1.0f);
-  return { glm::min(colour, glm::vec3(opacity)), 1.0f - opacity,
+  return { glm::min(color, glm::vec3(opacity)), 1.0f - opacity,
     opacity > 0.0f ? this->ExtremeT : Infinity };
 }
 
 //------------------------------------------------------------------------------
-RayIntegrator::Outcome RayIntegrator::AddUp(
-  const SampledPiece& piece, double s, double interval)
+RayIntegrator::Outcome RayIntegrator::AddUp(const SampledPiece& piece, double s, double interval)
 {
   const IntegrationFrame& frame = *this->Frame;
   const Blending& blend = frame.Scene->Blend;
@@ -263,8 +258,7 @@ RayIntegrator::Result RayIntegrator::EndSum() const
   double sum = 0.0;
   for (int c = 0; c < frame.Classifier->GetNumberOfChannels(); ++c)
   {
-    const double over =
-      blend.Mode == BlendMode::Average ? this->Lengths[c] : blend.UnitDistance[c];
+    const double over = blend.Mode == BlendMode::Average ? this->Lengths[c] : blend.UnitDistance[c];
     sum += over > 0.0 ? blend.Weight[c] * this->Values[c] / over : 0.0;
   }
   return { glm::vec3(static_cast<float>(std::clamp(sum, 0.0, 1.0))), 0.0f, this->FirstVisible };
@@ -275,8 +269,8 @@ bool RayIntegrator::IsInside(const glm::dvec3& q) const
 {
   const glm::dvec3 lower = this->Frame->Scene->Volume.LowerIndex();
   const glm::dvec3 upper = this->Frame->Scene->Volume.UpperIndex();
-  return q.x >= lower.x && q.y >= lower.y && q.z >= lower.z && q.x <= upper.x &&
-    q.y <= upper.y && q.z <= upper.z;
+  return q.x >= lower.x && q.y >= lower.y && q.z >= lower.z && q.x <= upper.x && q.y <= upper.y &&
+    q.z <= upper.z;
 }
 
 //------------------------------------------------------------------------------
@@ -284,8 +278,7 @@ double RayIntegrator::ScalarAt(const glm::dvec3& q) const
 {
   double values[SampleClassifier::LargestNumberOfComponents];
   this->Frame->Classifier->Values(q, values);
-  return this->Frame->Classifier->FindIntensity(
-    this->Frame->Scene->Blend.IsoComponent, values);
+  return this->Frame->Classifier->FindIntensity(this->Frame->Scene->Blend.IsoComponent, values);
 }
 
 //------------------------------------------------------------------------------
@@ -301,10 +294,9 @@ double RayIntegrator::FindFace(const CurvePiece& curve, double inside, double ou
 }
 
 //------------------------------------------------------------------------------
-/// Where the scalar is `value` between a and b, by the secant rule of Illinois: the value at one end
-/// counts half once that end has stayed.
-double RayIntegrator::FindCrossing(
-  const SampledPiece& piece, Value a, Value b, double value) const
+/// Where the scalar is `value` between a and b, by the secant rule of Illinois: the value at one
+/// end counts half once that end has stayed.
+double RayIntegrator::FindCrossing(const SampledPiece& piece, Value a, Value b, double value) const
 {
   double fa = a.Scalar - value;
   double fb = b.Scalar - value;
@@ -323,8 +315,7 @@ double RayIntegrator::FindCrossing(
     {
       s = 0.5 * (a.S + b.S);
     }
-    const double f =
-      this->ScalarAt(glm::clamp(piece.Curve.At(s), lower, upper)) - value;
+    const double f = this->ScalarAt(glm::clamp(piece.Curve.At(s), lower, upper)) - value;
     if (f == 0.0)
     {
       return s;
@@ -344,8 +335,8 @@ double RayIntegrator::FindCrossing(
       stayed = 1;
     }
   }
-  // Behind the crossing: between the nearest voxels of both sides it would be left to rounding whose
-  // gradient is taken.
+  // Behind the crossing: between the nearest voxels of both sides it would be left to rounding
+  // whose gradient is taken.
   return b.S;
 }
 
@@ -406,8 +397,8 @@ RayIntegrator::Outcome RayIntegrator::CrossIsosurfaces(
   this->LastEnd = insideB ? piece.T0 + b.S * piece.Dt : -Infinity;
   this->LastScalar = b.Scalar;
 
-  // Values ascend, so do the crossings, or they descend. One at an end belongs to the interval where
-  // the scalar passes it. Comparisons with what is not a number find none.
+  // Values ascend, so do the crossings, or they descend. One at an end belongs to the interval
+  // where the scalar passes it. Comparisons with what is not a number find none.
   Outcome outcome{ false, false, 0.0f };
   if (!(a.Scalar < b.Scalar) && !(a.Scalar > b.Scalar))
   {
@@ -430,13 +421,12 @@ RayIntegrator::Outcome RayIntegrator::CrossIsosurfaces(
     }
     const double at = this->FindCrossing(piece, a, b, iso.Value);
     const glm::dvec3 q = glm::clamp(
-      piece.Curve.At(at), frame.Scene->Volume.LowerIndex(),
-      frame.Scene->Volume.UpperIndex());
+      piece.Curve.At(at), frame.Scene->Volume.LowerIndex(), frame.Scene->Volume.UpperIndex());
     if (this->IsShown(piece, at) && !frame.Classifier->IsHidden(q))
     {
-      const glm::vec3 colour = frame.Classifier->Light(frame.Scene->Blend.IsoComponent, q,
-        iso.Colour, PieceNormals(this->Ray, frame.Scene->Camera, piece, at));
-      outcome = this->AddLook(colour, 1.0f - iso.Opacity, piece.T0 + at * piece.Dt);
+      const glm::vec3 color = frame.Classifier->Light(frame.Scene->Blend.IsoComponent, q, iso.Color,
+        PieceNormals(this->Ray, frame.Scene->Camera, piece, at));
+      outcome = this->AddLook(color, 1.0f - iso.Opacity, piece.T0 + at * piece.Dt);
     }
   }
   return outcome;
@@ -452,7 +442,7 @@ RayIntegrator::Outcome RayIntegrator::AddSlice(const glm::dvec3& q, double t)
   }
   double values[SampleClassifier::LargestNumberOfComponents];
   frame.Classifier->Values(q, values);
-  glm::vec3 colour(0.0f);
+  glm::vec3 color(0.0f);
   float opacity = 0.0f;
   for (int c = 0; c < frame.Classifier->GetNumberOfChannels(); ++c)
   {
@@ -460,7 +450,7 @@ RayIntegrator::Outcome RayIntegrator::AddSlice(const glm::dvec3& q, double t)
       ? glm::vec4(0.0f)
       : frame.Classifier->ClassifyValues(c, values);
     const float alpha = look.a * static_cast<float>(frame.Scene->Blend.Weight[c]);
-    colour += alpha * glm::vec3(look);
+    color += alpha * glm::vec3(look);
     opacity += alpha;
   }
   opacity = std::min(opacity, 1.0f);
@@ -468,7 +458,7 @@ RayIntegrator::Outcome RayIntegrator::AddSlice(const glm::dvec3& q, double t)
   {
     return { false, true, 0.0f };
   }
-  this->Colour = glm::min(colour, glm::vec3(opacity));
+  this->Color = glm::min(color, glm::vec3(opacity));
   this->Transmittance = 1.0f - opacity;
   this->FirstVisible = t;
   return { true, true, 0.0f };

@@ -16,7 +16,7 @@
 namespace ffd
 {
 
-/// What all rays of a frame are integrated with.
+/// Settings that all rays of a frame share.
 struct IntegrationFrame
 {
   const SampleClassifier* Classifier = nullptr;
@@ -27,8 +27,8 @@ struct IntegrationFrame
 };
 
 /**
- * A piece of a deformed ray: its parameter s stands for t = T0 + s * Dt on the viewing ray. Each ray
- * caster knows in its own way how gradients change along it.
+ * A piece of a deformed ray: its parameter s stands for t = T0 + s * Dt on the viewing ray. Each
+ * ray caster knows in its own way how gradients change along it.
  */
 class SampledPiece
 {
@@ -55,7 +55,7 @@ public:
  * the samples that they take, in the order of the ray; the packets do so where their own vector
  * code does not apply.
  */
-class FFD_KERNEL_EXPORT RayIntegrator
+class FFD_RENDERING_EXPORT RayIntegrator
 {
 public:
   /// A new ray, of which [from, to) is seen (t). `frame` must outlive its samples.
@@ -69,18 +69,18 @@ public:
   };
 
   /**
-   * The sample at `s` of a piece, which stands for an interval of length `interval` of s that starts
-   * there. It must be inside of the volume and not be cropped; but where the blend mode uses
+   * The sample at `s` of a piece, which stands for an interval of length `interval` of s that
+   * starts there. It must be inside of the volume and not be cropped; but where the blend mode uses
    * intervals, these may be anywhere: they are looked at for what is.
    */
   Outcome AddSample(const SampledPiece& piece, double s, double interval);
 
-  /// Of BlendMode::Slice the only sample: index coordinates and t, inside of the volume.
+  /// Adds the only sample of BlendMode::Slice: index coordinates and t, inside of the volume.
   Outcome AddSlice(const glm::dvec3& q, double t);
 
   struct Result
   {
-    glm::vec3 Colour; ///< premultiplied
+    glm::vec3 Color; ///< premultiplied
     float Transmittance;
     double FirstVisible; ///< t of the first sample that shows; infinite without one
   };
@@ -100,7 +100,7 @@ private:
   Outcome TakeExtreme(const SampledPiece& piece, double s);
   Outcome AddUp(const SampledPiece& piece, double s, double interval);
   Outcome CrossIsosurfaces(const SampledPiece& piece, double s, double interval);
-  Outcome AddLook(const glm::vec3& colour, float transmittance, double t);
+  Outcome AddLook(const glm::vec3& color, float transmittance, double t);
   bool IsInside(const glm::dvec3& q) const;
   double ScalarAt(const glm::dvec3& q) const;
   double FindCrossing(const SampledPiece& piece, Value a, Value b, double value) const;
@@ -115,12 +115,12 @@ private:
   ViewRay Ray{};
   double From = 0.0;
   double To = 0.0;
-  glm::vec3 Colour{ 0.0f };
+  glm::vec3 Color{ 0.0f };
   float Transmittance = 1.0f;
   double FirstVisible = std::numeric_limits<double>::infinity();
 
-  // Of Maximum, Minimum: the extreme; of dependent components all values of the sample that has it.
-  // Of Average, Additive: the sums of the channels.
+  // The extreme value with Maximum and Minimum (with dependent components all values of its
+  // sample), the sums of the channels with Average and Additive.
   double Values[Components] = {};
   double Lengths[Components] = {}; // of the channels: what has been added up
   bool Any = false;                // whether there was a sample

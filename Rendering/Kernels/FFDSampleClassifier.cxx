@@ -17,9 +17,6 @@ namespace ffd
 namespace
 {
 
-/// As that of full opacity in TransferTable: opaque over any interval.
-constexpr double OpaqueExtinction = 2.4e7;
-
 /// Opacity of an interval.
 double OpacityOver(double extinction, double length)
 {
@@ -29,14 +26,14 @@ double OpacityOver(double extinction, double length)
 /// Extinction that gives an interval an opacity.
 double ExtinctionOver(double opacity, double length)
 {
-  const double perLength = opacity < 1.0 ? -std::log2(1.0 - opacity) : OpaqueExtinction;
+  const double perLength =
+    opacity < 1.0 ? -std::log2(1.0 - opacity) : TransferTable::OpaqueExtinction;
   return std::min(perLength / length, 1e30);
 }
 
 double Luminance(const double* rgb)
 {
-  return LuminanceWeights[0] * rgb[0] + LuminanceWeights[1] * rgb[1] +
-    LuminanceWeights[2] * rgb[2];
+  return LuminanceWeights[0] * rgb[0] + LuminanceWeights[1] * rgb[1] + LuminanceWeights[2] * rgb[2];
 }
 
 } // namespace
@@ -60,8 +57,8 @@ public:
   {
     if (!this->HasGradient)
     {
-      this->Gradient = this->Classifier.FindGradient(
-        this->Component, this->Q, this->OfIntensity, this->Normals);
+      this->Gradient =
+        this->Classifier.FindGradient(this->Component, this->Q, this->OfIntensity, this->Normals);
       this->HasGradient = true;
     }
     return this->Gradient;
@@ -85,8 +82,8 @@ class SampleClassifier::ClippedSpace
 {
 public:
   /// `q`: index coordinates of the sample.
-  ClippedSpace(const std::vector<glm::dvec4>& planes, const glm::dvec3& q,
-    const NormalSource& normals)
+  ClippedSpace(
+    const std::vector<glm::dvec4>& planes, const glm::dvec3& q, const NormalSource& normals)
     : Q(q)
   {
     if (planes.empty())
@@ -109,9 +106,9 @@ public:
   /// Whether a position, index coordinates, is clipped.
   bool Has(const glm::dvec3& index) const
   {
-    return std::any_of(this->Planes.begin(), this->Planes.end(),
-      [&](const glm::dvec4& plane)
-      { return glm::dot(glm::dvec3(plane), index - this->Q) + plane.w < 0.0; });
+    return std::any_of(this->Planes.begin(), this->Planes.end(), [&](const glm::dvec4& plane) {
+      return glm::dot(glm::dvec3(plane), index - this->Q) + plane.w < 0.0;
+    });
   }
 
 private:
@@ -122,11 +119,11 @@ private:
 };
 
 //------------------------------------------------------------------------------
-/// Colour before lighting, and extinction, of which `Factor` is still to be multiplied to the
+/// Color before lighting, and extinction, of which `Factor` is still to be multiplied to the
 /// opacity of an interval of the reference length.
 struct SampleClassifier::Emission
 {
-  glm::vec3 Colour;
+  glm::vec3 Color;
   double Extinction;
   double Factor;
 
@@ -162,25 +159,21 @@ SampleClassifier::SampleClassifier(const ClassifierInputs& inputs)
   this->MayHide = this->In.Hidden || (mask.Volume.Scalars && !mask.Labels);
   const OpticalFunctions& functions = *this->In.Functions;
   const ComponentOptics& first = functions.Components[0];
-  const auto all = [&](auto has)
-  { return std::all_of(functions.Components.begin(), functions.Components.end(), has); };
+  const auto all = [&](auto has) {
+    return std::all_of(functions.Components.begin(), functions.Components.end(), has);
+  };
   const bool clipped = !this->In.ClippingPlanes.empty();
   const bool noGradients =
     all([](const ComponentOptics& optics) { return optics.Gradients.IsEmpty(); });
-  const bool simple = all([](const ComponentOptics& optics) { return optics.Plane.IsEmpty(); }) &&
-    !this->In.Hidden && !volume.Axes &&
-    !((this->In.NormalFromOpacity || clipped) && first.Shade) && (!clipped || noGradients);
-  const bool one =
-    simple && functions.Kind == ComponentKind::Independent && functions.Components.size() == 1;
-  const bool labelsHaveGradients = std::any_of(functions.Labels.begin(), functions.Labels.end(),
-    [](const LabelOptics& label) { return !label.Gradients.IsEmpty(); });
-  const bool masked = mask.Volume.Scalars != nullptr;
-  this->Plain = one && !masked && first.Gradients.IsEmpty();
-  this->PlainWithGradient = one && !masked && !first.Gradients.IsEmpty();
-  this->PlainComponents = simple && volume.Components > 1 && !(masked && mask.Labels) &&
-    (functions.Kind != ComponentKind::Independent ||
-      static_cast<int>(functions.Components.size()) == volume.Components);
-  this->PlainWithMask = one && masked && first.Gradients.IsEmpty() && !labelsHaveGradients;
+  const bool noLabelGradients = std::all_of(functions.Labels.begin(), functions.Labels.end(),
+    [](const LabelOptics& label) { return label.Gradients.IsEmpty(); });
+  const bool noPlanes = all([](const ComponentOptics& optics) { return optics.Plane.IsEmpty(); });
+  const bool gradientsOfAll = !clipped ||
+    (noGradients && noLabelGradients && (noPlanes || this->In.SecondAxis.Scalars) && !first.Shade);
+  this->Simple = !this->In.Hidden && !volume.Axes && !(this->In.NormalFromOpacity && first.Shade) &&
+    gradientsOfAll;
+  this->Plain = this->Simple && functions.Kind == ComponentKind::Independent &&
+    functions.Components.size() == 1 && !mask.Volume.Scalars && noGradients && noPlanes;
 }
 
 //------------------------------------------------------------------------------
@@ -206,18 +199,18 @@ SampleClassifier::SampleClassifier(const VolumeView& volume, Interpolation inter
 const ComponentOptics& SampleClassifier::OpticsOf(int component) const
 {
   const OpticalFunctions& functions = *this->In.Functions;
-  return functions.Components[functions.Kind == ComponentKind::Independent
-      ? static_cast<std::size_t>(component)
-      : 0];
+  return functions
+    .Components[functions.Kind == ComponentKind::Independent ? static_cast<std::size_t>(component)
+                                                             : 0];
 }
 
 //------------------------------------------------------------------------------
-/// What is looked up for opacity, and what normals are of.
+/// The value that is looked up for opacity, and whose gradient is the normal.
 double SampleClassifier::DensityOf(int component, const double* values) const
 {
   switch (this->In.Functions->Kind)
   {
-    case ComponentKind::ColourOpacity:
+    case ComponentKind::ColorOpacity:
       return values[1];
     case ComponentKind::Rgb:
       return Luminance(values);
@@ -234,7 +227,7 @@ double SampleClassifier::FindIntensity(int channel, const double* values) const
 {
   switch (this->In.Functions->Kind)
   {
-    case ComponentKind::ColourOpacity:
+    case ComponentKind::ColorOpacity:
     case ComponentKind::Rgba:
       return values[0];
     case ComponentKind::Rgb:
@@ -246,23 +239,23 @@ double SampleClassifier::FindIntensity(int channel, const double* values) const
 }
 
 //------------------------------------------------------------------------------
-bool SampleClassifier::HasDirectColours() const
+bool SampleClassifier::HasDirectColors() const
 {
   return this->In.Functions->Kind == ComponentKind::Rgb ||
     this->In.Functions->Kind == ComponentKind::Rgba;
 }
 
 //------------------------------------------------------------------------------
-/// Of values that are colours; what is not a number is black.
-glm::vec3 SampleClassifier::DirectColour(const double* values) const
+/// The color of values that are colors; values that are not numbers are black.
+glm::vec3 SampleClassifier::DirectColor(const double* values) const
 {
-  glm::vec3 colour;
+  glm::vec3 color;
   for (int c = 0; c < 3; ++c)
   {
-    const double value = values[c] * this->In.Functions->ColourScale;
-    colour[c] = value > 0.0 ? static_cast<float>(std::min(value, 1.0)) : 0.0f;
+    const double value = values[c] * this->In.Functions->ColorScale;
+    color[c] = value > 0.0 ? static_cast<float>(std::min(value, 1.0)) : 0.0f;
   }
-  return colour;
+  return color;
 }
 
 //------------------------------------------------------------------------------
@@ -275,9 +268,9 @@ glm::dvec3 SampleClassifier::ToVoxel(const glm::dvec3& q) const
 glm::dvec3 SampleClassifier::ToIndex(const glm::dvec3& voxel) const
 {
   const AxisMap* axes = this->In.Volume.Axes;
-  return axes ? glm::dvec3(axes->ToIndex(0, voxel.x), axes->ToIndex(1, voxel.y),
-                  axes->ToIndex(2, voxel.z))
-              : voxel;
+  return axes
+    ? glm::dvec3(axes->ToIndex(0, voxel.x), axes->ToIndex(1, voxel.y), axes->ToIndex(2, voxel.z))
+    : voxel;
 }
 
 //------------------------------------------------------------------------------
@@ -302,8 +295,7 @@ double SampleClassifier::MaskAt(const glm::dvec3& q) const
     return this->FetchMask.Value(mask.Volume, this->ToVoxel(q));
   }
   const glm::dvec3 m = this->ToMask * q + this->MaskOffset;
-  const glm::dvec3 beyond =
-    glm::max(-0.5 - m, m - (glm::dvec3(mask.Volume.Dimensions) - 0.5));
+  const glm::dvec3 beyond = glm::max(-0.5 - m, m - (glm::dvec3(mask.Volume.Dimensions) - 0.5));
   return beyond.x <= 0.0 && beyond.y <= 0.0 && beyond.z <= 0.0
     ? this->FetchMask.Value(mask.Volume, m)
     : 0.0;
@@ -333,38 +325,35 @@ glm::dvec3 SampleClassifier::Difference(const glm::dvec3& voxel, const Field& fi
 {
   return FindDifferences(this->In.Volume, voxel,
     this->In.VolumeInterpolation == Interpolation::Nearest, this->In.Hidden,
-    [&](const glm::dvec3& at, bool nearest)
-    { return field(nearest ? this->FetchNearest : this->Fetch, at); });
+    [&](const glm::dvec3& at, bool nearest) {
+      return field(nearest ? this->FetchNearest : this->Fetch, at);
+    });
 }
 
 //------------------------------------------------------------------------------
-/// Of what normals are of, by index coordinates.
+/// The gradient, by index coordinates, of the value that normals belong to.
 glm::dvec3 SampleClassifier::FindGradient(
   int component, const glm::dvec3& q, bool ofIntensity, const NormalSource& normals) const
 {
   const OpticalFunctions& functions = *this->In.Functions;
   const glm::dvec3 voxel = this->ToVoxel(q);
   const ClippedSpace clipped(this->In.ClippingPlanes, q, normals);
-  const auto of = [&](int c) -> glm::dvec3
-  {
+  const auto of = [&](int c) -> glm::dvec3 {
     const VolumeView& view = this->ComponentViews[c];
     if (!this->In.ClippingPlanes.empty())
     {
-      return this->Difference(voxel,
-        [&](const SampleFunctions& fetch, const glm::dvec3& at)
-        {
-          return clipped.Has(this->ToIndex(at)) ? this->In.ClippedIntensity
-                                                : fetch.Value(view, at);
-        });
+      return this->Difference(voxel, [&](const SampleFunctions& fetch, const glm::dvec3& at) {
+        return clipped.Has(this->ToIndex(at)) ? this->In.ClippedIntensity : fetch.Value(view, at);
+      });
     }
     return view.Axes || this->In.Hidden
-      ? this->Difference(voxel, [&](const SampleFunctions& fetch, const glm::dvec3& at)
-          { return fetch.Value(view, at); })
+      ? this->Difference(voxel,
+          [&](const SampleFunctions& fetch, const glm::dvec3& at) { return fetch.Value(view, at); })
       : this->Fetch.Gradient(view, voxel);
   };
   switch (functions.Kind)
   {
-    case ComponentKind::ColourOpacity:
+    case ComponentKind::ColorOpacity:
       return of(ofIntensity ? 0 : 1);
     case ComponentKind::Rgb:
       return LuminanceWeights[0] * of(0) + LuminanceWeights[1] * of(1) +
@@ -382,9 +371,8 @@ glm::dvec3 SampleClassifier::FindOpacityGradient(
   int component, const glm::dvec3& q, const NormalSource& normals) const
 {
   const ClippedSpace clipped(this->In.ClippingPlanes, q, normals);
-  return this->Difference(this->ToVoxel(q),
-    [&](const SampleFunctions& fetch, const glm::dvec3& voxel)
-    {
+  return this->Difference(
+    this->ToVoxel(q), [&](const SampleFunctions& fetch, const glm::dvec3& voxel) {
       double values[LargestNumberOfComponents];
       fetch.Values(this->In.Volume, voxel, values);
       if (clipped.Has(this->ToIndex(voxel)))
@@ -424,11 +412,11 @@ SampleClassifier::Emission SampleClassifier::FindEmission(
     glm::vec4 texel = optics.Plane.Lookup(density, second);
     emission.Extinction =
       texel.a > 0.0f ? ExtinctionOver(texel.a, optics.Table.GetUnitDistance()) : 0.0;
-    if (functions.Kind == ComponentKind::ColourOpacity)
+    if (functions.Kind == ComponentKind::ColorOpacity)
     {
       texel = optics.Plane.Lookup(values[0], second);
     }
-    emission.Colour = glm::vec3(texel);
+    emission.Color = glm::vec3(texel);
   }
   else
   {
@@ -438,13 +426,13 @@ SampleClassifier::Emission SampleClassifier::FindEmission(
     {
       emission.Factor = optics.Gradients(point.GetMagnitude());
     }
-    emission.Colour = functions.Kind == ComponentKind::ColourOpacity
-      ? functions.Colours.Lookup(values[0]).Colour
-      : sample.Colour;
+    emission.Color = functions.Kind == ComponentKind::ColorOpacity
+      ? functions.Colors.Lookup(values[0]).Color
+      : sample.Color;
   }
-  if (this->HasDirectColours())
+  if (this->HasDirectColors())
   {
-    emission.Colour = this->DirectColour(values);
+    emission.Color = this->DirectColor(values);
   }
   return emission;
 }
@@ -454,7 +442,7 @@ SampleClassifier::Emission SampleClassifier::FindLabelEmission(
   const LabelOptics& label, const double* values, Point& point) const
 {
   const TransferTable::Sample sample = label.Table.Lookup(this->DensityOf(0, values));
-  Emission emission{ sample.Colour, sample.Extinction, 1.0 };
+  Emission emission{ sample.Color, sample.Extinction, 1.0 };
   if (emission.Extinction > 0.0 && !label.Gradients.IsEmpty())
   {
     emission.Factor = label.Gradients(point.GetMagnitude());
@@ -463,13 +451,13 @@ SampleClassifier::Emission SampleClassifier::FindLabelEmission(
 }
 
 //------------------------------------------------------------------------------
-glm::vec3 SampleClassifier::LitColour(
-  int component, const glm::vec3& colour, Point& point, const NormalSource& normals) const
+glm::vec3 SampleClassifier::LitColor(
+  int component, const glm::vec3& color, Point& point, const NormalSource& normals) const
 {
   const ComponentOptics& optics = this->OpticsOf(component);
   if (!optics.Shade)
   {
-    return colour;
+    return color;
   }
   const Shading& material = *this->In.Material;
   const glm::dvec3 gradient = material.GetGradientToLights() *
@@ -477,9 +465,9 @@ glm::vec3 SampleClassifier::LitColour(
         ? this->FindOpacityGradient(component, point.GetPosition(), normals)
         : point.GetGradient());
   const double magnitude = glm::length(gradient);
-  const glm::dvec3 normal = magnitude > 0.0 && std::isfinite(magnitude) ? -gradient / magnitude
-                                                                        : glm::dvec3(0.0);
-  return material.Shade(optics.Surface, colour, material.GetToLights() * normals.GetPosition(),
+  const glm::dvec3 normal =
+    magnitude > 0.0 && std::isfinite(magnitude) ? -gradient / magnitude : glm::dvec3(0.0);
+  return material.Shade(optics.Surface, color, material.GetToLights() * normals.GetPosition(),
     normal, glm::normalize(material.GetToLights() * normals.GetToEye()));
 }
 
@@ -487,10 +475,9 @@ glm::vec3 SampleClassifier::LitColour(
 SampleClassifier::Look SampleClassifier::ToLook(const Emission& emission) const
 {
   const double length = this->In.ReferenceLength;
-  return { emission.Colour,
-    static_cast<float>(emission.Factor == 1.0
-        ? emission.Extinction
-        : ExtinctionOver(emission.Opacity(length), length)) };
+  return { emission.Color,
+    static_cast<float>(emission.Factor == 1.0 ? emission.Extinction
+                                              : ExtinctionOver(emission.Opacity(length), length)) };
 }
 
 //------------------------------------------------------------------------------
@@ -520,17 +507,17 @@ SampleClassifier::Look SampleClassifier::Classify(
       const Emission base = this->FindEmission(0, q, values, point);
       const double length = this->In.ReferenceLength;
       const double f = mask.BlendFactor;
-      emission.Colour = glm::mix(base.Colour, emission.Colour, mask.BlendFactor);
-      emission.Extinction = ExtinctionOver(
-        (1.0 - f) * base.Opacity(length) + f * emission.Opacity(length), length);
+      emission.Color = glm::mix(base.Color, emission.Color, mask.BlendFactor);
+      emission.Extinction =
+        ExtinctionOver((1.0 - f) * base.Opacity(length) + f * emission.Opacity(length), length);
       emission.Factor = 1.0;
     }
   }
   if (!emission.IsVisible())
   {
-    return { emission.Colour, 0.0f };
+    return { emission.Color, 0.0f };
   }
-  emission.Colour = this->LitColour(0, emission.Colour, point, normals);
+  emission.Color = this->LitColor(0, emission.Color, point, normals);
   return this->ToLook(emission);
 }
 
@@ -540,7 +527,7 @@ SampleClassifier::Look SampleClassifier::ClassifyIndependent(
 {
   const std::vector<ComponentOptics>& components = this->In.Functions->Components;
   const double length = this->In.ReferenceLength;
-  glm::vec3 colour(0.0f);
+  glm::vec3 color(0.0f);
   double sum = 0.0;
   double squares = 0.0;
   for (int c = 0; c < static_cast<int>(components.size()); ++c)
@@ -551,18 +538,17 @@ SampleClassifier::Look SampleClassifier::ClassifyIndependent(
     if (emission.IsVisible())
     {
       const double opacity = emission.Opacity(length);
-      colour +=
-        static_cast<float>(opacity) * this->LitColour(c, emission.Colour, point, normals);
+      color += static_cast<float>(opacity) * this->LitColor(c, emission.Color, point, normals);
       sum += opacity;
       squares += opacity * opacity;
     }
   }
   if (!(sum > 0.0))
   {
-    return { colour, 0.0f };
+    return { color, 0.0f };
   }
   const double opacity = squares / sum;
-  return { colour / static_cast<float>(opacity),
+  return { color / static_cast<float>(opacity),
     static_cast<float>(ExtinctionOver(opacity, length)) };
 }
 
@@ -575,7 +561,7 @@ glm::vec4 SampleClassifier::ClassifyValue(int component, double value) const
     return optics.Plane.Lookup(value, 1e300);
   }
   const TransferTable::Sample sample = optics.Table.Lookup(value);
-  return glm::vec4(sample.Colour,
+  return glm::vec4(sample.Color,
     static_cast<float>(
       OpacityOver(static_cast<double>(sample.Extinction), optics.Table.GetUnitDistance())));
 }
@@ -585,14 +571,14 @@ glm::vec4 SampleClassifier::ClassifyValues(int channel, const double* values) co
 {
   const OpticalFunctions& functions = *this->In.Functions;
   glm::vec4 look = this->ClassifyValue(channel, this->DensityOf(channel, values));
-  if (this->HasDirectColours())
+  if (this->HasDirectColors())
   {
-    look = glm::vec4(this->DirectColour(values), look.a);
+    look = glm::vec4(this->DirectColor(values), look.a);
   }
-  else if (functions.Kind == ComponentKind::ColourOpacity)
+  else if (functions.Kind == ComponentKind::ColorOpacity)
   {
     const TransferPlane& plane = functions.Components[0].Plane;
-    look = glm::vec4(plane.IsEmpty() ? functions.Colours.Lookup(values[0]).Colour
+    look = glm::vec4(plane.IsEmpty() ? functions.Colors.Lookup(values[0]).Color
                                      : glm::vec3(plane.Lookup(values[0], 1e300)),
       look.a);
   }
@@ -601,10 +587,10 @@ glm::vec4 SampleClassifier::ClassifyValues(int channel, const double* values) co
 
 //------------------------------------------------------------------------------
 glm::vec3 SampleClassifier::Light(
-  int channel, const glm::dvec3& q, const glm::vec3& colour, const NormalSource& normals) const
+  int channel, const glm::dvec3& q, const glm::vec3& color, const NormalSource& normals) const
 {
   Point point(*this, channel, q, normals, true);
-  return this->LitColour(channel, colour, point, normals);
+  return this->LitColor(channel, color, point, normals);
 }
 
 } // namespace ffd

@@ -53,14 +53,15 @@ private:
 /// A volume of labels, or of what is inside (more than 0), on a grid of its own.
 struct MaskView
 {
-  VolumeView Volume;      ///< Scalars is null: no mask
-  bool Labels = false;    ///< a label map, else a binary mask
+  VolumeView Volume;        ///< Scalars is null: no mask
+  bool Labels = false;      ///< a label map, else a binary mask
   float BlendFactor = 1.0f; ///< of the look of a label; the rest is the look without
   /// Voxel for voxel the grid of the scalars; else a place of its own, by Volume.
   bool SameGrid = true;
 };
 
-/// Everything about the looks of samples that SampleClassifier needs. What is pointed to outlives it.
+/// Everything about the looks of samples that SampleClassifier needs. What is pointed to outlives
+/// it.
 struct ClassifierInputs
 {
   VolumeView Volume;
@@ -76,30 +77,30 @@ struct ClassifierInputs
   /// value of the voxels.
   std::vector<glm::dvec4> ClippingPlanes;
   double ClippedIntensity = 0.0;
-  /// Length, data units, of the intervals for which opacities multiply and add up as in VTK: its sample
-  /// distance.
+  /// Length, data units, of the intervals for which opacities multiply and add up as in VTK: its
+  /// sample distance.
   double ReferenceLength = 1.0;
 };
 
 /**
- * What a sample of the volume at rest looks like. Immutable, one for a frame, used by any number
- * of threads. Positions are index coordinates inside of the volume.
+ * Finds color, opacity and lighting of samples of the volume at rest. Immutable, one for a frame,
+ * used by any number of threads. Positions are index coordinates inside of the volume.
  *
  * Conventions are those of VTK's volume mappers. Opacities of an interval of the reference length
  * are weighted and multiplied by the gradient opacity; several independent components add up to
- * the opacity sum(a^2) / sum(a) and the premultiplied colour sum(a c). Magnitudes of gradients are
+ * the opacity sum(a^2) / sum(a) and the premultiplied color sum(a c). Magnitudes of gradients are
  * those of FindDifferences(), in scalar units per mean edge of a voxel, of
  * the volume at rest: tissue looks the same wherever the deformation takes it. Normals are those
  * of the deformed volume.
  */
-class FFD_KERNEL_EXPORT SampleClassifier
+class FFD_RENDERING_EXPORT SampleClassifier
 {
 public:
   static constexpr int LargestNumberOfComponents = 4;
 
   explicit SampleClassifier(const ClassifierInputs& inputs);
 
-  /// One component with its table; `shade`: whether colours are lit. What is referred to must
+  /// One component with its table; `shade`: whether colors are lit. What is referred to must
   /// outlive the classifier.
   SampleClassifier(const VolumeView& volume, Interpolation interpolation,
     const TransferTable& table, const Shading& material, bool shade);
@@ -108,17 +109,12 @@ public:
   /// packets does.
   bool IsPlain() const { return this->Plain; }
 
-  /// Whether there is nothing but that and a gradient opacity: GetGradientOpacity().
-  bool IsPlainWithGradient() const { return this->PlainWithGradient; }
+  /// Whether values and gradients are those of all voxels on a uniform grid: no cell is hidden, no
+  /// gradient counts clipped voxels, and normals are not those of the opacity.
+  bool IsSimple() const { return this->Simple; }
 
-  /// Whether there is nothing but one component, its table, and a mask, or a label map whose labels
-  /// have tables: GetMask().
-  bool IsPlainWithMask() const { return this->PlainWithMask; }
-
-  /// Whether there is nothing but several components with tables, gradient opacities and maybe a
-  /// binary mask.
-  bool HasPlainComponents() const { return this->PlainComponents; }
   const MaskView& GetMask() const { return this->In.Mask; }
+  const VolumeView& GetSecondAxis() const { return this->In.SecondAxis; }
   const OpticalFunctions& GetFunctions() const { return *this->In.Functions; }
 
   /// Takes index coordinates of the volume to those of a mask on a grid of its own.
@@ -136,54 +132,49 @@ public:
   int GetNumberOfComponents() const { return this->In.Volume.Components; }
 
   /// Whether there is nothing at `q`, whatever the scalars: blanked, or outside of a binary mask.
-  bool IsHidden(const glm::dvec3& q) const
-  {
-    return this->MayHide && this->FindHidden(q);
-  }
+  bool IsHidden(const glm::dvec3& q) const { return this->MayHide && this->FindHidden(q); }
 
-  /// Interpolated value of each component; scalars of cells beside hidden ones are not interpolated.
+  /// Interpolated value of each component; scalars of cells beside hidden ones are not
+  /// interpolated.
   void Values(const glm::dvec3& q, double* values) const;
 
   struct Look
   {
-    glm::vec3 Colour;
+    glm::vec3 Color;
     float Extinction; ///< per data unit; 0: transparent
   };
 
   /// The sample at `q`, whose values are `values`, lit if the material is shaded.
   Look Classify(const glm::dvec3& q, const double* values, const NormalSource& normals) const;
 
-  /// What blend modes other than compositing work on: independent components, or all dependent ones
-  /// together as a single channel.
-  int GetNumberOfChannels() const
-  {
-    return this->IsDependent() ? 1 : this->In.Volume.Components;
-  }
+  /// Number of channels of blend modes other than compositing: the independent components, or one
+  /// for all dependent ones.
+  int GetNumberOfChannels() const { return this->IsDependent() ? 1 : this->In.Volume.Components; }
   bool IsDependent() const { return this->In.Functions->Kind != ComponentKind::Independent; }
 
-  /// Of all values at a sample, what is looked up for the opacity of a channel. Of three colours the
-  /// luminance.
+  /// Of all values at a sample, what is looked up for the opacity of a channel. Of three colors
+  /// the luminance.
   double FindDensity(int channel, const double* values) const
   {
     return this->DensityOf(channel, values);
   }
 
-  /// Of all values at a sample, how bright a channel is: the value, or the first of dependent ones.
-  /// Of three colours the luminance.
+  /// The intensity of a channel, of all values at a sample: its value, the first of dependent ones,
+  /// or of three colors the luminance.
   double FindIntensity(int channel, const double* values) const;
 
-  /// Colour (not premultiplied, not lit) and opacity of a value of an independent component, over the
-  /// opacity unit distance. Gradients count as large: gradient opacities are not looked at. Of
-  /// dependent components the opacity of a density, without a colour.
+  /// Color (not premultiplied, not lit) and opacity of a value of an independent component, over
+  /// the opacity unit distance. Gradients count as large: gradient opacities are not looked at. Of
+  /// dependent components the opacity of a density, without a color.
   glm::vec4 ClassifyValue(int component, double value) const;
 
   /// The same of a channel where the values are `values`.
   glm::vec4 ClassifyValues(int channel, const double* values) const;
 
-  /// A colour at `q` lit by the material of a channel, with the normal of its intensity; the colour
+  /// A color at `q` lit by the material of a channel, with the normal of its intensity; the color
   /// itself where nothing is shaded.
   glm::vec3 Light(
-    int channel, const glm::dvec3& q, const glm::vec3& colour, const NormalSource& normals) const;
+    int channel, const glm::dvec3& q, const glm::vec3& color, const NormalSource& normals) const;
 
 private:
   class Point;
@@ -191,25 +182,25 @@ private:
 
   const ComponentOptics& OpticsOf(int component) const;
   double DensityOf(int component, const double* values) const;
-  glm::vec3 DirectColour(const double* values) const;
-  bool HasDirectColours() const;
+  glm::vec3 DirectColor(const double* values) const;
+  bool HasDirectColors() const;
   bool FindHidden(const glm::dvec3& q) const;
   glm::dvec3 ToVoxel(const glm::dvec3& q) const;
   glm::dvec3 ToIndex(const glm::dvec3& voxel) const;
   double MaskAt(const glm::dvec3& q) const;
   class ClippedSpace;
-  glm::dvec3 FindGradient(int component, const glm::dvec3& q, bool ofIntensity,
-    const NormalSource& normals) const;
+  glm::dvec3 FindGradient(
+    int component, const glm::dvec3& q, bool ofIntensity, const NormalSource& normals) const;
   glm::dvec3 FindOpacityGradient(
     int component, const glm::dvec3& q, const NormalSource& normals) const;
   template <class Field>
   glm::dvec3 Difference(const glm::dvec3& voxel, const Field& field) const;
   double FindMagnitude(const glm::dvec3& gradient) const;
-  Emission FindEmission(int component, const glm::dvec3& q, const double* values, Point& point) const;
-  Emission FindLabelEmission(
-    const LabelOptics& label, const double* values, Point& point) const;
-  glm::vec3 LitColour(
-    int component, const glm::vec3& colour, Point& point, const NormalSource& normals) const;
+  Emission FindEmission(
+    int component, const glm::dvec3& q, const double* values, Point& point) const;
+  Emission FindLabelEmission(const LabelOptics& label, const double* values, Point& point) const;
+  glm::vec3 LitColor(
+    int component, const glm::vec3& color, Point& point, const NormalSource& normals) const;
   Look ToLook(const Emission& emission) const;
   Look ClassifyIndependent(
     const glm::dvec3& q, const double* values, const NormalSource& normals) const;
@@ -225,9 +216,7 @@ private:
   glm::dmat3 ToMask{ 1.0 }; // index coordinates to those of the mask
   glm::dvec3 MaskOffset{ 0.0 };
   bool Plain = true;
-  bool PlainWithGradient = false;
-  bool PlainWithMask = false;
-  bool PlainComponents = false;
+  bool Simple = true;
   bool MayHide = false;
 };
 

@@ -9,7 +9,7 @@
 #ifndef FFDSamplePhase_h
 #define FFDSamplePhase_h
 
-#include "FFDPullBackBounds.h"
+#include "Bounds/FFDPullBackBounds.h"
 #include "FFDVolumeView.h"
 
 #include <glm/common.hpp>
@@ -28,7 +28,7 @@ namespace ffd
 /// sample on the first face nor the last of a whole number of intervals beyond the other one.
 constexpr double PhaseGuard = 0.01;
 
-/// Of slopes of rays along an axis: less counts as this much.
+/// The least slope of rays along an axis: less counts as this much.
 constexpr double LeastSlope = 1e-20;
 
 /// The volume at rest in index coordinates. `wholeAtRest`: bounds, data coordinates, of what the

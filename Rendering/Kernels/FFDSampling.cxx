@@ -34,10 +34,7 @@ CellPosition FindCell(const VolumeView& v, const glm::dvec3& q)
   return cell;
 }
 
-double Lerp(double a, double b, double t)
-{
-  return a + t * (b - a);
-}
+double Lerp(double a, double b, double t) { return a + t * (b - a); }
 
 /// Trilinear value in a cell of one component; `scalars`: that component of voxel (0, 0, 0).
 template <class T>
@@ -47,10 +44,11 @@ double ValueInCell(const VolumeView& v, const CellPosition& cell, const T* scala
   const std::int64_t x = v.Increments[0];
   const std::int64_t y = v.Increments[1];
   const std::int64_t z = v.Increments[2];
-  const auto row = [&](std::int64_t at)
-  { return Lerp(static_cast<double>(p[at]), static_cast<double>(p[at + x]), cell.Weight.x); };
-  return Lerp(Lerp(row(0), row(y), cell.Weight.y), Lerp(row(z), row(y + z), cell.Weight.y),
-    cell.Weight.z);
+  const auto row = [&](std::int64_t at) {
+    return Lerp(static_cast<double>(p[at]), static_cast<double>(p[at + x]), cell.Weight.x);
+  };
+  return Lerp(
+    Lerp(row(0), row(y), cell.Weight.y), Lerp(row(z), row(y + z), cell.Weight.y), cell.Weight.z);
 }
 
 template <class T>
@@ -95,8 +93,8 @@ void NearestValues(const VolumeView& v, const glm::dvec3& q, double* values)
 template <class T>
 glm::dvec3 TrilinearGradient(const VolumeView& v, const glm::dvec3& q)
 {
-  return FindDifferences(v, q, false, nullptr,
-    [&v](const glm::dvec3& at, bool) { return TrilinearValue<T>(v, at); });
+  return FindDifferences(
+    v, q, false, nullptr, [&v](const glm::dvec3& at, bool) { return TrilinearValue<T>(v, at); });
 }
 
 template <class T>
@@ -113,23 +111,21 @@ VolumeView GetComponent(const VolumeView& volume, int component)
 {
   VolumeView view = volume;
   view.Components = 1;
-  DispatchScalarType(volume.Type,
-    [&](auto zero)
-    { view.Scalars = static_cast<const decltype(zero)*>(volume.Scalars) + component; });
+  DispatchScalarType(volume.Type, [&](auto zero) {
+    view.Scalars = static_cast<const decltype(zero)*>(volume.Scalars) + component;
+  });
   return view;
 }
 
 //------------------------------------------------------------------------------
 SampleFunctions SelectSampleFunctions(ScalarType type, Interpolation interpolation)
 {
-  return DispatchScalarType(type,
-    [interpolation](auto zero)
-    {
-      using T = decltype(zero);
-      return interpolation == Interpolation::Linear
-        ? SampleFunctions{ &TrilinearValue<T>, &TrilinearValues<T>, &TrilinearGradient<T> }
-        : SampleFunctions{ &NearestValue<T>, &NearestValues<T>, &NearestGradient<T> };
-    });
+  return DispatchScalarType(type, [interpolation](auto zero) {
+    using T = decltype(zero);
+    return interpolation == Interpolation::Linear
+      ? SampleFunctions{ &TrilinearValue<T>, &TrilinearValues<T>, &TrilinearGradient<T> }
+      : SampleFunctions{ &NearestValue<T>, &NearestValues<T>, &NearestGradient<T> };
+  });
 }
 
 } // namespace ffd

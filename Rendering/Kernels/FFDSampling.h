@@ -11,7 +11,7 @@
 namespace ffd
 {
 
-/// How values between voxels are found.
+/// Interpolation of values between voxels.
 enum class Interpolation
 {
   Nearest,
@@ -36,9 +36,9 @@ struct SampleFunctions
 };
 
 /// View of one component of a volume of several.
-FFD_KERNEL_EXPORT VolumeView GetComponent(const VolumeView& volume, int component);
+FFD_RENDERING_EXPORT VolumeView GetComponent(const VolumeView& volume, int component);
 
-FFD_KERNEL_EXPORT SampleFunctions SelectSampleFunctions(
+FFD_RENDERING_EXPORT SampleFunctions SelectSampleFunctions(
   ScalarType type, Interpolation interpolation);
 
 } // namespace ffd

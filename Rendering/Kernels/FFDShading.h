@@ -15,7 +15,7 @@
 namespace ffd
 {
 
-/// A light in the space of Shading; its colours include the intensity.
+/// A light in the space of Shading; its colors include the intensity.
 struct Light
 {
   bool Headlight = false;  ///< shines along the viewing ray
@@ -71,17 +71,17 @@ struct Shading : Reflectance
   const glm::dmat3& GetGradientToLights() const { return this->GradientToLights; }
 
   /**
-   * Colour of a lit sample, in the space of the lights. `normal`: unit vector towards lower
+   * Color of a lit sample, in the space of the lights. `normal`: unit vector towards lower
    * scalars, or zero where the scalars are constant; `toEye`: unit vector.
    */
-  glm::vec3 Shade(const glm::vec3& colour, const glm::dvec3& position, const glm::dvec3& normal,
+  glm::vec3 Shade(const glm::vec3& color, const glm::dvec3& position, const glm::dvec3& normal,
     const glm::dvec3& toEye) const
   {
-    return this->Shade(*this, colour, position, normal, toEye);
+    return this->Shade(*this, color, position, normal, toEye);
   }
 
   /// The same for another material under these lights.
-  glm::vec3 Shade(const Reflectance& material, const glm::vec3& colour, const glm::dvec3& position,
+  glm::vec3 Shade(const Reflectance& material, const glm::vec3& color, const glm::dvec3& position,
     const glm::dvec3& normal, const glm::dvec3& toEye) const
   {
     glm::vec3 ambient(0.0f);
@@ -112,12 +112,12 @@ struct Shading : Reflectance
       }
       if (nDotH > 0.0)
       {
-        specular +=
-          static_cast<float>(strength * std::pow(nDotH, static_cast<double>(material.SpecularPower))) *
+        specular += static_cast<float>(
+                      strength * std::pow(nDotH, static_cast<double>(material.SpecularPower))) *
           light.Specular;
       }
     }
-    return colour * (material.Ambient * ambient + material.Diffuse * diffuse) +
+    return color * (material.Ambient * ambient + material.Diffuse * diffuse) +
       material.Specular * specular;
   }
 

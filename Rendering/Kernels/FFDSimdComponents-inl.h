@@ -93,19 +93,13 @@ template <class T>
 class ComponentSamples
 {
 public:
-  /// Of the cells of `lanes`; the others get the first cell that may be fetched from.
+  /// Of the cells of `lanes`, FindInterior(); the others get one that may be fetched from.
   HWY_INLINE ComponentSamples(
     const PacketVolume& v, const SampleCells& cells, const SamplePosition& at, Mf lanes)
     : Volume(v)
     , Steps{ v.Components, v.IncrementY, v.IncrementZ }
   {
-    const Di di;
-    const auto times = [&](Vi cell, int a) {
-      return hn::Mul(cell, hn::Set(di, static_cast<int>(this->Steps[a])));
-    };
-    const Vi offset = hn::Add(times(cells.X, 0), hn::Add(times(cells.Y, 1), times(cells.Z, 2)));
-    const Vi safe = hn::Set(di, v.Components + v.IncrementY + v.IncrementZ);
-    hn::Store(hn::IfThenElse(hn::RebindMask(di, lanes), offset, safe), di, this->Offsets);
+    this->Voxels.Fit(v, cells, lanes, this->Offsets);
     const Vf one = Splat(1.0f);
     const Vf parts[3] = { at.Fx, at.Fy, at.Fz };
     for (int a = 0; a < 3; ++a)
@@ -127,7 +121,7 @@ public:
       const int j = corner >> 1 & 1;
       const int k = corner >> 2;
       Vf* const here = this->Corners[corner];
-      LoadComponents<T>(this->Volume, this->Offsets, this->DeltaOf(i, j, k), here);
+      LoadComponents<T>(this->Voxels.Get(), this->Offsets, this->DeltaOf(i, j, k), here);
       const Vf weight =
         hn::Mul(this->Weights[0][i], hn::Mul(this->Weights[1][j], this->Weights[2][k]));
       for (int c = 0; c < this->Volume.Components; ++c)
@@ -161,7 +155,7 @@ public:
         const auto load = [&](int end, Vf* voxels) {
           at[axis] = end;
           LoadComponents<T>(
-            this->Volume, this->Offsets, this->DeltaOf(at[0], at[1], at[2]), voxels);
+            this->Voxels.Get(), this->Offsets, this->DeltaOf(at[0], at[1], at[2]), voxels);
         };
         const Vf* const first = corner(0);
         const Vf* const second = corner(1);
@@ -190,6 +184,7 @@ private:
 
   const PacketVolume& Volume;
   std::ptrdiff_t Steps[3]; ///< elements
+  VoxelsInReach Voxels;
   HWY_ALIGN int Offsets[16];
   Vf Weights[3][2];                         ///< of the voxels of a cell, along each axis
   Vf Corners[8][LargestNumberOfComponents]; ///< of the cells

@@ -79,16 +79,72 @@ HWY_INLINE SamplePosition FindCells(
   return at;
 }
 
-/// Lanes whose cells have neighbours on all sides: the voxels one further out exist, too.
-HWY_INLINE Mf IsInterior(const PacketVolume& v, const SampleCells& cells)
+/// The first slice of the cells of some lanes; 1 where there are none.
+HWY_INLINE int FindFirstSlice(const SampleCells& cells, Mf lanes)
+{
+  const Di di;
+  const Vi z = hn::IfThenElse(hn::RebindMask(di, lanes), cells.Z, hn::Set(di, 1 << 30));
+  return hn::AllFalse(Df(), lanes) ? 1 : hn::GetLane(hn::MinOfLanes(di, z));
+}
+
+/**
+ * The lanes of `lanes` whose cells have neighbors on all sides: the voxels one further out exist,
+ * too. In large volumes they are not far from each other; the others are fetched as those at faces.
+ */
+HWY_INLINE Mf FindInterior(const PacketVolume& v, const SampleCells& cells, Mf lanes)
 {
   const Di di;
   const auto within = [&](Vi c, int a) {
     return hn::And(hn::Gt(c, hn::Zero(di)), hn::Lt(c, hn::Set(di, v.Dimensions[a] - 2)));
   };
-  return hn::RebindMask(
-    Df(), hn::And(within(cells.X, 0), hn::And(within(cells.Y, 1), within(cells.Z, 2))));
+  Mf interior = hn::And(lanes,
+    hn::RebindMask(
+      Df(), hn::And(within(cells.X, 0), hn::And(within(cells.Y, 1), within(cells.Z, 2)))));
+  if (HWY_UNLIKELY(v.SlicesInReach > 0))
+  {
+    const int last = FindFirstSlice(cells, interior) + v.SlicesInReach;
+    interior = hn::And(interior, hn::RebindMask(Df(), hn::Lt(cells.Z, hn::Set(di, last))));
+  }
+  return interior;
 }
+
+/// Voxels that the 32-bit offsets of some lanes lead to.
+class VoxelsInReach
+{
+public:
+  /// Of the cells of `lanes`, FindInterior(); the others get one that may be fetched from. `v` is
+  /// kept by pointer. Stores the offsets of first voxels.
+  HWY_INLINE void Fit(const PacketVolume& v, const SampleCells& cells, Mf lanes, int (&offsets)[16])
+  {
+    const Di di;
+    this->Volume = &v;
+    Vi z = cells.Z;
+    int slice = 1;
+    if (HWY_UNLIKELY(v.SlicesInReach > 0))
+    {
+      const int first = FindFirstSlice(cells, lanes);
+      this->Shifted = v;
+      this->Shifted.Scalars = static_cast<const char*>(v.Scalars) +
+        static_cast<std::ptrdiff_t>(first) * v.IncrementZ * v.ElementSize;
+      this->Volume = &this->Shifted;
+      z = hn::Sub(z, hn::Set(di, first));
+      slice = 0;
+    }
+    const Vi offset = hn::Add(hn::Mul(cells.X, hn::Set(di, v.Components)),
+      hn::Add(hn::Mul(cells.Y, hn::Set(di, v.IncrementY)), hn::Mul(z, hn::Set(di, v.IncrementZ))));
+    const Vi safe = hn::Set(di, v.Components + v.IncrementY + slice * v.IncrementZ);
+    hn::Store(hn::IfThenElse(hn::RebindMask(di, lanes), offset, safe), di, offsets);
+  }
+
+  /// Of offsets that are known.
+  HWY_INLINE void Set(const PacketVolume& v) { this->Volume = &v; }
+
+  HWY_INLINE const PacketVolume& Get() const { return *this->Volume; }
+
+private:
+  const PacketVolume* Volume = nullptr;
+  PacketVolume Shifted;
+};
 
 /**
  * Fetches for one scalar type: rows of voxels, interpolated along x. Offsets name the voxel at the
@@ -222,7 +278,7 @@ struct FetchBytes
   }
 
 private:
-  /// Two neighbouring bytes of each lane as halves of 16 bits.
+  /// Two neighboring bytes of each lane as halves of 16 bits.
   template <int First>
   static HWY_INLINE Vi Pair(Vi row)
   {
@@ -352,23 +408,16 @@ template <class T>
 class OffsetRows
 {
 public:
-  /// Of the cells of `lanes`; the others get the first cell that may be fetched from.
-  HWY_INLINE bool Fit(const PacketVolume& v, const SampleCells& cells, Mf lanes)
+  /// Of the cells of `lanes`, FindInterior(); the others get one that may be fetched from.
+  HWY_INLINE void Fit(const PacketVolume& v, const SampleCells& cells, Mf lanes)
   {
-    const Di di;
-    this->Volume = &v;
-    const Vi offset = hn::Add(cells.X,
-      hn::Add(
-        hn::Mul(cells.Y, hn::Set(di, v.IncrementY)), hn::Mul(cells.Z, hn::Set(di, v.IncrementZ))));
-    const Vi safe = hn::Set(di, 1 + v.IncrementY + v.IncrementZ);
-    hn::Store(hn::IfThenElse(hn::RebindMask(di, lanes), offset, safe), di, this->Offsets);
-    return true;
+    this->Voxels.Fit(v, cells, lanes, this->Offsets);
   }
 
   /// Of cells at known offsets, elements.
   HWY_INLINE void Set(const PacketVolume& v, const int offsets[16])
   {
-    this->Volume = &v;
+    this->Voxels.Set(v);
     std::copy_n(offsets, 16, this->Offsets);
   }
 
@@ -377,20 +426,20 @@ public:
 
   HWY_INLINE typename Fetch<T>::Row Row(int dy, int dz) const
   {
-    return Fetch<T>::LoadRow(*this->Volume, this->Offsets, this->Delta(dy, dz));
+    return Fetch<T>::LoadRow(this->Voxels.Get(), this->Offsets, this->Delta(dy, dz));
   }
   HWY_INLINE typename Fetch<T>::Along Middle(int dy, int dz, const SamplePosition& at) const
   {
-    return Fetch<T>::Middle(*this->Volume, this->Offsets, this->Delta(dy, dz), at);
+    return Fetch<T>::Middle(this->Voxels.Get(), this->Offsets, this->Delta(dy, dz), at);
   }
 
 private:
   HWY_INLINE int Delta(int dy, int dz) const
   {
-    return dy * this->Volume->IncrementY + dz * this->Volume->IncrementZ;
+    return dy * this->Voxels.Get().IncrementY + dz * this->Voxels.Get().IncrementZ;
   }
 
-  const PacketVolume* Volume = nullptr;
+  VoxelsInReach Voxels;
   HWY_ALIGN int Offsets[16]; ///< elements
 };
 
@@ -460,6 +509,7 @@ public:
     this->View.Scalars = this->Voxels;
     this->View.IncrementY = Side;
     this->View.IncrementZ = Side * Side;
+    this->View.SlicesInReach = 0;
     HWY_ALIGN int cells[3][16];
     const auto locate = [&](Vf x, int a) {
       const Vf cell = CellOf(v, x, a);

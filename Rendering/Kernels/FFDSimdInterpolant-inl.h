@@ -164,6 +164,28 @@ struct Quartic
   }
 };
 
+/// A cubic in s: terms of s^0 to s^3.
+struct Cubic
+{
+  Vec3 Terms[TileLayers - 1];
+
+  Cubic() = default;
+  /// `scale` times the derivative of a quartic.
+  Cubic(const Quartic& quartic, Vf scale)
+  {
+    for (int k = 1; k < TileLayers; ++k)
+    {
+      this->Terms[k - 1] = Scale(hn::Mul(scale, Splat(static_cast<float>(k))), quartic.Terms[k]);
+    }
+  }
+
+  HWY_INLINE Vec3 At(Vf s) const
+  {
+    return MulAdd(
+      s, MulAdd(s, MulAdd(s, this->Terms[3], this->Terms[2]), this->Terms[1]), this->Terms[0]);
+  }
+};
+
 HWY_INLINE Quartic LoadQuartic(const std::array<NodeVectors, TileLayers>& terms, std::size_t first)
 {
   Quartic curve;

@@ -19,30 +19,30 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// Offsets of the voxels of a mask that are nearest to positions q, index coordinates of the
-/// volume, in elements; -1 outside of a mask on a grid of its own.
-HWY_INLINE void FindMaskVoxels(const PacketMask& mask, const Vec3& q, int (&offsets)[16])
+/// The voxels of a mask that are nearest to positions q, index coordinates of the volume: their
+/// slices, -1 outside of a mask on a grid of its own, and the offsets in these, elements.
+HWY_INLINE void FindMaskVoxels(
+  const PacketMask& mask, const Vec3& q, int (&offsets)[16], int (&slices)[16])
 {
   const Df d;
   const Di di;
   const Vec3 at = mask.SameGrid ? q : Add(Transform(mask.FromIndex, q), Broadcast(mask.Offset));
   const Vf half = Splat(0.5f);
   Mf outside = hn::FirstN(d, 0);
-  Vi offset = hn::Zero(di);
-  const auto add = [&](Vf x, int a) {
+  const auto find = [&](Vf x, int a) {
     const Vf last = Splat(static_cast<float>(mask.Dimensions[a] - 1));
     outside = hn::Or(outside, hn::Or(hn::Lt(x, hn::Neg(half)), hn::Gt(x, hn::Add(last, half))));
-    const Vi voxel = Truncate(Clamp(hn::Add(x, half), hn::Zero(d), last));
-    offset = hn::Add(offset, hn::Mul(voxel, hn::Set(di, mask.Increments[a])));
+    return Truncate(Clamp(hn::Add(x, half), hn::Zero(d), last));
   };
-  add(at.x, 0);
-  add(at.y, 1);
-  add(at.z, 2);
+  const Vi x = hn::Mul(find(at.x, 0), hn::Set(di, mask.Increments[0]));
+  const Vi y = hn::Mul(find(at.y, 1), hn::Set(di, mask.Increments[1]));
+  Vi slice = find(at.z, 2);
   if (!mask.SameGrid)
   {
-    offset = hn::IfThenElse(hn::RebindMask(di, outside), hn::Set(di, -1), offset);
+    slice = hn::IfThenElse(hn::RebindMask(di, outside), hn::Set(di, -1), slice);
   }
-  StoreIndices(offset, offsets);
+  StoreIndices(hn::Add(x, y), offsets);
+  StoreIndices(slice, slices);
 }
 
 /// Of each lane function(scalar of the mask at the voxel nearest to q), a number; 0 outside of it.
@@ -51,14 +51,16 @@ HWY_INLINE auto LookUpMask(const PacketMask& mask, const Vec3& q, const Function
 {
   const hn::Rebind<Number, Df> d;
   HWY_ALIGN int offsets[16];
-  FindMaskVoxels(mask, q, offsets);
+  HWY_ALIGN int slices[16];
+  FindMaskVoxels(mask, q, offsets, slices);
   HWY_ALIGN Number numbers[16];
   DispatchScalarType(mask.Type, [&](auto zero) {
     const auto* const scalars = static_cast<const decltype(zero)*>(mask.Scalars);
     for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
     {
-      numbers[lane] =
-        offsets[lane] >= 0 ? function(static_cast<double>(scalars[offsets[lane]])) : Number(0);
+      const std::ptrdiff_t at =
+        offsets[lane] + static_cast<std::ptrdiff_t>(slices[lane]) * mask.Increments[2];
+      numbers[lane] = slices[lane] >= 0 ? function(static_cast<double>(scalars[at])) : Number(0);
     }
   });
   return hn::Load(d, numbers);

@@ -22,7 +22,7 @@ namespace HWY_NAMESPACE
 {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Lanes of a packet: neighbouring rays, at most 16.
+/// Lanes of a packet: neighboring rays, at most 16.
 using Df = hn::CappedTag<float, 16>;
 using Di = hn::RebindToSigned<Df>;
 using Vf = hn::Vec<Df>;

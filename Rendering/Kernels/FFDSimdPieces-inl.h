@@ -148,13 +148,10 @@ public:
     }
   }
 
-  /// Derivatives of the viewing rays by columns and rows of pixels, for the packet at (x, y) of the
-  /// tile: differences over a few pixels, which keep the digits.
-  HWY_NOINLINE void FindRaySlopes(
-    int x, int y, Vf rows, Vec3& originU, Vec3& directionU, Vec3& originV, Vec3& directionV) const
+  /// Of the packet at (x, y) of the tile, whose pixels are in `rows` from y on.
+  HWY_NOINLINE RaySpread FindSpread(int x, int y, Vf rows, const RayPacket& rays) const
   {
     const Df d;
-    constexpr float Reach = 4.0f;
     const int lanes = static_cast<int>(hn::Lanes(d));
     HWY_ALIGN float columns[16];
     for (int lane = 0; lane < lanes; ++lane)
@@ -163,15 +160,7 @@ public:
     }
     const Vf px = hn::Add(hn::Load(d, columns), Splat(static_cast<float>(this->X0 + x) + 0.5f));
     const Vf py = hn::Add(rows, Splat(static_cast<float>(this->Y0 + y) + 0.5f));
-    const auto slope = [&](Vf dx, Vf dy, Vec3& origin, Vec3& direction) {
-      const RayPacket a = MakeRays(this->Near, this->Far, hn::Sub(px, dx), hn::Sub(py, dy));
-      const RayPacket b = MakeRays(this->Near, this->Far, hn::Add(px, dx), hn::Add(py, dy));
-      const Vf inverse = Splat(0.5f / Reach);
-      origin = Scale(inverse, Sub(b.Origin, a.Origin));
-      direction = Scale(inverse, Sub(b.Direction, a.Direction));
-    };
-    slope(Splat(Reach), hn::Zero(d), originU, directionU);
-    slope(hn::Zero(d), Splat(Reach), originV, directionV);
+    return RaySpread(this->Near, this->Far, rays, px, py);
   }
 
 private:

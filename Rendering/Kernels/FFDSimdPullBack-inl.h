@@ -77,10 +77,10 @@ HWY_INLINE Mf IsNowhere(const PacketScene& scene, const Vec3& q)
 
 /**
  * T^-1 of every lane by Newton's method from `start`, local coordinates. Where T folds, several
- * rest points lead to p: those count where T does not turn space inside out, beside the volume, too,
- * or rays would follow a wrong one past the volume. Lanes that do not find such a one start again
- * from the nearest seed; where that does not help, there is nothing at p, and they get a point far
- * outside. `step`: the last one.
+ * rest points lead to p: those count where T does not turn space inside out, beside the volume,
+ * too, or rays would follow a wrong one past the volume. Lanes that do not find such a one start
+ * again from the nearest seed; where that does not help, there is nothing at p, and they get a
+ * point far outside. `step`: the last one.
  */
 HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& start,
   float tolerance, Mf active, NewtonStep& step, CastStatistics& statistics)

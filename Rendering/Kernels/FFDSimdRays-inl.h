@@ -28,20 +28,31 @@ struct RayPacket
   Vf To;
 };
 
-/// The affine map from image positions to homogeneous local coordinates at one depth.
+/// The map from image positions to local coordinates at one depth: an affine one to homogeneous
+/// coordinates. Of most cameras their last one is the same everywhere.
 struct ImageMap
 {
   float Base[4];
   float PerX[4];
   float PerY[4];
+  bool Affine; ///< whether the last coordinate is one everywhere
 
-  ImageMap() = default;
   ImageMap(const glm::dmat4& ndcToLocal, const CameraView& camera, double ndcDepth)
   {
-    const glm::dvec4 base =
+    glm::dvec4 base =
       ndcToLocal * glm::dvec4(camera.NdcOrigin.x, camera.NdcOrigin.y, ndcDepth, 1.0);
-    const glm::dvec4 perX = ndcToLocal[0] * camera.NdcPerPixel.x;
-    const glm::dvec4 perY = ndcToLocal[1] * camera.NdcPerPixel.y;
+    glm::dvec4 perX = ndcToLocal[0] * camera.NdcPerPixel.x;
+    glm::dvec4 perY = ndcToLocal[1] * camera.NdcPerPixel.y;
+    // Matrices and their inverses leave rounding errors, over an image of some thousand pixels.
+    const double rounding = 1e-13 * std::abs(base.w);
+    this->Affine = std::max(std::abs(perX.w), std::abs(perY.w)) <= rounding;
+    if (this->Affine)
+    {
+      const double scale = 1.0 / base.w;
+      base = glm::dvec4(scale * glm::dvec3(base), 1.0);
+      perX = glm::dvec4(scale * glm::dvec3(perX), 0.0);
+      perY = glm::dvec4(scale * glm::dvec3(perY), 0.0);
+    }
     for (int c = 0; c < 4; ++c)
     {
       this->Base[c] = static_cast<float>(base[c]);
@@ -52,12 +63,36 @@ struct ImageMap
 
   HWY_INLINE Vec3 At(Vf x, Vf y) const
   {
-    const auto component = [&](int c) {
-      return hn::MulAdd(
-        Splat(this->PerX[c]), x, hn::MulAdd(Splat(this->PerY[c]), y, Splat(this->Base[c])));
-    };
-    const Vf inverse = hn::Div(Splat(1.0f), component(3));
-    return Scale(inverse, { component(0), component(1), component(2) });
+    const Vec3 at{ this->Coordinate(0, x, y), this->Coordinate(1, x, y),
+      this->Coordinate(2, x, y) };
+    return HWY_LIKELY(this->Affine) ? at : Scale(this->InverseW(x, y), at);
+  }
+
+  /// At() and its derivatives by x and y.
+  HWY_INLINE Vec3 At(Vf x, Vf y, Vec3& byX, Vec3& byY) const
+  {
+    const Vec3 at = this->At(x, y);
+    byX = Broadcast(this->PerX);
+    byY = Broadcast(this->PerY);
+    if (HWY_UNLIKELY(!this->Affine))
+    {
+      const Vf inverse = this->InverseW(x, y);
+      byX = Scale(inverse, Sub(byX, Scale(Splat(this->PerX[3]), at)));
+      byY = Scale(inverse, Sub(byY, Scale(Splat(this->PerY[3]), at)));
+    }
+    return at;
+  }
+
+private:
+  HWY_INLINE Vf Coordinate(int c, Vf x, Vf y) const
+  {
+    return hn::MulAdd(
+      Splat(this->PerX[c]), x, hn::MulAdd(Splat(this->PerY[c]), y, Splat(this->Base[c])));
+  }
+
+  HWY_INLINE Vf InverseW(Vf x, Vf y) const
+  {
+    return hn::Div(Splat(1.0f), this->Coordinate(3, x, y));
   }
 };
 
@@ -72,6 +107,45 @@ HWY_INLINE RayPacket MakeRays(const ImageMap& near, const ImageMap& far, Vf x, V
   rays.Direction = Scale(hn::Div(Splat(1.0f), rays.To), path);
   return rays;
 }
+
+/**
+ * How the points of viewing rays at t move from pixel to pixel, D being the direction of a ray: by
+ * AlongX * D + Spread(t) * AcrossX from column to column, likewise from row to row. AcrossX and
+ * AcrossY are at right angles to D. This is exact for all projective cameras, whose rays meet in
+ * the eye or are parallel.
+ */
+struct RaySpread
+{
+  Vf AlongX;
+  Vf AlongY;
+  Vec3 AcrossX;
+  Vec3 AcrossY;
+  Vf Base; ///< of Spread()
+  Vf PerT;
+
+  /// Of the rays through image positions.
+  RaySpread(const ImageMap& near, const ImageMap& far, const RayPacket& rays, Vf x, Vf y)
+  {
+    Vec3 nearX, nearY, farX, farY;
+    const Vec3 begin = near.At(x, y, nearX, nearY);
+    const Vec3 path = Sub(far.At(x, y, farX, farY), begin);
+    const Vec3& direction = rays.Direction;
+    const Vf inverseLength = hn::Div(Splat(1.0f), Dot(path, direction));
+    // Spread() is one in the middle of what is cast of a ray.
+    const Vf middle = hn::Mul(Splat(0.5f), hn::Add(rays.From, rays.To));
+    const Vf part = hn::Mul(middle, inverseLength);
+    const auto across = [&](const Vec3& v) { return Sub(v, Scale(Dot(v, direction), direction)); };
+    this->AlongX = Dot(nearX, direction);
+    this->AlongY = Dot(nearY, direction);
+    this->AcrossX = across(MulAdd(part, Sub(farX, nearX), nearX));
+    this->AcrossY = across(MulAdd(part, Sub(farY, nearY), nearY));
+    const Vec3 growth = Scale(inverseLength, Sub(farX, nearX));
+    this->PerT = hn::Div(Dot(growth, this->AcrossX), Dot(this->AcrossX, this->AcrossX));
+    this->Base = hn::NegMulAdd(middle, this->PerT, Splat(1.0f));
+  }
+
+  HWY_INLINE Vf Spread(Vf t) const { return hn::MulAdd(t, this->PerT, this->Base); }
+};
 
 /// Narrow [From, To] to the deformed bounds and the shown side of the clipping planes.
 HWY_INLINE void ClipToBounds(const PacketScene& scene, RayPacket& rays)

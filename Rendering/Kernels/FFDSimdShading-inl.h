@@ -92,11 +92,11 @@ HWY_NOINLINE void AddLights(const PacketScene& scene, const PacketSurface& surfa
 }
 
 /**
- * Colours of lit samples. `gradient`: of any length, the normal is opposite to it; `toEye`: unit
+ * Colors of lit samples. `gradient`: of any length, the normal is opposite to it; `toEye`: unit
  * vectors; `positionOf()`: where the samples are. All in the space of the lights.
  */
 template <class PositionOf>
-HWY_INLINE Vec3 Shade(const PacketScene& scene, const PacketSurface& surface, const Vec3& colour,
+HWY_INLINE Vec3 Shade(const PacketScene& scene, const PacketSurface& surface, const Vec3& color,
   const Vec3& gradient, const Vec3& toEye, const PositionOf& positionOf)
 {
   const Vf inverse = InverseLength(gradient);
@@ -113,9 +113,9 @@ HWY_INLINE Vec3 Shade(const PacketScene& scene, const PacketSurface& surface, co
     const Vec3 normal = Scale(Splat(-1.0f), Normalize(gradient));
     AddLights(scene, surface, positionOf(), normal, toEye, lit);
   }
-  return { hn::MulAdd(colour.x, hn::Add(lit.Ambient.x, lit.Diffuse.x), lit.Specular.x),
-    hn::MulAdd(colour.y, hn::Add(lit.Ambient.y, lit.Diffuse.y), lit.Specular.y),
-    hn::MulAdd(colour.z, hn::Add(lit.Ambient.z, lit.Diffuse.z), lit.Specular.z) };
+  return { hn::MulAdd(color.x, hn::Add(lit.Ambient.x, lit.Diffuse.x), lit.Specular.x),
+    hn::MulAdd(color.y, hn::Add(lit.Ambient.y, lit.Diffuse.y), lit.Specular.y),
+    hn::MulAdd(color.z, hn::Add(lit.Ambient.z, lit.Diffuse.z), lit.Specular.z) };
 }
 
 } // namespace HWY_NAMESPACE

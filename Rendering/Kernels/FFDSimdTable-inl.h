@@ -23,6 +23,8 @@ namespace HWY_NAMESPACE
 class TableLookup
 {
 public:
+  TableLookup() = default;
+
   /// `values`: as they are fetched (PacketVolume); `table`: in which one to look.
   HWY_INLINE TableLookup(const PacketScene& scene, Vf values, std::size_t table = 0)
   {
@@ -48,10 +50,10 @@ public:
     return Lerp(hn::BitCast(d, this->Words.x), hn::BitCast(d, this->Words.y), this->Fraction);
   }
 
-  HWY_INLINE Vec3 Colour() const
+  HWY_INLINE Vec3 Color() const
   {
     const Vi weights = PairWeights(this->Fraction);
-    constexpr int Bits = PacketTable::ColourBits;
+    constexpr int Bits = PacketTable::ColorBits;
     const Vi first = this->Words.z;
     const Vi second = this->Words.w;
     return { Channel(first, hn::ShiftLeft<16>(second), weights),
@@ -75,11 +77,11 @@ private:
   /// `first`: in the lowest bits, `second`: in those of the upper half.
   static HWY_INLINE Vf Channel(Vi first, Vi second, Vi weights)
   {
-    const Vi low = hn::Set(Di(), PacketTable::LargestColour);
-    const Vi high = hn::Set(Di(), PacketTable::LargestColour << 16);
+    const Vi low = hn::Set(Di(), PacketTable::LargestColor);
+    const Vi high = hn::Set(Di(), PacketTable::LargestColor << 16);
     const Vi pair = hn::Or(hn::And(first, low), hn::And(second, high));
     return hn::Mul(hn::ConvertTo(Df(), MultiplyPairs(pair, weights)),
-      Splat(1.0f / (static_cast<float>(FixedOne) * PacketTable::LargestColour)));
+      Splat(1.0f / (static_cast<float>(FixedOne) * PacketTable::LargestColor)));
   }
 
   Vf Fraction;

@@ -55,7 +55,7 @@ class WindowRows;
 
 #if FFD_HAS_VOXEL_WINDOWS
 /**
- * The rays of a packet are neighbours: all bytes that they need at one sample mostly lie in a
+ * The rays of a packet are neighbors: all bytes that they need at one sample mostly lie in a
  * window of 8 x 8 x 5 voxels, or of a few layers more. VoxelWindow tells where the window begins,
  * from the curve in the middle of the packet, and fetches ahead what comes into it.
  */

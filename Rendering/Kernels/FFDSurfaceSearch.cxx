@@ -12,7 +12,8 @@ namespace ffd
 namespace
 {
 
-/// Of the next step, as a part of the longest one: not every second step has to be taken again.
+/// Length of the next step, as a part of the longest one, so that not every second step has to be
+/// repeated.
 constexpr double Aim = 0.9;
 
 /// Longest step, voxels along the ray, however little the material moves there.
@@ -50,8 +51,7 @@ SurfacePoint SurfaceSearch::Evaluate(double t) const
   point.T = t;
   point.Deformed = this->Origin + t * this->Direction;
   PullBackStatus status;
-  point.Rest =
-    this->Map.IsIdentity() ? point.Deformed : this->Map.Evaluate(point.Deformed, status);
+  point.Rest = this->Map.IsIdentity() ? point.Deformed : this->Map.Evaluate(point.Deformed, status);
   point.Index = this->Volume.ToIndex(point.Rest);
   return point;
 }
@@ -78,9 +78,8 @@ bool SurfaceSearch::IsInside(const glm::dvec3& q) const
 }
 
 //------------------------------------------------------------------------------
-/// Narrow two points, `after` of them beyond something, to neighbours in floating point.
-void SurfaceSearch::Bisect(
-  const Condition& beyond, SurfacePoint& before, SurfacePoint& after) const
+/// Narrow two points, `after` of them beyond something, to neighbors in floating point.
+void SurfaceSearch::Bisect(const Condition& beyond, SurfacePoint& before, SurfacePoint& after) const
 {
   while (true)
   {

@@ -18,10 +18,10 @@ namespace ffd
 /// A point of a ray in deformed space, and where it is at rest.
 struct SurfacePoint
 {
-  double T = 0.0;               ///< ray parameter
-  glm::dvec3 Deformed{ 0.0 };   ///< data coordinates
-  glm::dvec3 Rest{ 0.0 };       ///< data coordinates
-  glm::dvec3 Index{ 0.0 };      ///< the same in index coordinates
+  double T = 0.0;             ///< ray parameter
+  glm::dvec3 Deformed{ 0.0 }; ///< data coordinates
+  glm::dvec3 Rest{ 0.0 };     ///< data coordinates
+  glm::dvec3 Index{ 0.0 };    ///< the same in index coordinates
 };
 
 /**
@@ -33,7 +33,7 @@ struct SurfacePoint
  * voxel thick is missed; where the condition turns, the turn is bisected down to what doubles can
  * tell.
  */
-class FFD_KERNEL_EXPORT SurfaceSearch
+class FFD_RENDERING_EXPORT SurfaceSearch
 {
 public:
   /// Largest distance of a rest position from the true one, voxels, for maps that are inverted.

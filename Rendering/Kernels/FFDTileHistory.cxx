@@ -39,8 +39,8 @@ void Rearrange(const glm::ivec2& from, const glm::ivec2& to, const glm::ivec2& s
 } // namespace
 
 /**
- * Where the corners of parts, and then the parts, are in the image, and how far from the near plane.
- * Rays begin there, so what is beyond it by d is at d at least along a ray.
+ * Where the corners of parts, and then the parts, are in the image, and how far from the near
+ * plane. Rays begin there, so what is beyond it by d is at d at least along a ray.
  */
 class TileHistory::Projection
 {
@@ -50,7 +50,7 @@ public:
     const glm::dmat4 rows = glm::transpose(camera.DataToNdc);
     glm::dvec4 nearPlane = rows[3] + rows[2];
     nearPlane /= glm::length(glm::dvec3(nearPlane));
-    // Distance of neighbouring rays on the near plane, and what it grows by with the distance.
+    // Distance of neighboring rays on the near plane, and what it grows by with the distance.
     const glm::dvec2 middle = 0.5 * glm::dvec2(camera.ImageSize);
     const ViewRay one = camera.MakeRay(middle.x, middle.y);
     const ViewRay next = camera.MakeRay(middle.x + 1.0, middle.y);
@@ -60,9 +60,10 @@ public:
     // Pixels are the first two rows, each less the corner of the image, in units of a pixel.
     const glm::dvec4 toX = (rows[0] - camera.NdcOrigin.x * rows[3]) / camera.NdcPerPixel.x;
     const glm::dvec4 toY = (rows[1] - camera.NdcOrigin.y * rows[3]) / camera.NdcPerPixel.y;
-    // What a margin to all sides is along a row, at most.
-    const auto marginAlong = [&change](const glm::dvec3& row)
-    { return glm::dot(glm::abs(row), change.Margin); };
+    // The largest extent along a row of a margin to all sides.
+    const auto marginAlong = [&change](const glm::dvec3& row) {
+      return glm::dot(glm::abs(row), change.Margin);
+    };
     const double depthMargin = marginAlong(glm::dvec3(rows[3]));
     const double nearMargin = marginAlong(glm::dvec3(nearPlane));
     const std::size_t count = change.Corners.size();
@@ -74,13 +75,13 @@ public:
     for (std::size_t i = 0; i < count; ++i)
     {
       const glm::dvec3 p = change.Corners[i];
-      const auto along = [&p](const glm::dvec4& row)
-      { return row.x * p.x + row.y * p.y + row.z * p.z + row.w; };
+      const auto along = [&p](const glm::dvec4& row) {
+        return row.x * p.x + row.y * p.y + row.z * p.z + row.w;
+      };
       const double depth = along(rows[3]);
       // Moved by d the corner is at (toX (p + d)) / (depth + rows[3] d), which differs from where
       // it is by ((toX - x rows[3]) d) / (depth + rows[3] d). A part moves with its corners.
-      const auto project = [&](const glm::dvec4& row, float& low, float& high)
-      {
+      const auto project = [&](const glm::dvec4& row, float& low, float& high) {
         const double at = along(row) / depth;
         const double margin =
           marginAlong(glm::dvec3(row) - at * glm::dvec3(rows[3])) / (depth - depthMargin);
@@ -91,12 +92,13 @@ public:
       project(toY, this->LowY[i], this->HighY[i]);
       this->Nearest[i] = static_cast<float>(along(nearPlane) - nearMargin);
     }
-    // Of neighbouring corners the least and the largest, axis by axis.
+    // The least and the largest of neighboring corners, axis by axis.
     glm::ivec3 size = change.Parts + 1;
     for (int axis = 2; axis >= 0; --axis)
     {
-      const auto reduce = [&](std::vector<float>& values, const auto& choose)
-      { Reduce(values, size, axis, choose); };
+      const auto reduce = [&](std::vector<float>& values, const auto& choose) {
+        Reduce(values, size, axis, choose);
+      };
       const auto least = [](float a, float b) { return std::min(a, b); };
       const auto most = [](float a, float b) { return std::max(a, b); };
       reduce(this->LowX, least);
@@ -111,7 +113,7 @@ public:
   /// Data units of a pixel at a distance from the near plane.
   float GetPixelSize(float distance) const { return this->Pixel + distance * this->PixelGrowth; }
 
-  // Of each part with its margin.
+  // Limits of each part with its margin.
   std::vector<float> LowX;
   std::vector<float> HighX;
   std::vector<float> LowY;
@@ -170,7 +172,7 @@ void TileHistory::Start(const glm::ivec2& size)
 
 //------------------------------------------------------------------------------
 void TileHistory::Continue(const glm::ivec2& size, const glm::ivec2& shift,
-  std::vector<float>& colours, std::vector<float>& depths, std::vector<float>* firstVisible)
+  std::vector<float>& colors, std::vector<float>& depths, std::vector<float>* firstVisible)
 {
   if (size == this->Size && shift == glm::ivec2(0))
   {
@@ -186,10 +188,8 @@ void TileHistory::Continue(const glm::ivec2& size, const glm::ivec2& shift,
       const glm::ivec2 old = tile + shift;
       // Tiles at the border may have been smaller.
       const glm::ivec2 pixels = glm::min(size - tile * this->TileSize, glm::ivec2(this->TileSize));
-      const glm::ivec2 had =
-        glm::min(last.Size - old * this->TileSize, glm::ivec2(this->TileSize));
-      if (old.x >= 0 && old.y >= 0 && old.x < last.Count.x && old.y < last.Count.y &&
-        pixels == had)
+      const glm::ivec2 had = glm::min(last.Size - old * this->TileSize, glm::ivec2(this->TileSize));
+      if (old.x >= 0 && old.y >= 0 && old.x < last.Count.x && old.y < last.Count.y && pixels == had)
       {
         const std::size_t to = static_cast<std::size_t>(y) * this->Count.x + x;
         const std::size_t from = static_cast<std::size_t>(old.y) * last.Count.x + old.x;
@@ -198,7 +198,7 @@ void TileHistory::Continue(const glm::ivec2& size, const glm::ivec2& shift,
       }
     }
   }
-  Rearrange(last.Size, size, shift * this->TileSize, 4, colours);
+  Rearrange(last.Size, size, shift * this->TileSize, 4, colors);
   if (!depths.empty())
   {
     Rearrange(last.Size, size, shift * this->TileSize, 1, depths);
@@ -210,7 +210,7 @@ void TileHistory::Continue(const glm::ivec2& size, const glm::ivec2& shift,
 }
 
 //------------------------------------------------------------------------------
-void TileHistory::NoteChange(
+void TileHistory::RecordChange(
   const PullBackChange& change, const CameraView& camera, double tolerance)
 {
   const Projection parts(change, camera);
@@ -218,7 +218,7 @@ void TileHistory::NoteChange(
   {
     if (change.Moved[part] > 0.0)
     {
-      this->NotePart(parts, part, change.Moved[part]);
+      this->RecordPart(parts, part, change.Moved[part]);
     }
   }
   for (Tile& tile : this->Tiles)
@@ -230,8 +230,8 @@ void TileHistory::NoteChange(
 }
 
 //------------------------------------------------------------------------------
-/// What is in a part has moved.
-void TileHistory::NotePart(const Projection& parts, std::size_t part, double moved)
+/// Records that the content of a part has moved.
+void TileHistory::RecordPart(const Projection& parts, std::size_t part, double moved)
 {
   const glm::vec2 most(this->Size);
   glm::vec2 low(0.0f);
@@ -244,13 +244,14 @@ void TileHistory::NotePart(const Projection& parts, std::size_t part, double mov
   const float by = static_cast<float>(moved) / pixel;
   if (visible)
   {
-    // What is in the part was there before the edit or is there now; it looks larger to the sides
-    // of the picture. Rays go through the middles of pixels; half a pixel more for what is rounded.
+    // The content of the part was there before the edit or is there now; it looks larger to the
+    // sides of the picture. Rays go through the middles of pixels; half a pixel more for what is
+    // rounded.
     const float around = 2.0f * by;
     low = glm::clamp(glm::ceil(glm::vec2(parts.LowX[part], parts.LowY[part]) - around - 1.0f),
       glm::vec2(0.0f), most);
-    high = glm::clamp(glm::vec2(parts.HighX[part], parts.HighY[part]) + around, glm::vec2(-1.0f),
-      most - 1.0f);
+    high = glm::clamp(
+      glm::vec2(parts.HighX[part], parts.HighY[part]) + around, glm::vec2(-1.0f), most - 1.0f);
   }
   const glm::ivec2 first(low);
   const glm::ivec2 last(glm::floor(high));
@@ -268,7 +269,7 @@ void TileHistory::NotePart(const Projection& parts, std::size_t part, double mov
 }
 
 //------------------------------------------------------------------------------
-void TileHistory::NoteDepths(const float* before, const float* now, const CameraView& camera)
+void TileHistory::RecordDepths(const float* before, const float* now, const CameraView& camera)
 {
   if (!before && !now)
   {
@@ -306,7 +307,7 @@ void TileHistory::NoteDepths(const float* before, const float* now, const Camera
 }
 
 //------------------------------------------------------------------------------
-std::vector<int> TileHistory::TakeTilesToCast()
+std::vector<int> TileHistory::CollectTilesToCast()
 {
   std::vector<int> tiles;
   for (std::size_t i = 0; i < this->Tiles.size(); ++i)

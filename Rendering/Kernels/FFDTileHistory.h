@@ -16,16 +16,16 @@ namespace ffd
 {
 
 /**
- * What of the last picture still holds after an edit of the deformation, tile by tile: frame-to-frame
- * coherence. A tile holds as long as nothing that its rays reach has moved by more than a tolerance
- * since they were cast, edit by edit added up, and no ray of it ends before anything else that has been
- * drawn than it did.
+ * Records which tiles of the last picture still hold after an edit of the deformation:
+ * frame-to-frame coherence. A tile holds as long as nothing that its rays reach has moved by more
+ * than a tolerance since they were cast, edit by edit added up, and no ray of it ends before
+ * anything else that has been drawn than it did.
  *
- * A picture here is tiles of `tileSize` x `tileSize` pixels from its lower left corner on. The pictures
- * of one history are seen by the same camera, and pixels of one are pixels of the next, moved by
- * whole tiles.
+ * A picture here is tiles of `tileSize` x `tileSize` pixels from its lower left corner on. The
+ * pictures of one history are seen by the same camera, and pixels of one are pixels of the next,
+ * moved by whole tiles.
  */
-class FFD_KERNEL_EXPORT TileHistory
+class FFD_RENDERING_EXPORT TileHistory
 {
 public:
   explicit TileHistory(int tileSize)
@@ -45,24 +45,24 @@ public:
   void Start(const glm::ivec2& size);
 
   /**
-   * The next picture, its pixels counted from tile `shift` of the last one. The colours (4 floats a
-   * pixel, rows bottom up) and window depths (one a pixel, or empty where nothing was drawn) of the last
-   * picture, and its first visible depths, the same, if not null or empty, are rearranged to the
-   * new size; what was not in it is undefined, and its tiles do not hold.
+   * The next picture, its pixels counted from tile `shift` of the last one. The colors (4 floats a
+   * pixel, rows bottom up) and window depths (one a pixel, or empty where nothing was drawn) of the
+   * last picture, and its first visible depths, the same, if not null or empty, are rearranged to
+   * the new size; what was not in it is undefined, and its tiles do not hold.
    */
-  void Continue(const glm::ivec2& size, const glm::ivec2& shift, std::vector<float>& colours,
+  void Continue(const glm::ivec2& size, const glm::ivec2& shift, std::vector<float>& colors,
     std::vector<float>& depths, std::vector<float>* firstVisible = nullptr);
 
   /// Note an edit. Tiles where something within reach has moved by more than `tolerance` pixels do
   /// not hold any more.
-  void NoteChange(const PullBackChange& change, const CameraView& camera, double tolerance);
+  void RecordChange(const PullBackChange& change, const CameraView& camera, double tolerance);
 
   /// Note what rays may not go beyond: window depths (one a pixel), now and in the last picture, as
   /// rearranged by Continue(). Either may be null: nothing was drawn.
-  void NoteDepths(const float* before, const float* now, const CameraView& camera);
+  void RecordDepths(const float* before, const float* now, const CameraView& camera);
 
   /// The tiles that do not hold; they count as cast from now on.
-  std::vector<int> TakeTilesToCast();
+  std::vector<int> CollectTilesToCast();
 
   /// For the caster: how far along their rays the tiles look, see CastImage::Reaches.
   float* GetReaches() { return this->Reaches.data(); }
@@ -85,7 +85,7 @@ private:
     return (size + this->TileSize - 1) / this->TileSize;
   }
   class Projection;
-  void NotePart(const Projection& parts, std::size_t part, double moved);
+  void RecordPart(const Projection& parts, std::size_t part, double moved);
 
   int TileSize;
   glm::ivec2 Size{ 0 };

@@ -17,11 +17,11 @@ namespace ffd
 /// A position that the ray caster looked at.
 struct TracedSample
 {
-  glm::dvec3 Index;   ///< index coordinates, at rest
-  double T;           ///< on the viewing ray
-  double Interval;    ///< length that the sample stands for, data units on the viewing ray
-  bool Leap;          ///< a look-up in the distance map from which a leap started, not a sample
-  float Extinction;   ///< of samples, per data unit
+  glm::dvec3 Index; ///< index coordinates, at rest
+  double T;         ///< on the viewing ray
+  double Interval;  ///< length that the sample stands for, data units on the viewing ray
+  bool Leap;        ///< a look-up in the distance map from which a leap started, not a sample
+  float Extinction; ///< of samples, per data unit
 };
 
 /// A piece of a deformed ray, and what was done on it.
@@ -43,7 +43,7 @@ struct TracedRay
   double From = 0.0;
   double To = 0.0;
   bool Terminated = false; ///< ended early, as nothing more would show
-  glm::vec4 Colour{ 0.0f }; ///< premultiplied
+  glm::vec4 Color{ 0.0f }; ///< premultiplied
   std::vector<TracedPiece> Pieces;
   std::vector<TracedSample> Samples;
 };

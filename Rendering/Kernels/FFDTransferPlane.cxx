@@ -53,8 +53,7 @@ glm::vec4 TransferPlane::Lookup(double x, double y) const
   {
     return glm::vec4(0.0f);
   }
-  const auto texel = [this](int i, int j)
-  {
+  const auto texel = [this](int i, int j) {
     return this->Texels[static_cast<std::size_t>(std::min(i, this->Width - 1)) +
       static_cast<std::size_t>(this->Width) *
         static_cast<std::size_t>(std::min(j, this->Height - 1))];
@@ -86,6 +85,15 @@ bool TransferPlane::IsTransparent(double lo, double hi) const
   const double to = std::ceil(std::min(this->TexelOf(hi, 0) + guard, last));
   return this->VisibleUpTo[static_cast<std::size_t>(to) + 1] ==
     this->VisibleUpTo[static_cast<std::size_t>(from)];
+}
+
+//------------------------------------------------------------------------------
+glm::ivec2 TransferPlane::FindVisibleColumns() const
+{
+  const std::vector<int>& count = this->VisibleUpTo;
+  const auto first = std::upper_bound(count.begin(), count.end(), 0);
+  const auto last = std::lower_bound(count.begin(), count.end(), count.back());
+  return glm::ivec2(first - count.begin() - 1, last - count.begin() - 1);
 }
 
 } // namespace ffd

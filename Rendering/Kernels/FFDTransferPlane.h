@@ -16,11 +16,11 @@ namespace ffd
 {
 
 /**
- * A two-dimensional transfer function: colour and opacity over a scalar (x) and a second value (y),
+ * A two-dimensional transfer function: color and opacity over a scalar (x) and a second value (y),
  * the magnitude of its gradient or another scalar. The first and the last texel lie at the ends of
  * the ranges, as in VTK; beyond, they hold.
  */
-class FFD_KERNEL_EXPORT TransferPlane
+class FFD_RENDERING_EXPORT TransferPlane
 {
 public:
   TransferPlane() = default;
@@ -35,11 +35,23 @@ public:
 
   bool IsEmpty() const { return this->Texels.empty(); }
 
-  /// Colour and opacity; transparent where a value is not a number.
+  /// Color and opacity; transparent where a value is not a number.
   glm::vec4 Lookup(double x, double y) const;
 
   /// Whether every x of [lo, hi] is transparent for all y.
   bool IsTransparent(double lo, double hi) const;
+
+  int GetWidth() const { return this->Width; }
+  int GetHeight() const { return this->Height; }
+  const std::vector<glm::vec4>& GetTexels() const { return this->Texels; }
+  const glm::dvec2& GetLow() const { return this->Low; }
+  /// Texels a unit along each axis.
+  const glm::dvec2& GetScale() const { return this->Scale; }
+  bool IsNearest() const { return this->Nearest; }
+
+  /// Columns from the first to the last one with a visible texel; none where the first comes after
+  /// the last.
+  glm::ivec2 FindVisibleColumns() const;
 
   std::size_t GetMemorySize() const { return this->Texels.capacity() * sizeof(glm::vec4); }
 

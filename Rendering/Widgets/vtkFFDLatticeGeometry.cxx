@@ -28,7 +28,7 @@ constexpr int SegmentsPerCell = 8;
 constexpr int FewSegmentsPerCell = 4;
 constexpr int ManyNodes = 12;
 
-/// Of the size of a control point.
+/// Sizes of special points, as factors of the size of a control point.
 constexpr double HoveredSize = 1.4;
 constexpr double SelectedSize = 1.15;
 

@@ -37,9 +37,9 @@ public:
 
   /// From control point to control point.
   Lines MakeStraightLines() const;
-  /// What the grid lines of the lattice at rest become. Straight ones for a lattice with a problem.
+  /// The deformed grid lines of the lattice; straight ones for a lattice with a problem.
   Lines MakeCurvedLines() const;
-  /// What the edges of a box (xmin, xmax, ymin, ...) become under a transform.
+  /// The edges of a box (xmin, xmax, ymin, ...), deformed by a transform.
   Lines MakeOutline(vtkFFDLattice* transform, const double bounds[6]) const;
 
   /// Bounds (xmin, xmax, ...) of all control points and of lines; uninitialized bounds for nothing

@@ -11,7 +11,7 @@
 class vtkProp;
 
 /**
- * How the representation takes part in vtkPickingManager: a picker that asks the representation
+ * Lets the representation take part in vtkPickingManager: a picker that asks the representation
  * which of its control points or handle parts is at a position of the window. That is a search in
  * screen space, exact for any number of glyphs, without their polygons.
  */
@@ -21,7 +21,7 @@ public:
   static vtkFFDLatticePicker* New();
   vtkTypeMacro(vtkFFDLatticePicker, vtkAbstractPropPicker);
 
-  /// Where (world) something is at display coordinates x, y. False: nothing is.
+  /// Finds the world position of a target at display coordinates x, y; false if there is none.
   using Search = std::function<bool(double x, double y, double world[3])>;
 
   /// The prop that a pick reports; not owned, it owns the picker.

@@ -555,7 +555,8 @@ void vtkFFDLatticeRepresentation::WidgetInteraction(double position[2])
   }
   vtkInternals& in = *this->Internals;
   in.Sync();
-  if (!this->IsInteracting() || !vtkFFDAreFinite(position[0], position[1]))
+  // An observer may have taken the renderer away in the middle of a drag.
+  if (!this->IsInteracting() || !in.HasView() || !vtkFFDAreFinite(position[0], position[1]))
   {
     return;
   }
@@ -580,7 +581,7 @@ void vtkFFDLatticeRepresentation::WidgetInteraction(double position[2])
     }
     else
     {
-      // What holds the material shows by itself: it does not move.
+      // Failure needs no report: the material does not move, which the user sees.
       in.Editor.MoveMaterial(in.Material, in.Anchor + in.Motion);
     }
   }

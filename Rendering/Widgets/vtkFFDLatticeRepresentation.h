@@ -85,7 +85,7 @@ public:
 
   ///@{
   /**
-   * PlaceWidget() makes `bounds`, enlarged by PlaceFactor (default 1) about their centre, the
+   * PlaceWidget() makes `bounds`, enlarged by PlaceFactor (default 1) about their center, the
    * domain of the lattice, and takes `bounds` for the outline. Displacements stay. Bounds must be
    * finite with min <= max and some extent; flat axes are widened as by vtkFFDLattice::FitToBounds.
    * A lattice that fits already needs no placing.
@@ -97,11 +97,12 @@ public:
   //----------------------------------------------------------------------------
   // Selection
 
+  /// How new points change the present selection.
   enum SelectionOperations
   {
-    REPLACE,
-    ADD,
-    TOGGLE
+    REPLACE, ///< the new points alone are selected
+    ADD,     ///< the new points are selected, too
+    TOGGLE   ///< new points that are selected are left out, others are added
   };
 
   ///@{
@@ -131,7 +132,7 @@ public:
 
   ///@{
   /**
-   * Add the neighbours along the axes; take away what has a neighbour that is not selected; add
+   * Add the neighbors along the axes; take away what has a neighbor that is not selected; add
    * the rows along, or the planes across, an axis (0, 1, 2) that selected points lie in.
    */
   void GrowSelection();
@@ -161,15 +162,15 @@ public:
 
   ///@{
   /**
-   * Move, turn (degrees, about an axis through the centre of the selection) or scale (from the
-   * centre) the selected control points.
+   * Move, turn (degrees, about an axis through the center of the selection) or scale (from the
+   * center) the selected control points.
    */
   int TranslateSelection(double dx, double dy, double dz);
   int RotateSelection(double degrees, double axisX, double axisY, double axisZ);
   int ScaleSelection(double sx, double sy, double sz);
   ///@}
 
-  /// Centre of the selected control points. Returns 0, and the centre of the domain, for none.
+  /// Center of the selected control points. Returns 0, and the center of the domain, for none.
   int GetSelectionCenter(double center[3]);
 
   /**
@@ -260,7 +261,7 @@ public:
 
   ///@{
   /**
-   * What the last edit was called, and which control points it changed.
+   * Name of the last edit, and the control points that it changed.
    */
   const char* GetLastEdit();
   void GetChangedPoints(vtkIdTypeArray* points);
@@ -269,7 +270,7 @@ public:
   //----------------------------------------------------------------------------
   // Options of edits
 
-  /// What drags and nudges are constrained to: data axes, or the planes across them.
+  /// Constraints of drags and nudges: data axes, or the planes across them.
   enum Constraints
   {
     FREE,
@@ -335,12 +336,12 @@ public:
   vtkGetMacro(LockedLayers, int);
   ///@}
 
-  /// What to do about edits that fold the lattice.
+  /// Reactions to edits that fold the lattice.
   enum FoldGuards
   {
-    GUARD_OFF,  ///< nothing
-    GUARD_CLAMP,///< stop on the way to the folded state
-    GUARD_WARN  ///< show the lattice in the colour of the WarningProperty
+    GUARD_OFF,   ///< nothing
+    GUARD_CLAMP, ///< stop on the way to the folded state
+    GUARD_WARN   ///< show the lattice in the color of the WarningProperty
   };
   ///@{
   /**
@@ -364,7 +365,7 @@ public:
   vtkGetMacro(NudgeStep, double);
   ///@}
 
-  /// What a press of the mouse takes hold of.
+  /// Targets of a press of the mouse.
   enum ManipulationModes
   {
     CONTROL_POINTS, ///< control points and the handle
@@ -378,7 +379,7 @@ public:
   vtkGetMacro(ManipulationMode, int);
   ///@}
 
-  /// The handle at the centre of the selection.
+  /// The handle at the center of the selection.
   enum HandleModes
   {
     HANDLE_OFF,
@@ -402,6 +403,7 @@ public:
   //----------------------------------------------------------------------------
   // Look
 
+  /// Course of the lines of the lattice.
   enum LineModes
   {
     STRAIGHT, ///< from control point to control point
@@ -417,9 +419,9 @@ public:
 
   ///@{
   /**
-   * What is shown. Defaults: all but labels, which name the selected and the hovered points
-   * (i, j, k). Interior: control points that are not on the outside of the lattice; those that are
-   * not shown cannot be picked.
+   * Visibility of the parts. Defaults: all but labels, which name the selected and the hovered
+   * points (i, j, k). Interior: control points that are not on the outside of the lattice; those
+   * that are not shown cannot be picked.
    */
   vtkSetMacro(PointVisibility, vtkTypeBool);
   vtkGetMacro(PointVisibility, vtkTypeBool);
@@ -449,10 +451,10 @@ public:
 
   ///@{
   /**
-   * Whether that is drawn only where something may hide the lattice: within the bounds, on screen, of
-   * the other visible props of the renderer. It is most of what a lattice costs with a software
-   * rasteriser. Turn it off where something else hides the lattice: what another renderer or process
-   * draws. Default: on.
+   * Whether that is drawn only where something may hide the lattice: within the bounds, on screen,
+   * of the other visible props of the renderer. It is most of what a lattice costs with a software
+   * rasterizer. Turn it off where something else hides the lattice: what another renderer or
+   * process draws. Default: on.
    */
   vtkSetMacro(CullHidden, vtkTypeBool);
   vtkGetMacro(CullHidden, vtkTypeBool);
@@ -478,7 +480,7 @@ public:
 
   ///@{
   /**
-   * Colours, line widths, opacities. Of the property of a kind of point only the colour counts,
+   * Colors, line widths, opacities. Of the property of a kind of point only the color counts,
    * but for PointProperty, whose opacity and lighting hold for all points.
    */
   vtkProperty* GetPointProperty();
@@ -497,6 +499,7 @@ public:
   //----------------------------------------------------------------------------
   // Interaction, as the widget drives it
 
+  /// The target under the mouse, or the state of a drag.
   enum InteractionStates
   {
     Outside = 0,
@@ -510,8 +513,8 @@ public:
 
   ///@{
   /**
-   * What is at a position of the window: Outside, OnPoint or OnHandle; what is there is highlighted
-   * from then on. During a drag the state of the drag.
+   * Finds the target at a position of the window, Outside, OnPoint or OnHandle, and highlights it
+   * from then on. During a drag it returns the state of the drag.
    */
   int ComputeInteractionState(int x, int y, int modify = 0) override;
   ///@}
@@ -521,7 +524,8 @@ public:
    * A drag. StartWidgetInteraction() takes hold of what ComputeInteractionState() found: the handle
    * or the selection (of which the point found must be part), or in VOLUME mode what PickSurface()
    * finds; StartRegion() begins a rubber band instead. GetInteractionState() tells what became of
-   * it. CancelInteraction() puts everything back. Display coordinates.
+   * it. CancelInteraction() puts everything back. Display coordinates. Without a renderer in a
+   * window (SetRenderer()) no drag starts, and one that has started moves nothing more.
    */
   void StartWidgetInteraction(double position[2]) override;
   void StartRegion(const double position[2], int operation);

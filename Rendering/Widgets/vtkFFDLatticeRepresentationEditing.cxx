@@ -21,7 +21,7 @@
 namespace
 {
 
-/// Of the smallest spacing.
+/// Length of a nudge, as a part of the smallest spacing.
 constexpr double DefaultNudge = 0.05;
 
 ffd::SelectionOperation ToOperation(int operation)
@@ -506,6 +506,10 @@ int vtkFFDLatticeRepresentation::PickSurface(double x, double y, double world[3]
   {
     std::copy_n(&in.SurfacePoint->x, 3, world);
     return 1;
+  }
+  if (!in.RequireView("PickSurface")) // an observer may have taken it away
+  {
+    return 0;
   }
   if (in.SurfacePicker)
   {

@@ -9,6 +9,7 @@
 #include "vtkInteractorObserver.h"
 #include "vtkRenderer.h"
 #include "vtkRenderWindow.h"
+#include "vtkSmartPointer.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -344,8 +345,9 @@ bool vtkFFDLatticeRepresentation::vtkInternals::FindPicked(double x, double y, d
 bool vtkFFDLatticeRepresentation::vtkInternals::PickDepth(
   const glm::dvec2& display, glm::dvec3& world) const
 {
-  vtkRenderer* renderer = this->Self->Renderer;
-  vtkRenderWindow* window = renderer->GetRenderWindow();
+  // Observers of the window may take either away.
+  const vtkSmartPointer<vtkRenderer> renderer(this->Self->Renderer);
+  const vtkSmartPointer<vtkRenderWindow> window(renderer->GetRenderWindow());
   if (!window)
   {
     return false;

@@ -85,7 +85,7 @@ public:
   void SetLength(const char* name, double& member, double value, const char* meaningOfZero);
 
   //----------------------------------------------------------------------------
-  // What is at a position of the window
+  // Targets at a position of the window
 
   vtkIdType Hovered = -1;
   int HoveredPart = vtkFFDTransformGizmo::NoPart;
@@ -96,7 +96,8 @@ public:
 
   /// The control point at a position, or -1; `pixels` is how far it is from it.
   vtkIdType FindPoint(const glm::dvec2& display, double* pixels = nullptr);
-  /// What is nearer to a position: a control point or a part of the handle; -1 both: nothing.
+  /// Finds the nearest target at a position: a control point or a part of the handle, the other is
+  /// -1; both are -1 if there is none.
   void FindNearest(const glm::dvec2& display, vtkIdType& point, int& part);
   /// For vtkPickingManager: where in the world something is.
   bool FindPicked(double x, double y, double world[3]);

@@ -71,7 +71,7 @@ const GlyphLevel& GetLevel(std::size_t count)
   return *level;
 }
 
-/// Of those that are dimmed, however many.
+/// Size of dimmed points, however many there are.
 constexpr double HiddenSize = 0.75;
 
 /// Where vtkPolyDataMapper's fragments find their depth, before they are lit.
@@ -127,8 +127,9 @@ std::vector<std::size_t> FindPointsToDraw(
   return drawn;
 }
 
-/// What vtkPolyDataMapper's fragments end with. Lines have no empty ones; without it their depth is
-/// tested before they are colored. Where VTK says it otherwise nothing is replaced.
+/// The code at the end of vtkPolyDataMapper's fragment shader that discards empty fragments. Lines
+/// have none; without it their depth is tested before they are colored. Nothing is replaced where a
+/// version of VTK has other code.
 constexpr const char* EmptyFragments =
   "  if (gl_FragData[0].a <= 0.0)\n    {\n    discard;\n    }\n";
 
@@ -445,6 +446,12 @@ void vtkFFDLatticeScene::Meshes::Set(const std::vector<Glyph>& glyphs)
   this->Sphere->SetPhiResolution(level.Phi);
   this->Points->SetNumberOfPoints(count);
   this->Colors->SetNumberOfTuples(count);
+  if (count != this->Sizes->GetNumberOfTuples())
+  {
+    // Until there is a view that tells how large they are.
+    this->Sizes->SetNumberOfTuples(count);
+    this->Sizes->FillValue(0.0);
+  }
   this->Diameters.resize(glyphs.size());
   for (vtkIdType g = 0; g < count; ++g)
   {
@@ -466,7 +473,6 @@ void vtkFFDLatticeScene::Meshes::Scale(const vtkFFDProjection& projection)
     return;
   }
   const vtkIdType count = this->Points->GetNumberOfPoints();
-  this->Sizes->SetNumberOfTuples(count);
   for (vtkIdType g = 0; g < count; ++g)
   {
     double p[3];
@@ -608,7 +614,7 @@ void vtkFFDLatticeScene::SetHandle(const std::vector<Shape>& shapes)
   vtkNew<vtkPoints> points;
   vtkNew<vtkCellArray> lines;
   vtkNew<vtkCellArray> triangles;
-  // Of points: colors of cells would be a texture, which is slow to make.
+  // Colors belong to points: colors of cells would be a texture, which is slow to make.
   vtkNew<vtkUnsignedCharArray> colors;
   colors->SetNumberOfComponents(4);
   for (const Shape& shape : shapes)

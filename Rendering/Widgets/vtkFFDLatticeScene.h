@@ -41,11 +41,11 @@ class vtkViewport;
 class vtkWindow;
 
 /**
- * What the representation draws, in world coordinates: the actors and their geometry. Nothing here
+ * Draws the actors of the representation and their geometry, in world coordinates. Nothing here
  * knows of lattices. Everything is drawn as usual with the opaque (or translucent) geometry, and
  * once more, dimmed and through everything, with the overlay.
  *
- * A drag draws all of it with every step, perhaps by a software rasteriser, so that what did not
+ * A drag draws all of it with every step, perhaps by a software rasterizer, so that what did not
  * change is not touched: VTK makes buffers anew when a time stamp says so.
  */
 class vtkFFDLatticeScene
@@ -123,7 +123,7 @@ public:
   int RenderOpaqueGeometry(vtkViewport* viewport);
   /// The keys are those of the prop that this is part of: what depth peeling tells it.
   int RenderTranslucentPolygonalGeometry(vtkViewport* viewport, vtkInformation* passKeys);
-  /// What is dimmed is drawn in a part of the viewport.
+  /// Draws the dimmed geometry in a part of the viewport.
   int RenderOverlay(vtkViewport* viewport, const vtkFFDPixelBox& part);
   bool HasTranslucentPolygonalGeometry();
 
@@ -145,7 +145,7 @@ private:
     void SetStyle(vtkProperty* property, vtkProperty* warning, double hiddenOpacity);
 
   private:
-    /// Of what the properties of the actors were last made.
+    /// Style that the properties of the actors were last made for.
     struct Style
     {
       vtkMTimeType Property = 0;
@@ -206,7 +206,7 @@ private:
     void Scale(const vtkFFDProjection& projection);
   };
 
-  /// Those that are shown, in the order in which they are drawn.
+  /// Layers that are shown, in the order in which they are drawn.
   std::vector<Layer*> GetShown();
 
   bool HandleShown = false;

@@ -12,9 +12,9 @@
 #include "vtkMath.h"
 #include "vtkMatrix4x4.h"
 #include "vtkObjectFactory.h"
+#include "vtkRenderer.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderWindowInteractor.h"
-#include "vtkRenderer.h"
 #include "vtkWidgetCallbackMapper.h"
 #include "vtkWidgetEvent.h"
 #include "vtkWidgetEventTranslator.h"
@@ -29,7 +29,7 @@ namespace
 
 using Rep = vtkFFDLatticeRepresentation;
 
-/// What a step of the wheel does to the radius of proportional editing.
+/// Factor of a step of the wheel for the radius of proportional editing.
 constexpr double WheelFactor = 1.1;
 
 constexpr double FarNudge = 10.0;
@@ -305,22 +305,22 @@ void vtkFFDLatticeWidget::AdjustClippingRange()
   double nearest;
   double farthest;
   GetDepths(camera, bounds, nearest, farthest);
-  // What is flat is given some depth, as a reset does.
+  // A flat scene is given some depth, as a reset does.
   const double gap = camera->GetParallelProjection()
     ? 0.1 * camera->GetParallelScale()
     : 0.2 * std::tan(0.5 * vtkMath::RadiansFromDegrees(camera->GetViewAngle())) * farthest;
   const double depth = std::max(farthest - nearest, gap);
   const double wanted[2] = { (1.0 - PlaneMargin) * nearest, (1.0 + PlaneMargin) * farthest };
   const double expansion = renderer->GetClippingRangeExpansion() * depth;
-  const double needed = wanted[1] + expansion -
-    std::max(wanted[0] - expansion, tolerance * (wanted[1] + expansion));
+  const double needed =
+    wanted[1] + expansion - std::max(wanted[0] - expansion, tolerance * (wanted[1] + expansion));
   double range[2];
   camera->GetClippingRange(range);
-  // Of a camera among the props nothing is asked but that its near plane is as near as it may be.
+  // The near plane of the camera need be no nearer than it may be, for props that hold the camera.
   constexpr double rounding = 1e-9;
   const double least = tolerance * range[1];
-  const bool holds = range[0] <= std::max(wanted[0], (1.0 + rounding) * least) &&
-    range[1] >= wanted[1];
+  const bool holds =
+    range[0] <= std::max(wanted[0], (1.0 + rounding) * least) && range[1] >= wanted[1];
   const bool precise = range[0] >= (1.0 - rounding) * least;
   if (holds && precise && range[1] - range[0] <= WidestRange * needed)
   {

@@ -27,7 +27,8 @@
  * - x, y, z: constrain to an axis, again: free; with shift: to the plane across it; with alt: add
  *   the rows of the selection along it, with alt and shift: the planes across it.
  * - g, r, s: handle that moves, turns, scales.
- * - a: select all; A: none; I: invert; plus, minus: grow, shrink; b: the next drag is a rubber band.
+ * - a: select all; A: none; I: invert; plus, minus: grow, shrink; b: the next drag is a rubber
+ *   band.
  * - arrows: nudge; with shift: ten times as far; with control: a tenth.
  * - o: proportional editing; O: its falloff. m: symmetry across x, y, z, none. l: lock the
  *   boundary. v: fold guard clamps, warns, is off.

@@ -33,8 +33,8 @@ struct vtkFFDProjection
   bool ToDisplay(const glm::dvec3& world, glm::dvec3& display) const;
   /// World units of a pixel at a point; 0 behind the camera.
   double GetPixelSize(const glm::dvec3& world) const;
-  /// What is added to clip coordinate z so that points come nearer by some pixels and are seen
-  /// where they were.
+  /// Offset of clip coordinate z that brings points nearer by some pixels and leaves them where
+  /// they are seen.
   double GetPointShift(double pixels) const;
 };
 

@@ -22,7 +22,7 @@ case "${1:-}" in
     dpkg --add-architecture arm64
     apt-get -qq update
     DEBIAN_FRONTEND=noninteractive apt-get -qq install --no-remove --no-install-recommends -y \
-      cmake ninja-build g++-aarch64-linux-gnu qemu-user-static libglm-dev \
+      cmake ninja-build g++-aarch64-linux-gnu qemu-user-static libglm-dev libeigen3-dev \
       libhwy-dev:arm64 libgtest-dev:arm64 >/dev/null
     ;;
 esac

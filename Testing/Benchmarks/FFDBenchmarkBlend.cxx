@@ -125,8 +125,7 @@ std::shared_ptr<void> PrepareBlend(
     : rows == BlendRows::Isosurface       ? vtkVolumeMapper::ISOSURFACE_BLEND
                                           : vtkVolumeMapper::COMPOSITE_BLEND;
   vtkSmartPointer<vtkUnsignedCharArray> theirs;
-  const auto addVtk = [&](const char* name, vtkVolumeMapper* mapper)
-  {
+  const auto addVtk = [&](const char* name, vtkVolumeMapper* mapper) {
     mapper->SetInputDataObject(s->Image);
     mapper->SetBlendMode(mode);
     vtkVolume* volume = s->View.AddVolume(mapper, s->Property);

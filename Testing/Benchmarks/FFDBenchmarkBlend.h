@@ -25,8 +25,8 @@ enum class BlendRows
 /**
  * Rows "fixedpoint" (vtkFixedPointVolumeRayCastMapper, which has no isosurfaces) and "gpu"
  * (vtkOpenGLGPUVolumeRayCastMapper by whatever OpenGL there is; in tests by Mesa on the CPU), and
- * ours: "identity", "exact" (deformed by smooth45) and "reference" (the reference kernels). A row of
- * ours is refused when its picture is not that of VTK's or of the reference kernels.
+ * ours: "identity", "exact" (deformed by smooth45) and "reference" (the reference kernels). A row
+ * of ours is refused when its picture is not that of VTK's or of the reference kernels.
  */
 std::shared_ptr<void> PrepareBlend(
   Group& group, BlendRows rows, int size, const std::string& folder);

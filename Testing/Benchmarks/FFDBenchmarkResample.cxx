@@ -51,8 +51,7 @@ double CountDifferences(vtkImageData* a, vtkImageData* b)
 } // namespace
 
 //------------------------------------------------------------------------------
-std::shared_ptr<void> PrepareResample(
-  Group& group, int side, bool cubic, const std::string& folder)
+std::shared_ptr<void> PrepareResample(Group& group, int side, bool cubic, const std::string& folder)
 {
   auto scene = std::make_shared<ResampleScene>();
   scene->Image = ResampleToCube(ReadVolume(folder, "engine"), side);
@@ -63,14 +62,11 @@ std::shared_ptr<void> PrepareResample(
   int extent[6];
   scene->Image->GetExtent(extent);
 
-  const auto add = [&scene](Row& row, vtkImageAlgorithm* filter)
-  {
+  const auto add = [&scene](Row& row, vtkImageAlgorithm* filter) {
     filter->Update();
     scene->Filters.emplace_back(filter);
-    row.Counters["voxels"] =
-      static_cast<double>(filter->GetOutput()->GetNumberOfPoints());
-    row.Run = [filter]
-    {
+    row.Counters["voxels"] = static_cast<double>(filter->GetOutput()->GetNumberOfPoints());
+    row.Run = [filter] {
       filter->Modified();
       filter->Update();
     };
@@ -82,9 +78,8 @@ std::shared_ptr<void> PrepareResample(
     {
       vtkNew<vtkImageReslice> reslice;
       reslice->SetInputData(scene->Image);
-      reslice->SetResliceTransform(inverse
-          ? scene->Spline->GetInverse()
-          : static_cast<vtkAbstractTransform*>(scene->Spline));
+      reslice->SetResliceTransform(
+        inverse ? scene->Spline->GetInverse() : static_cast<vtkAbstractTransform*>(scene->Spline));
       cubic ? reslice->SetInterpolationModeToCubic() : reslice->SetInterpolationModeToLinear();
       reslice->SetOutputOrigin(scene->Image->GetOrigin());
       reslice->SetOutputSpacing(scene->Image->GetSpacing());

@@ -76,12 +76,12 @@ vtkSmartPointer<vtkVolumeProperty> MakeProperty(Opacity opacity)
     alpha->AddPoint(start + 20.0, 0.9);
     alpha->AddPoint(255.0, 0.9);
   }
-  vtkNew<vtkColorTransferFunction> colour;
-  colour->AddRGBPoint(0.0, 1.0, 0.5, 0.0);
-  colour->AddRGBPoint(255.0, 1.0, 1.0, 1.0);
+  vtkNew<vtkColorTransferFunction> color;
+  color->AddRGBPoint(0.0, 1.0, 0.5, 0.0);
+  color->AddRGBPoint(255.0, 1.0, 1.0, 1.0);
   auto property = vtkSmartPointer<vtkVolumeProperty>::New();
   property->SetScalarOpacity(alpha);
-  property->SetColor(colour);
+  property->SetColor(color);
   property->SetScalarOpacityUnitDistance(1.0);
   property->SetInterpolationTypeToLinear();
   property->ShadeOn();
@@ -193,7 +193,7 @@ Stage::Stage(int size, vtkImageData* image)
   this->Window->SetDesiredUpdateRate(1e-4);
   this->Window->AddRenderer(this->Renderer);
   this->Renderer->SetBackground(0.0, 0.0, 0.0);
-  // The ambient colour of VTK's lights is black. Ours takes a single headlight to be white, as the
+  // The ambient color of VTK's lights is black. Ours takes a single headlight to be white, as the
   // GPU mapper does, vtkFixedPointVolumeRayCastMapper does not.
   vtkNew<vtkLight> headlight;
   headlight->SetLightTypeToHeadlight();
@@ -201,16 +201,16 @@ Stage::Stage(int size, vtkImageData* image)
   this->Renderer->AddLight(headlight);
   double bounds[6];
   image->GetBounds(bounds);
-  const double centre[3] = { 0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3]),
+  const double center[3] = { 0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3]),
     0.5 * (bounds[4] + bounds[5]) };
   double direction[3] = { -0.5, -0.35, -1.0 };
   vtkMath::Normalize(direction);
   // Widths of 256 fill three quarters of the picture; other sizes as much.
   const double distance = 700.0 / 255.0 * (bounds[1] - bounds[0]);
   vtkCamera* camera = this->Renderer->GetActiveCamera();
-  camera->SetFocalPoint(centre);
-  camera->SetPosition(centre[0] - distance * direction[0], centre[1] - distance * direction[1],
-    centre[2] - distance * direction[2]);
+  camera->SetFocalPoint(center);
+  camera->SetPosition(center[0] - distance * direction[0], center[1] - distance * direction[1],
+    center[2] - distance * direction[2]);
   camera->SetViewUp(0.0, 1.0, 0.0);
   camera->SetViewAngle(2.0 * vtkMath::DegreesFromRadians(std::atan(0.25)));
   camera->SetClippingRange(0.1 * distance, 3.0 * distance);
@@ -340,7 +340,7 @@ vtkSmartPointer<vtkFFDInverseRayVolumeMapper> MakeMapper(
       mapper->SetSpaceLeapingToSegment();
       mapper->SetOpacityLengthToMaterial();
       break;
-    case Variant::Unoptimised:
+    case Variant::Unoptimized:
       mapper->SetSpaceLeapingToOff();
       mapper->SetEarlyRayTerminationThreshold(0.0);
       break;

@@ -109,7 +109,7 @@ enum class Variant
   FirstOrder, ///< the default settings with the paper's inverse
   PullBack,   ///< the default settings, the lattice read as vtkImageReslice reads it
   Paper,      ///< FIRST_ORDER, GREEDY_ANGLE, SEGMENT, MATERIAL
-  Unoptimised ///< every sample is taken: no leaping, no early termination
+  Unoptimized ///< every sample is taken: no leaping, no early termination
 };
 
 /// Ours, with sample distances that do not adapt to the time.

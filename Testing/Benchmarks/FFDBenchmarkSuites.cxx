@@ -148,7 +148,7 @@ constexpr NamedVariant FrameVariants[] = {
   { "exact", Variant::Exact, OracleTolerance },
   { "firstorder", Variant::FirstOrder, OracleTolerance },
   { "paper", Variant::Paper, PaperTolerance },
-  { "unoptimised", Variant::Unoptimised, OracleTolerance },
+  { "unoptimized", Variant::Unoptimized, OracleTolerance },
 };
 
 //------------------------------------------------------------------------------
@@ -483,7 +483,7 @@ std::shared_ptr<void> PrepareLimit(Group& group, const std::string& folder)
     Deform(lattice, s->Image, { deformed ? Shape::Smooth : Shape::Identity, 45.0 });
     auto property = MakeProperty(Opacity::Semi);
     property->SetShade(row.Name.find("unshaded") == std::string::npos);
-    auto mapper = MakeMapper(s->Image, lattice, Variant::Unoptimised);
+    auto mapper = MakeMapper(s->Image, lattice, Variant::Unoptimized);
     vtkVolume* volume = s->View.AddVolume(mapper, property);
     DrawAndCount(s->View, mapper, volume, s->Image, row);
     row.Counters["samples"] = row.Counters["rays"] * row.Counters["samples_per_ray"];
@@ -527,7 +527,7 @@ std::vector<std::unique_ptr<Group>> MakeGroups(const Options& options)
     {
       // The reference kernels, or every sample taken.
       rows.emplace_back("paper", rounds(1, SlowRounds));
-      rows.emplace_back("unoptimised", rounds(1, SlowRounds));
+      rows.emplace_back("unoptimized", rounds(1, SlowRounds));
     }
     add(
       name, [settings, folder](Group& group) { return PrepareFrames(group, settings, folder); },
@@ -580,8 +580,7 @@ std::vector<std::unique_ptr<Group>> MakeGroups(const Options& options)
     for (const bool cubic : { false, true })
     {
       add("Resample/" + std::to_string(side) + (cubic ? "/cubic" : "/linear"),
-        [side, cubic, folder](Group& group)
-        { return PrepareResample(group, side, cubic, folder); },
+        [side, cubic, folder](Group& group) { return PrepareResample(group, side, cubic, folder); },
         { { "reslice", rounds(3, 7) }, { "pullback", rounds(3, 7) },
           { "reslice_inverse", rounds(1, SlowRounds) }, { "exact", rounds(3, 7) },
           { "firstorder", rounds(3, 7) } });
@@ -605,7 +604,8 @@ std::vector<std::unique_ptr<Group>> MakeGroups(const Options& options)
       rows.insert(rows.begin(), { "fixedpoint", rounds(5, 11) });
     }
     const BlendRows which = blend;
-    add(name, [which, folder](Group& group) { return PrepareBlend(group, which, 512, folder); },
+    add(
+      name, [which, folder](Group& group) { return PrepareBlend(group, which, 512, folder); },
       rows);
   }
   AddWidgetGroups(options, groups);

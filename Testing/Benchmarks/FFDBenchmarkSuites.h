@@ -23,7 +23,8 @@ struct Options
 /**
  * Largest differences of pictures with which a row is reported, see Difference. Two ray casters
  * never agree in every pixel: resampling interpolates twice, the paper's polyline has its samples
- * elsewhere. vtkFixedPointVolumeRayCastMapper rounds values and normals, so it judges no frame of ours.
+ * elsewhere. vtkFixedPointVolumeRayCastMapper rounds values and normals, so it judges no frame of
+ * ours.
  */
 struct Tolerance
 {
@@ -31,13 +32,14 @@ struct Tolerance
   double Mean;
   double Outliers;
 };
-constexpr Tolerance BlendTolerance{ 8, 12.0, 0.05 };      ///< blend modes by VTK's mappers
-constexpr Tolerance ResampleTolerance{ 8, 12.0, 0.05 };   ///< resample routes by ours
+constexpr Tolerance BlendTolerance{ 8, 12.0, 0.05 };    ///< blend modes by VTK's mappers
+constexpr Tolerance ResampleTolerance{ 8, 12.0, 0.05 }; ///< resample routes by ours
 /// The paper's polyline by the curve. Its samples count from where a ray enters the volume, and are
-/// equidistant in the volume at rest, not on the viewing ray: where the material ends with the volume,
-/// as on the engine's front, they are all equally deep in it, and elsewhere at other depths.
+/// equidistant in the volume at rest, not on the viewing ray: where the material ends with the
+/// volume, as on the engine's front, they are all equally deep in it, and elsewhere at other
+/// depths.
 constexpr Tolerance PaperTolerance{ 8, 12.0, 0.3 };
-constexpr Tolerance OracleTolerance{ 1, 0.5, 0.002 };     ///< ours by its reference kernels
+constexpr Tolerance OracleTolerance{ 1, 0.5, 0.002 }; ///< ours by its reference kernels
 
 /// All groups of the chosen mode. Names: Frame/<volume>/<opacity>/<size>/<deformation>,
 /// Drag/<side>, Edit/<side>, Resample/<side>/<interpolation>, Blend/<mode>,

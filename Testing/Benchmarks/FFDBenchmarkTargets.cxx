@@ -176,36 +176,36 @@ bool HasAvx512() { return (hwy::SupportedTargets() & HWY_AVX3) != 0; }
 
 //------------------------------------------------------------------------------
 /// Table 1 of the paper by counts, as Examples/paper_experiments makes it: samples without
-/// optimisation by samples and look-ups with it; what is left of that at 45 voxels.
+/// optimization by samples and look-ups with it; what is left of that at 45 voxels.
 std::shared_ptr<void> PreparePaper(Group& group, const std::string& folder)
 {
   constexpr int size = 128;
   auto image = ReadVolume(folder, "engine");
   Stage stage(size, image);
   // All deformed shapes are in view: rays that are cut off would change the averages.
-  double centre[3];
-  image->GetCenter(centre);
+  double center[3];
+  image->GetCenter(center);
   double bounds[6];
   image->GetBounds(bounds);
   double direction[3] = { -0.75, -0.55, -1.0 };
   vtkMath::Normalize(direction);
   const double distance = 3.0 * (bounds[1] - bounds[0]);
   vtkCamera* camera = stage.GetRenderer()->GetActiveCamera();
-  camera->SetFocalPoint(centre);
-  camera->SetPosition(centre[0] - distance * direction[0], centre[1] - distance * direction[1],
-    centre[2] - distance * direction[2]);
+  camera->SetFocalPoint(center);
+  camera->SetPosition(center[0] - distance * direction[0], center[1] - distance * direction[1],
+    center[2] - distance * direction[2]);
   camera->SetClippingRange(0.2 * distance, 2.0 * distance);
-  const auto count = [&](double magnitude, vtkVolumeProperty* property, bool optimised) {
+  const auto count = [&](double magnitude, vtkVolumeProperty* property, bool optimized) {
     vtkNew<vtkFFDLattice> lattice;
     Deform(lattice, image, { Shape::Smooth, magnitude });
-    auto mapper = MakeMapper(image, lattice, optimised ? Variant::Exact : Variant::Unoptimised);
+    auto mapper = MakeMapper(image, lattice, optimized ? Variant::Exact : Variant::Unoptimized);
     mapper->SetSampleDistance(0.5);
     mapper->CollectStatisticsOn();
     vtkVolume* volume = stage.AddVolume(mapper, property);
     vtkNew<vtkImageData> picture;
     mapper->RenderToImage(stage.GetRenderer(), volume, size, size, picture);
     vtkFFDRayStatistics* counts = mapper->GetStatistics();
-    return counts->GetSamplesPerRay() + (optimised ? counts->GetDistanceLookupsPerRay() : 0.0);
+    return counts->GetSamplesPerRay() + (optimized ? counts->GetDistanceLookupsPerRay() : 0.0);
   };
   for (Row& row : group.GetRows())
   {

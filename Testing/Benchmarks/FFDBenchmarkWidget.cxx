@@ -15,8 +15,8 @@
 #include "vtkImageData.h"
 #include "vtkInteractorObserver.h"
 #include "vtkNew.h"
-#include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
+#include "vtkRenderWindow.h"
 #include "vtkSmartPointer.h"
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
@@ -71,11 +71,11 @@ public:
       this->Lattice->SetDimensions(points, points, points);
       this->Lattice->FitToBounds(bounds);
     }
-    const double centre[3] = { 0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3]),
+    const double center[3] = { 0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3]),
       0.5 * (bounds[4] + bounds[5]) };
     vtkCamera* camera = this->Renderer->GetActiveCamera();
-    camera->SetFocalPoint(centre);
-    camera->SetPosition(centre[0] - 282.0, centre[1] - 198.0, centre[2] - 564.0);
+    camera->SetFocalPoint(center);
+    camera->SetPosition(center[0] - 282.0, center[1] - 198.0, center[2] - 564.0);
     camera->SetViewUp(0.0, 1.0, 0.0);
     // A point near the middle, in front.
     this->Lattice->GetDimensions(this->Point);
@@ -189,8 +189,8 @@ std::shared_ptr<void> PrepareWidget(
     const bool widget = row.Name != "without_widget" && !undeformed;
     const int lines = row.Name == "curved" ? vtkFFDLatticeRepresentation::CURVED
                                            : vtkFFDLatticeRepresentation::STRAIGHT;
-    windows->push_back(std::make_unique<DragWindow>(
-      image, opacity, image ? 8 : 20, row.Name == "interactive", row.Name != "whole", widget, lines));
+    windows->push_back(std::make_unique<DragWindow>(image, opacity, image ? 8 : 20,
+      row.Name == "interactive", row.Name != "whole", widget, lines));
     DragWindow* window = windows->back().get();
     if (widget && !window->IsDragging())
     {
@@ -239,9 +239,8 @@ void AddWidgetGroups(const Options& options, std::vector<std::unique_ptr<Group>>
   for (Opacity opacity : { Opacity::Opaque, Opacity::Semi })
   {
     add(std::make_unique<Group>(std::string("WidgetDrag/") + GetName(opacity),
-          [folder, opacity](Group& group) {
-            return PrepareWidget(group, ReadVolume(folder, "engine"), opacity);
-          }),
+          [folder, opacity](
+            Group& group) { return PrepareWidget(group, ReadVolume(folder, "engine"), opacity); }),
       { "full", "whole", "interactive", "without_widget", "undeformed" });
   }
   add(std::make_unique<Group>("WidgetDrag/lattice20",

@@ -38,7 +38,7 @@ std::size_t GatherRowOnTarget(const GatherVolume& volume, int row, float& checks
   const auto* bytes = reinterpret_cast<const std::int32_t*>(volume.Voxels);
   const I low = hn::Set(di, 255);
   const auto pair = [&](I offset, V fx) {
-    // One gather fetches two neighbours along x.
+    // One gather fetches two neighbors along x.
     const I both = hn::GatherOffset(di, bytes, offset);
     const V a = hn::ConvertTo(d, hn::And(both, low));
     const V b = hn::ConvertTo(d, hn::And(hn::ShiftRight<8>(both), low));

@@ -18,7 +18,7 @@ struct GatherVolume
 
 /**
  * The limit of a ray caster: trilinear samples along parallel rays, one voxel apart, in packets of
- * 4 rows of neighbouring rays, in the widest vectors of the machine, and nothing else: no
+ * 4 rows of neighboring rays, in the widest vectors of the machine, and nothing else: no
  * deformation, transfer function, shading or compositing. Row `row` of the rays crosses the volume
  * from its front to its back; `checksum` keeps the compiler from dropping the work. Returns the
  * number of samples.

@@ -57,11 +57,11 @@ ffd::BSplineField MakeRandom(double magnitude)
 /// The camera of Examples/paper_experiments: perspective, three sides of the volume in view.
 glm::dmat4 MakePaperCamera()
 {
-  const glm::dvec3 centre = 0.5 * Extent;
+  const glm::dvec3 center = 0.5 * Extent;
   const double distance = 3.0 * Extent.x;
-  const glm::dvec3 eye = centre + distance * glm::normalize(glm::dvec3(0.75, 0.55, 1.0));
+  const glm::dvec3 eye = center + distance * glm::normalize(glm::dvec3(0.75, 0.55, 1.0));
   return glm::perspective(2.0 * std::atan(0.25), 1.0, 0.2 * distance, 2.0 * distance) *
-    glm::lookAt(eye, centre, glm::dvec3(0.0, 1.0, 0.0));
+    glm::lookAt(eye, center, glm::dvec3(0.0, 1.0, 0.0));
 }
 
 struct Mode

@@ -55,26 +55,26 @@ inline vtkSmartPointer<vtkImageData> Resample(
 /// Our RGBA bytes and depths, without a window.
 struct Bytes
 {
-  std::vector<unsigned char> Colours;
+  std::vector<unsigned char> Colors;
   std::vector<float> Depths;
 };
 
 inline Bytes RenderBytes(Scene& scene, int size)
 {
-  vtkNew<vtkImageData> colours;
+  vtkNew<vtkImageData> colors;
   vtkNew<vtkImageData> depths;
   Bytes bytes;
-  if (scene.Ours->RenderToImage(scene.Renderer, scene.Volume, size, size, colours, depths))
+  if (scene.Ours->RenderToImage(scene.Renderer, scene.Volume, size, size, colors, depths))
   {
-    const auto* c = static_cast<const unsigned char*>(colours->GetScalarPointer());
+    const auto* c = static_cast<const unsigned char*>(colors->GetScalarPointer());
     const auto* d = static_cast<const float*>(depths->GetScalarPointer());
-    bytes.Colours.assign(c, c + 4 * size * size);
+    bytes.Colors.assign(c, c + 4 * size * size);
     bytes.Depths.assign(d, d + size * size);
   }
   return bytes;
 }
 
-/// Leaping changes neither colours nor depths, by more than rounding; `leaps`: whether it has to
+/// Leaping changes neither colors nor depths, by more than rounding; `leaps`: whether it has to
 /// leave samples out.
 inline void CheckLeaping(Scene& scene, const std::string& name, bool leaps, Checks& checks)
 {
@@ -84,19 +84,19 @@ inline void CheckLeaping(Scene& scene, const std::string& name, bool leaps, Chec
   scene.Ours->SetSpaceLeapingToOff();
   const Bytes off = RenderBytes(scene, Size);
   const double samplesOff = scene.Ours->GetStatistics()->GetSamplesPerRay();
-  for (const int leaping : { vtkFFDInverseRayVolumeMapper::SEGMENT,
-         vtkFFDInverseRayVolumeMapper::LIPSCHITZ })
+  for (const int leaping :
+    { vtkFFDInverseRayVolumeMapper::SEGMENT, vtkFFDInverseRayVolumeMapper::LIPSCHITZ })
   {
     scene.Ours->SetSpaceLeaping(leaping);
     const Bytes on = RenderBytes(scene, Size);
     const double samples = scene.Ours->GetStatistics()->GetSamplesPerRay();
-    int largest = off.Colours.empty() || on.Colours.empty() ? 255 : 0;
+    int largest = off.Colors.empty() || on.Colors.empty() ? 255 : 0;
     double depth = 0.0;
     int visible = 0;
-    for (std::size_t i = 0; i < std::min(on.Colours.size(), off.Colours.size()); ++i)
+    for (std::size_t i = 0; i < std::min(on.Colors.size(), off.Colors.size()); ++i)
     {
-      largest = std::max(largest, std::abs(on.Colours[i] - off.Colours[i]));
-      visible += i % 4 == 3 && off.Colours[i] > 0 ? 1 : 0;
+      largest = std::max(largest, std::abs(on.Colors[i] - off.Colors[i]));
+      visible += i % 4 == 3 && off.Colors[i] > 0 ? 1 : 0;
     }
     for (std::size_t i = 0; i < std::min(on.Depths.size(), off.Depths.size()); ++i)
     {
@@ -104,8 +104,8 @@ inline void CheckLeaping(Scene& scene, const std::string& name, bool leaps, Chec
     }
     std::ostringstream figures;
     figures << "largest difference " << largest << " (at most 1), of depths " << depth
-            << " (at most 1e-5), samples per ray " << samplesOff << ", " << samples << "; " << visible
-            << " px";
+            << " (at most 1e-5), samples per ray " << samplesOff << ", " << samples << "; "
+            << visible << " px";
     checks.Expect(largest <= 1 && depth <= 1e-5 && visible > 500 &&
         (leaps ? samples < samplesOff : samples == samplesOff),
       name + ", " + scene.Ours->GetSpaceLeapingAsString() + " against OFF", figures.str());

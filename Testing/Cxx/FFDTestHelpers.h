@@ -90,8 +90,8 @@ public:
     lattice->GetSpacing(spacing);
     for (int a = 0; a < 3; ++a)
     {
-      p[a] = this->Number(
-        domain[2 * a] - margin * spacing[a], domain[2 * a + 1] + margin * spacing[a]);
+      p[a] =
+        this->Number(domain[2 * a] - margin * spacing[a], domain[2 * a + 1] + margin * spacing[a]);
     }
   }
   /// Random displacements of up to `amount` spacings per axis.
@@ -122,8 +122,8 @@ private:
 
 inline double FFDDistance(const double a[3], const double b[3])
 {
-  return std::sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) +
-    (a[2] - b[2]) * (a[2] - b[2]));
+  return std::sqrt(
+    (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
 }
 
 #endif

@@ -43,13 +43,13 @@ inline vtkSmartPointer<vtkImageData> MakeImage(
   return image;
 }
 
-/// A ball that fades outwards, from 255 in its centre to 0.
-inline double Ball(const Vec3& p, const Vec3& centre, double radius)
+/// A ball that fades outwards, from 255 in its center to 0.
+inline double Ball(const Vec3& p, const Vec3& center, double radius)
 {
   double squares = 0.0;
   for (std::size_t a = 0; a < 3; ++a)
   {
-    squares += (p[a] - centre[a]) * (p[a] - centre[a]);
+    squares += (p[a] - center[a]) * (p[a] - center[a]);
   }
   return 255.0 * std::max(0.0, 1.0 - std::sqrt(squares) / radius);
 }
@@ -71,17 +71,17 @@ inline double FourFields(int component, const Vec3& p)
   }
 }
 
-inline void SetComponent(vtkVolumeProperty* property, int component, const Transfer& points,
-  double unit = 1.0)
+inline void SetComponent(
+  vtkVolumeProperty* property, int component, const Transfer& points, double unit = 1.0)
 {
-  vtkNew<vtkColorTransferFunction> colour;
+  vtkNew<vtkColorTransferFunction> color;
   vtkNew<vtkPiecewiseFunction> opacity;
   for (const std::array<double, 5>& p : points)
   {
-    colour->AddRGBPoint(p[0], p[1], p[2], p[3]);
+    color->AddRGBPoint(p[0], p[1], p[2], p[3]);
     opacity->AddPoint(p[0], p[4]);
   }
-  property->SetColor(component, colour);
+  property->SetColor(component, color);
   property->SetScalarOpacity(component, opacity);
   property->SetScalarOpacityUnitDistance(component, unit);
 }
@@ -89,12 +89,12 @@ inline void SetComponent(vtkVolumeProperty* property, int component, const Trans
 /// RGBA bytes of RenderToImage; empty after an error.
 inline std::vector<unsigned char> RenderRgba(Scene& scene, int size = 100)
 {
-  vtkNew<vtkImageData> colours;
+  vtkNew<vtkImageData> colors;
   std::vector<unsigned char> bytes;
   scene.Volume->SetMapper(scene.Ours);
-  if (scene.Ours->RenderToImage(scene.Renderer, scene.Volume, size, size, colours))
+  if (scene.Ours->RenderToImage(scene.Renderer, scene.Volume, size, size, colors))
   {
-    const auto* p = static_cast<const unsigned char*>(colours->GetScalarPointer());
+    const auto* p = static_cast<const unsigned char*>(colors->GetScalarPointer());
     bytes.assign(p, p + 4 * static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
   }
   return bytes;
@@ -130,8 +130,7 @@ inline void CheckSamePictures(Scene& scene, const std::string& name, Checks& che
     MakeTransform(bounds, 7, BendAndWaves(0.12 * side));
   scene.Ours->SetDeformation(bend);
   scene.Ours->CollectStatisticsOn();
-  const auto render = [&](int leaping, bool reference, double& samples)
-  {
+  const auto render = [&](int leaping, bool reference, double& samples) {
     scene.Ours->SetSpaceLeaping(leaping);
     scene.Ours->SetReferenceKernels(reference);
     const std::vector<unsigned char> bytes = RenderRgba(scene);
@@ -168,8 +167,8 @@ inline void CheckSamePictures(Scene& scene, const std::string& name, Checks& che
       int most = std::abs(fast[i + 3] - exact[i + 3]);
       for (std::size_t c = 0; c < 3; ++c)
       {
-        most = std::max(most,
-          std::abs(fast[i + c] * fast[i + 3] - exact[i + c] * exact[i + 3]) / 255);
+        most =
+          std::max(most, std::abs(fast[i + c] * fast[i + 3] - exact[i + c] * exact[i + 3]) / 255);
       }
       sum += most;
       ++pixels;

@@ -26,9 +26,9 @@ struct PickScene
     this->Window->SetSize(PickSize, PickSize);
     this->Window->AddRenderer(this->Renderer);
     this->Property->SetScalarOpacity(this->Opacity);
-    this->Property->SetColor(this->Colour);
+    this->Property->SetColor(this->Color);
     this->Property->SetInterpolationTypeToLinear();
-    this->Colour->AddRGBPoint(0.0, 1.0, 1.0, 1.0);
+    this->Color->AddRGBPoint(0.0, 1.0, 1.0, 1.0);
     this->Volume->SetMapper(this->Mapper);
     this->Volume->SetProperty(this->Property);
     this->Theirs->SetMapper(this->TheirMapper);
@@ -42,12 +42,12 @@ struct PickScene
     this->Image = image;
     this->Mapper->SetInputData(image);
     this->TheirMapper->SetInputData(image);
-    double centre[3];
-    image->GetCenter(centre);
+    double center[3];
+    image->GetCenter(center);
     vtkCamera* camera = this->Renderer->GetActiveCamera();
-    camera->SetFocalPoint(centre);
-    camera->SetPosition(centre[0] + 1.1 * image->GetLength(),
-      centre[1] + 0.7 * image->GetLength(), centre[2] + 1.4 * image->GetLength());
+    camera->SetFocalPoint(center);
+    camera->SetPosition(center[0] + 1.1 * image->GetLength(), center[1] + 0.7 * image->GetLength(),
+      center[2] + 1.4 * image->GetLength());
     camera->SetViewUp(0.0, 1.0, 0.1);
     camera->SetViewAngle(28.0);
     camera->SetClippingRange(0.5 * image->GetLength(), 4.0 * image->GetLength());
@@ -66,7 +66,7 @@ struct PickScene
   vtkNew<vtkFFDInverseRayVolumeMapper> Mapper;
   vtkNew<vtkFixedPointVolumeRayCastMapper> TheirMapper;
   vtkNew<vtkPiecewiseFunction> Opacity;
-  vtkNew<vtkColorTransferFunction> Colour;
+  vtkNew<vtkColorTransferFunction> Color;
   vtkNew<vtkVolumeProperty> Property;
   vtkNew<vtkVolume> Volume;
   vtkNew<vtkVolume> Theirs;
@@ -140,8 +140,8 @@ inline bool LeavesWithinACell(PickScene& scene, vtkFFDVolumePicker* picker)
 }
 
 /// Pick every fourth pixel with both; how often both hit, or -1 if they differ by more.
-inline int CompareWithVTK(PickScene& scene, vtkVolume* ours, vtkVolume* theirs, double tolerance,
-  double normalTolerance)
+inline int CompareWithVTK(
+  PickScene& scene, vtkVolume* ours, vtkVolume* theirs, double tolerance, double normalTolerance)
 {
   int hits = 0;
   for (int y = 1; y < PickSize; y += 4)

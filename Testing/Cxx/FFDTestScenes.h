@@ -14,9 +14,9 @@
 #include "vtkFFDVersions.h"
 #include "vtkFixedPointRayCastImage.h"
 #include "vtkFixedPointVolumeRayCastMapper.h"
+#include "vtkImageCast.h"
 #include "vtkImageChangeInformation.h"
 #include "vtkImageConstantPad.h"
-#include "vtkImageCast.h"
 #include "vtkImageData.h"
 #include "vtkImageShrink3D.h"
 #include "vtkLight.h"
@@ -199,8 +199,8 @@ inline std::string ToString(const Distance& d)
   return text.str();
 }
 
-/// `background` of the pictures, three bytes. Pictures of unlike sizes are as far apart as can be, and
-/// so are two of which neither shows anything: of those nothing is known.
+/// `background` of the pictures, three bytes. Pictures of unlike sizes are as far apart as can be,
+/// and so are two of which neither shows anything: of those nothing is known.
 inline Distance Compare(
   const Picture& a, const Picture& b, const std::array<unsigned char, 3>& background)
 {
@@ -260,14 +260,14 @@ using Transfer = std::vector<std::array<double, 5>>;
 
 inline void SetTransfer(vtkVolumeProperty* property, const Transfer& points, double unit)
 {
-  vtkNew<vtkColorTransferFunction> colour;
+  vtkNew<vtkColorTransferFunction> color;
   vtkNew<vtkPiecewiseFunction> opacity;
   for (const std::array<double, 5>& p : points)
   {
-    colour->AddRGBPoint(p[0], p[1], p[2], p[3]);
+    color->AddRGBPoint(p[0], p[1], p[2], p[3]);
     opacity->AddPoint(p[0], p[4]);
   }
-  property->SetColor(colour);
+  property->SetColor(color);
   property->SetScalarOpacity(opacity);
   property->SetScalarOpacityUnitDistance(unit);
   property->SetInterpolationTypeToLinear();
@@ -353,7 +353,7 @@ public:
     this->Window->AddRenderer(this->Renderer);
     // Whole bytes, so that the background is the same in all pictures.
     this->Renderer->SetBackground(26.0 / 255.0, 26.0 / 255.0, 51.0 / 255.0);
-    // The ambient colour of VTK's lights is black. The GPU mapper and ours take a single headlight
+    // The ambient color of VTK's lights is black. The GPU mapper and ours take a single headlight
     // to be white, vtkFixedPointVolumeRayCastMapper does not.
     this->Headlight->SetLightTypeToHeadlight();
     this->Headlight->SetAmbientColor(1.0, 1.0, 1.0);
@@ -398,7 +398,7 @@ public:
     this->Property->SetSpecularPower(power);
   }
 
-  /// The headlight's ambient colour: black as VTK's default, or white, which makes
+  /// The headlight's ambient color: black as VTK's default, or white, which makes
   /// vtkFixedPointVolumeRayCastMapper light the ambient term as the GPU mapper always does.
   void SetWhiteAmbientLight(bool white)
   {
@@ -473,7 +473,7 @@ public:
   /**
    * The rays of vtkFixedPointVolumeRayCastMapper over the background, pixel by pixel. In the
    * window its picture is stretched by up to half a pixel at the edges: the texture spans the
-   * centres of the outermost rays, the rectangle it is drawn on their borders. That blur would
+   * centers of the outermost rays, the rectangle it is drawn on their borders. That blur would
    * hide what is compared.
    */
   Picture RenderFixedRays()
@@ -516,16 +516,16 @@ public:
   Picture RenderToImage(vtkImageData* inputDepths = nullptr, vtkImageData* depths = nullptr)
   {
     const int* size = this->Window->GetSize();
-    vtkNew<vtkImageData> colours;
+    vtkNew<vtkImageData> colors;
     Picture picture;
     if (!this->Ours->RenderToImage(
-          this->Renderer, this->Volume, size[0], size[1], colours, depths, inputDepths))
+          this->Renderer, this->Volume, size[0], size[1], colors, depths, inputDepths))
     {
       return picture;
     }
     picture.Width = size[0];
     picture.Height = size[1];
-    const auto* rgba = static_cast<const unsigned char*>(colours->GetScalarPointer());
+    const auto* rgba = static_cast<const unsigned char*>(colors->GetScalarPointer());
     double background[3];
     this->Renderer->GetBackground(background);
     const std::size_t pixels =
@@ -726,12 +726,12 @@ inline Picture RenderExactly(Scene& scene, vtkImageData* image, double sampleDis
       const double opacity = scene.Property->GetScalarOpacity()->GetValue(value);
       if (opacity > 0.0)
       {
-        double colour[3];
-        scene.Property->GetRGBTransferFunction()->GetColor(value, colour);
+        double color[3];
+        scene.Property->GetRGBTransferFunction()->GetColor(value, color);
         const double passed = std::pow(1.0 - opacity, exponent);
         for (int c = 0; c < 3; ++c)
         {
-          rgb[c] += light * (1.0 - passed) * colour[c];
+          rgb[c] += light * (1.0 - passed) * color[c];
         }
         light *= passed;
       }

@@ -27,22 +27,22 @@
 #include <cmath>
 #include <vector>
 
-/// A ball that fades outwards: scalars from 200 in the centre to 0 at the border, off centre so
+/// A ball that fades outwards: scalars from 200 in the center to 0 at the border, off center so
 /// that no view of it is symmetric.
 inline vtkSmartPointer<vtkImageData> FFDMakeBall(int n = 24, int type = VTK_FLOAT)
 {
   auto image = vtkSmartPointer<vtkImageData>::New();
   image->SetDimensions(n, n, n);
   image->AllocateScalars(type, 1);
-  const double centre = 0.45 * (n - 1);
+  const double center = 0.45 * (n - 1);
   for (int k = 0; k < n; ++k)
   {
     for (int j = 0; j < n; ++j)
     {
       for (int i = 0; i < n; ++i)
       {
-        const double r = std::sqrt((i - centre) * (i - centre) + (j - centre) * (j - centre) +
-          1.5 * (k - centre) * (k - centre));
+        const double r = std::sqrt((i - center) * (i - center) + (j - center) * (j - center) +
+          1.5 * (k - center) * (k - center));
         image->SetScalarComponentFromDouble(
           i, j, k, 0, std::floor(std::max(0.0, 200.0 * (1.0 - r / (0.5 * n)))));
       }
@@ -68,10 +68,10 @@ struct FFDTestScene
     this->Opacity->AddPoint(0.0, 0.0);
     this->Opacity->AddPoint(40.0, 0.0);
     this->Opacity->AddPoint(200.0, 0.4);
-    this->Colour->AddRGBPoint(0.0, 0.2, 0.2, 1.0);
-    this->Colour->AddRGBPoint(200.0, 1.0, 0.5, 0.1);
+    this->Color->AddRGBPoint(0.0, 0.2, 0.2, 1.0);
+    this->Color->AddRGBPoint(200.0, 1.0, 0.5, 0.1);
     this->Property->SetScalarOpacity(this->Opacity);
-    this->Property->SetColor(this->Colour);
+    this->Property->SetColor(this->Color);
     this->Property->SetInterpolationTypeToLinear();
     this->Volume->SetMapper(this->Mapper);
     this->Volume->SetProperty(this->Property);
@@ -129,7 +129,7 @@ struct FFDTestScene
   vtkNew<vtkFFDInverseRayVolumeMapper> Mapper;
   vtkNew<FFDErrorLog> Errors;
   vtkNew<vtkPiecewiseFunction> Opacity;
-  vtkNew<vtkColorTransferFunction> Colour;
+  vtkNew<vtkColorTransferFunction> Color;
   vtkNew<vtkVolumeProperty> Property;
   vtkNew<vtkVolume> Volume;
   vtkNew<vtkRenderer> Renderer;

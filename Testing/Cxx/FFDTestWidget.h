@@ -17,9 +17,9 @@
 #include "vtkInteractorStyleTrackballCamera.h"
 #include "vtkMatrix4x4.h"
 #include "vtkNew.h"
+#include "vtkRenderer.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderWindowInteractor.h"
-#include "vtkRenderer.h"
 
 #include <array>
 #include <string>
@@ -56,10 +56,9 @@ public:
     this->View->SetLattice(this->Lattice);
     this->Log->SetCallback(WidgetScene::Record);
     this->Log->SetClientData(this);
-    for (unsigned long event :
-      { vtkCommand::StartInteractionEvent, vtkCommand::InteractionEvent,
-        vtkCommand::EndInteractionEvent, vtkCommand::WidgetValueChangedEvent,
-        vtkCommand::SelectionChangedEvent })
+    for (unsigned long event : { vtkCommand::StartInteractionEvent, vtkCommand::InteractionEvent,
+           vtkCommand::EndInteractionEvent, vtkCommand::WidgetValueChangedEvent,
+           vtkCommand::SelectionChangedEvent })
     {
       this->Widget->AddObserver(event, this->Log);
     }
@@ -78,8 +77,7 @@ public:
   std::array<double, 3> Display(const std::array<double, 3>& p)
   {
     std::array<double, 3> display;
-    vtkInteractorObserver::ComputeWorldToDisplay(
-      this->Renderer, p[0], p[1], p[2], display.data());
+    vtkInteractorObserver::ComputeWorldToDisplay(this->Renderer, p[0], p[1], p[2], display.data());
     return display;
   }
 

@@ -13,10 +13,7 @@ namespace
 
 constexpr int N = 28;
 
-double Field(int, const ffdTest::Vec3& p)
-{
-  return ffdTest::FourFields(3, p);
-}
+double Field(int, const ffdTest::Vec3& p) { return ffdTest::FourFields(3, p); }
 
 bool IsBlank(vtkIdType i, vtkIdType j, vtkIdType k)
 {
@@ -38,10 +35,8 @@ struct Fixture
   }
   void CheckSame(const std::string& name, const ffdTest::Picture& expected, ffdTest::Checks& checks)
   {
-    const ffdTest::Distance d =
-      this->Scene.Compare(expected, this->Scene.Render(this->Scene.Ours));
-    checks.Expect(
-      d.Pixels > 2000 && d.Max <= 1.0, name, ffdTest::ToString(d) + " (max at most 1)");
+    const ffdTest::Distance d = this->Scene.Compare(expected, this->Scene.Render(this->Scene.Ours));
+    checks.Expect(d.Pixels > 2000 && d.Max <= 1.0, name, ffdTest::ToString(d) + " (max at most 1)");
   }
 };
 
@@ -58,8 +53,7 @@ void CheckPoints(ffdTest::Checks& checks)
       {
         if (IsBlank(i, j, k))
         {
-          holes->SetScalarComponentFromDouble(
-            i, j, k, 0, std::numeric_limits<double>::quiet_NaN());
+          holes->SetScalarComponentFromDouble(i, j, k, 0, std::numeric_limits<double>::quiet_NaN());
         }
       }
     }
@@ -184,7 +178,7 @@ void CheckInterpolatedCells(ffdTest::Checks& checks)
     green += picture.Rgb[i + 1] > 60 ? 1 : 0;
   }
   checks.Expect(red == 0 && green > 2000, "hidden cells do not bleed",
-    std::to_string(red) + " pixels with their colour, " + std::to_string(green) + " with others'");
+    std::to_string(red) + " pixels with their color, " + std::to_string(green) + " with others'");
 }
 
 } // namespace

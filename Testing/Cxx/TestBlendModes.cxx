@@ -46,8 +46,8 @@ vtkSmartPointer<vtkImageData> Lifted(vtkImageData* image)
     const double x = static_cast<double>(i % dims[0]) / dims[0];
     const double z = static_cast<double>(i / (dims[0] * dims[1])) / dims[2];
     scalars->SetComponent(i, 0,
-      std::floor(40.0 + 30.0 * std::sin(9.0 * x) * std::cos(7.0 * z) +
-        0.7 * scalars->GetComponent(i, 0)));
+      std::floor(
+        40.0 + 30.0 * std::sin(9.0 * x) * std::cos(7.0 * z) + 0.7 * scalars->GetComponent(i, 0)));
   }
   return out;
 }
@@ -55,13 +55,11 @@ vtkSmartPointer<vtkImageData> Lifted(vtkImageData* image)
 void SetMode(ffdTest::Scene& scene, const Mode& mode)
 {
   ffdTest::SetBlendMode(scene, mode.Blend);
-  ffdTest::ForAllMappers(scene,
-    [&](vtkVolumeMapper* m) {
-      m->SetAverageIPScalarRange(mode.AverageRange[0], mode.AverageRange[1]);
-    });
+  ffdTest::ForAllMappers(scene, [&](vtkVolumeMapper* m) {
+    m->SetAverageIPScalarRange(mode.AverageRange[0], mode.AverageRange[1]);
+  });
   // Sums are the larger the longer the unit is not.
-  scene.Property->SetScalarOpacityUnitDistance(
-    mode.Blend == Mapper::ADDITIVE_BLEND ? 40.0 : 1.0);
+  scene.Property->SetScalarOpacityUnitDistance(mode.Blend == Mapper::ADDITIVE_BLEND ? 40.0 : 1.0);
 }
 
 void CheckIdentity(ffdTest::Scene& scene, const std::string& name, ffdTest::Checks& checks)
@@ -87,8 +85,7 @@ void CheckIdentity(ffdTest::Scene& scene, const std::string& name, ffdTest::Chec
                 << scene.Compare(gpu, fixed);
         ok = ok && toFixed.Mean <= 1.5 && toFixed.P99 <= 12.0;
       }
-      checks.Expect(
-        ok, name + ", " + mode.Name + (shade ? ", shade on" : ""), figures.str());
+      checks.Expect(ok, name + ", " + mode.Name + (shade ? ", shade on" : ""), figures.str());
       if (!shade)
       {
         scene.Ours->ReferenceKernelsOn();
@@ -127,8 +124,7 @@ void CheckDeformed(ffdTest::Scene& scene, vtkImageData* image, const std::string
       const vtkSmartPointer<vtkImageData> voxels = ffdTest::Resample(image, transform, 0.5, 0.0);
       scene.Gpu->SetInputData(voxels);
       scene.SetCamera({ 40.0, 25.0, 1.0, false, false }, voxels->GetBounds());
-      const ffdTest::Distance d =
-        scene.Compare(scene.Render(scene.Ours), scene.Render(scene.Gpu));
+      const ffdTest::Distance d = scene.Compare(scene.Render(scene.Ours), scene.Render(scene.Gpu));
       checks.Expect(d.Pixels > 3000 && d.Psnr >= 30.0, name + ", deformed, " + mode.Name,
         ffdTest::ToString(d) + " from the resampled volume (at least 30 dB)");
     }
@@ -157,8 +153,7 @@ int TestBlendModes(int argc, char* argv[])
 {
   ffdTest::Checks checks;
   ffdTest::Scene scene;
-  const vtkSmartPointer<vtkImageData> engine =
-    Lifted(ffdTest::ReadVolume(argc, argv, "engine", 2));
+  const vtkSmartPointer<vtkImageData> engine = Lifted(ffdTest::ReadVolume(argc, argv, "engine", 2));
   const ffdTest::Transfer transfer = { { 0, 0.2, 0.3, 0.8, 0.0 }, { 60, 0.3, 0.3, 0.7, 0.2 },
     { 100, 0.3, 0.7, 0.6, 0.4 }, { 150, 0.9, 0.7, 0.3, 0.6 }, { 255, 1.0, 1.0, 1.0, 1.0 } };
   ffdTest::SetTransfer(scene.Property, transfer, 1.0);

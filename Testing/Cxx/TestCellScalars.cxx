@@ -19,12 +19,12 @@ double Everywhere(int c, const ffdTest::Vec3& p)
 
 vtkSmartPointer<vtkImageData> MakeCells(int type, const ffdTest::Field& field, int components = 1)
 {
-  const auto centres = ffdTest::MakeImage(N, type, components, field);
+  const auto centers = ffdTest::MakeImage(N, type, components, field);
   auto image = vtkSmartPointer<vtkImageData>::New();
   image->SetDimensions(N + 1, N + 1, N + 1);
   image->SetOrigin(-2.0, 3.0, 1.0);
   image->SetSpacing(1.5, 1.0, 0.8);
-  image->GetCellData()->SetScalars(centres->GetPointData()->GetScalars());
+  image->GetCellData()->SetScalars(centers->GetPointData()->GetScalars());
   return image;
 }
 
@@ -46,8 +46,7 @@ void CheckCells(ffdTest::Checks& checks)
         nearest ? VTK_NEAREST_INTERPOLATION : VTK_LINEAR_INTERPOLATION);
       const std::string name = std::string("cells of ") + vtkImageScalarTypeNameMacro(type) +
         (nearest ? ", nearest" : ", linear");
-      const ffdTest::Distance d =
-        scene.Compare(scene.Render(scene.Ours), scene.Render(scene.Gpu));
+      const ffdTest::Distance d = scene.Compare(scene.Render(scene.Ours), scene.Render(scene.Gpu));
       checks.Expect(d.Pixels > 8000 && d.Mean <= 3.5 && d.P99 <= 16.0, name,
         ffdTest::ToString(d) + " from the GPU mapper (mean at most 3.5, p99 16)");
       if (type == VTK_UNSIGNED_CHAR || type == VTK_DOUBLE)
@@ -74,8 +73,8 @@ void CheckCells(ffdTest::Checks& checks)
 void CheckFaces(ffdTest::Checks& checks)
 {
   ffdTest::Scene scene;
-  const auto image = MakeCells(VTK_FLOAT,
-    [](int, const ffdTest::Vec3& p) { return p[1] == 0.0 ? 1.0 : 0.0; });
+  const auto image =
+    MakeCells(VTK_FLOAT, [](int, const ffdTest::Vec3& p) { return p[1] == 0.0 ? 1.0 : 0.0; });
   scene.SetInput(image);
   // Along y: the layer is one voxel of 1.0 thick.
   scene.SetCamera({ 0.0, 0.0, 1.0, true, false }, image->GetBounds());
@@ -100,12 +99,12 @@ void CheckSelection(ffdTest::Checks& checks)
   ffdTest::Scene scene;
   const auto image = MakeCells(VTK_FLOAT, Everywhere);
   image->GetCellData()->GetScalars()->SetName("first");
-  const auto other = ffdTest::MakeImage(N, VTK_FLOAT, 1,
-    [](int, const ffdTest::Vec3& p) { return ffdTest::FourFields(1, p); });
+  const auto other = ffdTest::MakeImage(
+    N, VTK_FLOAT, 1, [](int, const ffdTest::Vec3& p) { return ffdTest::FourFields(1, p); });
   other->GetPointData()->GetScalars()->SetName("second");
   image->GetCellData()->AddArray(other->GetPointData()->GetScalars());
-  const auto points = ffdTest::MakeImage(N + 1, VTK_SHORT, 1,
-    [](int, const ffdTest::Vec3& p) { return ffdTest::FourFields(0, p); });
+  const auto points = ffdTest::MakeImage(
+    N + 1, VTK_SHORT, 1, [](int, const ffdTest::Vec3& p) { return ffdTest::FourFields(0, p); });
   points->GetPointData()->GetScalars()->SetName("third");
   image->GetPointData()->AddArray(points->GetPointData()->GetScalars());
   scene.Ours->SetInputData(image);
@@ -113,8 +112,7 @@ void CheckSelection(ffdTest::Checks& checks)
   ffdTest::SetTransfer(
     scene.Property, { { 30, 1.0, 0.3, 0.1, 0.0 }, { 240, 0.2, 0.6, 1.0, 0.3 } }, 1.0);
 
-  const auto alone = [&](vtkDataArray* array, bool cells)
-  {
+  const auto alone = [&](vtkDataArray* array, bool cells) {
     vtkNew<vtkImageData> only;
     only->CopyStructure(image);
     if (cells)
@@ -135,8 +133,7 @@ void CheckSelection(ffdTest::Checks& checks)
   const ffdTest::Picture second = alone(image->GetCellData()->GetArray("second"), true);
   const ffdTest::Picture third = alone(image->GetPointData()->GetArray("third"), false);
   checks.ExpectAtLeast("arrays differ", scene.Compare(first, second).Mean, 20.0);
-  const auto same = [&](const std::string& name, const ffdTest::Picture& expected)
-  {
+  const auto same = [&](const std::string& name, const ffdTest::Picture& expected) {
     const ffdTest::Distance d = scene.Compare(expected, scene.Render(scene.Ours));
     checks.Expect(d.Pixels > 2000 && d.Max == 0.0, name, ffdTest::ToString(d));
   };

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Clipping planes of the world: without deformation the pictures of VTK's own mappers, with one that
-// of the resampled volume, clipped.
+// Clipping planes of the world: without deformation the pictures of VTK's own mappers, with one
+// that of the resampled volume, clipped.
 #include "FFDTestBlend.h"
 
 namespace
@@ -35,8 +35,7 @@ int TestClippingPlanes(int argc, char* argv[])
   vtkNew<vtkPlane> second;
   second->SetOrigin(middle[0], middle[1], middle[2] + 5.2 * voxel);
   second->SetNormal(0.1, 0.0, -3.0); // any length
-  const auto compare = [&](const std::string& name)
-  {
+  const auto compare = [&](const std::string& name) {
     const ffdTest::Picture ours = scene.Render(scene.Ours);
     const ffdTest::Picture gpu = scene.Render(scene.Gpu);
     const ffdTest::Picture fixed = scene.RenderFixedRays();
@@ -63,8 +62,8 @@ int TestClippingPlanes(int argc, char* argv[])
   scene.Volume->SetOrientation(0.0, 0.0, 0.0);
   // A plane that is moved is looked at anew.
   second->SetNormal(0.1, 0.0, 3.0);
-  checks.ExpectAtLeast(
-    "plane turned around, mean change", scene.Compare(compare("plane turned around"), two).Mean, 5.0);
+  checks.ExpectAtLeast("plane turned around, mean change",
+    scene.Compare(compare("plane turned around"), two).Mean, 5.0);
   scene.SetCamera({ 30.0, 30.0, 1.0, true, false }, bounds);
   compare("parallel projection");
 
@@ -99,6 +98,6 @@ int TestClippingPlanes(int argc, char* argv[])
   scene.Ours->AddClippingPlane(first);
   const ffdTest::Bytes none = ffdTest::RenderBytes(scene, 60);
   checks.ExpectAtMost("all clipped: largest byte",
-    none.Colours.empty() ? 256 : *std::max_element(none.Colours.begin(), none.Colours.end()), 0);
+    none.Colors.empty() ? 256 : *std::max_element(none.Colors.begin(), none.Colors.end()), 0);
   return checks.Result();
 }

@@ -24,8 +24,7 @@ void CheckIndependent(ffdTest::Checks& checks)
   {
     // vtkFixedPointVolumeRayCastMapper does not survive a change of their number.
     ffdTest::Scene scene;
-    const auto image =
-      ffdTest::MakeImage(40, VTK_UNSIGNED_CHAR, components, ffdTest::FourFields);
+    const auto image = ffdTest::MakeImage(40, VTK_UNSIGNED_CHAR, components, ffdTest::FourFields);
     scene.SetInput(image);
     scene.SetCamera({ 25.0, 20.0, 1.0, true, false }, image->GetBounds());
     scene.Property->IndependentComponentsOn();
@@ -65,8 +64,8 @@ void CheckIndependent(ffdTest::Checks& checks)
     checks.Expect(shadedFixed.Mean <= 5.0, name + ", shaded",
       ffdTest::ToString(shadedFixed) + " (mean at most 5)");
     scene.Property->SetDiffuse(1, 0.1);
-    checks.ExpectAtLeast(name + ", each has its surface",
-      scene.Compare(shaded, scene.Render(scene.Ours)).Mean, 4.0);
+    checks.ExpectAtLeast(
+      name + ", each has its surface", scene.Compare(shaded, scene.Render(scene.Ours)).Mean, 4.0);
     scene.Property->SetDiffuse(1, 0.7);
     scene.Property->SetSpecularPower(1, 90.0);
     checks.ExpectAtLeast(name + ", each has its highlights",
@@ -78,8 +77,8 @@ void CheckIndependent(ffdTest::Checks& checks)
   }
 }
 
-/// The GPU mapper draws the same (with a unit distance of the last component that is that of the first,
-/// see CheckUniform()); vtkFixedPointVolumeRayCastMapper leaps and rounds otherwise here.
+/// The GPU mapper draws the same (with a unit distance of the last component that is that of the
+/// first, see CheckUniform()); vtkFixedPointVolumeRayCastMapper leaps and rounds otherwise here.
 /// The GPU mapper takes normals of the first component though, not of the last as documented by
 /// vtkVolumeProperty, so shading is compared with that of one component.
 void CheckDependent(ffdTest::Checks& checks)
@@ -95,8 +94,7 @@ void CheckDependent(ffdTest::Checks& checks)
   {
     ffdTest::Scene scene;
     scene.Property->IndependentComponentsOff();
-    const auto image =
-      ffdTest::MakeImage(40, VTK_UNSIGNED_CHAR, components, ffdTest::FourFields);
+    const auto image = ffdTest::MakeImage(40, VTK_UNSIGNED_CHAR, components, ffdTest::FourFields);
     scene.SetInput(image);
     scene.SetCamera({ 25.0, 20.0, 1.0, true, false }, image->GetBounds());
     ffdTest::SetComponent(scene.Property, 0, functions);
@@ -118,19 +116,19 @@ void CheckDependent(ffdTest::Checks& checks)
     {
       ffdTest::SetComponent(scene.Property, c, Functions[c]);
     }
-    checks.ExpectAtLeast(name + ", dependence matters",
-      scene.Compare(ours, scene.Render(scene.Ours)).Mean, 8.0);
+    checks.ExpectAtLeast(
+      name + ", dependence matters", scene.Compare(ours, scene.Render(scene.Ours)).Mean, 8.0);
 
     // White, its last component alone: the same shading.
     scene.Property->IndependentComponentsOff();
     ffdTest::SetComponent(scene.Property, 0, components == 4 ? functions : white);
     scene.SetShading(0.2, 0.7, 0.2, 10.0);
-    const auto whitened = ffdTest::MakeImage(40, VTK_UNSIGNED_CHAR, components,
-      [components](int c, const ffdTest::Vec3& p)
-      { return c == components - 1 ? ffdTest::FourFields(c, p) : 255.0; });
+    const auto whitened = ffdTest::MakeImage(
+      40, VTK_UNSIGNED_CHAR, components, [components](int c, const ffdTest::Vec3& p) {
+        return c == components - 1 ? ffdTest::FourFields(c, p) : 255.0;
+      });
     const auto last = ffdTest::MakeImage(40, VTK_UNSIGNED_CHAR, 1,
-      [components](int, const ffdTest::Vec3& p)
-      { return ffdTest::FourFields(components - 1, p); });
+      [components](int, const ffdTest::Vec3& p) { return ffdTest::FourFields(components - 1, p); });
     scene.SetInput(whitened);
     const ffdTest::Picture dependent = scene.Render(scene.Ours);
     scene.SetInput(last);
@@ -141,18 +139,18 @@ void CheckDependent(ffdTest::Checks& checks)
   }
 }
 
-void CheckColours(ffdTest::Scene& scene, ffdTest::Checks& checks)
+void CheckColors(ffdTest::Scene& scene, ffdTest::Checks& checks)
 {
   scene.Property->IndependentComponentsOff();
-  // Gray volumes as colours: their luminance is looked up, so the picture is that of one component
-  // whose colour is its value.
+  // Gray volumes as colors: their luminance is looked up, so the picture is that of one component
+  // whose color is its value.
   const auto gray = [](int, const ffdTest::Vec3& p) { return ffdTest::FourFields(3, p); };
   const Transfer ramp = { { 0, 0.0, 0.0, 0.0, 0.0 }, { 255, 1.0, 1.0, 1.0, 0.2 } };
   ffdTest::SetComponent(scene.Property, 0, ramp);
-  const auto rgb = ffdTest::MakeImage(40, VTK_FLOAT, 3,
-    [&](int c, const ffdTest::Vec3& p) { return gray(c, p) / 255.0; });
-  const auto one = ffdTest::MakeImage(40, VTK_FLOAT, 1,
-    [&](int c, const ffdTest::Vec3& p) { return gray(c, p) / 255.0; });
+  const auto rgb = ffdTest::MakeImage(
+    40, VTK_FLOAT, 3, [&](int c, const ffdTest::Vec3& p) { return gray(c, p) / 255.0; });
+  const auto one = ffdTest::MakeImage(
+    40, VTK_FLOAT, 1, [&](int c, const ffdTest::Vec3& p) { return gray(c, p) / 255.0; });
   ffdTest::SetComponent(
     scene.Property, 0, { { 0, 0.0, 0.0, 0.0, 0.0 }, { 1, 1.0, 1.0, 1.0, 0.2 } });
   scene.SetInput(rgb);
@@ -163,7 +161,7 @@ void CheckColours(ffdTest::Scene& scene, ffdTest::Checks& checks)
   const ffdTest::Distance apart = scene.Compare(ofThree, scene.Render(scene.Ours));
   checks.Expect(apart.Pixels > 3000 && apart.Max <= 1.0, "3 dependent components",
     ffdTest::ToString(apart) + " from one component (max at most 1)");
-  // The types that colours may have.
+  // The types that colors may have.
   const auto asBytes = ffdTest::MakeImage(40, VTK_UNSIGNED_CHAR, 3, gray);
   const auto asShorts = ffdTest::MakeImage(40, VTK_UNSIGNED_SHORT, 3,
     [&](int c, const ffdTest::Vec3& p) { return 257.0 * std::floor(gray(c, p)); });
@@ -174,17 +172,17 @@ void CheckColours(ffdTest::Scene& scene, ffdTest::Checks& checks)
     scene.Property, 0, { { 0, 0.0, 0.0, 0.0, 0.0 }, { 65535, 1.0, 1.0, 1.0, 0.2 } });
   scene.SetInput(asShorts);
   const ffdTest::Distance types = scene.Compare(bytes, scene.Render(scene.Ours));
-  checks.Expect(types.Pixels > 3000 && types.Max <= 2.0, "unsigned short colours",
+  checks.Expect(types.Pixels > 3000 && types.Max <= 2.0, "unsigned short colors",
     ffdTest::ToString(types) + " from unsigned char (max at most 2)");
   scene.Property->IndependentComponentsOn();
 }
 
-/// A uniform volume 32 units thick, whose components have the given values; two voxels in its corners
-/// span the range of bytes.
+/// A uniform volume 32 units thick, whose components have the given values; two voxels in its
+/// corners span the range of bytes.
 vtkSmartPointer<vtkImageData> MakeUniform(const std::vector<double>& values)
 {
-  return ffdTest::MakeImage(33, VTK_UNSIGNED_CHAR, static_cast<int>(values.size()),
-    [&](int c, const ffdTest::Vec3& p) {
+  return ffdTest::MakeImage(
+    33, VTK_UNSIGNED_CHAR, static_cast<int>(values.size()), [&](int c, const ffdTest::Vec3& p) {
       const double sum = p[0] + p[1] + p[2];
       return sum == 0.0 ? 0.0 : sum == 3.0 ? 255.0 : values[static_cast<std::size_t>(c)];
     });
@@ -248,7 +246,7 @@ void CheckUniform(ffdTest::Checks& checks)
       a[c] = 1.0 - std::pow(1.0 - opacity, Step);
       aw[c] = weight * a[c];
     }
-    // Every interval adds its colour to what is left by those before.
+    // Every interval adds its color to what is left by those before.
     const auto march = [&](double alpha) {
       std::array<double, 3> rgb{ { 0.0, 0.0, 0.0 } };
       double light = 1.0;
@@ -267,8 +265,8 @@ void CheckUniform(ffdTest::Checks& checks)
     std::ostringstream name;
     name << "uniform, opacities " << each[0] << ", " << each[1] << ", weights " << each[2] << ", "
          << each[3];
-    // The GPU mapper leaves out the weights in the numerator. It goes first: what it draws with weights
-    // after the fixed-point mapper has drawn in the same window is darker.
+    // The GPU mapper leaves out the weights in the numerator. It goes first: what it draws with
+    // weights after the fixed-point mapper has drawn in the same window is darker.
     expect(name.str() + ", GPU mapper", FindMiddle(scene.Render(scene.Gpu)),
       march((a[0] * a[0] + a[1] * a[1]) / sum));
     expect(name.str(), FindMiddle(scene.Render(scene.Ours)), weighted);
@@ -281,28 +279,27 @@ void CheckUniform(ffdTest::Checks& checks)
     for (const int longer : { 0, components - 1 })
     {
       ffdTest::Scene scene(60);
-      prepare(scene, components == 2 ? std::vector<double>{ 100.0, 150.0 }
-                                     : std::vector<double>{ 100.0, 120.0, 140.0, 150.0 });
+      prepare(scene,
+        components == 2 ? std::vector<double>{ 100.0, 150.0 }
+                        : std::vector<double>{ 100.0, 120.0, 140.0, 150.0 });
       scene.Property->IndependentComponentsOff();
       constexpr double Opacity = 0.05;
       ffdTest::SetComponent(
         scene.Property, 0, { { 0, 1.0, 1.0, 1.0, Opacity }, { 255, 1.0, 1.0, 1.0, Opacity } });
       scene.Property->SetScalarOpacityUnitDistance(longer, 4.0);
-      const auto colour = [&](double unit) {
+      const auto color = [&](double unit) {
         const double alpha = 1.0 - std::pow(1.0 - Opacity, Thickness / unit);
-        return components == 2
-          ? std::array<double, 3>{ { alpha, alpha, alpha } }
-          : std::array<double, 3>{
-              { alpha * 100.0 / 255.0, alpha * 120.0 / 255.0, alpha * 140.0 / 255.0 } };
+        return components == 2 ? std::array<double, 3>{ { alpha, alpha, alpha } }
+                               : std::array<double, 3>{ { alpha * 100.0 / 255.0,
+                                   alpha * 120.0 / 255.0, alpha * 140.0 / 255.0 } };
       };
       const std::string name = "uniform, " + std::to_string(components) +
         " dependent components, unit distance of " + std::to_string(longer);
       const double first = longer == 0 ? 4.0 : 1.0;
-      expect(name, FindMiddle(scene.Render(scene.Ours)), colour(first));
+      expect(name, FindMiddle(scene.Render(scene.Ours)), color(first));
+      expect(name + ", fixed-point mapper", FindMiddle(scene.RenderFixedRays()), color(first));
       expect(
-        name + ", fixed-point mapper", FindMiddle(scene.RenderFixedRays()), colour(first));
-      expect(name + ", GPU mapper", FindMiddle(scene.Render(scene.Gpu)),
-        colour(longer == 0 ? 1.0 : 4.0));
+        name + ", GPU mapper", FindMiddle(scene.Render(scene.Gpu)), color(longer == 0 ? 1.0 : 4.0));
     }
   }
 }
@@ -310,11 +307,11 @@ void CheckUniform(ffdTest::Checks& checks)
 /// All types, with functions over the same part of their range, give the same picture.
 void CheckTypes(ffdTest::Scene& scene, ffdTest::Checks& checks)
 {
-  const int types[] = { VTK_CHAR, VTK_SIGNED_CHAR, VTK_UNSIGNED_CHAR, VTK_SHORT,
-    VTK_UNSIGNED_SHORT, VTK_INT, VTK_UNSIGNED_INT, VTK_LONG, VTK_UNSIGNED_LONG, VTK_LONG_LONG,
-    VTK_UNSIGNED_LONG_LONG, VTK_FLOAT, VTK_DOUBLE };
-  scene.SetCamera(
-    { 25.0, 20.0, 1.0, true, false }, ffdTest::MakeImage(40, VTK_FLOAT, 1, ffdTest::FourFields)->GetBounds());
+  const int types[] = { VTK_CHAR, VTK_SIGNED_CHAR, VTK_UNSIGNED_CHAR, VTK_SHORT, VTK_UNSIGNED_SHORT,
+    VTK_INT, VTK_UNSIGNED_INT, VTK_LONG, VTK_UNSIGNED_LONG, VTK_LONG_LONG, VTK_UNSIGNED_LONG_LONG,
+    VTK_FLOAT, VTK_DOUBLE };
+  scene.SetCamera({ 25.0, 20.0, 1.0, true, false },
+    ffdTest::MakeImage(40, VTK_FLOAT, 1, ffdTest::FourFields)->GetBounds());
   for (int c = 0; c < 2; ++c)
   {
     ffdTest::SetComponent(scene.Property, c,
@@ -347,7 +344,7 @@ int TestComponents(int, char*[])
   ffdTest::Scene scene;
   CheckIndependent(checks);
   CheckDependent(checks);
-  CheckColours(scene, checks);
+  CheckColors(scene, checks);
   CheckTypes(scene, checks);
   CheckUniform(checks);
   return checks.Result();

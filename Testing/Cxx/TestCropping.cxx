@@ -80,8 +80,7 @@ int TestCropping(int argc, char* argv[])
   const ffdTest::Picture whole = scene.Render(scene.Ours);
   for (const Regions& regions : AllRegions())
   {
-    ffdTest::ForAllMappers(
-      scene, [&](vtkVolumeMapper* m) { SetPlanes(m, bounds, regions.Flags); });
+    ffdTest::ForAllMappers(scene, [&](vtkVolumeMapper* m) { SetPlanes(m, bounds, regions.Flags); });
     scene.Ours->SetCroppingSpaceToRest();
     const ffdTest::Picture rest = scene.Render(scene.Ours);
     const ffdTest::Picture fixed = scene.RenderFixedRays();
@@ -93,16 +92,15 @@ int TestCropping(int argc, char* argv[])
     figures << "\n      ours-fixed " << toFixed << "\n      ours-gpu   " << toGpu
             << "\n      gpu-fixed  " << apart;
     // VTK's two mappers are each other's yardstick, as in TestIdentityAgainstVTK.
-    checks.Expect(toFixed.Pixels > 1500 && toFixed.Mean <= apart.Mean &&
-        toGpu.Mean <= apart.Mean + 0.3,
+    checks.Expect(
+      toFixed.Pixels > 1500 && toFixed.Mean <= apart.Mean && toGpu.Mean <= apart.Mean + 0.3,
       regions.Name + ", no farther from them than they are from each other", figures.str());
     scene.Ours->SetCroppingSpaceToDeformed();
     const ffdTest::Distance spaces = scene.Compare(rest, scene.Render(scene.Ours));
     // Samples on a plane may fall to either side of it.
     checks.Expect(spaces.Mean <= 0.2, regions.Name + ", REST and DEFORMED without deformation",
       ffdTest::ToString(spaces) + " (mean at most 0.2)");
-    checks.ExpectAtLeast(
-      regions.Name + ", mean change", scene.Compare(rest, whole).Mean, 2.0);
+    checks.ExpectAtLeast(regions.Name + ", mean change", scene.Compare(rest, whole).Mean, 2.0);
   }
 
   const vtkSmartPointer<vtkBSplineTransform> transform =
@@ -147,6 +145,6 @@ int TestCropping(int argc, char* argv[])
   scene.Ours->SetCroppingRegionFlags(0);
   const ffdTest::Bytes none = ffdTest::RenderBytes(scene, 60);
   checks.ExpectAtMost("no region: largest byte",
-    none.Colours.empty() ? 256 : *std::max_element(none.Colours.begin(), none.Colours.end()), 0);
+    none.Colors.empty() ? 256 : *std::max_element(none.Colors.begin(), none.Colors.end()), 0);
   return checks.Result();
 }

@@ -22,8 +22,8 @@ namespace
 {
 
 /// `image` resampled through `pullBack` at twice its resolution, over `bounds`. VTK's inverse of a
-/// B-spline takes far longer than all the rest: it is asked for at the voxels, and interpolated linearly
-/// between these with the error that is returned, in voxels.
+/// B-spline takes far longer than all the rest: it is asked for at the voxels, and interpolated
+/// linearly between these with the error that is returned, in voxels.
 vtkSmartPointer<vtkImageData> Resample(vtkImageData* image, vtkAbstractTransform* pullBack,
   const double bounds[6], double background, double& error)
 {
@@ -47,8 +47,7 @@ vtkSmartPointer<vtkImageData> Resample(vtkImageData* image, vtkAbstractTransform
   tabulate->SetGridScalarTypeToFloat();
   tabulate->SetGridOrigin(origin);
   tabulate->SetGridSpacing(2.0 * spacing[0], 2.0 * spacing[1], 2.0 * spacing[2]);
-  tabulate->SetGridExtent(
-    0, extent[1] / 2 + 1, 0, extent[3] / 2 + 1, 0, extent[5] / 2 + 1);
+  tabulate->SetGridExtent(0, extent[1] / 2 + 1, 0, extent[3] / 2 + 1, 0, extent[5] / 2 + 1);
   vtkNew<vtkGridTransform> grid;
   grid->SetDisplacementGridConnection(tabulate->GetOutputPort());
   grid->SetInterpolationModeToLinear();
@@ -169,8 +168,7 @@ void CheckModes(ffdTest::Scene& scene, const Subject& s, ffdTest::Checks& checks
   scene.Ours->SetDeformation(transform);
   scene.Ours->SetInverseMode(Mapper::EXACT);
   scene.Ours->GetBounds(deformed);
-  const vtkSmartPointer<vtkImageData> exact =
-    resample(transform->GetInverse(), deformed, "EXACT");
+  const vtkSmartPointer<vtkImageData> exact = resample(transform->GetInverse(), deformed, "EXACT");
   CheckAgainst(scene, s, transform, Mapper::EXACT, exact, "EXACT", undeformed, checks);
 
   scene.Ours->SetInverseMode(Mapper::PULL_BACK);
@@ -209,8 +207,8 @@ void CheckModes(ffdTest::Scene& scene, const Subject& s, ffdTest::Checks& checks
 }
 
 /// An affine net is the same volume under a user matrix, if opacities are those of lengths at rest:
-/// under a matrix VTK's mappers, and ours, measure lengths before it. vtkGPUVolumeRayCastMapper lights
-/// shaded pictures rightly only if `linear` keeps angles.
+/// under a matrix VTK's mappers, and ours, measure lengths before it. vtkGPUVolumeRayCastMapper
+/// lights shaded pictures rightly only if `linear` keeps angles.
 void CheckAffine(ffdTest::Scene& scene, const Subject& s, const std::string& map,
   const double (&linear)[3][3], bool keepsAngles, ffdTest::Checks& checks)
 {
@@ -243,8 +241,8 @@ void CheckAffine(ffdTest::Scene& scene, const Subject& s, const std::string& map
   ffdTest::SetTransfer(scene.Property, s.Points, s.Unit);
   scene.SetShading(0.1, 0.7, 0.2, 10.0);
   scene.SetInput(s.Image);
-  // Short: the net is sampled by length on the viewing ray, the user matrix by that before it, and the
-  // samples of each begin where the ray meets another volume at rest.
+  // Short: the net is sampled by length on the viewing ray, the user matrix by that before it, and
+  // the samples of each begin where the ray meets another volume at rest.
   scene.Ours->SetOpacityLengthToMaterial();
   scene.SetSampleDistance(0.1 * FindVoxel(s.Image));
   scene.Ours->SetInverseMode(vtkFFDInverseRayVolumeMapper::EXACT);

@@ -5,9 +5,9 @@
 // - vtkFixedPointVolumeRayCastMapper takes the sample whose last component is the extreme one, and
 //   has no other mode but compositing;
 // - vtkGPUVolumeRayCastMapper does so with four components. Of two it looks at a fourth one, which
-//   its texture does not have. Averages, sums and isosurfaces are those of the first component, with
-//   the opacity of the last. Labels have no effect with dependent components, and with independent
-//   ones its shader does not compile.
+//   its texture does not have. Averages, sums and isosurfaces are those of the first component,
+//   with the opacity of the last. Labels have no effect with dependent components, and with
+//   independent ones its shader does not compile.
 // Three components are compared with the one that their luminance is: VTK's mappers have none.
 #include "FFDTestBlend.h"
 #include "FFDTestOptics.h"
@@ -26,8 +26,9 @@ double Bytes(int component, const ffdTest::Vec3& p)
 /// Of two the second has a smaller range, and hardly two samples that are equal.
 ffdTest::Field FieldsOf(int components)
 {
-  return [components](int c, const ffdTest::Vec3& p)
-  { return components == 2 && c == 1 ? 0.6 * ffdTest::FourFields(1, p) : Bytes(c, p); };
+  return [components](int c, const ffdTest::Vec3& p) {
+    return components == 2 && c == 1 ? 0.6 * ffdTest::FourFields(1, p) : Bytes(c, p);
+  };
 }
 
 enum class Peer
@@ -51,7 +52,7 @@ struct Mode
 const std::vector<Mode>& Modes()
 {
   static const std::vector<Mode> modes = {
-    // Which of neighbouring samples is the extreme one is a matter of rounding.
+    // Which of neighboring samples is the extreme one is a matter of rounding.
     { "maximum", Mapper::MAXIMUM_INTENSITY_BLEND, Peer::Fixed, Peer::Gpu, true, 2.0, 25.0 },
     { "minimum", Mapper::MINIMUM_INTENSITY_BLEND, Peer::Fixed, Peer::Gpu, true, 2.0, 25.0 },
     { "average", Mapper::AVERAGE_INTENSITY_BLEND, Peer::Gpu, Peer::Gpu, false, 1.0, 6.0 },
@@ -82,15 +83,15 @@ void SetMode(ffdTest::Scene& scene, const Mode& mode)
 
 void SetFunctions(vtkVolumeProperty* property)
 {
-  vtkNew<vtkColorTransferFunction> colour;
-  colour->AddRGBPoint(0.0, 0.2, 0.3, 1.0);
-  colour->AddRGBPoint(120.0, 0.2, 1.0, 0.3);
-  colour->AddRGBPoint(255.0, 1.0, 0.3, 0.1);
+  vtkNew<vtkColorTransferFunction> color;
+  color->AddRGBPoint(0.0, 0.2, 0.3, 1.0);
+  color->AddRGBPoint(120.0, 0.2, 1.0, 0.3);
+  color->AddRGBPoint(255.0, 1.0, 0.3, 0.1);
   vtkNew<vtkPiecewiseFunction> opacity;
   opacity->AddPoint(0.0, 0.0);
   opacity->AddPoint(30.0, 0.0);
   opacity->AddPoint(255.0, 0.9);
-  property->SetColor(colour);
+  property->SetColor(color);
   property->SetScalarOpacity(opacity);
 }
 
@@ -145,21 +146,20 @@ void CheckModes(int components, ffdTest::Checks& checks)
     std::ostringstream figures;
     figures << apart << " from the " << (peer == Peer::Fixed ? "fixed-point" : "GPU")
             << " mapper (mean at most " << mode.Mean << ", p99 " << mode.P99 << ")";
-    checks.Expect(apart.Pixels > 900 && apart.Mean <= mode.Mean && apart.P99 <= mode.P99, name,
-      figures.str());
+    checks.Expect(
+      apart.Pixels > 900 && apart.Mean <= mode.Mean && apart.P99 <= mode.P99, name, figures.str());
 
-    // Another component for opacity or for colour is another picture.
+    // Another component for opacity or for color is another picture.
     scene.Property->IndependentComponentsOn();
-    checks.ExpectAtLeast(name + ", dependence matters",
-      scene.Compare(ours, scene.Render(scene.Ours)).Mean, 5.0);
+    checks.ExpectAtLeast(
+      name + ", dependence matters", scene.Compare(ours, scene.Render(scene.Ours)).Mean, 5.0);
     scene.Property->IndependentComponentsOff();
 
     scene.Ours->SetDeformation(bend);
     ffdTest::CheckLeaping(scene, name + ", deformed", mode.Leaps, checks);
     const ffdTest::Picture deformed = scene.Render(scene.Ours);
-    checks.ExpectAtLeast(
-      name + ", what the deformation changes", scene.Compare(ours, deformed).Mean,
-      mode.Blend == Mapper::ADDITIVE_BLEND ? 0.5 : 4.0);
+    checks.ExpectAtLeast(name + ", what the deformation changes",
+      scene.Compare(ours, deformed).Mean, mode.Blend == Mapper::ADDITIVE_BLEND ? 0.5 : 4.0);
     scene.Ours->ReferenceKernelsOn();
     const ffdTest::Distance reference = scene.Compare(deformed, scene.Render(scene.Ours));
     scene.Ours->ReferenceKernelsOff();
@@ -169,8 +169,8 @@ void CheckModes(int components, ffdTest::Checks& checks)
   }
 }
 
-/// Gray colours: their luminance is the one component that they are compared with.
-void CheckColours(ffdTest::Checks& checks)
+/// Gray colors: their luminance is the one component that they are compared with.
+void CheckColors(ffdTest::Checks& checks)
 {
   ffdTest::Scene scene(120);
   const auto gray = [](int, const ffdTest::Vec3& p) { return Bytes(3, p) / 255.0; };
@@ -257,18 +257,17 @@ void CheckMasks(ffdTest::Checks& checks)
       }
       else
       {
-        vtkNew<vtkColorTransferFunction> colour;
-        colour->AddRGBPoint(0.0, 0.1, 0.1, 1.0);
-        colour->AddRGBPoint(255.0, 0.2, 1.0, 1.0);
+        vtkNew<vtkColorTransferFunction> color;
+        color->AddRGBPoint(0.0, 0.1, 0.1, 1.0);
+        color->AddRGBPoint(255.0, 0.2, 1.0, 1.0);
         vtkNew<vtkPiecewiseFunction> opacity;
         opacity->AddPoint(10.0, 0.0);
         opacity->AddPoint(255.0, 0.3);
-        scene.Property->SetLabelColor(1, colour);
+        scene.Property->SetLabelColor(1, color);
         scene.Property->SetLabelScalarOpacity(1, opacity);
         scene.Ours->SetMaskTypeToLabelMap();
-        const ffdTest::Picture labelled = scene.Render(scene.Ours);
-        checks.ExpectAtLeast(
-          name + ", labels matter", scene.Compare(all, labelled).Mean, 10.0);
+        const ffdTest::Picture labeled = scene.Render(scene.Ours);
+        checks.ExpectAtLeast(name + ", labels matter", scene.Compare(all, labeled).Mean, 10.0);
         ffdTest::CheckSamePictures(scene, name + ", labels", checks);
         // Where the property shows nothing labels do, by what is looked up for opacity: as those of
         // that component alone.
@@ -294,7 +293,7 @@ int TestDependentBlends(int, char*[])
   ffdTest::Checks checks;
   CheckModes(2, checks);
   CheckModes(4, checks);
-  CheckColours(checks);
+  CheckColors(checks);
   CheckMasks(checks);
   return checks.Result();
 }

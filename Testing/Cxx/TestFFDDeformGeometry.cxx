@@ -53,8 +53,7 @@ vtkSmartPointer<vtkPolyData> MakeBall(bool doubles)
     vectors->SetNumberOfComponents(3);
     for (vtkIdType i = 0; i < ball->GetNumberOfPoints(); ++i)
     {
-      vectors->InsertNextTuple3(
-        random.Number(-1, 1), random.Number(-1, 1), random.Number(-1, 1));
+      vectors->InsertNextTuple3(random.Number(-1, 1), random.Number(-1, 1), random.Number(-1, 1));
     }
     ball->GetPointData()->AddArray(vectors);
   }
@@ -151,8 +150,10 @@ int TestAgainstTransformFilter()
       FFD_CHECK(std::string(output->GetPointData()->GetVectors()->GetName()) == "velocity");
       // The rest passes, shared; the input is as it was.
       FFD_CHECK(output->GetPointData()->GetScalars() == ball->GetPointData()->GetScalars());
-      FFD_CHECK(output->GetPointData()->GetArray("other") == ball->GetPointData()->GetArray("other"));
-      FFD_CHECK(LargestDifference(output->GetPoints()->GetData(), ball->GetPoints()->GetData()) > 0.1);
+      FFD_CHECK(
+        output->GetPointData()->GetArray("other") == ball->GetPointData()->GetArray("other"));
+      FFD_CHECK(
+        LargestDifference(output->GetPoints()->GetData(), ball->GetPoints()->GetData()) > 0.1);
       double p[3];
       ball->GetPoint(0, p);
       FFD_CHECK_NEAR(p[2], 3.0 + Radius, 1e-5);
@@ -222,8 +223,8 @@ int TestInverseModes()
   precise->DeepCopy(filter->GetOutput()->GetPoints());
   filter->SetInverseTolerance(0.05);
   filter->Update();
-  FFD_CHECK(LargestDifference(precise->GetData(), filter->GetOutput()->GetPoints()->GetData()) >
-    1e-6);
+  FFD_CHECK(
+    LargestDifference(precise->GetData(), filter->GetOutput()->GetPoints()->GetData()) > 1e-6);
   // Folds: first-order points, counted.
   ShapeLattice(lattice, 9.0);
   filter->SetInverseTolerance(1e-9);
@@ -278,8 +279,8 @@ int TestInputs()
   filter->SetLatticeConnection(nullptr);
   filter->Update();
   FFD_CHECK(log->Had("There is no deformation"));
-  FFD_CHECK(LargestDifference(filter->GetOutput()->GetPoints()->GetData(),
-              ball->GetPoints()->GetData()) == 0.0);
+  FFD_CHECK(LargestDifference(
+              filter->GetOutput()->GetPoints()->GetData(), ball->GetPoints()->GetData()) == 0.0);
   lattice->AttachTo(ball);
   ball->Modified();
   filter->Update();
@@ -373,15 +374,13 @@ int TestProgressAndAbort()
   int calls = 0;
   vtkNew<vtkCallbackCommand> callback;
   callback->SetClientData(&calls);
-  callback->SetCallback(
-    [](vtkObject* caller, unsigned long, void* data, void*)
+  callback->SetCallback([](vtkObject* caller, unsigned long, void* data, void*) {
+    int* count = static_cast<int*>(data);
+    if (++*count < 0)
     {
-      int* count = static_cast<int*>(data);
-      if (++*count < 0)
-      {
-        vtkAlgorithm::SafeDownCast(caller)->AbortExecuteOn();
-      }
-    });
+      vtkAlgorithm::SafeDownCast(caller)->AbortExecuteOn();
+    }
+  });
   filter->AddObserver(vtkCommand::ProgressEvent, callback);
   filter->Update();
   FFD_CHECK(calls >= 3 && filter->GetOutput()->GetNumberOfPoints() == 600000);

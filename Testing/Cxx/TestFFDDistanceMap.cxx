@@ -80,8 +80,7 @@ int TestDistances()
     // 22 x 18 x 17 cells.
     FFD_CHECK(dims[0] == 6 && dims[1] == 5 && dims[2] == 5);
     // A block is visible if a visible voxel touches it: the two ends of its range belong to it.
-    const auto isVisible = [](int bi, int bj, int bk)
-    {
+    const auto isVisible = [](int bi, int bj, int bk) {
       const int voxels[2][3] = { { 4, 4, 4 }, { 21, 17, 15 } }; // from the first voxel
       for (const int* v : voxels)
       {
@@ -107,10 +106,10 @@ int TestDistances()
         }
       }
       FFD_CHECK(output->GetPointData()->GetScalars()->GetComponent(n, 0) == expected);
-      // Its point is the centre of the block.
-      double centre[3] = { 2 + 4 * at[0] + 2.0, -3 + 4 * at[1] + 2.0, 5 + 4 * at[2] + 2.0 };
+      // Its point is the center of the block.
+      double center[3] = { 2 + 4 * at[0] + 2.0, -3 + 4 * at[1] + 2.0, 5 + 4 * at[2] + 2.0 };
       double p[3];
-      image->TransformContinuousIndexToPhysicalPoint(centre, p);
+      image->TransformContinuousIndexToPhysicalPoint(center, p);
       FFD_CHECK(FFDDistance(p, output->GetPoint(n)) < 1e-12);
     }
   }
@@ -185,14 +184,12 @@ int TestBadInput()
   int calls = 0;
   vtkNew<vtkCallbackCommand> callback;
   callback->SetClientData(&calls);
-  callback->SetCallback(
-    [](vtkObject* caller, unsigned long, void* data, void*)
+  callback->SetCallback([](vtkObject* caller, unsigned long, void* data, void*) {
+    if (++*static_cast<int*>(data) < 0)
     {
-      if (++*static_cast<int*>(data) < 0)
-      {
-        vtkAlgorithm::SafeDownCast(caller)->AbortExecuteOn();
-      }
-    });
+      vtkAlgorithm::SafeDownCast(caller)->AbortExecuteOn();
+    }
+  });
   filter->AddObserver(vtkCommand::ProgressEvent, callback);
   filter->Update();
   FFD_CHECK(calls > 5 && filter->GetOutput()->GetNumberOfPoints() == 3200);

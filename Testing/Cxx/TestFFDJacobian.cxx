@@ -120,7 +120,8 @@ int TestValues()
         FFD_CHECK(mask->GetComponent(i, 0) == (value > 0.0 ? 0.0 : 1.0));
         if (i % 17 == 0)
         {
-          FFD_CHECK_NEAR(value, Measure(transform, grid->GetPoint(i)), 1e-4 + 1e-4 * std::abs(value));
+          FFD_CHECK_NEAR(
+            value, Measure(transform, grid->GetPoint(i)), 1e-4 + 1e-4 * std::abs(value));
         }
       }
       FFD_CHECK(folded == filter->GetNumberOfFoldedPoints());
@@ -190,14 +191,12 @@ int TestPipeline()
   int calls = 0;
   vtkNew<vtkCallbackCommand> callback;
   callback->SetClientData(&calls);
-  callback->SetCallback(
-    [](vtkObject* caller, unsigned long, void* data, void*)
+  callback->SetCallback([](vtkObject* caller, unsigned long, void* data, void*) {
+    if (++*static_cast<int*>(data) < 0)
     {
-      if (++*static_cast<int*>(data) < 0)
-      {
-        vtkAlgorithm::SafeDownCast(caller)->AbortExecuteOn();
-      }
-    });
+      vtkAlgorithm::SafeDownCast(caller)->AbortExecuteOn();
+    }
+  });
   filter->AddObserver(vtkCommand::ProgressEvent, callback);
   filter->Update();
   FFD_CHECK(calls >= 2);

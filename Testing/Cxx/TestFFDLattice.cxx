@@ -101,8 +101,7 @@ int TestDefaultsAndEditing()
 int TestTimes()
 {
   vtkNew<vtkFFDLattice> lattice;
-  const auto changed = [&lattice](auto&& edit)
-  {
+  const auto changed = [&lattice](auto&& edit) {
     const vtkMTimeType before = lattice->GetMTime();
     edit();
     return lattice->GetMTime() > before;
@@ -132,15 +131,13 @@ int TestTimes()
   FFD_CHECK(changed([&] { lattice->Reset(); }));
   FFD_CHECK(!changed([&] { lattice->Reset(); }));
   // Queries are no edits.
-  FFD_CHECK(!changed(
-    [&]
-    {
-      double b[6];
-      lattice->GetDeformedBounds(bounds, b);
-      lattice->GetDisplacementBounds(b);
-      lattice->IsFoldFree();
-      lattice->TransformPoint(b, b);
-    }));
+  FFD_CHECK(!changed([&] {
+    double b[6];
+    lattice->GetDeformedBounds(bounds, b);
+    lattice->GetDisplacementBounds(b);
+    lattice->IsFoldFree();
+    lattice->TransformPoint(b, b);
+  }));
 
   // An edit in place counts after Modified(), and takes effect.
   double p[3] = { 1.0, 1.0, 1.0 };

@@ -4,11 +4,11 @@
 #include "FFDTestHelpers.h"
 
 #include "vtkBSplineTransform.h"
+#include "vtkDataArray.h"
 #include "vtkGeneralTransform.h"
 #include "vtkGridTransform.h"
 #include "vtkImageData.h"
 #include "vtkPointData.h"
-#include "vtkDataArray.h"
 #include "vtkPoints.h"
 #include "vtkThinPlateSplineTransform.h"
 #include "vtkTransform.h"

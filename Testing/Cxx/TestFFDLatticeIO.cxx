@@ -145,14 +145,14 @@ int TestMalformed()
   vtkNew<vtkFFDLattice> lattice;
   lattice->SetDimensions(5, 4, 6);
   lattice->SetDisplacement(1, 1, 1, 0.1, 0.2, 0.3);
-  const auto number = [](vtkImageData* image, const char* name, int index, double value)
-  {
+  const auto number = [](vtkImageData* image, const char* name, int index, double value) {
     vtkDataArray* array = image->GetFieldData()->GetArray(name);
     array->SetComponent(
       index / array->GetNumberOfComponents(), index % array->GetNumberOfComponents(), value);
   };
-  const auto remove = [](vtkImageData* image, const char* name)
-  { image->GetFieldData()->RemoveArray(name); };
+  const auto remove = [](vtkImageData* image, const char* name) {
+    image->GetFieldData()->RemoveArray(name);
+  };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   struct Case
   {
@@ -182,8 +182,7 @@ int TestMalformed()
     { "control point 7 is not finite",
       [&](vtkImageData* i) { number(i, "FFDLattice.Displacement", 22, nan); } },
     { "has 2 values, not 3",
-      [&](vtkImageData* i)
-      {
+      [&](vtkImageData* i) {
         vtkNew<vtkDoubleArray> two;
         two->SetName("FFDLattice.Origin");
         two->SetNumberOfTuples(2);
@@ -191,16 +190,16 @@ int TestMalformed()
         i->GetFieldData()->AddArray(two);
       } },
     { "holds no integer",
-      [&](vtkImageData* i)
-      {
+      [&](vtkImageData* i) {
         vtkNew<vtkFloatArray> half;
         half->SetName("FFDLattice.BorderMode");
         half->InsertNextValue(0.5f);
         i->GetFieldData()->AddArray(half);
       } },
     { "has not 3 components",
-      [&](vtkImageData* i)
-      { i->GetFieldData()->GetArray("FFDLattice.Displacement")->SetNumberOfComponents(1); } },
+      [&](vtkImageData* i) {
+        i->GetFieldData()->GetArray("FFDLattice.Displacement")->SetNumberOfComponents(1);
+      } },
   };
   for (const Case& c : cases)
   {

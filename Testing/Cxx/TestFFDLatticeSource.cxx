@@ -81,7 +81,7 @@ int TestShapes()
   source->SetShapeToTaper();
   source->GetLattice()->TransformPoint(top, q);
   FFD_CHECK_NEAR(q[0], 1.5, 1e-12);
-  // Bulge: outwards between centre and border, fixed outside the ellipsoid.
+  // Bulge: outwards between center and border, fixed outside the ellipsoid.
   source->SetShapeToBulge();
   const double inner[3] = { 3.0, 0.5, 6.5 };
   source->GetLattice()->TransformPoint(inner, q);
@@ -124,8 +124,8 @@ int TestFoldFree()
   source->SetDimensions(9, 8, 7);
   source->SetBounds(-10.0, 10.0, -4.0, 4.0, 0.0, 12.0);
   FFD_CHECK(source->GetFoldFree() == 0 && source->GetFoldFreeFactor() == 1.0);
-  for (const int shape : { vtkFFDLatticeSource::RANDOM, vtkFFDLatticeSource::BEND,
-         vtkFFDLatticeSource::TAPER })
+  for (const int shape :
+    { vtkFFDLatticeSource::RANDOM, vtkFFDLatticeSource::BEND, vtkFFDLatticeSource::TAPER })
   {
     source->SetShape(shape);
     source->SetStrength(8.0);
@@ -351,13 +351,13 @@ int TestKeyframes()
   // Nobody asked for a time: the first keyframe.
   filter->Update();
   FFD_CHECK(filter->GetOutput()->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()) == 1.0);
-  FFD_CHECK(filter->GetOutput()->GetPointData()->GetScalars() ==
-    volume->GetPointData()->GetScalars());
+  FFD_CHECK(
+    filter->GetOutput()->GetPointData()->GetScalars() == volume->GetPointData()->GetScalars());
 
   for (int i = 0; i < 4; ++i)
   {
-    for (const int interpolation : { vtkFFDDeformVolume::STEP, vtkFFDDeformVolume::LINEAR,
-           vtkFFDDeformVolume::SPLINE })
+    for (const int interpolation :
+      { vtkFFDDeformVolume::STEP, vtkFFDDeformVolume::LINEAR, vtkFFDDeformVolume::SPLINE })
     {
       filter->SetKeyframeInterpolation(interpolation);
       FFD_CHECK_NEAR(DisplacementAt(filter, times[i]), values[i], 1e-12);
@@ -373,8 +373,7 @@ int TestKeyframes()
   filter->SetKeyframeInterpolationToStep();
   FFD_CHECK_NEAR(DisplacementAt(filter, 3.9), 3.0, 1e-12);
   // The spline has no corner at a keyframe; the polygon has.
-  const auto corner = [&filter]
-  {
+  const auto corner = [&filter] {
     const double h = 1e-4;
     const double before = (DisplacementAt(filter, 2.0) - DisplacementAt(filter, 2.0 - h)) / h;
     const double after = (DisplacementAt(filter, 2.0 + h) - DisplacementAt(filter, 2.0)) / h;
@@ -416,8 +415,7 @@ int TestKeyframes()
   FFD_CHECK(filter->GetMTime() == time);
   vtkNew<vtkFFDLattice> other;
   other->DeepCopy(lattices[0]);
-  const auto refused = [&](const char* text)
-  {
+  const auto refused = [&](const char* text) {
     filter->AddKeyframe(3.0, other);
     filter->UpdateTimeStep(3.0);
     const bool had = log->Had(text);
@@ -445,5 +443,8 @@ int TestKeyframes()
 
 int TestFFDLatticeSource(int, char*[])
 {
-  return TestShapes() || TestFoldFree() || TestSourceInput() || TestKeyframes() || TestDeformVolume() ? EXIT_FAILURE : EXIT_SUCCESS;
+  return TestShapes() || TestFoldFree() || TestSourceInput() || TestKeyframes() ||
+      TestDeformVolume()
+    ? EXIT_FAILURE
+    : EXIT_SUCCESS;
 }

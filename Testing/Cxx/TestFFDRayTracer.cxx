@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// vtkFFDRayTracer: its vertices are what the inverse mode says, its segments follow the rules of the
-// segmentation, and its counts and colours are those of the mapper's picture.
+// vtkFFDRayTracer: its vertices are what the inverse mode says, its segments follow the rules of
+// the segmentation, and its counts and colors are those of the mapper's picture.
 #include "FFDTestVolume.h"
 
 #include "vtkFFDRayTracer.h"
@@ -53,8 +53,8 @@ int TestVertices()
     vtkPolyData* samples = tracer->GetOutput(2);
     const vtkIdType rays = rest->GetNumberOfLines();
     FFD_CHECK(rays > 9 && rays < 36 && viewing->GetNumberOfLines() == rays);
-    FFD_CHECK(rest->GetNumberOfPoints() > 100 &&
-      viewing->GetNumberOfPoints() == rest->GetNumberOfPoints());
+    FFD_CHECK(
+      rest->GetNumberOfPoints() > 100 && viewing->GetNumberOfPoints() == rest->GetNumberOfPoints());
     int curved = 0;
     int shortest = 0;
     for (vtkIdType i = 0; i < rest->GetNumberOfPoints(); ++i)
@@ -103,8 +103,9 @@ int TestVertices()
         const double length = Value(rest->GetPointData(), "SegmentLength", at);
         FFD_CHECK_NEAR(length, FFDDistance(c, d), 1e-9);
         FFD_CHECK_NEAR(Value(rest->GetPointData(), "RestLength", at), FFDDistance(a, b), 1e-9);
-        FFD_CHECK_NEAR(Value(rest->GetPointData(), "T", at + 1) -
-            Value(rest->GetPointData(), "T", at), length, 1e-9);
+        FFD_CHECK_NEAR(
+          Value(rest->GetPointData(), "T", at + 1) - Value(rest->GetPointData(), "T", at), length,
+          1e-9);
         FFD_CHECK(Value(rest->GetPointData(), "Segment", at) == n);
         FFD_CHECK(length <= 6.0 + 1e-9);
         // Section 4.5: a turn of more than 5 degrees only between the shortest segments.
@@ -150,8 +151,8 @@ int TestAgainstPicture()
   tracer->SetVolume(scene.Volume);
   tracer->SetImageSize(Side, Side);
   tracer->AddPixelGrid(Side, Side);
-  for (const int segmentation : { vtkFFDInverseRayVolumeMapper::ERROR_BOUND,
-         vtkFFDInverseRayVolumeMapper::GREEDY_ANGLE })
+  for (const int segmentation :
+    { vtkFFDInverseRayVolumeMapper::ERROR_BOUND, vtkFFDInverseRayVolumeMapper::GREEDY_ANGLE })
   {
     for (int leaping = vtkFFDInverseRayVolumeMapper::OFF;
          leaping <= vtkFFDInverseRayVolumeMapper::LIPSCHITZ; ++leaping)
@@ -169,7 +170,7 @@ int TestAgainstPicture()
       double sampled = 0.0;
       double passed = 0.0;
       vtkNew<vtkIdList> ids;
-      std::vector<unsigned char> colours(picture.size(), 0);
+      std::vector<unsigned char> colors(picture.size(), 0);
       for (vtkIdType cell = 0; cell < rest->GetNumberOfLines(); ++cell)
       {
         rest->GetCellPoints(cell, ids);
@@ -191,21 +192,20 @@ int TestAgainstPicture()
           Side * Value(rest->GetCellData(), "Pixel", cell, 1);
         for (int c = 0; c < 4; ++c)
         {
-          colours[static_cast<std::size_t>(4 * pixel + c)] =
+          colors[static_cast<std::size_t>(4 * pixel + c)] =
             static_cast<unsigned char>(Value(rest->GetCellData(), "Color", cell, c));
         }
       }
-      FFD_CHECK(colours == picture);
+      FFD_CHECK(colors == picture);
       FFD_CHECK(rays == statistics->GetNumberOfRays() && rays > 100);
       FFD_CHECK_NEAR(samples, statistics->GetSamplesPerRay() * rays, 1e-6 * samples);
       FFD_CHECK_NEAR(visible, statistics->GetVisibleSamplesPerRay() * rays, 1e-6 * samples);
       FFD_CHECK_NEAR(leaps, statistics->GetDistanceLookupsPerRay() * rays, 1e-6 * samples);
       const bool greedy = segmentation == vtkFFDInverseRayVolumeMapper::GREEDY_ANGLE;
-      FFD_CHECK_NEAR(greedy ? sampled + passed : sampled,
-        statistics->GetSegmentsPerRay() * rays, 1e-6 * samples);
+      FFD_CHECK_NEAR(greedy ? sampled + passed : sampled, statistics->GetSegmentsPerRay() * rays,
+        1e-6 * samples);
       FFD_CHECK((leaping == vtkFFDInverseRayVolumeMapper::OFF) == (leaps == 0.0));
-      FFD_CHECK(
-        (greedy && leaping == vtkFFDInverseRayVolumeMapper::LIPSCHITZ) == (passed > 0.0));
+      FFD_CHECK((greedy && leaping == vtkFFDInverseRayVolumeMapper::LIPSCHITZ) == (passed > 0.0));
       double inOutput = 0.0;
       double started = 0.0;
       vtkPolyData* positions = tracer->GetOutput(2);
@@ -253,7 +253,7 @@ int TestPieces()
     double samples = 0.0;
     double pieces = 0.0;
     double passed = 0.0;
-    std::vector<unsigned char> colours(picture.size(), 0);
+    std::vector<unsigned char> colors(picture.size(), 0);
     for (vtkIdType cell = 0; cell < rest->GetNumberOfLines(); ++cell)
     {
       samples += Value(rest->GetCellData(), "Samples", cell);
@@ -262,18 +262,20 @@ int TestPieces()
         Side * Value(rest->GetCellData(), "Pixel", cell, 1);
       for (int c = 0; c < 4; ++c)
       {
-        colours[static_cast<std::size_t>(4 * pixel + c)] =
+        colors[static_cast<std::size_t>(4 * pixel + c)] =
           static_cast<unsigned char>(Value(rest->GetCellData(), "Color", cell, c));
       }
     }
     for (std::size_t i = 0; i < picture.size(); ++i)
     {
-      FFD_CHECK_NEAR(colours[i], picture[i], 1.0);
+      FFD_CHECK_NEAR(colors[i], picture[i], 1.0);
     }
     FFD_CHECK(samples > 1000.0);
-    FFD_CHECK(static_cast<vtkTypeInt64>(rest->GetNumberOfLines()) > statistics->GetNumberOfRays() / 2);
-    FFD_CHECK_NEAR(samples, statistics->GetSamplesPerRay() *
-        static_cast<double>(statistics->GetNumberOfRays()), 0.02 * samples);
+    FFD_CHECK(
+      static_cast<vtkTypeInt64>(rest->GetNumberOfLines()) > statistics->GetNumberOfRays() / 2);
+    FFD_CHECK_NEAR(samples,
+      statistics->GetSamplesPerRay() * static_cast<double>(statistics->GetNumberOfRays()),
+      0.02 * samples);
     FFD_CHECK(pieces >= static_cast<double>(rest->GetNumberOfLines()));
     FFD_CHECK(pieces < 8.0 * static_cast<double>(rest->GetNumberOfLines()));
     for (vtkIdType i = 0; i < rest->GetNumberOfPoints(); ++i)
@@ -291,8 +293,8 @@ int TestPieces()
       {
         inside = inside && at >= 0.0 && at <= 23.0;
       }
-      FFD_CHECK(!inside || Value(rest->GetPointData(), "Passed", i) != 0.0 ||
-        FFDDistance(p, t) < 0.2);
+      FFD_CHECK(
+        !inside || Value(rest->GetPointData(), "Passed", i) != 0.0 || FFDDistance(p, t) < 0.2);
     }
     // Without leaping what is outside of the volume alone.
     FFD_CHECK(leaping == vtkFFDInverseRayVolumeMapper::OFF || passed > passedBefore);
@@ -331,8 +333,7 @@ int TestChangesAndBadInput()
   FFD_CHECK(tracer->GetNumberOfPixels() == 0);
   tracer->AddPixel(Side / 2, Side / 2);
   // Camera, lattice and settings of the mapper are followed.
-  const auto changes = [&](auto&& change)
-  {
+  const auto changes = [&](auto&& change) {
     const vtkMTimeType time = tracer->GetMTime();
     change();
     return tracer->GetMTime() > time;

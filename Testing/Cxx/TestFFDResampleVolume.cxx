@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// vtkFFDResampleVolume against vtkImageReslice and closed forms; pipeline behaviour, bad input.
+// vtkFFDResampleVolume against vtkImageReslice and closed forms; pipeline behavior, bad input.
 #include "FFDTestHelpers.h"
 
 #include "vtkFFDDeformVolume.h"
@@ -118,8 +118,8 @@ int TestAgainstReslice()
       const bool whole = type == VTK_UNSIGNED_CHAR || type == VTK_SHORT;
       const double difference = Difference(filter->GetOutput(), reslice->GetOutput());
       FFD_CHECK(difference >= 0.0 && difference <= (whole ? 1.0 : 1e-4));
-      FFD_CHECK(std::string(filter->GetOutput()->GetPointData()->GetScalars()->GetName()) ==
-        "density");
+      FFD_CHECK(
+        std::string(filter->GetOutput()->GetPointData()->GetScalars()->GetName()) == "density");
     }
     // The inverse of the inverse: exactly the same job the other way round.
     vtkNew<vtkFFDLattice> inverse;
@@ -212,9 +212,9 @@ int TestDefaultGrid()
     filter->SetInputData(image);
     filter->Update();
     FFD_CHECK(Difference(filter->GetOutput(), image) == 0.0);
-    FFD_CHECK(filter->GetOutput()->GetExtent()[0] == 3 && filter->GetOutput()->GetExtent()[3] == 20);
-    FFD_CHECK(turned ==
-      (filter->GetOutput()->GetDirectionMatrix()->GetElement(0, 1) < -0.4));
+    FFD_CHECK(
+      filter->GetOutput()->GetExtent()[0] == 3 && filter->GetOutput()->GetExtent()[3] == 20);
+    FFD_CHECK(turned == (filter->GetOutput()->GetDirectionMatrix()->GetElement(0, 1) < -0.4));
 
     // A deformed one: nothing of it is cut off. Every voxel's deformed position is in the bounds
     // of the output, and next to there its value is found again.
@@ -334,8 +334,7 @@ int TestAttachedAndForeign()
   reslice->Update();
   direct->SetPositionTolerance(0.05);
   direct->Update();
-  const auto count = [&](double limit)
-  {
+  const auto count = [&](double limit) {
     int n = 0;
     for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
     {
@@ -441,17 +440,15 @@ int TestThreadsProgressAbort()
   } calls;
   vtkNew<vtkCallbackCommand> callback;
   callback->SetClientData(&calls);
-  callback->SetCallback(
-    [](vtkObject* caller, unsigned long, void* data, void* progress)
+  callback->SetCallback([](vtkObject* caller, unsigned long, void* data, void* progress) {
+    Calls* mine = static_cast<Calls*>(data);
+    ++mine->Count;
+    mine->Last = *static_cast<double*>(progress);
+    if (mine->Abort)
     {
-      Calls* mine = static_cast<Calls*>(data);
-      ++mine->Count;
-      mine->Last = *static_cast<double*>(progress);
-      if (mine->Abort)
-      {
-        vtkAlgorithm::SafeDownCast(caller)->AbortExecuteOn();
-      }
-    });
+      vtkAlgorithm::SafeDownCast(caller)->AbortExecuteOn();
+    }
+  });
   filter->AddObserver(vtkCommand::ProgressEvent, callback);
   filter->Modified();
   filter->Update();
@@ -550,8 +547,8 @@ int TestBadInput()
 
 int TestFFDResampleVolume(int, char*[])
 {
-  return TestAgainstReslice() || TestDefaultGrid() || TestAttachedAndForeign() ||
-      TestStreaming() || TestThreadsProgressAbort() || TestBadInput()
+  return TestAgainstReslice() || TestDefaultGrid() || TestAttachedAndForeign() || TestStreaming() ||
+      TestThreadsProgressAbort() || TestBadInput()
     ? EXIT_FAILURE
     : EXIT_SUCCESS;
 }

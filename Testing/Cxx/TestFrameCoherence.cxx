@@ -98,8 +98,8 @@ public:
 };
 
 /// Edits of random control points, `amount` voxels at most; `between` is done before each frame.
-bool Drag(const char* name, Pair& pair, double amount, double leastReused, int largest,
-  double mean, const std::function<void(MovingScene&, int)>& between = {})
+bool Drag(const char* name, Pair& pair, double amount, double leastReused, int largest, double mean,
+  const std::function<void(MovingScene&, int)>& between = {})
 {
   FFDRandom random(7);
   pair.Next();
@@ -114,15 +114,13 @@ bool Drag(const char* name, Pair& pair, double amount, double leastReused, int l
     const double x = random.Number(-amount, amount);
     const double y = random.Number(-amount, amount);
     const double z = random.Number(-amount, amount);
-    pair.Do(
-      [&](MovingScene& scene)
+    pair.Do([&](MovingScene& scene) {
+      scene.Move(i, j, k, x, y, z);
+      if (between)
       {
-        scene.Move(i, j, k, x, y, z);
-        if (between)
-        {
-          between(scene, frame);
-        }
-      });
+        between(scene, frame);
+      }
+    });
     Difference difference;
     reused += pair.Next(difference) / frames;
     worst.Largest = std::max(worst.Largest, difference.Largest);
@@ -153,17 +151,15 @@ bool TestDrags()
     pair.Do([&](MovingScene& s) { s.Mapper->SetInverseMode(mode); });
     ok &= Drag(pair.Coherent.Mapper->GetInverseModeAsString(), pair, 0.5, 0.4, 6, 0.05);
   }
-  for (int mode : { vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND, vtkVolumeMapper::MINIMUM_INTENSITY_BLEND,
-         vtkVolumeMapper::AVERAGE_INTENSITY_BLEND, vtkVolumeMapper::ADDITIVE_BLEND,
-         vtkVolumeMapper::ISOSURFACE_BLEND })
+  for (int mode : { vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND,
+         vtkVolumeMapper::MINIMUM_INTENSITY_BLEND, vtkVolumeMapper::AVERAGE_INTENSITY_BLEND,
+         vtkVolumeMapper::ADDITIVE_BLEND, vtkVolumeMapper::ISOSURFACE_BLEND })
   {
     Pair pair;
-    pair.Do(
-      [&](MovingScene& s)
-      {
-        s.Property->GetIsoSurfaceValues()->SetValue(0, 100.0);
-        s.Mapper->SetBlendMode(mode);
-      });
+    pair.Do([&](MovingScene& s) {
+      s.Property->GetIsoSurfaceValues()->SetValue(0, 100.0);
+      s.Mapper->SetBlendMode(mode);
+    });
     ok &= Drag(("blend mode " + std::to_string(mode)).c_str(), pair, 0.5, 0.4,
       mode == vtkVolumeMapper::ISOSURFACE_BLEND ? 64 : 6, 0.02); // edges of surfaces are hard
   }
@@ -180,13 +176,11 @@ bool TestDrags()
   }
   {
     Pair pair;
-    pair.Do(
-      [](MovingScene& s)
-      {
-        s.Mapper->SetFinalColorWindow(0.6);
-        s.Mapper->SetFinalColorLevel(0.4);
-      });
-    ok &= Drag("final colours", pair, 0.5, 0.4, 10, 0.08);
+    pair.Do([](MovingScene& s) {
+      s.Mapper->SetFinalColorWindow(0.6);
+      s.Mapper->SetFinalColorLevel(0.4);
+    });
+    ok &= Drag("final colors", pair, 0.5, 0.4, 10, 0.08);
   }
   {
     Pair pair;
@@ -196,13 +190,11 @@ bool TestDrags()
   {
     // The volume grows and shrinks in the picture, which grows and shrinks with it.
     Pair pair;
-    ok &= Drag("growing", pair, 0.2, 0.1, 6, 0.05,
-      [](MovingScene& s, int frame)
-      {
-        const double by = frame % 6 < 3 ? 1.5 : -1.5;
-        s.Move(frame % 2 ? 8 : 0, 4, 4, frame % 2 ? by : -by, 0.0, 0.0);
-        s.Move(4, 8, 4, 0.0, by, 0.0);
-      });
+    ok &= Drag("growing", pair, 0.2, 0.1, 6, 0.05, [](MovingScene& s, int frame) {
+      const double by = frame % 6 < 3 ? 1.5 : -1.5;
+      s.Move(frame % 2 ? 8 : 0, 4, 4, frame % 2 ? by : -by, 0.0, 0.0);
+      s.Move(4, 8, 4, 0.0, by, 0.0);
+    });
   }
   {
     // Something opaque moves through the volume.
@@ -226,23 +218,20 @@ bool TestOtherChanges()
     { "clipping range",
       [](MovingScene& s) { s.Renderer->GetActiveCamera()->SetClippingRange(60.0, 120.0); } },
     { "light",
-      [](MovingScene& s)
-      {
+      [](MovingScene& s) {
         vtkNew<vtkLight> light;
         light->SetPosition(1.0, 5.0, 3.0);
         s.Property->ShadeOn();
         s.Renderer->AddLight(light);
       } },
     { "material",
-      [](MovingScene& s)
-      {
+      [](MovingScene& s) {
         s.Property->ShadeOn();
         s.Property->SetAmbient(0.5);
       } },
     { "opacity", [](MovingScene& s) { s.Opacity->AddPoint(120.0, 0.9); } },
     { "voxels",
-      [](MovingScene& s)
-      {
+      [](MovingScene& s) {
         vtkDataArray* scalars = s.Image->GetPointData()->GetScalars();
         for (vtkIdType i = 0; i < scalars->GetNumberOfTuples(); ++i)
         {
@@ -254,8 +243,7 @@ bool TestOtherChanges()
     { "option", [](MovingScene& s) { s.Mapper->SetFinalColorWindow(0.5); } },
     { "clipping plane", [&](MovingScene& s) { s.Mapper->AddClippingPlane(plane); } },
     { "another deformation",
-      [](MovingScene& s)
-      {
+      [](MovingScene& s) {
         s.Lattice->SetDimensions(7, 7, 7);
         s.Lattice->FitToBounds(s.Image->GetBounds(), 0.0);
         s.Lattice->SetDisplacement(3, 3, 3, 0.0, 7.0, 0.0);
@@ -297,8 +285,8 @@ bool TestOtherChanges()
         (shows && changed < 10))
       {
         std::cerr << change.first << (edited ? ", edited: " : ": ") << before << " reused before, "
-                  << after << " after it, difference " << difference.Largest
-                  << ", changed by " << changed << "\n";
+                  << after << " after it, difference " << difference.Largest << ", changed by "
+                  << changed << "\n";
         ok = false;
       }
     }
@@ -368,11 +356,12 @@ int TestAbort()
   const auto edit = [](MovingScene& s) { s.Move(4, 3, 4, 0.4, 0.3, 0.0); };
   pair.Next();
   vtkNew<vtkCallbackCommand> abort;
-  abort->SetCallback([](vtkObject* caller, unsigned long, void*, void*)
-    { vtkAlgorithm::SafeDownCast(caller)->SetAbortExecute(1); });
+  abort->SetCallback([](vtkObject* caller, unsigned long, void*, void*) {
+    vtkAlgorithm::SafeDownCast(caller)->SetAbortExecute(1);
+  });
   pair.Do(edit);
-  const unsigned long tag = pair.Coherent.Mapper->AddObserver(
-    vtkCommand::VolumeMapperRenderProgressEvent, abort);
+  const unsigned long tag =
+    pair.Coherent.Mapper->AddObserver(vtkCommand::VolumeMapperRenderProgressEvent, abort);
   pair.Coherent.Show(Size);
   pair.Coherent.Mapper->RemoveObserver(tag);
   pair.Do(edit);
@@ -420,8 +409,7 @@ int TestOptions()
   MovingScene scene(true);
   vtkFFDInverseRayVolumeMapper* m = scene.Mapper;
   FFD_CHECK(m->GetFrameCoherence() == 1 && m->GetFrameCoherenceTolerance() == 0.25);
-  const auto reusedWith = [&](double tolerance)
-  {
+  const auto reusedWith = [&](double tolerance) {
     m->SetFrameCoherenceTolerance(tolerance);
     scene.Show(Size);
     scene.Move(4, 4, 4, 0.3, 0.0, 0.0);
@@ -432,8 +420,8 @@ int TestOptions()
   const double some = reusedWith(0.1);
   FFD_CHECK(none < some && some < 1.0);
   FFD_CHECK(reusedWith(1000.0) == 1.0);
-  for (double bad : { -0.1, std::numeric_limits<double>::quiet_NaN(),
-         std::numeric_limits<double>::infinity() })
+  for (double bad :
+    { -0.1, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity() })
   {
     m->SetFrameCoherenceTolerance(bad);
     FFD_CHECK(scene.Errors->Had("FrameCoherenceTolerance must be a number that is not negative"));
@@ -446,8 +434,8 @@ int TestOptions()
   return EXIT_SUCCESS;
 }
 
-/// While the scene moves the image sample distance stays as it is if it is about right: else nothing
-/// could be shown again.
+/// While the scene moves the image sample distance stays as it is if it is about right: else
+/// nothing could be shown again.
 int TestAdaptedDistance()
 {
   MovingScene scene(true);

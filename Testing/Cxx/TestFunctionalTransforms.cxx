@@ -191,8 +191,7 @@ int TestSetters()
 }
 
 /// Mean difference of two pictures over what either of them covers.
-double MeanDifference(
-  const std::vector<unsigned char>& a, const std::vector<unsigned char>& b)
+double MeanDifference(const std::vector<unsigned char>& a, const std::vector<unsigned char>& b)
 {
   double sum = 0.0;
   int covered = 0;

@@ -53,16 +53,16 @@ void CheckOne(ffdTest::Scene& scene, const std::string& name, vtkImageData* imag
   std::ostringstream figures;
   figures << "\n      ours-gpu   " << oursGpu << "\n      ours-fixed " << scene.Compare(ours, fixed)
           << "\n      gpu-fixed  " << gpuFixed;
-  checks.Expect(oursGpu.Pixels > 3000 && oursGpu.Mean <= std::max(2.0, gpuFixed.Mean), name,
-    figures.str());
+  checks.Expect(
+    oursGpu.Pixels > 3000 && oursGpu.Mean <= std::max(2.0, gpuFixed.Mean), name, figures.str());
   checks.ExpectAtLeast(name + ", matters", scene.Compare(ours, without).Mean, 5.0);
   ffdTest::CheckSamePictures(scene, name, checks);
   scene.SetShading(0.2, 0.7, 0.3, 20.0);
   scene.Gpu->Modified();
   scene.Property->Modified();
-  const ffdTest::Distance shaded =
-    scene.Compare(scene.Render(scene.Ours), scene.Render(scene.Gpu));
-  checks.Expect(shaded.Mean <= 6.0, name + ", shaded", ffdTest::ToString(shaded) + " (mean at most 6)");
+  const ffdTest::Distance shaded = scene.Compare(scene.Render(scene.Ours), scene.Render(scene.Gpu));
+  checks.Expect(
+    shaded.Mean <= 6.0, name + ", shaded", ffdTest::ToString(shaded) + " (mean at most 6)");
   ffdTest::CheckSamePictures(scene, name + ", shaded", checks);
   scene.Property->SetInterpolationTypeToNearest();
   ffdTest::CheckSamePictures(scene, name + ", shaded, nearest", checks);
@@ -75,8 +75,10 @@ void CheckComponents(ffdTest::Checks& checks)
   scene.SetInput(image);
   scene.SetCamera({ 30.0, 25.0, 1.0, true, false }, image->GetBounds());
   scene.Property->SetInterpolationTypeToLinear();
-  ffdTest::SetComponent(scene.Property, 0, { { 20, 1.0, 0.2, 0.1, 0.0 }, { 255, 1.0, 0.9, 0.3, 0.3 } });
-  ffdTest::SetComponent(scene.Property, 1, { { 10, 0.1, 0.3, 1.0, 0.0 }, { 255, 0.9, 1.0, 1.0, 0.3 } });
+  ffdTest::SetComponent(
+    scene.Property, 0, { { 20, 1.0, 0.2, 0.1, 0.0 }, { 255, 1.0, 0.9, 0.3, 0.3 } });
+  ffdTest::SetComponent(
+    scene.Property, 1, { { 10, 0.1, 0.3, 1.0, 0.0 }, { 255, 0.9, 1.0, 1.0, 0.3 } });
   const ffdTest::Picture without = scene.Render(scene.Ours);
   // The balls fall by 255 over 0.3 of 39 voxels: 21.8 a voxel, and are flat nowhere but outside.
   scene.Property->SetGradientOpacity(0, MakeFunction({ { 0.0, 0.2 }, { 21.8, 0.8 } }));
@@ -98,12 +100,13 @@ void CheckComponents(ffdTest::Checks& checks)
 /// times that factor. With sample and unit distances that differ, too.
 void CheckLinearField(ffdTest::Scene& scene, ffdTest::Checks& checks)
 {
-  const auto image = ffdTest::MakeImage(30, VTK_FLOAT, 1,
-    [](int, const ffdTest::Vec3& p) { return 29.0 * (0.8 * p[0] + 0.6 * p[2]); });
+  const auto image = ffdTest::MakeImage(
+    30, VTK_FLOAT, 1, [](int, const ffdTest::Vec3& p) { return 29.0 * (0.8 * p[0] + 0.6 * p[2]); });
   scene.SetInput(image);
   scene.SetCamera({ 30.0, 25.0, 1.0, true, false }, image->GetBounds());
-  const auto transfer = [](double top)
-  { return ffdTest::Transfer{ { 0, 1.0, 0.1, 0.1, 0.0 }, { 45, 0.2, 0.9, 1.0, top } }; };
+  const auto transfer = [](double top) {
+    return ffdTest::Transfer{ { 0, 1.0, 0.1, 0.1, 0.0 }, { 45, 0.2, 0.9, 1.0, top } };
+  };
   scene.SetSampleDistance(0.5);
   ffdTest::SetTransfer(scene.Property, transfer(0.2), 0.5);
   scene.Property->ShadeOff();
@@ -137,8 +140,7 @@ int TestGradientOpacity(int argc, char* argv[])
     // Voxels that are not cubes. VTK 9.1's GPU mapper distorts their normals, unless the only light
     // is a headlight, as here.
     ffdTest::Scene scene;
-    CheckOne(scene, "engine",
-      ffdTest::Padded(ffdTest::ReadVolume(argc, argv, "engine", 3), 0.0),
+    CheckOne(scene, "engine", ffdTest::Padded(ffdTest::ReadVolume(argc, argv, "engine", 3), 0.0),
       ffdTest::SolidEngine(), MakeFunction({ { 5.0, 0.0 }, { 40.0, 1.0 } }), 1.5, 1.5, checks);
   }
   {
@@ -152,8 +154,8 @@ int TestGradientOpacity(int argc, char* argv[])
   for (const int type : { VTK_SHORT, VTK_UNSIGNED_SHORT, VTK_INT, VTK_DOUBLE, VTK_CHAR })
   {
     ffdTest::Scene scene;
-    const auto image = ffdTest::MakeImage(40, type, 1,
-      [](int c, const ffdTest::Vec3& p) { return 0.5 * Shells(c, p); });
+    const auto image = ffdTest::MakeImage(
+      40, type, 1, [](int c, const ffdTest::Vec3& p) { return 0.5 * Shells(c, p); });
     scene.SetInput(image);
     scene.SetCamera({ 30.0, 25.0, 1.0, true, false }, image->GetBounds());
     ffdTest::SetTransfer(scene.Property,

@@ -5,16 +5,15 @@
 // vtkFixedPointVolumeRayCastMapper, which rounds interpolated whole numbers up and quantizes
 // normals, is the yardstick: on the data as they are we are at most half as far from the GPU mapper
 // on floats.
-// - With functions that suit the volumes, unshaded, shaded with VTK's default light, and shaded with
-//   a light of white ambient colour, which brings VTK's two mappers closer. Unshaded, the picture is
-//   that of a plain ray caster in double precision, too, see RenderExactly.
+// - With functions that suit the volumes, unshaded, shaded with VTK's default light, and shaded
+//   with a light of white ambient color, which brings VTK's two mappers closer. Unshaded, the
+//   picture is that of a plain ray caster in double precision, too, see RenderExactly.
 // - With a steep opacity function on all volumes, where half a unit would show, with long and short
 //   steps.
-// Settings are equal, in one process, with Mesa's software rasteriser. The rays of
+// Settings are equal, in one process, with Mesa's software rasterizer. The rays of
 // vtkFixedPointVolumeRayCastMapper are compared as they are: in a window it stretches its picture
 // by up to half a pixel.
 #include "FFDTestScenes.h"
-
 
 #include <algorithm>
 #include <iostream>
@@ -59,8 +58,8 @@ void CheckHalfAsFar(ffdTest::Scene& scene, const ffdTest::Picture& ours,
   const ffdTest::Distance gpuFixed = scene.Compare(gpu, fixed);
   std::ostringstream figures;
   figures << "ours-gpu " << oursGpu << ", fixed-gpu " << gpuFixed << " (at most half the mean)";
-  checks.Expect(gpuFixed.Pixels > 1000 && oursGpu.Mean <= 0.5 * gpuFixed.Mean &&
-      oursGpu.P99 <= gpuFixed.P99,
+  checks.Expect(
+    gpuFixed.Pixels > 1000 && oursGpu.Mean <= 0.5 * gpuFixed.Mean && oursGpu.P99 <= gpuFixed.P99,
     name, figures.str());
 }
 
@@ -148,8 +147,7 @@ void CheckSteep(
       scene.SetSampleDistance(step * voxel);
       const std::string name = volume + ", steep" + (shaded ? ", shaded" : "") + ", step " +
         std::to_string(step).substr(0, 4);
-      CheckHalfAsFar(
-        scene, scene.Render(scene.Ours), scene.RenderFixedRays(), name, checks);
+      CheckHalfAsFar(scene, scene.Render(scene.Ours), scene.RenderFixedRays(), name, checks);
     }
   }
 }

@@ -20,7 +20,7 @@ int TestImageDepthIntermix(int argc, char* argv[])
   scene.Ours->SetDeformation(waves);
   ffdTest::SetTransfer(scene.Property, ffdTest::SemiTransparentEngine(), 3.0);
   double places[3][3] = { { 60.0, -60.0, 130.0 }, { 140.0, 90.0, 60.0 }, { 220.0, 330.0, 0.0 } };
-  const double colours[3][3] = { { 0.9, 0.2, 0.2 }, { 0.2, 0.9, 0.2 }, { 0.2, 0.4, 1.0 } };
+  const double colors[3][3] = { { 0.9, 0.2, 0.2 }, { 0.2, 0.9, 0.2 }, { 0.2, 0.4, 1.0 } };
   vtkNew<vtkSphereSource> sphere;
   sphere->SetRadius(35.0);
   sphere->SetThetaResolution(48);
@@ -32,7 +32,7 @@ int TestImageDepthIntermix(int argc, char* argv[])
     vtkNew<vtkActor> actor;
     actor->SetMapper(mapper);
     actor->SetPosition(places[i]);
-    actor->GetProperty()->SetColor(colours[i][0], colours[i][1], colours[i][2]);
+    actor->GetProperty()->SetColor(colors[i][0], colors[i][1], colors[i][2]);
     scene.Renderer->AddActor(actor);
   }
   const double all[6] = { 0.0, 255.0, -100.0, 370.0, -80.0, 170.0 };

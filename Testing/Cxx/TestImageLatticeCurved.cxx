@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Curved lattice lines of a twisted lattice, the warning colour of the fold guard, the handle that turns,
-// proportional editing, locked points, a constraint, no interior.
+// Curved lattice lines of a twisted lattice, the warning color of the fold guard, the handle that
+// turns, proportional editing, locked points, a constraint, no interior.
 #include "FFDTestScenes.h"
 
 #include "vtkFFDLattice.h"

@@ -7,6 +7,7 @@
 #include "vtkFFDDistanceMap.h"
 #include "vtkFFDEditLattice.h"
 #include "vtkFFDFitLattice.h"
+#include "vtkFFDInteractiveFrames.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDJacobian.h"
 #include "vtkFFDLattice.h"
@@ -15,7 +16,6 @@
 #include "vtkFFDLatticeWidget.h"
 #include "vtkFFDMassSpring.h"
 #include "vtkFFDRayDeflector.h"
-#include "vtkFFDInteractiveFrames.h"
 #include "vtkFFDRayTracer.h"
 #include "vtkFFDResampleVolume.h"
 #include "vtkFFDSplineTransform.h"
@@ -66,7 +66,8 @@ int TestInstantiate(int, char*[])
   ok &= Check<vtkFFDTransformWriter>("vtkFFDTransformWriter", "vtkObject");
   ok &= Check<vtkFFDVolumeReader>("vtkFFDVolumeReader", "vtkAlgorithm");
   ok &= Check<vtkFFDInverseRayVolumeMapper>("vtkFFDInverseRayVolumeMapper", "vtkVolumeMapper");
-  ok &= Check<vtkFFDLatticeRepresentation>("vtkFFDLatticeRepresentation", "vtkWidgetRepresentation");
+  ok &=
+    Check<vtkFFDLatticeRepresentation>("vtkFFDLatticeRepresentation", "vtkWidgetRepresentation");
   ok &= Check<vtkFFDLatticeWidget>("vtkFFDLatticeWidget", "vtkAbstractWidget");
   ok &= Check<vtkFFDBarrTransform>("vtkFFDBarrTransform", "vtkWarpTransform");
   ok &= Check<vtkFFDRayDeflector>("vtkFFDRayDeflector", "vtkWarpTransform");

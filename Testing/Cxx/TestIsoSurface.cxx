@@ -26,8 +26,8 @@ void SetValues(vtkVolumeProperty* property, const std::vector<double>& values)
   }
 }
 
-void CheckAgainstGpu(ffdTest::Scene& scene, const std::string& name, double decibels,
-  ffdTest::Checks& checks)
+void CheckAgainstGpu(
+  ffdTest::Scene& scene, const std::string& name, double decibels, ffdTest::Checks& checks)
 {
   for (const bool shade : { false, true })
   {
@@ -35,8 +35,8 @@ void CheckAgainstGpu(ffdTest::Scene& scene, const std::string& name, double deci
     const ffdTest::Distance d = scene.Compare(scene.Render(scene.Ours), scene.Render(scene.Gpu));
     std::ostringstream figures;
     figures << d << " from the GPU mapper (at least " << decibels << " dB)";
-    checks.Expect(d.Pixels > 3000 && d.Psnr >= decibels,
-      name + (shade ? ", shaded" : ", unshaded"), figures.str());
+    checks.Expect(d.Pixels > 3000 && d.Psnr >= decibels, name + (shade ? ", shaded" : ", unshaded"),
+      figures.str());
   }
 }
 
@@ -64,17 +64,18 @@ void CheckDepths(ffdTest::Scene& scene, vtkImageData* image, vtkFFDLattice* latt
   scene.Renderer->RemoveActor(actor);
   scene.Volume->VisibilityOn();
 
-  vtkNew<vtkImageData> colours;
+  vtkNew<vtkImageData> colors;
   vtkNew<vtkImageData> depths;
-  scene.Ours->RenderToImage(scene.Renderer, scene.Volume, size[0], size[1], colours, depths);
+  scene.Ours->RenderToImage(scene.Renderer, scene.Volume, size[0], size[1], colors, depths);
   const auto* ours = static_cast<const float*>(depths->GetScalarPointer());
   double range[2];
   scene.Renderer->GetActiveCamera()->GetClippingRange(range);
   const double voxel = image->GetSpacing()[0];
   std::vector<double> apart; // world units along the view
   int edges = 0;
-  const auto linear = [&](double z)
-  { return range[0] * range[1] / (range[1] - z * (range[1] - range[0])); };
+  const auto linear = [&](double z) {
+    return range[0] * range[1] / (range[1] - z * (range[1] - range[0]));
+  };
   for (std::size_t i = 0; i < drawn.size(); ++i)
   {
     const bool both = drawn[i] < 1.0f && ours[i] < 1.0f;
@@ -132,16 +133,18 @@ int TestIsoSurface(int argc, char* argv[])
 
   // Order and repetition of the values do not matter; the range of the data does not bound them.
   SetValues(scene.Property, { 500.5, 1150.0, 500.5, 1e6, -1e6 });
-  checks.ExpectAtMost("values in another order", scene.Compare(both, scene.Render(scene.Ours)).Max, 0.0);
+  checks.ExpectAtMost(
+    "values in another order", scene.Compare(both, scene.Render(scene.Ours)).Max, 0.0);
   SetValues(scene.Property, { 500.5 });
   checks.ExpectAtLeast(
     "one value less: mean", scene.Compare(both, scene.Render(scene.Ours)).Mean, 1.0);
   SetValues(scene.Property, { 1e6 });
-  checks.Expect(scene.Compare(both, scene.Render(scene.Ours)).Pixels > 0 &&
+  checks.Expect(
+    scene.Compare(both, scene.Render(scene.Ours)).Pixels > 0 &&
       [&] {
         const ffdTest::Bytes none = ffdTest::RenderBytes(scene, 100);
-        return !none.Colours.empty() &&
-          *std::max_element(none.Colours.begin(), none.Colours.end()) == 0;
+        return !none.Colors.empty() &&
+          *std::max_element(none.Colors.begin(), none.Colors.end()) == 0;
       }(),
     "a value that nothing has", "nothing is drawn");
 
@@ -155,8 +158,8 @@ int TestIsoSurface(int argc, char* argv[])
     {
       for (int i = 0; i < 8; ++i)
       {
-        const ffdTest::Vec3 d = ffdTest::BendAndWaves(15.0 * voxel)(
-          {}, { (i - 1) / 5.0, (j - 1) / 5.0, (k - 1) / 5.0 });
+        const ffdTest::Vec3 d =
+          ffdTest::BendAndWaves(15.0 * voxel)({}, { (i - 1) / 5.0, (j - 1) / 5.0, (k - 1) / 5.0 });
         lattice->SetDisplacement(i, j, k, d[0], d[1], d[2]);
       }
     }

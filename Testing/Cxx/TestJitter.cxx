@@ -57,8 +57,8 @@ int TestJitter(int argc, char* argv[])
       scene.Ours->SetDeformation(deformed ? transform : nullptr);
       scene.Ours->SetSegmentation(segmentation);
       scene.SetCamera({ 30.0, 30.0, 1.0, false, false }, scene.Ours->GetBounds());
-      const std::string name = std::string(deformed ? "deformed, " : "at rest, ") +
-        scene.Ours->GetSegmentationAsString();
+      const std::string name =
+        std::string(deformed ? "deformed, " : "at rest, ") + scene.Ours->GetSegmentationAsString();
       scene.SetSampleDistance(0.05 * voxel);
       const ffdTest::Picture fine = scene.Render(scene.Ours);
       scene.SetSampleDistance(2.0 * voxel);
@@ -70,7 +70,8 @@ int TestJitter(int argc, char* argv[])
         name + ", once more", scene.Compare(noise, scene.Render(scene.Ours)).Max, 0.0);
       const double before = scene.Compare(Blurred(rings), Blurred(fine)).Mean;
       const double after = scene.Compare(Blurred(noise), Blurred(fine)).Mean;
-      checks.ExpectAtMost(name + ", mean distance from many samples, averaged", after, 0.95 * before);
+      checks.ExpectAtMost(
+        name + ", mean distance from many samples, averaged", after, 0.95 * before);
       ffdTest::CheckLeaping(scene, name, true, checks);
       if (segmentation == Mapper::ERROR_BOUND)
       {

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// What the representation draws: balls of the sizes that were asked for, as points and as meshes, in
-// front of what is behind them, how dim they are behind something, and lines where they should be.
+// What the representation draws: balls of the sizes that were asked for, as points and as meshes,
+// in front of what is behind them, how dim they are behind something, and lines where they should
+// be.
 #include "FFDTestWidget.h"
 
 #include "vtkActor.h"
@@ -169,7 +170,7 @@ int TestSizes()
 }
 
 //------------------------------------------------------------------------------
-/// Shaded as a ball by the light of the camera: the full colour in the middle, less at the rim.
+/// Shaded as a ball by the light of the camera: the full color in the middle, less at the rim.
 int TestShading()
 {
   BallScene scene;
@@ -322,8 +323,7 @@ int TestLines()
   const auto draw = [&scene] {
     scene.Window->Render();
     vtkNew<vtkUnsignedCharArray> pixels;
-    scene.Window->GetPixelData(
-      0, 0, WidgetScene::Size - 1, WidgetScene::Size - 1, 0, pixels);
+    scene.Window->GetPixelData(0, 0, WidgetScene::Size - 1, WidgetScene::Size - 1, 0, pixels);
     std::vector<unsigned char> rgb(static_cast<std::size_t>(pixels->GetNumberOfValues()));
     std::copy_n(pixels->GetPointer(0), rgb.size(), rgb.begin());
     return rgb;

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
+// Longer than other files, because its cases share one scene: a lattice, a prop and a window, with
+// the helpers that drag and pick in it.
 // The representation by its methods: edits in closed form, direct manipulation, fold guard, lock,
 // undo, picking of the surface, bounds, bad input.
 #include "FFDTestWidget.h"
@@ -59,7 +61,7 @@ int TestEdits()
   FFD_CHECK((Moved(lattice, 2, 2, 2) == Vec3{ 1.0, 2.0, 3.0 }));
   FFD_CHECK((Moved(lattice, 4, 2, 2) == Vec3{ 1.0, 2.0, 3.0 }));
   FFD_CHECK(rep->Undo() == 1 && lattice->IsIdentity());
-  // A quarter turn about z: (-10, 0) from the centre goes to (0, -10).
+  // A quarter turn about z: (-10, 0) from the center goes to (0, -10).
   FFD_CHECK(rep->RotateSelection(90.0, 0.0, 0.0, 2.0) == 1);
   FFD_CHECK_NEAR(Moved(lattice, 2, 2, 2)[0], 10.0, 1e-12);
   FFD_CHECK_NEAR(Moved(lattice, 2, 2, 2)[1], -10.0, 1e-12);
@@ -478,7 +480,8 @@ int TestLook()
     "handle", [&] { rep->SetHandleMode(Rep::HANDLE_ROTATE); },
     [&] { rep->SetHandleMode(Rep::HANDLE_TRANSLATE); });
   ok &= differs(
-    "constraint", [&] { rep->SetConstraint(Rep::ACROSS_Y); }, [&] { rep->SetConstraint(Rep::FREE); });
+    "constraint", [&] { rep->SetConstraint(Rep::ACROSS_Y); },
+    [&] { rep->SetConstraint(Rep::FREE); });
   ok &= differs(
     "proportional", [&] { rep->ProportionalEditingOn(); }, [&] { rep->ProportionalEditingOff(); });
   ok &= differs(
@@ -503,16 +506,16 @@ int TestLook()
   {
     const char* Name;
     vtkProperty* Property;
-  } const looks[] = { { "point colour", rep->GetPointProperty() },
-    { "selected colour", rep->GetSelectedPointProperty() }, { "line colour", rep->GetLineProperty() },
-    { "outline colour", rep->GetOutlineProperty() } };
+  } const looks[] = { { "point color", rep->GetPointProperty() },
+    { "selected color", rep->GetSelectedPointProperty() }, { "line color", rep->GetLineProperty() },
+    { "outline color", rep->GetOutlineProperty() } };
   for (const auto& look : looks)
   {
-    double colour[3];
-    look.Property->GetColor(colour);
+    double color[3];
+    look.Property->GetColor(color);
     ok &= differs(
       look.Name, [&] { look.Property->SetColor(0.1, 0.9, 0.2); },
-      [&] { look.Property->SetColor(colour); });
+      [&] { look.Property->SetColor(color); });
   }
   ok &= differs(
     "handle width", [&] { rep->GetHandleProperty()->SetLineWidth(1.0f); },
@@ -752,6 +755,83 @@ int TestAxisViews()
 }
 
 //------------------------------------------------------------------------------
+/// The renderer is taken away while something is drawn or dragged, or was never there.
+int TestLostRenderer()
+{
+  WidgetScene scene(5);
+  Rep* rep = scene.View;
+  // Control points that are drawn as meshes, whose sizes follow from the view.
+  vtkNew<vtkFFDLatticeRepresentation> large;
+  large->SetHandleSize(100.0);
+  large->GetLattice()->SetDimensions(12, 12, 12);
+  large->GetLattice()->SetDomain(0.0, 100.0, 0.0, 100.0, 0.0, 100.0);
+  scene.Renderer->AddViewProp(large);
+  const std::vector<unsigned char> without = Pixels(scene);
+  large->SetRenderer(scene.Renderer);
+  FFD_CHECK(Pixels(scene) != without);
+  large->SetRenderer(nullptr);
+  large->GetLattice()->SetDimensions(13, 13, 13);
+  Pixels(scene);
+  scene.Renderer->RemoveViewProp(large);
+
+  const auto takeAway = [&](double position[2]) {
+    const std::vector<double> before = scene.All();
+    rep->SetRenderer(nullptr);
+    position[0] += 20.0;
+    rep->WidgetInteraction(position);
+    rep->SetConstraint(Rep::ALONG_X); // repeats the drag
+    scene.Window->Render();
+    const bool same = scene.All() == before && rep->IsInteracting();
+    rep->SetConstraint(Rep::FREE);
+    rep->EndWidgetInteraction(position);
+    rep->SetRenderer(scene.Renderer);
+    return same && !rep->IsInteracting() && scene.All() == before;
+  };
+  rep->SelectPoint(4, 4, 4);
+  scene.Window->Render();
+  const Vec3 point = scene.Display(scene.Point(4, 4, 4));
+  // In the middle of the arm along x.
+  Vec3 arm = scene.Point(4, 4, 4);
+  arm[0] += 1.0;
+  arm = scene.Display(arm);
+  const double length = std::hypot(arm[0] - point[0], arm[1] - point[1]);
+  for (std::size_t a = 0; a < 2; ++a)
+  {
+    arm[a] = point[a] + 40.0 / length * (arm[a] - point[a]);
+  }
+  for (const auto& [from, state] :
+    { std::pair(point, Rep::MovingPoints), std::pair(arm, Rep::MovingHandle) })
+  {
+    double position[2] = { from[0], from[1] };
+    rep->ComputeInteractionState(static_cast<int>(from[0]), static_cast<int>(from[1]));
+    rep->StartWidgetInteraction(position);
+    FFD_CHECK(rep->GetInteractionState() == state);
+    position[1] += 10.0;
+    rep->WidgetInteraction(position);
+    FFD_CHECK(takeAway(position) && rep->Undo() == 1);
+  }
+  rep->SetManipulationMode(Rep::VOLUME);
+  vtkNew<vtkCallbackCommand> give;
+  give->SetCallback(GiveSurfacePoint);
+  rep->AddObserver(vtkCommand::StartPickEvent, give);
+  double position[2] = { 310.0, 200.0 };
+  rep->StartWidgetInteraction(position);
+  FFD_CHECK(rep->GetInteractionState() == Rep::MovingMaterial);
+  FFD_CHECK(takeAway(position));
+  FFD_CHECK(scene.Errors->Count == 0);
+  // By the observer that is asked for the surface.
+  vtkNew<vtkCallbackCommand> take;
+  take->SetCallback([](vtkObject* caller, unsigned long, void*, void*) {
+    static_cast<Rep*>(caller)->SetRenderer(nullptr);
+  });
+  rep->AddObserver(vtkCommand::StartPickEvent, take, 2.0f);
+  double world[3];
+  FFD_CHECK(rep->PickSurface(3.0, 3.0, world) == 0 && scene.Errors->Had("no renderer"));
+  rep->SetRenderer(scene.Renderer);
+  return EXIT_SUCCESS;
+}
+
+//------------------------------------------------------------------------------
 /// Null in the place of everything that is given by pointer.
 int TestNull()
 {
@@ -917,6 +997,7 @@ int TestLatticeRepresentation(int, char*[])
   failures += TestPlaceAndCopy() != EXIT_SUCCESS;
   failures += TestNothingIsStale() != EXIT_SUCCESS;
   failures += TestAxisViews() != EXIT_SUCCESS;
+  failures += TestLostRenderer() != EXIT_SUCCESS;
   failures += TestNull() != EXIT_SUCCESS;
   failures += TestBadInput() != EXIT_SUCCESS;
   return failures == 0 ? EXIT_SUCCESS : EXIT_FAILURE;

@@ -37,7 +37,8 @@ double DistanceFromSight(WidgetScene& scene, const std::array<double, 3>& p)
   vtkInteractorObserver::ComputeDisplayToWorld(scene.Renderer, scene.X, scene.Y, 1.0, b);
   const double u[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
   const double v[3] = { p[0] - a[0], p[1] - a[1], p[2] - a[2] };
-  return Length({ u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0] }) /
+  return Length(
+           { u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0] }) /
     Length({ u[0], u[1], u[2] });
 }
 
@@ -93,8 +94,8 @@ int TestHoverAndSelect()
   FFD_CHECK(rep->FindPoint(inner[0], inner[1]) >= 0);
   const vtkIdType front = rep->FindPoint(inner[0], inner[1]);
   rep->InteriorVisibilityOff();
-  FFD_CHECK(front != scene.Index(2, 2, 2) ||
-    rep->FindPoint(inner[0], inner[1]) != scene.Index(2, 2, 2));
+  FFD_CHECK(
+    front != scene.Index(2, 2, 2) || rep->FindPoint(inner[0], inner[1]) != scene.Index(2, 2, 2));
   rep->PointVisibilityOff();
   FFD_CHECK(rep->FindPoint(at[0], at[1]) == -1);
   FFD_CHECK(scene.Errors->Count == 0);
@@ -129,8 +130,8 @@ int TestRubberBand()
   for (int n = 0; n < 125; ++n)
   {
     const std::array<double, 3> p = scene.Display(scene.Point(n % 5, n / 5 % 5, n / 25));
-    const bool inside = p[0] >= scene.X && p[0] <= scene.X + 60 && p[1] >= scene.Y &&
-      p[1] <= scene.Y + 60;
+    const bool inside =
+      p[0] >= scene.X && p[0] <= scene.X + 60 && p[1] >= scene.Y && p[1] <= scene.Y + 60;
     within += inside ? 1 : 0;
     FFD_CHECK(rep->IsPointSelected(n) == (inside ? 0 : 1));
   }
@@ -272,8 +273,8 @@ int TestConstraints()
   scene.Drag(-20, 30);
   FFD_CHECK(scene.Moved(4, 4, 4)[1] != 0.0 && scene.Moved(4, 4, 4)[2] != 0.0);
   scene.Key("x");
-  FFD_CHECK(
-    scene.Moved(4, 4, 4)[0] != 0.0 && scene.Moved(4, 4, 4)[1] == 0.0 && scene.Moved(4, 4, 4)[2] == 0.0);
+  FFD_CHECK(scene.Moved(4, 4, 4)[0] != 0.0 && scene.Moved(4, 4, 4)[1] == 0.0 &&
+    scene.Moved(4, 4, 4)[2] == 0.0);
   scene.Key("x");
   FFD_CHECK(scene.Moved(4, 4, 4)[1] != 0.0);
   scene.Key("y");
@@ -340,7 +341,7 @@ int TestHandle()
   FFD_CHECK(scene.Moved(2, 4, 4)[0] == 0.0 && scene.Moved(2, 4, 4)[2] == 0.0);
   scene.Key("z", WidgetScene::Control);
 
-  // Turning about z: every point keeps its distance from the centre, and turns by one angle.
+  // Turning about z: every point keeps its distance from the center, and turns by one angle.
   scene.Key("r");
   FFD_CHECK(rep->GetHandleMode() == Rep::HANDLE_ROTATE);
   // A place on the ring about z that is far from the other rings.
@@ -448,8 +449,7 @@ int TestProportionalAndSymmetric()
   // And the falloff.
   scene.Key("O", WidgetScene::Shift);
   FFD_CHECK(rep->GetFalloff() == Rep::SPHERE);
-  FFD_CHECK_NEAR(
-    Length(scene.Moved(3, 4, 4)), std::sqrt(1.0 - 0.55 * 0.55) * whole, 1e-9);
+  FFD_CHECK_NEAR(Length(scene.Moved(3, 4, 4)), std::sqrt(1.0 - 0.55 * 0.55) * whole, 1e-9);
   scene.Release();
   FFD_CHECK(rep->GetNumberOfUndos() == 1);
   // The wheel over nothing is the camera's.
@@ -584,7 +584,8 @@ int TestKeys()
   for (int n = edits; n > 0; --n)
   {
     FFD_CHECK(scene.All() == states[static_cast<std::size_t>(n)]);
-    scene.Key(n % 2 ? "y" : "Z", n % 2 ? WidgetScene::Control : WidgetScene::Control | WidgetScene::Shift);
+    scene.Key(
+      n % 2 ? "y" : "Z", n % 2 ? WidgetScene::Control : WidgetScene::Control | WidgetScene::Shift);
   }
   FFD_CHECK(scene.All() == states[0] && rep->GetNumberOfRedos() == 0);
   scene.Events();
@@ -605,8 +606,8 @@ int TestKeys()
   // Other keys by the event translator.
   rep->LockBoundaryOff();
   rep->SetControlPoint(3, 3, 3, 50.0, 50.0, 60.0);
-  scene.Widget->GetEventTranslator()->SetTranslation(vtkCommand::KeyPressEvent,
-    vtkEvent::NoModifier, 0, 0, "u", vtkFFDLatticeWidget::UndoEdit);
+  scene.Widget->GetEventTranslator()->SetTranslation(
+    vtkCommand::KeyPressEvent, vtkEvent::NoModifier, 0, 0, "u", vtkFFDLatticeWidget::UndoEdit);
   scene.Key("u");
   FFD_CHECK(scene.Lattice->IsIdentity());
   // And by script.

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// The clipping range during drags: the same to the bit while it holds what is seen, since the mapper
-// counts its samples from the near plane; never one that cuts the volume or the lattice.
+// The clipping range during drags: the same to the bit while it holds what is seen, since the
+// mapper counts its samples from the near plane; never one that cuts the volume or the lattice.
 #include "FFDTestVolume.h"
 #include "FFDTestWidget.h"
 
@@ -150,9 +150,9 @@ int TestFarOut(double expansion, bool parallel)
   }
   scene.Release();
   FFD_CHECK(scene.HoldsAll());
-  std::cout << "expansion " << expansion << ", " << (parallel ? "parallel" : "perspective") << ": depths "
-            << start[0] << " to " << start[1] << ", at most " << extremes[0] << " to " << extremes[1]
-            << "; " << changes << " new ranges in " << steps << " steps\n";
+  std::cout << "expansion " << expansion << ", " << (parallel ? "parallel" : "perspective")
+            << ": depths " << start[0] << " to " << start[1] << ", at most " << extremes[0]
+            << " to " << extremes[1] << "; " << changes << " new ranges in " << steps << " steps\n";
   // Far beyond the room of the first range, which was the reset's.
   FFD_CHECK(extremes[0] < start[0] - 0.52 * (start[1] - start[0]));
   FFD_CHECK(extremes[1] > start[1] + 0.52 * (start[1] - start[0]));

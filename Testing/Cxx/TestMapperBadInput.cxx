@@ -189,12 +189,12 @@ bool TestSettingsOfOthers()
     [&] { scene.Property->SetScalarOpacity(vtkNew<vtkPiecewiseFunction>()); },
     [&] { scene.Property->SetScalarOpacity(scene.Opacity); });
   ok &= Refuses(
-    scene, "colour", "SetColor",
+    scene, "color", "SetColor",
     [&] { scene.Property->SetColor(vtkNew<vtkColorTransferFunction>()); },
-    [&] { scene.Property->SetColor(scene.Colour); });
+    [&] { scene.Property->SetColor(scene.Color); });
   ok &= Refuses(
     scene, "gray", "SetColor", [&] { scene.Property->SetColor(vtkNew<vtkPiecewiseFunction>()); },
-    [&] { scene.Property->SetColor(scene.Colour); });
+    [&] { scene.Property->SetColor(scene.Color); });
   for (const double unit : { 0.0, -1.0, NaN, Infinity })
   {
     ok &= Refuses(
@@ -213,8 +213,7 @@ bool TestSettingsOfOthers()
   {
     ok &= Refuses(
       scene, "isosurface value", "GetIsoSurfaceValues",
-      [&]
-      {
+      [&] {
         scene.Mapper->SetBlendModeToIsoSurface();
         scene.Property->GetIsoSurfaceValues()->SetValue(0, value);
       },
@@ -228,8 +227,7 @@ bool TestSettingsOfOthers()
   {
     ok &= Refuses(
       scene, "slice", "SetSliceFunction",
-      [&]
-      {
+      [&] {
         scene.Mapper->SetBlendModeToSlice();
         scene.Property->SetSliceFunction(plane);
         plane->SetNormal(0.0, kind == 0 ? NaN : kind == 1 ? 0.0 : 1.0, 0.0);
@@ -244,24 +242,21 @@ bool TestSettingsOfOthers()
   {
     ok &= Refuses(
       scene, "average range", "AverageIPScalarRange",
-      [&]
-      {
+      [&] {
         scene.Mapper->SetBlendModeToAverageIntensity();
         scene.Mapper->SetAverageIPScalarRange(low, 80.0);
       },
       composite);
     ok &= Refuses(
       scene, "cropping", "SetCroppingRegionPlanes",
-      [&]
-      {
+      [&] {
         scene.Mapper->CroppingOn();
         scene.Mapper->SetCroppingRegionPlanes(low, 80.0, 0.0, 1.0, 0.0, 1.0);
       },
       [&] { scene.Mapper->CroppingOff(); });
     ok &= Refuses(
       scene, "clipping planes", "RemoveAllClippingPlanes",
-      [&]
-      {
+      [&] {
         plane->SetNormal(std::isnan(low) ? NaN : 0.0, 0.0, 0.0);
         scene.Mapper->AddClippingPlane(plane);
       },
@@ -274,8 +269,7 @@ bool TestSettingsOfOthers()
   vtkSmartPointer<vtkImageData> texels = Image<vtkImageData>(8, 8, 1, VTK_FLOAT, 4);
   scene.Property->SetTransferFunction2D(texels);
   ok &= Refuses(
-    scene, "second axis", "\"nowhere\"",
-    [&] { scene.Mapper->SetTransfer2DYAxisArray("nowhere"); },
+    scene, "second axis", "\"nowhere\"", [&] { scene.Mapper->SetTransfer2DYAxisArray("nowhere"); },
     [&] { scene.Mapper->SetTransfer2DYAxisArray(nullptr); });
   scene.Property->SetTransferFunctionMode(vtkVolumeProperty::TF_1D);
   ok &= Refuses(
@@ -283,8 +277,7 @@ bool TestSettingsOfOthers()
     [&] { scene.Mapper->SetMaskInput(Image<vtkImageData>(8, 8, 8, VTK_UNSIGNED_CHAR, 3)); },
     [&] { scene.Mapper->SetMaskInput(nullptr); });
   ok &= Refuses(
-    scene, "empty mask", "MaskInput",
-    [&] { scene.Mapper->SetMaskInput(vtkNew<vtkImageData>()); },
+    scene, "empty mask", "MaskInput", [&] { scene.Mapper->SetMaskInput(vtkNew<vtkImageData>()); },
     [&] { scene.Mapper->SetMaskInput(nullptr); });
   vtkSmartPointer<vtkImageData> mask = Image<vtkImageData>(8, 8, 8, VTK_UNSIGNED_CHAR, 1);
   vtkSmartPointer<vtkImageData> two = Image<vtkImageData>(8, 8, 8, VTK_FLOAT, 2);
@@ -298,12 +291,12 @@ bool TestSettingsOfOthers()
       scene.Mapper->SetMaskInput(nullptr);
       scene.Mapper->SetInputData(scene.Image);
     });
-  vtkSmartPointer<vtkImageData> colours = Image<vtkImageData>(8, 8, 8, VTK_SHORT, 4);
+  vtkSmartPointer<vtkImageData> colors = Image<vtkImageData>(8, 8, 8, VTK_SHORT, 4);
   ok &= Refuses(
-    scene, "colours of signed shorts", "IndependentComponentsOn",
+    scene, "colors of signed shorts", "IndependentComponentsOn",
     [&] {
       scene.Property->IndependentComponentsOff();
-      scene.Mapper->SetInputData(colours);
+      scene.Mapper->SetInputData(colors);
     },
     [&] {
       scene.Property->IndependentComponentsOn();
@@ -499,9 +492,8 @@ bool TestRenderToImageArguments()
   vtkNew<vtkImageData> out;
   out->SetDimensions(3, 3, 1);
   const auto fails = [&](const char* text, vtkRenderer* renderer, vtkVolume* volume, int w, int h,
-                       vtkImageData* colours, vtkImageData* inputDepths) {
-    return scene.Mapper->RenderToImage(renderer, volume, w, h, colours, nullptr, inputDepths) ==
-      0 &&
+                       vtkImageData* colors, vtkImageData* inputDepths) {
+    return scene.Mapper->RenderToImage(renderer, volume, w, h, colors, nullptr, inputDepths) == 0 &&
       scene.Errors->Had(text) && out->GetDimensions()[0] == 3;
   };
   vtkRenderer* r = scene.Renderer;

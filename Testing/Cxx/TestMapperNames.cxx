@@ -61,9 +61,9 @@ void UseAsGpuMapper(vtkRenderer* renderer, vtkVolume* volume)
   mapper->SetDepthImageScalarTypeToFloat();
   mapper->ClampDepthToBackfaceOff();
   renderer->GetRenderWindow()->Render();
-  vtkNew<vtkImageData> colours;
+  vtkNew<vtkImageData> colors;
   vtkNew<vtkImageData> depths;
-  mapper->GetColorImage(colours);
+  mapper->GetColorImage(colors);
   mapper->GetDepthImage(depths);
   mapper->GetColorTexture();
   mapper->GetDepthTexture();
@@ -181,9 +181,9 @@ int TestImages()
   scene.Mapper->SetDeformation(nullptr);
   scene.Mapper->SetSampleDistance(0.2);
   scene.Mapper->PremultipliedAlphaOn();
-  vtkNew<vtkImageData> colours;
+  vtkNew<vtkImageData> colors;
   vtkNew<vtkImageData> depths;
-  scene.Mapper->GetColorImage(colours);
+  scene.Mapper->GetColorImage(colors);
   FFD_CHECK(scene.Errors->Had("RenderToImageOn()"));
   scene.Mapper->GetDepthImage(depths);
   FFD_CHECK(scene.Errors->Had("RenderToImageOn()"));
@@ -192,9 +192,9 @@ int TestImages()
   scene.Mapper->RenderToImageOn();
   const std::vector<unsigned char> none = scene.Show(Size);
   FFD_CHECK(*std::max_element(none.begin(), none.end()) == 0);
-  scene.Mapper->GetColorImage(colours);
+  scene.Mapper->GetColorImage(colors);
   scene.Mapper->GetDepthImage(depths);
-  FFD_CHECK(colours->GetDimensions()[0] == Size && depths->GetScalarType() == VTK_FLOAT);
+  FFD_CHECK(colors->GetDimensions()[0] == Size && depths->GetScalarType() == VTK_FLOAT);
 
   vtkNew<vtkImageData> direct;
   vtkNew<vtkImageData> directDepths;
@@ -207,12 +207,12 @@ int TestImages()
   gpu->RenderToImageOn();
   scene.Volume->SetMapper(gpu);
   scene.Show(Size);
-  vtkNew<vtkImageData> gpuColours;
+  vtkNew<vtkImageData> gpuColors;
   vtkNew<vtkImageData> gpuDepths;
-  gpu->GetColorImage(gpuColours);
+  gpu->GetColorImage(gpuColors);
   gpu->GetDepthImage(gpuDepths);
   scene.Volume->SetMapper(scene.Mapper);
-  double colourSum = 0.0;
+  double colorSum = 0.0;
   double depthSum = 0.0;
   int visible = 0;
   for (int i = 0; i < Size * Size; ++i)
@@ -221,7 +221,7 @@ int TestImages()
     const int y = i / Size;
     for (int c = 0; c < 4; ++c)
     {
-      const double value = colours->GetScalarComponentAsDouble(x, y, 0, c);
+      const double value = colors->GetScalarComponentAsDouble(x, y, 0, c);
       FFD_CHECK(value == direct->GetScalarComponentAsDouble(x, y, 0, c));
       if (c < 3)
       {
@@ -229,20 +229,20 @@ int TestImages()
       }
       if (value > 0.0)
       {
-        colourSum += std::abs(value - gpuColours->GetScalarComponentAsDouble(x, y, 0, c));
+        colorSum += std::abs(value - gpuColors->GetScalarComponentAsDouble(x, y, 0, c));
         ++visible;
       }
     }
     const double depth = depths->GetScalarComponentAsDouble(x, y, 0, 0);
     FFD_CHECK(depth == directDepths->GetScalarComponentAsDouble(x, y, 0, 0));
-    if (colours->GetScalarComponentAsDouble(x, y, 0, 3) > 20.0)
+    if (colors->GetScalarComponentAsDouble(x, y, 0, 3) > 20.0)
     {
       depthSum += std::abs(depth - gpuDepths->GetScalarComponentAsDouble(x, y, 0, 0));
     }
   }
-  std::cout << "from the GPU mapper: " << colourSum / visible << ", depths "
+  std::cout << "from the GPU mapper: " << colorSum / visible << ", depths "
             << 4.0 * depthSum / visible << "\n";
-  FFD_CHECK(visible > 2000 && colourSum / visible < 2.0 && 4.0 * depthSum / visible < 0.002);
+  FFD_CHECK(visible > 2000 && colorSum / visible < 2.0 && 4.0 * depthSum / visible < 0.002);
 
   // Types of depths; where nothing is, those of the back faces.
   scene.Mapper->SetDepthImageScalarTypeToUnsignedShort();
@@ -269,9 +269,9 @@ int TestImages()
   camera->SetClippingRange(20.0, 120.0);
   scene.Show(Size);
   scene.Mapper->GetDepthImage(depths);
-  scene.Mapper->GetColorImage(colours);
+  scene.Mapper->GetColorImage(colors);
   // A corner of the volume, where the ball is not; the back faces are at z = 0, 60 from the camera.
-  FFD_CHECK(colours->GetScalarComponentAsDouble(12, 12, 0, 3) == 0.0);
+  FFD_CHECK(colors->GetScalarComponentAsDouble(12, 12, 0, 3) == 0.0);
   FFD_CHECK_NEAR(depths->GetScalarComponentAsDouble(12, 12, 0, 0), 0.4, 1e-5);
   FFD_CHECK(depths->GetScalarComponentAsDouble(0, 0, 0, 0) == 1.0);
   scene.Mapper->ClampDepthToBackfaceOff();
@@ -289,9 +289,9 @@ int TestImages()
 int TestNativeRanges()
 {
   FFDTestScene scene;
-  scene.Colour->RemoveAllPoints();
-  scene.Colour->AddRGBPoint(60.0, 0.2, 0.9, 0.4);
-  scene.Colour->AddRGBPoint(120.0, 0.9, 0.5, 0.1);
+  scene.Color->RemoveAllPoints();
+  scene.Color->AddRGBPoint(60.0, 0.2, 0.9, 0.4);
+  scene.Color->AddRGBPoint(120.0, 0.9, 0.5, 0.1);
   scene.Opacity->RemoveAllPoints();
   scene.Opacity->AddPoint(50.0, 0.0);
   scene.Opacity->AddPoint(130.0, 0.2);
@@ -307,7 +307,7 @@ int TestNativeRanges()
     std::function<void(int)> SetType;
   };
   const Case cases[] = {
-    { "colours", [&](bool on) { scene.Colour->SetClamping(on); },
+    { "colors", [&](bool on) { scene.Color->SetClamping(on); },
       [&](int type) { scene.Mapper->SetColorRangeType(type); } },
     { "opacities", [&](bool on) { scene.Opacity->SetClamping(on); },
       [&](int type) { scene.Mapper->SetScalarOpacityRangeType(type); } },

@@ -17,8 +17,8 @@
 #include "vtkPiecewiseFunction.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
-#include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
+#include "vtkRenderWindow.h"
 #include "vtkSmartPointer.h"
 #include "vtkUnsignedCharArray.h"
 #include "vtkVolume.h"
@@ -49,8 +49,8 @@ vtkSmartPointer<vtkImageData> MakeImage(int n, double phase)
     {
       for (int i = 0; i < n; ++i)
       {
-        *voxel++ = static_cast<unsigned char>(
-          128.0 + 120.0 * std::sin(phase + 0.7 * i) * std::sin(0.5 * j) * std::sin(phase + 0.4 * k));
+        *voxel++ = static_cast<unsigned char>(128.0 +
+          120.0 * std::sin(phase + 0.7 * i) * std::sin(0.5 * j) * std::sin(phase + 0.4 * k));
       }
     }
   }
@@ -139,61 +139,54 @@ std::vector<Action> MakeActions()
 {
   const std::string refused = "while the mapper renders";
   return {
-    { "ReleaseGraphicsResources", [](Scene& s) { s.Mapper->ReleaseGraphicsResources(s.Window); }, "" },
+    { "ReleaseGraphicsResources", [](Scene& s) { s.Mapper->ReleaseGraphicsResources(s.Window); },
+      "" },
     { "RemoveVolume", [](Scene& s) { s.Renderer->RemoveVolume(s.Volume); }, "", false, true },
     { "delete the volume",
-      [](Scene& s)
-      {
+      [](Scene& s) {
         s.Renderer->RemoveVolume(s.Volume);
         s.Volume = nullptr;
       },
       "", false, true },
     { "delete volume and mapper",
-      [](Scene& s)
-      {
+      [](Scene& s) {
         s.Renderer->RemoveVolume(s.Volume);
         s.Volume = nullptr;
         s.Mapper = nullptr;
       },
       "", false, true },
     { "SetMapper(nullptr)",
-      [](Scene& s)
-      {
+      [](Scene& s) {
         s.Volume->SetMapper(nullptr);
         s.Mapper = nullptr;
       },
       "", false, true },
     { "new input",
-      [](Scene& s)
-      {
+      [](Scene& s) {
         s.Image = MakeImage(15, 1.0);
         s.Mapper->SetInputData(s.Image);
       },
       "" },
     { "no input",
-      [](Scene& s)
-      {
+      [](Scene& s) {
         s.Image = nullptr;
         s.Mapper->SetInputData(static_cast<vtkImageData*>(nullptr));
       },
       "", false, true },
     { "new scalars",
-      [](Scene& s)
-      {
+      [](Scene& s) {
         auto other = MakeImage(21, 2.0);
         s.Image->GetPointData()->SetScalars(other->GetPointData()->GetScalars());
       },
       "" },
     { "AllocateScalars",
-      [](Scene& s)
-      {
+      [](Scene& s) {
         s.Image->AllocateScalars(VTK_SHORT, 1);
         s.Image->GetPointData()->GetScalars()->Fill(200.0);
       },
       "" },
     { "fewer scalars in the same array",
-      [](Scene& s)
-      {
+      [](Scene& s) {
         vtkDataArray* scalars = s.Image->GetPointData()->GetScalars();
         scalars->Initialize();
         scalars->SetNumberOfTuples(1);
@@ -201,16 +194,14 @@ std::vector<Action> MakeActions()
       },
       "memory of an array", true },
     { "new deformation",
-      [](Scene& s)
-      {
+      [](Scene& s) {
         vtkNew<vtkFFDLattice> other;
         s.Mapper->SetDeformation(other);
         s.Lattice = nullptr;
       },
       "" },
     { "edit of the lattice",
-      [](Scene& s)
-      {
+      [](Scene& s) {
         FFDRandom(2).Shape(s.Lattice, 0.4);
         s.Mapper->GetBounds();
         s.Volume->GetBounds();
@@ -219,24 +210,21 @@ std::vector<Action> MakeActions()
     { "Refine", [](Scene& s) { s.Lattice->Refine(2); }, "" },
     { "reset of the lattice", [](Scene& s) { s.Lattice->Reset(); }, "" },
     { "new property",
-      [](Scene& s)
-      {
+      [](Scene& s) {
         vtkNew<vtkVolumeProperty> property;
         property->SetScalarOpacity(s.Volume->GetProperty()->GetScalarOpacity());
         s.Volume->SetProperty(property);
       },
       "" },
     { "edit of the property",
-      [](Scene& s)
-      {
+      [](Scene& s) {
         s.Volume->GetProperty()->ShadeOn();
         s.Volume->GetProperty()->GetScalarOpacity()->RemoveAllPoints();
         s.Volume->GetProperty()->GetScalarOpacity()->AddPoint(0.0, 0.01);
       },
       "" },
     { "mask",
-      [](Scene& s)
-      {
+      [](Scene& s) {
         vtkNew<vtkImageData> mask;
         mask->SetDimensions(21, 21, 21);
         mask->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
@@ -245,8 +233,7 @@ std::vector<Action> MakeActions()
       },
       "" },
     { "setters",
-      [](Scene& s)
-      {
+      [](Scene& s) {
         s.Mapper->SetFinalColorWindow(0.5);
         s.Mapper->SetInverseModeToFirstOrder();
         s.Mapper->SetSegmentationToGreedyAngle();
@@ -263,8 +250,7 @@ std::vector<Action> MakeActions()
       "" },
     { "CollectStatistics", [](Scene& s) { s.Mapper->SetCollectStatistics(1); }, "" },
     { "ShallowCopy",
-      [](Scene& s)
-      {
+      [](Scene& s) {
         vtkNew<vtkFFDInverseRayVolumeMapper> other;
         other->SetInputData(MakeImage(12, 0.0));
         other->SetUseJittering(1);
@@ -275,16 +261,14 @@ std::vector<Action> MakeActions()
     { "Render of the mapper", [](Scene& s) { s.Mapper->Render(s.Renderer, s.Volume); }, refused },
     { "RenderToImage", [](Scene& s) { RenderImage(s.Mapper, s); }, refused },
     { "RenderToImage of another mapper",
-      [](Scene& s)
-      {
+      [](Scene& s) {
         vtkNew<vtkFFDInverseRayVolumeMapper> other;
         other->ShallowCopy(s.Mapper);
         RenderImage(other, s);
       },
       "" },
     { "TraceRays",
-      [](Scene& s)
-      {
+      [](Scene& s) {
         vtkNew<vtkIdTypeArray> pixels;
         pixels->SetNumberOfComponents(2);
         vtkNew<vtkPolyData> rays;
@@ -292,8 +276,7 @@ std::vector<Action> MakeActions()
       },
       refused },
     { "GetRestPosition and a pick",
-      [](Scene& s)
-      {
+      [](Scene& s) {
         double p[3] = { 10.0, 10.0, 10.0 };
         s.Mapper->GetRestPosition(p, p);
         vtkNew<vtkFFDVolumePicker> picker;
@@ -312,8 +295,7 @@ std::string Run(const Action& action, unsigned long event, bool ofWindow)
   // Something to do for the frame.
   scene.Mapper->Modified();
   int calls = 0;
-  std::function<void()> once = [&]
-  {
+  std::function<void()> once = [&] {
     if (calls++ == 0)
     {
       action.Do(scene);
@@ -321,10 +303,11 @@ std::string Run(const Action& action, unsigned long event, bool ofWindow)
   };
   vtkNew<vtkCallbackCommand> command;
   command->SetClientData(&once);
-  command->SetCallback([](vtkObject*, unsigned long, void* data, void*)
-    { (*static_cast<std::function<void()>*>(data))(); });
-  vtkObject* sender = ofWindow ? static_cast<vtkObject*>(scene.Renderer)
-                               : static_cast<vtkObject*>(scene.Mapper);
+  command->SetCallback([](vtkObject*, unsigned long, void* data, void*) {
+    (*static_cast<std::function<void()>*>(data))();
+  });
+  vtkObject* sender =
+    ofWindow ? static_cast<vtkObject*>(scene.Renderer) : static_cast<vtkObject*>(scene.Mapper);
   sender->AddObserver(event, command);
   const Bytes during = scene.Render();
   if (calls == 0)

@@ -123,8 +123,8 @@ int TestRayOptions()
   m->SetDeformation(scene.Lattice);
   m->SetSegmentationToErrorBound();
 
-  // Space leaping: the same image for less. The ball leaves half of the volume empty; rays are close
-  // to each other, as those of 4 x 4 pixels leap together.
+  // Space leaping: the same image for less. The ball leaves half of the volume empty; rays are
+  // close to each other, as those of 4 x 4 pixels leap together.
   constexpr int size = 128;
   for (int reference = 0; reference < 2; ++reference)
   {
@@ -137,7 +137,7 @@ int TestRayOptions()
     FFD_CHECK(counts->GetNumberOfDistanceLookups() == 0);
     m->SetSpaceLeapingToSegment();
     FFD_CHECK(FFDLargestDifference(all, scene.Render(size)) <= 1);
-   
+
     const double most = 0.9 * samplesOff;
     FFD_CHECK(counts->GetNumberOfSamples() < most);
     FFD_CHECK(counts->GetNumberOfDistanceLookups() > 0);
@@ -150,7 +150,7 @@ int TestRayOptions()
   }
   const std::vector<unsigned char> slow = scene.Render();
   m->ReferenceKernelsOff();
-  // Colours are not premultiplied: they mean nothing where there is next to no opacity.
+  // Colors are not premultiplied: they mean nothing where there is next to no opacity.
   const std::vector<unsigned char> fast = scene.Render();
   for (std::size_t i = 0; i < slow.size(); ++i)
   {
@@ -212,12 +212,12 @@ bool TestPropertyAndLights()
   gray->AddPoint(0.0, 0.1);
   gray->AddPoint(200.0, 0.9);
   ok &= Matters(
-    scene, "gray", [&] { p->SetColor(gray); }, [&] { p->SetColor(scene.Colour); });
+    scene, "gray", [&] { p->SetColor(gray); }, [&] { p->SetColor(scene.Color); });
   number(
     "edit of the opacity", [&](double x) { scene.Opacity->AddPoint(200.0, x); }, 0.4, 0.9);
   ok &= Matters(
-    scene, "edit of the colours", [&] { scene.Colour->AddRGBPoint(200.0, 0.0, 1.0, 0.0); },
-    [&] { scene.Colour->AddRGBPoint(200.0, 1.0, 0.5, 0.1); });
+    scene, "edit of the colors", [&] { scene.Color->AddRGBPoint(200.0, 0.0, 1.0, 0.0); },
+    [&] { scene.Color->AddRGBPoint(200.0, 1.0, 0.5, 0.1); });
   return ok;
 }
 
@@ -282,18 +282,17 @@ bool TestPrintSelf()
   m->SetMaximumSegmentLength(7.25);
   std::ostringstream text;
   m->Print(text);
-  for (const char* name :
-    { "Deformation: ", "InverseMode: EXACT", "InverseTolerance: 0.01", "Segmentation: ERROR_BOUND",
-      "PositionTolerance: 0.1", "AngleThreshold: 5", "MinimumSegmentLength: 0.5",
-      "MaximumSegmentLength: 7.25", "SpaceLeaping: LIPSCHITZ",
-      "EarlyRayTerminationThreshold: ", "OpacityLength: WORLD", " SampleDistance: 1",
-      "InteractiveSampleDistance: 2", "LockSampleDistanceToInputSpacing: 1",
-      " ImageSampleDistance: 1", "MinimumImageSampleDistance: 1", "MaximumImageSampleDistance: 10",
-      "AutoAdjustSampleDistances: 1", "FrameCoherence: 1", "FrameCoherenceTolerance: 0.25",
-      "IntermixIntersectingGeometry: 1", "NumberOfThreads: 0",
-      "MaskInput: ", "MaskType: LabelMap", "MaskBlendFactor: 1", "Transfer2DYAxisArray: (none)",
-      "VectorMode: DISABLED", "VectorComponent: 0",
-      "ComputeNormalFromOpacity: 0", "ReferenceKernels: 0", "CollectStatistics: 0", "Statistics:" })
+  for (const char* name : { "Deformation: ", "InverseMode: EXACT", "InverseTolerance: 0.01",
+         "Segmentation: ERROR_BOUND", "PositionTolerance: 0.1", "AngleThreshold: 5",
+         "MinimumSegmentLength: 0.5", "MaximumSegmentLength: 7.25", "SpaceLeaping: LIPSCHITZ",
+         "EarlyRayTerminationThreshold: ", "OpacityLength: WORLD", " SampleDistance: 1",
+         "InteractiveSampleDistance: 2", "LockSampleDistanceToInputSpacing: 1",
+         " ImageSampleDistance: 1", "MinimumImageSampleDistance: 1",
+         "MaximumImageSampleDistance: 10", "AutoAdjustSampleDistances: 1", "FrameCoherence: 1",
+         "FrameCoherenceTolerance: 0.25", "IntermixIntersectingGeometry: 1", "NumberOfThreads: 0",
+         "MaskInput: ", "MaskType: LabelMap", "MaskBlendFactor: 1", "Transfer2DYAxisArray: (none)",
+         "VectorMode: DISABLED", "VectorComponent: 0", "ComputeNormalFromOpacity: 0",
+         "ReferenceKernels: 0", "CollectStatistics: 0", "Statistics:" })
   {
     if (text.str().find(name) == std::string::npos)
     {

@@ -81,8 +81,8 @@ int TestBuilds()
   FFD_CHECK((CountBuilds(m) == Counts{ 1, 1, 1, 1, 1 }));
 
   FFD_CHECK(MakesAnew(scene, "nothing", Nothing, [] {}));
-  FFD_CHECK(MakesAnew(scene, "camera", Nothing,
-    [&] { scene.Renderer->GetActiveCamera()->Azimuth(10.0); }));
+  FFD_CHECK(
+    MakesAnew(scene, "camera", Nothing, [&] { scene.Renderer->GetActiveCamera()->Azimuth(10.0); }));
   FFD_CHECK(MakesAnew(scene, "volume matrix", Nothing, [&] { scene.Volume->RotateY(10.0); }));
   FFD_CHECK(MakesAnew(scene, "window size", Nothing, [&] {
     scene.Window->SetSize(100, 90);
@@ -121,23 +121,22 @@ int TestBuilds()
   FFD_CHECK(MakesAnew(scene, "inverse mode", Bounds, [&] { m->SetInverseModeToFirstOrder(); }));
   FFD_CHECK(MakesAnew(scene, "inverse tolerance", Bounds, [&] { m->SetInverseTolerance(0.02); }));
   m->SetInverseModeToExact();
-  FFD_CHECK(MakesAnew(
-    scene, "control point", Deformation, [&] { scene.Lattice->SetDisplacement(1, 1, 2, 1, 1, 1); }));
+  FFD_CHECK(MakesAnew(scene, "control point", Deformation,
+    [&] { scene.Lattice->SetDisplacement(1, 1, 2, 1, 1, 1); }));
   vtkNew<vtkFFDLattice> other;
   other->DeepCopy(scene.Lattice);
-  FFD_CHECK(MakesAnew(
-    scene, "equal deformation", Nothing, [&] { m->SetDeformation(other); }));
+  FFD_CHECK(MakesAnew(scene, "equal deformation", Nothing, [&] { m->SetDeformation(other); }));
   FFD_CHECK(MakesAnew(scene, "no deformation", Deformation, [&] { m->SetDeformation(nullptr); }));
   m->SetDeformation(scene.Lattice);
 
+  FFD_CHECK(
+    MakesAnew(scene, "colors", Table, [&] { scene.Color->AddRGBPoint(100.0, 0.0, 1.0, 0.0); }));
   FFD_CHECK(MakesAnew(
-    scene, "colours", Table, [&] { scene.Colour->AddRGBPoint(100.0, 0.0, 1.0, 0.0); }));
-  FFD_CHECK(MakesAnew(scene, "unit distance", Table,
-    [&] { scene.Property->SetScalarOpacityUnitDistance(1.7); }));
+    scene, "unit distance", Table, [&] { scene.Property->SetScalarOpacityUnitDistance(1.7); }));
   FFD_CHECK(MakesAnew(
     scene, "more of what is visible", Table, [&] { scene.Opacity->AddPoint(200.0, 0.5); }));
-  FFD_CHECK(MakesAnew(
-    scene, "what is visible", Visibility, [&] { scene.Opacity->AddPoint(60.0, 0.0); }));
+  FFD_CHECK(
+    MakesAnew(scene, "what is visible", Visibility, [&] { scene.Opacity->AddPoint(60.0, 0.0); }));
   vtkNew<vtkPiecewiseFunction> function;
   function->AddPoint(100.0, 0.0);
   function->AddPoint(200.0, 0.5);
@@ -148,8 +147,7 @@ int TestBuilds()
     [&] { scene.Property->SetScalarOpacity(scene.Opacity); }));
   vtkNew<vtkVolumeProperty> same;
   same->DeepCopy(scene.Property);
-  FFD_CHECK(MakesAnew(
-    scene, "another property", Table, [&] { scene.Volume->SetProperty(same); }));
+  FFD_CHECK(MakesAnew(scene, "another property", Table, [&] { scene.Volume->SetProperty(same); }));
   scene.Volume->SetProperty(scene.Property);
 
   FFD_CHECK(MakesAnew(scene, "leaping off", Nothing, [&] { m->SetSpaceLeapingToOff(); }));
@@ -176,8 +174,8 @@ int TestBuilds()
     scene.Lattice->SetDisplacement(2, 3, 1, 2.0, -2.0, 0.0);
     scene.Lattice->AttachTo(scene.Image);
   }));
-  FFD_CHECK(MakesAnew(
-    scene, "attached lattice, the same again", Nothing, [&] { scene.Lattice->AttachTo(scene.Image); }));
+  FFD_CHECK(MakesAnew(scene, "attached lattice, the same again", Nothing,
+    [&] { scene.Lattice->AttachTo(scene.Image); }));
   vtkFFDLattice::DetachFrom(scene.Image);
 
   vtkNew<vtkTrivialProducer> producer;
@@ -193,8 +191,7 @@ int TestBuilds()
   // Each edit runs both filters; the voxels stay the same.
   FFD_CHECK(MakesAnew(scene, "filter, control point", Deformation,
     [&] { scene.Lattice->SetDisplacement(2, 3, 1, 1.0, -2.0, 0.0); }));
-  FFD_CHECK(MakesAnew(
-    scene, "filter, strength", Deformation, [&] { chained->SetStrength(0.3); }));
+  FFD_CHECK(MakesAnew(scene, "filter, strength", Deformation, [&] { chained->SetStrength(0.3); }));
   FFD_CHECK(MakesAnew(scene, "filter, no change", Nothing, [&] { deform->Modified(); }));
   FFD_CHECK(MakesAnew(scene, "filter, voxels", Voxels, [&] {
     scalars->SetTuple1(4000, 150.0);
@@ -245,8 +242,9 @@ int TestInputChanges()
   second->SetNumberOfTuples(copy->GetNumberOfPoints());
   for (vtkIdType i = 0; i < second->GetNumberOfTuples(); ++i)
   {
-    second->SetValue(i, static_cast<float>(copy->GetPointData()->GetScalars()->GetTuple1(
-                          copy->GetNumberOfPoints() - 1 - i)));
+    second->SetValue(i,
+      static_cast<float>(
+        copy->GetPointData()->GetScalars()->GetTuple1(copy->GetNumberOfPoints() - 1 - i)));
   }
   copy->GetPointData()->AddArray(second);
   FFD_CHECK(FFDLargestDifference(first, scene.Show()) == 0);
@@ -329,8 +327,8 @@ void AbortAtOnce(vtkObject* caller, unsigned long, void*, void*)
   vtkAlgorithm::SafeDownCast(caller)->SetAbortExecute(1);
 }
 
-/// An aborted frame shows the last picture of the view, or nothing of the volume where there is none,
-/// and costs no next one.
+/// An aborted frame shows the last picture of the view, or nothing of the volume where there is
+/// none, and costs no next one.
 int TestAbort()
 {
   FFDTestScene scene;
@@ -430,8 +428,8 @@ int TestShallowCopy()
   FFD_CHECK(taken->GetInput() == scene.Image.Get() && taken->GetCropping() == 1);
   FFD_CHECK(taken->GetCroppingRegionPlanes()[5] == 6.0 &&
     taken->GetCroppingRegionFlags() == fixed->GetCroppingRegionFlags());
-  FFD_CHECK(taken->GetBlendMode() == fixed->GetBlendMode() &&
-    taken->GetAverageIPScalarRange()[1] == 30.0);
+  FFD_CHECK(
+    taken->GetBlendMode() == fixed->GetBlendMode() && taken->GetAverageIPScalarRange()[1] == 30.0);
   FFD_CHECK(taken->GetClippingPlanes() && taken->GetClippingPlanes()->GetNumberOfItems() == 1);
   FFD_CHECK(std::string(taken->GetArrayName()) == "ball" &&
     taken->GetScalarMode() == VTK_SCALAR_MODE_USE_POINT_FIELD_DATA);
@@ -444,12 +442,11 @@ int TestMemory()
   FFDTestScene scene;
   vtksys::SystemInformation system;
   const auto used = [&] { return static_cast<double>(system.GetProcMemoryUsed()) / 1024.0; };
-  vtkNew<vtkImageData> colours;
+  vtkNew<vtkImageData> colors;
   // A picture without a window: only the mapper's own image, 16 bytes a pixel.
   constexpr int Large = 3000;
-  FFD_CHECK(
-    scene.Mapper->RenderToImage(scene.Renderer, scene.Volume, Large, Large, colours) == 1);
-  colours->Initialize();
+  FFD_CHECK(scene.Mapper->RenderToImage(scene.Renderer, scene.Volume, Large, Large, colors) == 1);
+  colors->Initialize();
   const double with = used();
   scene.Mapper->ReleaseGraphicsResources(nullptr);
   const double without = used();

@@ -34,8 +34,8 @@ using Bytes = std::vector<unsigned char>;
 void Append(vtkImageData* image, Bytes& bytes)
 {
   const auto* first = static_cast<const unsigned char*>(image->GetScalarPointer());
-  bytes.insert(bytes.end(), first,
-    first + image->GetNumberOfPoints() * image->GetNumberOfScalarComponents());
+  bytes.insert(
+    bytes.end(), first, first + image->GetNumberOfPoints() * image->GetNumberOfScalarComponents());
 }
 
 /// The pictures of a lattice that is edited `Edits` times, and the last volume resampled.

@@ -12,17 +12,13 @@ double Labels(int, const ffdTest::Vec3& p)
   return p[0] < 0.35 ? 0.0 : p[2] < 0.45 ? 1.0 : p[1] < 0.5 ? 2.0 : 3.0;
 }
 
-double Inside(int, const ffdTest::Vec3& p)
-{
-  return p[0] + 0.4 * p[1] > 0.6 ? 255.0 : 0.0;
-}
+double Inside(int, const ffdTest::Vec3& p) { return p[0] + 0.4 * p[1] > 0.6 ? 255.0 : 0.0; }
 
 struct Fixture
 {
   ffdTest::Scene Scene;
-  vtkSmartPointer<vtkImageData> Image =
-    ffdTest::MakeImage(40, VTK_UNSIGNED_CHAR, 1,
-      [](int, const ffdTest::Vec3& p) { return ffdTest::FourFields(3, p); });
+  vtkSmartPointer<vtkImageData> Image = ffdTest::MakeImage(40, VTK_UNSIGNED_CHAR, 1,
+    [](int, const ffdTest::Vec3& p) { return ffdTest::FourFields(3, p); });
 
   Fixture()
   {
@@ -44,15 +40,13 @@ struct Fixture
     this->Scene.Ours->SetMaskBlendFactor(factor);
     this->Scene.Gpu->SetMaskBlendFactor(factor);
   }
-  ffdTest::Picture CheckAgainstGpu(
-    const std::string& name, double limit, ffdTest::Checks& checks)
+  ffdTest::Picture CheckAgainstGpu(const std::string& name, double limit, ffdTest::Checks& checks)
   {
     const ffdTest::Picture ours = this->Scene.Render(this->Scene.Ours);
     // VTK 9.1's GPU mapper keeps its shader when properties change.
     this->Scene.Gpu->Modified();
     this->Scene.Property->Modified();
-    const ffdTest::Distance d =
-      this->Scene.Compare(ours, this->Scene.Render(this->Scene.Gpu));
+    const ffdTest::Distance d = this->Scene.Compare(ours, this->Scene.Render(this->Scene.Gpu));
     std::ostringstream figures;
     figures << d << " from the GPU mapper (mean at most " << limit << ")";
     checks.Expect(d.Pixels > 2000 && d.Mean <= limit, name, figures.str());
@@ -62,13 +56,13 @@ struct Fixture
 
 void SetLabel(vtkVolumeProperty* property, int label, double r, double g, double b, double opacity)
 {
-  vtkNew<vtkColorTransferFunction> colour;
-  colour->AddRGBPoint(0.0, 0.5 * r, 0.5 * g, 0.5 * b);
-  colour->AddRGBPoint(255.0, r, g, b);
+  vtkNew<vtkColorTransferFunction> color;
+  color->AddRGBPoint(0.0, 0.5 * r, 0.5 * g, 0.5 * b);
+  color->AddRGBPoint(255.0, r, g, b);
   vtkNew<vtkPiecewiseFunction> function;
   function->AddPoint(10.0, 0.0);
   function->AddPoint(255.0, opacity);
-  property->SetLabelColor(label, colour);
+  property->SetLabelColor(label, color);
   property->SetLabelScalarOpacity(label, function);
 }
 
@@ -86,26 +80,24 @@ void CheckBinary(ffdTest::Checks& checks)
   f.Scene.Property->ShadeOff();
 
   // Another grid at the same place, twice as fine, hides the same but for the steps of its edge.
-  const auto fine = ffdTest::MakeImage(
-    79, VTK_SHORT, 1, Inside, { 39.0 / 78.0, 39.0 / 78.0, 39.0 / 78.0 });
+  const auto fine =
+    ffdTest::MakeImage(79, VTK_SHORT, 1, Inside, { 39.0 / 78.0, 39.0 / 78.0, 39.0 / 78.0 });
   f.Scene.Ours->SetMaskInput(fine);
   const ffdTest::Distance apart = f.Scene.Compare(part, f.Scene.Render(f.Scene.Ours));
   checks.Expect(apart.Pixels > 2000 && apart.Mean <= 6.0 && apart.Max > 0.0, "finer mask",
     ffdTest::ToString(apart) + " from the mask voxel by voxel (mean at most 6)");
   // Nothing is seen beyond a mask that covers a corner only.
-  const auto small = ffdTest::MakeImage(11, VTK_UNSIGNED_CHAR, 1,
-    [](int, const ffdTest::Vec3&) { return 1.0; });
+  const auto small =
+    ffdTest::MakeImage(11, VTK_UNSIGNED_CHAR, 1, [](int, const ffdTest::Vec3&) { return 1.0; });
   small->SetOrigin(14.0, 14.0, 14.0);
   f.Scene.Ours->SetMaskInput(small);
   const ffdTest::Picture corner = f.Scene.Render(f.Scene.Ours);
-  const auto same = ffdTest::MakeImage(40, VTK_UNSIGNED_CHAR, 1,
-    [](int, const ffdTest::Vec3& p)
-    {
-      return std::all_of(p.begin(), p.end(),
-               [](double x) { return x * 39.0 > 13.5 && x * 39.0 < 24.5; })
-        ? 1.0
-        : 0.0;
-    });
+  const auto same = ffdTest::MakeImage(40, VTK_UNSIGNED_CHAR, 1, [](int, const ffdTest::Vec3& p) {
+    return std::all_of(
+             p.begin(), p.end(), [](double x) { return x * 39.0 > 13.5 && x * 39.0 < 24.5; })
+      ? 1.0
+      : 0.0;
+  });
   f.Scene.Ours->SetMaskInput(same);
   const ffdTest::Distance boxes = f.Scene.Compare(corner, f.Scene.Render(f.Scene.Ours));
   checks.Expect(boxes.Pixels > 500 && boxes.Max <= 1.0, "smaller mask",
@@ -129,12 +121,12 @@ void CheckLabels(ffdTest::Checks& checks)
   SetLabel(f.Scene.Property, 2, 0.2, 0.3, 1.0, 0.5);
   SetLabel(f.Scene.Property, 3, 1.0, 0.2, 0.8, 0.05);
   f.SetMask(labels, vtkGPUVolumeRayCastMapper::LabelMapMaskType);
-  const ffdTest::Picture coloured = f.CheckAgainstGpu("labels", 4.0, checks);
-  checks.ExpectAtLeast("labels, matter", f.Scene.Compare(without, coloured).Mean, 20.0);
+  const ffdTest::Picture colored = f.CheckAgainstGpu("labels", 4.0, checks);
+  checks.ExpectAtLeast("labels, matter", f.Scene.Compare(without, colored).Mean, 20.0);
   ffdTest::CheckSamePictures(f.Scene, "labels", checks);
   f.SetBlend(0.4f);
   const ffdTest::Picture blended = f.CheckAgainstGpu("labels, blended", 4.0, checks);
-  checks.ExpectAtLeast("labels, blending matters", f.Scene.Compare(blended, coloured).Mean, 5.0);
+  checks.ExpectAtLeast("labels, blending matters", f.Scene.Compare(blended, colored).Mean, 5.0);
   ffdTest::CheckSamePictures(f.Scene, "labels, blended", checks);
   f.SetBlend(0.0f);
   const ffdTest::Distance off = f.Scene.Compare(without, f.Scene.Render(f.Scene.Ours));
@@ -162,10 +154,9 @@ void CheckLabels(ffdTest::Checks& checks)
     "gradient opacity of a label, matters", f.Scene.Compare(plain, byGradient).Mean, 2.0);
   ffdTest::CheckSamePictures(f.Scene, "gradient opacity of a label", checks);
   f.Scene.Property->SetGradientOpacity(gradients);
-  const ffdTest::Distance unlabelled =
-    f.Scene.Compare(byGradient, f.Scene.Render(f.Scene.Ours));
-  checks.Expect(unlabelled.Max == 0.0, "gradient opacity of the property, labels only",
-    ffdTest::ToString(unlabelled));
+  const ffdTest::Distance unlabeled = f.Scene.Compare(byGradient, f.Scene.Render(f.Scene.Ours));
+  checks.Expect(unlabeled.Max == 0.0, "gradient opacity of the property, labels only",
+    ffdTest::ToString(unlabeled));
 }
 
 } // namespace

@@ -8,8 +8,8 @@
 #include "vtkPNGReader.h"
 #include "vtkPolyDataMapper.h"
 #include "vtkRegressionTestImage.h"
-#include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
+#include "vtkRenderWindow.h"
 #include "vtkSphereSource.h"
 #include "vtkTesting.h"
 
@@ -60,11 +60,11 @@ int TestMissingBaseline(int argc, char* argv[])
   reader->SetFileName(candidate.c_str());
   reader->Update();
   vtkImageData* image = reader->GetOutput();
-  const double centre = image->GetScalarComponentAsDouble(32, 32, 0, 0);
+  const double center = image->GetScalarComponentAsDouble(32, 32, 0, 0);
   const double corner = image->GetScalarComponentAsDouble(0, 0, 0, 0);
-  if (!(centre > 128.0) || corner != 0.0)
+  if (!(center > 128.0) || corner != 0.0)
   {
-    std::cerr << "The candidate image does not show the white sphere on black: centre " << centre
+    std::cerr << "The candidate image does not show the white sphere on black: center " << center
               << ", corner " << corner << ".\n";
     return EXIT_FAILURE;
   }

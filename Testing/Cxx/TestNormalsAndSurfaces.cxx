@@ -1,16 +1,13 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Each part of the surface and of the lights matters and is what VTK's mappers make of it; normals of
-// the opacity are those of a volume whose scalars are the opacity.
+// Each part of the surface and of the lights matters and is what VTK's mappers make of it; normals
+// of the opacity are those of a volume whose scalars are the opacity.
 #include "FFDTestOptics.h"
 
 namespace
 {
 
-double Smooth(int, const ffdTest::Vec3& p)
-{
-  return ffdTest::FourFields(3, p);
-}
+double Smooth(int, const ffdTest::Vec3& p) { return ffdTest::FourFields(3, p); }
 
 void CheckSurface(ffdTest::Checks& checks)
 {
@@ -23,8 +20,7 @@ void CheckSurface(ffdTest::Checks& checks)
     { { 40, 0.9, 0.4, 0.2, 0.0 }, { 60, 0.9, 0.6, 0.2, 0.4 }, { 255, 0.3, 0.6, 0.8, 0.6 } }, 1.0);
   scene.SetShading(0.2, 0.5, 0.3, 20.0);
   const ffdTest::Picture before = scene.Render(scene.Ours);
-  const auto check = [&](const std::string& name, double least)
-  {
+  const auto check = [&](const std::string& name, double least) {
     const ffdTest::Picture ours = scene.Render(scene.Ours);
     scene.Gpu->Modified();
     scene.Property->Modified();
@@ -48,12 +44,12 @@ void CheckSurface(ffdTest::Checks& checks)
   check("specular power", 4.0);
   scene.SetShading(0.2, 0.5, 0.3, 20.0);
   scene.Headlight->SetDiffuseColor(1.0, 0.2, 0.2);
-  check("diffuse colour", 4.0);
+  check("diffuse color", 4.0);
   scene.Headlight->SetDiffuseColor(1.0, 1.0, 1.0);
   scene.Headlight->SetSpecularColor(0.0, 1.0, 0.0);
-  check("specular colour", 0.5);
+  check("specular color", 0.5);
   scene.Headlight->SetSpecularColor(1.0, 1.0, 1.0);
-  // Only at full intensity does a headlight light the ambient term whatever its colour; in the GPU
+  // Only at full intensity does a headlight light the ambient term whatever its color; in the GPU
   // mapper others do so with white.
   scene.SetShading(0.2, 0.5, 0.3, 20.0);
   scene.SetWhiteAmbientLight(false);
@@ -61,7 +57,7 @@ void CheckSurface(ffdTest::Checks& checks)
   check("intensity", 10.0);
   scene.Headlight->SetIntensity(1.0);
 
-  // The ambient colour of lights that are not a single headlight.
+  // The ambient color of lights that are not a single headlight.
   scene.Headlight->SetLightTypeToSceneLight();
   scene.Headlight->SetFocalPoint(0.0, 0.0, 0.0);
   scene.Headlight->SetPosition(0.4, -1.0, 0.5);
@@ -70,7 +66,7 @@ void CheckSurface(ffdTest::Checks& checks)
   const ffdTest::Picture dark = scene.Render(scene.Ours);
   scene.Headlight->SetAmbientColor(0.1, 0.9, 0.3);
   const ffdTest::Picture green = scene.Render(scene.Ours);
-  checks.ExpectAtLeast("ambient colour, matters", scene.Compare(dark, green).Mean, 10.0);
+  checks.ExpectAtLeast("ambient color, matters", scene.Compare(dark, green).Mean, 10.0);
 }
 
 void CheckNormalFromOpacity(ffdTest::Checks& checks)

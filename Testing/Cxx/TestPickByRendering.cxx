@@ -32,7 +32,7 @@ vtkHardwareSelector::PixelInformation At(vtkHardwareSelector* selector, int x, i
   return selector->GetPixelInformation(position);
 }
 
-/// How far, in pixels, a point or the centre of a cell of the input is shown from a pixel.
+/// How far, in pixels, a point or the center of a cell of the input is shown from a pixel.
 double FindDistance(FFDTestScene& scene, vtkIdType id, bool cell, int x, int y)
 {
   double bounds[6];

@@ -48,8 +48,8 @@ void SetField(vtkRectilinearGrid* grid, int type, const ffdTest::Field& field)
 
 double Smooth(int, const ffdTest::Vec3& p)
 {
-  const double r = (p[0] - 0.5) * (p[0] - 0.5) + (p[1] - 0.45) * (p[1] - 0.45) +
-    1.4 * (p[2] - 0.5) * (p[2] - 0.5);
+  const double r =
+    (p[0] - 0.5) * (p[0] - 0.5) + (p[1] - 0.45) * (p[1] - 0.45) + 1.4 * (p[2] - 0.5) * (p[2] - 0.5);
   return 255.0 * std::exp(-14.0 * r);
 }
 
@@ -73,8 +73,7 @@ struct Fixture
   void CheckSame(const std::string& name, const ffdTest::Picture& expected, double mean,
     double largest, ffdTest::Checks& checks)
   {
-    const ffdTest::Distance d =
-      this->Scene.Compare(expected, this->Scene.Render(this->Scene.Ours));
+    const ffdTest::Distance d = this->Scene.Compare(expected, this->Scene.Render(this->Scene.Ours));
     std::ostringstream figures;
     figures << d << " (mean at most " << mean << ", max " << largest << ")";
     checks.Expect(d.Pixels > 3000 && d.Mean <= mean && d.Max <= largest, name, figures.str());
@@ -103,7 +102,8 @@ void CheckUniform(ffdTest::Checks& checks)
     const std::string name = std::string("equal steps, ") + vtkImageScalarTypeNameMacro(type);
     for (const bool nearest : { false, true })
     {
-      f.Scene.Property->SetInterpolationType(nearest ? VTK_NEAREST_INTERPOLATION : VTK_LINEAR_INTERPOLATION);
+      f.Scene.Property->SetInterpolationType(
+        nearest ? VTK_NEAREST_INTERPOLATION : VTK_LINEAR_INTERPOLATION);
       f.Scene.Ours->SetInputData(image);
       const ffdTest::Picture expected = f.Scene.Render(f.Scene.Ours);
       f.Scene.Ours->SetInputData(grid);
@@ -132,7 +132,8 @@ void CheckUneven(ffdTest::Checks& checks)
     f.Scene.Ours->SetInputData(grid);
     f.CheckSame("uneven steps, linear field", expected, 0.3, 3.0, checks);
     ffdTest::CheckSamePictures(f.Scene, "uneven steps, linear field", checks);
-    // Its direction of the normal is the same everywhere, too; at the border gradients are one-sided.
+    // Its direction of the normal is the same everywhere, too; at the border gradients are
+    // one-sided.
     f.Scene.SetShading(0.2, 0.7, 0.3, 20.0);
     f.Scene.Ours->SetInputData(image);
     const ffdTest::Picture shaded = f.Scene.Render(f.Scene.Ours);
@@ -177,8 +178,7 @@ void CheckCells(ffdTest::Checks& checks)
   const std::vector<double> faces = { 0, 2, 3, 7, 8, 12, 13, 14, 20, 22, 27, 28, 33, 36, 39 };
   const std::vector<double> coordinates[3] = { faces, faces, faces };
   const auto grid = MakeGrid(coordinates);
-  const auto cellOf = [&](int i)
-  {
+  const auto cellOf = [&](int i) {
     int cell = 0;
     while (faces[static_cast<std::size_t>(cell) + 1] <= i)
     {
@@ -187,8 +187,7 @@ void CheckCells(ffdTest::Checks& checks)
     return cell;
   };
   const int n = static_cast<int>(faces.size()) - 1;
-  const auto valueOf = [&](int i, int j, int k)
-  {
+  const auto valueOf = [&](int i, int j, int k) {
     return Smooth(0, { (i + 0.5) / n, (j + 0.5) / n, (k + 0.5) / n });
   };
   vtkNew<vtkDoubleArray> values;

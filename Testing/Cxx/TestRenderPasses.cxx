@@ -85,7 +85,7 @@ public:
 
 private:
   void AddSphere(
-    vtkActor* actor, const ffdTest::Vec3& colour, double radius, const ffdTest::Vec3& centre)
+    vtkActor* actor, const ffdTest::Vec3& color, double radius, const ffdTest::Vec3& center)
   {
     vtkNew<vtkSphereSource> sphere;
     sphere->SetRadius(radius);
@@ -94,8 +94,8 @@ private:
     vtkNew<vtkPolyDataMapper> mapper;
     mapper->SetInputConnection(sphere->GetOutputPort());
     actor->SetMapper(mapper);
-    actor->SetPosition(centre[0], centre[1], centre[2]);
-    actor->GetProperty()->SetColor(colour[0], colour[1], colour[2]);
+    actor->SetPosition(center[0], center[1], center[2]);
+    actor->GetProperty()->SetColor(color[0], color[1], color[2]);
     this->Renderer->AddActor(actor);
   }
 };
@@ -110,7 +110,7 @@ public:
   void Render(const vtkRenderState* s) override
   {
     constexpr unsigned int ReadFramebuffer = 0x8CA8;
-    constexpr unsigned int ColourBuffer = 0x4000;
+    constexpr unsigned int ColorBuffer = 0x4000;
     constexpr unsigned int Nearest = 0x2600;
     auto* window = vtkOpenGLRenderWindow::SafeDownCast(s->GetRenderer()->GetRenderWindow());
     vtkOpenGLState* state = window->GetState();
@@ -130,7 +130,7 @@ public:
     this->Framebuffer->Bind(ReadFramebuffer);
     this->Framebuffer->ActivateReadBuffer(0);
     state->vtkglBlitFramebuffer(
-      0, 0, size[0], size[1], 0, 0, size[0], size[1], ColourBuffer, Nearest);
+      0, 0, size[0], size[1], 0, 0, size[0], size[1], ColorBuffer, Nearest);
     state->PopReadFramebufferBinding();
   }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
 // Over black, premultiplied images are the picture in the window: in every blend mode, with 1 to 4
-// components, where bright lights make colours brighter than their alpha.
+// components, where bright lights make colors brighter than their alpha.
 #include "FFDTestOptics.h"
 
 #include "vtkContourValues.h"
@@ -12,7 +12,7 @@ namespace
 
 constexpr int Size = 70;
 
-/// Largest difference of the window over black from the colours of an RGBA image, times alpha
+/// Largest difference of the window over black from the colors of an RGBA image, times alpha
 /// where they are straight; 256 without an image or if the window is black.
 int CompareWithWindow(ffdTest::Scene& scene, bool premultiplied)
 {

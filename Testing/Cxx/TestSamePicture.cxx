@@ -22,54 +22,53 @@ using Mapper = vtkFFDInverseRayVolumeMapper;
 /// Our RGBA bytes and depths without a window.
 struct Bytes
 {
-  std::vector<unsigned char> Colours;
+  std::vector<unsigned char> Colors;
   std::vector<float> Depths;
 };
 
 Bytes RenderBytes(ffdTest::Scene& scene, int size, vtkImageData* inputDepths = nullptr)
 {
-  vtkNew<vtkImageData> colours;
+  vtkNew<vtkImageData> colors;
   vtkNew<vtkImageData> depths;
   Bytes bytes;
   if (scene.Ours->RenderToImage(
-        scene.Renderer, scene.Volume, size, size, colours, depths, inputDepths))
+        scene.Renderer, scene.Volume, size, size, colors, depths, inputDepths))
   {
-    const auto* c = static_cast<const unsigned char*>(colours->GetScalarPointer());
+    const auto* c = static_cast<const unsigned char*>(colors->GetScalarPointer());
     const auto* d = static_cast<const float*>(depths->GetScalarPointer());
-    bytes.Colours.assign(c, c + 4 * size * size);
+    bytes.Colors.assign(c, c + 4 * size * size);
     bytes.Depths.assign(d, d + size * size);
   }
   return bytes;
 }
 
-/// Largest difference of what is seen: colours over black, and alpha.
+/// Largest difference of what is seen: colors over black, and alpha.
 int FindLargestDifference(const Bytes& a, const Bytes& b)
 {
-  if (a.Colours.empty() || a.Colours.size() != b.Colours.size())
+  if (a.Colors.empty() || a.Colors.size() != b.Colors.size())
   {
     return 255;
   }
   double largest = 0.0;
-  for (std::size_t i = 0; i < a.Colours.size(); i += 4)
+  for (std::size_t i = 0; i < a.Colors.size(); i += 4)
   {
-    largest = std::max(largest, std::abs(a.Colours[i + 3] - b.Colours[i + 3]) * 1.0);
+    largest = std::max(largest, std::abs(a.Colors[i + 3] - b.Colors[i + 3]) * 1.0);
     for (std::size_t c = 0; c < 3; ++c)
     {
       largest = std::max(largest,
-        std::abs(a.Colours[i + c] * a.Colours[i + 3] - b.Colours[i + c] * b.Colours[i + 3]) /
-          255.0);
+        std::abs(a.Colors[i + c] * a.Colors[i + 3] - b.Colors[i + c] * b.Colors[i + 3]) / 255.0);
     }
   }
-  // Colours are rounded before they are multiplied by alpha.
+  // Colors are rounded before they are multiplied by alpha.
   return static_cast<int>(std::floor(largest + 0.499));
 }
 
 int CountVisible(const Bytes& b)
 {
   int visible = 0;
-  for (std::size_t i = 3; i < b.Colours.size(); i += 4)
+  for (std::size_t i = 3; i < b.Colors.size(); i += 4)
   {
-    visible += b.Colours[i] > 0 ? 1 : 0;
+    visible += b.Colors[i] > 0 ? 1 : 0;
   }
   return visible;
 }
@@ -143,7 +142,7 @@ void CheckThreads(ffdTest::Scene& scene, const std::string& name, ffdTest::Check
       scene.Ours->SetNumberOfThreads(threads);
       const Bytes many = RenderBytes(scene, Size);
       checks.Expect(
-        CountVisible(one) > 1000 && one.Colours == many.Colours && one.Depths == many.Depths,
+        CountVisible(one) > 1000 && one.Colors == many.Colors && one.Depths == many.Depths,
         name + ", " + scene.Ours->GetSegmentationAsString() + ", " + std::to_string(threads) +
           " threads",
         "largest difference from one thread " + std::to_string(FindLargestDifference(one, many)) +
@@ -155,8 +154,8 @@ void CheckThreads(ffdTest::Scene& scene, const std::string& name, ffdTest::Check
 }
 
 /// The same values as bytes, 16-bit integers and floats look the same, with a steep function, too.
-void CheckScalarTypes(ffdTest::Scene& scene, vtkImageData* image, const std::string& name,
-  ffdTest::Checks& checks)
+void CheckScalarTypes(
+  ffdTest::Scene& scene, vtkImageData* image, const std::string& name, ffdTest::Checks& checks)
 {
   const ffdTest::Transfer steep = { { 0, 0.2, 0.3, 0.9, 0.0 }, { 40, 0.3, 0.4, 0.7, 0.0 },
     { 60, 0.9, 0.6, 0.2, 0.9 }, { 255, 1.0, 1.0, 1.0, 0.9 } };
@@ -270,8 +269,8 @@ int TestSamePicture(int argc, char* argv[])
 
     if (!shape.Folds)
     {
-      // The default bound on the error of positions is small enough to see nothing of it: samples lie
-      // where they lie, whatever the pieces are.
+      // The default bound on the error of positions is small enough to see nothing of it: samples
+      // lie where they lie, whatever the pieces are.
       const double tolerance = scene.Ours->GetPositionTolerance();
       scene.Ours->SetPositionTolerance(0.1);
       const ffdTest::Picture coarse = scene.RenderToImage();
@@ -311,8 +310,8 @@ int TestSamePicture(int argc, char* argv[])
   for (int i = 0; i < Size * Size; ++i)
   {
     const std::size_t p = 4 * static_cast<std::size_t>(i);
-    wrong += i % Size < Size / 3 ? part.Colours[p + 3] != 0
-                                 : std::memcmp(&part.Colours[p], &whole.Colours[p], 4) != 0;
+    wrong += i % Size < Size / 3 ? part.Colors[p + 3] != 0
+                                 : std::memcmp(&part.Colors[p], &whole.Colors[p], 4) != 0;
   }
   checks.Expect(wrong == 0 && cut > 500, "input depths",
     std::to_string(wrong) + " wrong pixels, " + std::to_string(cut) + " cut");

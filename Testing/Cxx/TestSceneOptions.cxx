@@ -70,7 +70,7 @@ void CheckIntermixing(ffdTest::Scene& scene, vtkImageData* image, ffdTest::Check
   scene.Renderer->RemoveActor(actor);
 }
 
-/// Lights differ in kind and colour; ours against the GPU mapper's and the fixed-point mapper's.
+/// Lights differ in kind and color; ours against the GPU mapper's and the fixed-point mapper's.
 void CheckLights(ffdTest::Scene& scene, vtkImageData* image, ffdTest::Checks& checks)
 {
   scene.SetInput(image);
@@ -109,13 +109,13 @@ void CheckLights(ffdTest::Scene& scene, vtkImageData* image, ffdTest::Checks& ch
   // VTK 9.1's GPU mapper overwrites the specular term of one light by the next: none here.
   scene.SetShading(0.1, 0.8, 0.0, 1.0);
   auto red = addLight(-1.0, -2.0, 0.5, 1.0, 0.2, 0.1);
-  const ffdTest::Picture one = check("one coloured light", 33.0);
+  const ffdTest::Picture one = check("one colored light", 33.0);
   auto blue = addLight(2.0, -0.5, 1.0, 0.1, 0.3, 1.0);
-  const ffdTest::Picture two = check("two coloured lights", 33.0);
+  const ffdTest::Picture two = check("two colored lights", 33.0);
   checks.Expect(scene.Compare(one, two).Mean > 10.0, "the second light is seen",
     ffdTest::ToString(scene.Compare(one, two)));
   blue->SetIntensity(0.4);
-  check("two coloured lights, one dimmed", 33.0);
+  check("two colored lights, one dimmed", 33.0);
   blue->SetSwitch(0);
   const ffdTest::Distance off = scene.Compare(one, scene.Render(scene.Ours));
   checks.Expect(off.Max == 0.0, "a light switched off is none", ffdTest::ToString(off));

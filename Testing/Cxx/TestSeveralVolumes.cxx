@@ -60,8 +60,7 @@ int TestSeveralVolumes(int argc, char* argv[])
   const vtkSmartPointer<vtkBSplineTransform> transform =
     ffdTest::MakeTransform(bounds, 8, ffdTest::BendAndWaves(15.0 * voxel));
 
-  const auto render = [&](bool otherFirst)
-  {
+  const auto render = [&](bool otherFirst) {
     scene.Renderer->RemoveVolume(scene.Volume);
     scene.Renderer->RemoveVolume(other);
     scene.Renderer->AddVolume(otherFirst ? static_cast<vtkVolume*>(other) : scene.Volume);
@@ -99,12 +98,12 @@ int TestSeveralVolumes(int argc, char* argv[])
   std::vector<unsigned char> alone[2];
   for (const int which : { 0, 1 })
   {
-    vtkNew<vtkImageData> colours;
+    vtkNew<vtkImageData> colors;
     Mapper* mapper = which == 0 ? scene.Ours : ours;
     vtkVolume* volume = which == 0 ? scene.Volume : other;
-    checks.Expect(mapper->RenderToImage(scene.Renderer, volume, size[0], size[1], colours) == 1,
+    checks.Expect(mapper->RenderToImage(scene.Renderer, volume, size[0], size[1], colors) == 1,
       "RenderToImage", "of one of them");
-    const auto* bytes = static_cast<const unsigned char*>(colours->GetScalarPointer());
+    const auto* bytes = static_cast<const unsigned char*>(colors->GetScalarPointer());
     alone[which].assign(bytes, bytes + 4 * size[0] * size[1]);
   }
   for (const bool otherFirst : { false, true })

@@ -112,8 +112,8 @@ int TestSlice(int argc, char* argv[])
   scene.SetInput(image);
   scene.SetCamera({ 40.0, 20.0, 1.0, false, false }, bounds);
   vtkNew<vtkPlane> plane;
-  plane->SetOrigin(0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3]),
-    0.45 * (bounds[4] + bounds[5]));
+  plane->SetOrigin(
+    0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3]), 0.45 * (bounds[4] + bounds[5]));
   plane->SetNormal(0.5, -1.0, 0.7); // any length
   scene.Property->SetSliceFunction(plane);
 
@@ -123,8 +123,7 @@ int TestSlice(int argc, char* argv[])
     scene.Property->SetShade(shade);
     pictures[shade] = scene.Render(scene.Ours);
   }
-  checks.ExpectAtMost(
-    "slices are not shaded", scene.Compare(pictures[0], pictures[1]).Max, 0.0);
+  checks.ExpectAtMost("slices are not shaded", scene.Compare(pictures[0], pictures[1]).Max, 0.0);
   scene.Property->ShadeOff();
   CheckExactly(scene, image, plane, nullptr, "slice", checks);
   const ffdTest::Distance d = scene.Compare(pictures[0], scene.Render(scene.Gpu));
@@ -162,9 +161,9 @@ int TestSlice(int argc, char* argv[])
     up[0] * middle[1] - up[1] * middle[0]);
   const ffdTest::Bytes edge = ffdTest::RenderBytes(scene, 101);
   int visible = 0;
-  for (std::size_t i = 3; i < edge.Colours.size(); i += 4)
+  for (std::size_t i = 3; i < edge.Colors.size(); i += 4)
   {
-    visible += edge.Colours[i] > 0 ? 1 : 0;
+    visible += edge.Colors[i] > 0 ? 1 : 0;
   }
   checks.ExpectAtMost("plane seen edge on: pixels", visible, 101);
   return checks.Result();

@@ -3,7 +3,7 @@
 // Two-dimensional transfer functions: over the magnitude of the gradient, or over another array.
 // Undeformed against vtkGPUVolumeRayCastMapper, with equal settings; it does not correct their
 // opacity for the sample distance, so that is the unit distance. And other properties of transfer
-// functions: colour spaces, logarithmic scale, colours beyond the range.
+// functions: color spaces, logarithmic scale, colors beyond the range.
 #include "FFDTestOptics.h"
 
 namespace
@@ -27,7 +27,8 @@ vtkSmartPointer<vtkImageData> MakePlane(
   {
     for (int i = 0; i < width; ++i)
     {
-      const std::array<double, 4> rgba = texel(width > 1 ? i / (width - 1.0) : 0.5, height > 1 ? j / (height - 1.0) : 0.5);
+      const std::array<double, 4> rgba =
+        texel(width > 1 ? i / (width - 1.0) : 0.5, height > 1 ? j / (height - 1.0) : 0.5);
       for (int c = 0; c < 4; ++c)
       {
         image->SetScalarComponentFromDouble(i, j, 0, c, rgba[static_cast<std::size_t>(c)]);
@@ -37,7 +38,7 @@ vtkSmartPointer<vtkImageData> MakePlane(
   return image;
 }
 
-/// Colours by the scalar, opacity where both are large.
+/// Colors by the scalar, opacity where both are large.
 std::array<double, 4> Rise(double x, double y)
 {
   return { x, 0.3 + 0.5 * y, 1.0 - x, x > 0.15 ? 0.08 * std::min(1.0, 2.0 * y) : 0.0 };
@@ -73,23 +74,24 @@ void CheckGradient(ffdTest::Checks& checks)
     checks.ExpectAtLeast(
       name + ", its second axis", scene.Compare(ours, scene.Render(scene.Ours)).Mean, 10.0);
     // Constant over it, it is a one-dimensional function.
-    vtkNew<vtkColorTransferFunction> colour;
+    vtkNew<vtkColorTransferFunction> color;
     vtkNew<vtkPiecewiseFunction> opacity;
     const double* range = image->GetScalarRange();
     const double width = range[1] - range[0];
-    scene.Property->SetTransferFunction2D(MakePlane(512, 1,
-      [](double x, double) { return std::array<double, 4>{ x, 0.5, 1.0 - x, 0.1 * x }; }));
+    scene.Property->SetTransferFunction2D(MakePlane(512, 1, [](double x, double) {
+      return std::array<double, 4>{ x, 0.5, 1.0 - x, 0.1 * x };
+    }));
     const ffdTest::Picture constant = scene.Render(scene.Ours);
-    colour->AddRGBPoint(range[0], 0.0, 0.5, 1.0);
-    colour->AddRGBPoint(range[0] + width, 1.0, 0.5, 0.0);
+    color->AddRGBPoint(range[0], 0.0, 0.5, 1.0);
+    color->AddRGBPoint(range[0] + width, 1.0, 0.5, 0.0);
     opacity->AddPoint(range[0], 0.0);
     opacity->AddPoint(range[0] + width, 0.1);
-    scene.Property->SetColor(colour);
+    scene.Property->SetColor(color);
     scene.Property->SetScalarOpacity(opacity);
     scene.Property->SetTransferFunctionMode(vtkVolumeProperty::TF_1D);
     const ffdTest::Distance flat = scene.Compare(constant, scene.Render(scene.Ours));
-    checks.Expect(flat.Pixels > 3000 && flat.Mean <= 0.5,
-      name + ", constant over it", ffdTest::ToString(flat) + " from a one-dimensional function");
+    checks.Expect(flat.Pixels > 3000 && flat.Mean <= 0.5, name + ", constant over it",
+      ffdTest::ToString(flat) + " from a one-dimensional function");
   }
 }
 
@@ -97,8 +99,8 @@ void CheckArray(ffdTest::Checks& checks)
 {
   ffdTest::Scene scene;
   const auto image = ffdTest::MakeImage(40, VTK_FLOAT, 1, Shells);
-  const auto second = ffdTest::MakeImage(40, VTK_SHORT, 1,
-    [](int, const ffdTest::Vec3& p) { return 1000.0 * p[0] - 300.0; });
+  const auto second = ffdTest::MakeImage(
+    40, VTK_SHORT, 1, [](int, const ffdTest::Vec3& p) { return 1000.0 * p[0] - 300.0; });
   second->GetPointData()->GetScalars()->SetName("second");
   image->GetPointData()->AddArray(second->GetPointData()->GetScalars());
   scene.SetInput(image);
@@ -106,9 +108,9 @@ void CheckArray(ffdTest::Checks& checks)
   ffdTest::SetTransfer(
     scene.Property, { { 5, 1.0, 1.0, 1.0, 0.0 }, { 230, 1.0, 1.0, 1.0, 0.2 } }, 0.25);
   scene.SetSampleDistance(0.25);
-  const auto plane = MakePlane(32, 16,
-    [](double x, double y)
-    { return std::array<double, 4>{ y, 0.5, 1.0 - y, x > 0.2 && y > 0.35 ? 0.07 * x : 0.0 }; });
+  const auto plane = MakePlane(32, 16, [](double x, double y) {
+    return std::array<double, 4>{ y, 0.5, 1.0 - y, x > 0.2 && y > 0.35 ? 0.07 * x : 0.0 };
+  });
   scene.Property->SetTransferFunction2D(plane);
   scene.Property->SetTransferFunctionMode(vtkVolumeProperty::TF_2D);
   const ffdTest::Picture byGradient = scene.Render(scene.Ours);
@@ -122,8 +124,8 @@ void CheckArray(ffdTest::Checks& checks)
     ffdTest::ToString(d) + " from the GPU mapper (mean at most 3)");
 }
 
-/// The colours that the transfer function itself gives for the only scalar, through the middle.
-void CheckColours(ffdTest::Checks& checks)
+/// The colors that the transfer function itself gives for the only scalar, through the middle.
+void CheckColors(ffdTest::Checks& checks)
 {
   ffdTest::Scene scene;
   // Almost constant, so that the table covers more than a point.
@@ -135,8 +137,7 @@ void CheckColours(ffdTest::Checks& checks)
   opaque->AddPoint(0.0, 1.0);
   scene.Property->SetScalarOpacity(opaque);
   scene.Property->SetInterpolationTypeToLinear();
-  const auto check = [&](const std::string& name, vtkColorTransferFunction* colour, double scalar)
-  {
+  const auto check = [&](const std::string& name, vtkColorTransferFunction* color, double scalar) {
     for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
     {
       const double value = image->GetPointData()->GetScalars()->GetComponent(i, 0);
@@ -144,9 +145,9 @@ void CheckColours(ffdTest::Checks& checks)
     }
     image->GetPointData()->GetScalars()->Modified();
     image->Modified();
-    scene.Property->SetColor(colour);
+    scene.Property->SetColor(color);
     double expected[3];
-    colour->GetColor(scalar, expected);
+    color->GetColor(scalar, expected);
     const std::vector<unsigned char> rgba = ffdTest::RenderRgba(scene);
     const std::size_t at = 4 * (55 * 100 + 55);
     double worst = 0.0;
@@ -159,38 +160,38 @@ void CheckColours(ffdTest::Checks& checks)
     checks.Expect(worst <= 2.0, name, figures.str() + "(at most 2 apart)");
     return std::array<double, 3>{ expected[0], expected[1], expected[2] };
   };
-  vtkNew<vtkColorTransferFunction> colour;
-  colour->AddRGBPoint(10.0, 0.9, 0.2, 0.1);
-  colour->AddRGBPoint(1000.0, 0.1, 0.5, 0.95);
-  colour->SetColorSpaceToRGB();
-  const auto rgb = check("RGB", colour, 400.0);
-  colour->SetColorSpaceToHSV();
-  checks.Expect(check("HSV", colour, 400.0) != rgb, "HSV differs", "");
-  colour->SetColorSpaceToLab();
-  checks.Expect(check("Lab", colour, 400.0) != rgb, "Lab differs", "");
-  colour->SetColorSpaceToLabCIEDE2000();
-  checks.Expect(check("CIEDE2000", colour, 400.0) != rgb, "CIEDE2000 differs", "");
-  colour->SetColorSpaceToDiverging();
-  checks.Expect(check("diverging", colour, 400.0) != rgb, "diverging differs", "");
-  colour->SetColorSpaceToStep();
-  checks.Expect(check("step", colour, 400.0) != rgb, "step differs", "");
-  colour->SetColorSpaceToRGB();
-  colour->SetScaleToLog10();
-  checks.Expect(check("logarithmic", colour, 60.0) != rgb, "logarithmic differs", "");
-  check("logarithmic", colour, 400.0);
-  colour->SetScaleToLinear();
-  colour->SetAboveRangeColor(0.0, 1.0, 0.0);
-  colour->SetBelowRangeColor(1.0, 1.0, 0.0);
-  check("above the range, not used", colour, 1200.0);
-  check("below the range, not used", colour, 5.0);
-  colour->UseAboveRangeColorOn();
-  colour->UseBelowRangeColorOn();
-  check("above the range", colour, 1200.0);
-  check("far above the range", colour, 1e5);
-  check("below the range", colour, 5.0);
-  check("within the range", colour, 400.0);
-  colour->ClampingOff();
-  check("not clamped", colour, 400.0);
+  vtkNew<vtkColorTransferFunction> color;
+  color->AddRGBPoint(10.0, 0.9, 0.2, 0.1);
+  color->AddRGBPoint(1000.0, 0.1, 0.5, 0.95);
+  color->SetColorSpaceToRGB();
+  const auto rgb = check("RGB", color, 400.0);
+  color->SetColorSpaceToHSV();
+  checks.Expect(check("HSV", color, 400.0) != rgb, "HSV differs", "");
+  color->SetColorSpaceToLab();
+  checks.Expect(check("Lab", color, 400.0) != rgb, "Lab differs", "");
+  color->SetColorSpaceToLabCIEDE2000();
+  checks.Expect(check("CIEDE2000", color, 400.0) != rgb, "CIEDE2000 differs", "");
+  color->SetColorSpaceToDiverging();
+  checks.Expect(check("diverging", color, 400.0) != rgb, "diverging differs", "");
+  color->SetColorSpaceToStep();
+  checks.Expect(check("step", color, 400.0) != rgb, "step differs", "");
+  color->SetColorSpaceToRGB();
+  color->SetScaleToLog10();
+  checks.Expect(check("logarithmic", color, 60.0) != rgb, "logarithmic differs", "");
+  check("logarithmic", color, 400.0);
+  color->SetScaleToLinear();
+  color->SetAboveRangeColor(0.0, 1.0, 0.0);
+  color->SetBelowRangeColor(1.0, 1.0, 0.0);
+  check("above the range, not used", color, 1200.0);
+  check("below the range, not used", color, 5.0);
+  color->UseAboveRangeColorOn();
+  color->UseBelowRangeColorOn();
+  check("above the range", color, 1200.0);
+  check("far above the range", color, 1e5);
+  check("below the range", color, 5.0);
+  check("within the range", color, 400.0);
+  color->ClampingOff();
+  check("not clamped", color, 400.0);
 }
 
 } // namespace
@@ -200,6 +201,6 @@ int TestTransferFunction2D(int, char*[])
   ffdTest::Checks checks;
   CheckGradient(checks);
   CheckArray(checks);
-  CheckColours(checks);
+  CheckColors(checks);
   return checks.Result();
 }

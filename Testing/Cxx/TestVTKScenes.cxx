@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
+// Longer than other files, because it is a list: one function for each scene of VTK's own volume
+// tests.
 // The scenes of VTK's own tests of ray-cast volume mappers (Rendering/Volume/Testing and
 // Rendering/VolumeOpenGL2/Testing), on the data of Testing/Data. Each is rendered four times:
-// - without deformation it is that of VTK's mapper in the same process, within the tolerances of the
-//   scene, and no less with a lattice of zeros;
+// - without deformation it is that of VTK's mapper in the same process, within the tolerances of
+//   the scene, and no less with a lattice of zeros;
 // - without the feature that the scene is about it is another picture, in ours as in VTK's;
 // - deformed it is that of the volume resampled by vtkFFDResampleVolume at half the spacing,
 //   rendered by VTK's mapper, as far as resampling allows (decibels), and not that of the
@@ -76,17 +78,11 @@ public:
   {
     this->Show(this->Read("engine", 2, 0.0), ffdTest::SolidEngine(), 2.0, 0.0);
   }
-  void ShowHead()
-  {
-    this->Show(this->Read("headsq", 1, 0.0), ffdTest::HeadsqSkin(), 2.0, 0.0);
-  }
+  void ShowHead() { this->Show(this->Read("headsq", 1, 0.0), ffdTest::HeadsqSkin(), 2.0, 0.0); }
 
-  void ShowSoftHead()
-  {
-    this->Show(this->Read("headsq", 1, 0.0), ffdTest::HeadsqSoft(), 2.0, 0.0);
-  }
+  void ShowSoftHead() { this->Show(this->Read("headsq", 1, 0.0), ffdTest::HeadsqSoft(), 2.0, 0.0); }
 
-  /// Colours and opacities that suit one scalar a ray.
+  /// Colors and opacities that suit one scalar a ray.
   void SetTransferOfMaximum()
   {
     ffdTest::SetTransfer(this->Property,
@@ -142,8 +138,7 @@ public:
         {
           const double value = head->GetScalarComponentAsDouble(i, j, k, 0);
           const double wave = 127.0 + 100.0 * std::sin(0.12 * k + 0.07 * i);
-          image->SetScalarComponentFromDouble(
-            i, j, k, 0, bytes ? wave : value);
+          image->SetScalarComponentFromDouble(i, j, k, 0, bytes ? wave : value);
           image->SetScalarComponentFromDouble(
             i, j, k, 1, bytes ? std::min(255.0, std::max(0.0, value / 8.0)) : wave);
         }
@@ -171,8 +166,8 @@ public:
           i, c, std::floor(127.0 + 100.0 * std::sin(0.12 * at[c] + 0.07 * at[(c + 1) % 3])));
       }
       image->GetPointData()->GetScalars()->SetComponent(i, 3,
-        std::floor(std::min(
-          255.0, std::max(0.0, head->GetPointData()->GetScalars()->GetTuple1(i) / 8.0))));
+        std::floor(
+          std::min(255.0, std::max(0.0, head->GetPointData()->GetScalars()->GetTuple1(i) / 8.0))));
     }
     return image;
   }
@@ -184,7 +179,7 @@ public:
   vtkSmartPointer<vtkImageData> Image;
   vtkSmartPointer<vtkImageData> Source; // what is resampled: else Image
   double SourceFactor = 0.5;            // spacing of the resampled, in that of the source
-  double Background = 0.0; // a transparent scalar
+  double Background = 0.0;              // a transparent scalar
   double Voxel = 1.0;
   ffdTest::View Camera{ 30.0, 25.0, 1.0, false, false };
   vtkNew<vtkActor> Actor;
@@ -206,7 +201,7 @@ struct SceneTest
   std::function<void(Stage&, bool)> Feature;
   double Mean; // from VTK's mapper, 1/255
   double P99;
-  double Decibels;     // deformed, from the resampled volume; 0: not compared
+  double Decibels;         // deformed, from the resampled volume; 0: not compared
   double Difference = 2.0; // that the feature makes, mean, at least
   /// What masks are at rest, by index coordinates, for a mask of the resampled volume.
   std::function<double(const double index[3])> Mask;
@@ -224,8 +219,8 @@ void AddSphere(Stage& stage)
 {
   const double* b = stage.Image->GetBounds();
   vtkNew<vtkSphereSource> sphere;
-  sphere->SetCenter(b[0] + 0.4 * (b[1] - b[0]), b[2] + 0.45 * (b[3] - b[2]),
-    b[4] + 0.6 * (b[5] - b[4]));
+  sphere->SetCenter(
+    b[0] + 0.4 * (b[1] - b[0]), b[2] + 0.45 * (b[3] - b[2]), b[4] + 0.6 * (b[5] - b[4]));
   sphere->SetRadius(0.22 * (b[1] - b[0]));
   sphere->SetThetaResolution(40);
   sphere->SetPhiResolution(40);
@@ -240,8 +235,8 @@ void AddSphere(Stage& stage)
 void SetPositionalLights(Stage& stage, bool on)
 {
   // At the camera, with an attenuation that does not depend on the distance: VTK 9.1's GPU mapper,
-  // the only one of VTK's that knows positional lights, takes direction and distance of a light from
-  // where the ray enters the volume.
+  // the only one of VTK's that knows positional lights, takes direction and distance of a light
+  // from where the ray enters the volume.
   stage.Renderer->RemoveAllLights();
   vtkNew<vtkLight> light;
   light->SetLightTypeToSceneLight();
@@ -267,8 +262,7 @@ vtkSmartPointer<vtkImageData> Blanked(
   blanked->ShallowCopy(image);
   vtkNew<vtkUnsignedCharArray> ghosts;
   ghosts->SetName(vtkDataSetAttributes::GhostArrayName());
-  ghosts->SetNumberOfTuples(
-    cells ? blanked->GetNumberOfCells() : blanked->GetNumberOfPoints());
+  ghosts->SetNumberOfTuples(cells ? blanked->GetNumberOfCells() : blanked->GetNumberOfPoints());
   int dims[3];
   blanked->GetDimensions(dims);
   for (int a = 0; cells && a < 3; ++a)
@@ -426,11 +420,11 @@ std::vector<SceneTest> Scenes()
   std::vector<SceneTest> scenes;
 
   scenes.push_back({ "Perspective", "TestGPURayCastPerspectiveParallel", Reference::Gpu,
-    [](Stage& s) { s.ShowEngine(); },
-    [=](Stage& s, bool on) { s.Look(on ? oblique : parallel); }, 1.0, 2.0, 36.0 });
+    [](Stage& s) { s.ShowEngine(); }, [=](Stage& s, bool on) { s.Look(on ? oblique : parallel); },
+    1.0, 2.0, 36.0 });
   scenes.push_back({ "Parallel", "TestGPURayCastPerspectiveParallel", Reference::Gpu,
-    [](Stage& s) { s.ShowEngine(); },
-    [=](Stage& s, bool on) { s.Look(on ? parallel : oblique); }, 1.0, 2.0, 36.0 });
+    [](Stage& s) { s.ShowEngine(); }, [=](Stage& s, bool on) { s.Look(on ? parallel : oblique); },
+    1.0, 2.0, 36.0 });
   scenes.push_back({ "CameraInside", "TestGPURayCastCameraInside", Reference::Gpu,
     [](Stage& s) { s.ShowSoftHead(); },
     [=](Stage& s, bool on) {
@@ -492,22 +486,19 @@ std::vector<SceneTest> Scenes()
       s.SetShading(0.1, 0.8, 0.0, 20.0);
     },
     SetPositionalLights, 2.0, 12.0, 25.0 });
-  scenes.push_back({ "LargeColourFunction", "TestGPURayCastLargeColorTransferFunction",
-    Reference::Gpu,
-    [](Stage& s) {
-      s.ShowHead();
-    },
+  scenes.push_back({ "LargeColorFunction", "TestGPURayCastLargeColorTransferFunction",
+    Reference::Gpu, [](Stage& s) { s.ShowHead(); },
     [](Stage& s, bool on) {
       // Thousands of points, a few scalars apart; without: its first and last.
-      vtkNew<vtkColorTransferFunction> colour;
+      vtkNew<vtkColorTransferFunction> color;
       const int points = on ? 1500 : 2;
       for (int i = 0; i < points; ++i)
       {
         const double x = static_cast<double>(i) / (points - 1);
-        colour->AddRGBPoint(400.0 + 2000.0 * x, 0.5 + 0.5 * std::sin(20.0 * x),
+        color->AddRGBPoint(400.0 + 2000.0 * x, 0.5 + 0.5 * std::sin(20.0 * x),
           0.5 + 0.5 * std::cos(12.0 * x), 1.0 - x);
       }
-      s.Property->SetColor(colour);
+      s.Property->SetColor(color);
     },
     2.0, 10.0, 30.0 });
   scenes.push_back({ "MixedGeometry", "TestGPURayCastVolumePolyData", Reference::Gpu,
@@ -623,7 +614,7 @@ std::vector<SceneTest> Scenes()
       });
     },
     1.0, 3.0, 36.0 });
-  scenes.push_back({ "FinalColourWindowLevel", "TestFinalColorWindowLevel", Reference::Gpu,
+  scenes.push_back({ "FinalColorWindowLevel", "TestFinalColorWindowLevel", Reference::Gpu,
     [](Stage& s) { s.ShowEngine(); },
     [](Stage& s, bool on) {
       s.Ours->SetFinalColorWindow(on ? 0.5 : 1.0);
@@ -647,49 +638,49 @@ std::vector<SceneTest> Scenes()
     // Deformed: ours are the gradients of the volume at rest.
     1.0, 4.0, 36.0 });
   scenes.back().Halve = [](Stage& s) { SetGradientOpacity(s, 25.0, 125.0); };
-  // VTK's mappers differ with weights w: from opacities a that of a sample is sum((a w)^2) / sum(a w)
-  // in the fixed-point one, sum(a^2) / sum(a w) in the GPU mapper, which is the more opaque the less
-  // the weights are. TestComponents measures that in a uniform volume. Ours does as the first.
-  scenes.push_back({ "TwoComponentsIndependent", "TestGPURayCastTwoComponentsIndependent",
-    Reference::Fixed,
-    [](Stage& s) {
-      s.Show(s.MakeTwoComponents(false), ffdTest::HeadsqSkin(), 2.0, 0.0);
-      vtkNew<vtkColorTransferFunction> colour;
-      colour->AddRGBPoint(0.0, 0.0, 0.0, 1.0);
-      colour->AddRGBPoint(227.0, 1.0, 0.2, 0.0);
-      vtkNew<vtkPiecewiseFunction> opacity;
-      opacity->AddPoint(20.0, 0.0);
-      opacity->AddPoint(227.0, 0.7);
-      s.Property->SetColor(1, colour);
-      s.Property->SetScalarOpacity(1, opacity);
-      s.Property->SetScalarOpacityUnitDistance(1, 2.0);
-      s.Property->IndependentComponentsOn();
-    },
-    [](Stage& s, bool on) {
-      s.Property->SetComponentWeight(0, on ? 0.5 : 1.0);
-      s.Property->SetComponentWeight(1, on ? 0.5 : 0.0);
-    },
-    4.0, 30.0, 24.0 });
-  scenes.push_back({ "TwoComponentsDependent", "TestGPURayCastTwoComponentsDependent",
-    Reference::Gpu,
-    [](Stage& s) {
-      s.Show(s.MakeTwoComponents(true),
-        { { 0, 0.0, 0.0, 1.0, 0.0 }, { 80, 0.0, 0.0, 1.0, 0.0 }, { 130, 0.2, 1.0, 0.3, 0.6 },
-          { 227, 1.0, 0.2, 0.0, 0.9 } },
-        2.0, 0.0);
-      s.Property->IndependentComponentsOff();
-      // The GPU mapper takes the opacity function of component 0 with the unit distance of the last
-      // one: see TestComponents.
-      s.Property->SetScalarOpacityUnitDistance(1, 2.0);
-    },
-    [](Stage& s, bool on) {
-      // Without: one colour.
-      vtkNew<vtkColorTransferFunction> colour;
-      colour->AddRGBPoint(0.0, on ? 0.0 : 0.5, on ? 0.0 : 0.5, on ? 1.0 : 0.5);
-      colour->AddRGBPoint(227.0, on ? 1.0 : 0.5, on ? 0.2 : 0.5, on ? 0.0 : 0.5);
-      s.Property->SetColor(colour);
-    },
-    1.0, 5.0, 39.0 });
+  // VTK's mappers differ with weights w: from opacities a that of a sample is sum((a w)^2) / sum(a
+  // w) in the fixed-point one, sum(a^2) / sum(a w) in the GPU mapper, which is the more opaque the
+  // less the weights are. TestComponents measures that in a uniform volume. Ours does as the first.
+  scenes.push_back(
+    { "TwoComponentsIndependent", "TestGPURayCastTwoComponentsIndependent", Reference::Fixed,
+      [](Stage& s) {
+        s.Show(s.MakeTwoComponents(false), ffdTest::HeadsqSkin(), 2.0, 0.0);
+        vtkNew<vtkColorTransferFunction> color;
+        color->AddRGBPoint(0.0, 0.0, 0.0, 1.0);
+        color->AddRGBPoint(227.0, 1.0, 0.2, 0.0);
+        vtkNew<vtkPiecewiseFunction> opacity;
+        opacity->AddPoint(20.0, 0.0);
+        opacity->AddPoint(227.0, 0.7);
+        s.Property->SetColor(1, color);
+        s.Property->SetScalarOpacity(1, opacity);
+        s.Property->SetScalarOpacityUnitDistance(1, 2.0);
+        s.Property->IndependentComponentsOn();
+      },
+      [](Stage& s, bool on) {
+        s.Property->SetComponentWeight(0, on ? 0.5 : 1.0);
+        s.Property->SetComponentWeight(1, on ? 0.5 : 0.0);
+      },
+      4.0, 30.0, 24.0 });
+  scenes.push_back(
+    { "TwoComponentsDependent", "TestGPURayCastTwoComponentsDependent", Reference::Gpu,
+      [](Stage& s) {
+        s.Show(s.MakeTwoComponents(true),
+          { { 0, 0.0, 0.0, 1.0, 0.0 }, { 80, 0.0, 0.0, 1.0, 0.0 }, { 130, 0.2, 1.0, 0.3, 0.6 },
+            { 227, 1.0, 0.2, 0.0, 0.9 } },
+          2.0, 0.0);
+        s.Property->IndependentComponentsOff();
+        // The GPU mapper takes the opacity function of component 0 with the unit distance of the
+        // last one: see TestComponents.
+        s.Property->SetScalarOpacityUnitDistance(1, 2.0);
+      },
+      [](Stage& s, bool on) {
+        // Without: one color.
+        vtkNew<vtkColorTransferFunction> color;
+        color->AddRGBPoint(0.0, on ? 0.0 : 0.5, on ? 0.0 : 0.5, on ? 1.0 : 0.5);
+        color->AddRGBPoint(227.0, on ? 1.0 : 0.5, on ? 0.2 : 0.5, on ? 0.0 : 0.5);
+        s.Property->SetColor(color);
+      },
+      1.0, 5.0, 39.0 });
 
   // What hides voxels. The mask is one of the material: it moves with it, not with the resampled.
   scenes.push_back({ "BinaryMask", "TestGPURayCastCompositeBinaryMask", Reference::Gpu,
@@ -701,13 +692,13 @@ std::vector<SceneTest> Scenes()
     },
     1.0, 8.0, 36.0 });
   scenes.back().Mask = [](const double p[3]) { return p[0] > 30.5 || p[2] > 60.5 ? 255.0 : 0.0; };
-  scenes.push_back({ "GradientOpacityBinaryMask", "TestGPURayCastCompositeBinaryMask1",
-    Reference::Gpu,
-    [](Stage& s) {
-      s.ShowHead();
-      SetGradientOpacity(s, 50.0, 250.0);
-    },
-    scenes.back().Feature, 1.0, 8.0, 34.0 });
+  scenes.push_back(
+    { "GradientOpacityBinaryMask", "TestGPURayCastCompositeBinaryMask1", Reference::Gpu,
+      [](Stage& s) {
+        s.ShowHead();
+        SetGradientOpacity(s, 50.0, 250.0);
+      },
+      scenes.back().Feature, 1.0, 8.0, 34.0 });
   scenes.back().Halve = [](Stage& s) { SetGradientOpacity(s, 25.0, 125.0); };
   scenes.back().Mask = scenes[scenes.size() - 2].Mask;
   scenes.push_back({ "CellData", "TestGPURayCastCellData", Reference::Gpu,
@@ -754,8 +745,9 @@ std::vector<SceneTest> Scenes()
   scenes.push_back({ "PointBlanking", "TestGPURayCastVolumeGhostArrays", Reference::Gpu,
     [](Stage& s) { s.ShowHead(); },
     [](Stage& s, bool on) {
-      s.SetInput(on ? Blanked(s.Image, false, [](const int i[3]) { return i[0] <= 30 || i[2] >= 60; })
-                    : s.Image);
+      s.SetInput(on
+          ? Blanked(s.Image, false, [](const int i[3]) { return i[0] <= 30 || i[2] >= 60; })
+          : s.Image);
       s.Property->Modified();
     },
     1.0, 12.0, 30.0 });
@@ -763,10 +755,12 @@ std::vector<SceneTest> Scenes()
   scenes.back().Mask = [](const double p[3]) { return p[0] > 31.0 && p[2] < 59.0 ? 255.0 : 0.0; };
   scenes.push_back({ "CellBlanking", "TestGPURayCastVolumeUniformGridBlanking", Reference::Gpu,
     [](Stage& s) { s.ShowHead(); },
-    // The GPU mapper hides the cell before a blanked one, too: those that begin the volume are blanked.
+    // The GPU mapper hides the cell before a blanked one, too: those that begin the volume are
+    // blanked.
     [](Stage& s, bool on) {
-      s.SetInput(on ? Blanked(s.Image, true, [](const int i[3]) { return i[0] <= 30 || i[1] <= 20; })
-                    : s.Image);
+      s.SetInput(on
+          ? Blanked(s.Image, true, [](const int i[3]) { return i[0] <= 30 || i[1] <= 20; })
+          : s.Image);
       s.Property->Modified();
     },
     1.2, 20.0, 29.0 });
@@ -780,8 +774,9 @@ std::vector<SceneTest> Scenes()
       {
         UnevenGrid uneven(s.Image);
         s.Ours->SetInputData(uneven.Grid);
-        // As voxels of equal steps: the shader of the GPU mapper fetches those of rectilinear grids half
-        // a voxel off, even where all steps are equal, and it does not survive an image before.
+        // As voxels of equal steps: the shader of the GPU mapper fetches those of rectilinear grids
+        // half a voxel off, even where all steps are equal, and it does not survive an image
+        // before.
         s.Gpu->SetInputData(uneven.Even);
         s.Source = uneven.Even;
         s.SourceFactor = 1.0;
@@ -801,31 +796,32 @@ std::vector<SceneTest> Scenes()
       s.Property->Modified();
     },
     6.0, 35.0, 31.0 });
-  scenes.push_back({ "FourComponentsIndependent", "TestGPURayCastFourComponentsComposite",
-    Reference::Fixed,
-    [](Stage& s) {
-      s.Show(s.MakeFourComponents(), { { 60, 0.2, 0.2, 1, 0.0 }, { 227, 0.2, 0.6, 1, 0.1 } }, 2.0, 0.0);
-      for (int c = 1; c < 4; ++c)
-      {
-        vtkNew<vtkColorTransferFunction> colour;
-        colour->AddRGBPoint(60.0, c == 1 ? 1.0 : 0.2, c == 2 ? 1.0 : 0.2, c == 3 ? 1.0 : 0.0);
-        colour->AddRGBPoint(255.0, 1.0, c == 3 ? 0.9 : 0.4, c == 3 ? 0.8 : 0.1);
-        vtkNew<vtkPiecewiseFunction> opacity;
-        opacity->AddPoint(60.0 + 20.0 * c, 0.0);
-        opacity->AddPoint(255.0, c == 3 ? 0.6 : 0.1);
-        s.Property->SetColor(c, colour);
-        s.Property->SetScalarOpacity(c, opacity);
-        s.Property->SetScalarOpacityUnitDistance(c, 2.0);
-      }
-      s.Property->IndependentComponentsOn();
-    },
-    [](Stage& s, bool on) {
-      for (int c = 0; c < 4; ++c)
-      {
-        s.Property->SetComponentWeight(c, on ? (c == 3 ? 1.0 : 0.4) : (c == 0 ? 1.0 : 0.1));
-      }
-    },
-    2.0, 8.0, 38.0 });
+  scenes.push_back(
+    { "FourComponentsIndependent", "TestGPURayCastFourComponentsComposite", Reference::Fixed,
+      [](Stage& s) {
+        s.Show(s.MakeFourComponents(), { { 60, 0.2, 0.2, 1, 0.0 }, { 227, 0.2, 0.6, 1, 0.1 } }, 2.0,
+          0.0);
+        for (int c = 1; c < 4; ++c)
+        {
+          vtkNew<vtkColorTransferFunction> color;
+          color->AddRGBPoint(60.0, c == 1 ? 1.0 : 0.2, c == 2 ? 1.0 : 0.2, c == 3 ? 1.0 : 0.0);
+          color->AddRGBPoint(255.0, 1.0, c == 3 ? 0.9 : 0.4, c == 3 ? 0.8 : 0.1);
+          vtkNew<vtkPiecewiseFunction> opacity;
+          opacity->AddPoint(60.0 + 20.0 * c, 0.0);
+          opacity->AddPoint(255.0, c == 3 ? 0.6 : 0.1);
+          s.Property->SetColor(c, color);
+          s.Property->SetScalarOpacity(c, opacity);
+          s.Property->SetScalarOpacityUnitDistance(c, 2.0);
+        }
+        s.Property->IndependentComponentsOn();
+      },
+      [](Stage& s, bool on) {
+        for (int c = 0; c < 4; ++c)
+        {
+          s.Property->SetComponentWeight(c, on ? (c == 3 ? 1.0 : 0.4) : (c == 0 ? 1.0 : 0.1));
+        }
+      },
+      2.0, 8.0, 38.0 });
   scenes.push_back({ "LabelMap", "TestGPURayCastCompositeMask", Reference::Gpu,
     [](Stage& s) {
       s.ShowHead();
@@ -834,13 +830,13 @@ std::vector<SceneTest> Scenes()
       s.Property->SetScalarOpacityUnitDistance(s.Ours->GetSampleDistance());
       for (const int label : { 1, 2 })
       {
-        vtkNew<vtkColorTransferFunction> colour;
-        colour->AddRGBPoint(500.0, label == 1 ? 1.0 : 0.1, 0.3, label == 1 ? 0.0 : 1.0);
-        colour->AddRGBPoint(1400.0, label == 1 ? 1.0 : 0.2, 0.9, label == 1 ? 0.2 : 1.0);
+        vtkNew<vtkColorTransferFunction> color;
+        color->AddRGBPoint(500.0, label == 1 ? 1.0 : 0.1, 0.3, label == 1 ? 0.0 : 1.0);
+        color->AddRGBPoint(1400.0, label == 1 ? 1.0 : 0.2, 0.9, label == 1 ? 0.2 : 1.0);
         vtkNew<vtkPiecewiseFunction> opacity;
         opacity->AddPoint(label == 1 ? 500.0 : 900.0, 0.0);
         opacity->AddPoint(1400.0, 0.4);
-        s.Property->SetLabelColor(label, colour);
+        s.Property->SetLabelColor(label, color);
         s.Property->SetLabelScalarOpacity(label, opacity);
       }
     },
@@ -851,8 +847,9 @@ std::vector<SceneTest> Scenes()
       s.Property->Modified();
     },
     1.5, 10.0, 32.0 });
-  scenes.back().Mask = [](const double p[3])
-  { return p[0] < 27.5 ? 1.0 : p[2] > 50.5 ? 2.0 : 0.0; };
+  scenes.back().Mask = [](const double p[3]) {
+    return p[0] < 27.5 ? 1.0 : p[2] > 50.5 ? 2.0 : 0.0;
+  };
   scenes.push_back({ "Slice", "TestGPURayCastSlicePlane", Reference::Gpu,
     [](Stage& s) {
       s.ShowHead();
@@ -870,8 +867,7 @@ std::vector<SceneTest> Scenes()
     },
     // The slices of the GPU mapper are half a voxel off: see TestSlice.
     6.0, 60.0, 32.0 });
-  scenes.push_back({ "DirectionMatrix", "none", Reference::Gpu,
-    [](Stage& s) { s.ShowEngine(); },
+  scenes.push_back({ "DirectionMatrix", "none", Reference::Gpu, [](Stage& s) { s.ShowEngine(); },
     [](Stage& s, bool on) {
       const double c = on ? std::cos(0.6) : 1.0;
       const double d = on ? std::sin(0.6) : 0.0;
@@ -903,8 +899,7 @@ std::vector<SceneTest> Scenes()
       s.Property->SetTransferFunction2D(plane);
     },
     [](Stage& s, bool on) {
-      s.Property->SetTransferFunctionMode(
-        on ? vtkVolumeProperty::TF_2D : vtkVolumeProperty::TF_1D);
+      s.Property->SetTransferFunctionMode(on ? vtkVolumeProperty::TF_2D : vtkVolumeProperty::TF_1D);
     },
     1.5, 4.0, 0.0 });
   scenes.push_back({ "LightKit", "TestGPURayCastVolumeLightKit", Reference::Gpu,
@@ -928,22 +923,22 @@ std::vector<SceneTest> Scenes()
       s.Property->Modified();
     },
     4.0, 15.0, 29.0 });
-  scenes.push_back({ "FourComponentsDependent", "TestGPURayCastFourComponentsDependentGradient",
-    Reference::Gpu,
-    [](Stage& s) {
-      s.Show(s.MakeFourComponents(), { { 60, 1, 1, 1, 0.0 }, { 175, 1, 1, 1, 0.5 } }, 2.0, 0.0);
-      s.Property->IndependentComponentsOff();
-      // The GPU mapper takes that of the last component: see TestComponents.
-      s.Property->SetScalarOpacityUnitDistance(3, 2.0);
-    },
-    [](Stage& s, bool on) {
-      // Without: hardly anything is opaque.
-      vtkNew<vtkPiecewiseFunction> opacity;
-      opacity->AddPoint(60.0, 0.0);
-      opacity->AddPoint(175.0, on ? 0.5 : 0.005);
-      s.Property->SetScalarOpacity(opacity);
-    },
-    1.0, 5.0, 43.0 });
+  scenes.push_back(
+    { "FourComponentsDependent", "TestGPURayCastFourComponentsDependentGradient", Reference::Gpu,
+      [](Stage& s) {
+        s.Show(s.MakeFourComponents(), { { 60, 1, 1, 1, 0.0 }, { 175, 1, 1, 1, 0.5 } }, 2.0, 0.0);
+        s.Property->IndependentComponentsOff();
+        // The GPU mapper takes that of the last component: see TestComponents.
+        s.Property->SetScalarOpacityUnitDistance(3, 2.0);
+      },
+      [](Stage& s, bool on) {
+        // Without: hardly anything is opaque.
+        vtkNew<vtkPiecewiseFunction> opacity;
+        opacity->AddPoint(60.0, 0.0);
+        opacity->AddPoint(175.0, on ? 0.5 : 0.005);
+        s.Property->SetScalarOpacity(opacity);
+      },
+      1.0, 5.0, 43.0 });
   return scenes;
 }
 
@@ -953,8 +948,8 @@ void SavePicture(const ffdTest::Picture& picture, const std::string& file)
   vtkNew<vtkImageData> image;
   image->SetDimensions(picture.Width, picture.Height, 1);
   image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
-  std::copy(picture.Rgb.begin(), picture.Rgb.end(),
-    static_cast<unsigned char*>(image->GetScalarPointer()));
+  std::copy(
+    picture.Rgb.begin(), picture.Rgb.end(), static_cast<unsigned char*>(image->GetScalarPointer()));
   vtkNew<vtkPNGWriter> writer;
   writer->SetInputData(image);
   writer->SetFileName(file.c_str());
@@ -1022,21 +1017,22 @@ int Run(const SceneTest& test, int argc, char* argv[])
 
   double bounds[6];
   stage.Image->GetBounds(bounds);
-  stage.Ours->SetDeformation(ffdTest::MakeTransform(bounds, 6,
-    [](const ffdTest::Vec3&, const ffdTest::Vec3&) { return ffdTest::Vec3{ 0.0, 0.0, 0.0 }; }));
+  stage.Ours->SetDeformation(
+    ffdTest::MakeTransform(bounds, 6, [](const ffdTest::Vec3&, const ffdTest::Vec3&) {
+      return ffdTest::Vec3{ 0.0, 0.0, 0.0 };
+    }));
   const ffdTest::Distance zeros = stage.Compare(stage.Render(stage.Ours), with);
   checks.Expect(zeros.Mean <= 0.02 && zeros.P99 <= 1.0, test.Name + ", a lattice of zeros",
     ffdTest::ToString(zeros) + " (mean at most 0.02, p99 1)");
 
   const double size =
     std::min({ bounds[1] - bounds[0], bounds[3] - bounds[2], bounds[5] - bounds[4] });
-  const Deformation bend =
-    ffdTest::MakeTransform(bounds, 8, ffdTest::BendAndWaves(0.18 * size));
+  const Deformation bend = ffdTest::MakeTransform(bounds, 8, ffdTest::BendAndWaves(0.18 * size));
   stage.Ours->SetDeformation(bend);
   const ffdTest::Picture deformed = stage.Render(stage.Ours);
   SavePicture(deformed, folder + "/Scene." + test.Name + ".deformed.png");
-  checks.ExpectAtLeast(test.Name + ", what the deformation changes",
-    stage.Compare(deformed, with).Mean, 3.0);
+  checks.ExpectAtLeast(
+    test.Name + ", what the deformation changes", stage.Compare(deformed, with).Mean, 3.0);
   test.Feature(stage, false);
   look();
   const ffdTest::Picture deformedWithout = stage.Render(stage.Ours);
@@ -1091,8 +1087,9 @@ int Run(const SceneTest& test, int argc, char* argv[])
         mask->GetPointData()->GetScalars()->SetTuple1(i, test.Mask(index));
       }
       stage.Gpu->SetMaskInput(mask);
-      stage.Gpu->SetMaskType(stage.Ours->GetMaskInput() ? stage.Ours->GetMaskType()
-                                                        : vtkGPUVolumeRayCastMapper::BinaryMaskType);
+      stage.Gpu->SetMaskType(stage.Ours->GetMaskInput()
+          ? stage.Ours->GetMaskType()
+          : vtkGPUVolumeRayCastMapper::BinaryMaskType);
       stage.Kept.push_back(mask.Get());
     }
     const ffdTest::Picture resampled = RenderReference(stage, test);

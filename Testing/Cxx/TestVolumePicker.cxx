@@ -78,8 +78,8 @@ int TestIdentity()
 
   // Cropping regions, several patterns.
   const double* b = scene.Image->GetBounds();
-  for (vtkVolumeMapper* mapper :
-    { static_cast<vtkVolumeMapper*>(scene.Mapper), static_cast<vtkVolumeMapper*>(scene.TheirMapper) })
+  for (vtkVolumeMapper* mapper : { static_cast<vtkVolumeMapper*>(scene.Mapper),
+         static_cast<vtkVolumeMapper*>(scene.TheirMapper) })
   {
     mapper->CroppingOn();
     mapper->SetCroppingRegionPlanes(b[0] + 0.3 * (b[1] - b[0]), b[0] + 0.73 * (b[1] - b[0]),
@@ -254,8 +254,8 @@ int TestDeformed(int inverseMode)
       }
       FFD_CHECK(p->GetPointId() ==
         p->GetPointIJK()[0] + 24 * (p->GetPointIJK()[1] + 24 * p->GetPointIJK()[2]));
-      FFD_CHECK(p->GetCellId() ==
-        p->GetCellIJK()[0] + 23 * (p->GetCellIJK()[1] + 23 * p->GetCellIJK()[2]));
+      FFD_CHECK(
+        p->GetCellId() == p->GetCellIJK()[0] + 23 * (p->GetCellIJK()[1] + 23 * p->GetCellIJK()[2]));
       moved += FFDDistance(p->GetRestPosition(), p->GetMapperPosition()) > 0.3 ? 1 : 0;
 
       // The normal: gradient of the deformed scalars, by differences of the pull-back.
@@ -299,14 +299,13 @@ int TestDeformed(int inverseMode)
               }
             }
           }
-          gradient[a] +=
-            0.5 * (values[1] - values[0]) * (shifted[1][c] - shifted[0][c]) / 2e-3;
+          gradient[a] += 0.5 * (values[1] - values[0]) * (shifted[1][c] - shifted[0][c]) / 2e-3;
         }
       }
       vtkMath::Normalize(gradient);
       const double* r = p->GetRestPosition();
-      const bool deep = r[0] > 1.0 && r[1] > 1.0 && r[2] > 1.0 && r[0] < 22.0 && r[1] < 22.0 &&
-        r[2] < 22.0;
+      const bool deep =
+        r[0] > 1.0 && r[1] > 1.0 && r[2] > 1.0 && r[0] < 22.0 && r[1] < 22.0 && r[2] < 22.0;
       FFD_CHECK(!deep || vtkMath::Dot(gradient, p->GetMapperNormal()) < -1.0 + 1e-5);
     }
   }
@@ -334,10 +333,10 @@ int TestDepths()
     scene.Mapper->SetDeformation(lattice);
     scene.Mapper->SetSampleDistance(0.05);
     scene.Mapper->SetPositionTolerance(0.005);
-    vtkNew<vtkImageData> colours;
+    vtkNew<vtkImageData> colors;
     vtkNew<vtkImageData> depths;
-    FFD_CHECK(scene.Mapper->RenderToImage(
-                scene.Renderer, scene.Volume, Size, Size, colours, depths) == 1);
+    FFD_CHECK(
+      scene.Mapper->RenderToImage(scene.Renderer, scene.Volume, Size, Size, colors, depths) == 1);
     scene.Picker->SetVolumeOpacityIsovalue(0.0);
     int both = 0;
     int oneOnly = 0;
@@ -346,7 +345,7 @@ int TestDepths()
     {
       for (int x = 0; x < Size; ++x)
       {
-        // Pixel centres: vtkPicker's display coordinates count from the corner of the window.
+        // Pixel centers: vtkPicker's display coordinates count from the corner of the window.
         const int hit = scene.Picker->Pick(x + 0.5, y + 0.5, 0.0, scene.Renderer);
         const double depth = depths->GetScalarComponentAsDouble(x, y, 0, 0);
         if (hit != (depth < 1.0 ? 1 : 0))
@@ -366,7 +365,8 @@ int TestDepths()
         const double at[3] = { w[0] / w[3], w[1] / w[3], w[2] / w[3] };
         double eye[3];
         scene.Renderer->GetActiveCamera()->GetPosition(eye);
-        const double behind = FFDDistance(eye, at) - FFDDistance(eye, scene.Picker->GetPickPosition());
+        const double behind =
+          FFDDistance(eye, at) - FFDDistance(eye, scene.Picker->GetPickPosition());
         // Half a sample for the depth's own rounding, a sample, and the position tolerance on a
         // surface that is seen at an angle.
         apart += behind < -0.08 || behind > 0.15 ? 1 : 0;
@@ -441,10 +441,12 @@ int TestScene()
   // The list, props that are not pickable, and nothing at all.
   picker->PickFromListOn();
   picker->AddPickList(actor);
-  FFD_CHECK(picker->Pick(30.0, 30.0, 0.0, scene.Renderer) == 1 && picker->GetProp3D() == actor.Get());
+  FFD_CHECK(
+    picker->Pick(30.0, 30.0, 0.0, scene.Renderer) == 1 && picker->GetProp3D() == actor.Get());
   picker->PickFromListOff();
   scene.Volume->PickableOff();
-  FFD_CHECK(picker->Pick(30.0, 30.0, 0.0, scene.Renderer) == 1 && picker->GetProp3D() == actor.Get());
+  FFD_CHECK(
+    picker->Pick(30.0, 30.0, 0.0, scene.Renderer) == 1 && picker->GetProp3D() == actor.Get());
   scene.Volume->PickableOn();
   scene.Renderer->RemoveViewProp(actor);
   FFD_CHECK(picker->Pick(1.0, 1.0, 0.0, scene.Renderer) == 0 && picker->GetPointId() == -1 &&

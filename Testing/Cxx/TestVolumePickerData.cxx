@@ -27,23 +27,11 @@ constexpr double Level = 100.0;
 constexpr double SecondLevel = 50.0;
 
 /// Functions of the position that fall towards the camera; interpolation reproduces them.
-double First(const double* p)
-{
-  return 200.0 - 5.0 * p[0] - 3.0 * p[1] - 4.0 * p[2];
-}
-double Second(const double* p)
-{
-  return 120.0 + 2.0 * p[0] - 9.0 * p[1] - 1.0 * p[2];
-}
+double First(const double* p) { return 200.0 - 5.0 * p[0] - 3.0 * p[1] - 4.0 * p[2]; }
+double Second(const double* p) { return 120.0 + 2.0 * p[0] - 9.0 * p[1] - 1.0 * p[2]; }
 /// Voxels beyond the surface, about; negative: in front of it.
-double DepthOfFirst(const double* p, double level = Level)
-{
-  return (First(p) - level) / 7.1;
-}
-double DepthOfSecond(const double* p)
-{
-  return (Second(p) - SecondLevel) / 9.3;
-}
+double DepthOfFirst(const double* p, double level = Level) { return (First(p) - level) / 7.1; }
+double DepthOfSecond(const double* p) { return (Second(p) - SecondLevel) / 9.3; }
 
 /// How deep inside of a box; negative outside.
 double DepthInBox(const double* p, const double low[3], const double high[3])
@@ -173,38 +161,36 @@ int PickDeformed(PickScene& scene, const std::string& name, const Depth& depth, 
   return EXIT_SUCCESS;
 }
 
-bool Near(double a, double b)
-{
-  return std::abs(a - b) < 1e-6;
-}
+bool Near(double a, double b) { return std::abs(a - b) < 1e-6; }
 
 int TestComponents()
 {
   PickScene scene;
   SetUp(scene);
   scene.SetImage(MakeFields(2));
-  const Depth both = [](const double* p)
-  { return std::min(DepthInVolume(p), std::max(DepthOfFirst(p), DepthOfSecond(p))); };
+  const Depth both = [](const double* p) {
+    return std::min(DepthInVolume(p), std::max(DepthOfFirst(p), DepthOfSecond(p)));
+  };
   int met[2] = { 0, 0 };
-  FFD_CHECK(PickDeformed(scene, "independent components", both,
-              [&](vtkFFDVolumePicker* p)
-              {
-                const int c = p->GetComponent();
-                const double* r = p->GetRestPosition();
-                ++met[c == 1 ? 1 : 0];
-                const double own = c == 1 ? DepthOfSecond(r) : DepthOfFirst(r);
-                return (c == 0 || c == 1) && own > -1e-4 &&
-                  Near(p->GetScalarValue(), c == 1 ? Second(r) : First(r));
-              }) == EXIT_SUCCESS);
+  FFD_CHECK(PickDeformed(scene, "independent components", both, [&](vtkFFDVolumePicker* p) {
+    const int c = p->GetComponent();
+    const double* r = p->GetRestPosition();
+    ++met[c == 1 ? 1 : 0];
+    const double own = c == 1 ? DepthOfSecond(r) : DepthOfFirst(r);
+    return (c == 0 || c == 1) && own > -1e-4 &&
+      Near(p->GetScalarValue(), c == 1 ? Second(r) : First(r));
+  }) == EXIT_SUCCESS);
   FFD_CHECK(met[0] > 5 && met[1] > 5);
 
   // One that has no weight is not in the picture.
   scene.Property->SetComponentWeight(0, 0.0);
-  FFD_CHECK(PickDeformed(scene, "a component without weight",
+  FFD_CHECK(PickDeformed(
+              scene, "a component without weight",
               [](const double* p) { return std::min(DepthInVolume(p), DepthOfSecond(p)); },
-              [](vtkFFDVolumePicker* p)
-              { return p->GetComponent() == 1 && Near(p->GetScalarValue(), Second(p->GetRestPosition())); }) ==
-    EXIT_SUCCESS);
+              [](vtkFFDVolumePicker* p) {
+                return p->GetComponent() == 1 &&
+                  Near(p->GetScalarValue(), Second(p->GetRestPosition()));
+              }) == EXIT_SUCCESS);
   scene.Property->SetComponentWeight(1, 0.0);
   FFD_CHECK(scene.Picker->Pick(30.0, 30.0, 0.0, scene.Renderer) == 0);
   scene.Property->SetComponentWeight(0, 1.0);
@@ -213,29 +199,34 @@ int TestComponents()
   // Dependent: the last component gives the opacity, by the first function.
   scene.Property->IndependentComponentsOff();
   scene.Property->SetScalarOpacity(0, MakeOpacity(SecondLevel));
-  FFD_CHECK(PickDeformed(scene, "two dependent components",
+  FFD_CHECK(PickDeformed(
+              scene, "two dependent components",
               [](const double* p) { return std::min(DepthInVolume(p), DepthOfSecond(p)); },
-              [](vtkFFDVolumePicker* p)
-              { return p->GetComponent() == 1 && Near(p->GetScalarValue(), Second(p->GetRestPosition())); }) ==
-    EXIT_SUCCESS);
+              [](vtkFFDVolumePicker* p) {
+                return p->GetComponent() == 1 &&
+                  Near(p->GetScalarValue(), Second(p->GetRestPosition()));
+              }) == EXIT_SUCCESS);
   // Of three the luminance: 0.413 of the first field, 0.587 of the second.
   const double luminance = 0.413 * Level + 0.587 * SecondLevel;
   scene.Property->SetScalarOpacity(0, MakeOpacity(luminance));
   scene.SetImage(MakeFields(3));
   const auto mixed = [](const double* p) { return 0.413 * First(p) + 0.587 * Second(p); };
-  FFD_CHECK(PickDeformed(scene, "three dependent components",
-              [&](const double* p)
-              { return std::min(DepthInVolume(p), (mixed(p) - luminance) / 6.95); },
-              [&](vtkFFDVolumePicker* p)
-              { return p->GetComponent() == 0 && Near(p->GetScalarValue(), mixed(p->GetRestPosition())); }) ==
-    EXIT_SUCCESS);
+  FFD_CHECK(
+    PickDeformed(
+      scene, "three dependent components",
+      [&](const double* p) { return std::min(DepthInVolume(p), (mixed(p) - luminance) / 6.95); },
+      [&](vtkFFDVolumePicker* p) {
+        return p->GetComponent() == 0 && Near(p->GetScalarValue(), mixed(p->GetRestPosition()));
+      }) == EXIT_SUCCESS);
   scene.Property->SetScalarOpacity(0, MakeOpacity(Level));
   scene.SetImage(MakeFields(4));
-  FFD_CHECK(PickDeformed(scene, "four dependent components",
+  FFD_CHECK(PickDeformed(
+              scene, "four dependent components",
               [](const double* p) { return std::min(DepthInVolume(p), DepthOfFirst(p)); },
-              [](vtkFFDVolumePicker* p)
-              { return p->GetComponent() == 3 && Near(p->GetScalarValue(), First(p->GetRestPosition())); }) ==
-    EXIT_SUCCESS);
+              [](vtkFFDVolumePicker* p) {
+                return p->GetComponent() == 3 &&
+                  Near(p->GetScalarValue(), First(p->GetRestPosition()));
+              }) == EXIT_SUCCESS);
   return EXIT_SUCCESS;
 }
 
@@ -250,7 +241,8 @@ int TestComponentsAgainstVTK()
     scene.Property->SetIndependentComponents(independent ? 1 : 0);
     scene.Property->SetScalarOpacity(0, MakeOpacity(independent ? Level : SecondLevel));
     const int hits = CompareWithVTK(scene, scene.Volume, scene.Theirs, 1e-4, 1e-5);
-    std::cout << (independent ? "independent" : "dependent") << " against VTK: " << hits << " hits\n";
+    std::cout << (independent ? "independent" : "dependent") << " against VTK: " << hits
+              << " hits\n";
     FFD_CHECK(hits > 15 && scene.Errors->Count == 0);
   }
   return EXIT_SUCCESS;
@@ -265,16 +257,15 @@ int TestCellScalars()
   cells->SetName("cells");
   for (vtkIdType i = 0; i < image->GetNumberOfCells(); ++i)
   {
-    const double centre[3] = { 0.5 + static_cast<double>(i % (Dims[0] - 1)),
+    const double center[3] = { 0.5 + static_cast<double>(i % (Dims[0] - 1)),
       0.5 + static_cast<double>(i / (Dims[0] - 1) % (Dims[1] - 1)),
       0.5 + static_cast<double>(i / ((Dims[0] - 1) * (Dims[1] - 1))) };
-    cells->InsertNextValue(First(centre) + 20.0);
+    cells->InsertNextValue(First(center) + 20.0);
   }
   image->GetCellData()->SetScalars(cells);
   scene.SetImage(image);
   scene.Mapper->SetScalarModeToUseCellData();
-  const auto value = [](const double* p)
-  {
+  const auto value = [](const double* p) {
     double q[3];
     for (int a = 0; a < 3; ++a)
     {
@@ -282,8 +273,7 @@ int TestCellScalars()
     }
     return First(q) + 20.0;
   };
-  const Check ids = [](vtkFFDVolumePicker* p)
-  {
+  const Check ids = [](vtkFFDVolumePicker* p) {
     vtkIdType cell = 0;
     for (int a = 2; a >= 0; --a)
     {
@@ -296,12 +286,12 @@ int TestCellScalars()
     }
     return p->GetCellId() == cell;
   };
-  FFD_CHECK(PickDeformed(scene, "scalars of cells",
-              [&](const double* p)
-              { return std::min(DepthInVolume(p), (value(p) - Level) / 7.1); },
-              [&](vtkFFDVolumePicker* p)
-              { return ids(p) && Near(p->GetScalarValue(), value(p->GetRestPosition())); }) ==
-    EXIT_SUCCESS);
+  FFD_CHECK(PickDeformed(
+              scene, "scalars of cells",
+              [&](const double* p) { return std::min(DepthInVolume(p), (value(p) - Level) / 7.1); },
+              [&](vtkFFDVolumePicker* p) {
+                return ids(p) && Near(p->GetScalarValue(), value(p->GetRestPosition()));
+              }) == EXIT_SUCCESS);
 
   // Nearest: cells are seen, and the value is that of the cell. The depth is that of the boxes of
   // the cells that are visible: no closed form, so only what is picked is looked at.
@@ -318,10 +308,10 @@ int TestCellScalars()
         // On a face between two cells either may be named.
         double pcoords[3];
         scene.Picker->GetPCoords(pcoords);
-        const bool onFace = std::any_of(pcoords, pcoords + 3,
-          [](double c) { return std::min(c, 1.0 - c) < 1e-6; });
-        FFD_CHECK(onFace ||
-          scene.Picker->GetScalarValue() == cells->GetValue(scene.Picker->GetCellId()));
+        const bool onFace =
+          std::any_of(pcoords, pcoords + 3, [](double c) { return std::min(c, 1.0 - c) < 1e-6; });
+        FFD_CHECK(
+          onFace || scene.Picker->GetScalarValue() == cells->GetValue(scene.Picker->GetCellId()));
       }
     }
   }
@@ -373,20 +363,20 @@ int TestRectilinearGrid()
         DepthInVolume(scene.TheirPicker->GetMapperPosition()) > 1.1)
       {
         ++hits;
-        FFD_CHECK(FFDDistance(scene.Picker->GetPickPosition(),
-                    scene.TheirPicker->GetPickPosition()) < 1e-4);
-        FFD_CHECK(FFDDistance(scene.Picker->GetPickNormal(), scene.TheirPicker->GetPickNormal()) <
-          0.05);
+        FFD_CHECK(FFDDistance(
+                    scene.Picker->GetPickPosition(), scene.TheirPicker->GetPickPosition()) < 1e-4);
+        FFD_CHECK(
+          FFDDistance(scene.Picker->GetPickNormal(), scene.TheirPicker->GetPickNormal()) < 0.05);
       }
     }
   }
   std::cout << "rectilinear grid against VTK: " << hits << " hits\n";
   FFD_CHECK(hits > 15);
 
-  return PickDeformed(scene, "rectilinear grid",
+  return PickDeformed(
+    scene, "rectilinear grid",
     [](const double* p) { return std::min(DepthInVolume(p), DepthOfFirst(p)); },
-    [&](vtkFFDVolumePicker* p)
-    {
+    [&](vtkFFDVolumePicker* p) {
       const double* r = p->GetRestPosition();
       vtkIdType point = 0;
       for (int a = 2; a >= 0; --a)
@@ -416,14 +406,14 @@ int TestMasks()
   PickScene scene;
   SetUp(scene);
   scene.SetImage(MakeFields(1));
-  const Check value = [](vtkFFDVolumePicker* p)
-  { return Near(p->GetScalarValue(), First(p->GetRestPosition())) && p->GetComponent() == 0; };
+  const Check value = [](vtkFFDVolumePicker* p) {
+    return Near(p->GetScalarValue(), First(p->GetRestPosition())) && p->GetComponent() == 0;
+  };
   // Voxels of the mask reach half way to the next.
   vtkNew<vtkImageData> mask;
   mask->SetDimensions(Dims);
   mask->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
-  const auto fill = [&](const std::function<int(int, int, int)>& label)
-  {
+  const auto fill = [&](const std::function<int(int, int, int)>& label) {
     for (vtkIdType i = 0; i < mask->GetNumberOfPoints(); ++i)
     {
       mask->GetPointData()->GetScalars()->SetTuple1(i,
@@ -436,11 +426,10 @@ int TestMasks()
   fill([](int i, int j, int) { return i < 9 && j < 8 ? 255 : 0; });
   scene.Mapper->SetMaskInput(mask);
   scene.Mapper->SetMaskTypeToBinary();
-  FFD_CHECK(PickDeformed(scene, "binary mask",
-              [](const double* p)
-              {
-                return std::min(
-                  { DepthInVolume(p), DepthOfFirst(p), 8.5 - p[0], 7.5 - p[1] });
+  FFD_CHECK(PickDeformed(
+              scene, "binary mask",
+              [](const double* p) {
+                return std::min({ DepthInVolume(p), DepthOfFirst(p), 8.5 - p[0], 7.5 - p[1] });
               },
               value, 20) == EXIT_SUCCESS);
 
@@ -452,16 +441,16 @@ int TestMasks()
   elsewhere->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
   elsewhere->GetPointData()->GetScalars()->Fill(1.0);
   scene.Mapper->SetMaskInput(elsewhere);
-  FFD_CHECK(PickDeformed(scene, "binary mask of another grid",
-              [](const double* p)
-              {
+  FFD_CHECK(PickDeformed(
+              scene, "binary mask of another grid",
+              [](const double* p) {
                 const double low[3] = { 0.5, 2.0, -1.0 };
                 const double high[3] = { 12.5, 12.0, 11.0 };
                 return std::min({ DepthInVolume(p), DepthOfFirst(p), DepthInBox(p, low, high) });
               },
               value, 20) == EXIT_SUCCESS);
 
-  // Labels: 1 lies deeper, 2 is not seen at all, 3 has only a colour.
+  // Labels: 1 lies deeper, 2 is not seen at all, 3 has only a color.
   const double deeper = 130.0;
   fill([](int i, int j, int) { return j < 6 ? (i < 10 ? 1 : 2) : i < 8 ? 3 : 0; });
   scene.Mapper->SetMaskInput(mask);
@@ -470,22 +459,20 @@ int TestMasks()
   nothing->AddPoint(0.0, 0.0);
   scene.Property->SetLabelScalarOpacity(1, MakeOpacity(deeper));
   scene.Property->SetLabelScalarOpacity(2, nothing);
-  scene.Property->SetLabelColor(3, scene.Colour);
-  const auto labelled = [&](double level)
-  {
-    return [level](const double* p)
-    {
+  scene.Property->SetLabelColor(3, scene.Color);
+  const auto labeled = [&](double level) {
+    return [level](const double* p) {
       const double inOne = std::min({ 9.5 - p[0], 5.5 - p[1], DepthOfFirst(p, level) });
       const double inOthers = std::min(p[1] - 5.5, DepthOfFirst(p));
       return std::min(DepthInVolume(p), std::max(inOne, inOthers));
     };
   };
-  FFD_CHECK(PickDeformed(scene, "label map", labelled(deeper), value) == EXIT_SUCCESS);
+  FFD_CHECK(PickDeformed(scene, "label map", labeled(deeper), value) == EXIT_SUCCESS);
 
   // Half of the look of a label, half of that without: the surface is half way, and 2 reaches 0.5
   // nowhere, for its half is at most 0.5 * 0.625.
   scene.Mapper->SetMaskBlendFactor(0.5f);
-  FFD_CHECK(PickDeformed(scene, "label map, blended", labelled(0.5 * (Level + deeper)), value) ==
+  FFD_CHECK(PickDeformed(scene, "label map, blended", labeled(0.5 * (Level + deeper)), value) ==
     EXIT_SUCCESS);
 
   // Gradient opacity of a label: 0.8 at the gradient that there is, so that the opacity of 0.5 is
@@ -497,14 +484,15 @@ int TestMasks()
   scene.Property->SetLabelScalarOpacity(1, MakeOpacity(deeper - 100.0));
   scene.Property->SetLabelGradientOpacity(1, byGradient);
   scene.Picker->UseVolumeGradientOpacityOn();
-  FFD_CHECK(PickDeformed(scene, "label map with gradient opacity", labelled(deeper), value) ==
-    EXIT_SUCCESS);
+  FFD_CHECK(
+    PickDeformed(scene, "label map with gradient opacity", labeled(deeper), value) == EXIT_SUCCESS);
   scene.Picker->UseVolumeGradientOpacityOff();
-  FFD_CHECK(PickDeformed(scene, "label map, gradient opacity not used", labelled(deeper - 100.0),
+  FFD_CHECK(PickDeformed(scene, "label map, gradient opacity not used", labeled(deeper - 100.0),
               value) == EXIT_SUCCESS);
   scene.Mapper->SetMaskInput(nullptr);
-  return PickDeformed(scene, "no mask",
-    [](const double* p) { return std::min(DepthInVolume(p), DepthOfFirst(p)); }, value);
+  return PickDeformed(
+    scene, "no mask", [](const double* p) { return std::min(DepthInVolume(p), DepthOfFirst(p)); },
+    value);
 }
 
 int TestBlanking()
@@ -523,8 +511,7 @@ int TestBlanking()
       {
         const vtkIdType x = i % Dims[0];
         const vtkIdType y = i / Dims[0] % Dims[1];
-        ghosts->SetValue(
-          i, x >= 4 && x <= 13 && y >= 3 ? vtkDataSetAttributes::HIDDENPOINT : 0);
+        ghosts->SetValue(i, x >= 4 && x <= 13 && y >= 3 ? vtkDataSetAttributes::HIDDENPOINT : 0);
       }
     }
     else
@@ -534,16 +521,15 @@ int TestBlanking()
       {
         const vtkIdType x = i % (Dims[0] - 1);
         const vtkIdType y = i / (Dims[0] - 1) % (Dims[1] - 1);
-        ghosts->SetValue(
-          i, x >= 4 && x <= 12 && y >= 3 ? vtkDataSetAttributes::HIDDENCELL : 0);
+        ghosts->SetValue(i, x >= 4 && x <= 12 && y >= 3 ? vtkDataSetAttributes::HIDDENCELL : 0);
       }
     }
     scene.SetImage(image);
     // A blanked point empties the cells around it.
     const double margin = ofPoints ? 1.0 : 0.0;
-    FFD_CHECK(PickDeformed(scene, ofPoints ? "blanked points" : "blanked cells",
-                [margin](const double* p)
-                {
+    FFD_CHECK(PickDeformed(
+                scene, ofPoints ? "blanked points" : "blanked cells",
+                [margin](const double* p) {
                   const double outside =
                     std::max({ 4.0 - margin - p[0], p[0] - 13.0 - margin, 3.0 - margin - p[1] });
                   return std::min({ DepthInVolume(p), DepthOfFirst(p), outside });
@@ -620,8 +606,8 @@ int TestSeveralVolumes()
   return EXIT_SUCCESS;
 }
 
-/// Pickers that draw the scene into a buffer of identifiers: nothing of the volume is in it, and what
-/// is behind it is found; the picture afterwards is that of before.
+/// Pickers that draw the scene into a buffer of identifiers: nothing of the volume is in it, and
+/// what is behind it is found; the picture afterwards is that of before.
 int TestSelectionByRendering()
 {
   FFDTestScene scene;

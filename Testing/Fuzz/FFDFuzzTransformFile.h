@@ -59,6 +59,30 @@ inline void FFDCheckStep(const ffd::TransformStep& step)
   FFDPromise(turned.Values.size() == step.Values.size(), "turning keeps the nodes");
 }
 
+/// As vtkBase64Utilities::DecodeSafely() does it: this is built without VTK.
+inline std::size_t FFDDecodeBase64(
+  const unsigned char* text, std::size_t length, unsigned char* bytes, std::size_t size)
+{
+  const std::string_view digits =
+    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::size_t count = 0;
+  unsigned int bits = 0;
+  for (std::size_t i = 0; i < length && count < size; ++i)
+  {
+    const std::size_t digit = digits.find(static_cast<char>(text[i]));
+    if (digit == std::string_view::npos)
+    {
+      break;
+    }
+    bits = bits << 6 | static_cast<unsigned int>(digit);
+    if (i % 4 != 0)
+    {
+      bytes[count++] = static_cast<unsigned char>(bits >> (6 - 2 * (i % 4)));
+    }
+  }
+  return count;
+}
+
 /// Returns how many parsers took the bytes.
 inline int FFDFuzzTransformFile(std::string_view bytes)
 {
@@ -148,7 +172,7 @@ inline int FFDFuzzTransformFile(std::string_view bytes)
       }
     }
   }
-  taken += ffd::FindLatticeFileProblem(bytes).empty() ? 1 : 0;
+  taken += ffd::FindLatticeFileProblem(bytes, FFDDecodeBase64).empty() ? 1 : 0;
   return taken;
 }
 

@@ -46,7 +46,7 @@ if (CONFIGURATION)
 endif ()
 
 if (STATIC_SOURCE)
-  # It is linked and run, not measured: without optimisation, but for the kernels. The folder is
+  # It is linked and run, not measured: without optimization, but for the kernels. The folder is
   # kept, so that it is brought up to date the next time.
   set(BUILD_TREE "${WORK}-build")
   run("Configuring static libraries" "${CMAKE_COMMAND}" -S "${STATIC_SOURCE}" -B "${BUILD_TREE}"
@@ -127,6 +127,8 @@ if (PYTHON)
 import os
 import vtkffd
 assert vtkffd.__file__.startswith('${moved}'), vtkffd.__file__
+for name in ('__init__.pyi', 'py.typed'):
+    assert os.path.exists(os.path.join(os.path.dirname(vtkffd.__file__), name)), name
 for name in vtkffd.__all__:
     print(getattr(vtkffd, name)().GetClassName())
 if os.path.exists('/proc/self/maps'):

@@ -18,16 +18,7 @@ namespace ffd
 inline std::vector<std::int64_t> FindTargets()
 {
   hwy::SetSupportedTargetsForTest(0);
-  std::vector<std::int64_t> targets;
-  for (int bit = 0; bit < 63; ++bit)
-  {
-    const std::int64_t target = std::int64_t{ 1 } << bit;
-    if ((hwy::SupportedTargets() & HWY_TARGETS & target) != 0)
-    {
-      targets.push_back(target);
-    }
-  }
-  return targets;
+  return hwy::SupportedAndGeneratedTargets();
 }
 
 /// Kernels use these targets from now on; 0: the best ones.

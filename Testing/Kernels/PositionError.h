@@ -131,11 +131,11 @@ public:
   {
     const ffd::RayCaster caster(this->Cast, this->Settings);
     const int pixels = this->Cast.Camera.ImageSize.x;
-    std::vector<float> colours(4 * static_cast<std::size_t>(pixels) * pixels);
+    std::vector<float> colors(4 * static_cast<std::size_t>(pixels) * pixels);
     ffd::CastImage image;
     image.Width = pixels;
     image.Height = pixels;
-    image.Colours = colours.data();
+    image.Colors = colors.data();
     auto scratch = std::make_unique<ffd::RayCaster::Scratch>();
     std::vector<ffd::SampledPosition> positions;
     scratch->Packets.Positions = &positions;

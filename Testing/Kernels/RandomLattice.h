@@ -46,8 +46,7 @@ public:
     }
     const glm::dvec3 spacing = this->Vector(0.5, 3.0);
     const glm::dvec3 origin = this->Vector(-20.0, 20.0);
-    std::vector<glm::dvec3> displacements(
-      static_cast<std::size_t>(nodes.x) * nodes.y * nodes.z);
+    std::vector<glm::dvec3> displacements(static_cast<std::size_t>(nodes.x) * nodes.y * nodes.z);
     for (glm::dvec3& d : displacements)
     {
       d = amount * this->Vector(-1.0, 1.0) * spacing;
@@ -68,8 +67,8 @@ public:
   }
 
   /// A box of 0.01 to `extent` spacings about such a point.
-  void Region(const ffd::BSplineField& field, double margin, double extent, glm::dvec3& min,
-    glm::dvec3& max)
+  void Region(
+    const ffd::BSplineField& field, double margin, double extent, glm::dvec3& min, glm::dvec3& max)
   {
     min = this->Point(field, margin);
     max = min + glm::abs(field.GetSpacing()) * this->Vector(0.01, extent);

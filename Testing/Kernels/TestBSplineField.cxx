@@ -57,11 +57,11 @@ TEST(BSplineBasis, WeightsSumToOneAndTheirDerivativesToZero)
 
 TEST(BSplineField, AffineNetGivesTheAffineMap)
 {
-  const glm::dmat3 a(glm::dvec3(0.1, -0.2, 0.05), glm::dvec3(0.3, 0.02, -0.1), glm::dvec3(0.0, 0.2, 0.15));
+  const glm::dmat3 a(
+    glm::dvec3(0.1, -0.2, 0.05), glm::dvec3(0.3, 0.02, -0.1), glm::dvec3(0.0, 0.2, 0.15));
   const glm::dvec3 b(3.0, -4.0, 5.0);
   const auto affine = [&](const glm::dvec3& p) { return a * p + b; };
-  const BSplineField field =
-    Sampled(affine, { 6, 5, 7 }, { 1.0, -2.0, 3.0 }, { 0.5, 2.0, 1.25 });
+  const BSplineField field = Sampled(affine, { 6, 5, 7 }, { 1.0, -2.0, 3.0 }, { 0.5, 2.0, 1.25 });
   RandomLattice random(1);
   for (int i = 0; i < 200; ++i)
   {

@@ -103,8 +103,7 @@ TEST(ControlNet, InterpolationReproducesPolynomials)
 
 TEST(ControlNet, InterpolationErrorIsOfFourthOrder)
 {
-  const auto error = [](int cells)
-  {
+  const auto error = [](int cells) {
     ControlNet samples;
     samples.Nodes = { cells + 1, 2, 2 };
     for (int i = 0; i < 4 * (cells + 1); ++i)

@@ -80,7 +80,6 @@ TEST(ScheduleWithRemainder, IntervalsFillThePiece)
   }
 }
 
-
 TEST(ScheduleWithRemainder, AbsurdLengthsStayCountable)
 {
   for (const double length : { 1e12, 1e300, std::numeric_limits<double>::infinity(),

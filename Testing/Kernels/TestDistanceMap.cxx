@@ -32,7 +32,7 @@ struct SparseVolume
           random.Integer(2, largest), random.Integer(2, largest), random.Integer(2, largest)),
         [&](int, int, int) { return random.Number(0.0, 1.0) < density ? 200.0 : 0.0; })
     , Table(MakeTable(0.0, 200.0, 201, [](double x) { return x > 0.0 ? 0.5 : 0.0; }))
-    , Blocks(Volume.View, SerialFor)
+    , Blocks(Volume.View, ParallelFor())
     , Map(Blocks, Table)
   {
   }
@@ -99,7 +99,7 @@ TEST(DistanceMap, DistancesAreCappedNotWrapped)
     [](int i, int, int) { return i == 0 ? 200.0 : 0.0; });
   const TransferTable table =
     MakeTable(0.0, 200.0, 201, [](double x) { return x > 0.0 ? 0.5 : 0.0; });
-  const DistanceMap map(MinMaxBlocks(volume.View, SerialFor), table);
+  const DistanceMap map(MinMaxBlocks(volume.View, ParallelFor()), table);
   for (int i = 0; i < 300; ++i)
   {
     ASSERT_EQ(map.GetDistance(glm::ivec3(i, 0, 0)), std::min(i, 255));
@@ -166,8 +166,8 @@ TEST(DistanceMap, BoxesAreEmptyWhoseBlocksAre)
       ASSERT_FALSE(found && visible);
       // Nothing is called visible for blocks that the box does not reach.
       const glm::ivec3 first = glm::ivec3(glm::max(low, 0.0)) / MinMaxBlocks::BlockSize;
-      const glm::ivec3 last = glm::min(glm::ivec3(glm::max(high, -1.0)) / MinMaxBlocks::BlockSize,
-        sparse.Map.GetBlocks() - 1);
+      const glm::ivec3 last = glm::min(
+        glm::ivec3(glm::max(high, -1.0)) / MinMaxBlocks::BlockSize, sparse.Map.GetBlocks() - 1);
       bool any = false;
       for (int z = first.z; z <= last.z; ++z)
       {

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Bounds/FFDJacobianDeterminant.h"
 #include "FFDBSplineField.h"
 #include "FFDFoldGuard.h"
-#include "FFDJacobianDeterminant.h"
 #include "RandomLattice.h"
 
 #include <glm/matrix.hpp>
@@ -94,8 +94,8 @@ TEST(FoldGuard, TheStateAtTheLimitIsUnfoldedAndNearIt)
       ++clamped;
       EXPECT_GT(limit.Fraction, 0.0);
       // A little farther it no longer is (bound within 1 %, bisection within 1/256).
-      EXPECT_LT(
-        Smallest(Mix(before, after, limit.Fraction + 2.0 / 256.0), glm::dvec3(1.0)), minimum + 0.04);
+      EXPECT_LT(Smallest(Mix(before, after, limit.Fraction + 2.0 / 256.0), glm::dvec3(1.0)),
+        minimum + 0.04);
     }
   }
   EXPECT_GT(clamped, 15);

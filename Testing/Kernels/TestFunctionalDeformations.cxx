@@ -52,9 +52,9 @@ TEST(Barr, InverseAndJacobian)
     map.Kind = static_cast<Barr::Shape>(test % 3);
     map.U = random.Integer(0, 2);
     map.V = (map.U + random.Integer(1, 2)) % 3;
-    map.Centre = random.Vector(-2.0, 2.0);
-    map.Low = map.Centre[map.U] - random.Number(0.5, 2.0);
-    map.High = map.Centre[map.U] + random.Number(0.5, 2.0);
+    map.Center = random.Vector(-2.0, 2.0);
+    map.Low = map.Center[map.U] - random.Number(0.5, 2.0);
+    map.High = map.Center[map.U] + random.Number(0.5, 2.0);
     map.Angle = random.Number(-3.0, 3.0);
     map.Scale[0] = random.Number(0.2, 2.0);
     map.Scale[1] = random.Number(0.2, 2.0);
@@ -62,12 +62,12 @@ TEST(Barr, InverseAndJacobian)
     const double curvature = std::abs(map.Angle) / (map.High - map.Low);
     for (int n = 0; n < 30; ++n)
     {
-      glm::dvec3 p = map.Centre + random.Vector(-3.0, 3.0);
+      glm::dvec3 p = map.Center + random.Vector(-3.0, 3.0);
       if (map.Kind == Barr::Shape::Bend)
       {
-        // On the near side of the centre of curvature, and so short beyond the ends that the
+        // On the near side of the center of curvature, and so short beyond the ends that the
         // straight parts do not meet.
-        p[map.V] = map.Centre[map.V] + random.Number(-0.9, 0.9) / std::max(curvature, 0.3);
+        p[map.V] = map.Center[map.V] + random.Number(-0.9, 0.9) / std::max(curvature, 0.3);
         p[map.U] = random.Number(map.Low - 0.3, map.High + 0.3);
       }
       CheckAt(map, p, std::min(std::abs(p[map.U] - map.Low), std::abs(p[map.U] - map.High)));
@@ -96,7 +96,7 @@ TEST(Barr, KnownForms)
   map.Forward({ 0.3, 0.7, 1.3 }, jacobian);
   EXPECT_NEAR(glm::determinant(jacobian), 1.0, 1e-14);
 
-  // Bend: the centre line keeps its length and becomes a quarter circle about (0, 0, 1/k).
+  // Bend: the center line keeps its length and becomes a quarter circle about (0, 0, 1/k).
   map.Kind = Barr::Shape::Bend;
   map.U = 0;
   map.V = 2;
@@ -111,8 +111,8 @@ TEST(Barr, KnownForms)
   }
   EXPECT_LT(glm::length(map.Forward({ 2.0, 0.0, 0.0 }) - glm::dvec3(radius, 0.0, radius)), 1e-13);
   // Beyond the end it goes straight on: upwards.
-  EXPECT_LT(glm::length(map.Forward({ 3.0, 0.0, 0.0 }) - glm::dvec3(radius, 0.0, radius + 1.0)),
-    1e-13);
+  EXPECT_LT(
+    glm::length(map.Forward({ 3.0, 0.0, 0.0 }) - glm::dvec3(radius, 0.0, radius + 1.0)), 1e-13);
   // No angle, and next to none: no deformation, and nothing divided by zero.
   for (const double angle : { 0.0, 1e-300, 1e-14 })
   {
@@ -134,7 +134,7 @@ TEST(RayDeflector, InverseAndJacobian)
   {
     Deflector map;
     map.Kind = static_cast<Deflector::Shape>(test % 3);
-    map.Centre = random.Vector(-2.0, 2.0);
+    map.Center = random.Vector(-2.0, 2.0);
     map.Radius = random.Number(0.5, 4.0);
     map.Vector = random.Vector(-0.3, 0.3) * map.Radius;
     map.Angle = random.Number(-4.0, 4.0);
@@ -142,10 +142,10 @@ TEST(RayDeflector, InverseAndJacobian)
     EXPECT_TRUE(map.IsFoldFree());
     for (int n = 0; n < 30; ++n)
     {
-      const glm::dvec3 p = map.Centre + map.Radius * random.Vector(-0.9, 0.9);
+      const glm::dvec3 p = map.Center + map.Radius * random.Vector(-0.9, 0.9);
       CheckAt(map, p, 1.0);
     }
-    const glm::dvec3 outside = map.Centre + glm::dvec3(0.0, 1.01 * map.Radius, 0.0);
+    const glm::dvec3 outside = map.Center + glm::dvec3(0.0, 1.01 * map.Radius, 0.0);
     EXPECT_EQ(map.Forward(outside), outside);
     EXPECT_EQ(map.Inverse(outside), outside);
   }
@@ -154,11 +154,11 @@ TEST(RayDeflector, InverseAndJacobian)
 TEST(RayDeflector, KnownForms)
 {
   Deflector map;
-  map.Centre = glm::dvec3(1.0);
+  map.Center = glm::dvec3(1.0);
   map.Radius = 2.0;
   map.Vector = glm::dvec3(0.0, 0.5, 0.0);
-  // All of the vector at the centre; at half the radius (3/4)^3 of it.
-  EXPECT_LT(glm::length(map.Forward(map.Centre) - glm::dvec3(1.0, 1.5, 1.0)), 1e-14);
+  // All of the vector at the center; at half the radius (3/4)^3 of it.
+  EXPECT_LT(glm::length(map.Forward(map.Center) - glm::dvec3(1.0, 1.5, 1.0)), 1e-14);
   EXPECT_NEAR(map.Forward({ 2.0, 1.0, 1.0 }).y, 1.0 + 0.5 * 27.0 / 64.0, 1e-14);
   map.Kind = Deflector::Shape::Scale;
   map.Factor = 2.0;

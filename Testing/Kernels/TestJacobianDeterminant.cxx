@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "FFDJacobianDeterminant.h"
+#include "Bounds/FFDJacobianDeterminant.h"
 #include "RandomLattice.h"
 
 #include <glm/matrix.hpp>
@@ -74,8 +74,7 @@ TEST(JacobianDeterminant, WholeSupportInEveryBorderMode)
   for (const BorderMode border : AllBorders)
   {
     const BSplineField field = random.Field(0.7, border);
-    const Range range =
-      BoundJacobianDeterminant(field, field.GetFirstCell(), field.GetEndCell());
+    const Range range = BoundJacobianDeterminant(field, field.GetFirstCell(), field.GetEndCell());
     for (int i = 0; i < 5000; ++i)
     {
       const double value = DeterminantAt(field, random.Point(field, 1.99));
@@ -104,9 +103,9 @@ TEST(JacobianDeterminant, AffineAndIdentityAreExact)
   EXPECT_NEAR(range.Max, 0.25, 1e-6);
 }
 
-// In one dimension the derivative of the spline is a mean of neighbour differences: it stays
-// positive while neighbours keep their order, and loses that just past the limit when three
-// neighbouring differences exceed it.
+// In one dimension the derivative of the spline is a mean of neighbor differences: it stays
+// positive while neighbors keep their order, and loses that just past the limit when three
+// neighboring differences exceed it.
 TEST(JacobianDeterminant, CompressionFoldsExactlyPastItsLimit)
 {
   for (int axis = 0; axis < 3; ++axis)
@@ -116,7 +115,7 @@ TEST(JacobianDeterminant, CompressionFoldsExactlyPastItsLimit)
       std::vector<double> d(9, 0.0);
       for (int i = 0; i < 9; ++i)
       {
-        // Four control points in a row that each approach their neighbour by `step`.
+        // Four control points in a row that each approach their neighbor by `step`.
         d[static_cast<std::size_t>(i)] = -step * std::clamp(i - 2, 0, 4);
       }
       const Range range = OverDomain(AlongAxis(axis, d), 1e-7);

@@ -187,6 +187,8 @@ TEST(Lattice, ResizeInterpolatesAtItsControlPoints)
   const Lattice other = lattice.Resize(lattice.Net.Nodes + glm::ivec3(1, 3, 2));
   EXPECT_EQ(other.FindProblem(), "");
   EXPECT_EQ(other.Net.Nodes, lattice.Net.Nodes + glm::ivec3(1, 3, 2));
+  EXPECT_LT(glm::length(other.GetDomain().Min - lattice.GetDomain().Min), 1e-12);
+  EXPECT_LT(glm::length(other.GetDomain().Max - lattice.GetDomain().Max), 1e-12);
   const BSplineField before = lattice.MakeField();
   const BSplineField after = other.MakeField();
   for (int i = 1; i < other.Net.Nodes.x - 1; ++i)

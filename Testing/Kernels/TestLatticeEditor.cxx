@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
 // The editor without a window: selection, options of edits, direct manipulation, exact undo.
-#include "FFDJacobianDeterminant.h"
+#include "Bounds/FFDJacobianDeterminant.h"
 #include "FFDLatticeEditor.h"
 #include "RandomLattice.h"
 

@@ -27,14 +27,10 @@ ffd::FittedNet MakeBox()
 
 ffd::BSplineField FieldOf(const ffd::FittedNet& fit)
 {
-  return ffd::BSplineField(
-    fit.Net.Nodes, fit.GetOrigin(), fit.GetSpacing(), fit.Net.Values.data());
+  return ffd::BSplineField(fit.Net.Nodes, fit.GetOrigin(), fit.GetSpacing(), fit.Net.Values.data());
 }
 
-double Length(const glm::dvec3& v)
-{
-  return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
-}
+double Length(const glm::dvec3& v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
 
 struct Random
 {
@@ -51,10 +47,7 @@ struct Random
 
 const glm::dmat3 Matrix(0.1, -0.2, 0.05, 0.3, 0.02, -0.1, -0.15, 0.25, 0.08);
 
-glm::dvec3 Affine(const glm::dvec3& p)
-{
-  return Matrix * p + glm::dvec3(1.0, -2.0, 3.0);
-}
+glm::dvec3 Affine(const glm::dvec3& p) { return Matrix * p + glm::dvec3(1.0, -2.0, 3.0); }
 
 glm::dvec3 Smooth(const glm::dvec3& p)
 {
@@ -105,8 +98,8 @@ TEST(LatticeFit, FewLandmarksGiveTheSmallestAffineMap)
 {
   ffd::FittedNet fit = MakeBox();
   // One: a translation.
-  EXPECT_EQ(ffd::FitNetToPoints({ { 0.0, 3.0, 6.0 } }, { { 1.0, 2.0, 3.0 } }, {}, 0.0,
-              { 1e-9, 64, {} }, fit),
+  EXPECT_EQ(ffd::FitNetToPoints(
+              { { 0.0, 3.0, 6.0 } }, { { 1.0, 2.0, 3.0 } }, {}, 0.0, { 1e-9, 64, {} }, fit),
     FitStatus::Reached);
   EXPECT_LT(Length(FieldOf(fit).Displacement({ 2.5, 2.5, 12.0 }) - glm::dvec3(1, 2, 3)), 1e-12);
   // Two on a line along x: what lies across the line moves with it.
@@ -142,15 +135,15 @@ TEST(LatticeFit, LevelsReachTheToleranceAtLandmarks)
     double largest = 0.0;
     for (std::size_t i = 0; i < points.size(); ++i)
     {
-      largest =
-        std::max(largest, Length(FieldOf(fit).Displacement(points[i]) - displacements[i]));
+      largest = std::max(largest, Length(FieldOf(fit).Displacement(points[i]) - displacements[i]));
     }
     EXPECT_NEAR(largest, fit.LargestError, 1e-12);
     // Between the landmarks the smooth map is followed, too, and better and better.
     double between = 0.0;
     for (int i = 0; i < 300; ++i)
     {
-      const glm::dvec3 p = box.Lower + box.Extent * (0.15 + 0.7 * (random.Point(box) - box.Lower) / box.Extent);
+      const glm::dvec3 p =
+        box.Lower + box.Extent * (0.15 + 0.7 * (random.Point(box) - box.Lower) / box.Extent);
       between += Length(FieldOf(fit).Displacement(p) - Smooth(p)) / 300.0;
     }
     EXPECT_LT(between, 0.1);
@@ -179,13 +172,55 @@ TEST(LatticeFit, SmoothnessAndWeightsCount)
     FitStatus::NotReached);
   EXPECT_EQ(ffd::FitNetToPoints(points, displacements, {}, 10.0, { 1e-12, 2, {} }, stiff),
     FitStatus::NotReached);
-  EXPECT_EQ(
-    ffd::FitNetToPoints(points, displacements, weights, 10.0, { 1e-12, 2, {} }, weighted),
+  EXPECT_EQ(ffd::FitNetToPoints(points, displacements, weights, 10.0, { 1e-12, 2, {} }, weighted),
     FitStatus::NotReached);
   EXPECT_GT(stiff.RootMeanSquareError, 2.0 * loose.RootMeanSquareError);
-  const auto errorAt7 = [&](const ffd::FittedNet& fit)
-  { return Length(FieldOf(fit).Displacement(points[7]) - displacements[7]); };
+  const auto errorAt7 = [&](const ffd::FittedNet& fit) {
+    return Length(FieldOf(fit).Displacement(points[7]) - displacements[7]);
+  };
   EXPECT_LT(errorAt7(weighted), 0.1 * errorAt7(stiff));
+}
+
+/// The bending energy has no preferred direction: x^2 - y^2 is 2 x y turned by 45 degrees, so a
+/// stiff net follows both as little.
+TEST(LatticeFit, BendingIsTheSameInAllDirections)
+{
+  Random random;
+  ffd::FittedNet box;
+  box.Lower = glm::dvec3(-1.0);
+  box.Extent = glm::dvec3(2.0);
+  std::vector<glm::dvec3> points;
+  while (points.size() < 600)
+  {
+    const glm::dvec3 p = random.Point(box);
+    if (Length(p) < 1.0)
+    {
+      points.push_back(p);
+      points.emplace_back(std::sqrt(0.5) * (p.x - p.y), std::sqrt(0.5) * (p.x + p.y), p.z);
+    }
+  }
+  double followed[2];
+  for (const int which : { 0, 1 })
+  {
+    std::vector<glm::dvec3> displacements;
+    for (const glm::dvec3& p : points)
+    {
+      displacements.emplace_back(which == 0 ? p.x * p.x - p.y * p.y : 2.0 * p.x * p.y, 0.0, 0.0);
+    }
+    // One so stiff that only what needs no bending is followed, and one that gives way a little.
+    double left[2];
+    for (const int stiff : { 0, 1 })
+    {
+      ffd::FittedNet fit = box;
+      EXPECT_EQ(
+        ffd::FitNetToPoints(points, displacements, {}, stiff ? 1e4 : 1.0, { 1e-12, 8, {} }, fit),
+        FitStatus::NotReached);
+      left[stiff] = fit.RootMeanSquareError;
+    }
+    followed[which] = 1.0 - left[0] / left[1];
+  }
+  EXPECT_GT(followed[0], 1e-4);
+  EXPECT_NEAR(followed[1] / followed[0], 1.0, 0.1);
 }
 
 /// Largest and root mean square distance of the result from the displacements, as it is evaluated.
@@ -344,10 +379,11 @@ TEST(LatticeFit, GridOfASplineGivesTheSplineBack)
   const glm::ivec3 count(33, 30, 41);
   glm::dvec3 step;
   std::vector<glm::dvec3> values;
-  MakeGrid(truth, count, [&](const glm::dvec3& p) { return field.Displacement(p); }, step, values);
+  MakeGrid(
+    truth, count, [&](const glm::dvec3& p) { return field.Displacement(p); }, step, values);
   ffd::FittedNet fit = MakeBox();
-  ASSERT_EQ(ffd::FitNetToGrid(count, fit.Lower, step, values, { 1e-4, 64, {} }, fit),
-    FitStatus::Reached);
+  ASSERT_EQ(
+    ffd::FitNetToGrid(count, fit.Lower, step, values, { 1e-4, 64, {} }, fit), FitStatus::Reached);
   EXPECT_EQ(fit.Cells, glm::ivec3(8));
   for (std::size_t i = 0; i < fit.Net.Values.size(); ++i)
   {
@@ -363,14 +399,15 @@ TEST(LatticeFit, GridFitIsTheLeastSquaresOne)
   const glm::ivec3 count(12, 11, 13);
   glm::dvec3 step;
   std::vector<glm::dvec3> values;
-  MakeGrid(fit, count,
-    [&](const glm::dvec3& p)
-    { return Smooth(p) + glm::dvec3(random(-1, 1), random(-1, 1), random(-1, 1)); },
+  MakeGrid(
+    fit, count,
+    [&](const glm::dvec3& p) {
+      return Smooth(p) + glm::dvec3(random(-1, 1), random(-1, 1), random(-1, 1));
+    },
     step, values);
-  ASSERT_EQ(ffd::FitNetToGrid(count, fit.Lower, step, values, { 1e-9, 4, {} }, fit),
-    FitStatus::NotReached);
-  const auto squares = [&](const ffd::FittedNet& net)
-  {
+  ASSERT_EQ(
+    ffd::FitNetToGrid(count, fit.Lower, step, values, { 1e-9, 4, {} }, fit), FitStatus::NotReached);
+  const auto squares = [&](const ffd::FittedNet& net) {
     const ffd::BSplineField field = FieldOf(net);
     double sum = 0.0;
     std::size_t id = 0;
@@ -389,8 +426,7 @@ TEST(LatticeFit, GridFitIsTheLeastSquaresOne)
     return sum;
   };
   const double best = squares(fit);
-  EXPECT_NEAR(
-    std::sqrt(best / static_cast<double>(values.size())), fit.RootMeanSquareError, 1e-12);
+  EXPECT_NEAR(std::sqrt(best / static_cast<double>(values.size())), fit.RootMeanSquareError, 1e-12);
   for (int trial = 0; trial < 40; ++trial)
   {
     ffd::FittedNet other = fit;
@@ -420,8 +456,8 @@ TEST(LatticeFit, CoarseGridsAndPartsOfGrids)
     values.push_back(Smooth(first + step * glm::dvec3(i % 40, i / 40 % 40, i / 1600)));
   }
   fit = MakeBox();
-  EXPECT_EQ(ffd::FitNetToGrid(count, first, step, values, { 1e-3, 64, {} }, fit),
-    FitStatus::Reached);
+  EXPECT_EQ(
+    ffd::FitNetToGrid(count, first, step, values, { 1e-3, 64, {} }, fit), FitStatus::Reached);
   EXPECT_LT(Length(FieldOf(fit).Displacement({ 1.3, 3.3, 9.9 }) - Smooth({ 1.3, 3.3, 9.9 })), 1e-2);
   // One that does not touch it.
   EXPECT_EQ(ffd::FitNetToGrid(count, first + 1000.0, step, values, { 1e-3, 64, {} }, fit),
@@ -437,12 +473,12 @@ TEST(LatticeFit, NotFiniteAndStopped)
   EXPECT_EQ(ffd::FitNetToPoints(points, displacements, {}, 1e-6, { 1e-3, 8, {} }, fit),
     FitStatus::NotFinite);
   displacements[1].y = 5.0;
-  EXPECT_EQ(ffd::FitNetToPoints(points, displacements, {}, 1e-6,
-              { 1e-3, 8, [](double) { return false; } }, fit),
+  EXPECT_EQ(ffd::FitNetToPoints(
+              points, displacements, {}, 1e-6, { 1e-3, 8, [](double) { return false; } }, fit),
     FitStatus::Stopped);
   std::vector<glm::dvec3> values(27, glm::dvec3(std::nan("")));
-  EXPECT_EQ(ffd::FitNetToGrid(glm::ivec3(3), fit.Lower, glm::dvec3(1.0), values,
-              { 1e-3, 8, {} }, fit),
+  EXPECT_EQ(
+    ffd::FitNetToGrid(glm::ivec3(3), fit.Lower, glm::dvec3(1.0), values, { 1e-3, 8, {} }, fit),
     FitStatus::NotFinite);
 }
 

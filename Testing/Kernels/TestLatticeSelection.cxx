@@ -33,7 +33,7 @@ TEST(LatticeSelection, GrowAndShrink)
   EXPECT_EQ(Count(set), 1);
   EXPECT_TRUE(set[At(2, 2, 2)]);
   EXPECT_EQ(Count(ShrinkSelection(Nodes, set)), 0);
-  // A corner has three neighbours; all selected does not shrink at the ends of the lattice.
+  // A corner has three neighbors; all selected does not shrink at the ends of the lattice.
   set = Empty();
   set[At(4, 5, 6)] = 1;
   EXPECT_EQ(Count(GrowSelection(Nodes, set)), 4);

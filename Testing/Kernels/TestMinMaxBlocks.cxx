@@ -1,13 +1,16 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDMinMaxBlocks.h"
+#include "FFDValuePeaks.h"
 #include "RandomLattice.h"
 #include "TestVolume.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <random>
 
 using namespace ffd;
 
@@ -62,7 +65,7 @@ TEST(MinMaxBlocks, BlocksCoverTheCells)
   const auto blocks = [](int n) {
     const TestVolume volume(
       ScalarType::UInt8, glm::ivec3(n, 2, 2), [](int, int, int) { return 0.0; });
-    return MinMaxBlocks(volume.View, SerialFor).GetBlocks();
+    return MinMaxBlocks(volume.View, ParallelFor()).GetBlocks();
   };
   EXPECT_EQ(blocks(2), glm::ivec3(1));
   EXPECT_EQ(blocks(5), glm::ivec3(1));
@@ -88,7 +91,7 @@ TEST(MinMaxBlocks, ContainBruteForceLimitsForEveryType)
       const TestVolume volume(
         type, size, [&](int i, int, int) { return base + i + width * random.Number(0.0, 1.0); },
         1 + run % 3);
-      const MinMaxBlocks blocks(volume.View, SerialFor);
+      const MinMaxBlocks blocks(volume.View, ParallelFor());
 
       const MinMaxBlocks::Limits all = blocks.GetRange();
       double lo = Infinity;
@@ -134,7 +137,7 @@ TEST(MinMaxBlocks, FullRangeOfTheIntegerTypes)
       T* scalars = const_cast<T*>(static_cast<const T*>(volume.View.Scalars));
       scalars[6] = std::numeric_limits<T>::max();
       scalars[10] = std::numeric_limits<T>::lowest();
-      const MinMaxBlocks blocks(volume.View, SerialFor);
+      const MinMaxBlocks blocks(volume.View, ParallelFor());
       const double most = static_cast<double>(std::numeric_limits<T>::max());
       const double least = static_cast<double>(std::numeric_limits<T>::lowest());
       // The largest floating-point numbers may count as infinite: differences of them are.
@@ -142,11 +145,14 @@ TEST(MinMaxBlocks, FullRangeOfTheIntegerTypes)
       EXPECT_TRUE(std::isfinite(blocks.GetRange().Max - blocks.GetRange().Min));
       EXPECT_LE(blocks.GetLimits(glm::ivec3(0, 0, 0)).Min, 0.0);
       EXPECT_GE(blocks.GetLimits(glm::ivec3(0, 0, 0)).Max, 0.0);
-      EXPECT_GE(blocks.GetLimits(glm::ivec3(1, 0, 0)).Max, std::min(part * most, blocks.GetRange().Max));
+      EXPECT_GE(
+        blocks.GetLimits(glm::ivec3(1, 0, 0)).Max, std::min(part * most, blocks.GetRange().Max));
       EXPECT_LE(blocks.GetLimits(glm::ivec3(1, 0, 0)).Min, 0.0);
-      EXPECT_LE(blocks.GetLimits(glm::ivec3(2, 0, 0)).Min, std::max(part * least, blocks.GetRange().Min));
+      EXPECT_LE(
+        blocks.GetLimits(glm::ivec3(2, 0, 0)).Min, std::max(part * least, blocks.GetRange().Min));
       EXPECT_GE(blocks.GetLimits(glm::ivec3(2, 0, 0)).Max, 0.0);
-      EXPECT_LE(blocks.GetLimits(glm::ivec3(0, 0, 0)).Min, blocks.GetLimits(glm::ivec3(0, 0, 0)).Max);
+      EXPECT_LE(
+        blocks.GetLimits(glm::ivec3(0, 0, 0)).Min, blocks.GetLimits(glm::ivec3(0, 0, 0)).Max);
     });
   }
 }
@@ -159,7 +165,7 @@ TEST(MinMaxBlocks, NotANumberIsLeftOut)
     const TestVolume volume(type, glm::ivec3(13, 2, 2), [](int i, int j, int) {
       return i >= 4 && i <= 8 ? NaN : i > 8 ? (j ? Infinity : -Infinity) : i == 2 ? NaN : i;
     });
-    const MinMaxBlocks blocks(volume.View, SerialFor);
+    const MinMaxBlocks blocks(volume.View, ParallelFor());
     EXPECT_EQ(blocks.GetRange().Min, 0.0);
     EXPECT_EQ(blocks.GetRange().Max, 3.0);
     EXPECT_LE(blocks.GetLimits(glm::ivec3(0, 0, 0)).Min, 0.0);
@@ -177,7 +183,7 @@ TEST(MinMaxBlocks, NoNumberAtAll)
   {
     const TestVolume volume(
       ScalarType::Float32, glm::ivec3(6), [value](int, int, int) { return value; });
-    const MinMaxBlocks blocks(volume.View, SerialFor);
+    const MinMaxBlocks blocks(volume.View, ParallelFor());
     EXPECT_GT(blocks.GetRange().Min, blocks.GetRange().Max);
   }
 }
@@ -187,7 +193,7 @@ TEST(MinMaxBlocks, SameForAnySplitOfTheLoop)
   RandomLattice random(2);
   const TestVolume volume(ScalarType::Int16, glm::ivec3(17, 13, 22),
     [&](int, int, int) { return random.Integer(-30000, 30000); });
-  const MinMaxBlocks serial(volume.View, SerialFor);
+  const MinMaxBlocks serial(volume.View, ParallelFor());
   const MinMaxBlocks split(volume.View, [](std::size_t count, const auto& work) {
     for (std::size_t i = count; i-- > 0;)
     {
@@ -207,9 +213,65 @@ TEST(MinMaxBlocks, TakeLittleMemory)
   {
     const TestVolume volume(
       type, glm::ivec3(65), [](int i, int j, int k) { return i * j * k % 60000; });
-    const MinMaxBlocks blocks(volume.View, SerialFor);
+    const MinMaxBlocks blocks(volume.View, ParallelFor());
     const double bytes = 65.0 * 65.0 * 65.0 * (type == ScalarType::UInt8 ? 1.0 : 2.0);
     EXPECT_GT(blocks.GetMemorySize(), 0u);
     EXPECT_LT(static_cast<double>(blocks.GetMemorySize()), 0.025 * bytes);
   }
+}
+
+TEST(ValuePeaks, BoundTheValuesOfBoxes)
+{
+  std::mt19937 random(5);
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  for (const ScalarType type : { ScalarType::UInt8, ScalarType::Int16, ScalarType::Float32 })
+  {
+    const glm::ivec3 size(75, 40, 61);
+    // Smooth, so that bounds can be close, and not a number in some voxels.
+    const TestVolume volume(type, size, [&](int i, int j, int k) {
+      return type == ScalarType::Float32 && i > 60 && j < 10
+        ? NaN
+        : 100.0 + 60.0 * std::sin(0.05 * i) * std::cos(0.07 * j) - 0.5 * k;
+    });
+    const MinMaxBlocks blocks(volume.View, ParallelFor());
+    double looseness = 0.0;
+    for (const int sign : { 1, -1 })
+    {
+      const ValuePeaks peaks(blocks, sign, ParallelFor());
+      EXPECT_FALSE(peaks.IsEmpty());
+      for (int turn = 0; turn < 80; ++turn)
+      {
+        float low[3];
+        float high[3];
+        const double edge = uniform(0.0, 32.0);
+        for (int a = 0; a < 3; ++a)
+        {
+          low[a] = static_cast<float>(uniform(-3.0, size[a] - 1.0));
+          high[a] = low[a] + static_cast<float>(uniform(0.2, 1.0) * edge);
+        }
+        double largest = -Infinity;
+        volume.ForEach([&](int i, int j, int k) {
+          const auto within = [&](int at, int a) {
+            return at >= std::floor(low[a]) && at <= std::ceil(high[a]);
+          };
+          const double value = sign * volume.At(i, j, k);
+          if (within(i, 0) && within(j, 1) && within(k, 2) && value > largest)
+          {
+            largest = value;
+          }
+        });
+        const double bound = static_cast<double>(peaks.FindBound(low, high));
+        EXPECT_GE(bound, largest);
+        EXPECT_LT(bound, 1e6);
+        looseness += std::isfinite(largest) ? bound - largest : 0.0;
+      }
+      const float low[3] = { 0.0f, 0.0f, 0.0f };
+      const float high[3] = { 40.0f, 1.0f, 1.0f };
+      EXPECT_EQ(peaks.FindBound(low, high), std::numeric_limits<float>::infinity());
+    }
+    EXPECT_LT(looseness / 160.0, 25.0); // the values span some 150
+  }
+  EXPECT_TRUE(ValuePeaks().IsEmpty());
 }

@@ -28,8 +28,10 @@ using namespace ffd;
 /// Values at which all ten types agree: whole numbers from 0 to 100.
 double BlobValue(const glm::dvec3& p)
 {
-  const double a = std::exp(-0.02 * glm::dot(p - glm::dvec3(14, 12, 11), p - glm::dvec3(14, 12, 11)));
-  const double b = std::exp(-0.03 * glm::dot(p - glm::dvec3(25, 18, 14), p - glm::dvec3(25, 18, 14)));
+  const double a =
+    std::exp(-0.02 * glm::dot(p - glm::dvec3(14, 12, 11), p - glm::dvec3(14, 12, 11)));
+  const double b =
+    std::exp(-0.03 * glm::dot(p - glm::dvec3(25, 18, 14), p - glm::dvec3(25, 18, 14)));
   return std::round(100.0 * std::min(1.0, a + 0.8 * b));
 }
 
@@ -50,36 +52,33 @@ public:
     this->Scene.Volume.IndexToData = glm::dmat3(1.0, 0, 0, 0, 1.2, 0, 0, 0, 1.5);
     this->Scene.Volume.DataToIndex = glm::inverse(this->Scene.Volume.IndexToData);
     this->Scene.Volume.FirstVoxel = glm::dvec3(100.0, -50.0, 7.0);
-    DispatchScalarType(type,
-      [&](auto zero)
+    DispatchScalarType(type, [&](auto zero) {
+      using T = decltype(zero);
+      if (wholeRange)
       {
-        using T = decltype(zero);
-        if (wholeRange)
+        this->First = static_cast<double>(std::numeric_limits<T>::lowest());
+        this->Last = static_cast<double>(std::numeric_limits<T>::max());
+      }
+      // Room behind the last voxel would hide reads beyond it from the sanitizer.
+      this->Bytes.resize(static_cast<std::size_t>(dims.x) * dims.y * dims.z * sizeof(T));
+      T* voxel = reinterpret_cast<T*>(this->Bytes.data());
+      for (int k = 0; k < dims.z; ++k)
+      {
+        for (int j = 0; j < dims.y; ++j)
         {
-          this->First = static_cast<double>(std::numeric_limits<T>::lowest());
-          this->Last = static_cast<double>(std::numeric_limits<T>::max());
-        }
-        // Room behind the last voxel would hide reads beyond it from the sanitizer.
-        this->Bytes.resize(
-          static_cast<std::size_t>(dims.x) * dims.y * dims.z * sizeof(T));
-        T* voxel = reinterpret_cast<T*>(this->Bytes.data());
-        for (int k = 0; k < dims.z; ++k)
-        {
-          for (int j = 0; j < dims.y; ++j)
+          for (int i = 0; i < dims.x; ++i)
           {
-            for (int i = 0; i < dims.x; ++i)
-            {
-              const double part = 0.01 * BlobValue(glm::dvec3(i, j, k));
-              *voxel++ =
-                static_cast<T>(std::round(this->First + part * (this->Last - this->First)));
-            }
+            const double part = 0.01 * BlobValue(glm::dvec3(i, j, k));
+            *voxel++ = static_cast<T>(std::round(this->First + part * (this->Last - this->First)));
           }
         }
-      });
+      }
+    });
     this->Scene.Volume.Scalars = this->Bytes.data();
     this->Blocks = MinMaxBlocks(this->Scene.Volume,
-      [](std::size_t count, const std::function<void(std::size_t, std::size_t)>& work)
-      { work(0, count); });
+      [](std::size_t count, const std::function<void(std::size_t, std::size_t)>& work) {
+        work(0, count);
+      });
     this->SetLeastVisible(20.0);
     this->Scene.VoxelSize = 1.0;
     Light headlight;
@@ -125,8 +124,7 @@ public:
       d = glm::dvec3(uniform(this->Random), uniform(this->Random), uniform(this->Random));
     }
     const glm::dvec3 spacing = extent / 4.0;
-    this->Field =
-      BSplineField(nodes, v.FirstVoxel - spacing, spacing, displacements.data());
+    this->Field = BSplineField(nodes, v.FirstVoxel - spacing, spacing, displacements.data());
     this->Map = PullBack(&this->Field, kind, 0.005);
     const PullBackBounds mapBounds(this->Map);
     const Box rest{ v.FirstVoxel, v.FirstVoxel + extent };
@@ -137,9 +135,9 @@ public:
 
   void SetCamera(bool perspective, int width, int height)
   {
-    const glm::dvec3 centre(119.0, -32.0, 26.0);
-    const glm::dvec3 eye = centre + glm::dvec3(60.0, 40.0, 90.0);
-    const glm::dmat4 view = glm::lookAt(eye, centre, glm::dvec3(0.0, 1.0, 0.0));
+    const glm::dvec3 center(119.0, -32.0, 26.0);
+    const glm::dvec3 eye = center + glm::dvec3(60.0, 40.0, 90.0);
+    const glm::dmat4 view = glm::lookAt(eye, center, glm::dvec3(0.0, 1.0, 0.0));
     const double aspect = static_cast<double>(width) / height;
     const glm::dmat4 projection = perspective
       ? glm::perspective(0.6, aspect, 30.0, 300.0)
@@ -180,31 +178,31 @@ public:
 
   struct Picture
   {
-    std::vector<float> Colours;
+    std::vector<float> Colors;
     std::vector<float> Depths;
-    std::vector<float> Reaches; // of the quarters of tiles
+    std::vector<float> Reaches; // of the subtiles of tiles
     CastStatistics Statistics;
     int Stops = 0; // of tiles
   };
 
-  /// `quarters`: of each tile, see RayCaster::RenderTile(); other pixels are -1. `deadline`: after
+  /// `subtiles`: of each tile, see RayCaster::RenderTile(); other pixels are -1. `deadline`: after
   /// which a tile stops, to be gone on with at once.
-  Picture Render(bool reference, unsigned int quarters = RayCaster::AllQuarters,
-    Deadline deadline = NoDeadline)
+  Picture Render(
+    bool reference, unsigned int subtiles = RayCaster::AllSubtiles, Deadline deadline = NoDeadline)
   {
     CastSettings settings = this->Settings;
     settings.Reference = reference;
     const RayCaster caster(this->Scene, settings);
     const glm::ivec2 size = this->Scene.Camera.ImageSize;
     Picture picture;
-    picture.Colours.assign(4 * static_cast<std::size_t>(size.x) * size.y, -1.0f);
+    picture.Colors.assign(4 * static_cast<std::size_t>(size.x) * size.y, -1.0f);
     picture.Depths.assign(static_cast<std::size_t>(size.x) * size.y, -1.0f);
     CastImage image;
     image.Width = size.x;
     image.Height = size.y;
-    image.Colours = picture.Colours.data();
+    image.Colors = picture.Colors.data();
     image.Depths = picture.Depths.data();
-    const glm::ivec2 parts = (size + RayCaster::QuarterSize - 1) / RayCaster::QuarterSize;
+    const glm::ivec2 parts = (size + RayCaster::SubtileSize - 1) / RayCaster::SubtileSize;
     picture.Reaches.assign(static_cast<std::size_t>(parts.x) * parts.y, -1.0f);
     image.Reaches = picture.Reaches.data();
     auto scratch = std::make_unique<RayCaster::Scratch>();
@@ -213,7 +211,7 @@ public:
       int next = 0;
       do
       {
-        next = caster.RenderTile(tile, image, *scratch, quarters, next, deadline);
+        next = caster.RenderTile(tile, image, *scratch, subtiles, next, deadline);
         picture.Stops += next > 0 ? 1 : 0;
       } while (next > 0);
     }
@@ -262,24 +260,22 @@ void ExpectSamePicture(TestScene& scene, double largest = 6.0)
 {
   const TestScene::Picture reference = scene.Render(true);
   EXPECT_GT(reference.Statistics.VisibleSamples, 1000);
-  ForEveryTarget(
-    [&]
-    {
-      const TestScene::Picture packets = scene.Render(false);
-      const Difference colours = Compare(packets.Colours, reference.Colours);
-      EXPECT_LT(colours.Mean, 0.05);
-      EXPECT_LT(colours.Largest, largest);
-      const Difference depths = Compare(packets.Depths, reference.Depths);
-      EXPECT_LT(depths.Mean, 0.2);
-      // The rays of a packet leap together.
-      const double samples = static_cast<double>(packets.Statistics.Samples);
-      const double ratio = samples / static_cast<double>(reference.Statistics.Samples);
-      EXPECT_GT(ratio, 0.98);
-      EXPECT_LT(ratio, scene.Settings.Leaping == SpaceLeaping::Off ? 1.02 : 10.0);
-      EXPECT_NEAR(static_cast<double>(packets.Statistics.Rays) /
-          static_cast<double>(reference.Statistics.Rays),
-        1.0, 0.01);
-    });
+  ForEveryTarget([&] {
+    const TestScene::Picture packets = scene.Render(false);
+    const Difference colors = Compare(packets.Colors, reference.Colors);
+    EXPECT_LT(colors.Mean, 0.05);
+    EXPECT_LT(colors.Largest, largest);
+    const Difference depths = Compare(packets.Depths, reference.Depths);
+    EXPECT_LT(depths.Mean, 0.2);
+    // The rays of a packet leap together.
+    const double samples = static_cast<double>(packets.Statistics.Samples);
+    const double ratio = samples / static_cast<double>(reference.Statistics.Samples);
+    EXPECT_GT(ratio, 0.98);
+    EXPECT_LT(ratio, scene.Settings.Leaping == SpaceLeaping::Off ? 1.02 : 10.0);
+    EXPECT_NEAR(
+      static_cast<double>(packets.Statistics.Rays) / static_cast<double>(reference.Statistics.Rays),
+      1.0, 0.01);
+  });
 }
 
 TEST(PacketCaster, EveryTargetIsTested)
@@ -348,9 +344,9 @@ TEST(PacketCaster, AllPullBacksAndCameras)
   }
 }
 
-/// Where nodes of a tile are too far apart for the deformation, those of its quarters may do: the
+/// Where nodes of a tile are too far apart for the deformation, those of its subtiles may do: the
 /// pictures are the same, and few points are pulled back ray by ray.
-TEST(PacketCaster, NodesOfQuarters)
+TEST(PacketCaster, NodesOfSubtiles)
 {
   for (const PullBackKind kind : { PullBackKind::FirstOrder, PullBackKind::Exact })
   {
@@ -368,13 +364,13 @@ TEST(PacketCaster, NodesOfQuarters)
 /// Voxels at the faces of the volume are visible: there are none beyond them to fetch.
 TEST(PacketCaster, Faces)
 {
-  for (const ScalarType type : { ScalarType::Int8, ScalarType::UInt16, ScalarType::Float32,
-         ScalarType::Int32 })
+  for (const ScalarType type :
+    { ScalarType::Int8, ScalarType::UInt16, ScalarType::Float32, ScalarType::Int32 })
   {
     for (const double size : { 0.0, 1.0 })
     {
-      SCOPED_TRACE("type " + std::to_string(static_cast<int>(type)) + ", size " +
-        std::to_string(size));
+      SCOPED_TRACE(
+        "type " + std::to_string(static_cast<int>(type)) + ", size " + std::to_string(size));
       TestScene scene(type, 7);
       scene.SetLeastVisible(-60.0);
       scene.SetDeformation(size, PullBackKind::Exact);
@@ -458,24 +454,50 @@ TEST(PacketCaster, SamplesOneRayAtATime)
     scene.SetDeformation(option == 2 ? 0.0 : option == 4 ? 12.0 : 1.5, PullBackKind::Exact);
     scene.SetCamera(option != 3, 61, 45);
     scene.Settings.Opacity = option == 3 ? OpacityLength::Material : OpacityLength::Deformed;
-    ForEveryTarget(
-      [&]
-      {
-        scene.Settings.PerRay = false;
-        const TestScene::Picture vectors = scene.Render(false);
-        scene.Settings.PerRay = true;
-        const TestScene::Picture rays = scene.Render(false);
-        const Difference colours = Compare(rays.Colours, vectors.Colours);
-        EXPECT_LT(colours.Mean, 0.005);
-        EXPECT_LT(colours.Largest, option == 4 ? 1.0 : 0.2);
-        EXPECT_GT(colours.Largest, 0.0); // the one was not rendered as the other
-        EXPECT_LT(Compare(rays.Depths, vectors.Depths).Mean, 0.01);
-        const double samples = static_cast<double>(vectors.Statistics.Samples);
-        // Rays that are sampled one at a time leap by themselves, too.
-        EXPECT_LT(static_cast<double>(rays.Statistics.Samples) / samples, 1.001);
-        const double visible = static_cast<double>(vectors.Statistics.VisibleSamples);
-        EXPECT_NEAR(static_cast<double>(rays.Statistics.VisibleSamples) / visible, 1.0, 1e-3);
+    ForEveryTarget([&] {
+      scene.Settings.PerRay = false;
+      const TestScene::Picture vectors = scene.Render(false);
+      scene.Settings.PerRay = true;
+      const TestScene::Picture rays = scene.Render(false);
+      const Difference colors = Compare(rays.Colors, vectors.Colors);
+      EXPECT_LT(colors.Mean, 0.005);
+      EXPECT_LT(colors.Largest, option == 4 ? 1.0 : 0.2);
+      EXPECT_GT(colors.Largest, 0.0); // the one was not rendered as the other
+      EXPECT_LT(Compare(rays.Depths, vectors.Depths).Mean, 0.01);
+      const double samples = static_cast<double>(vectors.Statistics.Samples);
+      // Rays that are sampled one at a time leap by themselves, too.
+      EXPECT_LT(static_cast<double>(rays.Statistics.Samples) / samples, 1.001);
+      const double visible = static_cast<double>(vectors.Statistics.VisibleSamples);
+      EXPECT_NEAR(static_cast<double>(rays.Statistics.VisibleSamples) / visible, 1.0, 1e-3);
+    });
+  }
+}
+
+TEST(PacketCaster, OffsetsFromANearSlice)
+{
+  // As in volumes of 2 GiB and more: offsets reach over some slices only, also where the rays of a
+  // packet are farther from each other.
+  for (const ScalarType type :
+    { ScalarType::UInt8, ScalarType::Int16, ScalarType::Float32, ScalarType::Float64 })
+  {
+    for (const BlendMode mode : { BlendMode::Composite, BlendMode::Maximum, BlendMode::Isosurface })
+    {
+      SCOPED_TRACE("mode " + std::to_string(static_cast<int>(mode)));
+      TestScene scene(type, 3);
+      scene.SetDeformation(3.0, PullBackKind::Exact);
+      scene.SetCamera(true, 61, 45);
+      scene.SetBlendMode(mode);
+      scene.UpdateLeaps();
+      ForEveryTarget([&] {
+        scene.Settings.LargestReach = 2147483647.0;
+        const TestScene::Picture all = scene.Render(false);
+        scene.Settings.LargestReach = 1.0;
+        const TestScene::Picture near = scene.Render(false);
+        EXPECT_GT(all.Statistics.VisibleSamples, 100);
+        EXPECT_LE(Compare(near.Colors, all.Colors).Largest, 0.01);
+        EXPECT_LE(Compare(near.Depths, all.Depths).Largest, 0.01);
       });
+    }
   }
 }
 
@@ -499,21 +521,23 @@ TEST(PacketCaster, BlendModes)
       scene.SetBlendMode(mode);
       scene.UpdateLeaps();
       const TestScene::Picture reference = scene.Render(true);
-      ForEveryTarget(
-        [&]
-        {
-          const TestScene::Picture packets = scene.Render(false);
-          const Difference colours = Compare(packets.Colours, reference.Colours);
-          // Pixels on the edge of what is hit are hit or not.
-          EXPECT_LT(colours.Mean, mode == BlendMode::Additive ? 0.3 : 0.1);
-          EXPECT_LT(Compare(packets.Depths, reference.Depths).Mean, 0.2);
-          const double samples = static_cast<double>(packets.Statistics.Samples);
-          EXPECT_GT(samples, 100);
-          // The rays of a packet leap together.
-          const double ratio = samples / static_cast<double>(reference.Statistics.Samples);
-          EXPECT_GT(ratio, mode == BlendMode::Isosurface ? 0.7 : 0.95);
-          EXPECT_LT(ratio, 10.0);
-        });
+      ForEveryTarget([&] {
+        const TestScene::Picture packets = scene.Render(false);
+        const Difference colors = Compare(packets.Colors, reference.Colors);
+        // Pixels on the edge of what is hit are hit or not.
+        EXPECT_LT(colors.Mean, mode == BlendMode::Additive ? 0.3 : 0.1);
+        EXPECT_LT(Compare(packets.Depths, reference.Depths).Mean, 0.2);
+        const double samples = static_cast<double>(packets.Statistics.Samples);
+        EXPECT_GT(samples, 100);
+        // The rays of a packet leap together.
+        const double ratio = samples / static_cast<double>(reference.Statistics.Samples);
+        // Minima end where nothing below them can be seen.
+        EXPECT_GT(ratio,
+          mode == BlendMode::Isosurface  ? 0.7
+            : mode == BlendMode::Minimum ? 0.05
+                                         : 0.95);
+        EXPECT_LT(ratio, 10.0);
+      });
     }
   }
 }
@@ -534,15 +558,14 @@ TEST(PacketCaster, LeapingChangesNoBlendMode)
         EXPECT_TRUE(mode == BlendMode::Additive || mode == BlendMode::Slice);
         continue;
       }
-      const auto check = [&]
-      {
+      const auto check = [&] {
         scene.Settings.Leaping = SpaceLeaping::Off;
         const TestScene::Picture off = scene.Render(reference);
         for (const SpaceLeaping leaping : { SpaceLeaping::Segment, SpaceLeaping::Lipschitz })
         {
           scene.Settings.Leaping = leaping;
           const TestScene::Picture on = scene.Render(reference);
-          EXPECT_LE(Compare(on.Colours, off.Colours).Largest, 0.01);
+          EXPECT_LE(Compare(on.Colors, off.Colors).Largest, 0.01);
           EXPECT_LE(Compare(on.Depths, off.Depths).Largest, 0.01);
           // The background is the least value: nothing of it shows, nor anything else then.
           if (mode != BlendMode::Minimum)
@@ -612,7 +635,7 @@ TEST(PacketCaster, JitterCroppingAndClipping)
       }
       const TestScene::Picture reference = scene.Render(true);
       // The option does something, but for jitter, which isosurfaces do not take.
-      const double change = Compare(reference.Colours, plain.Colours).Mean;
+      const double change = Compare(reference.Colors, plain.Colors).Mean;
       if (option == 0 && mode == BlendMode::Isosurface)
       {
         EXPECT_EQ(change, 0.0);
@@ -622,26 +645,24 @@ TEST(PacketCaster, JitterCroppingAndClipping)
         EXPECT_GT(change, 1e-5);
       }
       scene.Settings.Leaping = SpaceLeaping::Off;
-      EXPECT_LE(Compare(scene.Render(true).Colours, reference.Colours).Largest, 0.01);
-      ForEveryTarget(
-        [&]
+      EXPECT_LE(Compare(scene.Render(true).Colors, reference.Colors).Largest, 0.01);
+      ForEveryTarget([&] {
+        scene.Settings.Leaping = SpaceLeaping::Off;
+        const TestScene::Picture off = scene.Render(false);
+        EXPECT_LT(Compare(off.Colors, reference.Colors).Mean, 0.1);
+        EXPECT_LT(Compare(off.Depths, reference.Depths).Mean, 0.2);
+        scene.Settings.Leaping = SpaceLeaping::Lipschitz;
+        const TestScene::Picture on = scene.Render(false);
+        EXPECT_LE(Compare(on.Colors, off.Colors).Largest, 0.01);
+        if (mode != BlendMode::Composite)
         {
-          scene.Settings.Leaping = SpaceLeaping::Off;
-          const TestScene::Picture off = scene.Render(false);
-          EXPECT_LT(Compare(off.Colours, reference.Colours).Mean, 0.1);
-          EXPECT_LT(Compare(off.Depths, reference.Depths).Mean, 0.2);
-          scene.Settings.Leaping = SpaceLeaping::Lipschitz;
-          const TestScene::Picture on = scene.Render(false);
-          EXPECT_LE(Compare(on.Colours, off.Colours).Largest, 0.01);
-          if (mode != BlendMode::Composite)
-          {
-            return;
-          }
-          // The vector code crops and jitters as the rays one by one do.
-          scene.Settings.PerRay = true;
-          EXPECT_LT(Compare(scene.Render(false).Colours, on.Colours).Mean, 0.005);
-          scene.Settings.PerRay = false;
-        });
+          return;
+        }
+        // The vector code crops and jitters as the rays one by one do.
+        scene.Settings.PerRay = true;
+        EXPECT_LT(Compare(scene.Render(false).Colors, on.Colors).Mean, 0.005);
+        scene.Settings.PerRay = false;
+      });
     }
   }
 }
@@ -657,20 +678,18 @@ TEST(PacketCaster, LeapingChangesNothing)
       TestScene scene(ScalarType::UInt8, 9);
       scene.SetDeformation(size, kind);
       scene.SetCamera(true, 64, 64);
-      ForEveryTarget(
-        [&]
+      ForEveryTarget([&] {
+        scene.Settings.Leaping = SpaceLeaping::Off;
+        const TestScene::Picture off = scene.Render(false);
+        for (const SpaceLeaping leaping : { SpaceLeaping::Segment, SpaceLeaping::Lipschitz })
         {
-          scene.Settings.Leaping = SpaceLeaping::Off;
-          const TestScene::Picture off = scene.Render(false);
-          for (const SpaceLeaping leaping : { SpaceLeaping::Segment, SpaceLeaping::Lipschitz })
-          {
-            scene.Settings.Leaping = leaping;
-            const TestScene::Picture on = scene.Render(false);
-            EXPECT_LE(Compare(on.Colours, off.Colours).Largest, 0.01);
-            // Where T folds samples are pulled back one by one, and none is left out.
-            EXPECT_LT(on.Statistics.Samples, off.Statistics.Samples + (size > 10.0 ? 1 : 0));
-          }
-        });
+          scene.Settings.Leaping = leaping;
+          const TestScene::Picture on = scene.Render(false);
+          EXPECT_LE(Compare(on.Colors, off.Colors).Largest, 0.01);
+          // Where T folds samples are pulled back one by one, and none is left out.
+          EXPECT_LT(on.Statistics.Samples, off.Statistics.Samples + (size > 10.0 ? 1 : 0));
+        }
+      });
     }
   }
 }
@@ -690,7 +709,7 @@ TEST(PacketCaster, NothingIsEvaluatedWhereNothingCanBeSeen)
       EXPECT_EQ(picture.Statistics.Evaluations, 0);
       EXPECT_EQ(picture.Statistics.Segments, 0);
       EXPECT_EQ(picture.Statistics.Samples, 0);
-      EXPECT_EQ(picture.Colours, std::vector<float>(picture.Colours.size(), 0.0f));
+      EXPECT_EQ(picture.Colors, std::vector<float>(picture.Colors.size(), 0.0f));
       EXPECT_EQ(picture.Depths, std::vector<float>(picture.Depths.size(), 1.0f));
     }
   }
@@ -700,44 +719,41 @@ TEST(PacketCaster, QuartersOfTiles)
 {
   TestScene scene(ScalarType::UInt8, 4);
   scene.SetDeformation(2.0, PullBackKind::Exact);
-  // The last tiles are cut in the middle of a quarter.
+  // The last tiles are cut in the middle of a subtile.
   const glm::ivec2 size(60, 53);
   scene.SetCamera(true, size.x, size.y);
-  ForEveryTarget(
-    [&]
+  ForEveryTarget([&] {
+    for (bool reference : { true, false })
     {
-      for (bool reference : { true, false })
+      const TestScene::Picture whole = scene.Render(reference);
+      for (unsigned int subtiles : { 1u, 6u, 8u, 11u })
       {
-        const TestScene::Picture whole = scene.Render(reference);
-        for (unsigned int quarters : { 1u, 6u, 8u, 11u })
+        const TestScene::Picture part = scene.Render(reference, subtiles);
+        double worst = 0.0;
+        for (int y = 0; y < size.y; ++y)
         {
-          const TestScene::Picture part = scene.Render(reference, quarters);
-          double worst = 0.0;
-          for (int y = 0; y < size.y; ++y)
+          for (int x = 0; x < size.x; ++x)
           {
-            for (int x = 0; x < size.x; ++x)
+            const std::size_t at = static_cast<std::size_t>(y) * size.x + x;
+            constexpr int side = RayCaster::SubtileSize;
+            const int perRow = (size.x + side - 1) / side;
+            const std::size_t reach = static_cast<std::size_t>(y / side * perRow + x / side);
+            const bool wanted = (subtiles >> (x / side % 2 + 2 * (y / side % 2)) & 1u) != 0;
+            for (std::size_t c = 4 * at; c < 4 * at + 4; ++c)
             {
-              const std::size_t at = static_cast<std::size_t>(y) * size.x + x;
-              constexpr int side = RayCaster::QuarterSize;
-              const int perRow = (size.x + side - 1) / side;
-              const std::size_t reach = static_cast<std::size_t>(y / side * perRow + x / side);
-              const bool wanted = (quarters >> (x / side % 2 + 2 * (y / side % 2)) & 1u) != 0;
-              for (std::size_t c = 4 * at; c < 4 * at + 4; ++c)
-              {
-                // Newton's method starts where the first ray of a tile does.
-                worst = std::max(worst,
-                  std::abs(static_cast<double>(part.Colours[c]) -
-                    (wanted ? whole.Colours[c] : -1.0f)));
-              }
-              ASSERT_EQ(part.Depths[at] >= 0.0f, wanted);
-              ASSERT_EQ(part.Reaches[reach] >= 0.0f, wanted);
+              // Newton's method starts where the first ray of a tile does.
+              worst = std::max(worst,
+                std::abs(static_cast<double>(part.Colors[c]) - (wanted ? whole.Colors[c] : -1.0f)));
             }
+            ASSERT_EQ(part.Depths[at] >= 0.0f, wanted);
+            ASSERT_EQ(part.Reaches[reach] >= 0.0f, wanted);
           }
-          EXPECT_LE(worst, 2.0 / 255.0) << (reference ? "reference" : "packets");
-          EXPECT_LT(part.Statistics.Rays, whole.Statistics.Rays);
         }
+        EXPECT_LE(worst, 2.0 / 255.0) << (reference ? "reference" : "packets");
+        EXPECT_LT(part.Statistics.Rays, whole.Statistics.Rays);
       }
-    });
+    }
+  });
 }
 
 /// A tile that stops after each packet, or each ray of the reference, and goes on, gives the same
@@ -747,26 +763,24 @@ TEST(PacketCaster, TilesThatStop)
   TestScene scene(ScalarType::UInt8, 4);
   scene.SetDeformation(2.0, PullBackKind::Exact);
   scene.SetCamera(true, 60, 53);
-  ForEveryTarget(
-    [&]
+  ForEveryTarget([&] {
+    for (bool reference : { true, false })
     {
-      for (bool reference : { true, false })
+      const TestScene::Picture whole = scene.Render(reference);
+      const TestScene::Picture stopped =
+        scene.Render(reference, RayCaster::AllSubtiles, Deadline::min());
+      EXPECT_EQ(whole.Stops, 0);
+      EXPECT_GT(stopped.Stops, 100);
+      EXPECT_EQ(stopped.Colors, whole.Colors);
+      EXPECT_EQ(stopped.Depths, whole.Depths);
+      EXPECT_EQ(stopped.Statistics.Rays, whole.Statistics.Rays);
+      EXPECT_EQ(stopped.Statistics.Samples, whole.Statistics.Samples);
+      for (std::size_t i = 0; i < whole.Reaches.size(); ++i)
       {
-        const TestScene::Picture whole = scene.Render(reference);
-        const TestScene::Picture stopped =
-          scene.Render(reference, RayCaster::AllQuarters, Deadline::min());
-        EXPECT_EQ(whole.Stops, 0);
-        EXPECT_GT(stopped.Stops, 100);
-        EXPECT_EQ(stopped.Colours, whole.Colours);
-        EXPECT_EQ(stopped.Depths, whole.Depths);
-        EXPECT_EQ(stopped.Statistics.Rays, whole.Statistics.Rays);
-        EXPECT_EQ(stopped.Statistics.Samples, whole.Statistics.Samples);
-        for (std::size_t i = 0; i < whole.Reaches.size(); ++i)
-        {
-          EXPECT_GE(stopped.Reaches[i], whole.Reaches[i]);
-        }
+        EXPECT_GE(stopped.Reaches[i], whole.Reaches[i]);
       }
-    });
+    }
+  });
 }
 
 TEST(PacketCaster, ReachesHoldWhatEndsTheRays)
@@ -777,37 +791,35 @@ TEST(PacketCaster, ReachesHoldWhatEndsTheRays)
   scene.Settings.TerminationTransmittance = 0.7f;
   const glm::ivec2 size(128, 128);
   scene.SetCamera(false, size.x, size.y);
-  ForEveryTarget(
-    [&]
+  ForEveryTarget([&] {
+    const TestScene::Picture picture = scene.Render(false);
+    int ended = 0;
+    for (int y = 0; y < size.y; ++y)
     {
-      const TestScene::Picture picture = scene.Render(false);
-      int ended = 0;
-      for (int y = 0; y < size.y; ++y)
+      for (int x = 0; x < size.x; ++x)
       {
-        for (int x = 0; x < size.x; ++x)
+        const std::size_t at = static_cast<std::size_t>(y) * size.x + x;
+        constexpr int side = RayCaster::SubtileSize;
+        const int perRow = (size.x + side - 1) / side;
+        const float reach = picture.Reaches[static_cast<std::size_t>(y / side * perRow + x / side)];
+        const bool terminated = picture.Colors[4 * at + 3] > 0.3f;
+        if (!terminated)
         {
-          const std::size_t at = static_cast<std::size_t>(y) * size.x + x;
-          constexpr int side = RayCaster::QuarterSize;
-          const int perRow = (size.x + side - 1) / side;
-          const float reach = picture.Reaches[static_cast<std::size_t>(y / side * perRow + x / side)];
-          const bool terminated = picture.Colours[4 * at + 3] > 0.3f;
-          if (!terminated)
-          {
-            // A ray that goes on sees all that is behind.
-            ASSERT_TRUE(std::isinf(reach));
-          }
-          else if (std::isfinite(reach))
-          {
-            ++ended;
-            // The first visible sample is not beyond, and the near plane not in between.
-            const double t = 270.0 * picture.Depths[at];
-            ASSERT_LE(t, static_cast<double>(reach) + 1e-3);
-            ASSERT_LT(reach, 270.0f);
-          }
+          // A ray that goes on sees all that is behind.
+          ASSERT_TRUE(std::isinf(reach));
+        }
+        else if (std::isfinite(reach))
+        {
+          ++ended;
+          // The first visible sample is not beyond, and the near plane not in between.
+          const double t = 270.0 * picture.Depths[at];
+          ASSERT_LE(t, static_cast<double>(reach) + 1e-3);
+          ASSERT_LT(reach, 270.0f);
         }
       }
-      EXPECT_GT(ended, 100);
-    });
+    }
+    EXPECT_GT(ended, 100);
+  });
 }
 
 } // namespace

@@ -54,8 +54,8 @@ TEST(PullBack, FirstOrderIsEquationThree)
       const glm::dvec3 p = random.Point(field, 3.0);
       PullBackStatus status;
       const glm::dvec3 t = p + field.Displacement(p);
-      EXPECT_LT(glm::distance(
-                  PullBack(&field, PullBackKind::FirstOrder, 1e-3).Evaluate(p, status), 2.0 * p - t),
+      EXPECT_LT(glm::distance(PullBack(&field, PullBackKind::FirstOrder, 1e-3).Evaluate(p, status),
+                  2.0 * p - t),
         1e-12);
       EXPECT_EQ(status.Evaluations, 1);
       EXPECT_LT(
@@ -112,8 +112,10 @@ TEST(PullBack, JacobiansAreTheDerivativesOfThePullBack)
       const glm::dvec3 q = pullBack.Evaluate(p, jacobian, status);
       ASSERT_TRUE(status.Converged);
       EXPECT_LT(glm::distance(q, pullBack.Evaluate(p, status)), 1e-12);
+      const glm::dmat3 found = pullBack.FindJacobian(p, q);
       for (int c = 0; c < 3; ++c)
       {
+        EXPECT_LT(glm::distance(found[c], jacobian[c]), 1e-9);
         glm::dvec3 step(0.0);
         step[c] = 1e-5;
         const glm::dvec3 slope =
@@ -133,8 +135,9 @@ TEST(PullBack, FirstOrderOfInverseMirrorsTheExactInverse)
     const glm::dvec3 p = random.Point(field, 2.0);
     PullBackStatus status;
     const glm::dvec3 q = PullBack(&field, PullBackKind::Exact, 1e-9).Evaluate(p, status);
-    EXPECT_LT(glm::distance(PullBack(&field, PullBackKind::FirstOrderOfInverse, 1e-9).Evaluate(p, status),
-                2.0 * p - q),
+    EXPECT_LT(
+      glm::distance(
+        PullBack(&field, PullBackKind::FirstOrderOfInverse, 1e-9).Evaluate(p, status), 2.0 * p - q),
       1e-12);
   }
 }
@@ -178,18 +181,18 @@ TEST(PullBack, FoldedLatticesGiveDefinedResults)
       }
     }
   }
-  RecordProperty("Unconverged", failed);
+  EXPECT_GT(failed, 10);
 }
 
 TEST(PullBack, CollapsedLatticeFallsBackToFirstOrder)
 {
   // D(X) = c - X for all X of the domain: T maps it all to the point c, J = 0.
   const glm::ivec3 nodes(6);
-  const glm::dvec3 centre(2.5);
+  const glm::dvec3 center(2.5);
   std::vector<glm::dvec3> d;
   for (int i = 0; i < 216; ++i)
   {
-    d.push_back(centre - glm::dvec3(i % 6, i / 6 % 6, i / 36));
+    d.push_back(center - glm::dvec3(i % 6, i / 6 % 6, i / 36));
   }
   const BSplineField field(nodes, glm::dvec3(0.0), glm::dvec3(1.0), d.data());
   const PullBack exact(&field, PullBackKind::Exact, 1e-3);
@@ -200,10 +203,10 @@ TEST(PullBack, CollapsedLatticeFallsBackToFirstOrder)
   EXPECT_TRUE(IsFinite(q));
   if (!status.Converged)
   {
-    EXPECT_LT(glm::distance(q, 2.0 * p - centre), 1e-12);
+    EXPECT_LT(glm::distance(q, 2.0 * p - center), 1e-12);
   }
-  // The centre itself is reached, but with no inverse Jacobian there.
-  EXPECT_TRUE(IsFinite(exact.Evaluate(centre, jacobian, status)));
+  // The center itself is reached, but with no inverse Jacobian there.
+  EXPECT_TRUE(IsFinite(exact.Evaluate(center, jacobian, status)));
   EXPECT_FALSE(status.Converged);
   EXPECT_LT(glm::distance(jacobian[0], glm::dvec3(2, 0, 0)), 1e-9);
 }
@@ -243,6 +246,41 @@ TEST(SolveInverse, StartDoesNotMatterWhereTheInverseIsUnique)
     EXPECT_LT(glm::distance(q1, q2), 1e-8);
     EXPECT_GE(evaluations, 2);
   }
+}
+
+// Where Newton's method alone does not arrive, the way from no displacement to the whole one mostly
+// does, and the tangent leads along it: without it the corrector takes three times as much.
+TEST(SolveInverse, ContinuationSolvesWhatNewtonDoesNot)
+{
+  RandomLattice random(16);
+  int tried = 0;
+  int solved = 0;
+  int evaluations = 0;
+  for (int l = 0; l < 300; ++l)
+  {
+    const BSplineField field = random.Field(2.0, AllBorders[l % 3]);
+    for (int i = 0; i < 40; ++i)
+    {
+      const glm::dvec3 p = random.Point(field, 1.0);
+      glm::dvec3 q;
+      int byNewton = 0;
+      if (SolveInverseNear(field, p, p, 1e-6, q, byNewton))
+      {
+        continue;
+      }
+      ++tried;
+      int all = 0;
+      if (SolveInverse(field, p, p, 1e-6, q, all))
+      {
+        ASSERT_LE(glm::distance(q + field.Displacement(q), p), 1.001e-6);
+        ++solved;
+        evaluations += all - byNewton;
+      }
+    }
+  }
+  EXPECT_GT(tried, 500);
+  EXPECT_GT(solved, 0.9 * tried);
+  EXPECT_LT(evaluations, 40 * solved);
 }
 
 TEST(SolveInverse, LargeSmoothDeformationsConverge)

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
 // The bounds are proofs: nothing that is sampled may ever leave them.
+#include "Bounds/FFDPullBackBounds.h"
 #include "EveryTarget.h"
-#include "FFDPullBackBounds.h"
 #include "RandomLattice.h"
 
 #include <glm/geometric.hpp>
@@ -83,23 +83,21 @@ TEST(PullBackBounds, AreTheSameWithEveryTarget)
     const PullBackBounds best(pullBack);
     const Box expected = best.DisplacementOver(box);
     const double slack = 1e-5 * (1.0 + glm::length(expected.Max - expected.Min));
-    ForEveryTarget(
-      [&]
+    ForEveryTarget([&] {
+      const PullBackBounds bounds(pullBack);
+      const Box found = bounds.DisplacementOver(box);
+      EXPECT_LT(glm::length(found.Min - expected.Min), slack);
+      EXPECT_LT(glm::length(found.Max - expected.Max), slack);
+      const double turn = best.FindLargestTurnRate(box);
+      if (std::isfinite(turn))
       {
-        const PullBackBounds bounds(pullBack);
-        const Box found = bounds.DisplacementOver(box);
-        EXPECT_LT(glm::length(found.Min - expected.Min), slack);
-        EXPECT_LT(glm::length(found.Max - expected.Max), slack);
-        const double turn = best.FindLargestTurnRate(box);
-        if (std::isfinite(turn))
-        {
-          EXPECT_NEAR(bounds.FindLargestTurnRate(box), turn, 1e-3 * turn);
-        }
-        else
-        {
-          EXPECT_EQ(bounds.FindLargestTurnRate(box), turn);
-        }
-      });
+        EXPECT_NEAR(bounds.FindLargestTurnRate(box), turn, 1e-3 * turn);
+      }
+      else
+      {
+        EXPECT_EQ(bounds.FindLargestTurnRate(box), turn);
+      }
+    });
   }
 }
 
@@ -133,6 +131,35 @@ TEST(PullBackBounds, LargestStretchHoldsInverseJacobians)
   }
   EXPECT_GT(bounded, 150);
   EXPECT_GT(tightest, 0.7);
+}
+
+// Along one axis the bound is the largest stretch itself, whatever the Jacobian does within a cell.
+TEST(PullBackBounds, LargestStretchOfOneAxisIsAttained)
+{
+  RandomLattice random(31);
+  const glm::ivec3 nodes(6, 1, 1);
+  double tightest = 0.0;
+  for (int l = 0; l < 100; ++l)
+  {
+    std::vector<glm::dvec3> displacements(6);
+    for (glm::dvec3& d : displacements)
+    {
+      d.x = random.Number(-0.6, 0.6);
+    }
+    const BSplineField field(nodes, glm::dvec3(0.0), glm::dvec3(1.0), displacements.data());
+    const double bound =
+      PullBackBounds(PullBack(&field, PullBackKind::Exact, 1e-3)).GetLimits().LargestStretch;
+    double stretch = 0.0;
+    for (int i = -300; i <= 800; ++i)
+    {
+      glm::dmat3 d;
+      field.Displacement({ 0.01 * i, 0.0, 0.0 }, d);
+      stretch = std::max(stretch, std::abs(1.0 / (1.0 + d[0].x)));
+    }
+    ASSERT_LE(stretch, bound);
+    tightest = std::max(tightest, stretch > 2.0 ? stretch / bound : 0.0);
+  }
+  EXPECT_GT(tightest, 0.95);
 }
 
 TEST(PullBackBounds, TurnRateBoundsTheTurning)
@@ -172,6 +199,37 @@ TEST(PullBackBounds, TurnRateBoundsTheTurning)
   EXPECT_GT(bounded, 100);
   // The bound is of use: not orders of magnitude too large.
   EXPECT_GT(tightest, 0.05);
+}
+
+// xy + yz + zx bends most along the diagonal, and only by mixed derivatives.
+TEST(PullBackBounds, TurnRateCountsMixedDerivatives)
+{
+  const glm::ivec3 nodes(6);
+  const glm::dvec3 across = 1e-3 * glm::normalize(glm::dvec3(1.0, -1.0, 0.0));
+  const glm::dvec3 middle(2.5);
+  std::vector<glm::dvec3> displacements;
+  for (int i = 0; i < 216; ++i)
+  {
+    const glm::dvec3 x = glm::dvec3(i % 6, i / 6 % 6, i / 36) - middle;
+    displacements.push_back((x.x * x.y + x.y * x.z + x.z * x.x) * across);
+  }
+  const BSplineField field(nodes, glm::dvec3(0.0), glm::dvec3(1.0), displacements.data());
+  const glm::dvec3 diagonal = glm::normalize(glm::dvec3(1.0));
+  for (const PullBackKind kind : AllKinds)
+  {
+    const PullBack map(&field, kind, 1e-12);
+    const double rate = PullBackBounds(map).FindLargestTurnRate({ middle - 0.1, middle + 0.1 });
+    glm::dmat3 before;
+    glm::dmat3 after;
+    PullBackStatus status;
+    constexpr double h = 1e-2;
+    map.Evaluate(middle, before, status);
+    map.Evaluate(middle + h * diagonal, after, status);
+    const double turned = glm::length(after * diagonal - before * diagonal) / h;
+    EXPECT_NEAR(turned, 2e-3, 1e-4);
+    EXPECT_LE(turned, rate);
+    EXPECT_GT(turned, 0.7 * rate);
+  }
 }
 
 TEST(PullBackBounds, KinkAtTheZeroBorderIsUnbounded)
@@ -216,7 +274,7 @@ TEST(PullBackBounds, AffineLatticeIsTight)
 
 TEST(PullBackBounds, FoldsAreUnbounded)
 {
-  // Neighbours 1.6 spacings towards each other along x.
+  // Neighbors 1.6 spacings towards each other along x.
   std::vector<glm::dvec3> d(6 * 6 * 6, glm::dvec3(0.0));
   for (int i = 0; i < 216; ++i)
   {

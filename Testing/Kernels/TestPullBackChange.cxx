@@ -38,8 +38,7 @@ struct Edited
     glm::dvec3 spacing = random.Vector(4.0, 12.0);
     spacing.y *= random.Integer(0, 1) ? 1.0 : -1.0;
     const glm::dvec3 origin = random.Vector(-20.0, 20.0);
-    std::vector<glm::dvec3> displacements(
-      static_cast<std::size_t>(nodes.x) * nodes.y * nodes.z);
+    std::vector<glm::dvec3> displacements(static_cast<std::size_t>(nodes.x) * nodes.y * nodes.z);
     for (glm::dvec3& d : displacements)
     {
       d = amount * random.Vector(-1.0, 1.0) * spacing;
@@ -89,8 +88,7 @@ struct Edited
   bool Matters(const glm::dvec3& p) const
   {
     PullBackStatus status;
-    const auto inside = [&](const glm::dvec3& q)
-    {
+    const auto inside = [&](const glm::dvec3& q) {
       return glm::all(glm::greaterThanEqual(q, this->Rest.Min)) &&
         glm::all(glm::lessThanEqual(q, this->Rest.Max));
     };
@@ -150,7 +148,8 @@ CameraView RandomCamera(RandomLattice& random, const Box& bounds, const glm::ive
   CameraView camera;
   camera.Parallel = random.Integer(0, 2) == 0;
   const glm::dmat4 projection = camera.Parallel
-    ? glm::ortho(-0.5 * radius, 0.5 * radius, -0.5 * radius, 0.5 * radius, 0.05 * radius, 5.0 * radius)
+    ? glm::ortho(
+        -0.5 * radius, 0.5 * radius, -0.5 * radius, 0.5 * radius, 0.05 * radius, 5.0 * radius)
     : glm::perspective(random.Number(0.4, 1.2), 1.0, 0.05 * radius, 5.0 * radius);
   camera.DataToNdc = projection *
     glm::lookAt(eye, target, glm::normalize(random.Vector(-1.0, 1.0) + glm::dvec3(1e-3, 0.0, 0.0)));
@@ -247,10 +246,11 @@ TEST(PullBackChange, WhatCannotBeSeenDoesNotCount)
       const glm::dvec3 middle = random.Point(edited.New, 0.0);
       const double radius = random.Number(0.2, 1.0) * glm::length(edited.New.GetSpacing());
       const auto isSeen = [&](const glm::dvec3& q) { return glm::length(q - middle) < radius; };
-      const auto isEmpty = [&](const Box& rest)
-      { return !isSeen(glm::clamp(middle, rest.Min, rest.Max)); };
-      ASSERT_TRUE(FindChange(edited.Before, edited.After, edited.Limits, edited.Rest, 3.0, isEmpty,
-        edited.Change));
+      const auto isEmpty = [&](const Box& rest) {
+        return !isSeen(glm::clamp(middle, rest.Min, rest.Max));
+      };
+      ASSERT_TRUE(FindChange(
+        edited.Before, edited.After, edited.Limits, edited.Rest, 3.0, isEmpty, edited.Change));
       ASSERT_EQ(edited.Change.Moved.size(), all.size());
       for (std::size_t part = 0; part < all.size(); ++part)
       {
@@ -287,7 +287,7 @@ TEST(PullBackChange, WhatCannotBeSeenDoesNotCount)
   EXPECT_GT(forgotten, 100);
 }
 
-TEST(PullBackChange, TellsOnlyOfEditsOfTheSameLattice)
+TEST(PullBackChange, ReportsOnlyEditsOfTheSameLattice)
 {
   RandomLattice random(5);
   Edited edited(random, PullBackKind::Exact, BorderMode::Edge, 0.05);
@@ -333,7 +333,7 @@ TEST(TileHistory, TilesThatSeeTheChangeAreCastAgain)
     {
       TileHistory tiles(16);
       tiles.Start(size);
-      ASSERT_EQ(tiles.TakeTilesToCast().size(), 13u * 12u);
+      ASSERT_EQ(tiles.CollectTilesToCast().size(), 13u * 12u);
       // Rays that end early.
       std::vector<float> reaches(13 * 12);
       for (std::size_t i = 0; i < reaches.size(); ++i)
@@ -344,8 +344,8 @@ TEST(TileHistory, TilesThatSeeTheChangeAreCastAgain)
                           : std::numeric_limits<float>::infinity();
         tiles.GetReaches()[i] = reaches[i];
       }
-      tiles.NoteChange(edited.Change, camera, tolerance);
-      const std::vector<int> list = tiles.TakeTilesToCast();
+      tiles.RecordChange(edited.Change, camera, tolerance);
+      const std::vector<int> list = tiles.CollectTilesToCast();
       const std::set<int> cast(list.begin(), list.end());
       kept += static_cast<int>(reaches.size() - cast.size());
       for (int i = 0; i < 8000; ++i)
@@ -362,7 +362,8 @@ TEST(TileHistory, TilesThatSeeTheChangeAreCastAgain)
         {
           continue;
         }
-        // Pixels to the sides of a perspective picture are a little larger than those in its middle.
+        // Pixels to the sides of a perspective picture are a little larger than those in its
+        // middle.
         if (edited.MovedAt(p) > std::max(1e-8, 2.0 * tolerance * pixelSize) ||
           (tolerance == 0.0 && edited.ChangedAt(p) > 1e-8))
         {
@@ -390,18 +391,18 @@ TEST(TileHistory, EditsAddUp)
     const double middle = 0.5 * (low + high);
     TileHistory tiles(16);
     tiles.Start(size);
-    tiles.TakeTilesToCast();
-    tiles.NoteChange(edited.Change, camera, middle);
-    (tiles.TakeTilesToCast().empty() ? high : low) = middle;
+    tiles.CollectTilesToCast();
+    tiles.RecordChange(edited.Change, camera, middle);
+    (tiles.CollectTilesToCast().empty() ? high : low) = middle;
   }
   ASSERT_GT(high, 1e-3);
   TileHistory tiles(16);
   tiles.Start(size);
-  tiles.TakeTilesToCast();
+  tiles.CollectTilesToCast();
   for (int edit = 1; edit <= 3; ++edit)
   {
-    tiles.NoteChange(edited.Change, camera, 2.5 * high);
-    EXPECT_EQ(tiles.TakeTilesToCast().empty(), edit < 3) << edit;
+    tiles.RecordChange(edited.Change, camera, 2.5 * high);
+    EXPECT_EQ(tiles.CollectTilesToCast().empty(), edit < 3) << edit;
   }
 }
 
@@ -416,69 +417,69 @@ TEST(TileHistory, DepthsWithinReach)
   camera.NdcPerPixel = 2.0 / glm::dvec2(size);
   TileHistory tiles(16);
   tiles.Start(size);
-  ASSERT_EQ(tiles.TakeTilesToCast().size(), 9u);
+  ASSERT_EQ(tiles.CollectTilesToCast().size(), 9u);
   tiles.GetReaches()[1] = 50.0f;
   tiles.GetReaches()[4] = 50.0f;
   std::vector<float> before(40 * 33, 1.0f);
   std::vector<float> now = before;
   const auto at = [](int x, int y) { return static_cast<std::size_t>(y * 40 + x); };
-  now[at(17, 3)] = 0.51f;      // tile 1, beyond its reach
-  before[at(18, 20)] = 0.4f;   // tile 4, nearer
-  now[at(39, 32)] = 0.9f;      // tile 8, which goes on to the end
-  tiles.NoteDepths(before.data(), now.data(), camera);
-  EXPECT_EQ(tiles.TakeTilesToCast(), (std::vector<int>{ 4, 8 }));
+  now[at(17, 3)] = 0.51f;    // tile 1, beyond its reach
+  before[at(18, 20)] = 0.4f; // tile 4, nearer
+  now[at(39, 32)] = 0.9f;    // tile 8, which goes on to the end
+  tiles.RecordDepths(before.data(), now.data(), camera);
+  EXPECT_EQ(tiles.CollectTilesToCast(), (std::vector<int>{ 4, 8 }));
   // Nothing was drawn before, and the same now.
   std::vector<float> same(40 * 33, 1.0f);
-  tiles.NoteDepths(nullptr, same.data(), camera);
-  EXPECT_TRUE(tiles.TakeTilesToCast().empty());
+  tiles.RecordDepths(nullptr, same.data(), camera);
+  EXPECT_TRUE(tiles.CollectTilesToCast().empty());
 }
 
 TEST(TileHistory, PicturesMoveByTiles)
 {
-  const auto colour = [](int x, int y, int c) { return static_cast<float>(1000 * y + 4 * x + c); };
+  const auto color = [](int x, int y, int c) { return static_cast<float>(1000 * y + 4 * x + c); };
   TileHistory tiles(16);
   const glm::ivec2 size(40, 48);
-  std::vector<float> colours;
+  std::vector<float> colors;
   std::vector<float> depths;
   for (int y = 0; y < size.y; ++y)
   {
     for (int x = 0; x < size.x; ++x)
     {
-      depths.push_back(colour(x, y, 7));
+      depths.push_back(color(x, y, 7));
       for (int c = 0; c < 4; ++c)
       {
-        colours.push_back(colour(x, y, c));
+        colors.push_back(color(x, y, c));
       }
     }
   }
   tiles.Start(size);
-  tiles.TakeTilesToCast();
+  tiles.CollectTilesToCast();
   tiles.GetReaches()[5] = 7.0f; // tile (2, 1), 8 pixels wide
   tiles.GetReaches()[4] = 6.0f; // tile (1, 1)
   // One tile more to the left and below, three columns of pixels more to the right.
   const glm::ivec2 next(16 + 43, 16 + 48);
   std::vector<float> firstVisible = depths;
-  tiles.Continue(next, glm::ivec2(-1, -1), colours, depths, &firstVisible);
+  tiles.Continue(next, glm::ivec2(-1, -1), colors, depths, &firstVisible);
   EXPECT_EQ(firstVisible.size(), depths.size());
-  ASSERT_EQ(colours.size(), 4u * 59u * 64u);
+  ASSERT_EQ(colors.size(), 4u * 59u * 64u);
   ASSERT_EQ(depths.size(), 59u * 64u);
   EXPECT_EQ(tiles.GetReaches()[2 * 4 + 2], 6.0f);
   // New tiles, and those that have become wider, are cast.
-  EXPECT_EQ(tiles.TakeTilesToCast(), (std::vector<int>{ 0, 1, 2, 3, 4, 7, 8, 11, 12, 15 }));
+  EXPECT_EQ(tiles.CollectTilesToCast(), (std::vector<int>{ 0, 1, 2, 3, 4, 7, 8, 11, 12, 15 }));
   for (int y = 16; y < 64; ++y)
   {
     for (int x = 16; x < 48; ++x)
     {
       const std::size_t at = static_cast<std::size_t>(y * 59 + x);
-      ASSERT_EQ(depths[at], colour(x - 16, y - 16, 7));
+      ASSERT_EQ(depths[at], color(x - 16, y - 16, 7));
       ASSERT_EQ(firstVisible[at], depths[at]);
-      ASSERT_EQ(colours[4 * at + 2], colour(x - 16, y - 16, 2));
+      ASSERT_EQ(colors[4 * at + 2], color(x - 16, y - 16, 2));
     }
   }
   // And back to a part of it.
-  tiles.Continue(glm::ivec2(16, 32), glm::ivec2(2, 1), colours, depths);
-  EXPECT_TRUE(tiles.TakeTilesToCast().empty());
+  tiles.Continue(glm::ivec2(16, 32), glm::ivec2(2, 1), colors, depths);
+  EXPECT_TRUE(tiles.CollectTilesToCast().empty());
   EXPECT_EQ(tiles.GetReaches()[0], std::numeric_limits<float>::infinity());
-  EXPECT_EQ(colours[0], colour(16, 0, 0));
-  EXPECT_EQ(depths[16], colour(16, 1, 7));
+  EXPECT_EQ(colors[0], color(16, 0, 0));
+  EXPECT_EQ(depths[16], color(16, 1, 7));
 }

@@ -20,7 +20,7 @@ namespace
 {
 
 constexpr int Size = 20;   // pixels a side
-constexpr double Eye = 60; // distance of the camera from the centre of the volume
+constexpr double Eye = 60; // distance of the camera from the center of the volume
 
 /// A scene of a volume with unit voxels, seen along -z by a perspective camera.
 struct Stage
@@ -30,7 +30,7 @@ struct Stage
     : Table(table)
     , Map(field, kind, 1e-9)
     , MapBounds(Map)
-    , Blocks(volume.View, SerialFor)
+    , Blocks(volume.View, ParallelFor())
     , Distances(Blocks, Table)
   {
     const Box rest{ glm::dvec3(0.0), volume.View.UpperIndex() };
@@ -40,10 +40,10 @@ struct Stage
     this->Scene.Table = &this->Table;
     this->Scene.Distances = &this->Distances;
     this->Scene.Map = &this->Map;
-    const glm::dvec3 centre = 0.5 * rest.Max;
-    this->Camera = centre + glm::dvec3(0.0, 0.0, Eye);
+    const glm::dvec3 center = 0.5 * rest.Max;
+    this->Camera = center + glm::dvec3(0.0, 0.0, Eye);
     this->Scene.Camera.DataToNdc = glm::perspective(0.35, 1.0, 20.0, 120.0) *
-      glm::lookAt(this->Camera, centre, glm::dvec3(0.0, 1.0, 0.0));
+      glm::lookAt(this->Camera, center, glm::dvec3(0.0, 1.0, 0.0));
     this->Scene.Camera.NdcToData = glm::inverse(this->Scene.Camera.DataToNdc);
     this->Scene.Camera.ImageSize = glm::ivec2(Size);
     this->Scene.Camera.NdcPerPixel = glm::dvec2(2.0 / Size);
@@ -54,16 +54,16 @@ struct Stage
   std::vector<float> Render()
   {
     const RayCaster caster(this->Scene, this->Settings);
-    std::vector<float> colours(4 * Size * Size, -1.0f);
+    std::vector<float> colors(4 * Size * Size, -1.0f);
     this->Depths.assign(Size * Size, -1.0f);
-    CastImage image{ Size, Size, colours.data(), this->Depths.data() };
+    CastImage image{ Size, Size, colors.data(), this->Depths.data() };
     RayCaster::Scratch scratch;
     for (int tile = caster.GetNumberOfTiles(image); tile-- > 0;)
     {
       caster.RenderTile(tile, image, scratch);
     }
     this->Statistics = RayCaster::GetStatistics(scratch);
-    return colours;
+    return colors;
   }
 
   /// The viewing ray of a pixel from the angles of the camera; t = 0 on the near plane.
@@ -77,8 +77,8 @@ struct Stage
 
   /// t of the first sample from the near plane on: those from the face of the volume at rest on are
   /// whole steps behind it, less a hundredth.
-  static double FindFirst(const glm::dvec3& origin, const glm::dvec3& direction,
-    const glm::dvec3& upper, double h)
+  static double FindFirst(
+    const glm::dvec3& origin, const glm::dvec3& direction, const glm::dvec3& upper, double h)
   {
     double enter = 0.0;
     for (int a = 0; a < 3; ++a)
@@ -225,10 +225,10 @@ TEST(RayCaster, DeformedAndMaterialOpacityOfAStretchedSlab)
         const std::vector<float> image = stage.Render();
         // The central ray runs along z: 16 voxels at rest.
         const double path = 16.0 * (length == OpacityLength::Deformed ? 1.0 + slope : 1.0);
-        const std::size_t centre = 4 * (Size / 2 * Size + Size / 2);
-        EXPECT_NEAR(image[centre + 3], 1.0 - std::exp2(-extinction * path), 4e-3)
+        const std::size_t center = 4 * (Size / 2 * Size + Size / 2);
+        EXPECT_NEAR(image[center + 3], 1.0 - std::exp2(-extinction * path), 4e-3)
           << "slope " << slope;
-        EXPECT_NEAR(image[centre], image[centre + 3], 1e-5); // white, premultiplied
+        EXPECT_NEAR(image[center], image[center + 3], 1e-5); // white, premultiplied
       }
     }
   }
@@ -285,8 +285,8 @@ TEST(RayCaster, DepthsEndRaysAndEarlyTerminationStopsThem)
   {
     ASSERT_LE(std::abs(whole[i] - early[i]), 0.1f);
   }
-  const std::size_t centre = Size / 2 * Size + Size / 2;
-  EXPECT_NEAR(stage.Depths[centre],
+  const std::size_t center = Size / 2 * Size + Size / 2;
+  EXPECT_NEAR(stage.Depths[center],
     stage.Scene.Camera.ToDepth(stage.Camera - glm::dvec3(0.0, 0.0, Eye - 8.0)), 0.01);
   EXPECT_EQ(stage.Depths[0], 1.0f);
   const std::vector<float> inFront(Size * Size, 0.01f);
@@ -301,15 +301,9 @@ namespace
 {
 
 /// The scalar of the tests of blend modes at rest: linear, so interpolated without error.
-double Slope(const glm::dvec3& q)
-{
-  return 10.0 + 2.0 * q.x + 1.0 * q.y + 3.0 * q.z;
-}
+double Slope(const glm::dvec3& q) { return 10.0 + 2.0 * q.x + 1.0 * q.y + 3.0 * q.z; }
 
-double SlopeAt(int i, int j, int k)
-{
-  return Slope(glm::dvec3(i, j, k));
-}
+double SlopeAt(int i, int j, int k) { return Slope(glm::dvec3(i, j, k)); }
 
 /// Gray and opacity are functions of the scalar that the tests can repeat.
 TransferTable SlopeTable()
@@ -417,13 +411,11 @@ TEST(RayCaster, ProjectionsOfALinearField)
             continue;
           }
         }
-        const auto integrand = [&](double t)
-        {
+        const auto integrand = [&](double t) {
           const double value = Slope(chord.At(t));
           return (0.2 + 0.005 * value) * (value - 10.0) / 96.0;
         };
-        const double mean =
-          (integrand(a) + 4.0 * integrand(0.5 * (a + b)) + integrand(b)) / 6.0;
+        const double mean = (integrand(a) + 4.0 * integrand(0.5 * (a + b)) + integrand(b)) / 6.0;
         const double expected =
           mode == BlendMode::Average ? mean : std::min(1.0, mean * (b - a) / 20.0);
         EXPECT_EQ(rgba[3], 1.0f);
@@ -437,15 +429,15 @@ TEST(RayCaster, ProjectionsOfALinearField)
   }
 }
 
-// Isosurfaces of a linear field are planes: the ray meets them at a known t, at any sample distance,
-// with a known normal; two of them, semi-transparent, blend.
+// Isosurfaces of a linear field are planes: the ray meets them at a known t, at any sample
+// distance, with a known normal; two of them, semi-transparent, blend.
 TEST(RayCaster, IsosurfacesOfALinearField)
 {
   const TestVolume volume(ScalarType::Float32, glm::ivec3(17), SlopeAt);
   const double stretch = 1.5;
   const BSplineField field = Stretch(stretch - 1.0);
   const TransferTable table = SlopeTable();
-  const glm::vec3 colours[2] = { glm::vec3(0.9f, 0.3f, 0.1f), glm::vec3(0.2f, 0.5f, 0.8f) };
+  const glm::vec3 colors[2] = { glm::vec3(0.9f, 0.3f, 0.1f), glm::vec3(0.2f, 0.5f, 0.8f) };
   for (const double step : { 0.31, 1.0, 3.0 })
   {
     for (const int kind : { 0, 1, 2 })
@@ -466,7 +458,7 @@ TEST(RayCaster, IsosurfacesOfALinearField)
         stage.Scene.Material.Ambient = 0.0f;
         stage.Scene.Material.Diffuse = 1.0f;
         stage.Scene.Material.Specular = 0.0f;
-        stage.Scene.Blend.IsoValues = { { 43.7, colours[0], 0.4f }, { 71.3, colours[1], 0.6f } };
+        stage.Scene.Blend.IsoValues = { { 43.7, colors[0], 0.4f }, { 71.3, colors[1], 0.6f } };
         if (crop)
         {
           stage.Scene.Crop.Space = Cropping::Spaces::Rest;
@@ -481,11 +473,10 @@ TEST(RayCaster, IsosurfacesOfALinearField)
         for (int pixel = 0; pixel < Size * Size; ++pixel)
         {
           const Chord chord(stage, pixel, stretch);
-          const ViewRay ray =
-            stage.Scene.Camera.MakeRay(pixel % Size + 0.5, pixel / Size + 0.5);
+          const ViewRay ray = stage.Scene.Camera.MakeRay(pixel % Size + 0.5, pixel / Size + 0.5);
           const double lit = std::abs(glm::dot(normal, ray.Direction));
           // From the camera the field falls.
-          glm::dvec3 colour(0.0);
+          glm::dvec3 color(0.0);
           double light = 1.0;
           double firstT = 1e9;
           bool close = false;
@@ -493,8 +484,7 @@ TEST(RayCaster, IsosurfacesOfALinearField)
           for (const int i : { 1, 0 })
           {
             const IsoValue& iso = stage.Scene.Blend.IsoValues[static_cast<std::size_t>(i)];
-            const double t =
-              (iso.Value - Slope(chord.Origin)) / (Slope(chord.Direction) - 10.0);
+            const double t = (iso.Value - Slope(chord.Origin)) / (Slope(chord.Direction) - 10.0);
             const glm::dvec3 q = chord.At(t);
             const glm::dvec3 lo = crop ? stage.Scene.Crop.Low : glm::dvec3(0.0);
             const glm::dvec3 hi = crop ? stage.Scene.Crop.High : glm::dvec3(16.0);
@@ -509,7 +499,7 @@ TEST(RayCaster, IsosurfacesOfALinearField)
               firstT = std::min(firstT, t);
               interior = interior && std::min({ q.x, q.y, q.z }) > 1.01 &&
                 std::max({ q.x, q.y, q.z }) < 14.99;
-              colour += light * iso.Opacity * lit * glm::dvec3(colours[i]);
+              color += light * iso.Opacity * lit * glm::dvec3(colors[i]);
               light *= 1.0 - iso.Opacity;
             }
           }
@@ -521,7 +511,7 @@ TEST(RayCaster, IsosurfacesOfALinearField)
           EXPECT_NEAR(rgba[3], 1.0 - light, 1e-5) << "pixel " << pixel;
           for (int c = 0; c < 3 && interior; ++c)
           {
-            EXPECT_NEAR(rgba[c], colour[c], 2e-3) << "pixel " << pixel;
+            EXPECT_NEAR(rgba[c], color[c], 2e-3) << "pixel " << pixel;
           }
           const float depth = stage.Depths[static_cast<std::size_t>(pixel)];
           if (firstT < 1e8)
@@ -597,8 +587,8 @@ TEST(RayCaster, ClippedAndCroppedSlab)
   {
     for (int option = 0; option < 3; ++option)
     {
-      Stage stage(slab, &field, PullBackKind::Exact,
-        MakeTable(0.0, 128.0, 4097, [](double) { return 0.5; }));
+      Stage stage(
+        slab, &field, PullBackKind::Exact, MakeTable(0.0, 128.0, 4097, [](double) { return 0.5; }));
       SetBlend(stage, BlendMode::Additive);
       stage.Settings.Reference = reference;
       stage.Scene.Blend.UnitDistance[0] = 30.0;
@@ -610,17 +600,16 @@ TEST(RayCaster, ClippedAndCroppedSlab)
       else
       {
         // Below 4 and above 13 of deformed space, or of the volume at rest.
-        stage.Scene.Crop.Space =
-          option == 1 ? Cropping::Spaces::Deformed : Cropping::Spaces::Rest;
+        stage.Scene.Crop.Space = option == 1 ? Cropping::Spaces::Deformed : Cropping::Spaces::Rest;
         stage.Scene.Crop.Low = glm::dvec3(-100.0, -100.0, 4.0);
         stage.Scene.Crop.High = glm::dvec3(100.0, 100.0, 13.0);
         stage.Scene.Crop.Flags = 1 << (1 + 3) | 1 << (1 + 3 + 18);
       }
       const std::vector<float> image = stage.Render();
       const double paths[3] = { 15.0, 24.0 - 9.0, 1.5 * (16.0 - 9.0) };
-      const std::size_t centre = 4 * (Size / 2 * Size + Size / 2);
-      EXPECT_NEAR(image[centre], 0.5 * paths[option] / 30.0, 2e-3) << "option " << option;
-      EXPECT_EQ(image[centre + 3], 1.0f);
+      const std::size_t center = 4 * (Size / 2 * Size + Size / 2);
+      EXPECT_NEAR(image[center], 0.5 * paths[option] / 30.0, 2e-3) << "option " << option;
+      EXPECT_EQ(image[center + 3], 1.0f);
     }
   }
 }
@@ -634,16 +623,15 @@ TEST(RayCaster, LeapingKeepsSamplesAtTheFaces)
     {
       SCOPED_TRACE("axis " + std::to_string(axis));
       const TestVolume volume(ScalarType::UInt8, glm::ivec3(17),
-        [axis](int i, int j, int k)
-        { return glm::ivec3(i, j, k)[axis] == 16 ? 100.0 : 0.0; });
+        [axis](int i, int j, int k) { return glm::ivec3(i, j, k)[axis] == 16 ? 100.0 : 0.0; });
       Stage stage(volume, nullptr, PullBackKind::Exact, Ramp(0.9));
       glm::dvec3 eye(8.0);
       eye[axis] -= Eye;
       glm::dvec3 up(0.0);
       up[(axis + 1) % 3] = 1.0;
       stage.Scene.Camera.Parallel = true;
-      stage.Scene.Camera.DataToNdc = glm::ortho(-7.0, 7.0, -7.0, 7.0, 20.0, 120.0) *
-        glm::lookAt(eye, glm::dvec3(8.0), up);
+      stage.Scene.Camera.DataToNdc =
+        glm::ortho(-7.0, 7.0, -7.0, 7.0, 20.0, 120.0) * glm::lookAt(eye, glm::dvec3(8.0), up);
       stage.Scene.Camera.NdcToData = glm::inverse(stage.Scene.Camera.DataToNdc);
       stage.Settings.Reference = reference;
       stage.Settings.Leaping = SpaceLeaping::Off;
@@ -669,8 +657,9 @@ TEST(RayCaster, LeapingChangesNoBlendMode)
     const double density = std::pow(10.0, random.Number(-4.0, -1.5));
     const TestVolume volume(ScalarType::UInt8,
       glm::ivec3(random.Integer(4, 40), random.Integer(4, 40), random.Integer(4, 40)),
-      [&](int, int, int)
-      { return random.Number(0.0, 1.0) < density ? random.Number(50.0, 100.0) : 0.0; });
+      [&](int, int, int) {
+        return random.Number(0.0, 1.0) < density ? random.Number(50.0, 100.0) : 0.0;
+      });
     const double amount = std::pow(10.0, random.Number(-1.0, 1.0));
     std::vector<glm::dvec3> displacements(216);
     for (glm::dvec3& d : displacements)
@@ -711,8 +700,8 @@ TEST(RayCaster, LeapingChangesNoBlendMode)
       }
       for (std::size_t i = 0; i < off.size(); ++i)
       {
-        ASSERT_NEAR(image[i], off[i], 1e-4) << "run " << run << ", leaping "
-                                            << static_cast<int>(leaping) << ", pixel " << i / 4;
+        ASSERT_NEAR(image[i], off[i], 1e-4)
+          << "run " << run << ", leaping " << static_cast<int>(leaping) << ", pixel " << i / 4;
       }
       for (std::size_t i = 0; i < depths.size(); ++i)
       {

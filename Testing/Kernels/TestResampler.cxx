@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// The resampled volume against the pull-back evaluated, and the volume interpolated, point by point.
+// The resampled volume against the pull-back evaluated, and the volume interpolated, point by
+// point.
 #include "FFDResampler.h"
 
 #include "RandomLattice.h"
@@ -19,12 +20,10 @@ namespace
 constexpr ffd::PullBackKind AllKinds[] = { ffd::PullBackKind::FirstOrder, ffd::PullBackKind::Exact,
   ffd::PullBackKind::Forward, ffd::PullBackKind::FirstOrderOfInverse };
 
-void Serial(std::size_t count, const std::function<void(std::size_t, std::size_t)>& work)
+double Smooth(int i, int j, int k)
 {
-  work(0, count);
+  return 100.0 + 40.0 * std::sin(0.3 * i) * std::cos(0.2 * j) + k;
 }
-
-double Smooth(int i, int j, int k) { return 100.0 + 40.0 * std::sin(0.3 * i) * std::cos(0.2 * j) + k; }
 
 /// A volume of side 20 within a smooth lattice; the fields of the tests live in it.
 struct Scene
@@ -44,8 +43,8 @@ struct Scene
     {
       d = random.Vector(-amount, amount);
     }
-    this->Field = ffd::BSplineField(glm::ivec3(6), glm::dvec3(0.0, -5.0, -2.0),
-      glm::dvec3(3.2, 3.4, 3.6), displacements.data());
+    this->Field = ffd::BSplineField(
+      glm::ivec3(6), glm::dvec3(0.0, -5.0, -2.0), glm::dvec3(3.2, 3.4, 3.6), displacements.data());
     this->Grid.Origin = this->Volume.View.FirstVoxel;
     this->Grid.IndexToData = this->Volume.View.IndexToData;
   }
@@ -58,18 +57,16 @@ struct Scene
     const std::size_t values = static_cast<std::size_t>(count.x) * count.y * count.z *
       static_cast<std::size_t>(this->Volume.View.Increments[0]);
     std::vector<double> storage(values);
-    const std::int64_t missed = resampler.Resample(first, last, storage.data(), Serial);
+    const std::int64_t missed = resampler.Resample(first, last, storage.data(), ffd::ParallelFor());
     if (unconverged)
     {
       *unconverged = missed;
     }
-    return ffd::DispatchScalarType(this->Volume.View.Type,
-      [&](auto zero)
-      {
-        using T = decltype(zero);
-        const T* from = reinterpret_cast<const T*>(storage.data());
-        return std::vector<double>(from, from + values);
-      });
+    return ffd::DispatchScalarType(this->Volume.View.Type, [&](auto zero) {
+      using T = decltype(zero);
+      const T* from = reinterpret_cast<const T*>(storage.data());
+      return std::vector<double>(from, from + values);
+    });
   }
 
   TestVolume Volume;
@@ -122,8 +119,10 @@ TEST(Resampler, EqualsThePullBackPointByPoint)
             }
             ++inside;
             // The slope of the volume is below 15 a voxel, and the tolerance 1/500 of a voxel.
-            EXPECT_NEAR(values[at], scene.Volume.Interpolate(q), kind == ffd::PullBackKind::Exact ||
-                kind == ffd::PullBackKind::FirstOrderOfInverse ? 0.1 : 1e-9);
+            EXPECT_NEAR(values[at], scene.Volume.Interpolate(q),
+              kind == ffd::PullBackKind::Exact || kind == ffd::PullBackKind::FirstOrderOfInverse
+                ? 0.1
+                : 1e-9);
           }
         }
       }
@@ -146,8 +145,8 @@ TEST(Resampler, TheCheckedInverseStaysWithinTheTolerance)
   std::vector<double> q[3];
   for (int a = 0; a < 3; ++a)
   {
-    scene.Volume.Fill([&scene, a](int i, int j, int k)
-      { return scene.Grid.ToData(glm::dvec3(i, j, k))[a]; });
+    scene.Volume.Fill(
+      [&scene, a](int i, int j, int k) { return scene.Grid.ToData(glm::dvec3(i, j, k))[a]; });
     q[a] = scene.Run(map, settings, glm::ivec3(0), last);
   }
   std::size_t at = 0;
@@ -190,8 +189,8 @@ TEST(Resampler, DoesNotDependOnHowTheGridIsSplit)
       {
         for (int i = 3; i <= 12; ++i, ++at)
         {
-          EXPECT_EQ(part[at],
-            whole[static_cast<std::size_t>((i + 2) + 24 * ((j + 3) + 23 * (k + 1)))]);
+          EXPECT_EQ(
+            part[at], whole[static_cast<std::size_t>((i + 2) + 24 * ((j + 3) + 23 * (k + 1)))]);
         }
       }
     }
@@ -261,10 +260,11 @@ TEST(Resampler, VoxelsThatAreNotANumberStayWhereTheyAre)
   for (const ffd::ScalarType type : { ffd::ScalarType::Float32, ffd::ScalarType::Float64 })
   {
     Scene scene(type, 0.0);
-    scene.Volume.Fill([](int i, int j, int k)
-      { return i == 7 && j == 7 && k == 7 ? std::numeric_limits<double>::quiet_NaN() : 1.0; });
-    for (const auto interpolation : { ffd::ResampleInterpolation::Linear,
-           ffd::ResampleInterpolation::Cubic })
+    scene.Volume.Fill([](int i, int j, int k) {
+      return i == 7 && j == 7 && k == 7 ? std::numeric_limits<double>::quiet_NaN() : 1.0;
+    });
+    for (const auto interpolation :
+      { ffd::ResampleInterpolation::Linear, ffd::ResampleInterpolation::Cubic })
     {
       ffd::ResampleSettings settings;
       settings.Interpolation = interpolation;
@@ -281,8 +281,8 @@ TEST(Resampler, FoldsAreSolvedPointByPointAndCounted)
   const ffd::PullBack map(&scene.Field, ffd::PullBackKind::Exact, 1e-3);
   EXPECT_FALSE(ffd::PullBackBounds(map).IsProvenInvertible());
   std::int64_t unconverged = 0;
-  const std::vector<double> values = scene.Run(
-    map, ffd::ResampleSettings(), { -6, -6, -6 }, { 25, 23, 21 }, &unconverged);
+  const std::vector<double> values =
+    scene.Run(map, ffd::ResampleSettings(), { -6, -6, -6 }, { 25, 23, 21 }, &unconverged);
   std::int64_t expected = 0;
   for (int k = -6; k <= 21; ++k)
   {
@@ -298,6 +298,38 @@ TEST(Resampler, FoldsAreSolvedPointByPointAndCounted)
   }
   EXPECT_EQ(unconverged, expected);
   EXPECT_TRUE(std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); }));
+}
+
+// Where T folds many times along an axis, and everything moves the same way, points that no rest
+// point is found for are taken from beside those of their neighbors.
+TEST(Resampler, RestRegionsHoldPointsOfFirstOrder)
+{
+  RandomLattice random(22);
+  int unconverged = 0;
+  for (int test = 0; test < 1000; ++test)
+  {
+    std::vector<glm::dvec3> displacements(12);
+    for (glm::dvec3& d : displacements)
+    {
+      d.x = random.Number(1.0, 9.0);
+    }
+    const ffd::BSplineField field(
+      glm::ivec3(12, 1, 1), glm::dvec3(0.0), glm::dvec3(1.0), displacements.data());
+    const ffd::PullBack map(&field, ffd::PullBackKind::Exact, 1e-4);
+    const glm::dvec3 p(random.Number(0.0, 14.0), 0.0, 0.0);
+    ffd::PullBackStatus status;
+    const glm::dvec3 q = map.Evaluate(p, status);
+    if (status.Converged)
+    {
+      continue;
+    }
+    ++unconverged;
+    const ffd::Box rest =
+      ffd::FindRestRegion(map, ffd::PullBackBounds(map), { p - 1e-3, p + 1e-3 });
+    EXPECT_GE(q.x, rest.Min.x);
+    EXPECT_LE(q.x, rest.Max.x);
+  }
+  EXPECT_GT(unconverged, 20);
 }
 
 TEST(Resampler, RestRegionsHoldAllRestPoints)

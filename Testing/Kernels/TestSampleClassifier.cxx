@@ -62,15 +62,15 @@ private:
   std::vector<float> Data;
 };
 
-TransferTable Constant(const glm::vec3& colour, float opacity, double unit = 1.0)
+TransferTable Constant(const glm::vec3& color, float opacity, double unit = 1.0)
 {
-  const float rgb[6] = { colour.r, colour.g, colour.b, colour.r, colour.g, colour.b };
+  const float rgb[6] = { color.r, color.g, color.b, color.r, color.g, color.b };
   const float opacities[2] = { opacity, opacity };
   return TransferTable(0.0, 1.0, 2, rgb, opacities, unit);
 }
 
-/// Opacity rises from 0 at 0 to `top` at 1, colour from black to `colour`.
-TransferTable Ramp(const glm::vec3& colour, double top, double unit = 1.0)
+/// Opacity rises from 0 at 0 to `top` at 1, color from black to `color`.
+TransferTable Ramp(const glm::vec3& color, double top, double unit = 1.0)
 {
   constexpr std::size_t N = 4001;
   std::vector<float> rgb(3 * N);
@@ -80,7 +80,7 @@ TransferTable Ramp(const glm::vec3& colour, double top, double unit = 1.0)
     const double x = static_cast<double>(i) / (N - 1);
     for (int c = 0; c < 3; ++c)
     {
-      rgb[3 * i + static_cast<std::size_t>(c)] = static_cast<float>(x * colour[c]);
+      rgb[3 * i + static_cast<std::size_t>(c)] = static_cast<float>(x * color[c]);
     }
     opacities[i] = static_cast<float>(x * top);
   }
@@ -141,7 +141,7 @@ struct Fixture
   }
 };
 
-void ExpectColour(const glm::vec3& a, const glm::dvec3& b, double tolerance = 1e-5)
+void ExpectColor(const glm::vec3& a, const glm::dvec3& b, double tolerance = 1e-5)
 {
   EXPECT_LE(glm::length(glm::dvec3(a) - b), tolerance)
     << a.x << " " << a.y << " " << a.z << " against " << b.x << " " << b.y << " " << b.z;
@@ -161,7 +161,7 @@ TEST(SampleClassifier, OnePlainComponentIsItsTable)
   {
     const SampleClassifier::Look look = f.Look({ x, 1.5, 1.5 });
     EXPECT_NEAR(OpacityOf(look, 1.0), 0.8 * x / 3.0, 1e-5);
-    ExpectColour(look.Colour, glm::dvec3(1.0, 0.5, 0.25) * (x / 3.0));
+    ExpectColor(look.Color, glm::dvec3(1.0, 0.5, 0.25) * (x / 3.0));
     const glm::vec4 value = classifier.ClassifyValue(0, x / 3.0);
     EXPECT_NEAR(value.a, 0.8 * x / 3.0, 1e-5);
   }
@@ -184,8 +184,8 @@ TEST(SampleClassifier, IndependentComponentsAddUpAsInVtk)
   const SampleClassifier::Look look = f.Look(glm::dvec3(1.5));
   const double opacity = (0.6 * 0.6 + 0.15 * 0.15) / 0.75;
   EXPECT_NEAR(OpacityOf(look, length), opacity, 1e-5);
-  ExpectColour(look.Colour * static_cast<float>(opacity),
-    glm::dvec3(0.6, 0.15, 0.2 * 0.6 + 0.4 * 0.15), 1e-5);
+  ExpectColor(
+    look.Color * static_cast<float>(opacity), glm::dvec3(0.6, 0.15, 0.2 * 0.6 + 0.4 * 0.15), 1e-5);
 
   f.Functions.Components[0].Weight = 0.0f;
   EXPECT_NEAR(OpacityOf(f.Look(glm::dvec3(1.5)), length), 0.15, 1e-5);
@@ -210,14 +210,14 @@ TEST(SampleClassifier, EachComponentHasItsOwnSurfaceAndNormal)
   const glm::dvec3 q(2.5);
   f.Functions.Components[0].Shade = true;
   f.Functions.Components[1].Weight = 0.0f;
-  ExpectColour(f.Look(q).Colour, glm::dvec3(0.75));
+  ExpectColor(f.Look(q).Color, glm::dvec3(0.75));
   f.Functions.Components[0].Surface.Diffuse = 0.125f;
-  ExpectColour(f.Look(q).Colour, glm::dvec3(0.375));
+  ExpectColor(f.Look(q).Color, glm::dvec3(0.375));
   f.Functions.Components[0].Weight = 0.0f;
   f.Functions.Components[1].Weight = 1.0f;
-  ExpectColour(f.Look(q).Colour, glm::dvec3(1.0));
+  ExpectColor(f.Look(q).Color, glm::dvec3(1.0));
   f.Functions.Components[1].Shade = true;
-  ExpectColour(f.Look(q).Colour, glm::dvec3(0.25));
+  ExpectColor(f.Look(q).Color, glm::dvec3(0.25));
 }
 
 TEST(SampleClassifier, GradientOpacityOfALinearField)
@@ -248,60 +248,61 @@ TEST(SampleClassifier, GradientOpacityOfALinearField)
 
 TEST(SampleClassifier, DependentComponents)
 {
-  const Components volume(glm::ivec3(4), 4, [](int c, const glm::dvec3& p)
-    { return c == 3 ? p.z / 3.0 : 50.0 * (c + 1); });
+  const Components volume(glm::ivec3(4), 4,
+    [](int c, const glm::dvec3& p) { return c == 3 ? p.z / 3.0 : 50.0 * (c + 1); });
   Fixture f(volume.View);
   f.Functions.Components.resize(1);
   f.Functions.Components[0].Table = Ramp(glm::vec3(0.0f), 0.9);
   f.Functions.Kind = ComponentKind::Rgba;
-  f.Functions.ColourScale = 1.0 / 255.0;
+  f.Functions.ColorScale = 1.0 / 255.0;
   SampleClassifier::Look look = f.Look({ 1.0, 1.0, 1.5 });
-  ExpectColour(look.Colour, glm::dvec3(50.0, 100.0, 150.0) / 255.0);
+  ExpectColor(look.Color, glm::dvec3(50.0, 100.0, 150.0) / 255.0);
   EXPECT_NEAR(OpacityOf(look, 1.0), 0.45, 1e-5);
 
   // The luminance of three.
   f.Inputs.Volume.Components = 3;
   f.Functions.Kind = ComponentKind::Rgb;
-  f.Functions.Components[0].Table = TransferTable(0.0, 200.0, 2,
-    std::vector<float>(6, 0.0f).data(), std::vector<float>({ 0.3f, 0.3f }).data(), 1.0);
+  f.Functions.Components[0].Table = TransferTable(0.0, 200.0, 2, std::vector<float>(6, 0.0f).data(),
+    std::vector<float>({ 0.3f, 0.3f }).data(), 1.0);
   look = f.Look({ 1.0, 1.0, 1.5 });
   EXPECT_NEAR(OpacityOf(look, 1.0), 0.3, 1e-5);
   MinMaxBlocks::Limits limits[3] = { { 50.0, 50.0 }, { 100.0, 100.0 }, { 150.0, 150.0 } };
   EXPECT_FALSE(f.Functions.IsTransparent(limits));
 
-  // Colour by the first, opacity by the second.
+  // Color by the first, opacity by the second.
   const Components two(
     glm::ivec3(4), 2, [](int c, const glm::dvec3& p) { return c == 0 ? p.x / 3.0 : p.y / 3.0; });
   f.Inputs.Volume = two.View;
-  f.Functions.Kind = ComponentKind::ColourOpacity;
-  f.Functions.Colours = Ramp({ 1.0f, 0.5f, 0.0f }, 1.0);
+  f.Functions.Kind = ComponentKind::ColorOpacity;
+  f.Functions.Colors = Ramp({ 1.0f, 0.5f, 0.0f }, 1.0);
   f.Functions.Components[0].Table = Ramp(glm::vec3(0.0f), 0.6);
   look = f.Look({ 2.0, 1.0, 1.0 });
-  ExpectColour(look.Colour, glm::dvec3(2.0, 1.0, 0.0) / 3.0);
+  ExpectColor(look.Color, glm::dvec3(2.0, 1.0, 0.0) / 3.0);
   EXPECT_NEAR(OpacityOf(look, 1.0), 0.2, 1e-5);
 }
 
 TEST(SampleClassifier, ChannelsOfDependentComponents)
 {
   const double values[4] = { 51.0, 102.0, 204.0, 0.5 };
-  const Components volume(glm::ivec3(5), 4,
-    [](int c, const glm::dvec3& p) { return c == 0 ? 9.0 * p.x : c == 3 ? 0.2 * p.z : 0.0; });
+  const Components volume(glm::ivec3(5), 4, [](int c, const glm::dvec3& p) {
+    return c == 0 ? 9.0 * p.x : c == 3 ? 0.2 * p.z : 0.0;
+  });
   Fixture f(volume.View);
   f.Functions.Components.resize(1);
   f.Functions.Components[0].Table = Ramp(glm::vec3(0.0f), 0.8);
   f.Functions.Kind = ComponentKind::Rgba;
-  f.Functions.ColourScale = 1.0 / 255.0;
+  f.Functions.ColorScale = 1.0 / 255.0;
   {
     const SampleClassifier classifier(f.Inputs);
     EXPECT_EQ(classifier.GetNumberOfChannels(), 1);
     EXPECT_EQ(classifier.FindIntensity(0, values), 51.0);
     EXPECT_EQ(classifier.FindDensity(0, values), 0.5);
     const glm::vec4 look = classifier.ClassifyValues(0, values);
-    ExpectColour(glm::vec3(look), glm::dvec3(0.2, 0.4, 0.8));
+    ExpectColor(glm::vec3(look), glm::dvec3(0.2, 0.4, 0.8));
     EXPECT_NEAR(look.a, 0.4, 1e-5);
-    // A colour that is not a number is black.
+    // A color that is not a number is black.
     const double hole[4] = { NaN, 102.0, 900.0, 0.5 };
-    ExpectColour(glm::vec3(classifier.ClassifyValues(0, hole)), glm::dvec3(0.0, 0.4, 1.0));
+    ExpectColor(glm::vec3(classifier.ClassifyValues(0, hole)), glm::dvec3(0.0, 0.4, 1.0));
   }
   {
     // Surfaces have the normal of the intensity, which rises along x, samples that of the opacity,
@@ -309,11 +310,10 @@ TEST(SampleClassifier, ChannelsOfDependentComponents)
     f.Functions.Components[0].Shade = true;
     const SampleClassifier classifier(f.Inputs);
     const glm::dvec3 q(2.0);
-    ExpectColour(
-      classifier.Light(0, q, glm::vec3(1.0f), f.Normals), glm::dvec3(0.1), 1e-6);
+    ExpectColor(classifier.Light(0, q, glm::vec3(1.0f), f.Normals), glm::dvec3(0.1), 1e-6);
     double at[4];
     classifier.Values(q, at);
-    const glm::vec3 lit = classifier.Classify(q, at, f.Normals).Colour;
+    const glm::vec3 lit = classifier.Classify(q, at, f.Normals).Color;
     EXPECT_GT(lit.r, 0.5f * 18.0f / 255.0f);
     f.Functions.Components[0].Shade = false;
   }
@@ -326,8 +326,8 @@ TEST(SampleClassifier, ChannelsOfDependentComponents)
     EXPECT_NEAR(classifier.FindDensity(0, values), luminance, 1e-12);
   }
   f.Inputs.Volume.Components = 2;
-  f.Functions.Kind = ComponentKind::ColourOpacity;
-  f.Functions.Colours = Ramp({ 1.0f, 0.5f, 0.0f }, 1.0);
+  f.Functions.Kind = ComponentKind::ColorOpacity;
+  f.Functions.Colors = Ramp({ 1.0f, 0.5f, 0.0f }, 1.0);
   {
     const SampleClassifier classifier(f.Inputs);
     const double two[2] = { 0.5, 0.25 };
@@ -335,7 +335,7 @@ TEST(SampleClassifier, ChannelsOfDependentComponents)
     EXPECT_EQ(classifier.FindIntensity(0, two), 0.5);
     EXPECT_EQ(classifier.FindDensity(0, two), 0.25);
     const glm::vec4 look = classifier.ClassifyValues(0, two);
-    ExpectColour(glm::vec3(look), glm::dvec3(0.5, 0.25, 0.0));
+    ExpectColor(glm::vec3(look), glm::dvec3(0.5, 0.25, 0.0));
     EXPECT_NEAR(look.a, 0.2, 1e-5);
   }
   f.Functions.Kind = ComponentKind::Independent;
@@ -347,35 +347,32 @@ TEST(SampleClassifier, ChannelsOfDependentComponents)
     EXPECT_EQ(classifier.FindIntensity(1, values), 102.0);
     EXPECT_EQ(classifier.FindDensity(1, values), 102.0);
     const glm::vec4 look = classifier.ClassifyValues(1, values);
-    ExpectColour(glm::vec3(look), glm::dvec3(0.0, 1.0, 0.0));
+    ExpectColor(glm::vec3(look), glm::dvec3(0.0, 1.0, 0.0));
     EXPECT_NEAR(look.a, 0.6, 1e-5);
   }
 }
 
 TEST(SampleClassifier, TransferPlaneOverTheGradientOrAnotherArray)
 {
-  const Components volume(
-    glm::ivec3(6), 1, [](int, const glm::dvec3& p) { return 0.1 * p.x; });
+  const Components volume(glm::ivec3(6), 1, [](int, const glm::dvec3& p) { return 0.1 * p.x; });
   const Components other(glm::ivec3(6), 1, [](int, const glm::dvec3& p) { return p.y; });
   Fixture f(volume.View);
   f.Functions.Components.resize(1);
   f.Functions.Components[0].Table = Constant(glm::vec3(0.0f), 0.0f);
   // Two columns, two rows.
   const float texels[16] = { 1, 0, 0, 0.2f, 0, 1, 0, 0.4f, 0, 0, 1, 0.6f, 1, 1, 1, 0.8f };
-  f.Functions.Components[0].Plane =
-    TransferPlane(2, 2, texels, { 0.1, 0.0 }, { 0.3, 0.2 }, false);
+  f.Functions.Components[0].Plane = TransferPlane(2, 2, texels, { 0.1, 0.0 }, { 0.3, 0.2 }, false);
   EXPECT_FALSE(SampleClassifier(f.Inputs).IsPlain());
   // x: scalar 0.2, half way; y: magnitude 0.1, half way.
   SampleClassifier::Look look = f.Look({ 2.0, 2.0, 2.0 });
   EXPECT_NEAR(OpacityOf(look, 1.0), 0.5, 1e-5);
-  ExpectColour(look.Colour, { 0.5, 0.5, 0.5 });
+  ExpectColor(look.Color, { 0.5, 0.5, 0.5 });
   // First column.
   look = f.Look({ 1.0, 2.0, 2.0 });
   EXPECT_NEAR(OpacityOf(look, 1.0), 0.4, 1e-5);
 
   f.Inputs.SecondAxis = other.View;
-  f.Functions.Components[0].Plane =
-    TransferPlane(2, 2, texels, { 0.1, 1.0 }, { 0.3, 3.0 }, false);
+  f.Functions.Components[0].Plane = TransferPlane(2, 2, texels, { 0.1, 1.0 }, { 0.3, 3.0 }, false);
   look = f.Look({ 1.0, 0.5, 2.0 });
   EXPECT_NEAR(OpacityOf(look, 1.0), 0.2, 1e-5);
   look = f.Look({ 1.0, 3.0, 2.0 });
@@ -412,8 +409,9 @@ TEST(SampleClassifier, TransparentPlanesAreTransparentOverTheirSecondAxis)
 TEST(SampleClassifier, LabelsReplaceOrBlend)
 {
   const Components volume(glm::ivec3(4), 1, [](int, const glm::dvec3&) { return 0.5; });
-  const Components labels(
-    glm::ivec3(4), 1, [](int, const glm::dvec3& p) { return p.x < 1.5 ? 0 : p.x < 2.5 ? 3 : 7; });
+  const Components labels(glm::ivec3(4), 1, [](int, const glm::dvec3& p) {
+    return p.x < 1.5 ? 0 : p.x < 2.5 ? 3 : 7;
+  });
   Fixture f(volume.View);
   f.Functions.Components.resize(1);
   f.Functions.Components[0].Table = Constant({ 1.0f, 0.0f, 0.0f }, 0.2f);
@@ -422,10 +420,9 @@ TEST(SampleClassifier, LabelsReplaceOrBlend)
   f.Functions.LabelIndices = { -1, -1, -1, 0 };
   f.Inputs.Mask.Volume = labels.View;
   f.Inputs.Mask.Labels = true;
-  const auto check = [&](double x, const glm::dvec3& colour, double opacity)
-  {
+  const auto check = [&](double x, const glm::dvec3& color, double opacity) {
     const SampleClassifier::Look look = f.Look({ x, 1.0, 1.0 });
-    ExpectColour(look.Colour, colour);
+    ExpectColor(look.Color, color);
     EXPECT_NEAR(OpacityOf(look, 1.0), opacity, 1e-5);
   };
   check(1.4, { 1.0, 0.0, 0.0 }, 0.2);
@@ -506,12 +503,10 @@ TEST(SampleClassifier, GradientsBesideHiddenCells)
   RandomLattice random(8);
   // Points: hidden are the cells around those that are blanked. Cells: these themselves.
   const std::vector<glm::ivec3> blanked = { { 2, 2, 4 }, { 4, 4, 4 }, { 6, 3, 0 }, { 3, 0, 2 } };
-  const Components volume(n, 1,
-    [&](int, const glm::dvec3& p)
-    {
-      const bool out = std::find(blanked.begin(), blanked.end(), glm::ivec3(p)) != blanked.end();
-      return out ? 1e3 : 0.1 + glm::dot(slope, p);
-    });
+  const Components volume(n, 1, [&](int, const glm::dvec3& p) {
+    const bool out = std::find(blanked.begin(), blanked.end(), glm::ivec3(p)) != blanked.end();
+    return out ? 1e3 : 0.1 + glm::dot(slope, p);
+  });
   for (const bool cells : { false, true })
   {
     CellMask hidden(cells ? n : n - 1);
@@ -575,10 +570,10 @@ TEST(SampleClassifier, NormalsOfTheOpacity)
   const SampleClassifier classifier(f.Inputs);
   EXPECT_FALSE(classifier.IsPlain());
   // Opacity is proportional to the scalars here, so are its gradients ...
-  ExpectColour(classifier.Light(0, q, glm::vec3(1.0f), f.Normals), byScalars, 1e-4);
+  ExpectColor(classifier.Light(0, q, glm::vec3(1.0f), f.Normals), byScalars, 1e-4);
   // ... and here it does not change at all: no normal, ambient light only.
   f.Functions.Components[0].Table = Constant(glm::vec3(1.0f), 0.5f);
-  ExpectColour(classifier.Light(0, q, glm::vec3(1.0f), f.Normals), glm::dvec3(0.1));
+  ExpectColor(classifier.Light(0, q, glm::vec3(1.0f), f.Normals), glm::dvec3(0.1));
 }
 
 TEST(SampleClassifier, RectilinearAxes)
@@ -595,14 +590,12 @@ TEST(SampleClassifier, RectilinearAxes)
   const std::vector<double> kept[3] = { positions[0], positions[1], positions[2] };
   const AxisMap axes(positions, 0.0, 1.0);
   const glm::dvec3 slope(0.03, -0.02, 0.05);
-  const Components volume(glm::ivec3(n), 1,
-    [&](int, const glm::dvec3& p)
-    {
-      return 0.3 +
-        glm::dot(slope,
-          glm::dvec3(kept[0][static_cast<std::size_t>(p.x)], kept[1][static_cast<std::size_t>(p.y)],
-            kept[2][static_cast<std::size_t>(p.z)]));
-    });
+  const Components volume(glm::ivec3(n), 1, [&](int, const glm::dvec3& p) {
+    return 0.3 +
+      glm::dot(slope,
+        glm::dvec3(kept[0][static_cast<std::size_t>(p.x)], kept[1][static_cast<std::size_t>(p.y)],
+          kept[2][static_cast<std::size_t>(p.z)]));
+  });
   Fixture f(volume.View);
   f.Inputs.Volume.Axes = &axes;
   f.Functions.Components.resize(1);
@@ -611,7 +604,7 @@ TEST(SampleClassifier, RectilinearAxes)
   const SampleClassifier classifier(f.Inputs);
   EXPECT_FALSE(classifier.IsPlain());
   RandomLattice random(6);
-  const MinMaxBlocks blocks(f.Inputs.Volume, SerialFor);
+  const MinMaxBlocks blocks(f.Inputs.Volume, ParallelFor());
   for (int s = 0; s < 2000; ++s)
   {
     const glm::dvec3 q = 6.0 * random.Vector(0.0, 1.0);
@@ -633,7 +626,7 @@ TEST(SampleClassifier, RectilinearAxes)
     EXPECT_NEAR(OpacityOf(look, 1.0), 0.5 * glm::length(slope), 1e-5) << at;
   }
 
-  // Cells: their faces and centres. Each holds its own value at its centre, and is nearest within.
+  // Cells: their faces and centers. Each holds its own value at its center, and is nearest within.
   std::vector<double> nodes[3];
   for (int a = 0; a < 3; ++a)
   {
@@ -660,26 +653,47 @@ TEST(SampleClassifier, WhatIsNotANumberShowsNothing)
   // The other component is seen.
   const SampleClassifier::Look look = f.Look({ 1.5, 1.5, 1.5 });
   EXPECT_NEAR(OpacityOf(look, 1.0), 0.25, 1e-5);
-  EXPECT_TRUE(std::isfinite(look.Colour.r));
+  EXPECT_TRUE(std::isfinite(look.Color.r));
   f.Functions.Components[0].Weight = 0.0f;
   EXPECT_EQ(f.Look({ 1.5, 1.5, 1.5 }).Extinction, 0.0f);
+}
+
+TEST(Shading, LocalLightsFadeWithTheDistance)
+{
+  Shading material;
+  material.Ambient = material.Specular = 0.0f;
+  material.Diffuse = 1.0f;
+  Light light;
+  light.Positional = true;
+  light.Position = glm::dvec3(0.0, 0.0, 3.0);
+  light.Attenuation = glm::dvec3(1.0, 0.5, 0.25);
+  material.Lights.push_back(light);
+  const glm::dvec3 up(0.0, 0.0, 1.0);
+  for (const double distance : { 1.0, 2.0, 4.0 })
+  {
+    const double expected = 1.0 / (1.0 + 0.5 * distance + 0.25 * distance * distance);
+    const glm::vec3 color = material.Shade(glm::vec3(1.0f), light.Position - distance * up, up, up);
+    EXPECT_NEAR(color.x, expected, 1e-6);
+  }
 }
 
 TEST(DistanceMap, OfSeveralComponents)
 {
   // Each is visible in one corner.
-  const Components volume(glm::ivec3(17), 2, [](int c, const glm::dvec3& p)
-    { return (c == 0 ? p.x + p.y + p.z < 2.0 : p.x + p.y + p.z > 46.0) ? 1.0 : 0.0; });
+  const Components volume(glm::ivec3(17), 2, [](int c, const glm::dvec3& p) {
+    return (c == 0 ? p.x + p.y + p.z < 2.0 : p.x + p.y + p.z > 46.0) ? 1.0 : 0.0;
+  });
   OpticalFunctions functions;
   functions.Components.resize(2);
   functions.Components[0].Table = Ramp(glm::vec3(1.0f), 0.5);
   functions.Components[1].Table = Ramp(glm::vec3(1.0f), 0.5);
   VolumeView second = volume.View;
   second.Scalars = static_cast<const float*>(second.Scalars) + 1;
-  const MinMaxBlocks blocks[2] = { MinMaxBlocks(volume.View, SerialFor),
-    MinMaxBlocks(second, SerialFor) };
-  const auto isEmpty = [&](const MinMaxBlocks::Limits* limits)
-  { return functions.IsTransparent(limits); };
+  const MinMaxBlocks blocks[2] = { MinMaxBlocks(volume.View, ParallelFor()),
+    MinMaxBlocks(second, ParallelFor()) };
+  const auto isEmpty = [&](const MinMaxBlocks::Limits* limits) {
+    return functions.IsTransparent(limits);
+  };
   const DistanceMap both({ &blocks[0], &blocks[1] }, isEmpty);
   EXPECT_EQ(both.GetDistance({ 0, 0, 0 }), 0);
   EXPECT_EQ(both.GetDistance({ 3, 3, 3 }), 0);

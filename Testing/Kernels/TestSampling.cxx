@@ -47,7 +47,7 @@ TEST(Sampling, LinearFunctionsAreReproducedInEveryType)
       {
         const glm::dvec3 q = upper * random.Vector(0.0, 1.0);
         ASSERT_NEAR(f.Value(volume.View, q), 3.0 + 2.0 * q.x + 3.0 * q.y + 5.0 * q.z, 1e-12);
-        // Central differences are exact where both neighbours lie inside.
+        // Central differences are exact where both neighbors lie inside.
         const glm::dvec3 inner = 1.0 + (upper - 2.0) * random.Vector(0.0, 1.0);
         ExpectNear(f.Gradient(volume.View, inner), glm::dvec3(2.0, 3.0, 5.0), 1e-12);
       }
@@ -165,7 +165,7 @@ TEST(Sampling, TwoVoxelsPerAxisAreEnough)
   ExpectNear(f.Gradient(volume.View, glm::dvec3(0.5)), glm::dvec3(1.0, 2.0, 4.0), 1e-12);
 }
 
-TEST(Sampling, NotANumberSpreadsToItsNeighboursOnly)
+TEST(Sampling, NotANumberSpreadsToItsNeighborsOnly)
 {
   const TestVolume volume(ScalarType::Float32, glm::ivec3(6),
     [](int i, int j, int k) { return i == 3 && j == 3 && k == 3 ? NaN : 1.0; });

@@ -31,8 +31,8 @@ bool CheckRows(const ffd::BSplineField& field, const ffd::ImageGrid& grid, Rando
   const int last = first + random.Integer(0, 40);
   const ffd::SplineRows rows(field, grid, first, last);
   EXPECT_EQ(rows.GetCount(), last - first + 1);
-  const glm::dmat3 factor(random.Vector(-2.0, 2.0), random.Vector(-2.0, 2.0),
-    random.Vector(-2.0, 2.0));
+  const glm::dmat3 factor(
+    random.Vector(-2.0, 2.0), random.Vector(-2.0, 2.0), random.Vector(-2.0, 2.0));
   const std::size_t count = static_cast<std::size_t>(rows.GetCount());
   std::vector<double> x(count);
   std::vector<double> y(count);
@@ -86,12 +86,12 @@ TEST(SplineRows, EqualTheFieldOnTurnedGrids)
     const ffd::BSplineField field = random.Field(0.6, AllBorders[test % 3]);
     ffd::ImageGrid grid;
     grid.Origin = random.Point(field, 2.0);
-    grid.IndexToData = glm::dmat3(
-      random.Vector(0.1, 1.0), random.Vector(-1.0, -0.1), random.Vector(-1.0, 1.0));
+    grid.IndexToData =
+      glm::dmat3(random.Vector(0.1, 1.0), random.Vector(-1.0, -0.1), random.Vector(-1.0, 1.0));
     EXPECT_FALSE(CheckRows(field, grid, random));
     // Turned about the axis of the rows: still along it.
-    grid.IndexToData = glm::dmat3(glm::dvec3(0.7, 0.0, 0.0), glm::dvec3(0.0, 0.5, 0.4),
-      glm::dvec3(0.0, -0.4, 0.5));
+    grid.IndexToData =
+      glm::dmat3(glm::dvec3(0.7, 0.0, 0.0), glm::dvec3(0.0, 0.5, 0.4), glm::dvec3(0.0, -0.4, 0.5));
     EXPECT_TRUE(CheckRows(field, grid, random));
   }
 }

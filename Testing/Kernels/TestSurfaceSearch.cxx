@@ -14,10 +14,7 @@ using namespace ffd;
 namespace
 {
 
-int NoLabel(const SurfacePoint&)
-{
-  return 0;
-}
+int NoLabel(const SurfacePoint&) { return 0; }
 
 } // namespace
 
@@ -26,8 +23,8 @@ TEST(SurfaceSearch, FindsASphere)
 {
   const TestVolume volume(
     ScalarType::UInt8, glm::ivec3(40, 40, 40), [](int, int, int) { return 0; }, 1);
-  const glm::dvec3 centre(20.0, 18.0, 21.0);
-  const auto inBall = [&](const SurfacePoint& p) { return glm::length(p.Index - centre) < 9.0; };
+  const glm::dvec3 center(20.0, 18.0, 21.0);
+  const auto inBall = [&](const SurfacePoint& p) { return glm::length(p.Index - center) < 9.0; };
   RandomLattice random(3);
   int hits = 0;
   for (int i = 0; i < 200; ++i)
@@ -36,10 +33,11 @@ TEST(SurfaceSearch, FindsASphere)
     const glm::dvec3 to = random.Vector(8.0, 32.0);
     const double stretch = random.Number(0.01, 100.0);
     const glm::dvec3 direction = stretch * glm::normalize(to - origin);
-    const glm::dvec3 toCentre = centre - volume.View.DataToIndex * (origin - volume.View.FirstVoxel);
+    const glm::dvec3 toCenter =
+      center - volume.View.DataToIndex * (origin - volume.View.FirstVoxel);
     const glm::dvec3 step = volume.View.DataToIndex * direction;
-    const double b = glm::dot(toCentre, step) / glm::dot(step, step);
-    const double closest2 = glm::dot(toCentre, toCentre) - b * b * glm::dot(step, step);
+    const double b = glm::dot(toCenter, step) / glm::dot(step, step);
+    const double closest2 = glm::dot(toCenter, toCenter) - b * b * glm::dot(step, step);
     SurfacePoint hit;
     SurfacePoint before;
     const bool found = SurfaceSearch(volume.View, PullBack(), origin, direction)
@@ -77,11 +75,12 @@ TEST(SurfaceSearch, FollowsTheDeformation)
       ScalarType::UInt8, glm::ivec3(24, 24, 24), [](int, int, int) { return 0; }, 1);
     const PullBack map(&field, PullBackKind::Exact, 0.01);
     const glm::dvec3 origin = random.Vector(-30.0, 30.0);
-    const glm::dvec3 direction = volume.View.FirstVoxel +
-      volume.View.IndexToData * random.Vector(4.0, 19.0) - origin;
+    const glm::dvec3 direction =
+      volume.View.FirstVoxel + volume.View.IndexToData * random.Vector(4.0, 19.0) - origin;
     const SurfaceSearch search(volume.View, map, origin, direction);
-    const auto condition = [](const SurfacePoint& p)
-    { return std::abs(p.Index.x + 0.7 * p.Index.y - 14.0) < 1.0 && p.Index.z > 3.0; };
+    const auto condition = [](const SurfacePoint& p) {
+      return std::abs(p.Index.x + 0.7 * p.Index.y - 14.0) < 1.0 && p.Index.z > 3.0;
+    };
     SurfacePoint hit;
     SurfacePoint before;
     const bool found = search.FindFirst(0.0, 2.0, condition, NoLabel, hit, before);
@@ -101,7 +100,8 @@ TEST(SurfaceSearch, FollowsTheDeformation)
       // dPhi/dP by differences.
       const glm::dmat3 jacobian = search.EvaluateJacobian(hit);
       const SurfaceSearch across(volume.View, map, hit.Deformed, glm::dvec3(0.3, -0.8, 0.5));
-      const glm::dvec3 difference = (across.Evaluate(1e-4).Rest - across.Evaluate(-1e-4).Rest) / 2e-4;
+      const glm::dvec3 difference =
+        (across.Evaluate(1e-4).Rest - across.Evaluate(-1e-4).Rest) / 2e-4;
       EXPECT_LT(glm::length(difference - jacobian * glm::dvec3(0.3, -0.8, 0.5)), 1e-3);
     }
   }
@@ -115,11 +115,13 @@ TEST(SurfaceSearch, LooksIntoEveryRegion)
     ScalarType::UInt8, glm::ivec3(24, 24, 24), [](int, int, int) { return 0; }, 1);
   const SurfaceSearch search(
     volume.View, PullBack(), volume.View.FirstVoxel, volume.View.IndexToData * glm::dvec3(1.0));
-  const auto sliver = [](const SurfacePoint& p)
-  { return p.Index.x > 7.001 && p.Index.y < 7.004 ? 1 : 0; };
+  const auto sliver = [](const SurfacePoint& p) {
+    return p.Index.x > 7.001 && p.Index.y < 7.004 ? 1 : 0;
+  };
   const auto inSliver = [&](const SurfacePoint& p) { return sliver(p) == 1; };
-  const auto label = [](const SurfacePoint& p)
-  { return (p.Index.x > 7.001 ? 1 : 0) + (p.Index.y < 7.004 ? 2 : 0); };
+  const auto label = [](const SurfacePoint& p) {
+    return (p.Index.x > 7.001 ? 1 : 0) + (p.Index.y < 7.004 ? 2 : 0);
+  };
   SurfacePoint hit;
   SurfacePoint before;
   ASSERT_TRUE(search.FindFirst(0.0, 20.0, inSliver, label, hit, before));

@@ -23,9 +23,9 @@ TEST(TransferTable, InterpolatesBetweenEntries)
   const float opacity[] = { 0.0f, 0.5f, 0.75f };
   const TransferTable table(-10.0, 30.0, 3, rgb, opacity, 1.0);
   const TransferTable::Sample half = table.Lookup(0.0);
-  EXPECT_FLOAT_EQ(half.Colour.r, 0.5f);
-  EXPECT_FLOAT_EQ(half.Colour.g, 0.5f);
-  EXPECT_FLOAT_EQ(half.Colour.b, 0.5f);
+  EXPECT_FLOAT_EQ(half.Color.r, 0.5f);
+  EXPECT_FLOAT_EQ(half.Color.g, 0.5f);
+  EXPECT_FLOAT_EQ(half.Color.b, 0.5f);
   EXPECT_FLOAT_EQ(half.Extinction, 0.5f); // halfway to 1 = -log2(1 - 0.5)
   EXPECT_FLOAT_EQ(table.Lookup(10.0).Extinction, 1.0f);
   EXPECT_FLOAT_EQ(table.Lookup(20.0).Extinction, 1.5f);
@@ -40,12 +40,12 @@ TEST(TransferTable, OutsideOfTheRange)
   for (const double below : { -1e-9, -1e9, -1e300, -Infinity })
   {
     EXPECT_EQ(table.Lookup(below).Extinction, 1.0f);
-    EXPECT_EQ(table.Lookup(below).Colour.g, 0.25f);
+    EXPECT_EQ(table.Lookup(below).Color.g, 0.25f);
   }
   for (const double above : { 1.0, 1e9, 1e300, Infinity })
   {
     EXPECT_FLOAT_EQ(table.Lookup(above).Extinction, 2.0f);
-    EXPECT_FLOAT_EQ(table.Lookup(above).Colour.g, 1.0f);
+    EXPECT_FLOAT_EQ(table.Lookup(above).Color.g, 1.0f);
   }
   EXPECT_EQ(table.Lookup(NaN).Extinction, 0.0f);
 }
@@ -62,7 +62,7 @@ TEST(TransferTable, BadEntriesBecomeHarmless)
   EXPECT_EQ(transmittance(table.Lookup(2.0).Extinction), 0.0f);
   for (const double x : { 0.0, 0.3, 1.0, 1.7, 2.0 })
   {
-    EXPECT_EQ(table.Lookup(x).Colour, glm::vec3(0.0f, 0.0f, 1.0f));
+    EXPECT_EQ(table.Lookup(x).Color, glm::vec3(0.0f, 0.0f, 1.0f));
   }
 }
 

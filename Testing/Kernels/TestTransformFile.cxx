@@ -161,8 +161,7 @@ TEST(TransformFile, NumbersOfEveryTypeAndByteOrder)
   using Number = ffd::FieldHeader::Number;
   ffd::FieldHeader header;
   header.Grid.Size = glm::ivec3(1);
-  const auto decode = [&header](Number type, bool big, std::initializer_list<int> bytes)
-  {
+  const auto decode = [&header](Number type, bool big, std::initializer_list<int> bytes) {
     header.Type = type;
     header.BigEndian = big;
     std::vector<unsigned char> data;

@@ -20,7 +20,7 @@ constexpr ffd::ScalarType AllScalarTypes[] = { ffd::ScalarType::Int8, ffd::Scala
   ffd::ScalarType::Int64, ffd::ScalarType::UInt64, ffd::ScalarType::Float32,
   ffd::ScalarType::Float64 };
 
-/// A volume that owns its voxels, of any scalar type; `stride` elements lie between neighbours
+/// A volume that owns its voxels, of any scalar type; `stride` elements lie between neighbors
 /// along x, as for one component of several.
 class TestVolume
 {
@@ -120,17 +120,10 @@ private:
   std::vector<double> Storage;
 };
 
-/// The loop of MinMaxBlocks on one thread.
-inline void SerialFor(
-  std::size_t count, const std::function<void(std::size_t first, std::size_t last)>& work)
-{
-  work(0, count);
-}
-
 /// A table over [lo, hi] from functions of the scalar.
 inline ffd::TransferTable MakeTable(
   double lo, double hi, std::size_t size, const std::function<double(double)>& opacity,
-  const std::function<glm::dvec3(double)>& colour = [](double) { return glm::dvec3(1.0); },
+  const std::function<glm::dvec3(double)>& color = [](double) { return glm::dvec3(1.0); },
   double unitDistance = 1.0)
 {
   std::vector<float> rgb;
@@ -139,7 +132,7 @@ inline ffd::TransferTable MakeTable(
   {
     const double x = lo + (hi - lo) * static_cast<double>(i) / static_cast<double>(size - 1);
     opacities.push_back(static_cast<float>(opacity(x)));
-    const glm::dvec3 c = colour(x);
+    const glm::dvec3 c = color(x);
     rgb.insert(
       rgb.end(), { static_cast<float>(c.r), static_cast<float>(c.g), static_cast<float>(c.b) });
   }

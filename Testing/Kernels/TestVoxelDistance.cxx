@@ -58,8 +58,7 @@ TEST(VoxelDistance, EqualsTheSearchOverAllPairs)
         random.Integer(0, static_cast<int>(distances.size()) - 1))] = 0;
     }
     const std::vector<std::uint16_t> expected = SearchAll(dims, distances);
-    EXPECT_TRUE(
-      ffd::FindChebyshevDistances(dims, distances.data(), [](double) { return true; }));
+    EXPECT_TRUE(ffd::FindChebyshevDistances(dims, distances.data(), [](double) { return true; }));
     EXPECT_EQ(distances, expected);
   }
 }
@@ -69,13 +68,11 @@ TEST(VoxelDistance, StopsWhenAsked)
   std::vector<std::uint16_t> distances(4 * 4 * 100, ffd::NothingVisible);
   int calls = 0;
   double last = 0.0;
-  EXPECT_FALSE(ffd::FindChebyshevDistances({ 4, 4, 100 }, distances.data(),
-    [&](double part)
-    {
-      EXPECT_GT(part, last);
-      last = part;
-      return ++calls < 3;
-    }));
+  EXPECT_FALSE(ffd::FindChebyshevDistances({ 4, 4, 100 }, distances.data(), [&](double part) {
+    EXPECT_GT(part, last);
+    last = part;
+    return ++calls < 3;
+  }));
   EXPECT_EQ(calls, 3);
 }
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Run by TestParallel.py with pvbatch --symmetric: pictures with colours brighter than their alpha.
+"""Run by TestParallel.py with pvbatch --symmetric: pictures with colors brighter than their alpha.
 Argument: the prefix of the pictures."""
 
 import sys

@@ -3,6 +3,7 @@
 """Run by TestParallel.py with pvbatch --symmetric: pictures of some scenes, and what each process
 holds. Arguments: the prefix of the pictures, and a file that one process reads alone."""
 
+import re
 import resource
 import sys
 import time
@@ -19,12 +20,12 @@ wavelet_object = wavelet.SMProxy.GetClientSideObject()
 view.CameraPosition = [100.0, 60.0, 80.0]
 lattice = simple.FFDLattice(Input=wavelet)
 simple.Show(lattice, view)
-for center, colour in (((8.0, 3.0, 9.0), (1.0, 0.0, 0.0)), ((30.0, 10.0, 22.0), (0.0, 1.0, 0.0)),
+for center, color in (((8.0, 3.0, 9.0), (1.0, 0.0, 0.0)), ((30.0, 10.0, 22.0), (0.0, 1.0, 0.0)),
                        ((-30.0, -12.0, -20.0), (0.0, 0.3, 1.0))):
     ball = simple.Sphere(Radius=6.0, Center=center, ThetaResolution=24, PhiResolution=24)
     display = simple.Show(ball, view)
     display.ColorArrayName = [None, ""]
-    display.DiffuseColor = colour
+    display.DiffuseColor = color
 
 
 def show(name, source, settings=(False, True)):
@@ -47,9 +48,10 @@ def show(name, source, settings=(False, True)):
         given = source.GetOutputDataObject(0).GetNumberOfPoints()
         # The end of the line in the same write: the lines of several processes meet in one stream.
         sys.stdout.write(
-            "RANK %d %s%d voxels %d of the source %d frame %.3f s memory %d MB bounds %r\n" % (
+            "RANK %d %s%d voxels %d of the source %d frame %.3f s memory %d MB threads %s bounds %r\n" % (
                 rank, name, opaque, voxels, given, seconds,
                 resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024,
+                re.search(r"NumberOfThreads: (\d+)", str(mapper)).group(1),
                 mapper.GetBounds() if image else None))
         sys.stdout.flush()
 

@@ -5,7 +5,7 @@
 works.
 
 The folder of the build is kept, so that it is brought up to date the next time. Nothing but the
-server manager's part is looked at, hence the flags: no optimisation, kernels for one processor.
+server manager's part is looked at, hence the flags: no optimization, kernels for one processor.
 """
 
 import os

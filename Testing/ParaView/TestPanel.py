@@ -4,98 +4,14 @@
 """ParaView's graphical client, played by its own event player: the lattice is dragged in the view
 and edited in the panel, applied, undone and traced."""
 
-import json
 import os
-import shutil
 import subprocess
-import tempfile
 import unittest
 
-PLUGIN = os.environ["FFD_PARAVIEW_PLUGIN"]
-TEMPORARY = os.environ["FFD_TEST_TEMPORARY"]
+from ffdevents import (
+    BROWSER, DISPLAY, EDITING, PANEL, PLUGIN, PROPERTIES, SELECTION, VIEW, Events)
+
 BASELINE = os.environ["FFD_TEST_BASELINE"]
-HERE = os.path.dirname(os.path.abspath(__file__))
-
-WINDOW = "pqClientMainWindow/"
-VIEW = WINDOW + ("centralwidget/MultiViewWidget/CoreWidget/qt_tabwidget_stackedwidget/"
-                 "MultiViewWidget1/Container/Frame.0/CentralWidgetFrame/Viewport")
-PROPERTIES = WINDOW + "propertiesDock/propertiesPanel/"
-BROWSER = WINDOW + "pipelineBrowserDock/pipelineBrowser"
-PANEL = PROPERTIES + ("scrollArea/qt_scrollarea_viewport/scrollAreaWidgetContents/"
-                      "PropertiesFrame/ProxyPanel/FFDLattice/")
-
-
-class Events:
-    """Events for ParaView's player."""
-
-    def __init__(self):
-        self.lines = []
-
-    def add(self, target, command, arguments=""):
-        self.lines.append('<pqevent object="%s" command="%s" arguments="%s"/>'
-                          % (target, command, arguments))
-
-    def drag(self, *places):
-        """With the left button, from place to place; (0, 0) to (1, 1), from the top left."""
-        self.add(VIEW, "mousePress", "(%g,%g,1,1,0)" % places[0])
-        for place in places[1:]:
-            self.add(VIEW, "mouseMove", "(%g,%g,0,1,0)" % place)
-        self.add(VIEW, "mouseRelease", "(%g,%g,1,0,0)" % places[-1])
-        self.wait()
-
-    def click(self, button):
-        self.add(button, "activate")
-        self.wait()
-
-    def menu(self, menu, action):
-        self.add(WINDOW + "menubar/" + menu, "activate", action)
-        self.wait()
-
-    def set(self, widget, kind, value):
-        self.add(widget, "set_" + kind, value)
-        if kind == "string":
-            self.add(widget, "key", "16777220")
-        self.wait()
-
-    def wait(self):
-        # Auto-apply and the panel wait for the event loop only: timers of zero.
-        self.add(VIEW, "pause", "100")
-
-    def play(self, name, auto_apply, baseline=None, options=(), step=1.0):
-        """Returns the log of the filter and the Python trace. `options`: more of the command line;
-        `step`: pixels from ray to ray."""
-        folder = tempfile.mkdtemp(prefix="panel.", dir=TEMPORARY)
-        os.chmod(folder, 0o700)
-        script = os.path.join(folder, name + ".xml")
-        log = os.path.join(folder, "log")
-        trace = os.path.join(folder, "trace")
-        with open(script, "w", encoding="ascii") as file:
-            file.write('<?xml version="1.0" ?>\n<pqevents>\n%s\n</pqevents>\n'
-                       % "\n".join(self.lines))
-        command = ["paraview", "--dr", *options, "--script=" + os.path.join(HERE, "PanelScene.py"),
-                   "--test-directory=" + folder, "--test-script=" + script]
-        if baseline:
-            command += ["--test-baseline=" + baseline, "--test-threshold=10"]
-        command.append("--exit")
-        result = subprocess.run(
-            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
-            env={**os.environ, "HOME": folder, "XDG_RUNTIME_DIR": folder,
-                 "PV_PLUGIN_PATH": os.path.dirname(PLUGIN), "FFD_PANEL_LOG": log,
-                 "FFD_PANEL_TRACE": trace, "FFD_PANEL_AUTO_APPLY": str(int(auto_apply)),
-                 "FFD_PANEL_STEP": str(step)})
-        for image in os.listdir(folder):
-            if image.endswith(".png"):
-                shutil.copy(os.path.join(folder, image), TEMPORARY)
-        if result.returncode != 0:
-            raise AssertionError("ParaView ended with %d:\n%s" % (result.returncode, result.stdout))
-        for word in ("ERR|", "ERROR:", "Warning:"):
-            if word in result.stdout:
-                raise AssertionError("ParaView complained:\n" + result.stdout)
-        with open(log, encoding="ascii") as file:
-            states = [json.loads(line) for line in file]
-        with open(trace, encoding="utf-8") as file:
-            return states, file.read()
-
 
 def moved(state):
     """Indices of the control points that are displaced."""
@@ -164,6 +80,34 @@ class TestPanel(unittest.TestCase):
         self.assertEqual(states[-1]["resolution"], [6, 5, 5])
         self.assertEqual(states[-1]["displacements"], [])
 
+    def test_undo_before_apply(self):
+        """Control and Z take back a drag that was not applied, and shift brings it again, while what is
+        typed into the search box hides the panel of the lattice, and not the lattice."""
+        control, shift = 0x04000000, 0x02000000
+        events = Events()
+        events.set(PROPERTIES + "SearchBox/SearchLineEdit", "string", "strength")
+
+        def strike(modifiers):
+            events.add(VIEW, "keyEvent", "6:%d:%d:z:0:1" % (ord("Z"), modifiers))
+            events.wait()
+
+        events.drag((0.5, 0.5), (0.6, 0.3))
+        events.drag((0.6, 0.3), (0.55, 0.4))
+        events.click(PROPERTIES + "Accept")
+        events.drag((0.55, 0.4), (0.6, 0.3))
+        events.drag((0.6, 0.3), (0.5, 0.5))
+        strike(control)
+        events.click(PROPERTIES + "Accept")
+        events.drag((0.6, 0.3), (0.55, 0.4))
+        strike(control)
+        strike(control | shift)
+        events.click(PROPERTIES + "Accept")
+        states, _ = events.play("undo", auto_apply=False)
+        heights = [state["displacements"][3 * MIDDLE + 2] for state in states]
+        self.assertEqual(len(heights), 3, heights)
+        for height, expected in zip(heights, (0.5, 1.0, 0.5)):
+            self.assertAlmostEqual(height, 17.7 * expected, delta=1.0, msg=heights)
+
     def test_live(self):
         """With auto-apply the filter follows a drag, which is one step for undo and trace; after
         a look at another source, too."""
@@ -188,19 +132,21 @@ class TestPanel(unittest.TestCase):
         events.drag((0.5, 0.5), (0.6, 0.3))
         events.set(PANEL + "Resolution_0", "int", "7")
         events.click(PANEL + "Refine")
-        events.click(PANEL + "SelectAll")
-        events.set(PANEL + "Center_2", "string", "5")
-        events.click(PANEL + "ResetLattice")
+        for group in (SELECTION, EDITING):
+            events.toggle(group)
+        events.click(SELECTION + "SelectAll")
+        events.set(SELECTION + "Center_2", "string", "5")
+        events.click(PANEL + "Reset")
         events.set(PANEL + "Resolution_0", "int", "5")
         events.set(PANEL + "Resolution_1", "int", "5")
         events.set(PANEL + "Resolution_2", "int", "5")
-        events.click(PANEL + "SelectNone")
-        events.set(PANEL + "Constraint", "string", "Z axis")
-        events.set(PANEL + "SymmetryX", "boolean", "true")
+        events.click(SELECTION + "SelectNone")
+        events.set(EDITING + "Constraint", "string", "Z axis")
+        events.set(EDITING + "SymmetryX", "boolean", "true")
         events.drag((0.5, 0.5), (0.6, 0.3))
-        events.click(PANEL + "ResetSelected")
-        events.set(PANEL + "Constraint", "string", "Free")
-        events.set(PANEL + "SoftEditing", "boolean", "true")
+        events.click(PANEL + "Reset")
+        events.set(EDITING + "Constraint", "string", "Free")
+        events.set(EDITING + "SoftEditing", "boolean", "true")
         events.drag((0.5, 0.5), (0.6, 0.3))
         states, _ = events.play("controls", auto_apply=True)
 
@@ -225,7 +171,7 @@ class TestPanel(unittest.TestCase):
         constrained = [s for s in rest if moved(s) == [MIDDLE]][-1]
         self.assertEqual(constrained["displacements"][3 * MIDDLE:3 * MIDDLE + 2], [0.0, 0.0])
         self.assertGreater(constrained["displacements"][3 * MIDDLE + 2], 5.0)
-        # The neighbours follow; the mirrored edit of the middle keeps it in the mid-plane.
+        # The neighbors follow; the mirrored edit of the middle keeps it in the mid-plane.
         soft = rest[-1]
         self.assertGreater(len(moved(soft)), 6)
         self.assertAlmostEqual(soft["displacements"][3 * MIDDLE], 0.0, places=9)
@@ -239,43 +185,49 @@ class TestPanel(unittest.TestCase):
         for axis in range(3):
             events.set(PANEL + "Resolution_%d" % axis, "int", "7")
 
+        for group in (SELECTION, EDITING, DISPLAY):
+            events.toggle(group)
+
         def drag(*places):
             events.drag(*places)
-            events.click(PANEL + "ResetLattice")
+            events.click(SELECTION + "SelectNone")
+            events.click(PANEL + "Reset")
 
         # Control points are 7.5 apart.
-        events.set(PANEL + "SoftEditing", "boolean", "true")
-        events.set(PANEL + "SoftRadius", "string", "8")
+        events.set(EDITING + "SoftEditing", "boolean", "true")
+        events.set(EDITING + "SoftRadius", "string", "8")
         drag(*near)
-        events.set(PANEL + "SoftRadius", "string", "11")
+        events.set(EDITING + "SoftRadius", "string", "11")
         drag(*near)
-        events.set(PANEL + "Falloff", "string", "Constant")
+        events.set(EDITING + "Falloff", "string", "Constant")
         drag(*near)
-        events.set(PANEL + "LockBoundary", "boolean", "true")
+        events.set(EDITING + "LockBoundary", "boolean", "true")
         drag(*near)
-        events.set(PANEL + "LockBoundary", "boolean", "false")
-        events.set(PANEL + "SoftEditing", "boolean", "false")
+        events.set(EDITING + "LockBoundary", "boolean", "false")
+        events.set(EDITING + "SoftEditing", "boolean", "false")
         drag(*far)
-        events.set(PANEL + "FoldGuard", "string", "Stop Edits")
+        events.set(EDITING + "FoldGuard", "string", "Stop Edits")
         drag(*far)
-        events.set(PANEL + "FoldGuard", "string", "Warn")
+        events.set(EDITING + "FoldGuard", "string", "Warn")
         drag(*far)
 
         # The selected control point is the line of the table.
+        events.drag((0.5, 0.5), (0.5, 0.5))
+
         def move(height):
-            events.add(PANEL + "Points", "editAccepted", "0.2,%g" % height)
+            events.add(SELECTION + "Points", "editAccepted", "0.2,%g" % height)
             events.wait()
 
-        events.set(PANEL + "Handle", "string", "Turn")
+        events.set(EDITING + "Handle", "string", "Turn")
         move(1)
-        events.set(PANEL + "Handle", "string", "Scale")
-        events.set(PANEL + "InteriorPoints", "boolean", "false")
+        events.set(EDITING + "Handle", "string", "Scale")
+        events.set(DISPLAY + "InteriorPoints", "boolean", "false")
         move(2)
-        events.set(PANEL + "Handle", "string", "None")
-        events.set(PANEL + "CurvedLines", "boolean", "true")
+        events.set(EDITING + "Handle", "string", "None")
+        events.set(DISPLAY + "CurvedLines", "boolean", "true")
         move(3)
         # What is hidden is not dragged.
-        events.set(PANEL + "InteriorPoints", "boolean", "true")
+        events.set(DISPLAY + "InteriorPoints", "boolean", "true")
         events.set(PANEL + "show3DWidget", "boolean", "false")
         events.drag(*near)
         move(4)

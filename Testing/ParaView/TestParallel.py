@@ -54,6 +54,12 @@ def run(ranks):
         given[scene].append(int(source))
         if box != "None":
             bounds[scene].add(box)
+    if ranks > 1:
+        # The processes of one host share its processors; one alone takes all (0).
+        threads = [int(count) for count in re.findall(
+            r"RANK \d+ identity0 .* threads (\d+)", output)]
+        if len(threads) != ranks or not 0 < sum(threads) <= max(ranks, os.cpu_count()):
+            raise AssertionError("%d processes have %s threads" % (ranks, threads))
     pictures = {scene: ffd.read_picture("%s.%s.png" % (prefix, scene)) for scene in SCENES}
     return pictures, voxels, given, bounds
 
@@ -102,7 +108,7 @@ class TestParallel(unittest.TestCase):
 
 
 class TestHighlights(unittest.TestCase):
-    """Colours brighter than their alpha, whose bytes IceT adds beyond 255."""
+    """Colors brighter than their alpha, whose bytes IceT adds beyond 255."""
 
     def test_highlights(self):
         pictures = {}

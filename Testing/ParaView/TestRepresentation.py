@@ -34,7 +34,7 @@ class TestRepresentation(unittest.TestCase):
         self.assertGreater(ffd.lit(picture), 1000)
 
     def test_switching_picks_an_array(self):
-        """In solid colour a volume would be blank."""
+        """In solid color a volume would be blank."""
         display = simple.Show(self.wavelet, self.view)
         display.SetRepresentationType("Outline")
         simple.ColorBy(display, None)
@@ -54,6 +54,53 @@ class TestRepresentation(unittest.TestCase):
         display.SetRepresentationType("FFD Volume")
         self.assertEqual(ffd.differ(ffd.picture(self.view, "again"), ours)[0], 0)
 
+    def test_switching_keeps_options(self):
+        """What FFD Volume and ParaView's own volume both have is the same in both."""
+        self.show()
+        values = {"Shade": 1, "BlendMode": 1, "ScalarOpacityUnitDistance": 0.3}
+
+        def get(name):
+            return self.display.SMProxy.GetProperty(name).GetElement(0)
+
+        for name, value in values.items():
+            setattr(self.display, "FFD" + name, value)
+        self.display.UseSeparateOpacityArray = 1
+        self.display.SetRepresentationType("Volume")
+        for name, value in values.items():
+            self.assertEqual(get(name), value, name)
+        self.display.Shade = 0
+        self.display.SetRepresentationType("FFD Volume")
+        self.assertEqual(self.display.FFDShade, 0)
+        self.assertEqual(get("FFDBlendMode"), 1)
+        # A state has both, and those of the representation that was not shown may be others.
+        self.display.SMProxy.GetProperty("Shade").SetElement(0, 1)
+        self.display.SetRepresentationType("Outline")
+        self.display.SetRepresentationType("FFD Volume")
+        self.assertEqual(self.display.FFDShade, 0)
+        self.assertEqual(self.display.UseSeparateOpacityArray, 1)
+
+    def test_animated_properties(self):
+        """There are tracks for what varies in time, and for nothing else of the lattice."""
+        self.show()
+
+        def tracks(proxy):
+            iterator = proxy.SMProxy.NewPropertyIterator()
+            iterator.Begin()
+            names = set()
+            while not iterator.IsAtEnd():
+                found = iterator.GetProperty()
+                if found.GetAnimateable() and not found.GetInformationOnly():
+                    names.add(iterator.GetKey())
+                iterator.Next()
+            return names
+
+        self.assertEqual(tracks(self.lattice) - {"Input"},
+                         {"Strength", "DisplacementScale", "Displacements"})
+        self.assertEqual(
+            {name for name in tracks(self.display) if name.startswith("FFD")},
+            {"FFDCroppingOrigin", "FFDCroppingScale", "FFDIsosurfaceValues",
+             "FFDScalarOpacityUnitDistance", "FFDShade", "FFDSliceFunction"})
+
     def test_transfer_functions(self):
         before = self.show()
         self.opacity.Points = [37, 0, 0.5, 0, 280, 0, 0.5, 0]
@@ -61,8 +108,8 @@ class TestRepresentation(unittest.TestCase):
         ffd.set_functions(opaque=True)
         opaque = ffd.picture(self.view, "opaque")
         self.assertGreater(opaque.sum(), 1.2 * before.sum())
-        colours = simple.GetColorTransferFunction("RTData")
-        colours.RGBPoints = [37, 1, 0, 0, 280, 1, 0, 0]
+        colors = simple.GetColorTransferFunction("RTData")
+        colors.RGBPoints = [37, 1, 0, 0, 280, 1, 0, 0]
         red = ffd.picture(self.view, "red")
         self.assertEqual(red[:, :, 1:].max(), 0)
         self.assertGreater(red[:, :, 0].max(), 200)
@@ -583,15 +630,23 @@ executive.GetOutputInformation(0).Set(executive.WHOLE_EXTENT(), 0, 4, 0, 4, 0, 4
         self.assertTrue(errors.say("FFD Volume", "21 x 21 x 1"), errors.text)
 
     def test_not_a_number(self):
+        """What is not a number is transparent; the rest is drawn as ever."""
         wavelet = simple.Wavelet(WholeExtent=[-10, 10, -10, 10, -10, 10])
+        # Without a replacement the calculator makes no array, by itself it puts 0.
         calculator = simple.Calculator(
-            Input=wavelet, ResultArrayName="bad", Function="sqrt(RTData - 150)")
+            Input=wavelet, ResultArrayName="some", ReplacementValue=float("nan"))
         lattice = simple.FFDLattice(Input=calculator, Shape="Bend")
-        display = simple.Show(lattice, self.view)
-        simple.ColorBy(display, ("POINTS", "bad"))
-        with ffd.Errors():
-            picture = ffd.picture(self.view, "nan")
-        self.assertGreaterEqual(picture.min(), 0)
+        lits = []
+        for function in ("sqrt(RTData - 150)^2 + 150", "RTData"):
+            calculator.Function = function
+            display = simple.Show(lattice, self.view)
+            simple.ColorBy(display, ("POINTS", "some"))
+            opacity = simple.GetOpacityTransferFunction("some")
+            opacity.Points = [37, 0.5, 0.5, 0, 280, 0.5, 0.5, 0]
+            with ffd.Errors():
+                lits.append(ffd.lit(ffd.picture(self.view, "nan")))
+        self.assertGreater(lits[0], 1000)
+        self.assertLess(lits[0], 0.9 * lits[1])
 
     def test_bad_values(self):
         wavelet = simple.Wavelet(WholeExtent=[-10, 10, -10, 10, -10, 10])

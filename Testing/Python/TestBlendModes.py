@@ -15,7 +15,7 @@ SIZE = 21
 
 
 class TestBlendModes(unittest.TestCase):
-    """Scalars are 10 z, from 0 to 200, seen along -z by a parallel camera; the colours are the
+    """Scalars are 10 z, from 0 to 200, seen along -z by a parallel camera; the colors are the
     scalars over 200, red only."""
 
     def setUp(self):
@@ -29,12 +29,12 @@ class TestBlendModes(unittest.TestCase):
         self.mapper.SetSampleDistance(0.05)
         self.opacity = vtkPiecewiseFunction()
         self.opacity.AddPoint(0, 0.5)
-        colour = vtkColorTransferFunction()
-        colour.AddRGBPoint(0, 0.0, 0.0, 0.0)
-        colour.AddRGBPoint(200, 1.0, 0.0, 0.0)
+        color = vtkColorTransferFunction()
+        color.AddRGBPoint(0, 0.0, 0.0, 0.0)
+        color.AddRGBPoint(200, 1.0, 0.0, 0.0)
         self.prop = vtkVolumeProperty()
         self.prop.SetScalarOpacity(self.opacity)
-        self.prop.SetColor(colour)
+        self.prop.SetColor(color)
         self.prop.SetInterpolationTypeToLinear()
         self.volume = vtkVolume()
         self.volume.SetMapper(self.mapper)
@@ -49,11 +49,11 @@ class TestBlendModes(unittest.TestCase):
 
     def render(self):
         """RGBA of the middle of the picture, the z that its depth stands for, and the picture."""
-        colours = vtkImageData()
+        colors = vtkImageData()
         depths = vtkImageData()
         self.assertEqual(
-            self.mapper.RenderToImage(self.renderer, self.volume, 32, 32, colours, depths), 1)
-        rgba = vtk_to_numpy(colours.GetPointData().GetScalars()).reshape(32, 32, 4)
+            self.mapper.RenderToImage(self.renderer, self.volume, 32, 32, colors, depths), 1)
+        rgba = vtk_to_numpy(colors.GetPointData().GetScalars()).reshape(32, 32, 4)
         depth = vtk_to_numpy(depths.GetPointData().GetScalars()).reshape(32, 32)[16, 16]
         return [int(c) for c in rgba[16, 16]], 100.0 - (50.0 + 100.0 * depth), rgba
 

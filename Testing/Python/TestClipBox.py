@@ -11,10 +11,10 @@ import numpy as np
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
-from vtkmodules.vtkCommonCore import vtkLogger
+from vtkmodules.vtkCommonCore import vtkLogger, vtkUnsignedCharArray
 from vtkmodules.vtkIOXML import vtkXMLImageDataReader
-from vtkmodules.vtkRenderingCore import (vtkColorTransferFunction, vtkRenderer, vtkVolume,
-                                         vtkVolumeProperty)
+from vtkmodules.vtkRenderingCore import (vtkColorTransferFunction, vtkRenderer, vtkRenderWindow,
+                                         vtkVolume, vtkVolumeProperty)
 
 import vtkffd
 
@@ -45,11 +45,11 @@ class Scene:
         opacity.AddPoint(60, 0.0)
         opacity.AddPoint(120, 1.0 if opaque else 0.05)
         opacity.AddPoint(255, 1.0 if opaque else 0.3)
-        colours = vtkColorTransferFunction()
-        colours.AddRGBPoint(0, 0.2, 0.1, 0.0)
-        colours.AddRGBPoint(255, 1.0, 0.9, 0.5)
+        colors = vtkColorTransferFunction()
+        colors.AddRGBPoint(0, 0.2, 0.1, 0.0)
+        colors.AddRGBPoint(255, 1.0, 0.9, 0.5)
         prop = vtkVolumeProperty()
-        prop.SetColor(colours)
+        prop.SetColor(colors)
         prop.SetScalarOpacity(opacity)
         prop.SetScalarOpacityUnitDistance(2.0)
         prop.SetInterpolationTypeToLinear()
@@ -64,10 +64,10 @@ class Scene:
 
     def picture(self):
         """Premultiplied RGBA, 0 to 1, and the number of samples."""
-        colours = vtkImageData()
-        self_ok = self.mapper.RenderToImage(self.renderer, self.volume, SIZE, SIZE, colours)
+        colors = vtkImageData()
+        self_ok = self.mapper.RenderToImage(self.renderer, self.volume, SIZE, SIZE, colors)
         assert self_ok == 1
-        rgba = vtk_to_numpy(colours.GetPointData().GetScalars()).astype(float) / 255.0
+        rgba = vtk_to_numpy(colors.GetPointData().GetScalars()).astype(float) / 255.0
         rgba[:, :3] *= rgba[:, 3:]
         return rgba, self.mapper.GetStatistics().GetNumberOfSamples()
 
@@ -130,6 +130,38 @@ class TestClipBox(unittest.TestCase):
         scene.mapper.RemoveClipBox()
         again, count = scene.picture()
         self.assertEqual(count, samples)
+
+    def test_rays_within_a_box_are_those_of_the_whole(self):
+        """Rays share evaluations with those of their tile, and tiles lie on whole multiples of the
+        window: where what is seen begins changes nothing of the rays that lie within a box."""
+        scene = Scene(2.0, True)
+        window = vtkRenderWindow()
+        window.SetOffScreenRendering(1)
+        window.SetSize(SIZE, SIZE)
+        window.AddRenderer(scene.renderer)
+        camera = scene.renderer.GetActiveCamera()
+        camera.ParallelProjectionOn()
+        camera.SetFocalPoint(0.0, 0.0, 0.0)
+        camera.SetPosition(0.0, 0.0, 1.0)
+        scene.renderer.ResetCamera()
+
+        def render():
+            pixels = vtkUnsignedCharArray()
+            window.Render()
+            window.GetPixelData(0, 0, SIZE - 1, SIZE - 1, 0, pixels, 0)
+            return vtk_to_numpy(pixels).reshape(SIZE, SIZE, 3).astype(int)
+
+        whole = render()
+        bounds = scene.mapper.GetBounds()
+        scene.mapper.SetClipBox(0.5 * (bounds[0] + bounds[1]), 1e9, -1e9, 1e9, -1e9, 1e9)
+        part = render()
+        cut = part.any(axis=(0, 2)).argmax()
+        self.assertGreater(cut, whole.any(axis=(0, 2)).argmax() + 10)
+        self.assertGreater(whole[:, cut + 1:].max(), 100)
+        # The window rounds its texture elsewhere; other tiles change ten times as many bytes.
+        difference = np.abs(part - whole)[:, cut + 1:]
+        self.assertLessEqual(difference.max(), 1)
+        self.assertLessEqual((difference > 0).sum(), 4)
 
     def test_part_of_the_volume(self):
         """A box needs only the voxels that it is pulled back to."""

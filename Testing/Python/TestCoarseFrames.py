@@ -48,10 +48,10 @@ class TestCoarseFrames(unittest.TestCase):
         self.volume.SetMapper(self.mapper)
         opacity = vtkPiecewiseFunction()
         opacity.AddPoint(0.0, 0.08)
-        colour = vtkColorTransferFunction()
-        colour.AddRGBPoint(0.0, 1.0, 0.7, 0.2)
+        color = vtkColorTransferFunction()
+        color.AddRGBPoint(0.0, 1.0, 0.7, 0.2)
         self.volume.GetProperty().SetScalarOpacity(opacity)
-        self.volume.GetProperty().SetColor(colour)
+        self.volume.GetProperty().SetColor(color)
         self.renderer = vtkRenderer()
         self.renderer.SetBackground(0.1, 0.1, 0.2)
         self.renderer.AddVolume(self.volume)
@@ -87,8 +87,8 @@ class TestCoarseFrames(unittest.TestCase):
         pixels.ShouldRerenderOff()
         pixels.ReadFrontBufferOff()
         pixels.Update()
-        colours = vtk_to_numpy(pixels.GetOutput().GetPointData().GetScalars())
-        return colours.reshape(PIXELS, PIXELS, 3).astype(int)
+        colors = vtk_to_numpy(pixels.GetOutput().GetPointData().GetScalars())
+        return colors.reshape(PIXELS, PIXELS, 3).astype(int)
 
     def test_thin_geometry(self):
         fine = self.render(1.0)
@@ -113,7 +113,7 @@ class TestCoarseFrames(unittest.TestCase):
         lattice.FitToBounds(self.mapper.GetInput().GetBounds())
         self.mapper.SetDeformation(lattice)
         self.renderer.GetActiveCamera().SetViewAngle(40.0)
-        # In blocks, so that the depths of neighbouring rays are unlike.
+        # In blocks, so that the depths of neighboring rays are unlike.
         z, y, x = numpy.mgrid[0:SIZE, 0:SIZE, 0:SIZE] // 4
         values = 100.0 * ((x + y + z) % 2)
         self.mapper.GetInput().GetPointData().SetScalars(

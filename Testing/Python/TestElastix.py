@@ -118,13 +118,13 @@ def picture(image, deformation, bounds):
     opacity = vtkPiecewiseFunction()
     for scalar, alpha in ((600, 0.0), (1000, 0.05), (1400, 0.1), (2000, 0.3), (4000, 0.5)):
         opacity.AddPoint(scalar, alpha)
-    colour = vtkColorTransferFunction()
-    colour.AddRGBPoint(600, 0.8, 0.5, 0.4)
-    colour.AddRGBPoint(2000, 1.0, 1.0, 0.9)
+    color = vtkColorTransferFunction()
+    color.AddRGBPoint(600, 0.8, 0.5, 0.4)
+    color.AddRGBPoint(2000, 1.0, 1.0, 0.9)
     prop = vtkVolumeProperty()
     prop.SetScalarOpacity(opacity)
     prop.SetScalarOpacityUnitDistance(4.0)
-    prop.SetColor(colour)
+    prop.SetColor(color)
     prop.SetInterpolationTypeToLinear()
     volume = vtkVolume()
     volume.SetMapper(mapper)
@@ -135,10 +135,10 @@ def picture(image, deformation, bounds):
     camera.SetFocalPoint(0.0, 0.0, 0.0)
     camera.SetViewUp(0.0, 0.0, -1.0)
     renderer.ResetCamera(bounds)
-    colours = vtkImageData()
-    if mapper.RenderToImage(renderer, volume, 300, 300, colours, None) != 1:
+    colors = vtkImageData()
+    if mapper.RenderToImage(renderer, volume, 300, 300, colors, None) != 1:
         raise RuntimeError("nothing was rendered")
-    rgba = vtk_to_numpy(colours.GetPointData().GetScalars()).reshape(300, 300, 4).astype(float)
+    rgba = vtk_to_numpy(colors.GetPointData().GetScalars()).reshape(300, 300, 4).astype(float)
     # On black, as shown.
     return rgba[..., :3] * rgba[..., 3:] / 255.0
 

@@ -45,11 +45,11 @@ class TestExamples(unittest.TestCase):
         frames = [read(path) for path in sorted(glob.glob(os.path.join(output, "frame*.png")))]
         self.assertEqual(len(frames), 5)
         # Skin is red rather than blue, the floor is not; rows begin at the bottom.
-        centres = [np.argwhere(frame[..., 0] > frame[..., 2] + 15)[:, 0].mean() for frame in frames]
-        self.assertLess(centres[1], centres[0])
-        self.assertLess(centres[3], centres[1] - 5)
+        centers = [np.argwhere(frame[..., 0] > frame[..., 2] + 15)[:, 0].mean() for frame in frames]
+        self.assertLess(centers[1], centers[0])
+        self.assertLess(centers[3], centers[1] - 5)
         # From rest: the second half of the way is faster.
-        self.assertGreater(centres[2] - centres[3], centres[0] - centres[1])
+        self.assertGreater(centers[2] - centers[3], centers[0] - centers[1])
 
     def test_registration_viewer(self):
         output, result = run("registration_viewer", "--size", "120", "--fields", "4")
@@ -79,7 +79,7 @@ class TestExamples(unittest.TestCase):
         output, result = run("registration_viewer", "--fixed", path + ".nrrd", "--moving",
                              path + ".nii.gz", "--thresholds", "300", "300", "--size", "60")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
-        # Before the registration the two lie on each other, but for their colours.
+        # Before the registration the two lie on each other, but for their colors.
         picture = read(os.path.join(output, "registration.png"))
         shown = np.abs(picture - BACKGROUND).max(axis=-1) > 20
         self.assertGreater(shown[60:, :60].mean(), 0.05)

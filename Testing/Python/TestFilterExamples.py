@@ -31,9 +31,9 @@ def covered(picture):
     return np.mean(np.abs(picture - picture[0, 0]).max(axis=2) > 20)
 
 
-def count(picture, colour):
-    """Pixels of about a colour."""
-    return np.sum(np.abs(picture - 255.0 * np.array(colour)).max(axis=2) < 50)
+def count(picture, color):
+    """Pixels of about a color."""
+    return np.sum(np.abs(picture - 255.0 * np.array(color)).max(axis=2) < 50)
 
 
 class TestFilterExamples(unittest.TestCase):

@@ -231,7 +231,7 @@ class TestLatticeEditor(unittest.TestCase):
         cases = (
             (("missing.vti",), "missing.vti: there is no such file or folder"),
             (("bad.vti",), "bad.vti: it cannot be read"),
-            (("bad.mhd",), "bad.mhd: it cannot be read"),
+            (("bad.mhd",), "bad.mhd: the data file 'gone.raw' that it names: it cannot be opened"),
             (("text.txt",), "text.txt: VTK has no reader for it"),
             (("empty",), "empty: no DICOM slices were found in it"),
             ((os.path.join(DATA, "Baseline", "TestImageDeformedHead.png"),), "300 x 300 x 1 voxels"),

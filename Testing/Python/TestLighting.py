@@ -5,7 +5,7 @@
 The scalars rise linearly and are opaque from a level on, so that a plane is seen whose normal and
 position are known. VTK's mappers draw some of the same scenes, their error is printed: both light
 volumes whose matrix does not scale all axes alike otherwise (the GPU mapper but for lights along an
-axis), and so does vtkGPUVolumeRayCastMapper with several lights: it leaves the colour out of the
+axis), and so does vtkGPUVolumeRayCastMapper with several lights: it leaves the color out of the
 ambient term and shows the highlight of the last light only.
 """
 
@@ -25,7 +25,7 @@ import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
 
 SIZE = 33
 PIXELS = 48
-COLOUR = numpy.array([0.9, 0.6, 0.3])
+COLOR = numpy.array([0.9, 0.6, 0.3])
 MIDDLE = numpy.full(3, (SIZE - 1) / 2.0)
 
 
@@ -57,10 +57,10 @@ class LitPlane:
         opacity = vtkPiecewiseFunction()
         for x, a in ((0.0, 0.0), (99.9, 0.0), (100.1, 1.0), (300.0, 1.0)):
             opacity.AddPoint(x, a)
-        colour = vtkColorTransferFunction()
-        colour.AddRGBPoint(0.0, *COLOUR)
+        color = vtkColorTransferFunction()
+        color.AddRGBPoint(0.0, *COLOR)
         self.prop.SetScalarOpacity(opacity)
-        self.prop.SetColor(colour)
+        self.prop.SetColor(color)
         self.prop.SetAmbient(0.2)
         self.prop.SetDiffuse(0.6)
         self.prop.SetSpecular(0.2)
@@ -127,11 +127,11 @@ class LitPlane:
         return light
 
     def render_image(self):
-        colours = vtkImageData()
+        colors = vtkImageData()
         depths = vtkImageData()
         assert self.ours.RenderToImage(
-            self.renderer, self.volume, PIXELS, PIXELS, colours, depths) == 1
-        rgba = vtk_to_numpy(colours.GetPointData().GetScalars()).reshape(-1, 4)
+            self.renderer, self.volume, PIXELS, PIXELS, colors, depths) == 1
+        rgba = vtk_to_numpy(colors.GetPointData().GetScalars()).reshape(-1, 4)
         return rgba[:, :3].astype(float), vtk_to_numpy(depths.GetPointData().GetScalars())
 
     def render_window(self, mapper):
@@ -152,11 +152,11 @@ class LitPlane:
         pixels.Update()
         self.volume.SetMapper(self.ours)
         window.RemoveRenderer(self.renderer)
-        colours = vtk_to_numpy(pixels.GetOutput().GetPointData().GetScalars())
-        return colours.reshape(-1, 3).astype(float)
+        colors = vtk_to_numpy(pixels.GetOutput().GetPointData().GetScalars())
+        return colors.reshape(-1, 3).astype(float)
 
     def expected(self, depths):
-        """Colours of the plane at the pixels."""
+        """Colors of the plane at the pixels."""
         camera = self.renderer.GetActiveCamera()
         to_ndc = camera.GetCompositeProjectionTransformMatrix(1.0, -1.0, 1.0)
         to_ndc = numpy.array([[to_ndc.GetElement(i, j) for j in range(4)] for i in range(4)])
@@ -198,7 +198,7 @@ class LitPlane:
                 light.GetDiffuseColor())
             specular = specular + (strength * n_dot_h ** self.prop.GetSpecularPower())[:, None] * \
                 intensity * numpy.array(light.GetSpecularColor())
-        lit = COLOUR * (self.prop.GetAmbient() * ambient + self.prop.GetDiffuse() * diffuse) + \
+        lit = COLOR * (self.prop.GetAmbient() * ambient + self.prop.GetDiffuse() * diffuse) + \
             self.prop.GetSpecular() * specular
         return 255.0 * lit.clip(0.0, 1.0)
 
@@ -218,12 +218,12 @@ class TestLighting(unittest.TestCase):
         """By both kernels; the samples of a pixel lie up to 0.1 behind the plane."""
         for reference in (False, True):
             plane.ours.SetReferenceKernels(reference)
-            colours, depths = plane.render_image()
+            colors, depths = plane.render_image()
             self.assertTrue((depths < 1.0).all())
             expected = plane.expected(depths)
             self.assertGreater(expected.max(), 20.0)
-            self.assertLess(abs(colours - expected).max(), limit)
-        return colours, expected
+            self.assertLess(abs(colors - expected).max(), limit)
+        return colors, expected
 
     def print_error(self, name, mapper, plane, expected):
         error = abs(plane.render_window(mapper) - expected).mean()
@@ -252,9 +252,9 @@ class TestLighting(unittest.TestCase):
         for factor, least, most in ((1.0, 0.70, 0.72), (3.0, 0.31, 0.33)):
             plane.transform(numpy.diag([1.0, 1.0, factor]))
             plane.look([0.0, 0.0, -1.0], parallel=True)
-            colours, _ = self.check(plane)
-            self.assertGreater(colours[:, 0].mean() / 255.0, least * COLOUR[0])
-            self.assertLess(colours[:, 0].mean() / 255.0, most * COLOUR[0])
+            colors, _ = self.check(plane)
+            self.assertGreater(colors[:, 0].mean() / 255.0, least * COLOR[0])
+            self.assertLess(colors[:, 0].mean() / 255.0, most * COLOR[0])
 
     def test_cameras_sides_and_lights(self):
         for parallel in (False, True):
@@ -313,7 +313,7 @@ class TestLighting(unittest.TestCase):
                 window.RemoveRenderer(plane.renderer)
 
     def test_headlight(self):
-        # One of full intensity lights the ambient term, others do so by their ambient colour.
+        # One of full intensity lights the ambient term, others do so by their ambient color.
         for intensity in (1.0, 0.5):
             for ambient in (0.0, 0.5):
                 with self.subTest(intensity=intensity, ambient=ambient):
@@ -330,8 +330,8 @@ class TestLighting(unittest.TestCase):
                     fixed = self.print_error(
                         "intensity %g, ambient %g" % (intensity, ambient),
                         vtkFixedPointVolumeRayCastMapper(), plane, expected)
-                    # The one leaves the colour out of the ambient term of a dimmed light, the other
-                    # takes the ambient colour of every light.
+                    # The one leaves the color out of the ambient term of a dimmed light, the other
+                    # takes the ambient color of every light.
                     if intensity == 1.0 or ambient == 0.0:
                         self.assertLess(gpu, 8.0)
                     if intensity != 1.0:

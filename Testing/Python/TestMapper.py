@@ -31,11 +31,11 @@ class TestMapper(unittest.TestCase):
         opacity = vtkPiecewiseFunction()
         opacity.AddPoint(0, 0.0)
         opacity.AddPoint(100, 0.5)
-        colour = vtkColorTransferFunction()
-        colour.AddRGBPoint(0, 1.0, 0.0, 0.0)
+        color = vtkColorTransferFunction()
+        color.AddRGBPoint(0, 1.0, 0.0, 0.0)
         prop = vtkVolumeProperty()
         prop.SetScalarOpacity(opacity)
-        prop.SetColor(colour)
+        prop.SetColor(color)
         prop.SetInterpolationTypeToLinear()
         self.volume = vtkVolume()
         self.volume.SetMapper(self.mapper)
@@ -52,11 +52,11 @@ class TestMapper(unittest.TestCase):
         self.errors.append(message)
 
     def render(self, width=40, height=30):
-        colours = vtkImageData()
+        colors = vtkImageData()
         depths = vtkImageData()
         self.assertEqual(self.mapper.RenderToImage(
-            self.renderer, self.volume, width, height, colours, depths), 1)
-        rgba = vtk_to_numpy(colours.GetPointData().GetScalars()).reshape(height, width, 4)
+            self.renderer, self.volume, width, height, colors, depths), 1)
+        rgba = vtk_to_numpy(colors.GetPointData().GetScalars()).reshape(height, width, 4)
         z = vtk_to_numpy(depths.GetPointData().GetScalars()).reshape(height, width)
         return rgba, z
 

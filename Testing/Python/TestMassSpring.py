@@ -263,13 +263,13 @@ class TestMassSpring(unittest.TestCase):
             # Node (i, j, k) rests at i - 1, ... A control point of springs, a place of a solid.
             if elastic:
                 at = np.array(body.GetLattice().TransformPoint(3.0, 1.0, 1.0)) - (3.0, 1.0, 1.0)
-                neighbour = np.array(body.GetLattice().TransformPoint(2.0, 1.0, 1.0)) - (2, 1, 1)
+                neighbor = np.array(body.GetLattice().TransformPoint(2.0, 1.0, 1.0)) - (2, 1, 1)
             else:
                 at = displacements(body)[2, 2, 4]
-                neighbour = displacements(body)[2, 2, 3]
+                neighbor = displacements(body)[2, 2, 3]
             np.testing.assert_allclose(at, (0.5, 0.5, 0.25), atol=1e-9)
-            self.assertGreater(neighbour[0], 0.05)
-            self.assertLess(neighbour[0], 0.5)
+            self.assertGreater(neighbor[0], 0.05)
+            self.assertLess(neighbor[0], 0.5)
             body.ReleaseHandle()
             body.Step(1500)
             self.assertLess(np.abs(displacements(body)).max(), 1e-2)

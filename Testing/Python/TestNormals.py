@@ -42,10 +42,10 @@ class TestNormals(unittest.TestCase):
         opacity = vtkPiecewiseFunction()
         opacity.AddPoint(110, 0)
         opacity.AddPoint(150, 0.5)
-        self.colour = vtkColorTransferFunction()
+        self.color = vtkColorTransferFunction()
         self.property = vtkVolumeProperty()
         self.property.SetScalarOpacity(opacity)
-        self.property.SetColor(self.colour)
+        self.property.SetColor(self.color)
         self.property.SetInterpolationTypeToLinear()
         self.property.SetAmbient(0.1)
         self.property.SetDiffuse(0.9)
@@ -77,7 +77,7 @@ class TestNormals(unittest.TestCase):
 
     def test_lit_pictures_follow_the_reference(self):
         self.property.ShadeOn()
-        self.colour.AddRGBPoint(0, 1, 1, 1)
+        self.color.AddRGBPoint(0, 1, 1, 1)
         for tolerance, mean, most in ((0.1, 0.5, 5), (0.02, 0.2, 2)):
             self.mapper.SetPositionTolerance(tolerance)
             differences = self.differences()
@@ -88,7 +88,7 @@ class TestNormals(unittest.TestCase):
         """D that goes on linearly outside of this lattice folds, and led rays out of the volume."""
         self.property.ShadeOff()
         for value, *rgb in ((90, 1, 0, 0), (130, 0, 1, 0), (170, 0, 0, 1), (210, 1, 1, 1)):
-            self.colour.AddRGBPoint(value, *rgb)
+            self.color.AddRGBPoint(value, *rgb)
         self.mapper.SetPositionTolerance(0.005)
         differences = self.differences()
         self.assertLess(differences.mean(), 0.1)

@@ -53,7 +53,7 @@ class TestPaperExperiments(unittest.TestCase):
             self.assertIn(name, text)
 
     def test_table_is_made_of_the_counts(self):
-        counts = {(r["deformation"], r["magnitude"], r["method"], r["opacity"], r["optimised"]): r
+        counts = {(r["deformation"], r["magnitude"], r["method"], r["opacity"], r["optimized"]): r
                   for r in self.read("counts.csv")}
         for row in self.read("table1.csv"):
             if row["deformation"] == "the paper's":
@@ -62,12 +62,12 @@ class TestPaperExperiments(unittest.TestCase):
             for magnitude in scene.TABLE_MAGNITUDES:
                 shape = row["deformation"] if magnitude else "none"
                 key = (shape, str(magnitude), row["rendered by"])
-                optimised = counts[key + (opacity, "1")]
-                unoptimised = counts[key + ("opaque", "0")]
-                self.assertEqual(float(unoptimised["distance_lookups_per_ray"]), 0.0)
-                ratio = float(unoptimised["samples_per_ray"]) / (
-                    float(optimised["samples_per_ray"]) +
-                    float(optimised["distance_lookups_per_ray"]))
+                optimized = counts[key + (opacity, "1")]
+                unoptimized = counts[key + ("opaque", "0")]
+                self.assertEqual(float(unoptimized["distance_lookups_per_ray"]), 0.0)
+                ratio = float(unoptimized["samples_per_ray"]) / (
+                    float(optimized["samples_per_ray"]) +
+                    float(optimized["distance_lookups_per_ray"]))
                 self.assertAlmostEqual(
                     float(row["magnitude %d" % magnitude]) / ratio, 1.0, delta=0.01)
 
@@ -75,7 +75,7 @@ class TestPaperExperiments(unittest.TestCase):
         """A ray along an axis of a volume without anything in it: every count is known."""
         image = scene.read_engine()
         lattice = scene.make_lattice(image, "smooth", 0)
-        mapper = scene.make_mapper(image, lattice, "paper", optimised=False)
+        mapper = scene.make_mapper(image, lattice, "paper", optimized=False)
         prop = scene.make_property("sparse")
         prop.GetScalarOpacity().RemoveAllPoints()
         prop.GetScalarOpacity().AddPoint(0.0, 0.0)
@@ -100,7 +100,7 @@ class TestPaperExperiments(unittest.TestCase):
         image = scene.read_engine()
         lattice = scene.make_lattice(image, "random", 30)
         for length in (2.0, 4.0):
-            mapper = scene.make_mapper(image, lattice, "paper", optimised=False)
+            mapper = scene.make_mapper(image, lattice, "paper", optimized=False)
             mapper.SetMinimumSegmentLength(length)
             mapper.SetMaximumSegmentLength(length)
             counts = scene.render(image, mapper, scene.make_property("opaque", False), 96,

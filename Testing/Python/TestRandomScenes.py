@@ -66,9 +66,9 @@ class Scene:
         for _ in range(self.components):
             value = numpy.zeros_like(x)
             for _ in range(int(r.integers(1, 5))):
-                centre = r.uniform(-0.6, 0.6, 3)
+                center = r.uniform(-0.6, 0.6, 3)
                 width = r.uniform(0.2, 0.8)
-                distance = (x - centre[0]) ** 2 + (y - centre[1]) ** 2 + (z - centre[2]) ** 2
+                distance = (x - center[0]) ** 2 + (y - center[1]) ** 2 + (z - center[2]) ** 2
                 value = numpy.maximum(value, numpy.exp(-distance / width ** 2))
             if r.random() < 0.4:
                 value = value * (0.8 + 0.2 * numpy.sin(r.uniform(2.0, 7.0) * (x + y * z)))

@@ -16,13 +16,13 @@ LENGTH = SIZE - 1
 
 
 def constant(value):
-    """A function, of opacity or a channel of colour."""
+    """A function, of opacity or a channel of color."""
     function = vtkPiecewiseFunction()
     function.AddPoint(0, value)
     return function
 
 
-def colour(red, green, blue):
+def color(red, green, blue):
     function = vtkColorTransferFunction()
     function.AddRGBPoint(0, red, green, blue)
     return function
@@ -57,13 +57,13 @@ class TestScalarLooks(unittest.TestCase):
 
     def set_functions(self, component, opacity, red, green, blue):
         self.prop.SetScalarOpacity(component, constant(opacity))
-        self.prop.SetColor(component, colour(red, green, blue))
+        self.prop.SetColor(component, color(red, green, blue))
 
     def render(self, x=16, y=16):
-        colours = vtkImageData()
+        colors = vtkImageData()
         self.assertEqual(
-            self.mapper.RenderToImage(self.renderer, self.volume, 32, 32, colours), 1)
-        rgba = vtk_to_numpy(colours.GetPointData().GetScalars()).reshape(32, 32, 4)
+            self.mapper.RenderToImage(self.renderer, self.volume, 32, 32, colors), 1)
+        rgba = vtk_to_numpy(colors.GetPointData().GetScalars()).reshape(32, 32, 4)
         return [int(c) for c in rgba[y, x]]
 
     def expect(self, expected, x=16, y=16, delta=2):
@@ -74,7 +74,7 @@ class TestScalarLooks(unittest.TestCase):
         self.set_points(numpy.ones((SIZE ** 3, 2)))
         self.set_functions(0, 0.05, 1.0, 0.0, 0.0)
         self.set_functions(1, 0.05, 0.0, 1.0, 0.0)
-        # Two of opacity a make the opacity a, and colours c1 + c2.
+        # Two of opacity a make the opacity a, and colors c1 + c2.
         self.expect([1.0, 1.0, 0.0, 1.0 - 0.95 ** LENGTH])
         self.prop.SetComponentWeight(1, 0.0)
         self.expect([1.0, 0.0, 0.0, 1.0 - 0.95 ** LENGTH])
@@ -114,7 +114,7 @@ class TestScalarLooks(unittest.TestCase):
         self.assertEqual(self.render(x=8)[3], 0)
         self.expect([1.0, 0.0, 0.0, 1.0 - 0.9 ** LENGTH], x=24)
         self.mapper.SetMaskTypeToLabelMap()
-        self.prop.SetLabelColor(3, colour(0.0, 0.0, 1.0))
+        self.prop.SetLabelColor(3, color(0.0, 0.0, 1.0))
         self.expect([1.0, 0.0, 0.0, 1.0 - 0.9 ** LENGTH], x=8)
         self.expect([0.0, 0.0, 1.0, 1.0 - 0.9 ** LENGTH], x=24)
         self.mapper.SetMaskBlendFactor(0.5)
@@ -143,12 +143,12 @@ class TestScalarLooks(unittest.TestCase):
             with self.subTest(dtype=array.dtype):
                 self.image.GetPointData().SetScalars(numpy_to_vtk(array, deep=True))
                 opacity = vtkPiecewiseFunction()
-                colours = vtkColorTransferFunction()
+                colors = vtkColorTransferFunction()
                 for x in (0.0, 20.0):
                     opacity.AddPoint(x, 0.005 * x)
-                    colours.AddRGBPoint(x, 0.05 * x, 0.0, 1.0)
+                    colors.AddRGBPoint(x, 0.05 * x, 0.0, 1.0)
                 self.prop.SetScalarOpacity(opacity)
-                self.prop.SetColor(colours)
+                self.prop.SetColor(colors)
                 self.prop.SetShade(0)
                 self.mapper.SetVectorModeToMagnitude()
                 self.assertEqual(self.mapper.GetVectorMode(), self.mapper.MAGNITUDE)
@@ -167,8 +167,8 @@ class TestScalarLooks(unittest.TestCase):
         self.mapper.SetVectorComponent(3)
         errors = []
         self.mapper.AddObserver("ErrorEvent", lambda *_: errors.append(1))
-        colours = vtkImageData()
-        self.assertEqual(self.mapper.RenderToImage(self.renderer, self.volume, 8, 8, colours), 0)
+        colors = vtkImageData()
+        self.assertEqual(self.mapper.RenderToImage(self.renderer, self.volume, 8, 8, colors), 0)
         self.assertEqual(len(errors), 1)
         self.mapper.SetVectorComponent(0)
         self.expect([0.4, 0.0, 1.0, 1.0 - 0.96 ** LENGTH])
@@ -230,14 +230,14 @@ class TestScalarLooks(unittest.TestCase):
         self.expect([0.0, 0.0, 0.0, 1.0], delta=4)
 
     def test_where_vtk_differs(self):
-        # vtkGPUVolumeRayCastMapper draws these otherwise: gray colour functions, opacities of labels
+        # vtkGPUVolumeRayCastMapper draws these otherwise: gray color functions, opacities of labels
         # and of two-dimensional functions at other sample distances, gradient opacity and normals of
         # dependent components (it takes those of the first one).
         self.set_points(numpy.ones(SIZE ** 3))
         self.set_functions(0, 0.1, 1.0, 1.0, 1.0)
         self.prop.SetColor(constant(0.3))
         self.expect([0.3, 0.3, 0.3, 1.0 - 0.9 ** LENGTH])
-        self.prop.SetColor(colour(1.0, 0.0, 0.0))
+        self.prop.SetColor(color(1.0, 0.0, 0.0))
         mask = vtkImageData()
         mask.SetDimensions(SIZE, SIZE, SIZE)
         mask.GetPointData().SetScalars(
@@ -258,7 +258,7 @@ class TestScalarLooks(unittest.TestCase):
             self.mapper.SetSampleDistance(distance)
             self.expect([1.0, 0.0, 0.0, 1.0 - 0.8 ** LENGTH])
         self.prop.SetTransferFunctionMode(vtkVolumeProperty.TF_1D)
-        # Colour and density; the gradient is that of the density.
+        # Color and density; the gradient is that of the density.
         z, _, x = numpy.mgrid[0:SIZE, 0:SIZE, 0:SIZE]
         self.mapper.SetSampleDistance(0.05)
         self.prop.IndependentComponentsOff()
@@ -268,7 +268,7 @@ class TestScalarLooks(unittest.TestCase):
         self.prop.SetGradientOpacity(gradients)
         self.set_points(numpy.stack([x.ravel() * 10.0, z.ravel() * 1.0], axis=-1))
         self.expect([1.0, 0.0, 0.0, 1.0 - 0.95 ** LENGTH], delta=6)
-        # Of colours and density, too; so are normals, which point at the viewer here.
+        # Of colors and density, too; so are normals, which point at the viewer here.
         ramps = [x.ravel() / 20.0, x.ravel() / 20.0, x.ravel() / 20.0, z.ravel() * 1.0]
         self.set_points(numpy.stack(ramps, axis=-1))
         self.expect([0.26, 0.26, 0.26, 1.0 - 0.95 ** LENGTH], delta=6)

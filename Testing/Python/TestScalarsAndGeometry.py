@@ -84,14 +84,14 @@ class TestScalarsAndGeometry(unittest.TestCase):
             return scale * scalar + offset
 
         opacity = vtkPiecewiseFunction()
-        colour = vtkColorTransferFunction()
+        color = vtkColorTransferFunction()
         for scalar, alpha, rgb in ((5, 0, (0.2, 0.3, 0.9)), (20, 0.05, (0.2, 0.8, 0.7)),
                                    (60, 0.3, (0.9, 0.7, 0.2)), (120, 0.9, (1, 0.2, 0.1))):
             opacity.AddPoint(at(scalar), alpha)
-            colour.AddRGBPoint(at(scalar), *rgb)
+            color.AddRGBPoint(at(scalar), *rgb)
         prop = vtkVolumeProperty()
         prop.SetScalarOpacity(opacity)
-        prop.SetColor(colour)
+        prop.SetColor(color)
         prop.ShadeOn()
         prop.SetScalarOpacityUnitDistance(unit)
         getattr(prop, "SetInterpolationTypeTo" + interpolation)()
@@ -122,7 +122,7 @@ class TestScalarsAndGeometry(unittest.TestCase):
         return rgba
 
     def assert_same(self, a, b, name, mean=0.02, largest=1.0):
-        """Bytes may round either way, and colours are rounded before they meet their alpha."""
+        """Bytes may round either way, and colors are rounded before they meet their alpha."""
         d = np.abs(a - b).max(axis=2)
         seen = d[(a[..., 3] > 0) | (b[..., 3] > 0)]
         print(f"{name}: mean {seen.mean():.4f} max {seen.max():.2f} over {seen.size} px")

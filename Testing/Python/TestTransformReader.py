@@ -165,7 +165,7 @@ class TestTransformReader(unittest.TestCase):
             return bytearray(file.read())
 
     def test_nifti_units_and_intents(self):
-        # The grid in metres or microns; the vectors as they are.
+        # The grid in meters or microns; the vectors as they are.
         pairs = golden("points.json")["field_identity.nii"]
         for units, scale in ((1, 1e3), (2, 1.0), (3, 1e-3), (0, 1.0), (8 + 1, 1e3)):
             content = self.field_bytes("field_identity.nii")

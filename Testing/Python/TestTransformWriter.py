@@ -98,6 +98,9 @@ class TestTransformWriter(unittest.TestCase):
                         wanted = {"w.vti": "Lattice", "TransformParameters.w.txt": "Elastix"}
                         self.assertEqual(reader.GetFileFormatAsString(),
                                          wanted.get(name, "ItkText"))
+        # Raw data in .vti are what ParaView 5.11 fails at.
+        with open(os.path.join(TEMPORARY, "w.vti"), "rb") as file:
+            self.assertNotIn(b'encoding="raw"', file.read())
         # The other system is another transform.
         write("w.tfm", lattice, None, "RAS")
         other, _ = read("w.tfm", "LPS")

@@ -8,6 +8,8 @@ import numpy as np
 import vtkffd
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+from vtkmodules.vtkCommonMath import vtkMatrix4x4
+from vtkmodules.vtkCommonTransforms import vtkTransform
 from vtkmodules.vtkFiltersGeneral import vtkTransformFilter
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkImagingCore import vtkImageReslice
@@ -133,6 +135,21 @@ class TestVolumeFilters(unittest.TestCase):
             np.testing.assert_allclose(vtk_to_numpy(get(moved.GetOutput())),
                                        vtk_to_numpy(get(expected.GetOutput())), atol=1e-5)
 
+    def test_a_map_that_is_not_a_number_folds(self):
+        matrix = vtkMatrix4x4()
+        matrix.SetElement(1, 1, float("nan"))
+        transform = vtkTransform()
+        transform.SetMatrix(matrix)
+        image = vtkImageData()
+        image.SetDimensions(4, 3, 2)
+        jacobian = vtkffd.vtkFFDJacobian()
+        jacobian.SetInputData(image)
+        jacobian.SetDeformation(transform)
+        jacobian.Update()
+        mask = vtk_to_numpy(jacobian.GetOutput().GetPointData().GetArray("FoldMask"))
+        self.assertEqual(mask.tolist(), [1] * 24)
+        self.assertEqual(jacobian.GetNumberOfFoldedPoints(), 24)
+
     def test_jacobian_of_known_maps(self):
         jacobian = vtkffd.vtkFFDJacobian()
         jacobian.SetInputData(self.image)
@@ -205,11 +222,11 @@ class TestVolumeFilters(unittest.TestCase):
         opacity = vtkPiecewiseFunction()
         opacity.AddPoint(0.0, 0.0)
         opacity.AddPoint(200.0, 0.1)
-        colour = vtkColorTransferFunction()
-        colour.AddRGBPoint(0.0, 1.0, 1.0, 1.0)
+        color = vtkColorTransferFunction()
+        color.AddRGBPoint(0.0, 1.0, 1.0, 1.0)
         prop = vtkVolumeProperty()
         prop.SetScalarOpacity(opacity)
-        prop.SetColor(colour)
+        prop.SetColor(color)
         volume = vtkVolume()
         volume.SetMapper(mapper)
         volume.SetProperty(prop)

@@ -34,11 +34,11 @@ class TestVolumePicker(unittest.TestCase):
         opacity = vtkPiecewiseFunction()
         opacity.AddPoint(90, 0.0)
         opacity.AddPoint(110, 1.0)
-        colour = vtkColorTransferFunction()
-        colour.AddRGBPoint(0, 1.0, 1.0, 1.0)
+        color = vtkColorTransferFunction()
+        color.AddRGBPoint(0, 1.0, 1.0, 1.0)
         prop = vtkVolumeProperty()
         prop.SetScalarOpacity(opacity)
-        prop.SetColor(colour)
+        prop.SetColor(color)
         prop.SetInterpolationTypeToLinear()
         self.volume = vtkVolume()
         self.volume.SetMapper(self.mapper)
@@ -88,9 +88,9 @@ class TestVolumePicker(unittest.TestCase):
         self.assertGreater(moved, 5)
 
     def test_depth(self):
-        colours, depths = vtkImageData(), vtkImageData()
+        colors, depths = vtkImageData(), vtkImageData()
         self.assertEqual(self.mapper.RenderToImage(
-            self.renderer, self.volume, SIZE, SIZE, colours, depths), 1)
+            self.renderer, self.volume, SIZE, SIZE, colors, depths), 1)
         self.picker.SetVolumeOpacityIsovalue(0.0)
         near = 0
         for x in range(2, SIZE, 4):
@@ -133,12 +133,12 @@ class TestVolumePicker(unittest.TestCase):
         gradient.ClampingOff()
         prop.SetGradientOpacity(gradient)
         self.picker.UseVolumeGradientOpacityOn()
-        colours = vtkImageData()
+        colors = vtkImageData()
         for type, seen in ((self.mapper.SCALAR, 0), (self.mapper.NATIVE, 1)):
             self.mapper.SetGradientOpacityRangeType(type)
             self.assertEqual(self.picker.Pick(*at), seen)
-            self.mapper.RenderToImage(self.renderer, self.volume, SIZE, SIZE, colours)
-            self.assertEqual(colours.GetPointData().GetScalars().GetRange(3)[1] > 0, seen)
+            self.mapper.RenderToImage(self.renderer, self.volume, SIZE, SIZE, colors)
+            self.assertEqual(colors.GetPointData().GetScalars().GetRange(3)[1] > 0, seen)
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ read is named."""
 
 import os
 import shutil
+import signal
 import unittest
 
 import numpy
@@ -64,8 +65,8 @@ class TestVolumeReader(unittest.TestCase):
             with self.subTest(name):
                 files.write_nifti(os.path.join(WORK, name), form)
                 self.check_places(name)
-        files.write_nifti(os.path.join(WORK, "metres.nii"), "sform", 1000.0, 1)
-        self.check_places("metres.nii")
+        files.write_nifti(os.path.join(WORK, "meters.nii"), "sform", 1000.0, 1)
+        self.check_places("meters.nii")
         files.write_nifti(os.path.join(WORK, "microns.nii"), "qform", 0.001, 3)
         self.check_places("microns.nii", 1e-3)
 
@@ -136,7 +137,61 @@ class TestVolumeReader(unittest.TestCase):
             reader.Update()
             self.assertEqual(reader.GetProblem(), "")
             self.assertGreater(reader.GetOutput().GetNumberOfPoints(), 0)
-        # Directions that are none.
+    def test_data_files(self):
+        """VTK's readers wait for pipes, read to the end of what has none, and leave memory as it is
+        where MetaImage names what is not there."""
+        values = files.voxels()
+        for k, plane in enumerate(values):
+            plane.tofile(os.path.join(WORK, "slice%d.raw" % k))
+        values.tofile(os.path.join(WORK, "whole.raw"))
+        values[1:].tofile(os.path.join(WORK, "short.raw"))
+        os.mkfifo(os.path.join(WORK, "pipe.raw"))
+        os.mkfifo(os.path.join(WORK, "pipe.nii"))
+        os.makedirs(os.path.join(WORK, "pipes"))
+        os.mkfifo(os.path.join(WORK, "pipes", "slice"))
+        slices = "".join("slice%d.raw\n" % k for k in range(len(values)))
+        size = "%d %d %d" % files.SIZE
+        # What is there is read, by name, in slices, with something in front of it.
+        cases = [("whole.raw", ""), ("slice%d.raw 0 9 1", ""), ("slice%d.raw 0", ""),
+                 ("LIST\n" + slices, ""), (os.path.join(WORK, "whole.raw"), ""),
+                 ("short.raw", "fewer bytes"), ("pipe.raw", "no regular file"),
+                 ("none.raw", "cannot be opened"), ("slice%d.raw 1 10 1", "'slice10.raw'"),
+                 ("slice%d.raw 0 9 0", "names no file"), ("slice%s%n.raw 0 9 1", "names no file"),
+                 ("LIST\nslice0.raw\n", "names no file"), ("LISTED.raw", "list of files"),
+                 ("LIST 3\nwhole.raw\n", "list of files"), ("LOCAL\n" + 9 * "x", "fewer bytes")]
+        content = {"data%d.mhd" % n: ("ObjectType = Image\nNDims = 3\nBinaryData = True\nDimSize = %s\n"
+                                      "ElementType = MET_USHORT\nElementDataFile = %s\n"
+                                      % (size, data), problem)
+                   for n, (data, problem) in enumerate(cases)}
+        nrrd = ("NRRD0004\ntype: unsigned short\ndimension: 3\nsizes: %s\nendian: little\n"
+                "encoding: raw\ndata file: " % size)
+        for n, (data, problem) in enumerate((("whole.raw", ""), ("slice%d.raw 0 9 1", ""),
+                                             ("LIST\n" + slices, ""),
+                                             ("slice%s%n.raw 0 9 1", "no pattern"),
+                                             ("pipe.raw", "no regular file"))):
+            content["data%d.nhdr" % n] = nrrd + data + "\n", problem
+        for name, (text, problem) in content.items():
+            with open(os.path.join(WORK, name), "w", encoding="ascii") as file:
+                file.write(text)
+        content.update({"pipe.nii": ("", "no regular file"), "pipes": ("", "no regular file"),
+                        "endless.mha": ("", "no reader")})
+        with open(os.path.join(WORK, "endless.mha"), "wb") as file:
+            file.truncate(1 << 40)
+        signal.alarm(60)  # instead of waiting for ever
+        for name, (_, problem) in content.items():
+            reader = vtkffd.vtkFFDVolumeReader()
+            reader.AddObserver("ErrorEvent", lambda *_: None)
+            reader.SetFileName(os.path.join(WORK, name))
+            reader.Update()
+            self.assertIn(problem, reader.GetProblem(), name)
+            self.assertEqual(problem == "", reader.GetProblem() == "", name)
+            if not problem:
+                scalars = vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars())
+                numpy.testing.assert_array_equal(scalars, values.ravel(), name)
+        signal.alarm(0)
+        os.remove(os.path.join(WORK, "endless.mha"))
+
+    def test_directions_that_are_none(self):
         with open(os.path.join(WORK, "turned.mha"), "rb") as file:
             content = file.read()
         head, tail = content.split(b"TransformMatrix = ", 1)

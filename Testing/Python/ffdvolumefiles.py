@@ -35,7 +35,7 @@ def voxels():
 
 def write_nifti(path, form, unit=1.0, code=2):
     """form: "sform", or "qform" with qfac -1, whose slices lie the other way round in the file.
-    unit: millimetres of the unit of length, code: its number."""
+    unit: millimeters of the unit of length, code: its number."""
     data = voxels()
     header = bytearray(348)
     struct.pack_into("<i", header, 0, 348)

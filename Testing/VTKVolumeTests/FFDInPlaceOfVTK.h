@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Included before each of VTK's volume tests: puts vtkFFDInverseRayVolumeMapper in the place of VTK's
-// mappers.
+// Included before each of VTK's volume tests: puts vtkFFDInverseRayVolumeMapper in the place of
+// VTK's mappers.
 #ifndef FFDInPlaceOfVTK_h
 #define FFDInPlaceOfVTK_h
 

@@ -175,7 +175,7 @@ def make(folder, volumes):
     if path:
         blocks = vtk.vtkMultiBlockDataSet()
         for i in range(3):
-            # Neighbouring blocks share a face.
+            # Neighboring blocks share a face.
             part = head[:, :, i * 21 : i * 21 + 22].clip(0, 2560) // 10
             block = _image(part.astype(numpy.int16), (3.2, 3.2, 1.5), "MetaImage")
             block.SetOrigin(i * 21 * 3.2, 0.0, 0.0)

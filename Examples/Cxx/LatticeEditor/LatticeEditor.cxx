@@ -27,12 +27,12 @@
 #include "vtkLogger.h"
 #include "vtkNew.h"
 #include "vtkOutputWindow.h"
-#include "vtkPNGWriter.h"
 #include "vtkPiecewiseFunction.h"
+#include "vtkPNGWriter.h"
 #include "vtkPointData.h"
+#include "vtkRenderer.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderWindowInteractor.h"
-#include "vtkRenderer.h"
 #include "vtkSmartPointer.h"
 #include "vtkStringOutputWindow.h"
 #include "vtkTextActor.h"
@@ -70,27 +70,26 @@ const char* const Usage =
   "  --screenshot FILE  write a picture (.png), then end\n"
   "  --save-lattice FILE  write the lattice (.vti) at the end\n";
 
-const char* const Help =
-  "left        select; shift adds, ctrl toggles\n"
-  "drag        move; from outside with shift/ctrl: region\n"
-  "x y z       along an axis; with shift: across it\n"
-  "g r s       handle: move, turn, scale\n"
-  "a A I       all, none, invert    + - grow, shrink\n"
-  "alt x y z   rows; with shift: planes\n"
-  "o  wheel    soft editing, radius    O falloff\n"
-  "m l v       symmetry, lock, fold guard\n"
-  "d           grab the volume itself; shift-click pins\n"
-  "arrows      nudge; shift far, ctrl fine\n"
-  "Delete      reset selection; shift point, ctrl all\n"
-  "ctrl z y    undo, redo    Escape  cancel\n"
-  "\n"
-  "Tab         before / after\n"
-  "[ ]         show more, less of the volume\n"
-  "c n t       curved lines, labels, lattice on/off\n"
-  "F2          refine the lattice (twice the cells)\n"
-  "F5 F9       save, load the lattice (lattice.vti)\n"
-  "F12         save a picture (picture.png)\n"
-  "h q         help, quit";
+const char* const Help = "left        select; shift adds, ctrl toggles\n"
+                         "drag        move; from outside with shift/ctrl: region\n"
+                         "x y z       along an axis; with shift: across it\n"
+                         "g r s       handle: move, turn, scale\n"
+                         "a A I       all, none, invert    + - grow, shrink\n"
+                         "alt x y z   rows; with shift: planes\n"
+                         "o  wheel    soft editing, radius    O falloff\n"
+                         "m l v       symmetry, lock, fold guard\n"
+                         "d           grab the volume itself; shift-click pins\n"
+                         "arrows      nudge; shift far, ctrl fine\n"
+                         "Delete      reset selection; shift point, ctrl all\n"
+                         "ctrl z y    undo, redo    Escape  cancel\n"
+                         "\n"
+                         "Tab         before / after\n"
+                         "[ ]         show more, less of the volume\n"
+                         "c n t       curved lines, labels, lattice on/off\n"
+                         "F2          refine the lattice (twice the cells)\n"
+                         "F5 F9       save, load the lattice (lattice.vti)\n"
+                         "F12         save a picture (picture.png)\n"
+                         "h q         help, quit";
 
 //------------------------------------------------------------------------------
 /// While it lives, what VTK's readers and writers complain about is collected, not printed.
@@ -298,13 +297,13 @@ void Editor::SetTransferFunctions()
   opacity->AddPoint(t - 0.08 * (high - low), 0.0);
   opacity->AddPoint(t + 0.04 * (high - low), 0.35);
   opacity->AddPoint(high, 0.9);
-  vtkNew<vtkColorTransferFunction> colour;
-  colour->AddRGBPoint(low, 0.45, 0.30, 0.25);
-  colour->AddRGBPoint(t, 0.86, 0.65, 0.48);
-  colour->AddRGBPoint(0.5 * (t + high), 0.95, 0.88, 0.76);
-  colour->AddRGBPoint(high, 1.0, 1.0, 1.0);
+  vtkNew<vtkColorTransferFunction> color;
+  color->AddRGBPoint(low, 0.45, 0.30, 0.25);
+  color->AddRGBPoint(t, 0.86, 0.65, 0.48);
+  color->AddRGBPoint(0.5 * (t + high), 0.95, 0.88, 0.76);
+  color->AddRGBPoint(high, 1.0, 1.0, 1.0);
   this->Property->SetScalarOpacity(opacity);
-  this->Property->SetColor(colour);
+  this->Property->SetColor(color);
   double spacing[3];
   this->Image->GetSpacing(spacing);
   this->Property->SetScalarOpacityUnitDistance(std::min({ spacing[0], spacing[1], spacing[2] }));
@@ -387,7 +386,8 @@ void Editor::ShowStatus()
   static const char* const constraints[] = { "", " along x", " along y", " along z", " across x",
     " across y", " across z" };
   static const char* const falloffs[] = { "smooth", "linear", "sphere", "sharp", "constant" };
-  static const char* const guards[] = { "", "  no folds", rep->IsFolded() ? "  FOLDED" : "  fold warning" };
+  static const char* const guards[] = { "", "  no folds",
+    rep->IsFolded() ? "  FOLDED" : "  fold warning" };
   std::ostringstream line;
   line << std::fixed << std::setprecision(0) << std::setw(4)
        << 1e3 * this->Renderer->GetLastRenderTimeInSeconds() << " ms  "
@@ -450,9 +450,9 @@ bool Editor::OnKey(const std::string& key)
   else if (key == "bracketleft" || key == "bracketright")
   {
     const double step = 0.02 * (this->Range[1] - this->Range[0]);
-    this->Threshold = std::min(std::max(this->Threshold + (key == "bracketleft" ? -step : step),
-                                 this->Range[0]),
-      this->Range[1]);
+    this->Threshold =
+      std::min(std::max(this->Threshold + (key == "bracketleft" ? -step : step), this->Range[0]),
+        this->Range[1]);
     this->SetTransferFunctions();
   }
   else if (key == "c")
@@ -533,11 +533,11 @@ bool Editor::SaveVolumePicture(const std::string& path, int width, int height)
   }
   vtkNew<vtkImageData> background;
   background->DeepCopy(picture);
-  double colour[4] = { 0.0, 0.0, 0.0, 1.0 };
-  this->Renderer->GetBackground(colour);
+  double color[4] = { 0.0, 0.0, 0.0, 1.0 };
+  this->Renderer->GetBackground(color);
   for (int c = 0; c < 4; ++c)
   {
-    background->GetPointData()->GetScalars()->FillComponent(c, std::round(255.0 * colour[c]));
+    background->GetPointData()->GetScalars()->FillComponent(c, std::round(255.0 * color[c]));
   }
   vtkNew<vtkImageBlend> blend;
   blend->AddInputData(background);
@@ -568,6 +568,7 @@ bool Editor::SaveLattice(const std::string& path)
   this->Lattice->ToImageData(image);
   vtkNew<vtkXMLImageDataWriter> writer;
   writer->SetInputData(image);
+  writer->SetDataModeToBinary(); // that every ParaView reads
   writer->SetFileName(path.c_str());
   const Complaints complaints;
   if (!writer->Write() || !complaints.GetFirst().empty())
@@ -591,8 +592,8 @@ bool Editor::LoadLattice(const std::string& path)
   // The lattice says itself what is wrong with an image.
   const Complaints complaints;
   reader->Update();
-  const bool ok = complaints.GetFirst().empty() &&
-    this->Lattice->FromImageData(reader->GetOutput()) == 1;
+  const bool ok =
+    complaints.GetFirst().empty() && this->Lattice->FromImageData(reader->GetOutput()) == 1;
   if (!ok)
   {
     this->Problem = path + " is no lattice: " + complaints.GetFirst();
@@ -624,8 +625,7 @@ int main(int argc, char* argv[])
   int points = 6;
   int width = 1000;
   int height = 800;
-  const auto fail = [](const std::string& text)
-  {
+  const auto fail = [](const std::string& text) {
     std::cerr << "LatticeEditor: " << text << "\n";
     return EXIT_FAILURE;
   };
@@ -691,9 +691,9 @@ int main(int argc, char* argv[])
   Editor editor;
   if (!editor.Open(volume, points, lattice))
   {
-    return fail(
-      editor.Problem.find("lattice") != std::string::npos ? editor.Problem
-                                                          : volume + ": " + editor.Problem);
+    return fail(editor.Problem.find("lattice") != std::string::npos
+        ? editor.Problem
+        : volume + ": " + editor.Problem);
   }
   const bool unattended = !screenshot.empty() || !save.empty();
   const bool window = HasDisplay();

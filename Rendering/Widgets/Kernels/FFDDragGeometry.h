@@ -12,7 +12,7 @@
 namespace ffd
 {
 
-/// What moves keep to: the plane of the view, an axis of the data, or the plane across one. The
+/// Constraint of a drag: the plane of the view, an axis of the data, or the plane across one. The
 /// values are those of vtkFFDLatticeRepresentation.
 enum class MoveConstraint
 {
@@ -26,13 +26,13 @@ enum class MoveConstraint
 };
 
 /// True of AlongX, AlongY and AlongZ.
-FFD_KERNEL_EXPORT bool IsAlongAxis(MoveConstraint constraint);
+FFD_WIDGETS_EXPORT bool IsAlongAxis(MoveConstraint constraint);
 
 /// The axis that a constraint is along or across (0, 1, 2); -1: Free.
-FFD_KERNEL_EXPORT int GetAxis(MoveConstraint constraint);
+FFD_WIDGETS_EXPORT int GetAxis(MoveConstraint constraint);
 
 /// Unit vector of an axis.
-FFD_KERNEL_EXPORT glm::dvec3 GetUnitVector(int axis);
+FFD_WIDGETS_EXPORT glm::dvec3 GetUnitVector(int axis);
 
 /// A line of sight through a pixel.
 struct LineOfSight
@@ -46,17 +46,17 @@ struct LineOfSight
  * one line of sight to another. None when the axis is seen end on (or the plane edge on), where a
  * pixel would be any distance. `constraint` is not Free.
  */
-FFD_KERNEL_EXPORT std::optional<glm::dvec3> FindConstrainedMove(MoveConstraint constraint,
+FFD_WIDGETS_EXPORT std::optional<glm::dvec3> FindConstrainedMove(MoveConstraint constraint,
   const glm::dvec3& anchor, const LineOfSight& from, const LineOfSight& to);
 
 /// The angle (radians, -pi to pi) by which a drag turns about a unit axis through a center, which
 /// is seen in the direction `view`. None when the plane across the axis is seen edge on.
-FFD_KERNEL_EXPORT std::optional<double> FindDragAngle(const glm::dvec3& axis,
+FFD_WIDGETS_EXPORT std::optional<double> FindDragAngle(const glm::dvec3& axis,
   const glm::dvec3& center, const glm::dvec3& view, const LineOfSight& from, const LineOfSight& to);
 
 /// The factor by which a drag scales along an axis (0, 1, 2) from a center; at least 0.01, so that
 /// it can be scaled back. None when the axis is seen end on.
-FFD_KERNEL_EXPORT std::optional<double> FindDragFactor(
+FFD_WIDGETS_EXPORT std::optional<double> FindDragFactor(
   int axis, const glm::dvec3& center, const LineOfSight& from, const LineOfSight& to);
 
 /**
@@ -64,7 +64,7 @@ FFD_KERNEL_EXPORT std::optional<double> FindDragFactor(
  * coordinates are viewRight and viewUp (of any length): along an axis by right + up, in the plane
  * across one along what is left of the directions, else along these.
  */
-FFD_KERNEL_EXPORT glm::dvec3 FindScreenMove(MoveConstraint constraint, double right, double up,
+FFD_WIDGETS_EXPORT glm::dvec3 FindScreenMove(MoveConstraint constraint, double right, double up,
   const glm::dvec3& viewRight, const glm::dvec3& viewUp);
 
 } // namespace ffd

@@ -66,7 +66,7 @@ void EditHistory::Trim()
   {
     if (this->Position == 0)
     {
-      // What is left was undone: without the first of it the others cannot be redone.
+      // The edits that are left were undone: without the first one the others cannot be redone.
       this->Clear();
       return;
     }

@@ -15,8 +15,8 @@
 namespace ffd
 {
 
-/// What an edit changed: the displacements of some control points, before and after.
-struct FFD_KERNEL_EXPORT LatticeEdit
+/// The changes of an edit: the displacements of some control points, before and after.
+struct FFD_WIDGETS_EXPORT LatticeEdit
 {
   std::string Name;
   std::vector<std::size_t> Nodes;
@@ -30,7 +30,7 @@ struct FFD_KERNEL_EXPORT LatticeEdit
  * Edits that can be undone and redone, any number within a bound of memory: the oldest go first.
  * An edit that is larger than the bound cannot be undone, nor can those before it.
  */
-class FFD_KERNEL_EXPORT EditHistory
+class FFD_WIDGETS_EXPORT EditHistory
 {
 public:
   /// Bytes; 64 MiB by default.

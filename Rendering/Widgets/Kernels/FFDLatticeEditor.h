@@ -26,7 +26,7 @@ enum class SelectionOperation
   Toggle = 2
 };
 
-/// What every edit obeys.
+/// Options that every edit obeys.
 struct EditOptions
 {
   bool Proportional = false;                ///< control points near the edited ones follow
@@ -50,7 +50,7 @@ struct EditOptions
  * from the displacements at Begin(), so that the steps of a drag do not add up. The edits of the
  * selection do all of that at once.
  */
-class FFD_KERNEL_EXPORT LatticeEditor
+class FFD_WIDGETS_EXPORT LatticeEditor
 {
 public:
   static constexpr std::ptrdiff_t None = -1; ///< instead of a control point
@@ -79,7 +79,7 @@ public:
   std::ptrdiff_t FindPoint(const glm::ivec3& at) const;
 
   double GetSmallestSpacing() const;
-  /// Of proportional editing.
+  /// The radius of proportional editing that is in use.
   double GetEffectiveRadius() const;
   /// The control points that do not move.
   PointSet GetLocked() const;
@@ -198,7 +198,7 @@ private:
   std::string EditName;
   std::vector<glm::dvec3> StartDisplacements;
 
-  // What an edit moves.
+  // The control points that an edit moves.
   PointSet Grabbed;
   std::vector<glm::dvec3> StartPositions;
   std::vector<double> Weights;

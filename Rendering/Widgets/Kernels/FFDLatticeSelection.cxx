@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDLatticeSelection.h"
 
+#include "FFDGridIndex.h"
+
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
@@ -20,16 +22,8 @@ glm::ivec3 IndicesOf(const glm::ivec3& nodes, std::size_t point)
   return { n % nodes.x, n / nodes.x % nodes.y, n / (nodes.x * nodes.y) };
 }
 
-std::size_t PointOf(const glm::ivec3& nodes, const glm::ivec3& at)
-{
-  return static_cast<std::size_t>(at.x) +
-    static_cast<std::size_t>(nodes.x) *
-    (static_cast<std::size_t>(at.y) +
-      static_cast<std::size_t>(nodes.y) * static_cast<std::size_t>(at.z));
-}
-
-/// Points that have a neighbour with set == value.
-PointSet NextTo(const glm::ivec3& nodes, const PointSet& set, unsigned char value)
+/// Points that have a neighbor with set == value.
+PointSet FindNeighbors(const glm::ivec3& nodes, const PointSet& set, unsigned char value)
 {
   PointSet result(set.size(), 0);
   for (std::size_t point = 0; point < set.size(); ++point)
@@ -41,7 +35,7 @@ PointSet NextTo(const glm::ivec3& nodes, const PointSet& set, unsigned char valu
       {
         glm::ivec3 other = at;
         other[a] += step;
-        if (other[a] >= 0 && other[a] < nodes[a] && set[PointOf(nodes, other)] == value)
+        if (other[a] >= 0 && other[a] < nodes[a] && set[GridIndex(other, nodes)] == value)
         {
           result[point] = 1;
         }
@@ -56,7 +50,7 @@ PointSet NextTo(const glm::ivec3& nodes, const PointSet& set, unsigned char valu
 //------------------------------------------------------------------------------
 PointSet GrowSelection(const glm::ivec3& nodes, const PointSet& set)
 {
-  PointSet result = NextTo(nodes, set, 1);
+  PointSet result = FindNeighbors(nodes, set, 1);
   for (std::size_t point = 0; point < set.size(); ++point)
   {
     result[point] = result[point] | set[point];
@@ -67,7 +61,7 @@ PointSet GrowSelection(const glm::ivec3& nodes, const PointSet& set)
 //------------------------------------------------------------------------------
 PointSet ShrinkSelection(const glm::ivec3& nodes, const PointSet& set)
 {
-  PointSet result = NextTo(nodes, set, 0);
+  PointSet result = FindNeighbors(nodes, set, 0);
   for (std::size_t point = 0; point < set.size(); ++point)
   {
     result[point] = set[point] && !result[point] ? 1 : 0;
@@ -86,7 +80,7 @@ PointSet SelectRows(const glm::ivec3& nodes, const PointSet& set, int axis)
       glm::ivec3 at = IndicesOf(nodes, point);
       for (at[axis] = 0; at[axis] < nodes[axis]; ++at[axis])
       {
-        result[PointOf(nodes, at)] = 1;
+        result[GridIndex(at, nodes)] = 1;
       }
     }
   }
@@ -115,10 +109,7 @@ PointSet SelectPlanes(const glm::ivec3& nodes, const PointSet& set, int axis)
 //------------------------------------------------------------------------------
 PointSet BoundaryPoints(const glm::ivec3& nodes, int layers)
 {
-  PointSet result(
-    static_cast<std::size_t>(nodes.x) * static_cast<std::size_t>(nodes.y) *
-      static_cast<std::size_t>(nodes.z),
-    0);
+  PointSet result(GridSize(nodes), 0);
   for (std::size_t point = 0; point < result.size(); ++point)
   {
     const glm::ivec3 at = IndicesOf(nodes, point);
@@ -138,7 +129,7 @@ std::size_t MirrorPoint(const glm::ivec3& nodes, std::size_t point, int axis)
 {
   glm::ivec3 at = IndicesOf(nodes, point);
   at[axis] = nodes[axis] - 1 - at[axis];
-  return PointOf(nodes, at);
+  return GridIndex(at, nodes);
 }
 
 //------------------------------------------------------------------------------
@@ -215,8 +206,8 @@ double GetFalloff(Falloff falloff, double t)
 }
 
 //------------------------------------------------------------------------------
-std::vector<double> SoftWeights(const std::vector<glm::dvec3>& positions, const PointSet& set,
-  double radius, Falloff falloff)
+std::vector<double> SoftWeights(
+  const std::vector<glm::dvec3>& positions, const PointSet& set, double radius, Falloff falloff)
 {
   std::vector<double> weights(positions.size(), 0.0);
   std::vector<glm::dvec3> selected;

@@ -16,29 +16,29 @@ namespace ffd
 /// One value per control point, x fastest: 1 if it belongs to a set.
 using PointSet = std::vector<unsigned char>;
 
-/// The set and its neighbours along the axes.
-FFD_KERNEL_EXPORT PointSet GrowSelection(const glm::ivec3& nodes, const PointSet& set);
+/// The set and its neighbors along the axes.
+FFD_WIDGETS_EXPORT PointSet GrowSelection(const glm::ivec3& nodes, const PointSet& set);
 
-/// The set without its points that have a neighbour outside it. The end of the lattice is none.
-FFD_KERNEL_EXPORT PointSet ShrinkSelection(const glm::ivec3& nodes, const PointSet& set);
+/// The set without its points that have a neighbor outside it. The end of the lattice is none.
+FFD_WIDGETS_EXPORT PointSet ShrinkSelection(const glm::ivec3& nodes, const PointSet& set);
 
 /// Every row along `axis` (0, 1, 2) that a point of the set lies in.
-FFD_KERNEL_EXPORT PointSet SelectRows(const glm::ivec3& nodes, const PointSet& set, int axis);
+FFD_WIDGETS_EXPORT PointSet SelectRows(const glm::ivec3& nodes, const PointSet& set, int axis);
 
 /// Every plane across `axis` that a point of the set lies in.
-FFD_KERNEL_EXPORT PointSet SelectPlanes(const glm::ivec3& nodes, const PointSet& set, int axis);
+FFD_WIDGETS_EXPORT PointSet SelectPlanes(const glm::ivec3& nodes, const PointSet& set, int axis);
 
 /**
  * The outermost `layers` control points on every side. Without three of them changed, nothing moves
  * outside the domain and on its faces: the map there depends on no others.
  */
-FFD_KERNEL_EXPORT PointSet BoundaryPoints(const glm::ivec3& nodes, int layers);
+FFD_WIDGETS_EXPORT PointSet BoundaryPoints(const glm::ivec3& nodes, int layers);
 
 /// Index of the point that lies opposite, across the mid-plane of `axis`.
-FFD_KERNEL_EXPORT std::size_t MirrorPoint(const glm::ivec3& nodes, std::size_t point, int axis);
+FFD_WIDGETS_EXPORT std::size_t MirrorPoint(const glm::ivec3& nodes, std::size_t point, int axis);
 
 /// The set and its mirror images across the mid-planes of the axes with mirror[axis].
-FFD_KERNEL_EXPORT PointSet MirrorSelection(
+FFD_WIDGETS_EXPORT PointSet MirrorSelection(
   const glm::ivec3& nodes, const PointSet& set, const bool mirror[3]);
 
 /**
@@ -46,7 +46,7 @@ FFD_KERNEL_EXPORT PointSet MirrorSelection(
  * middle) are mirrored onto the other half, axis by axis; points in the middle keep what lies in
  * the mid-plane.
  */
-FFD_KERNEL_EXPORT void MirrorChanges(const glm::ivec3& nodes, std::vector<glm::dvec3>& changes,
+FFD_WIDGETS_EXPORT void MirrorChanges(const glm::ivec3& nodes, std::vector<glm::dvec3>& changes,
   const bool mirror[3], std::size_t active);
 
 /// How much a point at a part t of the radius (0: selected, 1: not moved any more) follows.
@@ -58,14 +58,14 @@ enum class Falloff
   Sharp,   ///< (1 - t)^2
   Constant ///< 1
 };
-FFD_KERNEL_EXPORT double GetFalloff(Falloff falloff, double t);
+FFD_WIDGETS_EXPORT double GetFalloff(Falloff falloff, double t);
 
 /**
  * Weights of proportional editing: 1 in the set, elsewhere by the distance of `positions` to the
  * nearest point of the set; 0 from `radius` on. Radius 0, or not positive: the set alone.
  */
-FFD_KERNEL_EXPORT std::vector<double> SoftWeights(const std::vector<glm::dvec3>& positions,
-  const PointSet& set, double radius, Falloff falloff);
+FFD_WIDGETS_EXPORT std::vector<double> SoftWeights(
+  const std::vector<glm::dvec3>& positions, const PointSet& set, double radius, Falloff falloff);
 
 } // namespace ffd
 

@@ -4,16 +4,19 @@
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDLatticeRepresentation.h"
+#include "vtkFFDLatticeSource.h"
 #include "vtkFFDLatticeWidget.h"
+#include "vtkFFDMassSpring.h"
+#include "vtkFFDTransformReader.h"
 
 #include "vtkColorTransferFunction.h"
 #include "vtkImageData.h"
 #include "vtkNew.h"
 #include "vtkPiecewiseFunction.h"
-#include "vtkRTAnalyticSource.h"
+#include "vtkRenderer.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderWindowInteractor.h"
-#include "vtkRenderer.h"
+#include "vtkRTAnalyticSource.h"
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
 
@@ -92,6 +95,16 @@ int main()
     return EXIT_FAILURE;
   }
   widget->Off();
+
+  // A class of each further module.
+  vtkNew<vtkFFDTransformReader> reader;
+  vtkNew<vtkFFDMassSpring> body;
+  body->SetLattice(edited);
+  if (!vtkFFDLatticeSource::ApplyShape(edited, vtkFFDLatticeSource::TWIST, 0.5) || !body->Step(1))
+  {
+    std::cerr << "The lattice of a body does not move.\n";
+    return EXIT_FAILURE;
+  }
 
   std::cout << "rendered with " << window->GetClassName() << " and " << mapper->GetClassName()
             << "\n";

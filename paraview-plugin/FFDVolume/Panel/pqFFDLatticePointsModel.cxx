@@ -36,8 +36,7 @@ void pqFFDLatticePointsModel::update(vtkFFDLatticeRepresentation* representation
     Row& row = rows[n];
     row.Indices = { { point % sizes[0], point / sizes[0] % sizes[1],
       point / (sizes[0] * sizes[1]) } };
-    lattice->GetControlPoint(
-      row.Indices[0], row.Indices[1], row.Indices[2], row.Position.data());
+    lattice->GetControlPoint(row.Indices[0], row.Indices[1], row.Indices[2], row.Position.data());
     same = same && row.Indices == this->Rows[n].Indices;
   }
   if (!same)
@@ -93,8 +92,7 @@ bool pqFFDLatticePointsModel::setData(const QModelIndex& where, const QVariant& 
   to[static_cast<std::size_t>(where.column())] = number;
   if (to != row.Position)
   {
-    Q_EMIT this->pointEdited(
-      row.Indices[0], row.Indices[1], row.Indices[2], to[0], to[1], to[2]);
+    Q_EMIT this->pointEdited(row.Indices[0], row.Indices[1], row.Indices[2], to[0], to[1], to[2]);
   }
   return true;
 }

@@ -6,6 +6,7 @@
 #include "pqInteractivePropertyWidget.h"
 
 #include <memory> // for std::unique_ptr
+#include <vector> // for std::vector
 
 /**
  * The panel "Lattice" of the filter FFD Lattice, and the lattice widget in the view.
@@ -16,7 +17,7 @@
  *
  * Edits change unchecked values, which Apply accepts, as it does everywhere in ParaView. With
  * auto-apply the filter follows each step of a drag; the drag as a whole is then one step of
- * ParaView's undo.
+ * ParaView's undo. Edits that are not applied yet are undone and redone here, by the same keys.
  */
 class pqFFDLatticePropertyWidget : public pqInteractivePropertyWidget
 {
@@ -30,6 +31,7 @@ public:
 
   void apply() override;
   void reset() override;
+  bool eventFilter(QObject* watched, QEvent* event) override;
 
 protected:
   void hideEvent(QHideEvent* event) override;
@@ -52,15 +54,16 @@ private Q_SLOTS:
   void setOptions();
   void refine();
   void resetEdits();
-  void resetSelection();
   void movePoint(int i, int j, int k, double x, double y, double z);
-  void moveSelection();
+  void moveSelection(double x, double y, double z);
 
 private:
   Q_DISABLE_COPY(pqFFDLatticePropertyWidget)
 
-  void makeControls();
   void tellEdit(int changed);
+  std::vector<std::vector<double>> getUnchecked() const;
+  void stepEdits(bool back);
+  void forgetSteps();
 
   class pqInternals;
   std::unique_ptr<pqInternals> Internals;

@@ -191,8 +191,8 @@ void pqFFDLongFrames::watch(pqView* view)
   auto* proxy = vtkSMRenderViewProxy::SafeDownCast(view->getViewProxy());
   if (vtkRenderWindow* window = proxy ? proxy->GetRenderWindow() : nullptr)
   {
-    pqCoreUtilities::connect(proxy, vtkCommand::StartEvent, this,
-      SLOT(prepareFrame(vtkObject*, unsigned long, void*)));
+    pqCoreUtilities::connect(
+      proxy, vtkCommand::StartEvent, this, SLOT(prepareFrame(vtkObject*, unsigned long, void*)));
     pqCoreUtilities::connect(window, vtkCommand::StartEvent, this, SLOT(beginFrame(vtkObject*)));
     pqCoreUtilities::connect(window, vtkCommand::EndEvent, this, SLOT(endFrame(vtkObject*)));
     pqCoreUtilities::connect(

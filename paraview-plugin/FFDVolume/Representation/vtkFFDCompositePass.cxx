@@ -225,7 +225,7 @@ void vtkFFDCompositePass::CompositeBright()
 }
 
 //------------------------------------------------------------------------------
-/// Where the colours of any process are brighter than their alpha; false where none are. Called on
+/// Where the colors of any process are brighter than their alpha; false where none are. Called on
 /// all processes.
 bool vtkFFDCompositePass::FindBright(Rectangle& where) const
 {
@@ -253,7 +253,7 @@ bool vtkFFDCompositePass::FindBright(Rectangle& where) const
 }
 
 //------------------------------------------------------------------------------
-/// Where colours are brighter than their alpha, make that as large: sums do not wrap, and what is
+/// Where colors are brighter than their alpha, make that as large: sums do not wrap, and what is
 /// behind counts less. Returns whether there is such a pixel.
 bool vtkFFDCompositePass::RaiseAlpha()
 {

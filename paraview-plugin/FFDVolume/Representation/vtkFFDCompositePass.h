@@ -2,21 +2,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   vtkFFDCompositePass
- * @brief   composites the pictures of several processes where colours are brighter than their alpha
+ * @brief   composites the pictures of several processes where colors are brighter than their alpha
  *
  * Private to this module. IceT blends premultiplied bytes, "front + back * (255 - alpha) / 255",
  * and a sum beyond 255 wraps around to black. Surfaces and absorbing volumes never reach it, for
- * their colours are not brighter than their alpha, but highlights of shaded volumes do.
+ * their colors are not brighter than their alpha, but highlights of shaded volumes do.
  *
  * This pass stands between IceT and the pass that renders the scene, for one frame. The volumes are
- * blended into a float texture, which does not clip; if any process has a colour brighter than its
+ * blended into a float texture, which does not clip; if any process has a color brighter than its
  * alpha, the rectangle of such pixels is composited here: each process gets a band of its rows from
  * all others, blends them from back to front in floats as one process would, and returns the result
  * to the process that is foremost at a pixel. The others show nothing there, so IceT adds nothing
  * to it. Everything else is left to IceT.
  *
  * Tiled displays, where processes do not render the same pixels at the same time: alpha is raised
- * to the brightest colour. Image processing passes (EDL, tone mapping) have float textures of their
+ * to the brightest color. Image processing passes (EDL, tone mapping) have float textures of their
  * own. Without IceT (ParaView without MPI) and with multisampling this pass is not used.
  *
  * On servers of several processes it also lets the root see to its client until all have drawn
@@ -48,7 +48,7 @@ public:
   /**
    * Stand in the way of the renderer's IceT pass until End(). Returns the pass that does: this one,
    * or another one that does already, or null where it cannot be used. `mayBeBright`: a volume may
-   * have colours brighter than their alpha.
+   * have colors brighter than their alpha.
    */
   vtkFFDCompositePass* Begin(vtkRenderer* renderer, bool mayBeBright);
   void End();

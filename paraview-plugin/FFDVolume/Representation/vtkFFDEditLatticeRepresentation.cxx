@@ -101,8 +101,9 @@ vtkFFDEditLatticeRepresentation::~vtkFFDEditLatticeRepresentation() = default;
 void vtkFFDEditLatticeRepresentation::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  const auto print = [&os](const int sizes[3])
-  { os << sizes[0] << ", " << sizes[1] << ", " << sizes[2] << "\n"; };
+  const auto print = [&os](const int sizes[3]) {
+    os << sizes[0] << ", " << sizes[1] << ", " << sizes[2] << "\n";
+  };
   os << indent << "Dimensions: ";
   print(this->Dimensions);
   os << indent << "Domain: " << this->Domain[0] << ", " << this->Domain[1] << ", "
@@ -417,7 +418,8 @@ int vtkFFDEditLatticeRepresentation::ResetEdits()
     return 0;
   }
   this->ClearHistory();
-  std::copy(this->BaseHere.begin(), this->BaseHere.end(), lattice->GetDisplacements()->GetPointer(0));
+  std::copy(
+    this->BaseHere.begin(), this->BaseHere.end(), lattice->GetDisplacements()->GetPointer(0));
   lattice->Modified();
   this->Modified();
   return 1;

@@ -18,9 +18,13 @@
 #include "vtkPointData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
+#include <vtksys/SystemInformation.hxx>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <thread>
 
 namespace ffdparts
 {
@@ -35,8 +39,8 @@ constexpr int ExchangeTag = 7501;
 
 Bounds UniteBounds(const Bounds& a, const Bounds& b)
 {
-  return { { std::min(a[0], b[0]), std::max(a[1], b[1]), std::min(a[2], b[2]),
-    std::max(a[3], b[3]), std::min(a[4], b[4]), std::max(a[5], b[5]) } };
+  return { { std::min(a[0], b[0]), std::max(a[1], b[1]), std::min(a[2], b[2]), std::max(a[3], b[3]),
+    std::min(a[4], b[4]), std::max(a[5], b[5]) } };
 }
 
 /// Cells per axis that a lattice is refined to for its bounds.
@@ -126,8 +130,8 @@ vtkIdType Count(const Extent& e)
   return static_cast<vtkIdType>(e[1] - e[0] + 1) * (e[3] - e[2] + 1) * (e[5] - e[4] + 1);
 }
 
-std::vector<Bounds> Cut(const Bounds& bounds, int count,
-  const std::function<double(const Bounds&)>& cost, int& cutsLeft)
+std::vector<Bounds> Cut(
+  const Bounds& bounds, int count, const std::function<double(const Bounds&)>& cost, int& cutsLeft)
 {
   if (count <= 1)
   {
@@ -135,10 +139,9 @@ std::vector<Bounds> Cut(const Bounds& bounds, int count,
   }
   const int lowerCount = count / 2;
   int axes[3] = { 0, 1, 2 };
-  std::stable_sort(axes, axes + 3,
-    [&bounds](int a, int b) {
-      return bounds[2 * a + 1] - bounds[2 * a] > bounds[2 * b + 1] - bounds[2 * b];
-    });
+  std::stable_sort(axes, axes + 3, [&bounds](int a, int b) {
+    return bounds[2 * a + 1] - bounds[2 * a] > bounds[2 * b + 1] - bounds[2 * b];
+  });
   Bounds first;
   Bounds second;
   const auto halve = [&](int axis) {
@@ -208,8 +211,8 @@ void CopyRegion(vtkFieldData* fromArrays, const Extent& from, vtkFieldData* toAr
     {
       for (int j = region[2]; j <= region[3]; ++j)
       {
-        target->InsertTuples(At(to, region[0], j, k), region[1] - region[0] + 1,
-          At(from, region[0], j, k), source);
+        target->InsertTuples(
+          At(to, region[0], j, k), region[1] - region[0] + 1, At(from, region[0], j, k), source);
       }
     }
   }
@@ -229,8 +232,8 @@ void CopyVoxels(vtkImageData* from, const Extent& fromExtent, vtkImageData* to,
 bool Contains(const Extent& outer, const Extent& inner)
 {
   return IsEmpty(inner) ||
-    (outer[0] <= inner[0] && inner[1] <= outer[1] && outer[2] <= inner[2] &&
-      inner[3] <= outer[3] && outer[4] <= inner[4] && inner[5] <= outer[5]);
+    (outer[0] <= inner[0] && inner[1] <= outer[1] && outer[2] <= inner[2] && inner[3] <= outer[3] &&
+      outer[4] <= inner[4] && inner[5] <= outer[5]);
 }
 
 //------------------------------------------------------------------------------
@@ -399,17 +402,32 @@ Bounds PullBackCover::FindRestBounds(const Bounds& box) const
     default:
       this->Inverse->GetDeformedBounds(box.data(), rest.data());
       // Where the map folds the first-order point may be used.
-      return this->FoldFree
-        ? rest
-        : UniteBounds(rest, FindFirstOrderBoundsByParts(this->Fine, box));
+      return this->FoldFree ? rest
+                            : UniteBounds(rest, FindFirstOrderBoundsByParts(this->Fine, box));
   }
 }
 
 //------------------------------------------------------------------------------
-vtkIdType CountPoints(const Extent& extent)
+int FindNumberOfThreads(vtkMultiProcessController* controller)
 {
-  return IsEmpty(extent) ? 0 : Count(extent);
+  vtksys::SystemInformation host;
+  host.RunCPUCheck();
+  const auto processors = static_cast<int>(host.GetNumberOfLogicalCPU());
+  const auto available = static_cast<int>(std::thread::hardware_concurrency());
+  const char* name = host.GetHostname();
+  const auto own = static_cast<vtkTypeUInt64>(std::hash<std::string>()(name ? name : ""));
+  std::vector<vtkTypeUInt64> hosts(static_cast<std::size_t>(controller->GetNumberOfProcesses()));
+  controller->AllGather(&own, hosts.data(), 1);
+  if (available > 0 && available < processors)
+  {
+    return available;
+  }
+  const auto processes = static_cast<int>(std::count(hosts.begin(), hosts.end(), own));
+  return std::max(1, processors / std::max(1, processes));
 }
+
+//------------------------------------------------------------------------------
+vtkIdType CountPoints(const Extent& extent) { return IsEmpty(extent) ? 0 : Count(extent); }
 
 //------------------------------------------------------------------------------
 Extent FindNeededExtent(const Grid& grid, const PullBackCover& cover, const Bounds& box)
@@ -426,7 +444,8 @@ Extent FindNeededExtent(const Grid& grid, const PullBackCover& cover, const Boun
   std::fill_n(upper, 3, -VTK_DOUBLE_MAX);
   for (int corner = 0; corner < 8; ++corner)
   {
-    const double p[3] = { rest[corner & 1], rest[2 + ((corner >> 1) & 1)], rest[4 + (corner >> 2)] };
+    const double p[3] = { rest[corner & 1], rest[2 + ((corner >> 1) & 1)],
+      rest[4 + (corner >> 2)] };
     double index[3];
     image->TransformPhysicalPointToContinuousIndex(p, index);
     for (int a = 0; a < 3; ++a)
@@ -441,10 +460,8 @@ Extent FindNeededExtent(const Grid& grid, const PullBackCover& cover, const Boun
     // In this range of integers before the conversion.
     const double first = grid.WholeExtent[2 * a];
     const double last = grid.WholeExtent[2 * a + 1];
-    extent[2 * a] =
-      static_cast<int>(std::clamp(std::floor(lower[a] - Halo), first, last + 1.0));
-    extent[2 * a + 1] =
-      static_cast<int>(std::clamp(std::ceil(upper[a] + Halo), first - 1.0, last));
+    extent[2 * a] = static_cast<int>(std::clamp(std::floor(lower[a] - Halo), first, last + 1.0));
+    extent[2 * a + 1] = static_cast<int>(std::clamp(std::ceil(upper[a] + Halo), first - 1.0, last));
   }
   return IsEmpty(extent) ? NoExtent : extent;
 }

@@ -34,14 +34,8 @@ using Extent = std::array<int, 6>;
 constexpr Extent NoExtent = { 0, -1, 0, -1, 0, -1 };
 constexpr Bounds NoBounds = { 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 };
 
-inline bool IsEmpty(const Extent& e)
-{
-  return e[0] > e[1] || e[2] > e[3] || e[4] > e[5];
-}
-inline bool IsEmpty(const Bounds& b)
-{
-  return !(b[0] <= b[1] && b[2] <= b[3] && b[4] <= b[5]);
-}
+inline bool IsEmpty(const Extent& e) { return e[0] > e[1] || e[2] > e[3] || e[4] > e[5]; }
+inline bool IsEmpty(const Bounds& b) { return !(b[0] <= b[1] && b[2] <= b[3] && b[4] <= b[5]); }
 bool Contains(const Extent& outer, const Extent& inner);
 Extent Intersect(const Extent& a, const Extent& b);
 
@@ -58,6 +52,12 @@ struct Grid
   static Grid FromImage(vtkImageData* image, const Extent& wholeExtent);
   void ApplyTo(vtkImageData* image) const; ///< origin, spacing, direction
   Bounds GetBounds() const;                ///< of the whole, data coordinates
+
+  bool operator==(const Grid& other) const
+  {
+    return this->WholeExtent == other.WholeExtent && this->Origin == other.Origin &&
+      this->Spacing == other.Spacing && this->Direction == other.Direction;
+  }
 };
 
 /**
@@ -65,11 +65,11 @@ struct Grid
  * no power of two the sides are cut in proportion. `cost` says what a box is to its process (voxels
  * that it needs): the first sixteen cuts are across the axis on which the more expensive half is
  * cheapest, and the longest one unless another is better by more than two percent. A twist, for
- * instance, is cut along its axis: each half of what is cut beside it comes from everywhere. Without
- * a cost the longest side is cut.
+ * instance, is cut along its axis: each half of what is cut beside it comes from everywhere.
+ * Without a cost the longest side is cut.
  */
-std::vector<Bounds> CutIntoBoxes(const Bounds& bounds, int count,
-  const std::function<double(const Bounds&)>& cost = nullptr);
+std::vector<Bounds> CutIntoBoxes(
+  const Bounds& bounds, int count, const std::function<double(const Bounds&)>& cost = nullptr);
 
 /// The box with the faces that it shares with `whole` moved to infinity.
 Bounds OpenOutwards(const Bounds& box, const Bounds& whole);
@@ -103,10 +103,16 @@ private:
 };
 
 /**
- * The voxels that are sampled, with their neighbours, where rays are in `box`. Empty when the box
+ * The voxels that are sampled, with their neighbors, where rays are in `box`. Empty when the box
  * is pulled back to none.
  */
 Extent FindNeededExtent(const Grid& grid, const PullBackCover& cover, const Bounds& box);
+
+/**
+ * Threads of this process, at least one, so that the processes of a host share its processors. A
+ * process that was bound to some of them has these. To be called on all processes.
+ */
+int FindNumberOfThreads(vtkMultiProcessController* controller);
 
 /// Points of an extent.
 vtkIdType CountPoints(const Extent& extent);

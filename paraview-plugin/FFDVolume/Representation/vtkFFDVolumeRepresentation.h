@@ -5,11 +5,11 @@
  * @brief   the ParaView representation "FFD Volume"
  *
  * Renders image data deformed by the lattice that is attached to it, with
- * vtkFFDInverseRayVolumeMapper; without a lattice, undeformed. Colour and opacity functions,
+ * vtkFFDInverseRayVolumeMapper; without a lattice, undeformed. Color and opacity functions,
  * shading and the like are those of ParaView's own volume representation. The bounds that the view
  * sees are those of the deformed volume.
  *
- * Arrays of several components are rendered by the component or magnitude that the colour map is
+ * Arrays of several components are rendered by the component or magnitude that the color map is
  * set to, cell arrays after averaging to the points; both copy the array. Rectilinear grids and
  * composite data are refused with an error.
  *
@@ -55,8 +55,8 @@ public:
   vtkTypeMacro(vtkFFDVolumeRepresentation, vtkImageVolumeRepresentation);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  int ProcessViewRequest(vtkInformationRequestKey* request, vtkInformation* inInfo,
-    vtkInformation* outInfo) override;
+  int ProcessViewRequest(
+    vtkInformationRequestKey* request, vtkInformation* inInfo, vtkInformation* outInfo) override;
 
   ///@{
   /**
@@ -72,8 +72,13 @@ public:
   void SetMinimumSegmentLength(double voxels);
   void SetMaximumSegmentLength(double voxels);
   void SetEarlyRayTerminationThreshold(double transmittance);
-  void SetNumberOfThreads(int threads);
   ///@}
+
+  /**
+   * Threads of each process, 0 to 1024. Default 0: all, of which the processes of one host take
+   * equal parts.
+   */
+  void SetNumberOfThreads(int threads);
 
   ///@{
   /**
@@ -105,8 +110,8 @@ public:
   ///@{
   /**
    * Blend mode, vtkVolumeMapper::BlendModes, and cropping as in vtkImageVolumeRepresentation: the
-   * box is CroppingOrigin + CroppingScale times the bounds of the whole image, at rest or deformed as
-   * CroppingSpace says (vtkFFDInverseRayVolumeMapper::CroppingSpaces, default REST). Where the
+   * box is CroppingOrigin + CroppingScale times the bounds of the whole image, at rest or deformed
+   * as CroppingSpace says (vtkFFDInverseRayVolumeMapper::CroppingSpaces, default REST). Where the
    * order of the parts does not matter for blending but the parts would be blended as if it did
    * (all modes but COMPOSITE_BLEND), the first of several processes renders the volume alone.
    */

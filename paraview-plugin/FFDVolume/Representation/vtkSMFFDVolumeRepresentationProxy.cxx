@@ -15,9 +15,27 @@
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMPVRepresentationProxy.h"
 
+#include <array>
 #include <cstring>
 
 vtkStandardNewMacro(vtkSMFFDVolumeRepresentationProxy);
+
+namespace
+{
+
+/// What FFD Volume and ParaView's own Volume both have, by their names there.
+const std::array<std::array<const char*, 2>, 5> SharedOptions{ { { { "FFDShade", "Shade" } },
+  { { "FFDBlendMode", "BlendMode" } },
+  { { "FFDScalarOpacityUnitDistance", "ScalarOpacityUnitDistance" } },
+  { { "FFDIsosurfaceValues", "IsosurfaceValues" } }, { { "FFDUseCropping", "UseCropping" } } } };
+
+bool IsShown(vtkSMProxy* parent)
+{
+  const char* type = vtkSMPropertyHelper(parent, "Representation", true).GetAsString();
+  return type && std::strcmp(type, "FFD Volume") == 0;
+}
+
+} // namespace
 
 //------------------------------------------------------------------------------
 vtkSMFFDVolumeRepresentationProxy::vtkSMFFDVolumeRepresentationProxy() = default;
@@ -42,6 +60,17 @@ void vtkSMFFDVolumeRepresentationProxy::CreateVTKObjects()
     this->Watching = true;
     type->AddObserver(
       vtkCommand::ModifiedEvent, this, &vtkSMFFDVolumeRepresentationProxy::PickArray);
+    for (const auto& names : SharedOptions)
+    {
+      for (const char* name : names)
+      {
+        if (vtkSMProperty* option = parent->GetProperty(name))
+        {
+          option->AddObserver(
+            vtkCommand::ModifiedEvent, this, &vtkSMFFDVolumeRepresentationProxy::Mirror);
+        }
+      }
+    }
   }
 }
 
@@ -72,9 +101,8 @@ void vtkSMFFDVolumeRepresentationProxy::PickArray()
   {
     return;
   }
-  const char* type = vtkSMPropertyHelper(parent, "Representation").GetAsString();
   vtkSMProperty* array = parent->GetProperty("ColorArrayName");
-  if (!type || std::strcmp(type, "FFD Volume") != 0 || !array)
+  if (!IsShown(parent) || !array)
   {
     return;
   }
@@ -109,4 +137,31 @@ void vtkSMFFDVolumeRepresentationProxy::PickArray()
     parent->RescaleTransferFunctionToDataRange(true);
   }
   this->Picking = false;
+}
+
+//------------------------------------------------------------------------------
+/**
+ * Hand an option of the representation that is shown to the other one. Not when the representation
+ * is changed: states restore it between these options.
+ */
+void vtkSMFFDVolumeRepresentationProxy::Mirror(vtkObject* option, unsigned long, void*)
+{
+  vtkSMProxy* parent = this->GetParentProxy();
+  if (!parent || this->Mirroring)
+  {
+    return;
+  }
+  const std::size_t shown = IsShown(parent) ? 0 : 1;
+  for (const auto& names : SharedOptions)
+  {
+    vtkSMProperty* from = parent->GetProperty(names[shown]);
+    vtkSMProperty* to = parent->GetProperty(names[1 - shown]);
+    if (from == option && to)
+    {
+      this->Mirroring = true;
+      to->Copy(from);
+      parent->UpdateProperty(names[1 - shown]);
+      this->Mirroring = false;
+    }
+  }
 }

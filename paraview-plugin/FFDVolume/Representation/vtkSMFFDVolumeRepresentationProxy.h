@@ -4,11 +4,13 @@
  * @class   vtkSMFFDVolumeRepresentationProxy
  * @brief   the client's side of the representation "FFD Volume"
  *
- * ParaView picks an array to colour by when a volume is chosen as representation, but only for its
- * own types: another one would stay blank for a data set in solid colour. This proxy does the same
+ * ParaView picks an array to color by when a volume is chosen as representation, but only for its
+ * own types: another one would stay blank for a data set in solid color. This proxy does the same
  * for "FFD Volume": when the representation that it is a part of is switched to it, and no array
- * is chosen, it picks the first point array, or else the first cell array. And it asks the server
- * for coarse pictures.
+ * is chosen, it picks the first point array, or else the first cell array. Shading, blend mode,
+ * opacity unit distance, isosurfaces and cropping, which "Volume" has as properties of its own, are
+ * handed from the one to the other when they change, so that a switch between them keeps them. And
+ * it asks the server for coarse pictures.
  */
 #ifndef vtkSMFFDVolumeRepresentationProxy_h
 #define vtkSMFFDVolumeRepresentationProxy_h
@@ -41,9 +43,11 @@ private:
   void operator=(const vtkSMFFDVolumeRepresentationProxy&) = delete;
 
   void PickArray();
+  void Mirror(vtkObject* option, unsigned long event, void* data);
 
   bool Watching = false;
   bool Picking = false;
+  bool Mirroring = false;
 };
 
 #endif

@@ -1,0 +1,23 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Open a volume in ParaView with a lattice to shape it by; Examples/paraview.sh runs this.
+
+The environment variable FFD_PARAVIEW_VOLUME names the file.
+"""
+
+import os
+
+from paraview import simple
+
+name = os.environ["FFD_PARAVIEW_VOLUME"]
+volume = simple.OpenDataFile(name)
+if volume is None:
+    raise SystemExit("ParaView has no reader for '%s'." % name)
+simple.RenameSource(os.path.basename(name), volume)
+view = simple.GetActiveViewOrCreate("RenderView")
+lattice = simple.FFDLattice(registrationName="FFD Lattice", Input=volume)
+simple.Show(lattice, view)
+simple.SetActiveSource(lattice)
+simple.ResetCamera(view)
+simple.Render(view)

@@ -1,0 +1,262 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDDataFiles.h"
+
+#include "vtkFFDFileAccess.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <initializer_list>
+#include <iterator>
+#include <sstream>
+#include <system_error>
+#include <vector>
+
+namespace
+{
+
+namespace fs = std::filesystem;
+
+constexpr long LargestNumberOfFiles = 65536;
+
+std::string Find(const vtkFFDDataFiles::Fields& fields, std::initializer_list<const char*> names)
+{
+  for (const char* name : names)
+  {
+    const auto found = fields.find(name);
+    if (found != fields.end())
+    {
+      return found->second;
+    }
+  }
+  return std::string();
+}
+
+bool IsTrue(const std::string& value)
+{
+  return !value.empty() && (value[0] == 'T' || value[0] == 't' || value[0] == '1');
+}
+
+/// Whether it is a pattern with a single whole number in it, as "slice%03d.raw".
+bool IsPattern(const std::string& word)
+{
+  const std::size_t percent = word.find('%');
+  if (percent == std::string::npos || word.find('%', percent + 1) != std::string::npos)
+  {
+    return false;
+  }
+  const std::size_t digits = word.find_first_not_of("0123456789", percent + 1);
+  return digits != std::string::npos && digits - percent <= 3 &&
+    (word[digits] == 'd' || word[digits] == 'i' || word[digits] == 'u');
+}
+
+/// The files that "pattern first last step" names; with fewer numbers as MetaImage has it. Empty
+/// after an error.
+std::vector<std::string> ExpandPattern(const std::string& value, int slices)
+{
+  std::istringstream stream(value);
+  const std::vector<std::string> words(
+    std::istream_iterator<std::string>(stream), std::istream_iterator<std::string>{});
+  std::vector<std::string> names;
+  if (words.empty() || !IsPattern(words[0]))
+  {
+    return names;
+  }
+  const auto number = [&](std::size_t n) { return std::strtol(words[n].c_str(), nullptr, 10); };
+  const long first = words.size() > 1 ? number(1) : 1;
+  const long last = words.size() > 2 ? number(2) : first + slices - 1;
+  const long step = words.size() > 3 ? number(3) : words.size() > 2 ? (last - first) / slices : 1;
+  if (step < 1 || first < 0 || last > LargestNumberOfFiles || first > last)
+  {
+    return names;
+  }
+  for (long n = first; n <= last && static_cast<long>(names.size()) < slices; n += step)
+  {
+    std::vector<char> name(words[0].size() + 32);
+    // Checked above: one whole number.
+    const std::size_t percent = words[0].find('%');
+    const std::size_t end = words[0].find_first_not_of("0123456789", percent + 1);
+    const std::string digits = words[0].substr(percent + 1, end - percent - 1);
+    const int width = std::atoi(digits.c_str());
+    const bool zeros = !digits.empty() && digits[0] == '0';
+    std::snprintf(name.data(), name.size(), zeros ? "%0*ld" : "%*ld", width, n);
+    names.push_back(words[0].substr(0, percent) + name.data() + words[0].substr(end + 1));
+  }
+  return names;
+}
+
+/// The lines that follow the one that begins with a key.
+std::vector<std::string> LinesAfter(const std::string& text, const std::string& key, int most)
+{
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  std::string line;
+  bool found = false;
+  while (std::getline(stream, line) && static_cast<int>(lines.size()) < most)
+  {
+    const std::size_t end = line.find_last_not_of(" \t\r");
+    if (found && end != std::string::npos)
+    {
+      lines.push_back(line.substr(0, end + 1));
+    }
+    found = found || line.compare(0, key.size(), key) == 0;
+  }
+  return lines;
+}
+
+std::string CheckFile(const std::string& header, const std::string& name, double leastBytes,
+  std::initializer_list<const char*> endings = { "" })
+{
+  const fs::path path = fs::path(header).parent_path() / fs::path(name); // an absolute one stays
+  std::string found = path.string();
+  for (const char* ending : endings)
+  {
+    std::error_code problem;
+    if (fs::exists(path.string() + ending, problem))
+    {
+      found = path.string() + ending;
+      break;
+    }
+  }
+  std::size_t size = 0;
+  std::string error;
+  if (vtkFFDFileAccess::FindSize(found, size, error) && static_cast<double>(size) < leastBytes)
+  {
+    error = "it holds fewer bytes than the header says";
+  }
+  return error.empty() ? error : "the data file '" + name + "' that it names: " + error;
+}
+
+} // namespace
+
+namespace vtkFFDDataFiles
+{
+
+//------------------------------------------------------------------------------
+std::string FindMetaImageProblem(
+  const std::string& path, const std::string& text, const Fields& fields, double bytes, int slices)
+{
+  const std::string value = Find(fields, { "ElementDataFile" });
+  if (value.empty())
+  {
+    return "its header has no ElementDataFile";
+  }
+  const std::string binary = Find(fields, { "BinaryData" });
+  const bool plain = (binary.empty() || IsTrue(binary)) &&
+    !IsTrue(Find(fields, { "CompressedData" })); // what is stored are the voxels
+  if (value == "LOCAL" || value == "Local" || value == "local")
+  {
+    const std::size_t line = text.find('\n', text.find("ElementDataFile"));
+    const double start = line == std::string::npos ? 0.0 : static_cast<double>(line + 1);
+    const std::string name = fs::path(path).filename().string();
+    return CheckFile(path, name, plain ? start + bytes : 1.0);
+  }
+  std::vector<std::string> names;
+  // -1: in front of the voxels is what is left.
+  const double head = std::max(0.0, std::atof(Find(fields, { "HeaderSize" }).c_str()));
+  const double least = plain ? head + bytes / slices : 1.0;
+  if (value.compare(0, 4, "LIST") == 0)
+  {
+    // A number says how many dimensions a file has.
+    if (value.size() > 4 && value != "LIST 2" && value != "LIST 2D")
+    {
+      return "MetaImage takes the data file '" + value +
+        "' for a list of files, of which only LIST and LIST 2 (a slice a file) are read here";
+    }
+    names = LinesAfter(text, "ElementDataFile", slices);
+  }
+  else if (value.find('%') != std::string::npos)
+  {
+    names = ExpandPattern(value, slices);
+  }
+  else
+  {
+    return CheckFile(path, value, plain ? head + bytes : 1.0, { "", ".gz", ".Z" });
+  }
+  if (static_cast<int>(names.size()) < slices)
+  {
+    return "ElementDataFile is '" + value + "', which names no file for each of its " +
+      std::to_string(slices) + " slices (LIST and a file a line, or as 'slice%03d.raw 1 9 1')";
+  }
+  for (const std::string& name : names)
+  {
+    const std::string problem = CheckFile(path, name, least);
+    if (!problem.empty())
+    {
+      return problem;
+    }
+  }
+  return std::string();
+}
+
+//------------------------------------------------------------------------------
+std::string FindNrrdProblem(
+  const std::string& path, const std::string& text, const Fields& fields, int slices)
+{
+  const std::string value = Find(fields, { "data file", "datafile" });
+  if (value.empty())
+  {
+    return std::string();
+  }
+  std::vector<std::string> names = { value };
+  if (value.compare(0, 4, "LIST") == 0)
+  {
+    names = LinesAfter(text, "data", slices);
+  }
+  else if (value.find('%') != std::string::npos)
+  {
+    names = ExpandPattern(value, slices);
+    if (names.empty())
+    {
+      return "its data file is '" + value + "', which is no pattern as 'slice%03d.raw 1 9 1'";
+    }
+  }
+  for (const std::string& name : names)
+  {
+    const std::string problem = CheckFile(path, name, 1.0);
+    if (!problem.empty())
+    {
+      return problem;
+    }
+  }
+  return std::string();
+}
+
+//------------------------------------------------------------------------------
+std::string FindPairProblem(const std::string& path)
+{
+  fs::path stem = fs::path(path);
+  stem.replace_extension(stem.extension() == ".gz" ? "" : stem.extension());
+  for (const char* ending : { ".hdr", ".img", ".hdr.gz", ".img.gz" })
+  {
+    fs::path other = stem;
+    other.replace_extension(ending);
+    std::error_code ignored;
+    std::size_t size = 0;
+    std::string error;
+    if (fs::exists(other, ignored) && !vtkFFDFileAccess::FindSize(other.string(), size, error))
+    {
+      return other.filename().string() + ", which belongs to it: " + error;
+    }
+  }
+  return std::string();
+}
+
+//------------------------------------------------------------------------------
+std::string FindFolderProblem(const std::string& path)
+{
+  std::error_code problem;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path, problem))
+  {
+    const fs::file_status status = entry.status(problem); // of what links lead to
+    if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))
+    {
+      return entry.path().filename().string() + ", which is in it, is no regular file";
+    }
+  }
+  return std::string();
+}
+
+} // namespace vtkFFDDataFiles

@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @file    vtkFFDDataFiles.h
+ * @brief   looks at the files that headers of volumes name, before VTK's readers open them
+ *
+ * Private to this module: not installed, not wrapped. VTK's readers hang on pipes; that of
+ * MetaImage leaves the memory of the voxels as it is where a file is missing or short, and hands
+ * the names of slices to printf().
+ */
+#ifndef vtkFFDDataFiles_h
+#define vtkFFDDataFiles_h
+
+#include <map>
+#include <string>
+
+namespace vtkFFDDataFiles
+{
+
+/// "key separator value" of the lines of a header.
+using Fields = std::map<std::string, std::string>;
+
+/// Each function returns what is wrong, a sentence without its full stop, or an empty text. Paths
+/// are those of the header, `text` is how the header begins, as far as it was read.
+
+/// Finds the problem of a MetaImage of so many bytes in so many slices.
+std::string FindMetaImageProblem(
+  const std::string& path, const std::string& text, const Fields& fields, double bytes, int slices);
+
+/// Finds the problem of a NRRD.
+std::string FindNrrdProblem(
+  const std::string& path, const std::string& text, const Fields& fields, int slices);
+
+/// Finds the problem of a pair of files, .hdr and .img.
+std::string FindPairProblem(const std::string& path);
+
+/// Finds the problem of a folder, whose files are all opened.
+std::string FindFolderProblem(const std::string& path);
+
+} // namespace vtkFFDDataFiles
+
+#endif

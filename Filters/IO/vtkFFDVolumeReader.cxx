@@ -1,0 +1,672 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDVolumeReader.h"
+
+#include "vtkFFDDataFiles.h"
+#include "vtkFFDFileAccess.h"
+
+#include "FFDSingularMatrix.h"
+
+#include "vtkCommand.h"
+#include "vtkDataArray.h"
+#include "vtkDICOMImageReader.h"
+#include "vtkImageData.h"
+#include "vtkImageReader2.h"
+#include "vtkImageReader2Factory.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkMatrix3x3.h"
+#include "vtkMatrix4x4.h"
+#include "vtkMetaImageReader.h"
+#include "vtkNew.h"
+#include "vtkNIFTIImageHeader.h"
+#include "vtkNIFTIImageReader.h"
+#include "vtkNrrdReader.h"
+#include "vtkObjectFactory.h"
+#include "vtkPointData.h"
+#include "vtkSmartPointer.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkStructuredPointsReader.h"
+#include "vtkXMLImageDataReader.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include <vtksys/FStream.hxx>
+#include <vtksys/SystemTools.hxx>
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <initializer_list>
+#include <locale>
+#include <map>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+vtkStandardNewMacro(vtkFFDVolumeReader);
+
+namespace
+{
+
+using Pipeline = vtkStreamingDemandDrivenPipeline;
+
+/// Bytes of a file in which its header is looked for.
+constexpr std::size_t LargestHeader = 65536;
+
+/// LPS has x and y the other way round.
+const glm::dvec3 FromRas(-1.0, -1.0, 1.0);
+
+/// Where voxel (0, 0, 0) lies, and the steps from voxel to voxel.
+struct Placement
+{
+  glm::dvec3 Origin{ 0.0 };
+  glm::dmat3 Steps{ 1.0 };
+};
+
+/// Keeps the first complaint of a reader, and all of them from being printed.
+class Complaint : public vtkCommand
+{
+public:
+  static Complaint* New() { return new Complaint; }
+  void Execute(vtkObject*, unsigned long event, void* data) override
+  {
+    if (event == vtkCommand::ErrorEvent && this->Text.empty())
+    {
+      // Without where in VTK's sources it comes from.
+      const std::string text = data ? static_cast<const char*>(data) : "it is malformed";
+      const std::size_t start = text.find("): ");
+      this->Text = start == std::string::npos ? text : text.substr(start + 3);
+      this->Text = this->Text.substr(0, this->Text.find('\n'));
+    }
+  }
+  std::string Text;
+};
+
+/// Tells the files, in the order of the slices.
+class SliceReader : public vtkDICOMImageReader
+{
+public:
+  static SliceReader* New() { VTK_STANDARD_NEW_BODY(SliceReader); }
+  vtkTypeMacro(SliceReader, vtkDICOMImageReader);
+  using vtkDICOMImageReader::GetDICOMFileName;
+  using vtkDICOMImageReader::GetNumberOfDICOMFileNames;
+};
+
+std::string ReadStart(const char* path)
+{
+  std::string bytes(LargestHeader, '\0');
+  vtksys::ifstream file(path, std::ios::in | std::ios::binary);
+  file.read(&bytes[0], static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  return bytes;
+}
+
+/// "key<separator> value" lines of the header of a text format, until an empty line.
+vtkFFDDataFiles::Fields ReadFields(const char* path, char separator)
+{
+  vtkFFDDataFiles::Fields fields;
+  std::istringstream lines(ReadStart(path));
+  std::string line;
+  const char* const blank = " \t\r";
+  while (std::getline(lines, line) && line.find_first_not_of(blank) != std::string::npos)
+  {
+    const std::size_t at = line.find(separator);
+    if (at != std::string::npos)
+    {
+      const std::size_t end = line.find_last_not_of(blank, at == 0 ? 0 : at - 1);
+      const std::size_t from = line.find_first_not_of(blank, at + 1);
+      fields[line.substr(0, end + 1)] = from == std::string::npos
+        ? std::string()
+        : line.substr(from, line.find_last_not_of(blank) + 1 - from);
+      if (line.compare(0, 15, "ElementDataFile") == 0)
+      {
+        break; // what follows may be the voxels
+      }
+    }
+  }
+  return fields;
+}
+
+/// The numbers of a text, whatever is between them.
+std::vector<double> ReadNumbers(std::string text)
+{
+  for (char& c : text)
+  {
+    c = c == '(' || c == ')' || c == ',' || c == '\\' ? ' ' : c;
+  }
+  std::istringstream words(text);
+  words.imbue(std::locale::classic());
+  std::vector<double> numbers;
+  std::string word;
+  while (words >> word)
+  {
+    std::istringstream number(word);
+    number.imbue(std::locale::classic());
+    double value;
+    if (number >> value)
+    {
+      numbers.push_back(value);
+    }
+  }
+  return numbers;
+}
+
+glm::dvec3 ToVector(const std::vector<double>& numbers, std::size_t first)
+{
+  return { numbers[first], numbers[first + 1], numbers[first + 2] };
+}
+
+std::string Find(
+  const std::map<std::string, std::string>& fields, std::initializer_list<const char*> names)
+{
+  for (const char* name : names)
+  {
+    const auto found = fields.find(name);
+    if (found != fields.end())
+    {
+      return found->second;
+    }
+  }
+  return std::string();
+}
+
+/// Rows of the matrix are the directions of the axes of the image.
+bool PlaceMetaImage(const char* path, const glm::dvec3& spacing, Placement& place)
+{
+  const std::map<std::string, std::string> fields = ReadFields(path, '=');
+  const std::vector<double> matrix =
+    ReadNumbers(Find(fields, { "TransformMatrix", "Rotation", "Orientation" }));
+  const std::vector<double> origin = ReadNumbers(Find(fields, { "Offset", "Position", "Origin" }));
+  if (matrix.size() != 9)
+  {
+    return false;
+  }
+  for (int a = 0; a < 3; ++a)
+  {
+    place.Steps[a] = spacing[a] * ToVector(matrix, 3 * static_cast<std::size_t>(a));
+  }
+  place.Origin = origin.size() == 3 ? ToVector(origin, 0) : glm::dvec3(0.0);
+  return true;
+}
+
+/// What VTK's reader would hang on: a header that holds zeros or does not end, and what data files
+/// it names. Empty: all is well.
+std::string FindNrrdProblem(const char* path)
+{
+  const std::string text = ReadStart(path);
+  const std::size_t end = std::min(text.find("\n\n"), text.find("\n\r\n"));
+  if (end == std::string::npos && (text.size() == LargestHeader || text.back() != '\n'))
+  {
+    return "it cannot be read: its header does not end (with an empty line, or with the last line "
+           "of "
+           "the file)";
+  }
+  if (text.substr(0, end).find('\0') != std::string::npos)
+  {
+    return "it cannot be read: its header holds zero bytes";
+  }
+  const vtkFFDDataFiles::Fields fields = ReadFields(path, ':');
+  const std::vector<double> sizes = ReadNumbers(Find(fields, { "sizes" }));
+  const int slices = sizes.empty() ? 1 : static_cast<int>(glm::clamp(sizes.back(), 1.0, 65536.0));
+  return vtkFFDDataFiles::FindNrrdProblem(path, text, fields, slices);
+}
+
+bool PlaceNrrd(const char* path, int rows, bool leftHanded, Placement& place)
+{
+  const std::map<std::string, std::string> fields = ReadFields(path, ':');
+  const std::vector<double> steps = ReadNumbers(Find(fields, { "space directions" }));
+  const std::vector<double> origin = ReadNumbers(Find(fields, { "space origin" }));
+  if (steps.size() != 9)
+  {
+    return false;
+  }
+  const std::string space = Find(fields, { "space" });
+  glm::dvec3 toLps(1.0);
+  if (space == "right-anterior-superior" || space == "RAS")
+  {
+    toLps = FromRas;
+  }
+  else if (space == "left-anterior-superior" || space == "LAS")
+  {
+    toLps.y = -1.0;
+  }
+  for (int a = 0; a < 3; ++a)
+  {
+    place.Steps[a] = toLps * ToVector(steps, 3 * static_cast<std::size_t>(a));
+  }
+  place.Origin = origin.size() == 3 ? toLps * ToVector(origin, 0) : glm::dvec3(0.0);
+  // VTK's reader turns the rows of uncompressed data in spaces that it takes for left-handed.
+  if (leftHanded && Find(fields, { "encoding" }) == "raw")
+  {
+    place.Origin += static_cast<double>(rows - 1) * place.Steps[1];
+    place.Steps[1] = -place.Steps[1];
+  }
+  return true;
+}
+
+bool PlaceNifti(vtkNIFTIImageReader* reader, const glm::dvec3& spacing, Placement& place)
+{
+  vtkMatrix4x4* matrix =
+    reader->GetSFormMatrix() ? reader->GetSFormMatrix() : reader->GetQFormMatrix();
+  // The lowest three bits of the header's xyzt_units are the unit of length.
+  constexpr int meters = 1;
+  constexpr int microns = 3;
+  const int unit = reader->GetNIFTIHeader()->GetXYZTUnits() & 7;
+  const double toMillimeters = unit == meters ? 1e3 : unit == microns ? 1e-3 : 1.0;
+  if (!matrix)
+  {
+    place.Steps = glm::dmat3(0.0);
+    for (int a = 0; a < 3; ++a)
+    {
+      place.Steps[a][a] = toMillimeters * spacing[a];
+    }
+    return true;
+  }
+  for (int r = 0; r < 3; ++r)
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      place.Steps[a][r] = toMillimeters * FromRas[r] * spacing[a] * matrix->GetElement(r, a);
+    }
+    place.Origin[r] = toMillimeters * FromRas[r] * matrix->GetElement(r, 3);
+  }
+  return true;
+}
+
+/// Distances between columns and between rows as the tag Pixel Spacing (0028,0030) has them, in the
+/// reverse order. Versions of VTK differ in whether they turn it.
+void ReadPixelSpacing(const char* path, glm::dvec3& spacing)
+{
+  const std::string bytes = ReadStart(path);
+  const std::string tag("\x28\0\x30\0", 4);
+  for (std::size_t at = bytes.find(tag); at != std::string::npos; at = bytes.find(tag, at + 1))
+  {
+    // A text of a few numbers after 4 bytes of type and length, explicit or implicit.
+    const std::vector<double> numbers =
+      ReadNumbers(bytes.substr(std::min(at + 8, bytes.size()), 40));
+    constexpr double tolerance = 1e-5;
+    if (numbers.size() >= 2 && std::abs(numbers[0] - spacing.x) < tolerance * spacing.x &&
+      std::abs(numbers[1] - spacing.y) < tolerance * spacing.y)
+    {
+      std::swap(spacing.x, spacing.y); // it came as it is in the file
+      return;
+    }
+  }
+}
+
+/// Position and orientation of one slice, LPS.
+struct Slice
+{
+  glm::dvec3 Position{ 0.0 };
+  glm::dvec3 Right{ 0.0 };
+  glm::dvec3 Down{ 0.0 };
+  std::string Syntax;
+};
+
+Slice ReadSlice(const char* path, vtkCommand* complaint)
+{
+  vtkNew<vtkDICOMImageReader> reader;
+  reader->AddObserver(vtkCommand::ErrorEvent, complaint);
+  reader->AddObserver(vtkCommand::WarningEvent, complaint);
+  reader->SetFileName(path);
+  reader->UpdateInformation();
+  Slice slice;
+  const float* position = reader->GetImagePositionPatient();
+  const float* orientation = reader->GetImageOrientationPatient();
+  for (int a = 0; a < 3; ++a)
+  {
+    slice.Position[a] = position[a];
+    slice.Right[a] = orientation[a];
+    slice.Down[a] = orientation[a + 3];
+  }
+  slice.Syntax = reader->GetTransferSyntaxUID();
+  slice.Syntax = slice.Syntax.c_str(); // up to the padding
+  return slice;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+class vtkFFDVolumeReader::vtkInternals
+{
+public:
+  vtkSmartPointer<vtkAlgorithm> Reader;
+  vtkNew<Complaint> Heard;
+  Placement Place;
+  bool HasPlace = false;
+  vtkMTimeType OpenedTime = 0;
+  std::string Problem;
+
+  void Watch(vtkAlgorithm* reader)
+  {
+    reader->AddObserver(vtkCommand::ErrorEvent, this->Heard);
+    reader->AddObserver(vtkCommand::WarningEvent, this->Heard);
+    this->Reader = reader;
+  }
+
+  template <class ReaderT>
+  ReaderT* Make(const char* path)
+  {
+    vtkNew<ReaderT> reader;
+    reader->SetFileName(path);
+    this->Watch(reader);
+    return reader;
+  }
+
+  bool Open(const char* path);
+  void PlaceSlices(SliceReader* reader, int rows, int slices, const glm::dvec3& spacing);
+  void FindPlace(const char* path);
+};
+
+//------------------------------------------------------------------------------
+/// Choose a reader and let it read the header.
+bool vtkFFDVolumeReader::vtkInternals::Open(const char* path)
+{
+  using vtksys::SystemTools;
+  this->Reader = nullptr;
+  this->HasPlace = false;
+  this->Problem.clear();
+  this->Heard->Text.clear();
+  if (!path || !*path)
+  {
+    this->Problem = "no file is named; call SetFileName()";
+    return false;
+  }
+  if (!SystemTools::FileExists(path))
+  {
+    this->Problem = "there is no such file or folder";
+    return false;
+  }
+  const std::string ending = SystemTools::LowerCase(SystemTools::GetFilenameLastExtension(path));
+  const bool folder = SystemTools::FileIsDirectory(path);
+  std::size_t size = 0;
+  if (folder)
+  {
+    this->Problem = vtkFFDDataFiles::FindFolderProblem(path);
+  }
+  else if (vtkFFDFileAccess::FindSize(path, size, this->Problem))
+  {
+    this->Problem = ending == ".hdr" || ending == ".img" || ending == ".gz"
+      ? vtkFFDDataFiles::FindPairProblem(path)
+      : std::string();
+  }
+  if (!this->Problem.empty())
+  {
+    return false;
+  }
+  if (folder)
+  {
+    vtkNew<SliceReader> slices;
+    slices->SetDirectoryName(path);
+    this->Watch(slices);
+  }
+  else if (ending == ".vti")
+  {
+    auto* xml = this->Make<vtkXMLImageDataReader>(path);
+    xml->SetReaderErrorObserver(this->Heard);
+    xml->SetParserErrorObserver(this->Heard);
+  }
+  else if (ending == ".vtk")
+  {
+    this->Make<vtkStructuredPointsReader>(path);
+  }
+  else if (vtkNew<vtkNIFTIImageReader>()->CanReadFile(path))
+  {
+    this->Make<vtkNIFTIImageReader>(path);
+  }
+  else if (ReadStart(path).compare(0, 4, "NRRD") == 0)
+  {
+    // Not asked by CanReadFile(), which reads as far as the first line goes.
+    this->Problem = FindNrrdProblem(path);
+    if (!this->Problem.empty())
+    {
+      return false;
+    }
+    this->Make<vtkNrrdReader>(path);
+  }
+  else
+  {
+    auto found =
+      vtkSmartPointer<vtkImageReader2>::Take(vtkImageReader2Factory::CreateImageReader2(path));
+    if (!found)
+    {
+      this->Problem = "VTK has no reader for it (.vti, .vtk, .mhd, .nii, .nrrd and image files are "
+                      "known, and folders of DICOM slices)";
+      return false;
+    }
+    found->SetFileName(path);
+    this->Watch(found);
+  }
+  this->Reader->UpdateInformation();
+  if (this->Heard->Text.empty())
+  {
+    this->FindPlace(path);
+  }
+  if (!this->Heard->Text.empty())
+  {
+    this->Problem =
+      folder ? "no DICOM slices were found in it" : "it cannot be read: " + this->Heard->Text;
+  }
+  return this->Problem.empty();
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeReader::vtkInternals::FindPlace(const char* path)
+{
+  vtkInformation* info = this->Reader->GetOutputInformation(0);
+  int extent[6] = { 0, -1, 0, -1, 0, -1 };
+  glm::dvec3 spacing(1.0);
+  info->Get(Pipeline::WHOLE_EXTENT(), extent);
+  if (info->Has(vtkDataObject::SPACING()))
+  {
+    info->Get(vtkDataObject::SPACING(), &spacing.x);
+  }
+  int size[3];
+  for (int a = 0; a < 3; ++a)
+  {
+    size[a] = extent[2 * a + 1] - extent[2 * a] + 1;
+  }
+  auto* dicom = SliceReader::SafeDownCast(this->Reader);
+  auto* nifti = vtkNIFTIImageReader::SafeDownCast(this->Reader);
+  auto* nrrd = vtkNrrdReader::SafeDownCast(this->Reader);
+  if (dicom && dicom->GetNumberOfDICOMFileNames() == 0)
+  {
+    this->Problem = "no DICOM slices were found in it";
+    return;
+  }
+  if (size[0] < 2 || size[1] < 2 || size[2] < 2)
+  {
+    std::ostringstream text;
+    text << "it is " << size[0] << " x " << size[1] << " x " << size[2]
+         << " voxels; a volume has at least two along each axis";
+    this->Problem = text.str();
+    return;
+  }
+  this->Place = Placement();
+  if (dicom)
+  {
+    this->PlaceSlices(dicom, size[1], size[2], spacing);
+  }
+  else if (nifti)
+  {
+    this->HasPlace = PlaceNifti(nifti, spacing, this->Place);
+  }
+  else if (nrrd)
+  {
+    this->HasPlace = PlaceNrrd(path, size[1], nrrd->GetFileLowerLeft() == 0, this->Place);
+  }
+  else if (auto* meta = vtkMetaImageReader::SafeDownCast(this->Reader))
+  {
+    const double voxels = 1.0 * size[0] * size[1] * size[2];
+    this->Problem =
+      vtkFFDDataFiles::FindMetaImageProblem(path, ReadStart(path), ReadFields(path, '='),
+        voxels * meta->GetNumberOfScalarComponents() *
+          vtkDataArray::GetDataTypeSize(meta->GetDataScalarType()),
+        size[2]);
+    this->HasPlace = PlaceMetaImage(path, spacing, this->Place);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeReader::vtkInternals::PlaceSlices(
+  SliceReader* reader, int rows, int slices, const glm::dvec3& spacing)
+{
+  const Slice first = ReadSlice(reader->GetDICOMFileName(0), this->Heard);
+  const Slice last = ReadSlice(reader->GetDICOMFileName(slices - 1), this->Heard);
+  // Implicit, and explicit of either byte order.
+  if (first.Syntax.compare(0, 17, "1.2.840.10008.1.2") == 0 && first.Syntax.size() > 17 &&
+    first.Syntax != "1.2.840.10008.1.2.1" && first.Syntax != "1.2.840.10008.1.2.2")
+  {
+    this->Problem = "its slices are compressed (transfer syntax " + first.Syntax +
+      "), which VTK cannot read; write them uncompressed first, for instance with gdcmconv --raw";
+    return;
+  }
+  glm::dvec3 distance = spacing;
+  ReadPixelSpacing(reader->GetDICOMFileName(0), distance);
+  // VTK's reader turns the rows, so that the last one comes first, and sorts the slices against the
+  // normal of the plane.
+  this->Place.Steps[0] = distance.x * first.Right;
+  this->Place.Steps[1] = -distance.y * first.Down;
+  this->Place.Steps[2] = (last.Position - first.Position) / static_cast<double>(slices - 1);
+  if (!(glm::length(this->Place.Steps[2]) > 0.0))
+  {
+    this->Place.Steps[2] = -distance.z * glm::cross(first.Right, first.Down);
+  }
+  this->Place.Origin = first.Position - static_cast<double>(rows - 1) * this->Place.Steps[1];
+  this->HasPlace = true;
+}
+
+//------------------------------------------------------------------------------
+vtkFFDVolumeReader::vtkFFDVolumeReader()
+  : Internals(new vtkInternals)
+{
+  this->SetNumberOfInputPorts(0);
+}
+
+//------------------------------------------------------------------------------
+vtkFFDVolumeReader::~vtkFFDVolumeReader() { this->SetFileName(nullptr); }
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeReader::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "FileName: " << (this->FileName ? this->FileName : "(none)") << "\n";
+  os << indent << "Problem: " << this->Internals->Problem << "\n";
+}
+
+//------------------------------------------------------------------------------
+const char* vtkFFDVolumeReader::GetProblem() { return this->Internals->Problem.c_str(); }
+
+//------------------------------------------------------------------------------
+int vtkFFDVolumeReader::Fail()
+{
+  vtkErrorMacro(<< (this->FileName ? this->FileName : "(no file)") << ": "
+                << this->Internals->Problem << ".");
+  this->GetOutputDataObject(0)->Initialize();
+  return 0;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDVolumeReader::RequestInformation(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* output)
+{
+  vtkInternals& in = *this->Internals;
+  if (!in.Reader || in.OpenedTime != this->GetMTime())
+  {
+    const bool opened = in.Open(this->FileName);
+    in.OpenedTime = this->GetMTime();
+    if (!opened)
+    {
+      in.Reader = nullptr;
+      return this->Fail();
+    }
+    glm::dmat3 directions = in.Place.Steps;
+    for (int a = 0; a < 3; ++a)
+    {
+      directions[a] /= glm::length(directions[a]);
+    }
+    if (in.HasPlace &&
+      (ffd::IsSingular(directions) || !std::isfinite(glm::length(in.Place.Origin))))
+    {
+      vtkWarningMacro(<< this->FileName
+                      << ": the directions of its axes are singular or not finite; "
+                         "they are left out.");
+      in.HasPlace = false;
+    }
+  }
+  vtkInformation* info = output->GetInformationObject(0);
+  vtkInformation* from = in.Reader->GetOutputInformation(0);
+  info->CopyEntry(from, Pipeline::WHOLE_EXTENT());
+  info->CopyEntry(from, vtkDataObject::ORIGIN());
+  info->CopyEntry(from, vtkDataObject::SPACING());
+  info->CopyEntry(from, vtkDataObject::DIRECTION());
+  info->CopyEntry(from, vtkDataObject::POINT_DATA_VECTOR(), 1);
+  if (in.HasPlace)
+  {
+    double spacing[3];
+    double direction[9];
+    for (int a = 0; a < 3; ++a)
+    {
+      spacing[a] = glm::length(in.Place.Steps[a]);
+      for (int r = 0; r < 3; ++r)
+      {
+        direction[3 * r + a] = in.Place.Steps[a][r] / spacing[a];
+      }
+    }
+    info->Set(vtkDataObject::ORIGIN(), &in.Place.Origin.x, 3);
+    info->Set(vtkDataObject::SPACING(), spacing, 3);
+    info->Set(vtkDataObject::DIRECTION(), direction, 9);
+  }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDVolumeReader::RequestData(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* output)
+{
+  vtkInternals& in = *this->Internals;
+  vtkInformation* info = output->GetInformationObject(0);
+  vtkImageData* image = vtkImageData::GetData(info);
+  image->Initialize();
+  if (!in.Reader)
+  {
+    return 0; // has been told
+  }
+  try
+  {
+    in.Reader->Update();
+  }
+  catch (const std::exception&)
+  {
+    in.Heard->Text = "there is not enough memory for it";
+  }
+  auto* read = vtkImageData::SafeDownCast(in.Reader->GetOutputDataObject(0));
+  if (!in.Heard->Text.empty())
+  {
+    in.Problem = "it cannot be read: " + in.Heard->Text;
+  }
+  else if (!read || read->GetNumberOfPoints() == 0 || !read->GetPointData()->GetScalars())
+  {
+    in.Problem = "it holds no image with point scalars";
+  }
+  if (!in.Problem.empty())
+  {
+    in.Reader = nullptr;
+    return this->Fail();
+  }
+  image->ShallowCopy(read);
+  if (in.HasPlace)
+  {
+    image->SetOrigin(info->Get(vtkDataObject::ORIGIN()));
+    image->SetSpacing(info->Get(vtkDataObject::SPACING()));
+    image->SetDirectionMatrix(info->Get(vtkDataObject::DIRECTION()));
+  }
+  // The voxels live on in the output alone.
+  in.Reader->GetOutputDataObject(0)->ReleaseData();
+  return 1;
+}

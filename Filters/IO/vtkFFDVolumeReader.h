@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkFFDVolumeReader
+ * @brief   reads a volume from any file that VTK can read, placed and oriented as the file says
+ *
+ * VTK has a reader for each format, and most of them leave out which way the voxels lie in the
+ * patient. This one chooses VTK's reader by the content and the name of the file, and puts what the
+ * file says of directions into origin, spacing and direction matrix of the image:
+ * - a folder of DICOM slices (one series, not compressed): position and orientation of the patient;
+ * - NIfTI (.nii, .nii.gz, .hdr and .img): the sform, else the qform (else the axes as they are),
+ *   and the unit of length;
+ * - NRRD (.nrrd, .nhdr): space, space directions and space origin;
+ * - MetaImage (.mhd, .mha): TransformMatrix and Offset;
+ * - image data (.vti), which have a direction matrix, and legacy image data (.vtk);
+ * - what vtkImageReader2Factory knows else, as it comes.
+ *
+ * Coordinates of the first three and of MetaImage are those of DICOM and ITK: LPS (x to the left, y
+ * to the back, z up), in millimeters where the file tells its unit. These are the coordinates of
+ * the transforms that vtkFFDTransformReader reads by default, so that a registration fits.
+ *
+ * Update() reports an error that says why a volume cannot be read: there is no such file, no
+ * reader, nothing in the file, a single slice (a volume has at least two voxels along each axis),
+ * compressed DICOM, a pipe or device, also as one of the data files that a header names, and one of
+ * these that is missing or, of a MetaImage that is not compressed, short. (VTK does not tell of
+ * damaged voxels of a compressed MetaImage.) The output is then empty, and GetProblem() tells the
+ * reason without the file's name. Directions that are singular or not finite are left out, with a
+ * warning. NRRD: VTK's reader takes a first axis of up to 9 elements for components.
+ *
+ * @sa vtkFFDTransformReader vtkImageReader2Factory
+ */
+#ifndef vtkFFDVolumeReader_h
+#define vtkFFDVolumeReader_h
+
+#include "vtkFFDIOModule.h" // For export macro
+#include "vtkImageAlgorithm.h"
+
+#include <memory> // for std::unique_ptr
+
+class VTKFFDIO_EXPORT vtkFFDVolumeReader : public vtkImageAlgorithm
+{
+public:
+  static vtkFFDVolumeReader* New();
+  vtkTypeMacro(vtkFFDVolumeReader, vtkImageAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /**
+   * The file, or the folder of DICOM slices. Default: none.
+   */
+  vtkSetFilePathMacro(FileName);
+  vtkGetFilePathMacro(FileName);
+  ///@}
+
+  /**
+   * Why the last update gave no volume, a sentence without its full stop; empty, if it did. Never
+   * null.
+   */
+  const char* GetProblem();
+
+protected:
+  vtkFFDVolumeReader();
+  ~vtkFFDVolumeReader() override;
+
+  int RequestInformation(
+    vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
+  int RequestData(
+    vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
+
+private:
+  vtkFFDVolumeReader(const vtkFFDVolumeReader&) = delete;
+  void operator=(const vtkFFDVolumeReader&) = delete;
+
+  int Fail();
+
+  class vtkInternals;
+  std::unique_ptr<vtkInternals> Internals;
+  char* FileName = nullptr;
+};
+
+#endif

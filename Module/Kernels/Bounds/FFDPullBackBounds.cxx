@@ -1,0 +1,540 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Bounds/FFDPullBackBounds.h"
+
+#include "FFDGridIndex.h"
+
+#include "Bounds/FFDForwardImage.h"
+#include "Bounds/FFDJacobianDeterminant.h"
+#include "Bounds/FFDMatrixBounds.h"
+#include "Bounds/FFDSubCellBounds.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <glm/vector_relational.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace ffd
+{
+namespace
+{
+
+constexpr double Infinity = std::numeric_limits<double>::infinity();
+
+/// I + sign * dD/dp over a sub-cell.
+MatrixRange GetJacobian(const SubCellBounds& bounds, double sign)
+{
+  MatrixRange range;
+  for (int i = 0; i < 9; ++i)
+  {
+    const double low = -static_cast<double>(bounds.Value[SubCellBounds::NegatedJacobianMin + i]);
+    const double high = bounds.Value[SubCellBounds::JacobianMax + i];
+    range.Center[i / 3][i % 3] = (i % 4 == 0 ? 1.0 : 0.0) + sign * 0.5 * (low + high);
+    range.Spread[i / 3][i % 3] = 0.5 * (high - low);
+  }
+  return range;
+}
+
+/// An upper bound of |d^2 D(o + t d) / dt^2| / |d|^2 over a cell: second derivatives are convex
+/// combinations of second differences of the control points that count there.
+double BoundSecondDerivative(const BSplineField& field, const glm::ivec3& cell)
+{
+  const glm::dvec3 h = glm::abs(field.GetSpacing());
+  double sum = 0.0;
+  for (int a = 0; a < 3; ++a)
+  {
+    for (int b = a; b < 3; ++b)
+    {
+      glm::ivec3 alongA(0);
+      glm::ivec3 alongB(0);
+      alongA[a] = 1;
+      alongB[b] = 1;
+      const glm::ivec3 end = 4 - alongA - alongB;
+      double largest = 0.0;
+      for (int i = 0; i < end.x * end.y * end.z; ++i)
+      {
+        const glm::ivec3 at =
+          cell - 1 + glm::ivec3(i % end.x, i / end.x % end.y, i / (end.x * end.y));
+        const auto c = [&](const glm::ivec3& n) { return field.Coefficient(n.x, n.y, n.z); };
+        largest = std::max(
+          largest, glm::length(c(at + alongA + alongB) - c(at + alongA) - c(at + alongB) + c(at)));
+      }
+      const double second = largest / (h[a] * h[b]);
+      sum += (a == b ? 1.0 : 2.0) * second * second;
+    }
+  }
+  return std::sqrt(sum);
+}
+
+/// Range of the control points, and so of D; all there is when one is not a number.
+Box FindHull(const BSplineField& field)
+{
+  Box hull = Box::Empty();
+  for (const glm::dvec3& c : field.GetCoefficients())
+  {
+    if (!std::isfinite(c.x + c.y + c.z))
+    {
+      return { glm::dvec3(-Infinity), glm::dvec3(Infinity) };
+    }
+    hull.Include({ c, c });
+  }
+  // More than what bounds over sub-cells are rounded by.
+  const glm::dvec3 slack = 1e-4 * glm::max(glm::abs(hull.Min), glm::abs(hull.Max));
+  return { hull.Min - slack, hull.Max + slack };
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+std::size_t PullBackBounds::CellIndex(const glm::ivec3& cell) const
+{
+  const glm::ivec3 at = cell - this->Field->GetFirstCell();
+  const glm::ivec3 size = this->Field->GetEndCell() - this->Field->GetFirstCell();
+  return GridIndex(at, size);
+}
+
+//------------------------------------------------------------------------------
+std::size_t PullBackBounds::Update(const PullBack& pullBack, const ParallelFor& parallelFor)
+{
+  this->Field = pullBack.IsIdentity() ? nullptr : pullBack.GetField();
+  this->Kind = pullBack.GetKind();
+  this->Tolerance = pullBack.GetTolerance();
+  this->ProvenInvertible = true;
+  if (!this->Field || !InvertsTheField(this->Kind))
+  {
+    this->InverseNorms.clear();
+    return 0;
+  }
+  const BSplineField& field = *this->Field;
+  const CellRange cells = this->FindChangedCells();
+  const glm::ivec3 size = glm::max(cells.End - cells.First, 0);
+  const std::size_t count = GridSize(size);
+  // Nothing is kept if memory runs out on the way.
+  std::vector<float> norms = std::move(this->InverseNorms);
+  this->InverseNorms.clear();
+  if (count > 0)
+  {
+    const glm::ivec3 all = field.GetEndCell() - field.GetFirstCell();
+    norms.resize(GridSize(all));
+    this->BoundInverse(cells, parallelFor, norms);
+    this->NumberOfNodes = field.GetNodes();
+    this->Spacing = field.GetSpacing();
+    this->Border = field.GetBorder();
+    this->Nodes.clear();
+    for (int k = 0; k < this->NumberOfNodes.z; ++k)
+    {
+      for (int j = 0; j < this->NumberOfNodes.y; ++j)
+      {
+        const glm::dvec3* row = &field.Coefficient(0, j, k);
+        this->Nodes.insert(this->Nodes.end(), row, row + this->NumberOfNodes.x);
+      }
+    }
+  }
+  this->ProveInvertible(norms);
+  this->InverseNorms = std::move(norms);
+  return count;
+}
+
+//------------------------------------------------------------------------------
+/// The cells in which D is not what it was at the last update.
+CellRange PullBackBounds::FindChangedCells() const
+{
+  const BSplineField& field = *this->Field;
+  const glm::ivec3 nodes = field.GetNodes();
+  if (this->InverseNorms.empty() || this->NumberOfNodes != nodes ||
+    this->Spacing != field.GetSpacing() || this->Border != field.GetBorder())
+  {
+    return { field.GetFirstCell(), field.GetEndCell() };
+  }
+  glm::ivec3 low = nodes;
+  glm::ivec3 high(-1);
+  const glm::dvec3* last = this->Nodes.data();
+  for (int k = 0; k < nodes.z; ++k)
+  {
+    for (int j = 0; j < nodes.y; ++j)
+    {
+      const glm::dvec3* row = &field.Coefficient(0, j, k);
+      for (int i = 0; i < nodes.x; ++i)
+      {
+        if (*last++ != row[i])
+        {
+          low = glm::min(low, glm::ivec3(i, j, k));
+          high = glm::max(high, glm::ivec3(i, j, k));
+        }
+      }
+    }
+  }
+  if (high.x < 0)
+  {
+    return {};
+  }
+  CellRange cells;
+  for (int a = 0; a < 3; ++a)
+  {
+    // The outermost control points count in the border, too.
+    cells.First[a] =
+      low[a] == 0 ? field.GetFirstCell()[a] : std::max(low[a] - 2, field.GetFirstCell()[a]);
+    cells.End[a] = high[a] == nodes[a] - 1 ? field.GetEndCell()[a]
+                                           : std::min(high[a] + 2, field.GetEndCell()[a]);
+  }
+  return cells;
+}
+
+//------------------------------------------------------------------------------
+void PullBackBounds::BoundInverse(
+  const CellRange& cells, const ParallelFor& parallelFor, std::vector<float>& norms) const
+{
+  const SubCellGrid grid(cells);
+  SubCellBoundsVector subCells;
+  ComputeSubCellBounds(*this->Field, grid, subCells, parallelFor);
+  const glm::ivec3 size = cells.End - cells.First;
+  parallelFor(static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z),
+    [&](std::size_t firstRow, std::size_t endRow) {
+      for (std::size_t row = firstRow; row < endRow; ++row)
+      {
+        glm::ivec3 at(0, static_cast<int>(row) % size.y, static_cast<int>(row) / size.y);
+        for (; at.x < size.x; ++at.x)
+        {
+          double largest = 0.0;
+          for (int i = 0; i < 8; ++i)
+          {
+            const glm::ivec3 s = 2 * at + 1 + glm::ivec3(i & 1, i >> 1 & 1, i >> 2);
+            MatrixRange inverse;
+            const bool regular =
+              FindInverse(GetJacobian(subCells[grid.Index(s.x, s.y, s.z)], 1.0), inverse);
+            largest = regular ? std::max(largest, BoundNorm(inverse)) : Infinity;
+            if (!regular)
+            {
+              break;
+            }
+          }
+          norms[this->CellIndex(cells.First + at)] = largest < Infinity
+            ? std::nextafter(static_cast<float>(largest), std::numeric_limits<float>::infinity())
+            : std::numeric_limits<float>::quiet_NaN();
+        }
+      }
+    });
+}
+
+//------------------------------------------------------------------------------
+/// Far from the lattice T is a translation, so it is one to one if it folds nowhere. The
+/// determinant tells of the cells over which the inverse is not bounded.
+void PullBackBounds::ProveInvertible(std::vector<float>& norms)
+{
+  const glm::ivec3 first = this->Field->GetFirstCell();
+  const glm::ivec3 size = this->Field->GetEndCell() - first;
+  CellRange unknown{ this->Field->GetEndCell(), first };
+  std::size_t n = 0;
+  for (int k = 0; k < size.z; ++k)
+  {
+    for (int j = 0; j < size.y; ++j)
+    {
+      for (int i = 0; i < size.x; ++i, ++n)
+      {
+        if (std::isnan(norms[n]))
+        {
+          const glm::ivec3 cell = first + glm::ivec3(i, j, k);
+          unknown.First = glm::min(unknown.First, cell);
+          unknown.End = glm::max(unknown.End, cell + 1);
+        }
+      }
+    }
+  }
+  if (glm::any(glm::greaterThanEqual(unknown.First, unknown.End)))
+  {
+    return;
+  }
+  constexpr double loosely = 0.1;
+  this->ProvenInvertible =
+    BoundJacobianDeterminant(*this->Field, unknown.First, unknown.End, loosely).Min > 0.0;
+  if (this->ProvenInvertible)
+  {
+    std::replace_if(
+      norms.begin(), norms.end(), [](float norm) { return std::isnan(norm); },
+      std::numeric_limits<float>::infinity());
+  }
+}
+
+//------------------------------------------------------------------------------
+bool PullBackBounds::TouchesKink(const Box& region) const
+{
+  if (this->Field->GetBorder() != BorderMode::ZeroAtBorder)
+  {
+    return false;
+  }
+  for (int a = 0; a < 3; ++a)
+  {
+    if (this->Field->GetNodes()[a] == 1)
+    {
+      continue;
+    }
+    const double h = this->Field->GetSpacing()[a];
+    const double touch = 1e-9 * std::abs(h);
+    for (const int cell : { this->Field->GetFirstCell()[a], this->Field->GetEndCell()[a] })
+    {
+      const double plane = this->Field->GetOrigin()[a] + cell * h;
+      if (region.Min[a] - touch <= plane && plane <= region.Max[a] + touch)
+      {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+//------------------------------------------------------------------------------
+/// Bounds over the sub-cells first ... last of the field.
+class PullBackBounds::SubCells
+{
+public:
+  SubCells(const BSplineField& field, const glm::ivec3& first, const glm::ivec3& last,
+    const ParallelFor& parallelFor)
+    : Range(FindCells(field, first, last))
+    , Grid(this->Range)
+    , Shift(2 * (this->Range.First - field.GetFirstCell()))
+  {
+    ComputeSubCellBounds(field, this->Grid, this->Bounds, parallelFor);
+  }
+
+  const SubCellBounds& At(const glm::ivec3& s) const
+  {
+    const glm::ivec3 at = s - this->Shift;
+    return this->Bounds[this->Grid.Index(at.x, at.y, at.z)];
+  }
+
+  Box GetDisplacement(const glm::ivec3& s) const
+  {
+    const SubCellBounds& bounds = this->At(s);
+    Box box;
+    for (int a = 0; a < 3; ++a)
+    {
+      box.Min[a] = -bounds.Value[SubCellBounds::NegatedMin + a];
+      box.Max[a] = bounds.Value[SubCellBounds::Max + a];
+    }
+    return box;
+  }
+
+private:
+  /// Cells on either side of a part of the field are bounded with its outermost cells alone.
+  static CellRange FindCells(
+    const BSplineField& field, const glm::ivec3& first, const glm::ivec3& last)
+  {
+    CellRange cells;
+    for (int a = 0; a < 3; ++a)
+    {
+      const auto cellOf = [&](int s) { return FindCellOfSubCell(field, a, s); };
+      cells.First[a] = cellOf(first[a]);
+      cells.End[a] = cellOf(last[a]) + 1;
+    }
+    return cells;
+  }
+
+  CellRange Range;
+  SubCellGrid Grid;
+  glm::ivec3 Shift;
+  SubCellBoundsVector Bounds;
+};
+
+//------------------------------------------------------------------------------
+Box PullBackBounds::DisplacementOver(const Box& region) const
+{
+  glm::ivec3 first;
+  glm::ivec3 last;
+  if (!this->Field || !FindSubCells(*this->Field, region, first, last))
+  {
+    return Box();
+  }
+  return this->UnionOfSubCells(
+    first, last, [](const Box&, const Box& d) { return d; }, ParallelFor());
+}
+
+//------------------------------------------------------------------------------
+/// Union of what reach(box, d) gives for the sub-cells first ... last, where `box` is where one
+/// lies and `d` the range of D over it.
+template <class Reach>
+Box PullBackBounds::UnionOfSubCells(const glm::ivec3& first, const glm::ivec3& last,
+  const Reach& reach, const ParallelFor& parallelFor) const
+{
+  const SubCells subCells(*this->Field, first, last, parallelFor);
+  Box sum = Box::Empty();
+  glm::ivec3 s;
+  for (s.z = first.z; s.z <= last.z; ++s.z)
+  {
+    for (s.y = first.y; s.y <= last.y; ++s.y)
+    {
+      for (s.x = first.x; s.x <= last.x; ++s.x)
+      {
+        Box box;
+        for (int a = 0; a < 3; ++a)
+        {
+          const SubCellEnds along = FindSubCellEnds(*this->Field, a, s[a]);
+          box.Min[a] = along.Min;
+          box.Max[a] = along.Max;
+        }
+        const Box part = reach(box, subCells.GetDisplacement(s));
+        if (!part.IsEmpty())
+        {
+          sum.Include(part);
+        }
+      }
+    }
+  }
+  return sum;
+}
+
+//------------------------------------------------------------------------------
+/// {P : P + factor * D(P) in rest}.
+Box PullBackBounds::Preimage(const Box& rest, double factor, const ParallelFor& parallelFor) const
+{
+  const auto move = [&rest, factor](const Box& d) {
+    return factor < 0.0 ? Box{ rest.Min + d.Min, rest.Max + d.Max }
+                        : Box{ rest.Min - d.Max, rest.Max - d.Min };
+  };
+  glm::ivec3 first;
+  glm::ivec3 last;
+  if (!FindSubCells(*this->Field, move(FindHull(*this->Field)), first, last))
+  {
+    return Box::Empty();
+  }
+  // Constant sub-cells are unbounded, their intersection with the reach is not.
+  return this->UnionOfSubCells(
+    first, last, [&move](const Box& box, const Box& d) { return Intersect(box, move(d)); },
+    parallelFor);
+}
+
+//------------------------------------------------------------------------------
+Box PullBackBounds::DeformedBounds(const Box& rest, const ParallelFor& parallelFor) const
+{
+  if (rest.IsEmpty())
+  {
+    return Box::Empty();
+  }
+  if (!this->Field)
+  {
+    return rest;
+  }
+  const auto grow = [](Box box, double by) -> Box {
+    return box.IsEmpty() ? box : Box{ box.Min - by, box.Max + by };
+  };
+  Box box = Box::Empty();
+  switch (this->Kind)
+  {
+    case PullBackKind::FirstOrder:
+      return this->Preimage(rest, -1.0, parallelFor);
+    case PullBackKind::Forward:
+      return this->Preimage(rest, 1.0, parallelFor);
+    case PullBackKind::Exact:
+      // A converged Q has T(Q) within the tolerance of P.
+      box = grow(FindForwardImage(*this->Field, rest), this->Tolerance);
+      if (!this->ProvenInvertible)
+      {
+        box.Include(this->Preimage(rest, -1.0, parallelFor));
+      }
+      return box;
+    case PullBackKind::FirstOrderOfInverse:
+    {
+      // With P = T(Q) + e, |e| <= tolerance: Phi(P) = 2P - Q = Q + 2 D(Q) + 2 e.
+      const Box grown = grow(rest, 2.0 * this->Tolerance);
+      const auto reach = [&grown](const Box& d) {
+        return Box{ grown.Min - 2.0 * d.Max, grown.Max - 2.0 * d.Min };
+      };
+      glm::ivec3 first;
+      glm::ivec3 last;
+      if (FindSubCells(*this->Field, reach(FindHull(*this->Field)), first, last))
+      {
+        box = this->UnionOfSubCells(
+          first, last,
+          [&reach](const Box& at, const Box& d) {
+            const Box q = Intersect(at, reach(d));
+            return q.IsEmpty() ? q : Box{ q.Min + d.Min, q.Max + d.Max };
+          },
+          parallelFor);
+      }
+      box = grow(box, this->Tolerance);
+      if (!this->ProvenInvertible)
+      {
+        box.Include(this->Preimage(rest, 1.0, parallelFor));
+      }
+      return box;
+    }
+  }
+  return box;
+}
+
+//------------------------------------------------------------------------------
+PullBackLimits PullBackBounds::GetLimits() const
+{
+  PullBackLimits limits;
+  limits.OneToOne = this->ProvenInvertible;
+  for (const float norm : this->InverseNorms)
+  {
+    // The negation also catches what is not a number.
+    limits.LargestStretch = !(norm <= limits.LargestStretch) ? (std::isnan(norm) ? Infinity : norm)
+                                                             : limits.LargestStretch;
+  }
+  return limits;
+}
+
+//------------------------------------------------------------------------------
+double PullBackBounds::FindLargestTurnRate(const Box& region) const
+{
+  glm::ivec3 first;
+  glm::ivec3 last;
+  if (!this->Field || !FindSubCells(*this->Field, region, first, last))
+  {
+    return 0.0;
+  }
+  if (this->TouchesKink(region))
+  {
+    return Infinity;
+  }
+  // Outside of the lattice the derivatives are some of those at its faces.
+  const BSplineField& field = *this->Field;
+  const glm::ivec3 size = 2 * (field.GetEndCell() - field.GetFirstCell());
+  first = glm::clamp(first, glm::ivec3(1), size);
+  last = glm::clamp(last, glm::ivec3(1), size);
+  const SubCells subCells(field, first, last, ParallelFor());
+  const glm::ivec3 cells = (last - 1) / 2 - (first - 1) / 2 + 1;
+  const double sign = this->Kind == PullBackKind::FirstOrder ? -1.0 : 1.0;
+  double largest = 0.0;
+  for (int n = 0; n < cells.x * cells.y * cells.z; ++n)
+  {
+    const glm::ivec3 cell =
+      (first - 1) / 2 + glm::ivec3(n % cells.x, n / cells.x % cells.y, n / (cells.x * cells.y));
+    const double second = BoundSecondDerivative(field, field.GetFirstCell() + cell);
+    for (int i = 0; i < 8 && second > 0.0; ++i)
+    {
+      const glm::ivec3 s = 2 * cell + 1 + glm::ivec3(i & 1, i >> 1 & 1, i >> 2);
+      MatrixRange inverse;
+      if (!FindInverse(GetJacobian(subCells.At(s), sign), inverse))
+      {
+        return Infinity;
+      }
+      const double norm = BoundNorm(inverse);
+      double rate = norm * second;
+      if (this->Kind == PullBackKind::Exact)
+      {
+        // From T(Q(t)) = P + t d: J_T Q'' = -T''[Q', Q'].
+        rate *= norm;
+      }
+      else if (this->Kind == PullBackKind::FirstOrderOfInverse)
+      {
+        MatrixRange slowest;
+        if (!FindInverse({ glm::dmat3(2.0) - inverse.Center, inverse.Spread }, slowest))
+        {
+          return Infinity;
+        }
+        rate *= norm * norm * BoundNorm(slowest);
+      }
+      largest = std::max(largest, rate);
+    }
+  }
+  return largest;
+}
+
+} // namespace ffd

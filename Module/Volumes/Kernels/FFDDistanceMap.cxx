@@ -1,0 +1,273 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FFDDistanceMap.h"
+
+#include "FFDGridIndex.h"
+
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
+
+#include <algorithm>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <vector>
+
+namespace ffd
+{
+namespace
+{
+
+constexpr int LargestDistance = 255;
+
+/// Along a row whose blocks are 0 (may be visible) or the largest distance: forth and back.
+void TransformRow(std::uint8_t* row, int count)
+{
+  int gap = LargestDistance;
+  for (int i = 0; i < count; ++i)
+  {
+    gap = row[i] == 0 ? 0 : std::min(gap + 1, LargestDistance);
+    row[i] = static_cast<std::uint8_t>(gap);
+  }
+  gap = LargestDistance;
+  for (int i = count - 1; i >= 0; --i)
+  {
+    gap = row[i] == 0 ? 0 : std::min(gap + 1, LargestDistance);
+    row[i] = static_cast<std::uint8_t>(std::min<int>(row[i], gap));
+  }
+}
+
+/**
+ * One more axis of the Chebyshev distance transform, for `width` lines at once that lie side by
+ * side: out[i] = min over j of max(|i - j|, in[j]). The search for a row of the lines stops at the
+ * largest distance found in it so far, so it is short wherever the volume is not empty.
+ */
+void TransformLines(
+  std::uint8_t* lines, int count, std::size_t stride, int width, std::vector<std::uint8_t>& source)
+{
+  source.resize(static_cast<std::size_t>(count) * static_cast<std::size_t>(width));
+  const auto row = [&source, width](int i) {
+    return &source[static_cast<std::size_t>(i) * static_cast<std::size_t>(width)];
+  };
+  for (int i = 0; i < count; ++i)
+  {
+    std::copy_n(lines + static_cast<std::size_t>(i) * stride, width, row(i));
+  }
+  for (int i = 0; i < count; ++i)
+  {
+    std::uint8_t* out = lines + static_cast<std::size_t>(i) * stride;
+    for (int gap = 1; gap < LargestDistance && (i - gap >= 0 || i + gap < count); ++gap)
+    {
+      // Beyond either end there is nothing: the other neighbor stands for both.
+      const std::uint8_t* below = row(i - gap >= 0 ? i - gap : i + gap);
+      const std::uint8_t* above = row(i + gap < count ? i + gap : i - gap);
+      const std::uint8_t least = static_cast<std::uint8_t>(gap);
+      std::uint8_t largest = 0;
+      for (int x = 0; x < width; ++x)
+      {
+        const std::uint8_t near = std::min(below[x], above[x]);
+        out[x] = std::min(out[x], std::max(least, near));
+        largest = std::max(largest, out[x]);
+      }
+      // Only neighbors closer than the distances found so far can lower them.
+      if (largest <= gap + 1)
+      {
+        break;
+      }
+    }
+  }
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+DistanceMap::DistanceMap(
+  const MinMaxBlocks& blocks, const TransferTable& table, const ParallelFor& parallelFor)
+{
+  this->Build(
+    { &blocks },
+    [&table](
+      const MinMaxBlocks::Limits* limits) { return table.IsTransparent(limits->Min, limits->Max); },
+    parallelFor);
+}
+
+//------------------------------------------------------------------------------
+DistanceMap::DistanceMap(const std::vector<const MinMaxBlocks*>& components, const IsEmpty& isEmpty,
+  const ParallelFor& parallelFor)
+{
+  this->Build(components, isEmpty, parallelFor);
+}
+
+//------------------------------------------------------------------------------
+template <class Test>
+void DistanceMap::Build(const std::vector<const MinMaxBlocks*>& components, const Test& isEmpty,
+  const ParallelFor& parallelFor)
+{
+  this->Blocks = components[0]->GetBlocks();
+  this->Distances.resize(components[0]->GetNumberOfBlocks() + 3);
+  const auto run = [&parallelFor](int count, const std::function<void(int)>& work) {
+    parallelFor(static_cast<std::size_t>(count), [&work](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i)
+      {
+        work(static_cast<int>(i));
+      }
+    });
+  };
+  run(components[0]->GetParents().z,
+    [&](int plane) { this->FindOccupancy(components, isEmpty, plane); });
+  run(this->Blocks.z, [this](int k) { this->TransformPlane(k); });
+  const std::size_t nx = static_cast<std::size_t>(this->Blocks.x);
+  const std::size_t nxy = nx * static_cast<std::size_t>(this->Blocks.y);
+  run(this->Blocks.y, [&](int j) {
+    std::vector<std::uint8_t> work;
+    TransformLines(&this->Distances[static_cast<std::size_t>(j) * nx], this->Blocks.z, nxy,
+      this->Blocks.x, work);
+  });
+}
+
+//------------------------------------------------------------------------------
+template <class Test>
+void DistanceMap::FindOccupancy(
+  const std::vector<const MinMaxBlocks*>& components, const Test& isEmpty, int parentPlane)
+{
+  const glm::ivec3 parents = components[0]->GetParents();
+  MinMaxBlocks::Limits limits[4];
+  const auto distanceOf = [&](MinMaxBlocks::Limits (MinMaxBlocks::*get)(const glm::ivec3&) const,
+                            const glm::ivec3& at) {
+    for (std::size_t c = 0; c < components.size(); ++c)
+    {
+      limits[c] = (components[c]->*get)(at);
+    }
+    return isEmpty(limits) ? LargestDistance : 0;
+  };
+  for (int y = 0; y < parents.y; ++y)
+  {
+    for (int x = 0; x < parents.x; ++x)
+    {
+      const glm::ivec3 parent(x, y, parentPlane);
+      const bool empty = distanceOf(&MinMaxBlocks::GetParentLimits, parent) != 0;
+      for (int c = 0; c < 8; ++c)
+      {
+        const glm::ivec3 block = 2 * parent + glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
+        if (block.x < this->Blocks.x && block.y < this->Blocks.y && block.z < this->Blocks.z)
+        {
+          this->Distances[GridIndex(block, this->Blocks)] = static_cast<std::uint8_t>(
+            empty ? LargestDistance : distanceOf(&MinMaxBlocks::GetLimits, block));
+        }
+      }
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+void DistanceMap::TransformPlane(int k)
+{
+  for (int j = 0; j < this->Blocks.y; ++j)
+  {
+    TransformRow(&this->Distances[GridIndex(0, j, k, this->Blocks)], this->Blocks.x);
+  }
+  std::vector<std::uint8_t> work;
+  TransformLines(&this->Distances[GridIndex(0, 0, k, this->Blocks)], this->Blocks.y,
+    static_cast<std::size_t>(this->Blocks.x), this->Blocks.x, work);
+}
+
+//------------------------------------------------------------------------------
+bool DistanceMap::IsAnythingVisible() const
+{
+  const std::size_t count = std::max<std::size_t>(this->Distances.size(), 3) - 3;
+  return count > 0 && std::memchr(this->Distances.data(), 0, count) != nullptr;
+}
+
+//------------------------------------------------------------------------------
+bool DistanceMap::FindEmptyBox(
+  const glm::dvec3& q, const glm::dvec3& upper, EmptyBox& box, double margin) const
+{
+  constexpr double Infinity = std::numeric_limits<double>::infinity();
+  int side = -1;
+  double farthest = 0.0;
+  bool above = false;
+  for (int a = 0; a < 3; ++a)
+  {
+    const double below = -margin - q[a];
+    const double beyond = q[a] - upper[a];
+    if (below > farthest)
+    {
+      farthest = below;
+      side = a;
+      above = false;
+    }
+    if (beyond > farthest)
+    {
+      farthest = beyond;
+      side = a;
+      above = true;
+    }
+  }
+  if (side >= 0)
+  {
+    box.Min = glm::dvec3(-Infinity);
+    box.Max = glm::dvec3(Infinity);
+    (above ? box.Min : box.Max)[side] = above ? upper[side] : -margin;
+    return true;
+  }
+  if (!(q.x >= -margin && q.y >= -margin && q.z >= -margin))
+  {
+    // Not a number: nothing is known.
+    return false;
+  }
+  const glm::ivec3 block = glm::min(glm::ivec3(q) / MinMaxBlocks::BlockSize, this->Blocks - 1);
+  const int distance = this->GetDistance(block);
+  if (distance == 0)
+  {
+    return false;
+  }
+  box.Min = glm::dvec3((block - (distance - 1)) * MinMaxBlocks::BlockSize);
+  box.Max = glm::dvec3((block + distance) * MinMaxBlocks::BlockSize);
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool DistanceMap::IsEmptyIn(
+  const glm::dvec3& low, const glm::dvec3& high, const glm::dvec3& upper, double margin) const
+{
+  // Written so that what is not a number is not known to be empty.
+  if (glm::any(glm::lessThan(high, glm::dvec3(-margin))) || glm::any(glm::greaterThan(low, upper)))
+  {
+    return true;
+  }
+  glm::ivec3 first;
+  glm::ivec3 last;
+  for (int a = 0; a < 3; ++a)
+  {
+    if (!(low[a] <= high[a]))
+    {
+      return false;
+    }
+    const double largest = this->Blocks[a] - 1;
+    first[a] = static_cast<int>(std::clamp(low[a] / MinMaxBlocks::BlockSize, 0.0, largest));
+    last[a] = static_cast<int>(std::clamp(high[a] / MinMaxBlocks::BlockSize, 0.0, largest));
+  }
+  const glm::ivec3 middle = (first + last) / 2;
+  const int distance = this->GetDistance(middle);
+  const glm::ivec3 reach = glm::max(middle - first, last - middle);
+  if (distance == 0 || distance > std::max(reach.x, std::max(reach.y, reach.z)))
+  {
+    return distance > 0;
+  }
+  for (int k = first.z; k <= last.z; ++k)
+  {
+    for (int j = first.y; j <= last.y; ++j)
+    {
+      for (int i = first.x; i <= last.x; ++i)
+      {
+        if (this->GetDistance({ i, j, k }) == 0)
+        {
+          return false;
+        }
+      }
+    }
+  }
+  return true;
+}
+
+} // namespace ffd

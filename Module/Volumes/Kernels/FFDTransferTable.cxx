@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FFDTransferTable.h"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ffd
+{
+namespace
+{
+
+/// Extinctions end here, whatever the unit distance: interpolating infinite ones gives no number.
+constexpr double LargestExtinction = 1e30;
+
+float ExtinctionOf(float opacity, double unitDistance)
+{
+  // Written so that NaN counts as transparent.
+  if (!(opacity > 0.0f))
+  {
+    return 0.0f;
+  }
+  const double perUnit = opacity >= 1.0f ? TransferTable::OpaqueExtinction
+                                         : -std::log2(1.0 - static_cast<double>(opacity));
+  return static_cast<float>(std::min(perUnit / unitDistance, LargestExtinction));
+}
+
+float ColorOf(float channel) { return channel > 0.0f ? std::min(channel, 1.0f) : 0.0f; }
+
+} // namespace
+
+//------------------------------------------------------------------------------
+TransferTable::TransferTable(double lo, double hi, std::size_t size, const float* rgb,
+  const float* opacity, double unitDistance)
+  : Low(lo)
+  , Scale(static_cast<double>(size - 1) / (hi - lo))
+  , UnitDistance(unitDistance)
+{
+  this->Entries.resize(size);
+  this->VisibleUpTo.assign(size + 1, 0);
+  for (std::size_t i = 0; i < size; ++i)
+  {
+    this->Entries[i] = { glm::vec3(
+                           ColorOf(rgb[3 * i]), ColorOf(rgb[3 * i + 1]), ColorOf(rgb[3 * i + 2])),
+      ExtinctionOf(opacity[i], unitDistance) };
+    this->VisibleUpTo[i + 1] =
+      this->VisibleUpTo[i] + (this->Entries[i].Extinction > 0.0f ? 1u : 0u);
+  }
+}
+
+//------------------------------------------------------------------------------
+TransferTable::Sample TransferTable::Lookup(double scalar) const
+{
+  if (std::isnan(scalar))
+  {
+    return { glm::vec3(0.0f), 0.0f };
+  }
+  const double last = static_cast<double>(this->Entries.size() - 1);
+  const double x = std::clamp((scalar - this->Low) * this->Scale, 0.0, last);
+  const std::size_t i = std::min(static_cast<std::size_t>(x), this->Entries.size() - 2);
+  const float f = static_cast<float>(x - static_cast<double>(i));
+  const Entry& a = this->Entries[i];
+  const Entry& b = this->Entries[i + 1];
+  return { a.Color + f * (b.Color - a.Color), a.Extinction + f * (b.Extinction - a.Extinction) };
+}
+
+//------------------------------------------------------------------------------
+bool TransferTable::IsTransparent(double lo, double hi) const
+{
+  if (!(lo <= hi))
+  {
+    return true;
+  }
+  // A little more than the interval: a sample may leave it by a rounding error. Not so where all
+  // scalars are equal, and these are most of the empty space: zeros below a ramp that starts at 0.
+  const double guard = lo < hi ? 1e-3 : 0.0;
+  const double last = static_cast<double>(this->Entries.size() - 1);
+  const double from = std::floor(std::clamp((lo - this->Low) * this->Scale - guard, 0.0, last));
+  const double to = std::ceil(std::clamp((hi - this->Low) * this->Scale + guard, 0.0, last));
+  return this->VisibleUpTo[static_cast<std::size_t>(to) + 1] ==
+    this->VisibleUpTo[static_cast<std::size_t>(from)];
+}
+
+//------------------------------------------------------------------------------
+std::size_t TransferTable::GetMemorySize() const
+{
+  return this->Entries.capacity() * sizeof(Entry) +
+    this->VisibleUpTo.capacity() * sizeof(unsigned int);
+}
+
+//------------------------------------------------------------------------------
+TransmittanceTable::TransmittanceTable()
+{
+  this->Entries.resize(Range * EntriesPerUnit + 2, 0.0f);
+  for (int i = 0; i < Range * EntriesPerUnit; ++i)
+  {
+    this->Entries[i] = std::exp2(-static_cast<float>(i) / EntriesPerUnit);
+  }
+}
+
+//------------------------------------------------------------------------------
+float TransmittanceTable::operator()(float opticalDepth) const
+{
+  // In this order what is not a number becomes the last entry.
+  const float x =
+    std::min(static_cast<float>(Range * EntriesPerUnit), opticalDepth * EntriesPerUnit);
+  const int i = static_cast<int>(x);
+  const float f = x - static_cast<float>(i);
+  return this->Entries[i] + f * (this->Entries[i + 1] - this->Entries[i]);
+}
+
+} // namespace ffd

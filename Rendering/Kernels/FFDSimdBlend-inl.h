@@ -1,0 +1,514 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Extremes, sums and surfaces along the rays of a packet. Included once per target of Highway.
+#if defined(FFD_SIMD_BLEND_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef FFD_SIMD_BLEND_INL_H_
+#undef FFD_SIMD_BLEND_INL_H_
+#else
+#define FFD_SIMD_BLEND_INL_H_
+#endif
+
+#include "FFDPacketCaster.h"
+
+#include "FFDSimdBorder-inl.h"
+#include "FFDSimdComposite-inl.h"
+#include "FFDSimdCurve-inl.h"
+#include "FFDSimdFetch-inl.h"
+#include "FFDSimdMath-inl.h"
+#include "FFDSimdNormals-inl.h"
+#include "FFDSimdRays-inl.h"
+#include "FFDSimdTable-inl.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <type_traits>
+#include <vector>
+
+HWY_BEFORE_NAMESPACE();
+namespace ffd
+{
+namespace HWY_NAMESPACE
+{
+
+/// Samples of a packet in all blend modes that do not composite, and ray by ray.
+template <class T>
+class PacketBlending
+{
+public:
+  /// All are kept by reference.
+  PacketBlending(const PacketScene& scene, PacketScratch& scratch, const RayPacket& rays,
+    PacketCompositor<T>& samples)
+    : Scene(scene)
+    , Scratch(scratch)
+    , Rays(rays)
+    , State(samples.State)
+    , Normals(samples.Normals)
+    , Border(samples.Border)
+  {
+  }
+
+  /// Before the samples of the packet whose first pixel is (x0, y0), `width` pixels wide.
+  HWY_NOINLINE void Begin(int x0, int y0, int width)
+  {
+    const Df d;
+    switch (this->Scene.Sampling)
+    {
+      case PacketSampling::Extreme:
+        this->State.Out.Tally = Splat(-NoExtreme);
+        return;
+      case PacketSampling::Surface:
+        this->State.Out.TallyStep = Splat(-1e30f);
+        return;
+      case PacketSampling::PerRay:
+        break;
+      default:
+        return;
+    }
+    HWY_ALIGN float from[16], to[16];
+    hn::Store(this->Rays.From, d, from);
+    hn::Store(this->Rays.To, d, to);
+    std::vector<RayIntegrator>& integrators = this->Scratch.Integrators;
+    integrators.resize(hn::MaxLanes(Df()));
+    for (int lane = 0; lane < static_cast<int>(hn::Lanes(d)); ++lane)
+    {
+      integrators[static_cast<std::size_t>(lane)].Begin(*this->Scene.Frame,
+        this->Scene.Source->Camera.MakeRay(x0 + lane % width + 0.5, y0 + lane / width + 0.5),
+        static_cast<double>(from[lane]), static_cast<double>(to[lane]));
+    }
+  }
+
+  /// A sample of the lanes of `sampled`, at s of a curve: q. `number`: of the sample.
+  HWY_NOINLINE void Take(const PacketCurve& curve, const Vec3& q, Vf s, Vf number, Mf sampled)
+  {
+    const Df d;
+    this->Scratch.Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
+    switch (this->Scene.Sampling)
+    {
+      case PacketSampling::Extreme:
+        return this->TakeExtreme(curve, q, s, sampled);
+      case PacketSampling::Sum:
+        return this->AddUp(curve, q, s, sampled);
+      case PacketSampling::Surface:
+        return this->CrossSurfaces(curve, q, s, number, sampled);
+      default:
+        return this->TakeSamplePerRay(curve, s, sampled);
+    }
+  }
+
+  /// After the last sample: what is seen along the rays.
+  HWY_NOINLINE void End()
+  {
+    switch (this->Scene.Sampling)
+    {
+      case PacketSampling::Extreme:
+        return this->EndExtremes();
+      case PacketSampling::Sum:
+        return this->EndSums();
+      case PacketSampling::PerRay:
+        return this->EndIntegrators();
+      default:
+        return;
+    }
+  }
+
+private:
+  static constexpr float NoExtreme = 3e38f;
+  static constexpr int FaceSteps = 20;
+  /// Where crossings are known well, parts of an interval; and steps at most.
+  static constexpr float CloseCrossing = 1e-4f;
+  static constexpr int CrossingSteps = 40;
+
+  /// The piece of one ray.
+  class RayPiece : public SampledPiece
+  {
+  public:
+    RayPiece(PacketNormals& normals, const PacketCurve& curve, std::size_t lane,
+      const CurvePiece& piece, double t0, double dt)
+      : SampledPiece(piece, t0, dt)
+      , Normals(normals)
+      , OfAll(curve)
+      , Lane(lane)
+    {
+    }
+
+    glm::dvec3 GradientToDeformed(double s, const glm::dvec3& byIndex) const override
+    {
+      return this->Normals.GradientOfRay(this->OfAll, this->Lane, static_cast<float>(s), byIndex);
+    }
+
+  private:
+    PacketNormals& Normals;
+    const PacketCurve& OfAll;
+    std::size_t Lane;
+  };
+
+  void EndIntegrators()
+  {
+    const Df d;
+    HWY_ALIGN float r[16], g[16], b[16], transmittance[16], t[16];
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+    {
+      const RayIntegrator::Result result = this->Scratch.Integrators[lane].End();
+      r[lane] = result.Color.r;
+      g[lane] = result.Color.g;
+      b[lane] = result.Color.b;
+      transmittance[lane] = result.Transmittance;
+      t[lane] = static_cast<float>(std::min(result.FirstVisible, 1e30));
+    }
+    this->State.Out.Color = { hn::Load(d, r), hn::Load(d, g), hn::Load(d, b) };
+    this->State.Out.Transmittance = hn::Load(d, transmittance);
+    this->State.Out.FirstVisible = hn::Load(d, t);
+  }
+
+  void EndExtremes()
+  {
+    const Df d;
+    HWY_ALIGN float extreme[16], r[16], g[16], b[16], transmittance[16], t[16];
+    const bool maximum = this->Scene.Source->Blend.Mode == BlendMode::Maximum;
+    hn::Store(this->State.Out.Tally, d, extreme);
+    hn::Store(this->State.Out.FirstVisible, d, t);
+    const PacketVolume& v = this->Scene.Volume;
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+    {
+      glm::vec4 look(0.0f);
+      if (extreme[lane] > -NoExtreme)
+      {
+        const double value = static_cast<double>(maximum ? extreme[lane] : -extreme[lane]);
+        look = this->Scene.Frame->Classifier->ClassifyValue(0, value / v.Scale + v.Shift);
+        look.a = std::min(1.0f, look.a * static_cast<float>(this->Scene.Source->Blend.Weight[0]));
+      }
+      r[lane] = look.a * look.r;
+      g[lane] = look.a * look.g;
+      b[lane] = look.a * look.b;
+      transmittance[lane] = 1.0f - look.a;
+      t[lane] = look.a > 0.0f ? t[lane] : 1e30f;
+    }
+    this->State.Out.Color = { hn::Load(d, r), hn::Load(d, g), hn::Load(d, b) };
+    this->State.Out.Transmittance = hn::Load(d, transmittance);
+    this->State.Out.FirstVisible = hn::Load(d, t);
+  }
+
+  void EndSums()
+  {
+    const Blending& blend = this->Scene.Source->Blend;
+    const Vf zero = hn::Zero(Df());
+    const Vf one = Splat(1.0f);
+    const Mf any = hn::Gt(this->State.Out.TallyLength, zero);
+    const Vf over = blend.Mode == BlendMode::Average
+      ? hn::IfThenElse(any, this->State.Out.TallyLength, one)
+      : Splat(static_cast<float>(blend.UnitDistance[0]));
+    const Vf gray = hn::IfThenElseZero(any,
+      Clamp(
+        hn::Mul(Splat(static_cast<float>(blend.Weight[0])), hn::Div(this->State.Out.Tally, over)),
+        zero, one));
+    this->State.Out.Color = { gray, gray, gray };
+    this->State.Out.Transmittance = hn::IfThenElse(any, zero, one);
+  }
+
+  /// Values at positions inside of the volume.
+  HWY_INLINE Vf ValuesAt(const Vec3& q, Mf lanes)
+  {
+    SampleCells cells;
+    const SamplePosition at = FindCells(this->Scene.Volume, q, false, cells);
+    const Mf interior = FindInterior(this->Scene.Volume, cells, lanes);
+    const Mf border = hn::AndNot(interior, lanes);
+    OffsetRows<T> voxels;
+    voxels.Fit(this->Scene.Volume, cells, interior);
+    SampleRows<T> rows;
+    Vf value = Sample<T>(voxels, at, rows);
+    if (HWY_UNLIKELY(!hn::AllFalse(Df(), border)))
+    {
+      value = this->Border.Value(q, border, value);
+    }
+    return value;
+  }
+
+  /// Minima are maxima of what is below zero.
+  HWY_INLINE void TakeExtreme(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
+  {
+    const Df d;
+    const bool maximum = this->Scene.Source->Blend.Mode == BlendMode::Maximum;
+    Vf value = this->ValuesAt(q, sampled);
+    value = maximum ? value : hn::Neg(value);
+    // Comparisons with what is not a number are false.
+    const Mf better = hn::And(sampled, hn::Gt(value, this->State.Out.Tally));
+    this->Scratch.Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, better));
+    this->State.Out.Tally = hn::IfThenElse(better, value, this->State.Out.Tally);
+    this->State.Out.FirstVisible =
+      hn::IfThenElse(better, curve.TimeAt(s), this->State.Out.FirstVisible);
+    const Vf end = Splat(this->Scene.LastExtreme);
+    this->State.Alive = hn::AndNot(hn::Ge(this->State.Out.Tally, end), this->State.Alive);
+  }
+
+  HWY_INLINE void AddUp(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
+  {
+    const Df d;
+    const Vf one = Splat(1.0f);
+    const Vf value = this->ValuesAt(q, sampled);
+    Mf counts = hn::And(sampled, hn::Eq(value, value));
+    if (this->Scene.Source->Blend.Mode == BlendMode::Average)
+    {
+      counts = hn::And(counts,
+        hn::And(hn::Ge(value, Splat(this->Scene.AverageMin)),
+          hn::Le(value, Splat(this->Scene.AverageMax))));
+    }
+    this->Scratch.Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, counts));
+    const Vf extinction = TableLookup(this->Scene, value).Extinction();
+    const Vf opacity =
+      hn::Sub(one, Exp2(hn::Neg(hn::Mul(extinction, Splat(this->Scene.UnitDistance)))));
+    const Vf relative = hn::Mul(hn::Sub(value, Splat(this->Scene.ValueLow)),
+      Splat(1.0f / (this->Scene.ValueHigh - this->Scene.ValueLow)));
+    const Vf length = this->Scene.Settings.Opacity == OpacityLength::Deformed
+      ? Splat(static_cast<float>(this->Scene.Settings.SampleDistance))
+      : hn::Mul(curve.PerStep, FindLength(this->Scene, curve.Position.Slope(s)));
+    this->State.Out.Tally = hn::Add(this->State.Out.Tally,
+      hn::IfThenElseZero(counts, hn::Mul(hn::Mul(opacity, relative), length)));
+    this->State.Out.TallyLength =
+      hn::Add(this->State.Out.TallyLength, hn::IfThenElseZero(counts, length));
+    this->State.Out.FirstVisible = hn::IfThenElse(
+      counts, hn::Min(this->State.Out.FirstVisible, curve.TimeAt(s)), this->State.Out.FirstVisible);
+  }
+
+  /// Surfaces between the sample and the next one, as RayIntegrator finds them: from one end of the
+  /// interval, or from a face of the volume, to the other.
+  HWY_NOINLINE void CrossSurfaces(
+    const PacketCurve& curve, const Vec3& q, Vf s, Vf number, Mf lanes)
+  {
+    const Df d;
+    const Vec3 end = curve.Position.At(hn::Add(s, curve.PerStep));
+    const Mf insideA = hn::And(lanes, IsInside(this->Scene, q));
+    const Mf insideB = hn::And(lanes, IsInside(this->Scene, end));
+    const Mf any = hn::Or(insideA, insideB);
+    if (hn::AllFalse(d, any))
+    {
+      return;
+    }
+    Interval interval{ s, hn::Add(s, curve.PerStep), this->State.Out.Tally, hn::Zero(d) };
+    const Mf faces = hn::Xor(insideA, insideB);
+    if (HWY_UNLIKELY(!hn::AllFalse(d, faces)))
+    {
+      this->FindFaces(curve, faces, insideA, interval);
+    }
+    // Intervals that follow each other share a value: no surface slips through between them.
+    const Mf known = hn::And(insideA, hn::Eq(this->State.Out.TallyStep, number));
+    const Mf unknown = hn::AndNot(known, any);
+    if (!hn::AllFalse(d, unknown))
+    {
+      interval.A = hn::IfThenElse(
+        unknown, this->ValuesAt(this->PositionAt(curve, interval.From), unknown), interval.A);
+    }
+    interval.B = this->ValuesAt(this->PositionAt(curve, interval.To), any);
+    this->State.Out.Tally = hn::IfThenElse(any, interval.B, this->State.Out.Tally);
+    this->State.Out.TallyStep =
+      hn::IfThenElse(insideB, hn::Add(number, Splat(1.0f)), Splat(-1e30f));
+    // Values ascend, so do the crossings, or they descend. One at an end belongs to the interval
+    // where the scalar passes it. Comparisons with what is not a number find none.
+    const Mf up = hn::And(any, hn::Lt(interval.A, interval.B));
+    const Mf down = hn::And(any, hn::Gt(interval.A, interval.B));
+    const Vf low = hn::Min(interval.A, interval.B);
+    const Vf high = hn::Max(interval.A, interval.B);
+    const std::size_t count = this->Scene.IsoValues.size();
+    const auto cross = [&](const PacketSurfaceValue& iso, Mf way) {
+      const Vf value = Splat(iso.Value);
+      const Mf crossed =
+        hn::And(hn::And(way, this->State.Alive), hn::And(hn::Lt(low, value), hn::Le(value, high)));
+      if (!hn::AllFalse(d, crossed))
+      {
+        this->AddSurface(curve, interval, iso, crossed);
+      }
+    };
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      cross(this->Scene.IsoValues[i], count > 1 ? up : hn::Or(up, down));
+    }
+    for (std::size_t i = count; i-- > 0 && count > 1;)
+    {
+      cross(this->Scene.IsoValues[i], down);
+    }
+  }
+
+  /// Part of a curve, and the values at its ends.
+  struct Interval
+  {
+    Vf From;
+    Vf To;
+    Vf A;
+    Vf B;
+  };
+
+  /// Positions on the curves, in the volume for all that rounding may do.
+  HWY_INLINE Vec3 PositionAt(const PacketCurve& curve, Vf s) const
+  {
+    const Vec3 q = curve.Position.At(s);
+    const Vf lower = Splat(this->Scene.Lower);
+    const float* upper = this->Scene.Upper;
+    return { Clamp(q.x, lower, Splat(upper[0])), Clamp(q.y, lower, Splat(upper[1])),
+      Clamp(q.z, lower, Splat(upper[2])) };
+  }
+
+  /// Ends of intervals that are outside of the volume move to its faces.
+  HWY_NOINLINE void FindFaces(
+    const PacketCurve& curve, Mf lanes, Mf insideA, Interval& interval) const
+  {
+    Vf inside = hn::IfThenElse(insideA, interval.From, interval.To);
+    Vf outside = hn::IfThenElse(insideA, interval.To, interval.From);
+    for (int i = 0; i < FaceSteps; ++i)
+    {
+      const Vf middle = hn::Mul(Splat(0.5f), hn::Add(inside, outside));
+      const Mf in = IsInside(this->Scene, curve.Position.At(middle));
+      inside = hn::IfThenElse(in, middle, inside);
+      outside = hn::IfThenElse(in, outside, middle);
+    }
+    interval.From = hn::IfThenElse(hn::AndNot(insideA, lanes), inside, interval.From);
+    interval.To = hn::IfThenElse(hn::And(insideA, lanes), inside, interval.To);
+  }
+
+  /// Composites the surface of a value that lies between the ends of an interval.
+  HWY_NOINLINE void AddSurface(
+    const PacketCurve& curve, const Interval& interval, const PacketSurfaceValue& iso, Mf lanes)
+  {
+    const Df d;
+    const Vf s = this->FindCrossing(curve, interval, iso, lanes);
+    const Vec3 q = this->PositionAt(curve, s);
+    const Vf t = curve.TimeAt(s);
+    Mf shown = hn::And(lanes, hn::And(hn::Ge(t, this->Rays.From), hn::Lt(t, this->Rays.To)));
+    shown = hn::And(shown, IsShown(this->Scene, this->Rays, curve, q, s));
+    if (hn::AllFalse(d, shown))
+    {
+      return;
+    }
+    this->Scratch.Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, shown));
+    Vec3 color = Broadcast(iso.Color);
+    if (this->Scene.Shade)
+    {
+      color = this->Normals.Light(
+        this->Scene.Surface, curve, q, color, this->GradientsAt(q, shown), s, t);
+    }
+    this->State.Add(
+      shown, color, Splat(1.0f - iso.Opacity), t, this->Scene.Settings.TerminationTransmittance);
+  }
+
+  /// Where the scalar is that of a surface, by the secant rule of Illinois: the value at one end
+  /// counts half once that end has stayed.
+  HWY_NOINLINE Vf FindCrossing(
+    const PacketCurve& curve, const Interval& interval, const PacketSurfaceValue& iso, Mf lanes)
+  {
+    const Df d;
+    const Vf half = Splat(0.5f);
+    const Vf zero = hn::Zero(d);
+    const Vf one = Splat(1.0f);
+    const Vf length = hn::Sub(interval.To, interval.From);
+    const auto above = [&iso](Vf value) {
+      return hn::Add(hn::Sub(value, Splat(iso.Value)), Splat(iso.Excess));
+    };
+    Vf fa = above(interval.A);
+    Vf fb = above(interval.B);
+    // Parts of the interval.
+    Vf a = zero;
+    Vf b = hn::IfThenElse(hn::Eq(fa, zero), zero, one);
+    Vf stayed = zero;
+    for (int i = 0; i < CrossingSteps; ++i)
+    {
+      const Mf open = hn::And(
+        lanes, hn::And(hn::Gt(hn::Sub(b, a), Splat(CloseCrossing)), hn::Gt(hn::Abs(fb), zero)));
+      if (hn::AllFalse(d, open))
+      {
+        break;
+      }
+      const Vf secant = hn::Div(hn::Sub(hn::Mul(fa, b), hn::Mul(fb, a)), hn::Sub(fa, fb));
+      const Mf between = hn::And(hn::Gt(secant, a), hn::Lt(secant, b));
+      const Vf part = hn::IfThenElse(between, secant, hn::Mul(half, hn::Add(a, b)));
+      const Vec3 at = this->PositionAt(curve, hn::MulAdd(part, length, interval.From));
+      const Vf f = above(this->ValuesAt(at, open));
+      // Behind the crossing, as what is at it exactly.
+      const Mf behind =
+        hn::And(open, hn::Or(hn::Eq(f, zero), hn::Xor(hn::Lt(f, zero), hn::Ge(fb, zero))));
+      const Mf before = hn::AndNot(behind, open);
+      b = hn::IfThenElse(behind, part, b);
+      fb = hn::IfThenElse(behind, f, fb);
+      a = hn::IfThenElse(before, part, a);
+      fa = hn::IfThenElse(before, f, fa);
+      fa = hn::IfThenElse(hn::And(behind, hn::Lt(stayed, zero)), hn::Mul(half, fa), fa);
+      fb = hn::IfThenElse(hn::And(before, hn::Gt(stayed, zero)), hn::Mul(half, fb), fb);
+      stayed = hn::IfThenElse(behind, Splat(-1.0f), hn::IfThenElse(before, one, stayed));
+    }
+    return hn::MulAdd(b, length, interval.From);
+  }
+
+  /// Gradients as fetched, at positions in the volume.
+  HWY_NOINLINE Vec3 GradientsAt(const Vec3& q, Mf lanes)
+  {
+    SampleCells cells;
+    const SamplePosition at = FindCells(this->Scene.Volume, q, false, cells);
+    const Mf interior = FindInterior(this->Scene.Volume, cells, lanes);
+    const Mf border = hn::AndNot(interior, lanes);
+    OffsetRows<T> voxels;
+    voxels.Fit(this->Scene.Volume, cells, interior);
+    SampleRows<T> rows;
+    const Vf value = Sample<T>(voxels, at, rows);
+    const Vec3 gradient = Gradient<T>(voxels, at, rows);
+    if (HWY_LIKELY(hn::AllFalse(Df(), border)))
+    {
+      return gradient;
+    }
+    this->Border.Value(q, border, value);
+    return this->Border.Gradient(q, border, gradient);
+  }
+
+  /// What TakeSample does, by the integrators of the rays.
+  HWY_NOINLINE void TakeSamplePerRay(const PacketCurve& curve, Vf s, Mf sampled)
+  {
+    const Df d;
+    HWY_ALIGN float at[16], interval[16], t0[16], dt[16], flag[16];
+    HWY_ALIGN float terms[3 * TileLayers][16];
+    hn::Store(s, d, at);
+    hn::Store(curve.PerStep, d, interval);
+    hn::Store(curve.T0, d, t0);
+    hn::Store(curve.Dt, d, dt);
+    hn::Store(hn::IfThenElseZero(sampled, Splat(1.0f)), d, flag);
+    for (int k = 0; k < TileLayers; ++k)
+    {
+      hn::Store(curve.Position.Terms[k].x, d, terms[3 * k]);
+      hn::Store(curve.Position.Terms[k].y, d, terms[3 * k + 1]);
+      hn::Store(curve.Position.Terms[k].z, d, terms[3 * k + 2]);
+    }
+    HWY_ALIGN float done[16] = {};
+    CastStatistics& statistics = this->Scratch.Statistics;
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+    {
+      if (flag[lane] == 0.0f)
+      {
+        continue;
+      }
+      CurvePiece piece;
+      for (int k = 0; k < TileLayers; ++k)
+      {
+        piece.Terms[k] =
+          glm::dvec3(terms[3 * k][lane], terms[3 * k + 1][lane], terms[3 * k + 2][lane]);
+      }
+      const RayPiece one(this->Normals, curve, lane, piece, static_cast<double>(t0[lane]),
+        static_cast<double>(dt[lane]));
+      const RayIntegrator::Outcome outcome = this->Scratch.Integrators[lane].AddSample(
+        one, static_cast<double>(at[lane]), static_cast<double>(interval[lane]));
+      statistics.VisibleSamples += outcome.Visible ? 1 : 0;
+      done[lane] = outcome.Done ? 1.0f : 0.0f;
+    }
+    this->State.Alive = hn::AndNot(hn::Gt(hn::Load(d, done), hn::Zero(d)), this->State.Alive);
+  }
+
+  const PacketScene& Scene;
+  PacketScratch& Scratch;
+  const RayPacket& Rays;
+  PacketState& State;
+  PacketNormals& Normals;
+  BorderSamples<T>& Border;
+};
+
+} // namespace HWY_NAMESPACE
+} // namespace ffd
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Samples near the faces of the volume. Included once per target of Highway.
+#if defined(FFD_SIMD_BORDER_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef FFD_SIMD_BORDER_INL_H_
+#undef FFD_SIMD_BORDER_INL_H_
+#else
+#define FFD_SIMD_BORDER_INL_H_
+#endif
+
+#include "FFDPacketCaster.h"
+
+#include "FFDSimdFetch-inl.h"
+#include "FFDSimdMath-inl.h"
+
+#include <glm/vec3.hpp>
+#include <type_traits>
+
+HWY_BEFORE_NAMESPACE();
+namespace ffd
+{
+namespace HWY_NAMESPACE
+{
+
+/**
+ * Samples whose fetches would leave the volume: those between voxels from repeated voxels, the
+ * others, which lie beyond the outermost voxels, one by one by the reference functions.
+ */
+template <class T>
+class BorderSamples
+{
+public:
+  /// Kept by reference.
+  explicit BorderSamples(const PacketScene& scene)
+    : Scene(scene)
+  {
+  }
+
+  /// `value`, but for the lanes of `border` that at q.
+  HWY_NOINLINE Vf Value(const Vec3& q, Mf border, Vf value)
+  {
+    const Df d;
+    const Mf between = this->BetweenVoxels(q, border);
+    if constexpr (!std::is_same<T, WideScalar>::value)
+    {
+      if (!hn::AllFalse(d, between))
+      {
+        this->Voxels.Fill(this->Scene.Volume, q, between);
+        SampleRows<T> rows;
+        value = hn::IfThenElse(between, this->Voxels.Sample(rows), value);
+      }
+    }
+    const Mf others = hn::AndNot(between, border);
+    return hn::AllFalse(d, others)
+      ? value
+      : this->ValueByReference(this->Scene.Source->Volume, q, others, value);
+  }
+
+  /// Their gradients, after Value().
+  HWY_NOINLINE Vec3 Gradient(const Vec3& q, Mf border, const Vec3& gradient) const
+  {
+    const Df d;
+    const Mf between = this->BetweenVoxels(q, border);
+    Vec3 result = gradient;
+    if constexpr (!std::is_same<T, WideScalar>::value)
+    {
+      if (!hn::AllFalse(d, between))
+      {
+        SampleRows<T> rows;
+        this->Voxels.Sample(rows);
+        const Vec3 g = AtFaces(this->Scene.Volume, q, this->Voxels.Gradient(rows));
+        result = { hn::IfThenElse(between, g.x, gradient.x),
+          hn::IfThenElse(between, g.y, gradient.y), hn::IfThenElse(between, g.z, gradient.z) };
+      }
+    }
+    const Mf others = hn::AndNot(between, border);
+    return hn::AllFalse(d, others)
+      ? result
+      : this->GradientByReference(this->Scene.Source->Volume, q, others, result);
+  }
+
+  /// The same for all components of a volume.
+  HWY_NOINLINE void ComponentValues(const Vec3& q, Mf border, Vf* values) const
+  {
+    const VolumeView& volume = this->Scene.Source->Volume;
+    for (int c = 0; c < volume.Components; ++c)
+    {
+      values[c] = this->ValueByReference(GetComponent(volume, c), q, border, values[c]);
+    }
+  }
+
+  HWY_NOINLINE void ComponentGradients(const Vec3& q, Mf border, Vec3* gradients) const
+  {
+    const VolumeView& volume = this->Scene.Source->Volume;
+    for (int c = 0; c < volume.Components; ++c)
+    {
+      gradients[c] = this->GradientByReference(GetComponent(volume, c), q, border, gradients[c]);
+    }
+  }
+
+private:
+  /// Lanes whose fetches would leave the volume, but which have voxels around them.
+  HWY_INLINE Mf BetweenVoxels(const Vec3& q, Mf border) const
+  {
+    const PacketVolume& v = this->Scene.Volume;
+    if (std::is_same<T, WideScalar>::value || v.Nearest)
+    {
+      return hn::FirstN(Df(), 0);
+    }
+    const Vf zero = hn::Zero(Df());
+    const auto within = [&](Vf x, int a) {
+      return hn::And(hn::Ge(x, zero), hn::Le(x, Splat(static_cast<float>(v.Dimensions[a] - 1))));
+    };
+    return hn::And(border, hn::And(within(q.x, 0), hn::And(within(q.y, 1), within(q.z, 2))));
+  }
+
+  /// As fetched: relative to the table, see PacketVolume.
+  HWY_NOINLINE Vf ValueByReference(
+    const VolumeView& volume, const Vec3& q, Mf border, Vf value) const
+  {
+    const Vf zero = hn::Zero(Df());
+    const PacketVolume& v = this->Scene.Volume;
+    return ReplaceLanes(border, q, { value, zero, zero }, [&](const glm::dvec3& at) {
+      return glm::dvec3((this->Scene.Reference.Value(volume, at) - v.Shift) * v.Scale, 0.0, 0.0);
+    }).x;
+  }
+
+  HWY_NOINLINE Vec3 GradientByReference(
+    const VolumeView& volume, const Vec3& q, Mf border, const Vec3& gradient) const
+  {
+    // Over two voxels and scaled, as fetched: squares of huge or tiny scalars are no floats.
+    return ReplaceLanes(border, q, gradient, [&](const glm::dvec3& at) {
+      return this->Scene.Reference.Gradient(volume, at) * (2.0 * this->Scene.Volume.Scale);
+    });
+  }
+
+  const PacketScene& Scene;
+  /// Voxels of the last samples at faces of the volume.
+  RepeatedVoxels<std::conditional_t<std::is_same<T, WideScalar>::value, float, T>> Voxels;
+};
+
+} // namespace HWY_NAMESPACE
+} // namespace ffd
+HWY_AFTER_NAMESPACE();
+
+#endif

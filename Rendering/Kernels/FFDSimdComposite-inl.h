@@ -1,0 +1,394 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Compositing the samples of a packet. Included once per target of Highway.
+#if defined(FFD_SIMD_COMPOSITE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef FFD_SIMD_COMPOSITE_INL_H_
+#undef FFD_SIMD_COMPOSITE_INL_H_
+#else
+#define FFD_SIMD_COMPOSITE_INL_H_
+#endif
+
+#include "FFDPacketCaster.h"
+
+#include "FFDSimdBorder-inl.h"
+#include "FFDSimdComponents-inl.h"
+#include "FFDSimdCurve-inl.h"
+#include "FFDSimdFetch-inl.h"
+#include "FFDSimdMask-inl.h"
+#include "FFDSimdMath-inl.h"
+#include "FFDSimdNormals-inl.h"
+#include "FFDSimdOptics-inl.h"
+#include "FFDSimdPieces-inl.h"
+#include "FFDSimdPlane-inl.h"
+#include "FFDSimdTable-inl.h"
+#include "FFDSimdWindow-inl.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+HWY_BEFORE_NAMESPACE();
+namespace ffd
+{
+namespace HWY_NAMESPACE
+{
+
+/// Of a step by index coordinates, data units.
+HWY_INLINE Vf FindLength(const PacketScene& scene, const Vec3& index)
+{
+  const Vec3 data = Transform(scene.IndexToLocal, index);
+  return hn::Sqrt(Dot(data, data));
+}
+
+/// Samples of a packet, classified, lit and composited front to back.
+template <class T>
+class PacketCompositor
+{
+public:
+  /// All are kept by reference but the numbers; as PacketNormals.
+  PacketCompositor(const PacketScene& scene, const TilePieces& pieces, PacketScratch& scratch,
+    const RayPacket& rays, int x, int y, Vf rows, Mf active)
+    : State(active)
+    , Normals(scene, pieces, rays, x, y, rows)
+    , Border(scene)
+    , Window(scene.Volume)
+    , Scene(scene)
+    , Statistics(scratch.Statistics)
+  {
+  }
+
+  /// A sample of the lanes of `sampled`, at s of a curve: q, in the volume. `Plain`:
+  /// PacketScene::Plain, so that nothing is carried for options that are not used.
+  template <bool Plain>
+  HWY_NOINLINE void TakeSample(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
+  {
+    SampleCells cells;
+    const SamplePosition at = FindCells(this->Scene.Volume, q, false, cells);
+    const Mf interior = FindInterior(this->Scene.Volume, cells, sampled);
+    const Mf border = hn::AndNot(interior, sampled);
+    OffsetRows<T> voxels;
+    voxels.Fit(this->Scene.Volume, cells, interior);
+    SampleRows<T> rows;
+    Vf value = Sample<T>(voxels, at, rows);
+    if (HWY_UNLIKELY(!hn::AllFalse(Df(), border)))
+    {
+      value = this->Border.Value(q, border, value);
+    }
+    this->template Composite<Plain>(voxels, at, rows, value, curve, q, s, sampled, border);
+  }
+
+  /// The same, of the samples n, for PacketScene::Inner, where all that samples and gradients need
+  /// lies between voxels.
+  template <bool Plain>
+  HWY_NOINLINE void TakeInnerSample(const PacketCurve& curve, int n, Vf s, Mf sampled)
+  {
+    const Vec3 q = curve.Position.At(s);
+    SampleCells cells;
+    const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
+    const auto composite = [&](auto&& voxels) {
+      SampleRows<T> rows;
+      const Vf value = Sample<T>(voxels, at, rows);
+      this->template Composite<Plain>(
+        voxels, at, rows, value, curve, q, s, sampled, hn::FirstN(Df(), 0));
+    };
+    if constexpr (HasVoxelWindow<T>())
+    {
+      switch (this->Window.MoveTo(n))
+      {
+        case WindowFit::Two:
+          return composite(WindowRows<T, WindowFit::Two>(this->Window, cells));
+        case WindowFit::Three:
+          return composite(WindowRows<T, WindowFit::Three>(this->Window, cells));
+        case WindowFit::Four:
+          return composite(WindowRows<T, WindowFit::Four>(this->Window, cells));
+        default:
+          break;
+      }
+    }
+    if (HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0))
+    {
+      return this->template TakeSample<Plain>(curve, q, s, sampled);
+    }
+    OffsetRows<T> voxels;
+    voxels.Fit(this->Scene.Volume, cells, sampled);
+    composite(voxels);
+  }
+
+  /// What TakeSample does, for several components; as SampleClassifier.
+  HWY_NOINLINE void TakeComponents(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
+  {
+    if constexpr (!std::is_same<T, WideScalar>::value)
+    {
+      const Df d;
+      this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
+      SampleCells cells;
+      const SamplePosition at = FindCells(this->Scene.Volume, q, false, cells);
+      const Mf interior = FindInterior(this->Scene.Volume, cells, sampled);
+      const Mf border = hn::AndNot(interior, sampled);
+      ComponentSamples<T> samples(this->Scene.Volume, cells, at, interior);
+      Vf values[LargestNumberOfComponents];
+      samples.FindValues(values);
+      if (HWY_UNLIKELY(!hn::AllFalse(d, border)))
+      {
+        this->Border.ComponentValues(q, border, values);
+      }
+      Vf extinctions[LargestNumberOfComponents];
+      Mf visible = hn::FirstN(d, 0);
+      for (std::size_t c = 0; c < this->Scene.Components.size(); ++c)
+      {
+        // Comparisons with what is not a number are false.
+        const Vf density = DensityOf(this->Scene, c, values);
+        const Vf weight = Splat(this->Scene.Components[c].Weight);
+        const Mf counts = hn::And(hn::Eq(density, density), hn::Gt(weight, hn::Zero(d)));
+        extinctions[c] =
+          hn::IfThenElseZero(counts, TableLookup(this->Scene, density, c).Extinction());
+        visible = hn::Or(visible, hn::Gt(extinctions[c], hn::Zero(d)));
+      }
+      visible = hn::And(visible, sampled);
+      if (this->Scene.Mask.Scalars && !hn::AllFalse(d, visible))
+      {
+        visible = hn::And(visible, IsInMask(this->Scene.Mask, q));
+      }
+      if (hn::AllFalse(d, visible))
+      {
+        return;
+      }
+      Vec3 gradients[LargestNumberOfComponents];
+      if (this->Scene.Shade || HasGradientOpacities(this->Scene))
+      {
+        samples.FindGradients(gradients);
+        if (HWY_UNLIKELY(!hn::AllFalse(d, border)))
+        {
+          this->Border.ComponentGradients(q, border, gradients);
+        }
+      }
+      const Vf t = curve.TimeAt(s);
+      Vec3 color;
+      Vf extinction;
+      if (this->Scene.KindOfComponents == ComponentKind::Independent)
+      {
+        this->MixComponents(curve, q, s, t, values, extinctions, gradients, color, extinction);
+      }
+      else
+      {
+        this->LookAtDependent(curve, q, s, t, values, extinctions[0], gradients, color, extinction);
+      }
+      visible = hn::And(visible, hn::Gt(extinction, hn::Zero(d)));
+      if (hn::AllFalse(d, visible))
+      {
+        return;
+      }
+      this->Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
+      this->State.Expecting = visible;
+      this->AddLook(color, extinction, visible, curve, s, t);
+    }
+  }
+
+  PacketState State;
+  PacketNormals Normals;
+  BorderSamples<T> Border;
+  VoxelWindow<T> Window; ///< voxels around the last inner sample
+
+private:
+  /// Shades and composites samples of the lanes of `sampled`, those of `border` fetched by
+  /// BorderSamples.
+  template <bool Plain, class Source>
+  HWY_INLINE void Composite(Source& voxels, const SamplePosition& at, const SampleRows<T>& rows,
+    Vf value, const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled, Mf border)
+  {
+    const Df d;
+    this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
+    // Comparisons with what is not a number are false.
+    sampled = hn::And(sampled,
+      hn::And(hn::Ge(value, Splat(this->Scene.VisibleLow)),
+        hn::Le(value, Splat(this->Scene.VisibleHigh))));
+    if (hn::AllFalse(d, sampled))
+    {
+      return;
+    }
+    const PacketMask& mask = this->Scene.Mask;
+    const PacketPlane& plane = this->Scene.Plane;
+    const bool byPlane = !Plain && plane.Texels != nullptr;
+    const bool labeled = !Plain && !mask.Tables.empty();
+    const bool mixed = labeled && mask.BlendFactor < 1.0f;
+    const Vi tables = labeled ? FindLabelTables(mask, q) : hn::Zero(Di());
+    TableLookup look;
+    TableLookup base;
+    Vf extinction = Splat(1.0f);
+    Mf visible = sampled;
+    if (!byPlane)
+    {
+      look = labeled ? TableLookup(this->Scene, value, tables) : TableLookup(this->Scene, value);
+      extinction = look.Extinction();
+      Mf some = hn::Gt(extinction, hn::Zero(d));
+      if (HWY_UNLIKELY(mixed))
+      {
+        base = TableLookup(this->Scene, value);
+        some = hn::Or(some, hn::Gt(base.Extinction(), hn::Zero(d)));
+      }
+      visible = hn::And(sampled, some);
+    }
+    if (!Plain && mask.Scalars && !mask.Labels && !hn::AllFalse(d, visible))
+    {
+      visible = hn::And(visible, IsInMask(mask, q));
+    }
+    if (hn::AllFalse(d, visible))
+    {
+      return;
+    }
+    Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
+    const bool byGradient = !Plain && this->Scene.OpacityByGradient;
+    if (byGradient || this->Scene.Shade)
+    {
+      voxels.Widen();
+      gradient = Gradient<T>(voxels, at, rows);
+      if (HWY_UNLIKELY(!hn::AllFalse(d, border)))
+      {
+        gradient = this->Border.Gradient(q, border, gradient);
+      }
+    }
+    Vec3 color;
+    if (HWY_UNLIKELY(mixed))
+    {
+      MixWithLabels(this->Scene, base, look, tables, gradient, extinction, color);
+    }
+    else if (byPlane)
+    {
+      const Vf second =
+        byGradient ? FindMagnitude(plane.MagnitudeScale, gradient) : FindSecondAxis(plane, q);
+      const PlaneTexel texel = LookUpPlane(plane, value, second);
+      extinction = OpaqueExtinctionOver(texel.Opacity, plane.UnitDistance);
+      color = texel.Color;
+    }
+    else if (byGradient)
+    {
+      extinction = WeighExtinction(this->Scene, extinction,
+        labeled ? FactorOf(mask, tables, gradient) : FactorOf(this->Scene.Gradients, gradient));
+    }
+    if (byGradient || byPlane || mixed)
+    {
+      visible = hn::And(visible, hn::Gt(extinction, hn::Zero(d)));
+      if (hn::AllFalse(d, visible))
+      {
+        return;
+      }
+    }
+    this->Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
+    this->State.Expecting = visible;
+
+    if (HWY_LIKELY(!mixed && !byPlane))
+    {
+      color = look.Color();
+    }
+    const Vf t = curve.TimeAt(s);
+    if (this->Scene.Shade)
+    {
+      color = this->Normals.Light(this->Scene.Surface, curve, q, color, gradient, s, t);
+    }
+    this->AddLook(color, extinction, visible, curve, s, t);
+  }
+
+  /// Composites colors that are lit.
+  HWY_INLINE void AddLook(
+    const Vec3& color, Vf extinction, Mf visible, const PacketCurve& curve, Vf s, Vf t)
+  {
+    const Vf interval = this->Scene.Settings.Opacity == OpacityLength::Deformed
+      ? Splat(static_cast<float>(this->Scene.Settings.SampleDistance))
+      : hn::Mul(curve.PerStep, FindLength(this->Scene, curve.Position.Slope(s)));
+    this->State.Add(visible, color, Exp2(hn::Neg(hn::Mul(extinction, interval))), t,
+      this->Scene.Settings.TerminationTransmittance);
+  }
+
+  /// Independent components: the opacity is sum(a^2) / sum(a), the premultiplied color sum(a c).
+  HWY_NOINLINE void MixComponents(const PacketCurve& curve, const Vec3& q, Vf s, Vf t,
+    const Vf* values, const Vf* extinctions, const Vec3* gradients, Vec3& color, Vf& extinction)
+  {
+    const Df d;
+    const Vf zero = hn::Zero(d);
+    Vec3 colors{ zero, zero, zero };
+    Vf sum = zero;
+    Vf squares = zero;
+    for (std::size_t c = 0; c < this->Scene.Components.size(); ++c)
+    {
+      const PacketComponent& component = this->Scene.Components[c];
+      const Mf visible = hn::Gt(extinctions[c], zero);
+      if (hn::AllFalse(d, visible))
+      {
+        continue;
+      }
+      Vf opacity = hn::Mul(Splat(component.Weight), OpacityOf(this->Scene, extinctions[c]));
+      if (component.Gradients.Factors)
+      {
+        opacity = hn::Mul(opacity, FactorOf(component.Gradients, gradients[c]));
+      }
+      opacity = hn::IfThenElseZero(visible, opacity);
+      Vec3 own = TableLookup(this->Scene, values[c], c).Color();
+      if (this->Scene.Shade)
+      {
+        own = this->Normals.Light(component.Surface, curve, q, own, gradients[c], s, t);
+      }
+      colors = MulAdd(opacity, own, colors);
+      sum = hn::Add(sum, opacity);
+      squares = hn::MulAdd(opacity, opacity, squares);
+    }
+    const Vf one = Splat(1.0f);
+    const Mf some = hn::Gt(squares, zero);
+    const Vf opacity = hn::Div(squares, hn::IfThenElse(some, sum, one));
+    color = Scale(hn::Div(one, hn::IfThenElse(some, opacity, one)), colors);
+    extinction = hn::IfThenElseZero(some, ExtinctionOf(this->Scene, opacity));
+  }
+
+  /// Dependent components. `ofTable`: extinction of the density.
+  HWY_NOINLINE void LookAtDependent(const PacketCurve& curve, const Vec3& q, Vf s, Vf t,
+    const Vf* values, Vf ofTable, const Vec3* gradients, Vec3& color, Vf& extinction)
+  {
+    const Df d;
+    const Vf zero = hn::Zero(d);
+    const PacketComponent& component = this->Scene.Components[0];
+    Vec3 gradient{ zero, zero, zero };
+    if (this->Scene.Shade || component.Gradients.Factors)
+    {
+      const auto along = [&](Vf Vec3::*axis) {
+        Vf of[LargestNumberOfComponents];
+        for (int c = 0; c < this->Scene.Volume.Components; ++c)
+        {
+          of[c] = gradients[c].*axis;
+        }
+        return DensityOf(this->Scene, 0, of);
+      };
+      gradient = { along(&Vec3::x), along(&Vec3::y), along(&Vec3::z) };
+    }
+    extinction = ofTable;
+    if (component.Gradients.Factors)
+    {
+      extinction = hn::IfThenElseZero(hn::Gt(ofTable, zero),
+        WeighExtinction(this->Scene, ofTable, FactorOf(component.Gradients, gradient)));
+    }
+    if (this->Scene.KindOfComponents == ComponentKind::ColorOpacity)
+    {
+      color = TableLookup(this->Scene, values[0], 1).Color();
+    }
+    else
+    {
+      // What is not a number is black: comparisons with it are false.
+      const auto channel = [&](int c) {
+        const Vf value = hn::Mul(values[c], Splat(this->Scene.ColorScale));
+        return hn::IfThenElseZero(hn::Gt(value, zero), hn::Min(value, Splat(1.0f)));
+      };
+      color = { channel(0), channel(1), channel(2) };
+    }
+    if (this->Scene.Shade)
+    {
+      color = this->Normals.Light(component.Surface, curve, q, color, gradient, s, t);
+    }
+  }
+
+  const PacketScene& Scene;
+  CastStatistics& Statistics;
+};
+
+} // namespace HWY_NAMESPACE
+} // namespace ffd
+HWY_AFTER_NAMESPACE();
+
+#endif

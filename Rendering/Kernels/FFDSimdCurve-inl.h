@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// The curves that the rays of a packet are bent to, and what becomes of the rays. Included once per
+// target of Highway.
+#if defined(FFD_SIMD_CURVE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef FFD_SIMD_CURVE_INL_H_
+#undef FFD_SIMD_CURVE_INL_H_
+#else
+#define FFD_SIMD_CURVE_INL_H_
+#endif
+
+#include "FFDPacketCaster.h"
+#include "FFDTilePiece.h"
+
+#include "FFDSimdInterpolant-inl.h"
+#include "FFDSimdMath-inl.h"
+#include "FFDSimdRays-inl.h"
+
+#include <cstddef>
+
+HWY_BEFORE_NAMESPACE();
+namespace ffd
+{
+namespace HWY_NAMESPACE
+{
+
+/// What has been composited along the rays of a packet.
+struct PacketPixels
+{
+  Vec3 Color;
+  Vf Transmittance;
+  Vf FirstVisible; ///< t
+  Vf Tally;        ///< the extreme, or the sum; of surfaces, the value at TallyStep
+  Vf TallyLength;  ///< what has been summed up over, data units
+  Vf TallyStep;    ///< number of the sample whose value is known, or a negative one
+};
+
+HWY_INLINE Mf IsInside(const PacketScene& scene, const Vec3& q)
+{
+  const Vf lower = Splat(scene.Lower);
+  const auto within = [&](Vf x, int a) {
+    return hn::And(hn::Ge(x, lower), hn::Le(x, Splat(scene.Upper[a])));
+  };
+  return hn::And(within(q.x, 0), hn::And(within(q.y, 1), within(q.z, 2)));
+}
+
+/// The curves of a packet over some samples, index coordinates; s runs from 0 to 1.
+struct PacketCurve
+{
+  Quartic Position;
+  Vf T0; ///< t = T0 + s * Dt
+  Vf Dt;
+  Vf PerStep;                 ///< s from sample to sample
+  TilePiece* Piece = nullptr; ///< that is cast by curves, or null
+  bool Interpolated = false;  ///< whether the curves are those of its interpolant
+  int X = 0;                  ///< first pixel of the packet, from that of the square of the piece
+  Vf Row;                     ///< rows of pixels in the square
+
+  HWY_INLINE Vf TimeAt(Vf s) const { return hn::MulAdd(s, this->Dt, this->T0); }
+};
+
+/// Which positions are not cropped, index or local coordinates as CropSpace says.
+HWY_NOINLINE Mf IsUncropped(const PacketScene& scene, const Vec3& p)
+{
+  const Df d;
+  const Di di;
+  const Vf one = Splat(1.0f);
+  const auto slab = [&](Vf x, int a) {
+    return hn::Add(hn::IfThenElseZero(hn::Ge(x, Splat(scene.CropLow[a])), one),
+      hn::IfThenElseZero(hn::Ge(x, Splat(scene.CropHigh[a])), one));
+  };
+  const Vf region =
+    hn::MulAdd(Splat(9.0f), slab(p.z, 2), hn::MulAdd(Splat(3.0f), slab(p.y, 1), slab(p.x, 0)));
+  HWY_ALIGN int regions[16];
+  HWY_ALIGN float shown[16];
+  hn::Store(hn::ConvertTo(di, region), di, regions);
+  for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+  {
+    shown[lane] = (scene.CropFlags >> regions[lane] & 1) != 0 ? 1.0f : 0.0f;
+  }
+  return hn::Gt(hn::Load(d, shown), hn::Zero(d));
+}
+
+/// Which positions are inside of the volume and not cropped.
+HWY_INLINE Mf IsShown(
+  const PacketScene& scene, const RayPacket& rays, const PacketCurve& curve, const Vec3& q, Vf s)
+{
+  const Mf inside = IsInside(scene, q);
+  if (scene.CropSpace == Cropping::Spaces::None)
+  {
+    return inside;
+  }
+  if (scene.CropSpace == Cropping::Spaces::Rest)
+  {
+    return hn::And(inside, IsUncropped(scene, q));
+  }
+  return hn::And(inside, IsUncropped(scene, MulAdd(curve.TimeAt(s), rays.Direction, rays.Origin)));
+}
+
+/// What is known of the rays of a packet.
+struct PacketState
+{
+  Mf Alive;     ///< rays that go on
+  Mf Expecting; ///< rays whose last sample was visible
+  PacketPixels Out;
+
+  explicit PacketState(Mf active)
+    : Alive(active)
+    , Expecting(hn::FirstN(Df(), 0))
+  {
+    const Vf zero = hn::Zero(Df());
+    this->Out = { { zero, zero, zero }, Splat(1.0f), Splat(1e30f), zero, zero, zero };
+  }
+
+  /// Composites lit colors at t behind what there is; rays of less than `least` end.
+  HWY_INLINE void Add(Mf visible, const Vec3& color, Vf transmittance, Vf t, float least)
+  {
+    PacketPixels& out = this->Out;
+    const Vf weight =
+      hn::IfThenElseZero(visible, hn::Mul(out.Transmittance, hn::Sub(Splat(1.0f), transmittance)));
+    out.Color = MulAdd(weight, color, out.Color);
+    out.Transmittance =
+      hn::IfThenElse(visible, hn::Mul(out.Transmittance, transmittance), out.Transmittance);
+    out.FirstVisible = hn::IfThenElse(visible, hn::Min(out.FirstVisible, t), out.FirstVisible);
+    this->Alive = hn::AndNot(hn::Lt(out.Transmittance, Splat(least)), this->Alive);
+  }
+};
+
+} // namespace HWY_NAMESPACE
+} // namespace ffd
+HWY_AFTER_NAMESPACE();
+
+#endif

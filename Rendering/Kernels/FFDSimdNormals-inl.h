@@ -1,0 +1,227 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Normals of the samples of a packet. Included once per target of Highway.
+#if defined(FFD_SIMD_NORMALS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef FFD_SIMD_NORMALS_INL_H_
+#undef FFD_SIMD_NORMALS_INL_H_
+#else
+#define FFD_SIMD_NORMALS_INL_H_
+#endif
+
+#include "FFDPacketCaster.h"
+
+#include "FFDSimdCurve-inl.h"
+#include "FFDSimdInterpolant-inl.h"
+#include "FFDSimdMath-inl.h"
+#include "FFDSimdPieces-inl.h"
+#include "FFDSimdPullBack-inl.h"
+#include "FFDSimdRays-inl.h"
+#include "FFDSimdShading-inl.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <glm/vec3.hpp>
+
+HWY_BEFORE_NAMESPACE();
+namespace ffd
+{
+namespace HWY_NAMESPACE
+{
+
+/**
+ * Gradients in deformed space of the samples of a packet, and their light: the normal is
+ * J_Phi^T grad f.
+ */
+class PacketNormals
+{
+public:
+  /// (x, y): first pixel of the packet, from that of the tile; `rows`: its pixels from y on. All
+  /// are kept by reference but the numbers.
+  PacketNormals(const PacketScene& scene, const TilePieces& pieces, const RayPacket& rays, int x,
+    int y, Vf rows)
+    : Scene(scene)
+    , Pieces(pieces)
+    , Rays(rays)
+    , X(x)
+    , Y(y)
+    , Rows(rows)
+  {
+    this->ToEye =
+      Normalize(Scale(Splat(-1.0f), Transform(this->Scene.LocalToLights, rays.Direction)));
+  }
+
+  /// Another curve comes.
+  HWY_INLINE void BeginCurve() { this->HaveSlopes = false; }
+
+  /// Color of a lit sample: the normal is J_Phi^T grad f.
+  HWY_INLINE Vec3 Light(const PacketSurface& surface, const PacketCurve& curve, const Vec3& q,
+    const Vec3& color, const Vec3& byIndex, Vf s, Vf t)
+  {
+    // By coordinates of the lights' space; only the direction counts.
+    Vec3 gradient;
+    if (this->Scene.Identity)
+    {
+      gradient = Transform(this->Scene.IndexGradientToLights, byIndex);
+    }
+    else if (curve.Interpolated)
+    {
+      gradient = this->GradientFromFrame(curve, byIndex, s);
+    }
+    else
+    {
+      gradient = Transform(this->Scene.GradientToLights, this->GradientFromField(q, byIndex, t));
+    }
+    const auto position = [&] {
+      return Transform(
+        this->Scene.LocalToLights, MulAdd(t, this->Rays.Direction, this->Rays.Origin));
+    };
+    const Vec3 toEye =
+      this->Scene.Parallel ? Normalize(Sub(Broadcast(this->Scene.Eye), position())) : this->ToEye;
+    return Shade(this->Scene, surface, color, gradient, toEye, position);
+  }
+
+  /// The gradient by data coordinates at s on one of the rays, from that by index coordinates.
+  HWY_NOINLINE glm::dvec3 GradientOfRay(
+    const PacketCurve& curve, std::size_t lane, float s, const glm::dvec3& byIndex)
+  {
+    // Scaled: squares of huge or tiny scalars are no floats.
+    const double size = std::max({ std::abs(byIndex.x), std::abs(byIndex.y), std::abs(byIndex.z) });
+    if (!(size > 0.0) || !std::isfinite(size))
+    {
+      return glm::dvec3(0.0);
+    }
+    const Df d;
+    const Vec3 g{ Splat(static_cast<float>(byIndex.x / size)),
+      Splat(static_cast<float>(byIndex.y / size)), Splat(static_cast<float>(byIndex.z / size)) };
+    const Vf at = Splat(s);
+    Vec3 local;
+    if (curve.Interpolated)
+    {
+      const Vf spread = hn::Max(this->Spread(curve.TimeAt(at)), Splat(1e-30f));
+      local = Scale(hn::Div(Splat(1.0f), spread), this->GradientFromFrame(curve, g, at));
+    }
+    else if (this->Scene.Identity)
+    {
+      local = Transform(this->Scene.GradientToRest, g);
+    }
+    else
+    {
+      local = this->GradientFromField(curve.Position.At(at), g, curve.TimeAt(at));
+    }
+    HWY_ALIGN float x[16], y[16], z[16];
+    hn::Store(local.x, d, x);
+    hn::Store(local.y, d, y);
+    hn::Store(local.z, d, z);
+    return size * glm::dvec3(x[lane], y[lane], z[lane]);
+  }
+
+private:
+  /**
+   * Along columns, rows and the ray parameter both the deformed points P and the rest points Q are
+   * known, so the gradient G by P solves G . P_x = g . Q_x, and so on for y and t. The derivatives
+   * of Q are those of the interpolant. Returns G times Spread(), in the space of the lights; where
+   * rays are integrated one by one, by local coordinates.
+   */
+  HWY_INLINE Vec3 GradientFromFrame(const PacketCurve& curve, const Vec3& byIndex, Vf s)
+  {
+    if (HWY_UNLIKELY(!this->HaveSlopes))
+    {
+      this->FindSlopes(curve);
+    }
+    const Vf spread = this->Spread(curve.TimeAt(s));
+    const Vf gt = Dot(byIndex, this->SlopeT.At(s));
+    const Vf gx = hn::NegMulAdd(this->AlongX, gt, Dot(byIndex, this->SlopeX.At(s)));
+    const Vf gy = hn::NegMulAdd(this->AlongY, gt, Dot(byIndex, this->SlopeY.At(s)));
+    return MulAdd(
+      gx, this->NormalX, MulAdd(gy, this->NormalY, Scale(hn::Mul(gt, spread), this->NormalT)));
+  }
+
+  /// RaySpread::Spread(), after FindSlopes().
+  HWY_INLINE Vf Spread(Vf t) const { return hn::MulAdd(t, this->SpreadPerT, this->SpreadBase); }
+
+  HWY_NOINLINE void FindSlopes(const PacketCurve& curve)
+  {
+    this->HaveSlopes = true;
+    this->SlopeT = Cubic(curve.Position, hn::Div(Splat(1.0f), curve.Dt));
+    Vf rows[4];
+    LagrangeWeights(curve.Row, rows);
+    this->SlopeX = FindPacketCurve(curve.Piece->ColumnSlopes, curve.X, rows);
+    LagrangeSlopes(curve.Row, rows);
+    for (Vf& row : rows)
+    {
+      row = hn::Mul(row, Splat(3.0f / static_cast<float>(curve.Piece->Side - 1)));
+    }
+    this->SlopeY = FindPacketCurve(curve.Piece->Columns, curve.X, rows);
+    if (!this->HaveFrame)
+    {
+      this->FindFrame();
+    }
+  }
+
+  HWY_NOINLINE void FindFrame()
+  {
+    this->HaveFrame = true;
+    const RaySpread spread = this->Pieces.FindSpread(this->X, this->Y, this->Rows, this->Rays);
+    this->AlongX = spread.AlongX;
+    this->AlongY = spread.AlongY;
+    this->SpreadBase = spread.Base;
+    this->SpreadPerT = spread.PerT;
+    const Vec3& x = spread.AcrossX;
+    const Vec3& y = spread.AcrossY;
+    const Vec3& t = this->Rays.Direction;
+    const Vec3 yt = Cross(y, t);
+    const Vf inverse = hn::Div(Splat(1.0f), Dot(x, yt));
+    const auto toSpace = [&](const Vec3& normal) {
+      const Vec3 local = Scale(inverse, normal);
+      return this->Scene.Sampling != PacketSampling::PerRay
+        ? Transform(this->Scene.GradientToLights, local)
+        : local;
+    };
+    this->NormalX = toSpace(yt);
+    this->NormalY = toSpace(Cross(t, x));
+    this->NormalT = toSpace(Cross(x, y));
+  }
+
+  /// The same with J_Phi at the sample itself.
+  HWY_NOINLINE Vec3 GradientFromField(const Vec3& index, const Vec3& byIndex, Vf t) const
+  {
+    const Vec3 p = MulAdd(t, this->Rays.Direction, this->Rays.Origin);
+    const Vec3 q = IndexToLocal(this->Scene, index);
+    Vec3 columns[3];
+    PullBackJacobian(this->Scene, p, q, columns[0], columns[1], columns[2]);
+    const Vec3 rest = Transform(this->Scene.GradientToRest, byIndex);
+    return { Dot(columns[0], rest), Dot(columns[1], rest), Dot(columns[2], rest) };
+  }
+
+  const PacketScene& Scene;
+  const TilePieces& Pieces;
+  const RayPacket& Rays;
+  int X;
+  int Y;
+  Vf Rows;
+  Vec3 ToEye; ///< back along the rays, in the space of the lights
+
+  // Derivatives of the current curve by columns, rows and t, found when its first visible sample is
+  // shaded.
+  bool HaveSlopes = false;
+  Quartic SlopeX;
+  Quartic SlopeY;
+  Cubic SlopeT;
+
+  // What takes the derivatives along columns, rows and t to a gradient, found with them.
+  bool HaveFrame = false;
+  Vec3 NormalX;
+  Vec3 NormalY;
+  Vec3 NormalT;
+  Vf AlongX; ///< RaySpread
+  Vf AlongY;
+  Vf SpreadBase;
+  Vf SpreadPerT;
+};
+
+} // namespace HWY_NAMESPACE
+} // namespace ffd
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Opacities of samples, as SampleClassifier. Included once per target of Highway.
+#if defined(FFD_SIMD_OPTICS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef FFD_SIMD_OPTICS_INL_H_
+#undef FFD_SIMD_OPTICS_INL_H_
+#else
+#define FFD_SIMD_OPTICS_INL_H_
+#endif
+
+#include "FFDPacketCaster.h"
+#include "FFDTransferTable.h"
+
+#include "FFDSimdMath-inl.h"
+#include "FFDSimdTable-inl.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+HWY_BEFORE_NAMESPACE();
+namespace ffd
+{
+namespace HWY_NAMESPACE
+{
+
+/// Opacity over the reference length.
+HWY_INLINE Vf OpacityOf(const PacketScene& scene, Vf extinction)
+{
+  const Vf length = Splat(scene.ReferenceLength);
+  return hn::Sub(Splat(1.0f), Exp2(hn::Neg(hn::Mul(extinction, length))));
+}
+
+/// The extinction that gives `length` an opacity.
+HWY_INLINE Vf ExtinctionOver(Vf opacity, float length)
+{
+  const Vf one = Splat(1.0f);
+  // What is nearly transparent has no digits left in 1 - opacity, but its logarithm is linear.
+  const Vf passed = hn::Sub(one, opacity);
+  const Vf logarithm = hn::IfThenElse(hn::Lt(opacity, Splat(1e-3f)),
+    hn::Mul(hn::Mul(opacity, Splat(1.4426950409f)), hn::MulAdd(opacity, Splat(0.5f), one)),
+    hn::Neg(Log2(hn::Max(passed, Splat(1e-30f)))));
+  return hn::Mul(hn::Max(logarithm, hn::Zero(Df())), Splat(1.0f / length));
+}
+
+/// The extinction that gives the reference length an opacity.
+HWY_INLINE Vf ExtinctionOf(const PacketScene& scene, Vf opacity)
+{
+  return ExtinctionOver(opacity, scene.ReferenceLength);
+}
+
+/// The same where opacities of one are opaque over any interval.
+HWY_INLINE Vf OpaqueExtinctionOver(Vf opacity, float length)
+{
+  return hn::IfThenElse(hn::Ge(opacity, Splat(1.0f)),
+    Splat(static_cast<float>(TransferTable::OpaqueExtinction) / length),
+    ExtinctionOver(opacity, length));
+}
+
+/// Length of a gradient whose components are scaled; zero where it is not a number.
+HWY_INLINE Vf FindMagnitude(const float scale[3], const Vec3& gradient)
+{
+  const Vec3 scaled{ hn::Mul(gradient.x, Splat(scale[0])), hn::Mul(gradient.y, Splat(scale[1])),
+    hn::Mul(gradient.z, Splat(scale[2])) };
+  const Vf magnitude = hn::Sqrt(Dot(scaled, scaled));
+  return hn::IfThenElseZero(hn::Eq(magnitude, magnitude), magnitude);
+}
+
+/// The factor at `entry`, not negative, of those that begin at `first`; `last`: number of the last.
+HWY_INLINE Vf InterpolateFactors(const float* factors, Vi first, Vf last, Vf entry)
+{
+  const Vf x = hn::Min(entry, last);
+  const Vf whole = hn::Min(hn::Floor(x), hn::Sub(last, Splat(1.0f)));
+  HWY_ALIGN int offsets[16];
+  StoreIndices(hn::Add(first, Truncate(whole)), offsets);
+  return Lerp(LoadLanes<float, 4>(factors, 0, offsets), LoadLanes<float, 4>(factors, 4, offsets),
+    hn::Sub(x, whole));
+}
+
+/// Factors of opacities over the reference length.
+HWY_INLINE Vf FactorOf(const PacketGradientOpacity& gradients, const Vec3& gradient)
+{
+  return InterpolateFactors(gradients.Factors, hn::Zero(Di()),
+    Splat(static_cast<float>(gradients.Size - 1)), FindMagnitude(gradients.Scale, gradient));
+}
+
+/// The same by the gradient opacities of the tables of labels.
+HWY_INLINE Vf FactorOf(const PacketMask& mask, Vi tables, const Vec3& gradient)
+{
+  const Df d;
+  const Quads range =
+    LoadQuads(reinterpret_cast<const std::uint32_t*>(mask.GradientRanges.data()), tables);
+  return InterpolateFactors(mask.GradientFactors.data(), range.x, hn::BitCast(d, range.y),
+    hn::Mul(FindMagnitude(mask.MagnitudeScale, gradient), hn::BitCast(d, range.z)));
+}
+
+/// The extinction whose opacity over the reference length is that of `extinction` times a factor;
+/// as SampleClassifier.
+HWY_NOINLINE Vf WeighExtinction(const PacketScene& scene, Vf extinction, Vf factor)
+{
+  const Vf weighed = ExtinctionOf(scene, hn::Mul(factor, OpacityOf(scene, extinction)));
+  return hn::IfThenElse(hn::Ge(factor, Splat(1.0f)), extinction, weighed);
+}
+
+/// Where there is a label, its color and extinction are mixed with those of the scalars alone; as
+/// SampleClassifier. `extinction`: on entry that of the table of the label.
+HWY_NOINLINE void MixWithLabels(const PacketScene& scene, const TableLookup& base,
+  const TableLookup& ofLabel, Vi tables, const Vec3& gradient, Vf& extinction, Vec3& color)
+{
+  const Df d;
+  const Vf factor = hn::IfThenElse(
+    hn::RebindMask(d, hn::Gt(tables, hn::Zero(Di()))), Splat(scene.Mask.BlendFactor), hn::Zero(d));
+  const Vec3 a = base.Color();
+  const Vec3 b = ofLabel.Color();
+  color = { Lerp(a.x, b.x, factor), Lerp(a.y, b.y, factor), Lerp(a.z, b.z, factor) };
+  const Vf without = base.Extinction();
+  Vf first = OpacityOf(scene, without);
+  Vf second = OpacityOf(scene, extinction);
+  Vf unlabeled = extinction;
+  if (!scene.Mask.GradientRanges.empty())
+  {
+    first = hn::Mul(first, FactorOf(scene.Mask, hn::Zero(Di()), gradient));
+    second = hn::Mul(second, FactorOf(scene.Mask, tables, gradient));
+    unlabeled = ExtinctionOf(scene, first);
+  }
+  const Mf some = hn::Gt(hn::Add(without, extinction), hn::Zero(d));
+  extinction = hn::IfThenElse(hn::Gt(factor, hn::Zero(d)),
+    hn::IfThenElseZero(some, ExtinctionOf(scene, Lerp(first, second, factor))), unlabeled);
+}
+
+/// Of all components at a sample, what is looked up for the opacity of one of the looks, and what
+/// its normals are of.
+HWY_INLINE Vf DensityOf(const PacketScene& scene, std::size_t look, const Vf* values)
+{
+  const auto weight = [](int c) { return Splat(static_cast<float>(LuminanceWeights[c])); };
+  switch (scene.KindOfComponents)
+  {
+    case ComponentKind::ColorOpacity:
+      return values[1];
+    case ComponentKind::Rgb:
+      return hn::MulAdd(
+        weight(0), values[0], hn::MulAdd(weight(1), values[1], hn::Mul(weight(2), values[2])));
+    case ComponentKind::Rgba:
+      return values[3];
+    default:
+      return values[look];
+  }
+}
+
+HWY_INLINE bool HasGradientOpacities(const PacketScene& scene)
+{
+  return std::any_of(scene.Components.begin(), scene.Components.end(),
+    [](const PacketComponent& component) { return component.Gradients.Factors != nullptr; });
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace ffd
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,361 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// The packets of a tile. Included once per target of Highway.
+#if defined(FFD_SIMD_TILE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef FFD_SIMD_TILE_INL_H_
+#undef FFD_SIMD_TILE_INL_H_
+#else
+#define FFD_SIMD_TILE_INL_H_
+#endif
+
+#include "FFDPacketCaster.h"
+#include "FFDSamplePhase.h"
+
+#include "FFDSimdCaster-inl.h"
+#include "FFDSimdCurve-inl.h"
+#include "FFDSimdMath-inl.h"
+#include "FFDSimdPieces-inl.h"
+#include "FFDSimdRays-inl.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+HWY_BEFORE_NAMESPACE();
+namespace ffd
+{
+namespace HWY_NAMESPACE
+{
+
+/// Rays of a tile, packet by packet, as they lie in PacketScratch::Rays.
+struct StoredRays
+{
+  static constexpr std::size_t RaysPerTile = TileSide * TileSide;
+  float* Data;
+  explicit StoredRays(PacketScratch& scratch)
+    : Data(scratch.Rays.data())
+  {
+  }
+  HWY_INLINE void Set(std::size_t first, const RayPacket& rays) const
+  {
+    const Df d;
+    const Vf all[8] = { rays.Origin.x, rays.Origin.y, rays.Origin.z, rays.Direction.x,
+      rays.Direction.y, rays.Direction.z, rays.From, rays.To };
+    for (int i = 0; i < 8; ++i)
+    {
+      hn::StoreU(all[i], d, this->Data + RaysPerTile * i + first);
+    }
+  }
+  HWY_INLINE RayPacket Get(std::size_t first) const
+  {
+    const Df d;
+    const auto load = [&](int i) { return hn::LoadU(d, this->Data + RaysPerTile * i + first); };
+    return { { load(0), load(1), load(2) }, { load(3), load(4), load(5) }, load(6), load(7) };
+  }
+};
+
+/// Shape of a packet: up to four rays wide.
+struct PacketShape
+{
+  int Lanes;
+  int Width;
+  int Height;
+};
+
+HWY_INLINE PacketShape GetPacketShape()
+{
+  const int lanes = static_cast<int>(hn::Lanes(Df()));
+  const int width = lanes < 4 ? lanes : 4;
+  return { lanes, width, lanes / width };
+}
+
+/// FindJitter() of the pixels of a packet.
+HWY_NOINLINE Vf JitterOf(const PacketScene& scene, int x0, int y0)
+{
+  const Df d;
+  const PacketShape shape = GetPacketShape();
+  const glm::ivec2 origin = scene.Source->Camera.PixelOrigin;
+  HWY_ALIGN float jitter[16];
+  for (int lane = 0; lane < shape.Lanes; ++lane)
+  {
+    jitter[lane] = static_cast<float>(
+      FindJitter(x0 + lane % shape.Width + origin.x, y0 + lane / shape.Width + origin.y));
+  }
+  return hn::Load(d, jitter);
+}
+
+/// Rays end where something opaque was drawn.
+HWY_INLINE void ClipToDepths(
+  const PacketScene& scene, const CastImage& image, int x0, int y0, RayPacket& rays)
+{
+  const Df d;
+  const PacketShape shape = GetPacketShape();
+  const CameraView& camera = scene.Source->Camera;
+  HWY_ALIGN float to[16];
+  hn::Store(rays.To, d, to);
+  for (int lane = 0; lane < shape.Lanes; ++lane)
+  {
+    const int x = x0 + lane % shape.Width;
+    const int y = y0 + lane / shape.Width;
+    if (x >= image.Width || y >= image.Height)
+    {
+      continue;
+    }
+    const double depth = scene.Source->Depths[static_cast<std::size_t>(y) * image.Width + x];
+    if (depth < 1.0)
+    {
+      const ViewRay ray = camera.MakeRay(x + 0.5, y + 0.5);
+      to[lane] =
+        std::min(to[lane], static_cast<float>(camera.DepthToT(ray, x + 0.5, y + 0.5, depth)));
+    }
+  }
+  rays.To = hn::Load(d, to);
+}
+
+/// The window depths of the points at t of the rays of a packet; one where there is none.
+HWY_NOINLINE void StoreDepths(
+  const PacketScene& scene, const CastImage& image, int x0, int y0, Vf firstVisible)
+{
+  const PacketShape shape = GetPacketShape();
+  HWY_ALIGN float t[16];
+  hn::Store(firstVisible, Df(), t);
+  for (int lane = 0; lane < shape.Lanes; ++lane)
+  {
+    const int x = x0 + lane % shape.Width;
+    const int y = y0 + lane / shape.Width;
+    if (x >= image.Width || y >= image.Height)
+    {
+      continue;
+    }
+    float& depth = image.Depths[static_cast<std::size_t>(y) * image.Width + x];
+    depth = 1.0f;
+    if (t[lane] < 1e29f)
+    {
+      const ViewRay ray = scene.Source->Camera.MakeRay(x + 0.5, y + 0.5);
+      depth = static_cast<float>(
+        scene.Source->Camera.ToDepth(ray.Origin + static_cast<double>(t[lane]) * ray.Direction));
+    }
+  }
+}
+
+HWY_INLINE void StorePixels(const PacketScene& scene, const CastImage& image, int x0, int y0,
+  Mf active, const PacketPixels& pixels)
+{
+  const Df d;
+  const PacketShape shape = GetPacketShape();
+  const auto shown = [&](Vf v) { return hn::IfThenElseZero(active, v); };
+  HWY_ALIGN float colors[4 * 16];
+  hn::StoreInterleaved4(shown(pixels.Color.x), shown(pixels.Color.y), shown(pixels.Color.z),
+    shown(hn::Sub(Splat(1.0f), pixels.Transmittance)), d, colors);
+  const int width = std::min(shape.Width, image.Width - x0);
+  const int height = std::min(shape.Height, image.Height - y0);
+  if (width <= 0)
+  {
+    return;
+  }
+  const std::size_t first = static_cast<std::size_t>(y0) * image.Width + x0;
+  float* to = image.Colors + 4 * first;
+  for (int row = 0; row < height; ++row, to += 4 * static_cast<std::size_t>(image.Width))
+  {
+    const float* from = colors + 4 * row * shape.Width;
+    if (HWY_LIKELY(width == 4))
+    {
+      std::copy_n(from, 16, to);
+    }
+    else
+    {
+      std::copy_n(from, 4 * width, to);
+    }
+  }
+  if (image.Depths)
+  {
+    StoreDepths(scene, image, x0, y0, hn::IfThenElse(active, pixels.FirstVisible, Splat(1e30f)));
+  }
+}
+
+/// What StorePixels() stores of a packet none of whose rays meets anything.
+HWY_INLINE void ClearPixels(const CastImage& image, int x0, int y0)
+{
+  const PacketShape shape = GetPacketShape();
+  const int width = std::min(shape.Width, image.Width - x0);
+  for (int y = y0; width > 0 && y < std::min(y0 + shape.Height, image.Height); ++y)
+  {
+    const std::size_t at = static_cast<std::size_t>(y) * image.Width + x0;
+    std::fill_n(image.Colors + 4 * at, 4 * width, 0.0f);
+    if (image.Depths)
+    {
+      std::fill_n(image.Depths + at, width, 1.0f);
+    }
+  }
+}
+
+/// The reaches of the quarters of a tile, see CastImage.
+class TileReaches
+{
+public:
+  TileReaches(int x0, int y0, unsigned int quarters, const CastImage& image)
+    : X(x0)
+    , Y(y0)
+    , Quarters(quarters)
+    , Image(image)
+  {
+  }
+
+  /// Whether the packet at a pixel is in a quarter that is asked for.
+  HWY_INLINE bool IsWanted(int x, int y) const
+  {
+    return (this->Quarters >> this->At(x, y) & 1) != 0;
+  }
+
+  HWY_INLINE void Include(int x, int y, float reach)
+  {
+    float& here = this->Reaches[this->At(x, y)];
+    here = std::max(here, reach);
+  }
+
+  HWY_INLINE void Store() const
+  {
+    if (!this->Image.Reaches)
+    {
+      return;
+    }
+    const int perRow = (this->Image.Width + QuarterSide - 1) / QuarterSide;
+    for (int quarter = 0; quarter < 4; ++quarter)
+    {
+      const int x = this->X + quarter % 2 * QuarterSide;
+      const int y = this->Y + quarter / 2 * QuarterSide;
+      if (x < this->Image.Width && y < this->Image.Height && this->IsWanted(x, y))
+      {
+        this->Image.Reaches[y / QuarterSide * perRow + x / QuarterSide] = this->Reaches[quarter];
+      }
+    }
+  }
+
+private:
+  static constexpr int QuarterSide = TileSide / 2;
+
+  HWY_INLINE int At(int x, int y) const
+  {
+    return (x - this->X >= QuarterSide ? 1 : 0) + (y - this->Y >= QuarterSide ? 2 : 0);
+  }
+
+  int X;
+  int Y;
+  unsigned int Quarters;
+  const CastImage& Image;
+  float Reaches[4] = { 0.0f, 0.0f, 0.0f, 0.0f };
+};
+
+template <class T>
+HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int quarters,
+  const CastImage& image, PacketScratch& scratch, int first, Deadline deadline)
+{
+  const Df d;
+  const PacketShape shape = GetPacketShape();
+  const StoredRays stored(scratch);
+  const CameraView& camera = scene.Source->Camera;
+  const ImageMap near(scene.NdcToLocal, camera, -1.0);
+  const ImageMap far(scene.NdcToLocal, camera, 1.0);
+
+  HWY_ALIGN float laneX[16];
+  HWY_ALIGN float laneY[16];
+  for (int lane = 0; lane < shape.Lanes; ++lane)
+  {
+    laneX[lane] = static_cast<float>(lane % shape.Width);
+    laneY[lane] = static_cast<float>(lane / shape.Width);
+  }
+  const Vf dx = hn::Load(d, laneX);
+  const Vf dy = hn::Load(d, laneY);
+
+  float tMin = 1e30f;
+  float tMax = -1e30f;
+  TileReaches reaches(x0, y0, quarters, image);
+  const std::size_t firstPacket = static_cast<std::size_t>(first);
+  std::size_t packet = 0;
+  for (int y = y0; y < y0 + TileSide; y += shape.Height)
+  {
+    for (int x = x0; x < x0 + TileSide; x += shape.Width, ++packet)
+    {
+      if (!reaches.IsWanted(x, y))
+      {
+        continue;
+      }
+      const Vf px = hn::Add(Splat(static_cast<float>(x) + 0.5f), dx);
+      const Vf py = hn::Add(Splat(static_cast<float>(y) + 0.5f), dy);
+      RayPacket rays = MakeRays(near, far, px, py);
+      if (scene.Source->Depths)
+      {
+        ClipToDepths(scene, image, x, y, rays);
+      }
+      ClipToBounds(scene, rays);
+      const Mf inImage = hn::And(hn::Lt(px, Splat(static_cast<float>(image.Width))),
+        hn::Lt(py, Splat(static_cast<float>(image.Height))));
+      const Mf active = hn::And(inImage, hn::Lt(rays.From, rays.To));
+      // Rays that miss what there is now may meet what there will be; of those that were cast
+      // before the last stop nothing is known any more.
+      if (packet < firstPacket || !hn::AllFalse(d, hn::AndNot(active, inImage)))
+      {
+        reaches.Include(x, y, std::numeric_limits<float>::infinity());
+      }
+      rays.To = hn::IfThenElse(active, rays.To, Splat(-1.0f));
+      stored.Set(packet * static_cast<std::size_t>(shape.Lanes), rays);
+      tMin = std::min(tMin, SmallestLane(hn::IfThenElse(active, rays.From, Splat(1e30f))));
+      tMax = std::max(tMax, LargestLane(hn::IfThenElse(active, rays.To, Splat(-1e30f))));
+      scratch.Statistics.Rays +=
+        firstPacket > 0 ? 0 : static_cast<std::int64_t>(hn::CountTrue(d, active));
+    }
+  }
+
+  TilePieces pieces(scene, scratch, near, far, x0, y0);
+  if (tMin < tMax)
+  {
+    pieces.Start(tMin, tMax);
+  }
+
+  packet = 0;
+  for (int y = y0; y < y0 + TileSide; y += shape.Height)
+  {
+    for (int x = x0; x < x0 + TileSide; x += shape.Width, ++packet)
+    {
+      if (packet < firstPacket || !reaches.IsWanted(x, y))
+      {
+        continue;
+      }
+      const RayPacket rays = stored.Get(packet * static_cast<std::size_t>(shape.Lanes));
+      const Mf active = hn::Lt(rays.From, rays.To);
+      if (hn::AllFalse(d, active))
+      {
+        ClearPixels(image, x, y);
+        continue;
+      }
+      const Vf phase = scene.Intervals
+        ? hn::Zero(d)
+        : PhaseOf(scene, rays, scene.Settings.Jitter ? JitterOf(scene, x, y) : hn::Zero(d));
+      Packet<T> cast(scene, pieces, scratch, rays, x - x0, y - y0, dy, phase, active);
+      if (HWY_UNLIKELY(scene.Sampling != PacketSampling::Composite))
+      {
+        cast.Blend(x, y, shape.Width);
+      }
+      else
+      {
+        cast.Cast();
+      }
+      StorePixels(scene, image, x, y, active, cast.GetPixels());
+      reaches.Include(x, y, cast.GetReach());
+      if (deadline != NoDeadline && std::chrono::steady_clock::now() >= deadline)
+      {
+        return static_cast<int>(packet) + 1;
+      }
+    }
+  }
+  reaches.Store();
+  return 0;
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace ffd
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,237 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the vector kernels look up beside a table: their pictures against the reference kernels."""
+
+import itertools
+import unittest
+
+import numpy
+import vtkffd
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+from vtkmodules.vtkRenderingCore import (
+    vtkColorTransferFunction, vtkRenderer, vtkVolume, vtkVolumeProperty)
+
+SIZE = (30, 34, 28)
+PIXELS = 96
+
+
+def points(*pairs):
+    function = vtkPiecewiseFunction()
+    for x, y in pairs:
+        function.AddPoint(x, y)
+    return function
+
+
+def scalars_image(values):
+    image = vtkImageData()
+    image.SetDimensions(*SIZE)
+    image.SetSpacing(1.0, 0.9, 1.2)
+    image.GetPointData().SetScalars(numpy_to_vtk(numpy.ascontiguousarray(values), deep=True))
+    return image
+
+
+class TestPacketLooks(unittest.TestCase):
+    def setUp(self):
+        z, y, x = numpy.mgrid[0:SIZE[2], 0:SIZE[1], 0:SIZE[0]].astype(float)
+        blobs = (numpy.exp(-((x - 12) ** 2 + (y - 15) ** 2 + (z - 14) ** 2) / 60)
+                 + 0.8 * numpy.exp(-((x - 21) ** 2 + (y - 20) ** 2 + (z - 12) ** 2) / 40)
+                 + 0.05 * numpy.sin(x) * numpy.cos(1.3 * y))
+        self.field = numpy.clip(blobs / blobs.max(), 0.0, 1.0)
+        self.second = numpy.clip((x + y) / (SIZE[0] + SIZE[1]), 0.0, 1.0)
+        self.labels = ((x > 14).astype(int) + 2 * (y > 16)).astype(numpy.uint8)
+
+    def make(self, kind, deformed):
+        scale = {"u1": 255, "i1": 120, "u2": 4000, "i2": 3000, "f4": 1.0, "f8": 1e6, "i4": 1e6}[kind]
+        image = scalars_image((self.field * scale).astype(kind).ravel())
+        mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+        mapper.SetInputData(image)
+        mapper.SetAutoAdjustSampleDistances(0)
+        mapper.SetSampleDistance(0.7)
+        if deformed:
+            source = vtkffd.vtkFFDLatticeSource()
+            source.SetBounds(image.GetBounds())
+            source.SetShape(source.TWIST)
+            source.SetStrength(0.6)
+            source.Update()
+            mapper.SetDeformation(source.GetLattice())
+        prop = vtkVolumeProperty()
+        prop.SetInterpolationTypeToLinear()
+        prop.ShadeOn()
+        prop.SetScalarOpacity(points((0.1 * scale, 0.0), (0.5 * scale, 0.2), (scale, 0.6)))
+        color = vtkColorTransferFunction()
+        color.AddRGBPoint(0.0, 0.2, 0.3, 1.0)
+        color.AddRGBPoint(scale, 1.0, 0.6, 0.2)
+        prop.SetColor(color)
+        volume = vtkVolume()
+        volume.SetMapper(mapper)
+        volume.SetProperty(prop)
+        return scale, mapper, prop, volume
+
+    def set_plane(self, prop, nearest=False):
+        # Colors and opacities that change along both axes; invisible at low scalars.
+        v, u = numpy.mgrid[0:9, 0:17] / numpy.array([8.0, 16.0]).reshape(2, 1, 1)
+        texels = numpy.stack([u, 1.0 - v, 0.5 + 0.5 * u * v,
+                              numpy.where(u > 0.2, 0.5 * u * (0.2 + 0.8 * v), 0.0)], axis=-1)
+        texels[6, 12, 3] = 1.0
+        plane = vtkImageData()
+        plane.SetDimensions(17, 9, 1)
+        plane.GetPointData().SetScalars(
+            numpy_to_vtk(texels.reshape(-1, 4).astype(numpy.float32), deep=True))
+        prop.SetTransferFunction2D(plane)
+        prop.SetTransferFunctionMode(vtkVolumeProperty.TF_2D)
+        if nearest:
+            prop.SetInterpolationTypeToNearest()
+
+    def picture(self, mapper, volume, reference):
+        mapper.SetReferenceKernels(reference)
+        renderer = vtkRenderer()
+        renderer.AddVolume(volume)
+        camera = renderer.GetActiveCamera()
+        camera.SetPosition(70.0, 60.0, 90.0)
+        camera.SetFocalPoint(15.0, 15.0, 16.0)
+        camera.SetViewAngle(26.0)
+        renderer.ResetCameraClippingRange()
+        image = vtkImageData()
+        self.assertEqual(mapper.RenderToImage(renderer, volume, PIXELS, PIXELS, image), 1)
+        return vtk_to_numpy(image.GetPointData().GetScalars()).astype(float)
+
+    def compare(self, mapper, volume, what, mean=0.15, tail=3.0):
+        fast = self.picture(mapper, volume, False)
+        slow = self.picture(mapper, volume, True)
+        self.assertGreater((slow[:, 3] > 20).mean(), 0.1, what)
+        difference = numpy.abs(fast - slow).max(axis=1)
+        self.assertLess(difference.mean(), mean, what)
+        self.assertLess(numpy.percentile(difference, 99.5), tail, what)
+        return fast
+
+    def test_planes(self):
+        for kind, deformed, nearest in itertools.product(
+                ("u1", "u2", "f4", "f8"), (False, True), (False, True)):
+            with self.subTest(kind=kind, deformed=deformed, nearest=nearest):
+                scale, mapper, prop, volume = self.make(kind, deformed)
+                self.set_plane(prop, nearest)
+                tail = 60.0 if nearest else 3.0  # a voxel is another one by a rounding error
+                by_gradient = self.compare(mapper, volume, "gradient", 1.5 if nearest else 0.15, tail)
+                image = mapper.GetInput()
+                axis = numpy_to_vtk((self.second * 900).astype(numpy.int16).ravel(), deep=True)
+                axis.SetName("second")
+                image.GetPointData().AddArray(axis)
+                prop.SetTransferFunctionMode(vtkVolumeProperty.TF_2D)
+                volume.GetProperty().SetTransferFunction2D(prop.GetTransferFunction2D())
+                mapper.SetTransfer2DYAxisArray("second")
+                by_array = self.compare(mapper, volume, "array", 1.5 if nearest else 0.15, tail)
+                self.assertGreater(numpy.abs(by_array - by_gradient).mean(), 1.0)
+                # The same without skipping what is invisible.
+                mapper.SetSpaceLeapingToOff()
+                self.compare(mapper, volume, "no leaping", 1.5 if nearest else 0.15, tail)
+
+    def test_planes_behind_a_mask(self):
+        scale, mapper, prop, volume = self.make("u1", True)
+        self.set_plane(prop)
+        without = self.compare(mapper, volume, "no mask")
+        mapper.SetMaskInput(scalars_image((self.labels > 1).astype(numpy.uint8).ravel()))
+        mapper.SetMaskTypeToBinary()
+        masked = self.compare(mapper, volume, "mask", 0.3, 20.0)
+        self.assertGreater(numpy.abs(masked - without).mean(), 1.0)
+
+    def test_gradient_opacities_of_labels(self):
+        for kind, deformed, blend in itertools.product(("u1", "i2", "f4"), (False, True), (1.0, 0.4)):
+            with self.subTest(kind=kind, deformed=deformed, blend=blend):
+                scale, mapper, prop, volume = self.make(kind, deformed)
+                mapper.SetMaskInput(scalars_image(self.labels.ravel()))
+                mapper.SetMaskTypeToLabelMap()
+                mapper.SetMaskBlendFactor(blend)
+                color = vtkColorTransferFunction()
+                color.AddRGBPoint(0.0, 0.0, 1.0, 0.0)
+                for label in (1, 3):
+                    prop.SetLabelColor(label, color)
+                    prop.SetLabelScalarOpacity(label, points((0.2 * scale, 0.0), (scale, 0.9)))
+                without = self.compare(mapper, volume, "labels", 0.3, 20.0)
+                prop.SetGradientOpacity(points((0.0, 0.2), (0.1 * scale, 1.0)))
+                prop.SetLabelGradientOpacity(1, points((0.0, 1.0), (0.08 * scale, 0.0)))
+                weighed = self.compare(mapper, volume, "weighed labels", 0.3, 20.0)
+                self.assertGreater(numpy.abs(weighed - without).mean(), 0.5)
+
+    def test_isosurfaces(self):
+        levels = {"one": (0.4,), "three": (0.25, 0.5, 0.7)}
+        for kind, deformed, number in itertools.product(
+                ("u1", "i1", "u2", "i2", "f4", "f8", "i4"), (False, True), levels):
+            with self.subTest(kind=kind, deformed=deformed, number=number):
+                scale, mapper, prop, volume = self.make(kind, deformed)
+                mapper.SetBlendModeToIsoSurface()
+                prop.SetScalarOpacity(points((0.0, 0.3), (scale, 1.0)))
+                for i, level in enumerate(levels[number]):
+                    prop.GetIsoSurfaceValues().SetValue(i, level * scale)
+                shown = self.compare(mapper, volume, "surfaces")
+                if number == "three":
+                    # Crossed from either side, cropped and clipped by its depths alike.
+                    mapper.CroppingOn()
+                    mapper.SetCroppingRegionPlanes(5, 22, 6, 26, 8, 30)
+                    self.assertGreater(
+                        numpy.abs(self.compare(mapper, volume, "cropped", 0.3, 12.0) - shown).mean(), 1.0)
+
+    def test_isosurfaces_at_values_that_voxels_have(self):
+        # A plateau belongs to the side that it is on in double precision, too.
+        self.field = numpy.floor(255.0 * self.field) / 255.0
+        for interpolation in (0, 1):
+            scale, mapper, prop, volume = self.make("f4", False)
+            mapper.SetBlendModeToIsoSurface()
+            prop.SetInterpolationType(interpolation)
+            prop.SetScalarOpacity(points((0.0, 0.3), (scale, 0.9)))
+            prop.GetIsoSurfaceValues().SetValue(0, 0.4)
+            self.compare(mapper, volume, "plateaus", 0.02, 1.5)
+
+    def test_extremes_leave_out_what_cannot_change_them(self):
+        size = 90
+        z, y, x = numpy.mgrid[0:size, 0:size, 0:size] / (size - 1.0)
+        field = (0.5 * x * y + 0.1 * numpy.sin(40 * z) ** 2
+                 + 0.4 * numpy.exp(-80 * ((x - 0.6) ** 2 + (y - 0.6) ** 2 + (z - 0.8) ** 2)))
+        for kind, deformed, minimum in itertools.product(
+                ("u1", "i2", "f4", "f8"), (False, True), (False, True)):
+            with self.subTest(kind=kind, deformed=deformed, minimum=minimum):
+                scale, mapper, prop, volume = self.make(kind, deformed)
+                prop.ShadeOff()
+                image = vtkImageData()
+                image.SetDimensions(size, size, size)
+                image.SetSpacing(*(n / (size - 1.0) for n in SIZE))
+                values = scale * ((1.0 - field) if minimum else field)
+                image.GetPointData().SetScalars(
+                    numpy_to_vtk(values.astype(kind).ravel(), deep=True))
+                mapper.SetInputData(image)
+                mapper.SetSampleDistance(0.3)
+                if minimum:
+                    mapper.SetBlendModeToMinimumIntensity()
+                    prop.SetScalarOpacity(points((0.0, 0.9), (scale, 0.1)))
+                else:
+                    mapper.SetBlendModeToMaximumIntensity()
+                    prop.SetScalarOpacity(points((0.0, 0.05), (scale, 0.9)))
+                mapper.CollectStatisticsOn()
+                fast = self.compare(mapper, volume, "extremes")
+                self.picture(mapper, volume, False)
+                few = mapper.GetStatistics().GetSamplesPerRay()
+                mapper.SetSpaceLeapingToOff()
+                every = self.picture(mapper, volume, False)
+                many = mapper.GetStatistics().GetSamplesPerRay()
+                self.assertLess(numpy.abs(fast - every).max(), 1.01)
+                self.assertLess(few, 0.7 * many)
+
+    def test_extremes_end_where_nothing_beyond_them_shows(self):
+        # Dark air in front of it makes a minimum invisible, whatever comes behind.
+        scale, mapper, prop, volume = self.make("u1", False)
+        prop.ShadeOff()
+        prop.SetScalarOpacity(points((0.3 * scale, 0.0), (0.4 * scale, 0.8)))
+        mapper.SetBlendModeToMinimumIntensity()
+        self.field = 0.35 + 0.6 * self.field
+        self.field[:, :, 12:] *= 0.5
+        values = vtk_to_numpy(mapper.GetInput().GetPointData().GetScalars())
+        values[:] = (scale * self.field).astype("u1").ravel()
+        mapper.GetInput().GetPointData().GetScalars().Modified()
+        mapper.CollectStatisticsOn()
+        self.compare(mapper, volume, "minimum")
+        self.picture(mapper, volume, False)
+        self.assertLess(mapper.GetStatistics().GetSamplesPerRay(), 12.0)
+
+
+if __name__ == "__main__":
+    unittest.main()

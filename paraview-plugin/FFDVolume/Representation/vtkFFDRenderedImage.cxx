@@ -1,0 +1,157 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDRenderedImage.h"
+
+#include "vtkFFDLattice.h"
+
+#include "vtkCellData.h"
+#include "vtkCellDataToPointData.h"
+#include "vtkDataArray.h"
+#include "vtkFieldData.h"
+#include "vtkImageData.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkSMPTools.h"
+#include "vtkUnsignedCharArray.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace
+{
+
+template <class T>
+ffd::Source<T> FindSource(T* object)
+{
+  return { object, object ? object->GetMTime() : 0 };
+}
+
+/// A component of an array, or the magnitude of its tuples for component -1.
+vtkSmartPointer<vtkDataArray> ExtractComponent(vtkDataArray* from, int component)
+{
+  vtkSmartPointer<vtkDataArray> to;
+  const int components = from->GetNumberOfComponents();
+  if (component >= 0)
+  {
+    to.TakeReference(from->NewInstance());
+    to->SetNumberOfTuples(from->GetNumberOfTuples());
+    to->CopyComponent(0, from, std::min(component, components - 1));
+    return to;
+  }
+  to.TakeReference(vtkDataArray::CreateDataArray(VTK_FLOAT));
+  to->SetNumberOfTuples(from->GetNumberOfTuples());
+  vtkSMPTools::For(0, from->GetNumberOfTuples(),
+    [from, components, array = to.Get()](vtkIdType first, vtkIdType last) {
+      for (vtkIdType i = first; i < last; ++i)
+      {
+        double square = 0.0;
+        for (int c = 0; c < components; ++c)
+        {
+          const double value = from->GetComponent(i, c);
+          square += value * value;
+        }
+        array->SetComponent(i, 0, std::sqrt(square));
+      }
+    });
+  return to;
+}
+
+/// The flags without those of duplicates: the mapper hides all that have flags, and the part of
+/// another process that is rendered here is a duplicate.
+void AddWithoutDuplicates(vtkDataSetAttributes* arrays, vtkUnsignedCharArray* ghosts, int duplicate)
+{
+  if (!ghosts)
+  {
+    return;
+  }
+  vtkNew<vtkUnsignedCharArray> shown; // that of the input is shared
+  shown->DeepCopy(ghosts);
+  for (vtkIdType i = 0; i < shown->GetNumberOfValues(); ++i)
+  {
+    shown->SetValue(i, static_cast<unsigned char>(shown->GetValue(i) & ~duplicate));
+  }
+  arrays->AddArray(shown);
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+ffd::Made MakeRenderedImage(vtkSmartPointer<vtkImageData>& result, ffd::StageTools&,
+  const ffdparts::Grid& grid, const vtkFFDShownArray& shown, int component,
+  const ffd::Source<vtkDataArray>& source, const vtkFFDGhosts& ghosts)
+{
+  const auto makeStructure = [&grid]() {
+    auto image = vtkSmartPointer<vtkImageData>::New();
+    ffdparts::Extent extent = grid.WholeExtent;
+    image->SetExtent(extent.data());
+    grid.ApplyTo(image);
+    return image;
+  };
+  vtkSmartPointer<vtkDataArray> array = source.Object;
+  if (array && shown.OfCells)
+  {
+    const vtkSmartPointer<vtkImageData> onlyThis = makeStructure();
+    onlyThis->GetCellData()->AddArray(array);
+    onlyThis->GetPointData()->AddArray(ghosts.OfPoints.Object);
+    onlyThis->GetCellData()->AddArray(ghosts.OfCells.Object);
+    vtkNew<vtkCellDataToPointData> average;
+    average->SetInputData(onlyThis);
+    average->Update();
+    array = average->GetOutput()->GetPointData()->GetArray(shown.Name.c_str());
+  }
+  if (array && array->GetNumberOfComponents() > 1)
+  {
+    array = ExtractComponent(array, component);
+    array->SetName(shown.Name.c_str());
+  }
+  result = makeStructure();
+  AddWithoutDuplicates(
+    result->GetPointData(), ghosts.OfPoints.Object, vtkDataSetAttributes::DUPLICATEPOINT);
+  AddWithoutDuplicates(
+    result->GetCellData(), ghosts.OfCells.Object, vtkDataSetAttributes::DUPLICATECELL);
+  if (array)
+  {
+    result->GetPointData()->AddArray(array);
+  }
+  return ffd::Made::Anew;
+}
+
+//------------------------------------------------------------------------------
+ffd::Made MakeAttachedLattice(
+  vtkSmartPointer<vtkFFDLattice>& result, ffd::StageTools&, const ffd::Source<vtkFieldData>& fields)
+{
+  vtkNew<vtkImageData> carrier;
+  carrier->SetFieldData(fields.Object);
+  if (!vtkFFDLattice::HasLattice(carrier))
+  {
+    result = nullptr;
+    return ffd::Made::Anew;
+  }
+  if (!result)
+  {
+    result = vtkSmartPointer<vtkFFDLattice>::New();
+  }
+  result->ReadFrom(carrier);
+  return ffd::Made::Anew;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDRenderedImage::Update(vtkImageData* given, const vtkFFDShownArray& shown, int component)
+{
+  ffdparts::Extent extent;
+  given->GetExtent(extent.data());
+  vtkFFDGhosts ghosts;
+  if (given->HasAnyBlankPoints())
+  {
+    ghosts.OfPoints = FindSource(given->GetPointGhostArray());
+  }
+  if (given->HasAnyBlankCells())
+  {
+    ghosts.OfCells = FindSource(given->GetCellGhostArray());
+  }
+  ffd::StageTools tools;
+  this->Order.Begin();
+  this->Image.Update(tools, ffdparts::Grid::FromImage(given, extent), shown, component,
+    FindSource(shown.FindIn(given)), ghosts);
+  this->Lattice.Update(tools, FindSource(given->GetFieldData()));
+}

@@ -1,0 +1,449 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDVoxelDistribution.h"
+
+#include "vtkFFDLattice.h"
+
+#include "vtkAbstractArray.h"
+#include "vtkCellData.h"
+#include "vtkCommunicator.h"
+#include "vtkDataArray.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkImageData.h"
+#include "vtkMatrix4x4.h"
+#include "vtkMultiProcessController.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+
+#include <algorithm>
+#include <string>
+
+namespace
+{
+
+using Bounds = ffdparts::Bounds;
+using Extent = ffdparts::Extent;
+using Grid = ffdparts::Grid;
+
+/// In the field data of a part: its clip box, then the bounds of the whole at rest.
+const char* const PartArray = "FFDVolume.Part";
+
+/// In the field data of a part: the ranges of the whole array that is shown, of its magnitude and
+/// its components, two numbers each.
+std::string GetRangesName(const vtkFFDShownArray& shown)
+{
+  return std::string("FFDVolume.Ranges.") + (shown.OfCells ? "cells." : "points.") + shown.Name;
+}
+
+/// Whether the matrix takes boxes to boxes.
+bool KeepsBoxes(vtkMatrix4x4* matrix)
+{
+  for (int row = 0; row < 3; ++row)
+  {
+    for (int column = 0; column < 3; ++column)
+    {
+      if (row != column && matrix->GetElement(row, column) != 0.0)
+      {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+Bounds Transform(const Bounds& bounds, vtkMatrix4x4* matrix)
+{
+  Bounds result = { VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX, VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX,
+    VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX };
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    double p[4] = { bounds[corner & 1], bounds[2 + ((corner >> 1) & 1)], bounds[4 + (corner >> 2)],
+      1.0 };
+    matrix->MultiplyPoint(p, p);
+    for (int a = 0; a < 3; ++a)
+    {
+      result[2 * a] = std::min(result[2 * a], p[a]);
+      result[2 * a + 1] = std::max(result[2 * a + 1], p[a]);
+    }
+  }
+  return result;
+}
+
+/// Ranges of the array over all processes, see GetRangesName(); null if it is nowhere, or holds no
+/// finite number. To be called on all processes.
+vtkSmartPointer<vtkDoubleArray> FindRanges(
+  vtkMultiProcessController* controller, vtkImageData* image, const vtkFFDShownArray& shown)
+{
+  vtkDataArray* array = image ? shown.FindIn(image) : nullptr;
+  const int componentsHere = array ? array->GetNumberOfComponents() : 0;
+  int components = 0;
+  controller->AllReduce(&componentsHere, &components, 1, vtkCommunicator::MAX_OP);
+  if (components < 1)
+  {
+    return nullptr;
+  }
+  // Least values, and least negated ones.
+  std::vector<double> mine(2 * static_cast<std::size_t>(components + 1), VTK_DOUBLE_MAX);
+  for (int c = -1; array && c < componentsHere; ++c)
+  {
+    double range[2];
+    array->GetFiniteRange(range, c);
+    if (range[0] <= range[1])
+    {
+      mine[2 * static_cast<std::size_t>(c + 1)] = range[0];
+      mine[2 * static_cast<std::size_t>(c + 1) + 1] = -range[1];
+    }
+  }
+  std::vector<double> all(mine.size());
+  controller->AllReduce(
+    mine.data(), all.data(), static_cast<vtkIdType>(mine.size()), vtkCommunicator::MIN_OP);
+  vtkNew<vtkDoubleArray> ranges;
+  ranges->SetName(GetRangesName(shown).c_str());
+  ranges->SetNumberOfComponents(2);
+  for (std::size_t i = 0; i < all.size(); i += 2)
+  {
+    const bool any = all[i] < VTK_DOUBLE_MAX;
+    ranges->InsertNextTuple2(any ? all[i] : 1.0, any ? -all[i + 1] : -1.0);
+  }
+  return ranges;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+bool vtkFFDVoxelDistribution::Inputs::operator==(const Inputs& other) const
+{
+  return this->Image == other.Image && this->Time == other.Time &&
+    this->WholeExtent == other.WholeExtent && this->Shown == other.Shown &&
+    this->InverseMode == other.InverseMode && this->HasOrder == other.HasOrder &&
+    this->Matrix == other.Matrix;
+}
+
+//------------------------------------------------------------------------------
+vtkFFDVoxelDistribution::Sources vtkFFDVoxelDistribution::GetSources(vtkImageData* image)
+{
+  Sources sources;
+  if (image)
+  {
+    const std::array<vtkFieldData*, 2> both{ { image->GetPointData(), image->GetCellData() } };
+    for (vtkFieldData* arrays : both)
+    {
+      for (int a = 0; a < arrays->GetNumberOfArrays(); ++a)
+      {
+        vtkAbstractArray* array = arrays->GetAbstractArray(a);
+        sources.emplace_back(array, array->GetMTime());
+      }
+    }
+  }
+  return sources;
+}
+
+//------------------------------------------------------------------------------
+/// Whether what was brought here last has the voxels `wanted`, and the image is as it was then.
+bool vtkFFDVoxelDistribution::HoldsVoxelsOf(vtkImageData* image, const Extent& wanted) const
+{
+  Extent held = ffdparts::NoExtent;
+  if (this->Held)
+  {
+    this->Held->GetExtent(held.data());
+  }
+  bool alive = true;
+  for (const auto& source : this->HeldSources)
+  {
+    alive = alive && source.first;
+  }
+  return alive && ffdparts::Contains(held, wanted) && GetSources(image) == this->HeldSources;
+}
+
+//------------------------------------------------------------------------------
+vtkFFDVoxelDistribution::Holdings vtkFFDVoxelDistribution::GatherHoldings(
+  vtkMultiProcessController* controller, const Inputs& inputs)
+{
+  const int ranks = controller->GetNumberOfProcesses();
+  vtkImageData* image = inputs.Image;
+  Holdings holdings;
+  Grid& grid = holdings.Grid;
+  Extent held = ffdparts::NoExtent;
+  if (image)
+  {
+    image->GetExtent(held.data());
+    grid = Grid::FromImage(image, held);
+    if (!ffdparts::IsEmpty(inputs.WholeExtent))
+    {
+      grid.WholeExtent = inputs.WholeExtent;
+    }
+  }
+  constexpr int values = 2 + 6 + 6 + 3 + 3 + 9;
+  std::array<double, values> mine{};
+  mine[0] = image ? 1.0 : 0.0;
+  mine[1] = image && vtkFFDLattice::HasLattice(image) ? 1.0 : 0.0;
+  std::copy(held.begin(), held.end(), mine.begin() + 2);
+  std::copy(grid.WholeExtent.begin(), grid.WholeExtent.end(), mine.begin() + 8);
+  std::copy(grid.Origin.begin(), grid.Origin.end(), mine.begin() + 14);
+  std::copy(grid.Spacing.begin(), grid.Spacing.end(), mine.begin() + 17);
+  std::copy(grid.Direction.begin(), grid.Direction.end(), mine.begin() + 20);
+  std::vector<double> all(static_cast<std::size_t>(ranks * values));
+  controller->AllGather(mine.data(), all.data(), values);
+
+  int withImage = -1;
+  holdings.Extents.resize(static_cast<std::size_t>(ranks));
+  Extent whole = ffdparts::NoExtent;
+  for (int r = ranks - 1; r >= 0; --r)
+  {
+    const double* theirs = &all[static_cast<std::size_t>(r * values)];
+    Extent& e = holdings.Extents[static_cast<std::size_t>(r)];
+    std::transform(theirs + 2, theirs + 8, e.begin(), [](double v) { return static_cast<int>(v); });
+    withImage = theirs[0] != 0.0 ? r : withImage;
+    holdings.WithLattice = theirs[1] != 0.0 ? r : holdings.WithLattice;
+    Extent announced;
+    std::transform(
+      theirs + 8, theirs + 14, announced.begin(), [](double v) { return static_cast<int>(v); });
+    for (const Extent& each : { e, announced })
+    {
+      if (ffdparts::IsEmpty(whole))
+      {
+        whole = each;
+      }
+      else if (!ffdparts::IsEmpty(each))
+      {
+        for (int a = 0; a < 3; ++a)
+        {
+          whole[2 * a] = std::min(whole[2 * a], each[2 * a]);
+          whole[2 * a + 1] = std::max(whole[2 * a + 1], each[2 * a + 1]);
+        }
+      }
+    }
+  }
+  holdings.HasImage = withImage >= 0;
+  if (!holdings.HasImage)
+  {
+    return holdings;
+  }
+  const double* reference = &all[static_cast<std::size_t>(withImage * values)];
+  grid.WholeExtent = whole;
+  std::copy_n(reference + 14, 3, grid.Origin.begin());
+  std::copy_n(reference + 17, 3, grid.Spacing.begin());
+  std::copy_n(reference + 20, 9, grid.Direction.begin());
+  return holdings;
+}
+
+//------------------------------------------------------------------------------
+/// Give all processes the lattice of process `root`; -1: there is none.
+void vtkFFDVoxelDistribution::ShareLattice(
+  vtkMultiProcessController* controller, vtkImageData* image, int root)
+{
+  this->Lattice = nullptr;
+  if (root < 0)
+  {
+    return;
+  }
+  vtkNew<vtkFFDLattice> lattice;
+  vtkNew<vtkImageData> points;
+  std::array<double, 7> numbers{};
+  if (controller->GetLocalProcessId() == root && lattice->ReadFrom(image))
+  {
+    lattice->ToImageData(points);
+    points->GetOrigin(numbers.data());
+    points->GetSpacing(numbers.data() + 3);
+    numbers[6] = lattice->GetDisplacementScale();
+  }
+  // Of an image only the point data are sent bit by bit; the rest comes as decimals.
+  controller->Broadcast(points.GetPointer(), root);
+  controller->Broadcast(numbers.data(), static_cast<vtkIdType>(numbers.size()), root);
+  points->SetOrigin(numbers.data());
+  points->SetSpacing(numbers.data() + 3);
+  if (points->GetNumberOfPoints() > 0 && lattice->FromImageData(points))
+  {
+    lattice->SetDisplacementScale(numbers[6]);
+    this->Lattice = lattice;
+  }
+}
+
+//------------------------------------------------------------------------------
+/**
+ * The box of each process, data coordinates, and DeformedBounds: the same on all processes. The
+ * first one decides: on processors of different kinds bounds may round differently.
+ */
+std::vector<Bounds> vtkFFDVoxelDistribution::DecideBoxes(vtkMultiProcessController* controller,
+  const Grid& grid, const Inputs& inputs, vtkMatrix4x4* matrix)
+{
+  const int ranks = controller->GetNumberOfProcesses();
+  Bounds& deformed = this->DeformedBounds;
+  deformed = ffdparts::FindDeformedBounds(grid, this->Lattice, inputs.InverseMode);
+  this->Cover.SetDeformation(this->Lattice, inputs.InverseMode);
+  std::vector<Bounds> boxes(static_cast<std::size_t>(ranks), ffdparts::NoBounds);
+  if (KeepsBoxes(matrix) && inputs.HasOrder && controller->GetLocalProcessId() == 0)
+  {
+    boxes = ffdparts::CutIntoBoxes(deformed, ranks, [this, &grid](const Bounds& box) {
+      return static_cast<double>(
+        ffdparts::CountPoints(ffdparts::FindNeededExtent(grid, this->Cover, box)));
+    });
+  }
+  else
+  {
+    boxes[0] = deformed;
+  }
+  std::vector<double> decided;
+  for (const Bounds& each : boxes)
+  {
+    decided.insert(decided.end(), each.begin(), each.end());
+  }
+  decided.insert(decided.end(), deformed.begin(), deformed.end());
+  controller->Broadcast(decided.data(), static_cast<vtkIdType>(decided.size()), 0);
+  for (std::size_t r = 0; r < boxes.size(); ++r)
+  {
+    std::copy_n(&decided[6 * r], 6, boxes[r].begin());
+  }
+  std::copy_n(&decided[6 * boxes.size()], 6, deformed.begin());
+  return boxes;
+}
+
+//------------------------------------------------------------------------------
+/// The voxels that this process wants, with the lattice in the field data; null where it wants
+/// none.
+vtkSmartPointer<vtkImageData> vtkFFDVoxelDistribution::GatherPart(
+  vtkMultiProcessController* controller, const Holdings& holdings, vtkImageData* image,
+  const Extent& wanted)
+{
+  const int ranks = controller->GetNumberOfProcesses();
+  std::vector<int> allWanted(static_cast<std::size_t>(6 * ranks));
+  controller->AllGather(wanted.data(), allWanted.data(), 6);
+  std::vector<Extent> needed(static_cast<std::size_t>(ranks));
+  bool complete = true;
+  for (std::size_t r = 0; r < needed.size(); ++r)
+  {
+    std::copy_n(&allWanted[6 * r], 6, needed[r].begin());
+    complete = complete && ffdparts::Contains(holdings.Extents[r], needed[r]);
+  }
+  vtkSmartPointer<vtkImageData> part;
+  if (complete)
+  {
+    if (!ffdparts::IsEmpty(wanted))
+    {
+      part = vtkSmartPointer<vtkImageData>::New();
+      part->ShallowCopy(image);
+    }
+    return part;
+  }
+  // Most often only the lattice has changed, and what was brought for it last time does.
+  const int keepHere = this->HoldsVoxelsOf(image, wanted) ? 1 : 0;
+  int keep = 0;
+  controller->AllReduce(&keepHere, &keep, 1, vtkCommunicator::MIN_OP);
+  if (!keep)
+  {
+    this->Held =
+      ffdparts::ExchangeVoxels(controller, holdings.Grid, image, holdings.Extents, needed);
+    this->HeldSources = GetSources(image);
+  }
+  if (this->Held && !ffdparts::IsEmpty(wanted))
+  {
+    part = vtkSmartPointer<vtkImageData>::New();
+    part->ShallowCopy(this->Held);
+    // Field data of its own.
+    vtkNew<vtkFieldData> none;
+    part->SetFieldData(none);
+    if (this->Lattice)
+    {
+      this->Lattice->AttachTo(part);
+    }
+  }
+  return part;
+}
+
+//------------------------------------------------------------------------------
+/// Write what ReadBounds() and ReadRange() read into the field data of the part.
+void vtkFFDVoxelDistribution::Describe(const Bounds& box, const Grid& grid, vtkDoubleArray* ranges)
+{
+  const Bounds clip = ffdparts::OpenOutwards(box, this->DeformedBounds);
+  const Bounds rest = grid.GetBounds();
+  vtkNew<vtkDoubleArray> array;
+  array->SetName(PartArray);
+  array->SetNumberOfValues(12);
+  std::copy(clip.begin(), clip.end(), array->GetPointer(0));
+  std::copy(rest.begin(), rest.end(), array->GetPointer(6));
+  // Field data of our own: that of the input is shared.
+  vtkNew<vtkFieldData> fields;
+  fields->PassData(this->Part->GetFieldData());
+  fields->AddArray(array);
+  if (ranges)
+  {
+    fields->AddArray(ranges);
+  }
+  this->Part->SetFieldData(fields);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVoxelDistribution::Update(vtkMultiProcessController* controller, const Inputs& inputs)
+{
+  const int changedHere = this->Made && inputs == this->Last ? 0 : 1;
+  int changed = 0;
+  controller->AllReduce(&changedHere, &changed, 1, vtkCommunicator::MAX_OP);
+  if (!changed)
+  {
+    return;
+  }
+  this->Last = inputs;
+  this->Made = true;
+  this->Part = nullptr;
+  this->OwnBox = ffdparts::NoBounds;
+  this->DeformedBounds = ffdparts::NoBounds;
+
+  const Holdings holdings = GatherHoldings(controller, inputs);
+  if (!holdings.HasImage)
+  {
+    return;
+  }
+  this->ShareLattice(controller, inputs.Image, holdings.WithLattice);
+  vtkNew<vtkMatrix4x4> matrix;
+  matrix->DeepCopy(inputs.Matrix.data());
+  const std::vector<Bounds> boxes = this->DecideBoxes(controller, holdings.Grid, inputs, matrix);
+  const Bounds& box = boxes[static_cast<std::size_t>(controller->GetLocalProcessId())];
+  const Extent wanted = ffdparts::FindNeededExtent(holdings.Grid, this->Cover, box);
+  const vtkSmartPointer<vtkDoubleArray> ranges = FindRanges(controller, inputs.Image, inputs.Shown);
+  this->Part = this->GatherPart(controller, holdings, inputs.Image, wanted);
+  if (this->Part)
+  {
+    this->Describe(box, holdings.Grid, ranges);
+  }
+  if (!ffdparts::IsEmpty(box))
+  {
+    this->OwnBox = Transform(box, matrix);
+  }
+  else
+  {
+    // No part of the volume, but a place in the order: a box without thickness beside it.
+    this->OwnBox = Transform(this->DeformedBounds, matrix);
+    this->OwnBox[0] = this->OwnBox[1];
+  }
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDVoxelDistribution::ReadBounds(vtkImageData* part, Bounds& clip, Bounds& whole)
+{
+  vtkDataArray* array = part->GetFieldData()->GetArray(PartArray);
+  if (!array)
+  {
+    return false;
+  }
+  for (int i = 0; i < 6; ++i)
+  {
+    clip[static_cast<std::size_t>(i)] = array->GetComponent(i, 0);
+    whole[static_cast<std::size_t>(i)] = array->GetComponent(6 + i, 0);
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDVoxelDistribution::ReadRange(
+  vtkImageData* part, const vtkFFDShownArray& shown, int component, std::array<double, 2>& range)
+{
+  vtkDataArray* ranges = part->GetFieldData()->GetArray(GetRangesName(shown).c_str());
+  const vtkIdType which = ranges && ranges->GetNumberOfTuples() == 2 ? 1 : component + 1;
+  if (!ranges || which >= ranges->GetNumberOfTuples())
+  {
+    return false;
+  }
+  ranges->GetTuple(which, range.data());
+  return true;
+}
