@@ -1,0 +1,147 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FFDIntervalTable.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ffd
+{
+namespace
+{
+
+/// Of an interval whose values are all opaque.
+constexpr double LargestOpticalDepth = 256.0;
+
+/// Differences of integrals are signed numbers of 32 bits.
+constexpr double LargestIntegral = 2147480000.0;
+
+/// Less opacity than this comes from anywhere.
+constexpr double LeastOpacity = 1e-6;
+
+double OpacityOf(double opticalDepth) { return 1.0 - std::exp2(-opticalDepth); }
+
+/// Where the light of a homogeneous interval comes from: 1/2 if it is thin, 1 / (its depth in
+/// powers of e) if it is thick, and within 0.03 of the truth between them.
+double PlaceOf(double opticalDepth)
+{
+  const double depth = 0.69314718 * opticalDepth;
+  return 1.0 / std::sqrt(4.0 + depth * (4.0 / 3.0 + depth));
+}
+
+/// The same if the optical depth would be `front` and `back` with the extinctions at the ends.
+double PlaceOf(double front, double back, double opticalDepth)
+{
+  if (!(opticalDepth > std::min(front, back) && opticalDepth < std::max(front, back)))
+  {
+    return PlaceOf(opticalDepth);
+  }
+  const double change = (back - opticalDepth) / (back - front);
+  const double depths[2] = { front * change, back * (1.0 - change) };
+  const double first = OpacityOf(depths[0]);
+  const double second = (1.0 - first) * OpacityOf(depths[1]);
+  return first + second > LeastOpacity
+    ? (first * change * PlaceOf(depths[0]) +
+        second * (change + (1.0 - change) * PlaceOf(depths[1]))) /
+      (first + second)
+    : 0.5;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+IntervalTable::IntervalTable(const TransferTable& table, double length)
+  : Table(&table)
+  , LargestExtinction(LargestOpticalDepth / length)
+{
+  const float* const entries = table.GetEntries();
+  const std::size_t size = table.GetSize();
+  const auto extinctionAt = [&](std::size_t i) {
+    return std::min(static_cast<double>(entries[4 * i + 3]), this->LargestExtinction);
+  };
+  std::vector<double> sums(size, 0.0);
+  for (std::size_t i = 1; i < size; ++i)
+  {
+    sums[i] = sums[i - 1] + 0.5 * (extinctionAt(i - 1) + extinctionAt(i));
+  }
+  this->Units = sums.back() > 0.0 ? LargestIntegral / sums.back() : 1.0;
+  this->Integrals.resize(size);
+  for (std::size_t i = 0; i < size; ++i)
+  {
+    this->Integrals[i] = static_cast<std::uint32_t>(std::llround(sums[i] * this->Units));
+  }
+  // Extinctions are interpolated: from the entry before to the one behind, and beyond the table as
+  // at its ends.
+  constexpr double Infinity = std::numeric_limits<double>::infinity();
+  const auto valueAt = [&](std::size_t i) {
+    return table.GetLow() + static_cast<double>(i) / table.GetScale();
+  };
+  for (std::size_t i = 0; i < size; ++i)
+  {
+    if (entries[4 * i + 3] > 0.0f)
+    {
+      this->VisibleLow = std::min(this->VisibleLow, i == 0 ? -Infinity : valueAt(i - 1));
+      this->VisibleHigh = i + 1 == size ? Infinity : valueAt(i + 1);
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+IntervalTable::Point IntervalTable::Find(double value) const
+{
+  const TransferTable& table = *this->Table;
+  const double last = static_cast<double>(table.GetSize() - 1);
+  Point point;
+  point.Entry = std::clamp((value - table.GetLow()) * table.GetScale(), 0.0, last);
+  const std::size_t i = std::min(static_cast<std::size_t>(point.Entry), table.GetSize() - 2);
+  const double f = point.Entry - static_cast<double>(i);
+  const float* const entry = table.GetEntries() + 4 * i;
+  const double a = std::min(static_cast<double>(entry[3]), this->LargestExtinction);
+  const double b = std::min(static_cast<double>(entry[7]), this->LargestExtinction);
+  point.Extinction = a + f * (b - a);
+  point.Integral = this->Integrals[i] +
+    static_cast<std::uint32_t>(std::llround(this->Units * f * (a + 0.5 * f * (b - a))));
+  return point;
+}
+
+//------------------------------------------------------------------------------
+IntervalLook IntervalTable::Classify(double front, double back, double length) const
+{
+  if (std::isnan(front) || std::isnan(back))
+  {
+    return { 0.0, front, 0.5 };
+  }
+  const Point a = this->Find(front);
+  const Point b = this->Find(back);
+  const double entries = b.Entry - a.Entry;
+  double extinction = 0.5 * (a.Extinction + b.Extinction);
+  if (std::abs(entries) >= NearEntries)
+  {
+    const double integral = static_cast<double>(static_cast<std::int32_t>(b.Integral - a.Integral));
+    extinction = std::max(integral / (this->Units * entries), 0.0);
+  }
+  const double place = PlaceOf(a.Extinction * length, b.Extinction * length, extinction * length);
+  // Beyond the table everything looks as at its ends: values there, infinite ones, too, count as
+  // these.
+  const double entry = a.Entry + place * entries;
+  return { extinction * length, this->Table->GetLow() + entry / this->Table->GetScale(), place };
+}
+
+//------------------------------------------------------------------------------
+IntervalLook IntervalTable::Classify(
+  double front, double middle, double back, double at, double length) const
+{
+  const IntervalLook first = this->Classify(front, middle, at * length);
+  const IntervalLook second = this->Classify(middle, back, (1.0 - at) * length);
+  const double a = OpacityOf(first.OpticalDepth);
+  const double b = (1.0 - a) * OpacityOf(second.OpticalDepth);
+  IntervalLook both{ first.OpticalDepth + second.OpticalDepth, middle, at };
+  if (a + b > LeastOpacity)
+  {
+    both.Value = (a * first.Value + b * second.Value) / (a + b);
+    both.Place = (a * at * first.Place + b * (at + (1.0 - at) * second.Place)) / (a + b);
+  }
+  return both;
+}
+
+} // namespace ffd
