@@ -97,6 +97,15 @@ public:
   using vtkDICOMImageReader::GetNumberOfDICOMFileNames;
 };
 
+/// VTK's own, where object factories have vtkPNrrdReader in its place, as after Python's
+/// "import vtk": that one does not read without an MPI controller.
+class PlainNrrdReader : public vtkNrrdReader
+{
+public:
+  static PlainNrrdReader* New() { VTK_STANDARD_NEW_BODY(PlainNrrdReader); }
+  vtkTypeMacro(PlainNrrdReader, vtkNrrdReader);
+};
+
 std::string ReadStart(const char* path)
 {
   std::string bytes(LargestHeader, '\0');
@@ -427,7 +436,7 @@ bool vtkFFDVolumeReader::vtkInternals::Open(const char* path)
     {
       return false;
     }
-    this->Make<vtkNrrdReader>(path);
+    this->Make<PlainNrrdReader>(path);
   }
   else
   {

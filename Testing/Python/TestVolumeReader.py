@@ -6,6 +6,8 @@ read is named."""
 import os
 import shutil
 import signal
+import subprocess
+import sys
 import unittest
 
 import numpy
@@ -77,6 +79,19 @@ class TestVolumeReader(unittest.TestCase):
             with self.subTest(name):
                 files.write_nrrd(os.path.join(WORK, name), space, compressed)
                 self.check_places(name)
+
+    def test_nrrd_after_all_of_vtk(self):
+        # "import vtk" puts vtkPNrrdReader, which needs MPI, in the place of vtkNrrdReader.
+        path = os.path.join(WORK, "all.nrrd")
+        files.write_nrrd(path, "left-posterior-superior")
+        result = subprocess.run(
+            [sys.executable, "-c", "import sys, vtk, vtkffd\n"
+             "reader = vtkffd.vtkFFDVolumeReader()\n"
+             "reader.SetFileName(sys.argv[1])\n"
+             "reader.Update()\n"
+             "print(*reader.GetOutput().GetDimensions(), reader.GetProblem())", path],
+            capture_output=True, text=True, check=True)
+        self.assertEqual(result.stdout.split(), [str(n) for n in files.SIZE], result.stderr)
 
     def test_metaimage(self):
         self.check_places("turned.mha")
