@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDBenchmarkTargets.h"
 
+#include "FFDBenchmarkOptions.h"
 #include "FFDBenchmarkScene.h"
 
 #include "vtkFFDInverseRayVolumeMapper.h"
@@ -24,6 +25,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <limits>
 
 namespace ffdBenchmark
@@ -250,6 +252,61 @@ bool IsFrames(const Group& group)
   return StartsWith(group.GetName(), "Targets/") && group.FindRow("bare");
 }
 
+/// What users switch on.
+constexpr const char* OptionsPrefix = "Options/";
+
+std::string NameOptionTarget(const Group& group, const FrameOption& option)
+{
+  return group.GetName() + " " + option.Name + " / " + option.By;
+}
+
+//------------------------------------------------------------------------------
+/// Options by groups: how many times the frame without it.
+void PrintOptions(const std::vector<std::unique_ptr<Group>>& groups)
+{
+  std::vector<const Group*> columns;
+  for (const auto& group : groups)
+  {
+    if (group->IsMeasured() && StartsWith(group->GetName(), OptionsPrefix))
+    {
+      columns.push_back(group.get());
+    }
+  }
+  if (columns.empty())
+  {
+    return;
+  }
+  std::printf("\nOptions, opaque, 512 x 512: times the frame of the row named last. ! is missed.\n"
+              "\n%-20s",
+    "");
+  for (const Group* group : columns)
+  {
+    std::printf(" %18s", group->GetName().c_str() + std::strlen(OptionsPrefix));
+  }
+  std::printf("  at most\n");
+  for (const FrameOption& option : GetFrameOptions())
+  {
+    std::printf("%-20s", option.Name);
+    for (const Group* group : columns)
+    {
+      const double ratio = group->GetRatio(option.Name, option.By);
+      std::printf(" %17.2f%c", ratio, ratio > option.Limit ? '!' : ' ');
+    }
+    if (std::isnan(option.Limit))
+    {
+      std::printf("        - %s\n", option.By);
+    }
+    else
+    {
+      std::printf(" %8.2f %s\n", option.Limit, option.By);
+    }
+  }
+  for (const Group* group : columns)
+  {
+    std::printf("%s: plain %.2f ms\n", group->GetName().c_str(), Milliseconds(*group, "plain"));
+  }
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -314,6 +371,25 @@ std::vector<std::unique_ptr<Group>> MakeTargetGroups(const Options& options)
         [=](Group& group) { return PrepareVectors(group, folder, opacity); }, { "avx512", "avx2" });
     }
   }
+  std::vector<std::string> frameOptions;
+  for (const FrameOption& option : GetFrameOptions())
+  {
+    frameOptions.push_back(option.Name);
+  }
+  for (const char* volume : { "engine", "cthead" })
+  {
+    for (const bool deformed : { false, true })
+    {
+      if (!options.Quick || (std::string(volume) == "engine" && deformed))
+      {
+        const std::string volumeName = volume;
+        add(
+          std::string(OptionsPrefix) + volume + (deformed ? "/bend45" : "/undeformed"),
+          [=](Group& group) { return PrepareOptions(group, folder, volumeName, deformed); },
+          frameOptions);
+      }
+    }
+  }
   add("Targets/paper", [=](Group& group) { return PreparePaper(group, folder); },
     { "semi", "opaque", "sparse" });
   for (auto& group : MakeGroups(options))
@@ -356,6 +432,17 @@ std::vector<Target> FindTargets(const std::vector<std::unique_ptr<Group>>& group
       }
       targets.push_back({ scene + " bend45 EXACT / fixedpoint undeformed",
         group.GetRatio("exact_bend45", "fixedpoint"), BendByFixedPoint });
+    }
+    else if (StartsWith(name, OptionsPrefix))
+    {
+      for (const FrameOption& option : GetFrameOptions())
+      {
+        if (!std::isnan(option.Limit))
+        {
+          targets.push_back({ NameOptionTarget(group, option),
+            group.GetRatio(option.Name, option.By), option.Limit });
+        }
+      }
     }
     else if (StartsWith(name, "Targets/vectors/"))
     {
@@ -424,6 +511,7 @@ void PrintTargetPage(
     }
     std::printf("\n");
   }
+  PrintOptions(groups);
   std::printf("\n");
   int met = 0;
   int missed = 0;
@@ -434,8 +522,9 @@ void PrintTargetPage(
     {
       ++(std::isnan(target.Figure) ? missing : target.IsMet() ? met : missed);
     }
-    // Those are in the table.
+    // Those are in the tables.
     if (target.Name.find("EXACT / FIRST_ORDER") != std::string::npos ||
+      StartsWith(target.Name, OptionsPrefix) ||
       (!target.HasLimit() && target.Name.find(", ms") != std::string::npos))
     {
       continue;

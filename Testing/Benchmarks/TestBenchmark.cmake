@@ -41,7 +41,7 @@ message(STATUS "${rows} times in ${REPORT}")
 # The page of targets: each figure is there, and each target says whether it is met.
 execute_process(
   COMMAND "${BENCHMARK}" --targets --quick "--json=${REPORT}"
-    "--only=engine.*(bare|empty|fixedpoint|undeformed|bend45)|vectors|paper/opaque"
+    "--only=engine/opaque.*(bare|empty|fixedpoint|undeformed|bend45)|vectors|paper/opaque|Options/.*/(plain|label map|jitter)$"
   OUTPUT_VARIABLE page
   RESULT_VARIABLE status)
 if (NOT status EQUAL 0 OR NOT page MATCHES "targets met")

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 namespace ffd
 {
@@ -30,15 +31,6 @@ constexpr int LastMaximum = (1 << (8 - MinimumBits)) - 1;
 /// Code of a block that holds no number: no minimum is so far above the maximum.
 constexpr int NoNumber = LastMinimum;
 
-/// Smallest and largest number of a row-wise box of voxels, both ends included.
-template <class T>
-struct Extremes
-{
-  T Min = std::numeric_limits<T>::max();
-  T Max = std::numeric_limits<T>::lowest();
-  bool Any = false;
-};
-
 /// Whether a scalar has no place in the range of the volume: differences of the very largest
 /// numbers are infinite, so these count as infinite, too.
 template <class T>
@@ -47,56 +39,157 @@ bool IsOutOfRange(T value)
   return !(std::abs(value) <= std::numeric_limits<T>::max() / 4);
 }
 
+/**
+ * Smallest and largest number at each position of a row, over the rows that were added. The loops
+ * over the positions have no branches, so that compilers make vector code of them; comparisons with
+ * what is not a number are false, which leaves it out.
+ */
 template <class T>
-void ScanVoxels(const VolumeView& v, const glm::ivec3& first, const glm::ivec3& last,
-  bool countInfinite, Extremes<T>& found)
+class RowExtremes
 {
-  const T* scalars = static_cast<const T*>(v.Scalars);
-  for (int k = first.z; k <= last.z; ++k)
+public:
+  explicit RowExtremes(int count)
+    : Min(static_cast<std::size_t>(count))
+    , Max(static_cast<std::size_t>(count))
   {
-    for (int j = first.y; j <= last.y; ++j)
+    this->Clear();
+  }
+
+  void Clear()
+  {
+    using Limits = std::numeric_limits<T>;
+    std::fill(this->Min.begin(), this->Min.end(),
+      Limits::has_infinity ? Limits::infinity() : Limits::max());
+    std::fill(this->Max.begin(), this->Max.end(),
+      Limits::has_infinity ? -Limits::infinity() : Limits::lowest());
+  }
+
+  /// The row that begins at `row`, its scalars `increment` apart.
+  void Add(const T* row, std::ptrdiff_t increment)
+  {
+    // Of constant increment where it can be.
+    increment == 1 ? this->AddScalars(row, std::integral_constant<std::ptrdiff_t, 1>())
+                   : this->AddScalars(row, increment);
+  }
+
+  /// The same without numbers that have no place in the range of the volume.
+  void AddInRange(const T* row, std::ptrdiff_t increment)
+  {
+    const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(this->Min.size());
+    T* const min = this->Min.data();
+    T* const max = this->Max.data();
+    for (std::ptrdiff_t i = 0; i < count; ++i)
     {
-      const T* p = scalars + first.x * v.Increments[0] + j * v.Increments[1] + k * v.Increments[2];
-      for (int i = first.x; i <= last.x; ++i, p += v.Increments[0])
-      {
-        if constexpr (std::is_floating_point_v<T>)
-        {
-          if (std::isnan(*p) || (!countInfinite && IsOutOfRange(*p)))
-          {
-            continue;
-          }
-        }
-        found.Any = true;
-        found.Min = std::min(found.Min, *p);
-        found.Max = std::max(found.Max, *p);
-      }
+      const T value = row[i * increment];
+      const bool counts = !IsOutOfRange(value);
+      const T low = counts ? value : min[i];
+      const T high = counts ? value : max[i];
+      min[i] = low < min[i] ? low : min[i];
+      max[i] = high > max[i] ? high : max[i];
     }
   }
+
+  /// Over the positions from `first` to `last`; the minimum is above the maximum where there was no
+  /// number.
+  std::pair<T, T> Get(int first, int last) const
+  {
+    T min = this->Min[static_cast<std::size_t>(first)];
+    T max = this->Max[static_cast<std::size_t>(first)];
+    for (int i = first + 1; i <= last; ++i)
+    {
+      min = std::min(min, this->Min[static_cast<std::size_t>(i)]);
+      max = std::max(max, this->Max[static_cast<std::size_t>(i)]);
+    }
+    return { min, max };
+  }
+
+private:
+  template <class Increment>
+  void AddScalars(const T* row, Increment increment)
+  {
+    const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(this->Min.size());
+    T* const min = this->Min.data();
+    T* const max = this->Max.data();
+    for (std::ptrdiff_t i = 0; i < count; ++i)
+    {
+      const T value = row[i * increment];
+      min[i] = value < min[i] ? value : min[i];
+      max[i] = value > max[i] ? value : max[i];
+    }
+  }
+
+  std::vector<T> Min;
+  std::vector<T> Max;
+};
+
+template <class T>
+const T* FindRow(const VolumeView& volume, int j, int k)
+{
+  return static_cast<const T*>(volume.Scalars) + j * volume.Increments[1] +
+    k * volume.Increments[2];
 }
 
 template <class T>
 MinMaxBlocks::Limits FindRange(const VolumeView& volume, const ParallelFor& parallelFor)
 {
-  std::vector<Extremes<T>> slices(static_cast<std::size_t>(volume.Dimensions.z));
+  std::vector<std::pair<T, T>> slices(static_cast<std::size_t>(volume.Dimensions.z));
   parallelFor(slices.size(), [&volume, &slices](std::size_t firstSlice, std::size_t lastSlice) {
+    RowExtremes<T> rows(volume.Dimensions.x);
     for (std::size_t k = firstSlice; k < lastSlice; ++k)
     {
-      const glm::ivec3 first(0, 0, static_cast<int>(k));
-      const glm::ivec3 last(volume.Dimensions.x - 1, volume.Dimensions.y - 1, first.z);
-      ScanVoxels<T>(volume, first, last, false, slices[k]);
+      rows.Clear();
+      for (int j = 0; j < volume.Dimensions.y; ++j)
+      {
+        const T* row = FindRow<T>(volume, j, static_cast<int>(k));
+        if constexpr (std::is_floating_point_v<T>)
+        {
+          rows.AddInRange(row, volume.Increments[0]);
+        }
+        else
+        {
+          rows.Add(row, volume.Increments[0]);
+        }
+      }
+      slices[k] = rows.Get(0, volume.Dimensions.x - 1);
     }
   });
   MinMaxBlocks::Limits range{ std::numeric_limits<double>::infinity(),
     -std::numeric_limits<double>::infinity() };
-  for (const Extremes<T>& slice : slices)
+  for (const auto& [min, max] : slices)
   {
-    if (slice.Any)
-    {
-      range.Min = std::min(range.Min, static_cast<double>(slice.Min));
-      range.Max = std::max(range.Max, static_cast<double>(slice.Max));
-    }
+    range.Min = std::min(range.Min, static_cast<double>(min));
+    range.Max = std::max(range.Max, static_cast<double>(max));
   }
   return range;
+}
+
+/// The voxels from First to Last of an axis that samples in a block depend on.
+struct Window
+{
+  int First;
+  int Last;
+};
+
+/// Of all blocks of an axis.
+std::vector<Window> FindWindows(const VolumeView& volume, int axis, int blocks)
+{
+  constexpr int size = MinMaxBlocks::BlockSize;
+  const int end = volume.Dimensions[axis] - 1;
+  std::vector<Window> windows;
+  for (int block = 0; block < blocks; ++block)
+  {
+    Window window{ block * size, std::min((block + 1) * size, end) };
+    if (volume.Axes)
+    {
+      // The first and the last block of a row have what lies beyond them, too.
+      const double from = volume.Axes->ToVoxel(axis, block * size);
+      const double to = volume.Axes->ToVoxel(axis, (block + 1) * size);
+      window.First = block == 0 ? 0 : std::clamp(static_cast<int>(std::floor(from)), 0, end);
+      window.Last = block == blocks - 1 ? end : std::clamp(static_cast<int>(std::ceil(to)), 0, end);
+    }
+    windows.push_back(window);
+  }
+  return windows;
 }
 
 } // namespace
@@ -130,61 +223,71 @@ MinMaxBlocks::MinMaxBlocks(const VolumeView& volume, const ParallelFor& parallel
 }
 
 //------------------------------------------------------------------------------
-template <class T>
-MinMaxBlocks::CodeLimits MinMaxBlocks::FindLimits(
-  const VolumeView& volume, const glm::ivec3& block) const
+MinMaxBlocks::CodeLimits MinMaxBlocks::Encode(double min, double max) const
 {
-  Extremes<T> found;
-  glm::ivec3 first = block * BlockSize;
-  glm::ivec3 last = glm::min((block + 1) * BlockSize, volume.Dimensions - 1);
-  if (volume.Axes)
-  {
-    // The first and the last block of a row have what lies beyond them, too.
-    const glm::dvec3 from = volume.Axes->ToVoxel(glm::dvec3(first));
-    const glm::dvec3 to = volume.Axes->ToVoxel(glm::dvec3((block + 1) * BlockSize));
-    for (int a = 0; a < 3; ++a)
-    {
-      const int end = volume.Dimensions[a] - 1;
-      first[a] = block[a] == 0 ? 0 : std::clamp(static_cast<int>(std::floor(from[a])), 0, end);
-      last[a] = block[a] == this->Blocks[a] - 1
-        ? end
-        : std::clamp(static_cast<int>(std::ceil(to[a])), 0, end);
-    }
-  }
-  ScanVoxels<T>(volume, first, last, true, found);
-  if (!found.Any)
+  if (!(min <= max))
   {
     return { 1, 0 };
   }
   // Ordered so that infinite scalars end at the first or last code.
-  const auto clamp = [this](double code) {
-    return static_cast<int>(std::max(0.0, std::min<double>(this->LastCode, code)));
+  const auto toCode = [this](double scalar) {
+    const double code = (scalar - this->Range.Min) / this->CodeStep;
+    return std::max(0.0, std::min<double>(this->LastCode, code));
   };
-  return { clamp(std::floor((static_cast<double>(found.Min) - this->Range.Min) / this->CodeStep)),
-    clamp(std::ceil((static_cast<double>(found.Max) - this->Range.Min) / this->CodeStep)) };
+  const double last = toCode(max);
+  const int whole = static_cast<int>(last);
+  return { static_cast<int>(toCode(min)), whole < last ? whole + 1 : whole };
 }
 
 //------------------------------------------------------------------------------
 template <class T>
 void MinMaxBlocks::EncodeBlocks(const VolumeView& volume, const ParallelFor& parallelFor)
 {
+  std::vector<Window> windows[3];
+  for (int a = 0; a < 3; ++a)
+  {
+    windows[a] = FindWindows(volume, a, this->Blocks[a]);
+  }
   parallelFor(
     static_cast<std::size_t>(this->Parents.z), [&](std::size_t firstPlane, std::size_t lastPlane) {
+      RowExtremes<T> rows(volume.Dimensions.x);
+      // Four rows of blocks make one of parents; what is beyond the last block holds no number.
+      std::vector<CodeLimits> limits[4];
       for (std::size_t z = firstPlane; z < lastPlane; ++z)
       {
         for (int y = 0; y < this->Parents.y; ++y)
         {
+          for (int line = 0; line < 4; ++line)
+          {
+            limits[line].assign(2 * static_cast<std::size_t>(this->Parents.x), CodeLimits{ 1, 0 });
+            const int j = 2 * y + (line & 1);
+            const int k = 2 * static_cast<int>(z) + (line >> 1);
+            if (j >= this->Blocks.y || k >= this->Blocks.z)
+            {
+              continue;
+            }
+            rows.Clear();
+            for (int slice = windows[2][k].First; slice <= windows[2][k].Last; ++slice)
+            {
+              for (int row = windows[1][j].First; row <= windows[1][j].Last; ++row)
+              {
+                rows.Add(FindRow<T>(volume, row, slice), volume.Increments[0]);
+              }
+            }
+            for (int i = 0; i < this->Blocks.x; ++i)
+            {
+              const auto [min, max] = rows.Get(windows[0][i].First, windows[0][i].Last);
+              limits[line][i] = this->Encode(static_cast<double>(min), static_cast<double>(max));
+            }
+          }
           for (int x = 0; x < this->Parents.x; ++x)
           {
-            const glm::ivec3 parent(x, y, static_cast<int>(z));
             CodeLimits children[8];
             for (int c = 0; c < 8; ++c)
             {
-              const glm::ivec3 block = 2 * parent + glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
-              const bool exists = glm::all(glm::lessThan(block, this->Blocks));
-              children[c] = exists ? this->FindLimits<T>(volume, block) : CodeLimits{ 1, 0 };
+              children[c] = limits[c >> 1][2 * x + (c & 1)];
             }
-            this->EncodeParent(parent, children);
+            this->EncodeParent({ x, y, static_cast<int>(z) }, children);
           }
         }
       }
@@ -215,7 +318,9 @@ void MinMaxBlocks::EncodeParent(const glm::ivec3& parent, const CodeLimits child
     this->ParentWords[at] = static_cast<std::uint16_t>(all.Min);
     this->ParentWords[at + 1] = static_cast<std::uint16_t>(all.Max);
   }
-  const int width = std::max(LastMaximum, all.Max - all.Min);
+  // Quotients of whole numbers below 2^24, all below 2^7: rounded to floats they stay on the same
+  // side of every whole number.
+  const float width = static_cast<float>(std::max(LastMaximum, all.Max - all.Min));
   for (int c = 0; c < 8; ++c)
   {
     const glm::ivec3 block = 2 * parent + glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
@@ -224,8 +329,10 @@ void MinMaxBlocks::EncodeParent(const glm::ivec3& parent, const CodeLimits child
       int code = NoNumber;
       if (children[c].Min <= children[c].Max)
       {
-        const int low = LastMinimum * (children[c].Min - all.Min) / width;
-        const int high = (LastMaximum * (children[c].Max - all.Min) + width - 1) / width;
+        const int low =
+          static_cast<int>(static_cast<float>(LastMinimum * (children[c].Min - all.Min)) / width);
+        const int high = static_cast<int>(
+          (static_cast<float>(LastMaximum * (children[c].Max - all.Min)) + width - 1.0f) / width);
         code = low | high << MinimumBits;
       }
       this->Codes[GridIndex(block, this->Blocks)] = static_cast<std::uint8_t>(code);

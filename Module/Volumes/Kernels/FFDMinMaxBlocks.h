@@ -75,8 +75,8 @@ private:
 
   template <class T>
   void EncodeBlocks(const VolumeView& volume, const ParallelFor& parallelFor);
-  template <class T>
-  CodeLimits FindLimits(const VolumeView& volume, const glm::ivec3& block) const;
+  /// Limits in scalar units; `min` > `max` where there is no number.
+  CodeLimits Encode(double min, double max) const;
   void EncodeParent(const glm::ivec3& parent, const CodeLimits children[8]);
   CodeLimits GetParentCodes(const glm::ivec3& parent) const;
   Limits Decode(const CodeLimits& codes) const;

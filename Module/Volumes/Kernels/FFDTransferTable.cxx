@@ -77,10 +77,12 @@ bool TransferTable::IsTransparent(double lo, double hi) const
   // scalars are equal, and these are most of the empty space: zeros below a ramp that starts at 0.
   const double guard = lo < hi ? 1e-3 : 0.0;
   const double last = static_cast<double>(this->Entries.size() - 1);
-  const double from = std::floor(std::clamp((lo - this->Low) * this->Scale - guard, 0.0, last));
-  const double to = std::ceil(std::clamp((hi - this->Low) * this->Scale + guard, 0.0, last));
-  return this->VisibleUpTo[static_cast<std::size_t>(to) + 1] ==
-    this->VisibleUpTo[static_cast<std::size_t>(from)];
+  const double from = std::clamp((lo - this->Low) * this->Scale - guard, 0.0, last);
+  const double to = std::clamp((hi - this->Low) * this->Scale + guard, 0.0, last);
+  // Entries from that below `from` to that above `to`.
+  const std::size_t below = static_cast<std::size_t>(to);
+  const std::size_t end = static_cast<double>(below) < to ? below + 2 : below + 1;
+  return this->VisibleUpTo[end] == this->VisibleUpTo[static_cast<std::size_t>(from)];
 }
 
 //------------------------------------------------------------------------------
