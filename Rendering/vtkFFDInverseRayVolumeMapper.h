@@ -294,8 +294,8 @@ public:
   ///@{
   /**
    * A ray ends when less than this part of the light from behind would pass what it has met
-   * (section 4.6, early ray termination). Range 0 (never) to 1. Default: 1/255, less than what
-   * an 8-bit image can show.
+   * (section 4.6, early ray termination). Range 0 (never) to 1, other numbers are refused with an
+   * error. Default: 1/255, less than what an 8-bit image can show.
    */
   virtual void SetEarlyRayTerminationThreshold(double transmittance);
   vtkGetMacro(EarlyRayTerminationThreshold, double);
@@ -525,7 +525,7 @@ public:
   ///@{
   /**
    * How much of the look of a label is taken, color and opacity; the rest is the look without a
-   * mask. Range 0 to 1. Default: 1.
+   * mask. Range 0 to 1, other numbers are refused with an error. Default: 1.
    */
   virtual void SetMaskBlendFactor(float factor);
   vtkGetMacro(MaskBlendFactor, float);
@@ -772,8 +772,9 @@ public:
   ///@{
   /**
    * The scene counts as moving when the renderer allots less than 1 / InteractiveUpdateRate seconds
-   * to a frame: then AutoAdjustSampleDistances and FrameCoherence apply. Range 1e-10 to 1e10.
-   * Default: 1, as in vtkSmartVolumeMapper.
+   * to a frame: then AutoAdjustSampleDistances and FrameCoherence apply. Range 1e-10 to 1e10,
+   * positive numbers beyond it are clamped, others refused with an error. Default: 1, as in
+   * vtkSmartVolumeMapper.
    */
   virtual void SetInteractiveUpdateRate(double framesPerSecond);
   vtkGetMacro(InteractiveUpdateRate, double);
