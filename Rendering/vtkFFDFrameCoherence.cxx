@@ -211,15 +211,15 @@ std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::CollectPartsToCast
   const glm::ivec2& rays)
 {
   constexpr int size = ffd::RayCaster::SubtileSize;
-  const int quartersPerRow = (rays.x + size - 1) / size;
+  const int subtilesPerRow = (rays.x + size - 1) / size;
   const int tilesPerRow = (rays.x + TileSize - 1) / TileSize;
   const int rows = (rays.y + TileSize - 1) / TileSize;
   std::vector<unsigned int> subtiles(
     static_cast<std::size_t>(tilesPerRow) * static_cast<std::size_t>(rows));
   for (int at : this->Subtiles.CollectTilesToCast())
   {
-    const int x = at % quartersPerRow;
-    const int y = at / quartersPerRow;
+    const int x = at % subtilesPerRow;
+    const int y = at / subtilesPerRow;
     subtiles[static_cast<std::size_t>(y / 2 * tilesPerRow + x / 2)] |= 1u << (x % 2 + 2 * (y % 2));
   }
   std::vector<Part> parts;

@@ -28,22 +28,23 @@ namespace
 
 constexpr double Infinity = std::numeric_limits<double>::infinity();
 
-/// Longest piece when the curvature bound sets the length, voxels.
+/// Longest segment when the curvature bound sets the length, voxels.
 constexpr double LongestAutomaticSegment = 64.0;
 
-/// Longest piece that can be asked for, and longest minimum, voxels: beyond, a ray would have none.
+/// Longest segment that can be asked for, and longest minimum, voxels: beyond, a ray would have
+/// none.
 constexpr double LongestSegment = 1e4;
 constexpr double LongestMinimum = 64.0;
 
-/// Longest piece of ERROR_BOUND, voxels.
-constexpr double LongestPiece = 64.0;
+/// Longest segment of ERROR_BOUND, voxels.
+constexpr double LongestInterpolant = 64.0;
 
 /// The image sample distance stays as it is if it need not change by more than this part of it, and
 /// is rounded up to so many steps a pixel: then tiles lie on whole pixels.
 constexpr double StepHysteresis = 0.15;
 constexpr double StepsPerPixel = 8.0;
 
-/// Shortest piece and sample distance, voxels: below, an image would take for ever.
+/// Shortest segment and sample distance, voxels: below, an image would take for ever.
 constexpr double ShortestLength = 1e-3;
 
 } // namespace
@@ -98,15 +99,16 @@ ffd::CastSettings vtkFFDFramePlan::MakeSettings(vtkFFDInverseRayVolumeMapper* ma
       longest = std::min(longest, angle / (rate * voxelSize));
     }
   }
-  const double longestPiece =
-    mapper->GetMaximumSegmentLength() == 0.0 ? LongestPiece : std::min(longest, LongestPiece);
+  const double longestInterpolant = mapper->GetMaximumSegmentLength() == 0.0
+    ? LongestInterpolant
+    : std::min(longest, LongestInterpolant);
   longest = std::max(longest, shortest);
   settings.Polyline.AngleThreshold = angle;
   settings.Polyline.MinimumLength = shortest * voxelSize;
   settings.Polyline.MaximumLength = longest * voxelSize;
-  settings.Pieces.Longest = std::max(longestPiece, shortest) * voxelSize;
-  settings.Pieces.Shortest = shortest * voxelSize;
-  settings.Pieces.PositionTolerance = mapper->GetPositionTolerance();
+  settings.ErrorBound.LongestSegment = std::max(longestInterpolant, shortest) * voxelSize;
+  settings.ErrorBound.ShortestSegment = shortest * voxelSize;
+  settings.ErrorBound.PositionTolerance = mapper->GetPositionTolerance();
   return settings;
 }
 

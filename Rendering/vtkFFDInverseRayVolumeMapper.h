@@ -606,8 +606,9 @@ public:
   ///@{
   /**
    * Bounds of the whole volume at rest, data coordinates, when the input is a part of it: the one
-   * that ClipBox needs. Then the same pieces of rays are sampled as with the whole, and GetBounds()
-   * are those of the whole. Default: none (uninitialized bounds), the input is all there is.
+   * that ClipBox needs. Then the same segments of rays are sampled as with the whole, and
+   * GetBounds() are those of the whole. Default: none (uninitialized bounds), the input is all
+   * there is.
    */
   void SetWholeBounds(const double bounds[6]);
   void SetWholeBounds(double xmin, double xmax, double ymin, double ymax, double zmin, double zmax);

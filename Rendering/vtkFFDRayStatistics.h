@@ -36,15 +36,15 @@ public:
 
   ///@{
   /**
-   * Number of pieces that the deformed rays were cut into and sampled on. Pieces that are passed
-   * over because nothing can be seen in them are not counted.
+   * Number of segments that the deformed rays were cut into and sampled on. Segments that are
+   * passed over because nothing can be seen in them are not counted.
    */
   vtkGetMacro(NumberOfSegments, vtkTypeInt64);
   double GetSegmentsPerRay() const;
   ///@}
 
   /**
-   * Average length of those pieces on the undeformed viewing ray, in voxels (figures 6a and 7a of
+   * Average length of those segments on the undeformed viewing ray, in voxels (figures 6a and 7a of
    * the paper).
    */
   double GetAverageSegmentLength() const;
@@ -68,7 +68,7 @@ public:
   ///@{
   /**
    * Number of look-ups of distances to what is visible (figure 6c). With ERROR_BOUND one look-up is
-   * for a part of a piece and all rays of 4 x 4 pixels.
+   * for a part of a segment and all rays of 4 x 4 pixels.
    */
   vtkGetMacro(NumberOfDistanceLookups, vtkTypeInt64);
   double GetDistanceLookupsPerRay() const;

@@ -5,11 +5,11 @@
  * @brief   the inversely deformed rays of chosen pixels, as polylines
  *
  * Shows what vtkFFDInverseRayVolumeMapper does: the rays of some pixels, bent as it bends them, the
- * pieces it cuts them into, and where it samples and leaps (figures 2 to 4 of the paper;
+ * segments it cuts them into, and where it samples and leaps (figures 2 to 4 of the paper;
  * Examples/Python/paper_figures.py draws them). The rays are cast by the mapper of the given
  * volume with all its settings, for a picture of ImageSize pixels seen by the renderer's camera,
  * as vtkFFDInverseRayVolumeMapper::RenderToImage() would make it. With GREEDY_ANGLE these are the
- * paper's polylines. With ERROR_BOUND they are the pieces of the tile of the pixel, as the mapper
+ * paper's polylines. With ERROR_BOUND they are the segments of the tile of the pixel, as the mapper
  * found them for all rays of the tile together, up to where it stopped: curves of 8 lines each,
  * those that it found empty included; where no curve is close enough and each sample is pulled
  * back by itself, the curve that it started from. With ReferenceKernels they are lines from sample

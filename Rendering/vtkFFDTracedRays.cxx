@@ -146,9 +146,10 @@ void vtkFFDTracedRays::AddVertex(const ffd::TracedRay& ray, const glm::dvec3& in
 void vtkFFDTracedRays::AddSamples(const ffd::TracedRay& ray)
 {
   Output& out = *this->Samples;
-  for (std::size_t piece = 0; piece < ray.Pieces.size(); ++piece)
+  for (std::size_t segment = 0; segment < ray.Segments.size(); ++segment)
   {
-    for (std::size_t i = ray.Pieces[piece].FirstSample; i < ray.Pieces[piece].EndSample; ++i)
+    for (std::size_t i = ray.Segments[segment].FirstSample; i < ray.Segments[segment].EndSample;
+         ++i)
     {
       const ffd::TracedSample& sample = ray.Samples[i];
       const glm::dvec3 rest =
@@ -156,7 +157,7 @@ void vtkFFDTracedRays::AddSamples(const ffd::TracedRay& ray)
       const vtkIdType id = out.Points->InsertNextPoint(&rest.x);
       out.Cells->InsertNextCell(1, &id);
       out.T->InsertNextValue(sample.T);
-      out.SegmentIndex->InsertNextValue(static_cast<int>(piece));
+      out.SegmentIndex->InsertNextValue(static_cast<int>(segment));
       out.Ray->InsertNextValue(this->Count);
       out.Leap->InsertNextValue(sample.Leap ? 1 : 0);
       out.Interval->InsertNextValue(sample.Interval);
@@ -168,7 +169,7 @@ void vtkFFDTracedRays::AddSamples(const ffd::TracedRay& ray)
 //------------------------------------------------------------------------------
 void vtkFFDTracedRays::Add(const ffd::TracedRay& ray, int x, int y)
 {
-  if (ray.Pieces.empty())
+  if (ray.Segments.empty())
   {
     return;
   }
@@ -177,16 +178,16 @@ void vtkFFDTracedRays::Add(const ffd::TracedRay& ray, int x, int y)
   int samples = 0;
   int visible = 0;
   int leaps = 0;
-  for (std::size_t i = 0; i < ray.Pieces.size(); ++i)
+  for (std::size_t i = 0; i < ray.Segments.size(); ++i)
   {
-    const ffd::TracedPiece& piece = ray.Pieces[i];
+    const ffd::TracedSegment& traced = ray.Segments[i];
     const glm::dmat3& toData = this->Scene.Volume.IndexToData;
-    const int lines = piece.Curve.IsLine() ? 1 : LinesPerCurve;
+    const int lines = traced.Curve.IsLine() ? 1 : LinesPerCurve;
     Segment segment;
     segment.Index = static_cast<int>(i);
-    segment.Length = piece.To - piece.From;
-    segment.Passed = piece.Passed;
-    for (std::size_t s = piece.FirstSample; s < piece.EndSample; ++s)
+    segment.Length = traced.To - traced.From;
+    segment.Passed = traced.Passed;
+    for (std::size_t s = traced.FirstSample; s < traced.EndSample; ++s)
     {
       (ray.Samples[s].Leap ? segment.Leaps : segment.Samples) += 1;
       visible += ray.Samples[s].Extinction > 0.0f ? 1 : 0;
@@ -195,17 +196,17 @@ void vtkFFDTracedRays::Add(const ffd::TracedRay& ray, int x, int y)
     leaps += segment.Leaps;
     for (int n = 0; n < lines; ++n)
     {
-      segment.RestLength +=
-        glm::length(toData * (piece.Curve.At((n + 1.0) / lines) - piece.Curve.At(1.0 * n / lines)));
+      segment.RestLength += glm::length(
+        toData * (traced.Curve.At((n + 1.0) / lines) - traced.Curve.At(1.0 * n / lines)));
     }
     for (int n = 0; n < lines; ++n)
     {
       const double s = 1.0 * n / lines;
-      this->AddVertex(ray, piece.Curve.At(s), piece.From + s * segment.Length);
+      this->AddVertex(ray, traced.Curve.At(s), traced.From + s * segment.Length);
       out.AddSegment(segment);
     }
   }
-  this->AddVertex(ray, ray.Pieces.back().Curve.At(1.0), ray.Pieces.back().To);
+  this->AddVertex(ray, ray.Segments.back().Curve.At(1.0), ray.Segments.back().To);
   out.AddSegment(Segment());
   const vtkIdType count = out.Points->GetNumberOfPoints() - first;
   std::vector<vtkIdType> ids(static_cast<std::size_t>(count));
@@ -224,7 +225,7 @@ void vtkFFDTracedRays::Add(const ffd::TracedRay& ray, int x, int y)
   }
   const int pixel[2] = { x, y };
   out.Pixel->InsertNextTypedTuple(pixel);
-  out.Segments->InsertNextValue(static_cast<int>(ray.Pieces.size()));
+  out.Segments->InsertNextValue(static_cast<int>(ray.Segments.size()));
   out.RaySamples->InsertNextValue(samples);
   out.RayVisible->InsertNextValue(visible);
   out.RayLeaps->InsertNextValue(leaps);

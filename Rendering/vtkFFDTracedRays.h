@@ -24,7 +24,7 @@ public:
     const ffd::CastScene& scene, vtkPolyData* rays, vtkPolyData* viewingRays, vtkPolyData* samples);
   ~vtkFFDTracedRays();
 
-  /// A ray without pieces, which misses the volume, leaves nothing: VTK has no empty polylines.
+  /// A ray without segments, which misses the volume, leaves nothing: VTK has no empty polylines.
   void Add(const ffd::TracedRay& ray, int x, int y);
 
   /// Hand over to the outputs.

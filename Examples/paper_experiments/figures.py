@@ -193,7 +193,7 @@ def draw_position_error(folder, rows):
                 if not mine:
                     continue
                 panel.plot(
-                    [float(r["pieces_per_100_voxels"]) for r in mine],
+                    [float(r["segments_per_100_voxels"]) for r in mine],
                     [max(float(r["largest_error"]), 1e-6) for r in mine],
                     "-" if kind == "ERROR_BOUND" else ":", marker=marker, color=color,
                     markersize=4, label="%s, %s" % (kind, inverse))
@@ -205,7 +205,7 @@ def draw_position_error(folder, rows):
         panel.xaxis.set_minor_formatter(NullFormatter())
         panel.grid(True, alpha=0.3)
         panel.set_title(deformation, fontsize=10)
-        panel.set_xlabel("pieces per 100 voxels of a ray", fontsize=9)
+        panel.set_xlabel("segments per 100 voxels of a ray", fontsize=9)
     axes[0][0].set_ylabel("largest distance from the true curve (voxels)", fontsize=9)
     axes[0][0].legend(fontsize=7)
     return _save(figure, folder, "position_error.png")

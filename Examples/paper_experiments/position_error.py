@@ -29,11 +29,11 @@ def run(program, quick, progress):
 
 
 def table(rows):
-    header = ["deformation", "inverse", "segmentation", "parameter", "pieces per 100 voxels",
+    header = ["deformation", "inverse", "segmentation", "parameter", "segments per 100 voxels",
               "evaluations a ray", "largest (voxels)", "mean (voxels)"]
     return header, [
         [r["deformation"], r["inverse"], r["segmentation"], r["parameter"],
-         r["pieces_per_100_voxels"], r["evaluations_per_ray"], r["largest_error"],
+         r["segments_per_100_voxels"], r["evaluations_per_ray"], r["largest_error"],
          r["mean_error"]] for r in rows]
 
 

@@ -57,27 +57,27 @@ private:
 } // namespace
 
 //------------------------------------------------------------------------------
-bool MakeLeapTable(const Blending& blend, const TransferTable& looks, TransferTable& leaps)
+bool MakeLeapTable(const Blending& blend, const TransferTable& table, TransferTable& leaps)
 {
   switch (blend.Mode)
   {
     case BlendMode::Composite:
-      leaps = looks;
+      leaps = table;
       return true;
     case BlendMode::Maximum:
     case BlendMode::Minimum:
     {
       // A value shows, or may keep another one from being the extreme, from the first one on that
       // shows.
-      const std::size_t size = looks.GetSize();
+      const std::size_t size = table.GetSize();
       Flags flags(
-        looks.GetLow(), looks.GetLow() + static_cast<double>(size - 1) / looks.GetScale(), size);
+        table.GetLow(), table.GetLow() + static_cast<double>(size - 1) / table.GetScale(), size);
       const bool maximum = blend.Mode == BlendMode::Maximum;
       bool shows = false;
       for (std::size_t i = 0; i < size; ++i)
       {
         const std::size_t at = maximum ? i : size - 1 - i;
-        shows = shows || looks.GetEntries()[4 * at + 3] > 0.0f;
+        shows = shows || table.GetEntries()[4 * at + 3] > 0.0f;
         flags.GetCounts()[at] = shows ? 1.0f : 0.0f;
       }
       leaps = flags.MakeTable();

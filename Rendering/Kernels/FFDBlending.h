@@ -15,19 +15,19 @@
 namespace ffd
 {
 
-/// How the samples of a ray are combined: the blend modes of vtkVolumeMapper.
+/// The blend modes of vtkVolumeMapper: rules that combine the samples of a ray.
 enum class BlendMode
 {
   Composite,  ///< front to back, opacities corrected for the lengths of intervals
-  Maximum,    ///< look of the largest value
-  Minimum,    ///< look of the smallest value
+  Maximum,    ///< color and opacity of the largest value
+  Minimum,    ///< color and opacity of the smallest value
   Average,    ///< mean of value times opacity, gray
   Additive,   ///< integral of value times opacity, gray
   Isosurface, ///< lit surfaces where the value crosses one of those given
   Slice       ///< the values on a plane
 };
 
-/// A value whose isosurface is shown, and what it looks like.
+/// A value whose isosurface is shown, its color and its opacity.
 struct IsoValue
 {
   double Value;
@@ -70,13 +70,14 @@ struct Blending
 };
 
 /**
- * A table that is transparent over a range of values exactly if no sample in that range can change
- * the picture, `looks` being what they look like: for the distance map, which leaps over such
- * blocks. Of intervals both ends have to be in them. Returns false where every sample counts: then
- * nothing may be leaped over.
+ * Makes the table of the distance map, `leaps`, from the transfer function of the picture, `table`.
+ * It is transparent over a range of values exactly if no sample in that range can change the
+ * picture, so that blocks of such values can be leaped over. An interval counts as empty if both of
+ * its ends lie in such blocks. Returns false where every sample counts: then nothing may be leaped
+ * over.
  */
 FFD_RENDERING_EXPORT bool MakeLeapTable(
-  const Blending& blend, const TransferTable& looks, TransferTable& leaps);
+  const Blending& blend, const TransferTable& table, TransferTable& leaps);
 
 /**
  * Part of a sample interval, 0 to 0.98, by which the samples of a ray are moved on: trades the

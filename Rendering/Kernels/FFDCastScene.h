@@ -26,19 +26,19 @@
 namespace ffd
 {
 
-/// How a deformed ray is cut into segments.
+/// The method that cuts deformed rays into segments.
 enum class Segmentation
 {
-  ErrorBound, ///< interpolants shared by the rays of a tile, position error measured (TilePiece)
+  ErrorBound, ///< interpolants shared by the rays of a tile, position error measured (TileSegment)
   GreedyAngle ///< the paper's polyline, section 4.5 (PolylineWalker)
 };
 
-/// How rays leap over empty space.
+/// The method by which rays leap over empty space.
 enum class SpaceLeaping
 {
   Off,
-  Segment,  ///< within the current piece, as section 4.6 of the paper
-  Lipschitz ///< across pieces, by what the deformed ray can move at most
+  Segment,  ///< within the current segment, as section 4.6 of the paper
+  Lipschitz ///< across segments, by bounds of the motion of the deformed ray
 };
 
 /// The length that opacities are corrected by.
@@ -51,10 +51,10 @@ enum class OpacityLength
 class SampleClassifier;
 
 /// Parameters of ERROR_BOUND.
-struct PieceSettings
+struct ErrorBoundSettings
 {
-  double Longest = 64.0; ///< piece, data units of the viewing ray, as Shortest
-  double Shortest = 0.5;
+  double LongestSegment = 64.0;   ///< data units of the viewing ray
+  double ShortestSegment = 0.5;   ///< data units of the viewing ray
   double PositionTolerance = 0.1; ///< voxels
 };
 
@@ -64,7 +64,7 @@ struct CastSettings
   SpaceLeaping Leaping = SpaceLeaping::Lipschitz;
   OpacityLength Opacity = OpacityLength::Deformed;
   PolylineSettings Polyline;
-  PieceSettings Pieces;
+  ErrorBoundSettings ErrorBound;
   double SampleDistance = 1.0;        ///< data units, along the viewing ray
   double InverseTolerance = 0.01;     ///< of the pull-back, voxels
   float TerminationTransmittance = 0; ///< a ray ends when less than this passes it
@@ -86,7 +86,7 @@ constexpr Deadline NoDeadline = Deadline::max();
 struct CastStatistics
 {
   std::int64_t Rays = 0;           ///< that meet the deformed bounds
-  std::int64_t Segments = 0;       ///< pieces of deformed rays that were sampled
+  std::int64_t Segments = 0;       ///< segments of deformed rays that were sampled
   double SegmentLength = 0.0;      ///< their length on the viewing rays, voxels
   std::int64_t Samples = 0;        ///< interpolated scalars
   std::int64_t VisibleSamples = 0; ///< of them not fully transparent
@@ -126,8 +126,8 @@ struct CastScene
 
 /// Image to render into, rows bottom up, premultiplied RGBA and window depth of the first visible
 /// sample (1 where there is none); `Depths` may be null. `Reaches`, which may be null, has an entry
-/// for each quarter of a tile, x fastest: the t beyond which no ray of it has been followed,
-/// infinite where one goes on to its end or that is not known.
+/// for each subtile of the image, x fastest: the t beyond which no ray of the subtile has been
+/// followed, infinite if a ray goes on to its end or the reach is not known.
 struct CastImage
 {
   int Width = 0;

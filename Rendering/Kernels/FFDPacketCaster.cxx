@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDPacketCaster.h"
 
+#include "FFDRounding.h"
 #include "FFDSamplePhase.h"
 #include "FFDScalarDispatch.h"
 #include "FFDSimdTargets.h"
@@ -25,23 +26,23 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-int CastTileOfAnyType(const PacketScene& scene, int x0, int y0, unsigned int quarters,
+int CastTileOfAnyType(const PacketScene& scene, int x0, int y0, unsigned int subtiles,
   const CastImage& image, PacketScratch& scratch, int first, Deadline deadline)
 {
   switch (scene.Volume.Type)
   {
     case ScalarType::Int8:
-      return CastTile<std::int8_t>(scene, x0, y0, quarters, image, scratch, first, deadline);
+      return CastTile<std::int8_t>(scene, x0, y0, subtiles, image, scratch, first, deadline);
     case ScalarType::UInt8:
-      return CastTile<std::uint8_t>(scene, x0, y0, quarters, image, scratch, first, deadline);
+      return CastTile<std::uint8_t>(scene, x0, y0, subtiles, image, scratch, first, deadline);
     case ScalarType::Int16:
-      return CastTile<std::int16_t>(scene, x0, y0, quarters, image, scratch, first, deadline);
+      return CastTile<std::int16_t>(scene, x0, y0, subtiles, image, scratch, first, deadline);
     case ScalarType::UInt16:
-      return CastTile<std::uint16_t>(scene, x0, y0, quarters, image, scratch, first, deadline);
+      return CastTile<std::uint16_t>(scene, x0, y0, subtiles, image, scratch, first, deadline);
     case ScalarType::Float32:
-      return CastTile<float>(scene, x0, y0, quarters, image, scratch, first, deadline);
+      return CastTile<float>(scene, x0, y0, subtiles, image, scratch, first, deadline);
     default:
-      return CastTile<WideScalar>(scene, x0, y0, quarters, image, scratch, first, deadline);
+      return CastTile<WideScalar>(scene, x0, y0, subtiles, image, scratch, first, deadline);
   }
 }
 
@@ -120,22 +121,22 @@ HWY_EXPORT(MoveSeeds);
 /// Seeds of Newton's method along each axis of the volume.
 constexpr int SeedsPerAxis = 7;
 
-/// Length of the parts of a piece that are tested for emptiness, voxels.
+/// Length of the parts of a segment that are tested for emptiness, voxels.
 constexpr double PartLength = 2.0;
 
 /// Tolerance of nodes, as a part of that of positions.
 constexpr double NodeTolerance = 0.1;
 
-/// Of positions in single precision, relative to their size.
+/// The error of positions in single precision, relative to their size.
 constexpr double SinglePrecision = 4e-7;
 
-/// Specular powers that are found by multiplications, at most.
+/// The largest specular power that is found by multiplications.
 constexpr float LargestWholePower = 128.0f;
 
-/// Bytes that a 32-bit offset leads over.
+/// The largest number of bytes that a 32-bit offset leads over.
 constexpr double LargestReach = 2147483647.0;
 
-/// Of a slice: it and those around it are in reach of each other.
+/// Bytes of the largest slice of which several are in reach of a 32-bit offset.
 constexpr double LargestSlice = LargestReach / 8.0;
 
 template <class Vector>
@@ -197,8 +198,8 @@ bool CanLookUpMask(const VolumeView& v)
   return !v.Scalars || static_cast<double>(v.Increments[2]) <= LargestSlice;
 }
 
-/// Whether it can look up those of the second axis of a two-dimensional transfer function: offsets
-/// lead over the whole of it.
+/// Whether the vector code can look up the voxels of the second axis of a two-dimensional transfer
+/// function, whose offsets lead over the whole of it.
 bool CanLookUpAxis(const VolumeView& v)
 {
   return !v.Scalars ||
@@ -206,8 +207,7 @@ bool CanLookUpAxis(const VolumeView& v)
       static_cast<double>(v.Increments[2]) * v.Dimensions.z * SizeOf(v.Type) <= LargestReach);
 }
 
-/// Whether the vector code composites what this scene shows: else its rays are integrated one by
-/// one.
+/// Whether the vector code can composite this scene; else each ray has a RayIntegrator.
 bool CanComposite(const CastScene& scene, const SampleClassifier& classifier)
 {
   const OpticalFunctions& functions = classifier.GetFunctions();
@@ -233,7 +233,7 @@ bool CanComposite(const CastScene& scene, const SampleClassifier& classifier)
       static_cast<int>(functions.Components.size()) == components);
 }
 
-/// A table over values as they are fetched.
+/// Adds a transfer table; its range is that of the values as fetched (PacketVolume).
 void AddTable(const TransferTable& table, PacketScene& scene)
 {
   const PacketVolume& v = scene.Volume;
@@ -242,14 +242,14 @@ void AddTable(const TransferTable& table, PacketScene& scene)
     static_cast<float>(table.GetScale() / v.Scale));
 }
 
-/// What takes gradients as packets fetch them, differences over two voxels scaled as the values, to
-/// vectors whose length is the magnitude.
+/// The scale that takes gradients as packets fetch them, differences over two voxels scaled as the
+/// values, to vectors whose length is the magnitude.
 glm::dvec3 FindMagnitudeScale(const SampleClassifier& classifier, const PacketVolume& volume)
 {
   return classifier.GetMagnitudeScale() * (0.5 / volume.Scale);
 }
 
-/// The mask of a scene, and the tables and gradient opacities of its labels.
+/// Sets the mask of a scene, and the tables and gradient opacities of its labels.
 void SetMask(const SampleClassifier& classifier, PacketScene& scene)
 {
   const MaskView& mask = classifier.GetMask();
@@ -297,7 +297,24 @@ void SetMask(const SampleClassifier& classifier, PacketScene& scene)
   Copy(FindMagnitudeScale(classifier, scene.Volume), p.MagnitudeScale);
 }
 
-/// The two-dimensional transfer function of one component.
+/// The voxels of an image with one component.
+PacketVolume MakePacketVolume(const VolumeView& v, bool nearest)
+{
+  PacketVolume packet;
+  packet.Scalars = v.Scalars;
+  packet.Type = v.Type;
+  for (int a = 0; a < 3; ++a)
+  {
+    packet.Dimensions[a] = v.Dimensions[a];
+  }
+  packet.IncrementY = static_cast<int>(v.Increments[1]);
+  packet.IncrementZ = static_cast<int>(v.Increments[2]);
+  packet.ElementSize = SizeOf(v.Type);
+  packet.Nearest = nearest;
+  return packet;
+}
+
+/// Sets the two-dimensional transfer function of one component.
 void SetPlane(const SampleClassifier& classifier, PacketScene& scene)
 {
   const ComponentOptics& optics = classifier.GetFunctions().Components[0];
@@ -314,29 +331,11 @@ void SetPlane(const SampleClassifier& classifier, PacketScene& scene)
   p.Nearest = plane.IsNearest();
   p.UnitDistance = static_cast<float>(optics.Table.GetUnitDistance());
   Copy(FindMagnitudeScale(classifier, v), p.MagnitudeScale);
-  const VolumeView& second = classifier.GetSecondAxis();
-  p.SecondAxis.Scalars = second.Scalars;
-  p.SecondAxis.Type = second.Type;
-  for (int a = 0; a < 3; ++a)
-  {
-    p.SecondAxis.Dimensions[a] = second.Dimensions[a];
-  }
-  p.SecondAxis.IncrementY = static_cast<int>(second.Increments[1]);
-  p.SecondAxis.IncrementZ = static_cast<int>(second.Increments[2]);
-  p.SecondAxis.Nearest = v.Nearest;
+  p.SecondAxis = MakePacketVolume(classifier.GetSecondAxis(), v.Nearest);
 }
 
-/// Beyond it single precision has only infinity.
+/// A value in single precision, finite unless it is not a number.
 float ToFloat(double value) { return static_cast<float>(std::clamp(value, -1e37, 1e37)); }
-
-/// The least float that is not below a number: floats compare with it as they do with the number.
-float RoundUp(double value)
-{
-  const float rounded = ToFloat(value);
-  return static_cast<double>(rounded) < value
-    ? std::nextafter(rounded, std::numeric_limits<float>::infinity())
-    : rounded;
-}
 
 /// Bounds in data coordinates of a box of index coordinates.
 Box FindBounds(const VolumeView& volume, const Box& index)
@@ -353,7 +352,7 @@ Box FindBounds(const VolumeView& volume, const Box& index)
   return bounds;
 }
 
-/// Where T folds, parts of the volume are turned inside out: seeds there go.
+/// Removes the seeds in the parts of the volume that T turns inside out, if it folds.
 void KeepOneOrientation(PacketScene& scene)
 {
   const auto positive = std::count_if(
@@ -366,11 +365,12 @@ void KeepOneOrientation(PacketScene& scene)
     scene.Seeds.end());
 }
 
-/// The range of values outside of which nothing is visible, from the first and the last of `size`
-/// entries with something visible; entry 0 stands for `low`, and there are `scale` entries a unit.
+/// Sets the range of values outside of which nothing is visible, from the first and the last of
+/// `size` entries with something visible; entry 0 stands for `low`, and there are `scale` entries a
+/// unit.
 void SetVisibleRange(int first, int last, int size, float low, float scale, PacketScene& scene)
 {
-  // From the entry before to the one behind, and a little more for rounding errors.
+  // From one entry before to one entry behind, and a little more against rounding errors.
   const auto valueAt = [&](double entry) {
     return static_cast<float>(entry / static_cast<double>(scale) + static_cast<double>(low));
   };
@@ -459,7 +459,7 @@ PacketGradientOpacity MakeGradientOpacity(
   return packet;
 }
 
-/// Looks of several components; the table of the first one is there already.
+/// Adds the optical properties of several components; the table of the first one is there already.
 void AddComponents(const SampleClassifier& classifier, const Shading& material,
   const glm::dvec3& center, PacketScene& scene)
 {
@@ -484,6 +484,270 @@ void AddComponents(const SampleClassifier& classifier, const Shading& material,
   }
 }
 
+/// The abilities of the vector code that a frame needs.
+struct FrameKind
+{
+  bool Composites = false; ///< vector code composites, by CanComposite()
+  bool Components = false; ///< several components are composited
+  bool Masked = false;     ///< a mask or a label map is looked up
+  bool Plane = false;      ///< one component has a two-dimensional transfer function
+  bool Leaps = false;      ///< values that are not visible are left out
+};
+
+/// Decides who takes the samples, vector code or the integrators of the rays.
+FrameKind SetSampling(
+  const CastScene& scene, const CastSettings& settings, const SampleClassifier& c, PacketScene& p)
+{
+  const bool composites =
+    !settings.PerRay && scene.Blend.Mode == BlendMode::Composite && CanComposite(scene, c);
+  p.Sampling = composites || (c.IsPlain() && !settings.PerRay) ? SamplingOf(scene.Blend.Mode)
+                                                               : PacketSampling::PerRay;
+  p.Intervals = scene.Blend.UsesIntervals();
+  FrameKind kind;
+  kind.Composites = composites;
+  kind.Components = composites && scene.Volume.Components > 1;
+  kind.Masked = composites && c.GetMask().Volume.Scalars;
+  kind.Plane = composites && !c.GetFunctions().Components[0].Plane.IsEmpty();
+  kind.Leaps = settings.Leaping != SpaceLeaping::Off;
+  return kind;
+}
+
+/// Sets the voxels, how values are scaled when they are fetched, and where samples begin and end.
+void SetVolume(
+  const CastScene& scene, const CastSettings& settings, const FrameKind& kind, PacketScene& p)
+{
+  const VolumeView& v = scene.Volume;
+  p.Reference = SelectSampleFunctions(v.Type, scene.VolumeInterpolation);
+  p.Volume = MakePacketVolume(v, scene.VolumeInterpolation == Interpolation::Nearest);
+  p.Volume.Components = kind.Components ? v.Components : 1;
+  const double slice = static_cast<double>(v.Increments[2]) * p.Volume.ElementSize;
+  const double reach = std::floor(std::min(settings.LargestReach, LargestReach) / slice) - 4.0;
+  p.Volume.SlicesInReach = reach < v.Dimensions.z ? static_cast<int>(std::max(reach, 1.0)) : 0;
+  if (IsWide(v.Type))
+  {
+    p.Volume.Shift = scene.Table->GetLow();
+    p.Volume.Scale = scene.Table->GetScale();
+  }
+  p.Lower = static_cast<float>(v.LowerIndex().x);
+  Copy(v.UpperIndex(), p.Upper);
+}
+
+/// Sets the transfer functions, masks and gradient opacities, and the range of visible values. The
+/// volume is set already.
+void SetOptics(
+  const CastScene& scene, const SampleClassifier& classifier, const FrameKind& kind, PacketScene& p)
+{
+  AddTable(*scene.Table, p);
+  p.UnitDistance = static_cast<float>(scene.Table->GetUnitDistance());
+  p.ReferenceLength = static_cast<float>(classifier.GetReferenceLength());
+  if (kind.Masked)
+  {
+    SetMask(classifier, p);
+  }
+  if (kind.Plane)
+  {
+    SetPlane(classifier, p);
+  }
+  const bool byTable = !kind.Plane && !kind.Components && p.Mask.Tables.empty();
+  if (kind.Leaps && kind.Plane)
+  {
+    const glm::ivec2 visible = classifier.GetFunctions().Components[0].Plane.FindVisibleColumns();
+    SetVisibleRange(visible.x, visible.y, p.Plane.Size[0], p.Plane.Low[0], p.Plane.Scale[0], p);
+  }
+  else if (kind.Leaps && byTable)
+  {
+    FindVisibleRange(*scene.Table, p);
+  }
+  if (kind.Composites && byTable)
+  {
+    p.Gradients = MakeGradientOpacity(classifier.GetGradientOpacity(), classifier, p.Volume);
+  }
+  p.OpacityByGradient = p.Gradients.Factors || !p.Mask.GradientRanges.empty() ||
+    (kind.Plane && !p.Plane.SecondAxis.Scalars);
+}
+
+/// Sets what the blend modes compare values with. The optics are set already.
+void SetBlending(const CastScene& scene, const FrameKind& kind, PacketScene& p)
+{
+  const bool wide = IsWide(scene.Volume.Type);
+  const auto asFetched = [&](double value) {
+    return wide ? (value - p.Volume.Shift) * p.Volume.Scale : value;
+  };
+  const auto fetched = [&](double value) { return ToFloat(asFetched(value)); };
+  p.ValueLow = fetched(scene.Blend.Low[0]);
+  p.ValueHigh = fetched(scene.Blend.High[0]);
+  const bool maximum = scene.Blend.Mode == BlendMode::Maximum;
+  p.LastExtreme =
+    maximum ? std::min(p.ValueHigh, p.VisibleHigh) : std::min(-p.ValueLow, -p.VisibleLow);
+  if (p.Sampling == PacketSampling::Extreme && kind.Leaps)
+  {
+    p.Peaks = scene.Peaks;
+  }
+  p.AverageMin = fetched(scene.Blend.AverageMin);
+  p.AverageMax = fetched(scene.Blend.AverageMax);
+  for (const IsoValue& iso : scene.Blend.IsoValues)
+  {
+    if (iso.Opacity > 0.0f)
+    {
+      const double exact = std::clamp(asFetched(iso.Value), -1e37, 1e37);
+      const float value = RoundUp(exact);
+      p.IsoValues.push_back({ value, ToFloat(static_cast<double>(value) - exact),
+        { iso.Color.r, iso.Color.g, iso.Color.b }, iso.Opacity });
+    }
+  }
+}
+
+/// The box that the volume, or the whole that it is a part of, takes up when it is deformed.
+const Box& GetWholeDeformed(const CastScene& scene)
+{
+  return scene.WholeDeformed ? *scene.WholeDeformed : scene.DeformedBounds;
+}
+
+/// Sets the local coordinates, the deformed bounds in them, and the maps to and from index
+/// coordinates. `rest`: FindRestBox().
+void SetCoordinates(const CastScene& scene, const Box& rest, PacketScene& p)
+{
+  const VolumeView& v = scene.Volume;
+  const Box& bounds = scene.DeformedBounds;
+  const Box& whole = GetWholeDeformed(scene);
+  p.Center = 0.5 * (whole.Min + whole.Max);
+  Copy(bounds.Min - p.Center, p.BoundsMin);
+  Copy(bounds.Max - p.Center, p.BoundsMax);
+  p.Nowhere = static_cast<float>(1e3 * glm::length(whole.Max - whole.Min));
+  CopyRows(v.DataToIndex, p.LocalToIndex);
+  const glm::dvec3 shift =
+    scene.WholeAtRest ? -glm::round(v.ToIndex(scene.WholeAtRest->Min)) : glm::dvec3(0.0);
+  Copy(v.ToIndex(p.Center) + shift, p.IndexOffset);
+  Copy(shift, p.IndexShift);
+  Copy(rest.Min + shift, p.RestMin);
+  Copy(rest.Max + shift, p.RestMax);
+  CopyRows(v.IndexToData, p.IndexToLocal);
+  CopyRows(glm::transpose(v.DataToIndex), p.GradientToRest);
+  p.NdcToLocal = glm::translate(glm::dmat4(1.0), -p.Center) * scene.Camera.NdcToData;
+}
+
+/// Adds the seeds of Newton's method, which lie at rest in the volume.
+void AddSeeds(const VolumeView& v, const Box& rest, const Box& restBounds, PacketScene& p)
+{
+  // Rounded to a power of two, points are the same to the last bit in all parts of a whole.
+  const double extent = glm::length(restBounds.Max - restBounds.Min);
+  const double unit = std::exp2(std::floor(std::log2(1e-3 * extent)));
+  for (int i = 0; i < SeedsPerAxis * SeedsPerAxis * SeedsPerAxis; ++i)
+  {
+    const glm::dvec3 part(
+      i % SeedsPerAxis, i / SeedsPerAxis % SeedsPerAxis, i / SeedsPerAxis / SeedsPerAxis);
+    const glm::dvec3 at = v.FirstVoxel +
+      v.IndexToData * glm::mix(rest.Min, rest.Max, part / static_cast<double>(SeedsPerAxis - 1));
+    PacketSeed seed;
+    Copy(unit * glm::round((at - p.Center) / unit), seed.Point);
+    p.Seeds.push_back(seed);
+  }
+  HWY_DYNAMIC_DISPATCH(MoveSeeds)(p);
+  KeepOneOrientation(p);
+}
+
+/// Sets the field of the pull-back, its tolerances and its seeds. The coordinates are set already.
+void SetPullBack(
+  const CastScene& scene, const CastSettings& settings, const Box& rest, PacketScene& p)
+{
+  p.Identity = scene.Map->IsIdentity();
+  p.Kind = scene.Map->GetKind();
+  const Box& whole = GetWholeDeformed(scene);
+  // Single precision cannot tell residuals smaller than this.
+  const double resolution = 2e-6 * glm::length(whole.Max - whole.Min);
+  // Nodes must be far closer than what is interpolated between them.
+  const double tolerance = NodeTolerance * settings.ErrorBound.PositionTolerance * scene.VoxelSize;
+  p.Tolerance =
+    static_cast<float>(std::max(std::min(scene.Map->GetTolerance(), tolerance), resolution));
+  p.NodeTolerance = static_cast<float>(std::max(tolerance, resolution));
+  if (p.Identity)
+  {
+    return;
+  }
+  const Box restBounds = FindBounds(scene.Volume, rest);
+  // Only where T is not known to be one to one: what goes on linearly may fold where D as it is
+  // does not, and lead Newton's method out of the volume.
+  const bool extended = InvertsTheField(p.Kind) && !scene.Limits.OneToOne;
+  p.Field.Assign(*scene.Map->GetField(), p.Center, extended ? &restBounds : nullptr);
+  if (InvertsTheField(p.Kind))
+  {
+    AddSeeds(scene.Volume, rest, restBounds, p);
+  }
+}
+
+/// Sets the lengths of segments and of their parts, and the tolerance of interpolants.
+void SetSegments(const CastScene& scene, const CastSettings& settings, PacketScene& p)
+{
+  const Box& whole = GetWholeDeformed(scene);
+  const double distance = settings.SampleDistance;
+  const double voxel = scene.VoxelSize;
+  p.VoxelsPerUnit = static_cast<float>(1.0 / voxel);
+  p.PositionTolerance = static_cast<float>(std::max(settings.ErrorBound.PositionTolerance,
+    SinglePrecision * glm::length(whole.Max - whole.Min) / voxel));
+  p.ShortestSegment = static_cast<float>(settings.ErrorBound.ShortestSegment / voxel);
+  // Powers of two, so that segments can be halved down to a sample.
+  const auto powerOfTwo = [](double most) {
+    return 1 << static_cast<int>(std::clamp(std::floor(std::log2(most) + 1e-6), 0.0, 20.0));
+  };
+  p.SamplesPerRoot = powerOfTwo(settings.ErrorBound.LongestSegment / distance);
+  p.SamplesPerPart = powerOfTwo(PartLength * voxel / distance);
+}
+
+/// Sets the clipping planes and the cropping region. The coordinates are set already.
+void SetClipping(const CastScene& scene, PacketScene& p)
+{
+  for (const glm::dvec4& plane : scene.ClippingPlanes)
+  {
+    const double length = glm::length(glm::dvec3(plane));
+    const double offset = plane.w + glm::dot(glm::dvec3(plane), p.Center);
+    p.ClippingPlanes.push_back(
+      { static_cast<float>(plane.x / length), static_cast<float>(plane.y / length),
+        static_cast<float>(plane.z / length), static_cast<float>(offset / length) });
+  }
+  p.CropSpace = scene.Crop.Space;
+  p.CropFlags = scene.Crop.Flags;
+  const glm::dvec3 cropOrigin =
+    scene.Crop.Space == Cropping::Spaces::Deformed ? p.Center : glm::dvec3(0.0);
+  Copy(scene.Crop.Low - cropOrigin, p.CropLow);
+  Copy(scene.Crop.High - cropOrigin, p.CropHigh);
+}
+
+/// Sets the distance map of empty-space queries.
+void SetLeaping(const CastScene& scene, const CastSettings& settings, PacketScene& p)
+{
+  p.LeapsSegments = scene.Distances && settings.Leaping == SpaceLeaping::Lipschitz;
+  if (scene.Distances && settings.Leaping != SpaceLeaping::Off)
+  {
+    p.Distances = scene.Distances->GetData();
+    for (int a = 0; a < 3; ++a)
+    {
+      p.Blocks[a] = scene.Distances->GetBlocks()[a];
+      p.LastBlock[a] = static_cast<float>(p.Blocks[a] - 1);
+    }
+    p.LeapsRays = p.Sampling != PacketSampling::Composite;
+  }
+}
+
+/// Sets lights and materials. The coordinates are set already.
+void SetShading(const CastScene& scene, const CastSettings& settings,
+  const SampleClassifier& classifier, PacketScene& p)
+{
+  p.Shade = settings.Shade;
+  p.TwoSided = scene.Material.TwoSided;
+  const glm::dmat3& toLights = scene.Material.GetToLights();
+  CopyRows(toLights, p.LocalToLights);
+  CopyRows(scene.Material.GetGradientToLights(), p.GradientToLights);
+  CopyRows(scene.Material.GetGradientToLights() * glm::transpose(scene.Volume.DataToIndex),
+    p.IndexGradientToLights);
+  p.Parallel = scene.Camera.Parallel;
+  Copy(toLights * (scene.Camera.Eye - p.Center), p.Eye);
+  p.Surface = MakeSurface(scene.Material, scene.Material, toLights * p.Center);
+  if (p.Volume.Components > 1)
+  {
+    AddComponents(classifier, scene.Material, toLights * p.Center, p);
+  }
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -505,217 +769,34 @@ PacketCaster::PacketCaster(
   const CastScene& scene, const CastSettings& settings, const IntegrationFrame& frame)
 {
   PacketScene& p = this->Scene;
-  const VolumeView& v = scene.Volume;
   p.Settings = settings;
   p.Source = &scene;
   p.Frame = &frame;
   const SampleClassifier& classifier = *frame.Classifier;
-  const OpticalFunctions& functions = classifier.GetFunctions();
-  const bool composites =
-    !settings.PerRay && scene.Blend.Mode == BlendMode::Composite && CanComposite(scene, classifier);
-  p.Sampling = composites || (classifier.IsPlain() && !settings.PerRay)
-    ? SamplingOf(scene.Blend.Mode)
-    : PacketSampling::PerRay;
-  const bool components = composites && v.Components > 1;
-  const bool masked = composites && classifier.GetMask().Volume.Scalars;
-  const bool plane = composites && !functions.Components[0].Plane.IsEmpty();
-  p.Intervals = scene.Blend.UsesIntervals();
-  p.Reference = SelectSampleFunctions(v.Type, scene.VolumeInterpolation);
+  const Box rest = FindRestBox(scene.Volume, scene.WholeAtRest);
 
-  p.Volume.Scalars = v.Scalars;
-  p.Volume.Type = v.Type;
-  for (int a = 0; a < 3; ++a)
-  {
-    p.Volume.Dimensions[a] = v.Dimensions[a];
-  }
-  p.Volume.Components = components ? v.Components : 1;
-  p.Volume.IncrementY = static_cast<int>(v.Increments[1]);
-  p.Volume.IncrementZ = static_cast<int>(v.Increments[2]);
-  p.Volume.ElementSize = SizeOf(v.Type);
-  const double slice = static_cast<double>(v.Increments[2]) * p.Volume.ElementSize;
-  const double reach = std::floor(std::min(settings.LargestReach, LargestReach) / slice) - 4.0;
-  p.Volume.SlicesInReach = reach < v.Dimensions.z ? static_cast<int>(std::max(reach, 1.0)) : 0;
-  p.Volume.Nearest = scene.VolumeInterpolation == Interpolation::Nearest;
-  p.Lower = static_cast<float>(v.LowerIndex().x);
-  Copy(v.UpperIndex(), p.Upper);
+  const FrameKind kind = SetSampling(scene, settings, classifier, p);
+  SetVolume(scene, settings, kind, p);
+  SetOptics(scene, classifier, kind, p);
+  SetBlending(scene, kind, p);
+  SetCoordinates(scene, rest, p);
+  SetPullBack(scene, settings, rest, p);
+  SetSegments(scene, settings, p);
+  SetClipping(scene, p);
+  SetLeaping(scene, settings, p);
+  SetShading(scene, settings, classifier, p);
 
-  if (IsWide(v.Type))
-  {
-    p.Volume.Shift = scene.Table->GetLow();
-    p.Volume.Scale = scene.Table->GetScale();
-  }
-  AddTable(*scene.Table, p);
-
-  if (masked)
-  {
-    SetMask(classifier, p);
-  }
-  if (plane)
-  {
-    SetPlane(classifier, p);
-  }
-  if (settings.Leaping != SpaceLeaping::Off && plane)
-  {
-    const glm::ivec2 visible = functions.Components[0].Plane.FindVisibleColumns();
-    SetVisibleRange(visible.x, visible.y, p.Plane.Size[0], p.Plane.Low[0], p.Plane.Scale[0], p);
-  }
-  else if (settings.Leaping != SpaceLeaping::Off && p.Mask.Tables.empty() && !components)
-  {
-    FindVisibleRange(*scene.Table, p);
-  }
-  if (composites && !components && !plane && p.Mask.Tables.empty())
-  {
-    p.Gradients = MakeGradientOpacity(classifier.GetGradientOpacity(), classifier, p.Volume);
-  }
-  p.OpacityByGradient =
-    p.Gradients.Factors || !p.Mask.GradientRanges.empty() || (plane && !p.Plane.SecondAxis.Scalars);
-  p.ReferenceLength = static_cast<float>(classifier.GetReferenceLength());
-  const bool wide = IsWide(v.Type);
-  const auto asFetched = [&](double value) {
-    return wide ? (value - p.Volume.Shift) * p.Volume.Scale : value;
-  };
-  const auto fetched = [&](double value) { return ToFloat(asFetched(value)); };
-  p.ValueLow = fetched(scene.Blend.Low[0]);
-  p.ValueHigh = fetched(scene.Blend.High[0]);
-  const bool maximum = scene.Blend.Mode == BlendMode::Maximum;
-  p.LastExtreme =
-    maximum ? std::min(p.ValueHigh, p.VisibleHigh) : std::min(-p.ValueLow, -p.VisibleLow);
-  if (p.Sampling == PacketSampling::Extreme && settings.Leaping != SpaceLeaping::Off)
-  {
-    p.Peaks = scene.Peaks;
-  }
-  p.AverageMin = fetched(scene.Blend.AverageMin);
-  p.AverageMax = fetched(scene.Blend.AverageMax);
-  for (const IsoValue& iso : scene.Blend.IsoValues)
-  {
-    if (iso.Opacity > 0.0f)
-    {
-      const double exact = asFetched(iso.Value);
-      const float value = RoundUp(exact);
-      p.IsoValues.push_back({ value, ToFloat(static_cast<double>(value) - exact),
-        { iso.Color.r, iso.Color.g, iso.Color.b }, iso.Opacity });
-    }
-  }
-  p.UnitDistance = static_cast<float>(scene.Table->GetUnitDistance());
-
-  const Box& bounds = scene.DeformedBounds;
-  const Box& whole = scene.WholeDeformed ? *scene.WholeDeformed : bounds;
-  p.Center = 0.5 * (whole.Min + whole.Max);
-  Copy(bounds.Min - p.Center, p.BoundsMin);
-  Copy(bounds.Max - p.Center, p.BoundsMax);
-  p.FarAway = static_cast<float>(1e3 * glm::length(whole.Max - whole.Min));
-  p.Identity = scene.Map->IsIdentity();
-  p.Kind = scene.Map->GetKind();
-  // Single precision cannot tell residuals smaller than this.
-  const double resolution = 2e-6 * glm::length(whole.Max - whole.Min);
-  // Nodes must be far closer than what is interpolated between them.
-  const double tolerance = NodeTolerance * settings.Pieces.PositionTolerance * scene.VoxelSize;
-  p.Tolerance =
-    static_cast<float>(std::max(std::min(scene.Map->GetTolerance(), tolerance), resolution));
-  p.NodeTolerance = static_cast<float>(std::max(tolerance, resolution));
-  const Box rest = FindRestBox(v, scene.WholeAtRest);
-  const Box restBounds = FindBounds(v, rest);
-  if (!p.Identity)
-  {
-    // Only where T is not known to be one to one: what goes on linearly may fold where D as it is
-    // does not, and lead Newton's method out of the volume.
-    const bool extended = InvertsTheField(p.Kind) && !scene.Limits.OneToOne;
-    p.Field.Assign(*scene.Map->GetField(), p.Center, extended ? &restBounds : nullptr);
-  }
-  if (!p.Identity && InvertsTheField(p.Kind))
-  {
-    const double extent = glm::length(restBounds.Max - restBounds.Min);
-    for (int i = 0; i < SeedsPerAxis * SeedsPerAxis * SeedsPerAxis; ++i)
-    {
-      const glm::dvec3 part(
-        i % SeedsPerAxis, i / SeedsPerAxis % SeedsPerAxis, i / SeedsPerAxis / SeedsPerAxis);
-      const glm::dvec3 at = v.FirstVoxel +
-        v.IndexToData * glm::mix(rest.Min, rest.Max, part / static_cast<double>(SeedsPerAxis - 1));
-      PacketSeed seed;
-      // The same to the last bit whatever part of the volume is here.
-      const double unit = std::exp2(std::floor(std::log2(1e-3 * extent)));
-      Copy(unit * glm::round((at - p.Center) / unit), seed.Point);
-      p.Seeds.push_back(seed);
-    }
-    HWY_DYNAMIC_DISPATCH(MoveSeeds)(p);
-    KeepOneOrientation(p);
-  }
-  const double distance = settings.SampleDistance;
-  const double voxel = scene.VoxelSize;
-  p.VoxelsPerUnit = static_cast<float>(1.0 / voxel);
-  p.PositionTolerance = static_cast<float>(std::max(settings.Pieces.PositionTolerance,
-    SinglePrecision * glm::length(whole.Max - whole.Min) / voxel));
-  p.ShortestPiece = static_cast<float>(settings.Pieces.Shortest / voxel);
-  // Powers of two, so that pieces can be halved down to a sample.
-  const auto powerOfTwo = [](double most) {
-    return 1 << static_cast<int>(std::clamp(std::floor(std::log2(most) + 1e-6), 0.0, 20.0));
-  };
-  p.SamplesPerTop = powerOfTwo(settings.Pieces.Longest / distance);
-  p.SamplesPerPart = powerOfTwo(PartLength * voxel / distance);
-  p.LeapsPieces = scene.Distances && settings.Leaping == SpaceLeaping::Lipschitz;
-
-  CopyRows(v.DataToIndex, p.LocalToIndex);
-  const glm::dvec3 shift =
-    scene.WholeAtRest ? -glm::round(v.ToIndex(scene.WholeAtRest->Min)) : glm::dvec3(0.0);
-  Copy(v.ToIndex(p.Center) + shift, p.IndexOffset);
-  Copy(shift, p.IndexShift);
-  Copy(rest.Min + shift, p.RestMin);
-  Copy(rest.Max + shift, p.RestMax);
-  CopyRows(v.IndexToData, p.IndexToLocal);
-  CopyRows(glm::transpose(v.DataToIndex), p.GradientToRest);
-  p.NdcToLocal = glm::translate(glm::dmat4(1.0), -p.Center) * scene.Camera.NdcToData;
-
-  for (const glm::dvec4& plane : scene.ClippingPlanes)
-  {
-    const double length = glm::length(glm::dvec3(plane));
-    const double offset = plane.w + glm::dot(glm::dvec3(plane), p.Center);
-    p.ClippingPlanes.push_back(
-      { static_cast<float>(plane.x / length), static_cast<float>(plane.y / length),
-        static_cast<float>(plane.z / length), static_cast<float>(offset / length) });
-  }
-  p.CropSpace = scene.Crop.Space;
-  p.CropFlags = scene.Crop.Flags;
-  const glm::dvec3 cropOrigin =
-    scene.Crop.Space == Cropping::Spaces::Deformed ? p.Center : glm::dvec3(0.0);
-  Copy(scene.Crop.Low - cropOrigin, p.CropLow);
-  Copy(scene.Crop.High - cropOrigin, p.CropHigh);
   p.Inner = p.Sampling == PacketSampling::Composite && !p.Intervals &&
-    p.CropSpace == Cropping::Spaces::None && !components;
-  p.Plain = p.Inner && !p.OpacityByGradient && !p.Mask.Scalars && !plane;
-
-  if (scene.Distances && settings.Leaping != SpaceLeaping::Off)
-  {
-    p.Distances = scene.Distances->GetData();
-    for (int a = 0; a < 3; ++a)
-    {
-      p.Blocks[a] = scene.Distances->GetBlocks()[a];
-      p.LastBlock[a] = static_cast<float>(p.Blocks[a] - 1);
-    }
-    p.LeapsRays = p.Sampling != PacketSampling::Composite;
-  }
-
-  p.Shade = settings.Shade;
-  p.TwoSided = scene.Material.TwoSided;
-  const glm::dmat3& toLights = scene.Material.GetToLights();
-  CopyRows(toLights, p.LocalToLights);
-  CopyRows(scene.Material.GetGradientToLights(), p.GradientToLights);
-  CopyRows(
-    scene.Material.GetGradientToLights() * glm::transpose(v.DataToIndex), p.IndexGradientToLights);
-  p.Parallel = scene.Camera.Parallel;
-  Copy(toLights * (scene.Camera.Eye - p.Center), p.Eye);
-  p.Surface = MakeSurface(scene.Material, scene.Material, toLights * p.Center);
-  if (p.Volume.Components > 1)
-  {
-    AddComponents(classifier, scene.Material, toLights * p.Center, p);
-  }
+    p.CropSpace == Cropping::Spaces::None && !kind.Components;
+  p.Plain = p.Inner && !p.OpacityByGradient && !p.Mask.Scalars && !kind.Plane;
 }
 
 //------------------------------------------------------------------------------
-int PacketCaster::RenderTile(int x0, int y0, unsigned int quarters, const CastImage& image,
+int PacketCaster::RenderTile(int x0, int y0, unsigned int subtiles, const CastImage& image,
   PacketScratch& scratch, int first, Deadline deadline) const
 {
   return HWY_DYNAMIC_DISPATCH(CastTileOfAnyType)(
-    this->Scene, x0, y0, quarters, image, scratch, first, deadline);
+    this->Scene, x0, y0, subtiles, image, scratch, first, deadline);
 }
 
 } // namespace ffd

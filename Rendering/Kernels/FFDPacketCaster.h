@@ -12,7 +12,7 @@
 #include "FFDPacketTable.h"
 #include "FFDPacketVolume.h"
 #include "FFDRayIntegrator.h"
-#include "FFDTilePiece.h"
+#include "FFDTileSegment.h"
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
@@ -41,7 +41,7 @@ struct PacketLight
   float ConeExponent = 0.0f;
 };
 
-/// Who takes the samples of packets.
+/// The code that takes the samples of packets.
 enum class PacketSampling
 {
   Composite, ///< vector code: TakeSample
@@ -89,7 +89,7 @@ struct PacketGradientOpacity
   float Scale[3] = {};
 };
 
-/// Looks of one of several components; its transfer table has the same number.
+/// Optical properties of one of several components; its transfer table has the same number.
 struct PacketComponent
 {
   PacketGradientOpacity Gradients;
@@ -110,7 +110,7 @@ struct PacketScene
   SampleFunctions Reference; ///< for the few samples at the border of the volume
 
   PacketVolume Volume;
-  float Lower = 0.0f; ///< where samples begin and end, index coordinates
+  float Lower = 0.0f; ///< the box that holds all samples, index coordinates
   float Upper[3] = {};
 
   bool Identity = false;
@@ -119,10 +119,10 @@ struct PacketScene
   std::vector<PacketSeed> Seeds; ///< over the volume, where Newton's method starts from nowhere
   bool Folds = false;            ///< whether T is known to turn parts of the volume inside out
   float Orientation = 1.0f;      ///< sign of the determinant of T where it does not
-  float FarAway = 0.0f;          ///< a local coordinate outside of all
-  float Tolerance = 0.0f;        ///< of the inverse at samples, data units
-  float NodeTolerance = 0.0f;    ///< the same at nodes of interpolants
-  glm::dvec3 Center{ 0.0 };      ///< data coordinates
+  float Nowhere = 0.0f;   ///< local coordinates, beyond all others, of points without a pull-back
+  float Tolerance = 0.0f; ///< of the inverse at samples, data units
+  float NodeTolerance = 0.0f; ///< the same at nodes of interpolants
+  glm::dvec3 Center{ 0.0 };   ///< data coordinates
   float LocalToIndex[9] = {};
   float IndexOffset[3] = {}; ///< of local to index coordinates of the whole
   float IndexShift[3] = {};  ///< from those to the voxels here, whole numbers
@@ -146,11 +146,11 @@ struct PacketScene
   bool Plain =
     false; ///< compositing of one component by its table alone, without cropping and masks
   bool Inner = false; ///< compositing without cropping: samples inside need no more tests
-  /// What blend modes compare values with, values as they are fetched (PacketVolume).
+  /// Values that blend modes compare samples with, as fetched (PacketVolume).
   float ValueLow = 0.0f; ///< ends of their range
   float ValueHigh = 1.0f;
-  /// Rays that look for extremes end at it, values times the sign of Peaks: beyond there is
-  /// nothing, or nothing that can be seen.
+  /// Rays end when their extreme reaches this, a value times the sign of Peaks: no larger one
+  /// exists, or it would not change the picture.
   float LastExtreme = std::numeric_limits<float>::infinity();
   const ValuePeaks* Peaks = nullptr; ///< of extremes, with space leaping
   float AverageMin = 0.0f;
@@ -162,15 +162,16 @@ struct PacketScene
 
   float PositionTolerance = 0.1f; ///< of interpolants, voxels
   float VoxelsPerUnit = 1.0f;     ///< lengths in data units to lengths in voxels
-  float ShortestPiece = 0.5f;     ///< voxels
-  int SamplesPerTop = 1;          ///< of the longest pieces
-  int SamplesPerPart = 1;         ///< of a piece, that are tested for emptiness together, at least
-  bool LeapsPieces = false;       ///< whether pieces are tested for emptiness as a whole
+  float ShortestSegment = 0.5f;   ///< voxels
+  int SamplesPerRoot = 1;         ///< of the longest segments
+  int SamplesPerPart = 1;     ///< of a segment, that are tested for emptiness together, at least
+  bool LeapsSegments = false; ///< whether segments are tested for emptiness as a whole
   const unsigned char* Distances = nullptr;
   int Blocks[3] = {};
   float LastBlock[3] = {};
 
-  /// Whether single rays always leap within pieces, too: where a sample costs more than a look-up.
+  /// Whether single rays always leap within segments, too: where a sample costs more than a
+  /// look-up.
   bool LeapsRays = false;
 
   PacketTable Table; ///< and behind it those of the labels
@@ -206,19 +207,19 @@ struct SampledPosition
 /// Buffers that a thread keeps between tiles.
 struct PacketScratch
 {
-  TilePiecePool Pieces;
-  std::vector<TilePiece*>
-    Tops; ///< of the trees of pieces of the tile, front to back, as far as known
+  TileSegmentPool Segments;
+  std::vector<TileSegment*>
+    Roots; ///< of the trees of segments of the tile, front to back, as far as made
   std::vector<RayIntegrator> Integrators; ///< of the lanes of a packet, where these are used
   std::array<float, 8 * TileSide * TileSide> Rays; ///< origin, direction (local), from, to
   CastStatistics Statistics;
-  std::vector<SampledPosition>* Positions = nullptr; ///< where to note samples, or null
+  std::vector<SampledPosition>* Positions = nullptr; ///< to which samples are added, or null
 };
 
 /**
  * The fast ray caster: packets of neighboring rays in lockstep, a ray a lane of the widest vector
  * instructions that the machine has (Highway, chosen at run time). The pull-back is evaluated on a
- * coarse grid of 4 x 4 nodes a tile and interpolated, with an error that is measured (TilePiece);
+ * coarse grid of 4 x 4 nodes a tile and interpolated, with an error that is measured (TileSegment);
  * where it is too large it is evaluated for each sample. Takes the samples of the reference ray
  * caster.
  */
@@ -234,7 +235,7 @@ public:
   static bool Supports(const CastScene& scene, const CastSettings& settings);
 
   /// See RayCaster::RenderTile(); `first` counts packets.
-  int RenderTile(int x0, int y0, unsigned int quarters, const CastImage& image,
+  int RenderTile(int x0, int y0, unsigned int subtiles, const CastImage& image,
     PacketScratch& scratch, int first, Deadline deadline) const;
 
 private:

@@ -38,7 +38,8 @@ public:
   float SecondDerivative = 0.0f;
   /// Whether that holds everywhere: there is no kink where the lattice ends.
   bool Smooth = true;
-  /// Of a step of Newton's method: one that is longer leaves what is known of the field.
+  /// Length that steps of Newton's method are limited to: the longest edge of a cell of the
+  /// lattice.
   float LongestStep = 0.0f;
 
   /**
@@ -118,7 +119,7 @@ private:
     };
     std::vector<glm::dvec3> c(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
       static_cast<std::size_t>(size.z));
-    // What the nearest node and the one beside it count, along each axis.
+    // The nearest node along an axis, the one beside it, and the cells beyond the lattice.
     const auto factors = [&](int i, int axis, int& node, int& beside, double& out) {
       const int n = i - ExtendedPadding;
       const int last = nodes[axis] - 1;

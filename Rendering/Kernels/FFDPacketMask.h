@@ -25,9 +25,10 @@ struct PacketMask
   float FromIndex[9] = {};
   float Offset[3] = {};
 
-  bool Labels = false;      ///< a label map, else a binary mask
-  float BlendFactor = 1.0f; ///< of the look of a label; the rest is the look without
-  std::vector<int> Tables;  ///< by label: which table its look is in, 0 without one
+  bool Labels = false; ///< a label map, else a binary mask
+  float BlendFactor =
+    1.0f; ///< weight of a label's color and opacity; the rest is that of the scalars
+  std::vector<int> Tables; ///< by label: its table in PacketScene::Table, 0 without one
 
   /// Factors of the opacity of a table, by the length of MagnitudeScale times the gradient as
   /// fetched; loaded as 128 bits.
@@ -43,6 +44,7 @@ struct PacketMask
   std::vector<float> GradientFactors;
   float MagnitudeScale[3] = {};
 
+  /// Number of the table of a label, 0 without one.
   int TableOf(double label) const
   {
     const bool known = label >= 0.5 && label < static_cast<double>(this->Tables.size()) - 0.5;

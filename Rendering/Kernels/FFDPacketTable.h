@@ -32,11 +32,11 @@ public:
   };
   static_assert(sizeof(Interval) == 16, "intervals are loaded as 128 bits");
 
-  /// Where a table is, and the values that it stands for; loaded as 128 bits, too.
+  /// The position of a table and the range of its values; loaded as 128 bits, too.
   struct Range
   {
     std::int32_t First; ///< interval
-    float Intervals;    ///< how many
+    float Intervals;    ///< number of intervals
     float Low;          ///< value of the first entry
     float Scale;        ///< entries a unit of values
   };

@@ -9,8 +9,8 @@ namespace ffd
 {
 
 /**
- * What the packet kernels need of the voxels. Offsets of the lanes of a packet are 32-bit numbers:
- * in volumes of 2 GiB and more they count from a slice near the packet.
+ * The voxels in the form that the packet kernels read. Offsets of the lanes of a packet are 32-bit
+ * numbers: in volumes of 2 GiB and more they count from a slice near the packet.
  */
 struct PacketVolume
 {

@@ -66,7 +66,7 @@ AxisParts MakeParts(const BSplineField& field, int axis, int first, int end, dou
     parts.Ends.push_back(field.GetOrigin()[axis] + spacing * (first + cell + u));
     if (i < parts.Count())
     {
-      // Each of the four pieces is monotone, so the largest value is at an end.
+      // Each of the four segments is monotone, so the largest value is at an end.
       std::array<double, 4> next;
       BSplineWeights(u + step, next.data());
       std::array<double, 4> largest;

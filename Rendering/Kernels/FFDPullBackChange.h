@@ -16,8 +16,8 @@ namespace ffd
 {
 
 /**
- * Where a pull-back differs from what it was before an edit: parts of deformed space, and how far
- * what was in each has moved at most. Each part is the hull of 8 neighboring corners of a bent
+ * The difference between a pull-back and the one before an edit: parts of deformed space, and how
+ * far what was in each has moved at most. Each part is the hull of 8 neighboring corners of a bent
  * grid, with a margin around it. What can be seen outside of all parts has not moved, and what has
  * moved is now that far from its part at most.
  *

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDRayCaster.h"
 
-#include "FFDCurvePiece.h"
+#include "FFDCurveSegment.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -40,14 +40,14 @@ bool Contains(const EmptyBox& box, const glm::dvec3& q)
     q.y <= box.Max.y && q.z <= box.Max.z;
 }
 
-/// How many further steps of `ds` from position s of the piece stay inside the box for certain.
+/// How many further steps of `ds` from position s of the segment stay inside the box for certain.
 int CountStepsInside(
-  const CurvePiece& piece, double s, double ds, int stepsLeft, const EmptyBox& box)
+  const CurveSegment& segment, double s, double ds, int stepsLeft, const EmptyBox& box)
 {
-  const glm::dvec3 q = piece.At(s);
-  const glm::dvec3 v0 = piece.Velocity(s);
-  // The velocity is linear in s, so the ends of what is left of the piece bound it.
-  const glm::dvec3 v1 = piece.Velocity(s + stepsLeft * ds);
+  const glm::dvec3 q = segment.At(s);
+  const glm::dvec3 v0 = segment.Velocity(s);
+  // The velocity is linear in s, so the ends of what is left of the segment bound it.
+  const glm::dvec3 v1 = segment.Velocity(s + stepsLeft * ds);
   double steps = stepsLeft;
   for (int a = 0; a < 3; ++a)
   {
@@ -134,13 +134,13 @@ struct RayCaster::Pixel
     this->Integrator.Begin(frame, ray.Viewing, ray.From, ray.To);
   }
 
-  /// A piece from `from` to `to`; what is sampled afterwards lies on it.
-  void NotePiece(const CurvePiece& curve, double from, double to, bool passed)
+  /// A segment from `from` to `to`; what is sampled afterwards lies on it.
+  void NoteSegment(const CurveSegment& curve, double from, double to, bool passed)
   {
     if (this->Trace)
     {
       const std::size_t at = this->Trace->Samples.size();
-      this->Trace->Pieces.push_back({ curve, from, to, passed, at, at });
+      this->Trace->Segments.push_back({ curve, from, to, passed, at, at });
     }
   }
   void NoteSample(const glm::dvec3& q, double t, double interval, bool leap, float extinction)
@@ -148,20 +148,20 @@ struct RayCaster::Pixel
     if (this->Trace)
     {
       this->Trace->Samples.push_back({ q, t, interval, leap, extinction });
-      this->Trace->Pieces.back().EndSample = this->Trace->Samples.size();
+      this->Trace->Segments.back().EndSample = this->Trace->Samples.size();
     }
   }
 };
 
 //------------------------------------------------------------------------------
-/// A piece whose J_Phi is given by `jacobianAt(s)`, called for what is shaded only.
+/// A segment whose J_Phi is given by `jacobianAt(s)`, called for what is shaded only.
 template <class JacobianAt>
-class RayCaster::JacobianPiece : public SampledPiece
+class RayCaster::JacobianSegment : public SampledSegment
 {
 public:
-  JacobianPiece(const RayCaster& caster, const CurvePiece& curve, double t0, double dt,
+  JacobianSegment(const RayCaster& caster, const CurveSegment& curve, double t0, double dt,
     const JacobianAt& jacobianAt)
-    : SampledPiece(curve, t0, dt)
+    : SampledSegment(curve, t0, dt)
     , Caster(caster)
     , At(jacobianAt)
   {
@@ -179,8 +179,8 @@ private:
 };
 
 //------------------------------------------------------------------------------
-/// Takes the samples of one piece of a deformed ray: all that comes after the segmentation, shared
-/// by both of them.
+/// Takes the samples of one segment of a deformed ray: all that comes after the segmentation,
+/// shared by both of them.
 class RayCaster::Sampler
 {
 public:
@@ -193,8 +193,8 @@ public:
   {
   }
 
-  /// Integrate one piece.
-  void Integrate(const SampledPiece& piece, const SampleSchedule& schedule)
+  /// Integrate one segment.
+  void Integrate(const SampledSegment& segment, const SampleSchedule& schedule)
   {
     const CastScene& scene = this->Caster.Scene;
     const bool leap = this->Caster.Settings.Leaping != SpaceLeaping::Off;
@@ -203,9 +203,9 @@ public:
     for (int i = 0; i < schedule.Count; ++i)
     {
       const double s = schedule.Position(i);
-      const glm::dvec3 q = piece.Curve.At(s);
+      const glm::dvec3 q = segment.Curve.At(s);
       const bool inside = IsInside(scene.Volume, q);
-      // Leaps of the paper end with the piece; ours know what was found before it.
+      // Leaps of the paper end with the segment; ours know what was found before it.
       const bool known = lipschitz && Contains(this->LastEmptyBox, q);
       if (known ||
         (leap &&
@@ -215,32 +215,32 @@ public:
         {
           ++this->Statistics.DistanceLookups;
           this->Out.NoteSample(
-            q, piece.T0 + s * piece.Dt, schedule.Interval(i) * piece.Dt, true, 0.0f);
+            q, segment.T0 + s * segment.Dt, schedule.Interval(i) * segment.Dt, true, 0.0f);
         }
         if (!intervals)
         {
           i += CountStepsInside(
-            piece.Curve, s, schedule.Step, schedule.Count - 1 - i, this->LastEmptyBox);
+            segment.Curve, s, schedule.Step, schedule.Count - 1 - i, this->LastEmptyBox);
           continue;
         }
         // An interval is empty if its end is in the box, too.
         const int empty =
-          CountStepsInside(piece.Curve, s, schedule.Step, schedule.Count - i, this->LastEmptyBox);
+          CountStepsInside(segment.Curve, s, schedule.Step, schedule.Count - i, this->LastEmptyBox);
         if (empty > 0)
         {
           i += empty - 1;
           continue;
         }
       }
-      if (!intervals && (!inside || !this->IsShown(q, piece.T0 + s * piece.Dt)))
+      if (!intervals && (!inside || !this->IsShown(q, segment.T0 + s * segment.Dt)))
       {
         continue;
       }
       ++this->Statistics.Samples;
       const RayIntegrator::Outcome outcome =
-        this->Out.Integrator.AddSample(piece, s, schedule.Interval(i));
-      this->Out.NoteSample(
-        q, piece.T0 + s * piece.Dt, schedule.Interval(i) * piece.Dt, false, outcome.Extinction);
+        this->Out.Integrator.AddSample(segment, s, schedule.Interval(i));
+      this->Out.NoteSample(q, segment.T0 + s * segment.Dt, schedule.Interval(i) * segment.Dt, false,
+        outcome.Extinction);
       this->Statistics.VisibleSamples += outcome.Visible ? 1 : 0;
       if (outcome.Done)
       {
@@ -440,11 +440,11 @@ int RayCaster::SetUpTile(int x0, int y0, int x1, int y1, Ray* rays) const
 namespace
 {
 
-/// The curve of a pixel in a piece: the terms of its nodes, bicubic.
-CurvePiece FindCurve(const TilePiece& piece, int x, int y, const glm::dvec3& shift)
+/// The curve of a pixel in a segment: the terms of its nodes, bicubic.
+CurveSegment FindCurve(const TileSegment& segment, int x, int y, const glm::dvec3& shift)
 {
-  const auto weigh = [&piece](int pixel, int first, double weights[NodesPerSide]) {
-    const double at = (pixel - first) * (NodesPerSide - 1.0) / (piece.Side - 1);
+  const auto weigh = [&segment](int pixel, int first, double weights[NodesPerSide]) {
+    const double at = (pixel - first) * (NodesPerSide - 1.0) / (segment.Side - 1);
     for (int i = 0; i < NodesPerSide; ++i)
     {
       weights[i] = 1.0;
@@ -456,9 +456,9 @@ CurvePiece FindCurve(const TilePiece& piece, int x, int y, const glm::dvec3& shi
   };
   double across[NodesPerSide];
   double up[NodesPerSide];
-  weigh(x, piece.X, across);
-  weigh(y, piece.Y, up);
-  CurvePiece curve;
+  weigh(x, segment.X, across);
+  weigh(y, segment.Y, up);
+  CurveSegment curve;
   for (int node = 0; node < TileNodes; ++node)
   {
     const double weight = across[node % NodesPerSide] * up[node / NodesPerSide];
@@ -466,7 +466,7 @@ CurvePiece FindCurve(const TilePiece& piece, int x, int y, const glm::dvec3& shi
     {
       for (int c = 0; c < 3; ++c)
       {
-        const NodeVectors& terms = piece.Terms[static_cast<std::size_t>(k)];
+        const NodeVectors& terms = segment.Terms[static_cast<std::size_t>(k)];
         curve.Terms[k][c] +=
           weight * terms[static_cast<std::size_t>(c)][static_cast<std::size_t>(node)];
       }
@@ -477,13 +477,13 @@ CurvePiece FindCurve(const TilePiece& piece, int x, int y, const glm::dvec3& shi
 }
 
 /// The part of a curve from s = a to b, as one from 0 to 1.
-CurvePiece Restrict(const CurvePiece& curve, double a, double b)
+CurveSegment Restrict(const CurveSegment& curve, double a, double b)
 {
-  CurvePiece part = curve;
+  CurveSegment part = curve;
   // Horner's scheme, once for each derivative at a.
-  for (int k = 0; k < CurvePiece::NumberOfTerms; ++k)
+  for (int k = 0; k < CurveSegment::NumberOfTerms; ++k)
   {
-    for (int i = CurvePiece::NumberOfTerms - 2; i >= k; --i)
+    for (int i = CurveSegment::NumberOfTerms - 2; i >= k; --i)
     {
       part.Terms[i] += a * part.Terms[i + 1];
     }
@@ -497,28 +497,29 @@ CurvePiece Restrict(const CurvePiece& curve, double a, double b)
   return part;
 }
 
-/// The pieces that a pixel of the tile was cast in, front to back: those that were looked at.
-void CollectPieces(const TilePiece& piece, int x, int y, std::vector<const TilePiece*>& pieces)
+/// The segments that a pixel of the tile was cast in, front to back: those that were looked at.
+void CollectSegments(
+  const TileSegment& segment, int x, int y, std::vector<const TileSegment*>& segments)
 {
-  if (piece.Known == TilePiece::State::Halved)
+  if (segment.Known == TileSegment::State::Halved)
   {
-    CollectPieces(*piece.Children[0], x, y, pieces);
-    CollectPieces(*piece.Children[1], x, y, pieces);
+    CollectSegments(*segment.Children[0], x, y, segments);
+    CollectSegments(*segment.Children[1], x, y, segments);
   }
-  else if (piece.Known == TilePiece::State::Quartered)
+  else if (segment.Known == TileSegment::State::Quartered)
   {
-    for (const TilePiece* child : piece.Children)
+    for (const TileSegment* child : segment.Children)
     {
       if (x >= child->X && x < child->X + child->Side && y >= child->Y &&
         y < child->Y + child->Side)
       {
-        CollectPieces(*child, x, y, pieces);
+        CollectSegments(*child, x, y, segments);
       }
     }
   }
-  else if (piece.Known != TilePiece::State::Unknown)
+  else if (segment.Known != TileSegment::State::Unknown)
   {
-    pieces.push_back(&piece);
+    segments.push_back(&segment);
   }
 }
 
@@ -548,32 +549,32 @@ void RayCaster::TracePackets(
                     [&ray](const SampledPosition& at) { return at.X != ray.X || at.Y != ray.Y; }),
     positions.end());
 
-  std::vector<const TilePiece*> pieces;
-  for (const TilePiece* top : scratch.Packets.Tops)
+  std::vector<const TileSegment*> segments;
+  for (const TileSegment* top : scratch.Packets.Roots)
   {
-    CollectPieces(*top, x, y, pieces);
+    CollectSegments(*top, x, y, segments);
   }
   const VolumeView& volume = this->Scene.Volume;
   const glm::dvec3 shift = this->Scene.WholeAtRest
     ? -glm::round(volume.ToIndex(this->Scene.WholeAtRest->Min))
     : glm::dvec3(0.0);
   std::size_t next = 0;
-  for (const TilePiece* piece : pieces)
+  for (const TileSegment* segment : segments)
   {
-    const double from = std::max<double>(piece->T0, ray.From);
-    const double to = std::min<double>(static_cast<double>(piece->T0) + piece->Dt, ray.To);
+    const double from = std::max<double>(segment->T0, ray.From);
+    const double to = std::min<double>(static_cast<double>(segment->T0) + segment->Dt, ray.To);
     if (!(from < to))
     {
       continue;
     }
-    const CurvePiece curve = Restrict(
-      FindCurve(*piece, x, y, shift), (from - piece->T0) / piece->Dt, (to - piece->T0) / piece->Dt);
-    pixel.NotePiece(curve, from, to, piece->Known == TilePiece::State::Empty);
+    const CurveSegment curve = Restrict(FindCurve(*segment, x, y, shift),
+      (from - segment->T0) / segment->Dt, (to - segment->T0) / segment->Dt);
+    pixel.NoteSegment(curve, from, to, segment->Known == TileSegment::State::Empty);
     const auto jacobianAt = [&](double s) {
       return this->Scene.Map->FindJacobian(ray.Origin + (from + s * (to - from)) * ray.Direction,
         volume.IndexToData * curve.At(s) + volume.FirstVoxel);
     };
-    const JacobianPiece<decltype(jacobianAt)> sampled(*this, curve, from, to - from, jacobianAt);
+    const JacobianSegment<decltype(jacobianAt)> sampled(*this, curve, from, to - from, jacobianAt);
     for (; next < positions.size() && positions[next].T < to; ++next)
     {
       const SampledPosition& at = positions[next];
@@ -730,7 +731,7 @@ void RayCaster::CastSlice(const Ray& ray, Pixel& pixel, CastStatistics& statisti
   const glm::dvec3 p = ray.Origin + t * ray.Direction;
   const glm::dvec3 q = this->Scene.Volume.ToIndex(this->PullBackAlone(p, nullptr, statistics));
   const Cropping& crop = this->Scene.Crop;
-  pixel.NotePiece(CurvePiece::Line(q, q), t, t, false);
+  pixel.NoteSegment(CurveSegment::Line(q, q), t, t, false);
   if (!IsInside(this->Scene.Volume, q) ||
     (crop.Space == Cropping::Spaces::Rest && !crop.Shows(q)) ||
     (crop.Space == Cropping::Spaces::Deformed && !crop.Shows(p)))
@@ -763,15 +764,16 @@ void RayCaster::CastPolyline(Ray& ray, Pixel& pixel, CastStatistics& statistics)
     const bool empty = this->Settings.Leaping == SpaceLeaping::Lipschitz &&
       Contains(sampler.GetLastEmptyBox(), startIndex) &&
       Contains(sampler.GetLastEmptyBox(), endIndex);
-    const CurvePiece piece = CurvePiece::Line(startIndex, endIndex);
-    pixel.NotePiece(piece, start.T, end.T, empty);
+    const CurveSegment segment = CurveSegment::Line(startIndex, endIndex);
+    pixel.NoteSegment(segment, start.T, end.T, empty);
     if (!empty)
     {
       sampler.ForgetEmptyBox();
-      const double length = glm::length(this->Frame.IndexToData * piece.Terms[1]);
+      const double length = glm::length(this->Frame.IndexToData * segment.Terms[1]);
       const auto jacobianAt = [&](
                                 double s) { return start.Jacobian * (1.0 - s) + end.Jacobian * s; };
-      sampler.Integrate(JacobianPiece<decltype(jacobianAt)>(*this, piece, start.T, dt, jacobianAt),
+      sampler.Integrate(
+        JacobianSegment<decltype(jacobianAt)>(*this, segment, start.T, dt, jacobianAt),
         ScheduleWithRemainder(length, this->Settings.SampleDistance, ray.Jitter));
     }
     start = end;
@@ -808,11 +810,11 @@ void RayCaster::CastSamples(Ray& ray, Pixel& pixel, CastStatistics& statistics) 
   const double stop = std::ceil(ray.To / distance - Slack - ray.Phase);
   if (!(first < stop))
   {
-    // Too short for a sample: a piece without one.
+    // Too short for a sample: a segment without one.
     ++statistics.Segments;
     statistics.SegmentLength += (ray.To - ray.From) / this->Scene.VoxelSize;
-    pixel.NotePiece(CurvePiece::Line(volume.ToIndex(pullBack(ray.From, nullptr)),
-                      volume.ToIndex(pullBack(ray.To, nullptr))),
+    pixel.NoteSegment(CurveSegment::Line(volume.ToIndex(pullBack(ray.From, nullptr)),
+                        volume.ToIndex(pullBack(ray.To, nullptr))),
       ray.From, ray.To, false);
     return;
   }
@@ -825,18 +827,18 @@ void RayCaster::CastSamples(Ray& ray, Pixel& pixel, CastStatistics& statistics) 
     const glm::dvec3 guess = rest + move;
     const glm::dvec3 nextRest = pullBack(t + distance, &guess);
     const glm::dvec3 next = volume.ToIndex(nextRest);
-    CurvePiece piece = CurvePiece::Line(index, next);
+    CurveSegment segment = CurveSegment::Line(index, next);
     if (intervals && !identity)
     {
       const glm::dvec3 halfway = rest + 0.5 * move;
-      piece =
-        CurvePiece::Parabola(index, volume.ToIndex(pullBack(t + 0.5 * distance, &halfway)), next);
+      segment =
+        CurveSegment::Parabola(index, volume.ToIndex(pullBack(t + 0.5 * distance, &halfway)), next);
     }
     ++statistics.Segments;
     statistics.SegmentLength += distance / this->Scene.VoxelSize;
-    pixel.NotePiece(piece, t, t + distance, false);
+    pixel.NoteSegment(segment, t, t + distance, false);
     const auto jacobianAt = [&](double s) {
-      const glm::dvec3 q = volume.IndexToData * piece.At(s) + volume.FirstVoxel;
+      const glm::dvec3 q = volume.IndexToData * segment.At(s) + volume.FirstVoxel;
       return map.FindJacobian(pointAt(t + s * distance), q);
     };
     SampleSchedule schedule;
@@ -844,7 +846,7 @@ void RayCaster::CastSamples(Ray& ray, Pixel& pixel, CastStatistics& statistics) 
     schedule.Step = 1.0;
     schedule.LastInterval = 1.0;
     sampler.Integrate(
-      JacobianPiece<decltype(jacobianAt)>(*this, piece, t, distance, jacobianAt), schedule);
+      JacobianSegment<decltype(jacobianAt)>(*this, segment, t, distance, jacobianAt), schedule);
     move = nextRest - rest;
     rest = nextRest;
     index = next;

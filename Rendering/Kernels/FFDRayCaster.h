@@ -62,7 +62,7 @@ public:
     unsigned int subtiles = AllSubtiles, int first = 0, Deadline deadline = NoDeadline) const;
 
   /// Cast the ray of one pixel as for the picture and note what was done on the way: by packets the
-  /// pieces of its tile. Of `image` only the size matters.
+  /// segments of its tile. Of `image` only the size matters.
   void TraceRay(int x, int y, const CastImage& image, Scratch& scratch, TracedRay& traced) const;
 
 private:
@@ -70,7 +70,7 @@ private:
   struct Pixel;
   class Sampler;
   template <class JacobianAt>
-  class JacobianPiece;
+  class JacobianSegment;
 
   bool SetUpRay(int x, int y, Ray& ray) const;
   int SetUpTile(int x0, int y0, int x1, int y1, Ray* rays) const;

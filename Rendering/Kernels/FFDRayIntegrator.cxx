@@ -18,22 +18,23 @@ namespace
 constexpr double Infinity = std::numeric_limits<double>::infinity();
 
 /// Normals of samples on a segment.
-class PieceNormals : public NormalSource
+class SegmentNormals : public NormalSource
 {
 public:
-  PieceNormals(const ViewRay& ray, const CameraView& camera, const SampledPiece& piece, double s)
-    : NormalSource(ray, camera, piece.T0 + s * piece.Dt)
-    , Piece(piece)
+  SegmentNormals(
+    const ViewRay& ray, const CameraView& camera, const SampledSegment& segment, double s)
+    : NormalSource(ray, camera, segment.T0 + s * segment.Dt)
+    , Segment(segment)
     , S(s)
   {
   }
   glm::dvec3 ToDeformed(const glm::dvec3& byIndex) const override
   {
-    return this->Piece.GradientToDeformed(this->S, byIndex);
+    return this->Segment.GradientToDeformed(this->S, byIndex);
   }
 
 private:
-  const SampledPiece& Piece;
+  const SampledSegment& Segment;
   double S;
 };
 
@@ -52,20 +53,20 @@ void RayIntegrator::Begin(const IntegrationFrame& frame, const ViewRay& ray, dou
 
 //------------------------------------------------------------------------------
 RayIntegrator::Outcome RayIntegrator::AddSample(
-  const SampledPiece& piece, double s, double interval)
+  const SampledSegment& segment, double s, double interval)
 {
   switch (this->Frame->Scene->Blend.Mode)
   {
     case BlendMode::Maximum:
     case BlendMode::Minimum:
-      return this->TakeExtreme(piece, s);
+      return this->TakeExtreme(segment, s);
     case BlendMode::Average:
     case BlendMode::Additive:
-      return this->AddUp(piece, s, interval);
+      return this->AddUp(segment, s, interval);
     case BlendMode::Isosurface:
-      return this->CrossIsosurfaces(piece, s, interval);
+      return this->CrossIsosurfaces(segment, s, interval);
     default:
-      return this->Composite(piece, s, interval);
+      return this->Composite(segment, s, interval);
   }
 }
 
@@ -87,33 +88,34 @@ RayIntegrator::Result RayIntegrator::End() const
 
 //------------------------------------------------------------------------------
 RayIntegrator::Outcome RayIntegrator::Composite(
-  const SampledPiece& piece, double s, double interval)
+  const SampledSegment& segment, double s, double interval)
 {
   const IntegrationFrame& frame = *this->Frame;
   // Packets round otherwise when they find out whether it is inside.
   const glm::dvec3 q = glm::clamp(
-    piece.Curve.At(s), frame.Scene->Volume.LowerIndex(), frame.Scene->Volume.UpperIndex());
+    segment.Curve.At(s), frame.Scene->Volume.LowerIndex(), frame.Scene->Volume.UpperIndex());
   if (frame.Classifier->IsHidden(q))
   {
     return { false, false, 0.0f };
   }
   double values[SampleClassifier::LargestNumberOfComponents];
   frame.Classifier->Values(q, values);
-  const SampleClassifier::Look look =
-    frame.Classifier->Classify(q, values, PieceNormals(this->Ray, frame.Scene->Camera, piece, s));
-  if (!(look.Extinction > 0.0f))
+  const SampleClassifier::Appearance sample = frame.Classifier->Classify(
+    q, values, SegmentNormals(this->Ray, frame.Scene->Camera, segment, s));
+  if (!(sample.Extinction > 0.0f))
   {
     return { false, false, 0.0f };
   }
-  const double length = this->LengthOf(piece, s, interval);
-  const float transmittance = frame.Transmittance(look.Extinction * static_cast<float>(length));
-  Outcome outcome = this->AddLook(look.Color, transmittance, piece.T0 + s * piece.Dt);
-  outcome.Extinction = look.Extinction;
+  const double length = this->LengthOf(segment, s, interval);
+  const float transmittance = frame.Transmittance(sample.Extinction * static_cast<float>(length));
+  Outcome outcome = this->AddColor(sample.Color, transmittance, segment.T0 + s * segment.Dt);
+  outcome.Extinction = sample.Extinction;
   return outcome;
 }
 
 //------------------------------------------------------------------------------
-RayIntegrator::Outcome RayIntegrator::AddLook(const glm::vec3& color, float transmittance, double t)
+RayIntegrator::Outcome RayIntegrator::AddColor(
+  const glm::vec3& color, float transmittance, double t)
 {
   this->FirstVisible = std::min(this->FirstVisible, t);
   this->Color += (this->Transmittance * (1.0f - transmittance)) * color;
@@ -123,20 +125,20 @@ RayIntegrator::Outcome RayIntegrator::AddLook(const glm::vec3& color, float tran
 
 //------------------------------------------------------------------------------
 /// Length by which a sample counts, data units.
-double RayIntegrator::LengthOf(const SampledPiece& piece, double s, double interval) const
+double RayIntegrator::LengthOf(const SampledSegment& segment, double s, double interval) const
 {
   return this->Frame->Settings->Opacity == OpacityLength::Deformed
-    ? interval * piece.Dt
-    : interval * glm::length(this->Frame->IndexToData * piece.Curve.Velocity(s));
+    ? interval * segment.Dt
+    : interval * glm::length(this->Frame->IndexToData * segment.Curve.Velocity(s));
 }
 
 //------------------------------------------------------------------------------
 /// Values of all components at s; false where the volume is hidden.
-bool RayIntegrator::FindValues(const SampledPiece& piece, double s, double* values) const
+bool RayIntegrator::FindValues(const SampledSegment& segment, double s, double* values) const
 {
   const IntegrationFrame& frame = *this->Frame;
   const glm::dvec3 q = glm::clamp(
-    piece.Curve.At(s), frame.Scene->Volume.LowerIndex(), frame.Scene->Volume.UpperIndex());
+    segment.Curve.At(s), frame.Scene->Volume.LowerIndex(), frame.Scene->Volume.UpperIndex());
   if (frame.Classifier->IsHidden(q))
   {
     return false;
@@ -146,12 +148,12 @@ bool RayIntegrator::FindValues(const SampledPiece& piece, double s, double* valu
 }
 
 //------------------------------------------------------------------------------
-RayIntegrator::Outcome RayIntegrator::TakeExtreme(const SampledPiece& piece, double s)
+RayIntegrator::Outcome RayIntegrator::TakeExtreme(const SampledSegment& segment, double s)
 {
   const IntegrationFrame& frame = *this->Frame;
   const Blending& blend = frame.Scene->Blend;
   double values[SampleClassifier::LargestNumberOfComponents];
-  if (!this->FindValues(piece, s, values))
+  if (!this->FindValues(segment, s, values))
   {
     return { false, false, 0.0f };
   }
@@ -178,7 +180,7 @@ RayIntegrator::Outcome RayIntegrator::TakeExtreme(const SampledPiece& piece, dou
         this->Values[c] = values[c];
       }
       this->Lengths[c] = 1.0;
-      this->ExtremeT = c == 0 || !this->Any ? piece.T0 + s * piece.Dt : this->ExtremeT;
+      this->ExtremeT = c == 0 || !this->Any ? segment.T0 + s * segment.Dt : this->ExtremeT;
       this->Any = true;
       visible = true;
     }
@@ -199,9 +201,9 @@ RayIntegrator::Result RayIntegrator::EndExtreme() const
   {
     if (this->Lengths[c] > 0.0)
     {
-      const glm::vec4 look = frame.Classifier->ClassifyValues(c, this->Values);
-      const float alpha = look.a * static_cast<float>(frame.Scene->Blend.Weight[c]);
-      color += alpha * glm::vec3(look);
+      const glm::vec4 classified = frame.Classifier->ClassifyValues(c, this->Values);
+      const float alpha = classified.a * static_cast<float>(frame.Scene->Blend.Weight[c]);
+      color += alpha * glm::vec3(classified);
       opacity += alpha;
     }
   }
@@ -211,17 +213,18 @@ RayIntegrator::Result RayIntegrator::EndExtreme() const
 }
 
 //------------------------------------------------------------------------------
-RayIntegrator::Outcome RayIntegrator::AddUp(const SampledPiece& piece, double s, double interval)
+RayIntegrator::Outcome RayIntegrator::AddUp(
+  const SampledSegment& segment, double s, double interval)
 {
   const IntegrationFrame& frame = *this->Frame;
   const Blending& blend = frame.Scene->Blend;
   double values[SampleClassifier::LargestNumberOfComponents];
-  if (!this->FindValues(piece, s, values))
+  if (!this->FindValues(segment, s, values))
   {
     return { false, false, 0.0f };
   }
   const bool average = blend.Mode == BlendMode::Average;
-  const double length = this->LengthOf(piece, s, interval);
+  const double length = this->LengthOf(segment, s, interval);
   bool visible = false;
   for (int c = 0; c < frame.Classifier->GetNumberOfChannels(); ++c)
   {
@@ -241,7 +244,7 @@ RayIntegrator::Outcome RayIntegrator::AddUp(const SampledPiece& piece, double s,
   if (visible)
   {
     this->Any = true;
-    this->FirstVisible = std::min(this->FirstVisible, piece.T0 + s * piece.Dt);
+    this->FirstVisible = std::min(this->FirstVisible, segment.T0 + s * segment.Dt);
   }
   return { visible, false, 0.0f };
 }
@@ -283,7 +286,7 @@ double RayIntegrator::ScalarAt(const glm::dvec3& q) const
 
 //------------------------------------------------------------------------------
 /// The last position inside of the volume on the way out of it.
-double RayIntegrator::FindFace(const CurvePiece& curve, double inside, double outside) const
+double RayIntegrator::FindFace(const CurveSegment& curve, double inside, double outside) const
 {
   for (int i = 0; i < 24; ++i)
   {
@@ -294,9 +297,10 @@ double RayIntegrator::FindFace(const CurvePiece& curve, double inside, double ou
 }
 
 //------------------------------------------------------------------------------
-/// Where the scalar is `value` between a and b, by the secant rule of Illinois: the value at one
+/// Finds s where the scalar is `value` between a and b, by the Illinois method: the value at one
 /// end counts half once that end has stayed.
-double RayIntegrator::FindCrossing(const SampledPiece& piece, Value a, Value b, double value) const
+double RayIntegrator::FindCrossing(
+  const SampledSegment& segment, Value a, Value b, double value) const
 {
   double fa = a.Scalar - value;
   double fb = b.Scalar - value;
@@ -315,7 +319,7 @@ double RayIntegrator::FindCrossing(const SampledPiece& piece, Value a, Value b, 
     {
       s = 0.5 * (a.S + b.S);
     }
-    const double f = this->ScalarAt(glm::clamp(piece.Curve.At(s), lower, upper)) - value;
+    const double f = this->ScalarAt(glm::clamp(segment.Curve.At(s), lower, upper)) - value;
     if (f == 0.0)
     {
       return s;
@@ -342,15 +346,15 @@ double RayIntegrator::FindCrossing(const SampledPiece& piece, Value a, Value b, 
 
 //------------------------------------------------------------------------------
 /// Whether the ray is seen there and nothing is cropped.
-bool RayIntegrator::IsShown(const SampledPiece& piece, double s) const
+bool RayIntegrator::IsShown(const SampledSegment& segment, double s) const
 {
   const CastScene& scene = *this->Frame->Scene;
-  const double t = piece.T0 + s * piece.Dt;
+  const double t = segment.T0 + s * segment.Dt;
   if (!(t >= this->From && t < this->To))
   {
     return false;
   }
-  const glm::dvec3 q = piece.Curve.At(s);
+  const glm::dvec3 q = segment.Curve.At(s);
   switch (scene.Crop.Space)
   {
     case Cropping::Spaces::Rest:
@@ -364,14 +368,14 @@ bool RayIntegrator::IsShown(const SampledPiece& piece, double s) const
 
 //------------------------------------------------------------------------------
 RayIntegrator::Outcome RayIntegrator::CrossIsosurfaces(
-  const SampledPiece& piece, double s, double interval)
+  const SampledSegment& segment, double s, double interval)
 {
   const IntegrationFrame& frame = *this->Frame;
   const std::vector<IsoValue>& isos = frame.Scene->Blend.IsoValues;
   Value a{ s, 0.0 };
   Value b{ std::min(s + interval, 1.0), 0.0 };
-  const bool insideA = this->IsInside(piece.Curve.At(a.S));
-  const bool insideB = this->IsInside(piece.Curve.At(b.S));
+  const bool insideA = this->IsInside(segment.Curve.At(a.S));
+  const bool insideB = this->IsInside(segment.Curve.At(b.S));
   if (!insideA && !insideB)
   {
     return { false, false, 0.0f };
@@ -379,22 +383,22 @@ RayIntegrator::Outcome RayIntegrator::CrossIsosurfaces(
   if (insideA)
   {
     // Intervals that follow each other share a value: no surface slips through between them.
-    const double t = piece.T0 + a.S * piece.Dt;
-    a.Scalar = std::abs(t - this->LastEnd) < 1e-3 * interval * piece.Dt
+    const double t = segment.T0 + a.S * segment.Dt;
+    a.Scalar = std::abs(t - this->LastEnd) < 1e-3 * interval * segment.Dt
       ? this->LastScalar
-      : this->ScalarAt(piece.Curve.At(a.S));
+      : this->ScalarAt(segment.Curve.At(a.S));
   }
   else
   {
-    a.S = this->FindFace(piece.Curve, b.S, a.S);
-    a.Scalar = this->ScalarAt(piece.Curve.At(a.S));
+    a.S = this->FindFace(segment.Curve, b.S, a.S);
+    a.Scalar = this->ScalarAt(segment.Curve.At(a.S));
   }
   if (!insideB)
   {
-    b.S = this->FindFace(piece.Curve, a.S, b.S);
+    b.S = this->FindFace(segment.Curve, a.S, b.S);
   }
-  b.Scalar = this->ScalarAt(piece.Curve.At(b.S));
-  this->LastEnd = insideB ? piece.T0 + b.S * piece.Dt : -Infinity;
+  b.Scalar = this->ScalarAt(segment.Curve.At(b.S));
+  this->LastEnd = insideB ? segment.T0 + b.S * segment.Dt : -Infinity;
   this->LastScalar = b.Scalar;
 
   // Values ascend, so do the crossings, or they descend. One at an end belongs to the interval
@@ -419,14 +423,14 @@ RayIntegrator::Outcome RayIntegrator::CrossIsosurfaces(
     {
       continue;
     }
-    const double at = this->FindCrossing(piece, a, b, iso.Value);
+    const double at = this->FindCrossing(segment, a, b, iso.Value);
     const glm::dvec3 q = glm::clamp(
-      piece.Curve.At(at), frame.Scene->Volume.LowerIndex(), frame.Scene->Volume.UpperIndex());
-    if (this->IsShown(piece, at) && !frame.Classifier->IsHidden(q))
+      segment.Curve.At(at), frame.Scene->Volume.LowerIndex(), frame.Scene->Volume.UpperIndex());
+    if (this->IsShown(segment, at) && !frame.Classifier->IsHidden(q))
     {
       const glm::vec3 color = frame.Classifier->Light(frame.Scene->Blend.IsoComponent, q, iso.Color,
-        PieceNormals(this->Ray, frame.Scene->Camera, piece, at));
-      outcome = this->AddLook(color, 1.0f - iso.Opacity, piece.T0 + at * piece.Dt);
+        SegmentNormals(this->Ray, frame.Scene->Camera, segment, at));
+      outcome = this->AddColor(color, 1.0f - iso.Opacity, segment.T0 + at * segment.Dt);
     }
   }
   return outcome;
@@ -446,11 +450,11 @@ RayIntegrator::Outcome RayIntegrator::AddSlice(const glm::dvec3& q, double t)
   float opacity = 0.0f;
   for (int c = 0; c < frame.Classifier->GetNumberOfChannels(); ++c)
   {
-    const glm::vec4 look = std::isnan(frame.Classifier->FindDensity(c, values))
+    const glm::vec4 classified = std::isnan(frame.Classifier->FindDensity(c, values))
       ? glm::vec4(0.0f)
       : frame.Classifier->ClassifyValues(c, values);
-    const float alpha = look.a * static_cast<float>(frame.Scene->Blend.Weight[c]);
-    color += alpha * glm::vec3(look);
+    const float alpha = classified.a * static_cast<float>(frame.Scene->Blend.Weight[c]);
+    color += alpha * glm::vec3(classified);
     opacity += alpha;
   }
   opacity = std::min(opacity, 1.0f);

@@ -4,7 +4,7 @@
 #define FFDRayIntegrator_h
 
 #include "FFDCastScene.h"
-#include "FFDCurvePiece.h"
+#include "FFDCurveSegment.h"
 #include "FFDExport.h"
 #include "FFDSampleClassifier.h"
 
@@ -27,24 +27,24 @@ struct IntegrationFrame
 };
 
 /**
- * A piece of a deformed ray: its parameter s stands for t = T0 + s * Dt on the viewing ray. Each
+ * A segment of a deformed ray: its parameter s stands for t = T0 + s * Dt on the viewing ray. Each
  * ray caster knows in its own way how gradients change along it.
  */
-class SampledPiece
+class SampledSegment
 {
 public:
-  CurvePiece Curve; ///< index coordinates
+  CurveSegment Curve; ///< index coordinates
   double T0 = 0.0;
   double Dt = 0.0;
 
-  SampledPiece() = default;
-  SampledPiece(const CurvePiece& curve, double t0, double dt)
+  SampledSegment() = default;
+  SampledSegment(const CurveSegment& curve, double t0, double dt)
     : Curve(curve)
     , T0(t0)
     , Dt(dt)
   {
   }
-  virtual ~SampledPiece() = default;
+  virtual ~SampledSegment() = default;
 
   /// NormalSource::ToDeformed() at s.
   virtual glm::dvec3 GradientToDeformed(double s, const glm::dvec3& byIndex) const = 0;
@@ -69,11 +69,11 @@ public:
   };
 
   /**
-   * The sample at `s` of a piece, which stands for an interval of length `interval` of s that
+   * The sample at `s` of a segment, which stands for an interval of length `interval` of s that
    * starts there. It must be inside of the volume and not be cropped; but where the blend mode uses
    * intervals, these may be anywhere: they are looked at for what is.
    */
-  Outcome AddSample(const SampledPiece& piece, double s, double interval);
+  Outcome AddSample(const SampledSegment& segment, double s, double interval);
 
   /// Adds the only sample of BlendMode::Slice: index coordinates and t, inside of the volume.
   Outcome AddSlice(const glm::dvec3& q, double t);
@@ -96,18 +96,18 @@ private:
     double Scalar;
   };
 
-  Outcome Composite(const SampledPiece& piece, double s, double interval);
-  Outcome TakeExtreme(const SampledPiece& piece, double s);
-  Outcome AddUp(const SampledPiece& piece, double s, double interval);
-  Outcome CrossIsosurfaces(const SampledPiece& piece, double s, double interval);
-  Outcome AddLook(const glm::vec3& color, float transmittance, double t);
+  Outcome Composite(const SampledSegment& segment, double s, double interval);
+  Outcome TakeExtreme(const SampledSegment& segment, double s);
+  Outcome AddUp(const SampledSegment& segment, double s, double interval);
+  Outcome CrossIsosurfaces(const SampledSegment& segment, double s, double interval);
+  Outcome AddColor(const glm::vec3& color, float transmittance, double t);
   bool IsInside(const glm::dvec3& q) const;
   double ScalarAt(const glm::dvec3& q) const;
-  double FindCrossing(const SampledPiece& piece, Value a, Value b, double value) const;
-  double FindFace(const CurvePiece& curve, double inside, double outside) const;
-  bool IsShown(const SampledPiece& piece, double s) const;
-  bool FindValues(const SampledPiece& piece, double s, double* values) const;
-  double LengthOf(const SampledPiece& piece, double s, double interval) const;
+  double FindCrossing(const SampledSegment& segment, Value a, Value b, double value) const;
+  double FindFace(const CurveSegment& curve, double inside, double outside) const;
+  bool IsShown(const SampledSegment& segment, double s) const;
+  bool FindValues(const SampledSegment& segment, double s, double* values) const;
+  double LengthOf(const SampledSegment& segment, double s, double interval) const;
   Result EndExtreme() const;
   Result EndSum() const;
 

@@ -472,7 +472,7 @@ glm::vec3 SampleClassifier::LitColor(
 }
 
 //------------------------------------------------------------------------------
-SampleClassifier::Look SampleClassifier::ToLook(const Emission& emission) const
+SampleClassifier::Appearance SampleClassifier::ToAppearance(const Emission& emission) const
 {
   const double length = this->In.ReferenceLength;
   return { emission.Color,
@@ -481,7 +481,7 @@ SampleClassifier::Look SampleClassifier::ToLook(const Emission& emission) const
 }
 
 //------------------------------------------------------------------------------
-SampleClassifier::Look SampleClassifier::Classify(
+SampleClassifier::Appearance SampleClassifier::Classify(
   const glm::dvec3& q, const double* values, const NormalSource& normals) const
 {
   const OpticalFunctions& functions = *this->In.Functions;
@@ -518,11 +518,11 @@ SampleClassifier::Look SampleClassifier::Classify(
     return { emission.Color, 0.0f };
   }
   emission.Color = this->LitColor(0, emission.Color, point, normals);
-  return this->ToLook(emission);
+  return this->ToAppearance(emission);
 }
 
 //------------------------------------------------------------------------------
-SampleClassifier::Look SampleClassifier::ClassifyIndependent(
+SampleClassifier::Appearance SampleClassifier::ClassifyIndependent(
   const glm::dvec3& q, const double* values, const NormalSource& normals) const
 {
   const std::vector<ComponentOptics>& components = this->In.Functions->Components;
@@ -570,19 +570,19 @@ glm::vec4 SampleClassifier::ClassifyValue(int component, double value) const
 glm::vec4 SampleClassifier::ClassifyValues(int channel, const double* values) const
 {
   const OpticalFunctions& functions = *this->In.Functions;
-  glm::vec4 look = this->ClassifyValue(channel, this->DensityOf(channel, values));
+  glm::vec4 color = this->ClassifyValue(channel, this->DensityOf(channel, values));
   if (this->HasDirectColors())
   {
-    look = glm::vec4(this->DirectColor(values), look.a);
+    color = glm::vec4(this->DirectColor(values), color.a);
   }
   else if (functions.Kind == ComponentKind::ColorOpacity)
   {
     const TransferPlane& plane = functions.Components[0].Plane;
-    look = glm::vec4(plane.IsEmpty() ? functions.Colors.Lookup(values[0]).Color
-                                     : glm::vec3(plane.Lookup(values[0], 1e300)),
-      look.a);
+    color = glm::vec4(plane.IsEmpty() ? functions.Colors.Lookup(values[0]).Color
+                                      : glm::vec3(plane.Lookup(values[0], 1e300)),
+      color.a);
   }
-  return look;
+  return color;
 }
 
 //------------------------------------------------------------------------------

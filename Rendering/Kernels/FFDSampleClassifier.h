@@ -22,7 +22,7 @@
 namespace ffd
 {
 
-/// Where a sample stands in deformed space: what its normals and its lighting are found from, on
+/// The place of a sample in deformed space, from which its normals and its lighting are found, on
 /// demand.
 class NormalSource
 {
@@ -53,14 +53,15 @@ private:
 /// A volume of labels, or of what is inside (more than 0), on a grid of its own.
 struct MaskView
 {
-  VolumeView Volume;        ///< Scalars is null: no mask
-  bool Labels = false;      ///< a label map, else a binary mask
-  float BlendFactor = 1.0f; ///< of the look of a label; the rest is the look without
+  VolumeView Volume;   ///< Scalars is null: no mask
+  bool Labels = false; ///< a label map, else a binary mask
+  float BlendFactor =
+    1.0f; ///< weight of a label's color and opacity; the rest is that of the scalars
   /// Voxel for voxel the grid of the scalars; else a place of its own, by Volume.
   bool SameGrid = true;
 };
 
-/// Everything about the looks of samples that SampleClassifier needs. What is pointed to outlives
+/// The inputs of SampleClassifier. What is pointed to outlives
 /// it.
 struct ClassifierInputs
 {
@@ -138,14 +139,15 @@ public:
   /// interpolated.
   void Values(const glm::dvec3& q, double* values) const;
 
-  struct Look
+  /// A classified sample.
+  struct Appearance
   {
     glm::vec3 Color;
     float Extinction; ///< per data unit; 0: transparent
   };
 
   /// The sample at `q`, whose values are `values`, lit if the material is shaded.
-  Look Classify(const glm::dvec3& q, const double* values, const NormalSource& normals) const;
+  Appearance Classify(const glm::dvec3& q, const double* values, const NormalSource& normals) const;
 
   /// Number of channels of blend modes other than compositing: the independent components, or one
   /// for all dependent ones.
@@ -164,7 +166,7 @@ public:
   double FindIntensity(int channel, const double* values) const;
 
   /// Color (not premultiplied, not lit) and opacity of a value of an independent component, over
-  /// the opacity unit distance. Gradients count as large: gradient opacities are not looked at. Of
+  /// the opacity unit distance. Gradients count as large: gradient opacities are not applied. Of
   /// dependent components the opacity of a density, without a color.
   glm::vec4 ClassifyValue(int component, double value) const;
 
@@ -201,8 +203,8 @@ private:
   Emission FindLabelEmission(const LabelOptics& label, const double* values, Point& point) const;
   glm::vec3 LitColor(
     int component, const glm::vec3& color, Point& point, const NormalSource& normals) const;
-  Look ToLook(const Emission& emission) const;
-  Look ClassifyIndependent(
+  Appearance ToAppearance(const Emission& emission) const;
+  Appearance ClassifyIndependent(
     const glm::dvec3& q, const double* values, const NormalSource& normals) const;
 
   ClassifierInputs In;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
 /**
- * Where the samples of a ray lie: at whole multiples of the sample distance behind the face through
+ * The samples of a ray lie at whole multiples of the sample distance behind the face through
  * which it enters the volume at rest, or behind the near clipping plane if it begins inside, as in
  * vtkGPUVolumeRayCastMapper. So pictures do not depend on the clipping range. Deformed rays have
  * the phase that they have at rest: an edit of the deformation moves no samples elsewhere.
@@ -56,8 +56,8 @@ inline Box FindRestBox(const VolumeView& volume, const Box* wholeAtRest)
     : own;
 }
 
-/// By what part of an interval, 0 to 1, the samples of a ray are moved on from the multiples of the
-/// sample distance. `origin`, `direction`: index coordinates; `jitter`: intervals added.
+/// The part of an interval, 0 to 1, by which the samples of a ray are moved on from the multiples
+/// of the sample distance. `origin`, `direction`: index coordinates; `jitter`: intervals added.
 inline double FindPhase(const glm::dvec3& origin, const glm::dvec3& direction, const Box& box,
   double sampleDistance, double jitter)
 {

@@ -33,12 +33,13 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// Samples of a packet in all blend modes that do not composite, and ray by ray.
+/// Blends the samples of a packet in the modes that do not composite, and in all modes where the
+/// RayIntegrator of each ray takes them.
 template <class T>
 class PacketBlending
 {
 public:
-  /// All are kept by reference.
+  /// Keeps references to all.
   PacketBlending(const PacketScene& scene, PacketScratch& scratch, const RayPacket& rays,
     PacketCompositor<T>& samples)
     : Scene(scene)
@@ -50,7 +51,7 @@ public:
   {
   }
 
-  /// Before the samples of the packet whose first pixel is (x0, y0), `width` pixels wide.
+  /// Begins the packet whose first pixel is (x0, y0), `width` pixels wide, before its samples.
   HWY_NOINLINE void Begin(int x0, int y0, int width)
   {
     const Df d;
@@ -80,7 +81,7 @@ public:
     }
   }
 
-  /// A sample of the lanes of `sampled`, at s of a curve: q. `number`: of the sample.
+  /// Takes the sample `number` of the lanes of `sampled` at q, the position at s of a curve.
   HWY_NOINLINE void Take(const PacketCurve& curve, const Vec3& q, Vf s, Vf number, Mf sampled)
   {
     const Df d;
@@ -98,7 +99,7 @@ public:
     }
   }
 
-  /// After the last sample: what is seen along the rays.
+  /// Finds the pixels of the rays, after their last samples.
   HWY_NOINLINE void End()
   {
     switch (this->Scene.Sampling)
@@ -117,17 +118,18 @@ public:
 private:
   static constexpr float NoExtreme = 3e38f;
   static constexpr int FaceSteps = 20;
-  /// Where crossings are known well, parts of an interval; and steps at most.
+  /// The search for a crossing ends when it is known to this part of an interval, or after so many
+  /// steps.
   static constexpr float CloseCrossing = 1e-4f;
   static constexpr int CrossingSteps = 40;
 
-  /// The piece of one ray.
-  class RayPiece : public SampledPiece
+  /// The segment of one ray of the packet, as its RayIntegrator takes it.
+  class LaneSegment : public SampledSegment
   {
   public:
-    RayPiece(PacketNormals& normals, const PacketCurve& curve, std::size_t lane,
-      const CurvePiece& piece, double t0, double dt)
-      : SampledPiece(piece, t0, dt)
+    LaneSegment(PacketNormals& normals, const PacketCurve& curve, std::size_t lane,
+      const CurveSegment& segment, double t0, double dt)
+      : SampledSegment(segment, t0, dt)
       , Normals(normals)
       , OfAll(curve)
       , Lane(lane)
@@ -173,18 +175,19 @@ private:
     const PacketVolume& v = this->Scene.Volume;
     for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
     {
-      glm::vec4 look(0.0f);
+      glm::vec4 classified(0.0f);
       if (extreme[lane] > -NoExtreme)
       {
         const double value = static_cast<double>(maximum ? extreme[lane] : -extreme[lane]);
-        look = this->Scene.Frame->Classifier->ClassifyValue(0, value / v.Scale + v.Shift);
-        look.a = std::min(1.0f, look.a * static_cast<float>(this->Scene.Source->Blend.Weight[0]));
+        classified = this->Scene.Frame->Classifier->ClassifyValue(0, value / v.Scale + v.Shift);
+        classified.a =
+          std::min(1.0f, classified.a * static_cast<float>(this->Scene.Source->Blend.Weight[0]));
       }
-      r[lane] = look.a * look.r;
-      g[lane] = look.a * look.g;
-      b[lane] = look.a * look.b;
-      transmittance[lane] = 1.0f - look.a;
-      t[lane] = look.a > 0.0f ? t[lane] : 1e30f;
+      r[lane] = classified.a * classified.r;
+      g[lane] = classified.a * classified.g;
+      b[lane] = classified.a * classified.b;
+      transmittance[lane] = 1.0f - classified.a;
+      t[lane] = classified.a > 0.0f ? t[lane] : 1e30f;
     }
     this->State.Out.Color = { hn::Load(d, r), hn::Load(d, g), hn::Load(d, b) };
     this->State.Out.Transmittance = hn::Load(d, transmittance);
@@ -208,25 +211,15 @@ private:
     this->State.Out.Transmittance = hn::IfThenElse(any, zero, one);
   }
 
-  /// Values at positions inside of the volume.
+  /// Interpolates values at positions in the volume.
   HWY_INLINE Vf ValuesAt(const Vec3& q, Mf lanes)
   {
-    SampleCells cells;
-    const SamplePosition at = FindCells(this->Scene.Volume, q, false, cells);
-    const Mf interior = FindInterior(this->Scene.Volume, cells, lanes);
-    const Mf border = hn::AndNot(interior, lanes);
-    OffsetRows<T> voxels;
-    voxels.Fit(this->Scene.Volume, cells, interior);
-    SampleRows<T> rows;
-    Vf value = Sample<T>(voxels, at, rows);
-    if (HWY_UNLIKELY(!hn::AllFalse(Df(), border)))
-    {
-      value = this->Border.Value(q, border, value);
-    }
-    return value;
+    FetchedSample<T> fetched;
+    FetchSample(this->Scene.Volume, q, lanes, this->Border, fetched);
+    return fetched.Value;
   }
 
-  /// Minima are maxima of what is below zero.
+  /// Keeps the largest value; minima are found as maxima of the negated values.
   HWY_INLINE void TakeExtreme(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
   {
     const Df d;
@@ -272,8 +265,8 @@ private:
       counts, hn::Min(this->State.Out.FirstVisible, curve.TimeAt(s)), this->State.Out.FirstVisible);
   }
 
-  /// Surfaces between the sample and the next one, as RayIntegrator finds them: from one end of the
-  /// interval, or from a face of the volume, to the other.
+  /// Composites the surfaces between a sample and the next one, as RayIntegrator does: an interval
+  /// that leaves or enters the volume ends at the face.
   HWY_NOINLINE void CrossSurfaces(
     const PacketCurve& curve, const Vec3& q, Vf s, Vf number, Mf lanes)
   {
@@ -330,7 +323,7 @@ private:
     }
   }
 
-  /// Part of a curve, and the values at its ends.
+  /// A part of a curve, and the values at its ends.
   struct Interval
   {
     Vf From;
@@ -339,7 +332,7 @@ private:
     Vf B;
   };
 
-  /// Positions on the curves, in the volume for all that rounding may do.
+  /// Positions on the curves, clamped to the volume against rounding errors.
   HWY_INLINE Vec3 PositionAt(const PacketCurve& curve, Vf s) const
   {
     const Vec3 q = curve.Position.At(s);
@@ -349,7 +342,7 @@ private:
       Clamp(q.z, lower, Splat(upper[2])) };
   }
 
-  /// Ends of intervals that are outside of the volume move to its faces.
+  /// Moves the ends of intervals that are outside of the volume to its faces.
   HWY_NOINLINE void FindFaces(
     const PacketCurve& curve, Mf lanes, Mf insideA, Interval& interval) const
   {
@@ -391,8 +384,8 @@ private:
       shown, color, Splat(1.0f - iso.Opacity), t, this->Scene.Settings.TerminationTransmittance);
   }
 
-  /// Where the scalar is that of a surface, by the secant rule of Illinois: the value at one end
-  /// counts half once that end has stayed.
+  /// Finds s where the scalar is that of a surface, by the Illinois method: the secant rule in
+  /// which the value at an end that has not moved counts half.
   HWY_NOINLINE Vf FindCrossing(
     const PacketCurve& curve, const Interval& interval, const PacketSurfaceValue& iso, Mf lanes)
   {
@@ -423,7 +416,7 @@ private:
       const Vf part = hn::IfThenElse(between, secant, hn::Mul(half, hn::Add(a, b)));
       const Vec3 at = this->PositionAt(curve, hn::MulAdd(part, length, interval.From));
       const Vf f = above(this->ValuesAt(at, open));
-      // Behind the crossing, as what is at it exactly.
+      // A point at the crossing counts as behind it.
       const Mf behind =
         hn::And(open, hn::Or(hn::Eq(f, zero), hn::Xor(hn::Lt(f, zero), hn::Ge(fb, zero))));
       const Mf before = hn::AndNot(behind, open);
@@ -438,27 +431,18 @@ private:
     return hn::MulAdd(b, length, interval.From);
   }
 
-  /// Gradients as fetched, at positions in the volume.
+  /// Gradients as fetched (PacketVolume) at positions in the volume.
   HWY_NOINLINE Vec3 GradientsAt(const Vec3& q, Mf lanes)
   {
-    SampleCells cells;
-    const SamplePosition at = FindCells(this->Scene.Volume, q, false, cells);
-    const Mf interior = FindInterior(this->Scene.Volume, cells, lanes);
-    const Mf border = hn::AndNot(interior, lanes);
-    OffsetRows<T> voxels;
-    voxels.Fit(this->Scene.Volume, cells, interior);
-    SampleRows<T> rows;
-    const Vf value = Sample<T>(voxels, at, rows);
-    const Vec3 gradient = Gradient<T>(voxels, at, rows);
-    if (HWY_LIKELY(hn::AllFalse(Df(), border)))
-    {
-      return gradient;
-    }
-    this->Border.Value(q, border, value);
-    return this->Border.Gradient(q, border, gradient);
+    FetchedSample<T> fetched;
+    FetchSample(this->Scene.Volume, q, lanes, this->Border, fetched);
+    const Vec3 gradient = Gradient<T>(fetched.Voxels, fetched.At, fetched.Rows);
+    return HWY_LIKELY(hn::AllFalse(Df(), fetched.AtBorder))
+      ? gradient
+      : this->Border.Gradient(q, fetched.AtBorder, gradient);
   }
 
-  /// What TakeSample does, by the integrators of the rays.
+  /// Hands a sample of each lane to the RayIntegrator of its ray.
   HWY_NOINLINE void TakeSamplePerRay(const PacketCurve& curve, Vf s, Mf sampled)
   {
     const Df d;
@@ -483,13 +467,13 @@ private:
       {
         continue;
       }
-      CurvePiece piece;
+      CurveSegment segment;
       for (int k = 0; k < TileLayers; ++k)
       {
-        piece.Terms[k] =
+        segment.Terms[k] =
           glm::dvec3(terms[3 * k][lane], terms[3 * k + 1][lane], terms[3 * k + 2][lane]);
       }
-      const RayPiece one(this->Normals, curve, lane, piece, static_cast<double>(t0[lane]),
+      const LaneSegment one(this->Normals, curve, lane, segment, static_cast<double>(t0[lane]),
         static_cast<double>(dt[lane]));
       const RayIntegrator::Outcome outcome = this->Scratch.Integrators[lane].AddSample(
         one, static_cast<double>(at[lane]), static_cast<double>(interval[lane]));

@@ -23,8 +23,10 @@ namespace HWY_NAMESPACE
 {
 
 /**
- * Samples whose fetches would leave the volume: those between voxels from repeated voxels, the
- * others, which lie beyond the outermost voxels, one by one by the reference functions.
+ * Interpolates samples near the faces of the volume, where not all voxels that a sample and its
+ * gradient need exist. Positions between voxels are interpolated in vector code, from a copy in
+ * which the outermost voxels are repeated; positions beyond the outermost voxels one by one, by the
+ * reference functions.
  */
 template <class T>
 class BorderSamples
@@ -36,7 +38,7 @@ public:
   {
   }
 
-  /// `value`, but for the lanes of `border` that at q.
+  /// The values at q in the lanes of `border`, `value` in the others.
   HWY_NOINLINE Vf Value(const Vec3& q, Mf border, Vf value)
   {
     const Df d;
@@ -56,7 +58,7 @@ public:
       : this->ValueByReference(this->Scene.Source->Volume, q, others, value);
   }
 
-  /// Their gradients, after Value().
+  /// The gradients at q in the lanes of `border`, `gradient` in the others; after Value().
   HWY_NOINLINE Vec3 Gradient(const Vec3& q, Mf border, const Vec3& gradient) const
   {
     const Df d;
@@ -79,7 +81,7 @@ public:
       : this->GradientByReference(this->Scene.Source->Volume, q, others, result);
   }
 
-  /// The same for all components of a volume.
+  /// Replaces the values of all components of a volume in the lanes of `border`.
   HWY_NOINLINE void ComponentValues(const Vec3& q, Mf border, Vf* values) const
   {
     const VolumeView& volume = this->Scene.Source->Volume;
@@ -89,6 +91,7 @@ public:
     }
   }
 
+  /// Replaces the gradients of all components of a volume in the lanes of `border`.
   HWY_NOINLINE void ComponentGradients(const Vec3& q, Mf border, Vec3* gradients) const
   {
     const VolumeView& volume = this->Scene.Source->Volume;
@@ -99,7 +102,7 @@ public:
   }
 
 private:
-  /// Lanes whose fetches would leave the volume, but which have voxels around them.
+  /// The lanes of `border` whose positions have voxels on both sides along each axis.
   HWY_INLINE Mf BetweenVoxels(const Vec3& q, Mf border) const
   {
     const PacketVolume& v = this->Scene.Volume;
@@ -138,6 +141,34 @@ private:
   /// Voxels of the last samples at faces of the volume.
   RepeatedVoxels<std::conditional_t<std::is_same<T, WideScalar>::value, float, T>> Voxels;
 };
+
+/// An interpolated value of each lane, and what Gradient() takes to differentiate it.
+template <class T>
+struct FetchedSample
+{
+  SamplePosition At;
+  OffsetRows<T> Voxels;
+  SampleRows<T> Rows;
+  Mf AtBorder; ///< lanes whose value is that of BorderSamples
+  Vf Value;
+};
+
+/// Fetches the voxels around positions q in the volume and interpolates the values of `lanes`.
+template <class T>
+HWY_INLINE void FetchSample(
+  const PacketVolume& v, const Vec3& q, Mf lanes, BorderSamples<T>& border, FetchedSample<T>& to)
+{
+  SampleCells cells;
+  to.At = FindCells(v, q, false, cells);
+  const Mf interior = FindInterior(v, cells, lanes);
+  to.AtBorder = hn::AndNot(interior, lanes);
+  to.Voxels.Fit(v, cells, interior);
+  to.Value = Sample<T>(to.Voxels, to.At, to.Rows);
+  if (HWY_UNLIKELY(!hn::AllFalse(Df(), to.AtBorder)))
+  {
+    to.Value = border.Value(q, to.AtBorder, to.Value);
+  }
+}
 
 } // namespace HWY_NAMESPACE
 } // namespace ffd

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// The rays of a packet, front to back. Included once per target of Highway.
+// Casts the rays of a packet, front to back. Included once per target of Highway.
 #if defined(FFD_SIMD_CASTER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef FFD_SIMD_CASTER_INL_H_
 #undef FFD_SIMD_CASTER_INL_H_
@@ -9,7 +9,7 @@
 #endif
 
 #include "FFDPacketCaster.h"
-#include "FFDTilePiece.h"
+#include "FFDTileSegment.h"
 
 #include "FFDSimdBlend-inl.h"
 #include "FFDSimdComposite-inl.h"
@@ -17,9 +17,9 @@
 #include "FFDSimdInterpolant-inl.h"
 #include "FFDSimdLeap-inl.h"
 #include "FFDSimdMath-inl.h"
-#include "FFDSimdPieces-inl.h"
 #include "FFDSimdPullBack-inl.h"
 #include "FFDSimdRays-inl.h"
+#include "FFDSimdSegmentTrees-inl.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -32,7 +32,7 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// The rays of a packet: which samples they take, front to back.
+/// Casts the rays of a packet: finds the samples that they take, front to back.
 template <class T>
 class Packet
 {
@@ -41,17 +41,17 @@ public:
    * (x, y): first pixel of the packet, from that of the tile. `rows`: rows of its pixels from y on.
    * `phase`: part of an interval by which the samples of each ray are moved on.
    */
-  Packet(const PacketScene& scene, TilePieces& pieces, PacketScratch& scratch,
+  Packet(const PacketScene& scene, SegmentTrees& trees, PacketScratch& scratch,
     const RayPacket& rays, int x, int y, Vf rows, Vf phase, Mf active)
     : Scene(scene)
-    , Pieces(pieces)
+    , Trees(trees)
     , Scratch(scratch)
     , Rays(rays)
     , Phase(phase)
     , X(x)
     , Y(y)
     , Rows(rows)
-    , Samples(scene, pieces, scratch, this->Rays, x, y, rows, active)
+    , Samples(scene, trees, scratch, this->Rays, x, y, rows, active)
     , Blending(scene, scratch, this->Rays, this->Samples)
   {
   }
@@ -62,16 +62,16 @@ public:
   {
     const Df d;
     this->FindSamples();
-    const int top = this->Scene.SamplesPerTop;
-    const int first = std::max(this->Pieces.GetFirst(), FloorDivide(this->FirstSample, top));
-    const int last = std::min(this->Pieces.GetLast(), FloorDivide(this->EndSample - 1, top));
+    const int top = this->Scene.SamplesPerRoot;
+    const int first = std::max(this->Trees.GetFirst(), FloorDivide(this->FirstSample, top));
+    const int last = std::min(this->Trees.GetLast(), FloorDivide(this->EndSample - 1, top));
     for (int index = first; index <= last && !hn::AllFalse(d, this->Samples.State.Alive); ++index)
     {
-      this->CastPiece(this->Pieces.GetTop(index));
+      this->CastSegment(this->Trees.GetRoot(index));
     }
   }
 
-  /// Cast() where samples are not composited, for the packet whose first pixel is (x0, y0).
+  /// Does what Cast() does where samples are not composited; (x0, y0): first pixel of the packet.
   HWY_NOINLINE void Blend(int x0, int y0, int width)
   {
     this->Blending.Begin(x0, y0, width);
@@ -83,7 +83,7 @@ public:
   float GetReach() const { return this->Reach; }
 
 private:
-  /// Samples from one that is nowhere in the volume to the next one that is looked for.
+  /// Where a position has no pull-back, it is searched for again at every so many samples.
   static constexpr int SamplesOfNothing = 4;
   /// Kept between a leap and the faces of an empty cube, index units: rounding errors.
   static constexpr float LeapGuard[3] = { 2e-3f, 2e-3f, 2e-3f };
@@ -91,8 +91,9 @@ private:
   static int FloorDivide(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
   /**
-   * Which samples each ray takes: whole numbers n, at t = (n + phase) * sample distance, where
-   * First <= n < Stop. Of blend modes that use intervals that which holds From is the first.
+   * Finds the samples that each ray takes: those of numbers n, at t = (n + phase) * sample
+   * distance, with First <= n < Stop. In blend modes that use intervals the first is the one that
+   * holds From.
    */
   HWY_INLINE void FindSamples()
   {
@@ -115,82 +116,86 @@ private:
     this->EndSample = static_cast<int>(LargestLane(stop));
   }
 
-  /// Takes the samples of the packet that lie in a piece.
-  HWY_NOINLINE void CastPiece(TilePiece& piece)
+  /// Takes the samples of the packet that lie in a segment.
+  HWY_NOINLINE void CastSegment(TileSegment& segment)
   {
-    if (piece.FirstSample >= this->EndSample ||
-      piece.FirstSample + piece.Samples <= this->FirstSample ||
+    if (segment.FirstSample >= this->EndSample ||
+      segment.FirstSample + segment.Samples <= this->FirstSample ||
       hn::AllFalse(Df(), this->Samples.State.Alive))
     {
       return;
     }
-    switch (this->Pieces.Find(piece))
+    switch (this->Trees.Find(segment))
     {
-      case TilePiece::State::Empty:
+      case TileSegment::State::Empty:
         return;
-      case TilePiece::State::Halved:
-        this->CastPiece(*piece.Children[0]);
-        this->CastPiece(*piece.Children[1]);
+      case TileSegment::State::Halved:
+        this->CastSegment(*segment.Children[0]);
+        this->CastSegment(*segment.Children[1]);
         return;
-      case TilePiece::State::Quartered:
+      case TileSegment::State::Quartered:
       {
-        const int half = piece.Side / 2;
-        const std::size_t right = this->X - piece.X >= half ? 1 : 0;
-        const std::size_t high = this->Y - piece.Y >= half ? 2 : 0;
-        this->CastPiece(*piece.Children[right + high]);
+        const int half = segment.Side / 2;
+        const std::size_t right = this->X - segment.X >= half ? 1 : 0;
+        const std::size_t high = this->Y - segment.Y >= half ? 2 : 0;
+        this->CastSegment(*segment.Children[right + high]);
         return;
       }
-      case TilePiece::State::PerSample:
-        this->CastPerSample(piece);
+      case TileSegment::State::PerSample:
+        this->CastPerSample(segment);
         return;
       default:
-        this->CastCurves(piece);
+        this->CastCurves(segment);
         return;
     }
   }
 
-  /// The first part, from `part` on and before `end`, in which something may be seen; `end` or more
-  /// where there is none.
-  HWY_INLINE int FindNeeded(TilePiece& piece, int block, int part, int end)
+  /// Finds the first part from `part` on, before `end`, in which something may be visible; `end` or
+  /// more if there is none.
+  HWY_INLINE int FindNeeded(TileSegment& segment, int block, int part, int end)
   {
     while (part < end)
     {
-      this->Pieces.NeedPart(piece, part);
-      const std::uint32_t needed = piece.Needed[static_cast<std::size_t>(block)] >> part;
+      this->Trees.NeedPart(segment, part);
+      const std::uint32_t needed = segment.Needed[static_cast<std::size_t>(block)] >> part;
       if (needed != 0)
       {
         return part + static_cast<int>(hwy::Num0BitsBelowLS1Bit_Nonzero32(needed));
       }
-      part = piece.KnownParts;
+      part = segment.KnownParts;
     }
     return part;
   }
 
-  /// How many parts, from `part` on, hold no value that is above what all rays have found.
-  HWY_NOINLINE int CountPartsBelow(const TilePiece& piece, int block, int part, int end) const
+  /// Counts the parts from `part` on that hold no value above the extremes found so far by all
+  /// rays.
+  HWY_NOINLINE int CountPartsBelow(const TileSegment& segment, int block, int part, int end) const
   {
     const PacketVolume& v = this->Scene.Volume;
     const PacketState& state = this->Samples.State;
     const float least = SmallestLane(hn::IfThenElse(state.Alive, state.Out.Tally, Splat(3e38f)));
-    // Minima are maxima of what is below zero, as fetched.
+    // Minima are found as maxima of the negated values.
     const double sign = this->Scene.Source->Blend.Mode == BlendMode::Maximum ? 1.0 : -1.0;
     const double found = static_cast<double>(least) / v.Scale + sign * v.Shift;
     const auto isBelow = [&](int count) {
-      const float perSample = 1.0f / static_cast<float>(piece.Samples);
-      const float half = 0.5f * static_cast<float>(count * piece.SamplesPerPart);
-      const float s = (static_cast<float>(part * piece.SamplesPerPart) + half) * perSample;
+      const float perSample = 1.0f / static_cast<float>(segment.Samples);
+      const float half = 0.5f * static_cast<float>(count * segment.SamplesPerPart);
+      const float s = (static_cast<float>(part * segment.SamplesPerPart) + half) * perSample;
+      HWY_ALIGN float middle[4];
+      const hn::CappedTag<float, 4> d4;
+      for (std::size_t c = 0; c < 4; c += hn::Lanes(d4))
+      {
+        hn::Vec<decltype(d4)> terms[TileLayers];
+        LoadMiddleTerms(d4, segment, block, c, terms);
+        hn::Store(EvaluateQuartic(d4, terms, hn::Set(d4, s)), d4, middle + c);
+      }
       float low[3];
       float high[3];
       for (std::size_t a = 0; a < 3; ++a)
       {
-        float middle = 0.0f;
-        for (std::size_t k = TileLayers; k-- > 0;)
-        {
-          middle = middle * s + piece.MiddleTerms[k][static_cast<std::size_t>(block)][a];
-        }
-        const float reach = piece.Radius[a] + half * std::max(piece.Up[a], piece.Down[a]);
-        low[a] = middle - reach;
-        high[a] = middle + reach;
+        const float reach = segment.Radius[a] + half * std::max(segment.Up[a], segment.Down[a]);
+        low[a] = middle[a] - reach;
+        high[a] = middle[a] + reach;
       }
       return static_cast<double>(this->Scene.Peaks->FindBound(low, high)) <= found;
     };
@@ -198,56 +203,56 @@ private:
     return part % PartsAtOnce == 0 && isBelow(many) ? many : isBelow(1) ? 1 : 0;
   }
 
-  HWY_NOINLINE void BeginCurves(TilePiece& piece, int x, int y, int block, PacketCurve& curve)
+  HWY_NOINLINE void BeginCurves(TileSegment& segment, int x, int y, int block, PacketCurve& curve)
   {
-    this->FindCurve(piece, x, y, curve);
-    this->CountPiece(piece);
+    this->FindCurve(segment, x, y, curve);
+    this->CountSegment(segment);
     this->Samples.Normals.BeginCurve();
     if constexpr (HasVoxelWindow<T>())
     {
-      this->Samples.Window.Follow(piece, block, this->MiddlePhase, this->PhaseRange);
+      this->Samples.Window.Follow(segment, block, this->MiddlePhase, this->PhaseRange);
     }
     this->SkipTo = Splat(-1e30f);
     this->Samples.State.Expecting = hn::FirstN(Df(), 0);
   }
 
-  HWY_INLINE void CastCurves(TilePiece& piece)
+  HWY_INLINE void CastCurves(TileSegment& segment)
   {
-    const int x = this->X - piece.X;
-    const int y = this->Y - piece.Y;
-    const int block = y / BlockSide * (piece.Side / BlockSide) + x / BlockSide;
+    const int x = this->X - segment.X;
+    const int y = this->Y - segment.Y;
+    const int block = y / BlockSide * (segment.Side / BlockSide) + x / BlockSide;
     PacketCurve curve;
     bool begun = false;
-    const int first = std::max(0, this->FirstSample - piece.FirstSample) / piece.SamplesPerPart;
-    const int samples = std::min(piece.Samples, this->EndSample - piece.FirstSample);
-    const int end = (samples + piece.SamplesPerPart - 1) / piece.SamplesPerPart;
-    for (int part = this->FindNeeded(piece, block, first, end); part < end;
-         part = this->FindNeeded(piece, block, part + 1, end))
+    const int first = std::max(0, this->FirstSample - segment.FirstSample) / segment.SamplesPerPart;
+    const int samples = std::min(segment.Samples, this->EndSample - segment.FirstSample);
+    const int end = (samples + segment.SamplesPerPart - 1) / segment.SamplesPerPart;
+    for (int part = this->FindNeeded(segment, block, first, end); part < end;
+         part = this->FindNeeded(segment, block, part + 1, end))
     {
       if (HWY_UNLIKELY(this->Scene.Peaks != nullptr))
       {
-        const int unchanged = this->CountPartsBelow(piece, block, part, end);
+        const int unchanged = this->CountPartsBelow(segment, block, part, end);
         if (unchanged > 0)
         {
           part += unchanged - 1;
           continue;
         }
       }
-      const int from = piece.FirstSample + part * piece.SamplesPerPart;
+      const int from = segment.FirstSample + part * segment.SamplesPerPart;
       if (!begun)
       {
-        this->BeginCurves(piece, x, y, block, curve);
+        this->BeginCurves(segment, x, y, block, curve);
         begun = true;
       }
       const int to = std::min(
-        { from + piece.SamplesPerPart, piece.FirstSample + piece.Samples, this->EndSample });
-      const bool within = (piece.Inside[static_cast<std::size_t>(block)] >> part & 1u) != 0;
+        { from + segment.SamplesPerPart, segment.FirstSample + segment.Samples, this->EndSample });
+      const bool within = (segment.Inside[static_cast<std::size_t>(block)] >> part & 1u) != 0;
       const bool inner =
-        within && this->Scene.Inner && !piece.LeapsRays && !this->Scratch.Positions;
+        within && this->Scene.Inner && !segment.LeapsRays && !this->Scratch.Positions;
       for (int n = std::max(from, this->FirstSample); n < to; ++n)
       {
         const Vf s = hn::Mul(
-          hn::Add(this->Phase, Splat(static_cast<float>(n - piece.FirstSample))), curve.PerStep);
+          hn::Add(this->Phase, Splat(static_cast<float>(n - segment.FirstSample))), curve.PerStep);
         if (inner)
         {
           if (HWY_LIKELY(this->Scene.Plain))
@@ -272,25 +277,25 @@ private:
     }
   }
 
-  /// Each sample is pulled back by itself, from the last one on.
-  HWY_NOINLINE void CastPerSample(TilePiece& piece)
+  /// Pulls each sample back by itself; Newton's method starts from the previous sample.
+  HWY_NOINLINE void CastPerSample(TileSegment& segment)
   {
     const Df d;
-    this->CountPiece(piece);
-    const int x = this->X - piece.X;
-    const int y = this->Y - piece.Y;
+    this->CountSegment(segment);
+    const int x = this->X - segment.X;
+    const int y = this->Y - segment.Y;
     PacketCurve about;
-    this->FindCurve(piece, x, y, about);
-    // From the start of the piece on, wherever the rays begin: which of several branches of T^-1 is
+    this->FindCurve(segment, x, y, about);
+    // Begins at the start of the segment wherever the rays begin: the branch of T^-1 that is
     // followed must not depend on that.
-    const int from = piece.FirstSample;
-    const int to = std::min(piece.FirstSample + piece.Samples, this->EndSample);
+    const int from = segment.FirstSample;
+    const int to = std::min(segment.FirstSample + segment.Samples, this->EndSample);
     const float distance = static_cast<float>(this->Scene.Settings.SampleDistance);
     const auto timeOf = [&](int n) {
       return hn::Mul(hn::Add(this->Phase, Splat(static_cast<float>(n))), Splat(distance));
     };
     const auto positionAt = [&](int n, const Vec3& start) {
-      // Where there was nothing there is likely to be nothing again.
+      // A position without a pull-back is likely to be followed by another one.
       const Vec3 local = IndexToLocal(this->Scene, start);
       Mf active = this->Samples.State.Alive;
       if (n % SamplesOfNothing != 0)
@@ -334,13 +339,13 @@ private:
     }
   }
 
-  HWY_INLINE void FindCurve(TilePiece& piece, int x, int y, PacketCurve& curve)
+  HWY_INLINE void FindCurve(TileSegment& segment, int x, int y, PacketCurve& curve)
   {
     const Df d;
-    curve.Piece = &piece;
-    curve.T0 = Splat(piece.T0);
-    curve.Dt = Splat(piece.Dt);
-    curve.PerStep = Splat(1.0f / static_cast<float>(piece.Samples));
+    curve.Segment = &segment;
+    curve.T0 = Splat(segment.T0);
+    curve.Dt = Splat(segment.Dt);
+    curve.PerStep = Splat(1.0f / static_cast<float>(segment.Samples));
     if (this->Scene.Identity)
     {
       // Straight rays need no interpolation.
@@ -355,14 +360,14 @@ private:
       curve.Position.Terms[4] = nothing;
       return;
     }
-    this->Pieces.NeedColumns(piece);
+    this->Trees.NeedColumns(segment);
     curve.Interpolated = true;
     curve.X = x;
     curve.Row = hn::Mul(hn::Add(this->Rows, Splat(static_cast<float>(y))),
-      Splat(3.0f / static_cast<float>(piece.Side - 1)));
+      Splat(3.0f / static_cast<float>(segment.Side - 1)));
     Vf rows[4];
     LagrangeWeights(curve.Row, rows);
-    curve.Position = FindPacketCurve(piece.Columns, x, rows);
+    curve.Position = FindPacketCurve(segment.Columns, x, rows);
   }
 
   /// All rays have ended with the sample n.
@@ -379,7 +384,7 @@ private:
       this->Samples.State.Alive, hn::And(hn::Ge(number, this->First), hn::Lt(number, this->Stop)));
   }
 
-  /// The sample n of every ray, at s of a curve.
+  /// Takes the sample n of every ray, at s of a curve; `within`: all voxels of the sample exist.
   HWY_INLINE void TakeSamples(const PacketCurve& curve, int n, Vf s, bool within)
   {
     const Df d;
@@ -390,7 +395,7 @@ private:
       return;
     }
     const Vec3 q = curve.Position.At(s);
-    if (!curve.Piece && this->Scene.Distances && !this->Scene.Intervals)
+    if (!curve.Segment && this->Scene.Distances && !this->Scene.Intervals)
     {
       active = hn::AndNot(EmptySpaceQuery(this->Scene, q).IsEmpty(), active);
       if (hn::AllFalse(d, active))
@@ -398,7 +403,7 @@ private:
         return;
       }
     }
-    if (curve.Piece && curve.Piece->LeapsRays)
+    if (curve.Segment && curve.Segment->LeapsRays)
     {
       active = this->LeapFrom(curve, q, number, active);
       if (hn::AllFalse(d, active))
@@ -451,24 +456,25 @@ private:
   }
 
   /**
-   * The lanes of `active` that may see something. Those whose last sample was visible expect the
-   * next one to be; the others look up how many samples of the piece are empty for certain.
+   * Returns the lanes of `active` whose samples may be visible. A lane whose last sample was
+   * visible expects the next one to be; the others query how many samples of the segment are empty
+   * for certain.
    */
   HWY_NOINLINE Mf LeapFrom(const PacketCurve& curve, const Vec3& q, Vf number, Mf active)
   {
     const Df d;
     active = hn::And(active, hn::Ge(number, this->SkipTo));
-    const Mf looking = hn::AndNot(this->Samples.State.Expecting, active);
+    const Mf querying = hn::AndNot(this->Samples.State.Expecting, active);
     this->Samples.State.Expecting = hn::FirstN(d, 0);
-    if (hn::AllFalse(d, looking))
+    if (hn::AllFalse(d, querying))
     {
       return active;
     }
     const Vf steps =
-      EmptySpaceQuery(this->Scene, q).CountSteps(LeapGuard, curve.Piece->Up, curve.Piece->Down);
-    // An interval is empty if its end is in the cube, too.
+      EmptySpaceQuery(this->Scene, q).CountSteps(LeapGuard, curve.Segment->Up, curve.Segment->Down);
+    // An interval is empty only if its end lies in the cube, too.
     const Mf empty =
-      hn::And(looking, hn::Ge(steps, this->Scene.Intervals ? Splat(1.0f) : hn::Zero(d)));
+      hn::And(querying, hn::Ge(steps, this->Scene.Intervals ? Splat(1.0f) : hn::Zero(d)));
     const Vf more = this->Scene.Intervals ? steps : hn::Add(steps, Splat(1.0f));
     this->SkipTo = hn::IfThenElse(empty, hn::Add(number, more), this->SkipTo);
     this->Scratch.Statistics.DistanceLookups +=
@@ -490,24 +496,24 @@ private:
     {
       if (flag[lane] != 0.0f)
       {
-        this->Scratch.Positions->push_back({ this->Pieces.GetX() + this->X + lane % width,
-          this->Pieces.GetY() + this->Y + lane / width, times[lane],
+        this->Scratch.Positions->push_back({ this->Trees.GetX() + this->X + lane % width,
+          this->Trees.GetY() + this->Y + lane / width, times[lane],
           { x[lane], y[lane], z[lane] } });
       }
     }
   }
 
-  HWY_INLINE void CountPiece(const TilePiece& piece)
+  HWY_INLINE void CountSegment(const TileSegment& segment)
   {
     CastStatistics& statistics = this->Scratch.Statistics;
     const int rays = static_cast<int>(hn::CountTrue(Df(), this->Samples.State.Alive));
     statistics.Segments += rays;
     statistics.SegmentLength +=
-      rays * (static_cast<double>(piece.Dt) / this->Scene.Source->VoxelSize);
+      rays * (static_cast<double>(segment.Dt) / this->Scene.Source->VoxelSize);
   }
 
   const PacketScene& Scene;
-  TilePieces& Pieces;
+  SegmentTrees& Trees;
   PacketScratch& Scratch;
   RayPacket Rays;
   Vf Phase;
@@ -519,9 +525,9 @@ private:
   int FirstSample = 0; ///< of all rays
   int EndSample = 0;
   float Reach = std::numeric_limits<float>::infinity();
-  Vf SkipTo;         ///< samples of the piece before this one are empty for certain
-  float MiddlePhase; ///< of the rays
-  float PhaseRange;  ///< most that a phase is from it
+  Vf SkipTo;         ///< samples of the segment before this one are empty for certain
+  float MiddlePhase; ///< middle of the range of the phases of the rays
+  float PhaseRange;  ///< largest distance of a phase from it
   PacketCompositor<T> Samples;
   PacketBlending<T> Blending;
 };

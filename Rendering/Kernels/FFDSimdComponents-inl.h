@@ -93,7 +93,7 @@ template <class T>
 class ComponentSamples
 {
 public:
-  /// Of the cells of `lanes`, FindInterior(); the others get one that may be fetched from.
+  /// Fetches from the cells of `lanes`, FindInterior(); other lanes get a cell that can be fetched.
   HWY_INLINE ComponentSamples(
     const PacketVolume& v, const SampleCells& cells, const SamplePosition& at, Mf lanes)
     : Volume(v)

@@ -18,8 +18,8 @@
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdNormals-inl.h"
 #include "FFDSimdOptics-inl.h"
-#include "FFDSimdPieces-inl.h"
 #include "FFDSimdPlane-inl.h"
+#include "FFDSimdSegmentTrees-inl.h"
 #include "FFDSimdTable-inl.h"
 #include "FFDSimdWindow-inl.h"
 
@@ -33,23 +33,23 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// Of a step by index coordinates, data units.
+/// Length in data units of a step in index coordinates.
 HWY_INLINE Vf FindLength(const PacketScene& scene, const Vec3& index)
 {
   const Vec3 data = Transform(scene.IndexToLocal, index);
   return hn::Sqrt(Dot(data, data));
 }
 
-/// Samples of a packet, classified, lit and composited front to back.
+/// Classifies, lights and composites the samples of a packet, front to back.
 template <class T>
 class PacketCompositor
 {
 public:
-  /// All are kept by reference but the numbers; as PacketNormals.
-  PacketCompositor(const PacketScene& scene, const TilePieces& pieces, PacketScratch& scratch,
+  /// Keeps references to all but the numbers; these are those of PacketNormals.
+  PacketCompositor(const PacketScene& scene, const SegmentTrees& trees, PacketScratch& scratch,
     const RayPacket& rays, int x, int y, Vf rows, Mf active)
     : State(active)
-    , Normals(scene, pieces, rays, x, y, rows)
+    , Normals(scene, trees, rays, x, y, rows)
     , Border(scene)
     , Window(scene.Volume)
     , Scene(scene)
@@ -57,28 +57,19 @@ public:
   {
   }
 
-  /// A sample of the lanes of `sampled`, at s of a curve: q, in the volume. `Plain`:
-  /// PacketScene::Plain, so that nothing is carried for options that are not used.
+  /// Takes a sample of the lanes of `sampled` at q, the position at s of a curve, in the volume.
+  /// `Plain` is PacketScene::Plain as a constant, so that options that are not used cost nothing.
   template <bool Plain>
   HWY_NOINLINE void TakeSample(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
   {
-    SampleCells cells;
-    const SamplePosition at = FindCells(this->Scene.Volume, q, false, cells);
-    const Mf interior = FindInterior(this->Scene.Volume, cells, sampled);
-    const Mf border = hn::AndNot(interior, sampled);
-    OffsetRows<T> voxels;
-    voxels.Fit(this->Scene.Volume, cells, interior);
-    SampleRows<T> rows;
-    Vf value = Sample<T>(voxels, at, rows);
-    if (HWY_UNLIKELY(!hn::AllFalse(Df(), border)))
-    {
-      value = this->Border.Value(q, border, value);
-    }
-    this->template Composite<Plain>(voxels, at, rows, value, curve, q, s, sampled, border);
+    FetchedSample<T> fetched;
+    FetchSample(this->Scene.Volume, q, sampled, this->Border, fetched);
+    this->template Composite<Plain>(fetched.Voxels, fetched.At, fetched.Rows, fetched.Value, curve,
+      q, s, sampled, fetched.AtBorder);
   }
 
-  /// The same, of the samples n, for PacketScene::Inner, where all that samples and gradients need
-  /// lies between voxels.
+  /// Takes the samples n as TakeSample() does, if all voxels that they and their gradients need
+  /// exist and PacketScene::Inner is true.
   template <bool Plain>
   HWY_NOINLINE void TakeInnerSample(const PacketCurve& curve, int n, Vf s, Mf sampled)
   {
@@ -114,7 +105,7 @@ public:
     composite(voxels);
   }
 
-  /// What TakeSample does, for several components; as SampleClassifier.
+  /// Takes a sample of several components as TakeSample() does of one; as SampleClassifier.
   HWY_NOINLINE void TakeComponents(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
   {
     if constexpr (!std::is_same<T, WideScalar>::value)
@@ -171,7 +162,8 @@ public:
       }
       else
       {
-        this->LookAtDependent(curve, q, s, t, values, extinctions[0], gradients, color, extinction);
+        this->ClassifyDependent(
+          curve, q, s, t, values, extinctions[0], gradients, color, extinction);
       }
       visible = hn::And(visible, hn::Gt(extinction, hn::Zero(d)));
       if (hn::AllFalse(d, visible))
@@ -180,7 +172,7 @@ public:
       }
       this->Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
       this->State.Expecting = visible;
-      this->AddLook(color, extinction, visible, curve, s, t);
+      this->AddColor(color, extinction, visible, curve, s, t);
     }
   }
 
@@ -190,8 +182,8 @@ public:
   VoxelWindow<T> Window; ///< voxels around the last inner sample
 
 private:
-  /// Shades and composites samples of the lanes of `sampled`, those of `border` fetched by
-  /// BorderSamples.
+  /// Classifies, shades and composites the samples of the lanes of `sampled`; BorderSamples fetched
+  /// those of `border`.
   template <bool Plain, class Source>
   HWY_INLINE void Composite(Source& voxels, const SamplePosition& at, const SampleRows<T>& rows,
     Vf value, const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled, Mf border)
@@ -212,14 +204,14 @@ private:
     const bool labeled = !Plain && !mask.Tables.empty();
     const bool mixed = labeled && mask.BlendFactor < 1.0f;
     const Vi tables = labeled ? FindLabelTables(mask, q) : hn::Zero(Di());
-    TableLookup look;
+    TableLookup lookup;
     TableLookup base;
     Vf extinction = Splat(1.0f);
     Mf visible = sampled;
     if (!byPlane)
     {
-      look = labeled ? TableLookup(this->Scene, value, tables) : TableLookup(this->Scene, value);
-      extinction = look.Extinction();
+      lookup = labeled ? TableLookup(this->Scene, value, tables) : TableLookup(this->Scene, value);
+      extinction = lookup.Extinction();
       Mf some = hn::Gt(extinction, hn::Zero(d));
       if (HWY_UNLIKELY(mixed))
       {
@@ -250,7 +242,7 @@ private:
     Vec3 color;
     if (HWY_UNLIKELY(mixed))
     {
-      MixWithLabels(this->Scene, base, look, tables, gradient, extinction, color);
+      MixWithLabels(this->Scene, base, lookup, tables, gradient, extinction, color);
     }
     else if (byPlane)
     {
@@ -278,18 +270,18 @@ private:
 
     if (HWY_LIKELY(!mixed && !byPlane))
     {
-      color = look.Color();
+      color = lookup.Color();
     }
     const Vf t = curve.TimeAt(s);
     if (this->Scene.Shade)
     {
       color = this->Normals.Light(this->Scene.Surface, curve, q, color, gradient, s, t);
     }
-    this->AddLook(color, extinction, visible, curve, s, t);
+    this->AddColor(color, extinction, visible, curve, s, t);
   }
 
-  /// Composites colors that are lit.
-  HWY_INLINE void AddLook(
+  /// Composites lit colors over the interval of the sample at s.
+  HWY_INLINE void AddColor(
     const Vec3& color, Vf extinction, Mf visible, const PacketCurve& curve, Vf s, Vf t)
   {
     const Vf interval = this->Scene.Settings.Opacity == OpacityLength::Deformed
@@ -299,7 +291,8 @@ private:
       this->Scene.Settings.TerminationTransmittance);
   }
 
-  /// Independent components: the opacity is sum(a^2) / sum(a), the premultiplied color sum(a c).
+  /// Mixes independent components: the opacity is sum(a^2) / sum(a), the premultiplied color
+  /// sum(a c).
   HWY_NOINLINE void MixComponents(const PacketCurve& curve, const Vec3& q, Vf s, Vf t,
     const Vf* values, const Vf* extinctions, const Vec3* gradients, Vec3& color, Vf& extinction)
   {
@@ -338,8 +331,8 @@ private:
     extinction = hn::IfThenElseZero(some, ExtinctionOf(this->Scene, opacity));
   }
 
-  /// Dependent components. `ofTable`: extinction of the density.
-  HWY_NOINLINE void LookAtDependent(const PacketCurve& curve, const Vec3& q, Vf s, Vf t,
+  /// Classifies and lights dependent components. `ofTable`: extinction of the density.
+  HWY_NOINLINE void ClassifyDependent(const PacketCurve& curve, const Vec3& q, Vf s, Vf t,
     const Vf* values, Vf ofTable, const Vec3* gradients, Vec3& color, Vf& extinction)
   {
     const Df d;

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// The curves that the rays of a packet are bent to, and what becomes of the rays. Included once per
-// target of Highway.
+// The deformed rays of a packet, and their pixels. Included once per target of Highway.
 #if defined(FFD_SIMD_CURVE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef FFD_SIMD_CURVE_INL_H_
 #undef FFD_SIMD_CURVE_INL_H_
@@ -10,7 +9,7 @@
 #endif
 
 #include "FFDPacketCaster.h"
-#include "FFDTilePiece.h"
+#include "FFDTileSegment.h"
 
 #include "FFDSimdInterpolant-inl.h"
 #include "FFDSimdMath-inl.h"
@@ -24,14 +23,14 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// What has been composited along the rays of a packet.
+/// The pixels of a packet: the samples so far, blended.
 struct PacketPixels
 {
   Vec3 Color;
   Vf Transmittance;
   Vf FirstVisible; ///< t
   Vf Tally;        ///< the extreme, or the sum; of surfaces, the value at TallyStep
-  Vf TallyLength;  ///< what has been summed up over, data units
+  Vf TallyLength;  ///< length over which samples were summed up, data units
   Vf TallyStep;    ///< number of the sample whose value is known, or a negative one
 };
 
@@ -44,22 +43,22 @@ HWY_INLINE Mf IsInside(const PacketScene& scene, const Vec3& q)
   return hn::And(within(q.x, 0), hn::And(within(q.y, 1), within(q.z, 2)));
 }
 
-/// The curves of a packet over some samples, index coordinates; s runs from 0 to 1.
+/// The deformed rays of a packet over some samples, index coordinates; s runs from 0 to 1.
 struct PacketCurve
 {
   Quartic Position;
   Vf T0; ///< t = T0 + s * Dt
   Vf Dt;
-  Vf PerStep;                 ///< s from sample to sample
-  TilePiece* Piece = nullptr; ///< that is cast by curves, or null
-  bool Interpolated = false;  ///< whether the curves are those of its interpolant
-  int X = 0;                  ///< first pixel of the packet, from that of the square of the piece
-  Vf Row;                     ///< rows of pixels in the square
+  Vf PerStep;                     ///< s from sample to sample
+  TileSegment* Segment = nullptr; ///< whose curves these are, or null
+  bool Interpolated = false;      ///< whether the curves are those of its interpolant
+  int X = 0; ///< first pixel of the packet, from that of the square of the segment
+  Vf Row;    ///< rows of pixels in the square
 
   HWY_INLINE Vf TimeAt(Vf s) const { return hn::MulAdd(s, this->Dt, this->T0); }
 };
 
-/// Which positions are not cropped, index or local coordinates as CropSpace says.
+/// Finds the positions that are not cropped; index or local coordinates as CropSpace says.
 HWY_NOINLINE Mf IsUncropped(const PacketScene& scene, const Vec3& p)
 {
   const Df d;
@@ -81,7 +80,7 @@ HWY_NOINLINE Mf IsUncropped(const PacketScene& scene, const Vec3& p)
   return hn::Gt(hn::Load(d, shown), hn::Zero(d));
 }
 
-/// Which positions are inside of the volume and not cropped.
+/// Finds the positions that are inside of the volume and not cropped.
 HWY_INLINE Mf IsShown(
   const PacketScene& scene, const RayPacket& rays, const PacketCurve& curve, const Vec3& q, Vf s)
 {
@@ -97,7 +96,7 @@ HWY_INLINE Mf IsShown(
   return hn::And(inside, IsUncropped(scene, MulAdd(curve.TimeAt(s), rays.Direction, rays.Origin)));
 }
 
-/// What is known of the rays of a packet.
+/// The state of the rays of a packet.
 struct PacketState
 {
   Mf Alive;     ///< rays that go on

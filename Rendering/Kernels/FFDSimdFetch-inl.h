@@ -31,7 +31,7 @@ struct SampleCells
   Vi Z;
 };
 
-/// Where in its cell each lane samples.
+/// The position of each lane's sample in its cell, 0 to 1.
 struct SamplePosition
 {
   Vf Fx;
@@ -46,7 +46,7 @@ HWY_INLINE Vf CellOf(const PacketVolume& v, Vf x, int a)
   return hn::Floor(Clamp(x, hn::Zero(Df()), Splat(static_cast<float>(v.Dimensions[a] - 2))));
 }
 
-/// `inner`: all positions that count lie between voxels.
+/// Finds the cells that hold positions. `inner`: all positions that count lie between voxels.
 HWY_INLINE SamplePosition FindCells(
   const PacketVolume& v, const Vec3& q, bool inner, SampleCells& cells)
 {
@@ -79,7 +79,7 @@ HWY_INLINE SamplePosition FindCells(
   return at;
 }
 
-/// The first slice of the cells of some lanes; 1 where there are none.
+/// The first slice of the cells of some lanes; 1 if there are no lanes.
 HWY_INLINE int FindFirstSlice(const SampleCells& cells, Mf lanes)
 {
   const Di di;
@@ -88,8 +88,9 @@ HWY_INLINE int FindFirstSlice(const SampleCells& cells, Mf lanes)
 }
 
 /**
- * The lanes of `lanes` whose cells have neighbors on all sides: the voxels one further out exist,
- * too. In large volumes they are not far from each other; the others are fetched as those at faces.
+ * Finds the lanes of `lanes` whose cells have neighbors on all sides, so that the voxels one
+ * further out exist. In large volumes they are near each other; the others are fetched as those at
+ * faces.
  */
 HWY_INLINE Mf FindInterior(const PacketVolume& v, const SampleCells& cells, Mf lanes)
 {
@@ -108,12 +109,12 @@ HWY_INLINE Mf FindInterior(const PacketVolume& v, const SampleCells& cells, Mf l
   return interior;
 }
 
-/// Voxels that the 32-bit offsets of some lanes lead to.
+/// A view of the voxels that the 32-bit offsets of some lanes can reach.
 class VoxelsInReach
 {
 public:
-  /// Of the cells of `lanes`, FindInterior(); the others get one that may be fetched from. `v` is
-  /// kept by pointer. Stores the offsets of first voxels.
+  /// Stores the offsets of the first voxels of the cells of `lanes`, FindInterior(); other lanes
+  /// get a cell that can be fetched. Keeps a pointer to `v`.
   HWY_INLINE void Fit(const PacketVolume& v, const SampleCells& cells, Mf lanes, int (&offsets)[16])
   {
     const Di di;
@@ -136,7 +137,7 @@ public:
     hn::Store(hn::IfThenElse(hn::RebindMask(di, lanes), offset, safe), di, offsets);
   }
 
-  /// Of offsets that are known.
+  /// Uses offsets that the caller knows.
   HWY_INLINE void Set(const PacketVolume& v) { this->Volume = &v; }
 
   HWY_INLINE const PacketVolume& Get() const { return *this->Volume; }
@@ -147,14 +148,14 @@ private:
 };
 
 /**
- * Fetches for one scalar type: rows of voxels, interpolated along x. Offsets name the voxel at the
- * start of the cell; a fetch may read from the voxel before it to the second one behind it.
+ * Fetches rows of voxels of one scalar type and interpolates them along x. Offsets name the voxel
+ * at the start of the cell; a fetch may read from the voxel before it to the second one behind it.
  *
  * Row: the voxels from one before the cell to one behind it.
  * Along: values along x in units of Fetch::Unit, as they are interpolated and subtracted.
  * Middle(), Before(), Behind(): at the position, and one voxel before and behind it.
- * Middle(v, offsets, delta, at): the same without the voxels further out.
- * Value(): what a value in these units stands for.
+ * Middle(v, offsets, delta, at): Middle() without fetching the voxels further out.
+ * Value(): the value that a number in these units stands for.
  */
 template <class T>
 struct Fetch;
@@ -173,7 +174,8 @@ struct Row4
   Vf D;
 };
 
-/// What is interpolated in single precision. Loader::Load: the voxels at a distance from the cells.
+/// Fetches voxels that are interpolated in single precision. Loader::Load loads those at a distance
+/// from the cells.
 template <class Loader>
 struct FetchFloats
 {
@@ -290,7 +292,7 @@ private:
     const Vi pair = hn::Or(low, hn::ShiftLeft<16>(high));
     return Signed ? hn::ShiftLeft<8>(pair) : pair;
 #else
-    // From which byte of a block of 128 bits each byte comes; 0x80: zero.
+    // The source of each byte in a block of 128 bits; 0x80: zero.
     const auto half = [](unsigned int from) { return Signed ? 0x80u | from << 8 : from | 0x8000u; };
     const auto pair = [&](unsigned int lane) {
       return half(4 * lane + First) | half(4 * lane + First + 1) << 16;
@@ -408,13 +410,13 @@ template <class T>
 class OffsetRows
 {
 public:
-  /// Of the cells of `lanes`, FindInterior(); the others get one that may be fetched from.
+  /// Fetches from the cells of `lanes`, FindInterior(); other lanes get a cell that can be fetched.
   HWY_INLINE void Fit(const PacketVolume& v, const SampleCells& cells, Mf lanes)
   {
     this->Voxels.Fit(v, cells, lanes, this->Offsets);
   }
 
-  /// Of cells at known offsets, elements.
+  /// Uses cells at offsets, elements, that the caller knows.
   HWY_INLINE void Set(const PacketVolume& v, const int offsets[16])
   {
     this->Voxels.Set(v);
@@ -480,7 +482,8 @@ HWY_INLINE Vec3 Gradient(const Source& source, const SamplePosition& at, const S
   return F::Unit == 1.0f ? g : Scale(Splat(F::Unit), g);
 }
 
-/// What Gradient() gives of repeated voxels, over as much of the two voxels as the volume has.
+/// Rescales gradients from repeated voxels: their differences are over less than two voxels at the
+/// faces of the volume.
 HWY_INLINE Vec3 AtFaces(const PacketVolume& v, const Vec3& q, const Vec3& gradient)
 {
   const auto scale = [&](Vf x, int a) {
@@ -526,7 +529,7 @@ public:
     int block = 0;
     for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
     {
-      // Where there is nothing to sample, voxels of others will do.
+      // Lanes that take no sample read the voxels of others.
       offsets[lane] = 1 + Side + Side * Side;
       if (flags[lane] != 0.0f)
       {
@@ -551,7 +554,7 @@ public:
 private:
   static constexpr int Side = 4;
 
-  /// From one voxel before the cell to one behind it.
+  /// Copies the voxels from one before the cell to one behind it.
   static void Copy(const PacketVolume& v, const int cell[3], T* to)
   {
     const T* const from = static_cast<const T*>(v.Scalars);

@@ -8,7 +8,7 @@
 #define FFD_SIMD_INTERPOLANT_INL_H_
 #endif
 
-#include "FFDTilePiece.h"
+#include "FFDTileSegment.h"
 
 #include "FFDSimdMath-inl.h"
 
@@ -32,7 +32,7 @@ HWY_INLINE void LagrangeWeights(Vf u, Vf w[4])
   w[3] = hn::Mul(hn::Mul(sixth, u), hn::Mul(b, c));
 }
 
-/// Their derivatives by u.
+/// The derivatives of LagrangeWeights() by u.
 HWY_INLINE void LagrangeSlopes(Vf u, Vf w[4])
 {
   const Vf b = hn::Sub(u, Splat(1.0f));
@@ -52,7 +52,7 @@ HWY_INLINE void LagrangeSlopes(Vf u, Vf w[4])
 /// Weights of four nodes along one axis for four targets.
 using AxisMatrix = float[4][4]; // [target][node]
 
-/// The values of 4 x 4 targets from those of 4 x 4 nodes.
+/// Interpolates the values of 4 x 4 targets from those of 4 x 4 nodes.
 HWY_INLINE void TransformNodes(
   const float* nodes, const AxisMatrix& x, const AxisMatrix& y, float* targets)
 {
@@ -97,12 +97,12 @@ HWY_INLINE void TransformNodes(
   }
 }
 
-/// From values at the four nodes of a cubic to its Bezier coefficients.
+/// Takes the values at the four nodes of a cubic to its Bezier coefficients.
 constexpr AxisMatrix ToBezier = { { 1.0f, 0.0f, 0.0f, 0.0f },
   { -5.0f / 6.0f, 3.0f, -1.5f, 1.0f / 3.0f }, { 1.0f / 3.0f, -1.5f, 3.0f, -5.0f / 6.0f },
   { 0.0f, 0.0f, 0.0f, 1.0f } };
 
-/// A plain cubic Lagrange weight, of node i at u in [0, 3].
+/// The cubic Lagrange weight of node i at u in [0, 3], one number.
 constexpr float LagrangeWeight(int i, float u)
 {
   float w = 1.0f;
@@ -142,6 +142,28 @@ HWY_INLINE void StoreNodes(const Vec3& v, NodeVectors& nodes, std::size_t first)
   hn::Store(v.x, d, nodes[0].data() + first);
   hn::Store(v.y, d, nodes[1].data() + first);
   hn::Store(v.z, d, nodes[2].data() + first);
+}
+
+/// A polynomial of degree 4 at s, by Horner's scheme; `terms`: of s^0 to s^4.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V EvaluateQuartic(D, const V terms[TileLayers], V s)
+{
+  V sum = hn::MulAdd(s, terms[4], terms[3]);
+  sum = hn::MulAdd(s, sum, terms[2]);
+  sum = hn::MulAdd(s, sum, terms[1]);
+  return hn::MulAdd(s, sum, terms[0]);
+}
+
+/// The terms of the middle curve of a block (TileSegment::MiddleTerms) from coordinate `c` on, as
+/// many coordinates as D has lanes.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE void LoadMiddleTerms(
+  D d, const TileSegment& segment, int block, std::size_t c, V terms[TileLayers])
+{
+  for (std::size_t k = 0; k < TileLayers; ++k)
+  {
+    terms[k] = hn::Load(d, segment.MiddleTerms[k][static_cast<std::size_t>(block)].data() + c);
+  }
 }
 
 /// A quartic in s: terms of s^0 to s^4.
@@ -196,7 +218,7 @@ HWY_INLINE Quartic LoadQuartic(const std::array<NodeVectors, TileLayers>& terms,
   return curve;
 }
 
-/// The layer at s of quartics.
+/// Evaluates the quartics of all nodes at s.
 HWY_INLINE void FindLayer(
   const std::array<NodeVectors, TileLayers>& terms, float s, NodeVectors& layer)
 {
@@ -206,7 +228,7 @@ HWY_INLINE void FindLayer(
   }
 }
 
-/// Of the four nodes of a row.
+/// The weighted sum of the four nodes of a row.
 HWY_INLINE Vf InterpolateRow(const float* row, const Vf weights[4])
 {
   Vf sum = hn::Mul(weights[0], Splat(row[0]));
@@ -215,11 +237,11 @@ HWY_INLINE Vf InterpolateRow(const float* row, const Vf weights[4])
   return hn::MulAdd(weights[3], Splat(row[3]), sum);
 }
 
-/// The quartics through layers at s = 0, 1/4, 1/2, 3/4 and 1.
+/// Finds the quartics through layers at s = 0, 1/4, 1/2, 3/4 and 1.
 HWY_INLINE void FitQuartics(
   const std::array<NodeVectors, TileLayers>& layers, std::array<NodeVectors, TileLayers>& terms)
 {
-  // Of the differences to the first layer, which keep the digits.
+  // Weights of the differences to the first layer: these lose no digits.
   constexpr float weights[4][4] = { { 16.0f, -12.0f, 16.0f / 3.0f, -1.0f },
     { -208.0f / 3.0f, 76.0f, -112.0f / 3.0f, 22.0f / 3.0f },
     { 96.0f, -128.0f, 224.0f / 3.0f, -16.0f },
@@ -248,7 +270,7 @@ HWY_INLINE void FitQuartics(
   }
 }
 
-/// Range of the 16 values of a component.
+/// Extends a range by the 16 values of a component.
 HWY_INLINE void ExtendRange(const float* values, float& low, float& high)
 {
   const Df d;
@@ -260,7 +282,7 @@ HWY_INLINE void ExtendRange(const float* values, float& low, float& high)
   }
 }
 
-/// Bezier coefficients of an interpolant: it runs within their hull.
+/// The Bezier coefficients of an interpolant, in whose convex hull it runs.
 struct BezierHull
 {
   alignas(64) std::array<NodeVectors, TileLayers> Layers;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Look-ups of distances to what is visible, and leaps. Included once per target of Highway.
+// Empty-space queries and leaps. Included once per target of Highway.
 #if defined(FFD_SIMD_LEAP_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef FFD_SIMD_LEAP_INL_H_
 #undef FFD_SIMD_LEAP_INL_H_
@@ -19,16 +19,16 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// Numbers, along an axis, of the blocks that positions are in; what is outside of the volume
-/// counts as in the nearest block.
+/// Numbers, along an axis, of the blocks that hold positions. Positions outside of the volume count
+/// as in the nearest block.
 HWY_INLINE Vf BlockOf(const PacketScene& scene, Vf x, int a)
 {
   constexpr float PerVoxel = 1.0f / static_cast<float>(MinMaxBlocks::BlockSize);
   return hn::Floor(Clamp(hn::Mul(x, Splat(PerVoxel)), hn::Zero(Df()), Splat(scene.LastBlock[a])));
 }
 
-/// Distances of blocks to the nearest visible one, a byte each: that of the block and those of the
-/// next three along x.
+/// The distances to the nearest visible block of four blocks along x, from block (x, y, z) on; a
+/// byte each.
 HWY_INLINE Vi DistancesFrom(const PacketScene& scene, Vf x, Vf y, Vf z)
 {
   const Di di;
@@ -40,15 +40,15 @@ HWY_INLINE Vi DistancesFrom(const PacketScene& scene, Vf x, Vf y, Vf z)
   return LoadLanes<int, 1>(scene.Distances, 0, offsets);
 }
 
-/// Whether boxes of a radius touch three blocks along each axis at most.
-inline bool CanTellBoxes(const std::array<float, 3>& radius)
+/// Whether boxes of a radius touch at most three blocks along each axis, as FindEmptyBoxes() needs.
+inline bool CanQueryBoxes(const std::array<float, 3>& radius)
 {
   return std::max({ radius[0], radius[1], radius[2] }) <=
     static_cast<float>(MinMaxBlocks::BlockSize);
 }
 
-/// The lanes of `lanes` whose boxes of `radius` around q touch empty blocks only, if
-/// CanTellBoxes().
+/// Finds the lanes of `lanes` whose boxes of `radius` around q touch empty blocks only, if
+/// CanQueryBoxes().
 HWY_INLINE Mf FindEmptyBoxes(
   const PacketScene& scene, const Vec3& q, const std::array<float, 3>& radius, Mf lanes)
 {
@@ -92,12 +92,12 @@ HWY_INLINE Mf FindEmptyBoxes(
   return lanes;
 }
 
-/// Positions from which nothing visible is near: the empty cube around each lane's block, and how
-/// far its lane may move in it.
+/// Asks whether the block of each lane's position is empty, by the distance map, and how far the
+/// lane may move within the empty cube around that block.
 class EmptySpaceQuery
 {
 public:
-  /// `q`: index coordinates; what is outside of the volume counts as in the nearest block.
+  /// `q`: index coordinates. Positions outside of the volume count as in the nearest block.
   HWY_INLINE EmptySpaceQuery(const PacketScene& scene, const Vec3& q)
   {
     const Df d;
@@ -117,7 +117,7 @@ public:
     this->Empty = hn::Gt(distance, zero);
     for (int a = 0; a < 3; ++a)
     {
-      // What lies before the first voxels or behind the last ones belongs to their blocks.
+      // The blocks at the faces extend beyond the volume.
       const Vf low = hn::Add(hn::Sub(block[a], distance), Splat(1.0f));
       const Vf high = hn::Add(block[a], distance);
       this->Low[a] = hn::IfThenElse(hn::Le(low, zero), hn::Neg(far), hn::Mul(edge, low));
@@ -130,9 +130,9 @@ public:
   HWY_INLINE Mf IsEmpty() const { return this->Empty; }
 
   /**
-   * How many steps, a whole number, each lane may make and stay in its cube with a box of `radius`
-   * around it; negative where the box is not in it. A step leads at most `up` and `down` along each
-   * axis (index units, not negative).
+   * Counts the steps, a whole number, after which a box of `radius` around each lane's position is
+   * still in its empty cube; negative if it is not in it at all. A step moves by at most `up` and
+   * `down` along each axis (index units, not negative).
    */
   HWY_INLINE Vf CountSteps(const float radius[3], const float up[3], const float down[3]) const
   {

@@ -19,8 +19,8 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// The voxels of a mask that are nearest to positions q, index coordinates of the volume: their
-/// slices, -1 outside of a mask on a grid of its own, and the offsets in these, elements.
+/// Finds the voxels of a mask that are nearest to positions q, index coordinates of the volume:
+/// their slices, -1 outside of a mask on a grid of its own, and their offsets in these, elements.
 HWY_INLINE void FindMaskVoxels(
   const PacketMask& mask, const Vec3& q, int (&offsets)[16], int (&slices)[16])
 {
@@ -45,7 +45,8 @@ HWY_INLINE void FindMaskVoxels(
   StoreIndices(slice, slices);
 }
 
-/// Of each lane function(scalar of the mask at the voxel nearest to q), a number; 0 outside of it.
+/// Returns function(scalar of the mask at the voxel nearest to q) of each lane, a number; 0 outside
+/// of the mask.
 template <class Number, class Function>
 HWY_INLINE auto LookUpMask(const PacketMask& mask, const Vec3& q, const Function& function)
 {
@@ -74,7 +75,7 @@ HWY_NOINLINE Mf IsInMask(const PacketMask& mask, const Vec3& q)
   return hn::Gt(inside, hn::Zero(Df()));
 }
 
-/// Which table of PacketScene::Table the label at each position has.
+/// Numbers of the tables in PacketScene::Table of the labels at positions.
 HWY_NOINLINE Vi FindLabelTables(const PacketMask& mask, const Vec3& q)
 {
   return LookUpMask<int>(mask, q, [&](double label) { return mask.TableOf(label); });

@@ -169,8 +169,8 @@ HWY_INLINE auto JoinQuads(D d, const Quad& quad)
 #endif
 
 /**
- * What a gather of unaligned words does, `Scale` bytes an offset: loads lane by lane, which take
- * less time than the gathers of the processors measured (NOTES.md). `offsets`: one per lane.
+ * Does what a gather of unaligned words does, `Scale` bytes an offset: loads lane by lane, which
+ * take less time than the gathers of the processors measured (NOTES.md). `offsets`: one per lane.
  */
 template <class Word, int Scale>
 HWY_INLINE auto LoadLanes(const void* base, std::ptrdiff_t bytes, const int* offsets)

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Normals of the samples of a packet. Included once per target of Highway.
+// Finds normals of the samples of a packet. Included once per target of Highway.
 #if defined(FFD_SIMD_NORMALS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef FFD_SIMD_NORMALS_INL_H_
 #undef FFD_SIMD_NORMALS_INL_H_
@@ -13,9 +13,9 @@
 #include "FFDSimdCurve-inl.h"
 #include "FFDSimdInterpolant-inl.h"
 #include "FFDSimdMath-inl.h"
-#include "FFDSimdPieces-inl.h"
 #include "FFDSimdPullBack-inl.h"
 #include "FFDSimdRays-inl.h"
+#include "FFDSimdSegmentTrees-inl.h"
 #include "FFDSimdShading-inl.h"
 
 #include <algorithm>
@@ -29,19 +29,16 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/**
- * Gradients in deformed space of the samples of a packet, and their light: the normal is
- * J_Phi^T grad f.
- */
+/// Lights the samples of a packet: finds gradients in deformed space, J_Phi^T grad f.
 class PacketNormals
 {
 public:
-  /// (x, y): first pixel of the packet, from that of the tile; `rows`: its pixels from y on. All
-  /// are kept by reference but the numbers.
-  PacketNormals(const PacketScene& scene, const TilePieces& pieces, const RayPacket& rays, int x,
+  /// (x, y): first pixel of the packet, from that of the tile; `rows`: rows of its pixels from y
+  /// on. Keeps references to all but the numbers.
+  PacketNormals(const PacketScene& scene, const SegmentTrees& trees, const RayPacket& rays, int x,
     int y, Vf rows)
     : Scene(scene)
-    , Pieces(pieces)
+    , Trees(trees)
     , Rays(rays)
     , X(x)
     , Y(y)
@@ -51,14 +48,14 @@ public:
       Normalize(Scale(Splat(-1.0f), Transform(this->Scene.LocalToLights, rays.Direction)));
   }
 
-  /// Another curve comes.
+  /// Begins another curve.
   HWY_INLINE void BeginCurve() { this->HaveSlopes = false; }
 
-  /// Color of a lit sample: the normal is J_Phi^T grad f.
+  /// Lights `color`. `byIndex`: grad f by index coordinates at q, the position at s of the curve.
   HWY_INLINE Vec3 Light(const PacketSurface& surface, const PacketCurve& curve, const Vec3& q,
     const Vec3& color, const Vec3& byIndex, Vf s, Vf t)
   {
-    // By coordinates of the lights' space; only the direction counts.
+    // In the space of the lights; only the direction counts.
     Vec3 gradient;
     if (this->Scene.Identity)
     {
@@ -81,11 +78,11 @@ public:
     return Shade(this->Scene, surface, color, gradient, toEye, position);
   }
 
-  /// The gradient by data coordinates at s on one of the rays, from that by index coordinates.
+  /// Takes a gradient by index coordinates at s on one of the rays to one by data coordinates.
   HWY_NOINLINE glm::dvec3 GradientOfRay(
     const PacketCurve& curve, std::size_t lane, float s, const glm::dvec3& byIndex)
   {
-    // Scaled: squares of huge or tiny scalars are no floats.
+    // Scaled, because squares of huge or tiny scalars overflow or underflow floats.
     const double size = std::max({ std::abs(byIndex.x), std::abs(byIndex.y), std::abs(byIndex.z) });
     if (!(size > 0.0) || !std::isfinite(size))
     {
@@ -146,13 +143,13 @@ private:
     this->SlopeT = Cubic(curve.Position, hn::Div(Splat(1.0f), curve.Dt));
     Vf rows[4];
     LagrangeWeights(curve.Row, rows);
-    this->SlopeX = FindPacketCurve(curve.Piece->ColumnSlopes, curve.X, rows);
+    this->SlopeX = FindPacketCurve(curve.Segment->ColumnSlopes, curve.X, rows);
     LagrangeSlopes(curve.Row, rows);
     for (Vf& row : rows)
     {
-      row = hn::Mul(row, Splat(3.0f / static_cast<float>(curve.Piece->Side - 1)));
+      row = hn::Mul(row, Splat(3.0f / static_cast<float>(curve.Segment->Side - 1)));
     }
-    this->SlopeY = FindPacketCurve(curve.Piece->Columns, curve.X, rows);
+    this->SlopeY = FindPacketCurve(curve.Segment->Columns, curve.X, rows);
     if (!this->HaveFrame)
     {
       this->FindFrame();
@@ -162,7 +159,7 @@ private:
   HWY_NOINLINE void FindFrame()
   {
     this->HaveFrame = true;
-    const RaySpread spread = this->Pieces.FindSpread(this->X, this->Y, this->Rows, this->Rays);
+    const RaySpread spread = this->Trees.FindSpread(this->X, this->Y, this->Rows, this->Rays);
     this->AlongX = spread.AlongX;
     this->AlongY = spread.AlongY;
     this->SpreadBase = spread.Base;
@@ -183,7 +180,7 @@ private:
     this->NormalT = toSpace(Cross(x, y));
   }
 
-  /// The same with J_Phi at the sample itself.
+  /// The gradient with J_Phi of the field at the sample itself.
   HWY_NOINLINE Vec3 GradientFromField(const Vec3& index, const Vec3& byIndex, Vf t) const
   {
     const Vec3 p = MulAdd(t, this->Rays.Direction, this->Rays.Origin);
@@ -195,7 +192,7 @@ private:
   }
 
   const PacketScene& Scene;
-  const TilePieces& Pieces;
+  const SegmentTrees& Trees;
   const RayPacket& Rays;
   int X;
   int Y;
@@ -209,7 +206,7 @@ private:
   Quartic SlopeY;
   Cubic SlopeT;
 
-  // What takes the derivatives along columns, rows and t to a gradient, found with them.
+  // The vectors that make a gradient of derivatives along columns, rows and t; found with these.
   bool HaveFrame = false;
   Vec3 NormalX;
   Vec3 NormalY;

@@ -24,7 +24,7 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// Opacity over the reference length.
+/// The opacity over the reference length that an extinction gives.
 HWY_INLINE Vf OpacityOf(const PacketScene& scene, Vf extinction)
 {
   const Vf length = Splat(scene.ReferenceLength);
@@ -35,7 +35,7 @@ HWY_INLINE Vf OpacityOf(const PacketScene& scene, Vf extinction)
 HWY_INLINE Vf ExtinctionOver(Vf opacity, float length)
 {
   const Vf one = Splat(1.0f);
-  // What is nearly transparent has no digits left in 1 - opacity, but its logarithm is linear.
+  // For small opacities 1 - opacity loses digits, but its logarithm is nearly linear.
   const Vf passed = hn::Sub(one, opacity);
   const Vf logarithm = hn::IfThenElse(hn::Lt(opacity, Splat(1e-3f)),
     hn::Mul(hn::Mul(opacity, Splat(1.4426950409f)), hn::MulAdd(opacity, Splat(0.5f), one)),
@@ -49,7 +49,7 @@ HWY_INLINE Vf ExtinctionOf(const PacketScene& scene, Vf opacity)
   return ExtinctionOver(opacity, scene.ReferenceLength);
 }
 
-/// The same where opacities of one are opaque over any interval.
+/// The extinction that gives `length` an opacity; an opacity of one is opaque over any interval.
 HWY_INLINE Vf OpaqueExtinctionOver(Vf opacity, float length)
 {
   return hn::IfThenElse(hn::Ge(opacity, Splat(1.0f)),
@@ -77,14 +77,22 @@ HWY_INLINE Vf InterpolateFactors(const float* factors, Vi first, Vf last, Vf ent
     hn::Sub(x, whole));
 }
 
-/// Factors of opacities over the reference length.
+/// Factors of opacities over the reference length, by the length of the gradient.
 HWY_INLINE Vf FactorOf(const PacketGradientOpacity& gradients, const Vec3& gradient)
 {
   return InterpolateFactors(gradients.Factors, hn::Zero(Di()),
     Splat(static_cast<float>(gradients.Size - 1)), FindMagnitude(gradients.Scale, gradient));
 }
 
-/// The same by the gradient opacities of the tables of labels.
+/// Factors of opacities by the gradient opacities of one of the tables of labels.
+HWY_INLINE Vf FactorOf(const PacketMask& mask, std::size_t table, const Vec3& gradient)
+{
+  const PacketMask::GradientRange& range = mask.GradientRanges[table];
+  return InterpolateFactors(mask.GradientFactors.data(), hn::Set(Di(), range.First),
+    Splat(range.Last), hn::Mul(FindMagnitude(mask.MagnitudeScale, gradient), Splat(range.Scale)));
+}
+
+/// Factors of opacities by the gradient opacities of the tables of labels, one table a lane.
 HWY_INLINE Vf FactorOf(const PacketMask& mask, Vi tables, const Vec3& gradient)
 {
   const Df d;
@@ -102,8 +110,8 @@ HWY_NOINLINE Vf WeighExtinction(const PacketScene& scene, Vf extinction, Vf fact
   return hn::IfThenElse(hn::Ge(factor, Splat(1.0f)), extinction, weighed);
 }
 
-/// Where there is a label, its color and extinction are mixed with those of the scalars alone; as
-/// SampleClassifier. `extinction`: on entry that of the table of the label.
+/// Mixes the color and extinction of labels with those of the scalars alone, in the lanes that have
+/// a label; as SampleClassifier. `extinction`: on entry that of the table of the label.
 HWY_NOINLINE void MixWithLabels(const PacketScene& scene, const TableLookup& base,
   const TableLookup& ofLabel, Vi tables, const Vec3& gradient, Vf& extinction, Vec3& color)
 {
@@ -119,7 +127,7 @@ HWY_NOINLINE void MixWithLabels(const PacketScene& scene, const TableLookup& bas
   Vf unlabeled = extinction;
   if (!scene.Mask.GradientRanges.empty())
   {
-    first = hn::Mul(first, FactorOf(scene.Mask, hn::Zero(Di()), gradient));
+    first = hn::Mul(first, FactorOf(scene.Mask, std::size_t(0), gradient));
     second = hn::Mul(second, FactorOf(scene.Mask, tables, gradient));
     unlabeled = ExtinctionOf(scene, first);
   }
@@ -128,9 +136,9 @@ HWY_NOINLINE void MixWithLabels(const PacketScene& scene, const TableLookup& bas
     hn::IfThenElseZero(some, ExtinctionOf(scene, Lerp(first, second, factor))), unlabeled);
 }
 
-/// Of all components at a sample, what is looked up for the opacity of one of the looks, and what
-/// its normals are of.
-HWY_INLINE Vf DensityOf(const PacketScene& scene, std::size_t look, const Vf* values)
+/// The value, of those of all components at a sample, whose opacity is that of `component` and
+/// whose gradient gives its normals.
+HWY_INLINE Vf DensityOf(const PacketScene& scene, std::size_t component, const Vf* values)
 {
   const auto weight = [](int c) { return Splat(static_cast<float>(LuminanceWeights[c])); };
   switch (scene.KindOfComponents)
@@ -143,7 +151,7 @@ HWY_INLINE Vf DensityOf(const PacketScene& scene, std::size_t look, const Vf* va
     case ComponentKind::Rgba:
       return values[3];
     default:
-      return values[look];
+      return values[component];
   }
 }
 

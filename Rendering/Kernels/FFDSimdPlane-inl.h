@@ -21,21 +21,21 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// What a two-dimensional transfer function gives.
+/// Texels of a two-dimensional transfer function, interpolated.
 struct PlaneTexel
 {
   Vec3 Color;
   Vf Opacity;
 };
 
-/// The value of the second axis at positions within the volume, where it is not that of gradients.
+/// Interpolates the scalars of the second axis at positions in the volume.
 HWY_NOINLINE Vf FindSecondAxis(const PacketPlane& plane, const Vec3& q)
 {
   const Df d;
   const PacketVolume& v = plane.SecondAxis;
   SampleCells cells;
   SamplePosition at = FindCells(v, q, false, cells);
-  // Beyond the outermost voxels their values hold.
+  // The outermost voxels hold beyond the volume.
   at.Fx = Clamp(at.Fx, hn::Zero(d), Splat(1.0f));
   at.Fy = Clamp(at.Fy, hn::Zero(d), Splat(1.0f));
   at.Fz = Clamp(at.Fz, hn::Zero(d), Splat(1.0f));
@@ -45,7 +45,7 @@ HWY_NOINLINE Vf FindSecondAxis(const PacketPlane& plane, const Vec3& q)
     voxels.Middle(0, 1, at), voxels.Middle(1, 1, at));
 }
 
-/// The texels at (x, y); transparent where one of them is not a number.
+/// Looks up the texels at (x, y); transparent where x or y is not a number.
 HWY_NOINLINE PlaneTexel LookUpPlane(const PacketPlane& plane, Vf x, Vf y)
 {
   const Df d;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// The pull-back and its Jacobian, a point a lane. Included once per target of Highway.
+// Evaluates the pull-back and its Jacobian, a point a lane. Included once per target of Highway.
 #if defined(FFD_SIMD_PULL_BACK_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef FFD_SIMD_PULL_BACK_INL_H_
 #undef FFD_SIMD_PULL_BACK_INL_H_
@@ -21,14 +21,14 @@ namespace HWY_NAMESPACE
 {
 
 /**
- * A point of rest space for each lane whose image under T is about p: a step of Newton's method
- * from the nearest of PacketScene::Seeds.
+ * Estimates T^-1(p) of each lane without a start: by a step of Newton's method from the nearest of
+ * PacketScene::Seeds.
  */
 HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
 {
   const Df d;
   const Di di;
-  // Of |p - image|^2 what differs from seed to seed.
+  // |p - image|^2 without |p|^2, which is the same for all seeds.
   Vf least = Splat(1e37f);
   Vi nearest = hn::Zero(di);
   const int count = static_cast<int>(scene.Seeds.size());
@@ -69,23 +69,23 @@ HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
   return MulAdd(part, step, load(point));
 }
 
-/// Lanes whose T^-1 does not lead into the volume: InvertFrom() gives them a point far outside.
+/// Lanes without a pull-back, to which InvertFrom() gives a point far outside of the volume.
 HWY_INLINE Mf IsNowhere(const PacketScene& scene, const Vec3& q)
 {
-  return hn::Gt(hn::Abs(q.x), Splat(0.1f * scene.FarAway));
+  return hn::Gt(hn::Abs(q.x), Splat(0.1f * scene.Nowhere));
 }
 
 /**
- * T^-1 of every lane by Newton's method from `start`, local coordinates. Where T folds, several
- * rest points lead to p: those count where T does not turn space inside out, beside the volume,
- * too, or rays would follow a wrong one past the volume. Lanes that do not find such a one start
- * again from the nearest seed; where that does not help, there is nothing at p, and they get a
- * point far outside. `step`: the last one.
+ * Solves T(q) = p for every lane by Newton's method from `start`, local coordinates. Where T folds,
+ * several rest points lead to p: those count where T does not turn space inside out. This holds
+ * outside of the volume, too, or rays would follow a wrong branch past it. Lanes that find no such
+ * point start again from the nearest seed; if that fails, nothing lies at p, and they get a point
+ * far outside (IsNowhere()). `step`: the last step.
  */
 HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& start,
   float tolerance, Mf active, NewtonStep& step, CastStatistics& statistics)
 {
-  // Where T folds many points have no solution.
+  // Few steps where T folds: there many points have no solution.
   const int mostSteps = scene.Folds ? 5 : 12;
   const int mostStepsAgain = scene.Folds ? 7 : 12;
   const Df d;
@@ -96,7 +96,7 @@ HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& 
     const Mf kept = hn::Gt(hn::Mul(last.Inverse, Splat(scene.Orientation)), hn::Zero(d));
     return hn::And(solved, kept);
   };
-  // From where there was nothing as from nowhere.
+  // A start without a pull-back is no start.
   const Mf cold = IsNowhere(scene, start);
   if (HWY_UNLIKELY(!hn::AllFalse(d, cold)))
   {
@@ -114,7 +114,7 @@ HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& 
       q = Select(hn::And(again, solved), other, q);
       stuck = hn::AndNot(hn::And(again, solved), stuck);
     }
-    const Vf outside = Splat(scene.FarAway);
+    const Vf outside = Splat(scene.Nowhere);
     q = Select(stuck, { outside, outside, outside }, q);
     statistics.Unconverged += static_cast<std::int64_t>(hn::CountTrue(d, stuck));
   }
@@ -123,15 +123,16 @@ HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& 
   return q;
 }
 
-/// What T^-1(p) makes of p, or the other way round.
+/// Takes T^-1(p) to Phi(p), or Phi(p) to T^-1(p), for the kinds that invert T.
 HWY_INLINE Vec3 MirrorAt(const PacketScene& scene, const Vec3& p, const Vec3& q)
 {
   return scene.Kind == PullBackKind::FirstOrderOfInverse ? Sub(Add(p, p), q) : q;
 }
 
 /**
- * Phi of every lane in `active`, local coordinates. `start`: about where it leads to. `move`, if
- * not null: a change of p in, and about what that changes out, of the kinds that invert T.
+ * Evaluates Phi(p) of every lane in `active`, local coordinates. `start`: an estimate of it.
+ * `move`, if not null: on entry a change of p, on return the change of Phi(p), to first order; not
+ * changed by the kinds that do not invert T.
  */
 HWY_INLINE Vec3 PullBackFrom(const PacketScene& scene, const Vec3& p, const Vec3& start,
   float tolerance, Mf active, CastStatistics& statistics, Vec3* move = nullptr)
@@ -156,14 +157,14 @@ HWY_INLINE Vec3 PullBackFrom(const PacketScene& scene, const Vec3& p, const Vec3
   return scene.Kind == PullBackKind::FirstOrder ? Sub(p, displacement) : Add(p, displacement);
 }
 
-/// Where to look for Phi of every lane, from nowhere.
-HWY_INLINE Vec3 StartFromNowhere(const PacketScene& scene, const Vec3& p)
+/// Estimates Phi(p) of every lane without a start.
+HWY_INLINE Vec3 EstimatePullBack(const PacketScene& scene, const Vec3& p)
 {
   const bool inverse = !scene.Identity && InvertsTheField(scene.Kind);
   return inverse ? MirrorAt(scene, p, FindColdStart(scene, p)) : p;
 }
 
-/// About how far q is from Phi(p): for the kinds that invert T, by a step of Newton's method.
+/// The error of q as Phi(p); for the kinds that invert T to first order, by a Newton step.
 HWY_INLINE Vec3 FindPullBackError(
   const PacketScene& scene, const Vec3& p, const Vec3& q, CastStatistics& statistics)
 {
@@ -180,16 +181,14 @@ HWY_INLINE Vec3 FindPullBackError(
   return FindNewtonStep(scene.Field, p, MirrorAt(scene, p, q)).Delta;
 }
 
-/**
- * dPhi/dP of every lane at deformed points p that come from rest points q (local coordinates), by
- * columns.
- */
+/// Evaluates dPhi/dP of every lane, by columns, at deformed points p whose rest points are q, local
+/// coordinates.
 HWY_INLINE void PullBackJacobian(
   const PacketScene& scene, const Vec3& p, const Vec3& q, Vec3& a, Vec3& b, Vec3& c)
 {
   const Vf one = Splat(1.0f);
   const bool inverse = InvertsTheField(scene.Kind);
-  // Of the kinds that invert T the field lives at T^-1(p).
+  // The kinds that invert T evaluate the field at T^-1(p).
   const Vec3 at = inverse ? MirrorAt(scene, p, q) : p;
   Vec3 displacement;
   EvaluateField<true>(scene.Field, at, displacement, a, b, c);

@@ -28,8 +28,8 @@ struct RayPacket
   Vf To;
 };
 
-/// The map from image positions to local coordinates at one depth: an affine one to homogeneous
-/// coordinates. Of most cameras their last one is the same everywhere.
+/// Maps image positions to local coordinates at one depth: an affine map to homogeneous
+/// coordinates. With most cameras the last homogeneous coordinate is the same everywhere.
 struct ImageMap
 {
   float Base[4];
@@ -109,10 +109,9 @@ HWY_INLINE RayPacket MakeRays(const ImageMap& near, const ImageMap& far, Vf x, V
 }
 
 /**
- * How the points of viewing rays at t move from pixel to pixel, D being the direction of a ray: by
- * AlongX * D + Spread(t) * AcrossX from column to column, likewise from row to row. AcrossX and
- * AcrossY are at right angles to D. This is exact for all projective cameras, whose rays meet in
- * the eye or are parallel.
+ * The derivatives of P(t) by pixels: AlongX * D + Spread(t) * AcrossX from column to column, D
+ * being the direction of the ray, likewise from row to row. AcrossX and AcrossY are at right angles
+ * to D. This is exact for all projective cameras, whose rays meet in the eye or are parallel.
  */
 struct RaySpread
 {
@@ -123,7 +122,7 @@ struct RaySpread
   Vf Base; ///< of Spread()
   Vf PerT;
 
-  /// Of the rays through image positions.
+  /// Finds the spread of the rays through image positions.
   RaySpread(const ImageMap& near, const ImageMap& far, const RayPacket& rays, Vf x, Vf y)
   {
     Vec3 nearX, nearY, farX, farY;
@@ -147,7 +146,7 @@ struct RaySpread
   HWY_INLINE Vf Spread(Vf t) const { return hn::MulAdd(t, this->PerT, this->Base); }
 };
 
-/// Narrow [From, To] to the deformed bounds and the shown side of the clipping planes.
+/// Narrows [From, To] to the deformed bounds and the shown side of the clipping planes.
 HWY_INLINE void ClipToBounds(const PacketScene& scene, RayPacket& rays)
 {
   for (const std::array<float, 4>& plane : scene.ClippingPlanes)
@@ -179,7 +178,7 @@ HWY_INLINE void ClipToBounds(const PacketScene& scene, RayPacket& rays)
   clip(rays.Origin.z, rays.Direction.z, scene.BoundsMin[2], scene.BoundsMax[2]);
 }
 
-/// Index coordinates of the whole that the volume is a part of.
+/// Takes local coordinates to index coordinates of the whole that the volume is a part of.
 HWY_INLINE Vec3 LocalToWholeIndex(const PacketScene& scene, const Vec3& local)
 {
   return Add(Transform(scene.LocalToIndex, local), Broadcast(scene.IndexOffset));
@@ -217,13 +216,13 @@ HWY_INLINE Vf PhaseOf(const PacketScene& scene, const RayPacket& rays, Vf jitter
   return hn::Sub(x, hn::Floor(x));
 }
 
-/// Rounded as in the whole: the shift takes nothing more off.
+/// Takes local to index coordinates, rounded as those of the whole: the shift is exact.
 HWY_INLINE Vec3 LocalToIndex(const PacketScene& scene, const Vec3& local)
 {
   return Sub(LocalToWholeIndex(scene, local), Broadcast(scene.IndexShift));
 }
 
-/// The other way round.
+/// Takes index to local coordinates.
 HWY_INLINE Vec3 IndexToLocal(const PacketScene& scene, const Vec3& index)
 {
   return Transform(

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Looking up transfer tables, a value a lane. Included once per target of Highway.
+// Looks up transfer tables, a value a lane. Included once per target of Highway.
 #if defined(FFD_SIMD_TABLE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef FFD_SIMD_TABLE_INL_H_
 #undef FFD_SIMD_TABLE_INL_H_
@@ -19,13 +19,13 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// What the transfer table says of values; what is asked of it is computed only then.
+/// Looks values up in a transfer table; Extinction() and Color() interpolate when they are called.
 class TableLookup
 {
 public:
   TableLookup() = default;
 
-  /// `values`: as they are fetched (PacketVolume); `table`: in which one to look.
+  /// `values`: as they are fetched (PacketVolume); `table`: number of the table.
   HWY_INLINE TableLookup(const PacketScene& scene, Vf values, std::size_t table = 0)
   {
     const PacketTable::Range& range = scene.Table.GetRange(table);
@@ -33,7 +33,7 @@ public:
       hn::Set(Di(), range.First));
   }
 
-  /// `tables`: in which one each lane looks.
+  /// `tables`: number of the table of each lane.
   HWY_INLINE TableLookup(const PacketScene& scene, Vf values, Vi tables)
   {
     const Df d;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// The packets of a tile. Included once per target of Highway.
+// Casts the packets of a tile. Included once per target of Highway.
 #if defined(FFD_SIMD_TILE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef FFD_SIMD_TILE_INL_H_
 #undef FFD_SIMD_TILE_INL_H_
@@ -14,8 +14,8 @@
 #include "FFDSimdCaster-inl.h"
 #include "FFDSimdCurve-inl.h"
 #include "FFDSimdMath-inl.h"
-#include "FFDSimdPieces-inl.h"
 #include "FFDSimdRays-inl.h"
+#include "FFDSimdSegmentTrees-inl.h"
 
 #include <algorithm>
 #include <chrono>
@@ -29,7 +29,7 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// Rays of a tile, packet by packet, as they lie in PacketScratch::Rays.
+/// Gives access to the rays of a tile in PacketScratch::Rays, packet by packet.
 struct StoredRays
 {
   static constexpr std::size_t RaysPerTile = TileSide * TileSide;
@@ -56,7 +56,7 @@ struct StoredRays
   }
 };
 
-/// Shape of a packet: up to four rays wide.
+/// The shape of a packet, which is up to four rays wide.
 struct PacketShape
 {
   int Lanes;
@@ -86,7 +86,7 @@ HWY_NOINLINE Vf JitterOf(const PacketScene& scene, int x0, int y0)
   return hn::Load(d, jitter);
 }
 
-/// Rays end where something opaque was drawn.
+/// Ends rays where something opaque was drawn (CastScene::Depths).
 HWY_INLINE void ClipToDepths(
   const PacketScene& scene, const CastImage& image, int x0, int y0, RayPacket& rays)
 {
@@ -114,7 +114,7 @@ HWY_INLINE void ClipToDepths(
   rays.To = hn::Load(d, to);
 }
 
-/// The window depths of the points at t of the rays of a packet; one where there is none.
+/// Stores the window depths of the points at t of the rays of a packet; one where there is none.
 HWY_NOINLINE void StoreDepths(
   const PacketScene& scene, const CastImage& image, int x0, int y0, Vf firstVisible)
 {
@@ -175,7 +175,7 @@ HWY_INLINE void StorePixels(const PacketScene& scene, const CastImage& image, in
   }
 }
 
-/// What StorePixels() stores of a packet none of whose rays meets anything.
+/// Stores the pixels of a packet none of whose rays meets the volume.
 HWY_INLINE void ClearPixels(const CastImage& image, int x0, int y0)
 {
   const PacketShape shape = GetPacketShape();
@@ -191,22 +191,22 @@ HWY_INLINE void ClearPixels(const CastImage& image, int x0, int y0)
   }
 }
 
-/// The reaches of the quarters of a tile, see CastImage.
+/// Collects CastImage::Reaches of the subtiles of a tile.
 class TileReaches
 {
 public:
-  TileReaches(int x0, int y0, unsigned int quarters, const CastImage& image)
+  TileReaches(int x0, int y0, unsigned int subtiles, const CastImage& image)
     : X(x0)
     , Y(y0)
-    , Quarters(quarters)
+    , Subtiles(subtiles)
     , Image(image)
   {
   }
 
-  /// Whether the packet at a pixel is in a quarter that is asked for.
+  /// Whether the packet at a pixel belongs to a subtile that is asked for.
   HWY_INLINE bool IsWanted(int x, int y) const
   {
-    return (this->Quarters >> this->At(x, y) & 1) != 0;
+    return (this->Subtiles >> this->At(x, y) & 1) != 0;
   }
 
   HWY_INLINE void Include(int x, int y, float reach)
@@ -221,35 +221,35 @@ public:
     {
       return;
     }
-    const int perRow = (this->Image.Width + QuarterSide - 1) / QuarterSide;
-    for (int quarter = 0; quarter < 4; ++quarter)
+    const int perRow = (this->Image.Width + SubtileSide - 1) / SubtileSide;
+    for (int subtile = 0; subtile < 4; ++subtile)
     {
-      const int x = this->X + quarter % 2 * QuarterSide;
-      const int y = this->Y + quarter / 2 * QuarterSide;
+      const int x = this->X + subtile % 2 * SubtileSide;
+      const int y = this->Y + subtile / 2 * SubtileSide;
       if (x < this->Image.Width && y < this->Image.Height && this->IsWanted(x, y))
       {
-        this->Image.Reaches[y / QuarterSide * perRow + x / QuarterSide] = this->Reaches[quarter];
+        this->Image.Reaches[y / SubtileSide * perRow + x / SubtileSide] = this->Reaches[subtile];
       }
     }
   }
 
 private:
-  static constexpr int QuarterSide = TileSide / 2;
+  static constexpr int SubtileSide = TileSide / 2;
 
   HWY_INLINE int At(int x, int y) const
   {
-    return (x - this->X >= QuarterSide ? 1 : 0) + (y - this->Y >= QuarterSide ? 2 : 0);
+    return (x - this->X >= SubtileSide ? 1 : 0) + (y - this->Y >= SubtileSide ? 2 : 0);
   }
 
   int X;
   int Y;
-  unsigned int Quarters;
+  unsigned int Subtiles;
   const CastImage& Image;
   float Reaches[4] = { 0.0f, 0.0f, 0.0f, 0.0f };
 };
 
 template <class T>
-HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int quarters,
+HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int subtiles,
   const CastImage& image, PacketScratch& scratch, int first, Deadline deadline)
 {
   const Df d;
@@ -271,7 +271,7 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
 
   float tMin = 1e30f;
   float tMax = -1e30f;
-  TileReaches reaches(x0, y0, quarters, image);
+  TileReaches reaches(x0, y0, subtiles, image);
   const std::size_t firstPacket = static_cast<std::size_t>(first);
   std::size_t packet = 0;
   for (int y = y0; y < y0 + TileSide; y += shape.Height)
@@ -293,8 +293,8 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       const Mf inImage = hn::And(hn::Lt(px, Splat(static_cast<float>(image.Width))),
         hn::Lt(py, Splat(static_cast<float>(image.Height))));
       const Mf active = hn::And(inImage, hn::Lt(rays.From, rays.To));
-      // Rays that miss what there is now may meet what there will be; of those that were cast
-      // before the last stop nothing is known any more.
+      // Rays that miss the volume now may meet it after an edit. The reach of rays that were cast
+      // before the last stop is not known any more.
       if (packet < firstPacket || !hn::AllFalse(d, hn::AndNot(active, inImage)))
       {
         reaches.Include(x, y, std::numeric_limits<float>::infinity());
@@ -308,10 +308,10 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
     }
   }
 
-  TilePieces pieces(scene, scratch, near, far, x0, y0);
+  SegmentTrees trees(scene, scratch, near, far, x0, y0);
   if (tMin < tMax)
   {
-    pieces.Start(tMin, tMax);
+    trees.Start(tMin, tMax);
   }
 
   packet = 0;
@@ -333,7 +333,7 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       const Vf phase = scene.Intervals
         ? hn::Zero(d)
         : PhaseOf(scene, rays, scene.Settings.Jitter ? JitterOf(scene, x, y) : hn::Zero(d));
-      Packet<T> cast(scene, pieces, scratch, rays, x - x0, y - y0, dy, phase, active);
+      Packet<T> cast(scene, trees, scratch, rays, x - x0, y - y0, dy, phase, active);
       if (HWY_UNLIKELY(scene.Sampling != PacketSampling::Composite))
       {
         cast.Blend(x, y, shape.Width);

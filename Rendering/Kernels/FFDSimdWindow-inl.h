@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Voxels of a packet in registers. Included once per target of Highway.
+// Keeps the voxels of a packet in registers. Included once per target of Highway.
 #if defined(FFD_SIMD_WINDOW_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef FFD_SIMD_WINDOW_INL_H_
 #undef FFD_SIMD_WINDOW_INL_H_
@@ -9,9 +9,10 @@
 #endif
 
 #include "FFDPacketVolume.h"
-#include "FFDTilePiece.h"
+#include "FFDTileSegment.h"
 
 #include "FFDSimdFetch-inl.h"
+#include "FFDSimdInterpolant-inl.h"
 #include "FFDSimdMath-inl.h"
 
 #include <algorithm>
@@ -72,25 +73,24 @@ public:
   {
   }
 
-  /// For the samples of the packet that is a block of a piece: sample n of each ray lies at s =
-  /// (n - FirstSample + p) / Samples, p being at most `range` from `phase`.
-  HWY_INLINE void Follow(const TilePiece& piece, int block, float phase, float range)
+  /// Prepares for the samples of the packet that is a block of a segment: sample n of each ray lies
+  /// at s = (n - FirstSample + p) / Samples, p being at most `range` from `phase`.
+  HWY_INLINE void Follow(const TileSegment& segment, int block, float phase, float range)
   {
-    for (std::size_t k = 0; k < TileLayers; ++k)
-    {
-      this->Lowest[k] = _mm_load_ps(piece.MiddleTerms[k][static_cast<std::size_t>(block)].data());
-    }
-    const __m128 speed = _mm_max_ps(Vector(piece.Up), Vector(piece.Down));
-    const __m128 radius = _mm_fmadd_ps(_mm_set1_ps(range), speed, Vector(piece.Radius));
-    this->Lowest[0] = _mm_sub_ps(this->Lowest[0], radius);
+    LoadMiddleTerms(D4(), segment, block, 0, this->Lowest);
+    const __m128 speed = _mm_max_ps(Vector(segment.Up), Vector(segment.Down));
+    const __m128 radius = _mm_fmadd_ps(_mm_set1_ps(range), speed, Vector(segment.Radius));
+    this->Lowest[0] = V4{ _mm_sub_ps(this->Lowest[0].raw, radius) };
     this->Width = _mm_add_ps(radius, radius);
-    this->PerStep = 1.0f / static_cast<float>(piece.Samples);
-    this->Offset = phase - static_cast<float>(piece.FirstSample);
-    // From the first cell of the window to the first voxel of the slab that comes next.
-    this->ToNextSlab = _mm_setr_epi32(-1, -1, piece.Up[2] > piece.Down[2] ? LargestDepth : -1, 0);
+    this->PerStep = 1.0f / static_cast<float>(segment.Samples);
+    this->Offset = phase - static_cast<float>(segment.FirstSample);
+    // The offset of the first voxel of the slab that comes next from the first cell of the window.
+    this->ToNextSlab =
+      _mm_setr_epi32(-1, -1, segment.Up[2] > segment.Down[2] ? LargestDepth : -1, 0);
   }
 
-  /// To where the samples n of the rays are; all that they and their gradients need exists.
+  /// Moves the window to the samples n of the rays. All voxels that they and their gradients need
+  /// must exist.
   HWY_INLINE WindowFit MoveTo(int n)
   {
     if (HWY_UNLIKELY(!this->Usable))
@@ -115,6 +115,9 @@ private:
   template <class, WindowFit>
   friend class WindowRows;
 
+  using D4 = hn::CappedTag<float, 4>;
+  using V4 = hn::Vec<D4>;
+
   static constexpr int Side = 8;         ///< voxels along x and y
   static constexpr int Reach = Side - 4; ///< cells along x and y, beyond the first
   static constexpr int LargestDepth = 4; ///< cells along z
@@ -122,18 +125,14 @@ private:
 
   static HWY_INLINE __m128 Vector(const float v[3]) { return _mm_setr_ps(v[0], v[1], v[2], 0.0f); }
 
-  /// Below all positions of the samples n, index coordinates.
+  /// A lower bound, index coordinates, of the positions of the samples n of all rays.
   HWY_INLINE __m128 LowestAt(int n) const
   {
-    const __m128 s = _mm_set1_ps((static_cast<float>(n) + this->Offset) * this->PerStep);
-    const __m128* const terms = this->Lowest;
-    __m128 low = _mm_fmadd_ps(s, terms[4], terms[3]);
-    low = _mm_fmadd_ps(s, low, terms[2]);
-    low = _mm_fmadd_ps(s, low, terms[1]);
-    return _mm_fmadd_ps(s, low, terms[0]);
+    const float s = (static_cast<float>(n) + this->Offset) * this->PerStep;
+    return EvaluateQuartic(D4(), this->Lowest, hn::Set(D4(), s)).raw;
   }
 
-  /// The slab that comes into the window of the samples n.
+  /// Prefetches the slab of voxels that enters the window with the samples n.
   HWY_INLINE void Prefetch(int n) const
   {
     const PacketVolume& v = this->Volume;
@@ -156,8 +155,8 @@ private:
   bool Usable; ///< whether the volume is as large as a window
   float PerStep = 0.0f;
   float Offset = 0.0f;
-  __m128 Lowest[TileLayers]; ///< terms of the curve that no ray is below
-  __m128 Width;              ///< how far above it a ray is at most
+  V4 Lowest[TileLayers]; ///< terms of the curve that no ray is below
+  __m128 Width;          ///< largest distance of a ray above that curve
   __m128i ToNextSlab;
   __m128i Corner; ///< first cell along each axis
 };
@@ -185,7 +184,7 @@ public:
     const Vi dz = hn::Sub(cells.Z, hn::Set(di, z));
     const Vi odd = Fit == WindowFit::Two ? dz : hn::And(dz, hn::Set(di, 1));
     this->High = _mm512_cmpgt_epi32_mask(dz.raw, _mm512_set1_epi32(1));
-    // Of the row at (0, 0), in two slabs: its first byte, and the three behind it.
+    // Numbers, within two slabs, of the four bytes of the row at (0, 0).
     const Vi at = hn::Add(hn::ShiftLeft<6>(odd),
       hn::Add(hn::ShiftLeft<3>(cells.Y), hn::Sub(cells.X, hn::Set(di, x + 8 * (y - 1)))));
     this->Index = _mm512_add_epi8(

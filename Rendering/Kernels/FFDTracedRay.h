@@ -4,7 +4,7 @@
 #define FFDTracedRay_h
 
 #include "FFDCameraView.h"
-#include "FFDCurvePiece.h"
+#include "FFDCurveSegment.h"
 
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -24,11 +24,11 @@ struct TracedSample
   float Extinction; ///< of samples, per data unit
 };
 
-/// A piece of a deformed ray, and what was done on it.
-struct TracedPiece
+/// A segment of a deformed ray, and what was done on it.
+struct TracedSegment
 {
-  CurvePiece Curve; ///< index coordinates
-  double From;      ///< t on the viewing ray
+  CurveSegment Curve; ///< index coordinates
+  double From;        ///< t on the viewing ray
   double To;
   bool Passed; ///< empty for certain: nothing was looked at
   std::size_t FirstSample;
@@ -44,7 +44,7 @@ struct TracedRay
   double To = 0.0;
   bool Terminated = false; ///< ended early, as nothing more would show
   glm::vec4 Color{ 0.0f }; ///< premultiplied
-  std::vector<TracedPiece> Pieces;
+  std::vector<TracedSegment> Segments;
   std::vector<TracedSample> Samples;
 };
 

@@ -88,11 +88,11 @@ bool Clip(const ffd::ViewRay& ray, const ffd::Box& box, double& from, double& to
 }
 
 void Print(const std::string& deformation, const char* mode, const char* segmentation,
-  double parameter, double piecesPer100, double evaluationsPerRay,
+  double parameter, double segmentsPer100, double evaluationsPerRay,
   const positionError::Tally& tally)
 {
   std::printf("%s,%s,%s,%g,%.2f,%.2f,%.2e,%.2e\n", deformation.c_str(), mode, segmentation,
-    parameter, piecesPer100, evaluationsPerRay, tally.Largest(), tally.Mean());
+    parameter, segmentsPer100, evaluationsPerRay, tally.Largest(), tally.Mean());
 }
 
 /// The polylines of some rays, at `points` places of each segment.
@@ -103,7 +103,7 @@ void MeasurePolylines(const Deformation& deformation, const Mode& mode, const ch
   const ffd::PullBack map(&deformation.Field, mode.Kind, 1e-9);
   RandomLattice random(7);
   positionError::Tally tally;
-  double pieces = 0.0;
+  double segments = 0.0;
   double length = 0.0;
   double evaluations = 0.0;
   for (int measured = 0; measured < rays;)
@@ -122,8 +122,8 @@ void MeasurePolylines(const Deformation& deformation, const Mode& mode, const ch
     while (walker.Next())
     {
       const ffd::PolylineVertex end = walker.GetVertex();
-      const ffd::CurvePiece piece = ffd::CurvePiece::Line(start.Rest, end.Rest);
-      ++pieces;
+      const ffd::CurveSegment segment = ffd::CurveSegment::Line(start.Rest, end.Rest);
+      ++segments;
       length += end.T - start.T;
       for (int i = 0; i <= points; ++i)
       {
@@ -131,13 +131,13 @@ void MeasurePolylines(const Deformation& deformation, const Mode& mode, const ch
         ffd::PullBackStatus status;
         const double t = start.T + s * (end.T - start.T);
         const glm::dvec3 truth = map.Evaluate(ray.Origin + t * ray.Direction, status);
-        tally.Errors.push_back(glm::length(piece.At(s) - truth));
+        tally.Errors.push_back(glm::length(segment.At(s) - truth));
       }
       start = end;
     }
     evaluations += walker.GetEvaluations();
   }
-  Print(deformation.Name, mode.Name, name, parameter, 100.0 * pieces / length, evaluations / rays,
+  Print(deformation.Name, mode.Name, name, parameter, 100.0 * segments / length, evaluations / rays,
     tally);
 }
 
@@ -161,7 +161,7 @@ void Measure(const Deformation& deformation, const Mode& mode, int rays, int poi
   }
   for (const double tolerance : { 0.01, 0.05, 0.1, 0.2, 0.5 })
   {
-    scene.Settings.Pieces.PositionTolerance = tolerance;
+    scene.Settings.ErrorBound.PositionTolerance = tolerance;
     RandomLattice random(7);
     positionError::Tally tally;
     scene.Measure(random, static_cast<std::size_t>(rays) * points * 25, tally);
@@ -191,7 +191,7 @@ int main(int argc, char* argv[])
   {
     deformations.push_back({ "random 45", MakeRandom(45.0) });
   }
-  std::printf("deformation,inverse,segmentation,parameter,pieces_per_100_voxels,"
+  std::printf("deformation,inverse,segmentation,parameter,segments_per_100_voxels,"
               "evaluations_per_ray,largest_error,mean_error\n");
   for (const Deformation& deformation : deformations)
   {

@@ -574,12 +574,12 @@ public:
  * The window against the baseline image of the test: what main() returns. vtkRegressionTestImage
  * forgives differences of up to two fifths of the range, and shifts; a bend that is off by some
  * voxels passes. So the distance of the pictures has to be small, too: other instruction sets
- * differ by some thousandths of 1/255 on average, other cuts of rays into pieces by up to a half.
+ * differ by some thousandths of 1/255 on average, other cuts of rays into segments by up to a half.
  */
 inline int CompareWithBaseline(Scene& scene, int argc, char* argv[])
 {
   // Short steps: otherwise where the samples of an opaque surface lie, and so the noise on it,
-  // would depend on how rays are cut into pieces, which may change.
+  // would depend on how rays are cut into segments, which may change.
   scene.SetSampleDistance(0.2);
   scene.Window->Render();
   if (vtkRegressionTestImage(scene.Window) != vtkRegressionTester::PASSED)

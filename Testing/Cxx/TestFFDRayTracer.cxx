@@ -230,8 +230,8 @@ int TestAgainstPicture()
   return EXIT_SUCCESS;
 }
 
-// What the packets used: pieces of many samples, where they are, and their picture.
-int TestPieces()
+// What the packets used: segments of many samples, where they are, and their picture.
+int TestSegments()
 {
   FFDTestScene scene;
   scene.Mapper->CollectStatisticsOn();
@@ -251,13 +251,13 @@ int TestPieces()
     vtkPolyData* rest = tracer->GetOutput(0);
     vtkPolyData* viewing = tracer->GetOutput(1);
     double samples = 0.0;
-    double pieces = 0.0;
+    double segments = 0.0;
     double passed = 0.0;
     std::vector<unsigned char> colors(picture.size(), 0);
     for (vtkIdType cell = 0; cell < rest->GetNumberOfLines(); ++cell)
     {
       samples += Value(rest->GetCellData(), "Samples", cell);
-      pieces += Value(rest->GetCellData(), "Segments", cell);
+      segments += Value(rest->GetCellData(), "Segments", cell);
       const double pixel = Value(rest->GetCellData(), "Pixel", cell, 0) +
         Side * Value(rest->GetCellData(), "Pixel", cell, 1);
       for (int c = 0; c < 4; ++c)
@@ -276,8 +276,8 @@ int TestPieces()
     FFD_CHECK_NEAR(samples,
       statistics->GetSamplesPerRay() * static_cast<double>(statistics->GetNumberOfRays()),
       0.02 * samples);
-    FFD_CHECK(pieces >= static_cast<double>(rest->GetNumberOfLines()));
-    FFD_CHECK(pieces < 8.0 * static_cast<double>(rest->GetNumberOfLines()));
+    FFD_CHECK(segments >= static_cast<double>(rest->GetNumberOfLines()));
+    FFD_CHECK(segments < 8.0 * static_cast<double>(rest->GetNumberOfLines()));
     for (vtkIdType i = 0; i < rest->GetNumberOfPoints(); ++i)
     {
       passed += Value(rest->GetPointData(), "Passed", i);
@@ -356,7 +356,7 @@ int TestChangesAndBadInput()
 
 int TestFFDRayTracer(int, char*[])
 {
-  return TestVertices() || TestAgainstPicture() || TestPieces() || TestChangesAndBadInput()
+  return TestVertices() || TestAgainstPicture() || TestSegments() || TestChangesAndBadInput()
     ? EXIT_FAILURE
     : EXIT_SUCCESS;
 }

@@ -68,7 +68,7 @@ int TestImageSampleDistance(int argc, char* argv[])
 
   // An interactor style asks for its update rates when interaction starts and ends.
   scene.Ours->AutoAdjustSampleDistancesOn();
-  // Far apart rays bend in shorter pieces, which are sampled once at least.
+  // Far apart rays bend in shorter segments, which are sampled once at least.
   scene.Ours->SetMaximumImageSampleDistance(3.0);
   scene.Ours->SetInteractiveSampleDistance(2.0 * voxel);
   vtkNew<vtkRenderWindowInteractor> interactor;

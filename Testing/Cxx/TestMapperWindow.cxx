@@ -34,7 +34,7 @@ int TestSampleDistances()
   const double quick = static_cast<double>(RaysAt(scene, 1e9));
   FFD_CHECK(still > 500.0 && quick > still / 30.0 && quick < still / 10.0);
   FFD_CHECK(counts->GetSamplesPerRay() < 0.7 * stillSamples); // two voxels between samples
-  // Without deformation: its shorter pieces are sampled once each, however large the distance.
+  // Without deformation: its shorter segments are sampled once each, however large the distance.
   m->SetDeformation(nullptr);
   RaysAt(scene, 1e9);
   const double twoVoxels = counts->GetSamplesPerRay();

@@ -190,15 +190,15 @@ void CheckScalarTypes(
   scene.Property->ShadeOn();
 }
 
-/// Undeformed, samples are a sample distance apart even where pieces of rays are shorter.
+/// Undeformed, samples are a sample distance apart even where segments of rays are shorter.
 void CheckLongSteps(ffdTest::Scene& scene, double voxel, ffdTest::Checks& checks)
 {
   scene.SetSampleDistance(3.0 * voxel);
   const double usual = scene.Ours->GetMaximumSegmentLength();
   ffdTest::Picture longest;
-  for (const double pieces : { usual, 2.0, 0.7 })
+  for (const double segments : { usual, 2.0, 0.7 })
   {
-    scene.Ours->SetMaximumSegmentLength(pieces);
+    scene.Ours->SetMaximumSegmentLength(segments);
     for (const bool reference : { false, true })
     {
       scene.Ours->SetReferenceKernels(reference);
@@ -206,8 +206,8 @@ void CheckLongSteps(ffdTest::Scene& scene, double voxel, ffdTest::Checks& checks
       longest = longest.Rgb.empty() ? picture : longest;
       const ffdTest::Distance d = scene.Compare(picture, longest);
       checks.Expect(d.Pixels > 3000 && d.Mean <= 0.1,
-        "long steps, pieces of " + std::to_string(pieces) + (reference ? ", reference" : ""),
-        ffdTest::ToString(d) + " from long pieces (mean at most 0.1)");
+        "long steps, segments of " + std::to_string(segments) + (reference ? ", reference" : ""),
+        ffdTest::ToString(d) + " from long segments (mean at most 0.1)");
     }
   }
   scene.Ours->ReferenceKernelsOff();
@@ -270,7 +270,7 @@ int TestSamePicture(int argc, char* argv[])
     if (!shape.Folds)
     {
       // The default bound on the error of positions is small enough to see nothing of it: samples
-      // lie where they lie, whatever the pieces are.
+      // lie where they lie, whatever the segments are.
       const double tolerance = scene.Ours->GetPositionTolerance();
       scene.Ours->SetPositionTolerance(0.1);
       const ffdTest::Picture coarse = scene.RenderToImage();

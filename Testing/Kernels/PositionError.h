@@ -112,8 +112,8 @@ public:
     this->Cast.VoxelSize = voxel;
     this->Settings.Leaping = ffd::SpaceLeaping::Off;
     this->Settings.SampleDistance = voxel;
-    this->Settings.Pieces.Longest = 64.0 * voxel;
-    this->Settings.Pieces.Shortest = 0.5 * voxel;
+    this->Settings.ErrorBound.LongestSegment = 64.0 * voxel;
+    this->Settings.ErrorBound.ShortestSegment = 0.5 * voxel;
   }
 
   void SetCamera(const glm::dmat4& dataToNdc, int pixels)

@@ -87,7 +87,7 @@ public:
     this->Scene.Material.Lights.push_back(headlight);
     this->Settings.Shade = true;
     this->Settings.TerminationTransmittance = 1.0f / 255.0f;
-    this->Settings.Pieces.PositionTolerance = 0.01;
+    this->Settings.ErrorBound.PositionTolerance = 0.01;
     this->SetDeformation(0.0, PullBackKind::Exact);
   }
 
@@ -375,7 +375,7 @@ TEST(PacketCaster, Faces)
       scene.SetLeastVisible(-60.0);
       scene.SetDeformation(size, PullBackKind::Exact);
       scene.SetCamera(true, 64, 64);
-      scene.Settings.Pieces.PositionTolerance = 0.001;
+      scene.Settings.ErrorBound.PositionTolerance = 0.001;
       // Single precision takes a sample at a face for inside or outside.
       ExpectSamePicture(scene, 40.0);
     }
@@ -715,7 +715,7 @@ TEST(PacketCaster, NothingIsEvaluatedWhereNothingCanBeSeen)
   }
 }
 
-TEST(PacketCaster, QuartersOfTiles)
+TEST(PacketCaster, Subtiles)
 {
   TestScene scene(ScalarType::UInt8, 4);
   scene.SetDeformation(2.0, PullBackKind::Exact);

@@ -42,7 +42,7 @@ TEST(PositionError, IsWithinTheTolerance)
     positionError::Scene scene(field, kind, extent, random.Integer(40, 400));
     scene.SetCamera(positionError::MakeCamera(random, extent), 64 << random.Integer(0, 3));
     const double tolerance = i % 4 == 3 ? 0.02 : 0.1;
-    scene.Settings.Pieces.PositionTolerance = tolerance;
+    scene.Settings.ErrorBound.PositionTolerance = tolerance;
     positionError::Tally tally;
     scene.Measure(random, static_cast<std::size_t>(samples), tally);
     const double rays = static_cast<double>(std::max<std::int64_t>(1, tally.Statistics.Rays));

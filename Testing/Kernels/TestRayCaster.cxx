@@ -199,7 +199,7 @@ TEST(RayCaster, DeformedIsThePullBackOfEverySample)
     Stage stage(volume, &field, kinds[run % 3], Ramp());
     stage.Settings.Segments = run % 2 ? Segmentation::GreedyAngle : Segmentation::ErrorBound;
     stage.Settings.SampleDistance = 0.1;
-    stage.Settings.Pieces.PositionTolerance = 0.01;
+    stage.Settings.ErrorBound.PositionTolerance = 0.01;
     stage.Settings.Polyline.AngleThreshold = 0.01;
     Compare(stage.Render(), stage.Integrate(volume, 0.1), 2e-3, 2e-2);
   }
@@ -448,7 +448,7 @@ TEST(RayCaster, IsosurfacesOfALinearField)
         Stage stage(volume, &field, PullBackKind::Exact, table);
         SetBlend(stage, BlendMode::Isosurface);
         stage.Settings.Reference = kind == 0;
-        stage.Settings.Pieces.PositionTolerance = 1e-3;
+        stage.Settings.ErrorBound.PositionTolerance = 1e-3;
         stage.Settings.Segments = kind == 1 ? Segmentation::GreedyAngle : Segmentation::ErrorBound;
         stage.Settings.SampleDistance = step;
         stage.Settings.Shade = true;

@@ -110,9 +110,9 @@ private:
   CameraView Camera;
 };
 
-double OpacityOf(const SampleClassifier::Look& look, double length)
+double OpacityOf(const SampleClassifier::Appearance& sample, double length)
 {
-  return 1.0 - std::exp2(-static_cast<double>(look.Extinction) * length);
+  return 1.0 - std::exp2(-static_cast<double>(sample.Extinction) * length);
 }
 
 struct Fixture
@@ -132,7 +132,7 @@ struct Fixture
     headlight.Ambient = glm::vec3(1.0f);
     this->Lights.Lights.push_back(headlight);
   }
-  SampleClassifier::Look Look(const glm::dvec3& q)
+  SampleClassifier::Appearance Classify(const glm::dvec3& q)
   {
     const SampleClassifier classifier(this->Inputs);
     double values[SampleClassifier::LargestNumberOfComponents];
@@ -159,9 +159,9 @@ TEST(SampleClassifier, OnePlainComponentIsItsTable)
   EXPECT_TRUE(classifier.IsPlain());
   for (double x = 0.0; x <= 3.0; x += 0.3)
   {
-    const SampleClassifier::Look look = f.Look({ x, 1.5, 1.5 });
-    EXPECT_NEAR(OpacityOf(look, 1.0), 0.8 * x / 3.0, 1e-5);
-    ExpectColor(look.Color, glm::dvec3(1.0, 0.5, 0.25) * (x / 3.0));
+    const SampleClassifier::Appearance sample = f.Classify({ x, 1.5, 1.5 });
+    EXPECT_NEAR(OpacityOf(sample, 1.0), 0.8 * x / 3.0, 1e-5);
+    ExpectColor(sample.Color, glm::dvec3(1.0, 0.5, 0.25) * (x / 3.0));
     const glm::vec4 value = classifier.ClassifyValue(0, x / 3.0);
     EXPECT_NEAR(value.a, 0.8 * x / 3.0, 1e-5);
   }
@@ -181,16 +181,16 @@ TEST(SampleClassifier, IndependentComponentsAddUpAsInVtk)
   f.Functions.Components[1].Table = Constant({ 0.0f, 1.0f, 0.4f }, 0.51f);
   f.Functions.Components[1].Weight = 0.5f;
   EXPECT_FALSE(SampleClassifier(f.Inputs).IsPlain());
-  const SampleClassifier::Look look = f.Look(glm::dvec3(1.5));
+  const SampleClassifier::Appearance sample = f.Classify(glm::dvec3(1.5));
   const double opacity = (0.6 * 0.6 + 0.15 * 0.15) / 0.75;
-  EXPECT_NEAR(OpacityOf(look, length), opacity, 1e-5);
-  ExpectColor(
-    look.Color * static_cast<float>(opacity), glm::dvec3(0.6, 0.15, 0.2 * 0.6 + 0.4 * 0.15), 1e-5);
+  EXPECT_NEAR(OpacityOf(sample, length), opacity, 1e-5);
+  ExpectColor(sample.Color * static_cast<float>(opacity),
+    glm::dvec3(0.6, 0.15, 0.2 * 0.6 + 0.4 * 0.15), 1e-5);
 
   f.Functions.Components[0].Weight = 0.0f;
-  EXPECT_NEAR(OpacityOf(f.Look(glm::dvec3(1.5)), length), 0.15, 1e-5);
+  EXPECT_NEAR(OpacityOf(f.Classify(glm::dvec3(1.5)), length), 0.15, 1e-5);
   f.Functions.Components[1].Weight = 0.0f;
-  EXPECT_EQ(f.Look(glm::dvec3(1.5)).Extinction, 0.0f);
+  EXPECT_EQ(f.Classify(glm::dvec3(1.5)).Extinction, 0.0f);
 }
 
 TEST(SampleClassifier, EachComponentHasItsOwnSurfaceAndNormal)
@@ -210,14 +210,14 @@ TEST(SampleClassifier, EachComponentHasItsOwnSurfaceAndNormal)
   const glm::dvec3 q(2.5);
   f.Functions.Components[0].Shade = true;
   f.Functions.Components[1].Weight = 0.0f;
-  ExpectColor(f.Look(q).Color, glm::dvec3(0.75));
+  ExpectColor(f.Classify(q).Color, glm::dvec3(0.75));
   f.Functions.Components[0].Surface.Diffuse = 0.125f;
-  ExpectColor(f.Look(q).Color, glm::dvec3(0.375));
+  ExpectColor(f.Classify(q).Color, glm::dvec3(0.375));
   f.Functions.Components[0].Weight = 0.0f;
   f.Functions.Components[1].Weight = 1.0f;
-  ExpectColor(f.Look(q).Color, glm::dvec3(1.0));
+  ExpectColor(f.Classify(q).Color, glm::dvec3(1.0));
   f.Functions.Components[1].Shade = true;
-  ExpectColor(f.Look(q).Color, glm::dvec3(0.25));
+  ExpectColor(f.Classify(q).Color, glm::dvec3(0.25));
 }
 
 TEST(SampleClassifier, GradientOpacityOfALinearField)
@@ -236,14 +236,14 @@ TEST(SampleClassifier, GradientOpacityOfALinearField)
   f.Inputs.ReferenceLength = 1.0;
   EXPECT_FALSE(SampleClassifier(f.Inputs).IsPlain());
   // 1 - (1 - 0.75)^(1 / 2) = 0.5 is what the factor is multiplied to.
-  EXPECT_NEAR(OpacityOf(f.Look(glm::dvec3(3.3)), 1.0), 0.5 * magnitude / 0.2, 1e-6);
+  EXPECT_NEAR(OpacityOf(f.Classify(glm::dvec3(3.3)), 1.0), 0.5 * magnitude / 0.2, 1e-6);
   // Beyond the largest magnitude the last factor holds; none leaves the opacity as it is.
   f.Functions.Components[0].Gradients = GradientOpacity({ 0.0f, 0.5f }, 0.5 * magnitude);
-  EXPECT_NEAR(OpacityOf(f.Look(glm::dvec3(3.3)), 1.0), 0.25, 1e-6);
+  EXPECT_NEAR(OpacityOf(f.Classify(glm::dvec3(3.3)), 1.0), 0.25, 1e-6);
   f.Functions.Components[0].Gradients = GradientOpacity({ 0.0f, 0.0f }, 1.0);
-  EXPECT_EQ(f.Look(glm::dvec3(3.3)).Extinction, 0.0f);
+  EXPECT_EQ(f.Classify(glm::dvec3(3.3)).Extinction, 0.0f);
   f.Functions.Components[0].Gradients = GradientOpacity();
-  EXPECT_NEAR(OpacityOf(f.Look(glm::dvec3(3.3)), 2.0), 0.75, 1e-6);
+  EXPECT_NEAR(OpacityOf(f.Classify(glm::dvec3(3.3)), 2.0), 0.75, 1e-6);
 }
 
 TEST(SampleClassifier, DependentComponents)
@@ -255,17 +255,17 @@ TEST(SampleClassifier, DependentComponents)
   f.Functions.Components[0].Table = Ramp(glm::vec3(0.0f), 0.9);
   f.Functions.Kind = ComponentKind::Rgba;
   f.Functions.ColorScale = 1.0 / 255.0;
-  SampleClassifier::Look look = f.Look({ 1.0, 1.0, 1.5 });
-  ExpectColor(look.Color, glm::dvec3(50.0, 100.0, 150.0) / 255.0);
-  EXPECT_NEAR(OpacityOf(look, 1.0), 0.45, 1e-5);
+  SampleClassifier::Appearance sample = f.Classify({ 1.0, 1.0, 1.5 });
+  ExpectColor(sample.Color, glm::dvec3(50.0, 100.0, 150.0) / 255.0);
+  EXPECT_NEAR(OpacityOf(sample, 1.0), 0.45, 1e-5);
 
   // The luminance of three.
   f.Inputs.Volume.Components = 3;
   f.Functions.Kind = ComponentKind::Rgb;
   f.Functions.Components[0].Table = TransferTable(0.0, 200.0, 2, std::vector<float>(6, 0.0f).data(),
     std::vector<float>({ 0.3f, 0.3f }).data(), 1.0);
-  look = f.Look({ 1.0, 1.0, 1.5 });
-  EXPECT_NEAR(OpacityOf(look, 1.0), 0.3, 1e-5);
+  sample = f.Classify({ 1.0, 1.0, 1.5 });
+  EXPECT_NEAR(OpacityOf(sample, 1.0), 0.3, 1e-5);
   MinMaxBlocks::Limits limits[3] = { { 50.0, 50.0 }, { 100.0, 100.0 }, { 150.0, 150.0 } };
   EXPECT_FALSE(f.Functions.IsTransparent(limits));
 
@@ -276,9 +276,9 @@ TEST(SampleClassifier, DependentComponents)
   f.Functions.Kind = ComponentKind::ColorOpacity;
   f.Functions.Colors = Ramp({ 1.0f, 0.5f, 0.0f }, 1.0);
   f.Functions.Components[0].Table = Ramp(glm::vec3(0.0f), 0.6);
-  look = f.Look({ 2.0, 1.0, 1.0 });
-  ExpectColor(look.Color, glm::dvec3(2.0, 1.0, 0.0) / 3.0);
-  EXPECT_NEAR(OpacityOf(look, 1.0), 0.2, 1e-5);
+  sample = f.Classify({ 2.0, 1.0, 1.0 });
+  ExpectColor(sample.Color, glm::dvec3(2.0, 1.0, 0.0) / 3.0);
+  EXPECT_NEAR(OpacityOf(sample, 1.0), 0.2, 1e-5);
 }
 
 TEST(SampleClassifier, ChannelsOfDependentComponents)
@@ -297,9 +297,9 @@ TEST(SampleClassifier, ChannelsOfDependentComponents)
     EXPECT_EQ(classifier.GetNumberOfChannels(), 1);
     EXPECT_EQ(classifier.FindIntensity(0, values), 51.0);
     EXPECT_EQ(classifier.FindDensity(0, values), 0.5);
-    const glm::vec4 look = classifier.ClassifyValues(0, values);
-    ExpectColor(glm::vec3(look), glm::dvec3(0.2, 0.4, 0.8));
-    EXPECT_NEAR(look.a, 0.4, 1e-5);
+    const glm::vec4 sample = classifier.ClassifyValues(0, values);
+    ExpectColor(glm::vec3(sample), glm::dvec3(0.2, 0.4, 0.8));
+    EXPECT_NEAR(sample.a, 0.4, 1e-5);
     // A color that is not a number is black.
     const double hole[4] = { NaN, 102.0, 900.0, 0.5 };
     ExpectColor(glm::vec3(classifier.ClassifyValues(0, hole)), glm::dvec3(0.0, 0.4, 1.0));
@@ -334,9 +334,9 @@ TEST(SampleClassifier, ChannelsOfDependentComponents)
     EXPECT_EQ(classifier.GetNumberOfChannels(), 1);
     EXPECT_EQ(classifier.FindIntensity(0, two), 0.5);
     EXPECT_EQ(classifier.FindDensity(0, two), 0.25);
-    const glm::vec4 look = classifier.ClassifyValues(0, two);
-    ExpectColor(glm::vec3(look), glm::dvec3(0.5, 0.25, 0.0));
-    EXPECT_NEAR(look.a, 0.2, 1e-5);
+    const glm::vec4 sample = classifier.ClassifyValues(0, two);
+    ExpectColor(glm::vec3(sample), glm::dvec3(0.5, 0.25, 0.0));
+    EXPECT_NEAR(sample.a, 0.2, 1e-5);
   }
   f.Functions.Kind = ComponentKind::Independent;
   f.Functions.Components.resize(2);
@@ -346,9 +346,9 @@ TEST(SampleClassifier, ChannelsOfDependentComponents)
     EXPECT_EQ(classifier.GetNumberOfChannels(), 2);
     EXPECT_EQ(classifier.FindIntensity(1, values), 102.0);
     EXPECT_EQ(classifier.FindDensity(1, values), 102.0);
-    const glm::vec4 look = classifier.ClassifyValues(1, values);
-    ExpectColor(glm::vec3(look), glm::dvec3(0.0, 1.0, 0.0));
-    EXPECT_NEAR(look.a, 0.6, 1e-5);
+    const glm::vec4 sample = classifier.ClassifyValues(1, values);
+    ExpectColor(glm::vec3(sample), glm::dvec3(0.0, 1.0, 0.0));
+    EXPECT_NEAR(sample.a, 0.6, 1e-5);
   }
 }
 
@@ -364,22 +364,22 @@ TEST(SampleClassifier, TransferPlaneOverTheGradientOrAnotherArray)
   f.Functions.Components[0].Plane = TransferPlane(2, 2, texels, { 0.1, 0.0 }, { 0.3, 0.2 }, false);
   EXPECT_FALSE(SampleClassifier(f.Inputs).IsPlain());
   // x: scalar 0.2, half way; y: magnitude 0.1, half way.
-  SampleClassifier::Look look = f.Look({ 2.0, 2.0, 2.0 });
-  EXPECT_NEAR(OpacityOf(look, 1.0), 0.5, 1e-5);
-  ExpectColor(look.Color, { 0.5, 0.5, 0.5 });
+  SampleClassifier::Appearance sample = f.Classify({ 2.0, 2.0, 2.0 });
+  EXPECT_NEAR(OpacityOf(sample, 1.0), 0.5, 1e-5);
+  ExpectColor(sample.Color, { 0.5, 0.5, 0.5 });
   // First column.
-  look = f.Look({ 1.0, 2.0, 2.0 });
-  EXPECT_NEAR(OpacityOf(look, 1.0), 0.4, 1e-5);
+  sample = f.Classify({ 1.0, 2.0, 2.0 });
+  EXPECT_NEAR(OpacityOf(sample, 1.0), 0.4, 1e-5);
 
   f.Inputs.SecondAxis = other.View;
   f.Functions.Components[0].Plane = TransferPlane(2, 2, texels, { 0.1, 1.0 }, { 0.3, 3.0 }, false);
-  look = f.Look({ 1.0, 0.5, 2.0 });
-  EXPECT_NEAR(OpacityOf(look, 1.0), 0.2, 1e-5);
-  look = f.Look({ 1.0, 3.0, 2.0 });
-  EXPECT_NEAR(OpacityOf(look, 1.0), 0.6, 1e-5);
+  sample = f.Classify({ 1.0, 0.5, 2.0 });
+  EXPECT_NEAR(OpacityOf(sample, 1.0), 0.2, 1e-5);
+  sample = f.Classify({ 1.0, 3.0, 2.0 });
+  EXPECT_NEAR(OpacityOf(sample, 1.0), 0.6, 1e-5);
   f.Functions.Components[0].Plane = TransferPlane(2, 2, texels, { 0.1, 1.0 }, { 0.3, 3.0 }, true);
-  look = f.Look({ 1.9, 1.9, 2.0 });
-  EXPECT_NEAR(OpacityOf(look, 1.0), 0.2, 1e-5);
+  sample = f.Classify({ 1.9, 1.9, 2.0 });
+  EXPECT_NEAR(OpacityOf(sample, 1.0), 0.2, 1e-5);
 }
 
 TEST(SampleClassifier, TransparentPlanesAreTransparentOverTheirSecondAxis)
@@ -421,9 +421,9 @@ TEST(SampleClassifier, LabelsReplaceOrBlend)
   f.Inputs.Mask.Volume = labels.View;
   f.Inputs.Mask.Labels = true;
   const auto check = [&](double x, const glm::dvec3& color, double opacity) {
-    const SampleClassifier::Look look = f.Look({ x, 1.0, 1.0 });
-    ExpectColor(look.Color, color);
-    EXPECT_NEAR(OpacityOf(look, 1.0), opacity, 1e-5);
+    const SampleClassifier::Appearance sample = f.Classify({ x, 1.0, 1.0 });
+    ExpectColor(sample.Color, color);
+    EXPECT_NEAR(OpacityOf(sample, 1.0), opacity, 1e-5);
   };
   check(1.4, { 1.0, 0.0, 0.0 }, 0.2);
   check(1.6, { 0.0, 1.0, 0.0 }, 0.6);
@@ -543,7 +543,7 @@ TEST(SampleClassifier, GradientsBesideHiddenCells)
         if (!classifier.IsHidden(q))
         {
           ++shown;
-          ASSERT_NEAR(OpacityOf(f.Look(q), 1.0), 0.5 * glm::length(slope), 1e-4)
+          ASSERT_NEAR(OpacityOf(f.Classify(q), 1.0), 0.5 * glm::length(slope), 1e-4)
             << q.x << " " << q.y << " " << q.z;
         }
       }
@@ -622,8 +622,8 @@ TEST(SampleClassifier, RectilinearAxes)
   // Its gradient, too, up to the faces.
   for (const double at : { 0.0, 0.1, 1.3, 2.0, 5.8, 6.0 })
   {
-    const SampleClassifier::Look look = f.Look({ at, 3.0, at });
-    EXPECT_NEAR(OpacityOf(look, 1.0), 0.5 * glm::length(slope), 1e-5) << at;
+    const SampleClassifier::Appearance sample = f.Classify({ at, 3.0, at });
+    EXPECT_NEAR(OpacityOf(sample, 1.0), 0.5 * glm::length(slope), 1e-5) << at;
   }
 
   // Cells: their faces and centers. Each holds its own value at its center, and is nearest within.
@@ -651,11 +651,11 @@ TEST(SampleClassifier, WhatIsNotANumberShowsNothing)
   f.Functions.Components[0].Shade = true;
   f.Functions.Components[1].Shade = true;
   // The other component is seen.
-  const SampleClassifier::Look look = f.Look({ 1.5, 1.5, 1.5 });
-  EXPECT_NEAR(OpacityOf(look, 1.0), 0.25, 1e-5);
-  EXPECT_TRUE(std::isfinite(look.Color.r));
+  const SampleClassifier::Appearance sample = f.Classify({ 1.5, 1.5, 1.5 });
+  EXPECT_NEAR(OpacityOf(sample, 1.0), 0.25, 1e-5);
+  EXPECT_TRUE(std::isfinite(sample.Color.r));
   f.Functions.Components[0].Weight = 0.0f;
-  EXPECT_EQ(f.Look({ 1.5, 1.5, 1.5 }).Extinction, 0.0f);
+  EXPECT_EQ(f.Classify({ 1.5, 1.5, 1.5 }).Extinction, 0.0f);
 }
 
 TEST(Shading, LocalLightsFadeWithTheDistance)

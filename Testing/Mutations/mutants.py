@@ -202,8 +202,8 @@ MUTANTS = (
     Mutant(
         "material opacity: lengths are those of index coordinates",
         "term",
-        ": interval * glm::length(this->Frame->IndexToData * piece.Curve.Velocity(s));",
-        ": interval * glm::length(piece.Curve.Velocity(s));",
+        ": interval * glm::length(this->Frame->IndexToData * segment.Curve.Velocity(s));",
+        ": interval * glm::length(segment.Curve.Velocity(s));",
         kernels("RayCaster", "PacketCaster")),
     Mutant(
         "local lights: quadratic attenuation is linear",
@@ -250,9 +250,9 @@ MUTANTS = (
         "return hn::And(solved, hn::Or(kept, solved));",
         PACKETS + python("Folds") + kernels("PositionError")),
     Mutant(
-        "vectors: pieces are called empty without their error",
+        "vectors: segments are called empty without their error",
         "term",
-        "const float margin = (close ? 0.0f : piece.Error + tolerance) + Rounding;",
+        "const float margin = (close ? 0.0f : segment.Error + tolerance) + Rounding;",
         "const float margin = Rounding;",
         PACKETS + kernels("PositionError") + python("Folds", "Normals")),
     Mutant(

@@ -3,6 +3,7 @@
 #include "Bounds/FFDPullBackBounds.h"
 
 #include "FFDGridIndex.h"
+#include "FFDRounding.h"
 
 #include "Bounds/FFDForwardImage.h"
 #include "Bounds/FFDJacobianDeterminant.h"
@@ -213,9 +214,8 @@ void PullBackBounds::BoundInverse(
               break;
             }
           }
-          norms[this->CellIndex(cells.First + at)] = largest < Infinity
-            ? std::nextafter(static_cast<float>(largest), std::numeric_limits<float>::infinity())
-            : std::numeric_limits<float>::quiet_NaN();
+          norms[this->CellIndex(cells.First + at)] =
+            largest < Infinity ? RoundUp(largest) : std::numeric_limits<float>::quiet_NaN();
         }
       }
     });

@@ -14,10 +14,10 @@ namespace ffd
 {
 
 /**
- * Where the voxels of a rectilinear grid lie in the index coordinates of its VolumeView, which are
- * those of a grid of the same size and bounds with equal steps. Positions along rays are in these
- * index coordinates, since they are linear in space; only when a voxel is asked for are they looked
- * up.
+ * The positions of the voxels of a rectilinear grid in the index coordinates of its VolumeView,
+ * which are those of a grid of the same size and bounds with equal steps. Positions along rays are
+ * in these index coordinates, since they are linear in space; only when a voxel is asked for are
+ * they looked up.
  */
 class AxisMap
 {

@@ -3,6 +3,7 @@
 #include "FFDValuePeaks.h"
 
 #include "FFDGridIndex.h"
+#include "FFDRounding.h"
 
 #include <glm/common.hpp>
 
@@ -16,13 +17,6 @@ namespace
 {
 
 constexpr float Infinity = std::numeric_limits<float>::infinity();
-
-/// The least float that is not below a value.
-float RoundUp(double value)
-{
-  const float rounded = static_cast<float>(value);
-  return static_cast<double>(rounded) < value ? std::nextafter(rounded, Infinity) : rounded;
-}
 
 /// The largest of some cells of a grid, both ends included.
 float FindLargest(const std::vector<float>& peaks, const glm::ivec3& size, const glm::ivec3& first,

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef FFDTilePiece_h
-#define FFDTilePiece_h
+#ifndef FFDTileSegment_h
+#define FFDTileSegment_h
 
 #include <array>
 #include <cstddef>
@@ -17,63 +17,66 @@ constexpr int TileSide = 32;
 /// Nodes of an interpolant, along each axis of the image.
 constexpr int NodesPerSide = 4;
 constexpr int TileNodes = NodesPerSide * NodesPerSide;
-/// Layers of nodes along the rays: a quartic passes through them.
+/// Layers of nodes along the rays, through which a quartic passes.
 constexpr int TileLayers = 5;
-/// Pixels of a block, along each axis of the image: what is tested for emptiness together.
+/// Pixels, along each axis of the image, of a block: rays that share empty-space queries.
 constexpr int BlockSide = 4;
 constexpr int BlocksPerTile = (TileSide / BlockSide) * (TileSide / BlockSide);
-/// Parts of a piece that a block is tested in: a bit each.
+/// Largest number of the parts of a segment; an empty-space query covers a block in a part, and a
+/// bit holds its answer.
 constexpr int LargestNumberOfParts = 32;
-/// Parts that are tested at once.
+/// Parts that are queried together.
 constexpr int PartsAtOnce = 8;
 
 /// A vector at each of the 16 nodes, by component.
 using NodeVectors = std::array<std::array<float, TileNodes>, 3>;
 
 /**
- * The rays of a square of pixels over some of their samples, bent: where the pull-back is replaced
- * by an interpolant, bicubic over 4 x 4 nodes in the square and quartic along the rays.
+ * A segment of the deformed rays of a square of pixels: an interpolant that replaces the pull-back
+ * over some of their samples, bicubic over 4 x 4 nodes in the square and quartic along the rays. A
+ * segment whose interpolant is not close enough has children.
  */
-struct alignas(64) TilePiece
+struct alignas(64) TileSegment
 {
   enum class State : unsigned char
   {
-    Unknown,   ///< nobody has asked yet
-    Empty,     ///< nothing can be seen in it
+    Unknown,   ///< not found yet
+    Empty,     ///< nothing in it is visible
     Curves,    ///< the interpolant is close enough
     Halved,    ///< along the rays: two children
-    Quartered, ///< across them: four children
+    Quartered, ///< across the rays: four children
     PerSample  ///< each sample is pulled back by itself
   };
   State Known = State::Unknown;
   bool HasColumns = false;
   bool LeapsRays = false; ///< whether single rays leap in it, too
-  int Side = TileSide;    ///< pixels
-  int X = 0;              ///< first pixel, from that of the tile
+  int Side = TileSide;    ///< pixels along each side of the square
+  int X = 0;              ///< first pixel, relative to that of the tile
   int Y = 0;
   int FirstSample = 0; ///< samples n: t = (n + phase) * sample distance, phase in [0, 1)
   int Samples = 0;
   float T0 = 0.0f;           ///< t of the first sample at phase 0
   float Dt = 0.0f;           ///< to the end of the last interval
-  float Error = 0.0f;        ///< measured, with its safety factor, voxels
-  float ErrorBefore = 1e30f; ///< that of the parent, if the parent was halved
-  std::array<TilePiece*, 4> Children{};
+  float Error = 0.0f;        ///< of the interpolant, with the safety factor, voxels
+  float ErrorBefore = 1e30f; ///< Error of the parent, if the parent was halved
+  std::array<TileSegment*, 4> Children{};
 
   /// Terms of s^k at the nodes, index coordinates; s runs from 0 to 1.
   alignas(64) std::array<NodeVectors, TileLayers> Terms;
 
-  /// For each block of 4 x 4 pixels, x fastest: parts of the piece in which something may be seen,
-  /// and parts in which all that a sample and its gradient need lies between voxels; found front to
-  /// back.
+  /// For each block of 4 x 4 pixels, x fastest, a bit a part, found front to back. Needed:
+  /// something in the part may be visible. Inside: all voxels that samples and their gradients need
+  /// exist.
   alignas(64) std::array<std::uint32_t, BlocksPerTile> Needed;
   alignas(64) std::array<std::uint32_t, BlocksPerTile> Inside;
-  alignas(64) std::array<float, BlocksPerTile> SkippedParts; ///< before the next one to look at
+  alignas(64) std::array<float, BlocksPerTile> SkippedParts; ///< before the next query
   int SamplesPerPart = 1;
   int Parts = 0;
   int KnownParts = 0;
-  float Up[3];     ///< most that a ray moves along each axis from sample to sample, index units
-  float Down[3];   ///< the same the other way
-  float Radius[3]; ///< most that rays of a block are from its middle at the same s, index units
+  // Bounds, index units along each axis.
+  float Up[3];     ///< of the motion of a ray from sample to sample, in positive direction
+  float Down[3];   ///< of that in negative direction
+  float Radius[3]; ///< of the distance of the rays of a block from its middle at the same s
 
   /// Terms of s^k in the middle of each block; the fourth component is zero.
   alignas(64) std::array<std::array<std::array<float, 4>, BlocksPerTile>, TileLayers> MiddleTerms;
@@ -85,28 +88,28 @@ struct alignas(64) TilePiece
   alignas(64) std::array<ColumnTerms, TileLayers> ColumnSlopes;
 };
 
-/// The pieces of a tile, kept for the next one.
-class TilePiecePool
+/// Holds the segments of a tile, and keeps their memory for the next tile.
+class TileSegmentPool
 {
 public:
   void Clear() { this->Used = 0; }
 
-  /// A piece that stays where it is.
-  TilePiece& Add()
+  /// Adds a segment, whose address does not change.
+  TileSegment& Add()
   {
-    if (this->Used == this->Pieces.size())
+    if (this->Used == this->Segments.size())
     {
-      this->Pieces.emplace_back(new TilePiece);
+      this->Segments.emplace_back(new TileSegment);
     }
-    TilePiece& piece = *this->Pieces[this->Used++];
-    piece.Known = TilePiece::State::Unknown;
-    piece.HasColumns = false;
-    piece.ErrorBefore = 1e30f;
-    return piece;
+    TileSegment& segment = *this->Segments[this->Used++];
+    segment.Known = TileSegment::State::Unknown;
+    segment.HasColumns = false;
+    segment.ErrorBefore = 1e30f;
+    return segment;
   }
 
 private:
-  std::vector<std::unique_ptr<TilePiece>> Pieces;
+  std::vector<std::unique_ptr<TileSegment>> Segments;
   std::size_t Used = 0;
 };
 

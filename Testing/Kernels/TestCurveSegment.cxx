@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "FFDCurvePiece.h"
+#include "FFDCurveSegment.h"
 #include "RandomLattice.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 using namespace ffd;
 
-TEST(CurvePiece, ParabolaPassesThroughItsThreePoints)
+TEST(CurveSegment, ParabolaPassesThroughItsThreePoints)
 {
   RandomLattice random(1);
   for (int run = 0; run < 100; ++run)
@@ -19,15 +19,15 @@ TEST(CurvePiece, ParabolaPassesThroughItsThreePoints)
     const glm::dvec3 a = random.Vector(-9.0, 9.0);
     const glm::dvec3 m = random.Vector(-9.0, 9.0);
     const glm::dvec3 b = random.Vector(-9.0, 9.0);
-    const CurvePiece piece = CurvePiece::Parabola(a, m, b);
-    ASSERT_LE(glm::length(piece.At(0.0) - a), 1e-12);
-    ASSERT_LE(glm::length(piece.At(0.5) - m), 1e-12);
-    ASSERT_LE(glm::length(piece.At(1.0) - b), 1e-12);
+    const CurveSegment segment = CurveSegment::Parabola(a, m, b);
+    ASSERT_LE(glm::length(segment.At(0.0) - a), 1e-12);
+    ASSERT_LE(glm::length(segment.At(0.5) - m), 1e-12);
+    ASSERT_LE(glm::length(segment.At(1.0) - b), 1e-12);
     const double h = 1e-6;
     const double s = random.Number(0.1, 0.9);
     ASSERT_LE(
-      glm::length(piece.Velocity(s) - (piece.At(s + h) - piece.At(s - h)) / (2.0 * h)), 1e-7);
-    const CurvePiece line = CurvePiece::Line(a, b);
+      glm::length(segment.Velocity(s) - (segment.At(s + h) - segment.At(s - h)) / (2.0 * h)), 1e-7);
+    const CurveSegment line = CurveSegment::Line(a, b);
     ASSERT_LE(glm::length(line.At(0.25) - (0.75 * a + 0.25 * b)), 1e-12);
     ASSERT_EQ(line.Velocity(0.7), b - a);
   }
@@ -59,7 +59,7 @@ TEST(ScheduleWithRemainder, WholeIntervalsAndTheRest)
   EXPECT_DOUBLE_EQ(collapsed.Position(0), 0.0);
 }
 
-TEST(ScheduleWithRemainder, IntervalsFillThePiece)
+TEST(ScheduleWithRemainder, IntervalsFillTheSegment)
 {
   RandomLattice random(2);
   for (int run = 0; run < 2000; ++run)

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef FFDCurvePiece_h
-#define FFDCurvePiece_h
+#ifndef FFDCurveSegment_h
+#define FFDCurveSegment_h
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -15,11 +15,11 @@ namespace ffd
 {
 
 /**
- * A piece of a deformed ray: a quartic Q(s), 0 <= s <= 1, in index coordinates of the volume. Both
- * segmentations hand their pieces to the sampler in this form; the paper's polyline has linear
- * ones.
+ * A segment of one deformed ray: a quartic Q(s), 0 <= s <= 1, in index coordinates of the volume.
+ * Both segmentations hand their segments to the sampler in this form; those of the paper's polyline
+ * are linear.
  */
-struct CurvePiece
+struct CurveSegment
 {
   static constexpr int NumberOfTerms = 5;
   glm::dvec3 Terms[NumberOfTerms] = {}; ///< of s^0 to s^4
@@ -34,7 +34,7 @@ struct CurvePiece
     return this->Terms[1] +
       s * (2.0 * this->Terms[2] + s * (3.0 * this->Terms[3] + (4.0 * s) * this->Terms[4]));
   }
-  /// Whether it is a line that is run through evenly.
+  /// Whether it is a line with constant velocity.
   bool IsLine() const
   {
     const double rest =
@@ -42,23 +42,23 @@ struct CurvePiece
     return rest <= 1e-12 * glm::length(this->Terms[1]);
   }
 
-  static CurvePiece Line(const glm::dvec3& a, const glm::dvec3& b) { return { { a, b - a } }; }
+  static CurveSegment Line(const glm::dvec3& a, const glm::dvec3& b) { return { { a, b - a } }; }
 
   /// The parabola through the positions at s = 0, 1/2 and 1.
-  static CurvePiece Parabola(const glm::dvec3& a, const glm::dvec3& middle, const glm::dvec3& b)
+  static CurveSegment Parabola(const glm::dvec3& a, const glm::dvec3& middle, const glm::dvec3& b)
   {
     const glm::dvec3 linear = 4.0 * middle - 3.0 * a - b;
     return { { a, linear, b - a - linear } };
   }
 };
 
-/// A piece is sampled at most so often: what is left of lengths that make no sense.
+/// The largest number of samples of a segment, a guard against lengths that make no sense.
 constexpr int LargestSampleCount = 1 << 20;
 
 /**
- * Where a piece is sampled: Count intervals from First + i * Step on, of length Step, the last one
- * of LastInterval (all in the parameter s of the piece), each by a position Jitter of its length
- * behind its start.
+ * The sample positions of a segment: Count intervals that begin at First + i * Step and have length
+ * Step, the last one LastInterval (all in the parameter s of the segment). Each interval is sampled
+ * Jitter times its length behind its start.
  */
 struct SampleSchedule
 {
@@ -78,14 +78,14 @@ struct SampleSchedule
 /**
  * The rule of section 4.4 of the paper: samples at the start of intervals of `sampleDistance` and
  * one more for the remainder, which the caller corrects the opacity of. `length` is the length of
- * the piece in the unit of `sampleDistance`.
+ * the segment in the unit of `sampleDistance`.
  */
 inline SampleSchedule ScheduleWithRemainder(
   double length, double sampleDistance, double jitter = 0.0)
 {
   SampleSchedule schedule;
   schedule.Jitter = jitter;
-  // In this order what is not a number becomes the limit.
+  // In this order of arguments a NaN becomes the limit.
   const double count = std::min<double>(LargestSampleCount, length / sampleDistance);
   if (!(count < LargestSampleCount))
   {
@@ -94,7 +94,7 @@ inline SampleSchedule ScheduleWithRemainder(
     schedule.LastInterval = schedule.Step;
     return schedule;
   }
-  // A remainder of rounding errors is none.
+  // A remainder of rounding errors does not count.
   const double whole = std::floor(count + 1e-6);
   const double remainder = length - whole * sampleDistance;
   const bool extra = remainder > 1e-6 * sampleDistance;
@@ -103,7 +103,7 @@ inline SampleSchedule ScheduleWithRemainder(
   schedule.LastInterval = extra ? remainder / length : schedule.Step;
   if (schedule.Count == 0)
   {
-    // A piece that collapsed to a point in rest space still has a length in deformed space.
+    // A segment that collapsed to a point in rest space still has a length in deformed space.
     schedule.Count = 1;
     schedule.LastInterval = 1.0;
   }

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// The pieces that the rays of a tile are cut into. Included once per target of Highway.
-#if defined(FFD_SIMD_PIECES_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef FFD_SIMD_PIECES_INL_H_
-#undef FFD_SIMD_PIECES_INL_H_
+// Cuts the rays of a tile into segments. Included once per target of Highway.
+#if defined(FFD_SIMD_SEGMENT_TREES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef FFD_SIMD_SEGMENT_TREES_INL_H_
+#undef FFD_SIMD_SEGMENT_TREES_INL_H_
 #else
-#define FFD_SIMD_PIECES_INL_H_
+#define FFD_SIMD_SEGMENT_TREES_INL_H_
 #endif
 
 #include "FFDPacketCaster.h"
@@ -53,35 +53,36 @@ struct NodeRays
   }
 };
 
-/// Columns and rows of the nodes, from the first to the last.
+/// Positions of the columns and rows of nodes in the square, 0 to 1.
 constexpr float NodeAt[4] = { 0.0f, 1.0f / 3.0f, 2.0f / 3.0f, 1.0f };
 
-/// Points between the nodes where errors are measured: columns and rows, and where along the rays.
+/// Check points between the nodes: their columns and rows in the square, and s along the rays.
 struct CheckSet
 {
   float Across[4];
   float Along[4];
 };
-/// The first is about where interpolants of smooth functions have their largest errors.
+/// The points of the first set are near the largest errors of interpolants of smooth functions.
 constexpr CheckSet CheckSets[3] = { { { 0.12f, 0.39f, 0.61f, 0.88f },
                                       { 0.08f, 0.36f, 0.64f, 0.94f } },
   { { 0.06f, 0.22f, 0.5f, 0.93f }, { 0.04f, 0.19f, 0.55f, 0.98f } },
   { { 0.17f, 0.45f, 0.79f, 0.96f }, { 0.13f, 0.45f, 0.72f, 0.88f } } };
 
 /**
- * The pieces of a tile: a tree that is made front to back as rays ask for it, so that nothing is
- * evaluated behind the point where all of them have ended. Where pieces begin and end depends on
- * the tile and the deformation alone, and samples do not depend on the pieces.
+ * Cuts the rays of a tile into segments. The longest segments are the roots of trees, which grow
+ * front to back as rays reach them, so that nothing is evaluated behind the point where all rays
+ * have ended. Where segments begin and end depends on the tile and the deformation alone; where
+ * samples lie does not depend on the segments.
  *
- * In a piece the pull-back is replaced by an interpolant whose nodes are exact. Its error is
- * measured on itself, by the length of a Newton step at points between the nodes, times a safety
- * factor. A piece that is not close enough is halved along the rays or quartered across them.
+ * In a segment an interpolant with exact nodes replaces the pull-back. Its error is measured as the
+ * length of a Newton step at check points between the nodes, times a safety factor. A segment whose
+ * error is too large is halved along the rays or quartered across them.
  */
-class TilePieces
+class SegmentTrees
 {
 public:
   /// (x0, y0): first pixel of the tile. `near` and `far` are kept by pointer.
-  TilePieces(const PacketScene& scene, PacketScratch& scratch, const ImageMap& near,
+  SegmentTrees(const PacketScene& scene, PacketScratch& scratch, const ImageMap& near,
     const ImageMap& far, int x0, int y0)
     : Scene(scene)
     , Scratch(scratch)
@@ -90,14 +91,14 @@ public:
     , X0(x0)
     , Y0(y0)
   {
-    scratch.Pieces.Clear();
-    scratch.Tops.clear();
+    scratch.Segments.Clear();
+    scratch.Roots.clear();
   }
 
-  /// Range of t of all rays of the tile.
+  /// Sets the range of t of all rays of the tile.
   void Start(float tMin, float tMax)
   {
-    const double length = this->Scene.SamplesPerTop * this->Scene.Settings.SampleDistance;
+    const double length = this->Scene.SamplesPerRoot * this->Scene.Settings.SampleDistance;
     this->First = static_cast<int>(std::floor(static_cast<double>(tMin) / length));
     this->Last = static_cast<int>(std::floor(static_cast<double>(tMax) / length));
   }
@@ -109,46 +110,47 @@ public:
   int GetFirst() const { return this->First; }
   int GetLast() const { return this->Last; }
 
-  /// Top of the tree number `index`, First to Last.
-  HWY_INLINE TilePiece& GetTop(int index)
+  /// The root number `index`, GetFirst() to GetLast().
+  HWY_INLINE TileSegment& GetRoot(int index)
   {
     const std::size_t at = static_cast<std::size_t>(index - this->First);
-    while (this->Scratch.Tops.size() <= at)
+    while (this->Scratch.Roots.size() <= at)
     {
-      this->AddTop();
+      this->AddRoot();
     }
-    return *this->Scratch.Tops[at];
+    return *this->Scratch.Roots[at];
   }
 
-  /// What a piece is: found on first use.
-  HWY_INLINE TilePiece::State Find(TilePiece& piece)
+  /// The state of a segment, found on first use.
+  HWY_INLINE TileSegment::State Find(TileSegment& segment)
   {
-    if (HWY_UNLIKELY(piece.Known == TilePiece::State::Unknown))
+    if (HWY_UNLIKELY(segment.Known == TileSegment::State::Unknown))
     {
-      this->Expand(piece);
+      this->Expand(segment);
     }
-    return piece.Known;
+    return segment.Known;
   }
 
-  /// TilePiece::Needed and Inside of a part.
-  HWY_INLINE void NeedPart(TilePiece& piece, int part)
+  /// Makes TileSegment::Needed and Inside of a part known.
+  HWY_INLINE void NeedPart(TileSegment& segment, int part)
   {
-    while (HWY_UNLIKELY(piece.KnownParts <= part))
+    while (HWY_UNLIKELY(segment.KnownParts <= part))
     {
-      this->FindMoreParts(piece);
+      this->FindMoreParts(segment);
     }
   }
 
-  /// TilePiece::Columns, found on first use.
-  HWY_INLINE void NeedColumns(TilePiece& piece)
+  /// Makes TileSegment::Columns known.
+  HWY_INLINE void NeedColumns(TileSegment& segment)
   {
-    if (HWY_UNLIKELY(!piece.HasColumns))
+    if (HWY_UNLIKELY(!segment.HasColumns))
     {
-      this->FindColumns(piece);
+      this->FindColumns(segment);
     }
   }
 
-  /// Of the packet at (x, y) of the tile, whose pixels are in `rows` from y on.
+  /// The spread of the rays of the packet at (x, y) of the tile, whose pixels are in `rows` from y
+  /// on.
   HWY_NOINLINE RaySpread FindSpread(int x, int y, Vf rows, const RayPacket& rays) const
   {
     const Df d;
@@ -166,37 +168,38 @@ public:
 private:
   using Layers = std::array<NodeVectors, TileLayers>;
 
-  /// Newton steps at the points of check are multiplied by this, to stand for those between them.
+  /// The largest Newton step at the check points times this stands for the largest of all points.
   static constexpr float SafetyFactor = 2.0f;
-  /// An error that is larger is not known well, voxels.
+  /// Errors above this are not known well, voxels.
   static constexpr float LargestKnownError = 20.0f;
-  /// Halving has not helped where it leaves more than this of an error.
+  /// Halving has not helped if more than this part of the error is left.
   static constexpr float LittleHelp = 0.3f;
-  /// What the derivatives of an interpolant may be wrong by, of their size; and the part of the
-  /// tolerance of positions below which they are not looked at.
+  /// Largest relative error of the derivatives of an interpolant; they are not checked where the
+  /// error of positions is below FinestForSlopes times its tolerance.
   static constexpr float LargestSlopeError = 0.1f;
   static constexpr float FinestForSlopes = 0.1f;
   static constexpr int SmallestSide = 4;
   static constexpr float Rounding = 0.01f;
-  /// Of a piece from what can be seen, voxels: so far its error may be as large.
-  static constexpr float FarAway = 4.0f;
+  /// Distance from everything visible, voxels, at which a coarse estimate of the error suffices.
+  static constexpr float FarFromVisible = 4.0f;
 
-  void SetTimes(TilePiece& piece, int firstSample, int samples) const
+  void SetTimes(TileSegment& segment, int firstSample, int samples) const
   {
     const double distance = this->Scene.Settings.SampleDistance;
-    piece.FirstSample = firstSample;
-    piece.Samples = samples;
-    piece.T0 = static_cast<float>(firstSample * distance);
-    piece.Dt =
-      static_cast<float>((firstSample + static_cast<double>(samples)) * distance) - piece.T0;
+    segment.FirstSample = firstSample;
+    segment.Samples = samples;
+    segment.T0 = static_cast<float>(firstSample * distance);
+    segment.Dt =
+      static_cast<float>((firstSample + static_cast<double>(samples)) * distance) - segment.T0;
   }
 
-  NodeRays GetRays(const TilePiece& piece, const float at[4]) const
+  NodeRays GetRays(const TileSegment& segment, const float at[4]) const
   {
-    return NodeRays(this->Near, this->Far, this->X0 + piece.X, this->Y0 + piece.Y, piece.Side, at);
+    return NodeRays(
+      this->Near, this->Far, this->X0 + segment.X, this->Y0 + segment.Y, segment.Side, at);
   }
 
-  /// Where the nodes at t come from, index coordinates; `layer` has about that.
+  /// Pulls the nodes at t back to index coordinates; `layer`: on entry estimates of them.
   HWY_NOINLINE void Solve(const NodeRays& rays, float t, NodeVectors& layer)
   {
     const Df d;
@@ -210,12 +213,12 @@ private:
     }
   }
 
-  /// The layers of a top, front to back, each from what is known of those before it.
-  HWY_NOINLINE void SolveTop(const NodeRays& rays, const TilePiece& piece, Layers& layers)
+  /// Pulls the layers of a root back, front to back; each one is estimated from those before it.
+  HWY_NOINLINE void SolveRoot(const NodeRays& rays, const TileSegment& segment, Layers& layers)
   {
     const Df d;
     const Mf all = hn::FirstN(d, hn::Lanes(d));
-    const float step = 0.25f * piece.Dt;
+    const float step = 0.25f * segment.Dt;
     for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
     {
       const Vec3 path = Scale(Splat(step), LoadNodes(rays.Directions, i));
@@ -223,15 +226,15 @@ private:
       Vec3 move = path;
       for (int k = 0; k < TileLayers; ++k)
       {
-        const Vec3 p = rays.At(Splat(piece.T0 + step * static_cast<float>(k)), i);
-        // From nowhere, not from the piece before: what a piece is must not depend on where the
-        // rays of a picture, or of a part of one, begin. Then by the polynomial through the layers
-        // that has the derivative of the last one.
+        const Vec3 p = rays.At(Splat(segment.T0 + step * static_cast<float>(k)), i);
+        // The first layer starts without an estimate, not from the segment before: a segment must
+        // not depend on where the rays of a picture, or of a part of one, begin. The next ones
+        // start from the polynomial through the layers before, with the derivative of the last one.
         Vec3 start;
         switch (k)
         {
           case 0:
-            start = StartFromNowhere(this->Scene, p);
+            start = EstimatePullBack(this->Scene, p);
             break;
           case 1:
             start = Add(q[0], move);
@@ -252,67 +255,68 @@ private:
     }
   }
 
-  HWY_NOINLINE void AddTop()
+  HWY_NOINLINE void AddRoot()
   {
-    TilePiece& piece = this->Scratch.Pieces.Add();
-    piece.Side = TileSide;
-    piece.X = 0;
-    piece.Y = 0;
-    const int number = static_cast<int>(this->Scratch.Tops.size());
+    TileSegment& segment = this->Scratch.Segments.Add();
+    segment.Side = TileSide;
+    segment.X = 0;
+    segment.Y = 0;
+    const int number = static_cast<int>(this->Scratch.Roots.size());
     this->SetTimes(
-      piece, (this->First + number) * this->Scene.SamplesPerTop, this->Scene.SamplesPerTop);
+      segment, (this->First + number) * this->Scene.SamplesPerRoot, this->Scene.SamplesPerRoot);
     alignas(64) Layers layers;
-    this->SolveTop(this->GetRays(piece, NodeAt), piece, layers);
-    FitQuartics(layers, piece.Terms);
-    this->Scratch.Tops.push_back(&piece);
+    this->SolveRoot(this->GetRays(segment, NodeAt), segment, layers);
+    FitQuartics(layers, segment.Terms);
+    this->Scratch.Roots.push_back(&segment);
   }
 
-  HWY_NOINLINE void Expand(TilePiece& piece)
+  HWY_NOINLINE void Expand(TileSegment& segment)
   {
     const float tolerance = this->Scene.PositionTolerance;
-    const BezierHull hull(piece.Terms);
-    // What is sampled is the interpolant, or what replaces it within the error. Where that is far
-    // from all that can be seen the error need not be known well.
-    if (this->IsEmptyBox(hull.Low, hull.High, FarAway) &&
-      this->EstimateError(piece) + tolerance <= FarAway)
+    const BezierHull hull(segment.Terms);
+    // Samples lie on the interpolant, or within its error of it. Far from everything visible a
+    // coarse estimate of the error suffices.
+    if (this->IsEmptyBox(hull.Low, hull.High, FarFromVisible) &&
+      this->EstimateError(segment) + tolerance <= FarFromVisible)
     {
-      piece.Known = TilePiece::State::Empty;
+      segment.Known = TileSegment::State::Empty;
       return;
     }
-    piece.Error = this->MeasureError(piece, hull);
-    const bool close = piece.Error <= tolerance && this->HasCloseSlopes(piece);
-    if (piece.Error < LargestKnownError)
+    segment.Error = this->MeasureError(segment, hull);
+    const bool close = segment.Error <= tolerance && this->HasCloseSlopes(segment);
+    if (segment.Error < LargestKnownError)
     {
-      const float margin = (close ? 0.0f : piece.Error + tolerance) + Rounding;
+      const float margin = (close ? 0.0f : segment.Error + tolerance) + Rounding;
       if (this->IsEmptyBox(hull.Low, hull.High, margin))
       {
-        piece.Known = TilePiece::State::Empty;
+        segment.Known = TileSegment::State::Empty;
         return;
       }
     }
     if (close)
     {
-      this->BeginParts(piece, hull);
-      piece.Known = TilePiece::State::Curves;
+      this->BeginParts(segment, hull);
+      segment.Known = TileSegment::State::Curves;
       return;
     }
-    this->Split(piece);
+    this->Split(segment);
   }
 
-  /// Of the interpolant, voxels, from few points of check.
-  float EstimateError(const TilePiece& piece)
+  /// Estimates the error of the interpolant from few check points, voxels.
+  float EstimateError(const TileSegment& segment)
   {
     return this->Scene.Identity ? 0.0f
-                                : 2.0f * SafetyFactor * PointsOfCheck(*this, piece, 0).FindError(0);
+                                : 2.0f * SafetyFactor * CheckPoints(*this, segment, 0).FindError(0);
   }
 
   /**
-   * Of the interpolant, voxels, with the safety factor: the longest Newton step at points of check.
-   * They are looked at 16 at a time until one tells that the interpolant is not close enough, or
-   * until it is well within the tolerance: by as much as there have been few of them. A piece over
-   * several cells of the lattice has more.
+   * Measures the error of the interpolant, voxels: the longest Newton step at the check points
+   * times the safety factor. The points are evaluated 16 at a time. The measurement ends early when
+   * a step is above the tolerance, or when all steps are well below it: the fewer points there have
+   * been, the smaller they must be. A segment that extends over several cells of the lattice has
+   * more check points.
    */
-  HWY_NOINLINE float MeasureError(const TilePiece& piece, const BezierHull& hull)
+  HWY_NOINLINE float MeasureError(const TileSegment& segment, const BezierHull& hull)
   {
     if (this->Scene.Identity)
     {
@@ -324,12 +328,12 @@ private:
     float largest = 0.0f;
     for (int set = 0; set < sets; ++set)
     {
-      PointsOfCheck points(*this, piece, set);
-      for (int turn = 0; turn < PointsOfCheck::Turns; ++turn)
+      CheckPoints points(*this, segment, set);
+      for (int turn = 0; turn < CheckPoints::Turns; ++turn)
       {
         largest = std::max(largest, points.FindError(turn));
-        const float seen = static_cast<float>(set * PointsOfCheck::Turns + turn + 1) /
-          static_cast<float>(sets * PointsOfCheck::Turns);
+        const float seen = static_cast<float>(set * CheckPoints::Turns + turn + 1) /
+          static_cast<float>(sets * CheckPoints::Turns);
         if (largest > enough || largest <= 0.5f * seen / static_cast<float>(sets) * enough)
         {
           return SafetyFactor * largest;
@@ -339,18 +343,18 @@ private:
     return SafetyFactor * largest;
   }
 
-  /// Whether the normals that the derivatives of an interpolant make are good enough. An error e
-  /// that is zero at nodes a third of a width w apart has a derivative of at most 18 e / w.
-  bool HasCloseSlopes(const TilePiece& piece) const
+  /// Whether the derivatives of an interpolant are close enough for normals. An error e that is
+  /// zero at nodes a third of a width w apart has a derivative of at most 18 e / w.
+  bool HasCloseSlopes(const TileSegment& segment) const
   {
-    if (!this->Scene.Shade || piece.Error <= FinestForSlopes * this->Scene.PositionTolerance)
+    if (!this->Scene.Shade || segment.Error <= FinestForSlopes * this->Scene.PositionTolerance)
     {
       return true;
     }
     alignas(64) NodeVectors middle;
     alignas(64) NodeVectors end;
-    FindLayer(piece.Terms, 0.5f, middle);
-    FindLayer(piece.Terms, 1.0f, end);
+    FindLayer(segment.Terms, 0.5f, middle);
+    FindLayer(segment.Terms, 1.0f, end);
     const float* m = this->Scene.IndexToLocal;
     const auto length = [m](float x, float y, float z) {
       float squared = 0.0f;
@@ -366,38 +370,39 @@ private:
       return length(b[0][j] - a[0][i], b[1][j] - a[1][i], b[2][j] - a[2][i]);
     };
     const float extent = std::min({ distance(middle, 0, middle, NodesPerSide - 1),
-      distance(middle, 0, middle, TileNodes - NodesPerSide), distance(piece.Terms[0], 5, end, 5) });
+      distance(middle, 0, middle, TileNodes - NodesPerSide),
+      distance(segment.Terms[0], 5, end, 5) });
     // Errors are in voxels: data units along the longest edge of one.
     const float edge =
       std::max({ length(1.0f, 0.0f, 0.0f), length(0.0f, 1.0f, 0.0f), length(0.0f, 0.0f, 1.0f) });
-    return 18.0f / SafetyFactor * piece.Error * edge <= LargestSlopeError * extent;
+    return 18.0f / SafetyFactor * segment.Error * edge <= LargestSlopeError * extent;
   }
 
-  /// Points between the nodes of a piece where its error is measured.
-  class PointsOfCheck
+  /// The points between the nodes of a segment where its error is measured.
+  class CheckPoints
   {
   public:
     static constexpr int Turns = 4;
 
-    PointsOfCheck(const TilePieces& pieces, const TilePiece& piece, int set)
-      : Pieces(pieces)
-      , Piece(piece)
+    CheckPoints(const SegmentTrees& trees, const TileSegment& segment, int set)
+      : Trees(trees)
+      , Segment(segment)
       , Along(CheckSets[set].Along)
-      , Rays(pieces.GetRays(piece, CheckSets[set].Across))
+      , Rays(trees.GetRays(segment, CheckSets[set].Across))
     {
       const NodePositions positions(CheckSets[set].Across);
       for (std::size_t k = 0; k < TileLayers; ++k)
       {
-        TransformNodes(piece.Terms[k], positions.Weight, positions.Weight, this->Terms[k]);
+        TransformNodes(segment.Terms[k], positions.Weight, positions.Weight, this->Terms[k]);
       }
     }
 
-    /// The longest Newton step at the points, voxels; huge where it cannot be told. Each point sees
-    /// four values of s, one a turn.
+    /// The longest Newton step at the points, voxels; huge if one is not a number. A point has four
+    /// values of s, one a turn.
     HWY_NOINLINE float FindError(int turn) const
     {
       const Df d;
-      const PacketScene& scene = this->Pieces.Scene;
+      const PacketScene& scene = this->Trees.Scene;
       Vf largest = hn::Zero(d);
       HWY_ALIGN float at[TileNodes];
       for (int i = 0; i < TileNodes; ++i)
@@ -409,9 +414,9 @@ private:
         const Vf s = hn::Load(d, at + i);
         const Vec3 q = LoadQuartic(this->Terms, i).At(s);
         const Vec3 p =
-          this->Rays.At(hn::MulAdd(s, Splat(this->Piece.Dt), Splat(this->Piece.T0)), i);
+          this->Rays.At(hn::MulAdd(s, Splat(this->Segment.Dt), Splat(this->Segment.T0)), i);
         const Vec3 error = Transform(scene.LocalToIndex,
-          FindPullBackError(scene, p, IndexToLocal(scene, q), this->Pieces.Scratch.Statistics));
+          FindPullBackError(scene, p, IndexToLocal(scene, q), this->Trees.Scratch.Statistics));
         const Vf length = Dot(error, error);
         // Comparisons with what is not a number are false.
         const Vf huge = Splat(1e20f);
@@ -421,14 +426,14 @@ private:
     }
 
   private:
-    const TilePieces& Pieces;
-    const TilePiece& Piece;
+    const SegmentTrees& Trees;
+    const TileSegment& Segment;
     const float* Along;
     NodeRays Rays;
     alignas(64) Layers Terms;
   };
 
-  /// Cells of the lattice that a hull extends over, along the axis where they are most.
+  /// The number of cells of the lattice that a hull extends over, the largest of the axes.
   float CountCells(const BezierHull& hull) const
   {
     float cells = 0.0f;
@@ -444,6 +449,7 @@ private:
     return cells;
   }
 
+  /// Empty-space query of a box, index coordinates, extended by `margin`.
   bool IsEmptyBox(const float low[3], const float high[3], float margin) const
   {
     glm::dvec3 from;
@@ -457,45 +463,46 @@ private:
         outside || high[a] + margin < this->Scene.Lower || low[a] - margin > this->Scene.Upper[a];
     }
     return outside ||
-      (this->Scene.LeapsPieces &&
+      (this->Scene.LeapsSegments &&
         this->Scene.Source->Distances->IsEmptyIn(from, to, this->Scene.Source->Volume.UpperIndex(),
           static_cast<double>(-this->Scene.Lower)));
   }
 
-  /// A piece whose interpolant is not close enough.
-  HWY_NOINLINE void Split(TilePiece& piece)
+  /// Decides what becomes of a segment whose interpolant is not close enough.
+  HWY_NOINLINE void Split(TileSegment& segment)
   {
-    const float length = piece.Dt * this->Scene.VoxelsPerUnit;
-    const float width = this->FindWidth(piece) * this->Scene.VoxelsPerUnit;
-    const bool canHalve = piece.Samples > 1 && 0.5f * length >= this->Scene.ShortestPiece * 0.999f;
-    const bool canQuarter = piece.Side > SmallestSide && width > 0.5f;
-    // Where T folds or nearly so no interpolant will do.
+    const float length = segment.Dt * this->Scene.VoxelsPerUnit;
+    const float width = this->FindWidth(segment) * this->Scene.VoxelsPerUnit;
+    const bool canHalve =
+      segment.Samples > 1 && 0.5f * length >= this->Scene.ShortestSegment * 0.999f;
+    const bool canQuarter = segment.Side > SmallestSide && width > 0.5f;
+    // No interpolant is close enough where T folds or nearly does.
     const float longest = this->Scene.Folds ? 32.0f : 8.0f;
-    const bool hopeless = !(piece.Error < 1.0f) && length <= longest && piece.Side <= 16;
-    const bool halvedInVain = piece.Error > LittleHelp * piece.ErrorBefore;
+    const bool hopeless = !(segment.Error < 1.0f) && length <= longest && segment.Side <= 16;
+    const bool halvedInVain = segment.Error > LittleHelp * segment.ErrorBefore;
     if (hopeless || !(canHalve || canQuarter))
     {
-      piece.Known = TilePiece::State::PerSample;
+      segment.Known = TileSegment::State::PerSample;
     }
     else if (canQuarter && (!canHalve || halvedInVain || length <= 0.5f * width))
     {
-      this->Quarter(piece);
+      this->Quarter(segment);
     }
     else
     {
-      this->Halve(piece);
+      this->Halve(segment);
     }
   }
 
-  /// Of the square of pixels, data units.
-  float FindWidth(const TilePiece& piece) const
+  /// The width of the square of pixels in the middle of the segment, data units.
+  float FindWidth(const TileSegment& segment) const
   {
-    const NodeRays rays = this->GetRays(piece, NodeAt);
+    const NodeRays rays = this->GetRays(segment, NodeAt);
     float squared = 0.0f;
     for (std::size_t a = 0; a < 3; ++a)
     {
       const auto at = [&](std::size_t i) {
-        return rays.Origins[a][i] + (piece.T0 + 0.5f * piece.Dt) * rays.Directions[a][i];
+        return rays.Origins[a][i] + (segment.T0 + 0.5f * segment.Dt) * rays.Directions[a][i];
       };
       const float path = at(15) - at(0);
       squared += path * path;
@@ -503,50 +510,51 @@ private:
     return std::sqrt(0.5f * squared);
   }
 
-  void Halve(TilePiece& piece)
+  void Halve(TileSegment& segment)
   {
-    const NodeRays rays = this->GetRays(piece, NodeAt);
-    const int half = piece.Samples / 2;
+    const NodeRays rays = this->GetRays(segment, NodeAt);
+    const int half = segment.Samples / 2;
     for (int h = 0; h < 2; ++h)
     {
-      TilePiece& child = this->Scratch.Pieces.Add();
-      child.Side = piece.Side;
-      child.X = piece.X;
-      child.Y = piece.Y;
-      child.ErrorBefore = piece.Error;
-      this->SetTimes(child, piece.FirstSample + h * half, h == 0 ? half : piece.Samples - half);
+      TileSegment& child = this->Scratch.Segments.Add();
+      child.Side = segment.Side;
+      child.X = segment.X;
+      child.Y = segment.Y;
+      child.ErrorBefore = segment.Error;
+      this->SetTimes(child, segment.FirstSample + h * half, h == 0 ? half : segment.Samples - half);
       alignas(64) Layers layers;
       for (std::size_t k = 0; k < TileLayers; ++k)
       {
-        const float s = (child.T0 - piece.T0 + 0.25f * static_cast<float>(k) * child.Dt) / piece.Dt;
-        FindLayer(piece.Terms, s, layers[k]);
+        const float s =
+          (child.T0 - segment.T0 + 0.25f * static_cast<float>(k) * child.Dt) / segment.Dt;
+        FindLayer(segment.Terms, s, layers[k]);
         if (k % 2 == 1)
         {
           this->Solve(rays, child.T0 + 0.25f * static_cast<float>(k) * child.Dt, layers[k]);
         }
       }
       FitQuartics(layers, child.Terms);
-      piece.Children[static_cast<std::size_t>(h)] = &child;
+      segment.Children[static_cast<std::size_t>(h)] = &child;
     }
-    piece.Known = TilePiece::State::Halved;
+    segment.Known = TileSegment::State::Halved;
   }
 
-  void Quarter(TilePiece& piece)
+  void Quarter(TileSegment& segment)
   {
-    const int half = piece.Side / 2;
+    const int half = segment.Side / 2;
     for (int q = 0; q < 4; ++q)
     {
-      TilePiece& child = this->Scratch.Pieces.Add();
+      TileSegment& child = this->Scratch.Segments.Add();
       child.Side = half;
-      child.X = piece.X + q % 2 * half;
-      child.Y = piece.Y + q / 2 * half;
-      this->SetTimes(child, piece.FirstSample, piece.Samples);
+      child.X = segment.X + q % 2 * half;
+      child.Y = segment.Y + q / 2 * half;
+      this->SetTimes(child, segment.FirstSample, segment.Samples);
       const auto positions = [&](int part) {
         float at[4];
         for (int i = 0; i < 4; ++i)
         {
           at[i] = (static_cast<float>(part * half) + NodeAt[i] * static_cast<float>(half - 1)) /
-            static_cast<float>(piece.Side - 1);
+            static_cast<float>(segment.Side - 1);
         }
         return NodePositions(at);
       };
@@ -555,7 +563,7 @@ private:
       alignas(64) Layers terms;
       for (std::size_t k = 0; k < TileLayers; ++k)
       {
-        TransformNodes(piece.Terms[k], x.Weight, y.Weight, terms[k]);
+        TransformNodes(segment.Terms[k], x.Weight, y.Weight, terms[k]);
       }
       const NodeRays rays = this->GetRays(child, NodeAt);
       alignas(64) Layers layers;
@@ -566,33 +574,34 @@ private:
         this->Solve(rays, child.T0 + s * child.Dt, layers[k]);
       }
       FitQuartics(layers, child.Terms);
-      piece.Children[static_cast<std::size_t>(q)] = &child;
+      segment.Children[static_cast<std::size_t>(q)] = &child;
     }
-    piece.Known = TilePiece::State::Quartered;
+    segment.Known = TileSegment::State::Quartered;
   }
 
-  /// What Needed and Inside are found from.
-  HWY_NOINLINE void BeginParts(TilePiece& piece, const BezierHull& hull)
+  /// Finds what FindMoreParts() needs: the curves in the middle of the blocks, and bounds of the
+  /// motion along them and of the distance from them.
+  HWY_NOINLINE void BeginParts(TileSegment& segment, const BezierHull& hull)
   {
     const Df d;
-    piece.SamplesPerPart = std::min(piece.Samples,
+    segment.SamplesPerPart = std::min(segment.Samples,
       std::max(this->Scene.SamplesPerPart,
-        (piece.Samples + LargestNumberOfParts - 1) / LargestNumberOfParts));
-    piece.Parts = (piece.Samples + piece.SamplesPerPart - 1) / piece.SamplesPerPart;
-    piece.KnownParts = 0;
+        (segment.Samples + LargestNumberOfParts - 1) / LargestNumberOfParts));
+    segment.Parts = (segment.Samples + segment.SamplesPerPart - 1) / segment.SamplesPerPart;
+    segment.KnownParts = 0;
     float across[3];
-    hull.GetSpeeds(across, piece.Up, piece.Down);
+    hull.GetSpeeds(across, segment.Up, segment.Down);
     for (int a = 0; a < 3; ++a)
     {
-      piece.Radius[a] =
-        across[a] * 0.5f * static_cast<float>(BlockSide - 1) / static_cast<float>(piece.Side - 1) +
+      segment.Radius[a] = across[a] * 0.5f * static_cast<float>(BlockSide - 1) /
+          static_cast<float>(segment.Side - 1) +
         2.0f * Rounding;
-      piece.Up[a] /= static_cast<float>(piece.Samples);
-      piece.Down[a] /= static_cast<float>(piece.Samples);
+      segment.Up[a] /= static_cast<float>(segment.Samples);
+      segment.Down[a] /= static_cast<float>(segment.Samples);
     }
-    const int blocksPerRow = piece.Side / BlockSide;
+    const int blocksPerRow = segment.Side / BlockSide;
     const int blocks = blocksPerRow * blocksPerRow;
-    const Vf toNodes = Splat(3.0f / static_cast<float>(piece.Side - 1));
+    const Vf toNodes = Splat(3.0f / static_cast<float>(segment.Side - 1));
     for (int first = 0; first < blocks; first += static_cast<int>(hn::Lanes(d)))
     {
       HWY_ALIGN float x[16];
@@ -610,51 +619,52 @@ private:
       LagrangeWeights(hn::Mul(toNodes, hn::Load(d, y)), wy);
       for (std::size_t k = 0; k < TileLayers; ++k)
       {
-        hn::StoreInterleaved4(Interpolate(piece.Terms[k][0].data(), wx, wy),
-          Interpolate(piece.Terms[k][1].data(), wx, wy),
-          Interpolate(piece.Terms[k][2].data(), wx, wy), hn::Zero(d), d,
-          piece.MiddleTerms[k][static_cast<std::size_t>(first)].data());
+        hn::StoreInterleaved4(Interpolate(segment.Terms[k][0].data(), wx, wy),
+          Interpolate(segment.Terms[k][1].data(), wx, wy),
+          Interpolate(segment.Terms[k][2].data(), wx, wy), hn::Zero(d), d,
+          segment.MiddleTerms[k][static_cast<std::size_t>(first)].data());
       }
     }
-    std::fill_n(piece.Needed.begin(), blocks, 0u);
-    std::fill_n(piece.Inside.begin(), blocks, 0u);
-    std::fill_n(piece.SkippedParts.begin(), blocks, 0.0f);
-    // In wide blocks single rays may leap where the block does not.
-    piece.LeapsRays = this->Scene.Distances != nullptr &&
-      (this->Scene.LeapsRays || !CanTellBoxes(this->FindPartRadius(piece)));
+    std::fill_n(segment.Needed.begin(), blocks, 0u);
+    std::fill_n(segment.Inside.begin(), blocks, 0u);
+    std::fill_n(segment.SkippedParts.begin(), blocks, 0.0f);
+    // Blocks that are too wide for a query of their boxes let their rays leap one by one.
+    segment.LeapsRays = this->Scene.Distances != nullptr &&
+      (this->Scene.LeapsRays || !CanQueryBoxes(this->FindPartRadius(segment)));
   }
 
-  /// Most that the positions of a block in a part are from that in the middle, index units.
-  std::array<float, 3> FindPartRadius(const TilePiece& piece) const
+  /// Bounds of the distances of the positions of a block in a part from its middle, index units.
+  std::array<float, 3> FindPartRadius(const TileSegment& segment) const
   {
     std::array<float, 3> radius;
     for (std::size_t a = 0; a < 3; ++a)
     {
-      radius[a] = piece.Radius[a] +
-        0.5f * static_cast<float>(piece.SamplesPerPart) * std::max(piece.Up[a], piece.Down[a]);
+      radius[a] = segment.Radius[a] +
+        0.5f * static_cast<float>(segment.SamplesPerPart) *
+          std::max(segment.Up[a], segment.Down[a]);
     }
     return radius;
   }
 
   /// Fills Needed and Inside for the next parts.
-  HWY_NOINLINE void FindMoreParts(TilePiece& piece)
+  HWY_NOINLINE void FindMoreParts(TileSegment& segment)
   {
     const Df d;
     const Di di;
     const PacketScene& scene = this->Scene;
-    const std::array<float, 3> radius = this->FindPartRadius(piece);
-    const bool tellsBoxes = CanTellBoxes(radius);
-    const float samples = static_cast<float>(piece.SamplesPerPart);
+    const std::array<float, 3> radius = this->FindPartRadius(segment);
+    const bool queriesBoxes = CanQueryBoxes(radius);
+    const float samples = static_cast<float>(segment.SamplesPerPart);
     float up[3]; // from part to part
     float down[3];
     for (int a = 0; a < 3; ++a)
     {
-      up[a] = samples * piece.Up[a];
-      down[a] = samples * piece.Down[a];
+      up[a] = samples * segment.Up[a];
+      down[a] = samples * segment.Down[a];
     }
-    const float perSample = 1.0f / static_cast<float>(piece.Samples);
-    const int end = std::min(piece.Parts, piece.KnownParts + PartsAtOnce);
-    const int blocks = (piece.Side / BlockSide) * (piece.Side / BlockSide);
+    const float perSample = 1.0f / static_cast<float>(segment.Samples);
+    const int end = std::min(segment.Parts, segment.KnownParts + PartsAtOnce);
+    const int blocks = (segment.Side / BlockSide) * (segment.Side / BlockSide);
     for (std::size_t first = 0; first < static_cast<std::size_t>(blocks); first += hn::Lanes(d))
     {
       Quartic curve;
@@ -662,24 +672,25 @@ private:
       {
         Vf unused;
         Vec3& term = curve.Terms[k];
-        hn::LoadInterleaved4(d, piece.MiddleTerms[k][first].data(), term.x, term.y, term.z, unused);
+        hn::LoadInterleaved4(
+          d, segment.MiddleTerms[k][first].data(), term.x, term.y, term.z, unused);
       }
       const hn::Rebind<std::uint32_t, Df> du;
-      auto needed = hn::BitCast(di, hn::Load(du, piece.Needed.data() + first));
-      auto inside = hn::BitCast(di, hn::Load(du, piece.Inside.data() + first));
-      Vf skipTo = hn::Load(d, piece.SkippedParts.data() + first);
+      auto needed = hn::BitCast(di, hn::Load(du, segment.Needed.data() + first));
+      auto inside = hn::BitCast(di, hn::Load(du, segment.Inside.data() + first));
+      Vf skipTo = hn::Load(d, segment.SkippedParts.data() + first);
       const Mf blocksHere = hn::FirstN(d, static_cast<std::size_t>(blocks) - first);
-      for (int part = piece.KnownParts; part < end; ++part)
+      for (int part = segment.KnownParts; part < end; ++part)
       {
         const Vf number = Splat(static_cast<float>(part));
-        const Mf looking = hn::And(blocksHere, hn::Ge(number, skipTo));
-        if (hn::AllFalse(d, looking))
+        const Mf querying = hn::And(blocksHere, hn::Ge(number, skipTo));
+        if (hn::AllFalse(d, querying))
         {
           continue;
         }
         const Vec3 at = curve.At(Splat((static_cast<float>(part) + 0.5f) * samples * perSample));
         const Vf q[3] = { at.x, at.y, at.z };
-        Mf within = looking;
+        Mf within = querying;
         Mf outside = hn::FirstN(d, 0);
         for (int a = 0; a < 3; ++a)
         {
@@ -690,7 +701,7 @@ private:
           outside = hn::Or(outside,
             hn::Or(hn::Lt(q[a], Splat(scene.Lower - r)), hn::Gt(q[a], Splat(scene.Upper[a] + r))));
         }
-        Mf seen = hn::AndNot(outside, looking);
+        Mf seen = hn::AndNot(outside, querying);
         if (scene.Distances && !hn::AllFalse(d, seen))
         {
           this->Scratch.Statistics.DistanceLookups +=
@@ -700,7 +711,7 @@ private:
           const Mf empty = hn::And(seen, hn::Ge(steps, hn::Zero(d)));
           skipTo = hn::IfThenElse(empty, hn::Add(hn::Add(number, Splat(1.0f)), steps), skipTo);
           seen = hn::AndNot(empty, seen);
-          if (tellsBoxes)
+          if (queriesBoxes)
           {
             const Mf unclear = hn::And(seen, query.IsEmpty());
             seen = hn::AndNot(FindEmptyBoxes(scene, at, radius, unclear), seen);
@@ -710,11 +721,11 @@ private:
         needed = hn::Or(needed, hn::IfThenElseZero(hn::RebindMask(di, seen), bit));
         inside = hn::Or(inside, hn::IfThenElseZero(hn::RebindMask(di, within), bit));
       }
-      hn::Store(hn::BitCast(du, needed), du, piece.Needed.data() + first);
-      hn::Store(hn::BitCast(du, inside), du, piece.Inside.data() + first);
-      hn::Store(skipTo, d, piece.SkippedParts.data() + first);
+      hn::Store(hn::BitCast(du, needed), du, segment.Needed.data() + first);
+      hn::Store(hn::BitCast(du, inside), du, segment.Inside.data() + first);
+      hn::Store(skipTo, d, segment.SkippedParts.data() + first);
     }
-    piece.KnownParts = end;
+    segment.KnownParts = end;
   }
 
   static HWY_INLINE Vf Interpolate(const float* nodes, const Vf wx[4], const Vf wy[4])
@@ -727,11 +738,11 @@ private:
     return sum;
   }
 
-  HWY_NOINLINE void FindColumns(TilePiece& piece) const
+  HWY_NOINLINE void FindColumns(TileSegment& segment) const
   {
     const Df d;
-    const float nodesPerPixel = 3.0f / static_cast<float>(piece.Side - 1);
-    for (int x = 0; x < piece.Side; x += static_cast<int>(hn::Lanes(d)))
+    const float nodesPerPixel = 3.0f / static_cast<float>(segment.Side - 1);
+    for (int x = 0; x < segment.Side; x += static_cast<int>(hn::Lanes(d)))
     {
       const Vf u =
         hn::Mul(Splat(nodesPerPixel), hn::Add(hn::Iota(d, 0.0f), Splat(static_cast<float>(x))));
@@ -749,14 +760,14 @@ private:
         {
           for (std::size_t j = 0; j < NodesPerSide; ++j)
           {
-            const float* row = piece.Terms[k][a].data() + NodesPerSide * j;
-            hn::Store(InterpolateRow(row, w), d, piece.Columns[k][a][j].data() + x);
-            hn::Store(InterpolateRow(row, slope), d, piece.ColumnSlopes[k][a][j].data() + x);
+            const float* row = segment.Terms[k][a].data() + NodesPerSide * j;
+            hn::Store(InterpolateRow(row, w), d, segment.Columns[k][a][j].data() + x);
+            hn::Store(InterpolateRow(row, slope), d, segment.ColumnSlopes[k][a][j].data() + x);
           }
         }
       }
     }
-    piece.HasColumns = true;
+    segment.HasColumns = true;
   }
 
   const PacketScene& Scene;
@@ -769,10 +780,10 @@ private:
   int Last = -1;
 };
 
-/// The curves of a packet whose first pixel is (x, y), from that of the square of a piece, and
-/// their derivatives by pixels. `rows`: weights of the rows of nodes, or their slopes.
+/// Finds the curves of a packet whose first pixel is in column `x` of the square of a segment, or
+/// their derivatives by pixels. `rows`: weights of the rows of nodes, or the slopes of these.
 HWY_INLINE Quartic FindPacketCurve(
-  const std::array<TilePiece::ColumnTerms, TileLayers>& columns, int x, const Vf rows[4])
+  const std::array<TileSegment::ColumnTerms, TileLayers>& columns, int x, const Vf rows[4])
 {
   const Df d;
   Quartic curve;

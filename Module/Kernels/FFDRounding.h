@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDRounding_h
+#define FFDRounding_h
+
+#include <cmath>
+#include <limits>
+
+namespace ffd
+{
+
+/// The least float that is not below `value`: floats compare with it as they do with `value`, and
+/// an upper bound stays one. Values above the largest float give infinity.
+inline float RoundUp(double value)
+{
+  const float rounded = static_cast<float>(value);
+  return static_cast<double>(rounded) < value
+    ? std::nextafter(rounded, std::numeric_limits<float>::infinity())
+    : rounded;
+}
+
+} // namespace ffd
+
+#endif
