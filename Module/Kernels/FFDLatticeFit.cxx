@@ -159,8 +159,10 @@ namespace
 
 /**
  * Least squares of one axis: coefficients c of `cells` + 3 B-splines from samples at parameters t
- * (in cells), minimizing |B c - f|^2 + penalty |second differences of c|^2. Symmetric, positive
- * definite, seven diagonals: Cholesky within the band.
+ * (in cells), minimizing |B c - f|^2 + penalty |second differences of c|^2. The matrix is symmetric
+ * and positive definite and has seven diagonals, so that Cholesky's method stays within the band.
+ * Eigen has no solver for bands; its sparse one takes two to three times as long, because it looks
+ * up the row of each element.
  */
 class AxisFit
 {

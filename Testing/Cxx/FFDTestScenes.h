@@ -199,14 +199,15 @@ inline std::string ToString(const Distance& d)
   return text.str();
 }
 
-/// `background` of the pictures, three bytes. Pictures of unlike sizes are as far apart as can be,
-/// and so are two of which neither shows anything: of those nothing is known.
+/// Compares two pictures; `background`: three bytes. Where there is nothing to compare, because the
+/// pictures differ in size or neither shows anything, no number is one: comparisons with NaN are
+/// false, so that checks of an upper and of a lower limit fail both. Write them as `d.Max <= limit`
+/// and `d.Mean > limit`, never as `!(d.Max > limit)` or with std::max().
 inline Distance Compare(
   const Picture& a, const Picture& b, const std::array<unsigned char, 3>& background)
 {
   Distance result;
-  result.Mean = result.P99 = result.Max = 255.0;
-  result.Psnr = 0.0;
+  result.Mean = result.P99 = result.Max = result.Psnr = std::numeric_limits<double>::quiet_NaN();
   if (a.Rgb.size() != b.Rgb.size())
   {
     return result;

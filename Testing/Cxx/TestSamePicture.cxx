@@ -10,6 +10,7 @@
 #include "vtkMinimalStandardRandomSequence.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -223,11 +224,26 @@ void CheckWindow(ffdTest::Scene& scene, const std::string& name, ffdTest::Checks
     ffdTest::ToString(window) + " from the window (max at most 2)");
 }
 
+/// Pictures that show nothing pass no limit, whether it is an upper or a lower one.
+void CheckNothingToCompare(ffdTest::Checks& checks)
+{
+  const std::array<unsigned char, 3> black = { 0, 0, 0 };
+  const ffdTest::Picture empty{ 2, 2, std::vector<unsigned char>(12, 0) };
+  const ffdTest::Distance d = ffdTest::Compare(empty, empty, black);
+  checks.Expect(d.Pixels == 0 && !(d.Mean <= 255.0) && !(d.Mean >= 0.0) && !(d.Max <= 255.0) &&
+      !(d.Max >= 0.0) && !(d.P99 <= 255.0) && !(d.Psnr >= 0.0),
+    "two empty pictures", ffdTest::ToString(d));
+  const ffdTest::Picture other{ 1, 1, std::vector<unsigned char>(3, 9) };
+  checks.Expect(
+    !(ffdTest::Compare(empty, other, black).Max >= 0.0), "pictures of unlike sizes", "");
+}
+
 } // namespace
 
 int TestSamePicture(int argc, char* argv[])
 {
   ffdTest::Checks checks;
+  CheckNothingToCompare(checks);
   ffdTest::Scene scene;
   const vtkSmartPointer<vtkImageData> image = ffdTest::ReadVolume(argc, argv, "engine", 2);
   double bounds[6];

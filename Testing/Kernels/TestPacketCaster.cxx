@@ -419,7 +419,7 @@ TEST(PacketCaster, Options)
         scene.Scene.Material.Lights.push_back(light);
         light.Positional = true;
         light.Position = glm::dvec3(160.0, 0.0, 60.0);
-        light.Attenuation = glm::dvec3(1.0, 0.01, 0.0);
+        light.Attenuation = glm::dvec3(1.0, 0.01, 2e-4);
         light.ConeCosine = std::cos(0.9);
         light.Axis = glm::normalize(glm::dvec3(-41.0, -32.0, -34.0));
         scene.Scene.Material.Lights.push_back(light);
