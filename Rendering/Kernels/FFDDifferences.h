@@ -31,8 +31,8 @@ inline bool TouchesHidden(const VolumeView& v, const CellMask& hidden, const glm
 }
 
 /**
- * Ends of the difference along an axis at `at`, where voxels are points: those of the cell of
- * `inside`, which is shown, and of the next ones as far as these are, too.
+ * Shortens the difference [before, after] along an axis, where voxels are points, to the cell of
+ * `inside`, which is shown, and its neighbors as far as these are shown, too.
  */
 inline void KeepShown(
   const CellMask& hidden, const glm::dvec3& inside, int axis, double& before, double& after)
@@ -62,13 +62,13 @@ inline void KeepShown(
 }
 
 /**
- * Gradient of a field, by index coordinates, at a voxel coordinate: differences over one voxel to
- * each side, at the faces of the volume over what there is of that; so a linear field has its
- * gradient everywhere. `nearest`: the gradient of the nearest voxel, as that of
+ * Finds the gradient of a field, by index coordinates, at a voxel coordinate, from differences over
+ * one voxel to each side. At the faces of the volume they are over less, so that the gradient of a
+ * linear field is exact everywhere. `nearest`: the gradient of the nearest voxel, as that of
  * vtkGPUVolumeRayCastMapper, whose textures are not interpolated then either.
  *
- * Nothing of what is hidden counts: differences end at hidden cells. Where voxels are cells
- * themselves, the gradient beside hidden ones is that of the nearest cell.
+ * Hidden cells do not count: differences end at them. Where voxels are cells themselves, the
+ * gradient beside hidden ones is that of the nearest cell.
  *
  * `field(position, nearest)`: the value at a voxel coordinate, or of the nearest voxel.
  */

@@ -13,9 +13,9 @@ namespace ffd
 {
 
 /**
- * T^-1 of the reference kernels where T folds, so that several rest points lead to a deformed
- * point: those in the volume count at which T keeps the orientation that it has at most points of
- * the volume. It is PacketScene::Orientation in double precision.
+ * Inverts T for the reference kernels where it folds, so that several rest points lead to a
+ * deformed point: those in the volume count at which T keeps the orientation that it has at most
+ * points of the volume. The packet kernels do the same by PacketScene::Orientation.
  */
 class OrientedInverse
 {
@@ -25,9 +25,9 @@ public:
     const BSplineField& field, double tolerance, const VolumeView& volume, const Box& rest);
 
   /**
-   * Solve T(q) = p by Newton's method, from `start` and then from the points of a grid whose images
-   * are nearest to p. Where no solution counts q is one outside of the volume; false if none is
-   * found, and q is then far outside.
+   * Solves T(q) = p by Newton's method, from `start` and then from the points of a grid whose
+   * images are nearest to p. If no solution counts, q is a solution outside of the volume. False if
+   * there is none either; q is then far outside.
    */
   bool Solve(const glm::dvec3& p, const glm::dvec3& start, glm::dvec3& q, int& evaluations) const;
 
@@ -36,7 +36,7 @@ private:
   {
     glm::dvec3 Point;
     glm::dvec3 Image;
-    bool Positive; // the orientation
+    bool Positive; // whether T keeps the orientation there
   };
   Seed MakeSeed(const glm::dvec3& point) const;
 
@@ -46,7 +46,7 @@ private:
   Box Rest;
   std::vector<Seed> Seeds;
   bool Positive = true;
-  double Reach = 0.0; // from seed to seed, at most, when deformed
+  double Reach = 0.0; // largest distance of the images of neighboring seeds
 };
 
 } // namespace ffd

@@ -15,7 +15,7 @@
 namespace ffd
 {
 
-/// A point of a ray in deformed space, and where it is at rest.
+/// A point of a ray in deformed space, and its rest point.
 struct SurfacePoint
 {
   double T = 0.0;             ///< ray parameter
@@ -25,13 +25,12 @@ struct SurfacePoint
 };
 
 /**
- * Follows one straight ray through deformed space and finds where a condition on the material under
- * it begins to hold: what a picker needs, exact instead of fast.
+ * Follows one viewing ray through deformed space and finds the first point where a condition on the
+ * material holds, for picking: exact instead of fast.
  *
- * The pull-back is evaluated point by point, to `Accuracy` voxels, without interpolation. Steps are
- * as long as the rest position moves by at most half a voxel along each axis, so nothing that is a
- * voxel thick is missed; where the condition turns, the turn is bisected down to what doubles can
- * tell.
+ * Evaluates the pull-back point by point, to `Accuracy` voxels, without interpolation. In a step
+ * the rest position moves by at most half a voxel along each axis, so that nothing that is a voxel
+ * thick is missed. A change of the condition is bisected down to the resolution of doubles.
  */
 class FFD_RENDERING_EXPORT SurfaceSearch
 {
@@ -40,7 +39,7 @@ public:
   static constexpr double Accuracy = 1e-9;
   /// Largest motion of the rest position in a step, voxels along each axis.
   static constexpr double LongestStep = 0.5;
-  /// Where the rest position jumps (folds) no step is made shorter than this, voxels.
+  /// Shortest step, voxels, for folds, where the rest position jumps.
   static constexpr double ShortestStep = 1.0 / 64.0;
 
   /// P(t) = origin + t * direction, data coordinates; the map's field outlives this object.
@@ -51,19 +50,21 @@ public:
   using Label = std::function<int(const SurfacePoint& point)>;
 
   /**
-   * The first t of [from, to] where `condition` holds. False: nowhere. `hit` is the first point
-   * where it does, `before` the last one where it does not, or `hit` itself if it holds at `from`.
+   * Finds the first t of [from, to] where `condition` holds; false if it holds nowhere. `hit` is
+   * the first point where it holds, `before` the last one where it does not, or `hit` itself if it
+   * holds at `from`.
    *
    * `label` numbers the regions that a point can be in (sides of the faces of the volume, of
-   * cropping planes). Where it changes the ray is looked at on both sides of the change, so that
-   * regions it only touches at an edge, for less than a step, are not missed.
+   * cropping planes). Where it changes, the condition is tested on both sides of the change, so
+   * that regions that the ray crosses in less than a step are not missed.
    */
   bool FindFirst(double from, double to, const Condition& condition, const Label& label,
     SurfacePoint& hit, SurfacePoint& before) const;
 
+  /// The point at t, pulled back.
   SurfacePoint Evaluate(double t) const;
 
-  /// dPhi/dP there: jacobian[column][row].
+  /// dPhi/dP at a point: jacobian[column][row].
   glm::dmat3 EvaluateJacobian(const SurfacePoint& point) const;
 
   /// Whether an index position lies in the volume, faces included.

@@ -16,14 +16,13 @@ namespace ffd
 {
 
 /**
- * Records which tiles of the last picture still hold after an edit of the deformation:
+ * Finds the tiles of the last picture that still hold after an edit of the deformation:
  * frame-to-frame coherence. A tile holds as long as nothing that its rays reach has moved by more
- * than a tolerance since they were cast, edit by edit added up, and no ray of it ends before
- * anything else that has been drawn than it did.
+ * than a tolerance since they were cast, summed over all edits, and as long as each of its rays
+ * ends at the same drawn surface as before.
  *
- * A picture here is tiles of `tileSize` x `tileSize` pixels from its lower left corner on. The
- * pictures of one history are seen by the same camera, and pixels of one are pixels of the next,
- * moved by whole tiles.
+ * A picture consists of tiles of `tileSize` x `tileSize` pixels from its lower left corner on. The
+ * pictures of one history have the same camera, and their pixels differ by a shift of whole tiles.
  */
 class FFD_RENDERING_EXPORT TileHistory
 {
@@ -33,7 +32,7 @@ public:
   {
   }
 
-  /// Forget all pictures.
+  /// Forgets all pictures.
   void Clear();
 
   bool IsEmpty() const { return this->Tiles.empty(); }
@@ -41,30 +40,31 @@ public:
   /// Size in pixels of the last picture.
   const glm::ivec2& GetSize() const { return this->Size; }
 
-  /// A first picture, or one that has nothing to do with the last: no tile holds.
+  /// Begins with a picture that has nothing to do with the last one: no tile holds.
   void Start(const glm::ivec2& size);
 
   /**
-   * The next picture, its pixels counted from tile `shift` of the last one. The colors (4 floats a
-   * pixel, rows bottom up) and window depths (one a pixel, or empty where nothing was drawn) of the
-   * last picture, and its first visible depths, the same, if not null or empty, are rearranged to
-   * the new size; what was not in it is undefined, and its tiles do not hold.
+   * Goes on with the next picture, whose pixels count from tile `shift` of the last one. Rearranges
+   * to the new size the colors (4 floats a pixel, rows bottom up) and the window depths (one a
+   * pixel, or empty if nothing was drawn) of the last picture, and its first visible depths if not
+   * null or empty. Pixels that the last picture did not have are undefined, and their tiles do not
+   * hold.
    */
   void Continue(const glm::ivec2& size, const glm::ivec2& shift, std::vector<float>& colors,
     std::vector<float>& depths, std::vector<float>* firstVisible = nullptr);
 
-  /// Note an edit. Tiles where something within reach has moved by more than `tolerance` pixels do
-  /// not hold any more.
+  /// Records an edit: tiles in which something within reach has moved by more than `tolerance`
+  /// pixels do not hold any more.
   void RecordChange(const PullBackChange& change, const CameraView& camera, double tolerance);
 
-  /// Note what rays may not go beyond: window depths (one a pixel), now and in the last picture, as
-  /// rearranged by Continue(). Either may be null: nothing was drawn.
+  /// Records the surfaces at which rays end: window depths (one a pixel), now and in the last
+  /// picture, as rearranged by Continue(). Null: nothing was drawn.
   void RecordDepths(const float* before, const float* now, const CameraView& camera);
 
-  /// The tiles that do not hold; they count as cast from now on.
+  /// Returns the tiles that do not hold; they count as cast from now on.
   std::vector<int> CollectTilesToCast();
 
-  /// For the caster: how far along their rays the tiles look, see CastImage::Reaches.
+  /// CastImage::Reaches of the tiles, which the caster writes.
   float* GetReaches() { return this->Reaches.data(); }
 
   std::size_t GetMemorySize() const
@@ -76,8 +76,8 @@ private:
   struct Tile
   {
     bool Holds = false;
-    float Moved = 0.0f;    ///< since it was cast, pixels
-    float MovedNow = 0.0f; ///< by the edit that is being noted
+    float Moved = 0.0f;    ///< largest motion since it was cast, pixels
+    float MovedNow = 0.0f; ///< largest motion by the edit that is being recorded
   };
 
   glm::ivec2 FindTiles(const glm::ivec2& size) const
