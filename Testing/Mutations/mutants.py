@@ -141,14 +141,14 @@ MUTANTS = (
     Mutant(
         "blocks do not hold the voxels that they share with the next ones",
         "bound",
-        "glm::ivec3 last = glm::min((block + 1) * BlockSize, volume.Dimensions - 1);",
-        "glm::ivec3 last = glm::min((block + 1) * BlockSize - 1, volume.Dimensions - 1);",
+        "Window window{ block * size, std::min((block + 1) * size, end) };",
+        "Window window{ block * size, std::min((block + 1) * size - 1, end) };",
         kernels("MinMaxBlocks", "DistanceMap", "PacketCaster")),
     Mutant(
         "transfer table: the entry behind an interval does not count",
         "index",
-        "const double to = std::ceil(std::clamp((hi - this->Low) * this->Scale + guard, 0.0, last));",
-        "const double to = std::floor(std::clamp((hi - this->Low) * this->Scale + guard, 0.0, last));",
+        "const std::size_t end = static_cast<double>(below) < to ? below + 2 : below + 1;",
+        "const std::size_t end = below + 1;",
         kernels("TransferTable", "DistanceMap")),
     Mutant(
         "distance of voxels: a diagonal neighbor is left out",
