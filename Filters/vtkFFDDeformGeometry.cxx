@@ -9,7 +9,6 @@
 #include "vtkAbstractTransform.h"
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
-#include "vtkGarbageCollector.h"
 #include "vtkIdList.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -314,13 +313,6 @@ vtkMTimeType vtkFFDDeformGeometry::GetMTime()
 {
   const vtkMTimeType own = this->Superclass::GetMTime();
   return this->Deformation ? std::max(own, this->Deformation->GetMTime()) : own;
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDDeformGeometry::ReportReferences(vtkGarbageCollector* collector)
-{
-  this->Superclass::ReportReferences(collector);
-  vtkGarbageCollectorReport(collector, this->Deformation, "Deformation");
 }
 
 //------------------------------------------------------------------------------

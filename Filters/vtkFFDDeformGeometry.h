@@ -126,7 +126,6 @@ protected:
   int FillInputPortInformation(int port, vtkInformation* info) override;
   int RequestData(
     vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
-  void ReportReferences(vtkGarbageCollector* collector) override;
 
 private:
   vtkFFDDeformGeometry(const vtkFFDDeformGeometry&) = delete;

@@ -13,7 +13,6 @@
 #include "vtkAbstractTransform.h"
 #include "vtkBSplineTransform.h"
 #include "vtkFloatArray.h"
-#include "vtkGarbageCollector.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -145,13 +144,6 @@ vtkMTimeType vtkFFDJacobian::GetMTime()
 {
   const vtkMTimeType own = this->Superclass::GetMTime();
   return this->Deformation ? std::max(own, this->Deformation->GetMTime()) : own;
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDJacobian::ReportReferences(vtkGarbageCollector* collector)
-{
-  this->Superclass::ReportReferences(collector);
-  vtkGarbageCollectorReport(collector, this->Deformation, "Deformation");
 }
 
 //------------------------------------------------------------------------------

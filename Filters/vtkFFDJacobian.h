@@ -74,7 +74,6 @@ protected:
     vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
   int RequestData(
     vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
-  void ReportReferences(vtkGarbageCollector* collector) override;
 
 private:
   vtkFFDJacobian(const vtkFFDJacobian&) = delete;

@@ -16,7 +16,6 @@
 #include "vtkAbstractTransform.h"
 #include "vtkAlgorithmOutput.h"
 #include "vtkDataArray.h"
-#include "vtkGarbageCollector.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -447,13 +446,6 @@ vtkMTimeType vtkFFDResampleVolume::GetMTime()
 {
   const vtkMTimeType own = this->Superclass::GetMTime();
   return this->Deformation ? std::max(own, this->Deformation->GetMTime()) : own;
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDResampleVolume::ReportReferences(vtkGarbageCollector* collector)
-{
-  this->Superclass::ReportReferences(collector);
-  vtkGarbageCollectorReport(collector, this->Deformation, "Deformation");
 }
 
 //------------------------------------------------------------------------------

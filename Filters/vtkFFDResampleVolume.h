@@ -198,7 +198,6 @@ protected:
     vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
   int RequestData(
     vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
-  void ReportReferences(vtkGarbageCollector* collector) override;
 
 private:
   vtkFFDResampleVolume(const vtkFFDResampleVolume&) = delete;

@@ -748,7 +748,8 @@ int vtkFFDInverseRayVolumeMapper::FillInputPortInformation(int port, vtkInformat
 void vtkFFDInverseRayVolumeMapper::ReportReferences(vtkGarbageCollector* collector)
 {
   this->Superclass::ReportReferences(collector);
-  vtkGarbageCollectorReport(collector, this->Deformation, "Deformation");
+  // Not Deformation: a transform and its inverse hold each other, and part only when the last one
+  // who holds either of them unregisters it, which the garbage collector does not do.
   vtkGarbageCollectorReport(collector, this->MaskInput, "MaskInput");
 }
 

@@ -171,6 +171,31 @@ class TestLattice(unittest.TestCase):
         with self.assertRaises(TypeError):
             self.lattice.SetDimensions("a", 4, 4)
 
+    def test_last_owner_frees_it_and_its_inverse(self):
+        for owner in (vtkffd.vtkFFDResampleVolume, vtkffd.vtkFFDJacobian, vtkffd.vtkFFDDeformGeometry,
+                      vtkffd.vtkFFDInverseRayVolumeMapper):
+            with self.subTest(owner.__name__):
+                image = vtkImageData()
+                image.SetDimensions(5, 5, 5)
+                image.AllocateScalars(3, 1)
+                gone = []
+                lattice = vtkffd.vtkFFDLattice()
+                lattice.AddObserver("DeleteEvent", lambda *_, gone=gone: gone.append("lattice"))
+                lattice.GetInverse().AddObserver(
+                    "DeleteEvent", lambda *_, gone=gone: gone.append("inverse"))
+                lattice.FitToBounds(image.GetBounds())
+                lattice.SetDisplacement(1, 1, 1, 0.1, 0.0, 0.0)
+                lattice.GetInverse().TransformPoint((1.0, 1.0, 1.0))
+                user = owner()
+                user.SetInputData(image)
+                user.SetDeformation(lattice)
+                if hasattr(user, "Update"):
+                    user.Update()
+                del lattice
+                self.assertEqual(gone, [])
+                del user
+                self.assertEqual(sorted(gone), ["inverse", "lattice"])
+
 
 if __name__ == "__main__":
     unittest.main()
