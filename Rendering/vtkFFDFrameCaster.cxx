@@ -170,6 +170,7 @@ bool vtkFFDFrameCaster::Cast(
   const ffd::RayCaster& caster = *made;
   const double part = FindPart(tiles, region.Rays);
   this->ReusedFraction = 1.0 - part;
+  this->Intervals = caster.ClassifiesIntervals();
   image.Colors = this->Colors.data();
   image.Depths = layers ? this->FirstVisible.data() : outDepths;
 

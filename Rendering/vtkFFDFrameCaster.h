@@ -75,6 +75,9 @@ public:
   const vtkFFDFrameCoherence& GetCoherence() const { return this->Coherence; }
   double GetReusedFraction() const { return this->ReusedFraction; }
 
+  /// Whether the last frame was cast with Classification::Intervals.
+  bool ClassifiesIntervals() const { return this->Intervals; }
+
   /// The images are as large as the window, and made anew with every frame.
   void ReleaseImages();
 
@@ -98,6 +101,7 @@ private:
   std::vector<float> LayerDepths; // see vtkFFDImageDisplay::Layers
   vtkFFDFrameCoherence Coherence;
   double ReusedFraction = 0.0;
+  bool Intervals = false;
 };
 
 #endif

@@ -81,6 +81,17 @@ ffd::CastSettings vtkFFDFramePlan::MakeSettings(vtkFFDInverseRayVolumeMapper* ma
   }
   settings.SampleDistance = std::max(settings.SampleDistance, ShortestLength * voxelSize);
 
+  // A process that has a part of the volume may lack what is before it on its rays.
+  const int classification = mapper->GetClassification();
+  const ffd::TransferTable& table = cache.GetFunctions().Components[0].Table;
+  if (!mapper->HasClipBox &&
+    (classification == vtkFFDInverseRayVolumeMapper::PRE_INTEGRATED ||
+      (classification == vtkFFDInverseRayVolumeMapper::AUTO &&
+        ffd::IsSteep(table, settings.SampleDistance))))
+  {
+    settings.Classify = ffd::Classification::Intervals;
+  }
+
   const double angle = vtkMath::RadiansFromDegrees(mapper->GetAngleThreshold());
   const double shortest =
     std::clamp(mapper->GetMinimumSegmentLength(), ShortestLength, LongestMinimum);

@@ -390,6 +390,13 @@ const char* vtkFFDInverseRayVolumeMapper::GetSegmentationAsString() const
 }
 
 //------------------------------------------------------------------------------
+const char* vtkFFDInverseRayVolumeMapper::GetClassificationAsString() const
+{
+  static const char* const names[] = { "POST_INTERPOLATED", "PRE_INTEGRATED", "AUTO" };
+  return names[this->Classification];
+}
+
+//------------------------------------------------------------------------------
 const char* vtkFFDInverseRayVolumeMapper::GetSpaceLeapingAsString() const
 {
   static const char* const names[] = { "OFF", "SEGMENT", "LIPSCHITZ" };
@@ -427,6 +434,12 @@ vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetAuxiliaryMemorySize()
 double vtkFFDInverseRayVolumeMapper::GetExpectedStillTime()
 {
   return this->Internals->Plan.GetStillTime();
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDInverseRayVolumeMapper::GetUsedClassification()
+{
+  return this->Internals->Caster.ClassifiesIntervals() ? PRE_INTEGRATED : POST_INTERPOLATED;
 }
 
 //------------------------------------------------------------------------------
@@ -684,6 +697,7 @@ void vtkFFDInverseRayVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
     this->SetSpaceLeaping(like->SpaceLeaping);
     this->SetEarlyRayTerminationThreshold(like->EarlyRayTerminationThreshold);
     this->SetOpacityLength(like->OpacityLength);
+    this->SetClassification(like->Classification);
     this->SetSampleDistance(like->SampleDistance);
     this->SetInteractiveSampleDistance(like->InteractiveSampleDistance);
     this->SetLockSampleDistanceToInputSpacing(like->LockSampleDistanceToInputSpacing);
@@ -768,6 +782,7 @@ void vtkFFDInverseRayVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "SpaceLeaping: " << this->GetSpaceLeapingAsString() << "\n";
   os << indent << "EarlyRayTerminationThreshold: " << this->EarlyRayTerminationThreshold << "\n";
   os << indent << "OpacityLength: " << this->GetOpacityLengthAsString() << "\n";
+  os << indent << "Classification: " << this->GetClassificationAsString() << "\n";
   os << indent << "SampleDistance: " << this->SampleDistance << "\n";
   os << indent << "InteractiveSampleDistance: " << this->InteractiveSampleDistance << "\n";
   os << indent << "LockSampleDistanceToInputSpacing: " << this->LockSampleDistanceToInputSpacing

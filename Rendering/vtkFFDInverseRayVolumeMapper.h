@@ -321,6 +321,45 @@ public:
   const char* GetOpacityLengthAsString() const;
   ///@}
 
+  /**
+   * What the transfer functions are looked up for.
+   */
+  enum Classifications
+  {
+    POST_INTERPOLATED, ///< the samples: as in VTK's mappers
+    PRE_INTEGRATED,    ///< the intervals between samples, from the values at their ends
+    AUTO               ///< PRE_INTEGRATED where the opacity is steep for the sample distance
+  };
+
+  ///@{
+  /**
+   * Default: POST_INTERPOLATED. Where opacity rises by much within what scalars change from one
+   * sample to the next, samples show rings (wood grain). PRE_INTEGRATED shows what is between them
+   * (Engel, Kraus, Ertl 2001): the extinction of an interval is its integral over the values from
+   * the sample before, over one where the steep part is crossed, to the sample; that one is shaded.
+   * Errors of steep functions are then 0.05 to 0.4 of what they were, in 1.2 to 1.8 times
+   * the time. AUTO does so where over a sixteenth of the range of the transfer functions the
+   * opacity of a sample interval changes by more than a quarter.
+   *
+   * It is for one component, interpolated linearly, in blend mode composite with ERROR_BOUND.
+   * Samples are classified (whatever this says) of several components, with gradient opacity,
+   * two-dimensional transfer functions, masks, label maps, blanked cells, nearest interpolation, of
+   * which values are constant between samples, and with a ClipBox: GetUsedClassification() tells.
+   */
+  vtkSetClampMacro(Classification, int, POST_INTERPOLATED, AUTO);
+  vtkGetMacro(Classification, int);
+  void SetClassificationToPostInterpolated() { this->SetClassification(POST_INTERPOLATED); }
+  void SetClassificationToPreIntegrated() { this->SetClassification(PRE_INTEGRATED); }
+  void SetClassificationToAuto() { this->SetClassification(AUTO); }
+  const char* GetClassificationAsString() const;
+  ///@}
+
+  /**
+   * POST_INTERPOLATED or PRE_INTEGRATED: what the last picture was made with. POST_INTERPOLATED
+   * before the first one.
+   */
+  int GetUsedClassification();
+
   ///@{
   /**
    * Distance between samples along the viewing ray, data units. Default: locked to the input, one
@@ -1004,6 +1043,7 @@ private:
   // For looking at the volume point by point; false after an error.
   friend class vtkFFDVolumePicker;
   bool MakeProbeView(vtkFFDProbeView& view);
+  friend class vtkFFDFramePlan;
   friend class vtkFFDFrameScene;
   vtkMTimeType GetSettingsTime();
 
@@ -1018,6 +1058,7 @@ private:
   int SpaceLeaping = LIPSCHITZ;
   double EarlyRayTerminationThreshold = 1.0 / 255.0;
   int OpacityLength = WORLD;
+  int Classification = POST_INTERPOLATED;
   double SampleDistance = 1.0;
   double InteractiveSampleDistance = 2.0;
   vtkTypeBool LockSampleDistanceToInputSpacing = 1;

@@ -48,6 +48,13 @@ enum class OpacityLength
   Material  ///< of the interval in rest space, as the paper
 };
 
+/// What is looked up in the transfer functions.
+enum class Classification
+{
+  Samples,  ///< the samples, each by itself
+  Intervals ///< the intervals between them, as IntervalTable
+};
+
 class SampleClassifier;
 
 /// Parameters of ERROR_BOUND.
@@ -63,6 +70,7 @@ struct CastSettings
   Segmentation Segments = Segmentation::ErrorBound;
   SpaceLeaping Leaping = SpaceLeaping::Lipschitz;
   OpacityLength Opacity = OpacityLength::Deformed;
+  Classification Classify = Classification::Samples; ///< if CanClassifyIntervals()
   PolylineSettings Polyline;
   ErrorBoundSettings ErrorBound;
   double SampleDistance = 1.0;        ///< data units, along the viewing ray

@@ -16,6 +16,13 @@ constexpr double LargestOpticalDepth = 256.0;
 /// Differences of integrals are signed numbers of 32 bits.
 constexpr double LargestIntegral = 2147480000.0;
 
+/// Packets have them in single precision.
+constexpr double LargestUnits = 1e30;
+
+/// Of IsSteep().
+constexpr std::size_t SteepParts = 32;
+constexpr double SteepChange = 0.25;
+
 /// Less opacity than this comes from anywhere.
 constexpr double LeastOpacity = 1e-6;
 
@@ -64,7 +71,7 @@ IntervalTable::IntervalTable(const TransferTable& table, double length)
   {
     sums[i] = sums[i - 1] + 0.5 * (extinctionAt(i - 1) + extinctionAt(i));
   }
-  this->Units = sums.back() > 0.0 ? LargestIntegral / sums.back() : 1.0;
+  this->Units = sums.back() > 0.0 ? std::min(LargestIntegral / sums.back(), LargestUnits) : 1.0;
   this->Integrals.resize(size);
   for (std::size_t i = 0; i < size; ++i)
   {
@@ -105,34 +112,55 @@ IntervalTable::Point IntervalTable::Find(double value) const
 }
 
 //------------------------------------------------------------------------------
+/// The mean extinction between two points.
+double IntervalTable::FindExtinction(const Point& a, const Point& b) const
+{
+  const double entries = b.Entry - a.Entry;
+  if (std::abs(entries) < NearEntries)
+  {
+    return 0.5 * (a.Extinction + b.Extinction);
+  }
+  const double integral = static_cast<double>(static_cast<std::int32_t>(b.Integral - a.Integral));
+  return std::max(integral / (this->Units * entries), 0.0);
+}
+
+//------------------------------------------------------------------------------
+/// Beyond the table everything looks as at its ends: values there, infinite ones, too, count as
+/// these.
+double IntervalTable::FindValue(const Point& a, const Point& b, double place) const
+{
+  return this->Table->GetLow() + (a.Entry + place * (b.Entry - a.Entry)) / this->Table->GetScale();
+}
+
+//------------------------------------------------------------------------------
+IntervalLook IntervalTable::Classify(const Point& a, const Point& b, double length) const
+{
+  const double depth = this->FindExtinction(a, b) * length;
+  const double place = PlaceOf(a.Extinction * length, b.Extinction * length, depth);
+  return { depth, this->FindValue(a, b, place), place };
+}
+
+//------------------------------------------------------------------------------
 IntervalLook IntervalTable::Classify(double front, double back, double length) const
 {
   if (std::isnan(front) || std::isnan(back))
   {
     return { 0.0, front, 0.5 };
   }
-  const Point a = this->Find(front);
-  const Point b = this->Find(back);
-  const double entries = b.Entry - a.Entry;
-  double extinction = 0.5 * (a.Extinction + b.Extinction);
-  if (std::abs(entries) >= NearEntries)
-  {
-    const double integral = static_cast<double>(static_cast<std::int32_t>(b.Integral - a.Integral));
-    extinction = std::max(integral / (this->Units * entries), 0.0);
-  }
-  const double place = PlaceOf(a.Extinction * length, b.Extinction * length, extinction * length);
-  // Beyond the table everything looks as at its ends: values there, infinite ones, too, count as
-  // these.
-  const double entry = a.Entry + place * entries;
-  return { extinction * length, this->Table->GetLow() + entry / this->Table->GetScale(), place };
+  return this->Classify(this->Find(front), this->Find(back), length);
 }
 
 //------------------------------------------------------------------------------
 IntervalLook IntervalTable::Classify(
   double front, double middle, double back, double at, double length) const
 {
-  const IntervalLook first = this->Classify(front, middle, at * length);
-  const IntervalLook second = this->Classify(middle, back, (1.0 - at) * length);
+  if (std::isnan(front) || std::isnan(middle) || std::isnan(back))
+  {
+    return { 0.0, middle, at };
+  }
+  const Point points[3] = { this->Find(front), this->Find(middle), this->Find(back) };
+  const IntervalLook first = this->Classify(points[0], points[1], at * length);
+  const IntervalLook second = this->Classify(points[1], points[2], (1.0 - at) * length);
   const double a = OpacityOf(first.OpticalDepth);
   const double b = (1.0 - a) * OpacityOf(second.OpticalDepth);
   IntervalLook both{ first.OpticalDepth + second.OpticalDepth, middle, at };
@@ -142,6 +170,32 @@ IntervalLook IntervalTable::Classify(
     both.Place = (a * at * first.Place + b * (at + (1.0 - at) * second.Place)) / (a + b);
   }
   return both;
+}
+
+//------------------------------------------------------------------------------
+bool IsSteep(const TransferTable& table, double length)
+{
+  // Of the parts of half that width, and of each and the next one.
+  const std::size_t size = table.GetSize();
+  double low[SteepParts + 1];
+  double high[SteepParts + 1];
+  std::fill_n(low, SteepParts + 1, 1.0);
+  std::fill_n(high, SteepParts + 1, 0.0);
+  for (std::size_t i = 0; i < size; ++i)
+  {
+    const double opacity = OpacityOf(static_cast<double>(table.GetEntries()[4 * i + 3]) * length);
+    const std::size_t part = i * SteepParts / size;
+    low[part] = std::min(low[part], opacity);
+    high[part] = std::max(high[part], opacity);
+  }
+  for (std::size_t part = 0; part < SteepParts; ++part)
+  {
+    if (std::max(high[part], high[part + 1]) - std::min(low[part], low[part + 1]) > SteepChange)
+    {
+      return true;
+    }
+  }
+  return false;
 }
 
 } // namespace ffd

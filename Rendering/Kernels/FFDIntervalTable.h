@@ -63,6 +63,10 @@ public:
     return high >= this->VisibleLow && low <= this->VisibleHigh;
   }
 
+  /// The least and the largest scalar that may be visible.
+  double GetVisibleLow() const { return this->VisibleLow; }
+  double GetVisibleHigh() const { return this->VisibleHigh; }
+
   /// Extinctions are at most this, per data unit: an interval is opaque where a small part of it
   /// is.
   double GetLargestExtinction() const { return this->LargestExtinction; }
@@ -86,6 +90,9 @@ private:
     std::uint32_t Integral;
   };
   Point Find(double value) const;
+  double FindExtinction(const Point& a, const Point& b) const;
+  double FindValue(const Point& a, const Point& b, double place) const;
+  IntervalLook Classify(const Point& a, const Point& b, double length) const;
 
   const TransferTable* Table = nullptr;
   double LargestExtinction = 0.0;
@@ -94,6 +101,12 @@ private:
   double VisibleHigh = -std::numeric_limits<double>::infinity();
   std::vector<std::uint32_t> Integrals;
 };
+
+/**
+ * Whether samples show rings: whether, over a sixteenth of the range of a table, the opacity of an
+ * interval of `length`, data units, changes by more than a quarter.
+ */
+FFD_RENDERING_EXPORT bool IsSteep(const TransferTable& table, double length);
 
 } // namespace ffd
 

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 // The packet kernels are compiled once for every instruction set of FFDSimdTargets.h.
@@ -566,6 +567,40 @@ void SetOptics(
     (kind.Plane && !p.Plane.SecondAxis.Scalars);
 }
 
+/// Sets what intervals are classified by. The volume is set already.
+void SetIntegrals(const CastScene& scene, const IntervalTable& table, PacketScene& p)
+{
+  p.ClassifiesIntervals = !table.IsEmpty();
+  if (!p.ClassifiesIntervals)
+  {
+    return;
+  }
+  PacketIntegrals& to = p.Integrals;
+  const float* const entries = scene.Table->GetEntries();
+  const auto extinctionAt = [&](std::size_t i) {
+    return static_cast<float>(
+      std::min(static_cast<double>(entries[4 * i + 3]), table.GetLargestExtinction()));
+  };
+  to.Entries.resize(scene.Table->GetSize() - 1);
+  for (std::size_t i = 0; i < to.Entries.size(); ++i)
+  {
+    const float extinction = extinctionAt(i);
+    const float change = extinctionAt(i + 1) - extinction;
+    std::uint32_t* const words = to.Entries[i].Words;
+    std::memcpy(&words[0], &extinction, sizeof(float));
+    std::memcpy(&words[1], &change, sizeof(float));
+    words[2] = table.GetIntegrals()[i];
+    words[3] = 0;
+  }
+  to.Units = static_cast<float>(table.GetUnits());
+  const auto fetched = [&](double value) {
+    const double scaled = (value - p.Volume.Shift) * p.Volume.Scale;
+    return std::isinf(scaled) ? static_cast<float>(scaled) : ToFloat(scaled);
+  };
+  to.VisibleLow = fetched(table.GetVisibleLow());
+  to.VisibleHigh = fetched(table.GetVisibleHigh());
+}
+
 /// Sets what the blend modes compare values with. The optics are set already.
 void SetBlending(const CastScene& scene, const FrameKind& kind, PacketScene& p)
 {
@@ -778,6 +813,7 @@ PacketCaster::PacketCaster(
   const FrameKind kind = SetSampling(scene, settings, classifier, p);
   SetVolume(scene, settings, kind, p);
   SetOptics(scene, classifier, kind, p);
+  SetIntegrals(scene, frame.Intervals, p);
   SetBlending(scene, kind, p);
   SetCoordinates(scene, rest, p);
   SetPullBack(scene, settings, rest, p);

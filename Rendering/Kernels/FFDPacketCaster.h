@@ -18,6 +18,7 @@
 #include <glm/vec3.hpp>
 
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -95,6 +96,19 @@ struct PacketComponent
   PacketGradientOpacity Gradients;
   float Weight = 1.0f; ///< of its opacity
   PacketSurface Surface;
+};
+
+/// An IntervalTable in the form that packet kernels read: a load of 128 bits gives all of an entry.
+struct PacketIntegrals
+{
+  struct Entry
+  {
+    std::uint32_t Words[4]; ///< extinction and its change to the next entry, floats; the integral
+  };
+  std::vector<Entry> Entries;
+  float Units = 1.0f;
+  float VisibleLow = 0.0f; ///< as fetched
+  float VisibleHigh = 0.0f;
 };
 
 /**
@@ -179,6 +193,11 @@ struct PacketScene
   /// Values between these may be visible, no others. Without space leaping all are looked up.
   float VisibleLow = -std::numeric_limits<float>::infinity();
   float VisibleHigh = std::numeric_limits<float>::infinity();
+
+  /// Whether intervals that end at samples are classified, not samples: they are empty only if
+  /// their beginnings are, too.
+  bool ClassifiesIntervals = false;
+  PacketIntegrals Integrals;
 
   PacketPlane Plane;               ///< in the place of the first table
   PacketGradientOpacity Gradients; ///< of the first component, unless labels have theirs

@@ -52,6 +52,14 @@ RayCaster::RayCaster(const CastScene& scene, const CastSettings& settings)
   this->Frame.Scene = &this->Scene;
   this->Frame.Settings = &this->Settings;
   this->Frame.IndexToData = scene.Volume.IndexToData;
+  if (!CanClassifyIntervals(scene, settings, *this->Scene.Classifier))
+  {
+    this->Settings.Classify = Classification::Samples;
+  }
+  if (this->ClassifiesIntervals())
+  {
+    this->Frame.Intervals = IntervalTable(*scene.Table, settings.SampleDistance);
+  }
   if (this->Visible && PacketCaster::Supports(scene, settings))
   {
     this->Packets.reset(new PacketCaster(this->Scene, this->Settings, this->Frame));

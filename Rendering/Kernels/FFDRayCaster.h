@@ -48,6 +48,9 @@ public:
     CastStatistics Statistics;
   };
 
+  /// Whether the frame is cast with Classification::Intervals: asked for, and possible.
+  bool ClassifiesIntervals() const { return this->Settings.Classify == Classification::Intervals; }
+
   /// The statistics of a thread.
   static CastStatistics GetStatistics(const Scratch& scratch);
 

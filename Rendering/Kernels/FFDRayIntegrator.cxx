@@ -41,6 +41,14 @@ private:
 } // namespace
 
 //------------------------------------------------------------------------------
+bool CanClassifyIntervals(
+  const CastScene& scene, const CastSettings& settings, const SampleClassifier& classifier)
+{
+  return scene.Blend.Mode == BlendMode::Composite &&
+    settings.Segments == Segmentation::ErrorBound && classifier.IsOneFunction();
+}
+
+//------------------------------------------------------------------------------
 void RayIntegrator::Begin(const IntegrationFrame& frame, const ViewRay& ray, double from, double to)
 {
   *this = RayIntegrator();
@@ -66,7 +74,8 @@ RayIntegrator::Outcome RayIntegrator::AddSample(
     case BlendMode::Isosurface:
       return this->CrossIsosurfaces(segment, s, interval);
     default:
-      return this->Composite(segment, s, interval);
+      return this->Frame->Intervals.IsEmpty() ? this->Composite(segment, s, interval)
+                                              : this->CompositeInterval(segment, s, interval);
   }
 }
 
@@ -110,6 +119,59 @@ RayIntegrator::Outcome RayIntegrator::Composite(
   const float transmittance = frame.Transmittance(sample.Extinction * static_cast<float>(length));
   Outcome outcome = this->AddColor(sample.Color, transmittance, segment.T0 + s * segment.Dt);
   outcome.Extinction = sample.Extinction;
+  return outcome;
+}
+
+//------------------------------------------------------------------------------
+/**
+ * The interval that ends at s. Its values run linearly from the sample before to one between, and
+ * from there on; that one is where the light comes from, if the values ran linearly between the two
+ * ends, so it is where steep functions are crossed, and where normals are taken (Lum, Wilson, Ma
+ * 2004).
+ */
+RayIntegrator::Outcome RayIntegrator::CompositeInterval(
+  const SampledSegment& segment, double s, double interval)
+{
+  const IntegrationFrame& frame = *this->Frame;
+  const IntervalTable& table = frame.Intervals;
+  const double t = segment.T0 + s * segment.Dt;
+  const double before = t - interval * segment.Dt;
+  const double begin = std::max(before, this->From);
+  const double first = s - (t - begin) / segment.Dt;
+  const double back = this->ClampedScalarAt(segment.Curve, s);
+  double front = back;
+  if (std::abs(before - this->LastEnd) < 1e-3 * interval * segment.Dt)
+  {
+    front = this->LastScalar;
+  }
+  else if (!this->IsCropped(segment, first))
+  {
+    front = this->ClampedScalarAt(segment.Curve, first);
+  }
+  this->LastEnd = t;
+  this->LastScalar = back;
+  if (!table.MayShow(front, back))
+  {
+    return { false, false, 0.0f };
+  }
+  const double length = this->LengthOf(segment, s, s - first);
+  const IntervalLook guess = table.Classify(front, back, length);
+  const double at = guess.OpticalDepth > 0.0 ? guess.Place : 0.5;
+  const double middle = first + at * (s - first);
+  const glm::dvec3 q = glm::clamp(
+    segment.Curve.At(middle), frame.Scene->Volume.LowerIndex(), frame.Scene->Volume.UpperIndex());
+  const IntervalLook look =
+    table.Classify(front, this->ClampedScalarAt(segment.Curve, middle), back, at, length);
+  if (!(look.OpticalDepth > 0.0))
+  {
+    return { false, false, 0.0f };
+  }
+  const glm::vec3 color =
+    frame.Classifier->Light(0, q, glm::vec3(frame.Classifier->ClassifyValue(0, look.Value)),
+      SegmentNormals(this->Ray, frame.Scene->Camera, segment, middle));
+  Outcome outcome = this->AddColor(color,
+    frame.Transmittance(static_cast<float>(look.OpticalDepth)), begin + look.Place * (t - begin));
+  outcome.Extinction = static_cast<float>(look.OpticalDepth / length);
   return outcome;
 }
 
@@ -348,22 +410,34 @@ double RayIntegrator::FindCrossing(
 /// Whether the ray is seen there and nothing is cropped.
 bool RayIntegrator::IsShown(const SampledSegment& segment, double s) const
 {
-  const CastScene& scene = *this->Frame->Scene;
   const double t = segment.T0 + s * segment.Dt;
-  if (!(t >= this->From && t < this->To))
-  {
-    return false;
-  }
-  const glm::dvec3 q = segment.Curve.At(s);
-  switch (scene.Crop.Space)
+  return t >= this->From && t < this->To && !this->IsCropped(segment, s);
+}
+
+//------------------------------------------------------------------------------
+bool RayIntegrator::IsCropped(const SampledSegment& segment, double s) const
+{
+  const Cropping& crop = this->Frame->Scene->Crop;
+  switch (crop.Space)
   {
     case Cropping::Spaces::Rest:
-      return scene.Crop.Shows(q);
+      return !crop.Shows(segment.Curve.At(s));
     case Cropping::Spaces::Deformed:
-      return scene.Crop.Shows(this->Ray.Origin + t * this->Ray.Direction);
+      return !crop.Shows(this->Ray.Origin + (segment.T0 + s * segment.Dt) * this->Ray.Direction);
     default:
-      return true;
+      return false;
   }
+}
+
+//------------------------------------------------------------------------------
+/// The value of the only component, beyond the faces of the volume that at the next face.
+double RayIntegrator::ClampedScalarAt(const CurveSegment& curve, double s) const
+{
+  const VolumeView& volume = this->Frame->Scene->Volume;
+  double values[SampleClassifier::LargestNumberOfComponents];
+  this->Frame->Classifier->Values(
+    glm::clamp(curve.At(s), volume.LowerIndex(), volume.UpperIndex()), values);
+  return values[0];
 }
 
 //------------------------------------------------------------------------------

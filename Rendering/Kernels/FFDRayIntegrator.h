@@ -6,6 +6,7 @@
 #include "FFDCastScene.h"
 #include "FFDCurveSegment.h"
 #include "FFDExport.h"
+#include "FFDIntervalTable.h"
 #include "FFDSampleClassifier.h"
 
 #include <glm/mat3x3.hpp>
@@ -24,7 +25,13 @@ struct IntegrationFrame
   const CastSettings* Settings = nullptr;
   glm::dmat3 IndexToData{ 1.0 }; ///< of the volume at rest: lengths of deformed rays
   TransmittanceTable Transmittance;
+  IntervalTable Intervals; ///< empty: samples are classified by themselves
 };
+
+/// Whether Classification::Intervals is possible: composited by ERROR_BOUND, one function of the
+/// interpolated scalar (SampleClassifier::IsOneFunction()).
+FFD_RENDERING_EXPORT bool CanClassifyIntervals(
+  const CastScene& scene, const CastSettings& settings, const SampleClassifier& classifier);
 
 /**
  * A segment of a deformed ray: its parameter s stands for t = T0 + s * Dt on the viewing ray. Each
@@ -71,7 +78,9 @@ public:
   /**
    * The sample at `s` of a segment, which stands for an interval of length `interval` of s that
    * starts there. It must be inside of the volume and not be cropped; but where the blend mode uses
-   * intervals, these may be anywhere: they are looked at for what is.
+   * intervals, these may be anywhere: they are looked at for what is. With
+   * Classification::Intervals what counts is the interval from the sample before, or from where the
+   * ray is first seen, to it.
    */
   Outcome AddSample(const SampledSegment& segment, double s, double interval);
 
@@ -97,6 +106,7 @@ private:
   };
 
   Outcome Composite(const SampledSegment& segment, double s, double interval);
+  Outcome CompositeInterval(const SampledSegment& segment, double s, double interval);
   Outcome TakeExtreme(const SampledSegment& segment, double s);
   Outcome AddUp(const SampledSegment& segment, double s, double interval);
   Outcome CrossIsosurfaces(const SampledSegment& segment, double s, double interval);
@@ -106,6 +116,8 @@ private:
   double FindCrossing(const SampledSegment& segment, Value a, Value b, double value) const;
   double FindFace(const CurveSegment& curve, double inside, double outside) const;
   bool IsShown(const SampledSegment& segment, double s) const;
+  bool IsCropped(const SampledSegment& segment, double s) const;
+  double ClampedScalarAt(const CurveSegment& curve, double s) const;
   bool FindValues(const SampledSegment& segment, double s, double* values) const;
   double LengthOf(const SampledSegment& segment, double s, double interval) const;
   Result EndExtreme() const;

@@ -195,6 +195,16 @@ SampleClassifier::SampleClassifier(const VolumeView& volume, Interpolation inter
 }
 
 //------------------------------------------------------------------------------
+bool SampleClassifier::IsOneFunction() const
+{
+  const OpticalFunctions& functions = *this->In.Functions;
+  const ComponentOptics& first = functions.Components[0];
+  return functions.Kind == ComponentKind::Independent && functions.Components.size() == 1 &&
+    first.Gradients.IsEmpty() && first.Plane.IsEmpty() && !this->In.Mask.Volume.Scalars &&
+    !this->In.Hidden && this->In.VolumeInterpolation == Interpolation::Linear;
+}
+
+//------------------------------------------------------------------------------
 /// Dependent components share the functions of the first one.
 const ComponentOptics& SampleClassifier::OpticsOf(int component) const
 {

@@ -114,6 +114,10 @@ public:
   /// gradient counts clipped voxels, and normals are not those of the opacity.
   bool IsSimple() const { return this->Simple; }
 
+  /// Whether looks depend on nothing but the value of one component, interpolated between voxels,
+  /// and nothing is hidden: then that of an interval between samples can be told.
+  bool IsOneFunction() const;
+
   const MaskView& GetMask() const { return this->In.Mask; }
   const VolumeView& GetSecondAxis() const { return this->In.SecondAxis; }
   const OpticalFunctions& GetFunctions() const { return *this->In.Functions; }

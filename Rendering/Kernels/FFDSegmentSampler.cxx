@@ -63,15 +63,22 @@ void SegmentSampler::Integrate(const SampledSegment& segment, const SampleSchedu
   const bool leap = this->Settings.Leaping != SpaceLeaping::Off;
   const bool lipschitz = this->Settings.Leaping == SpaceLeaping::Lipschitz;
   const bool intervals = this->Scene.Blend.UsesIntervals();
+  const bool classified = this->Settings.Classify == Classification::Intervals;
   for (int i = 0; i < schedule.Count; ++i)
   {
     const double s = schedule.Position(i);
     const glm::dvec3 q = segment.Curve.At(s);
     const bool inside = IsInside(volume, q);
     // Leaps of the paper end with the segment; LIPSCHITZ uses the box of an earlier segment, too.
-    const bool known = lipschitz && Contains(this->LastEmptyBox, q);
+    const auto isEmpty = [&] {
+      // An interval that ends at the sample is empty only if its beginning is in the box, too.
+      return Contains(this->LastEmptyBox, q) &&
+        (!classified || Contains(this->LastEmptyBox, segment.Curve.At(s - schedule.Step)));
+    };
+    const bool known = lipschitz && isEmpty();
     if (known ||
-      (leap && this->Scene.Distances->FindEmptyBox(q, upper, this->LastEmptyBox, volume.Margin)))
+      (leap && this->Scene.Distances->FindEmptyBox(q, upper, this->LastEmptyBox, volume.Margin) &&
+        (!classified || isEmpty())))
     {
       if (inside && !known)
       {

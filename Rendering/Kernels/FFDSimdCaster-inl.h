@@ -253,7 +253,11 @@ private:
       {
         const Vf s = hn::Mul(
           hn::Add(this->Phase, Splat(static_cast<float>(n - segment.FirstSample))), curve.PerStep);
-        if (inner)
+        if (HWY_UNLIKELY(inner && this->Scene.ClassifiesIntervals))
+        {
+          this->Samples.TakeInterval(curve, n, s, this->FindActive(n), true);
+        }
+        else if (inner)
         {
           if (HWY_LIKELY(this->Scene.Plain))
           {
@@ -395,7 +399,8 @@ private:
       return;
     }
     const Vec3 q = curve.Position.At(s);
-    if (!curve.Segment && this->Scene.Distances && !this->Scene.Intervals)
+    if (!curve.Segment && this->Scene.Distances && !this->Scene.Intervals &&
+      !this->Scene.ClassifiesIntervals)
     {
       active = hn::AndNot(EmptySpaceQuery(this->Scene, q).IsEmpty(), active);
       if (hn::AllFalse(d, active))
@@ -425,7 +430,14 @@ private:
           return;
         }
       }
-      this->Samples.template TakeSample<true>(curve, q, s, active);
+      if (HWY_UNLIKELY(this->Scene.ClassifiesIntervals))
+      {
+        this->Samples.TakeInterval(curve, n, s, active, false);
+      }
+      else
+      {
+        this->Samples.template TakeSample<true>(curve, q, s, active);
+      }
     }
     else
     {
@@ -442,6 +454,10 @@ private:
         if (this->Scene.Volume.Components > 1)
         {
           this->Samples.TakeComponents(curve, q, s, active);
+        }
+        else if (this->Scene.ClassifiesIntervals)
+        {
+          this->Samples.TakeInterval(curve, n, s, active, false);
         }
         else
         {
@@ -470,8 +486,15 @@ private:
     {
       return active;
     }
-    const Vf steps =
-      EmptySpaceQuery(this->Scene, q).CountSteps(LeapGuard, curve.Segment->Up, curve.Segment->Down);
+    const TileSegment& segment = *curve.Segment;
+    float radius[3];
+    for (int a = 0; a < 3; ++a)
+    {
+      // An interval that ends at a sample is empty if its beginning lies in the cube, too.
+      radius[a] = LeapGuard[a] +
+        (this->Scene.ClassifiesIntervals ? std::max(segment.Up[a], segment.Down[a]) : 0.0f);
+    }
+    const Vf steps = EmptySpaceQuery(this->Scene, q).CountSteps(radius, segment.Up, segment.Down);
     // An interval is empty only if its end lies in the cube, too.
     const Mf empty =
       hn::And(querying, hn::Ge(steps, this->Scene.Intervals ? Splat(1.0f) : hn::Zero(d)));

@@ -14,6 +14,7 @@
 #include "FFDSimdComponents-inl.h"
 #include "FFDSimdCurve-inl.h"
 #include "FFDSimdFetch-inl.h"
+#include "FFDSimdInterval-inl.h"
 #include "FFDSimdMask-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdNormals-inl.h"
@@ -53,7 +54,10 @@ public:
     , Border(scene)
     , Window(scene.Volume)
     , Scene(scene)
+    , Rays(rays)
     , Statistics(scratch.Statistics)
+    , LastNumber(Splat(-1e30f))
+    , LastValue(hn::Zero(Df()))
   {
   }
 
@@ -103,6 +107,78 @@ public:
     OffsetRows<T> voxels;
     voxels.Fit(this->Scene.Volume, cells, sampled);
     composite(voxels);
+  }
+
+  /**
+   * Takes the intervals that end at the samples n, at s of a curve, in the lanes of `sampled`, as
+   * RayIntegrator::CompositeInterval(). `inner`: all voxels that they and their gradients need
+   * exist.
+   */
+  HWY_NOINLINE void TakeInterval(const PacketCurve& curve, int n, Vf s, Mf sampled, bool inner)
+  {
+    const Df d;
+    const PacketScene& scene = this->Scene;
+    this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
+    const Vec3 end = curve.Position.At(s);
+    const Vf back = inner ? this->FindInnerValue(end, n, sampled) : this->FindValue(end, sampled);
+    const Vf number = Splat(static_cast<float>(n));
+    const Vf begin =
+      hn::Max(hn::Sub(s, curve.PerStep), hn::Div(hn::Sub(this->Rays.From, curve.T0), curve.Dt));
+    const Mf unknown = hn::AndNot(hn::Eq(this->LastNumber, hn::Sub(number, Splat(1.0f))), sampled);
+    Vf front = this->LastValue;
+    if (HWY_UNLIKELY(!hn::AllFalse(d, unknown)))
+    {
+      front = hn::IfThenElse(unknown, this->FindFront(curve, begin, unknown, back), front);
+    }
+    this->LastValue = hn::IfThenElse(sampled, back, this->LastValue);
+    this->LastNumber = hn::IfThenElse(sampled, number, this->LastNumber);
+    // As IntervalTable::MayShow(). Comparisons with what is not a number are false.
+    const Vf difference = hn::Abs(hn::Sub(back, front));
+    sampled = hn::And(sampled,
+      hn::And(hn::Ge(hn::Add(hn::Max(front, back), difference), Splat(scene.Integrals.VisibleLow)),
+        hn::Le(hn::Sub(hn::Min(front, back), difference), Splat(scene.Integrals.VisibleHigh))));
+    if (hn::AllFalse(d, sampled))
+    {
+      return;
+    }
+    const Vf extent = hn::Sub(s, begin);
+    const Vf length = hn::Mul(extent,
+      scene.Settings.Opacity == OpacityLength::Deformed
+        ? curve.Dt
+        : FindLength(scene, curve.Position.Slope(s)));
+    const IntervalPoint first = FindIntervalPoint(scene, front);
+    const IntervalPoint last = FindIntervalPoint(scene, back);
+    const Vf guess = hn::Mul(FindMeanExtinction(scene, first, last), length);
+    const Vf place =
+      PlaceInInterval(hn::Mul(first.Extinction, length), hn::Mul(last.Extinction, length), guess);
+    const Vf at = hn::IfThenElse(hn::Gt(guess, hn::Zero(d)), place, Splat(0.5f));
+    const Vf middle = hn::MulAdd(at, extent, begin);
+    const Vec3 q = this->ClampToVolume(curve.Position.At(middle));
+    FetchedSample<T> fetched;
+    FetchSample(scene.Volume, q, sampled, this->Border, fetched);
+    const PacketIntervalLook look =
+      ClassifyIntervals(scene, first, FindIntervalPoint(scene, fetched.Value), last, at, length);
+    const Mf visible = hn::And(sampled,
+      hn::And(hn::Gt(look.OpticalDepth, hn::Zero(d)), hn::Eq(fetched.Value, fetched.Value)));
+    if (hn::AllFalse(d, visible))
+    {
+      return;
+    }
+    this->Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
+    this->State.Expecting = visible;
+    Vec3 color = TableLookup(scene, look.Value).Color();
+    if (scene.Shade)
+    {
+      Vec3 gradient = Gradient<T>(fetched.Voxels, fetched.At, fetched.Rows);
+      if (HWY_UNLIKELY(!hn::AllFalse(d, fetched.AtBorder)))
+      {
+        gradient = this->Border.Gradient(q, fetched.AtBorder, gradient);
+      }
+      color =
+        this->Normals.Light(scene.Surface, curve, q, color, gradient, middle, curve.TimeAt(middle));
+    }
+    this->State.Add(visible, color, look.Transmittance,
+      curve.TimeAt(hn::MulAdd(look.Place, extent, begin)), scene.Settings.TerminationTransmittance);
   }
 
   /// Takes a sample of several components as TakeSample() does of one; as SampleClassifier.
@@ -182,6 +258,63 @@ public:
   VoxelWindow<T> Window; ///< voxels around the last inner sample
 
 private:
+  HWY_INLINE Vec3 ClampToVolume(const Vec3& q) const
+  {
+    const Vf lower = Splat(this->Scene.Lower);
+    return { Clamp(q.x, lower, Splat(this->Scene.Upper[0])),
+      Clamp(q.y, lower, Splat(this->Scene.Upper[1])),
+      Clamp(q.z, lower, Splat(this->Scene.Upper[2])) };
+  }
+
+  /// Interpolated values of the lanes of `lanes`, in the volume.
+  HWY_NOINLINE Vf FindValue(const Vec3& q, Mf lanes)
+  {
+    FetchedSample<T> fetched;
+    FetchSample(this->Scene.Volume, q, lanes, this->Border, fetched);
+    return fetched.Value;
+  }
+
+  /// The same of the samples n as TakeInnerSample().
+  HWY_INLINE Vf FindInnerValue(const Vec3& q, int n, Mf lanes)
+  {
+    if constexpr (HasVoxelWindow<T>())
+    {
+      SampleCells cells;
+      const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
+      const auto sample = [&](const auto& voxels) {
+        SampleRows<T> rows;
+        return Sample<T>(voxels, at, rows);
+      };
+      switch (this->Window.MoveTo(n))
+      {
+        case WindowFit::Two:
+          return sample(WindowRows<T, WindowFit::Two>(this->Window, cells));
+        case WindowFit::Three:
+          return sample(WindowRows<T, WindowFit::Three>(this->Window, cells));
+        case WindowFit::Four:
+          return sample(WindowRows<T, WindowFit::Four>(this->Window, cells));
+        default:
+          break;
+      }
+    }
+    return this->FindValue(q, lanes);
+  }
+
+  /// Values where intervals begin whose samples before were not taken: those of `lanes`. What is
+  /// cropped there looks as the ends of the intervals.
+  HWY_NOINLINE Vf FindFront(const PacketCurve& curve, Vf begin, Mf lanes, Vf back)
+  {
+    const Vec3 q = curve.Position.At(begin);
+    const Vf value = this->FindValue(this->ClampToVolume(q), lanes);
+    if (this->Scene.CropSpace == Cropping::Spaces::None)
+    {
+      return value;
+    }
+    const bool rest = this->Scene.CropSpace == Cropping::Spaces::Rest;
+    const Vec3 p = rest ? q : MulAdd(curve.TimeAt(begin), this->Rays.Direction, this->Rays.Origin);
+    return hn::IfThenElse(IsUncropped(this->Scene, p), value, back);
+  }
+
   /// Classifies, shades and composites the samples of the lanes of `sampled`; BorderSamples fetched
   /// those of `border`.
   template <bool Plain, class Source>
@@ -377,7 +510,12 @@ private:
   }
 
   const PacketScene& Scene;
+  const RayPacket& Rays;
   CastStatistics& Statistics;
+
+  // With PacketScene::ClassifiesIntervals: the last samples, their numbers and values.
+  Vf LastNumber;
+  Vf LastValue;
 };
 
 } // namespace HWY_NAMESPACE

@@ -276,7 +276,8 @@ private:
     const BezierHull hull(segment.Terms);
     // Samples lie on the interpolant, or within its error of it. Far from everything visible a
     // coarse estimate of the error suffices.
-    if (this->IsEmptyBox(hull.Low, hull.High, FarFromVisible) &&
+    const float before = this->FindStepBefore(segment, hull);
+    if (this->IsEmptyBox(hull.Low, hull.High, FarFromVisible + before) &&
       this->EstimateError(segment) + tolerance <= FarFromVisible)
     {
       segment.Known = TileSegment::State::Empty;
@@ -286,7 +287,7 @@ private:
     const bool close = segment.Error <= tolerance && this->HasCloseSlopes(segment);
     if (segment.Error < LargestKnownError)
     {
-      const float margin = (close ? 0.0f : segment.Error + tolerance) + Rounding;
+      const float margin = (close ? 0.0f : segment.Error + tolerance) + Rounding + before;
       if (this->IsEmptyBox(hull.Low, hull.High, margin))
       {
         segment.Known = TileSegment::State::Empty;
@@ -447,6 +448,26 @@ private:
       cells = std::max(cells, extent * std::abs(this->Scene.Field.InverseSpacing[a]));
     }
     return cells;
+  }
+
+  /**
+   * How far before the segment the interval begins that ends at its first sample, index units;
+   * where samples are classified by themselves that does not matter. The sample before lies on
+   * another curve, whose speed is nearly the same.
+   */
+  float FindStepBefore(const TileSegment& segment, const BezierHull& hull) const
+  {
+    if (!this->Scene.ClassifiesIntervals)
+    {
+      return 0.0f;
+    }
+    constexpr float Guard = 1.25f;
+    float across[3];
+    float up[3];
+    float down[3];
+    hull.GetSpeeds(across, up, down);
+    const float speed = std::max({ up[0], up[1], up[2], down[0], down[1], down[2] });
+    return Guard * speed / static_cast<float>(segment.Samples);
   }
 
   /// Empty-space query of a box, index coordinates, extended by `margin`.
@@ -633,15 +654,16 @@ private:
       (this->Scene.LeapsRays || !CanQueryBoxes(this->FindPartRadius(segment)));
   }
 
-  /// Bounds of the distances of the positions of a block in a part from its middle, index units.
+  /// Bounds of the distances of the positions of a block in a part from its middle, index units;
+  /// with intervals those of the samples before them, too.
   std::array<float, 3> FindPartRadius(const TileSegment& segment) const
   {
     std::array<float, 3> radius;
     for (std::size_t a = 0; a < 3; ++a)
     {
-      radius[a] = segment.Radius[a] +
-        0.5f * static_cast<float>(segment.SamplesPerPart) *
-          std::max(segment.Up[a], segment.Down[a]);
+      const float steps = 0.5f * static_cast<float>(segment.SamplesPerPart) +
+        (this->Scene.ClassifiesIntervals ? 1.0f : 0.0f);
+      radius[a] = segment.Radius[a] + steps * std::max(segment.Up[a], segment.Down[a]);
     }
     return radius;
   }

@@ -295,6 +295,8 @@ const std::map<std::string, Change>& GetChanges()
         mapper->AddClippingPlane(plane);
       } },
     { "jitter", [](OptionScene&, Mapper* mapper) { mapper->UseJitteringOn(); } },
+    { "pre-integrated",
+      [](OptionScene&, Mapper* mapper) { mapper->SetClassificationToPreIntegrated(); } },
     { "isosurface",
       [](OptionScene& s, Mapper* mapper) {
         s.Property->GetIsoSurfaceValues()->SetValue(0, Surface);
@@ -391,6 +393,7 @@ const std::vector<FrameOption>& GetFrameOptions()
     { "cropping", "plain", 1.4 },
     { "clipping plane", "plain", 1.4 },
     { "jitter", "plain", 1.4 },
+    { "pre-integrated", "plain", 1.3 },
     { "8 lights", "plain", 1.4 },
     { "isosurface", "plain", 1.5 },
     { "maximum", "plain", 1.5 },

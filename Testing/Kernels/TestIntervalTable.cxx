@@ -180,6 +180,15 @@ TEST(IntervalTable, TakesAMiddleValue)
   EXPECT_LT(look.Place, 0.5);
   EXPECT_GT(look.Value, 96.0);
   EXPECT_LT(look.Value, 100.0);
+  // The light of an opaque step comes from where it is, before the middle or behind it.
+  const TransferTable step = Make([](double value) { return value < 99.0 ? 0.0 : 40.0; }, 5101);
+  const IntervalTable steps(step, 1.0);
+  const IntervalLook before = steps.Classify(80.0, 120.0, 130.0, 0.5, 1.0);
+  EXPECT_NEAR(before.Place, 0.5 * 19.0 / 40.0, 0.05);
+  EXPECT_NEAR(before.Value, 99.0, 3.0);
+  const IntervalLook behind = steps.Classify(80.0, 90.0, 120.0, 0.5, 1.0);
+  EXPECT_NEAR(behind.Place, 0.5 + 0.5 * 9.0 / 30.0, 0.05);
+  EXPECT_NEAR(behind.Value, 99.0, 3.0);
   // On the line between the ends it changes nothing.
   const IntervalLook one = intervals.Classify(80.0, 110.0, 1.0);
   const IntervalLook two = intervals.Classify(80.0, 95.0, 110.0, 0.5, 1.0);
@@ -213,4 +222,19 @@ TEST(IntervalTable, WhatIsNotANumberIsTransparent)
   EXPECT_FALSE(intervals.MayShow(nan, 3.0));
   const double infinity = std::numeric_limits<double>::infinity();
   EXPECT_NEAR(intervals.Classify(3.0, infinity, 1.0).OpticalDepth, 5.0, 1e-3);
+}
+
+//------------------------------------------------------------------------------
+TEST(IntervalTable, TellsSteepFunctions)
+{
+  const TransferTable step = Make([](double value) { return value < 100.0 ? 0.0 : 2.0; });
+  EXPECT_TRUE(IsSteep(step, 1.0));
+  // Over a short interval nothing is opaque.
+  EXPECT_FALSE(IsSteep(step, 0.1));
+  const TransferTable ramp = Make([](double value) { return value / 128.0; });
+  EXPECT_FALSE(IsSteep(ramp, 1.0));
+  const TransferTable shell =
+    Make([](double value) { return std::abs(value - 100.0) < 1.0 ? 2.0 : 0.0; });
+  EXPECT_TRUE(IsSteep(shell, 1.0));
+  EXPECT_FALSE(IsSteep(Make([](double) { return 3.0; }), 1.0));
 }

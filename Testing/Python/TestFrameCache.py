@@ -206,6 +206,8 @@ CLASSES = {
             ReleaseDataFlagOff ReleaseDataFlagOn RemoveClippingPlane RenderToImageOff
             SelectScalarArray SetAngleThreshold SetArrayAccessMode SetAutoAdjustSampleDistances
             SetAverageIPScalarRange SetBlendModeToComposite SetClampDepthToBackface
+            SetClassification SetClassificationToAuto SetClassificationToPostInterpolated
+            SetClassificationToPreIntegrated
             SetCollectStatistics SetCroppingRegionFlags SetCroppingRegionFlagsToCross
             SetCroppingRegionFlagsToFence SetCroppingRegionFlagsToInvertedCross
             SetCroppingRegionFlagsToInvertedFence SetCroppingRegionFlagsToSubVolume
