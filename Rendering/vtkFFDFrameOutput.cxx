@@ -160,9 +160,8 @@ void vtkFFDPaintIdentifiers(vtkHardwareSelector* selector, vtkFFDInverseRayVolum
       std::copy_n(same, 3, pixel);
       if (visible && identifiers)
       {
-        const glm::dvec2 center(static_cast<double>(i % camera.ImageSize.x) + 0.5,
+        const glm::dvec2 ndc = camera.ToNdc(static_cast<double>(i % camera.ImageSize.x) + 0.5,
           static_cast<double>(i / camera.ImageSize.x) + 0.5);
-        const glm::dvec2 ndc = camera.NdcOrigin + center * camera.NdcPerPixel;
         const vtkIdType id = FindIdentifier(
           mapper->GetInput(), cache, camera.ToData(glm::dvec3(ndc, 2.0 * depths[i] - 1.0)), cells);
         vtkHardwareSelector::Convert(high ? id >> 24 : id, pixel);

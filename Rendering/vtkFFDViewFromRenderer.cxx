@@ -100,7 +100,8 @@ CameraView MakeCameraView(
   view.ImageSize = region.Rays;
   view.PixelOrigin = glm::ivec2(glm::floor(origin / region.Step));
   view.NdcPerPixel = 2.0 * region.Step / viewport;
-  view.NdcOrigin = 2.0 * origin / viewport - 1.0;
+  // Exactly -1 where a step is a pixel.
+  view.NdcOrigin = 2.0 * (origin - region.Step * glm::dvec2(view.PixelOrigin)) / viewport - 1.0;
   const double* eye = camera->GetPosition();
   view.Eye =
     glm::dvec3(glm::inverse(dataToWorld) * glm::dvec4(glm::dvec3(eye[0], eye[1], eye[2]), 1.0));

@@ -31,20 +31,29 @@ struct CameraView
   glm::dmat4 NdcToData{ 1.0 };
   glm::dmat4 DataToNdc{ 1.0 };
   glm::ivec2 ImageSize{ 0 };
-  /// Normalized device coordinates of the lower left corner of pixel (0, 0), and of one pixel.
+  /// Normalized device coordinates of the lower left corner of the whole image, of which this may
+  /// be a part, and of one pixel.
   glm::dvec2 NdcOrigin{ -1.0 };
   glm::dvec2 NdcPerPixel{ 0.0 };
-  /// Column and row of pixel (0, 0) in the whole image: the pattern of FindJitter() stays there.
+  /// Column and row of pixel (0, 0) in the whole image. Rays and the pattern of FindJitter() follow
+  /// from columns and rows there, so that those of a pixel are the same, to the last bit, whatever
+  /// part of the image is cast.
   glm::ivec2 PixelOrigin{ 0 };
   /// Where the camera is, data coordinates: lights and highlights are seen from there, by parallel
   /// projection, too (as vtkGPUVolumeRayCastMapper does).
   glm::dvec3 Eye{ 0.0 };
   bool Parallel = false;
 
+  /// Normalized device coordinates of image position (x, y).
+  glm::dvec2 ToNdc(double x, double y) const
+  {
+    return this->NdcOrigin + (glm::dvec2(this->PixelOrigin) + glm::dvec2(x, y)) * this->NdcPerPixel;
+  }
+
   /// The ray through image position (x, y); pixel (i, j) has its center at (i + 0.5, j + 0.5).
   ViewRay MakeRay(double x, double y) const
   {
-    const glm::dvec2 ndc = this->NdcOrigin + glm::dvec2(x, y) * this->NdcPerPixel;
+    const glm::dvec2 ndc = this->ToNdc(x, y);
     const glm::dvec3 near = this->ToData(glm::dvec3(ndc, -1.0));
     const glm::dvec3 far = this->ToData(glm::dvec3(ndc, 1.0));
     ViewRay ray;
@@ -79,7 +88,7 @@ struct CameraView
   /// t of the point of a ray through image position (x, y) at a window depth.
   double DepthToT(const ViewRay& ray, double x, double y, double depth) const
   {
-    const glm::dvec2 ndc = this->NdcOrigin + glm::dvec2(x, y) * this->NdcPerPixel;
+    const glm::dvec2 ndc = this->ToNdc(x, y);
     const glm::dvec3 p = this->ToData(glm::dvec3(ndc, 2.0 * depth - 1.0));
     return glm::dot(p - ray.Origin, ray.Direction);
   }

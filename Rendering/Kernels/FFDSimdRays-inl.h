@@ -32,12 +32,16 @@ struct RayPacket
 /// coordinates. With most cameras the last homogeneous coordinate is the same everywhere.
 struct ImageMap
 {
-  float Base[4];
+  float Base[4]; // of the whole image
   float PerX[4];
   float PerY[4];
+  float Column; // of image position (0, 0) in the whole image
+  float Row;
   bool Affine; ///< whether the last coordinate is one everywhere
 
   ImageMap(const glm::dmat4& ndcToLocal, const CameraView& camera, double ndcDepth)
+    : Column(static_cast<float>(camera.PixelOrigin.x))
+    , Row(static_cast<float>(camera.PixelOrigin.y))
   {
     glm::dvec4 base =
       ndcToLocal * glm::dvec4(camera.NdcOrigin.x, camera.NdcOrigin.y, ndcDepth, 1.0);
@@ -86,8 +90,8 @@ struct ImageMap
 private:
   HWY_INLINE Vf Coordinate(int c, Vf x, Vf y) const
   {
-    return hn::MulAdd(
-      Splat(this->PerX[c]), x, hn::MulAdd(Splat(this->PerY[c]), y, Splat(this->Base[c])));
+    return hn::MulAdd(Splat(this->PerX[c]), hn::Add(x, Splat(this->Column)),
+      hn::MulAdd(Splat(this->PerY[c]), hn::Add(y, Splat(this->Row)), Splat(this->Base[c])));
   }
 
   HWY_INLINE Vf InverseW(Vf x, Vf y) const

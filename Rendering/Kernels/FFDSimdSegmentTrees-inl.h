@@ -34,10 +34,13 @@ struct NodeRays
     const Df d;
     HWY_ALIGN float x[TileNodes];
     HWY_ALIGN float y[TileNodes];
+    // Rounded as in the whole image: taking its columns and rows off again is exact.
+    const float left = near.Column + static_cast<float>(x0) + 0.5f;
+    const float low = near.Row + static_cast<float>(y0) + 0.5f;
     for (int i = 0; i < TileNodes; ++i)
     {
-      x[i] = static_cast<float>(x0) + 0.5f + at[i % NodesPerSide] * static_cast<float>(side - 1);
-      y[i] = static_cast<float>(y0) + 0.5f + at[i / NodesPerSide] * static_cast<float>(side - 1);
+      x[i] = left + at[i % NodesPerSide] * static_cast<float>(side - 1) - near.Column;
+      y[i] = low + at[i / NodesPerSide] * static_cast<float>(side - 1) - near.Row;
     }
     for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
     {

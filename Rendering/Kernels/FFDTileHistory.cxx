@@ -58,8 +58,9 @@ public:
     this->PixelGrowth = static_cast<float>(glm::length(next.Direction - one.Direction));
 
     // Pixels are the first two rows, each less the corner of the image, in units of a pixel.
-    const glm::dvec4 toX = (rows[0] - camera.NdcOrigin.x * rows[3]) / camera.NdcPerPixel.x;
-    const glm::dvec4 toY = (rows[1] - camera.NdcOrigin.y * rows[3]) / camera.NdcPerPixel.y;
+    const glm::dvec2 corner = camera.ToNdc(0.0, 0.0);
+    const glm::dvec4 toX = (rows[0] - corner.x * rows[3]) / camera.NdcPerPixel.x;
+    const glm::dvec4 toY = (rows[1] - corner.y * rows[3]) / camera.NdcPerPixel.y;
     // The largest extent along a row of a margin to all sides.
     const auto marginAlong = [&change](const glm::dvec3& row) {
       return glm::dot(glm::abs(row), change.Margin);

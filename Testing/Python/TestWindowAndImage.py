@@ -1,0 +1,101 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The window casts the part of it that the volume covers, RenderToImage() all of the image: the rays
+of a pixel are the same, to the last bit. In noise, taken from the nearest voxel behind a mask of
+noise, a sample that is moved by the last bit now and then is another voxel's."""
+
+import unittest
+
+import numpy
+import vtkffd
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+from vtkmodules.vtkRenderingCore import (
+    vtkColorTransferFunction, vtkRenderer, vtkRenderWindow, vtkVolume, vtkWindowToImageFilter)
+import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
+
+SIZE = 30
+WIDTH, HEIGHT = 200, 190
+
+
+def make_image(values):
+    image = vtkImageData()
+    image.SetDimensions(SIZE, SIZE, SIZE)
+    image.GetPointData().SetScalars(numpy_to_vtk(values.astype(numpy.uint8), deep=True))
+    return image
+
+
+def pixels_of(image):
+    return vtk_to_numpy(image.GetPointData().GetScalars()).reshape(HEIGHT, WIDTH, -1)[..., :3].astype(int)
+
+
+class TestWindowAndImage(unittest.TestCase):
+    def make_scene(self, number):
+        random = numpy.random.default_rng(number)
+        image = make_image(random.integers(0, 100, SIZE ** 3))
+        self.mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+        self.mapper.SetInputData(image)
+        self.mapper.SetMaskInput(make_image(random.random(SIZE ** 3) < 0.5))
+        self.mapper.SetMaskTypeToBinary()
+        self.mapper.AutoAdjustSampleDistancesOff()
+        self.mapper.PremultipliedAlphaOn()
+        lattice = vtkffd.vtkFFDLattice()
+        lattice.SetDimensions(5, 5, 5)
+        lattice.FitToBounds(image.GetBounds())
+        lattice.SetDisplacements(numpy_to_vtk(random.normal(size=(125, 3)), deep=True))
+        self.mapper.SetDeformation(lattice)
+        self.volume = vtkVolume()
+        self.volume.SetMapper(self.mapper)
+        opacity = vtkPiecewiseFunction()
+        opacity.AddPoint(0.0, 0.9)
+        color = vtkColorTransferFunction()
+        color.AddRGBPoint(0.0, 1.0, 0.2, 0.0)
+        color.AddRGBPoint(100.0, 0.0, 1.0, 0.8)
+        self.volume.GetProperty().SetScalarOpacity(opacity)
+        self.volume.GetProperty().SetColor(color)
+        self.renderer = vtkRenderer()
+        self.renderer.AddVolume(self.volume)
+        # In the upper right of the window, so that the part starts in its middle.
+        camera = self.renderer.GetActiveCamera()
+        camera.SetPosition(*random.normal(size=3))
+        camera.SetFocalPoint(0.0, 0.0, 0.0)
+        self.renderer.ResetCamera()
+        camera.SetWindowCenter(-0.35, -0.3)
+
+    def count_differences(self):
+        colors = vtkImageData()
+        self.assertEqual(
+            self.mapper.RenderToImage(self.renderer, self.volume, WIDTH, HEIGHT, colors), 1)
+        window = vtkRenderWindow()
+        window.SetMultiSamples(0)
+        window.OffScreenRenderingOn()
+        window.SetSize(WIDTH, HEIGHT)
+        window.AddRenderer(self.renderer)
+        window.Render()
+        picture = vtkWindowToImageFilter()
+        picture.SetInput(window)
+        picture.ShouldRerenderOff()
+        picture.ReadFrontBufferOff()
+        picture.Update()
+        image = pixels_of(colors)
+        self.assertGreater((image.max(axis=2) > 50).sum(), 3000)
+        self.assertEqual(image[:32].max(), 0)
+        self.assertEqual(image[:, :32].max(), 0)
+        return int((abs(image - pixels_of(picture.GetOutput())).max(axis=2) > 1).sum())
+
+    def test_fast_kernels(self):
+        different = []
+        for number in range(10):
+            self.make_scene(number)
+            different.append(self.count_differences())
+        print("pixels that differ:", different)
+        self.assertEqual(sum(different), 0)
+
+    def test_reference_kernels(self):
+        self.make_scene(3)
+        self.mapper.ReferenceKernelsOn()
+        self.assertEqual(self.count_differences(), 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
