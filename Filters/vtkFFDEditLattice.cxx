@@ -13,6 +13,7 @@
 #include "vtkInformation.h"
 #include "vtkInformationDataObjectMetaDataKey.h"
 #include "vtkInformationVector.h"
+#include "vtkIntArray.h"
 #include "vtkObjectFactory.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
@@ -29,6 +30,7 @@ namespace
 
 constexpr int SmallestSize = 4;
 constexpr int LargestSize = 64;
+const char* const GeometryModeName = "FFDGeometryMode";
 
 /// sum += other, of two lattices of the same size.
 void AddDisplacements(vtkFFDLattice* sum, vtkFFDLattice* other)
@@ -88,6 +90,7 @@ void vtkFFDEditLattice::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "NumberOfDisplacements: " << this->GetNumberOfDisplacements() << "\n";
   os << indent << "EditDimensions: " << this->EditDimensions[0] << ", " << this->EditDimensions[1]
      << ", " << this->EditDimensions[2] << "\n";
+  os << indent << "GeometryMode: " << this->GeometryMode << "\n";
   os << indent << "Lattice:\n";
   this->Lattice->PrintSelf(os, indent.GetNextIndent());
 }
@@ -267,6 +270,20 @@ void vtkFFDEditLattice::GetDisplacement(int index, double displacement[3]) const
 vtkFFDLattice* vtkFFDEditLattice::GetLattice() { return this->Lattice; }
 
 //------------------------------------------------------------------------------
+int vtkFFDEditLattice::GetGeometryModeOf(vtkDataObject* data)
+{
+  vtkFieldData* fields = data ? data->GetFieldData() : nullptr;
+  vtkDataArray* mode = fields ? fields->GetArray(GeometryModeName) : nullptr;
+  if (!mode || mode->GetNumberOfValues() != 1)
+  {
+    return EXACT;
+  }
+  const double value = mode->GetComponent(0, 0);
+  return value == FIRST_ORDER || value == PULL_BACK || value == AT_REST ? static_cast<int>(value)
+                                                                        : EXACT;
+}
+
+//------------------------------------------------------------------------------
 int* vtkFFDEditLattice::GetLatticeDimensions() { return this->Lattice->GetDimensions(); }
 
 //------------------------------------------------------------------------------
@@ -403,6 +420,14 @@ int vtkFFDEditLattice::RequestData(
   if (input->GetFieldData())
   {
     fields->PassData(input->GetFieldData());
+  }
+  fields->RemoveArray(GeometryModeName);
+  if (this->GeometryMode != EXACT)
+  {
+    vtkNew<vtkIntArray> mode;
+    mode->SetName(GeometryModeName);
+    mode->InsertNextValue(this->GeometryMode);
+    fields->AddArray(mode);
   }
   output->SetFieldData(fields);
   // Attaching changes the field data only.

@@ -37,6 +37,7 @@
 
 #include <vector> // for std::vector
 
+class vtkDataObject;
 class vtkDoubleArray;
 class vtkFFDLattice;
 class vtkImageData;
@@ -141,6 +142,27 @@ public:
   vtkGetVector3Macro(EditDimensions, int);
   ///@}
 
+  /// How surfaces of the data are shown, in applications that move what they show by the lattice.
+  enum GeometryModes
+  {
+    FIRST_ORDER, ///< as vtkFFDDeformGeometry's mode of that name, and the next two as well
+    EXACT,
+    PULL_BACK,
+    AT_REST ///< not moved
+  };
+
+  ///@{
+  /**
+   * How surfaces of the output, and of what filters make of it, are shown: the same as InverseMode
+   * of the mapper of the volume. Default: EXACT. Another mode is attached to the output as field
+   * data "FFDGeometryMode" (int), which filters pass on; GetGeometryModeOf() reads it, EXACT where
+   * there is none or none that is valid.
+   */
+  vtkSetClampMacro(GeometryMode, int, FIRST_ORDER, AT_REST);
+  vtkGetMacro(GeometryMode, int);
+  static int GetGeometryModeOf(vtkDataObject* data);
+  ///@}
+
   /**
    * The lattice of the last update. It belongs to the filter: edits are overwritten.
    */
@@ -207,6 +229,7 @@ private:
   double DisplacementScale = 1.0;
   std::vector<double> Displacements;
   int EditDimensions[3] = { 0, 0, 0 };
+  int GeometryMode = EXACT;
 };
 
 #endif

@@ -87,14 +87,17 @@ def lit(a, level=12):
 
 
 class Errors:
-    """Counts and keeps ParaView's error messages within a with statement."""
+    """Counts and keeps ParaView's error messages, or warnings, within a with statement."""
+
+    def __init__(self, event="ErrorEvent"):
+        self.event = event
 
     def __enter__(self):
         self.window = servermanager.vtkSMProxyManager  # keeps the module loaded
         from vtkmodules.vtkCommonCore import vtkOutputWindow
         self.text = []
         self.output = vtkOutputWindow.GetInstance()
-        self.tag = self.output.AddObserver("ErrorEvent", self.note)
+        self.tag = self.output.AddObserver(self.event, self.note)
         return self
 
     def note(self, _caller, _event, message=""):

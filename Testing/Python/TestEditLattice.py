@@ -7,6 +7,7 @@ import unittest
 import numpy
 import vtkffd
 from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkFiltersCore import vtkContourFilter
 from vtkmodules.vtkImagingCore import vtkRTAnalyticSource
 
 POINTS = [(0.0, 0.0, 0.0), (3.1, -2.2, 5.0), (-9.0, 8.0, 1.0)]
@@ -56,6 +57,28 @@ class TestEditLattice(unittest.TestCase):
         self.assertEqual(lattice.GetDomain(), wanted.GetDomain())
         numpy.testing.assert_allclose(displacements(lattice), displacements(wanted), atol=1e-12)
         self.assertEqual(lattice.GetDisplacementScale(), 0.5)
+
+    def test_geometry_mode(self):
+        """The mode travels with the data, through other filters, too; the default needs no array."""
+        kind = vtkffd.vtkFFDEditLattice
+        contour = vtkContourFilter()
+        contour.SetInputConnection(self.filter.GetOutputPort())
+        contour.SetValue(0, 150.0)
+        for mode in (kind.PULL_BACK, kind.AT_REST, kind.FIRST_ORDER, kind.EXACT):
+            self.filter.SetGeometryMode(mode)
+            contour.Update()
+            for data in (self.filter.GetOutput(), contour.GetOutput()):
+                self.assertEqual(kind.GetGeometryModeOf(data), mode)
+                self.assertEqual(
+                    data.GetFieldData().HasArray("FFDGeometryMode"), mode != kind.EXACT)
+        # Chained: that of the last one.
+        self.filter.SetGeometryMode(kind.PULL_BACK)
+        second = kind()
+        second.SetInputConnection(self.filter.GetOutputPort())
+        second.Update()
+        self.assertEqual(kind.GetGeometryModeOf(second.GetOutput()), kind.EXACT)
+        self.assertEqual(kind.GetGeometryModeOf(self.source.GetOutput()), kind.EXACT)
+        self.assertEqual(kind.GetGeometryModeOf(None), kind.EXACT)
 
     def test_seed_and_border(self):
         self.filter.SetShape(vtkffd.vtkFFDLatticeSource.RANDOM)

@@ -26,7 +26,7 @@ ffd::Source<T> FindSource(T* object)
   return { object, object ? object->GetMTime() : 0 };
 }
 
-/// A component of an array, or the magnitude of its tuples for component -1.
+/// A component of an array, or the magnitude of its tuples.
 vtkSmartPointer<vtkDataArray> ExtractComponent(vtkDataArray* from, int component)
 {
   vtkSmartPointer<vtkDataArray> to;
@@ -56,6 +56,25 @@ vtkSmartPointer<vtkDataArray> ExtractComponent(vtkDataArray* from, int component
   return to;
 }
 
+/// Two arrays of one component as one of two.
+vtkSmartPointer<vtkDataArray> Combine(vtkDataArray* first, vtkDataArray* second)
+{
+  vtkSmartPointer<vtkDataArray> both;
+  if (first->GetDataType() == second->GetDataType())
+  {
+    both.TakeReference(first->NewInstance());
+  }
+  else
+  {
+    both.TakeReference(vtkDataArray::CreateDataArray(VTK_FLOAT));
+  }
+  both->SetNumberOfComponents(2);
+  both->SetNumberOfTuples(first->GetNumberOfTuples());
+  both->CopyComponent(0, first, 0);
+  both->CopyComponent(1, second, 0);
+  return both;
+}
+
 /// The flags without those of duplicates: the mapper hides all that have flags, and the part of
 /// another process that is rendered here is a duplicate.
 void AddWithoutDuplicates(vtkDataSetAttributes* arrays, vtkUnsignedCharArray* ghosts, int duplicate)
@@ -77,8 +96,8 @@ void AddWithoutDuplicates(vtkDataSetAttributes* arrays, vtkUnsignedCharArray* gh
 
 //------------------------------------------------------------------------------
 ffd::Made MakeRenderedImage(vtkSmartPointer<vtkImageData>& result, ffd::StageTools&,
-  const ffdparts::Grid& grid, const vtkFFDShownArray& shown, int component,
-  const ffd::Source<vtkDataArray>& source, const vtkFFDGhosts& ghosts)
+  const ffdparts::Grid& grid, const vtkFFDShownComponents& shown, const vtkFFDShownSources& sources,
+  const vtkFFDGhosts& ghosts)
 {
   const auto makeStructure = [&grid]() {
     auto image = vtkSmartPointer<vtkImageData>::New();
@@ -87,22 +106,33 @@ ffd::Made MakeRenderedImage(vtkSmartPointer<vtkImageData>& result, ffd::StageToo
     grid.ApplyTo(image);
     return image;
   };
-  vtkSmartPointer<vtkDataArray> array = source.Object;
-  if (array && shown.OfCells)
+  const auto find = [&](
+                      const vtkFFDShownComponent& which, const ffd::Source<vtkDataArray>& source) {
+    vtkSmartPointer<vtkDataArray> array = source.Object;
+    if (array && which.Array.OfCells)
+    {
+      const vtkSmartPointer<vtkImageData> onlyThis = makeStructure();
+      onlyThis->GetCellData()->AddArray(array);
+      onlyThis->GetPointData()->AddArray(ghosts.OfPoints.Object);
+      onlyThis->GetCellData()->AddArray(ghosts.OfCells.Object);
+      vtkNew<vtkCellDataToPointData> average;
+      average->SetInputData(onlyThis);
+      average->Update();
+      array = average->GetOutput()->GetPointData()->GetArray(which.Array.Name.c_str());
+    }
+    if (array && array->GetNumberOfComponents() > 1 && which.Component != vtkFFDShownComponent::All)
+    {
+      array = ExtractComponent(array, which.Component);
+      array->SetName(which.Array.Name.c_str());
+    }
+    return array;
+  };
+  vtkSmartPointer<vtkDataArray> array = find(shown.Color, sources.Color);
+  const vtkSmartPointer<vtkDataArray> opacity = find(shown.Opacity, sources.Opacity);
+  if (array && opacity)
   {
-    const vtkSmartPointer<vtkImageData> onlyThis = makeStructure();
-    onlyThis->GetCellData()->AddArray(array);
-    onlyThis->GetPointData()->AddArray(ghosts.OfPoints.Object);
-    onlyThis->GetCellData()->AddArray(ghosts.OfCells.Object);
-    vtkNew<vtkCellDataToPointData> average;
-    average->SetInputData(onlyThis);
-    average->Update();
-    array = average->GetOutput()->GetPointData()->GetArray(shown.Name.c_str());
-  }
-  if (array && array->GetNumberOfComponents() > 1)
-  {
-    array = ExtractComponent(array, component);
-    array->SetName(shown.Name.c_str());
+    array = Combine(array, opacity);
+    array->SetName(shown.Color.Array.Name.c_str());
   }
   result = makeStructure();
   AddWithoutDuplicates(
@@ -112,6 +142,15 @@ ffd::Made MakeRenderedImage(vtkSmartPointer<vtkImageData>& result, ffd::StageToo
   if (array)
   {
     result->GetPointData()->AddArray(array);
+  }
+  if (const vtkSmartPointer<vtkDataArray> other = find(shown.Second, sources.Second))
+  {
+    // It may be the same array.
+    vtkSmartPointer<vtkDataArray> second;
+    second.TakeReference(other->NewInstance());
+    second->ShallowCopy(other);
+    second->SetName(vtkFFDShownComponents::SecondName);
+    result->GetPointData()->AddArray(second);
   }
   return ffd::Made::Anew;
 }
@@ -136,7 +175,7 @@ ffd::Made MakeAttachedLattice(
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDRenderedImage::Update(vtkImageData* given, const vtkFFDShownArray& shown, int component)
+void vtkFFDRenderedImage::Update(vtkImageData* given, const vtkFFDShownComponents& shown)
 {
   ffdparts::Extent extent;
   given->GetExtent(extent.data());
@@ -149,9 +188,10 @@ void vtkFFDRenderedImage::Update(vtkImageData* given, const vtkFFDShownArray& sh
   {
     ghosts.OfCells = FindSource(given->GetCellGhostArray());
   }
+  const vtkFFDShownSources sources = { FindSource(shown.Color.Array.FindIn(given)),
+    FindSource(shown.Opacity.Array.FindIn(given)), FindSource(shown.Second.Array.FindIn(given)) };
   ffd::StageTools tools;
   this->Order.Begin();
-  this->Image.Update(tools, ffdparts::Grid::FromImage(given, extent), shown, component,
-    FindSource(shown.FindIn(given)), ghosts);
+  this->Image.Update(tools, ffdparts::Grid::FromImage(given, extent), shown, sources, ghosts);
   this->Lattice.Update(tools, FindSource(given->GetFieldData()));
 }

@@ -32,11 +32,57 @@ struct vtkFFDGhosts
   }
 };
 
-/// An image with one array of one component on its points: that of the points or the cells of an
-/// image over `grid`, of which `component`, or the magnitude for -1, is taken.
+/// A component of an array of an image.
+struct vtkFFDShownComponent
+{
+  static constexpr int Magnitude = -1;
+  static constexpr int All = -2;
+
+  vtkFFDShownArray Array; ///< without a name: none
+  int Component = Magnitude;
+
+  bool operator==(const vtkFFDShownComponent& other) const
+  {
+    return this->Array == other.Array && this->Component == other.Component;
+  }
+};
+
+/// What is rendered.
+struct vtkFFDShownComponents
+{
+  /// The name of Second in the rendered image.
+  static constexpr const char* SecondName = "FFDSecondArray";
+
+  vtkFFDShownComponent Color;
+  vtkFFDShownComponent Opacity; ///< a second component of what is rendered, if there is one
+  vtkFFDShownComponent Second;  ///< the other axis of a two-dimensional function, if it is an array
+
+  bool operator==(const vtkFFDShownComponents& other) const
+  {
+    return this->Color == other.Color && this->Opacity == other.Opacity &&
+      this->Second == other.Second;
+  }
+};
+
+/// The arrays of vtkFFDShownComponents in an image; null where it lacks them.
+struct vtkFFDShownSources
+{
+  ffd::Source<vtkDataArray> Color;
+  ffd::Source<vtkDataArray> Opacity;
+  ffd::Source<vtkDataArray> Second;
+
+  bool operator==(const vtkFFDShownSources& other) const
+  {
+    return this->Color == other.Color && this->Opacity == other.Opacity &&
+      this->Second == other.Second;
+  }
+};
+
+/// An image with what is shown on its points, which may be of the points or the cells of an image
+/// over `grid`: an array of the name of the array for color, and one named SecondName.
 ffd::Made MakeRenderedImage(vtkSmartPointer<vtkImageData>& result, ffd::StageTools& tools,
-  const ffdparts::Grid& grid, const vtkFFDShownArray& shown, int component,
-  const ffd::Source<vtkDataArray>& array, const vtkFFDGhosts& ghosts);
+  const ffdparts::Grid& grid, const vtkFFDShownComponents& shown, const vtkFFDShownSources& sources,
+  const vtkFFDGhosts& ghosts);
 
 /// The lattice that is attached by the field data; null if there is none.
 ffd::Made MakeAttachedLattice(vtkSmartPointer<vtkFFDLattice>& result, ffd::StageTools& tools,
@@ -50,8 +96,7 @@ ffd::Made MakeAttachedLattice(vtkSmartPointer<vtkFFDLattice>& result, ffd::Stage
 class vtkFFDRenderedImage
 {
 public:
-  /// `component` as MakeRenderedImage() takes it.
-  void Update(vtkImageData* given, const vtkFFDShownArray& shown, int component);
+  void Update(vtkImageData* given, const vtkFFDShownComponents& shown);
 
   ///@{
   /// Of the last update; the lattice may be null.

@@ -434,7 +434,61 @@ void vtkFFDVolumeRepresentation::ShareOut()
 }
 
 //------------------------------------------------------------------------------
-/// Give the mapper the image, with the array to render as point data of one component.
+/// What of the image is rendered, as ParaView's own volume has it.
+vtkFFDShownComponents vtkFFDVolumeRepresentation::FindShown(vtkImageData* image)
+{
+  vtkFFDShownComponents shown;
+  shown.Color.Array = vtkFFDShownArray::FromInformation(this->GetInputArrayInformation(0));
+  vtkColorTransferFunction* colors =
+    this->Property ? this->Property->GetRGBTransferFunction(0) : nullptr;
+  if (colors && colors->GetVectorMode() == vtkScalarsToColors::COMPONENT)
+  {
+    shown.Color.Component = colors->GetVectorComponent();
+  }
+  const auto choose = [image](const std::string& name, int association, int component) {
+    vtkFFDShownComponent chosen;
+    chosen.Array.Name = name;
+    chosen.Array.OfCells = association == vtkDataObject::FIELD_ASSOCIATION_CELLS;
+    vtkDataArray* array = chosen.Array.FindIn(image);
+    // After the last component ParaView lists the magnitude.
+    chosen.Component = array && component < array->GetNumberOfComponents()
+      ? component
+      : vtkFFDShownComponent::Magnitude;
+    return array ? chosen : vtkFFDShownComponent();
+  };
+  if (this->UsesPlane())
+  {
+    if (!this->UseGradientForTransfer2D)
+    {
+      shown.Second = choose(
+        this->ColorArray2Name, this->ColorArray2FieldAssociation, this->ColorArray2Component);
+    }
+    return shown;
+  }
+  if (this->UseSeparateOpacityArray)
+  {
+    shown.Opacity = choose(
+      this->OpacityArrayName, this->OpacityArrayFieldAssociation, this->OpacityArrayComponent);
+    return shown;
+  }
+  vtkDataArray* array = shown.Color.Array.FindIn(image);
+  const int components = array ? array->GetNumberOfComponents() : 0;
+  if ((this->MultiComponentsMapping || !this->MapScalars) && (components == 2 || components == 4))
+  {
+    shown.Color.Component = vtkFFDShownComponent::All;
+  }
+  return shown;
+}
+
+//------------------------------------------------------------------------------
+/// Whether a two-dimensional transfer function is to be used, and there is one.
+bool vtkFFDVolumeRepresentation::UsesPlane()
+{
+  return this->UseTransfer2D && this->Property && this->Property->GetTransferFunction2D(0);
+}
+
+//------------------------------------------------------------------------------
+/// Give the mapper the image, with what to render as point data.
 void vtkFFDVolumeRepresentation::UpdateRenderedImage(vtkImageData* image)
 {
   vtkInternals& in = *this->Internals;
@@ -443,22 +497,24 @@ void vtkFFDVolumeRepresentation::UpdateRenderedImage(vtkImageData* image)
     this->VolumeMapper->RemoveAllInputs();
     return;
   }
-  const vtkFFDShownArray shown =
-    vtkFFDShownArray::FromInformation(this->GetInputArrayInformation(0));
-  int component = -1;
-  vtkColorTransferFunction* colors =
-    this->Property ? this->Property->GetRGBTransferFunction(0) : nullptr;
-  if (colors && colors->GetVectorMode() == vtkScalarsToColors::COMPONENT)
-  {
-    component = colors->GetVectorComponent();
-  }
-  in.Rendered.Update(image, shown, component);
+  const vtkFFDShownComponents shown = this->FindShown(image);
+  in.Rendered.Update(image, shown);
   if (this->VolumeMapper->GetInputDataObject(0, 0) != in.Rendered.GetImage())
   {
     this->VolumeMapper->SetInputData(in.Rendered.GetImage());
   }
-  this->VolumeMapper->SelectScalarArray(shown.Name.c_str());
+  this->VolumeMapper->SelectScalarArray(shown.Color.Array.Name.c_str());
   this->VolumeMapper->SetScalarMode(VTK_SCALAR_MODE_USE_POINT_FIELD_DATA);
+  const bool dependent =
+    !shown.Opacity.Array.Name.empty() || shown.Color.Component == vtkFFDShownComponent::All;
+  if (this->Property)
+  {
+    this->Property->SetIndependentComponents(!dependent);
+    this->Property->SetTransferFunctionMode(
+      this->UsesPlane() ? vtkVolumeProperty::TF_2D : vtkVolumeProperty::TF_1D);
+  }
+  this->Mapper->SetTransfer2DYAxisArray(
+    shown.Second.Array.Name.empty() ? nullptr : vtkFFDShownComponents::SecondName);
 
   Bounds clip;
   Bounds whole = ffdparts::NoBounds;
@@ -471,7 +527,10 @@ void vtkFFDVolumeRepresentation::UpdateRenderedImage(vtkImageData* image)
   this->Mapper->SetClipBox(clip.data());
   this->Mapper->SetWholeBounds(whole.data());
   std::array<double, 2> range{ { 1.0, -1.0 } };
-  vtkFFDVoxelDistribution::ReadRange(image, shown, component, range);
+  if (!dependent)
+  {
+    vtkFFDVoxelDistribution::ReadRange(image, shown.Color.Array, shown.Color.Component, range);
+  }
   this->Mapper->SetWholeScalarRange(range.data());
   this->Mapper->SetDeformation(in.Rendered.GetLattice());
 }
@@ -546,11 +605,6 @@ void vtkFFDVolumeRepresentation::UpdateMapperParameters()
   }
   this->Actor->SetVisibility(
     !vtkFFDShownArray::FromInformation(this->GetInputArrayInformation(0)).Name.empty());
-  if (this->Property)
-  {
-    this->Property->SetIndependentComponents(true);
-    this->Property->SetTransferFunctionMode(vtkVolumeProperty::TF_1D);
-  }
 }
 
 //------------------------------------------------------------------------------

@@ -10,8 +10,11 @@
  * sees are those of the deformed volume.
  *
  * Arrays of several components are rendered by the component or magnitude that the color map is
- * set to, cell arrays after averaging to the points; both copy the array. Rectilinear grids and
- * composite data are refused with an error.
+ * set to, cell arrays after averaging to the points; both copy the array. As with ParaView's own
+ * volume, opacity can be that of another array, two components can be looked up for color and for
+ * opacity, four can be colors and an opacity as they are, and color and opacity can be looked up in
+ * the plane of two arrays or of an array and its gradient. Rectilinear grids and composite data are
+ * refused with an error.
  *
  * The volume stays where it is: a client gets the outline only.
  *
@@ -47,6 +50,7 @@
 class vtkFFDInverseRayVolumeMapper;
 class vtkFFDLattice;
 class vtkImageData;
+struct vtkFFDShownComponents;
 
 class VTKFFDPARAVIEW_EXPORT vtkFFDVolumeRepresentation : public vtkImageVolumeRepresentation
 {
@@ -170,6 +174,8 @@ private:
   void TakeContextBack();
   void ShareOut();
   void MarkMoved();
+  vtkFFDShownComponents FindShown(vtkImageData* image);
+  bool UsesPlane();
   void UpdateRenderedImage(vtkImageData* image);
   void UpdateSampleDistances(vtkImageData* image, double lodResolution, bool useLOD);
   void UpdateCropping(vtkImageData* image);

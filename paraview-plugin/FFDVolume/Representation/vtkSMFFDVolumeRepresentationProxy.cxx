@@ -9,30 +9,65 @@
 #include "vtkCompositeRepresentation.h"
 #include "vtkDataObject.h"
 #include "vtkObjectFactory.h"
+#include "vtkPVDataInformation.h"
+#include "vtkPVDataSetAttributesInformation.h"
 #include "vtkPVSession.h"
 #include "vtkSMArrayListDomain.h"
 #include "vtkSMProperty.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMPVRepresentationProxy.h"
+#include "vtkSMSourceProxy.h"
 
+#include <algorithm>
 #include <array>
-#include <cstring>
+#include <string>
 
 vtkStandardNewMacro(vtkSMFFDVolumeRepresentationProxy);
 
 namespace
 {
 
+using Names = std::array<const char*, 2>;
+
 /// What FFD Volume and ParaView's own Volume both have, by their names there.
-const std::array<std::array<const char*, 2>, 5> SharedOptions{ { { { "FFDShade", "Shade" } },
+const std::array<Names, 5> SharedOptions{ { { { "FFDShade", "Shade" } },
   { { "FFDBlendMode", "BlendMode" } },
   { { "FFDScalarOpacityUnitDistance", "ScalarOpacityUnitDistance" } },
   { { "FFDIsosurfaceValues", "IsosurfaceValues" } }, { { "FFDUseCropping", "UseCropping" } } } };
 
-bool IsShown(vtkSMProxy* parent)
+/// Those that ParaView's color map editor changes, by the second name, whatever is shown.
+const std::array<Names, 7> EditorOptions{
+  { { { "FFDUseSeparateOpacityArray", "UseSeparateOpacityArray" } },
+    { { "FFDOpacityArrayName", "OpacityArrayName" } },
+    { { "FFDOpacityComponent", "OpacityComponent" } }, { { "FFDUseTransfer2D", "UseTransfer2D" } },
+    { { "FFDUseGradientForTransfer2D", "UseGradientForTransfer2D" } },
+    { { "FFDColorArray2Name", "ColorArray2Name" } },
+    { { "FFDColorArray2Component", "ColorArray2Component" } } }
+};
+
+std::string GetType(vtkSMProxy* parent)
 {
   const char* type = vtkSMPropertyHelper(parent, "Representation", true).GetAsString();
-  return type && std::strcmp(type, "FFD Volume") == 0;
+  return type ? type : "";
+}
+
+bool IsShown(vtkSMProxy* parent) { return GetType(parent) == "FFD Volume"; }
+
+/// Representations of ParaView that know nothing of lattices, and whose data cannot be moved.
+bool ShowsRest(const std::string& type)
+{
+  return type == "Volume" || type == "Slice" || type == "Point Gaussian";
+}
+
+/// Whether the data that are shown have a lattice, and are to be moved.
+bool HasLattice(vtkSMProxy* parent)
+{
+  vtkSMPropertyHelper input(parent, "Input", true);
+  auto* source =
+    input.GetNumberOfElements() > 0 ? vtkSMSourceProxy::SafeDownCast(input.GetAsProxy()) : nullptr;
+  vtkPVDataInformation* data = source ? source->GetDataInformation(input.GetOutputPort()) : nullptr;
+  return data && data->GetFieldDataInformation() &&
+    data->GetFieldDataInformation()->GetArrayInformation("FFDLattice.Displacement");
 }
 
 } // namespace
@@ -60,8 +95,9 @@ void vtkSMFFDVolumeRepresentationProxy::CreateVTKObjects()
     this->Watching = true;
     type->AddObserver(
       vtkCommand::ModifiedEvent, this, &vtkSMFFDVolumeRepresentationProxy::PickArray);
-    for (const auto& names : SharedOptions)
-    {
+    parent->AddObserver(
+      vtkCommand::UpdateDataEvent, this, &vtkSMFFDVolumeRepresentationProxy::WarnOfRest);
+    const auto watch = [this, parent](const Names& names) {
       for (const char* name : names)
       {
         if (vtkSMProperty* option = parent->GetProperty(name))
@@ -69,6 +105,15 @@ void vtkSMFFDVolumeRepresentationProxy::CreateVTKObjects()
           option->AddObserver(
             vtkCommand::ModifiedEvent, this, &vtkSMFFDVolumeRepresentationProxy::Mirror);
         }
+      }
+    };
+    std::for_each(SharedOptions.begin(), SharedOptions.end(), watch);
+    std::for_each(EditorOptions.begin(), EditorOptions.end(), watch);
+    for (const Names& names : EditorOptions)
+    {
+      if (vtkSMProperty* option = parent->GetProperty(names[0]))
+      {
+        option->SetAnimateable(0);
       }
     }
   }
@@ -140,6 +185,27 @@ void vtkSMFFDVolumeRepresentationProxy::PickArray()
 }
 
 //------------------------------------------------------------------------------
+/// Once for each switch to such a representation.
+void vtkSMFFDVolumeRepresentationProxy::WarnOfRest()
+{
+  vtkSMProxy* parent = this->GetParentProxy();
+  const std::string type = parent ? GetType(parent) : "";
+  if (!ShowsRest(type) || !HasLattice(parent))
+  {
+    this->WarnedOf.clear();
+    return;
+  }
+  if (this->WarnedOf != type)
+  {
+    this->WarnedOf = type;
+    vtkWarningMacro(<< "The representation \"" << type
+                    << "\" shows the data at rest, without their lattice. \"FFD Volume\" and "
+                       "surfaces show them deformed; the filter \"FFD Resample To Image\" makes a "
+                       "deformed image for other representations.");
+  }
+}
+
+//------------------------------------------------------------------------------
 /**
  * Hand an option of the representation that is shown to the other one. Not when the representation
  * is changed: states restore it between these options.
@@ -151,9 +217,7 @@ void vtkSMFFDVolumeRepresentationProxy::Mirror(vtkObject* option, unsigned long,
   {
     return;
   }
-  const std::size_t shown = IsShown(parent) ? 0 : 1;
-  for (const auto& names : SharedOptions)
-  {
+  const auto hand = [this, parent, option](const Names& names, std::size_t shown) {
     vtkSMProperty* from = parent->GetProperty(names[shown]);
     vtkSMProperty* to = parent->GetProperty(names[1 - shown]);
     if (from == option && to)
@@ -163,5 +227,14 @@ void vtkSMFFDVolumeRepresentationProxy::Mirror(vtkObject* option, unsigned long,
       parent->UpdateProperty(names[1 - shown]);
       this->Mirroring = false;
     }
+  };
+  for (const Names& names : SharedOptions)
+  {
+    hand(names, IsShown(parent) ? 0 : 1);
+  }
+  for (const Names& names : EditorOptions)
+  {
+    hand(names, 0);
+    hand(names, 1);
   }
 }

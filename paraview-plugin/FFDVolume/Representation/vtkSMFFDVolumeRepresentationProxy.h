@@ -9,14 +9,17 @@
  * for "FFD Volume": when the representation that it is a part of is switched to it, and no array
  * is chosen, it picks the first point array, or else the first cell array. Shading, blend mode,
  * opacity unit distance, isosurfaces and cropping, which "Volume" has as properties of its own, are
- * handed from the one to the other when they change, so that a switch between them keeps them. And
- * it asks the server for coarse pictures.
+ * handed from the one to the other when they change, so that a switch between them keeps them. It
+ * asks the server for coarse pictures. And it warns where data with a lattice are shown by a
+ * representation that shows them at rest.
  */
 #ifndef vtkSMFFDVolumeRepresentationProxy_h
 #define vtkSMFFDVolumeRepresentationProxy_h
 
 #include "vtkFFDParaViewModule.h" // For export macro
 #include "vtkSMRepresentationProxy.h"
+
+#include <string> // for std::string
 
 class VTKFFDPARAVIEW_EXPORT vtkSMFFDVolumeRepresentationProxy : public vtkSMRepresentationProxy
 {
@@ -43,11 +46,13 @@ private:
   void operator=(const vtkSMFFDVolumeRepresentationProxy&) = delete;
 
   void PickArray();
+  void WarnOfRest();
   void Mirror(vtkObject* option, unsigned long event, void* data);
 
   bool Watching = false;
   bool Picking = false;
   bool Mirroring = false;
+  std::string WarnedOf; // the representation that was last warned of
 };
 
 #endif

@@ -1,0 +1,210 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""What ParaView makes of a volume with a lattice is shown deformed: slices, contours, clips, surfaces,
+outlines, highlights and axes; what is not says so."""
+
+import unittest
+
+import numpy as np
+from paraview import simple
+
+import ffdparaview as ffd
+
+ffd.load()
+
+SHIFT = (3.0, -7.0, 11.0)
+
+
+class TestLatticeFollows(unittest.TestCase):
+    def setUp(self):
+        simple.ResetSession()
+        ffd.load()
+        self.view = ffd.make_view()
+        self.wavelet = ffd.make_wavelet()
+
+    def shown_bounds(self):
+        """Of all that is visible."""
+        simple.Render(self.view)
+        return np.array(self.view.SMProxy.GetRenderer().ComputeVisiblePropBounds())
+
+    def show(self, source, kind=None):
+        display = simple.Show(source, self.view)
+        if kind:
+            display.SetRepresentationType(kind)
+        return display
+
+    def lattice(self, **properties):
+        return simple.FFDLattice(Input=self.wavelet, Resolution=[4, 4, 4], **properties)
+
+    def moved_lattice(self):
+        """All control points moved alike: the volume is moved as a whole."""
+        return self.lattice(Displacements=SHIFT * 64)
+
+    def test_filters(self):
+        """The deformation of what filters make is that of the volume."""
+        for make in (
+                lambda data: simple.Slice(Input=data),
+                lambda data: simple.Contour(
+                    Input=data, ContourBy=["POINTS", "RTData"], Isosurfaces=[157.0]),
+                lambda data: simple.Clip(Input=data),
+                lambda data: simple.Threshold(
+                    Input=data, Scalars=["POINTS", "RTData"], LowerThreshold=150.0,
+                    UpperThreshold=300.0),
+                # Drops field data by itself.
+                lambda data: simple.Contour(
+                    Input=simple.Gradient(Input=data, ScalarArray=["POINTS", "RTData"]),
+                    ContourBy=["POINTS", "RTData"], Isosurfaces=[157.0]),
+                lambda data: simple.ExtractSubset(Input=data, VOI=[-9, 2, -9, 2, -9, 2])):
+            bounds = []
+            for data in (self.wavelet, self.moved_lattice()):
+                made = make(data)
+                self.show(made, "Surface")
+                bounds.append(self.shown_bounds())
+                simple.Hide(made, self.view)
+            name = made.SMProxy.GetXMLName()
+            np.testing.assert_allclose(
+                bounds[1], bounds[0] + np.repeat(SHIFT, 2), atol=1e-3, err_msg=name)
+            # The data themselves are at rest, for filters after it.
+            np.testing.assert_allclose(
+                made.GetDataInformation().GetBounds(), bounds[0], atol=1e-3, err_msg=name)
+
+    def test_representations(self):
+        """Surfaces, outlines and points of the volume itself."""
+        bent = self.lattice(Shape="Bend")
+        kinds = {}
+        for kind in ("Surface", "Surface With Edges", "Wireframe", "Points", "Outline",
+                     "Feature Edges", "3D Glyphs"):
+            rest = self.show(self.wavelet, kind)
+            before = ffd.picture(self.view, "rest")
+            bounds = self.shown_bounds()
+            simple.Hide(self.wavelet, self.view)
+            self.show(bent, kind)
+            kinds[kind] = ffd.picture(self.view, "follows " + kind)
+            shown = self.shown_bounds()
+            simple.Hide(bent, self.view)
+            self.assertGreater(np.abs(kinds[kind] - before).mean(), 0.3, kind)
+            self.assertGreater(np.abs(shown - bounds).max(), 1.0, kind)
+            self.assertEqual(rest.Representation, kind)
+        # The outline is that of the surface: not the box around it, and bent.
+        surface = kinds["Surface"].max(axis=2) > 0
+        outline = kinds["Outline"].max(axis=2) > 0
+        outside = outline & ~np.pad(surface, 2)[2:-2, 2:-2]
+        self.assertLess(outside.sum(), 0.3 * outline.sum())
+
+    def test_same_as_deform_geometry(self):
+        """A contour that is moved for show is what FFD Deform Geometry makes, which is not moved
+        again; and its colors are those of the data."""
+        twisted = self.lattice(Shape="Twist")
+        gradient = simple.Gradient(Input=twisted, ScalarArray=["POINTS", "RTData"])
+        contour = simple.Contour(Input=gradient, ContourBy=["POINTS", "RTData"], Isosurfaces=[157.0])
+        display = self.show(contour)
+        simple.ColorBy(display, ("POINTS", "Gradient", "X"))
+        display.RescaleTransferFunctionToDataRange(False, True)
+        moved_for_show = ffd.picture(self.view, "moved for show")
+        simple.Hide(contour, self.view)
+        for more in ({}, {"Lattice": twisted}):
+            moved = simple.FFDDeformGeometry(Input=contour, **more)
+            moved.UpdatePipeline()
+            self.assertIsNone(
+                moved.GetDataInformation().GetFieldDataInformation().GetArrayInformation(
+                    "FFDLattice.Displacement"))
+            display = self.show(moved)
+            # The filter turns vectors, what is moved for show keeps them.
+            simple.ColorBy(display, ("POINTS", "RTData"))
+            by_filter = ffd.picture(self.view, "moved by filter")
+            shape = by_filter.max(axis=2) > 0
+            simple.Hide(moved, self.view)
+            self.assertLess((shape != (moved_for_show.max(axis=2) > 0)).mean(), 1e-3)
+        twisted.GeometryMode = "At Rest"
+        self.show(contour)
+        at_rest = ffd.picture(self.view, "at rest")
+        self.assertGreater(np.abs(at_rest - moved_for_show).mean(), 2.0)
+
+    def test_modes(self):
+        """Surfaces of a volume whose Inverse is another one."""
+        lattice = self.moved_lattice()
+        self.show(lattice, "Surface")
+        rest = np.array([-15.0, 15.0] * 3)
+        shift = np.repeat(SHIFT, 2)
+        for mode, sign in (("Exact", 1), ("First Order", 1), ("Pull Back", -1), ("At Rest", 0)):
+            lattice.GeometryMode = mode
+            np.testing.assert_allclose(self.shown_bounds(), rest + sign * shift, atol=1e-3)
+
+    def test_edits(self):
+        """The slice follows when the lattice is edited."""
+        lattice = self.lattice()
+        self.show(simple.Slice(Input=lattice))
+        at_rest = self.shown_bounds()
+        lattice.Displacements = SHIFT * 64
+        np.testing.assert_allclose(
+            self.shown_bounds(), at_rest + np.repeat(SHIFT, 2), atol=1e-3)
+        lattice.DisplacementScale = 0.0
+        np.testing.assert_allclose(self.shown_bounds(), at_rest, atol=1e-3)
+
+    def test_blocks(self):
+        """Blocks with lattices of their own, and one that has none."""
+        blocks = simple.GroupDatasets(Input=[
+            simple.Slice(Input=self.moved_lattice()), simple.Sphere(Radius=3.0)])
+        self.show(blocks)
+        bounds = self.shown_bounds()
+        np.testing.assert_allclose(
+            bounds, [-3.0, 3.0, -22.0, 8.0, -4.0, 26.0], atol=0.2)
+
+    def test_axes(self):
+        """The data axes grid is around what is shown."""
+        for data in (self.moved_lattice(), simple.Contour(
+                Input=self.moved_lattice(), ContourBy=["POINTS", "RTData"], Isosurfaces=[157.0])):
+            display = self.show(data, "Surface")
+            bounds = self.shown_bounds()
+            display.DataAxesGrid.GridAxesVisibility = 1
+            simple.Render(self.view)
+            axes = self.find_axes()
+            np.testing.assert_allclose(axes, bounds, atol=0.1)
+            display.DataAxesGrid.GridAxesVisibility = 0
+            simple.Hide(data, self.view)
+
+    def find_axes(self):
+        actors = self.view.SMProxy.GetRenderer().GetViewProps()
+        for i in range(actors.GetNumberOfItems()):
+            actor = actors.GetItemAsObject(i)
+            if actor.IsA("vtkPVGridAxes3DActor") and actor.GetVisibility():
+                return actor.GetTransformedBounds()
+        self.fail("there are no axes")
+
+    def test_selection(self):
+        """The highlight of a selection is where the cells are seen."""
+        lattice = self.lattice(Shape="Twist")
+        self.show(lattice, "Surface")
+        before = ffd.picture(self.view, "before selection")
+        simple.SelectSurfaceCells(Rectangle=[75, 65, 85, 75], View=self.view)
+        after = ffd.picture(self.view, "highlight")
+        changed = np.argwhere(np.abs(after - before).max(axis=2) > 30)
+        self.assertGreater(len(changed), 20)
+        # The rectangle, and what the cells at its edge have outside.
+        self.assertGreater(changed.min(), 50)
+        self.assertLess(changed.max(), 100)
+        simple.ClearSelection(lattice)
+
+    def test_what_stays_at_rest_says_so(self):
+        """Once for each switch."""
+        lattice = self.lattice(Shape="Twist")
+        with ffd.Errors(event="WarningEvent") as warnings:
+            display = self.show(lattice)
+            simple.Render(self.view)
+            self.assertEqual(warnings.text, [])
+            for kind in ("Volume", "Slice", "Point Gaussian"):
+                display.SetRepresentationType(kind)
+                for _ in range(2):
+                    simple.Render(self.view)
+                    lattice.Strength = 0.5 * lattice.Strength
+                self.assertTrue(warnings.say('"%s"' % kind, "at rest", "FFD Volume"))
+            self.assertEqual(len(warnings.text), 3, warnings.text)
+            simple.Hide(lattice, self.view)
+            self.show(self.wavelet, "Slice")
+            simple.Render(self.view)
+            self.assertEqual(len(warnings.text), 3)
+
+
+if __name__ == "__main__":
+    unittest.main()

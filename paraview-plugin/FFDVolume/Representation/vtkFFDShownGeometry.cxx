@@ -1,0 +1,396 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDShownGeometry.h"
+
+#include "vtkFFDDeformGeometry.h"
+#include "vtkFFDEditLattice.h"
+#include "vtkFFDLattice.h"
+#include "vtkFFDVolumeParts.h"
+
+#include "vtkCallbackCommand.h"
+#include "vtkCellArray.h"
+#include "vtkCellData.h"
+#include "vtkCommand.h"
+#include "vtkCommunicator.h"
+#include "vtkCompositeDataIterator.h"
+#include "vtkCompositeDataSet.h"
+#include "vtkFieldData.h"
+#include "vtkGeometryRepresentation.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkMath.h"
+#include "vtkMultiProcessController.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkPointSet.h"
+#include "vtkPolyData.h"
+#include "vtkPVGeometryFilter.h"
+#include "vtkPVGridAxes3DRepresentation.h"
+#include "vtkSelectionRepresentation.h"
+
+#include <algorithm>
+#include <array>
+
+vtkStandardNewMacro(vtkFFDShownGeometry);
+
+namespace
+{
+
+using ffdparts::Bounds;
+
+/// Parts that a line of an outline is cut into.
+constexpr int OutlineParts = 32;
+
+/// The lattice by which a data object is to be shown, and how; null: as it is.
+struct Shown
+{
+  vtkSmartPointer<vtkFFDLattice> Lattice;
+  int Mode = vtkFFDEditLattice::EXACT;
+
+  explicit Shown(vtkDataObject* data)
+  {
+    if (!data || !vtkFFDLattice::HasLattice(data))
+    {
+      return;
+    }
+    this->Mode = vtkFFDEditLattice::GetGeometryModeOf(data);
+    vtkNew<vtkFFDLattice> lattice;
+    if (this->Mode != vtkFFDEditLattice::AT_REST && lattice->ReadFrom(data))
+    {
+      this->Lattice = lattice;
+    }
+  }
+};
+
+/// Call `visit` for the leaves of a composite data set, and for another object itself.
+template <class Visit>
+void VisitLeaves(vtkDataObject* data, const Visit& visit)
+{
+  auto* parts = vtkCompositeDataSet::SafeDownCast(data);
+  if (!parts)
+  {
+    visit(data);
+    return;
+  }
+  vtkSmartPointer<vtkCompositeDataIterator> iterator;
+  iterator.TakeReference(parts->NewIterator());
+  for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
+  {
+    visit(iterator->GetCurrentDataObject());
+  }
+}
+
+/// The lattice of all of a composite data set. Where parts have lattices of their own it is none:
+/// filters give their output the field data of their first input.
+Shown FindShownOfAll(vtkDataObject* data)
+{
+  bool own = false;
+  if (vtkCompositeDataSet::SafeDownCast(data))
+  {
+    VisitLeaves(
+      data, [&own](vtkDataObject* leaf) { own = own || vtkFFDLattice::HasLattice(leaf); });
+  }
+  return Shown(own ? nullptr : data);
+}
+
+/// Lines of two points become lines of many; cells and their arrays stay.
+void CutLines(vtkPolyData* outline)
+{
+  vtkPoints* from = outline->GetPoints();
+  if (!from || outline->GetNumberOfLines() == 0 ||
+    outline->GetNumberOfCells() != outline->GetNumberOfLines())
+  {
+    return;
+  }
+  vtkPointData* fromData = outline->GetPointData();
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkPointData> pointData;
+  vtkNew<vtkCellArray> lines;
+  points->SetDataType(from->GetDataType());
+  pointData->CopyAllOn();
+  pointData->CopyAllocate(fromData);
+  const auto addPoint = [&](vtkIdType source, const double x[3]) {
+    const vtkIdType added = points->InsertNextPoint(x);
+    pointData->CopyData(fromData, source, added);
+    lines->InsertCellPoint(added);
+  };
+  vtkCellArray* old = outline->GetLines();
+  vtkIdType count = 0;
+  const vtkIdType* ids = nullptr;
+  for (old->InitTraversal(); old->GetNextCell(count, ids);)
+  {
+    lines->InsertNextCell(static_cast<int>(count > 1 ? (count - 1) * OutlineParts + 1 : count));
+    double a[3];
+    for (vtkIdType i = 0; i + 1 < count; ++i)
+    {
+      double b[3];
+      from->GetPoint(ids[i], a);
+      from->GetPoint(ids[i + 1], b);
+      for (int part = 0; part < OutlineParts; ++part)
+      {
+        const double t = static_cast<double>(part) / OutlineParts;
+        const double x[3] = { a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]),
+          a[2] + t * (b[2] - a[2]) };
+        addPoint(ids[i], x);
+      }
+    }
+    if (count > 0)
+    {
+      from->GetPoint(ids[count - 1], a);
+      addPoint(ids[count - 1], a);
+    }
+  }
+  outline->SetPoints(points);
+  outline->SetLines(lines);
+  outline->GetPointData()->ShallowCopy(pointData);
+}
+
+/// A moved copy of a surface.
+vtkSmartPointer<vtkPolyData> Move(vtkPolyData* surface, const Shown& shown, bool isOutline)
+{
+  auto moved = vtkSmartPointer<vtkPolyData>::New();
+  moved->ShallowCopy(surface);
+  if (isOutline)
+  {
+    CutLines(moved);
+  }
+  // Vectors are what is colored by, and stay what they are in the data.
+  for (vtkDataSetAttributes* attributes :
+    { static_cast<vtkDataSetAttributes*>(moved->GetPointData()),
+      static_cast<vtkDataSetAttributes*>(moved->GetCellData()) })
+  {
+    attributes->SetActiveVectors(nullptr);
+  }
+  vtkNew<vtkFFDDeformGeometry> deform;
+  deform->SetInputData(moved);
+  deform->SetDeformation(shown.Lattice);
+  deform->SetInverseMode(shown.Mode);
+  deform->Update();
+  moved->ShallowCopy(deform->GetOutput());
+  const auto restore = [](vtkDataSetAttributes* to, vtkDataSetAttributes* from) {
+    if (from->GetVectors() && from->GetVectors()->GetName())
+    {
+      to->SetActiveVectors(from->GetVectors()->GetName());
+    }
+  };
+  restore(moved->GetPointData(), surface->GetPointData());
+  restore(moved->GetCellData(), surface->GetCellData());
+  return moved;
+}
+
+/// Enlarge `bounds` by where a part of a data set, or the whole, is shown.
+void AddShownBounds(Bounds& bounds, vtkDataObject* data, const Shown& ofAll)
+{
+  vtkDataSet* part = vtkDataSet::SafeDownCast(data);
+  if (!part || part->GetNumberOfPoints() == 0)
+  {
+    return;
+  }
+  Shown shown = ofAll;
+  if (!shown.Lattice)
+  {
+    shown = Shown(part);
+  }
+  Bounds own;
+  part->GetBounds(own.data());
+  vtkPointSet* points = vtkPointSet::SafeDownCast(part);
+  if (shown.Lattice && points)
+  {
+    vtkNew<vtkPolyData> cloud;
+    cloud->SetPoints(points->GetPoints());
+    Move(cloud, shown, false)->GetBounds(own.data());
+  }
+  else if (shown.Lattice)
+  {
+    vtkSmartPointer<vtkImageData> image = vtkImageData::SafeDownCast(part);
+    if (!image)
+    {
+      image = vtkSmartPointer<vtkImageData>::New();
+      image->SetDimensions(2, 2, 2);
+      image->SetOrigin(own[0], own[2], own[4]);
+      image->SetSpacing(own[1] - own[0], own[3] - own[2], own[5] - own[4]);
+    }
+    ffdparts::Extent extent;
+    image->GetExtent(extent.data());
+    own = ffdparts::FindDeformedBounds(
+      ffdparts::Grid::FromImage(image, extent), shown.Lattice, shown.Mode);
+  }
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    bounds[2 * a] = std::min(bounds[2 * a], own[2 * a]);
+    bounds[2 * a + 1] = std::max(bounds[2 * a + 1], own[2 * a + 1]);
+  }
+}
+
+/// Members of ParaView's representations that are for their subclasses.
+struct Geometry : vtkGeometryRepresentation
+{
+  static void Follow(vtkGeometryRepresentation* representation)
+  {
+    vtkAlgorithm* maker = representation->*(&Geometry::GeometryFilter);
+    vtkNew<vtkFFDShownGeometry> shown;
+    shown->SetMaker(maker);
+    shown->SetInputConnection(maker->GetOutputPort());
+    (representation->*(&Geometry::MultiBlockMaker))->SetInputConnection(shown->GetOutputPort());
+  }
+};
+
+struct Selection : vtkSelectionRepresentation
+{
+  static void Follow(vtkSelectionRepresentation* representation)
+  {
+    Geometry::Follow(representation->*(&Selection::GeometryRepresentation));
+  }
+};
+
+struct Axes : vtkPVGridAxes3DRepresentation
+{
+  static void Follow(vtkPVGridAxes3DRepresentation* representation)
+  {
+    // Comes between ParaView's own bounds and their way to the view.
+    vtkNew<vtkCallbackCommand> command;
+    command->SetCallback([](vtkObject* caller, unsigned long, void*, void*) {
+      Axes::SetShownBounds(vtkPVGridAxes3DRepresentation::SafeDownCast(caller));
+    });
+    representation->AddObserver(vtkCommand::UpdateDataEvent, command);
+  }
+
+  /// Called on all processes alike.
+  static void SetShownBounds(vtkPVGridAxes3DRepresentation* representation)
+  {
+    if (!representation || representation->GetNumberOfInputConnections(0) != 1)
+    {
+      return;
+    }
+    vtkDataObject* data = representation->GetInputDataObject(0, 0);
+    const Shown shown = FindShownOfAll(data);
+    Bounds bounds = { VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX, VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX,
+      VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX };
+    VisitLeaves(
+      data, [&bounds, &shown](vtkDataObject* leaf) { AddShownBounds(bounds, leaf, shown); });
+    vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+    if (controller && controller->GetNumberOfProcesses() > 1)
+    {
+      Bounds given = bounds;
+      for (std::size_t a = 0; a < 3; ++a)
+      {
+        given[2 * a] = -given[2 * a];
+      }
+      controller->AllReduce(given.data(), bounds.data(), 6, vtkCommunicator::MAX_OP);
+      for (std::size_t a = 0; a < 3; ++a)
+      {
+        bounds[2 * a] = -bounds[2 * a];
+      }
+    }
+    if (ffdparts::IsEmpty(bounds))
+    {
+      return;
+    }
+    const double* position = representation->*(&Axes::Position);
+    const double* scale = representation->*(&Axes::Scale);
+    double corners[2][3];
+    for (int i = 0; i < 6; ++i)
+    {
+      corners[i % 2][i / 2] = bounds[static_cast<std::size_t>(i)] * scale[i / 2] + position[i / 2];
+    }
+    vtkNew<vtkPoints> points;
+    points->InsertNextPoint(corners[0]);
+    points->InsertNextPoint(corners[1]);
+    (representation->*(&Axes::DummyPolyData))->SetPoints(points);
+  }
+};
+
+/// Let the output of a filter that makes its output anew have the lattice of the input.
+void PassLattice(vtkAlgorithm* filter)
+{
+  vtkNew<vtkCallbackCommand> command;
+  command->SetCallback([](vtkObject* caller, unsigned long, void*, void*) {
+    auto* done = vtkAlgorithm::SafeDownCast(caller);
+    vtkDataObject* input =
+      done->GetNumberOfInputConnections(0) > 0 ? done->GetInputDataObject(0, 0) : nullptr;
+    vtkDataObject* output = done->GetOutputDataObject(0);
+    if (input && output && vtkFFDLattice::HasLattice(input) && !vtkFFDLattice::HasLattice(output))
+    {
+      vtkNew<vtkFieldData> fields;
+      fields->PassData(input->GetFieldData());
+      fields->PassData(output->GetFieldData());
+      output->SetFieldData(fields);
+    }
+  });
+  filter->AddObserver(vtkCommand::EndEvent, command);
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+void vtkFFDShownGeometry::Follow(vtkObjectBase* object)
+{
+  if (auto* geometry = vtkGeometryRepresentation::SafeDownCast(object))
+  {
+    Geometry::Follow(geometry);
+  }
+  else if (auto* selection = vtkSelectionRepresentation::SafeDownCast(object))
+  {
+    Selection::Follow(selection);
+  }
+  else if (auto* axes = vtkPVGridAxes3DRepresentation::SafeDownCast(object))
+  {
+    Axes::Follow(axes);
+  }
+  else if (auto* filter = vtkAlgorithm::SafeDownCast(object))
+  {
+    PassLattice(filter);
+  }
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDShownGeometry::FillInputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObject");
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDShownGeometry::RequestData(
+  vtkInformation*, vtkInformationVector** inputs, vtkInformationVector* outputs)
+{
+  vtkDataObject* input = vtkDataObject::GetData(inputs[0]);
+  vtkDataObject* output = vtkDataObject::GetData(outputs);
+  output->ShallowCopy(input);
+  vtkDataObject* data = nullptr;
+  if (this->Maker && this->Maker->GetNumberOfInputConnections(0) > 0)
+  {
+    data = this->Maker->GetInputDataObject(0, 0);
+  }
+  const Shown shown = FindShownOfAll(data);
+  auto* maker = vtkPVGeometryFilter::SafeDownCast(this->Maker);
+  const bool isOutline = maker && maker->GetUseOutline();
+  if (vtkPolyData* surface = vtkPolyData::SafeDownCast(output))
+  {
+    if (shown.Lattice)
+    {
+      surface->ShallowCopy(Move(surface, shown, isOutline));
+    }
+    return 1;
+  }
+  auto* parts = vtkCompositeDataSet::SafeDownCast(output);
+  if (!parts)
+  {
+    return 1;
+  }
+  vtkSmartPointer<vtkCompositeDataIterator> iterator;
+  iterator.TakeReference(parts->NewIterator());
+  for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
+  {
+    vtkPolyData* surface = vtkPolyData::SafeDownCast(iterator->GetCurrentDataObject());
+    const Shown own = shown.Lattice ? shown : Shown(surface);
+    if (surface && own.Lattice)
+    {
+      parts->SetDataSet(iterator, Move(surface, own, isOutline));
+    }
+  }
+  return 1;
+}
