@@ -1,23 +1,25 @@
+# script-version: 2.0
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A Catalyst script: a picture of the deformed volume of each step of a simulation, in the folder
-datasets/. With ParaView's example of a simulation, Wavelet:
+"""A Catalyst script: a picture of the deformed volume at each step of a simulation. With ParaView's
+example of a simulation:
 
     Examples/paraview.sh pvbatch -m paraview.demos.wavelet_miniapp -t 10 -s Examples/Python/paraview_in_situ.py
 """
 
-from paraview.simple import *  # pylint: disable=wildcard-import,unused-wildcard-import
+from paraview import simple
 
-data = TrivialProducer(registrationName="input")
-lattice = FFDLattice(Input=data, Shape="Twist")
-view = CreateView("RenderView", ViewSize=[400, 400])
-display = Show(lattice, view)
-display.RescaleTransferFunctionToDataRange(False, True)
-view.ResetCamera()
-pictures = CreateExtractor("PNG", view, registrationName="pictures")
-pictures.Writer.FileName = "deformed_{timestep:04d}.png"
+data = simple.TrivialProducer(registrationName="input")
+scene = {}
 
 
 def catalyst_execute(info):
-    """The lattice moves with the simulation."""
-    lattice.Strength = 0.5 * (1 + info.timestep)
+    """The pipeline is made at the first step, when there are data; the lattice moves with the steps."""
+    if not scene:
+        scene["lattice"] = simple.FFDLattice(Input=data, Shape="Twist")
+        scene["view"] = simple.CreateView("RenderView", ViewSize=[400, 400])
+        display = simple.Show(scene["lattice"], scene["view"])
+        display.RescaleTransferFunctionToDataRange(False, True)
+        simple.ResetCamera(scene["view"])
+    scene["lattice"].Strength = 0.5 * (1 + info.timestep)
+    simple.SaveScreenshot("deformed_%04d.png" % info.timestep, scene["view"])

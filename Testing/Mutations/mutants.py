@@ -252,8 +252,8 @@ MUTANTS = (
     Mutant(
         "vectors: segments are called empty without their error",
         "term",
-        "const float margin = (close ? 0.0f : segment.Error + tolerance) + Rounding;",
-        "const float margin = Rounding;",
+        "const float margin = (close ? 0.0f : segment.Error + tolerance) + Rounding + before;",
+        "const float margin = Rounding + before;",
         PACKETS + kernels("PositionError") + python("Folds", "Normals")),
     Mutant(
         "vectors: gradients of components from the wrong corner",
