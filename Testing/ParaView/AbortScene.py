@@ -14,7 +14,7 @@ view = simple.GetActiveViewOrCreate("RenderView")
 display = simple.Show(lattice, view)
 display.FFDNumberOfThreads = 1
 display.FFDShade = 1
-display.FFDSampleDistance = 0.04
+display.FFDSampleDistance = 0.05
 simple.GetOpacityTransferFunction("RTData").Points = [37, 0.001, 0.5, 0, 280, 0.002, 0.5, 0]
 view.ResetCamera()
 simple.Render(view)

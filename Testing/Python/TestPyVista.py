@@ -58,6 +58,8 @@ def show(method, *arguments, **options):
     with Scene() as scene:
         actor = getattr(scene.plotter, method)(*arguments, show_scalar_bar=False, **options)
         actor.prop.interpolation_type = "linear"
+        # Pictures do not become coarser where other work slows them down.
+        actor.mapper.SetAutoAdjustSampleDistances(False)
         return scene.picture()
 
 
