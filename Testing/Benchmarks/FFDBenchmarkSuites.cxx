@@ -504,6 +504,8 @@ std::vector<std::unique_ptr<Group>> MakeGroups(const Options& options)
     return options.Rounds > 0 ? static_cast<std::size_t>(options.Rounds)
                               : (options.Quick ? ownQuick : ownFull);
   };
+  // Pixels along a side of the picture; the reference kernels, which judge it, take long.
+  const int size = options.Quick ? 256 : 512;
   std::vector<std::unique_ptr<Group>> groups;
   const auto add = [&groups](const std::string& name, Group::Preparation prepare,
                      const std::vector<std::pair<std::string, std::size_t>>& rows) {
@@ -536,9 +538,9 @@ std::vector<std::unique_ptr<Group>> MakeGroups(const Options& options)
 
   if (options.Quick)
   {
-    addFrames({ "engine", Opacity::Opaque, 512, { Shape::Smooth, 45.0 } }, true);
-    addFrames({ "engine", Opacity::Semi, 512, { Shape::Smooth, 45.0 } }, false);
-    addFrames({ "cthead", Opacity::Opaque, 512, { Shape::Random, 15.0 } }, false);
+    addFrames({ "engine", Opacity::Opaque, size, { Shape::Smooth, 45.0 } }, true);
+    addFrames({ "engine", Opacity::Semi, size, { Shape::Smooth, 45.0 } }, false);
+    addFrames({ "cthead", Opacity::Opaque, size, { Shape::Random, 15.0 } }, false);
   }
   else
   {
@@ -546,14 +548,14 @@ std::vector<std::unique_ptr<Group>> MakeGroups(const Options& options)
     {
       for (Opacity opacity : { Opacity::Semi, Opacity::Opaque, Opacity::Sparse })
       {
-        for (int size : { 512, 1024 })
+        for (int side : { 512, 1024 })
         {
-          addFrames({ volume, opacity, size, { Shape::Identity, 0.0 } }, true);
+          addFrames({ volume, opacity, side, { Shape::Identity, 0.0 } }, true);
           for (Shape shape : { Shape::Smooth, Shape::Random })
           {
             for (double magnitude : { 15.0, 30.0, 45.0 })
             {
-              addFrames({ volume, opacity, size, { shape, magnitude } }, true);
+              addFrames({ volume, opacity, side, { shape, magnitude } }, true);
             }
           }
         }
@@ -605,7 +607,8 @@ std::vector<std::unique_ptr<Group>> MakeGroups(const Options& options)
     }
     const BlendRows which = blend;
     add(
-      name, [which, folder](Group& group) { return PrepareBlend(group, which, 512, folder); },
+      name,
+      [which, size, folder](Group& group) { return PrepareBlend(group, which, size, folder); },
       rows);
   }
   AddWidgetGroups(options, groups);
