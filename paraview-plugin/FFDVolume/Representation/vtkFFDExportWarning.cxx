@@ -48,8 +48,7 @@ void Warn(void* argument)
   {
     vtkWarningWithObjectMacro(
       exporter, << "\"FFD Volume\" is not in the exported scene: such files hold surfaces. Save a "
-                   "screenshot, "
-                   "or export contours of the volume, which are deformed as it is.");
+                   "screenshot, or export contours of the volume, which are deformed as it is.");
   }
 }
 
