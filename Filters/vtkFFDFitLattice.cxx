@@ -5,6 +5,7 @@
 #include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDLatticeData.h"
+#include "vtkFFDParallelFor.h"
 #include "vtkFFDTransformSampler.h"
 
 #include "FFDLatticeFit.h"
@@ -383,6 +384,7 @@ void vtkFFDFitLattice::Fit(vtkImageData* field)
   ffd::FitLimits limits;
   limits.Tolerance = this->Tolerance;
   limits.MaximumCells = this->MaximumCells;
+  limits.Parallel = vtkFFDParallelFor();
   limits.Proceed = [this](double done) {
     this->UpdateProgress(done);
     return !this->GetAbortExecute();

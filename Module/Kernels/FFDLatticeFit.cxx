@@ -6,9 +6,12 @@
 #include "FFDBSplineField.h"
 #include "FFDGridIndex.h"
 #include "FFDLinearOperator.h"
+#include "FFDParallelFor.h"
 
 #include <Eigen/Dense>
 #include <Eigen/IterativeLinearSolvers>
+#include <Eigen/SparseCholesky>
+#include <unsupported/Eigen/KroneckerProduct>
 
 #include <glm/mat3x3.hpp>
 
@@ -16,7 +19,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
+#include <memory>
 #include <utility>
 
 namespace ffd
@@ -29,6 +32,10 @@ constexpr int FirstCells = 4;
 constexpr double GridPenalty = 1e-9;
 /// The largest number of iterations of conjugate gradients.
 constexpr int LargestIterations = 200;
+/// Landmark systems of at most so many cells are factorized.
+constexpr int DirectCells = 8;
+/// What is added to the diagonal of those, as a fraction of it.
+constexpr double DirectRidge = 1e-9;
 constexpr double ResidualReduction = 1e-7;
 /// Smoothness below which control points that no landmark determines would be left to rounding.
 constexpr double LeastSmoothness = 1e-10;
@@ -41,6 +48,8 @@ constexpr double LevelGain = 0.98;
 /// Singular values of scattered points below this fraction of the largest are directions in which
 /// they do not extend.
 constexpr double RankTolerance = 1e-9;
+
+using SparseMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 double Dot(const glm::dvec3& a, const glm::dvec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
@@ -421,6 +430,27 @@ Eigen::Map<const Vectors> AsRows(const std::vector<glm::dvec3>& values)
   return { &values[0].x, static_cast<Eigen::Index>(values.size()), 3 };
 }
 
+/// RefineControlNet from `nodes` control points of one axis to twice the cells, as a matrix.
+SparseMatrix AxisRefinement(int nodes)
+{
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < 2 * nodes - 3; ++i)
+  {
+    // Those with odd numbers rest at a coarse control point, the others between two.
+    const int first = i / 2;
+    const bool between = i % 2 == 0;
+    entries.emplace_back(i, first, between ? 0.5 : 0.125);
+    entries.emplace_back(i, first + 1, between ? 0.5 : 0.75);
+    if (!between)
+    {
+      entries.emplace_back(i, first + 2, 0.125);
+    }
+  }
+  SparseMatrix matrix(2 * nodes - 3, nodes);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
 /// The affine displacement of least squares, smallest where the points do not determine it.
 void AffineFit(const std::vector<glm::dvec3>& points, const std::vector<glm::dvec3>& displacements,
   const std::vector<double>& weights, glm::dmat3& matrix, glm::dvec3& offset)
@@ -446,15 +476,15 @@ void AffineFit(const std::vector<glm::dvec3>& points, const std::vector<glm::dve
 /**
  * The least-squares problem of FitNetToPoints at one level: rows of the B-splines at the points,
  * and of the differences that stand for the second derivatives, each times the root of its weight.
- * Columns are scaled to length 1, which is the preconditioner: unknowns are control points times
- * GetScale().
+ * With it come the systems of half as many cells each, which precondition it.
  */
 class PointSystem
 {
 public:
   PointSystem(const std::vector<glm::dvec3>& points, const std::vector<double>& weights,
-    const FittedNet& fit, double smoothness)
+    const FittedNet& fit, double smoothness, const ParallelFor& parallel)
     : Nodes(fit.Cells + 3)
+    , Parallel(parallel)
     , Roots(Eigen::Map<const Eigen::VectorXd>(
         weights.data(), static_cast<Eigen::Index>(weights.size())))
   {
@@ -467,19 +497,25 @@ public:
       smoothness * longest * longest * longest * longest / volume * h.x * h.y * h.z;
     // As the lattice will be evaluated, outside of its domain, too.
     const BSplineField field = FieldOf(fit);
+    const auto count = static_cast<Eigen::Index>(points.size());
+    const auto size = static_cast<Eigen::Index>(GridSize(this->Nodes));
     std::vector<Eigen::Triplet<double>> entries;
     int row = 0;
     for (const glm::dvec3& point : points)
     {
       std::array<std::size_t, BSplineField::MaximumSupport> nodes;
       std::array<double, BSplineField::MaximumSupport> basis;
-      const int count = field.ControlWeights(point, nodes.data(), basis.data());
-      for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n)
+      const int support = field.ControlWeights(point, nodes.data(), basis.data());
+      for (std::size_t n = 0; n < static_cast<std::size_t>(support); ++n)
       {
         entries.emplace_back(row, static_cast<int>(nodes[n]), this->Roots[row] * basis[n]);
       }
       ++row;
     }
+    this->Basis.resize(count, size);
+    this->Basis.setFromTriplets(entries.begin(), entries.end());
+    entries.clear();
+    row = 0;
     for (int a = 0; a < 3; ++a)
     {
       const int b = (a + 1) % 3;
@@ -496,32 +532,89 @@ public:
                                    { alongA + alongB, mixed } },
         row, entries);
     }
-    this->Matrix.resize(row, static_cast<Eigen::Index>(GridSize(this->Nodes)));
-    this->Matrix.setFromTriplets(entries.begin(), entries.end());
-    const Eigen::VectorXd squares =
-      this->Matrix.cwiseAbs2().transpose() * Eigen::VectorXd::Ones(this->Matrix.rows());
-    this->Scale = squares.cwiseSqrt().cwiseMax(std::numeric_limits<double>::min());
-    this->Matrix = this->Matrix * this->Scale.cwiseInverse().asDiagonal();
+    SparseMatrix differences(row, size);
+    differences.setFromTriplets(entries.begin(), entries.end());
+    this->Bending = differences.transpose() * differences;
+    this->Diagonal = this->Bending.diagonal();
+    this->Diagonal += this->Basis.cwiseAbs2().transpose() * Eigen::VectorXd::Ones(count);
+    if (fit.Cells.x <= DirectCells)
+    {
+      // Points on a plane leave an affine map open: a little more on the diagonal closes it.
+      SparseMatrix normal = this->Basis.transpose() * this->Basis;
+      normal += this->Bending;
+      normal.diagonal() += DirectRidge * this->Diagonal;
+      this->Direct.compute(normal);
+    }
+    else
+    {
+      FittedNet coarser = fit;
+      coarser.Cells /= 2;
+      coarser.Net.Nodes = coarser.Cells + 3;
+      const SparseMatrix plane = Eigen::kroneckerProduct(
+        AxisRefinement(coarser.Net.Nodes.y), AxisRefinement(coarser.Net.Nodes.x));
+      this->Refinement = Eigen::kroneckerProduct(AxisRefinement(coarser.Net.Nodes.z), plane);
+      this->Restriction = this->Refinement.transpose();
+      this->Coarser = std::make_unique<PointSystem>(points, weights, coarser, smoothness, parallel);
+    }
   }
 
-  std::size_t GetSize() const { return GridSize(this->Nodes); }
-  const Eigen::VectorXd& GetScale() const { return this->Scale; }
+  Eigen::Index GetSize() const { return this->Diagonal.size(); }
 
   /// The right-hand side of the normal equations for these values at the points.
   Vectors Project(const std::vector<glm::dvec3>& values) const
   {
-    return this->Matrix.topRows(this->Roots.size()).transpose() *
-      (this->Roots.asDiagonal() * AsRows(values));
+    return this->Basis.transpose() * (this->Roots.asDiagonal() * AsRows(values));
   }
 
   /// The matrix of the normal equations times three columns.
   Vectors Apply(const Eigen::Ref<const Vectors>& columns) const
   {
-    const Vectors rows = this->Matrix * columns;
-    return this->Matrix.transpose() * rows;
+    Vectors result = this->Multiply(this->Bending, columns);
+    const Vectors values = this->Basis * columns;
+    result += this->Basis.transpose() * values;
+    return result;
+  }
+
+  /**
+   * An approximate inverse of the normal equations times three columns: the inverse of the diagonal
+   * at each level, and of the whole matrix at the coarsest, added up over the levels (multilevel
+   * diagonal scaling: Bramble, Pasciak and Xu 1990; Zhang 1992). With the diagonal of the finest
+   * level alone the number of iterations would grow as the square of the number of cells.
+   */
+  Vectors Precondition(const Eigen::Ref<const Vectors>& columns) const
+  {
+    if (!this->Coarser)
+    {
+      return this->Direct.solve(columns);
+    }
+    const Vectors coarse = this->Multiply(this->Restriction, columns);
+    Vectors result = this->Multiply(this->Refinement, this->Coarser->Precondition(coarse));
+    result += this->Diagonal.cwiseInverse().asDiagonal() * columns;
+    return result;
   }
 
 private:
+  /// A matrix times three columns, its rows split over threads.
+  Vectors Multiply(const SparseMatrix& matrix, const Eigen::Ref<const Vectors>& columns) const
+  {
+    Vectors result(matrix.rows(), 3);
+    const auto size = static_cast<std::size_t>(matrix.rows());
+    this->Parallel(size, [&](std::size_t first, std::size_t last) {
+      const auto begin = static_cast<Eigen::Index>(first);
+      const auto end = static_cast<Eigen::Index>(last);
+      for (Eigen::Index row = begin; row < end; ++row)
+      {
+        Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+        for (SparseMatrix::InnerIterator element(matrix, row); element; ++element)
+        {
+          sum += element.value() * columns.row(element.col());
+        }
+        result.row(row) = sum;
+      }
+    });
+    return result;
+  }
+
   /// One row for each place of a difference: factors of control points beside that place.
   int AddDifferences(const std::vector<std::pair<glm::ivec3, double>>& terms, int row,
     std::vector<Eigen::Triplet<double>>& entries) const
@@ -545,9 +638,16 @@ private:
   }
 
   glm::ivec3 Nodes;
-  Eigen::VectorXd Roots; // of the weights of the points
-  Eigen::SparseMatrix<double, Eigen::RowMajor> Matrix;
-  Eigen::VectorXd Scale;
+  ParallelFor Parallel;
+  Eigen::VectorXd Roots;    // of the weights of the points
+  SparseMatrix Basis;       // a row for each point, times its root
+  SparseMatrix Bending;     // the bending energy is net^T Bending net
+  Eigen::VectorXd Diagonal; // of the normal equations
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> Direct; // at most DirectCells
+  // More cells:
+  std::unique_ptr<PointSystem> Coarser; // half as many
+  SparseMatrix Refinement;              // from the control points of Coarser to these
+  SparseMatrix Restriction;             // its transpose
 };
 
 /// Thrown out of a solution that the caller of the fit stops.
@@ -563,26 +663,30 @@ bool SolvePoints(const PointSystem& system, const std::vector<glm::dvec3>& value
   const FitLimits& limits, double done, std::vector<glm::dvec3>& net)
 {
   // All three components at once, as one long vector.
-  const Eigen::Index rows = system.GetScale().size();
+  using Vector = Eigen::VectorXd;
+  const Eigen::Index rows = system.GetSize();
   const auto asRows = [rows](auto& vector) { return Eigen::Map<Vectors>(vector.data(), rows, 3); };
-  const LinearOperator normalEquations(3 * rows, [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+  const LinearOperator normalEquations(3 * rows, [&](const Vector& x) -> Vector {
     if (!Proceeds(limits, done))
     {
       throw SolutionStopped();
     }
-    Eigen::VectorXd result(x.size());
+    Vector result(x.size());
     asRows(result) = system.Apply(Eigen::Map<const Vectors>(x.data(), rows, 3));
     return result;
   });
-  Eigen::VectorXd right(3 * rows);
+  Vector right(3 * rows);
   asRows(right) = system.Project(values);
-  Eigen::VectorXd solution(3 * rows);
-  asRows(solution) = system.GetScale().asDiagonal() * AsRows(net);
-  Eigen::ConjugateGradient<LinearOperator, Eigen::Lower | Eigen::Upper,
-    Eigen::IdentityPreconditioner>
+  Eigen::ConjugateGradient<LinearOperator, Eigen::Lower | Eigen::Upper, LinearPreconditioner>
     solver(normalEquations);
+  solver.preconditioner().Apply = [&](const Vector& x) -> Vector {
+    Vector result(x.size());
+    asRows(result) = system.Precondition(Eigen::Map<const Vectors>(x.data(), rows, 3));
+    return result;
+  };
   solver.setMaxIterations(LargestIterations);
   solver.setTolerance(ResidualReduction);
+  Eigen::Map<Vector> solution(&net[0].x, 3 * rows);
   try
   {
     solution = solver.solveWithGuess(right, solution).eval();
@@ -591,8 +695,6 @@ bool SolvePoints(const PointSystem& system, const std::vector<glm::dvec3>& value
   {
     return false;
   }
-  Eigen::Map<Vectors>(&net[0].x, rows, 3) =
-    system.GetScale().cwiseInverse().asDiagonal() * asRows(solution);
   return true;
 }
 
@@ -662,7 +764,7 @@ FitStatus FitNetToPoints(const std::vector<glm::dvec3>& points,
   for (double done = 0.0;; done = 0.5 * (1.0 + done))
   {
     const double before = fit.RootMeanSquareError;
-    const PointSystem system(points, used, level, weight);
+    const PointSystem system(points, used, level, weight, limits.Parallel);
     // The residuals are added to the aims (iterated Tikhonov regularization): that restores what
     // the bending energy takes off consistent landmarks, and soon ends where they contradict each
     // other.
@@ -684,7 +786,7 @@ FitStatus FitNetToPoints(const std::vector<glm::dvec3>& points,
         // The smoothest net within the tolerance (discrepancy principle).
         for (double stiffer = 10.0 * weight; round == 0 && stiffer <= 1.0; stiffer *= 10.0)
         {
-          const PointSystem stiff(points, used, level, stiffer);
+          const PointSystem stiff(points, used, level, stiffer, limits.Parallel);
           if (!SolvePoints(stiff, displacements, limits, done, level.Net.Values))
           {
             return FitStatus::Stopped;
@@ -707,7 +809,7 @@ FitStatus FitNetToPoints(const std::vector<glm::dvec3>& points,
       }
     }
     const bool gained = fit.RootMeanSquareError < LevelGain * before;
-    futile = gained || system.GetSize() < points.size() ? 0 : futile + 1;
+    futile = gained || system.GetSize() < static_cast<Eigen::Index>(points.size()) ? 0 : futile + 1;
     if (2 * level.Cells.x > limits.MaximumCells || futile == 2)
     {
       return FitStatus::NotReached;

@@ -5,6 +5,7 @@
 
 #include "FFDControlNet.h"
 #include "FFDExport.h"
+#include "FFDParallelFor.h"
 
 #include <glm/vec3.hpp>
 
@@ -40,13 +41,14 @@ enum class FitStatus
 /**
  * How far a fit goes: until the largest error is at most Tolerance (> 0), with at most MaximumCells
  * (>= 1) per axis. Proceed, if there is one, is called now and then with a fraction done; false
- * stops the fit.
+ * stops the fit. Parallel splits the work of landmarks over threads.
  */
 struct FitLimits
 {
   double Tolerance = 0.0;
   int MaximumCells = 64;
   std::function<bool(double)> Proceed;
+  ParallelFor Parallel;
 };
 
 /// Displacements at first + (i, j, k) * step, count points per axis; false: not finite.
@@ -80,7 +82,8 @@ FFD_CORE_EXPORT FitStatus FitNetToGrid(const glm::ivec3& count, const glm::dvec3
  *   sum_i w_i |d_i - D(x_i)|^2 / sum_i w_i + smoothness * L^4 / V * integral of |second
  * derivatives|^2 (thin-plate bending energy of the whole of D, by second differences of control
  * points; L the longest extent, V the volume; so smoothness has no unit, and an affine map costs
- * nothing), by preconditioned conjugate gradients from the net of the level before. What is left is
+ * nothing), by conjugate gradients from the net of the level before, preconditioned by all coarser
+ * levels. What is left is
  * asked for again (iterated Tikhonov regularization) while that makes the error much smaller:
  * consistent displacements are met exactly in the end, those that contradict each other are
  * averaged. Once the tolerance is kept, smoothness grows for as long as it still is (discrepancy

@@ -68,6 +68,37 @@ private:
   Function Multiply;
 };
 
+/// A function in the place of a preconditioner of Eigen's.
+class LinearPreconditioner
+{
+public:
+  std::function<Eigen::VectorXd(const Eigen::VectorXd&)> Apply;
+
+  // What Eigen asks of a preconditioner.
+  template <class Matrix>
+  explicit LinearPreconditioner(const Matrix&)
+  {
+  }
+  LinearPreconditioner() = default;
+  template <class Matrix>
+  LinearPreconditioner& analyzePattern(const Matrix&)
+  {
+    return *this;
+  }
+  template <class Matrix>
+  LinearPreconditioner& factorize(const Matrix&)
+  {
+    return *this;
+  }
+  template <class Matrix>
+  LinearPreconditioner& compute(const Matrix&)
+  {
+    return *this;
+  }
+  Eigen::VectorXd solve(const Eigen::VectorXd& vector) const { return this->Apply(vector); }
+  Eigen::ComputationInfo info() const { return Eigen::Success; }
+};
+
 } // namespace ffd
 
 namespace Eigen

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <thread>
 
 namespace
 {
@@ -274,6 +275,48 @@ TEST(LatticeFit, ContradictionsAreAveraged)
     }
     EXPECT_LT(last, 1.01 * possible) << smoothness;
   }
+}
+
+TEST(LatticeFit, ContradictionsTakeNoLongerOnFineLevels)
+{
+  // Landmarks each with a second one close by that is to go elsewhere: no level resolves them, and
+  // all are tried. The iterations of the finest level must not grow with its control points.
+  Random random;
+  ffd::FittedNet fit = MakeBox();
+  const ffd::FittedNet box = fit;
+  std::vector<glm::dvec3> points;
+  std::vector<glm::dvec3> displacements;
+  std::normal_distribution<double> normal(0.0, 1.0);
+  const auto vector = [&] {
+    return glm::dvec3(normal(random.Engine), normal(random.Engine), normal(random.Engine));
+  };
+  for (int i = 0; i < 60; ++i)
+  {
+    points.push_back(random.Point(box));
+    displacements.push_back(0.1 * vector());
+    points.push_back(points.back() + 0.1 * vector());
+    displacements.push_back(displacements.back() + vector());
+  }
+  int iterations = 0;
+  ffd::FitLimits limits{ 1e-3, 32, {}, {} };
+  limits.Proceed = [&](double) {
+    ++iterations;
+    return true;
+  };
+  ffd::FitNetToPoints(points, displacements, {}, 1e-6, limits, fit);
+  EXPECT_EQ(fit.Cells.x, 32);
+  EXPECT_LT(iterations, 1000);
+  // Threads change nothing.
+  limits.MaximumCells = 16;
+  ffd::FitNetToPoints(points, displacements, {}, 1e-6, limits, fit = box);
+  ffd::FittedNet threaded = box;
+  limits.Parallel = ffd::ParallelFor([](std::size_t count, const ffd::ParallelFor::Work& work) {
+    std::thread second(work, count / 3, count);
+    work(0, count / 3);
+    second.join();
+  });
+  ffd::FitNetToPoints(points, displacements, {}, 1e-6, limits, threaded);
+  EXPECT_EQ(threaded.Net.Values, fit.Net.Values);
 }
 
 TEST(LatticeFit, NoiseIsFollowedNoFurtherThanTheTolerance)
