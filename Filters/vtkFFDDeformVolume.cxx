@@ -7,12 +7,14 @@
 #include "vtkFFDLattice.h"
 
 #include "vtkAlgorithmOutput.h"
+#include "vtkBoundingBox.h"
 #include "vtkCardinalSpline.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
+#include "vtkMath.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
@@ -107,6 +109,150 @@ std::vector<double> FindWeights(const std::vector<double>& times, double time, i
     }
   }
   return weights;
+}
+
+/// Bounds of the whole image, of which `image` may be a part.
+void FindWholeBounds(vtkInformation* info, vtkImageData* image, double bounds[6])
+{
+  vtkNew<vtkImageData> whole;
+  whole->CopyStructure(image);
+  if (info->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
+  {
+    whole->SetExtent(info->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()));
+  }
+  whole->GetBounds(bounds);
+}
+
+/// The map of a lattice whose displacements are linear in space: columns 0 to 2 the matrix, 3 the
+/// offset. False for any other.
+bool FindLinearMap(vtkFFDLattice* lattice, double map[3][4])
+{
+  int sizes[3];
+  double origin[3];
+  double spacing[3];
+  lattice->GetDimensions(sizes);
+  lattice->GetRestPoint(0, 0, 0, origin);
+  lattice->GetSpacing(spacing);
+  const double* d = lattice->GetDisplacements()->GetPointer(0);
+  const int strides[3] = { 3, 3 * sizes[0], 3 * sizes[0] * sizes[1] };
+  double slopes[3][3];
+  double largest = 0.0;
+  for (vtkIdType i = 0; i < 3 * lattice->GetNumberOfControlPoints(); ++i)
+  {
+    largest = std::max(largest, std::abs(d[i]));
+  }
+  for (int a = 0; a < 3; ++a)
+  {
+    for (int c = 0; c < 3; ++c)
+    {
+      slopes[c][a] = (d[(sizes[a] - 1) * strides[a] + c] - d[c]) / (sizes[a] - 1);
+    }
+  }
+  for (int k = 0; k < sizes[2]; ++k)
+  {
+    for (int j = 0; j < sizes[1]; ++j)
+    {
+      for (int i = 0; i < sizes[0]; ++i)
+      {
+        for (int c = 0; c < 3; ++c)
+        {
+          const double linear = d[c] + i * slopes[c][0] + j * slopes[c][1] + k * slopes[c][2];
+          if (!(std::abs(d[i * strides[0] + j * strides[1] + k * strides[2] + c] - linear) <=
+                1e-9 * largest))
+          {
+            return false;
+          }
+        }
+      }
+    }
+  }
+  const double scale = lattice->GetDisplacementScale();
+  for (int c = 0; c < 3; ++c)
+  {
+    map[c][3] = scale * d[c];
+    for (int a = 0; a < 3; ++a)
+    {
+      const double slope = scale * slopes[c][a] / spacing[a];
+      map[c][a] = (a == c ? 1.0 : 0.0) + slope;
+      map[c][3] -= slope * origin[a];
+    }
+  }
+  return true;
+}
+
+/// Whether x . (map x) > 0 for all x: the lattice, which goes on outside as at its border, is then
+/// one to one there, too.
+bool IsPositive(const double map[3][4])
+{
+  double s[3][3];
+  for (int i = 0; i < 3; ++i)
+  {
+    for (int j = 0; j < 3; ++j)
+    {
+      s[i][j] = 0.5 * (map[i][j] + map[j][i]);
+    }
+  }
+  return s[0][0] > 0.0 && s[0][0] * s[1][1] - s[0][1] * s[1][0] > 0.0 &&
+    vtkMath::Determinant3x3(s) > 0.0;
+}
+
+/**
+ * Give a lattice that is linear, and far larger than what it has to move within `bounds`, the size
+ * of that: what is proven of a lattice, as where it moves a volume to, is as fine as its cells.
+ */
+void CutLinearLattice(vtkFFDLattice* lattice, const double bounds[6], const double map[3][4])
+{
+  double matrix[3][3];
+  for (int i = 0; i < 3; ++i)
+  {
+    std::copy_n(map[i], 3, matrix[i]);
+  }
+  const bool inverse = lattice->GetInverseFlag() != 0;
+  if (inverse)
+  {
+    vtkMath::Invert3x3(matrix, matrix);
+  }
+  vtkBoundingBox box;
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    double p[3] = { bounds[corner & 1], bounds[2 + ((corner >> 1) & 1)],
+      bounds[4 + (corner >> 2)] };
+    if (inverse)
+    {
+      const double q[3] = { p[0] - map[0][3], p[1] - map[1][3], p[2] - map[2][3] };
+      vtkMath::Multiply3x3(matrix, q, p);
+    }
+    box.AddPoint(p);
+  }
+  const double size = box.GetMaxLength();
+  box.Inflate(0.5 * size);
+  double domain[6];
+  lattice->GetDomain(domain);
+  constexpr double muchLarger = 8.0;
+  if (!(std::max({ domain[1] - domain[0], domain[3] - domain[2], domain[5] - domain[4] }) >
+        muchLarger * size) ||
+    !vtkBoundingBox(domain).Contains(box))
+  {
+    return;
+  }
+  box.GetBounds(domain);
+  constexpr int sizes = 11;
+  lattice->SetDimensions(sizes, sizes, sizes);
+  lattice->SetDomain(domain);
+  lattice->SetBorderMode(VTK_BSPLINE_EDGE);
+  lattice->SetDisplacementScale(1.0);
+  for (int n = 0; n < sizes * sizes * sizes; ++n)
+  {
+    const int at[3] = { n % sizes, n / sizes % sizes, n / (sizes * sizes) };
+    double p[3];
+    double d[3];
+    lattice->GetRestPoint(at[0], at[1], at[2], p);
+    for (int c = 0; c < 3; ++c)
+    {
+      d[c] = map[c][0] * p[0] + map[c][1] * p[1] + map[c][2] * p[2] + map[c][3] - p[c];
+    }
+    lattice->SetDisplacement(at[0], at[1], at[2], d);
+  }
 }
 
 } // namespace
@@ -331,38 +477,56 @@ int vtkFFDDeformVolume::RequestInformation(
   {
     return 0;
   }
-  if (this->Keyframes.empty())
-  {
-    return 1;
-  }
-  // The steps and the range of the input are those of the volume; the keyframes add theirs.
-  vtkInformation* input = inputs[0]->GetInformationObject(0);
-  vtkInformation* output = outputs->GetInformationObject(0);
+  // The steps and the range of the input are those of the volume; the keyframes, or the lattices at
+  // the second input, add theirs.
   std::vector<double> steps;
-  for (const Keyframe& keyframe : this->Keyframes)
+  vtkInformation* inputsOfTime[2] = { inputs[0]->GetInformationObject(0), nullptr };
+  if (!this->Keyframes.empty())
   {
-    steps.push_back(keyframe.Time);
+    for (const Keyframe& keyframe : this->Keyframes)
+    {
+      steps.push_back(keyframe.Time);
+    }
   }
-  double range[2] = { steps.front(), steps.back() };
-  if (input->Has(vtkStreamingDemandDrivenPipeline::TIME_STEPS()))
+  else if (!this->Lattice)
   {
-    const double* own = input->Get(vtkStreamingDemandDrivenPipeline::TIME_STEPS());
-    steps.insert(
-      steps.end(), own, own + input->Length(vtkStreamingDemandDrivenPipeline::TIME_STEPS()));
+    inputsOfTime[1] = inputs[1]->GetInformationObject(0);
+  }
+  double range[2] = { VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX };
+  if (!steps.empty())
+  {
+    range[0] = steps.front();
+    range[1] = steps.back();
+  }
+  for (vtkInformation* input : inputsOfTime)
+  {
+    if (input && input->Has(vtkStreamingDemandDrivenPipeline::TIME_STEPS()))
+    {
+      const double* own = input->Get(vtkStreamingDemandDrivenPipeline::TIME_STEPS());
+      steps.insert(
+        steps.end(), own, own + input->Length(vtkStreamingDemandDrivenPipeline::TIME_STEPS()));
+    }
+    if (input && input->Has(vtkStreamingDemandDrivenPipeline::TIME_RANGE()))
+    {
+      const double* own = input->Get(vtkStreamingDemandDrivenPipeline::TIME_RANGE());
+      range[0] = std::min(range[0], own[0]);
+      range[1] = std::max(range[1], own[1]);
+    }
+  }
+  vtkInformation* output = outputs->GetInformationObject(0);
+  if (!steps.empty())
+  {
     std::sort(steps.begin(), steps.end());
     steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
     range[0] = std::min(range[0], steps.front());
     range[1] = std::max(range[1], steps.back());
+    output->Set(
+      vtkStreamingDemandDrivenPipeline::TIME_STEPS(), steps.data(), static_cast<int>(steps.size()));
   }
-  if (input->Has(vtkStreamingDemandDrivenPipeline::TIME_RANGE()))
+  if (range[0] <= range[1])
   {
-    const double* own = input->Get(vtkStreamingDemandDrivenPipeline::TIME_RANGE());
-    range[0] = std::min(range[0], own[0]);
-    range[1] = std::max(range[1], own[1]);
+    output->Set(vtkStreamingDemandDrivenPipeline::TIME_RANGE(), range, 2);
   }
-  output->Set(
-    vtkStreamingDemandDrivenPipeline::TIME_STEPS(), steps.data(), static_cast<int>(steps.size()));
-  output->Set(vtkStreamingDemandDrivenPipeline::TIME_RANGE(), range, 2);
   return 1;
 }
 
@@ -423,7 +587,25 @@ int vtkFFDDeformVolume::RequestData(
   {
     // An unusable image is reported by the lattice; what was attached stays.
     vtkNew<vtkFFDLattice> lattice;
-    return lattice->FromImageData(points) ? lattice->AttachTo(output) : 1;
+    if (!lattice->FromImageData(points))
+    {
+      return 1;
+    }
+    double map[3][4];
+    if (input->GetNumberOfPoints() > 0 && FindLinearMap(lattice, map))
+    {
+      if (!IsPositive(map))
+      {
+        vtkWarningMacro(
+          "The lattice is linear, and turns by 90 degrees and more, or mirrors: that is "
+          "no small deformation, and the volume can appear several times. Turn the "
+          "volume itself instead, as by vtkProp3D::SetUserMatrix().");
+      }
+      double bounds[6];
+      FindWholeBounds(inputs[0]->GetInformationObject(0), input, bounds);
+      CutLinearLattice(lattice, bounds, map);
+    }
+    return lattice->AttachTo(output);
   }
   if (!vtkFFDLattice::HasLattice(output))
   {

@@ -33,7 +33,8 @@ constexpr std::size_t HeadSize = ffd::LargestFieldHeader;
 struct Reading
 {
   Proceed Continue;
-  std::size_t Files = 0; // of elastix, read so far
+  std::size_t Files = 0;                // of elastix, read so far
+  vtkFFDTransformFile* Stack = nullptr; // which step of stacks, and what they are
 };
 
 /// The first bytes of a file, decompressed when it is a gzip file (.nii.gz).
@@ -136,15 +137,25 @@ bool ReadFieldData(const std::string& name, const ffd::FieldHeader& header, bool
   return true;
 }
 
+bool ParseFieldHeader(
+  int format, const std::string& head, ffd::FieldHeader& header, std::string& error)
+{
+  switch (format)
+  {
+    case vtkFFDTransformFile::NIFTI:
+      return ffd::ParseNiftiHeader(head, header, error);
+    case vtkFFDTransformFile::NRRD:
+      return ffd::ParseNrrdHeader(head, header, error);
+    default:
+      return ffd::ParseMetaImageHeader(head, header, error);
+  }
+}
+
 bool ReadField(const std::string& name, int format, const std::string& head, bool packed,
   const Proceed& proceed, Steps& steps, std::string& error)
 {
   ffd::FieldHeader header;
-  const bool parsed = format == vtkFFDTransformFile::NIFTI
-    ? ffd::ParseNiftiHeader(head, header, error)
-    : format == vtkFFDTransformFile::NRRD ? ffd::ParseNrrdHeader(head, header, error)
-                                          : ffd::ParseMetaImageHeader(head, header, error);
-  if (!parsed)
+  if (!ParseFieldHeader(format, head, header, error))
   {
     return false;
   }
@@ -345,11 +356,24 @@ bool ReadElastix(const std::string& name, Steps& steps, ffd::TransformGrid& fixe
   std::string text;
   ffd::ElastixTransform transform;
   if (!vtkFFDFileAccess::ReadText(name, text, reading.Continue, error) ||
-    !ffd::ParseElastixTransform(text, transform, error))
+    !ffd::ParseElastixTransform(text, transform, error, reading.Stack->StackIndex))
   {
     return false;
   }
   text = std::string();
+  if (transform.StackSize > 0)
+  {
+    vtkFFDTransformFile& stack = *reading.Stack;
+    if (stack.StackSize > 0 && stack.StackSize != transform.StackSize)
+    {
+      error = "it is a stack of " + std::to_string(transform.StackSize) +
+        " transforms in a chain with one of " + std::to_string(stack.StackSize);
+      return false;
+    }
+    stack.StackSize = transform.StackSize;
+    stack.StackOrigin = transform.StackOrigin;
+    stack.StackSpacing = transform.StackSpacing;
+  }
   int format = vtkFFDTransformFile::NONE;
   if (!transform.InitialFile.empty() &&
     !ReadNamed(
@@ -436,6 +460,34 @@ int vtkFFDDetectTransformFormat(const std::string& fileName, std::string& error)
 }
 
 //------------------------------------------------------------------------------
+bool vtkFFDIsTransformFile(const std::string& fileName)
+{
+  std::string head;
+  std::string error;
+  bool packed = false;
+  if (!ReadHead(fileName, head, packed, error))
+  {
+    return false;
+  }
+  const int format = DetectFormat(head, packed);
+  switch (format)
+  {
+    case vtkFFDTransformFile::META_IMAGE:
+    case vtkFFDTransformFile::NRRD:
+    case vtkFFDTransformFile::NIFTI:
+    {
+      ffd::FieldHeader header;
+      return ParseFieldHeader(format, head, header, error);
+    }
+    case vtkFFDTransformFile::NONE:
+    case vtkFFDTransformFile::LATTICE:
+      return false;
+    default:
+      return true;
+  }
+}
+
+//------------------------------------------------------------------------------
 std::string vtkFFDFindLatticeFileProblem(const std::string& fileName)
 {
   std::string bytes;
@@ -465,5 +517,6 @@ bool vtkFFDReadTransformFile(const std::string& fileName, vtkFFDTransformFile& f
 {
   Reading reading;
   reading.Continue = [&proceed] { return proceed(0.5); };
+  reading.Stack = &file;
   return ReadAny(fileName, file.Format, file.Steps, file.FixedImage, reading, error);
 }

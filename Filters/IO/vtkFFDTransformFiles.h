@@ -6,6 +6,7 @@
 
 #include "FFDTransformStep.h"
 
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <vector>
@@ -29,12 +30,22 @@ struct vtkFFDTransformFile
   int Format = NONE;
   /// In the order in which they are applied, LPS.
   std::vector<ffd::TransformStep> Steps;
+  /// Of a stack of elastix: which of its steps is to be read, set by the caller; their number (0:
+  /// no stack), the time of the first one, and from one to the next.
+  std::size_t StackIndex = 0;
+  std::size_t StackSize = 0;
+  double StackOrigin = 0.0;
+  double StackSpacing = 1.0;
   /// Grid of the fixed image, where the file tells it; else Size 0.
   ffd::TransformGrid FixedImage;
 };
 
 /// The format of a file by its first bytes; NONE with a reason.
 int vtkFFDDetectTransformFormat(const std::string& fileName, std::string& error);
+
+/// Whether a file is a transform by its first bytes: of one of the formats, images being of three
+/// components, and no .vti.
+bool vtkFFDIsTransformFile(const std::string& fileName);
 
 /// Empty when a .vti may be given to VTK's reader, else what is wrong; see the kernel of that name.
 std::string vtkFFDFindLatticeFileProblem(const std::string& fileName);

@@ -231,6 +231,10 @@ vtkFFDTransformReader::vtkFFDTransformReader()
   , FitBounds{ 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 }
   , FitTolerance(0.1)
   , MaximumCells(64)
+  , StackIndex(0)
+  , StackSize(0)
+  , StackOrigin(0.0)
+  , StackSpacing(1.0)
   , LatticeError(0.0)
   , FileFormat(UNKNOWN)
   , Domain{ 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 }
@@ -257,6 +261,8 @@ void vtkFFDTransformReader::PrintSelf(ostream& os, vtkIndent indent)
   }
   os << "\n" << indent << "FitTolerance: " << this->FitTolerance << "\n";
   os << indent << "MaximumCells: " << this->MaximumCells << "\n";
+  os << indent << "StackIndex: " << this->StackIndex << "\n";
+  os << indent << "StackSize: " << this->StackSize << "\n";
   os << indent << "FileFormat: " << this->GetFileFormatAsString() << "\n";
   os << indent << "LatticeError: " << this->LatticeError << "\n";
   os << indent << "Transform: " << (this->Transform ? this->Transform->GetClassName() : "(none)")
@@ -328,6 +334,12 @@ void vtkFFDTransformReader::SetFitTolerance(double tolerance)
 }
 
 //------------------------------------------------------------------------------
+double vtkFFDTransformReader::GetStackTime(int index) const
+{
+  return this->StackOrigin + index * this->StackSpacing;
+}
+
+//------------------------------------------------------------------------------
 const char* vtkFFDTransformReader::GetFileFormatAsString()
 {
   static const char* const names[] = { "Unknown", "ItkText", "Elastix", "MetaImage", "NRRD",
@@ -383,6 +395,7 @@ void vtkFFDTransformReader::ReadAnyFile()
   this->LatticeIsMade = false;
   this->FitFailed = false;
   this->LatticeError = 0.0;
+  this->StackSize = 0;
   this->FileFormat = UNKNOWN;
   vtkMath::UninitializeBounds(this->Domain);
   this->SetErrorCode(vtkErrorCode::NoError);
@@ -394,6 +407,7 @@ void vtkFFDTransformReader::ReadAnyFile()
   }
   std::string error;
   vtkFFDTransformFile file;
+  file.StackIndex = static_cast<std::size_t>(this->StackIndex);
   try
   {
     this->FileFormat = vtkFFDDetectTransformFormat(this->FileName, error);
@@ -434,6 +448,9 @@ void vtkFFDTransformReader::ReadAnyFile()
 //------------------------------------------------------------------------------
 void vtkFFDTransformReader::UseFile(vtkFFDTransformFile& file)
 {
+  this->StackSize = static_cast<int>(file.StackSize);
+  this->StackOrigin = file.StackOrigin;
+  this->StackSpacing = file.StackSpacing;
   vtkBoundingBox region;
   if (file.FixedImage.Size.x > 0)
   {

@@ -28,7 +28,9 @@
  * - elastix TransformParameters.*.txt: BSplineTransform, RecursiveBSplineTransform of order 1 to 3,
  *   AffineTransform, AffineLogTransform, EulerTransform, SimilarityTransform,
  *   TranslationTransform, WeightedCombinationTransform, and File, which names a file of ITK; with
- *   their chain of initial transforms, composed or added. A file that one names is looked for in
+ *   their chain of initial transforms, composed or added; and one step of a stack of these
+ *   (BSplineStackTransform, EulerStackTransform, AffineLogStackTransform,
+ *   TranslationStackTransform), see StackIndex. A file that one names is looked for in
  *   the folder of the file that names it, then by its path as it stands.
  * - MINC .xfm: Linear and Grid_Transform (displacements in a MINC 2 volume in the same folder),
  *   inverted or not, one after the other.
@@ -158,6 +160,24 @@ public:
   vtkGetMacro(MaximumCells, int);
   ///@}
 
+  ///@{
+  /**
+   * Which transform of a stack of elastix is read, counted from 0 (default); one that is not there
+   * is an error of the next update. Negative values count as 0. Without meaning for other files.
+   */
+  vtkSetClampMacro(StackIndex, int, 0, VTK_INT_MAX);
+  vtkGetMacro(StackIndex, int);
+  ///@}
+
+  ///@{
+  /**
+   * How many transforms the stack has that was read last, 0 where the file is none; and the time of
+   * one of them, counted from 0, as the file tells, in its units.
+   */
+  vtkGetMacro(StackSize, int);
+  double GetStackTime(int index) const;
+  ///@}
+
   /**
    * The transform, fixed to moving points, reading the file if need be: a vtkFFDLattice, a
    * vtkTransform, a vtkGridTransform, a vtkFFDSplineTransform, a vtkFFDSumTransform or a
@@ -220,6 +240,10 @@ private:
   double FitBounds[6];
   double FitTolerance;
   int MaximumCells;
+  int StackIndex;
+  int StackSize;
+  double StackOrigin;
+  double StackSpacing;
   double LatticeError;
   int FileFormat;
   double Domain[6];

@@ -21,6 +21,7 @@
 #include "vtkFFDSplineTransform.h"
 #include "vtkFFDSumTransform.h"
 #include "vtkFFDTransformReader.h"
+#include "vtkFFDTransformSeries.h"
 #include "vtkFFDTransformWriter.h"
 #include "vtkFFDVolumePicker.h"
 #include "vtkFFDVolumeReader.h"
@@ -63,6 +64,7 @@ int TestInstantiate(int, char*[])
   ok &= Check<vtkFFDSplineTransform>("vtkFFDSplineTransform", "vtkWarpTransform");
   ok &= Check<vtkFFDSumTransform>("vtkFFDSumTransform", "vtkWarpTransform");
   ok &= Check<vtkFFDTransformReader>("vtkFFDTransformReader", "vtkAlgorithm");
+  ok &= Check<vtkFFDTransformSeries>("vtkFFDTransformSeries", "vtkAlgorithm");
   ok &= Check<vtkFFDTransformWriter>("vtkFFDTransformWriter", "vtkObject");
   ok &= Check<vtkFFDVolumeReader>("vtkFFDVolumeReader", "vtkAlgorithm");
   ok &= Check<vtkFFDInverseRayVolumeMapper>("vtkFFDInverseRayVolumeMapper", "vtkVolumeMapper");

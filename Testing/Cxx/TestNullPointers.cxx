@@ -16,6 +16,7 @@
 #include "vtkFFDRayTracer.h"
 #include "vtkFFDResampleVolume.h"
 #include "vtkFFDTransformReader.h"
+#include "vtkFFDTransformSeries.h"
 
 namespace
 {
@@ -70,6 +71,7 @@ int TestNullPointers(int, char*[])
   FFD_CHECK_NULL(vtkFFDResampleVolume, SetOutputOrigin, double);
   FFD_CHECK_NULL(vtkFFDResampleVolume, SetOutputExtent, int);
   FFD_CHECK_NULL(vtkFFDTransformReader, SetFitBounds, double);
+  FFD_CHECK_NULL(vtkFFDTransformSeries, SetFitBounds, double);
   vtkNew<vtkFFDLatticeRepresentation> representation;
   vtkNew<FFDErrorLog> log;
   log->Watch(representation);

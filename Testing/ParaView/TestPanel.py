@@ -4,12 +4,15 @@
 """ParaView's graphical client, played by its own event player: the lattice is dragged in the view
 and edited in the panel, applied, undone and traced."""
 
+import json
 import os
 import subprocess
+import tempfile
 import unittest
 
 from ffdevents import (
-    BROWSER, DISPLAY, EDITING, PANEL, PLUGIN, PROPERTIES, SELECTION, VIEW, Events)
+    BROWSER, DISPLAY, EDITING, HERE, PANEL, PLUGIN, PROPERTIES, SELECTION, TEMPORARY, VIEW, WINDOW,
+    Events, write_translation)
 
 BASELINE = os.environ["FFD_TEST_BASELINE"]
 
@@ -269,6 +272,36 @@ class TestPanel(unittest.TestCase):
                 [table[height][name] for name in
                  ("HandleMode", "InteriorVisibility", "LineMode", "Visible")],
                 [handle, interior, curved, visible], height)
+
+    def test_transform_file(self):
+        """File > Open of a transform file with a volume selected applies it to the volume, and Apply
+        shows that."""
+        folder = tempfile.mkdtemp(prefix="files.", dir=TEMPORARY)
+        os.chmod(folder, 0o700)
+        events = Events()
+        events.menu("menu_File", "actionFileOpen")
+        events.add(WINDOW + "FileOpenDialog", "filesSelected", write_translation(folder))
+        events.wait()
+        events.click(PROPERTIES + "Accept")
+        log = os.path.join(folder, "log")
+        result = subprocess.run(
+            ["paraview", "--dr", "--script=" + os.path.join(HERE, "FilesScene.py"),
+             "--test-directory=" + folder,
+             "--test-script=" + events.write(os.path.join(folder, "open.xml")), "--exit"],
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
+            env={**os.environ, "HOME": folder, "XDG_RUNTIME_DIR": folder,
+                 "PV_PLUGIN_PATH": os.path.dirname(PLUGIN), "FFD_FILES_LOG": log})
+        self.assertEqual(result.returncode, 0, result.stdout)
+        for word in ("ERR|", "ERROR:", "Warning:"):
+            self.assertNotIn(word, result.stdout)
+        with open(log, encoding="ascii") as file:
+            state = json.load(file)
+        self.assertEqual(sorted(state["sources"]),
+                         ["FFDApplyTransform", "FFDTransformReader", "RTAnalyticSource"])
+        self.assertEqual(state["active"], "FFDApplyTransform")
+        self.assertEqual(state["visible"], ["FFDApplyTransform"])
+        for bound, expected in zip(state["bounds"], (-18, 12, -8, 22, -26, 4)):
+            self.assertAlmostEqual(bound, expected, delta=0.01)
 
 
 if __name__ == "__main__":

@@ -24,6 +24,17 @@ EDITING = PANEL + "EditingGroup/"
 DISPLAY = PANEL + "DisplayGroup/"
 
 
+def write_translation(folder):
+    """A transform file, in the folder; returns its path. It maps fixed points to moving ones, by the
+    vector (3, -7, 11): a volume is moved by the opposite."""
+    path = os.path.join(folder, "shift.tfm")
+    with open(path, "w", encoding="ascii") as file:
+        file.write("#Insight Transform File V1.0\n#Transform 0\n"
+                   "Transform: TranslationTransform_double_3_3\nParameters: 3 -7 11\n"
+                   "FixedParameters:\n")
+    return path
+
+
 class Events:
     """Events for ParaView's player."""
 

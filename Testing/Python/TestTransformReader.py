@@ -314,11 +314,48 @@ class TestTransformReader(unittest.TestCase):
     def test_files_of_elastix_do_what_transformix_does(self):
         expected = golden("elastix_points.json")
         expected.update(golden("elastix5_points.json"))
-        self.assertEqual(len(expected), 12)
+        self.assertEqual(len(expected), 14)
         for name, pairs in expected.items():
+            if "stack" in name:
+                continue
             with self.subTest(name):
                 # transformix prints six decimals.
                 self.assertLess(largest_error(read(name).GetTransform(), pairs), 2e-6)
+
+    def test_stacks_of_elastix_do_what_transformix_does(self):
+        expected = golden("elastix5_points.json")
+        for name in ("elastix5_stack.txt", "elastix5_stack_euler.txt"):
+            reader = read(name)
+            for start, end in expected[name]:
+                step = round((start[3] - 1.0) / 0.5)
+                reader.SetStackIndex(step)
+                self.assertLess(
+                    largest_error(reader.GetTransform(), [(start[:3], end[:3])]), 2e-6, (name, step))
+                self.assertEqual(reader.GetStackTime(step), start[3])
+            self.assertEqual(reader.GetStackSize(), 4)
+            self.assertEqual(reader.GetFileFormatAsString(), "Elastix")
+        reader.SetStackIndex(-3)
+        self.assertEqual(reader.GetStackIndex(), 0)
+        reader.SetStackIndex(4)
+        errors = Errors(reader)
+        self.assertIsNone(reader.GetTransform())
+        self.assertIn("4 steps, and none of index 4", errors.messages[0])
+        self.assertIsNotNone(read("elastix5_add.txt").GetTransform())
+        self.assertEqual(read("elastix5_add.txt").GetStackSize(), 0)
+
+    def test_bad_stacks_are_refused(self):
+        with open(os.path.join(FOLDER, "elastix5_stack_euler.txt"), encoding="ascii") as file:
+            text = file.read()
+        for old, new, expected in (
+                ("(NumberOfSubTransforms 4)", "(NumberOfSubTransforms 5)", "not as many for each of 5"),
+                ("(NumberOfSubTransforms 4)", "(NumberOfSubTransforms 0)", "1 to 65536"),
+                ("(NumberOfSubTransforms 4)", "", "NumberOfSubTransforms"),
+                ("(StackSpacing 0.5)", "(StackSpacing 0)", "not positive"),
+                ("(StackOrigin 1)", "(StackOrigin no)", "StackOrigin"),
+                ("(FixedImageDimension 4)", "(FixedImageDimension 3)", "is not 4"),
+                ("EulerStack", "AffineDTIStack", "not supported")):
+            with self.subTest((old, new)):
+                self.check_refused("stack.txt", text.replace(old, new).encode(), expected)
 
     def test_formats_are_found_from_the_content(self):
         for name, wanted in (("euler.tfm", "ItkText"), ("elastix_bspline.txt", "Elastix"),

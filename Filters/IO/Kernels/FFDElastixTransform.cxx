@@ -99,22 +99,32 @@ public:
       (count == 0 || HasCount(values, count, name, error));
   }
 
-  /// The grid of entries with this prefix ("Grid", or "" for the fixed image).
-  bool GetGrid(const std::string& prefix, TransformGrid& grid, std::string& error) const
+  /**
+   * The grid of entries with this prefix ("Grid", or "" for the fixed image). Of an image of four
+   * dimensions it is that of the first three.
+   */
+  bool GetGrid(const std::string& prefix, std::size_t dimensions, TransformGrid& grid,
+    std::string& error) const
   {
     std::vector<double> size;
     std::vector<double> index;
     std::vector<double> spacing;
     std::vector<double> origin;
-    std::vector<double> direction{ 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0 };
-    if (!this->GetNumbers((prefix + "Size").c_str(), 3, size, error) ||
-      !this->GetNumbers((prefix + "Index").c_str(), 3, index, error) ||
-      !this->GetNumbers((prefix + "Spacing").c_str(), 3, spacing, error) ||
-      !this->GetNumbers((prefix + "Origin").c_str(), 3, origin, error) ||
-      (this->Has(prefix + "Direction") &&
-        !this->GetNumbers((prefix + "Direction").c_str(), 9, direction, error)))
+    std::vector<double> all;
+    const bool turned = this->Has(prefix + "Direction");
+    if (!this->GetNumbers((prefix + "Size").c_str(), dimensions, size, error) ||
+      !this->GetNumbers((prefix + "Index").c_str(), dimensions, index, error) ||
+      !this->GetNumbers((prefix + "Spacing").c_str(), dimensions, spacing, error) ||
+      !this->GetNumbers((prefix + "Origin").c_str(), dimensions, origin, error) ||
+      (turned &&
+        !this->GetNumbers((prefix + "Direction").c_str(), dimensions * dimensions, all, error)))
     {
       return false;
+    }
+    std::vector<double> direction{ 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0 };
+    for (std::size_t i = 0; turned && i < direction.size(); ++i)
+    {
+      direction[i] = all[i / 3 * dimensions + i % 3];
     }
     if (!SizeAt(size, 0, grid.Size))
     {
@@ -175,7 +185,7 @@ bool SetSpline(const ElastixEntries& entries, const std::vector<double>& paramet
   }
   step.Order = order[0] - '0';
   TransformGrid grid;
-  return entries.GetGrid("Grid", grid, error) &&
+  return entries.GetGrid("Grid", 3, grid, error) &&
     SetGridStep(step, TransformStep::Kind::Spline, grid, parameters, true, error);
 }
 
@@ -233,6 +243,63 @@ bool SetLinear(const ElastixEntries& entries, std::string_view type,
   return true;
 }
 
+/// The words of step `index` of a stack: as many for each.
+bool TakeStackStep(std::string_view text, std::size_t steps, std::size_t index,
+  std::vector<double>& values, std::string& error)
+{
+  static constexpr const char* name = "TransformParameters";
+  std::size_t words = 0;
+  for (std::string_view rest = text; !TakeWord(rest).empty();)
+  {
+    ++words;
+  }
+  if (words == 0 || words % steps != 0)
+  {
+    error = "the entry (TransformParameters ...) has " + std::to_string(words) +
+      " numbers, which are not as many for each of " + std::to_string(steps) + " steps";
+    return false;
+  }
+  const std::size_t each = words / steps;
+  std::string_view end = text;
+  for (std::size_t i = 0; i < (index + 1) * each; ++i)
+  {
+    if (i == index * each)
+    {
+      text = end;
+    }
+    TakeWord(end);
+  }
+  return ReadNumbers(text.substr(0, text.size() - end.size()), name, values, error);
+}
+
+/// Size and times of a stack; its entries are those of the type for one step besides.
+bool SetStack(const ElastixEntries& entries, ElastixTransform& transform, std::string& error)
+{
+  std::vector<double> count;
+  std::vector<double> origin;
+  std::vector<double> spacing;
+  if (!entries.GetNumbers("NumberOfSubTransforms", 1, count, error) ||
+    !entries.GetNumbers("StackOrigin", 1, origin, error) ||
+    !entries.GetNumbers("StackSpacing", 1, spacing, error))
+  {
+    return false;
+  }
+  if (!(count[0] >= 1.0 && count[0] <= LargestStack) || count[0] != std::floor(count[0]))
+  {
+    error = "the entry (NumberOfSubTransforms ...) is not an integer from 1 to 65536";
+    return false;
+  }
+  if (!(spacing[0] > 0.0))
+  {
+    error = "the entry (StackSpacing ...) is not positive";
+    return false;
+  }
+  transform.StackSize = static_cast<std::size_t>(count[0]);
+  transform.StackOrigin = origin[0];
+  transform.StackSpacing = spacing[0];
+  return true;
+}
+
 /// The files and weights of a sum of transforms.
 bool SetCombination(const ElastixEntries& entries, std::vector<double> weights,
   ElastixTransform& transform, std::string& error)
@@ -287,7 +354,8 @@ bool LooksLikeElastixTransform(std::string_view text)
 }
 
 //------------------------------------------------------------------------------
-bool ParseElastixTransform(std::string_view text, ElastixTransform& transform, std::string& error)
+bool ParseElastixTransform(
+  std::string_view text, ElastixTransform& transform, std::string& error, std::size_t stackIndex)
 {
   transform = ElastixTransform();
   error.clear();
@@ -296,13 +364,24 @@ bool ParseElastixTransform(std::string_view text, ElastixTransform& transform, s
   {
     return false;
   }
+  // Of a stack the last dimension is which of its transforms it is.
+  std::string_view type = entries.GetText("Transform", "");
+  const std::size_t stack = type.find("StackTransform");
+  const bool isStack = stack != std::string_view::npos;
+  const std::string itsType = std::string(type.substr(0, stack)) + "Transform";
+  type = isStack ? std::string_view(itsType) : type;
+  const std::string_view dimensions = isStack ? "4" : "3";
   for (const char* dimension : { "FixedImageDimension", "MovingImageDimension" })
   {
-    if (entries.GetText(dimension, "3") != "3")
+    if (entries.GetText(dimension, dimensions) != dimensions)
     {
-      error = std::string("the entry (") + dimension + " ...) is not 3";
+      error = std::string("the entry (") + dimension + " ...) is not " + std::string(dimensions);
       return false;
     }
+  }
+  if (isStack && !SetStack(entries, transform, error))
+  {
+    return false;
   }
   if (entries.GetText("UseBinaryFormatForTransformationParameters", "false") != "false")
   {
@@ -327,12 +406,11 @@ bool ParseElastixTransform(std::string_view text, ElastixTransform& transform, s
   }
 
   std::string domainError;
-  if (!entries.GetGrid("", transform.FixedImage, domainError) ||
+  if (!entries.GetGrid("", isStack ? 4 : 3, transform.FixedImage, domainError) ||
     !FindGridProblem(transform.FixedImage, 1).empty())
   {
     transform.FixedImage = TransformGrid(); // only linear transforms do without
   }
-  const std::string_view type = entries.GetText("Transform", "");
   if (type == "File")
   {
     transform.TransformFile = std::string(entries.GetText("TransformFileName", ""));
@@ -340,7 +418,16 @@ bool ParseElastixTransform(std::string_view text, ElastixTransform& transform, s
     return error.empty();
   }
   std::vector<double> parameters;
-  if (!entries.GetNumbers("TransformParameters", 0, parameters, error))
+  if (isStack && stackIndex >= transform.StackSize)
+  {
+    error = "it has " + std::to_string(transform.StackSize) + " steps, and none of index " +
+      std::to_string(stackIndex);
+    return false;
+  }
+  if (isStack && entries.Has("TransformParameters")
+      ? !TakeStackStep(entries.GetText("TransformParameters", ""), transform.StackSize, stackIndex,
+          parameters, error)
+      : !entries.GetNumbers("TransformParameters", 0, parameters, error))
   {
     return false;
   }

@@ -6,6 +6,7 @@
 #include "FFDExport.h"
 #include "FFDTransformStep.h"
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,19 +27,29 @@ struct ElastixTransform
   std::string InitialFile;
   /// HowToCombineTransforms "Add": initial(x) + step(x) - x, instead of step(initial(x)).
   bool Add = false;
+  /// A stack, of which Step is one step: their number (0: no stack), the time of the first one, and
+  /// from one to the next.
+  std::size_t StackSize = 0;
+  double StackOrigin = 0.0;
+  double StackSpacing = 1.0;
   /// Grid of the fixed image; Size 0 where the file does not tell.
   TransformGrid FixedImage;
 };
 
+/// Most steps of a stack.
+constexpr double LargestStack = 65536.0;
+
 /**
  * Read a TransformParameters.*.txt of elastix: BSplineTransform and RecursiveBSplineTransform of
  * order 1 to 3, AffineTransform, AffineLogTransform, EulerTransform,
- * SimilarityTransform, TranslationTransform, WeightedCombinationTransform and File. Returns false
- * and what is wrong. What is allocated is bounded by a small multiple of the text's length. Every
- * number of the result is finite and at most 1e12, spacings are positive, directions orthonormal.
+ * SimilarityTransform, TranslationTransform, WeightedCombinationTransform and File; and of a stack
+ * of these (BSplineStackTransform, EulerStackTransform, AffineLogStackTransform,
+ * TranslationStackTransform) step `stackIndex`, counted from 0. Returns false and what is wrong.
+ * What is allocated is bounded by a small multiple of the text's length. Every number of the result
+ * is finite and at most 1e12, spacings are positive, directions orthonormal.
  */
-FFD_IO_EXPORT bool ParseElastixTransform(
-  std::string_view text, ElastixTransform& transform, std::string& error);
+FFD_IO_EXPORT bool ParseElastixTransform(std::string_view text, ElastixTransform& transform,
+  std::string& error, std::size_t stackIndex = 0);
 
 /// Whether a text starts as this format does.
 FFD_IO_EXPORT bool LooksLikeElastixTransform(std::string_view text);

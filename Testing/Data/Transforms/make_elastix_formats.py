@@ -17,6 +17,7 @@ import tempfile
 FOLDER = os.path.dirname(os.path.abspath(__file__))
 RANDOM = random.Random(5)
 SHIFT = [4.0, -3.0, 2.0]
+STEPS = 4
 IMAGE = """(InitialTransformParametersFileName "%s")
 (HowToCombineTransforms "%s")
 (FixedImageDimension 3)
@@ -62,6 +63,39 @@ def spline(order, spacing, **how):
                 extra=grid, **how)
 
 
+def stack(name, steps, extra, initial="NoInitialTransform"):
+    """A stack of the parameters of each step, for images of four dimensions, from time 1 on in steps of
+    0.5."""
+    content = text(name, [x for parameters in steps for x in parameters], initial=initial, extra=extra)
+    for entry, three, fourth in (
+            ("Size", "40 40 40", "4"), ("Index", "0 0 0", "0"), ("Spacing", "1 1 1", "0.5"),
+            ("Origin", "0 0 0", "1"), ("FixedImageDimension", "3", None),
+            ("MovingImageDimension", "3", None),
+            # Of four dimensions elastix knows this type only.
+            ("FixedInternalImagePixelType", '"float"', '"short"'),
+            ("MovingInternalImagePixelType", '"float"', '"short"')):
+        content = content.replace("(%s %s)" % (entry, three),
+                                  "(%s %s)" % (entry, "4" if fourth is None else fourth
+                                               if '"' in fourth else three + " " + fourth))
+    content = content.replace("(Direction 1 0 0 0 1 0 0 0 1)",
+                              "(Direction 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1)")
+    return content + ("(StackSpacing 0.5)\n(StackOrigin 1)\n(NumberOfSubTransforms %d)\n" % len(steps))
+
+
+def stacks():
+    """A stack of splines after one of linear transforms."""
+    own = random.Random(6)
+    turns = [[round(own.uniform(-0.1, 0.1), 3) for _ in range(3)] + SHIFT for _ in range(STEPS)]
+    count = 3 * 5 ** 3
+    grid = ("(GridSize 5 5 5)\n(GridIndex 0 0 0)\n(GridSpacing 30 30 30)\n(GridOrigin -30 -30 -30)\n"
+            "(GridDirection 1 0 0 0 1 0 0 0 1)\n(BSplineTransformSplineOrder 3)\n"
+            "(UseCyclicTransform \"false\")\n")
+    splines = [[round(own.uniform(-2.0, 2.0), 2) for _ in range(count)] for _ in range(STEPS)]
+    return {
+        "stack_euler": stack("EulerStackTransform", turns, "(CenterOfRotationPoint 10 20 15)\n"),
+        "stack": stack("BSplineStackTransform", splines, grid, initial="elastix5_stack_euler.txt")}
+
+
 def main():
     files = {
         "spline1": spline(1, 20.0), "spline2": spline(2, 20.0),
@@ -69,12 +103,15 @@ def main():
     # Chains: a spline that is added to a spline on another grid after a linear transform.
     files["chain"] = spline(3, 30.0, initial="elastix5_euler.txt")
     files["add"] = spline(2, 25.0, initial="elastix5_chain.txt", combine="Add")
+    files.update(stacks())
     for name, content in files.items():
         with open(os.path.join(FOLDER, "elastix5_%s.txt" % name), "w", encoding="ascii") as file:
             file.write(content)
     expected = {}
     for name in sorted(files):
         points = [[round(RANDOM.uniform(8.0, 28.0), 3) for _ in range(3)] for _ in range(8)]
+        if "stack" in name:
+            points = [[*point, 1.0 + 0.5 * (i % STEPS)] for i, point in enumerate(points)]
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "points.txt")
             with open(path, "w", encoding="ascii") as file:

@@ -1,0 +1,120 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Transform files in ParaView: opened, applied to a volume, and played as a series in time."""
+
+import os
+import unittest
+
+import numpy as np
+from paraview import simple
+
+import ffdevents
+import ffdparaview as ffd
+
+ffd.load()
+
+TRANSFORMS = os.path.join(ffd.DATA, "Transforms")
+SHIFT = np.repeat((3.0, -7.0, 11.0), 2)
+
+
+class TestFiles(unittest.TestCase):
+    def setUp(self):
+        simple.ResetSession()
+        ffd.load()
+        self.view = ffd.make_view()
+        self.wavelet = ffd.make_wavelet()
+        ffd.set_functions()
+
+    def shown_bounds(self):
+        simple.Render(self.view)
+        return np.array(self.view.SMProxy.GetRenderer().ComputeVisiblePropBounds())
+
+    def test_open_and_apply(self):
+        """Shown as FFD Volume, where the registration says, and so are slices; the other options count."""
+        reader = simple.OpenDataFile(ffdevents.write_translation(ffd.TEMPORARY))
+        self.assertEqual(reader.SMProxy.GetXMLName(), "FFDTransformReader")
+        volume = simple.FFDApplyTransform(Input=self.wavelet, Transform=reader)
+        display = simple.Show(volume, self.view)
+        self.assertEqual(display.Representation, "FFD Volume")
+        rest = np.array([-15.0, 15.0] * 3)
+        np.testing.assert_allclose(self.shown_bounds(), rest - SHIFT, atol=0.01)
+        shown = ffd.picture(self.view, "files shift")
+        # What it looks like: the volume itself, moved.
+        simple.Hide(volume, self.view)
+        moved = simple.Show(self.wavelet, self.view)
+        moved.SetRepresentationType("FFD Volume")
+        moved.Position = list(-SHIFT[::2])
+        self.assertGreater(ffd.lit(shown), 500)
+        self.assertLess(ffd.differ(ffd.picture(self.view, "files moved"), shown)[1], 0.2)
+        simple.Hide(self.wavelet, self.view)
+        contour = simple.Contour(Input=volume, ContourBy=["POINTS", "RTData"], Isosurfaces=[157.0])
+        simple.Show(contour, self.view)
+        at_rest = np.array(contour.GetDataInformation().GetBounds())
+        np.testing.assert_allclose(self.shown_bounds(), at_rest - SHIFT, atol=0.01)
+        reader.PullBack = 0
+        np.testing.assert_allclose(self.shown_bounds(), at_rest + SHIFT, atol=0.01)
+        reader.Coordinates = "RAS"
+        np.testing.assert_allclose(
+            self.shown_bounds(), at_rest + SHIFT * [-1, -1, -1, -1, 1, 1], atol=0.01)
+
+    def test_series(self):
+        """A stack of elastix is played: at its times, and between them."""
+        reader = simple.FFDTransformReader(
+            FileNames=[os.path.join(TRANSFORMS, "elastix5_stack.txt")])
+        volume = simple.FFDApplyTransform(Input=self.wavelet, Transform=reader)
+        simple.Show(volume, self.view)
+        self.assertEqual(list(reader.TimestepValues), [1.0, 1.5, 2.0, 2.5])
+        scene = simple.GetAnimationScene()
+        scene.UpdateAnimationUsingDataTimeSteps()
+        self.assertEqual((scene.StartTime, scene.EndTime), (1.0, 2.5))
+        pictures = {}
+        for time in (1.0, 1.25, 1.5, 2.5):
+            scene.AnimationTime = time
+            pictures[time] = ffd.picture(self.view, "files time %g" % time)
+        for earlier, later in ((1.0, 1.25), (1.25, 1.5), (1.5, 2.5)):
+            self.assertGreater(ffd.differ(pictures[earlier], pictures[later])[1], 0.3)
+        reader.Interpolation = "Step"
+        scene.AnimationTime = 1.25
+        self.assertLess(ffd.differ(ffd.picture(self.view, "files step"), pictures[1.0])[1], 0.05)
+        # The player steps through them.
+        shown = []
+        self.view.SMProxy.AddObserver("EndEvent", lambda *_: shown.append(self.view.ViewTime))
+        scene.PlayMode = "Snap To TimeSteps"
+        scene.Play()
+        self.assertLessEqual({1.5, 2.0, 2.5}, set(shown))
+        # Files of their own, with times that are asked for.
+        files = simple.FFDTransformReader(
+            FileNames=[os.path.join(TRANSFORMS, name) for name in (
+                "elastix5_euler.txt", "elastix5_chain.txt")], TimeStart=2.0, TimeSpacing=0.25)
+        self.assertEqual(list(files.TimestepValues), [2.0, 2.25])
+
+    def test_errors(self):
+        """Say which file, and the volume is shown undeformed."""
+        broken = os.path.join(ffd.TEMPORARY, "broken.tfm")
+        with open(broken, "w", encoding="ascii") as file:
+            file.write("#Insight Transform File V1.0\n")
+        with ffd.Errors() as errors:
+            reader = simple.FFDTransformReader(FileNames=[broken])
+            reader.UpdatePipeline()
+        self.assertTrue(errors.say("broken.tfm", "no transform"), errors.text)
+
+    def test_state(self):
+        """A state restores files and options."""
+        reader = simple.FFDTransformReader(
+            FileNames=[os.path.join(TRANSFORMS, "elastix5_stack.txt")], FitTolerance=0.05)
+        volume = simple.FFDApplyTransform(Input=self.wavelet, Transform=reader)
+        simple.Show(volume, self.view)
+        simple.GetAnimationScene().AnimationTime = 1.5
+        before = ffd.picture(self.view, "files before")
+        state = os.path.join(ffd.TEMPORARY, "files.pvsm")
+        simple.SaveState(state)
+        simple.ResetSession()
+        ffd.load()
+        simple.LoadState(state)
+        after = ffd.picture(simple.GetActiveView(), "files after")
+        self.assertLess(ffd.differ(before, after)[1], 0.01)
+
+
+if __name__ == "__main__":
+    unittest.main()
