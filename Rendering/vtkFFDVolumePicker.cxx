@@ -7,6 +7,7 @@
 #include "vtkFFDViewFromRenderer.h"
 
 #include "FFDAxisMap.h"
+#include "FFDClipToBox.h"
 #include "FFDDifferences.h"
 #include "FFDOpticalFunctions.h"
 #include "FFDSampling.h"
@@ -324,28 +325,6 @@ glm::dvec3 FindFaceNormal(const ffd::VolumeView& volume, const glm::dvec3& outsi
   return normal;
 }
 
-/// Narrow [t1, t2] to the part of a ray inside a box.
-bool ClipToBox(const glm::dvec3& origin, const glm::dvec3& direction, const ffd::Box& box,
-  double& t1, double& t2)
-{
-  for (int a = 0; a < 3; ++a)
-  {
-    if (direction[a] == 0.0)
-    {
-      if (origin[a] < box.Min[a] || origin[a] > box.Max[a])
-      {
-        return false;
-      }
-      continue;
-    }
-    const double first = (box.Min[a] - origin[a]) / direction[a];
-    const double second = (box.Max[a] - origin[a]) / direction[a];
-    t1 = std::max(t1, std::min(first, second));
-    t2 = std::min(t2, std::max(first, second));
-  }
-  return t1 <= t2;
-}
-
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -425,7 +404,7 @@ double vtkFFDVolumePicker::IntersectDeformed(const double p1[3], const double p2
   const glm::dvec3 origin(p1[0], p1[1], p1[2]);
   const glm::dvec3 direction = glm::dvec3(p2[0], p2[1], p2[2]) - origin;
   if (!std::isfinite(glm::dot(origin, origin)) || !std::isfinite(glm::dot(direction, direction)) ||
-    !ClipToBox(origin, direction, view.Deformed, t1, t2))
+    !ffd::ClipToBox(origin, direction, view.Deformed, t1, t2))
   {
     return VTK_DOUBLE_MAX;
   }

@@ -133,7 +133,7 @@ double IntervalTable::FindValue(const Point& a, const Point& b, double place) co
 }
 
 //------------------------------------------------------------------------------
-IntervalLook IntervalTable::Classify(const Point& a, const Point& b, double length) const
+ClassifiedInterval IntervalTable::Classify(const Point& a, const Point& b, double length) const
 {
   const double depth = this->FindExtinction(a, b) * length;
   const double place = PlaceOf(a.Extinction * length, b.Extinction * length, depth);
@@ -141,7 +141,7 @@ IntervalLook IntervalTable::Classify(const Point& a, const Point& b, double leng
 }
 
 //------------------------------------------------------------------------------
-IntervalLook IntervalTable::Classify(double front, double back, double length) const
+ClassifiedInterval IntervalTable::Classify(double front, double back, double length) const
 {
   if (std::isnan(front) || std::isnan(back))
   {
@@ -151,7 +151,7 @@ IntervalLook IntervalTable::Classify(double front, double back, double length) c
 }
 
 //------------------------------------------------------------------------------
-IntervalLook IntervalTable::Classify(
+ClassifiedInterval IntervalTable::Classify(
   double front, double middle, double back, double at, double length) const
 {
   if (std::isnan(front) || std::isnan(middle) || std::isnan(back))
@@ -159,11 +159,11 @@ IntervalLook IntervalTable::Classify(
     return { 0.0, middle, at };
   }
   const Point points[3] = { this->Find(front), this->Find(middle), this->Find(back) };
-  const IntervalLook first = this->Classify(points[0], points[1], at * length);
-  const IntervalLook second = this->Classify(points[1], points[2], (1.0 - at) * length);
+  const ClassifiedInterval first = this->Classify(points[0], points[1], at * length);
+  const ClassifiedInterval second = this->Classify(points[1], points[2], (1.0 - at) * length);
   const double a = OpacityOf(first.OpticalDepth);
   const double b = (1.0 - a) * OpacityOf(second.OpticalDepth);
-  IntervalLook both{ first.OpticalDepth + second.OpticalDepth, middle, at };
+  ClassifiedInterval both{ first.OpticalDepth + second.OpticalDepth, middle, at };
   if (a + b > LeastOpacity)
   {
     both.Value = (a * first.Value + b * second.Value) / (a + b);

@@ -15,7 +15,7 @@ namespace ffd
 {
 
 /// What an interval of a ray does to light.
-struct IntervalLook
+struct ClassifiedInterval
 {
   double OpticalDepth; ///< the part of light that passes is 2 to the power of less than that
   double Value;        ///< mean of the scalars that the light comes from
@@ -23,10 +23,10 @@ struct IntervalLook
 };
 
 /**
- * Pre-integrated classification (Engel, Kraus, Ertl 2001): the look of an interval of a ray between
- * values that are known, over which scalars run linearly. It follows from the integral of the
- * extinction over the scalars, a table of the size of the transfer table: it holds for all scalar
- * types, and is made in the time of a transfer table. The difference of two entries is the
+ * Pre-integrated classification (Engel, Kraus, Ertl 2001): the effect of an interval of a ray
+ * between values that are known, over which scalars run linearly. It follows from the integral of
+ * the extinction over the scalars, a table of the size of the transfer table: it holds for all
+ * scalar types, and is made in the time of a transfer table. The difference of two entries is the
  * extinction of an interval, exactly. Where the interval's light comes from, as light from behind
  * is attenuated, follows from the extinctions at its ends, as if the one changed into the other at
  * once: true for steps, and near the truth where a function is steep.
@@ -46,10 +46,11 @@ public:
 
   /// Values from `front` to `back` over `length`, data units. What is not a number makes the
   /// interval transparent.
-  IntervalLook Classify(double front, double back, double length) const;
+  ClassifiedInterval Classify(double front, double back, double length) const;
 
   /// The same of two intervals, with the value `middle` at the place `at`, 0 to 1, between them.
-  IntervalLook Classify(double front, double middle, double back, double at, double length) const;
+  ClassifiedInterval Classify(
+    double front, double middle, double back, double at, double length) const;
 
   /**
    * Whether scalars between two samples may be visible, the samples themselves being so or not:
@@ -92,7 +93,7 @@ private:
   Point Find(double value) const;
   double FindExtinction(const Point& a, const Point& b) const;
   double FindValue(const Point& a, const Point& b, double place) const;
-  IntervalLook Classify(const Point& a, const Point& b, double length) const;
+  ClassifiedInterval Classify(const Point& a, const Point& b, double length) const;
 
   const TransferTable* Table = nullptr;
   double LargestExtinction = 0.0;

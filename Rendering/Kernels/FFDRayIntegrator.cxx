@@ -155,23 +155,24 @@ RayIntegrator::Outcome RayIntegrator::CompositeInterval(
     return { false, false, 0.0f };
   }
   const double length = this->LengthOf(segment, s, s - first);
-  const IntervalLook guess = table.Classify(front, back, length);
+  const ClassifiedInterval guess = table.Classify(front, back, length);
   const double at = guess.OpticalDepth > 0.0 ? guess.Place : 0.5;
   const double middle = first + at * (s - first);
   const glm::dvec3 q = glm::clamp(
     segment.Curve.At(middle), frame.Scene->Volume.LowerIndex(), frame.Scene->Volume.UpperIndex());
-  const IntervalLook look =
+  const ClassifiedInterval classified =
     table.Classify(front, this->ClampedScalarAt(segment.Curve, middle), back, at, length);
-  if (!(look.OpticalDepth > 0.0))
+  if (!(classified.OpticalDepth > 0.0))
   {
     return { false, false, 0.0f };
   }
   const glm::vec3 color =
-    frame.Classifier->Light(0, q, glm::vec3(frame.Classifier->ClassifyValue(0, look.Value)),
+    frame.Classifier->Light(0, q, glm::vec3(frame.Classifier->ClassifyValue(0, classified.Value)),
       SegmentNormals(this->Ray, frame.Scene->Camera, segment, middle));
-  Outcome outcome = this->AddColor(color,
-    frame.Transmittance(static_cast<float>(look.OpticalDepth)), begin + look.Place * (t - begin));
-  outcome.Extinction = static_cast<float>(look.OpticalDepth / length);
+  Outcome outcome =
+    this->AddColor(color, frame.Transmittance(static_cast<float>(classified.OpticalDepth)),
+      begin + classified.Place * (t - begin));
+  outcome.Extinction = static_cast<float>(classified.OpticalDepth / length);
   return outcome;
 }
 

@@ -156,17 +156,17 @@ public:
     const Vec3 q = this->ClampToVolume(curve.Position.At(middle));
     FetchedSample<T> fetched;
     FetchSample(scene.Volume, q, sampled, this->Border, fetched);
-    const PacketIntervalLook look =
+    const ClassifiedIntervals interval =
       ClassifyIntervals(scene, first, FindIntervalPoint(scene, fetched.Value), last, at, length);
     const Mf visible = hn::And(sampled,
-      hn::And(hn::Gt(look.OpticalDepth, hn::Zero(d)), hn::Eq(fetched.Value, fetched.Value)));
+      hn::And(hn::Gt(interval.OpticalDepth, hn::Zero(d)), hn::Eq(fetched.Value, fetched.Value)));
     if (hn::AllFalse(d, visible))
     {
       return;
     }
     this->Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
     this->State.Expecting = visible;
-    Vec3 color = TableLookup(scene, look.Value).Color();
+    Vec3 color = TableLookup(scene, interval.Value).Color();
     if (scene.Shade)
     {
       Vec3 gradient = Gradient<T>(fetched.Voxels, fetched.At, fetched.Rows);
@@ -177,8 +177,9 @@ public:
       color =
         this->Normals.Light(scene.Surface, curve, q, color, gradient, middle, curve.TimeAt(middle));
     }
-    this->State.Add(visible, color, look.Transmittance,
-      curve.TimeAt(hn::MulAdd(look.Place, extent, begin)), scene.Settings.TerminationTransmittance);
+    this->State.Add(visible, color, interval.Transmittance,
+      curve.TimeAt(hn::MulAdd(interval.Place, extent, begin)),
+      scene.Settings.TerminationTransmittance);
   }
 
   /// Takes a sample of several components as TakeSample() does of one; as SampleClassifier.

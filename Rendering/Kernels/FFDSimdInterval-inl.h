@@ -102,7 +102,7 @@ HWY_INLINE Vf PlaceInInterval(Vf front, Vf back, Vf opticalDepth)
 }
 
 /// What the lanes' intervals do to light.
-struct PacketIntervalLook
+struct ClassifiedIntervals
 {
   Vf OpticalDepth;
   Vf Transmittance;
@@ -111,7 +111,7 @@ struct PacketIntervalLook
 };
 
 /// IntervalTable::Classify() of two intervals with a point at the place `at` between them.
-HWY_INLINE PacketIntervalLook ClassifyIntervals(const PacketScene& scene,
+HWY_INLINE ClassifiedIntervals ClassifyIntervals(const PacketScene& scene,
   const IntervalPoint& front, const IntervalPoint& middle, const IntervalPoint& back, Vf at,
   Vf length)
 {
@@ -121,10 +121,10 @@ HWY_INLINE PacketIntervalLook ClassifyIntervals(const PacketScene& scene,
   const Vf second = hn::Mul(FindMeanExtinction(scene, middle, back), hn::Mul(rest, length));
   const Vf passed = Exp2(hn::Neg(first));
   const Vf a = hn::Sub(one, passed);
-  PacketIntervalLook look;
-  look.OpticalDepth = hn::Add(first, second);
-  look.Transmittance = hn::Mul(passed, Exp2(hn::Neg(second)));
-  const Vf b = hn::Sub(passed, look.Transmittance);
+  ClassifiedIntervals interval;
+  interval.OpticalDepth = hn::Add(first, second);
+  interval.Transmittance = hn::Mul(passed, Exp2(hn::Neg(second)));
+  const Vf b = hn::Sub(passed, interval.Transmittance);
   const Vf sum = hn::Add(a, b);
   const Mf some = hn::Gt(sum, Splat(1e-6f));
   const Vf part = hn::Div(a, hn::IfThenElse(some, sum, one));
@@ -138,10 +138,10 @@ HWY_INLINE PacketIntervalLook ClassifyIntervals(const PacketScene& scene,
     Lerp(middle.Entry, back.Entry, places[1]) };
   const PacketTable::Range& range = scene.Table.GetRange(0);
   const Vf entry = hn::IfThenElse(some, Lerp(entries[1], entries[0], part), middle.Entry);
-  look.Value = hn::MulAdd(entry, Splat(1.0f / range.Scale), Splat(range.Low));
-  look.Place =
+  interval.Value = hn::MulAdd(entry, Splat(1.0f / range.Scale), Splat(range.Low));
+  interval.Place =
     hn::IfThenElse(some, Lerp(hn::MulAdd(rest, places[1], at), hn::Mul(at, places[0]), part), at);
-  return look;
+  return interval;
 }
 
 } // namespace HWY_NAMESPACE

@@ -31,10 +31,10 @@ TransferTable Make(const std::function<double(double)>& extinction, std::size_t 
 }
 
 /// The same by adding up 20000 parts of the interval.
-IntervalLook Integrate(const TransferTable& table, double front, double back, double length)
+ClassifiedInterval Integrate(const TransferTable& table, double front, double back, double length)
 {
   constexpr int Parts = 20000;
-  IntervalLook look{ 0.0, 0.0, 0.0 };
+  ClassifiedInterval interval{ 0.0, 0.0, 0.0 };
   double opacity = 0.0;
   for (int i = 0; i < Parts; ++i)
   {
@@ -42,14 +42,14 @@ IntervalLook Integrate(const TransferTable& table, double front, double back, do
     const double value = front + place * (back - front);
     const double depth = std::min<double>(table.Lookup(value).Extinction, 256.0) * length / Parts;
     const double part = (1.0 - opacity) * (1.0 - std::exp2(-depth));
-    look.OpticalDepth += depth;
-    look.Place += part * place;
-    look.Value += part * value;
+    interval.OpticalDepth += depth;
+    interval.Place += part * place;
+    interval.Value += part * value;
     opacity += part;
   }
-  look.Place /= opacity;
-  look.Value /= opacity;
-  return look;
+  interval.Place /= opacity;
+  interval.Value /= opacity;
+  return interval;
 }
 
 } // namespace
@@ -83,9 +83,9 @@ TEST(IntervalTable, FindsWhereAStepIsCrossed)
   {
     const double back = 110.0;
     const double inside = (back - edge) / (back - front);
-    const IntervalLook in = intervals.Classify(front, back, 1.0);
+    const ClassifiedInterval in = intervals.Classify(front, back, 1.0);
     EXPECT_NEAR(in.OpticalDepth, 8.0 * inside, 2e-3) << front;
-    const IntervalLook out = intervals.Classify(back, front, 1.0);
+    const ClassifiedInterval out = intervals.Classify(back, front, 1.0);
     EXPECT_NEAR(out.OpticalDepth, 8.0 * inside, 2e-3) << front;
     // The light comes from a homogeneous part behind the crossing, or before it.
     const double depth = 8.0 * inside * std::log(2.0);
@@ -103,9 +103,10 @@ TEST(IntervalTable, IsThatOfASampleWhereValuesAreEqual)
   const IntervalTable intervals(table, 1.0);
   for (const double value : { -5.0, 0.0, 76.9, 77.1, 200.0, 255.0, 300.0 })
   {
-    const IntervalLook look = intervals.Classify(value, value, 0.7);
-    EXPECT_NEAR(look.OpticalDepth, 0.7 * static_cast<double>(table.Lookup(value).Extinction), 1e-6);
-    EXPECT_NEAR(look.Value, std::clamp(value, 0.0, 255.0), 1e-9);
+    const ClassifiedInterval interval = intervals.Classify(value, value, 0.7);
+    EXPECT_NEAR(
+      interval.OpticalDepth, 0.7 * static_cast<double>(table.Lookup(value).Extinction), 1e-6);
+    EXPECT_NEAR(interval.Value, std::clamp(value, 0.0, 255.0), 1e-9);
   }
 }
 
@@ -137,13 +138,13 @@ TEST(IntervalTable, IsNearBruteForce)
     {
       const double front = 255.0 * uniform(random);
       const double back = std::clamp(front + 40.0 * (uniform(random) - 0.5), 0.0, 255.0);
-      const IntervalLook truth = Integrate(table, front, back, 0.8);
-      const IntervalLook look = intervals.Classify(front, back, 0.8);
-      EXPECT_NEAR(look.OpticalDepth, truth.OpticalDepth, 1e-3 * (1.0 + truth.OpticalDepth));
-      EXPECT_TRUE(look.Place >= 0.0 && look.Place <= 1.0);
+      const ClassifiedInterval truth = Integrate(table, front, back, 0.8);
+      const ClassifiedInterval interval = intervals.Classify(front, back, 0.8);
+      EXPECT_NEAR(interval.OpticalDepth, truth.OpticalDepth, 1e-3 * (1.0 + truth.OpticalDepth));
+      EXPECT_TRUE(interval.Place >= 0.0 && interval.Place <= 1.0);
       if (truth.OpticalDepth > 0.01)
       {
-        meanError += std::abs(look.Place - truth.Place);
+        meanError += std::abs(interval.Place - truth.Place);
         ++count;
       }
     }
@@ -174,24 +175,24 @@ TEST(IntervalTable, TakesAMiddleValue)
     Make([](double value) { return std::abs(value - 100.0) < 4.0 ? 6.0 : 0.0; }, 5101);
   const IntervalTable intervals(table, 1.0);
   EXPECT_EQ(intervals.Classify(80.0, 85.0, 1.0).OpticalDepth, 0.0);
-  const IntervalLook look = intervals.Classify(80.0, 100.0, 85.0, 0.25, 1.0);
-  EXPECT_NEAR(look.OpticalDepth, 6.0 * (0.25 * 4.0 / 20.0 + 0.75 * 4.0 / 15.0), 0.01);
-  EXPECT_GT(look.Place, 0.2);
-  EXPECT_LT(look.Place, 0.5);
-  EXPECT_GT(look.Value, 96.0);
-  EXPECT_LT(look.Value, 100.0);
+  const ClassifiedInterval interval = intervals.Classify(80.0, 100.0, 85.0, 0.25, 1.0);
+  EXPECT_NEAR(interval.OpticalDepth, 6.0 * (0.25 * 4.0 / 20.0 + 0.75 * 4.0 / 15.0), 0.01);
+  EXPECT_GT(interval.Place, 0.2);
+  EXPECT_LT(interval.Place, 0.5);
+  EXPECT_GT(interval.Value, 96.0);
+  EXPECT_LT(interval.Value, 100.0);
   // The light of an opaque step comes from where it is, before the middle or behind it.
   const TransferTable step = Make([](double value) { return value < 99.0 ? 0.0 : 40.0; }, 5101);
   const IntervalTable steps(step, 1.0);
-  const IntervalLook before = steps.Classify(80.0, 120.0, 130.0, 0.5, 1.0);
+  const ClassifiedInterval before = steps.Classify(80.0, 120.0, 130.0, 0.5, 1.0);
   EXPECT_NEAR(before.Place, 0.5 * 19.0 / 40.0, 0.05);
   EXPECT_NEAR(before.Value, 99.0, 3.0);
-  const IntervalLook behind = steps.Classify(80.0, 90.0, 120.0, 0.5, 1.0);
+  const ClassifiedInterval behind = steps.Classify(80.0, 90.0, 120.0, 0.5, 1.0);
   EXPECT_NEAR(behind.Place, 0.5 + 0.5 * 9.0 / 30.0, 0.05);
   EXPECT_NEAR(behind.Value, 99.0, 3.0);
   // On the line between the ends it changes nothing.
-  const IntervalLook one = intervals.Classify(80.0, 110.0, 1.0);
-  const IntervalLook two = intervals.Classify(80.0, 95.0, 110.0, 0.5, 1.0);
+  const ClassifiedInterval one = intervals.Classify(80.0, 110.0, 1.0);
+  const ClassifiedInterval two = intervals.Classify(80.0, 95.0, 110.0, 0.5, 1.0);
   EXPECT_NEAR(one.OpticalDepth, two.OpticalDepth, 1e-5);
 }
 

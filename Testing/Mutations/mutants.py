@@ -254,7 +254,11 @@ MUTANTS = (
         "term",
         "const float margin = (close ? 0.0f : segment.Error + tolerance) + Rounding + before;",
         "const float margin = Rounding + before;",
-        PACKETS + kernels("PositionError") + python("Folds", "Normals")),
+        PACKETS,
+        survives="The hull of a tile's segment and the blocks it is compared with are larger than the "
+                 "error of an interpolant that is not split yet: in 160 scenes of one visible voxel "
+                 "under random deformations no picture and no number of samples changed. The margin "
+                 "makes it a proof."),
     Mutant(
         "vectors: gradients of components from the wrong corner",
         "index",
