@@ -25,6 +25,7 @@
 #include "vtkFFDTransformWriter.h"
 #include "vtkFFDVolumePicker.h"
 #include "vtkFFDVolumeReader.h"
+#include "vtkFFDVolumeSeries.h"
 
 #include "vtkNew.h"
 
@@ -67,6 +68,7 @@ int TestInstantiate(int, char*[])
   ok &= Check<vtkFFDTransformSeries>("vtkFFDTransformSeries", "vtkAlgorithm");
   ok &= Check<vtkFFDTransformWriter>("vtkFFDTransformWriter", "vtkObject");
   ok &= Check<vtkFFDVolumeReader>("vtkFFDVolumeReader", "vtkAlgorithm");
+  ok &= Check<vtkFFDVolumeSeries>("vtkFFDVolumeSeries", "vtkAlgorithm");
   ok &= Check<vtkFFDInverseRayVolumeMapper>("vtkFFDInverseRayVolumeMapper", "vtkVolumeMapper");
   ok &=
     Check<vtkFFDLatticeRepresentation>("vtkFFDLatticeRepresentation", "vtkWidgetRepresentation");

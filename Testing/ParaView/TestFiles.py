@@ -3,8 +3,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Transform files in ParaView: opened, applied to a volume, and played as a series in time."""
 
+import contextlib
+import io
 import os
+import sys
 import unittest
+from unittest import mock
 
 import numpy as np
 from paraview import simple
@@ -15,6 +19,7 @@ import ffdparaview as ffd
 ffd.load()
 
 TRANSFORMS = os.path.join(ffd.DATA, "Transforms")
+EXAMPLES = os.path.join(os.path.dirname(os.environ["FFD_PARAVIEW_SOURCE"]), "Examples", "Python")
 SHIFT = np.repeat((3.0, -7.0, 11.0), 2)
 
 
@@ -88,6 +93,46 @@ class TestFiles(unittest.TestCase):
             FileNames=[os.path.join(TRANSFORMS, name) for name in (
                 "elastix5_euler.txt", "elastix5_chain.txt")], TimeStart=2.0, TimeSpacing=0.25)
         self.assertEqual(list(files.TimestepValues), [2.0, 2.25])
+
+    def test_volumes_in_time(self):
+        """The example plays a volume and a field for each phase; each file is read once."""
+        sys.path.insert(0, EXAMPLES)
+        import paraview_series
+        picture = os.path.join(ffd.TEMPORARY, "ParaView.files breathing.png")
+        output = io.StringIO()
+        with mock.patch.object(sys, "argv", [
+                "paraview_series.py", "--size=24", "--phases=3", "--frames=2", "--loops=2",
+                "--pixels", "120", "100", "--picture", picture]), \
+                contextlib.redirect_stdout(output):
+            paraview_series.main()
+        self.assertIn("loop 2", output.getvalue())
+        self.assertIn("files read so far: 3\n", output.getvalue())
+        self.assertGreater(ffd.lit(np.abs(ffd.read_picture(picture) - ffd.read_picture(
+            picture)[0, 0])), 1000)
+        # What the example leaves at its default.
+        volumes = simple.FindSource("FFDVolumeReader1")
+        names = [os.path.join(ffd.TEMPORARY, "phase%d.mha" % i) for i in range(2)]
+        for name, value in zip(names, (0, 100)):
+            paraview_series.write_image(name, np.full((4, 4, 4), value, np.uint8), (1.0,) * 3)
+        volumes.FileNames = names
+        volumes.TimeStart = 5.0
+        volumes.TimeSpacing = 2.0
+        volumes.UpdatePipelineInformation()
+        self.assertEqual(list(volumes.TimestepValues), [5.0, 7.0])
+
+        def value_at(time):
+            volumes.UpdatePipeline(time)
+            return volumes.PointData[0].GetRange(0)[0]
+
+        self.assertEqual([value_at(time) for time in (5.0, 6.0, 7.0)], [0.0, 0.0, 100.0])
+        volumes.Interpolation = "Linear"
+        self.assertEqual(value_at(6.0), 50.0)
+        reader = volumes.SMProxy.GetClientSideObject()
+        volumes.CacheSize = 7
+        volumes.Prefetch = 0
+        volumes.UpdatePipeline(5.0)
+        for line in ("CacheSize: 7", "Prefetch: 0"):
+            self.assertIn(line, str(reader))
 
     def test_errors(self):
         """Say which file, and the volume is shown undeformed."""

@@ -1,0 +1,170 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""vtkFFDVolumeSeries: volumes in time, interpolated, kept and read ahead."""
+
+import os
+import unittest
+
+import numpy as np
+import vtkffd
+from vtkmodules.util.numpy_support import vtk_to_numpy
+
+TEMPORARY = os.environ["FFD_TEST_TEMPORARY"]
+SIZE = (5, 6, 7)
+
+
+def write(name, values, spacing="2 3 4"):
+    """A MetaImage of short numbers, which lies askew."""
+    path = os.path.join(TEMPORARY, name)
+    with open(path, "wb") as file:
+        file.write(("ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
+                    "TransformMatrix = 0 1 0 -1 0 0 0 0 1\nOffset = 1 2 3\nElementSpacing = %s\n"
+                    "DimSize = %d %d %d\nElementType = MET_SHORT\nElementDataFile = LOCAL\n"
+                    % ((spacing,) + values.shape[::-1])).encode("ascii"))
+        file.write(values.astype("<i2").tobytes())
+    return path
+
+
+def values_of(item):
+    output = item.GetOutput()
+    return vtk_to_numpy(output.GetPointData().GetScalars()).reshape(output.GetDimensions()[::-1])
+
+
+def times_of(item):
+    item.UpdateInformation()
+    info = item.GetOutputInformation(0)
+    key = item.GetExecutive().TIME_STEPS()
+    return list(info.Get(key)) if info.Has(key) else []
+
+
+class TestVolumeSeries(unittest.TestCase):
+    def setUp(self):
+        random = np.random.default_rng(3)
+        self.volumes = [random.integers(-900, 900, SIZE[::-1]) for _ in range(6)]
+        self.files = [write("series%d.mha" % i, volume) for i, volume in enumerate(self.volumes)]
+
+    def make(self, count=6, **options):
+        item = vtkffd.vtkFFDVolumeSeries()
+        self.errors = []
+        item.AddObserver("ErrorEvent", self.note)
+        for name in self.files[:count]:
+            item.AddFileName(name)
+        for name, value in options.items():
+            getattr(item, "Set" + name)(value)
+        return item
+
+    def note(self, _caller, _event, message=""):
+        self.errors.append(message)
+
+    note.CallDataType = "string0"
+
+    def test_one_volume(self):
+        """As vtkFFDVolumeReader reads it, and without time."""
+        item = self.make(count=1)
+        item.Update()
+        reader = vtkffd.vtkFFDVolumeReader()
+        reader.SetFileName(self.files[0])
+        reader.Update()
+        np.testing.assert_array_equal(values_of(item), self.volumes[0])
+        for get in ("GetOrigin", "GetSpacing", "GetExtent"):
+            self.assertEqual(getattr(item.GetOutput(), get)(), getattr(reader.GetOutput(), get)())
+        for output in (item.GetOutput(), reader.GetOutput()):
+            self.assertEqual(output.GetDirectionMatrix().GetElement(0, 0), 0.0)
+        self.assertEqual(times_of(item), [])
+        self.assertEqual(item.GetNumberOfReads(), 1)
+
+    def test_times(self):
+        item = self.make(TimeStart=2.0, TimeSpacing=0.1)
+        np.testing.assert_allclose(times_of(item), [2.0, 2.1, 2.2, 2.3, 2.4, 2.5])
+        for step, time in enumerate(times_of(item)):
+            item.UpdateTimeStep(time)
+            np.testing.assert_array_equal(values_of(item), self.volumes[step])
+        for time, step in ((-5.0, 0), (2.39, 3), (99.0, 5)):
+            item.UpdateTimeStep(time)
+            np.testing.assert_array_equal(values_of(item), self.volumes[step])
+
+    def test_interpolation(self):
+        item = self.make()
+        item.SetInterpolationToLinear()
+        item.UpdateTimeStep(1.3)
+        expected = np.floor(0.7 * self.volumes[1] + 0.3 * self.volumes[2] + 0.5)
+        self.assertLessEqual(np.abs(values_of(item) - expected).max(), 1)
+        self.assertGreater((values_of(item) == expected).mean(), 0.95)
+        # What is kept is not written to.
+        for time in (1, 2):
+            item.UpdateTimeStep(time)
+            np.testing.assert_array_equal(values_of(item), self.volumes[time])
+
+    def test_reads_ahead(self):
+        """A player waits for two files; and then for none, also the second time."""
+        item = self.make()
+        item.UpdateTimeStep(0)
+        item.WaitForPrefetch()
+        self.assertEqual((item.GetNumberOfReads(), item.GetNumberOfReadsAhead()), (1, 0))
+        item.UpdateTimeStep(1)
+        item.WaitForPrefetch()
+        self.assertEqual((item.GetNumberOfReads(), item.GetNumberOfReadsAhead()), (3, 1))
+        for time in (2, 3, 4, 5, 0, 1, 2):
+            item.UpdateTimeStep(time)
+            np.testing.assert_array_equal(values_of(item), self.volumes[time])
+        item.WaitForPrefetch()
+        self.assertEqual((item.GetNumberOfReads(), item.GetNumberOfReadsAhead()), (6, 4))
+        item.Reload()
+        self.assertEqual(item.GetNumberOfReads(), 0)
+        # Backwards.
+        for time in (5, 4):
+            item.UpdateTimeStep(time)
+        item.WaitForPrefetch()
+        self.assertEqual((item.GetNumberOfReads(), item.GetNumberOfReadsAhead()), (4, 1))
+        os.remove(self.files[3])
+        item.UpdateTimeStep(3)
+        np.testing.assert_array_equal(values_of(item), self.volumes[3])
+        # Off.
+        item = self.make(count=3, Prefetch=0)
+        for time in (0, 1, 2):
+            item.UpdateTimeStep(time)
+        item.WaitForPrefetch()
+        self.assertEqual((item.GetNumberOfReads(), item.GetNumberOfReadsAhead()), (3, 0))
+
+    def test_memory(self):
+        """Beyond the limit steps are let go, and read again."""
+        item = self.make(CacheSize=0, Prefetch=0)
+        for time in (0, 1, 2, 3, 4, 5, 5, 4, 3, 0):
+            item.UpdateTimeStep(time)
+            np.testing.assert_array_equal(values_of(item), self.volumes[time])
+        self.assertEqual(item.GetNumberOfReads(), 7)
+
+    def test_parts(self):
+        """Of several processes each has its part."""
+        item = self.make()
+        item.UpdateInformation()
+        item.UpdateExtent([1, 3, 0, 5, 2, 4])
+        self.assertEqual(item.GetOutput().GetExtent(), (1, 3, 0, 5, 2, 4))
+        np.testing.assert_array_equal(values_of(item), self.volumes[0][2:5, :, 1:4])
+
+    def test_errors(self):
+        other = write("series_other.mha", self.volumes[0][:-1])
+        for names, words in (((), "no file to read"), ((self.files[0], "no_such.mha"), "no_such.mha"),
+                             ((self.files[0], other), "other numbers of voxels")):
+            item = self.make(count=0)
+            item.GetExecutive().AddObserver("ErrorEvent", lambda *_: None)
+            for name in names:
+                item.AddFileName(name)
+            item.UpdateTimeStep(1)
+            self.assertEqual(len(self.errors), 1, self.errors)
+            self.assertIn(words, self.errors[0])
+        item = self.make()
+        for name, value in (("TimeStart", float("nan")), ("TimeSpacing", -1.0)):
+            before = getattr(item, "Get" + name)()
+            getattr(item, "Set" + name)(value)
+            self.assertEqual(getattr(item, "Get" + name)(), before)
+        item.AddFileName("")
+        self.assertEqual(len(self.errors), 3)
+        self.assertEqual(item.GetFileName(0), self.files[0])
+        self.assertIsNone(item.GetFileName(6))
+        item.RemoveAllFileNames()
+        self.assertEqual(item.GetNumberOfFileNames(), 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
