@@ -180,6 +180,8 @@ PacketSampling SamplingOf(BlendMode mode)
       return PacketSampling::Sum;
     case BlendMode::Isosurface:
       return PacketSampling::Surface;
+    case BlendMode::Slice:
+      return PacketSampling::Slice;
     default:
       return PacketSampling::Composite;
   }
@@ -228,8 +230,8 @@ bool CanComposite(const CastScene& scene, const SampleClassifier& classifier)
   const bool planes = std::any_of(functions.Components.begin(), functions.Components.end(),
     [](const ComponentOptics& optics) { return !optics.Plane.IsEmpty(); });
   const int components = scene.Volume.Components;
-  return !planes && !labels && !IsWide(scene.Volume.Type) && components > 1 &&
-    components <= SampleClassifier::LargestNumberOfComponents &&
+  return !planes && !classifier.HasNormalsOfOpacity() && !labels && !IsWide(scene.Volume.Type) &&
+    components > 1 && components <= SampleClassifier::LargestNumberOfComponents &&
     (functions.Kind != ComponentKind::Independent ||
       static_cast<int>(functions.Components.size()) == components);
 }
@@ -618,6 +620,7 @@ void SetBlending(const CastScene& scene, const FrameKind& kind, PacketScene& p)
   {
     p.Peaks = scene.Peaks;
   }
+  p.Slices = scene.Blend.Mode == BlendMode::Slice;
   p.AverageMin = fetched(scene.Blend.AverageMin);
   p.AverageMax = fetched(scene.Blend.AverageMax);
   for (const IsoValue& iso : scene.Blend.IsoValues)
@@ -658,6 +661,10 @@ void SetCoordinates(const CastScene& scene, const Box& rest, PacketScene& p)
   Copy(rest.Max + shift, p.RestMax);
   CopyRows(v.IndexToData, p.IndexToLocal);
   CopyRows(glm::transpose(v.DataToIndex), p.GradientToRest);
+  const Blending& blend = scene.Blend;
+  const glm::dvec3 normal = glm::normalize(blend.SliceNormal);
+  Copy(normal, p.SliceNormal);
+  p.SliceOffset = static_cast<float>(glm::dot(normal, blend.SliceOrigin - p.Center));
   p.NdcToLocal = glm::translate(glm::dmat4(1.0), -p.Center) * scene.Camera.NdcToData;
 }
 
@@ -751,7 +758,7 @@ void SetClipping(const CastScene& scene, PacketScene& p)
 void SetLeaping(const CastScene& scene, const CastSettings& settings, PacketScene& p)
 {
   p.LeapsSegments = scene.Distances && settings.Leaping == SpaceLeaping::Lipschitz;
-  if (scene.Distances && settings.Leaping != SpaceLeaping::Off)
+  if (scene.Distances && settings.Leaping != SpaceLeaping::Off && !p.Slices)
   {
     p.Distances = scene.Distances->GetData();
     for (int a = 0; a < 3; ++a)
@@ -788,8 +795,7 @@ void SetShading(const CastScene& scene, const CastSettings& settings,
 //------------------------------------------------------------------------------
 bool PacketCaster::Supports(const CastScene& scene, const CastSettings& settings)
 {
-  if (settings.Reference || scene.Blend.Mode == BlendMode::Slice ||
-    settings.Segments != Segmentation::ErrorBound)
+  if (settings.Reference || settings.Segments != Segmentation::ErrorBound)
   {
     return false;
   }
@@ -821,10 +827,12 @@ PacketCaster::PacketCaster(
   SetClipping(scene, p);
   SetLeaping(scene, settings, p);
   SetShading(scene, settings, classifier, p);
+  p.NormalsOfOpacity = kind.Composites && p.Shade && classifier.HasNormalsOfOpacity();
 
   p.Inner = p.Sampling == PacketSampling::Composite && !p.Intervals &&
     p.CropSpace == Cropping::Spaces::None && !kind.Components;
-  p.Plain = p.Inner && !p.OpacityByGradient && !p.Mask.Scalars && !kind.Plane;
+  p.Plain =
+    p.Inner && !p.OpacityByGradient && !p.NormalsOfOpacity && !p.Mask.Scalars && !kind.Plane;
 }
 
 //------------------------------------------------------------------------------

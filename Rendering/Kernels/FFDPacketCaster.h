@@ -49,6 +49,7 @@ enum class PacketSampling
   Extreme,   ///< vector code: Maximum, Minimum
   Sum,       ///< vector code: Average, Additive
   Surface,   ///< vector code: Isosurface
+  Slice,     ///< vector code: Slice
   PerRay     ///< the RayIntegrator of each ray
 };
 
@@ -170,7 +171,11 @@ struct PacketScene
   float AverageMin = 0.0f;
   float AverageMax = 0.0f;
   std::vector<PacketSurfaceValue> IsoValues; ///< ascending; visible ones
-  float UnitDistance = 1.0f;                 ///< of the table
+  bool Slices =
+    false; ///< rays take a sample where dot(SliceNormal, local) is SliceOffset, no other
+  float SliceNormal[3] = {};
+  float SliceOffset = 0.0f;
+  float UnitDistance = 1.0f; ///< of the table
   bool Parallel = false;
   float Eye[3] = {}; ///< in the space of the lights
 
@@ -210,6 +215,7 @@ struct PacketScene
   float ColorScale = 1.0f;                 ///< takes values that are colors to [0, 1]
 
   bool Shade = false;
+  bool NormalsOfOpacity = false; ///< of one component, where it is shaded
   bool TwoSided = true;
   PacketSurface Surface; ///< of the first component
 };
@@ -249,7 +255,7 @@ public:
   PacketCaster(const CastScene& scene, const CastSettings& settings, const IntegrationFrame& frame);
 
   /// Whether packets can render this scene; else the reference ray caster has to: the paper's
-  /// polyline, slices, and of what vector code looks up (SampleClassifier::IsPlain()) volumes of
+  /// polyline, and of what vector code looks up (SampleClassifier::IsPlain()) volumes of
   /// fewer than 4 voxels along an axis or slices of more than 256 MiB.
   static bool Supports(const CastScene& scene, const CastSettings& settings);
 

@@ -64,7 +64,8 @@ RayCaster::RayCaster(const CastScene& scene, const CastSettings& settings)
   {
     this->Packets.reset(new PacketCaster(this->Scene, this->Settings, this->Frame));
   }
-  else
+  // Slices have no segments that packets could tell of: the reference caster traces their rays.
+  if (!this->Packets || scene.Blend.Mode == BlendMode::Slice)
   {
     this->Reference.reset(new ReferenceCaster(this->Scene, this->Settings, this->RestBox));
   }
@@ -127,7 +128,7 @@ void RayCaster::TraceRay(
   traced.To = ray.To;
   RayPixel pixel(this->Frame, ray);
   pixel.Trace = &traced;
-  if (this->Packets)
+  if (!this->Reference)
   {
     TracePackets(
       *this->Packets, this->Scene, this->Settings, ray, image, scratch.Packets, pixel, traced);

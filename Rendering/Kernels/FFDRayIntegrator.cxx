@@ -73,6 +73,10 @@ RayIntegrator::Outcome RayIntegrator::AddSample(
       return this->AddUp(segment, s, interval);
     case BlendMode::Isosurface:
       return this->CrossIsosurfaces(segment, s, interval);
+    case BlendMode::Slice:
+      return this->AddSlice(glm::clamp(segment.Curve.At(s), this->Frame->Scene->Volume.LowerIndex(),
+                              this->Frame->Scene->Volume.UpperIndex()),
+        segment.T0 + s * segment.Dt);
     default:
       return this->Frame->Intervals.IsEmpty() ? this->Composite(segment, s, interval)
                                               : this->CompositeInterval(segment, s, interval);

@@ -170,10 +170,11 @@ SampleClassifier::SampleClassifier(const ClassifierInputs& inputs)
   const bool noPlanes = all([](const ComponentOptics& optics) { return optics.Plane.IsEmpty(); });
   const bool gradientsOfAll = !clipped ||
     (noGradients && noLabelGradients && (noPlanes || this->In.SecondAxis.Scalars) && !first.Shade);
-  this->Simple = !this->In.Hidden && !volume.Axes && !(this->In.NormalFromOpacity && first.Shade) &&
-    gradientsOfAll;
-  this->Plain = this->Simple && functions.Kind == ComponentKind::Independent &&
-    functions.Components.size() == 1 && !mask.Volume.Scalars && noGradients && noPlanes;
+  this->NormalsOfOpacity = this->In.NormalFromOpacity && first.Shade;
+  this->Simple = !this->In.Hidden && !volume.Axes && gradientsOfAll;
+  this->Plain = this->Simple && !this->NormalsOfOpacity &&
+    functions.Kind == ComponentKind::Independent && functions.Components.size() == 1 &&
+    !mask.Volume.Scalars && noGradients && noPlanes;
 }
 
 //------------------------------------------------------------------------------

@@ -110,9 +110,12 @@ public:
   /// packets does.
   bool IsPlain() const { return this->Plain; }
 
-  /// Whether values and gradients are those of all voxels on a uniform grid: no cell is hidden, no
-  /// gradient counts clipped voxels, and normals are not those of the opacity.
+  /// Whether values and gradients are those of all voxels on a uniform grid: no cell is hidden and
+  /// no gradient counts clipped voxels.
   bool IsSimple() const { return this->Simple; }
+
+  /// Whether the normals of what is shaded are those of the opacity, not of the scalars.
+  bool HasNormalsOfOpacity() const { return this->NormalsOfOpacity; }
 
   /// Whether looks depend on nothing but the value of one component, interpolated between voxels,
   /// and nothing is hidden: then that of an interval between samples can be told.
@@ -223,6 +226,7 @@ private:
   glm::dvec3 MaskOffset{ 0.0 };
   bool Plain = true;
   bool Simple = true;
+  bool NormalsOfOpacity = false;
   bool MayHide = false;
 };
 

@@ -92,6 +92,8 @@ public:
         return this->TakeExtreme(curve, q, s, sampled);
       case PacketSampling::Sum:
         return this->AddUp(curve, q, s, sampled);
+      case PacketSampling::Slice:
+        return this->TakeSlice(curve, q, s, sampled);
       case PacketSampling::Surface:
         return this->CrossSurfaces(curve, q, s, number, sampled);
       default:
@@ -263,6 +265,29 @@ private:
       hn::Add(this->State.Out.TallyLength, hn::IfThenElseZero(counts, length));
     this->State.Out.FirstVisible = hn::IfThenElse(
       counts, hn::Min(this->State.Out.FirstVisible, curve.TimeAt(s)), this->State.Out.FirstVisible);
+  }
+
+  /// Shows the values of the lanes of `sampled`; as RayIntegrator::AddSlice().
+  HWY_NOINLINE void TakeSlice(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
+  {
+    const Df d;
+    const Vf zero = hn::Zero(d);
+    const Vf one = Splat(1.0f);
+    const Vf value = this->ValuesAt(q, sampled);
+    const TableLookup lookup(this->Scene, value);
+    const Vf extinction = lookup.Extinction();
+    const Vf opacity =
+      hn::Sub(one, Exp2(hn::Neg(hn::Mul(extinction, Splat(this->Scene.UnitDistance)))));
+    const Vf weight = Splat(static_cast<float>(this->Scene.Source->Blend.Weight[0]));
+    // What is not a number is not shown: comparisons with it are false.
+    const Mf visible = hn::And(hn::And(sampled, hn::Eq(value, value)),
+      hn::And(hn::Gt(extinction, zero), hn::Gt(weight, zero)));
+    const Vf shown = hn::IfThenElseZero(visible, hn::Min(hn::Mul(weight, opacity), one));
+    this->Scratch.Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
+    this->State.Out.Color = Scale(shown, lookup.Color());
+    this->State.Out.Transmittance = hn::Sub(one, shown);
+    this->State.Out.FirstVisible =
+      hn::IfThenElse(visible, curve.TimeAt(s), this->State.Out.FirstVisible);
   }
 
   /// Composites the surfaces between a sample and the next one, as RayIntegrator does: an interval

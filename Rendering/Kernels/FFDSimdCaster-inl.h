@@ -79,6 +79,14 @@ public:
     this->Blending.End();
   }
 
+  /// Does what Blend() does where rays take one sample, on a plane.
+  HWY_NOINLINE void CastSlice(int x0, int y0, int width)
+  {
+    this->Blending.Begin(x0, y0, width);
+    this->TakeSliceSample();
+    this->Blending.End();
+  }
+
   /// The t at which the last ray has ended; infinite where one went on to the end.
   float GetReach() const { return this->Reach; }
 
@@ -87,6 +95,9 @@ private:
   static constexpr int SamplesOfNothing = 4;
   /// Kept between a leap and the faces of an empty cube, index units: rounding errors.
   static constexpr float LeapGuard[3] = { 2e-3f, 2e-3f, 2e-3f };
+
+  /// How far beyond the faces of the volume and the ends of rays slices count as inside, voxels.
+  static constexpr float SliceGuard = 1e-3f;
 
   static int FloorDivide(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
@@ -341,6 +352,48 @@ private:
         return;
       }
     }
+  }
+
+  /// Takes the sample of each ray on the plane of Slice.
+  HWY_INLINE void TakeSliceSample()
+  {
+    const Df d;
+    const Vec3 normal = Broadcast(this->Scene.SliceNormal);
+    const Vf t = hn::Div(hn::Sub(Splat(this->Scene.SliceOffset), Dot(normal, this->Rays.Origin)),
+      Dot(normal, this->Rays.Direction));
+    // Planes that touch the volume, or are clipping planes, are seen in spite of rounding errors.
+    const Vf slack = hn::Max(
+      Splat(SliceGuard / this->Scene.VoxelsPerUnit), hn::Mul(hn::Abs(this->Rays.To), Splat(1e-6f)));
+    // False where the ray runs along the plane, too.
+    const Mf crosses = hn::And(this->Samples.State.Alive,
+      hn::And(
+        hn::Ge(t, hn::Sub(this->Rays.From, slack)), hn::Lt(t, hn::Add(this->Rays.To, slack))));
+    if (hn::AllFalse(d, crosses))
+    {
+      return;
+    }
+    const Vec3 p = MulAdd(t, this->Rays.Direction, this->Rays.Origin);
+    const Vec3 q = LocalToIndex(this->Scene,
+      PullBackFrom(this->Scene, p, EstimatePullBack(this->Scene, p), this->Scene.Tolerance, crosses,
+        this->Scratch.Statistics));
+    const Vf near = hn::Mul(slack, Splat(this->Scene.VoxelsPerUnit));
+    const auto inside = [&](Vf x, int a) {
+      const Vf clamped = Clamp(x, Splat(this->Scene.Lower), Splat(this->Scene.Upper[a]));
+      return hn::IfThenElse(hn::Le(hn::Abs(hn::Sub(x, clamped)), near), clamped, x);
+    };
+    const Vf zero = hn::Zero(d);
+    PacketCurve curve;
+    for (Vec3& term : curve.Position.Terms)
+    {
+      term = { zero, zero, zero };
+    }
+    curve.Position.Terms[0] = { inside(q.x, 0), inside(q.y, 1), inside(q.z, 2) };
+    curve.T0 = t;
+    curve.Dt = Splat(static_cast<float>(this->Scene.Settings.SampleDistance));
+    curve.PerStep = Splat(1.0f);
+    this->First = zero;
+    this->Stop = hn::IfThenElseZero(crosses, Splat(1.0f));
+    this->TakeSamples(curve, 0, zero, false);
   }
 
   HWY_INLINE void FindCurve(TileSegment& segment, int x, int y, PacketCurve& curve)

@@ -18,6 +18,7 @@
 #include "FFDSimdMask-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdNormals-inl.h"
+#include "FFDSimdOpacityNormals-inl.h"
 #include "FFDSimdOptics-inl.h"
 #include "FFDSimdPlane-inl.h"
 #include "FFDSimdSegmentTrees-inl.h"
@@ -169,10 +170,19 @@ public:
     Vec3 color = TableLookup(scene, interval.Value).Color();
     if (scene.Shade)
     {
-      Vec3 gradient = Gradient<T>(fetched.Voxels, fetched.At, fetched.Rows);
-      if (HWY_UNLIKELY(!hn::AllFalse(d, fetched.AtBorder)))
+      Vec3 gradient;
+      if (HWY_UNLIKELY(scene.NormalsOfOpacity))
       {
-        gradient = this->Border.Gradient(q, fetched.AtBorder, gradient);
+        gradient = OpacityGradient<T>(
+          scene, fetched.Voxels, fetched.At, fetched.Rows, this->Border, q, fetched.AtBorder);
+      }
+      else
+      {
+        gradient = Gradient<T>(fetched.Voxels, fetched.At, fetched.Rows);
+        if (HWY_UNLIKELY(!hn::AllFalse(d, fetched.AtBorder)))
+        {
+          gradient = this->Border.Gradient(q, fetched.AtBorder, gradient);
+        }
       }
       color =
         this->Normals.Light(scene.Surface, curve, q, color, gradient, middle, curve.TimeAt(middle));
@@ -364,9 +374,13 @@ private:
     }
     Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
     const bool byGradient = !Plain && this->Scene.OpacityByGradient;
+    const bool byOpacity = !Plain && this->Scene.NormalsOfOpacity;
     if (byGradient || this->Scene.Shade)
     {
       voxels.Widen();
+    }
+    if (byGradient || (this->Scene.Shade && !byOpacity))
+    {
       gradient = Gradient<T>(voxels, at, rows);
       if (HWY_UNLIKELY(!hn::AllFalse(d, border)))
       {
@@ -407,6 +421,11 @@ private:
       color = lookup.Color();
     }
     const Vf t = curve.TimeAt(s);
+    if (HWY_UNLIKELY(byOpacity))
+    {
+      gradient = OpacityGradient<T>(
+        this->Scene, voxels, at, rows, this->Border, q, hn::And(border, visible));
+    }
     if (this->Scene.Shade)
     {
       color = this->Normals.Light(this->Scene.Surface, curve, q, color, gradient, s, t);

@@ -309,7 +309,7 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
   }
 
   SegmentTrees trees(scene, scratch, near, far, x0, y0);
-  if (tMin < tMax)
+  if (tMin < tMax && !scene.Slices)
   {
     trees.Start(tMin, tMax);
   }
@@ -334,7 +334,11 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
         ? hn::Zero(d)
         : PhaseOf(scene, rays, scene.Settings.Jitter ? JitterOf(scene, x, y) : hn::Zero(d));
       Packet<T> cast(scene, trees, scratch, rays, x - x0, y - y0, dy, phase, active);
-      if (HWY_UNLIKELY(scene.Sampling != PacketSampling::Composite))
+      if (HWY_UNLIKELY(scene.Slices))
+      {
+        cast.CastSlice(x, y, shape.Width);
+      }
+      else if (HWY_UNLIKELY(scene.Sampling != PacketSampling::Composite))
       {
         cast.Blend(x, y, shape.Width);
       }

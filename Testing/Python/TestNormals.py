@@ -84,6 +84,64 @@ class TestNormals(unittest.TestCase):
             self.assertLess(differences.mean(), mean)
             self.assertLessEqual(numpy.percentile(differences, 99), most)
 
+    def test_normals_of_the_opacity_follow_the_reference(self):
+        """With all that samples of one component may look up, and at the faces of the volume, which
+        this object reaches."""
+        self.property.ShadeOn()
+        self.color.AddRGBPoint(0, 1, 1, 1)
+        self.mapper.SetPositionTolerance(0.02)
+        of_values = self.render(False)
+        self.mapper.ComputeNormalFromOpacityOn()
+        self.assertGreater(numpy.abs(self.render(False) - of_values).mean(), 1)
+        image = self.mapper.GetInput()
+        floats = image.GetPointData().GetScalars()
+        labels = vtkImageData()
+        labels.CopyStructure(image)
+        labels.GetPointData().SetScalars(numpy_to_vtk(
+            (numpy.arange(SIDE ** 3) % SIDE > SIDE / 2).astype(numpy.uint8), deep=True))
+        plane = vtkImageData()
+        plane.SetDimensions(64, 2, 1)
+        plane.SetSpacing(4, 100, 1)
+        opacity = numpy.clip((numpy.arange(128) % 64 - 28) / 10, 0, 1) * 0.5
+        plane.GetPointData().SetScalars(
+            numpy_to_vtk(numpy.stack(4 * [opacity], 1).astype(numpy.float32), deep=True))
+        plane.GetPointData().GetScalars().SetName("opacity")
+        gradients = vtkPiecewiseFunction()
+        gradients.AddPoint(0, 0)
+        gradients.AddPoint(5, 1)
+
+        def scalars(kind):
+            image.GetPointData().SetScalars(
+                numpy_to_vtk(vtk_to_numpy(floats).astype(kind), deep=True))
+
+        def label_map(on):
+            self.property.SetLabelScalarOpacity(1, self.property.GetScalarOpacity())
+            self.mapper.SetMaskTypeToLabelMap()
+            self.mapper.SetMaskInput(labels if on else None)
+
+        changes = (
+            ("floats", lambda on: None),
+            ("bytes", lambda on: scalars("u1" if on else "f4")),
+            ("doubles", lambda on: scalars("f8" if on else "f4")),
+            ("nearest", lambda on: self.property.SetInterpolationType(0 if on else 1)),
+            ("labels", label_map),
+            ("gradient opacity", lambda on: self.property.SetGradientOpacity(
+                gradients if on else None)),
+            ("2-D function", lambda on: (
+                self.property.SetTransferFunction2D(plane),
+                self.property.SetTransferFunctionMode(1 if on else 0))),
+            ("pre-integrated", lambda on: self.mapper.SetClassification(1 if on else 0)),
+        )
+        for name, change in changes:
+            with self.subTest(name):
+                change(True)
+                differences = self.differences()
+                # Which voxel is the nearest one depends on positions within the tolerance.
+                self.assertLess(differences.mean(), 1.5 if name == "nearest" else 0.3)
+                if name != "nearest":
+                    self.assertLessEqual(numpy.percentile(differences, 99), 4)
+                change(False)
+
     def test_nothing_is_missing_at_the_faces(self):
         """D that goes on linearly outside of this lattice folds, and led rays out of the volume."""
         self.property.ShadeOff()
