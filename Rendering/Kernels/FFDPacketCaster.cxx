@@ -766,7 +766,7 @@ void SetLeaping(const CastScene& scene, const CastSettings& settings, PacketScen
       p.Blocks[a] = scene.Distances->GetBlocks()[a];
       p.LastBlock[a] = static_cast<float>(p.Blocks[a] - 1);
     }
-    p.LeapsRays = p.Sampling != PacketSampling::Composite;
+    p.LeapsRays = p.Sampling == PacketSampling::PerRay;
   }
 }
 

@@ -81,10 +81,13 @@ public:
     }
   }
 
-  /// Takes the sample `number` of the lanes of `sampled` at q, the position at s of a curve.
-  HWY_NOINLINE void Take(const PacketCurve& curve, const Vec3& q, Vf s, Vf number, Mf sampled)
+  /// Takes the sample `number` of the lanes of `sampled` at q, the position at s of a curve;
+  /// `inner`: all voxels that it and the interval behind it need exist.
+  HWY_NOINLINE void Take(
+    const PacketCurve& curve, const Vec3& q, Vf s, Vf number, Mf sampled, bool inner)
   {
     const Df d;
+    this->Inner = inner && this->Scene.Volume.SlicesInReach == 0;
     this->Scratch.Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
     switch (this->Scene.Sampling)
     {
@@ -216,6 +219,21 @@ private:
   /// Interpolates values at positions in the volume.
   HWY_INLINE Vf ValuesAt(const Vec3& q, Mf lanes)
   {
+    return HWY_LIKELY(this->Inner) ? this->InnerValuesAt(q, lanes) : this->AnyValuesAt(q, lanes);
+  }
+
+  HWY_NOINLINE Vf InnerValuesAt(const Vec3& q, Mf lanes) const
+  {
+    SampleCells cells;
+    const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
+    OffsetRows<T> voxels;
+    voxels.Fit(this->Scene.Volume, cells, lanes);
+    SampleRows<T> rows;
+    return Sample<T>(voxels, at, rows);
+  }
+
+  HWY_NOINLINE Vf AnyValuesAt(const Vec3& q, Mf lanes)
+  {
     FetchedSample<T> fetched;
     FetchSample(this->Scene.Volume, q, lanes, this->Border, fetched);
     return fetched.Value;
@@ -297,8 +315,8 @@ private:
   {
     const Df d;
     const Vec3 end = curve.Position.At(hn::Add(s, curve.PerStep));
-    const Mf insideA = hn::And(lanes, IsInside(this->Scene, q));
-    const Mf insideB = hn::And(lanes, IsInside(this->Scene, end));
+    const Mf insideA = this->Inner ? lanes : hn::And(lanes, IsInside(this->Scene, q));
+    const Mf insideB = this->Inner ? lanes : hn::And(lanes, IsInside(this->Scene, end));
     const Mf any = hn::Or(insideA, insideB);
     if (hn::AllFalse(d, any))
     {
@@ -514,6 +532,7 @@ private:
   PacketState& State;
   PacketNormals& Normals;
   BorderSamples<T>& Border;
+  bool Inner = false; ///< of the sample that is taken, see Take()
 };
 
 } // namespace HWY_NAMESPACE

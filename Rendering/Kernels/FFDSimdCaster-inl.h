@@ -494,7 +494,8 @@ private:
     }
     else
     {
-      if (!this->Scene.Intervals)
+      const bool shown = within && this->Scene.CropSpace == Cropping::Spaces::None;
+      if (!this->Scene.Intervals && !shown)
       {
         active = hn::And(active, IsShown(this->Scene, this->Rays, curve, q, s));
         if (hn::AllFalse(d, active))
@@ -519,7 +520,7 @@ private:
       }
       else
       {
-        this->Blending.Take(curve, q, s, number, active);
+        this->Blending.Take(curve, q, s, number, active, within);
       }
     }
   }
