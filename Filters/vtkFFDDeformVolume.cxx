@@ -534,10 +534,14 @@ int vtkFFDDeformVolume::RequestInformation(
 int vtkFFDDeformVolume::RequestUpdateExtent(
   vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs)
 {
-  // The volume's extent, which the default asks of every input, means nothing to the lattice.
+  // The volume's extent and piece, which the default asks of every input, mean nothing to the
+  // lattice: each of several processes needs the whole.
   vtkInformation* info = inputs[1]->GetInformationObject(0);
   if (info && info->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
   {
+    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER(), 0);
+    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES(), 1);
+    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
     info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(),
       info->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()), 6);
   }

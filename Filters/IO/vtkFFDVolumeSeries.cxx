@@ -370,6 +370,7 @@ int vtkFFDVolumeSeries::RequestInformation(
     return 0;
   }
   info->Set(Pipeline::WHOLE_EXTENT(), first.Image->GetExtent(), 6);
+  info->Set(vtkAlgorithm::CAN_PRODUCE_SUB_EXTENT(), 1);
   info->Set(vtkDataObject::ORIGIN(), first.Image->GetOrigin(), 3);
   info->Set(vtkDataObject::SPACING(), first.Image->GetSpacing(), 3);
   info->Set(vtkDataObject::DIRECTION(), first.Image->GetDirectionMatrix()->GetData(), 9);

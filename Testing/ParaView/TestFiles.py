@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Transform files in ParaView: opened, applied to a volume, and played as a series in time."""
+"""Transform files in ParaView: opened, applied to a volume, and played as a series in time; and lattices
+that are fitted to landmarks."""
 
 import contextlib
 import io
@@ -133,6 +134,65 @@ class TestFiles(unittest.TestCase):
         volumes.UpdatePipeline(5.0)
         for line in ("CacheSize: 7", "Prefetch: 0"):
             self.assertIn(line, str(reader))
+
+    def test_landmarks(self):
+        """Pairs of points, as two poly lines that are placed by mouse, move a volume; residuals are
+        told."""
+        before = np.array([[-8, -8, -8], [8, -8, 0], [0, 9, 3], [2, 3, 9], [-5, 4, -7], [6, 6, 6]], float)
+        after = before + np.stack([2 * np.sin(before[:, 1] / 5), 1 + 0 * before[:, 0],
+                                   -0.2 * before[:, 0]], axis=1)
+        lines = [simple.PolyLineSource(Points=points.ravel().tolist()) for points in (before, after)]
+        fit = simple.FFDFitLattice(SourceLandmarks=lines[0], TargetLandmarks=lines[1])
+
+        def residuals():
+            fit.UpdatePipeline()
+            fit.UpdatePropertyInformation()
+            data = simple.servermanager.Fetch(fit, idx=1)
+            self.assertEqual(data.GetNumberOfPoints(), 12)
+            points = np.array([data.GetPoint(i) for i in range(12)])
+            np.testing.assert_allclose(points[6:], after, atol=1e-5)
+            distances = np.linalg.norm(points[:6] - points[6:], axis=1)
+            values = ffd.vtk_to_numpy(data.GetPointData().GetArray("Residual"))
+            np.testing.assert_allclose(values, np.concatenate([distances, np.zeros(6)]), atol=1e-9)
+            vectors = ffd.vtk_to_numpy(data.GetPointData().GetArray("ResidualVector"))
+            np.testing.assert_allclose(vectors[:6], points[6:] - points[:6], atol=1e-9)
+            largest = fit.GetPropertyValue("LargestResidual")
+            self.assertAlmostEqual(largest, distances.max(), places=9)
+            self.assertAlmostEqual(fit.GetPropertyValue("RootMeanSquareResidual"),
+                                   np.sqrt((distances ** 2).mean()), places=9)
+            return largest
+
+        self.assertLess(residuals(), 0.1)
+        small = fit.GetDataInformation(0).GetBounds()
+        fit.Volume = self.wavelet
+        self.assertLess(residuals(), 0.1)
+        large = fit.GetDataInformation(0).GetBounds()
+        self.assertLess(large[0], min(small[0], -15.0))
+        self.assertGreater(large[5], 15.0)
+        moved = simple.FFDApplyTransform(Input=self.wavelet, Transform=simple.OutputPort(fit, 0))
+        simple.Show(moved, self.view)
+        rest = np.array([-15.0, 15.0] * 3)
+        self.assertGreater(np.abs(self.shown_bounds() - rest).max(), 1.0)
+        shown = ffd.picture(self.view, "files landmarks")
+        fit.Tolerance = 1e-3
+        fine = residuals()
+        self.assertLess(fine, 1e-3)
+        fit.MaximumCells = 1
+        fit.Smoothness = 100.0
+        self.assertGreater(residuals(), 0.2)
+        self.assertEqual(fit.GetDataInformation(0).GetNumberOfPoints(), 64)
+        fit.MaximumCells = 64
+        fit.Smoothness = 1e-6
+        # The mouse moves a landmark.
+        lines[1].Points = (after + 2.0).ravel().tolist()
+        after = after + 2.0
+        self.assertLess(residuals(), 1e-3)
+        self.assertGreater(ffd.differ(ffd.picture(self.view, "files landmarks moved"), shown)[1], 1.0)
+        with ffd.Errors() as errors:
+            lines[1].Points = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]
+            fit.UpdatePipeline()
+        self.assertTrue(errors.say("6 source landmarks", "2 target landmarks"), errors.text)
+        self.assertEqual(len(errors.text), 1, errors.text)
 
     def test_errors(self):
         """Say which file, and the volume is shown undeformed."""
