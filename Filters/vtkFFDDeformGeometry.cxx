@@ -36,7 +36,7 @@ namespace
 /// Between two looks at AbortExecute.
 constexpr vtkIdType PointsPerBatch = 1 << 18;
 
-/// Where a point of the volume at rest is drawn, and the Jacobian there.
+/// Maps points of the volume at rest to where they are drawn, with the Jacobian.
 class ForwardMap
 {
 public:

@@ -61,7 +61,7 @@ public:
   void SetLatticeData(vtkDataObject* data);
   ///@}
 
-  /// How the mapper uses T, as in vtkFFDInverseRayVolumeMapper.
+  /// Set/Get the mapper's method for the pull-back, as in vtkFFDInverseRayVolumeMapper.
   enum InverseModes
   {
     FIRST_ORDER,

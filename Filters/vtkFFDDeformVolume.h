@@ -74,7 +74,7 @@ public:
   vtkFFDLattice* GetKeyframeLattice(int index);
   ///@}
 
-  /// How control points move between keyframes.
+  /// Interpolation of control points between keyframes.
   enum KeyframeInterpolations
   {
     STEP,   ///< they jump at each keyframe

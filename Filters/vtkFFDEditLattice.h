@@ -142,7 +142,7 @@ public:
   vtkGetVector3Macro(EditDimensions, int);
   ///@}
 
-  /// How surfaces of the data are shown, in applications that move what they show by the lattice.
+  /// Modes of showing surfaces of the data in applications that move them by the lattice.
   enum GeometryModes
   {
     FIRST_ORDER, ///< as vtkFFDDeformGeometry's mode of that name, and the next two as well
@@ -153,10 +153,10 @@ public:
 
   ///@{
   /**
-   * How surfaces of the output, and of what filters make of it, are shown: the same as InverseMode
-   * of the mapper of the volume. Default: EXACT. Another mode is attached to the output as field
-   * data "FFDGeometryMode" (int), which filters pass on; GetGeometryModeOf() reads it, EXACT where
-   * there is none or none that is valid.
+   * Set/Get the mode of showing surfaces of the output, and of the output of filters on it: the
+   * same as InverseMode of the mapper of the volume. Default: EXACT. Another mode is attached to
+   * the output as field data "FFDGeometryMode" (int), which filters pass on; GetGeometryModeOf()
+   * reads it, EXACT where there is none or none that is valid.
    */
   vtkSetClampMacro(GeometryMode, int, FIRST_ORDER, AT_REST);
   vtkGetMacro(GeometryMode, int);

@@ -232,8 +232,8 @@ int vtkFFDFitLattice::FillInputPortInformation(int port, vtkInformation* info)
 int vtkFFDFitLattice::RequestInformation(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* outputs)
 {
-  // How many control points there will be is the result of the fit. So it is made here: what is
-  // downstream, a writer for instance, needs the true extent.
+  // The number of control points is a result of the fit, and filters downstream, a writer for
+  // instance, need the true extent. So the fit is made here.
   vtkImageData* field = nullptr;
   if (this->GetNumberOfInputConnections(0) > 0)
   {

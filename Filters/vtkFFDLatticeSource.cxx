@@ -31,7 +31,7 @@ constexpr double BytesPerPoint = 96.0;
 constexpr const char* ShapeNames[] = { "Identity", "Bend", "Twist", "Taper", "Bulge", "Wave",
   "Random" };
 
-/// Where a shape takes a point given relative to the domain's center.
+/// Moves a point, given relative to the domain's center, by a shape.
 void MovePoint(int shape, double strength, const double half[3], const double p[3], double moved[3])
 {
   std::copy(p, p + 3, moved);

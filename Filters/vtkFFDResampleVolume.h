@@ -65,7 +65,7 @@ public:
   virtual vtkAbstractTransform* GetDeformation();
   ///@}
 
-  /// How the pull-back follows from T, as in vtkFFDInverseRayVolumeMapper.
+  /// Set/Get the method for the pull-back, as in vtkFFDInverseRayVolumeMapper.
   enum InverseModes
   {
     FIRST_ORDER, ///< 2P - T(P), equation (3) of the paper

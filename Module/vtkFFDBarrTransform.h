@@ -98,7 +98,7 @@ public:
 
   ///@{
   /**
-   * Where the deformation starts and ends along Axis, data coordinates, first < last.
+   * Set/Get the begin and end of the deformation along Axis, data coordinates, first < last.
    */
   void SetRange(double first, double last);
   void SetRange(const double range[2]);

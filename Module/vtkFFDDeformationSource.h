@@ -34,8 +34,8 @@ struct DeformationField
   bool Inverted = false; ///< the deformation is the inverse of the field's map
 };
 
-/// Where a transform is approximated, and how well: bounds of the image, then the largest error,
-/// data units.
+/// Region in which a transform is approximated: bounds of the image, then the largest error, data
+/// units.
 using FitRegion = std::array<double, 7>;
 
 /// The field of a transform or, without one, of the lattice that `attached` holds; `fit` for the

@@ -95,7 +95,7 @@ public:
 
   ///@{
   /**
-   * Where control point (i, j, k) is without deformation.
+   * Get the position of control point (i, j, k) without deformation.
    */
   void GetRestPoint(int i, int j, int k, double point[3]);
   void GetSpacing(double spacing[3]);

@@ -26,7 +26,7 @@ namespace
 /// `low` to `high`: where values are compared with, black and white.
 void SetRange(Blending& blend, int channel, double low, double high)
 {
-  // Where all values are equal they are white: there is nothing to compare them with.
+  // A range of one value is white.
   blend.Low[channel] = low < high ? low : low - 1.0;
   blend.High[channel] = high;
 }

@@ -68,10 +68,10 @@ public:
   /// The last of ReportCasting().
   double GetCastPart() const { return this->CastPart; }
 
-  /// How much of a loop of the preparation has been done: of one after the other, their number is
-  /// not known. Throws Aborted.
+  /// Reports the part, 0 to 1, of the present loop of the preparation that is done. The number of
+  /// loops is not known beforehand. Throws Aborted.
   void ReportPreparation(double part);
-  /// How much of the picture has been cast. Returns whether to go on.
+  /// Reports the part of the picture that has been cast, 0 to 1. Returns whether to go on.
   bool ReportCasting(double part);
 
 private:

@@ -72,7 +72,7 @@ public:
   const std::vector<glm::dvec4>& GetClippingPlanes() const { return this->ClippingPlanes; }
   /// Null where nothing is leaped over.
   const ffd::DistanceMap* GetDistances() const { return this->Distances; }
-  /// Where no larger, or smaller, value can be found; null where that is not asked.
+  /// Bounds of values for maxima and minima along rays; null for other blend modes.
   const ffd::ValuePeaks* GetPeaks() const { return this->Peaks; }
   /// The arrays that views point into, not owned.
   const std::vector<vtkDataArray*>& GetArrays() const { return this->Arrays; }

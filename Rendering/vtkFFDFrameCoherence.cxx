@@ -130,7 +130,7 @@ bool vtkFFDFrameCoherence::IsSameScene(
 }
 
 //------------------------------------------------------------------------------
-/// How many tiles the picture has moved by; false where that is no whole number.
+/// Finds the number of tiles that the picture has moved by; false if that is no whole number.
 bool vtkFFDFrameCoherence::FindShift(const vtkFFDImageRegion& region, glm::ivec2& shift) const
 {
   const glm::ivec2 moved = region.Origin - this->LastRegion.Origin;

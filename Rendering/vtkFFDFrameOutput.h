@@ -33,7 +33,7 @@ void vtkFFDPaintIdentifiers(vtkHardwareSelector* selector, vtkFFDInverseRayVolum
   const vtkFFDFrameCache& cache, const ffd::CameraView& camera, const std::vector<float>& depths,
   std::vector<float>& colors);
 
-/// Where nothing is visible, set `depths` to those at which rays leave the visible bounds.
+/// Sets `depths` of pixels that show nothing to those at which rays leave the visible bounds.
 void vtkFFDMoveToBackface(vtkFFDInverseRayVolumeMapper* mapper, const vtkFFDFrameCache& cache,
   const ffd::CameraView& camera, const std::vector<float>& colors, std::vector<float>& depths);
 

@@ -364,7 +364,7 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, cons
   {
     return true;
   }
-  // Where nothing is to be interpolated, rounding must not do so a little.
+  // Nearest, so that rounding does not blend neighbors of a picture with a ray for each pixel.
   const int filter = pixelByPixel ? vtkTextureObject::Nearest : vtkTextureObject::Linear;
   const Rectangle all = { { 0, 0 }, { layers.Pixels[0], layers.Pixels[1] } };
   if (!gl.Fill(gl.Texture, colors, 4, width, part, filter, parallelFor) ||

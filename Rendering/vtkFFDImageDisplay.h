@@ -26,10 +26,10 @@ public:
   vtkFFDImageDisplay& operator=(const vtkFFDImageDisplay&) = delete;
 
   /**
-   * How a picture with fewer rays than pixels looks in front of the geometry of each pixel. Of each
-   * ray `Depths` are three window depths that ascend: up to the first there is nothing, at the
-   * second the color is the one in `Colors`, from the third on that of the image, and in between it
-   * is interpolated.
+   * Layers of a picture with fewer rays than pixels, to be composed with the geometry of each
+   * pixel. Of each ray `Depths` are three window depths that ascend: up to the first there is
+   * nothing, at the second the color is the one in `Colors`, from the third on that of the image,
+   * and in between it is interpolated.
    */
   struct Layers
   {

@@ -77,7 +77,7 @@ public:
   vtkBooleanMacro(ShowProgressInTitle, bool);
   ///@}
 
-  /// How much of the still frame in progress is done, 0 to 1; 1 when there is none.
+  /// Progress of the current still frame, 0 to 1; 1 when there is none.
   vtkGetMacro(Progress, double);
 
   /**
@@ -91,7 +91,7 @@ public:
   /// Whether the window shows a coarse picture that a still one is to follow.
   bool IsStillFrameDue();
 
-  /// How many still frames have been aborted.
+  /// Number of still frames that have been aborted.
   vtkGetMacro(NumberOfAbortedFrames, int);
 
   /// Abort the still frame in progress, if there is one; it is made again later.

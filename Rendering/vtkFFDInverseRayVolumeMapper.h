@@ -173,8 +173,8 @@ public:
   ///@}
 
   /**
-   * How the pull-back Phi, from a deformed point P to the rest point where the volume is sampled,
-   * follows from the deformation T.
+   * Set/Get the method for the pull-back Phi, which maps a deformed point P to the rest point where
+   * the volume is sampled, from the deformation T.
    */
   enum InverseModes
   {
@@ -211,7 +211,7 @@ public:
   ///@}
 
   /**
-   * How deformed rays are cut into segments.
+   * Set/Get the segmentation of deformed rays.
    */
   enum Segmentations
   {
@@ -270,7 +270,7 @@ public:
   ///@}
 
   /**
-   * How rays leap over empty space.
+   * Set/Get the empty-space leaping of rays.
    */
   enum SpaceLeapings
   {
@@ -322,7 +322,7 @@ public:
   ///@}
 
   /**
-   * What the transfer functions are looked up for.
+   * Set/Get the classification: by samples, or by the intervals between them.
    */
   enum Classifications
   {
@@ -447,10 +447,10 @@ public:
 
   ///@{
   /**
-   * How far what a part of the picture shows may have moved in the deformed volume since its rays
-   * were cast, edit by edit added up, until they are cast again with FrameCoherence: pixels, as
-   * large as they are where it is. (Where T is not inverted, how far in the volume at rest.) 0: a
-   * part is shown again only if nothing in it has moved at all. Not negative. Default: 0.25.
+   * Set/Get the largest motion of the material in a part of the picture, summed over all edits
+   * since its rays were cast, for which FrameCoherence reuses the part: pixels, by their size at
+   * the material. (If T is not inverted, motion in the volume at rest.) 0: a part is shown again
+   * only if nothing in it has moved at all. Not negative. Default: 0.25.
    */
   virtual void SetFrameCoherenceTolerance(double pixels);
   vtkGetMacro(FrameCoherenceTolerance, double);
@@ -463,8 +463,8 @@ public:
   double GetExpectedStillTime();
 
   /**
-   * How much, 0 to 1, of the last picture in a window was taken from the picture before it: see
-   * SetFrameCoherence(). 0 after RenderToImage().
+   * Get the part, 0 to 1, of the last picture in a window that was taken from the picture before
+   * it, see SetFrameCoherence(). 0 after RenderToImage().
    */
   double GetReusedFraction();
 
@@ -563,7 +563,7 @@ public:
 
   ///@{
   /**
-   * How much of the look of a label is taken, color and opacity; the rest is the look without a
+   * Set/Get the weight of a label's color and opacity; the rest is the weight of those without a
    * mask. Range 0 to 1, other numbers are refused with an error. Default: 1.
    */
   virtual void SetMaskBlendFactor(float factor);
@@ -946,7 +946,7 @@ public:
     vtkIdTypeArray* pixels, vtkPolyData* rays, vtkPolyData* viewingRays, vtkPolyData* samples);
 
   /**
-   * Where the material that is shown at a point of deformed space lies at rest: the pull-back of
+   * Compute the rest position of the material at a point of deformed space: the pull-back of
    * `deformed`, by InverseMode, but to a billionth of a voxel. Both in data coordinates; the point
    * may lie outside of the volume, then so does the result. vtkFFDVolumePicker does this for what
    * is seen at a pixel. Returns 1, or 0 after an error; `rest` is then left as it was.
@@ -976,9 +976,9 @@ public:
   };
 
   /**
-   * How often a part has been made since this mapper was: none is made again before something that
-   * it depends on has changed. For tests and for finding out why a frame is slow. -1 for a number
-   * that is no part.
+   * Get the number of times that a stage has been made since this mapper was created: none is made
+   * again before something that it depends on has changed. For tests and for finding out why a
+   * frame is slow. -1 for a number that is no stage.
    */
   vtkTypeInt64 GetNumberOfBuilds(int part);
 

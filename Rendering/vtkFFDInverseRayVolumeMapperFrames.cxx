@@ -363,7 +363,7 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
     std::vector<float>& all = in.Caster.GetWindowDepths();
     all.resize(static_cast<std::size_t>(pixels.x) * static_cast<std::size_t>(pixels.y));
     const bool read = vtkFFDImageDisplay::ReadDepths(renderer, rectangle, all.data());
-    // Where nothing opaque was drawn there is nothing to stop at.
+    // A depth buffer without opaque geometry stops no ray.
     if (read && std::any_of(all.begin(), all.end(), [](float depth) { return depth < 1.0f; }))
     {
       depths = region.Rays != pixels ? in.Caster.FindRayDepths(region, pixels) : all.data();

@@ -69,7 +69,7 @@ public:
 
   ///@{
   /**
-   * Where the picked material lies at rest, data coordinates.
+   * Get the rest position of the picked material, data coordinates.
    */
   vtkGetVector3Macro(RestPosition, double);
   ///@}

@@ -65,7 +65,7 @@ struct Voxels
 bool FindUniformView(
   vtkDataSet* input, vtkDataArray* scalars, bool ofCells, UniformView& view, std::string& message);
 
-/// Where voxels lie, and which are hidden.
+/// Makes the geometry of the voxels and the mask of hidden ones.
 Made MakeVoxels(Voxels& voxels, StageTools& tools, const UniformView& view, const GridSources& grid,
   const Source<vtkDataArray>& scalars, bool ofCells);
 

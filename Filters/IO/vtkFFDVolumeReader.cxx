@@ -61,7 +61,7 @@ constexpr std::size_t LargestHeader = 65536;
 /// LPS has x and y the other way round.
 const glm::dvec3 FromRas(-1.0, -1.0, 1.0);
 
-/// Where voxel (0, 0, 0) lies, and the steps from voxel to voxel.
+/// Position of voxel (0, 0, 0), and the steps from voxel to voxel.
 struct Placement
 {
   glm::dvec3 Origin{ 0.0 };
@@ -203,8 +203,8 @@ bool PlaceMetaImage(const char* path, const glm::dvec3& spacing, Placement& plac
   return true;
 }
 
-/// What VTK's reader would hang on: a header that holds zeros or does not end, and what data files
-/// it names. Empty: all is well.
+/// Finds what would hang VTK's reader: a header that holds zeros or does not end, or data files
+/// that do not end. Empty: none.
 std::string FindNrrdProblem(const char* path)
 {
   const std::string text = ReadStart(path);

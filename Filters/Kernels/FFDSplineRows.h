@@ -15,7 +15,7 @@
 namespace ffd
 {
 
-/// Where the points of an image grid lie: data = Origin + IndexToData * index.
+/// Geometry of an image grid: data = Origin + IndexToData * index.
 struct ImageGrid
 {
   glm::dvec3 Origin{ 0.0 }; ///< of index (0, 0, 0), inside the extent or not

@@ -13,7 +13,7 @@ namespace ffd
 namespace
 {
 
-/// Where a border mode takes the coefficient of control point i from: sign * c[index].
+/// Coefficient that a border mode gives control point i: sign * c[index].
 struct BorderSource
 {
   int Index;

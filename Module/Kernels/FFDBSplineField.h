@@ -14,7 +14,7 @@
 namespace ffd
 {
 
-/// How the displacement goes on outside the control points; the values are those of
+/// Extrapolation of the displacement outside the control points; the values are those of
 /// vtkBSplineTransform (VTK_BSPLINE_EDGE, VTK_BSPLINE_ZERO, VTK_BSPLINE_ZERO_AT_BORDER).
 enum class BorderMode
 {
@@ -70,10 +70,10 @@ public:
   static constexpr int MaximumSupport = 64;
 
   /**
-   * How much each control point counts at p: D(p) is the sum of weights[n] times the displacement
-   * (scale included) of control point nodes[n], an index with x fastest. The border mode is
-   * applied, and no control point is named twice. Returns how many there are; control points of
-   * weight zero are left out.
+   * Computes the weights of control points at p: D(p) is the sum of weights[n] times the
+   * displacement (scale included) of control point nodes[n], an index with x fastest. The border
+   * mode is applied, and no control point is named twice. Returns how many there are; control
+   * points of weight zero are left out.
    */
   int ControlWeights(
     const glm::dvec3& p, std::size_t nodes[MaximumSupport], double weights[MaximumSupport]) const;

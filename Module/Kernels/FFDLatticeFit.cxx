@@ -34,7 +34,7 @@ constexpr double GridPenalty = 1e-9;
 constexpr int LargestIterations = 200;
 /// Landmark systems of at most so many cells are factorized.
 constexpr int DirectCells = 8;
-/// What is added to the diagonal of those, as a fraction of it.
+/// Fraction of the diagonal of those that is added to it.
 constexpr double DirectRidge = 1e-9;
 constexpr double ResidualReduction = 1e-7;
 /// Smoothness below which control points that no landmark determines would be left to rounding.

@@ -39,9 +39,9 @@ enum class FitStatus
 };
 
 /**
- * How far a fit goes: until the largest error is at most Tolerance (> 0), with at most MaximumCells
- * (>= 1) per axis. Proceed, if there is one, is called now and then with a fraction done; false
- * stops the fit. Parallel splits the work of landmarks over threads.
+ * Limits of a fit: it refines until the largest error is at most Tolerance (> 0), with at most
+ * MaximumCells (>= 1) per axis. Proceed, if there is one, is called now and then with a fraction
+ * done; false stops the fit. Parallel splits the work of landmarks over threads.
  */
 struct FitLimits
 {

@@ -32,7 +32,7 @@ namespace ffd
 class LinearOperator : public Eigen::EigenBase<LinearOperator>
 {
 public:
-  // What Eigen asks of a matrix.
+  // Interface that Eigen requires of a matrix.
   using Scalar = double;
   using RealScalar = double;
   using StorageIndex = int;
@@ -74,7 +74,7 @@ class LinearPreconditioner
 public:
   std::function<Eigen::VectorXd(const Eigen::VectorXd&)> Apply;
 
-  // What Eigen asks of a preconditioner.
+  // Interface that Eigen requires of a preconditioner.
   template <class Matrix>
   explicit LinearPreconditioner(const Matrix&)
   {

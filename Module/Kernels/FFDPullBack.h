@@ -31,7 +31,7 @@ inline bool InvertsTheField(PullBackKind kind)
   return kind == PullBackKind::Exact || kind == PullBackKind::FirstOrderOfInverse;
 }
 
-/// How the pull-back follows from a deformation T; the values are those of the public classes.
+/// Methods for the pull-back of a deformation T; the values are those of the public classes.
 enum class InverseMode
 {
   FirstOrder = 0, ///< 2P - T(P)
@@ -42,7 +42,7 @@ enum class InverseMode
 /// The kind for a deformation that is the field's map, or (`inverted`) the inverse of that.
 FFD_CORE_EXPORT PullBackKind FindPullBackKind(InverseMode mode, bool inverted);
 
-/// How an evaluation of the pull-back ended.
+/// Outcome of an evaluation of the pull-back.
 struct PullBackStatus
 {
   bool Converged = true; ///< false: no solution within the tolerance, the first-order point is used

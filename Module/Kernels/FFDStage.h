@@ -198,7 +198,7 @@ public:
   /// The last result, even if it is not valid: for the memory that it takes.
   const Result& GetLast() const { return this->Last; }
 
-  /// How often there was a new result.
+  /// Number of times that a new result was made.
   std::int64_t GetNumberOfBuilds() const { return this->Builds; }
 
 private:

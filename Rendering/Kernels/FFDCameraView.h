@@ -39,8 +39,8 @@ struct CameraView
   /// from columns and rows there, so that those of a pixel are the same, to the last bit, whatever
   /// part of the image is cast.
   glm::ivec2 PixelOrigin{ 0 };
-  /// Where the camera is, data coordinates: lights and highlights are seen from there, by parallel
-  /// projection, too (as vtkGPUVolumeRayCastMapper does).
+  /// Position of the camera, data coordinates. Lighting uses it with parallel projection, too, as
+  /// vtkGPUVolumeRayCastMapper does.
   glm::dvec3 Eye{ 0.0 };
   bool Parallel = false;
 

@@ -48,7 +48,7 @@ enum class OpacityLength
   Material  ///< of the interval in rest space, as the paper
 };
 
-/// What is looked up in the transfer functions.
+/// Classification by samples or by the intervals between them.
 enum class Classification
 {
   Samples,  ///< the samples, each by itself
@@ -119,8 +119,8 @@ struct CastScene
   const PullBack* Map = nullptr;
   PullBackLimits Limits; ///< of Map
   Box DeformedBounds;    ///< data coordinates; rays are cut to them
-  /// Where Volume and DeformedBounds are parts of a whole, that whole, at rest and deformed, and
-  /// else null: what is rounded and iterated is then the same in all of its parts.
+  /// Bounds of the whole volume, at rest and deformed, if Volume and DeformedBounds are parts of
+  /// one; null otherwise. They make rounding and iterations the same in all parts.
   const Box* WholeAtRest = nullptr;
   const Box* WholeDeformed = nullptr;
   Blending Blend;

@@ -28,8 +28,8 @@ constexpr double LeastOpacity = 1e-6;
 
 double OpacityOf(double opticalDepth) { return 1.0 - std::exp2(-opticalDepth); }
 
-/// Where the light of a homogeneous interval comes from: 1/2 if it is thin, 1 / (its depth in
-/// powers of e) if it is thick, and within 0.03 of the truth between them.
+/// Mean place, 0 to 1, that the light of a homogeneous interval comes from: 1/2 if it is thin,
+/// 1 / (its depth in powers of e) if it is thick, and within 0.03 of the truth between them.
 double PlaceOf(double opticalDepth)
 {
   const double depth = 0.69314718 * opticalDepth;

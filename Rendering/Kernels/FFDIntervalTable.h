@@ -14,7 +14,7 @@
 namespace ffd
 {
 
-/// What an interval of a ray does to light.
+/// Optical properties of an interval of a ray.
 struct ClassifiedInterval
 {
   double OpticalDepth; ///< the part of light that passes is 2 to the power of less than that

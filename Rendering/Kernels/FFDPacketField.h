@@ -44,9 +44,9 @@ public:
 
   /**
    * Take a copy. `rest`, if not null: the volume at rest, outside of which nobody needs D as it is.
-   * Where control points of the lattice alone count in it, D goes on linearly outside of the
-   * lattice for some cells and is constant from there: so T stays smooth, and one to one where the
-   * lattice turns the volume by large angles, which it would not with a D that is constant at once.
+   * If the deformation is a lattice alone, D goes on linearly outside of the lattice for some cells
+   * and is constant from there. So T stays smooth, and one to one if the lattice turns the volume
+   * by large angles; it would not with a D that is constant at once.
    * T^-1 is the same wherever it leads into the volume.
    */
   void Assign(const BSplineField& field, const glm::dvec3& center, const Box* rest = nullptr)

@@ -41,7 +41,7 @@ struct Light
   }
 };
 
-/// How a material reflects light: factors of the ambient, diffuse and Blinn-Phong specular terms.
+/// Reflectance of a material: factors of the ambient, diffuse and Blinn-Phong specular terms.
 struct Reflectance
 {
   float Ambient = 0.1f;

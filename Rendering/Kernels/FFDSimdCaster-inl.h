@@ -91,7 +91,7 @@ public:
   float GetReach() const { return this->Reach; }
 
 private:
-  /// Where a position has no pull-back, it is searched for again at every so many samples.
+  /// Samples between two searches for a pull-back along a ray that has none.
   static constexpr int SamplesOfNothing = 4;
   /// Kept between a leap and the faces of an empty cube, index units: rounding errors.
   static constexpr float LeapGuard[3] = { 2e-3f, 2e-3f, 2e-3f };

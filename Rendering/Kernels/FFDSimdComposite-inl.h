@@ -516,7 +516,7 @@ private:
     }
     else
     {
-      // What is not a number is black: comparisons with it are false.
+      // NaN is black: comparisons with it are false.
       const auto channel = [&](int c) {
         const Vf value = hn::Mul(values[c], Splat(this->Scene.ColorScale));
         return hn::IfThenElseZero(hn::Gt(value, zero), hn::Min(value, Splat(1.0f)));

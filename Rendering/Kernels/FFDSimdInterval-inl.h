@@ -20,7 +20,7 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// What the table says of a value.
+/// Entries of the interval table at values.
 struct IntervalPoint
 {
   Vf Entry;      ///< of the transfer table, and its fraction
@@ -61,7 +61,7 @@ HWY_INLINE Vf FindMeanExtinction(
     near, hn::Mul(Splat(0.5f), hn::Add(a.Extinction, b.Extinction)), hn::Max(mean, hn::Zero(d)));
 }
 
-/// Where the light of homogeneous intervals comes from.
+/// Mean place that the light of homogeneous intervals comes from.
 HWY_INLINE Vf PlaceInInterval(Vf opticalDepth)
 {
   const Vf depth = hn::Mul(Splat(0.69314718f), opticalDepth);
@@ -74,7 +74,7 @@ HWY_INLINE Vf OpacityOfDepth(Vf opticalDepth)
   return hn::Sub(Splat(1.0f), Exp2(hn::Neg(opticalDepth)));
 }
 
-/// Where the light of intervals comes from that may cross something steep. `front` and `back`:
+/// Mean place that the light of intervals comes from whose ends may differ. `front` and `back`:
 /// optical depths with the extinctions at the ends.
 HWY_INLINE Vf PlaceInInterval(Vf front, Vf back, Vf opticalDepth)
 {
@@ -101,7 +101,7 @@ HWY_INLINE Vf PlaceInInterval(Vf front, Vf back, Vf opticalDepth)
   return hn::IfThenElse(crosses, place, homogeneous);
 }
 
-/// What the lanes' intervals do to light.
+/// Optical properties of the lanes' intervals.
 struct ClassifiedIntervals
 {
   Vf OpticalDepth;

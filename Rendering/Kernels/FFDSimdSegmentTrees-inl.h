@@ -454,9 +454,9 @@ private:
   }
 
   /**
-   * How far before the segment the interval begins that ends at its first sample, index units;
-   * where samples are classified by themselves that does not matter. The sample before lies on
-   * another curve, whose speed is nearly the same.
+   * Finds the distance from the beginning of the interval that ends at the first sample of a
+   * segment to that segment, index units; 0 if samples are classified, not intervals. The sample
+   * before lies on another curve, whose speed is nearly the same.
    */
   float FindStepBefore(const TileSegment& segment, const BezierHull& hull) const
   {

@@ -39,8 +39,8 @@ void Rearrange(const glm::ivec2& from, const glm::ivec2& to, const glm::ivec2& s
 } // namespace
 
 /**
- * Where the corners of parts, and then the parts, are in the image, and how far from the near
- * plane. Rays begin there, so what is beyond it by d is at d at least along a ray.
+ * Projects the corners of parts, and then the parts: their places in the image and distances from
+ * the near plane. Rays begin there, so a point beyond it by d is at d at least along a ray.
  */
 class TileHistory::Projection
 {

@@ -97,7 +97,7 @@ public:
   //----------------------------------------------------------------------------
   // Selection
 
-  /// How new points change the present selection.
+  /// Operations that change the present selection by new points.
   enum SelectionOperations
   {
     REPLACE, ///< the new points alone are selected
@@ -225,8 +225,8 @@ public:
 
   ///@{
   /**
-   * Where the visible surface is under a position of the window, for direct manipulation by the
-   * mouse; the first that knows decides:
+   * Find the visible surface under a position of the window, for direct manipulation by the mouse.
+   * The first of these that finds one decides:
    * 1. observers of this object's vtkCommand::StartPickEvent (call data: double[2], the display
    *    position), by SetSurfacePoint() in world coordinates;
    * 2. SurfacePicker, any vtkAbstractPicker: its PickPosition. vtkFFDVolumePicker sees the volume

@@ -122,7 +122,8 @@ public:
     const char* name, const ffd::PointSet& points, std::ptrdiff_t leader, int interactionState);
   /// Follows the mouse again, after an option has changed.
   void RepeatDrag();
-  /// How the anchor moves with the mouse, data coordinates; what it was when seen end on.
+  /// Finds the motion of the anchor with the mouse, data coordinates; the last one when the axis is
+  /// seen end on.
   glm::dvec3 FindMotion(int constraint) const;
   void DragHandle(const glm::dvec2& before);
   void RotateHandle(const glm::dvec2& before);

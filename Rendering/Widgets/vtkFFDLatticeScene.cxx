@@ -74,9 +74,9 @@ const GlyphLevel& GetLevel(std::size_t count)
 /// Size of dimmed points, however many there are.
 constexpr double HiddenSize = 0.75;
 
-/// Where vtkPolyDataMapper's fragments find their depth, before they are lit.
+/// Place in the fragment shader of vtkPolyDataMapper where depth is set, before lighting.
 constexpr const char* DepthTag = "//VTK::Depth::Impl";
-/// Where its vertices are done.
+/// Place at the end of its vertex shader.
 constexpr const char* VertexTag = "//VTK::CustomEnd::Impl";
 
 /// Pixels by which lines may differ from those through all their points.

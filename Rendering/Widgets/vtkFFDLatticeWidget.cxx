@@ -42,7 +42,7 @@ constexpr double RangeRoom = 0.25;
 /// As vtkRenderer::ResetCameraClippingRange(): breathing room at the planes.
 constexpr double PlaneMargin = 0.01;
 
-/// How far in front of the camera a box begins and ends.
+/// Computes the distances from the camera at which a box begins and ends.
 void GetDepths(vtkCamera* camera, const double bounds[6], double& nearest, double& farthest)
 {
   const vtkMatrix4x4* view = camera->GetModelViewTransformMatrix();

@@ -47,8 +47,8 @@ struct vtkFFDPixelBox
 };
 
 /**
- * Where a renderer may draw something in front of `prop`: within the bounds of its other visible
- * props. All of it, where they do not tell.
+ * Returns the part of the window where a renderer may draw something in front of `prop`: the bounds
+ * of its other visible props, or the whole window if one of them has no bounds.
  */
 vtkFFDPixelBox vtkFFDFindHiding(vtkRenderer* renderer, vtkProp* prop);
 

@@ -42,7 +42,7 @@ public:
 
   vtkFFDTransformGizmo();
 
-  /// Where the handle is and how it looks.
+  /// Position and appearance of the handle.
   struct State
   {
     Mode Kind = Mode::Off;

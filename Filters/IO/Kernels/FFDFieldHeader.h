@@ -39,7 +39,7 @@ struct FFD_IO_EXPORT FieldHeader
   bool Compressed = false;
   /// File of the data in the header's folder; empty: the same file.
   std::string DataFile;
-  /// Where the data begin; for NIfTI in the (decompressed) file.
+  /// Offset of the data, bytes; for NIfTI in the (decompressed) file.
   std::size_t Offset = 0;
   /// The vectors are in RAS (NIfTI's intent 1006), not in LPS.
   bool VectorsInRas = false;

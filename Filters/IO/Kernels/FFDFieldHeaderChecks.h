@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-/// What the parsers of MetaImage, NRRD and NIfTI headers share.
+/// Checks shared by the parsers of MetaImage, NRRD and NIfTI headers.
 namespace ffd
 {
 

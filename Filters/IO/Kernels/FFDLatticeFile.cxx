@@ -91,7 +91,7 @@ std::string FindArrayProblem(const Attributes& attributes, double fileSize)
   return std::string();
 }
 
-/// Where the bytes of an array are, and how many they should be.
+/// Offset and expected number of the bytes of an array.
 struct LatticeFileArray
 {
   std::string_view Data; // from the start of the array to the end of the file

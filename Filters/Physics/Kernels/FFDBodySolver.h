@@ -43,7 +43,7 @@ public:
 
   /// One step in time. False when the system of equations cannot be solved.
   virtual bool Step(double h, const BodyLoads& loads) = 0;
-  /// Where nothing moves any more. False when there is no such state (a body that nothing holds).
+  /// Finds the state of equilibrium. False if there is none (a body that nothing holds).
   virtual bool Settle(const BodyLoads& loads) = 0;
   virtual double GetElasticEnergy() const = 0;
   double GetKineticEnergy() const;

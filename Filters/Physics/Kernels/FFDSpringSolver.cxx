@@ -358,7 +358,7 @@ bool SpringSolver::Step(double h, const BodyLoads& loads)
   std::vector<glm::dvec3> accurate = safe;
   if (this->Iterations > 1)
   {
-    // Where inertia alone would take the points: springs that rotate are turned along already.
+    // Positions that inertia alone would give; springs that rotate are turned along already.
     for (std::size_t i = 0; i < size; ++i)
     {
       accurate[i] =

@@ -23,8 +23,8 @@ namespace ffd
 namespace
 {
 
-/// How the four Bezier coefficients of a (sub-)cell of one axis follow from control points
-/// Base ... Base + 3 (in padded indices).
+/// Weights of control points Base ... Base + 3 (in padded indices) in the four Bezier coefficients
+/// of a (sub-)cell of one axis.
 struct AxisPiece
 {
   int Base = 0;

@@ -46,7 +46,7 @@ struct SubCellGrid
   glm::ivec3 Size;
 };
 
-/// Where a sub-cell lies along an axis, data coordinates; the constant outside ones are infinite.
+/// Ends of a sub-cell along an axis, data coordinates; the constant outside ones are infinite.
 struct SubCellEnds
 {
   double Min;

@@ -42,8 +42,8 @@ struct VolumeView
   glm::ivec3 Dimensions{ 0 };      ///< voxels per axis, each >= 2
   std::int64_t Increments[3] = {}; ///< elements between neighboring voxels per axis
   int Components = 1; ///< of each voxel, side by side in memory; Scalars is the first of them
-  /// How far scalars reach beyond the outermost voxels, index units: half a voxel where they are
-  /// of cells. The nearest voxels hold there.
+  /// Extent of scalars beyond the outermost voxels, index units: half a voxel if they are of cells.
+  /// The nearest voxels hold there.
   double Margin = 0.0;
   const AxisMap* Axes = nullptr; ///< where voxels lie, unless at equal steps
 

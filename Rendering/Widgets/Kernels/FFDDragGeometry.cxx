@@ -20,7 +20,7 @@ constexpr double EdgeOn = 0.2;
 
 constexpr double SmallestFactor = 0.01;
 
-/// Where the line point + t * axis is nearest to a line of sight.
+/// Finds the t at which the line point + t * axis is nearest to a line of sight.
 std::optional<double> FindNearestOnLine(
   const LineOfSight& line, const glm::dvec3& point, const glm::dvec3& axis)
 {

@@ -42,9 +42,9 @@ struct LineOfSight
 };
 
 /**
- * How far an anchor moves along an axis, or in the plane across one, when the mouse is dragged from
- * one line of sight to another. None when the axis is seen end on (or the plane edge on), where a
- * pixel would be any distance. `constraint` is not Free.
+ * Finds the motion of an anchor along an axis, or in the plane across one, when the mouse is
+ * dragged from one line of sight to another. None when the axis is seen end on (or the plane edge
+ * on), where a pixel would be any distance. `constraint` is not Free.
  */
 FFD_WIDGETS_EXPORT std::optional<glm::dvec3> FindConstrainedMove(MoveConstraint constraint,
   const glm::dvec3& anchor, const LineOfSight& from, const LineOfSight& to);

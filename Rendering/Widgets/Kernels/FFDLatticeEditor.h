@@ -18,7 +18,7 @@
 namespace ffd
 {
 
-/// How a selection changes; the values are those of vtkFFDLatticeRepresentation.
+/// Operations on a selection; the values are those of vtkFFDLatticeRepresentation.
 enum class SelectionOperation
 {
   Replace = 0,
@@ -117,7 +117,7 @@ public:
   /// Prepares to move a set of points and, by the options, others with them. `leader`: the point
   /// whose side leads a symmetric edit; None: the first of the set.
   void GrabPoints(const PointSet& points, std::ptrdiff_t leader);
-  /// Where a grabbed point was at the beginning.
+  /// Position of a grabbed point at the beginning of the drag.
   const glm::dvec3& GetStartPosition(std::size_t point) const
   {
     return this->StartPositions[point];

@@ -49,7 +49,8 @@ FFD_WIDGETS_EXPORT PointSet MirrorSelection(
 FFD_WIDGETS_EXPORT void MirrorChanges(const glm::ivec3& nodes, std::vector<glm::dvec3>& changes,
   const bool mirror[3], std::size_t active);
 
-/// How much a point at a part t of the radius (0: selected, 1: not moved any more) follows.
+/// Falloff of proportional editing: the part of the motion that a point takes at a part t of the
+/// radius (0: selected, 1: not moved any more).
 enum class Falloff
 {
   Smooth,  ///< 1 - 3 t^2 + 2 t^3

@@ -39,7 +39,7 @@ public:
   /// Show what the representation has; `bound` of the change of volume, too, which takes longer.
   void showState(bool bound);
 
-  /// What the controls say, to the properties of the widget.
+  /// Writes the controls' options to the properties of the widget.
   void writeOptions(vtkSMProxy* widget);
 
 Q_SIGNALS:

@@ -121,7 +121,7 @@ public:
   bool WasUnmodified = false;
   std::vector<std::vector<double>> Start; // values of EditedFunctions before the drag
 
-  /// What the panel had before an edit that was not applied, or after one that was undone.
+  /// State of the panel before an edit that was not applied, or after one that was undone.
   struct Step
   {
     std::vector<std::vector<double>> Values; // unchecked, of EditedFunctions
@@ -288,7 +288,7 @@ void pqFFDLatticePropertyWidget::showEvent(QShowEvent* event)
 void pqFFDLatticePropertyWidget::placeWidget() { this->takeBase(); }
 
 //-----------------------------------------------------------------------------
-/// What the edits are added to, from the filter.
+/// Takes the displacements that the edits are added to from the filter.
 void pqFFDLatticePropertyWidget::takeBase()
 {
   if (this->Internals->Interacting)
@@ -524,7 +524,7 @@ void pqFFDLatticePropertyWidget::showState()
 }
 
 //-----------------------------------------------------------------------------
-/// What the controls say, to the widget and its copy on the render server.
+/// Writes the controls' options to the widget and its copy on the render server.
 void pqFFDLatticePropertyWidget::setOptions()
 {
   this->Internals->Controls->writeOptions(this->widgetProxy());

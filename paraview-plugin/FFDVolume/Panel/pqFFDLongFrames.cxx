@@ -112,7 +112,7 @@ void pqFFDLongFrames::startup()
     this->Display = XOpenDisplay(nullptr);
   }
 #ifdef FFD_HAS_XINPUT2
-  // What is pressed, and not only what is held at the moment: the wheel is never held.
+  // Events of presses, not the state of the buttons: the wheel is never held.
   auto* display = static_cast<::Display*>(this->Display);
   int event;
   int error;

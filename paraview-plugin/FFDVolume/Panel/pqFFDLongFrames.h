@@ -66,7 +66,7 @@ private:
     Still
   };
 
-  /// What is known of a window.
+  /// State of a window.
   struct Frames
   {
     Kind Last = Kind::Still; // the frame in progress, or the last one

@@ -225,8 +225,8 @@ void vtkFFDCompositePass::CompositeBright()
 }
 
 //------------------------------------------------------------------------------
-/// Where the colors of any process are brighter than their alpha; false where none are. Called on
-/// all processes.
+/// Finds the rectangle where colors of any process are brighter than their alpha; false if none
+/// are. Called on all processes.
 bool vtkFFDCompositePass::FindBright(Rectangle& where) const
 {
   // First pixels and negated last ones, of which the least count; then the sizes of the windows.
@@ -253,8 +253,8 @@ bool vtkFFDCompositePass::FindBright(Rectangle& where) const
 }
 
 //------------------------------------------------------------------------------
-/// Where colors are brighter than their alpha, make that as large: sums do not wrap, and what is
-/// behind counts less. Returns whether there is such a pixel.
+/// Raises alpha to the brightest color of its pixel, so that sums do not wrap; what is behind
+/// counts less then. Returns whether there is such a pixel.
 bool vtkFFDCompositePass::RaiseAlpha()
 {
   bool any = false;

@@ -54,14 +54,14 @@ public:
   void End();
 
   /**
-   * What the root of a server calls while it waits for the other processes, see
+   * Function that the root of a server calls while it waits for the other processes, see
    * ffdserver::EndPart().
    */
   void SetWait(std::function<void()> wait);
 
   /**
-   * What is drawn from here on in this frame is blended in floats. To be called before a volume is
-   * drawn; without it the picture is what surfaces make it.
+   * Blends all that is drawn from here on in this frame in floats. To be called before a volume is
+   * drawn; without it the picture is that of surfaces.
    */
   void BlendInFloats();
 

@@ -90,7 +90,7 @@ vtkFFDEditLatticeRepresentation::vtkFFDEditLatticeRepresentation()
 {
   this->EditArray->SetNumberOfComponents(1);
   this->SelectionArray->SetNumberOfComponents(1);
-  // What hides the lattice may be drawn by other processes.
+  // Geometry that hides the lattice may be drawn by other processes.
   this->CullHiddenOff();
 }
 
@@ -299,8 +299,8 @@ void vtkFFDEditLatticeRepresentation::UpdateLattice()
     const std::vector<double> base =
       CarryOver(this->Base, this->BaseDimensions, this->Dimensions, this->Domain);
     const int* sizes = this->EditDimensions[0] > 0 ? this->EditDimensions : this->Dimensions;
-    // What comes back of the edits that were reported, perhaps in the middle of a drag, is there
-    // already; adding it again would only round differently.
+    // Reported edits that come back, perhaps in the middle of a drag, are here already; adding them
+    // again would only round differently.
     const bool ours = !this->LastReported.empty() && this->Edits == this->LastReported &&
       base == this->BaseHere && std::equal(sizes, sizes + 3, this->Dimensions) &&
       std::equal(sizes, sizes + 3, lattice->GetDimensions());

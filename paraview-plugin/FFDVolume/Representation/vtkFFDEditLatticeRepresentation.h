@@ -50,8 +50,8 @@ public:
 
   ///@{
   /**
-   * What the edits are added to: displacements of a lattice of BaseDimensions control points, x
-   * fastest, and the factor on the deformation as a whole. Defaults: none, 1.
+   * Set the displacements that the edits are added to, of a lattice of BaseDimensions control
+   * points, x fastest, and the factor on the deformation as a whole. Defaults: none, 1.
    */
   void SetBaseDimensions(int nx, int ny, int nz);
   vtkGetVector3Macro(BaseDimensions, int);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @file vtkFFDRenderedImage.h
- * What FFD Volume gives its mapper. Private to this module.
+ * The image that FFD Volume gives its mapper. Private to this module.
  */
 #ifndef vtkFFDRenderedImage_h
 #define vtkFFDRenderedImage_h
@@ -47,7 +47,7 @@ struct vtkFFDShownComponent
   }
 };
 
-/// What is rendered.
+/// Components that are rendered.
 struct vtkFFDShownComponents
 {
   /// The name of Second in the rendered image.

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @file vtkFFDServerFrames.h
- * How the client of a ParaView server aborts a frame of it. Private to the plugin.
+ * Abortion of a server's frame by the ParaView client. Private to the plugin.
  *
  * While the server renders, the client waits for the picture; messages of progress are the only
  * ones that reach it. When one comes, it may send a message that asks for an abort. The server

@@ -49,7 +49,7 @@ constexpr int FineCells = 16;
 /// Cuts that are made where they cost least.
 constexpr int CutsWithCost = 16;
 
-/// How much better another axis than the longest must be.
+/// Ratio of costs below which another axis than the longest is chosen.
 constexpr double Advantage = 0.98;
 
 /// Bounds of 2P - S(P) for P in the box.
@@ -401,7 +401,7 @@ Bounds PullBackCover::FindRestBounds(const Bounds& box) const
       return rest;
     default:
       this->Inverse->GetDeformedBounds(box.data(), rest.data());
-      // Where the map folds the first-order point may be used.
+      // If the map folds, the first-order point may be used.
       return this->FoldFree ? rest
                             : UniteBounds(rest, FindFirstOrderBoundsByParts(this->Fine, box));
   }

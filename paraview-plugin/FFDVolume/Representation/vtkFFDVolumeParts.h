@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @file vtkFFDVolumeParts.h
- * How several processes share the rendering of one deformed volume. Private to this module.
+ * Distribution of the rendering of one deformed volume over processes. Private to this module.
  *
  * Boxes of *deformed* space are shared out, one a process, and each renders the parts of the rays
  * in its box: boxes can be put in order for any camera, which deformed pieces of the volume
@@ -78,7 +78,7 @@ Bounds OpenOutwards(const Bounds& box, const Bounds& whole);
 Bounds FindDeformedBounds(const Grid& grid, vtkFFDLattice* lattice, int inverseMode);
 
 /**
- * Where boxes of deformed space are pulled back to, by bounds from the control points. The control
+ * Bounds of the pull-back of boxes of deformed space, from the control points. The control
  * points of small lattices are made more for it: the cells of the bounds are then smaller than
  * those of the lattice, and the bounds tighter.
  */

@@ -53,7 +53,7 @@ using ffdparts::Grid;
 /// Seconds between messages of progress, and looks for an abort, in frames of a server.
 constexpr double ServerProgressInterval = 0.1;
 
-/// How much coarser interactive images can be, in each way.
+/// Largest factor by which interactive images are coarser, in each way.
 constexpr double LargestCoarsening = 10.0;
 
 vtkMultiProcessController* GetController()
@@ -434,7 +434,7 @@ void vtkFFDVolumeRepresentation::ShareOut()
 }
 
 //------------------------------------------------------------------------------
-/// What of the image is rendered, as ParaView's own volume has it.
+/// Finds the components of the image that are rendered, as ParaView's own Volume does.
 vtkFFDShownComponents vtkFFDVolumeRepresentation::FindShown(vtkImageData* image)
 {
   vtkFFDShownComponents shown;

@@ -72,7 +72,7 @@ public:
 
   ///@{
   /**
-   * What the field data of a part say; false if the image is no part. `clip` is the box of the
+   * Reads the field data of a part; false if the image is no part. `clip` is the box of the
    * process, open towards the outside, and `whole` the bounds of the whole volume at rest.
    */
   static bool ReadBounds(vtkImageData* part, Bounds& clip, Bounds& whole);
@@ -85,7 +85,7 @@ private:
   /// The arrays of an image and when they changed.
   using Sources = std::vector<std::pair<vtkWeakPointer<vtkAbstractArray>, vtkMTimeType>>;
 
-  /// What each process has of the data; the same on all of them.
+  /// Parts of the data that each process has; the same on all of them.
   struct Holdings
   {
     ffdparts::Grid Grid;

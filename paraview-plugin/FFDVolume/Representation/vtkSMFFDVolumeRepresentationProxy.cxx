@@ -29,7 +29,7 @@ namespace
 
 using Names = std::array<const char*, 2>;
 
-/// What FFD Volume and ParaView's own Volume both have, by their names there.
+/// Properties that FFD Volume and ParaView's own Volume both have, by their names there.
 const std::array<Names, 5> SharedOptions{ { { { "FFDShade", "Shade" } },
   { { "FFDBlendMode", "BlendMode" } },
   { { "FFDScalarOpacityUnitDistance", "ScalarOpacityUnitDistance" } },
