@@ -200,7 +200,7 @@ class Checker:
         own = self.headers.get(os.path.basename(header))
         if header.startswith(("glm/", "hwy/")):
             return
-        if header.startswith("Eigen/") and not vectorized:
+        if header.startswith(("Eigen/", "unsupported/Eigen/")) and not vectorized:
             return
         if quote == "<" and (re.fullmatch(r"[a-z_]+", header) or header in C_HEADERS):
             return
@@ -214,7 +214,7 @@ class Checker:
 
     def check_class_include(self, path, line, header, name):
         own = self.headers.get(name)
-        if path in self.installed and (header.startswith(("glm/", "hwy/", "Eigen/"))
+        if path in self.installed and (header.startswith(("glm/", "hwy/", "Eigen/", "unsupported/"))
                                        or (own is not None and own not in self.installed)):
             self.report("installed-private", path, line,
                         f"includes {header}, which is not installed; forward declare, or move "

@@ -49,9 +49,13 @@ def american(match):
 
 def tree(root):
     """Text files of the tree that are ours."""
-    listed = subprocess.run(["git", "-C", str(root), "ls-files"], capture_output=True, text=True)
-    names = listed.stdout.split("\n") if listed.returncode == 0 else [
-        str(path.relative_to(root)) for path in root.rglob("*") if path.is_file()]
+    try:
+        listed = subprocess.run(
+            ["git", "-C", str(root), "ls-files"], capture_output=True, text=True, check=True)
+        names = listed.stdout.split("\n")
+    except (OSError, subprocess.CalledProcessError):
+        # No checkout of git, or no git.
+        names = [str(path.relative_to(root)) for path in root.rglob("*") if path.is_file()]
     for name in names:
         if (name.endswith(SUFFIXES) and not name.startswith(("Testing/Data/", "build", "output"))
                 and (root / name).exists()):

@@ -534,13 +534,13 @@ class TestRepresentation(unittest.TestCase):
         before = ffd.picture(self.view, "untransformed")
         self.assertGreater(ffd.lit(before), 1000)
         x, y, z = self.view.CameraPosition
-        self.display.Position = [5.0, 0.0, 6.0]
+        ffd.translate(self.display, [5.0, 0.0, 6.0])
         self.assertGreater(np.abs(ffd.picture(self.view, "position") - before).mean(), 2.0)
         self.view.CameraPosition = [x + 5.0, y, z + 6.0]
         self.view.CameraFocalPoint = [5.0, 0.0, 6.0]
         # But for where on the rays, from the near plane on, the samples begin.
         self.assertLess(ffd.differ(ffd.picture(self.view, "followed"), before)[1], 0.45)
-        self.display.Position = [0.0, 0.0, 0.0]
+        ffd.translate(self.display, [0.0, 0.0, 0.0])
         self.view.CameraFocalPoint = [0.0, 0.0, 0.0]
         self.display.Orientation = [0.0, 0.0, 90.0]
         self.view.CameraPosition = [-y, x, z]

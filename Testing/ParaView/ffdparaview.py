@@ -54,6 +54,12 @@ def set_functions(opaque=False):
     return opacity
 
 
+def translate(display, place):
+    """Move a representation; ParaView 5.13 has another name for it."""
+    name = "Translation" if display.SMProxy.GetProperty("Translation") else "Position"
+    setattr(display, name, place)
+
+
 def read_picture(path):
     """Height x width x 3, 0 to 255."""
     from paraview.modules.vtkPVVTKExtensionsCore import vtkPVTrivialProducer  # noqa: F401
