@@ -392,11 +392,17 @@ public:
     this->Property->ShadeOn();
     this->Property->SetAmbient(ambient);
     this->Property->SetDiffuse(diffuse);
+    this->Property->SetSpecular(specular);
+    this->Property->SetSpecularPower(power);
+  }
+
+  /// SetShading() without highlights if those of the GPU mapper differ from ours.
+  void SetShadingAsGpuMapper(double ambient, double diffuse, double specular, double power)
+  {
 #ifdef VTK_FFD_GPU_MAPPER_REFLECTS_HIGHLIGHTS
     specular = 0.0;
 #endif
-    this->Property->SetSpecular(specular);
-    this->Property->SetSpecularPower(power);
+    this->SetShading(ambient, diffuse, specular, power);
   }
 
   /// The headlight's ambient color: black as VTK's default, or white, which makes

@@ -58,7 +58,7 @@ void CheckCells(ffdTest::Checks& checks)
         scene.Property->SetInterpolationType(
           nearest ? VTK_NEAREST_INTERPOLATION : VTK_LINEAR_INTERPOLATION);
         ffdTest::CheckSamePictures(scene, name, checks);
-        scene.SetShading(0.2, 0.7, 0.3, 20.0);
+        scene.SetShadingAsGpuMapper(0.2, 0.7, 0.3, 20.0);
         ffdTest::CheckSamePictures(scene, name + ", shaded", checks);
         scene.Property->ShadeOff();
         ffdTest::SetTransfer(scene.Property,

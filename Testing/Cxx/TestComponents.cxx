@@ -106,7 +106,7 @@ void CheckDependent(ffdTest::Checks& checks)
     checks.Expect(oursGpu.Pixels > 3000 && oursGpu.Mean <= 2.5, name,
       ffdTest::ToString(oursGpu) + " from the GPU mapper (mean at most 2.5)");
     ffdTest::CheckSamePictures(scene, name, checks);
-    scene.SetShading(0.2, 0.7, 0.2, 10.0);
+    scene.SetShadingAsGpuMapper(0.2, 0.7, 0.2, 10.0);
     ffdTest::CheckSamePictures(scene, name + ", shaded", checks);
     const ffdTest::Distance shading = scene.Compare(ours, scene.Render(scene.Ours));
     checks.ExpectAtLeast(name + ", shading matters", shading.Mean, 4.0);
@@ -122,7 +122,7 @@ void CheckDependent(ffdTest::Checks& checks)
     // White, its last component alone: the same shading.
     scene.Property->IndependentComponentsOff();
     ffdTest::SetComponent(scene.Property, 0, components == 4 ? functions : white);
-    scene.SetShading(0.2, 0.7, 0.2, 10.0);
+    scene.SetShadingAsGpuMapper(0.2, 0.7, 0.2, 10.0);
     const auto whitened = ffdTest::MakeImage(
       40, VTK_UNSIGNED_CHAR, components, [components](int c, const ffdTest::Vec3& p) {
         return c == components - 1 ? ffdTest::FourFields(c, p) : 255.0;

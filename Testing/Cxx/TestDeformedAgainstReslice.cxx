@@ -129,7 +129,7 @@ void CheckModes(ffdTest::Scene& scene, const Subject& s, ffdTest::Checks& checks
   s.Image->GetBounds(bounds);
   const double voxel = FindVoxel(s.Image);
   ffdTest::SetTransfer(scene.Property, s.Points, s.Unit);
-  scene.SetShading(0.1, 0.7, 0.2, 10.0);
+  scene.SetShadingAsGpuMapper(0.1, 0.7, 0.2, 10.0);
   scene.SetSampleDistance(0.5 * voxel);
 
   const auto resample = [&](vtkAbstractTransform* pullBack, const double box[6],
@@ -239,7 +239,7 @@ void CheckAffine(ffdTest::Scene& scene, const Subject& s, const std::string& map
     0.5);
 
   ffdTest::SetTransfer(scene.Property, s.Points, s.Unit);
-  scene.SetShading(0.1, 0.7, 0.2, 10.0);
+  scene.SetShadingAsGpuMapper(0.1, 0.7, 0.2, 10.0);
   scene.SetInput(s.Image);
   // Short: the net is sampled by length on the viewing ray, the user matrix by that before it, and
   // the samples of each begin where the ray meets another volume at rest.

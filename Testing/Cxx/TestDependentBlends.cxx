@@ -184,7 +184,7 @@ void CheckColors(ffdTest::Checks& checks)
   plane->SetNormal(0.3, -1.0, 0.4);
   scene.Property->SetSliceFunction(plane);
   scene.Property->GetIsoSurfaceValues()->SetValue(0, 0.4);
-  scene.SetShading(0.2, 0.7, 0.2, 10.0);
+  scene.SetShadingAsGpuMapper(0.2, 0.7, 0.2, 10.0);
   for (const Mode& mode : Modes())
   {
     SetMode(scene, mode);

@@ -58,7 +58,7 @@ void CheckOne(ffdTest::Scene& scene, const std::string& name, vtkImageData* imag
     name, figures.str());
   checks.ExpectAtLeast(name + ", matters", scene.Compare(ours, without).Mean, 5.0);
   ffdTest::CheckSamePictures(scene, name, checks);
-  scene.SetShading(0.2, 0.7, 0.3, 20.0);
+  scene.SetShadingAsGpuMapper(0.2, 0.7, 0.3, 20.0);
   scene.Gpu->Modified();
   scene.Property->Modified();
   const ffdTest::Distance shaded = scene.Compare(scene.Render(scene.Ours), scene.Render(scene.Gpu));

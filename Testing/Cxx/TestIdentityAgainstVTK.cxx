@@ -77,7 +77,7 @@ void CheckCase(ffdTest::Scene& scene, vtkImageData* image, vtkAbstractTransform*
     scene.SetWhiteAmbientLight(light == Light::WhiteAmbient);
     if (shaded)
     {
-      scene.SetShading(c.Material[0], c.Material[1], c.Material[2], c.Material[3]);
+      scene.SetShadingAsGpuMapper(c.Material[0], c.Material[1], c.Material[2], c.Material[3]);
     }
     else
     {
@@ -140,7 +140,7 @@ void CheckSteep(
   scene.SetCamera({ 30.0, 20.0, 1.0, false, false }, image->GetBounds());
   for (const bool shaded : { false, true })
   {
-    scene.SetShading(0.1, 0.7, 0.2, 10.0);
+    scene.SetShadingAsGpuMapper(0.1, 0.7, 0.2, 10.0);
     scene.Property->SetShade(shaded);
     for (const double step : { 1.0, 0.4 })
     {

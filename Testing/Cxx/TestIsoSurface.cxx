@@ -111,7 +111,7 @@ int TestIsoSurface(int argc, char* argv[])
   const ffdTest::Transfer transfer = { { 400, 0.9, 0.6, 0.5, 0.4 }, { 1100, 0.9, 0.7, 0.6, 0.4 },
     { 1150, 1.0, 1.0, 0.9, 1.0 }, { 2500, 1.0, 1.0, 0.9, 1.0 } };
   ffdTest::SetTransfer(scene.Property, transfer, 1.0);
-  scene.SetShading(0.2, 0.7, 0.2, 10.0);
+  scene.SetShadingAsGpuMapper(0.2, 0.7, 0.2, 10.0);
   scene.SetInput(image);
   scene.SetSampleDistance(0.25 * voxel);
   scene.SetCamera({ 40.0, 20.0, 1.0, false, false }, bounds);

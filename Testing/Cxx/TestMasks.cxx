@@ -75,7 +75,7 @@ void CheckBinary(ffdTest::Checks& checks)
   const ffdTest::Picture part = f.CheckAgainstGpu("binary mask", 3.0, checks);
   checks.ExpectAtLeast("binary mask, matters", f.Scene.Compare(all, part).Mean, 20.0);
   ffdTest::CheckSamePictures(f.Scene, "binary mask", checks);
-  f.Scene.SetShading(0.2, 0.7, 0.3, 20.0);
+  f.Scene.SetShadingAsGpuMapper(0.2, 0.7, 0.3, 20.0);
   f.CheckAgainstGpu("binary mask, shaded", 4.0, checks);
   f.Scene.Property->ShadeOff();
 
@@ -133,7 +133,7 @@ void CheckLabels(ffdTest::Checks& checks)
   checks.Expect(
     off.Max <= 1.0, "labels, blended by 0", ffdTest::ToString(off) + " (max at most 1)");
   f.SetBlend(1.0f);
-  f.Scene.SetShading(0.2, 0.7, 0.3, 20.0);
+  f.Scene.SetShadingAsGpuMapper(0.2, 0.7, 0.3, 20.0);
   f.CheckAgainstGpu("labels, shaded", 5.0, checks);
   f.Scene.Property->ShadeOff();
 

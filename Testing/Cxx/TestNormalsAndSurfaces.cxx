@@ -18,7 +18,7 @@ void CheckSurface(ffdTest::Checks& checks)
   scene.SetSampleDistance(0.5);
   ffdTest::SetTransfer(scene.Property,
     { { 40, 0.9, 0.4, 0.2, 0.0 }, { 60, 0.9, 0.6, 0.2, 0.4 }, { 255, 0.3, 0.6, 0.8, 0.6 } }, 1.0);
-  scene.SetShading(0.2, 0.5, 0.3, 20.0);
+  scene.SetShadingAsGpuMapper(0.2, 0.5, 0.3, 20.0);
   const ffdTest::Picture before = scene.Render(scene.Ours);
   const auto check = [&](const std::string& name, double least) {
     const ffdTest::Picture ours = scene.Render(scene.Ours);
@@ -34,24 +34,25 @@ void CheckSurface(ffdTest::Checks& checks)
       ffdTest::ToString(gpu) + " from the GPU mapper (mean at most 4)");
     checks.ExpectAtLeast(name + ", matters", scene.Compare(before, ours).Mean, least);
   };
-  scene.SetShading(0.6, 0.5, 0.3, 20.0);
+  scene.SetShadingAsGpuMapper(0.6, 0.5, 0.3, 20.0);
   check("ambient", 10.0);
-  scene.SetShading(0.2, 0.9, 0.3, 20.0);
+  scene.SetShadingAsGpuMapper(0.2, 0.9, 0.3, 20.0);
   check("diffuse", 10.0);
   scene.SetShading(0.2, 0.5, 0.9, 20.0);
   check("specular", 2.0);
   scene.SetShading(0.2, 0.5, 0.3, 2.0);
   check("specular power", 4.0);
-  scene.SetShading(0.2, 0.5, 0.3, 20.0);
+  scene.SetShadingAsGpuMapper(0.2, 0.5, 0.3, 20.0);
   scene.Headlight->SetDiffuseColor(1.0, 0.2, 0.2);
   check("diffuse color", 4.0);
   scene.Headlight->SetDiffuseColor(1.0, 1.0, 1.0);
+  scene.SetShading(0.2, 0.5, 0.3, 20.0);
   scene.Headlight->SetSpecularColor(0.0, 1.0, 0.0);
   check("specular color", 0.5);
   scene.Headlight->SetSpecularColor(1.0, 1.0, 1.0);
   // Only at full intensity does a headlight light the ambient term whatever its color; in the GPU
   // mapper others do so with white.
-  scene.SetShading(0.2, 0.5, 0.3, 20.0);
+  scene.SetShadingAsGpuMapper(0.2, 0.5, 0.3, 20.0);
   scene.SetWhiteAmbientLight(false);
   scene.Headlight->SetIntensity(0.5);
   check("intensity", 10.0);
@@ -61,7 +62,7 @@ void CheckSurface(ffdTest::Checks& checks)
   scene.Headlight->SetLightTypeToSceneLight();
   scene.Headlight->SetFocalPoint(0.0, 0.0, 0.0);
   scene.Headlight->SetPosition(0.4, -1.0, 0.5);
-  scene.SetShading(0.6, 0.3, 0.0, 20.0);
+  scene.SetShadingAsGpuMapper(0.6, 0.3, 0.0, 20.0);
   scene.Headlight->SetAmbientColor(0.0, 0.0, 0.0);
   const ffdTest::Picture dark = scene.Render(scene.Ours);
   scene.Headlight->SetAmbientColor(0.1, 0.9, 0.3);
@@ -85,7 +86,7 @@ void CheckNormalFromOpacity(ffdTest::Checks& checks)
   scene.SetCamera({ 30.0, 25.0, 1.0, true, false }, image->GetBounds());
   ffdTest::SetTransfer(scene.Property, { { 0, 1.0, 1.0, 1.0, 0.0 } }, 1.0);
   scene.Property->SetScalarOpacity(opacity);
-  scene.SetShading(0.1, 0.8, 0.3, 20.0);
+  scene.SetShadingAsGpuMapper(0.1, 0.8, 0.3, 20.0);
   // Sides matter only if lights are not two-sided.
   scene.Renderer->TwoSidedLightingOff();
   const ffdTest::Picture byScalars = scene.Render(scene.Ours);

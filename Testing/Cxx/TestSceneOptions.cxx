@@ -107,7 +107,7 @@ void CheckLights(ffdTest::Scene& scene, vtkImageData* image, ffdTest::Checks& ch
   };
 
   // VTK 9.1's GPU mapper overwrites the specular term of one light by the next: none here.
-  scene.SetShading(0.1, 0.8, 0.0, 1.0);
+  scene.SetShadingAsGpuMapper(0.1, 0.8, 0.0, 1.0);
   auto red = addLight(-1.0, -2.0, 0.5, 1.0, 0.2, 0.1);
   const ffdTest::Picture one = check("one colored light", 33.0);
   auto blue = addLight(2.0, -0.5, 1.0, 0.1, 0.3, 1.0);
@@ -198,7 +198,7 @@ void CheckBounds(ffdTest::Scene& scene, vtkImageData* image, ffdTest::Checks& ch
   scene.SetInput(image);
   scene.SetSampleDistance(1.0);
   ffdTest::SetTransfer(scene.Property, ffdTest::SolidEngine(), 1.0);
-  scene.SetShading(0.1, 0.7, 0.2, 10.0);
+  scene.SetShadingAsGpuMapper(0.1, 0.7, 0.2, 10.0);
   double rest[6];
   image->GetBounds(rest);
   const vtkSmartPointer<vtkBSplineTransform> bulge =

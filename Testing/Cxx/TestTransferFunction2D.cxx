@@ -65,7 +65,7 @@ void CheckGradient(ffdTest::Checks& checks)
       ffdTest::ToString(d) + " from the GPU mapper (mean at most 3)");
     checks.ExpectAtLeast(name + ", matters", scene.Compare(ours, oneD).Mean, 20.0);
     ffdTest::CheckSamePictures(scene, name, checks);
-    scene.SetShading(0.2, 0.7, 0.3, 20.0);
+    scene.SetShadingAsGpuMapper(0.2, 0.7, 0.3, 20.0);
     ffdTest::CheckSamePictures(scene, name + ", shaded", checks);
     scene.Property->ShadeOff();
     // The second axis matters: without it another picture.

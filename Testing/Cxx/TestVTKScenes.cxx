@@ -470,10 +470,10 @@ std::vector<SceneTest> Scenes()
   scenes.push_back({ "LightComponents", "TestFixedPointRayCastLightComponents", Reference::Gpu,
     [](Stage& s) {
       s.ShowSolidEngine();
-      s.SetShading(0.1, 0.7, 0.2, 10.0);
+      s.SetShadingAsGpuMapper(0.1, 0.7, 0.2, 10.0);
     },
     [](Stage& s, bool on) {
-      s.SetShading(on ? 0.3 : 0.1, on ? 0.3 : 0.7, on ? 0.9 : 0.2, on ? 40.0 : 10.0);
+      s.SetShadingAsGpuMapper(on ? 0.3 : 0.1, on ? 0.3 : 0.7, on ? 0.9 : 0.2, on ? 40.0 : 10.0);
     },
     2.5, 16.0, 29.0 });
   scenes.push_back({ "PositionalLights", "TestGPURayCastPositionalLights", Reference::Gpu,
@@ -483,7 +483,7 @@ std::vector<SceneTest> Scenes()
       // wrong by the proportions of the volume (mean 8.9 on the engine itself).
       s.Show(s.MakeCube(s.Read("engine", 2, 0.0)), ffdTest::SolidEngine(), 2.0, 0.0);
       // Without highlights: the half vector of VTK's GPU mapper is wrong for positional lights.
-      s.SetShading(0.1, 0.8, 0.0, 20.0);
+      s.SetShadingAsGpuMapper(0.1, 0.8, 0.0, 20.0);
     },
     SetPositionalLights, 2.0, 12.0, 25.0 });
   scenes.push_back({ "LargeColorFunction", "TestGPURayCastLargeColorTransferFunction",
@@ -564,7 +564,7 @@ std::vector<SceneTest> Scenes()
   scenes.push_back({ "IsoSurface", "TestGPURayCastIsosurface", Reference::Gpu,
     [](Stage& s) {
       s.ShowHead();
-      s.SetShading(0.1, 0.7, 0.2, 10.0);
+      s.SetShadingAsGpuMapper(0.1, 0.7, 0.2, 10.0);
       s.Property->GetIsoSurfaceValues()->SetValue(0, 700.0);
     },
     [](Stage& s, bool on) {
@@ -906,7 +906,7 @@ std::vector<SceneTest> Scenes()
     [](Stage& s) {
       // A cube, without highlights: see PositionalLights.
       s.Show(s.MakeCube(s.Read("engine", 2, 0.0)), ffdTest::SolidEngine(), 2.0, 0.0);
-      s.SetShading(0.1, 0.8, 0.0, 20.0);
+      s.SetShadingAsGpuMapper(0.1, 0.8, 0.0, 20.0);
     },
     [](Stage& s, bool on) {
       s.Renderer->RemoveAllLights();
