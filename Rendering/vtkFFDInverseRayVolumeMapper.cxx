@@ -726,6 +726,7 @@ void vtkFFDInverseRayVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
     this->SetInterpolationMode(like->InterpolationMode);
     this->SetMaxMemoryInBytes(like->MaxMemoryInBytes);
     this->SetMaxMemoryFraction(like->MaxMemoryFraction);
+    this->SetLowResMode(like->LowResMode);
     this->SetUseDepthPass(like->UseDepthPass);
     this->SetGlobalIlluminationReach(like->GlobalIlluminationReach);
     this->SetVolumetricScatteringBlending(like->VolumetricScatteringBlending);
@@ -821,6 +822,7 @@ void vtkFFDInverseRayVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "InterpolationMode: " << this->InterpolationMode << "\n";
   os << indent << "MaxMemoryInBytes: " << this->MaxMemoryInBytes << "\n";
   os << indent << "MaxMemoryFraction: " << this->MaxMemoryFraction << "\n";
+  os << indent << "LowResMode: " << this->LowResMode << "\n";
   os << indent << "UseDepthPass: " << this->UseDepthPass << "\n";
   os << indent << "GlobalIlluminationReach: " << this->GlobalIlluminationReach << "\n";
   os << indent << "VolumetricScatteringBlending: " << this->VolumetricScatteringBlending << "\n";

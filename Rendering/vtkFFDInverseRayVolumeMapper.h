@@ -896,6 +896,11 @@ public:
     RenderPass,
     DepthPass = 1
   };
+  enum LowResModeType
+  {
+    LowResModeDisabled = 0,
+    LowResModeResample
+  };
   virtual int IsRenderSupported(vtkRenderWindow*, vtkVolumeProperty*) { return 1; }
   vtkSetMacro(RequestedRenderMode, int);
   vtkGetMacro(RequestedRenderMode, int);
@@ -921,6 +926,8 @@ public:
   vtkTextureObject* GetColorTexture() { return nullptr; }
   vtkTextureObject* GetDepthTexture() { return nullptr; }
   void SetSharedDepthTexture(vtkTextureObject*) {}
+  vtkSetMacro(LowResMode, int);
+  vtkGetMacro(LowResMode, int);
   vtkSetMacro(UseDepthPass, vtkTypeBool);
   vtkGetMacro(UseDepthPass, vtkTypeBool);
   vtkBooleanMacro(UseDepthPass, vtkTypeBool);
@@ -1100,6 +1107,7 @@ private:
   int InterpolationMode = 3;
   vtkIdType MaxMemoryInBytes = 0;
   float MaxMemoryFraction = 0.75f;
+  int LowResMode = LowResModeDisabled;
   vtkTypeBool UseDepthPass = 0;
   float GlobalIlluminationReach = 0.0f;
   float VolumetricScatteringBlending = 0.0f;

@@ -220,8 +220,8 @@ CLASSES = {
             SetInteractiveUpdateRate SetIntermixIntersectingGeometry SetInterpolationMode
             SetInterpolationModeToCubic SetInterpolationModeToLinear
             SetInterpolationModeToNearestNeighbor SetInverseModeToExact
-            SetLockSampleDistanceToInputSpacing SetMaskTypeToLabelMap SetMaxMemoryFraction
-            SetMaxMemoryInBytes SetMaximumImageSampleDistance SetMinimumImageSampleDistance
+            SetLockSampleDistanceToInputSpacing SetLowResMode SetMaskTypeToLabelMap
+            SetMaxMemoryFraction SetMaxMemoryInBytes SetMaximumImageSampleDistance SetMinimumImageSampleDistance
             SetMinimumSegmentLength SetNumberOfThreads SetOpacityLengthToWorld SetPartitions
             SetProgress SetProgressObserver SetProgressShiftScale SetProgressText
             SetReleaseDataFlag SetReportProgress SetRequestedRenderMode
