@@ -5,7 +5,9 @@
 and edited in the panel, applied, undone and traced."""
 
 import json
+import base64
 import os
+import sqlite3
 import subprocess
 import tempfile
 import unittest
@@ -129,9 +131,24 @@ class TestPanel(unittest.TestCase):
         self.assertEqual(heights[-3:], [dragged, 0.0, dragged])
         self.assertEqual(trace.count("Displacements ="), 1)
 
+    def test_help_pages(self):
+        """The pages that the panel's question mark opens are part of the plugin."""
+        pages = os.path.join(os.environ["FFD_BUILD_DIR"], "paraview", "FFDVolume", "paraview_help",
+                             "FFDVolume.qch")
+        with sqlite3.connect(pages) as book:
+            names = {name for name, in book.execute("SELECT Name FROM FileNameTable")}
+        for name in ("FFDLattice", "FFDResampleToImage", "FFDDeformGeometry"):
+            self.assertIn("filters.%s.html" % name, names)
+        with open(pages, "rb") as book, open(PLUGIN, "rb") as library:
+            self.assertIn(base64.b64encode(book.read())[3000:3060], library.read())
+
     def test_controls(self):
-        """Resolution, refinement, numeric entry, options and reset."""
+        """Resolution, refinement, numeric entry, options, reset and help."""
         events = Events()
+        # The question mark of the panel opens ParaView's window of help, on the page of the filter.
+        events.click(PROPERTIES + "Help")
+        events.add("pqHelpWindow/contentsDock", "keyEvent", "6:16777216:0::0:1")
+        events.add(WINDOW + "FFD", "keyEvent", "6:16777216:0::0:1")  # the toolbar
         events.drag((0.5, 0.5), (0.6, 0.3))
         events.set(PANEL + "Resolution_0", "int", "7")
         events.click(PANEL + "Refine")

@@ -285,7 +285,8 @@ class TestMapperPipeline(unittest.TestCase):
             return np.array([begin] + [seconds for _, seconds in reports] + [end])
 
         seconds = prepare(2.0)
-        self.assertGreater(seconds[-1] - seconds[0], 0.5)
+        # There is something to abort.
+        self.assertGreater(len(seconds), 20)
         self.assertLess(np.diff(seconds).max(), 0.25)
         for stop in (0.0, 0.1, 0.28, 0.4):
             seconds = prepare(stop)
