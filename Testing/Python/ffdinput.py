@@ -48,9 +48,12 @@ def click(button):
     release(button)
 
 
-def strike(symbol):
-    """Press and release a key by its name, as 'Left' or 'Shift_L'."""
-    code = _x11.XKeysymToKeycode(_server, _x11.XStringToKeysym(symbol.encode()))
-    for down in (1, 0):
-        _xtest.XTestFakeKeyEvent(_server, code, down, ctypes.c_ulong(0))
+def strike(*symbols):
+    """Press keys by their names, as 'Left' or 'Shift_L', one after the other, and release them in the
+    opposite order: 'Control_L', 'b'."""
+    codes = [_x11.XKeysymToKeycode(_server, _x11.XStringToKeysym(symbol.encode()))
+             for symbol in symbols]
+    for down, keys in ((1, codes), (0, reversed(codes))):
+        for code in keys:
+            _xtest.XTestFakeKeyEvent(_server, code, down, ctypes.c_ulong(0))
     _x11.XSync(_server, 0)
