@@ -171,8 +171,8 @@ public:
 
   ///@{
   /**
-   * How many transforms the stack has that was read last, 0 where the file is none; and the time of
-   * one of them, counted from 0, as the file tells, in its units.
+   * Get the number of transforms in the stack that was read last, 0 if the file is none, and the
+   * time of one of them, counted from 0, in the units of the file.
    */
   vtkGetMacro(StackSize, int);
   double GetStackTime(int index) const;

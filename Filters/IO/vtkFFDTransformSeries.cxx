@@ -100,7 +100,7 @@ void vtkFFDTransformSeries::PrintSelf(ostream& os, vtkIndent indent)
 }
 
 //------------------------------------------------------------------------------
-/// What is read from files, or made of it, is no longer what it was.
+/// Marks all that was read from files, or made of it, as out of date.
 void vtkFFDTransformSeries::ChangeFiles()
 {
   this->IsRead = false;

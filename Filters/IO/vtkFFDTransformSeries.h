@@ -112,7 +112,7 @@ public:
   vtkGetMacro(TimeSpacing, double);
   ///@}
 
-  /// What the lattice is between two steps.
+  /// Interpolations of the lattice between two steps.
   enum Interpolations
   {
     STEP,  ///< that of the step before

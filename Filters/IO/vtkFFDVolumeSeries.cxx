@@ -42,7 +42,7 @@ namespace
 /// Steps that are kept whatever their size: two to be interpolated, and one read ahead.
 constexpr std::size_t LeastKept = 3;
 
-/// What a file gave.
+/// The result of reading a file.
 struct Volume
 {
   vtkSmartPointer<vtkImageData> Image;

@@ -62,7 +62,7 @@ public:
   vtkGetMacro(TimeSpacing, double);
   ///@}
 
-  /// What the volume is between two steps.
+  /// Interpolations of the volume between two steps.
   enum Interpolations
   {
     STEP,  ///< that of the step before
@@ -90,8 +90,8 @@ public:
 
   ///@{
   /**
-   * How much memory volumes may take that are not shown, MiB, 0 to 1048576. Default 1024. Two steps
-   * and the one that is read ahead are kept in any case.
+   * Set/Get the memory that volumes which are not shown may take, MiB, 0 to 1048576. Default 1024.
+   * Two steps and the one that is read ahead are kept in any case.
    */
   vtkSetClampMacro(CacheSize, int, 0, 1048576);
   vtkGetMacro(CacheSize, int);

@@ -297,7 +297,7 @@ private:
     const Vf opacity =
       hn::Sub(one, Exp2(hn::Neg(hn::Mul(extinction, Splat(this->Scene.UnitDistance)))));
     const Vf weight = Splat(static_cast<float>(this->Scene.Source->Blend.Weight[0]));
-    // What is not a number is not shown: comparisons with it are false.
+    // NaN is not shown: comparisons with it are false.
     const Mf visible = hn::And(hn::And(sampled, hn::Eq(value, value)),
       hn::And(hn::Gt(extinction, zero), hn::Gt(weight, zero)));
     const Vf shown = hn::IfThenElseZero(visible, hn::Min(hn::Mul(weight, opacity), one));

@@ -96,7 +96,7 @@ private:
   /// Kept between a leap and the faces of an empty cube, index units: rounding errors.
   static constexpr float LeapGuard[3] = { 2e-3f, 2e-3f, 2e-3f };
 
-  /// How far beyond the faces of the volume and the ends of rays slices count as inside, voxels.
+  /// Tolerance for slices at the faces of the volume and the ends of rays, voxels.
   static constexpr float SliceGuard = 1e-3f;
 
   static int FloorDivide(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }

@@ -116,11 +116,11 @@ TEST(MinMaxBlocks, ContainBruteForceLimitsForEveryType)
         ASSERT_LE(parent.Min, limits.Min);
         ASSERT_GE(parent.Max, limits.Max);
         const double unit = exact ? 1.0 : code;
-        const double width = std::max(parent.Max - parent.Min, 63.0 * unit);
+        const double parentWidth = std::max(parent.Max - parent.Min, 63.0 * unit);
         const double slack = 2.0 * code + rounding;
-        ASSERT_GE(limits.Min, truth.Min - slack - width / 3.0 - unit);
-        ASSERT_LE(
-          limits.Max, truth.Max + slack + (width > 63.0 * unit ? width / 63.0 + unit : 0.0));
+        ASSERT_GE(limits.Min, truth.Min - slack - parentWidth / 3.0 - unit);
+        ASSERT_LE(limits.Max,
+          truth.Max + slack + (parentWidth > 63.0 * unit ? parentWidth / 63.0 + unit : 0.0));
       });
     }
   }
