@@ -5,7 +5,7 @@
 works.
 
 The folder of the build is kept, so that it is brought up to date the next time. Nothing but the
-server manager's part is looked at, hence the flags: no optimization, kernels for one processor.
+server manager's part is looked at, hence no optimization, and the kernels of the main build.
 """
 
 import os
@@ -16,6 +16,7 @@ TEMPORARY = os.environ["FFD_TEST_TEMPORARY"]
 SOURCE = os.environ["FFD_PARAVIEW_SOURCE"]
 PARAVIEW = os.environ["FFD_PARAVIEW_DIR"]
 PYTHON = os.environ["FFD_PYTHON"]
+BUILD = os.environ["FFD_BUILD_DIR"]
 
 SCRIPT = """
 from paraview import simple
@@ -46,7 +47,8 @@ class TestNoPanel(unittest.TestCase):
             "cmake", "-G", "Ninja", "-S", SOURCE, "-B", build, "-DFFD_PARAVIEW_GUI=OFF",
             "-DParaView_DIR=" + PARAVIEW, "-DPython3_EXECUTABLE=" + PYTHON,
             "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_INSTALL_LIBDIR=lib",
-            "-DCMAKE_CXX_FLAGS_RELEASE=-O0 -DHWY_COMPILE_ONLY_STATIC",
+            "-DCMAKE_CXX_FLAGS_RELEASE=-O0",
+            "-DFFD_KERNEL_OBJECTS=" + os.path.join(BUILD, "kernel-objects.cmake"),
             # Not to be found.
             "-DCMAKE_DISABLE_FIND_PACKAGE_Qt5=ON", "-DCMAKE_DISABLE_FIND_PACKAGE_Qt6=ON")
         self.assertIn("Qt panel: OFF", configured)
