@@ -140,14 +140,14 @@ class TestReferenceKernels(unittest.TestCase):
 
     def test_always(self):
         for dimensions in ((3, 12, 12), (12, 12, 3)):
-            for mode in ("", "IsoSurface", "MaximumIntensity"):
+            for mode in ("", "IsoSurface", "MaximumIntensity", "Slice"):
                 self.check(True, dimensions, mode=mode)
-        self.check(True, (12, 12, 12), mode="Slice")
         self.check(True, (12, 12, 12), mode="GREEDY_ANGLE")
 
     def test_only_when_asked_for(self):
         self.check(False, (12, 12, 12))
         self.check(False, (4, 12, 12))
+        self.check(False, (12, 12, 12), mode="Slice")
         for dimensions in ((3, 12, 12), (12, 12, 3)):
             self.check(False, dimensions, gradient=True)
             self.check(False, dimensions, components=2)
