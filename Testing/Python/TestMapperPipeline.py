@@ -286,7 +286,7 @@ class TestMapperPipeline(unittest.TestCase):
 
         seconds = prepare(2.0)
         # There is something to abort.
-        self.assertGreater(len(seconds), 20)
+        self.assertGreater(len(seconds), 8)
         self.assertLess(np.diff(seconds).max(), 0.25)
         for stop in (0.0, 0.1, 0.28, 0.4):
             seconds = prepare(stop)
