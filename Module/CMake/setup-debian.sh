@@ -41,9 +41,10 @@ if [ "${1:-}" = --paraview ]; then
   # ParaView, the Qt that it is built with for the plugin's panel (and for the icons of ParaView 5.13), what
   # makes its help pages, and MPI's launcher for parallel servers. What else the plugin needs cannot be
   # installed next to python3-vtk9: setup-paraview.sh.
-  packages+=(paraview paraview-dev libxi-dev openmpi-bin qtxmlpatterns5-dev-tools)
+  packages+=(paraview paraview-dev libxi-dev openmpi-bin)
   case "$system" in
-    "debian 12") packages+=(qtbase5-dev qttools5-dev libqt5svg5-dev libqt5opengl5-dev) ;; # ParaView 5.11
+    "debian 12") # ParaView 5.11
+      packages+=(qtbase5-dev qttools5-dev libqt5svg5-dev libqt5opengl5-dev qtxmlpatterns5-dev-tools) ;;
     "debian 13") packages+=(qt6-base-dev qt6-tools-dev qt6-svg-dev qt6-svg-plugins qt6-5compat-dev) ;; # 5.13
     *) packages+=(qt6-base-dev qt6-tools-dev qt6-svg-dev qt6-5compat-dev) ;;
   esac

@@ -85,7 +85,7 @@ TEST(LatticeFit, AffineLandmarksGiveTheAffineMapEverywhere)
     points.push_back(random.Point(fit));
     displacements.push_back(Affine(points.back()));
   }
-  EXPECT_EQ(ffd::FitNetToPoints(points, displacements, {}, 1e-6, { 1e-9, 64, {} }, fit),
+  EXPECT_EQ(ffd::FitNetToPoints(points, displacements, {}, 1e-6, { 1e-9, 64, {}, {} }, fit),
     FitStatus::Reached);
   EXPECT_EQ(fit.Cells, glm::ivec3(1));
   for (int i = 0; i < 100; ++i)
@@ -100,12 +100,12 @@ TEST(LatticeFit, FewLandmarksGiveTheSmallestAffineMap)
   ffd::FittedNet fit = MakeBox();
   // One: a translation.
   EXPECT_EQ(ffd::FitNetToPoints(
-              { { 0.0, 3.0, 6.0 } }, { { 1.0, 2.0, 3.0 } }, {}, 0.0, { 1e-9, 64, {} }, fit),
+              { { 0.0, 3.0, 6.0 } }, { { 1.0, 2.0, 3.0 } }, {}, 0.0, { 1e-9, 64, {}, {} }, fit),
     FitStatus::Reached);
   EXPECT_LT(Length(FieldOf(fit).Displacement({ 2.5, 2.5, 12.0 }) - glm::dvec3(1, 2, 3)), 1e-12);
   // Two on a line along x: what lies across the line moves with it.
   EXPECT_EQ(ffd::FitNetToPoints({ { 0.0, 3.0, 6.0 }, { 2.0, 3.0, 6.0 } },
-              { { 0.0, 1.0, 0.0 }, { 1.0, 1.0, 0.5 } }, {}, 0.0, { 1e-9, 64, {} }, fit),
+              { { 0.0, 1.0, 0.0 }, { 1.0, 1.0, 0.5 } }, {}, 0.0, { 1e-9, 64, {}, {} }, fit),
     FitStatus::Reached);
   EXPECT_LT(
     Length(FieldOf(fit).Displacement({ 1.0, 4.5, 11.0 }) - glm::dvec3(0.5, 1.0, 0.25)), 1e-12);
@@ -127,7 +127,7 @@ TEST(LatticeFit, LevelsReachTheToleranceAtLandmarks)
   for (const double tolerance : { 0.1, 1e-2, 1e-3 })
   {
     ffd::FittedNet fit = box;
-    ASSERT_EQ(ffd::FitNetToPoints(points, displacements, {}, 1e-8, { tolerance, 32, {} }, fit),
+    ASSERT_EQ(ffd::FitNetToPoints(points, displacements, {}, 1e-8, { tolerance, 32, {}, {} }, fit),
       FitStatus::Reached);
     EXPECT_LE(fit.LargestError, tolerance);
     EXPECT_LE(fit.RootMeanSquareError, fit.LargestError);
@@ -169,11 +169,12 @@ TEST(LatticeFit, SmoothnessAndWeightsCount)
   ffd::FittedNet loose = box;
   ffd::FittedNet stiff = box;
   ffd::FittedNet weighted = box;
-  EXPECT_EQ(ffd::FitNetToPoints(points, displacements, {}, 1e-6, { 1e-12, 2, {} }, loose),
+  EXPECT_EQ(ffd::FitNetToPoints(points, displacements, {}, 1e-6, { 1e-12, 2, {}, {} }, loose),
     FitStatus::NotReached);
-  EXPECT_EQ(ffd::FitNetToPoints(points, displacements, {}, 10.0, { 1e-12, 2, {} }, stiff),
+  EXPECT_EQ(ffd::FitNetToPoints(points, displacements, {}, 10.0, { 1e-12, 2, {}, {} }, stiff),
     FitStatus::NotReached);
-  EXPECT_EQ(ffd::FitNetToPoints(points, displacements, weights, 10.0, { 1e-12, 2, {} }, weighted),
+  EXPECT_EQ(
+    ffd::FitNetToPoints(points, displacements, weights, 10.0, { 1e-12, 2, {}, {} }, weighted),
     FitStatus::NotReached);
   EXPECT_GT(stiff.RootMeanSquareError, 2.0 * loose.RootMeanSquareError);
   const auto errorAt7 = [&](const ffd::FittedNet& fit) {
@@ -213,8 +214,8 @@ TEST(LatticeFit, BendingIsTheSameInAllDirections)
     for (const int stiff : { 0, 1 })
     {
       ffd::FittedNet fit = box;
-      EXPECT_EQ(
-        ffd::FitNetToPoints(points, displacements, {}, stiff ? 1e4 : 1.0, { 1e-12, 8, {} }, fit),
+      EXPECT_EQ(ffd::FitNetToPoints(
+                  points, displacements, {}, stiff ? 1e4 : 1.0, { 1e-12, 8, {}, {} }, fit),
         FitStatus::NotReached);
       left[stiff] = fit.RootMeanSquareError;
     }
@@ -266,7 +267,7 @@ TEST(LatticeFit, ContradictionsAreAveraged)
     {
       ffd::FittedNet fit = box;
       EXPECT_EQ(
-        ffd::FitNetToPoints(points, displacements, {}, smoothness, { 1e-3, cells, {} }, fit),
+        ffd::FitNetToPoints(points, displacements, {}, smoothness, { 1e-3, cells, {}, {} }, fit),
         FitStatus::NotReached);
       ExpectTrueErrors(fit, points, displacements);
       EXPECT_GE(fit.RootMeanSquareError, possible - 1e-9);
@@ -346,14 +347,14 @@ TEST(LatticeFit, NoiseIsFollowedNoFurtherThanTheTolerance)
   };
   // Asked to follow the noise, it is followed at the landmarks, and hardly amplified between them.
   ffd::FittedNet close = box;
-  ffd::FitNetToPoints(points, displacements, {}, 1e-6, { 0.1, 16, {} }, close);
+  ffd::FitNetToPoints(points, displacements, {}, 1e-6, { 0.1, 16, {}, {} }, close);
   ExpectTrueErrors(close, points, displacements);
   EXPECT_LT(close.RootMeanSquareError, 0.1);
   EXPECT_LT(errorBetween(close), 1.5 * std::sqrt(3.0) * noise);
   // Asked for its size, it is averaged.
   ffd::FittedNet smooth = box;
-  EXPECT_EQ(ffd::FitNetToPoints(
-              points, displacements, {}, 1e-6, { 3.0 * std::sqrt(3.0) * noise, 16, {} }, smooth),
+  EXPECT_EQ(ffd::FitNetToPoints(points, displacements, {}, 1e-6,
+              { 3.0 * std::sqrt(3.0) * noise, 16, {}, {} }, smooth),
     FitStatus::Reached);
   ExpectTrueErrors(smooth, points, displacements);
   EXPECT_LT(errorBetween(smooth), std::sqrt(3.0) * noise);
@@ -371,7 +372,7 @@ TEST(LatticeFit, PointsOutOfTheBoxAndDegenerateOnes)
     }
     ffd::FittedNet fit = box;
     const FitStatus status =
-      ffd::FitNetToPoints(points, displacements, {}, 1e-6, { tolerance, cells, {} }, fit);
+      ffd::FitNetToPoints(points, displacements, {}, 1e-6, { tolerance, cells, {}, {} }, fit);
     ExpectTrueErrors(fit, points, displacements);
     for (const glm::dvec3& value : fit.Net.Values)
     {
@@ -425,8 +426,8 @@ TEST(LatticeFit, GridOfASplineGivesTheSplineBack)
   MakeGrid(
     truth, count, [&](const glm::dvec3& p) { return field.Displacement(p); }, step, values);
   ffd::FittedNet fit = MakeBox();
-  ASSERT_EQ(
-    ffd::FitNetToGrid(count, fit.Lower, step, values, { 1e-4, 64, {} }, fit), FitStatus::Reached);
+  ASSERT_EQ(ffd::FitNetToGrid(count, fit.Lower, step, values, { 1e-4, 64, {}, {} }, fit),
+    FitStatus::Reached);
   EXPECT_EQ(fit.Cells, glm::ivec3(8));
   for (std::size_t i = 0; i < fit.Net.Values.size(); ++i)
   {
@@ -448,8 +449,8 @@ TEST(LatticeFit, GridFitIsTheLeastSquaresOne)
       return Smooth(p) + glm::dvec3(random(-1, 1), random(-1, 1), random(-1, 1));
     },
     step, values);
-  ASSERT_EQ(
-    ffd::FitNetToGrid(count, fit.Lower, step, values, { 1e-9, 4, {} }, fit), FitStatus::NotReached);
+  ASSERT_EQ(ffd::FitNetToGrid(count, fit.Lower, step, values, { 1e-9, 4, {}, {} }, fit),
+    FitStatus::NotReached);
   const auto squares = [&](const ffd::FittedNet& net) {
     const ffd::BSplineField field = FieldOf(net);
     double sum = 0.0;
@@ -486,7 +487,7 @@ TEST(LatticeFit, CoarseGridsAndPartsOfGrids)
   glm::dvec3 step;
   std::vector<glm::dvec3> values;
   MakeGrid(fit, glm::ivec3(3), Affine, step, values);
-  EXPECT_EQ(ffd::FitNetToGrid(glm::ivec3(3), fit.Lower, step, values, { 1e-6, 64, {} }, fit),
+  EXPECT_EQ(ffd::FitNetToGrid(glm::ivec3(3), fit.Lower, step, values, { 1e-6, 64, {}, {} }, fit),
     FitStatus::Reached);
   EXPECT_LT(Length(FieldOf(fit).Displacement({ 1.3, 3.3, 9.9 }) - Affine({ 1.3, 3.3, 9.9 })), 1e-5);
   // A grid that is larger than the box.
@@ -500,10 +501,10 @@ TEST(LatticeFit, CoarseGridsAndPartsOfGrids)
   }
   fit = MakeBox();
   EXPECT_EQ(
-    ffd::FitNetToGrid(count, first, step, values, { 1e-3, 64, {} }, fit), FitStatus::Reached);
+    ffd::FitNetToGrid(count, first, step, values, { 1e-3, 64, {}, {} }, fit), FitStatus::Reached);
   EXPECT_LT(Length(FieldOf(fit).Displacement({ 1.3, 3.3, 9.9 }) - Smooth({ 1.3, 3.3, 9.9 })), 1e-2);
   // One that does not touch it.
-  EXPECT_EQ(ffd::FitNetToGrid(count, first + 1000.0, step, values, { 1e-3, 64, {} }, fit),
+  EXPECT_EQ(ffd::FitNetToGrid(count, first + 1000.0, step, values, { 1e-3, 64, {}, {} }, fit),
     FitStatus::NotFinite);
 }
 
@@ -513,7 +514,7 @@ TEST(LatticeFit, NotFiniteAndStopped)
   const std::vector<glm::dvec3> points = { fit.Lower, fit.Lower + 1.0, fit.Lower + 2.0 };
   std::vector<glm::dvec3> displacements(3, glm::dvec3(0.0));
   displacements[1].y = std::nan("");
-  EXPECT_EQ(ffd::FitNetToPoints(points, displacements, {}, 1e-6, { 1e-3, 8, {} }, fit),
+  EXPECT_EQ(ffd::FitNetToPoints(points, displacements, {}, 1e-6, { 1e-3, 8, {}, {} }, fit),
     FitStatus::NotFinite);
   displacements[1].y = 5.0;
   EXPECT_EQ(ffd::FitNetToPoints(
@@ -521,7 +522,7 @@ TEST(LatticeFit, NotFiniteAndStopped)
     FitStatus::Stopped);
   std::vector<glm::dvec3> values(27, glm::dvec3(std::nan("")));
   EXPECT_EQ(
-    ffd::FitNetToGrid(glm::ivec3(3), fit.Lower, glm::dvec3(1.0), values, { 1e-3, 8, {} }, fit),
+    ffd::FitNetToGrid(glm::ivec3(3), fit.Lower, glm::dvec3(1.0), values, { 1e-3, 8, {}, {} }, fit),
     FitStatus::NotFinite);
 }
 

@@ -50,7 +50,7 @@ class TestFiles(unittest.TestCase):
         simple.Hide(volume, self.view)
         moved = simple.Show(self.wavelet, self.view)
         moved.SetRepresentationType("FFD Volume")
-        moved.Position = list(-SHIFT[::2])
+        ffd.translate(moved, list(-SHIFT[::2]))
         self.assertGreater(ffd.lit(shown), 500)
         self.assertLess(ffd.differ(ffd.picture(self.view, "files moved"), shown)[1], 0.2)
         simple.Hide(self.wavelet, self.view)

@@ -132,7 +132,10 @@ class TestPanel(unittest.TestCase):
         self.assertEqual(trace.count("Displacements ="), 1)
 
     def test_help_pages(self):
-        """The pages that the panel's question mark opens are part of the plugin."""
+        """The pages that the panel's question mark opens are part of the plugin, unless ParaView is built
+        with Qt 6, for which it makes none."""
+        if not os.environ["FFD_PARAVIEW_DIR"].endswith(("-5.11", "-5.12")):
+            return
         pages = os.path.join(os.environ["FFD_BUILD_DIR"], "paraview", "FFDVolume", "paraview_help",
                              "FFDVolume.qch")
         with sqlite3.connect(pages) as book:
@@ -148,7 +151,6 @@ class TestPanel(unittest.TestCase):
         # The question mark of the panel opens ParaView's window of help, on the page of the filter.
         events.click(PROPERTIES + "Help")
         events.add("pqHelpWindow/contentsDock", "keyEvent", "6:16777216:0::0:1")
-        events.add(WINDOW + "FFD", "keyEvent", "6:16777216:0::0:1")  # the toolbar
         events.drag((0.5, 0.5), (0.6, 0.3))
         events.set(PANEL + "Resolution_0", "int", "7")
         events.click(PANEL + "Refine")
