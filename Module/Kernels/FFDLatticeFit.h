@@ -48,7 +48,7 @@ struct FitLimits
   double Tolerance = 0.0;
   int MaximumCells = 64;
   std::function<bool(double)> Proceed;
-  ParallelFor Parallel;
+  ParallelFor Parallel{};
 };
 
 /// Displacements at first + (i, j, k) * step, count points per axis; false: not finite.

@@ -204,9 +204,9 @@ struct SceneTest
   double Decibels;         // deformed, from the resampled volume; 0: not compared
   double Difference = 2.0; // that the feature makes, mean, at least
   /// What masks are at rest, by index coordinates, for a mask of the resampled volume.
-  std::function<double(const double index[3])> Mask;
+  std::function<double(const double index[3])> Mask{};
   /// What else the resampled volume takes, whose voxels are half as long.
-  std::function<void(Stage&)> Halve;
+  std::function<void(Stage&)> Halve{};
 };
 
 ffdTest::Picture RenderReference(Stage& stage, const SceneTest& test)
