@@ -23,6 +23,8 @@ VOLUME = os.path.join(ffd.TEMPORARY, "ParaView.alone.vtk")
 SHAPES = ("Bend", "Twist", "Taper", "Bulge", "Random")
 HIGHLIGHTS = (*SHAPES, "White", "FXAA", "Dense", "Near", "Flat", "Hidden", "Again",
               "EDL", "Tones")
+VOLUMES = ("beside", "translucent", "inline", "opposite", "parallel", "edited", "hidden", "placed",
+           "turned")
 
 
 def run_script(ranks, *arguments):
@@ -127,6 +129,27 @@ class TestHighlights(unittest.TestCase):
                     # What processes it gets what is brighter than white from one process alone.
                     most = 32 if scene in ("EDL", "Tones") else 8
                     self.assertLessEqual(ffd.differ(pictures[ranks][scene], expected)[0], most)
+
+
+class TestSeveralVolumes(unittest.TestCase):
+    """Volumes beside and behind each other share the boxes of the processes."""
+
+    def test_volumes(self):
+        pictures = {}
+        for ranks in (1, 2, 4):
+            prefix = os.path.join(ffd.TEMPORARY, "ParaView.volumes%d" % ranks)
+            run_script(ranks, "ParallelVolumes.py", prefix)
+            pictures[ranks] = {
+                scene: ffd.read_picture("%s.%s.png" % (prefix, scene)) for scene in VOLUMES}
+        for i, (scene, picture) in enumerate(pictures[1].items()):
+            self.assertGreater(ffd.lit(picture), 1000, scene)
+            for other in VOLUMES[:i]:
+                self.assertGreater(ffd.differ(picture, pictures[1][other])[1], 0.5, (scene, other))
+            for ranks in (2, 4):
+                with self.subTest(scene=scene, ranks=ranks):
+                    largest, mean = ffd.differ(pictures[ranks][scene], picture)
+                    self.assertLessEqual(largest, 8)
+                    self.assertLessEqual(mean, 0.5)
 
 
 if __name__ == "__main__":

@@ -37,12 +37,6 @@ constexpr double Halo = 3.0;
 
 constexpr int ExchangeTag = 7501;
 
-Bounds UniteBounds(const Bounds& a, const Bounds& b)
-{
-  return { { std::min(a[0], b[0]), std::max(a[1], b[1]), std::min(a[2], b[2]), std::max(a[3], b[3]),
-    std::min(a[4], b[4]), std::max(a[5], b[5]) } };
-}
-
 /// Cells per axis that a lattice is refined to for its bounds.
 constexpr int FineCells = 16;
 
@@ -82,7 +76,7 @@ Bounds FindFirstOrderBoundsByParts(vtkFFDLattice* lattice, const Bounds& box)
       piece[2 * a + 1] = box[2 * a] + side * (at[a] + 1) / parts;
     }
     const Bounds one = FindFirstOrderBounds(lattice, piece);
-    result = part == 0 ? one : UniteBounds(result, one);
+    result = Unite(result, one);
   }
   return result;
 }
@@ -245,6 +239,33 @@ Extent Intersect(const Extent& a, const Extent& b)
 }
 
 //------------------------------------------------------------------------------
+Bounds Intersect(const Bounds& a, const Bounds& b)
+{
+  Bounds both;
+  for (std::size_t i = 0; i < 6; i += 2)
+  {
+    both[i] = std::max(a[i], b[i]);
+    both[i + 1] = std::min(a[i + 1], b[i + 1]);
+    if (!(both[i] < both[i + 1]))
+    {
+      return NoBounds;
+    }
+  }
+  return both;
+}
+
+//------------------------------------------------------------------------------
+Bounds Unite(const Bounds& a, const Bounds& b)
+{
+  if (IsEmpty(a) || IsEmpty(b))
+  {
+    return IsEmpty(a) ? b : a;
+  }
+  return { { std::min(a[0], b[0]), std::max(a[1], b[1]), std::min(a[2], b[2]), std::max(a[3], b[3]),
+    std::min(a[4], b[4]), std::max(a[5], b[5]) } };
+}
+
+//------------------------------------------------------------------------------
 Grid Grid::FromInformation(vtkInformation* info)
 {
   using Pipeline = vtkStreamingDemandDrivenPipeline;
@@ -402,8 +423,7 @@ Bounds PullBackCover::FindRestBounds(const Bounds& box) const
     default:
       this->Inverse->GetDeformedBounds(box.data(), rest.data());
       // If the map folds, the first-order point may be used.
-      return this->FoldFree ? rest
-                            : UniteBounds(rest, FindFirstOrderBoundsByParts(this->Fine, box));
+      return this->FoldFree ? rest : Unite(rest, FindFirstOrderBoundsByParts(this->Fine, box));
   }
 }
 

@@ -38,6 +38,8 @@ inline bool IsEmpty(const Extent& e) { return e[0] > e[1] || e[2] > e[3] || e[4]
 inline bool IsEmpty(const Bounds& b) { return !(b[0] <= b[1] && b[2] <= b[3] && b[4] <= b[5]); }
 bool Contains(const Extent& outer, const Extent& inner);
 Extent Intersect(const Extent& a, const Extent& b);
+Bounds Intersect(const Bounds& a, const Bounds& b); ///< NoBounds where they touch at most
+Bounds Unite(const Bounds& a, const Bounds& b);
 
 /// The whole image, of which a process may hold a part: extent, origin, spacing, direction.
 struct Grid

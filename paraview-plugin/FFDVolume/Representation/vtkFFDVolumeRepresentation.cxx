@@ -8,6 +8,7 @@
 #include "vtkFFDRenderedImage.h"
 #include "vtkFFDServerFrames.h"
 #include "vtkFFDShownArray.h"
+#include "vtkFFDVolumeOrder.h"
 #include "vtkFFDVolumeParts.h"
 #include "vtkFFDVoxelDistribution.h"
 
@@ -240,20 +241,23 @@ int vtkFFDVolumeRepresentation::ProcessViewRequest(
     {
       return 0;
     }
-    const bool several = GetNumberOfProcesses() > 1;
-    if (several)
+    if (GetNumberOfProcesses() == 1)
     {
-      this->ShareOut();
+      this->HandOver(inInfo, this->DataBounds);
     }
-    vtkPVRenderView::SetPiece(inInfo, this, this->Cache, this->DataSize, 0);
-    // The volume is never brought to the client, which shows the outline while it has no picture.
-    vtkPVRenderView::SetDeliverToClientAndRenderingProcesses(inInfo, this, false, false, 0);
-    vtkPVRenderView::SetPiece(inInfo, this, this->OutlineSource->GetOutputDataObject(0), 0, 1);
-    vtkPVRenderView::SetGeometryBounds(
-      inInfo, this, several ? this->Internals->Distribution.GetOwnBox().data() : this->DataBounds);
-    vtkPVRenderView::SetRequiresDistributedRendering(inInfo, this, true);
-    vtkPVRenderView::SetOrderedCompositingConfiguration(
-      inInfo, this, vtkPVRenderView::USE_BOUNDS_FOR_REDISTRIBUTION);
+    else
+    {
+      // All volumes of the view share one partition: the last one that is updated makes it.
+      const std::vector<vtkFFDVolumeRepresentation*> shown = this->FindShownVolumes();
+      if (shown.empty() || shown.back() == this)
+      {
+        ShareOut(shown);
+        for (vtkFFDVolumeRepresentation* each : shown)
+        {
+          each->HandOver(inInfo, each->Internals->Distribution.GetOwnBox().data());
+        }
+      }
+    }
     outInfo->Set(vtkPVRenderView::NEED_ORDERED_COMPOSITING(), 1);
     return 1;
   }
@@ -325,6 +329,7 @@ void vtkFFDVolumeRepresentation::BeginRender(vtkObject* object, unsigned long, v
   }
   vtkInternals& in = *this->Internals;
   in.Window = renderer->GetRenderWindow();
+  ffdorder::SortVolumes(renderer);
   vtkPVProgressHandler* progress = in.Session ? in.Session->GetProgressHandler() : nullptr;
   if (progress && progress->GetProgressInterval() > ServerProgressInterval)
   {
@@ -393,8 +398,96 @@ void vtkFFDVolumeRepresentation::EndRender(vtkObject* object, unsigned long, voi
 }
 
 //------------------------------------------------------------------------------
-/// Take the part of the volume that this process is to render. Called on all processes.
-void vtkFFDVolumeRepresentation::ShareOut()
+/// Give the view what this process renders; `place` is its part of the scene.
+void vtkFFDVolumeRepresentation::HandOver(vtkInformation* view, const double place[6])
+{
+  vtkPVRenderView::SetPiece(view, this, this->Cache, this->DataSize, 0);
+  // The volume is never brought to the client, which shows the outline while it has no picture.
+  vtkPVRenderView::SetDeliverToClientAndRenderingProcesses(view, this, false, false, 0);
+  vtkPVRenderView::SetPiece(view, this, this->OutlineSource->GetOutputDataObject(0), 0, 1);
+  vtkPVRenderView::SetGeometryBounds(view, this, place);
+  vtkPVRenderView::SetRequiresDistributedRendering(view, this, true);
+  vtkPVRenderView::SetOrderedCompositingConfiguration(
+    view, this, vtkPVRenderView::USE_BOUNDS_FOR_REDISTRIBUTION);
+}
+
+//------------------------------------------------------------------------------
+/// Those of the view that are visible, in the order in which it updates them.
+std::vector<vtkFFDVolumeRepresentation*> vtkFFDVolumeRepresentation::FindShownVolumes()
+{
+  std::vector<vtkFFDVolumeRepresentation*> shown;
+  vtkView* view = this->GetView();
+  for (int i = 0; view && i < view->GetNumberOfRepresentations(); ++i)
+  {
+    auto* each = vtkFFDVolumeRepresentation::SafeDownCast(view->GetRepresentation(i));
+    if (each && each->GetVisibility())
+    {
+      shown.push_back(each);
+    }
+  }
+  return shown;
+}
+
+//------------------------------------------------------------------------------
+/// The other volumes of the view get other parts, and the view takes those only from what is
+/// modified.
+void vtkFFDVolumeRepresentation::MarkOthersModified()
+{
+  if (GetNumberOfProcesses() == 1 &&
+    vtkProcessModule::GetProcessType() != vtkProcessModule::PROCESS_CLIENT)
+  {
+    return;
+  }
+  for (vtkFFDVolumeRepresentation* each : this->FindShownVolumes())
+  {
+    if (each != this)
+    {
+      each->Superclass::MarkModified();
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::MarkModified()
+{
+  this->Superclass::MarkModified();
+  if (this->GetVisibility())
+  {
+    this->MarkOthersModified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetVisibility(bool visible)
+{
+  const bool changes = visible != this->GetVisibility();
+  this->Superclass::SetVisibility(visible);
+  if (changes)
+  {
+    this->MarkOthersModified();
+  }
+}
+
+//------------------------------------------------------------------------------
+/// Take the parts of the volumes that this process is to render. Called on all processes.
+void vtkFFDVolumeRepresentation::ShareOut(const std::vector<vtkFFDVolumeRepresentation*>& volumes)
+{
+  std::vector<vtkFFDVoxelDistribution*> distributions;
+  for (vtkFFDVolumeRepresentation* each : volumes)
+  {
+    each->DescribeInputs();
+    distributions.push_back(&each->Internals->Distribution);
+  }
+  vtkFFDVoxelDistribution::UpdateAll(GetController(), distributions);
+  for (vtkFFDVolumeRepresentation* each : volumes)
+  {
+    each->TakePart();
+  }
+}
+
+//------------------------------------------------------------------------------
+/// What the distribution depends on. Called on all processes.
+void vtkFFDVolumeRepresentation::DescribeInputs()
 {
   vtkInternals& in = *this->Internals;
   if (in.SharedThreads == 0)
@@ -409,8 +502,14 @@ void vtkFFDVolumeRepresentation::ShareOut()
   in.Inputs.HasOrder = this->Mapper->GetBlendMode() == vtkVolumeMapper::COMPOSITE_BLEND;
   this->Actor->ComputeMatrix();
   std::copy_n(this->Actor->GetMatrix()->GetData(), 16, in.Inputs.Matrix.begin());
-  in.Distribution.Update(GetController(), in.Inputs);
+  in.Distribution.SetInputs(in.Inputs);
+}
 
+//------------------------------------------------------------------------------
+/// Show what the distribution gave this process.
+void vtkFFDVolumeRepresentation::TakePart()
+{
+  vtkInternals& in = *this->Internals;
   vtkImageData* part = in.Distribution.GetPart();
   if (part)
   {

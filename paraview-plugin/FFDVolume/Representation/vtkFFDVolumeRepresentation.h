@@ -30,8 +30,11 @@
  * vtkFFDCompositePass.
  *
  * A volume that is rotated in the scene is rendered by the first process alone: its boxes would not
- * be aligned with the axes, which ParaView's order by boxes needs. For the same reason only one
- * volume at a time is in the right order.
+ * be aligned with the axes, which ParaView's order by boxes needs.
+ *
+ * Several volumes of a view share the boxes, and are drawn from the farthest to the nearest: the
+ * picture is right where their bounds do not overlap. If one of them is rotated, or is no
+ * composite, the first process renders all.
  *
  * While the volume is shown the view renders without depth peeling for volumes, which only
  * vtkOpenGLGPUVolumeRayCastMapper takes part in: translucent surfaces come before all volumes.
@@ -46,6 +49,7 @@
 #include "vtkNew.h" // for vtkNew
 
 #include <memory> // for std::unique_ptr
+#include <vector> // for std::vector
 
 class vtkFFDInverseRayVolumeMapper;
 class vtkFFDLattice;
@@ -61,6 +65,15 @@ public:
 
   int ProcessViewRequest(
     vtkInformationRequestKey* request, vtkInformation* inInfo, vtkInformation* outInfo) override;
+
+  ///@{
+  /**
+   * Overridden as volumes of a view that several processes render share their boxes: what changes
+   * one changes the parts of all.
+   */
+  void MarkModified() override;
+  void SetVisibility(bool visible) override;
+  ///@}
 
   ///@{
   /**
@@ -172,7 +185,12 @@ private:
   void BeginVolume();
   void ContinueVolume();
   void TakeContextBack();
-  void ShareOut();
+  void HandOver(vtkInformation* view, const double place[6]);
+  std::vector<vtkFFDVolumeRepresentation*> FindShownVolumes();
+  void MarkOthersModified();
+  static void ShareOut(const std::vector<vtkFFDVolumeRepresentation*>& volumes);
+  void DescribeInputs();
+  void TakePart();
   void MarkMoved();
   vtkFFDShownComponents FindShown(vtkImageData* image);
   bool UsesPlane();

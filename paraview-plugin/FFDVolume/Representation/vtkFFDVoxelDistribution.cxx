@@ -15,6 +15,7 @@
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
+#include "vtkSmartPointer.h"
 
 #include <algorithm>
 #include <string>
@@ -262,50 +263,90 @@ void vtkFFDVoxelDistribution::ShareLattice(
 
 //------------------------------------------------------------------------------
 /**
- * The box of each process, data coordinates, and DeformedBounds: the same on all processes. The
- * first one decides: on processors of different kinds bounds may round differently.
+ * Decide OwnBox, which is the same of all volumes, and of each volume DeformedBounds and Box. The
+ * first process decides: on processors of different kinds bounds may round differently.
  */
-std::vector<Bounds> vtkFFDVoxelDistribution::DecideBoxes(vtkMultiProcessController* controller,
-  const Grid& grid, const Inputs& inputs, vtkMatrix4x4* matrix)
+void vtkFFDVoxelDistribution::DecideBoxes(
+  vtkMultiProcessController* controller, const std::vector<vtkFFDVoxelDistribution*>& volumes)
 {
-  const int ranks = controller->GetNumberOfProcesses();
-  Bounds& deformed = this->DeformedBounds;
-  deformed = ffdparts::FindDeformedBounds(grid, this->Lattice, inputs.InverseMode);
-  this->Cover.SetDeformation(this->Lattice, inputs.InverseMode);
-  std::vector<Bounds> boxes(static_cast<std::size_t>(ranks), ffdparts::NoBounds);
-  if (KeepsBoxes(matrix) && inputs.HasOrder && controller->GetLocalProcessId() == 0)
+  const auto ranks = static_cast<std::size_t>(controller->GetNumberOfProcesses());
+  const auto own = static_cast<std::size_t>(controller->GetLocalProcessId());
+  Bounds scene = ffdparts::NoBounds;
+  bool inOrder = true;
+  std::vector<vtkSmartPointer<vtkMatrix4x4>> toData;
+  for (vtkFFDVoxelDistribution* each : volumes)
   {
-    boxes = ffdparts::CutIntoBoxes(deformed, ranks, [this, &grid](const Bounds& box) {
-      return static_cast<double>(
-        ffdparts::CountPoints(ffdparts::FindNeededExtent(grid, this->Cover, box)));
-    });
+    const Inputs& inputs = each->Last;
+    vtkNew<vtkMatrix4x4> toScene;
+    toScene->DeepCopy(inputs.Matrix.data());
+    vtkNew<vtkMatrix4x4> inverse;
+    vtkMatrix4x4::Invert(toScene, inverse);
+    toData.emplace_back(inverse);
+    each->DeformedBounds =
+      ffdparts::FindDeformedBounds(each->Given.Grid, each->Lattice, inputs.InverseMode);
+    each->Cover.SetDeformation(each->Lattice, inputs.InverseMode);
+    scene = ffdparts::Unite(scene, Transform(each->DeformedBounds, toScene));
+    inOrder = inOrder && inputs.HasOrder && KeepsBoxes(toScene);
   }
-  else
-  {
-    boxes[0] = deformed;
-  }
+
+  // Boxes of the scene, then of the volumes in it.
   std::vector<double> decided;
-  for (const Bounds& each : boxes)
+  const auto add = [&decided](
+                     const Bounds& box) { decided.insert(decided.end(), box.begin(), box.end()); };
+  if (controller->GetLocalProcessId() == 0)
   {
-    decided.insert(decided.end(), each.begin(), each.end());
+    std::vector<Bounds> boxes(ranks, scene);
+    if (inOrder)
+    {
+      boxes = ffdparts::CutIntoBoxes(
+        scene, static_cast<int>(ranks), [&volumes, &toData](const Bounds& box) {
+          double points = 0.0;
+          for (std::size_t v = 0; v < volumes.size(); ++v)
+          {
+            points += static_cast<double>(ffdparts::CountPoints(ffdparts::FindNeededExtent(
+              volumes[v]->Given.Grid, volumes[v]->Cover, Transform(box, toData[v]))));
+          }
+          return points;
+        });
+    }
+    for (std::size_t r = 1; r < ranks && !inOrder; ++r)
+    {
+      // No part of the volumes, but a place in the order: a box without thickness beside them.
+      boxes[r][0] = boxes[r][1];
+    }
+    std::for_each(boxes.begin(), boxes.end(), add);
+    for (std::size_t v = 0; v < volumes.size(); ++v)
+    {
+      const Bounds& deformed = volumes[v]->DeformedBounds;
+      for (std::size_t r = 0; r < ranks; ++r)
+      {
+        const Bounds alone = r == 0 ? deformed : ffdparts::NoBounds;
+        add(inOrder ? ffdparts::Intersect(Transform(boxes[r], toData[v]), deformed) : alone);
+      }
+      add(deformed);
+    }
   }
-  decided.insert(decided.end(), deformed.begin(), deformed.end());
+  decided.resize(6 * (ranks + (ranks + 1) * volumes.size()));
   controller->Broadcast(decided.data(), static_cast<vtkIdType>(decided.size()), 0);
-  for (std::size_t r = 0; r < boxes.size(); ++r)
+  const auto read = [&decided](std::size_t at, Bounds& box) {
+    std::copy_n(&decided[6 * at], 6, box.begin());
+  };
+  for (std::size_t v = 0; v < volumes.size(); ++v)
   {
-    std::copy_n(&decided[6 * r], 6, boxes[r].begin());
+    const std::size_t first = ranks + (ranks + 1) * v;
+    read(own, volumes[v]->OwnBox);
+    read(first + own, volumes[v]->Box);
+    read(first + ranks, volumes[v]->DeformedBounds);
   }
-  std::copy_n(&decided[6 * boxes.size()], 6, deformed.begin());
-  return boxes;
 }
 
 //------------------------------------------------------------------------------
 /// The voxels that this process wants, with the lattice in the field data; null where it wants
 /// none.
 vtkSmartPointer<vtkImageData> vtkFFDVoxelDistribution::GatherPart(
-  vtkMultiProcessController* controller, const Holdings& holdings, vtkImageData* image,
-  const Extent& wanted)
+  vtkMultiProcessController* controller, vtkImageData* image, const Extent& wanted)
 {
+  const Holdings& holdings = this->Given;
   const int ranks = controller->GetNumberOfProcesses();
   std::vector<int> allWanted(static_cast<std::size_t>(6 * ranks));
   controller->AllGather(wanted.data(), allWanted.data(), 6);
@@ -353,10 +394,10 @@ vtkSmartPointer<vtkImageData> vtkFFDVoxelDistribution::GatherPart(
 
 //------------------------------------------------------------------------------
 /// Write what ReadBounds() and ReadRange() read into the field data of the part.
-void vtkFFDVoxelDistribution::Describe(const Bounds& box, const Grid& grid, vtkDoubleArray* ranges)
+void vtkFFDVoxelDistribution::Describe(vtkDoubleArray* ranges)
 {
-  const Bounds clip = ffdparts::OpenOutwards(box, this->DeformedBounds);
-  const Bounds rest = grid.GetBounds();
+  const Bounds clip = ffdparts::OpenOutwards(this->Box, this->DeformedBounds);
+  const Bounds rest = this->Given.Grid.GetBounds();
   vtkNew<vtkDoubleArray> array;
   array->SetName(PartArray);
   array->SetNumberOfValues(12);
@@ -374,47 +415,50 @@ void vtkFFDVoxelDistribution::Describe(const Bounds& box, const Grid& grid, vtkD
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDVoxelDistribution::Update(vtkMultiProcessController* controller, const Inputs& inputs)
+void vtkFFDVoxelDistribution::UpdateAll(
+  vtkMultiProcessController* controller, const std::vector<vtkFFDVoxelDistribution*>& volumes)
 {
-  const int changedHere = this->Made && inputs == this->Last ? 0 : 1;
+  const int changedHere =
+    std::all_of(volumes.begin(), volumes.end(),
+      [&volumes](const vtkFFDVoxelDistribution* each) {
+        return each->Made && each->Next == each->Last && each->Companions == volumes;
+      })
+    ? 0
+    : 1;
   int changed = 0;
   controller->AllReduce(&changedHere, &changed, 1, vtkCommunicator::MAX_OP);
   if (!changed)
   {
     return;
   }
-  this->Last = inputs;
-  this->Made = true;
-  this->Part = nullptr;
-  this->OwnBox = ffdparts::NoBounds;
-  this->DeformedBounds = ffdparts::NoBounds;
-
-  const Holdings holdings = GatherHoldings(controller, inputs);
-  if (!holdings.HasImage)
+  std::vector<vtkFFDVoxelDistribution*> withImage;
+  for (vtkFFDVoxelDistribution* each : volumes)
   {
-    return;
+    each->Last = each->Next;
+    each->Made = true;
+    each->Companions = volumes;
+    each->Part = nullptr;
+    each->OwnBox = ffdparts::NoBounds;
+    each->DeformedBounds = ffdparts::NoBounds;
+    each->Given = GatherHoldings(controller, each->Last);
+    if (each->Given.HasImage)
+    {
+      each->ShareLattice(controller, each->Last.Image, each->Given.WithLattice);
+      withImage.push_back(each);
+    }
   }
-  this->ShareLattice(controller, inputs.Image, holdings.WithLattice);
-  vtkNew<vtkMatrix4x4> matrix;
-  matrix->DeepCopy(inputs.Matrix.data());
-  const std::vector<Bounds> boxes = this->DecideBoxes(controller, holdings.Grid, inputs, matrix);
-  const Bounds& box = boxes[static_cast<std::size_t>(controller->GetLocalProcessId())];
-  const Extent wanted = ffdparts::FindNeededExtent(holdings.Grid, this->Cover, box);
-  const vtkSmartPointer<vtkDoubleArray> ranges = FindRanges(controller, inputs.Image, inputs.Shown);
-  this->Part = this->GatherPart(controller, holdings, inputs.Image, wanted);
-  if (this->Part)
+  DecideBoxes(controller, withImage);
+  for (vtkFFDVoxelDistribution* each : withImage)
   {
-    this->Describe(box, holdings.Grid, ranges);
-  }
-  if (!ffdparts::IsEmpty(box))
-  {
-    this->OwnBox = Transform(box, matrix);
-  }
-  else
-  {
-    // No part of the volume, but a place in the order: a box without thickness beside it.
-    this->OwnBox = Transform(this->DeformedBounds, matrix);
-    this->OwnBox[0] = this->OwnBox[1];
+    const Inputs& inputs = each->Last;
+    const Extent wanted = ffdparts::FindNeededExtent(each->Given.Grid, each->Cover, each->Box);
+    const vtkSmartPointer<vtkDoubleArray> ranges =
+      FindRanges(controller, inputs.Image, inputs.Shown);
+    each->Part = each->GatherPart(controller, inputs.Image, wanted);
+    if (each->Part)
+    {
+      each->Describe(ranges);
+    }
   }
 }
 

@@ -21,12 +21,12 @@ class vtkAbstractArray;
 class vtkDoubleArray;
 class vtkFFDLattice;
 class vtkImageData;
-class vtkMatrix4x4;
 class vtkMultiProcessController;
 
 /**
  * Cuts deformed space into boxes, one a process, and brings each process the voxels that its box is
- * pulled back to.
+ * pulled back to. All volumes of a view share one set of boxes, so that one order of the processes
+ * is right for all of them.
  *
  * The voxels are exchanged when the data change, or when a box needs others than its process has;
  * an edit of the lattice most often needs none.
@@ -51,11 +51,15 @@ public:
     bool operator==(const Inputs& other) const;
   };
 
+  /// What UpdateAll() takes. The image is null where this process has none.
+  void SetInputs(const Inputs& inputs) { this->Next = inputs; }
+
   /**
-   * Bring the part of this process up to date with the inputs of all of them. To be called on all
-   * processes of `controller`.
+   * Bring the parts of this process, of all volumes of a view, up to date with the inputs of all
+   * processes. To be called on all processes of `controller`, with the volumes in the same order.
    */
-  void Update(vtkMultiProcessController* controller, const Inputs& inputs);
+  static void UpdateAll(
+    vtkMultiProcessController* controller, const std::vector<vtkFFDVoxelDistribution*>& volumes);
 
   /**
    * The image that this process renders: its voxels with lattice, clip box, bounds of the whole,
@@ -63,8 +67,8 @@ public:
    */
   vtkImageData* GetPart() const { return this->Part; }
 
-  /// The part of the scene that is this process's, world coordinates; empty while there are no
-  /// data.
+  /// The part of the scene that is this process's, world coordinates, the same for all volumes;
+  /// empty while there are no data.
   const Bounds& GetOwnBox() const { return this->OwnBox; }
 
   /// Bounds of the whole deformed volume, data coordinates; empty while there are no data.
@@ -97,15 +101,19 @@ private:
   static Sources GetSources(vtkImageData* image);
   static Holdings GatherHoldings(vtkMultiProcessController* controller, const Inputs& inputs);
   void ShareLattice(vtkMultiProcessController* controller, vtkImageData* image, int root);
-  std::vector<Bounds> DecideBoxes(vtkMultiProcessController* controller, const ffdparts::Grid& grid,
-    const Inputs& inputs, vtkMatrix4x4* matrix);
+  static void DecideBoxes(
+    vtkMultiProcessController* controller, const std::vector<vtkFFDVoxelDistribution*>& volumes);
   bool HoldsVoxelsOf(vtkImageData* image, const Extent& wanted) const;
-  vtkSmartPointer<vtkImageData> GatherPart(vtkMultiProcessController* controller,
-    const Holdings& holdings, vtkImageData* image, const Extent& wanted);
-  void Describe(const Bounds& box, const ffdparts::Grid& grid, vtkDoubleArray* ranges);
+  vtkSmartPointer<vtkImageData> GatherPart(
+    vtkMultiProcessController* controller, vtkImageData* image, const Extent& wanted);
+  void Describe(vtkDoubleArray* ranges);
 
+  Inputs Next;
   Inputs Last;
-  bool Made = false; // for Last
+  bool Made = false;                                // for Last
+  std::vector<vtkFFDVoxelDistribution*> Companions; // volumes that it was made with
+  Holdings Given;
+  Bounds Box = ffdparts::NoBounds; // of this process, data coordinates
   vtkSmartPointer<vtkImageData> Part;
   Bounds OwnBox = ffdparts::NoBounds;
   Bounds DeformedBounds = ffdparts::NoBounds;

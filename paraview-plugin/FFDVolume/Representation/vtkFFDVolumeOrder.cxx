@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDVolumeOrder.h"
+
+#include "vtkCamera.h"
+#include "vtkMath.h"
+#include "vtkPropCollection.h"
+#include "vtkRenderer.h"
+#include "vtkSmartPointer.h"
+#include "vtkVolume.h"
+#include "vtkVolumeCollection.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+namespace ffdorder
+{
+namespace
+{
+
+struct Placed
+{
+  vtkSmartPointer<vtkVolume> Volume;
+  std::array<double, 6> Bounds;
+  double Distance; // of the center, from the camera or along its direction
+};
+
+/// Where the camera is, or looks in parallel projection.
+struct Eye
+{
+  std::array<double, 3> Position;
+  std::array<double, 3> Direction;
+  bool Parallel;
+};
+
+/// Whether a plane across an axis separates the two, and the camera is on the side of `a`, so that
+/// `b` is nowhere in front of it.
+bool IsBefore(const Placed& a, const Placed& b, const Eye& eye)
+{
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const double below = a.Bounds[2 * axis + 1]; // a is below b
+    const double above = a.Bounds[2 * axis];
+    if (below <= b.Bounds[2 * axis] &&
+      (eye.Parallel ? eye.Direction[axis] >= 0.0 : eye.Position[axis] <= b.Bounds[2 * axis]))
+    {
+      return true;
+    }
+    if (above >= b.Bounds[2 * axis + 1] &&
+      (eye.Parallel ? eye.Direction[axis] <= 0.0 : eye.Position[axis] >= b.Bounds[2 * axis + 1]))
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+void SortVolumes(vtkRenderer* renderer)
+{
+  vtkCamera* camera = renderer->GetActiveCamera();
+  Eye eye;
+  camera->GetPosition(eye.Position.data());
+  camera->GetDirectionOfProjection(eye.Direction.data());
+  eye.Parallel = camera->GetParallelProjection() != 0;
+
+  std::vector<Placed> left;
+  vtkVolumeCollection* volumes = renderer->GetVolumes();
+  for (int i = 0; i < volumes->GetNumberOfItems(); ++i)
+  {
+    auto* volume = vtkVolume::SafeDownCast(volumes->GetItemAsObject(i));
+    const double* bounds = volume && volume->GetVisibility() ? volume->GetBounds() : nullptr;
+    if (!bounds || !vtkMath::AreBoundsInitialized(bounds))
+    {
+      continue;
+    }
+    Placed placed{ volume, {}, 0.0 };
+    std::copy_n(bounds, 6, placed.Bounds.begin());
+    double toCenter[3];
+    for (int a = 0; a < 3; ++a)
+    {
+      toCenter[a] = 0.5 * (bounds[2 * a] + bounds[2 * a + 1]) - eye.Position[a];
+    }
+    placed.Distance =
+      eye.Parallel ? vtkMath::Dot(toCenter, eye.Direction.data()) : vtkMath::Norm(toCenter);
+    left.push_back(placed);
+  }
+  if (left.size() < 2)
+  {
+    return;
+  }
+  // Those that nothing is behind of come first; of several the one farthest away.
+  vtkPropCollection* props = renderer->GetViewProps();
+  while (!left.empty())
+  {
+    auto next = left.end();
+    bool nextIsLast = false;
+    for (auto each = left.begin(); each != left.end(); ++each)
+    {
+      const bool isLast = std::none_of(left.begin(), left.end(), [&](const Placed& other) {
+        return &other != &*each && IsBefore(*each, other, eye) && !IsBefore(other, *each, eye);
+      });
+      if (next == left.end() || (isLast && !nextIsLast) ||
+        (isLast == nextIsLast && each->Distance > next->Distance))
+      {
+        next = each;
+        nextIsLast = isLast;
+      }
+    }
+    props->RemoveItem(next->Volume.Get());
+    props->AddItem(next->Volume.Get());
+    left.erase(next);
+  }
+}
+
+} // namespace ffdorder
