@@ -186,6 +186,95 @@ class TestLatticeFollows(unittest.TestCase):
         self.assertLess(changed.max(), 100)
         simple.ClearSelection(lattice)
 
+    def test_probes(self):
+        """Probe Location and Plot Over Line give what is seen where they are: that of the data moved,
+        or bent, to there."""
+        places = np.array([[2.0, -3.0, 4.0], [-9.0, 5.0, -1.5], [10.0, 1.0, 9.0]])
+
+        def probe(data, place):
+            found = simple.ProbeLocation(Input=data, ProbeType="Fixed Radius Point Source")
+            found.ProbeType.Center = list(place)
+            found.UpdatePipeline()
+            return simple.servermanager.Fetch(found)
+
+        for mode, sign in (("Exact", -1), ("First Order", -1), ("Pull Back", 1), ("At Rest", 0)):
+            moved = self.moved_lattice()
+            moved.GeometryMode = mode
+            for place in places:
+                at_rest = place + sign * np.array(SHIFT)
+                got = probe(moved, place).GetPointData()
+                expected = probe(self.wavelet, at_rest).GetPointData()
+                valid = expected.GetArray("vtkValidPointMask").GetValue(0)
+                self.assertEqual(got.GetArray("vtkValidPointMask").GetValue(0), valid)
+                if valid:
+                    self.assertAlmostEqual(got.GetArray("RTData").GetValue(0),
+                                           expected.GetArray("RTData").GetValue(0), delta=0.01)
+                if sign != 0:
+                    np.testing.assert_allclose(got.GetArray("RestPosition").GetTuple(0), at_rest, atol=1e-3)
+        # A line that is straight in the picture; it is shown where it is.
+        bent = self.lattice(Shape="Bend", Strength=0.7)
+        line = simple.PlotOverLine(Input=bent, Point1=[-9.0, -8.0, -9.0], Point2=[11.0, 9.0, 12.0])
+        line.UpdatePipeline()
+        got = simple.servermanager.Fetch(line)
+        values = ffd.vtk_to_numpy(got.GetPointData().GetArray("RTData"))
+        valid = ffd.vtk_to_numpy(got.GetPointData().GetArray("vtkValidPointMask")) > 0
+        resampled = simple.FFDResampleToImage(Input=bent)
+        straight = simple.PlotOverLine(
+            Input=resampled, Point1=line.Point1.GetData(), Point2=line.Point2.GetData(),
+            SamplingPattern=line.SamplingPattern, Resolution=line.Resolution)
+        straight.UpdatePipeline()
+        self.assertGreater(valid.sum(), 0.5 * len(valid))
+        fetched = simple.servermanager.Fetch(straight)
+        lengths = [ffd.vtk_to_numpy(data.GetPointData().GetArray("arc_length"))
+                   for data in (got, fetched)]
+        expected = np.interp(lengths[0], lengths[1],
+                             ffd.vtk_to_numpy(fetched.GetPointData().GetArray("RTData")))
+        inside = valid.copy()
+        inside[:5] = inside[-5:] = False
+        self.assertLess(np.abs(values - expected)[inside].mean(), 3.0)
+        rest = simple.PlotOverLine(Input=self.wavelet, Point1=line.Point1.GetData(),
+                                   Point2=line.Point2.GetData())
+        rest.UpdatePipeline()
+        fetched = simple.servermanager.Fetch(rest)
+        undeformed = np.interp(lengths[0], ffd.vtk_to_numpy(
+            fetched.GetPointData().GetArray("arc_length")), ffd.vtk_to_numpy(
+                fetched.GetPointData().GetArray("RTData")))
+        self.assertGreater(np.abs(values - undeformed)[inside].mean(), 10.0)
+        self.assertFalse(got.GetFieldData().HasArray("FFDLattice.Displacement"))
+
+    def test_places_of_the_pointer(self):
+        """The place that ruler, widgets and the camera's center take from the picture is on what is
+        seen there: of surfaces and of FFD Volume."""
+        bent = self.lattice(Shape="Bend", Strength=0.9)
+        contour = simple.Contour(
+            Input=bent, ContourBy=["POINTS", "RTData"], Isosurfaces=[157.0])
+        for source, kind in ((bent, "Surface"), (contour, "Surface"), (bent, "FFD Volume")):
+            self.show(source, kind)
+            ffd.set_functions(opaque=True)
+            simple.Render(self.view)
+            # Where depths say, up to a pixel.
+            renderer = self.view.SMProxy.GetRenderer()
+            for x, y in ((80, 70), (70, 85), (95, 60)):
+                place, normal = [0.0] * 3, [0.0] * 3
+                self.assertTrue(
+                    self.view.SMProxy.ConvertDisplayToPointOnSurface([x, y], place, normal))
+                if kind == "FFD Volume":
+                    # Where it begins to be visible, as Probe Location finds.
+                    probe = simple.ProbeLocation(
+                        Input=bent, ProbeType="Fixed Radius Point Source")
+                    probe.ProbeType.Center = place
+                    probe.UpdatePipeline()
+                    value = simple.servermanager.Fetch(probe).GetPointData().GetArray("RTData")
+                    self.assertGreater(value.GetValue(0), 125.0)
+                    self.assertLess(value.GetValue(0), 190.0)
+                    continue
+                simple.Render(self.view)
+                renderer.SetDisplayPoint(x, y, renderer.GetZ(x, y))
+                renderer.DisplayToWorld()
+                world = np.array(renderer.GetWorldPoint())
+                np.testing.assert_allclose(place, world[:3] / world[3], atol=0.5)
+            simple.Hide(source, self.view)
+
     def test_what_stays_at_rest_says_so(self):
         """Once for each switch."""
         lattice = self.lattice(Shape="Twist")

@@ -322,6 +322,58 @@ class TestPanel(unittest.TestCase):
         for bound, expected in zip(state["bounds"], (-18, 12, -8, 22, -26, 4)):
             self.assertAlmostEqual(bound, expected, delta=0.01)
 
+    def test_hover(self):
+        """The pointer rests on the volume, beside it, and on it again, which a server of two processes
+        has: what is seen there, and where that is at rest."""
+        places = ((0.5, 0.5), (0.02, 0.05), (0.45, 0.55))
+        found = {}
+        for ranks in (0, 2):
+            folder = tempfile.mkdtemp(prefix="hover.", dir=TEMPORARY)
+            os.chmod(folder, 0o700)
+            events = Events()
+            for place in places:
+                events.add(VIEW, "mouseMove", "(%g,%g,0,0,0)" % place)
+                events.add(VIEW, "pause", "1500")
+            log = os.path.join(folder, "log")
+            environment = {**os.environ, "HOME": folder, "XDG_RUNTIME_DIR": folder,
+                           "PV_PLUGIN_PATH": os.path.dirname(PLUGIN), "FFD_HOVER_LOG": log}
+            options = []
+            server = None
+            if ranks:
+                port = 21000 + (os.getpid() + 1) % 9000
+                server = subprocess.Popen(
+                    ["mpiexec", "-np", str(ranks), "pvserver", "--server-port=%d" % port],
+                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment)
+                for line in server.stdout:
+                    if "Accepting" in line:
+                        break
+                options = ["--server-url=cs://localhost:%d" % port]
+            try:
+                result = subprocess.run(
+                    ["paraview", "--dr", *options, "--script=" + os.path.join(HERE, "HoverScene.py"),
+                     "--test-directory=" + folder,
+                     "--test-script=" + events.write(os.path.join(folder, "hover.xml")), "--exit"],
+                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
+                    env=environment)
+            finally:
+                if server:
+                    server.terminate()
+                    server.wait()
+                    server.stdout.close()
+            self.assertEqual(result.returncode, 0, result.stdout)
+            with open(log, encoding="ascii") as file:
+                found[ranks] = [json.loads(line) for line in file]
+            self.assertEqual([line[0] for line in found[ranks]], [1, 0, 1])
+            for line in (found[ranks][0], found[ranks][2]):
+                for shown, rest, shift in zip(line[1:4], line[4:7], (3, -7, 11)):
+                    self.assertAlmostEqual(shown - rest, shift, delta=0.02)
+                # Where it is visible: an opacity of 0.05, inside of the volume or on its face.
+                self.assertGreater(line[7], 143.9)
+                self.assertTrue(line[7] < 144.1 or max(map(abs, line[4:7])) > 14.99, line)
+        for here, there in zip(found[0], found[2]):
+            for a, b in zip(here, there):
+                self.assertAlmostEqual(a, b, delta=0.1)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDShownGeometry.h"
 
-#include "vtkFFDDeformGeometry.h"
-#include "vtkFFDEditLattice.h"
 #include "vtkFFDLattice.h"
+#include "vtkFFDShownLattice.h"
+#include "vtkFFDShownPlaces.h"
 #include "vtkFFDVolumeParts.h"
 
 #include "vtkCallbackCommand.h"
@@ -27,8 +27,11 @@
 #include "vtkPoints.h"
 #include "vtkPointSet.h"
 #include "vtkPolyData.h"
+#include "vtkPProbeFilter.h"
 #include "vtkPVGeometryFilter.h"
 #include "vtkPVGridAxes3DRepresentation.h"
+#include "vtkPVProbeLineFilter.h"
+#include "vtkPVRayCastPickingHelper.h"
 #include "vtkSelectionRepresentation.h"
 
 #include <algorithm>
@@ -40,30 +43,10 @@ namespace
 {
 
 using ffdparts::Bounds;
+using Shown = vtkFFDShownLattice;
 
 /// Parts that a line of an outline is cut into.
 constexpr int OutlineParts = 32;
-
-/// The lattice by which a data object is to be shown, and how; null: as it is.
-struct Shown
-{
-  vtkSmartPointer<vtkFFDLattice> Lattice;
-  int Mode = vtkFFDEditLattice::EXACT;
-
-  explicit Shown(vtkDataObject* data)
-  {
-    if (!data || !vtkFFDLattice::HasLattice(data))
-    {
-      return;
-    }
-    this->Mode = vtkFFDEditLattice::GetGeometryModeOf(data);
-    vtkNew<vtkFFDLattice> lattice;
-    if (this->Mode != vtkFFDEditLattice::AT_REST && lattice->ReadFrom(data))
-    {
-      this->Lattice = lattice;
-    }
-  }
-};
 
 /// Call `visit` for the leaves of a composite data set, and for another object itself.
 template <class Visit>
@@ -164,12 +147,9 @@ vtkSmartPointer<vtkPolyData> Move(vtkPolyData* surface, const Shown& shown, bool
   {
     attributes->SetActiveVectors(nullptr);
   }
-  vtkNew<vtkFFDDeformGeometry> deform;
-  deform->SetInputData(moved);
-  deform->SetDeformation(shown.Lattice);
-  deform->SetInverseMode(shown.Mode);
-  deform->Update();
-  moved->ShallowCopy(deform->GetOutput());
+  vtkNew<vtkPolyData> rest;
+  rest->ShallowCopy(moved);
+  shown.Move(rest, moved);
   const auto restore = [](vtkDataSetAttributes* to, vtkDataSetAttributes* from) {
     if (from->GetVectors() && from->GetVectors()->GetName())
     {
@@ -339,6 +319,18 @@ void vtkFFDShownGeometry::Follow(vtkObjectBase* object)
   else if (auto* axes = vtkPVGridAxes3DRepresentation::SafeDownCast(object))
   {
     Axes::Follow(axes);
+  }
+  else if (auto* helper = vtkPVRayCastPickingHelper::SafeDownCast(object))
+  {
+    ffdplaces::FollowPicking(helper);
+  }
+  else if (auto* line = vtkPVProbeLineFilter::SafeDownCast(object))
+  {
+    ffdplaces::FollowProbe(line, 0);
+  }
+  else if (auto* probe = vtkPProbeFilter::SafeDownCast(object))
+  {
+    ffdplaces::FollowProbe(probe, 1);
   }
   else if (auto* filter = vtkAlgorithm::SafeDownCast(object))
   {

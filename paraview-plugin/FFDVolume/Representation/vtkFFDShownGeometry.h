@@ -32,8 +32,9 @@ public:
 
   /**
    * Let one of ParaView's representations of surfaces or of selections show what it shows where the
-   * lattice of its data moves it to, or a data axes grid be around that. A filter that drops the
-   * field data of its input is made to pass them on.
+   * lattice of its data moves it to, or a data axes grid be around that. What takes places from
+   * the picture, or probes at places, works with what is shown there (vtkFFDShownPlaces.h). Another
+   * filter, one that drops the field data of its input, is made to pass them on.
    */
   static void Follow(vtkObjectBase* object);
 

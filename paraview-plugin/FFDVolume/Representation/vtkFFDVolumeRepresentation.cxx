@@ -10,6 +10,7 @@
 #include "vtkFFDShownArray.h"
 #include "vtkFFDVolumeOrder.h"
 #include "vtkFFDVolumeParts.h"
+#include "vtkFFDVolumePicker.h"
 #include "vtkFFDVoxelDistribution.h"
 
 #include "vtkAlgorithm.h"
@@ -86,6 +87,7 @@ public:
   vtkWeakPointer<vtkRenderWindow> Window; // of the frame in progress
   double ProgressInterval = 0.0;          // of the session before the frame; 0: not changed
   double NextRate = 0.0;                  // RenderNextAtRate(); 0: as asked
+  std::array<double, 8> Picked{};         // GetPicked()
   vtkNew<vtkFFDCompositePass> OwnPass;
   vtkSmartPointer<vtkFFDCompositePass> Pass; // that of the frame: its own or another volume's
 };
@@ -704,6 +706,60 @@ void vtkFFDVolumeRepresentation::UpdateMapperParameters()
   }
   this->Actor->SetVisibility(
     !vtkFFDShownArray::FromInformation(this->GetInputArrayInformation(0)).Name.empty());
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::Pick(
+  double x0, double y0, double z0, double x1, double y1, double z1)
+{
+  std::array<double, 8>& picked = this->Internals->Picked;
+  picked = {};
+  double from[3] = { x0, y0, z0 };
+  double direction[3] = { x1 - x0, y1 - y0, z1 - z0 };
+  auto* view = vtkPVRenderView::SafeDownCast(this->GetView());
+  // Pickers take the rotation that turns -z into the direction of the ray: half a turn about the
+  // vector between the two.
+  double orientation[4] = { 180.0, direction[0], direction[1], direction[2] };
+  if (view && this->GetVisibility() && this->VolumeMapper->GetInputDataObject(0, 0) &&
+    vtkMath::Normalize(&orientation[1]) > 0.0)
+  {
+    orientation[3] -= 1.0;
+    if (vtkMath::Norm(&orientation[1]) < 1e-6)
+    {
+      orientation[1] = 1.0; // the direction is +z
+    }
+    vtkNew<vtkFFDVolumePicker> picker;
+    picker->AddPickList(this->Actor);
+    picker->PickFromListOn();
+    if (picker->Pick3DRay(from, orientation, view->GetRenderer()))
+    {
+      picked[0] = 1.0;
+      picker->GetPickPosition(&picked[1]);
+      picker->GetRestPosition(&picked[4]);
+      picked[7] = picker->GetScalarValue();
+    }
+  }
+  vtkMultiProcessController* controller = GetController();
+  if (GetNumberOfProcesses() > 1)
+  {
+    // The nearest one counts.
+    const double here =
+      picked[0] > 0.0 ? vtkMath::Distance2BetweenPoints(from, &picked[1]) : VTK_DOUBLE_MAX;
+    std::vector<double> distances(static_cast<std::size_t>(GetNumberOfProcesses()));
+    controller->AllGather(&here, distances.data(), 1);
+    const auto nearest = std::min_element(distances.begin(), distances.end());
+    controller->Broadcast(picked.data(), static_cast<vtkIdType>(picked.size()),
+      static_cast<int>(nearest - distances.begin()));
+  }
+}
+
+//------------------------------------------------------------------------------
+double* vtkFFDVolumeRepresentation::GetPicked() { return this->Internals->Picked.data(); }
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetPicked(const double picked[8])
+{
+  std::copy_n(picked, 8, this->Internals->Picked.begin());
 }
 
 //------------------------------------------------------------------------------

@@ -159,6 +159,19 @@ public:
    */
   bool GetAdaptInteractiveQuality();
 
+  ///@{
+  /**
+   * Find what is seen first along a line of the scene, from (x0, y0, z0) to (x1, y1, z1) in world
+   * coordinates: where the volume begins to be visible. The result is 8 numbers: 1, or 0 for
+   * nothing (and zeros); the place in the scene; its place in the data at rest; the scalar there.
+   * To be called on all rendering processes, all of which have the result; a client is given it by
+   * SetPicked().
+   */
+  void Pick(double x0, double y0, double z0, double x1, double y1, double z1);
+  double* GetPicked() VTK_SIZEHINT(8);
+  void SetPicked(const double picked[8]);
+  ///@}
+
   /**
    * Voxels of the image that this process holds for rendering; what the parallel partition is
    * measured by.

@@ -16,6 +16,7 @@
 #include "vtkSMProperty.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMPVRepresentationProxy.h"
+#include "vtkSMSession.h"
 #include "vtkSMSourceProxy.h"
 
 #include <algorithm>
@@ -123,11 +124,7 @@ void vtkSMFFDVolumeRepresentationProxy::CreateVTKObjects()
 bool vtkSMFFDVolumeRepresentationProxy::RenderNextAtRate(double rate)
 {
   auto* own = vtkFFDVolumeRepresentation::SafeDownCast(this->GetClientSideObject());
-  vtkSMProxy* parent = this->GetParentProxy();
-  auto* all =
-    parent ? vtkCompositeRepresentation::SafeDownCast(parent->GetClientSideObject()) : nullptr;
-  if (!own || !all || all->GetActiveRepresentation() != own || !all->GetVisibility() ||
-    !own->GetAdaptInteractiveQuality())
+  if (!this->IsVisible() || !own->GetAdaptInteractiveQuality())
   {
     return false;
   }
@@ -136,6 +133,59 @@ bool vtkSMFFDVolumeRepresentationProxy::RenderNextAtRate(double rate)
          << vtkClientServerStream::End;
   this->ExecuteStream(stream, false, vtkPVSession::RENDER_SERVER);
   return true;
+}
+
+//------------------------------------------------------------------------------
+/// Whether the representation that this is a part of is visible, and shows this.
+bool vtkSMFFDVolumeRepresentationProxy::IsVisible()
+{
+  auto* own = vtkFFDVolumeRepresentation::SafeDownCast(this->GetClientSideObject());
+  vtkSMProxy* parent = this->GetParentProxy();
+  auto* all =
+    parent ? vtkCompositeRepresentation::SafeDownCast(parent->GetClientSideObject()) : nullptr;
+  return own && all && all->GetActiveRepresentation() == own && all->GetVisibility();
+}
+
+//------------------------------------------------------------------------------
+bool vtkSMFFDVolumeRepresentationProxy::Pick(
+  const double from[3], const double to[3], double shown[3], double rest[3], double& value)
+{
+  if (!this->IsVisible())
+  {
+    return false;
+  }
+  vtkClientServerStream stream;
+  stream << vtkClientServerStream::Invoke << VTKOBJECT(this) << "Pick" << from[0] << from[1]
+         << from[2] << to[0] << to[1] << to[2] << vtkClientServerStream::End;
+  this->ExecuteStream(stream, false, vtkPVSession::RENDER_SERVER);
+  stream.Reset();
+  stream << vtkClientServerStream::Invoke << VTKOBJECT(this) << "GetPicked"
+         << vtkClientServerStream::End;
+  this->ExecuteStream(stream, false, vtkPVSession::RENDER_SERVER_ROOT);
+  std::array<double, 8> picked{};
+  this->GetSession()
+    ->GetLastResult(vtkPVSession::RENDER_SERVER_ROOT)
+    .GetArgument(0, 0, picked.data(), 8);
+  // The property is that of the client's object.
+  vtkFFDVolumeRepresentation::SafeDownCast(this->GetClientSideObject())->SetPicked(picked.data());
+  this->UpdatePropertyInformation(this->GetProperty("FFDPicked"));
+  if (picked[0] == 0.0)
+  {
+    return false;
+  }
+  std::copy_n(&picked[1], 3, shown);
+  std::copy_n(&picked[4], 3, rest);
+  value = picked[7];
+  return true;
+}
+
+//------------------------------------------------------------------------------
+std::string vtkSMFFDVolumeRepresentationProxy::GetShownArray()
+{
+  vtkSMProxy* parent = this->GetParentProxy();
+  vtkSMProperty* array = parent ? parent->GetProperty("ColorArrayName") : nullptr;
+  const char* name = array ? vtkSMPropertyHelper(array).GetInputArrayNameToProcess() : nullptr;
+  return name ? name : "";
 }
 
 //------------------------------------------------------------------------------

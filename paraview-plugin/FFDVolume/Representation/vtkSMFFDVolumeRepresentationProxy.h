@@ -35,6 +35,18 @@ public:
    */
   bool RenderNextAtRate(double rate);
 
+  /**
+   * vtkFFDVolumeRepresentation::Pick() where the volume is rendered. False if nothing is seen on
+   * the line between the two places, world coordinates, or this representation is not shown.
+   * `shown` is the place, world coordinates, and `rest` its place in the data. The information
+   * property FFDPicked has the result, too.
+   */
+  bool Pick(
+    const double from[3], const double to[3], double shown[3], double rest[3], double& value);
+
+  /// The array that is shown, "" if there is none.
+  std::string GetShownArray();
+
 protected:
   vtkSMFFDVolumeRepresentationProxy();
   ~vtkSMFFDVolumeRepresentationProxy() override;
@@ -45,6 +57,7 @@ private:
   vtkSMFFDVolumeRepresentationProxy(const vtkSMFFDVolumeRepresentationProxy&) = delete;
   void operator=(const vtkSMFFDVolumeRepresentationProxy&) = delete;
 
+  bool IsVisible();
   void PickArray();
   void WarnOfRest();
   void Mirror(vtkObject* option, unsigned long event, void* data);

@@ -1,0 +1,174 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pqFFDHover.h"
+
+#include "vtkSMFFDVolumeRepresentationProxy.h"
+
+#include "pqApplicationCore.h"
+#include "pqCoreUtilities.h"
+#include "pqServerManagerModel.h"
+#include "pqView.h"
+
+#include "vtkMath.h"
+#include "vtkRenderer.h"
+#include "vtkRenderWindow.h"
+#include "vtkSMProperty.h"
+#include "vtkSMPropertyHelper.h"
+#include "vtkSMRenderViewProxy.h"
+
+#include <QApplication>
+#include <QMainWindow>
+#include <QMouseEvent>
+#include <QStatusBar>
+#include <QTimer>
+#include <QToolTip>
+#include <QWidget>
+
+namespace
+{
+
+/// For how long the pointer is to rest, milliseconds.
+constexpr int RestingTime = 400;
+
+QString ToText(const double place[3])
+{
+  return QString("(%1, %2, %3)")
+    .arg(place[0], 0, 'g', 5)
+    .arg(place[1], 0, 'g', 5)
+    .arg(place[2], 0, 'g', 5);
+}
+
+/// The place in the scene of a pixel, at the near (0) or far (1) plane.
+void FindPlace(vtkRenderer* renderer, const double pixel[2], double depth, double place[3])
+{
+  renderer->SetDisplayPoint(pixel[0], pixel[1], depth);
+  renderer->DisplayToWorld();
+  const double* world = renderer->GetWorldPoint();
+  for (int a = 0; a < 3; ++a)
+  {
+    place[a] = world[a] / world[3];
+  }
+}
+
+/// What is seen of the volumes of a view at a pixel; empty if nothing is.
+QString Describe(vtkSMRenderViewProxy* view, const double pixel[2])
+{
+  double from[3];
+  double to[3];
+  FindPlace(view->GetRenderer(), pixel, 0.0, from);
+  FindPlace(view->GetRenderer(), pixel, 1.0, to);
+  QString text;
+  double nearest = VTK_DOUBLE_MAX;
+  const vtkSMPropertyHelper all(view, "Representations");
+  for (unsigned int i = 0; i < all.GetNumberOfElements(); ++i)
+  {
+    vtkSMProxy* each = all.GetAsProxy(i);
+    vtkSMProperty* own = each ? each->GetProperty("FFDSampleDistance") : nullptr;
+    auto* volume =
+      vtkSMFFDVolumeRepresentationProxy::SafeDownCast(own ? own->GetParent() : nullptr);
+    double shown[3];
+    double rest[3];
+    double value = 0.0;
+    if (volume && volume->Pick(from, to, shown, rest, value) &&
+      vtkMath::Distance2BetweenPoints(from, shown) < nearest)
+    {
+      nearest = vtkMath::Distance2BetweenPoints(from, shown);
+      text = QObject::tr("%1: %2\ndeformed: %3\nat rest: %4")
+               .arg(QString::fromStdString(volume->GetShownArray()))
+               .arg(value, 0, 'g', 6)
+               .arg(ToText(shown), ToText(rest));
+    }
+  }
+  return text;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+pqFFDHover::pqFFDHover(QObject* parentObject)
+  : QObject(parentObject)
+  , Resting(new QTimer(this))
+{
+  this->Resting->setSingleShot(true);
+  this->Resting->setInterval(RestingTime);
+  QObject::connect(this->Resting, SIGNAL(timeout()), this, SLOT(show()));
+}
+
+//------------------------------------------------------------------------------
+pqFFDHover::~pqFFDHover() { this->shutdown(); }
+
+//------------------------------------------------------------------------------
+void pqFFDHover::startup()
+{
+  if (pqApplicationCore::instance())
+  {
+    qApp->installEventFilter(this);
+  }
+}
+
+//------------------------------------------------------------------------------
+void pqFFDHover::shutdown()
+{
+  this->Resting->stop();
+  if (qApp)
+  {
+    qApp->removeEventFilter(this);
+  }
+}
+
+//------------------------------------------------------------------------------
+bool pqFFDHover::eventFilter(QObject* watched, QEvent* event)
+{
+  switch (event->type())
+  {
+    case QEvent::MouseMove:
+    {
+      auto* widget = qobject_cast<QWidget*>(watched);
+      const auto* move = static_cast<QMouseEvent*>(event);
+      if (widget && move->buttons() == Qt::NoButton)
+      {
+        this->Widget = widget;
+        this->Place = move->pos();
+        this->Resting->start();
+      }
+      break;
+    }
+    case QEvent::MouseButtonPress:
+    case QEvent::Wheel:
+    case QEvent::Leave:
+      this->Resting->stop();
+      break;
+    default:
+      break;
+  }
+  return this->QObject::eventFilter(watched, event);
+}
+
+//------------------------------------------------------------------------------
+void pqFFDHover::show()
+{
+  QString text;
+  QWidget* widget = this->Widget;
+  for (pqView* view : pqApplicationCore::instance()->getServerManagerModel()->findItems<pqView*>())
+  {
+    auto* proxy = vtkSMRenderViewProxy::SafeDownCast(view->getViewProxy());
+    QWidget* own = view->widget();
+    if (widget && proxy && own && (own == widget || own->isAncestorOf(widget)))
+    {
+      const double ratio = widget->devicePixelRatioF();
+      const int* size = proxy->GetRenderWindow()->GetSize();
+      const double pixel[2] = { ratio * this->Place.x(), size[1] - 1 - ratio * this->Place.y() };
+      text = Describe(proxy, pixel);
+    }
+  }
+  auto* window = qobject_cast<QMainWindow*>(pqCoreUtilities::mainWidget());
+  if (!text.isEmpty())
+  {
+    QToolTip::showText(widget->mapToGlobal(this->Place), text, widget);
+  }
+  if (window && (this->Told || !text.isEmpty()))
+  {
+    window->statusBar()->showMessage(QString(text).replace("\n", "; "));
+    this->Told = !text.isEmpty();
+  }
+}

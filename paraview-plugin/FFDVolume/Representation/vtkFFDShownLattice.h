@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @file vtkFFDShownLattice.h
+ * The lattice by which ParaView shows data that have one. Private to this module.
+ */
+#ifndef vtkFFDShownLattice_h
+#define vtkFFDShownLattice_h
+
+#include "vtkFFDEditLattice.h"
+#include "vtkFFDLattice.h"
+
+#include "vtkSmartPointer.h"
+
+class vtkDataObject;
+class vtkPointSet;
+
+/// The lattice by which a data object is to be shown, and how; null: as it is.
+struct vtkFFDShownLattice
+{
+  vtkSmartPointer<vtkFFDLattice> Lattice;
+  int Mode = vtkFFDEditLattice::EXACT;
+
+  explicit vtkFFDShownLattice(vtkDataObject* data);
+
+  /// That of the whole, or else that of the first of its leaves that has one.
+  static vtkFFDShownLattice FindAnywhere(vtkDataObject* data);
+
+  /// Moves the points to where they are shown; `moved` is a data set of the same type.
+  void Move(vtkPointSet* rest, vtkPointSet* moved) const;
+
+  /// The place at rest of what is shown at a place.
+  void PullBack(const double shown[3], double rest[3]) const;
+};
+
+#endif

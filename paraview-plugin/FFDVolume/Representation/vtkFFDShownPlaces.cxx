@@ -1,0 +1,286 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDShownPlaces.h"
+
+#include "vtkFFDShownLattice.h"
+
+#include "vtkAlgorithm.h"
+#include "vtkCallbackCommand.h"
+#include "vtkCell.h"
+#include "vtkCellType.h"
+#include "vtkCommand.h"
+#include "vtkCommunicator.h"
+#include "vtkCompositeDataIterator.h"
+#include "vtkCompositeDataSet.h"
+#include "vtkDoubleArray.h"
+#include "vtkIdList.h"
+#include "vtkIdTypeArray.h"
+#include "vtkLine.h"
+#include "vtkMath.h"
+#include "vtkMultiProcessController.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkPolyData.h"
+#include "vtkPProbeFilter.h"
+#include "vtkPVExtractSelection.h"
+#include "vtkPVRayCastPickingHelper.h"
+#include "vtkSelection.h"
+#include "vtkSelectionNode.h"
+#include "vtkTrivialProducer.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace ffdplaces
+{
+namespace
+{
+
+/// Call `visit` with the unstructured grids of an extracted selection.
+template <class Visit>
+void VisitGrids(vtkDataObject* data, const Visit& visit)
+{
+  if (auto* parts = vtkCompositeDataSet::SafeDownCast(data))
+  {
+    vtkSmartPointer<vtkCompositeDataIterator> iterator;
+    iterator.TakeReference(parts->NewIterator());
+    for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
+    {
+      visit(vtkUnstructuredGrid::SafeDownCast(iterator->GetCurrentDataObject()));
+    }
+    return;
+  }
+  visit(vtkUnstructuredGrid::SafeDownCast(data));
+}
+
+/// A moved copy of cells: voxels and pixels, which are boxes, become cells of any shape.
+void MoveCells(
+  vtkUnstructuredGrid* cells, const vtkFFDShownLattice& shown, vtkUnstructuredGrid* moved)
+{
+  vtkNew<vtkUnstructuredGrid> general;
+  general->SetPoints(cells->GetPoints());
+  general->GetPointData()->ShallowCopy(cells->GetPointData());
+  vtkNew<vtkIdList> ids;
+  for (vtkIdType i = 0; i < cells->GetNumberOfCells(); ++i)
+  {
+    cells->GetCellPoints(i, ids);
+    int type = cells->GetCellType(i);
+    if (type == VTK_VOXEL || type == VTK_PIXEL)
+    {
+      for (vtkIdType first = 2; first < ids->GetNumberOfIds(); first += 4)
+      {
+        const vtkIdType id = ids->GetId(first);
+        ids->SetId(first, ids->GetId(first + 1));
+        ids->SetId(first + 1, id);
+      }
+      type = type == VTK_VOXEL ? VTK_HEXAHEDRON : VTK_QUAD;
+    }
+    general->InsertNextCell(type, ids);
+  }
+  shown.Move(general, moved);
+}
+
+/**
+ * Where the ray misses the first cell, let the cell be a square across the ray, where that is
+ * nearest to the center of the cell: volumes are seen at places between pixels, and a cell that
+ * was found at the border of a pixel may lie beside the ray through its center.
+ */
+void FaceRay(vtkUnstructuredGrid* cells, const double* from, const double* to)
+{
+  vtkCell* cell = cells->GetCell(0);
+  double start[3];
+  double end[3];
+  std::copy_n(from, 3, start);
+  std::copy_n(to, 3, end);
+  double t;
+  double x[3];
+  double parametric[3];
+  int part;
+  if (cell->IntersectWithLine(start, end, 0.0, t, x, parametric, part))
+  {
+    return;
+  }
+  double bounds[6];
+  cell->GetBounds(bounds);
+  const double center[3] = { 0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3]),
+    0.5 * (bounds[4] + bounds[5]) };
+  double nearest[3];
+  vtkLine::DistanceToLine(center, start, end, t, nearest);
+  double ray[3];
+  vtkMath::Subtract(end, start, ray);
+  double across[2][3];
+  vtkMath::Perpendiculars(ray, across[0], across[1], 0.0);
+  const double size = std::sqrt(cell->GetLength2());
+  vtkNew<vtkPoints> corners;
+  corners->SetDataTypeToDouble();
+  for (int corner = 0; corner < 4; ++corner)
+  {
+    const double u = corner == 1 || corner == 2 ? size : -size;
+    const double v = corner >= 2 ? size : -size;
+    corners->InsertNextPoint(nearest[0] + u * across[0][0] + v * across[1][0],
+      nearest[1] + u * across[0][1] + v * across[1][1],
+      nearest[2] + u * across[0][2] + v * across[1][2]);
+  }
+  cells->Initialize();
+  cells->Allocate(1);
+  cells->SetPoints(corners);
+  const vtkIdType ids[4] = { 0, 1, 2, 3 };
+  cells->InsertNextCell(VTK_QUAD, 4, ids);
+}
+
+/// Members of ParaView's helper that are for its subclasses.
+struct Picking : vtkPVRayCastPickingHelper
+{
+  /// Once input and selection are there: extract the cell that is selected, move it, and let it be
+  /// the input, of which the first cell is selected.
+  static void Prepare(vtkPVRayCastPickingHelper* helper)
+  {
+    vtkAlgorithm* input = helper->*(&Picking::Input);
+    vtkAlgorithm* selection = helper->*(&Picking::Selection);
+    if (!input || !selection || vtkTrivialProducer::SafeDownCast(selection))
+    {
+      return;
+    }
+    vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+    vtkNew<vtkPVExtractSelection> extract;
+    extract->SetInputConnection(0, input->GetOutputPort(0));
+    extract->SetInputConnection(1, selection->GetOutputPort(0));
+    extract->UpdatePiece(controller ? controller->GetLocalProcessId() : 0,
+      controller ? controller->GetNumberOfProcesses() : 1, 0);
+    const vtkFFDShownLattice ofAll =
+      vtkFFDShownLattice::FindAnywhere(input->GetOutputDataObject(0));
+    const int hasHere = ofAll.Lattice ? 1 : 0;
+    int has = hasHere;
+    if (controller && controller->GetNumberOfProcesses() > 1)
+    {
+      controller->AllReduce(&hasHere, &has, 1, vtkCommunicator::MAX_OP);
+    }
+    if (!has)
+    {
+      return;
+    }
+    vtkNew<vtkUnstructuredGrid> moved;
+    VisitGrids(extract->GetOutputDataObject(0), [&](vtkUnstructuredGrid* cells) {
+      if (cells && cells->GetNumberOfCells() > 0 && moved->GetNumberOfCells() == 0)
+      {
+        const vtkFFDShownLattice own(cells);
+        MoveCells(cells, own.Lattice ? own : ofAll, moved);
+        if (moved->GetCell(0)->GetCellDimension() == 3)
+        {
+          FaceRay(moved, helper->*(&Picking::PointA), helper->*(&Picking::PointB));
+        }
+      }
+    });
+    vtkNew<vtkIdTypeArray> first;
+    first->InsertNextValue(0);
+    vtkNew<vtkSelectionNode> node;
+    node->SetContentType(vtkSelectionNode::INDICES);
+    node->SetFieldType(vtkSelectionNode::CELL); // points are selected as vertices
+    node->SetSelectionList(first);
+    vtkNew<vtkSelection> firstOnly;
+    firstOnly->AddNode(node);
+    vtkNew<vtkTrivialProducer> newInput;
+    vtkNew<vtkTrivialProducer> newSelection;
+    newInput->SetOutput(moved);
+    newSelection->SetOutput(firstOnly);
+    // The selection first: it tells that this is done.
+    helper->SetSelection(newSelection);
+    helper->SetInput(newInput);
+  }
+};
+
+/// Called on all processes.
+void ProbeAgain(vtkAlgorithm* filter, int dataPort)
+{
+  vtkPolyData* output = vtkPolyData::SafeDownCast(filter->GetOutputDataObject(0));
+  if (!output || filter->GetNumberOfInputConnections(dataPort) != 1)
+  {
+    return;
+  }
+  vtkDataObject* data = filter->GetInputDataObject(dataPort, 0);
+  const vtkFFDShownLattice shown = vtkFFDShownLattice::FindAnywhere(data);
+  vtkNew<vtkDoubleArray> places; // of the output of the first process, which alone has one
+  places->SetNumberOfComponents(3);
+  for (vtkIdType i = 0; i < output->GetNumberOfPoints(); ++i)
+  {
+    places->InsertNextTuple(output->GetPoint(i));
+  }
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  const bool several = controller && controller->GetNumberOfProcesses() > 1;
+  const int hasHere = shown.Lattice ? 1 : 0;
+  int has = hasHere;
+  if (several)
+  {
+    controller->AllReduce(&hasHere, &has, 1, vtkCommunicator::MIN_OP);
+    controller->Broadcast(places.GetPointer(), 0);
+  }
+  if (!has || places->GetNumberOfTuples() == 0)
+  {
+    return;
+  }
+  vtkNew<vtkPoints> rest;
+  rest->SetDataTypeToDouble();
+  vtkNew<vtkDoubleArray> restPositions;
+  restPositions->SetName("RestPosition");
+  restPositions->SetNumberOfComponents(3);
+  for (vtkIdType i = 0; i < places->GetNumberOfTuples(); ++i)
+  {
+    double place[3];
+    places->GetTuple(i, place);
+    double atRest[3];
+    shown.PullBack(place, atRest);
+    rest->InsertNextPoint(atRest);
+    restPositions->InsertNextTuple(atRest);
+  }
+  vtkNew<vtkPolyData> points;
+  points->SetPoints(rest);
+  vtkNew<vtkPProbeFilter> probe;
+  probe->SetController(controller);
+  probe->SetInputData(0, points);
+  probe->SetInputData(1, data);
+  probe->SetPassPointArrays(false);
+  probe->Update();
+  vtkPointData* found = vtkDataSet::SafeDownCast(probe->GetOutputDataObject(0))->GetPointData();
+  if (output->GetNumberOfPoints() == places->GetNumberOfTuples())
+  {
+    vtkPointData* arrays = output->GetPointData();
+    for (int a = 0; a < found->GetNumberOfArrays(); ++a)
+    {
+      if (found->GetAbstractArray(a)->GetNumberOfTuples() == output->GetNumberOfPoints())
+      {
+        arrays->AddArray(found->GetAbstractArray(a));
+      }
+    }
+    arrays->AddArray(restPositions);
+  }
+  // What is shown here stays here.
+  vtkFFDLattice::DetachFrom(output);
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+void FollowPicking(vtkPVRayCastPickingHelper* helper)
+{
+  vtkNew<vtkCallbackCommand> command;
+  command->SetCallback([](vtkObject* caller, unsigned long, void*, void*) {
+    Picking::Prepare(vtkPVRayCastPickingHelper::SafeDownCast(caller));
+  });
+  helper->AddObserver(vtkCommand::ModifiedEvent, command);
+}
+
+//------------------------------------------------------------------------------
+void FollowProbe(vtkAlgorithm* filter, int dataPort)
+{
+  vtkNew<vtkCallbackCommand> command;
+  command->SetClientData(reinterpret_cast<void*>(static_cast<std::intptr_t>(dataPort)));
+  command->SetCallback([](vtkObject* caller, unsigned long, void* port, void*) {
+    ProbeAgain(
+      vtkAlgorithm::SafeDownCast(caller), static_cast<int>(reinterpret_cast<std::intptr_t>(port)));
+  });
+  filter->AddObserver(vtkCommand::EndEvent, command);
+}
+
+} // namespace ffdplaces
