@@ -45,9 +45,11 @@ public:
     : Scene(scene)
     , Scratch(scratch)
     , Rays(rays)
+    , Samples(samples)
     , State(samples.State)
     , Normals(samples.Normals)
     , Border(samples.Border)
+    , Pending(hn::FirstN(Df(), 0))
   {
   }
 
@@ -55,6 +57,7 @@ public:
   HWY_NOINLINE void Begin(int x0, int y0, int width)
   {
     const Df d;
+    const Vf zero = hn::Zero(d);
     switch (this->Scene.Sampling)
     {
       case PacketSampling::Extreme:
@@ -62,6 +65,8 @@ public:
         return;
       case PacketSampling::Surface:
         this->State.Out.TallyStep = Splat(-1e30f);
+        // Lanes that cross nothing are numbers, too.
+        this->Next = { { zero, zero, zero, zero }, zero, zero, zero, { zero, zero, zero }, true };
         return;
       case PacketSampling::PerRay:
         break;
@@ -87,7 +92,7 @@ public:
     const PacketCurve& curve, const Vec3& q, Vf s, Vf number, Mf sampled, bool inner)
   {
     const Df d;
-    this->Inner = inner && this->Scene.Volume.SlicesInReach == 0;
+    this->Inner = inner;
     this->Scratch.Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
     switch (this->Scene.Sampling)
     {
@@ -120,7 +125,36 @@ public:
     }
   }
 
+  /// Composites what the samples of a curve have crossed, before another curve begins.
+  HWY_INLINE void EndCurve(const PacketCurve& curve)
+  {
+    if (HWY_UNLIKELY(!hn::AllFalse(Df(), this->Pending)))
+    {
+      this->AddSurfaces(curve);
+    }
+  }
+
 private:
+  /// Parts of curves, and the values at their ends.
+  struct Interval
+  {
+    Vf From;
+    Vf To;
+    Vf A;
+    Vf B;
+  };
+
+  /// Surfaces that are crossed in intervals, one of each ray.
+  struct Crossing
+  {
+    Interval Place;
+    Vf Value;
+    Vf Excess;
+    Vf Opacity;
+    Vec3 Color;
+    bool Inner; ///< whether all voxels of the intervals and their gradients exist
+  };
+
   static constexpr float NoExtreme = 3e38f;
   static constexpr int FaceSteps = 20;
   /// The search for a crossing ends when it is known to this part of an interval, or after so many
@@ -172,31 +206,13 @@ private:
 
   void EndExtremes()
   {
-    const Df d;
-    HWY_ALIGN float extreme[16], r[16], g[16], b[16], transmittance[16], t[16];
+    PacketPixels& out = this->State.Out;
+    const Mf any = hn::Gt(out.Tally, Splat(-NoExtreme));
     const bool maximum = this->Scene.Source->Blend.Mode == BlendMode::Maximum;
-    hn::Store(this->State.Out.Tally, d, extreme);
-    hn::Store(this->State.Out.FirstVisible, d, t);
-    const PacketVolume& v = this->Scene.Volume;
-    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
-    {
-      glm::vec4 classified(0.0f);
-      if (extreme[lane] > -NoExtreme)
-      {
-        const double value = static_cast<double>(maximum ? extreme[lane] : -extreme[lane]);
-        classified = this->Scene.Frame->Classifier->ClassifyValue(0, value / v.Scale + v.Shift);
-        classified.a =
-          std::min(1.0f, classified.a * static_cast<float>(this->Scene.Source->Blend.Weight[0]));
-      }
-      r[lane] = classified.a * classified.r;
-      g[lane] = classified.a * classified.g;
-      b[lane] = classified.a * classified.b;
-      transmittance[lane] = 1.0f - classified.a;
-      t[lane] = classified.a > 0.0f ? t[lane] : 1e30f;
-    }
-    this->State.Out.Color = { hn::Load(d, r), hn::Load(d, g), hn::Load(d, b) };
-    this->State.Out.Transmittance = hn::Load(d, transmittance);
-    this->State.Out.FirstVisible = hn::Load(d, t);
+    const Vf extreme = hn::IfThenElseZero(any, out.Tally);
+    this->ShowValues(maximum ? extreme : hn::Neg(extreme), any);
+    out.FirstVisible =
+      hn::IfThenElse(hn::Lt(out.Transmittance, Splat(1.0f)), out.FirstVisible, Splat(1e30f));
   }
 
   void EndSums()
@@ -217,26 +233,10 @@ private:
   }
 
   /// Interpolates values at positions in the volume.
-  HWY_INLINE Vf ValuesAt(const Vec3& q, Mf lanes)
+  HWY_INLINE Vf ValuesAt(const Vec3& q, Mf lanes, bool inner)
   {
-    return HWY_LIKELY(this->Inner) ? this->InnerValuesAt(q, lanes) : this->AnyValuesAt(q, lanes);
-  }
-
-  HWY_NOINLINE Vf InnerValuesAt(const Vec3& q, Mf lanes) const
-  {
-    SampleCells cells;
-    const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
-    OffsetRows<T> voxels;
-    voxels.Fit(this->Scene.Volume, cells, lanes);
-    SampleRows<T> rows;
-    return Sample<T>(voxels, at, rows);
-  }
-
-  HWY_NOINLINE Vf AnyValuesAt(const Vec3& q, Mf lanes)
-  {
-    FetchedSample<T> fetched;
-    FetchSample(this->Scene.Volume, q, lanes, this->Border, fetched);
-    return fetched.Value;
+    return HWY_LIKELY(inner) ? this->Samples.FindInnerValue(q, lanes)
+                             : this->Samples.FindValue(q, lanes);
   }
 
   /// Keeps the largest value; minima are found as maxima of the negated values.
@@ -244,7 +244,7 @@ private:
   {
     const Df d;
     const bool maximum = this->Scene.Source->Blend.Mode == BlendMode::Maximum;
-    Vf value = this->ValuesAt(q, sampled);
+    Vf value = this->ValuesAt(q, sampled, this->Inner);
     value = maximum ? value : hn::Neg(value);
     // Comparisons with what is not a number are false.
     const Mf better = hn::And(sampled, hn::Gt(value, this->State.Out.Tally));
@@ -260,7 +260,7 @@ private:
   {
     const Df d;
     const Vf one = Splat(1.0f);
-    const Vf value = this->ValuesAt(q, sampled);
+    const Vf value = this->ValuesAt(q, sampled, this->Inner);
     Mf counts = hn::And(sampled, hn::Eq(value, value));
     if (this->Scene.Source->Blend.Mode == BlendMode::Average)
     {
@@ -289,23 +289,31 @@ private:
   HWY_NOINLINE void TakeSlice(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
   {
     const Df d;
+    const Mf visible = this->ShowValues(this->Samples.FindValue(q, sampled), sampled);
+    this->Scratch.Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
+    this->State.Out.FirstVisible =
+      hn::IfThenElse(visible, curve.TimeAt(s), this->State.Out.FirstVisible);
+  }
+
+  /// Makes the pixels of the rays of `lanes` those of one value each; returns those that are
+  /// visible.
+  HWY_INLINE Mf ShowValues(Vf value, Mf lanes)
+  {
+    const Df d;
     const Vf zero = hn::Zero(d);
     const Vf one = Splat(1.0f);
-    const Vf value = this->ValuesAt(q, sampled);
     const TableLookup lookup(this->Scene, value);
     const Vf extinction = lookup.Extinction();
     const Vf opacity =
       hn::Sub(one, Exp2(hn::Neg(hn::Mul(extinction, Splat(this->Scene.UnitDistance)))));
     const Vf weight = Splat(static_cast<float>(this->Scene.Source->Blend.Weight[0]));
     // NaN is not shown: comparisons with it are false.
-    const Mf visible = hn::And(hn::And(sampled, hn::Eq(value, value)),
+    const Mf visible = hn::And(hn::And(lanes, hn::Eq(value, value)),
       hn::And(hn::Gt(extinction, zero), hn::Gt(weight, zero)));
     const Vf shown = hn::IfThenElseZero(visible, hn::Min(hn::Mul(weight, opacity), one));
-    this->Scratch.Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
     this->State.Out.Color = Scale(shown, lookup.Color());
     this->State.Out.Transmittance = hn::Sub(one, shown);
-    this->State.Out.FirstVisible =
-      hn::IfThenElse(visible, curve.TimeAt(s), this->State.Out.FirstVisible);
+    return visible;
   }
 
   /// Composites the surfaces between a sample and the next one, as RayIntegrator does: an interval
@@ -333,10 +341,10 @@ private:
     const Mf unknown = hn::AndNot(known, any);
     if (!hn::AllFalse(d, unknown))
     {
-      interval.A = hn::IfThenElse(
-        unknown, this->ValuesAt(this->PositionAt(curve, interval.From), unknown), interval.A);
+      interval.A = hn::IfThenElse(unknown,
+        this->ValuesAt(this->PositionAt(curve, interval.From), unknown, this->Inner), interval.A);
     }
-    interval.B = this->ValuesAt(this->PositionAt(curve, interval.To), any);
+    interval.B = this->ValuesAt(this->PositionAt(curve, interval.To), any, this->Inner);
     this->State.Out.Tally = hn::IfThenElse(any, interval.B, this->State.Out.Tally);
     this->State.Out.TallyStep =
       hn::IfThenElse(insideB, hn::Add(number, Splat(1.0f)), Splat(-1e30f));
@@ -353,7 +361,7 @@ private:
         hn::And(hn::And(way, this->State.Alive), hn::And(hn::Lt(low, value), hn::Le(value, high)));
       if (!hn::AllFalse(d, crossed))
       {
-        this->AddSurface(curve, interval, iso, crossed);
+        this->AwaitSurface(curve, interval, iso, crossed);
       }
     };
     for (std::size_t i = 0; i < count; ++i)
@@ -364,16 +372,37 @@ private:
     {
       cross(this->Scene.IsoValues[i], down);
     }
+    if (!curve.Segment || hn::AllFalse(d, hn::AndNot(this->Pending, this->State.Alive)))
+    {
+      this->AddSurfaces(curve);
+    }
   }
 
-  /// A part of a curve, and the values at its ends.
-  struct Interval
+  /// Remembers the surface of a value between the ends of an interval. Surfaces of several
+  /// intervals are found together, each ray's before its next one.
+  HWY_NOINLINE void AwaitSurface(
+    const PacketCurve& curve, const Interval& interval, const PacketSurfaceValue& iso, Mf lanes)
   {
-    Vf From;
-    Vf To;
-    Vf A;
-    Vf B;
-  };
+    if (!hn::AllFalse(Df(), hn::And(lanes, this->Pending)))
+    {
+      this->AddSurfaces(curve);
+      lanes = hn::And(lanes, this->State.Alive);
+    }
+    const auto keep = [lanes](Vf& kept, Vf v) { kept = hn::IfThenElse(lanes, v, kept); };
+    Crossing& next = this->Next;
+    keep(next.Place.From, interval.From);
+    keep(next.Place.To, interval.To);
+    keep(next.Place.A, interval.A);
+    keep(next.Place.B, interval.B);
+    keep(next.Value, Splat(iso.Value));
+    keep(next.Excess, Splat(iso.Excess));
+    keep(next.Opacity, Splat(iso.Opacity));
+    keep(next.Color.x, Splat(iso.Color[0]));
+    keep(next.Color.y, Splat(iso.Color[1]));
+    keep(next.Color.z, Splat(iso.Color[2]));
+    next.Inner = this->Inner && (next.Inner || hn::AllFalse(Df(), this->Pending));
+    this->Pending = hn::Or(this->Pending, lanes);
+  }
 
   /// Positions on the curves, clamped to the volume against rounding errors.
   HWY_INLINE Vec3 PositionAt(const PacketCurve& curve, Vf s) const
@@ -402,12 +431,18 @@ private:
     interval.To = hn::IfThenElse(hn::And(insideA, lanes), inside, interval.To);
   }
 
-  /// Composites the surface of a value that lies between the ends of an interval.
-  HWY_NOINLINE void AddSurface(
-    const PacketCurve& curve, const Interval& interval, const PacketSurfaceValue& iso, Mf lanes)
+  /// Composites the surfaces of the rays of Pending.
+  HWY_NOINLINE void AddSurfaces(const PacketCurve& curve)
   {
     const Df d;
-    const Vf s = this->FindCrossing(curve, interval, iso, lanes);
+    const Mf lanes = hn::And(this->Pending, this->State.Alive);
+    this->Pending = hn::FirstN(d, 0);
+    if (hn::AllFalse(d, lanes))
+    {
+      return;
+    }
+    const Crossing& next = this->Next;
+    const Vf s = this->FindCrossing(curve, next, lanes);
     const Vec3 q = this->PositionAt(curve, s);
     const Vf t = curve.TimeAt(s);
     Mf shown = hn::And(lanes, hn::And(hn::Ge(t, this->Rays.From), hn::Lt(t, this->Rays.To)));
@@ -417,28 +452,28 @@ private:
       return;
     }
     this->Scratch.Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, shown));
-    Vec3 color = Broadcast(iso.Color);
+    Vec3 color = next.Color;
     if (this->Scene.Shade)
     {
       color = this->Normals.Light(
         this->Scene.Surface, curve, q, color, this->GradientsAt(q, shown), s, t);
     }
-    this->State.Add(
-      shown, color, Splat(1.0f - iso.Opacity), t, this->Scene.Settings.TerminationTransmittance);
+    this->State.Add(shown, color, hn::Sub(Splat(1.0f), next.Opacity), t,
+      this->Scene.Settings.TerminationTransmittance);
   }
 
   /// Finds s where the scalar is that of a surface, by the Illinois method: the secant rule in
   /// which the value at an end that has not moved counts half.
-  HWY_NOINLINE Vf FindCrossing(
-    const PacketCurve& curve, const Interval& interval, const PacketSurfaceValue& iso, Mf lanes)
+  HWY_NOINLINE Vf FindCrossing(const PacketCurve& curve, const Crossing& crossing, Mf lanes)
   {
     const Df d;
+    const Interval& interval = crossing.Place;
     const Vf half = Splat(0.5f);
     const Vf zero = hn::Zero(d);
     const Vf one = Splat(1.0f);
     const Vf length = hn::Sub(interval.To, interval.From);
-    const auto above = [&iso](Vf value) {
-      return hn::Add(hn::Sub(value, Splat(iso.Value)), Splat(iso.Excess));
+    const auto above = [&crossing](Vf value) {
+      return hn::Add(hn::Sub(value, crossing.Value), crossing.Excess);
     };
     Vf fa = above(interval.A);
     Vf fb = above(interval.B);
@@ -458,7 +493,7 @@ private:
       const Mf between = hn::And(hn::Gt(secant, a), hn::Lt(secant, b));
       const Vf part = hn::IfThenElse(between, secant, hn::Mul(half, hn::Add(a, b)));
       const Vec3 at = this->PositionAt(curve, hn::MulAdd(part, length, interval.From));
-      const Vf f = above(this->ValuesAt(at, open));
+      const Vf f = above(this->ValuesAt(at, open, crossing.Inner));
       // A point at the crossing counts as behind it.
       const Mf behind =
         hn::And(open, hn::Or(hn::Eq(f, zero), hn::Xor(hn::Lt(f, zero), hn::Ge(fb, zero))));
@@ -529,10 +564,13 @@ private:
   const PacketScene& Scene;
   PacketScratch& Scratch;
   const RayPacket& Rays;
+  PacketCompositor<T>& Samples;
   PacketState& State;
   PacketNormals& Normals;
   BorderSamples<T>& Border;
-  bool Inner = false; ///< of the sample that is taken, see Take()
+  bool Inner = false; ///< of the samples that are taken, see Take()
+  Crossing Next;      ///< of the rays of Pending
+  Mf Pending;         ///< rays whose last surface was crossed, but not composited
 };
 
 } // namespace HWY_NAMESPACE

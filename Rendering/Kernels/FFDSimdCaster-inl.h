@@ -290,6 +290,7 @@ private:
         }
       }
     }
+    this->Blending.EndCurve(curve);
   }
 
   /// Pulls each sample back by itself; Newton's method starts from the previous sample.

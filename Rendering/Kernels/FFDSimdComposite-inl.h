@@ -121,7 +121,7 @@ public:
     const PacketScene& scene = this->Scene;
     this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
     const Vec3 end = curve.Position.At(s);
-    const Vf back = inner ? this->FindInnerValue(end, n, sampled) : this->FindValue(end, sampled);
+    const Vf back = inner ? this->FindInnerValue(end, sampled) : this->FindValue(end, sampled);
     const Vf number = Splat(static_cast<float>(n));
     const Vf begin =
       hn::Max(hn::Sub(s, curve.PerStep), hn::Div(hn::Sub(this->Rays.From, curve.T0), curve.Dt));
@@ -263,6 +263,29 @@ public:
     }
   }
 
+  /// Interpolates values at q, in the volume.
+  HWY_NOINLINE Vf FindValue(const Vec3& q, Mf lanes)
+  {
+    FetchedSample<T> fetched;
+    FetchSample(this->Scene.Volume, q, lanes, this->Border, fetched);
+    return fetched.Value;
+  }
+
+  /// Does what FindValue() does where all voxels of the values exist.
+  HWY_NOINLINE Vf FindInnerValue(const Vec3& q, Mf lanes)
+  {
+    if (HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0))
+    {
+      return this->FindValue(q, lanes);
+    }
+    SampleCells cells;
+    const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
+    OffsetRows<T> voxels;
+    voxels.Fit(this->Scene.Volume, cells, lanes);
+    SampleRows<T> rows;
+    return Sample<T>(voxels, at, rows);
+  }
+
   PacketState State;
   PacketNormals Normals;
   BorderSamples<T> Border;
@@ -275,40 +298,6 @@ private:
     return { Clamp(q.x, lower, Splat(this->Scene.Upper[0])),
       Clamp(q.y, lower, Splat(this->Scene.Upper[1])),
       Clamp(q.z, lower, Splat(this->Scene.Upper[2])) };
-  }
-
-  /// Interpolated values of the lanes of `lanes`, in the volume.
-  HWY_NOINLINE Vf FindValue(const Vec3& q, Mf lanes)
-  {
-    FetchedSample<T> fetched;
-    FetchSample(this->Scene.Volume, q, lanes, this->Border, fetched);
-    return fetched.Value;
-  }
-
-  /// The same of the samples n as TakeInnerSample().
-  HWY_INLINE Vf FindInnerValue(const Vec3& q, int n, Mf lanes)
-  {
-    if constexpr (HasVoxelWindow<T>())
-    {
-      SampleCells cells;
-      const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
-      const auto sample = [&](const auto& voxels) {
-        SampleRows<T> rows;
-        return Sample<T>(voxels, at, rows);
-      };
-      switch (this->Window.MoveTo(n))
-      {
-        case WindowFit::Two:
-          return sample(WindowRows<T, WindowFit::Two>(this->Window, cells));
-        case WindowFit::Three:
-          return sample(WindowRows<T, WindowFit::Three>(this->Window, cells));
-        case WindowFit::Four:
-          return sample(WindowRows<T, WindowFit::Four>(this->Window, cells));
-        default:
-          break;
-      }
-    }
-    return this->FindValue(q, lanes);
   }
 
   /// Values where intervals begin whose samples before were not taken: those of `lanes`. What is

@@ -306,6 +306,13 @@ const std::map<std::string, Change>& GetChanges()
         s.Property->GetIsoSurfaceValues()->SetValue(0, Surface);
         mapper->SetBlendModeToIsoSurface();
       } },
+    { "isosurface, opaque",
+      [](OptionScene& s, Mapper* mapper) {
+        s.Property->GetIsoSurfaceValues()->SetValue(0, Surface);
+        s.Property->GetScalarOpacity()->RemoveAllPoints();
+        s.Property->GetScalarOpacity()->AddPoint(Surface, 1.0);
+        mapper->SetBlendModeToIsoSurface();
+      } },
     { "maximum", [](OptionScene&, Mapper* mapper) { mapper->SetBlendModeToMaximumIntensity(); } },
     { "minimum",
       [](OptionScene& s, Mapper* mapper) {
@@ -400,6 +407,7 @@ const std::vector<FrameOption>& GetFrameOptions()
     { "pre-integrated", "plain", 1.3 },
     { "8 lights", "plain", 1.4 },
     { "isosurface", "plain", 1.5 },
+    { "isosurface, opaque", "plain", 1.5 },
     { "maximum", "plain", 1.5 },
     { "minimum", "plain", 1.5 },
     { "average", "every sample", 1.3 },

@@ -18,10 +18,10 @@ namespace
 
 constexpr float Infinity = std::numeric_limits<float>::infinity();
 
-/// The largest of some cells of a grid, both ends included.
-float FindLargest(const std::vector<float>& peaks, const glm::ivec3& size, const glm::ivec3& first,
-  const glm::ivec3& last)
+/// The largest of 2 x 2 x 2 cells of a grid.
+float FindLargest(const std::vector<float>& peaks, const glm::ivec3& size, const glm::ivec3& first)
 {
+  const glm::ivec3 last = glm::min(first + 1, size - 1);
   float largest = -Infinity;
   for (int z = first.z; z <= last.z; ++z)
   {
@@ -74,9 +74,13 @@ ValuePeaks::ValuePeaks(const MinMaxBlocks& blocks, int sign, const ParallelFor& 
     Grid& grid = this->Grids[i];
     grid.Edge = 2.0f * finer.Edge;
     grid.Size = (finer.Size + 1) / 2;
-    grid.Peaks = Fill(grid.Size, parallelFor, [&](const glm::ivec3& cell) {
-      return FindLargest(finer.Peaks, finer.Size, 2 * cell, glm::min(2 * cell + 1, finer.Size - 1));
-    });
+    grid.Peaks = Fill(grid.Size, parallelFor,
+      [&](const glm::ivec3& cell) { return FindLargest(finer.Peaks, finer.Size, 2 * cell); });
+  }
+  for (Grid& grid : this->Grids)
+  {
+    grid.Peaks = Fill(grid.Size, parallelFor,
+      [&](const glm::ivec3& cell) { return FindLargest(grid.Peaks, grid.Size, cell); });
   }
 }
 
@@ -88,14 +92,11 @@ float ValuePeaks::FindBound(const float low[3], const float high[3]) const
   {
     if (extent <= grid.Edge)
     {
-      const auto cellOf = [&](const float at[3]) {
-        const auto along = [&](int a) {
-          const float last = static_cast<float>(grid.Size[a] - 1);
-          return static_cast<int>(std::clamp(std::floor(at[a] / grid.Edge), 0.0f, last));
-        };
-        return glm::ivec3(along(0), along(1), along(2));
+      const auto along = [&](int a) {
+        const float last = static_cast<float>(grid.Size[a] - 1);
+        return static_cast<int>(std::clamp(std::floor(low[a] / grid.Edge), 0.0f, last));
       };
-      return FindLargest(grid.Peaks, grid.Size, cellOf(low), cellOf(high));
+      return grid.Peaks[GridIndex(along(0), along(1), along(2), grid.Size)];
     }
   }
   return Infinity;

@@ -20,8 +20,9 @@ namespace ffd
  * Upper bounds of the values in boxes of a volume: rays that look for the largest value leave out
  * boxes that hold none above what they have found. Minima are the largest of the negated values.
  *
- * The largest values of cells of 8^3 voxels, and of 16^3 and 32^3: a box is looked up in cells that
- * are no smaller than it, two along each axis at most. 0.9 % of an 8-bit volume.
+ * A box is looked up in cells of 8^3, 16^3 or 32^3 voxels that are no smaller than it: it lies in
+ * the cell that holds its lowest corner and the next ones, and the largest value of these eight is
+ * kept for each cell. 0.9 % of an 8-bit volume.
  */
 class FFD_VOLUMES_EXPORT ValuePeaks
 {
