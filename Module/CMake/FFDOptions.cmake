@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
 # Build options, output folders and compiler settings of the project.
+if (SKBUILD)
+  include(FFDWheel)
+endif ()
 include(GNUInstallDirs)
 include(CMakeDependentOption)
 include(CTest)

@@ -29,6 +29,7 @@ PAGES = [
     "Module/Documentation/tutorial.md",
     "Module/Documentation/guide.md",
     "Module/Documentation/paraview.md",
+    "Module/Documentation/wheel.md",
     "Module/Documentation/pyvista.md",
     "Module/Documentation/browser.md",
     "Module/Documentation/features.md",

@@ -11,16 +11,7 @@ import unittest
 
 import vtkmodules
 
-IMPORT = """
-import os
-try:
-    import vtkffd
-    print("imported")
-except ImportError as error:
-    print(error)
-libraries = {line.split()[-1] for line in open("/proc/self/maps") if ".so" in line}
-print("LIBRARIES", *(name for name in libraries if "vtk" in os.path.basename(name)))
-"""
+IMPORT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "ffdimport.py")
 
 
 def import_beside(version):
@@ -34,7 +25,7 @@ def import_beside(version):
             file.write('__version__ = "%s"\n__path__ = __path__ + %r\n' % (
                 version, list(vtkmodules.__path__)))
         path = os.pathsep.join([folder, os.environ["PYTHONPATH"]])
-        output = subprocess.run([sys.executable, "-c", IMPORT], env={**os.environ, "PYTHONPATH": path},
+        output = subprocess.run([sys.executable, IMPORT], env={**os.environ, "PYTHONPATH": path},
                                 stdout=subprocess.PIPE, text=True, check=True).stdout
     said, libraries = output.split("LIBRARIES")
     return said, libraries.split()
