@@ -84,16 +84,16 @@ Volume ReadVolume(const std::string& name)
   return volume;
 }
 
-/// a + t (b - a), rounded for whole numbers.
+/// a + t (b - a), rounded for whole numbers. The arrays have values of one type, in any layout.
 struct Blend
 {
-  template <typename Array>
-  void operator()(Array* a, Array* b, double t, vtkDataArray* result) const
+  template <typename From, typename To>
+  void operator()(From* a, To* b, double t, vtkDataArray* result) const
   {
-    using Value = vtk::GetAPIType<Array>;
+    using Value = vtk::GetAPIType<From>;
     const auto from = vtk::DataArrayValueRange(a);
     const auto to = vtk::DataArrayValueRange(b);
-    auto out = vtk::DataArrayValueRange(static_cast<Array*>(result));
+    auto out = vtk::DataArrayValueRange(static_cast<From*>(result)); // of a->NewInstance()
     constexpr vtkIdType grain = 65536;
     vtkSMPTools::For(0, from.size(), grain, [&](vtkIdType begin, vtkIdType end) {
       for (vtkIdType i = begin; i < end; ++i)
