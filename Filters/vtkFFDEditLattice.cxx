@@ -7,6 +7,11 @@
 #include "vtkFFDLattice.h"
 #include "vtkFFDLatticeSource.h"
 
+#include "vtkCommunicator.h"
+#include "vtkCompositeDataIterator.h"
+#include "vtkDataObjectTree.h"
+#include "vtkDataSet.h"
+#include "vtkDemandDrivenPipeline.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkImageData.h"
@@ -14,14 +19,17 @@
 #include "vtkInformationDataObjectMetaDataKey.h"
 #include "vtkInformationVector.h"
 #include "vtkIntArray.h"
+#include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
+#include "vtkRectilinearGrid.h"
+#include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 vtkStandardNewMacro(vtkFFDEditLattice);
-vtkFFDGuardedProcessRequestMacro(vtkFFDEditLattice);
 
 vtkInformationKeyMacro(vtkFFDEditLattice, LATTICE, DataObjectMetaData);
 
@@ -43,6 +51,43 @@ void AddDisplacements(vtkFFDLattice* sum, vtkFFDLattice* other)
   }
   sum->Modified();
 }
+
+/// `bounds` enlarged by `other`, either of which may be those of nothing.
+void AddBounds(double bounds[6], const double other[6])
+{
+  if (other[0] <= other[1] && other[2] <= other[3] && other[4] <= other[5])
+  {
+    for (int a = 0; a < 6; a += 2)
+    {
+      bounds[a] = std::min(bounds[a], other[a]);
+      bounds[a + 1] = std::max(bounds[a + 1], other[a + 1]);
+    }
+  }
+}
+
+/// Enlarges bounds to those of all processes, which all call it.
+void ReduceBounds(double bounds[6])
+{
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  if (!controller || controller->GetNumberOfProcesses() == 1)
+  {
+    return;
+  }
+  double mine[6];
+  double all[6];
+  for (int i = 0; i < 6; ++i)
+  {
+    mine[i] = i % 2 == 0 ? bounds[i] : -bounds[i];
+  }
+  controller->AllReduce(mine, all, 6, vtkCommunicator::MIN_OP);
+  for (int i = 0; i < 6; ++i)
+  {
+    bounds[i] = i % 2 == 0 ? all[i] : -all[i];
+  }
+}
+
+constexpr double NoBounds[6] = { VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX, VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX,
+  VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX };
 
 /// Origin, spacing, direction and whole extent of the image that an information announces.
 void GetWholeGeometry(vtkInformation* info, vtkImageData* geometry)
@@ -90,6 +135,7 @@ void vtkFFDEditLattice::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "NumberOfDisplacements: " << this->GetNumberOfDisplacements() << "\n";
   os << indent << "EditDimensions: " << this->EditDimensions[0] << ", " << this->EditDimensions[1]
      << ", " << this->EditDimensions[2] << "\n";
+  os << indent << "LatticePerBlock: " << this->LatticePerBlock << "\n";
   os << indent << "GeometryMode: " << this->GeometryMode << "\n";
   os << indent << "Lattice:\n";
   this->Lattice->PrintSelf(os, indent.GetNextIndent());
@@ -308,9 +354,9 @@ double vtkFFDEditLattice::GetLatticeDisplacementScale()
 }
 
 //------------------------------------------------------------------------------
-/// Set Lattice, for an image of the geometry that `geometry` has. Returns false when there is none.
+/// Set Lattice, for data of these bounds. Returns false when there are none.
 bool vtkFFDEditLattice::MakeLattice(
-  vtkImageData* geometry, vtkFFDLattice* inputLattice, bool report)
+  const double bounds[6], vtkFFDLattice* inputLattice, bool report)
 {
   vtkNew<vtkFFDLattice> made;
   if (inputLattice && this->UseInputLattice)
@@ -319,8 +365,6 @@ bool vtkFFDEditLattice::MakeLattice(
   }
   else
   {
-    double bounds[6];
-    geometry->GetBounds(bounds);
     if (!(bounds[0] <= bounds[1] && bounds[2] <= bounds[3] && bounds[4] <= bounds[5]) ||
       !(bounds[0] < bounds[1] || bounds[2] < bounds[3] || bounds[4] < bounds[5]))
     {
@@ -369,6 +413,61 @@ bool vtkFFDEditLattice::MakeLattice(
 }
 
 //------------------------------------------------------------------------------
+int vtkFFDEditLattice::FillInputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkRectilinearGrid");
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDEditLattice::FillOutputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), "vtkDataObject");
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+vtkTypeBool vtkFFDEditLattice::ProcessRequest(
+  vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs)
+{
+  return vtkFFDGuardedRequest(this, "vtkFFDEditLattice", outputs, [&] {
+    if (request->Has(vtkDemandDrivenPipeline::REQUEST_DATA_OBJECT()))
+    {
+      this->MakeOutput(inputs, outputs);
+      return 1;
+    }
+    return static_cast<int>(this->Superclass::ProcessRequest(request, inputs, outputs));
+  });
+}
+
+//------------------------------------------------------------------------------
+/// Set an output of the type of the input.
+void vtkFFDEditLattice::MakeOutput(vtkInformationVector** inputs, vtkInformationVector* outputs)
+{
+  vtkDataObject* input = vtkDataObject::GetData(inputs[0]);
+  vtkDataObject* output = vtkDataObject::GetData(outputs);
+  const char* type = input ? input->GetClassName() : "vtkImageData";
+  // Uniform grids are images, for which an output that is there stays.
+  if (output &&
+    (output->IsA(type) || (vtkImageData::SafeDownCast(input) && output->IsA("vtkImageData"))))
+  {
+    return;
+  }
+  vtkSmartPointer<vtkDataObject> made;
+  if (!input || vtkImageData::SafeDownCast(input))
+  {
+    made = vtkSmartPointer<vtkImageData>::New();
+  }
+  else
+  {
+    made.TakeReference(input->NewInstance());
+  }
+  outputs->GetInformationObject(0)->Set(vtkDataObject::DATA_OBJECT(), made);
+}
+
+//------------------------------------------------------------------------------
 int vtkFFDEditLattice::RequestInformation(
   vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs)
 {
@@ -387,14 +486,22 @@ int vtkFFDEditLattice::RequestInformation(
   vtkImageData* points = vtkImageData::SafeDownCast(in->Get(LATTICE()));
   const bool known = points && upstream->FromImageData(points);
   // A lattice that only the data has is not known yet.
-  vtkImageData* data = vtkImageData::SafeDownCast(in->Get(vtkDataObject::DATA_OBJECT()));
+  vtkDataObject* object = in->Get(vtkDataObject::DATA_OBJECT());
+  vtkImageData* data = vtkImageData::SafeDownCast(object);
+  // Nor are the bounds of other data.
+  if (object && !data)
+  {
+    return 1;
+  }
   if (!known && this->UseInputLattice && data && vtkFFDLattice::HasLattice(data))
   {
     return 1;
   }
   vtkNew<vtkImageData> geometry;
   GetWholeGeometry(in, geometry);
-  if (this->MakeLattice(geometry, known ? upstream.GetPointer() : nullptr, false))
+  double bounds[6];
+  geometry->GetBounds(bounds);
+  if (this->MakeLattice(bounds, known ? upstream.GetPointer() : nullptr, false))
   {
     vtkNew<vtkImageData> image;
     this->Lattice->ToImageData(image);
@@ -407,13 +514,51 @@ int vtkFFDEditLattice::RequestInformation(
 int vtkFFDEditLattice::RequestData(
   vtkInformation*, vtkInformationVector** inputs, vtkInformationVector* outputs)
 {
-  vtkImageData* input = vtkImageData::GetData(inputs[0]);
-  vtkImageData* output = vtkImageData::GetData(outputs);
+  vtkDataObject* input = vtkDataObject::GetData(inputs[0]);
+  vtkDataObject* output = vtkDataObject::GetData(outputs);
   if (!input || !output)
   {
     vtkErrorMacro("There is no image to deform. Connect a vtkImageData to the input.");
     return 0;
   }
+  if (vtkDataObjectTree::SafeDownCast(input))
+  {
+    return this->RequestBlocks(input, output);
+  }
+  double bounds[6];
+  if (auto* grid = vtkRectilinearGrid::SafeDownCast(input))
+  {
+    std::copy_n(NoBounds, 6, bounds);
+    if (grid->GetNumberOfPoints() > 0)
+    {
+      AddBounds(bounds, grid->GetBounds());
+    }
+    ReduceBounds(bounds);
+    return this->Attach(input, bounds, output);
+  }
+  // The image may be a part of the whole; the lattice is that of the whole.
+  auto* image = vtkImageData::SafeDownCast(input);
+  vtkInformation* info = inputs[0]->GetInformationObject(0);
+  vtkNew<vtkImageData> geometry;
+  GetWholeGeometry(info, geometry);
+  if (image->GetNumberOfPoints() > 0)
+  {
+    geometry->SetOrigin(image->GetOrigin());
+    geometry->SetSpacing(image->GetSpacing());
+    geometry->SetDirectionMatrix(image->GetDirectionMatrix());
+    if (!info->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
+    {
+      geometry->SetExtent(image->GetExtent());
+    }
+  }
+  geometry->GetBounds(bounds);
+  return this->Attach(input, bounds, output);
+}
+
+//------------------------------------------------------------------------------
+/// Make the output the input with a lattice over `bounds`. Returns false after an error.
+bool vtkFFDEditLattice::Attach(vtkDataObject* input, const double bounds[6], vtkDataObject* output)
+{
   output->ShallowCopy(input);
   // Field data of our own, so that the lattice is not attached to the input, too.
   vtkNew<vtkFieldData> fields;
@@ -430,40 +575,64 @@ int vtkFFDEditLattice::RequestData(
     fields->AddArray(mode);
   }
   output->SetFieldData(fields);
+  vtkDataSet* data = vtkDataSet::SafeDownCast(input);
   // Attaching changes the field data only.
-  vtkFFDPassContentTime(input, output);
+  vtkFFDPassContentTime(data, vtkDataSet::SafeDownCast(output));
 
-  // The image may be a part of the whole; the lattice is that of the whole.
-  vtkInformation* info = inputs[0]->GetInformationObject(0);
-  vtkNew<vtkImageData> geometry;
-  GetWholeGeometry(info, geometry);
-  if (input->GetNumberOfPoints() > 0)
-  {
-    geometry->SetOrigin(input->GetOrigin());
-    geometry->SetSpacing(input->GetSpacing());
-    geometry->SetDirectionMatrix(input->GetDirectionMatrix());
-    if (!info->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
-    {
-      geometry->SetExtent(input->GetExtent());
-    }
-  }
   vtkNew<vtkFFDLattice> attached;
   vtkFFDLattice* inputLattice = nullptr;
   if (this->UseInputLattice && vtkFFDLattice::HasLattice(input))
   {
     if (!attached->ReadFrom(input))
     {
-      return 0;
+      return false;
     }
     inputLattice = attached;
   }
-  if (!this->MakeLattice(geometry, inputLattice, true))
+  if (!this->MakeLattice(bounds, inputLattice, true))
   {
-    if (input->GetNumberOfPoints() > 0)
+    if (data->GetNumberOfPoints() > 0)
     {
       vtkErrorMacro("The image has no extent along any axis, it passes through without a lattice.");
     }
-    return 1;
+    return true;
   }
-  return this->Lattice->AttachTo(output);
+  return this->Lattice->AttachTo(output) != 0;
+}
+
+//------------------------------------------------------------------------------
+/// The blocks of a composite data set, with one lattice or one for each. Called on all processes.
+int vtkFFDEditLattice::RequestBlocks(vtkDataObject* input, vtkDataObject* output)
+{
+  auto* from = vtkDataObjectTree::SafeDownCast(input);
+  auto* to = vtkDataObjectTree::SafeDownCast(output);
+  to->CopyStructure(from);
+  vtkSmartPointer<vtkCompositeDataIterator> iterator;
+  iterator.TakeReference(from->NewIterator());
+  double all[6];
+  std::copy_n(NoBounds, 6, all);
+  const auto visit = [&iterator](const std::function<bool(vtkDataSet*)>& work) {
+    bool done = true;
+    for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
+    {
+      vtkDataSet* block = vtkDataSet::SafeDownCast(iterator->GetCurrentDataObject());
+      done = (!block || work(block)) && done;
+    }
+    return done;
+  };
+  visit([&all](vtkDataSet* block) {
+    if (block->GetNumberOfPoints() > 0)
+    {
+      AddBounds(all, block->GetBounds());
+    }
+    return true;
+  });
+  ReduceBounds(all);
+  return visit([&](vtkDataSet* block) {
+    vtkSmartPointer<vtkDataSet> made;
+    made.TakeReference(block->NewInstance());
+    to->SetDataSet(iterator, made);
+    return this->Attach(block,
+      this->LatticePerBlock && block->GetNumberOfPoints() > 0 ? block->GetBounds() : all, made);
+  });
 }

@@ -8,7 +8,11 @@
  * defines the lattice is a number or an array of numbers, so that it can be saved in state files,
  * sent to servers and animated. The output is the input image, its arrays shared and not copied,
  * with the lattice in its field data (vtkFFDLattice::AttachTo()); what was attached before is
- * replaced.
+ * replaced. A vtkRectilinearGrid is taken as an image is. Of a multi-block or partitioned data set
+ * (vtkDataObjectTree) all blocks get one lattice, that of their common bounds, or each one of its
+ * own: SetLatticePerBlock(). The output has the type of the input; GetOutput() is null where that
+ * is no image, GetOutputDataObject(0) has it always. Several processes have one lattice, of the
+ * bounds of all of them.
  *
  * The displacements of the control points are the sum of
  * - those of the lattice attached to the input, if there is one and UseInputLattice is on. The
@@ -142,6 +146,17 @@ public:
   vtkGetVector3Macro(EditDimensions, int);
   ///@}
 
+  ///@{
+  /**
+   * Whether each block of a composite data set gets a lattice of its own, over its own bounds, with
+   * the same shape and edits; off (default): one lattice is over the bounds of all blocks. What
+   * GetLattice() and the like tell is then of the last block. Not used with other data.
+   */
+  vtkSetMacro(LatticePerBlock, vtkTypeBool);
+  vtkGetMacro(LatticePerBlock, vtkTypeBool);
+  vtkBooleanMacro(LatticePerBlock, vtkTypeBool);
+  ///@}
+
   /// Modes of showing surfaces of the data in applications that move them by the lattice.
   enum GeometryModes
   {
@@ -204,6 +219,8 @@ protected:
   vtkFFDEditLattice();
   ~vtkFFDEditLattice() override;
 
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
   int RequestInformation(
     vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override;
   int RequestData(
@@ -215,7 +232,10 @@ private:
 
   bool SetFinite(const char* name, double& member, double value);
   bool SetSizes(const char* name, int member[3], const int sizes[3], bool zeroAllowed);
-  bool MakeLattice(vtkImageData* geometry, vtkFFDLattice* inputLattice, bool report);
+  bool MakeLattice(const double bounds[6], vtkFFDLattice* inputLattice, bool report);
+  void MakeOutput(vtkInformationVector** inputs, vtkInformationVector* outputs);
+  bool Attach(vtkDataObject* input, const double bounds[6], vtkDataObject* output);
+  int RequestBlocks(vtkDataObject* input, vtkDataObject* output);
 
   vtkNew<vtkFFDLattice> Lattice;
   vtkNew<vtkFFDLattice> BaseLattice; // without the edits
@@ -229,6 +249,7 @@ private:
   double DisplacementScale = 1.0;
   std::vector<double> Displacements;
   int EditDimensions[3] = { 0, 0, 0 };
+  vtkTypeBool LatticePerBlock = 0;
   int GeometryMode = EXACT;
 };
 

@@ -613,11 +613,35 @@ output.GetPointData().AddArray(s)
 executive = self.GetExecutive()
 executive.GetOutputInformation(0).Set(executive.WHOLE_EXTENT(), 0, 4, 0, 4, 0, 4)
 """)
-        display = simple.Show(grid, self.view)
+        lattice = simple.FFDLattice(Input=grid, Resolution=[4, 4, 4], Displacements=[0.0, 0.0, 5.0] * 64)
+        display = simple.Show(lattice, self.view)
+        self.assertEqual(display.Representation, "FFD Volume")
+        simple.ColorBy(display, ("POINTS", "s"))
+        simple.GetOpacityTransferFunction("s").Points = [0, 1, 0.5, 0, 2, 1, 0.5, 0]
+        self.assertGreater(ffd.lit(ffd.picture(self.view, "rectilinear")), 500)
+        np.testing.assert_allclose(self.view.SMProxy.GetRenderer().ComputeVisiblePropBounds(),
+                                   [0, 16, 0, 16, 5, 21], atol=0.1)
+
+    def test_lattice_per_block(self):
+        """Surfaces are moved by the lattices of their blocks, FFD Volume says what to do."""
+        wavelet = simple.Wavelet(WholeExtent=[-10, 10, -10, 10, -10, 10])
+        blocks = simple.GroupDatasets(Input=[
+            simple.ExtractSubset(Input=wavelet, VOI=[*x, -10, 10, -10, 10]) for x in ((-10, 0), (0, 10))])
+        lattice = simple.FFDLattice(Input=blocks, Shape="Bend")
+        display = simple.Show(lattice, self.view)
+        display.SetRepresentationType("Surface")
+        pictures = [ffd.picture(self.view, "one lattice")]
+        lattice.LatticePerBlock = 1
+        pictures.append(ffd.picture(self.view, "lattice per block"))
+        self.assertGreater(ffd.differ(*pictures)[1], 2.0)
         with ffd.Errors() as errors:
             display.SetRepresentationType("FFD Volume")
-            ffd.picture(self.view, "rectilinear")
-        self.assertTrue(errors.say("FFD Volume", "vtkRectilinearGrid"), errors.text)
+            ffd.picture(self.view, "volume per block")
+        self.assertTrue(errors.say("FFD Volume", "Extract Block"), errors.text)
+        lattice.LatticePerBlock = 0
+        simple.ColorBy(display, ("POINTS", "RTData"))
+        ffd.set_functions()
+        self.assertGreater(ffd.lit(ffd.picture(self.view, "volume of blocks")), 1000)
 
     def test_flat_image(self):
         wavelet = simple.Wavelet(WholeExtent=[-10, 10, -10, 10, 0, 0])

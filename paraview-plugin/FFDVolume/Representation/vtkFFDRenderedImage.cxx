@@ -3,6 +3,7 @@
 #include "vtkFFDRenderedImage.h"
 
 #include "vtkFFDLattice.h"
+#include "vtkFFDVolumeInput.h"
 
 #include "vtkCellData.h"
 #include "vtkCellDataToPointData.h"
@@ -11,6 +12,7 @@
 #include "vtkImageData.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
+#include "vtkRectilinearGrid.h"
 #include "vtkSMPTools.h"
 #include "vtkUnsignedCharArray.h"
 
@@ -95,9 +97,9 @@ void AddWithoutDuplicates(vtkDataSetAttributes* arrays, vtkUnsignedCharArray* gh
 } // namespace
 
 //------------------------------------------------------------------------------
-ffd::Made MakeRenderedImage(vtkSmartPointer<vtkImageData>& result, ffd::StageTools&,
-  const ffdparts::Grid& grid, const vtkFFDShownComponents& shown, const vtkFFDShownSources& sources,
-  const vtkFFDGhosts& ghosts)
+ffd::Made MakeRenderedImage(vtkSmartPointer<vtkDataSet>& result, ffd::StageTools&,
+  const ffdparts::Grid& grid, const vtkFFDCoordinates& coordinates,
+  const vtkFFDShownComponents& shown, const vtkFFDShownSources& sources, const vtkFFDGhosts& ghosts)
 {
   const auto makeStructure = [&grid]() {
     auto image = vtkSmartPointer<vtkImageData>::New();
@@ -134,7 +136,19 @@ ffd::Made MakeRenderedImage(vtkSmartPointer<vtkImageData>& result, ffd::StageToo
     array = Combine(array, opacity);
     array->SetName(shown.Color.Array.Name.c_str());
   }
-  result = makeStructure();
+  if (coordinates[0].Object)
+  {
+    vtkNew<vtkRectilinearGrid> rectilinear;
+    rectilinear->SetExtent(const_cast<int*>(grid.WholeExtent.data()));
+    rectilinear->SetXCoordinates(coordinates[0].Object);
+    rectilinear->SetYCoordinates(coordinates[1].Object);
+    rectilinear->SetZCoordinates(coordinates[2].Object);
+    result = rectilinear;
+  }
+  else
+  {
+    result = makeStructure();
+  }
   AddWithoutDuplicates(
     result->GetPointData(), ghosts.OfPoints.Object, vtkDataSetAttributes::DUPLICATEPOINT);
   AddWithoutDuplicates(
@@ -190,8 +204,12 @@ void vtkFFDRenderedImage::Update(vtkImageData* given, const vtkFFDShownComponent
   }
   const vtkFFDShownSources sources = { FindSource(shown.Color.Array.FindIn(given)),
     FindSource(shown.Opacity.Array.FindIn(given)), FindSource(shown.Second.Array.FindIn(given)) };
+  vtkFFDCoordinates coordinates;
+  const auto axes = vtkFFDVolumeInput::GetCoordinates(given);
+  std::transform(axes.begin(), axes.end(), coordinates.begin(), FindSource<vtkDataArray>);
   ffd::StageTools tools;
   this->Order.Begin();
-  this->Image.Update(tools, ffdparts::Grid::FromImage(given, extent), shown, sources, ghosts);
+  this->Image.Update(
+    tools, ffdparts::Grid::FromImage(given, extent), coordinates, shown, sources, ghosts);
   this->Lattice.Update(tools, FindSource(given->GetFieldData()));
 }

@@ -14,7 +14,10 @@
 
 #include "vtkSmartPointer.h"
 
+#include <array>
+
 class vtkDataArray;
+class vtkDataSet;
 class vtkFFDLattice;
 class vtkFieldData;
 class vtkImageData;
@@ -64,6 +67,9 @@ struct vtkFFDShownComponents
   }
 };
 
+/// Of the points of a rectilinear grid along x, y and z; null for an image.
+using vtkFFDCoordinates = std::array<ffd::Source<vtkDataArray>, 3>;
+
 /// The arrays of vtkFFDShownComponents in an image; null where it lacks them.
 struct vtkFFDShownSources
 {
@@ -80,8 +86,10 @@ struct vtkFFDShownSources
 
 /// An image with what is shown on its points, which may be of the points or the cells of an image
 /// over `grid`: an array of the name of the array for color, and one named SecondName.
-ffd::Made MakeRenderedImage(vtkSmartPointer<vtkImageData>& result, ffd::StageTools& tools,
-  const ffdparts::Grid& grid, const vtkFFDShownComponents& shown, const vtkFFDShownSources& sources,
+/// With coordinates of a rectilinear grid it is one.
+ffd::Made MakeRenderedImage(vtkSmartPointer<vtkDataSet>& result, ffd::StageTools& tools,
+  const ffdparts::Grid& grid, const vtkFFDCoordinates& coordinates,
+  const vtkFFDShownComponents& shown, const vtkFFDShownSources& sources,
   const vtkFFDGhosts& ghosts);
 
 /// The lattice that is attached by the field data; null if there is none.
@@ -100,7 +108,7 @@ public:
 
   ///@{
   /// Of the last update; the lattice may be null.
-  vtkImageData* GetImage() const { return this->Image.Get(); }
+  vtkDataSet* GetImage() const { return this->Image.Get(); }
   vtkFFDLattice* GetLattice() const { return this->Lattice.Get(); }
   ///@}
 

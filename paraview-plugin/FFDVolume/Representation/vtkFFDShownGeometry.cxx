@@ -66,17 +66,27 @@ void VisitLeaves(vtkDataObject* data, const Visit& visit)
   }
 }
 
-/// The lattice of all of a composite data set. Where parts have lattices of their own it is none:
-/// filters give their output the field data of their first input.
+/// The lattice of all of a composite data set: that of its parts, if all have the same, or that of
+/// the whole, if none has one. Where parts have unlike lattices it is none: filters give their
+/// output the field data of their first input.
 Shown FindShownOfAll(vtkDataObject* data)
 {
-  bool own = false;
-  if (vtkCompositeDataSet::SafeDownCast(data))
+  if (!vtkCompositeDataSet::SafeDownCast(data))
   {
-    VisitLeaves(
-      data, [&own](vtkDataObject* leaf) { own = own || vtkFFDLattice::HasLattice(leaf); });
+    return Shown(data);
   }
-  return Shown(own ? nullptr : data);
+  Shown first(nullptr);
+  bool any = false;
+  bool same = true;
+  VisitLeaves(data, [&](vtkDataObject* leaf) {
+    const Shown own(leaf);
+    any = any || vtkFFDLattice::HasLattice(leaf);
+    same = same && own.Lattice &&
+      (!first.Lattice ||
+        (own.Mode == first.Mode && ffdparts::AreEqual(own.Lattice, first.Lattice)));
+    first = first.Lattice ? first : own;
+  });
+  return any ? (same ? first : Shown(nullptr)) : Shown(data);
 }
 
 /// Lines of two points become lines of many; cells and their arrays stay.

@@ -17,6 +17,7 @@
 #include "vtkNew.h"
 #include "vtkPointData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkUnsignedCharArray.h"
 
 #include <vtksys/SystemInformation.hxx>
 
@@ -79,17 +80,6 @@ Bounds FindFirstOrderBoundsByParts(vtkFFDLattice* lattice, const Bounds& box)
     result = Unite(result, one);
   }
   return result;
-}
-
-bool AreEqual(vtkFFDLattice* a, vtkFFDLattice* b)
-{
-  vtkDoubleArray* x = a->GetDisplacements();
-  vtkDoubleArray* y = b->GetDisplacements();
-  return std::equal(a->GetDimensions(), a->GetDimensions() + 3, b->GetDimensions()) &&
-    std::equal(a->GetDomain(), a->GetDomain() + 6, b->GetDomain()) &&
-    a->GetBorderMode() == b->GetBorderMode() && a->GetInverseFlag() == b->GetInverseFlag() &&
-    a->GetDisplacementScale() == b->GetDisplacementScale() &&
-    std::equal(x->GetPointer(0), x->GetPointer(0) + x->GetNumberOfValues(), y->GetPointer(0));
 }
 
 /// The same map with smaller cells, where a lattice can have them.
@@ -212,6 +202,9 @@ void CopyRegion(vtkFieldData* fromArrays, const Extent& from, vtkFieldData* toAr
   }
 }
 
+} // namespace
+
+//------------------------------------------------------------------------------
 void CopyVoxels(vtkImageData* from, const Extent& fromExtent, vtkImageData* to,
   const Extent& toExtent, const Extent& region)
 {
@@ -220,7 +213,13 @@ void CopyVoxels(vtkImageData* from, const Extent& fromExtent, vtkImageData* to,
     ToCells(region));
 }
 
-} // namespace
+//------------------------------------------------------------------------------
+bool Contains(const std::vector<Extent>& outer, const Extent& inner)
+{
+  return IsEmpty(inner) || std::any_of(outer.begin(), outer.end(), [&inner](const Extent& each) {
+    return Contains(each, inner);
+  });
+}
 
 //------------------------------------------------------------------------------
 bool Contains(const Extent& outer, const Extent& inner)
@@ -325,6 +324,18 @@ std::vector<Bounds> CutIntoBoxes(
 {
   int cutsLeft = CutsWithCost;
   return Cut(bounds, count, cost, cutsLeft);
+}
+
+//------------------------------------------------------------------------------
+bool AreEqual(vtkFFDLattice* a, vtkFFDLattice* b)
+{
+  vtkDoubleArray* x = a->GetDisplacements();
+  vtkDoubleArray* y = b->GetDisplacements();
+  return std::equal(a->GetDimensions(), a->GetDimensions() + 3, b->GetDimensions()) &&
+    std::equal(a->GetDomain(), a->GetDomain() + 6, b->GetDomain()) &&
+    a->GetBorderMode() == b->GetBorderMode() && a->GetInverseFlag() == b->GetInverseFlag() &&
+    a->GetDisplacementScale() == b->GetDisplacementScale() &&
+    std::equal(x->GetPointer(0), x->GetPointer(0) + x->GetNumberOfValues(), y->GetPointer(0));
 }
 
 //------------------------------------------------------------------------------
@@ -488,51 +499,65 @@ Extent FindNeededExtent(const Grid& grid, const PullBackCover& cover, const Boun
 
 //------------------------------------------------------------------------------
 vtkSmartPointer<vtkImageData> ExchangeVoxels(vtkMultiProcessController* controller,
-  const Grid& grid, vtkImageData* image, const std::vector<Extent>& extents,
-  const std::vector<Extent>& needed)
+  const Grid& grid, vtkImageData* image, const std::vector<std::vector<Extent>>& extents,
+  const std::vector<Extent>& needed, bool blanks)
 {
-  const int ranks = controller->GetNumberOfProcesses();
-  const int own = controller->GetLocalProcessId();
-  const Extent& wanted = needed[static_cast<std::size_t>(own)];
+  const auto ranks = static_cast<std::size_t>(controller->GetNumberOfProcesses());
+  const auto own = static_cast<std::size_t>(controller->GetLocalProcessId());
+  const Extent& wanted = needed[own];
+  Extent here = NoExtent; // of the image, which has all of extents[own]
+  if (image)
+  {
+    image->GetExtent(here.data());
+  }
   vtkSmartPointer<vtkImageData> result;
   if (!IsEmpty(wanted))
   {
     result = vtkSmartPointer<vtkImageData>::New();
     result->SetExtent(const_cast<int*>(wanted.data()));
     grid.ApplyTo(result);
-  }
-  for (int from = 0; from < ranks; ++from)
-  {
-    const Extent& held = extents[static_cast<std::size_t>(from)];
-    for (int to = 0; to < ranks; ++to)
+    if (blanks)
     {
-      const Extent region = Intersect(held, needed[static_cast<std::size_t>(to)]);
-      // Who has all that it needs is not sent any of it.
-      if (IsEmpty(region) ||
-        (from != to &&
-          Contains(extents[static_cast<std::size_t>(to)], needed[static_cast<std::size_t>(to)])))
+      vtkNew<vtkUnsignedCharArray> flags;
+      flags->SetName(vtkDataSetAttributes::GhostArrayName());
+      flags->SetNumberOfValues(result->GetNumberOfPoints());
+      flags->FillValue(vtkDataSetAttributes::HIDDENPOINT);
+      result->GetPointData()->AddArray(flags);
+    }
+  }
+  for (std::size_t from = 0; from < ranks; ++from)
+  {
+    for (const Extent& held : extents[from])
+    {
+      for (std::size_t to = 0; to < ranks; ++to)
       {
-        continue;
-      }
-      if (from == own && to == own)
-      {
-        CopyVoxels(image, held, result, wanted, region);
-      }
-      else if (from == own)
-      {
-        vtkNew<vtkImageData> part;
-        part->ShallowCopy(image);
-        part->GetFieldData()->Initialize();
-        part->Crop(region.data());
-        controller->Send(part.GetPointer(), to, ExchangeTag);
-      }
-      else if (to == own)
-      {
-        vtkSmartPointer<vtkDataObject> received;
-        received.TakeReference(controller->ReceiveDataObject(from, ExchangeTag));
-        if (vtkImageData* part = vtkImageData::SafeDownCast(received))
+        const Extent region = Intersect(held, needed[to]);
+        // Who has all that it needs is not sent any of it.
+        if (IsEmpty(region) || (from != to && Contains(extents[to], needed[to])))
         {
-          CopyVoxels(part, region, result, wanted, region);
+          continue;
+        }
+        if (from == own && to == own)
+        {
+          CopyVoxels(image, here, result, wanted, region);
+        }
+        else if (from == own)
+        {
+          vtkNew<vtkImageData> part;
+          part->ShallowCopy(image);
+          part->GetFieldData()->Initialize();
+          part->Crop(region.data());
+          controller->Send(part.GetPointer(), static_cast<int>(to), ExchangeTag);
+        }
+        else if (to == own)
+        {
+          vtkSmartPointer<vtkDataObject> received;
+          received.TakeReference(
+            controller->ReceiveDataObject(static_cast<int>(from), ExchangeTag));
+          if (vtkImageData* part = vtkImageData::SafeDownCast(received))
+          {
+            CopyVoxels(part, region, result, wanted, region);
+          }
         }
       }
     }

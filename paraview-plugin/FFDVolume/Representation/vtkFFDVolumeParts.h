@@ -73,6 +73,9 @@ struct Grid
 std::vector<Bounds> CutIntoBoxes(
   const Bounds& bounds, int count, const std::function<double(const Bounds&)>& cost = nullptr);
 
+/// Whether two lattices are the same map.
+bool AreEqual(vtkFFDLattice* a, vtkFFDLattice* b);
+
 /// The box with the faces that it shares with `whole` moved to infinity.
 Bounds OpenOutwards(const Bounds& box, const Bounds& whole);
 
@@ -119,15 +122,24 @@ int FindNumberOfThreads(vtkMultiProcessController* controller);
 /// Points of an extent.
 vtkIdType CountPoints(const Extent& extent);
 
+/// Copy the points of `region`, and the cells between them, with all arrays; those that `to` lacks
+/// are made, with zeros elsewhere.
+void CopyVoxels(vtkImageData* from, const Extent& fromExtent, vtkImageData* to,
+  const Extent& toExtent, const Extent& region);
+
+/// Whether one of the extents has the other.
+bool Contains(const std::vector<Extent>& outer, const Extent& inner);
+
 /**
  * Bring each process the voxels that it needs. `image` is what this process has (may be null),
- * `extents` what each has, `needed` what each needs, both for all processes and the same on all of
- * them. Returns an image of needed[own process] with all arrays, zero where no process has a voxel;
- * null when nothing is needed. To be called on all processes.
+ * `extents` what each has of it, one or several, `needed` what each needs, both for all processes
+ * and the same on all of them. Returns an image of needed[own process] with all arrays, zero where
+ * no process has a voxel, and blanked there if `blanks`; null when nothing is needed. To be called
+ * on all processes.
  */
 vtkSmartPointer<vtkImageData> ExchangeVoxels(vtkMultiProcessController* controller,
-  const Grid& grid, vtkImageData* image, const std::vector<Extent>& extents,
-  const std::vector<Extent>& needed);
+  const Grid& grid, vtkImageData* image, const std::vector<std::vector<Extent>>& extents,
+  const std::vector<Extent>& needed, bool blanks);
 
 } // namespace ffdparts
 

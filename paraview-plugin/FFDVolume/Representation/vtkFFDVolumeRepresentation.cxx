@@ -8,6 +8,7 @@
 #include "vtkFFDRenderedImage.h"
 #include "vtkFFDServerFrames.h"
 #include "vtkFFDShownArray.h"
+#include "vtkFFDVolumeInput.h"
 #include "vtkFFDVolumeOrder.h"
 #include "vtkFFDVolumeParts.h"
 #include "vtkFFDVolumePicker.h"
@@ -42,6 +43,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 
 vtkStandardNewMacro(vtkFFDVolumeRepresentation);
 
@@ -71,6 +73,7 @@ int GetNumberOfProcesses() { return GetController() ? GetController()->GetNumber
 class vtkFFDVolumeRepresentation::vtkInternals
 {
 public:
+  vtkFFDVolumeInput Input;
   vtkFFDRenderedImage Rendered;
 
   int Threads = 0;       // SetNumberOfThreads(); 0: all that are there
@@ -144,35 +147,32 @@ int vtkFFDVolumeRepresentation::RequestData(
   {
     vtkInformation* info = inputs[0]->GetInformationObject(0);
     vtkDataObject* input = vtkDataObject::GetData(info);
-    vtkImageData* inputImage = vtkImageData::SafeDownCast(input);
-    if (input && !inputImage)
+    std::string problem;
+    image = this->Internals->Input.Update(input, problem);
+    if (!problem.empty())
     {
-      vtkErrorMacro(<< "The representation \"FFD Volume\" renders image data, and this is a "
-                    << input->GetClassName()
-                    << ". Apply the filter \"Resample To Image\" first, or choose another "
-                       "representation.");
+      vtkErrorMacro(<< "The representation \"FFD Volume\" " << problem);
     }
-    else if (inputImage)
+    else if (image)
     {
-      vtkStreamingDemandDrivenPipeline::GetWholeExtent(info, this->WholeExtent);
+      if (vtkImageData::SafeDownCast(input))
+      {
+        vtkStreamingDemandDrivenPipeline::GetWholeExtent(info, this->WholeExtent);
+      }
       Extent whole;
       std::copy_n(this->WholeExtent, 6, whole.begin());
       if (ffdparts::IsEmpty(whole))
       {
-        inputImage->GetExtent(whole.data());
+        image->GetExtent(whole.data());
       }
-      const int* sizes = inputImage->GetDimensions();
-      if (inputImage->GetNumberOfPoints() > 0 &&
+      const int* sizes = image->GetDimensions();
+      if (image->GetNumberOfPoints() > 0 &&
         (whole[0] == whole[1] || whole[2] == whole[3] || whole[4] == whole[5]))
       {
         vtkErrorMacro(<< "The representation \"FFD Volume\" renders volumes, and this image has "
                       << sizes[0] << " x " << sizes[1] << " x " << sizes[2]
                       << " points: it needs two along each axis. Choose \"Slice\" or \"Surface\".");
-      }
-      else
-      {
-        image = vtkSmartPointer<vtkImageData>::New();
-        image->ShallowCopy(inputImage);
+        image = nullptr;
       }
     }
   }
@@ -602,7 +602,7 @@ void vtkFFDVolumeRepresentation::UpdateRenderedImage(vtkImageData* image)
   in.Rendered.Update(image, shown);
   if (this->VolumeMapper->GetInputDataObject(0, 0) != in.Rendered.GetImage())
   {
-    this->VolumeMapper->SetInputData(in.Rendered.GetImage());
+    this->VolumeMapper->SetInputDataObject(in.Rendered.GetImage());
   }
   this->VolumeMapper->SelectScalarArray(shown.Color.Array.Name.c_str());
   this->VolumeMapper->SetScalarMode(VTK_SCALAR_MODE_USE_POINT_FIELD_DATA);

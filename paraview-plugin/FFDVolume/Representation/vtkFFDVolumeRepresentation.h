@@ -13,8 +13,8 @@
  * set to, cell arrays after averaging to the points; both copy the array. As with ParaView's own
  * volume, opacity can be that of another array, two components can be looked up for color and for
  * opacity, four can be colors and an opacity as they are, and color and opacity can be looked up in
- * the plane of two arrays or of an array and its gradient. Rectilinear grids and composite data are
- * refused with an error.
+ * the plane of two arrays or of an array and its gradient. Rectilinear grids and blocks of images
+ * are rendered, too: see vtkFFDVolumeInput.
  *
  * The volume stays where it is: a client gets the outline only.
  *

@@ -3,6 +3,7 @@
 #include "vtkFFDVoxelDistribution.h"
 
 #include "vtkFFDLattice.h"
+#include "vtkFFDVolumeInput.h"
 
 #include "vtkAbstractArray.h"
 #include "vtkCellData.h"
@@ -175,6 +176,25 @@ vtkFFDVoxelDistribution::Holdings vtkFFDVoxelDistribution::GatherHoldings(
       grid.WholeExtent = inputs.WholeExtent;
     }
   }
+  const std::vector<Extent> extents =
+    image ? vtkFFDVolumeInput::GetExtents(image) : std::vector<Extent>();
+  const auto count = static_cast<int>(extents.size());
+  std::vector<int> counts(static_cast<std::size_t>(ranks));
+  controller->AllGather(&count, counts.data(), 1);
+  const std::size_t most =
+    static_cast<std::size_t>(*std::max_element(counts.begin(), counts.end()));
+  std::vector<int> numbers(6 * most);
+  for (std::size_t i = 0; i < extents.size(); ++i)
+  {
+    std::copy(extents[i].begin(), extents[i].end(), &numbers[6 * i]);
+  }
+  std::vector<int> allNumbers(numbers.size() * static_cast<std::size_t>(ranks));
+  controller->AllGather(numbers.data(), allNumbers.data(), static_cast<vtkIdType>(numbers.size()));
+  const int blocksHere = image && vtkFFDVolumeInput::HasBlocks(image) ? 1 : 0;
+  int blocks = 0;
+  controller->AllReduce(&blocksHere, &blocks, 1, vtkCommunicator::MAX_OP);
+  holdings.HasBlocks = blocks > 0;
+
   constexpr int values = 2 + 6 + 6 + 3 + 3 + 9;
   std::array<double, values> mine{};
   mine[0] = image ? 1.0 : 0.0;
@@ -193,7 +213,13 @@ vtkFFDVoxelDistribution::Holdings vtkFFDVoxelDistribution::GatherHoldings(
   for (int r = ranks - 1; r >= 0; --r)
   {
     const double* theirs = &all[static_cast<std::size_t>(r * values)];
-    Extent& e = holdings.Extents[static_cast<std::size_t>(r)];
+    std::vector<Extent>& list = holdings.Extents[static_cast<std::size_t>(r)];
+    list.resize(static_cast<std::size_t>(counts[static_cast<std::size_t>(r)]));
+    for (std::size_t i = 0; i < list.size(); ++i)
+    {
+      std::copy_n(&allNumbers[6 * (most * static_cast<std::size_t>(r) + i)], 6, list[i].begin());
+    }
+    Extent e;
     std::transform(theirs + 2, theirs + 8, e.begin(), [](double v) { return static_cast<int>(v); });
     withImage = theirs[0] != 0.0 ? r : withImage;
     holdings.WithLattice = theirs[1] != 0.0 ? r : holdings.WithLattice;
@@ -373,8 +399,8 @@ vtkSmartPointer<vtkImageData> vtkFFDVoxelDistribution::GatherPart(
   controller->AllReduce(&keepHere, &keep, 1, vtkCommunicator::MIN_OP);
   if (!keep)
   {
-    this->Held =
-      ffdparts::ExchangeVoxels(controller, holdings.Grid, image, holdings.Extents, needed);
+    this->Held = ffdparts::ExchangeVoxels(
+      controller, holdings.Grid, image, holdings.Extents, needed, holdings.HasBlocks);
     this->HeldSources = GetSources(image);
   }
   if (this->Held && !ffdparts::IsEmpty(wanted))

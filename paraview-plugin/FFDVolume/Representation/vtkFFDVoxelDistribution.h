@@ -93,8 +93,9 @@ private:
   struct Holdings
   {
     ffdparts::Grid Grid;
-    std::vector<Extent> Extents;
-    int WithLattice = -1; ///< the first process that has a lattice; -1: none
+    std::vector<std::vector<Extent>> Extents;
+    bool HasBlocks = false; ///< points outside of the extents are blanked
+    int WithLattice = -1;   ///< the first process that has a lattice; -1: none
     bool HasImage = false;
   };
 

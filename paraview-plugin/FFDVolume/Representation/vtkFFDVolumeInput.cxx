@@ -1,0 +1,625 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDVolumeInput.h"
+
+#include "vtkFFDLattice.h"
+
+#include "vtkCellData.h"
+#include "vtkCommunicator.h"
+#include "vtkCompositeDataIterator.h"
+#include "vtkDataArray.h"
+#include "vtkDataObjectTree.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkIdList.h"
+#include "vtkImageData.h"
+#include "vtkIntArray.h"
+#include "vtkMatrix3x3.h"
+#include "vtkMultiProcessController.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkRectilinearGrid.h"
+#include "vtkUnsignedCharArray.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace
+{
+
+using ffdparts::Bounds;
+using ffdparts::Extent;
+using ffdparts::Grid;
+
+/// In the field data of an image that was made of blocks: the extents of these.
+const char* const ExtentsName = "FFDVolume.Extents";
+
+/// In the field data of an image that stands for a rectilinear grid.
+const std::array<const char*, 3> CoordinateNames{ { "FFDVolume.X", "FFDVolume.Y", "FFDVolume.Z" } };
+
+/// Blocks of unlike voxels are put on at most as many points as they have, times this ...
+constexpr double LargestGrowth = 8.0;
+
+/// ... or this number of points.
+constexpr double AlwaysAllowed = 1 << 24;
+
+/// Parts of a voxel that count as none.
+constexpr double Slack = 1e-3;
+
+vtkMultiProcessController* GetController()
+{
+  return vtkMultiProcessController::GetGlobalController();
+}
+
+bool AreSeveral() { return GetController() && GetController()->GetNumberOfProcesses() > 1; }
+
+/// The least value of all processes, which all call it.
+double FindLeast(double value)
+{
+  double least = value;
+  if (AreSeveral())
+  {
+    GetController()->AllReduce(&value, &least, 1, vtkCommunicator::MIN_OP);
+  }
+  return least;
+}
+
+std::array<vtkDataArray*, 3> GetGridCoordinates(vtkRectilinearGrid* grid)
+{
+  return { { grid->GetXCoordinates(), grid->GetYCoordinates(), grid->GetZCoordinates() } };
+}
+
+/// The extent, and where index (0, 0, 0) is and how far the next ones are; for a rectilinear grid
+/// steps of the mean length.
+Grid Describe(vtkDataSet* block)
+{
+  Extent extent;
+  if (auto* image = vtkImageData::SafeDownCast(block))
+  {
+    image->GetExtent(extent.data());
+    return Grid::FromImage(image, extent);
+  }
+  auto* grid = vtkRectilinearGrid::SafeDownCast(block);
+  Grid described;
+  grid->GetExtent(described.WholeExtent.data());
+  const double* bounds = grid->GetBounds();
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    const int first = described.WholeExtent[2 * a];
+    described.Spacing[a] =
+      (bounds[2 * a + 1] - bounds[2 * a]) / (described.WholeExtent[2 * a + 1] - first);
+    described.Origin[a] = bounds[2 * a] - first * described.Spacing[a];
+  }
+  return described;
+}
+
+/// The shortest step between points along an axis.
+double FindShortestStep(vtkDataSet* block, std::size_t axis)
+{
+  if (vtkImageData::SafeDownCast(block))
+  {
+    return Describe(block).Spacing[axis];
+  }
+  vtkDataArray* coordinates = GetGridCoordinates(vtkRectilinearGrid::SafeDownCast(block))[axis];
+  double shortest = VTK_DOUBLE_MAX;
+  for (vtkIdType i = 1; i < coordinates->GetNumberOfTuples(); ++i)
+  {
+    shortest = std::min(
+      shortest, std::abs(coordinates->GetComponent(i, 0) - coordinates->GetComponent(i - 1, 0)));
+  }
+  return shortest;
+}
+
+/// Index coordinates of a place in a block, counted from its first point.
+void FindIndex(vtkDataSet* block, const double place[3], double index[3])
+{
+  if (auto* image = vtkImageData::SafeDownCast(block))
+  {
+    image->TransformPhysicalPointToContinuousIndex(place, index);
+    for (int a = 0; a < 3; ++a)
+    {
+      index[a] -= image->GetExtent()[2 * a];
+    }
+    return;
+  }
+  const auto axes = GetGridCoordinates(vtkRectilinearGrid::SafeDownCast(block));
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    vtkIdType lower = 0;
+    vtkIdType upper = axes[a]->GetNumberOfTuples() - 1;
+    while (upper - lower > 1)
+    {
+      const vtkIdType middle = (lower + upper) / 2;
+      (axes[a]->GetComponent(middle, 0) <= place[a] ? lower : upper) = middle;
+    }
+    const double first = axes[a]->GetComponent(lower, 0);
+    index[a] =
+      static_cast<double>(lower) + (place[a] - first) / (axes[a]->GetComponent(upper, 0) - first);
+  }
+}
+
+/// Where a block is in the index space of a frame that it is aligned with.
+Extent FindExtent(const Grid& block, const Grid& frame, bool& aligned)
+{
+  vtkNew<vtkImageData> image;
+  frame.ApplyTo(image);
+  double offset[3];
+  image->TransformPhysicalPointToContinuousIndex(block.Origin.data(), offset);
+  Extent extent = block.WholeExtent;
+  aligned = block.Direction == frame.Direction;
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    const double rounded = std::round(offset[a]);
+    const double count = block.WholeExtent[2 * a + 1] - block.WholeExtent[2 * a];
+    aligned = aligned && std::abs(offset[a] - rounded) <= Slack &&
+      std::abs(block.Spacing[a] / frame.Spacing[a] - 1.0) * std::max(1.0, count) <= Slack &&
+      std::abs(rounded) < 1e9;
+    if (aligned)
+    {
+      extent[2 * a] += static_cast<int>(rounded);
+      extent[2 * a + 1] += static_cast<int>(rounded);
+    }
+  }
+  return extent;
+}
+
+/// Points of the frame that lie in the bounds of a block.
+Extent FindExtentOf(const double bounds[6], const Grid& frame)
+{
+  Extent extent;
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    const double lower = (bounds[2 * a] - frame.Origin[a]) / frame.Spacing[a];
+    const double upper = (bounds[2 * a + 1] - frame.Origin[a]) / frame.Spacing[a];
+    extent[2 * a] = static_cast<int>(std::ceil(lower - Slack));
+    extent[2 * a + 1] = static_cast<int>(std::floor(upper + Slack));
+  }
+  return extent;
+}
+
+Extent Unite(const Extent& a, const Extent& b)
+{
+  Extent both = a;
+  for (std::size_t i = 0; i < 6; i += 2)
+  {
+    both[i] = std::min(a[i], b[i]);
+    both[i + 1] = std::max(a[i + 1], b[i + 1]);
+  }
+  return ffdparts::IsEmpty(a) ? b : both;
+}
+
+/// A block without its flags of ghosts, as an image of an extent.
+vtkSmartPointer<vtkImageData> WithoutGhosts(vtkDataSet* block, const Extent& extent)
+{
+  auto plain = vtkSmartPointer<vtkImageData>::New();
+  plain->SetExtent(const_cast<int*>(extent.data()));
+  plain->GetPointData()->ShallowCopy(block->GetPointData());
+  plain->GetCellData()->ShallowCopy(block->GetCellData());
+  plain->GetPointData()->RemoveArray(vtkDataSetAttributes::GhostArrayName());
+  plain->GetCellData()->RemoveArray(vtkDataSetAttributes::GhostArrayName());
+  return plain;
+}
+
+/// Values of a block, interpolated at the points of `extent`; those of cells as those of the cell.
+vtkSmartPointer<vtkImageData> Interpolate(
+  vtkDataSet* block, const Grid& frame, const Extent& extent)
+{
+  Extent own;
+  const Grid described = Describe(block);
+  own = described.WholeExtent;
+  const vtkSmartPointer<vtkImageData> plain = WithoutGhosts(block, own);
+  const vtkIdType counts[3] = { own[1] - own[0] + 1, own[3] - own[2] + 1, own[5] - own[4] + 1 };
+  auto result = vtkSmartPointer<vtkImageData>::New();
+  result->SetExtent(const_cast<int*>(extent.data()));
+  frame.ApplyTo(result);
+  const vtkIdType points = result->GetNumberOfPoints();
+  vtkPointData* to = result->GetPointData();
+  to->InterpolateAllocate(plain->GetPointData(), points);
+  vtkCellData* cellsTo = result->GetCellData();
+  cellsTo->CopyAllocate(plain->GetCellData(), result->GetNumberOfCells());
+  vtkNew<vtkIdList> corners;
+  corners->SetNumberOfIds(8);
+  const auto visit = [&](const double place[3], bool ofCells, vtkIdType target) {
+    double index[3];
+    FindIndex(block, place, index);
+    vtkIdType lower[3];
+    double t[3];
+    for (int a = 0; a < 3; ++a)
+    {
+      const double clamped = std::clamp(index[a], 0.0, static_cast<double>(counts[a] - 1));
+      lower[a] = std::min(static_cast<vtkIdType>(clamped), counts[a] - 2);
+      t[a] = clamped - static_cast<double>(lower[a]);
+    }
+    if (ofCells)
+    {
+      cellsTo->CopyData(plain->GetCellData(),
+        lower[0] + (counts[0] - 1) * (lower[1] + (counts[1] - 1) * lower[2]), target);
+      return;
+    }
+    double weights[8];
+    for (int corner = 0; corner < 8; ++corner)
+    {
+      const vtkIdType at[3] = { lower[0] + (corner & 1), lower[1] + (corner >> 1 & 1),
+        lower[2] + (corner >> 2) };
+      corners->SetId(corner, at[0] + counts[0] * (at[1] + counts[1] * at[2]));
+      weights[corner] = ((corner & 1) != 0 ? t[0] : 1.0 - t[0]) *
+        ((corner & 2) != 0 ? t[1] : 1.0 - t[1]) * ((corner & 4) != 0 ? t[2] : 1.0 - t[2]);
+    }
+    to->InterpolatePoint(plain->GetPointData(), target, corners, weights);
+  };
+  for (vtkIdType point = 0; point < points; ++point)
+  {
+    double place[3];
+    result->GetPoint(point, place);
+    visit(place, false, point);
+  }
+  for (vtkIdType cell = 0;
+       plain->GetCellData()->GetNumberOfArrays() > 0 && cell < result->GetNumberOfCells(); ++cell)
+  {
+    double bounds[6];
+    result->GetCellBounds(cell, bounds);
+    const double place[3] = { 0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3]),
+      0.5 * (bounds[4] + bounds[5]) };
+    visit(place, true, cell);
+  }
+  return result;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+std::vector<Extent> vtkFFDVolumeInput::GetExtents(vtkImageData* image)
+{
+  vtkDataArray* array = image->GetFieldData()->GetArray(ExtentsName);
+  std::vector<Extent> extents(array ? static_cast<std::size_t>(array->GetNumberOfTuples()) : 1);
+  image->GetExtent(extents.front().data());
+  for (std::size_t i = 0; array && i < extents.size(); ++i)
+  {
+    for (int c = 0; c < 6; ++c)
+    {
+      extents[i][static_cast<std::size_t>(c)] =
+        static_cast<int>(array->GetComponent(static_cast<vtkIdType>(i), c));
+    }
+  }
+  return extents;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDVolumeInput::HasBlocks(vtkImageData* image)
+{
+  return image->GetFieldData()->HasArray(ExtentsName) != 0;
+}
+
+//------------------------------------------------------------------------------
+std::array<vtkDataArray*, 3> vtkFFDVolumeInput::GetCoordinates(vtkImageData* image)
+{
+  std::array<vtkDataArray*, 3> coordinates{};
+  std::transform(CoordinateNames.begin(), CoordinateNames.end(), coordinates.begin(),
+    [image](const char* name) { return image->GetFieldData()->GetArray(name); });
+  return coordinates;
+}
+
+//------------------------------------------------------------------------------
+/// Called on all processes.
+vtkFFDVolumeInput::Frame vtkFFDVolumeInput::FindFrame(const std::vector<vtkDataSet*>& blocks)
+{
+  // The first block of all counts.
+  const int own = AreSeveral() ? GetController()->GetLocalProcessId() : 0;
+  const double here = blocks.empty() ? VTK_DOUBLE_MAX : own;
+  const double first = FindLeast(here);
+  Frame frame;
+  std::array<double, 15> numbers{};
+  if (here == first && !blocks.empty())
+  {
+    const Grid reference = Describe(blocks.front());
+    std::copy(reference.Origin.begin(), reference.Origin.end(), numbers.begin());
+    std::copy(reference.Spacing.begin(), reference.Spacing.end(), numbers.begin() + 3);
+    std::copy(reference.Direction.begin(), reference.Direction.end(), numbers.begin() + 6);
+  }
+  if (AreSeveral() && first < VTK_DOUBLE_MAX)
+  {
+    GetController()->Broadcast(
+      numbers.data(), static_cast<vtkIdType>(numbers.size()), static_cast<int>(first));
+  }
+  Grid& grid = frame.Grid;
+  std::copy_n(numbers.begin(), 3, grid.Origin.begin());
+  std::copy_n(numbers.begin() + 3, 3, grid.Spacing.begin());
+  std::copy_n(numbers.begin() + 6, 9, grid.Direction.begin());
+  const bool aligned = std::all_of(blocks.begin(), blocks.end(), [&grid](vtkDataSet* block) {
+    bool each = vtkImageData::SafeDownCast(block) != nullptr;
+    if (each)
+    {
+      FindExtent(Describe(block), grid, each);
+    }
+    return each;
+  });
+  frame.Aligned = FindLeast(aligned ? 1.0 : 0.0) > 0.0;
+  if (frame.Aligned)
+  {
+    return frame;
+  }
+
+  Bounds bounds = ffdparts::NoBounds;
+  std::array<double, 3> step{ { VTK_DOUBLE_MAX, VTK_DOUBLE_MAX, VTK_DOUBLE_MAX } };
+  double points = 0.0;
+  for (vtkDataSet* block : blocks)
+  {
+    Bounds each;
+    block->GetBounds(each.data());
+    bounds = ffdparts::Unite(bounds, each);
+    points += static_cast<double>(block->GetNumberOfPoints());
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      step[a] = std::min(step[a], FindShortestStep(block, a));
+    }
+  }
+  if (AreSeveral())
+  {
+    const double mine = points;
+    GetController()->AllReduce(&mine, &points, 1, vtkCommunicator::SUM_OP);
+  }
+  std::array<double, 3> length{};
+  double wanted = 1.0;
+  grid = Grid();
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    const bool none = ffdparts::IsEmpty(bounds);
+    grid.Origin[a] = FindLeast(none ? VTK_DOUBLE_MAX : bounds[2 * a]);
+    length[a] = -FindLeast(none ? VTK_DOUBLE_MAX : -bounds[2 * a + 1]) - grid.Origin[a];
+    grid.Spacing[a] = FindLeast(step[a]);
+    wanted *= length[a] / grid.Spacing[a] + 1.0;
+  }
+  const double coarser =
+    std::max(1.0, std::cbrt(wanted / std::max(AlwaysAllowed, LargestGrowth * points)));
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    const double cells = std::max(1.0, std::round(length[a] / (coarser * grid.Spacing[a])));
+    grid.Spacing[a] = length[a] / cells;
+  }
+  return frame;
+}
+
+//------------------------------------------------------------------------------
+vtkSmartPointer<vtkImageData> vtkFFDVolumeInput::Merge(
+  const std::vector<vtkDataSet*>& blocks, const Frame& frame)
+{
+  std::vector<Extent> extents;
+  Extent whole = ffdparts::NoExtent;
+  for (vtkDataSet* block : blocks)
+  {
+    bool aligned = true;
+    extents.push_back(frame.Aligned ? FindExtent(Describe(block), frame.Grid, aligned)
+                                    : FindExtentOf(block->GetBounds(), frame.Grid));
+    whole = Unite(whole, extents.back());
+  }
+  auto merged = vtkSmartPointer<vtkImageData>::New();
+  merged->SetExtent(whole.data());
+  frame.Grid.ApplyTo(merged);
+  vtkNew<vtkUnsignedCharArray> ghosts;
+  ghosts->SetName(vtkDataSetAttributes::GhostArrayName());
+  ghosts->SetNumberOfValues(merged->GetNumberOfPoints());
+  ghosts->FillValue(vtkDataSetAttributes::HIDDENPOINT);
+  vtkNew<vtkIntArray> list;
+  list->SetName(ExtentsName);
+  list->SetNumberOfComponents(6);
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+  {
+    const Extent& extent = extents[i];
+    if (ffdparts::IsEmpty(extent))
+    {
+      continue; // between two points of the frame
+    }
+    const vtkSmartPointer<vtkImageData> block =
+      frame.Aligned ? WithoutGhosts(blocks[i], extent) : Interpolate(blocks[i], frame.Grid, extent);
+    ffdparts::CopyVoxels(block, extent, merged, whole, extent);
+    vtkUnsignedCharArray* blank = frame.Aligned ? blocks[i]->GetPointGhostArray() : nullptr;
+    vtkIdType from = 0;
+    for (int z = extent[4]; z <= extent[5]; ++z)
+    {
+      for (int y = extent[2]; y <= extent[3]; ++y)
+      {
+        for (int x = extent[0]; x <= extent[1]; ++x, ++from)
+        {
+          int at[3] = { x, y, z };
+          if (!blank || (blank->GetValue(from) & vtkDataSetAttributes::HIDDENPOINT) == 0)
+          {
+            ghosts->SetValue(merged->ComputePointId(at), 0);
+          }
+        }
+      }
+    }
+    list->InsertNextTuple(
+      std::array<double, 6>{ { static_cast<double>(extent[0]), static_cast<double>(extent[1]),
+                               static_cast<double>(extent[2]), static_cast<double>(extent[3]),
+                               static_cast<double>(extent[4]), static_cast<double>(extent[5]) } }
+        .data());
+  }
+  const unsigned char* flags = ghosts->GetPointer(0);
+  if (AreSeveral() ||
+    std::any_of(flags, flags + ghosts->GetNumberOfValues(), [](unsigned char f) { return f != 0; }))
+  {
+    merged->GetPointData()->AddArray(ghosts);
+  }
+  merged->GetFieldData()->AddArray(list);
+  return merged;
+}
+
+//------------------------------------------------------------------------------
+vtkFFDVolumeInput::Content vtkFFDVolumeInput::FindContent(const std::vector<vtkDataSet*>& blocks)
+{
+  Content content;
+  const auto add = [&content](vtkAbstractArray* array) {
+    content.Values.emplace_back(array, array->GetMTime());
+  };
+  for (vtkDataSet* block : blocks)
+  {
+    const Grid grid = Describe(block);
+    std::vector<double>& places = content.Places;
+    places.insert(places.end(), grid.WholeExtent.begin(), grid.WholeExtent.end());
+    places.insert(places.end(), grid.Origin.begin(), grid.Origin.end());
+    places.insert(places.end(), grid.Spacing.begin(), grid.Spacing.end());
+    places.insert(places.end(), grid.Direction.begin(), grid.Direction.end());
+    for (vtkFieldData* arrays : { static_cast<vtkFieldData*>(block->GetPointData()),
+           static_cast<vtkFieldData*>(block->GetCellData()) })
+    {
+      for (int a = 0; a < arrays->GetNumberOfArrays(); ++a)
+      {
+        add(arrays->GetAbstractArray(a));
+      }
+    }
+    if (auto* rectilinear = vtkRectilinearGrid::SafeDownCast(block))
+    {
+      const auto coordinates = GetGridCoordinates(rectilinear);
+      std::for_each(coordinates.begin(), coordinates.end(), add);
+    }
+  }
+  return content;
+}
+
+//------------------------------------------------------------------------------
+/// Whether the blocks of all processes, which all call it, have the same lattice, or none.
+bool vtkFFDVolumeInput::HaveOneLattice(const std::vector<vtkDataSet*>& blocks)
+{
+  // By where they are, how many control points they have, and what these add up to.
+  constexpr std::size_t count = 8;
+  std::array<double, count> least;
+  std::array<double, count> negated;
+  least.fill(VTK_DOUBLE_MAX);
+  negated.fill(VTK_DOUBLE_MAX);
+  for (vtkDataSet* block : blocks)
+  {
+    std::array<double, count> own{};
+    vtkNew<vtkFFDLattice> lattice;
+    if (vtkFFDLattice::HasLattice(block) && lattice->ReadFrom(block))
+    {
+      vtkDoubleArray* displacements = lattice->GetDisplacements();
+      const double* values = displacements->GetPointer(0);
+      const vtkIdType number = displacements->GetNumberOfValues();
+      std::copy_n(lattice->GetDomain(), 6, own.begin());
+      own[6] = static_cast<double>(number);
+      own[7] = std::accumulate(values, values + number, 0.0);
+    }
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      least[i] = std::min(least[i], own[i]);
+      negated[i] = std::min(negated[i], -own[i]);
+    }
+  }
+  bool same = true;
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    const double lowest = FindLeast(least[i]);
+    const double highest = -FindLeast(negated[i]);
+    same = same && !(lowest < highest);
+  }
+  return same;
+}
+
+//------------------------------------------------------------------------------
+vtkSmartPointer<vtkImageData> vtkFFDVolumeInput::Update(vtkDataObject* data, std::string& problem)
+{
+  auto image = vtkSmartPointer<vtkImageData>::New();
+  if (auto* input = vtkImageData::SafeDownCast(data))
+  {
+    image->ShallowCopy(input);
+    return image;
+  }
+  std::vector<vtkDataSet*> blocks;
+  vtkDataSet* withLattice = nullptr;
+  int others = 0;
+  const auto add = [&](vtkDataObject* object) {
+    vtkDataSet* block = vtkDataSet::SafeDownCast(object);
+    if (!block || block->GetNumberOfPoints() == 0)
+    {
+      return;
+    }
+    int sizes[3] = { 0, 0, 0 };
+    if (auto* asImage = vtkImageData::SafeDownCast(block))
+    {
+      asImage->GetDimensions(sizes);
+    }
+    else if (auto* asGrid = vtkRectilinearGrid::SafeDownCast(block))
+    {
+      asGrid->GetDimensions(sizes);
+    }
+    if (*std::min_element(sizes, sizes + 3) < 2)
+    {
+      ++others;
+      return;
+    }
+    blocks.push_back(block);
+    withLattice = !withLattice && vtkFFDLattice::HasLattice(block) ? block : withLattice;
+  };
+  if (auto* grid = vtkRectilinearGrid::SafeDownCast(data))
+  {
+    add(grid);
+    if (!AreSeveral() && !blocks.empty())
+    {
+      const Grid described = Describe(grid);
+      image->SetExtent(grid->GetExtent());
+      described.ApplyTo(image);
+      image->GetPointData()->ShallowCopy(grid->GetPointData());
+      image->GetCellData()->ShallowCopy(grid->GetCellData());
+      image->GetFieldData()->PassData(grid->GetFieldData());
+      const auto coordinates = GetGridCoordinates(grid);
+      for (std::size_t a = 0; a < 3; ++a)
+      {
+        vtkSmartPointer<vtkDataArray> named;
+        named.TakeReference(coordinates[a]->NewInstance());
+        named->ShallowCopy(coordinates[a]);
+        named->SetName(CoordinateNames[a]);
+        image->GetFieldData()->AddArray(named);
+      }
+      return image;
+    }
+  }
+  else if (auto* tree = vtkDataObjectTree::SafeDownCast(data))
+  {
+    vtkSmartPointer<vtkCompositeDataIterator> iterator;
+    iterator.TakeReference(tree->NewIterator());
+    for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
+    {
+      add(iterator->GetCurrentDataObject());
+    }
+  }
+  else
+  {
+    problem = std::string("renders image data and rectilinear grids, and blocks of them, and this "
+                          "is a ") +
+      (data ? data->GetClassName() : "null") +
+      ". Apply the filter \"Resample To Image\" first, or choose another representation.";
+    return nullptr;
+  }
+  if (!HaveOneLattice(blocks))
+  {
+    problem = "renders blocks as one volume, and these have a lattice each. Show each one by the "
+              "filter \"Extract Block\", or turn \"Lattice Per Block\" off. Surfaces of all blocks "
+              "are moved by their own.";
+    return nullptr;
+  }
+  const Content content = FindContent(blocks);
+  const bool isKept = (blocks.empty() || this->Merged) && content.Values == this->Made.Values &&
+    content.Places == this->Made.Places;
+  if (FindLeast(isKept ? 1.0 : 0.0) == 0.0)
+  {
+    const Frame frame = FindFrame(blocks);
+    this->Merged = blocks.empty() ? nullptr : Merge(blocks, frame);
+    this->Made = content;
+  }
+  if (blocks.empty())
+  {
+    if (others > 0)
+    {
+      problem = "renders volumes, and no block of this is an image or a rectilinear grid with two "
+                "points along each axis. Choose \"Surface\".";
+    }
+    return nullptr;
+  }
+  image->ShallowCopy(this->Merged);
+  vtkNew<vtkFieldData> fields;
+  fields->PassData((withLattice ? withLattice : blocks.front())->GetFieldData());
+  fields->PassData(this->Merged->GetFieldData());
+  image->SetFieldData(fields);
+  return image;
+}
