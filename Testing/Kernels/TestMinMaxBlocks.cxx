@@ -104,7 +104,8 @@ TEST(MinMaxBlocks, ContainBruteForceLimitsForEveryType)
       EXPECT_EQ(all.Max, hi);
 
       const bool isWhole = type != ScalarType::Float32 && type != ScalarType::Float64;
-      const bool exact = isWhole && hi - lo <= 255.0;
+      const bool isShort = type == ScalarType::Int16 || type == ScalarType::UInt16;
+      const bool exact = isWhole && (hi - lo <= 255.0 || isShort);
       const double code = exact ? 0.0 : (hi - lo) / 65535.0;
       const double rounding = exact ? 0.0 : 1e-12 * width;
       ForEachBlock(blocks, [&](const glm::ivec3& block, const MinMaxBlocks::Limits& limits) {

@@ -78,33 +78,142 @@ void TransformLines(
   }
 }
 
+/// Calls take(block) for the blocks of a parent.
+template <class Take>
+void ForChildren(const glm::ivec3& parent, const glm::ivec3& blocks, const Take& take)
+{
+  for (int c = 0; c < 8; ++c)
+  {
+    const glm::ivec3 block = 2 * parent + glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
+    if (block.x < blocks.x && block.y < blocks.y && block.z < blocks.z)
+    {
+      take(block);
+    }
+  }
+}
+
+/// Tells empty blocks of several components by their limits.
+class LimitsTest
+{
+public:
+  LimitsTest(
+    const std::vector<const MinMaxBlocks*>& components, const DistanceMap::IsEmpty& isEmpty)
+    : Components(components)
+    , IsEmpty(isEmpty)
+  {
+  }
+
+  /// Calls take(block, empty) for the blocks of a parent.
+  template <class Take>
+  void ForBlocksOf(const glm::ivec3& parent, const Take& take) const
+  {
+    const bool all =
+      this->Ask([&parent](const MinMaxBlocks& blocks) { return blocks.GetParentLimits(parent); });
+    ForChildren(parent, this->Components[0]->GetBlocks(), [&](const glm::ivec3& block) {
+      take(block,
+        all || this->Ask([&block](const MinMaxBlocks& blocks) { return blocks.GetLimits(block); }));
+    });
+  }
+
+private:
+  template <class Get>
+  bool Ask(const Get& get) const
+  {
+    MinMaxBlocks::Limits limits[4];
+    for (std::size_t c = 0; c < this->Components.size(); ++c)
+    {
+      limits[c] = get(*this->Components[c]);
+    }
+    return this->IsEmpty(limits);
+  }
+
+  const std::vector<const MinMaxBlocks*>& Components;
+  const DistanceMap::IsEmpty& IsEmpty;
+};
+
+/// Tells empty blocks of one component by their codes.
+class CodesTest
+{
+public:
+  CodesTest(const MinMaxBlocks& blocks, const TransferTable& table)
+    : Blocks(blocks)
+  {
+    const int last = blocks.GetLastCode();
+    this->Visible.resize(static_cast<std::size_t>(last) + 1);
+    this->VisibleBelow.resize(static_cast<std::size_t>(last) + 1);
+    for (int code = 0; code <= last; ++code)
+    {
+      const auto isVisible = [&](int upTo) {
+        const MinMaxBlocks::Limits limits = blocks.Decode({ code, upTo });
+        return !table.IsTransparent(limits.Min, limits.Max);
+      };
+      const std::size_t at = static_cast<std::size_t>(code);
+      this->Visible[at] = isVisible(code) ? 1 : 0;
+      if (code < last)
+      {
+        this->VisibleBelow[at + 1] = this->VisibleBelow[at] + (isVisible(code + 1) ? 1 : 0);
+      }
+    }
+  }
+
+  template <class Take>
+  void ForBlocksOf(const glm::ivec3& parent, const Take& take) const
+  {
+    const MinMaxBlocks::CodeLimits codes = this->Blocks.GetParentCodes(parent);
+    const bool all = this->IsEmpty(codes);
+    ForChildren(parent, this->Blocks.GetBlocks(), [&](const glm::ivec3& block) {
+      take(block, all || this->IsEmpty(this->Blocks.GetCodes(block, codes)));
+    });
+  }
+
+private:
+  bool IsEmpty(const MinMaxBlocks::CodeLimits& codes) const
+  {
+    const auto at = [](const std::vector<int>& values, int code) {
+      return values[static_cast<std::size_t>(code)];
+    };
+    return codes.Min > codes.Max ||
+      (codes.Min == codes.Max
+          ? at(this->Visible, codes.Min) == 0
+          : at(this->VisibleBelow, codes.Max) == at(this->VisibleBelow, codes.Min));
+  }
+
+  const MinMaxBlocks& Blocks;
+  std::vector<int> Visible;      ///< whether a block of one value is
+  std::vector<int> VisibleBelow; ///< steps from code to code in which something is, below a code
+};
+
 } // namespace
 
 //------------------------------------------------------------------------------
 DistanceMap::DistanceMap(
   const MinMaxBlocks& blocks, const TransferTable& table, const ParallelFor& parallelFor)
 {
-  this->Build(
-    { &blocks },
-    [&table](
-      const MinMaxBlocks::Limits* limits) { return table.IsTransparent(limits->Min, limits->Max); },
-    parallelFor);
+  if (blocks.GetNumberOfBlocks() > static_cast<std::size_t>(blocks.GetLastCode()))
+  {
+    this->Build(blocks, CodesTest(blocks, table), parallelFor);
+    return;
+  }
+  const IsEmpty isEmpty = [&table](const MinMaxBlocks::Limits* limits) {
+    return table.IsTransparent(limits->Min, limits->Max);
+  };
+  this->Build(blocks, LimitsTest({ &blocks }, isEmpty), parallelFor);
 }
 
 //------------------------------------------------------------------------------
 DistanceMap::DistanceMap(const std::vector<const MinMaxBlocks*>& components, const IsEmpty& isEmpty,
   const ParallelFor& parallelFor)
 {
-  this->Build(components, isEmpty, parallelFor);
+  this->Build(*components[0], LimitsTest(components, isEmpty), parallelFor);
 }
 
 //------------------------------------------------------------------------------
 template <class Test>
-void DistanceMap::Build(const std::vector<const MinMaxBlocks*>& components, const Test& isEmpty,
-  const ParallelFor& parallelFor)
+void DistanceMap::Build(
+  const MinMaxBlocks& blocks, const Test& test, const ParallelFor& parallelFor)
 {
-  this->Blocks = components[0]->GetBlocks();
-  this->Distances.resize(components[0]->GetNumberOfBlocks() + 3);
+  this->Blocks = blocks.GetBlocks();
+  this->Distances.resize(blocks.GetNumberOfBlocks() + 3);
   const auto run = [&parallelFor](int count, const std::function<void(int)>& work) {
     parallelFor(static_cast<std::size_t>(count), [&work](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i)
@@ -113,8 +222,8 @@ void DistanceMap::Build(const std::vector<const MinMaxBlocks*>& components, cons
       }
     });
   };
-  run(components[0]->GetParents().z,
-    [&](int plane) { this->FindOccupancy(components, isEmpty, plane); });
+  run(blocks.GetParents().z,
+    [&](int plane) { this->FindOccupancy(blocks.GetParents(), test, plane); });
   run(this->Blocks.z, [this](int k) { this->TransformPlane(k); });
   const std::size_t nx = static_cast<std::size_t>(this->Blocks.x);
   const std::size_t nxy = nx * static_cast<std::size_t>(this->Blocks.y);
@@ -127,34 +236,16 @@ void DistanceMap::Build(const std::vector<const MinMaxBlocks*>& components, cons
 
 //------------------------------------------------------------------------------
 template <class Test>
-void DistanceMap::FindOccupancy(
-  const std::vector<const MinMaxBlocks*>& components, const Test& isEmpty, int parentPlane)
+void DistanceMap::FindOccupancy(const glm::ivec3& parents, const Test& test, int parentPlane)
 {
-  const glm::ivec3 parents = components[0]->GetParents();
-  MinMaxBlocks::Limits limits[4];
-  const auto distanceOf = [&](MinMaxBlocks::Limits (MinMaxBlocks::*get)(const glm::ivec3&) const,
-                            const glm::ivec3& at) {
-    for (std::size_t c = 0; c < components.size(); ++c)
-    {
-      limits[c] = (components[c]->*get)(at);
-    }
-    return isEmpty(limits) ? LargestDistance : 0;
-  };
   for (int y = 0; y < parents.y; ++y)
   {
     for (int x = 0; x < parents.x; ++x)
     {
-      const glm::ivec3 parent(x, y, parentPlane);
-      const bool empty = distanceOf(&MinMaxBlocks::GetParentLimits, parent) != 0;
-      for (int c = 0; c < 8; ++c)
-      {
-        const glm::ivec3 block = 2 * parent + glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
-        if (block.x < this->Blocks.x && block.y < this->Blocks.y && block.z < this->Blocks.z)
-        {
-          this->Distances[GridIndex(block, this->Blocks)] = static_cast<std::uint8_t>(
-            empty ? LargestDistance : distanceOf(&MinMaxBlocks::GetLimits, block));
-        }
-      }
+      test.ForBlocksOf({ x, y, parentPlane }, [this](const glm::ivec3& block, bool empty) {
+        this->Distances[GridIndex(block, this->Blocks)] =
+          static_cast<std::uint8_t>(empty ? LargestDistance : 0);
+      });
     }
   }
 }

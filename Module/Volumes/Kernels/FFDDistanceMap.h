@@ -75,12 +75,11 @@ public:
   std::size_t GetMemorySize() const { return this->Distances.capacity(); }
 
 private:
+  /// `test` knows which parents and which of their blocks are empty.
   template <class Test>
-  void Build(const std::vector<const MinMaxBlocks*>& components, const Test& isEmpty,
-    const ParallelFor& parallelFor);
+  void Build(const MinMaxBlocks& blocks, const Test& test, const ParallelFor& parallelFor);
   template <class Test>
-  void FindOccupancy(
-    const std::vector<const MinMaxBlocks*>& components, const Test& isEmpty, int parentPlane);
+  void FindOccupancy(const glm::ivec3& parents, const Test& test, int parentPlane);
   void TransformPlane(int k);
 
   glm::ivec3 Blocks{ 0 };

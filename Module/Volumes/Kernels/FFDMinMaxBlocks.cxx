@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <type_traits>
 #include <utility>
@@ -20,16 +21,12 @@ namespace ffd
 namespace
 {
 
-/**
- * Bits of the minimum in the code of a block, the others are the maximum's: most opacity functions
- * rise, so what is empty depends on the maximum.
- */
-constexpr int MinimumBits = 2;
-constexpr int LastMinimum = (1 << MinimumBits) - 1;
-constexpr int LastMaximum = (1 << (8 - MinimumBits)) - 1;
+/// Whether every scalar of a type has a code of its own.
+template <class T>
+constexpr bool HasCodes = std::is_integral_v<T> && sizeof(T) <= 2;
 
-/// Code of a block that holds no number: no minimum is so far above the maximum.
-constexpr int NoNumber = LastMinimum;
+/// Of children that hold no number, or do not exist.
+constexpr MinMaxBlocks::CodeLimits NoCodes{ std::numeric_limits<std::uint16_t>::max() + 1, -1 };
 
 /// Whether a scalar has no place in the range of the volume: differences of the very largest
 /// numbers are infinite, so these count as infinite, too.
@@ -86,6 +83,23 @@ public:
       const T high = counts ? value : max[i];
       min[i] = low < min[i] ? low : min[i];
       max[i] = high > max[i] ? high : max[i];
+    }
+  }
+
+  /// Makes the extremes at each position those of the positions of a block that begins there.
+  void Widen()
+  {
+    static_assert(MinMaxBlocks::BlockSize == 4, "Steps add up to the size of a block.");
+    for (const std::ptrdiff_t step : { 1, 2, 1 })
+    {
+      const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(this->Min.size()) - step;
+      T* const min = this->Min.data();
+      T* const max = this->Max.data();
+      for (std::ptrdiff_t i = 0; i < count; ++i)
+      {
+        min[i] = min[i + step] < min[i] ? min[i + step] : min[i];
+        max[i] = max[i + step] > max[i] ? max[i + step] : max[i];
+      }
     }
   }
 
@@ -192,6 +206,38 @@ std::vector<Window> FindWindows(const VolumeView& volume, int axis, int blocks)
   return windows;
 }
 
+/// The extremes of the rows of blocks of plane `k`, which may lie beyond the last one.
+template <class T>
+void FindExtremes(const VolumeView& volume, const std::vector<Window> windows[3], std::size_t k,
+  std::vector<RowExtremes<T>>& rows)
+{
+  for (RowExtremes<T>& row : rows)
+  {
+    row.Clear();
+  }
+  if (k >= windows[2].size())
+  {
+    return;
+  }
+  for (int slice = windows[2][k].First; slice <= windows[2][k].Last; ++slice)
+  {
+    for (std::size_t j = 0; j < windows[1].size(); ++j)
+    {
+      for (int row = windows[1][j].First; row <= windows[1][j].Last; ++row)
+      {
+        rows[j].Add(FindRow<T>(volume, row, slice), volume.Increments[0]);
+      }
+    }
+  }
+  if (!volume.Axes)
+  {
+    for (RowExtremes<T>& row : rows)
+    {
+      row.Widen();
+    }
+  }
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -200,43 +246,74 @@ MinMaxBlocks::MinMaxBlocks(const VolumeView& volume, const ParallelFor& parallel
   this->Blocks = (volume.Dimensions - 1 + BlockSize - 1) / BlockSize;
   this->NumberOfBlocks = GridSize(this->Blocks);
   this->Parents = (this->Blocks + 1) / 2;
+  const std::size_t parents = GridSize(this->Parents);
   DispatchScalarType(volume.Type, [&](auto zero) {
     using T = decltype(zero);
-    this->Range = FindRange<T>(volume, parallelFor);
-    const double width = this->Range.Max - this->Range.Min;
-    this->Codes.resize(this->NumberOfBlocks);
-    const std::size_t parents = GridSize(this->Parents);
-    if (std::is_integral_v<T> && width <= 255.0)
+    const bool exact = HasCodes<T> && this->NumberOfBlocks > 0;
+    if (exact)
     {
-      this->CodeStep = 1.0;
-      this->LastCode = 255;
-      this->ParentBytes.resize(2 * parents);
+      this->FirstScalar = static_cast<double>(std::numeric_limits<T>::lowest());
+      this->LastCode = sizeof(T) == 1 ? 255 : 65535;
     }
     else
     {
-      this->CodeStep = width > 0.0 ? width / 65535.0 : 1.0;
-      this->LastCode = 65535;
-      this->ParentWords.resize(2 * parents);
+      this->Range = FindRange<T>(volume, parallelFor);
+      this->FirstScalar = this->Range.Min;
+      const double width = this->Range.Max - this->Range.Min;
+      this->LastCode = std::is_integral_v<T> && width <= 255.0 ? 255 : 65535;
+      this->CodeStep = this->LastCode == 65535 && width > 0.0 ? width / 65535.0 : 1.0;
     }
+    this->Codes.resize(this->NumberOfBlocks);
+    this->LastCode == 255 ? this->ParentBytes.resize(2 * parents)
+                          : this->ParentWords.resize(2 * parents);
     this->EncodeBlocks<T>(volume, parallelFor);
+    if (exact)
+    {
+      this->Range = this->LastCode == 255 ? this->FindRangeOfParents(this->ParentBytes)
+                                          : this->FindRangeOfParents(this->ParentWords);
+    }
   });
 }
 
 //------------------------------------------------------------------------------
-MinMaxBlocks::CodeLimits MinMaxBlocks::Encode(double min, double max) const
+template <class Code>
+MinMaxBlocks::Limits MinMaxBlocks::FindRangeOfParents(const std::vector<Code>& parents) const
 {
+  Code min = parents[0];
+  Code max = parents[1];
+  for (std::size_t i = 0; i < parents.size(); i += 2)
+  {
+    min = std::min(min, parents[i]);
+    max = std::max(max, parents[i + 1]);
+  }
+  return this->Decode({ min, max });
+}
+
+//------------------------------------------------------------------------------
+template <class T>
+MinMaxBlocks::CodeLimits MinMaxBlocks::Encode(const std::pair<T, T>& limits) const
+{
+  const auto [min, max] = limits;
   if (!(min <= max))
   {
-    return { 1, 0 };
+    return NoCodes;
   }
-  // Ordered so that infinite scalars end at the first or last code.
-  const auto toCode = [this](double scalar) {
-    const double code = (scalar - this->Range.Min) / this->CodeStep;
-    return std::max(0.0, std::min<double>(this->LastCode, code));
-  };
-  const double last = toCode(max);
-  const int whole = static_cast<int>(last);
-  return { static_cast<int>(toCode(min)), whole < last ? whole + 1 : whole };
+  if constexpr (HasCodes<T>)
+  {
+    constexpr int first = std::numeric_limits<T>::lowest();
+    return { min - first, max - first };
+  }
+  else
+  {
+    // Ordered so that infinite scalars end at the first or last code.
+    const auto toCode = [this](T scalar) {
+      const double code = (static_cast<double>(scalar) - this->FirstScalar) / this->CodeStep;
+      return std::max(0.0, std::min<double>(this->LastCode, code));
+    };
+    const double last = toCode(max);
+    const int whole = static_cast<int>(last);
+    return { static_cast<int>(toCode(min)), whole < last ? whole + 1 : whole };
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -248,44 +325,38 @@ void MinMaxBlocks::EncodeBlocks(const VolumeView& volume, const ParallelFor& par
   {
     windows[a] = FindWindows(volume, a, this->Blocks[a]);
   }
+  for (Window& window : windows[0])
+  {
+    // RowExtremes::Widen() has taken the others in.
+    window.Last = volume.Axes ? window.Last : window.First;
+  }
   parallelFor(
     static_cast<std::size_t>(this->Parents.z), [&](std::size_t firstPlane, std::size_t lastPlane) {
-      RowExtremes<T> rows(volume.Dimensions.x);
-      // Four rows of blocks make one of parents; what is beyond the last block holds no number.
-      std::vector<CodeLimits> limits[4];
+      // Of the rows of blocks of a plane: slices are read from end to end. Two planes of blocks
+      // make one of parents; what is beyond the last block holds no number.
+      const std::vector<RowExtremes<T>> rows(
+        2 * static_cast<std::size_t>(this->Parents.y), RowExtremes<T>(volume.Dimensions.x));
+      std::vector<RowExtremes<T>> planes[2] = { rows, rows };
       for (std::size_t z = firstPlane; z < lastPlane; ++z)
       {
+        for (std::size_t half = 0; half < 2; ++half)
+        {
+          FindExtremes(volume, windows, 2 * z + half, planes[half]);
+        }
         for (int y = 0; y < this->Parents.y; ++y)
         {
-          for (int line = 0; line < 4; ++line)
-          {
-            limits[line].assign(2 * static_cast<std::size_t>(this->Parents.x), CodeLimits{ 1, 0 });
-            const int j = 2 * y + (line & 1);
-            const int k = 2 * static_cast<int>(z) + (line >> 1);
-            if (j >= this->Blocks.y || k >= this->Blocks.z)
-            {
-              continue;
-            }
-            rows.Clear();
-            for (int slice = windows[2][k].First; slice <= windows[2][k].Last; ++slice)
-            {
-              for (int row = windows[1][j].First; row <= windows[1][j].Last; ++row)
-              {
-                rows.Add(FindRow<T>(volume, row, slice), volume.Increments[0]);
-              }
-            }
-            for (int i = 0; i < this->Blocks.x; ++i)
-            {
-              const auto [min, max] = rows.Get(windows[0][i].First, windows[0][i].Last);
-              limits[line][i] = this->Encode(static_cast<double>(min), static_cast<double>(max));
-            }
-          }
           for (int x = 0; x < this->Parents.x; ++x)
           {
-            CodeLimits children[8];
+            Children children;
             for (int c = 0; c < 8; ++c)
             {
-              children[c] = limits[c >> 1][2 * x + (c & 1)];
+              const int i = 2 * x + (c & 1);
+              const RowExtremes<T>& row = planes[c >> 2][2 * y + (c >> 1 & 1)];
+              const bool exists = i < this->Blocks.x;
+              const CodeLimits codes =
+                exists ? this->Encode(row.Get(windows[0][i].First, windows[0][i].Last)) : NoCodes;
+              children.Min[c] = codes.Min;
+              children.Max[c] = codes.Max;
             }
             this->EncodeParent({ x, y, static_cast<int>(z) }, children);
           }
@@ -295,64 +366,55 @@ void MinMaxBlocks::EncodeBlocks(const VolumeView& volume, const ParallelFor& par
 }
 
 //------------------------------------------------------------------------------
-void MinMaxBlocks::EncodeParent(const glm::ivec3& parent, const CodeLimits children[8])
+void MinMaxBlocks::EncodeParent(const glm::ivec3& parent, const Children& children)
 {
-  CodeLimits all{ 1, 0 };
-  for (int c = 0; c < 8; ++c)
-  {
-    if (children[c].Min <= children[c].Max)
-    {
-      const bool first = all.Min > all.Max;
-      all.Min = first ? children[c].Min : std::min(all.Min, children[c].Min);
-      all.Max = first ? children[c].Max : std::max(all.Max, children[c].Max);
-    }
-  }
-  const std::size_t at = 2 * GridIndex(parent, this->Parents);
-  if (!this->ParentBytes.empty())
-  {
-    this->ParentBytes[at] = static_cast<std::uint8_t>(all.Min);
-    this->ParentBytes[at + 1] = static_cast<std::uint8_t>(all.Max);
-  }
-  else
-  {
-    this->ParentWords[at] = static_cast<std::uint16_t>(all.Min);
-    this->ParentWords[at + 1] = static_cast<std::uint16_t>(all.Max);
-  }
+  // What holds no number has no part in the limits of the parent.
+  const CodeLimits all{ *std::min_element(std::begin(children.Min), std::end(children.Min)),
+    *std::max_element(std::begin(children.Max), std::end(children.Max)) };
+  this->SetParentCodes(parent, all.Min <= all.Max ? all : CodeLimits{ 1, 0 });
   // Quotients of whole numbers below 2^24, all below 2^7: rounded to floats they stay on the same
   // side of every whole number.
   const float width = static_cast<float>(std::max(LastMaximum, all.Max - all.Min));
+  int codes[8];
+  for (int c = 0; c < 8; ++c)
+  {
+    const int low =
+      static_cast<int>(static_cast<float>(LastMinimum * (children.Min[c] - all.Min)) / width);
+    const int high = static_cast<int>(
+      (static_cast<float>(LastMaximum * (children.Max[c] - all.Min)) + width - 1.0f) / width);
+    codes[c] = children.Min[c] <= children.Max[c] ? low | high << MinimumBits : NoNumber;
+  }
   for (int c = 0; c < 8; ++c)
   {
     const glm::ivec3 block = 2 * parent + glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
     if (glm::all(glm::lessThan(block, this->Blocks)))
     {
-      int code = NoNumber;
-      if (children[c].Min <= children[c].Max)
-      {
-        const int low =
-          static_cast<int>(static_cast<float>(LastMinimum * (children[c].Min - all.Min)) / width);
-        const int high = static_cast<int>(
-          (static_cast<float>(LastMaximum * (children[c].Max - all.Min)) + width - 1.0f) / width);
-        code = low | high << MinimumBits;
-      }
-      this->Codes[GridIndex(block, this->Blocks)] = static_cast<std::uint8_t>(code);
+      this->Codes[GridIndex(block, this->Blocks)] = static_cast<std::uint8_t>(codes[c]);
     }
   }
 }
 
 //------------------------------------------------------------------------------
-MinMaxBlocks::CodeLimits MinMaxBlocks::GetParentCodes(const glm::ivec3& parent) const
+void MinMaxBlocks::SetParentCodes(const glm::ivec3& parent, const CodeLimits& codes)
 {
   const std::size_t at = 2 * GridIndex(parent, this->Parents);
-  return this->ParentBytes.empty() ? CodeLimits{ this->ParentWords[at], this->ParentWords[at + 1] }
-                                   : CodeLimits{ this->ParentBytes[at], this->ParentBytes[at + 1] };
+  if (!this->ParentBytes.empty())
+  {
+    this->ParentBytes[at] = static_cast<std::uint8_t>(codes.Min);
+    this->ParentBytes[at + 1] = static_cast<std::uint8_t>(codes.Max);
+  }
+  else
+  {
+    this->ParentWords[at] = static_cast<std::uint16_t>(codes.Min);
+    this->ParentWords[at + 1] = static_cast<std::uint16_t>(codes.Max);
+  }
 }
 
 //------------------------------------------------------------------------------
 MinMaxBlocks::Limits MinMaxBlocks::Decode(const CodeLimits& codes) const
 {
-  return { this->Range.Min + codes.Min * this->CodeStep,
-    this->Range.Min + codes.Max * this->CodeStep };
+  return { this->FirstScalar + codes.Min * this->CodeStep,
+    this->FirstScalar + codes.Max * this->CodeStep };
 }
 
 //------------------------------------------------------------------------------
@@ -364,17 +426,7 @@ MinMaxBlocks::Limits MinMaxBlocks::GetParentLimits(const glm::ivec3& parent) con
 //------------------------------------------------------------------------------
 MinMaxBlocks::Limits MinMaxBlocks::GetLimits(const glm::ivec3& block) const
 {
-  const CodeLimits parent = this->GetParentCodes(block / 2);
-  const int code = this->Codes[GridIndex(block, this->Blocks)];
-  const int low = code & LastMinimum;
-  const int high = code >> MinimumBits;
-  if (parent.Min > parent.Max || code == NoNumber)
-  {
-    return this->Decode({ 1, 0 });
-  }
-  const int width = std::max(LastMaximum, parent.Max - parent.Min);
-  return this->Decode({ parent.Min + width * low / LastMinimum,
-    std::min(parent.Max, parent.Min + (width * high + LastMaximum - 1) / LastMaximum) });
+  return this->Decode(this->GetCodes(block, this->GetParentCodes(block / 2)));
 }
 
 } // namespace ffd

@@ -4,13 +4,16 @@
 #define FFDMinMaxBlocks_h
 
 #include "FFDExport.h"
+#include "FFDGridIndex.h"
 #include "FFDParallelFor.h"
 #include "FFDVolumeView.h"
 
 #include <glm/vec3.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace ffd
@@ -22,10 +25,11 @@ namespace ffd
  * of one component. Blocks are those of index coordinates; where VolumeView::Axes says that voxels
  * lie elsewhere, a block has all voxels that a sample in it is interpolated from.
  *
- * Limits are codes of equal steps over the scalar range, rounded outwards: whole numbers where the
- * range is at most 255 of them, else 65535 steps. They are stored for parents of 2^3 blocks; a
- * block keeps two bits and six that say where, between the limits of its parent, its own minimum
- * and maximum are, again rounded outwards. So they take 2 % of an 8-bit volume and less of others.
+ * Limits are codes of equal steps, rounded outwards: whole numbers of 8 or 16 bits and ranges of at
+ * most 255 whole numbers, else 65535 steps over the range. They are stored for parents of 2^3
+ * blocks; a block keeps two bits and six that say where, between the limits of its parent, its own
+ * minimum and maximum are, again rounded outwards. So they take 2 % of an 8-bit volume and less of
+ * others.
  *
  * Voxels that are not a number are left out: a sample next to one is not a number either and
  * contributes nothing. Infinite ones, and floating-point numbers above a quarter of the largest
@@ -60,12 +64,6 @@ public:
   /// Limits of a block.
   Limits GetLimits(const glm::ivec3& block) const;
 
-  std::size_t GetMemorySize() const
-  {
-    return this->Codes.capacity() + this->ParentBytes.capacity() + 2 * this->ParentWords.capacity();
-  }
-
-private:
   /// Limits in codes; Max < Min: no number at all.
   struct CodeLimits
   {
@@ -73,19 +71,73 @@ private:
     int Max;
   };
 
+  /// The largest code.
+  int GetLastCode() const { return this->LastCode; }
+
+  Limits Decode(const CodeLimits& codes) const;
+  CodeLimits GetParentCodes(const glm::ivec3& parent) const
+  {
+    const std::size_t at = 2 * GridIndex(parent, this->Parents);
+    return this->ParentBytes.empty()
+      ? CodeLimits{ this->ParentWords[at], this->ParentWords[at + 1] }
+      : CodeLimits{ this->ParentBytes[at], this->ParentBytes[at + 1] };
+  }
+
+  /// `parent`: GetParentCodes() of block / 2.
+  CodeLimits GetCodes(const glm::ivec3& block, const CodeLimits& parent) const
+  {
+    const int code = this->Codes[GridIndex(block, this->Blocks)];
+    if (parent.Min > parent.Max || code == NoNumber)
+    {
+      return { 1, 0 };
+    }
+    const int low = code & LastMinimum;
+    const int high = code >> MinimumBits;
+    const int width = std::max(LastMaximum, parent.Max - parent.Min);
+    return { parent.Min + width * low / LastMinimum,
+      std::min(parent.Max, parent.Min + (width * high + LastMaximum - 1) / LastMaximum) };
+  }
+
+  std::size_t GetMemorySize() const
+  {
+    return this->Codes.capacity() + this->ParentBytes.capacity() + 2 * this->ParentWords.capacity();
+  }
+
+private:
+  /**
+   * Bits of the minimum in the code of a block, the others are the maximum's: most opacity
+   * functions rise, so what is empty depends on the maximum.
+   */
+  static constexpr int MinimumBits = 2;
+  static constexpr int LastMinimum = (1 << MinimumBits) - 1;
+  static constexpr int LastMaximum = (1 << (8 - MinimumBits)) - 1;
+
+  /// Code of a block that holds no number: no minimum is so far above the maximum.
+  static constexpr int NoNumber = LastMinimum;
+
+  /// Codes of the blocks of a parent.
+  struct Children
+  {
+    int Min[8];
+    int Max[8];
+  };
+
   template <class T>
   void EncodeBlocks(const VolumeView& volume, const ParallelFor& parallelFor);
-  /// Limits in scalar units; `min` > `max` where there is no number.
-  CodeLimits Encode(double min, double max) const;
-  void EncodeParent(const glm::ivec3& parent, const CodeLimits children[8]);
-  CodeLimits GetParentCodes(const glm::ivec3& parent) const;
-  Limits Decode(const CodeLimits& codes) const;
+  /// `limits`: in scalar units; the minimum is above the maximum where there is no number.
+  template <class T>
+  CodeLimits Encode(const std::pair<T, T>& limits) const;
+  void EncodeParent(const glm::ivec3& parent, const Children& children);
+  void SetParentCodes(const glm::ivec3& parent, const CodeLimits& codes);
+  template <class Code>
+  Limits FindRangeOfParents(const std::vector<Code>& parents) const;
 
   glm::ivec3 Blocks{ 0 };
   glm::ivec3 Parents{ 0 };
   std::size_t NumberOfBlocks = 0;
   Limits Range{ 0.0, -1.0 };
-  double CodeStep = 0.0; // scalar units per code
+  double FirstScalar = 0.0; // of code 0
+  double CodeStep = 1.0;    // scalar units per code
   int LastCode = 255;
   std::vector<std::uint8_t> Codes;       // of a block: minimum in the low two bits, maximum above
   std::vector<std::uint8_t> ParentBytes; // min, max of each parent; one of the two is used
