@@ -23,6 +23,7 @@ VOLUME = os.path.join(ffd.TEMPORARY, "ParaView.alone.vtk")
 SHAPES = ("Bend", "Twist", "Taper", "Bulge", "Random")
 HIGHLIGHTS = (*SHAPES, "White", "FXAA", "Dense", "Near", "Flat", "Hidden", "Again",
               "EDL", "Tones")
+TIMES = ("stack 1", "stack 1.25", "stack 2.5", "fit 0", "volumes 0", "volumes 0.5", "volumes 1")
 VOLUMES = ("beside", "translucent", "inline", "opposite", "parallel", "edited", "hidden", "placed",
            "turned")
 
@@ -129,6 +130,32 @@ class TestHighlights(unittest.TestCase):
                     # What processes it gets what is brighter than white from one process alone.
                     most = 32 if scene in ("EDL", "Tones") else 8
                     self.assertLessEqual(ffd.differ(pictures[ranks][scene], expected)[0], most)
+
+
+class TestTime(unittest.TestCase):
+    """Transforms and volumes in time, and fits to landmarks."""
+
+    def test_time(self):
+        files = [os.path.join(ffd.TEMPORARY, "ParaView.time%d.vti" % step) for step in (0, 1)]
+        wavelet = ffd.make_wavelet(12)
+        for path, frequency in zip(files, (60.0, 30.0)):
+            wavelet.XFreq = frequency
+            simple.SaveData(path, proxy=wavelet)
+        pictures = {}
+        for ranks in (1, 2, 4):
+            prefix = os.path.join(ffd.TEMPORARY, "ParaView.time%d" % ranks)
+            run_script(ranks, "ParallelFiles.py", prefix, *files)
+            pictures[ranks] = {
+                scene: ffd.read_picture("%s.%s.png" % (prefix, scene)) for scene in TIMES}
+        for i, (scene, picture) in enumerate(pictures[1].items()):
+            self.assertGreater(ffd.lit(picture), 500, scene)
+            for other in TIMES[:i]:
+                self.assertGreater(ffd.differ(picture, pictures[1][other])[1], 0.15, (scene, other))
+            for ranks in (2, 4):
+                with self.subTest(scene=scene, ranks=ranks):
+                    largest, mean = ffd.differ(pictures[ranks][scene], picture)
+                    self.assertLessEqual(largest, 8)
+                    self.assertLessEqual(mean, 0.5)
 
 
 class TestSeveralVolumes(unittest.TestCase):
