@@ -880,7 +880,7 @@ public:
    * which there are none: the reduction ratio is 1, textures are null. They look for the first
    * surface in a pass of its own, which space leaping does. There is one input. Light is not
    * scattered: GlobalIlluminationReach, clamped to 0 to 1, and VolumetricScatteringBlending,
-   * clamped to 0 to 2, are those of VTK 9.2; default 0.
+   * clamped to 0 to 2, are those of VTK 9.2; default 0. AnariRenderMode is that of VTK 9.4.
    */
   enum
   {
@@ -888,8 +888,9 @@ public:
     RayCastRenderMode = 1,
     GPURenderMode = 2,
     OSPRayRenderMode = 3,
-    UndefinedRenderMode = 4,
-    InvalidRenderMode = 5
+    AnariRenderMode = 4,
+    UndefinedRenderMode = 5,
+    InvalidRenderMode = 6
   };
   enum Passes
   {
@@ -908,6 +909,7 @@ public:
   void SetRequestedRenderModeToRayCast() { this->SetRequestedRenderMode(RayCastRenderMode); }
   void SetRequestedRenderModeToGPU() { this->SetRequestedRenderMode(GPURenderMode); }
   void SetRequestedRenderModeToOSPRay() { this->SetRequestedRenderMode(OSPRayRenderMode); }
+  void SetRequestedRenderModeToAnari() { this->SetRequestedRenderMode(AnariRenderMode); }
   int GetLastUsedRenderMode() { return RayCastRenderMode; }
   vtkSetMacro(InteractiveAdjustSampleDistances, vtkTypeBool);
   vtkGetMacro(InteractiveAdjustSampleDistances, vtkTypeBool);

@@ -115,6 +115,14 @@ std::string ReadStart(const char* path)
   return bytes;
 }
 
+/// Whether a file begins with more than any key of MetaImage, and no space. vtkMetaImageReader reads
+/// the first word of .mha and .mhd files into 8000 bytes to see whether it knows them; where VTK was
+/// built with GCC 10 or before, as its wheels are, nothing stops it there.
+bool BeginsWithLongWord(const char* path)
+{
+  return ReadStart(path).find_first_of(" \t\n\v\f\r") >= 4000;
+}
+
 /// "key<separator> value" lines of the header of a text format, until an empty line.
 vtkFFDDataFiles::Fields ReadFields(const char* path, char separator)
 {
@@ -440,8 +448,11 @@ bool vtkFFDVolumeReader::vtkInternals::Open(const char* path)
   }
   else
   {
-    auto found =
-      vtkSmartPointer<vtkImageReader2>::Take(vtkImageReader2Factory::CreateImageReader2(path));
+    vtkSmartPointer<vtkImageReader2> found;
+    if ((ending != ".mha" && ending != ".mhd") || !BeginsWithLongWord(path))
+    {
+      found.TakeReference(vtkImageReader2Factory::CreateImageReader2(path));
+    }
     if (!found)
     {
       this->Problem = "VTK has no reader for it (.vti, .vtk, .mhd, .nii, .nrrd and image files are "

@@ -225,6 +225,7 @@ CLASSES = {
             SetMinimumSegmentLength SetNumberOfThreads SetOpacityLengthToWorld SetPartitions
             SetProgress SetProgressObserver SetProgressShiftScale SetProgressText
             SetReleaseDataFlag SetReportProgress SetRequestedRenderMode
+            SetRequestedRenderModeToAnari
             SetRequestedRenderModeToDefault SetRequestedRenderModeToGPU
             SetRequestedRenderModeToOSPRay SetRequestedRenderModeToRayCast
             SetScalarModeToDefault SetScalarModeToUsePointData SetSegmentationToErrorBound

@@ -46,9 +46,12 @@ class InteractiveFrames(unittest.TestCase):
         self.interactor.Initialize()
         self.frames = vtkffd.vtkFFDInteractiveFrames()
         self.frames.SetInteractor(self.interactor)
+        self.timer = 0
 
     def tearDown(self):
         self.frames.SetInteractor(None)
+        # In VTK 9.5 a loop serves the timers of all interactors, and ends when one says so.
+        self.interactor.DestroyTimer(self.timer)
 
     def test_coarse_abort_still(self):
         expected = self.frames.GetExpectedStillTime
@@ -77,7 +80,7 @@ class InteractiveFrames(unittest.TestCase):
                 self.interactor.TerminateApp()
 
         self.frames.AddObserver("ProgressEvent", on_progress)
-        self.interactor.CreateRepeatingTimer(50)
+        self.timer = self.interactor.CreateRepeatingTimer(50)
         self.interactor.AddObserver("TimerEvent", on_timer, -1.0)
         self.interactor.Start()
         self.assertEqual(self.frames.GetNumberOfAbortedFrames(), 1)
@@ -128,7 +131,7 @@ class InteractiveFrames(unittest.TestCase):
 
         self.frames.AddObserver("ProgressEvent", on_progress)
         self.window.AddObserver("EndEvent", on_end)
-        self.interactor.CreateRepeatingTimer(50)
+        self.timer = self.interactor.CreateRepeatingTimer(50)
         self.interactor.AddObserver("TimerEvent", on_timer, -1.0)
         self.interactor.Start()
         self.assertEqual(aborted, {"wheel": 1, "button": 2, "key": 3, "modifier": 3})

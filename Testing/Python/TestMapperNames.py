@@ -32,7 +32,8 @@ class TestMapperNames(unittest.TestCase):
         ours = set(dir(vtkffd.vtkFFDInverseRayVolumeMapper))
         for theirs in (vtkFixedPointVolumeRayCastMapper, vtkGPUVolumeRayCastMapper,
                        vtkOpenGLGPUVolumeRayCastMapper, vtkSmartVolumeMapper):
-            names = {name for name in dir(theirs) if not INTERNAL.match(name)}
+            # Not the properties in lower case, which VTK's wrapping tools make of methods by now.
+            names = {name for name in dir(theirs) if name[0].isupper() and not INTERNAL.match(name)}
             self.assertGreater(len(names), 100)
             self.assertEqual(sorted(names - ours), [], theirs.__name__)
 
