@@ -4,9 +4,9 @@
  * @file vtkFFDVersions.h
  * @brief names what differs between the versions of VTK that vtkFFD is built with
  *
- * VTK 9.1 (Debian 12), 9.2 (ParaView 5.11), 9.3 (Debian 13, ParaView 5.13) and 9.5 (the Python wheel)
- * are built and tested.
- * Each name says which change of VTK makes it necessary; no other file asks for a version of VTK.
+ * VTK 9.1 (Debian 12), 9.2 (ParaView 5.11), 9.3 (Debian 13, ParaView 5.13) and 9.5 (the Python
+ * wheel) are built and tested. Each name says which change of VTK makes it necessary; no other file
+ * asks for a version of VTK.
  */
 #ifndef vtkFFDVersions_h
 #define vtkFFDVersions_h

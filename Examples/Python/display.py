@@ -10,11 +10,15 @@ import sys
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
 from vtkmodules.vtkRenderingCore import vtkRenderWindow
 
+# What VTK's wheels render in where there is no display.
+OFF_SCREEN = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow")
 
-def has_display():
-    """Whether VTK can open a window, on screen or off."""
-    if vtkRenderWindow().GetClassName() != "vtkXOpenGLRenderWindow":
-        return True
+
+def has_display(on_screen=False):
+    """Whether VTK can open a window: on screen, or else on screen or off."""
+    name = vtkRenderWindow().GetClassName()
+    if name != "vtkXOpenGLRenderWindow":
+        return not on_screen or name not in OFF_SCREEN
     try:
         x11 = ctypes.CDLL("libX11.so.6")
     except OSError:
@@ -36,7 +40,7 @@ def no_display():
             % (repr(os.environ["DISPLAY"]) if os.environ.get("DISPLAY") else "not set"))
 
 
-def require_display(program):
+def require_display(program, on_screen=False):
     """End the program with a line that says so where no window can be opened."""
-    if not has_display():
+    if not has_display(on_screen):
         sys.exit("%s: %s" % (program, no_display()))

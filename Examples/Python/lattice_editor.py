@@ -421,7 +421,7 @@ def main():
         sys.exit("lattice_editor: " + (
             text if "lattice" in text else "%s: %s" % (arguments.volume, text)))
     unattended = arguments.screenshot or arguments.save_lattice
-    window = has_display()
+    window = has_display(on_screen=not arguments.play and not unattended)
     if not window and (arguments.play or not unattended):
         sys.exit("lattice_editor: " + no_display())
     if window:

@@ -225,7 +225,7 @@ def main():
                     arguments.thresholds, arguments.size, arguments.fields)
     viewer.write(os.path.join(arguments.output, "registration.png"))
     if arguments.interactive:
-        require_display("registration_viewer")
+        require_display("registration_viewer", on_screen=True)
         viewer.interact()
 
 

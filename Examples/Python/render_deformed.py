@@ -246,7 +246,7 @@ def main():
     parser.add_argument("--output", default="output", help="folder for the pictures")
     parser.add_argument("--interactive", action="store_true", help="open a window at the end")
     arguments = parser.parse_args()
-    require_display("render_deformed")
+    require_display("render_deformed", on_screen=arguments.interactive)
     try:
         os.makedirs(arguments.output, exist_ok=True)
     except OSError as error:

@@ -115,9 +115,9 @@ std::string ReadStart(const char* path)
   return bytes;
 }
 
-/// Whether a file begins with more than any key of MetaImage, and no space. vtkMetaImageReader reads
-/// the first word of .mha and .mhd files into 8000 bytes to see whether it knows them; where VTK was
-/// built with GCC 10 or before, as its wheels are, nothing stops it there.
+/// Whether a file begins with more than any key of MetaImage, and no space. vtkMetaImageReader
+/// reads the first word of .mha and .mhd files into 8000 bytes to see whether it knows them; where
+/// VTK was built with GCC 10 or before, as its wheels are, nothing stops it there.
 bool BeginsWithLongWord(const char* path)
 {
   return ReadStart(path).find_first_of(" \t\n\v\f\r") >= 4000;
