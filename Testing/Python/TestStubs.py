@@ -37,11 +37,12 @@ def check_types(code):
         path = os.path.join(folder, "program.py")
         with open(path, "w", encoding="utf-8") as file:
             file.write(code)
-        # VTK's own modules may have no stubs.
+        # What is installed mypy finds by itself. VTK's own modules may have no stubs.
+        path_of_stubs = "" if "site-packages" in PACKAGE.parts else str(PACKAGE.parent)
         result = subprocess.run(
             [sys.executable, "-m", "mypy", "--ignore-missing-imports",
              "--cache-dir", os.path.join(os.environ["FFD_TEST_TEMPORARY"], "mypy"), path],
-            env=dict(os.environ, MYPYPATH=str(PACKAGE.parent)), capture_output=True, text=True)
+            env=dict(os.environ, MYPYPATH=path_of_stubs), capture_output=True, text=True)
         return result.returncode, result.stdout + result.stderr
 
 

@@ -40,9 +40,9 @@ MODULES = ("Core", "Filters", "IO", "Physics", "Rendering", "Widgets")
 # Of VTK, which must be refused, with any patch; and patches that must be taken.
 OTHERS = ("9.4.2", "9.6.2", "9.7.2")
 TAKEN = ("9.5.0", "9.5.2")
-# What cannot be run on a wheel: a C++ program of the build tree.
-LEFT_OUT = {"TestLatticeEditor"}
-OPTIONAL = ("pyvista", "trame", "trame-vtk", "trame-vuetify", "trame-rca", "nbclient", "ipykernel", "pillow")
+# What runs C++ programs of the build tree.
+LEFT_OUT = {"TestLatticeEditor", "TestPaperExperiments"}
+OPTIONAL = ("pyvista[jupyter]", "trame", "trame-rca", "nbclient", "ipykernel", "pillow", "mypy")
 
 # Differences of two pictures: none, but for the text on them, which other versions of FreeType draw.
 COMPARE = """
