@@ -6,11 +6,13 @@ server."""
 
 import os
 import subprocess
+import sys
 import unittest
 
 import numpy as np
 from paraview import servermanager, simple
 
+import ffdlink
 import ffdparaview as ffd
 
 ffd.load()
@@ -55,6 +57,52 @@ class TestServer(unittest.TestCase):
             server.terminate()
             server.wait()
             server.stdout.close()
+
+    def test_slow_link(self):
+        """50 ms and 20 Mbit/s away: an edit sends the control points, and no voxels come."""
+        sent = {}
+        for size in (5, 9):
+            port = 21000 + (os.getpid() + size) % 9000
+            server = subprocess.Popen(
+                ["pvserver", "--server-port=%d" % port],
+                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                env={**os.environ, "PV_PLUGIN_PATH": os.path.dirname(ffd.PLUGIN)})
+            try:
+                for line in server.stdout:
+                    if "Accepting" in line:
+                        break
+                with ffdlink.SlowLink(port) as link:
+                    simple.Disconnect()
+                    simple.Connect("localhost", link.port)
+                    ffd.load()
+                    view = ffd.make_view()
+                    lattice = simple.FFDLattice(Input=ffd.make_wavelet(60), Resolution=[size] * 3)
+                    simple.Show(lattice, view)
+                    ffd.set_functions()
+                    simple.Render(view)
+                    points = [0.0] * 3 * size ** 3
+                    before = link.count()
+                    for step in range(4):
+                        points[3 * (size ** 3 // 2) + 2] = 2.0 + step
+                        lattice.Displacements = points
+                        simple.Render(view)
+                    sent[size], received = [
+                        (b - a) / 4 for a, b in zip(before, link.count())]
+                    sys.stdout.write(
+                        "%d^3 control points (%d bytes): an edit sends %d bytes and gets %d\n"
+                        % (size, 8 * len(points), sent[size], received))
+                    # A picture of 160 x 140 pixels, and what ParaView asks for; voxels are 7 MB.
+                    self.assertLess(received, 400e3)
+                    self.assertGreater(sent[size], 8 * len(points))
+                    simple.Disconnect()
+            finally:
+                server.terminate()
+                server.wait()
+                server.stdout.close()
+        # What is sent besides the control points is the same.
+        numbers = 8 * 3 * (9 ** 3 - 5 ** 3)
+        self.assertLess(sent[9] - sent[5], 3 * numbers)
+        self.assertLess(sent[5], 60e3)
 
 
 if __name__ == "__main__":
