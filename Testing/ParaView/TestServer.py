@@ -7,6 +7,7 @@ server."""
 import os
 import subprocess
 import sys
+import tempfile
 import unittest
 
 import numpy as np
@@ -53,6 +54,40 @@ class TestServer(unittest.TestCase):
             lattice.Strength = 0.2
             self.assertGreater(
                 np.abs(ffd.picture(view, "edited") - remote).mean(), 1.0)
+        finally:
+            server.terminate()
+            server.wait()
+            server.stdout.close()
+
+    def test_other_version(self):
+        """A server with another version of the plugin: one message, which names both."""
+        folder = tempfile.mkdtemp(prefix="version.", dir=ffd.TEMPORARY)
+        with open(ffd.PLUGIN, "rb") as library:
+            content = library.read()
+        self.assertIn(b"0.1.0\0", content)
+        copy = os.path.join(folder, "FFDVolume.so")
+        with open(copy, "wb") as library:
+            library.write(content.replace(b"0.1.0\0", b"0.0.9\0"))
+        port = 21000 + (os.getpid() + 3) % 9000
+        server = subprocess.Popen(
+            ["pvserver", "--server-port=%d" % port], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            text=True, env={**os.environ, "PV_PLUGIN_PATH": ""})
+        try:
+            for line in server.stdout:
+                if "Accepting" in line:
+                    break
+            simple.Disconnect()
+            simple.Connect("localhost", port)
+            simple.LoadPlugin(copy, remote=True, ns=vars(simple))
+            ffd.load()
+            with ffd.Errors(event="WarningEvent") as warnings:
+                view = ffd.make_view()
+                show(view)
+                ffd.picture(view, "other version")
+            told = [text for text in warnings.text if "0.0.9" in text]
+            self.assertEqual(len(told), 1, warnings.text)
+            self.assertIn("0.1.0", told[0])
+            simple.Disconnect()
         finally:
             server.terminate()
             server.wait()

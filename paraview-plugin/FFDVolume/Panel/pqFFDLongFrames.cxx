@@ -203,6 +203,7 @@ void pqFFDLongFrames::watch(pqView* view)
 //------------------------------------------------------------------------------
 void pqFFDLongFrames::watchServer(pqServer* server)
 {
+  vtkSMFFDVolumeRepresentationProxy::CheckServer(server->session());
   vtkPVProgressHandler* handler = server->session()->GetProgressHandler();
   pqCoreUtilities::connect(
     handler, vtkCommand::ProgressEvent, this, SLOT(checkServerAbort(vtkObject*)));

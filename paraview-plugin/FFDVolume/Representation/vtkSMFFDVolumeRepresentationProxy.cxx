@@ -11,13 +11,17 @@
 #include "vtkObjectFactory.h"
 #include "vtkPVDataInformation.h"
 #include "vtkPVDataSetAttributesInformation.h"
+#include "vtkPVPluginsInformation.h"
 #include "vtkPVSession.h"
 #include "vtkSMArrayListDomain.h"
+#include "vtkSMPluginManager.h"
 #include "vtkSMProperty.h"
 #include "vtkSMPropertyHelper.h"
+#include "vtkSMProxyManager.h"
 #include "vtkSMPVRepresentationProxy.h"
 #include "vtkSMSession.h"
 #include "vtkSMSourceProxy.h"
+#include "vtkWeakPointer.h"
 
 #include <algorithm>
 #include <array>
@@ -71,6 +75,21 @@ bool HasLattice(vtkSMProxy* parent)
     data->GetFieldDataInformation()->GetArrayInformation("FFDLattice.Displacement");
 }
 
+/// Version of a plugin that is loaded, "" if it is not.
+std::string FindVersion(vtkPVPluginsInformation* plugins, const std::string& name)
+{
+  for (unsigned int i = 0; plugins && i < plugins->GetNumberOfPlugins(); ++i)
+  {
+    const char* each = plugins->GetPluginName(i);
+    const char* version = plugins->GetPluginVersion(i);
+    if (each && version && name == each && plugins->GetPluginLoaded(i))
+    {
+      return version;
+    }
+  }
+  return "";
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -89,6 +108,7 @@ void vtkSMFFDVolumeRepresentationProxy::PrintSelf(ostream& os, vtkIndent indent)
 void vtkSMFFDVolumeRepresentationProxy::CreateVTKObjects()
 {
   this->Superclass::CreateVTKObjects();
+  CheckServer(this->GetSession());
   vtkSMProxy* parent = this->GetParentProxy();
   vtkSMProperty* type = parent ? parent->GetProperty("Representation") : nullptr;
   if (type && !this->Watching)
@@ -117,6 +137,28 @@ void vtkSMFFDVolumeRepresentationProxy::CreateVTKObjects()
         option->SetAnimateable(0);
       }
     }
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkSMFFDVolumeRepresentationProxy::CheckServer(vtkSMSession* session)
+{
+  static vtkWeakPointer<vtkSMSession> lastTold;
+  vtkSMProxyManager* manager = vtkSMProxyManager::GetProxyManager();
+  vtkSMPluginManager* plugins = manager ? manager->GetPluginManager() : nullptr;
+  if (!session || !plugins || lastTold == session)
+  {
+    return;
+  }
+  const std::string own = FindVersion(plugins->GetLocalInformation(), "FFDVolume");
+  const std::string servers = FindVersion(plugins->GetRemoteInformation(session), "FFDVolume");
+  if (!own.empty() && !servers.empty() && own != servers)
+  {
+    lastTold = session;
+    vtkGenericWarningMacro(<< "The plugin FFDVolume is of version " << own
+                           << " here and of version " << servers
+                           << " on the server. Start both with the same one: else "
+                           << "options may have no effect, and states may not load.");
   }
 }
 

@@ -21,6 +21,8 @@
 
 #include <string> // for std::string
 
+class vtkSMSession;
+
 class VTKFFDPARAVIEW_EXPORT vtkSMFFDVolumeRepresentationProxy : public vtkSMRepresentationProxy
 {
 public:
@@ -46,6 +48,12 @@ public:
 
   /// The array that is shown, "" if there is none.
   std::string GetShownArray();
+
+  /**
+   * Says, once for each session, if its server has another version of the plugin than the client:
+   * what the one asks for, the other may not know.
+   */
+  static void CheckServer(vtkSMSession* session);
 
 protected:
   vtkSMFFDVolumeRepresentationProxy();
