@@ -116,8 +116,8 @@ bool vtkFFDFrameCaster::Cast(
   const vtkFFDFrameScene views(
     this->Mapper, this->Cache, view.Renderer, view.Volume, region, depths);
   const ffd::CastScene& scene = views.Get();
-  const ffd::CastSettings settings =
-    vtkFFDFramePlan::MakeSettings(this->Mapper, this->Cache, view.Volume, view.Interactive);
+  const ffd::CastSettings settings = vtkFFDFramePlan::MakeSettings(
+    this->Mapper, this->Cache, view.Volume, view.Interactive, view.Region.Step);
   ffd::CastImage image;
   image.Width = region.Rays.x;
   image.Height = region.Rays.y;
@@ -359,8 +359,9 @@ void vtkFFDFrameCaster::CastNearer(const View& view, ffd::CastScene scene)
 {
   const vtkFFDImageRegion& region = view.Region;
   scene.Depths = this->NearDepths.data();
-  const ffd::RayCaster caster(
-    scene, vtkFFDFramePlan::MakeSettings(this->Mapper, this->Cache, view.Volume, view.Interactive));
+  const ffd::RayCaster caster(scene,
+    vtkFFDFramePlan::MakeSettings(
+      this->Mapper, this->Cache, view.Volume, view.Interactive, view.Region.Step));
   this->NearColors = this->Colors;
   ffd::CastImage image;
   image.Width = region.Rays.x;

@@ -39,9 +39,13 @@ constexpr double LongestMinimum = 64.0;
 /// Longest segment of ERROR_BOUND, voxels.
 constexpr double LongestInterpolant = 64.0;
 
-/// The image sample distance stays as it is if it need not change by more than this part of it, and
-/// is rounded up to so many steps a pixel: then tiles lie on whole pixels.
-constexpr double StepHysteresis = 0.15;
+/// Part of the time of a moving frame that is given to its rays; drawing them takes the rest.
+constexpr double PartOfRays = 0.8;
+
+/// The image sample distance stays as it is between these parts of the one that is wanted, and is
+/// rounded up to so many steps a pixel: then tiles lie on whole pixels.
+constexpr double LeastOfWanted = 0.97;
+constexpr double MostOfWanted = 1.25;
 constexpr double StepsPerPixel = 8.0;
 
 /// Shortest segment and sample distance, voxels: below, an image would take for ever.
@@ -51,7 +55,7 @@ constexpr double ShortestLength = 1e-3;
 
 //------------------------------------------------------------------------------
 ffd::CastSettings vtkFFDFramePlan::MakeSettings(vtkFFDInverseRayVolumeMapper* mapper,
-  const vtkFFDFrameCache& cache, vtkVolume* volume, bool interactive)
+  const vtkFFDFrameCache& cache, vtkVolume* volume, bool interactive, double step)
 {
   const double voxelSize = cache.GetVoxelSize();
   ffd::CastSettings settings;
@@ -119,7 +123,9 @@ ffd::CastSettings vtkFFDFramePlan::MakeSettings(vtkFFDInverseRayVolumeMapper* ma
   settings.Polyline.MaximumLength = longest * voxelSize;
   settings.ErrorBound.LongestSegment = std::max(longestInterpolant, shortest) * voxelSize;
   settings.ErrorBound.ShortestSegment = shortest * voxelSize;
-  settings.ErrorBound.PositionTolerance = mapper->GetPositionTolerance();
+  // Where rays are some pixels apart nobody sees errors of less than a pixel.
+  settings.ErrorBound.PositionTolerance =
+    (interactive ? std::max(1.0, step) : 1.0) * mapper->GetPositionTolerance();
   return settings;
 }
 
@@ -173,17 +179,16 @@ bool vtkFFDFramePlan::IsMoving(vtkFFDInverseRayVolumeMapper* mapper, vtkVolume* 
 }
 
 //------------------------------------------------------------------------------
-double vtkFFDFramePlan::FindStep(
-  vtkFFDInverseRayVolumeMapper* mapper, double allotted, const glm::ivec2& pixels) const
+double vtkFFDFramePlan::FindStep(vtkFFDInverseRayVolumeMapper* mapper, double allotted) const
 {
   const double least = mapper->GetMinimumImageSampleDistance();
   const double most = std::max(least, mapper->GetMaximumImageSampleDistance());
-  const double estimate = this->TimePerRay * pixels.x * pixels.y;
+  const double time = PartOfRays * allotted;
   const double wanted =
-    std::clamp(allotted > 0.0 ? std::sqrt(estimate / allotted) : 1.0, least, most);
+    std::clamp(time > 0.0 ? std::sqrt(this->EstimateTime() / time) : 1.0, least, most);
   // Frames of another distance have nothing in common with the last one.
   if (this->LastStep >= least && this->LastStep <= most &&
-    std::abs(this->LastStep - wanted) <= StepHysteresis * wanted)
+    this->LastStep >= LeastOfWanted * wanted && this->LastStep <= MostOfWanted * wanted)
   {
     return this->LastStep;
   }
@@ -198,11 +203,12 @@ bool vtkFFDFramePlan::PlaceRays(
   const bool interactive =
     shown && mapper->GetAutoAdjustSampleDistances() && IsMoving(mapper, volume);
   region.Step = shown ? mapper->GetImageSampleDistance() : 1.0;
+  this->Pixels = shown ? static_cast<double>(pixels.x) * pixels.y : this->Pixels;
   if (shown && mapper->GetAutoAdjustSampleDistances())
   {
     const double least = mapper->GetMinimumImageSampleDistance();
     region.Step = interactive
-      ? this->FindStep(mapper, volume->GetAllocatedRenderTime(), pixels)
+      ? this->FindStep(mapper, volume->GetAllocatedRenderTime())
       : std::min(std::max(1.0, least), std::max(least, mapper->GetMaximumImageSampleDistance()));
   }
   this->LastStep = interactive ? region.Step : 0.0;
@@ -211,19 +217,17 @@ bool vtkFFDFramePlan::PlaceRays(
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDFramePlan::RecordFrame(double seconds, const vtkFFDImageRegion& region,
-  const glm::ivec2& pixels, bool interactive, double reusedFraction)
+void vtkFFDFramePlan::RecordFrame(
+  double seconds, double step, bool interactive, double reusedFraction)
 {
   // Part of a picture tells the least that all of it would take.
-  const double rays = static_cast<double>(region.Rays.x) * region.Rays.y;
-  const double perRay = seconds / rays * (interactive ? 1.0 : 0.5);
-  this->TimePerRay = reusedFraction > 0.0 ? std::max(this->TimePerRay, perRay) : perRay;
-  this->LastPixels = static_cast<double>(pixels.x) * pixels.y;
+  const double perPixel = seconds * step * step / this->Pixels * (interactive ? 1.0 : 0.5);
+  this->TimePerPixel = reusedFraction > 0.0 ? std::max(this->TimePerPixel, perPixel) : perPixel;
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDFramePlan::RecordStillTime(vtkFFDInverseRayVolumeMapper* mapper,
-  const vtkFFDFrame& frame, const glm::ivec2& pixels, bool interactive)
+void vtkFFDFramePlan::RecordStillTime(
+  vtkFFDInverseRayVolumeMapper* mapper, const vtkFFDFrame& frame, bool interactive)
 {
   if (!interactive)
   {
@@ -235,5 +239,5 @@ void vtkFFDFramePlan::RecordStillTime(vtkFFDInverseRayVolumeMapper* mapper,
   const double samples = mapper->GetLockSampleDistanceToInputSpacing()
     ? 2.0
     : mapper->GetInteractiveSampleDistance() / mapper->GetSampleDistance();
-  this->StillTime = this->TimePerRay * pixels.x * pixels.y * std::max(1.0, samples);
+  this->StillTime = this->EstimateTime() * std::max(1.0, samples);
 }

@@ -25,9 +25,10 @@ class vtkVolume;
 class vtkFFDFramePlan
 {
 public:
-  /// `interactive`: of a picture while the scene moves. Lengths are in data units.
+  /// `interactive`: of a picture while the scene moves, `step`: pixels between its rays. Lengths
+  /// are in data units.
   static ffd::CastSettings MakeSettings(vtkFFDInverseRayVolumeMapper* mapper,
-    const vtkFFDFrameCache& cache, vtkVolume* volume, bool interactive);
+    const vtkFFDFrameCache& cache, vtkVolume* volume, bool interactive, double step);
 
   /// The part of a viewport in which `visible`, a box of data coordinates, is seen; without rays if
   /// it is not.
@@ -42,26 +43,24 @@ public:
   bool PlaceRays(
     vtkFFDInverseRayVolumeMapper* mapper, vtkVolume* volume, bool shown, vtkFFDImageRegion& region);
 
-  /// After a frame in a window: `seconds` that it took, the pixels that it covers.
-  void RecordFrame(double seconds, const vtkFFDImageRegion& region, const glm::ivec2& pixels,
-    bool interactive, double reusedFraction);
+  /// After a frame in a window: `seconds` that it took with rays `step` pixels apart.
+  void RecordFrame(double seconds, double step, bool interactive, double reusedFraction);
 
   /// After a frame in a window that may have been aborted: what it tells of still pictures.
-  void RecordStillTime(vtkFFDInverseRayVolumeMapper* mapper, const vtkFFDFrame& frame,
-    const glm::ivec2& pixels, bool interactive);
+  void RecordStillTime(
+    vtkFFDInverseRayVolumeMapper* mapper, const vtkFFDFrame& frame, bool interactive);
 
-  bool HasTimeEstimate() const { return this->TimePerRay > 0.0; }
+  bool HasTimeEstimate() const { return this->TimePerPixel > 0.0; }
   /// Seconds that a frame like the last one is expected to take.
-  double EstimateTime() const { return this->TimePerRay * this->LastPixels; }
+  double EstimateTime() const { return this->TimePerPixel * this->Pixels; }
   /// Seconds that a still picture is expected to take.
   double GetStillTime() const { return this->StillTime; }
 
 private:
-  double FindStep(
-    vtkFFDInverseRayVolumeMapper* mapper, double allotted, const glm::ivec2& pixels) const;
+  double FindStep(vtkFFDInverseRayVolumeMapper* mapper, double allotted) const;
 
-  double TimePerRay = 0.0; // seconds, of the last frame in a window
-  double LastPixels = 0.0; // that it covered
+  double TimePerPixel = 0.0; // seconds, of the last frame in a window, with a ray for each pixel
+  double Pixels = 0.0;       // of the region of that frame
   double StillTime = 0.0;
   double LastStep = 0.0; // pixels, of the last frame while the scene moved
 };

@@ -233,12 +233,14 @@ public:
   ///@{
   /**
    * Largest distance of a sample from its true position, in voxels, for ERROR_BOUND. Default: 0.1.
-   * Must be positive. Neighboring rays share interpolants of the pull-back, whose error is
-   * measured on themselves, at points between their nodes, with a safety factor; where no
-   * interpolant is close enough, every sample is pulled back by itself. Normals follow from the
-   * derivatives of the interpolants: measured where neighboring control points of a fine lattice
-   * are moved apart by up to its spacing, lit pictures differ from those with true normals by a
-   * mean of 0.4 of 255, 99 % of the pixels by at most 4; by 0.15 and 1 with a tolerance of 0.02.
+   * Must be positive. While the scene moves and rays are some pixels apart
+   * (AutoAdjustSampleDistances) it is as many times as large. Neighboring rays share interpolants
+   * of the pull-back, whose error is measured on themselves, at points between their nodes, with a
+   * safety factor; where no interpolant is close enough, every sample is pulled back by itself.
+   * Normals follow from the derivatives of the interpolants: measured where neighboring control
+   * points of a fine lattice are moved apart by up to its spacing, lit pictures differ from those
+   * with true normals by a mean of 0.4 of 255, 99 % of the pixels by at most 4; by 0.15 and 1 with
+   * a tolerance of 0.02.
    */
   virtual void SetPositionTolerance(double voxels);
   vtkGetMacro(PositionTolerance, double);

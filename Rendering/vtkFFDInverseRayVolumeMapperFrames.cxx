@@ -429,11 +429,11 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
     if (done)
     {
       in.Plan.RecordFrame(
-        this->TimeToDraw, region, pixels, interactive, in.Caster.GetReusedFraction());
+        this->TimeToDraw, region.Step, interactive, in.Caster.GetReusedFraction());
       view.Complete = true;
       in.Shown = view;
     }
-    in.Plan.RecordStillTime(this, frame, pixels, interactive);
+    in.Plan.RecordStillTime(this, frame, interactive);
   }
   // After an abort the last picture: the window may be read before the next frame is there.
   const std::vector<float>& colors = done ? in.Caster.GetColors() : in.LastColors;
@@ -589,7 +589,8 @@ int vtkFFDInverseRayVolumeMapper::MakeRays(vtkRenderer* renderer, vtkVolume* vol
   const vtkFFDImageRegion region(glm::ivec2(width, height));
   const vtkFFDFrameScene views(this, in.Cache, renderer, volume, region, nullptr);
   const ffd::CastScene& scene = views.Get();
-  const ffd::RayCaster caster(scene, vtkFFDFramePlan::MakeSettings(this, in.Cache, volume, false));
+  const ffd::RayCaster caster(
+    scene, vtkFFDFramePlan::MakeSettings(this, in.Cache, volume, false, 1.0));
   ffd::CastImage image;
   image.Width = width;
   image.Height = height;

@@ -89,6 +89,25 @@ int TestImageSampleDistance(int argc, char* argv[])
     std::to_string(Rays(scene)) + " rays of " + std::to_string(stillRays) + ", " +
       std::to_string(scene.Ours->GetStatistics()->GetSamplesPerRay()) + " samples each of " +
       std::to_string(stillSamples));
+  // Rays that are three pixels apart may be three times as far from where they belong.
+  const double moving = scene.Ours->GetStatistics()->GetEvaluationsPerRay();
+  scene.Ours->AutoAdjustSampleDistancesOff();
+  scene.Ours->SetImageSampleDistance(3.0);
+  const double sampleDistance = scene.Ours->GetSampleDistance();
+  scene.Ours->SetSampleDistance(2.0 * voxel);
+  scene.Window->Render();
+  const double close = scene.Ours->GetStatistics()->GetEvaluationsPerRay();
+  scene.Ours->SetPositionTolerance(3.0 * scene.Ours->GetPositionTolerance());
+  scene.Window->Render();
+  const double loose = scene.Ours->GetStatistics()->GetEvaluationsPerRay();
+  checks.Expect(loose < 0.95 * close && std::abs(moving - loose) < 0.3 * (close - loose),
+    "tolerance while interacting",
+    std::to_string(moving) + " evaluations a ray, " + std::to_string(close) + " and " +
+      std::to_string(loose) + " with one and three tolerances");
+  scene.Ours->SetPositionTolerance(scene.Ours->GetPositionTolerance() / 3.0);
+  scene.Ours->SetSampleDistance(sampleDistance);
+  scene.Ours->SetImageSampleDistance(1.0);
+  scene.Ours->AutoAdjustSampleDistancesOn();
   style->EndRotate();
   const ffdTest::Distance again = scene.Compare(still, scene.Render());
   checks.Expect(again.Max == 0.0 && Rays(scene) == stillRays, "after that",
