@@ -170,14 +170,27 @@ def check_pictures(python, work, build_tree):
 
 
 def build_python(build_tree):
+    """The interpreter of the build tree to compare with."""
+    if not os.path.isfile(os.path.join(build_tree, "python", "vtkffd", "__init__.py")):
+        raise SystemExit("There is no build tree with Python in %s. Build one (bash Examples/quickstart.sh), or "
+                         "name one with --build." % build_tree)
     with open(os.path.join(build_tree, "CMakeCache.txt"), encoding="utf-8") as file:
         return re.search(r"^Python3_EXECUTABLE:\w+=(.*)$", file.read(), re.MULTILINE).group(1)
 
 
-def run_tests(python, work, chosen):
-    """Run the tests of Testing/Python as ctest does; the names of those that fail."""
+def choose_tests(names):
+    """The names of the tests of Testing/Python that are run: all without names."""
     with open(os.path.join(TESTS, "CMakeLists.txt"), encoding="utf-8") as file:
-        tests = re.findall(r"ffd_add_python_test\((\w+)\.py", file.read())
+        tests = dict.fromkeys(re.findall(r"ffd_add_python_test\((\w+)\.py", file.read()))
+    tests = [test for test in tests if test not in LEFT_OUT]
+    unknown = set(names).difference(tests)
+    if unknown:
+        raise SystemExit("No tests of Testing/Python that can be run: %s." % ", ".join(sorted(unknown)))
+    return names or tests
+
+
+def run_tests(python, work, tests):
+    """Run tests of Testing/Python as ctest does; the names of those that fail."""
     output = os.path.join(work, "Testing", "Temporary")
     os.makedirs(output, exist_ok=True)
     data = os.path.join(SOURCE, "Testing", "Data")
@@ -185,9 +198,7 @@ def run_tests(python, work, chosen):
                        FFD_TEST_BASELINE=os.path.join(data, "Baseline"), FFD_TEST_TEMPORARY=output,
                        LIBGL_ALWAYS_SOFTWARE="1")
     failed = []
-    for test in dict.fromkeys(tests):
-        if test in LEFT_OUT or chosen and test not in chosen:
-            continue
+    for test in tests:
         result = subprocess.run([python, os.path.join(TESTS, test + ".py")], env=environment, text=True,
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
         count = re.search(r"^Ran (\d+) tests?", result.stdout, re.MULTILINE)
@@ -221,6 +232,9 @@ def main():
     parser.add_argument("tests", nargs="*")
     arguments = parser.parse_args()
     work = os.path.abspath(arguments.work)
+    build_tree = os.path.abspath(arguments.build)
+    tests = choose_tests(arguments.tests)
+    build_python(build_tree)
     wheel = build(work, arguments.jobs)
     check_contents(wheel)
     clean = os.path.join(work, "clean")
@@ -231,8 +245,8 @@ def main():
     assert said == "imported" and libraries, said
     check_versions(python, work)
     make_environment(clean, *OPTIONAL)
-    check_pictures(python, work, os.path.abspath(arguments.build))
-    failed = run_tests(python, work, arguments.tests)
+    check_pictures(python, work, build_tree)
+    failed = run_tests(python, work, tests)
     if arguments.cxx:
         run_cxx_tests(work, arguments.jobs)
     if failed:
