@@ -35,6 +35,8 @@ inside() {
     { tail -n 25 "$work/log" >&2; die "debootstrap failed; its last lines are above"; }
   git clone --quiet --no-hardlinks "$source" "$root/vtkffd"
   cp /etc/resolv.conf "$root/etc/"
+  # Debian's installer writes it, debootstrap does not.
+  [ -e "$root/etc/hosts" ] || printf '127.0.0.1\tlocalhost\n::1\tlocalhost\n' >"$root/etc/hosts"
   apt-config dump | { grep -E '^Acquire::[^ ]*Proxy' || true; } >"$root/etc/apt/apt.conf.d/10proxy"
 
   # The system need not outlive a power cut: packages are unpacked without waiting for the disk.
