@@ -4,8 +4,8 @@
 
 #include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
+#include "vtkFFDLatticeData.h"
 
-#include "vtkDataObject.h"
 #include "vtkDoubleArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -13,7 +13,6 @@
 #include "vtkMath.h"
 #include "vtkMinimalStandardRandomSequence.h"
 #include "vtkObjectFactory.h"
-#include "vtkStreamingDemandDrivenPipeline.h"
 
 #include <algorithm>
 #include <cmath>
@@ -393,11 +392,7 @@ int vtkFFDLatticeSource::RequestInformation(
 {
   this->UpdateLattice();
   vtkInformation* info = outputs->GetInformationObject(0);
-  vtkImageData* points = this->Lattice->GetCoefficientData();
-  info->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), points->GetExtent(), 6);
-  info->Set(vtkDataObject::ORIGIN(), points->GetOrigin(), 3);
-  info->Set(vtkDataObject::SPACING(), points->GetSpacing(), 3);
-  vtkDataObject::SetPointDataActiveScalarInfo(info, VTK_DOUBLE, 3);
+  vtkFFDDescribeLatticeImage(this->Lattice, info);
   return 1;
 }
 

@@ -9,9 +9,11 @@
 #include "vtkFFDLattice.h"
 #include "vtkFieldData.h"
 #include "vtkImageData.h"
+#include "vtkInformation.h"
 #include "vtkIntArray.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
 
 #include <algorithm>
 #include <cmath>
@@ -340,4 +342,20 @@ std::string vtkFFDReadLatticeImage(vtkImageData* image, ffd::Lattice& lattice)
     lattice = std::move(read);
   }
   return problem;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDDescribeLatticeImage(vtkFFDLattice* lattice, vtkInformation* info)
+{
+  int n[3];
+  double first[3];
+  double spacing[3];
+  lattice->GetDimensions(n);
+  lattice->GetRestPoint(0, 0, 0, first);
+  lattice->GetSpacing(spacing);
+  const int extent[6] = { 0, n[0] - 1, 0, n[1] - 1, 0, n[2] - 1 };
+  info->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent, 6);
+  info->Set(vtkDataObject::ORIGIN(), first, 3);
+  info->Set(vtkDataObject::SPACING(), spacing, 3);
+  vtkDataObject::SetPointDataActiveScalarInfo(info, VTK_DOUBLE, 3);
 }

@@ -17,6 +17,7 @@ class vtkDataObject;
 class vtkDoubleArray;
 class vtkFFDLattice;
 class vtkImageData;
+class vtkInformation;
 
 namespace ffd
 {
@@ -60,5 +61,8 @@ std::string vtkFFDReadLattice(vtkDataObject* object, ffd::Lattice& lattice);
 void vtkFFDWriteLatticeOptions(const ffd::Lattice& lattice, vtkImageData* image);
 std::string vtkFFDReadLatticeImage(vtkImageData* image, ffd::Lattice& lattice);
 ///@}
+
+/// Tells a pipeline of the image of the control points of a lattice, before it is made.
+VTKFFDCORE_EXPORT void vtkFFDDescribeLatticeImage(vtkFFDLattice* lattice, vtkInformation* info);
 
 #endif

@@ -4,6 +4,7 @@
 
 #include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
+#include "vtkFFDLatticeData.h"
 #include "vtkFFDSplineTransform.h"
 #include "vtkFFDSumTransform.h"
 #include "vtkFFDTransformFiles.h"
@@ -623,18 +624,8 @@ int vtkFFDTransformReader::RequestInformation(
   {
     return 0;
   }
-  int n[3];
-  double point[3];
-  double spacing[3];
-  this->Lattice->GetDimensions(n);
-  this->Lattice->GetRestPoint(0, 0, 0, point);
-  this->Lattice->GetSpacing(spacing);
-  const int extent[6] = { 0, n[0] - 1, 0, n[1] - 1, 0, n[2] - 1 };
   vtkInformation* info = outputs->GetInformationObject(0);
-  info->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent, 6);
-  info->Set(vtkDataObject::ORIGIN(), point, 3);
-  info->Set(vtkDataObject::SPACING(), spacing, 3);
-  vtkDataObject::SetPointDataActiveScalarInfo(info, VTK_DOUBLE, 3);
+  vtkFFDDescribeLatticeImage(this->Lattice, info);
   return 1;
 }
 

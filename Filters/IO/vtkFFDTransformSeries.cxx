@@ -4,6 +4,7 @@
 
 #include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
+#include "vtkFFDLatticeData.h"
 #include "vtkFFDTransformFiles.h"
 #include "vtkFFDTransformReader.h"
 
@@ -513,17 +514,7 @@ int vtkFFDTransformSeries::RequestInformation(
     return 0;
   }
   vtkFFDLattice* lattice = this->Steps.front().Lattice;
-  int n[3];
-  double point[3];
-  double spacing[3];
-  lattice->GetDimensions(n);
-  lattice->GetRestPoint(0, 0, 0, point);
-  lattice->GetSpacing(spacing);
-  const int extent[6] = { 0, n[0] - 1, 0, n[1] - 1, 0, n[2] - 1 };
-  info->Set(Pipeline::WHOLE_EXTENT(), extent, 6);
-  info->Set(vtkDataObject::ORIGIN(), point, 3);
-  info->Set(vtkDataObject::SPACING(), spacing, 3);
-  vtkDataObject::SetPointDataActiveScalarInfo(info, VTK_DOUBLE, 3);
+  vtkFFDDescribeLatticeImage(lattice, info);
   if (this->Steps.size() > 1)
   {
     std::vector<double> times;

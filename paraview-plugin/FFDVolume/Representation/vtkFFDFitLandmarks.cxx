@@ -4,6 +4,7 @@
 
 #include "vtkFFDFitLattice.h"
 #include "vtkFFDLattice.h"
+#include "vtkFFDLatticeData.h"
 
 #include "vtkAlgorithmOutput.h"
 #include "vtkBoundingBox.h"
@@ -224,17 +225,7 @@ int vtkFFDFitLandmarks::RequestInformation(
     return 1;
   }
   vtkFFDLattice* lattice = this->Fit->GetLattice();
-  int n[3];
-  double point[3];
-  double spacing[3];
-  lattice->GetDimensions(n);
-  lattice->GetRestPoint(0, 0, 0, point);
-  lattice->GetSpacing(spacing);
-  const int extent[6] = { 0, n[0] - 1, 0, n[1] - 1, 0, n[2] - 1 };
-  info->Set(Pipeline::WHOLE_EXTENT(), extent, 6);
-  info->Set(vtkDataObject::ORIGIN(), point, 3);
-  info->Set(vtkDataObject::SPACING(), spacing, 3);
-  vtkDataObject::SetPointDataActiveScalarInfo(info, VTK_DOUBLE, 3);
+  vtkFFDDescribeLatticeImage(lattice, info);
   outputs->GetInformationObject(1)->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
   return 1;
 }
