@@ -4,6 +4,7 @@
 """A client and a server of two processes give the picture of one process; the volume stays on the
 server."""
 
+import contextlib
 import os
 import subprocess
 import sys
@@ -26,21 +27,34 @@ def show(view):
     return lattice
 
 
+@contextlib.contextmanager
+def serve(port, *command, **environment):
+    """Runs a server that accepts a client at a port; at the end the client is its own server again."""
+    server = subprocess.Popen(
+        [*command, "pvserver", "--server-port=%d" % port],
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env={**os.environ, **environment})
+    try:
+        for line in server.stdout:
+            if "Accepting" in line:
+                break
+        simple.Disconnect()
+        yield
+    finally:
+        simple.Disconnect()
+        server.terminate()
+        server.wait()
+        server.stdout.close()
+        simple.Connect()
+        ffd.load()
+
+
 class TestServer(unittest.TestCase):
     def test_two_processes(self):
         view = ffd.make_view()
         show(view)
         local = ffd.picture(view, "local")
         port = 21000 + os.getpid() % 9000
-        server = subprocess.Popen(
-            ["mpiexec", "-np", "2", "pvserver", "--server-port=%d" % port],
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-            env=os.environ)
-        try:
-            for line in server.stdout:
-                if "Accepting" in line:
-                    break
-            simple.Disconnect()
+        with serve(port, "mpiexec", "-np", "2"):
             simple.Connect("localhost", port)
             ffd.load(remote=True)
             view = ffd.make_view()
@@ -54,10 +68,6 @@ class TestServer(unittest.TestCase):
             lattice.Strength = 0.2
             self.assertGreater(
                 np.abs(ffd.picture(view, "edited") - remote).mean(), 1.0)
-        finally:
-            server.terminate()
-            server.wait()
-            server.stdout.close()
 
     def test_other_version(self):
         """A server with another version of the plugin: one message, which names both."""
@@ -69,14 +79,7 @@ class TestServer(unittest.TestCase):
         with open(copy, "wb") as library:
             library.write(content.replace(b"0.1.0\0", b"0.0.9\0"))
         port = 21000 + (os.getpid() + 3) % 9000
-        server = subprocess.Popen(
-            ["pvserver", "--server-port=%d" % port], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-            text=True, env={**os.environ, "PV_PLUGIN_PATH": ""})
-        try:
-            for line in server.stdout:
-                if "Accepting" in line:
-                    break
-            simple.Disconnect()
+        with serve(port, PV_PLUGIN_PATH=""):
             simple.Connect("localhost", port)
             simple.LoadPlugin(copy, remote=True, ns=vars(simple))
             ffd.load()
@@ -87,27 +90,14 @@ class TestServer(unittest.TestCase):
             told = [text for text in warnings.text if "0.0.9" in text]
             self.assertEqual(len(told), 1, warnings.text)
             self.assertIn("0.1.0", told[0])
-            simple.Disconnect()
-        finally:
-            server.terminate()
-            server.wait()
-            server.stdout.close()
 
     def test_slow_link(self):
         """50 ms and 20 Mbit/s away: an edit sends the control points, and no voxels come."""
         sent = {}
         for size in (5, 9):
             port = 21000 + (os.getpid() + size) % 9000
-            server = subprocess.Popen(
-                ["pvserver", "--server-port=%d" % port],
-                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                env={**os.environ, "PV_PLUGIN_PATH": os.path.dirname(ffd.PLUGIN)})
-            try:
-                for line in server.stdout:
-                    if "Accepting" in line:
-                        break
+            with serve(port, PV_PLUGIN_PATH=os.path.dirname(ffd.PLUGIN)):
                 with ffdlink.SlowLink(port) as link:
-                    simple.Disconnect()
                     simple.Connect("localhost", link.port)
                     ffd.load()
                     view = ffd.make_view()
@@ -130,10 +120,6 @@ class TestServer(unittest.TestCase):
                     self.assertLess(received, 400e3)
                     self.assertGreater(sent[size], 8 * len(points))
                     simple.Disconnect()
-            finally:
-                server.terminate()
-                server.wait()
-                server.stdout.close()
         # What is sent besides the control points is the same.
         numbers = 8 * 3 * (9 ** 3 - 5 ** 3)
         self.assertLess(sent[9] - sent[5], 3 * numbers)
