@@ -45,8 +45,10 @@ int TestClippingPlanes(int argc, char* argv[])
     std::ostringstream figures;
     figures << "\n      ours-fixed " << toFixed << "\n      ours-gpu   " << toGpu
             << "\n      gpu-fixed  " << apart;
-    // VTK's two mappers are each other's yardstick, as in TestIdentityAgainstVTK.
-    checks.Expect(toFixed.Pixels > 1500 && toFixed.Mean <= apart.Mean && toGpu.Mean <= apart.Mean,
+    // VTK's two mappers are each other's yardstick, as in TestIdentityAgainstVTK. Where we are all
+    // but equal to the GPU mapper, as with that of VTK 9.5, hundredths decide.
+    const double most = apart.Mean + 0.05;
+    checks.Expect(toFixed.Pixels > 1500 && toFixed.Mean <= most && toGpu.Mean <= most,
       name + ", no farther from them than they are from each other", figures.str());
     return ours;
   };
