@@ -231,7 +231,7 @@ def main():
     parser.add_argument("--cxx", action="store_true")
     parser.add_argument("tests", nargs="*")
     arguments = parser.parse_args()
-    work = os.path.abspath(arguments.work)
+    work = os.path.realpath(arguments.work) # as libraries tell theirs
     build_tree = os.path.abspath(arguments.build)
     tests = choose_tests(arguments.tests)
     build_python(build_tree)
