@@ -68,9 +68,6 @@ class TestLandmarks(unittest.TestCase):
                 time.sleep(2.0)
                 wait_for(2 * number + 1, place)
                 fitted = wait_for(2 * number + 2, move_away)
-            time.sleep(2.0)
-            subprocess.run(["import", "-window", "root",
-                            os.path.join(ffd.TEMPORARY, "ParaView.landmarks.png")], check=False)
         finally:
             paraview.kill()
             paraview.wait()
