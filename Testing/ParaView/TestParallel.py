@@ -41,6 +41,26 @@ def run_script(ranks, *arguments):
     return result.stdout
 
 
+def compare_processes(test, name, script, scenes, least_lit, least_difference, *arguments):
+    """Each scene of a script has a picture of its own, the same on one, two and four processes."""
+    pictures = {}
+    for ranks in (1, 2, 4):
+        prefix = os.path.join(ffd.TEMPORARY, "ParaView.%s%d" % (name, ranks))
+        run_script(ranks, script, prefix, *arguments)
+        pictures[ranks] = {
+            scene: ffd.read_picture("%s.%s.png" % (prefix, scene)) for scene in scenes}
+    for i, (scene, picture) in enumerate(pictures[1].items()):
+        test.assertGreater(ffd.lit(picture), least_lit, scene)
+        for other in scenes[:i]:
+            test.assertGreater(
+                ffd.differ(picture, pictures[1][other])[1], least_difference, (scene, other))
+        for ranks in (2, 4):
+            with test.subTest(scene=scene, ranks=ranks):
+                largest, mean = ffd.differ(pictures[ranks][scene], picture)
+                test.assertLessEqual(largest, 8)
+                test.assertLessEqual(mean, 0.5)
+
+
 def run(ranks):
     """Pictures by scene; for each scene the voxels of each process, those of its source, and the
     bounds of the deformed volume as each process with voxels has them."""
@@ -141,42 +161,14 @@ class TestTime(unittest.TestCase):
         for path, frequency in zip(files, (60.0, 30.0)):
             wavelet.XFreq = frequency
             simple.SaveData(path, proxy=wavelet)
-        pictures = {}
-        for ranks in (1, 2, 4):
-            prefix = os.path.join(ffd.TEMPORARY, "ParaView.time%d" % ranks)
-            run_script(ranks, "ParallelFiles.py", prefix, *files)
-            pictures[ranks] = {
-                scene: ffd.read_picture("%s.%s.png" % (prefix, scene)) for scene in TIMES}
-        for i, (scene, picture) in enumerate(pictures[1].items()):
-            self.assertGreater(ffd.lit(picture), 500, scene)
-            for other in TIMES[:i]:
-                self.assertGreater(ffd.differ(picture, pictures[1][other])[1], 0.15, (scene, other))
-            for ranks in (2, 4):
-                with self.subTest(scene=scene, ranks=ranks):
-                    largest, mean = ffd.differ(pictures[ranks][scene], picture)
-                    self.assertLessEqual(largest, 8)
-                    self.assertLessEqual(mean, 0.5)
+        compare_processes(self, "time", "ParallelFiles.py", TIMES, 500, 0.15, *files)
 
 
 class TestSeveralVolumes(unittest.TestCase):
     """Volumes beside and behind each other share the boxes of the processes."""
 
     def test_volumes(self):
-        pictures = {}
-        for ranks in (1, 2, 4):
-            prefix = os.path.join(ffd.TEMPORARY, "ParaView.volumes%d" % ranks)
-            run_script(ranks, "ParallelVolumes.py", prefix)
-            pictures[ranks] = {
-                scene: ffd.read_picture("%s.%s.png" % (prefix, scene)) for scene in VOLUMES}
-        for i, (scene, picture) in enumerate(pictures[1].items()):
-            self.assertGreater(ffd.lit(picture), 1000, scene)
-            for other in VOLUMES[:i]:
-                self.assertGreater(ffd.differ(picture, pictures[1][other])[1], 0.5, (scene, other))
-            for ranks in (2, 4):
-                with self.subTest(scene=scene, ranks=ranks):
-                    largest, mean = ffd.differ(pictures[ranks][scene], picture)
-                    self.assertLessEqual(largest, 8)
-                    self.assertLessEqual(mean, 0.5)
+        compare_processes(self, "volumes", "ParallelVolumes.py", VOLUMES, 1000, 0.5)
 
 
 if __name__ == "__main__":
