@@ -1,13 +1,15 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Run by TestAbort.py in ParaView's graphical client: a volume whose still frames take long. How frames
-begin and end goes to the file FFD_ABORT_LOG as lines of JSON."""
+"""Run by TestAbort.py in ParaView's graphical client: a volume whose still frames take long, and with
+FFD_ABORT_ALL=1 the moving ones, too. How frames begin and end goes to the file FFD_ABORT_LOG as lines of
+JSON."""
 
 import json
 import os
 import time
 
 from paraview import servermanager, simple
+from paraview.vtk.vtkCommonCore import vtkUnsignedCharArray
 
 lattice = simple.FFDLattice(Input=simple.Wavelet(WholeExtent=[-60, 60] * 3), Shape="Twist")
 view = simple.GetActiveViewOrCreate("RenderView")
@@ -16,6 +18,10 @@ display.FFDNumberOfThreads = 1
 display.FFDShade = 1
 display.FFDSampleDistance = 0.05
 simple.GetOpacityTransferFunction("RTData").Points = [37, 0.001, 0.5, 0, 280, 0.002, 0.5, 0]
+all_long = os.environ.get("FFD_ABORT_ALL") == "1"
+if all_long:
+    view.LODThreshold = 100000.0
+    display.FFDSampleDistance = 0.1
 view.ResetCamera()
 simple.Render(view)
 
@@ -37,9 +43,20 @@ def begin(*_):
     progress.clear()
 
 
+def find_color():
+    """Of the middle of the frame; None where that does not matter."""
+    if not all_long:
+        return None
+    width, height = window.GetSize()
+    values = vtkUnsignedCharArray()
+    window.GetRGBACharPixelData(width // 2, height // 2, width // 2, height // 2, 0, values)
+    return [values.GetValue(i) for i in range(3)]
+
+
 def end(*_):
     write(event="end", still=window.GetDesiredUpdateRate() < 1.0,
-          aborted=bool(window.GetAbortRender()), progress=progress.count("FFD Volume"))
+          aborted=bool(window.GetAbortRender()), progress=progress.count("FFD Volume"),
+          size=list(window.GetSize()), color=find_color())
 
 
 # After the plugin's observers at the beginning, before them at the end.

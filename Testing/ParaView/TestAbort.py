@@ -44,11 +44,12 @@ class TestAbort(unittest.TestCase):
             process.wait()
         self.processes.clear()
 
-    def start(self, *command, **options):
+    def start(self, *command, stdout=None, stderr=None, **environment):
         self.processes.append(subprocess.Popen(
-            command, **options,
+            command, stdout=stdout, stderr=stderr,
             env={**os.environ, "HOME": self.folder, "XDG_RUNTIME_DIR": self.folder,
-                 "PV_PLUGIN_PATH": os.path.dirname(ffd.PLUGIN), "FFD_ABORT_LOG": self.log}))
+                 "PV_PLUGIN_PATH": os.path.dirname(ffd.PLUGIN), "FFD_ABORT_LOG": self.log,
+                 **environment}))
 
     def start_server(self, port, ranks):
         path = os.path.join(self.folder, "server")
@@ -154,6 +155,31 @@ class TestAbort(unittest.TestCase):
         self.assertGreater(np.ptp(pictures["local"]), 100)
         for name in ("server", "servers"):
             self.assertLess(ffd.differ(pictures["local"], pictures[name])[1], 0.5, name)
+
+    def test_size(self):
+        """Widgets that are painted to show the progress do not take the frame away: the view itself,
+        where its size has changed and all its frames take long."""
+        self.begin()
+        output = os.path.join(self.folder, "output")
+        with open(output, "w", encoding="utf-8") as file:
+            self.start("paraview", "--dr", "--script=" + os.path.join(HERE, "AbortScene.py"),
+                       stdout=file, stderr=subprocess.STDOUT, FFD_ABORT_ALL="1")
+        self.next("ready")
+        self.wait_until_idle()
+        window = ffdinput.find_window("ParaView ")
+        ffdinput.resize(window, 1000, 800)
+        moving = self.next("end", still=False)
+        self.assertGreaterEqual(moving["progress"], 1)
+        self.wait_until_idle()
+        with open(self.log, encoding="ascii") as file:
+            frames = [line for line in map(json.loads, file) if line["event"] == "end"]
+        self.assertNotEqual(frames[0]["size"], frames[-1]["size"])
+        background = [82, 87, 110]
+        self.assertGreater(max(np.abs(np.subtract(frames[0]["color"], background))), 6)
+        for frame in frames:
+            self.assertLess(max(np.abs(np.subtract(frame["color"], frames[0]["color"]))), 3, frames)
+        with open(output, encoding="utf-8") as file:
+            self.assertNotIn("WARN|", file.read())
 
 
 if __name__ == "__main__":

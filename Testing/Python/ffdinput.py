@@ -13,6 +13,7 @@ _x11.XOpenDisplay.restype = ctypes.c_void_p
 _x11.XStringToKeysym.restype = ctypes.c_ulong
 _x11.XKeysymToKeycode.argtypes = [ctypes.c_void_p, ctypes.c_ulong]
 _x11.XKeysymToKeycode.restype = ctypes.c_ubyte
+_x11.XDefaultRootWindow.restype = ctypes.c_ulong
 _server = ctypes.c_void_p(_x11.XOpenDisplay(None))
 
 
@@ -25,6 +26,29 @@ def move(x, y):
 def move_in(window, x, y):
     """Move the pointer to a pixel of a window, from its upper left corner."""
     _x11.XWarpPointer(_server, ctypes.c_ulong(0), ctypes.c_ulong(window), 0, 0, 0, 0, x, y)
+    _x11.XSync(_server, 0)
+
+
+def find_window(title):
+    """The window of the screen whose title begins so, or None; without a window manager."""
+    root, parent, count = ctypes.c_ulong(), ctypes.c_ulong(), ctypes.c_uint()
+    windows = ctypes.POINTER(ctypes.c_ulong)()
+    _x11.XQueryTree(_server, ctypes.c_ulong(_x11.XDefaultRootWindow(_server)), ctypes.byref(root),
+                    ctypes.byref(parent), ctypes.byref(windows), ctypes.byref(count))
+    found = None
+    for window in windows[:count.value]:
+        name = ctypes.c_char_p()
+        if (_x11.XFetchName(_server, ctypes.c_ulong(window), ctypes.byref(name)) and
+                name.value.startswith(title.encode())):
+            found = window
+        _x11.XFree(name)
+    _x11.XFree(windows)
+    return found
+
+
+def resize(window, width, height):
+    """Change the size of a window, in pixels."""
+    _x11.XResizeWindow(_server, ctypes.c_ulong(window), width, height)
     _x11.XSync(_server, 0)
 
 

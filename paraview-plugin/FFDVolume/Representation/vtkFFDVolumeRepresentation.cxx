@@ -26,6 +26,8 @@
 #include "vtkMatrix4x4.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
+#include "vtkOpenGLRenderWindow.h"
+#include "vtkOpenGLState.h"
 #include "vtkOutlineSource.h"
 #include "vtkPartitionedDataSet.h"
 #include "vtkPolyDataMapper.h"
@@ -86,11 +88,12 @@ public:
   // Of the renderer of the view.
   std::array<unsigned long, 2> RenderObservers{ { 0, 0 } };
   bool TookPeelingOff = false;
-  vtkWeakPointer<vtkPVSession> Session;   // whose progress is told
-  vtkWeakPointer<vtkRenderWindow> Window; // of the frame in progress
-  double ProgressInterval = 0.0;          // of the session before the frame; 0: not changed
-  double NextRate = 0.0;                  // RenderNextAtRate(); 0: as asked
-  std::array<double, 8> Picked{};         // GetPicked()
+  vtkWeakPointer<vtkPVSession> Session;     // whose progress is told
+  vtkWeakPointer<vtkRenderWindow> Window;   // of the frame in progress
+  vtkWeakPointer<vtkOpenGLState> KeptState; // of the window, while progress is shown
+  double ProgressInterval = 0.0;            // of the session before the frame; 0: not changed
+  double NextRate = 0.0;                    // RenderNextAtRate(); 0: as asked
+  std::array<double, 8> Picked{};           // GetPicked()
   vtkNew<vtkFFDCompositePass> OwnPass;
   vtkSmartPointer<vtkFFDCompositePass> Pass; // that of the frame: its own or another volume's
 };
@@ -295,6 +298,8 @@ bool vtkFFDVolumeRepresentation::AddToView(vtkView* view)
     else
     {
       session->GetProgressHandler()->AddObserver(
+        vtkCommand::ProgressEvent, this, &vtkFFDVolumeRepresentation::KeepContext, 1.0f);
+      session->GetProgressHandler()->AddObserver(
         vtkCommand::ProgressEvent, this, &vtkFFDVolumeRepresentation::TakeContextBack, -1.0f);
     }
   }
@@ -372,11 +377,32 @@ void vtkFFDVolumeRepresentation::ContinueVolume()
 }
 
 //------------------------------------------------------------------------------
+/// What shows the progress paints widgets, in OpenGL contexts of theirs. The one with the window
+/// may be among them, as after its size has changed: then it binds another framebuffer, which VTK
+/// does not know of, and nothing of the rest of the frame would be seen.
+void vtkFFDVolumeRepresentation::KeepContext()
+{
+  vtkInternals& in = *this->Internals;
+  auto* window = vtkOpenGLRenderWindow::SafeDownCast(in.Window);
+  if (window && !in.KeptState)
+  {
+    in.KeptState = window->GetState();
+    in.KeptState->Push();
+  }
+}
+
+//------------------------------------------------------------------------------
 void vtkFFDVolumeRepresentation::TakeContextBack()
 {
-  if (this->Internals->Window)
+  vtkInternals& in = *this->Internals;
+  if (in.Window)
   {
-    this->Internals->Window->MakeCurrent();
+    in.Window->MakeCurrent();
+  }
+  if (in.KeptState)
+  {
+    in.KeptState->Pop();
+    in.KeptState = nullptr;
   }
 }
 

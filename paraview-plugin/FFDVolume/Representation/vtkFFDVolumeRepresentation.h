@@ -197,6 +197,7 @@ private:
   void EndRender(vtkObject* renderer, unsigned long event, void* data);
   void BeginVolume();
   void ContinueVolume();
+  void KeepContext();
   void TakeContextBack();
   void HandOver(vtkInformation* view, const double place[6]);
   std::vector<vtkFFDVolumeRepresentation*> FindShownVolumes();
