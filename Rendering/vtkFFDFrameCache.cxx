@@ -102,7 +102,9 @@ bool vtkFFDFrameCache::Update(
   {
     functions = functions.WithVersion(functions->Visibility);
   }
-  this->Space.Update(tools, this->Blocks.GetProduct(), functions, { this->Blend });
+  this->UpdateMaskBlocks(mapper->GetMaskInput(), tools);
+  this->Space.Update(tools, this->Blocks.GetProduct(), this->MaskBlocks.GetProduct(), functions,
+    { this->Blend });
   this->Distances = this->Space->CanLeap ? &this->Space->Distances : nullptr;
   this->Peaks =
     this->Space->CanLeap && !this->Space->Peaks.IsEmpty() ? &this->Space->Peaks : nullptr;
@@ -254,6 +256,18 @@ bool vtkFFDFrameCache::UpdateBlocks(
 }
 
 //------------------------------------------------------------------------------
+/// Blocks of a binary mask, where they are those of the volume.
+void vtkFFDFrameCache::UpdateMaskBlocks(vtkImageData* mask, ffd::StageTools& tools)
+{
+  const bool hides = this->Mask.Volume.Scalars && !this->Mask.Labels && this->Mask.SameGrid &&
+    !this->GetVolume().Axes;
+  vtkDataArray* scalars = hides ? mask->GetPointData()->GetScalars() : nullptr;
+  this->MaskBlocks.Update(tools,
+    ffd::UniformView{ hides ? this->Mask.Volume : ffd::VolumeView() },
+    { scalars, hides ? std::max(mask->GetMTime(), scalars->GetMTime()) : 0 });
+}
+
+//------------------------------------------------------------------------------
 vtkTypeInt64 vtkFFDFrameCache::GetNumberOfBuilds(int part) const
 {
   switch (part)
@@ -282,5 +296,5 @@ std::size_t vtkFFDFrameCache::GetMemorySize() const
     this->Field.GetMemorySize() + this->PullBack.GetLast().Bounds.GetMemorySize() +
     this->Voxels.GetLast().Hidden.GetMemorySize() +
     (scalars ? static_cast<std::size_t>(scalars->GetActualMemorySize()) * 1024 : 0) +
-    this->Blocks.GetLast().GetMemorySize();
+    this->Blocks.GetLast().GetMemorySize() + this->MaskBlocks.GetLast().GetMemorySize();
 }

@@ -98,6 +98,7 @@ private:
   bool UpdatePullBack(Mapper* mapper, vtkDataSet* input, ffd::StageTools& tools);
   bool FindMask(Mapper* mapper, vtkDataSet* input, std::string& message);
   bool UpdateBlocks(Mapper* mapper, vtkVolumeProperty* property, ffd::StageTools& tools);
+  void UpdateMaskBlocks(vtkImageData* mask, ffd::StageTools& tools);
 
   // The stages, in their order.
   ffd::StageOrder Order;
@@ -106,6 +107,7 @@ private:
   vtkFFDDeformationSource Field{ Order };
   ffd::Stage<&ffd::MakeBoundedPullBack> PullBack{ Order };
   ffd::Stage<&ffd::MakeComponentBlocks> Blocks{ Order };
+  ffd::Stage<&ffd::MakeMaskBlocks> MaskBlocks{ Order };
   ffd::Stage<&ffd::MakeTransferFunctions> Functions{ Order };
   ffd::Stage<&ffd::MakeEmptySpace> Space{ Order };
 

@@ -77,6 +77,18 @@ Made MakeComponentBlocks(ComponentBlocks& result, StageTools& tools, const Produ
 }
 
 //------------------------------------------------------------------------------
+Made MakeMaskBlocks(MaskBlocks& result, StageTools& tools, const UniformView& view,
+  const Source<vtkDataArray>& vtkNotUsed(scalars))
+{
+  result.Blocks.reset();
+  if (view.View.Scalars)
+  {
+    result.Blocks.emplace(view.View, tools.Parallel);
+  }
+  return Made::Anew;
+}
+
+//------------------------------------------------------------------------------
 MinMaxBlocks::Limits FindRangeOfWhole(
   const MinMaxBlocks::Limits& range, int components, const std::array<double, 2>& whole)
 {
@@ -179,12 +191,15 @@ bool LeapBlending::operator==(const LeapBlending& other) const
 
 //------------------------------------------------------------------------------
 Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<ComponentBlocks>& blocks,
-  const Product<TransferFunctions>& functions, const LeapBlending& blending)
+  const Product<MaskBlocks>& mask, const Product<TransferFunctions>& functions,
+  const LeapBlending& blending)
 {
   const OpticalFunctions& optics = functions->Optics;
   const ComponentOptics& first = optics.Components[0];
   const bool one = blocks->Blocks.size() == 1 && first.Plane.IsEmpty() && optics.Labels.empty();
   const BlendMode mode = blending.Blend.Mode;
+  // Other modes show what is outside of a mask, too.
+  const MinMaxBlocks* const shown = mask->Blocks ? &*mask->Blocks : nullptr;
   result.CanLeap = true;
   result.Peaks = ValuePeaks();
   if (mode != BlendMode::Composite)
@@ -206,7 +221,7 @@ Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<Compone
   }
   else if (one)
   {
-    result.Distances = DistanceMap(blocks->Blocks[0], first.Table, tools.Parallel);
+    result.Distances = DistanceMap(blocks->Blocks[0], first.Table, tools.Parallel, shown);
   }
   else
   {
@@ -218,7 +233,7 @@ Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<Compone
     result.Distances = DistanceMap(
       components,
       [&optics](const MinMaxBlocks::Limits* limits) { return optics.IsTransparent(limits); },
-      tools.Parallel);
+      tools.Parallel, shown);
   }
   return Made::Anew;
 }

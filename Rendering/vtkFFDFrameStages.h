@@ -25,6 +25,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 class vtkDataArray;
@@ -60,6 +61,18 @@ struct ComponentBlocks
 /// `components`: those that the opacity depends on.
 Made MakeComponentBlocks(ComponentBlocks& result, StageTools& tools, const Product<Voxels>& voxels,
   const std::vector<int>& components);
+
+/// Limits of a binary mask, in blocks.
+struct MaskBlocks
+{
+  std::optional<MinMaxBlocks> Blocks; ///< none without a mask
+
+  std::size_t GetMemorySize() const { return this->Blocks ? this->Blocks->GetMemorySize() : 0; }
+};
+
+/// `view`: of a mask on the grid of the volume, else empty; `scalars`: those of the mask.
+Made MakeMaskBlocks(MaskBlocks& result, StageTools& tools, const UniformView& view,
+  const Source<vtkDataArray>& scalars);
 
 /// Options of the mapper that scalars are looked up by.
 struct LookupOptions
@@ -115,7 +128,8 @@ struct EmptySpace
 };
 
 Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<ComponentBlocks>& blocks,
-  const Product<TransferFunctions>& functions, const LeapBlending& blending);
+  const Product<MaskBlocks>& mask, const Product<TransferFunctions>& functions,
+  const LeapBlending& blending);
 
 } // namespace ffd
 

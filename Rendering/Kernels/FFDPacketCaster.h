@@ -236,7 +236,8 @@ struct PacketScratch
   std::vector<TileSegment*>
     Roots; ///< of the trees of segments of the tile, front to back, as far as made
   std::vector<RayIntegrator> Integrators; ///< of the lanes of a packet, where these are used
-  std::array<float, 8 * TileSide * TileSide> Rays; ///< origin, direction (local), from, to
+  /// Origin, direction (local), from, to; packet by packet.
+  alignas(64) std::array<float, 8 * TileSide * TileSide> Rays;
   CastStatistics Statistics;
   std::vector<SampledPosition>* Positions = nullptr; ///< to which samples are added, or null
 };

@@ -38,6 +38,7 @@ class Packet
 {
 public:
   /**
+   * Keeps references to all but the numbers.
    * (x, y): first pixel of the packet, from that of the tile. `rows`: rows of its pixels from y on.
    * `phase`: part of an interval by which the samples of each ray are moved on.
    */
@@ -51,8 +52,8 @@ public:
     , X(x)
     , Y(y)
     , Rows(rows)
-    , Samples(scene, trees, scratch, this->Rays, x, y, rows, active)
-    , Blending(scene, scratch, this->Rays, this->Samples)
+    , Samples(scene, trees, scratch, rays, x, y, rows, active)
+    , Blending(scene, scratch, rays, this->Samples)
   {
   }
 
@@ -593,7 +594,7 @@ private:
   const PacketScene& Scene;
   SegmentTrees& Trees;
   PacketScratch& Scratch;
-  RayPacket Rays;
+  const RayPacket& Rays;
   Vf Phase;
   int X; ///< first pixel, from that of the tile
   int Y;

@@ -391,6 +391,11 @@ int main(int argc, char* argv[])
     {
       std::cerr << group->GetName() << "\n";
       group->Measure();
+      for (const Row& row : group->GetRows())
+      {
+        std::fprintf(stderr, "  %-24s %9.2f ms, %9.2f ms of processor time\n", row.Name.c_str(),
+          1e3 * row.GetMedian(), 1e3 * row.GetCpuMedian());
+      }
     }
     PrintedTargets = ffdBenchmark::FindTargets(groups);
     ffdBenchmark::PrintTargetPage(groups, PrintedTargets);

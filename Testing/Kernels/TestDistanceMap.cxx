@@ -62,6 +62,47 @@ bool MayBeVisible(const TestVolume& volume, const glm::ivec3& block)
 
 } // namespace
 
+TEST(DistanceMap, BlocksOutsideOfMasksAreEmpty)
+{
+  RandomLattice random(7);
+  int hidden = 0;
+  for (int run = 0; run < 40; ++run)
+  {
+    // Many blocks, whose emptiness is told by codes, and few.
+    const SparseVolume sparse(random, run % 2 == 0 ? 60 : 16, 0.05);
+    const glm::ivec3& dimensions = sparse.Volume.View.Dimensions;
+    const glm::ivec3 from(random.Integer(0, dimensions.x), random.Integer(0, dimensions.y),
+      random.Integer(0, dimensions.z));
+    const TestVolume mask(ScalarType::Float32, dimensions, [&](int i, int j, int k) {
+      return i >= from.x && j >= from.y && k >= from.z ? 0.25 : run % 4 < 2 ? 0.0 : -3.0;
+    });
+    const MinMaxBlocks maskBlocks(mask.View, ParallelFor());
+    const DistanceMap one(sparse.Blocks, sparse.Table, ParallelFor(), &maskBlocks);
+    const DistanceMap several(
+      { &sparse.Blocks },
+      [&](const MinMaxBlocks::Limits* limits) {
+        return sparse.Table.IsTransparent(limits->Min, limits->Max);
+      },
+      ParallelFor(), &maskBlocks);
+    for (int k = 0; k < one.GetBlocks().z; ++k)
+    {
+      for (int j = 0; j < one.GetBlocks().y; ++j)
+      {
+        for (int i = 0; i < one.GetBlocks().x; ++i)
+        {
+          const glm::ivec3 block(i, j, k);
+          const bool shown = MayBeVisible(mask, block);
+          const bool visible = sparse.Map.GetDistance(block) == 0 && shown;
+          ASSERT_EQ(one.GetDistance(block) == 0, visible) << run;
+          ASSERT_EQ(several.GetDistance(block) == 0, visible) << run;
+          hidden += shown ? 0 : 1;
+        }
+      }
+    }
+  }
+  EXPECT_GT(hidden, 1000);
+}
+
 TEST(DistanceMap, EqualsBruteForceChebyshevDistance)
 {
   RandomLattice random(1);

@@ -183,34 +183,41 @@ private:
   std::vector<int> VisibleBelow; ///< steps from code to code in which something is, below a code
 };
 
+/// Whether no voxel of a block of a mask is above 0.
+bool IsHidden(const MinMaxBlocks& mask, const glm::ivec3& block)
+{
+  const MinMaxBlocks::Limits limits = mask.GetLimits(block);
+  return limits.Min > limits.Max || limits.Max <= 0.0;
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
-DistanceMap::DistanceMap(
-  const MinMaxBlocks& blocks, const TransferTable& table, const ParallelFor& parallelFor)
+DistanceMap::DistanceMap(const MinMaxBlocks& blocks, const TransferTable& table,
+  const ParallelFor& parallelFor, const MinMaxBlocks* mask)
 {
   if (blocks.GetNumberOfBlocks() > static_cast<std::size_t>(blocks.GetLastCode()))
   {
-    this->Build(blocks, CodesTest(blocks, table), parallelFor);
+    this->Build(blocks, CodesTest(blocks, table), mask, parallelFor);
     return;
   }
   const IsEmpty isEmpty = [&table](const MinMaxBlocks::Limits* limits) {
     return table.IsTransparent(limits->Min, limits->Max);
   };
-  this->Build(blocks, LimitsTest({ &blocks }, isEmpty), parallelFor);
+  this->Build(blocks, LimitsTest({ &blocks }, isEmpty), mask, parallelFor);
 }
 
 //------------------------------------------------------------------------------
 DistanceMap::DistanceMap(const std::vector<const MinMaxBlocks*>& components, const IsEmpty& isEmpty,
-  const ParallelFor& parallelFor)
+  const ParallelFor& parallelFor, const MinMaxBlocks* mask)
 {
-  this->Build(*components[0], LimitsTest(components, isEmpty), parallelFor);
+  this->Build(*components[0], LimitsTest(components, isEmpty), mask, parallelFor);
 }
 
 //------------------------------------------------------------------------------
 template <class Test>
-void DistanceMap::Build(
-  const MinMaxBlocks& blocks, const Test& test, const ParallelFor& parallelFor)
+void DistanceMap::Build(const MinMaxBlocks& blocks, const Test& test, const MinMaxBlocks* mask,
+  const ParallelFor& parallelFor)
 {
   this->Blocks = blocks.GetBlocks();
   this->Distances.resize(blocks.GetNumberOfBlocks() + 3);
@@ -223,7 +230,7 @@ void DistanceMap::Build(
     });
   };
   run(blocks.GetParents().z,
-    [&](int plane) { this->FindOccupancy(blocks.GetParents(), test, plane); });
+    [&](int plane) { this->FindOccupancy(blocks.GetParents(), test, mask, plane); });
   run(this->Blocks.z, [this](int k) { this->TransformPlane(k); });
   const std::size_t nx = static_cast<std::size_t>(this->Blocks.x);
   const std::size_t nxy = nx * static_cast<std::size_t>(this->Blocks.y);
@@ -236,15 +243,17 @@ void DistanceMap::Build(
 
 //------------------------------------------------------------------------------
 template <class Test>
-void DistanceMap::FindOccupancy(const glm::ivec3& parents, const Test& test, int parentPlane)
+void DistanceMap::FindOccupancy(
+  const glm::ivec3& parents, const Test& test, const MinMaxBlocks* mask, int parentPlane)
 {
   for (int y = 0; y < parents.y; ++y)
   {
     for (int x = 0; x < parents.x; ++x)
     {
-      test.ForBlocksOf({ x, y, parentPlane }, [this](const glm::ivec3& block, bool empty) {
+      test.ForBlocksOf({ x, y, parentPlane }, [this, mask](const glm::ivec3& block, bool empty) {
+        const bool hidden = empty || (mask && IsHidden(*mask, block));
         this->Distances[GridIndex(block, this->Blocks)] =
-          static_cast<std::uint8_t>(empty ? LargestDistance : 0);
+          static_cast<std::uint8_t>(hidden ? LargestDistance : 0);
       });
     }
   }

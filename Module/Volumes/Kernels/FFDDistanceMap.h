@@ -34,15 +34,18 @@ class FFD_VOLUMES_EXPORT DistanceMap
 {
 public:
   DistanceMap() = default;
+
+  /// `mask`: null, or blocks of as many voxels; nothing is visible in those that hold no number
+  /// above 0.
   DistanceMap(const MinMaxBlocks& blocks, const TransferTable& table,
-    const ParallelFor& parallelFor = ParallelFor());
+    const ParallelFor& parallelFor = ParallelFor(), const MinMaxBlocks* mask = nullptr);
 
   /// Whether nothing is visible where scalars are within limits, one each for the components.
   using IsEmpty = std::function<bool(const MinMaxBlocks::Limits* limits)>;
 
   /// The same for several components (at most 4), whose blocks have equal sizes.
   DistanceMap(const std::vector<const MinMaxBlocks*>& components, const IsEmpty& isEmpty,
-    const ParallelFor& parallelFor = ParallelFor());
+    const ParallelFor& parallelFor = ParallelFor(), const MinMaxBlocks* mask = nullptr);
 
   const glm::ivec3& GetBlocks() const { return this->Blocks; }
 
@@ -77,9 +80,11 @@ public:
 private:
   /// `test` knows which parents and which of their blocks are empty.
   template <class Test>
-  void Build(const MinMaxBlocks& blocks, const Test& test, const ParallelFor& parallelFor);
+  void Build(const MinMaxBlocks& blocks, const Test& test, const MinMaxBlocks* mask,
+    const ParallelFor& parallelFor);
   template <class Test>
-  void FindOccupancy(const glm::ivec3& parents, const Test& test, int parentPlane);
+  void FindOccupancy(
+    const glm::ivec3& parents, const Test& test, const MinMaxBlocks* mask, int parentPlane);
   void TransformPlane(int k);
 
   glm::ivec3 Blocks{ 0 };
