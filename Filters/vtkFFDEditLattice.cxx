@@ -26,8 +26,11 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <functional>
+#include <vector>
 
 vtkStandardNewMacro(vtkFFDEditLattice);
 
@@ -84,6 +87,19 @@ void ReduceBounds(double bounds[6])
   {
     bounds[i] = i % 2 == 0 ? all[i] : -all[i];
   }
+}
+
+/// The largest of all processes, which all call it.
+std::size_t FindLargest(std::size_t value)
+{
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  const auto mine = static_cast<vtkIdType>(value);
+  vtkIdType largest = mine;
+  if (controller && controller->GetNumberOfProcesses() > 1)
+  {
+    controller->AllReduce(&mine, &largest, 1, vtkCommunicator::MAX_OP);
+  }
+  return static_cast<std::size_t>(largest);
 }
 
 constexpr double NoBounds[6] = { VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX, VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX,
@@ -601,7 +617,8 @@ bool vtkFFDEditLattice::Attach(vtkDataObject* input, const double bounds[6], vtk
 }
 
 //------------------------------------------------------------------------------
-/// The blocks of a composite data set, with one lattice or one for each. Called on all processes.
+/// The blocks of a composite data set, with one lattice or one for each; of a block several
+/// processes may have parts. Called on all processes.
 int vtkFFDEditLattice::RequestBlocks(vtkDataObject* input, vtkDataObject* output)
 {
   auto* from = vtkDataObjectTree::SafeDownCast(input);
@@ -609,8 +626,10 @@ int vtkFFDEditLattice::RequestBlocks(vtkDataObject* input, vtkDataObject* output
   to->CopyStructure(from);
   vtkSmartPointer<vtkCompositeDataIterator> iterator;
   iterator.TakeReference(from->NewIterator());
-  double all[6];
-  std::copy_n(NoBounds, 6, all);
+  using Bounds = std::array<double, 6>;
+  Bounds none;
+  std::copy_n(NoBounds, 6, none.begin());
+  std::vector<Bounds> bounds(1, none); // of the blocks by their place, or of all of them
   const auto visit = [&iterator](const std::function<bool(vtkDataSet*)>& work) {
     bool done = true;
     for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
@@ -620,19 +639,27 @@ int vtkFFDEditLattice::RequestBlocks(vtkDataObject* input, vtkDataObject* output
     }
     return done;
   };
-  visit([&all](vtkDataSet* block) {
+  const auto findPlace = [this, &iterator]() {
+    return this->LatticePerBlock ? static_cast<std::size_t>(iterator->GetCurrentFlatIndex()) : 0;
+  };
+  visit([&](vtkDataSet* block) {
     if (block->GetNumberOfPoints() > 0)
     {
-      AddBounds(all, block->GetBounds());
+      bounds.resize(std::max(bounds.size(), findPlace() + 1), none);
+      AddBounds(bounds[findPlace()].data(), block->GetBounds());
     }
     return true;
   });
-  ReduceBounds(all);
+  bounds.resize(FindLargest(bounds.size()), none);
+  for (Bounds& each : bounds)
+  {
+    ReduceBounds(each.data());
+  }
   return visit([&](vtkDataSet* block) {
     vtkSmartPointer<vtkDataSet> made;
     made.TakeReference(block->NewInstance());
     to->SetDataSet(iterator, made);
-    return this->Attach(block,
-      this->LatticePerBlock && block->GetNumberOfPoints() > 0 ? block->GetBounds() : all, made);
+    const std::size_t place = findPlace();
+    return this->Attach(block, (place < bounds.size() ? bounds[place] : none).data(), made);
   });
 }

@@ -150,7 +150,8 @@ public:
   /**
    * Whether each block of a composite data set gets a lattice of its own, over its own bounds, with
    * the same shape and edits; off (default): one lattice is over the bounds of all blocks. What
-   * GetLattice() and the like tell is then of the last block. Not used with other data.
+   * GetLattice() and the like tell is then of the last block. Parts of a block that several
+   * processes have, at the same place of the data set, get one lattice. Not used with other data.
    */
   vtkSetMacro(LatticePerBlock, vtkTypeBool);
   vtkGetMacro(LatticePerBlock, vtkTypeBool);

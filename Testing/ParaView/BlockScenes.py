@@ -12,6 +12,7 @@ import ffdparaview as ffd
 ffd.load()
 view = ffd.make_view()
 HALF = 15
+GAP = (-HALF, -5), (4, HALF)
 
 GRID = """
 import numpy as np
@@ -38,19 +39,34 @@ executive.GetOutputInformation(0).Set(self.CAN_PRODUCE_SUB_EXTENT(), 1)
 """
 
 
-def take_pictures(name, data, **properties):
+def take_pictures(name, data, extract=None, **properties):
+    """Of the data with a lattice, or with `extract` blocks of the result, each shown on its own."""
     lattice = simple.FFDLattice(Input=data, Resolution=[5, 5, 5], Shape="Twist", **properties)
-    display = simple.Show(lattice, view)
-    display.SetRepresentationType("FFD Volume")
-    simple.ColorBy(display, ("POINTS", "RTData"))
+    shown = [lattice] if extract is None else [
+        simple.ExtractBlock(Input=lattice, Assembly="Hierarchy", Selectors=[each]) for each in extract]
+    for each in shown:
+        display = simple.Show(each, view)
+        display.SetRepresentationType("FFD Volume")
+        simple.ColorBy(display, ("POINTS", "RTData"))
     ffd.set_functions()
-    simple.Render(view)
-    simple.SaveScreenshot("%s.%s.png" % (sys.argv[1], name), view)
+
+    def save(state):
+        simple.Render(view)
+        simple.SaveScreenshot("%s.%s%s.png" % (sys.argv[1], name, state), view)
+
+    save("")
     # An edit, after which the voxels are the same.
     lattice.Strength = 0.4
-    simple.Render(view)
-    simple.SaveScreenshot("%s.%s edited.png" % (sys.argv[1], name), view)
-    simple.Delete(lattice)
+    save(" edited")
+    if properties.get("LatticePerBlock"):
+        for each in shown:
+            display = simple.GetDisplayProperties(each, view)
+            display.FFDShade = 1
+            ffd.translate(display, [6.0, -4.0, 2.0])
+            display.Scale = [1.1, 1.0, 0.8]
+        save(" moved")
+    for each in [*shown, lattice]:
+        simple.Delete(each)
 
 
 def cut(data):
@@ -67,6 +83,13 @@ for kind in ("vtkMultiBlockDataSet", "vtkPartitionedDataSet", "vtkPartitionedDat
     group = simple.GroupDatasets(Input=pieces)
     group.OutputType = kind
     take_pictures(kind, group)
+# A lattice each, with gaps between the blocks: none gets into the bounds of another.
+apart = [simple.ExtractSubset(Input=wavelet, VOI=[*x, *y, *z])
+         for x in GAP for y in GAP for z in GAP]
+blocks = simple.GroupDatasets(Input=apart)
+names = ["/Root/Block%d" % i for i in range(len(apart))]
+take_pictures("per block", blocks, LatticePerBlock=1)
+take_pictures("one by one", blocks, extract=names, LatticePerBlock=1)
 # A block is missing.
 take_pictures("hole", simple.GroupDatasets(Input=pieces[:-1]))
 # Blocks of unlike voxels.

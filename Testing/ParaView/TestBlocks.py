@@ -13,6 +13,7 @@ import ffdparaview as ffd
 HERE = os.path.dirname(os.path.abspath(__file__))
 BLOCKS = ("vtkMultiBlockDataSet", "vtkPartitionedDataSet", "vtkPartitionedDataSetCollection")
 SCENES = ("image", *BLOCKS, "hole", "unlike", "linear", "rectilinear")
+PER_BLOCK = [name + state for name in ("per block", "one by one") for state in ("", " edited", " moved")]
 
 
 def run(ranks):
@@ -24,7 +25,7 @@ def run(ranks):
         env={**os.environ, "PYTHONPATH": HERE + os.pathsep + os.environ.get("PYTHONPATH", "")})
     if result.returncode != 0 or "ERR|" in result.stdout:
         raise RuntimeError("pvbatch on %d processes failed:\n%s" % (ranks, result.stdout))
-    names = [name + edited for name in SCENES for edited in ("", " edited")] + ["contour"]
+    names = [name + edited for name in SCENES for edited in ("", " edited")] + ["contour", *PER_BLOCK]
     return {name: ffd.read_picture("%s.%s.png" % (prefix, name)) for name in names}
 
 
@@ -44,6 +45,15 @@ class TestBlocks(unittest.TestCase):
             self.assertGreater(ffd.differ(self.one["unlike" + edited], whole)[1], 0.1)
             self.assertLess(ffd.differ(self.one["unlike" + edited], whole)[1], 6.0)
         self.assertGreater(ffd.differ(self.one["image"], self.one["image edited"])[1], 1.0)
+
+    def test_lattice_per_block(self):
+        """The picture is that of the blocks one by one, each extracted with its lattice."""
+        for state in ("", " edited", " moved"):
+            blocks = self.one["per block" + state]
+            self.assertGreater(ffd.lit(blocks), 1000)
+            self.assertLessEqual(ffd.differ(blocks, self.one["one by one" + state])[0], 2, state)
+            self.assertGreater(ffd.differ(blocks, self.one["image"])[1], 2.0)
+        self.assertGreater(ffd.differ(self.one["per block"], self.one["per block edited"])[1], 1.0)
 
     def test_rectilinear(self):
         """A linear function is the same on steps of any length, but for its faces."""

@@ -538,8 +538,14 @@ class TestRepresentation(unittest.TestCase):
         self.assertGreater(np.abs(ffd.picture(self.view, "position") - before).mean(), 2.0)
         self.view.CameraPosition = [x + 5.0, y, z + 6.0]
         self.view.CameraFocalPoint = [5.0, 0.0, 6.0]
-        # But for where on the rays, from the near plane on, the samples begin.
-        self.assertLess(ffd.differ(ffd.picture(self.view, "followed"), before)[1], 0.45)
+        self.assertLess(ffd.differ(ffd.picture(self.view, "followed"), before)[1], 0.05)
+        # The clipping planes of the camera follow, too.
+        ffd.translate(self.display, [0.0, 900.0, 0.0])
+        self.view.CameraPosition = [x, y + 900.0, z]
+        self.view.CameraFocalPoint = [0.0, 900.0, 0.0]
+        self.assertLess(ffd.differ(ffd.picture(self.view, "far away"), before)[1], 0.05)
+        near, far = self.view.GetActiveCamera().GetClippingRange()
+        self.assertLess(far - near, 300.0)
         ffd.translate(self.display, [0.0, 0.0, 0.0])
         self.view.CameraFocalPoint = [0.0, 0.0, 0.0]
         self.display.Orientation = [0.0, 0.0, 90.0]
@@ -623,7 +629,7 @@ executive.GetOutputInformation(0).Set(executive.WHOLE_EXTENT(), 0, 4, 0, 4, 0, 4
                                    [0, 16, 0, 16, 5, 21], atol=0.1)
 
     def test_lattice_per_block(self):
-        """Surfaces are moved by the lattices of their blocks, FFD Volume says what to do."""
+        """Surfaces are moved by the lattices of their blocks, and FFD Volume shows each with its own."""
         wavelet = simple.Wavelet(WholeExtent=[-10, 10, -10, 10, -10, 10])
         blocks = simple.GroupDatasets(Input=[
             simple.ExtractSubset(Input=wavelet, VOI=[*x, -10, 10, -10, 10]) for x in ((-10, 0), (0, 10))])
@@ -634,13 +640,35 @@ executive.GetOutputInformation(0).Set(executive.WHOLE_EXTENT(), 0, 4, 0, 4, 0, 4
         lattice.LatticePerBlock = 1
         pictures.append(ffd.picture(self.view, "lattice per block"))
         self.assertGreater(ffd.differ(*pictures)[1], 2.0)
-        with ffd.Errors() as errors:
-            display.SetRepresentationType("FFD Volume")
-            ffd.picture(self.view, "volume per block")
-        self.assertTrue(errors.say("FFD Volume", "Extract Block"), errors.text)
-        lattice.LatticePerBlock = 0
+        display.SetRepresentationType("FFD Volume")
         simple.ColorBy(display, ("POINTS", "RTData"))
         ffd.set_functions()
+
+        def bounds():
+            simple.Render(self.view)
+            return np.array(self.view.SMProxy.GetRenderer().ComputeVisiblePropBounds())
+
+        each = ffd.picture(self.view, "volume per block")
+        moved = bounds()
+        # Options and the box of cropping, which is one over all blocks, hold for all of them.
+        for name, value, default in (
+                ("FFDShade", 1, 0), ("FFDBlendMode", 1, 0), ("FFDSampleDistance", 8.0, 1.0),
+                ("FFDUseCropping", 1, 0), ("Scale", [0.5] * 3, [1.0] * 3)):
+            setattr(display, name, value)
+            if name == "FFDUseCropping":
+                display.FFDCroppingScale = [1.0, 0.5, 0.5]
+            picture = ffd.picture(self.view, "per block " + name)
+            for half in (picture[:, :75] - each[:, :75], picture[:, 85:] - each[:, 85:]):
+                self.assertGreater(np.abs(half).mean(), 0.1, name)
+            setattr(display, name, default)
+        np.testing.assert_array_equal(ffd.picture(self.view, "per block again"), each)
+        self.assertEqual(bounds().tolist(), moved.tolist())
+        # Blocks that are no longer there, and a representation that is hidden, leave nothing behind.
+        simple.Hide(lattice, self.view)
+        self.assertEqual(ffd.lit(ffd.picture(self.view, "per block hidden")), 0)
+        simple.Show(lattice, self.view)
+        np.testing.assert_array_equal(ffd.picture(self.view, "per block shown"), each)
+        lattice.LatticePerBlock = 0
         self.assertGreater(ffd.lit(ffd.picture(self.view, "volume of blocks")), 1000)
 
     def test_flat_image(self):

@@ -23,7 +23,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <tuple>
 
 namespace
 {
@@ -266,6 +268,88 @@ vtkSmartPointer<vtkImageData> Interpolate(
   return result;
 }
 
+/// What tells the lattices of blocks apart: domain, control points, and what these add up to, as
+/// they are and by their place. Zeros for none.
+using LatticeKey = std::array<double, 12>;
+
+LatticeKey FindLatticeKey(vtkDataSet* block)
+{
+  LatticeKey key{};
+  vtkNew<vtkFFDLattice> lattice;
+  if (vtkFFDLattice::HasLattice(block) && lattice->ReadFrom(block))
+  {
+    vtkDoubleArray* displacements = lattice->GetDisplacements();
+    const double* values = displacements->GetPointer(0);
+    std::copy_n(lattice->GetDomain(), 6, key.begin());
+    std::copy_n(lattice->GetDimensions(), 3, key.begin() + 6);
+    key[9] = lattice->GetDisplacementScale();
+    for (vtkIdType i = 0; i < displacements->GetNumberOfValues(); ++i)
+    {
+      key[10] += values[i];
+      key[11] += static_cast<double>(i + 1) * values[i];
+    }
+  }
+  return key;
+}
+
+/// The blocks of this process by the lattice that they have: as many groups on all processes, which
+/// all call it, in the order of the places of their first blocks.
+std::vector<std::vector<vtkDataSet*>> GroupByLattice(
+  const std::vector<vtkDataSet*>& blocks, const std::vector<unsigned int>& places)
+{
+  using Entry = std::pair<double, LatticeKey>;
+  constexpr std::size_t length = std::tuple_size<LatticeKey>::value + 1;
+  std::vector<LatticeKey> keys;
+  std::map<LatticeKey, double> firstPlaces;
+  const auto note = [&firstPlaces](const LatticeKey& key, double place) {
+    const auto noted = firstPlaces.emplace(key, place).first;
+    noted->second = std::min(noted->second, place);
+  };
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+  {
+    keys.push_back(FindLatticeKey(blocks[i]));
+    note(keys.back(), places[i]);
+  }
+  if (AreSeveral())
+  {
+    std::vector<double> mine;
+    for (const auto& [key, place] : firstPlaces)
+    {
+      mine.push_back(place);
+      mine.insert(mine.end(), key.begin(), key.end());
+    }
+    const auto ranks = static_cast<std::size_t>(GetController()->GetNumberOfProcesses());
+    const auto own = static_cast<vtkIdType>(mine.size());
+    std::vector<vtkIdType> lengths(ranks);
+    GetController()->AllGather(&own, lengths.data(), 1);
+    std::vector<vtkIdType> offsets(ranks, 0);
+    std::partial_sum(lengths.begin(), lengths.end() - 1, offsets.begin() + 1);
+    std::vector<double> all(static_cast<std::size_t>(offsets.back() + lengths.back()));
+    GetController()->AllGatherV(mine.data(), all.data(), own, lengths.data(), offsets.data());
+    for (std::size_t i = 0; i + length <= all.size(); i += length)
+    {
+      LatticeKey key;
+      std::copy_n(&all[i + 1], key.size(), key.begin());
+      note(key, all[i]);
+    }
+  }
+  std::vector<Entry> order;
+  for (const auto& [key, place] : firstPlaces)
+  {
+    order.emplace_back(place, key);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<std::vector<vtkDataSet*>> groups(order.size());
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+  {
+    const Entry entry(firstPlaces[keys[i]], keys[i]);
+    groups[static_cast<std::size_t>(
+             std::lower_bound(order.begin(), order.end(), entry) - order.begin())]
+      .push_back(blocks[i]);
+  }
+  return groups;
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -478,57 +562,47 @@ vtkFFDVolumeInput::Content vtkFFDVolumeInput::FindContent(const std::vector<vtkD
 }
 
 //------------------------------------------------------------------------------
-/// Whether the blocks of all processes, which all call it, have the same lattice, or none.
-bool vtkFFDVolumeInput::HaveOneLattice(const std::vector<vtkDataSet*>& blocks)
+/// Called on all processes.
+vtkSmartPointer<vtkImageData> vtkFFDVolumeInput::Update(
+  Group& group, const std::vector<vtkDataSet*>& blocks)
 {
-  // By where they are, how many control points they have, and what these add up to.
-  constexpr std::size_t count = 8;
-  std::array<double, count> least;
-  std::array<double, count> negated;
-  least.fill(VTK_DOUBLE_MAX);
-  negated.fill(VTK_DOUBLE_MAX);
-  for (vtkDataSet* block : blocks)
+  const Content content = FindContent(blocks);
+  const bool isKept = (blocks.empty() || group.Merged) && content.Values == group.Made.Values &&
+    content.Places == group.Made.Places;
+  if (FindLeast(isKept ? 1.0 : 0.0) == 0.0)
   {
-    std::array<double, count> own{};
-    vtkNew<vtkFFDLattice> lattice;
-    if (vtkFFDLattice::HasLattice(block) && lattice->ReadFrom(block))
-    {
-      vtkDoubleArray* displacements = lattice->GetDisplacements();
-      const double* values = displacements->GetPointer(0);
-      const vtkIdType number = displacements->GetNumberOfValues();
-      std::copy_n(lattice->GetDomain(), 6, own.begin());
-      own[6] = static_cast<double>(number);
-      own[7] = std::accumulate(values, values + number, 0.0);
-    }
-    for (std::size_t i = 0; i < count; ++i)
-    {
-      least[i] = std::min(least[i], own[i]);
-      negated[i] = std::min(negated[i], -own[i]);
-    }
+    const Frame frame = FindFrame(blocks);
+    group.Merged = blocks.empty() ? nullptr : Merge(blocks, frame);
+    group.Made = content;
   }
-  bool same = true;
-  for (std::size_t i = 0; i < count; ++i)
+  if (blocks.empty())
   {
-    const double lowest = FindLeast(least[i]);
-    const double highest = -FindLeast(negated[i]);
-    same = same && !(lowest < highest);
+    return nullptr;
   }
-  return same;
+  auto image = vtkSmartPointer<vtkImageData>::New();
+  image->ShallowCopy(group.Merged);
+  const auto withLattice = std::find_if(blocks.begin(), blocks.end(), vtkFFDLattice::HasLattice);
+  vtkNew<vtkFieldData> fields;
+  fields->PassData((withLattice != blocks.end() ? *withLattice : blocks.front())->GetFieldData());
+  fields->PassData(group.Merged->GetFieldData());
+  image->SetFieldData(fields);
+  return image;
 }
 
 //------------------------------------------------------------------------------
-vtkSmartPointer<vtkImageData> vtkFFDVolumeInput::Update(vtkDataObject* data, std::string& problem)
+std::vector<vtkSmartPointer<vtkImageData>> vtkFFDVolumeInput::Update(
+  vtkDataObject* data, std::string& problem)
 {
   auto image = vtkSmartPointer<vtkImageData>::New();
   if (auto* input = vtkImageData::SafeDownCast(data))
   {
     image->ShallowCopy(input);
-    return image;
+    return { image };
   }
   std::vector<vtkDataSet*> blocks;
-  vtkDataSet* withLattice = nullptr;
+  std::vector<unsigned int> places;
   int others = 0;
-  const auto add = [&](vtkDataObject* object) {
+  const auto add = [&](vtkDataObject* object, unsigned int place) {
     vtkDataSet* block = vtkDataSet::SafeDownCast(object);
     if (!block || block->GetNumberOfPoints() == 0)
     {
@@ -549,11 +623,11 @@ vtkSmartPointer<vtkImageData> vtkFFDVolumeInput::Update(vtkDataObject* data, std
       return;
     }
     blocks.push_back(block);
-    withLattice = !withLattice && vtkFFDLattice::HasLattice(block) ? block : withLattice;
+    places.push_back(place);
   };
   if (auto* grid = vtkRectilinearGrid::SafeDownCast(data))
   {
-    add(grid);
+    add(grid, 0);
     if (!AreSeveral() && !blocks.empty())
     {
       const Grid described = Describe(grid);
@@ -571,7 +645,7 @@ vtkSmartPointer<vtkImageData> vtkFFDVolumeInput::Update(vtkDataObject* data, std
         named->SetName(CoordinateNames[a]);
         image->GetFieldData()->AddArray(named);
       }
-      return image;
+      return { image };
     }
   }
   else if (auto* tree = vtkDataObjectTree::SafeDownCast(data))
@@ -580,7 +654,7 @@ vtkSmartPointer<vtkImageData> vtkFFDVolumeInput::Update(vtkDataObject* data, std
     iterator.TakeReference(tree->NewIterator());
     for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
     {
-      add(iterator->GetCurrentDataObject());
+      add(iterator->GetCurrentDataObject(), iterator->GetCurrentFlatIndex());
     }
   }
   else
@@ -589,37 +663,19 @@ vtkSmartPointer<vtkImageData> vtkFFDVolumeInput::Update(vtkDataObject* data, std
                           "is a ") +
       (data ? data->GetClassName() : "null") +
       ". Apply the filter \"Resample To Image\" first, or choose another representation.";
-    return nullptr;
+    return {};
   }
-  if (!HaveOneLattice(blocks))
+  const std::vector<std::vector<vtkDataSet*>> groups = GroupByLattice(blocks, places);
+  this->Groups.resize(groups.size());
+  std::vector<vtkSmartPointer<vtkImageData>> images;
+  for (std::size_t i = 0; i < groups.size(); ++i)
   {
-    problem = "renders blocks as one volume, and these have a lattice each. Show each one by the "
-              "filter \"Extract Block\", or turn \"Lattice Per Block\" off. Surfaces of all blocks "
-              "are moved by their own.";
-    return nullptr;
+    images.push_back(Update(this->Groups[i], groups[i]));
   }
-  const Content content = FindContent(blocks);
-  const bool isKept = (blocks.empty() || this->Merged) && content.Values == this->Made.Values &&
-    content.Places == this->Made.Places;
-  if (FindLeast(isKept ? 1.0 : 0.0) == 0.0)
+  if (blocks.empty() && others > 0)
   {
-    const Frame frame = FindFrame(blocks);
-    this->Merged = blocks.empty() ? nullptr : Merge(blocks, frame);
-    this->Made = content;
+    problem = "renders volumes, and no block of this is an image or a rectilinear grid with two "
+              "points along each axis. Choose \"Surface\".";
   }
-  if (blocks.empty())
-  {
-    if (others > 0)
-    {
-      problem = "renders volumes, and no block of this is an image or a rectilinear grid with two "
-                "points along each axis. Choose \"Surface\".";
-    }
-    return nullptr;
-  }
-  image->ShallowCopy(this->Merged);
-  vtkNew<vtkFieldData> fields;
-  fields->PassData((withLattice ? withLattice : blocks.front())->GetFieldData());
-  fields->PassData(this->Merged->GetFieldData());
-  image->SetFieldData(fields);
-  return image;
+  return images;
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @file vtkFFDVolumeInput.h
- * What FFD Volume is given, as one image. Private to this module.
+ * What FFD Volume is given, as images. Private to this module.
  */
 #ifndef vtkFFDVolumeInput_h
 #define vtkFFDVolumeInput_h
@@ -27,6 +27,7 @@ class vtkImageData;
 /**
  * Makes one image of a rectilinear grid, or of the blocks of a multi-block or partitioned data set,
  * so that all that is for images is for them, too: on one ray and in one partition among processes.
+ * Blocks with other lattices make other images: a lattice per block gives an image per block.
  *
  * Blocks whose voxels lie on one grid, as those of a volume that was cut into pieces, are put
  * together as they are. Others are interpolated, to voxels as small as the smallest: rectilinear
@@ -40,11 +41,11 @@ class vtkFFDVolumeInput
 {
 public:
   /**
-   * The image, with the field data of the first block that has a lattice; null where there is
-   * nothing to render, here. `problem` then says why, unless there are no data. To be called on all
-   * processes.
+   * The images, each with the field data of the first of its blocks that has a lattice: as many, in
+   * the same order, on all processes; null where there is nothing to render, here. `problem` then
+   * says why, unless there are no data. To be called on all processes.
    */
-  vtkSmartPointer<vtkImageData> Update(vtkDataObject* data, std::string& problem);
+  std::vector<vtkSmartPointer<vtkImageData>> Update(vtkDataObject* data, std::string& problem);
 
   ///@{
   /// The extents of an image that has data, all of it or those of its blocks.
@@ -66,7 +67,6 @@ private:
     bool Aligned = false; // all blocks have its spacing, and voxels at its points
   };
 
-  static bool HaveOneLattice(const std::vector<vtkDataSet*>& blocks);
   static Frame FindFrame(const std::vector<vtkDataSet*>& blocks);
   static vtkSmartPointer<vtkImageData> Merge(
     const std::vector<vtkDataSet*>& blocks, const Frame& frame);
@@ -79,8 +79,15 @@ private:
   };
   static Content FindContent(const std::vector<vtkDataSet*>& blocks);
 
-  vtkSmartPointer<vtkImageData> Merged;
-  Content Made; // what Merged was made of
+  /// Blocks with the same lattice.
+  struct Group
+  {
+    vtkSmartPointer<vtkImageData> Merged;
+    Content Made; // what Merged was made of
+  };
+  static vtkSmartPointer<vtkImageData> Update(Group& group, const std::vector<vtkDataSet*>& blocks);
+
+  std::vector<Group> Groups;
 };
 
 #endif

@@ -18,12 +18,15 @@
 #include "vtkAlgorithmOutput.h"
 #include "vtkColorTransferFunction.h"
 #include "vtkCommand.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkMath.h"
 #include "vtkMatrix3x3.h"
 #include "vtkMatrix4x4.h"
+#include "vtkMultiBlockDataSet.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkOpenGLRenderWindow.h"
@@ -40,12 +43,15 @@
 #include "vtkRenderer.h"
 #include "vtkRenderWindow.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
 #include "vtkWeakPointer.h"
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <string>
+#include <utility>
 
 vtkStandardNewMacro(vtkFFDVolumeRepresentation);
 
@@ -69,6 +75,42 @@ vtkMultiProcessController* GetController()
 
 int GetNumberOfProcesses() { return GetController() ? GetController()->GetNumberOfProcesses() : 1; }
 
+/// In the field data of one of several images: bounds of all of them at rest, then deformed.
+const char* const AllBoundsName = "FFDVolume.AllBounds";
+
+void NoteAllBounds(vtkImageData* image, const Bounds& rest, const Bounds& deformed)
+{
+  std::array<double, 12> numbers{};
+  std::copy(rest.begin(), rest.end(), numbers.begin());
+  std::copy(deformed.begin(), deformed.end(), numbers.begin() + 6);
+  auto* noted = vtkDoubleArray::SafeDownCast(image->GetFieldData()->GetArray(AllBoundsName));
+  if (noted && std::equal(numbers.begin(), numbers.end(), noted->GetPointer(0)))
+  {
+    return;
+  }
+  vtkNew<vtkDoubleArray> array;
+  array->SetName(AllBoundsName);
+  array->SetNumberOfValues(static_cast<vtkIdType>(numbers.size()));
+  std::copy(numbers.begin(), numbers.end(), array->GetPointer(0));
+  image->GetFieldData()->AddArray(array);
+}
+
+/// The images of what the view was given: one, or the blocks of several.
+std::vector<vtkImageData*> GetImages(vtkDataObject* data)
+{
+  std::vector<vtkImageData*> images;
+  if (auto* image = vtkImageData::SafeDownCast(data))
+  {
+    images.push_back(image);
+  }
+  auto* blocks = vtkMultiBlockDataSet::SafeDownCast(data);
+  for (unsigned int i = 0; blocks && i < blocks->GetNumberOfBlocks(); ++i)
+  {
+    images.push_back(vtkImageData::SafeDownCast(blocks->GetBlock(i)));
+  }
+  return images;
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -76,14 +118,28 @@ class vtkFFDVolumeRepresentation::vtkInternals
 {
 public:
   vtkFFDVolumeInput Input;
-  vtkFFDRenderedImage Rendered;
+
+  /// A volume of the scene: of all blocks with the same lattice.
+  struct Volume
+  {
+    vtkFFDVoxelDistribution::Inputs Inputs; // what this process was given
+    vtkFFDVoxelDistribution Distribution;   // with several processes
+  };
+  std::vector<std::unique_ptr<Volume>> Volumes; // one at least; as many on all processes
+
+  /// What this process shows of them.
+  struct Shown
+  {
+    vtkSmartPointer<vtkFFDInverseRayVolumeMapper> Mapper;
+    vtkSmartPointer<vtkVolume> Actor;
+    vtkFFDRenderedImage Rendered;
+  };
+  std::vector<std::unique_ptr<Shown>>
+    AllShown;                   // one at least, by the superclass's mapper and actor
+  vtkMTimeType OptionsTime = 0; // of the first mapper, when the others had its options
 
   int Threads = 0;       // SetNumberOfThreads(); 0: all that are there
   int SharedThreads = 0; // these, with several processes; 0: not known
-
-  // With several processes.
-  vtkFFDVoxelDistribution Distribution;
-  vtkFFDVoxelDistribution::Inputs Inputs; // of the distribution: what this process was given
 
   // Of the renderer of the view.
   std::array<unsigned long, 2> RenderObservers{ { 0, 0 } };
@@ -104,11 +160,11 @@ vtkFFDVolumeRepresentation::vtkFFDVolumeRepresentation()
   , Internals(new vtkInternals)
 {
   this->VolumeMapper.TakeReference(this->Mapper);
-  this->Mapper->SetProgressText("FFD Volume");
-  this->Mapper->AddObserver(
-    vtkCommand::VolumeMapperRenderStartEvent, this, &vtkFFDVolumeRepresentation::BeginVolume);
-  this->Mapper->AddObserver(
-    vtkCommand::ProgressEvent, this, &vtkFFDVolumeRepresentation::ContinueVolume);
+  this->ObserveMapper(this->Mapper);
+  this->SetNumberOfVolumes(1);
+  this->Internals->AllShown.emplace_back(new vtkInternals::Shown);
+  this->Internals->AllShown.front()->Mapper = this->Mapper;
+  this->Internals->AllShown.front()->Actor = this->Actor;
   // Messages of progress are what a client may answer with a request for an abort.
   this->Internals->OwnPass->SetWait(
     [this]() { this->Mapper->UpdateProgress(this->Mapper->GetProgress()); });
@@ -142,22 +198,22 @@ int vtkFFDVolumeRepresentation::RequestData(
 {
   vtkMath::UninitializeBounds(this->DataBounds);
   this->DataSize = 0;
-  vtkFFDVoxelDistribution::Inputs& given = this->Internals->Inputs;
-  given.Image = nullptr;
+  vtkInternals& in = *this->Internals;
   std::copy(ffdparts::NoExtent.begin(), ffdparts::NoExtent.end(), this->WholeExtent);
-  vtkSmartPointer<vtkImageData> image;
+  std::vector<vtkSmartPointer<vtkImageData>> images;
   if (inputs[0]->GetNumberOfInformationObjects() == 1)
   {
     vtkInformation* info = inputs[0]->GetInformationObject(0);
     vtkDataObject* input = vtkDataObject::GetData(info);
     std::string problem;
-    image = this->Internals->Input.Update(input, problem);
+    images = in.Input.Update(input, problem);
     if (!problem.empty())
     {
       vtkErrorMacro(<< "The representation \"FFD Volume\" " << problem);
     }
-    else if (image)
+    else if (images.size() == 1 && images.front())
     {
+      vtkImageData* image = images.front();
       if (vtkImageData::SafeDownCast(input))
       {
         vtkStreamingDemandDrivenPipeline::GetWholeExtent(info, this->WholeExtent);
@@ -175,34 +231,136 @@ int vtkFFDVolumeRepresentation::RequestData(
         vtkErrorMacro(<< "The representation \"FFD Volume\" renders volumes, and this image has "
                       << sizes[0] << " x " << sizes[1] << " x " << sizes[2]
                       << " points: it needs two along each axis. Choose \"Slice\" or \"Surface\".");
-        image = nullptr;
+        images.clear();
       }
     }
   }
-  if (image && image->GetNumberOfPoints() > 0)
+  this->SetNumberOfVolumes(std::max<std::size_t>(1, images.size()));
+  Bounds allRest = ffdparts::NoBounds;
+  Bounds allDeformed = ffdparts::NoBounds;
+  std::vector<vtkImageData*> here;
+  for (std::size_t i = 0; i < in.Volumes.size(); ++i)
   {
+    vtkImageData* image = i < images.size() ? images[i].Get() : nullptr;
+    image = image && image->GetNumberOfPoints() > 0 ? image : nullptr;
+    in.Volumes[i]->Inputs.Image = image;
+    if (!image)
+    {
+      continue;
+    }
+    here.push_back(image);
     Extent extent;
     image->GetExtent(extent.data());
     vtkNew<vtkFFDLattice> lattice;
     const bool hasLattice = vtkFFDLattice::HasLattice(image) && lattice->ReadFrom(image);
-    const Bounds deformed = ffdparts::FindDeformedBounds(Grid::FromImage(image, extent),
-      hasLattice ? lattice.GetPointer() : nullptr, this->Mapper->GetInverseMode());
-    std::copy(deformed.begin(), deformed.end(), this->DataBounds);
-    this->DataSize = image->GetActualMemorySize();
-    this->Cache = image;
-    given.Image = image;
-    this->Actor->SetEnableLOD(0);
+    const Grid grid = Grid::FromImage(image, extent);
+    allRest = ffdparts::Unite(allRest, grid.GetBounds());
+    allDeformed = ffdparts::Unite(allDeformed,
+      ffdparts::FindDeformedBounds(
+        grid, hasLattice ? lattice.GetPointer() : nullptr, this->Mapper->GetInverseMode()));
+  }
+  if (!here.empty())
+  {
+    std::copy(allDeformed.begin(), allDeformed.end(), this->DataBounds);
+    for (vtkImageData* image : here)
+    {
+      if (images.size() > 1)
+      {
+        NoteAllBounds(image, allRest, allDeformed);
+      }
+    }
     this->OutlineSource->SetBounds(this->DataBounds);
     this->OutlineSource->Update();
   }
-  else
+  this->HoldImages(here);
+  // A client, or a rank without data, shows the outline.
+  this->Actor->SetEnableLOD(here.empty() ? 1 : 0);
+  return this->vtkVolumeRepresentation::RequestData(request, inputs, outputs);
+}
+
+//------------------------------------------------------------------------------
+/// The images that this process hands over to the view.
+void vtkFFDVolumeRepresentation::HoldImages(const std::vector<vtkImageData*>& images)
+{
+  this->DataSize = 0;
+  for (vtkImageData* image : images)
   {
-    // A client, or a rank without data: an empty data object for the delivery, and the outline.
+    this->DataSize += image->GetActualMemorySize();
+  }
+  if (images.empty())
+  {
+    // An empty data object for the delivery.
     this->Cache = vtkSmartPointer<vtkPartitionedDataSet>::New();
     this->VolumeMapper->RemoveAllInputs();
-    this->Actor->SetEnableLOD(1);
+    return;
   }
-  return this->vtkVolumeRepresentation::RequestData(request, inputs, outputs);
+  if (images.size() == 1)
+  {
+    this->Cache = images.front();
+    return;
+  }
+  auto blocks = vtkSmartPointer<vtkMultiBlockDataSet>::New();
+  for (unsigned int i = 0; i < images.size(); ++i)
+  {
+    blocks->SetBlock(i, images[i]);
+  }
+  this->Cache = blocks;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetNumberOfVolumes(std::size_t count)
+{
+  auto& volumes = this->Internals->Volumes;
+  volumes.resize(std::min(count, volumes.size()));
+  while (volumes.size() < count)
+  {
+    volumes.emplace_back(new vtkInternals::Volume);
+  }
+}
+
+//------------------------------------------------------------------------------
+/// What shows the images after the first: mappers and actors in the scene, options not yet set.
+void vtkFFDVolumeRepresentation::SetNumberOfShown(std::size_t count)
+{
+  vtkInternals& in = *this->Internals;
+  auto* view = vtkPVRenderView::SafeDownCast(this->GetView());
+  while (in.AllShown.size() > std::max<std::size_t>(1, count))
+  {
+    if (view)
+    {
+      view->UnRegisterPropForHardwareSelection(this, in.AllShown.back()->Actor);
+      view->GetRenderer()->RemoveVolume(in.AllShown.back()->Actor);
+    }
+    in.AllShown.pop_back();
+  }
+  while (in.AllShown.size() < count)
+  {
+    std::unique_ptr<vtkInternals::Shown> shown(new vtkInternals::Shown);
+    shown->Mapper = vtkSmartPointer<vtkFFDInverseRayVolumeMapper>::New();
+    shown->Actor = vtkSmartPointer<vtkVolume>::New();
+    shown->Actor->SetMapper(shown->Mapper);
+    this->ObserveMapper(shown->Mapper);
+    if (in.Session && in.Session->GetProgressHandler())
+    {
+      in.Session->GetProgressHandler()->RegisterProgressEvent(shown->Mapper, 0);
+    }
+    if (view)
+    {
+      view->GetRenderer()->AddVolume(shown->Actor);
+      view->RegisterPropForHardwareSelection(this, shown->Actor);
+    }
+    in.AllShown.push_back(std::move(shown));
+    in.OptionsTime = 0;
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::ObserveMapper(vtkFFDInverseRayVolumeMapper* mapper)
+{
+  mapper->SetProgressText("FFD Volume");
+  mapper->AddObserver(
+    vtkCommand::VolumeMapperRenderStartEvent, this, &vtkFFDVolumeRepresentation::BeginVolume);
+  mapper->AddObserver(vtkCommand::ProgressEvent, this, &vtkFFDVolumeRepresentation::ContinueVolume);
 }
 
 //------------------------------------------------------------------------------
@@ -217,12 +375,11 @@ int vtkFFDVolumeRepresentation::ProcessViewRequest(
       return 0;
     }
     vtkAlgorithmOutput* producer = vtkPVRenderView::GetPieceProducer(inInfo, this, 0);
-    vtkImageData* image = producer
-      ? vtkImageData::SafeDownCast(
-          producer->GetProducer()->GetOutputDataObject(producer->GetIndex()))
-      : nullptr;
+    const std::vector<vtkImageData*> images = GetImages(
+      producer ? producer->GetProducer()->GetOutputDataObject(producer->GetIndex()) : nullptr);
     this->UpdateMapperParameters();
-    this->UpdateRenderedImage(image);
+    this->SetNumberOfShown(images.size());
+    this->UpdateOtherVolumes();
     auto* view = vtkPVRenderView::SafeDownCast(inInfo->Get(vtkPVView::VIEW()));
     vtkRenderWindow* window = view ? view->GetRenderWindow() : nullptr;
     if (window && this->Internals->NextRate > window->GetDesiredUpdateRate())
@@ -230,12 +387,19 @@ int vtkFFDVolumeRepresentation::ProcessViewRequest(
       window->SetDesiredUpdateRate(this->Internals->NextRate);
     }
     this->Internals->NextRate = 0.0;
-    if (image)
+    for (std::size_t i = 0; i < this->Internals->AllShown.size(); ++i)
     {
-      this->UpdateSampleDistances(
-        image, view ? view->GetLODResolution() : 1.0, inInfo->Has(vtkPVRenderView::USE_LOD()) != 0);
-      this->UpdateCropping(image);
+      vtkImageData* image = i < images.size() ? images[i] : nullptr;
+      vtkFFDInverseRayVolumeMapper* mapper = this->Internals->AllShown[i]->Mapper;
+      this->UpdateRenderedImage(i, image);
+      if (image)
+      {
+        this->UpdateSampleDistances(mapper, image, view ? view->GetLODResolution() : 1.0,
+          inInfo->Has(vtkPVRenderView::USE_LOD()) != 0);
+        this->UpdateCropping(mapper, image);
+      }
     }
+    this->Internals->OptionsTime = this->Mapper->GetMTime();
     this->OutlineMapper->SetInputConnection(vtkPVRenderView::GetPieceProducer(inInfo, this, 1));
     return 1;
   }
@@ -248,7 +412,9 @@ int vtkFFDVolumeRepresentation::ProcessViewRequest(
     }
     if (GetNumberOfProcesses() == 1)
     {
-      this->HandOver(inInfo, this->DataBounds);
+      this->Actor->ComputeMatrix();
+      this->HandOver(inInfo, this->DataBounds,
+        vtkMath::AreBoundsInitialized(this->DataBounds) ? this->Actor->GetMatrix() : nullptr);
     }
     else
     {
@@ -259,7 +425,8 @@ int vtkFFDVolumeRepresentation::ProcessViewRequest(
         ShareOut(shown);
         for (vtkFFDVolumeRepresentation* each : shown)
         {
-          each->HandOver(inInfo, each->Internals->Distribution.GetOwnBox().data());
+          each->HandOver(
+            inInfo, each->Internals->Volumes.front()->Distribution.GetOwnBox().data(), nullptr);
         }
       }
     }
@@ -304,6 +471,12 @@ bool vtkFFDVolumeRepresentation::AddToView(vtkView* view)
     }
   }
   vtkRenderer* renderer = vtkPVRenderView::SafeDownCast(view)->GetRenderer();
+  for (std::size_t i = 1; i < in.AllShown.size(); ++i)
+  {
+    renderer->AddVolume(in.AllShown[i]->Actor);
+    vtkPVRenderView::SafeDownCast(view)->RegisterPropForHardwareSelection(
+      this, in.AllShown[i]->Actor);
+  }
   this->Internals->RenderObservers = {
     { renderer->AddObserver(vtkCommand::StartEvent, this, &vtkFFDVolumeRepresentation::BeginRender),
       renderer->AddObserver(vtkCommand::EndEvent, this, &vtkFFDVolumeRepresentation::EndRender) }
@@ -319,6 +492,12 @@ bool vtkFFDVolumeRepresentation::RemoveFromView(vtkView* view)
     for (const unsigned long observer : this->Internals->RenderObservers)
     {
       renderView->GetRenderer()->RemoveObserver(observer);
+    }
+    for (std::size_t i = 1; i < this->Internals->AllShown.size(); ++i)
+    {
+      vtkVolume* actor = this->Internals->AllShown[i]->Actor;
+      renderView->UnRegisterPropForHardwareSelection(this, actor);
+      renderView->GetRenderer()->RemoveVolume(actor);
     }
   }
   return this->Superclass::RemoveFromView(view);
@@ -368,11 +547,11 @@ void vtkFFDVolumeRepresentation::BeginVolume()
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::ContinueVolume()
+void vtkFFDVolumeRepresentation::ContinueVolume(vtkObject* mapper, unsigned long, void*)
 {
   if (ffdserver::IsAbortAsked(this->Internals->Session))
   {
-    this->Mapper->SetAbortExecute(1);
+    vtkAlgorithm::SafeDownCast(mapper)->SetAbortExecute(1);
   }
 }
 
@@ -426,14 +605,16 @@ void vtkFFDVolumeRepresentation::EndRender(vtkObject* object, unsigned long, voi
 }
 
 //------------------------------------------------------------------------------
-/// Give the view what this process renders; `place` is its part of the scene.
-void vtkFFDVolumeRepresentation::HandOver(vtkInformation* view, const double place[6])
+/// Give the view what this process renders; `place` is its part of the scene, after the matrix if
+/// that is not null.
+void vtkFFDVolumeRepresentation::HandOver(
+  vtkInformation* view, const double place[6], vtkMatrix4x4* toScene)
 {
   vtkPVRenderView::SetPiece(view, this, this->Cache, this->DataSize, 0);
   // The volume is never brought to the client, which shows the outline while it has no picture.
   vtkPVRenderView::SetDeliverToClientAndRenderingProcesses(view, this, false, false, 0);
   vtkPVRenderView::SetPiece(view, this, this->OutlineSource->GetOutputDataObject(0), 0, 1);
-  vtkPVRenderView::SetGeometryBounds(view, this, place);
+  vtkPVRenderView::SetGeometryBounds(view, this, place, toScene);
   vtkPVRenderView::SetRequiresDistributedRendering(view, this, true);
   vtkPVRenderView::SetOrderedCompositingConfiguration(
     view, this, vtkPVRenderView::USE_BOUNDS_FOR_REDISTRIBUTION);
@@ -490,6 +671,10 @@ void vtkFFDVolumeRepresentation::SetVisibility(bool visible)
 {
   const bool changes = visible != this->GetVisibility();
   this->Superclass::SetVisibility(visible);
+  for (std::size_t i = 1; i < this->Internals->AllShown.size(); ++i)
+  {
+    this->Internals->AllShown[i]->Actor->SetVisibility(visible);
+  }
   if (changes)
   {
     this->MarkOthersModified();
@@ -504,12 +689,15 @@ void vtkFFDVolumeRepresentation::ShareOut(const std::vector<vtkFFDVolumeRepresen
   for (vtkFFDVolumeRepresentation* each : volumes)
   {
     each->DescribeInputs();
-    distributions.push_back(&each->Internals->Distribution);
+    for (const auto& volume : each->Internals->Volumes)
+    {
+      distributions.push_back(&volume->Distribution);
+    }
   }
   vtkFFDVoxelDistribution::UpdateAll(GetController(), distributions);
   for (vtkFFDVolumeRepresentation* each : volumes)
   {
-    each->TakePart();
+    each->TakeParts();
   }
 }
 
@@ -523,37 +711,52 @@ void vtkFFDVolumeRepresentation::DescribeInputs()
     in.SharedThreads = ffdparts::FindNumberOfThreads(GetController());
     this->SetNumberOfThreads(in.Threads);
   }
-  in.Inputs.Time = in.Inputs.Image ? in.Inputs.Image->GetMTime() : 0;
-  std::copy_n(this->WholeExtent, 6, in.Inputs.WholeExtent.begin());
-  in.Inputs.Shown = vtkFFDShownArray::FromInformation(this->GetInputArrayInformation(0));
-  in.Inputs.InverseMode = this->Mapper->GetInverseMode();
-  in.Inputs.HasOrder = this->Mapper->GetBlendMode() == vtkVolumeMapper::COMPOSITE_BLEND;
   this->Actor->ComputeMatrix();
-  std::copy_n(this->Actor->GetMatrix()->GetData(), 16, in.Inputs.Matrix.begin());
-  in.Distribution.SetInputs(in.Inputs);
+  for (const auto& volume : in.Volumes)
+  {
+    vtkFFDVoxelDistribution::Inputs& inputs = volume->Inputs;
+    inputs.Time = inputs.Image ? inputs.Image->GetMTime() : 0;
+    std::copy_n(this->WholeExtent, 6, inputs.WholeExtent.begin());
+    inputs.Shown = vtkFFDShownArray::FromInformation(this->GetInputArrayInformation(0));
+    inputs.InverseMode = this->Mapper->GetInverseMode();
+    inputs.HasOrder = this->Mapper->GetBlendMode() == vtkVolumeMapper::COMPOSITE_BLEND;
+    std::copy_n(this->Actor->GetMatrix()->GetData(), 16, inputs.Matrix.begin());
+    volume->Distribution.SetInputs(inputs);
+  }
 }
 
 //------------------------------------------------------------------------------
 /// Show what the distribution gave this process.
-void vtkFFDVolumeRepresentation::TakePart()
+void vtkFFDVolumeRepresentation::TakeParts()
 {
   vtkInternals& in = *this->Internals;
-  vtkImageData* part = in.Distribution.GetPart();
-  if (part)
+  Bounds allRest = ffdparts::NoBounds;
+  Bounds allDeformed = ffdparts::NoBounds;
+  std::vector<vtkImageData*> parts;
+  for (const auto& volume : in.Volumes)
   {
-    this->Cache = part;
-    this->DataSize = part->GetActualMemorySize();
-    this->Actor->SetEnableLOD(0);
+    const vtkFFDVoxelDistribution& distribution = volume->Distribution;
+    if (!ffdparts::IsEmpty(distribution.GetDeformedBounds()))
+    {
+      allRest = ffdparts::Unite(allRest, distribution.GetRestBounds());
+      allDeformed = ffdparts::Unite(allDeformed, distribution.GetDeformedBounds());
+    }
+    if (distribution.GetPart())
+    {
+      parts.push_back(distribution.GetPart());
+    }
   }
-  else
+  for (vtkImageData* part : parts)
   {
-    this->Cache = vtkSmartPointer<vtkPartitionedDataSet>::New();
-    this->DataSize = 0;
-    this->VolumeMapper->RemoveAllInputs();
+    if (in.Volumes.size() > 1)
+    {
+      NoteAllBounds(part, allRest, allDeformed);
+    }
   }
-  const Bounds& deformed = in.Distribution.GetDeformedBounds();
-  std::copy(deformed.begin(), deformed.end(), this->DataBounds);
-  if (!ffdparts::IsEmpty(deformed))
+  this->HoldImages(parts);
+  this->Actor->SetEnableLOD(0); // outlines are for a client
+  std::copy(allDeformed.begin(), allDeformed.end(), this->DataBounds);
+  if (!ffdparts::IsEmpty(allDeformed))
   {
     this->OutlineSource->SetBounds(this->DataBounds);
     this->OutlineSource->Update();
@@ -615,32 +818,57 @@ bool vtkFFDVolumeRepresentation::UsesPlane()
 }
 
 //------------------------------------------------------------------------------
-/// Give the mapper the image, with what to render as point data.
-void vtkFFDVolumeRepresentation::UpdateRenderedImage(vtkImageData* image)
+/// Give the volumes after the first the options, the place and the look of that.
+void vtkFFDVolumeRepresentation::UpdateOtherVolumes()
 {
   vtkInternals& in = *this->Internals;
+  const bool changed = in.OptionsTime != this->Mapper->GetMTime();
+  for (std::size_t i = 1; i < in.AllShown.size(); ++i)
+  {
+    if (changed)
+    {
+      in.AllShown[i]->Mapper->ShallowCopy(this->Mapper);
+    }
+    vtkVolume* actor = in.AllShown[i]->Actor;
+    actor->SetOrigin(this->Actor->GetOrigin());
+    actor->SetPosition(this->Actor->GetPosition());
+    actor->SetScale(this->Actor->GetScale());
+    actor->SetOrientation(this->Actor->GetOrientation());
+    actor->SetUserMatrix(this->Actor->GetUserMatrix());
+    actor->SetPickable(this->Actor->GetPickable());
+    actor->SetVisibility(this->Actor->GetVisibility());
+    actor->SetProperty(this->Property);
+  }
+}
+
+//------------------------------------------------------------------------------
+/// Give a mapper the image, with what to render as point data.
+void vtkFFDVolumeRepresentation::UpdateRenderedImage(std::size_t which, vtkImageData* image)
+{
+  vtkInternals::Shown& volume = *this->Internals->AllShown[which];
+  vtkFFDInverseRayVolumeMapper* mapper = volume.Mapper;
   if (!image)
   {
-    this->VolumeMapper->RemoveAllInputs();
+    mapper->RemoveAllInputs();
     return;
   }
   const vtkFFDShownComponents shown = this->FindShown(image);
-  in.Rendered.Update(image, shown);
-  if (this->VolumeMapper->GetInputDataObject(0, 0) != in.Rendered.GetImage())
+  volume.Rendered.Update(image, shown);
+  if (mapper->GetInputDataObject(0, 0) != volume.Rendered.GetImage())
   {
-    this->VolumeMapper->SetInputDataObject(in.Rendered.GetImage());
+    mapper->SetInputDataObject(volume.Rendered.GetImage());
   }
-  this->VolumeMapper->SelectScalarArray(shown.Color.Array.Name.c_str());
-  this->VolumeMapper->SetScalarMode(VTK_SCALAR_MODE_USE_POINT_FIELD_DATA);
+  mapper->SelectScalarArray(shown.Color.Array.Name.c_str());
+  mapper->SetScalarMode(VTK_SCALAR_MODE_USE_POINT_FIELD_DATA);
   const bool dependent =
     !shown.Opacity.Array.Name.empty() || shown.Color.Component == vtkFFDShownComponent::All;
-  if (this->Property)
+  if (this->Property && which == 0)
   {
     this->Property->SetIndependentComponents(!dependent);
     this->Property->SetTransferFunctionMode(
       this->UsesPlane() ? vtkVolumeProperty::TF_2D : vtkVolumeProperty::TF_1D);
   }
-  this->Mapper->SetTransfer2DYAxisArray(
+  mapper->SetTransfer2DYAxisArray(
     shown.Second.Array.Name.empty() ? nullptr : vtkFFDShownComponents::SecondName);
 
   Bounds clip;
@@ -651,25 +879,25 @@ void vtkFFDVolumeRepresentation::UpdateRenderedImage(vtkImageData* image)
     const Bounds nothing{};
     clip = ffdparts::OpenOutwards(nothing, nothing);
   }
-  this->Mapper->SetClipBox(clip.data());
-  this->Mapper->SetWholeBounds(whole.data());
+  mapper->SetClipBox(clip.data());
+  mapper->SetWholeBounds(whole.data());
   std::array<double, 2> range{ { 1.0, -1.0 } };
   if (!dependent)
   {
     vtkFFDVoxelDistribution::ReadRange(image, shown.Color.Array, shown.Color.Component, range);
   }
-  this->Mapper->SetWholeScalarRange(range.data());
-  this->Mapper->SetDeformation(in.Rendered.GetLattice());
+  mapper->SetWholeScalarRange(range.data());
+  mapper->SetDeformation(volume.Rendered.GetLattice());
 }
 
 //------------------------------------------------------------------------------
 /// The mapper takes distances in units of the data, before the matrix of the actor.
 void vtkFFDVolumeRepresentation::UpdateSampleDistances(
-  vtkImageData* image, double lodResolution, bool useLOD)
+  vtkFFDInverseRayVolumeMapper* mapper, vtkImageData* image, double lodResolution, bool useLOD)
 {
   const double coarser =
     std::min(1.0 / std::max(lodResolution, 1.0 / LargestCoarsening), LargestCoarsening);
-  this->Mapper->SetMaximumImageSampleDistance(
+  mapper->SetMaximumImageSampleDistance(
     this->ImageSampleDistance * std::min(coarser * coarser, LargestCoarsening));
   double spacing[3];
   image->GetSpacing(spacing);
@@ -684,24 +912,33 @@ void vtkFFDVolumeRepresentation::UpdateSampleDistances(
   if (voxel > 0.0)
   {
     const double distance = this->SampleDistance * voxel;
-    this->Mapper->SetSampleDistance(distance);
-    this->Mapper->SetInteractiveSampleDistance(useLOD ? coarser * distance : distance);
+    mapper->SetSampleDistance(distance);
+    mapper->SetInteractiveSampleDistance(useLOD ? coarser * distance : distance);
   }
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::UpdateCropping(vtkImageData* image)
+void vtkFFDVolumeRepresentation::UpdateCropping(
+  vtkFFDInverseRayVolumeMapper* mapper, vtkImageData* image)
 {
-  if (!this->Mapper->GetCropping())
+  if (!mapper->GetCropping())
   {
     return;
   }
   // Those of the whole, of which this may be a part.
+  const bool deformed = mapper->GetCroppingSpace() == vtkFFDInverseRayVolumeMapper::DEFORMED;
   double bounds[6];
-  this->Mapper->GetWholeBounds(bounds);
-  if (this->Mapper->GetCroppingSpace() == vtkFFDInverseRayVolumeMapper::DEFORMED)
+  mapper->GetWholeBounds(bounds);
+  if (vtkDataArray* all = image->GetFieldData()->GetArray(AllBoundsName))
   {
-    this->Mapper->GetBounds(bounds);
+    for (int i = 0; i < 6; ++i)
+    {
+      bounds[i] = all->GetComponent(deformed ? 6 + i : i, 0);
+    }
+  }
+  else if (deformed)
+  {
+    mapper->GetBounds(bounds);
   }
   else if (!vtkMath::AreBoundsInitialized(bounds))
   {
@@ -719,7 +956,7 @@ void vtkFFDVolumeRepresentation::UpdateCropping(vtkImageData* image)
       std::swap(planes[2 * a], planes[2 * a + 1]);
     }
   }
-  this->Mapper->SetCroppingRegionPlanes(planes);
+  mapper->SetCroppingRegionPlanes(planes);
 }
 
 //------------------------------------------------------------------------------
@@ -755,7 +992,10 @@ void vtkFFDVolumeRepresentation::Pick(
       orientation[1] = 1.0; // the direction is +z
     }
     vtkNew<vtkFFDVolumePicker> picker;
-    picker->AddPickList(this->Actor);
+    for (const auto& shown : this->Internals->AllShown)
+    {
+      picker->AddPickList(shown->Actor);
+    }
     picker->PickFromListOn();
     if (picker->Pick3DRay(from, orientation, view->GetRenderer()))
     {
@@ -791,8 +1031,9 @@ void vtkFFDVolumeRepresentation::SetPicked(const double picked[8])
 //------------------------------------------------------------------------------
 vtkTypeInt64 vtkFFDVolumeRepresentation::GetNumberOfLocalVoxels()
 {
-  vtkImageData* image = vtkImageData::SafeDownCast(this->Cache);
-  return image ? image->GetNumberOfPoints() : 0;
+  const std::vector<vtkImageData*> images = GetImages(this->Cache);
+  return std::accumulate(images.begin(), images.end(), vtkTypeInt64(0),
+    [](vtkTypeInt64 sum, vtkImageData* image) { return sum + image->GetNumberOfPoints(); });
 }
 
 //------------------------------------------------------------------------------
@@ -931,14 +1172,8 @@ bool vtkFFDVolumeRepresentation::GetAdaptInteractiveQuality()
 void vtkFFDVolumeRepresentation::RenderNextAtRate(double rate) { this->Internals->NextRate = rate; }
 
 //------------------------------------------------------------------------------
-/// The boxes of a partition are boxes of the scene.
-void vtkFFDVolumeRepresentation::MarkMoved()
-{
-  if (GetNumberOfProcesses() > 1)
-  {
-    this->MarkModified();
-  }
-}
+/// Bounds that the view is given are those in the scene, as are the boxes of a partition.
+void vtkFFDVolumeRepresentation::MarkMoved() { this->MarkModified(); }
 
 //------------------------------------------------------------------------------
 void vtkFFDVolumeRepresentation::SetPosition(double x, double y, double z)

@@ -34,7 +34,8 @@
  *
  * Several volumes of a view share the boxes, and are drawn from the farthest to the nearest: the
  * picture is right where their bounds do not overlap. If one of them is rotated, or is no
- * composite, the first process renders all.
+ * composite, the first process renders all. Blocks with a lattice each are such volumes, too: each
+ * has a mapper of its own, with the options of this representation.
  *
  * While the volume is shown the view renders without depth peeling for volumes, which only
  * vtkOpenGLGPUVolumeRayCastMapper takes part in: translucent surfaces come before all volumes.
@@ -48,12 +49,14 @@
 #include "vtkImageVolumeRepresentation.h"
 #include "vtkNew.h" // for vtkNew
 
-#include <memory> // for std::unique_ptr
-#include <vector> // for std::vector
+#include <cstddef> // for std::size_t
+#include <memory>  // for std::unique_ptr
+#include <vector>  // for std::vector
 
 class vtkFFDInverseRayVolumeMapper;
 class vtkFFDLattice;
 class vtkImageData;
+class vtkMatrix4x4;
 struct vtkFFDShownComponents;
 
 class VTKFFDPARAVIEW_EXPORT vtkFFDVolumeRepresentation : public vtkImageVolumeRepresentation
@@ -196,23 +199,29 @@ private:
   void BeginRender(vtkObject* renderer, unsigned long event, void* data);
   void EndRender(vtkObject* renderer, unsigned long event, void* data);
   void BeginVolume();
-  void ContinueVolume();
+  void ContinueVolume(vtkObject* mapper, unsigned long event, void* data);
   void KeepContext();
   void TakeContextBack();
-  void HandOver(vtkInformation* view, const double place[6]);
+  void HandOver(vtkInformation* view, const double place[6], vtkMatrix4x4* toScene);
   std::vector<vtkFFDVolumeRepresentation*> FindShownVolumes();
   void MarkOthersModified();
   static void ShareOut(const std::vector<vtkFFDVolumeRepresentation*>& volumes);
+  void SetNumberOfVolumes(std::size_t count);
+  void SetNumberOfShown(std::size_t count);
+  void ObserveMapper(vtkFFDInverseRayVolumeMapper* mapper);
+  void HoldImages(const std::vector<vtkImageData*>& images);
   void DescribeInputs();
-  void TakePart();
+  void TakeParts();
   void MarkMoved();
   vtkFFDShownComponents FindShown(vtkImageData* image);
   bool UsesPlane();
-  void UpdateRenderedImage(vtkImageData* image);
-  void UpdateSampleDistances(vtkImageData* image, double lodResolution, bool useLOD);
-  void UpdateCropping(vtkImageData* image);
+  void UpdateOtherVolumes();
+  void UpdateRenderedImage(std::size_t which, vtkImageData* image);
+  void UpdateSampleDistances(
+    vtkFFDInverseRayVolumeMapper* mapper, vtkImageData* image, double lodResolution, bool useLOD);
+  void UpdateCropping(vtkFFDInverseRayVolumeMapper* mapper, vtkImageData* image);
 
-  vtkFFDInverseRayVolumeMapper* Mapper; // the superclass's VolumeMapper
+  vtkFFDInverseRayVolumeMapper* Mapper; // the superclass's VolumeMapper, that of the first volume
   double SampleDistance = 1.0;
   double ImageSampleDistance = 1.0;
 

@@ -74,6 +74,9 @@ public:
   /// Bounds of the whole deformed volume, data coordinates; empty while there are no data.
   const Bounds& GetDeformedBounds() const { return this->DeformedBounds; }
 
+  /// Bounds of the whole volume at rest, data coordinates.
+  Bounds GetRestBounds() const { return this->Given.Grid.GetBounds(); }
+
   ///@{
   /**
    * Reads the field data of a part; false if the image is no part. `clip` is the box of the
