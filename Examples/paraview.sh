@@ -9,7 +9,8 @@
 # usage: Examples/paraview.sh [VOLUME [ARGUMENT...]]
 #        Examples/paraview.sh pvpython|pvbatch|pvserver [ARGUMENT...]
 #        Examples/paraview.sh -n COUNT pvbatch|pvserver [ARGUMENT...]
-#   VOLUME      an image that ParaView reads: .vti, .mha, .nrrd, ...; default: the engine block
+#   VOLUME      an image that ParaView reads: .vti, .mha, .nrrd, .nii, ..., or a folder of DICOM slices;
+#               default: the engine block
 #   ARGUMENT    those of the program; without any pvpython is interactive
 #   -n COUNT    that many processes, started by mpiexec
 #

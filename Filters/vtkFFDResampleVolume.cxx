@@ -628,6 +628,13 @@ int vtkFFDResampleVolume::RequestData(
   }
   int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
   vtkDataArray* scalars = this->GetInputArrayToProcess(0, inputs, association);
+  const char* name = this->GetInputArrayInformation(0)->Get(vtkDataObject::FIELD_NAME());
+  if (!scalars && name && !*name)
+  {
+    // As ParaView leaves it when the filter is made before its input has been read.
+    vtkPointData* data = input->GetPointData();
+    scalars = data->GetScalars() ? data->GetScalars() : data->GetArray(0);
+  }
   if (scalars && association != vtkDataObject::FIELD_ASSOCIATION_POINTS)
   {
     vtkErrorMacro("The array to process, \""

@@ -14,11 +14,11 @@
  * deformation the output equals the input. Spacing, origin and extent can be chosen.
  *
  * The input is a vtkImageData with at least two voxels along each axis; its active point scalars
- * (or those of SetInputArrayToProcess()), of any numeric type and number of components, are
- * resampled, and the output has scalars of that type and name; whole numbers are rounded and
- * clamped. Other arrays are not passed on. An attached lattice (vtkFFDLattice::AttachTo()) is
- * taken off, as the output is deformed already. Voxels that are not finite reach the points that
- * they have weight in.
+ * (or those of SetInputArrayToProcess(); with an empty name the active ones, or the first array),
+ * of any numeric type and number of components, are resampled, and the output has scalars of that
+ * type and name; whole numbers are rounded and clamped. Other arrays are not passed on. An attached
+ * lattice (vtkFFDLattice::AttachTo()) is taken off, as the output is deformed already. Voxels that
+ * are not finite reach the points that they have weight in.
  *
  * The output is streamed: an update of a part of the extent gives the same values as an update of
  * the whole, and with SetDeformation() it asks the input for what that part comes from and the

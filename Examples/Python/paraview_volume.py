@@ -11,7 +11,10 @@ import os
 from paraview import simple
 
 name = os.environ["FFD_PARAVIEW_VOLUME"]
-volume = simple.OpenDataFile(name)
+if os.path.isdir(name):  # of DICOM slices
+    volume = simple.FFDVolumeReader(FileNames=[name])
+else:
+    volume = simple.OpenDataFile(name)
 if volume is None:
     raise SystemExit("ParaView has no reader for '%s'." % name)
 simple.RenameSource(os.path.basename(name), volume)

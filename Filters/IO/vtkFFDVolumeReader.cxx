@@ -4,6 +4,7 @@
 
 #include "vtkFFDDataFiles.h"
 #include "vtkFFDFileAccess.h"
+#include "vtkFFDGuard.h"
 
 #include "FFDSingularMatrix.h"
 
@@ -589,6 +590,13 @@ int vtkFFDVolumeReader::Fail()
                 << this->Internals->Problem << ".");
   this->GetOutputDataObject(0)->Initialize();
   return 0;
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDVolumeReader::CanReadFile(const char* fileName)
+{
+  return vtkFFDGuarded(
+    this, "CanReadFile", 0, [&] { return vtkInternals().Open(fileName) ? 1 : 0; });
 }
 
 //------------------------------------------------------------------------------

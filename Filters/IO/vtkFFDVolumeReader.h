@@ -58,6 +58,9 @@ public:
    */
   const char* GetProblem();
 
+  /// Whether the file, or folder, is a volume that this class reads, by its header.
+  int CanReadFile(const char* fileName);
+
 protected:
   vtkFFDVolumeReader();
   ~vtkFFDVolumeReader() override;

@@ -3,6 +3,7 @@
 #include "vtkFFDVolumeSeries.h"
 
 #include "vtkFFDGuard.h"
+#include "vtkFFDTransformFiles.h"
 #include "vtkFFDVolumeReader.h"
 
 #include "vtkArrayDispatch.h"
@@ -344,6 +345,16 @@ int vtkFFDVolumeSeries::GetNumberOfReads() { return this->Internals->Reads; }
 
 //------------------------------------------------------------------------------
 int vtkFFDVolumeSeries::GetNumberOfReadsAhead() { return this->Internals->ReadsAhead; }
+
+//------------------------------------------------------------------------------
+int vtkFFDVolumeSeries::CanReadFile(const char* fileName)
+{
+  return vtkFFDGuarded(this, "CanReadFile", 0, [&] {
+    return fileName && !vtkFFDIsTransformFile(fileName)
+      ? vtkNew<vtkFFDVolumeReader>()->CanReadFile(fileName)
+      : 0;
+  });
+}
 
 //------------------------------------------------------------------------------
 void vtkFFDVolumeSeries::WaitForPrefetch() { this->Internals->Join(); }

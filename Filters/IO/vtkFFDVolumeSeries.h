@@ -106,6 +106,10 @@ public:
   int GetNumberOfReadsAhead();
   ///@}
 
+  /// Whether the file is a volume that vtkFFDVolumeReader reads, and no displacement field or other
+  /// transform (vtkFFDTransformSeries::CanReadFile()).
+  int CanReadFile(const char* fileName);
+
   /// Wait until the thread has nothing to read.
   void WaitForPrefetch();
 

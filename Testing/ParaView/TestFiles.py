@@ -64,6 +64,33 @@ class TestFiles(unittest.TestCase):
         np.testing.assert_allclose(
             self.shown_bounds(), at_rest + SHIFT * [-1, -1, -1, -1, 1, 1], atol=0.01)
 
+    def test_open_volumes(self):
+        """NIfTI volumes are opened as such, fields as transforms."""
+        from vtkmodules.vtkIOImage import vtkNIFTIImageWriter
+        names = [os.path.join(ffd.TEMPORARY, "volume%d.nii" % i) for i in range(2)]
+        self.wavelet.UpdatePipeline()
+        for name in names:
+            writer = vtkNIFTIImageWriter()
+            writer.SetFileName(name)
+            writer.SetInputData(simple.servermanager.Fetch(self.wavelet))
+            writer.Write()
+        volumes = simple.OpenDataFile(names)
+        self.assertEqual(volumes.SMProxy.GetXMLName(), "FFDVolumeReader")
+        self.assertEqual(list(volumes.TimestepValues), [0.0, 1.0])
+        self.assertEqual(simple.Show(volumes, self.view).Representation, "FFD Volume")
+        field = simple.OpenDataFile(os.path.join(TRANSFORMS, "field_oblique.nii"))
+        self.assertEqual(field.SMProxy.GetXMLName(), "FFDTransformReader")
+
+    def test_resample(self):
+        """Of what has not been read yet, so that no array could be chosen."""
+        lattice = simple.FFDLattice(Input=simple.Wavelet(WholeExtent=[-5, 5] * 3), Shape="Bend")
+        resampled = simple.FFDResampleToImage(Input=lattice)
+        with ffd.Errors() as errors:
+            resampled.UpdatePipeline()
+        self.assertEqual(errors.text, [])
+        self.assertEqual(resampled.PointData.keys(), ["RTData"])
+        self.assertGreater(resampled.PointData["RTData"].GetRange()[1], 200.0)
+
     def test_series(self):
         """A stack of elastix is played: at its times, and between them."""
         reader = simple.FFDTransformReader(

@@ -8,6 +8,9 @@ import unittest
 import numpy as np
 import vtkffd
 from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import VTK_SHORT
+from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkIOImage import vtkNIFTIImageWriter
 
 TEMPORARY = os.environ["FFD_TEST_TEMPORARY"]
 SIZE = (5, 6, 7)
@@ -72,6 +75,30 @@ class TestVolumeSeries(unittest.TestCase):
             self.assertEqual(output.GetDirectionMatrix().GetElement(0, 0), 0.0)
         self.assertEqual(times_of(item), [])
         self.assertEqual(item.GetNumberOfReads(), 1)
+
+    def test_what_can_be_read(self):
+        """Volumes, but no displacement fields."""
+        volume = vtkImageData()
+        volume.SetDimensions(4, 3, 2)
+        volume.AllocateScalars(VTK_SHORT, 1)
+        nifti = os.path.join(TEMPORARY, "series.nii")
+        writer = vtkNIFTIImageWriter()
+        writer.SetFileName(nifti)
+        writer.SetInputData(volume)
+        writer.Write()
+        transforms = os.path.join(os.environ["FFD_TEST_DATA"], "Transforms")
+        item = self.make()
+        reader = vtkffd.vtkFFDVolumeReader()
+        for name in (nifti, self.files[0]):
+            self.assertEqual(item.CanReadFile(name), 1, name)
+            self.assertEqual(reader.CanReadFile(name), 1, name)
+        field = os.path.join(transforms, "field_oblique.nii.gz")
+        self.assertEqual(item.CanReadFile(field), 0)
+        self.assertEqual(reader.CanReadFile(field), 1)
+        for name in (os.path.join(transforms, "euler.tfm"), "no_such_file.nii", None):
+            self.assertEqual(item.CanReadFile(name), 0, name)
+            self.assertEqual(reader.CanReadFile(name), 0, name)
+        self.assertEqual(self.errors, [])
 
     def test_times(self):
         item = self.make(TimeStart=2.0, TimeSpacing=0.1)
