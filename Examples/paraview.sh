@@ -72,6 +72,8 @@ export PYTHONPATH="$modules${PYTHONPATH:+:$PYTHONPATH}"
 # More processes than processors (Open MPI 4, and 5).
 export OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_mpi_yield_when_idle=1
 export PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe
+# Open MPI starts nothing as root otherwise, which is who one is in containers.
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 # Where ParaView needs it to read files of XML, see ExpatWithoutDeferral.cxx.
 expat="$build/paraview/lib/libFFDExpatWithoutDeferral.so"
 if [ -e "$expat" ]; then

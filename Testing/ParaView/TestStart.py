@@ -46,7 +46,8 @@ simple.Render(view)
 def without_modules():
     """The environment of a user, who knows nothing of the folders of the build."""
     return {name: value for name, value in os.environ.items()
-            if name not in ("PYTHONPATH", "PV_PLUGIN_PATH", "LD_PRELOAD")}
+            if name not in ("PYTHONPATH", "PV_PLUGIN_PATH", "LD_PRELOAD", "OMPI_ALLOW_RUN_AS_ROOT",
+                            "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM")}
 
 
 class TestStart(unittest.TestCase):
