@@ -103,8 +103,8 @@ bool vtkFFDFrameCache::Update(
     functions = functions.WithVersion(functions->Visibility);
   }
   this->UpdateMaskBlocks(mapper->GetMaskInput(), tools);
-  this->Space.Update(tools, this->Blocks.GetProduct(), this->MaskBlocks.GetProduct(), functions,
-    { this->Blend });
+  this->Space.Update(
+    tools, this->Blocks.GetProduct(), this->MaskBlocks.GetProduct(), functions, { this->Blend });
   this->Distances = this->Space->CanLeap ? &this->Space->Distances : nullptr;
   this->Peaks =
     this->Space->CanLeap && !this->Space->Peaks.IsEmpty() ? &this->Space->Peaks : nullptr;
@@ -262,8 +262,7 @@ void vtkFFDFrameCache::UpdateMaskBlocks(vtkImageData* mask, ffd::StageTools& too
   const bool hides = this->Mask.Volume.Scalars && !this->Mask.Labels && this->Mask.SameGrid &&
     !this->GetVolume().Axes;
   vtkDataArray* scalars = hides ? mask->GetPointData()->GetScalars() : nullptr;
-  this->MaskBlocks.Update(tools,
-    ffd::UniformView{ hides ? this->Mask.Volume : ffd::VolumeView() },
+  this->MaskBlocks.Update(tools, ffd::UniformView{ hides ? this->Mask.Volume : ffd::VolumeView() },
     { scalars, hides ? std::max(mask->GetMTime(), scalars->GetMTime()) : 0 });
 }
 

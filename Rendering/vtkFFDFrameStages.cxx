@@ -198,7 +198,6 @@ Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<Compone
   const ComponentOptics& first = optics.Components[0];
   const bool one = blocks->Blocks.size() == 1 && first.Plane.IsEmpty() && optics.Labels.empty();
   const BlendMode mode = blending.Blend.Mode;
-  // Other modes show what is outside of a mask, too.
   const MinMaxBlocks* const shown = mask->Blocks ? &*mask->Blocks : nullptr;
   result.CanLeap = true;
   result.Peaks = ValuePeaks();
@@ -211,7 +210,7 @@ Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<Compone
       MakeLeapTable(blending.Blend, first.Table, leaps);
     if (result.CanLeap)
     {
-      result.Distances = DistanceMap(blocks->Blocks[0], leaps, tools.Parallel);
+      result.Distances = DistanceMap(blocks->Blocks[0], leaps, tools.Parallel, shown);
       if (extreme)
       {
         result.Peaks =

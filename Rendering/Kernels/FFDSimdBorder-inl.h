@@ -10,6 +10,7 @@
 
 #include "FFDPacketCaster.h"
 
+#include "FFDSimdComponents-inl.h"
 #include "FFDSimdFetch-inl.h"
 #include "FFDSimdMath-inl.h"
 
@@ -32,9 +33,10 @@ template <class T>
 class BorderSamples
 {
 public:
-  /// Kept by reference.
-  explicit BorderSamples(const PacketScene& scene)
+  /// Keeps references to both.
+  BorderSamples(const PacketScene& scene, PacketScratch& scratch)
     : Scene(scene)
+    , Voxels(reinterpret_cast<Copied*>(scratch.BorderVoxels.data()))
   {
   }
 
@@ -49,7 +51,8 @@ public:
       {
         this->Voxels.Fill(this->Scene.Volume, q, between);
         SampleRows<T> rows;
-        value = hn::IfThenElse(between, this->Voxels.Sample(rows), value);
+        value = hn::IfThenElse(
+          between, Sample<T>(this->FindRows(), this->Voxels.GetPosition(), rows), value);
       }
     }
     const Mf others = hn::AndNot(between, border);
@@ -68,11 +71,12 @@ public:
     {
       if (!hn::AllFalse(d, between))
       {
+        const OffsetRows<T> source = this->FindRows();
+        const SamplePosition& at = this->Voxels.GetPosition();
         SampleRows<T> rows;
-        this->Voxels.Sample(rows);
-        const Vec3 g = AtFaces(this->Scene.Volume, q, this->Voxels.Gradient(rows));
-        result = { hn::IfThenElse(between, g.x, gradient.x),
-          hn::IfThenElse(between, g.y, gradient.y), hn::IfThenElse(between, g.z, gradient.z) };
+        Sample<T>(source, at, rows);
+        result = Select(between,
+          AtFaces(this->Scene.Volume, q, HWY_NAMESPACE::Gradient<T>(source, at, rows)), gradient);
       }
     }
     const Mf others = hn::AndNot(between, border);
@@ -82,26 +86,67 @@ public:
   }
 
   /// Replaces the values of all components of a volume in the lanes of `border`.
-  HWY_NOINLINE void ComponentValues(const Vec3& q, Mf border, Vf* values) const
+  HWY_NOINLINE void ComponentValues(const Vec3& q, Mf border, Vf* values)
   {
     const VolumeView& volume = this->Scene.Source->Volume;
-    for (int c = 0; c < volume.Components; ++c)
+    const Mf between = this->BetweenVoxels(q, border);
+    if (!hn::AllFalse(Df(), between))
     {
-      values[c] = this->ValueByReference(GetComponent(volume, c), q, border, values[c]);
+      this->Voxels.Fill(this->Scene.Volume, q, between);
+      Vf own[LargestNumberOfComponents];
+      ComponentSamples<T>(this->Voxels).FindValues(own);
+      for (int c = 0; c < volume.Components; ++c)
+      {
+        values[c] = hn::IfThenElse(between, own[c], values[c]);
+      }
+    }
+    const Mf others = hn::AndNot(between, border);
+    for (int c = 0; c < volume.Components && !hn::AllFalse(Df(), others); ++c)
+    {
+      values[c] = this->ValueByReference(GetComponent(volume, c), q, others, values[c]);
     }
   }
 
-  /// Replaces the gradients of all components of a volume in the lanes of `border`.
-  HWY_NOINLINE void ComponentGradients(const Vec3& q, Mf border, Vec3* gradients) const
+  /// Replaces the gradients of the components `wanted`, a bit each, in the lanes of `border`; after
+  /// ComponentValues().
+  HWY_NOINLINE void ComponentGradients(
+    const Vec3& q, Mf border, unsigned int wanted, Vec3* gradients) const
   {
     const VolumeView& volume = this->Scene.Source->Volume;
-    for (int c = 0; c < volume.Components; ++c)
+    const Mf between = this->BetweenVoxels(q, border);
+    if (!hn::AllFalse(Df(), between))
     {
-      gradients[c] = this->GradientByReference(GetComponent(volume, c), q, border, gradients[c]);
+      ComponentSamples<T> samples(this->Voxels);
+      Vf values[LargestNumberOfComponents];
+      samples.FindValues(values);
+      Vec3 own[LargestNumberOfComponents];
+      samples.FindGradients(wanted, own);
+      for (int c = 0; c < volume.Components; ++c)
+      {
+        gradients[c] = (wanted >> c & 1u) != 0
+          ? Select(between, AtFaces(this->Scene.Volume, q, own[c]), gradients[c])
+          : gradients[c];
+      }
+    }
+    const Mf others = hn::AndNot(between, border);
+    for (int c = 0; c < volume.Components && !hn::AllFalse(Df(), others); ++c)
+    {
+      gradients[c] = (wanted >> c & 1u) != 0
+        ? this->GradientByReference(GetComponent(volume, c), q, others, gradients[c])
+        : gradients[c];
     }
   }
 
 private:
+  using Copied = std::conditional_t<std::is_same<T, WideScalar>::value, float, T>;
+
+  HWY_INLINE OffsetRows<T> FindRows() const
+  {
+    OffsetRows<T> rows;
+    rows.Set(this->Voxels.GetView(), this->Voxels.GetOffsets());
+    return rows;
+  }
+
   /// The lanes of `border` whose positions have voxels on both sides along each axis.
   HWY_INLINE Mf BetweenVoxels(const Vec3& q, Mf border) const
   {
@@ -138,8 +183,7 @@ private:
   }
 
   const PacketScene& Scene;
-  /// Voxels of the last samples at faces of the volume.
-  RepeatedVoxels<std::conditional_t<std::is_same<T, WideScalar>::value, float, T>> Voxels;
+  RepeatedVoxels<Copied> Voxels; ///< around the last samples at faces of the volume
 };
 
 /// An interpolated value of each lane, and what Gradient() takes to differentiate it.

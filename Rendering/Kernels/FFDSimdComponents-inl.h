@@ -25,67 +25,114 @@ namespace HWY_NAMESPACE
 
 constexpr int LargestNumberOfComponents = 4;
 
-/**
- * The components of one voxel for each lane, at `offsets + delta` elements. Words of 32 bits are
- * loaded, which may reach beyond the voxel: there must be another one behind it.
- */
-template <class T>
-HWY_INLINE void LoadComponents(
-  const PacketVolume& v, const int* offsets, std::ptrdiff_t delta, Vf* values)
+/// Calls take(c) for components as constants, so that what is theirs can stay in registers.
+template <class Take>
+HWY_INLINE void ForComponents(const Take& take)
 {
-  const Df d;
+  take(std::integral_constant<int, 0>());
+  take(std::integral_constant<int, 1>());
+  take(std::integral_constant<int, 2>());
+  take(std::integral_constant<int, 3>());
+}
+
+/// Rows of voxels, one of each component.
+template <class T>
+struct ComponentRows
+{
+  typename Fetch<T>::Row Of[LargestNumberOfComponents];
+};
+
+#if HWY_TARGET == HWY_SCALAR
+/// Loads the rows of all components that lie `delta` elements from those of the cells.
+template <class T, bool Inner>
+HWY_INLINE ComponentRows<T> LoadComponentRows(
+  const PacketVolume& v, const int* offsets, std::ptrdiff_t delta)
+{
+  ComponentRows<T> rows;
+  const T* const first = static_cast<const T*>(v.Scalars) + offsets[0] + delta - v.Components;
+  for (int c = 0; c < v.Components; ++c)
+  {
+    const T voxels[4] = { first[c], first[v.Components + c], first[2 * v.Components + c],
+      first[3 * v.Components + c] };
+    PacketVolume row = v;
+    row.Scalars = voxels;
+    const int second = 1;
+    rows.Of[c] = Fetch<T>::LoadRow(row, &second, 0);
+  }
+  return rows;
+}
+#else
+/// The bytes of 16 in a row of voxels that are the words of their components: of four voxels of one
+/// byte, or of two of two bytes. By the number of components less two.
+HWY_ALIGN constexpr std::uint8_t ByteOrders[3][16] = {
+  { 0, 2, 4, 6, 1, 3, 5, 7, 0, 0, 0, 0, 0, 0, 0, 0 },
+  { 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11, 0, 0, 0, 0 },
+  { 0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15 },
+};
+HWY_ALIGN constexpr std::uint8_t WordOrders[3][16] = {
+  { 0, 1, 4, 5, 2, 3, 6, 7, 0, 0, 0, 0, 0, 0, 0, 0 },
+  { 0, 1, 6, 7, 2, 3, 8, 9, 4, 5, 10, 11, 0, 0, 0, 0 },
+  { 0, 1, 8, 9, 2, 3, 10, 11, 4, 5, 12, 13, 6, 7, 14, 15 },
+};
+
+/**
+ * Loads the rows of all components that lie `delta` elements from those of the cells. `Inner`: only
+ * the voxels of the cells are needed. 16 bytes are loaded at once, which may reach up to 8 bytes
+ * beyond the row: there is another one behind it, because no row is the last along y and z.
+ */
+template <class T, bool Inner>
+HWY_INLINE ComponentRows<T> LoadComponentRows(
+  const PacketVolume& v, const int* offsets, std::ptrdiff_t delta)
+{
+  const Di di;
+  constexpr int Size = sizeof(T);
+  // The words from the voxel `first` of the rows on.
+  const auto load = [&](int first, auto permute) {
+    return LoadQuadLanes<Size>(v.Scalars, Size * (delta + first * v.Components), offsets, permute);
+  };
+  ComponentRows<T> rows;
   if constexpr (std::is_same<T, float>::value)
   {
-    for (int c = 0; c < v.Components; ++c)
-    {
-      values[c] = LoadLanes<float, 4>(v.Scalars, 4 * (delta + c), offsets);
-    }
-  }
-  else if constexpr (sizeof(T) == 1)
-  {
-    const Vi word = LoadLanes<int, 1>(v.Scalars, delta, offsets);
-    // To the highest byte, and back with its sign or without.
-    const auto component = [&](Vi highest) {
-      if constexpr (std::is_signed<T>::value)
-      {
-        return hn::ConvertTo(d, hn::ShiftRight<24>(highest));
-      }
-      else
-      {
-        return hn::ConvertTo(d, hn::And(hn::ShiftRight<24>(highest), hn::Set(Di(), 0xff)));
-      }
+    const auto asIs = [](Vi quads) { return quads; };
+    const auto set = [&](int first, Vf Row4::*voxel) {
+      const Quads words = load(first, asIs);
+      const Vi of[4] = { words.x, words.y, words.z, words.w };
+      ForComponents([&](auto c) { rows.Of[c].*voxel = hn::BitCast(Df(), of[c]); });
     };
-    values[0] = component(hn::ShiftLeft<24>(word));
-    values[1] = component(hn::ShiftLeft<16>(word));
-    if (v.Components > 2)
+    set(0, &Row4::B);
+    set(1, &Row4::C);
+    if constexpr (!Inner)
     {
-      values[2] = component(hn::ShiftLeft<8>(word));
-      values[3] = component(word);
+      set(-1, &Row4::A);
+      set(2, &Row4::D);
     }
   }
   else
   {
-    const auto pair = [&](int first, Vf& low, Vf& high) {
-      const Vi word = LoadLanes<int, 2>(v.Scalars, 2 * (delta + first), offsets);
-      if constexpr (std::is_signed<T>::value)
-      {
-        low = hn::ConvertTo(d, hn::ShiftRight<16>(hn::ShiftLeft<16>(word)));
-        high = hn::ConvertTo(d, hn::ShiftRight<16>(word));
-      }
-      else
-      {
-        const Vi half = hn::Set(Di(), 0xffff);
-        low = hn::ConvertTo(d, hn::And(word, half));
-        high = hn::ConvertTo(d, hn::And(hn::ShiftRight<16>(word), half));
-      }
+    const auto* const orders = sizeof(T) == 1 ? ByteOrders : WordOrders;
+    const hn::Repartition<std::uint8_t, Di> bytes;
+    const auto order = hn::LoadDup128(bytes, orders[v.Components - 2]);
+    const auto sort = [&](Vi quads) {
+      return hn::BitCast(di, hn::TableLookupBytes(hn::BitCast(bytes, quads), order));
     };
-    pair(0, values[0], values[1]);
-    if (v.Components > 2)
+    const Quads words = load(-1, sort);
+    const Vi of[4] = { words.x, words.y, words.z, words.w };
+    if constexpr (sizeof(T) == 1)
     {
-      pair(2, values[2], values[3]);
+      ForComponents([&](auto c) { rows.Of[c] = of[c]; });
+    }
+    else
+    {
+      const Quads next = load(1, sort);
+      const Vi ofNext[4] = { next.x, next.y, next.z, next.w };
+      ForComponents([&](auto c) {
+        rows.Of[c] = { Fetch<T>::ToSigned(of[c]), Fetch<T>::ToSigned(ofNext[c]) };
+      });
     }
   }
+  return rows;
 }
+#endif
 
 /// The components around the positions of a packet: values, and differences over two voxels, as
 /// Sample() and Gradient() give them of one.
@@ -96,98 +143,95 @@ public:
   /// Fetches from the cells of `lanes`, FindInterior(); other lanes get a cell that can be fetched.
   HWY_INLINE ComponentSamples(
     const PacketVolume& v, const SampleCells& cells, const SamplePosition& at, Mf lanes)
-    : Volume(v)
-    , Steps{ v.Components, v.IncrementY, v.IncrementZ }
+    : At(at)
   {
     this->Voxels.Fit(v, cells, lanes, this->Offsets);
-    const Vf one = Splat(1.0f);
-    const Vf parts[3] = { at.Fx, at.Fy, at.Fz };
-    for (int a = 0; a < 3; ++a)
-    {
-      this->Weights[a][0] = hn::Sub(one, parts[a]);
-      this->Weights[a][1] = parts[a];
-    }
+  }
+
+  /// Fetches from copied voxels.
+  explicit ComponentSamples(const RepeatedVoxels<T>& voxels)
+    : At(voxels.GetPosition())
+  {
+    this->Voxels.Set(voxels.GetView());
+    std::copy_n(voxels.GetOffsets(), 16, this->Offsets);
   }
 
   HWY_NOINLINE void FindValues(Vf values[LargestNumberOfComponents])
   {
-    for (int c = 0; c < this->Volume.Components; ++c)
-    {
-      values[c] = hn::Zero(Df());
-    }
-    for (int corner = 0; corner < 8; ++corner)
-    {
-      const int i = corner & 1;
-      const int j = corner >> 1 & 1;
-      const int k = corner >> 2;
-      Vf* const here = this->Corners[corner];
-      LoadComponents<T>(this->Voxels.Get(), this->Offsets, this->DeltaOf(i, j, k), here);
-      const Vf weight =
-        hn::Mul(this->Weights[0][i], hn::Mul(this->Weights[1][j], this->Weights[2][k]));
-      for (int c = 0; c < this->Volume.Components; ++c)
+    const ComponentRows<T> rows[4] = { this->template Load<false>(0, 0),
+      this->template Load<false>(1, 0), this->template Load<false>(0, 1),
+      this->template Load<false>(1, 1) };
+    ForComponents([&](auto c) {
+      if (c < this->Voxels.Get().Components)
       {
-        values[c] = hn::MulAdd(weight, here[c], values[c]);
+        values[c] = Sample<T>(InnerRows<c>{ rows }, this->At, this->Rows[c]);
       }
-    }
+    });
   }
 
-  /// After FindValues().
-  HWY_NOINLINE void FindGradients(Vec3 gradients[LargestNumberOfComponents]) const
+  /// The gradients of the components `wanted`, a bit each; zero of the others. After FindValues().
+  HWY_NOINLINE void FindGradients(
+    unsigned int wanted, Vec3 gradients[LargestNumberOfComponents]) const
   {
-    const Vf zero = hn::Zero(Df());
-    for (int c = 0; c < this->Volume.Components; ++c)
+    const auto isWanted = [wanted](int c) { return (wanted >> c & 1u) != 0; };
+    OuterRows outer[LargestNumberOfComponents];
+    for (int i = 0; i < OuterRows::Count; ++i)
     {
-      gradients[c] = { zero, zero, zero };
-    }
-    for (int axis = 0; axis < 3; ++axis)
-    {
-      const int b = (axis + 1) % 3;
-      const int e = (axis + 2) % 3;
-      for (int side = 0; side < 4; ++side)
-      {
-        int at[3];
-        at[b] = side & 1;
-        at[e] = side >> 1;
-        const auto corner = [&](int end) {
-          at[axis] = end;
-          return this->Corners[at[0] + 2 * at[1] + 4 * at[2]];
-        };
-        const auto load = [&](int end, Vf* voxels) {
-          at[axis] = end;
-          LoadComponents<T>(
-            this->Voxels.Get(), this->Offsets, this->DeltaOf(at[0], at[1], at[2]), voxels);
-        };
-        const Vf* const first = corner(0);
-        const Vf* const second = corner(1);
-        Vf before[LargestNumberOfComponents];
-        Vf behind[LargestNumberOfComponents];
-        load(-1, before);
-        load(2, behind);
-        const Vf weight = hn::Mul(this->Weights[b][at[b]], this->Weights[e][at[e]]);
-        for (int c = 0; c < this->Volume.Components; ++c)
+      const ComponentRows<T> rows =
+        this->template Load<true>(OuterRows::Places[i][0], OuterRows::Places[i][1]);
+      ForComponents([&](auto c) {
+        if (isWanted(c))
         {
-          // Differences first: they are zero where voxels are equal.
-          const Vf difference = Lerp(
-            hn::Sub(second[c], before[c]), hn::Sub(behind[c], first[c]), this->Weights[axis][1]);
-          Vf& sum = axis == 0 ? gradients[c].x : axis == 1 ? gradients[c].y : gradients[c].z;
-          sum = hn::MulAdd(weight, difference, sum);
+          outer[c].Middles[i] = Fetch<T>::Middle(rows.Of[c], this->At);
         }
-      }
+      });
     }
+    const Vf zero = hn::Zero(Df());
+    ForComponents([&](auto c) {
+      gradients[c] =
+        isWanted(c) ? Gradient<T>(outer[c], this->At, this->Rows[c]) : Vec3{ zero, zero, zero };
+    });
   }
 
 private:
-  HWY_INLINE std::ptrdiff_t DeltaOf(int i, int j, int k) const
+  /// The rows of the cells, as Sample() takes them of a component.
+  template <int Component>
+  struct InnerRows
   {
-    return i * this->Steps[0] + j * this->Steps[1] + k * this->Steps[2];
+    const ComponentRows<T>* Rows;
+    HWY_INLINE typename Fetch<T>::Row Row(int dy, int dz) const
+    {
+      return this->Rows[dy + 2 * dz].Of[Component];
+    }
+  };
+
+  /// The rows beside the cells, as Gradient() takes them of a component.
+  struct OuterRows
+  {
+    static constexpr int Count = 8;
+    static constexpr int Places[Count][2] = { { -1, 0 }, { 2, 0 }, { -1, 1 }, { 2, 1 }, { 0, -1 },
+      { 1, -1 }, { 0, 2 }, { 1, 2 } }; ///< dy, dz
+    typename Fetch<T>::Along Middles[Count];
+    HWY_INLINE typename Fetch<T>::Along Middle(int dy, int dz, const SamplePosition&) const
+    {
+      const bool alongY = dy < 0 || dy > 1;
+      return this->Middles[alongY ? 2 * dz + (dy > 1 ? 1 : 0) : 4 + dy + (dz > 1 ? 2 : 0)];
+    }
+  };
+
+  template <bool Inner>
+  HWY_INLINE ComponentRows<T> Load(int dy, int dz) const
+  {
+    const PacketVolume& v = this->Voxels.Get();
+    return LoadComponentRows<T, Inner>(v, this->Offsets,
+      dy * static_cast<std::ptrdiff_t>(v.IncrementY) +
+        dz * static_cast<std::ptrdiff_t>(v.IncrementZ));
   }
 
-  const PacketVolume& Volume;
-  std::ptrdiff_t Steps[3]; ///< elements
   VoxelsInReach Voxels;
-  HWY_ALIGN int Offsets[16];
-  Vf Weights[3][2];                         ///< of the voxels of a cell, along each axis
-  Vf Corners[8][LargestNumberOfComponents]; ///< of the cells
+  HWY_ALIGN int Offsets[16]; ///< elements
+  SamplePosition At;
+  SampleRows<T> Rows[LargestNumberOfComponents];
 };
 
 } // namespace HWY_NAMESPACE

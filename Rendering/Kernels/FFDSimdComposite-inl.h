@@ -27,6 +27,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 
 HWY_BEFORE_NAMESPACE();
@@ -52,7 +53,7 @@ public:
     const RayPacket& rays, int x, int y, Vf rows, Mf active)
     : State(active)
     , Normals(scene, trees, rays, x, y, rows)
-    , Border(scene)
+    , Border(scene, scratch)
     , Window(scene.Volume)
     , Scene(scene)
     , Rays(rays)
@@ -147,8 +148,12 @@ public:
       scene.Settings.Opacity == OpacityLength::Deformed
         ? curve.Dt
         : FindLength(scene, curve.Position.Slope(s)));
-    const IntervalPoint first = FindIntervalPoint(scene, front);
+    // Where the interval before was looked up, this one begins with its end.
+    const bool known = this->LastPointNumber == n - 1 && hn::AllFalse(d, unknown);
+    const IntervalPoint first = known ? this->LastPoint : FindIntervalPoint(scene, front);
     const IntervalPoint last = FindIntervalPoint(scene, back);
+    this->LastPoint = last;
+    this->LastPointNumber = n;
     const Vf guess = hn::Mul(FindMeanExtinction(scene, first, last), length);
     const Vf place =
       PlaceInInterval(hn::Mul(first.Extinction, length), hn::Mul(last.Extinction, length), guess);
@@ -234,10 +239,11 @@ public:
       Vec3 gradients[LargestNumberOfComponents];
       if (this->Scene.Shade || HasGradientOpacities(this->Scene))
       {
-        samples.FindGradients(gradients);
+        const unsigned int wanted = FindDensityComponents(this->Scene);
+        samples.FindGradients(wanted, gradients);
         if (HWY_UNLIKELY(!hn::AllFalse(d, border)))
         {
-          this->Border.ComponentGradients(q, border, gradients);
+          this->Border.ComponentGradients(q, border, wanted, gradients);
         }
       }
       const Vf t = curve.TimeAt(s);
@@ -525,6 +531,10 @@ private:
   // With PacketScene::ClassifiesIntervals: the last samples, their numbers and values.
   Vf LastNumber;
   Vf LastValue;
+
+  // The point at the end of the last intervals that were classified, and their number.
+  IntervalPoint LastPoint;
+  int LastPointNumber = std::numeric_limits<int>::min();
 };
 
 } // namespace HWY_NAMESPACE

@@ -174,8 +174,8 @@ struct Row4
   Vf D;
 };
 
-/// Fetches voxels that are interpolated in single precision. Loader::Load loads those at a distance
-/// from the cells.
+/// Fetches voxels that are interpolated in single precision. Loader::LoadRow() loads the four
+/// voxels of a row, and Loader::LoadCell() those of the cells.
 template <class Loader>
 struct FetchFloats
 {
@@ -186,8 +186,7 @@ struct FetchFloats
   static HWY_INLINE Vf Value(Vf value) { return value; }
   static HWY_INLINE Row LoadRow(const PacketVolume& v, const int* offsets, int delta)
   {
-    return { Loader::Load(v, offsets, delta - 1), Loader::Load(v, offsets, delta),
-      Loader::Load(v, offsets, delta + 1), Loader::Load(v, offsets, delta + 2) };
+    return Loader::LoadRow(v, offsets, delta);
   }
   static HWY_INLINE Vf Before(const Row& r, const SamplePosition& at)
   {
@@ -204,7 +203,9 @@ struct FetchFloats
   static HWY_INLINE Vf Middle(
     const PacketVolume& v, const int* offsets, int delta, const SamplePosition& at)
   {
-    return Lerp(Loader::Load(v, offsets, delta), Loader::Load(v, offsets, delta + 1), at.Fx);
+    Vf cell[2];
+    Loader::LoadCell(v, offsets, delta, cell);
+    return Lerp(cell[0], cell[1], at.Fx);
   }
 };
 
@@ -225,6 +226,17 @@ struct WideLoader
     });
     return hn::Load(d, values);
   }
+  static HWY_INLINE Row4 LoadRow(const PacketVolume& v, const int* offsets, int delta)
+  {
+    return { Load(v, offsets, delta - 1), Load(v, offsets, delta), Load(v, offsets, delta + 1),
+      Load(v, offsets, delta + 2) };
+  }
+  static HWY_INLINE void LoadCell(
+    const PacketVolume& v, const int* offsets, int delta, Vf (&cell)[2])
+  {
+    cell[0] = Load(v, offsets, delta);
+    cell[1] = Load(v, offsets, delta + 1);
+  }
 };
 template <>
 struct Fetch<WideScalar> : FetchFloats<WideLoader>
@@ -233,9 +245,22 @@ struct Fetch<WideScalar> : FetchFloats<WideLoader>
 
 struct FloatLoader
 {
-  static HWY_INLINE Vf Load(const PacketVolume& v, const int* offsets, int delta)
+  static HWY_INLINE Row4 LoadRow(const PacketVolume& v, const int* offsets, int delta)
   {
-    return LoadLanes<float, 4>(v.Scalars, 4 * static_cast<std::ptrdiff_t>(delta), offsets);
+    const Df d;
+    const Quads words =
+      LoadQuadLanes<4>(v.Scalars, 4 * static_cast<std::ptrdiff_t>(delta - 1), offsets);
+    return { hn::BitCast(d, words.x), hn::BitCast(d, words.y), hn::BitCast(d, words.z),
+      hn::BitCast(d, words.w) };
+  }
+  static HWY_INLINE void LoadCell(
+    const PacketVolume& v, const int* offsets, int delta, Vf (&cell)[2])
+  {
+    const Df d;
+    const Pairs words =
+      LoadPairLanes<4>(v.Scalars, 4 * static_cast<std::ptrdiff_t>(delta), offsets);
+    cell[0] = hn::BitCast(d, words.x);
+    cell[1] = hn::BitCast(d, words.y);
   }
 };
 template <>
@@ -333,7 +358,14 @@ struct FetchWords
   }
   static HWY_INLINE Row LoadRow(const PacketVolume& v, const int* offsets, int delta)
   {
-    return { Load(v, offsets, delta - 1), Load(v, offsets, delta + 1) };
+    const Pairs words =
+      LoadPairLanes<2>(v.Scalars, 2 * static_cast<std::ptrdiff_t>(delta - 1), offsets);
+    return { ToSigned(words.x), ToSigned(words.y) };
+  }
+  /// Two voxels as they are in memory, as they are in a row.
+  static HWY_INLINE Vi ToSigned(Vi pair)
+  {
+    return Signed ? pair : hn::Xor(pair, hn::Set(Di(), static_cast<int>(0x80008000u)));
   }
   static HWY_INLINE Vi Before(const Row& r, const SamplePosition& at)
   {
@@ -357,8 +389,7 @@ struct FetchWords
 private:
   static HWY_INLINE Vi Load(const PacketVolume& v, const int* offsets, int delta)
   {
-    const Vi pair = LoadLanes<int, 2>(v.Scalars, 2 * static_cast<std::ptrdiff_t>(delta), offsets);
-    return Signed ? pair : hn::Xor(pair, hn::Set(Di(), static_cast<int>(0x80008000u)));
+    return ToSigned(LoadLanes<int, 2>(v.Scalars, 2 * static_cast<std::ptrdiff_t>(delta), offsets));
   }
 };
 template <>
@@ -503,6 +534,13 @@ template <class T>
 class RepeatedVoxels
 {
 public:
+  /// Copies to `voxels`, which is kept: those of 16 lanes, and 16 bytes that vectors may read
+  /// beyond the last one.
+  explicit RepeatedVoxels(T* voxels)
+    : Voxels(voxels)
+  {
+  }
+
   /// `lanes`: positions that lie between voxels of the volume, at least one.
   HWY_NOINLINE void Fill(const PacketVolume& v, const Vec3& q, Mf lanes)
   {
@@ -510,8 +548,9 @@ public:
     const Di di;
     this->View = v;
     this->View.Scalars = this->Voxels;
-    this->View.IncrementY = Side;
-    this->View.IncrementZ = Side * Side;
+    const int components = v.Components;
+    this->View.IncrementY = Side * components;
+    this->View.IncrementZ = Side * Side * components;
     this->View.SlicesInReach = 0;
     HWY_ALIGN int cells[3][16];
     const auto locate = [&](Vf x, int a) {
@@ -525,36 +564,45 @@ public:
     this->At.Weights = PairWeights(this->At.Fx);
     HWY_ALIGN float flags[16];
     hn::Store(hn::IfThenElseZero(lanes, Splat(1.0f)), d, flags);
-    HWY_ALIGN int offsets[16] = {};
     int block = 0;
     for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
     {
       // Lanes that take no sample read the voxels of others.
-      offsets[lane] = 1 + Side + Side * Side;
+      this->Offsets[lane] = components * (1 + Side + Side * Side);
       if (flags[lane] != 0.0f)
       {
         const int cell[3] = { cells[0][lane], cells[1][lane], cells[2][lane] };
-        Copy(v, cell, this->Voxels + block);
-        offsets[lane] += block;
-        block += Side * Side * Side;
+        T* const to = this->Voxels + block;
+        switch (components)
+        {
+          case 1:
+            Copy<1>(v, cell, to);
+            break;
+          case 2:
+            Copy<2>(v, cell, to);
+            break;
+          case 3:
+            Copy<3>(v, cell, to);
+            break;
+          default:
+            Copy<4>(v, cell, to);
+            break;
+        }
+        this->Offsets[lane] += block;
+        block += Side * Side * Side * components;
       }
     }
-    this->Rows.Set(this->View, offsets);
   }
 
-  HWY_INLINE Vf Sample(SampleRows<T>& rows) const
-  {
-    return HWY_NAMESPACE::Sample<T>(this->Rows, this->At, rows);
-  }
-  HWY_INLINE Vec3 Gradient(const SampleRows<T>& rows) const
-  {
-    return HWY_NAMESPACE::Gradient<T>(this->Rows, this->At, rows);
-  }
+  const PacketVolume& GetView() const { return this->View; }
+  const SamplePosition& GetPosition() const { return this->At; }
+  const int* GetOffsets() const { return this->Offsets; }
 
 private:
   static constexpr int Side = 4;
 
   /// Copies the voxels from one before the cell to one behind it.
+  template <int Components>
   static void Copy(const PacketVolume& v, const int cell[3], T* to)
   {
     const T* const from = static_cast<const T*>(v.Scalars);
@@ -565,27 +613,31 @@ private:
     const bool whole = x[3] - x[0] == Side - 1;
     for (int k = 0; k < Side; ++k)
     {
-      for (int j = 0; j < Side; ++j, to += Side)
+      for (int j = 0; j < Side; ++j, to += Side * Components)
       {
         // As words, which is how they are read: loads wait for smaller stores.
         const T* const row = from + place(1, j) * v.IncrementY + place(2, k) * v.IncrementZ;
         if (whole)
         {
-          std::memcpy(to, row + x[0], Side * sizeof(T));
+          std::memcpy(to, row + x[0] * Components, Side * Components * sizeof(T));
         }
         else
         {
-          const T voxels[Side] = { row[x[0]], row[x[1]], row[x[2]], row[x[3]] };
+          T voxels[Side * Components];
+          for (int i = 0; i < Side; ++i)
+          {
+            std::copy_n(row + x[i] * Components, Components, voxels + i * Components);
+          }
           std::memcpy(to, voxels, sizeof(voxels));
         }
       }
     }
   }
 
-  HWY_ALIGN T Voxels[16 * Side * Side * Side];
+  T* Voxels;
   PacketVolume View;
   SamplePosition At;
-  OffsetRows<T> Rows;
+  HWY_ALIGN int Offsets[16] = {}; ///< elements
 };
 
 } // namespace HWY_NAMESPACE

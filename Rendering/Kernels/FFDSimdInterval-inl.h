@@ -65,8 +65,7 @@ HWY_INLINE Vf FindMeanExtinction(
 HWY_INLINE Vf PlaceInInterval(Vf opticalDepth)
 {
   const Vf depth = hn::Mul(Splat(0.69314718f), opticalDepth);
-  return hn::Div(
-    Splat(1.0f), hn::Sqrt(hn::MulAdd(depth, hn::Add(Splat(4.0f / 3.0f), depth), Splat(4.0f))));
+  return InverseSqrt(hn::MulAdd(depth, hn::Add(Splat(4.0f / 3.0f), depth), Splat(4.0f)));
 }
 
 HWY_INLINE Vf OpacityOfDepth(Vf opticalDepth)

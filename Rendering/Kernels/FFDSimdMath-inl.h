@@ -242,25 +242,16 @@ struct Quads
   Vi w;
 };
 
-/**
- * The four words at `table + 4 * index` of each lane: one load a lane and a transposition, where
- * four gathers would load four times.
- */
-HWY_INLINE Quads LoadQuads(const std::uint32_t* table, Vi index)
+#if HWY_TARGET != HWY_SCALAR
+/// The words of load(lane), 128 bits for each lane; permute(v) is applied to several of them at
+/// once, in blocks of 128 bits.
+template <class Load, class Permute>
+HWY_INLINE Quads TransposeQuads(const Load& load, const Permute& permute)
 {
   const Di di;
-  const int* words = reinterpret_cast<const int*>(table);
-#if HWY_TARGET == HWY_SCALAR
-  const Vi at = hn::ShiftLeft<2>(index);
-  return { hn::GatherIndex(di, words, at), hn::GatherIndex(di, words + 1, at),
-    hn::GatherIndex(di, words + 2, at), hn::GatherIndex(di, words + 3, at) };
-#else
-  HWY_ALIGN int at[16];
-  StoreIndices(hn::ShiftLeft<2>(index), at);
   // The quads of lanes k, k + 4, k + 8 ... in one vector.
   const auto column = [&](int k) {
-    return JoinQuads(
-      di, [&](int block) { return hn::LoadU(hn::CappedTag<int, 4>(), words + at[4 * block + k]); });
+    return permute(JoinQuads(di, [&](int block) { return load(4 * block + k); }));
   };
   const Vi a = column(0);
   const Vi b = column(1);
@@ -276,6 +267,96 @@ HWY_INLINE Quads LoadQuads(const std::uint32_t* table, Vi index)
     hn::BitCast(di, hn::InterleaveUpper(pairs, lowAB, lowCE)),
     hn::BitCast(di, hn::InterleaveLower(pairs, highAB, highCE)),
     hn::BitCast(di, hn::InterleaveUpper(pairs, highAB, highCE)) };
+}
+#endif
+
+/// Does what LoadLanes() does with 128 bits, permuted as by TransposeQuads().
+template <int Scale, class Permute>
+HWY_INLINE Quads LoadQuadLanes(
+  const void* base, std::ptrdiff_t bytes, const int* offsets, const Permute& permute)
+{
+#if HWY_TARGET == HWY_SCALAR
+  static_cast<void>(permute);
+  return { LoadLanes<int, Scale>(base, bytes, offsets),
+    LoadLanes<int, Scale>(base, bytes + 4, offsets),
+    LoadLanes<int, Scale>(base, bytes + 8, offsets),
+    LoadLanes<int, Scale>(base, bytes + 12, offsets) };
+#else
+  const char* from = static_cast<const char*>(base) + bytes;
+  const hn::CappedTag<std::uint8_t, 16> d;
+  return TransposeQuads(
+    [&](int lane) {
+      return hn::BitCast(hn::CappedTag<int, 4>(),
+        hn::LoadU(d,
+          reinterpret_cast<const std::uint8_t*>(
+            from + static_cast<std::ptrdiff_t>(offsets[lane]) * Scale)));
+    },
+    permute);
+#endif
+}
+
+template <int Scale>
+HWY_INLINE Quads LoadQuadLanes(const void* base, std::ptrdiff_t bytes, const int* offsets)
+{
+  return LoadQuadLanes<Scale>(base, bytes, offsets, [](Vi quads) { return quads; });
+}
+
+/// Two words of every lane.
+struct Pairs
+{
+  Vi x;
+  Vi y;
+};
+
+/// Does what LoadLanes() does with 64 bits.
+template <int Scale>
+HWY_INLINE Pairs LoadPairLanes(const void* base, std::ptrdiff_t bytes, const int* offsets)
+{
+#if HWY_TARGET == HWY_SCALAR
+  return { LoadLanes<int, Scale>(base, bytes, offsets),
+    LoadLanes<int, Scale>(base, bytes + 4, offsets) };
+#else
+  const Di di;
+  const char* from = static_cast<const char*>(base) + bytes;
+  // As LoadLanes().
+  const auto load = [&](int lane) {
+    double words;
+    std::memcpy(&words, from + static_cast<std::ptrdiff_t>(offsets[lane]) * Scale, sizeof(words));
+    return words;
+  };
+  // The pairs of lanes k and k + 1, k + 4 and k + 5 ... in one vector.
+  const auto column = [&](int k) {
+    return JoinQuads(di, [&](int block) {
+      HWY_ALIGN const double pairs[2] = { load(4 * block + k), load(4 * block + k + 1) };
+      return hn::BitCast(hn::CappedTag<int, 4>(), hn::Load(hn::CappedTag<double, 2>(), pairs));
+    });
+  };
+  const Vi a = column(0);
+  const Vi b = column(2);
+  const Vi even = hn::InterleaveLower(di, a, b);
+  const Vi odd = hn::InterleaveUpper(di, a, b);
+  return { hn::InterleaveLower(di, even, odd), hn::InterleaveUpper(di, even, odd) };
+#endif
+}
+
+/**
+ * The four words at `table + 4 * index` of each lane: one load a lane and a transposition, where
+ * four gathers would load four times.
+ */
+HWY_INLINE Quads LoadQuads(const std::uint32_t* table, Vi index)
+{
+  const int* words = reinterpret_cast<const int*>(table);
+#if HWY_TARGET == HWY_SCALAR
+  const Di di;
+  const Vi at = hn::ShiftLeft<2>(index);
+  return { hn::GatherIndex(di, words, at), hn::GatherIndex(di, words + 1, at),
+    hn::GatherIndex(di, words + 2, at), hn::GatherIndex(di, words + 3, at) };
+#else
+  HWY_ALIGN int at[16];
+  StoreIndices(hn::ShiftLeft<2>(index), at);
+  return TransposeQuads(
+    [&](int lane) { return hn::LoadU(hn::CappedTag<int, 4>(), words + at[lane]); },
+    [](Vi quads) { return quads; });
 #endif
 }
 

@@ -155,6 +155,22 @@ HWY_INLINE Vf DensityOf(const PacketScene& scene, std::size_t component, const V
   }
 }
 
+/// The components that DensityOf() takes, a bit each.
+HWY_INLINE unsigned int FindDensityComponents(const PacketScene& scene)
+{
+  switch (scene.KindOfComponents)
+  {
+    case ComponentKind::ColorOpacity:
+      return 1u << 1;
+    case ComponentKind::Rgb:
+      return 1u << 0 | 1u << 1 | 1u << 2;
+    case ComponentKind::Rgba:
+      return 1u << 3;
+    default:
+      return (1u << scene.Volume.Components) - 1u;
+  }
+}
+
 HWY_INLINE bool HasGradientOpacities(const PacketScene& scene)
 {
   return std::any_of(scene.Components.begin(), scene.Components.end(),

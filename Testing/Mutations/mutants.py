@@ -262,8 +262,8 @@ MUTANTS = (
     Mutant(
         "vectors: gradients of components from the wrong corner",
         "index",
-        "return this->Corners[at[0] + 2 * at[1] + 4 * at[2]];",
-        "return this->Corners[at[0] + 4 * at[1] + 2 * at[2]];",
+        "return this->Rows[dy + 2 * dz].Of[Component];",
+        "return this->Rows[2 * dy + dz].Of[Component];",
         PACKETS + cxx("Components", "VTKScenes.FourComponentsIndependent")),
     Mutant(
         "vectors: a mask of its own grid ends half a voxel too early",

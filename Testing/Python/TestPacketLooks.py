@@ -217,6 +217,58 @@ class TestPacketLooks(unittest.TestCase):
                 self.assertLess(numpy.abs(fast - every).max(), 1.01)
                 self.assertLess(few, 0.7 * many)
 
+    def test_what_masks_hide_is_leaped_over(self):
+        size = 70
+        z, y, x = numpy.mgrid[0:size, 0:size, 0:size] / (size - 1.0)
+        field = 0.6 + 0.3 * numpy.sin(9 * x + 5 * y) * numpy.cos(7 * z)
+        balls = [((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2 < r ** 2)
+                 for a, b, c, r in ((0.3, 0.4, 0.7, 0.08), (0.6, 0.6, 0.8, 0.1), (0.02, 0.5, 0.5, 0.06))]
+        modes = {"composite": "SetBlendModeToComposite", "pre-integrated": "SetClassificationToPreIntegrated",
+                 "maximum": "SetBlendModeToMaximumIntensity", "average": "SetBlendModeToAverageIntensity",
+                 "surfaces": "SetBlendModeToIsoSurface"}
+        masks = (("u1", 0, 255), ("f4", -1.0, 0.25), ("i2", 0, 3))
+        for (kind, low, high), deformed, components, mode in itertools.product(
+                masks, (False, True), (1, 2), modes):
+            if components == 2 and mode != "composite":
+                continue
+            with self.subTest(mask=kind, deformed=deformed, components=components, mode=mode):
+                scale, mapper, prop, volume = self.make("u1", deformed)
+                # An opacity that leaves nothing else to leap over.
+                for c in range(components):
+                    prop.SetScalarOpacity(c, points((0.0, 0.02), (scale, 0.05)))
+                    prop.SetShade(c, 1)
+                prop.GetIsoSurfaceValues().SetValue(0, 0.6 * scale)
+                image = vtkImageData()
+                image.SetDimensions(size, size, size)
+                image.SetSpacing(*(n / (size - 1.0) for n in SIZE))
+                values = numpy.repeat((scale * field).astype("u1").reshape(-1, 1), components, axis=1)
+                image.GetPointData().SetScalars(numpy_to_vtk(values, deep=True))
+                mask = vtkImageData()
+                mask.CopyStructure(image)
+                mask.GetPointData().SetScalars(numpy_to_vtk(
+                    numpy.where(balls[0] | balls[2], high, low).astype(kind).ravel(), deep=True))
+                mapper.SetInputData(image)
+                mapper.SetMaskInput(mask)
+                mapper.SetMaskTypeToBinary()
+                mapper.SetSampleDistance(0.3)
+                getattr(mapper, modes[mode])()
+                mapper.CollectStatisticsOn()
+                for _ in range(2):
+                    mapper.SetSpaceLeapingToLipschitz()
+                    leaping = self.picture(mapper, volume, False)
+                    few = mapper.GetStatistics().GetSamplesPerRay()
+                    mapper.SetSpaceLeapingToOff()
+                    every = self.picture(mapper, volume, False)
+                    many = mapper.GetStatistics().GetSamplesPerRay()
+                    self.assertGreater((every[:, 3] > 0).mean(), 0.004)
+                    self.assertLess(numpy.abs(leaping - every).max(), 1.01)
+                    if mode == "composite":
+                        self.assertLess(few, 0.3 * many)
+                    # Another mask in the same memory.
+                    vtk_to_numpy(mask.GetPointData().GetScalars())[:] = numpy.where(
+                        balls[1], high, low).ravel()
+                    mask.GetPointData().GetScalars().Modified()
+
     def test_extremes_end_where_nothing_beyond_them_shows(self):
         # Dark air in front of it makes a minimum invisible, whatever comes behind.
         scale, mapper, prop, volume = self.make("u1", False)
