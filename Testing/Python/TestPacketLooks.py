@@ -237,7 +237,8 @@ class TestPacketLooks(unittest.TestCase):
                 for c in range(components):
                     prop.SetScalarOpacity(c, points((0.0, 0.02), (scale, 0.05)))
                     prop.SetShade(c, 1)
-                prop.GetIsoSurfaceValues().SetValue(0, 0.6 * scale)
+                for i in range(6):
+                    prop.GetIsoSurfaceValues().SetValue(i, (0.4 + 0.08 * i) * scale)
                 image = vtkImageData()
                 image.SetDimensions(size, size, size)
                 image.SetSpacing(*(n / (size - 1.0) for n in SIZE))
