@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 namespace ffd
@@ -45,10 +46,20 @@ struct PacketMask
   float MagnitudeScale[3] = {};
 
   /// Number of the table of a label, 0 without one.
-  int TableOf(double label) const
+  template <class T>
+  int TableOf(T label) const
   {
-    const bool known = label >= 0.5 && label < static_cast<double>(this->Tables.size()) - 0.5;
-    return known ? this->Tables[static_cast<std::size_t>(label + 0.5)] : 0;
+    if constexpr (std::is_integral<T>::value)
+    {
+      const bool known = label > 0 && static_cast<std::uint64_t>(label) < this->Tables.size();
+      return known ? this->Tables[static_cast<std::size_t>(label)] : 0;
+    }
+    else
+    {
+      const double size = static_cast<double>(this->Tables.size());
+      const bool known = label >= 0.5 && static_cast<double>(label) < size - 0.5;
+      return known ? this->Tables[static_cast<std::size_t>(label + 0.5)] : 0;
+    }
   }
 };
 

@@ -61,7 +61,7 @@ HWY_INLINE auto LookUpMask(const PacketMask& mask, const Vec3& q, const Function
     {
       const std::ptrdiff_t at =
         offsets[lane] + static_cast<std::ptrdiff_t>(slices[lane]) * mask.Increments[2];
-      numbers[lane] = slices[lane] >= 0 ? function(static_cast<double>(scalars[at])) : Number(0);
+      numbers[lane] = slices[lane] >= 0 ? function(scalars[at]) : Number(0);
     }
   });
   return hn::Load(d, numbers);
@@ -71,14 +71,14 @@ HWY_INLINE auto LookUpMask(const PacketMask& mask, const Vec3& q, const Function
 HWY_NOINLINE Mf IsInMask(const PacketMask& mask, const Vec3& q)
 {
   const Vf inside =
-    LookUpMask<float>(mask, q, [](double value) { return value > 0.0 ? 1.0f : 0.0f; });
+    LookUpMask<float>(mask, q, [](auto value) { return value > 0 ? 1.0f : 0.0f; });
   return hn::Gt(inside, hn::Zero(Df()));
 }
 
 /// Numbers of the tables in PacketScene::Table of the labels at positions.
 HWY_NOINLINE Vi FindLabelTables(const PacketMask& mask, const Vec3& q)
 {
-  return LookUpMask<int>(mask, q, [&](double label) { return mask.TableOf(label); });
+  return LookUpMask<int>(mask, q, [&](auto label) { return mask.TableOf(label); });
 }
 
 } // namespace HWY_NAMESPACE
