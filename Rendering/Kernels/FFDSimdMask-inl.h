@@ -70,8 +70,7 @@ HWY_INLINE auto LookUpMask(const PacketMask& mask, const Vec3& q, const Function
 /// Lanes that are inside of a binary mask.
 HWY_NOINLINE Mf IsInMask(const PacketMask& mask, const Vec3& q)
 {
-  const Vf inside =
-    LookUpMask<float>(mask, q, [](auto value) { return value > 0 ? 1.0f : 0.0f; });
+  const Vf inside = LookUpMask<float>(mask, q, [](auto value) { return value > 0 ? 1.0f : 0.0f; });
   return hn::Gt(inside, hn::Zero(Df()));
 }
 
