@@ -230,6 +230,65 @@ class TestFiles(unittest.TestCase):
         for a, b in ((0, 1), (1, 2)):
             self.assertGreater(np.abs(frames[a] - frames[b]).mean(), 0.5)
 
+    def test_animation_cache(self):
+        """With ParaView's cache of geometry each step of two deformed volumes is made once, and shown right
+        from then on; what is kept does not grow with the number of loops."""
+        simple.Hide(self.lattice, self.view)
+        lattices = []
+        for half, shape, place in ((12, "Twist", 17.0), (9, "Bend", -17.0)):
+            moved = simple.FFDLattice(Input=ffd.make_wavelet(half), Resolution=[4, 4, 4],
+                                      Displacements=[place, -1.4 * place, 0.0] * 64)
+            lattices.append(simple.FFDLattice(Input=moved, Shape=shape, Strength=0.0))
+            simple.Show(lattices[-1], self.view)
+        ffd.set_functions()
+        scene = simple.GetAnimationScene()
+        scene.PlayMode = "Sequence"
+        steps = 5
+        scene.NumberOfFrames = steps
+        scene.StartTime, scene.EndTime = 0.0, 1.0
+        for lattice in lattices:
+            track = simple.GetAnimationTrack("Strength", proxy=lattice)
+            track.KeyFrames = [simple.CompositeKeyFrame(KeyTime=0.0, KeyValues=[0.0]),
+                               simple.CompositeKeyFrame(KeyTime=1.0, KeyValues=[1.0])]
+        updates = [0]
+        lattices[0].SMProxy.AddObserver(
+            "UpdateDataEvent", lambda *_: updates.__setitem__(0, updates[0] + 1))
+
+        def play(name):
+            pictures = []
+            for step in range(steps):
+                scene.AnimationTime = step / (steps - 1)
+                pictures.append(ffd.picture(self.view, name))
+            return pictures
+
+        def memory():
+            with open("/proc/self/statm", encoding="ascii") as file:
+                return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+        settings = simple.GetSettingsProxy("GeneralSettings")
+        before = settings.CacheGeometryForAnimation
+        try:
+            # On first: what is made without a cache is kept as that of the first time.
+            settings.CacheGeometryForAnimation = 1
+            play("cached")
+            self.assertEqual(updates[0], steps - 1)  # it was at the first one already
+            cached = [play("cached again") for _ in range(2)]
+            used = memory()
+            for _ in range(20):
+                play("cached loops")
+            self.assertEqual(updates[0], steps - 1)
+            self.assertLess(memory() - used, 5e6)
+            settings.CacheGeometryForAnimation = 0
+            expected = play("not cached")
+            for a, b in zip(expected, expected[1:]):
+                self.assertGreater(np.abs(a - b).mean(), 0.5)
+            for loop in cached:
+                for step in range(steps):
+                    # But for where on the rays, from the near plane on, the samples begin.
+                    self.assertLess(ffd.differ(loop[step], expected[step])[1], 0.05, step)
+        finally:
+            settings.CacheGeometryForAnimation = before
+
     def test_scene(self):
         """Surfaces are exported as they are shown; that the volume is not in the file is said."""
         contour = simple.Contour(
