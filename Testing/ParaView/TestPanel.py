@@ -6,12 +6,17 @@ and edited in the panel, applied, undone and traced."""
 
 import json
 import base64
+import contextlib
 import os
 import sqlite3
 import subprocess
+import sys
 import tempfile
 import unittest
 
+import numpy as np
+
+import ffdlink
 from ffdevents import (
     BROWSER, DISPLAY, EDITING, HERE, PANEL, PLUGIN, PROPERTIES, SELECTION, TEMPORARY, VIEW, WINDOW,
     Events, write_translation)
@@ -373,6 +378,91 @@ class TestPanel(unittest.TestCase):
         for here, there in zip(found[0], found[2]):
             for a, b in zip(here, there):
                 self.assertAlmostEqual(a, b, delta=0.1)
+
+    def drag_without_apply(self, moves, server):
+        """Drag a control point, and end ParaView without Apply. Returns the last frame, the number of
+        frames, and the bytes that the client has sent and received; without a server 0."""
+        folder = tempfile.mkdtemp(prefix="drag.", dir=TEMPORARY)
+        os.chmod(folder, 0o700)
+        frames = os.path.join(folder, "frames.npz")
+        environment = {**os.environ, "HOME": folder, "XDG_RUNTIME_DIR": folder,
+                       "PV_PLUGIN_PATH": os.path.dirname(PLUGIN), "FFD_DRAG_FRAMES": frames}
+        events = Events()
+        events.add(VIEW, "pause", "500")
+        events.drag((0.5, 0.5), *[(0.5 + 0.1 * i / moves, 0.5 - 0.2 * i / moves)
+                                  for i in range(1, moves + 1)])
+        events.add(VIEW, "pause", "500")
+        command = ["paraview", "--dr", "--script=" + os.path.join(HERE, "DragScene.py"),
+                   "--test-directory=" + folder,
+                   "--test-script=" + events.write(os.path.join(folder, "drag.xml")), "--exit"]
+        counts = [0, 0]
+        with contextlib.ExitStack() as stack:
+            if server:
+                port = 21000 + (os.getpid() + moves) % 9000
+                process = stack.enter_context(subprocess.Popen(
+                    ["pvserver", "--server-port=%d" % port], env=environment, text=True,
+                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT))
+                stack.callback(process.kill)
+                for line in process.stdout:
+                    if "Accepting" in line:
+                        break
+                link = stack.enter_context(ffdlink.SlowLink(port, delay=0.0))
+                command.append("--server-url=cs://localhost:%d" % link.port)
+            result = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                                    check=False, env=environment)
+            if server:
+                counts = link.count()
+        self.assertEqual(result.returncode, 0, result.stdout)
+        saved = np.load(frames)
+        return saved["picture"].astype(int), int(saved["count"]), counts
+
+    def test_drag_is_local(self):
+        """Before Apply only the control points travel to a server, and no pictures come back; the
+        client shows the server's volume below the lattice."""
+        expected, _, _ = self.drag_without_apply(40, False)
+        _, few, before = self.drag_without_apply(4, True)
+        picture, many, after = self.drag_without_apply(40, True)
+        self.assertGreaterEqual(many - few, 30)
+        sent, received = [(b - a) / 36 for a, b in zip(before, after)]
+        sys.stdout.write("a step of a drag: %d bytes sent, %d received\n" % (sent, received))
+        self.assertGreater(sent, 0)
+        # 125 control points, and what they are packed into. A picture is of 130 kB; the server makes one
+        # more or less before the drag.
+        self.assertLess(sent, 2 * 125 * 24)
+        self.assertLess(abs(received), 20e3)
+        self.assertEqual(picture.shape, expected.shape)
+        self.assertLess(np.abs(picture - expected).mean(), 1.0)
+        self.assertGreater(picture.std(), 10.0)
+
+    def test_at_rest(self):
+        """The pipeline browser and the status bar name what is shown at rest, as long as it is."""
+        text = WINDOW + "statusbar/FFDAtRest"
+        marks = BROWSER + "/qt_scrollarea_viewport/FFDAtRestMarks"
+        for kind in ("Volume", "Slice", "Point Gaussian"):
+            folder = tempfile.mkdtemp(prefix="rest.", dir=TEMPORARY)
+            os.chmod(folder, 0o700)
+            events = Events()
+            events.add(VIEW, "pause", "500")
+            events.check(text, "visible", "true")
+            events.check(text, "text", "First is shown at rest (%s)" % kind)
+            events.check(marks, "marked", "First")
+            # Another representation.
+            events.add(BROWSER, "currentChanged", "/0/0/0|0")
+            events.add(WINDOW + "representationToolbar/displayRepresentation/comboBox", "set_string",
+                       "FFD Volume")
+            events.add(VIEW, "pause", "500")
+            events.check(text, "visible", "false")
+            events.check(marks, "marked", "")
+            result = subprocess.run(
+                ["paraview", "--dr", "--script=" + os.path.join(HERE, "AtRestScene.py"),
+                 "--test-directory=" + folder,
+                 "--test-script=" + events.write(os.path.join(folder, "rest.xml")), "--exit"],
+                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
+                env={**os.environ, "HOME": folder, "XDG_RUNTIME_DIR": folder,
+                     "PV_PLUGIN_PATH": os.path.dirname(PLUGIN), "FFD_REST_TYPE": kind})
+            self.assertEqual(result.returncode, 0, result.stdout)
+            # No window of messages over the view.
+            self.assertNotIn("shows the data at rest", result.stdout)
 
 
 if __name__ == "__main__":

@@ -72,6 +72,10 @@ class Events:
             self.add(widget, "key", "16777220")
         self.wait()
 
+    def check(self, target, name, value):
+        """A property of a widget (text, visible, ...) has this value; else ParaView ends with an error."""
+        self.lines.append('<pqcheck object="%s" property="%s" arguments="%s"/>' % (target, name, value))
+
     def wait(self):
         # Auto-apply and the panel wait for the event loop only: timers of zero.
         self.add(VIEW, "pause", "100")

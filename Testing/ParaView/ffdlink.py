@@ -12,14 +12,15 @@ import time
 
 class SlowLink:
     """A link to a port of this machine, in a process of its own; `port` is its own port. To be used
-    within a with statement."""
+    within a with statement. What goes through comes `delay` seconds later."""
 
-    def __init__(self, target):
+    def __init__(self, target, delay=0.05):
         self.target = target
+        self.delay = delay
 
     def __enter__(self):
-        self.process = subprocess.Popen([sys.executable, __file__, str(self.target)], text=True,
-                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        self.process = subprocess.Popen([sys.executable, __file__, str(self.target), str(self.delay)],
+                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self.port = int(self.process.stdout.readline())
         return self
 
@@ -93,7 +94,7 @@ class Link:
 
 
 if __name__ == "__main__":
-    own = Link(int(sys.argv[1]))
+    own = Link(int(sys.argv[1]), float(sys.argv[2]))
     print(own.listener.getsockname()[1], flush=True)
     for _ in sys.stdin:
         print(*own.counts, flush=True)

@@ -7,6 +7,7 @@
 
 #include "vtkFFDEditLatticeRepresentation.h"
 #include "vtkFFDLattice.h"
+#include "vtkFFDLocalFrames.h"
 
 #include "pqApplicationCore.h"
 #include "pqCoreUtilities.h"
@@ -87,6 +88,7 @@ public:
   QPointer<pqProxy> Source;
   Rep* Representation = nullptr;
   vtkAbstractWidget* Widget = nullptr;
+  vtkFFDLocalFrames Local; // of drags
 
   struct Observation
   {
@@ -184,6 +186,10 @@ pqFFDLatticePropertyWidget::pqFFDLatticePropertyWidget(
   this->connect(&in.SettleTimer, SIGNAL(timeout()), SLOT(settleResolution()));
   this->connect(&in.FinishTimer, SIGNAL(timeout()), SLOT(finishInteraction()));
 
+  QObject::connect(this, &pqPropertyWidget::viewChanged, this, [this](pqView* view) {
+    this->Internals->Local.SetView(
+      view ? vtkSMViewProxy::SafeDownCast(view->getViewProxy()) : nullptr);
+  });
   this->connect(this, SIGNAL(startInteraction()), SLOT(onStartInteraction()));
   this->connect(this, SIGNAL(interaction()), SLOT(onInteraction()));
   this->connect(this, SIGNAL(endInteraction()), SLOT(onEndInteraction()));
@@ -215,6 +221,7 @@ pqFFDLatticePropertyWidget::~pqFFDLatticePropertyWidget()
 {
   qApp->removeEventFilter(this);
   // The superclass takes the widget out of the view, which is an event.
+  QObject::disconnect(this, &pqPropertyWidget::viewChanged, this, nullptr);
   this->Internals->StopObserving();
 }
 
@@ -333,6 +340,7 @@ void pqFFDLatticePropertyWidget::onStartInteraction()
   }
   in.Interacting = true;
   in.Live = false;
+  in.Local.Begin();
   in.WasUnmodified = in.Source && in.Source->modifiedState() == pqProxy::UNMODIFIED;
   in.Before = { this->getUnchecked(), in.WasUnmodified };
   in.Start.clear();
@@ -377,6 +385,7 @@ void pqFFDLatticePropertyWidget::onInteraction()
   }
   if (this->view())
   {
+    in.Local.Forget();
     // The widget renders when this is done.
     this->view()->getViewProxy()->Update();
   }
@@ -398,6 +407,7 @@ void pqFFDLatticePropertyWidget::finishInteraction()
     return;
   }
   in.Interacting = false;
+  in.Local.End();
   const std::vector<std::vector<double>> values = this->getUnchecked();
   if (in.Live)
   {

@@ -56,6 +56,8 @@ std::string GetType(vtkSMProxy* parent)
   return type ? type : "";
 }
 
+bool WarnsOfRest = true;
+
 bool IsShown(vtkSMProxy* parent) { return GetType(parent) == "FFD Volume"; }
 
 /// Representations of ParaView that know nothing of lattices, and whose data cannot be moved.
@@ -281,21 +283,32 @@ void vtkSMFFDVolumeRepresentationProxy::PickArray()
 void vtkSMFFDVolumeRepresentationProxy::WarnOfRest()
 {
   vtkSMProxy* parent = this->GetParentProxy();
-  const std::string type = parent ? GetType(parent) : "";
-  if (!ShowsRest(type) || !HasLattice(parent))
+  const std::string type = parent ? FindTypeAtRest(parent) : "";
+  if (WarnsOfRest && !type.empty() && this->WarnedOf != type)
   {
-    this->WarnedOf.clear();
-    return;
+    vtkWarningMacro(<< ExplainRest(type));
   }
-  if (this->WarnedOf != type)
-  {
-    this->WarnedOf = type;
-    vtkWarningMacro(<< "The representation \"" << type
-                    << "\" shows the data at rest, without their lattice. \"FFD Volume\" and "
-                       "surfaces show them deformed; the filter \"FFD Resample To Image\" makes a "
-                       "deformed image for other representations.");
-  }
+  this->WarnedOf = type;
 }
+
+//------------------------------------------------------------------------------
+std::string vtkSMFFDVolumeRepresentationProxy::FindTypeAtRest(vtkSMProxy* representation)
+{
+  const std::string type = GetType(representation);
+  return ShowsRest(type) && HasLattice(representation) ? type : std::string();
+}
+
+//------------------------------------------------------------------------------
+std::string vtkSMFFDVolumeRepresentationProxy::ExplainRest(const std::string& type)
+{
+  return "The representation \"" + type +
+    "\" shows the data at rest, without their lattice. \"FFD Volume\" and surfaces show them "
+    "deformed; the filter \"FFD Resample To Image\" makes a deformed image for other "
+    "representations.";
+}
+
+//------------------------------------------------------------------------------
+void vtkSMFFDVolumeRepresentationProxy::SetWarnsOfRest(bool warns) { WarnsOfRest = warns; }
 
 //------------------------------------------------------------------------------
 /**

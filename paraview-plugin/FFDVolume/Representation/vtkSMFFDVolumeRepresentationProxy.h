@@ -50,6 +50,18 @@ public:
   std::string GetShownArray();
 
   /**
+   * The type of a representation if it is one of those that show data with a lattice at rest, and
+   * its data have one; else "".
+   */
+  static std::string FindTypeAtRest(vtkSMProxy* representation);
+
+  /// What a representation of that type shows, and what to do about it.
+  static std::string ExplainRest(const std::string& type);
+
+  /// Whether a warning says that, which is on by default; off where an application has other means.
+  static void SetWarnsOfRest(bool warns);
+
+  /**
    * Says, once for each session, if its server has another version of the plugin than the client:
    * what the one asks for, the other may not know.
    */
