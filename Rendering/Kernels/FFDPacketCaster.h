@@ -236,8 +236,7 @@ struct PacketScratch
   std::vector<TileSegment*>
     Roots; ///< of the trees of segments of the tile, front to back, as far as made
   std::vector<RayIntegrator> Integrators; ///< of the lanes of a packet, where these are used
-  /// Origin, direction (local), from, to; packet by packet.
-  alignas(64) std::array<float, 8 * TileSide * TileSide> Rays;
+  std::array<float, 8 * TileSide * TileSide> Rays; ///< origin, direction (local), from, to
   /// Voxels around samples at faces of the volume: 4 x 4 x 4 of up to 16 bytes for each of 16
   /// lanes, and what vectors may read beyond them.
   alignas(64) std::array<unsigned char, 16 * 64 * 16 + 16> BorderVoxels;

@@ -21,7 +21,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <hwy/cache_control.h>
 #include <limits>
 
 HWY_BEFORE_NAMESPACE();
@@ -30,37 +29,30 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// Gives access to the rays of a tile in PacketScratch::Rays. The numbers of a packet lie together:
-/// 4 KiB apart they would take the same few lines of the cache.
+/// Gives access to the rays of a tile in PacketScratch::Rays, packet by packet.
 struct StoredRays
 {
-  static constexpr std::size_t NumbersPerRay = 8;
+  static constexpr std::size_t RaysPerTile = TileSide * TileSide;
   float* Data;
   explicit StoredRays(PacketScratch& scratch)
     : Data(scratch.Rays.data())
   {
   }
-  HWY_INLINE void Set(std::size_t packet, const RayPacket& rays) const
+  HWY_INLINE void Set(std::size_t first, const RayPacket& rays) const
   {
     const Df d;
-    const Vf all[NumbersPerRay] = { rays.Origin.x, rays.Origin.y, rays.Origin.z, rays.Direction.x,
+    const Vf all[8] = { rays.Origin.x, rays.Origin.y, rays.Origin.z, rays.Direction.x,
       rays.Direction.y, rays.Direction.z, rays.From, rays.To };
-    for (std::size_t i = 0; i < NumbersPerRay; ++i)
+    for (int i = 0; i < 8; ++i)
     {
-      hn::Store(all[i], d, this->Find(packet, i));
+      hn::StoreU(all[i], d, this->Data + RaysPerTile * i + first);
     }
   }
-  HWY_INLINE RayPacket Get(std::size_t packet) const
+  HWY_INLINE RayPacket Get(std::size_t first) const
   {
     const Df d;
-    const auto load = [&](std::size_t i) { return hn::Load(d, this->Find(packet, i)); };
+    const auto load = [&](int i) { return hn::LoadU(d, this->Data + RaysPerTile * i + first); };
     return { { load(0), load(1), load(2) }, { load(3), load(4), load(5) }, load(6), load(7) };
-  }
-
-private:
-  HWY_INLINE float* Find(std::size_t packet, std::size_t number) const
-  {
-    return this->Data + (NumbersPerRay * packet + number) * hn::Lanes(Df());
   }
 };
 
@@ -183,17 +175,6 @@ HWY_INLINE void StorePixels(const PacketScene& scene, const CastImage& image, in
   }
 }
 
-/// Fetches the colors of a packet, which are stored when it has been cast.
-HWY_INLINE void PrefetchPixels(const CastImage& image, int x0, int y0)
-{
-  const int height = std::min(GetPacketShape().Height, image.Height - y0);
-  const float* row = image.Colors + 4 * (static_cast<std::size_t>(y0) * image.Width + x0);
-  for (int y = 0; y < height; ++y, row += 4 * static_cast<std::size_t>(image.Width))
-  {
-    hwy::Prefetch(row);
-  }
-}
-
 /// Stores the pixels of a packet none of whose rays meets the volume.
 HWY_INLINE void ClearPixels(const CastImage& image, int x0, int y0)
 {
@@ -202,14 +183,7 @@ HWY_INLINE void ClearPixels(const CastImage& image, int x0, int y0)
   for (int y = y0; width > 0 && y < std::min(y0 + shape.Height, image.Height); ++y)
   {
     const std::size_t at = static_cast<std::size_t>(y) * image.Width + x0;
-    if (HWY_LIKELY(width == 4))
-    {
-      std::fill_n(image.Colors + 4 * at, 16, 0.0f);
-    }
-    else
-    {
-      std::fill_n(image.Colors + 4 * at, 4 * width, 0.0f);
-    }
+    std::fill_n(image.Colors + 4 * at, 4 * width, 0.0f);
     if (image.Depths)
     {
       std::fill_n(image.Depths + at, width, 1.0f);
@@ -326,7 +300,7 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
         reaches.Include(x, y, std::numeric_limits<float>::infinity());
       }
       rays.To = hn::IfThenElse(active, rays.To, Splat(-1.0f));
-      stored.Set(packet, rays);
+      stored.Set(packet * static_cast<std::size_t>(shape.Lanes), rays);
       tMin = std::min(tMin, SmallestLane(hn::IfThenElse(active, rays.From, Splat(1e30f))));
       tMax = std::max(tMax, LargestLane(hn::IfThenElse(active, rays.To, Splat(-1e30f))));
       scratch.Statistics.Rays +=
@@ -349,14 +323,13 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       {
         continue;
       }
-      const RayPacket rays = stored.Get(packet);
+      const RayPacket rays = stored.Get(packet * static_cast<std::size_t>(shape.Lanes));
       const Mf active = hn::Lt(rays.From, rays.To);
       if (hn::AllFalse(d, active))
       {
         ClearPixels(image, x, y);
         continue;
       }
-      PrefetchPixels(image, x, y);
       const Vf phase = scene.Intervals
         ? hn::Zero(d)
         : PhaseOf(scene, rays, scene.Settings.Jitter ? JitterOf(scene, x, y) : hn::Zero(d));
