@@ -438,7 +438,7 @@ class TestPanel(unittest.TestCase):
         """The pipeline browser and the status bar name what is shown at rest, as long as it is."""
         text = WINDOW + "statusbar/FFDAtRest"
         marks = BROWSER + "/qt_scrollarea_viewport/FFDAtRestMarks"
-        for kind in ("Volume", "Slice", "Point Gaussian"):
+        for kind in ("Volume", "Slice"):
             folder = tempfile.mkdtemp(prefix="rest.", dir=TEMPORARY)
             os.chmod(folder, 0o700)
             events = Events()

@@ -24,6 +24,7 @@
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
+#include "vtkPointGaussianRepresentation.h"
 #include "vtkPoints.h"
 #include "vtkPointSet.h"
 #include "vtkPolyData.h"
@@ -33,6 +34,8 @@
 #include "vtkPVProbeLineFilter.h"
 #include "vtkPVRayCastPickingHelper.h"
 #include "vtkSelectionRepresentation.h"
+#include "vtkUnstructuredGridVolumeRepresentation.h"
+#include "vtkVolumeRepresentationPreprocessor.h"
 
 #include <algorithm>
 #include <array>
@@ -171,6 +174,35 @@ vtkSmartPointer<vtkPolyData> Move(vtkPolyData* surface, const Shown& shown, bool
   return moved;
 }
 
+/// Data of surfaces or points, moved where they or all of them have a lattice; null if none has.
+vtkSmartPointer<vtkDataObject> MoveAll(vtkDataObject* data, const Shown& ofAll, bool isOutline)
+{
+  if (vtkPolyData* surface = vtkPolyData::SafeDownCast(data))
+  {
+    return ofAll.Lattice ? Move(surface, ofAll, isOutline) : nullptr;
+  }
+  auto* parts = vtkCompositeDataSet::SafeDownCast(data);
+  if (!parts)
+  {
+    return nullptr;
+  }
+  vtkSmartPointer<vtkCompositeDataSet> moved;
+  moved.TakeReference(parts->NewInstance());
+  moved->ShallowCopy(parts);
+  vtkSmartPointer<vtkCompositeDataIterator> iterator;
+  iterator.TakeReference(parts->NewIterator());
+  for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
+  {
+    vtkPolyData* surface = vtkPolyData::SafeDownCast(iterator->GetCurrentDataObject());
+    const Shown own = ofAll.Lattice ? ofAll : Shown(surface);
+    if (surface && own.Lattice)
+    {
+      moved->SetDataSet(iterator, Move(surface, own, isOutline));
+    }
+  }
+  return moved;
+}
+
 /// Enlarge `bounds` by where a part of a data set, or the whole, is shown.
 void AddShownBounds(Bounds& bounds, vtkDataObject* data, const Shown& ofAll)
 {
@@ -233,6 +265,57 @@ struct Selection : vtkSelectionRepresentation
   static void Follow(vtkSelectionRepresentation* representation)
   {
     Geometry::Follow(representation->*(&Selection::GeometryRepresentation));
+  }
+};
+
+struct Gaussians : vtkPointGaussianRepresentation
+{
+  static void Follow(vtkPointGaussianRepresentation* representation)
+  {
+    // Comes between the points and their way to the view.
+    vtkNew<vtkCallbackCommand> command;
+    command->SetCallback([](vtkObject* caller, unsigned long, void*, void*) {
+      auto* done = vtkPointGaussianRepresentation::SafeDownCast(caller);
+      if (!done || done->GetNumberOfInputConnections(0) != 1)
+      {
+        return;
+      }
+      vtkSmartPointer<vtkDataObject>& points = done->*(&Gaussians::ProcessedData);
+      if (auto moved = MoveAll(points, FindShownOfAll(done->GetInputDataObject(0, 0)), false))
+      {
+        points = moved;
+      }
+    });
+    representation->AddObserver(vtkCommand::UpdateDataEvent, command);
+  }
+};
+
+struct GridVolume : vtkUnstructuredGridVolumeRepresentation
+{
+  static void Follow(vtkUnstructuredGridVolumeRepresentation* representation)
+  {
+    // Makes the tetrahedra that are rendered.
+    vtkAlgorithm* maker = (representation->*(&GridVolume::Preprocessor)).Get();
+    vtkNew<vtkCallbackCommand> command;
+    command->SetCallback([](vtkObject* caller, unsigned long, void*, void*) {
+      auto* done = vtkAlgorithm::SafeDownCast(caller);
+      auto* grid = vtkPointSet::SafeDownCast(done->GetOutputDataObject(0));
+      vtkDataObject* data =
+        done->GetNumberOfInputConnections(0) > 0 ? done->GetInputDataObject(0, 0) : nullptr;
+      const Shown shown = FindShownOfAll(data);
+      if (grid && grid->GetNumberOfPoints() > 0 && shown.Lattice)
+      {
+        vtkSmartPointer<vtkPointSet> rest;
+        rest.TakeReference(grid->NewInstance());
+        rest->ShallowCopy(grid);
+        vtkSmartPointer<vtkPointSet> moved;
+        moved.TakeReference(grid->NewInstance());
+        moved->ShallowCopy(grid);
+        shown.Move(rest, moved);
+        grid->SetPoints(moved->GetPoints());
+      }
+    });
+    maker->AddObserver(vtkCommand::EndEvent, command);
   }
 };
 
@@ -326,6 +409,14 @@ void vtkFFDShownGeometry::Follow(vtkObjectBase* object)
   {
     Selection::Follow(selection);
   }
+  else if (auto* gaussians = vtkPointGaussianRepresentation::SafeDownCast(object))
+  {
+    Gaussians::Follow(gaussians);
+  }
+  else if (auto* volume = vtkUnstructuredGridVolumeRepresentation::SafeDownCast(object))
+  {
+    GridVolume::Follow(volume);
+  }
   else if (auto* axes = vtkPVGridAxes3DRepresentation::SafeDownCast(object))
   {
     Axes::Follow(axes);
@@ -370,29 +461,9 @@ int vtkFFDShownGeometry::RequestData(
   const Shown shown = FindShownOfAll(data);
   auto* maker = vtkPVGeometryFilter::SafeDownCast(this->Maker);
   const bool isOutline = maker && maker->GetUseOutline();
-  if (vtkPolyData* surface = vtkPolyData::SafeDownCast(output))
+  if (vtkSmartPointer<vtkDataObject> moved = MoveAll(output, shown, isOutline))
   {
-    if (shown.Lattice)
-    {
-      surface->ShallowCopy(Move(surface, shown, isOutline));
-    }
-    return 1;
-  }
-  auto* parts = vtkCompositeDataSet::SafeDownCast(output);
-  if (!parts)
-  {
-    return 1;
-  }
-  vtkSmartPointer<vtkCompositeDataIterator> iterator;
-  iterator.TakeReference(parts->NewIterator());
-  for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
-  {
-    vtkPolyData* surface = vtkPolyData::SafeDownCast(iterator->GetCurrentDataObject());
-    const Shown own = shown.Lattice ? shown : Shown(surface);
-    if (surface && own.Lattice)
-    {
-      parts->SetDataSet(iterator, Move(surface, own, isOutline));
-    }
+    output->ShallowCopy(moved);
   }
   return 1;
 }

@@ -60,20 +60,17 @@ bool WarnsOfRest = true;
 
 bool IsShown(vtkSMProxy* parent) { return GetType(parent) == "FFD Volume"; }
 
-/// Representations of ParaView that know nothing of lattices, and whose data cannot be moved.
-bool ShowsRest(const std::string& type)
-{
-  return type == "Volume" || type == "Slice" || type == "Point Gaussian";
-}
+/// Representations of ParaView that know nothing of lattices, and whose images cannot be moved.
+bool ShowsRest(const std::string& type) { return type == "Volume" || type == "Slice"; }
 
-/// Whether the data that are shown have a lattice, and are to be moved.
+/// Whether the data that are shown have a lattice, and are images: "Volume" moves points of others.
 bool HasLattice(vtkSMProxy* parent)
 {
   vtkSMPropertyHelper input(parent, "Input", true);
   auto* source =
     input.GetNumberOfElements() > 0 ? vtkSMSourceProxy::SafeDownCast(input.GetAsProxy()) : nullptr;
   vtkPVDataInformation* data = source ? source->GetDataInformation(input.GetOutputPort()) : nullptr;
-  return data && data->GetFieldDataInformation() &&
+  return data && !data->DataSetTypeIsA("vtkPointSet") && data->GetFieldDataInformation() &&
     data->GetFieldDataInformation()->GetArrayInformation("FFDLattice.Displacement");
 }
 
