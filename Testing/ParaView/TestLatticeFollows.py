@@ -277,6 +277,32 @@ class TestLatticeFollows(unittest.TestCase):
         self.assertGreater(np.abs(values - undeformed)[inside].mean(), 10.0)
         self.assertFalse(got.GetFieldData().HasArray("FFDLattice.Displacement"))
 
+    def test_probes_of_blocks(self):
+        """With a lattice per block each place has the value of the block that is seen there."""
+        pieces = [simple.ExtractSubset(Input=self.wavelet, VOI=[*x, -10, 10, -10, 10])
+                  for x in ((-10, -2), (2, 10))]
+        lattice = simple.FFDLattice(Input=simple.GroupDatasets(Input=pieces), Shape="Bend", Strength=0.5,
+                                    LatticePerBlock=1)
+        seen, farthest = 0, 0.0
+        for piece, x in zip(pieces, (-6.0, 6.0)):
+            alone = simple.FFDLattice(Input=piece, Shape="Bend", Strength=0.5)
+            for y, z in ((0.0, 0.0), (6.0, -5.0), (-7.0, 3.0)):
+                got = []
+                for data in (lattice, alone):
+                    found = simple.ProbeLocation(Input=data, ProbeType="Fixed Radius Point Source")
+                    found.ProbeType.Center = [x, y, z]
+                    found.UpdatePipeline()
+                    arrays = simple.servermanager.Fetch(found).GetPointData()
+                    got.append([arrays.GetArray("vtkValidPointMask").GetTuple1(0),
+                                arrays.GetArray("RTData").GetValue(0),
+                                *arrays.GetArray("RestPosition").GetTuple(0)])
+                if got[1][0]:
+                    seen += 1
+                    np.testing.assert_allclose(got[0], got[1], atol=1e-3)
+                    farthest = max(farthest, np.linalg.norm(np.array(got[0][2:]) - (x, y, z)))
+        self.assertGreater(seen, 3)
+        self.assertGreater(farthest, 1.0)
+
     def test_places_of_the_pointer(self):
         """The place that ruler, widgets and the camera's center take from the picture is on what is
         seen there: of surfaces and of FFD Volume."""

@@ -3,6 +3,7 @@
 #include "vtkFFDShownPlaces.h"
 
 #include "vtkFFDShownLattice.h"
+#include "vtkFFDVolumeInput.h"
 
 #include "vtkAlgorithm.h"
 #include "vtkCallbackCommand.h"
@@ -12,11 +13,14 @@
 #include "vtkCommunicator.h"
 #include "vtkCompositeDataIterator.h"
 #include "vtkCompositeDataSet.h"
+#include "vtkDataObjectTree.h"
 #include "vtkDoubleArray.h"
 #include "vtkIdList.h"
 #include "vtkIdTypeArray.h"
+#include "vtkImageData.h"
 #include "vtkLine.h"
 #include "vtkMath.h"
+#include "vtkMultiBlockDataSet.h"
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
@@ -30,8 +34,11 @@
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace ffdplaces
 {
@@ -191,6 +198,102 @@ struct Picking : vtkPVRayCastPickingHelper
   }
 };
 
+/// Data with one lattice, which all processes have.
+struct Part
+{
+  vtkFFDShownLattice Shown;
+  vtkSmartPointer<vtkDataObject> Data;
+};
+
+bool AreSeveral(vtkMultiProcessController* controller)
+{
+  return controller && controller->GetNumberOfProcesses() > 1;
+}
+
+/// Give all processes, which all call it, the lattice of the first that has one.
+void Share(vtkMultiProcessController* controller, vtkFFDShownLattice& shown)
+{
+  if (!AreSeveral(controller))
+  {
+    return;
+  }
+  const int own = controller->GetLocalProcessId();
+  const int here = shown.Lattice ? own : controller->GetNumberOfProcesses();
+  int root = here;
+  controller->AllReduce(&here, &root, 1, vtkCommunicator::MIN_OP);
+  if (root == controller->GetNumberOfProcesses())
+  {
+    return;
+  }
+  // Of an image only the point data are sent bit by bit; the rest comes as decimals.
+  vtkNew<vtkImageData> points;
+  std::array<double, 8> numbers{};
+  if (own == root)
+  {
+    shown.Lattice->ToImageData(points);
+    points->GetOrigin(numbers.data());
+    points->GetSpacing(numbers.data() + 3);
+    numbers[6] = shown.Lattice->GetDisplacementScale();
+    numbers[7] = shown.Mode;
+  }
+  controller->Broadcast(points.GetPointer(), root);
+  controller->Broadcast(numbers.data(), static_cast<vtkIdType>(numbers.size()), root);
+  points->SetOrigin(numbers.data());
+  points->SetSpacing(numbers.data() + 3);
+  vtkNew<vtkFFDLattice> lattice;
+  if (!shown.Lattice && lattice->FromImageData(points))
+  {
+    lattice->SetDisplacementScale(numbers[6]);
+    shown.Lattice = lattice;
+    shown.Mode = static_cast<int>(numbers[7]);
+  }
+}
+
+/// The data, or its blocks by their lattices; nothing if there is no lattice. Called on all
+/// processes.
+std::vector<Part> FindParts(vtkMultiProcessController* controller, vtkDataObject* data)
+{
+  std::vector<Part> parts;
+  const auto add = [&](vtkFFDShownLattice shown, vtkDataObject* object) {
+    Share(controller, shown);
+    parts.push_back({ shown, object });
+  };
+  if (auto* tree = vtkDataObjectTree::SafeDownCast(data))
+  {
+    for (const std::vector<vtkDataSet*>& group : vtkFFDVolumeInput::GroupByLattice(tree))
+    {
+      vtkNew<vtkMultiBlockDataSet> blocks;
+      for (vtkDataSet* block : group)
+      {
+        blocks->SetBlock(blocks->GetNumberOfBlocks(), block);
+      }
+      add(vtkFFDShownLattice(group.empty() ? nullptr : group.front()), blocks);
+    }
+  }
+  else
+  {
+    add(vtkFFDShownLattice(data), data);
+  }
+  const bool any = std::any_of(
+    parts.begin(), parts.end(), [](const Part& part) { return part.Shown.Lattice != nullptr; });
+  return any ? parts : std::vector<Part>();
+}
+
+/// Values of the data at places at rest, one for each point of the result. Called on all processes.
+vtkSmartPointer<vtkPointData> Probe(
+  vtkMultiProcessController* controller, vtkDataObject* data, vtkPoints* places)
+{
+  vtkNew<vtkPolyData> points;
+  points->SetPoints(places);
+  vtkNew<vtkPProbeFilter> probe;
+  probe->SetController(controller);
+  probe->SetInputData(0, points);
+  probe->SetInputData(1, data);
+  probe->SetPassPointArrays(false);
+  probe->Update();
+  return vtkDataSet::SafeDownCast(probe->GetOutputDataObject(0))->GetPointData();
+}
+
 /// Called on all processes.
 void ProbeAgain(vtkAlgorithm* filter, int dataPort)
 {
@@ -200,59 +303,84 @@ void ProbeAgain(vtkAlgorithm* filter, int dataPort)
     return;
   }
   vtkDataObject* data = filter->GetInputDataObject(dataPort, 0);
-  const vtkFFDShownLattice shown = vtkFFDShownLattice::FindAnywhere(data);
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
   vtkNew<vtkDoubleArray> places; // of the output of the first process, which alone has one
   places->SetNumberOfComponents(3);
   for (vtkIdType i = 0; i < output->GetNumberOfPoints(); ++i)
   {
     places->InsertNextTuple(output->GetPoint(i));
   }
-  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
-  const bool several = controller && controller->GetNumberOfProcesses() > 1;
-  const int hasHere = shown.Lattice ? 1 : 0;
-  int has = hasHere;
-  if (several)
+  if (AreSeveral(controller))
   {
-    controller->AllReduce(&hasHere, &has, 1, vtkCommunicator::MIN_OP);
     controller->Broadcast(places.GetPointer(), 0);
   }
-  if (!has || places->GetNumberOfTuples() == 0)
+  const vtkIdType count = places->GetNumberOfTuples();
+  const std::vector<Part> parts = FindParts(controller, data);
+  if (parts.empty() || count == 0)
   {
     return;
   }
-  vtkNew<vtkPoints> rest;
-  rest->SetDataTypeToDouble();
+  const bool hasOutput = output->GetNumberOfPoints() == count;
+  vtkPointData* arrays = output->GetPointData();
   vtkNew<vtkDoubleArray> restPositions;
   restPositions->SetName("RestPosition");
   restPositions->SetNumberOfComponents(3);
-  for (vtkIdType i = 0; i < places->GetNumberOfTuples(); ++i)
+  std::vector<bool> isFound(static_cast<std::size_t>(count), false);
+  for (const Part& part : parts)
   {
-    double place[3];
-    places->GetTuple(i, place);
-    double atRest[3];
-    shown.PullBack(place, atRest);
-    rest->InsertNextPoint(atRest);
-    restPositions->InsertNextTuple(atRest);
-  }
-  vtkNew<vtkPolyData> points;
-  points->SetPoints(rest);
-  vtkNew<vtkPProbeFilter> probe;
-  probe->SetController(controller);
-  probe->SetInputData(0, points);
-  probe->SetInputData(1, data);
-  probe->SetPassPointArrays(false);
-  probe->Update();
-  vtkPointData* found = vtkDataSet::SafeDownCast(probe->GetOutputDataObject(0))->GetPointData();
-  if (output->GetNumberOfPoints() == places->GetNumberOfTuples())
-  {
-    vtkPointData* arrays = output->GetPointData();
-    for (int a = 0; a < found->GetNumberOfArrays(); ++a)
+    const bool isFirst = &part == &parts.front();
+    vtkNew<vtkPoints> rest;
+    rest->SetDataTypeToDouble();
+    for (vtkIdType i = 0; i < count; ++i)
     {
-      if (found->GetAbstractArray(a)->GetNumberOfTuples() == output->GetNumberOfPoints())
+      double place[3];
+      places->GetTuple(i, place);
+      double atRest[3];
+      std::copy_n(place, 3, atRest);
+      if (part.Shown.Lattice)
+      {
+        part.Shown.PullBack(place, atRest);
+      }
+      rest->InsertNextPoint(atRest);
+    }
+    const vtkSmartPointer<vtkPointData> found = Probe(controller, part.Data, rest);
+    vtkDataArray* valid = found->GetArray("vtkValidPointMask");
+    for (int a = 0; hasOutput && isFirst && a < found->GetNumberOfArrays(); ++a)
+    {
+      if (found->GetAbstractArray(a)->GetNumberOfTuples() == count)
       {
         arrays->AddArray(found->GetAbstractArray(a));
       }
     }
+    for (vtkIdType i = 0; i < count; ++i)
+    {
+      const bool isHere = valid && valid->GetNumberOfTuples() == count && valid->GetTuple1(i) > 0.0;
+      const bool isTaken = isHere && !isFound[static_cast<std::size_t>(i)];
+      if (isFirst)
+      {
+        restPositions->InsertNextTuple(rest->GetPoint(i));
+      }
+      if (!isTaken)
+      {
+        continue;
+      }
+      isFound[static_cast<std::size_t>(i)] = true;
+      restPositions->SetTuple(i, rest->GetPoint(i));
+      for (int a = 0; hasOutput && !isFirst && a < found->GetNumberOfArrays(); ++a)
+      {
+        vtkAbstractArray* from = found->GetAbstractArray(a);
+        vtkAbstractArray* to =
+          from->GetName() ? arrays->GetAbstractArray(from->GetName()) : nullptr;
+        if (to && to->GetNumberOfTuples() == count && from->GetNumberOfTuples() == count &&
+          to->GetNumberOfComponents() == from->GetNumberOfComponents())
+        {
+          to->SetTuple(i, i, from);
+        }
+      }
+    }
+  }
+  if (hasOutput)
+  {
     arrays->AddArray(restPositions);
   }
   // What is shown here stays here.

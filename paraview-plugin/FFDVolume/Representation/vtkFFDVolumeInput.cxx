@@ -376,6 +376,25 @@ bool vtkFFDVolumeInput::HasBlocks(vtkImageData* image)
 }
 
 //------------------------------------------------------------------------------
+std::vector<std::vector<vtkDataSet*>> vtkFFDVolumeInput::GroupByLattice(vtkDataObjectTree* data)
+{
+  std::vector<vtkDataSet*> blocks;
+  std::vector<unsigned int> places;
+  vtkSmartPointer<vtkCompositeDataIterator> iterator;
+  iterator.TakeReference(data->NewIterator());
+  for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
+  {
+    vtkDataSet* block = vtkDataSet::SafeDownCast(iterator->GetCurrentDataObject());
+    if (block && block->GetNumberOfPoints() > 0)
+    {
+      blocks.push_back(block);
+      places.push_back(iterator->GetCurrentFlatIndex());
+    }
+  }
+  return ::GroupByLattice(blocks, places);
+}
+
+//------------------------------------------------------------------------------
 std::array<vtkDataArray*, 3> vtkFFDVolumeInput::GetCoordinates(vtkImageData* image)
 {
   std::array<vtkDataArray*, 3> coordinates{};
@@ -665,7 +684,7 @@ std::vector<vtkSmartPointer<vtkImageData>> vtkFFDVolumeInput::Update(
       ". Apply the filter \"Resample To Image\" first, or choose another representation.";
     return {};
   }
-  const std::vector<std::vector<vtkDataSet*>> groups = GroupByLattice(blocks, places);
+  const std::vector<std::vector<vtkDataSet*>> groups = ::GroupByLattice(blocks, places);
   this->Groups.resize(groups.size());
   std::vector<vtkSmartPointer<vtkImageData>> images;
   for (std::size_t i = 0; i < groups.size(); ++i)

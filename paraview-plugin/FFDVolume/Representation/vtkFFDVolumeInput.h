@@ -20,6 +20,7 @@
 class vtkAbstractArray;
 class vtkDataArray;
 class vtkDataObject;
+class vtkDataObjectTree;
 class vtkDataSet;
 class vtkFieldData;
 class vtkImageData;
@@ -53,6 +54,12 @@ public:
   /// Whether all points that are not in GetExtents() of any process are blanked.
   static bool HasBlocks(vtkImageData* image);
   ///@}
+
+  /**
+   * The blocks that this process has of composite data, images and others, by the lattice that they
+   * have: as many groups, in the same order, on all processes, which all call it.
+   */
+  static std::vector<std::vector<vtkDataSet*>> GroupByLattice(vtkDataObjectTree* data);
 
   /// The coordinates along each axis of a rectilinear grid as an image; null for an image.
   static std::array<vtkDataArray*, 3> GetCoordinates(vtkImageData* image);
