@@ -281,11 +281,12 @@ class TestLatticeFollows(unittest.TestCase):
         """With a lattice per block each place has the value of the block that is seen there."""
         pieces = [simple.ExtractSubset(Input=self.wavelet, VOI=[*x, -10, 10, -10, 10])
                   for x in ((-10, -2), (2, 10))]
-        lattice = simple.FFDLattice(Input=simple.GroupDatasets(Input=pieces), Shape="Bend", Strength=0.5,
-                                    LatticePerBlock=1)
+        shape = {"Shape": "Bend", "Strength": 0.5, "Resolution": [4, 4, 4]}
+        lattice = simple.FFDLattice(
+            Input=simple.GroupDatasets(Input=pieces), LatticePerBlock=1, **shape)
         seen, farthest = 0, 0.0
         for piece, x in zip(pieces, (-6.0, 6.0)):
-            alone = simple.FFDLattice(Input=piece, Shape="Bend", Strength=0.5)
+            alone = simple.FFDLattice(Input=piece, **shape)
             for y, z in ((0.0, 0.0), (6.0, -5.0), (-7.0, 3.0)):
                 got = []
                 for data in (lattice, alone):
@@ -299,6 +300,11 @@ class TestLatticeFollows(unittest.TestCase):
                 if got[1][0]:
                     seen += 1
                     np.testing.assert_allclose(got[0], got[1], atol=1e-3)
+                    # What is there at rest is moved to the place by the lattice of the block.
+                    point = simple.PointSource(Center=got[0][2:], NumberOfPoints=1, Radius=0.0)
+                    moved = simple.FFDDeformGeometry(Input=point, Lattice=alone)
+                    np.testing.assert_allclose(
+                        simple.servermanager.Fetch(moved).GetPoint(0), (x, y, z), atol=1e-3)
                     farthest = max(farthest, np.linalg.norm(np.array(got[0][2:]) - (x, y, z)))
         self.assertGreater(seen, 3)
         self.assertGreater(farthest, 1.0)
