@@ -36,7 +36,7 @@ public:
   /// Keeps references to both.
   BorderSamples(const PacketScene& scene, PacketScratch& scratch)
     : Scene(scene)
-    , Voxels(reinterpret_cast<Copied*>(scratch.BorderVoxels.data()))
+    , Voxels(static_cast<Copied*>(static_cast<void*>(scratch.BorderVoxels.data())))
   {
   }
 
