@@ -29,6 +29,24 @@ def moved(state):
     return [i // 3 for i in range(0, len(values), 3) if any(values[i:i + 3])]
 
 
+def find_environment(folder, **variables):
+    """Of a ParaView that keeps its settings in a folder and finds the plugin."""
+    return {**os.environ, "HOME": folder, "XDG_RUNTIME_DIR": folder,
+            "PV_PLUGIN_PATH": os.path.dirname(PLUGIN), **variables}
+
+
+def find_command(scene, folder, events, *options):
+    """Of a ParaView that runs a script, plays the events and ends."""
+    return ["paraview", "--dr", *options, "--script=" + os.path.join(HERE, scene),
+            "--test-directory=" + folder,
+            "--test-script=" + events.write(os.path.join(folder, "events.xml")), "--exit"]
+
+
+def play(command, environment):
+    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          check=False, env=environment)
+
+
 MIDDLE = 2 + 5 * (2 + 5 * 2)
 
 
@@ -308,13 +326,8 @@ class TestPanel(unittest.TestCase):
         events.wait()
         events.click(PROPERTIES + "Accept")
         log = os.path.join(folder, "log")
-        result = subprocess.run(
-            ["paraview", "--dr", "--script=" + os.path.join(HERE, "FilesScene.py"),
-             "--test-directory=" + folder,
-             "--test-script=" + events.write(os.path.join(folder, "open.xml")), "--exit"],
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
-            env={**os.environ, "HOME": folder, "XDG_RUNTIME_DIR": folder,
-                 "PV_PLUGIN_PATH": os.path.dirname(PLUGIN), "FFD_FILES_LOG": log})
+        result = play(find_command("FilesScene.py", folder, events),
+                      find_environment(folder, FFD_FILES_LOG=log))
         self.assertEqual(result.returncode, 0, result.stdout)
         for word in ("ERR|", "ERROR:", "Warning:"):
             self.assertNotIn(word, result.stdout)
@@ -340,8 +353,7 @@ class TestPanel(unittest.TestCase):
                 events.add(VIEW, "mouseMove", "(%g,%g,0,0,0)" % place)
                 events.add(VIEW, "pause", "1500")
             log = os.path.join(folder, "log")
-            environment = {**os.environ, "HOME": folder, "XDG_RUNTIME_DIR": folder,
-                           "PV_PLUGIN_PATH": os.path.dirname(PLUGIN), "FFD_HOVER_LOG": log}
+            environment = find_environment(folder, FFD_HOVER_LOG=log)
             options = []
             server = None
             if ranks:
@@ -354,12 +366,8 @@ class TestPanel(unittest.TestCase):
                         break
                 options = ["--server-url=cs://localhost:%d" % port]
             try:
-                result = subprocess.run(
-                    ["paraview", "--dr", *options, "--script=" + os.path.join(HERE, "HoverScene.py"),
-                     "--test-directory=" + folder,
-                     "--test-script=" + events.write(os.path.join(folder, "hover.xml")), "--exit"],
-                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
-                    env=environment)
+                result = play(
+                    find_command("HoverScene.py", folder, events, *options), environment)
             finally:
                 if server:
                     server.terminate()
@@ -385,16 +393,13 @@ class TestPanel(unittest.TestCase):
         folder = tempfile.mkdtemp(prefix="drag.", dir=TEMPORARY)
         os.chmod(folder, 0o700)
         frames = os.path.join(folder, "frames.npz")
-        environment = {**os.environ, "HOME": folder, "XDG_RUNTIME_DIR": folder,
-                       "PV_PLUGIN_PATH": os.path.dirname(PLUGIN), "FFD_DRAG_FRAMES": frames}
+        environment = find_environment(folder, FFD_DRAG_FRAMES=frames)
         events = Events()
         events.add(VIEW, "pause", "500")
         events.drag((0.5, 0.5), *[(0.5 + 0.1 * i / moves, 0.5 - 0.2 * i / moves)
                                   for i in range(1, moves + 1)])
         events.add(VIEW, "pause", "500")
-        command = ["paraview", "--dr", "--script=" + os.path.join(HERE, "DragScene.py"),
-                   "--test-directory=" + folder,
-                   "--test-script=" + events.write(os.path.join(folder, "drag.xml")), "--exit"]
+        command = find_command("DragScene.py", folder, events)
         counts = [0, 0]
         with contextlib.ExitStack() as stack:
             if server:
@@ -408,8 +413,7 @@ class TestPanel(unittest.TestCase):
                         break
                 link = stack.enter_context(ffdlink.SlowLink(port, delay=0.0))
                 command.append("--server-url=cs://localhost:%d" % link.port)
-            result = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                                    check=False, env=environment)
+            result = play(command, environment)
             if server:
                 counts = link.count()
         self.assertEqual(result.returncode, 0, result.stdout)
@@ -453,13 +457,8 @@ class TestPanel(unittest.TestCase):
             events.add(VIEW, "pause", "500")
             events.check(text, "visible", "false")
             events.check(marks, "marked", "")
-            result = subprocess.run(
-                ["paraview", "--dr", "--script=" + os.path.join(HERE, "AtRestScene.py"),
-                 "--test-directory=" + folder,
-                 "--test-script=" + events.write(os.path.join(folder, "rest.xml")), "--exit"],
-                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
-                env={**os.environ, "HOME": folder, "XDG_RUNTIME_DIR": folder,
-                     "PV_PLUGIN_PATH": os.path.dirname(PLUGIN), "FFD_REST_TYPE": kind})
+            result = play(find_command("AtRestScene.py", folder, events),
+                          find_environment(folder, FFD_REST_TYPE=kind))
             self.assertEqual(result.returncode, 0, result.stdout)
             # No window of messages over the view.
             self.assertNotIn("shows the data at rest", result.stdout)
