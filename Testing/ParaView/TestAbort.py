@@ -156,6 +156,44 @@ class TestAbort(unittest.TestCase):
         for name in ("server", "servers"):
             self.assertLess(ffd.differ(pictures["local"], pictures[name])[1], 0.5, name)
 
+    def test_lost_server(self):
+        """The server is lost while a key is held, which the value below the pointer is asked of: one
+        message and ParaView's question, behind which the still frame that was to come is not asked for,
+        which would end ParaView."""
+        self.begin()
+        port = 21000 + (os.getpid() + 5) % 9000
+        self.start_server(port, 1)
+        output = os.path.join(self.folder, "output")
+        with open(output, "w", encoding="utf-8") as file:
+            self.start("paraview", "--dr", "--server-url=cs://localhost:%d" % port,
+                       "--script=" + os.path.join(HERE, "AbortScene.py"), stdout=file,
+                       stderr=subprocess.STDOUT)
+        begin = self.next("begin", still=True)
+        end = self.next("end", still=True)
+        self.whole = end["time"] - begin["time"]
+        self.next("ready")
+        self.wait_until_idle()
+        ffdinput.move(*BACKGROUND)
+        ffdinput.press(ffdinput.LEFT)
+        time.sleep(0.2)
+        ffdinput.move(BACKGROUND[0] + 40, BACKGROUND[1] + 10)
+        self.next("end", still=False)
+        ffdinput.release(ffdinput.LEFT)
+        self.abort_by(lambda: ffdinput.press_key("F7"))
+        server, window = self.processes
+        server.kill()
+        server.wait()
+        for step in range(3):
+            ffdinput.move(BACKGROUND[0] + 60 + step, BACKGROUND[1] + 20)
+            time.sleep(0.2)
+        time.sleep(2.0)
+        ffdinput.press_key("F7", False)
+        time.sleep(3.0)
+        with open(output, encoding="utf-8") as file:
+            text = file.read()
+        self.assertIsNone(window.poll(), text)
+        self.assertEqual(text.count("ERR|"), 1, text)
+
     def test_size(self):
         """Widgets that are painted to show the progress do not take the frame away: the view itself,
         where its size has changed and all its frames take long."""

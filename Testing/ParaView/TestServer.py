@@ -6,6 +6,7 @@ server."""
 
 import contextlib
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -70,7 +71,8 @@ class TestServer(unittest.TestCase):
                 np.abs(ffd.picture(view, "edited") - remote).mean(), 1.0)
 
     def test_other_version(self):
-        """A server with another version of the plugin: one message, which names both."""
+        """A server with another version of the plugin: one message, which names both, and begins so
+        where ParaView's list of messages shows it, which leaves out what is before the first colon."""
         folder = tempfile.mkdtemp(prefix="version.", dir=ffd.TEMPORARY)
         with open(ffd.PLUGIN, "rb") as library:
             content = library.read()
@@ -90,6 +92,8 @@ class TestServer(unittest.TestCase):
             told = [text for text in warnings.text if "0.0.9" in text]
             self.assertEqual(len(told), 1, warnings.text)
             self.assertIn("0.1.0", told[0])
+            shown = re.fullmatch(r"[\w ]+: In .*, line \d+\n[^:]*:(.*)", told[0].strip(), re.DOTALL)
+            self.assertTrue(shown.group(1).startswith(" The plugin FFDVolume is of version"), told)
 
     def test_slow_link(self):
         """50 ms and 20 Mbit/s away: an edit sends the control points, and no voxels come."""

@@ -8,6 +8,7 @@ import os
 import socket
 import subprocess
 import tempfile
+import time
 import unittest
 
 from ffdevents import PROPERTIES, Events
@@ -119,6 +120,45 @@ class TestStart(unittest.TestCase):
                 return self.start("pvpython", self.script(CLIENT), str(port), *load)
             finally:
                 process.terminate()
+
+    def test_window_of_server_without_plugin(self):
+        """ParaView's window says so, once, and what to do."""
+        with socket.socket() as free:
+            free.bind(("localhost", 0))
+            port = free.getsockname()[1]
+        path = os.path.join(self.folder, "output")
+        with open(path, "w", encoding="utf-8") as output, subprocess.Popen(
+                ["pvserver", "--server-port=%d" % port], stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT, text=True, env=self.environment) as server:
+            try:
+                for line in server.stdout:
+                    if "Accepting" in line:
+                        break
+                with subprocess.Popen(
+                        ["paraview", "--dr", "--server-url=cs://localhost:%d" % port], stdout=output,
+                        stderr=subprocess.STDOUT,
+                        env={**self.environment, "PV_PLUGIN_PATH": os.path.dirname(PLUGIN)}) as window:
+                    try:
+                        text = self.wait_for(path, "WARN|")
+                    finally:
+                        window.kill()
+            finally:
+                server.terminate()
+        for words in ("The server has no plugin FFDVolume", "Manage Plugins"):
+            self.assertEqual(text.count(words), 1, text)
+        self.assertEqual(text.count("|"), 1, text)
+
+    def wait_for(self, path, words):
+        """Until a file has the words, and some seconds more; returns what is in it."""
+        end = time.monotonic() + 100.0
+        while time.monotonic() < end:
+            with open(path, encoding="utf-8") as file:
+                if words in file.read():
+                    break
+            time.sleep(0.5)
+        time.sleep(3.0)
+        with open(path, encoding="utf-8") as file:
+            return file.read()
 
     def test_client_and_server(self):
         """Client and server that have the plugin from their start: there is nothing to load."""

@@ -72,12 +72,17 @@ def click(button):
     release(button)
 
 
-def strike(*symbols):
-    """Press keys by their names, as 'Left' or 'Shift_L', one after the other, and release them in the
-    opposite order: 'Control_L', 'b'."""
-    codes = [_x11.XKeysymToKeycode(_server, _x11.XStringToKeysym(symbol.encode()))
-             for symbol in symbols]
-    for down, keys in ((1, codes), (0, reversed(codes))):
-        for code in keys:
-            _xtest.XTestFakeKeyEvent(_server, code, down, ctypes.c_ulong(0))
+def press_key(symbol, down=True):
+    """Press a key by its name, as 'Left' or 'Shift_L', or release it."""
+    code = _x11.XKeysymToKeycode(_server, _x11.XStringToKeysym(symbol.encode()))
+    _xtest.XTestFakeKeyEvent(_server, code, int(down), ctypes.c_ulong(0))
     _x11.XSync(_server, 0)
+
+
+def strike(*symbols):
+    """Press keys by their names one after the other, and release them in the opposite order:
+    'Control_L', 'b'."""
+    for symbol in symbols:
+        press_key(symbol)
+    for symbol in reversed(symbols):
+        press_key(symbol, False)

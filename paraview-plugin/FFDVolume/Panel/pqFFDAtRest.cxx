@@ -3,6 +3,7 @@
 #include "pqFFDAtRest.h"
 
 #include "pqFFDAtRestMarks.h"
+#include "pqFFDServerCheck.h"
 
 #include "vtkSMFFDVolumeRepresentationProxy.h"
 
@@ -13,6 +14,7 @@
 #include "pqOutputPort.h"
 #include "pqPipelineBrowserWidget.h"
 #include "pqPipelineSource.h"
+#include "pqServer.h"
 #include "pqServerManagerModel.h"
 #include "pqView.h"
 
@@ -104,6 +106,10 @@ void pqFFDAtRest::findWidgets()
 //------------------------------------------------------------------------------
 void pqFFDAtRest::refresh()
 {
+  if (this->View && pqFFDServerCheck::isLost(this->View->getServer()->session()))
+  {
+    return;
+  }
   QList<pqFFDAtRestMarks::Mark> marks;
   QStringList told;
   const QList<pqRepresentation*> all =

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqFFDHover.h"
 
+#include "pqFFDServerCheck.h"
+
 #include "vtkSMFFDVolumeRepresentationProxy.h"
 
 #include "pqApplicationCore.h"
@@ -153,7 +155,8 @@ void pqFFDHover::show()
   {
     auto* proxy = vtkSMRenderViewProxy::SafeDownCast(view->getViewProxy());
     QWidget* own = view->widget();
-    if (widget && proxy && own && (own == widget || own->isAncestorOf(widget)))
+    if (widget && proxy && own && (own == widget || own->isAncestorOf(widget)) &&
+      !pqFFDServerCheck::isLost(proxy->GetSession()))
     {
       const double ratio = widget->devicePixelRatioF();
       const int* size = proxy->GetRenderWindow()->GetSize();

@@ -4,6 +4,7 @@
 
 #include "pqFFDLatticeControls.h"
 #include "pqFFDPropertyValues.h"
+#include "pqFFDServerCheck.h"
 
 #include "vtkFFDEditLatticeRepresentation.h"
 #include "vtkFFDLattice.h"
@@ -402,7 +403,7 @@ void pqFFDLatticePropertyWidget::onEndInteraction()
 void pqFFDLatticePropertyWidget::finishInteraction()
 {
   pqInternals& in = *this->Internals;
-  if (!in.Interacting)
+  if (!in.Interacting || pqFFDServerCheck::isLost(this->proxy()->GetSession()))
   {
     return;
   }
@@ -526,7 +527,7 @@ void pqFFDLatticePropertyWidget::scheduleShow() { this->Internals->ShowTimer.sta
 void pqFFDLatticePropertyWidget::showState()
 {
   pqInternals& in = *this->Internals;
-  if (in.Representation)
+  if (in.Representation && !pqFFDServerCheck::isLost(this->proxy()->GetSession()))
   {
     in.Controls->showState(!in.Interacting);
     in.Controls->writeOptions(this->widgetProxy());

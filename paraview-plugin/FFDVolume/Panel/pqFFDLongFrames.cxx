@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqFFDLongFrames.h"
 
+#include "pqFFDServerCheck.h"
+
 #include "vtkFFDInteractiveFrames.h"
 #include "vtkFFDServerFrames.h"
 #include "vtkSMFFDVolumeRepresentationProxy.h"
@@ -203,7 +205,6 @@ void pqFFDLongFrames::watch(pqView* view)
 //------------------------------------------------------------------------------
 void pqFFDLongFrames::watchServer(pqServer* server)
 {
-  vtkSMFFDVolumeRepresentationProxy::CheckServer(server->session());
   vtkPVProgressHandler* handler = server->session()->GetProgressHandler();
   pqCoreUtilities::connect(
     handler, vtkCommand::ProgressEvent, this, SLOT(checkServerAbort(vtkObject*)));
@@ -416,18 +417,19 @@ bool pqFFDLongFrames::hasInput(pqView* view)
 //------------------------------------------------------------------------------
 void pqFFDLongFrames::renderAgain()
 {
+  if (!this->Unfinished || pqFFDServerCheck::isLost(this->Unfinished->getServer()->session()))
+  {
+    return;
+  }
   this->noteNewInput();
   this->NewButton = false;
   this->NewKey = false;
-  if (this->Unfinished && this->hasInput(this->Unfinished))
+  if (this->hasInput(this->Unfinished))
   {
     this->Again->start(AfterAbort);
     return;
   }
-  if (this->Unfinished)
-  {
-    this->Final = true;
-    this->Unfinished->forceRender();
-    this->Final = false;
-  }
+  this->Final = true;
+  this->Unfinished->forceRender();
+  this->Final = false;
 }

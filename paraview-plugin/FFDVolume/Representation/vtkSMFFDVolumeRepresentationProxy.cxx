@@ -151,13 +151,26 @@ void vtkSMFFDVolumeRepresentationProxy::CheckServer(vtkSMSession* session)
   }
   const std::string own = FindVersion(plugins->GetLocalInformation(), "FFDVolume");
   const std::string servers = FindVersion(plugins->GetRemoteInformation(session), "FFDVolume");
-  if (!own.empty() && !servers.empty() && own != servers)
+  if (own.empty() || own == servers || !session->IsA("vtkSMSessionClient"))
   {
-    lastTold = session;
-    vtkGenericWarningMacro(<< "The plugin FFDVolume is of version " << own
-                           << " here and of version " << servers
-                           << " on the server. Start both with the same one: else "
-                           << "options may have no effect, and states may not load.");
+    return;
+  }
+  lastTold = session;
+  // With an object, or ParaView's list of messages leaves out what is before a colon.
+  if (servers.empty())
+  {
+    vtkWarningWithObjectMacro(session, << "The server has no plugin FFDVolume, and so neither "
+                                          "\"FFD Volume\" nor the filters of FFD. Start the server "
+                                          "with it (Examples/paraview.sh pvserver), or load "
+                                          "FFDVolume.so there by Tools > Manage Plugins, below "
+                                          "Remote Plugins by Load New.");
+  }
+  else
+  {
+    vtkWarningWithObjectMacro(session, << "The plugin FFDVolume is of version " << own
+                                       << " here and of version " << servers
+                                       << " on the server. Start both with the same version, or "
+                                          "options may have no effect, and states may not load.");
   }
 }
 

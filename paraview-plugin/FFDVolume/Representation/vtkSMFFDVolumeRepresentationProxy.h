@@ -62,8 +62,8 @@ public:
   static void SetWarnsOfRest(bool warns);
 
   /**
-   * Says, once for each session, if its server has another version of the plugin than the client:
-   * what the one asks for, the other may not know.
+   * Says, once for each session, if its server has not the plugin, or another version of it than
+   * the client: what the one asks for, the other may not know.
    */
   static void CheckServer(vtkSMSession* session);
 
