@@ -20,12 +20,14 @@ wavelet_object = wavelet.SMProxy.GetClientSideObject()
 view.CameraPosition = [100.0, 60.0, 80.0]
 lattice = simple.FFDLattice(Input=wavelet)
 simple.Show(lattice, view)
+balls = []
 for center, color in (((8.0, 3.0, 9.0), (1.0, 0.0, 0.0)), ((30.0, 10.0, 22.0), (0.0, 1.0, 0.0)),
                        ((-30.0, -12.0, -20.0), (0.0, 0.3, 1.0))):
     ball = simple.Sphere(Radius=6.0, Center=center, ThetaResolution=24, PhiResolution=24)
     display = simple.Show(ball, view)
     display.ColorArrayName = [None, ""]
     display.DiffuseColor = color
+    balls.append(display)
 
 
 def show(name, source, settings=(False, True)):
@@ -61,6 +63,19 @@ for scene, shape, strength in (("identity", "None", 0.0), ("smooth", "Bend", 0.6
     lattice.Shape = shape
     lattice.Strength = strength
     show(scene, wavelet_object)
+# While the scene moves, beyond the LOD threshold; without the balls, which processes coarsen by themselves.
+for ball in balls:
+    ball.Visibility = 0
+view.LODThreshold = 0.0
+view.LODResolution = 1.0
+view.ImageReductionFactor = 1
+simple.GetDisplayProperties(lattice, view).FFDAdaptInteractiveQuality = 0
+lattice.Strength = 1.5
+ffd.moving_picture(view, "%s.moving.png" % sys.argv[1] if rank == 0 else None)
+view.LODThreshold = 1000.0
+for ball in balls:
+    ball.Visibility = 1
+lattice.Strength = 1.98
 # Modes other than composite: the first process does them alone.
 lattice_display = simple.GetDisplayProperties(lattice, view)
 lattice_display.FFDIsosurfaceValues = [150.0, 210.0]

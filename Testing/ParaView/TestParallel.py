@@ -83,7 +83,8 @@ def run(ranks):
             r"RANK \d+ identity0 .* threads (\d+)", output)]
         if len(threads) != ranks or not 0 < sum(threads) <= max(ranks, os.cpu_count()):
             raise AssertionError("%d processes have %s threads" % (ranks, threads))
-    pictures = {scene: ffd.read_picture("%s.%s.png" % (prefix, scene)) for scene in SCENES}
+    pictures = {
+        scene: ffd.read_picture("%s.%s.png" % (prefix, scene)) for scene in (*SCENES, "moving")}
     return pictures, voxels, given, bounds
 
 
@@ -103,6 +104,9 @@ class TestParallel(unittest.TestCase):
                 self.assertLessEqual(mean, 0.5)
                 # The lattice is the same on all of them, to the last bit.
                 self.assertEqual(bounds[scene], self.bounds[scene])
+        # While the scene moves; the still picture of it has not been made.
+        self.assertGreater(ffd.lit(several["moving"]), 500)
+        self.assertLessEqual(ffd.differ(several["moving"], self.one["moving"])[0], 8)
         whole = self.voxels["identity0"][0]
         self.assertEqual(whole, 41 ** 3)
         for name, part in most.items():

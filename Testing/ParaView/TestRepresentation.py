@@ -180,23 +180,6 @@ class TestRepresentation(unittest.TestCase):
             self.assertLessEqual(
                 ffd.differ(ffd.picture(self.view, name), reference)[0], 12, name)
 
-    def interactive_picture(self):
-        """What is shown while the scene moves; before it a still picture, for the data."""
-        from paraview.modules.vtkRemotingViews import vtkPVRenderView  # noqa: F401
-        from vtkmodules.vtkRenderingCore import vtkWindowToImageFilter
-        from paraview.vtk.util.numpy_support import vtk_to_numpy
-        simple.Render(self.view)
-        self.view.SMProxy.InteractiveRender()
-        grab = vtkWindowToImageFilter()
-        grab.SetInput(self.view.GetRenderWindow())
-        grab.ShouldRerenderOff()
-        grab.ReadFrontBufferOff()
-        grab.Update()
-        image = grab.GetOutput()
-        width, height, _ = image.GetDimensions()
-        values = vtk_to_numpy(image.GetPointData().GetScalars())
-        return values.reshape(height, width, -1)[:, :, :3].astype(int)
-
     def test_level_of_detail(self):
         """Interactive pictures follow the LOD settings of the view."""
         self.show(Shape="Twist")
@@ -205,23 +188,37 @@ class TestRepresentation(unittest.TestCase):
         self.view.LODThreshold = 0.0
         self.view.LODResolution = 1.0
         still = ffd.picture(self.view, "still")
-        fine = self.interactive_picture()
+        fine = ffd.moving_picture(self.view)
         self.assertEqual(fine.shape, still.shape)
         self.assertLessEqual(ffd.differ(fine, still)[0], 3)
         self.view.LODResolution = 0.2
-        coarse = self.interactive_picture()
+        coarse = ffd.moving_picture(self.view)
         self.assertGreater(ffd.differ(coarse, still)[0], 8)
         # The same samples below the threshold, and all rays where the machine keeps up. The view
         # looks at the threshold when it updates.
         self.view.LODThreshold = 1000.0
         self.lattice.Seed = 2
-        self.assertLess(ffd.differ(self.interactive_picture(), still)[1],
+        self.assertLess(ffd.differ(ffd.moving_picture(self.view), still)[1],
                         ffd.differ(coarse, still)[1])
         # Without giving way.
         self.view.LODThreshold = 0.0
         self.lattice.Seed = 3
         self.display.FFDAdaptInteractiveQuality = 0
-        self.assertLessEqual(ffd.differ(self.interactive_picture(), still)[0], 3)
+        self.assertLessEqual(ffd.differ(ffd.moving_picture(self.view), still)[0], 3)
+
+    def test_edits_while_moving(self):
+        """A volume beyond the LOD threshold is shown while it is dragged, and as it is edited."""
+        first = self.show(Shape="Twist")
+        self.view.LODThreshold = 0.0
+        self.view.LODResolution = 1.0
+        self.display.FFDAdaptInteractiveQuality = 0
+        for strength in (2.0, -1.0):
+            self.lattice.Strength = strength
+            moving = ffd.moving_picture(self.view)
+            self.assertGreater(ffd.differ(moving, first)[1], 1.0)
+            still = ffd.picture(self.view, "edited")
+            self.assertLessEqual(ffd.differ(moving, still)[0], 3)
+            first = still
 
     def test_blend_modes(self):
         """Each mode gives another picture."""

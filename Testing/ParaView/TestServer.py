@@ -69,6 +69,13 @@ class TestServer(unittest.TestCase):
             lattice.Strength = 0.2
             self.assertGreater(
                 np.abs(ffd.picture(view, "edited") - remote).mean(), 1.0)
+            # So do edits of a volume beyond the LOD threshold while the scene moves.
+            view.LODThreshold = 0.0
+            view.LODResolution = 1.0
+            simple.GetDisplayProperties(lattice, view).FFDAdaptInteractiveQuality = 0
+            lattice.Strength = 1.5
+            # Such pictures are sent with fewer bits.
+            self.assertLess(ffd.differ(ffd.moving_picture(view), local)[1], 2.0)
 
     def test_other_version(self):
         """A server with another version of the plugin: one message, which names both, and begins so

@@ -81,6 +81,30 @@ def picture(view, name):
     return read_picture(path)
 
 
+def moving_picture(view, path=None):
+    """What is shown while the scene moves, with no still picture before it; height x width x 3. `path`:
+    a PNG file for it."""
+    from paraview.modules.vtkRemotingViews import vtkPVRenderView  # noqa: F401
+    from vtkmodules.vtkRenderingCore import vtkWindowToImageFilter
+    view.Update()
+    view.SMProxy.InteractiveRender()
+    grab = vtkWindowToImageFilter()
+    grab.SetInput(view.GetRenderWindow())
+    grab.ShouldRerenderOff()
+    grab.ReadFrontBufferOff()
+    grab.Update()
+    image = grab.GetOutput()
+    if path:
+        from vtkmodules.vtkIOImage import vtkPNGWriter
+        writer = vtkPNGWriter()
+        writer.SetInputData(image)
+        writer.SetFileName(path)
+        writer.Write()
+    width, height, _ = image.GetDimensions()
+    values = vtk_to_numpy(image.GetPointData().GetScalars())
+    return values.reshape(height, width, -1)[:, :, :3].astype(int)
+
+
 def differ(a, b):
     """Largest and mean difference, 0 to 255."""
     difference = np.abs(a - b)

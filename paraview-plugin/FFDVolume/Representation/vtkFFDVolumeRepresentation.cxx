@@ -374,7 +374,12 @@ int vtkFFDVolumeRepresentation::ProcessViewRequest(
     {
       return 0;
     }
-    vtkAlgorithmOutput* producer = vtkPVRenderView::GetPieceProducer(inInfo, this, 0);
+    const bool useLOD = inInfo->Has(vtkPVRenderView::USE_LOD()) != 0;
+    const auto getProducer = [this, inInfo, useLOD](int port) {
+      return useLOD ? vtkPVRenderView::GetPieceProducerLOD(inInfo, this, port)
+                    : vtkPVRenderView::GetPieceProducer(inInfo, this, port);
+    };
+    vtkAlgorithmOutput* producer = getProducer(0);
     const std::vector<vtkImageData*> images = GetImages(
       producer ? producer->GetProducer()->GetOutputDataObject(producer->GetIndex()) : nullptr);
     this->UpdateMapperParameters();
@@ -394,13 +399,23 @@ int vtkFFDVolumeRepresentation::ProcessViewRequest(
       this->UpdateRenderedImage(i, image);
       if (image)
       {
-        this->UpdateSampleDistances(mapper, image, view ? view->GetLODResolution() : 1.0,
-          inInfo->Has(vtkPVRenderView::USE_LOD()) != 0);
+        this->UpdateSampleDistances(mapper, image, view ? view->GetLODResolution() : 1.0, useLOD);
         this->UpdateCropping(mapper, image);
       }
     }
     this->Internals->OptionsTime = this->Mapper->GetMTime();
-    this->OutlineMapper->SetInputConnection(vtkPVRenderView::GetPieceProducer(inInfo, this, 1));
+    this->OutlineMapper->SetInputConnection(getProducer(1));
+    return 1;
+  }
+  if (request == vtkPVView::REQUEST_UPDATE_LOD())
+  {
+    if (!this->Superclass::ProcessViewRequest(request, inInfo, outInfo))
+    {
+      return 0;
+    }
+    // Before frames of moving scenes the view delivers no other pieces than these.
+    vtkPVRenderView::SetPieceLOD(inInfo, this, this->Cache, this->DataSize, 0);
+    vtkPVRenderView::SetPieceLOD(inInfo, this, this->OutlineSource->GetOutputDataObject(0), 0, 1);
     return 1;
   }
   if (request == vtkPVView::REQUEST_UPDATE())
