@@ -9,6 +9,7 @@
 
 #include "vtkCommunicator.h"
 #include "vtkCompositeDataIterator.h"
+#include "vtkDataArray.h"
 #include "vtkDataObjectTree.h"
 #include "vtkDataSet.h"
 #include "vtkDemandDrivenPipeline.h"
@@ -30,6 +31,7 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <utility>
 #include <vector>
 
 vtkStandardNewMacro(vtkFFDEditLattice);
@@ -43,11 +45,10 @@ constexpr int SmallestSize = 4;
 constexpr int LargestSize = 64;
 const char* const GeometryModeName = "FFDGeometryMode";
 
-/// sum += other, of two lattices of the same size.
-void AddDisplacements(vtkFFDLattice* sum, vtkFFDLattice* other)
+/// sum += from, of the size of the lattice.
+void AddDisplacements(vtkFFDLattice* sum, vtkDoubleArray* from)
 {
   vtkDoubleArray* to = sum->GetDisplacements();
-  vtkDoubleArray* from = other->GetDisplacements();
   for (vtkIdType i = 0; i < to->GetNumberOfValues(); ++i)
   {
     to->SetValue(i, to->GetValue(i) + from->GetValue(i));
@@ -319,6 +320,39 @@ void vtkFFDEditLattice::SetDisplacement(int index, double dx, double dy, double 
 }
 
 //------------------------------------------------------------------------------
+int vtkFFDEditLattice::SetDisplacements(vtkDataArray* displacements)
+{
+  constexpr vtkIdType largest = LargestSize * LargestSize * LargestSize;
+  const vtkIdType count = displacements ? displacements->GetNumberOfTuples() : 0;
+  if (!displacements || (count > 0 && displacements->GetNumberOfComponents() != 3) ||
+    count > largest)
+  {
+    vtkErrorMacro(<< "SetDisplacements: the array "
+                  << (displacements ? "has another shape" : "is null") << ". Give up to " << largest
+                  << " tuples of 3 components, x fastest.");
+    return 0;
+  }
+  std::vector<double> values(3 * static_cast<std::size_t>(count));
+  for (vtkIdType i = 0; i < count; ++i)
+  {
+    double* d = &values[3 * static_cast<std::size_t>(i)];
+    displacements->GetTuple(i, d);
+    if (!std::isfinite(d[0]) || !std::isfinite(d[1]) || !std::isfinite(d[2]))
+    {
+      vtkErrorMacro(<< "SetDisplacements: displacement " << i << " is (" << d[0] << ", " << d[1]
+                    << ", " << d[2] << "), it must be finite; all stay as they were.");
+      return 0;
+    }
+  }
+  if (values != this->Displacements)
+  {
+    this->Displacements = std::move(values);
+    this->Modified();
+  }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
 void vtkFFDEditLattice::GetDisplacement(int index, double displacement[3]) const
 {
   std::fill_n(displacement, 3, 0.0);
@@ -374,18 +408,38 @@ double vtkFFDEditLattice::GetLatticeDisplacementScale()
 bool vtkFFDEditLattice::MakeLattice(
   const double bounds[6], vtkFFDLattice* inputLattice, bool report)
 {
+  const bool ofInput = inputLattice && this->UseInputLattice;
+  if (!ofInput &&
+    (!(bounds[0] <= bounds[1] && bounds[2] <= bounds[3] && bounds[4] <= bounds[5]) ||
+      !(bounds[0] < bounds[1] || bounds[2] < bounds[3] || bounds[4] < bounds[5])))
+  {
+    return false;
+  }
+  const int* sizes = this->EditDimensions[0] > 0 ? this->EditDimensions : this->Dimensions;
+  const int needed = sizes[0] * sizes[1] * sizes[2];
+  if (report && this->GetNumberOfDisplacements() != 0 && this->GetNumberOfDisplacements() != needed)
+  {
+    vtkErrorMacro(<< "There are " << this->GetNumberOfDisplacements()
+                  << " displacements, but a lattice of " << sizes[0] << " x " << sizes[1] << " x "
+                  << sizes[2] << " control points has " << needed
+                  << ". They are not used. Give as many, none, or set EditDimensions to the size "
+                     "of the lattice that they are meant for.");
+  }
+  // RequestInformation may have made them already.
+  const vtkMTimeType changed =
+    std::max({ this->GetMTime(), this->Lattice->GetMTime(), this->BaseLattice->GetMTime() });
+  if (!ofInput && this->MadeTime > changed && std::equal(bounds, bounds + 6, this->MadeBounds))
+  {
+    return true;
+  }
+
   vtkNew<vtkFFDLattice> made;
-  if (inputLattice && this->UseInputLattice)
+  if (ofInput)
   {
     made->DeepCopy(inputLattice);
   }
   else
   {
-    if (!(bounds[0] <= bounds[1] && bounds[2] <= bounds[3] && bounds[4] <= bounds[5]) ||
-      !(bounds[0] < bounds[1] || bounds[2] < bounds[3] || bounds[4] < bounds[5]))
-    {
-      return false;
-    }
     made->FitToBounds(bounds, this->Padding);
     made->SetBorderMode(this->BorderMode);
   }
@@ -396,35 +450,40 @@ bool vtkFFDEditLattice::MakeLattice(
     vtkNew<vtkFFDLattice> shape;
     shape->DeepCopy(made);
     vtkFFDLatticeSource::ApplyShape(shape, this->Shape, this->Strength, this->Seed);
-    AddDisplacements(made, shape);
+    AddDisplacements(made, shape->GetDisplacements());
   }
   this->BaseLattice->DeepCopy(made);
 
-  const int* sizes = this->EditDimensions[0] > 0 ? this->EditDimensions : this->Dimensions;
-  const int needed = sizes[0] * sizes[1] * sizes[2];
   if (this->GetNumberOfDisplacements() == needed)
   {
-    vtkNew<vtkFFDLattice> edits;
-    edits->DeepCopy(made);
-    edits->Reset();
-    edits->SetDimensions(sizes);
-    std::copy(this->Displacements.begin(), this->Displacements.end(),
-      edits->GetDisplacements()->GetPointer(0));
-    edits->Modified();
-    edits->SetDimensions(this->Dimensions);
+    vtkSmartPointer<vtkDoubleArray> edits = vtkSmartPointer<vtkDoubleArray>::New();
+    if (std::equal(sizes, sizes + 3, this->Dimensions))
+    {
+      edits->SetArray(this->Displacements.data(), 3 * static_cast<vtkIdType>(needed), 1);
+    }
+    else
+    {
+      vtkNew<vtkFFDLattice> resized;
+      resized->DeepCopy(made);
+      resized->Reset();
+      resized->SetDimensions(sizes);
+      std::copy(this->Displacements.begin(), this->Displacements.end(),
+        resized->GetDisplacements()->GetPointer(0));
+      resized->Modified();
+      resized->SetDimensions(this->Dimensions);
+      edits = resized->GetDisplacements();
+    }
     AddDisplacements(made, edits);
-  }
-  else if (this->GetNumberOfDisplacements() != 0 && report)
-  {
-    vtkErrorMacro(<< "There are " << this->GetNumberOfDisplacements()
-                  << " displacements, but a lattice of " << sizes[0] << " x " << sizes[1] << " x "
-                  << sizes[2] << " control points has " << needed
-                  << ". They are not used. Give as many, none, or set EditDimensions to the size "
-                     "of the lattice that they are meant for.");
   }
   made->SetDisplacementScale(made->GetDisplacementScale() * this->DisplacementScale);
   // Times say whether a lattice changed: this one does only when its values do.
   this->Lattice->DeepCopy(made);
+  this->MadeTime = vtkTimeStamp();
+  if (!ofInput)
+  {
+    std::copy_n(bounds, 6, this->MadeBounds);
+    this->MadeTime.Modified();
+  }
   return true;
 }
 
@@ -498,9 +557,12 @@ int vtkFFDEditLattice::RequestInformation(
   {
     return 1;
   }
-  vtkNew<vtkFFDLattice> upstream;
-  vtkImageData* points = vtkImageData::SafeDownCast(in->Get(LATTICE()));
-  const bool known = points && upstream->FromImageData(points);
+  vtkSmartPointer<vtkFFDLattice> upstream;
+  if (vtkImageData* points = vtkImageData::SafeDownCast(in->Get(LATTICE())))
+  {
+    upstream = vtkSmartPointer<vtkFFDLattice>::New();
+    upstream = upstream->FromImageData(points) ? upstream : nullptr;
+  }
   // A lattice that only the data has is not known yet.
   vtkDataObject* object = in->Get(vtkDataObject::DATA_OBJECT());
   vtkImageData* data = vtkImageData::SafeDownCast(object);
@@ -509,7 +571,7 @@ int vtkFFDEditLattice::RequestInformation(
   {
     return 1;
   }
-  if (!known && this->UseInputLattice && data && vtkFFDLattice::HasLattice(data))
+  if (!upstream && this->UseInputLattice && data && vtkFFDLattice::HasLattice(data))
   {
     return 1;
   }
@@ -517,7 +579,7 @@ int vtkFFDEditLattice::RequestInformation(
   GetWholeGeometry(in, geometry);
   double bounds[6];
   geometry->GetBounds(bounds);
-  if (this->MakeLattice(bounds, known ? upstream.GetPointer() : nullptr, false))
+  if (this->MakeLattice(bounds, upstream, false))
   {
     vtkNew<vtkImageData> image;
     this->Lattice->ToImageData(image);
@@ -595,17 +657,16 @@ bool vtkFFDEditLattice::Attach(vtkDataObject* input, const double bounds[6], vtk
   // Attaching changes the field data only.
   vtkFFDPassContentTime(data, vtkDataSet::SafeDownCast(output));
 
-  vtkNew<vtkFFDLattice> attached;
-  vtkFFDLattice* inputLattice = nullptr;
+  vtkSmartPointer<vtkFFDLattice> attached;
   if (this->UseInputLattice && vtkFFDLattice::HasLattice(input))
   {
+    attached = vtkSmartPointer<vtkFFDLattice>::New();
     if (!attached->ReadFrom(input))
     {
       return false;
     }
-    inputLattice = attached;
   }
-  if (!this->MakeLattice(bounds, inputLattice, true))
+  if (!this->MakeLattice(bounds, attached, true))
   {
     if (data->GetNumberOfPoints() > 0)
     {

@@ -37,10 +37,12 @@
 
 #include "vtkFFDFiltersModule.h" // For export macro
 #include "vtkImageAlgorithm.h"
-#include "vtkNew.h" // for vtkNew
+#include "vtkNew.h"       // for vtkNew
+#include "vtkTimeStamp.h" // for vtkTimeStamp
 
 #include <vector> // for std::vector
 
+class vtkDataArray;
 class vtkDataObject;
 class vtkDoubleArray;
 class vtkFFDLattice;
@@ -133,6 +135,11 @@ public:
   int GetNumberOfDisplacements() const;
   void SetDisplacement(int index, double dx, double dy, double dz);
   void GetDisplacement(int index, double displacement[3]) const;
+  /**
+   * All of them by one call: an array of three components. Returns 1, or 0 after an error, when it
+   * is null, has another shape, or holds what is not finite; the edits are then left as they were.
+   */
+  int SetDisplacements(vtkDataArray* displacements);
   void RemoveAllDisplacements() { this->SetNumberOfDisplacements(0); }
   ///@}
 
@@ -249,6 +256,8 @@ private:
   int BorderMode = 0;
   double DisplacementScale = 1.0;
   std::vector<double> Displacements;
+  double MadeBounds[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+  vtkTimeStamp MadeTime; // of the lattices, by MadeBounds alone; 0: by a lattice of the input
   int EditDimensions[3] = { 0, 0, 0 };
   vtkTypeBool LatticePerBlock = 0;
   int GeometryMode = EXACT;

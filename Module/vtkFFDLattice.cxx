@@ -94,6 +94,7 @@ class vtkFFDLattice::vtkLatticeInternals
 public:
   vtkSmartPointer<vtkImageData> Image;
   vtkSmartPointer<vtkDoubleArray> Array; // the scalars of Image
+  vtkNew<vtkTrivialProducer> Producer;   // of Image, for the superclass
 
   /// Evaluates the map; InternalUpdate() makes it of the image.
   ffd::LatticeMap Map;
@@ -176,9 +177,8 @@ public:
   /// Hand the image to the superclass, past the virtual methods that adopt a copy.
   void Connect(vtkFFDLattice* self) const
   {
-    vtkNew<vtkTrivialProducer> producer;
-    producer->SetOutput(this->Image);
-    self->vtkBSplineTransform::SetCoefficientConnection(producer->GetOutputPort());
+    this->Producer->SetOutput(this->Image);
+    self->vtkBSplineTransform::SetCoefficientConnection(this->Producer->GetOutputPort());
   }
 
   /// Replaces the value by what `change` makes of it, with so many control points.

@@ -6,7 +6,7 @@ import unittest
 
 import numpy
 import vtkffd
-from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkFiltersCore import vtkContourFilter
 from vtkmodules.vtkImagingCore import vtkRTAnalyticSource
 
@@ -97,6 +97,16 @@ class TestEditLattice(unittest.TestCase):
         for i, d in enumerate(edits):
             self.filter.SetDisplacement(i, *d)
         numpy.testing.assert_allclose(displacements(self.attached()), shape + edits, atol=1e-12)
+        # The same by one call; the lattice that the user changes is made again.
+        self.filter.SetNumberOfDisplacements(0)
+        self.filter.SetDisplacements(numpy_to_vtk(edits))
+        numpy.testing.assert_allclose(displacements(self.attached()), shape + edits, atol=1e-12)
+        self.filter.GetLattice().Reset()
+        self.filter.Modified()
+        numpy.testing.assert_allclose(displacements(self.attached()), shape + edits, atol=1e-12)
+        time = self.filter.GetMTime()
+        self.filter.SetDisplacements(numpy_to_vtk(edits))
+        self.assertEqual(self.filter.GetMTime(), time)
         # A finer lattice: the same map of the edits alone.
         self.filter.SetShape(vtkffd.vtkFFDLatticeSource.IDENTITY)
         coarse = self.attached()
@@ -161,6 +171,13 @@ class TestEditLattice(unittest.TestCase):
             getattr(self.filter, setter)(*bad)
             self.assertEqual(len(self.errors), 1, setter)
             self.assertEqual(self.filter.GetMTime(), time, setter)
+        values = numpy.full((4, 3), 1.0)
+        values[2, 1] = float("nan")
+        for bad in (None, numpy_to_vtk(values), numpy_to_vtk(numpy.zeros((4, 2)))):
+            self.errors.clear()
+            self.assertEqual(self.filter.SetDisplacements(bad), 0)
+            self.assertEqual(len(self.errors), 1)
+            self.assertEqual(self.filter.GetMTime(), time)
         self.filter.SetNumberOfDisplacements(5)
         self.errors.clear()
         self.assertTrue(self.attached().IsIdentity())

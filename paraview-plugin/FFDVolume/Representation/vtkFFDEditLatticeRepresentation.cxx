@@ -5,6 +5,7 @@
 #include "vtkFFDLattice.h"
 
 #include "vtkCamera.h"
+#include "vtkDataArray.h"
 #include "vtkDoubleArray.h"
 #include "vtkIdTypeArray.h"
 #include "vtkMath.h"
@@ -142,37 +143,29 @@ bool vtkFFDEditLatticeRepresentation::SetSizes(
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDEditLatticeRepresentation::SetCount(
-  const char* name, std::vector<double>& values, int count)
+void vtkFFDEditLatticeRepresentation::SetVectors(
+  const char* name, std::vector<double>& values, vtkDataArray* vectors)
 {
-  if (count < 0 || count > LargestCount)
+  const vtkIdType count = vectors ? vectors->GetNumberOfTuples() : 0;
+  if (count > LargestCount || (count > 0 && vectors->GetNumberOfComponents() != 3))
   {
-    vtkErrorMacro(<< name << " is " << count << ", it must be from 0 to " << LargestCount << ".");
+    vtkErrorMacro(<< name << " has " << count << " tuples of " << vectors->GetNumberOfComponents()
+                  << " components; give up to " << LargestCount << " of 3.");
     return;
   }
-  const std::size_t size = 3 * static_cast<std::size_t>(count);
-  if (size != values.size())
+  std::vector<double> given(3 * static_cast<std::size_t>(count));
+  for (vtkIdType i = 0; i < count; ++i)
   {
-    values.resize(size, 0.0);
-    this->LatticeIsStale = true;
+    vectors->GetTuple(i, &given[3 * static_cast<std::size_t>(i)]);
   }
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDEditLatticeRepresentation::SetValue(
-  const char* name, std::vector<double>& values, int index, const double value[3])
-{
-  if (index < 0 || 3 * static_cast<std::size_t>(index) >= values.size() ||
-    !std::isfinite(value[0] + value[1] + value[2]))
+  if (!std::all_of(given.begin(), given.end(), [](double v) { return std::isfinite(v); }))
   {
-    vtkErrorMacro(<< name << " " << index << ": there are " << values.size() / 3
-                  << ", and values must be finite.");
+    vtkErrorMacro(<< name << " must be finite.");
     return;
   }
-  double* at = &values[3 * static_cast<std::size_t>(index)];
-  if (!std::equal(value, value + 3, at))
+  if (given != values)
   {
-    std::copy_n(value, 3, at);
+    values = std::move(given);
     this->LatticeIsStale = true;
   }
 }
@@ -219,17 +212,9 @@ void vtkFFDEditLatticeRepresentation::SetDomain(
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDEditLatticeRepresentation::SetNumberOfBaseDisplacements(int count)
+void vtkFFDEditLatticeRepresentation::SetBaseDisplacements(vtkDataArray* displacements)
 {
-  this->SetCount("NumberOfBaseDisplacements", this->Base, count);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDEditLatticeRepresentation::SetBaseDisplacement(
-  int index, double dx, double dy, double dz)
-{
-  const double value[3] = { dx, dy, dz };
-  this->SetValue("BaseDisplacement", this->Base, index, value);
+  this->SetVectors("BaseDisplacements", this->Base, displacements);
 }
 
 //------------------------------------------------------------------------------
@@ -248,33 +233,21 @@ void vtkFFDEditLatticeRepresentation::SetDisplacementScale(double scale)
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDEditLatticeRepresentation::SetNumberOfDisplacements(int count)
+void vtkFFDEditLatticeRepresentation::SetDisplacements(vtkDataArray* displacements)
 {
-  this->SetCount("NumberOfDisplacements", this->Edits, count);
+  this->SetVectors("Displacements", this->Edits, displacements);
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDEditLatticeRepresentation::SetDisplacement(int index, double dx, double dy, double dz)
+void vtkFFDEditLatticeRepresentation::SetSelection(vtkDataArray* points)
 {
-  const double value[3] = { dx, dy, dz };
-  this->SetValue("Displacement", this->Edits, index, value);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDEditLatticeRepresentation::SetNumberOfSelectedPoints(int count)
-{
-  this->Selected.resize(static_cast<std::size_t>(std::max(count, 0)), -1.0);
-  this->SelectionIsStale = true;
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDEditLatticeRepresentation::SetSelectedPoint(int index, double point)
-{
-  if (index >= 0 && static_cast<std::size_t>(index) < this->Selected.size())
+  const vtkIdType count = points ? points->GetNumberOfTuples() : 0;
+  this->Selected.resize(static_cast<std::size_t>(count));
+  for (vtkIdType i = 0; i < count; ++i)
   {
-    this->Selected[static_cast<std::size_t>(index)] = point;
-    this->SelectionIsStale = true;
+    this->Selected[static_cast<std::size_t>(i)] = points->GetComponent(i, 0);
   }
+  this->SelectionIsStale = true;
 }
 
 //------------------------------------------------------------------------------

@@ -28,6 +28,7 @@
 
 #include <vector> // for std::vector
 
+class vtkDataArray;
 class vtkDoubleArray;
 
 class VTKFFDPARAVIEW_EXPORT vtkFFDEditLatticeRepresentation : public vtkFFDLatticeRepresentation
@@ -51,12 +52,13 @@ public:
   ///@{
   /**
    * Set the displacements that the edits are added to, of a lattice of BaseDimensions control
-   * points, x fastest, and the factor on the deformation as a whole. Defaults: none, 1.
+   * points, x fastest, and the factor on the deformation as a whole. Defaults: none, 1. Arrays that
+   * are too long, have not three components or hold what is not finite are errors and change
+   * nothing.
    */
   void SetBaseDimensions(int nx, int ny, int nz);
   vtkGetVector3Macro(BaseDimensions, int);
-  void SetNumberOfBaseDisplacements(int count);
-  void SetBaseDisplacement(int index, double dx, double dy, double dz);
+  void SetBaseDisplacements(vtkDataArray* displacements);
   void SetDisplacementScale(double scale);
   vtkGetMacro(DisplacementScale, double);
   ///@}
@@ -66,8 +68,7 @@ public:
    * The edits as vtkFFDEditLattice takes them; dimensions 0, 0, 0 mean those of the lattice.
    */
   void SetEditDimensions(int nx, int ny, int nz);
-  void SetNumberOfDisplacements(int count);
-  void SetDisplacement(int index, double dx, double dy, double dz);
+  void SetDisplacements(vtkDataArray* displacements);
   ///@}
 
   ///@{
@@ -86,8 +87,7 @@ public:
   /**
    * The selection as plain numbers, so that a render server shows it. Bad indices are left out.
    */
-  void SetNumberOfSelectedPoints(int count);
-  void SetSelectedPoint(int index, double point);
+  void SetSelection(vtkDataArray* points);
   vtkDoubleArray* GetSelection();
   ///@}
 
@@ -111,8 +111,7 @@ private:
   void operator=(const vtkFFDEditLatticeRepresentation&) = delete;
 
   bool SetSizes(const char* name, int member[3], const int sizes[3], bool zeroAllowed);
-  void SetCount(const char* name, std::vector<double>& values, int count);
-  void SetValue(const char* name, std::vector<double>& values, int index, const double value[3]);
+  void SetVectors(const char* name, std::vector<double>& values, vtkDataArray* vectors);
   bool IsEdited();
 
   int Dimensions[3] = { 6, 6, 6 };

@@ -458,10 +458,14 @@ int vtkFFDShownGeometry::RequestData(
   {
     data = this->Maker->GetInputDataObject(0, 0);
   }
-  const Shown shown = FindShownOfAll(data);
+  // Selections of nothing come here, too, whenever the data have changed.
+  const bool isEmpty = output->GetNumberOfElements(vtkDataObject::POINT) == 0;
+  const Shown shown = isEmpty ? Shown(nullptr) : FindShownOfAll(data);
   auto* maker = vtkPVGeometryFilter::SafeDownCast(this->Maker);
   const bool isOutline = maker && maker->GetUseOutline();
-  if (vtkSmartPointer<vtkDataObject> moved = MoveAll(output, shown, isOutline))
+  const vtkSmartPointer<vtkDataObject> moved =
+    isEmpty ? nullptr : MoveAll(output, shown, isOutline);
+  if (moved)
   {
     output->ShallowCopy(moved);
   }

@@ -19,6 +19,7 @@
 #include <functional>
 #include <vector>
 
+class vtkFFDInverseRayVolumeMapper;
 class vtkFFDLattice;
 class vtkImageData;
 class vtkInformation;
@@ -79,7 +80,26 @@ bool AreEqual(vtkFFDLattice* a, vtkFFDLattice* b);
 /// The box with the faces that it shares with `whole` moved to infinity.
 Bounds OpenOutwards(const Bounds& box, const Bounds& whole);
 
-/// Bounds of the image `grid` deformed by `lattice` (may be null): InverseMode as the mapper's.
+/**
+ * Finds bounds of deformed images. What several parts of a scene ask for is found once: the last
+ * answers of all finders are kept. A finder that is kept, too, looks at what an edit has changed
+ * only.
+ */
+class DeformedBoundsFinder
+{
+public:
+  DeformedBoundsFinder();
+  ~DeformedBoundsFinder();
+
+  /// Bounds of the image `grid` deformed by `lattice` (may be null): InverseMode as the mapper's.
+  Bounds Find(const Grid& grid, vtkFFDLattice* lattice, int inverseMode);
+
+private:
+  vtkSmartPointer<vtkFFDInverseRayVolumeMapper> Mapper;
+  vtkSmartPointer<vtkImageData> Corners; // a volume of eight voxels
+};
+
+/// DeformedBoundsFinder::Find() of a finder for this once.
 Bounds FindDeformedBounds(const Grid& grid, vtkFFDLattice* lattice, int inverseMode);
 
 /**

@@ -124,6 +124,7 @@ public:
   {
     vtkFFDVoxelDistribution::Inputs Inputs; // what this process was given
     vtkFFDVoxelDistribution Distribution;   // with several processes
+    ffdparts::DeformedBoundsFinder BoundsFinder;
   };
   std::vector<std::unique_ptr<Volume>> Volumes; // one at least; as many on all processes
 
@@ -256,7 +257,7 @@ int vtkFFDVolumeRepresentation::RequestData(
     const Grid grid = Grid::FromImage(image, extent);
     allRest = ffdparts::Unite(allRest, grid.GetBounds());
     allDeformed = ffdparts::Unite(allDeformed,
-      ffdparts::FindDeformedBounds(
+      in.Volumes[i]->BoundsFinder.Find(
         grid, hasLattice ? lattice.GetPointer() : nullptr, this->Mapper->GetInverseMode()));
   }
   if (!here.empty())
