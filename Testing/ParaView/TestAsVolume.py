@@ -314,6 +314,24 @@ class TestFiles(unittest.TestCase):
         np.testing.assert_allclose(exported, moved.GetDataInformation().GetBounds(), atol=1e-3)
         self.assertGreater(np.abs(np.array(exported) - shown).max(), 0.5)
 
+    def test_drawings(self):
+        """Files of drawings hold a picture of the volume, or it is said that they do not; those for the
+        web hold the volume at rest, which is said."""
+        simple.Show(self.lattice, self.view)
+        simple.Render(self.view)
+        for kind, mark in (("pdf", b"/Subtype /Image"), ("eps", b"colorimage"), ("svg", b"<image")):
+            path = os.path.join(ffd.TEMPORARY, "ParaView.drawing." + kind)
+            with ffd.Errors(event="WarningEvent") as warnings:
+                simple.ExportView(path, self.view)
+            with open(path, "rb") as file:
+                holds = mark in file.read()
+            self.assertTrue(holds or kind == "svg", kind)
+            self.assertEqual(warnings.say("FFD Volume", "no pictures into SVG"), not holds, warnings.text)
+            self.assertEqual(len(warnings.text), int(not holds), warnings.text)
+        with ffd.Errors(event="WarningEvent") as warnings:
+            simple.ExportView(os.path.join(ffd.TEMPORARY, "ParaView.web.vtkjs"), self.view)
+        self.assertTrue(warnings.say("FFD Volume", "at rest in the exported scene"), warnings.text)
+
 
 if __name__ == "__main__":
     unittest.main()

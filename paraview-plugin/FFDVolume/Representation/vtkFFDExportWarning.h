@@ -8,8 +8,9 @@ class vtkExporter;
 namespace ffdexport
 {
 
-/// Scenes that ParaView exports hold surfaces: let an exporter warn of a volume of FFD Volume that
-/// is shown and not in its file. ParaView's own volumes are left out without a word.
+/// Most scenes that ParaView exports hold surfaces: let an exporter warn of a volume of FFD Volume
+/// that is shown and not in its file, or at rest there. ParaView's own volumes are left out without
+/// a word.
 void Watch(vtkExporter* exporter);
 
 } // namespace ffdexport
