@@ -136,6 +136,34 @@ class TestPanel(unittest.TestCase):
         for height, expected in zip(heights, (0.5, 1.0, 0.5)):
             self.assertAlmostEqual(height, 17.7 * expected, delta=1.0, msg=heights)
 
+    def test_search(self):
+        """What is typed into the search box of the panel finds the lattice's controls by their names, and
+        opens the part where they are until it is something else; tooltips are those of the controls."""
+        events = Events()
+
+        def search(words, found, opened=None):
+            events.set(PROPERTIES + "SearchBox/SearchLineEdit", "string", words)
+            events.check(PANEL + "Refine", "visible", str(found).lower())
+            for group in (SELECTION, EDITING, DISPLAY):
+                events.check(group.rstrip("/"), "visible", str(group == opened).lower())
+
+        search("refine", True)
+        search("resolution", True)
+        search("symmetry", True, EDITING)
+        search("strength", False)
+        search("fold guard", True, EDITING)
+        search("curved", True, DISPLAY)
+        search("selected", True, SELECTION)
+        # What the user has opened stays open.
+        events.set(PROPERTIES + "SearchBox/SearchLineEdit", "string", "")
+        events.toggle(DISPLAY)
+        search("curved", True, DISPLAY)
+        search("resolution", True, DISPLAY)
+        events.set(PANEL + "Resolution_0", "int", "6")
+        events.click(PROPERTIES + "Accept")
+        states, _ = events.play("search", auto_apply=False)
+        self.assertEqual(states[-1]["resolution"], [6, 5, 5])
+
     def test_live(self):
         """With auto-apply the filter follows a drag, which is one step for undo and trace; after
         a look at another source, too."""

@@ -101,6 +101,22 @@ class TestRepresentation(unittest.TestCase):
             {"FFDCroppingOrigin", "FFDCroppingScale", "FFDIsosurfaceValues",
              "FFDScalarOpacityUnitDistance", "FFDShade", "FFDSliceFunction"})
 
+    def test_tooltips(self):
+        """Everything that the properties panel shows has one."""
+        self.show()
+        fit = simple.FFDFitLattice(SourceLandmarks=simple.Line(), TargetLandmarks=simple.Line())
+        for proxy in (self.lattice, self.display, fit):
+            iterator = proxy.SMProxy.NewPropertyIterator()
+            iterator.Begin()
+            while not iterator.IsAtEnd():
+                shown = iterator.GetProperty()
+                name = iterator.GetKey()
+                ours = proxy != self.display or name.startswith("FFD")
+                if ours and shown.GetPanelVisibility() in ("default", "advanced"):
+                    text = shown.GetDocumentation()
+                    self.assertTrue(text and text.GetDescription().strip(), name)
+                iterator.Next()
+
     def test_transfer_functions(self):
         before = self.show()
         self.opacity.Points = [37, 0, 0.5, 0, 280, 0, 0.5, 0]

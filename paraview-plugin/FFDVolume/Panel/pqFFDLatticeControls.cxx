@@ -29,6 +29,7 @@
 #include <QVBoxLayout>
 
 #include <algorithm>
+#include <vector>
 
 namespace
 {
@@ -117,7 +118,9 @@ void AddLine(QGridLayout* group, const QString& label, const QList<QWidget*>& wi
     group->addLayout(row, line, 0, 1, 2);
     return;
   }
-  group->addWidget(new QLabel(label, group->parentWidget()), line, 0);
+  auto* text = new QLabel(label, group->parentWidget());
+  text->setToolTip(widgets.front()->toolTip());
+  group->addWidget(text, line, 0);
   group->addLayout(row, line, 1);
 }
 
@@ -137,6 +140,15 @@ public:
   QLabel* Selected = nullptr;
   std::array<NumberEdit*, 3> Center{};
   pqFFDLatticePointsModel* Points = nullptr;
+
+  /// A part of the panel, and the button that opens it.
+  struct Group
+  {
+    QToolButton* Toggle;
+    QWidget* Body;
+    bool OpenedBySearch;
+  };
+  std::vector<Group> Groups;
 
   QComboBox* Handle = nullptr;
   QComboBox* Constraint = nullptr;
@@ -171,7 +183,8 @@ pqFFDLatticeControls::pqFFDLatticeControls(
   in.Layout->addWidget(in.ShowLattice);
 
   auto* sizes = new QHBoxLayout();
-  sizes->addWidget(new QLabel(tr("Resolution"), this));
+  auto* sizesLabel = new QLabel(tr("Resolution"), this);
+  sizes->addWidget(sizesLabel);
   for (std::size_t a = 0; a < 3; ++a)
   {
     auto* spin = new QSpinBox(this);
@@ -180,6 +193,7 @@ pqFFDLatticeControls::pqFFDLatticeControls(
     spin->setKeyboardTracking(false);
     spin->setMinimumWidth(NarrowWidth);
     spin->setToolTip(tr("Control points along each axis. A change keeps what was edited."));
+    sizesLabel->setToolTip(spin->toolTip());
     in.Resolution[a] = spin;
     sizes->addWidget(spin, 1);
   }
@@ -269,7 +283,29 @@ QGridLayout* pqFFDLatticeControls::makeGroup(
   grid->setColumnStretch(1, 1);
   this->Internals->Layout->addWidget(toggle);
   this->Internals->Layout->addWidget(body);
+  this->Internals->Groups.push_back({ toggle, body, false });
   return grid;
+}
+
+//-----------------------------------------------------------------------------
+void pqFFDLatticeControls::search(const QString& text)
+{
+  for (pqInternals::Group& group : this->Internals->Groups)
+  {
+    QStringList names{ group.Toggle->text() };
+    for (const QWidget* each : group.Body->findChildren<QWidget*>())
+    {
+      names << each->objectName() << each->property("text").toString();
+    }
+    const QString words = QString(text).remove(' ');
+    const bool found = !words.isEmpty() &&
+      !names.replaceInStrings(" ", "").filter(words, Qt::CaseInsensitive).isEmpty();
+    if (found != group.OpenedBySearch && (!found || !group.Toggle->isChecked()))
+    {
+      group.Toggle->setChecked(found);
+      group.OpenedBySearch = found;
+    }
+  }
 }
 
 //-----------------------------------------------------------------------------
@@ -309,6 +345,9 @@ void pqFFDLatticeControls::makeSelectionGroup()
   in.Selected = new QLabel(body);
   in.Selected->setWordWrap(true);
   in.Selected->setObjectName("SelectedPoints");
+  in.Selected->setToolTip(
+    tr("Click a control point in the view to select it; shift and click adds others, shift and "
+       "drag those in a rectangle."));
   AddLine(group, QString(), { in.Selected });
   QList<QWidget*> row;
   for (std::size_t a = 0; a < 3; ++a)

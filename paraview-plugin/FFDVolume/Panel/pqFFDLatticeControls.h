@@ -39,6 +39,10 @@ public:
   /// Show what the representation has; `bound` of the change of volume, too, which takes longer.
   void showState(bool bound);
 
+  /// Opens the parts that have a control of which the text is a part of the name; those that it has
+  /// opened before are closed if they have none.
+  void search(const QString& text);
+
   /// Writes the controls' options to the properties of the widget.
   void writeOptions(vtkSMProxy* widget);
 

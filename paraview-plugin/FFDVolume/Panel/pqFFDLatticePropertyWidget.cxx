@@ -15,6 +15,7 @@
 #include "pqPipelineSource.h"
 #include "pqPropertiesPanel.h"
 #include "pqPVApplicationCore.h"
+#include "pqSearchBox.h"
 #include "pqServerManagerModel.h"
 #include "pqUndoStack.h"
 #include "pqView.h"
@@ -85,6 +86,7 @@ public:
   QTimer ShowTimer;
   QTimer SettleTimer;
   QTimer FinishTimer;
+  QPointer<pqSearchBox> Search; // of the properties panel
 
   QPointer<pqProxy> Source;
   Rep* Representation = nullptr;
@@ -208,6 +210,13 @@ pqFFDLatticePropertyWidget::pqFFDLatticePropertyWidget(
         property, vtkCommand::UncheckedPropertyModifiedEvent, this, SLOT(scheduleSettle()));
     }
   }
+  // ParaView names it by all the words that its search box finds it by.
+  QObject::connect(this, &QObject::objectNameChanged, this, [this](const QString& name) {
+    if (name.startsWith("FFDLattice:"))
+    {
+      this->setObjectName("FFDLattice");
+    }
+  });
   qApp->installEventFilter(this);
   if (auto* source = qobject_cast<pqPipelineSource*>(in.Source))
   {
@@ -285,10 +294,29 @@ void pqFFDLatticePropertyWidget::showEvent(QShowEvent* event)
 {
   pqInternals& in = *this->Internals;
   this->Superclass::showEvent(event);
+  this->findSearchBox();
   if (in.Away)
   {
     in.Away = false;
     this->setWidgetVisible(in.VisibleBefore);
+  }
+}
+
+//-----------------------------------------------------------------------------
+/// What is searched for may be in a part of the controls that is folded away.
+void pqFFDLatticePropertyWidget::findSearchBox()
+{
+  pqInternals& in = *this->Internals;
+  for (QWidget* above = this->parentWidget(); above && !in.Search; above = above->parentWidget())
+  {
+    auto* panel = qobject_cast<pqPropertiesPanel*>(above);
+    in.Search = panel ? panel->findChild<pqSearchBox*>() : nullptr;
+    if (in.Search)
+    {
+      QObject::connect(in.Search, &pqSearchBox::textChanged, in.Controls,
+        [&in](const QString& text) { in.Controls->search(text); });
+      in.Controls->search(in.Search->text());
+    }
   }
 }
 

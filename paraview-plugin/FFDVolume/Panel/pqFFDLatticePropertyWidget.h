@@ -60,6 +60,7 @@ private Q_SLOTS:
 private:
   Q_DISABLE_COPY(pqFFDLatticePropertyWidget)
 
+  void findSearchBox();
   void tellEdit(int changed);
   std::vector<std::vector<double>> getUnchecked() const;
   void stepEdits(bool back);
