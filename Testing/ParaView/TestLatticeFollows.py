@@ -106,8 +106,11 @@ class TestLatticeFollows(unittest.TestCase):
                 Input=data, ContourBy=["POINTS", "RTData"], Isosurfaces=[157.0])
 
         lattice = self.moved_lattice()
-        for make, kind in ((contour, "Point Gaussian"), (group, "Point Gaussian"),
-                           (threshold, "Volume"), (group, "Volume")):
+        resampled = "Resample To Image"
+        for make, kind, mapper in (
+                (contour, "Point Gaussian", None), (group, "Point Gaussian", None),
+                (threshold, "Volume", "Projected tetra"), (group, "Volume", "Projected tetra"),
+                (threshold, "Volume", resampled), (group, "Volume", resampled)):
             shown = []
             for data in (self.wavelet, lattice):
                 data.UpdatePipeline()
@@ -116,12 +119,14 @@ class TestLatticeFollows(unittest.TestCase):
                 simple.ColorBy(display, ("POINTS", "RTData"))
                 display.SetScalarBarVisibility(self.view, False)
                 display.SetRepresentationType(kind)
+                if mapper:
+                    display.SelectMapper = mapper
                 bounds = self.shown_bounds()
                 self.view.CameraPosition = bounds[::2] + (75.0, 45.0, 60.0)
                 self.view.CameraFocalPoint = bounds[::2]
                 shown.append((bounds, ffd.picture(self.view, "follows cells")))
                 simple.Hide(made, self.view)
-            name = "%s of %s" % (kind, made.SMProxy.GetXMLName())
+            name = "%s of %s, %s" % (kind, made.SMProxy.GetXMLName(), mapper)
             np.testing.assert_allclose(
                 shown[1][0], shown[0][0] + np.repeat(SHIFT, 2), atol=1e-3, err_msg=name)
             self.assertGreater(ffd.lit(shown[0][1]), 300, name)

@@ -33,6 +33,7 @@
 #include "vtkPVGridAxes3DRepresentation.h"
 #include "vtkPVProbeLineFilter.h"
 #include "vtkPVRayCastPickingHelper.h"
+#include "vtkResampleToImage.h"
 #include "vtkSelectionRepresentation.h"
 #include "vtkUnstructuredGridVolumeRepresentation.h"
 #include "vtkVolumeRepresentationPreprocessor.h"
@@ -290,6 +291,80 @@ struct Gaussians : vtkPointGaussianRepresentation
   }
 };
 
+/// A copy of a grid of cells with moved points.
+vtkSmartPointer<vtkPointSet> MoveGrid(vtkPointSet* grid, const Shown& shown)
+{
+  vtkSmartPointer<vtkPointSet> moved;
+  moved.TakeReference(grid->NewInstance());
+  moved->ShallowCopy(grid);
+  shown.Move(grid, moved);
+  return moved;
+}
+
+/// Grids of cells, moved where they or all of them have a lattice; null if none has.
+vtkSmartPointer<vtkDataObject> MoveGrids(vtkDataObject* data)
+{
+  const Shown ofAll = FindShownOfAll(data);
+  if (auto* grid = vtkPointSet::SafeDownCast(data))
+  {
+    return ofAll.Lattice && grid->GetNumberOfPoints() > 0 ? MoveGrid(grid, ofAll) : nullptr;
+  }
+  auto* parts = vtkCompositeDataSet::SafeDownCast(data);
+  if (!parts || !Shown::FindAnywhere(data).Lattice)
+  {
+    return nullptr;
+  }
+  vtkSmartPointer<vtkCompositeDataSet> moved;
+  moved.TakeReference(parts->NewInstance());
+  moved->ShallowCopy(parts);
+  vtkSmartPointer<vtkCompositeDataIterator> iterator;
+  iterator.TakeReference(parts->NewIterator());
+  for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
+  {
+    auto* grid = vtkPointSet::SafeDownCast(iterator->GetCurrentDataObject());
+    const Shown own = ofAll.Lattice ? ofAll : Shown(grid);
+    if (grid && grid->GetNumberOfPoints() > 0 && own.Lattice)
+    {
+      moved->SetDataSet(iterator, MoveGrid(grid, own));
+    }
+  }
+  return moved;
+}
+
+/// While a filter executes, its input is a moved copy.
+class MovedInput : public vtkCommand
+{
+public:
+  static MovedInput* New() { return new MovedInput; }
+
+  void Execute(vtkObject* caller, unsigned long event, void*) override
+  {
+    auto* filter = vtkAlgorithm::SafeDownCast(caller);
+    if (!filter || filter->GetNumberOfInputConnections(0) != 1)
+    {
+      return;
+    }
+    vtkInformation* input = filter->GetInputInformation(0, 0);
+    if (event == vtkCommand::StartEvent)
+    {
+      vtkDataObject* rest = vtkDataObject::GetData(input);
+      if (const vtkSmartPointer<vtkDataObject> moved = MoveGrids(rest))
+      {
+        this->Rest = rest;
+        input->Set(vtkDataObject::DATA_OBJECT(), moved);
+      }
+    }
+    else if (this->Rest)
+    {
+      input->Set(vtkDataObject::DATA_OBJECT(), this->Rest);
+      this->Rest = nullptr;
+    }
+  }
+
+private:
+  vtkSmartPointer<vtkDataObject> Rest;
+};
+
 struct GridVolume : vtkUnstructuredGridVolumeRepresentation
 {
   static void Follow(vtkUnstructuredGridVolumeRepresentation* representation)
@@ -305,17 +380,15 @@ struct GridVolume : vtkUnstructuredGridVolumeRepresentation
       const Shown shown = FindShownOfAll(data);
       if (grid && grid->GetNumberOfPoints() > 0 && shown.Lattice)
       {
-        vtkSmartPointer<vtkPointSet> rest;
-        rest.TakeReference(grid->NewInstance());
-        rest->ShallowCopy(grid);
-        vtkSmartPointer<vtkPointSet> moved;
-        moved.TakeReference(grid->NewInstance());
-        moved->ShallowCopy(grid);
-        shown.Move(rest, moved);
-        grid->SetPoints(moved->GetPoints());
+        grid->SetPoints(MoveGrid(grid, shown)->GetPoints());
       }
     });
     maker->AddObserver(vtkCommand::EndEvent, command);
+    // Makes the image that its mapper "Resample To Image" renders.
+    vtkAlgorithm* resampler = (representation->*(&GridVolume::ResampleToImageFilter)).Get();
+    vtkNew<MovedInput> exchange;
+    resampler->AddObserver(vtkCommand::StartEvent, exchange);
+    resampler->AddObserver(vtkCommand::EndEvent, exchange);
   }
 };
 
