@@ -11,7 +11,17 @@ import os
 from paraview import simple
 
 name = os.environ["FFD_PARAVIEW_VOLUME"]
-if os.path.isdir(name):  # of DICOM slices
+
+
+def is_dicom(path):
+    """Whether this is a folder, of DICOM slices, or one of these."""
+    if os.path.isdir(path):
+        return True
+    with open(path, "rb") as file:
+        return file.read(132)[128:] == b"DICM"
+
+
+if is_dicom(name):
     volume = simple.FFDVolumeReader(FileNames=[name])
 else:
     volume = simple.OpenDataFile(name)

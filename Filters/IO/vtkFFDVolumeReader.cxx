@@ -116,6 +116,16 @@ std::string ReadStart(const char* path)
   return bytes;
 }
 
+/// Whether a file is one of DICOM.
+bool IsSlice(const char* path)
+{
+  constexpr std::size_t preamble = 128;
+  std::string bytes(preamble + 4, '\0');
+  vtksys::ifstream file(path, std::ios::in | std::ios::binary);
+  file.read(&bytes[0], static_cast<std::streamsize>(bytes.size()));
+  return file && bytes.compare(preamble, 4, "DICM") == 0;
+}
+
 /// Whether a file begins with more than any key of MetaImage, and no space. vtkMetaImageReader
 /// reads the first word of .mha and .mhd files into 8000 bytes to see whether it knows them; where
 /// VTK was built with GCC 10 or before, as its wheels are, nothing stops it there.
@@ -416,6 +426,10 @@ bool vtkFFDVolumeReader::vtkInternals::Open(const char* path)
   if (!this->Problem.empty())
   {
     return false;
+  }
+  if (!folder && IsSlice(path))
+  {
+    return this->Open(SystemTools::GetFilenamePath(SystemTools::CollapseFullPath(path)).c_str());
   }
   if (folder)
   {

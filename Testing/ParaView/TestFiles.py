@@ -17,6 +17,9 @@ from paraview import simple
 import ffdevents
 import ffdparaview as ffd
 
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "Python"))
+import ffdvolumefiles  # noqa: E402
+
 ffd.load()
 
 TRANSFORMS = os.path.join(ffd.DATA, "Transforms")
@@ -80,6 +83,33 @@ class TestFiles(unittest.TestCase):
         self.assertEqual(simple.Show(volumes, self.view).Representation, "FFD Volume")
         field = simple.OpenDataFile(os.path.join(TRANSFORMS, "field_oblique.nii"))
         self.assertEqual(field.SMProxy.GetXMLName(), "FFDTransformReader")
+
+    def test_open_dicom(self):
+        """File > Open of a slice offers the reader of its folder that keeps the orientation."""
+        folder = os.path.join(ffd.TEMPORARY, "paraview-dicom")
+        ffdvolumefiles.write_dicom(folder)
+        slices = [os.path.join(folder, name) for name in os.listdir(folder)]
+        for i, name in enumerate(slices):
+            if not name.endswith(".dcm"):
+                os.replace(name, name + ".dcm")
+                slices[i] = name + ".dcm"
+        factory = simple.servermanager.vtkSMProxyManager.GetProxyManager().GetReaderFactory()
+        readers = factory.GetReaders(slices[0], simple.servermanager.ActiveConnection.Session)
+        names = [readers.GetString(i) for i in range(readers.GetNumberOfStrings())]
+        self.assertIn("FFDDICOMReader", names)
+        for name in (folder, slices[0]):
+            volume = simple.FFDDICOMReader(FileName=name)
+            volume.UpdatePipeline()
+            image = simple.servermanager.Fetch(volume)
+            self.assertEqual(image.GetDimensions(), ffdvolumefiles.SIZE)
+            for i, j, k in ((0, 0, 0), (3, 4, 5), (11, 10, 9), (10, 5, 4)):
+                place = ffdvolumefiles.position(i, j, k)
+                # Within the outermost voxels, whatever is rounded.
+                point = image.FindPoint(*(place + 1e-3 * (ffdvolumefiles.position(5, 5, 5) - place)))
+                np.testing.assert_allclose(image.GetPoint(point), place, atol=1e-3)
+                self.assertEqual(image.GetPointData().GetScalars().GetTuple1(point),
+                                 ffdvolumefiles.voxels()[k, j, i])
+            self.assertEqual(simple.Show(volume, self.view).Representation, "FFD Volume")
 
     def test_resample(self):
         """Of what has not been read yet, so that no array could be chosen."""

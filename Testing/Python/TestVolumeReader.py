@@ -101,6 +101,9 @@ class TestVolumeReader(unittest.TestCase):
             name = "dicom%d" % downward
             files.write_dicom(os.path.join(WORK, name), downward=downward)
             self.check_places(name)
+        # One of the slices is its folder.
+        self.assertEqual(vtkffd.vtkFFDVolumeReader().CanReadFile(os.path.join(WORK, name, "IM0002")), 1)
+        self.check_places(os.path.join(name, "IM0002"))
 
     def test_image_data(self):
         reader = self.read("turned.mha")
