@@ -619,6 +619,14 @@ void SetBlending(const CastScene& scene, const FrameKind& kind, PacketScene& p)
   if (p.Sampling == PacketSampling::Extreme && kind.Leaps)
   {
     p.Peaks = scene.Peaks;
+    if (p.Peaks)
+    {
+      // Minima are found as maxima of the negated values.
+      const double shift = maximum ? p.Volume.Shift : -p.Volume.Shift;
+      const double step = p.Peaks->GetStep() * p.Volume.Scale;
+      p.PeakLow = ToFloat((p.Peaks->GetLow() - shift) * p.Volume.Scale - step);
+      p.PeakScale = ToFloat(1.0 / step);
+    }
   }
   p.Slices = scene.Blend.Mode == BlendMode::Slice;
   p.AverageMin = fetched(scene.Blend.AverageMin);

@@ -168,6 +168,8 @@ struct PacketScene
   /// exists, or it would not change the picture.
   float LastExtreme = std::numeric_limits<float>::infinity();
   const ValuePeaks* Peaks = nullptr; ///< of extremes, with space leaping
+  float PeakLow = 0.0f;              ///< extremes, as LastExtreme, times PeakScale are codes of Peaks,
+  float PeakScale = 0.0f;            ///< where PeakLow stands for -1: none
   float AverageMin = 0.0f;
   float AverageMax = 0.0f;
   std::vector<PacketSurfaceValue> IsoValues; ///< ascending; visible ones

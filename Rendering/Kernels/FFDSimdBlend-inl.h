@@ -33,6 +33,9 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
+/// Extremes are above -NoExtreme once a sample has been taken.
+constexpr float NoExtreme = 3e38f;
+
 /// Blends the samples of a packet in the modes that do not composite, and in all modes where the
 /// RayIntegrator of each ray takes them.
 template <class T>
@@ -86,10 +89,10 @@ public:
     }
   }
 
-  /// Takes the sample `number` of the lanes of `sampled` at q, the position at s of a curve;
-  /// `inner`: all voxels that it and the interval behind it need exist.
+  /// Takes the samples n of the lanes of `sampled` at q, the position at s of a curve; `inner`: all
+  /// voxels that they and the intervals behind them need exist.
   HWY_NOINLINE void Take(
-    const PacketCurve& curve, const Vec3& q, Vf s, Vf number, Mf sampled, bool inner)
+    const PacketCurve& curve, const Vec3& q, Vf s, int n, Mf sampled, bool inner)
   {
     const Df d;
     this->Inner = inner;
@@ -97,13 +100,13 @@ public:
     switch (this->Scene.Sampling)
     {
       case PacketSampling::Extreme:
-        return this->TakeExtreme(curve, q, s, sampled);
+        return this->TakeExtreme(curve, q, s, n, sampled);
       case PacketSampling::Sum:
         return this->AddUp(curve, q, s, sampled);
       case PacketSampling::Slice:
         return this->TakeSlice(curve, q, s, sampled);
       case PacketSampling::Surface:
-        return this->CrossSurfaces(curve, q, s, number, sampled);
+        return this->CrossSurfaces(curve, q, s, n, sampled);
       default:
         return this->TakeSamplePerRay(curve, s, sampled);
     }
@@ -155,7 +158,6 @@ private:
     bool Inner; ///< whether all voxels of the intervals and their gradients exist
   };
 
-  static constexpr float NoExtreme = 3e38f;
   static constexpr int FaceSteps = 20;
   /// The search for a crossing ends when it is known to this part of an interval, or after so many
   /// steps.
@@ -240,11 +242,12 @@ private:
   }
 
   /// Keeps the largest value; minima are found as maxima of the negated values.
-  HWY_INLINE void TakeExtreme(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
+  HWY_INLINE void TakeExtreme(const PacketCurve& curve, const Vec3& q, Vf s, int n, Mf sampled)
   {
     const Df d;
     const bool maximum = this->Scene.Source->Blend.Mode == BlendMode::Maximum;
-    Vf value = this->ValuesAt(q, sampled, this->Inner);
+    Vf value = this->Inner ? this->Samples.FindInnerValue(n, q, sampled)
+                           : this->Samples.FindValue(q, sampled);
     value = maximum ? value : hn::Neg(value);
     // Comparisons with what is not a number are false.
     const Mf better = hn::And(sampled, hn::Gt(value, this->State.Out.Tally));
@@ -318,10 +321,10 @@ private:
 
   /// Composites the surfaces between a sample and the next one, as RayIntegrator does: an interval
   /// that leaves or enters the volume ends at the face.
-  HWY_NOINLINE void CrossSurfaces(
-    const PacketCurve& curve, const Vec3& q, Vf s, Vf number, Mf lanes)
+  HWY_NOINLINE void CrossSurfaces(const PacketCurve& curve, const Vec3& q, Vf s, int n, Mf lanes)
   {
     const Df d;
+    const Vf number = Splat(static_cast<float>(n));
     const Vec3 end = curve.Position.At(hn::Add(s, curve.PerStep));
     const Mf insideA = this->Inner ? lanes : hn::And(lanes, IsInside(this->Scene, q));
     const Mf insideB = this->Inner ? lanes : hn::And(lanes, IsInside(this->Scene, end));
@@ -344,7 +347,8 @@ private:
       interval.A = hn::IfThenElse(unknown,
         this->ValuesAt(this->PositionAt(curve, interval.From), unknown, this->Inner), interval.A);
     }
-    interval.B = this->ValuesAt(this->PositionAt(curve, interval.To), any, this->Inner);
+    interval.B = this->Inner ? this->Samples.FindInnerValue(n + 1, end, any)
+                             : this->ValuesAt(this->PositionAt(curve, interval.To), any, false);
     this->State.Out.Tally = hn::IfThenElse(any, interval.B, this->State.Out.Tally);
     this->State.Out.TallyStep =
       hn::IfThenElse(insideB, hn::Add(number, Splat(1.0f)), Splat(-1e30f));

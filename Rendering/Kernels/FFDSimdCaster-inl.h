@@ -66,6 +66,10 @@ public:
     const int top = this->Scene.SamplesPerRoot;
     const int first = std::max(this->Trees.GetFirst(), FloorDivide(this->FirstSample, top));
     const int last = std::min(this->Trees.GetLast(), FloorDivide(this->EndSample - 1, top));
+    if (HWY_UNLIKELY(this->Scene.Peaks != nullptr))
+    {
+      this->SampleHighestPart(first, last);
+    }
     for (int index = first; index <= last && !hn::AllFalse(d, this->Samples.State.Alive); ++index)
     {
       this->CastSegment(this->Trees.GetRoot(index));
@@ -128,12 +132,25 @@ private:
     this->EndSample = static_cast<int>(LargestLane(stop));
   }
 
+  HWY_INLINE bool HasSamplesIn(const TileSegment& segment) const
+  {
+    return segment.FirstSample < this->EndSample &&
+      segment.FirstSample + segment.Samples > this->FirstSample;
+  }
+
+  /// The quarter of a segment that the packet is in.
+  HWY_INLINE TileSegment& QuarterOf(const TileSegment& segment) const
+  {
+    const int half = segment.Side / 2;
+    const std::size_t right = this->X - segment.X >= half ? 1 : 0;
+    const std::size_t high = this->Y - segment.Y >= half ? 2 : 0;
+    return *segment.Children[right + high];
+  }
+
   /// Takes the samples of the packet that lie in a segment.
   HWY_NOINLINE void CastSegment(TileSegment& segment)
   {
-    if (segment.FirstSample >= this->EndSample ||
-      segment.FirstSample + segment.Samples <= this->FirstSample ||
-      hn::AllFalse(Df(), this->Samples.State.Alive))
+    if (!this->HasSamplesIn(segment) || hn::AllFalse(Df(), this->Samples.State.Alive))
     {
       return;
     }
@@ -146,18 +163,13 @@ private:
         this->CastSegment(*segment.Children[1]);
         return;
       case TileSegment::State::Quartered:
-      {
-        const int half = segment.Side / 2;
-        const std::size_t right = this->X - segment.X >= half ? 1 : 0;
-        const std::size_t high = this->Y - segment.Y >= half ? 2 : 0;
-        this->CastSegment(*segment.Children[right + high]);
+        this->CastSegment(this->QuarterOf(segment));
         return;
-      }
       case TileSegment::State::PerSample:
         this->CastPerSample(segment);
         return;
       default:
-        this->CastCurves(segment);
+        this->CastCurves(segment, this->FindParts(segment));
         return;
     }
   }
@@ -179,40 +191,111 @@ private:
     return part;
   }
 
-  /// Counts the parts from `part` on that hold no value above the extremes found so far by all
-  /// rays.
-  HWY_NOINLINE int CountPartsBelow(const TileSegment& segment, int block, int part, int end) const
+  /// Parts of a segment, before End.
+  struct PartRange
   {
-    const PacketVolume& v = this->Scene.Volume;
+    int First;
+    int End;
+  };
+
+  /// The parts of a segment that hold samples of the packet.
+  HWY_INLINE PartRange FindParts(const TileSegment& segment) const
+  {
+    const int samples = std::min(segment.Samples, this->EndSample - segment.FirstSample);
+    return { std::max(0, this->FirstSample - segment.FirstSample) / segment.SamplesPerPart,
+      (samples + segment.SamplesPerPart - 1) / segment.SamplesPerPart };
+  }
+
+  /// The block of a segment that the packet is.
+  HWY_INLINE int BlockIn(const TileSegment& segment) const
+  {
+    return (this->Y - segment.Y) / BlockSide * (segment.Side / BlockSide) +
+      (this->X - segment.X) / BlockSide;
+  }
+
+  static HWY_INLINE int PeakOf(const TileSegment& segment, int block, int part)
+  {
+    return segment.Peaks[static_cast<std::size_t>(part)][static_cast<std::size_t>(block)];
+  }
+
+  /// The code of ValuePeaks up to which parts hold no value above the extremes of all rays.
+  HWY_NOINLINE int FindPassedCode() const
+  {
     const PacketState& state = this->Samples.State;
     const float least = SmallestLane(hn::IfThenElse(state.Alive, state.Out.Tally, Splat(3e38f)));
-    // Minima are found as maxima of the negated values.
-    const double sign = this->Scene.Source->Blend.Mode == BlendMode::Maximum ? 1.0 : -1.0;
-    const double found = static_cast<double>(least) / v.Scale + sign * v.Shift;
-    const auto isBelow = [&](int count) {
-      const float perSample = 1.0f / static_cast<float>(segment.Samples);
-      const float half = 0.5f * static_cast<float>(count * segment.SamplesPerPart);
-      const float s = (static_cast<float>(part * segment.SamplesPerPart) + half) * perSample;
-      HWY_ALIGN float middle[4];
-      const hn::CappedTag<float, 4> d4;
-      for (std::size_t c = 0; c < 4; c += hn::Lanes(d4))
+    const float steps = (least - this->Scene.PeakLow) * this->Scene.PeakScale;
+    return static_cast<int>(std::clamp(steps, 0.0f, ValuePeaks::LastCode + 1.0f)) - 1;
+  }
+
+  /// Part of a segment.
+  struct Peak
+  {
+    TileSegment* Segment = nullptr;
+    int Part = 0;
+    int Code = 0; ///< of ValuePeaks, of the values in it
+  };
+
+  /// Finds the part with the largest bound of its values.
+  void FindPeak(TileSegment& segment, Peak& peak)
+  {
+    if (!this->HasSamplesIn(segment))
+    {
+      return;
+    }
+    switch (this->Trees.Find(segment))
+    {
+      case TileSegment::State::Halved:
+        this->FindPeak(*segment.Children[0], peak);
+        this->FindPeak(*segment.Children[1], peak);
+        return;
+      case TileSegment::State::Quartered:
+        this->FindPeak(this->QuarterOf(segment), peak);
+        return;
+      case TileSegment::State::Curves:
       {
-        hn::Vec<decltype(d4)> terms[TileLayers];
-        LoadMiddleTerms(d4, segment, block, c, terms);
-        hn::Store(EvaluateQuartic(d4, terms, hn::Set(d4, s)), d4, middle + c);
+        const int block = this->BlockIn(segment);
+        const PartRange parts = this->FindParts(segment);
+        for (int part = this->FindNeeded(segment, block, parts.First, parts.End); part < parts.End;
+             part = this->FindNeeded(segment, block, part + 1, parts.End))
+        {
+          const int code = PeakOf(segment, block, part);
+          if (code > peak.Code)
+          {
+            peak = { &segment, part, code };
+          }
+        }
+        return;
       }
-      float low[3];
-      float high[3];
-      for (std::size_t a = 0; a < 3; ++a)
-      {
-        const float reach = segment.Radius[a] + half * std::max(segment.Up[a], segment.Down[a]);
-        low[a] = middle[a] - reach;
-        high[a] = middle[a] + reach;
-      }
-      return static_cast<double>(this->Scene.Peaks->FindBound(low, high)) <= found;
-    };
-    const int many = std::min(PartsAtOnce, end - part);
-    return part % PartsAtOnce == 0 && isBelow(many) ? many : isBelow(1) ? 1 : 0;
+      default:
+        return;
+    }
+  }
+
+  /**
+   * Samples the part of the packet that has the largest bound of its values before all others, so
+   * that few others can hold larger values. What is found there is kept as a little less, and found
+   * again on the way from front to back.
+   */
+  HWY_NOINLINE void SampleHighestPart(int first, int last)
+  {
+    Peak peak;
+    for (int index = first; index <= last; ++index)
+    {
+      this->FindPeak(this->Trees.GetRoot(index), peak);
+    }
+    if (!peak.Segment)
+    {
+      return;
+    }
+    PacketState& state = this->Samples.State;
+    const Mf alive = state.Alive;
+    this->CastCurves(*peak.Segment, { peak.Part, peak.Part + 1 });
+    state.Alive = alive;
+    const Vf below = hn::Sub(hn::Min(state.Out.Tally, Splat(this->Scene.LastExtreme)),
+      hn::MulAdd(hn::Abs(state.Out.Tally), Splat(1e-6f), Splat(1e-30f)));
+    state.Out.Tally = hn::Max(below, Splat(-NoExtreme));
+    this->PassedCode = this->FindPassedCode();
+    this->Reach = std::numeric_limits<float>::infinity();
   }
 
   HWY_NOINLINE void BeginCurves(TileSegment& segment, int x, int y, int block, PacketCurve& curve)
@@ -228,27 +311,20 @@ private:
     this->Samples.State.Expecting = hn::FirstN(Df(), 0);
   }
 
-  HWY_INLINE void CastCurves(TileSegment& segment)
+  HWY_INLINE void CastCurves(TileSegment& segment, const PartRange& parts)
   {
     const int x = this->X - segment.X;
     const int y = this->Y - segment.Y;
-    const int block = y / BlockSide * (segment.Side / BlockSide) + x / BlockSide;
+    const int block = this->BlockIn(segment);
     PacketCurve curve;
     bool begun = false;
-    const int first = std::max(0, this->FirstSample - segment.FirstSample) / segment.SamplesPerPart;
-    const int samples = std::min(segment.Samples, this->EndSample - segment.FirstSample);
-    const int end = (samples + segment.SamplesPerPart - 1) / segment.SamplesPerPart;
-    for (int part = this->FindNeeded(segment, block, first, end); part < end;
-         part = this->FindNeeded(segment, block, part + 1, end))
+    for (int part = this->FindNeeded(segment, block, parts.First, parts.End); part < parts.End;
+         part = this->FindNeeded(segment, block, part + 1, parts.End))
     {
-      if (HWY_UNLIKELY(this->Scene.Peaks != nullptr))
+      const bool seeking = this->Scene.Peaks != nullptr;
+      if (HWY_UNLIKELY(seeking) && PeakOf(segment, block, part) <= this->PassedCode)
       {
-        const int unchanged = this->CountPartsBelow(segment, block, part, end);
-        if (unchanged > 0)
-        {
-          part += unchanged - 1;
-          continue;
-        }
+        continue;
       }
       const int from = segment.FirstSample + part * segment.SamplesPerPart;
       if (!begun)
@@ -289,6 +365,10 @@ private:
           this->EndAt(n);
           return;
         }
+      }
+      if (HWY_UNLIKELY(seeking))
+      {
+        this->PassedCode = this->FindPassedCode();
       }
     }
     this->Blending.EndCurve(curve);
@@ -522,7 +602,7 @@ private:
       }
       else
       {
-        this->Blending.Take(curve, q, s, number, active, within);
+        this->Blending.Take(curve, q, s, n, active, within);
       }
     }
   }
@@ -604,9 +684,10 @@ private:
   int FirstSample = 0; ///< of all rays
   int EndSample = 0;
   float Reach = std::numeric_limits<float>::infinity();
-  Vf SkipTo;         ///< samples of the segment before this one are empty for certain
-  float MiddlePhase; ///< middle of the range of the phases of the rays
-  float PhaseRange;  ///< largest distance of a phase from it
+  Vf SkipTo;           ///< samples of the segment before this one are empty for certain
+  float MiddlePhase;   ///< middle of the range of the phases of the rays
+  float PhaseRange;    ///< largest distance of a phase from it
+  int PassedCode = -1; ///< where extremes are looked for, see FindPassedCode()
   PacketCompositor<T> Samples;
   PacketBlending<T> Blending;
 };

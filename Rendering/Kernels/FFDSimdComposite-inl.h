@@ -40,7 +40,7 @@ namespace HWY_NAMESPACE
 HWY_INLINE Vf FindLength(const PacketScene& scene, const Vec3& index)
 {
   const Vec3 data = Transform(scene.IndexToLocal, index);
-  return hn::Sqrt(Dot(data, data));
+  return FastSqrt(Dot(data, data));
 }
 
 /// Classifies, lights and composites the samples of a packet, front to back.
@@ -80,35 +80,15 @@ public:
   HWY_NOINLINE void TakeInnerSample(const PacketCurve& curve, int n, Vf s, Mf sampled)
   {
     const Vec3 q = curve.Position.At(s);
-    SampleCells cells;
-    const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
-    const auto composite = [&](auto&& voxels) {
-      SampleRows<T> rows;
-      const Vf value = Sample<T>(voxels, at, rows);
-      this->template Composite<Plain>(
-        voxels, at, rows, value, curve, q, s, sampled, hn::FirstN(Df(), 0));
-    };
-    if constexpr (HasVoxelWindow<T>())
-    {
-      switch (this->Window.MoveTo(n))
-      {
-        case WindowFit::Two:
-          return composite(WindowRows<T, WindowFit::Two>(this->Window, cells));
-        case WindowFit::Three:
-          return composite(WindowRows<T, WindowFit::Three>(this->Window, cells));
-        case WindowFit::Four:
-          return composite(WindowRows<T, WindowFit::Four>(this->Window, cells));
-        default:
-          break;
-      }
-    }
-    if (HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0))
-    {
-      return this->template TakeSample<Plain>(curve, q, s, sampled);
-    }
-    OffsetRows<T> voxels;
-    voxels.Fit(this->Scene.Volume, cells, sampled);
-    composite(voxels);
+    this->UseInnerRows(
+      n, false, q, sampled,
+      [&](auto& voxels, const SamplePosition& at) {
+        SampleRows<T> rows;
+        const Vf value = Sample<T>(voxels, at, rows);
+        this->template Composite<Plain>(
+          voxels, at, rows, value, curve, q, s, sampled, hn::FirstN(Df(), 0));
+      },
+      [&] { this->template TakeSample<Plain>(curve, q, s, sampled); });
   }
 
   /**
@@ -122,7 +102,7 @@ public:
     const PacketScene& scene = this->Scene;
     this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
     const Vec3 end = curve.Position.At(s);
-    const Vf back = inner ? this->FindInnerValue(end, sampled) : this->FindValue(end, sampled);
+    const Vf back = inner ? this->FindInnerValue(n, end, sampled) : this->FindValue(end, sampled);
     const Vf number = Splat(static_cast<float>(n));
     const Vf begin =
       hn::Max(hn::Sub(s, curve.PerStep), hn::Div(hn::Sub(this->Rays.From, curve.T0), curve.Dt));
@@ -160,41 +140,55 @@ public:
     const Vf at = hn::IfThenElse(hn::Gt(guess, hn::Zero(d)), place, Splat(0.5f));
     const Vf middle = hn::MulAdd(at, extent, begin);
     const Vec3 q = this->ClampToVolume(curve.Position.At(middle));
-    FetchedSample<T> fetched;
-    FetchSample(scene.Volume, q, sampled, this->Border, fetched);
-    const ClassifiedIntervals interval =
-      ClassifyIntervals(scene, first, FindIntervalPoint(scene, fetched.Value), last, at, length);
-    const Mf visible = hn::And(sampled,
-      hn::And(hn::Gt(interval.OpticalDepth, hn::Zero(d)), hn::Eq(fetched.Value, fetched.Value)));
-    if (hn::AllFalse(d, visible))
-    {
-      return;
-    }
-    this->Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
-    this->State.Expecting = visible;
-    Vec3 color = TableLookup(scene, interval.Value).Color();
-    if (scene.Shade)
-    {
-      Vec3 gradient;
-      if (HWY_UNLIKELY(scene.NormalsOfOpacity))
+    const auto composite = [&](auto& voxels, const SamplePosition& in, const SampleRows<T>& rows,
+                             Vf value, Mf border) {
+      const ClassifiedIntervals interval =
+        ClassifyIntervals(scene, first, FindIntervalPoint(scene, value), last, at, length);
+      const Mf visible =
+        hn::And(sampled, hn::And(hn::Gt(interval.OpticalDepth, hn::Zero(d)), hn::Eq(value, value)));
+      if (hn::AllFalse(d, visible))
       {
-        gradient = OpacityGradient<T>(
-          scene, fetched.Voxels, fetched.At, fetched.Rows, this->Border, q, fetched.AtBorder);
+        return;
       }
-      else
+      this->Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
+      this->State.Expecting = visible;
+      Vec3 color = TableLookup(scene, interval.Value).Color();
+      if (scene.Shade)
       {
-        gradient = Gradient<T>(fetched.Voxels, fetched.At, fetched.Rows);
-        if (HWY_UNLIKELY(!hn::AllFalse(d, fetched.AtBorder)))
+        voxels.Widen();
+        Vec3 gradient;
+        if (HWY_UNLIKELY(scene.NormalsOfOpacity))
         {
-          gradient = this->Border.Gradient(q, fetched.AtBorder, gradient);
+          gradient = OpacityGradient<T>(scene, voxels, in, rows, this->Border, q, border);
         }
+        else
+        {
+          gradient = this->GradientOf(voxels, in, rows, q, border);
+        }
+        color = this->Normals.Light(
+          scene.Surface, curve, q, color, gradient, middle, curve.TimeAt(middle));
       }
-      color =
-        this->Normals.Light(scene.Surface, curve, q, color, gradient, middle, curve.TimeAt(middle));
+      this->State.Add(visible, color, interval.Transmittance,
+        curve.TimeAt(hn::MulAdd(interval.Place, extent, begin)),
+        scene.Settings.TerminationTransmittance);
+    };
+    const auto compositeAny = [&] {
+      FetchedSample<T> fetched;
+      FetchSample(scene.Volume, q, sampled, this->Border, fetched);
+      composite(fetched.Voxels, fetched.At, fetched.Rows, fetched.Value, fetched.AtBorder);
+    };
+    if (!inner)
+    {
+      return compositeAny();
     }
-    this->State.Add(visible, color, interval.Transmittance,
-      curve.TimeAt(hn::MulAdd(interval.Place, extent, begin)),
-      scene.Settings.TerminationTransmittance);
+    this->UseInnerRows(
+      n, true, q, sampled,
+      [&](auto& voxels, const SamplePosition& in) {
+        SampleRows<T> rows;
+        const Vf value = Sample<T>(voxels, in, rows);
+        composite(voxels, in, rows, value, hn::FirstN(d, 0));
+      },
+      compositeAny);
   }
 
   /// Takes a sample of several components as TakeSample() does of one; as SampleClassifier.
@@ -292,12 +286,61 @@ public:
     return Sample<T>(voxels, at, rows);
   }
 
+  /// Does what FindInnerValue() does where q are the samples n of a curve.
+  HWY_NOINLINE Vf FindInnerValue(int n, const Vec3& q, Mf lanes)
+  {
+    Vf value = hn::Zero(Df());
+    this->UseInnerRows(
+      n, false, q, lanes,
+      [&](auto& voxels, const SamplePosition& at) {
+        SampleRows<T> rows;
+        value = Sample<T>(voxels, at, rows);
+      },
+      [&] { value = this->FindValue(q, lanes); });
+    return value;
+  }
+
   PacketState State;
   PacketNormals Normals;
   BorderSamples<T> Border;
   VoxelWindow<T> Window; ///< voxels around the last inner sample
 
 private:
+  /**
+   * Calls use(voxels, at) with a source of the rows of the samples n of a curve, which lie at q, or
+   * `within` the intervals that end there, if all voxels that they and their gradients need exist;
+   * otherwise() where no offsets reach them.
+   */
+  template <class Use, class Otherwise>
+  HWY_INLINE void UseInnerRows(
+    int n, bool within, const Vec3& q, Mf sampled, const Use& use, const Otherwise& otherwise)
+  {
+    SampleCells cells;
+    const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
+    const auto useRows = [&](auto&& voxels) { use(voxels, at); };
+    if constexpr (HasVoxelWindow<T>())
+    {
+      switch (this->Window.MoveTo(n, within))
+      {
+        case WindowFit::Two:
+          return useRows(WindowRows<T, WindowFit::Two>(this->Window, cells));
+        case WindowFit::Three:
+          return useRows(WindowRows<T, WindowFit::Three>(this->Window, cells));
+        case WindowFit::Four:
+          return useRows(WindowRows<T, WindowFit::Four>(this->Window, cells));
+        default:
+          break;
+      }
+    }
+    if (HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0))
+    {
+      return otherwise();
+    }
+    OffsetRows<T> voxels;
+    voxels.Fit(this->Scene.Volume, cells, sampled);
+    useRows(voxels);
+  }
+
   HWY_INLINE Vec3 ClampToVolume(const Vec3& q) const
   {
     const Vf lower = Splat(this->Scene.Lower);
@@ -319,6 +362,16 @@ private:
     const bool rest = this->Scene.CropSpace == Cropping::Spaces::Rest;
     const Vec3 p = rest ? q : MulAdd(curve.TimeAt(begin), this->Rays.Direction, this->Rays.Origin);
     return hn::IfThenElse(IsUncropped(this->Scene, p), value, back);
+  }
+
+  /// Gradients of samples at q; BorderSamples fetched those of `border`.
+  template <class Source>
+  HWY_INLINE Vec3 GradientOf(const Source& voxels, const SamplePosition& at,
+    const SampleRows<T>& rows, const Vec3& q, Mf border)
+  {
+    const Vec3 gradient = Gradient<T>(voxels, at, rows);
+    return HWY_LIKELY(hn::AllFalse(Df(), border)) ? gradient
+                                                  : this->Border.Gradient(q, border, gradient);
   }
 
   /// Classifies, shades and composites the samples of the lanes of `sampled`; BorderSamples fetched
@@ -376,11 +429,7 @@ private:
     }
     if (byGradient || (this->Scene.Shade && !byOpacity))
     {
-      gradient = Gradient<T>(voxels, at, rows);
-      if (HWY_UNLIKELY(!hn::AllFalse(d, border)))
-      {
-        gradient = this->Border.Gradient(q, border, gradient);
-      }
+      gradient = this->GradientOf(voxels, at, rows, q, border);
     }
     Vec3 color;
     if (HWY_UNLIKELY(mixed))

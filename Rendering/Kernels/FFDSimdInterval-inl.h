@@ -55,8 +55,8 @@ HWY_INLINE Vf FindMeanExtinction(
   const Vf entries = hn::Sub(b.Entry, a.Entry);
   const Mf near = hn::Lt(hn::Abs(entries), Splat(static_cast<float>(IntervalTable::NearEntries)));
   const Vf integral = hn::ConvertTo(d, hn::Sub(b.Integral, a.Integral));
-  const Vf mean = hn::Div(hn::Mul(integral, Splat(1.0f / scene.Integrals.Units)),
-    hn::IfThenElse(near, Splat(1.0f), entries));
+  const Vf mean = hn::Mul(hn::Mul(integral, Splat(1.0f / scene.Integrals.Units)),
+    Reciprocal(hn::IfThenElse(near, Splat(1.0f), entries)));
   return hn::IfThenElse(
     near, hn::Mul(Splat(0.5f), hn::Add(a.Extinction, b.Extinction)), hn::Max(mean, hn::Zero(d)));
 }
@@ -85,8 +85,8 @@ HWY_INLINE Vf PlaceInInterval(Vf front, Vf back, Vf opticalDepth)
   {
     return homogeneous;
   }
-  const Vf change =
-    hn::Div(hn::Sub(back, opticalDepth), hn::IfThenElse(crosses, hn::Sub(back, front), one));
+  const Vf change = hn::Mul(
+    hn::Sub(back, opticalDepth), Reciprocal(hn::IfThenElse(crosses, hn::Sub(back, front), one)));
   const Vf rest = hn::Sub(one, change);
   const Vf depths[2] = { hn::Mul(front, change), hn::Mul(back, rest) };
   const Vf first = OpacityOfDepth(depths[0]);
@@ -95,8 +95,8 @@ HWY_INLINE Vf PlaceInInterval(Vf front, Vf back, Vf opticalDepth)
   const Mf some = hn::Gt(sum, Splat(1e-6f));
   const Vf weighted = hn::MulAdd(hn::Mul(first, change), PlaceInInterval(depths[0]),
     hn::Mul(second, hn::MulAdd(rest, PlaceInInterval(depths[1]), change)));
-  const Vf place =
-    hn::IfThenElse(some, hn::Div(weighted, hn::IfThenElse(some, sum, one)), Splat(0.5f));
+  const Vf place = hn::IfThenElse(
+    some, hn::Mul(weighted, Reciprocal(hn::IfThenElse(some, sum, one))), Splat(0.5f));
   return hn::IfThenElse(crosses, place, homogeneous);
 }
 
@@ -126,7 +126,7 @@ HWY_INLINE ClassifiedIntervals ClassifyIntervals(const PacketScene& scene,
   const Vf b = hn::Sub(passed, interval.Transmittance);
   const Vf sum = hn::Add(a, b);
   const Mf some = hn::Gt(sum, Splat(1e-6f));
-  const Vf part = hn::Div(a, hn::IfThenElse(some, sum, one));
+  const Vf part = hn::Mul(a, Reciprocal(hn::IfThenElse(some, sum, one)));
   const Vf lengths[2] = { hn::Mul(at, length), hn::Mul(rest, length) };
   const auto placeOf = [&](const IntervalPoint& from, const IntervalPoint& to, Vf depth, Vf over) {
     return PlaceInInterval(hn::Mul(from.Extinction, over), hn::Mul(to.Extinction, over), depth);

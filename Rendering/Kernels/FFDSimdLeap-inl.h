@@ -40,6 +40,25 @@ HWY_INLINE Vi DistancesFrom(const PacketScene& scene, Vf x, Vf y, Vf z)
   return LoadLanes<int, 1>(scene.Distances, 0, offsets);
 }
 
+/// Looks up the bounds of the values in boxes from the lowest corners of the lanes, whose sides fit
+/// in a cell of `grid`.
+HWY_INLINE Vi PeaksFrom(const ValuePeaks::Grid& grid, const Vec3& low)
+{
+  const Df d;
+  const Di di;
+  const Vf perVoxel = Splat(1.0f / grid.Edge);
+  const auto along = [&](Vf x, int a) {
+    const Vf last = Splat(static_cast<float>(grid.Size[a] - 1));
+    return Truncate(Clamp(hn::Mul(x, perVoxel), hn::Zero(d), last));
+  };
+  const Vi index = hn::Add(along(low.x, 0),
+    hn::Mul(hn::Set(di, grid.Size.x),
+      hn::Add(along(low.y, 1), hn::Mul(hn::Set(di, grid.Size.y), along(low.z, 2)))));
+  HWY_ALIGN int offsets[16];
+  StoreIndices(index, offsets);
+  return hn::And(LoadLanes<int, 1>(grid.Codes.data(), 0, offsets), hn::Set(di, 0xff));
+}
+
 /// Whether boxes of a radius touch at most three blocks along each axis, as FindEmptyBoxes() needs.
 inline bool CanQueryBoxes(const std::array<float, 3>& radius)
 {

@@ -62,7 +62,7 @@ HWY_INLINE Vf FindMagnitude(const float scale[3], const Vec3& gradient)
 {
   const Vec3 scaled{ hn::Mul(gradient.x, Splat(scale[0])), hn::Mul(gradient.y, Splat(scale[1])),
     hn::Mul(gradient.z, Splat(scale[2])) };
-  const Vf magnitude = hn::Sqrt(Dot(scaled, scaled));
+  const Vf magnitude = FastSqrt(Dot(scaled, scaled));
   return hn::IfThenElseZero(hn::Eq(magnitude, magnitude), magnitude);
 }
 

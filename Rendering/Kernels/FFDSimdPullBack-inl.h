@@ -211,7 +211,7 @@ HWY_INLINE void PullBackJacobian(
     const Vf determinant = Dot(a, r0);
     const Vf safe =
       hn::IfThenElse(hn::Lt(hn::Abs(determinant), Splat(1e-12f)), Splat(1e-12f), determinant);
-    const Vf s = hn::Div(one, safe);
+    const Vf s = Reciprocal(safe);
     a = Scale(s, { r0.x, r1.x, r2.x });
     b = Scale(s, { r0.y, r1.y, r2.y });
     c = Scale(s, { r0.z, r1.z, r2.z });

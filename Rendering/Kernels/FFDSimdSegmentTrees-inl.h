@@ -680,6 +680,9 @@ private:
     const std::array<float, 3> radius = this->FindPartRadius(segment);
     const bool queriesBoxes = CanQueryBoxes(radius);
     const float samples = static_cast<float>(segment.SamplesPerPart);
+    const ValuePeaks::Grid* const peaks = scene.Peaks
+      ? scene.Peaks->FindGrid(2.0f * std::max({ radius[0], radius[1], radius[2] }))
+      : nullptr;
     float up[3]; // from part to part
     float down[3];
     for (int a = 0; a < 3; ++a)
@@ -741,6 +744,15 @@ private:
             const Mf unclear = hn::And(seen, query.IsEmpty());
             seen = hn::AndNot(FindEmptyBoxes(scene, at, radius, unclear), seen);
           }
+        }
+        if (HWY_UNLIKELY(scene.Peaks != nullptr))
+        {
+          const Vi codes = peaks
+            ? PeaksFrom(*peaks, Sub(at, { Splat(radius[0]), Splat(radius[1]), Splat(radius[2]) }))
+            : hn::Set(di, ValuePeaks::LastCode);
+          const hn::Rebind<std::uint8_t, Df> du8;
+          hn::StoreU(hn::DemoteTo(du8, codes), du8,
+            segment.Peaks[static_cast<std::size_t>(part)].data() + first);
         }
         const Vi bit = hn::Set(di, static_cast<int>(1u << part));
         needed = hn::Or(needed, hn::IfThenElseZero(hn::RebindMask(di, seen), bit));

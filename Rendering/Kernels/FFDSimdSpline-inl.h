@@ -316,12 +316,11 @@ HWY_INLINE NewtonStep FindNewtonStep(const PacketField& field, const Vec3& p, co
   step.Rows[2] = Cross(a, b);
   const Vf determinant = Dot(a, step.Rows[0]);
   const Vf smallest = Splat(1e-6f);
-  step.Inverse = hn::Div(one,
-    hn::IfThenElse(
-      hn::Lt(hn::Abs(determinant), smallest), hn::CopySign(smallest, determinant), determinant));
+  step.Inverse = Reciprocal(hn::IfThenElse(
+    hn::Lt(hn::Abs(determinant), smallest), hn::CopySign(smallest, determinant), determinant));
   const auto square = [&](int row) { return Dot(step.Rows[row], step.Rows[row]); };
   step.Norm =
-    hn::Mul(hn::Abs(step.Inverse), hn::Sqrt(hn::Add(square(0), hn::Add(square(1), square(2)))));
+    hn::Mul(hn::Abs(step.Inverse), FastSqrt(hn::Add(square(0), hn::Add(square(1), square(2)))));
   step.Delta = step.Apply(step.Residual);
   return step;
 }
@@ -343,8 +342,10 @@ HWY_INLINE Mf SolveInverse(const PacketField& field, const Vec3& p, float tolera
   {
     step = FindNewtonStep(field, p, q);
     ++evaluations;
-    const Vf length = hn::Sqrt(Dot(step.Delta, step.Delta));
-    const Vf part = hn::Min(Splat(1.0f), hn::Div(longest, hn::Max(length, Splat(1e-30f))));
+    const Vf squared = Dot(step.Delta, step.Delta);
+    const Vf inverse = InverseSqrt(hn::Max(squared, Splat(1e-30f)));
+    const Vf length = hn::Mul(squared, inverse);
+    const Vf part = hn::Min(Splat(1.0f), hn::Mul(longest, inverse));
     const Vec3 next = MulAdd(hn::Neg(part), step.Delta, q);
     const Vf h = hn::Mul(hn::Mul(step.Norm, Splat(field.SecondDerivative)), length);
     Mf known = hn::And(hn::Le(h, Splat(0.5f)), hn::Le(length, longest));

@@ -82,6 +82,8 @@ public:
     const __m128 radius = _mm_fmadd_ps(_mm_set1_ps(range), speed, Vector(segment.Radius));
     this->Lowest[0] = V4{ _mm_sub_ps(this->Lowest[0].raw, radius) };
     this->Width = _mm_add_ps(radius, radius);
+    this->Up = Vector(segment.Up);
+    this->Down = Vector(segment.Down);
     this->PerStep = 1.0f / static_cast<float>(segment.Samples);
     this->Offset = phase - static_cast<float>(segment.FirstSample);
     // The offset of the first voxel of the slab that comes next from the first cell of the window.
@@ -89,19 +91,24 @@ public:
       _mm_setr_epi32(-1, -1, segment.Up[2] > segment.Down[2] ? LargestDepth : -1, 0);
   }
 
-  /// Moves the window to the samples n of the rays. All voxels that they and their gradients need
-  /// must exist.
-  HWY_INLINE WindowFit MoveTo(int n)
+  /// Moves the window to the samples n of the rays, `within`: to all places in the intervals that
+  /// end there. All voxels that they and their gradients need must exist.
+  HWY_INLINE WindowFit MoveTo(int n, bool within)
   {
     if (HWY_UNLIKELY(!this->Usable))
     {
       return WindowFit::None;
     }
     this->Prefetch(n + SamplesAhead);
-    const __m128 low = this->LowestAt(n);
+    __m128 low = this->LowestAt(n);
+    __m128 width = this->Width;
+    if (within)
+    {
+      low = _mm_sub_ps(low, this->Up);
+      width = _mm_add_ps(width, _mm_add_ps(this->Up, this->Down));
+    }
     this->Corner = _mm_min_epi32(_mm_cvttps_epi32(low), this->LastCorner);
-    const __m128i beyond =
-      _mm_sub_epi32(_mm_cvttps_epi32(_mm_add_ps(low, this->Width)), this->Corner);
+    const __m128i beyond = _mm_sub_epi32(_mm_cvttps_epi32(_mm_add_ps(low, width)), this->Corner);
     const __m128i most = _mm_setr_epi32(Reach, Reach, LargestDepth - 1, 0);
     if (_mm_movemask_epi8(_mm_cmpgt_epi32(beyond, most)) != 0)
     {
@@ -157,6 +164,8 @@ private:
   float Offset = 0.0f;
   V4 Lowest[TileLayers]; ///< terms of the curve that no ray is below
   __m128 Width;          ///< largest distance of a ray above that curve
+  __m128 Up;             ///< bounds of the motion of a ray from sample to sample
+  __m128 Down;
   __m128i ToNextSlab;
   __m128i Corner; ///< first cell along each axis
 };

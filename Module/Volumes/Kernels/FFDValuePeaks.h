@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace ffd
@@ -20,34 +21,44 @@ namespace ffd
  * Upper bounds of the values in boxes of a volume: rays that look for the largest value leave out
  * boxes that hold none above what they have found. Minima are the largest of the negated values.
  *
- * A box is looked up in cells of 8^3, 16^3 or 32^3 voxels that are no smaller than it: it lies in
- * the cell that holds its lowest corner and the next ones, and the largest value of these eight is
- * kept for each cell. 0.9 % of an 8-bit volume.
+ * A box is looked up in cells of 4^3, 8^3, 16^3 or 32^3 voxels that are no smaller than it: it lies
+ * in the cell that holds its lowest corner and the next ones, and the largest value of these eight
+ * is kept for each cell, as a code: one of 256 equal steps over the range of the values, rounded
+ * up. 1.8 % of an 8-bit volume.
  */
 class FFD_VOLUMES_EXPORT ValuePeaks
 {
 public:
-  ValuePeaks() = default;
-  /// `sign`: 1 for the largest values, -1 for the smallest ones.
-  ValuePeaks(const MinMaxBlocks& blocks, int sign, const ParallelFor& parallelFor);
+  static constexpr int LastCode = 255;
 
-  bool IsEmpty() const { return this->Grids[0].Peaks.empty(); }
-
-  /// No value in the box from `low` to `high`, index coordinates, times the sign is larger;
-  /// infinite where the box is larger than all cells.
-  float FindBound(const float low[3], const float high[3]) const;
-
-  std::size_t GetMemorySize() const;
-
-private:
-  static constexpr int NumberOfGrids = 3;
+  /// Codes of cells of one size, x fastest.
   struct Grid
   {
     float Edge = 0.0f; ///< of a cell, voxels
     glm::ivec3 Size{ 0 };
-    std::vector<float> Peaks;
+    std::vector<std::uint8_t> Codes; ///< and three bytes that vectors may read beyond the last one
   };
+
+  ValuePeaks() = default;
+  /// `sign`: 1 for the largest values, -1 for the smallest ones.
+  ValuePeaks(const MinMaxBlocks& blocks, int sign, const ParallelFor& parallelFor);
+
+  bool IsEmpty() const { return this->Grids[0].Codes.empty(); }
+
+  /// The finest grid for boxes whose sides are at most `extent` voxels; null where there is none.
+  const Grid* FindGrid(float extent) const;
+
+  /// Code c stands for values, times the sign, of at most GetLow() + c * GetStep().
+  double GetLow() const { return this->Low; }
+  double GetStep() const { return this->Step; }
+
+  std::size_t GetMemorySize() const;
+
+private:
+  static constexpr int NumberOfGrids = 4;
   std::array<Grid, NumberOfGrids> Grids;
+  double Low = 0.0;
+  double Step = 1.0;
 };
 
 } // namespace ffd
