@@ -71,6 +71,7 @@ ffd::CastSettings vtkFFDFramePlan::MakeSettings(vtkFFDInverseRayVolumeMapper* ma
     : ffd::OpacityLength::Material;
   settings.TerminationTransmittance = static_cast<float>(mapper->GetEarlyRayTerminationThreshold());
   settings.InverseTolerance = mapper->GetInverseTolerance();
+  settings.CountsRays = mapper->GetCollectStatistics() != 0;
   settings.Reference = mapper->GetReferenceKernels() != 0;
   settings.Shade = volume->GetProperty()->GetShade(0) != 0;
   settings.Jitter = mapper->GetUseJittering() != 0;

@@ -78,6 +78,7 @@ struct CastSettings
   float TerminationTransmittance = 0; ///< a ray ends when less than this passes it
   bool Shade = false;
   bool Jitter = false;    ///< samples are moved on by FindJitter(); not those of isosurfaces
+  bool CountsRays = true; ///< CastStatistics::Rays holds those, too, that meet nothing visible
   bool Reference = false; ///< use the reference kernels even where packets could render
   /// Packets hand every sample to the RayIntegrator of its ray, even where their vector code could
   /// composite it: for tests.

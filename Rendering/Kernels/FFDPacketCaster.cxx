@@ -766,6 +766,13 @@ void SetClipping(const CastScene& scene, PacketScene& p)
 void SetLeaping(const CastScene& scene, const CastSettings& settings, PacketScene& p)
 {
   p.LeapsSegments = scene.Distances && settings.Leaping == SpaceLeaping::Lipschitz;
+  if (p.LeapsSegments && !p.Slices)
+  {
+    // Intervals are empty only if they lie in empty space as a whole.
+    const bool intervals = p.Intervals || p.ClassifiesIntervals;
+    p.Seen = TileBounds(scene, static_cast<double>(p.PositionTolerance),
+      intervals ? settings.SampleDistance : 0.0, p.Center);
+  }
   if (scene.Distances && settings.Leaping != SpaceLeaping::Off && !p.Slices)
   {
     p.Distances = scene.Distances->GetData();

@@ -12,6 +12,7 @@
 #include "FFDPacketTable.h"
 #include "FFDPacketVolume.h"
 #include "FFDRayIntegrator.h"
+#include "FFDTileBounds.h"
 #include "FFDTileSegment.h"
 
 #include <glm/mat4x4.hpp>
@@ -168,8 +169,8 @@ struct PacketScene
   /// exists, or it would not change the picture.
   float LastExtreme = std::numeric_limits<float>::infinity();
   const ValuePeaks* Peaks = nullptr; ///< of extremes, with space leaping
-  float PeakLow = 0.0f;              ///< extremes, as LastExtreme, times PeakScale are codes of Peaks,
-  float PeakScale = 0.0f;            ///< where PeakLow stands for -1: none
+  float PeakLow = 0.0f;   ///< extremes, as LastExtreme, times PeakScale are codes of Peaks,
+  float PeakScale = 0.0f; ///< where PeakLow stands for -1: none
   float AverageMin = 0.0f;
   float AverageMax = 0.0f;
   std::vector<PacketSurfaceValue> IsoValues; ///< ascending; visible ones
@@ -186,6 +187,7 @@ struct PacketScene
   float ShortestSegment = 0.5f;   ///< voxels
   int SamplesPerRoot = 1;         ///< of the longest segments
   int SamplesPerPart = 1;     ///< of a segment, that are tested for emptiness together, at least
+  TileBounds Seen;            ///< of what may be visible, local coordinates
   bool LeapsSegments = false; ///< whether segments are tested for emptiness as a whole
   const unsigned char* Distances = nullptr;
   int Blocks[3] = {};

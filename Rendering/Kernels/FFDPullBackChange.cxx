@@ -3,7 +3,7 @@
 #include "FFDPullBackChange.h"
 
 #include "FFDBSplineBasis.h"
-#include "FFDGridIndex.h"
+#include "FFDSplineGrid.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -78,56 +78,6 @@ AxisParts MakeParts(const BSplineField& field, int axis, int first, int end, dou
   return parts;
 }
 
-/// Values on a grid, x fastest.
-template <class T>
-struct Grid
-{
-  glm::ivec3 Size{ 0 };
-  std::vector<T> Values;
-  explicit Grid(const glm::ivec3& size)
-    : Size(size)
-    , Values(GridSize(size))
-  {
-  }
-  T& At(int i, int j, int k) { return this->Values[GridIndex(i, j, k, this->Size)]; }
-  const T& At(int i, int j, int k) const { return const_cast<Grid*>(this)->At(i, j, k); }
-};
-
-/// Sums of 4 neighbors along one axis: entry i of the result is the sum over n of
-/// weights[i][n] times entry offsets[i] + n.
-template <class T>
-Grid<T> SumAlong(const Grid<T>& from, int axis, const std::vector<std::array<double, 4>>& weights,
-  const std::vector<int>& offsets)
-{
-  glm::ivec3 size = from.Size;
-  size[axis] = static_cast<int>(weights.size());
-  Grid<T> to(size);
-  // Entries before and after the axis in the order of the grid.
-  std::size_t inner = 1;
-  for (int a = 0; a < axis; ++a)
-  {
-    inner *= static_cast<std::size_t>(size[a]);
-  }
-  const std::size_t length = static_cast<std::size_t>(from.Size[axis]);
-  const std::size_t outer = from.Values.size() / (inner * length);
-  T* target = to.Values.data();
-  for (std::size_t o = 0; o < outer; ++o)
-  {
-    for (std::size_t i = 0; i < weights.size(); ++i, target += inner)
-    {
-      const T* source =
-        from.Values.data() + (o * length + static_cast<std::size_t>(offsets[i])) * inner;
-      const std::array<double, 4> w = weights[i];
-      for (std::size_t n = 0; n < inner; ++n)
-      {
-        target[n] = w[0] * source[n] + w[1] * source[n + inner] + w[2] * source[n + 2 * inner] +
-          w[3] * source[n + 3 * inner];
-      }
-    }
-  }
-  return to;
-}
-
 /// All three axes: at the parts, by their largest weights, or at their ends, by the values there.
 template <class T>
 Grid<T> SumOver(const Grid<T>& nodes, const AxisParts parts[3], bool ends)
@@ -143,33 +93,6 @@ Grid<T> SumOver(const Grid<T>& nodes, const AxisParts parts[3], bool ends)
     sums = SumAlong(sums, a, ends ? parts[a].AtEnds : parts[a].Largest, offsets);
   }
   return sums;
-}
-
-/// The largest difference of values within parts from those at their ends: the error of linear
-/// interpolation, axis by axis.
-glm::dvec3 FindBulge(const Grid<glm::dvec3>& nodes, const AxisParts parts[3])
-{
-  glm::dvec3 bulge(0.0);
-  for (int a = 0; a < 3; ++a)
-  {
-    glm::dvec3 second(0.0);
-    glm::ivec3 step(0);
-    step[a] = 1;
-    for (int k = step.z; k < nodes.Size.z - step.z; ++k)
-    {
-      for (int j = step.y; j < nodes.Size.y - step.y; ++j)
-      {
-        for (int i = step.x; i < nodes.Size.x - step.x; ++i)
-        {
-          second = glm::max(second,
-            glm::abs(nodes.At(i - step.x, j - step.y, k - step.z) - 2.0 * nodes.At(i, j, k) +
-              nodes.At(i + step.x, j + step.y, k + step.z)));
-        }
-      }
-    }
-    bulge += second / (8.0 * parts[a].PerCell * parts[a].PerCell);
-  }
-  return bulge;
 }
 
 /// Parts of which nothing can be seen have not moved.
@@ -351,7 +274,8 @@ bool FindChange(const PullBack& before, const PullBack& after, const PullBackLim
   if (inverts)
   {
     corners = SumOver(nodes, parts, true);
-    change.Margin = FindBulge(nodes, parts);
+    change.Margin =
+      FindBulge(nodes, 1.0 / glm::dvec3(parts[0].PerCell, parts[1].PerCell, parts[2].PerCell));
   }
   for (int k = 0; k < corners.Size.z; ++k)
   {

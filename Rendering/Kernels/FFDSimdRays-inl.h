@@ -150,8 +150,10 @@ struct RaySpread
   HWY_INLINE Vf Spread(Vf t) const { return hn::MulAdd(t, this->PerT, this->Base); }
 };
 
-/// Narrows [From, To] to the deformed bounds and the shown side of the clipping planes.
-HWY_INLINE void ClipToBounds(const PacketScene& scene, RayPacket& rays)
+/// Narrows [From, To] to the deformed bounds and the shown side of the clipping planes. `seen`, if
+/// not null: a box that the rest of the rays is cut to, returned in [seenFrom, seenTo].
+HWY_INLINE void ClipToBounds(const PacketScene& scene, const TileBounds::Limits* seen,
+  RayPacket& rays, Vf& seenFrom, Vf& seenTo)
 {
   for (const std::array<float, 4>& plane : scene.ClippingPlanes)
   {
@@ -167,19 +169,28 @@ HWY_INLINE void ClipToBounds(const PacketScene& scene, RayPacket& rays)
     rays.From = hn::IfThenElse(up, hn::Max(rays.From, t), rays.From);
     rays.To = hn::IfThenElse(up, rays.To, hn::Min(rays.To, t));
   }
-  const auto clip = [&](Vf o, Vf v, float lo, float hi) {
+  seenFrom = Splat(-1e30f);
+  seenTo = Splat(1e30f);
+  const auto clip = [&](Vf o, Vf v, int axis) {
     // A direction of zero becomes a very small one: then the slab bounds all of the line or none.
     const Vf tiny = Splat(1e-30f);
     const Vf safe = hn::IfThenElse(hn::Lt(hn::Abs(v), tiny), tiny, v);
     const Vf inverse = hn::Div(Splat(1.0f), safe);
-    const Vf a = hn::Mul(hn::Sub(Splat(lo), o), inverse);
-    const Vf b = hn::Mul(hn::Sub(Splat(hi), o), inverse);
-    rays.From = hn::Max(rays.From, hn::Min(a, b));
-    rays.To = hn::Min(rays.To, hn::Max(a, b));
+    const auto cut = [&](float lo, float hi, Vf& from, Vf& to) {
+      const Vf a = hn::Mul(hn::Sub(Splat(lo), o), inverse);
+      const Vf b = hn::Mul(hn::Sub(Splat(hi), o), inverse);
+      from = hn::Max(from, hn::Min(a, b));
+      to = hn::Min(to, hn::Max(a, b));
+    };
+    cut(scene.BoundsMin[axis], scene.BoundsMax[axis], rays.From, rays.To);
+    if (seen)
+    {
+      cut(seen->Min[axis], seen->Max[axis], seenFrom, seenTo);
+    }
   };
-  clip(rays.Origin.x, rays.Direction.x, scene.BoundsMin[0], scene.BoundsMax[0]);
-  clip(rays.Origin.y, rays.Direction.y, scene.BoundsMin[1], scene.BoundsMax[1]);
-  clip(rays.Origin.z, rays.Direction.z, scene.BoundsMin[2], scene.BoundsMax[2]);
+  clip(rays.Origin.x, rays.Direction.x, 0);
+  clip(rays.Origin.y, rays.Direction.y, 1);
+  clip(rays.Origin.z, rays.Direction.z, 2);
 }
 
 /// Takes local coordinates to index coordinates of the whole that the volume is a part of.

@@ -272,6 +272,8 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
   float tMin = 1e30f;
   float tMax = -1e30f;
   TileReaches reaches(x0, y0, subtiles, image);
+  const TileBounds::Limits* const seen = scene.Seen.Find(x0, y0);
+  const bool empty = seen && seen->IsEmpty();
   const std::size_t firstPacket = static_cast<std::size_t>(first);
   std::size_t packet = 0;
   for (int y = y0; y < y0 + TileSide; y += shape.Height)
@@ -282,6 +284,12 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       {
         continue;
       }
+      if (HWY_UNLIKELY(empty && !scene.Settings.CountsRays))
+      {
+        ClearPixels(image, x, y);
+        reaches.Include(x, y, std::numeric_limits<float>::infinity());
+        continue;
+      }
       const Vf px = hn::Add(Splat(static_cast<float>(x) + 0.5f), dx);
       const Vf py = hn::Add(Splat(static_cast<float>(y) + 0.5f), dy);
       RayPacket rays = MakeRays(near, far, px, py);
@@ -289,10 +297,17 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       {
         ClipToDepths(scene, image, x, y, rays);
       }
-      ClipToBounds(scene, rays);
+      Vf seenFrom;
+      Vf seenTo;
+      ClipToBounds(scene, seen, rays, seenFrom, seenTo);
       const Mf inImage = hn::And(hn::Lt(px, Splat(static_cast<float>(image.Width))),
         hn::Lt(py, Splat(static_cast<float>(image.Height))));
-      const Mf active = hn::And(inImage, hn::Lt(rays.From, rays.To));
+      const Mf hit = hn::And(inImage, hn::Lt(rays.From, rays.To));
+      scratch.Statistics.Rays +=
+        firstPacket > 0 ? 0 : static_cast<std::int64_t>(hn::CountTrue(d, hit));
+      rays.From = hn::Max(rays.From, seenFrom);
+      rays.To = hn::Min(rays.To, seenTo);
+      const Mf active = hn::And(hit, hn::Lt(rays.From, rays.To));
       // Rays that miss the volume now may meet it after an edit. The reach of rays that were cast
       // before the last stop is not known any more.
       if (packet < firstPacket || !hn::AllFalse(d, hn::AndNot(active, inImage)))
@@ -303,8 +318,6 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       stored.Set(packet * static_cast<std::size_t>(shape.Lanes), rays);
       tMin = std::min(tMin, SmallestLane(hn::IfThenElse(active, rays.From, Splat(1e30f))));
       tMax = std::max(tMax, LargestLane(hn::IfThenElse(active, rays.To, Splat(-1e30f))));
-      scratch.Statistics.Rays +=
-        firstPacket > 0 ? 0 : static_cast<std::int64_t>(hn::CountTrue(d, active));
     }
   }
 

@@ -1,0 +1,294 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Boxes that hold what may be seen through the tiles of an image: against visible points that are
+// taken forward, and against pictures of all rays.
+#include "Bounds/FFDMatrixBounds.h"
+#include "Bounds/FFDPullBackBounds.h"
+#include "FFDRayCaster.h"
+#include "FFDTileBounds.h"
+#include "FFDTileSegment.h"
+
+#include "RandomLattice.h"
+#include "TestVolume.h"
+
+#include <glm/ext/matrix_clip_space.hpp>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+using namespace ffd;
+
+namespace
+{
+
+constexpr int Width = 150;
+constexpr int Height = 110;
+
+/// Opaque above 30.
+TransferTable Opaque()
+{
+  std::vector<float> rgb;
+  std::vector<float> opacity;
+  for (int i = 0; i < 256; ++i)
+  {
+    rgb.insert(rgb.end(), { 1.0f, 0.8f, 0.6f });
+    opacity.push_back(i > 30 ? 0.5f : 0.0f);
+  }
+  return TransferTable(0.0, 255.0, opacity.size(), rgb.data(), opacity.data(), 1.0);
+}
+
+/// A volume in a random lattice, seen from somewhere.
+struct Scenery
+{
+  Scenery(RandomLattice& random, int run, PullBackKind kind)
+    : Volume(ScalarType::UInt8,
+        glm::ivec3(random.Integer(20, 70), random.Integer(20, 70), random.Integer(20, 70)),
+        [&](int i, int j, int k) {
+          // Some balls in air, or no air at all.
+          const glm::dvec3 p(i, j, k);
+          return run % 2 == 0 || glm::distance(p, glm::dvec3(12.0)) < 5.0 ||
+              glm::distance(p, glm::dvec3(30, 14, 9)) < 3.0
+            ? 100.0
+            : 0.0;
+        })
+    , Table(Opaque())
+  {
+    const double amount = std::pow(10.0, random.Number(-1.0, 1.2));
+    std::vector<glm::dvec3> displacements(216);
+    for (glm::dvec3& d : displacements)
+    {
+      d = amount * random.Vector(-1.0, 1.0);
+    }
+    // The lattice ends within the volume in some scenes.
+    const double spacing = run % 4 == 0 ? 9.0 : 16.0;
+    this->Field =
+      BSplineField(glm::ivec3(6), glm::dvec3(-4.0), glm::dvec3(spacing, -spacing, spacing),
+        displacements.data(), 1.0, run % 3 == 0 ? BorderMode::Edge : BorderMode::Zero);
+    this->Map = PullBack(run % 11 == 0 ? nullptr : &this->Field, kind, 1e-9);
+    this->MapBounds.reset(new PullBackBounds(this->Map));
+    // Voxels of unequal edges, along tilted axes.
+    VolumeView& view = this->Volume.View;
+    view.FirstVoxel = glm::dvec3(-1.0, run % 4 == 0 ? -20.0 : -60.0, 2.0);
+    if (run % 5 == 1)
+    {
+      view.IndexToData = glm::dmat3(glm::rotate(glm::dmat4(1.0), 0.4, glm::dvec3(1.0, 2.0, 0.5))) *
+        glm::dmat3(0.8, 0.0, 0.0, 0.0, 1.1, 0.0, 0.0, 0.0, 0.7);
+      view.DataToIndex = glm::inverse(view.IndexToData);
+    }
+    this->Blocks = MinMaxBlocks(view, ParallelFor());
+    this->Distances = DistanceMap(this->Blocks, this->Table);
+    const glm::dvec3 half = Absolute(view.IndexToData) * (0.5 * view.UpperIndex());
+    const glm::dvec3 middle = view.FirstVoxel + view.IndexToData * (0.5 * view.UpperIndex());
+    this->Scene.Volume = view;
+    this->Scene.DeformedBounds = this->MapBounds->DeformedBounds({ middle - half, middle + half });
+    this->Scene.Limits = this->MapBounds->GetLimits();
+    this->Scene.Table = &this->Table;
+    this->Scene.Distances = &this->Distances;
+    this->Scene.Map = &this->Map;
+    this->Scene.VoxelSize = run % 5 == 1 ? 0.7 : 1.0;
+    this->LookAt(random, run, middle);
+  }
+
+  /// From outside, or from inside of the volume; perspective or parallel.
+  void LookAt(RandomLattice& random, int run, const glm::dvec3& middle)
+  {
+    CameraView& camera = this->Scene.Camera;
+    const double distance = run % 6 == 5 ? 5.0 : 160.0;
+    const glm::dvec3 eye = middle + distance * glm::normalize(random.Vector(-1.0, 1.0));
+    camera.Parallel = run % 7 == 3;
+    const double aspect = static_cast<double>(Width) / Height;
+    const glm::dmat4 projection = camera.Parallel
+      ? glm::ortho(-40.0 * aspect, 40.0 * aspect, -40.0, 40.0, 1.0, 400.0)
+      : glm::perspective(0.6, aspect, 0.5, 400.0);
+    camera.DataToNdc = projection * glm::lookAt(eye, middle, glm::dvec3(0.1, 1.0, 0.2));
+    camera.NdcToData = glm::inverse(camera.DataToNdc);
+    camera.ImageSize = glm::ivec2(Width, Height);
+    camera.NdcPerPixel = glm::dvec2(2.0 / Width, 2.0 / Height);
+    camera.Eye = eye;
+    if (run % 3 == 1)
+    {
+      // The image is a part of a larger one.
+      camera.PixelOrigin = glm::ivec2(64, 32);
+      camera.NdcOrigin -= glm::dvec2(camera.PixelOrigin) * camera.NdcPerPixel;
+    }
+  }
+
+  std::vector<float> Render(SpaceLeaping leaping, bool countsRays = true)
+  {
+    CastSettings settings;
+    settings.Leaping = leaping;
+    settings.CountsRays = countsRays;
+    const RayCaster caster(this->Scene, settings);
+    std::vector<float> colors(4 * Width * Height, -1.0f);
+    std::vector<float> depths(Width * Height, -1.0f);
+    const CastImage image{ Width, Height, colors.data(), depths.data() };
+    RayCaster::Scratch scratch;
+    for (int tile = 0; tile < caster.GetNumberOfTiles(image); ++tile)
+    {
+      caster.RenderTile(tile, image, scratch);
+    }
+    this->Statistics = RayCaster::GetStatistics(scratch);
+    colors.insert(colors.end(), depths.begin(), depths.end());
+    return colors;
+  }
+
+  TestVolume Volume;
+  TransferTable Table;
+  BSplineField Field;
+  PullBack Map;
+  std::unique_ptr<PullBackBounds> MapBounds;
+  MinMaxBlocks Blocks;
+  DistanceMap Distances;
+  CastScene Scene;
+  CastStatistics Statistics;
+};
+
+bool Holds(const TileBounds::Limits& box, const glm::dvec3& p)
+{
+  bool holds = true;
+  for (int a = 0; a < 3; ++a)
+  {
+    holds =
+      holds && p[a] >= static_cast<double>(box.Min[a]) && p[a] <= static_cast<double>(box.Max[a]);
+  }
+  return holds;
+}
+
+} // namespace
+
+TEST(TileBounds, HoldWhatMayBeVisible)
+{
+  RandomLattice random(7);
+  const glm::dvec3 origin(3.0, -2.0, 1.0);
+  int seen = 0;
+  int known = 0;
+  int empty = 0;
+  int tiles = 0;
+  for (int run = 0; run < 120; ++run)
+  {
+    const Scenery scenery(random, run, PullBackKind::Exact);
+    const CameraView& camera = scenery.Scene.Camera;
+    const TileBounds bounds(scenery.Scene, 0.1, 0.0, origin);
+    for (int y = 0; y < Height; y += TileSide)
+    {
+      for (int x = 0; x < Width; x += TileSide)
+      {
+        const TileBounds::Limits* const box = bounds.Find(x, y);
+        ++tiles;
+        known += box ? 1 : 0;
+        empty += box && box->IsEmpty() ? 1 : 0;
+      }
+    }
+    for (int point = 0; point < 4000; ++point)
+    {
+      const VolumeView& view = scenery.Scene.Volume;
+      glm::dvec3 index = random.Vector(0.0, 1.0) * view.UpperIndex();
+      if (point % 2 == 0)
+      {
+        const int axis = point / 2 % 3;
+        index[axis] = point / 6 % 2 == 0 ? 0.0 : view.UpperIndex()[axis];
+      }
+      if (!(scenery.Volume.Interpolate(index) > 31.0))
+      {
+        continue;
+      }
+      const glm::dvec3 rest = view.FirstVoxel + view.IndexToData * index;
+      const glm::dvec3 p =
+        scenery.Map.IsIdentity() ? rest : rest + scenery.Field.Displacement(rest);
+      const glm::dvec4 clip = camera.DataToNdc * glm::dvec4(p, 1.0);
+      const glm::dvec2 pixel =
+        (glm::dvec2(clip) / clip.w - camera.ToNdc(0.0, 0.0)) / camera.NdcPerPixel;
+      if (clip.w <= 0.0 || std::abs(clip.z) > clip.w || pixel.x < 0.0 || pixel.y < 0.0 ||
+        pixel.x >= Width || pixel.y >= Height)
+      {
+        continue;
+      }
+      ++seen;
+      const glm::ivec2 tile = glm::ivec2(pixel) / TileSide * TileSide;
+      const TileBounds::Limits* const box = bounds.Find(tile.x, tile.y);
+      ASSERT_TRUE(!box || Holds(*box, p - origin)) << "run " << run;
+    }
+  }
+  EXPECT_GT(seen, 2000);
+  EXPECT_GT(known, tiles * 2 / 3);
+  EXPECT_GT(empty, tiles / 4);
+}
+
+// A bump of the deformed volume between the corners of the boxes that it is cut into.
+TEST(TileBounds, HoldWhatBulges)
+{
+  const TestVolume volume(ScalarType::UInt8, glm::ivec3(64), [](int, int, int) { return 100.0; });
+  const TransferTable table = Opaque();
+  const MinMaxBlocks blocks(volume.View, ParallelFor());
+  const DistanceMap distances(blocks, table);
+  // Boxes of 7.875 voxels: one control point in the middle of a face of one of them is moved.
+  const glm::dvec3 top(4.5 * 7.875, 4.5 * 7.875, 63.0);
+  std::vector<glm::dvec3> displacements(9 * 9 * 9);
+  displacements[4 + 9 * (4 + 9 * 7)] = glm::dvec3(0.0, 0.0, 12.0);
+  const BSplineField field(
+    glm::ivec3(9), top - 8.0 * glm::dvec3(4.0, 4.0, 7.0), glm::dvec3(8.0), displacements.data());
+  const PullBack map(&field, PullBackKind::Exact, 1e-9);
+  CastScene scene;
+  scene.Volume = volume.View;
+  scene.Distances = &distances;
+  scene.Map = &map;
+  CameraView& camera = scene.Camera;
+  camera.DataToNdc = glm::ortho(-60.0, 60.0, -60.0, 60.0, 1.0, 400.0) *
+    glm::lookAt(glm::dvec3(32.0, 200.0, 32.0), glm::dvec3(32.0), glm::dvec3(0.0, 0.0, 1.0));
+  camera.ImageSize = glm::ivec2(128);
+  camera.NdcPerPixel = glm::dvec2(2.0 / 128.0);
+  const glm::dvec3 p = top + field.Displacement(top);
+  const glm::dvec2 pixel = 64.0 + 64.0 * glm::dvec2(camera.DataToNdc * glm::dvec4(p, 1.0));
+  const glm::ivec2 tile = glm::ivec2(pixel) / TileSide * TileSide;
+  const TileBounds bounds(scene, 0.1, 0.0, glm::dvec3(0.0));
+  ASSERT_NE(bounds.Find(tile.x, tile.y), nullptr);
+  EXPECT_TRUE(Holds(*bounds.Find(tile.x, tile.y), p));
+}
+
+TEST(TileBounds, ChangeNoPicture)
+{
+  RandomLattice random(8);
+  int visible = 0;
+  std::int64_t with = 0;
+  std::int64_t without = 0;
+  for (int run = 0; run < 40; ++run)
+  {
+    Scenery scenery(random, run, PullBackKind::Exact);
+    const std::vector<float> all = scenery.Render(SpaceLeaping::Off);
+    const std::int64_t rays = scenery.Statistics.Rays;
+    without += scenery.Statistics.Evaluations;
+    visible += *std::max_element(all.begin(), all.begin() + 4 * Width * Height) > 0.0f ? 1 : 0;
+    ASSERT_EQ(scenery.Render(SpaceLeaping::Lipschitz), all) << "run " << run;
+    with += scenery.Statistics.Evaluations;
+    EXPECT_EQ(scenery.Statistics.Rays, rays);
+    ASSERT_EQ(scenery.Render(SpaceLeaping::Lipschitz, false), all) << "run " << run;
+    EXPECT_LE(scenery.Statistics.Rays, rays);
+  }
+  EXPECT_GT(visible, 25);
+  EXPECT_LT(with, without);
+}
+
+TEST(TileBounds, KnowNothingWithoutAForwardMap)
+{
+  RandomLattice random(9);
+  Scenery scenery(random, 1, PullBackKind::FirstOrder);
+  const glm::dvec3 origin(0.0);
+  EXPECT_EQ(TileBounds(scenery.Scene, 0.1, 0.0, origin).Find(0, 0), nullptr);
+  scenery.Map = PullBack(&scenery.Field, PullBackKind::Exact, 1e-9);
+  const TileBounds exact(scenery.Scene, 0.1, 0.0, origin);
+  ASSERT_NE(exact.Find(0, 0), nullptr);
+  ASSERT_NE(exact.Find(TileSide, TileSide), nullptr);
+  // No tile begins there.
+  EXPECT_EQ(exact.Find(1, 0), nullptr);
+  EXPECT_EQ(exact.Find(-TileSide, 0), nullptr);
+  EXPECT_EQ(exact.Find(10 * TileSide, 0), nullptr);
+  scenery.Scene.Distances = nullptr;
+  EXPECT_EQ(TileBounds(scenery.Scene, 0.1, 0.0, origin).Find(0, 0), nullptr);
+  EXPECT_EQ(TileBounds().Find(0, 0), nullptr);
+}
