@@ -10,6 +10,7 @@ import numpy as np
 from paraview import simple
 
 import ffdparaview as ffd
+from vtkmodules.vtkCommonCore import vtkCollection
 
 ffd.load()
 
@@ -346,6 +347,70 @@ class TestLatticeFollows(unittest.TestCase):
                 world = np.array(renderer.GetWorldPoint())
                 np.testing.assert_allclose(place, world[:3] / world[3], atol=0.5)
             simple.Hide(source, self.view)
+
+    def pick_surface(self, pixel, array="RTData"):
+        """What the pointer would be told of a surface at a pixel: 1 or 0, place, place at rest, value."""
+        manager = simple.servermanager.ProxyManager()
+        representations, sources = vtkCollection(), vtkCollection()
+        self.view.SMProxy.SelectSurfaceCells([*pixel, *pixel], representations, sources, False)
+        if sources.GetNumberOfItems() == 0:
+            return None
+        renderer = self.view.SMProxy.GetRenderer()
+        picker = manager.NewProxy("misc", "FFDSurfacePicker")
+        for end, name in enumerate(("PointA", "PointB")):
+            renderer.SetDisplayPoint(*pixel, end)
+            renderer.DisplayToWorld()
+            world = renderer.GetWorldPoint()
+            for a in range(3):
+                picker.GetProperty(name).SetElement(a, world[a] / world[3])
+        shown = representations.GetItemAsObject(0)
+        picker.GetProperty("Input").SetProxy(0, shown.GetProperty("Input").GetProxy(0))
+        picker.GetProperty("Selection").SetProxy(0, sources.GetItemAsObject(0))
+        picker.GetProperty("ArrayName").SetElement(0, array)
+        picker.UpdateVTKObjects()
+        picker.InvokeCommand("Pick")
+        picker.UpdatePropertyInformation()
+        return [picker.GetProperty("Picked").GetElement(i) for i in range(8)]
+
+    def test_pointer_on_surfaces(self):
+        """Of a slice, a contour and the faces of a volume: the place that is seen, where it is at rest,
+        and the value there."""
+        bent = self.lattice(Shape="Bend", Strength=0.9)
+        normal, origin = np.array([0.2, 0.3, 1.0]), np.array([0.0, 0.0, 2.0])
+        sliced = simple.Slice(Input=bent, SliceType="Plane")
+        sliced.SliceType.Origin, sliced.SliceType.Normal = origin, normal
+        contour = simple.Contour(Input=bent, ContourBy=["POINTS", "RTData"], Isosurfaces=[157.0])
+        for source in (sliced, contour, bent):
+            self.show(source, "Surface")
+            simple.Render(self.view)
+            for pixel in ((80, 70), (70, 85), (92, 62)):
+                place, _ = [0.0] * 3, [0.0] * 3
+                self.assertTrue(
+                    self.view.SMProxy.ConvertDisplayToPointOnSurface(list(pixel), place, _))
+                found = self.pick_surface(pixel)
+                self.assertEqual(found[0], 1.0)
+                np.testing.assert_allclose(found[1:4], place, atol=1e-6)
+                rest = np.array(found[4:7])
+                point = simple.PointSource(Center=rest, NumberOfPoints=1, Radius=0.0)
+                moved = simple.FFDDeformGeometry(Input=point, Lattice=bent)
+                # Cells are moved by their corners.
+                np.testing.assert_allclose(
+                    simple.servermanager.Fetch(moved).GetPoint(0), place, atol=0.05)
+                self.assertGreater(np.linalg.norm(rest - place), 0.5)
+                probe = simple.ProbeLocation(
+                    Input=self.wavelet, ProbeType="Fixed Radius Point Source")
+                probe.ProbeType.Center = rest
+                value = simple.servermanager.Fetch(probe).GetPointData().GetArray("RTData")
+                self.assertAlmostEqual(found[7], value.GetValue(0), delta=6.0)
+                if source is sliced:
+                    self.assertAlmostEqual(np.dot(rest - origin, normal), 0.0, delta=1e-5)
+                if source is contour:
+                    self.assertAlmostEqual(found[7], 157.0, delta=1e-3)
+            simple.Hide(source, self.view)
+        # Nothing is told of what has no lattice.
+        self.show(self.wavelet, "Surface")
+        simple.Render(self.view)
+        self.assertEqual(self.pick_surface((80, 70)), [0.0] * 8)
 
     def test_what_stays_at_rest_says_so(self):
         """Once for each switch."""

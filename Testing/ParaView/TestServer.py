@@ -28,6 +28,17 @@ def show(view):
     return lattice
 
 
+def find_places(view):
+    """Where the key P would put a point, for some pixels."""
+    places = []
+    for pixel in ((80, 70), (70, 85), (92, 62)):
+        place, normal = [0.0] * 3, [0.0] * 3
+        if not view.SMProxy.ConvertDisplayToPointOnSurface(list(pixel), place, normal):
+            raise AssertionError("Nothing is picked at %r." % (pixel,))
+        places.append(place)
+    return places
+
+
 @contextlib.contextmanager
 def serve(port, *command, **environment):
     """Runs a server that accepts a client at a port; at the end the client is its own server again."""
@@ -54,6 +65,7 @@ class TestServer(unittest.TestCase):
         view = ffd.make_view()
         show(view)
         local = ffd.picture(view, "local")
+        places = find_places(view)
         port = 21000 + os.getpid() % 9000
         with serve(port, "mpiexec", "-np", "2"):
             simple.Connect("localhost", port)
@@ -65,6 +77,8 @@ class TestServer(unittest.TestCase):
                 servermanager.ActiveConnection.GetNumberOfDataPartitions(), 2)
             self.assertLess(np.abs(remote - local).mean(), 0.5)
             self.assertLessEqual(ffd.differ(remote, local)[0], 8)
+            # Places below the pointer, of voxels of one of the processes.
+            np.testing.assert_allclose(find_places(view), places, atol=0.02)
             # An edit comes through.
             lattice.Strength = 0.2
             self.assertGreater(

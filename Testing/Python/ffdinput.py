@@ -17,6 +17,18 @@ _x11.XDefaultRootWindow.restype = ctypes.c_ulong
 _server = ctypes.c_void_p(_x11.XOpenDisplay(None))
 
 
+class _Attributes(ctypes.Structure):
+    """XWindowAttributes."""
+    _fields_ = [(name, kind) for kind, names in (
+        (ctypes.c_int, ("x", "y", "width", "height", "border_width", "depth")),
+        (ctypes.c_void_p, ("visual",)), (ctypes.c_ulong, ("root",)),
+        (ctypes.c_int, ("window_class", "bit_gravity", "win_gravity", "backing_store")),
+        (ctypes.c_ulong, ("backing_planes", "backing_pixel")), (ctypes.c_int, ("save_under",)),
+        (ctypes.c_ulong, ("colormap",)), (ctypes.c_int, ("map_installed", "map_state")),
+        (ctypes.c_long, ("all_event_masks", "your_event_mask", "do_not_propagate_mask")),
+        (ctypes.c_int, ("override_redirect",)), (ctypes.c_void_p, ("screen",))) for name in names]
+
+
 def move(x, y):
     """Move the pointer to a pixel of the screen, from its upper left corner."""
     _xtest.XTestFakeMotionEvent(_server, -1, x, y, ctypes.c_ulong(0))
@@ -44,6 +56,21 @@ def find_window(title):
         _x11.XFree(name)
     _x11.XFree(windows)
     return found
+
+
+def count_windows():
+    """The windows of the screen that are shown, those of menus and of tool tips included."""
+    root, parent, count = ctypes.c_ulong(), ctypes.c_ulong(), ctypes.c_uint()
+    windows = ctypes.POINTER(ctypes.c_ulong)()
+    _x11.XQueryTree(_server, ctypes.c_ulong(_x11.XDefaultRootWindow(_server)), ctypes.byref(root),
+                    ctypes.byref(parent), ctypes.byref(windows), ctypes.byref(count))
+    shown = 0
+    for window in windows[:count.value]:
+        attributes = _Attributes()
+        if _x11.XGetWindowAttributes(_server, ctypes.c_ulong(window), ctypes.byref(attributes)):
+            shown += attributes.map_state == 2
+    _x11.XFree(windows)
+    return shown
 
 
 def resize(window, width, height):

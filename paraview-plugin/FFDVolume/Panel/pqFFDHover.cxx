@@ -26,6 +26,8 @@
 #include <QToolTip>
 #include <QWidget>
 
+#include <string>
+
 namespace
 {
 
@@ -52,7 +54,8 @@ void FindPlace(vtkRenderer* renderer, const double pixel[2], double depth, doubl
   }
 }
 
-/// What is seen of the volumes of a view at a pixel; empty if nothing is.
+/// What is seen at a pixel of a view of volumes with lattices and their surfaces; empty if nothing
+/// is.
 QString Describe(vtkSMRenderViewProxy* view, const double pixel[2])
 {
   double from[3];
@@ -61,6 +64,21 @@ QString Describe(vtkSMRenderViewProxy* view, const double pixel[2])
   FindPlace(view->GetRenderer(), pixel, 1.0, to);
   QString text;
   double nearest = VTK_DOUBLE_MAX;
+  double shown[3];
+  double rest[3];
+  double value = 0.0;
+  const auto take = [&](const std::string& array) {
+    const double distance = vtkMath::Distance2BetweenPoints(from, shown);
+    if (distance < nearest)
+    {
+      nearest = distance;
+      text = QObject::tr("deformed: %1\nat rest: %2").arg(ToText(shown), ToText(rest));
+      if (!array.empty())
+      {
+        text = QString("%1: %2\n").arg(QString::fromStdString(array)).arg(value, 0, 'g', 6) + text;
+      }
+    }
+  };
   const vtkSMPropertyHelper all(view, "Representations");
   for (unsigned int i = 0; i < all.GetNumberOfElements(); ++i)
   {
@@ -68,18 +86,16 @@ QString Describe(vtkSMRenderViewProxy* view, const double pixel[2])
     vtkSMProperty* own = each ? each->GetProperty("FFDSampleDistance") : nullptr;
     auto* volume =
       vtkSMFFDVolumeRepresentationProxy::SafeDownCast(own ? own->GetParent() : nullptr);
-    double shown[3];
-    double rest[3];
-    double value = 0.0;
-    if (volume && volume->Pick(from, to, shown, rest, value) &&
-      vtkMath::Distance2BetweenPoints(from, shown) < nearest)
+    if (volume && volume->Pick(from, to, shown, rest, value))
     {
-      nearest = vtkMath::Distance2BetweenPoints(from, shown);
-      text = QObject::tr("%1: %2\ndeformed: %3\nat rest: %4")
-               .arg(QString::fromStdString(volume->GetShownArray()))
-               .arg(value, 0, 'g', 6)
-               .arg(ToText(shown), ToText(rest));
+      take(volume->GetShownArray());
     }
+  }
+  const int whole[2] = { static_cast<int>(pixel[0]), static_cast<int>(pixel[1]) };
+  std::string array;
+  if (vtkSMFFDVolumeRepresentationProxy::PickSurface(view, whole, shown, rest, array, value))
+  {
+    take(array);
   }
   return text;
 }

@@ -4,10 +4,12 @@
 
 #include "vtkFFDShownLattice.h"
 #include "vtkFFDVolumeInput.h"
+#include "vtkFFDVolumeRepresentation.h"
 
 #include "vtkAlgorithm.h"
 #include "vtkCallbackCommand.h"
 #include "vtkCell.h"
+#include "vtkCellData.h"
 #include "vtkCellType.h"
 #include "vtkCommand.h"
 #include "vtkCommunicator.h"
@@ -38,12 +40,16 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 namespace ffdplaces
 {
 namespace
 {
+
+/// Of intersections with cells, as ParaView's: without one rounding makes rays miss them.
+constexpr double HitTolerance = 1e-10;
 
 /// Call `visit` with the unstructured grids of an extracted selection.
 template <class Visit>
@@ -89,6 +95,30 @@ void MoveCells(
   shown.Move(general, moved);
 }
 
+/// Let a square through `center` be the only cell. Its diagonals do not pass through the center,
+/// where intersections would meet two triangles.
+void MakeSquare(
+  vtkUnstructuredGrid* cells, const double center[3], const double normal[3], double size)
+{
+  double across[2][3];
+  vtkMath::Perpendiculars(normal, across[0], across[1], 0.0);
+  vtkNew<vtkPoints> corners;
+  corners->SetDataTypeToDouble();
+  for (int corner = 0; corner < 4; ++corner)
+  {
+    const double u = corner == 1 || corner == 2 ? 3.0 * size : -size;
+    const double v = corner >= 2 ? 2.0 * size : -size;
+    corners->InsertNextPoint(center[0] + u * across[0][0] + v * across[1][0],
+      center[1] + u * across[0][1] + v * across[1][1],
+      center[2] + u * across[0][2] + v * across[1][2]);
+  }
+  cells->Initialize();
+  cells->Allocate(1);
+  cells->SetPoints(corners);
+  const vtkIdType ids[4] = { 0, 1, 2, 3 };
+  cells->InsertNextCell(VTK_QUAD, 4, ids);
+}
+
 /**
  * Where the ray misses the first cell, let the cell be a square across the ray, where that is
  * nearest to the center of the cell: volumes are seen at places between pixels, and a cell that
@@ -105,7 +135,7 @@ void FaceRay(vtkUnstructuredGrid* cells, const double* from, const double* to)
   double x[3];
   double parametric[3];
   int part;
-  if (cell->IntersectWithLine(start, end, 0.0, t, x, parametric, part))
+  if (cell->IntersectWithLine(start, end, HitTolerance, t, x, parametric, part))
   {
     return;
   }
@@ -117,24 +147,21 @@ void FaceRay(vtkUnstructuredGrid* cells, const double* from, const double* to)
   vtkLine::DistanceToLine(center, start, end, t, nearest);
   double ray[3];
   vtkMath::Subtract(end, start, ray);
-  double across[2][3];
-  vtkMath::Perpendiculars(ray, across[0], across[1], 0.0);
-  const double size = std::sqrt(cell->GetLength2());
-  vtkNew<vtkPoints> corners;
-  corners->SetDataTypeToDouble();
-  for (int corner = 0; corner < 4; ++corner)
-  {
-    const double u = corner == 1 || corner == 2 ? size : -size;
-    const double v = corner >= 2 ? size : -size;
-    corners->InsertNextPoint(nearest[0] + u * across[0][0] + v * across[1][0],
-      nearest[1] + u * across[0][1] + v * across[1][1],
-      nearest[2] + u * across[0][2] + v * across[1][2]);
-  }
-  cells->Initialize();
-  cells->Allocate(1);
-  cells->SetPoints(corners);
-  const vtkIdType ids[4] = { 0, 1, 2, 3 };
-  cells->InsertNextCell(VTK_QUAD, 4, ids);
+  MakeSquare(cells, nearest, ray, std::sqrt(cell->GetLength2()));
+}
+
+/// Let a piece of the surface that the ray meets at `place` be the only cell.
+void FaceSurface(vtkUnstructuredGrid* cells, const double place[3], const double normal[3],
+  const double from[3], const double to[3])
+{
+  double ray[3];
+  vtkMath::Subtract(to, from, ray);
+  vtkMath::Normalize(ray);
+  // A surface that is seen from its edge has no place of its own on the ray.
+  const double size = vtkMath::Norm(normal);
+  const bool isEdgeOn = !(std::abs(vtkMath::Dot(ray, normal)) > 0.01 * size);
+  MakeSquare(cells, place, isEdgeOn ? ray : normal,
+    1e-3 * std::sqrt(vtkMath::Distance2BetweenPoints(from, to)));
 }
 
 /// Members of ParaView's helper that are for its subclasses.
@@ -151,6 +178,28 @@ struct Picking : vtkPVRayCastPickingHelper
       return;
     }
     vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+    const bool isRoot = !controller || controller->GetLocalProcessId() == 0;
+    const double* from = helper->*(&Picking::PointA);
+    const double* to = helper->*(&Picking::PointB);
+    vtkNew<vtkUnstructuredGrid> moved;
+    // Where a volume is picked, and the pointer rests on it, is told by its representation.
+    vtkFFDVolumeRepresentation* volume = helper->*(&Picking::SnapOnMeshPoint)
+      ? nullptr
+      : vtkFFDVolumeRepresentation::FindShownBy(input, from, to);
+    if (volume)
+    {
+      volume->Pick(from[0], from[1], from[2], to[0], to[1], to[2]);
+      const double* picked = volume->GetPicked();
+      if (picked[0] > 0.0)
+      {
+        if (isRoot)
+        {
+          FaceSurface(moved, picked + 1, volume->GetPickedNormal(), from, to);
+        }
+        Replace(helper, moved);
+        return;
+      }
+    }
     vtkNew<vtkPVExtractSelection> extract;
     extract->SetInputConnection(0, input->GetOutputPort(0));
     extract->SetInputConnection(1, selection->GetOutputPort(0));
@@ -168,7 +217,6 @@ struct Picking : vtkPVRayCastPickingHelper
     {
       return;
     }
-    vtkNew<vtkUnstructuredGrid> moved;
     VisitGrids(extract->GetOutputDataObject(0), [&](vtkUnstructuredGrid* cells) {
       if (cells && cells->GetNumberOfCells() > 0 && moved->GetNumberOfCells() == 0)
       {
@@ -176,10 +224,17 @@ struct Picking : vtkPVRayCastPickingHelper
         MoveCells(cells, own.Lattice ? own : ofAll, moved);
         if (moved->GetCell(0)->GetCellDimension() == 3)
         {
-          FaceRay(moved, helper->*(&Picking::PointA), helper->*(&Picking::PointB));
+          FaceRay(moved, from, to);
         }
       }
     });
+    Replace(helper, moved);
+  }
+
+private:
+  /// Let cells be the input, and the first of them be selected.
+  static void Replace(vtkPVRayCastPickingHelper* helper, vtkUnstructuredGrid* moved)
+  {
     vtkNew<vtkIdTypeArray> first;
     first->InsertNextValue(0);
     vtkNew<vtkSelectionNode> node;
@@ -197,6 +252,71 @@ struct Picking : vtkPVRayCastPickingHelper
     helper->SetInput(newInput);
   }
 };
+
+/**
+ * Where a ray meets a moved cell; where that is at rest, and the value of an array of points or
+ * cells there, of the first cell of `rest`. A ray beside the cell, which was found at the middle of
+ * a pixel, meets its plane, as in ParaView's helper, or of a solid cell the place nearest to its
+ * center.
+ */
+void FindOnCell(vtkUnstructuredGrid* rest, vtkCell* cell, const double from[3], const double to[3],
+  const std::string& array, bool ofCells, std::array<double, 8>& picked)
+{
+  double start[3];
+  double end[3];
+  std::copy_n(from, 3, start);
+  std::copy_n(to, 3, end);
+  double t = VTK_DOUBLE_MAX;
+  double x[3];
+  double parametric[3];
+  int part = 0;
+  std::vector<double> weights(static_cast<std::size_t>(cell->GetNumberOfPoints()));
+  const bool isHit = cell->IntersectWithLine(start, end, HitTolerance, t, x, parametric, part) != 0;
+  const bool isBeside = !isHit && !(cell->GetCellDimension() == 2 && t < VTK_DOUBLE_MAX);
+  if (isBeside)
+  {
+    double bounds[6];
+    cell->GetBounds(bounds);
+    const double center[3] = { 0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3]),
+      0.5 * (bounds[4] + bounds[5]) };
+    vtkLine::DistanceToLine(center, start, end, t, x);
+  }
+  double distance = 0.0;
+  double nearest[3];
+  if (cell->EvaluatePosition(x, nearest, part, parametric, distance, weights.data()) < 0)
+  {
+    return;
+  }
+  std::copy_n(isBeside ? nearest : x, 3, x);
+  vtkDataSetAttributes* attributes = ofCells
+    ? static_cast<vtkDataSetAttributes*>(rest->GetCellData())
+    : static_cast<vtkDataSetAttributes*>(rest->GetPointData());
+  vtkDataArray* values = attributes->GetArray(array.c_str());
+  std::vector<double> value(
+    static_cast<std::size_t>(values ? values->GetNumberOfComponents() : 1), 0.0);
+  std::copy_n(x, 3, picked.begin() + 1);
+  for (std::size_t i = 0; i < weights.size(); ++i)
+  {
+    const vtkIdType id = cell->GetPointId(static_cast<int>(i));
+    const double* point = rest->GetPoint(id);
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      picked[4 + a] += weights[i] * point[a];
+    }
+    for (std::size_t c = 0; values && !ofCells && c < value.size(); ++c)
+    {
+      value[c] += weights[i] * values->GetComponent(id, static_cast<int>(c));
+    }
+  }
+  for (std::size_t c = 0; values && ofCells && c < value.size(); ++c)
+  {
+    value[c] = values->GetComponent(0, static_cast<int>(c));
+  }
+  picked[7] = value.size() == 1
+    ? value[0]
+    : std::sqrt(std::inner_product(value.begin(), value.end(), value.begin(), 0.0));
+  picked[0] = 1.0;
+}
 
 /// Data with one lattice, which all processes have.
 struct Part
@@ -388,6 +508,46 @@ void ProbeAgain(vtkAlgorithm* filter, int dataPort)
 }
 
 } // namespace
+
+//------------------------------------------------------------------------------
+std::array<double, 8> PickSurface(vtkAlgorithm* input, vtkAlgorithm* selection,
+  const double from[3], const double to[3], const std::string& array, bool ofCells)
+{
+  std::array<double, 8> picked{};
+  if (!input || !selection)
+  {
+    return picked;
+  }
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  vtkNew<vtkPVExtractSelection> extract;
+  extract->SetInputConnection(0, input->GetOutputPort(0));
+  extract->SetInputConnection(1, selection->GetOutputPort(0));
+  extract->UpdatePiece(controller ? controller->GetLocalProcessId() : 0,
+    controller ? controller->GetNumberOfProcesses() : 1, 0);
+  const vtkFFDShownLattice ofAll = vtkFFDShownLattice::FindAnywhere(input->GetOutputDataObject(0));
+  VisitGrids(extract->GetOutputDataObject(0), [&](vtkUnstructuredGrid* cells) {
+    const vtkFFDShownLattice own(cells);
+    const vtkFFDShownLattice& shown = own.Lattice ? own : ofAll;
+    if (cells && cells->GetNumberOfCells() > 0 && shown.Lattice && picked[0] == 0.0)
+    {
+      vtkNew<vtkUnstructuredGrid> moved;
+      MoveCells(cells, shown, moved);
+      FindOnCell(cells, moved->GetCell(0), from, to, array, ofCells, picked);
+    }
+  });
+  if (AreSeveral(controller))
+  {
+    const int own = controller->GetLocalProcessId();
+    const int here = picked[0] > 0.0 ? own : controller->GetNumberOfProcesses();
+    int root = here;
+    controller->AllReduce(&here, &root, 1, vtkCommunicator::MIN_OP);
+    if (root < controller->GetNumberOfProcesses())
+    {
+      controller->Broadcast(picked.data(), static_cast<vtkIdType>(picked.size()), root);
+    }
+  }
+  return picked;
+}
 
 //------------------------------------------------------------------------------
 void FollowPicking(vtkPVRayCastPickingHelper* helper)

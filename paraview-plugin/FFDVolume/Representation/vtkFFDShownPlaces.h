@@ -8,6 +8,9 @@
 #ifndef vtkFFDShownPlaces_h
 #define vtkFFDShownPlaces_h
 
+#include <array>
+#include <string>
+
 class vtkAlgorithm;
 class vtkPVRayCastPickingHelper;
 
@@ -19,6 +22,13 @@ namespace ffdplaces
  * where they are shown.
  */
 void FollowPicking(vtkPVRayCastPickingHelper* helper);
+
+/**
+ * Where the ray meets the selected cell of what `input` makes, as it is shown by its lattice: as
+ * vtkFFDSurfacePicker::GetPicked() tells it. Called on all processes.
+ */
+std::array<double, 8> PickSurface(vtkAlgorithm* input, vtkAlgorithm* selection,
+  const double from[3], const double to[3], const std::string& array, bool ofCells);
 
 /**
  * Let a filter that probes its data at the points of its output (Probe Location, Plot Over Line)

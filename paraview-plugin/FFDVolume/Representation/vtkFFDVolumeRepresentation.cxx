@@ -14,12 +14,16 @@
 #include "vtkFFDVolumePicker.h"
 #include "vtkFFDVoxelDistribution.h"
 
+#include "vtkAbstractMapper.h"
 #include "vtkAlgorithm.h"
 #include "vtkAlgorithmOutput.h"
+#include "vtkCamera.h"
 #include "vtkColorTransferFunction.h"
 #include "vtkCommand.h"
+#include "vtkDataSet.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
+#include "vtkIdList.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -49,6 +53,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -75,6 +80,31 @@ vtkMultiProcessController* GetController()
 
 int GetNumberOfProcesses() { return GetController() ? GetController()->GetNumberOfProcesses() : 1; }
 
+/// Those of this process.
+std::vector<vtkFFDVolumeRepresentation*>& AllRepresentations()
+{
+  static std::vector<vtkFFDVolumeRepresentation*> all;
+  return all;
+}
+
+/// Whether an algorithm is another one, or takes what ParaView makes of its output.
+bool IsFrom(vtkAlgorithm* algorithm, vtkAlgorithm* source)
+{
+  constexpr int between = 2; // such as vtkPVPostFilter
+  for (int i = 0; i <= between && algorithm; ++i)
+  {
+    if (algorithm == source)
+    {
+      return true;
+    }
+    algorithm = algorithm->GetNumberOfInputPorts() > 0 &&
+        algorithm->GetNumberOfInputConnections(0) == 1 && algorithm->IsA("vtkPVPostFilter")
+      ? algorithm->GetInputAlgorithm(0, 0)
+      : nullptr;
+  }
+  return false;
+}
+
 /// In the field data of one of several images: bounds of all of them at rest, then deformed.
 const char* const AllBoundsName = "FFDVolume.AllBounds";
 
@@ -93,6 +123,113 @@ void NoteAllBounds(vtkImageData* image, const Bounds& rest, const Bounds& deform
   array->SetNumberOfValues(static_cast<vtkIdType>(numbers.size()));
   std::copy(numbers.begin(), numbers.end(), array->GetPointer(0));
   image->GetFieldData()->AddArray(array);
+}
+
+/// Opacities of the surfaces that are picked: the second where the first is nowhere reached.
+constexpr double PickedOpacities[2] = { 0.05, 0.005 };
+
+/// Moves what was picked by a little along the ray: on a face of the volume rounding would decide
+/// whether what is there can be probed.
+void StepInside(vtkFFDVolumePicker* picker, const double from[3], const double to[3],
+  std::array<double, 8>& picked)
+{
+  auto* mapper = vtkFFDInverseRayVolumeMapper::SafeDownCast(picker->GetMapper());
+  vtkProp3D* volume = picker->GetProp3D();
+  if (!mapper || !volume)
+  {
+    return;
+  }
+  double ray[3];
+  vtkMath::Subtract(to, from, ray);
+  vtkMath::Normalize(ray);
+  double shown[4] = { 0.0, 0.0, 0.0, 1.0 };
+  for (int a = 0; a < 3; ++a)
+  {
+    double& place = picked[static_cast<std::size_t>(1 + a)];
+    place += 1e-6 * volume->GetLength() * ray[a];
+    shown[a] = place;
+  }
+  vtkNew<vtkMatrix4x4> toData;
+  vtkMatrix4x4::Invert(volume->GetMatrix(), toData);
+  toData->MultiplyPoint(shown, shown);
+  mapper->GetRestPosition(shown, &picked[4]);
+}
+
+/// The value of the first component of the scalars at a place in the data; 0 outside.
+double Interpolate(vtkDataSet* data, vtkDataArray* scalars, double place[3])
+{
+  double parametric[3];
+  double weights[8];
+  int subId = 0;
+  // On a face of the volume, too.
+  const double tolerance = 1e-6 * data->GetLength();
+  const vtkIdType cell =
+    data->FindCell(place, nullptr, -1, tolerance * tolerance, subId, parametric, weights);
+  double value = 0.0;
+  if (cell >= 0 && scalars)
+  {
+    vtkNew<vtkIdList> points;
+    data->GetCellPoints(cell, points);
+    for (vtkIdType i = 0; i < points->GetNumberOfIds(); ++i)
+    {
+      value += weights[i] * scalars->GetComponent(points->GetId(i), 0);
+    }
+  }
+  return value;
+}
+
+/**
+ * What is seen of a volume along a ray, in whatever way it is blended: the depth of a picture of
+ * one pixel. Sets `picked` as vtkFFDVolumeRepresentation::GetPicked() tells it; returns whether
+ * there is anything.
+ */
+bool PickInPicture(vtkFFDInverseRayVolumeMapper* mapper, vtkVolume* volume, const double from[3],
+  const double to[3], std::array<double, 8>& picked)
+{
+  auto* data = vtkDataSet::SafeDownCast(mapper->GetInputDataObject(0, 0));
+  const double length = std::sqrt(vtkMath::Distance2BetweenPoints(from, to));
+  if (!data || !(length > 0.0))
+  {
+    return false;
+  }
+  vtkNew<vtkRenderer> renderer;
+  vtkCamera* camera = renderer->GetActiveCamera();
+  camera->ParallelProjectionOn();
+  camera->SetPosition(from);
+  camera->SetFocalPoint(to);
+  const double along[3] = { to[0] - from[0], to[1] - from[1], to[2] - from[2] };
+  double up[3];
+  double right[3];
+  vtkMath::Perpendiculars(along, up, right, 0.0);
+  camera->SetViewUp(up);
+  camera->SetParallelScale(1e-6 * length);
+  camera->SetClippingRange(1e-6 * length, length);
+  vtkNew<vtkImageData> colors;
+  vtkNew<vtkImageData> depths;
+  if (!mapper->RenderToImage(renderer, volume, 1, 1, colors, depths) ||
+    colors->GetScalarComponentAsDouble(0, 0, 0, 3) == 0.0)
+  {
+    return false;
+  }
+  const double* range = camera->GetClippingRange();
+  const double depth =
+    range[0] + depths->GetScalarComponentAsDouble(0, 0, 0, 0) * (range[1] - range[0]);
+  double shown[4] = { 0.0, 0.0, 0.0, 1.0 };
+  for (int a = 0; a < 3; ++a)
+  {
+    shown[a] = from[a] + depth / length * along[a];
+    picked[static_cast<std::size_t>(1 + a)] = shown[a];
+  }
+  vtkNew<vtkMatrix4x4> toData;
+  vtkMatrix4x4::Invert(volume->GetMatrix(), toData);
+  toData->MultiplyPoint(shown, shown);
+  mapper->GetRestPosition(shown, &picked[4]);
+  int association = 0;
+  vtkDataArray* scalars = vtkAbstractMapper::GetScalars(data, mapper->GetScalarMode(),
+    mapper->GetArrayAccessMode(), mapper->GetArrayId(), mapper->GetArrayName(), association);
+  picked[7] = Interpolate(data, scalars, &picked[4]);
+  picked[0] = 1.0;
+  return true;
 }
 
 /// The images of what the view was given: one, or the blocks of several.
@@ -151,6 +288,7 @@ public:
   double ProgressInterval = 0.0;            // of the session before the frame; 0: not changed
   double NextRate = 0.0;                    // RenderNextAtRate(); 0: as asked
   std::array<double, 8> Picked{};           // GetPicked()
+  std::array<double, 3> PickedNormal{};     // of the surface that was picked
   vtkNew<vtkFFDCompositePass> OwnPass;
   vtkSmartPointer<vtkFFDCompositePass> Pass; // that of the frame: its own or another volume's
 };
@@ -160,6 +298,7 @@ vtkFFDVolumeRepresentation::vtkFFDVolumeRepresentation()
   : Mapper(vtkFFDInverseRayVolumeMapper::New())
   , Internals(new vtkInternals)
 {
+  AllRepresentations().push_back(this);
   this->VolumeMapper.TakeReference(this->Mapper);
   this->ObserveMapper(this->Mapper);
   this->SetNumberOfVolumes(1);
@@ -172,7 +311,11 @@ vtkFFDVolumeRepresentation::vtkFFDVolumeRepresentation()
 }
 
 //------------------------------------------------------------------------------
-vtkFFDVolumeRepresentation::~vtkFFDVolumeRepresentation() = default;
+vtkFFDVolumeRepresentation::~vtkFFDVolumeRepresentation()
+{
+  auto& all = AllRepresentations();
+  all.erase(std::remove(all.begin(), all.end(), this), all.end());
+}
 
 //------------------------------------------------------------------------------
 void vtkFFDVolumeRepresentation::PrintSelf(ostream& os, vtkIndent indent)
@@ -994,6 +1137,7 @@ void vtkFFDVolumeRepresentation::Pick(
   std::array<double, 8>& picked = this->Internals->Picked;
   picked = {};
   double from[3] = { x0, y0, z0 };
+  const double to[3] = { x1, y1, z1 };
   double direction[3] = { x1 - x0, y1 - y0, z1 - z0 };
   auto* view = vtkPVRenderView::SafeDownCast(this->GetView());
   // Pickers take the rotation that turns -z into the direction of the ray: half a turn about the
@@ -1007,18 +1151,42 @@ void vtkFFDVolumeRepresentation::Pick(
     {
       orientation[1] = 1.0; // the direction is +z
     }
-    vtkNew<vtkFFDVolumePicker> picker;
-    for (const auto& shown : this->Internals->AllShown)
+    if (this->Mapper->GetBlendMode() == vtkVolumeMapper::COMPOSITE_BLEND)
     {
-      picker->AddPickList(shown->Actor);
+      vtkNew<vtkFFDVolumePicker> picker;
+      for (const auto& shown : this->Internals->AllShown)
+      {
+        picker->AddPickList(shown->Actor);
+      }
+      picker->PickFromListOn();
+      for (const double opacity : PickedOpacities)
+      {
+        picker->SetVolumeOpacityIsovalue(opacity);
+        if (picked[0] == 0.0 && picker->Pick3DRay(from, orientation, view->GetRenderer()))
+        {
+          picked[0] = 1.0;
+          picker->GetPickPosition(&picked[1]);
+          picker->GetRestPosition(&picked[4]);
+          picked[7] = picker->GetScalarValue();
+          StepInside(picker, from, to, picked);
+          picker->GetPickNormal(this->Internals->PickedNormal.data());
+        }
+      }
     }
-    picker->PickFromListOn();
-    if (picker->Pick3DRay(from, orientation, view->GetRenderer()))
+    else
     {
-      picked[0] = 1.0;
-      picker->GetPickPosition(&picked[1]);
-      picker->GetRestPosition(&picked[4]);
-      picked[7] = picker->GetScalarValue();
+      double nearest = VTK_DOUBLE_MAX;
+      for (const auto& shown : this->Internals->AllShown)
+      {
+        std::array<double, 8> one{};
+        if (PickInPicture(shown->Mapper, shown->Actor, from, to, one) &&
+          vtkMath::Distance2BetweenPoints(from, &one[1]) < nearest)
+        {
+          nearest = vtkMath::Distance2BetweenPoints(from, &one[1]);
+          picked = one;
+        }
+      }
+      this->Internals->PickedNormal = { { x0 - x1, y0 - y1, z0 - z1 } };
     }
   }
   vtkMultiProcessController* controller = GetController();
@@ -1030,9 +1198,49 @@ void vtkFFDVolumeRepresentation::Pick(
     std::vector<double> distances(static_cast<std::size_t>(GetNumberOfProcesses()));
     controller->AllGather(&here, distances.data(), 1);
     const auto nearest = std::min_element(distances.begin(), distances.end());
-    controller->Broadcast(picked.data(), static_cast<vtkIdType>(picked.size()),
-      static_cast<int>(nearest - distances.begin()));
+    const auto root = static_cast<int>(nearest - distances.begin());
+    controller->Broadcast(picked.data(), static_cast<vtkIdType>(picked.size()), root);
+    controller->Broadcast(this->Internals->PickedNormal.data(), 3, root);
   }
+}
+
+//------------------------------------------------------------------------------
+vtkFFDVolumeRepresentation* vtkFFDVolumeRepresentation::FindShownBy(
+  vtkAlgorithm* input, const double from[3], const double to[3])
+{
+  vtkFFDVolumeRepresentation* found = nullptr;
+  double best = 1.0 - 1e-6; // the cosine of a tenth of a degree
+  double ray[3];
+  vtkMath::Subtract(to, from, ray);
+  vtkMath::Normalize(ray);
+  for (vtkFFDVolumeRepresentation* each : AllRepresentations())
+  {
+    auto* view = vtkPVRenderView::SafeDownCast(each->GetView());
+    if (!view || !each->GetVisibility() || !IsFrom(each->GetInputAlgorithm(0, 0), input))
+    {
+      continue;
+    }
+    vtkCamera* camera = view->GetActiveCamera();
+    double direction[3];
+    camera->GetDirectionOfProjection(direction);
+    if (!camera->GetParallelProjection())
+    {
+      vtkMath::Subtract(to, camera->GetPosition(), direction);
+      vtkMath::Normalize(direction);
+    }
+    if (vtkMath::Dot(ray, direction) > best)
+    {
+      best = vtkMath::Dot(ray, direction);
+      found = each;
+    }
+  }
+  return found;
+}
+
+//------------------------------------------------------------------------------
+const double* vtkFFDVolumeRepresentation::GetPickedNormal()
+{
+  return this->Internals->PickedNormal.data();
 }
 
 //------------------------------------------------------------------------------

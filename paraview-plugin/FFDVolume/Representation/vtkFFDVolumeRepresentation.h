@@ -53,6 +53,7 @@
 #include <memory>  // for std::unique_ptr
 #include <vector>  // for std::vector
 
+class vtkAlgorithm;
 class vtkFFDInverseRayVolumeMapper;
 class vtkFFDLattice;
 class vtkImageData;
@@ -165,15 +166,24 @@ public:
   ///@{
   /**
    * Find what is seen first along a line of the scene, from (x0, y0, z0) to (x1, y1, z1) in world
-   * coordinates: where the volume begins to be visible. The result is 8 numbers: 1, or 0 for
+   * coordinates: where the opacity exceeds 0.05, or 0.005 if it is nowhere as large; in blend modes
+   * other than composite the place that the picture shows. The result is 8 numbers: 1, or 0 for
    * nothing (and zeros); the place in the scene; its place in the data at rest; the scalar there.
    * To be called on all rendering processes, all of which have the result; a client is given it by
-   * SetPicked().
+   * SetPicked(). The normal is that of the surface there, or points against the line.
    */
   void Pick(double x0, double y0, double z0, double x1, double y1, double z1);
   double* GetPicked() VTK_SIZEHINT(8);
   void SetPicked(const double picked[8]);
+  const double* GetPickedNormal() VTK_SIZEHINT(3);
   ///@}
+
+  /**
+   * The visible representation of what `input` makes, in the view that a line from its camera
+   * belongs to; null if there is none.
+   */
+  static vtkFFDVolumeRepresentation* FindShownBy(
+    vtkAlgorithm* input, const double from[3], const double to[3]);
 
   /**
    * Voxels of the image that this process holds for rendering; what the parallel partition is

@@ -5,21 +5,27 @@
 #include "vtkFFDVolumeRepresentation.h"
 
 #include "vtkClientServerStream.h"
+#include "vtkCollection.h"
 #include "vtkCommand.h"
 #include "vtkCompositeRepresentation.h"
 #include "vtkDataObject.h"
+#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPVDataInformation.h"
 #include "vtkPVDataSetAttributesInformation.h"
 #include "vtkPVPluginsInformation.h"
 #include "vtkPVSession.h"
+#include "vtkRenderer.h"
 #include "vtkSMArrayListDomain.h"
+#include "vtkSmartPointer.h"
 #include "vtkSMPluginManager.h"
 #include "vtkSMProperty.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMProxyManager.h"
 #include "vtkSMPVRepresentationProxy.h"
+#include "vtkSMRenderViewProxy.h"
 #include "vtkSMSession.h"
+#include "vtkSMSessionProxyManager.h"
 #include "vtkSMSourceProxy.h"
 #include "vtkWeakPointer.h"
 
@@ -63,15 +69,35 @@ bool IsShown(vtkSMProxy* parent) { return GetType(parent) == "FFD Volume"; }
 /// Representations of ParaView that know nothing of lattices, and whose images cannot be moved.
 bool ShowsRest(const std::string& type) { return type == "Volume" || type == "Slice"; }
 
-/// Whether the data that are shown have a lattice, and are images: "Volume" moves points of others.
-bool HasLattice(vtkSMProxy* parent)
+vtkPVDataInformation* GetShownInformation(vtkSMProxy* parent)
 {
   vtkSMPropertyHelper input(parent, "Input", true);
   auto* source =
     input.GetNumberOfElements() > 0 ? vtkSMSourceProxy::SafeDownCast(input.GetAsProxy()) : nullptr;
-  vtkPVDataInformation* data = source ? source->GetDataInformation(input.GetOutputPort()) : nullptr;
-  return data && !data->DataSetTypeIsA("vtkPointSet") && data->GetFieldDataInformation() &&
+  return source ? source->GetDataInformation(input.GetOutputPort()) : nullptr;
+}
+
+/// Whether the data that are shown have a lattice.
+bool HasLattice(vtkSMProxy* parent)
+{
+  vtkPVDataInformation* data = GetShownInformation(parent);
+  return data && data->GetFieldDataInformation() &&
     data->GetFieldDataInformation()->GetArrayInformation("FFDLattice.Displacement");
+}
+
+/// Whether they are images with a lattice: "Volume" moves points of others.
+bool HasImageLattice(vtkSMProxy* parent)
+{
+  return HasLattice(parent) && !GetShownInformation(parent)->DataSetTypeIsA("vtkPointSet");
+}
+
+/// Whether a representation is visible and shows surfaces, moved by a lattice.
+bool ShowsMovedSurface(vtkSMProxy* parent)
+{
+  vtkSMProperty* visibility = parent ? parent->GetProperty("Visibility") : nullptr;
+  return visibility && parent->GetProperty("Representation") &&
+    vtkSMPropertyHelper(visibility).GetAsInt() != 0 && !IsShown(parent) &&
+    !ShowsRest(GetType(parent)) && HasLattice(parent);
 }
 
 /// Version of a plugin that is loaded, "" if it is not.
@@ -234,6 +260,74 @@ bool vtkSMFFDVolumeRepresentationProxy::Pick(
 }
 
 //------------------------------------------------------------------------------
+bool vtkSMFFDVolumeRepresentationProxy::PickSurface(vtkSMRenderViewProxy* view, const int pixel[2],
+  double shown[3], double rest[3], std::string& array, double& value)
+{
+  const vtkSMPropertyHelper all(view, "Representations");
+  bool any = false;
+  for (unsigned int i = 0; i < all.GetNumberOfElements(); ++i)
+  {
+    any = any || ShowsMovedSurface(all.GetAsProxy(i));
+  }
+  if (!any || !view->IsSelectionAvailable())
+  {
+    return false;
+  }
+  // As for ParaView's own picks, vtkSMRenderViewProxy::ConvertDisplayToPointOnSurface().
+  const int region[4] = { pixel[0], pixel[1], pixel[0], pixel[1] };
+  vtkNew<vtkCollection> representations;
+  vtkNew<vtkCollection> sources;
+  view->SelectSurfaceCells(region, representations, sources, false);
+  auto* parent = vtkSMProxy::SafeDownCast(representations->GetItemAsObject(0));
+  auto* selection = vtkSMProxy::SafeDownCast(sources->GetItemAsObject(0));
+  if (!selection || !ShowsMovedSurface(parent))
+  {
+    return false;
+  }
+  double ends[2][3];
+  for (int end = 0; end < 2; ++end)
+  {
+    view->GetRenderer()->SetDisplayPoint(pixel[0], pixel[1], end);
+    view->GetRenderer()->DisplayToWorld();
+    const double* world = view->GetRenderer()->GetWorldPoint();
+    for (int a = 0; a < 3; ++a)
+    {
+      ends[end][a] = world[a] / world[3];
+    }
+  }
+  vtkSmartPointer<vtkSMProxy> picker;
+  picker.TakeReference(view->GetSessionProxyManager()->NewProxy("misc", "FFDSurfacePicker"));
+  if (!picker)
+  {
+    return false;
+  }
+  vtkSMPropertyHelper(picker, "Input").Set(vtkSMPropertyHelper(parent, "Input").GetAsProxy());
+  vtkSMPropertyHelper(picker, "Selection").Set(selection);
+  vtkSMPropertyHelper(picker, "PointA").Set(ends[0], 3);
+  vtkSMPropertyHelper(picker, "PointB").Set(ends[1], 3);
+  array.clear();
+  if (auto* colored = vtkSMPVRepresentationProxy::SafeDownCast(parent);
+      colored && colored->GetUsingScalarColoring())
+  {
+    const vtkSMPropertyHelper name(parent, "ColorArrayName");
+    array = name.GetInputArrayNameToProcess();
+    vtkSMPropertyHelper(picker, "ArrayName").Set(array.c_str());
+    vtkSMPropertyHelper(picker, "OfCells")
+      .Set(name.GetInputArrayAssociation() == vtkDataObject::CELL ? 1 : 0);
+  }
+  picker->UpdateVTKObjects();
+  picker->InvokeCommand("Pick");
+  double picked[8] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+  vtkSMPropertyHelper result(picker, "Picked");
+  result.UpdateValueFromServer();
+  result.Get(picked, 8);
+  std::copy_n(&picked[1], 3, shown);
+  std::copy_n(&picked[4], 3, rest);
+  value = picked[7];
+  return picked[0] != 0.0;
+}
+
+//------------------------------------------------------------------------------
 std::string vtkSMFFDVolumeRepresentationProxy::GetShownArray()
 {
   vtkSMProxy* parent = this->GetParentProxy();
@@ -305,7 +399,7 @@ void vtkSMFFDVolumeRepresentationProxy::WarnOfRest()
 std::string vtkSMFFDVolumeRepresentationProxy::FindTypeAtRest(vtkSMProxy* representation)
 {
   const std::string type = GetType(representation);
-  return ShowsRest(type) && HasLattice(representation) ? type : std::string();
+  return ShowsRest(type) && HasImageLattice(representation) ? type : std::string();
 }
 
 //------------------------------------------------------------------------------

@@ -21,6 +21,7 @@
 
 #include <string> // for std::string
 
+class vtkSMRenderViewProxy;
 class vtkSMSession;
 
 class VTKFFDPARAVIEW_EXPORT vtkSMFFDVolumeRepresentationProxy : public vtkSMRepresentationProxy
@@ -48,6 +49,15 @@ public:
 
   /// The array that is shown, "" if there is none.
   std::string GetShownArray();
+
+  /**
+   * What a pixel of a view (from the lower left corner) shows of a surface of a volume with a
+   * lattice, a slice for instance: its place in the scene, that at rest, and the name and value of
+   * the array that it is colored by (the name is empty if it is not). False if it shows something
+   * else.
+   */
+  static bool PickSurface(vtkSMRenderViewProxy* view, const int pixel[2], double shown[3],
+    double rest[3], std::string& array, double& value);
 
   /**
    * The type of a representation if it is one of those that show data with a lattice at rest, and

@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Run by TestPointer.py in ParaView's graphical client: a bent volume, and a ruler, whose panel is shown. What
+the pointer rests on and where the ruler ends goes to the file FFD_POINTER_LOG, a line of JSON each. With
+FFD_POINTER_SLICE a slice of the volume is shown in its place; FFD_POINTER_BLEND is a blend mode."""
+
+import json
+import os
+
+from paraview import simple
+
+simple.GetSettingsProxy("GeneralSettings").AutoApply = 1
+wavelet = simple.Wavelet(WholeExtent=[-15, 15] * 3)
+lattice = simple.FFDLattice(Input=wavelet, Resolution=[6, 6, 6], Shape="Bend", Strength=0.9)
+view = simple.GetActiveViewOrCreate("RenderView")
+view.OrientationAxesVisibility = 0
+view.CameraPosition = [75.0, 45.0, 60.0]
+view.CameraFocalPoint = [0.0, 0.0, 0.0]
+view.CameraViewUp = [0.0, 0.0, 1.0]
+display = simple.Show(lattice, view)
+display.FFDBlendMode = os.environ["FFD_POINTER_BLEND"]
+simple.GetColorTransferFunction("RTData").RescaleTransferFunction(37.0, 280.0)
+# Visible from 100 on, and soon no more than a haze.
+simple.GetOpacityTransferFunction("RTData").Points = [37, 0, 0.5, 0, 100, 0, 0.5, 0,
+                                                      200, 0.3, 0.5, 0, 280, 1, 0.5, 0]
+picked = display.SMProxy.GetProperty("FFDSampleDistance").GetParent().GetProperty("FFDPicked")
+if os.environ["FFD_POINTER_SLICE"]:
+    simple.Hide(lattice, view)
+    sliced = simple.Slice(Input=lattice, SliceType="Plane")
+    sliced.SliceType.Origin = [0.0, 0.0, 2.0]
+    sliced.SliceType.Normal = [0.2, 0.3, 1.0]
+    simple.ColorBy(simple.Show(sliced, view), ("POINTS", "RTData"))
+    simple.Hide3DWidgets(proxy=sliced.SliceType)
+ruler = simple.Ruler()
+simple.Show(ruler, view)
+simple.SetActiveSource(ruler)
+simple.Render(view)
+
+log = open(os.environ["FFD_POINTER_LOG"], "w", encoding="ascii")  # open until the end
+
+
+def note(event, values):
+    log.write(json.dumps({"event": event, "values": values}) + "\n")
+    log.flush()
+
+
+def note_hover(*_):
+    note("hover", [picked.GetElement(i) for i in range(8)])
+
+
+def note_ruler(*_):
+    note("ruler", list(ruler.Point1) + list(ruler.Point2))
+
+
+picked.AddObserver("ModifiedEvent", note_hover)
+ruler.SMProxy.AddObserver("UpdateDataEvent", note_ruler)
+note("ready", [])

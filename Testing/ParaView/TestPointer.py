@@ -1,0 +1,126 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Where the pointer is: what it rests on, and where the keys 1 and 2 put the ends of a ruler, is one place
+of what is seen. ParaView gets its input from outside, as from a user: mouse and keys."""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import ffdparaview as ffd
+import numpy as np
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.append(os.path.join(HERE, "..", "Python"))
+import ffdinput  # noqa: E402
+
+# Pixels of ParaView's window, which is in the upper left corner: two of the volume or slice, one beside.
+PLACES = ((800, 500), (760, 560))
+BESIDE = (400, 650)
+
+
+class TestPointer(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.mkdtemp(prefix="pointer.", dir=ffd.TEMPORARY)
+        os.chmod(folder, 0o700)
+        self.folder, self.log, self.seen, self.process = folder, os.path.join(folder, "log"), 0, None
+
+    def tearDown(self):
+        if self.process:
+            self.process.kill()
+            self.process.wait()
+
+    def start(self, blend="Composite", sliced=""):
+        self.process = subprocess.Popen(
+            ["paraview", "--dr", "--script=" + os.path.join(HERE, "PointerScene.py")],
+            env={**os.environ, "HOME": self.folder, "XDG_RUNTIME_DIR": self.folder,
+                 "PV_PLUGIN_PATH": os.path.dirname(ffd.PLUGIN), "FFD_POINTER_LOG": self.log,
+                 "FFD_POINTER_BLEND": blend, "FFD_POINTER_SLICE": sliced})
+        self.next("ready")
+        time.sleep(2.0)
+        ffdinput.focus(ffdinput.find_window("ParaView 5"))
+
+    def next(self, event, seconds=100.0):
+        """The values of the next line of the log of such an event, those before it are left out."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.assertIsNone(self.process.poll())
+            if os.path.exists(self.log):
+                with open(self.log, encoding="ascii") as file:
+                    lines = file.read().split("\n")[:-1]
+                while self.seen < len(lines):
+                    line = json.loads(lines[self.seen])
+                    self.seen += 1
+                    if line["event"] == event:
+                        return np.array(line["values"])
+            time.sleep(0.05)
+        self.fail("There was no " + event)
+
+    def rest_on(self, place, event):
+        """Let the pointer rest at a pixel; returns what is told of it."""
+        ffdinput.move(place[0] - 30, place[1])
+        time.sleep(0.2)
+        ffdinput.move(*place)
+        return self.next(event)
+
+    def check_ruler(self, event):
+        """Rests the pointer and strikes keys; returns the places of the pointer."""
+        found = []
+        for key, place in zip("12", PLACES):
+            found.append(self.rest_on(place, event))
+            self.assertEqual(found[-1][0], 1.0)
+            ffdinput.strike(key)
+            ends = self.next("ruler").reshape(2, 3)
+            np.testing.assert_allclose(ends[int(key) - 1], found[-1][1:4], atol=1e-3)
+        self.assertGreater(np.linalg.norm(found[0][1:4] - found[1][1:4]), 2.0)
+        # Deformed, and not by the same vector.
+        moves = [each[1:4] - each[4:7] for each in found]
+        self.assertGreater(np.linalg.norm(moves[0]), 0.5)
+        self.assertGreater(np.linalg.norm(moves[0] - moves[1]), 0.1)
+        return found
+
+    def test_volume(self):
+        """The place where the volume has an opacity of 0.05, inside of it or on its face."""
+        self.start()
+        for found in self.check_ruler("hover"):
+            self.assertTrue(abs(found[7] - 116.7) < 0.1 or
+                            (found[7] > 116.7 and max(map(abs, found[4:7])) > 14.99), found)
+        self.assertEqual(self.rest_on(BESIDE, "hover")[0], 0.0)
+
+    def test_blend_mode(self):
+        """The place of the largest value, where the picture shows those."""
+        self.start(blend="Maximum Intensity")
+        for found in self.check_ruler("hover"):
+            self.assertGreater(found[7], 130.0)
+            self.assertLess(max(map(abs, found[4:7])), 14.9)
+
+    def test_slice(self):
+        """A slice of a bent volume: a tool tip, none beside it, and ruler ends on the slice."""
+        self.start(sliced="1")
+        ffdinput.move(*BESIDE)
+        time.sleep(2.0)
+        alone = ffdinput.count_windows()
+        for key, place in zip("12", PLACES):
+            ffdinput.move(*place)
+            self.wait_for_windows(alone + 1)
+            ffdinput.strike(key)
+            end = self.next("ruler").reshape(2, 3)[int(key) - 1]
+            # The bend leaves z as it is, in which the plane at rest is below this.
+            self.assertLess(abs(end[2] - 2.0), 9.0)
+            ffdinput.move(*BESIDE)
+            self.wait_for_windows(alone)
+
+    def wait_for_windows(self, count):
+        end = time.monotonic() + 20.0
+        while ffdinput.count_windows() != count:
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.1)
+
+
+if __name__ == "__main__":
+    unittest.main()
