@@ -20,20 +20,29 @@ namespace
 
 constexpr int LargestDistance = 255;
 
-/// Along a row whose blocks are 0 (may be visible) or the largest distance: forth and back.
-void TransformRow(std::uint8_t* row, int count)
+/// Along `Rows` rows, one after the other, whose blocks are 0 (may be visible) or the largest
+/// distance: forth and back. Several rows at once take little longer than one.
+template <int Rows>
+void TransformRows(std::uint8_t* first, std::size_t count)
 {
-  int gap = LargestDistance;
-  for (int i = 0; i < count; ++i)
+  int gaps[Rows];
+  const auto step = [&gaps, first, count](std::size_t i) {
+    for (std::size_t r = 0; r < Rows; ++r)
+    {
+      std::uint8_t& block = first[r * count + i];
+      gaps[r] = block == 0 ? 0 : std::min(gaps[r] + 1, static_cast<int>(block));
+      block = static_cast<std::uint8_t>(gaps[r]);
+    }
+  };
+  std::fill_n(gaps, Rows, LargestDistance);
+  for (std::size_t i = 0; i < count; ++i)
   {
-    gap = row[i] == 0 ? 0 : std::min(gap + 1, LargestDistance);
-    row[i] = static_cast<std::uint8_t>(gap);
+    step(i);
   }
-  gap = LargestDistance;
-  for (int i = count - 1; i >= 0; --i)
+  std::fill_n(gaps, Rows, LargestDistance);
+  for (std::size_t i = count; i-- > 0;)
   {
-    gap = row[i] == 0 ? 0 : std::min(gap + 1, LargestDistance);
-    row[i] = static_cast<std::uint8_t>(std::min<int>(row[i], gap));
+    step(i);
   }
 }
 
@@ -78,16 +87,22 @@ void TransformLines(
   }
 }
 
-/// Calls take(block) for the blocks of a parent.
+/// Calls take(block, index) for the blocks of a parent; `index`: of the block in the grid of
+/// blocks.
 template <class Take>
 void ForChildren(const glm::ivec3& parent, const glm::ivec3& blocks, const Take& take)
 {
-  for (int c = 0; c < 8; ++c)
+  const glm::ivec3 first = 2 * parent;
+  const glm::ivec3 end = glm::min(first + 2, blocks);
+  for (int k = first.z; k < end.z; ++k)
   {
-    const glm::ivec3 block = 2 * parent + glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
-    if (block.x < blocks.x && block.y < blocks.y && block.z < blocks.z)
+    for (int j = first.y; j < end.y; ++j)
     {
-      take(block);
+      std::size_t index = GridIndex(first.x, j, k, blocks);
+      for (int i = first.x; i < end.x; ++i, ++index)
+      {
+        take(glm::ivec3(i, j, k), index);
+      }
     }
   }
 }
@@ -103,16 +118,18 @@ public:
   {
   }
 
-  /// Calls take(block, empty) for the blocks of a parent.
+  /// Calls take(block, index, empty) for the blocks of a parent, see ForChildren().
   template <class Take>
   void ForBlocksOf(const glm::ivec3& parent, const Take& take) const
   {
     const bool all =
       this->Ask([&parent](const MinMaxBlocks& blocks) { return blocks.GetParentLimits(parent); });
-    ForChildren(parent, this->Components[0]->GetBlocks(), [&](const glm::ivec3& block) {
-      take(block,
-        all || this->Ask([&block](const MinMaxBlocks& blocks) { return blocks.GetLimits(block); }));
-    });
+    ForChildren(
+      parent, this->Components[0]->GetBlocks(), [&](const glm::ivec3& block, std::size_t index) {
+        take(block, index, all || this->Ask([&block](const MinMaxBlocks& blocks) {
+          return blocks.GetLimits(block);
+        }));
+      });
   }
 
 private:
@@ -138,21 +155,18 @@ public:
   CodesTest(const MinMaxBlocks& blocks, const TransferTable& table)
     : Blocks(blocks)
   {
+    // From the last code down: the first step from code to code in which something is visible.
+    const auto isVisible = [&](int from, int to) {
+      const MinMaxBlocks::Limits limits = blocks.Decode({ from, to });
+      return !table.IsTransparent(limits.Min, limits.Max);
+    };
     const int last = blocks.GetLastCode();
-    this->Visible.resize(static_cast<std::size_t>(last) + 1);
-    this->VisibleBelow.resize(static_cast<std::size_t>(last) + 1);
-    for (int code = 0; code <= last; ++code)
+    this->FirstVisible.resize(static_cast<std::size_t>(last) + 1);
+    int next = last + 1;
+    for (int code = last; code >= 0; --code)
     {
-      const auto isVisible = [&](int upTo) {
-        const MinMaxBlocks::Limits limits = blocks.Decode({ code, upTo });
-        return !table.IsTransparent(limits.Min, limits.Max);
-      };
-      const std::size_t at = static_cast<std::size_t>(code);
-      this->Visible[at] = isVisible(code) ? 1 : 0;
-      if (code < last)
-      {
-        this->VisibleBelow[at + 1] = this->VisibleBelow[at] + (isVisible(code + 1) ? 1 : 0);
-      }
+      next = code < last && isVisible(code, code + 1) ? code + 1 : next;
+      this->FirstVisible[static_cast<std::size_t>(code)] = isVisible(code, code) ? code : next;
     }
   }
 
@@ -160,27 +174,25 @@ public:
   void ForBlocksOf(const glm::ivec3& parent, const Take& take) const
   {
     const MinMaxBlocks::CodeLimits codes = this->Blocks.GetParentCodes(parent);
-    const bool all = this->IsEmpty(codes);
-    ForChildren(parent, this->Blocks.GetBlocks(), [&](const glm::ivec3& block) {
-      take(block, all || this->IsEmpty(this->Blocks.GetCodes(block, codes)));
+    if (codes.Min > codes.Max || codes.Max < this->GetFirstVisible(codes.Min))
+    {
+      ForChildren(parent, this->Blocks.GetBlocks(),
+        [&](const glm::ivec3& block, std::size_t index) { take(block, index, true); });
+      return;
+    }
+    const MinMaxBlocks::BlockThresholds thresholds =
+      this->Blocks.FindThresholds(codes, [this](int code) { return this->GetFirstVisible(code); });
+    ForChildren(parent, this->Blocks.GetBlocks(), [&](const glm::ivec3& block, std::size_t index) {
+      take(block, index, !this->Blocks.Reaches(index, thresholds));
     });
   }
 
 private:
-  bool IsEmpty(const MinMaxBlocks::CodeLimits& codes) const
-  {
-    const auto at = [](const std::vector<int>& values, int code) {
-      return values[static_cast<std::size_t>(code)];
-    };
-    return codes.Min > codes.Max ||
-      (codes.Min == codes.Max
-          ? at(this->Visible, codes.Min) == 0
-          : at(this->VisibleBelow, codes.Max) == at(this->VisibleBelow, codes.Min));
-  }
+  int GetFirstVisible(int code) const { return this->FirstVisible[static_cast<std::size_t>(code)]; }
 
   const MinMaxBlocks& Blocks;
-  std::vector<int> Visible;      ///< whether a block of one value is
-  std::vector<int> VisibleBelow; ///< steps from code to code in which something is, below a code
+  /// The least maximum with which blocks are visible whose minimum is a code.
+  std::vector<int> FirstVisible;
 };
 
 /// Whether no voxel of a block of a mask is above 0.
@@ -250,11 +262,11 @@ void DistanceMap::FindOccupancy(
   {
     for (int x = 0; x < parents.x; ++x)
     {
-      test.ForBlocksOf({ x, y, parentPlane }, [this, mask](const glm::ivec3& block, bool empty) {
-        const bool hidden = empty || (mask && IsHidden(*mask, block));
-        this->Distances[GridIndex(block, this->Blocks)] =
-          static_cast<std::uint8_t>(hidden ? LargestDistance : 0);
-      });
+      test.ForBlocksOf({ x, y, parentPlane },
+        [this, mask](const glm::ivec3& block, std::size_t index, bool empty) {
+          const bool hidden = empty || (mask && IsHidden(*mask, block));
+          this->Distances[index] = static_cast<std::uint8_t>(hidden ? LargestDistance : 0);
+        });
     }
   }
 }
@@ -262,9 +274,16 @@ void DistanceMap::FindOccupancy(
 //------------------------------------------------------------------------------
 void DistanceMap::TransformPlane(int k)
 {
-  for (int j = 0; j < this->Blocks.y; ++j)
+  constexpr int AtOnce = 4;
+  const std::size_t count = static_cast<std::size_t>(this->Blocks.x);
+  int j = 0;
+  for (; j + AtOnce <= this->Blocks.y; j += AtOnce)
   {
-    TransformRow(&this->Distances[GridIndex(0, j, k, this->Blocks)], this->Blocks.x);
+    TransformRows<AtOnce>(&this->Distances[GridIndex(0, j, k, this->Blocks)], count);
+  }
+  for (; j < this->Blocks.y; ++j)
+  {
+    TransformRows<1>(&this->Distances[GridIndex(0, j, k, this->Blocks)], count);
   }
   std::vector<std::uint8_t> work;
   TransformLines(&this->Distances[GridIndex(0, 0, k, this->Blocks)], this->Blocks.y,

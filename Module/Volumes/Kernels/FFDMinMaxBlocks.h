@@ -11,6 +11,7 @@
 #include <glm/vec3.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -96,6 +97,38 @@ public:
     const int width = std::max(LastMaximum, parent.Max - parent.Min);
     return { parent.Min + width * low / LastMinimum,
       std::min(parent.Max, parent.Min + (width * high + LastMaximum - 1) / LastMaximum) };
+  }
+
+  /// For each minimum that a block can have, the least number that its maximum must have.
+  using BlockThresholds = std::array<int, 4>;
+
+  /// Finds the thresholds of the blocks of a parent with the limits `parent`; those have a number.
+  /// `least`: the least maximum that blocks of a minimum must have.
+  template <class Least>
+  BlockThresholds FindThresholds(const CodeLimits& parent, const Least& least) const
+  {
+    BlockThresholds thresholds;
+    const int width = std::max(LastMaximum, parent.Max - parent.Min);
+    for (int low = 0; low <= LastMinimum; ++low)
+    {
+      // The maximum of `high` is the limit of the parent, or high / LastMaximum of the width
+      // rounded up, whichever is less. Minima above the limit occur where there is no number alone.
+      const int minimum = parent.Min + width * low / LastMinimum;
+      const int more = (minimum > parent.Max ? parent.Max + 1 : least(minimum)) - parent.Min;
+      thresholds[static_cast<std::size_t>(low)] = more > parent.Max - parent.Min ? LastMaximum + 1
+        : more <= 0                                                              ? 0
+                    : LastMaximum * (more - 1) / width + 1;
+    }
+    return thresholds;
+  }
+
+  /// Whether a block, by its index, has a maximum as its minimum asks for; false if it holds no
+  /// number.
+  bool Reaches(std::size_t block, const BlockThresholds& thresholds) const
+  {
+    const int code = this->Codes[block];
+    return code != NoNumber &&
+      code >> MinimumBits >= thresholds[static_cast<std::size_t>(code & LastMinimum)];
   }
 
   std::size_t GetMemorySize() const
