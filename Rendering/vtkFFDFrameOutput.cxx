@@ -11,13 +11,16 @@
 #include "FFDSurfaceSearch.h"
 
 #include "vtkDataObject.h"
+#include "vtkFieldData.h"
 #include "vtkHardwareSelector.h"
 #include "vtkImageData.h"
+#include "vtkIntArray.h"
 #include "vtkRectilinearGrid.h"
 
 #include <glm/common.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace
@@ -37,9 +40,94 @@ void WriteDepths(const std::vector<float>& depths, double scale, T* numbers)
 /// Pixels with more alpha than this can be picked, as with VTK's GPU mapper.
 constexpr float LeastPickedAlpha = 3.0f / 255.0f;
 
-/// The point or cell of the input whose material is shown at a point of deformed space.
-vtkIdType FindIdentifier(
-  vtkDataSet* input, const vtkFFDFrameCache& cache, const glm::dvec3& deformed, bool cells)
+using Index = std::array<int, 3>;
+
+/// Position of a point or cell in a grid of so many, in the order of identifiers.
+vtkIdType FindPosition(const Index& index, const Index& counts)
+{
+  vtkIdType id = 0;
+  for (std::size_t a = 3; a-- > 0;)
+  {
+    id = id * counts[a] + index[a];
+  }
+  return id;
+}
+
+/// The parts of an image that processes have; see vtkFFDPaintIdentifiers().
+class Pieces
+{
+public:
+  explicit Pieces(vtkDataSet* input)
+    : Image(vtkImageData::SafeDownCast(input))
+    , Array(this->Image
+          ? vtkIntArray::SafeDownCast(this->Image->GetFieldData()->GetArray("FFD.Pieces"))
+          : nullptr)
+  {
+    if (this->Array && this->Array->GetNumberOfComponents() != 7)
+    {
+      this->Array = nullptr;
+    }
+  }
+
+  bool Exist() const { return this->Array != nullptr; }
+
+  /// The most points that one of them has.
+  vtkIdType GetMaximumNumberOfPoints() const
+  {
+    vtkIdType most = 0;
+    for (vtkIdType n = 0; n < this->Array->GetNumberOfTuples(); ++n)
+    {
+      const Index counts = this->GetCounts(n, false);
+      most = std::max(most, static_cast<vtkIdType>(counts[0]) * counts[1] * counts[2]);
+    }
+    return most;
+  }
+
+  /// The first process that has a point, or cell, of the image, and its identifier there.
+  bool Find(const Index& index, bool cells, int& process, vtkIdType& id) const
+  {
+    const int* start = this->Image->GetExtent();
+    for (vtkIdType n = 0; n < this->Array->GetNumberOfTuples(); ++n)
+    {
+      const int* piece = this->Array->GetPointer(7 * n);
+      const Index counts = this->GetCounts(n, cells);
+      Index inside;
+      bool has = true;
+      for (std::size_t a = 0; a < 3; ++a)
+      {
+        inside[a] = index[a] + start[2 * a] - piece[1 + 2 * a];
+        has = has && inside[a] >= 0 && inside[a] < counts[a];
+      }
+      if (has)
+      {
+        process = piece[0];
+        id = FindPosition(inside, counts);
+        return true;
+      }
+    }
+    return false;
+  }
+
+private:
+  Index GetCounts(vtkIdType n, bool cells) const
+  {
+    const int* piece = this->Array->GetPointer(7 * n);
+    Index counts;
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      counts[a] = piece[2 + 2 * a] - piece[1 + 2 * a] + (cells ? 0 : 1);
+    }
+    return counts;
+  }
+
+  vtkImageData* Image;
+  vtkIntArray* Array;
+};
+
+/// The point or cell of the input whose material is shown at a point of deformed space, and how
+/// many there are along each axis.
+Index FindIndex(vtkDataSet* input, const vtkFFDFrameCache& cache, const glm::dvec3& deformed,
+  bool cells, Index& counts)
 {
   const ffd::VolumeView& volume = cache.GetVolume();
   const glm::dvec3 index =
@@ -48,23 +136,24 @@ vtkIdType FindIdentifier(
       .Index;
   const glm::dvec3 inside = glm::clamp(index, volume.LowerIndex(), volume.UpperIndex());
   const glm::dvec3 at = (volume.Axes ? volume.Axes->ToVoxel(inside) : inside) + volume.Margin;
-  int points[3] = { 2, 2, 2 };
+  counts = { { 2, 2, 2 } };
   if (auto* image = vtkImageData::SafeDownCast(input))
   {
-    image->GetDimensions(points);
+    image->GetDimensions(counts.data());
   }
   else if (auto* grid = vtkRectilinearGrid::SafeDownCast(input))
   {
-    grid->GetDimensions(points);
+    grid->GetDimensions(counts.data());
   }
-  vtkIdType id = 0;
-  for (int a = 2; a >= 0; --a)
+  Index found;
+  for (std::size_t a = 0; a < 3; ++a)
   {
-    const vtkIdType count = cells ? points[a] - 1 : points[a];
-    const auto which = static_cast<vtkIdType>(std::floor(cells ? at[a] : at[a] + 0.5));
-    id = id * count + std::clamp<vtkIdType>(which, 0, count - 1);
+    counts[a] = cells ? counts[a] - 1 : counts[a];
+    const double along = at[static_cast<int>(a)];
+    const auto which = static_cast<int>(std::floor(cells ? along : along + 0.5));
+    found[a] = std::clamp(which, 0, counts[a] - 1);
   }
-  return id;
+  return found;
 }
 
 } // namespace
@@ -147,8 +236,15 @@ void vtkFFDPaintIdentifiers(vtkHardwareSelector* selector, vtkFFDInverseRayVolum
   {
     selector->RenderCompositeIndex(1); // as surfaces that are not of composite data
   }
-  selector->UpdateMaximumPointId(mapper->GetInput()->GetNumberOfPoints());
-  selector->UpdateMaximumCellId(mapper->GetInput()->GetNumberOfCells());
+  const Pieces pieces(mapper->GetInput());
+  // No piece has more cells than points.
+  selector->UpdateMaximumPointId(
+    pieces.Exist() ? pieces.GetMaximumNumberOfPoints() : mapper->GetInput()->GetNumberOfPoints());
+  selector->UpdateMaximumCellId(
+    pieces.Exist() ? pieces.GetMaximumNumberOfPoints() : mapper->GetInput()->GetNumberOfCells());
+  const bool processes = pass == vtkHardwareSelector::PROCESS_PASS && pieces.Exist();
+  const bool ofCells = cells ||
+    (processes && selector->GetFieldAssociation() == vtkDataObject::FIELD_ASSOCIATION_CELLS);
   float same[3] = { 0.0f, 0.0f, 0.0f };
   selector->GetPropColorValue(same);
   selector->EndRenderProp();
@@ -158,13 +254,24 @@ void vtkFFDPaintIdentifiers(vtkHardwareSelector* selector, vtkFFDInverseRayVolum
       float* pixel = &colors[4 * i];
       const bool visible = pixel[3] > LeastPickedAlpha;
       std::copy_n(same, 3, pixel);
-      if (visible && identifiers)
+      if (visible && (identifiers || processes))
       {
         const glm::dvec2 ndc = camera.ToNdc(static_cast<double>(i % camera.ImageSize.x) + 0.5,
           static_cast<double>(i / camera.ImageSize.x) + 0.5);
-        const vtkIdType id = FindIdentifier(
-          mapper->GetInput(), cache, camera.ToData(glm::dvec3(ndc, 2.0 * depths[i] - 1.0)), cells);
-        vtkHardwareSelector::Convert(high ? id >> 24 : id, pixel);
+        Index counts;
+        const Index index = FindIndex(mapper->GetInput(), cache,
+          camera.ToData(glm::dvec3(ndc, 2.0 * depths[i] - 1.0)), ofCells, counts);
+        vtkIdType id = FindPosition(index, counts);
+        int process = 0;
+        const bool found = pieces.Exist() && pieces.Find(index, ofCells, process, id);
+        if (identifiers)
+        {
+          vtkHardwareSelector::Convert(high ? id >> 24 : id, pixel);
+        }
+        else if (found)
+        {
+          vtkHardwareSelector::Convert(process + 1, pixel); // 0 is that of no process
+        }
       }
       pixel[3] = visible ? 1.0f : 0.0f;
       for (int c = 0; c < 3 && !visible; ++c)

@@ -28,7 +28,10 @@ void vtkFFDWriteDepths(const std::vector<float>& depths, int scalarType, vtkImag
 bool vtkFFDIsPassRead(vtkHardwareSelector* selector);
 
 /// Draws, in the place of colors, the identifiers that the present pass of a selector reads from
-/// visible pixels; `depths`: those of the first visible samples.
+/// visible pixels; `depths`: those of the first visible samples. Where the input is what one of
+/// several processes renders, its field data may have an array of integers "FFD.Pieces" with what
+/// the processes have of the data, a process and an extent each: identifiers are those of the first
+/// of them, and so is the process.
 void vtkFFDPaintIdentifiers(vtkHardwareSelector* selector, vtkFFDInverseRayVolumeMapper* mapper,
   const vtkFFDFrameCache& cache, const ffd::CameraView& camera, const std::vector<float>& depths,
   std::vector<float>& colors);

@@ -4,6 +4,7 @@
 """Two, three and four processes give the picture of one, highlights included, and each holds a part
 of the voxels: fewer, the more processes there are."""
 
+import json
 import os
 import re
 import subprocess
@@ -158,6 +159,22 @@ class TestHighlights(unittest.TestCase):
 
 class TestTime(unittest.TestCase):
     """Transforms and volumes in time, and fits to landmarks."""
+
+    def test_picks(self):
+        """Picks, selections and probes of FFD Volume on several processes find what they find on one."""
+        found = {}
+        for ranks in (1, 2, 4):
+            path = os.path.join(ffd.TEMPORARY, "ParaView.picks%d.json" % ranks)
+            ffd.run("ParallelPicks.py", path, ranks=ranks)
+            with open(path, encoding="ascii") as file:
+                found[ranks] = json.load(file)
+        one = found[1]
+        self.assertEqual([place[0] for place in one["places"]], [True] * 4 + [False])
+        for selected in one["selected"].values():
+            self.assertGreater(selected[0], 100)
+        for ranks in (2, 4):
+            for name, expected in one.items():
+                self.assertEqual(found[ranks][name], expected, (ranks, name))
 
     def test_time(self):
         files = [os.path.join(ffd.TEMPORARY, "ParaView.time%d.vti" % step) for step in (0, 1)]

@@ -4,6 +4,7 @@
 
 #include "vtkFFDLattice.h"
 #include "vtkFFDVolumeInput.h"
+#include "vtkFFDVoxelDistribution.h"
 
 #include "vtkCellData.h"
 #include "vtkCellDataToPointData.h"
@@ -212,4 +213,14 @@ void vtkFFDRenderedImage::Update(vtkImageData* given, const vtkFFDShownComponent
   this->Image.Update(
     tools, ffdparts::Grid::FromImage(given, extent), coordinates, shown, sources, ghosts);
   this->Lattice.Update(tools, FindSource(given->GetFieldData()));
+  // Where one of several processes renders it.
+  vtkFieldData* fields = this->GetImage()->GetFieldData();
+  if (vtkDataArray* pieces = given->GetFieldData()->GetArray(vtkFFDVoxelDistribution::PiecesName))
+  {
+    fields->AddArray(pieces);
+  }
+  else
+  {
+    fields->RemoveArray(vtkFFDVoxelDistribution::PiecesName);
+  }
 }

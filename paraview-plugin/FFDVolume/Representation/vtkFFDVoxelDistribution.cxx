@@ -12,6 +12,7 @@
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkImageData.h"
+#include "vtkIntArray.h"
 #include "vtkMatrix4x4.h"
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
@@ -437,7 +438,39 @@ void vtkFFDVoxelDistribution::Describe(vtkDoubleArray* ranges)
   {
     fields->AddArray(ranges);
   }
+  // Selections are of what the processes have of the data, not of what they render.
+  if (!this->Given.HasBlocks)
+  {
+    fields->AddArray(this->ListPieces());
+  }
   this->Part->SetFieldData(fields);
+}
+
+//------------------------------------------------------------------------------
+/// The same array as long as it has the same values: what has it has not changed then.
+vtkIntArray* vtkFFDVoxelDistribution::ListPieces()
+{
+  vtkNew<vtkIntArray> pieces;
+  pieces->SetName(PiecesName);
+  pieces->SetNumberOfComponents(7);
+  for (std::size_t r = 0; r < this->Given.Extents.size(); ++r)
+  {
+    for (const Extent& extent : this->Given.Extents[r])
+    {
+      pieces->InsertNextValue(static_cast<int>(r));
+      for (const int limit : extent)
+      {
+        pieces->InsertNextValue(limit);
+      }
+    }
+  }
+  const vtkIdType count = pieces->GetNumberOfValues();
+  if (!this->Pieces || this->Pieces->GetNumberOfValues() != count ||
+    !std::equal(pieces->GetPointer(0), pieces->GetPointer(count), this->Pieces->GetPointer(0)))
+  {
+    this->Pieces = pieces;
+  }
+  return this->Pieces;
 }
 
 //------------------------------------------------------------------------------

@@ -21,6 +21,7 @@ class vtkAbstractArray;
 class vtkDoubleArray;
 class vtkFFDLattice;
 class vtkImageData;
+class vtkIntArray;
 class vtkMultiProcessController;
 
 /**
@@ -74,6 +75,10 @@ public:
   /// Bounds of the whole deformed volume, data coordinates; empty while there are no data.
   const Bounds& GetDeformedBounds() const { return this->DeformedBounds; }
 
+  /// An array of integers in the field data of a part: a process and an extent each that it has of
+  /// the data. The mapper paints identifiers by it.
+  static constexpr const char* PiecesName = "FFD.Pieces";
+
   /// Bounds of the whole volume at rest, data coordinates.
   Bounds GetRestBounds() const { return this->Given.Grid.GetBounds(); }
 
@@ -111,6 +116,7 @@ private:
   vtkSmartPointer<vtkImageData> GatherPart(
     vtkMultiProcessController* controller, vtkImageData* image, const Extent& wanted);
   void Describe(vtkDoubleArray* ranges);
+  vtkIntArray* ListPieces();
 
   Inputs Next;
   Inputs Last;
@@ -119,6 +125,7 @@ private:
   Holdings Given;
   Bounds Box = ffdparts::NoBounds; // of this process, data coordinates
   vtkSmartPointer<vtkImageData> Part;
+  vtkSmartPointer<vtkIntArray> Pieces;
   Bounds OwnBox = ffdparts::NoBounds;
   Bounds DeformedBounds = ffdparts::NoBounds;
 
