@@ -4,6 +4,7 @@
 
 #include "FFDBenchmarkOptions.h"
 #include "FFDBenchmarkScene.h"
+#include "FFDBenchmarkSizes.h"
 
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDLattice.h"
@@ -44,6 +45,8 @@ constexpr double ResamplingByEdit = 60.0;
 constexpr double DragByUndeformed = 1.2;
 constexpr double KeptPercent = 85.0;
 constexpr double Avx2ByAvx512 = 1.8;
+constexpr double SpeedOfCopy = 0.5; // of what is made of voxels before the first frame
+constexpr double ErrorByFineSamples = 1.0;
 
 const char* const Shapes[] = { "bend45", "random15", "twist1", "bend1", "taper1", "bulge1" };
 
@@ -254,6 +257,14 @@ bool IsFrames(const Group& group)
 
 /// What users switch on.
 constexpr const char* OptionsPrefix = "Options/";
+constexpr const char* SizesPrefix = "Sizes/";
+constexpr const char* ErrorsPrefix = "Errors/";
+
+double FindError(const Group& group, const char* name)
+{
+  const Row* const row = group.FindRow(name);
+  return row && row->Counters.count("mean_error") != 0 ? row->Counters.at("mean_error") : NoNumber;
+}
 
 std::string NameOptionTarget(const Group& group, const FrameOption& option)
 {
@@ -390,6 +401,25 @@ std::vector<std::unique_ptr<Group>> MakeTargetGroups(const Options& options)
       }
     }
   }
+  for (const SizedVolume& volume : GetSizedVolumes())
+  {
+    if (!options.Quick || volume.Side == 128)
+    {
+      add(std::string(SizesPrefix) + volume.Name,
+        [&volume](Group& group) { return PrepareSizes(group, volume); },
+        { "copy", "first", "second", "undeformed", "bend45" });
+    }
+  }
+  for (const char* volume : { "engine", "cthead" })
+  {
+    if (!options.Quick || std::string(volume) == "engine")
+    {
+      const std::string volumeName = volume;
+      add(ErrorsPrefix + volumeName,
+        [=](Group& group) { return PrepareErrors(group, folder, volumeName); },
+        { "samples 1", "samples 0.25", "intervals 1" });
+    }
+  }
   add("Targets/paper", [=](Group& group) { return PreparePaper(group, folder); },
     { "semi", "opaque", "sparse" });
   for (auto& group : MakeGroups(options))
@@ -443,6 +473,31 @@ std::vector<Target> FindTargets(const std::vector<std::unique_ptr<Group>>& group
             group.GetRatio(option.Name, option.By), option.Limit });
         }
       }
+    }
+    else if (StartsWith(name, SizesPrefix))
+    {
+      const double made = Milliseconds(group, "first") - Milliseconds(group, "second");
+      // Small volumes are in the caches.
+      const bool large = !StartsWith(name, "Sizes/128");
+      targets.push_back({ name + " copy by what the first frame makes of the voxels",
+        Milliseconds(group, "copy") / made, large ? SpeedOfCopy : NoNumber, false });
+      for (const char* row : { "undeformed", "bend45" })
+      {
+        targets.push_back(
+          { name + " frame of 512 x 512, " + row + ", in ms", Milliseconds(group, row), NoNumber });
+      }
+    }
+    else if (StartsWith(name, ErrorsPrefix))
+    {
+      for (const Row& row : group.GetRows())
+      {
+        targets.push_back({ name + " mean error, " + row.Name + ", of 255",
+          FindError(group, row.Name.c_str()), NoNumber });
+      }
+      targets.push_back({ name + " error of intervals 1 / samples 0.25",
+        FindError(group, "intervals 1") / FindError(group, "samples 0.25"), ErrorByFineSamples });
+      targets.push_back({ name + " time of intervals 1 / samples 1",
+        group.GetRatio("intervals 1", "samples 1"), NoNumber });
     }
     else if (StartsWith(name, "Targets/vectors/"))
     {

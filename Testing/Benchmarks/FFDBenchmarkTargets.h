@@ -29,6 +29,7 @@ struct Target
  * The groups of --targets: Targets/<volume>/<opacity>/<size> (frames of six shapes, EXACT and
  * FIRST_ORDER, and what they are compared with, all in turns), Targets/vectors/<opacity> (AVX2 by
  * AVX-512, if the machine has both), Options/<volume>/<deformation> (what users switch on),
+ * Sizes/<side>/<type> (first frames and frames), Errors/<volume> (by distances of samples),
  * Targets/paper (counts), Drag and WidgetDrag.
  */
 std::vector<std::unique_ptr<Group>> MakeTargetGroups(const Options& options);
