@@ -337,6 +337,7 @@ void MinMaxBlocks::EncodeBlocks(const VolumeView& volume, const ParallelFor& par
       const std::vector<RowExtremes<T>> rows(
         2 * static_cast<std::size_t>(this->Parents.y), RowExtremes<T>(volume.Dimensions.x));
       std::vector<RowExtremes<T>> planes[2] = { rows, rows };
+      Children children(static_cast<std::size_t>(this->Parents.x));
       for (std::size_t z = firstPlane; z < lastPlane; ++z)
       {
         for (std::size_t half = 0; half < 2; ++half)
@@ -345,51 +346,80 @@ void MinMaxBlocks::EncodeBlocks(const VolumeView& volume, const ParallelFor& par
         }
         for (int y = 0; y < this->Parents.y; ++y)
         {
-          for (int x = 0; x < this->Parents.x; ++x)
+          for (int c = 0; c < 8; ++c)
           {
-            Children children;
-            for (int c = 0; c < 8; ++c)
+            const RowExtremes<T>& row = planes[c >> 2][2 * y + (c >> 1 & 1)];
+            for (int x = 0; x < this->Parents.x; ++x)
             {
               const int i = 2 * x + (c & 1);
-              const RowExtremes<T>& row = planes[c >> 2][2 * y + (c >> 1 & 1)];
               const bool exists = i < this->Blocks.x;
               const CodeLimits codes =
                 exists ? this->Encode(row.Get(windows[0][i].First, windows[0][i].Last)) : NoCodes;
-              children.Min[c] = codes.Min;
-              children.Max[c] = codes.Max;
+              children.Min[c][x] = static_cast<float>(codes.Min);
+              children.Max[c][x] = static_cast<float>(codes.Max);
             }
-            this->EncodeParent({ x, y, static_cast<int>(z) }, children);
           }
+          this->EncodeParents(y, static_cast<int>(z), children);
         }
       }
     });
 }
 
 //------------------------------------------------------------------------------
-void MinMaxBlocks::EncodeParent(const glm::ivec3& parent, const Children& children)
+/// Encodes a row of parents, step by step for all of them, so that compilers make vector code of
+/// it. What holds no number has no part in the limits of its parent.
+void MinMaxBlocks::EncodeParents(int y, int z, Children& children)
 {
-  // What holds no number has no part in the limits of the parent.
-  const CodeLimits all{ *std::min_element(std::begin(children.Min), std::end(children.Min)),
-    *std::max_element(std::begin(children.Max), std::end(children.Max)) };
-  this->SetParentCodes(parent, all.Min <= all.Max ? all : CodeLimits{ 1, 0 });
-  // Quotients of whole numbers below 2^24, all below 2^7: rounded to floats they stay on the same
-  // side of every whole number.
-  const float width = static_cast<float>(std::max(LastMaximum, all.Max - all.Min));
-  int codes[8];
-  for (int c = 0; c < 8; ++c)
+  const std::size_t count = static_cast<std::size_t>(this->Parents.x);
+  float* const least = children.Least.data();
+  float* const width = children.Width.data();
+  std::copy_n(children.Min[0].data(), count, least);
+  std::copy_n(children.Max[0].data(), count, width);
+  for (int c = 1; c < 8; ++c)
   {
-    const int low =
-      static_cast<int>(static_cast<float>(LastMinimum * (children.Min[c] - all.Min)) / width);
-    const int high = static_cast<int>(
-      (static_cast<float>(LastMaximum * (children.Max[c] - all.Min)) + width - 1.0f) / width);
-    codes[c] = children.Min[c] <= children.Max[c] ? low | high << MinimumBits : NoNumber;
+    const float* const min = children.Min[c].data();
+    const float* const max = children.Max[c].data();
+    for (std::size_t x = 0; x < count; ++x)
+    {
+      least[x] = min[x] < least[x] ? min[x] : least[x];
+      width[x] = max[x] > width[x] ? max[x] : width[x];
+    }
+  }
+  for (std::size_t x = 0; x < count; ++x)
+  {
+    const CodeLimits all{ static_cast<int>(least[x]), static_cast<int>(width[x]) };
+    this->SetParentCodes(
+      { static_cast<int>(x), y, z }, all.Min <= all.Max ? all : CodeLimits{ 1, 0 });
+  }
+  constexpr float steps = static_cast<float>(LastMaximum);
+  for (std::size_t x = 0; x < count; ++x)
+  {
+    width[x] = width[x] - least[x] > steps ? width[x] - least[x] : steps;
   }
   for (int c = 0; c < 8; ++c)
   {
-    const glm::ivec3 block = 2 * parent + glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
-    if (glm::all(glm::lessThan(block, this->Blocks)))
+    const glm::ivec3 first(c & 1, 2 * y + (c >> 1 & 1), 2 * z + (c >> 2));
+    if (glm::any(glm::greaterThanEqual(first, this->Blocks)))
     {
-      this->Codes[GridIndex(block, this->Blocks)] = static_cast<std::uint8_t>(codes[c]);
+      continue;
+    }
+    const float* const min = children.Min[c].data();
+    const float* const max = children.Max[c].data();
+    int* const codes = children.Codes.data();
+    for (std::size_t x = 0; x < count; ++x)
+    {
+      // Quotients of whole numbers below 2^24, all below 2^7 where they count: rounded to floats
+      // they stay on the same side of every whole number.
+      const int low =
+        static_cast<int>(static_cast<float>(LastMinimum) * (min[x] - least[x]) / width[x]);
+      const int high = static_cast<int>((steps * (max[x] - least[x]) + width[x] - 1.0f) / width[x]);
+      codes[x] = min[x] <= max[x] ? low | high << MinimumBits : NoNumber;
+    }
+    std::uint8_t* const to = &this->Codes[GridIndex(first, this->Blocks)];
+    const std::size_t existing = static_cast<std::size_t>((this->Blocks.x - first.x + 1) / 2);
+    for (std::size_t x = 0; x < existing; ++x)
+    {
+      to[2 * x] = static_cast<std::uint8_t>(codes[x]);
     }
   }
 }

@@ -148,11 +148,23 @@ private:
   /// Code of a block that holds no number: no minimum is so far above the maximum.
   static constexpr int NoNumber = LastMinimum;
 
-  /// Codes of the blocks of a parent.
+  /// Codes of the blocks of a row of parents, by their places in them, and what is found of these.
   struct Children
   {
-    int Min[8];
-    int Max[8];
+    std::array<std::vector<float>, 8> Min;
+    std::array<std::vector<float>, 8> Max;
+    std::vector<float> Least;
+    std::vector<float> Width;
+    std::vector<int> Codes;
+
+    explicit Children(std::size_t parents)
+      : Least(parents)
+      , Width(parents)
+      , Codes(parents)
+    {
+      this->Min.fill(this->Least);
+      this->Max.fill(this->Least);
+    }
   };
 
   template <class T>
@@ -160,7 +172,7 @@ private:
   /// `limits`: in scalar units; the minimum is above the maximum where there is no number.
   template <class T>
   CodeLimits Encode(const std::pair<T, T>& limits) const;
-  void EncodeParent(const glm::ivec3& parent, const Children& children);
+  void EncodeParents(int y, int z, Children& children);
   void SetParentCodes(const glm::ivec3& parent, const CodeLimits& codes);
   template <class Code>
   Limits FindRangeOfParents(const std::vector<Code>& parents) const;
