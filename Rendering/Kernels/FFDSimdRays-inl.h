@@ -151,7 +151,7 @@ struct RaySpread
 };
 
 /// Narrows [From, To] to the deformed bounds and the shown side of the clipping planes. `seen`, if
-/// not null: a box that the rest of the rays is cut to, returned in [seenFrom, seenTo].
+/// not null: a box that is not empty; [seenFrom, seenTo] is where the rays are in it.
 HWY_INLINE void ClipToBounds(const PacketScene& scene, const TileBounds::Limits* seen,
   RayPacket& rays, Vf& seenFrom, Vf& seenTo)
 {

@@ -307,7 +307,7 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
         firstPacket > 0 ? 0 : static_cast<std::int64_t>(hn::CountTrue(d, hit));
       rays.From = hn::Max(rays.From, seenFrom);
       rays.To = hn::Min(rays.To, seenTo);
-      const Mf active = hn::And(hit, hn::Lt(rays.From, rays.To));
+      const Mf active = empty ? hn::FirstN(d, 0) : hn::And(hit, hn::Lt(rays.From, rays.To));
       // Rays that miss the volume now may meet it after an edit. The reach of rays that were cast
       // before the last stop is not known any more.
       if (packet < firstPacket || !hn::AllFalse(d, hn::AndNot(active, inImage)))

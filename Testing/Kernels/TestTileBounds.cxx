@@ -267,8 +267,10 @@ TEST(TileBounds, ChangeNoPicture)
     ASSERT_EQ(scenery.Render(SpaceLeaping::Lipschitz), all) << "run " << run;
     with += scenery.Statistics.Evaluations;
     EXPECT_EQ(scenery.Statistics.Rays, rays);
+    const std::int64_t evaluations = scenery.Statistics.Evaluations;
     ASSERT_EQ(scenery.Render(SpaceLeaping::Lipschitz, false), all) << "run " << run;
     EXPECT_LE(scenery.Statistics.Rays, rays);
+    EXPECT_EQ(scenery.Statistics.Evaluations, evaluations);
   }
   EXPECT_GT(visible, 25);
   EXPECT_LT(with, without);
