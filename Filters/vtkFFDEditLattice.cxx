@@ -447,10 +447,10 @@ bool vtkFFDEditLattice::MakeLattice(
 
   if (this->Shape != vtkFFDLatticeSource::IDENTITY)
   {
-    vtkNew<vtkFFDLattice> shape;
-    shape->DeepCopy(made);
-    vtkFFDLatticeSource::ApplyShape(shape, this->Shape, this->Strength, this->Seed);
-    AddDisplacements(made, shape->GetDisplacements());
+    vtkNew<vtkDoubleArray> given;
+    given->DeepCopy(made->GetDisplacements());
+    vtkFFDLatticeSource::ApplyShape(made, this->Shape, this->Strength, this->Seed);
+    AddDisplacements(made, given);
   }
   this->BaseLattice->DeepCopy(made);
 

@@ -175,7 +175,7 @@ bool vtkFFDFrameCache::UpdatePullBack(Mapper* mapper, vtkDataSet* input, ffd::St
   {
     return false;
   }
-  const ffd::Box& deformed = this->PullBack->DeformedBounds;
+  const ffd::Box& deformed = this->GetPullBack().DeformedBounds;
   for (int a = 0; a < 3; ++a)
   {
     this->ReportedBounds[2 * a] = deformed.Min[a];
@@ -276,7 +276,7 @@ vtkTypeInt64 vtkFFDFrameCache::GetNumberOfBuilds(int part) const
     case Mapper::DEFORMATION_FIELD:
       return this->Field.GetNumberOfBuilds();
     case Mapper::DEFORMATION_BOUNDS:
-      return this->PullBack.GetNumberOfBuilds();
+      return this->PullBack.GetLast().NumberOfBuilds;
     case Mapper::TRANSFER_TABLE:
       return this->Functions.GetNumberOfBuilds();
     case Mapper::DISTANCE_MAP:
@@ -292,7 +292,7 @@ std::size_t vtkFFDFrameCache::GetMemorySize() const
   const vtkDataArray* scalars = this->VectorScalars.GetLast();
   return this->Space.GetLast().Distances.GetMemorySize() +
     this->Space.GetLast().Peaks.GetMemorySize() + this->Functions.GetLast().Optics.GetMemorySize() +
-    this->Field.GetMemorySize() + this->PullBack.GetLast().Bounds.GetMemorySize() +
+    this->Field.GetMemorySize() + this->PullBack.GetLast().GetMemorySize() +
     this->Voxels.GetLast().Hidden.GetMemorySize() +
     (scalars ? static_cast<std::size_t>(scalars->GetActualMemorySize()) * 1024 : 0) +
     this->Blocks.GetLast().GetMemorySize() + this->MaskBlocks.GetLast().GetMemorySize();

@@ -64,7 +64,7 @@ public:
   const ffd::MaskView& GetMask() const { return this->Mask; }
   /// The second axis of two-dimensional transfer functions; Scalars is null without any.
   const ffd::VolumeView& GetSecondAxis() const { return this->SecondAxis; }
-  const ffd::BoundedPullBack& GetPullBack() const { return this->PullBack.Get(); }
+  const ffd::BoundedPullBack& GetPullBack() const { return *this->PullBack->Last; }
   const ffd::OpticalFunctions& GetFunctions() const { return this->Functions->Optics; }
   const ffd::Blending& GetBlending() const { return this->Blend; }
   const ffd::Cropping& GetCropping() const { return this->Crop; }

@@ -14,6 +14,8 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <memory>
+#include <mutex>
 #include <sstream>
 #include <utility>
 
@@ -26,20 +28,76 @@ namespace
 /// takes for ever.
 constexpr double LargestGrowth = 1e5;
 
+/// The pull-backs of all mappers of the process.
+class PullBackRegistry
+{
+public:
+  using Entry = std::shared_ptr<const BoundedPullBack>;
+
+  /// The pull-back of the same field, kind, tolerance and volume; null without any.
+  Entry Find(const BSplineField& field, const PullBack& map, const Box& rest)
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    for (const std::weak_ptr<const BoundedPullBack>& each : this->All)
+    {
+      Entry known = each.lock();
+      if (known && known->Map.GetKind() == map.GetKind() &&
+        known->Map.GetTolerance() == map.GetTolerance() && known->RestBounds == rest &&
+        known->Field == field)
+      {
+        return known;
+      }
+    }
+    return nullptr;
+  }
+
+  void Add(const Entry& made)
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    this->All.erase(std::remove_if(this->All.begin(), this->All.end(),
+                      [](const auto& each) { return each.expired(); }),
+      this->All.end());
+    this->All.push_back(made);
+  }
+
+private:
+  std::mutex Mutex;
+  std::vector<std::weak_ptr<const BoundedPullBack>> All;
+};
+
+PullBackRegistry& AllPullBacks()
+{
+  static PullBackRegistry all;
+  return all;
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
-Made MakeBoundedPullBack(BoundedPullBack& result, StageTools& tools,
+Made MakeBoundedPullBack(SharedPullBack& result, StageTools& tools,
   const Product<DeformationField>& field, const std::array<double, 6>& bounds, InverseMode mode,
   double tolerance)
 {
-  result.Map = PullBack(&field->Field, FindPullBackKind(mode, field->Inverted), tolerance);
-  result.RestBounds = { glm::dvec3(bounds[0], bounds[2], bounds[4]),
+  const Box rest = { glm::dvec3(bounds[0], bounds[2], bounds[4]),
     glm::dvec3(bounds[1], bounds[3], bounds[5]) };
-  result.Bounds.Update(result.Map, tools.Parallel);
-  const Box& rest = result.RestBounds;
-  Box& deformed = result.DeformedBounds;
-  deformed = result.Bounds.DeformedBounds(rest, tools.Parallel);
+  const PullBack map(&field->Field, FindPullBackKind(mode, field->Inverted), tolerance);
+  if (auto known = AllPullBacks().Find(field->Field, map, rest))
+  {
+    result.Last = std::move(known);
+    return Made::Anew;
+  }
+  const auto made = std::make_shared<BoundedPullBack>();
+  made->Field = field->Field;
+  made->Map = PullBack(&made->Field, map.GetKind(), tolerance);
+  made->RestBounds = rest;
+  if (result.Last)
+  {
+    // Of these only what has changed is found anew.
+    made->Bounds = result.Last->Bounds;
+  }
+  made->Bounds.Update(made->Map, tools.Parallel);
+  Box& deformed = made->DeformedBounds;
+  deformed = made->Bounds.DeformedBounds(rest, tools.Parallel);
   const double growth = glm::length(deformed.Max - deformed.Min) / glm::length(rest.Max - rest.Min);
   if (!deformed.IsEmpty() && growth > LargestGrowth)
   {
@@ -49,7 +107,18 @@ Made MakeBoundedPullBack(BoundedPullBack& result, StageTools& tools,
     tools.Message = text.str();
     return Made::Not;
   }
+  result.Last = made;
+  ++result.NumberOfBuilds;
+  AllPullBacks().Add(made);
   return Made::Anew;
+}
+
+//------------------------------------------------------------------------------
+std::size_t SharedPullBack::GetMemorySize() const
+{
+  return this->Last ? this->Last->Bounds.GetMemorySize() +
+      this->Last->Field.GetCoefficients().capacity() * sizeof(glm::dvec3)
+                    : 0;
 }
 
 //------------------------------------------------------------------------------

@@ -15,6 +15,7 @@
 
 #include "Bounds/FFDPullBackBounds.h"
 #include "FFDBlending.h"
+#include "FFDBSplineField.h"
 #include "FFDDistanceMap.h"
 #include "FFDMinMaxBlocks.h"
 #include "FFDOpticalFunctions.h"
@@ -25,6 +26,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -34,18 +36,29 @@ class vtkVolumeProperty;
 namespace ffd
 {
 
-/// The pull-back, and the bounds that follow from the field.
+/// The pull-back by a field of its own, and the bounds that follow from it.
 struct BoundedPullBack
 {
+  BSplineField Field;
   PullBack Map;
   Box RestBounds;
   PullBackBounds Bounds;
   Box DeformedBounds; ///< of RestBounds
 };
 
+/// A pull-back that the mappers of the same deformation and volume share, as those of several views
+/// and those that are only asked for bounds: what it depends on is compared by value.
+struct SharedPullBack
+{
+  std::shared_ptr<const BoundedPullBack> Last;
+  std::int64_t NumberOfBuilds = 0; ///< those that no other mapper had made
+
+  std::size_t GetMemorySize() const;
+};
+
 /// `restBounds`: those of the whole volume, data coordinates; `tolerance` of the inverse, data
 /// units.
-Made MakeBoundedPullBack(BoundedPullBack& result, StageTools& tools,
+Made MakeBoundedPullBack(SharedPullBack& result, StageTools& tools,
   const Product<DeformationField>& field, const std::array<double, 6>& restBounds, InverseMode mode,
   double tolerance);
 

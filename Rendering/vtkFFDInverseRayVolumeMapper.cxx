@@ -837,6 +837,12 @@ void vtkFFDInverseRayVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "ComputeNormalFromOpacity: " << this->GetComputeNormalFromOpacity() << "\n";
   os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
   os << indent << "ReferenceKernels: " << this->ReferenceKernels << "\n";
+  os << indent << "NumberOfBuilds:";
+  for (int part = 0; part < NUMBER_OF_CACHED_PARTS; ++part)
+  {
+    os << " " << this->GetNumberOfBuilds(part);
+  }
+  os << "\n";
   os << indent << "CollectStatistics: " << this->CollectStatistics << "\n";
   os << indent << "Statistics:\n";
   this->Internals->Statistics->PrintSelf(os, indent.GetNextIndent());

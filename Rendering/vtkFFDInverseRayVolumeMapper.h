@@ -988,8 +988,9 @@ public:
 
   /**
    * Get the number of times that a stage has been made since this mapper was created: none is made
-   * again before something that it depends on has changed. For tests and for finding out why a
-   * frame is slow. -1 for a number that is no stage.
+   * again before something that it depends on has changed. Bounds that another mapper has found for
+   * the same deformation and volume are shared, and do not count. For tests and for finding out why
+   * a frame is slow. -1 for a number that is no stage.
    */
   vtkTypeInt64 GetNumberOfBuilds(int part);
 

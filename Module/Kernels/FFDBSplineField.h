@@ -57,6 +57,14 @@ public:
   const glm::dvec3& GetSpacing() const { return this->Spacing; }
   BorderMode GetBorder() const { return this->Border; }
 
+  /// Whether the two are the same map, from the same control points.
+  bool operator==(const BSplineField& other) const
+  {
+    return this->Nodes == other.Nodes && this->Origin == other.Origin &&
+      this->Spacing == other.Spacing && this->Border == other.Border &&
+      this->Coefficients == other.Coefficients;
+  }
+
   /// True when every coefficient is exactly zero.
   bool IsZero() const { return this->Zero; }
 

@@ -70,6 +70,46 @@ const Counts Bounds = { 0, 0, 1, 0, 0 };
 const Counts Table = { 0, 0, 0, 1, 0 };
 const Counts Visibility = { 0, 0, 0, 1, 1 };
 
+/// Mappers find the bounds of one deformation of one volume once, whatever objects hold them.
+int TestSharedBounds()
+{
+  FFDTestScene scene;
+  scene.Show();
+  const auto count = [](Mapper* mapper) {
+    return mapper->GetNumberOfBuilds(Mapper::DEFORMATION_BOUNDS);
+  };
+  const vtkTypeInt64 before = count(scene.Mapper);
+  vtkNew<vtkImageData> image;
+  image->ShallowCopy(scene.Image);
+  vtkNew<vtkFFDLattice> lattice;
+  lattice->DeepCopy(scene.Lattice);
+  vtkNew<Mapper> other;
+  other->SetInputData(image);
+  other->SetDeformation(lattice);
+  const auto haveSame = [&] {
+    std::array<double, 6> bounds[2];
+    scene.Mapper->GetBounds(bounds[0].data());
+    other->GetBounds(bounds[1].data());
+    return bounds[0] == bounds[1];
+  };
+  FFD_CHECK(haveSame() && count(other) == 0);
+  lattice->SetDisplacement(1, 1, 2, 9, 1, 1);
+  FFD_CHECK(!haveSame() && count(other) == 1);
+  // An edit of both: the first that is asked finds them.
+  scene.Lattice->SetDisplacement(1, 1, 2, 9, 1, 1);
+  FFD_CHECK(haveSame() && count(other) == 1 && count(scene.Mapper) == before);
+  other->SetInverseModeToFirstOrder();
+  FFD_CHECK(!haveSame() && count(other) == 2);
+  other->SetInverseModeToExact();
+  other->SetInverseTolerance(0.02);
+  FFD_CHECK(!haveSame() && count(other) == 3);
+  other->SetInverseTolerance(scene.Mapper->GetInverseTolerance());
+  FFD_CHECK(haveSame() && count(other) == 3);
+  image->SetSpacing(1.5, 1.0, 1.0);
+  FFD_CHECK(!haveSame() && count(other) == 4);
+  return EXIT_SUCCESS;
+}
+
 int TestBuilds()
 {
   FFDTestScene scene;
@@ -485,6 +525,7 @@ int TestMemory()
 int TestMapperPipeline(int, char*[])
 {
   FFD_CHECK(TestBuilds() == EXIT_SUCCESS);
+  FFD_CHECK(TestSharedBounds() == EXIT_SUCCESS);
   FFD_CHECK(TestInputChanges() == EXIT_SUCCESS);
   FFD_CHECK(TestTimes() == EXIT_SUCCESS);
   FFD_CHECK(TestAbort() == EXIT_SUCCESS);

@@ -87,6 +87,28 @@ TEST(JacobianDeterminant, WholeSupportInEveryBorderMode)
   }
 }
 
+TEST(JacobianDeterminant, SignIsThatOfTheBounds)
+{
+  RandomLattice random(7);
+  int positive = 0;
+  int folded = 0;
+  for (int n = 0; n < 40; ++n)
+  {
+    const BSplineField field = random.Field(0.1 * n, AllBorders[n % 3]);
+    const glm::ivec3 first = field.GetFirstCell();
+    const glm::ivec3 end = field.GetEndCell();
+    const bool isPositive = HasPositiveJacobian(field, first, end);
+    const double least = BoundJacobianDeterminant(field, first, end).Min;
+    // What is closer to the sign than these bounds are to the truth may be proven.
+    ASSERT_TRUE(isPositive || least <= 0.0) << n;
+    ASSERT_FALSE(isPositive && least < -0.1) << n;
+    positive += isPositive ? 1 : 0;
+    folded += isPositive ? 0 : 1;
+  }
+  EXPECT_GT(positive, 5);
+  EXPECT_GT(folded, 5);
+}
+
 TEST(JacobianDeterminant, AffineAndIdentityAreExact)
 {
   const BSplineField identity;
@@ -121,6 +143,7 @@ TEST(JacobianDeterminant, CompressionFoldsExactlyPastItsLimit)
       const Range range = OverDomain(AlongAxis(axis, d), 1e-7);
       EXPECT_NEAR(range.Min, 1.0 - step, 1e-5);
       EXPECT_EQ(range.Min > 0.0, step < 1.0);
+      EXPECT_EQ(HasPositiveJacobian(AlongAxis(axis, d), glm::ivec3(1), glm::ivec3(7)), step < 1.0);
     }
   }
 }

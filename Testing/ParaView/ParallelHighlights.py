@@ -62,7 +62,7 @@ picture("Dense")
 simple.Hide(balls[0], view)
 simple.Hide(balls[1], view)
 view.CameraPosition = [50.0, -6.0, 60.0]
-view.CameraFocalPoint = [16.0, -8.0, 14.0]
+view.CameraFocalPoint = [16.07, -8.05, 14.0]
 picture("Near")
 view.CameraParallelProjection = 1
 view.CameraParallelScale = 20.0

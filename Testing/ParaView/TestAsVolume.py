@@ -134,6 +134,25 @@ class TestAsVolume(unittest.TestCase):
         display.UseGradientForTransfer2D = 0
         array = self.compare(display, "array", least=0.8)
         self.assertGreater(np.abs(array - gradient).mean(), 1.0)
+        display.UseGradientForTransfer2D = 1
+        # ParaView's volume takes these opacities over its sample distance, see
+        # vtkVolumeMapper::SpacingAdjustedSampleDistance(), ours over the unit distance.
+        samples = 0.5 * (0.01 + 0.99 * 30 / 100)
+        plane.Boxes = [0.3, 0.0, 0.5, 0.5, 1.0, 0.2, 0.1, 0.2]
+        for shade in (0, 1):
+            display.FFDShade = shade
+            display.FFDScalarOpacityUnitDistance = samples
+            ours = ffd.picture(self.view, "plane, unit distance of Volume")
+            display.FFDScalarOpacityUnitDistance = 1.0
+            faint = ffd.picture(self.view, "plane, unit distance 1")
+            display.SetRepresentationType("Volume")
+            own = ffd.picture(self.view, "plane of Volume")
+            display.SetRepresentationType("FFD Volume")
+            self.assertLess(np.abs(ours - own).mean(), 0.5, shade)
+            self.assertLess(ffd.differ(ours, own)[0], 24, shade)
+            self.assertGreater(own.mean() - faint.mean(), 1.0, shade)
+        display.FFDShade = 0
+        display.FFDScalarOpacityUnitDistance = 3.0 ** 0.5
         display.FFDUseTransfer2D = 0
         self.assertLessEqual(ffd.differ(ffd.picture(self.view, "line again"), line)[0], 1)
 

@@ -4,6 +4,7 @@
 """The representation and the filters in one process, as a ParaView user meets them in Python."""
 
 import os
+import re
 import unittest
 
 import numpy as np
@@ -32,6 +33,17 @@ class TestRepresentation(unittest.TestCase):
         self.assertEqual(self.display.Representation, "FFD Volume")
         self.assertEqual(self.display.ColorArrayName[1], "RTData")
         self.assertGreater(ffd.lit(picture), 1000)
+
+    def test_bounds_are_found_once(self):
+        """For an edit by the representation, before the frame of the mapper; whatever else is shown."""
+        self.show(Shape="Twist", Strength=2.0)
+        mapper = self.view.GetRenderer().GetVolumes().GetItemAsObject(0).GetMapper()
+        for strength in (1.0, 1.5, 0.5):
+            self.lattice.Strength = strength
+            simple.Render(self.view)
+        builds = re.search(r"NumberOfBuilds: (\d+) (\d+) (\d+)", str(mapper)).groups()
+        self.assertGreater(int(builds[1]), 3)
+        self.assertEqual(int(builds[2]), 0)
 
     def test_switching_picks_an_array(self):
         """In solid color a volume would be blank."""

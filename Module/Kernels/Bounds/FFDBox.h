@@ -17,6 +17,11 @@ struct Box
   glm::dvec3 Min{ 0.0 };
   glm::dvec3 Max{ 0.0 };
 
+  bool operator==(const Box& other) const
+  {
+    return this->Min == other.Min && this->Max == other.Max;
+  }
+
   bool IsEmpty() const
   {
     return !(

@@ -188,11 +188,19 @@ void Split(int axis, Coefficients& values, Coefficients& upper)
 struct Search
 {
   double Tolerance;
+  bool OnlySign; // whether the minimum is positive is asked, and no more
   Range Attained;
   Range Proven;
 
+  /// Whether the answer is known: a value that is not positive was met.
+  bool IsDone() const { return this->OnlySign && !(this->Attained.Min > 0.0); }
+
   bool Settles(const Range& enclosure) const
   {
+    if (this->OnlySign)
+    {
+      return enclosure.Min > ConversionSlack * std::max(1.0, enclosure.Max);
+    }
     return enclosure.Min >=
       this->Attained.Min - this->Tolerance * std::max(1.0, std::abs(this->Attained.Min)) &&
       enclosure.Max <=
@@ -219,7 +227,7 @@ struct Search
       this->Attained = this->Proven = { -infinity, infinity };
       return;
     }
-    if (depth == 0 || this->Settles(enclosure))
+    if (depth == 0 || this->IsDone() || this->Settles(enclosure))
     {
       this->Proven.Min = std::min(this->Proven.Min, enclosure.Min);
       this->Proven.Max = std::max(this->Proven.Max, enclosure.Max);
@@ -274,11 +282,9 @@ Range IntervalDeterminant(const SubCellBounds& bounds)
   return sum;
 }
 
-} // namespace
-
-//------------------------------------------------------------------------------
-Range BoundJacobianDeterminant(const BSplineField& field, const glm::ivec3& firstCell,
-  const glm::ivec3& endCell, double tolerance)
+/// See BoundJacobianDeterminant(), and Search for the options.
+Range BoundDeterminant(const BSplineField& field, const glm::ivec3& firstCell,
+  const glm::ivec3& endCell, double tolerance, bool onlySign)
 {
   const glm::ivec3 first = glm::max(firstCell, field.GetFirstCell());
   const glm::ivec3 end = glm::min(endCell, field.GetEndCell());
@@ -299,7 +305,7 @@ Range BoundJacobianDeterminant(const BSplineField& field, const glm::ivec3& firs
   SubCellBoundsVector subCells;
   ComputeSubCellBounds(field, grid, subCells);
 
-  Search search{ tolerance, { infinity, -infinity }, { infinity, -infinity } };
+  Search search{ tolerance, onlySign, { infinity, -infinity }, { infinity, -infinity } };
   double largest = 0.0;
   glm::ivec3 cell;
   // Values at the centers first: the better the attained range, the more cells are skipped.
@@ -319,6 +325,10 @@ Range BoundJacobianDeterminant(const BSplineField& field, const glm::ivec3& firs
     }
   }
   search.Proven = search.Attained;
+  if (search.IsDone())
+  {
+    return search.Proven;
+  }
   for (cell.z = first.z; cell.z < end.z; ++cell.z)
   {
     for (cell.y = first.y; cell.y < end.y; ++cell.y)
@@ -356,6 +366,22 @@ Range BoundJacobianDeterminant(const BSplineField& field, const glm::ivec3& firs
     return { -infinity, infinity };
   }
   return { search.Proven.Min - slack, search.Proven.Max + slack };
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+Range BoundJacobianDeterminant(const BSplineField& field, const glm::ivec3& firstCell,
+  const glm::ivec3& endCell, double tolerance)
+{
+  return BoundDeterminant(field, firstCell, endCell, tolerance, false);
+}
+
+//------------------------------------------------------------------------------
+bool HasPositiveJacobian(
+  const BSplineField& field, const glm::ivec3& firstCell, const glm::ivec3& endCell)
+{
+  return BoundDeterminant(field, firstCell, endCell, 0.0, true).Min > 0.0;
 }
 
 } // namespace ffd

@@ -28,6 +28,12 @@ struct Range
 FFD_CORE_EXPORT Range BoundJacobianDeterminant(const BSplineField& field,
   const glm::ivec3& firstCell, const glm::ivec3& endCell, double tolerance = 1e-3);
 
+/// Whether det J_T is proven to be positive over these cells: BoundJacobianDeterminant() for that
+/// question alone, which ends with the first value that is not, and subdivides where the sign is
+/// open.
+FFD_CORE_EXPORT bool HasPositiveJacobian(
+  const BSplineField& field, const glm::ivec3& firstCell, const glm::ivec3& endCell);
+
 } // namespace ffd
 
 #endif

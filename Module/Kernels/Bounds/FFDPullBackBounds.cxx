@@ -127,6 +127,7 @@ std::size_t PullBackBounds::Update(const PullBack& pullBack, const ParallelFor& 
     this->Spacing = field.GetSpacing();
     this->Border = field.GetBorder();
     this->Nodes.clear();
+    this->Nodes.reserve(GridSize(this->NumberOfNodes));
     for (int k = 0; k < this->NumberOfNodes.z; ++k)
     {
       for (int j = 0; j < this->NumberOfNodes.y; ++j)
@@ -249,9 +250,7 @@ void PullBackBounds::ProveInvertible(std::vector<float>& norms)
   {
     return;
   }
-  constexpr double loosely = 0.1;
-  this->ProvenInvertible =
-    BoundJacobianDeterminant(*this->Field, unknown.First, unknown.End, loosely).Min > 0.0;
+  this->ProvenInvertible = HasPositiveJacobian(*this->Field, unknown.First, unknown.End);
   if (this->ProvenInvertible)
   {
     std::replace_if(

@@ -28,6 +28,9 @@
 namespace
 {
 
+/// Frames a second that ParaView asks for when a scene is still are fewer, others more.
+constexpr double InteractiveRate = 0.1;
+
 /// Draws a picture.
 class PicturePass : public vtkRenderPass
 {
@@ -99,8 +102,10 @@ public:
     }
     this->Picture->Size = { { 0, 0 } };
     const int* tiles = window->GetTileScale();
+    // While the scene moves frames follow each other, and nobody drags the lattice meanwhile.
+    const bool isMoving = window->GetDesiredUpdateRate() > InteractiveRate;
     if (!this->View || !::View::GetSynchronizer(this->View)->GetEnabled() || tiles[0] != 1 ||
-      tiles[1] != 1)
+      tiles[1] != 1 || isMoving)
     {
       return;
     }

@@ -205,7 +205,8 @@ vtkSmartPointer<vtkDataObject> MoveAll(vtkDataObject* data, const Shown& ofAll, 
 }
 
 /// Enlarge `bounds` by where a part of a data set, or the whole, is shown.
-void AddShownBounds(Bounds& bounds, vtkDataObject* data, const Shown& ofAll)
+void AddShownBounds(
+  Bounds& bounds, vtkDataObject* data, const Shown& ofAll, ffdparts::DeformedBoundsFinder& finder)
 {
   vtkDataSet* part = vtkDataSet::SafeDownCast(data);
   if (!part || part->GetNumberOfPoints() == 0)
@@ -238,8 +239,7 @@ void AddShownBounds(Bounds& bounds, vtkDataObject* data, const Shown& ofAll)
     }
     ffdparts::Extent extent;
     image->GetExtent(extent.data());
-    own = ffdparts::FindDeformedBounds(
-      ffdparts::Grid::FromImage(image, extent), shown.Lattice, shown.Mode);
+    own = finder.Find(ffdparts::Grid::FromImage(image, extent), shown.Lattice, shown.Mode);
   }
   for (std::size_t a = 0; a < 3; ++a)
   {
@@ -398,14 +398,19 @@ struct Axes : vtkPVGridAxes3DRepresentation
   {
     // Comes between ParaView's own bounds and their way to the view.
     vtkNew<vtkCallbackCommand> command;
-    command->SetCallback([](vtkObject* caller, unsigned long, void*, void*) {
-      Axes::SetShownBounds(vtkPVGridAxes3DRepresentation::SafeDownCast(caller));
+    command->SetClientData(new ffdparts::DeformedBoundsFinder);
+    command->SetClientDataDeleteCallback(
+      [](void* finder) { delete static_cast<ffdparts::DeformedBoundsFinder*>(finder); });
+    command->SetCallback([](vtkObject* caller, unsigned long, void* finder, void*) {
+      Axes::SetShownBounds(vtkPVGridAxes3DRepresentation::SafeDownCast(caller),
+        *static_cast<ffdparts::DeformedBoundsFinder*>(finder));
     });
     representation->AddObserver(vtkCommand::UpdateDataEvent, command);
   }
 
   /// Called on all processes alike.
-  static void SetShownBounds(vtkPVGridAxes3DRepresentation* representation)
+  static void SetShownBounds(
+    vtkPVGridAxes3DRepresentation* representation, ffdparts::DeformedBoundsFinder& finder)
   {
     if (!representation || representation->GetNumberOfInputConnections(0) != 1)
     {
@@ -415,8 +420,7 @@ struct Axes : vtkPVGridAxes3DRepresentation
     const Shown shown = FindShownOfAll(data);
     Bounds bounds = { VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX, VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX,
       VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX };
-    VisitLeaves(
-      data, [&bounds, &shown](vtkDataObject* leaf) { AddShownBounds(bounds, leaf, shown); });
+    VisitLeaves(data, [&](vtkDataObject* leaf) { AddShownBounds(bounds, leaf, shown, finder); });
     vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
     if (controller && controller->GetNumberOfProcesses() > 1)
     {

@@ -358,56 +358,6 @@ Bounds OpenOutwards(const Bounds& box, const Bounds& whole)
   return open;
 }
 
-namespace
-{
-
-/// An answer of a finder of bounds, and what it depends on.
-class DeformedBounds
-{
-public:
-  DeformedBounds() = default;
-  DeformedBounds(const Bounds& rest, vtkFFDLattice* lattice, int mode, const Bounds& deformed)
-    : Deformed(deformed)
-    , Rest(rest)
-    , Options(GetOptions(lattice, mode))
-  {
-    vtkDoubleArray* values = lattice->GetDisplacements();
-    this->Displacements.assign(
-      values->GetPointer(0), values->GetPointer(0) + values->GetNumberOfValues());
-    lattice->GetDomain(this->Domain.data());
-  }
-
-  bool IsOf(const Bounds& rest, vtkFFDLattice* lattice, int mode) const
-  {
-    vtkDoubleArray* values = lattice->GetDisplacements();
-    return rest == this->Rest && GetOptions(lattice, mode) == this->Options &&
-      std::equal(this->Domain.begin(), this->Domain.end(), lattice->GetDomain()) &&
-      std::equal(this->Displacements.begin(), this->Displacements.end(), values->GetPointer(0),
-        values->GetPointer(0) + values->GetNumberOfValues());
-  }
-
-  Bounds Deformed = NoBounds;
-
-private:
-  using Numbers = std::array<double, 7>;
-  static Numbers GetOptions(vtkFFDLattice* lattice, int mode)
-  {
-    const int* n = lattice->GetDimensions();
-    return { { double(n[0]), double(n[1]), double(n[2]), double(lattice->GetBorderMode()),
-      double(lattice->GetInverseFlag()), lattice->GetDisplacementScale(), double(mode) } };
-  }
-
-  Bounds Rest = NoBounds;
-  Bounds Domain = NoBounds;
-  Numbers Options{};
-  std::vector<double> Displacements;
-};
-
-/// The last answers, for the volumes and blocks of a scene.
-thread_local std::array<DeformedBounds, 8> KnownBounds;
-
-} // namespace
-
 //------------------------------------------------------------------------------
 DeformedBoundsFinder::DeformedBoundsFinder() = default;
 
@@ -422,41 +372,24 @@ Bounds DeformedBoundsFinder::Find(const Grid& grid, vtkFFDLattice* lattice, int 
   {
     return rest;
   }
-  const auto known = std::find_if(KnownBounds.begin(), KnownBounds.end(),
-    [&](const DeformedBounds& each) { return each.IsOf(rest, lattice, inverseMode); });
-  if (known != KnownBounds.end())
-  {
-    return known->Deformed;
-  }
   if (!this->Mapper)
   {
-    // The mapper knows them from bounds and lattice alone: let it see a volume of eight voxels.
+    // A mapper knows them from bounds, lattice and size of a voxel alone: let it see eight voxels.
     this->Corners = vtkSmartPointer<vtkImageData>::New();
     this->Corners->SetDimensions(2, 2, 2);
     this->Corners->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
     std::fill_n(static_cast<unsigned char*>(this->Corners->GetScalarPointer()), 8, 0);
     this->Mapper = vtkSmartPointer<vtkFFDInverseRayVolumeMapper>::New();
     this->Mapper->SetInputData(this->Corners);
-    this->Mapper->SetInverseTolerance(1e-3);
   }
-  this->Corners->SetOrigin(rest[0], rest[2], rest[4]);
-  this->Corners->SetSpacing(rest[1] - rest[0], rest[3] - rest[2], rest[5] - rest[4]);
+  grid.ApplyTo(this->Corners);
+  this->Mapper->SetWholeBounds(rest.data());
   this->Mapper->SetDeformation(lattice);
   this->Mapper->SetInverseMode(inverseMode);
   Bounds deformed;
   this->Mapper->GetBounds(deformed.data());
   this->Mapper->SetDeformation(nullptr);
-  deformed = IsEmpty(deformed) ? rest : deformed;
-  // The oldest answer goes.
-  std::rotate(KnownBounds.begin(), KnownBounds.end() - 1, KnownBounds.end());
-  KnownBounds.front() = DeformedBounds(rest, lattice, inverseMode, deformed);
-  return deformed;
-}
-
-//------------------------------------------------------------------------------
-Bounds FindDeformedBounds(const Grid& grid, vtkFFDLattice* lattice, int inverseMode)
-{
-  return DeformedBoundsFinder().Find(grid, lattice, inverseMode);
+  return IsEmpty(deformed) ? rest : deformed;
 }
 
 //------------------------------------------------------------------------------

@@ -81,9 +81,9 @@ bool AreEqual(vtkFFDLattice* a, vtkFFDLattice* b);
 Bounds OpenOutwards(const Bounds& box, const Bounds& whole);
 
 /**
- * Finds bounds of deformed images. What several parts of a scene ask for is found once: the last
- * answers of all finders are kept. A finder that is kept, too, looks at what an edit has changed
- * only.
+ * Finds bounds of deformed images, as the mapper that shows them does: mappers share what they
+ * know, so a finder that is kept until the image is rendered saves its mapper the work. It looks
+ * at what an edit has changed only.
  */
 class DeformedBoundsFinder
 {
@@ -98,9 +98,6 @@ private:
   vtkSmartPointer<vtkFFDInverseRayVolumeMapper> Mapper;
   vtkSmartPointer<vtkImageData> Corners; // a volume of eight voxels
 };
-
-/// DeformedBoundsFinder::Find() of a finder for this once.
-Bounds FindDeformedBounds(const Grid& grid, vtkFFDLattice* lattice, int inverseMode);
 
 /**
  * Bounds of the pull-back of boxes of deformed space, from the control points. The control

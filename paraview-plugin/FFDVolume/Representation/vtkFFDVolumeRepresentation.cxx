@@ -261,6 +261,7 @@ public:
   {
     vtkFFDVoxelDistribution::Inputs Inputs; // what this process was given
     vtkFFDVoxelDistribution Distribution;   // with several processes
+    vtkNew<vtkFFDLattice> Lattice;          // as it was read last
     ffdparts::DeformedBoundsFinder BoundsFinder;
   };
   std::vector<std::unique_ptr<Volume>> Volumes; // one at least; as many on all processes
@@ -393,17 +394,21 @@ int vtkFFDVolumeRepresentation::RequestData(
       continue;
     }
     here.push_back(image);
+    if (GetNumberOfProcesses() > 1)
+    {
+      continue; // bounds are those of the parts of all
+    }
     Extent extent;
     image->GetExtent(extent.data());
-    vtkNew<vtkFFDLattice> lattice;
+    vtkFFDLattice* lattice = in.Volumes[i]->Lattice;
     const bool hasLattice = vtkFFDLattice::HasLattice(image) && lattice->ReadFrom(image);
     const Grid grid = Grid::FromImage(image, extent);
     allRest = ffdparts::Unite(allRest, grid.GetBounds());
     allDeformed = ffdparts::Unite(allDeformed,
       in.Volumes[i]->BoundsFinder.Find(
-        grid, hasLattice ? lattice.GetPointer() : nullptr, this->Mapper->GetInverseMode()));
+        grid, hasLattice ? lattice : nullptr, this->Mapper->GetInverseMode()));
   }
-  if (!here.empty())
+  if (!ffdparts::IsEmpty(allDeformed))
   {
     std::copy(allDeformed.begin(), allDeformed.end(), this->DataBounds);
     for (vtkImageData* image : here)

@@ -310,7 +310,7 @@ void vtkFFDVoxelDistribution::DecideBoxes(
     vtkMatrix4x4::Invert(toScene, inverse);
     toData.emplace_back(inverse);
     each->DeformedBounds =
-      ffdparts::FindDeformedBounds(each->Given.Grid, each->Lattice, inputs.InverseMode);
+      each->BoundsFinder.Find(each->Given.Grid, each->Lattice, inputs.InverseMode);
     each->Cover.SetDeformation(each->Lattice, inputs.InverseMode);
     scene = ffdparts::Unite(scene, Transform(each->DeformedBounds, toScene));
     inOrder = inOrder && inputs.HasOrder && KeepsBoxes(toScene);

@@ -128,6 +128,7 @@ private:
   vtkSmartPointer<vtkIntArray> Pieces;
   Bounds OwnBox = ffdparts::NoBounds;
   Bounds DeformedBounds = ffdparts::NoBounds;
+  ffdparts::DeformedBoundsFinder BoundsFinder;
 
   vtkSmartPointer<vtkFFDLattice> Lattice; // that of all processes; null: none
   ffdparts::PullBackCover Cover;
