@@ -95,8 +95,9 @@ public:
     Vec3 local;
     if (curve.Interpolated)
     {
+      const Vec3 scaled = this->GradientFromFrame(curve, g, at);
       const Vf spread = hn::Max(this->Spread(curve.TimeAt(at)), Splat(1e-30f));
-      local = Scale(hn::Div(Splat(1.0f), spread), this->GradientFromFrame(curve, g, at));
+      local = Scale(hn::Div(Splat(1.0f), spread), scaled);
     }
     else if (this->Scene.Identity)
     {
