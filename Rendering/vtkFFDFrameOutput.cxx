@@ -160,26 +160,34 @@ Index FindIndex(vtkDataSet* input, const vtkFFDFrameCache& cache, const glm::dve
 
 //------------------------------------------------------------------------------
 /// `colors`, premultiplied, as a picture of bytes.
-void vtkFFDWriteColors(
-  const std::vector<float>& colors, int width, int height, bool premultiplied, vtkImageData* image)
+void vtkFFDWriteColors(const std::vector<float>& colors, int width, int height, bool premultiplied,
+  const vtkFFDParallelFor& parallelFor, vtkImageData* image)
 {
   image->SetExtent(0, width - 1, 0, height - 1, 0, 0);
   image->AllocateScalars(VTK_UNSIGNED_CHAR, 4);
-  auto* bytes = static_cast<unsigned char*>(image->GetScalarPointer());
+  auto* const bytes = static_cast<unsigned char*>(image->GetScalarPointer());
   const auto toByte = [](float value) {
     return static_cast<unsigned char>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f);
   };
-  const std::size_t count = 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  for (std::size_t i = 0; i < count; i += 4)
-  {
-    const float alpha = colors[i + 3];
-    const float scale = premultiplied ? 1.0f : alpha > 0.0f ? 1.0f / alpha : 0.0f;
-    for (std::size_t c = 0; c < 3; ++c)
+  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  parallelFor(pixels, [&](std::size_t first, std::size_t last) {
+    if (premultiplied)
     {
-      bytes[i + c] = toByte(colors[i + c] * scale);
+      std::transform(
+        colors.data() + 4 * first, colors.data() + 4 * last, bytes + 4 * first, toByte);
+      return;
     }
-    bytes[i + 3] = toByte(alpha);
-  }
+    for (std::size_t i = 4 * first; i < 4 * last; i += 4)
+    {
+      const float alpha = colors[i + 3];
+      const float scale = alpha > 0.0f ? 1.0f / alpha : 0.0f;
+      for (std::size_t c = 0; c < 3; ++c)
+      {
+        bytes[i + c] = toByte(colors[i + c] * scale);
+      }
+      bytes[i + 3] = toByte(alpha);
+    }
+  });
 }
 
 //------------------------------------------------------------------------------

@@ -7,6 +7,7 @@
 #include "vtkFFDFrameOutput.h"
 #include "vtkFFDFrameScene.h"
 #include "vtkFFDGuard.h"
+#include "vtkFFDParallelFor.h"
 #include "vtkFFDProbeView.h"
 #include "vtkFFDTracedRays.h"
 #include "vtkFFDViewFromRenderer.h"
@@ -419,7 +420,8 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
     {
       vtkFFDMoveToBackface(this, in.Cache, camera, in.Caster.GetColors(), in.VisibleDepths);
     }
-    vtkFFDWriteColors(in.Caster.GetColors(), region.Rays.x, region.Rays.y, true, in.ColorImage);
+    vtkFFDWriteColors(in.Caster.GetColors(), region.Rays.x, region.Rays.y, true,
+      vtkFFDParallelFor(this->NumberOfThreads), in.ColorImage);
     in.ImageDepths = in.VisibleDepths;
     return;
   }
@@ -535,7 +537,8 @@ int vtkFFDInverseRayVolumeMapper::MakeImages(vtkRenderer* renderer, vtkVolume* v
     return 0;
   }
 
-  vtkFFDWriteColors(in.Caster.GetColors(), width, height, premultiplied, colors);
+  vtkFFDWriteColors(in.Caster.GetColors(), width, height, premultiplied,
+    vtkFFDParallelFor(this->NumberOfThreads), colors);
   if (depths)
   {
     depths->SetExtent(0, width - 1, 0, height - 1, 0, 0);

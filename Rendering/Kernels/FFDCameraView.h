@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
+#include <glm/matrix.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -48,6 +49,23 @@ struct CameraView
   glm::dvec2 ToNdc(double x, double y) const
   {
     return this->NdcOrigin + (glm::dvec2(this->PixelOrigin) + glm::dvec2(x, y)) * this->NdcPerPixel;
+  }
+
+  /// Rows of a projective map from data coordinates to image positions: position p, with 1 as its
+  /// fourth coordinate, is seen at (X . p, Y . p) / W . p, where W . p is above zero.
+  struct PixelRows
+  {
+    glm::dvec4 X;
+    glm::dvec4 Y;
+    glm::dvec4 W;
+  };
+  PixelRows GetPixelRows() const
+  {
+    // The first two rows, each less the corner of the image, in units of a pixel.
+    const glm::dmat4 rows = glm::transpose(this->DataToNdc);
+    const glm::dvec2 corner = this->ToNdc(0.0, 0.0);
+    return { (rows[0] - corner.x * rows[3]) / this->NdcPerPixel.x,
+      (rows[1] - corner.y * rows[3]) / this->NdcPerPixel.y, rows[3] };
   }
 
   /// The ray through image position (x, y); pixel (i, j) has its center at (i + 0.5, j + 0.5).

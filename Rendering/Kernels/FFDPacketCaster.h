@@ -240,7 +240,7 @@ struct PacketScratch
   std::vector<TileSegment*>
     Roots; ///< of the trees of segments of the tile, front to back, as far as made
   std::vector<RayIntegrator> Integrators; ///< of the lanes of a packet, where these are used
-  std::array<float, 8 * TileSide * TileSide> Rays; ///< origin, direction (local), from, to
+  std::array<float, 2 * TileSide * TileSide> Ranges; ///< of t of the rays of a tile: from, to
   /// Voxels around samples at faces of the volume: 4 x 4 x 4 of up to 16 bytes for each of 16
   /// lanes, and what vectors may read beyond them.
   alignas(64) std::array<unsigned char, 16 * 64 * 16 + 16> BorderVoxels;

@@ -61,7 +61,6 @@ public:
 
   void Cast()
   {
-    const Df d;
     this->FindSamples();
     const int top = this->Scene.SamplesPerRoot;
     const int first = std::max(this->Trees.GetFirst(), FloorDivide(this->FirstSample, top));
@@ -70,9 +69,13 @@ public:
     {
       this->SampleHighestPart(first, last);
     }
-    for (int index = first; index <= last && !hn::AllFalse(d, this->Samples.State.Alive); ++index)
+    const auto cast = [this](TileSegment& segment) { return this->CastSegment(segment); };
+    for (int index = first; index <= last; ++index)
     {
-      this->CastSegment(this->Trees.GetRoot(index));
+      if (!this->ForLeaves(this->Trees.GetRoot(index), cast))
+      {
+        return;
+      }
     }
   }
 
@@ -147,31 +150,42 @@ private:
     return *segment.Children[right + high];
   }
 
-  /// Takes the samples of the packet that lie in a segment.
-  HWY_NOINLINE void CastSegment(TileSegment& segment)
+  /// Calls visit(segment) for the segments without children, of a segment, that hold samples of the
+  /// packet and something visible, front to back, until it returns false; returns that.
+  template <class Visit>
+  bool ForLeaves(TileSegment& segment, const Visit& visit)
   {
-    if (!this->HasSamplesIn(segment) || hn::AllFalse(Df(), this->Samples.State.Alive))
+    if (!this->HasSamplesIn(segment))
     {
-      return;
+      return true;
     }
     switch (this->Trees.Find(segment))
     {
       case TileSegment::State::Empty:
-        return;
+        return true;
       case TileSegment::State::Halved:
-        this->CastSegment(*segment.Children[0]);
-        this->CastSegment(*segment.Children[1]);
-        return;
+        return this->ForLeaves(*segment.Children[0], visit) &&
+          this->ForLeaves(*segment.Children[1], visit);
       case TileSegment::State::Quartered:
-        this->CastSegment(this->QuarterOf(segment));
-        return;
-      case TileSegment::State::PerSample:
-        this->CastPerSample(segment);
-        return;
+        return this->ForLeaves(this->QuarterOf(segment), visit);
       default:
-        this->CastCurves(segment, this->FindParts(segment));
-        return;
+        return visit(segment);
     }
+  }
+
+  /// Takes the samples of the packet that lie in a segment without children; false where all rays
+  /// have ended.
+  HWY_NOINLINE bool CastSegment(TileSegment& segment)
+  {
+    if (segment.Known == TileSegment::State::PerSample)
+    {
+      this->CastPerSample(segment);
+    }
+    else
+    {
+      this->CastCurves(segment, this->FindParts(segment));
+    }
+    return !hn::AllFalse(Df(), this->Samples.State.Alive);
   }
 
   /// Finds the first part from `part` on, before `end`, in which something may be visible; `end` or
@@ -222,7 +236,8 @@ private:
   HWY_NOINLINE int FindPassedCode() const
   {
     const PacketState& state = this->Samples.State;
-    const float least = SmallestLane(hn::IfThenElse(state.Alive, state.Out.Tally, Splat(3e38f)));
+    const float least =
+      SmallestLane(hn::IfThenElse(state.Alive, state.Out.Tally, Splat(NoExtreme)));
     const float steps = (least - this->Scene.PeakLow) * this->Scene.PeakScale;
     return static_cast<int>(std::clamp(steps, 0.0f, ValuePeaks::LastCode + 1.0f)) - 1;
   }
@@ -235,39 +250,20 @@ private:
     int Code = 0; ///< of ValuePeaks, of the values in it
   };
 
-  /// Finds the part with the largest bound of its values.
+  /// Makes `peak` the part of a segment without children that has the largest bound of its values,
+  /// if that is larger.
   void FindPeak(TileSegment& segment, Peak& peak)
   {
-    if (!this->HasSamplesIn(segment))
+    const int block = this->BlockIn(segment);
+    const PartRange parts = this->FindParts(segment);
+    for (int part = this->FindNeeded(segment, block, parts.First, parts.End); part < parts.End;
+         part = this->FindNeeded(segment, block, part + 1, parts.End))
     {
-      return;
-    }
-    switch (this->Trees.Find(segment))
-    {
-      case TileSegment::State::Halved:
-        this->FindPeak(*segment.Children[0], peak);
-        this->FindPeak(*segment.Children[1], peak);
-        return;
-      case TileSegment::State::Quartered:
-        this->FindPeak(this->QuarterOf(segment), peak);
-        return;
-      case TileSegment::State::Curves:
+      const int code = PeakOf(segment, block, part);
+      if (code > peak.Code)
       {
-        const int block = this->BlockIn(segment);
-        const PartRange parts = this->FindParts(segment);
-        for (int part = this->FindNeeded(segment, block, parts.First, parts.End); part < parts.End;
-             part = this->FindNeeded(segment, block, part + 1, parts.End))
-        {
-          const int code = PeakOf(segment, block, part);
-          if (code > peak.Code)
-          {
-            peak = { &segment, part, code };
-          }
-        }
-        return;
+        peak = { &segment, part, code };
       }
-      default:
-        return;
     }
   }
 
@@ -279,9 +275,16 @@ private:
   HWY_NOINLINE void SampleHighestPart(int first, int last)
   {
     Peak peak;
+    const auto find = [this, &peak](TileSegment& segment) {
+      if (segment.Known == TileSegment::State::Curves)
+      {
+        this->FindPeak(segment, peak);
+      }
+      return true;
+    };
     for (int index = first; index <= last; ++index)
     {
-      this->FindPeak(this->Trees.GetRoot(index), peak);
+      this->ForLeaves(this->Trees.GetRoot(index), find);
     }
     if (!peak.Segment)
     {

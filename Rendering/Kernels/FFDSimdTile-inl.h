@@ -29,30 +29,25 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// Gives access to the rays of a tile in PacketScratch::Rays, packet by packet.
-struct StoredRays
+/// Gives access to what the rays of a tile are cut to in PacketScratch::Ranges, packet by packet.
+/// The rays themselves are made again faster than they are read back.
+struct StoredRanges
 {
   static constexpr std::size_t RaysPerTile = TileSide * TileSide;
   float* Data;
-  explicit StoredRays(PacketScratch& scratch)
-    : Data(scratch.Rays.data())
+  explicit StoredRanges(PacketScratch& scratch)
+    : Data(scratch.Ranges.data())
   {
   }
   HWY_INLINE void Set(std::size_t first, const RayPacket& rays) const
   {
-    const Df d;
-    const Vf all[8] = { rays.Origin.x, rays.Origin.y, rays.Origin.z, rays.Direction.x,
-      rays.Direction.y, rays.Direction.z, rays.From, rays.To };
-    for (int i = 0; i < 8; ++i)
-    {
-      hn::StoreU(all[i], d, this->Data + RaysPerTile * i + first);
-    }
+    hn::StoreU(rays.From, Df(), this->Data + first);
+    hn::StoreU(rays.To, Df(), this->Data + RaysPerTile + first);
   }
-  HWY_INLINE RayPacket Get(std::size_t first) const
+  HWY_INLINE void Get(std::size_t first, RayPacket& rays) const
   {
-    const Df d;
-    const auto load = [&](int i) { return hn::LoadU(d, this->Data + RaysPerTile * i + first); };
-    return { { load(0), load(1), load(2) }, { load(3), load(4), load(5) }, load(6), load(7) };
+    rays.From = hn::LoadU(Df(), this->Data + first);
+    rays.To = hn::LoadU(Df(), this->Data + RaysPerTile + first);
   }
 };
 
@@ -176,19 +171,10 @@ HWY_INLINE void StorePixels(const PacketScene& scene, const CastImage& image, in
 }
 
 /// Stores the pixels of a packet none of whose rays meets the volume.
-HWY_INLINE void ClearPixels(const CastImage& image, int x0, int y0)
+HWY_INLINE void ClearPixels(const PacketScene& scene, const CastImage& image, int x0, int y0)
 {
-  const PacketShape shape = GetPacketShape();
-  const int width = std::min(shape.Width, image.Width - x0);
-  for (int y = y0; width > 0 && y < std::min(y0 + shape.Height, image.Height); ++y)
-  {
-    const std::size_t at = static_cast<std::size_t>(y) * image.Width + x0;
-    std::fill_n(image.Colors + 4 * at, 4 * width, 0.0f);
-    if (image.Depths)
-    {
-      std::fill_n(image.Depths + at, width, 1.0f);
-    }
-  }
+  const Mf none = hn::FirstN(Df(), 0);
+  StorePixels(scene, image, x0, y0, none, PacketState(none).Out);
 }
 
 /// Collects CastImage::Reaches of the subtiles of a tile.
@@ -254,7 +240,7 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
 {
   const Df d;
   const PacketShape shape = GetPacketShape();
-  const StoredRays stored(scratch);
+  const StoredRanges stored(scratch);
   const CameraView& camera = scene.Source->Camera;
   const ImageMap near(scene.NdcToLocal, camera, -1.0);
   const ImageMap far(scene.NdcToLocal, camera, 1.0);
@@ -268,6 +254,9 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
   }
   const Vf dx = hn::Load(d, laneX);
   const Vf dy = hn::Load(d, laneY);
+  // Image positions of the pixels of the packet at pixel x or y.
+  const auto columnsFrom = [dx](int x) { return hn::Add(Splat(static_cast<float>(x) + 0.5f), dx); };
+  const auto rowsFrom = [dy](int y) { return hn::Add(Splat(static_cast<float>(y) + 0.5f), dy); };
 
   float tMin = 1e30f;
   float tMax = -1e30f;
@@ -286,12 +275,12 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       }
       if (HWY_UNLIKELY(empty && !scene.Settings.CountsRays))
       {
-        ClearPixels(image, x, y);
+        ClearPixels(scene, image, x, y);
         reaches.Include(x, y, std::numeric_limits<float>::infinity());
         continue;
       }
-      const Vf px = hn::Add(Splat(static_cast<float>(x) + 0.5f), dx);
-      const Vf py = hn::Add(Splat(static_cast<float>(y) + 0.5f), dy);
+      const Vf px = columnsFrom(x);
+      const Vf py = rowsFrom(y);
       RayPacket rays = MakeRays(near, far, px, py);
       if (scene.Source->Depths)
       {
@@ -336,11 +325,12 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       {
         continue;
       }
-      const RayPacket rays = stored.Get(packet * static_cast<std::size_t>(shape.Lanes));
+      RayPacket rays = MakeRays(near, far, columnsFrom(x), rowsFrom(y));
+      stored.Get(packet * static_cast<std::size_t>(shape.Lanes), rays);
       const Mf active = hn::Lt(rays.From, rays.To);
       if (hn::AllFalse(d, active))
       {
-        ClearPixels(image, x, y);
+        ClearPixels(scene, image, x, y);
         continue;
       }
       const Vf phase = scene.Intervals
@@ -361,10 +351,11 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       }
       StorePixels(scene, image, x, y, active, cast.GetPixels());
       reaches.Include(x, y, cast.GetReach());
-      if (deadline != NoDeadline && std::chrono::steady_clock::now() >= deadline)
-      {
-        return static_cast<int>(packet) + 1;
-      }
+    }
+    const bool more = packet > firstPacket && y + shape.Height < y0 + TileSide;
+    if (more && deadline != NoDeadline && std::chrono::steady_clock::now() >= deadline)
+    {
+      return static_cast<int>(packet);
     }
   }
   reaches.Store();

@@ -10,7 +10,6 @@
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <glm/matrix.hpp>
 #include <glm/vector_relational.hpp>
 
 #include <algorithm>
@@ -148,45 +147,25 @@ struct PixelRange
   glm::dvec2 High{ -std::numeric_limits<double>::infinity() };
 };
 
-/// Projects boxes to pixels.
-class BoxProjection
+PixelRange FindPixels(const CameraView::PixelRows& rows, const Box& box)
 {
-public:
-  explicit BoxProjection(const CameraView& camera)
+  PixelRange range;
+  for (int corner = 0; corner < 8; ++corner)
   {
-    // The first two rows, each less the corner of the image, in units of a pixel.
-    const glm::dmat4 rows = glm::transpose(camera.DataToNdc);
-    const glm::dvec2 corner = camera.ToNdc(0.0, 0.0);
-    this->X = (rows[0] - corner.x * rows[3]) / camera.NdcPerPixel.x;
-    this->Y = (rows[1] - corner.y * rows[3]) / camera.NdcPerPixel.y;
-    this->W = rows[3];
-  }
-
-  PixelRange Project(const Box& box) const
-  {
-    PixelRange range;
-    for (int corner = 0; corner < 8; ++corner)
+    const glm::dvec4 p((corner & 1) != 0 ? box.Max.x : box.Min.x,
+      (corner & 2) != 0 ? box.Max.y : box.Min.y, (corner & 4) != 0 ? box.Max.z : box.Min.z, 1.0);
+    const double w = glm::dot(rows.W, p);
+    // Written so that NaN is behind the eye, too.
+    if (!(w > 1e-6 * std::abs(rows.W.w)) || !(w > 0.0))
     {
-      const glm::dvec4 p((corner & 1) != 0 ? box.Max.x : box.Min.x,
-        (corner & 2) != 0 ? box.Max.y : box.Min.y, (corner & 4) != 0 ? box.Max.z : box.Min.z, 1.0);
-      const double w = glm::dot(this->W, p);
-      // Written so that NaN is behind the eye, too.
-      if (!(w > 1e-6 * std::abs(this->W.w)) || !(w > 0.0))
-      {
-        return { glm::dvec2(-1e9), glm::dvec2(1e9) };
-      }
-      const glm::dvec2 at = glm::dvec2(glm::dot(this->X, p), glm::dot(this->Y, p)) / w;
-      range.Low = glm::min(range.Low, at);
-      range.High = glm::max(range.High, at);
+      return { glm::dvec2(-1e9), glm::dvec2(1e9) };
     }
-    return range;
+    const glm::dvec2 at = glm::dvec2(glm::dot(rows.X, p), glm::dot(rows.Y, p)) / w;
+    range.Low = glm::min(range.Low, at);
+    range.High = glm::max(range.High, at);
   }
-
-private:
-  glm::dvec4 X;
-  glm::dvec4 Y;
-  glm::dvec4 W;
-};
+  return range;
+}
 
 } // namespace
 
@@ -213,7 +192,7 @@ TileBounds::TileBounds(
   const Limits nothing{ { Huge, Huge, Huge }, { -Huge, -Huge, -Huge } };
   this->Boxes.assign(
     static_cast<std::size_t>(tiles.x) * static_cast<std::size_t>(tiles.y), nothing);
-  const BoxProjection projection(scene.Camera);
+  const CameraView::PixelRows rows = scene.Camera.GetPixelRows();
   const glm::dvec3 halfIndex =
     Absolute(volume.DataToIndex) * (0.5 * boxes.Edge) + (tolerance + Guard);
   const glm::dvec3 around = bulge + (reach + Guard * scene.VoxelSize);
@@ -241,7 +220,7 @@ TileBounds::TileBounds(
         }
         box.Min -= around;
         box.Max += around;
-        const PixelRange pixels = projection.Project(box);
+        const PixelRange pixels = FindPixels(rows, box);
         const glm::ivec2 first(glm::clamp(
           glm::floor((pixels.Low - 1.0) / double{ TileSide }), glm::dvec2(0.0), lastTile + 1.0));
         const glm::ivec2 last(glm::clamp(

@@ -4,7 +4,7 @@
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <glm/matrix.hpp>
+#include <glm/gtc/matrix_access.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -47,8 +47,8 @@ class TileHistory::Projection
 public:
   Projection(const PullBackChange& change, const CameraView& camera)
   {
-    const glm::dmat4 rows = glm::transpose(camera.DataToNdc);
-    glm::dvec4 nearPlane = rows[3] + rows[2];
+    const CameraView::PixelRows rows = camera.GetPixelRows();
+    glm::dvec4 nearPlane = rows.W + glm::row(camera.DataToNdc, 2);
     nearPlane /= glm::length(glm::dvec3(nearPlane));
     // Distance of neighboring rays on the near plane, and what it grows by with the distance.
     const glm::dvec2 middle = 0.5 * glm::dvec2(camera.ImageSize);
@@ -57,15 +57,11 @@ public:
     this->Pixel = static_cast<float>(glm::length(next.Origin - one.Origin));
     this->PixelGrowth = static_cast<float>(glm::length(next.Direction - one.Direction));
 
-    // Pixels are the first two rows, each less the corner of the image, in units of a pixel.
-    const glm::dvec2 corner = camera.ToNdc(0.0, 0.0);
-    const glm::dvec4 toX = (rows[0] - corner.x * rows[3]) / camera.NdcPerPixel.x;
-    const glm::dvec4 toY = (rows[1] - corner.y * rows[3]) / camera.NdcPerPixel.y;
     // The largest extent along a row of a margin to all sides.
     const auto marginAlong = [&change](const glm::dvec3& row) {
       return glm::dot(glm::abs(row), change.Margin);
     };
-    const double depthMargin = marginAlong(glm::dvec3(rows[3]));
+    const double depthMargin = marginAlong(glm::dvec3(rows.W));
     const double nearMargin = marginAlong(glm::dvec3(nearPlane));
     const std::size_t count = change.Corners.size();
     for (std::vector<float>* values :
@@ -79,18 +75,18 @@ public:
       const auto along = [&p](const glm::dvec4& row) {
         return row.x * p.x + row.y * p.y + row.z * p.z + row.w;
       };
-      const double depth = along(rows[3]);
-      // Moved by d the corner is at (toX (p + d)) / (depth + rows[3] d), which differs from where
-      // it is by ((toX - x rows[3]) d) / (depth + rows[3] d). A part moves with its corners.
+      const double depth = along(rows.W);
+      // Moved by d the corner is at (X . (p + d)) / (depth + W . d), which differs from where
+      // it is by ((X - x W) . d) / (depth + W . d). A part moves with its corners.
       const auto project = [&](const glm::dvec4& row, float& low, float& high) {
         const double at = along(row) / depth;
         const double margin =
-          marginAlong(glm::dvec3(row) - at * glm::dvec3(rows[3])) / (depth - depthMargin);
+          marginAlong(glm::dvec3(row) - at * glm::dvec3(rows.W)) / (depth - depthMargin);
         low = static_cast<float>(at - margin);
         high = static_cast<float>(at + margin);
       };
-      project(toX, this->LowX[i], this->HighX[i]);
-      project(toY, this->LowY[i], this->HighY[i]);
+      project(rows.X, this->LowX[i], this->HighX[i]);
+      project(rows.Y, this->LowY[i], this->HighY[i]);
       this->Nearest[i] = static_cast<float>(along(nearPlane) - nearMargin);
     }
     // The least and the largest of neighboring corners, axis by axis.

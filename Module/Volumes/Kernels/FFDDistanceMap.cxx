@@ -3,6 +3,7 @@
 #include "FFDDistanceMap.h"
 
 #include "FFDGridIndex.h"
+#include "FFDRowSteps.h"
 
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
@@ -18,71 +19,33 @@ namespace ffd
 namespace
 {
 
-constexpr int LargestDistance = 255;
-
-/// Along `Rows` rows, one after the other, whose blocks are 0 (may be visible) or the largest
-/// distance: forth and back. Several rows at once take little longer than one.
-template <int Rows>
-void TransformRows(std::uint8_t* first, std::size_t count)
-{
-  int gaps[Rows];
-  const auto step = [&gaps, first, count](std::size_t i) {
-    for (std::size_t r = 0; r < Rows; ++r)
-    {
-      std::uint8_t& block = first[r * count + i];
-      gaps[r] = block == 0 ? 0 : std::min(gaps[r] + 1, static_cast<int>(block));
-      block = static_cast<std::uint8_t>(gaps[r]);
-    }
-  };
-  std::fill_n(gaps, Rows, LargestDistance);
-  for (std::size_t i = 0; i < count; ++i)
-  {
-    step(i);
-  }
-  std::fill_n(gaps, Rows, LargestDistance);
-  for (std::size_t i = count; i-- > 0;)
-  {
-    step(i);
-  }
-}
+constexpr std::uint8_t LargestDistance = 255;
 
 /**
  * One more axis of the Chebyshev distance transform, for `width` lines at once that lie side by
  * side: out[i] = min over j of max(|i - j|, in[j]). The search for a row of the lines stops at the
  * largest distance found in it so far, so it is short wherever the volume is not empty.
  */
-void TransformLines(
-  std::uint8_t* lines, int count, std::size_t stride, int width, std::vector<std::uint8_t>& source)
+void TransformLines(std::uint8_t* lines, int count, std::size_t stride, std::size_t width,
+  std::vector<std::uint8_t>& source)
 {
-  source.resize(static_cast<std::size_t>(count) * static_cast<std::size_t>(width));
-  const auto row = [&source, width](int i) {
-    return &source[static_cast<std::size_t>(i) * static_cast<std::size_t>(width)];
-  };
+  source.resize(static_cast<std::size_t>(count) * width);
+  const auto row = [&source, width](int i) { return &source[static_cast<std::size_t>(i) * width]; };
+  std::vector<int> largest;
   for (int i = 0; i < count; ++i)
   {
-    std::copy_n(lines + static_cast<std::size_t>(i) * stride, width, row(i));
+    largest.push_back(RowSteps::Copy(lines + static_cast<std::size_t>(i) * stride, row(i), width));
   }
   for (int i = 0; i < count; ++i)
   {
-    std::uint8_t* out = lines + static_cast<std::size_t>(i) * stride;
-    for (int gap = 1; gap < LargestDistance && (i - gap >= 0 || i + gap < count); ++gap)
+    std::uint8_t* const out = lines + static_cast<std::size_t>(i) * stride;
+    // Only neighbors closer than the distances found so far can lower them.
+    int most = largest[static_cast<std::size_t>(i)];
+    for (int gap = 1; gap < most && (i - gap >= 0 || i + gap < count); ++gap)
     {
       // Beyond either end there is nothing: the other neighbor stands for both.
-      const std::uint8_t* below = row(i - gap >= 0 ? i - gap : i + gap);
-      const std::uint8_t* above = row(i + gap < count ? i + gap : i - gap);
-      const std::uint8_t least = static_cast<std::uint8_t>(gap);
-      std::uint8_t largest = 0;
-      for (int x = 0; x < width; ++x)
-      {
-        const std::uint8_t near = std::min(below[x], above[x]);
-        out[x] = std::min(out[x], std::max(least, near));
-        largest = std::max(largest, out[x]);
-      }
-      // Only neighbors closer than the distances found so far can lower them.
-      if (largest <= gap + 1)
-      {
-        break;
-      }
+      most = RowSteps::Lower(row(i - gap >= 0 ? i - gap : i + gap),
+        row(i + gap < count ? i + gap : i - gap), static_cast<std::uint8_t>(gap), out, width);
     }
   }
 }
@@ -248,8 +211,8 @@ void DistanceMap::Build(const MinMaxBlocks& blocks, const Test& test, const MinM
   const std::size_t nxy = nx * static_cast<std::size_t>(this->Blocks.y);
   run(this->Blocks.y, [&](int j) {
     std::vector<std::uint8_t> work;
-    TransformLines(&this->Distances[static_cast<std::size_t>(j) * nx], this->Blocks.z, nxy,
-      this->Blocks.x, work);
+    TransformLines(
+      &this->Distances[static_cast<std::size_t>(j) * nx], this->Blocks.z, nxy, nx, work);
   });
 }
 
@@ -274,20 +237,14 @@ void DistanceMap::FindOccupancy(
 //------------------------------------------------------------------------------
 void DistanceMap::TransformPlane(int k)
 {
-  constexpr int AtOnce = 4;
-  const std::size_t count = static_cast<std::size_t>(this->Blocks.x);
-  int j = 0;
-  for (; j + AtOnce <= this->Blocks.y; j += AtOnce)
+  const std::size_t nx = static_cast<std::size_t>(this->Blocks.x);
+  std::uint8_t* const plane = &this->Distances[GridIndex(0, 0, k, this->Blocks)];
+  std::vector<std::uint8_t> work(6 * nx, LargestDistance);
+  for (int j = 0; j < this->Blocks.y; ++j)
   {
-    TransformRows<AtOnce>(&this->Distances[GridIndex(0, j, k, this->Blocks)], count);
+    RowSteps::FindDistances(plane + static_cast<std::size_t>(j) * nx, nx, work.data());
   }
-  for (; j < this->Blocks.y; ++j)
-  {
-    TransformRows<1>(&this->Distances[GridIndex(0, j, k, this->Blocks)], count);
-  }
-  std::vector<std::uint8_t> work;
-  TransformLines(&this->Distances[GridIndex(0, 0, k, this->Blocks)], this->Blocks.y,
-    static_cast<std::size_t>(this->Blocks.x), this->Blocks.x, work);
+  TransformLines(plane, this->Blocks.y, nx, nx, work);
 }
 
 //------------------------------------------------------------------------------

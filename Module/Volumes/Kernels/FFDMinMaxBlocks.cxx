@@ -4,6 +4,7 @@
 
 #include "FFDAxisMap.h"
 #include "FFDGridIndex.h"
+#include "FFDRowSteps.h"
 #include "FFDScalarDispatch.h"
 
 #include <glm/common.hpp>
@@ -37,9 +38,8 @@ bool IsOutOfRange(T value)
 }
 
 /**
- * Smallest and largest number at each position of a row, over the rows that were added. The loops
- * over the positions have no branches, so that compilers make vector code of them; comparisons with
- * what is not a number are false, which leaves it out.
+ * Smallest and largest number at each position of a row, over the rows that were added. What is not
+ * a number is left out.
  */
 template <class T>
 class RowExtremes
@@ -64,9 +64,17 @@ public:
   /// The row that begins at `row`, its scalars `increment` apart.
   void Add(const T* row, std::ptrdiff_t increment)
   {
-    // Of constant increment where it can be.
-    increment == 1 ? this->AddScalars(row, std::integral_constant<std::ptrdiff_t, 1>())
-                   : this->AddScalars(row, increment);
+    const std::size_t count = this->Min.size();
+    if (increment != 1)
+    {
+      this->Gathered.resize(count);
+      for (std::size_t i = 0; i < count; ++i, row += increment)
+      {
+        this->Gathered[i] = *row;
+      }
+      row = this->Gathered.data();
+    }
+    RowSteps::Include(row, count, this->Min.data(), this->Max.data());
   }
 
   /// The same without numbers that have no place in the range of the volume.
@@ -89,18 +97,8 @@ public:
   /// Makes the extremes at each position those of the positions of a block that begins there.
   void Widen()
   {
-    static_assert(MinMaxBlocks::BlockSize == 4, "Steps add up to the size of a block.");
-    for (const std::ptrdiff_t step : { 1, 2, 1 })
-    {
-      const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(this->Min.size()) - step;
-      T* const min = this->Min.data();
-      T* const max = this->Max.data();
-      for (std::ptrdiff_t i = 0; i < count; ++i)
-      {
-        min[i] = min[i + step] < min[i] ? min[i + step] : min[i];
-        max[i] = max[i + step] > max[i] ? max[i + step] : max[i];
-      }
-    }
+    static_assert(MinMaxBlocks::BlockSize == 4, "the step is for blocks of four");
+    RowSteps::WidenByFour(this->Min.data(), this->Max.data(), this->Min.size());
   }
 
   /// Over the positions from `first` to `last`; the minimum is above the maximum where there was no
@@ -118,22 +116,9 @@ public:
   }
 
 private:
-  template <class Increment>
-  void AddScalars(const T* row, Increment increment)
-  {
-    const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(this->Min.size());
-    T* const min = this->Min.data();
-    T* const max = this->Max.data();
-    for (std::ptrdiff_t i = 0; i < count; ++i)
-    {
-      const T value = row[i * increment];
-      min[i] = value < min[i] ? value : min[i];
-      max[i] = value > max[i] ? value : max[i];
-    }
-  }
-
   std::vector<T> Min;
   std::vector<T> Max;
+  std::vector<T> Gathered; // scalars of a row, one after the other
 };
 
 template <class T>
