@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "EveryTarget.h"
 #include "FFDMinMaxBlocks.h"
 #include "FFDValuePeaks.h"
 #include "RandomLattice.h"
@@ -76,106 +77,114 @@ TEST(MinMaxBlocks, BlocksCoverTheCells)
 
 TEST(MinMaxBlocks, ContainBruteForceLimitsForEveryType)
 {
-  RandomLattice random(1);
-  for (const ScalarType type : AllScalarTypes)
-  {
-    for (int run = 0; run < 12; ++run)
+  ForEveryTarget([] {
+    RandomLattice random(1);
+    for (const ScalarType type : AllScalarTypes)
     {
-      const glm::ivec3 size(random.Integer(2, 14), random.Integer(2, 14), random.Integer(2, 14));
-      // Ranges from a few codes to more than a word can count; signed where the type is.
-      const bool isByte = type == ScalarType::Int8 || type == ScalarType::UInt8;
-      const double width = isByte ? 100.0 : std::pow(10.0, 1 + run % 4);
-      const bool isUnsigned = type == ScalarType::UInt8 || type == ScalarType::UInt16 ||
-        type == ScalarType::UInt32 || type == ScalarType::UInt64;
-      const double base = isUnsigned ? 0.0 : -0.4 * width;
-      const TestVolume volume(
-        type, size, [&](int i, int, int) { return base + i + width * random.Number(0.0, 1.0); },
-        1 + run % 3);
-      const MinMaxBlocks blocks(volume.View, ParallelFor());
+      for (int run = 0; run < 12; ++run)
+      {
+        const glm::ivec3 size(random.Integer(2, 14), random.Integer(2, 14), random.Integer(2, 14));
+        // Ranges from a few codes to more than a word can count; signed where the type is.
+        const bool isByte = type == ScalarType::Int8 || type == ScalarType::UInt8;
+        const double width = isByte ? 100.0 : std::pow(10.0, 1 + run % 4);
+        const bool isUnsigned = type == ScalarType::UInt8 || type == ScalarType::UInt16 ||
+          type == ScalarType::UInt32 || type == ScalarType::UInt64;
+        const double base = isUnsigned ? 0.0 : -0.4 * width;
+        const TestVolume volume(
+          type, size, [&](int i, int, int) { return base + i + width * random.Number(0.0, 1.0); },
+          1 + run % 3);
+        const MinMaxBlocks blocks(volume.View, ParallelFor());
 
-      const MinMaxBlocks::Limits all = blocks.GetRange();
-      double lo = Infinity;
-      double hi = -Infinity;
-      volume.ForEach([&](int i, int j, int k) {
-        lo = std::min(lo, volume.At(i, j, k));
-        hi = std::max(hi, volume.At(i, j, k));
-      });
-      EXPECT_EQ(all.Min, lo);
-      EXPECT_EQ(all.Max, hi);
+        const MinMaxBlocks::Limits all = blocks.GetRange();
+        double lo = Infinity;
+        double hi = -Infinity;
+        volume.ForEach([&](int i, int j, int k) {
+          lo = std::min(lo, volume.At(i, j, k));
+          hi = std::max(hi, volume.At(i, j, k));
+        });
+        EXPECT_EQ(all.Min, lo);
+        EXPECT_EQ(all.Max, hi);
 
-      const bool isWhole = type != ScalarType::Float32 && type != ScalarType::Float64;
-      const bool isShort = type == ScalarType::Int16 || type == ScalarType::UInt16;
-      const bool exact = isWhole && (hi - lo <= 255.0 || isShort);
-      const double code = exact ? 0.0 : (hi - lo) / 65535.0;
-      const double rounding = exact ? 0.0 : 1e-12 * width;
-      ForEachBlock(blocks, [&](const glm::ivec3& block, const MinMaxBlocks::Limits& limits) {
-        const MinMaxBlocks::Limits truth = BruteForce(volume, block);
-        ASSERT_LE(limits.Min, truth.Min + rounding);
-        ASSERT_GE(limits.Max, truth.Max - rounding);
-        // Two and six bits between the limits of the parent.
-        const MinMaxBlocks::Limits parent = blocks.GetParentLimits(block / 2);
-        ASSERT_LE(parent.Min, limits.Min);
-        ASSERT_GE(parent.Max, limits.Max);
-        const double unit = exact ? 1.0 : code;
-        const double parentWidth = std::max(parent.Max - parent.Min, 63.0 * unit);
-        const double slack = 2.0 * code + rounding;
-        ASSERT_GE(limits.Min, truth.Min - slack - parentWidth / 3.0 - unit);
-        ASSERT_LE(limits.Max,
-          truth.Max + slack + (parentWidth > 63.0 * unit ? parentWidth / 63.0 + unit : 0.0));
-      });
+        const bool isWhole = type != ScalarType::Float32 && type != ScalarType::Float64;
+        const bool isShort = type == ScalarType::Int16 || type == ScalarType::UInt16;
+        const bool exact = isWhole && (hi - lo <= 255.0 || isShort);
+        const double code = exact ? 0.0 : (hi - lo) / 65535.0;
+        const double rounding = exact ? 0.0 : 1e-12 * width;
+        ForEachBlock(blocks, [&](const glm::ivec3& block, const MinMaxBlocks::Limits& limits) {
+          const MinMaxBlocks::Limits truth = BruteForce(volume, block);
+          ASSERT_LE(limits.Min, truth.Min + rounding);
+          ASSERT_GE(limits.Max, truth.Max - rounding);
+          // Two and six bits between the limits of the parent.
+          const MinMaxBlocks::Limits parent = blocks.GetParentLimits(block / 2);
+          ASSERT_LE(parent.Min, limits.Min);
+          ASSERT_GE(parent.Max, limits.Max);
+          const double unit = exact ? 1.0 : code;
+          const double parentWidth = std::max(parent.Max - parent.Min, 63.0 * unit);
+          const double slack = 2.0 * code + rounding;
+          ASSERT_GE(limits.Min, truth.Min - slack - parentWidth / 3.0 - unit);
+          ASSERT_LE(limits.Max,
+            truth.Max + slack + (parentWidth > 63.0 * unit ? parentWidth / 63.0 + unit : 0.0));
+        });
+      }
     }
-  }
+  });
 }
 
 TEST(MinMaxBlocks, FullRangeOfTheIntegerTypes)
 {
-  for (const ScalarType type : AllScalarTypes)
-  {
-    DispatchScalarType(type, [&](auto zero) {
-      using T = decltype(zero);
-      // The second block holds the largest value, the third the smallest.
-      TestVolume volume(type, glm::ivec3(13, 2, 2), [](int, int, int) { return 0.0; });
-      T* scalars = const_cast<T*>(static_cast<const T*>(volume.View.Scalars));
-      scalars[6] = std::numeric_limits<T>::max();
-      scalars[10] = std::numeric_limits<T>::lowest();
-      const MinMaxBlocks blocks(volume.View, ParallelFor());
-      const double most = static_cast<double>(std::numeric_limits<T>::max());
-      const double least = static_cast<double>(std::numeric_limits<T>::lowest());
-      // The largest floating-point numbers may count as infinite: differences of them are.
-      const double part = std::is_floating_point_v<T> ? 1e-3 : 1.0 - 1e-4;
-      EXPECT_TRUE(std::isfinite(blocks.GetRange().Max - blocks.GetRange().Min));
-      EXPECT_LE(blocks.GetLimits(glm::ivec3(0, 0, 0)).Min, 0.0);
-      EXPECT_GE(blocks.GetLimits(glm::ivec3(0, 0, 0)).Max, 0.0);
-      EXPECT_GE(
-        blocks.GetLimits(glm::ivec3(1, 0, 0)).Max, std::min(part * most, blocks.GetRange().Max));
-      EXPECT_LE(blocks.GetLimits(glm::ivec3(1, 0, 0)).Min, 0.0);
-      EXPECT_LE(
-        blocks.GetLimits(glm::ivec3(2, 0, 0)).Min, std::max(part * least, blocks.GetRange().Min));
-      EXPECT_GE(blocks.GetLimits(glm::ivec3(2, 0, 0)).Max, 0.0);
-      EXPECT_LE(
-        blocks.GetLimits(glm::ivec3(0, 0, 0)).Min, blocks.GetLimits(glm::ivec3(0, 0, 0)).Max);
-    });
-  }
+  ForEveryTarget([] {
+    for (const ScalarType type : AllScalarTypes)
+    {
+      DispatchScalarType(type, [&](auto zero) {
+        using T = decltype(zero);
+        // The second block holds the largest value, the third the smallest.
+        TestVolume volume(type, glm::ivec3(13, 2, 2), [](int, int, int) { return 0.0; });
+        T* scalars = const_cast<T*>(static_cast<const T*>(volume.View.Scalars));
+        scalars[6] = std::numeric_limits<T>::max();
+        scalars[10] = std::numeric_limits<T>::lowest();
+        const MinMaxBlocks blocks(volume.View, ParallelFor());
+        const double most = static_cast<double>(std::numeric_limits<T>::max());
+        const double least = static_cast<double>(std::numeric_limits<T>::lowest());
+        // The largest floating-point numbers may count as infinite: differences of them are.
+        const double part = std::is_floating_point_v<T> ? 1e-3 : 1.0 - 1e-4;
+        EXPECT_TRUE(std::isfinite(blocks.GetRange().Max - blocks.GetRange().Min));
+        EXPECT_LE(blocks.GetLimits(glm::ivec3(0, 0, 0)).Min, 0.0);
+        EXPECT_GE(blocks.GetLimits(glm::ivec3(0, 0, 0)).Max, 0.0);
+        EXPECT_GE(
+          blocks.GetLimits(glm::ivec3(1, 0, 0)).Max, std::min(part * most, blocks.GetRange().Max));
+        EXPECT_LE(blocks.GetLimits(glm::ivec3(1, 0, 0)).Min, 0.0);
+        EXPECT_LE(
+          blocks.GetLimits(glm::ivec3(2, 0, 0)).Min, std::max(part * least, blocks.GetRange().Min));
+        EXPECT_GE(blocks.GetLimits(glm::ivec3(2, 0, 0)).Max, 0.0);
+        EXPECT_LE(
+          blocks.GetLimits(glm::ivec3(0, 0, 0)).Min, blocks.GetLimits(glm::ivec3(0, 0, 0)).Max);
+      });
+    }
+  });
 }
 
 TEST(MinMaxBlocks, NotANumberIsLeftOut)
 {
-  for (const ScalarType type : { ScalarType::Float32, ScalarType::Float64 })
-  {
-    // First block: numbers and NaN; second: NaN only (its first layer is shared); third: infinite.
-    const TestVolume volume(type, glm::ivec3(13, 2, 2), [](int i, int j, int) {
-      return i >= 4 && i <= 8 ? NaN : i > 8 ? (j ? Infinity : -Infinity) : i == 2 ? NaN : i;
-    });
-    const MinMaxBlocks blocks(volume.View, ParallelFor());
-    EXPECT_EQ(blocks.GetRange().Min, 0.0);
-    EXPECT_EQ(blocks.GetRange().Max, 3.0);
-    EXPECT_LE(blocks.GetLimits(glm::ivec3(0, 0, 0)).Min, 0.0);
-    EXPECT_NEAR(blocks.GetLimits(glm::ivec3(0, 0, 0)).Max, 3.0, 1e-9);
-    EXPECT_GT(blocks.GetLimits(glm::ivec3(1, 0, 0)).Min, blocks.GetLimits(glm::ivec3(1, 0, 0)).Max);
-    // Infinite scalars count as the ends of the range.
-    EXPECT_NEAR(blocks.GetLimits(glm::ivec3(2, 0, 0)).Min, 0.0, 1e-9);
-    EXPECT_NEAR(blocks.GetLimits(glm::ivec3(2, 0, 0)).Max, 3.0, 1e-9);
-  }
+  ForEveryTarget([] {
+    for (const ScalarType type : { ScalarType::Float32, ScalarType::Float64 })
+    {
+      // First block: numbers and NaN; second: NaN only (its first layer is shared); third:
+      // infinite.
+      const TestVolume volume(type, glm::ivec3(13, 2, 2), [](int i, int j, int) {
+        return i >= 4 && i <= 8 ? NaN : i > 8 ? (j ? Infinity : -Infinity) : i == 2 ? NaN : i;
+      });
+      const MinMaxBlocks blocks(volume.View, ParallelFor());
+      EXPECT_EQ(blocks.GetRange().Min, 0.0);
+      EXPECT_EQ(blocks.GetRange().Max, 3.0);
+      EXPECT_LE(blocks.GetLimits(glm::ivec3(0, 0, 0)).Min, 0.0);
+      EXPECT_NEAR(blocks.GetLimits(glm::ivec3(0, 0, 0)).Max, 3.0, 1e-9);
+      EXPECT_GT(
+        blocks.GetLimits(glm::ivec3(1, 0, 0)).Min, blocks.GetLimits(glm::ivec3(1, 0, 0)).Max);
+      // Infinite scalars count as the ends of the range.
+      EXPECT_NEAR(blocks.GetLimits(glm::ivec3(2, 0, 0)).Min, 0.0, 1e-9);
+      EXPECT_NEAR(blocks.GetLimits(glm::ivec3(2, 0, 0)).Max, 3.0, 1e-9);
+    }
+  });
 }
 
 TEST(MinMaxBlocks, NoNumberAtAll)

@@ -31,10 +31,11 @@ void TransformLines(std::uint8_t* lines, int count, std::size_t stride, std::siz
 {
   source.resize(static_cast<std::size_t>(count) * width);
   const auto row = [&source, width](int i) { return &source[static_cast<std::size_t>(i) * width]; };
+  const DistanceSteps steps = GetDistanceSteps();
   std::vector<int> largest;
   for (int i = 0; i < count; ++i)
   {
-    largest.push_back(RowSteps::Copy(lines + static_cast<std::size_t>(i) * stride, row(i), width));
+    largest.push_back(steps.Copy(lines + static_cast<std::size_t>(i) * stride, row(i), width));
   }
   for (int i = 0; i < count; ++i)
   {
@@ -44,7 +45,7 @@ void TransformLines(std::uint8_t* lines, int count, std::size_t stride, std::siz
     for (int gap = 1; gap < most && (i - gap >= 0 || i + gap < count); ++gap)
     {
       // Beyond either end there is nothing: the other neighbor stands for both.
-      most = RowSteps::Lower(row(i - gap >= 0 ? i - gap : i + gap),
+      most = steps.Lower(row(i - gap >= 0 ? i - gap : i + gap),
         row(i + gap < count ? i + gap : i - gap), static_cast<std::uint8_t>(gap), out, width);
     }
   }
@@ -239,10 +240,11 @@ void DistanceMap::TransformPlane(int k)
 {
   const std::size_t nx = static_cast<std::size_t>(this->Blocks.x);
   std::uint8_t* const plane = &this->Distances[GridIndex(0, 0, k, this->Blocks)];
+  const DistanceSteps steps = GetDistanceSteps();
   std::vector<std::uint8_t> work(6 * nx, LargestDistance);
   for (int j = 0; j < this->Blocks.y; ++j)
   {
-    RowSteps::FindDistances(plane + static_cast<std::size_t>(j) * nx, nx, work.data());
+    steps.FindDistances(plane + static_cast<std::size_t>(j) * nx, nx, work.data());
   }
   TransformLines(plane, this->Blocks.y, nx, nx, work);
 }

@@ -74,7 +74,7 @@ public:
       }
       row = this->Gathered.data();
     }
-    RowSteps::Include(row, count, this->Min.data(), this->Max.data());
+    this->Steps.Include(row, count, this->Min.data(), this->Max.data());
   }
 
   /// The same without numbers that have no place in the range of the volume.
@@ -98,7 +98,7 @@ public:
   void Widen()
   {
     static_assert(MinMaxBlocks::BlockSize == 4, "the step is for blocks of four");
-    RowSteps::WidenByFour(this->Min.data(), this->Max.data(), this->Min.size());
+    this->Steps.WidenByFour(this->Min.data(), this->Max.data(), this->Min.size());
   }
 
   /// Over the positions from `first` to `last`; the minimum is above the maximum where there was no
@@ -119,6 +119,7 @@ private:
   std::vector<T> Min;
   std::vector<T> Max;
   std::vector<T> Gathered; // scalars of a row, one after the other
+  ExtremesSteps<T> Steps = GetExtremesSteps<T>();
 };
 
 template <class T>

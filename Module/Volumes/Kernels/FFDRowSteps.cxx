@@ -19,46 +19,20 @@
 #define FFDRowSteps_cxx
 namespace ffd
 {
-namespace RowSteps
-{
 
 constexpr std::uint8_t Farthest = 255;
 
-/// The steps over rows of a scalar type.
-template <class T>
-struct StepsOf
-{
-  void (*Include)(const T*, std::size_t, T*, T*);
-  void (*WidenByFour)(T*, T*, std::size_t);
-};
-
-struct StepsOfDistances
-{
-  std::uint8_t (*Lower)(
-    const std::uint8_t*, const std::uint8_t*, std::uint8_t, std::uint8_t*, std::size_t);
-  std::uint8_t (*Copy)(const std::uint8_t*, std::uint8_t*, std::size_t);
-  void (*FindDistances)(std::uint8_t*, std::size_t, std::uint8_t*);
-};
-
-template <class... T>
-struct StepsOfTypes
-{
-  std::tuple<StepsOf<T>...> Extremes;
-  StepsOfDistances Distances;
-};
-
 /// Of all types that DispatchScalarType() tells apart.
-using AllSteps = StepsOfTypes<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t, std::int32_t,
-  std::uint32_t, std::int64_t, std::uint64_t, float, double>;
+using AllExtremesSteps = std::tuple<ExtremesSteps<std::int8_t>, ExtremesSteps<std::uint8_t>,
+  ExtremesSteps<std::int16_t>, ExtremesSteps<std::uint16_t>, ExtremesSteps<std::int32_t>,
+  ExtremesSteps<std::uint32_t>, ExtremesSteps<std::int64_t>, ExtremesSteps<std::uint64_t>,
+  ExtremesSteps<float>, ExtremesSteps<double>>;
 
-} // namespace RowSteps
 } // namespace ffd
 #endif
 
 HWY_BEFORE_NAMESPACE();
 namespace ffd
-{
-namespace RowSteps
 {
 namespace HWY_NAMESPACE
 {
@@ -138,89 +112,57 @@ void FindDistances(std::uint8_t* row, std::size_t count, std::uint8_t* work)
   std::copy_n(now, count, row);
 }
 
-template <class... T>
-void Select(StepsOfTypes<T...>& steps)
+template <class... Steps>
+void SelectFrom(std::tuple<Steps...>& all)
 {
-  steps = { { StepsOf<T>{ &Include<T>, &WidenByFour<T> }... }, { &Lower, &Copy, &FindDistances } };
+  all = std::tuple<Steps...>(Steps{ &Include, &WidenByFour }...);
 }
 
-void SelectAll(AllSteps& steps) { Select(steps); }
+void SelectExtremesSteps(AllExtremesSteps& all) { SelectFrom(all); }
+
+void SelectDistanceSteps(DistanceSteps& steps) { steps = { &Lower, &Copy, &FindDistances }; }
 
 } // namespace HWY_NAMESPACE
-} // namespace RowSteps
 } // namespace ffd
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace ffd
 {
-namespace RowSteps
-{
 namespace
 {
 
-HWY_EXPORT(SelectAll);
-
-const AllSteps& GetSteps()
-{
-  static const AllSteps steps = [] {
-    AllSteps all;
-    HWY_DYNAMIC_DISPATCH(SelectAll)(all);
-    return all;
-  }();
-  return steps;
-}
+HWY_EXPORT(SelectExtremesSteps);
+HWY_EXPORT(SelectDistanceSteps);
 
 } // namespace
 
 //------------------------------------------------------------------------------
 template <class T>
-void Include(const T* row, std::size_t count, T* min, T* max)
+ExtremesSteps<T> GetExtremesSteps()
 {
-  std::get<StepsOf<T>>(GetSteps().Extremes).Include(row, count, min, max);
+  AllExtremesSteps all;
+  HWY_DYNAMIC_DISPATCH(SelectExtremesSteps)(all);
+  return std::get<ExtremesSteps<T>>(all);
 }
+template ExtremesSteps<std::int8_t> GetExtremesSteps();
+template ExtremesSteps<std::uint8_t> GetExtremesSteps();
+template ExtremesSteps<std::int16_t> GetExtremesSteps();
+template ExtremesSteps<std::uint16_t> GetExtremesSteps();
+template ExtremesSteps<std::int32_t> GetExtremesSteps();
+template ExtremesSteps<std::uint32_t> GetExtremesSteps();
+template ExtremesSteps<std::int64_t> GetExtremesSteps();
+template ExtremesSteps<std::uint64_t> GetExtremesSteps();
+template ExtremesSteps<float> GetExtremesSteps();
+template ExtremesSteps<double> GetExtremesSteps();
 
 //------------------------------------------------------------------------------
-template <class T>
-void WidenByFour(T* min, T* max, std::size_t count)
+DistanceSteps GetDistanceSteps()
 {
-  std::get<StepsOf<T>>(GetSteps().Extremes).WidenByFour(min, max, count);
+  DistanceSteps steps;
+  HWY_DYNAMIC_DISPATCH(SelectDistanceSteps)(steps);
+  return steps;
 }
 
-//------------------------------------------------------------------------------
-std::uint8_t Lower(const std::uint8_t* below, const std::uint8_t* above, std::uint8_t gap,
-  std::uint8_t* out, std::size_t count)
-{
-  return GetSteps().Distances.Lower(below, above, gap, out, count);
-}
-
-//------------------------------------------------------------------------------
-std::uint8_t Copy(const std::uint8_t* from, std::uint8_t* to, std::size_t count)
-{
-  return GetSteps().Distances.Copy(from, to, count);
-}
-
-//------------------------------------------------------------------------------
-void FindDistances(std::uint8_t* row, std::size_t count, std::uint8_t* work)
-{
-  GetSteps().Distances.FindDistances(row, count, work);
-}
-
-#define FFD_INSTANTIATE(T)                                                                         \
-  template void Include(const T*, std::size_t, T*, T*);                                            \
-  template void WidenByFour(T*, T*, std::size_t)
-FFD_INSTANTIATE(std::int8_t);
-FFD_INSTANTIATE(std::uint8_t);
-FFD_INSTANTIATE(std::int16_t);
-FFD_INSTANTIATE(std::uint16_t);
-FFD_INSTANTIATE(std::int32_t);
-FFD_INSTANTIATE(std::uint32_t);
-FFD_INSTANTIATE(std::int64_t);
-FFD_INSTANTIATE(std::uint64_t);
-FFD_INSTANTIATE(float);
-FFD_INSTANTIATE(double);
-#undef FFD_INSTANTIATE
-
-} // namespace RowSteps
 } // namespace ffd
 #endif

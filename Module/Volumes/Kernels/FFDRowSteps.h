@@ -9,37 +9,45 @@
 namespace ffd
 {
 
-/**
- * Steps over rows of numbers, in vector code of the best instruction set that the machine has. Rows
- * do not overlap.
- */
-namespace RowSteps
+/// Steps over rows of the numbers of a type, in vector code. Rows do not overlap.
+template <class T>
+struct ExtremesSteps
 {
+  /// Include(row, count, min, max) makes min[i] and max[i] hold row[i], too; what is not a number
+  /// is left out.
+  void (*Include)(const T* row, std::size_t count, T* min, T* max);
 
-/// Makes min[i] and max[i] hold row[i], too; what is not a number is left out. Of all scalar types.
-template <class T>
-void Include(const T* row, std::size_t count, T* min, T* max);
+  /// WidenByFour(min, max, count) makes the extremes at each position those of it and the four
+  /// positions behind it, where these exist.
+  void (*WidenByFour)(T* min, T* max, std::size_t count);
+};
 
-/// Makes the extremes at each position those of it and the four positions behind it, where these
-/// exist.
-template <class T>
-void WidenByFour(T* min, T* max, std::size_t count);
+/// Steps over rows of distances, in vector code. Rows do not overlap.
+struct DistanceSteps
+{
+  /// Lower(below, above, gap, out, count) lowers out[i] to max(gap, min(below[i], above[i])) where
+  /// that is less, and returns the largest of `out`.
+  std::uint8_t (*Lower)(const std::uint8_t* below, const std::uint8_t* above, std::uint8_t gap,
+    std::uint8_t* out, std::size_t count);
 
-/// Lowers out[i] to max(gap, min(below[i], above[i])) where that is less; returns the largest of
-/// `out`.
-std::uint8_t Lower(const std::uint8_t* below, const std::uint8_t* above, std::uint8_t gap,
-  std::uint8_t* out, std::size_t count);
+  /// Copy(from, to, count) copies a row, and returns the largest of its numbers.
+  std::uint8_t (*Copy)(const std::uint8_t* from, std::uint8_t* to, std::size_t count);
 
-/// Copies a row; returns the largest of its numbers.
-std::uint8_t Copy(const std::uint8_t* from, std::uint8_t* to, std::size_t count);
+  /// FindDistances(row, count, work) replaces numbers, each of them 0 or 255, by their distances
+  /// from the nearest 0, at most 255. `work`: 6 * count bytes, all of them 255 before the first
+  /// call, and left to the next one.
+  void (*FindDistances)(std::uint8_t* row, std::size_t count, std::uint8_t* work);
+};
 
+///@{
 /**
- * Replaces numbers, each of them 0 or 255, by their distances from the nearest 0, at most 255.
- * `work`: 6 * count bytes, all of them 255 before the first call, and left to the next one.
+ * The steps for the best instruction set that the machine has. T: the types of scalars.
  */
-void FindDistances(std::uint8_t* row, std::size_t count, std::uint8_t* work);
+template <class T>
+ExtremesSteps<T> GetExtremesSteps();
+DistanceSteps GetDistanceSteps();
+///@}
 
-} // namespace RowSteps
 } // namespace ffd
 
 #endif
