@@ -21,6 +21,9 @@ namespace
 
 constexpr std::uint8_t LargestDistance = 255;
 
+/// Rows of a plane in a search along the third axis.
+constexpr int RowsAtOnce = 4;
+
 /**
  * One more axis of the Chebyshev distance transform, for `width` lines at once that lie side by
  * side: out[i] = min over j of max(|i - j|, in[j]). The search for a row of the lines stops at the
@@ -210,10 +213,13 @@ void DistanceMap::Build(const MinMaxBlocks& blocks, const Test& test, const MinM
   run(this->Blocks.z, [this](int k) { this->TransformPlane(k); });
   const std::size_t nx = static_cast<std::size_t>(this->Blocks.x);
   const std::size_t nxy = nx * static_cast<std::size_t>(this->Blocks.y);
-  run(this->Blocks.y, [&](int j) {
+  // Rows that lie side by side are searched together.
+  run((this->Blocks.y + RowsAtOnce - 1) / RowsAtOnce, [&](int group) {
+    const int j = group * RowsAtOnce;
+    const int rows = std::min(RowsAtOnce, this->Blocks.y - j);
     std::vector<std::uint8_t> work;
-    TransformLines(
-      &this->Distances[static_cast<std::size_t>(j) * nx], this->Blocks.z, nxy, nx, work);
+    TransformLines(&this->Distances[static_cast<std::size_t>(j) * nx], this->Blocks.z, nxy,
+      static_cast<std::size_t>(rows) * nx, work);
   });
 }
 
