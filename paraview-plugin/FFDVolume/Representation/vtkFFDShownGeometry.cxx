@@ -175,33 +175,45 @@ vtkSmartPointer<vtkPolyData> Move(vtkPolyData* surface, const Shown& shown, bool
   return moved;
 }
 
-/// Data of surfaces or points, moved where they or all of them have a lattice; null if none has.
-vtkSmartPointer<vtkDataObject> MoveAll(vtkDataObject* data, const Shown& ofAll, bool isOutline)
+/// Data whose parts are moved where they or all of them have a lattice; null if nothing is moved.
+/// `move(part, shown)`: a moved copy of a part that is a Part, or null to leave it.
+template <class Part, class MovePart>
+vtkSmartPointer<vtkDataObject> MoveParts(
+  vtkDataObject* data, const Shown& ofAll, const MovePart& move)
 {
-  if (vtkPolyData* surface = vtkPolyData::SafeDownCast(data))
-  {
-    return ofAll.Lattice ? Move(surface, ofAll, isOutline) : nullptr;
-  }
+  const auto moveOne = [&move](vtkDataObject* one, const Shown& shown) {
+    Part* const part = Part::SafeDownCast(one);
+    return part && shown.Lattice ? move(part, shown) : nullptr;
+  };
   auto* parts = vtkCompositeDataSet::SafeDownCast(data);
   if (!parts)
   {
-    return nullptr;
+    return moveOne(data, ofAll);
   }
   vtkSmartPointer<vtkCompositeDataSet> moved;
-  moved.TakeReference(parts->NewInstance());
-  moved->ShallowCopy(parts);
   vtkSmartPointer<vtkCompositeDataIterator> iterator;
   iterator.TakeReference(parts->NewIterator());
   for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
   {
-    vtkPolyData* surface = vtkPolyData::SafeDownCast(iterator->GetCurrentDataObject());
-    const Shown own = ofAll.Lattice ? ofAll : Shown(surface);
-    if (surface && own.Lattice)
+    vtkDataObject* const one = iterator->GetCurrentDataObject();
+    if (const vtkSmartPointer<Part> part = moveOne(one, ofAll.Lattice ? ofAll : Shown(one)))
     {
-      moved->SetDataSet(iterator, Move(surface, own, isOutline));
+      if (!moved)
+      {
+        moved.TakeReference(parts->NewInstance());
+        moved->ShallowCopy(parts);
+      }
+      moved->SetDataSet(iterator, part);
     }
   }
   return moved;
+}
+
+/// Moves surfaces or points, as MoveParts().
+vtkSmartPointer<vtkDataObject> MoveAll(vtkDataObject* data, const Shown& ofAll, bool isOutline)
+{
+  return MoveParts<vtkPolyData>(data, ofAll,
+    [isOutline](vtkPolyData* part, const Shown& shown) { return Move(part, shown, isOutline); });
 }
 
 /// Enlarge `bounds` by where a part of a data set, or the whole, is shown.
@@ -291,42 +303,15 @@ struct Gaussians : vtkPointGaussianRepresentation
   }
 };
 
-/// A copy of a grid of cells with moved points.
+/// A copy of a grid of cells with moved points; null without any.
 vtkSmartPointer<vtkPointSet> MoveGrid(vtkPointSet* grid, const Shown& shown)
 {
   vtkSmartPointer<vtkPointSet> moved;
-  moved.TakeReference(grid->NewInstance());
-  moved->ShallowCopy(grid);
-  shown.Move(grid, moved);
-  return moved;
-}
-
-/// Grids of cells, moved where they or all of them have a lattice; null if none has.
-vtkSmartPointer<vtkDataObject> MoveGrids(vtkDataObject* data)
-{
-  const Shown ofAll = FindShownOfAll(data);
-  if (auto* grid = vtkPointSet::SafeDownCast(data))
+  if (grid->GetNumberOfPoints() > 0)
   {
-    return ofAll.Lattice && grid->GetNumberOfPoints() > 0 ? MoveGrid(grid, ofAll) : nullptr;
-  }
-  auto* parts = vtkCompositeDataSet::SafeDownCast(data);
-  if (!parts || !Shown::FindAnywhere(data).Lattice)
-  {
-    return nullptr;
-  }
-  vtkSmartPointer<vtkCompositeDataSet> moved;
-  moved.TakeReference(parts->NewInstance());
-  moved->ShallowCopy(parts);
-  vtkSmartPointer<vtkCompositeDataIterator> iterator;
-  iterator.TakeReference(parts->NewIterator());
-  for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
-  {
-    auto* grid = vtkPointSet::SafeDownCast(iterator->GetCurrentDataObject());
-    const Shown own = ofAll.Lattice ? ofAll : Shown(grid);
-    if (grid && grid->GetNumberOfPoints() > 0 && own.Lattice)
-    {
-      moved->SetDataSet(iterator, MoveGrid(grid, own));
-    }
+    moved.TakeReference(grid->NewInstance());
+    moved->ShallowCopy(grid);
+    shown.Move(grid, moved);
   }
   return moved;
 }
@@ -348,7 +333,8 @@ public:
     if (event == vtkCommand::StartEvent)
     {
       vtkDataObject* rest = vtkDataObject::GetData(input);
-      if (const vtkSmartPointer<vtkDataObject> moved = MoveGrids(rest))
+      if (const vtkSmartPointer<vtkDataObject> moved =
+            MoveParts<vtkPointSet>(rest, FindShownOfAll(rest), &MoveGrid))
       {
         this->Rest = rest;
         input->Set(vtkDataObject::DATA_OBJECT(), moved);
