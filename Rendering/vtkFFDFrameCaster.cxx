@@ -305,13 +305,16 @@ vtkFFDImageDisplay::Layers vtkFFDFrameCaster::CastLayers(const View& view, const
           });
         };
         find(-1.0f, this->RayDepths[at]);
+        if (nearest == 1.0f)
+        {
+          continue;
+        }
         const glm::dvec2 p(x + 0.5, y + 0.5);
         const ffd::CameraView& camera = scene.Camera;
         const ffd::ViewRay ray = camera.MakeRay(p.x, p.y);
         double from = 0.0;
         double to = ray.Far;
-        if (nearest == 1.0f ||
-          !ClipToBox(ray.Origin, ray.Direction, scene.DeformedBounds, from, to))
+        if (!ClipToBox(ray.Origin, ray.Direction, scene.DeformedBounds, from, to))
         {
           continue;
         }
