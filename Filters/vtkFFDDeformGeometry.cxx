@@ -268,6 +268,7 @@ void vtkFFDDeformGeometry::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "Deformation: " << this->Deformation << "\n";
   os << indent << "InverseMode: " << this->GetInverseModeAsString() << "\n";
   os << indent << "TransformAllInputVectors: " << this->TransformAllInputVectors << "\n";
+  os << indent << "PassRestPositions: " << this->PassRestPositions << "\n";
   os << indent << "OutputPointsPrecision: " << this->OutputPointsPrecision << "\n";
   os << indent << "InverseTolerance: " << this->InverseTolerance << "\n";
   os << indent << "NumberOfUnconvergedPoints: " << this->NumberOfUnconvergedPoints << "\n";
@@ -486,6 +487,14 @@ int vtkFFDDeformGeometry::RequestData(
   this->NumberOfUnconvergedPoints = unconverged;
   output->SetPoints(to);
   Replace(output->GetPointData(), pointArrays);
+  if (this->PassRestPositions)
+  {
+    vtkSmartPointer<vtkDataArray> rest;
+    rest.TakeReference(from->GetData()->NewInstance());
+    rest->ShallowCopy(from->GetData());
+    rest->SetName("RestPosition");
+    output->GetPointData()->AddArray(rest);
+  }
   Replace(output->GetCellData(), cellArrays);
   this->UpdateProgress(1.0);
   return 1;

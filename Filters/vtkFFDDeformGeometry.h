@@ -93,6 +93,15 @@ public:
 
   ///@{
   /**
+   * Whether the output has the points of the input as point data "RestPosition". Default: off.
+   */
+  vtkSetMacro(PassRestPositions, vtkTypeBool);
+  vtkGetMacro(PassRestPositions, vtkTypeBool);
+  vtkBooleanMacro(PassRestPositions, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
    * Precision of the output points: vtkAlgorithm::DEFAULT_PRECISION (that of the input, the
    * default), SINGLE_PRECISION or DOUBLE_PRECISION.
    */
@@ -134,6 +143,7 @@ private:
   vtkAbstractTransform* Deformation = nullptr;
   int InverseMode = EXACT;
   vtkTypeBool TransformAllInputVectors = 0;
+  vtkTypeBool PassRestPositions = 0;
   int OutputPointsPrecision = DEFAULT_PRECISION;
   double InverseTolerance = 1e-6;
   vtkIdType NumberOfUnconvergedPoints = 0;

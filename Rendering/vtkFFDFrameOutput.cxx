@@ -63,7 +63,7 @@ public:
           ? vtkIntArray::SafeDownCast(this->Image->GetFieldData()->GetArray("FFD.Pieces"))
           : nullptr)
   {
-    if (this->Array && this->Array->GetNumberOfComponents() != 7)
+    if (this->Array && this->Array->GetNumberOfComponents() != Width)
     {
       this->Array = nullptr;
     }
@@ -83,24 +83,25 @@ public:
     return most;
   }
 
-  /// The first process that has a point, or cell, of the image, and its identifier there.
-  bool Find(const Index& index, bool cells, int& process, vtkIdType& id) const
+  /// The first piece that has a point, or cell, of the image, and its identifier there.
+  bool Find(const Index& index, bool cells, int& process, int& block, vtkIdType& id) const
   {
     const int* start = this->Image->GetExtent();
     for (vtkIdType n = 0; n < this->Array->GetNumberOfTuples(); ++n)
     {
-      const int* piece = this->Array->GetPointer(7 * n);
+      const int* piece = this->Array->GetPointer(Width * n);
       const Index counts = this->GetCounts(n, cells);
       Index inside;
-      bool has = true;
+      bool has = piece[1] >= 0;
       for (std::size_t a = 0; a < 3; ++a)
       {
-        inside[a] = index[a] + start[2 * a] - piece[1 + 2 * a];
+        inside[a] = index[a] + start[2 * a] - piece[2 + 2 * a];
         has = has && inside[a] >= 0 && inside[a] < counts[a];
       }
       if (has)
       {
         process = piece[0];
+        block = piece[1];
         id = FindPosition(inside, counts);
         return true;
       }
@@ -109,13 +110,15 @@ public:
   }
 
 private:
+  static constexpr int Width = 8; // of a piece in the array
+
   Index GetCounts(vtkIdType n, bool cells) const
   {
-    const int* piece = this->Array->GetPointer(7 * n);
+    const int* piece = this->Array->GetPointer(Width * n);
     Index counts;
     for (std::size_t a = 0; a < 3; ++a)
     {
-      counts[a] = piece[2 + 2 * a] - piece[1 + 2 * a] + (cells ? 0 : 1);
+      counts[a] = piece[3 + 2 * a] - piece[2 + 2 * a] + (cells ? 0 : 1);
     }
     return counts;
   }
@@ -251,8 +254,10 @@ void vtkFFDPaintIdentifiers(vtkHardwareSelector* selector, vtkFFDInverseRayVolum
   selector->UpdateMaximumCellId(
     pieces.Exist() ? pieces.GetMaximumNumberOfPoints() : mapper->GetInput()->GetNumberOfCells());
   const bool processes = pass == vtkHardwareSelector::PROCESS_PASS && pieces.Exist();
+  const bool blocks = pass == vtkHardwareSelector::COMPOSITE_INDEX_PASS && pieces.Exist();
   const bool ofCells = cells ||
-    (processes && selector->GetFieldAssociation() == vtkDataObject::FIELD_ASSOCIATION_CELLS);
+    ((processes || blocks) &&
+      selector->GetFieldAssociation() == vtkDataObject::FIELD_ASSOCIATION_CELLS);
   float same[3] = { 0.0f, 0.0f, 0.0f };
   selector->GetPropColorValue(same);
   selector->EndRenderProp();
@@ -262,7 +267,7 @@ void vtkFFDPaintIdentifiers(vtkHardwareSelector* selector, vtkFFDInverseRayVolum
       float* pixel = &colors[4 * i];
       const bool visible = pixel[3] > LeastPickedAlpha;
       std::copy_n(same, 3, pixel);
-      if (visible && (identifiers || processes))
+      if (visible && (identifiers || processes || blocks))
       {
         const glm::dvec2 ndc = camera.ToNdc(static_cast<double>(i % camera.ImageSize.x) + 0.5,
           static_cast<double>(i / camera.ImageSize.x) + 0.5);
@@ -271,14 +276,19 @@ void vtkFFDPaintIdentifiers(vtkHardwareSelector* selector, vtkFFDInverseRayVolum
           camera.ToData(glm::dvec3(ndc, 2.0 * depths[i] - 1.0)), ofCells, counts);
         vtkIdType id = FindPosition(index, counts);
         int process = 0;
-        const bool found = pieces.Exist() && pieces.Find(index, ofCells, process, id);
+        int block = 0;
+        const bool found = pieces.Exist() && pieces.Find(index, ofCells, process, block, id);
         if (identifiers)
         {
           vtkHardwareSelector::Convert(high ? id >> 24 : id, pixel);
         }
-        else if (found)
+        else if (found && processes)
         {
           vtkHardwareSelector::Convert(process + 1, pixel); // 0 is that of no process
+        }
+        else if (found && block > 0)
+        {
+          vtkHardwareSelector::Convert(block, pixel);
         }
       }
       pixel[3] = visible ? 1.0f : 0.0f;

@@ -30,9 +30,10 @@ bool vtkFFDIsPassRead(vtkHardwareSelector* selector);
 
 /// Draws, in the place of colors, the identifiers that the present pass of a selector reads from
 /// visible pixels; `depths`: those of the first visible samples. Where the input is what one of
-/// several processes renders, its field data may have an array of integers "FFD.Pieces" with what
-/// the processes have of the data, a process and an extent each: identifiers are those of the first
-/// of them, and so is the process.
+/// several processes renders, or is put together from blocks, its field data may have an array of
+/// integers "FFD.Pieces" with what the processes have of the data: a process, the index of the
+/// block (0 without blocks, negative of one with other points) and an extent each. Identifiers are
+/// those of the first of them, and so are the process and the block.
 void vtkFFDPaintIdentifiers(vtkHardwareSelector* selector, vtkFFDInverseRayVolumeMapper* mapper,
   const vtkFFDFrameCache& cache, const ffd::CameraView& camera, const std::vector<float>& depths,
   std::vector<float>& colors);

@@ -162,6 +162,14 @@ int TestAgainstTransformFilter()
         FFD_CHECK(LargestDifference(output->GetCellData()->GetNormals(),
                     expected->GetOutput()->GetCellData()->GetNormals()) < tolerance);
       }
+      // Where the points were.
+      FFD_CHECK(!output->GetPointData()->HasArray("RestPosition"));
+      filter->PassRestPositionsOn();
+      filter->Update();
+      FFD_CHECK(LargestDifference(output->GetPointData()->GetArray("RestPosition"),
+                  ball->GetPoints()->GetData()) == 0.0);
+      FFD_CHECK(!ball->GetPointData()->HasArray("RestPosition"));
+      filter->PassRestPositionsOff();
       // All vectors.
       filter->TransformAllInputVectorsOn();
       expected->TransformAllInputVectorsOn();

@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
 """Run by TestParallel.py: what picks, selections and probes of FFD Volume find, into a file of JSON.
-Arguments: the file, and the port of a server if there is one."""
+Arguments: the file, what the volume is ("image", "blocks" with one lattice, or "lattices", blocks with one
+each), and the file of blocks."""
 
 import json
 import sys
@@ -11,11 +12,11 @@ from paraview.vtk.util.numpy_support import vtk_to_numpy
 
 import ffdparaview as ffd
 
-if len(sys.argv) > 2:
-    simple.Connect("localhost", int(sys.argv[2]))
 ffd.load()
 view = ffd.make_view()
-lattice = simple.FFDLattice(Input=ffd.make_wavelet(), Shape="Bend", Strength=0.7)
+data = ffd.make_wavelet() if sys.argv[2] == "image" else simple.OpenDataFile(sys.argv[3])
+lattice = simple.FFDLattice(Input=data, Shape="Bend", Strength=0.7,
+                            LatticePerBlock=sys.argv[2] == "lattices")
 display = simple.Show(lattice, view)
 ffd.set_functions(opaque=True)
 simple.Render(view)

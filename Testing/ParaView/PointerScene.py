@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Run by TestPointer.py in ParaView's graphical client: a bent volume, and a ruler, whose panel is shown. What
 the pointer rests on and where the ruler ends goes to the file FFD_POINTER_LOG, a line of JSON each. With
-FFD_POINTER_SLICE a slice of the volume is shown in its place; FFD_POINTER_BLEND is a blend mode."""
+FFD_POINTER_SLICE a slice of the volume is shown in its place, with FFD_POINTER_SLICE=moved by FFD Deform Geometry; FFD_POINTER_BLEND is a blend mode."""
 
 import json
 import os
@@ -29,7 +29,8 @@ if os.environ["FFD_POINTER_SLICE"]:
     sliced = simple.Slice(Input=lattice, SliceType="Plane")
     sliced.SliceType.Origin = [0.0, 0.0, 2.0]
     sliced.SliceType.Normal = [0.2, 0.3, 1.0]
-    simple.ColorBy(simple.Show(sliced, view), ("POINTS", "RTData"))
+    shown = simple.FFDDeformGeometry(Input=sliced) if os.environ["FFD_POINTER_SLICE"] == "moved" else sliced
+    simple.ColorBy(simple.Show(shown, view), ("POINTS", "RTData"))
     simple.Hide3DWidgets(proxy=sliced.SliceType)
 ruler = simple.Ruler()
 simple.Show(ruler, view)

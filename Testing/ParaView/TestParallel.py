@@ -162,19 +162,28 @@ class TestTime(unittest.TestCase):
 
     def test_picks(self):
         """Picks, selections and probes of FFD Volume on several processes find what they find on one."""
-        found = {}
-        for ranks in (1, 2, 4):
-            path = os.path.join(ffd.TEMPORARY, "ParaView.picks%d.json" % ranks)
-            ffd.run("ParallelPicks.py", path, ranks=ranks)
-            with open(path, encoding="ascii") as file:
-                found[ranks] = json.load(file)
-        one = found[1]
-        self.assertEqual([place[0] for place in one["places"]], [True] * 4 + [False])
-        for selected in one["selected"].values():
-            self.assertGreater(selected[0], 100)
-        for ranks in (2, 4):
-            for name, expected in one.items():
-                self.assertEqual(found[ranks][name], expected, (ranks, name))
+        blocks = os.path.join(ffd.TEMPORARY, "ParaView.blocks %s.vtm")
+        wavelet = ffd.make_wavelet()
+        # Lattices are kept apart by a gap.
+        for kind, ends in (("blocks", ((-15, 2), (2, 15))), ("lattices", ((-15, -3), (3, 15)))):
+            pieces = [simple.ExtractSubset(Input=wavelet, VOI=[*x, *y, *z])
+                      for x in ends for y in ends for z in ends]
+            simple.SaveData(blocks % kind, proxy=simple.GroupDatasets(Input=pieces), DataMode="Ascii")
+        for kind in ("image", "blocks", "lattices"):
+            found = {}
+            for ranks in (1, 2, 4):
+                path = os.path.join(ffd.TEMPORARY, "ParaView.picks %s %d.json" % (kind, ranks))
+                ffd.run("ParallelPicks.py", path, kind, blocks % kind, ranks=ranks)
+                with open(path, encoding="ascii") as file:
+                    found[ranks] = json.load(file)
+            one = found[1]
+            self.assertEqual([place[0] for place in one["places"]], [True] * 4 + [False])
+            for selected in one["selected"].values():
+                self.assertGreater(selected[0], 100)
+            for ranks in (2, 4):
+                for name, expected in one.items():
+                    with self.subTest(kind=kind, ranks=ranks, found=name):
+                        self.assertEqual(found[ranks][name], expected)
 
     def test_time(self):
         files = [os.path.join(ffd.TEMPORARY, "ParaView.time%d.vti" % step) for step in (0, 1)]

@@ -101,7 +101,14 @@ class TestPointer(unittest.TestCase):
 
     def test_slice(self):
         """A slice of a bent volume: a tool tip, none beside it, and ruler ends on the slice."""
-        self.start(sliced="1")
+        self.check_slice("1")
+
+    def test_moved_slice(self):
+        """The same by FFD Deform Geometry, whose output has no lattice."""
+        self.check_slice("moved")
+
+    def check_slice(self, sliced):
+        self.start(sliced=sliced)
         ffdinput.move(*BESIDE)
         time.sleep(2.0)
         alone = ffdinput.count_windows()

@@ -805,7 +805,7 @@ executive.GetOutputInformation(0).Set(executive.WHOLE_EXTENT(), 0, 4, 0, 4, 0, 4
                  {"InverseMode", "Interpolation", "BackgroundLevel"}),
                 (lambda: simple.FFDDeformGeometry(
                     Input=simple.Sphere(Radius=6.0), Lattice=lattice),
-                 {"InverseMode", "TransformAllInputVectors"})):
+                 {"InverseMode", "TransformAllInputVectors", "PassRestPositions"})):
             filtered = make()
             simple.Show(filtered, self.view)
             before = ffd.picture(self.view, "hostile")

@@ -4,7 +4,6 @@
 
 #include "vtkFFDLattice.h"
 #include "vtkFFDVolumeInput.h"
-#include "vtkFFDVoxelDistribution.h"
 
 #include "vtkCellData.h"
 #include "vtkCellDataToPointData.h"
@@ -215,12 +214,12 @@ void vtkFFDRenderedImage::Update(vtkImageData* given, const vtkFFDShownComponent
   this->Lattice.Update(tools, FindSource(given->GetFieldData()));
   // Where one of several processes renders it.
   vtkFieldData* fields = this->GetImage()->GetFieldData();
-  if (vtkDataArray* pieces = given->GetFieldData()->GetArray(vtkFFDVoxelDistribution::PiecesName))
+  if (vtkDataArray* pieces = given->GetFieldData()->GetArray(vtkFFDVolumeInput::PiecesName))
   {
     fields->AddArray(pieces);
   }
   else
   {
-    fields->RemoveArray(vtkFFDVoxelDistribution::PiecesName);
+    fields->RemoveArray(vtkFFDVolumeInput::PiecesName);
   }
 }

@@ -330,6 +330,19 @@ bool AreSeveral(vtkMultiProcessController* controller)
   return controller && controller->GetNumberOfProcesses() > 1;
 }
 
+/// A point of no place that has the arrays of a block: probes take the arrays of the data that
+/// their process has, and another process may have the values.
+vtkSmartPointer<vtkImageData> MakeStandIn(vtkDataSet* block)
+{
+  auto nowhere = vtkSmartPointer<vtkImageData>::New();
+  nowhere->SetOrigin(VTK_FLOAT_MAX, VTK_FLOAT_MAX, VTK_FLOAT_MAX);
+  nowhere->SetDimensions(1, 1, 1);
+  nowhere->GetPointData()->CopyAllOn();
+  nowhere->GetPointData()->CopyAllocate(block->GetPointData(), 1);
+  nowhere->GetPointData()->CopyData(block->GetPointData(), vtkIdType(0), vtkIdType(0));
+  return nowhere;
+}
+
 /// Give all processes, which all call it, the lattice of the first that has one.
 void Share(vtkMultiProcessController* controller, vtkFFDShownLattice& shown)
 {
@@ -380,12 +393,19 @@ std::vector<Part> FindParts(vtkMultiProcessController* controller, vtkDataObject
   };
   if (auto* tree = vtkDataObjectTree::SafeDownCast(data))
   {
-    for (const std::vector<vtkDataSet*>& group : vtkFFDVolumeInput::GroupByLattice(tree))
+    const auto groups = vtkFFDVolumeInput::GroupByLattice(tree);
+    const auto withBlocks =
+      std::find_if(groups.begin(), groups.end(), [](const auto& group) { return !group.empty(); });
+    for (const std::vector<vtkDataSet*>& group : groups)
     {
       vtkNew<vtkMultiBlockDataSet> blocks;
       for (vtkDataSet* block : group)
       {
         blocks->SetBlock(blocks->GetNumberOfBlocks(), block);
+      }
+      if (group.empty() && withBlocks != groups.end())
+      {
+        blocks->SetBlock(0, MakeStandIn(withBlocks->front()));
       }
       add(vtkFFDShownLattice(group.empty() ? nullptr : group.front()), blocks);
     }
@@ -528,7 +548,21 @@ std::array<double, 8> PickSurface(vtkAlgorithm* input, vtkAlgorithm* selection,
   VisitGrids(extract->GetOutputDataObject(0), [&](vtkUnstructuredGrid* cells) {
     const vtkFFDShownLattice own(cells);
     const vtkFFDShownLattice& shown = own.Lattice ? own : ofAll;
-    if (cells && cells->GetNumberOfCells() > 0 && shown.Lattice && picked[0] == 0.0)
+    if (!cells || cells->GetNumberOfCells() == 0 || picked[0] != 0.0)
+    {
+      return;
+    }
+    vtkDataArray* restPositions = cells->GetPointData()->GetArray("RestPosition");
+    if (!shown.Lattice && restPositions && restPositions->GetNumberOfComponents() == 3)
+    {
+      vtkNew<vtkPoints> points;
+      points->SetData(restPositions);
+      vtkNew<vtkUnstructuredGrid> rest;
+      rest->ShallowCopy(cells);
+      rest->SetPoints(points);
+      FindOnCell(rest, cells->GetCell(0), from, to, array, ofCells, picked);
+    }
+    else if (shown.Lattice)
     {
       vtkNew<vtkUnstructuredGrid> moved;
       MoveCells(cells, shown, moved);

@@ -24,8 +24,9 @@ namespace ffdplaces
 void FollowPicking(vtkPVRayCastPickingHelper* helper);
 
 /**
- * Where the ray meets the selected cell of what `input` makes, as it is shown by its lattice: as
- * vtkFFDSurfacePicker::GetPicked() tells it. Called on all processes.
+ * Where the ray meets the selected cell of what `input` makes, as it is shown by its lattice, or by
+ * points that have been moved and have "RestPosition": as vtkFFDSurfacePicker::GetPicked() tells
+ * it. Called on all processes.
  */
 std::array<double, 8> PickSurface(vtkAlgorithm* input, vtkAlgorithm* selection,
   const double from[3], const double to[3], const std::string& array, bool ofCells);

@@ -34,9 +34,6 @@ using ffdparts::Bounds;
 using ffdparts::Extent;
 using ffdparts::Grid;
 
-/// In the field data of an image that was made of blocks: the extents of these.
-const char* const ExtentsName = "FFDVolume.Extents";
-
 /// In the field data of an image that stands for a rectilinear grid.
 const std::array<const char*, 3> CoordinateNames{ { "FFDVolume.X", "FFDVolume.Y", "FFDVolume.Z" } };
 
@@ -355,7 +352,7 @@ std::vector<std::vector<vtkDataSet*>> GroupByLattice(
 //------------------------------------------------------------------------------
 std::vector<Extent> vtkFFDVolumeInput::GetExtents(vtkImageData* image)
 {
-  vtkDataArray* array = image->GetFieldData()->GetArray(ExtentsName);
+  vtkDataArray* array = image->GetFieldData()->GetArray(PiecesName);
   std::vector<Extent> extents(array ? static_cast<std::size_t>(array->GetNumberOfTuples()) : 1);
   image->GetExtent(extents.front().data());
   for (std::size_t i = 0; array && i < extents.size(); ++i)
@@ -363,16 +360,28 @@ std::vector<Extent> vtkFFDVolumeInput::GetExtents(vtkImageData* image)
     for (int c = 0; c < 6; ++c)
     {
       extents[i][static_cast<std::size_t>(c)] =
-        static_cast<int>(array->GetComponent(static_cast<vtkIdType>(i), c));
+        static_cast<int>(array->GetComponent(static_cast<vtkIdType>(i), 2 + c));
     }
   }
   return extents;
 }
 
 //------------------------------------------------------------------------------
+std::vector<int> vtkFFDVolumeInput::GetBlocks(vtkImageData* image)
+{
+  vtkDataArray* array = image->GetFieldData()->GetArray(PiecesName);
+  std::vector<int> blocks(array ? static_cast<std::size_t>(array->GetNumberOfTuples()) : 1, 0);
+  for (std::size_t i = 0; array && i < blocks.size(); ++i)
+  {
+    blocks[i] = static_cast<int>(array->GetComponent(static_cast<vtkIdType>(i), 1));
+  }
+  return blocks;
+}
+
+//------------------------------------------------------------------------------
 bool vtkFFDVolumeInput::HasBlocks(vtkImageData* image)
 {
-  return image->GetFieldData()->HasArray(ExtentsName) != 0;
+  return image->GetFieldData()->HasArray(PiecesName) != 0;
 }
 
 //------------------------------------------------------------------------------
@@ -485,7 +494,7 @@ vtkFFDVolumeInput::Frame vtkFFDVolumeInput::FindFrame(const std::vector<vtkDataS
 
 //------------------------------------------------------------------------------
 vtkSmartPointer<vtkImageData> vtkFFDVolumeInput::Merge(
-  const std::vector<vtkDataSet*>& blocks, const Frame& frame)
+  const std::vector<vtkDataSet*>& blocks, const Places& places, const Frame& frame)
 {
   std::vector<Extent> extents;
   Extent whole = ffdparts::NoExtent;
@@ -504,8 +513,8 @@ vtkSmartPointer<vtkImageData> vtkFFDVolumeInput::Merge(
   ghosts->SetNumberOfValues(merged->GetNumberOfPoints());
   ghosts->FillValue(vtkDataSetAttributes::HIDDENPOINT);
   vtkNew<vtkIntArray> list;
-  list->SetName(ExtentsName);
-  list->SetNumberOfComponents(6);
+  list->SetName(PiecesName);
+  list->SetNumberOfComponents(8);
   for (std::size_t i = 0; i < blocks.size(); ++i)
   {
     const Extent& extent = extents[i];
@@ -532,11 +541,10 @@ vtkSmartPointer<vtkImageData> vtkFFDVolumeInput::Merge(
         }
       }
     }
-    list->InsertNextTuple(
-      std::array<double, 6>{ { static_cast<double>(extent[0]), static_cast<double>(extent[1]),
-                               static_cast<double>(extent[2]), static_cast<double>(extent[3]),
-                               static_cast<double>(extent[4]), static_cast<double>(extent[5]) } }
-        .data());
+    const int place = static_cast<int>(places.at(blocks[i]));
+    const std::array<int, 8> piece{ { 0, frame.Aligned ? place : -1, extent[0], extent[1],
+      extent[2], extent[3], extent[4], extent[5] } };
+    list->InsertNextTypedTuple(piece.data());
   }
   const unsigned char* flags = ghosts->GetPointer(0);
   if (AreSeveral() ||
@@ -549,7 +557,8 @@ vtkSmartPointer<vtkImageData> vtkFFDVolumeInput::Merge(
 }
 
 //------------------------------------------------------------------------------
-vtkFFDVolumeInput::Content vtkFFDVolumeInput::FindContent(const std::vector<vtkDataSet*>& blocks)
+vtkFFDVolumeInput::Content vtkFFDVolumeInput::FindContent(
+  const std::vector<vtkDataSet*>& blocks, const Places& blockPlaces)
 {
   Content content;
   const auto add = [&content](vtkAbstractArray* array) {
@@ -559,6 +568,7 @@ vtkFFDVolumeInput::Content vtkFFDVolumeInput::FindContent(const std::vector<vtkD
   {
     const Grid grid = Describe(block);
     std::vector<double>& places = content.Places;
+    places.push_back(blockPlaces.at(block));
     places.insert(places.end(), grid.WholeExtent.begin(), grid.WholeExtent.end());
     places.insert(places.end(), grid.Origin.begin(), grid.Origin.end());
     places.insert(places.end(), grid.Spacing.begin(), grid.Spacing.end());
@@ -583,15 +593,15 @@ vtkFFDVolumeInput::Content vtkFFDVolumeInput::FindContent(const std::vector<vtkD
 //------------------------------------------------------------------------------
 /// Called on all processes.
 vtkSmartPointer<vtkImageData> vtkFFDVolumeInput::Update(
-  Group& group, const std::vector<vtkDataSet*>& blocks)
+  Group& group, const std::vector<vtkDataSet*>& blocks, const Places& places)
 {
-  const Content content = FindContent(blocks);
+  const Content content = FindContent(blocks, places);
   const bool isKept = (blocks.empty() || group.Merged) && content.Values == group.Made.Values &&
     content.Places == group.Made.Places;
   if (FindLeast(isKept ? 1.0 : 0.0) == 0.0)
   {
     const Frame frame = FindFrame(blocks);
-    group.Merged = blocks.empty() ? nullptr : Merge(blocks, frame);
+    group.Merged = blocks.empty() ? nullptr : Merge(blocks, places, frame);
     group.Made = content;
   }
   if (blocks.empty())
@@ -684,12 +694,17 @@ std::vector<vtkSmartPointer<vtkImageData>> vtkFFDVolumeInput::Update(
       ". Apply the filter \"Resample To Image\" first, or choose another representation.";
     return {};
   }
+  Places byBlock;
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+  {
+    byBlock.emplace(blocks[i], places[i]);
+  }
   const std::vector<std::vector<vtkDataSet*>> groups = ::GroupByLattice(blocks, places);
   this->Groups.resize(groups.size());
   std::vector<vtkSmartPointer<vtkImageData>> images;
   for (std::size_t i = 0; i < groups.size(); ++i)
   {
-    images.push_back(Update(this->Groups[i], groups[i]));
+    images.push_back(Update(this->Groups[i], groups[i], byBlock));
   }
   if (blocks.empty() && others > 0)
   {

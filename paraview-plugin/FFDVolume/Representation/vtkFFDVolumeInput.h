@@ -13,6 +13,7 @@
 #include "vtkWeakPointer.h"
 
 #include <array>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -51,6 +52,11 @@ public:
   ///@{
   /// The extents of an image that has data, all of it or those of its blocks.
   static std::vector<ffdparts::Extent> GetExtents(vtkImageData* image);
+  /// The index of each of these in the composite data; 0 without blocks, -1 of one with voxels of
+  /// its own.
+  static std::vector<int> GetBlocks(vtkImageData* image);
+  /// An array of integers in the field data of images: see vtkFFDPaintIdentifiers().
+  static constexpr const char* PiecesName = "FFD.Pieces";
   /// Whether all points that are not in GetExtents() of any process are blanked.
   static bool HasBlocks(vtkImageData* image);
   ///@}
@@ -75,8 +81,11 @@ private:
   };
 
   static Frame FindFrame(const std::vector<vtkDataSet*>& blocks);
+  /// Indices of blocks in the composite data.
+  using Places = std::map<vtkDataSet*, unsigned int>;
+
   static vtkSmartPointer<vtkImageData> Merge(
-    const std::vector<vtkDataSet*>& blocks, const Frame& frame);
+    const std::vector<vtkDataSet*>& blocks, const Places& places, const Frame& frame);
 
   /// All that a merged image is made of.
   struct Content
@@ -84,7 +93,7 @@ private:
     Arrays Values;
     std::vector<double> Places;
   };
-  static Content FindContent(const std::vector<vtkDataSet*>& blocks);
+  static Content FindContent(const std::vector<vtkDataSet*>& blocks, const Places& blockPlaces);
 
   /// Blocks with the same lattice.
   struct Group
@@ -92,7 +101,8 @@ private:
     vtkSmartPointer<vtkImageData> Merged;
     Content Made; // what Merged was made of
   };
-  static vtkSmartPointer<vtkImageData> Update(Group& group, const std::vector<vtkDataSet*>& blocks);
+  static vtkSmartPointer<vtkImageData> Update(
+    Group& group, const std::vector<vtkDataSet*>& blocks, const Places& places);
 
   std::vector<Group> Groups;
 };

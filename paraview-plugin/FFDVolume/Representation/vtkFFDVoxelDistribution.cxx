@@ -179,15 +179,17 @@ vtkFFDVoxelDistribution::Holdings vtkFFDVoxelDistribution::GatherHoldings(
   }
   const std::vector<Extent> extents =
     image ? vtkFFDVolumeInput::GetExtents(image) : std::vector<Extent>();
+  const std::vector<int> indices = image ? vtkFFDVolumeInput::GetBlocks(image) : std::vector<int>();
   const auto count = static_cast<int>(extents.size());
   std::vector<int> counts(static_cast<std::size_t>(ranks));
   controller->AllGather(&count, counts.data(), 1);
   const std::size_t most =
     static_cast<std::size_t>(*std::max_element(counts.begin(), counts.end()));
-  std::vector<int> numbers(6 * most);
+  std::vector<int> numbers(7 * most);
   for (std::size_t i = 0; i < extents.size(); ++i)
   {
-    std::copy(extents[i].begin(), extents[i].end(), &numbers[6 * i]);
+    numbers[7 * i] = indices[i];
+    std::copy(extents[i].begin(), extents[i].end(), &numbers[7 * i + 1]);
   }
   std::vector<int> allNumbers(numbers.size() * static_cast<std::size_t>(ranks));
   controller->AllGather(numbers.data(), allNumbers.data(), static_cast<vtkIdType>(numbers.size()));
@@ -210,6 +212,7 @@ vtkFFDVoxelDistribution::Holdings vtkFFDVoxelDistribution::GatherHoldings(
 
   int withImage = -1;
   holdings.Extents.resize(static_cast<std::size_t>(ranks));
+  holdings.Blocks.resize(static_cast<std::size_t>(ranks));
   Extent whole = ffdparts::NoExtent;
   for (int r = ranks - 1; r >= 0; --r)
   {
@@ -218,7 +221,9 @@ vtkFFDVoxelDistribution::Holdings vtkFFDVoxelDistribution::GatherHoldings(
     list.resize(static_cast<std::size_t>(counts[static_cast<std::size_t>(r)]));
     for (std::size_t i = 0; i < list.size(); ++i)
     {
-      std::copy_n(&allNumbers[6 * (most * static_cast<std::size_t>(r) + i)], 6, list[i].begin());
+      const int* theirNumbers = &allNumbers[7 * (most * static_cast<std::size_t>(r) + i)];
+      holdings.Blocks[static_cast<std::size_t>(r)].push_back(theirNumbers[0]);
+      std::copy_n(theirNumbers + 1, 6, list[i].begin());
     }
     Extent e;
     std::transform(theirs + 2, theirs + 8, e.begin(), [](double v) { return static_cast<int>(v); });
@@ -439,10 +444,7 @@ void vtkFFDVoxelDistribution::Describe(vtkDoubleArray* ranges)
     fields->AddArray(ranges);
   }
   // Selections are of what the processes have of the data, not of what they render.
-  if (!this->Given.HasBlocks)
-  {
-    fields->AddArray(this->ListPieces());
-  }
+  fields->AddArray(this->ListPieces());
   this->Part->SetFieldData(fields);
 }
 
@@ -451,14 +453,15 @@ void vtkFFDVoxelDistribution::Describe(vtkDoubleArray* ranges)
 vtkIntArray* vtkFFDVoxelDistribution::ListPieces()
 {
   vtkNew<vtkIntArray> pieces;
-  pieces->SetName(PiecesName);
-  pieces->SetNumberOfComponents(7);
+  pieces->SetName(vtkFFDVolumeInput::PiecesName);
+  pieces->SetNumberOfComponents(8);
   for (std::size_t r = 0; r < this->Given.Extents.size(); ++r)
   {
-    for (const Extent& extent : this->Given.Extents[r])
+    for (std::size_t i = 0; i < this->Given.Extents[r].size(); ++i)
     {
       pieces->InsertNextValue(static_cast<int>(r));
-      for (const int limit : extent)
+      pieces->InsertNextValue(this->Given.Blocks[r][i]);
+      for (const int limit : this->Given.Extents[r][i])
       {
         pieces->InsertNextValue(limit);
       }

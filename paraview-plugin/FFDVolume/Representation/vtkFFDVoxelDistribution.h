@@ -75,10 +75,6 @@ public:
   /// Bounds of the whole deformed volume, data coordinates; empty while there are no data.
   const Bounds& GetDeformedBounds() const { return this->DeformedBounds; }
 
-  /// An array of integers in the field data of a part: a process and an extent each that it has of
-  /// the data. The mapper paints identifiers by it.
-  static constexpr const char* PiecesName = "FFD.Pieces";
-
   /// Bounds of the whole volume at rest, data coordinates.
   Bounds GetRestBounds() const { return this->Given.Grid.GetBounds(); }
 
@@ -102,8 +98,9 @@ private:
   {
     ffdparts::Grid Grid;
     std::vector<std::vector<Extent>> Extents;
-    bool HasBlocks = false; ///< points outside of the extents are blanked
-    int WithLattice = -1;   ///< the first process that has a lattice; -1: none
+    std::vector<std::vector<int>> Blocks; ///< see vtkFFDVolumeInput::GetBlocks()
+    bool HasBlocks = false;               ///< points outside of the extents are blanked
+    int WithLattice = -1;                 ///< the first process that has a lattice; -1: none
     bool HasImage = false;
   };
 

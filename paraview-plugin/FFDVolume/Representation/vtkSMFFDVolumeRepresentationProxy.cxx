@@ -11,6 +11,7 @@
 #include "vtkDataObject.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
+#include "vtkPVArrayInformation.h"
 #include "vtkPVDataInformation.h"
 #include "vtkPVDataSetAttributesInformation.h"
 #include "vtkPVPluginsInformation.h"
@@ -91,13 +92,22 @@ bool HasImageLattice(vtkSMProxy* parent)
   return HasLattice(parent) && !GetShownInformation(parent)->DataSetTypeIsA("vtkPointSet");
 }
 
+/// Whether the data tell where their points are at rest: those of FFD Deform Geometry.
+bool HasRestPositions(vtkSMProxy* parent)
+{
+  vtkPVDataInformation* data = GetShownInformation(parent);
+  vtkPVArrayInformation* rest =
+    data ? data->GetPointDataInformation()->GetArrayInformation("RestPosition") : nullptr;
+  return rest && rest->GetNumberOfComponents() == 3;
+}
+
 /// Whether a representation is visible and shows surfaces, moved by a lattice.
 bool ShowsMovedSurface(vtkSMProxy* parent)
 {
   vtkSMProperty* visibility = parent ? parent->GetProperty("Visibility") : nullptr;
   return visibility && parent->GetProperty("Representation") &&
     vtkSMPropertyHelper(visibility).GetAsInt() != 0 && !IsShown(parent) &&
-    !ShowsRest(GetType(parent)) && HasLattice(parent);
+    !ShowsRest(GetType(parent)) && (HasLattice(parent) || HasRestPositions(parent));
 }
 
 /// Version of a plugin that is loaded, "" if it is not.
