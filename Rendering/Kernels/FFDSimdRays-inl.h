@@ -38,6 +38,7 @@ struct ImageMap
   float Column; // of image position (0, 0) in the whole image
   float Row;
   bool Affine; ///< whether the last coordinate is one everywhere
+  float Last;  ///< if so, what all coordinates were divided by
 
   ImageMap(const glm::dmat4& ndcToLocal, const CameraView& camera, double ndcDepth)
     : Column(static_cast<float>(camera.PixelOrigin.x))
@@ -50,6 +51,7 @@ struct ImageMap
     // Matrices and their inverses leave rounding errors, over an image of some thousand pixels.
     const double rounding = 1e-13 * std::abs(base.w);
     this->Affine = std::max(std::abs(perX.w), std::abs(perY.w)) <= rounding;
+    this->Last = static_cast<float>(base.w);
     if (this->Affine)
     {
       const double scale = 1.0 / base.w;
@@ -70,6 +72,12 @@ struct ImageMap
     const Vec3 at{ this->Coordinate(0, x, y), this->Coordinate(1, x, y),
       this->Coordinate(2, x, y) };
     return HWY_LIKELY(this->Affine) ? at : Scale(this->InverseW(x, y), at);
+  }
+
+  /// The last homogeneous coordinate, by which At() divides.
+  HWY_INLINE Vf LastAt(Vf x, Vf y) const
+  {
+    return this->Affine ? Splat(this->Last) : this->Coordinate(3, x, y);
   }
 
   /// At() and its derivatives by x and y.
@@ -111,6 +119,37 @@ HWY_INLINE RayPacket MakeRays(const ImageMap& near, const ImageMap& far, Vf x, V
   rays.Direction = Scale(hn::Div(Splat(1.0f), rays.To), path);
   return rays;
 }
+
+/**
+ * Window depths along rays from the near to the far plane. What is linear along a ray is so in
+ * homogeneous coordinates, too; so the depth at the part s of its length is s / (s + (1 - s) k),
+ * with k the quotient of the last coordinates, ImageMap::LastAt(), at the far and at the near
+ * plane. No term is negative: little is lost to rounding.
+ */
+struct WindowDepths
+{
+  Vf Length; ///< of the rays, from plane to plane
+  Vf Ratio;  ///< k
+
+  /// Of the rays through image positions.
+  WindowDepths(const ImageMap& near, const ImageMap& far, Vf length, Vf x, Vf y)
+    : Length(length)
+    , Ratio(hn::Div(far.LastAt(x, y), near.LastAt(x, y)))
+  {
+  }
+
+  HWY_INLINE Vf ToT(Vf depth) const
+  {
+    const Vf beyond = hn::Mul(depth, this->Ratio);
+    return hn::Mul(this->Length, hn::Div(beyond, hn::Add(beyond, hn::Sub(Splat(1.0f), depth))));
+  }
+
+  HWY_INLINE Vf ToDepth(Vf t) const
+  {
+    const Vf rest = hn::Mul(hn::Sub(this->Length, t), this->Ratio);
+    return hn::Div(t, hn::Add(t, rest));
+  }
+};
 
 /**
  * The derivatives of P(t) by pixels: AlongX * D + Spread(t) * AcrossX from column to column, D

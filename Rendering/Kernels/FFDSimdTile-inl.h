@@ -81,62 +81,46 @@ HWY_NOINLINE Vf JitterOf(const PacketScene& scene, int x0, int y0)
   return hn::Load(d, jitter);
 }
 
+/// Calls work(lane, pixel) for the pixels of a packet that are in the image.
+template <class Work>
+HWY_INLINE void ForPixels(const CastImage& image, int x0, int y0, const Work& work)
+{
+  const PacketShape shape = GetPacketShape();
+  for (int lane = 0; lane < shape.Lanes; ++lane)
+  {
+    const int x = x0 + lane % shape.Width;
+    const int y = y0 + lane / shape.Width;
+    if (x < image.Width && y < image.Height)
+    {
+      work(lane, static_cast<std::size_t>(y) * image.Width + x);
+    }
+  }
+}
+
 /// Ends rays where something opaque was drawn (CastScene::Depths).
-HWY_INLINE void ClipToDepths(
-  const PacketScene& scene, const CastImage& image, int x0, int y0, RayPacket& rays)
+HWY_INLINE void ClipToDepths(const PacketScene& scene, const CastImage& image, int x0, int y0,
+  const WindowDepths& along, RayPacket& rays)
 {
   const Df d;
-  const PacketShape shape = GetPacketShape();
-  const CameraView& camera = scene.Source->Camera;
-  HWY_ALIGN float to[16];
-  hn::Store(rays.To, d, to);
-  for (int lane = 0; lane < shape.Lanes; ++lane)
-  {
-    const int x = x0 + lane % shape.Width;
-    const int y = y0 + lane / shape.Width;
-    if (x >= image.Width || y >= image.Height)
-    {
-      continue;
-    }
-    const double depth = scene.Source->Depths[static_cast<std::size_t>(y) * image.Width + x];
-    if (depth < 1.0)
-    {
-      const ViewRay ray = camera.MakeRay(x + 0.5, y + 0.5);
-      to[lane] =
-        std::min(to[lane], static_cast<float>(camera.DepthToT(ray, x + 0.5, y + 0.5, depth)));
-    }
-  }
-  rays.To = hn::Load(d, to);
+  HWY_ALIGN float depths[16];
+  hn::Store(Splat(1.0f), d, depths);
+  ForPixels(image, x0, y0,
+    [&](int lane, std::size_t pixel) { depths[lane] = scene.Source->Depths[pixel]; });
+  const Vf depth = hn::Load(d, depths);
+  rays.To = hn::IfThenElse(hn::Lt(depth, Splat(1.0f)), hn::Min(rays.To, along.ToT(depth)), rays.To);
 }
 
-/// Stores the window depths of the points at t of the rays of a packet; one where there is none.
-HWY_NOINLINE void StoreDepths(
-  const PacketScene& scene, const CastImage& image, int x0, int y0, Vf firstVisible)
+/// Stores window depths of the pixels of a packet.
+HWY_NOINLINE void StoreDepths(const CastImage& image, int x0, int y0, Vf depths)
 {
-  const PacketShape shape = GetPacketShape();
-  HWY_ALIGN float t[16];
-  hn::Store(firstVisible, Df(), t);
-  for (int lane = 0; lane < shape.Lanes; ++lane)
-  {
-    const int x = x0 + lane % shape.Width;
-    const int y = y0 + lane / shape.Width;
-    if (x >= image.Width || y >= image.Height)
-    {
-      continue;
-    }
-    float& depth = image.Depths[static_cast<std::size_t>(y) * image.Width + x];
-    depth = 1.0f;
-    if (t[lane] < 1e29f)
-    {
-      const ViewRay ray = scene.Source->Camera.MakeRay(x + 0.5, y + 0.5);
-      depth = static_cast<float>(
-        scene.Source->Camera.ToDepth(ray.Origin + static_cast<double>(t[lane]) * ray.Direction));
-    }
-  }
+  HWY_ALIGN float stored[16];
+  hn::Store(depths, Df(), stored);
+  ForPixels(
+    image, x0, y0, [&](int lane, std::size_t pixel) { image.Depths[pixel] = stored[lane]; });
 }
 
-HWY_INLINE void StorePixels(const PacketScene& scene, const CastImage& image, int x0, int y0,
-  Mf active, const PacketPixels& pixels)
+HWY_INLINE void StorePixels(
+  const CastImage& image, int x0, int y0, Mf active, const PacketPixels& pixels)
 {
   const Df d;
   const PacketShape shape = GetPacketShape();
@@ -164,17 +148,17 @@ HWY_INLINE void StorePixels(const PacketScene& scene, const CastImage& image, in
       std::copy_n(from, 4 * width, to);
     }
   }
-  if (image.Depths)
-  {
-    StoreDepths(scene, image, x0, y0, hn::IfThenElse(active, pixels.FirstVisible, Splat(1e30f)));
-  }
 }
 
 /// Stores the pixels of a packet none of whose rays meets the volume.
-HWY_INLINE void ClearPixels(const PacketScene& scene, const CastImage& image, int x0, int y0)
+HWY_INLINE void ClearPixels(const CastImage& image, int x0, int y0)
 {
   const Mf none = hn::FirstN(Df(), 0);
-  StorePixels(scene, image, x0, y0, none, PacketState(none).Out);
+  StorePixels(image, x0, y0, none, PacketState(none).Out);
+  if (image.Depths)
+  {
+    StoreDepths(image, x0, y0, Splat(1.0f));
+  }
 }
 
 /// Collects CastImage::Reaches of the subtiles of a tile.
@@ -275,7 +259,7 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       }
       if (HWY_UNLIKELY(empty && !scene.Settings.CountsRays))
       {
-        ClearPixels(scene, image, x, y);
+        ClearPixels(image, x, y);
         reaches.Include(x, y, std::numeric_limits<float>::infinity());
         continue;
       }
@@ -284,7 +268,7 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       RayPacket rays = MakeRays(near, far, px, py);
       if (scene.Source->Depths)
       {
-        ClipToDepths(scene, image, x, y, rays);
+        ClipToDepths(scene, image, x, y, WindowDepths(near, far, rays.To, px, py), rays);
       }
       Vf seenFrom;
       Vf seenTo;
@@ -325,12 +309,15 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       {
         continue;
       }
-      RayPacket rays = MakeRays(near, far, columnsFrom(x), rowsFrom(y));
+      const Vf px = columnsFrom(x);
+      const Vf py = rowsFrom(y);
+      RayPacket rays = MakeRays(near, far, px, py);
+      const Vf length = rays.To;
       stored.Get(packet * static_cast<std::size_t>(shape.Lanes), rays);
       const Mf active = hn::Lt(rays.From, rays.To);
       if (hn::AllFalse(d, active))
       {
-        ClearPixels(scene, image, x, y);
+        ClearPixels(image, x, y);
         continue;
       }
       const Vf phase = scene.Intervals
@@ -349,7 +336,15 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       {
         cast.Cast();
       }
-      StorePixels(scene, image, x, y, active, cast.GetPixels());
+      const PacketPixels& pixels = cast.GetPixels();
+      StorePixels(image, x, y, active, pixels);
+      if (image.Depths)
+      {
+        const Vf first = pixels.FirstVisible;
+        const Vf depths = WindowDepths(near, far, length, px, py).ToDepth(first);
+        StoreDepths(image, x, y,
+          hn::IfThenElse(hn::And(active, hn::Lt(first, Splat(1e29f))), depths, Splat(1.0f)));
+      }
       reaches.Include(x, y, cast.GetReach());
     }
     const bool more = packet > firstPacket && y + shape.Height < y0 + TileSide;

@@ -358,7 +358,8 @@ int TestFrames()
   FFD_CHECK(scene.Render().empty());
   scene.Mapper->RemoveObserver(aborting);
 
-  // What is loaded is not made again by the frame.
+  // What is loaded is not made again by the frame. The mapper of the scene, which has the same
+  // deformation, has found the bounds.
   vtkNew<Ours> mapper;
   mapper->SetInputData(scene.Image);
   mapper->SetDeformation(scene.Lattice);
@@ -368,7 +369,7 @@ int TestFrames()
   for (int part = 0; part < Ours::NUMBER_OF_CACHED_PARTS; ++part)
   {
     builds[part] = mapper->GetNumberOfBuilds(part);
-    FFD_CHECK(builds[part] == 1);
+    FFD_CHECK(builds[part] == (part == Ours::DEFORMATION_BOUNDS ? 0 : 1));
   }
   scene.Show();
   for (int part = 0; part < Ours::NUMBER_OF_CACHED_PARTS; ++part)
