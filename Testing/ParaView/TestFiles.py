@@ -105,7 +105,7 @@ class TestFiles(unittest.TestCase):
             for i, j, k in ((0, 0, 0), (3, 4, 5), (11, 10, 9), (10, 5, 4)):
                 place = ffdvolumefiles.position(i, j, k)
                 # Within the outermost voxels, whatever is rounded.
-                point = image.FindPoint(*(place + 1e-3 * (ffdvolumefiles.position(5, 5, 5) - place)))
+                point = image.FindPoint(place + 1e-3 * (ffdvolumefiles.position(5, 5, 5) - place))
                 np.testing.assert_allclose(image.GetPoint(point), place, atol=1e-3)
                 self.assertEqual(image.GetPointData().GetScalars().GetTuple1(point),
                                  ffdvolumefiles.voxels()[k, j, i])
