@@ -31,7 +31,7 @@ if os.environ["FFD_POINTER_SLICE"]:
     sliced.SliceType.Normal = [0.2, 0.3, 1.0]
     shown = simple.FFDDeformGeometry(Input=sliced) if os.environ["FFD_POINTER_SLICE"] == "moved" else sliced
     simple.ColorBy(simple.Show(shown, view), ("POINTS", "RTData"))
-    simple.Hide3DWidgets(proxy=sliced.SliceType)
+    simple.HideInteractiveWidgets(proxy=sliced.SliceType)
 ruler = simple.Ruler()
 simple.Show(ruler, view)
 simple.SetActiveSource(ruler)
