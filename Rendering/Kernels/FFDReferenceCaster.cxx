@@ -4,6 +4,7 @@
 
 #include "FFDCurveSegment.h"
 #include "FFDPolyline.h"
+#include "FFDSamplePhase.h"
 
 #include <glm/geometric.hpp>
 
@@ -156,11 +157,11 @@ void ReferenceCaster::CastPerSample(
     return this->PullBackPoint(ray.At(t), start, statistics);
   };
 
-  // A sample at the very start of the range belongs to it, rounding errors or not.
-  constexpr double Slack = 1e-3;
-  const double early = intervals ? 1.0 - Slack : Slack + ray.Phase;
+  // Both ends by the same arithmetic, see SampleSlack.
+  const double slack = SampleSlack + ray.Phase;
+  const double early = intervals ? 1.0 - SampleSlack : slack;
   const double first = std::ceil(ray.From / distance - early);
-  const double stop = std::ceil(ray.To / distance - Slack - ray.Phase);
+  const double stop = std::ceil(ray.To / distance - slack);
   if (!(first < stop))
   {
     // Too short for a sample: a segment without one.

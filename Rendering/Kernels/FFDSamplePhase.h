@@ -28,6 +28,11 @@ namespace ffd
 /// sample on the first face nor the last of a whole number of intervals beyond the other one.
 constexpr double PhaseGuard = 0.01;
 
+/// Part of an interval before the start of a range of a ray, in which samples belong to the range,
+/// and before its end, in which they do not: rounding errors do not decide about a sample at its
+/// start.
+constexpr double SampleSlack = 1e-3;
+
 /// The least slope of rays along an axis: less counts as this much.
 constexpr double LeastSlope = 1e-20;
 

@@ -9,6 +9,7 @@
 #endif
 
 #include "FFDPacketCaster.h"
+#include "FFDSamplePhase.h"
 #include "FFDTileSegment.h"
 
 #include "FFDSimdBlend-inl.h"
@@ -117,11 +118,15 @@ private:
   HWY_INLINE void FindSamples()
   {
     const Vf inverse = Splat(static_cast<float>(1.0 / this->Scene.Settings.SampleDistance));
-    // A sample at the very start of the range belongs to it, rounding errors or not.
-    const Vf slack = Splat(1e-3f);
-    const Vf early = this->Scene.Intervals ? Splat(1.0f - 1e-3f) : hn::Add(slack, this->Phase);
-    this->First = hn::Ceil(hn::Sub(hn::Mul(this->Rays.From, inverse), early));
-    this->Stop = hn::Ceil(hn::Sub(hn::Sub(hn::Mul(this->Rays.To, inverse), slack), this->Phase));
+    // Both ends by the same arithmetic: where one part of a ray ends and another begins, each
+    // sample is taken by exactly one of them.
+    const auto firstFrom = [&](Vf t, Vf early) {
+      return hn::Ceil(hn::Sub(hn::Mul(t, inverse), early));
+    };
+    const Vf slack = hn::Add(Splat(static_cast<float>(SampleSlack)), this->Phase);
+    const Vf early = this->Scene.Intervals ? Splat(1.0f - static_cast<float>(SampleSlack)) : slack;
+    this->First = firstFrom(this->Rays.From, early);
+    this->Stop = firstFrom(this->Rays.To, slack);
     const Vf big = Splat(1e9f);
     const Vf first = hn::IfThenElse(this->Samples.State.Alive, this->First, big);
     const Vf stop = hn::IfThenElse(this->Samples.State.Alive, this->Stop, hn::Neg(big));

@@ -9,6 +9,7 @@
 #endif
 
 #include "FFDPacketCaster.h"
+#include "FFDSamplePhase.h"
 
 #include "FFDSimdInterpolant-inl.h"
 #include "FFDSimdLeap-inl.h"
@@ -102,8 +103,11 @@ public:
   void Start(float tMin, float tMax)
   {
     const double length = this->Scene.SamplesPerRoot * this->Scene.Settings.SampleDistance;
-    this->First = static_cast<int>(std::floor(static_cast<double>(tMin) / length));
-    this->Last = static_cast<int>(std::floor(static_cast<double>(tMax) / length));
+    // A ray takes samples that lie a little before its range, see SampleSlack, but for the near
+    // plane.
+    const double around = 2.0 * SampleSlack * this->Scene.Settings.SampleDistance;
+    this->First = static_cast<int>(std::floor(std::max(tMin - around, 0.0) / length));
+    this->Last = static_cast<int>(std::floor((tMax + around) / length));
   }
 
   /// First pixel of the tile.

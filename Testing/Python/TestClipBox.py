@@ -97,7 +97,7 @@ class TestClipBox(unittest.TestCase):
             self.assertLess(count, samples)
             total += count
             blended += (1.0 - blended[:, 3:]) * part
-        # A sample on a shared face may fall on either side by rounding.
+        # Leaps end elsewhere in a part.
         self.assertLess(abs(total - samples), 1e-4 * samples)
         difference = np.abs(blended - whole) * 255.0
         self.assertLessEqual(difference.max(), 5.0)
@@ -114,6 +114,61 @@ class TestClipBox(unittest.TestCase):
 
     def test_strong_opaque(self):
         self.check_partition(2.0, True)
+
+    def count(self, scene, box):
+        """Samples, and visible ones, of the rays in a box; of all of space if there is none."""
+        scene.mapper.RemoveClipBox()
+        if box:
+            scene.mapper.SetClipBox(box)
+        scene.picture()
+        statistics = scene.mapper.GetStatistics()
+        return np.array([statistics.GetNumberOfSamples(), statistics.GetNumberOfVisibleSamples()])
+
+    def check_cut(self, scene, axis, at, message):
+        """Of two boxes that share a face, exactly one takes each sample."""
+        inf = float("inf")
+        lower, upper = [-inf, inf] * 3, [-inf, inf] * 3
+        lower[2 * axis + 1] = upper[2 * axis] = at
+        parts = self.count(scene, lower) + self.count(scene, upper)
+        self.assertEqual(parts.tolist(), self.count(scene, None).tolist(), message)
+
+    def test_every_sample_in_one_box(self):
+        """Rounding neither leaves out a sample beside the face of two boxes nor takes it twice."""
+        random = np.random.default_rng(1)
+        for strength in (0.0, 1.0):
+            scene = Scene(strength, False)
+            # Leaps end elsewhere in a part.
+            scene.mapper.SetSpaceLeapingToOff()
+            camera = scene.renderer.GetActiveCamera()
+            bounds = np.reshape(scene.mapper.GetBounds(), (3, 2))
+            for view in range(30):
+                camera.SetPosition(*random.normal(size=3))
+                camera.SetFocalPoint(0.0, 0.0, 0.0)
+                scene.renderer.ResetCamera()
+                camera.Zoom(random.uniform(1.0, 3.0))
+                axis = random.integers(3)
+                at = bounds[axis] @ (lambda part: (1.0 - part, part))(random.uniform(0.3, 0.7))
+                self.check_cut(scene, axis, at, (strength, view))
+
+    def test_samples_just_before_a_face(self):
+        """What rays share begins at the first sample, though that lies a little before the face."""
+        scene = Scene(0.0, False)
+        scene.mapper.SetSpaceLeapingToOff()
+        scene.mapper.SetSampleDistance(1.0)
+        scene.mapper.LockSampleDistanceToInputSpacingOff()
+        scene.mapper.SetDeformation(None)
+        bounds = scene.mapper.GetBounds()
+        camera = scene.renderer.GetActiveCamera()
+        camera.ParallelProjectionOn()
+        camera.SetFocalPoint(0.0, 0.0, 0.0)
+        camera.SetPosition(0.0, 0.0, 1.0)
+        scene.renderer.ResetCamera()
+        # Samples lie at n + 0.9999 from the near plane, a hundredth before multiples from the volume.
+        near = bounds[5] + 20.0 + 0.0099
+        distance = camera.GetPosition()[2] - near
+        camera.SetClippingRange(distance, distance + 1000.0)
+        for n in range(21, 145):
+            self.check_cut(scene, 2, near - (n + 0.9999) - 0.0005, n)
 
     def test_all_and_none(self):
         scene = Scene(1.0, False)
