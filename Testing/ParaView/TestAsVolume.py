@@ -105,6 +105,11 @@ class TestAsVolume(unittest.TestCase):
         display.MultiComponentsMapping = 1
         both = self.compare(display, "two components")
         self.assertGreater(np.abs(both - alone).mean(), 2.0)
+        # By the name in the group of FFD Volume: the panel shows ParaView's for its own Volume alone.
+        self.assertEqual(display.FFDMultiComponentsMapping, 1)
+        display.FFDMultiComponentsMapping = 0
+        self.assertEqual(display.MultiComponentsMapping, 0)
+        self.assertLessEqual(ffd.differ(ffd.picture(self.view, "one again"), alone)[0], 1)
 
     def test_colors_as_they_are(self):
         display = self.show("rgba")

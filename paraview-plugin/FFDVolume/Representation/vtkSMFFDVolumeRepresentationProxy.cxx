@@ -48,8 +48,9 @@ const std::array<Names, 5> SharedOptions{ { { { "FFDShade", "Shade" } },
   { { "FFDIsosurfaceValues", "IsosurfaceValues" } }, { { "FFDUseCropping", "UseCropping" } } } };
 
 /// Those that ParaView's color map editor changes, by the second name, whatever is shown.
-const std::array<Names, 7> EditorOptions{
-  { { { "FFDUseSeparateOpacityArray", "UseSeparateOpacityArray" } },
+const std::array<Names, 8> EditorOptions{
+  { { { "FFDMultiComponentsMapping", "MultiComponentsMapping" } },
+    { { "FFDUseSeparateOpacityArray", "UseSeparateOpacityArray" } },
     { { "FFDOpacityArrayName", "OpacityArrayName" } },
     { { "FFDOpacityComponent", "OpacityComponent" } }, { { "FFDUseTransfer2D", "UseTransfer2D" } },
     { { "FFDUseGradientForTransfer2D", "UseGradientForTransfer2D" } },
