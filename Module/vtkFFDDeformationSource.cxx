@@ -28,13 +28,6 @@ constexpr int ProbesPerSide = 9;
 /// Margin that is added to the region on each side, as a fraction of its size.
 constexpr double RegionMargin = 0.1;
 
-bool IsSame(const ffd::BSplineField& a, const ffd::BSplineField& b)
-{
-  return a.GetNodes() == b.GetNodes() && a.GetOrigin() == b.GetOrigin() &&
-    a.GetSpacing() == b.GetSpacing() && a.GetBorder() == b.GetBorder() &&
-    a.GetCoefficients() == b.GetCoefficients();
-}
-
 /// The box over which a lattice stands for a transform.
 ffd::Box FindFitRegion(vtkAbstractTransform* transform, const double bounds[6])
 {
@@ -131,7 +124,7 @@ ffd::Made ffd::MakeDeformationField(DeformationField& result, StageTools& tools,
     return Made::Not;
   }
   // An image with a lattice may be new for other reasons.
-  if (inverted == result.Inverted && IsSame(field, result.Field))
+  if (inverted == result.Inverted && field == result.Field)
   {
     return Made::Same;
   }

@@ -116,9 +116,7 @@ Made MakeBoundedPullBack(SharedPullBack& result, StageTools& tools,
 //------------------------------------------------------------------------------
 std::size_t SharedPullBack::GetMemorySize() const
 {
-  return this->Last ? this->Last->Bounds.GetMemorySize() +
-      this->Last->Field.GetCoefficients().capacity() * sizeof(glm::dvec3)
-                    : 0;
+  return this->Last ? this->Last->Bounds.GetMemorySize() : 0;
 }
 
 //------------------------------------------------------------------------------

@@ -66,9 +66,9 @@ BSplineField::BSplineField(const glm::ivec3& nodes, const glm::dvec3& origin,
     this->ClampMin[a] = this->FirstCell[a];
     this->ClampMax[a] = this->EndCell[a];
   }
-  this->Coefficients.assign(
-    static_cast<std::size_t>(this->PaddedNodes.x) * this->PaddedNodes.y * this->PaddedNodes.z,
-    glm::dvec3(0.0));
+  const auto coefficients =
+    std::make_shared<std::vector<glm::dvec3>>(GridSize(this->PaddedNodes), glm::dvec3(0.0));
+  this->Coefficients = coefficients;
   if (!displacements)
   {
     return;
@@ -84,7 +84,7 @@ BSplineField::BSplineField(const glm::ivec3& nodes, const glm::dvec3& origin,
         const BorderSource si = FindBorderSource(i, nodes.x, border);
         const std::size_t from = GridIndex(si.Index, sj.Index, sk.Index, nodes);
         const glm::dvec3 c = displacements[from] * (si.Sign * sj.Sign * sk.Sign * scale);
-        this->Coefficients[this->CoefficientIndex(i, j, k)] = c;
+        (*coefficients)[this->CoefficientIndex(i, j, k)] = c;
         this->Zero = this->Zero && c == glm::dvec3(0.0);
       }
     }

@@ -9,6 +9,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
+#include <memory>
 #include <vector>
 
 namespace ffd
@@ -62,7 +63,7 @@ public:
   {
     return this->Nodes == other.Nodes && this->Origin == other.Origin &&
       this->Spacing == other.Spacing && this->Border == other.Border &&
-      this->Coefficients == other.Coefficients;
+      (this->Coefficients == other.Coefficients || *this->Coefficients == *other.Coefficients);
   }
 
   /// True when every coefficient is exactly zero.
@@ -94,14 +95,14 @@ public:
   /// Coefficient of control point (i, j, k); -Padding <= i < nodes + Padding, border mode applied.
   const glm::dvec3& Coefficient(int i, int j, int k) const
   {
-    return this->Coefficients[this->CoefficientIndex(i, j, k)];
+    return (*this->Coefficients)[this->CoefficientIndex(i, j, k)];
   }
   std::size_t CoefficientIndex(int i, int j, int k) const
   {
     return GridIndex(i + Padding, j + Padding, k + Padding, this->PaddedNodes);
   }
   const glm::ivec3& GetPaddedNodes() const { return this->PaddedNodes; }
-  const std::vector<glm::dvec3>& GetCoefficients() const { return this->Coefficients; }
+  const std::vector<glm::dvec3>& GetCoefficients() const { return *this->Coefficients; }
 
 private:
   glm::ivec3 Nodes;
@@ -115,7 +116,8 @@ private:
   glm::ivec3 EndCell;
   BorderMode Border;
   bool Zero;
-  std::vector<glm::dvec3> Coefficients; // padded, scaled, border applied
+  // Padded, scaled, border applied; never changed, so that copies share them.
+  std::shared_ptr<const std::vector<glm::dvec3>> Coefficients;
 };
 
 } // namespace ffd

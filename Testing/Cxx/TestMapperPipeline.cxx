@@ -520,6 +520,44 @@ int TestMemory()
   return EXIT_SUCCESS;
 }
 
+/// What is held besides a volume of bytes of 256 x 256 x 128 voxels with a lattice of 8^3 control
+/// points: at most a twentieth of it, the control points once.
+int TestAuxiliaryMemory()
+{
+  FFDTestScene scene;
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(256, 256, 128);
+  image->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
+  auto* voxels = static_cast<unsigned char*>(image->GetScalarPointer());
+  const vtkIdType count = image->GetNumberOfPoints();
+  for (vtkIdType i = 0; i < count; ++i)
+  {
+    voxels[i] = static_cast<unsigned char>(i * i % 199);
+  }
+  scene.Mapper->SetInputData(image);
+  scene.Lattice->SetDimensions(8, 8, 8);
+  scene.Lattice->FitToBounds(image->GetBounds(), 0.0);
+  scene.Lattice->SetDisplacement(3, 4, 3, 20.0, 10.0, 5.0);
+  const auto size = [&scene] {
+    scene.Render();
+    return static_cast<double>(scene.Mapper->GetAuxiliaryMemorySize());
+  };
+  const double bent = size();
+  scene.Mapper->SetDeformation(nullptr);
+  const double straight = size();
+  std::cout << "memory: " << 100.0 * bent / static_cast<double>(count) << " % of the volume, "
+            << bent - straight << " bytes of them for the deformation\n";
+  FFD_CHECK(bent <= 0.05 * static_cast<double>(count));
+  // With the border 14^3 control points, and a number for each cell.
+  const double points = 14.0 * 14.0 * 14.0 * 3.0 * sizeof(double);
+  FFD_CHECK(bent > straight && bent - straight < 1.5 * points);
+  // An edit moves the bounds on to other control points: none of those before stay.
+  scene.Mapper->SetDeformation(scene.Lattice);
+  scene.Lattice->SetDisplacement(3, 4, 3, 21.0, 10.0, 5.0);
+  FFD_CHECK(size() == bent);
+  return EXIT_SUCCESS;
+}
+
 } // namespace
 
 int TestMapperPipeline(int, char*[])
@@ -532,5 +570,6 @@ int TestMapperPipeline(int, char*[])
   FFD_CHECK(TestWindows() == EXIT_SUCCESS);
   FFD_CHECK(TestShallowCopy() == EXIT_SUCCESS);
   FFD_CHECK(TestMemory() == EXIT_SUCCESS);
+  FFD_CHECK(TestAuxiliaryMemory() == EXIT_SUCCESS);
   return EXIT_SUCCESS;
 }

@@ -123,19 +123,7 @@ std::size_t PullBackBounds::Update(const PullBack& pullBack, const ParallelFor& 
     const glm::ivec3 all = field.GetEndCell() - field.GetFirstCell();
     norms.resize(GridSize(all));
     this->BoundInverse(cells, parallelFor, norms);
-    this->NumberOfNodes = field.GetNodes();
-    this->Spacing = field.GetSpacing();
-    this->Border = field.GetBorder();
-    this->Nodes.clear();
-    this->Nodes.reserve(GridSize(this->NumberOfNodes));
-    for (int k = 0; k < this->NumberOfNodes.z; ++k)
-    {
-      for (int j = 0; j < this->NumberOfNodes.y; ++j)
-      {
-        const glm::dvec3* row = &field.Coefficient(0, j, k);
-        this->Nodes.insert(this->Nodes.end(), row, row + this->NumberOfNodes.x);
-      }
-    }
+    this->Last = field;
   }
   this->ProveInvertible(norms);
   this->InverseNorms = std::move(norms);
@@ -148,22 +136,22 @@ CellRange PullBackBounds::FindChangedCells() const
 {
   const BSplineField& field = *this->Field;
   const glm::ivec3 nodes = field.GetNodes();
-  if (this->InverseNorms.empty() || this->NumberOfNodes != nodes ||
-    this->Spacing != field.GetSpacing() || this->Border != field.GetBorder())
+  if (this->InverseNorms.empty() || this->Last.GetNodes() != nodes ||
+    this->Last.GetSpacing() != field.GetSpacing() || this->Last.GetBorder() != field.GetBorder())
   {
     return { field.GetFirstCell(), field.GetEndCell() };
   }
   glm::ivec3 low = nodes;
   glm::ivec3 high(-1);
-  const glm::dvec3* last = this->Nodes.data();
   for (int k = 0; k < nodes.z; ++k)
   {
     for (int j = 0; j < nodes.y; ++j)
     {
+      const glm::dvec3* last = &this->Last.Coefficient(0, j, k);
       const glm::dvec3* row = &field.Coefficient(0, j, k);
       for (int i = 0; i < nodes.x; ++i)
       {
-        if (*last++ != row[i])
+        if (last[i] != row[i])
         {
           low = glm::min(low, glm::ivec3(i, j, k));
           high = glm::max(high, glm::ivec3(i, j, k));

@@ -75,11 +75,7 @@ public:
    */
   double FindLargestTurnRate(const Box& region) const;
 
-  std::size_t GetMemorySize() const
-  {
-    return this->InverseNorms.capacity() * sizeof(float) +
-      this->Nodes.capacity() * sizeof(glm::dvec3);
-  }
+  std::size_t GetMemorySize() const { return this->InverseNorms.capacity() * sizeof(float); }
 
 private:
   class SubCells;
@@ -102,11 +98,7 @@ private:
   // For kinds that invert T, a bound of the norm of the inverse of J_T for each cell of the
   // lattice, x fastest: infinite where only its determinant is bounded, NaN where nothing is known.
   std::vector<float> InverseNorms;
-  // The lattice that these bounds were found from.
-  std::vector<glm::dvec3> Nodes; // displacements, x fastest
-  glm::ivec3 NumberOfNodes{ 0 };
-  glm::dvec3 Spacing{ 0.0 };
-  BorderMode Border = BorderMode::Edge;
+  BSplineField Last; // these bounds were found from it
 };
 
 } // namespace ffd
