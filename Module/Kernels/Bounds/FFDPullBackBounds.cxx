@@ -109,6 +109,7 @@ std::size_t PullBackBounds::Update(const PullBack& pullBack, const ParallelFor& 
   if (!this->Field || !InvertsTheField(this->Kind))
   {
     this->InverseNorms.clear();
+    this->Last.reset();
     return 0;
   }
   const BSplineField& field = *this->Field;
@@ -136,8 +137,8 @@ CellRange PullBackBounds::FindChangedCells() const
 {
   const BSplineField& field = *this->Field;
   const glm::ivec3 nodes = field.GetNodes();
-  if (this->InverseNorms.empty() || this->Last.GetNodes() != nodes ||
-    this->Last.GetSpacing() != field.GetSpacing() || this->Last.GetBorder() != field.GetBorder())
+  if (this->InverseNorms.empty() || this->Last->GetNodes() != nodes ||
+    this->Last->GetSpacing() != field.GetSpacing() || this->Last->GetBorder() != field.GetBorder())
   {
     return { field.GetFirstCell(), field.GetEndCell() };
   }
@@ -147,7 +148,7 @@ CellRange PullBackBounds::FindChangedCells() const
   {
     for (int j = 0; j < nodes.y; ++j)
     {
-      const glm::dvec3* last = &this->Last.Coefficient(0, j, k);
+      const glm::dvec3* last = &this->Last->Coefficient(0, j, k);
       const glm::dvec3* row = &field.Coefficient(0, j, k);
       for (int i = 0; i < nodes.x; ++i)
       {

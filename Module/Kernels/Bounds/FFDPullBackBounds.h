@@ -13,6 +13,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
+#include <optional>
 #include <vector>
 
 namespace ffd
@@ -98,7 +99,7 @@ private:
   // For kinds that invert T, a bound of the norm of the inverse of J_T for each cell of the
   // lattice, x fastest: infinite where only its determinant is bounded, NaN where nothing is known.
   std::vector<float> InverseNorms;
-  BSplineField Last; // these bounds were found from it
+  std::optional<BSplineField> Last; // they were found from it
 };
 
 } // namespace ffd
