@@ -86,8 +86,8 @@ void vtkFFDFrameCoherence::Clear()
 //------------------------------------------------------------------------------
 std::size_t vtkFFDFrameCoherence::GetMemorySize() const
 {
-  return this->Subtiles.GetMemorySize() +
-    (this->LastField ? this->LastField->GetCoefficients().size() * sizeof(glm::dvec3) : 0);
+  // The control points of LastField are those of the deformation, which counts them.
+  return this->Subtiles.GetMemorySize();
 }
 
 //------------------------------------------------------------------------------

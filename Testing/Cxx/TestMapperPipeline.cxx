@@ -555,6 +555,16 @@ int TestAuxiliaryMemory()
   scene.Mapper->SetDeformation(scene.Lattice);
   scene.Lattice->SetDisplacement(3, 4, 3, 21.0, 10.0, 5.0);
   FFD_CHECK(size() == bent);
+  // The last picture has the same ones.
+  scene.Mapper->SetAutoAdjustSampleDistances(false);
+  scene.Show();
+  scene.Window->SetDesiredUpdateRate(1000.0);
+  scene.Show();
+  scene.Lattice->SetDisplacement(3, 4, 3, 22.0, 10.0, 5.0);
+  scene.Show();
+  const double coherent = static_cast<double>(scene.Mapper->GetAuxiliaryMemorySize());
+  std::cout << "memory: " << coherent - bent << " bytes of the last picture\n";
+  FFD_CHECK(coherent > bent && coherent - bent < 0.9 * points);
   return EXIT_SUCCESS;
 }
 
