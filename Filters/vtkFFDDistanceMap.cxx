@@ -27,6 +27,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -229,7 +230,15 @@ int vtkFFDDistanceMap::RequestData(
     vtkNew<vtkUnsignedCharArray> distances;
     distances->SetName("Distance");
     distances->SetNumberOfValues(static_cast<vtkIdType>(blocks.GetNumberOfBlocks()));
-    std::copy_n(map.GetData(), blocks.GetNumberOfBlocks(), distances->GetPointer(0));
+    // The map itself tells fewer distances apart.
+    std::vector<std::uint16_t> found(blocks.GetNumberOfBlocks());
+    std::transform(map.GetData(), map.GetData() + found.size(), found.begin(),
+      [](std::uint8_t code) { return code == 0 ? std::uint16_t(0) : ffd::NothingVisible; });
+    ffd::FindChebyshevDistances(map.GetBlocks(), found.data(), [](double) { return true; });
+    std::transform(
+      found.begin(), found.end(), distances->GetPointer(0), [](std::uint16_t distance) {
+        return static_cast<unsigned char>(std::min<std::uint16_t>(distance, 255));
+      });
     output->SetDimensions(map.GetBlocks().x, map.GetBlocks().y, map.GetBlocks().z);
     output->SetOrigin(info->Get(vtkDataObject::ORIGIN()));
     output->SetSpacing(info->Get(vtkDataObject::SPACING()));

@@ -49,13 +49,13 @@ public:
     , Trees(trees)
     , Scratch(scratch)
     , Rays(rays)
-    , Phase(phase)
     , X(x)
     , Y(y)
     , Rows(rows)
     , Samples(scene, trees, scratch, rays, x, y, rows, active)
     , Blending(scene, scratch, rays, this->Samples)
   {
+    this->Numbers.Phase = phase;
   }
 
   const PacketPixels& GetPixels() const { return this->Samples.State.Out; }
@@ -110,11 +110,8 @@ private:
 
   static int FloorDivide(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
-  /**
-   * Finds the samples that each ray takes: those of numbers n, at t = (n + phase) * sample
-   * distance, with First <= n < Stop. In blend modes that use intervals the first is the one that
-   * holds From.
-   */
+  /// Finds the samples that each ray takes. In blend modes that use intervals the first is the one
+  /// that holds From.
   HWY_INLINE void FindSamples()
   {
     const Vf inverse = Splat(static_cast<float>(1.0 / this->Scene.Settings.SampleDistance));
@@ -123,19 +120,13 @@ private:
     const auto firstFrom = [&](Vf t, Vf early) {
       return hn::Ceil(hn::Sub(hn::Mul(t, inverse), early));
     };
-    const Vf slack = hn::Add(Splat(static_cast<float>(SampleSlack)), this->Phase);
+    const Vf slack = hn::Add(Splat(static_cast<float>(SampleSlack)), this->Numbers.Phase);
     const Vf early = this->Scene.Intervals ? Splat(1.0f - static_cast<float>(SampleSlack)) : slack;
-    this->First = firstFrom(this->Rays.From, early);
-    this->Stop = firstFrom(this->Rays.To, slack);
+    this->Numbers.First = firstFrom(this->Rays.From, early);
+    this->Numbers.Stop = firstFrom(this->Rays.To, slack);
     const Vf big = Splat(1e9f);
-    const Vf first = hn::IfThenElse(this->Samples.State.Alive, this->First, big);
-    const Vf stop = hn::IfThenElse(this->Samples.State.Alive, this->Stop, hn::Neg(big));
-    const float low =
-      SmallestLane(hn::IfThenElse(this->Samples.State.Alive, this->Phase, Splat(1.0f)));
-    const float high =
-      LargestLane(hn::IfThenElse(this->Samples.State.Alive, this->Phase, hn::Zero(Df())));
-    this->MiddlePhase = 0.5f * (low + high);
-    this->PhaseRange = 0.5f * (high - low);
+    const Vf first = hn::IfThenElse(this->Samples.State.Alive, this->Numbers.First, big);
+    const Vf stop = hn::IfThenElse(this->Samples.State.Alive, this->Numbers.Stop, hn::Neg(big));
     this->FirstSample = static_cast<int>(SmallestLane(first));
     this->EndSample = static_cast<int>(LargestLane(stop));
   }
@@ -313,7 +304,8 @@ private:
     this->Samples.Normals.BeginCurve();
     if constexpr (HasVoxelWindow<T>())
     {
-      this->Samples.Window.Follow(segment, block, this->MiddlePhase, this->PhaseRange);
+      this->Samples.Window.Follow(
+        curve, this->Numbers, this->Samples.State.Alive, block, this->Scene.ClassifiesIntervals);
     }
     this->SkipTo = Splat(-1e30f);
     this->Samples.State.Expecting = hn::FirstN(Df(), 0);
@@ -345,34 +337,24 @@ private:
       const bool within = (segment.Inside[static_cast<std::size_t>(block)] >> part & 1u) != 0;
       const bool inner =
         within && this->Scene.Inner && !segment.LeapsRays && !this->Scratch.Positions;
-      for (int n = std::max(from, this->FirstSample); n < to; ++n)
+      const int first = std::max(from, this->FirstSample);
+      int n;
+      if (HWY_UNLIKELY(!inner || this->Scene.ClassifiesIntervals))
       {
-        const Vf s = hn::Mul(
-          hn::Add(this->Phase, Splat(static_cast<float>(n - segment.FirstSample))), curve.PerStep);
-        if (HWY_UNLIKELY(inner && this->Scene.ClassifiesIntervals))
-        {
-          this->Samples.TakeInterval(curve, n, s, this->FindActive(n), true);
-        }
-        else if (inner)
-        {
-          if (HWY_LIKELY(this->Scene.Plain))
-          {
-            this->Samples.template TakeInnerSample<true>(curve, n, s, this->FindActive(n));
-          }
-          else
-          {
-            this->Samples.template TakeInnerSample<false>(curve, n, s, this->FindActive(n));
-          }
-        }
-        else
-        {
-          this->TakeSamples(curve, n, s, within);
-        }
-        if (HWY_UNLIKELY(hn::AllFalse(Df(), this->Samples.State.Alive)))
-        {
-          this->EndAt(n);
-          return;
-        }
+        n = this->TakeEachSample(curve, first, to, within, inner);
+      }
+      else if (HWY_LIKELY(this->Scene.Plain))
+      {
+        n = this->Samples.template TakeInnerSamples<true>(curve, this->Numbers, first, to);
+      }
+      else
+      {
+        n = this->Samples.template TakeInnerSamples<false>(curve, this->Numbers, first, to);
+      }
+      if (HWY_UNLIKELY(n < to))
+      {
+        this->EndAt(n);
+        return;
       }
       if (HWY_UNLIKELY(seeking))
       {
@@ -380,6 +362,29 @@ private:
       }
     }
     this->Blending.EndCurve(curve);
+  }
+
+  /// Takes the samples from `from` on, before `to`, one by one: of options that have no loop of
+  /// their own. As PacketCompositor::TakeInnerSamples(); `within` as for TakeSamples().
+  HWY_INLINE int TakeEachSample(const PacketCurve& curve, int from, int to, bool within, bool inner)
+  {
+    for (int n = from; n < to; ++n)
+    {
+      const Vf s = this->Numbers.FindPlaces(curve, n);
+      if (inner)
+      {
+        this->Samples.TakeInterval(curve, n, s, this->FindActive(n), true);
+      }
+      else
+      {
+        this->TakeSamples(curve, n, s, within);
+      }
+      if (HWY_UNLIKELY(hn::AllFalse(Df(), this->Samples.State.Alive)))
+      {
+        return n;
+      }
+    }
+    return to;
   }
 
   /// Pulls each sample back by itself; Newton's method starts from the previous sample.
@@ -397,7 +402,7 @@ private:
     const int to = std::min(segment.FirstSample + segment.Samples, this->EndSample);
     const float distance = static_cast<float>(this->Scene.Settings.SampleDistance);
     const auto timeOf = [&](int n) {
-      return hn::Mul(hn::Add(this->Phase, Splat(static_cast<float>(n))), Splat(distance));
+      return hn::Mul(hn::Add(this->Numbers.Phase, Splat(static_cast<float>(n))), Splat(distance));
     };
     const auto positionAt = [&](int n, const Vec3& start) {
       // A position without a pull-back is likely to be followed by another one.
@@ -425,7 +430,7 @@ private:
     }
     curve.Dt = Splat(distance);
     curve.PerStep = Splat(1.0f);
-    const Vf s = hn::Mul(this->Phase, about.PerStep);
+    const Vf s = hn::Mul(this->Numbers.Phase, about.PerStep);
     Vec3 next = positionAt(from, about.Position.At(s));
     Vec3 move = Scale(about.PerStep, about.Position.Slope(s));
     for (int n = from; n < to; ++n)
@@ -481,8 +486,8 @@ private:
     curve.T0 = t;
     curve.Dt = Splat(static_cast<float>(this->Scene.Settings.SampleDistance));
     curve.PerStep = Splat(1.0f);
-    this->First = zero;
-    this->Stop = hn::IfThenElseZero(crosses, Splat(1.0f));
+    this->Numbers.First = zero;
+    this->Numbers.Stop = hn::IfThenElseZero(crosses, Splat(1.0f));
     this->TakeSamples(curve, 0, zero, false);
   }
 
@@ -526,9 +531,7 @@ private:
   /// The rays that take the sample n.
   HWY_INLINE Mf FindActive(int n) const
   {
-    const Vf number = Splat(static_cast<float>(n));
-    return hn::And(
-      this->Samples.State.Alive, hn::And(hn::Ge(number, this->First), hn::Lt(number, this->Stop)));
+    return this->Numbers.FindActive(this->Samples.State.Alive, n);
   }
 
   /// Takes the sample n of every ray, at s of a curve; `within`: all voxels of the sample exist.
@@ -545,7 +548,7 @@ private:
     if (!curve.Segment && this->Scene.Distances && !this->Scene.Intervals &&
       !this->Scene.ClassifiesIntervals)
     {
-      active = hn::AndNot(EmptySpaceQuery(this->Scene, q).IsEmpty(), active);
+      active = hn::AndNot(EmptySpaceQuery(this->Scene, q, NoRadius).IsEmpty(), active);
       if (hn::AllFalse(d, active))
       {
         return;
@@ -638,7 +641,8 @@ private:
       radius[a] = LeapGuard[a] +
         (this->Scene.ClassifiesIntervals ? std::max(segment.Up[a], segment.Down[a]) : 0.0f);
     }
-    const Vf steps = EmptySpaceQuery(this->Scene, q).CountSteps(radius, segment.Up, segment.Down);
+    const Vf steps =
+      EmptySpaceQuery(this->Scene, q, radius).CountSteps(BoxSteps(segment.Up, segment.Down, 1.0f));
     // An interval is empty only if its end lies in the cube, too.
     const Mf empty =
       hn::And(querying, hn::Ge(steps, this->Scene.Intervals ? Splat(1.0f) : hn::Zero(d)));
@@ -683,18 +687,14 @@ private:
   SegmentTrees& Trees;
   PacketScratch& Scratch;
   const RayPacket& Rays;
-  Vf Phase;
   int X; ///< first pixel, from that of the tile
   int Y;
-  Vf Rows;  ///< of the pixels, from Y on
-  Vf First; ///< samples, see FindSamples()
-  Vf Stop;
+  Vf Rows; ///< of the pixels, from Y on
+  SampleNumbers Numbers;
   int FirstSample = 0; ///< of all rays
   int EndSample = 0;
   float Reach = std::numeric_limits<float>::infinity();
   Vf SkipTo;           ///< samples of the segment before this one are empty for certain
-  float MiddlePhase;   ///< middle of the range of the phases of the rays
-  float PhaseRange;    ///< largest distance of a phase from it
   int PassedCode = -1; ///< where extremes are looked for, see FindPassedCode()
   PacketCompositor<T> Samples;
   PacketBlending<T> Blending;

@@ -74,21 +74,30 @@ public:
       q, s, sampled, fetched.AtBorder);
   }
 
-  /// Takes the samples n as TakeSample() does, if all voxels that they and their gradients need
-  /// exist and PacketScene::Inner is true.
+  /**
+   * Takes the samples from `from` on, before `to`, of a curve of a segment as TakeSample() does, if
+   * all voxels that they and their gradients need exist and PacketScene::Inner is true. Returns the
+   * number of the sample with which all rays have ended, or `to`.
+   */
   template <bool Plain>
-  HWY_NOINLINE void TakeInnerSample(const PacketCurve& curve, int n, Vf s, Mf sampled)
+  HWY_INLINE int TakeInnerSamples(
+    const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
   {
-    const Vec3 q = curve.Position.At(s);
-    this->UseInnerRows(
-      n, false, q, sampled,
-      [&](auto& voxels, const SamplePosition& at) {
-        SampleRows<T> rows;
-        const Vf value = Sample<T>(voxels, at, rows);
-        this->template Composite<Plain>(
-          voxels, at, rows, value, curve, q, s, sampled, hn::FirstN(Df(), 0));
-      },
-      [&] { this->template TakeSample<Plain>(curve, q, s, sampled); });
+    if constexpr (HasVoxelWindow<T>())
+    {
+      switch (this->Window.GetFit())
+      {
+        case WindowFit::Two:
+          return this->template TakeInnerSamples<Plain, WindowFit::Two>(curve, numbers, from, to);
+        case WindowFit::Three:
+          return this->template TakeInnerSamples<Plain, WindowFit::Three>(curve, numbers, from, to);
+        case WindowFit::Four:
+          return this->template TakeInnerSamples<Plain, WindowFit::Four>(curve, numbers, from, to);
+        default:
+          break;
+      }
+    }
+    return this->template TakeInnerSamples<Plain, WindowFit::None>(curve, numbers, from, to);
   }
 
   /**
@@ -182,7 +191,7 @@ public:
       return compositeAny();
     }
     this->UseInnerRows(
-      n, true, q, sampled,
+      n, q, sampled,
       [&](auto& voxels, const SamplePosition& in) {
         SampleRows<T> rows;
         const Vf value = Sample<T>(voxels, in, rows);
@@ -291,7 +300,7 @@ public:
   {
     Vf value = hn::Zero(Df());
     this->UseInnerRows(
-      n, false, q, lanes,
+      n, q, lanes,
       [&](auto& voxels, const SamplePosition& at) {
         SampleRows<T> rows;
         value = Sample<T>(voxels, at, rows);
@@ -306,28 +315,83 @@ public:
   VoxelWindow<T> Window; ///< voxels around the last inner sample
 
 private:
+  /// TakeInnerSamples() with windows of one kind, or without.
+  template <bool Plain, WindowFit Fit>
+  HWY_NOINLINE int TakeInnerSamples(
+    const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
+  {
+    for (int n = from; n < to; ++n)
+    {
+      const Mf sampled = numbers.FindActive(this->State.Alive, n);
+      const Vf s = numbers.FindPlaces(curve, n);
+      const Vec3 q = curve.Position.At(s);
+      if (Fit == WindowFit::None && HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0))
+      {
+        this->template TakeSample<Plain>(curve, q, s, sampled);
+      }
+      else
+      {
+        SampleCells cells;
+        const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
+        InnerRows<Fit> voxels = this->template FindInnerRows<Fit>(n, cells, sampled);
+        SampleRows<T> rows;
+        const Vf value = Sample<T>(voxels, at, rows);
+        this->template Composite<Plain>(
+          voxels, at, rows, value, curve, q, s, sampled, hn::FirstN(Df(), 0));
+      }
+      if (HWY_UNLIKELY(hn::AllFalse(Df(), this->State.Alive)))
+      {
+        return n;
+      }
+    }
+    return to;
+  }
+
+  template <WindowFit Fit>
+  using InnerRows = std::conditional_t<Fit == WindowFit::None, OffsetRows<T>, WindowRows<T, Fit>>;
+
+  /// The source of the rows of the samples n of a curve, which lie in `cells`, if all voxels that
+  /// they and their gradients need exist, and are in reach.
+  template <WindowFit Fit>
+  HWY_INLINE InnerRows<Fit> FindInnerRows(int n, const SampleCells& cells, Mf sampled)
+  {
+    if constexpr (Fit == WindowFit::None)
+    {
+      static_cast<void>(n);
+      OffsetRows<T> voxels;
+      voxels.Fit(this->Scene.Volume, cells, sampled);
+      return voxels;
+    }
+    else
+    {
+      static_cast<void>(sampled);
+      this->Window.MoveTo(n);
+      return WindowRows<T, Fit>(this->Window, cells);
+    }
+  }
+
   /**
-   * Calls use(voxels, at) with a source of the rows of the samples n of a curve, which lie at q, or
-   * `within` the intervals that end there, if all voxels that they and their gradients need exist;
-   * otherwise() where no offsets reach them.
+   * Calls use(voxels, at) with a source of the rows of the samples n of a curve, or of places in
+   * the intervals that end there, which lie at q, if all voxels that they and their gradients need
+   * exist; otherwise() where no offsets reach them.
    */
   template <class Use, class Otherwise>
   HWY_INLINE void UseInnerRows(
-    int n, bool within, const Vec3& q, Mf sampled, const Use& use, const Otherwise& otherwise)
+    int n, const Vec3& q, Mf sampled, const Use& use, const Otherwise& otherwise)
   {
     SampleCells cells;
     const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
     const auto useRows = [&](auto&& voxels) { use(voxels, at); };
     if constexpr (HasVoxelWindow<T>())
     {
-      switch (this->Window.MoveTo(n, within))
+      switch (this->Window.GetFit())
       {
         case WindowFit::Two:
-          return useRows(WindowRows<T, WindowFit::Two>(this->Window, cells));
+          return useRows(this->template FindInnerRows<WindowFit::Two>(n, cells, sampled));
         case WindowFit::Three:
-          return useRows(WindowRows<T, WindowFit::Three>(this->Window, cells));
+          return useRows(this->template FindInnerRows<WindowFit::Three>(n, cells, sampled));
         case WindowFit::Four:
-          return useRows(WindowRows<T, WindowFit::Four>(this->Window, cells));
+          return useRows(this->template FindInnerRows<WindowFit::Four>(n, cells, sampled));
         default:
           break;
       }
@@ -336,9 +400,7 @@ private:
     {
       return otherwise();
     }
-    OffsetRows<T> voxels;
-    voxels.Fit(this->Scene.Volume, cells, sampled);
-    useRows(voxels);
+    useRows(this->template FindInnerRows<WindowFit::None>(n, cells, sampled));
   }
 
   HWY_INLINE Vec3 ClampToVolume(const Vec3& q) const

@@ -58,6 +58,29 @@ struct PacketCurve
   HWY_INLINE Vf TimeAt(Vf s) const { return hn::MulAdd(s, this->Dt, this->T0); }
 };
 
+/// The samples that the rays of a packet take: those of numbers n, at t = (n + Phase) * sample
+/// distance, with First <= n < Stop.
+struct SampleNumbers
+{
+  Vf Phase;
+  Vf First;
+  Vf Stop;
+
+  /// The lanes of `rays` that take the sample n.
+  HWY_INLINE Mf FindActive(Mf rays, int n) const
+  {
+    const Vf number = Splat(static_cast<float>(n));
+    return hn::And(rays, hn::And(hn::Ge(number, this->First), hn::Lt(number, this->Stop)));
+  }
+
+  /// The samples n in s of a curve of a segment.
+  HWY_INLINE Vf FindPlaces(const PacketCurve& curve, int n) const
+  {
+    const float number = static_cast<float>(n - curve.Segment->FirstSample);
+    return hn::Mul(hn::Add(this->Phase, Splat(number)), curve.PerStep);
+  }
+};
+
 /// Finds the positions that are not cropped; index or local coordinates as CropSpace says.
 HWY_NOINLINE Mf IsUncropped(const PacketScene& scene, const Vec3& p)
 {

@@ -8,6 +8,7 @@
 #define FFD_SIMD_LEAP_INL_H_
 #endif
 
+#include "FFDDistanceMap.h"
 #include "FFDMinMaxBlocks.h"
 #include "FFDPacketCaster.h"
 
@@ -27,17 +28,16 @@ HWY_INLINE Vf BlockOf(const PacketScene& scene, Vf x, int a)
   return hn::Floor(Clamp(hn::Mul(x, Splat(PerVoxel)), hn::Zero(Df()), Splat(scene.LastBlock[a])));
 }
 
-/// The distances to the nearest visible block of four blocks along x, from block (x, y, z) on; a
-/// byte each.
-HWY_INLINE Vi DistancesFrom(const PacketScene& scene, Vf x, Vf y, Vf z)
+/// The codes of blocks (DistanceMap::GetData()).
+HWY_INLINE Vi CodesOf(const PacketScene& scene, const Vf block[3])
 {
   const Di di;
-  const Vi index = hn::Add(Truncate(x),
+  const Vi index = hn::Add(Truncate(block[0]),
     hn::Mul(hn::Set(di, scene.Blocks[0]),
-      hn::Add(Truncate(y), hn::Mul(hn::Set(di, scene.Blocks[1]), Truncate(z)))));
+      hn::Add(Truncate(block[1]), hn::Mul(hn::Set(di, scene.Blocks[1]), Truncate(block[2])))));
   HWY_ALIGN int offsets[16];
   StoreIndices(index, offsets);
-  return LoadLanes<int, 1>(scene.Distances, 0, offsets);
+  return hn::And(LoadLanes<int, 1>(scene.Distances, 0, offsets), hn::Set(di, 0xff));
 }
 
 /// Looks up the bounds of the values in boxes from the lowest corners of the lanes, whose sides fit
@@ -59,85 +59,69 @@ HWY_INLINE Vi PeaksFrom(const ValuePeaks::Grid& grid, const Vec3& low)
   return hn::And(LoadLanes<int, 1>(grid.Codes.data(), 0, offsets), hn::Set(di, 0xff));
 }
 
-/// Whether boxes of a radius touch at most three blocks along each axis, as FindEmptyBoxes() needs.
-inline bool CanQueryBoxes(const std::array<float, 3>& radius)
-{
-  return std::max({ radius[0], radius[1], radius[2] }) <=
-    static_cast<float>(MinMaxBlocks::BlockSize);
-}
+/// No radius: boxes that are points.
+constexpr float NoRadius[3] = {};
 
-/// Finds the lanes of `lanes` whose boxes of `radius` around q touch empty blocks only, if
-/// CanQueryBoxes().
-HWY_INLINE Mf FindEmptyBoxes(
-  const PacketScene& scene, const Vec3& q, const std::array<float, 3>& radius, Mf lanes)
+/// The steps that a box takes to move by an index unit up and down along each axis, at least.
+struct BoxSteps
 {
-  const Df d;
-  const Di di;
-  const Vf position[3] = { q.x, q.y, q.z };
-  // The first block along each axis, the last one, and one between them.
-  Vf blocks[3][3];
-  int count[3];
-  for (std::size_t a = 0; a < 3; ++a)
+  float PerUp[3];
+  float PerDown[3];
+
+  /// A step moves by at most `up` and `down`, index units, not negative, times `scale`.
+  BoxSteps(const float up[3], const float down[3], float scale)
   {
-    const int axis = static_cast<int>(a);
-    blocks[a][0] = BlockOf(scene, hn::Sub(position[a], Splat(radius[a])), axis);
-    blocks[a][1] = BlockOf(scene, hn::Add(position[a], Splat(radius[a])), axis);
-    blocks[a][2] = hn::Min(hn::Add(blocks[a][0], Splat(1.0f)), blocks[a][1]);
-    count[a] = 2.0f * radius[a] <= static_cast<float>(MinMaxBlocks::BlockSize) ? 2 : 3;
-  }
-  // A load holds the blocks along x; the bytes behind them count as empty.
-  const auto byteIf = [&](Vf less, Vf more, int byte) {
-    return hn::IfThenZeroElse(hn::RebindMask(di, hn::Lt(less, more)), hn::Set(di, byte));
-  };
-  const Vi behind = hn::Or(hn::Set(di, static_cast<int>(0xff000000u)),
-    hn::Or(
-      byteIf(blocks[0][0], blocks[0][1], 0xff00), byteIf(blocks[0][2], blocks[0][1], 0xff0000)));
-  for (int z = 0; z < count[2]; ++z)
-  {
-    for (int y = 0; y < count[1]; ++y)
+    constexpr float Slowest = 1e-6f;
+    for (int a = 0; a < 3; ++a)
     {
-      if (hn::AllFalse(d, lanes))
-      {
-        return lanes;
-      }
-      const Vi distances =
-        hn::Or(DistancesFrom(scene, blocks[0][0], blocks[1][y], blocks[2][z]), behind);
-      // The highest bits of bytes that are zero, and maybe of those behind such a byte.
-      const Vi zeros = hn::And(hn::AndNot(distances, hn::Sub(distances, hn::Set(di, 0x01010101))),
-        hn::Set(di, static_cast<int>(0x80808080u)));
-      lanes = hn::And(lanes, hn::RebindMask(d, hn::Eq(zeros, hn::Zero(di))));
+      this->PerUp[a] = 1.0f / std::max(scale * up[a], Slowest);
+      this->PerDown[a] = 1.0f / std::max(scale * down[a], Slowest);
     }
   }
-  return lanes;
-}
+};
 
-/// Asks whether the block of each lane's position is empty, by the distance map, and how far the
-/// lane may move within the empty cube around that block.
+/// Asks the distance map about boxes around positions by one look-up: whether they are empty, if
+/// they are in no more than two blocks along each axis, and how far they may move in the empty cube
+/// around their first block.
 class EmptySpaceQuery
 {
 public:
-  /// `q`: index coordinates. Positions outside of the volume count as in the nearest block.
-  HWY_INLINE EmptySpaceQuery(const PacketScene& scene, const Vec3& q)
+  /// `q`: index coordinates; positions outside of the volume count as in the nearest block.
+  HWY_INLINE EmptySpaceQuery(const PacketScene& scene, const Vec3& q, const float radius[3])
   {
     const Df d;
+    const Di di;
+    const Vf one = Splat(1.0f);
+    const Vf position[3] = { q.x, q.y, q.z };
+    Vf block[3];
+    Vi sides = hn::Zero(di);
+    this->Wide = hn::FirstN(d, 0);
+    for (int a = 0; a < 3; ++a)
+    {
+      const Vf r = Splat(radius[a]);
+      this->Begin[a] = hn::Sub(position[a], r);
+      this->End[a] = hn::Add(position[a], r);
+      block[a] = BlockOf(scene, this->Begin[a], a);
+      const Vf behind = hn::Sub(BlockOf(scene, this->End[a], a), block[a]);
+      sides = hn::Or(
+        sides, hn::IfThenElseZero(hn::RebindMask(di, hn::Ge(behind, one)), hn::Set(di, 1 << a)));
+      this->Wide = hn::Or(this->Wide, hn::Gt(behind, one));
+    }
+    const Vi code = CodesOf(scene, block);
+    const auto isNear = hn::Gt(code, hn::Set(di, DistanceMap::NearCode - 1));
+    // The bit `sides` of these tells that something may be visible.
+    const Vi ofNear = hn::ShiftLeft<1>(hn::Sub(code, hn::Set(di, DistanceMap::NearCode)));
+    const Vi ofOthers = hn::IfThenElseZero(hn::Eq(code, hn::Zero(di)), hn::Set(di, 0xff));
+    const Vi bits = hn::And(hn::IfThenElse(isNear, ofNear, ofOthers) >> sides, hn::Set(di, 1));
+    this->Empty = hn::RebindMask(d, hn::Eq(bits, hn::Zero(di)));
+    const Vf distance = hn::ConvertTo(d, hn::IfThenElse(isNear, hn::Set(di, 1), code));
     const Vf zero = hn::Zero(d);
     const Vf edge = Splat(BlockEdge);
     const Vf far = Splat(Far);
-    this->Position[0] = q.x;
-    this->Position[1] = q.y;
-    this->Position[2] = q.z;
-    Vf block[3];
-    for (int a = 0; a < 3; ++a)
-    {
-      block[a] = BlockOf(scene, this->Position[a], a);
-    }
-    const Vf distance = hn::ConvertTo(
-      d, hn::And(DistancesFrom(scene, block[0], block[1], block[2]), hn::Set(Di(), 0xff)));
-    this->Empty = hn::Gt(distance, zero);
     for (int a = 0; a < 3; ++a)
     {
       // The blocks at the faces extend beyond the volume.
-      const Vf low = hn::Add(hn::Sub(block[a], distance), Splat(1.0f));
+      const Vf low = hn::Add(hn::Sub(block[a], distance), one);
       const Vf high = hn::Add(block[a], distance);
       this->Low[a] = hn::IfThenElse(hn::Le(low, zero), hn::Neg(far), hn::Mul(edge, low));
       this->High[a] =
@@ -145,25 +129,23 @@ public:
     }
   }
 
-  /// Lanes whose blocks are empty.
-  HWY_INLINE Mf IsEmpty() const { return this->Empty; }
+  /// Lanes whose boxes are empty as far as they are in two blocks along each axis.
+  HWY_INLINE Mf BeginsEmpty() const { return this->Empty; }
 
-  /**
-   * Counts the steps, a whole number, after which a box of `radius` around each lane's position is
-   * still in its empty cube; negative if it is not in it at all. A step moves by at most `up` and
-   * `down` along each axis (index units, not negative).
-   */
-  HWY_INLINE Vf CountSteps(const float radius[3], const float up[3], const float down[3]) const
+  /// Lanes whose boxes are in two blocks along each axis, and empty.
+  HWY_INLINE Mf IsEmpty() const { return hn::AndNot(this->Wide, this->Empty); }
+
+  /// Counts the steps, a whole number, after which each lane's box is still in its empty cube;
+  /// negative if it is not in it at all.
+  HWY_INLINE Vf CountSteps(const BoxSteps& box) const
   {
     Vf steps = Splat(Most);
     for (int a = 0; a < 3; ++a)
     {
-      const Vf r = Splat(radius[a]);
-      const Vf above = hn::Sub(hn::Sub(this->High[a], this->Position[a]), r);
-      const Vf below = hn::Sub(hn::Sub(this->Position[a], this->Low[a]), r);
-      steps = hn::Min(steps,
-        hn::Min(hn::Mul(above, Splat(1.0f / std::max(up[a], Slowest))),
-          hn::Mul(below, Splat(1.0f / std::max(down[a], Slowest)))));
+      const Vf above = hn::Sub(this->High[a], this->End[a]);
+      const Vf below = hn::Sub(this->Begin[a], this->Low[a]);
+      steps = hn::Min(
+        steps, hn::Min(hn::Mul(above, Splat(box.PerUp[a])), hn::Mul(below, Splat(box.PerDown[a]))));
     }
     return hn::IfThenElse(this->Empty, hn::Floor(steps), Splat(-1.0f));
   }
@@ -172,13 +154,58 @@ private:
   static constexpr float BlockEdge = static_cast<float>(MinMaxBlocks::BlockSize);
   static constexpr float Far = 1e30f;
   static constexpr float Most = 1e6f;
-  static constexpr float Slowest = 1e-6f;
 
-  Vf Position[3];
+  // The boxes, and the empty cubes around their first blocks.
+  Vf Begin[3];
+  Vf End[3];
   Vf Low[3];
   Vf High[3];
+  Mf Wide;
   Mf Empty;
 };
+
+/// Whether FindEmptyBoxes() tells of all empty boxes of a radius that they are empty.
+inline bool CanQueryBoxes(const std::array<float, 3>& radius)
+{
+  return std::max({ radius[0], radius[1], radius[2] }) <=
+    static_cast<float>(MinMaxBlocks::BlockSize);
+}
+
+/// Finds the lanes of `lanes` whose boxes around q are known to be empty. `steps`: at most, and not
+/// negative, after which they still are, see EmptySpaceQuery.
+HWY_INLINE Mf FindEmptyBoxes(const PacketScene& scene, const Vec3& q,
+  const std::array<float, 3>& radius, const BoxSteps& moves, Mf lanes, Vf& steps)
+{
+  const Df d;
+  const EmptySpaceQuery query(scene, q, radius.data());
+  steps = query.CountSteps(moves);
+  const Mf inCube = hn::Ge(steps, hn::Zero(d));
+  steps = hn::Max(steps, hn::Zero(d));
+  const Mf empty = hn::And(lanes, hn::Or(inCube, query.IsEmpty()));
+  Mf others = hn::AndNot(empty, hn::And(lanes, query.BeginsEmpty()));
+  if (HWY_LIKELY(hn::AllFalse(d, others)))
+  {
+    return empty;
+  }
+  // Boxes in more than two blocks along an axis are asked about in halves.
+  int parts[3];
+  float part[3];
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    parts[a] = 2.0f * radius[a] <= static_cast<float>(MinMaxBlocks::BlockSize) ? 1 : 2;
+    part[a] = radius[a] / static_cast<float>(parts[a]);
+  }
+  for (int i = 0; i < parts[0] * parts[1] * parts[2] && !hn::AllFalse(d, others); ++i)
+  {
+    const auto middleOf = [&](Vf x, int a, int number) {
+      return parts[a] == 1 ? x : hn::Add(x, Splat(number == 0 ? -part[a] : part[a]));
+    };
+    const Vec3 at{ middleOf(q.x, 0, i % parts[0]), middleOf(q.y, 1, i / parts[0] % parts[1]),
+      middleOf(q.z, 2, i / parts[0] / parts[1]) };
+    others = hn::And(others, EmptySpaceQuery(scene, at, part).IsEmpty());
+  }
+  return hn::Or(empty, others);
+}
 
 } // namespace HWY_NAMESPACE
 } // namespace ffd

@@ -682,18 +682,11 @@ private:
     const Di di;
     const PacketScene& scene = this->Scene;
     const std::array<float, 3> radius = this->FindPartRadius(segment);
-    const bool queriesBoxes = CanQueryBoxes(radius);
     const float samples = static_cast<float>(segment.SamplesPerPart);
     const ValuePeaks::Grid* const peaks = scene.Peaks
       ? scene.Peaks->FindGrid(2.0f * std::max({ radius[0], radius[1], radius[2] }))
       : nullptr;
-    float up[3]; // from part to part
-    float down[3];
-    for (int a = 0; a < 3; ++a)
-    {
-      up[a] = samples * segment.Up[a];
-      down[a] = samples * segment.Down[a];
-    }
+    const BoxSteps moves(segment.Up, segment.Down, samples); // from part to part
     const float perSample = 1.0f / static_cast<float>(segment.Samples);
     const int end = std::min(segment.Parts, segment.KnownParts + PartsAtOnce);
     const int blocks = (segment.Side / BlockSide) * (segment.Side / BlockSide);
@@ -738,16 +731,10 @@ private:
         {
           this->Scratch.Statistics.DistanceLookups +=
             static_cast<std::int64_t>(hn::CountTrue(d, seen));
-          const EmptySpaceQuery query(scene, at);
-          const Vf steps = query.CountSteps(radius.data(), up, down);
-          const Mf empty = hn::And(seen, hn::Ge(steps, hn::Zero(d)));
+          Vf steps;
+          const Mf empty = FindEmptyBoxes(scene, at, radius, moves, seen, steps);
           skipTo = hn::IfThenElse(empty, hn::Add(hn::Add(number, Splat(1.0f)), steps), skipTo);
           seen = hn::AndNot(empty, seen);
-          if (queriesBoxes)
-          {
-            const Mf unclear = hn::And(seen, query.IsEmpty());
-            seen = hn::AndNot(FindEmptyBoxes(scene, at, radius, unclear), seen);
-          }
         }
         if (HWY_UNLIKELY(scene.Peaks != nullptr))
         {

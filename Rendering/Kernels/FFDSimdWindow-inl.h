@@ -11,6 +11,7 @@
 #include "FFDPacketVolume.h"
 #include "FFDTileSegment.h"
 
+#include "FFDSimdCurve-inl.h"
 #include "FFDSimdFetch-inl.h"
 #include "FFDSimdInterpolant-inl.h"
 #include "FFDSimdMath-inl.h"
@@ -42,13 +43,13 @@ constexpr bool HasVoxelWindow()
     (std::is_same<T, std::uint8_t>::value || std::is_same<T, std::int8_t>::value);
 }
 
-/// Layers of cells along z that a packet is in at a sample.
+/// Layers of cells along z that a packet may be in at a sample of a segment.
 enum class WindowFit
 {
   Two,
   Three,
   Four,
-  None ///< it is wider than the window
+  None ///< it may be wider than the window
 };
 
 template <class T, WindowFit Fit>
@@ -58,7 +59,9 @@ class WindowRows;
 /**
  * The rays of a packet are neighbors: all bytes that they need at one sample mostly lie in a
  * window of 8 x 8 x 5 voxels, or of a few layers more. VoxelWindow tells where the window begins,
- * from the curve in the middle of the packet, and fetches ahead what comes into it.
+ * from the curve in the middle of the packet, and fetches ahead what comes into it. Whether a
+ * window is large enough is told for a segment as a whole: that of each sample by itself would be
+ * a branch that processors cannot foretell.
  */
 template <class T>
 class VoxelWindow
@@ -67,55 +70,60 @@ public:
   /// `v` must outlive the window.
   explicit VoxelWindow(const PacketVolume& v)
     : Volume(v)
-    , LastCorner(
-        _mm_setr_epi32(v.Dimensions[0] - Side + 1, v.Dimensions[1] - Side + 1, v.Dimensions[2], 0))
     , Usable(std::min({ v.Dimensions[0], v.Dimensions[1], v.Dimensions[2] }) >= Side)
   {
   }
 
-  /// Prepares for the samples of the packet that is a block of a segment: sample n of each ray lies
-  /// at s = (n - FirstSample + p) / Samples, p being at most `range` from `phase`.
-  HWY_INLINE void Follow(const TileSegment& segment, int block, float phase, float range)
+  /// Prepares for the samples that the lanes of `rays` take of a curve, of the block of a segment.
+  /// `within`: also for all places in the intervals that end there.
+  HWY_INLINE void Follow(
+    const PacketCurve& curve, const SampleNumbers& numbers, Mf rays, int block, bool within)
   {
+    const TileSegment& segment = *curve.Segment;
     LoadMiddleTerms(D4(), segment, block, 0, this->Lowest);
-    const __m128 speed = _mm_max_ps(Vector(segment.Up), Vector(segment.Down));
-    const __m128 radius = _mm_fmadd_ps(_mm_set1_ps(range), speed, Vector(segment.Radius));
-    this->Lowest[0] = V4{ _mm_sub_ps(this->Lowest[0].raw, radius) };
-    this->Width = _mm_add_ps(radius, radius);
-    this->Up = Vector(segment.Up);
-    this->Down = Vector(segment.Down);
-    this->PerStep = 1.0f / static_cast<float>(segment.Samples);
-    this->Offset = phase - static_cast<float>(segment.FirstSample);
-    // The offset of the first voxel of the slab that comes next from the first cell of the window.
-    this->ToNextSlab =
-      _mm_setr_epi32(-1, -1, segment.Up[2] > segment.Down[2] ? LargestDepth : -1, 0);
-  }
-
-  /// Moves the window to the samples n of the rays, `within`: to all places in the intervals that
-  /// end there. All voxels that they and their gradients need must exist.
-  HWY_INLINE WindowFit MoveTo(int n, bool within)
-  {
-    if (HWY_UNLIKELY(!this->Usable))
-    {
-      return WindowFit::None;
-    }
-    this->Prefetch(n + SamplesAhead);
-    __m128 low = this->LowestAt(n);
-    __m128 width = this->Width;
+    Vec3 low;
+    Vec3 high;
+    FindExtent(curve, numbers, block, low, high);
+    const auto reduce = [rays](const Vec3& v, float others, const auto& choose) {
+      const Vf none = Splat(others);
+      const Vec3 shown{ hn::IfThenElse(rays, v.x, none), hn::IfThenElse(rays, v.y, none),
+        hn::IfThenElse(rays, v.z, none) };
+      return ReduceLanes(shown, choose);
+    };
+    const __m128 rounding = _mm_set1_ps(Rounding);
+    const auto smaller = [](auto a, auto b) { return hn::Min(a, b); };
+    const auto larger = [](auto a, auto b) { return hn::Max(a, b); };
+    __m128 from = _mm_sub_ps(reduce(low, 1e9f, smaller), rounding);
+    __m128 to = _mm_add_ps(reduce(high, -1e9f, larger), rounding);
     if (within)
     {
-      low = _mm_sub_ps(low, this->Up);
-      width = _mm_add_ps(width, _mm_add_ps(this->Up, this->Down));
+      from = _mm_sub_ps(from, Vector(segment.Up));
+      to = _mm_add_ps(to, Vector(segment.Down));
     }
-    this->Corner = _mm_min_epi32(_mm_cvttps_epi32(low), this->LastCorner);
-    const __m128i beyond = _mm_sub_epi32(_mm_cvttps_epi32(_mm_add_ps(low, width)), this->Corner);
-    const __m128i most = _mm_setr_epi32(Reach, Reach, LargestDepth - 1, 0);
-    if (_mm_movemask_epi8(_mm_cmpgt_epi32(beyond, most)) != 0)
-    {
-      return WindowFit::None;
-    }
-    const int layers = _mm_extract_epi32(beyond, 2) + 1;
-    return layers <= 2 ? WindowFit::Two : layers == 3 ? WindowFit::Three : WindowFit::Four;
+    const __m128 width = _mm_sub_ps(to, from);
+    this->Lowest[0] = V4{ _mm_add_ps(this->Lowest[0].raw, from) };
+    this->PerStep = 1.0f / static_cast<float>(segment.Samples);
+    this->Offset = -static_cast<float>(segment.FirstSample);
+    this->Fit = this->Usable ? FindFit(width) : WindowFit::None;
+    const int layers = this->Fit == WindowFit::Two ? 2
+      : this->Fit == WindowFit::Three              ? 3
+                                                   : LargestDepth;
+    // The last corner from which all slabs lie in the volume.
+    this->LastCorner = _mm_setr_epi32(this->Volume.Dimensions[0] - Side + 1,
+      this->Volume.Dimensions[1] - Side + 1, this->Volume.Dimensions[2] - layers - 2, 0);
+    this->ToNextSlab = this->FindNextSlab(layers);
+  }
+
+  /// Which window holds all voxels of any sample of the segment.
+  HWY_INLINE WindowFit GetFit() const { return this->Fit; }
+
+  /// Moves the window to the samples n of the rays. All voxels that they and their gradients need
+  /// must exist.
+  HWY_INLINE void MoveTo(int n)
+  {
+    // The window may begin after positions that none of the rays is at.
+    const __m128i low = _mm_max_epi32(_mm_cvttps_epi32(this->LowestAt(n)), _mm_set1_epi32(1));
+    this->Corner = _mm_min_epi32(low, this->LastCorner);
   }
 
 private:
@@ -129,8 +137,96 @@ private:
   static constexpr int Reach = Side - 4; ///< cells along x and y, beyond the first
   static constexpr int LargestDepth = 4; ///< cells along z
   static constexpr int SamplesAhead = 3;
+  static constexpr float Rounding = 0.02f; ///< of positions, voxels: some times what it is
 
   static HWY_INLINE __m128 Vector(const float v[3]) { return _mm_setr_ps(v[0], v[1], v[2], 0.0f); }
+
+  /**
+   * Finds bounds of the way to the samples n of each lane from the middle of the block at s = (n -
+   * FirstSample) / Samples: the extremes of the Bezier coefficients of their difference, which is a
+   * quartic in s.
+   */
+  static HWY_INLINE void FindExtent(
+    const PacketCurve& curve, const SampleNumbers& numbers, int block, Vec3& low, Vec3& high)
+  {
+    const Vf shift = hn::Mul(numbers.Phase, curve.PerStep);
+    const auto extent = [&](Vf Vec3::*axis, std::size_t a) {
+      Vf t[TileLayers];
+      for (int k = 0; k < TileLayers; ++k)
+      {
+        t[k] = curve.Position.Terms[k].*axis;
+      }
+      if (curve.Interpolated)
+      {
+        // The terms of s + shift: Horner's scheme, once for each.
+        for (int k = 0; k < TileLayers; ++k)
+        {
+          for (int i = TileLayers - 2; i >= k; --i)
+          {
+            t[i] = hn::MulAdd(shift, t[i + 1], t[i]);
+          }
+        }
+      }
+      else
+      {
+        t[0] = hn::MulAdd(shift, t[1], t[0]);
+      }
+      for (std::size_t k = 0; k < TileLayers; ++k)
+      {
+        t[k] =
+          hn::Sub(t[k], Splat(curve.Segment->MiddleTerms[k][static_cast<std::size_t>(block)][a]));
+      }
+      const Vf b1 = hn::MulAdd(Splat(0.25f), t[1], t[0]);
+      const Vf b2 = hn::MulAdd(Splat(1.0f / 6.0f), t[2], hn::MulAdd(Splat(0.5f), t[1], t[0]));
+      const Vf b3 = hn::MulAdd(
+        Splat(0.25f), t[3], hn::MulAdd(Splat(0.5f), t[2], hn::MulAdd(Splat(0.75f), t[1], t[0])));
+      const Vf b4 = hn::Add(hn::Add(t[0], t[1]), hn::Add(hn::Add(t[2], t[3]), t[4]));
+      low.*axis = hn::Min(hn::Min(t[0], b1), hn::Min(hn::Min(b2, b3), b4));
+      high.*axis = hn::Max(hn::Max(t[0], b1), hn::Max(hn::Max(b2, b3), b4));
+    };
+    extent(&Vec3::x, 0);
+    extent(&Vec3::y, 1);
+    extent(&Vec3::z, 2);
+  }
+
+  /// Reduces the lanes of three vectors to one each.
+  template <class Choose>
+  static HWY_INLINE __m128 ReduceLanes(const Vec3& v, const Choose& choose)
+  {
+    const hn::CappedTag<float, 8> d8;
+    const D4 d4;
+    const auto toFour = [&](Vf lanes) {
+      const auto eight = choose(hn::LowerHalf(d8, lanes), hn::UpperHalf(d8, lanes));
+      return choose(hn::LowerHalf(d4, eight), hn::UpperHalf(d4, eight));
+    };
+    const __m128 x = toFour(v.x).raw;
+    const __m128 y = toFour(v.y).raw;
+    const __m128 z = toFour(v.z).raw;
+    // A transposition of 4 x 4 numbers, of which the last column does not count.
+    const __m128 xy0 = _mm_unpacklo_ps(x, y);
+    const __m128 xy1 = _mm_unpackhi_ps(x, y);
+    const __m128 z0 = _mm_unpacklo_ps(z, z);
+    const __m128 z1 = _mm_unpackhi_ps(z, z);
+    const V4 a{ _mm_movelh_ps(xy0, z0) };
+    const V4 b{ _mm_movehl_ps(z0, xy0) };
+    const V4 c{ _mm_movelh_ps(xy1, z1) };
+    const V4 e{ _mm_movehl_ps(z1, xy1) };
+    return choose(choose(a, b), choose(c, e)).raw;
+  }
+
+  /// Finds the window for positions that extend over `width`, wherever they begin.
+  static HWY_INLINE WindowFit FindFit(__m128 width)
+  {
+    const float reach = static_cast<float>(Reach);
+    const auto isWithin = [width, reach](int layers) {
+      const __m128 most = _mm_setr_ps(reach, reach, static_cast<float>(layers - 1), 0.0f);
+      return (_mm_movemask_ps(_mm_cmpgt_ps(width, most)) & 7) == 0;
+    };
+    return isWithin(2)         ? WindowFit::Two
+      : isWithin(3)            ? WindowFit::Three
+      : isWithin(LargestDepth) ? WindowFit::Four
+                               : WindowFit::None;
+  }
 
   /// A lower bound, index coordinates, of the positions of the samples n of all rays.
   HWY_INLINE __m128 LowestAt(int n) const
@@ -139,34 +235,29 @@ private:
     return EvaluateQuartic(D4(), this->Lowest, hn::Set(D4(), s)).raw;
   }
 
-  /// Prefetches the slab of voxels that enters the window with the samples n.
-  HWY_INLINE void Prefetch(int n) const
+  /// Finds the offset, from the first voxel of a window of some layers of cells, of the slab that
+  /// enters it some samples later, on average over the segment.
+  HWY_INLINE std::ptrdiff_t FindNextSlab(int layers) const
   {
-    const PacketVolume& v = this->Volume;
-    const __m128i last =
-      _mm_setr_epi32(v.Dimensions[0] - Side, v.Dimensions[1] - Side, v.Dimensions[2] - 1, 0);
-    const __m128i next = _mm_add_epi32(_mm_cvttps_epi32(this->LowestAt(n)), this->ToNextSlab);
-    const __m128i at = _mm_max_epi32(_mm_min_epi32(next, last), _mm_setzero_si128());
-    const std::ptrdiff_t stepY = v.IncrementY;
-    const char* const rows = static_cast<const char*>(v.Scalars) +
-      _mm_extract_epi32(at, 2) * static_cast<std::ptrdiff_t>(v.IncrementZ) +
-      _mm_extract_epi32(at, 1) * stepY + _mm_cvtsi128_si32(at);
-    for (int row = 0; row < Side; ++row)
-    {
-      _mm_prefetch(rows + row * stepY, _MM_HINT_T0);
-    }
+    const __m128 sum = _mm_add_ps(_mm_add_ps(this->Lowest[1].raw, this->Lowest[2].raw),
+      _mm_add_ps(this->Lowest[3].raw, this->Lowest[4].raw));
+    const __m128i move =
+      _mm_cvtps_epi32(_mm_mul_ps(sum, _mm_set1_ps(SamplesAhead * this->PerStep)));
+    const int alongZ = _mm_extract_epi32(move, 2);
+    const int slab = alongZ < 0 ? alongZ : alongZ + layers + 2;
+    return slab * static_cast<std::ptrdiff_t>(this->Volume.IncrementZ) +
+      _mm_extract_epi32(move, 1) * static_cast<std::ptrdiff_t>(this->Volume.IncrementY) +
+      _mm_cvtsi128_si32(move);
   }
 
   const PacketVolume& Volume;
-  __m128i LastCorner;
   bool Usable; ///< whether the volume is as large as a window
+  WindowFit Fit = WindowFit::None;
   float PerStep = 0.0f;
   float Offset = 0.0f;
-  V4 Lowest[TileLayers]; ///< terms of the curve that no ray is below
-  __m128 Width;          ///< largest distance of a ray above that curve
-  __m128 Up;             ///< bounds of the motion of a ray from sample to sample
-  __m128 Down;
-  __m128i ToNextSlab;
+  V4 Lowest[TileLayers]; ///< terms of the curve that no position is below
+  __m128i LastCorner;
+  std::ptrdiff_t ToNextSlab;
   __m128i Corner; ///< first cell along each axis
 };
 
@@ -190,6 +281,14 @@ public:
     this->StepZ = window.Volume.IncrementZ;
     this->First = static_cast<const std::uint8_t*>(window.Volume.Scalars) + (z - 1) * this->StepZ +
       (y - 1) * this->StepY + x - 1;
+    // Nothing is read there: it may lie outside of the volume.
+    const std::uintptr_t next = reinterpret_cast<std::uintptr_t>(this->First) +
+      static_cast<std::uintptr_t>(window.ToNextSlab);
+    for (int row = 0; row < VoxelWindow<T>::Side; ++row)
+    {
+      const std::uintptr_t at = next + static_cast<std::uintptr_t>(row * this->StepY);
+      _mm_prefetch(reinterpret_cast<const char*>(at), _MM_HINT_T0);
+    }
     const Vi dz = hn::Sub(cells.Z, hn::Set(di, z));
     const Vi odd = Fit == WindowFit::Two ? dz : hn::And(dz, hn::Set(di, 1));
     this->High = _mm512_cmpgt_epi32_mask(dz.raw, _mm512_set1_epi32(1));
@@ -201,15 +300,19 @@ public:
       _mm512_set1_epi32(0x03020100));
     for (int k = 1; k < NumberOfSlabs - 1; ++k)
     {
-      this->Slabs[k] = this->LoadSlab(k);
+      this->Slabs[k] = this->LoadCells(k);
     }
   }
 
   /// Before Gradient(): the voxels that it alone needs.
   HWY_INLINE void Widen()
   {
-    this->Slabs[0] = this->LoadSlab(0);
-    this->Slabs[NumberOfSlabs - 1] = this->LoadSlab(NumberOfSlabs - 1);
+    this->Slabs[0] = this->LoadCells(0);
+    this->Slabs[NumberOfSlabs - 1] = this->LoadCells(NumberOfSlabs - 1);
+    for (int k = 1; k < NumberOfSlabs - 1; ++k)
+    {
+      this->Slabs[k] = this->LoadRow(k, 7, this->LoadRow(k, 0, this->Slabs[k]));
+    }
   }
 
   HWY_INLINE Vi Row(int dy, int dz) const
@@ -239,19 +342,25 @@ private:
   /// Voxels along z.
   static constexpr int NumberOfSlabs = Fit == WindowFit::Two ? 5 : Fit == WindowFit::Three ? 6 : 7;
 
-  HWY_INLINE __m512i LoadSlab(int slab) const
+  /// Loads one of the eight rows of a slab into the others.
+  HWY_INLINE __m512i LoadRow(int slab, int row, __m512i others) const
   {
-    const std::uint8_t* const first = this->First + slab * this->StepZ;
-    const auto twoRows = [&](int row) {
-      const std::uint8_t* const from = first + row * this->StepY;
-      const __m128i low = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(from));
-      return _mm_castps_si128(
-        _mm_loadh_pi(_mm_castsi128_ps(low), reinterpret_cast<const __m64*>(from + this->StepY)));
-    };
-    const auto fourRows = [&](int row) {
-      return _mm256_inserti128_si256(_mm256_castsi128_si256(twoRows(row)), twoRows(row + 2), 1);
-    };
-    return _mm512_inserti64x4(_mm512_castsi256_si512(fourRows(0)), fourRows(4), 1);
+    const std::uint8_t* const from = this->First + slab * this->StepZ + row * this->StepY;
+    return _mm512_mask_broadcastq_epi64(others, static_cast<__mmask8>(1 << row),
+      _mm_loadl_epi64(reinterpret_cast<const __m128i*>(from)));
+  }
+
+  /// Loads the rows of a slab that are voxels of the cells.
+  HWY_INLINE __m512i LoadCells(int slab) const
+  {
+    const std::uint8_t* const first = this->First + slab * this->StepZ + this->StepY;
+    __m512i rows =
+      _mm512_broadcastq_epi64(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(first)));
+    for (int row = 2; row < 7; ++row)
+    {
+      rows = this->LoadRow(slab, row, rows);
+    }
+    return rows;
   }
 
   const std::uint8_t* First; ///< voxel of the window, one before the first cell

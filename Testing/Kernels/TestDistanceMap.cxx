@@ -124,7 +124,7 @@ TEST(DistanceMap, EqualsBruteForceChebyshevDistance)
       for (int i = 0; i < n.x * n.y * n.z; ++i)
       {
         const glm::ivec3 block(i % n.x, i / n.x % n.y, i / n.x / n.y);
-        int nearest = 255;
+        int nearest = 127;
         for (const glm::ivec3& other : visible)
         {
           const glm::ivec3 gap = glm::abs(block - other);
@@ -136,10 +136,35 @@ TEST(DistanceMap, EqualsBruteForceChebyshevDistance)
   });
 }
 
+TEST(DistanceMap, BlocksKnowWhatIsBehindThem)
+{
+  ForEveryTarget([] {
+    RandomLattice random(3);
+    for (int run = 0; run < 12; ++run)
+    {
+      const SparseVolume sparse(random, 30, std::pow(10.0, random.Number(-4.0, -2.0)));
+      const glm::ivec3 n = sparse.Map.GetBlocks();
+      for (int i = 0; i < 8 * n.x * n.y * n.z; ++i)
+      {
+        const int sides = i % 8;
+        const glm::ivec3 block(i / 8 % n.x, i / 8 / n.x % n.y, i / 8 / n.x / n.y);
+        bool empty = true;
+        for (int j = 0; j < 8; ++j)
+        {
+          const glm::ivec3 other = block + glm::ivec3(j & 1, j >> 1 & 1, j >> 2);
+          const bool exists = glm::all(glm::lessThan(other, n));
+          empty = empty && ((j & ~sides) != 0 || !exists || !MayBeVisible(sparse.Volume, other));
+        }
+        ASSERT_EQ(sparse.Map.IsEmptyFrom(block, sides), empty) << sides;
+      }
+    }
+  });
+}
+
 TEST(DistanceMap, DistancesAreCappedNotWrapped)
 {
   ForEveryTarget([] {
-    // More than 255 blocks from the only visible voxel.
+    // More than 127 blocks from the only visible voxel.
     const TestVolume volume(ScalarType::UInt8, glm::ivec3(4 * 300 + 1, 2, 2),
       [](int i, int, int) { return i == 0 ? 200.0 : 0.0; });
     const TransferTable table =
@@ -147,7 +172,7 @@ TEST(DistanceMap, DistancesAreCappedNotWrapped)
     const DistanceMap map(MinMaxBlocks(volume.View, ParallelFor()), table);
     for (int i = 0; i < 300; ++i)
     {
-      ASSERT_EQ(map.GetDistance(glm::ivec3(i, 0, 0)), std::min(i, 255));
+      ASSERT_EQ(map.GetDistance(glm::ivec3(i, 0, 0)), std::min(i, 127));
     }
   });
 }

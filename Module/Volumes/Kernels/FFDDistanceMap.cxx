@@ -19,8 +19,6 @@ namespace ffd
 namespace
 {
 
-constexpr std::uint8_t LargestDistance = 255;
-
 /// Rows of a plane in a search along the third axis.
 constexpr int RowsAtOnce = 4;
 
@@ -199,7 +197,7 @@ void DistanceMap::Build(const MinMaxBlocks& blocks, const Test& test, const MinM
   const ParallelFor& parallelFor)
 {
   this->Blocks = blocks.GetBlocks();
-  this->Distances.resize(blocks.GetNumberOfBlocks() + 3);
+  this->Codes.resize(blocks.GetNumberOfBlocks() + 3);
   const auto run = [&parallelFor](int count, const std::function<void(int)>& work) {
     parallelFor(static_cast<std::size_t>(count), [&work](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i)
@@ -218,9 +216,16 @@ void DistanceMap::Build(const MinMaxBlocks& blocks, const Test& test, const MinM
     const int j = group * RowsAtOnce;
     const int rows = std::min(RowsAtOnce, this->Blocks.y - j);
     std::vector<std::uint8_t> work;
-    TransformLines(&this->Distances[static_cast<std::size_t>(j) * nx], this->Blocks.z, nxy,
+    TransformLines(&this->Codes[static_cast<std::size_t>(j) * nx], this->Blocks.z, nxy,
       static_cast<std::size_t>(rows) * nx, work);
   });
+  // Each plane needs the zeros of the next one: every second plane at a time, so that no thread
+  // reads what another one writes.
+  for (const int parity : { 0, 1 })
+  {
+    run((this->Blocks.z + 1 - parity) / 2,
+      [this, parity](int pair) { this->AddNeighbors(2 * pair + parity); });
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -235,7 +240,7 @@ void DistanceMap::FindOccupancy(
       test.ForBlocksOf({ x, y, parentPlane },
         [this, mask](const glm::ivec3& block, std::size_t index, bool empty) {
           const bool hidden = empty || (mask && IsHidden(*mask, block));
-          this->Distances[index] = static_cast<std::uint8_t>(hidden ? LargestDistance : 0);
+          this->Codes[index] = static_cast<std::uint8_t>(hidden ? LargestBlockDistance : 0);
         });
     }
   }
@@ -245,9 +250,9 @@ void DistanceMap::FindOccupancy(
 void DistanceMap::TransformPlane(int k)
 {
   const std::size_t nx = static_cast<std::size_t>(this->Blocks.x);
-  std::uint8_t* const plane = &this->Distances[GridIndex(0, 0, k, this->Blocks)];
+  std::uint8_t* const plane = &this->Codes[GridIndex(0, 0, k, this->Blocks)];
   const DistanceSteps steps = GetDistanceSteps();
-  std::vector<std::uint8_t> work(6 * nx, LargestDistance);
+  std::vector<std::uint8_t> work(6 * nx, LargestBlockDistance);
   for (int j = 0; j < this->Blocks.y; ++j)
   {
     steps.FindDistances(plane + static_cast<std::size_t>(j) * nx, nx, work.data());
@@ -256,10 +261,27 @@ void DistanceMap::TransformPlane(int k)
 }
 
 //------------------------------------------------------------------------------
+void DistanceMap::AddNeighbors(int k)
+{
+  const std::size_t nx = static_cast<std::size_t>(this->Blocks.x);
+  const std::vector<std::uint8_t> nothing(nx, LargestBlockDistance);
+  const DistanceSteps steps = GetDistanceSteps();
+  const auto row = [&](int y, int z) -> const std::uint8_t* {
+    const bool exists = y < this->Blocks.y && z < this->Blocks.z;
+    return exists ? &this->Codes[GridIndex(0, y, z, this->Blocks)] : nothing.data();
+  };
+  for (int j = 0; j < this->Blocks.y; ++j)
+  {
+    steps.AddNeighbors(&this->Codes[GridIndex(0, j, k, this->Blocks)], row(j + 1, k), row(j, k + 1),
+      row(j + 1, k + 1), nx);
+  }
+}
+
+//------------------------------------------------------------------------------
 bool DistanceMap::IsAnythingVisible() const
 {
-  const std::size_t count = std::max<std::size_t>(this->Distances.size(), 3) - 3;
-  return count > 0 && std::memchr(this->Distances.data(), 0, count) != nullptr;
+  const std::size_t count = std::max<std::size_t>(this->Codes.size(), 3) - 3;
+  return count > 0 && std::memchr(this->Codes.data(), 0, count) != nullptr;
 }
 
 //------------------------------------------------------------------------------
@@ -330,6 +352,11 @@ bool DistanceMap::IsEmptyIn(
     const double largest = this->Blocks[a] - 1;
     first[a] = static_cast<int>(std::clamp(low[a] / MinMaxBlocks::BlockSize, 0.0, largest));
     last[a] = static_cast<int>(std::clamp(high[a] / MinMaxBlocks::BlockSize, 0.0, largest));
+  }
+  const glm::ivec3 behind = last - first;
+  if (std::max(behind.x, std::max(behind.y, behind.z)) <= 1)
+  {
+    return this->IsEmptyFrom(first, behind.x + 2 * behind.y + 4 * behind.z);
   }
   const glm::ivec3 middle = (first + last) / 2;
   const int distance = this->GetDistance(middle);

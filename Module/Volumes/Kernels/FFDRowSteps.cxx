@@ -20,8 +20,6 @@
 namespace ffd
 {
 
-constexpr std::uint8_t Farthest = 255;
-
 /// Of all types that DispatchScalarType() tells apart.
 using AllExtremesSteps = std::tuple<ExtremesSteps<std::int8_t>, ExtremesSteps<std::uint8_t>,
   ExtremesSteps<std::int16_t>, ExtremesSteps<std::uint16_t>, ExtremesSteps<std::int32_t>,
@@ -95,11 +93,12 @@ void FindDistances(std::uint8_t* row, std::size_t count, std::uint8_t* work)
   std::uint8_t* HWY_RESTRICT now = work + count;
   std::uint8_t* HWY_RESTRICT next = work + 4 * count;
   std::uint8_t largest = Copy(row, now, count);
-  for (std::size_t away = 1; away < count && away < Farthest && largest == Farthest; away *= 2)
+  for (std::size_t away = 1;
+       away < count && away < LargestBlockDistance && largest == LargestBlockDistance; away *= 2)
   {
     const std::uint8_t* HWY_RESTRICT before = now - away;
     const std::uint8_t* HWY_RESTRICT behind = now + away;
-    const std::uint8_t farthest = static_cast<std::uint8_t>(Farthest - away);
+    const std::uint8_t farthest = static_cast<std::uint8_t>(LargestBlockDistance - away);
     largest = 0;
     for (std::size_t i = 0; i < count; ++i)
     {
@@ -112,6 +111,28 @@ void FindDistances(std::uint8_t* row, std::size_t count, std::uint8_t* work)
   std::copy_n(now, count, row);
 }
 
+/// A row of DistanceMap::GetData(): whether blocks next to each one, in positive direction, may be
+/// visible.
+void AddNeighbors(std::uint8_t* HWY_RESTRICT row, const std::uint8_t* HWY_RESTRICT behindY,
+  const std::uint8_t* HWY_RESTRICT behindZ, const std::uint8_t* HWY_RESTRICT behindYZ,
+  std::size_t count)
+{
+  const auto code = [](std::uint8_t own, bool x, bool y, bool z, bool xy, bool xz, bool yz,
+                      bool xyz) -> std::uint8_t {
+    const int near = x | y << 1 | (x | y | xy) << 2 | z << 3 | (x | z | xz) << 4 |
+      (y | z | yz) << 5 | (x | y | z | xy | xz | yz | xyz) << 6;
+    return static_cast<std::uint8_t>(own == 1 && near != 0 ? 128 | near : own);
+  };
+  for (std::size_t i = 0; i + 1 < count; ++i)
+  {
+    row[i] = code(row[i], row[i + 1] == 0, behindY[i] == 0, behindZ[i] == 0, behindY[i + 1] == 0,
+      behindZ[i + 1] == 0, behindYZ[i] == 0, behindYZ[i + 1] == 0);
+  }
+  const std::size_t last = count - 1;
+  row[last] = code(row[last], false, behindY[last] == 0, behindZ[last] == 0, false, false,
+    behindYZ[last] == 0, false);
+}
+
 template <class... Steps>
 void SelectFrom(std::tuple<Steps...>& all)
 {
@@ -120,7 +141,10 @@ void SelectFrom(std::tuple<Steps...>& all)
 
 void SelectExtremesSteps(AllExtremesSteps& all) { SelectFrom(all); }
 
-void SelectDistanceSteps(DistanceSteps& steps) { steps = { &Lower, &Copy, &FindDistances }; }
+void SelectDistanceSteps(DistanceSteps& steps)
+{
+  steps = { &Lower, &Copy, &FindDistances, &AddNeighbors };
+}
 
 } // namespace HWY_NAMESPACE
 } // namespace ffd

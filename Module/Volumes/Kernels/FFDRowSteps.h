@@ -22,6 +22,9 @@ struct ExtremesSteps
   void (*WidenByFour)(T* min, T* max, std::size_t count);
 };
 
+/// Distances between blocks are not told apart above this.
+constexpr std::uint8_t LargestBlockDistance = 127;
+
 /// Steps over rows of distances, in vector code. Rows do not overlap.
 struct DistanceSteps
 {
@@ -33,10 +36,16 @@ struct DistanceSteps
   /// Copy(from, to, count) copies a row, and returns the largest of its numbers.
   std::uint8_t (*Copy)(const std::uint8_t* from, std::uint8_t* to, std::size_t count);
 
-  /// FindDistances(row, count, work) replaces numbers, each of them 0 or 255, by their distances
-  /// from the nearest 0, at most 255. `work`: 6 * count bytes, all of them 255 before the first
-  /// call, and left to the next one.
+  /// FindDistances(row, count, work) replaces numbers, each of them 0 or LargestBlockDistance, by
+  /// their distances from the nearest 0, at most that. `work`: 6 * count bytes, all of them
+  /// LargestBlockDistance before the first call, and left to the next one.
   void (*FindDistances)(std::uint8_t* row, std::size_t count, std::uint8_t* work);
+
+  /// AddNeighbors(row, behindY, behindZ, behindYZ, count) replaces the distances of 1 in a row by
+  /// what DistanceMap::GetData() says of them. The other rows are the next one along y, along z,
+  /// and along both, of which only zeros count.
+  void (*AddNeighbors)(std::uint8_t* row, const std::uint8_t* behindY, const std::uint8_t* behindZ,
+    const std::uint8_t* behindYZ, std::size_t count);
 };
 
 ///@{
