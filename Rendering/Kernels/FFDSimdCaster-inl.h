@@ -102,6 +102,8 @@ public:
 private:
   /// Samples between two searches for a pull-back along a ray that has none.
   static constexpr int SamplesOfNothing = 4;
+  /// Samples over which single rays are bounded by themselves.
+  static constexpr int FewSamples = 8;
   /// Kept between a leap and the faces of an empty cube, index units: rounding errors.
   static constexpr float LeapGuard[3] = { 2e-3f, 2e-3f, 2e-3f };
 
@@ -306,6 +308,12 @@ private:
     {
       this->Samples.Window.Follow(
         curve, this->Numbers, this->Samples.State.Alive, block, this->Scene.ClassifiesIntervals);
+    }
+    if (segment.LeapsRays)
+    {
+      const Vf scale =
+        hn::Mul(Splat(static_cast<float>(FewSamples)), hn::Mul(curve.PerStep, curve.PerStep));
+      this->MoveChanges = Scale(scale, FindLargestCurvature(curve.Position));
     }
     this->SkipTo = Splat(-1e30f);
     this->Samples.State.Expecting = hn::FirstN(Df(), 0);
@@ -556,7 +564,7 @@ private:
     }
     if (curve.Segment && curve.Segment->LeapsRays)
     {
-      active = this->LeapFrom(curve, q, number, active);
+      active = this->LeapFrom(curve, q, s, number, active);
       if (hn::AllFalse(d, active))
       {
         return;
@@ -623,7 +631,7 @@ private:
    * visible expects the next one to be; the others query how many samples of the segment are empty
    * for certain.
    */
-  HWY_NOINLINE Mf LeapFrom(const PacketCurve& curve, const Vec3& q, Vf number, Mf active)
+  HWY_NOINLINE Mf LeapFrom(const PacketCurve& curve, const Vec3& q, Vf s, Vf number, Mf active)
   {
     const Df d;
     active = hn::And(active, hn::Ge(number, this->SkipTo));
@@ -641,8 +649,12 @@ private:
       radius[a] = LeapGuard[a] +
         (this->Scene.ClassifiesIntervals ? std::max(segment.Up[a], segment.Down[a]) : 0.0f);
     }
-    const Vf steps =
-      EmptySpaceQuery(this->Scene, q, radius).CountSteps(BoxSteps(segment.Up, segment.Down, 1.0f));
+    // Two bounds of the way: that of the rays of all of the tile over all of the segment, and that
+    // of each ray over the next samples.
+    const EmptySpaceQuery query(this->Scene, q, NoRadius);
+    const BoxSteps ofRays(Scale(curve.PerStep, curve.Position.Slope(s)), this->MoveChanges);
+    const Vf steps = hn::Max(query.CountSteps(radius, BoxSteps(segment.Up, segment.Down, 1.0f)),
+      hn::Min(query.CountSteps(radius, ofRays), Splat(static_cast<float>(FewSamples))));
     // An interval is empty only if its end lies in the cube, too.
     const Mf empty =
       hn::And(querying, hn::Ge(steps, this->Scene.Intervals ? Splat(1.0f) : hn::Zero(d)));
@@ -694,6 +706,7 @@ private:
   int FirstSample = 0; ///< of all rays
   int EndSample = 0;
   float Reach = std::numeric_limits<float>::infinity();
+  Vec3 MoveChanges;    ///< bounds for few samples, where single rays leap
   Vf SkipTo;           ///< samples of the segment before this one are empty for certain
   int PassedCode = -1; ///< where extremes are looked for, see FindPassedCode()
   PacketCompositor<T> Samples;

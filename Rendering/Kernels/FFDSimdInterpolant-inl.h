@@ -186,6 +186,20 @@ struct Quartic
   }
 };
 
+/// Bounds of the lengths, along each axis, of the second derivative of quartics for s from 0 to 1:
+/// the largest of its Bezier coefficients.
+HWY_INLINE Vec3 FindLargestCurvature(const Quartic& curve)
+{
+  const auto along = [&](Vf Vec3::*axis) {
+    const Vf b0 = hn::Mul(Splat(2.0f), curve.Terms[2].*axis);
+    const Vf b1 = hn::MulAdd(Splat(3.0f), curve.Terms[3].*axis, b0);
+    const Vf b2 = hn::MulAdd(
+      Splat(12.0f), curve.Terms[4].*axis, hn::MulAdd(Splat(6.0f), curve.Terms[3].*axis, b0));
+    return hn::Max(hn::Abs(b0), hn::Max(hn::Abs(b1), hn::Abs(b2)));
+  };
+  return { along(&Vec3::x), along(&Vec3::y), along(&Vec3::z) };
+}
+
 /// A cubic in s: terms of s^0 to s^3.
 struct Cubic
 {

@@ -12,6 +12,7 @@
 #include "FFDMinMaxBlocks.h"
 #include "FFDPacketCaster.h"
 
+#include "FFDSimdInterpolant-inl.h"
 #include "FFDSimdMath-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -62,27 +63,42 @@ HWY_INLINE Vi PeaksFrom(const ValuePeaks::Grid& grid, const Vec3& low)
 /// No radius: boxes that are points.
 constexpr float NoRadius[3] = {};
 
-/// The steps that a box takes to move by an index unit up and down along each axis, at least.
+/// The steps that boxes take to move by an index unit up and down along each axis, at least.
 struct BoxSteps
 {
-  float PerUp[3];
-  float PerDown[3];
+  Vf PerUp[3];
+  Vf PerDown[3];
 
   /// A step moves by at most `up` and `down`, index units, not negative, times `scale`.
   BoxSteps(const float up[3], const float down[3], float scale)
   {
-    constexpr float Slowest = 1e-6f;
     for (int a = 0; a < 3; ++a)
     {
-      this->PerUp[a] = 1.0f / std::max(scale * up[a], Slowest);
-      this->PerDown[a] = 1.0f / std::max(scale * down[a], Slowest);
+      this->PerUp[a] = Splat(1.0f / std::max(scale * up[a], Slowest));
+      this->PerDown[a] = Splat(1.0f / std::max(scale * down[a], Slowest));
     }
   }
+
+  /// A step moves by `move`, index units, or by something up to `change` from there.
+  BoxSteps(const Vec3& move, const Vec3& change)
+  {
+    const auto find = [&](Vf v, Vf c, int a) {
+      const auto steps = [](
+                           Vf most) { return hn::Div(Splat(1.0f), hn::Max(most, Splat(Slowest))); };
+      this->PerUp[a] = steps(hn::Add(c, v));
+      this->PerDown[a] = steps(hn::Sub(c, v));
+    };
+    find(move.x, change.x, 0);
+    find(move.y, change.y, 1);
+    find(move.z, change.z, 2);
+  }
+
+private:
+  static constexpr float Slowest = 1e-6f;
 };
 
-/// Asks the distance map about boxes around positions by one look-up: whether they are empty, if
-/// they are in no more than two blocks along each axis, and how far they may move in the empty cube
-/// around their first block.
+/// Asks the distance map about boxes around positions, no wider than a block, by one look-up:
+/// whether they are empty, and how far they may move in the empty cube around their first block.
 class EmptySpaceQuery
 {
 public:
@@ -91,21 +107,17 @@ public:
   {
     const Df d;
     const Di di;
-    const Vf one = Splat(1.0f);
     const Vf position[3] = { q.x, q.y, q.z };
     Vf block[3];
     Vi sides = hn::Zero(di);
-    this->Wide = hn::FirstN(d, 0);
     for (int a = 0; a < 3; ++a)
     {
       const Vf r = Splat(radius[a]);
       this->Begin[a] = hn::Sub(position[a], r);
       this->End[a] = hn::Add(position[a], r);
       block[a] = BlockOf(scene, this->Begin[a], a);
-      const Vf behind = hn::Sub(BlockOf(scene, this->End[a], a), block[a]);
-      sides = hn::Or(
-        sides, hn::IfThenElseZero(hn::RebindMask(di, hn::Ge(behind, one)), hn::Set(di, 1 << a)));
-      this->Wide = hn::Or(this->Wide, hn::Gt(behind, one));
+      const Mf beyond = hn::Gt(BlockOf(scene, this->End[a], a), block[a]);
+      sides = hn::Or(sides, hn::IfThenElseZero(hn::RebindMask(di, beyond), hn::Set(di, 1 << a)));
     }
     const Vi code = CodesOf(scene, block);
     const auto isNear = hn::Gt(code, hn::Set(di, DistanceMap::NearCode - 1));
@@ -121,7 +133,7 @@ public:
     for (int a = 0; a < 3; ++a)
     {
       // The blocks at the faces extend beyond the volume.
-      const Vf low = hn::Add(hn::Sub(block[a], distance), one);
+      const Vf low = hn::Add(hn::Sub(block[a], distance), Splat(1.0f));
       const Vf high = hn::Add(block[a], distance);
       this->Low[a] = hn::IfThenElse(hn::Le(low, zero), hn::Neg(far), hn::Mul(edge, low));
       this->High[a] =
@@ -129,23 +141,20 @@ public:
     }
   }
 
-  /// Lanes whose boxes are empty as far as they are in two blocks along each axis.
-  HWY_INLINE Mf BeginsEmpty() const { return this->Empty; }
+  /// Lanes whose boxes are empty.
+  HWY_INLINE Mf IsEmpty() const { return this->Empty; }
 
-  /// Lanes whose boxes are in two blocks along each axis, and empty.
-  HWY_INLINE Mf IsEmpty() const { return hn::AndNot(this->Wide, this->Empty); }
-
-  /// Counts the steps, a whole number, after which each lane's box is still in its empty cube;
-  /// negative if it is not in it at all.
-  HWY_INLINE Vf CountSteps(const BoxSteps& box) const
+  /// Counts the steps, a whole number, after which each lane's box, extended by `radius`, is still
+  /// in its empty cube; negative if it is not in it at all.
+  HWY_INLINE Vf CountSteps(const float radius[3], const BoxSteps& box) const
   {
     Vf steps = Splat(Most);
     for (int a = 0; a < 3; ++a)
     {
-      const Vf above = hn::Sub(this->High[a], this->End[a]);
-      const Vf below = hn::Sub(this->Begin[a], this->Low[a]);
-      steps = hn::Min(
-        steps, hn::Min(hn::Mul(above, Splat(box.PerUp[a])), hn::Mul(below, Splat(box.PerDown[a]))));
+      const Vf r = Splat(radius[a]);
+      const Vf above = hn::Sub(hn::Sub(this->High[a], this->End[a]), r);
+      const Vf below = hn::Sub(hn::Sub(this->Begin[a], this->Low[a]), r);
+      steps = hn::Min(steps, hn::Min(hn::Mul(above, box.PerUp[a]), hn::Mul(below, box.PerDown[a])));
     }
     return hn::IfThenElse(this->Empty, hn::Floor(steps), Splat(-1.0f));
   }
@@ -160,7 +169,6 @@ private:
   Vf End[3];
   Vf Low[3];
   Vf High[3];
-  Mf Wide;
   Mf Empty;
 };
 
@@ -177,24 +185,32 @@ HWY_INLINE Mf FindEmptyBoxes(const PacketScene& scene, const Vec3& q,
   const std::array<float, 3>& radius, const BoxSteps& moves, Mf lanes, Vf& steps)
 {
   const Df d;
-  const EmptySpaceQuery query(scene, q, radius.data());
-  steps = query.CountSteps(moves);
-  const Mf inCube = hn::Ge(steps, hn::Zero(d));
-  steps = hn::Max(steps, hn::Zero(d));
-  const Mf empty = hn::And(lanes, hn::Or(inCube, query.IsEmpty()));
-  Mf others = hn::AndNot(empty, hn::And(lanes, query.BeginsEmpty()));
-  if (HWY_LIKELY(hn::AllFalse(d, others)))
-  {
-    return empty;
-  }
-  // Boxes in more than two blocks along an axis are asked about in halves.
+  const Vf zero = hn::Zero(d);
   int parts[3];
   float part[3];
+  bool whole = true;
   for (std::size_t a = 0; a < 3; ++a)
   {
     parts[a] = 2.0f * radius[a] <= static_cast<float>(MinMaxBlocks::BlockSize) ? 1 : 2;
     part[a] = radius[a] / static_cast<float>(parts[a]);
+    whole = whole && parts[a] == 1;
   }
+  if (HWY_LIKELY(whole))
+  {
+    const EmptySpaceQuery query(scene, q, part);
+    steps = hn::Max(query.CountSteps(NoRadius, moves), zero);
+    return hn::And(lanes, query.IsEmpty());
+  }
+  const EmptySpaceQuery middle(scene, q, NoRadius);
+  steps = middle.CountSteps(radius.data(), moves);
+  const Mf inCube = hn::And(lanes, hn::Ge(steps, zero));
+  steps = hn::Max(steps, zero);
+  if (!CanQueryBoxes(radius))
+  {
+    return inCube;
+  }
+  // Boxes that are wider than a block are asked about in halves.
+  Mf others = hn::AndNot(inCube, hn::And(lanes, middle.IsEmpty()));
   for (int i = 0; i < parts[0] * parts[1] * parts[2] && !hn::AllFalse(d, others); ++i)
   {
     const auto middleOf = [&](Vf x, int a, int number) {
@@ -204,7 +220,7 @@ HWY_INLINE Mf FindEmptyBoxes(const PacketScene& scene, const Vec3& q,
       middleOf(q.z, 2, i / parts[0] / parts[1]) };
     others = hn::And(others, EmptySpaceQuery(scene, at, part).IsEmpty());
   }
-  return hn::Or(empty, others);
+  return hn::Or(inCube, others);
 }
 
 } // namespace HWY_NAMESPACE

@@ -234,8 +234,8 @@ MUTANTS = (
     Mutant(
         "vectors: leaps down are limited by the way up",
         "index",
-        "this->PerDown[a] = 1.0f / std::max(scale * down[a], Slowest);",
-        "this->PerDown[a] = 1.0f / std::max(scale * up[a], Slowest);",
+        "this->PerDown[a] = Splat(1.0f / std::max(scale * down[a], Slowest));",
+        "this->PerDown[a] = Splat(1.0f / std::max(scale * up[a], Slowest));",
         PACKETS + kernels("PositionError")),
     Mutant(
         "vectors: a gradient is taken from the wrong column of voxels",
