@@ -605,19 +605,24 @@ private:
   template <int Components>
   static void Copy(const PacketVolume& v, const int cell[3], T* to)
   {
-    const T* const from = static_cast<const T*>(v.Scalars);
     const auto place = [&](int a, int i) {
       return static_cast<std::ptrdiff_t>(std::clamp(cell[a] + i - 1, 0, v.Dimensions[a] - 1));
     };
     const std::ptrdiff_t x[Side] = { place(0, 0), place(0, 1), place(0, 2), place(0, 3) };
+    const T* rows[Side];
+    for (int j = 0; j < Side; ++j)
+    {
+      rows[j] = static_cast<const T*>(v.Scalars) + place(1, j) * v.IncrementY;
+    }
     const bool whole = x[3] - x[0] == Side - 1;
     for (int k = 0; k < Side; ++k)
     {
+      const std::ptrdiff_t slice = place(2, k) * v.IncrementZ;
       for (int j = 0; j < Side; ++j, to += Side * Components)
       {
         // As words, which is how they are read: loads wait for smaller stores.
-        const T* const row = from + place(1, j) * v.IncrementY + place(2, k) * v.IncrementZ;
-        if (whole)
+        const T* const row = rows[j] + slice;
+        if (HWY_LIKELY(whole))
         {
           std::memcpy(to, row + x[0] * Components, Side * Components * sizeof(T));
         }
