@@ -23,35 +23,71 @@ constexpr double LargestUnits = 1e30;
 constexpr std::size_t SteepParts = 32;
 constexpr double SteepChange = 0.25;
 
-/// Less opacity than this comes from anywhere.
-constexpr double LeastOpacity = 1e-6;
+/// Optical depths below this have no place that matters.
+constexpr double LeastOpticalDepth = 1e-6;
+
+constexpr double LogarithmOfTwo = 0.69314718;
 
 double OpacityOf(double opticalDepth) { return 1.0 - std::exp2(-opticalDepth); }
 
 /// Mean place, 0 to 1, that the light of a homogeneous interval comes from: 1/2 if it is thin,
 /// 1 / (its depth in powers of e) if it is thick, and within 0.03 of the truth between them.
-double PlaceOf(double opticalDepth)
+double FindPlaceOfLight(double opticalDepth)
 {
-  const double depth = 0.69314718 * opticalDepth;
+  const double depth = LogarithmOfTwo * opticalDepth;
   return 1.0 / std::sqrt(4.0 + depth * (4.0 / 3.0 + depth));
 }
 
-/// The same if the optical depth would be `front` and `back` with the extinctions at the ends.
-double PlaceOf(double front, double back, double opticalDepth)
+/// n for opacities n / (1 + n): the first terms of a power series.
+double WeighOpacity(double opticalDepth)
+{
+  const double depth = LogarithmOfTwo * opticalDepth;
+  return depth * (1.0 + 0.5 * depth);
+}
+
+/// The place that light comes from if the optical depth would be `front` and `back` with the
+/// extinctions at the ends, one of which changes into the other at once.
+double FindPlaceOfLight(double front, double back, double opticalDepth)
 {
   if (!(opticalDepth > std::min(front, back) && opticalDepth < std::max(front, back)))
   {
-    return PlaceOf(opticalDepth);
+    return FindPlaceOfLight(opticalDepth);
   }
   const double change = (back - opticalDepth) / (back - front);
   const double depths[2] = { front * change, back * (1.0 - change) };
-  const double first = OpacityOf(depths[0]);
-  const double second = (1.0 - first) * OpacityOf(depths[1]);
-  return first + second > LeastOpacity
-    ? (first * change * PlaceOf(depths[0]) +
-        second * (change + (1.0 - change) * PlaceOf(depths[1]))) /
+  const double first = WeighOpacity(depths[0]);
+  const double behind = WeighOpacity(depths[1]);
+  const double second = behind / (1.0 + behind);
+  return first + second > LeastOpticalDepth
+    ? (first * change * FindPlaceOfLight(depths[0]) +
+        second * (change + (1.0 - change) * FindPlaceOfLight(depths[1]))) /
       (first + second)
     : 0.5;
+}
+
+/// The optical depth in an interval from which its light comes, in the mean. That does not depend
+/// on where in the interval the extinction is.
+double FindDepthOfLight(double opticalDepth)
+{
+  return opticalDepth * FindPlaceOfLight(opticalDepth);
+}
+
+/// The place, 0 to 1, where the optical depth in an interval is `depth`, at most `opticalDepth`,
+/// that of all. `front` and `back`: those with the extinctions at the ends, one of which changes
+/// into the other at once.
+double FindPlaceOfDepth(double front, double back, double opticalDepth, double depth)
+{
+  double change = 0.0;
+  double all = opticalDepth;
+  if (opticalDepth > std::min(front, back) && opticalDepth < std::max(front, back))
+  {
+    change = (back - opticalDepth) / (back - front);
+    const bool behind = depth > front * change;
+    all = behind ? back : front;
+    depth -= behind ? front * change : 0.0;
+    change = behind ? change : 0.0;
+  }
+  return all > LeastOpticalDepth ? std::clamp(change + depth / all, 0.0, 1.0) : 0.5;
 }
 
 } // namespace
@@ -136,7 +172,7 @@ double IntervalTable::FindValue(const Point& a, const Point& b, double place) co
 ClassifiedInterval IntervalTable::Classify(const Point& a, const Point& b, double length) const
 {
   const double depth = this->FindExtinction(a, b) * length;
-  const double place = PlaceOf(a.Extinction * length, b.Extinction * length, depth);
+  const double place = FindPlaceOfLight(a.Extinction * length, b.Extinction * length, depth);
   return { depth, this->FindValue(a, b, place), place };
 }
 
@@ -159,17 +195,18 @@ ClassifiedInterval IntervalTable::Classify(
     return { 0.0, middle, at };
   }
   const Point points[3] = { this->Find(front), this->Find(middle), this->Find(back) };
-  const ClassifiedInterval first = this->Classify(points[0], points[1], at * length);
-  const ClassifiedInterval second = this->Classify(points[1], points[2], (1.0 - at) * length);
-  const double a = OpacityOf(first.OpticalDepth);
-  const double b = (1.0 - a) * OpacityOf(second.OpticalDepth);
-  ClassifiedInterval both{ first.OpticalDepth + second.OpticalDepth, middle, at };
-  if (a + b > LeastOpacity)
-  {
-    both.Value = (a * first.Value + b * second.Value) / (a + b);
-    both.Place = (a * at * first.Place + b * (at + (1.0 - at) * second.Place)) / (a + b);
-  }
-  return both;
+  const double lengths[2] = { at * length, (1.0 - at) * length };
+  const double depths[2] = { lengths[0] * this->FindExtinction(points[0], points[1]),
+    lengths[1] * this->FindExtinction(points[1], points[2]) };
+  const double all = depths[0] + depths[1];
+  const double depth = FindDepthOfLight(all);
+  const int half = depth > depths[0] ? 1 : 0;
+  const Point& from = points[half];
+  const Point& to = points[half + 1];
+  const double place = FindPlaceOfDepth(from.Extinction * lengths[half],
+    to.Extinction * lengths[half], depths[half], half == 1 ? depth - depths[0] : depth);
+  return { all, this->FindValue(from, to, place),
+    half == 1 ? at + (1.0 - at) * place : at * place };
 }
 
 //------------------------------------------------------------------------------

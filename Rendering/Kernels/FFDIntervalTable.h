@@ -18,8 +18,8 @@ namespace ffd
 struct ClassifiedInterval
 {
   double OpticalDepth; ///< the part of light that passes is 2 to the power of less than that
-  double Value;        ///< mean of the scalars that the light comes from
-  double Place;        ///< where that is, in the mean: from 0, the front end, to 1
+  double Value;        ///< the scalar at Place
+  double Place;        ///< where the light comes from, in the mean: from 0, the front end, to 1
 };
 
 /**
@@ -27,9 +27,10 @@ struct ClassifiedInterval
  * between values that are known, over which scalars run linearly. It follows from the integral of
  * the extinction over the scalars, a table of the size of the transfer table: it holds for all
  * scalar types, and is made in the time of a transfer table. The difference of two entries is the
- * extinction of an interval, exactly. Where the interval's light comes from, as light from behind
- * is attenuated, follows from the extinctions at its ends, as if the one changed into the other at
- * once: true for steps, and near the truth where a function is steep.
+ * extinction of an interval, exactly. As light from behind is attenuated, it comes from one optical
+ * depth in the mean, whatever the scalars are; where that is follows from the extinctions at the
+ * ends, as if the one changed into the other at once: true for steps, and near the truth where a
+ * function is steep.
  *
  * Integrals are fixed-point numbers modulo 2^32: their difference is as exact behind values that
  * are opaque as elsewhere.

@@ -586,7 +586,7 @@ private:
       }
       if (HWY_UNLIKELY(this->Scene.ClassifiesIntervals))
       {
-        this->Samples.TakeInterval(curve, n, s, active, false);
+        this->Samples.TakeInterval(curve, n, s, active, within);
       }
       else
       {

@@ -119,7 +119,8 @@ public:
     Vf front = this->LastValue;
     if (HWY_UNLIKELY(!hn::AllFalse(d, unknown)))
     {
-      front = hn::IfThenElse(unknown, this->FindFront(curve, begin, unknown, back), front);
+      front =
+        hn::IfThenElse(unknown, this->FindFront(curve, n, begin, unknown, back, inner), front);
     }
     this->LastValue = hn::IfThenElse(sampled, back, this->LastValue);
     this->LastNumber = hn::IfThenElse(sampled, number, this->LastNumber);
@@ -145,7 +146,7 @@ public:
     this->LastPointNumber = n;
     const Vf guess = hn::Mul(FindMeanExtinction(scene, first, last), length);
     const Vf place =
-      PlaceInInterval(hn::Mul(first.Extinction, length), hn::Mul(last.Extinction, length), guess);
+      FindPlaceOfLight(hn::Mul(first.Extinction, length), hn::Mul(last.Extinction, length), guess);
     const Vf at = hn::IfThenElse(hn::Gt(guess, hn::Zero(d)), place, Splat(0.5f));
     const Vf middle = hn::MulAdd(at, extent, begin);
     const Vec3 q = this->ClampToVolume(curve.Position.At(middle));
@@ -161,7 +162,7 @@ public:
       }
       this->Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
       this->State.Expecting = visible;
-      Vec3 color = TableLookup(scene, interval.Value).Color();
+      Vec3 color = TableLookup::OfEntries(scene, interval.Entry).Color();
       if (scene.Shade)
       {
         voxels.Widen();
@@ -177,7 +178,7 @@ public:
         color = this->Normals.Light(
           scene.Surface, curve, q, color, gradient, middle, curve.TimeAt(middle));
       }
-      this->State.Add(visible, color, interval.Transmittance,
+      this->State.Add(visible, color, Exp2(hn::Neg(interval.OpticalDepth)),
         curve.TimeAt(hn::MulAdd(interval.Place, extent, begin)),
         scene.Settings.TerminationTransmittance);
     };
@@ -295,7 +296,8 @@ public:
     return Sample<T>(voxels, at, rows);
   }
 
-  /// Does what FindInnerValue() does where q are the samples n of a curve.
+  /// Does what FindInnerValue() does where q are the samples n of a curve, or in the intervals that
+  /// end there.
   HWY_NOINLINE Vf FindInnerValue(int n, const Vec3& q, Mf lanes)
   {
     Vf value = hn::Zero(Df());
@@ -411,12 +413,14 @@ private:
       Clamp(q.z, lower, Splat(this->Scene.Upper[2])) };
   }
 
-  /// Values where intervals begin whose samples before were not taken: those of `lanes`. What is
-  /// cropped there looks as the ends of the intervals.
-  HWY_NOINLINE Vf FindFront(const PacketCurve& curve, Vf begin, Mf lanes, Vf back)
+  /// Values where the intervals that end at the samples n begin, if the samples before were not
+  /// taken: those of `lanes`. What is cropped there looks as the ends of the intervals.
+  HWY_NOINLINE Vf FindFront(
+    const PacketCurve& curve, int n, Vf begin, Mf lanes, Vf back, bool inner)
   {
     const Vec3 q = curve.Position.At(begin);
-    const Vf value = this->FindValue(this->ClampToVolume(q), lanes);
+    const Vf value = inner ? this->FindInnerValue(n, q, lanes)
+                           : this->FindValue(this->ClampToVolume(q), lanes);
     if (this->Scene.CropSpace == Cropping::Spaces::None)
     {
       return value;

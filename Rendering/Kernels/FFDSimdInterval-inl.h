@@ -20,6 +20,9 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
+/// Optical depths below this have no place that matters.
+constexpr float LeastOpticalDepth = 1e-6f;
+
 /// Entries of the interval table at values.
 struct IntervalPoint
 {
@@ -61,51 +64,74 @@ HWY_INLINE Vf FindMeanExtinction(
     near, hn::Mul(Splat(0.5f), hn::Add(a.Extinction, b.Extinction)), hn::Max(mean, hn::Zero(d)));
 }
 
-/// Mean place that the light of homogeneous intervals comes from.
-HWY_INLINE Vf PlaceInInterval(Vf opticalDepth)
+constexpr float LogarithmOfTwo = 0.69314718f;
+
+/// Mean place that the light of homogeneous intervals comes from. `depth`: in powers of e.
+HWY_INLINE Vf FindPlaceOfLight(Vf depth)
 {
-  const Vf depth = hn::Mul(Splat(0.69314718f), opticalDepth);
-  return InverseSqrt(hn::MulAdd(depth, hn::Add(Splat(4.0f / 3.0f), depth), Splat(4.0f)));
+  return RoughInverseSqrt(hn::MulAdd(depth, hn::Add(Splat(4.0f / 3.0f), depth), Splat(4.0f)));
 }
 
-HWY_INLINE Vf OpacityOfDepth(Vf opticalDepth)
+HWY_INLINE Vf WeighOpacity(Vf depth)
 {
-  return hn::Sub(Splat(1.0f), Exp2(hn::Neg(opticalDepth)));
+  return hn::Mul(depth, hn::MulAdd(Splat(0.5f), depth, Splat(1.0f)));
 }
 
 /// Mean place that the light of intervals comes from whose ends may differ. `front` and `back`:
 /// optical depths with the extinctions at the ends.
-HWY_INLINE Vf PlaceInInterval(Vf front, Vf back, Vf opticalDepth)
+HWY_INLINE Vf FindPlaceOfLight(Vf front, Vf back, Vf opticalDepth)
+{
+  const Vf one = Splat(1.0f);
+  const Vf scale = Splat(LogarithmOfTwo);
+  const Mf crosses =
+    hn::And(hn::Gt(opticalDepth, hn::Min(front, back)), hn::Lt(opticalDepth, hn::Max(front, back)));
+  const Vf change = hn::Mul(hn::Sub(back, opticalDepth),
+    RoughReciprocal(hn::IfThenElse(crosses, hn::Sub(back, front), one)));
+  const Vf rest = hn::Sub(one, change);
+  const Vf depths[2] = { hn::Mul(scale, hn::Mul(front, change)),
+    hn::Mul(scale, hn::Mul(back, rest)) };
+  const Vf first = WeighOpacity(depths[0]);
+  const Vf behind = WeighOpacity(depths[1]);
+  const Vf second = hn::Mul(behind, RoughReciprocal(hn::Add(one, behind)));
+  const Vf sum = hn::Add(first, second);
+  const Mf some = hn::Gt(sum, Splat(LeastOpticalDepth));
+  const Vf weighed = hn::MulAdd(hn::Mul(first, change), FindPlaceOfLight(depths[0]),
+    hn::Mul(second, hn::MulAdd(rest, FindPlaceOfLight(depths[1]), change)));
+  const Vf place = hn::IfThenElse(
+    some, hn::Mul(weighed, RoughReciprocal(hn::IfThenElse(some, sum, one))), Splat(0.5f));
+  return hn::IfThenElse(crosses, place, FindPlaceOfLight(hn::Mul(scale, opticalDepth)));
+}
+
+/// The optical depth in intervals from which their light comes, in the mean.
+HWY_INLINE Vf FindDepthOfLight(Vf opticalDepth)
+{
+  return hn::Mul(opticalDepth, FindPlaceOfLight(hn::Mul(Splat(LogarithmOfTwo), opticalDepth)));
+}
+
+/// The place, 0 to 1, where the optical depth in intervals is `depth`, at most `opticalDepth`, that
+/// of all. `front` and `back`: those with the extinctions at the ends.
+HWY_INLINE Vf FindPlaceOfDepth(Vf front, Vf back, Vf opticalDepth, Vf depth)
 {
   const Vf one = Splat(1.0f);
   const Mf crosses =
     hn::And(hn::Gt(opticalDepth, hn::Min(front, back)), hn::Lt(opticalDepth, hn::Max(front, back)));
-  const Vf homogeneous = PlaceInInterval(opticalDepth);
-  if (hn::AllFalse(Df(), crosses))
-  {
-    return homogeneous;
-  }
-  const Vf change = hn::Mul(
-    hn::Sub(back, opticalDepth), Reciprocal(hn::IfThenElse(crosses, hn::Sub(back, front), one)));
-  const Vf rest = hn::Sub(one, change);
-  const Vf depths[2] = { hn::Mul(front, change), hn::Mul(back, rest) };
-  const Vf first = OpacityOfDepth(depths[0]);
-  const Vf second = hn::Mul(hn::Sub(one, first), OpacityOfDepth(depths[1]));
-  const Vf sum = hn::Add(first, second);
-  const Mf some = hn::Gt(sum, Splat(1e-6f));
-  const Vf weighted = hn::MulAdd(hn::Mul(first, change), PlaceInInterval(depths[0]),
-    hn::Mul(second, hn::MulAdd(rest, PlaceInInterval(depths[1]), change)));
-  const Vf place = hn::IfThenElse(
-    some, hn::Mul(weighted, Reciprocal(hn::IfThenElse(some, sum, one))), Splat(0.5f));
-  return hn::IfThenElse(crosses, place, homogeneous);
+  const Vf change = hn::Mul(hn::Sub(back, opticalDepth),
+    RoughReciprocal(hn::IfThenElse(crosses, hn::Sub(back, front), one)));
+  const Vf before = hn::Mul(front, change);
+  const Mf behind = hn::And(crosses, hn::Gt(depth, before));
+  const Vf all = hn::IfThenElse(behind, back, hn::IfThenElse(crosses, front, opticalDepth));
+  const Mf some = hn::Gt(all, Splat(LeastOpticalDepth));
+  const Vf part = hn::Mul(hn::IfThenElse(behind, hn::Sub(depth, before), depth),
+    RoughReciprocal(hn::IfThenElse(some, all, one)));
+  const Vf place = hn::Add(part, hn::IfThenElseZero(behind, change));
+  return hn::IfThenElse(some, Clamp(place, hn::Zero(Df()), one), Splat(0.5f));
 }
 
 /// Optical properties of the lanes' intervals.
 struct ClassifiedIntervals
 {
   Vf OpticalDepth;
-  Vf Transmittance;
-  Vf Value; ///< as fetched
+  Vf Entry; ///< of the transfer table, and its fraction
   Vf Place;
 };
 
@@ -114,32 +140,22 @@ HWY_INLINE ClassifiedIntervals ClassifyIntervals(const PacketScene& scene,
   const IntervalPoint& front, const IntervalPoint& middle, const IntervalPoint& back, Vf at,
   Vf length)
 {
-  const Vf one = Splat(1.0f);
-  const Vf rest = hn::Sub(one, at);
-  const Vf first = hn::Mul(FindMeanExtinction(scene, front, middle), hn::Mul(at, length));
-  const Vf second = hn::Mul(FindMeanExtinction(scene, middle, back), hn::Mul(rest, length));
-  const Vf passed = Exp2(hn::Neg(first));
-  const Vf a = hn::Sub(one, passed);
+  const Vf rest = hn::Sub(Splat(1.0f), at);
+  const Vf lengths[2] = { hn::Mul(at, length), hn::Mul(rest, length) };
+  const Vf first = hn::Mul(FindMeanExtinction(scene, front, middle), lengths[0]);
+  const Vf second = hn::Mul(FindMeanExtinction(scene, middle, back), lengths[1]);
   ClassifiedIntervals interval;
   interval.OpticalDepth = hn::Add(first, second);
-  interval.Transmittance = hn::Mul(passed, Exp2(hn::Neg(second)));
-  const Vf b = hn::Sub(passed, interval.Transmittance);
-  const Vf sum = hn::Add(a, b);
-  const Mf some = hn::Gt(sum, Splat(1e-6f));
-  const Vf part = hn::Mul(a, Reciprocal(hn::IfThenElse(some, sum, one)));
-  const Vf lengths[2] = { hn::Mul(at, length), hn::Mul(rest, length) };
-  const auto placeOf = [&](const IntervalPoint& from, const IntervalPoint& to, Vf depth, Vf over) {
-    return PlaceInInterval(hn::Mul(from.Extinction, over), hn::Mul(to.Extinction, over), depth);
-  };
-  const Vf places[2] = { placeOf(front, middle, first, lengths[0]),
-    placeOf(middle, back, second, lengths[1]) };
-  const Vf entries[2] = { Lerp(front.Entry, middle.Entry, places[0]),
-    Lerp(middle.Entry, back.Entry, places[1]) };
-  const PacketTable::Range& range = scene.Table.GetRange(0);
-  const Vf entry = hn::IfThenElse(some, Lerp(entries[1], entries[0], part), middle.Entry);
-  interval.Value = hn::MulAdd(entry, Splat(1.0f / range.Scale), Splat(range.Low));
-  interval.Place =
-    hn::IfThenElse(some, Lerp(hn::MulAdd(rest, places[1], at), hn::Mul(at, places[0]), part), at);
+  const Vf depth = FindDepthOfLight(interval.OpticalDepth);
+  const Mf behind = hn::Gt(depth, first);
+  const Vf over = hn::IfThenElse(behind, lengths[1], lengths[0]);
+  const Vf place =
+    FindPlaceOfDepth(hn::Mul(over, hn::IfThenElse(behind, middle.Extinction, front.Extinction)),
+      hn::Mul(over, hn::IfThenElse(behind, back.Extinction, middle.Extinction)),
+      hn::IfThenElse(behind, second, first), hn::IfThenElse(behind, hn::Sub(depth, first), depth));
+  interval.Entry = Lerp(hn::IfThenElse(behind, middle.Entry, front.Entry),
+    hn::IfThenElse(behind, back.Entry, middle.Entry), place);
+  interval.Place = hn::IfThenElse(behind, hn::MulAdd(rest, place, at), hn::Mul(at, place));
   return interval;
 }
 

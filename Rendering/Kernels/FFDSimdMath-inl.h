@@ -396,6 +396,16 @@ HWY_INLINE Vf Reciprocal(Vf x)
 #endif
 }
 
+/// 1 / x for normal x whose reciprocal is one; relative error below 4e-4.
+HWY_INLINE Vf RoughReciprocal(Vf x)
+{
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+  return hn::ApproximateReciprocal(x);
+#else
+  return hn::Div(Splat(1.0f), x);
+#endif
+}
+
 /// log2(x) for positive normal x; absolute error below 1e-5.
 HWY_INLINE Vf Log2(Vf x)
 {
@@ -424,6 +434,16 @@ HWY_INLINE Vf InverseSqrt(Vf x)
   const Vf y = hn::ApproximateReciprocalSqrt(x);
   const Vf half = hn::Mul(hn::Mul(x, y), Splat(0.5f));
   return hn::Mul(y, hn::NegMulAdd(half, y, Splat(1.5f)));
+#else
+  return hn::Div(Splat(1.0f), hn::Sqrt(x));
+#endif
+}
+
+/// 1 / sqrt(x) for positive normal x; relative error below 4e-4.
+HWY_INLINE Vf RoughInverseSqrt(Vf x)
+{
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+  return hn::ApproximateReciprocalSqrt(x);
 #else
   return hn::Div(Splat(1.0f), hn::Sqrt(x));
 #endif

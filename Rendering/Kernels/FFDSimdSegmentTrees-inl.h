@@ -661,15 +661,17 @@ private:
       (this->Scene.LeapsRays || !CanQueryBoxes(this->FindPartRadius(segment)));
   }
 
-  /// Bounds of the distances of the positions of a block in a part from its middle, index units;
-  /// with intervals those of the samples before them, too.
+  /// Samples before a part that belong to it: those where its intervals begin.
+  int CountSamplesBefore() const { return this->Scene.ClassifiesIntervals ? 1 : 0; }
+
+  /// Bounds of the distances of the positions of a block in a part from its middle, index units.
   std::array<float, 3> FindPartRadius(const TileSegment& segment) const
   {
     std::array<float, 3> radius;
     for (std::size_t a = 0; a < 3; ++a)
     {
-      const float steps = 0.5f * static_cast<float>(segment.SamplesPerPart) +
-        (this->Scene.ClassifiesIntervals ? 1.0f : 0.0f);
+      const float steps =
+        0.5f * static_cast<float>(segment.SamplesPerPart + this->CountSamplesBefore());
       radius[a] = segment.Radius[a] + steps * std::max(segment.Up[a], segment.Down[a]);
     }
     return radius;
@@ -688,6 +690,8 @@ private:
       : nullptr;
     const BoxSteps moves(segment.Up, segment.Down, samples); // from part to part
     const float perSample = 1.0f / static_cast<float>(segment.Samples);
+    const float toMiddle =
+      0.5f * static_cast<float>(segment.SamplesPerPart - this->CountSamplesBefore());
     const int end = std::min(segment.Parts, segment.KnownParts + PartsAtOnce);
     const int blocks = (segment.Side / BlockSide) * (segment.Side / BlockSide);
     for (std::size_t first = 0; first < static_cast<std::size_t>(blocks); first += hn::Lanes(d))
@@ -713,7 +717,8 @@ private:
         {
           continue;
         }
-        const Vec3 at = curve.At(Splat((static_cast<float>(part) + 0.5f) * samples * perSample));
+        const Vec3 at =
+          curve.At(Splat((static_cast<float>(part) * samples + toMiddle) * perSample));
         const Vf q[3] = { at.x, at.y, at.z };
         Mf within = querying;
         Mf outside = hn::FirstN(d, 0);

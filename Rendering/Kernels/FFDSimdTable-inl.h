@@ -33,6 +33,14 @@ public:
       hn::Set(Di(), range.First));
   }
 
+  /// `entries`: of the first table, and their fractions.
+  static HWY_INLINE TableLookup OfEntries(const PacketScene& scene, Vf entries)
+  {
+    TableLookup lookup;
+    lookup.Load(scene.Table, entries, Splat(scene.Table.GetRange(0).Intervals), hn::Zero(Di()));
+    return lookup;
+  }
+
   /// `tables`: number of the table of each lane.
   HWY_INLINE TableLookup(const PacketScene& scene, Vf values, Vi tables)
   {
@@ -68,7 +76,12 @@ private:
     const Df d;
     const Vf x = hn::Mul(hn::Sub(values, low), scale);
     // Comparisons with what is not a number are false.
-    const Vf entry = hn::IfThenElseZero(hn::Eq(x, x), Clamp(x, hn::Zero(d), intervals));
+    this->Load(
+      table, hn::IfThenElseZero(hn::Eq(x, x), Clamp(x, hn::Zero(d), intervals)), intervals, first);
+  }
+
+  HWY_INLINE void Load(const PacketTable& table, Vf entry, Vf intervals, Vi first)
+  {
     const Vf whole = hn::Min(hn::Floor(entry), hn::Sub(intervals, Splat(1.0f)));
     this->Fraction = hn::Sub(entry, whole);
     this->Words = LoadQuads(table.GetWords(), hn::Add(first, Truncate(whole)));
