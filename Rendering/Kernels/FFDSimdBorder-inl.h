@@ -64,25 +64,38 @@ public:
   /// The gradients at q in the lanes of `border`, `gradient` in the others; after Value().
   HWY_NOINLINE Vec3 Gradient(const Vec3& q, Mf border, const Vec3& gradient) const
   {
-    const Df d;
-    const Mf between = this->BetweenVoxels(q, border);
-    Vec3 result = gradient;
+    Mf between;
+    const Vec3 result = this->GradientBy(
+      [](const OffsetRows<T>& voxels, const SamplePosition& at, const SampleRows<T>& rows) {
+        return HWY_NAMESPACE::Gradient<T>(voxels, at, rows);
+      },
+      q, border, gradient, between);
+    const Mf others = hn::AndNot(between, border);
+    return hn::AllFalse(Df(), others)
+      ? result
+      : this->GradientByReference(this->Scene.Source->Volume, q, others, result);
+  }
+
+  /// Returns find(voxels, at, rows), a gradient at the samples q, in the lanes of `border` whose
+  /// positions have voxels on both sides, after Value(); `between`: these, `gradient` in the
+  /// others.
+  template <class Find>
+  HWY_INLINE Vec3 GradientBy(
+    const Find& find, const Vec3& q, Mf border, const Vec3& gradient, Mf& between) const
+  {
+    between = this->BetweenVoxels(q, border);
     if constexpr (!std::is_same<T, WideScalar>::value)
     {
-      if (!hn::AllFalse(d, between))
+      if (!hn::AllFalse(Df(), between))
       {
         const OffsetRows<T> source = this->FindRows();
         const SamplePosition& at = this->Voxels.GetPosition();
         SampleRows<T> rows;
         Sample<T>(source, at, rows);
-        result = Select(between,
-          AtFaces(this->Scene.Volume, q, HWY_NAMESPACE::Gradient<T>(source, at, rows)), gradient);
+        return Select(between, AtFaces(this->Scene.Volume, q, find(source, at, rows)), gradient);
       }
     }
-    const Mf others = hn::AndNot(between, border);
-    return hn::AllFalse(d, others)
-      ? result
-      : this->GradientByReference(this->Scene.Source->Volume, q, others, result);
+    return gradient;
   }
 
   /// Replaces the values of all components of a volume in the lanes of `border`.

@@ -15,6 +15,14 @@
 #include <cstdint>
 #include <cstring>
 
+// GCC does not put lambdas in line by itself that several places call.
+#undef FFD_INLINE_LAMBDA
+#if HWY_COMPILER_GCC || HWY_COMPILER_CLANG
+#define FFD_INLINE_LAMBDA __attribute__((always_inline))
+#else
+#define FFD_INLINE_LAMBDA
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace ffd
 {
@@ -179,7 +187,7 @@ HWY_INLINE auto LoadLanes(const void* base, std::ptrdiff_t bytes, const int* off
   const hn::Rebind<Word, Df> d;
   const char* from = static_cast<const char*>(base) + bytes;
   // As floats, which compilers load into vector registers without a detour.
-  const auto load = [&](int lane) {
+  const auto load = [&](int lane) FFD_INLINE_LAMBDA {
     float word;
     std::memcpy(&word, from + static_cast<std::ptrdiff_t>(offsets[lane]) * Scale, sizeof(word));
     return word;
@@ -187,7 +195,7 @@ HWY_INLINE auto LoadLanes(const void* base, std::ptrdiff_t bytes, const int* off
 #if HWY_TARGET == HWY_SCALAR
   return hn::BitCast(d, hn::Set(Df(), load(0)));
 #else
-  return hn::BitCast(d, JoinQuads(Df(), [&](int block) {
+  return hn::BitCast(d, JoinQuads(Df(), [&](int block) FFD_INLINE_LAMBDA {
     const int first = 4 * block;
     HWY_ALIGN const float words[4] = { load(first), load(first + 1), load(first + 2),
       load(first + 3) };
@@ -250,8 +258,8 @@ HWY_INLINE Quads TransposeQuads(const Load& load, const Permute& permute)
 {
   const Di di;
   // The quads of lanes k, k + 4, k + 8 ... in one vector.
-  const auto column = [&](int k) {
-    return permute(JoinQuads(di, [&](int block) { return load(4 * block + k); }));
+  const auto column = [&](int k) FFD_INLINE_LAMBDA {
+    return permute(JoinQuads(di, [&](int block) FFD_INLINE_LAMBDA { return load(4 * block + k); }));
   };
   const Vi a = column(0);
   const Vi b = column(1);
@@ -285,7 +293,7 @@ HWY_INLINE Quads LoadQuadLanes(
   const char* from = static_cast<const char*>(base) + bytes;
   const hn::CappedTag<std::uint8_t, 16> d;
   return TransposeQuads(
-    [&](int lane) {
+    [&](int lane) FFD_INLINE_LAMBDA {
       return hn::BitCast(hn::CappedTag<int, 4>(),
         hn::LoadU(d,
           reinterpret_cast<const std::uint8_t*>(
@@ -298,7 +306,8 @@ HWY_INLINE Quads LoadQuadLanes(
 template <int Scale>
 HWY_INLINE Quads LoadQuadLanes(const void* base, std::ptrdiff_t bytes, const int* offsets)
 {
-  return LoadQuadLanes<Scale>(base, bytes, offsets, [](Vi quads) { return quads; });
+  return LoadQuadLanes<Scale>(
+    base, bytes, offsets, [](Vi quads) FFD_INLINE_LAMBDA { return quads; });
 }
 
 /// Two words of every lane.
@@ -319,14 +328,14 @@ HWY_INLINE Pairs LoadPairLanes(const void* base, std::ptrdiff_t bytes, const int
   const Di di;
   const char* from = static_cast<const char*>(base) + bytes;
   // As LoadLanes().
-  const auto load = [&](int lane) {
+  const auto load = [&](int lane) FFD_INLINE_LAMBDA {
     double words;
     std::memcpy(&words, from + static_cast<std::ptrdiff_t>(offsets[lane]) * Scale, sizeof(words));
     return words;
   };
   // The pairs of lanes k and k + 1, k + 4 and k + 5 ... in one vector.
-  const auto column = [&](int k) {
-    return JoinQuads(di, [&](int block) {
+  const auto column = [&](int k) FFD_INLINE_LAMBDA {
+    return JoinQuads(di, [&](int block) FFD_INLINE_LAMBDA {
       HWY_ALIGN const double pairs[2] = { load(4 * block + k), load(4 * block + k + 1) };
       return hn::BitCast(hn::CappedTag<int, 4>(), hn::Load(hn::CappedTag<double, 2>(), pairs));
     });
@@ -355,8 +364,9 @@ HWY_INLINE Quads LoadQuads(const std::uint32_t* table, Vi index)
   HWY_ALIGN int at[16];
   StoreIndices(hn::ShiftLeft<2>(index), at);
   return TransposeQuads(
-    [&](int lane) { return hn::LoadU(hn::CappedTag<int, 4>(), words + at[lane]); },
-    [](Vi quads) { return quads; });
+    [&](int lane)
+      FFD_INLINE_LAMBDA { return hn::LoadU(hn::CappedTag<int, 4>(), words + at[lane]); },
+    [](Vi quads) FFD_INLINE_LAMBDA { return quads; });
 #endif
 }
 

@@ -29,7 +29,7 @@ HWY_NOINLINE Vf OpacityOfValues(const PacketScene& scene, Vf values)
   {
     return LookUpPlane(scene.Plane, values, Splat(1e30f)).Opacity;
   }
-  const Vf depth = hn::Mul(TableLookup(scene, values).Extinction(), Splat(scene.UnitDistance));
+  const Vf depth = hn::Mul(FindExtinction(scene, values), Splat(scene.UnitDistance));
   // The opacity is a difference from one, of which little is left where it is small; gradients are
   // differences of that.
   const Vf one = Splat(1.0f);
@@ -108,10 +108,21 @@ HWY_INLINE Vec3 OpacityGradient(const PacketScene& scene, const Source& source,
   const SamplePosition& at, const SampleRows<T>& rows, BorderSamples<T>& border, const Vec3& q,
   Mf atBorder)
 {
-  const Vec3 gradient = InnerOpacityGradient<T>(scene, source, at, rows);
-  return HWY_LIKELY(hn::AllFalse(Df(), atBorder))
+  const Vec3 inner = InnerOpacityGradient<T>(scene, source, at, rows);
+  if (HWY_LIKELY(hn::AllFalse(Df(), atBorder)))
+  {
+    return inner;
+  }
+  Mf between;
+  const Vec3 gradient = border.GradientBy(
+    [&](const OffsetRows<T>& voxels, const SamplePosition& in, const SampleRows<T>& own) {
+      return InnerOpacityGradient<T>(scene, voxels, in, own);
+    },
+    q, atBorder, inner, between);
+  const Mf others = hn::AndNot(between, atBorder);
+  return hn::AllFalse(Df(), others)
     ? gradient
-    : Select(atBorder, BorderOpacityGradient<T>(scene, border, q, atBorder), gradient);
+    : Select(others, BorderOpacityGradient<T>(scene, border, q, others), gradient);
 }
 
 } // namespace HWY_NAMESPACE

@@ -101,6 +101,21 @@ private:
   Quads Words;
 };
 
+/// TableLookup::Extinction() of the first table, of which no color is needed.
+HWY_INLINE Vf FindExtinction(const PacketScene& scene, Vf values)
+{
+  const Df d;
+  const PacketTable::Range& range = scene.Table.GetRange(0);
+  const Vf x = hn::Mul(hn::Sub(values, Splat(range.Low)), Splat(range.Scale));
+  // Comparisons with what is not a number are false.
+  const Vf entry = hn::IfThenElseZero(hn::Eq(x, x), Clamp(x, hn::Zero(d), Splat(range.Intervals)));
+  const Vf whole = hn::Min(hn::Floor(entry), Splat(range.Intervals - 1.0f));
+  HWY_ALIGN int offsets[16];
+  StoreIndices(Truncate(whole), offsets);
+  const Pairs pair = LoadPairLanes<16>(scene.Table.GetWords(), 0, offsets);
+  return Lerp(hn::BitCast(d, pair.x), hn::BitCast(d, pair.y), hn::Sub(entry, whole));
+}
+
 } // namespace HWY_NAMESPACE
 } // namespace ffd
 HWY_AFTER_NAMESPACE();
