@@ -128,6 +128,14 @@ public:
     }
   }
 
+  /// Whether extremes have changed since this was asked for last.
+  HWY_INLINE bool TakeNews()
+  {
+    const bool news = this->News;
+    this->News = false;
+    return news;
+  }
+
   /// Composites what the samples of a curve have crossed, before another curve begins.
   HWY_INLINE void EndCurve(const PacketCurve& curve)
   {
@@ -251,6 +259,11 @@ private:
     value = maximum ? value : hn::Neg(value);
     // Comparisons with what is not a number are false.
     const Mf better = hn::And(sampled, hn::Gt(value, this->State.Out.Tally));
+    if (hn::AllFalse(d, better))
+    {
+      return;
+    }
+    this->News = true;
     this->Scratch.Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, better));
     this->State.Out.Tally = hn::IfThenElse(better, value, this->State.Out.Tally);
     this->State.Out.FirstVisible =
@@ -485,6 +498,8 @@ private:
     Vf a = zero;
     Vf b = hn::IfThenElse(hn::Eq(fa, zero), zero, one);
     Vf stayed = zero;
+    const bool inner = crossing.Inner && this->Scene.Volume.SlicesInReach == 0;
+    typename PacketCompositor<T>::CellValues cells(this->Scene.Volume);
     for (int i = 0; i < CrossingSteps; ++i)
     {
       const Mf open = hn::And(
@@ -497,7 +512,8 @@ private:
       const Mf between = hn::And(hn::Gt(secant, a), hn::Lt(secant, b));
       const Vf part = hn::IfThenElse(between, secant, hn::Mul(half, hn::Add(a, b)));
       const Vec3 at = this->PositionAt(curve, hn::MulAdd(part, length, interval.From));
-      const Vf f = above(this->ValuesAt(at, open, crossing.Inner));
+      const Vf f =
+        above(HWY_LIKELY(inner) ? cells.Find(at, open) : this->ValuesAt(at, open, crossing.Inner));
       // A point at the crossing counts as behind it.
       const Mf behind =
         hn::And(open, hn::Or(hn::Eq(f, zero), hn::Xor(hn::Lt(f, zero), hn::Ge(fb, zero))));
@@ -572,6 +588,7 @@ private:
   PacketState& State;
   PacketNormals& Normals;
   BorderSamples<T>& Border;
+  bool News = false;  ///< see TakeNews()
   bool Inner = false; ///< of the samples that are taken, see Take()
   Crossing Next;      ///< of the rays of Pending
   Mf Pending;         ///< rays whose last surface was crossed, but not composited

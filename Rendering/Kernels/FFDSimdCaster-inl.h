@@ -364,7 +364,7 @@ private:
         this->EndAt(n);
         return;
       }
-      if (HWY_UNLIKELY(seeking))
+      if (HWY_UNLIKELY(seeking) && this->Blending.TakeNews())
       {
         this->PassedCode = this->FindPassedCode();
       }

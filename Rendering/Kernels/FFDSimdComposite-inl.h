@@ -311,6 +311,47 @@ public:
     return value;
   }
 
+  /// Interpolates values at positions that move little: their voxels are fetched again only where
+  /// they leave the cells that they are in.
+  class CellValues
+  {
+  public:
+    /// `volume`: SlicesInReach is 0; must outlive this.
+    explicit CellValues(const PacketVolume& volume)
+      : Volume(volume)
+    {
+    }
+
+    /// Values at q, of `lanes`; all voxels of these must exist.
+    HWY_INLINE Vf Find(const Vec3& q, Mf lanes)
+    {
+      const Di di;
+      SampleCells cells;
+      const SamplePosition at = FindCells(this->Volume, q, true, cells);
+      const auto same = [](Vi a, Vi b) { return hn::Eq(a, b); };
+      const auto stays = hn::And(same(cells.X, this->Cells.X),
+        hn::And(same(cells.Y, this->Cells.Y), same(cells.Z, this->Cells.Z)));
+      if (!this->Known || !hn::AllFalse(di, hn::AndNot(stays, hn::RebindMask(di, lanes))))
+      {
+        this->Known = true;
+        this->Cells = cells;
+        OffsetRows<T> voxels;
+        voxels.Fit(this->Volume, cells, lanes);
+        return Sample<T>(voxels, at, this->Rows);
+      }
+      using F = Fetch<T>;
+      const SampleRows<T>& rows = this->Rows;
+      return F::Value(Across<T>(at, F::Middle(rows.R00, at), F::Middle(rows.R10, at),
+        F::Middle(rows.R01, at), F::Middle(rows.R11, at)));
+    }
+
+  private:
+    const PacketVolume& Volume;
+    SampleCells Cells{ hn::Zero(Di()), hn::Zero(Di()), hn::Zero(Di()) };
+    SampleRows<T> Rows;
+    bool Known = false;
+  };
+
   PacketState State;
   PacketNormals Normals;
   BorderSamples<T> Border;
