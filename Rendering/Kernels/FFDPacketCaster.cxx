@@ -368,10 +368,9 @@ void KeepOneOrientation(PacketScene& scene)
     scene.Seeds.end());
 }
 
-/// Sets the range of values outside of which nothing is visible, from the first and the last of
-/// `size` entries with something visible; entry 0 stands for `low`, and there are `scale` entries a
-/// unit.
-void SetVisibleRange(int first, int last, int size, float low, float scale, PacketScene& scene)
+/// The range of values of which, in `size` entries, those from the first to the last one show
+/// something; entry 0 stands for `low`, and there are `scale` entries a unit.
+ValueRange MakeVisibleRange(int first, int last, int size, float low, float scale)
 {
   // From one entry before to one entry behind, and a little more against rounding errors.
   const auto valueAt = [&](double entry) {
@@ -379,13 +378,13 @@ void SetVisibleRange(int first, int last, int size, float low, float scale, Pack
   };
   constexpr float Infinite = std::numeric_limits<float>::infinity();
   constexpr double Guard = 1.01;
-  scene.VisibleLow = first == 0 ? -Infinite : valueAt(first - Guard);
-  scene.VisibleHigh = last == size - 1 ? Infinite : valueAt(last + Guard);
+  return { first == 0 ? -Infinite : valueAt(first - Guard),
+    last == size - 1 ? Infinite : valueAt(last + Guard) };
 }
 
-void FindVisibleRange(const TransferTable& table, PacketScene& scene)
+/// `range`: of the table as packets have it.
+ValueRange FindVisibleRange(const TransferTable& table, const PacketTable::Range& range)
 {
-  const PacketTable::Range& range = scene.Table.GetRange(0);
   const float* const entries = table.GetEntries();
   const auto isVisible = [&](int i) { return entries[4 * static_cast<std::size_t>(i) + 3] > 0.0f; };
   const int size = static_cast<int>(table.GetSize());
@@ -399,7 +398,7 @@ void FindVisibleRange(const TransferTable& table, PacketScene& scene)
   {
     --last;
   }
-  SetVisibleRange(first, last, size, range.Low, range.Scale, scene);
+  return MakeVisibleRange(first, last, size, range.Low, range.Scale);
 }
 
 PacketLight MakePacketLight(
@@ -458,13 +457,20 @@ PacketGradientOpacity MakeGradientOpacity(
     packet.Factors = opacity.GetFactors().data();
     packet.Size = static_cast<int>(opacity.GetFactors().size());
     Copy(FindMagnitudeScale(classifier, volume) * opacity.GetScale(), packet.Scale);
+    const float* const end = packet.Factors + packet.Size;
+    const float* const some =
+      std::find_if(packet.Factors, end, [](float factor) { return factor > 0.0f; });
+    const float zeros = static_cast<float>(some - packet.Factors);
+    packet.ZeroUpTo = some == end ? std::numeric_limits<float>::infinity()
+                                  : std::max(zeros - 1.0f, 0.0f) * std::max(zeros - 1.0f, 0.0f);
   }
   return packet;
 }
 
 /// Adds the optical properties of several components; the table of the first one is there already.
+/// `leaps`: whether values that are not visible are left out.
 void AddComponents(const SampleClassifier& classifier, const Shading& material,
-  const glm::dvec3& center, PacketScene& scene)
+  const glm::dvec3& center, bool leaps, PacketScene& scene)
 {
   const OpticalFunctions& functions = classifier.GetFunctions();
   scene.KindOfComponents = functions.Kind;
@@ -478,6 +484,11 @@ void AddComponents(const SampleClassifier& classifier, const Shading& material,
     PacketComponent component;
     component.Gradients = MakeGradientOpacity(optics.Gradients, classifier, scene.Volume);
     component.Weight = optics.Weight;
+    if (leaps)
+    {
+      component.Visible =
+        FindVisibleRange(optics.Table, scene.Table.GetRange(scene.Components.size()));
+    }
     component.Surface = MakeSurface(material, optics.Surface, center);
     scene.Components.push_back(component);
   }
@@ -535,6 +546,25 @@ void SetVolume(
   Copy(v.UpperIndex(), p.Upper);
 }
 
+/// Finds the range of values of one component outside of which nothing is visible.
+ValueRange FindVisibleRange(
+  const CastScene& scene, const OpticalFunctions& functions, const PacketScene& p)
+{
+  if (p.Plane.Texels)
+  {
+    const glm::ivec2 visible = functions.Components[0].Plane.FindVisibleColumns();
+    return MakeVisibleRange(
+      visible.x, visible.y, p.Plane.Size[0], p.Plane.Low[0], p.Plane.Scale[0]);
+  }
+  ValueRange range = FindVisibleRange(*scene.Table, p.Table.GetRange(0));
+  for (std::size_t i = 0; i < functions.Labels.size() && !p.Mask.Tables.empty(); ++i)
+  {
+    const ValueRange ofLabel = FindVisibleRange(functions.Labels[i].Table, p.Table.GetRange(i + 1));
+    range = { std::min(range.Low, ofLabel.Low), std::max(range.High, ofLabel.High) };
+  }
+  return range;
+}
+
 /// Sets the transfer functions, masks and gradient opacities, and the range of visible values. The
 /// volume is set already.
 void SetOptics(
@@ -552,19 +582,16 @@ void SetOptics(
     SetPlane(classifier, p);
   }
   const bool byTable = !kind.Plane && !kind.Components && p.Mask.Tables.empty();
-  if (kind.Leaps && kind.Plane)
+  if (kind.Leaps && !kind.Components)
   {
-    const glm::ivec2 visible = classifier.GetFunctions().Components[0].Plane.FindVisibleColumns();
-    SetVisibleRange(visible.x, visible.y, p.Plane.Size[0], p.Plane.Low[0], p.Plane.Scale[0], p);
-  }
-  else if (kind.Leaps && byTable)
-  {
-    FindVisibleRange(*scene.Table, p);
+    p.Visible = FindVisibleRange(scene, classifier.GetFunctions(), p);
   }
   if (kind.Composites && byTable)
   {
     p.Gradients = MakeGradientOpacity(classifier.GetGradientOpacity(), classifier, p.Volume);
   }
+  p.ReferenceIsInterval = p.Settings.Opacity == OpacityLength::Deformed &&
+    p.Settings.SampleDistance == classifier.GetReferenceLength();
   p.OpacityByGradient = p.Gradients.Factors || !p.Mask.GradientRanges.empty() ||
     (kind.Plane && !p.Plane.SecondAxis.Scalars);
 }
@@ -615,7 +642,7 @@ void SetBlending(const CastScene& scene, const FrameKind& kind, PacketScene& p)
   p.ValueHigh = fetched(scene.Blend.High[0]);
   const bool maximum = scene.Blend.Mode == BlendMode::Maximum;
   p.LastExtreme =
-    maximum ? std::min(p.ValueHigh, p.VisibleHigh) : std::min(-p.ValueLow, -p.VisibleLow);
+    maximum ? std::min(p.ValueHigh, p.Visible.High) : std::min(-p.ValueLow, -p.Visible.Low);
   if (p.Sampling == PacketSampling::Extreme && kind.Leaps)
   {
     p.Peaks = scene.Peaks;
@@ -801,7 +828,8 @@ void SetShading(const CastScene& scene, const CastSettings& settings,
   p.Surface = MakeSurface(scene.Material, scene.Material, toLights * p.Center);
   if (p.Volume.Components > 1)
   {
-    AddComponents(classifier, scene.Material, toLights * p.Center, p);
+    AddComponents(
+      classifier, scene.Material, toLights * p.Center, settings.Leaping != SpaceLeaping::Off, p);
   }
 }
 

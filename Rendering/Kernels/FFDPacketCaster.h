@@ -90,6 +90,15 @@ struct PacketGradientOpacity
   const float* Factors = nullptr; ///< null: there are none
   int Size = 0;
   float Scale[3] = {};
+  float ZeroUpTo = 0.0f; ///< factors are zero up to this squared length, unless it is 0
+};
+
+/// Values between these, as fetched, may be visible, no others. Without space leaping all are
+/// looked up.
+struct ValueRange
+{
+  float Low = -std::numeric_limits<float>::infinity();
+  float High = std::numeric_limits<float>::infinity();
 };
 
 /// Optical properties of one of several components; its transfer table has the same number.
@@ -97,6 +106,7 @@ struct PacketComponent
 {
   PacketGradientOpacity Gradients;
   float Weight = 1.0f; ///< of its opacity
+  ValueRange Visible;
   PacketSurface Surface;
 };
 
@@ -199,19 +209,18 @@ struct PacketScene
 
   PacketTable Table; ///< and behind it those of the labels
   PacketMask Mask;
-  /// Values between these may be visible, no others. Without space leaping all are looked up.
-  float VisibleLow = -std::numeric_limits<float>::infinity();
-  float VisibleHigh = std::numeric_limits<float>::infinity();
+  ValueRange Visible; ///< of one component
 
   /// Whether intervals that end at samples are classified, not samples: they are empty only if
   /// their beginnings are, too.
   bool ClassifiesIntervals = false;
   PacketIntegrals Integrals;
 
-  PacketPlane Plane;               ///< in the place of the first table
-  PacketGradientOpacity Gradients; ///< of the first component, unless labels have theirs
-  bool OpacityByGradient = false;  ///< whether extinctions of one component depend on gradients
-  float ReferenceLength = 1.0f;    ///< over which gradient opacities and components are weighed
+  PacketPlane Plane;                ///< in the place of the first table
+  PacketGradientOpacity Gradients;  ///< of the first component, unless labels have theirs
+  bool OpacityByGradient = false;   ///< whether extinctions of one component depend on gradients
+  float ReferenceLength = 1.0f;     ///< over which gradient opacities and components are weighed
+  bool ReferenceIsInterval = false; ///< whether samples stand for intervals of that length
 
   /// Several components; else there are none here.
   ComponentKind KindOfComponents = ComponentKind::Independent;

@@ -224,12 +224,18 @@ public:
       for (std::size_t c = 0; c < this->Scene.Components.size(); ++c)
       {
         // Comparisons with what is not a number are false.
+        const PacketComponent& component = this->Scene.Components[c];
         const Vf density = DensityOf(this->Scene, c, values);
-        const Vf weight = Splat(this->Scene.Components[c].Weight);
-        const Mf counts = hn::And(hn::Eq(density, density), hn::Gt(weight, hn::Zero(d)));
-        extinctions[c] =
-          hn::IfThenElseZero(counts, TableLookup(this->Scene, density, c).Extinction());
-        visible = hn::Or(visible, hn::Gt(extinctions[c], hn::Zero(d)));
+        const Mf counts = hn::And(sampled,
+          hn::And(hn::Ge(density, Splat(component.Visible.Low)),
+            hn::Le(density, Splat(component.Visible.High))));
+        extinctions[c] = hn::Zero(d);
+        if (component.Weight > 0.0f && !hn::AllFalse(d, counts))
+        {
+          extinctions[c] =
+            hn::IfThenElseZero(counts, TableLookup(this->Scene, density, c).Extinction());
+          visible = hn::Or(visible, hn::Gt(extinctions[c], hn::Zero(d)));
+        }
       }
       visible = hn::And(visible, sampled);
       if (this->Scene.Mask.Scalars && !hn::AllFalse(d, visible))
@@ -491,8 +497,8 @@ private:
     this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
     // Comparisons with what is not a number are false.
     sampled = hn::And(sampled,
-      hn::And(hn::Ge(value, Splat(this->Scene.VisibleLow)),
-        hn::Le(value, Splat(this->Scene.VisibleHigh))));
+      hn::And(hn::Ge(value, Splat(this->Scene.Visible.Low)),
+        hn::Le(value, Splat(this->Scene.Visible.High))));
     if (hn::AllFalse(d, sampled))
     {
       return;
@@ -538,10 +544,24 @@ private:
     {
       gradient = this->GradientOf(voxels, at, rows, q, border);
     }
+    const PacketGradientOpacity& gradients = this->Scene.Gradients;
+    if (byGradient && gradients.ZeroUpTo > 0.0f)
+    {
+      visible = hn::And(visible,
+        hn::Gt(FindSquaredMagnitude(gradients.Scale, gradient), Splat(gradients.ZeroUpTo)));
+      if (hn::AllFalse(d, visible))
+      {
+        return;
+      }
+    }
     Vec3 color;
+    // Weighed opacities are over the reference length, which mostly is the interval.
+    const bool weighed = mixed || (byGradient && !byPlane);
+    Vf factor = Splat(1.0f);
+    Vf opacity = hn::Zero(d);
     if (HWY_UNLIKELY(mixed))
     {
-      MixWithLabels(this->Scene, base, lookup, tables, gradient, extinction, color);
+      MixWithLabels(this->Scene, base, lookup, tables, gradient, opacity, color);
     }
     else if (byPlane)
     {
@@ -553,12 +573,12 @@ private:
     }
     else if (byGradient)
     {
-      extinction = WeighExtinction(this->Scene, extinction,
-        labeled ? FactorOf(mask, tables, gradient) : FactorOf(this->Scene.Gradients, gradient));
+      factor = labeled ? FactorOf(mask, tables, gradient) : FactorOf(gradients, gradient);
+      opacity = hn::Mul(OpacityOf(this->Scene, extinction), factor);
     }
-    if (byGradient || byPlane || mixed)
+    if (byPlane || weighed)
     {
-      visible = hn::And(visible, hn::Gt(extinction, hn::Zero(d)));
+      visible = hn::And(visible, hn::Gt(weighed ? opacity : extinction, hn::Zero(d)));
       if (hn::AllFalse(d, visible))
       {
         return;
@@ -580,6 +600,17 @@ private:
     if (this->Scene.Shade)
     {
       color = this->Normals.Light(this->Scene.Surface, curve, q, color, gradient, s, t);
+    }
+    if (HWY_UNLIKELY(weighed))
+    {
+      if (HWY_LIKELY(this->Scene.ReferenceIsInterval))
+      {
+        return this->State.Add(visible, color, hn::Sub(Splat(1.0f), opacity), t,
+          this->Scene.Settings.TerminationTransmittance);
+      }
+      const Mf exact = mixed ? hn::FirstN(d, 0) : hn::Ge(factor, Splat(1.0f));
+      extinction = hn::IfThenElse(
+        exact, extinction, OpaqueExtinctionOver(opacity, this->Scene.ReferenceLength));
     }
     this->AddColor(color, extinction, visible, curve, s, t);
   }

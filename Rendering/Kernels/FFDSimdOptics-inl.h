@@ -57,12 +57,18 @@ HWY_INLINE Vf OpaqueExtinctionOver(Vf opacity, float length)
     ExtinctionOver(opacity, length));
 }
 
-/// Length of a gradient whose components are scaled; zero where it is not a number.
-HWY_INLINE Vf FindMagnitude(const float scale[3], const Vec3& gradient)
+/// Squared length of a gradient whose components are scaled.
+HWY_INLINE Vf FindSquaredMagnitude(const float scale[3], const Vec3& gradient)
 {
   const Vec3 scaled{ hn::Mul(gradient.x, Splat(scale[0])), hn::Mul(gradient.y, Splat(scale[1])),
     hn::Mul(gradient.z, Splat(scale[2])) };
-  const Vf magnitude = FastSqrt(Dot(scaled, scaled));
+  return Dot(scaled, scaled);
+}
+
+/// Length of a gradient whose components are scaled; zero where it is not a number.
+HWY_INLINE Vf FindMagnitude(const float scale[3], const Vec3& gradient)
+{
+  const Vf magnitude = FastSqrt(FindSquaredMagnitude(scale, gradient));
   return hn::IfThenElseZero(hn::Eq(magnitude, magnitude), magnitude);
 }
 
@@ -73,8 +79,9 @@ HWY_INLINE Vf InterpolateFactors(const float* factors, Vi first, Vf last, Vf ent
   const Vf whole = hn::Min(hn::Floor(x), hn::Sub(last, Splat(1.0f)));
   HWY_ALIGN int offsets[16];
   StoreIndices(hn::Add(first, Truncate(whole)), offsets);
-  return Lerp(LoadLanes<float, 4>(factors, 0, offsets), LoadLanes<float, 4>(factors, 4, offsets),
-    hn::Sub(x, whole));
+  const Df d;
+  const Pairs pair = LoadPairLanes<4>(factors, 0, offsets);
+  return Lerp(hn::BitCast(d, pair.x), hn::BitCast(d, pair.y), hn::Sub(x, whole));
 }
 
 /// Factors of opacities over the reference length, by the length of the gradient.
@@ -110,10 +117,10 @@ HWY_NOINLINE Vf WeighExtinction(const PacketScene& scene, Vf extinction, Vf fact
   return hn::IfThenElse(hn::Ge(factor, Splat(1.0f)), extinction, weighed);
 }
 
-/// Mixes the color and extinction of labels with those of the scalars alone, in the lanes that have
-/// a label; as SampleClassifier. `extinction`: on entry that of the table of the label.
-HWY_NOINLINE void MixWithLabels(const PacketScene& scene, const TableLookup& base,
-  const TableLookup& ofLabel, Vi tables, const Vec3& gradient, Vf& extinction, Vec3& color)
+/// Mixes the color of labels with that of the scalars alone, and their opacities over the reference
+/// length, in the lanes that have a label; as SampleClassifier. `base` is of the scalars alone.
+HWY_INLINE void MixWithLabels(const PacketScene& scene, const TableLookup& base,
+  const TableLookup& ofLabel, Vi tables, const Vec3& gradient, Vf& opacity, Vec3& color)
 {
   const Df d;
   const Vf factor = hn::IfThenElse(
@@ -121,19 +128,14 @@ HWY_NOINLINE void MixWithLabels(const PacketScene& scene, const TableLookup& bas
   const Vec3 a = base.Color();
   const Vec3 b = ofLabel.Color();
   color = { Lerp(a.x, b.x, factor), Lerp(a.y, b.y, factor), Lerp(a.z, b.z, factor) };
-  const Vf without = base.Extinction();
-  Vf first = OpacityOf(scene, without);
-  Vf second = OpacityOf(scene, extinction);
-  Vf unlabeled = extinction;
+  Vf first = OpacityOf(scene, base.Extinction());
+  Vf second = OpacityOf(scene, ofLabel.Extinction());
   if (!scene.Mask.GradientRanges.empty())
   {
     first = hn::Mul(first, FactorOf(scene.Mask, std::size_t(0), gradient));
     second = hn::Mul(second, FactorOf(scene.Mask, tables, gradient));
-    unlabeled = ExtinctionOf(scene, first);
   }
-  const Mf some = hn::Gt(hn::Add(without, extinction), hn::Zero(d));
-  extinction = hn::IfThenElse(hn::Gt(factor, hn::Zero(d)),
-    hn::IfThenElseZero(some, ExtinctionOf(scene, Lerp(first, second, factor))), unlabeled);
+  opacity = Lerp(first, second, factor);
 }
 
 /// The value, of those of all components at a sample, whose opacity is that of `component` and
