@@ -466,8 +466,8 @@ private:
     const PacketCurve& curve, int n, Vf begin, Mf lanes, Vf back, bool inner)
   {
     const Vec3 q = curve.Position.At(begin);
-    const Vf value = inner ? this->FindInnerValue(n, q, lanes)
-                           : this->FindValue(this->ClampToVolume(q), lanes);
+    const Vf value =
+      inner ? this->FindInnerValue(n, q, lanes) : this->FindValue(this->ClampToVolume(q), lanes);
     if (this->Scene.CropSpace == Cropping::Spaces::None)
     {
       return value;
