@@ -242,6 +242,14 @@ struct SampledPosition
   float Index[3];
 };
 
+/// The samples that any ray of a packet takes.
+struct SampleRange
+{
+  bool IsCast = false; ///< whether there are rays
+  int First = 0;
+  int End = 0; ///< behind the last one
+};
+
 /// Buffers that a thread keeps between tiles.
 struct PacketScratch
 {
@@ -249,7 +257,9 @@ struct PacketScratch
   std::vector<TileSegment*>
     Roots; ///< of the trees of segments of the tile, front to back, as far as made
   std::vector<RayIntegrator> Integrators; ///< of the lanes of a packet, where these are used
-  std::array<float, 2 * TileSide * TileSide> Ranges; ///< of t of the rays of a tile: from, to
+  /// Of the rays of a tile: the ranges of t (from, to), and SampleNumbers.
+  std::array<float, 5 * TileSide * TileSide> Rays;
+  std::array<SampleRange, TileSide * TileSide> SampleRanges; ///< of its packets
   /// Voxels around samples at faces of the volume: 4 x 4 x 4 of up to 16 bytes for each of 16
   /// lanes, and what vectors may read beyond them.
   alignas(64) std::array<unsigned char, 16 * 64 * 16 + 16> BorderVoxels;

@@ -33,6 +33,29 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
+/// Finds the samples that the rays `active` take, of a phase that is known, and which any of them
+/// takes. In blend modes that use intervals the first is the one that holds From.
+HWY_INLINE SampleRange FindSamples(
+  const PacketScene& scene, const RayPacket& rays, Mf active, SampleNumbers& numbers)
+{
+  const Vf inverse = Splat(static_cast<float>(1.0 / scene.Settings.SampleDistance));
+  // Both ends by the same arithmetic: where one part of a ray ends and another begins, each sample
+  // is taken by exactly one of them.
+  const auto firstFrom = [&](Vf t, Vf early) {
+    return hn::Ceil(hn::Sub(hn::Mul(t, inverse), early));
+  };
+  const Vf slack = hn::Add(Splat(static_cast<float>(SampleSlack)), numbers.Phase);
+  const Vf early = scene.Intervals ? Splat(1.0f - static_cast<float>(SampleSlack)) : slack;
+  numbers.First = firstFrom(rays.From, early);
+  numbers.Stop = firstFrom(rays.To, slack);
+  const Vf big = Splat(1e9f);
+  SampleRange range;
+  range.IsCast = true;
+  range.First = static_cast<int>(SmallestLane(hn::IfThenElse(active, numbers.First, big)));
+  range.End = static_cast<int>(LargestLane(hn::IfThenElse(active, numbers.Stop, hn::Neg(big))));
+  return range;
+}
+
 /// Casts the rays of a packet: finds the samples that they take, front to back.
 template <class T>
 class Packet
@@ -41,10 +64,11 @@ public:
   /**
    * Keeps references to all but the numbers.
    * (x, y): first pixel of the packet, from that of the tile. `rows`: rows of its pixels from y on.
-   * `phase`: part of an interval by which the samples of each ray are moved on.
+   * `numbers`, `range`: FindSamples().
    */
   Packet(const PacketScene& scene, SegmentTrees& trees, PacketScratch& scratch,
-    const RayPacket& rays, int x, int y, Vf rows, Vf phase, Mf active)
+    const RayPacket& rays, int x, int y, Vf rows, const SampleNumbers& numbers,
+    const SampleRange& range, Mf active)
     : Scene(scene)
     , Trees(trees)
     , Scratch(scratch)
@@ -52,17 +76,18 @@ public:
     , X(x)
     , Y(y)
     , Rows(rows)
+    , Numbers(numbers)
+    , FirstSample(range.First)
+    , EndSample(range.End)
     , Samples(scene, trees, scratch, rays, x, y, rows, active)
     , Blending(scene, scratch, rays, this->Samples)
   {
-    this->Numbers.Phase = phase;
   }
 
   const PacketPixels& GetPixels() const { return this->Samples.State.Out; }
 
   void Cast()
   {
-    this->FindSamples();
     const int top = this->Scene.SamplesPerRoot;
     const int first = std::max(this->Trees.GetFirst(), FloorDivide(this->FirstSample, top));
     const int last = std::min(this->Trees.GetLast(), FloorDivide(this->EndSample - 1, top));
@@ -111,27 +136,6 @@ private:
   static constexpr float SliceGuard = 1e-3f;
 
   static int FloorDivide(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
-
-  /// Finds the samples that each ray takes. In blend modes that use intervals the first is the one
-  /// that holds From.
-  HWY_INLINE void FindSamples()
-  {
-    const Vf inverse = Splat(static_cast<float>(1.0 / this->Scene.Settings.SampleDistance));
-    // Both ends by the same arithmetic: where one part of a ray ends and another begins, each
-    // sample is taken by exactly one of them.
-    const auto firstFrom = [&](Vf t, Vf early) {
-      return hn::Ceil(hn::Sub(hn::Mul(t, inverse), early));
-    };
-    const Vf slack = hn::Add(Splat(static_cast<float>(SampleSlack)), this->Numbers.Phase);
-    const Vf early = this->Scene.Intervals ? Splat(1.0f - static_cast<float>(SampleSlack)) : slack;
-    this->Numbers.First = firstFrom(this->Rays.From, early);
-    this->Numbers.Stop = firstFrom(this->Rays.To, slack);
-    const Vf big = Splat(1e9f);
-    const Vf first = hn::IfThenElse(this->Samples.State.Alive, this->Numbers.First, big);
-    const Vf stop = hn::IfThenElse(this->Samples.State.Alive, this->Numbers.Stop, hn::Neg(big));
-    this->FirstSample = static_cast<int>(SmallestLane(first));
-    this->EndSample = static_cast<int>(LargestLane(stop));
-  }
 
   HWY_INLINE bool HasSamplesIn(const TileSegment& segment) const
   {
@@ -703,8 +707,8 @@ private:
   int Y;
   Vf Rows; ///< of the pixels, from Y on
   SampleNumbers Numbers;
-  int FirstSample = 0; ///< of all rays
-  int EndSample = 0;
+  int FirstSample; ///< of all rays
+  int EndSample;
   float Reach = std::numeric_limits<float>::infinity();
   Vec3 MoveChanges;    ///< bounds for few samples, where single rays leap
   Vf SkipTo;           ///< samples of the segment before this one are empty for certain

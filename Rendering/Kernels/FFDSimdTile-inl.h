@@ -29,25 +29,49 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// Gives access to what the rays of a tile are cut to in PacketScratch::Ranges, packet by packet.
-/// The rays themselves are made again faster than they are read back.
-struct StoredRanges
+/// Gives access to what is found of the rays of a tile before they are cast, packet by packet, in
+/// PacketScratch. The rays themselves are made again faster than they are read back.
+struct StoredPackets
 {
+  PacketScratch& Scratch;
+
+  HWY_INLINE void Set(std::size_t packet, const RayPacket& rays, const SampleNumbers& numbers,
+    const SampleRange& range) const
+  {
+    const Df d;
+    float* const to = this->At(packet);
+    hn::StoreU(rays.From, d, to);
+    hn::StoreU(rays.To, d, to + RaysPerTile);
+    hn::StoreU(numbers.Phase, d, to + 2 * RaysPerTile);
+    hn::StoreU(numbers.First, d, to + 3 * RaysPerTile);
+    hn::StoreU(numbers.Stop, d, to + 4 * RaysPerTile);
+    this->Scratch.SampleRanges[packet] = range;
+  }
+
+  /// Whether any ray of a packet may meet something.
+  HWY_INLINE bool IsCast(std::size_t packet) const { return this->GetRange(packet).IsCast; }
+  HWY_INLINE const SampleRange& GetRange(std::size_t packet) const
+  {
+    return this->Scratch.SampleRanges[packet];
+  }
+
+  HWY_INLINE void Get(std::size_t packet, RayPacket& rays, SampleNumbers& numbers) const
+  {
+    const Df d;
+    const float* const from = this->At(packet);
+    rays.From = hn::LoadU(d, from);
+    rays.To = hn::LoadU(d, from + RaysPerTile);
+    numbers.Phase = hn::LoadU(d, from + 2 * RaysPerTile);
+    numbers.First = hn::LoadU(d, from + 3 * RaysPerTile);
+    numbers.Stop = hn::LoadU(d, from + 4 * RaysPerTile);
+  }
+
+private:
   static constexpr std::size_t RaysPerTile = TileSide * TileSide;
-  float* Data;
-  explicit StoredRanges(PacketScratch& scratch)
-    : Data(scratch.Ranges.data())
+
+  HWY_INLINE float* At(std::size_t packet) const
   {
-  }
-  HWY_INLINE void Set(std::size_t first, const RayPacket& rays) const
-  {
-    hn::StoreU(rays.From, Df(), this->Data + first);
-    hn::StoreU(rays.To, Df(), this->Data + RaysPerTile + first);
-  }
-  HWY_INLINE void Get(std::size_t first, RayPacket& rays) const
-  {
-    rays.From = hn::LoadU(Df(), this->Data + first);
-    rays.To = hn::LoadU(Df(), this->Data + RaysPerTile + first);
+    return this->Scratch.Rays.data() + packet * hn::Lanes(Df());
   }
 };
 
@@ -224,7 +248,7 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
 {
   const Df d;
   const PacketShape shape = GetPacketShape();
-  const StoredRanges stored(scratch);
+  const StoredPackets stored{ scratch };
   const CameraView& camera = scene.Source->Camera;
   const ImageMap near(scene.NdcToLocal, camera, -1.0);
   const ImageMap far(scene.NdcToLocal, camera, 1.0);
@@ -287,8 +311,17 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       {
         reaches.Include(x, y, std::numeric_limits<float>::infinity());
       }
+      if (hn::AllFalse(d, active))
+      {
+        scratch.SampleRanges[packet].IsCast = false;
+        continue;
+      }
       rays.To = hn::IfThenElse(active, rays.To, Splat(-1.0f));
-      stored.Set(packet * static_cast<std::size_t>(shape.Lanes), rays);
+      const Vf jitter = scene.Settings.Jitter ? JitterOf(scene, x, y) : hn::Zero(d);
+      SampleNumbers numbers;
+      numbers.Phase = scene.Intervals ? hn::Zero(d) : PhaseOf(scene, rays, jitter);
+      const SampleRange range = FindSamples(scene, rays, active, numbers);
+      stored.Set(packet, rays, numbers, range);
       tMin = std::min(tMin, SmallestLane(hn::IfThenElse(active, rays.From, Splat(1e30f))));
       tMax = std::max(tMax, LargestLane(hn::IfThenElse(active, rays.To, Splat(-1e30f))));
     }
@@ -309,21 +342,20 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       {
         continue;
       }
-      const Vf px = columnsFrom(x);
-      const Vf py = rowsFrom(y);
-      RayPacket rays = MakeRays(near, far, px, py);
-      const Vf length = rays.To;
-      stored.Get(packet * static_cast<std::size_t>(shape.Lanes), rays);
-      const Mf active = hn::Lt(rays.From, rays.To);
-      if (hn::AllFalse(d, active))
+      if (!stored.IsCast(packet))
       {
         ClearPixels(image, x, y);
         continue;
       }
-      const Vf phase = scene.Intervals
-        ? hn::Zero(d)
-        : PhaseOf(scene, rays, scene.Settings.Jitter ? JitterOf(scene, x, y) : hn::Zero(d));
-      Packet<T> cast(scene, trees, scratch, rays, x - x0, y - y0, dy, phase, active);
+      const Vf px = columnsFrom(x);
+      const Vf py = rowsFrom(y);
+      RayPacket rays = MakeRays(near, far, px, py);
+      const Vf length = rays.To;
+      SampleNumbers numbers;
+      stored.Get(packet, rays, numbers);
+      const Mf active = hn::Lt(rays.From, rays.To);
+      Packet<T> cast(
+        scene, trees, scratch, rays, x - x0, y - y0, dy, numbers, stored.GetRange(packet), active);
       if (HWY_UNLIKELY(scene.Slices))
       {
         cast.CastSlice(x, y, shape.Width);
