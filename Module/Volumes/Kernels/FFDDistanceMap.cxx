@@ -22,36 +22,6 @@ namespace
 /// Rows of a plane in a search along the third axis.
 constexpr int RowsAtOnce = 4;
 
-/**
- * One more axis of the Chebyshev distance transform, for `width` lines at once that lie side by
- * side: out[i] = min over j of max(|i - j|, in[j]). The search for a row of the lines stops at the
- * largest distance found in it so far, so it is short wherever the volume is not empty.
- */
-void TransformLines(std::uint8_t* lines, int count, std::size_t stride, std::size_t width,
-  std::vector<std::uint8_t>& source)
-{
-  source.resize(static_cast<std::size_t>(count) * width);
-  const auto row = [&source, width](int i) { return &source[static_cast<std::size_t>(i) * width]; };
-  const DistanceSteps steps = GetDistanceSteps();
-  std::vector<int> largest;
-  for (int i = 0; i < count; ++i)
-  {
-    largest.push_back(steps.Copy(lines + static_cast<std::size_t>(i) * stride, row(i), width));
-  }
-  for (int i = 0; i < count; ++i)
-  {
-    std::uint8_t* const out = lines + static_cast<std::size_t>(i) * stride;
-    // Only neighbors closer than the distances found so far can lower them.
-    int most = largest[static_cast<std::size_t>(i)];
-    for (int gap = 1; gap < most && (i - gap >= 0 || i + gap < count); ++gap)
-    {
-      // Beyond either end there is nothing: the other neighbor stands for both.
-      most = steps.Lower(row(i - gap >= 0 ? i - gap : i + gap),
-        row(i + gap < count ? i + gap : i - gap), static_cast<std::uint8_t>(gap), out, width);
-    }
-  }
-}
-
 /// Calls take(block, index) for the blocks of a parent; `index`: of the block in the grid of
 /// blocks.
 template <class Take>
@@ -215,9 +185,10 @@ void DistanceMap::Build(const MinMaxBlocks& blocks, const Test& test, const MinM
   run((this->Blocks.y + RowsAtOnce - 1) / RowsAtOnce, [&](int group) {
     const int j = group * RowsAtOnce;
     const int rows = std::min(RowsAtOnce, this->Blocks.y - j);
-    std::vector<std::uint8_t> work;
-    TransformLines(&this->Codes[static_cast<std::size_t>(j) * nx], this->Blocks.z, nxy,
-      static_cast<std::size_t>(rows) * nx, work);
+    const std::size_t count = static_cast<std::size_t>(this->Blocks.z);
+    std::vector<std::uint8_t> work(count * DistanceSteps::LinesAtOnce);
+    GetDistanceSteps().TransformLines(&this->Codes[static_cast<std::size_t>(j) * nx], count, nxy,
+      static_cast<std::size_t>(rows) * nx, work.data());
   });
   // Each plane needs the zeros of the next one: every second plane at a time, so that no thread
   // reads what another one writes.
@@ -257,7 +228,9 @@ void DistanceMap::TransformPlane(int k)
   {
     steps.FindDistances(plane + static_cast<std::size_t>(j) * nx, nx, work.data());
   }
-  TransformLines(plane, this->Blocks.y, nx, nx, work);
+  const std::size_t count = static_cast<std::size_t>(this->Blocks.y);
+  work.resize(count * DistanceSteps::LinesAtOnce);
+  steps.TransformLines(plane, count, nx, nx, work.data());
 }
 
 //------------------------------------------------------------------------------

@@ -61,20 +61,32 @@ public:
       Limits::has_infinity ? -Limits::infinity() : Limits::lowest());
   }
 
-  /// The row that begins at `row`, its scalars `increment` apart.
-  void Add(const T* row, std::ptrdiff_t increment)
+  /// `rows` rows, the first one at `row`, which are `stride` apart, their scalars `increment`.
+  void Add(const T* row, std::ptrdiff_t increment, std::ptrdiff_t stride, int rows)
   {
     const std::size_t count = this->Min.size();
-    if (increment != 1)
+    if (increment == 1)
     {
-      this->Gathered.resize(count);
-      for (std::size_t i = 0; i < count; ++i, row += increment)
-      {
-        this->Gathered[i] = *row;
-      }
-      row = this->Gathered.data();
+      this->Steps.Include(row, stride, rows, count, this->Min.data(), this->Max.data());
+      return;
     }
-    this->Steps.Include(row, count, this->Min.data(), this->Max.data());
+    this->Gathered.resize(count);
+    for (int r = 0; r < rows; ++r)
+    {
+      const T* scalar = row + r * stride;
+      for (std::size_t i = 0; i < count; ++i, scalar += increment)
+      {
+        this->Gathered[i] = *scalar;
+      }
+      this->Steps.Include(this->Gathered.data(), 0, 1, count, this->Min.data(), this->Max.data());
+    }
+  }
+
+  /// What another one has of rows.
+  void Add(const RowExtremes& other)
+  {
+    this->Steps.Merge(
+      other.Min.data(), other.Max.data(), this->Min.size(), this->Min.data(), this->Max.data());
   }
 
   /// The same without numbers that have no place in the range of the volume.
@@ -115,6 +127,19 @@ public:
     return { min, max };
   }
 
+  /// Those at `count` positions, `step` apart from `first` on, less the least number of the type.
+  void GetCodes(int first, int step, int count, float* min, float* max) const
+  {
+    constexpr int least = static_cast<int>(std::numeric_limits<T>::lowest());
+    const T* const low = this->Min.data() + first;
+    const T* const high = this->Max.data() + first;
+    for (int i = 0; i < count; ++i)
+    {
+      min[i] = static_cast<float>(static_cast<int>(low[i * step]) - least);
+      max[i] = static_cast<float>(static_cast<int>(high[i * step]) - least);
+    }
+  }
+
 private:
   std::vector<T> Min;
   std::vector<T> Max;
@@ -147,7 +172,7 @@ MinMaxBlocks::Limits FindRange(const VolumeView& volume, const ParallelFor& para
         }
         else
         {
-          rows.Add(row, volume.Increments[0]);
+          rows.Add(row, volume.Increments[0], 0, 1);
         }
       }
       slices[k] = rows.Get(0, volume.Dimensions.x - 1);
@@ -192,36 +217,154 @@ std::vector<Window> FindWindows(const VolumeView& volume, int axis, int blocks)
   return windows;
 }
 
-/// The extremes of the rows of blocks of plane `k`, which may lie beyond the last one.
+/// Finds the extremes of the rows of blocks, plane by plane: rows are read from end to end, and a
+/// slice that two planes share is read once, if they follow each other.
 template <class T>
-void FindExtremes(const VolumeView& volume, const std::vector<Window> windows[3], std::size_t k,
-  std::vector<RowExtremes<T>>& rows)
+class PlaneReader
 {
-  for (RowExtremes<T>& row : rows)
+public:
+  /// Keeps references.
+  PlaneReader(const VolumeView& volume, const std::vector<Window> (&windows)[3])
+    : Volume(volume)
+    , Windows(windows)
+    , Shared(windows[1].size(), RowExtremes<T>(volume.Dimensions.x))
   {
-    row.Clear();
   }
-  if (k >= windows[2].size())
-  {
-    return;
-  }
-  for (int slice = windows[2][k].First; slice <= windows[2][k].Last; ++slice)
-  {
-    for (std::size_t j = 0; j < windows[1].size(); ++j)
-    {
-      for (int row = windows[1][j].First; row <= windows[1][j].Last; ++row)
-      {
-        rows[j].Add(FindRow<T>(volume, row, slice), volume.Increments[0]);
-      }
-    }
-  }
-  if (!volume.Axes)
+
+  /// Of plane `k`, which may lie beyond the last one; `rows`: at least as many as there are.
+  void Find(std::size_t k, std::vector<RowExtremes<T>>& rows)
   {
     for (RowExtremes<T>& row : rows)
     {
-      row.Widen();
+      row.Clear();
+    }
+    if (k >= this->Windows[2].size())
+    {
+      return;
+    }
+    const Window& slices = this->Windows[2][k];
+    int slice = slices.First;
+    if (slice == this->SharedSlice)
+    {
+      std::swap_ranges(this->Shared.begin(), this->Shared.end(), rows.begin());
+      ++slice;
+    }
+    // Several slices at once: the extremes stay in the first-level cache.
+    this->AddSlices({ slice, slices.Last - 1 }, rows);
+    if (slice <= slices.Last)
+    {
+      this->ShareSlice(slices.Last, rows);
+    }
+    if (!this->Volume.Axes)
+    {
+      for (RowExtremes<T>& row : rows)
+      {
+        row.Widen();
+      }
     }
   }
+
+private:
+  void AddSlices(const Window& slices, std::vector<RowExtremes<T>>& rows) const
+  {
+    for (std::size_t j = 0; j < this->Windows[1].size(); ++j)
+    {
+      const Window& window = this->Windows[1][j];
+      for (int slice = slices.First; slice <= slices.Last; ++slice)
+      {
+        rows[j].Add(FindRow<T>(this->Volume, window.First, slice), this->Volume.Increments[0],
+          this->Volume.Increments[1], window.Last - window.First + 1);
+      }
+    }
+  }
+
+  /// Adds a slice that may be the first one of the next plane.
+  void ShareSlice(int slice, std::vector<RowExtremes<T>>& rows)
+  {
+    for (RowExtremes<T>& row : this->Shared)
+    {
+      row.Clear();
+    }
+    this->AddSlices({ slice, slice }, this->Shared);
+    this->SharedSlice = slice;
+    for (std::size_t j = 0; j < this->Shared.size(); ++j)
+    {
+      rows[j].Add(this->Shared[j]);
+    }
+  }
+
+  const VolumeView& Volume;
+  const std::vector<Window> (&Windows)[3];
+  std::vector<RowExtremes<T>> Shared; ///< of SharedSlice alone
+  int SharedSlice = -1;
+};
+
+/// The windows along all axes. Those along x have what RowExtremes::Widen() has not taken in.
+void FindAllWindows(
+  const VolumeView& volume, const glm::ivec3& blocks, std::vector<Window> (&windows)[3])
+{
+  for (int a = 0; a < 3; ++a)
+  {
+    windows[a] = FindWindows(volume, a, blocks[a]);
+  }
+  for (Window& window : windows[0])
+  {
+    window.Last = volume.Axes ? window.Last : window.First;
+  }
+}
+
+/// Finds the extremes of all blocks, x fastest; the minimum is above the maximum where there is no
+/// number.
+template <class T>
+std::vector<std::pair<T, T>> FindBlockExtremes(
+  const VolumeView& volume, const glm::ivec3& blocks, const ParallelFor& parallelFor)
+{
+  std::vector<Window> windows[3];
+  FindAllWindows(volume, blocks, windows);
+  std::vector<std::pair<T, T>> extremes(GridSize(blocks));
+  parallelFor(static_cast<std::size_t>(blocks.z), [&](std::size_t first, std::size_t end) {
+    std::vector<RowExtremes<T>> rows(
+      static_cast<std::size_t>(blocks.y), RowExtremes<T>(volume.Dimensions.x));
+    PlaneReader<T> reader(volume, windows);
+    for (std::size_t k = first; k < end; ++k)
+    {
+      reader.Find(k, rows);
+      for (int j = 0; j < blocks.y; ++j)
+      {
+        std::pair<T, T>* const to = &extremes[GridIndex(0, j, static_cast<int>(k), blocks)];
+        for (int i = 0; i < blocks.x; ++i)
+        {
+          const Window& window = windows[0][static_cast<std::size_t>(i)];
+          to[i] = rows[static_cast<std::size_t>(j)].Get(window.First, window.Last);
+        }
+      }
+    }
+  });
+  return extremes;
+}
+
+/// The range of the finite scalars, from the extremes of the blocks if these say it.
+template <class T>
+MinMaxBlocks::Limits FindRange(const VolumeView& volume,
+  const std::vector<std::pair<T, T>>& extremes, const ParallelFor& parallelFor)
+{
+  MinMaxBlocks::Limits range{ std::numeric_limits<double>::infinity(),
+    -std::numeric_limits<double>::infinity() };
+  for (const auto& [min, max] : extremes)
+  {
+    if (min <= max)
+    {
+      range.Min = std::min(range.Min, static_cast<double>(min));
+      range.Max = std::max(range.Max, static_cast<double>(max));
+    }
+  }
+  bool unknown = extremes.empty();
+  if constexpr (std::is_floating_point_v<T>)
+  {
+    const auto isOut = [](double end) { return IsOutOfRange(static_cast<T>(end)); };
+    unknown = unknown || (range.Min <= range.Max && (isOut(range.Min) || isOut(range.Max)));
+  }
+  return unknown ? FindRange<T>(volume, parallelFor) : range;
 }
 
 } // namespace
@@ -236,6 +379,7 @@ MinMaxBlocks::MinMaxBlocks(const VolumeView& volume, const ParallelFor& parallel
   DispatchScalarType(volume.Type, [&](auto zero) {
     using T = decltype(zero);
     const bool exact = HasCodes<T> && this->NumberOfBlocks > 0;
+    std::vector<std::pair<T, T>> extremes;
     if (exact)
     {
       this->FirstScalar = static_cast<double>(std::numeric_limits<T>::lowest());
@@ -243,7 +387,11 @@ MinMaxBlocks::MinMaxBlocks(const VolumeView& volume, const ParallelFor& parallel
     }
     else
     {
-      this->Range = FindRange<T>(volume, parallelFor);
+      if (this->NumberOfBlocks > 0)
+      {
+        extremes = FindBlockExtremes<T>(volume, this->Blocks, parallelFor);
+      }
+      this->Range = FindRange<T>(volume, extremes, parallelFor);
       this->FirstScalar = this->Range.Min;
       const double width = this->Range.Max - this->Range.Min;
       this->LastCode = std::is_integral_v<T> && width <= 255.0 ? 255 : 65535;
@@ -252,9 +400,13 @@ MinMaxBlocks::MinMaxBlocks(const VolumeView& volume, const ParallelFor& parallel
     this->Codes.resize(this->NumberOfBlocks);
     this->LastCode == 255 ? this->ParentBytes.resize(2 * parents)
                           : this->ParentWords.resize(2 * parents);
-    this->EncodeBlocks<T>(volume, parallelFor);
-    if (exact)
+    if (!exact)
     {
+      this->EncodeExtremes<T>(extremes, parallelFor);
+    }
+    else if constexpr (HasCodes<T>)
+    {
+      this->EncodeVolume<T>(volume, parallelFor);
       this->Range = this->LastCode == 255 ? this->FindRangeOfParents(this->ParentBytes)
                                           : this->FindRangeOfParents(this->ParentWords);
     }
@@ -303,19 +455,76 @@ MinMaxBlocks::CodeLimits MinMaxBlocks::Encode(const std::pair<T, T>& limits) con
 }
 
 //------------------------------------------------------------------------------
+template <class Find>
+void MinMaxBlocks::EncodeRow(int y, int z, Children& children, const Find& find)
+{
+  for (std::size_t c = 0; c < 8; ++c)
+  {
+    const int place = static_cast<int>(c);
+    const glm::ivec3 first(place & 1, 2 * y + (place >> 1 & 1), 2 * z + (place >> 2));
+    const bool exist = glm::all(glm::lessThan(first, this->Blocks));
+    const int existing = exist ? (this->Blocks.x - first.x + 1) / 2 : 0;
+    float* const min = children.Min[c].data();
+    float* const max = children.Max[c].data();
+    if (exist)
+    {
+      find(first, existing, min, max);
+    }
+    std::fill(min + existing, min + this->Parents.x, static_cast<float>(NoCodes.Min));
+    std::fill(max + existing, max + this->Parents.x, static_cast<float>(NoCodes.Max));
+  }
+  this->EncodeParents(y, z, children);
+}
+
+//------------------------------------------------------------------------------
 template <class T>
-void MinMaxBlocks::EncodeBlocks(const VolumeView& volume, const ParallelFor& parallelFor)
+void MinMaxBlocks::EncodeExtremes(
+  const std::vector<std::pair<T, T>>& extremes, const ParallelFor& parallelFor)
+{
+  const auto find = [&](const glm::ivec3& first, int count, float* min, float* max) {
+    const std::pair<T, T>* const from = &extremes[GridIndex(first, this->Blocks)];
+    for (int x = 0; x < count; ++x)
+    {
+      const CodeLimits codes = this->Encode(from[2 * x]);
+      min[x] = static_cast<float>(codes.Min);
+      max[x] = static_cast<float>(codes.Max);
+    }
+  };
+  const int planes = extremes.empty() ? 0 : this->Parents.z;
+  parallelFor(static_cast<std::size_t>(planes), [&](std::size_t firstPlane, std::size_t lastPlane) {
+    Children children(static_cast<std::size_t>(this->Parents.x));
+    for (std::size_t z = firstPlane; z < lastPlane; ++z)
+    {
+      for (int y = 0; y < this->Parents.y; ++y)
+      {
+        this->EncodeRow(y, static_cast<int>(z), children, find);
+      }
+    }
+  });
+}
+
+//------------------------------------------------------------------------------
+template <class T>
+void MinMaxBlocks::EncodeVolume(const VolumeView& volume, const ParallelFor& parallelFor)
 {
   std::vector<Window> windows[3];
-  for (int a = 0; a < 3; ++a)
-  {
-    windows[a] = FindWindows(volume, a, this->Blocks[a]);
-  }
-  for (Window& window : windows[0])
-  {
-    // RowExtremes::Widen() has taken the others in.
-    window.Last = volume.Axes ? window.Last : window.First;
-  }
+  FindAllWindows(volume, this->Blocks, windows);
+  // Of `count` blocks of a row, every second one from `first` on.
+  const auto findCodes = [&](const RowExtremes<T>& row, int first, int count, float* min,
+                           float* max) {
+    if (!volume.Axes)
+    {
+      row.GetCodes(first * BlockSize, 2 * BlockSize, count, min, max);
+      return;
+    }
+    for (int x = 0; x < count; ++x)
+    {
+      const Window& window = windows[0][static_cast<std::size_t>(first + 2 * x)];
+      const CodeLimits codes = this->Encode(row.Get(window.First, window.Last));
+      min[x] = static_cast<float>(codes.Min);
+      max[x] = static_cast<float>(codes.Max);
+    }
+  };
   parallelFor(
     static_cast<std::size_t>(this->Parents.z), [&](std::size_t firstPlane, std::size_t lastPlane) {
       // Of the rows of blocks of a plane: slices are read from end to end. Two planes of blocks
@@ -323,65 +532,51 @@ void MinMaxBlocks::EncodeBlocks(const VolumeView& volume, const ParallelFor& par
       const std::vector<RowExtremes<T>> rows(
         2 * static_cast<std::size_t>(this->Parents.y), RowExtremes<T>(volume.Dimensions.x));
       std::vector<RowExtremes<T>> planes[2] = { rows, rows };
+      PlaneReader<T> reader(volume, windows);
       Children children(static_cast<std::size_t>(this->Parents.x));
       for (std::size_t z = firstPlane; z < lastPlane; ++z)
       {
         for (std::size_t half = 0; half < 2; ++half)
         {
-          FindExtremes(volume, windows, 2 * z + half, planes[half]);
+          reader.Find(2 * z + half, planes[half]);
         }
         for (int y = 0; y < this->Parents.y; ++y)
         {
-          for (int c = 0; c < 8; ++c)
-          {
-            const RowExtremes<T>& row = planes[c >> 2][2 * y + (c >> 1 & 1)];
-            for (int x = 0; x < this->Parents.x; ++x)
-            {
-              const int i = 2 * x + (c & 1);
-              const bool exists = i < this->Blocks.x;
-              const CodeLimits codes =
-                exists ? this->Encode(row.Get(windows[0][i].First, windows[0][i].Last)) : NoCodes;
-              children.Min[c][x] = static_cast<float>(codes.Min);
-              children.Max[c][x] = static_cast<float>(codes.Max);
-            }
-          }
-          this->EncodeParents(y, static_cast<int>(z), children);
+          this->EncodeRow(y, static_cast<int>(z), children,
+            [&](const glm::ivec3& first, int count, float* min, float* max) {
+              const std::vector<RowExtremes<T>>& plane = planes[first.z & 1];
+              findCodes(plane[static_cast<std::size_t>(first.y)], first.x, count, min, max);
+            });
         }
       }
     });
 }
 
 //------------------------------------------------------------------------------
-/// Encodes a row of parents, step by step for all of them, so that compilers make vector code of
-/// it. What holds no number has no part in the limits of its parent.
+/// Encodes a row of parents, step by step for all of them. What holds no number has no part in the
+/// limits of its parent.
 void MinMaxBlocks::EncodeParents(int y, int z, Children& children)
 {
+  const BlockSteps steps = GetBlockSteps();
   const std::size_t count = static_cast<std::size_t>(this->Parents.x);
   float* const least = children.Least.data();
   float* const width = children.Width.data();
-  std::copy_n(children.Min[0].data(), count, least);
-  std::copy_n(children.Max[0].data(), count, width);
-  for (int c = 1; c < 8; ++c)
+  const float* min[8];
+  const float* max[8];
+  for (std::size_t c = 0; c < 8; ++c)
   {
-    const float* const min = children.Min[c].data();
-    const float* const max = children.Max[c].data();
-    for (std::size_t x = 0; x < count; ++x)
-    {
-      least[x] = min[x] < least[x] ? min[x] : least[x];
-      width[x] = max[x] > width[x] ? max[x] : width[x];
-    }
+    min[c] = children.Min[c].data();
+    max[c] = children.Max[c].data();
   }
+  steps.FindParents(min, max, count, least, width);
   for (std::size_t x = 0; x < count; ++x)
   {
     const CodeLimits all{ static_cast<int>(least[x]), static_cast<int>(width[x]) };
     this->SetParentCodes(
       { static_cast<int>(x), y, z }, all.Min <= all.Max ? all : CodeLimits{ 1, 0 });
+    width[x] = std::max(width[x] - least[x], static_cast<float>(LastMaximum));
   }
-  constexpr float steps = static_cast<float>(LastMaximum);
-  for (std::size_t x = 0; x < count; ++x)
-  {
-    width[x] = width[x] - least[x] > steps ? width[x] - least[x] : steps;
-  }
+  constexpr BlockSteps::Encoding encoding{ LastMinimum, LastMaximum, MinimumBits, NoNumber };
   for (int c = 0; c < 8; ++c)
   {
     const glm::ivec3 first(c & 1, 2 * y + (c >> 1 & 1), 2 * z + (c >> 2));
@@ -389,23 +584,12 @@ void MinMaxBlocks::EncodeParents(int y, int z, Children& children)
     {
       continue;
     }
-    const float* const min = children.Min[c].data();
-    const float* const max = children.Max[c].data();
-    int* const codes = children.Codes.data();
-    for (std::size_t x = 0; x < count; ++x)
-    {
-      // Quotients of whole numbers below 2^24, all below 2^7 where they count: rounded to floats
-      // they stay on the same side of every whole number.
-      const int low =
-        static_cast<int>(static_cast<float>(LastMinimum) * (min[x] - least[x]) / width[x]);
-      const int high = static_cast<int>((steps * (max[x] - least[x]) + width[x] - 1.0f) / width[x]);
-      codes[x] = min[x] <= max[x] ? low | high << MinimumBits : NoNumber;
-    }
+    steps.Encode(encoding, min[c], max[c], least, width, count, children.Codes.data());
     std::uint8_t* const to = &this->Codes[GridIndex(first, this->Blocks)];
     const std::size_t existing = static_cast<std::size_t>((this->Blocks.x - first.x + 1) / 2);
     for (std::size_t x = 0; x < existing; ++x)
     {
-      to[2 * x] = static_cast<std::uint8_t>(codes[x]);
+      to[2 * x] = children.Codes[x];
     }
   }
 }

@@ -155,7 +155,7 @@ private:
     std::array<std::vector<float>, 8> Max;
     std::vector<float> Least;
     std::vector<float> Width;
-    std::vector<int> Codes;
+    std::vector<std::uint8_t> Codes;
 
     explicit Children(std::size_t parents)
       : Least(parents)
@@ -167,8 +167,16 @@ private:
     }
   };
 
+  /// Encodes the blocks of a type whose scalars are codes.
   template <class T>
-  void EncodeBlocks(const VolumeView& volume, const ParallelFor& parallelFor);
+  void EncodeVolume(const VolumeView& volume, const ParallelFor& parallelFor);
+  /// Encodes the blocks by their extremes, x fastest.
+  template <class T>
+  void EncodeExtremes(const std::vector<std::pair<T, T>>& extremes, const ParallelFor& parallelFor);
+  /// Encodes the blocks of a row of parents. find(first, count, min, max) finds the codes of
+  /// `count` of them, every second one along x from `first` on.
+  template <class Find>
+  void EncodeRow(int y, int z, Children& children, const Find& find);
   /// `limits`: in scalar units; the minimum is above the maximum where there is no number.
   template <class T>
   CodeLimits Encode(const std::pair<T, T>& limits) const;

@@ -35,17 +35,96 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
+namespace hn = hwy::HWY_NAMESPACE;
+
 // Loops without branches, of which compilers make vector code; comparisons with what is not a
 // number are false.
 
+// The least and the largest of numbers; `b` where one is not a number, as x86 does it, too.
+#if HWY_ARCH_X86
+template <class V>
+HWY_INLINE V Least(V a, V b)
+{
+  return hn::Min(a, b);
+}
+template <class V>
+HWY_INLINE V Most(V a, V b)
+{
+  return hn::Max(a, b);
+}
+#else
+template <class V>
+HWY_INLINE V Least(V a, V b)
+{
+  return hn::IfThenElse(hn::Lt(a, b), a, b);
+}
+template <class V>
+HWY_INLINE V Most(V a, V b)
+{
+  return hn::IfThenElse(hn::Gt(a, b), a, b);
+}
+#endif
+
 template <class T>
-void Include(const T* HWY_RESTRICT row, std::size_t count, T* HWY_RESTRICT min, T* HWY_RESTRICT max)
+void IncludeRow(
+  const T* HWY_RESTRICT row, std::size_t count, T* HWY_RESTRICT min, T* HWY_RESTRICT max)
 {
   for (std::size_t i = 0; i < count; ++i)
   {
     const T value = row[i];
     min[i] = value < min[i] ? value : min[i];
     max[i] = value > max[i] ? value : max[i];
+  }
+}
+
+/// Blocks have five rows of voxels: together they load and store the extremes once.
+template <class T>
+void IncludeFiveRows(const T* HWY_RESTRICT row, std::ptrdiff_t stride, std::size_t count,
+  T* HWY_RESTRICT min, T* HWY_RESTRICT max)
+{
+  const hn::ScalableTag<T> d;
+  const std::size_t lanes = hn::Lanes(d);
+  std::size_t i = 0;
+  for (; i + lanes <= count; i += lanes)
+  {
+    auto low = hn::LoadU(d, min + i);
+    auto high = hn::LoadU(d, max + i);
+    for (int r = 0; r < 5; ++r)
+    {
+      const auto value = hn::LoadU(d, row + r * stride + static_cast<std::ptrdiff_t>(i));
+      low = Least(value, low);
+      high = Most(value, high);
+    }
+    hn::StoreU(low, d, min + i);
+    hn::StoreU(high, d, max + i);
+  }
+  for (int r = 0; r < 5; ++r)
+  {
+    IncludeRow(row + r * stride + static_cast<std::ptrdiff_t>(i), count - i, min + i, max + i);
+  }
+}
+
+template <class T>
+void Include(const T* row, std::ptrdiff_t stride, int rows, std::size_t count, T* min, T* max)
+{
+  for (; rows >= 5; rows -= 5, row += 5 * stride)
+  {
+    IncludeFiveRows(row, stride, count, min, max);
+  }
+  for (; rows > 0; --rows, row += stride)
+  {
+    IncludeRow(row, count, min, max);
+  }
+}
+
+template <class T>
+void Merge(const T* HWY_RESTRICT otherMin, const T* HWY_RESTRICT otherMax, std::size_t count,
+  T* HWY_RESTRICT min, T* HWY_RESTRICT max)
+{
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    min[i] = otherMin[i] < min[i] ? otherMin[i] : min[i];
+    max[i] = otherMax[i] > max[i] ? otherMax[i] : max[i];
   }
 }
 
@@ -62,16 +141,79 @@ void WidenByFour(T* HWY_RESTRICT min, T* HWY_RESTRICT max, std::size_t count)
   }
 }
 
-std::uint8_t Lower(const std::uint8_t* HWY_RESTRICT below, const std::uint8_t* HWY_RESTRICT above,
-  std::uint8_t gap, std::uint8_t* HWY_RESTRICT out, std::size_t count)
+void FindParents(const float* const min[8], const float* const max[8], std::size_t count,
+  float* HWY_RESTRICT least, float* HWY_RESTRICT most)
 {
-  std::uint8_t largest = 0;
-  for (std::size_t i = 0; i < count; ++i)
+  std::copy_n(min[0], count, least);
+  std::copy_n(max[0], count, most);
+  for (int c = 1; c < 8; ++c)
   {
-    out[i] = std::min(out[i], std::max(gap, std::min(below[i], above[i])));
-    largest = std::max(largest, out[i]);
+    Merge(min[c], max[c], count, least, most);
   }
-  return largest;
+}
+
+void Encode(const BlockSteps::Encoding& encoding, const float* HWY_RESTRICT min,
+  const float* HWY_RESTRICT max, const float* HWY_RESTRICT least, const float* HWY_RESTRICT width,
+  std::size_t count, std::uint8_t* HWY_RESTRICT codes)
+{
+  // Quotients of whole numbers below 2^24, all below 2^7 where they count: rounded to floats they
+  // stay on the same side of every whole number.
+  const float lows = static_cast<float>(encoding.LastMinimum);
+  const float highs = static_cast<float>(encoding.LastMaximum);
+  const int shift = encoding.MinimumBits;
+  const int none = encoding.NoNumber;
+  for (std::size_t x = 0; x < count; ++x)
+  {
+    const int low = static_cast<int>(lows * (min[x] - least[x]) / width[x]);
+    const int high = static_cast<int>((highs * (max[x] - least[x]) + width[x] - 1.0f) / width[x]);
+    codes[x] = static_cast<std::uint8_t>(min[x] <= max[x] ? low | high << shift : none);
+  }
+}
+
+void TransformLines(
+  std::uint8_t* lines, std::size_t count, std::size_t stride, std::size_t width, std::uint8_t* work)
+{
+  const hn::CappedTag<std::uint8_t, DistanceSteps::LinesAtOnce> d;
+  const std::size_t lanes = hn::Lanes(d);
+  for (std::size_t first = 0; first < width; first += lanes)
+  {
+    const std::size_t here = std::min(lanes, width - first);
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      std::copy_n(lines + i * stride + first, here, work + i * lanes);
+      std::fill_n(work + i * lanes + here, lanes - here, std::uint8_t(0));
+    }
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      auto out = hn::LoadU(d, work + i * lanes);
+      // Only neighbors closer than the distances found so far can lower them.
+      for (std::size_t gap = 1; gap < LargestBlockDistance && (gap <= i || i + gap < count); ++gap)
+      {
+        const auto away = hn::Set(d, static_cast<std::uint8_t>(gap));
+        // Numbers up to `gap` are not lowered any more.
+        if (hn::AllTrue(d, hn::Eq(hn::Min(out, away), out)))
+        {
+          break;
+        }
+        // Beyond either end there is nothing: the other neighbor stands for both.
+        const std::size_t below = gap <= i ? i - gap : i + gap;
+        const std::size_t above = i + gap < count ? i + gap : i - gap;
+        const auto near =
+          hn::Min(hn::LoadU(d, work + below * lanes), hn::LoadU(d, work + above * lanes));
+        out = hn::Min(out, hn::Max(away, near));
+      }
+      if (here == lanes)
+      {
+        hn::StoreU(out, d, lines + i * stride + first);
+      }
+      else
+      {
+        std::uint8_t numbers[DistanceSteps::LinesAtOnce];
+        hn::StoreU(out, d, numbers);
+        std::copy_n(numbers, here, lines + i * stride + first);
+      }
+    }
+  }
 }
 
 std::uint8_t Copy(
@@ -136,14 +278,16 @@ void AddNeighbors(std::uint8_t* HWY_RESTRICT row, const std::uint8_t* HWY_RESTRI
 template <class... Steps>
 void SelectFrom(std::tuple<Steps...>& all)
 {
-  all = std::tuple<Steps...>(Steps{ &Include, &WidenByFour }...);
+  all = std::tuple<Steps...>(Steps{ &Include, &Merge, &WidenByFour }...);
 }
 
 void SelectExtremesSteps(AllExtremesSteps& all) { SelectFrom(all); }
 
+void SelectBlockSteps(BlockSteps& steps) { steps = { &FindParents, &Encode }; }
+
 void SelectDistanceSteps(DistanceSteps& steps)
 {
-  steps = { &Lower, &Copy, &FindDistances, &AddNeighbors };
+  steps = { &TransformLines, &FindDistances, &AddNeighbors };
 }
 
 } // namespace HWY_NAMESPACE
@@ -157,6 +301,7 @@ namespace
 {
 
 HWY_EXPORT(SelectExtremesSteps);
+HWY_EXPORT(SelectBlockSteps);
 HWY_EXPORT(SelectDistanceSteps);
 
 } // namespace
@@ -179,6 +324,14 @@ template ExtremesSteps<std::int64_t> GetExtremesSteps();
 template ExtremesSteps<std::uint64_t> GetExtremesSteps();
 template ExtremesSteps<float> GetExtremesSteps();
 template ExtremesSteps<double> GetExtremesSteps();
+
+//------------------------------------------------------------------------------
+BlockSteps GetBlockSteps()
+{
+  BlockSteps steps;
+  HWY_DYNAMIC_DISPATCH(SelectBlockSteps)(steps);
+  return steps;
+}
 
 //------------------------------------------------------------------------------
 DistanceSteps GetDistanceSteps()

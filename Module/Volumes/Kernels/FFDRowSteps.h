@@ -13,9 +13,12 @@ namespace ffd
 template <class T>
 struct ExtremesSteps
 {
-  /// Include(row, count, min, max) makes min[i] and max[i] hold row[i], too; what is not a number
-  /// is left out.
-  void (*Include)(const T* row, std::size_t count, T* min, T* max);
+  /// Include(row, stride, rows, count, min, max) makes min[i] and max[i] hold the numbers i of
+  /// `rows` rows, too, which begin `stride` numbers apart; what is not a number is left out.
+  void (*Include)(const T* row, std::ptrdiff_t stride, int rows, std::size_t count, T* min, T* max);
+
+  /// Merge(otherMin, otherMax, count, min, max) makes extremes those of others, too.
+  void (*Merge)(const T* otherMin, const T* otherMax, std::size_t count, T* min, T* max);
 
   /// WidenByFour(min, max, count) makes the extremes at each position those of it and the four
   /// positions behind it, where these exist.
@@ -25,16 +28,45 @@ struct ExtremesSteps
 /// Distances between blocks are not told apart above this.
 constexpr std::uint8_t LargestBlockDistance = 127;
 
+/// Steps over the blocks of a row of parents of MinMaxBlocks, in vector code. Codes are floats;
+/// where there is no number the minimum is above the maximum.
+struct BlockSteps
+{
+  /// FindParents(min, max, count, least, most) finds the limits of parents from those of their
+  /// eight children.
+  void (*FindParents)(const float* const min[8], const float* const max[8], std::size_t count,
+    float* least, float* most);
+
+  /// How the limits of a block are encoded in a byte.
+  struct Encoding
+  {
+    int LastMinimum;
+    int LastMaximum;
+    int MinimumBits;
+    int NoNumber;
+  };
+
+  /// Encode(encoding, min, max, least, width, count, codes) encodes a child of each parent;
+  /// `width`: of the range of the parent, at least LastMaximum.
+  void (*Encode)(const Encoding& encoding, const float* min, const float* max, const float* least,
+    const float* width, std::size_t count, std::uint8_t* codes);
+};
+
 /// Steps over rows of distances, in vector code. Rows do not overlap.
 struct DistanceSteps
 {
-  /// Lower(below, above, gap, out, count) lowers out[i] to max(gap, min(below[i], above[i])) where
-  /// that is less, and returns the largest of `out`.
-  std::uint8_t (*Lower)(const std::uint8_t* below, const std::uint8_t* above, std::uint8_t gap,
-    std::uint8_t* out, std::size_t count);
+  /// Lines that a vector has a number of, at most.
+  static constexpr std::size_t LinesAtOnce = 64;
 
-  /// Copy(from, to, count) copies a row, and returns the largest of its numbers.
-  std::uint8_t (*Copy)(const std::uint8_t* from, std::uint8_t* to, std::size_t count);
+  /**
+   * TransformLines(lines, count, stride, width, work) makes one more axis of the Chebyshev distance
+   * transform, of `width` lines that lie side by side; the `count` numbers of a line are `stride`
+   * apart: out[i] = min over j of max(|i - j|, in[j]). The search for a number ends at the largest
+   * distance found so far in as many lines as a vector has numbers, so it is short wherever the
+   * volume is not empty. `work`: count * LinesAtOnce bytes.
+   */
+  void (*TransformLines)(std::uint8_t* lines, std::size_t count, std::size_t stride,
+    std::size_t width, std::uint8_t* work);
 
   /// FindDistances(row, count, work) replaces numbers, each of them 0 or LargestBlockDistance, by
   /// their distances from the nearest 0, at most that. `work`: 6 * count bytes, all of them
@@ -54,6 +86,7 @@ struct DistanceSteps
  */
 template <class T>
 ExtremesSteps<T> GetExtremesSteps();
+BlockSteps GetBlockSteps();
 DistanceSteps GetDistanceSteps();
 ///@}
 
