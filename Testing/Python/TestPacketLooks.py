@@ -153,6 +153,34 @@ class TestPacketLooks(unittest.TestCase):
                 weighed = self.compare(mapper, volume, "weighed labels", 0.3, 20.0)
                 self.assertGreater(numpy.abs(weighed - without).mean(), 0.5)
 
+    def test_values_that_labels_alone_show(self):
+        for deformed, blend in itertools.product((False, True), (1.0, 0.4)):
+            with self.subTest(deformed=deformed, blend=blend):
+                scale, mapper, prop, volume = self.make("u1", deformed)
+                prop.SetScalarOpacity(points((0.6 * scale, 0.0), (0.7 * scale, 0.5)))
+                base = self.picture(mapper, volume, False)
+                mapper.SetMaskInput(scalars_image(self.labels.ravel()))
+                mapper.SetMaskTypeToLabelMap()
+                mapper.SetMaskBlendFactor(blend)
+                for label in (1, 3):
+                    prop.SetLabelScalarOpacity(label, points(
+                        (0.05 * scale, 0.0), (0.1 * scale, 0.4), (0.2 * scale, 0.4), (0.3 * scale, 0.0)))
+                shown = self.compare(mapper, volume, "labels", 0.3, 20.0)
+                self.assertGreater((shown[:, 3] > base[:, 3] + 20).mean(), 0.1)
+                mapper.SetSpaceLeapingToOff()
+                self.assertLess(numpy.abs(self.picture(mapper, volume, False) - shown).max(), 1.5)
+
+    def test_gradient_opacities(self):
+        # Opacities are those of the interval, or weighed over another length than that.
+        for kind, length in itertools.product(("u1", "f4"), ("WORLD", "MATERIAL")):
+            with self.subTest(kind=kind, length=length):
+                scale, mapper, prop, volume = self.make(kind, True)
+                mapper.SetOpacityLength(getattr(mapper, length))
+                without = self.compare(mapper, volume, "values")
+                prop.SetGradientOpacity(points((0.04 * scale, 0.0), (0.1 * scale, 1.0)))
+                weighed = self.compare(mapper, volume, "weighed", 0.3, 20.0)
+                self.assertGreater(numpy.abs(weighed - without).mean(), 0.5)
+
     def test_isosurfaces(self):
         levels = {"one": (0.4,), "three": (0.25, 0.5, 0.7)}
         for kind, deformed, number in itertools.product(
