@@ -191,7 +191,8 @@ void TransformLines(
       auto out = hn::LoadU(d, work + i * lanes);
       // Only neighbors closer than the distances found so far can lower them. They are asked for
       // that after several gaps, which is sooner than to ask after each.
-      const std::size_t end = std::min<std::size_t>(LargestBlockDistance, std::max(i + 1, count - i));
+      const std::size_t end =
+        std::min<std::size_t>(LargestBlockDistance, std::max(i + 1, count - i));
       for (std::size_t gap = 1; gap < end; gap += GapsAtOnce)
       {
         // Numbers up to `gap` are not lowered any more.
