@@ -372,10 +372,10 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       StorePixels(image, x, y, active, pixels);
       if (image.Depths)
       {
-        const Vf first = pixels.FirstVisible;
-        const Vf depths = WindowDepths(near, far, length, px, py).ToDepth(first);
+        const Vf seenAt = pixels.FirstVisible;
+        const Vf depths = WindowDepths(near, far, length, px, py).ToDepth(seenAt);
         StoreDepths(image, x, y,
-          hn::IfThenElse(hn::And(active, hn::Lt(first, Splat(1e29f))), depths, Splat(1.0f)));
+          hn::IfThenElse(hn::And(active, hn::Lt(seenAt, Splat(1e29f))), depths, Splat(1.0f)));
       }
       reaches.Include(x, y, cast.GetReach());
     }

@@ -20,9 +20,6 @@
 namespace ffd
 {
 
-/// Gaps between a number and its neighbors in a search for the nearest one.
-constexpr std::size_t GapsAtOnce = 4;
-
 /// Of all types that DispatchScalarType() tells apart.
 using AllExtremesSteps = std::tuple<ExtremesSteps<std::int8_t>, ExtremesSteps<std::uint8_t>,
   ExtremesSteps<std::int16_t>, ExtremesSteps<std::uint16_t>, ExtremesSteps<std::int32_t>,
@@ -189,27 +186,21 @@ void TransformLines(
     for (std::size_t i = 0; i < count; ++i)
     {
       auto out = hn::LoadU(d, work + i * lanes);
-      // Only neighbors closer than the distances found so far can lower them. They are asked for
-      // that after several gaps, which is sooner than to ask after each.
-      const std::size_t end =
-        std::min<std::size_t>(LargestBlockDistance, std::max(i + 1, count - i));
-      for (std::size_t gap = 1; gap < end; gap += GapsAtOnce)
+      // Only neighbors closer than the distances found so far can lower them.
+      for (std::size_t gap = 1; gap < LargestBlockDistance && (gap <= i || i + gap < count); ++gap)
       {
+        const auto away = hn::Set(d, static_cast<std::uint8_t>(gap));
         // Numbers up to `gap` are not lowered any more.
-        if (hn::AllTrue(d, hn::Eq(hn::Min(out, hn::Set(d, static_cast<std::uint8_t>(gap))), out)))
+        if (hn::AllTrue(d, hn::Eq(hn::Min(out, away), out)))
         {
           break;
         }
-        for (std::size_t more = 0; more < GapsAtOnce; ++more)
-        {
-          // Beyond either end there is nothing: the other neighbor stands for both.
-          const std::size_t away = std::min(gap + more, end - 1);
-          const std::size_t below = away <= i ? i - away : i + away;
-          const std::size_t above = i + away < count ? i + away : i - away;
-          const auto near =
-            hn::Min(hn::LoadU(d, work + below * lanes), hn::LoadU(d, work + above * lanes));
-          out = hn::Min(out, hn::Max(hn::Set(d, static_cast<std::uint8_t>(away)), near));
-        }
+        // Beyond either end there is nothing: the other neighbor stands for both.
+        const std::size_t below = gap <= i ? i - gap : i + gap;
+        const std::size_t above = i + gap < count ? i + gap : i - gap;
+        const auto near =
+          hn::Min(hn::LoadU(d, work + below * lanes), hn::LoadU(d, work + above * lanes));
+        out = hn::Min(out, hn::Max(away, near));
       }
       if (here == lanes)
       {
