@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDVolumeReader.h"
 
+#include "vtkFFDArrayRanges.h"
 #include "vtkFFDDataFiles.h"
 #include "vtkFFDFileAccess.h"
 #include "vtkFFDGuard.h"
@@ -702,6 +703,7 @@ int vtkFFDVolumeReader::RequestData(
     return this->Fail();
   }
   image->ShallowCopy(read);
+  vtkFFDFindArrayRanges(image->GetPointData());
   if (in.HasPlace)
   {
     image->SetOrigin(info->Get(vtkDataObject::ORIGIN()));

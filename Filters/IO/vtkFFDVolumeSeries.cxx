@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDVolumeSeries.h"
 
+#include "vtkFFDArrayRanges.h"
 #include "vtkFFDGuard.h"
 #include "vtkFFDTransformFiles.h"
 #include "vtkFFDVolumeReader.h"
@@ -452,6 +453,7 @@ int vtkFFDVolumeSeries::RequestData(
       output->GetPointData());
     BlendArrays(volumes[0].Image->GetCellData(), volumes[1].Image->GetCellData(), part,
       output->GetCellData());
+    vtkFFDFindArrayRanges(output->GetPointData());
   }
   int extent[6];
   info->Get(Pipeline::UPDATE_EXTENT(), extent);

@@ -12,7 +12,7 @@ import unittest
 
 import numpy
 import vtkffd
-from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkIOLegacy import vtkStructuredPointsWriter
 from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
@@ -117,6 +117,45 @@ class TestVolumeReader(unittest.TestCase):
         legacy.SetFileName(os.path.join(WORK, "legacy.vtk"))
         legacy.Write()
         self.assertEqual(self.read("legacy.vtk").GetOutput().GetDimensions(), files.SIZE)
+
+    def test_ranges(self):
+        """Arrays know their ranges, those that VTK finds, without being asked."""
+        random = numpy.random.default_rng(5)
+        image = vtkImageData()
+        image.SetDimensions(7, 9, 5)
+        count = image.GetNumberOfPoints()
+        odd = random.normal(size=count)
+        odd[[3, 200, 314]] = numpy.nan, numpy.inf, -numpy.inf
+        arrays = {"bytes": random.integers(3, 250, count).astype(numpy.uint8),
+                  "shorts": random.integers(-900, 900, count).astype(numpy.int16),
+                  "long": random.integers(-2**40, 2**40, count),
+                  "floats": random.normal(size=count).astype(numpy.float32),
+                  "odd": odd,
+                  "vectors": random.normal(size=(count, 3)),
+                  "nothing": numpy.full(count, numpy.nan)}
+        for name, values in arrays.items():
+            array = numpy_to_vtk(values, deep=True)
+            array.SetName(name)
+            image.GetPointData().AddArray(array)
+        image.GetPointData().SetActiveScalars("bytes")
+        writer = vtkXMLImageDataWriter()
+        writer.SetInputData(image)
+        writer.SetDataModeToBinary()
+        writer.SetFileName(os.path.join(WORK, "ranges.vti"))
+        writer.Write()
+        read = self.read("ranges.vti").GetOutput().GetPointData()
+        for name in arrays:
+            found, alone = read.GetArray(name), image.GetPointData().GetArray(name)
+            keys = (found.PER_COMPONENT(), found.PER_FINITE_COMPONENT())
+            self.assertEqual([found.GetInformation().Has(key) for key in keys],
+                             [int(name != "nothing")] * 2, name)
+            for c in range(found.GetNumberOfComponents()):
+                self.assertEqual(found.GetRange(c), alone.GetRange(c), name)
+                self.assertEqual(found.GetFiniteRange(c), alone.GetFiniteRange(c), name)
+            # No longer those that were kept.
+            found.SetComponent(0, 0, 255.0)
+            found.Modified()
+            self.assertGreaterEqual(found.GetRange(0)[1], 255.0, name)
 
     def test_what_cannot_be_read(self):
         with open(os.path.join(WORK, "bad.vti"), "w", encoding="ascii") as file:

@@ -117,6 +117,9 @@ class TestVolumeSeries(unittest.TestCase):
         expected = np.floor(0.7 * self.volumes[1] + 0.3 * self.volumes[2] + 0.5)
         self.assertLessEqual(np.abs(values_of(item) - expected).max(), 1)
         self.assertGreater((values_of(item) == expected).mean(), 0.95)
+        scalars = item.GetOutput().GetPointData().GetScalars()
+        self.assertTrue(scalars.GetInformation().Has(scalars.PER_COMPONENT()))
+        self.assertEqual(scalars.GetRange(0), (values_of(item).min(), values_of(item).max()))
         # What is kept is not written to.
         for time in (1, 2):
             item.UpdateTimeStep(time)
