@@ -78,12 +78,13 @@ def main():
         play(options)
 
 
-def play(options):
+def show(options, view):
+    """Volumes and transforms in the view, and the times of the player; returns the reader of the volumes."""
     volumes = simple.FFDVolumeReader(FileNames=options.volumes)
     transforms = simple.FFDTransformReader(FileNames=options.transforms)
     volume = simple.FFDApplyTransform(Input=volumes, Transform=transforms)
-    view = simple.CreateView("RenderView")
-    view.ViewSize = options.pixels
+    if options.pixels:
+        view.ViewSize = options.pixels
     display = simple.Show(volume, view)
     display.FFDSampleDistance = 1.0 / options.quality
     display.FFDImageSampleDistance = 1.0 / options.quality
@@ -98,12 +99,21 @@ def play(options):
                                                          1.3 * options.size])
     view.CameraViewUp = [0.0, 0.0, 1.0]
     simple.Render(view)
+    set_times(list(transforms.TimestepValues) or list(volumes.TimestepValues), options)
+    return volumes
 
-    times = list(transforms.TimestepValues) or list(volumes.TimestepValues)
+
+def set_times(times, options):
     scene = simple.GetAnimationScene()
     scene.StartTime, scene.EndTime = times[0], times[-1]
     scene.PlayMode = "Sequence"
     scene.NumberOfFrames = (len(times) - 1) * options.frames + 1
+
+
+def play(options):
+    view = simple.CreateView("RenderView")
+    volumes = show(options, view)
+    scene = simple.GetAnimationScene()
     for loop in range(options.loops):
         start = time.perf_counter()
         used = time.process_time()
@@ -116,7 +126,7 @@ def play(options):
                  1e3 * (time.process_time() - used) / scene.NumberOfFrames,
                  volumes.GetPropertyValue("NumberOfReads")))
     if options.picture:
-        scene.AnimationTime = 0.5 * (times[0] + times[-1])
+        scene.AnimationTime = 0.5 * (scene.StartTime + scene.EndTime)
         simple.Render(view)
         simple.SaveScreenshot(options.picture, view)
         print("wrote", options.picture)
