@@ -17,7 +17,7 @@ display = simple.Show(lattice, view)
 display.FFDNumberOfThreads = 1
 display.FFDShade = 1
 display.FFDSampleDistance = 0.05
-display.FFDImageSampleDistance = 0.6
+display.FFDImageSampleDistance = 0.4
 simple.GetOpacityTransferFunction("RTData").Points = [37, 0.001, 0.5, 0, 280, 0.002, 0.5, 0]
 all_long = os.environ.get("FFD_ABORT_ALL") == "1"
 if all_long:
