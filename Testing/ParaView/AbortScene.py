@@ -11,13 +11,12 @@ import time
 from paraview import servermanager, simple
 from paraview.vtk.vtkCommonCore import vtkUnsignedCharArray
 
-lattice = simple.FFDLattice(Input=simple.Wavelet(WholeExtent=[-60, 60] * 3), Shape="Twist")
+lattice = simple.FFDLattice(Input=simple.Wavelet(WholeExtent=[-130, 130] * 3), Shape="Twist")
 view = simple.GetActiveViewOrCreate("RenderView")
 display = simple.Show(lattice, view)
 display.FFDNumberOfThreads = 1
 display.FFDShade = 1
 display.FFDSampleDistance = 0.05
-display.FFDImageSampleDistance = 0.4
 simple.GetOpacityTransferFunction("RTData").Points = [37, 0.001, 0.5, 0, 280, 0.002, 0.5, 0]
 all_long = os.environ.get("FFD_ABORT_ALL") == "1"
 if all_long:
