@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Run by TestFiles.py in ParaView's graphical client: a volume that is selected. When the client
-renders, FFD_FILES_LOG gets what the pipeline is: a line of JSON."""
+"""Run by TestPanel.py in ParaView's graphical client: a volume that is selected, or with
+FFD_FILES_SELECTED=contour a contour of it. When the client renders, FFD_FILES_LOG gets what the pipeline
+is: a line of JSON."""
 
 import json
 import os
@@ -17,7 +18,11 @@ simple.Show(wavelet, view).SetRepresentationType("Outline")
 simple.GetColorTransferFunction("RTData").RescaleTransferFunction(37.0, 280.0)
 simple.GetOpacityTransferFunction("RTData").Points = [37, 0, 0.5, 0, 140, 0, 0.5, 0,
                                                       180, 0.1, 0.5, 0, 280, 0.3, 0.5, 0]
-simple.SetActiveSource(wavelet)
+selected = wavelet
+if os.environ["FFD_FILES_SELECTED"] == "contour":
+    selected = simple.Contour(Input=wavelet, Isosurfaces=[150.0])
+    simple.Show(selected, view)
+simple.SetActiveSource(selected)
 simple.Render(view)
 
 

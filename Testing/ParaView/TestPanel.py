@@ -343,30 +343,47 @@ class TestPanel(unittest.TestCase):
                  ("HandleMode", "InteriorVisibility", "LineMode", "Visible")],
                 [handle, interior, curved, visible], height)
 
+    def open_transform(self, selected):
+        """File > Open of a transform file, and Apply; returns what ParaView says, the pipeline, and the file."""
+        folder = tempfile.mkdtemp(prefix="files.", dir=TEMPORARY)
+        os.chmod(folder, 0o700)
+        path = write_translation(folder)
+        events = Events()
+        events.menu("menu_File", "actionFileOpen")
+        events.add(WINDOW + "FileOpenDialog", "filesSelected", path)
+        events.wait()
+        events.click(PROPERTIES + "Accept")
+        # Rendered again, even if there is nothing new to show.
+        events.drag((0.5, 0.5), (0.5, 0.5))
+        log = os.path.join(folder, "log")
+        result = play(find_command("FilesScene.py", folder, events),
+                      find_environment(folder, FFD_FILES_LOG=log, FFD_FILES_SELECTED=selected))
+        self.assertEqual(result.returncode, 0, result.stdout)
+        with open(log, encoding="ascii") as file:
+            return result.stdout, json.load(file), path
+
     def test_transform_file(self):
         """File > Open of a transform file with a volume selected applies it to the volume, and Apply
         shows that."""
-        folder = tempfile.mkdtemp(prefix="files.", dir=TEMPORARY)
-        os.chmod(folder, 0o700)
-        events = Events()
-        events.menu("menu_File", "actionFileOpen")
-        events.add(WINDOW + "FileOpenDialog", "filesSelected", write_translation(folder))
-        events.wait()
-        events.click(PROPERTIES + "Accept")
-        log = os.path.join(folder, "log")
-        result = play(find_command("FilesScene.py", folder, events),
-                      find_environment(folder, FFD_FILES_LOG=log))
-        self.assertEqual(result.returncode, 0, result.stdout)
+        said, state, _ = self.open_transform("volume")
         for word in ("ERR|", "ERROR:", "Warning:"):
-            self.assertNotIn(word, result.stdout)
-        with open(log, encoding="ascii") as file:
-            state = json.load(file)
+            self.assertNotIn(word, said)
         self.assertEqual(sorted(state["sources"]),
                          ["FFDApplyTransform", "FFDTransformReader", "RTAnalyticSource"])
         self.assertEqual(state["active"], "FFDApplyTransform")
         self.assertEqual(state["visible"], ["FFDApplyTransform"])
         for bound, expected in zip(state["bounds"], (-18, 12, -8, 22, -26, 4)):
             self.assertAlmostEqual(bound, expected, delta=0.01)
+
+    def test_transform_file_alone(self):
+        """With a contour selected one message says that nothing is applied, why, and what to do."""
+        said, state, path = self.open_transform("contour")
+        self.assertEqual(sorted(state["sources"]), ["Contour", "FFDTransformReader", "RTAnalyticSource"])
+        text = " ".join(said.split())
+        self.assertEqual(text.count("is opened, but not applied"), 1, said)
+        self.assertIn(path + " is opened, but not applied to Contour1, which is selected: it is no volume (an "
+                      "image), but \"Polygonal Mesh\". Select Wavelet1, and choose Filters > FFD > FFD Apply "
+                      "Transform with shift.tfm as the transform.", text)
 
     def test_hover(self):
         """The pointer rests on the volume, beside it, and on it again, which a server of two processes

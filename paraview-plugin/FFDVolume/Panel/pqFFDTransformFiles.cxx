@@ -6,13 +6,17 @@
 #include "pqApplicationCore.h"
 #include "pqObjectBuilder.h"
 #include "pqOutputPort.h"
+#include "pqPipelineFilter.h"
 #include "pqPipelineSource.h"
+#include "pqServer.h"
 
 #include "vtkPVDataInformation.h"
 #include "vtkSMProxy.h"
 
 #include <QList>
 #include <QMap>
+#include <QString>
+#include <QStringList>
 
 #include <cstring>
 
@@ -25,12 +29,41 @@ bool IsTransformReader(pqPipelineSource* source)
   return name && std::strcmp(name, "FFDTransformReader") == 0;
 }
 
-bool IsImage(pqPipelineSource* source)
+/// Why transforms cannot be applied to a source; empty if they can.
+QString FindProblem(pqPipelineSource* source)
 {
-  pqOutputPort* port =
-    source && source->getNumberOfOutputPorts() > 0 ? source->getOutputPort(0) : nullptr;
+  pqOutputPort* port = source->getNumberOfOutputPorts() > 0 ? source->getOutputPort(0) : nullptr;
   vtkPVDataInformation* data = port ? port->getDataInformation() : nullptr;
-  return data && data->DataSetTypeIsA("vtkImageData") && !data->IsCompositeDataSet();
+  if (!data || data->IsNull())
+  {
+    return QObject::tr("it has no data");
+  }
+  return data->DataSetTypeIsA("vtkImageData") && !data->IsCompositeDataSet()
+    ? QString()
+    : QObject::tr("it is no volume (an image), but \"%1\"").arg(data->GetPrettyDataTypeString());
+}
+
+/// The nearest one that a source is made from; null if there is none.
+pqPipelineSource* FindVolumeAbove(pqPipelineSource* source)
+{
+  QList<pqPipelineSource*> seen{ source };
+  for (int i = 0; i < seen.size(); ++i)
+  {
+    if (FindProblem(seen[i]).isEmpty())
+    {
+      return seen[i];
+    }
+    auto* filter = qobject_cast<pqPipelineFilter*>(seen[i]);
+    const QList<pqOutputPort*> inputs = filter ? filter->getAllInputs() : QList<pqOutputPort*>();
+    for (pqOutputPort* input : inputs)
+    {
+      if (!seen.contains(input->getSource()))
+      {
+        seen << input->getSource();
+      }
+    }
+  }
+  return nullptr;
 }
 
 } // namespace
@@ -57,7 +90,7 @@ void pqFFDTransformFiles::startup()
     SLOT(noteActive(pqPipelineSource*)));
   QObject::connect(core->getObjectBuilder(),
     SIGNAL(readerCreated(pqPipelineSource*, const QStringList&)), this,
-    SLOT(applyToVolume(pqPipelineSource*)));
+    SLOT(applyToVolume(pqPipelineSource*, const QStringList&)));
 }
 
 //------------------------------------------------------------------------------
@@ -81,11 +114,25 @@ void pqFFDTransformFiles::noteActive(pqPipelineSource* source)
 }
 
 //------------------------------------------------------------------------------
-void pqFFDTransformFiles::applyToVolume(pqPipelineSource* reader)
+void pqFFDTransformFiles::applyToVolume(pqPipelineSource* reader, const QStringList& files)
 {
-  if (!IsTransformReader(reader) || !IsImage(this->Volume) ||
-    this->Volume->getServer() != reader->getServer())
+  if (!IsTransformReader(reader) || !this->Volume)
   {
+    return;
+  }
+  const QString problem = this->Volume->getServer() != reader->getServer()
+    ? tr("it is on another server")
+    : FindProblem(this->Volume);
+  if (!problem.isEmpty())
+  {
+    pqPipelineSource* above = FindVolumeAbove(this->Volume);
+    const QString text = tr(
+      "%1 is opened, but not applied to %2, which is selected: %3. Select %4, and choose Filters > "
+      "FFD > FFD Apply Transform with %5 as the transform.")
+                           .arg(files.isEmpty() ? reader->getSMName() : files.first(),
+                             this->Volume->getSMName(), problem,
+                             above ? above->getSMName() : tr("a volume"), reader->getSMName());
+    vtkWarningWithObjectMacro(reader->getProxy(), << text.toUtf8().constData());
     return;
   }
   QMap<QString, QList<pqOutputPort*>> inputs;

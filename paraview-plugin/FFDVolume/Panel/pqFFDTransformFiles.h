@@ -10,7 +10,8 @@ class pqPipelineSource;
 
 /**
  * Applies transform files to a volume when they are opened: File > Open, with an image selected in
- * the pipeline browser, makes "FFD Apply Transform" of both, which Apply then shows.
+ * the pipeline browser, makes "FFD Apply Transform" of both, which Apply then shows. With anything
+ * else selected a warning says that nothing is applied, and what to do.
  */
 class pqFFDTransformFiles : public QObject
 {
@@ -26,12 +27,12 @@ public:
 
 private Q_SLOTS:
   void noteActive(pqPipelineSource* source);
-  void applyToVolume(pqPipelineSource* reader);
+  void applyToVolume(pqPipelineSource* reader, const QStringList& files);
 
 private:
   Q_DISABLE_COPY(pqFFDTransformFiles)
 
-  QPointer<pqPipelineSource> Volume; // selected last, an image
+  QPointer<pqPipelineSource> Volume; // selected last, whatever it is
 };
 
 #endif
