@@ -296,6 +296,18 @@ HWY_INLINE void ExtendRange(const float* values, float& low, float& high)
   }
 }
 
+/// Finds the Bezier coefficients, for s from 0 to 1, of quartics: terms of s^0 to s^4.
+HWY_INLINE void FindBezier(const Vf terms[TileLayers], Vf coefficients[TileLayers])
+{
+  const Vf b0 = terms[0], b1 = terms[1], b2 = terms[2], b3 = terms[3], b4 = terms[4];
+  coefficients[0] = b0;
+  coefficients[1] = hn::MulAdd(Splat(0.25f), b1, b0);
+  coefficients[2] = hn::MulAdd(Splat(1.0f / 6.0f), b2, hn::MulAdd(Splat(0.5f), b1, b0));
+  coefficients[3] =
+    hn::MulAdd(Splat(0.25f), b3, hn::MulAdd(Splat(0.5f), b2, hn::MulAdd(Splat(0.75f), b1, b0)));
+  coefficients[4] = hn::Add(hn::Add(hn::Add(b0, b1), hn::Add(b2, b3)), b4);
+}
+
 /// The Bezier coefficients of an interpolant, in whose convex hull it runs.
 struct BezierHull
 {
@@ -315,18 +327,17 @@ struct BezierHull
     {
       for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
       {
-        const auto term = [&](std::size_t k) { return hn::Load(d, b[k][a].data() + i); };
-        const Vf b0 = term(0), b1 = term(1), b2 = term(2), b3 = term(3), b4 = term(4);
-        const auto store = [&](std::size_t k, Vf v) {
-          hn::Store(v, d, this->Layers[k][a].data() + i);
-        };
-        store(0, b0);
-        store(1, hn::MulAdd(Splat(0.25f), b1, b0));
-        store(2, hn::MulAdd(Splat(1.0f / 6.0f), b2, hn::MulAdd(Splat(0.5f), b1, b0)));
-        store(3,
-          hn::MulAdd(
-            Splat(0.25f), b3, hn::MulAdd(Splat(0.5f), b2, hn::MulAdd(Splat(0.75f), b1, b0))));
-        store(4, hn::Add(hn::Add(hn::Add(b0, b1), hn::Add(b2, b3)), b4));
+        Vf terms[TileLayers];
+        for (std::size_t k = 0; k < TileLayers; ++k)
+        {
+          terms[k] = hn::Load(d, b[k][a].data() + i);
+        }
+        Vf coefficients[TileLayers];
+        FindBezier(terms, coefficients);
+        for (std::size_t k = 0; k < TileLayers; ++k)
+        {
+          hn::Store(coefficients[k], d, this->Layers[k][a].data() + i);
+        }
       }
       this->Low[a] = 1e30f;
       this->High[a] = -1e30f;

@@ -19,6 +19,15 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
+/// Finds the entries, and their fractions, of values in a table whose first one stands for `low`; 0
+/// for what is not a number.
+HWY_INLINE Vf FindEntries(Vf values, Vf low, Vf scale, Vf intervals)
+{
+  const Vf x = hn::Mul(hn::Sub(values, low), scale);
+  // Comparisons with what is not a number are false.
+  return hn::IfThenElseZero(hn::Eq(x, x), Clamp(x, hn::Zero(Df()), intervals));
+}
+
 /// Looks values up in a transfer table; Extinction() and Color() interpolate when they are called.
 class TableLookup
 {
@@ -73,11 +82,7 @@ private:
   HWY_INLINE void Find(
     const PacketTable& table, Vf values, Vf low, Vf scale, Vf intervals, Vi first)
   {
-    const Df d;
-    const Vf x = hn::Mul(hn::Sub(values, low), scale);
-    // Comparisons with what is not a number are false.
-    this->Load(
-      table, hn::IfThenElseZero(hn::Eq(x, x), Clamp(x, hn::Zero(d), intervals)), intervals, first);
+    this->Load(table, FindEntries(values, low, scale, intervals), intervals, first);
   }
 
   HWY_INLINE void Load(const PacketTable& table, Vf entry, Vf intervals, Vi first)
@@ -106,9 +111,8 @@ HWY_INLINE Vf FindExtinction(const PacketScene& scene, Vf values)
 {
   const Df d;
   const PacketTable::Range& range = scene.Table.GetRange(0);
-  const Vf x = hn::Mul(hn::Sub(values, Splat(range.Low)), Splat(range.Scale));
-  // Comparisons with what is not a number are false.
-  const Vf entry = hn::IfThenElseZero(hn::Eq(x, x), Clamp(x, hn::Zero(d), Splat(range.Intervals)));
+  const Vf entry =
+    FindEntries(values, Splat(range.Low), Splat(range.Scale), Splat(range.Intervals));
   const Vf whole = hn::Min(hn::Floor(entry), Splat(range.Intervals - 1.0f));
   HWY_ALIGN int offsets[16];
   StoreIndices(Truncate(whole), offsets);

@@ -48,6 +48,12 @@ struct StoredPackets
     this->Scratch.SampleRanges[packet] = range;
   }
 
+  /// Notes that no ray of a packet meets anything.
+  HWY_INLINE void SetEmpty(std::size_t packet) const
+  {
+    this->Scratch.SampleRanges[packet].IsCast = false;
+  }
+
   /// Whether any ray of a packet may meet something.
   HWY_INLINE bool IsCast(std::size_t packet) const { return this->GetRange(packet).IsCast; }
   HWY_INLINE const SampleRange& GetRange(std::size_t packet) const
@@ -313,7 +319,7 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       }
       if (hn::AllFalse(d, active))
       {
-        scratch.SampleRanges[packet].IsCast = false;
+        stored.SetEmpty(packet);
         continue;
       }
       rays.To = hn::IfThenElse(active, rays.To, Splat(-1.0f));
@@ -328,6 +334,12 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
   }
 
   SegmentTrees trees(scene, scratch, near, far, x0, y0);
+  if (empty && !scene.Settings.CountsRays)
+  {
+    // All pixels are cleared, and what is stored is of another tile.
+    reaches.Store();
+    return 0;
+  }
   if (tMin < tMax && !scene.Slices)
   {
     trees.Start(tMin, tMax);

@@ -176,13 +176,10 @@ private:
         t[k] =
           hn::Sub(t[k], Splat(curve.Segment->MiddleTerms[k][static_cast<std::size_t>(block)][a]));
       }
-      const Vf b1 = hn::MulAdd(Splat(0.25f), t[1], t[0]);
-      const Vf b2 = hn::MulAdd(Splat(1.0f / 6.0f), t[2], hn::MulAdd(Splat(0.5f), t[1], t[0]));
-      const Vf b3 = hn::MulAdd(
-        Splat(0.25f), t[3], hn::MulAdd(Splat(0.5f), t[2], hn::MulAdd(Splat(0.75f), t[1], t[0])));
-      const Vf b4 = hn::Add(hn::Add(t[0], t[1]), hn::Add(hn::Add(t[2], t[3]), t[4]));
-      low.*axis = hn::Min(hn::Min(t[0], b1), hn::Min(hn::Min(b2, b3), b4));
-      high.*axis = hn::Max(hn::Max(t[0], b1), hn::Max(hn::Max(b2, b3), b4));
+      Vf b[TileLayers];
+      FindBezier(t, b);
+      low.*axis = hn::Min(hn::Min(b[0], b[1]), hn::Min(hn::Min(b[2], b[3]), b[4]));
+      high.*axis = hn::Max(hn::Max(b[0], b[1]), hn::Max(hn::Max(b[2], b[3]), b[4]));
     };
     extent(&Vec3::x, 0);
     extent(&Vec3::y, 1);

@@ -19,6 +19,8 @@ namespace ffd
 namespace
 {
 
+static_assert(DistanceMap::NearCode == LargestBlockDistance + 1, "smaller codes are distances");
+
 /// Rows of a plane in a search along the third axis.
 constexpr int RowsAtOnce = 4;
 

@@ -263,7 +263,8 @@ void AddNeighbors(std::uint8_t* HWY_RESTRICT row, const std::uint8_t* HWY_RESTRI
                       bool xyz) -> std::uint8_t {
     const int near = x | y << 1 | (x | y | xy) << 2 | z << 3 | (x | z | xz) << 4 |
       (y | z | yz) << 5 | (x | y | z | xy | xz | yz | xyz) << 6;
-    return static_cast<std::uint8_t>(own == 1 && near != 0 ? 128 | near : own);
+    return static_cast<std::uint8_t>(
+      own == 1 && near != 0 ? (LargestBlockDistance + 1) | near : own);
   };
   for (std::size_t i = 0; i + 1 < count; ++i)
   {
