@@ -347,13 +347,17 @@ private:
       const int to = std::min(
         { from + segment.SamplesPerPart, segment.FirstSample + segment.Samples, this->EndSample });
       const bool within = (segment.Inside[static_cast<std::size_t>(block)] >> part & 1u) != 0;
-      const bool inner =
-        within && this->Scene.Inner && !segment.LeapsRays && !this->Scratch.Positions;
+      const bool together = this->Scene.Inner && !segment.LeapsRays && !this->Scratch.Positions;
       const int first = std::max(from, this->FirstSample);
       int n;
-      if (HWY_UNLIKELY(!inner || this->Scene.ClassifiesIntervals))
+      if (HWY_UNLIKELY(!together || this->Scene.ClassifiesIntervals ||
+            (!within && !this->Samples.HasFaceSamples())))
       {
-        n = this->TakeEachSample(curve, first, to, within, inner);
+        n = this->TakeEachSample(curve, first, to, within, within && together);
+      }
+      else if (!within)
+      {
+        n = this->Samples.TakeFaceSamples(curve, this->Numbers, first, to);
       }
       else if (HWY_LIKELY(this->Scene.Plain))
       {
@@ -560,7 +564,7 @@ private:
     if (!curve.Segment && this->Scene.Distances && !this->Scene.Intervals &&
       !this->Scene.ClassifiesIntervals)
     {
-      active = hn::AndNot(EmptySpaceQuery(this->Scene, q, NoRadius).IsEmpty(), active);
+      active = hn::AndNot(EmptyCubes(this->Scene, q).IsEmpty(), active);
       if (hn::AllFalse(d, active))
       {
         return;
@@ -655,10 +659,11 @@ private:
     }
     // Two bounds of the way: that of the rays of all of the tile over all of the segment, and that
     // of each ray over the next samples.
-    const EmptySpaceQuery query(this->Scene, q, NoRadius);
-    const BoxSteps ofRays(Scale(curve.PerStep, curve.Position.Slope(s)), this->MoveChanges);
-    const Vf steps = hn::Max(query.CountSteps(radius, BoxSteps(segment.Up, segment.Down, 1.0f)),
-      hn::Min(query.CountSteps(radius, ofRays), Splat(static_cast<float>(FewSamples))));
+    const EmptyCubes cubes(this->Scene, q);
+    const StepsPerUnit ofTile(segment.Up, segment.Down);
+    const StepsPerUnit ofRays(Scale(curve.PerStep, curve.Position.Slope(s)), this->MoveChanges);
+    const Vf steps = hn::Max(cubes.CountSteps(radius, ofTile),
+      hn::Min(cubes.CountSteps(radius, ofRays), Splat(static_cast<float>(FewSamples))));
     // An interval is empty only if its end lies in the cube, too.
     const Mf empty =
       hn::And(querying, hn::Ge(steps, this->Scene.Intervals ? Splat(1.0f) : hn::Zero(d)));

@@ -43,6 +43,18 @@ HWY_INLINE Vf FindLength(const PacketScene& scene, const Vec3& index)
   return FastSqrt(Dot(data, data));
 }
 
+/// Whether the rows of a source are those at faces of the volume, too.
+template <class Source>
+struct RepeatsVoxels : std::false_type
+{
+};
+#if FFD_HAS_VOXEL_WINDOWS
+template <class T, WindowFit Fit>
+struct RepeatsVoxels<WindowRows<T, Fit, true>> : std::true_type
+{
+};
+#endif
+
 /// Classifies, lights and composites the samples of a packet, front to back.
 template <class T>
 class PacketCompositor
@@ -83,21 +95,26 @@ public:
   HWY_INLINE int TakeInnerSamples(
     const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
   {
+    return this->template TakeSamples<Plain, false>(curve, numbers, from, to);
+  }
+
+  /// Whether TakeFaceSamples() can be used for the samples of a segment.
+  HWY_INLINE bool HasFaceSamples() const
+  {
     if constexpr (HasVoxelWindow<T>())
     {
-      switch (this->Window.GetFit())
-      {
-        case WindowFit::Two:
-          return this->template TakeInnerSamples<Plain, WindowFit::Two>(curve, numbers, from, to);
-        case WindowFit::Three:
-          return this->template TakeInnerSamples<Plain, WindowFit::Three>(curve, numbers, from, to);
-        case WindowFit::Four:
-          return this->template TakeInnerSamples<Plain, WindowFit::Four>(curve, numbers, from, to);
-        default:
-          break;
-      }
+      return this->Scene.Plain && this->Scene.Lower == 0.0f && !this->Scene.Volume.Nearest &&
+        this->Window.GetFit() != WindowFit::None;
     }
-    return this->template TakeInnerSamples<Plain, WindowFit::None>(curve, numbers, from, to);
+    return false;
+  }
+
+  /// Does what TakeInnerSamples() does with PacketScene::Plain where samples may lie at the faces
+  /// of the volume, or outside.
+  HWY_INLINE int TakeFaceSamples(
+    const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
+  {
+    return this->template TakeSamples<true, true>(curve, numbers, from, to);
   }
 
   /**
@@ -364,16 +381,50 @@ public:
   VoxelWindow<T> Window; ///< voxels around the last inner sample
 
 private:
-  /// TakeInnerSamples() with windows of one kind, or without.
-  template <bool Plain, WindowFit Fit>
-  HWY_NOINLINE int TakeInnerSamples(
+  /// TakeInnerSamples(), or TakeFaceSamples().
+  template <bool Plain, bool AtFaces>
+  HWY_INLINE int TakeSamples(
     const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
   {
+    if constexpr (HasVoxelWindow<T>())
+    {
+      switch (this->Window.GetFit())
+      {
+        case WindowFit::Two:
+          return this->template TakeSamples<Plain, WindowFit::Two, AtFaces>(
+            curve, numbers, from, to);
+        case WindowFit::Three:
+          return this->template TakeSamples<Plain, WindowFit::Three, AtFaces>(
+            curve, numbers, from, to);
+        case WindowFit::Four:
+          return this->template TakeSamples<Plain, WindowFit::Four, AtFaces>(
+            curve, numbers, from, to);
+        default:
+          break;
+      }
+    }
+    return this->template TakeSamples<Plain, WindowFit::None, false>(curve, numbers, from, to);
+  }
+
+  /// The same with windows of one kind, or without.
+  template <bool Plain, WindowFit Fit, bool AtFaces>
+  HWY_NOINLINE int TakeSamples(
+    const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
+  {
+    const Df d;
     for (int n = from; n < to; ++n)
     {
-      const Mf sampled = numbers.FindActive(this->State.Alive, n);
+      Mf sampled = numbers.FindActive(this->State.Alive, n);
       const Vf s = numbers.FindPlaces(curve, n);
       const Vec3 q = curve.Position.At(s);
+      if constexpr (AtFaces)
+      {
+        sampled = hn::And(sampled, IsInside(this->Scene, q));
+        if (hn::AllFalse(d, sampled))
+        {
+          continue;
+        }
+      }
       if (Fit == WindowFit::None && HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0))
       {
         this->template TakeSample<Plain>(curve, q, s, sampled);
@@ -381,14 +432,16 @@ private:
       else
       {
         SampleCells cells;
-        const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
-        InnerRows<Fit> voxels = this->template FindInnerRows<Fit>(n, cells, sampled);
+        const SamplePosition at = FindCells(this->Scene.Volume, q, !AtFaces, cells);
+        const Mf border = AtFaces
+          ? hn::AndNot(FindInterior(this->Scene.Volume, cells, sampled), sampled)
+          : hn::FirstN(d, 0);
+        auto voxels = this->template FindInnerRows<Fit, AtFaces>(n, cells, sampled);
         SampleRows<T> rows;
         const Vf value = Sample<T>(voxels, at, rows);
-        this->template Composite<Plain>(
-          voxels, at, rows, value, curve, q, s, sampled, hn::FirstN(Df(), 0));
+        this->template Composite<Plain>(voxels, at, rows, value, curve, q, s, sampled, border);
       }
-      if (HWY_UNLIKELY(hn::AllFalse(Df(), this->State.Alive)))
+      if (HWY_UNLIKELY(hn::AllFalse(d, this->State.Alive)))
       {
         return n;
       }
@@ -396,13 +449,14 @@ private:
     return to;
   }
 
-  template <WindowFit Fit>
-  using InnerRows = std::conditional_t<Fit == WindowFit::None, OffsetRows<T>, WindowRows<T, Fit>>;
+  template <WindowFit Fit, bool AtFaces>
+  using InnerRows =
+    std::conditional_t<Fit == WindowFit::None, OffsetRows<T>, WindowRows<T, Fit, AtFaces>>;
 
   /// The source of the rows of the samples n of a curve, which lie in `cells`, if all voxels that
   /// they and their gradients need exist, and are in reach.
-  template <WindowFit Fit>
-  HWY_INLINE InnerRows<Fit> FindInnerRows(int n, const SampleCells& cells, Mf sampled)
+  template <WindowFit Fit, bool AtFaces = false>
+  HWY_INLINE InnerRows<Fit, AtFaces> FindInnerRows(int n, const SampleCells& cells, Mf sampled)
   {
     if constexpr (Fit == WindowFit::None)
     {
@@ -414,8 +468,8 @@ private:
     else
     {
       static_cast<void>(sampled);
-      this->Window.MoveTo(n);
-      return WindowRows<T, Fit>(this->Window, cells);
+      this->Window.template MoveTo<AtFaces>(n);
+      return WindowRows<T, Fit, AtFaces>(this->Window, cells);
     }
   }
 
@@ -483,8 +537,18 @@ private:
     const SampleRows<T>& rows, const Vec3& q, Mf border)
   {
     const Vec3 gradient = Gradient<T>(voxels, at, rows);
-    return HWY_LIKELY(hn::AllFalse(Df(), border)) ? gradient
-                                                  : this->Border.Gradient(q, border, gradient);
+    if (HWY_LIKELY(hn::AllFalse(Df(), border)))
+    {
+      return gradient;
+    }
+    if constexpr (RepeatsVoxels<Source>::value)
+    {
+      return Select(border, AtFaces(this->Scene.Volume, q, gradient), gradient);
+    }
+    else
+    {
+      return this->Border.Gradient(q, border, gradient);
+    }
   }
 
   /// Classifies, shades and composites the samples of the lanes of `sampled`; BorderSamples fetched

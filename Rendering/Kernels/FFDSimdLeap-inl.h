@@ -15,30 +15,28 @@
 #include "FFDSimdInterpolant-inl.h"
 #include "FFDSimdMath-inl.h"
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
 HWY_BEFORE_NAMESPACE();
 namespace ffd
 {
 namespace HWY_NAMESPACE
 {
 
-/// Numbers, along an axis, of the blocks that hold positions. Positions outside of the volume count
-/// as in the nearest block.
-HWY_INLINE Vf BlockOf(const PacketScene& scene, Vf x, int a)
-{
-  constexpr float PerVoxel = 1.0f / static_cast<float>(MinMaxBlocks::BlockSize);
-  return hn::Floor(Clamp(hn::Mul(x, Splat(PerVoxel)), hn::Zero(Df()), Splat(scene.LastBlock[a])));
-}
+constexpr float BlocksPerVoxel = 1.0f / static_cast<float>(MinMaxBlocks::BlockSize);
 
-/// The codes of blocks (DistanceMap::GetData()).
-HWY_INLINE Vi CodesOf(const PacketScene& scene, const Vf block[3])
+/// The codes of blocks (DistanceMap::GetData()), in the lowest byte of each lane.
+HWY_INLINE Vi LoadCodes(const PacketScene& scene, const Vi block[3])
 {
   const Di di;
-  const Vi index = hn::Add(Truncate(block[0]),
+  const Vi index = hn::Add(block[0],
     hn::Mul(hn::Set(di, scene.Blocks[0]),
-      hn::Add(Truncate(block[1]), hn::Mul(hn::Set(di, scene.Blocks[1]), Truncate(block[2])))));
+      hn::Add(block[1], hn::Mul(hn::Set(di, scene.Blocks[1]), block[2]))));
   HWY_ALIGN int offsets[16];
   StoreIndices(index, offsets);
-  return hn::And(LoadLanes<int, 1>(scene.Distances, 0, offsets), hn::Set(di, 0xff));
+  return LoadLanes<int, 1>(scene.Distances, 0, offsets);
 }
 
 /// Looks up the bounds of the values in boxes from the lowest corners of the lanes, whose sides fit
@@ -60,33 +58,30 @@ HWY_INLINE Vi PeaksFrom(const ValuePeaks::Grid& grid, const Vec3& low)
   return hn::And(LoadLanes<int, 1>(grid.Codes.data(), 0, offsets), hn::Set(di, 0xff));
 }
 
-/// No radius: boxes that are points.
-constexpr float NoRadius[3] = {};
-
-/// The steps that boxes take to move by an index unit up and down along each axis, at least.
-struct BoxSteps
+/// The steps that points take to move by an index unit up and down along each axis, at least.
+struct StepsPerUnit
 {
-  Vf PerUp[3];
-  Vf PerDown[3];
+  Vf Up[3];
+  Vf Down[3];
 
-  /// A step moves by at most `up` and `down`, index units, not negative, times `scale`.
-  BoxSteps(const float up[3], const float down[3], float scale)
+  /// A step moves by at most `up` and `down`, index units, not negative.
+  StepsPerUnit(const float up[3], const float down[3])
   {
     for (int a = 0; a < 3; ++a)
     {
-      this->PerUp[a] = Splat(1.0f / std::max(scale * up[a], Slowest));
-      this->PerDown[a] = Splat(1.0f / std::max(scale * down[a], Slowest));
+      this->Up[a] = Splat(1.0f / std::max(up[a], Slowest));
+      this->Down[a] = Splat(1.0f / std::max(down[a], Slowest));
     }
   }
 
   /// A step moves by `move`, index units, or by something up to `change` from there.
-  BoxSteps(const Vec3& move, const Vec3& change)
+  StepsPerUnit(const Vec3& move, const Vec3& change)
   {
     const auto find = [&](Vf v, Vf c, int a) {
       const auto steps = [](
                            Vf most) { return hn::Div(Splat(1.0f), hn::Max(most, Splat(Slowest))); };
-      this->PerUp[a] = steps(hn::Add(c, v));
-      this->PerDown[a] = steps(hn::Sub(c, v));
+      this->Up[a] = steps(hn::Add(c, v));
+      this->Down[a] = steps(hn::Sub(c, v));
     };
     find(move.x, change.x, 0);
     find(move.y, change.y, 1);
@@ -97,131 +92,175 @@ private:
   static constexpr float Slowest = 1e-6f;
 };
 
-/// Asks the distance map about boxes around positions, no wider than a block, by one look-up:
-/// whether they are empty, and how far they may move in the empty cube around their first block.
-class EmptySpaceQuery
+/// The empty cubes of blocks around the blocks that hold positions, by the distance map.
+class EmptyCubes
 {
 public:
   /// `q`: index coordinates; positions outside of the volume count as in the nearest block.
-  HWY_INLINE EmptySpaceQuery(const PacketScene& scene, const Vec3& q, const float radius[3])
+  HWY_INLINE EmptyCubes(const PacketScene& scene, const Vec3& q)
+    : Position{ q.x, q.y, q.z }
   {
     const Df d;
     const Di di;
-    const Vf position[3] = { q.x, q.y, q.z };
-    Vf block[3];
-    Vi sides = hn::Zero(di);
+    const Vf zero = hn::Zero(d);
+    Vi block[3];
     for (int a = 0; a < 3; ++a)
     {
-      const Vf r = Splat(radius[a]);
-      this->Begin[a] = hn::Sub(position[a], r);
-      this->End[a] = hn::Add(position[a], r);
-      block[a] = BlockOf(scene, this->Begin[a], a);
-      const Mf beyond = hn::Gt(BlockOf(scene, this->End[a], a), block[a]);
-      sides = hn::Or(sides, hn::IfThenElseZero(hn::RebindMask(di, beyond), hn::Set(di, 1 << a)));
+      const Vf inBlocks = hn::Mul(this->Position[a], Splat(BlocksPerVoxel));
+      block[a] = Truncate(Clamp(inBlocks, zero, Splat(scene.LastBlock[a])));
     }
-    const Vi code = CodesOf(scene, block);
+    const Vi code = hn::And(LoadCodes(scene, block), hn::Set(di, 0xff));
+    this->Empty = hn::RebindMask(d, hn::Gt(code, hn::Zero(di)));
     const auto isNear = hn::Gt(code, hn::Set(di, DistanceMap::NearCode - 1));
-    // The bit `sides` of these tells that something may be visible.
-    const Vi ofNear = hn::ShiftLeft<1>(hn::Sub(code, hn::Set(di, DistanceMap::NearCode)));
-    const Vi ofOthers = hn::IfThenElseZero(hn::Eq(code, hn::Zero(di)), hn::Set(di, 0xff));
-    const Vi bits = hn::And(hn::IfThenElse(isNear, ofNear, ofOthers) >> sides, hn::Set(di, 1));
-    this->Empty = hn::RebindMask(d, hn::Eq(bits, hn::Zero(di)));
     const Vf distance = hn::ConvertTo(d, hn::IfThenElse(isNear, hn::Set(di, 1), code));
-    const Vf zero = hn::Zero(d);
-    const Vf edge = Splat(BlockEdge);
+    const Vf edge = Splat(static_cast<float>(MinMaxBlocks::BlockSize));
     const Vf far = Splat(Far);
     for (int a = 0; a < 3; ++a)
     {
       // The blocks at the faces extend beyond the volume.
-      const Vf low = hn::Add(hn::Sub(block[a], distance), Splat(1.0f));
-      const Vf high = hn::Add(block[a], distance);
+      const Vf number = hn::ConvertTo(d, block[a]);
+      const Vf low = hn::Add(hn::Sub(number, distance), Splat(1.0f));
+      const Vf high = hn::Add(number, distance);
       this->Low[a] = hn::IfThenElse(hn::Le(low, zero), hn::Neg(far), hn::Mul(edge, low));
       this->High[a] =
         hn::IfThenElse(hn::Gt(high, Splat(scene.LastBlock[a])), far, hn::Mul(edge, high));
     }
   }
 
-  /// Lanes whose boxes are empty.
+  /// Lanes whose blocks are empty.
   HWY_INLINE Mf IsEmpty() const { return this->Empty; }
 
-  /// Counts the steps, a whole number, after which each lane's box, extended by `radius`, is still
-  /// in its empty cube; negative if it is not in it at all.
-  HWY_INLINE Vf CountSteps(const float radius[3], const BoxSteps& box) const
+  /// Lanes whose positions are at least `margin` inside of their cubes.
+  HWY_INLINE Mf Hold(const std::array<float, 3>& margin) const
   {
-    Vf steps = Splat(Most);
+    Mf within = this->Empty;
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      const Vf m = Splat(margin[a]);
+      within = hn::And(within,
+        hn::And(hn::Ge(hn::Sub(this->Position[a], m), this->Low[a]),
+          hn::Le(hn::Add(this->Position[a], m), this->High[a])));
+    }
+    return within;
+  }
+
+  /// Counts the steps, a whole number, after which each lane's position is still at least `margin`
+  /// inside of its cube; negative if it is not so at all.
+  HWY_INLINE Vf CountSteps(const float margin[3], const StepsPerUnit& steps) const
+  {
+    Vf count = Splat(Most);
     for (int a = 0; a < 3; ++a)
     {
-      const Vf r = Splat(radius[a]);
-      const Vf above = hn::Sub(hn::Sub(this->High[a], this->End[a]), r);
-      const Vf below = hn::Sub(hn::Sub(this->Begin[a], this->Low[a]), r);
-      steps = hn::Min(steps, hn::Min(hn::Mul(above, box.PerUp[a]), hn::Mul(below, box.PerDown[a])));
+      const Vf m = Splat(margin[a]);
+      const Vf above = hn::Sub(hn::Sub(this->High[a], this->Position[a]), m);
+      const Vf below = hn::Sub(hn::Sub(this->Position[a], this->Low[a]), m);
+      count = hn::Min(count, hn::Min(hn::Mul(above, steps.Up[a]), hn::Mul(below, steps.Down[a])));
     }
-    return hn::IfThenElse(this->Empty, hn::Floor(steps), Splat(-1.0f));
+    return hn::IfThenElse(this->Empty, hn::Floor(count), Splat(-1.0f));
   }
 
 private:
-  static constexpr float BlockEdge = static_cast<float>(MinMaxBlocks::BlockSize);
   static constexpr float Far = 1e30f;
   static constexpr float Most = 1e6f;
 
-  // The boxes, and the empty cubes around their first blocks.
-  Vf Begin[3];
-  Vf End[3];
+  Vf Position[3];
   Vf Low[3];
   Vf High[3];
   Mf Empty;
 };
 
-/// Whether FindEmptyBoxes() tells of all empty boxes of a radius that they are empty.
-inline bool CanQueryBoxes(const std::array<float, 3>& radius)
+/**
+ * Asks the distance map whether boxes of one size may hold something visible. One look-up answers
+ * for a box that is no wider than a block; wider ones are asked about in halves, and of those that
+ * are wider than two blocks it is known only whether they lie in the empty cubes around their
+ * middles.
+ */
+class BoxQuery
 {
-  return std::max({ radius[0], radius[1], radius[2] }) <=
-    static_cast<float>(MinMaxBlocks::BlockSize);
-}
+public:
+  /// `radius`: half the width of the boxes, index units.
+  BoxQuery(const PacketScene& scene, const std::array<float, 3>& radius)
+    : Scene(scene)
+    , Radius(radius)
+  {
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      this->Parts[a] = 2.0f * radius[a] <= static_cast<float>(MinMaxBlocks::BlockSize) ? 1 : 2;
+      this->PartRadius[a] = radius[a] / static_cast<float>(this->Parts[a]);
+      this->BlocksPerRadius[a] = Splat(BlocksPerVoxel * this->PartRadius[a]);
+      this->LastBlock[a] = Splat(scene.LastBlock[a]);
+    }
+  }
 
-/// Finds the lanes of `lanes` whose boxes around q are known to be empty. `steps`: at most, and not
-/// negative, after which they still are, see EmptySpaceQuery.
-HWY_INLINE Mf FindEmptyBoxes(const PacketScene& scene, const Vec3& q,
-  const std::array<float, 3>& radius, const BoxSteps& moves, Mf lanes, Vf& steps)
-{
-  const Df d;
-  const Vf zero = hn::Zero(d);
-  int parts[3];
-  float part[3];
-  bool whole = true;
-  for (std::size_t a = 0; a < 3; ++a)
+  /// Whether all empty boxes of a radius are told.
+  static bool TellsAll(const std::array<float, 3>& radius)
   {
-    parts[a] = 2.0f * radius[a] <= static_cast<float>(MinMaxBlocks::BlockSize) ? 1 : 2;
-    part[a] = radius[a] / static_cast<float>(parts[a]);
-    whole = whole && parts[a] == 1;
+    return std::max({ radius[0], radius[1], radius[2] }) <=
+      static_cast<float>(MinMaxBlocks::BlockSize);
   }
-  if (HWY_LIKELY(whole))
+
+  /// The lanes of `lanes` whose boxes around q, index coordinates, may hold something visible.
+  /// Positions outside of the volume count as in the nearest block.
+  HWY_INLINE Mf MayShow(const Vec3& q, Mf lanes) const
   {
-    const EmptySpaceQuery query(scene, q, part);
-    steps = hn::Max(query.CountSteps(NoRadius, moves), zero);
-    return hn::And(lanes, query.IsEmpty());
+    const int parts = this->Parts[0] * this->Parts[1] * this->Parts[2];
+    if (parts == 1)
+    {
+      return hn::And(lanes, this->PartMayShow(q));
+    }
+    if (HWY_UNLIKELY(!TellsAll(this->Radius)))
+    {
+      return hn::AndNot(EmptyCubes(this->Scene, q).Hold(this->Radius), lanes);
+    }
+    Mf rest = lanes;
+    for (int i = 0; i < parts && !hn::AllFalse(Df(), rest); ++i)
+    {
+      const auto middleOf = [&](Vf x, std::size_t a, int number) {
+        const float r = this->PartRadius[a];
+        return this->Parts[a] == 1 ? x : hn::Add(x, Splat(number == 0 ? -r : r));
+      };
+      const Vec3 middle{ middleOf(q.x, 0, i % this->Parts[0]),
+        middleOf(q.y, 1, i / this->Parts[0] % this->Parts[1]),
+        middleOf(q.z, 2, i / this->Parts[0] / this->Parts[1]) };
+      rest = hn::AndNot(this->PartMayShow(middle), rest);
+    }
+    return hn::AndNot(rest, lanes);
   }
-  const EmptySpaceQuery middle(scene, q, NoRadius);
-  steps = middle.CountSteps(radius.data(), moves);
-  const Mf inCube = hn::And(lanes, hn::Ge(steps, zero));
-  steps = hn::Max(steps, zero);
-  if (!CanQueryBoxes(radius))
+
+private:
+  /// Whether boxes of the radius PartRadius may hold something visible.
+  HWY_INLINE Mf PartMayShow(const Vec3& q) const
   {
-    return inCube;
+    const Di di;
+    const Vf position[3] = { q.x, q.y, q.z };
+    Vi first[3];
+    Vi sides = hn::Zero(di);
+    for (int a = 0; a < 3; ++a)
+    {
+      const Vf middle = hn::Mul(position[a], Splat(BlocksPerVoxel));
+      const Vf low = hn::Sub(middle, this->BlocksPerRadius[a]);
+      const Vf high = hn::Add(middle, this->BlocksPerRadius[a]);
+      first[a] = Truncate(Clamp(low, hn::Zero(Df()), this->LastBlock[a]));
+      const Vi last = Truncate(hn::Min(high, this->LastBlock[a]));
+      const auto extends = hn::Gt(last, first[a]);
+      sides = hn::Or(sides, hn::IfThenElseZero(extends, hn::Set(di, 1 << a)));
+    }
+    const Vi code = LoadCodes(this->Scene, first);
+    // With NearCode, which is a bit of its own, the bit `sides` - 1 tells.
+    static_assert(DistanceMap::NearCode == 128, "a bit of its own");
+    const auto isNear = hn::TestBit(code, hn::Set(di, DistanceMap::NearCode));
+    const auto isShown = hn::TestBit(hn::ShiftLeft<1>(code) >> sides, hn::Set(di, 1));
+    const auto isVisible = hn::Eq(hn::And(code, hn::Set(di, 0xff)), hn::Zero(di));
+    return hn::RebindMask(Df(), hn::Or(isVisible, hn::And(isNear, isShown)));
   }
-  // Boxes that are wider than a block are asked about in halves.
-  Mf others = hn::AndNot(inCube, hn::And(lanes, middle.IsEmpty()));
-  for (int i = 0; i < parts[0] * parts[1] * parts[2] && !hn::AllFalse(d, others); ++i)
-  {
-    const auto middleOf = [&](Vf x, int a, int number) {
-      return parts[a] == 1 ? x : hn::Add(x, Splat(number == 0 ? -part[a] : part[a]));
-    };
-    const Vec3 at{ middleOf(q.x, 0, i % parts[0]), middleOf(q.y, 1, i / parts[0] % parts[1]),
-      middleOf(q.z, 2, i / parts[0] / parts[1]) };
-    others = hn::And(others, EmptySpaceQuery(scene, at, part).IsEmpty());
-  }
-  return hn::Or(inCube, others);
-}
+
+  const PacketScene& Scene;
+  std::array<float, 3> Radius;
+  std::array<int, 3> Parts; ///< along each axis
+  std::array<float, 3> PartRadius;
+  Vf BlocksPerRadius[3]; ///< blocks along PartRadius
+  Vf LastBlock[3];
+};
 
 } // namespace HWY_NAMESPACE
 } // namespace ffd

@@ -655,10 +655,9 @@ private:
     }
     std::fill_n(segment.Needed.begin(), blocks, 0u);
     std::fill_n(segment.Inside.begin(), blocks, 0u);
-    std::fill_n(segment.SkippedParts.begin(), blocks, 0.0f);
     // Blocks that are too wide for a query of their boxes let their rays leap one by one.
     segment.LeapsRays = this->Scene.Distances != nullptr &&
-      (this->Scene.LeapsRays || !CanQueryBoxes(this->FindPartRadius(segment)));
+      (this->Scene.LeapsRays || !BoxQuery::TellsAll(this->FindPartRadius(segment)));
   }
 
   /// Samples before a part that belong to it: those where its intervals begin.
@@ -684,11 +683,24 @@ private:
     const Di di;
     const PacketScene& scene = this->Scene;
     const std::array<float, 3> radius = this->FindPartRadius(segment);
+    const BoxQuery query(scene, radius);
+    // How far the middles of boxes may be from that of the volume: so that boxes reach the samples'
+    // box, and so that all voxels exist.
+    Vf middles[3];
+    Vf reach[3];
+    Vf inner[3];
+    for (int a = 0; a < 3; ++a)
+    {
+      const float middle = 0.5f * static_cast<float>(scene.Volume.Dimensions[a] - 1);
+      const float r = radius[static_cast<std::size_t>(a)];
+      middles[a] = Splat(middle);
+      reach[a] = Splat(middle - scene.Lower + r);
+      inner[a] = Splat(middle - 1.0f - r);
+    }
     const float samples = static_cast<float>(segment.SamplesPerPart);
     const ValuePeaks::Grid* const peaks = scene.Peaks
       ? scene.Peaks->FindGrid(2.0f * std::max({ radius[0], radius[1], radius[2] }))
       : nullptr;
-    const BoxSteps moves(segment.Up, segment.Down, samples); // from part to part
     const float perSample = 1.0f / static_cast<float>(segment.Samples);
     const float toMiddle =
       0.5f * static_cast<float>(segment.SamplesPerPart - this->CountSamplesBefore());
@@ -707,39 +719,25 @@ private:
       const hn::Rebind<std::uint32_t, Df> du;
       auto needed = hn::BitCast(di, hn::Load(du, segment.Needed.data() + first));
       auto inside = hn::BitCast(di, hn::Load(du, segment.Inside.data() + first));
-      Vf skipTo = hn::Load(d, segment.SkippedParts.data() + first);
       const Mf blocksHere = hn::FirstN(d, static_cast<std::size_t>(blocks) - first);
       for (int part = segment.KnownParts; part < end; ++part)
       {
-        const Vf number = Splat(static_cast<float>(part));
-        const Mf querying = hn::And(blocksHere, hn::Ge(number, skipTo));
-        if (hn::AllFalse(d, querying))
-        {
-          continue;
-        }
         const Vec3 at =
           curve.At(Splat((static_cast<float>(part) * samples + toMiddle) * perSample));
         const Vf q[3] = { at.x, at.y, at.z };
-        Mf within = querying;
-        Mf outside = hn::FirstN(d, 0);
+        Mf within = blocksHere;
+        Mf seen = blocksHere;
         for (int a = 0; a < 3; ++a)
         {
-          const float r = radius[static_cast<std::size_t>(a)];
-          const float last = static_cast<float>(scene.Volume.Dimensions[a] - 2);
-          within =
-            hn::And(within, hn::And(hn::Ge(q[a], Splat(1.0f + r)), hn::Lt(q[a], Splat(last - r))));
-          outside = hn::Or(outside,
-            hn::Or(hn::Lt(q[a], Splat(scene.Lower - r)), hn::Gt(q[a], Splat(scene.Upper[a] + r))));
+          const Vf distance = hn::Abs(hn::Sub(q[a], middles[a]));
+          within = hn::And(within, hn::Lt(distance, inner[a]));
+          seen = hn::And(seen, hn::Le(distance, reach[a]));
         }
-        Mf seen = hn::AndNot(outside, querying);
-        if (scene.Distances && !hn::AllFalse(d, seen))
+        if (scene.Distances)
         {
           this->Scratch.Statistics.DistanceLookups +=
             static_cast<std::int64_t>(hn::CountTrue(d, seen));
-          Vf steps;
-          const Mf empty = FindEmptyBoxes(scene, at, radius, moves, seen, steps);
-          skipTo = hn::IfThenElse(empty, hn::Add(hn::Add(number, Splat(1.0f)), steps), skipTo);
-          seen = hn::AndNot(empty, seen);
+          seen = query.MayShow(at, seen);
         }
         if (HWY_UNLIKELY(scene.Peaks != nullptr))
         {
@@ -756,7 +754,6 @@ private:
       }
       hn::Store(hn::BitCast(du, needed), du, segment.Needed.data() + first);
       hn::Store(hn::BitCast(du, inside), du, segment.Inside.data() + first);
-      hn::Store(skipTo, d, segment.SkippedParts.data() + first);
     }
     segment.KnownParts = end;
   }

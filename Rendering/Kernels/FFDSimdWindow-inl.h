@@ -52,7 +52,7 @@ enum class WindowFit
   None ///< it may be wider than the window
 };
 
-template <class T, WindowFit Fit>
+template <class T, WindowFit Fit, bool AtFaces>
 class WindowRows;
 
 #if FFD_HAS_VOXEL_WINDOWS
@@ -71,6 +71,7 @@ public:
   explicit VoxelWindow(const PacketVolume& v)
     : Volume(v)
     , Usable(std::min({ v.Dimensions[0], v.Dimensions[1], v.Dimensions[2] }) >= Side)
+    , LastCell(_mm_setr_epi32(v.Dimensions[0] - 2, v.Dimensions[1] - 2, v.Dimensions[2] - 2, 0))
   {
   }
 
@@ -117,17 +118,27 @@ public:
   /// Which window holds all voxels of any sample of the segment.
   HWY_INLINE WindowFit GetFit() const { return this->Fit; }
 
-  /// Moves the window to the samples n of the rays. All voxels that they and their gradients need
-  /// must exist.
+  /// Moves the window to the samples n of the rays. Without `AtFaces` all voxels that they and
+  /// their gradients need must exist.
+  template <bool AtFaces>
   HWY_INLINE void MoveTo(int n)
   {
-    // The window may begin after positions that none of the rays is at.
-    const __m128i low = _mm_max_epi32(_mm_cvttps_epi32(this->LowestAt(n)), _mm_set1_epi32(1));
-    this->Corner = _mm_min_epi32(low, this->LastCorner);
+    const __m128 lowest = this->LowestAt(n);
+    if constexpr (AtFaces)
+    {
+      // The last position is in the cell before it.
+      this->Corner = _mm_min_epi32(_mm_cvttps_epi32(_mm_floor_ps(lowest)), this->LastCell);
+    }
+    else
+    {
+      // The window may begin before or after positions that none of the rays is at.
+      const __m128i low = _mm_max_epi32(_mm_cvttps_epi32(lowest), _mm_set1_epi32(1));
+      this->Corner = _mm_min_epi32(low, this->LastCorner);
+    }
   }
 
 private:
-  template <class, WindowFit>
+  template <class, WindowFit, bool>
   friend class WindowRows;
 
   using D4 = hn::CappedTag<float, 4>;
@@ -249,6 +260,7 @@ private:
 
   const PacketVolume& Volume;
   bool Usable; ///< whether the volume is as large as a window
+  __m128i LastCell;
   WindowFit Fit = WindowFit::None;
   float PerStep = 0.0f;
   float Offset = 0.0f;
@@ -258,43 +270,117 @@ private:
   __m128i Corner; ///< first cell along each axis
 };
 
+/// Where the rows of a window are, all voxels of which exist.
+template <bool AtFaces>
+class WindowAddresses
+{
+public:
+  HWY_INLINE WindowAddresses(const PacketVolume& v, int x, int y, int z)
+    : StepY(v.IncrementY)
+    , StepZ(v.IncrementZ)
+    , First(static_cast<const std::uint8_t*>(v.Scalars) + (z - 1) * this->StepZ +
+        (y - 1) * this->StepY + x - 1)
+    , FirstX(x - 1)
+  {
+  }
+
+  HWY_INLINE const std::uint8_t* Get(int slab, int row) const
+  {
+    return this->First + slab * this->StepZ + row * this->StepY;
+  }
+
+  /// The first voxel along x.
+  HWY_INLINE int GetFirstX() const { return this->FirstX; }
+
+private:
+  std::ptrdiff_t StepY;
+  std::ptrdiff_t StepZ;
+  const std::uint8_t* First;
+  int FirstX;
+};
+
+/// The same at the faces of the volume, where the outermost voxels are repeated; along x rows begin
+/// where eight voxels exist.
+template <>
+class WindowAddresses<true>
+{
+public:
+  HWY_INLINE WindowAddresses(const PacketVolume& v, int x, int y, int z)
+    : FirstX(std::clamp(x - 1, 0, v.Dimensions[0] - 8))
+  {
+    const std::uint8_t* const first = static_cast<const std::uint8_t*>(v.Scalars) + this->FirstX;
+    for (int k = 0; k < 8; ++k)
+    {
+      this->Slabs[k] =
+        first + std::clamp(z - 1 + k, 0, v.Dimensions[2] - 1) * std::ptrdiff_t{ v.IncrementZ };
+      this->Rows[k] =
+        std::clamp(y - 1 + k, 0, v.Dimensions[1] - 1) * std::ptrdiff_t{ v.IncrementY };
+    }
+  }
+
+  HWY_INLINE const std::uint8_t* Get(int slab, int row) const
+  {
+    return this->Slabs[slab] + this->Rows[row];
+  }
+
+  HWY_INLINE int GetFirstX() const { return this->FirstX; }
+
+private:
+  const std::uint8_t* Slabs[8];
+  std::ptrdiff_t Rows[8];
+  int FirstX;
+};
+
 /**
  * The rows of a sample: the window is loaded into registers, slab by slab, and rows are looked up
  * there by permutations of bytes, where loads lane by lane would take several times as many
- * instructions. A source of rows as OffsetRows.
+ * instructions. A source of rows as OffsetRows. `AtFaces`: voxels that they or their gradients need
+ * may not exist.
  */
-template <class T, WindowFit Fit>
+template <class T, WindowFit Fit, bool AtFaces>
 class WindowRows
 {
 public:
   /// `window`: moved to the sample, which `cells` are of.
   HWY_INLINE WindowRows(const VoxelWindow<T>& window, const SampleCells& cells)
+    : Voxels(window.Volume, _mm_cvtsi128_si32(window.Corner), _mm_extract_epi32(window.Corner, 1),
+        _mm_extract_epi32(window.Corner, 2))
   {
     const Di di;
-    const int x = _mm_cvtsi128_si32(window.Corner);
     const int y = _mm_extract_epi32(window.Corner, 1);
     const int z = _mm_extract_epi32(window.Corner, 2);
-    this->StepY = window.Volume.IncrementY;
-    this->StepZ = window.Volume.IncrementZ;
-    this->First = static_cast<const std::uint8_t*>(window.Volume.Scalars) + (z - 1) * this->StepZ +
-      (y - 1) * this->StepY + x - 1;
-    // Nothing is read there: it may lie outside of the volume.
-    const std::uintptr_t next = reinterpret_cast<std::uintptr_t>(this->First) +
-      static_cast<std::uintptr_t>(window.ToNextSlab);
-    for (int row = 0; row < VoxelWindow<T>::Side; ++row)
+    if constexpr (!AtFaces)
     {
-      const std::uintptr_t at = next + static_cast<std::uintptr_t>(row * this->StepY);
-      _mm_prefetch(reinterpret_cast<const char*>(at), _MM_HINT_T0);
+      // Nothing is read there: it may lie outside of the volume.
+      const std::uintptr_t next = reinterpret_cast<std::uintptr_t>(this->Voxels.Get(0, 0)) +
+        static_cast<std::uintptr_t>(window.ToNextSlab);
+      for (int row = 0; row < VoxelWindow<T>::Side; ++row)
+      {
+        const std::uintptr_t at =
+          next + static_cast<std::uintptr_t>(row * std::ptrdiff_t{ window.Volume.IncrementY });
+        _mm_prefetch(reinterpret_cast<const char*>(at), _MM_HINT_T0);
+      }
     }
     const Vi dz = hn::Sub(cells.Z, hn::Set(di, z));
     const Vi odd = Fit == WindowFit::Two ? dz : hn::And(dz, hn::Set(di, 1));
     this->High = _mm512_cmpgt_epi32_mask(dz.raw, _mm512_set1_epi32(1));
     // Numbers, within two slabs, of the four bytes of the row at (0, 0).
     const Vi at = hn::Add(hn::ShiftLeft<6>(odd),
-      hn::Add(hn::ShiftLeft<3>(cells.Y), hn::Sub(cells.X, hn::Set(di, x + 8 * (y - 1)))));
+      hn::Add(hn::ShiftLeft<3>(cells.Y),
+        hn::Sub(cells.X, hn::Set(di, this->Voxels.GetFirstX() + 1 + 8 * (y - 1)))));
     this->Index = _mm512_add_epi8(
       _mm512_shuffle_epi8(at.raw, _mm512_set4_epi32(0x0c0c0c0c, 0x08080808, 0x04040404, 0)),
       _mm512_set1_epi32(0x03020100));
+    if constexpr (AtFaces)
+    {
+      // Before the first voxel and behind the last one these are repeated.
+      const auto isFirst = _mm512_cmpeq_epi32_mask(cells.X.raw, _mm512_setzero_si512());
+      const auto isLast =
+        _mm512_cmpeq_epi32_mask(cells.X.raw, _mm512_set1_epi32(window.Volume.Dimensions[0] - 2));
+      this->Index = _mm512_mask_add_epi32(this->Index, isFirst, this->Index, _mm512_set1_epi32(1));
+      this->Index =
+        _mm512_mask_sub_epi32(this->Index, isLast, this->Index, _mm512_set1_epi32(1 << 24));
+    }
     for (int k = 1; k < NumberOfSlabs - 1; ++k)
     {
       this->Slabs[k] = this->LoadCells(k);
@@ -342,17 +428,15 @@ private:
   /// Loads one of the eight rows of a slab into the others.
   HWY_INLINE __m512i LoadRow(int slab, int row, __m512i others) const
   {
-    const std::uint8_t* const from = this->First + slab * this->StepZ + row * this->StepY;
     return _mm512_mask_broadcastq_epi64(others, static_cast<__mmask8>(1 << row),
-      _mm_loadl_epi64(reinterpret_cast<const __m128i*>(from)));
+      _mm_loadl_epi64(reinterpret_cast<const __m128i*>(this->Voxels.Get(slab, row))));
   }
 
   /// Loads the rows of a slab that are voxels of the cells.
   HWY_INLINE __m512i LoadCells(int slab) const
   {
-    const std::uint8_t* const first = this->First + slab * this->StepZ + this->StepY;
-    __m512i rows =
-      _mm512_broadcastq_epi64(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(first)));
+    __m512i rows = _mm512_broadcastq_epi64(
+      _mm_loadl_epi64(reinterpret_cast<const __m128i*>(this->Voxels.Get(slab, 1))));
     for (int row = 2; row < 7; ++row)
     {
       rows = this->LoadRow(slab, row, rows);
@@ -360,9 +444,7 @@ private:
     return rows;
   }
 
-  const std::uint8_t* First; ///< voxel of the window, one before the first cell
-  std::ptrdiff_t StepY;
-  std::ptrdiff_t StepZ;
+  WindowAddresses<AtFaces> Voxels; ///< from one before the first cell along each axis
   __m512i Index;
   __mmask16 High;
   __m512i Slabs[NumberOfSlabs];

@@ -69,7 +69,6 @@ struct alignas(64) TileSegment
   /// exist.
   alignas(64) std::array<std::uint32_t, BlocksPerTile> Needed;
   alignas(64) std::array<std::uint32_t, BlocksPerTile> Inside;
-  alignas(64) std::array<float, BlocksPerTile> SkippedParts; ///< before the next query
   /// Where extremes are looked for, a bound of the values of each needed part: a code of
   /// ValuePeaks.
   alignas(64) std::array<std::array<std::uint8_t, BlocksPerTile>, LargestNumberOfParts> Peaks;

@@ -143,10 +143,11 @@ public:
     this->Scene.Map = &this->Map;
   }
 
-  void SetCamera(bool perspective, int width, int height)
+  void SetCamera(bool perspective, int width, int height,
+    const glm::dvec3& fromCenter = glm::dvec3(60.0, 40.0, 90.0))
   {
     const glm::dvec3 center(119.0, -32.0, 26.0);
-    const glm::dvec3 eye = center + glm::dvec3(60.0, 40.0, 90.0);
+    const glm::dvec3 eye = center + fromCenter;
     const glm::dmat4 view = glm::lookAt(eye, center, glm::dvec3(0.0, 1.0, 0.0));
     const double aspect = static_cast<double>(width) / height;
     const glm::dmat4 projection = perspective
@@ -376,21 +377,49 @@ TEST(PacketCaster, NodesOfSubtiles)
 /// Voxels at the faces of the volume are visible: there are none beyond them to fetch.
 TEST(PacketCaster, Faces)
 {
-  for (const ScalarType type :
-    { ScalarType::Int8, ScalarType::UInt16, ScalarType::Float32, ScalarType::Int32 })
+  for (const ScalarType type : { ScalarType::Int8, ScalarType::UInt8, ScalarType::UInt16,
+         ScalarType::Float32, ScalarType::Int32 })
   {
     for (const double size : { 0.0, 1.0 })
     {
-      SCOPED_TRACE(
-        "type " + std::to_string(static_cast<int>(type)) + ", size " + std::to_string(size));
-      TestScene scene(type, 7);
-      scene.SetLeastVisible(-60.0);
-      scene.SetDeformation(size, PullBackKind::Exact);
-      scene.SetCamera(true, 64, 64);
-      scene.Settings.ErrorBound.PositionTolerance = 0.001;
-      // Single precision takes a sample at a face for inside or outside.
-      ExpectSamePicture(scene, 40.0);
+      for (const double side : { 1.0, -1.0 })
+      {
+        SCOPED_TRACE("type " + std::to_string(static_cast<int>(type)) + ", size " +
+          std::to_string(size) + ", side " + std::to_string(side));
+        TestScene scene(type, 7);
+        scene.SetLeastVisible(-60.0);
+        scene.SetDeformation(size, PullBackKind::Exact);
+        scene.SetCamera(true, 64, 64, side * glm::dvec3(60.0, 40.0, 90.0));
+        scene.Settings.ErrorBound.PositionTolerance = 0.001;
+        // Single precision takes a sample at a face for inside or outside.
+        ExpectSamePicture(scene, 40.0);
+      }
     }
+  }
+}
+
+/// Samples at the faces of the volume and outside of it, which vectors of bytes take from windows
+/// of voxels: those of all instruction sets are equal.
+TEST(PacketCaster, FacesOfAllTargets)
+{
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    SCOPED_TRACE("corner " + std::to_string(corner));
+    TestScene scene(corner % 2 == 0 ? ScalarType::UInt8 : ScalarType::Int8, 7);
+    scene.SetLeastVisible(-60.0);
+    scene.SetDeformation(1.0, PullBackKind::Forward);
+    scene.SetCamera(true, 64, 64,
+      glm::dvec3((corner & 1) != 0 ? 60.0 : -60.0, (corner & 2) != 0 ? 50.0 : -50.0,
+        corner < 4 ? 70.0 : -70.0));
+    std::vector<float> first;
+    ForEveryTarget([&] {
+      const std::vector<float> colors = scene.Render(false).Colors;
+      if (first.empty())
+      {
+        first = colors;
+      }
+      EXPECT_LT(Compare(colors, first).Mean, 2e-3);
+    });
   }
 }
 

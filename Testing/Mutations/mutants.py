@@ -234,9 +234,27 @@ MUTANTS = (
     Mutant(
         "vectors: leaps down are limited by the way up",
         "index",
-        "this->PerDown[a] = Splat(1.0f / std::max(scale * down[a], Slowest));",
-        "this->PerDown[a] = Splat(1.0f / std::max(scale * up[a], Slowest));",
+        "this->Down[a] = Splat(1.0f / std::max(down[a], Slowest));",
+        "this->Down[a] = Splat(1.0f / std::max(up[a], Slowest));",
         PACKETS + kernels("PositionError")),
+    Mutant(
+        "vectors: boxes are asked about as if they ended in their first block",
+        "bound",
+        "const Vi last = Truncate(hn::Min(high, this->LastBlock[a]));",
+        "const Vi last = Truncate(hn::Min(low, this->LastBlock[a]));",
+        PACKETS),
+    Mutant(
+        "vectors: the last voxel of a row is not repeated in windows",
+        "index",
+        "this->Index, isLast, this->Index, _mm512_set1_epi32(1 << 24));",
+        "this->Index, isLast, this->Index, _mm512_set1_epi32(0));",
+        PACKETS),
+    Mutant(
+        "vectors: gradients in windows at faces are not rescaled",
+        "term",
+        "return Select(border, AtFaces(this->Scene.Volume, q, gradient), gradient);",
+        "return Select(border, gradient, gradient);",
+        PACKETS),
     Mutant(
         "vectors: a gradient is taken from the wrong column of voxels",
         "index",
