@@ -207,10 +207,8 @@ bool vtkFFDFramePlan::PlaceRays(
   this->Pixels = shown ? static_cast<double>(pixels.x) * pixels.y : this->Pixels;
   if (shown && mapper->GetAutoAdjustSampleDistances())
   {
-    const double least = mapper->GetMinimumImageSampleDistance();
-    region.Step = interactive
-      ? this->FindStep(mapper, volume->GetAllocatedRenderTime())
-      : std::min(std::max(1.0, least), std::max(least, mapper->GetMaximumImageSampleDistance()));
+    region.Step = interactive ? this->FindStep(mapper, volume->GetAllocatedRenderTime())
+                              : mapper->GetMinimumImageSampleDistance();
   }
   this->LastStep = interactive ? region.Step : 0.0;
   region.Rays = glm::max(glm::ivec2(1), glm::ivec2(glm::ceil(glm::dvec2(pixels) / region.Step)));
@@ -240,5 +238,6 @@ void vtkFFDFramePlan::RecordStillTime(
   const double samples = mapper->GetLockSampleDistanceToInputSpacing()
     ? 2.0
     : mapper->GetInteractiveSampleDistance() / mapper->GetSampleDistance();
-  this->StillTime = this->EstimateTime() * std::max(1.0, samples);
+  const double step = mapper->GetMinimumImageSampleDistance();
+  this->StillTime = this->EstimateTime() * std::max(1.0, samples) / (step * step);
 }

@@ -423,8 +423,8 @@ public:
   /**
    * Whether the image sample distance is chosen so that a frame takes the time that the renderer
    * allots to it (vtkRenderWindow::SetDesiredUpdateRate), and the interactive sample distance is
-   * used in quick frames. Default: on. Still frames then have one ray a pixel, if the limits of the
-   * automatic image sample distance allow it.
+   * used in quick frames. Default: on. Still frames then have the minimum image sample
+   * distance, one ray a pixel by default.
    */
   vtkSetMacro(AutoAdjustSampleDistances, vtkTypeBool);
   vtkGetMacro(AutoAdjustSampleDistances, vtkTypeBool);

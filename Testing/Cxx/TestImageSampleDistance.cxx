@@ -61,7 +61,23 @@ int TestImageSampleDistance(int argc, char* argv[])
     }
   }
   scene.Ours->SetBlendModeToComposite();
-  scene.Ours->SetImageSampleDistance(1.0);
+  // The lower limit of the automatic distance is that of still frames.
+  for (const double distance : { 0.5, 1.0, 2.0 })
+  {
+    scene.Ours->SetImageSampleDistance(distance);
+    const ffdTest::Picture chosen = scene.Render(scene.Ours);
+    const double rays = Rays(scene);
+    scene.Ours->AutoAdjustSampleDistancesOn();
+    scene.Ours->SetImageSampleDistance(1.0);
+    scene.Ours->SetMinimumImageSampleDistance(distance);
+    const ffdTest::Distance d = scene.Compare(chosen, scene.Render(scene.Ours));
+    checks.Expect(d.Max == 0.0 && Rays(scene) == rays,
+      "still frames of minimum " + std::to_string(distance),
+      ffdTest::ToString(d) + " from the picture of that distance; " + std::to_string(Rays(scene)) +
+        " rays of " + std::to_string(rays));
+    scene.Ours->SetMinimumImageSampleDistance(1.0);
+    scene.Ours->AutoAdjustSampleDistancesOff();
+  }
   const ffdTest::Picture still = scene.Render(scene.Ours);
   const double stillRays = Rays(scene);
   const double stillSamples = scene.Ours->GetStatistics()->GetSamplesPerRay();

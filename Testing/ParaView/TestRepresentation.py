@@ -399,6 +399,20 @@ class TestRepresentation(unittest.TestCase):
         coarse = ffd.picture(self.view, "coarse points")
         self.assertLess((fine - coarse).max(), 50)
 
+    def test_several_rays_a_pixel(self):
+        """Still pictures have them whether or not the quality of moving ones adapts."""
+        self.show(Shape="Twist")
+        ffd.set_functions(opaque=True)
+        pictures = {}
+        for adapt in (0, 1):
+            self.display.FFDAdaptInteractiveQuality = adapt
+            for step in (1.0, 0.5):
+                self.display.FFDImageSampleDistance = step
+                pictures[adapt, step] = ffd.picture(self.view, "rays %d %g" % (adapt, step))
+        self.assertGreater(ffd.differ(pictures[0, 0.5], pictures[0, 1.0])[1], 0.02)
+        for step in (1.0, 0.5):
+            self.assertEqual(ffd.differ(pictures[0, step], pictures[1, step])[0], 0)
+
     def test_translucent_things(self):
         """Axes grids and translucent surfaces, which the view draws by depth peeling, stand beside
         the volume; the view's setting stays."""
