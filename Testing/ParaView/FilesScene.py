@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Run by TestPanel.py in ParaView's graphical client: a volume that is selected, or with
-FFD_FILES_SELECTED=contour a contour of it. When the client renders, FFD_FILES_LOG gets what the pipeline
-is: a line of JSON."""
+"""Run by TestPanel.py in ParaView's graphical client: a volume that is selected, or what FFD_FILES_SELECTED
+says: a contour of it, a file that does not exist (missing), or the volume while another server is the active
+one, at the port FFD_FILES_PORT (elsewhere). When the view of the volume is rendered, FFD_FILES_LOG gets what
+the pipeline is: a line of JSON."""
 
 import json
 import os
@@ -22,19 +23,29 @@ selected = wavelet
 if os.environ["FFD_FILES_SELECTED"] == "contour":
     selected = simple.Contour(Input=wavelet, Isosurfaces=[150.0])
     simple.Show(selected, view)
+elif os.environ["FFD_FILES_SELECTED"] == "missing":
+    selected = simple.LegacyVTKReader(registrationName="Gone", FileNames=[os.environ["FFD_FILES_LOG"] + ".vtk"])
 simple.SetActiveSource(selected)
 simple.Render(view)
+if os.environ["FFD_FILES_SELECTED"] == "elsewhere":
+    simple.Connect("localhost", int(os.environ["FFD_FILES_PORT"]))
+
+
+def shows(source):
+    display = simple.GetRepresentation(source, view)
+    return bool(display and display.Visibility)
 
 
 def note(*_):
     """Write down what there is and what is shown."""
     with open(os.environ["FFD_FILES_LOG"], "w", encoding="ascii") as log:
         sources = simple.GetSources()
+        active = simple.GetActiveSource()
         json.dump({
             "sources": [source.SMProxy.GetXMLName() for source in sources.values()],
             "visible": [source.SMProxy.GetXMLName() for source in sources.values()
-                        if simple.GetRepresentation(source, view).Visibility],
-            "active": simple.GetActiveSource().SMProxy.GetXMLName(),
+                        if shows(source)],
+            "active": active.SMProxy.GetXMLName() if active else None,
             "bounds": list(view.SMProxy.GetRenderer().ComputeVisiblePropBounds())}, log)
 
 

@@ -343,8 +343,9 @@ class TestPanel(unittest.TestCase):
                  ("HandleMode", "InteriorVisibility", "LineMode", "Visible")],
                 [handle, interior, curved, visible], height)
 
-    def open_transform(self, selected):
-        """File > Open of a transform file, and Apply; returns what ParaView says, the pipeline, and the file."""
+    def open_transform(self, selected, *options, **variables):
+        """File > Open of a transform file, and Apply; returns what ParaView says, the pipeline (None if the
+        view was not rendered), and the file."""
         folder = tempfile.mkdtemp(prefix="files.", dir=TEMPORARY)
         os.chmod(folder, 0o700)
         path = write_translation(folder)
@@ -356,11 +357,14 @@ class TestPanel(unittest.TestCase):
         # Rendered again, even if there is nothing new to show.
         events.drag((0.5, 0.5), (0.5, 0.5))
         log = os.path.join(folder, "log")
-        result = play(find_command("FilesScene.py", folder, events),
-                      find_environment(folder, FFD_FILES_LOG=log, FFD_FILES_SELECTED=selected))
+        result = play(find_command("FilesScene.py", folder, events, *options), find_environment(
+            folder, FFD_FILES_LOG=log, FFD_FILES_SELECTED=selected, **variables))
         self.assertEqual(result.returncode, 0, result.stdout)
-        with open(log, encoding="ascii") as file:
-            return result.stdout, json.load(file), path
+        state = None
+        if os.path.exists(log):
+            with open(log, encoding="ascii") as file:
+                state = json.load(file)
+        return result.stdout, state, path
 
     def test_transform_file(self):
         """File > Open of a transform file with a volume selected applies it to the volume, and Apply
@@ -384,6 +388,37 @@ class TestPanel(unittest.TestCase):
         self.assertIn(path + " is opened, but not applied to Contour1, which is selected: it is no volume (an "
                       "image), but \"Polygonal Mesh\". Select Wavelet1, and choose Filters > FFD > FFD Apply "
                       "Transform with shift.tfm as the transform.", text)
+
+    def test_transform_file_without_data(self):
+        """With a source selected whose file is missing the message says that it has no data."""
+        said, state, path = self.open_transform("missing")
+        self.assertEqual(sorted(state["sources"]),
+                         ["FFDTransformReader", "LegacyVTKFileReader", "RTAnalyticSource"])
+        text = " ".join(said.split())
+        self.assertEqual(text.count("is opened, but not applied"), 1, said)
+        self.assertIn(path + " is opened, but not applied to Gone, which is selected: it has no data. Select "
+                      "a volume, and choose Filters > FFD > FFD Apply Transform with shift.tfm as the transform.",
+                      text)
+
+    def test_transform_file_elsewhere(self):
+        """The volume that was selected is the client's, and the file is opened on a server: the message says
+        that."""
+        port = 21000 + (os.getpid() + 2) % 9000
+        with subprocess.Popen(
+                ["pvserver", "--server-port=%d" % port], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                text=True, env={**os.environ, "PV_PLUGIN_PATH": os.path.dirname(PLUGIN)}) as server:
+            try:
+                for line in server.stdout:
+                    if "Accepting" in line:
+                        break
+                said, _, path = self.open_transform(
+                    "elsewhere", "--multi-servers", FFD_FILES_PORT=str(port))
+            finally:
+                server.terminate()
+        text = " ".join(said.split())
+        self.assertEqual(text.count("is opened, but not applied"), 1, said)
+        self.assertIn(path + " is opened, but not applied to Wavelet1, which is selected: it is on another "
+                      "server. Select a volume of the server that has the file, and choose Filters", text)
 
     def test_hover(self):
         """The pointer rests on the volume, beside it, and on it again, which a server of two processes

@@ -120,18 +120,20 @@ void pqFFDTransformFiles::applyToVolume(pqPipelineSource* reader, const QStringL
   {
     return;
   }
-  const QString problem = this->Volume->getServer() != reader->getServer()
-    ? tr("it is on another server")
-    : FindProblem(this->Volume);
+  const bool elsewhere = this->Volume->getServer() != reader->getServer();
+  const QString problem = elsewhere ? tr("it is on another server") : FindProblem(this->Volume);
   if (!problem.isEmpty())
   {
-    pqPipelineSource* above = FindVolumeAbove(this->Volume);
+    pqPipelineSource* above = elsewhere ? nullptr : FindVolumeAbove(this->Volume);
     const QString text = tr(
       "%1 is opened, but not applied to %2, which is selected: %3. Select %4, and choose Filters > "
       "FFD > FFD Apply Transform with %5 as the transform.")
                            .arg(files.isEmpty() ? reader->getSMName() : files.first(),
                              this->Volume->getSMName(), problem,
-                             above ? above->getSMName() : tr("a volume"), reader->getSMName());
+                             above         ? above->getSMName()
+                               : elsewhere ? tr("a volume of the server that has the file")
+                                           : tr("a volume"),
+                             reader->getSMName());
     vtkWarningWithObjectMacro(reader->getProxy(), << text.toUtf8().constData());
     return;
   }
