@@ -140,25 +140,36 @@ class TestAsVolume(unittest.TestCase):
         array = self.compare(display, "array", least=0.8)
         self.assertGreater(np.abs(array - gradient).mean(), 1.0)
         display.UseGradientForTransfer2D = 1
-        # ParaView's volume takes these opacities over its sample distance, see
-        # vtkVolumeMapper::SpacingAdjustedSampleDistance(), ours over the unit distance.
-        samples = 0.5 * (0.01 + 0.99 * 30 / 100)
+        # As opaque as ParaView's volume, whatever the distance of the samples and the unit distance is.
         plane.Boxes = [0.3, 0.0, 0.5, 0.5, 1.0, 0.2, 0.1, 0.2]
         for shade in (0, 1):
             display.FFDShade = shade
-            display.FFDScalarOpacityUnitDistance = samples
-            ours = ffd.picture(self.view, "plane, unit distance of Volume")
-            display.FFDScalarOpacityUnitDistance = 1.0
-            faint = ffd.picture(self.view, "plane, unit distance 1")
             display.SetRepresentationType("Volume")
             own = ffd.picture(self.view, "plane of Volume")
             display.SetRepresentationType("FFD Volume")
-            self.assertLess(np.abs(ours - own).mean(), 0.5, shade)
-            self.assertLess(ffd.differ(ours, own)[0], 24, shade)
-            self.assertGreater(own.mean() - faint.mean(), 1.0, shade)
+            for distance, unit in ((1.0, 3.0 ** 0.5), (0.25, 3.0 ** 0.5), (1.0, 0.3)):
+                display.FFDSampleDistance = distance
+                display.FFDScalarOpacityUnitDistance = unit
+                ours = ffd.picture(self.view, "plane %g %g" % (distance, unit))
+                self.assertLess(np.abs(ours - own).mean(), 0.5, (shade, distance, unit))
+                self.assertLess(ffd.differ(ours, own)[0], 24, (shade, distance, unit))
         display.FFDShade = 0
-        display.FFDScalarOpacityUnitDistance = 3.0 ** 0.5
+        display.FFDSampleDistance = 1.0
+        # Between the texels of ParaView's table, 10 x 10, the function is that of its volume.
+        plane.Boxes = [0.4, 0.0, 0.2, 1.0, 0.6, 0.6, 0.6, 0.3]
+        ours = ffd.picture(self.view, "narrow box")
+        display.SetRepresentationType("Volume")
+        own = ffd.picture(self.view, "narrow box of Volume")
+        display.SetRepresentationType("FFD Volume")
+        self.assertLess(ffd.differ(ours, own)[1], 0.2)
+        self.assertLessEqual(ffd.differ(ours, own)[0], 8)
+        # Edits of the function are shown.
+        plane.Boxes = [0.3, 0.0, 0.5, 0.5, 1.0, 0.2, 0.1, 0.8]
+        self.assertLessEqual(ffd.differ(ffd.picture(self.view, "gradient again"), gradient)[0], 1)
+        # The unit distance is that of one-dimensional functions again.
         display.FFDUseTransfer2D = 0
+        self.assertGreater(ffd.differ(ffd.picture(self.view, "line of unit 0.3"), line)[1], 1.0)
+        display.FFDScalarOpacityUnitDistance = 3.0 ** 0.5
         self.assertLessEqual(ffd.differ(ffd.picture(self.view, "line again"), line)[0], 1)
 
     def test_deformed(self):

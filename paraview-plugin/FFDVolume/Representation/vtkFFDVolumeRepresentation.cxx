@@ -25,6 +25,7 @@
 #include "vtkFieldData.h"
 #include "vtkIdList.h"
 #include "vtkImageData.h"
+#include "vtkImageResize.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkMath.h"
@@ -37,6 +38,7 @@
 #include "vtkOpenGLState.h"
 #include "vtkOutlineSource.h"
 #include "vtkPartitionedDataSet.h"
+#include "vtkPointData.h"
 #include "vtkPolyDataMapper.h"
 #include "vtkProcessModule.h"
 #include "vtkPVLODVolume.h"
@@ -274,8 +276,10 @@ public:
     vtkFFDRenderedImage Rendered;
   };
   std::vector<std::unique_ptr<Shown>>
-    AllShown;                   // one at least, by the superclass's mapper and actor
-  vtkMTimeType OptionsTime = 0; // of the first mapper, when the others had its options
+    AllShown;                          // one at least, by the superclass's mapper and actor
+  vtkSmartPointer<vtkImageData> Table; // the two-dimensional function as ParaView has it
+  vtkNew<vtkImageResize> FineTable;    // of it, what the property has
+  vtkMTimeType OptionsTime = 0;        // of the first mapper, when the others had its options
 
   int Threads = 0;       // SetNumberOfThreads(); 0: all that are there
   int SharedThreads = 0; // these, with several processes; 0: not known
@@ -322,6 +326,7 @@ vtkFFDVolumeRepresentation::~vtkFFDVolumeRepresentation()
 void vtkFFDVolumeRepresentation::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
+  os << indent << "UnitDistance: " << this->UnitDistance << "\n";
   os << indent << "SampleDistance: " << this->SampleDistance << "\n";
   os << indent << "ImageSampleDistance: " << this->ImageSampleDistance << "\n";
   os << indent << "Mapper:\n";
@@ -982,6 +987,63 @@ bool vtkFFDVolumeRepresentation::UsesPlane()
 }
 
 //------------------------------------------------------------------------------
+/// Give the property a larger table of a two-dimensional function, made as VTK's mappers make
+/// theirs: ParaView's has 10 x 10 texels, and linear interpolation between these would be another
+/// function.
+void vtkFFDVolumeRepresentation::UpdateTable()
+{
+  constexpr int Least = 256;
+  vtkInternals& in = *this->Internals;
+  vtkImageData* table = this->Property->GetTransferFunction2D(0);
+  if (table != in.FineTable->GetOutput())
+  {
+    in.Table = table;
+  }
+  const int* size = in.Table->GetDimensions();
+  if (!in.Table->GetPointData()->GetScalars() || (size[0] >= Least && size[1] >= Least))
+  {
+    return;
+  }
+  in.FineTable->SetInputData(in.Table);
+  in.FineTable->SetOutputDimensions(std::max(size[0], Least), std::max(size[1], Least), 1);
+  in.FineTable->Update();
+  this->Property->SetTransferFunction2D(in.FineTable->GetOutput());
+}
+
+//------------------------------------------------------------------------------
+/// Set what opacities are over. The GPU mapper of ParaView's own Volume takes those of
+/// two-dimensional functions for each sample, at vtkVolumeMapper::SpacingAdjustedSampleDistance()
+/// of the whole volume. `whole`: bounds of it at rest, uninitialized if the image is all of it.
+void vtkFFDVolumeRepresentation::UpdateUnitDistance(vtkImageData* image, const double whole[6])
+{
+  double length = this->UnitDistance;
+  if (this->UsesPlane())
+  {
+    double spacing[3];
+    image->GetSpacing(spacing);
+    Extent extent;
+    std::copy_n(this->WholeExtent, 6, extent.begin());
+    const bool part = ffdparts::IsEmpty(extent) && vtkMath::AreBoundsInitialized(whole);
+    if (ffdparts::IsEmpty(extent))
+    {
+      image->GetExtent(extent.data());
+    }
+    double cells = 1.0;
+    for (int a = 0; a < 3; ++a)
+    {
+      cells *=
+        part ? (whole[2 * a + 1] - whole[2 * a]) / spacing[a] : extent[2 * a + 1] - extent[2 * a];
+    }
+    length = (spacing[0] + spacing[1] + spacing[2]) / 6.0 *
+      std::min(1.0, 0.01 + 0.99 * std::cbrt(std::max(cells, 0.0)) / 100.0);
+  }
+  if (length > 0.0)
+  {
+    this->Property->SetScalarOpacityUnitDistance(length);
+  }
+}
+
+//------------------------------------------------------------------------------
 /// Give the volumes after the first the options, the place and the look of that.
 void vtkFFDVolumeRepresentation::UpdateOtherVolumes()
 {
@@ -1031,6 +1093,10 @@ void vtkFFDVolumeRepresentation::UpdateRenderedImage(std::size_t which, vtkImage
     this->Property->SetIndependentComponents(!dependent);
     this->Property->SetTransferFunctionMode(
       this->UsesPlane() ? vtkVolumeProperty::TF_2D : vtkVolumeProperty::TF_1D);
+    if (this->UsesPlane())
+    {
+      this->UpdateTable();
+    }
   }
   mapper->SetTransfer2DYAxisArray(
     shown.Second.Array.Name.empty() ? nullptr : vtkFFDShownComponents::SecondName);
@@ -1045,6 +1111,10 @@ void vtkFFDVolumeRepresentation::UpdateRenderedImage(std::size_t which, vtkImage
   }
   mapper->SetClipBox(clip.data());
   mapper->SetWholeBounds(whole.data());
+  if (this->Property && which == 0)
+  {
+    this->UpdateUnitDistance(image, whole.data());
+  }
   std::array<double, 2> range{ { 1.0, -1.0 } };
   if (!dependent)
   {
@@ -1370,6 +1440,17 @@ void vtkFFDVolumeRepresentation::SetSampleDistance(double voxels)
     return;
   }
   this->SampleDistance = voxels;
+}
+
+//------------------------------------------------------------------------------
+/// Not the superclass's: the property has it only where functions are one-dimensional.
+void vtkFFDVolumeRepresentation::SetScalarOpacityUnitDistance(double length)
+{
+  this->UnitDistance = length;
+  if (this->Property && !this->UsesPlane())
+  {
+    this->Property->SetScalarOpacityUnitDistance(length);
+  }
 }
 
 //------------------------------------------------------------------------------

@@ -111,6 +111,15 @@ public:
 
   ///@{
   /**
+   * The length over which the opacities of one-dimensional transfer functions hold, data units.
+   * Those of two-dimensional ones hold over the distance of the samples of ParaView's own Volume,
+   * which has no other length for them.
+   */
+  void SetScalarOpacityUnitDistance(double length);
+  ///@}
+
+  ///@{
+  /**
    * Pixels between rays in still images, 0.25 to 8; default 1.
    */
   void SetImageSampleDistance(double pixels);
@@ -225,6 +234,8 @@ private:
   void MarkMoved();
   vtkFFDShownComponents FindShown(vtkImageData* image);
   bool UsesPlane();
+  void UpdateTable();
+  void UpdateUnitDistance(vtkImageData* image, const double whole[6]);
   void UpdateOtherVolumes();
   void UpdateRenderedImage(std::size_t which, vtkImageData* image);
   void UpdateSampleDistances(
@@ -232,6 +243,7 @@ private:
   void UpdateCropping(vtkFFDInverseRayVolumeMapper* mapper, vtkImageData* image);
 
   vtkFFDInverseRayVolumeMapper* Mapper; // the superclass's VolumeMapper, that of the first volume
+  double UnitDistance = 1.0;
   double SampleDistance = 1.0;
   double ImageSampleDistance = 1.0;
 
