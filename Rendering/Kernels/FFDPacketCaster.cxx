@@ -874,6 +874,9 @@ PacketCaster::PacketCaster(
 
   p.Inner = p.Sampling == PacketSampling::Composite && !p.Intervals &&
     p.CropSpace == Cropping::Spaces::None && !kind.Components;
+  const bool extremes = p.Sampling == PacketSampling::Extreme;
+  p.InnerBlending =
+    (extremes && p.CropSpace == Cropping::Spaces::None) || p.Sampling == PacketSampling::Surface;
   p.Plain =
     p.Inner && !p.OpacityByGradient && !p.NormalsOfOpacity && !p.Mask.Scalars && !kind.Plane;
 }

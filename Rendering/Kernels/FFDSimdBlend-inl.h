@@ -94,13 +94,14 @@ public:
   HWY_NOINLINE void Take(
     const PacketCurve& curve, const Vec3& q, Vf s, int n, Mf sampled, bool inner)
   {
-    const Df d;
     this->Inner = inner;
-    this->Scratch.Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
+    this->Count(sampled);
     switch (this->Scene.Sampling)
     {
       case PacketSampling::Extreme:
-        return this->TakeExtreme(curve, q, s, n, sampled);
+        return this->TakeExtreme(curve,
+          inner ? this->Samples.FindInnerValue(n, q, sampled) : this->Samples.FindValue(q, sampled),
+          s, sampled);
       case PacketSampling::Sum:
         return this->AddUp(curve, q, s, sampled);
       case PacketSampling::Slice:
@@ -110,6 +111,31 @@ public:
       default:
         return this->TakeSamplePerRay(curve, s, sampled);
     }
+  }
+
+  /**
+   * Takes extremes or surfaces of the samples from `from` on, before `to`, of a curve of a segment
+   * as Take() does where these are shown, if all voxels that they and the intervals behind them
+   * need exist. Returns the number of the sample with which all rays have ended, or `to`.
+   */
+  HWY_INLINE int TakeInner(const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
+  {
+    this->Inner = true;
+    if (this->Scene.Sampling == PacketSampling::Extreme)
+    {
+      return this->Samples.template ForInnerValues<0>(
+        curve, numbers, from, to, [&](int, Vf s, Mf sampled, Vf value) FFD_INLINE_LAMBDA {
+          this->Count(sampled);
+          this->TakeExtreme(curve, value, s, sampled);
+        });
+    }
+    return this->Samples.template ForInnerValues<1>(
+      curve, numbers, from, to, [&](int n, Vf s, Mf sampled, Vf value) FFD_INLINE_LAMBDA {
+        this->Count(sampled);
+        Interval interval{ s, hn::Add(s, curve.PerStep), this->State.Out.Tally, value };
+        this->FindBeginning(curve, n, sampled, sampled, interval);
+        this->CrossSurfaces(curve, n, sampled, sampled, interval);
+      });
   }
 
   /// Finds the pixels of the rays, after their last samples.
@@ -249,13 +275,16 @@ private:
                              : this->Samples.FindValue(q, lanes);
   }
 
+  HWY_INLINE void Count(Mf sampled)
+  {
+    this->Scratch.Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(Df(), sampled));
+  }
+
   /// Keeps the largest value; minima are found as maxima of the negated values.
-  HWY_INLINE void TakeExtreme(const PacketCurve& curve, const Vec3& q, Vf s, int n, Mf sampled)
+  HWY_INLINE void TakeExtreme(const PacketCurve& curve, Vf value, Vf s, Mf sampled)
   {
     const Df d;
     const bool maximum = this->Scene.Source->Blend.Mode == BlendMode::Maximum;
-    Vf value = this->Inner ? this->Samples.FindInnerValue(n, q, sampled)
-                           : this->Samples.FindValue(q, sampled);
     value = maximum ? value : hn::Neg(value);
     // Comparisons with what is not a number are false.
     const Mf better = hn::And(sampled, hn::Gt(value, this->State.Out.Tally));
@@ -337,7 +366,6 @@ private:
   HWY_NOINLINE void CrossSurfaces(const PacketCurve& curve, const Vec3& q, Vf s, int n, Mf lanes)
   {
     const Df d;
-    const Vf number = Splat(static_cast<float>(n));
     const Vec3 end = curve.Position.At(hn::Add(s, curve.PerStep));
     const Mf insideA = this->Inner ? lanes : hn::And(lanes, IsInside(this->Scene, q));
     const Mf insideB = this->Inner ? lanes : hn::And(lanes, IsInside(this->Scene, end));
@@ -352,19 +380,37 @@ private:
     {
       this->FindFaces(curve, faces, insideA, interval);
     }
+    this->FindBeginning(curve, n, insideA, any, interval);
+    interval.B = this->Inner ? this->Samples.FindInnerValue(n + 1, end, any)
+                             : this->ValuesAt(this->PositionAt(curve, interval.To), any, false);
+    this->CrossSurfaces(curve, n, insideB, any, interval);
+  }
+
+  /// Finds the values where the intervals behind the samples n begin, of the lanes of `any`;
+  /// `inside`: rays whose samples are in the volume.
+  HWY_INLINE void FindBeginning(
+    const PacketCurve& curve, int n, Mf inside, Mf any, Interval& interval)
+  {
     // Intervals that follow each other share a value: no surface slips through between them.
-    const Mf known = hn::And(insideA, hn::Eq(this->State.Out.TallyStep, number));
+    const Mf known =
+      hn::And(inside, hn::Eq(this->State.Out.TallyStep, Splat(static_cast<float>(n))));
     const Mf unknown = hn::AndNot(known, any);
-    if (!hn::AllFalse(d, unknown))
+    if (!hn::AllFalse(Df(), unknown))
     {
       interval.A = hn::IfThenElse(unknown,
         this->ValuesAt(this->PositionAt(curve, interval.From), unknown, this->Inner), interval.A);
     }
-    interval.B = this->Inner ? this->Samples.FindInnerValue(n + 1, end, any)
-                             : this->ValuesAt(this->PositionAt(curve, interval.To), any, false);
+  }
+
+  /// Composites the surfaces in the intervals behind the samples n, of the lanes of `any`;
+  /// `inside`: rays that are in the volume at the next sample.
+  HWY_INLINE void CrossSurfaces(
+    const PacketCurve& curve, int n, Mf inside, Mf any, const Interval& interval)
+  {
+    const Df d;
     this->State.Out.Tally = hn::IfThenElse(any, interval.B, this->State.Out.Tally);
     this->State.Out.TallyStep =
-      hn::IfThenElse(insideB, hn::Add(number, Splat(1.0f)), Splat(-1e30f));
+      hn::IfThenElse(inside, Splat(static_cast<float>(n + 1)), Splat(-1e30f));
     // Values ascend, so do the crossings, or they descend. One at an end belongs to the interval
     // where the scalar passes it. Comparisons with what is not a number find none.
     const Mf up = hn::And(any, hn::Lt(interval.A, interval.B));

@@ -347,11 +347,16 @@ private:
       const int to = std::min(
         { from + segment.SamplesPerPart, segment.FirstSample + segment.Samples, this->EndSample });
       const bool within = (segment.Inside[static_cast<std::size_t>(block)] >> part & 1u) != 0;
-      const bool together = this->Scene.Inner && !segment.LeapsRays && !this->Scratch.Positions;
+      const bool whole = !segment.LeapsRays && !this->Scratch.Positions;
+      const bool together = whole && this->Scene.Inner;
       const int first = std::max(from, this->FirstSample);
       int n;
-      if (HWY_UNLIKELY(!together || this->Scene.ClassifiesIntervals ||
-            (!within && !this->Samples.HasFaceSamples())))
+      if (HWY_UNLIKELY(within && whole && this->Scene.InnerBlending))
+      {
+        n = this->Blending.TakeInner(curve, this->Numbers, first, to);
+      }
+      else if (HWY_UNLIKELY(!together || this->Scene.ClassifiesIntervals ||
+                 (!within && !this->Samples.HasFaceSamples())))
       {
         n = this->TakeEachSample(curve, first, to, within, within && together);
       }

@@ -118,6 +118,35 @@ public:
   }
 
   /**
+   * Calls use(n, s, sampled, value) with the samples from `from` on, before `to`, of a curve of a
+   * segment, whose values are those `Ahead` samples behind them. As TakeInnerSamples(), for what
+   * needs the values alone.
+   */
+  template <int Ahead, class Use>
+  HWY_INLINE int ForInnerValues(
+    const PacketCurve& curve, const SampleNumbers& numbers, int from, int to, const Use& use)
+  {
+    if constexpr (HasVoxelWindow<T>())
+    {
+      switch (this->Window.GetFit())
+      {
+        case WindowFit::Two:
+          return this->template ForInnerValues<WindowFit::Two, Ahead>(
+            curve, numbers, from, to, use);
+        case WindowFit::Three:
+          return this->template ForInnerValues<WindowFit::Three, Ahead>(
+            curve, numbers, from, to, use);
+        case WindowFit::Four:
+          return this->template ForInnerValues<WindowFit::Four, Ahead>(
+            curve, numbers, from, to, use);
+        default:
+          break;
+      }
+    }
+    return this->template ForInnerValues<WindowFit::None, Ahead>(curve, numbers, from, to, use);
+  }
+
+  /**
    * Takes the intervals that end at the samples n, at s of a curve, in the lanes of `sampled`, as
    * RayIntegrator::CompositeInterval(). `inner`: all voxels that they and their gradients need
    * exist.
@@ -449,6 +478,36 @@ private:
     return to;
   }
 
+  /// ForInnerValues() with windows of one kind, or without.
+  template <WindowFit Fit, int Ahead, class Use>
+  HWY_NOINLINE int ForInnerValues(
+    const PacketCurve& curve, const SampleNumbers& numbers, int from, int to, const Use& use)
+  {
+    for (int n = from; n < to; ++n)
+    {
+      const Mf sampled = numbers.FindActive(this->State.Alive, n);
+      const Vf s = numbers.FindPlaces(curve, n);
+      const Vec3 q = curve.Position.At(Ahead == 0 ? s : hn::MulAdd(Splat(Ahead), curve.PerStep, s));
+      if (Fit == WindowFit::None && HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0))
+      {
+        use(n, s, sampled, this->FindValue(q, sampled));
+      }
+      else
+      {
+        SampleCells cells;
+        const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
+        auto voxels = this->template FindInnerRows<Fit>(n + Ahead, cells, sampled);
+        SampleRows<T> rows;
+        use(n, s, sampled, Sample<T>(voxels, at, rows));
+      }
+      if (HWY_UNLIKELY(hn::AllFalse(Df(), this->State.Alive)))
+      {
+        return n;
+      }
+    }
+    return to;
+  }
+
   template <WindowFit Fit, bool AtFaces>
   using InnerRows =
     std::conditional_t<Fit == WindowFit::None, OffsetRows<T>, WindowRows<T, Fit, AtFaces>>;
@@ -551,6 +610,12 @@ private:
     }
   }
 
+  /// Gradients whose factors are not known to be zero.
+  static HWY_INLINE Mf IsAboveZero(const PacketGradientOpacity& gradients, const Vec3& gradient)
+  {
+    return hn::Gt(FindSquaredMagnitude(gradients.Scale, gradient), Splat(gradients.ZeroUpTo));
+  }
+
   /// Classifies, shades and composites the samples of the lanes of `sampled`; BorderSamples fetched
   /// those of `border`.
   template <bool Plain, class Source>
@@ -569,6 +634,22 @@ private:
     }
     const PacketMask& mask = this->Scene.Mask;
     const PacketPlane& plane = this->Scene.Plane;
+    const bool byGradient = !Plain && this->Scene.OpacityByGradient;
+    const bool byOpacity = !Plain && this->Scene.NormalsOfOpacity;
+    const PacketGradientOpacity& gradients = this->Scene.Gradients;
+    Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
+    // Most gradients of what is visible by its value may be small: no table is looked up for them.
+    const bool gradientFirst = byGradient && gradients.ZeroUpTo > 0.0f && !mask.Scalars;
+    if (gradientFirst)
+    {
+      voxels.Widen();
+      gradient = this->GradientOf(voxels, at, rows, q, border);
+      sampled = hn::And(sampled, IsAboveZero(gradients, gradient));
+      if (hn::AllFalse(d, sampled))
+      {
+        return;
+      }
+    }
     const bool byPlane = !Plain && plane.Texels != nullptr;
     const bool labeled = !Plain && !mask.Tables.empty();
     const bool mixed = labeled && mask.BlendFactor < 1.0f;
@@ -597,22 +678,17 @@ private:
     {
       return;
     }
-    Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
-    const bool byGradient = !Plain && this->Scene.OpacityByGradient;
-    const bool byOpacity = !Plain && this->Scene.NormalsOfOpacity;
-    if (byGradient || this->Scene.Shade)
+    if (!gradientFirst && (byGradient || this->Scene.Shade))
     {
       voxels.Widen();
     }
-    if (byGradient || (this->Scene.Shade && !byOpacity))
+    if (!gradientFirst && (byGradient || (this->Scene.Shade && !byOpacity)))
     {
       gradient = this->GradientOf(voxels, at, rows, q, border);
     }
-    const PacketGradientOpacity& gradients = this->Scene.Gradients;
-    if (byGradient && gradients.ZeroUpTo > 0.0f)
+    if (!gradientFirst && byGradient && gradients.ZeroUpTo > 0.0f)
     {
-      visible = hn::And(visible,
-        hn::Gt(FindSquaredMagnitude(gradients.Scale, gradient), Splat(gradients.ZeroUpTo)));
+      visible = hn::And(visible, IsAboveZero(gradients, gradient));
       if (hn::AllFalse(d, visible))
       {
         return;
