@@ -874,6 +874,11 @@ PacketCaster::PacketCaster(
 
   p.Inner = p.Sampling == PacketSampling::Composite && !p.Intervals &&
     p.CropSpace == Cropping::Spaces::None && !kind.Components;
+  p.InnerComponents = kind.Components && p.Sampling == PacketSampling::Composite &&
+    p.CropSpace == Cropping::Spaces::None && p.Volume.SlicesInReach == 0 &&
+    p.Components[0].Weight > 0.0f &&
+    (p.KindOfComponents == ComponentKind::ColorOpacity ||
+      p.KindOfComponents == ComponentKind::Rgba);
   const bool extremes = p.Sampling == PacketSampling::Extreme;
   p.InnerBlending =
     (extremes && p.CropSpace == Cropping::Spaces::None) || p.Sampling == PacketSampling::Surface;

@@ -355,14 +355,21 @@ private:
       {
         n = this->Blending.TakeInner(curve, this->Numbers, first, to);
       }
-      else if (HWY_UNLIKELY(!together || this->Scene.ClassifiesIntervals ||
-                 (!within && !this->Samples.HasFaceSamples())))
+      else if (HWY_UNLIKELY(within && whole && this->Samples.HasInnerComponents()))
       {
-        n = this->TakeEachSample(curve, first, to, within, within && together);
+        n = this->Samples.TakeInnerComponents(curve, this->Numbers, first, to);
+      }
+      else if (HWY_UNLIKELY(!together || (!within && !this->Samples.HasFaceSamples())))
+      {
+        n = this->TakeEachSample(curve, first, to, within);
       }
       else if (!within)
       {
         n = this->Samples.TakeFaceSamples(curve, this->Numbers, first, to);
+      }
+      else if (HWY_UNLIKELY(this->Scene.ClassifiesIntervals))
+      {
+        n = this->Samples.TakeInnerIntervals(curve, this->Numbers, first, to);
       }
       else if (HWY_LIKELY(this->Scene.Plain))
       {
@@ -385,21 +392,13 @@ private:
     this->Blending.EndCurve(curve);
   }
 
-  /// Takes the samples from `from` on, before `to`, one by one: of options that have no loop of
-  /// their own. As PacketCompositor::TakeInnerSamples(); `within` as for TakeSamples().
-  HWY_INLINE int TakeEachSample(const PacketCurve& curve, int from, int to, bool within, bool inner)
+  /// Takes the samples from `from` on, before `to`, one by one: those that have no loop of their
+  /// own. As PacketCompositor::TakeInnerSamples(); `within` as for TakeSamples().
+  HWY_INLINE int TakeEachSample(const PacketCurve& curve, int from, int to, bool within)
   {
     for (int n = from; n < to; ++n)
     {
-      const Vf s = this->Numbers.FindPlaces(curve, n);
-      if (inner)
-      {
-        this->Samples.TakeInterval(curve, n, s, this->FindActive(n), true);
-      }
-      else
-      {
-        this->TakeSamples(curve, n, s, within);
-      }
+      this->TakeSamples(curve, n, this->Numbers.FindPlaces(curve, n), within);
       if (HWY_UNLIKELY(hn::AllFalse(Df(), this->Samples.State.Alive)))
       {
         return n;

@@ -103,8 +103,8 @@ public:
   {
     if constexpr (HasVoxelWindow<T>())
     {
-      return this->Scene.Plain && this->Scene.Lower == 0.0f && !this->Scene.Volume.Nearest &&
-        this->Window.GetFit() != WindowFit::None;
+      return this->Scene.Plain && !this->Scene.ClassifiesIntervals && this->Scene.Lower == 0.0f &&
+        !this->Scene.Volume.Nearest && this->Window.GetFit() != WindowFit::None;
     }
     return false;
   }
@@ -153,98 +153,18 @@ public:
    */
   HWY_NOINLINE void TakeInterval(const PacketCurve& curve, int n, Vf s, Mf sampled, bool inner)
   {
-    const Df d;
-    const PacketScene& scene = this->Scene;
-    this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
     const Vec3 end = curve.Position.At(s);
-    const Vf back = inner ? this->FindInnerValue(n, end, sampled) : this->FindValue(end, sampled);
-    const Vf number = Splat(static_cast<float>(n));
-    const Vf begin =
-      hn::Max(hn::Sub(s, curve.PerStep), hn::Div(hn::Sub(this->Rays.From, curve.T0), curve.Dt));
-    const Mf unknown = hn::AndNot(hn::Eq(this->LastNumber, hn::Sub(number, Splat(1.0f))), sampled);
-    Vf front = this->LastValue;
-    if (HWY_UNLIKELY(!hn::AllFalse(d, unknown)))
-    {
-      front =
-        hn::IfThenElse(unknown, this->FindFront(curve, n, begin, unknown, back, inner), front);
-    }
-    this->LastValue = hn::IfThenElse(sampled, back, this->LastValue);
-    this->LastNumber = hn::IfThenElse(sampled, number, this->LastNumber);
-    // As IntervalTable::MayShow(). Comparisons with what is not a number are false.
-    const Vf difference = hn::Abs(hn::Sub(back, front));
-    sampled = hn::And(sampled,
-      hn::And(hn::Ge(hn::Add(hn::Max(front, back), difference), Splat(scene.Integrals.VisibleLow)),
-        hn::Le(hn::Sub(hn::Min(front, back), difference), Splat(scene.Integrals.VisibleHigh))));
-    if (hn::AllFalse(d, sampled))
-    {
-      return;
-    }
-    const Vf extent = hn::Sub(s, begin);
-    const Vf length = hn::Mul(extent,
-      scene.Settings.Opacity == OpacityLength::Deformed
-        ? curve.Dt
-        : FindLength(scene, curve.Position.Slope(s)));
-    // Where the interval before was looked up, this one begins with its end.
-    const bool known = this->LastPointNumber == n - 1 && hn::AllFalse(d, unknown);
-    const IntervalPoint first = known ? this->LastPoint : FindIntervalPoint(scene, front);
-    const IntervalPoint last = FindIntervalPoint(scene, back);
-    this->LastPoint = last;
-    this->LastPointNumber = n;
-    const Vf guess = hn::Mul(FindMeanExtinction(scene, first, last), length);
-    const Vf place =
-      FindPlaceOfLight(hn::Mul(first.Extinction, length), hn::Mul(last.Extinction, length), guess);
-    const Vf at = hn::IfThenElse(hn::Gt(guess, hn::Zero(d)), place, Splat(0.5f));
-    const Vf middle = hn::MulAdd(at, extent, begin);
-    const Vec3 q = this->ClampToVolume(curve.Position.At(middle));
-    const auto composite = [&](auto& voxels, const SamplePosition& in, const SampleRows<T>& rows,
-                             Vf value, Mf border) {
-      const ClassifiedIntervals interval =
-        ClassifyIntervals(scene, first, FindIntervalPoint(scene, value), last, at, length);
-      const Mf visible =
-        hn::And(sampled, hn::And(hn::Gt(interval.OpticalDepth, hn::Zero(d)), hn::Eq(value, value)));
-      if (hn::AllFalse(d, visible))
-      {
-        return;
-      }
-      this->Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
-      this->State.Expecting = visible;
-      Vec3 color = TableLookup::OfEntries(scene, interval.Entry).Color();
-      if (scene.Shade)
-      {
-        voxels.Widen();
-        Vec3 gradient;
-        if (HWY_UNLIKELY(scene.NormalsOfOpacity))
-        {
-          gradient = OpacityGradient<T>(scene, voxels, in, rows, this->Border, q, border);
-        }
-        else
-        {
-          gradient = this->GradientOf(voxels, in, rows, q, border);
-        }
-        color = this->Normals.Light(
-          scene.Surface, curve, q, color, gradient, middle, curve.TimeAt(middle));
-      }
-      this->State.Add(visible, color, Exp2(hn::Neg(interval.OpticalDepth)),
-        curve.TimeAt(hn::MulAdd(interval.Place, extent, begin)),
-        scene.Settings.TerminationTransmittance);
-    };
-    const auto compositeAny = [&] {
-      FetchedSample<T> fetched;
-      FetchSample(scene.Volume, q, sampled, this->Border, fetched);
-      composite(fetched.Voxels, fetched.At, fetched.Rows, fetched.Value, fetched.AtBorder);
-    };
-    if (!inner)
-    {
-      return compositeAny();
-    }
-    this->UseInnerRows(
-      n, q, sampled,
-      [&](auto& voxels, const SamplePosition& in) {
-        SampleRows<T> rows;
-        const Vf value = Sample<T>(voxels, in, rows);
-        composite(voxels, in, rows, value, hn::FirstN(d, 0));
-      },
-      compositeAny);
+    this->TakeInterval(curve, n, s, sampled,
+      inner ? this->FindInnerValue(n, end, sampled) : this->FindValue(end, sampled), inner);
+  }
+
+  /// Takes intervals as TakeInnerSamples() takes samples.
+  HWY_INLINE int TakeInnerIntervals(
+    const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
+  {
+    return this->template ForInnerValues<0>(curve, numbers, from, to,
+      [&](int n, Vf s, Mf sampled, Vf value)
+        FFD_INLINE_LAMBDA { this->TakeInterval(curve, n, s, sampled, value, true); });
   }
 
   /// Takes a sample of several components as TakeSample() does of one; as SampleClassifier.
@@ -311,23 +231,71 @@ public:
       }
       else
       {
-        this->ClassifyDependent(
-          curve, q, s, t, values, extinctions[0], gradients, color, extinction);
+        this->ClassifyDependent(curve, q, s, t, values, extinctions[0],
+          this->FindDensityGradient(gradients), color, extinction);
       }
-      visible = hn::And(visible, hn::Gt(extinction, hn::Zero(d)));
-      if (hn::AllFalse(d, visible))
-      {
-        return;
-      }
-      this->Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
-      this->State.Expecting = visible;
-      this->AddColor(color, extinction, visible, curve, s, t);
+      this->AddComponents(curve, s, t, color, extinction, visible);
+    }
+  }
+
+  /// Whether TakeInnerComponents() can take samples of the curve.
+  HWY_INLINE bool HasInnerComponents() const
+  {
+    if constexpr (HasVoxelWindow<T>())
+    {
+      return this->Scene.InnerComponents && this->Window.GetFit() != WindowFit::None;
+    }
+    else
+    {
+      return false;
+    }
+  }
+
+  /// Does what TakeInnerSamples() does where PacketScene::InnerComponents is true.
+  HWY_INLINE int TakeInnerComponents(
+    const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
+  {
+    static_cast<void>(curve);
+    static_cast<void>(numbers);
+    static_cast<void>(from);
+    if constexpr (HasVoxelWindow<T>())
+    {
+      const auto take = [&](auto components) FFD_INLINE_LAMBDA {
+        constexpr int Components = decltype(components)::value;
+        switch (this->Window.GetFit())
+        {
+          case WindowFit::Two:
+            return this->template TakeInnerComponents<WindowFit::Two, Components>(
+              curve, numbers, from, to);
+          case WindowFit::Three:
+            return this->template TakeInnerComponents<WindowFit::Three, Components>(
+              curve, numbers, from, to);
+          default:
+            return this->template TakeInnerComponents<WindowFit::Four, Components>(
+              curve, numbers, from, to);
+        }
+      };
+      return this->Scene.Volume.Components == 2 ? take(std::integral_constant<int, 2>())
+                                                : take(std::integral_constant<int, 4>());
+    }
+    else
+    {
+      return to;
     }
   }
 
   /// Interpolates values at q, in the volume.
   HWY_NOINLINE Vf FindValue(const Vec3& q, Mf lanes)
   {
+    SampleCells cells;
+    const SamplePosition at = FindCells(this->Scene.Volume, q, false, cells);
+    if (HWY_LIKELY(HasRowsOfCells(this->Scene.Volume, cells, lanes)))
+    {
+      OffsetRows<T> voxels;
+      voxels.Fit(this->Scene.Volume, cells, lanes);
+      SampleRows<T> rows;
+      return Sample<T>(voxels, at, rows);
+    }
     FetchedSample<T> fetched;
     FetchSample(this->Scene.Volume, q, lanes, this->Border, fetched);
     return fetched.Value;
@@ -478,6 +446,80 @@ private:
     return to;
   }
 
+  /// TakeInnerComponents() with windows of one kind. The density is the last component; voxels of
+  /// the others are loaded where it is visible.
+  template <WindowFit Fit, int Components>
+  HWY_NOINLINE int TakeInnerComponents(
+    const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
+  {
+    const Df d;
+    const PacketComponent& component = this->Scene.Components[0];
+    for (int n = from; n < to; ++n)
+    {
+      Mf sampled = numbers.FindActive(this->State.Alive, n);
+      this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
+      const Vf s = numbers.FindPlaces(curve, n);
+      const Vec3 q = curve.Position.At(s);
+      SampleCells cells;
+      const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
+      this->Window.template MoveTo<false>(n);
+      WindowRows<T, Fit, false, Components> voxels(this->Window, cells);
+      SampleRows<T> rows;
+      const Vf density = Sample<T>(voxels, at, rows);
+      // Comparisons with what is not a number are false.
+      sampled = hn::And(sampled,
+        hn::And(hn::Ge(density, Splat(component.Visible.Low)),
+          hn::Le(density, Splat(component.Visible.High))));
+      if (hn::AllFalse(d, sampled))
+      {
+        continue;
+      }
+      const Vf ofTable = TableLookup(this->Scene, density).Extinction();
+      Mf visible = hn::And(sampled, hn::Gt(ofTable, hn::Zero(d)));
+      if (this->Scene.Mask.Scalars && !hn::AllFalse(d, visible))
+      {
+        visible = hn::And(visible, IsInMask(this->Scene.Mask, q));
+      }
+      if (hn::AllFalse(d, visible))
+      {
+        continue;
+      }
+      Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
+      if (this->Scene.Shade || component.Gradients.Factors)
+      {
+        voxels.Widen();
+        gradient = Gradient<T>(voxels, at, rows);
+      }
+      Vf values[LargestNumberOfComponents];
+      ComponentSamples<T>(this->Scene.Volume, cells, at, visible).FindValues(values);
+      const Vf t = curve.TimeAt(s);
+      Vec3 color;
+      Vf extinction;
+      this->ClassifyDependent(curve, q, s, t, values, ofTable, gradient, color, extinction);
+      this->AddComponents(curve, s, t, color, extinction, visible);
+      if (HWY_UNLIKELY(hn::AllFalse(d, this->State.Alive)))
+      {
+        return n;
+      }
+    }
+    return to;
+  }
+
+  /// Composites colors of several components over the intervals of the samples at s.
+  HWY_INLINE void AddComponents(
+    const PacketCurve& curve, Vf s, Vf t, const Vec3& color, Vf extinction, Mf visible)
+  {
+    const Df d;
+    visible = hn::And(visible, hn::Gt(extinction, hn::Zero(d)));
+    if (hn::AllFalse(d, visible))
+    {
+      return;
+    }
+    this->Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
+    this->State.Expecting = visible;
+    this->AddColor(color, extinction, visible, curve, s, t);
+  }
+
   /// ForInnerValues() with windows of one kind, or without.
   template <WindowFit Fit, int Ahead, class Use>
   HWY_NOINLINE int ForInnerValues(
@@ -573,11 +615,122 @@ private:
       Clamp(q.z, lower, Splat(this->Scene.Upper[2])) };
   }
 
+  /// TakeInterval() of intervals at whose ends the values are `back`.
+  HWY_INLINE void TakeInterval(
+    const PacketCurve& curve, int n, Vf s, Mf sampled, Vf back, bool inner)
+  {
+    const Df d;
+    const PacketIntegrals& integrals = this->Scene.Integrals;
+    this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
+    const Vf number = Splat(static_cast<float>(n));
+    const Mf unknown = hn::AndNot(hn::Eq(this->LastNumber, hn::Sub(number, Splat(1.0f))), sampled);
+    Vf front = this->LastValue;
+    const bool known = hn::AllFalse(d, unknown);
+    if (HWY_UNLIKELY(!known))
+    {
+      front = hn::IfThenElse(unknown, this->FindFront(curve, n, s, unknown, back, inner), front);
+    }
+    this->LastValue = hn::IfThenElse(sampled, back, this->LastValue);
+    this->LastNumber = hn::IfThenElse(sampled, number, this->LastNumber);
+    // As IntervalTable::MayShow(). Comparisons with what is not a number are false.
+    const Vf difference = hn::Abs(hn::Sub(back, front));
+    sampled = hn::And(sampled,
+      hn::And(hn::Ge(hn::Add(hn::Max(front, back), difference), Splat(integrals.VisibleLow)),
+        hn::Le(hn::Sub(hn::Min(front, back), difference), Splat(integrals.VisibleHigh))));
+    if (!hn::AllFalse(d, sampled))
+    {
+      this->ShowInterval(curve, n, s, sampled, front, back, known, inner);
+    }
+  }
+
+  /// Where the intervals that end at s begin, on the curve.
+  HWY_INLINE Vf FindBegin(const PacketCurve& curve, Vf s) const
+  {
+    return hn::Max(
+      hn::Sub(s, curve.PerStep), hn::Div(hn::Sub(this->Rays.From, curve.T0), curve.Dt));
+  }
+
+  /// Classifies, lights and composites the intervals of the lanes of `sampled`, between two values.
+  /// `known`: whether they begin with the ends of those before.
+  HWY_NOINLINE void ShowInterval(
+    const PacketCurve& curve, int n, Vf s, Mf sampled, Vf front, Vf back, bool known, bool inner)
+  {
+    const Df d;
+    const PacketScene& scene = this->Scene;
+    const Vf begin = this->FindBegin(curve, s);
+    const Vf extent = hn::Sub(s, begin);
+    const Vf length = hn::Mul(extent,
+      scene.Settings.Opacity == OpacityLength::Deformed
+        ? curve.Dt
+        : FindLength(scene, curve.Position.Slope(s)));
+    // Where the interval before was looked up, this one begins with its end.
+    const IntervalPoint first =
+      known && this->LastPointNumber == n - 1 ? this->LastPoint : FindIntervalPoint(scene, front);
+    const IntervalPoint last = FindIntervalPoint(scene, back);
+    this->LastPoint = last;
+    this->LastPointNumber = n;
+    const Vf guess = hn::Mul(FindMeanExtinction(scene, first, last), length);
+    const Vf place =
+      FindPlaceOfLight(hn::Mul(first.Extinction, length), hn::Mul(last.Extinction, length), guess);
+    const Vf at = hn::IfThenElse(hn::Gt(guess, hn::Zero(d)), place, Splat(0.5f));
+    const Vf middle = hn::MulAdd(at, extent, begin);
+    const Vec3 q = this->ClampToVolume(curve.Position.At(middle));
+    const auto composite = [&](auto& voxels, const SamplePosition& in, const SampleRows<T>& rows,
+                             Vf value, Mf border) {
+      const ClassifiedIntervals interval =
+        ClassifyIntervals(scene, first, FindIntervalPoint(scene, value), last, at, length);
+      const Mf visible =
+        hn::And(sampled, hn::And(hn::Gt(interval.OpticalDepth, hn::Zero(d)), hn::Eq(value, value)));
+      if (hn::AllFalse(d, visible))
+      {
+        return;
+      }
+      this->Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
+      this->State.Expecting = visible;
+      Vec3 color = TableLookup::OfEntries(scene, interval.Entry).Color();
+      if (scene.Shade)
+      {
+        voxels.Widen();
+        Vec3 gradient;
+        if (HWY_UNLIKELY(scene.NormalsOfOpacity))
+        {
+          gradient = OpacityGradient<T>(scene, voxels, in, rows, this->Border, q, border);
+        }
+        else
+        {
+          gradient = this->GradientOf(voxels, in, rows, q, border);
+        }
+        color = this->Normals.Light(
+          scene.Surface, curve, q, color, gradient, middle, curve.TimeAt(middle));
+      }
+      this->State.Add(visible, color, Exp2(hn::Neg(interval.OpticalDepth)),
+        curve.TimeAt(hn::MulAdd(interval.Place, extent, begin)),
+        scene.Settings.TerminationTransmittance);
+    };
+    const auto compositeAny = [&] {
+      FetchedSample<T> fetched;
+      FetchSample(scene.Volume, q, sampled, this->Border, fetched);
+      composite(fetched.Voxels, fetched.At, fetched.Rows, fetched.Value, fetched.AtBorder);
+    };
+    if (!inner)
+    {
+      return compositeAny();
+    }
+    this->UseInnerRows(
+      n, q, sampled,
+      [&](auto& voxels, const SamplePosition& in) {
+        SampleRows<T> rows;
+        const Vf value = Sample<T>(voxels, in, rows);
+        composite(voxels, in, rows, value, hn::FirstN(d, 0));
+      },
+      compositeAny);
+  }
+
   /// Values where the intervals that end at the samples n begin, if the samples before were not
   /// taken: those of `lanes`. What is cropped there looks as the ends of the intervals.
-  HWY_NOINLINE Vf FindFront(
-    const PacketCurve& curve, int n, Vf begin, Mf lanes, Vf back, bool inner)
+  HWY_NOINLINE Vf FindFront(const PacketCurve& curve, int n, Vf s, Mf lanes, Vf back, bool inner)
   {
+    const Vf begin = this->FindBegin(curve, s);
     const Vec3 q = curve.Position.At(begin);
     const Vf value =
       inner ? this->FindInnerValue(n, q, lanes) : this->FindValue(this->ClampToVolume(q), lanes);
@@ -806,26 +959,32 @@ private:
     extinction = hn::IfThenElseZero(some, ExtinctionOf(this->Scene, opacity));
   }
 
-  /// Classifies and lights dependent components. `ofTable`: extinction of the density.
+  /// The gradient of the density of dependent components, where it is needed.
+  HWY_INLINE Vec3 FindDensityGradient(const Vec3* gradients) const
+  {
+    const Vf zero = hn::Zero(Df());
+    if (!this->Scene.Shade && !this->Scene.Components[0].Gradients.Factors)
+    {
+      return { zero, zero, zero };
+    }
+    const auto along = [&](Vf Vec3::*axis) {
+      Vf of[LargestNumberOfComponents];
+      for (int c = 0; c < this->Scene.Volume.Components; ++c)
+      {
+        of[c] = gradients[c].*axis;
+      }
+      return DensityOf(this->Scene, 0, of);
+    };
+    return { along(&Vec3::x), along(&Vec3::y), along(&Vec3::z) };
+  }
+
+  /// Classifies and lights dependent components. `ofTable`, `gradient`: of the density.
   HWY_NOINLINE void ClassifyDependent(const PacketCurve& curve, const Vec3& q, Vf s, Vf t,
-    const Vf* values, Vf ofTable, const Vec3* gradients, Vec3& color, Vf& extinction)
+    const Vf* values, Vf ofTable, const Vec3& gradient, Vec3& color, Vf& extinction)
   {
     const Df d;
     const Vf zero = hn::Zero(d);
     const PacketComponent& component = this->Scene.Components[0];
-    Vec3 gradient{ zero, zero, zero };
-    if (this->Scene.Shade || component.Gradients.Factors)
-    {
-      const auto along = [&](Vf Vec3::*axis) {
-        Vf of[LargestNumberOfComponents];
-        for (int c = 0; c < this->Scene.Volume.Components; ++c)
-        {
-          of[c] = gradients[c].*axis;
-        }
-        return DensityOf(this->Scene, 0, of);
-      };
-      gradient = { along(&Vec3::x), along(&Vec3::y), along(&Vec3::z) };
-    }
     extinction = ofTable;
     if (component.Gradients.Factors)
     {

@@ -109,6 +109,26 @@ HWY_INLINE Mf FindInterior(const PacketVolume& v, const SampleCells& cells, Mf l
   return interior;
 }
 
+/**
+ * Whether the rows of the cells of all of `lanes` lie in the memory of the volume, from one voxel
+ * before the cells to one behind them: those of the very first and the very last cell do not. At
+ * other faces they hold voxels of the rows beside them, which values do not depend on.
+ */
+HWY_INLINE bool HasRowsOfCells(const PacketVolume& v, const SampleCells& cells, Mf lanes)
+{
+  const Di di;
+  if (HWY_UNLIKELY(v.SlicesInReach > 0))
+  {
+    return false;
+  }
+  const auto toLast = [&](Vi c, int a) { return hn::Sub(c, hn::Set(di, v.Dimensions[a] - 2)); };
+  const Vi first = hn::Or(cells.X, hn::Or(cells.Y, cells.Z));
+  const Vi last = hn::Or(toLast(cells.X, 0), hn::Or(toLast(cells.Y, 1), toLast(cells.Z, 2)));
+  const Vi zero = hn::Zero(di);
+  return hn::AllFalse(
+    di, hn::And(hn::RebindMask(di, lanes), hn::Or(hn::Eq(first, zero), hn::Eq(last, zero))));
+}
+
 /// A view of the voxels that the 32-bit offsets of some lanes can reach.
 class VoxelsInReach
 {

@@ -52,7 +52,7 @@ enum class WindowFit
   None ///< it may be wider than the window
 };
 
-template <class T, WindowFit Fit, bool AtFaces>
+template <class T, WindowFit Fit, bool AtFaces = false, int Components = 1>
 class WindowRows;
 
 #if FFD_HAS_VOXEL_WINDOWS
@@ -138,7 +138,7 @@ public:
   }
 
 private:
-  template <class, WindowFit, bool>
+  template <class, WindowFit, bool, int>
   friend class WindowRows;
 
   using D4 = hn::CappedTag<float, 4>;
@@ -255,7 +255,7 @@ private:
     const int slab = alongZ < 0 ? alongZ : alongZ + layers + 2;
     return slab * static_cast<std::ptrdiff_t>(this->Volume.IncrementZ) +
       _mm_extract_epi32(move, 1) * static_cast<std::ptrdiff_t>(this->Volume.IncrementY) +
-      _mm_cvtsi128_si32(move);
+      _mm_cvtsi128_si32(move) * static_cast<std::ptrdiff_t>(this->Volume.Components);
   }
 
   const PacketVolume& Volume;
@@ -279,7 +279,7 @@ public:
     : StepY(v.IncrementY)
     , StepZ(v.IncrementZ)
     , First(static_cast<const std::uint8_t*>(v.Scalars) + (z - 1) * this->StepZ +
-        (y - 1) * this->StepY + x - 1)
+        (y - 1) * this->StepY + (x - 1) * std::ptrdiff_t{ v.Components })
     , FirstX(x - 1)
   {
   }
@@ -335,11 +335,13 @@ private:
  * The rows of a sample: the window is loaded into registers, slab by slab, and rows are looked up
  * there by permutations of bytes, where loads lane by lane would take several times as many
  * instructions. A source of rows as OffsetRows. `AtFaces`: voxels that they or their gradients need
- * may not exist.
+ * may not exist. Of two or four components, the last one.
  */
-template <class T, WindowFit Fit, bool AtFaces>
+template <class T, WindowFit Fit, bool AtFaces, int Components>
 class WindowRows
 {
+  static_assert(!AtFaces || Components == 1, "faces of one component");
+
 public:
   /// `window`: moved to the sample, which `cells` are of.
   HWY_INLINE WindowRows(const VoxelWindow<T>& window, const SampleCells& cells)
@@ -392,9 +394,12 @@ public:
   {
     this->Slabs[0] = this->LoadCells(0);
     this->Slabs[NumberOfSlabs - 1] = this->LoadCells(NumberOfSlabs - 1);
-    for (int k = 1; k < NumberOfSlabs - 1; ++k)
+    if constexpr (Components == 1)
     {
-      this->Slabs[k] = this->LoadRow(k, 7, this->LoadRow(k, 0, this->Slabs[k]));
+      for (int k = 1; k < NumberOfSlabs - 1; ++k)
+      {
+        this->Slabs[k] = this->LoadRow(k, 7, this->LoadRow(k, 0, this->Slabs[k]));
+      }
     }
   }
 
@@ -432,9 +437,13 @@ private:
       _mm_loadl_epi64(reinterpret_cast<const __m128i*>(this->Voxels.Get(slab, row))));
   }
 
-  /// Loads the rows of a slab that are voxels of the cells.
+  /// Loads the rows of a slab that are voxels of the cells; of several components all rows.
   HWY_INLINE __m512i LoadCells(int slab) const
   {
+    if constexpr (Components != 1)
+    {
+      return this->LoadLastComponents(slab);
+    }
     __m512i rows = _mm512_broadcastq_epi64(
       _mm_loadl_epi64(reinterpret_cast<const __m128i*>(this->Voxels.Get(slab, 1))));
     for (int row = 2; row < 7; ++row)
@@ -443,6 +452,51 @@ private:
     }
     return rows;
   }
+
+  /// Loads all rows of a slab, of the last component.
+  HWY_INLINE __m512i LoadLastComponents(int slab) const
+  {
+    static_assert(Components == 1 || Components == 2 || Components == 4, "rows fill registers");
+    // Numbers, within two registers, of the bytes of the component in the order of voxels.
+    const __m512i last = _mm512_set1_epi8(Components - 1);
+    const __m512i numbers = _mm512_load_si512(ByteNumbers);
+    if constexpr (Components == 2)
+    {
+      // Four rows of 16 bytes.
+      const auto load = [&](int row) FFD_INLINE_LAMBDA {
+        const auto add = [&](int k, __m512i others) FFD_INLINE_LAMBDA {
+          return _mm512_mask_broadcast_i64x2(others, static_cast<__mmask8>(3 << 2 * k),
+            _mm_loadu_si128(reinterpret_cast<const __m128i*>(this->Voxels.Get(slab, row + k))));
+        };
+        const __m512i zeroth = _mm512_broadcast_i64x2(
+          _mm_loadu_si128(reinterpret_cast<const __m128i*>(this->Voxels.Get(slab, row))));
+        return add(3, add(2, add(1, zeroth)));
+      };
+      return _mm512_permutex2var_epi8(
+        load(0), _mm512_add_epi8(_mm512_add_epi8(numbers, numbers), last), load(4));
+    }
+    else
+    {
+      // Two rows of 32 bytes.
+      const auto load = [&](int row) FFD_INLINE_LAMBDA {
+        const auto half = [&](int k) FFD_INLINE_LAMBDA {
+          return _mm256_loadu_si256(
+            reinterpret_cast<const __m256i*>(this->Voxels.Get(slab, row + k)));
+        };
+        return _mm512_inserti64x4(_mm512_castsi256_si512(half(0)), half(1), 1);
+      };
+      const __m512i pairs = _mm512_add_epi8(numbers, numbers);
+      const __m512i order = _mm512_add_epi8(_mm512_add_epi8(pairs, pairs), last);
+      const __m512i low = _mm512_permutex2var_epi8(load(0), order, load(2));
+      const __m512i high = _mm512_permutex2var_epi8(load(4), order, load(6));
+      return _mm512_inserti64x4(low, _mm512_castsi512_si256(high), 1);
+    }
+  }
+
+  HWY_ALIGN static constexpr std::uint8_t ByteNumbers[64] = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
+    12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35,
+    36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49, 50, 51, 52, 53, 54, 55, 56, 57, 58, 59,
+    60, 61, 62, 63 };
 
   WindowAddresses<AtFaces> Voxels; ///< from one before the first cell along each axis
   __m512i Index;

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Components, masks, cells and gradient opacity of the mapper from Python, against closed forms."""
 
+import itertools
 import unittest
 
 import numpy
@@ -85,6 +86,50 @@ class TestScalarLooks(unittest.TestCase):
         self.set_functions(0, 0.1, 1.0, 1.0, 1.0)
         self.prop.IndependentComponentsOff()
         self.expect([0.2, 0.4, 0.6, 1.0 - 0.9 ** LENGTH])
+
+    def test_dependent_bytes(self):
+        # Bytes are looked up by other ways than numbers: they look as those of the reference.
+        side = 40
+        z, y, x = numpy.mgrid[0:side, 0:side, 0:side] / side
+        waves = [numpy.sin(7.0 * x + 3.0 * y), numpy.cos(8.0 * y - 2.0 * z),
+                 numpy.sin(6.0 * z + x), numpy.sin(9.0 * x) * numpy.cos(7.0 * y + 4.0 * z)]
+        self.image.SetDimensions(side, side, side)
+        self.image.SetSpacing(0.25, 0.25, 0.25)
+        self.mapper.SetSampleDistance(0.2)
+        self.prop.IndependentComponentsOff()
+        self.prop.ShadeOn()
+        lattice = vtkffd.vtkFFDLattice()
+        lattice.SetDimensions(4, 4, 4)
+        lattice.FitToBounds(self.image.GetBounds())
+        lattice.SetControlPoint(1, 2, 1, 4.2, 6.1, 3.9)
+        for (kind, count), deformed in itertools.product(
+                ((numpy.uint8, 2), (numpy.int8, 2), (numpy.uint8, 4)), (False, True)):
+            with self.subTest(kind=kind, count=count, deformed=deformed):
+                low = numpy.iinfo(kind).min
+                values = numpy.stack([127.5 + 120.0 * wave.ravel() for wave in waves], axis=-1)
+                values = (numpy.round(values[:, 4 - count:]) + low).astype(kind)
+                self.image.GetPointData().SetScalars(
+                    numpy_to_vtk(numpy.ascontiguousarray(values), deep=True))
+                opacity = vtkPiecewiseFunction()
+                opacity.AddPoint(low + 100.0, 0.0)
+                opacity.AddPoint(low + 200.0, 0.4)
+                colors = vtkColorTransferFunction()
+                colors.AddRGBPoint(low, 1.0, 0.2, 0.1)
+                colors.AddRGBPoint(low + 255.0, 0.1, 0.5, 1.0)
+                self.prop.SetScalarOpacity(opacity)
+                self.prop.SetColor(colors)
+                self.mapper.SetDeformation(lattice if deformed else None)
+                pictures = []
+                for reference in (False, True):
+                    self.mapper.SetReferenceKernels(reference)
+                    picture = vtkImageData()
+                    self.assertEqual(
+                        self.mapper.RenderToImage(
+                            self.renderer, self.volume, 64, 64, picture), 1)
+                    pictures.append(
+                        vtk_to_numpy(picture.GetPointData().GetScalars()).astype(int))
+                self.assertGreater((pictures[1][:, 3] > 0).mean(), 0.3)
+                self.assertLess(abs(pictures[0] - pictures[1]).mean(), 0.1)
 
     def test_gradient_opacity(self):
         z, _, _ = numpy.mgrid[0:SIZE, 0:SIZE, 0:SIZE]
