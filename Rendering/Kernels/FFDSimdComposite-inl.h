@@ -265,13 +265,13 @@ public:
         switch (this->Window.GetFit())
         {
           case WindowFit::Two:
-            return this->template TakeInnerComponents<WindowFit::Two, Components>(
+            return this->template TakeComponentsOf<WindowFit::Two, Components>(
               curve, numbers, from, to);
           case WindowFit::Three:
-            return this->template TakeInnerComponents<WindowFit::Three, Components>(
+            return this->template TakeComponentsOf<WindowFit::Three, Components>(
               curve, numbers, from, to);
           default:
-            return this->template TakeInnerComponents<WindowFit::Four, Components>(
+            return this->template TakeComponentsOf<WindowFit::Four, Components>(
               curve, numbers, from, to);
         }
       };
@@ -449,7 +449,7 @@ private:
   /// TakeInnerComponents() with windows of one kind. The density is the last component; voxels of
   /// the others are loaded where it is visible.
   template <WindowFit Fit, int Components>
-  HWY_NOINLINE int TakeInnerComponents(
+  HWY_NOINLINE int TakeComponentsOf(
     const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
   {
     const Df d;
