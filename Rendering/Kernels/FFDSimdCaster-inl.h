@@ -365,7 +365,9 @@ private:
       }
       else if (!within)
       {
-        n = this->Samples.TakeFaceSamples(curve, this->Numbers, first, to);
+        n = this->Scene.Plain
+          ? this->Samples.template TakeFaceSamples<true>(curve, this->Numbers, first, to)
+          : this->Samples.template TakeFaceSamples<false>(curve, this->Numbers, first, to);
       }
       else if (HWY_UNLIKELY(this->Scene.ClassifiesIntervals))
       {

@@ -103,18 +103,19 @@ public:
   {
     if constexpr (HasVoxelWindow<T>())
     {
-      return this->Scene.Plain && !this->Scene.ClassifiesIntervals && this->Scene.Lower == 0.0f &&
+      return !this->Scene.ClassifiesIntervals && this->Scene.Lower == 0.0f &&
         !this->Scene.Volume.Nearest && this->Window.GetFit() != WindowFit::None;
     }
     return false;
   }
 
-  /// Does what TakeInnerSamples() does with PacketScene::Plain where samples may lie at the faces
-  /// of the volume, or outside.
+  /// Does what TakeInnerSamples() does where samples may lie at the faces of the volume, or
+  /// outside.
+  template <bool Plain>
   HWY_INLINE int TakeFaceSamples(
     const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
   {
-    return this->template TakeSamples<true, true>(curve, numbers, from, to);
+    return this->template TakeSamples<Plain, true>(curve, numbers, from, to);
   }
 
   /**
@@ -694,7 +695,7 @@ private:
         Vec3 gradient;
         if (HWY_UNLIKELY(scene.NormalsOfOpacity))
         {
-          gradient = OpacityGradient<T>(scene, voxels, in, rows, this->Border, q, border);
+          gradient = this->OpacityGradientOf(voxels, in, rows, q, border);
         }
         else
         {
@@ -743,6 +744,12 @@ private:
     return hn::IfThenElse(IsUncropped(this->Scene, p), value, back);
   }
 
+  /// Rescales gradients of windows at q in the lanes of `border`.
+  HWY_INLINE Vec3 RescaleAtFaces(const Vec3& q, const Vec3& gradient, Mf border) const
+  {
+    return Select(border, AtFaces(this->Scene.Volume, q, gradient), gradient);
+  }
+
   /// Gradients of samples at q; BorderSamples fetched those of `border`.
   template <class Source>
   HWY_INLINE Vec3 GradientOf(const Source& voxels, const SamplePosition& at,
@@ -755,11 +762,27 @@ private:
     }
     if constexpr (RepeatsVoxels<Source>::value)
     {
-      return Select(border, AtFaces(this->Scene.Volume, q, gradient), gradient);
+      return this->RescaleAtFaces(q, gradient, border);
     }
     else
     {
       return this->Border.Gradient(q, border, gradient);
+    }
+  }
+
+  /// The same of the opacity.
+  template <class Source>
+  HWY_INLINE Vec3 OpacityGradientOf(const Source& voxels, const SamplePosition& at,
+    const SampleRows<T>& rows, const Vec3& q, Mf border)
+  {
+    if constexpr (RepeatsVoxels<Source>::value)
+    {
+      const Vec3 gradient = InnerOpacityGradient<T>(this->Scene, voxels, at, rows);
+      return this->RescaleAtFaces(q, gradient, border);
+    }
+    else
+    {
+      return OpacityGradient<T>(this->Scene, voxels, at, rows, this->Border, q, border);
     }
   }
 
@@ -887,8 +910,7 @@ private:
     const Vf t = curve.TimeAt(s);
     if (HWY_UNLIKELY(byOpacity))
     {
-      gradient = OpacityGradient<T>(
-        this->Scene, voxels, at, rows, this->Border, q, hn::And(border, visible));
+      gradient = this->OpacityGradientOf(voxels, at, rows, q, hn::And(border, visible));
     }
     if (this->Scene.Shade)
     {
