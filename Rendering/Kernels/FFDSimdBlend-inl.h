@@ -583,7 +583,7 @@ private:
     const Vec3 gradient = Gradient<T>(fetched.Voxels, fetched.At, fetched.Rows);
     return HWY_LIKELY(hn::AllFalse(Df(), fetched.AtBorder))
       ? gradient
-      : this->Border.Gradient(q, fetched.AtBorder, gradient);
+      : this->Border.Gradient(q, fetched.AtBorder, gradient, fetched.Voxels.IsRepeating());
   }
 
   /// Hands a sample of each lane to the RayIntegrator of its ray.

@@ -61,15 +61,34 @@ public:
       : this->ValueByReference(this->Scene.Source->Volume, q, others, value);
   }
 
-  /// The gradients at q in the lanes of `border`, `gradient` in the others; after Value().
-  HWY_NOINLINE Vec3 Gradient(const Vec3& q, Mf border, const Vec3& gradient) const
+  /// Returns `value` but in the lanes of `border` whose positions are beyond the outermost voxels.
+  HWY_INLINE Vf ValueBeyond(const Vec3& q, Mf border, Vf value) const
+  {
+    const Mf beyond = hn::AndNot(this->BetweenVoxels(q, border), border);
+    return HWY_LIKELY(hn::AllFalse(Df(), beyond))
+      ? value
+      : this->ValueByReference(this->Scene.Source->Volume, q, beyond, value);
+  }
+
+  /// Rescales, in the lanes of `border` between voxels, gradients of a source that repeats voxels.
+  HWY_INLINE Vec3 Rescale(const Vec3& q, Mf border, const Vec3& gradient, Mf& between) const
+  {
+    between = this->BetweenVoxels(q, border);
+    return Select(between, AtFaces(this->Scene.Volume, q, gradient), gradient);
+  }
+
+  /// The gradients at q in the lanes of `border`, `gradient` in the others; after Value(), or of a
+  /// source that is `repeating` voxels.
+  HWY_NOINLINE Vec3 Gradient(const Vec3& q, Mf border, const Vec3& gradient, bool repeating) const
   {
     Mf between;
-    const Vec3 result = this->GradientBy(
-      [](const OffsetRows<T>& voxels, const SamplePosition& at, const SampleRows<T>& rows) {
-        return HWY_NAMESPACE::Gradient<T>(voxels, at, rows);
-      },
-      q, border, gradient, between);
+    const Vec3 result = repeating
+      ? this->Rescale(q, border, gradient, between)
+      : this->GradientBy(
+          [](const OffsetRows<T>& voxels, const SamplePosition& at, const SampleRows<T>& rows) {
+            return HWY_NAMESPACE::Gradient<T>(voxels, at, rows);
+          },
+          q, border, gradient, between);
     const Mf others = hn::AndNot(between, border);
     return hn::AllFalse(Df(), others)
       ? result
@@ -204,9 +223,9 @@ template <class T>
 struct FetchedSample
 {
   SamplePosition At;
-  OffsetRows<T> Voxels;
+  FaceRows<T> Voxels;
   SampleRows<T> Rows;
-  Mf AtBorder; ///< lanes whose value is that of BorderSamples
+  Mf AtBorder; ///< lanes at faces: BorderSamples gives their gradients
   Vf Value;
 };
 
@@ -219,11 +238,21 @@ HWY_INLINE void FetchSample(
   to.At = FindCells(v, q, false, cells);
   const Mf interior = FindInterior(v, cells, lanes);
   to.AtBorder = hn::AndNot(interior, lanes);
-  to.Voxels.Fit(v, cells, interior);
-  to.Value = Sample<T>(to.Voxels, to.At, to.Rows);
-  if (HWY_UNLIKELY(!hn::AllFalse(Df(), to.AtBorder)))
+  const bool atFaces = !hn::AllFalse(Df(), to.AtBorder);
+  const bool repeats = atFaces && FaceRows<T>::CanRepeat(v);
+  if (repeats)
   {
-    to.Value = border.Value(q, to.AtBorder, to.Value);
+    to.Voxels.Repeat(v, cells);
+  }
+  else
+  {
+    to.Voxels.Fit(v, cells, interior);
+  }
+  to.Value = Sample<T>(to.Voxels, to.At, to.Rows);
+  if (HWY_UNLIKELY(atFaces))
+  {
+    to.Value = repeats ? border.ValueBeyond(q, to.AtBorder, to.Value)
+                       : border.Value(q, to.AtBorder, to.Value);
   }
 }
 

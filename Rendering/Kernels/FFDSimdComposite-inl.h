@@ -43,18 +43,6 @@ HWY_INLINE Vf FindLength(const PacketScene& scene, const Vec3& index)
   return FastSqrt(Dot(data, data));
 }
 
-/// Whether the rows of a source are those at faces of the volume, too.
-template <class Source>
-struct RepeatsVoxels : std::false_type
-{
-};
-#if FFD_HAS_VOXEL_WINDOWS
-template <class T, WindowFit Fit>
-struct RepeatsVoxels<WindowRows<T, Fit, true>> : std::true_type
-{
-};
-#endif
-
 /// Classifies, lights and composites the samples of a packet, front to back.
 template <class T>
 class PacketCompositor
@@ -695,7 +683,7 @@ private:
         Vec3 gradient;
         if (HWY_UNLIKELY(scene.NormalsOfOpacity))
         {
-          gradient = this->OpacityGradientOf(voxels, in, rows, q, border);
+          gradient = OpacityGradient<T>(scene, voxels, in, rows, this->Border, q, border);
         }
         else
         {
@@ -744,46 +732,15 @@ private:
     return hn::IfThenElse(IsUncropped(this->Scene, p), value, back);
   }
 
-  /// Rescales gradients of windows at q in the lanes of `border`.
-  HWY_INLINE Vec3 RescaleAtFaces(const Vec3& q, const Vec3& gradient, Mf border) const
-  {
-    return Select(border, AtFaces(this->Scene.Volume, q, gradient), gradient);
-  }
-
-  /// Gradients of samples at q; BorderSamples fetched those of `border`.
+  /// Gradients of samples at q, of which those of `border` lie at faces.
   template <class Source>
   HWY_INLINE Vec3 GradientOf(const Source& voxels, const SamplePosition& at,
     const SampleRows<T>& rows, const Vec3& q, Mf border)
   {
     const Vec3 gradient = Gradient<T>(voxels, at, rows);
-    if (HWY_LIKELY(hn::AllFalse(Df(), border)))
-    {
-      return gradient;
-    }
-    if constexpr (RepeatsVoxels<Source>::value)
-    {
-      return this->RescaleAtFaces(q, gradient, border);
-    }
-    else
-    {
-      return this->Border.Gradient(q, border, gradient);
-    }
-  }
-
-  /// The same of the opacity.
-  template <class Source>
-  HWY_INLINE Vec3 OpacityGradientOf(const Source& voxels, const SamplePosition& at,
-    const SampleRows<T>& rows, const Vec3& q, Mf border)
-  {
-    if constexpr (RepeatsVoxels<Source>::value)
-    {
-      const Vec3 gradient = InnerOpacityGradient<T>(this->Scene, voxels, at, rows);
-      return this->RescaleAtFaces(q, gradient, border);
-    }
-    else
-    {
-      return OpacityGradient<T>(this->Scene, voxels, at, rows, this->Border, q, border);
-    }
+    return HWY_LIKELY(hn::AllFalse(Df(), border))
+      ? gradient
+      : this->Border.Gradient(q, border, gradient, voxels.IsRepeating());
   }
 
   /// Gradients whose factors are not known to be zero.
@@ -910,7 +867,8 @@ private:
     const Vf t = curve.TimeAt(s);
     if (HWY_UNLIKELY(byOpacity))
     {
-      gradient = this->OpacityGradientOf(voxels, at, rows, q, hn::And(border, visible));
+      gradient = OpacityGradient<T>(
+        this->Scene, voxels, at, rows, this->Border, q, hn::And(border, visible));
     }
     if (this->Scene.Shade)
     {

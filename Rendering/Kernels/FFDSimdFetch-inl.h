@@ -175,6 +175,9 @@ private:
  * Along: values along x in units of Fetch::Unit, as they are interpolated and subtracted.
  * Middle(), Before(), Behind(): at the position, and one voxel before and behind it.
  * Middle(v, offsets, delta, at): Middle() without fetching the voxels further out.
+ * Repeat(row, first, last): of the first four voxels of a line, the row of the cell before them in
+ * the lanes of `first`, of the last four that of the cell behind them in the lanes of `last`, whose
+ * missing voxel is the outermost one.
  * Value(): the value that a number in these units stands for.
  */
 template <class T>
@@ -207,6 +210,16 @@ struct FetchFloats
   static HWY_INLINE Row LoadRow(const PacketVolume& v, const int* offsets, int delta)
   {
     return Loader::LoadRow(v, offsets, delta);
+  }
+  static HWY_INLINE Row Repeat(const Row& r, Mi first, Mi last)
+  {
+    const Mf isFirst = hn::RebindMask(Df(), first);
+    const Mf isLast = hn::RebindMask(Df(), last);
+    const auto choose = [&](Vf one, Vf other, Vf same) {
+      return hn::IfThenElse(isFirst, one, hn::IfThenElse(isLast, other, same));
+    };
+    return { choose(r.A, r.B, r.A), choose(r.A, r.C, r.B), choose(r.B, r.D, r.C),
+      choose(r.C, r.D, r.D) };
   }
   static HWY_INLINE Vf Before(const Row& r, const SamplePosition& at)
   {
@@ -306,6 +319,15 @@ struct FetchBytes
   {
     return LoadLanes<int, 1>(v.Scalars, delta - 1, offsets);
   }
+  static HWY_INLINE Vi Repeat(Vi row, Mi first, Mi last)
+  {
+    const Di di;
+    const Vi low = hn::Set(di, 0xff);
+    const Vi up = hn::Or(hn::ShiftLeft<8>(row), hn::And(row, low));
+    const Vi high = hn::Set(di, static_cast<int>(0xff000000u));
+    const Vi down = hn::Or(hn::AndNot(high, hn::ShiftRight<8>(row)), hn::And(row, high));
+    return hn::IfThenElse(first, up, hn::IfThenElse(last, down, row));
+  }
   static HWY_INLINE Vi Before(Vi row, const SamplePosition& at)
   {
     return MultiplyPairs(Pair<0>(row), at.Weights);
@@ -386,6 +408,16 @@ struct FetchWords
   static HWY_INLINE Vi ToSigned(Vi pair)
   {
     return Signed ? pair : hn::Xor(pair, hn::Set(Di(), static_cast<int>(0x80008000u)));
+  }
+  static HWY_INLINE Row Repeat(const Row& r, Mi first, Mi last)
+  {
+    const Di di;
+    const Vi low = hn::Set(di, 0xffff);
+    const Vi bc = hn::Or(hn::And(hn::ShiftRight<16>(r.AB), low), hn::ShiftLeft<16>(r.CD));
+    const Vi aa = hn::Or(hn::ShiftLeft<16>(r.AB), hn::And(r.AB, low));
+    const Vi dd = hn::Or(hn::And(hn::ShiftRight<16>(r.CD), low), hn::AndNot(low, r.CD));
+    return { hn::IfThenElse(first, aa, hn::IfThenElse(last, bc, r.AB)),
+      hn::IfThenElse(first, bc, hn::IfThenElse(last, dd, r.CD)) };
   }
   static HWY_INLINE Vi Before(const Row& r, const SamplePosition& at)
   {
@@ -477,6 +509,9 @@ public:
   /// All voxels are at hand for Gradient().
   HWY_INLINE void Widen() const {}
 
+  /// Whether the outermost voxels are repeated beyond the volume.
+  static constexpr bool IsRepeating() { return false; }
+
   HWY_INLINE typename Fetch<T>::Row Row(int dy, int dz) const
   {
     return Fetch<T>::LoadRow(this->Voxels.Get(), this->Offsets, this->Delta(dy, dz));
@@ -494,6 +529,83 @@ private:
 
   VoxelsInReach Voxels;
   HWY_ALIGN int Offsets[16]; ///< elements
+};
+
+/// Rows of voxels as OffsetRows, or those of any cells, with the outermost voxels of the volume
+/// repeated beyond it.
+template <class T>
+class FaceRows
+{
+public:
+  /// Whether Repeat() can be used: not where a slice may be out of reach, or a line too short.
+  static HWY_INLINE bool CanRepeat(const PacketVolume& v)
+  {
+    return !std::is_same<T, WideScalar>::value && !v.Nearest && v.SlicesInReach == 0 &&
+      v.Dimensions[0] >= 4;
+  }
+
+  /// As OffsetRows::Fit().
+  HWY_INLINE void Fit(const PacketVolume& v, const SampleCells& cells, Mf lanes)
+  {
+    this->Repeating = false;
+    this->Inner.Fit(v, cells, lanes);
+  }
+
+  /// Fetches from all cells. Keeps a pointer to `v`.
+  HWY_INLINE void Repeat(const PacketVolume& v, const SampleCells& cells)
+  {
+    const Di di;
+    const Vi zero = hn::Zero(di);
+    this->Repeating = true;
+    this->Volume = &v;
+    this->First = hn::Eq(cells.X, zero);
+    this->Last = hn::Eq(cells.X, hn::Set(di, v.Dimensions[0] - 2));
+    this->AtEnds = !hn::AllFalse(di, hn::Or(this->First, this->Last));
+    this->X = hn::Min(hn::Max(cells.X, hn::Set(di, 1)), hn::Set(di, v.Dimensions[0] - 3));
+    for (int i = 0; i < 4; ++i)
+    {
+      const auto offset = [&](Vi cell, int a, int increment) {
+        const Vi place = hn::Add(cell, hn::Set(di, i - 1));
+        return hn::Mul(
+          hn::Min(hn::Max(place, zero), hn::Set(di, v.Dimensions[a] - 1)), hn::Set(di, increment));
+      };
+      this->Y[i] = offset(cells.Y, 1, v.IncrementY);
+      this->Z[i] = offset(cells.Z, 2, v.IncrementZ);
+    }
+  }
+
+  HWY_INLINE void Widen() const {}
+
+  HWY_INLINE bool IsRepeating() const { return this->Repeating; }
+
+  HWY_INLINE typename Fetch<T>::Row Row(int dy, int dz) const
+  {
+    if (HWY_LIKELY(!this->Repeating))
+    {
+      return this->Inner.Row(dy, dz);
+    }
+    HWY_ALIGN int offsets[16];
+    hn::Store(hn::Add(this->X, hn::Add(this->Y[1 + dy], this->Z[1 + dz])), Di(), offsets);
+    const auto row = Fetch<T>::LoadRow(*this->Volume, offsets, 0);
+    return this->AtEnds ? Fetch<T>::Repeat(row, this->First, this->Last) : row;
+  }
+
+  HWY_INLINE typename Fetch<T>::Along Middle(int dy, int dz, const SamplePosition& at) const
+  {
+    return HWY_LIKELY(!this->Repeating) ? this->Inner.Middle(dy, dz, at)
+                                        : Fetch<T>::Middle(this->Row(dy, dz), at);
+  }
+
+private:
+  bool Repeating = false;
+  bool AtEnds = false; ///< of lines along x
+  OffsetRows<T> Inner;
+  const PacketVolume* Volume = nullptr;
+  Mi First;
+  Mi Last;
+  Vi X;    ///< of the first voxel of the cell from which a line has all four, elements
+  Vi Y[4]; ///< of lines from one before the cell to one behind it, elements
+  Vi Z[4];
 };
 
 /// Trilinear scalar of interior lanes; rows are kept for Gradient.

@@ -36,6 +36,7 @@ using Di = hn::RebindToSigned<Df>;
 using Vf = hn::Vec<Df>;
 using Vi = hn::Vec<Di>;
 using Mf = hn::Mask<Df>;
+using Mi = hn::Mask<Di>;
 
 /// Three coordinates of every lane.
 struct Vec3

@@ -102,7 +102,7 @@ HWY_NOINLINE Vec3 BorderOpacityGradient(
 }
 
 /// The gradient of the opacity at the samples q, as Gradient() gives that of the values.
-/// `atBorder`: lanes whose values are those of `border`, whose last samples are forgotten.
+/// `atBorder`: lanes at faces, of which `border` knows; its last samples are forgotten.
 template <class T, class Source>
 HWY_INLINE Vec3 OpacityGradient(const PacketScene& scene, const Source& source,
   const SamplePosition& at, const SampleRows<T>& rows, BorderSamples<T>& border, const Vec3& q,
@@ -114,11 +114,13 @@ HWY_INLINE Vec3 OpacityGradient(const PacketScene& scene, const Source& source,
     return inner;
   }
   Mf between;
-  const Vec3 gradient = border.GradientBy(
-    [&](const OffsetRows<T>& voxels, const SamplePosition& in, const SampleRows<T>& own) {
-      return InnerOpacityGradient<T>(scene, voxels, in, own);
-    },
-    q, atBorder, inner, between);
+  const Vec3 gradient = source.IsRepeating()
+    ? border.Rescale(q, atBorder, inner, between)
+    : border.GradientBy(
+        [&](const OffsetRows<T>& voxels, const SamplePosition& in, const SampleRows<T>& own) {
+          return InnerOpacityGradient<T>(scene, voxels, in, own);
+        },
+        q, atBorder, inner, between);
   const Mf others = hn::AndNot(between, atBorder);
   return hn::AllFalse(Df(), others)
     ? gradient

@@ -389,6 +389,8 @@ public:
     }
   }
 
+  static constexpr bool IsRepeating() { return AtFaces; }
+
   /// Before Gradient(): the voxels that it alone needs.
   HWY_INLINE void Widen()
   {

@@ -250,10 +250,10 @@ MUTANTS = (
         "this->Index, isLast, this->Index, _mm512_set1_epi32(0));",
         PACKETS),
     Mutant(
-        "vectors: gradients in windows at faces are not rescaled",
+        "vectors: gradients at faces are not rescaled",
         "term",
-        "return Select(border, AtFaces(this->Scene.Volume, q, gradient), gradient);",
-        "return Select(border, gradient, gradient);",
+        "return Select(between, AtFaces(this->Scene.Volume, q, gradient), gradient);",
+        "return Select(between, gradient, gradient);",
         PACKETS),
     Mutant(
         "vectors: a gradient is taken from the wrong column of voxels",
