@@ -3,6 +3,7 @@
 """Input as from a mouse and a keyboard, for tests that run under X: it comes to programs by their
 connections to the X server (extension XTEST), not by calls. Windows are X's numbers of them."""
 
+import contextlib
 import ctypes
 
 LEFT, WHEEL_UP, WHEEL_DOWN = 1, 4, 5
@@ -41,35 +42,46 @@ def move_in(window, x, y):
     _x11.XSync(_server, 0)
 
 
-def find_window(title):
-    """The window of the screen whose title begins so, or None; without a window manager."""
+@contextlib.contextmanager
+def _windows():
+    """The windows of the screen. Meanwhile nobody else can destroy one: to ask X about a window that
+    is gone would end this process."""
     root, parent, count = ctypes.c_ulong(), ctypes.c_ulong(), ctypes.c_uint()
     windows = ctypes.POINTER(ctypes.c_ulong)()
-    _x11.XQueryTree(_server, ctypes.c_ulong(_x11.XDefaultRootWindow(_server)), ctypes.byref(root),
-                    ctypes.byref(parent), ctypes.byref(windows), ctypes.byref(count))
+    _x11.XGrabServer(_server)
+    try:
+        _x11.XQueryTree(_server, ctypes.c_ulong(_x11.XDefaultRootWindow(_server)),
+                        ctypes.byref(root), ctypes.byref(parent), ctypes.byref(windows),
+                        ctypes.byref(count))
+        yield windows[:count.value]
+    finally:
+        _x11.XUngrabServer(_server)
+        _x11.XSync(_server, 0)
+        _x11.XFree(windows)
+
+
+def find_window(title):
+    """The window of the screen whose title begins so, or None; without a window manager."""
     found = None
-    for window in windows[:count.value]:
-        name = ctypes.c_char_p()
-        if (_x11.XFetchName(_server, ctypes.c_ulong(window), ctypes.byref(name)) and
-                name.value.startswith(title.encode())):
-            found = window
-        _x11.XFree(name)
-    _x11.XFree(windows)
+    with _windows() as windows:
+        for window in windows:
+            name = ctypes.c_char_p()
+            if (_x11.XFetchName(_server, ctypes.c_ulong(window), ctypes.byref(name)) and
+                    name.value.startswith(title.encode())):
+                found = window
+            _x11.XFree(name)
     return found
 
 
 def count_windows():
     """The windows of the screen that are shown, those of menus and of tool tips included."""
-    root, parent, count = ctypes.c_ulong(), ctypes.c_ulong(), ctypes.c_uint()
-    windows = ctypes.POINTER(ctypes.c_ulong)()
-    _x11.XQueryTree(_server, ctypes.c_ulong(_x11.XDefaultRootWindow(_server)), ctypes.byref(root),
-                    ctypes.byref(parent), ctypes.byref(windows), ctypes.byref(count))
     shown = 0
-    for window in windows[:count.value]:
-        attributes = _Attributes()
-        if _x11.XGetWindowAttributes(_server, ctypes.c_ulong(window), ctypes.byref(attributes)):
-            shown += attributes.map_state == 2
-    _x11.XFree(windows)
+    with _windows() as windows:
+        for window in windows:
+            attributes = _Attributes()
+            if _x11.XGetWindowAttributes(
+                    _server, ctypes.c_ulong(window), ctypes.byref(attributes)):
+                shown += attributes.map_state == 2
     return shown
 
 
