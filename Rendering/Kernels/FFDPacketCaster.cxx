@@ -783,10 +783,19 @@ void SetClipping(const CastScene& scene, PacketScene& p)
   }
   p.CropSpace = scene.Crop.Space;
   p.CropFlags = scene.Crop.Flags;
-  const glm::dvec3 cropOrigin =
-    scene.Crop.Space == Cropping::Spaces::Deformed ? p.Center : glm::dvec3(0.0);
-  Copy(scene.Crop.Low - cropOrigin, p.CropLow);
-  Copy(scene.Crop.High - cropOrigin, p.CropHigh);
+  if (p.CropSpace == Cropping::Spaces::Deformed)
+  {
+    Copy(scene.Crop.Low - p.Center, p.CropLow);
+    Copy(scene.Crop.High - p.Center, p.CropHigh);
+    return;
+  }
+  // Rounded as those of the whole: taking the shift off again is exact.
+  for (int a = 0; a < 3; ++a)
+  {
+    const float shift = p.IndexShift[a];
+    p.CropLow[a] = ToFloat(scene.Crop.Low[a] + static_cast<double>(shift)) - shift;
+    p.CropHigh[a] = ToFloat(scene.Crop.High[a] + static_cast<double>(shift)) - shift;
+  }
 }
 
 /// Sets the distance map of empty-space queries.

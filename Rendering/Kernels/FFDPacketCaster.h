@@ -151,7 +151,7 @@ struct PacketScene
   glm::dvec3 Center{ 0.0 };   ///< data coordinates
   float LocalToIndex[9] = {};
   float IndexOffset[3] = {}; ///< of local to index coordinates of the whole
-  float IndexShift[3] = {};  ///< from those to the voxels here, whole numbers
+  float IndexShift[3] = {};  ///< of the voxels here in those, whole numbers
   float RestMin[3] = {};     ///< FindRestBox(), index coordinates before the shift
   float RestMax[3] = {};
   float IndexToLocal[9] = {};

@@ -161,8 +161,8 @@ void TracePackets(const PacketCaster& packets, const CastScene& scene, const Cas
       const double distance = settings.SampleDistance;
       const RayIntegrator::Outcome outcome =
         pixel.Integrator.AddSample(sampled, s, distance / (to - from));
-      pixel.NoteSample(glm::dvec3(at.Index[0], at.Index[1], at.Index[2]) - shift, at.T, distance,
-        false, outcome.Extinction);
+      pixel.NoteSample(glm::dvec3(at.Index[0], at.Index[1], at.Index[2]), at.T, distance, false,
+        outcome.Extinction);
     }
   }
   const float* color = colors.get() + 4 * (static_cast<std::size_t>(ray.Y) * image.Width + ray.X);

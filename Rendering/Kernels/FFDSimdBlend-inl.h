@@ -366,7 +366,7 @@ private:
   HWY_NOINLINE void CrossSurfaces(const PacketCurve& curve, const Vec3& q, Vf s, int n, Mf lanes)
   {
     const Df d;
-    const Vec3 end = curve.Position.At(hn::Add(s, curve.PerStep));
+    const Vec3 end = curve.At(this->Scene, hn::Add(s, curve.PerStep));
     const Mf insideA = this->Inner ? lanes : hn::And(lanes, IsInside(this->Scene, q));
     const Mf insideB = this->Inner ? lanes : hn::And(lanes, IsInside(this->Scene, end));
     const Mf any = hn::Or(insideA, insideB);
@@ -470,7 +470,7 @@ private:
   /// Positions on the curves, clamped to the volume against rounding errors.
   HWY_INLINE Vec3 PositionAt(const PacketCurve& curve, Vf s) const
   {
-    const Vec3 q = curve.Position.At(s);
+    const Vec3 q = curve.At(this->Scene, s);
     const Vf lower = Splat(this->Scene.Lower);
     const float* upper = this->Scene.Upper;
     return { Clamp(q.x, lower, Splat(upper[0])), Clamp(q.y, lower, Splat(upper[1])),
@@ -486,7 +486,7 @@ private:
     for (int i = 0; i < FaceSteps; ++i)
     {
       const Vf middle = hn::Mul(Splat(0.5f), hn::Add(inside, outside));
-      const Mf in = IsInside(this->Scene, curve.Position.At(middle));
+      const Mf in = IsInside(this->Scene, curve.At(this->Scene, middle));
       inside = hn::IfThenElse(in, middle, inside);
       outside = hn::IfThenElse(in, outside, middle);
     }

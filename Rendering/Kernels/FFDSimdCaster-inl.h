@@ -428,7 +428,7 @@ private:
     };
     const auto positionAt = [&](int n, const Vec3& start) {
       // A position without a pull-back is likely to be followed by another one.
-      const Vec3 local = IndexToLocal(this->Scene, start);
+      const Vec3 local = WholeToLocal(this->Scene, start);
       Mf active = this->Samples.State.Alive;
       if (n % SamplesOfNothing != 0)
       {
@@ -439,7 +439,7 @@ private:
         return start;
       }
       const Vec3 p = MulAdd(timeOf(n), this->Rays.Direction, this->Rays.Origin);
-      const Vec3 q = LocalToIndex(this->Scene,
+      const Vec3 q = LocalToWhole(this->Scene,
         PullBackFrom(
           this->Scene, p, local, this->Scene.Tolerance, active, this->Scratch.Statistics));
       return Select(active, q, start);
@@ -490,9 +490,9 @@ private:
       return;
     }
     const Vec3 p = MulAdd(t, this->Rays.Direction, this->Rays.Origin);
-    const Vec3 q = LocalToIndex(this->Scene,
-      PullBackFrom(this->Scene, p, EstimatePullBack(this->Scene, p), this->Scene.Tolerance, crosses,
-        this->Scratch.Statistics));
+    const Vec3 local = PullBackFrom(this->Scene, p, EstimatePullBack(this->Scene, p),
+      this->Scene.Tolerance, crosses, this->Scratch.Statistics);
+    const Vec3 q = WholeToIndex(this->Scene, LocalToWhole(this->Scene, local));
     const Vf near = hn::Mul(slack, Splat(this->Scene.VoxelsPerUnit));
     const auto inside = [&](Vf x, int a) {
       const Vf clamped = Clamp(x, Splat(this->Scene.Lower), Splat(this->Scene.Upper[a]));
@@ -504,7 +504,8 @@ private:
     {
       term = { zero, zero, zero };
     }
-    curve.Position.Terms[0] = { inside(q.x, 0), inside(q.y, 1), inside(q.z, 2) };
+    curve.Position.Terms[0] =
+      IndexToWhole(this->Scene, { inside(q.x, 0), inside(q.y, 1), inside(q.z, 2) });
     curve.T0 = t;
     curve.Dt = Splat(static_cast<float>(this->Scene.Settings.SampleDistance));
     curve.PerStep = Splat(1.0f);
@@ -526,7 +527,7 @@ private:
       const Vf zero = hn::Zero(d);
       const Vec3 nothing{ zero, zero, zero };
       curve.Position.Terms[0] =
-        LocalToIndex(this->Scene, MulAdd(curve.T0, this->Rays.Direction, this->Rays.Origin));
+        LocalToWhole(this->Scene, MulAdd(curve.T0, this->Rays.Direction, this->Rays.Origin));
       curve.Position.Terms[1] =
         Transform(this->Scene.LocalToIndex, Scale(curve.Dt, this->Rays.Direction));
       curve.Position.Terms[2] = nothing;
@@ -566,7 +567,7 @@ private:
     {
       return;
     }
-    const Vec3 q = curve.Position.At(s);
+    const Vec3 q = curve.At(this->Scene, s);
     if (!curve.Segment && this->Scene.Distances && !this->Scene.Intervals &&
       !this->Scene.ClassifiesIntervals)
     {

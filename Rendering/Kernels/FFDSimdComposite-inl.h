@@ -54,7 +54,7 @@ public:
     : State(active)
     , Normals(scene, trees, rays, x, y, rows)
     , Border(scene, scratch)
-    , Window(scene.Volume)
+    , Window(scene)
     , Scene(scene)
     , Rays(rays)
     , Statistics(scratch.Statistics)
@@ -142,7 +142,7 @@ public:
    */
   HWY_NOINLINE void TakeInterval(const PacketCurve& curve, int n, Vf s, Mf sampled, bool inner)
   {
-    const Vec3 end = curve.Position.At(s);
+    const Vec3 end = curve.At(this->Scene, s);
     this->TakeInterval(curve, n, s, sampled,
       inner ? this->FindInnerValue(n, end, sampled) : this->FindValue(end, sampled), inner);
   }
@@ -402,7 +402,7 @@ private:
     {
       Mf sampled = numbers.FindActive(this->State.Alive, n);
       const Vf s = numbers.FindPlaces(curve, n);
-      const Vec3 q = curve.Position.At(s);
+      const Vec3 q = curve.At(this->Scene, s);
       if constexpr (AtFaces)
       {
         sampled = hn::And(sampled, IsInside(this->Scene, q));
@@ -448,7 +448,7 @@ private:
       Mf sampled = numbers.FindActive(this->State.Alive, n);
       this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
       const Vf s = numbers.FindPlaces(curve, n);
-      const Vec3 q = curve.Position.At(s);
+      const Vec3 q = curve.At(this->Scene, s);
       SampleCells cells;
       const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
       this->Window.template MoveTo<false>(n);
@@ -518,7 +518,7 @@ private:
     {
       const Mf sampled = numbers.FindActive(this->State.Alive, n);
       const Vf s = numbers.FindPlaces(curve, n);
-      const Vec3 q = curve.Position.At(Ahead == 0 ? s : hn::MulAdd(Splat(Ahead), curve.PerStep, s));
+      const Vec3 q = curve.At(this->Scene, Ahead == 0 ? s : hn::MulAdd(Splat(Ahead), curve.PerStep, s));
       if (Fit == WindowFit::None && HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0))
       {
         use(n, s, sampled, this->FindValue(q, sampled));
@@ -663,7 +663,7 @@ private:
       FindPlaceOfLight(hn::Mul(first.Extinction, length), hn::Mul(last.Extinction, length), guess);
     const Vf at = hn::IfThenElse(hn::Gt(guess, hn::Zero(d)), place, Splat(0.5f));
     const Vf middle = hn::MulAdd(at, extent, begin);
-    const Vec3 q = this->ClampToVolume(curve.Position.At(middle));
+    const Vec3 q = this->ClampToVolume(curve.At(this->Scene, middle));
     const auto composite = [&](auto& voxels, const SamplePosition& in, const SampleRows<T>& rows,
                              Vf value, Mf border) {
       const ClassifiedIntervals interval =
@@ -720,7 +720,7 @@ private:
   HWY_NOINLINE Vf FindFront(const PacketCurve& curve, int n, Vf s, Mf lanes, Vf back, bool inner)
   {
     const Vf begin = this->FindBegin(curve, s);
-    const Vec3 q = curve.Position.At(begin);
+    const Vec3 q = curve.At(this->Scene, begin);
     const Vf value =
       inner ? this->FindInnerValue(n, q, lanes) : this->FindValue(this->ClampToVolume(q), lanes);
     if (this->Scene.CropSpace == Cropping::Spaces::None)

@@ -43,10 +43,10 @@ HWY_INLINE Mf IsInside(const PacketScene& scene, const Vec3& q)
   return hn::And(within(q.x, 0), hn::And(within(q.y, 1), within(q.z, 2)));
 }
 
-/// The deformed rays of a packet over some samples, index coordinates; s runs from 0 to 1.
+/// The deformed rays of a packet over some samples; s runs from 0 to 1.
 struct PacketCurve
 {
-  Quartic Position;
+  Quartic Position; ///< index coordinates of the whole that the volume is a part of
   Vf T0; ///< t = T0 + s * Dt
   Vf Dt;
   Vf PerStep;                     ///< s from sample to sample
@@ -56,6 +56,12 @@ struct PacketCurve
   Vf Row;    ///< rows of pixels in the square
 
   HWY_INLINE Vf TimeAt(Vf s) const { return hn::MulAdd(s, this->Dt, this->T0); }
+
+  /// The positions at s, index coordinates of the voxels here.
+  HWY_INLINE Vec3 At(const PacketScene& scene, Vf s) const
+  {
+    return WholeToIndex(scene, this->Position.At(s));
+  }
 };
 
 /// The samples that the rays of a packet take: those of numbers n, at t = (n + Phase) * sample

@@ -105,7 +105,7 @@ public:
     }
     else
     {
-      local = this->GradientFromField(curve.Position.At(at), g, curve.TimeAt(at));
+      local = this->GradientFromField(curve.At(this->Scene, at), g, curve.TimeAt(at));
     }
     HWY_ALIGN float x[16], y[16], z[16];
     hn::Store(local.x, d, x);
@@ -185,7 +185,7 @@ private:
   HWY_NOINLINE Vec3 GradientFromField(const Vec3& index, const Vec3& byIndex, Vf t) const
   {
     const Vec3 p = MulAdd(t, this->Rays.Direction, this->Rays.Origin);
-    const Vec3 q = IndexToLocal(this->Scene, index);
+    const Vec3 q = WholeToLocal(this->Scene, IndexToWhole(this->Scene, index));
     Vec3 columns[3];
     PullBackJacobian(this->Scene, p, q, columns[0], columns[1], columns[2]);
     const Vec3 rest = Transform(this->Scene.GradientToRest, byIndex);

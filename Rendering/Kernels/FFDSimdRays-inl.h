@@ -173,8 +173,8 @@ struct RaySpread
     const Vec3 path = Sub(far.At(x, y, farX, farY), begin);
     const Vec3& direction = rays.Direction;
     const Vf inverseLength = hn::Div(Splat(1.0f), Dot(path, direction));
-    // Spread() is one in the middle of what is cast of a ray.
-    const Vf middle = hn::Mul(Splat(0.5f), hn::Add(rays.From, rays.To));
+    // Spread() is one where a ray is nearest to the middle of the whole, which is the origin.
+    const Vf middle = hn::Max(hn::Neg(Dot(rays.Origin, direction)), hn::Zero(Df()));
     const Vf part = hn::Mul(middle, inverseLength);
     const auto across = [&](const Vec3& v) { return Sub(v, Scale(Dot(v, direction), direction)); };
     this->AlongX = Dot(nearX, direction);
@@ -232,8 +232,9 @@ HWY_INLINE void ClipToBounds(const PacketScene& scene, const TileBounds::Limits*
   clip(rays.Origin.z, rays.Direction.z, 2);
 }
 
-/// Takes local coordinates to index coordinates of the whole that the volume is a part of.
-HWY_INLINE Vec3 LocalToWholeIndex(const PacketScene& scene, const Vec3& local)
+/// Takes local coordinates to index coordinates of the whole that the volume is a part of. Segments
+/// are kept in these, so that the same samples are taken whatever the part is.
+HWY_INLINE Vec3 LocalToWhole(const PacketScene& scene, const Vec3& local)
 {
   return Add(Transform(scene.LocalToIndex, local), Broadcast(scene.IndexOffset));
 }
@@ -258,7 +259,7 @@ HWY_INLINE Vf PhaseOf(const PacketScene& scene, const RayPacket& rays, Vf jitter
     exitSlope = hn::IfThenElse(hn::Lt(far, exit), slope, exitSlope);
     exit = hn::Min(exit, far);
   };
-  const Vec3 origin = LocalToWholeIndex(scene, rays.Origin);
+  const Vec3 origin = LocalToWhole(scene, rays.Origin);
   const Vec3 direction = Transform(scene.LocalToIndex, rays.Direction);
   cross(origin.x, direction.x, 0);
   cross(origin.y, direction.y, 1);
@@ -270,17 +271,21 @@ HWY_INLINE Vf PhaseOf(const PacketScene& scene, const RayPacket& rays, Vf jitter
   return hn::Sub(x, hn::Floor(x));
 }
 
-/// Takes local to index coordinates, rounded as those of the whole: the shift is exact.
-HWY_INLINE Vec3 LocalToIndex(const PacketScene& scene, const Vec3& local)
+/// Takes index coordinates of the whole to local ones.
+HWY_INLINE Vec3 WholeToLocal(const PacketScene& scene, const Vec3& whole)
 {
-  return Sub(LocalToWholeIndex(scene, local), Broadcast(scene.IndexShift));
+  return Transform(scene.IndexToLocal, Sub(whole, Broadcast(scene.IndexOffset)));
 }
 
-/// Takes index to local coordinates.
-HWY_INLINE Vec3 IndexToLocal(const PacketScene& scene, const Vec3& index)
+/// Takes index coordinates of the whole to those of the voxels here, and back: numbers of voxels
+/// are subtracted and added, which is exact.
+HWY_INLINE Vec3 WholeToIndex(const PacketScene& scene, const Vec3& whole)
 {
-  return Transform(
-    scene.IndexToLocal, Sub(Add(index, Broadcast(scene.IndexShift)), Broadcast(scene.IndexOffset)));
+  return Sub(whole, Broadcast(scene.IndexShift));
+}
+HWY_INLINE Vec3 IndexToWhole(const PacketScene& scene, const Vec3& index)
+{
+  return Add(index, Broadcast(scene.IndexShift));
 }
 
 } // namespace HWY_NAMESPACE

@@ -206,7 +206,7 @@ private:
       this->Near, this->Far, this->X0 + segment.X, this->Y0 + segment.Y, segment.Side, at);
   }
 
-  /// Pulls the nodes at t back to index coordinates; `layer`: on entry estimates of them.
+  /// Pulls the nodes at t back to index coordinates of the whole; `layer`: on entry estimates of them.
   HWY_NOINLINE void Solve(const NodeRays& rays, float t, NodeVectors& layer)
   {
     const Df d;
@@ -214,9 +214,9 @@ private:
     for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
     {
       const Vec3 q = PullBackFrom(this->Scene, rays.At(Splat(t), i),
-        IndexToLocal(this->Scene, LoadNodes(layer, i)), this->Scene.NodeTolerance, all,
+        WholeToLocal(this->Scene, LoadNodes(layer, i)), this->Scene.NodeTolerance, all,
         this->Scratch.Statistics);
-      StoreNodes(LocalToIndex(this->Scene, q), layer, i);
+      StoreNodes(LocalToWhole(this->Scene, q), layer, i);
     }
   }
 
@@ -257,7 +257,7 @@ private:
         move = path;
         q[k] = PullBackFrom(
           this->Scene, p, start, this->Scene.NodeTolerance, all, this->Scratch.Statistics, &move);
-        StoreNodes(LocalToIndex(this->Scene, q[k]), layers[static_cast<std::size_t>(k)], i);
+        StoreNodes(LocalToWhole(this->Scene, q[k]), layers[static_cast<std::size_t>(k)], i);
       }
     }
   }
@@ -424,7 +424,7 @@ private:
         const Vec3 p =
           this->Rays.At(hn::MulAdd(s, Splat(this->Segment.Dt), Splat(this->Segment.T0)), i);
         const Vec3 error = Transform(scene.LocalToIndex,
-          FindPullBackError(scene, p, IndexToLocal(scene, q), this->Trees.Scratch.Statistics));
+          FindPullBackError(scene, p, WholeToLocal(scene, q), this->Trees.Scratch.Statistics));
         const Vf length = Dot(error, error);
         // Comparisons with what is not a number are false.
         const Vf huge = Splat(1e20f);
@@ -477,7 +477,7 @@ private:
     return Guard * speed / static_cast<float>(segment.Samples);
   }
 
-  /// Empty-space query of a box, index coordinates, extended by `margin`.
+  /// Empty-space query of a box, index coordinates of the whole, extended by `margin`.
   bool IsEmptyBox(const float low[3], const float high[3], float margin) const
   {
     glm::dvec3 from;
@@ -485,10 +485,12 @@ private:
     bool outside = false;
     for (int a = 0; a < 3; ++a)
     {
-      from[a] = static_cast<double>(low[a] - margin);
-      to[a] = static_cast<double>(high[a] + margin);
-      outside =
-        outside || high[a] + margin < this->Scene.Lower || low[a] - margin > this->Scene.Upper[a];
+      const float shift = this->Scene.IndexShift[a];
+      const float first = low[a] - shift - margin;
+      const float last = high[a] - shift + margin;
+      from[a] = static_cast<double>(first);
+      to[a] = static_cast<double>(last);
+      outside = outside || last < this->Scene.Lower || first > this->Scene.Upper[a];
     }
     return outside ||
       (this->Scene.LeapsSegments &&
@@ -716,6 +718,7 @@ private:
         hn::LoadInterleaved4(
           d, segment.MiddleTerms[k][first].data(), term.x, term.y, term.z, unused);
       }
+      curve.Terms[0] = WholeToIndex(scene, curve.Terms[0]);
       const hn::Rebind<std::uint32_t, Df> du;
       auto needed = hn::BitCast(di, hn::Load(du, segment.Needed.data() + first));
       auto inside = hn::BitCast(di, hn::Load(du, segment.Inside.data() + first));

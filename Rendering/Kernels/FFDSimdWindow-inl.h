@@ -67,12 +67,14 @@ template <class T>
 class VoxelWindow
 {
 public:
-  /// `v` must outlive the window.
-  explicit VoxelWindow(const PacketVolume& v)
-    : Volume(v)
-    , Usable(std::min({ v.Dimensions[0], v.Dimensions[1], v.Dimensions[2] }) >= Side)
-    , LastCell(_mm_setr_epi32(v.Dimensions[0] - 2, v.Dimensions[1] - 2, v.Dimensions[2] - 2, 0))
+  /// `scene` must outlive the window.
+  explicit VoxelWindow(const PacketScene& scene)
+    : Volume(scene.Volume)
+    , IndexShift(Vector(scene.IndexShift))
   {
+    const int* const n = scene.Volume.Dimensions;
+    this->Usable = std::min({ n[0], n[1], n[2] }) >= Side;
+    this->LastCell = _mm_setr_epi32(n[0] - 2, n[1] - 2, n[2] - 2, 0);
   }
 
   /// Prepares for the samples that the lanes of `rays` take of a curve, of the block of a segment.
@@ -102,7 +104,7 @@ public:
       to = _mm_add_ps(to, Vector(segment.Down));
     }
     const __m128 width = _mm_sub_ps(to, from);
-    this->Lowest[0] = V4{ _mm_add_ps(this->Lowest[0].raw, from) };
+    this->Lowest[0] = V4{ _mm_add_ps(_mm_sub_ps(this->Lowest[0].raw, this->IndexShift), from) };
     this->PerStep = 1.0f / static_cast<float>(segment.Samples);
     this->Offset = -static_cast<float>(segment.FirstSample);
     this->Fit = this->Usable ? FindFit(width) : WindowFit::None;
@@ -259,6 +261,7 @@ private:
   }
 
   const PacketVolume& Volume;
+  __m128 IndexShift; ///< PacketScene::IndexShift
   bool Usable; ///< whether the volume is as large as a window
   __m128i LastCell;
   WindowFit Fit = WindowFit::None;
@@ -511,7 +514,7 @@ template <class T>
 class VoxelWindow
 {
 public:
-  explicit VoxelWindow(const PacketVolume&) {}
+  explicit VoxelWindow(const PacketScene&) {}
 };
 #endif
 

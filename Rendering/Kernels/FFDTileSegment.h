@@ -61,7 +61,8 @@ struct alignas(64) TileSegment
   float ErrorBefore = 1e30f; ///< Error of the parent, if the parent was halved
   std::array<TileSegment*, 4> Children{};
 
-  /// Terms of s^k at the nodes, index coordinates; s runs from 0 to 1.
+  /// Terms of s^k at the nodes, index coordinates of the whole that the volume is a part of; s runs
+  /// from 0 to 1. So those below.
   alignas(64) std::array<NodeVectors, TileLayers> Terms;
 
   /// For each block of 4 x 4 pixels, x fastest, a bit a part, found front to back. Needed:

@@ -255,6 +255,119 @@ class TestClipBox(unittest.TestCase):
         self.assertLess(abs(count - samples), 1e-4 * samples)
         self.assertLessEqual(np.abs(got - wanted).max() * 255.0, 4.0)
 
+    def check_part(self, rng, prepare=lambda mapper: None):
+        """Makes a scene of a random volume, and one of no more of it than a random box needs;
+        their pictures must be equal to the last bit."""
+        size = 41
+        image = vtkImageData()
+        image.SetDimensions(size, size, size)
+        image.SetOrigin(rng.uniform(-50.0, 50.0, 3))
+        image.SetSpacing(rng.uniform(0.5, 2.0, 3))
+        waves = rng.uniform(12.0, 54.0, 3) / 10.0
+        x, y, z = np.meshgrid(*3 * [np.linspace(-1.0, 1.0, size)], indexing="ij")
+        values = (128.0 + 60.0 * np.sin(waves[0] * x) + 40.0 * np.cos(waves[1] * y) +
+                  25.0 * np.sin(waves[2] * z * x))
+        scalar_type = (np.uint8, np.float32)[rng.integers(2)]
+        image.GetPointData().SetScalars(
+            numpy_to_vtk(np.clip(values, 0, 255).astype(scalar_type).ravel(), deep=True))
+        shapes = vtkffd.vtkFFDLatticeSource
+        shape = (shapes.TWIST, shapes.BEND, shapes.BULGE, shapes.TAPER)[rng.integers(4)]
+        strength = rng.uniform(0.2, 1.5)
+        opaque = bool(rng.integers(2))
+
+        def make(data):
+            scene = Scene(0.0, opaque, data)
+            scene.lattice.FitToBounds(image.GetBounds())
+            shapes.ApplyShape(scene.lattice, shape, strength)
+            opacity = scene.volume.GetProperty().GetScalarOpacity()
+            opacity.RemoveAllPoints()
+            opacity.AddPoint(120, 0.0)
+            opacity.AddPoint(124, 1.0 if opaque else 0.1)
+            opacity.AddPoint(255, 1.0 if opaque else 0.3)
+            prepare(scene.mapper)
+            return scene
+
+        whole = make(image)
+        whole.renderer.ResetCamera(whole.mapper.GetBounds())
+        bounds = np.reshape(whole.mapper.GetBounds(), (3, 2))
+        box = bounds.copy()
+        for a in range(3):
+            cut = bounds[a, 0] + rng.uniform(0.3, 0.7) * (bounds[a, 1] - bounds[a, 0])
+            side = rng.integers(3 if a > 0 else 2)
+            if side < 2:
+                box[a, side] = cut
+        needed = [0.0] * 6
+        inverse = vtkffd.vtkFFDLattice()
+        inverse.DeepCopy(whole.lattice)
+        inverse.Inverse()
+        inverse.GetDeformedBounds(box.ravel(), needed)
+        extent = list(image.GetExtent())
+        for a in range(3):
+            # The inverse is a fitted lattice: some voxels more than the box needs.
+            first, last = ((needed[2 * a + i] - image.GetOrigin()[a]) / image.GetSpacing()[a]
+                           for i in (0, 1))
+            extent[2 * a] = max(extent[2 * a], int(np.floor(first)) - 8)
+            extent[2 * a + 1] = min(extent[2 * a + 1], int(np.ceil(last)) + 8)
+        part = vtkImageData()
+        part.DeepCopy(image)
+        part.Crop(extent)
+        box[box == bounds] = np.tile((-np.inf, np.inf), (3, 1))[box == bounds]
+        alone = make(part)
+        alone.renderer.GetActiveCamera().DeepCopy(whole.renderer.GetActiveCamera())
+        alone.mapper.SetWholeBounds(image.GetBounds())
+        alone.mapper.SetWholeScalarRange(image.GetScalarRange())
+        for scene in (whole, alone):
+            scene.mapper.SetClipBox(box.ravel())
+        wanted, samples = whole.picture()
+        got, _ = alone.picture()
+        self.assertGreater(samples, 100)
+        self.assertTrue(np.array_equal(got, wanted))
+        return whole, alone, part.GetNumberOfPoints() / image.GetNumberOfPoints()
+
+    def test_parts_take_the_same_samples(self):
+        """Positions of samples are rounded as in the whole: no sample is on the other side of a
+        face, and no normal is another one."""
+        rng = np.random.default_rng(7)
+        parts = [self.check_part(rng)[2] for _ in range(24)]
+        self.assertLess(np.mean(parts), 0.8)
+
+    def test_cropped_parts(self):
+        """Cropping planes at rest between voxels: their numbers count from another voxel."""
+        rng = np.random.default_rng(11)
+
+        def crop(mapper):
+            b = np.reshape(mapper.GetDataSetInput().GetBounds(), (3, 2))
+            mapper.SetCropping(True)
+            mapper.SetCroppingRegionFlags(0x7FFDFFF)
+            if not planes:
+                planes.extend(np.ravel(b[:, :1] + rng.uniform((0.2, 0.6), (0.4, 0.8), (3, 2)) *
+                                       (b[:, 1:] - b[:, :1])))
+            mapper.SetCroppingRegionPlanes(*planes)
+
+        for _ in range(6):
+            planes = []
+            self.check_part(rng, crop)
+
+    def test_traced_part(self):
+        """Rays are traced through a part as through the whole."""
+        rng = np.random.default_rng(5)
+        whole, alone, fraction = self.check_part(rng)
+        self.assertLess(fraction, 0.9)
+        outputs = []
+        for scene in (whole, alone):
+            scene.mapper.SetSpaceLeapingToOff()
+            tracer = vtkffd.vtkFFDRayTracer()
+            tracer.SetRenderer(scene.renderer)
+            tracer.SetVolume(scene.volume)
+            tracer.SetImageSize(SIZE, SIZE)
+            tracer.AddPixelGrid(7, 7)
+            tracer.Update()
+            outputs.append([vtk_to_numpy(tracer.GetOutput(i).GetPoints().GetData())
+                            for i in (0, 2)])
+        for i in (0, 1):
+            self.assertGreater(len(outputs[0][i]), 100)
+            np.testing.assert_allclose(outputs[1][i], outputs[0][i], atol=1e-4)
+
     def test_range_of_the_whole(self):
         """Tables and blend modes of a part are those of the whole whose range it is told."""
         size = 25
