@@ -25,6 +25,7 @@
 #include <bitset>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 namespace
 {
@@ -168,6 +169,13 @@ bool vtkFFDFrameCaster::Cast(
     }
   }
   const ffd::RayCaster& caster = *made;
+  const auto groupOf = [&](const vtkFFDFrameCoherence::Part& tile) {
+    return caster.GetGroup(tile.Tile, image);
+  };
+  std::stable_sort(tiles.begin(), tiles.end(),
+    [&](const vtkFFDFrameCoherence::Part& a, const vtkFFDFrameCoherence::Part& b) {
+      return groupOf(a) < groupOf(b);
+    });
   const double part = FindPart(tiles, region.Rays);
   this->ReusedFraction = 1.0 - part;
   this->Intervals = caster.ClassifiesIntervals();
@@ -182,7 +190,25 @@ bool vtkFFDFrameCaster::Cast(
   this->FinalLevel = this->Mapper->GetFinalColorLevel();
   std::atomic<std::size_t> next{ 0 };
   std::mutex mutex;
-  std::vector<vtkFFDFrameCoherence::Part> stopped; // tiles that have begun
+  std::vector<vtkFFDFrameCoherence::Part> stopped; // tiles that were taken and are not finished
+  // A worker takes the tiles of a group together; near the end fewer, so that all workers are busy.
+  // What is counted must not depend on that.
+  const std::size_t shares = 2 * scratch.size();
+  const auto take = [&](std::size_t end) {
+    std::size_t first = next;
+    std::size_t last = first;
+    do
+    {
+      const std::size_t most =
+        collect ? tiles.size() : std::min(end, first + (tiles.size() - first) / shares);
+      last = first < end ? first + 1 : first;
+      while (last > first && last < most && groupOf(tiles[last]) == groupOf(tiles[first]))
+      {
+        ++last;
+      }
+    } while (!next.compare_exchange_weak(first, last));
+    return std::make_pair(first, last);
+  };
   bool aborted = !frame.ReportCasting(0.0);
   if (tiles.empty() && !aborted)
   {
@@ -198,27 +224,35 @@ bool vtkFFDFrameCaster::Cast(
     parallelFor.RunWorkers([&](int worker) {
       do
       {
-        const std::size_t i = next++;
-        if (i >= end)
+        const auto [first, last] = take(end);
+        if (first == last)
         {
           return;
         }
-        vtkFFDFrameCoherence::Part& tile = tiles[i];
-        // A tile that stops evaluates some of the deformation again: that is not to be counted.
-        tile.First = caster.RenderTile(tile.Tile, image, scratch[static_cast<std::size_t>(worker)],
-          tile.Subtiles, tile.First, collect ? ffd::NoDeadline : due);
-        if (tile.First == 0)
+        for (std::size_t i = first; i < last; ++i)
         {
-          this->ApplyFinalColors(region, tile, this->Colors);
-        }
-        else
-        {
-          const std::lock_guard<std::mutex> lock(mutex);
-          stopped.push_back(tile);
+          vtkFFDFrameCoherence::Part& tile = tiles[i];
+          // A tile that stops evaluates some of the deformation again: that is not to be counted.
+          const bool late = !collect && i > first && vtkFFDFrame::Clock::now() >= due;
+          if (!late)
+          {
+            tile.First =
+              caster.RenderTile(tile.Tile, image, scratch[static_cast<std::size_t>(worker)],
+                tile.Subtiles, tile.First, collect ? ffd::NoDeadline : due);
+          }
+          if (late || tile.First != 0)
+          {
+            const std::lock_guard<std::mutex> lock(mutex);
+            stopped.push_back(tile);
+          }
+          else
+          {
+            this->ApplyFinalColors(region, tile, this->Colors);
+          }
         }
       } while (vtkFFDFrame::Clock::now() < due);
     });
-    std::size_t begun = std::min<std::size_t>(next, end);
+    std::size_t begun = next;
     for (const vtkFFDFrameCoherence::Part& tile : stopped)
     {
       tiles[--begun] = tile;

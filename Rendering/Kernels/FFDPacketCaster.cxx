@@ -8,9 +8,11 @@
 #include "FFDSimdTargets.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
 
 // The packet kernels are compiled once for every instruction set of FFDSimdTargets.h.
 #undef HWY_TARGET_INCLUDE
@@ -45,6 +47,45 @@ int CastTileOfAnyType(const PacketScene& scene, int x0, int y0, unsigned int sub
     default:
       return CastTile<WideScalar>(scene, x0, y0, subtiles, image, scratch, first, deadline);
   }
+}
+
+/// Sets the side of roots: tiles share them where interpolants over several tiles are close enough
+/// around most of five points. `quarter`: of the edges of the deformed bounds of the whole.
+void ChooseRootSide(const glm::dvec3& quarter, PacketScene& scene)
+{
+  constexpr int Points = 5;
+  constexpr double Corners[Points][3] = { { 0.0, 0.0, 0.0 }, { -1.0, -1.0, -1.0 },
+    { 1.0, 1.0, -1.0 }, { 1.0, -1.0, 1.0 }, { -1.0, 1.0, 1.0 } };
+  const CameraView& camera = scene.Source->Camera;
+  const CameraView::PixelRows rows = camera.GetPixelRows();
+  const ImageMap near(scene.NdcToLocal, camera, -1.0);
+  const ImageMap far(scene.NdcToLocal, camera, 1.0);
+  const double length = scene.SamplesPerRoot * scene.Settings.SampleDistance;
+  const auto scratch = std::make_unique<PacketScratch>();
+  scene.RootSide = SharedRootSide;
+  int seen = 0;
+  int close = 0;
+  for (const double* corner : Corners)
+  {
+    const glm::dvec3 p = scene.Center + quarter * glm::dvec3(corner[0], corner[1], corner[2]);
+    const glm::dvec4 point(p, 1.0);
+    const double w = glm::dot(rows.W, point);
+    const glm::dvec2 at = glm::dvec2(glm::dot(rows.X, point), glm::dot(rows.Y, point)) / w;
+    const ViewRay ray = camera.MakeRay(at.x, at.y);
+    const double t = glm::dot(p - ray.Origin, ray.Direction);
+    // Behind the camera, or farther aside than any picture is wide.
+    if (!(w > 0.0 && t >= 0.0 && t < ray.Far && std::max(std::abs(at.x), std::abs(at.y)) < 1e5))
+    {
+      continue;
+    }
+    // The same in all parts of an image.
+    const glm::dvec2 origin(camera.PixelOrigin);
+    const glm::ivec2 first(glm::floor(at + origin) - 0.5 * scene.RootSide - origin);
+    SegmentTrees trees(scene, *scratch, near, far, first.x, first.y);
+    ++seen;
+    close += trees.IsRootClose(static_cast<int>(t / length)) ? 1 : 0;
+  }
+  scene.RootSide = 2 * close > seen ? SharedRootSide : TileSide;
 }
 
 void MoveSeeds(PacketScene& scene)
@@ -117,6 +158,7 @@ namespace
 {
 
 HWY_EXPORT(CastTileOfAnyType);
+HWY_EXPORT(ChooseRootSide);
 HWY_EXPORT(MoveSeeds);
 
 /// Seeds of Newton's method along each axis of the volume.
@@ -861,7 +903,9 @@ bool PacketCaster::Supports(const CastScene& scene, const CastSettings& settings
 PacketCaster::PacketCaster(
   const CastScene& scene, const CastSettings& settings, const IntegrationFrame& frame)
 {
+  static std::atomic<std::uint64_t> scenes{ 0 };
   PacketScene& p = this->Scene;
+  p.Number = ++scenes;
   p.Settings = settings;
   p.Source = &scene;
   p.Frame = &frame;
@@ -879,6 +923,11 @@ PacketCaster::PacketCaster(
   SetClipping(scene, p);
   SetLeaping(scene, settings, p);
   SetShading(scene, settings, classifier, p);
+  if (!p.Identity)
+  {
+    const Box& whole = GetWholeDeformed(scene);
+    HWY_DYNAMIC_DISPATCH(ChooseRootSide)(0.25 * (whole.Max - whole.Min), p);
+  }
   p.NormalsOfOpacity = kind.Composites && p.Shade && classifier.HasNormalsOfOpacity();
 
   p.Inner = p.Sampling == PacketSampling::Composite && !p.Intervals &&

@@ -129,6 +129,7 @@ struct PacketIntegrals
  */
 struct PacketScene
 {
+  std::uint64_t Number = 0; ///< no other scene has it, nor had it before
   CastSettings Settings;
   const CastScene* Source = nullptr;
   const IntegrationFrame* Frame = nullptr;
@@ -199,6 +200,7 @@ struct PacketScene
   float VoxelsPerUnit = 1.0f;     ///< lengths in data units to lengths in voxels
   float ShortestSegment = 0.5f;   ///< voxels
   int SamplesPerRoot = 1;         ///< of the longest segments
+  int RootSide = TileSide;        ///< pixels along each side of these, at least of a tile
   int SamplesPerPart = 1;     ///< of a segment, that are tested for emptiness together, at least
   TileBounds Seen;            ///< of what may be visible, local coordinates
   bool LeapsSegments = false; ///< whether segments are tested for emptiness as a whole
@@ -256,9 +258,7 @@ struct SampleRange
 /// Buffers that a thread keeps between tiles.
 struct PacketScratch
 {
-  TileSegmentPool Segments;
-  std::vector<TileSegment*>
-    Roots; ///< of the trees of segments of the tile, front to back, as far as made
+  SegmentRoots Roots;
   std::vector<RayIntegrator> Integrators; ///< of the lanes of a packet, where these are used
   /// Of the rays of a tile: the ranges of t (from, to), and SampleNumbers.
   std::array<float, 5 * TileSide * TileSide> Rays;
@@ -291,6 +291,9 @@ public:
   /// See RayCaster::RenderTile(); `first` counts packets.
   int RenderTile(int x0, int y0, unsigned int subtiles, const CastImage& image,
     PacketScratch& scratch, int first, Deadline deadline) const;
+
+  /// PacketScene::RootSide.
+  int GetRootSide() const { return this->Scene.RootSide; }
 
 private:
   PacketScene Scene;

@@ -77,7 +77,7 @@ CurveSegment Restrict(const CurveSegment& curve, double a, double b)
   return part;
 }
 
-/// Collects the segments in which a pixel of the tile was cast, front to back.
+/// Collects the segments in which a pixel of the roots was cast, front to back.
 void CollectSegments(
   const TileSegment& segment, int x, int y, std::vector<const TileSegment*>& segments)
 {
@@ -130,9 +130,14 @@ void TracePackets(const PacketCaster& packets, const CastScene& scene, const Cas
     positions.end());
 
   std::vector<const TileSegment*> segments;
-  for (const TileSegment* root : scratch.Roots)
+  const int xInRoot = ray.X % packets.GetRootSide();
+  const int yInRoot = ray.Y % packets.GetRootSide();
+  for (const TileSegment* root : scratch.Roots.GetAll())
   {
-    CollectSegments(*root, x, y, segments);
+    if (root)
+    {
+      CollectSegments(*root, xInRoot, yInRoot, segments);
+    }
   }
   const VolumeView& volume = scene.Volume;
   const glm::dvec3 shift =
@@ -146,7 +151,7 @@ void TracePackets(const PacketCaster& packets, const CastScene& scene, const Cas
     {
       continue;
     }
-    const CurveSegment curve = Restrict(FindCurve(*segment, x, y, shift),
+    const CurveSegment curve = Restrict(FindCurve(*segment, xInRoot, yInRoot, shift),
       (from - segment->T0) / segment->Dt, (to - segment->T0) / segment->Dt);
     pixel.NoteSegment(curve, from, to, segment->Known == TileSegment::State::Empty);
     const auto jacobianAt = [&](double s) {

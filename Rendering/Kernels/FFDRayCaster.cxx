@@ -95,6 +95,14 @@ int RayCaster::GetNumberOfTiles(const CastImage& image) const
 }
 
 //------------------------------------------------------------------------------
+int RayCaster::GetGroup(int tile, const CastImage& image) const
+{
+  const int tilesPerRow = this->GetTilesPerRow(image);
+  const int groupsPerRow = (tilesPerRow + GroupSize - 1) / GroupSize;
+  return tile / tilesPerRow / GroupSize * groupsPerRow + tile % tilesPerRow / GroupSize;
+}
+
+//------------------------------------------------------------------------------
 int RayCaster::SetUpTile(int x0, int y0, int x1, int y1, CastRay* rays) const
 {
   int count = 0;

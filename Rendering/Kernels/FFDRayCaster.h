@@ -33,6 +33,8 @@ class FFD_RENDERING_EXPORT RayCaster
 {
 public:
   static constexpr int TileSize = TileSide;
+  /// Tiles along each side of a group that share work where one thread renders them in turn.
+  static constexpr int GroupSize = SharedRootSide / TileSide;
   static constexpr int SubtileSize = TileSize / 2;
   static constexpr unsigned int AllSubtiles = 15;
 
@@ -56,6 +58,8 @@ public:
 
   int GetTilesPerRow(const CastImage& image) const;
   int GetNumberOfTiles(const CastImage& image) const;
+  /// The number of the group that a tile is in, see GroupSize.
+  int GetGroup(int tile, const CastImage& image) const;
   /// `subtiles`: of which subtiles of the tile the pixels are asked for, a bit each, x fastest.
   /// Stops at the deadline, with some pixels done: returns 0 when the tile is finished, else the
   /// number to go on with, as `first`. The pixels do not depend on the stops.

@@ -63,7 +63,7 @@ class Packet
 public:
   /**
    * Keeps references to all but the numbers.
-   * (x, y): first pixel of the packet, from that of the tile. `rows`: rows of its pixels from y on.
+   * (x, y): first pixel of the packet, from that of the roots. `rows`: rows of its pixels from y on.
    * `numbers`, `range`: FindSamples().
    */
   Packet(const PacketScene& scene, SegmentTrees& trees, PacketScratch& scratch,
@@ -715,7 +715,7 @@ private:
   SegmentTrees& Trees;
   PacketScratch& Scratch;
   const RayPacket& Rays;
-  int X; ///< first pixel, from that of the tile
+  int X; ///< first pixel, from that of the roots
   int Y;
   Vf Rows; ///< of the pixels, from Y on
   SampleNumbers Numbers;

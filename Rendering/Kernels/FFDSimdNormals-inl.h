@@ -33,7 +33,7 @@ namespace HWY_NAMESPACE
 class PacketNormals
 {
 public:
-  /// (x, y): first pixel of the packet, from that of the tile; `rows`: rows of its pixels from y
+  /// (x, y): first pixel of the packet, from that of the roots; `rows`: rows of its pixels from y
   /// on. Keeps references to all but the numbers.
   PacketNormals(const PacketScene& scene, const SegmentTrees& trees, const RayPacket& rays, int x,
     int y, Vf rows)

@@ -73,19 +73,20 @@ constexpr CheckSet CheckSets[3] = { { { 0.12f, 0.39f, 0.61f, 0.88f },
   { { 0.17f, 0.45f, 0.79f, 0.96f }, { 0.13f, 0.45f, 0.72f, 0.88f } } };
 
 /**
- * Cuts the rays of a tile into segments. The longest segments are the roots of trees, which grow
- * front to back as rays reach them, so that nothing is evaluated behind the point where all rays
- * have ended. Where segments begin and end depends on the tile and the deformation alone; where
- * samples lie does not depend on the segments.
+ * Cuts the rays of a tile into segments. The longest segments, of a square of tiles, are the roots
+ * of trees, which grow front to back as rays reach them, so that nothing is evaluated behind the
+ * point where all rays have ended. Where segments begin and end depends on the square and the
+ * deformation alone; where samples lie does not depend on the segments.
  *
  * In a segment an interpolant with exact nodes replaces the pull-back. Its error is measured as the
  * length of a Newton step at check points between the nodes, times a safety factor. A segment whose
- * error is too large is halved along the rays or quartered across them.
+ * error is too large is halved along the rays or quartered across them. One of several tiles is
+ * quartered where it is close enough, too: its quarters have the same interpolant.
  */
 class SegmentTrees
 {
 public:
-  /// (x0, y0): first pixel of the tile. `near` and `far` are kept by pointer.
+  /// (x0, y0): first pixel of the roots. `near` and `far` are kept by pointer.
   SegmentTrees(const PacketScene& scene, PacketScratch& scratch, const ImageMap& near,
     const ImageMap& far, int x0, int y0)
     : Scene(scene)
@@ -95,8 +96,7 @@ public:
     , X0(x0)
     , Y0(y0)
   {
-    scratch.Segments.Clear();
-    scratch.Roots.clear();
+    scratch.Roots.Begin(scene.Number, x0, y0);
   }
 
   /// Sets the range of t of all rays of the tile.
@@ -110,7 +110,7 @@ public:
     this->Last = static_cast<int>(std::floor((tMax + around) / length));
   }
 
-  /// First pixel of the tile.
+  /// First pixel of the roots.
   int GetX() const { return this->X0; }
   int GetY() const { return this->Y0; }
 
@@ -120,12 +120,19 @@ public:
   /// The root number `index`, GetFirst() to GetLast().
   HWY_INLINE TileSegment& GetRoot(int index)
   {
-    const std::size_t at = static_cast<std::size_t>(index - this->First);
-    while (this->Scratch.Roots.size() <= at)
+    TileSegment*& root = this->Scratch.Roots.At(index);
+    if (HWY_UNLIKELY(!root))
     {
-      this->AddRoot();
+      root = &this->MakeRoot(index);
     }
-    return *this->Scratch.Roots[at];
+    return *root;
+  }
+
+  /// Whether the interpolant of a root is close enough.
+  bool IsRootClose(int index)
+  {
+    const TileSegment& root = this->GetRoot(index);
+    return this->MeasureError(root, BezierHull(root.Terms)) <= this->Scene.PositionTolerance;
   }
 
   /// The state of a segment, found on first use.
@@ -156,7 +163,7 @@ public:
     }
   }
 
-  /// The spread of the rays of the packet at (x, y) of the tile, whose pixels are in `rows` from y
+  /// The spread of the rays of the packet at (x, y) of the roots, whose pixels are in `rows` from y
   /// on.
   HWY_NOINLINE RaySpread FindSpread(int x, int y, Vf rows, const RayPacket& rays) const
   {
@@ -177,6 +184,8 @@ private:
 
   /// The largest Newton step at the check points times this stands for the largest of all points.
   static constexpr float SafetyFactor = 2.0f;
+  /// Interpolants over several tiles of a smaller error are estimates for their quarters, voxels.
+  static constexpr float GoodEstimate = 1.0f;
   /// Errors above this are not known well, voxels.
   static constexpr float LargestKnownError = 20.0f;
   /// Halving has not helped if more than this part of the error is left.
@@ -206,7 +215,8 @@ private:
       this->Near, this->Far, this->X0 + segment.X, this->Y0 + segment.Y, segment.Side, at);
   }
 
-  /// Pulls the nodes at t back to index coordinates of the whole; `layer`: on entry estimates of them.
+  /// Pulls the nodes at t back to index coordinates of the whole; `layer`: on entry estimates of
+  /// them.
   HWY_NOINLINE void Solve(const NodeRays& rays, float t, NodeVectors& layer)
   {
     const Df d;
@@ -220,8 +230,9 @@ private:
     }
   }
 
-  /// Pulls the layers of a root back, front to back; each one is estimated from those before it.
-  HWY_NOINLINE void SolveRoot(const NodeRays& rays, const TileSegment& segment, Layers& layers)
+  /// Pulls the layers of a segment back without estimates, front to back; each one is estimated
+  /// from those before it.
+  HWY_NOINLINE void SolveAnew(const NodeRays& rays, const TileSegment& segment, Layers& layers)
   {
     const Df d;
     const Mf all = hn::FirstN(d, hn::Lanes(d));
@@ -262,19 +273,17 @@ private:
     }
   }
 
-  HWY_NOINLINE void AddRoot()
+  HWY_NOINLINE TileSegment& MakeRoot(int index)
   {
-    TileSegment& segment = this->Scratch.Segments.Add();
-    segment.Side = TileSide;
+    TileSegment& segment = this->Scratch.Roots.Add();
+    segment.Side = this->Scene.RootSide;
     segment.X = 0;
     segment.Y = 0;
-    const int number = static_cast<int>(this->Scratch.Roots.size());
-    this->SetTimes(
-      segment, (this->First + number) * this->Scene.SamplesPerRoot, this->Scene.SamplesPerRoot);
+    this->SetTimes(segment, index * this->Scene.SamplesPerRoot, this->Scene.SamplesPerRoot);
     alignas(64) Layers layers;
-    this->SolveRoot(this->GetRays(segment, NodeAt), segment, layers);
+    this->SolveAnew(this->GetRays(segment, NodeAt), segment, layers);
     FitQuartics(layers, segment.Terms);
-    this->Scratch.Roots.push_back(&segment);
+    return segment;
   }
 
   HWY_NOINLINE void Expand(TileSegment& segment)
@@ -284,14 +293,18 @@ private:
     // Samples lie on the interpolant, or within its error of it. Far from everything visible a
     // coarse estimate of the error suffices.
     const float before = this->FindStepBefore(segment, hull);
-    if (this->IsEmptyBox(hull.Low, hull.High, FarFromVisible + before) &&
-      this->EstimateError(segment) + tolerance <= FarFromVisible)
+    bool close = segment.IsClose;
+    if (!close)
     {
-      segment.Known = TileSegment::State::Empty;
-      return;
+      if (this->IsEmptyBox(hull.Low, hull.High, FarFromVisible + before) &&
+        this->EstimateError(segment) + tolerance <= FarFromVisible)
+      {
+        segment.Known = TileSegment::State::Empty;
+        return;
+      }
+      segment.Error = this->MeasureError(segment, hull);
+      close = segment.Error <= tolerance && this->HasCloseSlopes(segment);
     }
-    segment.Error = this->MeasureError(segment, hull);
-    const bool close = segment.Error <= tolerance && this->HasCloseSlopes(segment);
     if (segment.Error < LargestKnownError)
     {
       const float margin = (close ? 0.0f : segment.Error + tolerance) + Rounding + before;
@@ -301,13 +314,19 @@ private:
         return;
       }
     }
-    if (close)
+    if (!close)
+    {
+      this->Split(segment);
+    }
+    else if (segment.Side > TileSide)
+    {
+      this->Quarter(segment, true);
+    }
+    else
     {
       this->BeginParts(segment, hull);
       segment.Known = TileSegment::State::Curves;
-      return;
     }
-    this->Split(segment);
   }
 
   /// Estimates the error of the interpolant from few check points, voxels.
@@ -516,7 +535,7 @@ private:
     }
     else if (canQuarter && (!canHalve || halvedInVain || length <= 0.5f * width))
     {
-      this->Quarter(segment);
+      this->Quarter(segment, false);
     }
     else
     {
@@ -546,7 +565,7 @@ private:
     const int half = segment.Samples / 2;
     for (int h = 0; h < 2; ++h)
     {
-      TileSegment& child = this->Scratch.Segments.Add();
+      TileSegment& child = this->Scratch.Roots.Add();
       child.Side = segment.Side;
       child.X = segment.X;
       child.Y = segment.Y;
@@ -569,12 +588,13 @@ private:
     segment.Known = TileSegment::State::Halved;
   }
 
-  void Quarter(TileSegment& segment)
+  /// `close`: the interpolant is close enough.
+  void Quarter(TileSegment& segment, bool close)
   {
     const int half = segment.Side / 2;
     for (int q = 0; q < 4; ++q)
     {
-      TileSegment& child = this->Scratch.Segments.Add();
+      TileSegment& child = this->Scratch.Roots.Add();
       child.Side = half;
       child.X = segment.X + q % 2 * half;
       child.Y = segment.Y + q / 2 * half;
@@ -590,21 +610,33 @@ private:
       };
       const NodePositions x = positions(q % 2);
       const NodePositions y = positions(q / 2);
-      alignas(64) Layers terms;
       for (std::size_t k = 0; k < TileLayers; ++k)
       {
-        TransformNodes(segment.Terms[k], x.Weight, y.Weight, terms[k]);
+        TransformNodes(segment.Terms[k], x.Weight, y.Weight, child.Terms[k]);
+      }
+      segment.Children[static_cast<std::size_t>(q)] = &child;
+      child.IsClose = close;
+      child.Error = segment.Error;
+      if (close)
+      {
+        continue;
       }
       const NodeRays rays = this->GetRays(child, NodeAt);
       alignas(64) Layers layers;
-      for (std::size_t k = 0; k < TileLayers; ++k)
+      if (segment.Side > TileSide && !(segment.Error < GoodEstimate))
       {
-        const float s = 0.25f * static_cast<float>(k);
-        FindLayer(terms, s, layers[k]);
-        this->Solve(rays, child.T0 + s * child.Dt, layers[k]);
+        this->SolveAnew(rays, child, layers);
+      }
+      else
+      {
+        for (std::size_t k = 0; k < TileLayers; ++k)
+        {
+          const float s = 0.25f * static_cast<float>(k);
+          FindLayer(child.Terms, s, layers[k]);
+          this->Solve(rays, child.T0 + s * child.Dt, layers[k]);
+        }
       }
       FitQuartics(layers, child.Terms);
-      segment.Children[static_cast<std::size_t>(q)] = &child;
     }
     segment.Known = TileSegment::State::Quartered;
   }

@@ -333,7 +333,8 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
     }
   }
 
-  SegmentTrees trees(scene, scratch, near, far, x0, y0);
+  const int side = scene.RootSide;
+  SegmentTrees trees(scene, scratch, near, far, x0 / side * side, y0 / side * side);
   if (empty && !scene.Settings.CountsRays)
   {
     // All pixels are cleared, and what is stored is of another tile.
@@ -366,8 +367,8 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       SampleNumbers numbers;
       stored.Get(packet, rays, numbers);
       const Mf active = hn::Lt(rays.From, rays.To);
-      Packet<T> cast(
-        scene, trees, scratch, rays, x - x0, y - y0, dy, numbers, stored.GetRange(packet), active);
+      Packet<T> cast(scene, trees, scratch, rays, x - trees.GetX(), y - trees.GetY(), dy, numbers,
+        stored.GetRange(packet), active);
       if (HWY_UNLIKELY(scene.Slices))
       {
         cast.CastSlice(x, y, shape.Width);

@@ -14,6 +14,8 @@ namespace ffd
 
 /// Pixels of a tile, along each axis of the image.
 constexpr int TileSide = 32;
+/// Pixels along each side of a root that several tiles share.
+constexpr int SharedRootSide = 2 * TileSide;
 /// Nodes of an interpolant, along each axis of the image.
 constexpr int NodesPerSide = 4;
 constexpr int TileNodes = NodesPerSide * NodesPerSide;
@@ -50,8 +52,9 @@ struct alignas(64) TileSegment
   State Known = State::Unknown;
   bool HasColumns = false;
   bool LeapsRays = false; ///< whether single rays leap in it, too
+  bool IsClose = false;   ///< whether its interpolant is that of its parent, which is close enough
   int Side = TileSide;    ///< pixels along each side of the square
-  int X = 0;              ///< first pixel, relative to that of the tile
+  int X = 0;              ///< first pixel, relative to that of the root
   int Y = 0;
   int FirstSample = 0; ///< samples n: t = (n + phase) * sample distance, phase in [0, 1)
   int Samples = 0;
@@ -107,6 +110,7 @@ public:
     TileSegment& segment = *this->Segments[this->Used++];
     segment.Known = TileSegment::State::Unknown;
     segment.HasColumns = false;
+    segment.IsClose = false;
     segment.ErrorBefore = 1e30f;
     return segment;
   }
@@ -114,6 +118,62 @@ public:
 private:
   std::vector<std::unique_ptr<TileSegment>> Segments;
   std::size_t Used = 0;
+};
+
+/**
+ * The roots of the trees of segments in a square of pixels, as far as they are made. They are kept
+ * from tile to tile of the square: what they are does not depend on the tile.
+ */
+class SegmentRoots
+{
+public:
+  /// Begins a tile of the square whose first pixel is (x, y), of the scene with a number.
+  void Begin(std::uint64_t scene, int x, int y)
+  {
+    if (scene != this->Scene || x != this->X || y != this->Y)
+    {
+      this->Scene = scene;
+      this->X = x;
+      this->Y = y;
+      this->Roots.clear();
+      this->Pool.Clear();
+    }
+  }
+
+  /// The root number `index`, which is null before it is made.
+  TileSegment*& At(int index)
+  {
+    if (this->Roots.empty())
+    {
+      this->First = index;
+    }
+    if (index < this->First)
+    {
+      this->Roots.insert(
+        this->Roots.begin(), static_cast<std::size_t>(this->First - index), nullptr);
+      this->First = index;
+    }
+    const std::size_t at = static_cast<std::size_t>(index - this->First);
+    if (at >= this->Roots.size())
+    {
+      this->Roots.resize(at + 1, nullptr);
+    }
+    return this->Roots[at];
+  }
+
+  /// Front to back; those that are not made are null.
+  const std::vector<TileSegment*>& GetAll() const { return this->Roots; }
+
+  /// Adds a segment to the trees.
+  TileSegment& Add() { return this->Pool.Add(); }
+
+private:
+  std::uint64_t Scene = 0;
+  int X = 0;
+  int Y = 0;
+  int First = 0; ///< number of the first of Roots
+  std::vector<TileSegment*> Roots;
+  TileSegmentPool Pool;
 };
 
 } // namespace ffd
