@@ -27,6 +27,7 @@
 #include "vtkOpenGLRenderPass.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
+#include "vtkPropCollection.h"
 #include "vtkRenderer.h"
 #include "vtkRenderWindow.h"
 #include "vtkSmartPointer.h"
@@ -61,6 +62,30 @@ bool IsPeeled(vtkRenderer* renderer, vtkVolume* volume)
   for (int i = 0; i < passes->Length(keys); ++i)
   {
     if (passes->Get(keys, i)->IsA("vtkDepthPeelingPass"))
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Whether anything may have been drawn in the window before a volume, as far as can be told: to
+/// read the depth buffer takes time, and waits for all that was asked of OpenGL.
+bool MayBeHidden(vtkRenderer* renderer, vtkVolume* volume)
+{
+  // A renderer of this class clears depths and draws its props, unless it is told otherwise.
+  const bool usual = renderer->GetClassName() == std::string("vtkOpenGLRenderer") &&
+    renderer->GetErase() && !renderer->GetPreserveDepthBuffer() && !renderer->GetPass();
+  if (!usual)
+  {
+    return true;
+  }
+  vtkPropCollection* props = renderer->GetViewProps();
+  vtkCollectionSimpleIterator at;
+  props->InitTraversal(at);
+  while (vtkProp* prop = props->GetNextProp(at))
+  {
+    if (prop != volume && prop->GetVisibility())
     {
       return true;
     }
@@ -357,7 +382,7 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   }
 
   const float* depths = nullptr;
-  if (this->IntermixIntersectingGeometry)
+  if (this->IntermixIntersectingGeometry && MayBeHidden(renderer, volume))
   {
     const int rectangle[4] = { viewport[0] + region.Origin.x, viewport[1] + region.Origin.y,
       pixels.x, pixels.y };

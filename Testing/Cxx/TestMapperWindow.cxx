@@ -69,6 +69,39 @@ bool TestGeometry()
   return FFDLargestDifference(with, without) > 20 && FFDLargestDifference(with, scene.Show()) == 0;
 }
 
+/// The cone hides the volume, too, where it was drawn by another renderer, or before the picture
+/// was last erased.
+int TestGeometryOfOthers()
+{
+  FFDTestScene scene;
+  scene.Cone->SetCenter(11.0, 11.0, 14.0);
+  scene.Opacity->AddPoint(40.0, 0.3);
+  const std::vector<unsigned char> wanted = scene.Show();
+  scene.ConeActor->VisibilityOff();
+  const std::vector<unsigned char> without = scene.Show();
+  FFD_CHECK(FFDLargestDifference(wanted, without) > 20);
+
+  vtkNew<vtkRenderer> other;
+  other->SetActiveCamera(scene.Renderer->GetActiveCamera());
+  other->SetBackground(scene.Renderer->GetBackground());
+  scene.Renderer->RemoveActor(scene.ConeActor);
+  scene.ConeActor->VisibilityOn();
+  other->AddActor(scene.ConeActor);
+  scene.Window->SetNumberOfLayers(2);
+  scene.Window->AddRenderer(other);
+  other->SetLayer(0);
+  scene.Renderer->SetLayer(1);
+  const int over = FFDLargestDifference(wanted, scene.Show());
+  scene.Renderer->PreserveDepthBufferOn();
+  FFD_CHECK(over > 20 && FFDLargestDifference(wanted, scene.Show()) == 0);
+
+  scene.Renderer->PreserveDepthBufferOff();
+  scene.Renderer->EraseOff();
+  FFD_CHECK(FFDLargestDifference(wanted, scene.Show()) == 0);
+  FFD_CHECK(scene.Errors->Count == 0);
+  return EXIT_SUCCESS;
+}
+
 /// Depth peeling of volumes is for VTK's GPU mapper: an error, and the picture without the volume.
 int TestPeeling()
 {
@@ -256,6 +289,7 @@ int TestMapperWindow(int, char*[])
 {
   FFD_CHECK(TestSampleDistances() == EXIT_SUCCESS);
   FFD_CHECK(TestGeometry());
+  FFD_CHECK(TestGeometryOfOthers() == EXIT_SUCCESS);
   FFD_CHECK(TestPeeling() == EXIT_SUCCESS);
   FFD_CHECK(TestEventsAndAbort() == EXIT_SUCCESS);
   FFD_CHECK(TestWindows());
