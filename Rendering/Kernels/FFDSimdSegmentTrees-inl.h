@@ -17,6 +17,12 @@
 #include "FFDSimdPullBack-inl.h"
 #include "FFDSimdRays-inl.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
 HWY_BEFORE_NAMESPACE();
 namespace ffd
 {
@@ -132,7 +138,8 @@ public:
   bool IsRootClose(int index)
   {
     const TileSegment& root = this->GetRoot(index);
-    return this->MeasureError(root, BezierHull(root.Terms)) <= this->Scene.PositionTolerance;
+    return root.Known == TileSegment::State::Unknown &&
+      this->MeasureError(root, BezierHull(root.Terms)) <= this->Scene.PositionTolerance;
   }
 
   /// The state of a segment, found on first use.
@@ -231,8 +238,9 @@ private:
   }
 
   /// Pulls the layers of a segment back without estimates, front to back; each one is estimated
-  /// from those before it.
-  HWY_NOINLINE void SolveAnew(const NodeRays& rays, const TileSegment& segment, Layers& layers)
+  /// from those before it. Returns false as soon as nodes of a shared root have no pull-back: it
+  /// would not be close enough.
+  HWY_NOINLINE bool SolveAnew(const NodeRays& rays, const TileSegment& segment, Layers& layers)
   {
     const Df d;
     const Mf all = hn::FirstN(d, hn::Lanes(d));
@@ -268,9 +276,14 @@ private:
         move = path;
         q[k] = PullBackFrom(
           this->Scene, p, start, this->Scene.NodeTolerance, all, this->Scratch.Statistics, &move);
+        if (segment.Side > TileSide && !hn::AllFalse(d, IsNowhere(this->Scene, q[k])))
+        {
+          return false;
+        }
         StoreNodes(LocalToWhole(this->Scene, q[k]), layers[static_cast<std::size_t>(k)], i);
       }
     }
+    return true;
   }
 
   HWY_NOINLINE TileSegment& MakeRoot(int index)
@@ -280,14 +293,51 @@ private:
     segment.X = 0;
     segment.Y = 0;
     this->SetTimes(segment, index * this->Scene.SamplesPerRoot, this->Scene.SamplesPerRoot);
-    alignas(64) Layers layers;
-    this->SolveAnew(this->GetRays(segment, NodeAt), segment, layers);
+    alignas(64) Layers layers = {};
+    const bool found = this->SolveAnew(this->GetRays(segment, NodeAt), segment, layers);
     FitQuartics(layers, segment.Terms);
+    if (!found)
+    {
+      segment.Error = std::numeric_limits<float>::infinity();
+      this->Quarter(segment, false);
+    }
     return segment;
+  }
+
+  /// Solves the layers that are estimates. Errors of a shared interpolant may be so large that its
+  /// tiles do better without.
+  HWY_NOINLINE void SolveEstimates(TileSegment& segment)
+  {
+    if (segment.Estimated == TileSegment::Estimates::None)
+    {
+      return;
+    }
+    const NodeRays rays = this->GetRays(segment, NodeAt);
+    alignas(64) Layers layers;
+    const bool all = segment.Estimated == TileSegment::Estimates::All;
+    if (all && segment.Side >= TileSide && !(segment.Error < GoodEstimate))
+    {
+      this->SolveAnew(rays, segment, layers);
+    }
+    else
+    {
+      for (std::size_t k = 0; k < TileLayers; ++k)
+      {
+        const float s = 0.25f * static_cast<float>(k);
+        FindLayer(segment.Terms, s, layers[k]);
+        if (all || k % 2 == 1)
+        {
+          this->Solve(rays, segment.T0 + s * segment.Dt, layers[k]);
+        }
+      }
+    }
+    FitQuartics(layers, segment.Terms);
+    segment.Estimated = TileSegment::Estimates::None;
   }
 
   HWY_NOINLINE void Expand(TileSegment& segment)
   {
+    this->SolveEstimates(segment);
     const float tolerance = this->Scene.PositionTolerance;
     const BezierHull hull(segment.Terms);
     // Samples lie on the interpolant, or within its error of it. Far from everything visible a
@@ -528,7 +578,8 @@ private:
     // No interpolant is close enough where T folds or nearly does.
     const float longest = this->Scene.Folds ? 32.0f : 8.0f;
     const bool hopeless = !(segment.Error < 1.0f) && length <= longest && segment.Side <= 16;
-    const bool halvedInVain = segment.Error > LittleHelp * segment.ErrorBefore;
+    const bool halvedInVain = segment.Error > LittleHelp * segment.ErrorBefore ||
+      (segment.Side > TileSide && IsRougherAcross(segment));
     if (hopeless || !(canHalve || canQuarter))
     {
       segment.Known = TileSegment::State::PerSample;
@@ -541,6 +592,34 @@ private:
     {
       this->Halve(segment);
     }
+  }
+
+  /// Whether the cubics across a segment bend so much, compared with the quartics along it, that
+  /// halving is likely not to help.
+  static bool IsRougherAcross(const TileSegment& segment)
+  {
+    constexpr float Part = 0.1f;
+    float across = 0.0f;
+    float along = 0.0f;
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      const std::array<float, TileNodes>& q = segment.Terms[0][a];
+      const auto include = [&](std::size_t first, std::size_t step) {
+        const float difference =
+          q[first + 3 * step] - q[first] - 3.0f * (q[first + 2 * step] - q[first + step]);
+        across = std::max(across, std::abs(difference));
+      };
+      for (std::size_t i = 0; i < NodesPerSide; ++i)
+      {
+        include(NodesPerSide * i, 1);
+        include(i, NodesPerSide);
+      }
+      for (float term : segment.Terms[TileLayers - 1][a])
+      {
+        along = std::max(along, std::abs(term));
+      }
+    }
+    return across > Part * along;
   }
 
   /// The width of the square of pixels in the middle of the segment, data units.
@@ -561,7 +640,6 @@ private:
 
   void Halve(TileSegment& segment)
   {
-    const NodeRays rays = this->GetRays(segment, NodeAt);
     const int half = segment.Samples / 2;
     for (int h = 0; h < 2; ++h)
     {
@@ -569,7 +647,9 @@ private:
       child.Side = segment.Side;
       child.X = segment.X;
       child.Y = segment.Y;
+      child.Error = segment.Error;
       child.ErrorBefore = segment.Error;
+      child.Estimated = TileSegment::Estimates::Odd;
       this->SetTimes(child, segment.FirstSample + h * half, h == 0 ? half : segment.Samples - half);
       alignas(64) Layers layers;
       for (std::size_t k = 0; k < TileLayers; ++k)
@@ -577,10 +657,6 @@ private:
         const float s =
           (child.T0 - segment.T0 + 0.25f * static_cast<float>(k) * child.Dt) / segment.Dt;
         FindLayer(segment.Terms, s, layers[k]);
-        if (k % 2 == 1)
-        {
-          this->Solve(rays, child.T0 + 0.25f * static_cast<float>(k) * child.Dt, layers[k]);
-        }
       }
       FitQuartics(layers, child.Terms);
       segment.Children[static_cast<std::size_t>(h)] = &child;
@@ -615,28 +691,9 @@ private:
         TransformNodes(segment.Terms[k], x.Weight, y.Weight, child.Terms[k]);
       }
       segment.Children[static_cast<std::size_t>(q)] = &child;
-      child.IsClose = close;
       child.Error = segment.Error;
-      if (close)
-      {
-        continue;
-      }
-      const NodeRays rays = this->GetRays(child, NodeAt);
-      alignas(64) Layers layers;
-      if (segment.Side > TileSide && !(segment.Error < GoodEstimate))
-      {
-        this->SolveAnew(rays, child, layers);
-      }
-      else
-      {
-        for (std::size_t k = 0; k < TileLayers; ++k)
-        {
-          const float s = 0.25f * static_cast<float>(k);
-          FindLayer(child.Terms, s, layers[k]);
-          this->Solve(rays, child.T0 + s * child.Dt, layers[k]);
-        }
-      }
-      FitQuartics(layers, child.Terms);
+      child.IsClose = close;
+      child.Estimated = close ? TileSegment::Estimates::None : TileSegment::Estimates::All;
     }
     segment.Known = TileSegment::State::Quartered;
   }

@@ -49,7 +49,15 @@ struct alignas(64) TileSegment
     Quartered, ///< across the rays: four children
     PerSample  ///< each sample is pulled back by itself
   };
+  /// Which layers of nodes are estimates, as long as the segment is not used.
+  enum class Estimates : unsigned char
+  {
+    None,
+    Odd, ///< every second one: those between the layers of the parent
+    All
+  };
   State Known = State::Unknown;
+  Estimates Estimated = Estimates::None;
   bool HasColumns = false;
   bool LeapsRays = false; ///< whether single rays leap in it, too
   bool IsClose = false;   ///< whether its interpolant is that of its parent, which is close enough
@@ -58,9 +66,9 @@ struct alignas(64) TileSegment
   int Y = 0;
   int FirstSample = 0; ///< samples n: t = (n + phase) * sample distance, phase in [0, 1)
   int Samples = 0;
-  float T0 = 0.0f;           ///< t of the first sample at phase 0
-  float Dt = 0.0f;           ///< to the end of the last interval
-  float Error = 0.0f;        ///< of the interpolant, with the safety factor, voxels
+  float T0 = 0.0f;    ///< t of the first sample at phase 0
+  float Dt = 0.0f;    ///< to the end of the last interval
+  float Error = 0.0f; ///< of the interpolant, with the safety factor, voxels; first of the parent's
   float ErrorBefore = 1e30f; ///< Error of the parent, if the parent was halved
   std::array<TileSegment*, 4> Children{};
 
@@ -111,6 +119,7 @@ public:
     segment.Known = TileSegment::State::Unknown;
     segment.HasColumns = false;
     segment.IsClose = false;
+    segment.Estimated = TileSegment::Estimates::None;
     segment.ErrorBefore = 1e30f;
     return segment;
   }
