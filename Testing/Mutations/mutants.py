@@ -278,6 +278,12 @@ MUTANTS = (
                  "under random deformations no picture and no number of samples changed. The margin "
                  "makes it a proof."),
     Mutant(
+        "segments: nodes of quarters lie in steps of one pixel less",
+        "index",
+        "at[i] = (static_cast<float>(part * half) + NodeAt[i] * static_cast<float>(half - 1)) /",
+        "at[i] = (static_cast<float>(part * (half - 1)) + NodeAt[i] * static_cast<float>(half - 1)) /",
+        PACKETS),
+    Mutant(
         "vectors: gradients of components from the wrong corner",
         "index",
         "return this->Rows[dy + 2 * dz].Of[Component];",
@@ -289,6 +295,12 @@ MUTANTS = (
         "hn::Or(hn::Lt(x, hn::Neg(half)), hn::Gt(x, hn::Add(last, half))));",
         "hn::Or(hn::Lt(x, hn::Neg(half)), hn::Gt(x, last)));",
         PACKETS + cxx("Masks", "VTKScenes.BinaryMask")),
+    Mutant(
+        "window: what other props draw before the volume does not hide it",
+        "term",
+        "if (prop != volume && prop->GetVisibility())",
+        "if (prop == volume && !prop->GetVisibility())",
+        cxx("MapperWindow")),
     # Widgets.
     Mutant(
         "drag along an axis: the line of sight is not projected",
