@@ -97,7 +97,7 @@ void vtkFFDFrameCoherence::Align(vtkFFDImageRegion& region) const
   glm::ivec2 end = glm::min(region.Origin + size, region.Viewport);
   if (const int tile = FindTilePixels(region.Step))
   {
-    region.Origin -= region.Origin % tile;
+    region.Origin -= region.Origin % (ffd::RayCaster::GroupSize / TileSize * tile);
     end = glm::min((end + (tile - 1)) / tile * tile, region.Viewport);
     region.Rays = glm::ivec2(glm::ceil(glm::dvec2(end - region.Origin) / region.Step));
     return;

@@ -164,10 +164,11 @@ vtkFFDImageRegion vtkFFDFramePlan::FindRegion(
   const glm::dvec2 size(whole.Viewport);
   const glm::dvec2 first = glm::floor(0.5 * (glm::clamp(lo, -1.0, 1.0) + 1.0) * size);
   const glm::dvec2 last = glm::ceil(0.5 * (glm::clamp(hi, -1.0, 1.0) + 1.0) * size);
-  // Rays of a tile share evaluations: with the same tiles a picture is the same in a window, as an
-  // image, and in the boxes of several processes, whatever part of the viewport it covers.
+  // Rays of tiles share evaluations: with the same groups of tiles a picture is the same in a
+  // window, as an image, and in the boxes of several processes, whatever part of the viewport it
+  // covers.
   region.Origin = glm::ivec2(first);
-  region.Origin -= region.Origin % ffd::RayCaster::TileSize;
+  region.Origin -= region.Origin % ffd::RayCaster::GroupSize;
   region.Rays = glm::ivec2(last) - region.Origin;
   return region;
 }

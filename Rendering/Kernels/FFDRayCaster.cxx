@@ -97,9 +97,10 @@ int RayCaster::GetNumberOfTiles(const CastImage& image) const
 //------------------------------------------------------------------------------
 int RayCaster::GetGroup(int tile, const CastImage& image) const
 {
+  constexpr int tiles = GroupSize / TileSize;
   const int tilesPerRow = this->GetTilesPerRow(image);
-  const int groupsPerRow = (tilesPerRow + GroupSize - 1) / GroupSize;
-  return tile / tilesPerRow / GroupSize * groupsPerRow + tile % tilesPerRow / GroupSize;
+  const int groupsPerRow = (tilesPerRow + tiles - 1) / tiles;
+  return tile / tilesPerRow / tiles * groupsPerRow + tile % tilesPerRow / tiles;
 }
 
 //------------------------------------------------------------------------------

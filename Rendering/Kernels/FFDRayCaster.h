@@ -33,8 +33,9 @@ class FFD_RENDERING_EXPORT RayCaster
 {
 public:
   static constexpr int TileSize = TileSide;
-  /// Tiles along each side of a group that share work where one thread renders them in turn.
-  static constexpr int GroupSize = SharedRootSide / TileSide;
+  /// Rays along each side of a group of tiles, which share work where one thread renders them in
+  /// turn.
+  static constexpr int GroupSize = SharedRootSide;
   static constexpr int SubtileSize = TileSize / 2;
   static constexpr unsigned int AllSubtiles = 15;
 

@@ -221,7 +221,7 @@ MUTANTS = (
     Mutant(
         "frame: rays do not begin at a whole tile",
         "term",
-        "region.Origin -= region.Origin % ffd::RayCaster::TileSize;",
+        "region.Origin -= region.Origin % ffd::RayCaster::GroupSize;",
         "region.Origin -= glm::ivec2(0);",
         python("ClipBox") + cxx("MapperWindow")),
     # The vector kernels.
