@@ -174,19 +174,20 @@ void vtkFFDWriteColors(const std::vector<float>& colors, int width, int height, 
   };
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   parallelFor(pixels, [&](std::size_t first, std::size_t last) {
-    if (premultiplied)
-    {
-      std::transform(
-        colors.data() + 4 * first, colors.data() + 4 * last, bytes + 4 * first, toByte);
-      return;
-    }
     for (std::size_t i = 4 * first; i < 4 * last; i += 4)
     {
-      const float alpha = colors[i + 3];
-      const float scale = alpha > 0.0f ? 1.0f / alpha : 0.0f;
+      const float* const color = colors.data() + i;
+      const float alpha = color[3];
+      // Most pixels of most pictures are empty.
+      if (alpha == 0.0f && color[0] == 0.0f && color[1] == 0.0f && color[2] == 0.0f)
+      {
+        std::fill_n(bytes + i, 4, static_cast<unsigned char>(0));
+        continue;
+      }
+      const float scale = premultiplied ? 1.0f : alpha > 0.0f ? 1.0f / alpha : 0.0f;
       for (std::size_t c = 0; c < 3; ++c)
       {
-        bytes[i + c] = toByte(colors[i + c] * scale);
+        bytes[i + c] = toByte(color[c] * scale);
       }
       bytes[i + 3] = toByte(alpha);
     }
