@@ -930,18 +930,14 @@ PacketCaster::PacketCaster(
   }
   p.NormalsOfOpacity = kind.Composites && p.Shade && classifier.HasNormalsOfOpacity();
 
-  p.Inner = p.Sampling == PacketSampling::Composite && !p.Intervals &&
-    p.CropSpace == Cropping::Spaces::None && !kind.Components;
+  p.Inner = p.Sampling == PacketSampling::Composite && !p.Intervals && !kind.Components;
   p.InnerComponents = kind.Components && p.Sampling == PacketSampling::Composite &&
-    p.CropSpace == Cropping::Spaces::None && p.Volume.SlicesInReach == 0 &&
-    p.Components[0].Weight > 0.0f &&
+    p.Volume.SlicesInReach == 0 && p.Components[0].Weight > 0.0f &&
     (p.KindOfComponents == ComponentKind::ColorOpacity ||
       p.KindOfComponents == ComponentKind::Rgba);
-  const bool extremes = p.Sampling == PacketSampling::Extreme;
-  p.InnerBlending =
-    (extremes && p.CropSpace == Cropping::Spaces::None) || p.Sampling == PacketSampling::Surface;
-  p.Plain =
-    p.Inner && !p.OpacityByGradient && !p.NormalsOfOpacity && !p.Mask.Scalars && !kind.Plane;
+  p.InnerBlending = p.Sampling == PacketSampling::Extreme || p.Sampling == PacketSampling::Surface;
+  p.Plain = p.Inner && p.CropSpace == Cropping::Spaces::None && !p.OpacityByGradient &&
+    !p.NormalsOfOpacity && !p.Mask.Scalars && !kind.Plane;
 }
 
 //------------------------------------------------------------------------------

@@ -172,7 +172,7 @@ struct PacketScene
   bool Intervals = false; ///< Blending::UsesIntervals()
   bool Plain =
     false; ///< compositing of one component by its table alone, without cropping and masks
-  bool Inner = false; ///< compositing without cropping: samples inside need no more tests
+  bool Inner = false; ///< compositing of one component: the samples of a part have a loop
   bool InnerComponents =
     false; ///< the same of dependent components whose last one is the density, in reach of offsets
   bool InnerBlending = false; ///< the same of extremes and surfaces

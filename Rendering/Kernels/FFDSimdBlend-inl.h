@@ -107,7 +107,7 @@ public:
       case PacketSampling::Slice:
         return this->TakeSlice(curve, q, s, sampled);
       case PacketSampling::Surface:
-        return this->CrossSurfaces(curve, q, s, n, sampled);
+        return this->CrossSurfaces(curve, q, s, n, sampled, nullptr);
       default:
         return this->TakeSamplePerRay(curve, s, sampled);
     }
@@ -115,23 +115,28 @@ public:
 
   /**
    * Takes extremes or surfaces of the samples from `from` on, before `to`, of a curve of a segment
-   * as Take() does where these are shown, if all voxels that they and the intervals behind them
-   * need exist. Returns the number of the sample with which all rays have ended, or `to`.
+   * as Take() does. Without `AtFaces` all voxels that they and the intervals behind them need must
+   * exist. Returns the number of the sample with which all rays have ended, or `to`.
    */
-  HWY_INLINE int TakeInner(const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
+  template <bool AtFaces>
+  HWY_INLINE int TakePart(const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
   {
-    this->Inner = true;
+    this->Inner = !AtFaces;
     if (this->Scene.Sampling == PacketSampling::Extreme)
     {
-      return this->Samples.template ForInnerValues<0>(
+      return this->Samples.template ForValues<0, AtFaces>(
         curve, numbers, from, to, [&](int, Vf s, Mf sampled, Vf value) FFD_INLINE_LAMBDA {
           this->Count(sampled);
           this->TakeExtreme(curve, value, s, sampled);
         });
     }
-    return this->Samples.template ForInnerValues<1>(
+    return this->Samples.template ForValues<1, AtFaces>(
       curve, numbers, from, to, [&](int n, Vf s, Mf sampled, Vf value) FFD_INLINE_LAMBDA {
         this->Count(sampled);
+        if constexpr (AtFaces)
+        {
+          return this->CrossSurfaces(curve, curve.At(this->Scene, s), s, n, sampled, &value);
+        }
         Interval interval{ s, hn::Add(s, curve.PerStep), this->State.Out.Tally, value };
         this->FindBeginning(curve, n, sampled, sampled, interval);
         this->CrossSurfaces(curve, n, sampled, sampled, interval);
@@ -362,8 +367,10 @@ private:
   }
 
   /// Composites the surfaces between a sample and the next one, as RayIntegrator does: an interval
-  /// that leaves or enters the volume ends at the face.
-  HWY_NOINLINE void CrossSurfaces(const PacketCurve& curve, const Vec3& q, Vf s, int n, Mf lanes)
+  /// that leaves or enters the volume ends at the face. `next`: the values at the next samples that
+  /// are in the volume, or null.
+  HWY_NOINLINE void CrossSurfaces(
+    const PacketCurve& curve, const Vec3& q, Vf s, int n, Mf lanes, const Vf* next)
   {
     const Df d;
     const Vec3 end = curve.At(this->Scene, hn::Add(s, curve.PerStep));
@@ -379,10 +386,12 @@ private:
     if (HWY_UNLIKELY(!hn::AllFalse(d, faces)))
     {
       this->FindFaces(curve, faces, insideA, interval);
+      next = nullptr;
     }
     this->FindBeginning(curve, n, insideA, any, interval);
-    interval.B = this->Inner ? this->Samples.FindInnerValue(n + 1, end, any)
-                             : this->ValuesAt(this->PositionAt(curve, interval.To), any, false);
+    interval.B = next ? *next
+      : this->Inner   ? this->Samples.FindInnerValue(n + 1, end, any)
+                      : this->ValuesAt(this->PositionAt(curve, interval.To), any, false);
     this->CrossSurfaces(curve, n, insideB, any, interval);
   }
 

@@ -63,8 +63,8 @@ class Packet
 public:
   /**
    * Keeps references to all but the numbers.
-   * (x, y): first pixel of the packet, from that of the roots. `rows`: rows of its pixels from y on.
-   * `numbers`, `range`: FindSamples().
+   * (x, y): first pixel of the packet, from that of the roots. `rows`: rows of its pixels from y
+   * on. `numbers`, `range`: FindSamples().
    */
   Packet(const PacketScene& scene, SegmentTrees& trees, PacketScratch& scratch,
     const RayPacket& rays, int x, int y, Vf rows, const SampleNumbers& numbers,
@@ -348,38 +348,16 @@ private:
         { from + segment.SamplesPerPart, segment.FirstSample + segment.Samples, this->EndSample });
       const bool within = (segment.Inside[static_cast<std::size_t>(block)] >> part & 1u) != 0;
       const bool whole = !segment.LeapsRays && !this->Scratch.Positions;
-      const bool together = whole && this->Scene.Inner;
       const int first = std::max(from, this->FirstSample);
       int n;
-      if (HWY_UNLIKELY(within && whole && this->Scene.InnerBlending))
-      {
-        n = this->Blending.TakeInner(curve, this->Numbers, first, to);
-      }
-      else if (HWY_UNLIKELY(within && whole && this->Samples.HasInnerComponents()))
-      {
-        n = this->Samples.TakeInnerComponents(curve, this->Numbers, first, to);
-      }
-      else if (HWY_UNLIKELY(!together || (!within && !this->Samples.HasFaceSamples())))
+      if (HWY_UNLIKELY(!whole))
       {
         n = this->TakeEachSample(curve, first, to, within);
       }
-      else if (!within)
-      {
-        n = this->Scene.Plain
-          ? this->Samples.template TakeFaceSamples<true>(curve, this->Numbers, first, to)
-          : this->Samples.template TakeFaceSamples<false>(curve, this->Numbers, first, to);
-      }
-      else if (HWY_UNLIKELY(this->Scene.ClassifiesIntervals))
-      {
-        n = this->Samples.TakeInnerIntervals(curve, this->Numbers, first, to);
-      }
-      else if (HWY_LIKELY(this->Scene.Plain))
-      {
-        n = this->Samples.template TakeInnerSamples<true>(curve, this->Numbers, first, to);
-      }
       else
       {
-        n = this->Samples.template TakeInnerSamples<false>(curve, this->Numbers, first, to);
+        n = within ? this->template TakePart<false>(curve, first, to)
+                   : this->template TakePart<true>(curve, first, to);
       }
       if (HWY_UNLIKELY(n < to))
       {
@@ -394,8 +372,36 @@ private:
     this->Blending.EndCurve(curve);
   }
 
+  /// Takes the samples from `from` on, before `to`, of a segment whose rays do not leap. `AtFaces`:
+  /// not all voxels that they need are known to exist. Returns what
+  /// PacketCompositor::TakeSamples() does.
+  template <bool AtFaces>
+  HWY_INLINE int TakePart(const PacketCurve& curve, int from, int to)
+  {
+    if (HWY_LIKELY(this->Scene.Plain && !this->Scene.ClassifiesIntervals))
+    {
+      return this->Samples.template TakeSamples<true, AtFaces>(curve, this->Numbers, from, to);
+    }
+    if (this->Scene.InnerBlending)
+    {
+      return this->Blending.template TakePart<AtFaces>(curve, this->Numbers, from, to);
+    }
+    if (this->Samples.template HasDependentComponents<AtFaces>())
+    {
+      return this->Samples.template TakeDependentComponents<AtFaces>(
+        curve, this->Numbers, from, to);
+    }
+    if (!this->Scene.Inner)
+    {
+      return this->TakeEachSample(curve, from, to, !AtFaces);
+    }
+    return this->Scene.ClassifiesIntervals
+      ? this->Samples.template TakeIntervals<AtFaces>(curve, this->Numbers, from, to)
+      : this->Samples.template TakeSamples<false, AtFaces>(curve, this->Numbers, from, to);
+  }
+
   /// Takes the samples from `from` on, before `to`, one by one: those that have no loop of their
-  /// own. As PacketCompositor::TakeInnerSamples(); `within` as for TakeSamples().
+  /// own. As PacketCompositor::TakeSamples(); `within` as for TakeSamples().
   HWY_INLINE int TakeEachSample(const PacketCurve& curve, int from, int to, bool within)
   {
     for (int n = from; n < to; ++n)

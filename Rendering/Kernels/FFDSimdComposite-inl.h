@@ -75,64 +75,34 @@ public:
   }
 
   /**
-   * Takes the samples from `from` on, before `to`, of a curve of a segment as TakeSample() does, if
-   * all voxels that they and their gradients need exist and PacketScene::Inner is true. Returns the
-   * number of the sample with which all rays have ended, or `to`.
+   * Takes the samples from `from` on, before `to`, of a curve of a segment as TakeSample() does,
+   * those that are in the volume and not cropped, if PacketScene::Inner is true. Without `AtFaces`
+   * all voxels that they and their gradients need must exist. Returns the number of the sample with
+   * which all rays have ended, or `to`.
    */
-  template <bool Plain>
-  HWY_INLINE int TakeInnerSamples(
+  template <bool Plain, bool AtFaces>
+  HWY_INLINE int TakeSamples(
     const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
   {
-    return this->template TakeSamples<Plain, false>(curve, numbers, from, to);
-  }
-
-  /// Whether TakeFaceSamples() can be used for the samples of a segment.
-  HWY_INLINE bool HasFaceSamples() const
-  {
-    if constexpr (HasVoxelWindow<T>())
-    {
-      return !this->Scene.ClassifiesIntervals && this->Scene.Lower == 0.0f &&
-        !this->Scene.Volume.Nearest && this->Window.GetFit() != WindowFit::None;
-    }
-    return false;
-  }
-
-  /// Does what TakeInnerSamples() does where samples may lie at the faces of the volume, or
-  /// outside.
-  template <bool Plain>
-  HWY_INLINE int TakeFaceSamples(
-    const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
-  {
-    return this->template TakeSamples<Plain, true>(curve, numbers, from, to);
+    return this->template WithWindow<AtFaces>([&](auto fit) FFD_INLINE_LAMBDA {
+      return this->template TakeSamples<Plain, AtFaces, decltype(fit)::value>(
+        curve, numbers, from, to);
+    });
   }
 
   /**
    * Calls use(n, s, sampled, value) with the samples from `from` on, before `to`, of a curve of a
-   * segment, whose values are those `Ahead` samples behind them. As TakeInnerSamples(), for what
-   * needs the values alone.
+   * segment, whose values are those `Ahead` samples behind them; with those in the volume and not
+   * cropped unless they are ahead. As TakeSamples(), for what needs the values alone.
    */
-  template <int Ahead, class Use>
-  HWY_INLINE int ForInnerValues(
+  template <int Ahead, bool AtFaces, class Use>
+  HWY_INLINE int ForValues(
     const PacketCurve& curve, const SampleNumbers& numbers, int from, int to, const Use& use)
   {
-    if constexpr (HasVoxelWindow<T>())
-    {
-      switch (this->Window.GetFit())
-      {
-        case WindowFit::Two:
-          return this->template ForInnerValues<WindowFit::Two, Ahead>(
-            curve, numbers, from, to, use);
-        case WindowFit::Three:
-          return this->template ForInnerValues<WindowFit::Three, Ahead>(
-            curve, numbers, from, to, use);
-        case WindowFit::Four:
-          return this->template ForInnerValues<WindowFit::Four, Ahead>(
-            curve, numbers, from, to, use);
-        default:
-          break;
-      }
-    }
-    return this->template ForInnerValues<WindowFit::None, Ahead>(curve, numbers, from, to, use);
+    return this->template WithWindow<AtFaces>([&](auto fit) FFD_INLINE_LAMBDA {
+      return this->template ForValues<Ahead, AtFaces, decltype(fit)::value>(
+        curve, numbers, from, to, use);
+    });
   }
 
   /**
@@ -147,13 +117,14 @@ public:
       inner ? this->FindInnerValue(n, end, sampled) : this->FindValue(end, sampled), inner);
   }
 
-  /// Takes intervals as TakeInnerSamples() takes samples.
-  HWY_INLINE int TakeInnerIntervals(
+  /// Takes intervals as TakeSamples() takes samples.
+  template <bool AtFaces>
+  HWY_INLINE int TakeIntervals(
     const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
   {
-    return this->template ForInnerValues<0>(curve, numbers, from, to,
+    return this->template ForValues<0, AtFaces>(curve, numbers, from, to,
       [&](int n, Vf s, Mf sampled, Vf value)
-        FFD_INLINE_LAMBDA { this->TakeInterval(curve, n, s, sampled, value, true); });
+        FFD_INLINE_LAMBDA { this->TakeInterval(curve, n, s, sampled, value, !AtFaces); });
   }
 
   /// Takes a sample of several components as TakeSample() does of one; as SampleClassifier.
@@ -227,50 +198,36 @@ public:
     }
   }
 
-  /// Whether TakeInnerComponents() can take samples of the curve.
-  HWY_INLINE bool HasInnerComponents() const
+  /// Whether TakeDependentComponents() can take samples of the curve.
+  template <bool AtFaces>
+  HWY_INLINE bool HasDependentComponents() const
   {
     if constexpr (HasVoxelWindow<T>())
     {
-      return this->Scene.InnerComponents && this->Window.GetFit() != WindowFit::None;
+      return this->Scene.InnerComponents && (!AtFaces || this->CanUseFaces()) &&
+        this->Window.GetFit() != WindowFit::None;
     }
-    else
-    {
-      return false;
-    }
+    return false;
   }
 
-  /// Does what TakeInnerSamples() does where PacketScene::InnerComponents is true.
-  HWY_INLINE int TakeInnerComponents(
+  /// Does what TakeSamples() does where PacketScene::InnerComponents is true.
+  template <bool AtFaces>
+  HWY_INLINE int TakeDependentComponents(
     const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
   {
-    static_cast<void>(curve);
-    static_cast<void>(numbers);
-    static_cast<void>(from);
-    if constexpr (HasVoxelWindow<T>())
-    {
-      const auto take = [&](auto components) FFD_INLINE_LAMBDA {
-        constexpr int Components = decltype(components)::value;
-        switch (this->Window.GetFit())
-        {
-          case WindowFit::Two:
-            return this->template TakeComponentsOf<WindowFit::Two, Components>(
-              curve, numbers, from, to);
-          case WindowFit::Three:
-            return this->template TakeComponentsOf<WindowFit::Three, Components>(
-              curve, numbers, from, to);
-          default:
-            return this->template TakeComponentsOf<WindowFit::Four, Components>(
-              curve, numbers, from, to);
-        }
-      };
-      return this->Scene.Volume.Components == 2 ? take(std::integral_constant<int, 2>())
-                                                : take(std::integral_constant<int, 4>());
-    }
-    else
-    {
+    return this->template WithWindow<AtFaces>([&](auto fit) FFD_INLINE_LAMBDA {
+      constexpr WindowFit Fit = decltype(fit)::value;
+      static_cast<void>(curve);
+      static_cast<void>(numbers);
+      static_cast<void>(from);
+      if constexpr (Fit != WindowFit::None)
+      {
+        return this->Scene.Volume.Components == 2
+          ? this->template TakeComponentsOf<2, AtFaces, Fit>(curve, numbers, from, to)
+          : this->template TakeComponentsOf<4, AtFaces, Fit>(curve, numbers, from, to);
+      }
       return to;
-    }
+    });
   }
 
   /// Interpolates values at q, in the volume.
@@ -310,9 +267,9 @@ public:
   HWY_NOINLINE Vf FindInnerValue(int n, const Vec3& q, Mf lanes)
   {
     Vf value = hn::Zero(Df());
-    this->UseInnerRows(
+    this->template UseRows<false>(
       n, q, lanes,
-      [&](auto& voxels, const SamplePosition& at) {
+      [&](auto& voxels, const SamplePosition& at, Mf) {
         SampleRows<T> rows;
         value = Sample<T>(voxels, at, rows);
       },
@@ -367,33 +324,47 @@ public:
   VoxelWindow<T> Window; ///< voxels around the last inner sample
 
 private:
-  /// TakeInnerSamples(), or TakeFaceSamples().
-  template <bool Plain, bool AtFaces>
-  HWY_INLINE int TakeSamples(
-    const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
+  /// Whether windows can be used at faces: no position is beyond the outermost voxels.
+  HWY_INLINE bool CanUseFaces() const
+  {
+    return this->Scene.Lower == 0.0f && !this->Scene.Volume.Nearest;
+  }
+
+  /// Returns use(fit), the WindowFit of the segment as a constant.
+  template <bool AtFaces, class Use>
+  HWY_INLINE int WithWindow(const Use& use)
   {
     if constexpr (HasVoxelWindow<T>())
     {
-      switch (this->Window.GetFit())
+      switch (!AtFaces || this->CanUseFaces() ? this->Window.GetFit() : WindowFit::None)
       {
         case WindowFit::Two:
-          return this->template TakeSamples<Plain, WindowFit::Two, AtFaces>(
-            curve, numbers, from, to);
+          return use(std::integral_constant<WindowFit, WindowFit::Two>());
         case WindowFit::Three:
-          return this->template TakeSamples<Plain, WindowFit::Three, AtFaces>(
-            curve, numbers, from, to);
+          return use(std::integral_constant<WindowFit, WindowFit::Three>());
         case WindowFit::Four:
-          return this->template TakeSamples<Plain, WindowFit::Four, AtFaces>(
-            curve, numbers, from, to);
+          return use(std::integral_constant<WindowFit, WindowFit::Four>());
         default:
           break;
       }
     }
-    return this->template TakeSamples<Plain, WindowFit::None, false>(curve, numbers, from, to);
+    return use(std::integral_constant<WindowFit, WindowFit::None>());
   }
 
-  /// The same with windows of one kind, or without.
-  template <bool Plain, WindowFit Fit, bool AtFaces>
+  /// The lanes of `sampled` whose samples, at q and s of a curve, are in the volume and not
+  /// cropped.
+  template <bool AtFaces>
+  HWY_INLINE Mf FindShown(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled) const
+  {
+    if (HWY_UNLIKELY(this->Scene.CropSpace != Cropping::Spaces::None))
+    {
+      return hn::And(sampled, IsShown(this->Scene, this->Rays, curve, q, s));
+    }
+    return AtFaces ? hn::And(sampled, IsInside(this->Scene, q)) : sampled;
+  }
+
+  /// TakeSamples() with windows of one kind, or without.
+  template <bool Plain, bool AtFaces, WindowFit Fit>
   HWY_NOINLINE int TakeSamples(
     const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
   {
@@ -403,15 +374,15 @@ private:
       Mf sampled = numbers.FindActive(this->State.Alive, n);
       const Vf s = numbers.FindPlaces(curve, n);
       const Vec3 q = curve.At(this->Scene, s);
-      if constexpr (AtFaces)
+      if constexpr (AtFaces || !Plain)
       {
-        sampled = hn::And(sampled, IsInside(this->Scene, q));
+        sampled = this->template FindShown<AtFaces>(curve, q, s, sampled);
         if (hn::AllFalse(d, sampled))
         {
           continue;
         }
       }
-      if (Fit == WindowFit::None && HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0))
+      if (Fit == WindowFit::None && (AtFaces || HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0)))
       {
         this->template TakeSample<Plain>(curve, q, s, sampled);
       }
@@ -422,7 +393,7 @@ private:
         const Mf border = AtFaces
           ? hn::AndNot(FindInterior(this->Scene.Volume, cells, sampled), sampled)
           : hn::FirstN(d, 0);
-        auto voxels = this->template FindInnerRows<Fit, AtFaces>(n, cells, sampled);
+        auto voxels = this->template FindRows<AtFaces, Fit>(n, cells, sampled);
         SampleRows<T> rows;
         const Vf value = Sample<T>(voxels, at, rows);
         this->template Composite<Plain>(voxels, at, rows, value, curve, q, s, sampled, border);
@@ -435,9 +406,9 @@ private:
     return to;
   }
 
-  /// TakeInnerComponents() with windows of one kind. The density is the last component; voxels of
-  /// the others are loaded where it is visible.
-  template <WindowFit Fit, int Components>
+  /// TakeDependentComponents() with windows of one kind. The density is the last component; voxels
+  /// of the others are loaded where it is visible.
+  template <int Components, bool AtFaces, WindowFit Fit>
   HWY_NOINLINE int TakeComponentsOf(
     const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
   {
@@ -446,13 +417,18 @@ private:
     for (int n = from; n < to; ++n)
     {
       Mf sampled = numbers.FindActive(this->State.Alive, n);
-      this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
       const Vf s = numbers.FindPlaces(curve, n);
       const Vec3 q = curve.At(this->Scene, s);
+      sampled = this->template FindShown<AtFaces>(curve, q, s, sampled);
+      if (hn::AllFalse(d, sampled))
+      {
+        continue;
+      }
+      this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
       SampleCells cells;
-      const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
-      this->Window.template MoveTo<false>(n);
-      WindowRows<T, Fit, false, Components> voxels(this->Window, cells);
+      const SamplePosition at = FindCells(this->Scene.Volume, q, !AtFaces, cells);
+      this->Window.template MoveTo<AtFaces>(n);
+      WindowRows<T, Fit, AtFaces, Components> voxels(this->Window, cells);
       SampleRows<T> rows;
       const Vf density = Sample<T>(voxels, at, rows);
       // Comparisons with what is not a number are false.
@@ -473,14 +449,22 @@ private:
       {
         continue;
       }
+      const Mf border = AtFaces
+        ? hn::AndNot(FindInterior(this->Scene.Volume, cells, visible), visible)
+        : hn::FirstN(d, 0);
       Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
       if (this->Scene.Shade || component.Gradients.Factors)
       {
         voxels.Widen();
-        gradient = Gradient<T>(voxels, at, rows);
+        gradient = this->GradientOf(voxels, at, rows, q, border);
       }
       Vf values[LargestNumberOfComponents];
-      ComponentSamples<T>(this->Scene.Volume, cells, at, visible).FindValues(values);
+      ComponentSamples<T>(this->Scene.Volume, cells, at, hn::AndNot(border, visible))
+        .FindValues(values);
+      if (AtFaces && !hn::AllFalse(d, border))
+      {
+        this->Border.ComponentValues(q, border, values);
+      }
       const Vf t = curve.TimeAt(s);
       Vec3 color;
       Vf extinction;
@@ -509,29 +493,40 @@ private:
     this->AddColor(color, extinction, visible, curve, s, t);
   }
 
-  /// ForInnerValues() with windows of one kind, or without.
-  template <WindowFit Fit, int Ahead, class Use>
-  HWY_NOINLINE int ForInnerValues(
+  /// ForValues() with windows of one kind, or without.
+  template <int Ahead, bool AtFaces, WindowFit Fit, class Use>
+  HWY_NOINLINE int ForValues(
     const PacketCurve& curve, const SampleNumbers& numbers, int from, int to, const Use& use)
   {
+    const Df d;
     for (int n = from; n < to; ++n)
     {
-      const Mf sampled = numbers.FindActive(this->State.Alive, n);
+      Mf sampled = numbers.FindActive(this->State.Alive, n);
       const Vf s = numbers.FindPlaces(curve, n);
-      const Vec3 q = curve.At(this->Scene, Ahead == 0 ? s : hn::MulAdd(Splat(Ahead), curve.PerStep, s));
-      if (Fit == WindowFit::None && HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0))
+      const Vec3 q =
+        curve.At(this->Scene, Ahead == 0 ? s : hn::MulAdd(Splat(Ahead), curve.PerStep, s));
+      if constexpr (Ahead == 0)
       {
-        use(n, s, sampled, this->FindValue(q, sampled));
+        sampled = this->template FindShown<AtFaces>(curve, q, s, sampled);
+        if (hn::AllFalse(d, sampled))
+        {
+          continue;
+        }
+      }
+      if (Fit == WindowFit::None && (AtFaces || HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0)))
+      {
+        const Mf inside = Ahead == 0 ? sampled : hn::And(sampled, IsInside(this->Scene, q));
+        use(n, s, sampled, this->FindValue(q, inside));
       }
       else
       {
         SampleCells cells;
-        const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
-        auto voxels = this->template FindInnerRows<Fit>(n + Ahead, cells, sampled);
+        const SamplePosition at = FindCells(this->Scene.Volume, q, !AtFaces, cells);
+        auto voxels = this->template FindRows<AtFaces, Fit>(n + Ahead, cells, sampled);
         SampleRows<T> rows;
         use(n, s, sampled, Sample<T>(voxels, at, rows));
       }
-      if (HWY_UNLIKELY(hn::AllFalse(Df(), this->State.Alive)))
+      if (HWY_UNLIKELY(hn::AllFalse(d, this->State.Alive)))
       {
         return n;
       }
@@ -539,14 +534,14 @@ private:
     return to;
   }
 
-  template <WindowFit Fit, bool AtFaces>
-  using InnerRows =
+  template <bool AtFaces, WindowFit Fit>
+  using RowsOf =
     std::conditional_t<Fit == WindowFit::None, OffsetRows<T>, WindowRows<T, Fit, AtFaces>>;
 
-  /// The source of the rows of the samples n of a curve, which lie in `cells`, if all voxels that
-  /// they and their gradients need exist, and are in reach.
-  template <WindowFit Fit, bool AtFaces = false>
-  HWY_INLINE InnerRows<Fit, AtFaces> FindInnerRows(int n, const SampleCells& cells, Mf sampled)
+  /// The source of the rows of the samples n of a curve, which lie in `cells`. Without a window all
+  /// voxels that they and their gradients need must exist, and be in reach.
+  template <bool AtFaces, WindowFit Fit>
+  HWY_INLINE RowsOf<AtFaces, Fit> FindRows(int n, const SampleCells& cells, Mf sampled)
   {
     if constexpr (Fit == WindowFit::None)
     {
@@ -564,36 +559,30 @@ private:
   }
 
   /**
-   * Calls use(voxels, at) with a source of the rows of the samples n of a curve, or of places in
-   * the intervals that end there, which lie at q, if all voxels that they and their gradients need
-   * exist; otherwise() where no offsets reach them.
+   * Calls use(voxels, at, border) with a source of the rows of the samples n of a curve, or of
+   * places in the intervals that end there, which lie at q; `border`: those of `sampled` without
+   * all voxels that they and their gradients need. Calls otherwise() where there is no such source.
    */
-  template <class Use, class Otherwise>
-  HWY_INLINE void UseInnerRows(
+  template <bool AtFaces, class Use, class Otherwise>
+  HWY_INLINE void UseRows(
     int n, const Vec3& q, Mf sampled, const Use& use, const Otherwise& otherwise)
   {
-    SampleCells cells;
-    const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
-    const auto useRows = [&](auto&& voxels) { use(voxels, at); };
-    if constexpr (HasVoxelWindow<T>())
-    {
-      switch (this->Window.GetFit())
+    this->template WithWindow<AtFaces>([&](auto fit) {
+      constexpr WindowFit Fit = decltype(fit)::value;
+      if (Fit == WindowFit::None && (AtFaces || HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0)))
       {
-        case WindowFit::Two:
-          return useRows(this->template FindInnerRows<WindowFit::Two>(n, cells, sampled));
-        case WindowFit::Three:
-          return useRows(this->template FindInnerRows<WindowFit::Three>(n, cells, sampled));
-        case WindowFit::Four:
-          return useRows(this->template FindInnerRows<WindowFit::Four>(n, cells, sampled));
-        default:
-          break;
+        otherwise();
+        return 0;
       }
-    }
-    if (HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0))
-    {
-      return otherwise();
-    }
-    useRows(this->template FindInnerRows<WindowFit::None>(n, cells, sampled));
+      SampleCells cells;
+      const SamplePosition at = FindCells(this->Scene.Volume, q, !AtFaces, cells);
+      const Mf border = AtFaces
+        ? hn::AndNot(FindInterior(this->Scene.Volume, cells, sampled), sampled)
+        : hn::FirstN(Df(), 0);
+      auto voxels = this->template FindRows<AtFaces, Fit>(n, cells, sampled);
+      use(voxels, at, border);
+      return 0;
+    });
   }
 
   HWY_INLINE Vec3 ClampToVolume(const Vec3& q) const
@@ -701,18 +690,23 @@ private:
       FetchSample(scene.Volume, q, sampled, this->Border, fetched);
       composite(fetched.Voxels, fetched.At, fetched.Rows, fetched.Value, fetched.AtBorder);
     };
-    if (!inner)
+    const auto compositeRows = [&](auto& voxels, const SamplePosition& in, Mf border) {
+      SampleRows<T> rows;
+      const Vf value = Sample<T>(voxels, in, rows);
+      composite(voxels, in, rows, value, border);
+    };
+    if (inner)
     {
-      return compositeAny();
+      this->template UseRows<false>(n, q, sampled, compositeRows, compositeAny);
     }
-    this->UseInnerRows(
-      n, q, sampled,
-      [&](auto& voxels, const SamplePosition& in) {
-        SampleRows<T> rows;
-        const Vf value = Sample<T>(voxels, in, rows);
-        composite(voxels, in, rows, value, hn::FirstN(d, 0));
-      },
-      compositeAny);
+    else if (curve.Segment)
+    {
+      this->template UseRows<true>(n, q, sampled, compositeRows, compositeAny);
+    }
+    else
+    {
+      compositeAny();
+    }
   }
 
   /// Values where the intervals that end at the samples n begin, if the samples before were not

@@ -47,7 +47,7 @@ HWY_INLINE Mf IsInside(const PacketScene& scene, const Vec3& q)
 struct PacketCurve
 {
   Quartic Position; ///< index coordinates of the whole that the volume is a part of
-  Vf T0; ///< t = T0 + s * Dt
+  Vf T0;            ///< t = T0 + s * Dt
   Vf Dt;
   Vf PerStep;                     ///< s from sample to sample
   TileSegment* Segment = nullptr; ///< whose curves these are, or null
@@ -99,14 +99,8 @@ HWY_NOINLINE Mf IsUncropped(const PacketScene& scene, const Vec3& p)
   };
   const Vf region =
     hn::MulAdd(Splat(9.0f), slab(p.z, 2), hn::MulAdd(Splat(3.0f), slab(p.y, 1), slab(p.x, 0)));
-  HWY_ALIGN int regions[16];
-  HWY_ALIGN float shown[16];
-  hn::Store(hn::ConvertTo(di, region), di, regions);
-  for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
-  {
-    shown[lane] = (scene.CropFlags >> regions[lane] & 1) != 0 ? 1.0f : 0.0f;
-  }
-  return hn::Gt(hn::Load(d, shown), hn::Zero(d));
+  const Vi flag = hn::Shl(hn::Set(di, 1), hn::ConvertTo(di, region));
+  return hn::RebindMask(d, hn::Ne(hn::And(flag, hn::Set(di, scene.CropFlags)), hn::Zero(di)));
 }
 
 /// Finds the positions that are inside of the volume and not cropped.

@@ -262,7 +262,7 @@ private:
 
   const PacketVolume& Volume;
   __m128 IndexShift; ///< PacketScene::IndexShift
-  bool Usable; ///< whether the volume is as large as a window
+  bool Usable;       ///< whether the volume is as large as a window
   __m128i LastCell;
   WindowFit Fit = WindowFit::None;
   float PerStep = 0.0f;
@@ -311,7 +311,8 @@ public:
   HWY_INLINE WindowAddresses(const PacketVolume& v, int x, int y, int z)
     : FirstX(std::clamp(x - 1, 0, v.Dimensions[0] - 8))
   {
-    const std::uint8_t* const first = static_cast<const std::uint8_t*>(v.Scalars) + this->FirstX;
+    const std::uint8_t* const first =
+      static_cast<const std::uint8_t*>(v.Scalars) + this->FirstX * std::ptrdiff_t{ v.Components };
     for (int k = 0; k < 8; ++k)
     {
       this->Slabs[k] =
@@ -343,8 +344,6 @@ private:
 template <class T, WindowFit Fit, bool AtFaces, int Components>
 class WindowRows
 {
-  static_assert(!AtFaces || Components == 1, "faces of one component");
-
 public:
   /// `window`: moved to the sample, which `cells` are of.
   HWY_INLINE WindowRows(const VoxelWindow<T>& window, const SampleCells& cells)
