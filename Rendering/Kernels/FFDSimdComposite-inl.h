@@ -374,7 +374,7 @@ private:
       Mf sampled = numbers.FindActive(this->State.Alive, n);
       const Vf s = numbers.FindPlaces(curve, n);
       const Vec3 q = curve.At(this->Scene, s);
-      if constexpr (AtFaces || !Plain)
+      if (AtFaces || (!Plain && HWY_UNLIKELY(this->Scene.CropSpace != Cropping::Spaces::None)))
       {
         sampled = this->template FindShown<AtFaces>(curve, q, s, sampled);
         if (hn::AllFalse(d, sampled))
@@ -822,8 +822,8 @@ private:
       }
     }
     Vec3 color;
-    // Weighed opacities are over the reference length, which mostly is the interval.
-    const bool weighed = mixed || (byGradient && !byPlane);
+    // Opacities that are not of the table are over a length, which mostly is the interval.
+    const bool weighed = mixed || byGradient || byPlane;
     Vf factor = Splat(1.0f);
     Vf opacity = hn::Zero(d);
     if (HWY_UNLIKELY(mixed))
@@ -835,7 +835,7 @@ private:
       const Vf second =
         byGradient ? FindMagnitude(plane.MagnitudeScale, gradient) : FindSecondAxis(plane, q);
       const PlaneTexel texel = LookUpPlane(plane, value, second);
-      extinction = OpaqueExtinctionOver(texel.Opacity, plane.UnitDistance);
+      opacity = texel.Opacity;
       color = texel.Color;
     }
     else if (byGradient)
@@ -843,9 +843,9 @@ private:
       factor = labeled ? FactorOf(mask, tables, gradient) : FactorOf(gradients, gradient);
       opacity = hn::Mul(OpacityOf(this->Scene, extinction), factor);
     }
-    if (byPlane || weighed)
+    if (weighed)
     {
-      visible = hn::And(visible, hn::Gt(weighed ? opacity : extinction, hn::Zero(d)));
+      visible = hn::And(visible, hn::Gt(opacity, hn::Zero(d)));
       if (hn::AllFalse(d, visible))
       {
         return;
@@ -870,14 +870,17 @@ private:
     }
     if (HWY_UNLIKELY(weighed))
     {
-      if (HWY_LIKELY(this->Scene.ReferenceIsInterval))
+      const bool isInterval = byPlane ? this->Scene.Settings.Opacity == OpacityLength::Deformed &&
+          static_cast<float>(this->Scene.Settings.SampleDistance) == plane.UnitDistance
+                                      : this->Scene.ReferenceIsInterval;
+      if (HWY_LIKELY(isInterval))
       {
         return this->State.Add(visible, color, hn::Sub(Splat(1.0f), opacity), t,
           this->Scene.Settings.TerminationTransmittance);
       }
-      const Mf exact = mixed ? hn::FirstN(d, 0) : hn::Ge(factor, Splat(1.0f));
-      extinction = hn::IfThenElse(
-        exact, extinction, OpaqueExtinctionOver(opacity, this->Scene.ReferenceLength));
+      const Mf exact = mixed || byPlane ? hn::FirstN(d, 0) : hn::Ge(factor, Splat(1.0f));
+      extinction = hn::IfThenElse(exact, extinction,
+        OpaqueExtinctionOver(opacity, byPlane ? plane.UnitDistance : this->Scene.ReferenceLength));
     }
     this->AddColor(color, extinction, visible, curve, s, t);
   }
