@@ -65,6 +65,10 @@ void CheckGradient(ffdTest::Checks& checks)
       ffdTest::ToString(d) + " from the GPU mapper (mean at most 3)");
     checks.ExpectAtLeast(name + ", matters", scene.Compare(ours, oneD).Mean, 20.0);
     ffdTest::CheckSamePictures(scene, name, checks);
+    // Opacities are over another length than that of the intervals.
+    scene.SetSampleDistance(0.5);
+    ffdTest::CheckSamePictures(scene, name + ", longer intervals", checks);
+    scene.SetSampleDistance(0.25);
     scene.SetShadingAsGpuMapper(0.2, 0.7, 0.3, 20.0);
     ffdTest::CheckSamePictures(scene, name + ", shaded", checks);
     scene.Property->ShadeOff();
