@@ -472,7 +472,10 @@ public:
 
   ///@{
   /**
-   * Whether opaque geometry that was rendered before hides what is behind it. Default: on.
+   * Whether opaque geometry that was rendered before hides what is behind it. Default: on. Depths
+   * of the window are read for it, which takes time, but where the volume is all that can have been
+   * drawn: no other prop of the renderer, a vtkOpenGLRenderer itself, is visible, and it has no
+   * render pass, erases and does not preserve depths.
    */
   vtkSetMacro(IntermixIntersectingGeometry, vtkTypeBool);
   vtkGetMacro(IntermixIntersectingGeometry, vtkTypeBool);
