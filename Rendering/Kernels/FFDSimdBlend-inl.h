@@ -626,6 +626,10 @@ private:
         segment.Terms[k] =
           glm::dvec3(terms[3 * k][lane], terms[3 * k + 1][lane], terms[3 * k + 2][lane]);
       }
+      for (int a = 0; a < 3; ++a)
+      {
+        segment.Terms[0][a] -= this->Scene.IndexShift[a];
+      }
       const LaneSegment one(this->Normals, curve, lane, segment, static_cast<double>(t0[lane]),
         static_cast<double>(dt[lane]));
       const RayIntegrator::Outcome outcome = this->Scratch.Integrators[lane].AddSample(

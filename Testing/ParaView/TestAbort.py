@@ -14,6 +14,7 @@ import time
 import unittest
 
 import ffdparaview as ffd
+import ffdprocess
 import numpy as np
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -38,10 +39,10 @@ class TestAbort(unittest.TestCase):
         for process in reversed(self.processes):
             # mpiexec passes on that it is to end, and could not pass on that it is killed.
             if process.args[0] == "mpiexec":
-                process.terminate()
+                ffdprocess.stop(process)
             else:
                 process.kill()
-            process.wait()
+                process.wait()
         self.processes.clear()
 
     def start(self, *command, stdout=None, stderr=None, **environment):

@@ -17,6 +17,7 @@ import unittest
 import numpy as np
 
 import ffdlink
+import ffdprocess
 from ffdevents import (
     BROWSER, DISPLAY, EDITING, HERE, PANEL, PLUGIN, PROPERTIES, SELECTION, TEMPORARY, VIEW, WINDOW,
     Events, write_translation)
@@ -92,7 +93,7 @@ class TestPanel(unittest.TestCase):
                     # Frames long enough to tell their progress, which the client must not get.
                     options=["--server-url=cs://localhost:%d" % port], step=0.5)
             finally:
-                server.terminate()
+                ffdprocess.stop(server)
         self.assertEqual([moved(state) for state in states], [[MIDDLE]])
         self.assertEqual(states[0]["widget"]["Visible"], 1)
         self.assertEqual(states[0]["volumes"], 0)
@@ -414,7 +415,7 @@ class TestPanel(unittest.TestCase):
                 said, _, path = self.open_transform(
                     "elsewhere", "--multi-servers", FFD_FILES_PORT=str(port))
             finally:
-                server.terminate()
+                ffdprocess.stop(server)
         text = " ".join(said.split())
         self.assertEqual(text.count("is opened, but not applied"), 1, said)
         self.assertIn(path + " is opened, but not applied to Wavelet1, which is selected: it is on another "
@@ -450,8 +451,7 @@ class TestPanel(unittest.TestCase):
                     find_command("HoverScene.py", folder, events, *options), environment)
             finally:
                 if server:
-                    server.terminate()
-                    server.wait()
+                    ffdprocess.stop(server)
                     server.stdout.close()
             self.assertEqual(result.returncode, 0, result.stdout)
             with open(log, encoding="ascii") as file:

@@ -17,6 +17,7 @@ from paraview import servermanager, simple
 
 import ffdlink
 import ffdparaview as ffd
+import ffdprocess
 
 ffd.load()
 
@@ -53,8 +54,7 @@ def serve(port, *command, **environment):
         yield
     finally:
         simple.Disconnect()
-        server.terminate()
-        server.wait()
+        ffdprocess.stop(server)
         server.stdout.close()
         simple.Connect()
         ffd.load()

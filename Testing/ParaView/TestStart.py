@@ -11,6 +11,7 @@ import tempfile
 import time
 import unittest
 
+import ffdprocess
 from ffdevents import PROPERTIES, Events
 
 PLUGIN = os.environ["FFD_PARAVIEW_PLUGIN"]
@@ -119,7 +120,7 @@ class TestStart(unittest.TestCase):
                         break
                 return self.start("pvpython", self.script(CLIENT), str(port), *load)
             finally:
-                process.terminate()
+                ffdprocess.stop(process)
 
     def test_window_of_server_without_plugin(self):
         """ParaView's window says so, once, and what to do."""
@@ -143,7 +144,7 @@ class TestStart(unittest.TestCase):
                     finally:
                         window.kill()
             finally:
-                server.terminate()
+                ffdprocess.stop(server)
         for words in ("The server has no plugin FFDVolume", "Manage Plugins"):
             self.assertEqual(text.count(words), 1, text)
         self.assertEqual(text.count("|"), 1, text)
