@@ -445,6 +445,46 @@ class TestRepresentation(unittest.TestCase):
         simple.Render(self.view)
         self.assertEqual(self.view.SMProxy.GetRenderer().GetUseDepthPeelingForVolumes(), True)
 
+    def test_smoothing_of_edges(self):
+        """FXAA, which the view applies to what is drawn before volumes, is left out where that is nothing;
+        the view's setting stays."""
+        renderer = self.view.SMProxy.GetRenderer()
+        used = []
+        renderer.AddObserver("StartEvent", lambda *_: used.append(renderer.GetUseFXAA()), -1.0)
+        self.view.Background = [0.4, 0.2, 0.6]
+        self.show(Shape="Twist")
+
+        def smoothed(name, is_used):
+            self.view.UseFXAA = 1
+            picture = ffd.picture(self.view, name)
+            self.assertEqual(used[-1], is_used, name)
+            self.assertTrue(renderer.GetUseFXAA(), name)
+            return picture
+
+        left_out = smoothed("volume not smoothed", False)
+        # The same background, which is not known to be of one color.
+        self.view.BackgroundColorMode = "Gradient"
+        self.view.Background2 = list(self.view.Background)
+        self.assertEqual(ffd.differ(smoothed("volume smoothed", True), left_out)[0], 0)
+        self.view.BackgroundColorMode = "Single Color"
+        # Whatever else is drawn is smoothed.
+        outline = simple.Show(self.wavelet, self.view, "UniformGridRepresentation")
+        outline.SetRepresentationType("Outline")
+        lines = smoothed("lines smoothed", True)
+        self.view.UseFXAA = 0
+        self.assertGreater(ffd.differ(ffd.picture(self.view, "lines"), lines)[0], 20)
+        outline.SetRepresentationType("Volume")
+        smoothed("two volumes", False)
+        outline.Visibility = 0
+        self.view.AxesGrid.Visibility = 1
+        smoothed("grid smoothed", True)
+        self.view.AxesGrid.Visibility = 0
+        self.view.CenterAxesVisibility = 1
+        smoothed("center smoothed", True)
+        self.view.CenterAxesVisibility = 0
+        self.display.Visibility = 0
+        smoothed("nothing", True)
+
     def test_state_file(self):
         picture = self.show(Shape="Twist", Strength=1.3, Resolution=[4, 4, 4],
                             Displacements=list(np.linspace(-2.0, 2.0, 192)))

@@ -5,6 +5,7 @@
 #include "vtkCamera.h"
 #include "vtkMath.h"
 #include "vtkPropCollection.h"
+#include "vtkPVLODVolume.h"
 #include "vtkRenderer.h"
 #include "vtkSmartPointer.h"
 #include "vtkVolume.h"
@@ -56,7 +57,44 @@ bool IsBefore(const Placed& a, const Placed& b, const Eye& eye)
   return false;
 }
 
+/// Whether a prop is drawn with the volumes or after them, or not at all.
+bool IsNotBeforeVolumes(vtkProp* prop)
+{
+  if (!prop->GetVisibility() || prop->IsA("vtkActor2D"))
+  {
+    return true;
+  }
+  if (auto* volume = vtkPVLODVolume::SafeDownCast(prop))
+  {
+    return volume->GetEnableLOD() == 0; // else it may be an outline
+  }
+  // ParaView keeps visible actors of representations that have no data.
+  const double* bounds = prop->IsA("vtkActor") ? prop->GetBounds() : nullptr;
+  return prop->IsA("vtkVolume") || (bounds && !vtkMath::AreBoundsInitialized(bounds));
+}
+
 } // namespace
+
+//------------------------------------------------------------------------------
+bool IsEmptyBeforeVolumes(vtkRenderer* renderer)
+{
+  if (renderer->GetGradientBackground() || renderer->GetTexturedBackground() ||
+    renderer->GetPreserveColorBuffer() || !renderer->GetErase() || renderer->GetLayer() != 0)
+  {
+    return false;
+  }
+  vtkPropCollection* props = renderer->GetViewProps();
+  vtkCollectionSimpleIterator place;
+  props->InitTraversal(place);
+  while (vtkProp* prop = props->GetNextProp(place))
+  {
+    if (!IsNotBeforeVolumes(prop))
+    {
+      return false;
+    }
+  }
+  return true;
+}
 
 //------------------------------------------------------------------------------
 void SortVolumes(vtkRenderer* renderer)

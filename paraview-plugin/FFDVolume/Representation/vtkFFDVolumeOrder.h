@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @file vtkFFDVolumeOrder.h
- * The order in which the volumes of a renderer are drawn. Private to this module.
+ * The order in which the volumes of a renderer are drawn, and what is drawn before them. Private to
+ * this module.
  */
 #ifndef vtkFFDVolumeOrder_h
 #define vtkFFDVolumeOrder_h
@@ -19,6 +20,12 @@ namespace ffdorder
  * distances of their centers.
  */
 void SortVolumes(vtkRenderer* renderer);
+
+/**
+ * Whether the renderer draws nothing but a background of one color before its volumes: then FXAA,
+ * which VTK applies before these, changes no pixel.
+ */
+bool IsEmptyBeforeVolumes(vtkRenderer* renderer);
 
 } // namespace ffdorder
 

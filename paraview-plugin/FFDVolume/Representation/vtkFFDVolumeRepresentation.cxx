@@ -287,6 +287,8 @@ public:
   // Of the renderer of the view.
   std::array<unsigned long, 2> RenderObservers{ { 0, 0 } };
   bool TookPeelingOff = false;
+  bool TookSmoothingOff = false;
+  bool HasOwnRenderer = false;              // no other process renders the scene or shows it
   vtkWeakPointer<vtkPVSession> Session;     // whose progress is told
   vtkWeakPointer<vtkRenderWindow> Window;   // of the frame in progress
   vtkWeakPointer<vtkOpenGLState> KeptState; // of the window, while progress is shown
@@ -623,6 +625,8 @@ bool vtkFFDVolumeRepresentation::AddToView(vtkView* view)
   const bool ownWindow =
     type == vtkProcessModule::PROCESS_CLIENT || type == vtkProcessModule::PROCESS_BATCH;
   const bool toClient = session && session->GetController(vtkPVSession::CLIENT);
+  in.HasOwnRenderer = GetNumberOfProcesses() == 1 && session &&
+    session->GetProcessRoles() == vtkPVSession::CLIENT_AND_SERVERS;
   if ((ownWindow || toClient) && session && session->GetProgressHandler() && !in.Session)
   {
     in.Session = session;
@@ -698,6 +702,13 @@ void vtkFFDVolumeRepresentation::BeginRender(vtkObject* object, unsigned long, v
     this->Internals->TookPeelingOff = true;
     renderer->SetUseDepthPeelingForVolumes(false);
   }
+  // Synchronizers of renderers, of which a session without a server has none, smooth the finished
+  // picture instead.
+  if (renderer->GetUseFXAA() && in.HasOwnRenderer && ffdorder::IsEmptyBeforeVolumes(renderer))
+  {
+    in.TookSmoothingOff = true;
+    renderer->SetUseFXAA(false);
+  }
   // Without shading no color is brighter than its alpha.
   const bool mayBeBright = this->Property && this->Property->GetShade();
   if (mayBeBright || ffdserver::IsGroup())
@@ -763,6 +774,11 @@ void vtkFFDVolumeRepresentation::EndRender(vtkObject* object, unsigned long, voi
     vtkRenderer::SafeDownCast(object)->SetUseDepthPeelingForVolumes(true);
   }
   vtkInternals& in = *this->Internals;
+  if (in.TookSmoothingOff)
+  {
+    in.TookSmoothingOff = false;
+    vtkRenderer::SafeDownCast(object)->SetUseFXAA(true);
+  }
   if (in.ProgressInterval > 0.0 && in.Session && in.Session->GetProgressHandler())
   {
     in.Session->GetProgressHandler()->SetProgressInterval(in.ProgressInterval);
