@@ -110,14 +110,14 @@ class TestPanel(unittest.TestCase):
         self.assertEqual(states[-1]["displacements"], [])
 
     def test_undo_before_apply(self):
-        """Control and Z take back a drag that was not applied, and shift brings it again, while what is
-        typed into the search box hides the panel of the lattice, and not the lattice."""
+        """Control and Z take back a drag that was not applied, and shift, or ParaView's control and Y, brings
+        it again, while what is typed into the search box hides the panel of the lattice, and not the lattice."""
         control, shift = 0x04000000, 0x02000000
         events = Events()
         events.set(PROPERTIES + "SearchBox/SearchLineEdit", "string", "strength")
 
-        def strike(modifiers):
-            events.add(VIEW, "keyEvent", "6:%d:%d:z:0:1" % (ord("Z"), modifiers))
+        def strike(modifiers, key="Z"):
+            events.add(VIEW, "keyEvent", "6:%d:%d:%s:0:1" % (ord(key), modifiers, key.lower()))
             events.wait()
 
         events.drag((0.5, 0.5), (0.6, 0.3))
@@ -131,10 +131,14 @@ class TestPanel(unittest.TestCase):
         strike(control)
         strike(control | shift)
         events.click(PROPERTIES + "Accept")
+        events.drag((0.55, 0.4), (0.6, 0.3))
+        strike(control)
+        strike(control, "Y")
+        events.click(PROPERTIES + "Accept")
         states, _ = events.play("undo", auto_apply=False)
         heights = [state["displacements"][3 * MIDDLE + 2] for state in states]
-        self.assertEqual(len(heights), 3, heights)
-        for height, expected in zip(heights, (0.5, 1.0, 0.5)):
+        self.assertEqual(len(heights), 4, heights)
+        for height, expected in zip(heights, (0.5, 1.0, 0.5, 1.0)):
             self.assertAlmostEqual(height, 17.7 * expected, delta=1.0, msg=heights)
 
     def test_search(self):

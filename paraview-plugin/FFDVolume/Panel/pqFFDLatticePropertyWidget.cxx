@@ -33,6 +33,7 @@
 #include "vtkSMViewProxy.h"
 #include "vtkWeakPointer.h"
 
+#include <QAction>
 #include <QApplication>
 #include <QCheckBox>
 #include <QKeyEvent>
@@ -74,6 +75,15 @@ std::size_t CountValues(const Sizes& sizes)
 {
   return 3 * static_cast<std::size_t>(sizes[0]) * static_cast<std::size_t>(sizes[1]) *
     static_cast<std::size_t>(sizes[2]);
+}
+
+/// Whether a key is the platform's for an edit, or that of ParaView's menu, which has another redo.
+bool IsKeyOf(const QKeyEvent& key, QKeySequence::StandardKey edit, const char* menuAction)
+{
+  const QWidget* window = pqCoreUtilities::mainWidget();
+  const QAction* action = window ? window->findChild<QAction*>(menuAction) : nullptr;
+  const QKeySequence pressed(static_cast<int>(key.modifiers()) + key.key());
+  return key.matches(edit) || (action && action->shortcut() == pressed);
 }
 
 } // namespace
@@ -499,11 +509,12 @@ bool pqFFDLatticePropertyWidget::eventFilter(QObject* watched, QEvent* event)
   if ((asked || event->type() == QEvent::KeyPress) && this->isSelected() && !this->Internals->Away)
   {
     auto* key = static_cast<QKeyEvent*>(event);
-    const bool back = key->matches(QKeySequence::Undo);
+    const bool back = IsKeyOf(*key, QKeySequence::Undo, "actionEditUndo");
+    const bool forth = IsKeyOf(*key, QKeySequence::Redo, "actionEditRedo");
     const auto& steps = back ? this->Internals->UndoSteps : this->Internals->RedoSteps;
     auto* line = qobject_cast<QLineEdit*>(QApplication::focusWidget());
     const bool ofText = line && (back ? line->isUndoAvailable() : line->isRedoAvailable());
-    if ((back || key->matches(QKeySequence::Redo)) && !steps.empty() && !ofText)
+    if ((back || forth) && !steps.empty() && !ofText)
     {
       event->accept();
       if (!asked)
