@@ -750,6 +750,28 @@ executive.GetOutputInformation(0).Set(executive.WHOLE_EXTENT(), 0, 4, 0, 4, 0, 4
         lattice.LatticePerBlock = 0
         self.assertGreater(ffd.lit(ffd.picture(self.view, "volume of blocks")), 1000)
 
+    def test_blocks_without_the_array(self):
+        """Blocks that lack the array are not shown, whichever they are; nothing complains."""
+        def make_block(half, name):
+            named = simple.Calculator(Input=ffd.make_wavelet(half), ResultArrayName=name, Function="RTData")
+            return simple.PassArrays(Input=named, PointDataArrays=[name])
+
+        blocks = [make_block(8, "A"), make_block(12, "B")]
+        for name in "AB":
+            simple.GetColorTransferFunction(name).RescaleTransferFunction(37.0, 280.0)
+            simple.GetOpacityTransferFunction(name).RescaleTransferFunction(37.0, 280.0)
+        lattice = simple.FFDLattice(Input=simple.GroupDatasets(Input=blocks), Shape="Twist", LatticePerBlock=1)
+        display = simple.Show(lattice, self.view)
+        with ffd.Errors() as errors:
+            pictures = []
+            for name in "ABA":
+                simple.ColorBy(display, ("POINTS", name))
+                pictures.append(ffd.picture(self.view, "block " + name))
+        self.assertEqual(errors.text, [])
+        self.assertGreater(ffd.lit(pictures[0]), 200)
+        self.assertGreater(ffd.lit(pictures[1]), 1.5 * ffd.lit(pictures[0]))
+        self.assertEqual(ffd.differ(pictures[2], pictures[0])[0], 0)
+
     def test_flat_image(self):
         wavelet = simple.Wavelet(WholeExtent=[-10, 10, -10, 10, 0, 0])
         lattice = simple.FFDLattice(Input=wavelet, Shape="Bend")

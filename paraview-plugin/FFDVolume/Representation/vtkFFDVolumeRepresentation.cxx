@@ -548,6 +548,7 @@ int vtkFFDVolumeRepresentation::ProcessViewRequest(
       window->SetDesiredUpdateRate(this->Internals->NextRate);
     }
     this->Internals->NextRate = 0.0;
+    const auto color = vtkFFDShownArray::FromInformation(this->GetInputArrayInformation(0));
     for (std::size_t i = 0; i < this->Internals->AllShown.size(); ++i)
     {
       vtkImageData* image = i < images.size() ? images[i] : nullptr;
@@ -557,6 +558,11 @@ int vtkFFDVolumeRepresentation::ProcessViewRequest(
       {
         this->UpdateSampleDistances(mapper, image, view ? view->GetLODResolution() : 1.0, useLOD);
         this->UpdateCropping(mapper, image);
+      }
+      // As the superclass's actor of the first: blocks may lack the array.
+      if (i > 0 && !(image && color.FindIn(image)))
+      {
+        this->Internals->AllShown[i]->Actor->SetVisibility(0);
       }
     }
     this->Internals->OptionsTime = this->Mapper->GetMTime();
