@@ -15,6 +15,7 @@
 #include "vtkRenderer.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderWindowInteractor.h"
+#include "vtkSmartPointer.h"
 #include "vtkWidgetCallbackMapper.h"
 #include "vtkWidgetEvent.h"
 #include "vtkWidgetEventTranslator.h"
@@ -242,7 +243,7 @@ void vtkFFDLatticeWidget::SetEnabled(int enabling)
 //------------------------------------------------------------------------------
 void vtkFFDLatticeWidget::SetCursor(int state)
 {
-  if (this->ManagesCursor)
+  if (this->ManagesCursor && this->HasWindow())
   {
     this->RequestCursorShape(
       state == Rep::OnPoint || state == Rep::OnHandle ? VTK_CURSOR_HAND : VTK_CURSOR_DEFAULT);
@@ -253,8 +254,19 @@ void vtkFFDLatticeWidget::SetCursor(int state)
 int vtkFFDLatticeWidget::IsInteracting() { return this->Dragging ? 1 : 0; }
 
 //------------------------------------------------------------------------------
+bool vtkFFDLatticeWidget::HasWindow() const
+{
+  return this->Interactor && this->Interactor->GetRenderWindow();
+}
+
+//------------------------------------------------------------------------------
 void vtkFFDLatticeWidget::BeginDrag()
 {
+  if (!this->Enabled || !this->HasWindow())
+  {
+    this->GetLatticeRepresentation()->CancelInteraction();
+    return;
+  }
   this->Dragging = true;
   this->Moved = false;
   this->ConstraintOfDrag = false;
@@ -279,7 +291,10 @@ void vtkFFDLatticeWidget::EndDrag()
     this->ConstraintOfDrag = false;
   }
   // The still update rate again, so that the frame that follows has full quality.
-  this->EndInteraction();
+  if (this->HasWindow())
+  {
+    this->EndInteraction();
+  }
   this->InvokeEvent(vtkCommand::EndInteractionEvent, nullptr);
 }
 
@@ -340,7 +355,7 @@ void vtkFFDLatticeWidget::AdjustClippingRange()
 //------------------------------------------------------------------------------
 void vtkFFDLatticeWidget::Press(int operation)
 {
-  Rep* rep = this->GetLatticeRepresentation();
+  const vtkSmartPointer<Rep> rep(this->GetLatticeRepresentation());
   const int x = this->Interactor->GetEventPosition()[0];
   const int y = this->Interactor->GetEventPosition()[1];
   if (this->Dragging || !this->CurrentRenderer || !this->CurrentRenderer->IsInViewport(x, y))
@@ -428,7 +443,7 @@ void vtkFFDLatticeWidget::ToggleSelectAction(vtkAbstractWidget* widget)
 void vtkFFDLatticeWidget::MoveAction(vtkAbstractWidget* widget)
 {
   auto* self = static_cast<vtkFFDLatticeWidget*>(widget);
-  Rep* rep = self->GetLatticeRepresentation();
+  const vtkSmartPointer<Rep> rep(self->GetLatticeRepresentation());
   const int x = self->Interactor->GetEventPosition()[0];
   const int y = self->Interactor->GetEventPosition()[1];
   if (!self->Dragging)
@@ -473,7 +488,7 @@ void vtkFFDLatticeWidget::EndSelectAction(vtkAbstractWidget* widget)
   {
     return;
   }
-  Rep* rep = self->GetLatticeRepresentation();
+  const vtkSmartPointer<Rep> rep(self->GetLatticeRepresentation());
   const int x = self->Interactor->GetEventPosition()[0];
   const int y = self->Interactor->GetEventPosition()[1];
   if (!self->Moved && rep->GetInteractionState() != Rep::SelectingRegion)
@@ -538,10 +553,11 @@ void vtkFFDLatticeWidget::KeyAction(vtkAbstractWidget* widget)
     return; // the camera's
   }
   self->UsedKey.clear();
+  const char* symbol = self->Interactor->GetKeySym();
+  const std::string key = !wheel && symbol ? symbol : "";
   if (self->Perform(WidgetEvent))
   {
-    const char* symbol = self->Interactor->GetKeySym();
-    self->UsedKey = !wheel && symbol ? symbol : "";
+    self->UsedKey = key;
     self->EventCallbackCommand->SetAbortFlag(1);
   }
 }
@@ -584,7 +600,7 @@ int vtkFFDLatticeWidget::ToggleConstraint(int constraint)
 //------------------------------------------------------------------------------
 int vtkFFDLatticeWidget::Perform(int widgetEvent)
 {
-  Rep* rep = this->GetLatticeRepresentation();
+  const vtkSmartPointer<Rep> rep(this->GetLatticeRepresentation());
   const bool selected = rep->GetNumberOfSelectedPoints() > 0;
   const vtkMTimeType before = rep->GetLattice()->GetMTime();
   // In the middle of a drag only what shapes or ends it.

@@ -182,6 +182,9 @@ private:
   void BindAllKeys();
   void Press(int operation);
   void AdjustClippingRange();
+  /// Whether there is an interactor with a window: observers may take either away, and an
+  /// interactor that is being deleted has no window.
+  bool HasWindow() const;
   void BeginDrag();
   void EndDrag();
   void Attach(vtkFFDLatticeRepresentation* representation);

@@ -3,6 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The lattice widget from Python: every edit by script, events, mouse and keys."""
 
+import itertools
 import unittest
 
 import numpy
@@ -183,6 +184,54 @@ class TestWidget(unittest.TestCase):
         self.renderer.WorldToDisplay()
         self.assertAlmostEqual(self.renderer.GetDisplayPoint()[0], before[0] + 20, places=2)
         self.assertAlmostEqual(self.renderer.GetDisplayPoint()[1], before[1], places=2)
+
+    def test_parts_that_go(self):
+        """A scene may end while a point is dragged, its parts in any order, or lose one of them to an observer."""
+        def drag():
+            self.setUp()
+            x, y = self.display(3, 3, 3)
+            self.send("MouseMoveEvent", x, y)
+            self.send("LeftButtonPressEvent", x, y)
+            self.send("MouseMoveEvent", x - 30, y - 20)
+            self.assertEqual(self.widget.IsInteracting(), 1)
+
+        self.widget.Off()
+        for order in itertools.permutations(("interactor", "window", "renderer", "widget")):
+            with self.subTest(order=order):
+                drag()
+                del self.rep, self.lattice
+                for part in order:
+                    delattr(self, part)
+        losses = {
+            "widget": lambda: self.widget.Off(),
+            "window": lambda: self.interactor.SetRenderWindow(None),
+            "renderer": lambda: self.window.RemoveRenderer(self.renderer),
+            "interactor": lambda: self.widget.SetInteractor(None),
+            "representation": lambda: self.widget.SetRepresentation(None),
+            "lattice": lambda: self.rep.SetLattice(None),
+        }
+        for name, lose in losses.items():
+            with self.subTest(lost=name):
+                drag()
+                lose()
+                self.send("MouseMoveEvent", 100, 100)
+                self.send("LeftButtonReleaseEvent", 100, 100)
+                self.widget.Off()
+            for event in ("StartInteractionEvent", "InteractionEvent", "EndInteractionEvent",
+                          "SelectionChangedEvent", "WidgetValueChangedEvent"):
+                with self.subTest(lost=name, event=event):
+                    self.setUp()
+                    self.widget.AddObserver(event, lambda *_, lose=lose: lose())
+                    x, y = self.display(3, 3, 3)
+                    for place in ((x - 30, y - 20), (x, y)):
+                        self.send("MouseMoveEvent", x, y)
+                        self.send("LeftButtonPressEvent", x, y)
+                        self.send("MouseMoveEvent", *place)
+                        self.send("LeftButtonReleaseEvent", *place)
+                    for key, control in (("Tab", 0), ("z", 1), ("Delete", 0), ("Escape", 0), ("r", 0)):
+                        self.send("KeyPressEvent", x, y, key, control)
+                        self.send("CharEvent", x, y, key, control)
+                    self.widget.Off()
 
 
 if __name__ == "__main__":
