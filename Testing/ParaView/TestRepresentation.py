@@ -465,7 +465,8 @@ class TestRepresentation(unittest.TestCase):
         # The same background, which is not known to be of one color.
         self.view.BackgroundColorMode = "Gradient"
         self.view.Background2 = list(self.view.Background)
-        self.assertEqual(ffd.differ(smoothed("volume smoothed", True), left_out)[0], 0)
+        # Rasterizers may round it otherwise (Mesa 25: by 1 of 255).
+        self.assertLessEqual(ffd.differ(smoothed("volume smoothed", True), left_out)[0], 1)
         self.view.BackgroundColorMode = "Single Color"
         # Whatever else is drawn is smoothed.
         outline = simple.Show(self.wavelet, self.view, "UniformGridRepresentation")
