@@ -23,9 +23,11 @@
 #include <algorithm>
 #include <atomic>
 #include <bitset>
+#include <cmath>
 #include <memory>
 #include <mutex>
 #include <utility>
+#include <vector>
 
 namespace
 {
@@ -57,26 +59,45 @@ public:
   {
   }
 
-  /// Calls work(depth) for the window depths, `all` of them, of the pixels of a ray.
-  template <class Work>
-  void ForEach(const std::vector<float>& all, int x, int y, const Work& work) const
+  /// Rows or columns of pixels of a ray, from the first to the last.
+  struct Range
   {
-    const glm::dvec2 center = (glm::dvec2(x, y) + 0.5) * this->Step;
-    const glm::ivec2 last = this->Pixels - 1;
-    const glm::ivec2 low =
-      glm::clamp(glm::ivec2(glm::floor(center - this->Reach + 0.5)), glm::ivec2(0), last);
-    const glm::ivec2 high =
-      glm::clamp(glm::ivec2(glm::ceil(center + this->Reach - 0.5)) - 1, low, last);
-    for (int py = low.y; py <= high.y; ++py)
+    int First;
+    int Last;
+  };
+  Range GetColumns(int x) const { return this->GetRange(x, this->Pixels.x - 1); }
+  Range GetRows(int y) const { return this->GetRange(y, this->Pixels.y - 1); }
+
+  /// The nearest of the window depths, `all` of them, of the pixels of a ray between two depths; 1
+  /// if there is none.
+  float FindNearest(const std::vector<float>& all, int x, int y, float low, float high) const
+  {
+    const Range columns = this->GetColumns(x);
+    const Range rows = this->GetRows(y);
+    float nearest = 1.0f;
+    for (int py = rows.First; py <= rows.Last; ++py)
     {
-      for (int px = low.x; px <= high.x; ++px)
+      for (int px = columns.First; px <= columns.Last; ++px)
       {
-        work(all[static_cast<std::size_t>(py) * this->Pixels.x + px]);
+        const float depth = all[static_cast<std::size_t>(py) * this->Pixels.x + px];
+        nearest = depth > low && depth < high ? std::min(nearest, depth) : nearest;
       }
     }
+    return nearest;
   }
 
 private:
+  Range GetRange(int ray, int lastPixel) const
+  {
+    const double center = (ray + 0.5) * this->Step;
+    Range range;
+    range.First =
+      std::clamp(static_cast<int>(std::floor(center - this->Reach + 0.5)), 0, lastPixel);
+    range.Last = std::clamp(
+      static_cast<int>(std::ceil(center + this->Reach - 0.5)) - 1, range.First, lastPixel);
+    return range;
+  }
+
   glm::ivec2 Pixels;
   double Step;
   double Reach;
@@ -282,23 +303,40 @@ bool vtkFFDFrameCaster::Cast(
 
 //------------------------------------------------------------------------------
 /// The depths where rays end: at the farthest geometry of their pixels. Thin geometry would end
-/// those of the pixels beside it, too.
+/// those of the pixels beside it, too. The nearest are for CastLayers().
 const float* vtkFFDFrameCaster::FindRayDepths(
   const vtkFFDImageRegion& region, const glm::ivec2& pixels)
 {
   const std::size_t columns = static_cast<std::size_t>(region.Rays.x);
   this->RayDepths.resize(columns * static_cast<std::size_t>(region.Rays.y));
+  this->NearestDepths.resize(this->RayDepths.size());
   const Footprints footprints(region, pixels);
+  const std::size_t width = static_cast<std::size_t>(pixels.x);
   this->MakeParallelFor()(
     static_cast<std::size_t>(region.Rays.y), [&](std::size_t first, std::size_t last) {
+      std::vector<float> farthest(width); // of the rows of pixels of a row of rays
+      std::vector<float> nearest(width);
       for (std::size_t y = first; y < last; ++y)
       {
+        const Footprints::Range rows = footprints.GetRows(static_cast<int>(y));
+        std::fill(farthest.begin(), farthest.end(), 0.0f);
+        std::fill(nearest.begin(), nearest.end(), 1.0f);
+        for (int py = rows.First; py <= rows.Last; ++py)
+        {
+          const float* depths = &this->WindowDepths[static_cast<std::size_t>(py) * width];
+          for (std::size_t px = 0; px < width; ++px)
+          {
+            farthest[px] = std::max(farthest[px], depths[px]);
+            nearest[px] = std::min(nearest[px], depths[px]);
+          }
+        }
         for (std::size_t x = 0; x < columns; ++x)
         {
-          float farthest = 0.0f;
-          footprints.ForEach(this->WindowDepths, static_cast<int>(x), static_cast<int>(y),
-            [&farthest](float depth) { farthest = std::max(farthest, depth); });
-          this->RayDepths[y * columns + x] = farthest;
+          const Footprints::Range range = footprints.GetColumns(static_cast<int>(x));
+          this->RayDepths[y * columns + x] =
+            *std::max_element(&farthest[range.First], &farthest[range.Last] + 1);
+          this->NearestDepths[y * columns + x] =
+            *std::min_element(&nearest[range.First], &nearest[range.Last] + 1);
         }
       }
     });
@@ -326,22 +364,27 @@ vtkFFDImageDisplay::Layers vtkFFDFrameCaster::CastLayers(const View& view, const
   this->LayerDepths.assign(3 * count, -1.0f);
   std::atomic<bool> any{ false };
   parallelFor(static_cast<std::size_t>(rays.y), [&](std::size_t firstRow, std::size_t lastRow) {
+    bool hasLayers = false;
     for (int y = static_cast<int>(firstRow); y < static_cast<int>(lastRow); ++y)
     {
       for (int x = 0; x < rays.x; ++x)
       {
         const std::size_t at = static_cast<std::size_t>(y) * rays.x + x;
-        float nearest = 1.0f;
-        const auto find = [&](float low, float high) {
-          nearest = 1.0f;
-          footprints.ForEach(this->WindowDepths, x, y, [&](float depth) {
-            nearest = depth > low && depth < high ? std::min(nearest, depth) : nearest;
-          });
-        };
-        find(-1.0f, this->RayDepths[at]);
-        if (nearest == 1.0f)
+        // Most rays have no geometry before their ends, or nothing that it could hide.
+        if (!(this->NearestDepths[at] < this->RayDepths[at]) || this->Colors[4 * at + 3] == 0.0f)
         {
           continue;
+        }
+        float* const layers = &this->LayerDepths[3 * at];
+        if (startsAtSample)
+        {
+          const float start = this->FirstVisible[at];
+          hasLayers = true;
+          std::fill_n(layers, 3, start);
+          if (footprints.FindNearest(this->WindowDepths, x, y, start, this->RayDepths[at]) == 1.0f)
+          {
+            continue;
+          }
         }
         const glm::dvec2 p(x + 0.5, y + 0.5);
         const ffd::CameraView& camera = scene.Camera;
@@ -360,16 +403,20 @@ vtkFFDImageDisplay::Layers vtkFFDFrameCaster::CastLayers(const View& view, const
         };
         const float start = startsAtSample ? this->FirstVisible[at] : toDepth(from);
         to = std::min(to, toT(this->RayDepths[at]));
-        float* depths = &this->LayerDepths[3 * at];
-        std::fill_n(depths, 3, start);
-        find(toDepth(toT(start) + scene.VoxelSize), toDepth(to - scene.VoxelSize));
+        std::fill_n(layers, 3, start);
+        const float nearest = footprints.FindNearest(this->WindowDepths, x, y,
+          toDepth(toT(start) + scene.VoxelSize), toDepth(to - scene.VoxelSize));
         if (nearest < 1.0f)
         {
-          this->NearDepths[at] = depths[1] = nearest;
-          depths[2] = toDepth(to);
+          this->NearDepths[at] = layers[1] = nearest;
+          layers[2] = toDepth(to);
         }
-        any = true;
+        hasLayers = true;
       }
+    }
+    if (hasLayers)
+    {
+      any = true;
     }
   });
   if (!any)
@@ -486,6 +533,7 @@ void vtkFFDFrameCaster::ReleaseImages()
   std::vector<float>().swap(this->Colors);
   std::vector<float>().swap(this->WindowDepths);
   std::vector<float>().swap(this->RayDepths);
+  std::vector<float>().swap(this->NearestDepths);
   std::vector<float>().swap(this->FirstVisible);
   std::vector<float>().swap(this->NearDepths);
   std::vector<float>().swap(this->LayerDepths);

@@ -93,10 +93,11 @@ private:
   std::vector<float> Colors;
   double FinalWindow = 1.0; // of the frame in progress
   double FinalLevel = 0.5;
-  std::vector<float> WindowDepths; // of the pixels of the last frame
-  std::vector<float> RayDepths;    // of its rays, where these are not the pixels
-  std::vector<float> FirstVisible; // depths of their samples; empty where not needed
-  std::vector<float> NearDepths;   // of rays that end before them; 0 where there is none
+  std::vector<float> WindowDepths;  // of the pixels of the last frame
+  std::vector<float> RayDepths;     // of its rays, where these are not the pixels: the farthest
+  std::vector<float> NearestDepths; // and the nearest of their pixels
+  std::vector<float> FirstVisible;  // depths of their samples; empty where not needed
+  std::vector<float> NearDepths;    // of rays that end before them; 0 where there is none
   std::vector<float> NearColors;
   std::vector<float> LayerDepths; // see vtkFFDImageDisplay::Layers
   vtkFFDFrameCoherence Coherence;

@@ -423,6 +423,11 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   cast.HasTimeEstimate = in.Plan.HasTimeEstimate();
   cast.SettingsTime = this->GetSettingsTime();
   const bool done = in.Caster.Cast(frame, cast, depths, visibleDepths);
+  vtkFFDImageDisplay::Layers layers;
+  if (done && depths && region.Step > 1.0 && in.FindSceneTime(volume) == sceneTime)
+  {
+    layers = in.Caster.CastLayers(cast, pixels);
+  }
   timer->StopTimer();
   if (!done && !(shown && in.Last.IsSameAs(view)))
   {
@@ -465,11 +470,6 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   // After an abort the last picture: the window may be read before the next frame is there.
   const std::vector<float>& colors = done ? in.Caster.GetColors() : in.LastColors;
   region = done ? region : in.Last.Region;
-  vtkFFDImageDisplay::Layers layers;
-  if (done && depths && region.Step > 1.0 && in.FindSceneTime(volume) == sceneTime)
-  {
-    layers = in.Caster.CastLayers(cast, pixels);
-  }
 
   const glm::dvec2 perPixel = 2.0 / glm::dvec2(region.Viewport);
   const glm::dvec2 lower = glm::dvec2(region.Origin) * perPixel - 1.0;
