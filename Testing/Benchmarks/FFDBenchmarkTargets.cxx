@@ -526,10 +526,12 @@ std::vector<Target> FindTargets(const std::vector<std::unique_ptr<Group>>& group
     }
     else if (name == "WidgetDrag/opaque")
     {
-      targets.push_back({ name + " without frame coherence / undeformed frame",
-        group.GetRatio("whole", "undeformed"), DragByUndeformed });
-      targets.push_back({ name + " with frame coherence / undeformed frame",
-        group.GetRatio("full", "undeformed"), NoNumber });
+      targets.push_back({ name + " without frame coherence / undeformed, same lattice",
+        group.GetRatio("whole", "undeformed_drag"), DragByUndeformed });
+      targets.push_back({ name + " with frame coherence / undeformed, same lattice",
+        group.GetRatio("full", "undeformed_drag"), NoNumber });
+      targets.push_back({ name + " without frame coherence / undeformed, no lattice",
+        group.GetRatio("whole", "undeformed"), NoNumber });
     }
   }
   return targets;

@@ -147,11 +147,17 @@ public:
     this->Window->WaitForCompletion();
   }
 
-  /// The volume at rest, drawn again: what is left if the deformation costs nothing.
-  void DrawUndeformed()
+  /// From now on the lattice deforms nothing.
+  void RemoveDeformation()
   {
     this->Mapper->SetDeformation(nullptr);
     this->Renderer->ResetCameraClippingRange();
+  }
+
+  /// The volume at rest, drawn again: what is left if neither the deformation nor the widget costs
+  /// anything.
+  void DrawUndeformed()
+  {
     this->Window->Render();
     this->Window->WaitForCompletion();
   }
@@ -186,12 +192,17 @@ std::shared_ptr<void> PrepareWidget(
   for (Row& row : group.GetRows())
   {
     const bool undeformed = row.Name == "undeformed";
+    const bool undeformedDrag = row.Name == "undeformed_drag";
     const bool widget = row.Name != "without_widget" && !undeformed;
     const int lines = row.Name == "curved" ? vtkFFDLatticeRepresentation::CURVED
                                            : vtkFFDLatticeRepresentation::STRAIGHT;
     windows->push_back(std::make_unique<DragWindow>(image, opacity, image ? 8 : 20,
-      row.Name == "interactive", row.Name != "whole", widget, lines));
+      row.Name == "interactive", row.Name != "whole" && !undeformedDrag, widget, lines));
     DragWindow* window = windows->back().get();
+    if (undeformed || undeformedDrag)
+    {
+      window->RemoveDeformation();
+    }
     if (widget && !window->IsDragging())
     {
       row.Refusal = "the mouse did not take hold of the control point";
@@ -241,7 +252,7 @@ void AddWidgetGroups(const Options& options, std::vector<std::unique_ptr<Group>>
     add(std::make_unique<Group>(std::string("WidgetDrag/") + GetName(opacity),
           [folder, opacity](
             Group& group) { return PrepareWidget(group, ReadVolume(folder, "engine"), opacity); }),
-      { "full", "whole", "interactive", "without_widget", "undeformed" });
+      { "full", "whole", "interactive", "undeformed_drag", "without_widget", "undeformed" });
   }
   add(std::make_unique<Group>("WidgetDrag/lattice20",
         [](Group& group) { return PrepareWidget(group, nullptr, Opacity::Opaque); }),
