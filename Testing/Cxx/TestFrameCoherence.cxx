@@ -25,7 +25,7 @@ constexpr int OtherTiles = 3;
 /// A scene that moves, with a lattice of many control points.
 struct MovingScene : FFDTestScene
 {
-  explicit MovingScene(bool coherent)
+  explicit MovingScene(bool coherent, int size = Size)
   {
     this->Lattice->SetDimensions(9, 9, 9);
     this->Lattice->FitToBounds(this->Image->GetBounds(), 0.0);
@@ -34,7 +34,7 @@ struct MovingScene : FFDTestScene
     this->Mapper->AutoAdjustSampleDistancesOff();
     this->Mapper->SetFrameCoherence(coherent);
     this->ConeActor->VisibilityOff();
-    this->Show(Size);
+    this->Show(size);
     this->Window->SetDesiredUpdateRate(1000.0);
   }
 
@@ -68,8 +68,16 @@ Difference Compare(const std::vector<unsigned char>& a, const std::vector<unsign
 class Pair
 {
 public:
-  MovingScene Coherent{ true };
-  MovingScene Whole{ false };
+  explicit Pair(int size = Size)
+    : Coherent(true, size)
+    , Whole(false, size)
+    , Side(size)
+  {
+  }
+
+  MovingScene Coherent;
+  MovingScene Whole;
+  const int Side;
 
   void Do(const std::function<void(MovingScene&)>& action)
   {
@@ -80,8 +88,8 @@ public:
   /// The next frame of both; what was reused.
   double Next(Difference& difference)
   {
-    const std::vector<unsigned char> coherent = this->Coherent.Show(Size);
-    const std::vector<unsigned char> whole = this->Whole.Show(Size);
+    const std::vector<unsigned char> coherent = this->Coherent.Show(this->Side);
+    const std::vector<unsigned char> whole = this->Whole.Show(this->Side);
     difference = Compare(coherent, whole);
     if (this->Whole.Mapper->GetReusedFraction() != 0.0)
     {
@@ -195,6 +203,17 @@ bool TestDrags()
       s.Move(frame % 2 ? 8 : 0, 4, 4, frame % 2 ? by : -by, 0.0, 0.0);
       s.Move(4, 8, 4, 0.0, by, 0.0);
     });
+  }
+  {
+    // The lower left corner of the picture, at (75, 67) first, moves to (61, 52) and back, and so
+    // by a group of tiles to the left and by one down.
+    Pair pair(480);
+    pair.Do([](MovingScene& s) { s.Renderer->GetActiveCamera()->Zoom(0.79); });
+    ok &=
+      Drag("growing by groups of tiles", pair, 0.02, 0.4, 6, 0.05, [](MovingScene& s, int frame) {
+        const double by = frame % 4 < 2 ? -2.0 : 2.0;
+        s.Move(1, 1, 4, by, by, 0.0);
+      });
   }
   {
     // Something opaque moves through the volume.

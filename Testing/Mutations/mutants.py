@@ -309,6 +309,12 @@ MUTANTS = (
         "return (ad * glm::dot(line.Direction, between) + glm::dot(axis, between)) / sine2;",
         kernels("DragGeometry") + cxx("LatticeWidget")),
     Mutant(
+        "frame coherence: the picture moves by half as many tiles",
+        "term",
+        "shift = moved / tile;",
+        "shift = moved / (2 * tile);",
+        cxx("FrameCoherence")),
+    Mutant(
         "editor: changes are not divided by the displacement scale",
         "term",
         "changes[solution.Nodes[n]] = solution.Changes[n] / scale;",
