@@ -392,7 +392,7 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
     // A depth buffer without opaque geometry stops no ray.
     if (read && std::any_of(all.begin(), all.end(), [](float depth) { return depth < 1.0f; }))
     {
-      depths = region.Rays != pixels ? in.Caster.FindRayDepths(region, pixels) : all.data();
+      depths = region.Step != 1.0 ? in.Caster.FindRayDepths(region, pixels) : all.data();
     }
   }
 

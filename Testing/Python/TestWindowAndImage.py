@@ -9,9 +9,11 @@ import unittest
 import numpy
 import vtkffd
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+from vtkmodules.vtkFiltersSources import vtkCubeSource
 from vtkmodules.vtkRenderingCore import (
-    vtkColorTransferFunction, vtkRenderer, vtkRenderWindow, vtkVolume, vtkWindowToImageFilter)
+    vtkActor, vtkColorTransferFunction, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow, vtkVolume, vtkWindowToImageFilter)
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
 
 SIZE = 30
@@ -95,6 +97,33 @@ class TestWindowAndImage(unittest.TestCase):
         self.make_scene(3)
         self.mapper.ReferenceKernelsOn()
         self.assertEqual(self.count_differences(), 0)
+
+    def test_few_pixels(self):
+        """Windows of a few pixels, with rays that are farther or less far apart than these, and geometry."""
+        self.make_scene(4)
+        self.renderer.GetActiveCamera().SetWindowCenter(0.0, 0.0)
+        cube = vtkCubeSource()
+        cube.SetBounds(12.0, 18.0, 12.0, 18.0, 12.0, 18.0)
+        mapper = vtkPolyDataMapper()
+        mapper.SetInputConnection(cube.GetOutputPort())
+        actor = vtkActor()
+        actor.SetMapper(mapper)
+        self.renderer.AddActor(actor)
+        for width, height in ((1, 1), (2, 2), (1, 5), (3, 3)):
+            for distance in (0.3, 1.0, 1.5, 2.0, 100.0):
+                with self.subTest(size=(width, height), distance=distance):
+                    window = vtkRenderWindow()
+                    window.SetMultiSamples(0)
+                    window.OffScreenRenderingOn()
+                    window.SetSize(width, height)
+                    window.AddRenderer(self.renderer)
+                    self.mapper.SetImageSampleDistance(distance)
+                    window.Render()
+                    pixels = vtkUnsignedCharArray()
+                    window.GetPixelData(0, 0, width - 1, height - 1, 0, pixels, 0)
+                    if distance <= 2.0:  # else the only ray may lie outside of the window
+                        self.assertGreater(vtk_to_numpy(pixels).max(), 50)
+                    window.RemoveRenderer(self.renderer)
 
 
 if __name__ == "__main__":
