@@ -233,6 +233,41 @@ class TestWidget(unittest.TestCase):
                         self.send("CharEvent", x, y, key, control)
                     self.widget.Off()
 
+    def test_another_lattice_in_a_drag(self):
+        """An observer that gives the lattice, or another one, more points or fewer ends the drag."""
+        def resize(size):
+            self.rep.GetLattice().SetDimensions(size, size, size)
+
+        def replace(size):
+            lattice = vtkffd.vtkFFDLattice()
+            lattice.SetDimensions(size, size, size)
+            lattice.SetDomain(0, 10, 0, 10, 0, 10)
+            self.rep.SetLattice(lattice)
+
+        self.rep.AddObserver("StartPickEvent", lambda *_: self.rep.SetSurfacePoint(5, 5, 10))
+        for mode, change, size in itertools.product(
+                (REP.CONTROL_POINTS, REP.VOLUME), (resize, replace), (4, 9)):
+            with self.subTest(mode=mode, change=change.__name__, size=size):
+                self.rep.SetManipulationMode(mode)
+                replace(6)
+                self.lattice = self.rep.GetLattice()
+                self.window.Render()
+                x, y = self.display(3, 3, 4) if mode == REP.CONTROL_POINTS else (150, 150)
+                self.send("MouseMoveEvent", x, y)
+                self.send("LeftButtonPressEvent", x, y)
+                self.assertEqual(self.widget.IsInteracting(), 1)
+
+                def on_modified(rep, _event):
+                    rep.RemoveObserver(observer)
+                    change(size)
+                observer = self.rep.AddObserver("ModifiedEvent", on_modified)
+                self.send("MouseMoveEvent", x + 20, y)
+                self.send("MouseMoveEvent", x + 30, y)
+                self.send("LeftButtonReleaseEvent", x + 30, y)
+                self.assertEqual(self.rep.GetLattice().GetDimensions(), (size,) * 3)
+                self.assertTrue(self.rep.GetLattice().IsIdentity())
+                self.assertEqual(self.widget.IsInteracting(), 0)
+
 
 if __name__ == "__main__":
     unittest.main()
