@@ -44,7 +44,7 @@ if [ "${1:-}" = --paraview ]; then
   packages+=(paraview paraview-dev libxi-dev openmpi-bin)
   case "$system" in
     "debian 12") # ParaView 5.11
-      packages+=(qtbase5-dev qttools5-dev libqt5svg5-dev libqt5opengl5-dev qtxmlpatterns5-dev-tools) ;;
+      packages+=(qtbase5-dev qttools5-dev libqt5svg5-dev libqt5opengl5-dev) ;;
     "debian 13") packages+=(qt6-base-dev qt6-tools-dev qt6-svg-dev qt6-svg-plugins qt6-5compat-dev) ;; # 5.13
     *) packages+=(qt6-base-dev qt6-tools-dev qt6-svg-dev qt6-5compat-dev) ;;
   esac
