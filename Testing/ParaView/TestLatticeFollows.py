@@ -8,6 +8,7 @@ import unittest
 
 import numpy as np
 from paraview import simple
+from paraview.modules.vtkRemotingViews import vtkSMParaViewPipelineControllerWithRendering
 
 import ffdparaview as ffd
 from vtkmodules.vtkCommonCore import vtkCollection
@@ -282,6 +283,15 @@ class TestLatticeFollows(unittest.TestCase):
                 fetched.GetPointData().GetArray("RTData")))
         self.assertGreater(np.abs(values - undeformed)[inside].mean(), 10.0)
         self.assertFalse(got.GetFieldData().HasArray("FFDLattice.Displacement"))
+
+    def test_views_of_probes(self):
+        """ParaView opens a chart for Plot Over Line, and a table for Probe Location, as without the plugin."""
+        data = self.moved_lattice()
+        for probe, kind in ((simple.PlotOverLine(Input=data), "XYChartView"),
+                            (simple.ProbeLocation(Input=data), "SpreadSheetView")):
+            probe.UpdatePipeline()
+            controller = vtkSMParaViewPipelineControllerWithRendering()
+            self.assertEqual(controller.GetPreferredViewType(probe.SMProxy, 0), kind)
 
     def test_probes_of_blocks(self):
         """With a lattice per block each place has the value of the block that is seen there."""
