@@ -21,7 +21,9 @@ def is_dicom(path):
         return file.read(132)[128:] == b"DICM"
 
 
-if is_dicom(name):
+# A server may lack the plugin, which says so itself: the volume is shown as it is.
+plugin = hasattr(simple, "FFDLattice")
+if plugin and is_dicom(name):
     volume = simple.FFDVolumeReader(FileNames=[name])
 else:
     volume = simple.OpenDataFile(name)
@@ -29,8 +31,8 @@ if volume is None:
     raise SystemExit("ParaView has no reader for '%s'." % name)
 simple.RenameSource(os.path.basename(name), volume)
 view = simple.GetActiveViewOrCreate("RenderView")
-lattice = simple.FFDLattice(registrationName="FFD Lattice", Input=volume)
-simple.Show(lattice, view)
-simple.SetActiveSource(lattice)
+shown = simple.FFDLattice(registrationName="FFD Lattice", Input=volume) if plugin else volume
+simple.Show(shown, view)
+simple.SetActiveSource(shown)
 simple.ResetCamera(view)
 simple.Render(view)

@@ -45,6 +45,16 @@ simple.Render(view)
 """
 
 
+OPEN = """
+import sys
+from paraview import simple
+simple.Connect("localhost", int(sys.argv[1]))
+with open(sys.argv[2]) as file:
+    exec(file.read())
+print("SHOWN", sorted(name for name, number in simple.GetSources()))
+"""
+
+
 def without_modules():
     """The environment of a user, who knows nothing of the folders of the build."""
     return {name: value for name, value in os.environ.items()
@@ -106,7 +116,7 @@ class TestStart(unittest.TestCase):
                    "--test-baseline=" + os.path.join(BASELINE, "ParaView.TestStart.png"),
                    "--test-threshold=10", "--exit")
 
-    def connect(self, server, *load):
+    def connect(self, server, *arguments, script=CLIENT, **environment):
         """A client of a server, which is stopped at the end; returns the client's output."""
         with socket.socket() as free:
             free.bind(("localhost", 0))
@@ -118,7 +128,7 @@ class TestStart(unittest.TestCase):
                 for line in process.stdout:
                     if "Accepting" in line:
                         break
-                return self.start("pvpython", self.script(CLIENT), str(port), *load)
+                return self.start("pvpython", self.script(script), str(port), *arguments, **environment)
             finally:
                 ffdprocess.stop(process)
 
@@ -164,6 +174,15 @@ class TestStart(unittest.TestCase):
     def test_client_and_server(self):
         """Client and server that have the plugin from their start: there is nothing to load."""
         self.assertIn("SHOWN 'FFD Volume'", self.connect([START, "pvserver"]))
+
+    def test_volume_on_server(self):
+        """paraview.sh opens the volume on a server, too; without a lattice if that has no plugin."""
+        for server, shown in (([START, "pvserver"], "SHOWN ['FFD Lattice', 'nucleon.vti']"),
+                              (["pvserver"], "SHOWN ['nucleon.vti']")):
+            text = self.connect(
+                server, os.path.join(SOURCE, "Examples", "Python", "paraview_volume.py"), script=OPEN,
+                FFD_PARAVIEW_VOLUME=os.path.join(DATA, "nucleon.vti"))
+            self.assertIn(shown, text)
 
     def test_server_without_plugin(self):
         """The client loads the plugin there."""
