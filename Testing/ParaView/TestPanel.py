@@ -140,6 +140,29 @@ class TestPanel(unittest.TestCase):
         for height, expected in zip(heights, (0.5, 1.0, 0.5, 1.0)):
             self.assertAlmostEqual(height, 17.7 * expected, delta=1.0, msg=heights)
 
+    def test_undo_during_drag(self):
+        """Control and Z do nothing while the mouse button is down; after it they take back a drag."""
+        events = Events()
+        undo = "6:%d:%d:z:0:1" % (ord("Z"), 0x04000000)
+        events.drag((0.5, 0.5), (0.6, 0.3))
+        events.add(VIEW, "mousePress", "(0.6,0.3,1,1,0)")
+        events.add(VIEW, "mouseMove", "(0.55,0.4,0,1,0)")
+        events.add(VIEW, "keyEvent", undo)
+        events.wait()
+        events.add(VIEW, "mouseRelease", "(0.55,0.4,1,0,0)")
+        events.wait()
+        events.click(PROPERTIES + "Accept")
+        events.drag((0.55, 0.4), (0.6, 0.3))
+        events.add(VIEW, "keyEvent", undo)
+        events.wait()
+        events.drag((0.55, 0.4), (0.6, 0.3))
+        events.click(PROPERTIES + "Accept")
+        states, _ = events.play("during", auto_apply=False)
+        heights = [state["displacements"][3 * MIDDLE + 2] for state in states]
+        self.assertEqual(len(heights), 2, heights)
+        for height, expected in zip(heights, (0.5, 1.0)):
+            self.assertAlmostEqual(height, 17.7 * expected, delta=1.0, msg=heights)
+
     def test_search(self):
         """What is typed into the search box of the panel finds the lattice's controls by their names, and
         opens the part where they are until it is something else; tooltips are those of the controls."""

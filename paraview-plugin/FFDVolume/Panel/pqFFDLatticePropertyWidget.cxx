@@ -501,7 +501,8 @@ void pqFFDLatticePropertyWidget::forgetSteps()
 //-----------------------------------------------------------------------------
 /**
  * ParaView's undo knows nothing of what is not applied yet, and would take back what was applied
- * before it: the keys for undo and redo are for those edits as long as there are any.
+ * before it: the keys for undo and redo are for those edits as long as there are any, and do
+ * nothing in the middle of a drag.
  */
 bool pqFFDLatticePropertyWidget::eventFilter(QObject* watched, QEvent* event)
 {
@@ -514,10 +515,11 @@ bool pqFFDLatticePropertyWidget::eventFilter(QObject* watched, QEvent* event)
     const auto& steps = back ? this->Internals->UndoSteps : this->Internals->RedoSteps;
     auto* line = qobject_cast<QLineEdit*>(QApplication::focusWidget());
     const bool ofText = line && (back ? line->isUndoAvailable() : line->isRedoAvailable());
-    if ((back || forth) && !steps.empty() && !ofText)
+    const bool dragging = this->Internals->Interacting;
+    if ((back || forth) && (dragging || !steps.empty()) && !ofText)
     {
       event->accept();
-      if (!asked)
+      if (!asked && !dragging)
       {
         this->stepEdits(back);
       }
