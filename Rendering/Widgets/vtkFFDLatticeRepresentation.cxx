@@ -568,11 +568,6 @@ void vtkFFDLatticeRepresentation::WidgetInteraction(double position[2])
     return;
   }
   in.Load();
-  // An observer of Modified() may have given another lattice, or ended the drag.
-  if (!this->IsInteracting() || !in.Editor.IsEditing())
-  {
-    return;
-  }
   if (this->InteractionState == MovingHandle)
   {
     in.DragHandle(before);

@@ -225,6 +225,29 @@ TEST(LatticeEditor, StepsOfAnEditDoNotAddUp)
   EXPECT_EQ(editor.GetHistory().GetNumberOfUndos(), 1u);
 }
 
+TEST(LatticeEditor, AnotherLatticeEndsTheEdit)
+{
+  for (int nodes : { 4, 9 })
+  {
+    LatticeEditor editor = MakeEditor();
+    Select(editor, 2, 2, 2);
+    EXPECT_TRUE(editor.Begin("Translate"));
+    editor.GrabPoints(editor.GetSelected(), editor.GetActive());
+    editor.TranslateGrabbed({ 1.0, 0.0, 0.0 });
+    EXPECT_TRUE(editor.SetLattice(MakeLattice(nodes)));
+    EXPECT_FALSE(editor.IsEditing());
+    const std::vector<glm::dvec3> values = editor.GetLattice().Net.Values;
+    editor.UpdateWeights();
+    editor.TranslateGrabbed({ 1.0, 0.0, 0.0 });
+    editor.RotateGrabbed(1.0, { 0.0, 0.0, 1.0 });
+    editor.ScaleGrabbed({ 2.0, 2.0, 2.0 });
+    EXPECT_EQ(editor.MoveMaterial({ 1.0, 1.0, 1.0 }, { 1.2, 1.0, 1.0 }), "no edit is open");
+    editor.Rollback();
+    EXPECT_FALSE(editor.Commit());
+    EXPECT_TRUE(editor.GetLattice().Net.Values == values);
+  }
+}
+
 TEST(LatticeEditor, MirroredEditsFollowTheActiveSide)
 {
   LatticeEditor editor = MakeEditor();

@@ -282,6 +282,10 @@ void LatticeEditor::ScaleGrabbed(const glm::dvec3& factor)
 //------------------------------------------------------------------------------
 void LatticeEditor::MoveGrabbed(const std::function<glm::dvec3(const glm::dvec3&)>& move)
 {
+  if (!this->EditIsOpen)
+  {
+    return;
+  }
   std::vector<glm::dvec3> changes(this->GetNumberOfPoints(), glm::dvec3(0.0));
   for (std::size_t p = 0; p < changes.size(); ++p)
   {
@@ -367,6 +371,10 @@ std::string LatticeEditor::FindMaterial(const glm::dvec3& deformed, glm::dvec3& 
 //------------------------------------------------------------------------------
 std::string LatticeEditor::MoveMaterial(const glm::dvec3& rest, const glm::dvec3& to)
 {
+  if (!this->EditIsOpen)
+  {
+    return "no edit is open";
+  }
   const double scale = this->Edited.Scale;
   if (!(std::abs(scale) > 0.0))
   {

@@ -109,7 +109,8 @@ public:
   bool GetSelectionCenter(glm::dvec3& center) const;
 
   //----------------------------------------------------------------------------
-  // An edit, step by step
+  // An edit, step by step: what moves points does nothing after the edit has ended, as it does when
+  // a lattice of other dimensions is set
 
   bool IsEditing() const { return this->EditIsOpen; }
   /// Returns false, and does nothing, while another edit is open.
