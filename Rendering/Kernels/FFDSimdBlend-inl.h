@@ -589,10 +589,7 @@ private:
   {
     FetchedSample<T> fetched;
     FetchSample(this->Scene.Volume, q, lanes, this->Border, fetched);
-    const Vec3 gradient = Gradient<T>(fetched.Voxels, fetched.At, fetched.Rows);
-    return HWY_LIKELY(hn::AllFalse(Df(), fetched.AtBorder))
-      ? gradient
-      : this->Border.Gradient(q, fetched.AtBorder, gradient, fetched.Voxels.IsRepeating());
+    return this->Samples.GradientOf(fetched.Voxels, fetched.At, fetched.Rows, q, fetched.AtBorder);
   }
 
   /// Hands a sample of each lane to the RayIntegrator of its ray.

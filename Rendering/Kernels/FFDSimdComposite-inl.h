@@ -277,6 +277,17 @@ public:
     return value;
   }
 
+  /// Gradients of samples at q, of which those of `border` lie at faces.
+  template <class Source>
+  HWY_INLINE Vec3 GradientOf(const Source& voxels, const SamplePosition& at,
+    const SampleRows<T>& rows, const Vec3& q, Mf border)
+  {
+    const Vec3 gradient = Gradient<T>(voxels, at, rows);
+    return HWY_LIKELY(hn::AllFalse(Df(), border))
+      ? gradient
+      : this->Border.Gradient(q, border, gradient, voxels.IsRepeating());
+  }
+
   /// Interpolates values at positions that move little: their voxels are fetched again only where
   /// they leave the cells that they are in.
   class CellValues
@@ -724,17 +735,6 @@ private:
     const bool rest = this->Scene.CropSpace == Cropping::Spaces::Rest;
     const Vec3 p = rest ? q : MulAdd(curve.TimeAt(begin), this->Rays.Direction, this->Rays.Origin);
     return hn::IfThenElse(IsUncropped(this->Scene, p), value, back);
-  }
-
-  /// Gradients of samples at q, of which those of `border` lie at faces.
-  template <class Source>
-  HWY_INLINE Vec3 GradientOf(const Source& voxels, const SamplePosition& at,
-    const SampleRows<T>& rows, const Vec3& q, Mf border)
-  {
-    const Vec3 gradient = Gradient<T>(voxels, at, rows);
-    return HWY_LIKELY(hn::AllFalse(Df(), border))
-      ? gradient
-      : this->Border.Gradient(q, border, gradient, voxels.IsRepeating());
   }
 
   /// Gradients whose factors are not known to be zero.
