@@ -83,7 +83,7 @@ class TestPacketLooks(unittest.TestCase):
         if nearest:
             prop.SetInterpolationTypeToNearest()
 
-    def picture(self, mapper, volume, reference):
+    def picture(self, mapper, volume, reference, depths=None):
         mapper.SetReferenceKernels(reference)
         renderer = vtkRenderer()
         renderer.AddVolume(volume)
@@ -93,7 +93,8 @@ class TestPacketLooks(unittest.TestCase):
         camera.SetViewAngle(26.0)
         renderer.ResetCameraClippingRange()
         image = vtkImageData()
-        self.assertEqual(mapper.RenderToImage(renderer, volume, PIXELS, PIXELS, image), 1)
+        self.assertEqual(
+            mapper.RenderToImage(renderer, volume, PIXELS, PIXELS, image, depths or vtkImageData()), 1)
         return vtk_to_numpy(image.GetPointData().GetScalars()).astype(float)
 
     def compare(self, mapper, volume, what, mean=0.15, tail=3.0):
@@ -244,6 +245,38 @@ class TestPacketLooks(unittest.TestCase):
                 many = mapper.GetStatistics().GetSamplesPerRay()
                 self.assertLess(numpy.abs(fast - every).max(), 1.01)
                 self.assertLess(few, 0.7 * many)
+
+    def test_extremes_have_the_depths_where_rays_meet_them_first(self):
+        size = 60
+        z, y, x = numpy.mgrid[0:size, 0:size, 0:size] / (size - 1.0)
+        field = 0.5 * x * y
+        # Rays cross several of these balls, all of one value.
+        for center in ((0.7, 0.6, 0.8), (0.4, 0.4, 0.4), (0.2, 0.6, 0.2), (0.6, 0.3, 0.7)):
+            distance = sum((a - b) ** 2 for a, b in zip((x, y, z), center))
+            field[distance < 0.04] = 0.8
+        for kind, deformed, minimum in itertools.product(("u1", "f4"), (False, True), (False, True)):
+            with self.subTest(kind=kind, deformed=deformed, minimum=minimum):
+                scale, mapper, prop, volume = self.make(kind, deformed)
+                prop.ShadeOff()
+                image = vtkImageData()
+                image.SetDimensions(size, size, size)
+                image.SetSpacing(*(n / (size - 1.0) for n in SIZE))
+                values = scale * ((1.0 - field) if minimum else field)
+                image.GetPointData().SetScalars(
+                    numpy_to_vtk(values.astype(kind).ravel(), deep=True))
+                mapper.SetInputData(image)
+                mapper.SetSampleDistance(0.3)
+                prop.SetScalarOpacity(points((0.0, 0.5), (scale, 0.5)))
+                mapper.SetBlendMode(
+                    mapper.MINIMUM_INTENSITY_BLEND if minimum else mapper.MAXIMUM_INTENSITY_BLEND)
+                depths = []
+                for leaping in (mapper.LIPSCHITZ, mapper.OFF):
+                    mapper.SetSpaceLeaping(leaping)
+                    found = vtkImageData()
+                    self.picture(mapper, volume, False, found)
+                    depths.append(vtk_to_numpy(found.GetPointData().GetScalars()).copy())
+                self.assertGreater((depths[0] < 1.0).mean(), 0.1)
+                self.assertLess(numpy.abs(depths[0] - depths[1]).max(), 1e-6)
 
     def test_what_masks_hide_is_leaped_over(self):
         size = 70
