@@ -200,7 +200,7 @@ private:
   static constexpr int FaceSteps = 20;
   /// The search for a crossing ends when it is known to this part of an interval, or after so many
   /// steps.
-  static constexpr float CloseCrossing = 1e-4f;
+  static constexpr float CloseCrossing = 1e-2f;
   static constexpr int CrossingSteps = 40;
 
   /// The segment of one ray of the packet, as its RayIntegrator takes it.
@@ -535,7 +535,7 @@ private:
   }
 
   /// Finds s where the scalar is that of a surface, by the Illinois method: the secant rule in
-  /// which the value at an end that has not moved counts half.
+  /// which the value at an end that has not moved counts half. The last secant is the result.
   HWY_NOINLINE Vf FindCrossing(const PacketCurve& curve, const Crossing& crossing, Mf lanes)
   {
     const Df d;
@@ -543,6 +543,7 @@ private:
     const Vf half = Splat(0.5f);
     const Vf zero = hn::Zero(d);
     const Vf one = Splat(1.0f);
+    const Vf shortStep = Splat(0.5f * CloseCrossing);
     const Vf length = hn::Sub(interval.To, interval.From);
     const auto above = [&crossing](Vf value) {
       return hn::Add(hn::Sub(value, crossing.Value), crossing.Excess);
@@ -553,19 +554,22 @@ private:
     Vf a = zero;
     Vf b = hn::IfThenElse(hn::Eq(fa, zero), zero, one);
     Vf stayed = zero;
+    const auto findSecant = [&] {
+      return hn::Div(hn::Sub(hn::Mul(fa, b), hn::Mul(fb, a)), hn::Sub(fa, fb));
+    };
+    const auto isOpen = [&] {
+      return hn::And(lanes, hn::And(hn::Gt(hn::Sub(b, a), Splat(CloseCrossing)), hn::Ne(fb, zero)));
+    };
+    Mf open = isOpen();
+    Vf secant = findSecant();
+    Vf part = secant;
+    Mf wasShort = hn::FirstN(d, 0);
     const bool inner = crossing.Inner && this->Scene.Volume.SlicesInReach == 0;
     typename PacketCompositor<T>::CellValues cells(this->Scene.Volume);
-    for (int i = 0; i < CrossingSteps; ++i)
+    for (int i = 0; i < CrossingSteps && !hn::AllFalse(d, open); ++i)
     {
-      const Mf open = hn::And(
-        lanes, hn::And(hn::Gt(hn::Sub(b, a), Splat(CloseCrossing)), hn::Gt(hn::Abs(fb), zero)));
-      if (hn::AllFalse(d, open))
-      {
-        break;
-      }
-      const Vf secant = hn::Div(hn::Sub(hn::Mul(fa, b), hn::Mul(fb, a)), hn::Sub(fa, fb));
-      const Mf between = hn::And(hn::Gt(secant, a), hn::Lt(secant, b));
-      const Vf part = hn::IfThenElse(between, secant, hn::Mul(half, hn::Add(a, b)));
+      const Mf between = hn::And(hn::Gt(part, a), hn::Lt(part, b));
+      part = hn::IfThenElse(between, part, hn::Mul(half, hn::Add(a, b)));
       const Vec3 at = this->PositionAt(curve, hn::MulAdd(part, length, interval.From));
       const Vf f =
         above(HWY_LIKELY(inner) ? cells.Find(at, open) : this->ValuesAt(at, open, crossing.Inner));
@@ -577,11 +581,28 @@ private:
       fb = hn::IfThenElse(behind, f, fb);
       a = hn::IfThenElse(before, part, a);
       fa = hn::IfThenElse(before, f, fa);
-      fa = hn::IfThenElse(hn::And(behind, hn::Lt(stayed, zero)), hn::Mul(half, fa), fa);
-      fb = hn::IfThenElse(hn::And(before, hn::Gt(stayed, zero)), hn::Mul(half, fb), fb);
+      const Mf again = hn::And(behind, hn::Lt(stayed, zero));
+      const Mf againBefore = hn::And(before, hn::Gt(stayed, zero));
+      fa = hn::IfThenElse(again, hn::Mul(half, fa), fa);
+      fb = hn::IfThenElse(againBefore, hn::Mul(half, fb), fb);
       stayed = hn::IfThenElse(behind, Splat(-1.0f), hn::IfThenElse(before, one, stayed));
+      open = isOpen();
+      // A short step goes beyond the crossing, which closes the interval from the other side. Where
+      // it does not, as values jump or stay there, the next point is the middle.
+      secant = findSecant();
+      const Mf isShort = hn::Le(hn::Abs(hn::Sub(secant, part)), shortStep);
+      const Mf failed = hn::And(wasShort, hn::Or(again, againBefore));
+      const Vf beyond = hn::Add(secant, hn::CopySign(shortStep, stayed));
+      part = hn::IfThenElse(failed, zero, hn::IfThenElse(isShort, beyond, secant));
+      wasShort = hn::AndNot(failed, isShort);
     }
-    return hn::MulAdd(b, length, interval.From);
+    // Where values jump, the voxel behind the crossing is the one that is seen.
+    if (this->Scene.Volume.Nearest)
+    {
+      return hn::MulAdd(b, length, interval.From);
+    }
+    const Mf inside = hn::And(hn::Gt(secant, a), hn::Lt(secant, b));
+    return hn::MulAdd(hn::IfThenElse(inside, secant, b), length, interval.From);
   }
 
   /// Gradients as fetched (PacketVolume) at positions in the volume.
