@@ -92,6 +92,30 @@ class TestPointer(unittest.TestCase):
                             (found[7] > 116.7 and max(map(abs, found[4:7])) > 14.99), found)
         self.assertEqual(self.rest_on(BESIDE, "hover")[0], 0.0)
 
+    def test_status_bar(self):
+        """It tells what the pointer rests on, until the pointer leaves the view, and the window."""
+        self.start()
+        window = ffdinput.find_window("ParaView 5")
+        width, height = 1100, 900
+        ffdinput.resize(window, width, height)
+        time.sleep(2.0)
+
+        def wait_until(found):
+            end = time.monotonic() + 20.0
+            while not found(ffdinput.read_pixels(window, 0, height - 22, width // 4, 18)):
+                self.assertLess(time.monotonic(), end)
+                time.sleep(0.1)
+
+        self.rest_on(PLACES[0], "hover")
+        ffdinput.move(*BESIDE)
+        self.next("hover")
+        time.sleep(1.0)
+        empty = ffdinput.read_pixels(window, 0, height - 22, width // 4, 18)
+        self.rest_on(PLACES[0], "hover")
+        wait_until(lambda pixels: pixels != empty)
+        ffdinput.move(width + 100, height + 50)
+        wait_until(lambda pixels: pixels == empty)
+
     def test_blend_mode(self):
         """The place of the largest value, where the picture shows those."""
         self.start(blend="Maximum Intensity")

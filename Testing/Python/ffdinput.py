@@ -97,6 +97,25 @@ def focus(window):
     _x11.XSync(_server, 0)
 
 
+class _Image(ctypes.Structure):
+    """The first members of XImage."""
+    _fields_ = [(name, kind) for kind, names in (
+        (ctypes.c_int, ("width", "height", "xoffset", "format")), (ctypes.c_void_p, ("data",)),
+        (ctypes.c_int, ("byte_order", "unit", "bit_order", "pad", "depth", "bytes_per_line")))
+        for name in names]
+
+
+def read_pixels(window, x, y, width, height):
+    """The bytes of what a rectangle of a window shows, in X's layout."""
+    _x11.XGetImage.restype = ctypes.POINTER(_Image)
+    image = _x11.XGetImage(_server, ctypes.c_ulong(window), x, y, width, height,
+                           ctypes.c_ulong(0xffffffff), 2)
+    data = ctypes.string_at(image.contents.data, image.contents.bytes_per_line * height)
+    _x11.XFree(ctypes.c_void_p(image.contents.data))
+    _x11.XFree(image)
+    return data
+
+
 def press(button, down=True):
     _xtest.XTestFakeButtonEvent(_server, button, int(down), ctypes.c_ulong(0))
     _x11.XSync(_server, 0)

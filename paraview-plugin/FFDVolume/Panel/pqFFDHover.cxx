@@ -153,8 +153,14 @@ bool pqFFDHover::eventFilter(QObject* watched, QEvent* event)
     }
     case QEvent::MouseButtonPress:
     case QEvent::Wheel:
+      this->Resting->stop();
+      break;
     case QEvent::Leave:
       this->Resting->stop();
+      if (watched == this->Widget)
+      {
+        this->tell(QString());
+      }
       break;
     default:
       break;
@@ -180,14 +186,21 @@ void pqFFDHover::show()
       text = Describe(proxy, pixel);
     }
   }
-  auto* window = qobject_cast<QMainWindow*>(pqCoreUtilities::mainWidget());
   if (!text.isEmpty())
   {
     QToolTip::showText(widget->mapToGlobal(this->Place), text, widget);
   }
-  if (window && (this->Told || !text.isEmpty()))
+  this->tell(text.replace("\n", "; "));
+}
+
+//------------------------------------------------------------------------------
+void pqFFDHover::tell(const QString& text)
+{
+  auto* window = qobject_cast<QMainWindow*>(pqCoreUtilities::mainWidget());
+  QStatusBar* bar = window ? window->statusBar() : nullptr;
+  if (bar && (!text.isEmpty() || (!this->Told.isEmpty() && bar->currentMessage() == this->Told)))
   {
-    window->statusBar()->showMessage(QString(text).replace("\n", "; "));
-    this->Told = !text.isEmpty();
+    bar->showMessage(text);
   }
+  this->Told = text;
 }

@@ -6,6 +6,7 @@
 #include <QObject>
 #include <QPoint>
 #include <QPointer>
+#include <QString>
 
 class QTimer;
 class QWidget;
@@ -14,7 +15,7 @@ class QWidget;
  * Tells what the pointer rests on, where that is FFD Volume: the value that is seen first, its
  * place in the scene, and its place at rest, in a tooltip and in the status bar. The volume is
  * asked, on the server if it is there, once the pointer has not moved for a while and no button is
- * held.
+ * held. The status bar is cleared when the pointer rests beside it, or leaves the view.
  */
 class pqFFDHover : public QObject
 {
@@ -36,10 +37,13 @@ private Q_SLOTS:
 private:
   Q_DISABLE_COPY(pqFFDHover)
 
+  /// Put a text into the status bar; an empty one takes away what this class has put there.
+  void tell(const QString& text);
+
   QTimer* Resting;
   QPointer<QWidget> Widget; // that the pointer is in
   QPoint Place;             // there
-  bool Told = false;        // the status bar has a message of this class
+  QString Told;             // what this class has put into the status bar
 };
 
 #endif
