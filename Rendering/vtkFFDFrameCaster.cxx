@@ -312,6 +312,11 @@ const float* vtkFFDFrameCaster::FindRayDepths(
   this->NearestDepths.resize(this->RayDepths.size());
   const Footprints footprints(region, pixels);
   const std::size_t width = static_cast<std::size_t>(pixels.x);
+  std::vector<Footprints::Range> pixelColumns(columns); // of the rays of each row
+  for (std::size_t x = 0; x < columns; ++x)
+  {
+    pixelColumns[x] = footprints.GetColumns(static_cast<int>(x));
+  }
   this->MakeParallelFor()(
     static_cast<std::size_t>(region.Rays.y), [&](std::size_t first, std::size_t last) {
       std::vector<float> farthest(width); // of the rows of pixels of a row of rays
@@ -332,7 +337,7 @@ const float* vtkFFDFrameCaster::FindRayDepths(
         }
         for (std::size_t x = 0; x < columns; ++x)
         {
-          const Footprints::Range range = footprints.GetColumns(static_cast<int>(x));
+          const Footprints::Range& range = pixelColumns[x];
           this->RayDepths[y * columns + x] =
             *std::max_element(&farthest[range.First], &farthest[range.Last] + 1);
           this->NearestDepths[y * columns + x] =

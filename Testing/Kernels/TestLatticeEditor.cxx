@@ -241,6 +241,7 @@ TEST(LatticeEditor, AnotherLatticeEndsTheEdit)
     editor.TranslateGrabbed({ 1.0, 0.0, 0.0 });
     editor.RotateGrabbed(1.0, { 0.0, 0.0, 1.0 });
     editor.ScaleGrabbed({ 2.0, 2.0, 2.0 });
+    editor.ResetPoints(PointSet(editor.GetNumberOfPoints(), 1));
     EXPECT_EQ(editor.MoveMaterial({ 1.0, 1.0, 1.0 }, { 1.2, 1.0, 1.0 }), "no edit is open");
     editor.Rollback();
     EXPECT_FALSE(editor.Commit());

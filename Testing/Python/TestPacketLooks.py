@@ -93,8 +93,7 @@ class TestPacketLooks(unittest.TestCase):
         camera.SetViewAngle(26.0)
         renderer.ResetCameraClippingRange()
         image = vtkImageData()
-        self.assertEqual(
-            mapper.RenderToImage(renderer, volume, PIXELS, PIXELS, image, depths or vtkImageData()), 1)
+        self.assertEqual(mapper.RenderToImage(renderer, volume, PIXELS, PIXELS, image, depths), 1)
         return vtk_to_numpy(image.GetPointData().GetScalars()).astype(float)
 
     def compare(self, mapper, volume, what, mean=0.15, tail=3.0):
@@ -211,6 +210,22 @@ class TestPacketLooks(unittest.TestCase):
             prop.GetIsoSurfaceValues().SetValue(0, 0.4)
             self.compare(mapper, volume, "plateaus", 0.02, 1.5)
 
+    def make_extremes(self, field, kind, deformed, minimum):
+        """A cube of scalars from 0 to 1, of which rays show the extremes."""
+        scale, mapper, prop, volume = self.make(kind, deformed)
+        prop.ShadeOff()
+        size = len(field)
+        image = vtkImageData()
+        image.SetDimensions(size, size, size)
+        image.SetSpacing(*(n / (size - 1.0) for n in SIZE))
+        values = scale * ((1.0 - field) if minimum else field)
+        image.GetPointData().SetScalars(numpy_to_vtk(values.astype(kind).ravel(), deep=True))
+        mapper.SetInputData(image)
+        mapper.SetSampleDistance(0.3)
+        mapper.SetBlendMode(
+            mapper.MINIMUM_INTENSITY_BLEND if minimum else mapper.MAXIMUM_INTENSITY_BLEND)
+        return scale, mapper, prop, volume
+
     def test_extremes_leave_out_what_cannot_change_them(self):
         size = 90
         z, y, x = numpy.mgrid[0:size, 0:size, 0:size] / (size - 1.0)
@@ -219,22 +234,9 @@ class TestPacketLooks(unittest.TestCase):
         for kind, deformed, minimum in itertools.product(
                 ("u1", "i2", "f4", "f8"), (False, True), (False, True)):
             with self.subTest(kind=kind, deformed=deformed, minimum=minimum):
-                scale, mapper, prop, volume = self.make(kind, deformed)
-                prop.ShadeOff()
-                image = vtkImageData()
-                image.SetDimensions(size, size, size)
-                image.SetSpacing(*(n / (size - 1.0) for n in SIZE))
-                values = scale * ((1.0 - field) if minimum else field)
-                image.GetPointData().SetScalars(
-                    numpy_to_vtk(values.astype(kind).ravel(), deep=True))
-                mapper.SetInputData(image)
-                mapper.SetSampleDistance(0.3)
-                if minimum:
-                    mapper.SetBlendModeToMinimumIntensity()
-                    prop.SetScalarOpacity(points((0.0, 0.9), (scale, 0.1)))
-                else:
-                    mapper.SetBlendModeToMaximumIntensity()
-                    prop.SetScalarOpacity(points((0.0, 0.05), (scale, 0.9)))
+                scale, mapper, prop, volume = self.make_extremes(field, kind, deformed, minimum)
+                ends = (0.9, 0.1) if minimum else (0.05, 0.9)
+                prop.SetScalarOpacity(points((0.0, ends[0]), (scale, ends[1])))
                 mapper.CollectStatisticsOn()
                 # Packets have colors of 10 bits.
                 fast = self.compare(mapper, volume, "extremes", mean=0.2)
@@ -256,19 +258,8 @@ class TestPacketLooks(unittest.TestCase):
             field[distance < 0.04] = 0.8
         for kind, deformed, minimum in itertools.product(("u1", "f4"), (False, True), (False, True)):
             with self.subTest(kind=kind, deformed=deformed, minimum=minimum):
-                scale, mapper, prop, volume = self.make(kind, deformed)
-                prop.ShadeOff()
-                image = vtkImageData()
-                image.SetDimensions(size, size, size)
-                image.SetSpacing(*(n / (size - 1.0) for n in SIZE))
-                values = scale * ((1.0 - field) if minimum else field)
-                image.GetPointData().SetScalars(
-                    numpy_to_vtk(values.astype(kind).ravel(), deep=True))
-                mapper.SetInputData(image)
-                mapper.SetSampleDistance(0.3)
+                scale, mapper, prop, volume = self.make_extremes(field, kind, deformed, minimum)
                 prop.SetScalarOpacity(points((0.0, 0.5), (scale, 0.5)))
-                mapper.SetBlendMode(
-                    mapper.MINIMUM_INTENSITY_BLEND if minimum else mapper.MAXIMUM_INTENSITY_BLEND)
                 depths = []
                 for leaping in (mapper.LIPSCHITZ, mapper.OFF):
                     mapper.SetSpaceLeaping(leaping)

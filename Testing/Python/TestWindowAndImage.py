@@ -13,7 +13,8 @@ from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
 from vtkmodules.vtkFiltersSources import vtkCubeSource
 from vtkmodules.vtkRenderingCore import (
-    vtkActor, vtkColorTransferFunction, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow, vtkVolume, vtkWindowToImageFilter)
+    vtkActor, vtkColorTransferFunction, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow, vtkVolume,
+    vtkWindowToImageFilter)
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
 
 SIZE = 30
@@ -64,16 +65,20 @@ class TestWindowAndImage(unittest.TestCase):
         self.renderer.ResetCamera()
         camera.SetWindowCenter(-0.35, -0.3)
 
+    def show(self, width, height):
+        window = vtkRenderWindow()
+        window.SetMultiSamples(0)
+        window.OffScreenRenderingOn()
+        window.SetSize(width, height)
+        window.AddRenderer(self.renderer)
+        window.Render()
+        return window
+
     def count_differences(self):
         colors = vtkImageData()
         self.assertEqual(
             self.mapper.RenderToImage(self.renderer, self.volume, WIDTH, HEIGHT, colors), 1)
-        window = vtkRenderWindow()
-        window.SetMultiSamples(0)
-        window.OffScreenRenderingOn()
-        window.SetSize(WIDTH, HEIGHT)
-        window.AddRenderer(self.renderer)
-        window.Render()
+        window = self.show(WIDTH, HEIGHT)
         picture = vtkWindowToImageFilter()
         picture.SetInput(window)
         picture.ShouldRerenderOff()
@@ -112,13 +117,8 @@ class TestWindowAndImage(unittest.TestCase):
         for width, height in ((1, 1), (2, 2), (1, 5), (3, 3)):
             for distance in (0.3, 1.0, 1.5, 2.0, 100.0):
                 with self.subTest(size=(width, height), distance=distance):
-                    window = vtkRenderWindow()
-                    window.SetMultiSamples(0)
-                    window.OffScreenRenderingOn()
-                    window.SetSize(width, height)
-                    window.AddRenderer(self.renderer)
                     self.mapper.SetImageSampleDistance(distance)
-                    window.Render()
+                    window = self.show(width, height)
                     pixels = vtkUnsignedCharArray()
                     window.GetPixelData(0, 0, width - 1, height - 1, 0, pixels, 0)
                     if distance <= 2.0:  # else the only ray may lie outside of the window

@@ -302,6 +302,10 @@ void LatticeEditor::MoveGrabbed(const std::function<glm::dvec3(const glm::dvec3&
 //------------------------------------------------------------------------------
 void LatticeEditor::ResetPoints(const PointSet& points)
 {
+  if (!this->EditIsOpen)
+  {
+    return;
+  }
   const PointSet all = MirrorSelection(this->Edited.Net.Nodes, points, this->Options.Mirror);
   std::vector<glm::dvec3> changes(this->GetNumberOfPoints(), glm::dvec3(0.0));
   for (std::size_t p = 0; p < changes.size(); ++p)
