@@ -19,14 +19,17 @@ lattice = simple.FFDLattice(Input=data, Shape="Bend", Strength=0.7,
                             LatticePerBlock=sys.argv[2] == "lattices")
 display = simple.Show(lattice, view)
 ffd.set_functions(opaque=True)
-simple.Render(view)
-found = {"places": [], "clicks": [], "selected": {}, "probes": []}
+other = ffd.make_view()  # shows it by another mapping
+simple.Show(lattice, other).FFDInverseMode = "Pull Back"
+simple.RenderAllViews()
+found = {"places": [], "other places": [], "clicks": [], "selected": {}, "probes": []}
 
 # Places that widgets take from the picture, and what a click selects.
 for x, y in ((80, 70), (70, 85), (95, 60), (60, 60), (2, 2)):
     place, normal = [0.0] * 3, [0.0] * 3
-    hit = view.SMProxy.ConvertDisplayToPointOnSurface([x, y], place, normal)
-    found["places"].append([hit, *place])
+    for name, shown in (("places", view), ("other places", other)):
+        hit = shown.SMProxy.ConvertDisplayToPointOnSurface([x, y], place, normal)
+        found[name].append([hit, *(round(x, 6) for x in place)])
     found["clicks"].append(view.SMProxy.Pick(x, y) is not None)
 
 for name in ("SelectSurfacePoints", "SelectSurfaceCells", "SelectCellsThrough"):

@@ -325,6 +325,12 @@ class TestLatticeFollows(unittest.TestCase):
         self.assertGreater(seen, 3)
         self.assertGreater(farthest, 1.0)
 
+    def pick_place(self, view, pixel):
+        """The place that widgets take from the picture."""
+        place, normal = [0.0] * 3, [0.0] * 3
+        self.assertTrue(view.SMProxy.ConvertDisplayToPointOnSurface(list(pixel), place, normal))
+        return place
+
     def test_places_of_the_pointer(self):
         """The place that ruler, widgets and the camera's center take from the picture is on what is
         seen there: of surfaces and of FFD Volume."""
@@ -338,9 +344,7 @@ class TestLatticeFollows(unittest.TestCase):
             # Where depths say, up to a pixel.
             renderer = self.view.SMProxy.GetRenderer()
             for x, y in ((80, 70), (70, 85), (95, 60)):
-                place, normal = [0.0] * 3, [0.0] * 3
-                self.assertTrue(
-                    self.view.SMProxy.ConvertDisplayToPointOnSurface([x, y], place, normal))
+                place = self.pick_place(self.view, (x, y))
                 if kind == "FFD Volume":
                     # Where it begins to be visible, as Probe Location finds.
                     probe = simple.ProbeLocation(
@@ -357,6 +361,30 @@ class TestLatticeFollows(unittest.TestCase):
                 world = np.array(renderer.GetWorldPoint())
                 np.testing.assert_allclose(place, world[:3] / world[3], atol=0.5)
             simple.Hide(source, self.view)
+
+    def test_places_in_views_with_one_camera(self):
+        """Places of a volume that views show by mappings of their own are those of the view."""
+        bent = self.lattice(Shape="Bend", Strength=0.7)
+        views, displays = [self.view, ffd.make_view()], []
+        for view, mapping in zip(views, ("Exact", "Pull Back")):
+            displays.append(simple.Show(bent, view))
+            displays[-1].SetRepresentationType("FFD Volume")
+            displays[-1].FFDInverseMode = mapping
+        ffd.set_functions(opaque=True)
+        pixels = (80, 70), (70, 85), (85, 60)
+        alone = []
+        for view, display in zip(views, displays):
+            for other in displays:
+                other.Visibility = int(other is display)
+            simple.RenderAllViews()
+            alone.append([self.pick_place(view, pixel) for pixel in pixels])
+        self.assertGreater(np.linalg.norm(np.subtract(*alone), axis=1).min(), 0.1)
+        for display in displays:
+            display.Visibility = 1
+        simple.RenderAllViews()
+        for which in (0, 1, 1, 0, 1):
+            np.testing.assert_allclose(
+                [self.pick_place(views[which], pixel) for pixel in pixels], alone[which], atol=1e-6)
 
     def pick_surface(self, pixel, array="RTData"):
         """What the pointer would be told of a surface at a pixel: 1 or 0, place, place at rest, value."""
@@ -394,9 +422,7 @@ class TestLatticeFollows(unittest.TestCase):
             self.show(source, "Surface")
             simple.Render(self.view)
             for pixel in ((80, 70), (70, 85), (92, 62)):
-                place, _ = [0.0] * 3, [0.0] * 3
-                self.assertTrue(
-                    self.view.SMProxy.ConvertDisplayToPointOnSurface(list(pixel), place, _))
+                place = self.pick_place(self.view, pixel)
                 found = self.pick_surface(pixel)
                 self.assertEqual(found[0], 1.0)
                 np.testing.assert_allclose(found[1:4], place, atol=1e-6)

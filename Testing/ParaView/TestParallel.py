@@ -178,6 +178,8 @@ class TestTime(unittest.TestCase):
                     found[ranks] = json.load(file)
             one = found[1]
             self.assertEqual([place[0] for place in one["places"]], [True] * 4 + [False])
+            for place, other in zip(one["places"][:4], one["other places"]):
+                self.assertNotEqual(place, other)
             for selected in one["selected"].values():
                 self.assertGreater(selected[0], 100)
             for ranks in (2, 4):

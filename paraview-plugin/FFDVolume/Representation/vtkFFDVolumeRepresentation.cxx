@@ -49,6 +49,7 @@
 #include "vtkRenderer.h"
 #include "vtkRenderWindow.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkTimeStamp.h"
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
 #include "vtkWeakPointer.h"
@@ -294,6 +295,7 @@ public:
   vtkWeakPointer<vtkOpenGLState> KeptState; // of the window, while progress is shown
   double ProgressInterval = 0.0;            // of the session before the frame; 0: not changed
   double NextRate = 0.0;                    // RenderNextAtRate(); 0: as asked
+  vtkTimeStamp RenderTime;                  // of the last frame of the view
   std::array<double, 8> Picked{};           // GetPicked()
   std::array<double, 3> PickedNormal{};     // of the surface that was picked
   vtkNew<vtkFFDCompositePass> OwnPass;
@@ -530,6 +532,7 @@ int vtkFFDVolumeRepresentation::ProcessViewRequest(
     {
       return 0;
     }
+    this->Internals->RenderTime.Modified();
     const bool useLOD = inInfo->Has(vtkPVRenderView::USE_LOD()) != 0;
     const auto getProducer = [this, inInfo, useLOD](int port) {
       return useLOD ? vtkPVRenderView::GetPieceProducerLOD(inInfo, this, port)
@@ -1306,7 +1309,6 @@ vtkFFDVolumeRepresentation* vtkFFDVolumeRepresentation::FindShownBy(
   vtkAlgorithm* input, const double from[3], const double to[3])
 {
   vtkFFDVolumeRepresentation* found = nullptr;
-  double best = 1.0 - 1e-6; // the cosine of a tenth of a degree
   double ray[3];
   vtkMath::Subtract(to, from, ray);
   vtkMath::Normalize(ray);
@@ -1325,9 +1327,11 @@ vtkFFDVolumeRepresentation* vtkFFDVolumeRepresentation::FindShownBy(
       vtkMath::Subtract(to, camera->GetPosition(), direction);
       vtkMath::Normalize(direction);
     }
-    if (vtkMath::Dot(ray, direction) > best)
+    // Linked cameras are the same. The view that is picked in was the last to be rendered.
+    constexpr double cosine = 1.0 - 1e-6; // of a tenth of a degree
+    if (vtkMath::Dot(ray, direction) > cosine &&
+      !(found && found->Internals->RenderTime > each->Internals->RenderTime))
     {
-      best = vtkMath::Dot(ray, direction);
       found = each;
     }
   }

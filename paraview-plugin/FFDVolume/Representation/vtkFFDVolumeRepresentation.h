@@ -188,8 +188,9 @@ public:
   ///@}
 
   /**
-   * The visible representation of what `input` makes, in the view that a line from its camera
-   * belongs to; null if there is none.
+   * The visible representation of what `input` makes, in the view that was rendered last of those
+   * that have a line from their cameras; null if there is none. ParaView renders a view whenever it
+   * looks what is picked there.
    */
   static vtkFFDVolumeRepresentation* FindShownBy(
     vtkAlgorithm* input, const double from[3], const double to[3]);
