@@ -20,6 +20,7 @@
 #include "vtkInformationDataObjectMetaDataKey.h"
 #include "vtkInformationVector.h"
 #include "vtkIntArray.h"
+#include "vtkMath.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkRectilinearGrid.h"
@@ -428,7 +429,7 @@ bool vtkFFDEditLattice::MakeLattice(
   // RequestInformation may have made them already.
   const vtkMTimeType changed =
     std::max({ this->GetMTime(), this->Lattice->GetMTime(), this->BaseLattice->GetMTime() });
-  if (!ofInput && this->MadeTime > changed && std::equal(bounds, bounds + 6, this->MadeBounds))
+  if (!ofInput && this->MadeTime > changed && std::equal(bounds, bounds + 6, this->DataBounds))
   {
     return true;
   }
@@ -481,8 +482,11 @@ bool vtkFFDEditLattice::MakeLattice(
   this->MadeTime = vtkTimeStamp();
   if (!ofInput)
   {
-    std::copy_n(bounds, 6, this->MadeBounds);
     this->MadeTime.Modified();
+  }
+  if (vtkMath::AreBoundsInitialized(bounds))
+  {
+    std::copy_n(bounds, 6, this->DataBounds);
   }
   return true;
 }

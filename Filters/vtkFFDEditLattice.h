@@ -194,11 +194,13 @@ public:
   ///@{
   /**
    * Facts about the lattice of the last update, for display: the number of control points per axis,
-   * the domain (xmin, xmax, ymin, ...), and a proven lower bound of the local change of volume;
-   * zero or less means that the deformation may fold (vtkFFDLattice::GetMinimumJacobianBound()).
+   * the domain (xmin, xmax, ymin, ...), the bounds at rest of the data that it deforms, and a
+   * proven lower bound of the local change of volume; zero or less means that the deformation may
+   * fold (vtkFFDLattice::GetMinimumJacobianBound()).
    */
   int* GetLatticeDimensions() VTK_SIZEHINT(3);
   double* GetLatticeDomain() VTK_SIZEHINT(6);
+  vtkGetVector6Macro(DataBounds, double);
   double GetMinimumJacobianBound();
   ///@}
 
@@ -256,8 +258,8 @@ private:
   int BorderMode = 0;
   double DisplacementScale = 1.0;
   std::vector<double> Displacements;
-  double MadeBounds[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
-  vtkTimeStamp MadeTime; // of the lattices, by MadeBounds alone; 0: by a lattice of the input
+  double DataBounds[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+  vtkTimeStamp MadeTime; // of the lattices, by DataBounds alone; 0: by a lattice of the input
   int EditDimensions[3] = { 0, 0, 0 };
   vtkTypeBool LatticePerBlock = 0;
   int GeometryMode = EXACT;

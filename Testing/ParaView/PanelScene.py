@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Run by TestPanel.py in ParaView's graphical client: a scene, and a log of what the filter is
 told. From the environment: FFD_PANEL_LOG, a line of JSON for each update of the filter,
-FFD_PANEL_TRACE, the Python trace so far, and FFD_PANEL_STEP, the pixels from ray to ray."""
+FFD_PANEL_TRACE, the Python trace so far, FFD_PANEL_STEP, the pixels from ray to ray, and FFD_PANEL_BLOCKS,
+whether the volume is two blocks with a lattice each."""
 
 import json
 import os
@@ -13,7 +14,11 @@ from paraview.servermanager import vtkSMTrace
 settings = simple.GetSettingsProxy("GeneralSettings")
 settings.AutoApply = int(os.environ["FFD_PANEL_AUTO_APPLY"])
 wavelet = simple.Wavelet(WholeExtent=[-15, 15] * 3)
-lattice = simple.FFDLattice(Input=wavelet, Resolution=[5, 5, 5])
+per_block = int(os.environ["FFD_PANEL_BLOCKS"])
+if per_block:
+    wavelet = simple.GroupDatasets(Input=[
+        simple.ExtractSubset(Input=wavelet, VOI=[*x, -15, 15, -15, 15]) for x in ((-15, 0), (0, 15))])
+lattice = simple.FFDLattice(Input=wavelet, Resolution=[5, 5, 5], LatticePerBlock=per_block)
 view = simple.GetActiveViewOrCreate("RenderView")
 view.UseColorPaletteForBackground = 0
 view.Background = [0.0, 0.0, 0.0]
@@ -45,6 +50,7 @@ def describe_widget():
             values = dict(line.strip().partition(": ")[::2]
                           for line in str(widget.GetRepresentation()).splitlines())
             return {"Visible": widget.GetWidget().GetEnabled(),
+                    "OutlineBounds": json.loads("[%s]" % values["OutlineBounds"]),
                     **{name: float(values[name]) for name in WIDGET}}
     return {}
 

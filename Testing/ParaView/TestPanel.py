@@ -108,6 +108,16 @@ class TestPanel(unittest.TestCase):
         self.assertEqual(states[-1]["resolution"], [6, 5, 5])
         self.assertEqual(states[-1]["displacements"], [])
 
+    def test_outline(self):
+        """The outline is that of what the lattice deforms: of the volume, or of one block."""
+        for blocks, left in ((False, -15.0), (True, 0.0)):
+            events = Events()
+            for size in "67":
+                events.set(PANEL + "Resolution_0", "int", size)
+                events.click(PROPERTIES + "Accept")
+            states, _ = events.play("outline", auto_apply=False, blocks=blocks)
+            self.assertEqual(states[-1]["widget"]["OutlineBounds"], [left] + [15.0, -15.0] * 2 + [15.0])
+
     def test_undo_before_apply(self):
         """Control and Z take back a drag that was not applied, and shift, or ParaView's control and Y, brings
         it again, while what is typed into the search box hides the panel of the lattice, and not the lattice."""

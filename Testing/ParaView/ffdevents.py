@@ -87,9 +87,9 @@ class Events:
                        % "\n".join(self.lines))
         return path
 
-    def play(self, name, auto_apply, baseline=None, options=(), step=1.0):
+    def play(self, name, auto_apply, baseline=None, options=(), step=1.0, blocks=False):
         """Returns the log of the filter and the Python trace. `options`: more of the command line;
-        `step`: pixels from ray to ray."""
+        `step`: pixels from ray to ray; `blocks`: of the volume, which have a lattice each."""
         folder = tempfile.mkdtemp(prefix="panel.", dir=TEMPORARY)
         os.chmod(folder, 0o700)
         script = self.write(os.path.join(folder, name + ".xml"))
@@ -105,7 +105,7 @@ class Events:
             env={**os.environ, "HOME": folder, "XDG_RUNTIME_DIR": folder,
                  "PV_PLUGIN_PATH": os.path.dirname(PLUGIN), "FFD_PANEL_LOG": log,
                  "FFD_PANEL_TRACE": trace, "FFD_PANEL_AUTO_APPLY": str(int(auto_apply)),
-                 "FFD_PANEL_STEP": str(step)})
+                 "FFD_PANEL_STEP": str(step), "FFD_PANEL_BLOCKS": str(int(blocks))})
         for image in os.listdir(folder):
             if image.endswith(".png"):
                 shutil.copy(os.path.join(folder, image), TEMPORARY)

@@ -7,6 +7,7 @@ import unittest
 import numpy
 import vtkffd
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkMultiBlockDataSet
 from vtkmodules.vtkFiltersCore import vtkContourFilter
 from vtkmodules.vtkImagingCore import vtkRTAnalyticSource
 
@@ -128,6 +129,27 @@ class TestEditLattice(unittest.TestCase):
         second.UseInputLatticeOff()
         second.Update()
         self.assertTrue(second.GetLattice().IsIdentity())
+
+    def test_bounds_of_the_data(self):
+        """Those of the volume, whatever the domain is, or of the last block."""
+        self.filter.SetPadding(0.25)
+        after = vtkffd.vtkFFDEditLattice()
+        after.SetInputConnection(self.filter.GetOutputPort())
+        after.Update()
+        for each in (self.filter, after):
+            self.assertEqual(each.GetLatticeDomain(), (-15.0, 15.0) * 3)
+            self.assertEqual(each.GetDataBounds(), (-10.0, 10.0) * 3)
+        blocks = vtkMultiBlockDataSet()
+        for i in range(2):
+            block = vtkImageData()
+            block.SetDimensions(3, 3, 3)
+            block.SetOrigin(5.0 * i, 0.0, 0.0)
+            blocks.SetBlock(i, block)
+        after.SetInputData(blocks)
+        for per_block, first in ((False, 0.0), (True, 5.0)):
+            after.SetLatticePerBlock(per_block)
+            after.Update()
+            self.assertEqual(after.GetDataBounds(), (first, 7.0, 0.0, 2.0, 0.0, 2.0))
 
     def test_base_is_what_the_edits_are_added_to(self):
         self.filter.SetDimensions(5, 5, 5)

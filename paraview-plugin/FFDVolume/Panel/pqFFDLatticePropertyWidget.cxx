@@ -22,7 +22,6 @@
 
 #include "vtk3DWidgetRepresentation.h"
 #include "vtkAbstractWidget.h"
-#include "vtkBoundingBox.h"
 #include "vtkCommand.h"
 #include "vtkDoubleArray.h"
 #include "vtkPVGeneralSettings.h"
@@ -357,13 +356,7 @@ void pqFFDLatticePropertyWidget::takeBase()
   copy("LatticeDimensions", "BaseDimensions");
   copy("BaseDisplacements", "BaseDisplacements");
   copy("LatticeDisplacementScale", "DisplacementScale");
-  const vtkBoundingBox box = this->dataBounds();
-  if (box.IsValid())
-  {
-    double bounds[6];
-    box.GetBounds(bounds);
-    vtkSMPropertyHelper(widget, "OutlineBounds").Set(bounds, 6);
-  }
+  copy("DataBounds", "OutlineBounds");
   widget->UpdateVTKObjects();
   this->render();
 }
