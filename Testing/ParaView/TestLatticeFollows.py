@@ -206,6 +206,17 @@ class TestLatticeFollows(unittest.TestCase):
             display.DataAxesGrid.GridAxesVisibility = 0
             simple.Hide(data, self.view)
 
+    def test_axes_at_rest(self):
+        """Of what a representation shows at rest they are at rest."""
+        display = self.show(self.moved_lattice(), "FFD Volume")
+        display.DataAxesGrid.GridAxesVisibility = 1
+        for kind, shift in (("FFD Volume", SHIFT), ("Volume", (0, 0, 0)), ("FFD Volume", SHIFT),
+                            ("Slice", (0, 0, 0)), ("Surface", SHIFT)):
+            display.SetRepresentationType(kind)
+            simple.Render(self.view)
+            np.testing.assert_allclose(
+                self.find_axes(), [-15, 15] * 3 + np.repeat(shift, 2), atol=0.1, err_msg=kind)
+
     def find_axes(self):
         actors = self.view.SMProxy.GetRenderer().GetViewProps()
         for i in range(actors.GetNumberOfItems()):

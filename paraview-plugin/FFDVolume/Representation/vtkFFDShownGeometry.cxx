@@ -29,6 +29,7 @@
 #include "vtkPointSet.h"
 #include "vtkPolyData.h"
 #include "vtkPProbeFilter.h"
+#include "vtkPVCompositeRepresentation.h"
 #include "vtkPVGeometryFilter.h"
 #include "vtkPVGridAxes3DRepresentation.h"
 #include "vtkPVProbeLineFilter.h"
@@ -36,7 +37,9 @@
 #include "vtkResampleToImage.h"
 #include "vtkSelectionRepresentation.h"
 #include "vtkUnstructuredGridVolumeRepresentation.h"
+#include "vtkView.h"
 #include "vtkVolumeRepresentationPreprocessor.h"
+#include "vtkWeakPointer.h"
 
 #include <algorithm>
 #include <array>
@@ -216,23 +219,25 @@ vtkSmartPointer<vtkDataObject> MoveAll(vtkDataObject* data, const Shown& ofAll, 
     [isOutline](vtkPolyData* part, const Shown& shown) { return Move(part, shown, isOutline); });
 }
 
-/// Enlarge `bounds` by where a part of a data set, or the whole, is shown.
-void AddShownBounds(
-  Bounds& bounds, vtkDataObject* data, const Shown& ofAll, ffdparts::DeformedBoundsFinder& finder)
+/// Enlarge `bounds` by where a part of a data set, or the whole, is shown; `atRest`: images are not
+/// moved.
+void AddShownBounds(Bounds& bounds, vtkDataObject* data, const Shown& ofAll, bool atRest,
+  ffdparts::DeformedBoundsFinder& finder)
 {
   vtkDataSet* part = vtkDataSet::SafeDownCast(data);
   if (!part || part->GetNumberOfPoints() == 0)
   {
     return;
   }
-  Shown shown = ofAll;
-  if (!shown.Lattice)
+  vtkPointSet* points = vtkPointSet::SafeDownCast(part);
+  const bool stays = atRest && !points;
+  Shown shown = stays ? Shown(nullptr) : ofAll;
+  if (!shown.Lattice && !stays)
   {
     shown = Shown(part);
   }
   Bounds own;
   part->GetBounds(own.data());
-  vtkPointSet* points = vtkPointSet::SafeDownCast(part);
   if (shown.Lattice && points)
   {
     vtkNew<vtkPolyData> cloud;
@@ -378,27 +383,31 @@ struct GridVolume : vtkUnstructuredGridVolumeRepresentation
   }
 };
 
+struct WithAxes : vtkPVCompositeRepresentation
+{
+  /// The representation that axes are a part of; null without a view.
+  static vtkPVCompositeRepresentation* Find(vtkPVGridAxes3DRepresentation* axes)
+  {
+    vtkView* view = axes->GetView();
+    for (int i = 0; view && i < view->GetNumberOfRepresentations(); ++i)
+    {
+      auto* each = vtkPVCompositeRepresentation::SafeDownCast(view->GetRepresentation(i));
+      if (each && each->*(&WithAxes::GridAxesRepresentation) == axes)
+      {
+        return each;
+      }
+    }
+    return nullptr;
+  }
+};
+
 struct Axes : vtkPVGridAxes3DRepresentation
 {
-  static void Follow(vtkPVGridAxes3DRepresentation* representation)
-  {
-    // Comes between ParaView's own bounds and their way to the view.
-    vtkNew<vtkCallbackCommand> command;
-    command->SetClientData(new ffdparts::DeformedBoundsFinder);
-    command->SetClientDataDeleteCallback(
-      [](void* finder) { delete static_cast<ffdparts::DeformedBoundsFinder*>(finder); });
-    command->SetCallback([](vtkObject* caller, unsigned long, void* finder, void*) {
-      Axes::SetShownBounds(vtkPVGridAxes3DRepresentation::SafeDownCast(caller),
-        *static_cast<ffdparts::DeformedBoundsFinder*>(finder));
-    });
-    representation->AddObserver(vtkCommand::UpdateDataEvent, command);
-  }
-
   /// Called on all processes alike.
-  static void SetShownBounds(
-    vtkPVGridAxes3DRepresentation* representation, ffdparts::DeformedBoundsFinder& finder)
+  static void SetShownBounds(vtkPVGridAxes3DRepresentation* representation, bool atRest,
+    ffdparts::DeformedBoundsFinder& finder)
   {
-    if (!representation || representation->GetNumberOfInputConnections(0) != 1)
+    if (representation->GetNumberOfInputConnections(0) != 1)
     {
       return;
     }
@@ -406,7 +415,8 @@ struct Axes : vtkPVGridAxes3DRepresentation
     const Shown shown = FindShownOfAll(data);
     Bounds bounds = { VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX, VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX,
       VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX };
-    VisitLeaves(data, [&](vtkDataObject* leaf) { AddShownBounds(bounds, leaf, shown, finder); });
+    VisitLeaves(
+      data, [&](vtkDataObject* leaf) { AddShownBounds(bounds, leaf, shown, atRest, finder); });
     vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
     if (controller && controller->GetNumberOfProcesses() > 1)
     {
@@ -437,6 +447,49 @@ struct Axes : vtkPVGridAxes3DRepresentation
     points->InsertNextPoint(corners[1]);
     (representation->*(&Axes::DummyPolyData))->SetPoints(points);
   }
+};
+
+/// Puts axes around what is shown, also after another type of representation shows it.
+class AxesFollower : public vtkCommand
+{
+public:
+  static AxesFollower* New() { return new AxesFollower; }
+
+  void Follow(vtkPVGridAxes3DRepresentation* axes)
+  {
+    this->Followed = axes;
+    // Comes between ParaView's own bounds and their way to the view.
+    axes->AddObserver(vtkCommand::UpdateDataEvent, this);
+  }
+
+  void Execute(vtkObject* caller, unsigned long, void*) override
+  {
+    if (caller == this->Followed && !this->Whole)
+    {
+      this->Whole = WithAxes::Find(this->Followed);
+      if (this->Whole)
+      {
+        this->Whole->AddObserver(vtkCommand::ModifiedEvent, this);
+      }
+    }
+    const char* type = this->Whole ? this->Whole->GetActiveRepresentationKey() : nullptr;
+    const bool atRest = type && Shown::IsAtRest(type);
+    if (caller == this->Followed)
+    {
+      this->WasAtRest = atRest;
+      Axes::SetShownBounds(this->Followed, atRest, this->BoundsFinder);
+    }
+    else if (this->Followed && atRest != this->WasAtRest)
+    {
+      this->Followed->MarkModified();
+    }
+  }
+
+private:
+  vtkWeakPointer<vtkPVGridAxes3DRepresentation> Followed;
+  vtkWeakPointer<vtkPVCompositeRepresentation> Whole;
+  ffdparts::DeformedBoundsFinder BoundsFinder;
+  bool WasAtRest = false;
 };
 
 /// Let the output of a filter that makes its output anew have the lattice of the input.
@@ -482,7 +535,8 @@ void vtkFFDShownGeometry::Follow(vtkObjectBase* object)
   }
   else if (auto* axes = vtkPVGridAxes3DRepresentation::SafeDownCast(object))
   {
-    Axes::Follow(axes);
+    vtkNew<AxesFollower> follower;
+    follower->Follow(axes);
   }
   else if (auto* helper = vtkPVRayCastPickingHelper::SafeDownCast(object))
   {

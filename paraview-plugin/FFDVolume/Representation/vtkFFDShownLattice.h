@@ -12,6 +12,8 @@
 
 #include "vtkSmartPointer.h"
 
+#include <string>
+
 class vtkDataObject;
 class vtkPointSet;
 
@@ -25,6 +27,10 @@ struct vtkFFDShownLattice
 
   /// That of the whole, or else that of the first of its leaves that has one.
   static vtkFFDShownLattice FindAnywhere(vtkDataObject* data);
+
+  /// Whether a type of representation, one of ParaView's, shows images at rest: it knows nothing of
+  /// lattices, and images cannot be moved.
+  static bool IsAtRest(const std::string& type) { return type == "Volume" || type == "Slice"; }
 
   /// Moves the points to where they are shown; `moved` is a data set of the same type.
   void Move(vtkPointSet* rest, vtkPointSet* moved) const;

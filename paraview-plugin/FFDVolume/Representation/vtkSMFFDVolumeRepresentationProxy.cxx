@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkSMFFDVolumeRepresentationProxy.h"
 
+#include "vtkFFDShownLattice.h"
 #include "vtkFFDVolumeRepresentation.h"
 
 #include "vtkClientServerStream.h"
@@ -68,9 +69,6 @@ bool WarnsOfRest = true;
 
 bool IsShown(vtkSMProxy* parent) { return GetType(parent) == "FFD Volume"; }
 
-/// Representations of ParaView that know nothing of lattices, and whose images cannot be moved.
-bool ShowsRest(const std::string& type) { return type == "Volume" || type == "Slice"; }
-
 vtkPVDataInformation* GetShownInformation(vtkSMProxy* parent)
 {
   vtkSMPropertyHelper input(parent, "Input", true);
@@ -108,7 +106,8 @@ bool ShowsMovedSurface(vtkSMProxy* parent)
   vtkSMProperty* visibility = parent ? parent->GetProperty("Visibility") : nullptr;
   return visibility && parent->GetProperty("Representation") &&
     vtkSMPropertyHelper(visibility).GetAsInt() != 0 && !IsShown(parent) &&
-    !ShowsRest(GetType(parent)) && (HasLattice(parent) || HasRestPositions(parent));
+    !vtkFFDShownLattice::IsAtRest(GetType(parent)) &&
+    (HasLattice(parent) || HasRestPositions(parent));
 }
 
 /// Version of a plugin that is loaded, "" if it is not.
@@ -410,7 +409,8 @@ void vtkSMFFDVolumeRepresentationProxy::WarnOfRest()
 std::string vtkSMFFDVolumeRepresentationProxy::FindTypeAtRest(vtkSMProxy* representation)
 {
   const std::string type = GetType(representation);
-  return ShowsRest(type) && HasImageLattice(representation) ? type : std::string();
+  return vtkFFDShownLattice::IsAtRest(type) && HasImageLattice(representation) ? type
+                                                                               : std::string();
 }
 
 //------------------------------------------------------------------------------
