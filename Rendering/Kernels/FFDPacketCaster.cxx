@@ -844,13 +844,6 @@ void SetClipping(const CastScene& scene, PacketScene& p)
 void SetLeaping(const CastScene& scene, const CastSettings& settings, PacketScene& p)
 {
   p.LeapsSegments = scene.Distances && settings.Leaping == SpaceLeaping::Lipschitz;
-  if (p.LeapsSegments && !p.Slices)
-  {
-    // Intervals are empty only if they lie in empty space as a whole.
-    const bool intervals = p.Intervals || p.ClassifiesIntervals;
-    p.Seen = TileBounds(scene, static_cast<double>(p.PositionTolerance),
-      intervals ? settings.SampleDistance : 0.0, p.Center);
-  }
   if (scene.Distances && settings.Leaping != SpaceLeaping::Off && !p.Slices)
   {
     p.Distances = scene.Distances->GetData();
@@ -860,6 +853,18 @@ void SetLeaping(const CastScene& scene, const CastSettings& settings, PacketScen
       p.LastBlock[a] = static_cast<float>(p.Blocks[a] - 1);
     }
     p.LeapsRays = p.Sampling == PacketSampling::PerRay;
+  }
+}
+
+/// Sets what may be visible of each tile. Segments and leaping are set already.
+void SetSeen(const CastScene& scene, const CastSettings& settings, PacketScene& p)
+{
+  if (p.LeapsSegments && !p.Slices)
+  {
+    // Intervals are empty only if they lie in empty space as a whole.
+    const bool intervals = p.Intervals || p.ClassifiesIntervals;
+    p.Seen = TileBounds(scene, static_cast<double>(p.PositionTolerance),
+      intervals ? settings.SampleDistance : 0.0, p.Center);
   }
 }
 
@@ -900,8 +905,8 @@ bool PacketCaster::Supports(const CastScene& scene, const CastSettings& settings
 }
 
 //------------------------------------------------------------------------------
-PacketCaster::PacketCaster(
-  const CastScene& scene, const CastSettings& settings, const IntegrationFrame& frame)
+PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings,
+  const IntegrationFrame& frame, const ParallelFor& parallelFor)
 {
   static std::atomic<std::uint64_t> scenes{ 0 };
   PacketScene& p = this->Scene;
@@ -918,16 +923,27 @@ PacketCaster::PacketCaster(
   SetIntegrals(scene, frame.Intervals, p);
   SetBlending(scene, kind, p);
   SetCoordinates(scene, rest, p);
-  SetPullBack(scene, settings, rest, p);
   SetSegments(scene, settings, p);
   SetClipping(scene, p);
   SetLeaping(scene, settings, p);
   SetShading(scene, settings, classifier, p);
-  if (!p.Identity)
-  {
-    const Box& whole = GetWholeDeformed(scene);
-    HWY_DYNAMIC_DISPATCH(ChooseRootSide)(0.25 * (whole.Max - whole.Min), p);
-  }
+  // Both take about as long, and neither needs the other.
+  parallelFor(2, [&](std::size_t first, std::size_t last) {
+    for (std::size_t task = first; task < last; ++task)
+    {
+      if (task == 0)
+      {
+        SetSeen(scene, settings, p);
+        continue;
+      }
+      SetPullBack(scene, settings, rest, p);
+      if (!p.Identity)
+      {
+        const Box& whole = GetWholeDeformed(scene);
+        HWY_DYNAMIC_DISPATCH(ChooseRootSide)(0.25 * (whole.Max - whole.Min), p);
+      }
+    }
+  });
   p.NormalsOfOpacity = kind.Composites && p.Shade && classifier.HasNormalsOfOpacity();
 
   p.Inner = p.Sampling == PacketSampling::Composite && !p.Intervals && !kind.Components;

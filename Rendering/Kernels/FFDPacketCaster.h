@@ -281,7 +281,8 @@ class FFD_RENDERING_EXPORT PacketCaster
 {
 public:
   /// `scene` and `frame` must outlive the caster.
-  PacketCaster(const CastScene& scene, const CastSettings& settings, const IntegrationFrame& frame);
+  PacketCaster(const CastScene& scene, const CastSettings& settings, const IntegrationFrame& frame,
+    const ParallelFor& parallelFor);
 
   /// Whether packets can render this scene; else the reference ray caster has to: the paper's
   /// polyline, and of what vector code looks up (SampleClassifier::IsPlain()) volumes of

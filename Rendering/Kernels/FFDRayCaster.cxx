@@ -30,7 +30,8 @@ void CastStatistics::Add(const CastStatistics& other)
 }
 
 //------------------------------------------------------------------------------
-RayCaster::RayCaster(const CastScene& scene, const CastSettings& settings)
+RayCaster::RayCaster(
+  const CastScene& scene, const CastSettings& settings, const ParallelFor& parallelFor)
   : Scene(scene)
   , Settings(settings)
   , RestBox(FindRestBox(scene.Volume, scene.WholeAtRest))
@@ -62,7 +63,7 @@ RayCaster::RayCaster(const CastScene& scene, const CastSettings& settings)
   }
   if (this->Visible && PacketCaster::Supports(scene, settings))
   {
-    this->Packets.reset(new PacketCaster(this->Scene, this->Settings, this->Frame));
+    this->Packets.reset(new PacketCaster(this->Scene, this->Settings, this->Frame, parallelFor));
   }
   // Slices have no segments that packets could tell of: the reference caster traces their rays.
   if (!this->Packets || scene.Blend.Mode == BlendMode::Slice)

@@ -7,6 +7,7 @@
 #include "FFDCastScene.h"
 #include "FFDExport.h"
 #include "FFDPacketCaster.h"
+#include "FFDParallelFor.h"
 #include "FFDRayIntegrator.h"
 #include "FFDReferenceCaster.h"
 #include "FFDSampleClassifier.h"
@@ -39,7 +40,9 @@ public:
   static constexpr int SubtileSize = TileSize / 2;
   static constexpr unsigned int AllSubtiles = 15;
 
-  RayCaster(const CastScene& scene, const CastSettings& settings);
+  /// `parallelFor` makes what is needed for all rays beforehand.
+  RayCaster(const CastScene& scene, const CastSettings& settings,
+    const ParallelFor& parallelFor = ParallelFor());
   ~RayCaster();
   RayCaster(const RayCaster&) = delete;
   RayCaster& operator=(const RayCaster&) = delete;
