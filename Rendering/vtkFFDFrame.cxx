@@ -143,6 +143,14 @@ double vtkFFDFrame::GetSeconds() const
 }
 
 //------------------------------------------------------------------------------
+bool vtkFFDFrame::IsFollowed() const
+{
+  return this->ReportsProgress &&
+    (this->Mapper->HasObserver(vtkCommand::VolumeMapperRenderProgressEvent) ||
+      this->Mapper->HasObserver(vtkCommand::ProgressEvent));
+}
+
+//------------------------------------------------------------------------------
 void vtkFFDFrame::ReportPreparation(double part)
 {
   if (part <= this->LastPart)

@@ -60,6 +60,8 @@ public:
 
   /// Whether the progress events are invoked. Default: true.
   void SetReportsProgress(bool reports) { this->ReportsProgress = reports; }
+  /// Whether somebody observes the progress.
+  bool IsFollowed() const;
 
   /// When to report next.
   Clock::time_point GetNextReport() const { return this->NextReport; }

@@ -32,7 +32,8 @@
 namespace
 {
 
-/// Reports of the progress of a frame of which no time is known; else the clock says when.
+/// Reports of the progress of a frame of which no time is known, if somebody follows it; else the
+/// clock says when.
 constexpr std::size_t LeastReports = 16;
 
 /// Which part of an image of `rays` some subtiles of tiles are, by their number.
@@ -47,6 +48,53 @@ double FindPart(const std::vector<vtkFFDFrameCoherence::Part>& tiles, const glm:
   const glm::ivec2 all = (rays + ffd::RayCaster::SubtileSize - 1) / ffd::RayCaster::SubtileSize;
   return std::min(1.0, static_cast<double>(count) / std::max(1, all.x * all.y));
 }
+
+/// The rays of a tile, or of what of it lies in the image.
+struct TileRange
+{
+  glm::ivec2 First;
+  glm::ivec2 End;
+
+  TileRange(int tile, const glm::ivec2& rays)
+  {
+    constexpr int size = ffd::RayCaster::TileSize;
+    const int tilesPerRow = (rays.x + size - 1) / size;
+    this->First = glm::ivec2(tile % tilesPerRow, tile / tilesPerRow) * size;
+    this->End = glm::min(this->First + size, rays);
+  }
+};
+
+/// Finds what is visible of an image.
+ffd::VisibleRectangle FindVisible(
+  const std::vector<float>& colors, const glm::ivec2& rays, const vtkFFDParallelFor& parallelFor)
+{
+  std::mutex mutex;
+  ffd::VisibleRectangle all;
+  parallelFor(static_cast<std::size_t>(rays.y), [&](std::size_t first, std::size_t last) {
+    ffd::VisibleRectangle visible;
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      visible = all;
+    }
+    for (std::size_t i = first; i < last; ++i)
+    {
+      // Rows from both ends: most of those in the middle then lie within what is known.
+      const int half = static_cast<int>(i / 2);
+      const int y = i % 2 == 0 ? half : rays.y - 1 - half;
+      visible.AddPixels(colors.data(), rays.x, { 0, y }, { rays.x, y + 1 });
+    }
+    const std::lock_guard<std::mutex> lock(mutex);
+    all.Add(visible);
+  });
+  return all;
+}
+
+/// What a thread keeps between tiles; aligned so that no two share a line of the cache.
+struct alignas(128) Worker
+{
+  ffd::RayCaster::Scratch Scratch;
+  ffd::VisibleRectangle Visible; ///< of its tiles
+};
 
 /// The rays of a frame are drawn over more pixels: those whose centers are nearer than a step.
 class Footprints
@@ -154,7 +202,8 @@ bool vtkFFDFrameCaster::Cast(
   const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
   std::unique_ptr<const ffd::RayCaster> made;
   std::vector<vtkFFDFrameCoherence::Part> tiles;
-  if (view.InWindow && this->CanReuse(view.Volume))
+  const bool reuses = view.InWindow && this->CanReuse(view.Volume);
+  if (reuses)
   {
     const vtkFFDFrameCoherence::Sources sources = { view.SettingsTime,
       this->Cache.GetVoxelsVersion(), this->Cache.GetFunctionsVersion(),
@@ -180,7 +229,7 @@ bool vtkFFDFrameCaster::Cast(
   }
   else
   {
-    made = std::make_unique<const ffd::RayCaster>(scene, settings);
+    made = std::make_unique<const ffd::RayCaster>(scene, settings, parallelFor);
     this->Coherence.Clear();
     this->Colors.resize(4 * rays);
     this->FirstVisible.resize(layers ? rays : 0);
@@ -203,8 +252,7 @@ bool vtkFFDFrameCaster::Cast(
   image.Colors = this->Colors.data();
   image.Depths = layers ? this->FirstVisible.data() : outDepths;
 
-  std::vector<ffd::RayCaster::Scratch> scratch(
-    static_cast<std::size_t>(parallelFor.GetNumberOfWorkers()));
+  std::vector<Worker> workers(static_cast<std::size_t>(parallelFor.GetNumberOfWorkers()));
   // Observers may change the options.
   const bool collect = this->Mapper->GetCollectStatistics() != 0;
   this->FinalWindow = this->Mapper->GetFinalColorWindow();
@@ -214,7 +262,7 @@ bool vtkFFDFrameCaster::Cast(
   std::vector<vtkFFDFrameCoherence::Part> stopped; // tiles that were taken and are not finished
   // A worker takes the tiles of a group together; near the end fewer, so that all workers are busy.
   // What is counted must not depend on that.
-  const std::size_t shares = 2 * scratch.size();
+  const std::size_t shares = 2 * workers.size();
   const auto take = [&](std::size_t end) {
     std::size_t first = next;
     std::size_t last = first;
@@ -235,14 +283,15 @@ bool vtkFFDFrameCaster::Cast(
   {
     frame.ReportCasting(1.0);
   }
-  const std::size_t most = view.HasTimeEstimate
+  const std::size_t most = view.HasTimeEstimate || !frame.IsFollowed()
     ? tiles.size()
     : tiles.size() / LeastReports + 1; // of tiles between reports
   while (next < tiles.size() && !aborted)
   {
     const ffd::Deadline due = frame.GetNextReport();
     const std::size_t end = std::min(tiles.size(), next + most);
-    parallelFor.RunWorkers([&](int worker) {
+    parallelFor.RunWorkers([&](int number) {
+      Worker& worker = workers[static_cast<std::size_t>(number)];
       do
       {
         const auto [first, last] = take(end);
@@ -257,9 +306,8 @@ bool vtkFFDFrameCaster::Cast(
           const bool late = !collect && i > first && vtkFFDFrame::Clock::now() >= due;
           if (!late)
           {
-            tile.First =
-              caster.RenderTile(tile.Tile, image, scratch[static_cast<std::size_t>(worker)],
-                tile.Subtiles, tile.First, collect ? ffd::NoDeadline : due);
+            tile.First = caster.RenderTile(tile.Tile, image, worker.Scratch, tile.Subtiles,
+              tile.First, collect ? ffd::NoDeadline : due);
           }
           if (late || tile.First != 0)
           {
@@ -269,6 +317,11 @@ bool vtkFFDFrameCaster::Cast(
           else
           {
             this->ApplyFinalColors(region, tile, this->Colors);
+            if (view.IsDrawn && !reuses)
+            {
+              const TileRange range(tile.Tile, region.Rays);
+              worker.Visible.AddPixels(image.Colors, image.Width, range.First, range.End);
+            }
           }
         }
       } while (vtkFFDFrame::Clock::now() < due);
@@ -286,13 +339,25 @@ bool vtkFFDFrameCaster::Cast(
   {
     this->Coherence.Clear();
   }
+  if (reuses)
+  {
+    this->Visible = FindVisible(this->Colors, region.Rays, parallelFor);
+  }
+  else
+  {
+    this->Visible = ffd::VisibleRectangle();
+    for (const Worker& each : workers)
+    {
+      this->Visible.Add(each.Visible);
+    }
+  }
 
   if (collect && !aborted)
   {
     ffd::CastStatistics total;
-    for (const ffd::RayCaster::Scratch& each : scratch)
+    for (const Worker& each : workers)
     {
-      total.Add(ffd::RayCaster::GetStatistics(each));
+      total.Add(ffd::RayCaster::GetStatistics(each.Scratch));
     }
     this->Mapper->GetStatistics()->SetCounts(total.Rays, total.Segments, total.SegmentLength,
       total.Samples, total.VisibleSamples, total.DistanceLookups, total.Evaluations,
@@ -456,24 +521,21 @@ void vtkFFDFrameCaster::CastNearer(const View& view, ffd::CastScene scene)
   image.Width = region.Rays.x;
   image.Height = region.Rays.y;
   image.Colors = this->NearColors.data();
-  constexpr int size = ffd::RayCaster::TileSize;
-  const int tilesPerRow = (image.Width + size - 1) / size;
   const auto forEachRay = [&](int tile, const auto& work) {
-    const glm::ivec2 first(tile % tilesPerRow * size, tile / tilesPerRow * size);
-    const glm::ivec2 end = glm::min(first + size, region.Rays);
-    for (int y = first.y; y < end.y; ++y)
+    const TileRange range(tile, region.Rays);
+    for (int y = range.First.y; y < range.End.y; ++y)
     {
-      for (int x = first.x; x < end.x; ++x)
+      for (int x = range.First.x; x < range.End.x; ++x)
       {
         work(static_cast<std::size_t>(y) * image.Width + x);
       }
     }
   };
   const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
-  std::vector<ffd::RayCaster::Scratch> scratch(
-    static_cast<std::size_t>(parallelFor.GetNumberOfWorkers()));
+  std::vector<Worker> workers(static_cast<std::size_t>(parallelFor.GetNumberOfWorkers()));
   std::atomic<int> nextTile{ 0 };
-  parallelFor.RunWorkers([&](int worker) {
+  parallelFor.RunWorkers([&](int number) {
+    Worker& worker = workers[static_cast<std::size_t>(number)];
     const int tiles = caster.GetNumberOfTiles(image);
     for (int tile = nextTile++; tile < tiles; tile = nextTile++)
     {
@@ -484,7 +546,7 @@ void vtkFFDFrameCaster::CastNearer(const View& view, ffd::CastScene scene)
         continue;
       }
       const vtkFFDFrameCoherence::Part part{ tile, ffd::RayCaster::AllSubtiles };
-      caster.RenderTile(tile, image, scratch[static_cast<std::size_t>(worker)], part.Subtiles);
+      caster.RenderTile(tile, image, worker.Scratch, part.Subtiles);
       this->ApplyFinalColors(region, part, this->NearColors);
       forEachRay(tile, [&](std::size_t at) {
         if (this->NearDepths[at] == 0.0f)
@@ -492,8 +554,14 @@ void vtkFFDFrameCaster::CastNearer(const View& view, ffd::CastScene scene)
           std::copy_n(&this->Colors[4 * at], 4, &this->NearColors[4 * at]);
         }
       });
+      const TileRange range(tile, region.Rays);
+      worker.Visible.AddPixels(image.Colors, image.Width, range.First, range.End);
     }
   });
+  for (const Worker& each : workers)
+  {
+    this->Visible.Add(each.Visible);
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -509,15 +577,12 @@ void vtkFFDFrameCaster::ApplyFinalColors(const vtkFFDImageRegion& region,
   }
   const float scale = static_cast<float>(1.0 / window);
   const float bias = static_cast<float>(0.5 - level / window);
-  constexpr int size = ffd::RayCaster::TileSize;
-  const int tilesPerRow = (region.Rays.x + size - 1) / size;
-  const glm::ivec2 first(tile.Tile % tilesPerRow * size, tile.Tile / tilesPerRow * size);
-  const glm::ivec2 end = glm::min(first + size, region.Rays);
-  for (int y = first.y; y < end.y; ++y)
+  const TileRange range(tile.Tile, region.Rays);
+  for (int y = range.First.y; y < range.End.y; ++y)
   {
-    for (int x = first.x; x < end.x; ++x)
+    for (int x = range.First.x; x < range.End.x; ++x)
     {
-      const glm::ivec2 subtile = (glm::ivec2(x, y) - first) / ffd::RayCaster::SubtileSize;
+      const glm::ivec2 subtile = (glm::ivec2(x, y) - range.First) / ffd::RayCaster::SubtileSize;
       if ((tile.Subtiles >> (subtile.x + 2 * subtile.y) & 1u) == 0)
       {
         continue;

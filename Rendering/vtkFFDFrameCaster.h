@@ -16,6 +16,7 @@
 #include "vtkFFDParallelFor.h"
 
 #include "FFDCastScene.h"
+#include "FFDVisibleRectangle.h"
 
 #include "vtkType.h"
 
@@ -45,6 +46,7 @@ public:
     vtkFFDImageRegion Region;
     bool Interactive = false;      ///< see vtkFFDFramePlan::PlaceRays()
     bool InWindow = false;         ///< else it is for a selector or an image
+    bool IsDrawn = false;          ///< in a window or for a selector
     bool HasTimeEstimate = false;  ///< about how long it takes
     vtkMTimeType SettingsTime = 0; ///< of the mapper, without its deformation
   };
@@ -57,6 +59,9 @@ public:
 
   /// The picture: premultiplied colors, 4 floats a ray.
   std::vector<float>& GetColors() { return this->Colors; }
+
+  /// What is visible of it if it is drawn, and after CastLayers() of these, too.
+  const ffd::VisibleRectangle& GetVisible() const { return this->Visible; }
 
   /// Window depths of the pixels of a frame: to be written to before Cast().
   std::vector<float>& GetWindowDepths() { return this->WindowDepths; }
@@ -91,6 +96,7 @@ private:
   const vtkFFDFrameCache& Cache;
 
   std::vector<float> Colors;
+  ffd::VisibleRectangle Visible;
   double FinalWindow = 1.0; // of the frame in progress
   double FinalLevel = 0.5;
   std::vector<float> WindowDepths;  // of the pixels of the last frame

@@ -103,72 +103,20 @@ struct Rectangle
   int Height() const { return this->High[1] - this->Low[1]; }
 };
 
-/// Limit of an empty rectangle, which does not count in the hull of several.
-constexpr int Beyond = std::numeric_limits<int>::max();
-constexpr Rectangle Nothing = { { Beyond, Beyond }, { 0, 0 } };
-
-/// The rectangle of visible pixels in some rows of an image.
-Rectangle FindVisible(int width, int firstRow, int lastRow, const float* colors)
+/// What is visible of an image, with a pixel around it to be interpolated to; empty if nothing is.
+Rectangle FindPart(const vtkFFDImageDisplay::Image& image)
 {
-  Rectangle found = Nothing;
-  for (int y = firstRow; y < lastRow; ++y)
+  Rectangle part = { { 0, 0 }, { 0, 0 } };
+  if (!image.Visible.IsEmpty())
   {
-    const float* row = colors + 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(y);
-    const auto isVisible = [row](int x) {
-      std::uint64_t halves[2];
-      std::memcpy(halves, row + 4 * x, sizeof(halves));
-      return (halves[0] | halves[1]) != 0;
-    };
-    int first = 0;
-    while (first < width && !isVisible(first))
-    {
-      ++first;
-    }
-    if (first == width)
-    {
-      continue;
-    }
-    // Not beyond what is known to be visible.
-    int end = width;
-    while (end > found.High[0] && !isVisible(end - 1))
-    {
-      --end;
-    }
-    found.Low[0] = std::min(found.Low[0], first);
-    found.High[0] = end;
-    found.Low[1] = std::min(found.Low[1], y);
-    found.High[1] = y + 1;
-  }
-  return found;
-}
-
-/// Adds the visible pixels of an image to the rectangle `found`.
-void FindVisible(int width, int height, const float* colors, Rectangle& found,
-  const vtkFFDParallelFor& parallelFor)
-{
-  std::mutex mutex;
-  parallelFor(static_cast<std::size_t>(height), [&](std::size_t first, std::size_t last) {
-    const Rectangle rows =
-      FindVisible(width, static_cast<int>(first), static_cast<int>(last), colors);
-    const std::lock_guard<std::mutex> lock(mutex);
+    const int size[2] = { image.Width, image.Height };
     for (int a = 0; a < 2; ++a)
     {
-      found.Low[a] = std::min(found.Low[a], rows.Low[a]);
-      found.High[a] = std::max(found.High[a], rows.High[a]);
+      part.Low[a] = std::max(image.Visible.GetLow()[a] - 1, 0);
+      part.High[a] = std::min(image.Visible.GetHigh()[a] + 1, size[a]);
     }
-  });
-}
-
-/// With a pixel around it to be interpolated to; empty if there was nothing.
-Rectangle AddMargin(Rectangle found, int width, int height)
-{
-  const int size[2] = { width, height };
-  for (int a = 0; a < 2; ++a)
-  {
-    found.Low[a] = std::max(found.Low[a] - 1, 0);
-    found.High[a] = std::min(found.High[a] + 1, size[a]);
   }
-  return found;
+  return part;
 }
 
 /// Forget errors of OpenGL from before. (Without a context there is no end of them.)
@@ -333,9 +281,8 @@ vtkFFDImageDisplay::vtkFFDImageDisplay()
 vtkFFDImageDisplay::~vtkFFDImageDisplay() = default;
 
 //------------------------------------------------------------------------------
-bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, const float* colors,
-  const Layers& layers, const double rectangle[4], bool pixelByPixel,
-  const vtkFFDParallelFor& parallelFor)
+bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, const Image& image, const Layers& layers,
+  const double rectangle[4], bool pixelByPixel, const vtkFFDParallelFor& parallelFor)
 {
   auto* window = vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow());
   if (!window)
@@ -353,13 +300,7 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, cons
   gl.Window = window;
 
   // Most of the bounds of a volume is empty.
-  Rectangle part = Nothing;
-  FindVisible(width, height, colors, part, parallelFor);
-  if (layers.Colors)
-  {
-    FindVisible(width, height, layers.Colors, part, parallelFor);
-  }
-  part = AddMargin(part, width, height);
+  const Rectangle part = FindPart(image);
   if (part.Width() <= 0 || part.Height() <= 0)
   {
     return true;
@@ -367,10 +308,10 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, cons
   // Nearest, so that rounding does not blend neighbors of a picture with a ray for each pixel.
   const int filter = pixelByPixel ? vtkTextureObject::Nearest : vtkTextureObject::Linear;
   const Rectangle all = { { 0, 0 }, { layers.Pixels[0], layers.Pixels[1] } };
-  if (!gl.Fill(gl.Texture, colors, 4, width, part, filter, parallelFor) ||
+  if (!gl.Fill(gl.Texture, image.Colors, 4, image.Width, part, filter, parallelFor) ||
     (layers.Colors &&
-      (!gl.Fill(gl.NearTexture, layers.Colors, 4, width, part, filter, parallelFor) ||
-        !gl.Fill(gl.RayDepths, layers.Depths, 3, width, part, filter, parallelFor) ||
+      (!gl.Fill(gl.NearTexture, layers.Colors, 4, image.Width, part, filter, parallelFor) ||
+        !gl.Fill(gl.RayDepths, layers.Depths, 3, image.Width, part, filter, parallelFor) ||
         !gl.Fill(
           gl.PixelDepths, layers.PixelDepths, 1, layers.Pixels[0], all, filter, parallelFor))))
   {
@@ -391,8 +332,8 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, int width, int height, cons
   state->vtkglDisable(GL_DEPTH_TEST);
   state->vtkglBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
 
-  const double pixel[2] = { (rectangle[2] - rectangle[0]) / width,
-    (rectangle[3] - rectangle[1]) / height };
+  const double pixel[2] = { (rectangle[2] - rectangle[0]) / image.Width,
+    (rectangle[3] - rectangle[1]) / image.Height };
   float corners[4];
   float pixels[4];
   for (int a = 0; a < 2; ++a)

@@ -11,6 +11,8 @@
 #ifndef vtkFFDImageDisplay_h
 #define vtkFFDImageDisplay_h
 
+#include "FFDVisibleRectangle.h"
+
 #include <memory>
 
 class vtkFFDParallelFor;
@@ -24,6 +26,14 @@ public:
   ~vtkFFDImageDisplay();
   vtkFFDImageDisplay(const vtkFFDImageDisplay&) = delete;
   vtkFFDImageDisplay& operator=(const vtkFFDImageDisplay&) = delete;
+
+  struct Image
+  {
+    int Width = 0;
+    int Height = 0;
+    const float* Colors = nullptr; ///< premultiplied RGBA, rows bottom up
+    ffd::VisibleRectangle Visible; ///< of it and its layers
+  };
 
   /**
    * Layers of a picture with fewer rays than pixels, to be composed with the geometry of each
@@ -42,12 +52,11 @@ public:
   };
 
   /**
-   * Draw `colors`, width x height floats of premultiplied RGBA, rows bottom up, over the rectangle
-   * (xmin, ymin, xmax, ymax) of the viewport, in normalized device coordinates. `pixelByPixel`:
-   * each lies on a pixel. Returns false when the window of the renderer is not an OpenGL one or
-   * refuses the texture.
+   * Draw an image and its layers over the rectangle (xmin, ymin, xmax, ymax) of the viewport, in
+   * normalized device coordinates. `pixelByPixel`: each of the image lies on one of the window.
+   * Returns false when the window of the renderer is not an OpenGL one or refuses the texture.
    */
-  bool Draw(vtkRenderer* renderer, int width, int height, const float* colors, const Layers& layers,
+  bool Draw(vtkRenderer* renderer, const Image& image, const Layers& layers,
     const double rectangle[4], bool pixelByPixel, const vtkFFDParallelFor& parallelFor);
 
   /**

@@ -420,6 +420,7 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   cast.Region = region;
   cast.Interactive = interactive;
   cast.InWindow = shown;
+  cast.IsDrawn = shown || selector;
   cast.HasTimeEstimate = in.Plan.HasTimeEstimate();
   cast.SettingsTime = this->GetSettingsTime();
   const bool done = in.Caster.Cast(frame, cast, depths, visibleDepths);
@@ -463,20 +464,25 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
       in.Plan.RecordFrame(
         this->TimeToDraw, region.Step, interactive, in.Caster.GetReusedFraction());
       view.Complete = true;
+      view.Visible = in.Caster.GetVisible();
       in.Shown = view;
     }
     in.Plan.RecordStillTime(this, frame, interactive);
   }
   // After an abort the last picture: the window may be read before the next frame is there.
-  const std::vector<float>& colors = done ? in.Caster.GetColors() : in.LastColors;
   region = done ? region : in.Last.Region;
+  vtkFFDImageDisplay::Image image;
+  image.Width = region.Rays.x;
+  image.Height = region.Rays.y;
+  image.Colors = done ? in.Caster.GetColors().data() : in.LastColors.data();
+  image.Visible = done ? in.Caster.GetVisible() : in.Last.Visible;
 
   const glm::dvec2 perPixel = 2.0 / glm::dvec2(region.Viewport);
   const glm::dvec2 lower = glm::dvec2(region.Origin) * perPixel - 1.0;
   const glm::dvec2 upper = lower + glm::dvec2(region.Rays) * region.Step * perPixel;
   const double rectangle[4] = { lower.x, lower.y, upper.x, upper.y };
-  if (!in.Display.Draw(renderer, region.Rays.x, region.Rays.y, colors.data(), layers, rectangle,
-        region.Step == 1.0, in.MakeParallelFor()))
+  if (!in.Display.Draw(
+        renderer, image, layers, rectangle, region.Step == 1.0, in.MakeParallelFor()))
   {
     vtkErrorMacro(<< "The image could not be drawn: the render window is not an OpenGL window or "
                      "refused a texture of "

@@ -60,6 +60,7 @@ public:
     bool Complete = false;
     vtkFFDImageRegion Region;
     glm::dmat4 DataToNdc{ 1.0 };
+    ffd::VisibleRectangle Visible;
 
     bool IsSameAs(const View& other) const
     {
