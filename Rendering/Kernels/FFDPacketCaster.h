@@ -11,6 +11,7 @@
 #include "FFDPacketPlane.h"
 #include "FFDPacketTable.h"
 #include "FFDPacketVolume.h"
+#include "FFDParallelFor.h"
 #include "FFDRayIntegrator.h"
 #include "FFDTileBounds.h"
 #include "FFDTileSegment.h"
