@@ -175,7 +175,8 @@ class TestPanel(unittest.TestCase):
 
     def test_search(self):
         """What is typed into the search box of the panel finds the lattice's controls by their names, and
-        opens the part where they are until it is something else; tooltips are those of the controls."""
+        opens the part where they are until it is something else; tooltips are those of the controls. A lattice
+        that the user has hidden stays so."""
         events = Events()
 
         def search(words, found, opened=None):
@@ -195,11 +196,15 @@ class TestPanel(unittest.TestCase):
         events.set(PROPERTIES + "SearchBox/SearchLineEdit", "string", "")
         events.toggle(DISPLAY)
         search("curved", True, DISPLAY)
+        events.set(PANEL + "show3DWidget", "boolean", "false")
+        search("strength", False)
         search("resolution", True, DISPLAY)
+        events.check(PANEL + "show3DWidget", "checked", "false")
         events.set(PANEL + "Resolution_0", "int", "6")
         events.click(PROPERTIES + "Accept")
         states, _ = events.play("search", auto_apply=False)
         self.assertEqual(states[-1]["resolution"], [6, 5, 5])
+        self.assertEqual(states[-1]["widget"]["Visible"], 0)
 
     def test_live(self):
         """With auto-apply the filter follows a drag, which is one step for undo and trace; after

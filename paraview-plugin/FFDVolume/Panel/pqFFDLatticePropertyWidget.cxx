@@ -279,30 +279,27 @@ void pqFFDLatticePropertyWidget::reset()
 
 //-----------------------------------------------------------------------------
 /**
- * The superclass looks at the widget, which may be out of sight already, to know what to show
- * later. What is typed into the search box of the panel hides this widget alone: the lattice stays.
+ * The lattice goes with the panel and comes back as it was. The superclass does so, too, but looks
+ * at the widget, which may be out of sight already, to know how it was. What is typed into the
+ * search box of the panel hides and shows this widget alone: the lattice stays as it is.
  */
 void pqFFDLatticePropertyWidget::hideEvent(QHideEvent* event)
 {
   pqInternals& in = *this->Internals;
-  if (this->isHidden())
-  {
-    this->pqPropertyWidget::hideEvent(event);
-    return;
-  }
-  if (!in.Away)
+  this->pqPropertyWidget::hideEvent(event);
+  if (!this->isHidden() && !in.Away)
   {
     in.Away = true;
     in.VisibleBefore = this->isWidgetVisible();
+    this->setWidgetVisible(false);
   }
-  this->Superclass::hideEvent(event);
 }
 
 //-----------------------------------------------------------------------------
 void pqFFDLatticePropertyWidget::showEvent(QShowEvent* event)
 {
   pqInternals& in = *this->Internals;
-  this->Superclass::showEvent(event);
+  this->pqPropertyWidget::showEvent(event);
   this->findSearchBox();
   if (in.Away)
   {
