@@ -12,8 +12,9 @@
  *   happens between the landmarks. Landmarks that contradict each other (in one place, or too near
  *   to each other) are averaged; consistent ones are met within Tolerance, as smoothly as that
  *   allows: give the accuracy of the landmarks as Tolerance, and their noise is not followed. The
- *   result is the best of all levels. At least one pair; with fewer than four, or in a plane, the
- *   affine map is the smallest one that there is. Error: that of the result, at all landmarks.
+ *   result is the best of all levels. At least one pair; with fewer than four, or nearly in a
+ *   plane, the affine map is the smallest one that there is. Error: that of the result, at all
+ *   landmarks.
  * - <b>A displacement field</b>, the image at the input: point scalars of three components, the
  *   displacement at each point. The exact least-squares spline of all samples within the bounds
  *   (the normal equations of a tensor product are solved axis by axis), so noise is averaged.

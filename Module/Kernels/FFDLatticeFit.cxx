@@ -34,8 +34,6 @@ constexpr double GridPenalty = 1e-9;
 constexpr int LargestIterations = 200;
 /// Landmark systems of at most so many cells are factorized.
 constexpr int DirectCells = 8;
-/// Fraction of the diagonal of those that is added to it.
-constexpr double DirectRidge = 1e-9;
 constexpr double ResidualReduction = 1e-7;
 /// Smoothness below which control points that no landmark determines would be left to rounding.
 constexpr double LeastSmoothness = 1e-10;
@@ -46,8 +44,11 @@ constexpr double RoundGain = 0.7;
 /// A level that leaves more than this part of the error of the level before was hardly worth it.
 constexpr double LevelGain = 0.98;
 /// Singular values of scattered points below this fraction of the largest are directions in which
-/// they do not extend.
-constexpr double RankTolerance = 1e-9;
+/// they extend too little to tell a gradient.
+constexpr double RankTolerance = 0.1;
+/// Weight of gradients beside that of second derivatives: small enough for a field within the box
+/// to be one of least bending.
+constexpr double GradientWeight = 0.1;
 
 using SparseMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
@@ -451,7 +452,7 @@ SparseMatrix AxisRefinement(int nodes)
   return matrix;
 }
 
-/// The affine displacement of least squares, smallest where the points do not determine it.
+/// The affine displacement of least squares, smallest where the points hardly determine it.
 void AffineFit(const std::vector<glm::dvec3>& points, const std::vector<glm::dvec3>& displacements,
   const std::vector<double>& weights, glm::dmat3& matrix, glm::dvec3& offset)
 {
@@ -460,9 +461,9 @@ void AffineFit(const std::vector<glm::dvec3>& points, const std::vector<glm::dve
   const Eigen::RowVector3d center = w.transpose() * AsRows(points) / w.sum();
   const Eigen::RowVector3d mean = w.transpose() * AsRows(displacements) / w.sum();
   const auto root = w.cwiseSqrt().asDiagonal();
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixX3d> solver;
+  Eigen::JacobiSVD<Eigen::MatrixXd> solver(
+    root * (AsRows(points).rowwise() - center), Eigen::ComputeThinU | Eigen::ComputeThinV);
   solver.setThreshold(RankTolerance);
-  solver.compute(root * (AsRows(points).rowwise() - center));
   // Row a: displacement for each coordinate a.
   const Eigen::Matrix3d linear = solver.solve(root * (AsRows(displacements).rowwise() - mean));
   const Eigen::RowVector3d constant = mean - center * linear;
@@ -473,10 +474,29 @@ void AffineFit(const std::vector<glm::dvec3>& points, const std::vector<glm::dve
   }
 }
 
+/// The net of an affine displacement (B-splines have linear precision).
+std::vector<glm::dvec3> AffineNet(
+  const FittedNet& fit, const glm::dmat3& matrix, const glm::dvec3& offset)
+{
+  std::vector<glm::dvec3> values;
+  for (int k = 0; k < fit.Cells.z + 3; ++k)
+  {
+    for (int j = 0; j < fit.Cells.y + 3; ++j)
+    {
+      for (int i = 0; i < fit.Cells.x + 3; ++i)
+      {
+        values.push_back(
+          matrix * (fit.GetOrigin() + glm::dvec3(i, j, k) * fit.GetSpacing()) + offset);
+      }
+    }
+  }
+  return values;
+}
+
 /**
  * The least-squares problem of FitNetToPoints at one level: rows of the B-splines at the points,
- * and of the differences that stand for the second derivatives, each times the root of its weight.
- * With it come the systems of half as many cells each, which precondition it.
+ * and of the differences that stand for the first and second derivatives, each times the root of
+ * its weight. With it come the systems of half as many cells each, which precondition it.
  */
 class PointSystem
 {
@@ -490,7 +510,7 @@ public:
   {
     this->Roots = (this->Roots / this->Roots.sum()).cwiseSqrt().eval();
     const glm::dvec3 h = fit.GetSpacing();
-    // Second derivatives as differences of control points, integrated by the cells' volume.
+    // Derivatives as differences of control points, integrated by the cells' volume.
     const double longest = std::max({ fit.Extent.x, fit.Extent.y, fit.Extent.z });
     const double volume = fit.Extent.x * fit.Extent.y * fit.Extent.z;
     const double scale =
@@ -523,6 +543,8 @@ public:
       glm::ivec3 alongB(0);
       alongA[a] = 1;
       alongB[b] = 1;
+      const double first = std::sqrt(GradientWeight * scale) / (longest * h[a]);
+      row = this->AddDifferences({ { 0 * alongA, -first }, { alongA, first } }, row, entries);
       const double second = std::sqrt(scale) / (h[a] * h[a]);
       const double mixed = std::sqrt(2.0 * scale) / (h[a] * h[b]);
       row = this->AddDifferences(
@@ -534,15 +556,13 @@ public:
     }
     SparseMatrix differences(row, size);
     differences.setFromTriplets(entries.begin(), entries.end());
-    this->Bending = differences.transpose() * differences;
-    this->Diagonal = this->Bending.diagonal();
+    this->Energy = differences.transpose() * differences;
+    this->Diagonal = this->Energy.diagonal();
     this->Diagonal += this->Basis.cwiseAbs2().transpose() * Eigen::VectorXd::Ones(count);
     if (fit.Cells.x <= DirectCells)
     {
-      // Points on a plane leave an affine map open: a little more on the diagonal closes it.
       SparseMatrix normal = this->Basis.transpose() * this->Basis;
-      normal += this->Bending;
-      normal.diagonal() += DirectRidge * this->Diagonal;
+      normal += this->Energy;
       this->Direct.compute(normal);
     }
     else
@@ -560,16 +580,19 @@ public:
 
   Eigen::Index GetSize() const { return this->Diagonal.size(); }
 
-  /// The right-hand side of the normal equations for these values at the points.
-  Vectors Project(const std::vector<glm::dvec3>& values) const
+  /// The right-hand side of the normal equations for these values at the points and the energy of
+  /// what departs from that net.
+  Vectors Project(const std::vector<glm::dvec3>& values, const std::vector<glm::dvec3>& net) const
   {
-    return this->Basis.transpose() * (this->Roots.asDiagonal() * AsRows(values));
+    Vectors result = this->Multiply(this->Energy, AsRows(net));
+    result += this->Basis.transpose() * (this->Roots.asDiagonal() * AsRows(values));
+    return result;
   }
 
   /// The matrix of the normal equations times three columns.
   Vectors Apply(const Eigen::Ref<const Vectors>& columns) const
   {
-    Vectors result = this->Multiply(this->Bending, columns);
+    Vectors result = this->Multiply(this->Energy, columns);
     const Vectors values = this->Basis * columns;
     result += this->Basis.transpose() * values;
     return result;
@@ -641,7 +664,7 @@ private:
   ParallelFor Parallel;
   Eigen::VectorXd Roots;    // of the weights of the points
   SparseMatrix Basis;       // a row for each point, times its root
-  SparseMatrix Bending;     // the bending energy is net^T Bending net
+  SparseMatrix Energy;      // that of derivatives is net^T Energy net
   Eigen::VectorXd Diagonal; // of the normal equations
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> Direct; // at most DirectCells
   // More cells:
@@ -656,11 +679,12 @@ struct SolutionStopped
 };
 
 /**
- * Conjugate gradients from `net`: it becomes the net of least squares of `values` and bending
- * energy, or one nearer to that. False: stopped.
+ * Conjugate gradients from `net`: it becomes the net of least squares of `values` and of the energy
+ * of what departs from the net `affine`, or one nearer to that. False: stopped.
  */
 bool SolvePoints(const PointSystem& system, const std::vector<glm::dvec3>& values,
-  const FitLimits& limits, double done, std::vector<glm::dvec3>& net)
+  const std::vector<glm::dvec3>& affine, const FitLimits& limits, double done,
+  std::vector<glm::dvec3>& net)
 {
   // All three components at once, as one long vector.
   using Vector = Eigen::VectorXd;
@@ -676,7 +700,7 @@ bool SolvePoints(const PointSystem& system, const std::vector<glm::dvec3>& value
     return result;
   });
   Vector right(3 * rows);
-  asRows(right) = system.Project(values);
+  asRows(right) = system.Project(values, affine);
   Eigen::ConjugateGradient<LinearOperator, Eigen::Lower | Eigen::Upper, LinearPreconditioner>
     solver(normalEquations);
   solver.preconditioner().Apply = [&](const Vector& x) -> Vector {
@@ -736,24 +760,13 @@ FitStatus FitNetToPoints(const std::vector<glm::dvec3>& points,
     return net.LargestError <= limits.Tolerance;
   };
 
-  // Level 0: the affine map, as a net of one cell (B-splines have linear precision).
+  // Level 0: the affine map, as a net of one cell.
   glm::dmat3 matrix(0.0);
   glm::dvec3 offset(0.0);
   AffineFit(points, displacements, used, matrix, offset);
   fit.Cells = glm::ivec3(1);
   fit.Net.Nodes = glm::ivec3(4);
-  fit.Net.Values.clear();
-  for (int k = 0; k < 4; ++k)
-  {
-    for (int j = 0; j < 4; ++j)
-    {
-      for (int i = 0; i < 4; ++i)
-      {
-        fit.Net.Values.push_back(
-          matrix * (fit.GetOrigin() + glm::dvec3(i, j, k) * fit.GetSpacing()) + offset);
-      }
-    }
-  }
+  fit.Net.Values = AffineNet(fit, matrix, offset);
   if (measure(fit))
   {
     return FitStatus::Reached;
@@ -765,13 +778,14 @@ FitStatus FitNetToPoints(const std::vector<glm::dvec3>& points,
   {
     const double before = fit.RootMeanSquareError;
     const PointSystem system(points, used, level, weight, limits.Parallel);
+    const std::vector<glm::dvec3> affine = AffineNet(level, matrix, offset);
     // The residuals are added to the aims (iterated Tikhonov regularization): that restores what
     // the bending energy takes off consistent landmarks, and soon ends where they contradict each
     // other.
     std::vector<glm::dvec3> aims = displacements;
     for (int round = 0; round < LargestRounds; ++round)
     {
-      if (!SolvePoints(system, aims, limits, done, level.Net.Values))
+      if (!SolvePoints(system, aims, affine, limits, done, level.Net.Values))
       {
         return FitStatus::Stopped;
       }
@@ -787,7 +801,7 @@ FitStatus FitNetToPoints(const std::vector<glm::dvec3>& points,
         for (double stiffer = 10.0 * weight; round == 0 && stiffer <= 1.0; stiffer *= 10.0)
         {
           const PointSystem stiff(points, used, level, stiffer, limits.Parallel);
-          if (!SolvePoints(stiff, displacements, limits, done, level.Net.Values))
+          if (!SolvePoints(stiff, displacements, affine, limits, done, level.Net.Values))
           {
             return FitStatus::Stopped;
           }

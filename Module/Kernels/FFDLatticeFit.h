@@ -76,18 +76,19 @@ FFD_CORE_EXPORT FitStatus FitNetToGrid(const glm::ivec3& count, const glm::dvec3
   FittedNet& fit);
 
 /**
- * The net of displacements at scattered points (landmarks), coarse to fine: first the affine map of
- * least squares, of the smallest norm where the points do not determine it; then splines of 1, 2,
- * 4, ... cells that minimize
- *   sum_i w_i |d_i - D(x_i)|^2 / sum_i w_i + smoothness * L^4 / V * integral of |second
- * derivatives|^2 (thin-plate bending energy of the whole of D, by second differences of control
- * points; L the longest extent, V the volume; so smoothness has no unit, and an affine map costs
- * nothing), by conjugate gradients from the net of the level before, preconditioned by all coarser
- * levels. What is left is
- * asked for again (iterated Tikhonov regularization) while that makes the error much smaller:
- * consistent displacements are met exactly in the end, those that contradict each other are
- * averaged. Once the tolerance is kept, smoothness grows for as long as it still is (discrepancy
- * principle).
+ * The net of displacements at scattered points (landmarks), coarse to fine: first the affine map A
+ * of least squares, of the smallest norm in directions in which the points extend less than a tenth
+ * of how far they do in others; then splines of 1, 2, 4, ... cells that minimize
+ *   sum_i w_i |d_i - D(x_i)|^2 / sum_i w_i + smoothness * (L^4 / V * integral of |second
+ * derivatives|^2 + 0.1 L^2 / V * integral of |gradient of D - A|^2)
+ * (thin-plate bending energy of the whole of D, by second differences of control points; L the
+ * longest extent, V the volume; so smoothness has no unit, and an affine map costs nothing; points
+ * that are nearly in a plane, as those put on what is seen in a picture, would be met by any
+ * gradient across it without the second term), by conjugate gradients from the net of the level
+ * before, preconditioned by all coarser levels. What is left is asked for again (iterated Tikhonov
+ * regularization) while that makes the error much smaller: consistent displacements are met exactly
+ * in the end, those that contradict each other are averaged. Once the tolerance is kept, smoothness
+ * grows for as long as it still is (discrepancy principle).
  *
  * The result is the net with the least weighted mean square error of all levels, never worse than a
  * coarser one. Levels end early where two in a row with more control points than points gain less

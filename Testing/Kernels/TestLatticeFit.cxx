@@ -408,6 +408,53 @@ TEST(LatticeFit, PointsOutOfTheBoxAndDegenerateOnes)
   EXPECT_EQ(fitTo(points, 0.5, 4), FitStatus::Reached);
 }
 
+TEST(LatticeFit, LandmarksNearAPlaneTellNoGradientAcrossIt)
+{
+  // Four put on the face of a volume that is seen, and where they shall be: an affine map meets
+  // them exactly, and turns the volume inside out behind the face.
+  const std::vector<glm::dvec3> points = { { 37.6812, 48.0372, 59.0 }, { 9.63496, 48.314, 54.5274 },
+    { 9.62335, 10.4647, 54.3497 }, { 37.6812, 10.7557, 59.0 } };
+  const std::vector<glm::dvec3> targets = { { 43.4147, 45.8307, 59.0 },
+    { 15.8299, 47.5113, 58.8781 }, { 9.61016, 10.3695, 54.2635 }, { 30.0435, 10.7314, 59.0 } };
+  std::vector<glm::dvec3> displacements;
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    displacements.push_back(targets[i] - points[i]);
+  }
+  ffd::FittedNet fit;
+  fit.Extent = glm::dvec3(59.0);
+  ASSERT_EQ(ffd::FitNetToPoints(points, displacements, {}, 1e-6, { 0.1, 64, {}, {} }, fit),
+    FitStatus::Reached);
+  ExpectTrueErrors(fit, points, displacements);
+  Random random;
+  for (int i = 0; i < 1000; ++i)
+  {
+    const glm::dvec3 p = random.Point(fit);
+    const glm::dvec3 d = FieldOf(fit).Displacement(p);
+    EXPECT_LT(Length(d), 20.0); // they are up to 8
+    // Nothing is turned over.
+    for (int a = 0; a < 3; ++a)
+    {
+      glm::dvec3 q = p;
+      q[a] += 1e-3;
+      EXPECT_GT(1.0 + (FieldOf(fit).Displacement(q) - d)[a] / 1e-3, 0.2) << a;
+    }
+  }
+  // Many in a thin slab do tell it.
+  std::vector<glm::dvec3> slab;
+  displacements.clear();
+  for (int i = 0; i < 100; ++i)
+  {
+    slab.push_back(random.Point(fit));
+    slab.back().z = 30.0 + 0.03 * slab.back().z;
+    displacements.push_back(Affine(slab.back()));
+  }
+  ASSERT_EQ(ffd::FitNetToPoints(slab, displacements, {}, 1e-6, { 1e-3, 64, {}, {} }, fit),
+    FitStatus::Reached);
+  const auto at = [&fit](double z) { return FieldOf(fit).Displacement({ 20.0, 30.0, z }); };
+  EXPECT_LT(Length(at(31.5) - at(30.2) - Matrix * glm::dvec3(0.0, 0.0, 1.3)), 5e-3);
+}
+
 TEST(LatticeFit, GridOfASplineGivesTheSplineBack)
 {
   // 8 cells: the samples of a spline on that net are reproduced by it.
