@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Run by TestPanel.py in ParaView's graphical client: a volume with a lattice, the control point (2, 2, 2)
 in the middle of the view. FFD_DRAG_FRAMES is a file for the pixels of the last frame, as the window has
-them, and the number of frames."""
+them, those of the last one while the mouse button was down, and the number of frames."""
 
 import os
 
@@ -27,6 +27,7 @@ simple.SetActiveSource(lattice)
 simple.Render(view)
 window = view.GetRenderWindow()
 frames = [0]
+pictures = {}
 
 
 def note(*_):
@@ -35,8 +36,10 @@ def note(*_):
     width, height = window.GetActualSize()
     pixels = vtkUnsignedCharArray()
     window.GetRGBACharPixelData(0, 0, width - 1, height - 1, 0, pixels)
-    np.savez(os.environ["FFD_DRAG_FRAMES"], count=frames[0],
-             picture=vtk_to_numpy(pixels).reshape(height, width, 4)[:, :, :3])
+    pictures["picture"] = vtk_to_numpy(pixels).reshape(height, width, 4)[::-1, :, :3]
+    if window.GetDesiredUpdateRate() > 1.0:
+        pictures["dragging"] = pictures["picture"]
+    np.savez(os.environ["FFD_DRAG_FRAMES"], count=frames[0], **pictures)
 
 
 window.AddObserver("EndEvent", note)

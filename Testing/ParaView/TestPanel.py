@@ -505,8 +505,9 @@ class TestPanel(unittest.TestCase):
                 self.assertAlmostEqual(a, b, delta=0.1)
 
     def drag_without_apply(self, moves, server):
-        """Drag a control point, and end ParaView without Apply. Returns the last frame, the number of
-        frames, and the bytes that the client has sent and received; without a server 0."""
+        """Drag a control point, and end ParaView without Apply. Returns the last frame, the last one while
+        the mouse button was down, the number of frames, and the bytes that the client has sent and received;
+        without a server 0."""
         folder = tempfile.mkdtemp(prefix="drag.", dir=TEMPORARY)
         os.chmod(folder, 0o700)
         frames = os.path.join(folder, "frames.npz")
@@ -535,14 +536,14 @@ class TestPanel(unittest.TestCase):
                 counts = link.count()
         self.assertEqual(result.returncode, 0, result.stdout)
         saved = np.load(frames)
-        return saved["picture"].astype(int), int(saved["count"]), counts
+        return saved["picture"].astype(int), saved["dragging"].astype(int), int(saved["count"]), counts
 
     def test_drag_is_local(self):
         """Before Apply only the control points travel to a server, and no pictures come back; the
-        client shows the server's volume below the lattice."""
-        expected, _, _ = self.drag_without_apply(40, False)
-        _, few, before = self.drag_without_apply(4, True)
-        picture, many, after = self.drag_without_apply(40, True)
+        client shows the server's volume below the lattice, which it draws with the handle below the mouse."""
+        expected, shown, _, _ = self.drag_without_apply(40, False)
+        _, _, few, before = self.drag_without_apply(4, True)
+        picture, dragging, many, after = self.drag_without_apply(40, True)
         self.assertGreaterEqual(many - few, 30)
         sent, received = [(b - a) / 36 for a, b in zip(before, after)]
         sys.stdout.write("a step of a drag: %d bytes sent, %d received\n" % (sent, received))
@@ -554,6 +555,11 @@ class TestPanel(unittest.TestCase):
         self.assertEqual(picture.shape, expected.shape)
         self.assertLess(np.abs(picture - expected).mean(), 1.0)
         self.assertGreater(picture.std(), 10.0)
+        height, width = dragging.shape[:2]
+        rows, columns = (slice(int(size * place) - 4, int(size * place) + 5)
+                         for size, place in ((height, 0.3), (width, 0.6)))
+        self.assertLess(np.abs(dragging - shown)[rows, columns].mean(), 10.0)
+        self.assertGreater(np.abs(dragging - dragging[0, 0])[rows, columns].mean(), 15.0)
 
     def test_at_rest(self):
         """The pipeline browser and the status bar name what is shown at rest, as long as it is."""

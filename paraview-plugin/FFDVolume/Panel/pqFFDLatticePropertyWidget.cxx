@@ -369,7 +369,7 @@ void pqFFDLatticePropertyWidget::onStartInteraction()
   }
   in.Interacting = true;
   in.Live = false;
-  in.Local.Begin();
+  in.Local.Begin(in.Representation);
   in.WasUnmodified = in.Source && in.Source->modifiedState() == pqProxy::UNMODIFIED;
   in.Before = { this->getUnchecked(), in.WasUnmodified };
   in.Start.clear();

@@ -4,17 +4,22 @@
 
 #include "vtkFFDVersions.h"
 
+#include "vtkCameraPass.h"
 #include "vtkCommand.h"
+#include "vtkLightsPass.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkOpenGLRenderWindow.h"
 #include "vtkOpenGLState.h"
+#include "vtkProp.h"
 #include "vtkPVRenderView.h"
 #include "vtkPVSynchronizedRenderer.h"
 #include "vtkRenderer.h"
 #include "vtkRenderPass.h"
+#include "vtkRenderPassCollection.h"
 #include "vtkRenderState.h"
 #include "vtkRenderWindowInteractor.h"
+#include "vtkSequencePass.h"
 #include "vtkSmartPointer.h"
 #include "vtkSMSession.h"
 #include "vtkSMViewProxy.h"
@@ -31,7 +36,7 @@ namespace
 /// Frames a second that ParaView asks for when a scene is still are fewer, others more.
 constexpr double InteractiveRate = 0.1;
 
-/// Draws a picture.
+/// Draws a picture, and over it a widget.
 class PicturePass : public vtkRenderPass
 {
 public:
@@ -41,7 +46,24 @@ public:
   void Render(const vtkRenderState* state) override
   {
     this->NumberOfRenderedProps = 0;
-    auto* window = vtkOpenGLRenderWindow::SafeDownCast(state->GetRenderer()->GetRenderWindow());
+    vtkRenderer* renderer = state->GetRenderer();
+    this->DrawPicture(renderer);
+    if (this->Widget)
+    {
+      this->NumberOfRenderedProps += this->Widget->RenderOpaqueGeometry(renderer);
+      this->NumberOfRenderedProps += this->Widget->RenderTranslucentPolygonalGeometry(renderer);
+      this->NumberOfRenderedProps += this->Widget->RenderOverlay(renderer);
+    }
+  }
+
+  vtkNew<vtkUnsignedCharArray> Pixels; // four components
+  std::array<int, 2> Size{ { 0, 0 } };
+  vtkWeakPointer<vtkProp> Widget;
+
+private:
+  void DrawPicture(vtkRenderer* renderer)
+  {
+    auto* window = vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow());
     vtkOpenGLState* openGL = window->GetState();
     openGL->vtkglClearDepth(1.0);
     openGL->vtkglDepthMask(GL_TRUE);
@@ -55,9 +77,6 @@ public:
     window->DrawPixels(0, 0, this->Size[0] - 1, this->Size[1] - 1, 4, VTK_UNSIGNED_CHAR,
       this->Pixels->GetPointer(0));
   }
-
-  vtkNew<vtkUnsignedCharArray> Pixels; // four components
-  std::array<int, 2> Size{ { 0, 0 } };
 };
 
 vtkStandardNewMacro(PicturePass);
@@ -92,7 +111,7 @@ public:
   vtkNew<PicturePass> Picture; // of size 0: none is kept
   bool Local = false;          // a frame is being made here
 
-  /// After the server's picture has been drawn, before the widgets are.
+  /// After the server's picture has been drawn, before other layers are.
   void Keep(vtkObject*, unsigned long, void*)
   {
     auto* window = vtkOpenGLRenderWindow::SafeDownCast(this->Renderer->GetRenderWindow());
@@ -129,7 +148,14 @@ public:
     const vtkSmartPointer<vtkRenderPass> pass = this->Renderer->GetPass();
     this->Local = true;
     synchronizer->SetEnabled(false); // the view sets it for each of its own frames
-    this->Renderer->SetPass(this->Picture);
+    vtkNew<vtkRenderPassCollection> passes;
+    passes->AddItem(vtkNew<vtkLightsPass>());
+    passes->AddItem(this->Picture);
+    vtkNew<vtkSequencePass> sequence;
+    sequence->SetPasses(passes);
+    vtkNew<vtkCameraPass> frame;
+    frame->SetDelegatePass(sequence);
+    this->Renderer->SetPass(frame);
     window->Render();
     this->Renderer->SetPass(pass);
     synchronizer->SetEnabled(true);
@@ -170,10 +196,11 @@ void vtkFFDLocalFrames::SetView(vtkSMViewProxy* proxy)
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDLocalFrames::Begin()
+void vtkFFDLocalFrames::Begin(vtkProp* widget)
 {
   vtkInternals& in = *this->Internals;
   this->End();
+  in.Picture->Widget = widget;
   if (in.Renderer && in.Interactor)
   {
     in.RenderTag =

@@ -7,13 +7,14 @@
 
 #include <memory> // for std::unique_ptr
 
+class vtkProp;
 class vtkSMViewProxy;
 
 /**
  * Frames of a client while a widget is dragged, and nothing else of the picture changes: the server
- * is not asked for it again. What the server has rendered last is kept, without what the client
- * draws over it, and drawn again below the widget. Without a server, or where the client renders
- * the scene itself, frames are made as ever.
+ * is not asked for it again. What the server has rendered last is kept, with the widget where it
+ * was then, and drawn again below the widget. Without a server, or where the client renders the
+ * scene itself, frames are made as ever.
  */
 class VTKFFDPARAVIEW_EXPORT vtkFFDLocalFrames
 {
@@ -26,7 +27,7 @@ public:
 
   ///@{
   /// Between the two, frames that the interactor of the view asks for are made here.
-  void Begin();
+  void Begin(vtkProp* widget);
   void End();
   ///@}
 
