@@ -49,21 +49,6 @@ double FindPart(const std::vector<vtkFFDFrameCoherence::Part>& tiles, const glm:
   return std::min(1.0, static_cast<double>(count) / std::max(1, all.x * all.y));
 }
 
-/// The rays of a tile, or of what of it lies in the image.
-struct TileRange
-{
-  glm::ivec2 First;
-  glm::ivec2 End;
-
-  TileRange(int tile, const glm::ivec2& rays)
-  {
-    constexpr int size = ffd::RayCaster::TileSize;
-    const int tilesPerRow = (rays.x + size - 1) / size;
-    this->First = glm::ivec2(tile % tilesPerRow, tile / tilesPerRow) * size;
-    this->End = glm::min(this->First + size, rays);
-  }
-};
-
 /// Finds what is visible of an image.
 ffd::VisibleRectangle FindVisible(
   const std::vector<float>& colors, const glm::ivec2& rays, const vtkFFDParallelFor& parallelFor)
@@ -210,21 +195,13 @@ bool vtkFFDFrameCaster::Cast(
       ffd::FindSource(view.Volume->GetProperty()), ffd::ToMatrix(view.Volume->GetMatrix()),
       view.Interactive };
     // Both take about as long.
-    parallelFor(2, [&](std::size_t first, std::size_t last) {
-      for (std::size_t task = first; task < last; ++task)
-      {
-        if (task == 0)
-        {
-          tiles =
-            this->Coherence.Begin(sources, scene, region, this->Cache.GetPullBack().RestBounds,
-              this->Mapper->GetFrameCoherenceTolerance(), this->Colors, this->FirstVisible);
-        }
-        else
-        {
-          made = std::make_unique<const ffd::RayCaster>(scene, settings);
-        }
-      }
-    });
+    ffd::RunBoth(
+      parallelFor,
+      [&] {
+        tiles = this->Coherence.Begin(sources, scene, region, this->Cache.GetPullBack().RestBounds,
+          this->Mapper->GetFrameCoherenceTolerance(), this->Colors, this->FirstVisible);
+      },
+      [&] { made = std::make_unique<const ffd::RayCaster>(scene, settings); });
     image.Reaches = this->Coherence.GetReaches();
   }
   else
@@ -319,7 +296,7 @@ bool vtkFFDFrameCaster::Cast(
             this->ApplyFinalColors(region, tile, this->Colors);
             if (view.IsDrawn && !reuses)
             {
-              const TileRange range(tile.Tile, region.Rays);
+              const ffd::RayCaster::TileRange range(tile.Tile, region.Rays);
               worker.Visible.AddPixels(image.Colors, image.Width, range.First, range.End);
             }
           }
@@ -339,7 +316,7 @@ bool vtkFFDFrameCaster::Cast(
   {
     this->Coherence.Clear();
   }
-  if (reuses)
+  else if (reuses)
   {
     this->Visible = FindVisible(this->Colors, region.Rays, parallelFor);
   }
@@ -522,7 +499,7 @@ void vtkFFDFrameCaster::CastNearer(const View& view, ffd::CastScene scene)
   image.Height = region.Rays.y;
   image.Colors = this->NearColors.data();
   const auto forEachRay = [&](int tile, const auto& work) {
-    const TileRange range(tile, region.Rays);
+    const ffd::RayCaster::TileRange range(tile, region.Rays);
     for (int y = range.First.y; y < range.End.y; ++y)
     {
       for (int x = range.First.x; x < range.End.x; ++x)
@@ -554,7 +531,7 @@ void vtkFFDFrameCaster::CastNearer(const View& view, ffd::CastScene scene)
           std::copy_n(&this->Colors[4 * at], 4, &this->NearColors[4 * at]);
         }
       });
-      const TileRange range(tile, region.Rays);
+      const ffd::RayCaster::TileRange range(tile, region.Rays);
       worker.Visible.AddPixels(image.Colors, image.Width, range.First, range.End);
     }
   });
@@ -577,7 +554,7 @@ void vtkFFDFrameCaster::ApplyFinalColors(const vtkFFDImageRegion& region,
   }
   const float scale = static_cast<float>(1.0 / window);
   const float bias = static_cast<float>(0.5 - level / window);
-  const TileRange range(tile.Tile, region.Rays);
+  const ffd::RayCaster::TileRange range(tile.Tile, region.Rays);
   for (int y = range.First.y; y < range.End.y; ++y)
   {
     for (int x = range.First.x; x < range.End.x; ++x)

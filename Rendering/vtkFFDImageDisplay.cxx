@@ -18,11 +18,7 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
-#include <cstring>
-#include <limits>
 #include <memory>
-#include <mutex>
 #include <utility>
 #include <vector>
 

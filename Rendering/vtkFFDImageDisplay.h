@@ -53,8 +53,9 @@ public:
 
   /**
    * Draw an image and its layers over the rectangle (xmin, ymin, xmax, ymax) of the viewport, in
-   * normalized device coordinates. `pixelByPixel`: each of the image lies on one of the window.
-   * Returns false when the window of the renderer is not an OpenGL one or refuses the texture.
+   * normalized device coordinates. `pixelByPixel`: each pixel of the image lies on one of the
+   * window. Returns false when the window of the renderer is not an OpenGL one or refuses the
+   * texture.
    */
   bool Draw(vtkRenderer* renderer, const Image& image, const Layers& layers,
     const double rectangle[4], bool pixelByPixel, const vtkFFDParallelFor& parallelFor);

@@ -49,6 +49,18 @@ private:
   std::function<void(std::size_t count, const Work& work)> Split;
 };
 
+/// Runs two functions, at the same time if there are threads for both.
+inline void RunBoth(const ParallelFor& parallelFor, const std::function<void()>& one,
+  const std::function<void()>& other)
+{
+  parallelFor(2, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i)
+    {
+      i == 0 ? one() : other();
+    }
+  });
+}
+
 } // namespace ffd
 
 #endif

@@ -928,22 +928,16 @@ PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings,
   SetLeaping(scene, settings, p);
   SetShading(scene, settings, classifier, p);
   // Both take about as long, and neither needs the other.
-  parallelFor(2, [&](std::size_t first, std::size_t last) {
-    for (std::size_t task = first; task < last; ++task)
-    {
-      if (task == 0)
-      {
-        SetSeen(scene, settings, p);
-        continue;
-      }
+  RunBoth(
+    parallelFor, [&] { SetSeen(scene, settings, p); },
+    [&] {
       SetPullBack(scene, settings, rest, p);
       if (!p.Identity)
       {
         const Box& whole = GetWholeDeformed(scene);
         HWY_DYNAMIC_DISPATCH(ChooseRootSide)(0.25 * (whole.Max - whole.Min), p);
       }
-    }
-  });
+    });
   p.NormalsOfOpacity = kind.Composites && p.Shade && classifier.HasNormalsOfOpacity();
 
   p.Inner = p.Sampling == PacketSampling::Composite && !p.Intervals && !kind.Components;

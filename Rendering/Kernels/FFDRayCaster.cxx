@@ -84,22 +84,16 @@ CastStatistics RayCaster::GetStatistics(const Scratch& scratch)
 RayCaster::~RayCaster() = default;
 
 //------------------------------------------------------------------------------
-int RayCaster::GetTilesPerRow(const CastImage& image) const
-{
-  return (image.Width + TileSize - 1) / TileSize;
-}
-
-//------------------------------------------------------------------------------
 int RayCaster::GetNumberOfTiles(const CastImage& image) const
 {
-  return this->GetTilesPerRow(image) * ((image.Height + TileSize - 1) / TileSize);
+  return GetTilesPerRow(image.Width) * ((image.Height + TileSize - 1) / TileSize);
 }
 
 //------------------------------------------------------------------------------
 int RayCaster::GetGroup(int tile, const CastImage& image) const
 {
   constexpr int tiles = GroupSize / TileSize;
-  const int tilesPerRow = this->GetTilesPerRow(image);
+  const int tilesPerRow = GetTilesPerRow(image.Width);
   const int groupsPerRow = (tilesPerRow + tiles - 1) / tiles;
   return tile / tilesPerRow / tiles * groupsPerRow + tile % tilesPerRow / tiles;
 }
@@ -154,14 +148,15 @@ void RayCaster::TraceRay(
 int RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch, unsigned int subtiles,
   int first, Deadline deadline) const
 {
-  const int x0 = tile % this->GetTilesPerRow(image) * TileSize;
-  const int y0 = tile / this->GetTilesPerRow(image) * TileSize;
+  const TileRange range(tile, { image.Width, image.Height });
+  const int x0 = range.First.x;
+  const int y0 = range.First.y;
   if (this->Packets)
   {
     return this->Packets->RenderTile(x0, y0, subtiles, image, scratch.Packets, first, deadline);
   }
-  const int x1 = std::min(x0 + TileSize, image.Width) - 1;
-  const int y1 = std::min(y0 + TileSize, image.Height) - 1;
+  const int x1 = range.End.x - 1;
+  const int y1 = range.End.y - 1;
   const auto isWanted = [&](int x, int y) {
     const int subtile = (x - x0) / SubtileSize + 2 * ((y - y0) / SubtileSize);
     return (subtiles >> subtile & 1u) != 0;

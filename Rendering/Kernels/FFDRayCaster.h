@@ -13,6 +13,9 @@
 #include "FFDSampleClassifier.h"
 #include "FFDTracedRay.h"
 
+#include <glm/common.hpp>
+#include <glm/vec2.hpp>
+
 #include <memory>
 #include <vector>
 
@@ -40,6 +43,19 @@ public:
   static constexpr int SubtileSize = TileSize / 2;
   static constexpr unsigned int AllSubtiles = 15;
 
+  /// The pixels of a tile that lie in an image of this size: [First, End).
+  struct TileRange
+  {
+    glm::ivec2 First;
+    glm::ivec2 End;
+
+    TileRange(int tile, const glm::ivec2& size)
+      : First(glm::ivec2(tile % GetTilesPerRow(size.x), tile / GetTilesPerRow(size.x)) * TileSize)
+      , End(glm::min(this->First + TileSize, size))
+    {
+    }
+  };
+
   /// `parallelFor` makes what is needed for all rays beforehand.
   RayCaster(const CastScene& scene, const CastSettings& settings,
     const ParallelFor& parallelFor = ParallelFor());
@@ -60,7 +76,7 @@ public:
   /// The statistics of a thread.
   static CastStatistics GetStatistics(const Scratch& scratch);
 
-  int GetTilesPerRow(const CastImage& image) const;
+  static int GetTilesPerRow(int width) { return (width + TileSize - 1) / TileSize; }
   int GetNumberOfTiles(const CastImage& image) const;
   /// The number of the group that a tile is in, see GroupSize.
   int GetGroup(int tile, const CastImage& image) const;
