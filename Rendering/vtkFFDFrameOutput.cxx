@@ -8,6 +8,7 @@
 #include "vtkFFDParallelFor.h"
 
 #include "FFDClipToBox.h"
+#include "FFDPixelBytes.h"
 #include "FFDSurfaceSearch.h"
 
 #include "vtkDataObject.h"
@@ -169,28 +170,9 @@ void vtkFFDWriteColors(const std::vector<float>& colors, int width, int height, 
   image->SetExtent(0, width - 1, 0, height - 1, 0, 0);
   image->AllocateScalars(VTK_UNSIGNED_CHAR, 4);
   auto* const bytes = static_cast<unsigned char*>(image->GetScalarPointer());
-  const auto toByte = [](float value) {
-    return static_cast<unsigned char>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f);
-  };
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   parallelFor(pixels, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = 4 * first; i < 4 * last; i += 4)
-    {
-      const float* const color = colors.data() + i;
-      const float alpha = color[3];
-      // Most pixels of most pictures are empty.
-      if (alpha == 0.0f && color[0] == 0.0f && color[1] == 0.0f && color[2] == 0.0f)
-      {
-        std::fill_n(bytes + i, 4, static_cast<unsigned char>(0));
-        continue;
-      }
-      const float scale = premultiplied ? 1.0f : alpha > 0.0f ? 1.0f / alpha : 0.0f;
-      for (std::size_t c = 0; c < 3; ++c)
-      {
-        bytes[i + c] = toByte(color[c] * scale);
-      }
-      bytes[i + 3] = toByte(alpha);
-    }
+    ffd::WritePixelBytes(colors.data() + 4 * first, last - first, premultiplied, bytes + 4 * first);
   });
 }
 

@@ -5,6 +5,8 @@
 #include "vtkFFDParallelFor.h"
 #include "vtkFFDVersions.h"
 
+#include "FFDPixelBytes.h"
+
 #include "vtkNew.h"
 #include "vtkOpenGLQuadHelper.h"
 #include "vtkOpenGLRenderWindow.h"
@@ -123,6 +125,35 @@ void ClearErrors()
   }
 }
 
+/// Whether what is drawn is rounded to bytes as they are, not to those of sRGB.
+bool DrawsBytes()
+{
+  GLint framebuffer = 0;
+  GLint buffer = GL_NONE;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
+  glGetIntegerv(GL_DRAW_BUFFER, &buffer);
+  // Of windows only the left and right ones have properties.
+  const GLint attachment = buffer == GL_BACK ? GL_BACK_LEFT
+    : buffer == GL_FRONT                     ? GL_FRONT_LEFT
+                                             : buffer;
+  if (attachment == GL_NONE)
+  {
+    return false;
+  }
+  ClearErrors();
+  const auto find = [attachment](GLenum property) {
+    GLint value = 0;
+    glGetFramebufferAttachmentParameteriv(
+      GL_DRAW_FRAMEBUFFER, static_cast<GLenum>(attachment), property, &value);
+    return value;
+  };
+  const bool bytes = find(GL_FRAMEBUFFER_ATTACHMENT_RED_SIZE) == 8 &&
+    find(GL_FRAMEBUFFER_ATTACHMENT_COMPONENT_TYPE) == GL_UNSIGNED_NORMALIZED &&
+    (find(GL_FRAMEBUFFER_ATTACHMENT_COLOR_ENCODING) != GL_SRGB ||
+      glIsEnabled(GL_FRAMEBUFFER_SRGB) != GL_TRUE);
+  return glGetError() == GL_NO_ERROR && bytes;
+}
+
 /// A property of the depth or stencil attachment of the framebuffer that is read from.
 GLint GetAttachment(GLenum attachment, GLenum property)
 {
@@ -219,29 +250,44 @@ struct vtkFFDImageDisplay::Resources
   std::unique_ptr<vtkOpenGLQuadHelper> Quad;
   std::unique_ptr<vtkOpenGLQuadHelper> LayerQuad;
   vtkWeakPointer<vtkOpenGLRenderWindow> Window;
-  std::vector<float> Visible; // part of an image
+  // Part of an image, as one of these.
+  std::vector<float> Floats;
+  std::vector<unsigned char> Bytes;
 
-  /// Fill a texture with a part of an image of `components` floats a pixel.
+  /// Fill a texture with a part of an image of `components` floats a pixel; `asBytes`: these are
+  /// premultiplied colors, and are rounded.
   bool Fill(vtkTextureObject* texture, const float* image, int components, int width,
-    const Rectangle& part, int filter, const vtkFFDParallelFor& parallelFor)
+    const Rectangle& part, int filter, bool asBytes, const vtkFFDParallelFor& parallelFor)
   {
     const std::size_t pixel = static_cast<std::size_t>(components);
     const std::size_t rowLength = pixel * static_cast<std::size_t>(part.Width());
-    this->Visible.resize(rowLength * static_cast<std::size_t>(part.Height()));
+    const std::size_t length = rowLength * static_cast<std::size_t>(part.Height());
+    this->Bytes.resize(asBytes ? length : 0);
+    this->Floats.resize(asBytes ? 0 : length);
     parallelFor(static_cast<std::size_t>(part.Height()), [&](std::size_t first, std::size_t last) {
       for (std::size_t y = first; y < last; ++y)
       {
         const std::size_t from =
           static_cast<std::size_t>(width) * (static_cast<std::size_t>(part.Low[1]) + y) +
           static_cast<std::size_t>(part.Low[0]);
-        std::copy_n(image + pixel * from, rowLength, this->Visible.data() + rowLength * y);
+        if (asBytes)
+        {
+          ffd::WritePixelBytes(image + pixel * from, static_cast<std::size_t>(part.Width()), true,
+            this->Bytes.data() + rowLength * y);
+        }
+        else
+        {
+          std::copy_n(image + pixel * from, rowLength, this->Floats.data() + rowLength * y);
+        }
       }
     });
     texture->SetContext(this->Window);
     // A texture of the same size is filled again only if it is made again.
     texture->ReleaseGraphicsResources(this->Window);
     if (!texture->Create2DFromRaw(static_cast<unsigned int>(part.Width()),
-          static_cast<unsigned int>(part.Height()), components, VTK_FLOAT, this->Visible.data()))
+          static_cast<unsigned int>(part.Height()), components,
+          asBytes ? VTK_UNSIGNED_CHAR : VTK_FLOAT,
+          asBytes ? static_cast<void*>(this->Bytes.data()) : this->Floats.data()))
     {
       return false;
     }
@@ -304,12 +350,17 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, const Image& image, const L
   // Nearest, so that rounding does not blend neighbors of a picture with a ray for each pixel.
   const int filter = pixelByPixel ? vtkTextureObject::Nearest : vtkTextureObject::Linear;
   const Rectangle all = { { 0, 0 }, { layers.Pixels[0], layers.Pixels[1] } };
-  if (!gl.Fill(gl.Texture, image.Colors, 4, image.Width, part, filter, parallelFor) ||
+  const auto fill = [&](vtkTextureObject* texture, const float* floats, int components, int width,
+                      const Rectangle& of, bool asBytes) {
+    return gl.Fill(texture, floats, components, width, of, filter, asBytes, parallelFor);
+  };
+  // What is drawn is rounded anyway, and bytes are drawn in less time.
+  const bool asBytes = DrawsBytes();
+  if (!fill(gl.Texture, image.Colors, 4, image.Width, part, asBytes) ||
     (layers.Colors &&
-      (!gl.Fill(gl.NearTexture, layers.Colors, 4, image.Width, part, filter, parallelFor) ||
-        !gl.Fill(gl.RayDepths, layers.Depths, 3, image.Width, part, filter, parallelFor) ||
-        !gl.Fill(
-          gl.PixelDepths, layers.PixelDepths, 1, layers.Pixels[0], all, filter, parallelFor))))
+      (!fill(gl.NearTexture, layers.Colors, 4, image.Width, part, asBytes) ||
+        !fill(gl.RayDepths, layers.Depths, 3, image.Width, part, false) ||
+        !fill(gl.PixelDepths, layers.PixelDepths, 1, layers.Pixels[0], all, false))))
   {
     return false;
   }
@@ -425,6 +476,7 @@ void vtkFFDImageDisplay::ReleaseGraphicsResources(vtkWindow* window)
   this->Gl->NearTexture->ReleaseGraphicsResources(window);
   this->Gl->RayDepths->ReleaseGraphicsResources(window);
   this->Gl->PixelDepths->ReleaseGraphicsResources(window);
-  std::vector<float>().swap(this->Gl->Visible);
+  std::vector<float>().swap(this->Gl->Floats);
+  std::vector<unsigned char>().swap(this->Gl->Bytes);
   this->Gl->Window = nullptr;
 }
