@@ -26,6 +26,7 @@
 #include <cmath>
 #include <memory>
 #include <mutex>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -80,6 +81,65 @@ struct alignas(128) Worker
   ffd::RayCaster::Scratch Scratch;
   ffd::VisibleRectangle Visible; ///< of its tiles
 };
+
+/// Those of a frame. Each thread makes its own, all at the same time.
+class Workers
+{
+public:
+  explicit Workers(const vtkFFDParallelFor& parallelFor)
+    : All(static_cast<std::size_t>(parallelFor.GetNumberOfWorkers()))
+  {
+  }
+
+  std::size_t GetSize() const { return this->All.size(); }
+
+  Worker& Get(int number)
+  {
+    std::unique_ptr<Worker>& worker = this->All[static_cast<std::size_t>(number)];
+    if (!worker)
+    {
+      worker.reset(new Worker); // std::make_unique() would fill its 100 kB with zeros
+    }
+    return *worker;
+  }
+
+  template <class Work>
+  void ForEach(const Work& work) const
+  {
+    for (const std::unique_ptr<Worker>& worker : this->All)
+    {
+      if (worker)
+      {
+        work(*worker);
+      }
+    }
+  }
+
+private:
+  std::vector<std::unique_ptr<Worker>> All;
+};
+
+/// Brings the tiles of each group together. They are few: by counting, in one pass.
+void SortByGroup(const ffd::RayCaster& caster, const ffd::CastImage& image,
+  std::vector<vtkFFDFrameCoherence::Part>& tiles)
+{
+  std::vector<std::size_t> places; // where the tiles of each group begin
+  std::vector<std::size_t> groups;
+  groups.reserve(tiles.size());
+  for (const vtkFFDFrameCoherence::Part& tile : tiles)
+  {
+    groups.push_back(static_cast<std::size_t>(caster.GetGroup(tile.Tile, image)));
+    places.resize(std::max(places.size(), groups.back() + 2));
+    ++places[groups.back() + 1];
+  }
+  std::partial_sum(places.begin(), places.end(), places.begin());
+  std::vector<vtkFFDFrameCoherence::Part> sorted(tiles.size());
+  for (std::size_t i = 0; i < tiles.size(); ++i)
+  {
+    sorted[places[groups[i]]++] = tiles[i];
+  }
+  tiles.swap(sorted);
+}
 
 /// The rays of a frame are drawn over more pixels: those whose centers are nearer than a step.
 class Footprints
@@ -219,17 +279,14 @@ bool vtkFFDFrameCaster::Cast(
   const auto groupOf = [&](const vtkFFDFrameCoherence::Part& tile) {
     return caster.GetGroup(tile.Tile, image);
   };
-  std::stable_sort(tiles.begin(), tiles.end(),
-    [&](const vtkFFDFrameCoherence::Part& a, const vtkFFDFrameCoherence::Part& b) {
-      return groupOf(a) < groupOf(b);
-    });
+  SortByGroup(caster, image, tiles);
   const double part = FindPart(tiles, region.Rays);
   this->ReusedFraction = 1.0 - part;
   this->Intervals = caster.ClassifiesIntervals();
   image.Colors = this->Colors.data();
   image.Depths = layers ? this->FirstVisible.data() : outDepths;
 
-  std::vector<Worker> workers(static_cast<std::size_t>(parallelFor.GetNumberOfWorkers()));
+  Workers workers(parallelFor);
   // Observers may change the options.
   const bool collect = this->Mapper->GetCollectStatistics() != 0;
   this->FinalWindow = this->Mapper->GetFinalColorWindow();
@@ -239,7 +296,7 @@ bool vtkFFDFrameCaster::Cast(
   std::vector<vtkFFDFrameCoherence::Part> stopped; // tiles that were taken and are not finished
   // A worker takes the tiles of a group together; near the end fewer, so that all workers are busy.
   // What is counted must not depend on that.
-  const std::size_t shares = 2 * workers.size();
+  const std::size_t shares = 2 * workers.GetSize();
   const auto take = [&](std::size_t end) {
     std::size_t first = next;
     std::size_t last = first;
@@ -268,7 +325,7 @@ bool vtkFFDFrameCaster::Cast(
     const ffd::Deadline due = frame.GetNextReport();
     const std::size_t end = std::min(tiles.size(), next + most);
     parallelFor.RunWorkers([&](int number) {
-      Worker& worker = workers[static_cast<std::size_t>(number)];
+      Worker& worker = workers.Get(number);
       do
       {
         const auto [first, last] = take(end);
@@ -323,19 +380,14 @@ bool vtkFFDFrameCaster::Cast(
   else
   {
     this->Visible = ffd::VisibleRectangle();
-    for (const Worker& each : workers)
-    {
-      this->Visible.Add(each.Visible);
-    }
+    workers.ForEach([&](const Worker& each) { this->Visible.Add(each.Visible); });
   }
 
   if (collect && !aborted)
   {
     ffd::CastStatistics total;
-    for (const Worker& each : workers)
-    {
-      total.Add(ffd::RayCaster::GetStatistics(each.Scratch));
-    }
+    workers.ForEach(
+      [&](const Worker& each) { total.Add(ffd::RayCaster::GetStatistics(each.Scratch)); });
     this->Mapper->GetStatistics()->SetCounts(total.Rays, total.Segments, total.SegmentLength,
       total.Samples, total.VisibleSamples, total.DistanceLookups, total.Evaluations,
       total.Unconverged);
@@ -509,10 +561,10 @@ void vtkFFDFrameCaster::CastNearer(const View& view, ffd::CastScene scene)
     }
   };
   const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
-  std::vector<Worker> workers(static_cast<std::size_t>(parallelFor.GetNumberOfWorkers()));
+  Workers workers(parallelFor);
   std::atomic<int> nextTile{ 0 };
   parallelFor.RunWorkers([&](int number) {
-    Worker& worker = workers[static_cast<std::size_t>(number)];
+    Worker& worker = workers.Get(number);
     const int tiles = caster.GetNumberOfTiles(image);
     for (int tile = nextTile++; tile < tiles; tile = nextTile++)
     {
@@ -535,10 +587,7 @@ void vtkFFDFrameCaster::CastNearer(const View& view, ffd::CastScene scene)
       worker.Visible.AddPixels(image.Colors, image.Width, range.First, range.End);
     }
   });
-  for (const Worker& each : workers)
-  {
-    this->Visible.Add(each.Visible);
-  }
+  workers.ForEach([&](const Worker& each) { this->Visible.Add(each.Visible); });
 }
 
 //------------------------------------------------------------------------------

@@ -60,6 +60,9 @@ public:
   /// The picture: premultiplied colors, 4 floats a ray.
   std::vector<float>& GetColors() { return this->Colors; }
 
+  /// Whether there is memory for it already.
+  bool Holds(std::size_t rays) const { return this->Colors.capacity() >= 4 * rays; }
+
   /// What is visible of it if it is drawn, and after CastLayers() of these, too.
   const ffd::VisibleRectangle& GetVisible() const { return this->Visible; }
 

@@ -95,8 +95,8 @@ public:
   /// A tile of the caster, and which subtiles of it.
   struct Part
   {
-    int Tile;
-    unsigned int Subtiles;
+    int Tile = 0;
+    unsigned int Subtiles = 0;
     int First = 0; ///< where to go on, see RayCaster::RenderTile()
   };
 

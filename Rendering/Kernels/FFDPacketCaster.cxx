@@ -857,14 +857,15 @@ void SetLeaping(const CastScene& scene, const CastSettings& settings, PacketScen
 }
 
 /// Sets what may be visible of each tile. Segments and leaping are set already.
-void SetSeen(const CastScene& scene, const CastSettings& settings, PacketScene& p)
+void SetSeen(const CastScene& scene, const CastSettings& settings, const ParallelFor& parallelFor,
+  PacketScene& p)
 {
   if (p.LeapsSegments && !p.Slices)
   {
     // Intervals are empty only if they lie in empty space as a whole.
     const bool intervals = p.Intervals || p.ClassifiesIntervals;
     p.Seen = TileBounds(scene, static_cast<double>(p.PositionTolerance),
-      intervals ? settings.SampleDistance : 0.0, p.Center);
+      intervals ? settings.SampleDistance : 0.0, p.Center, parallelFor);
   }
 }
 
@@ -927,9 +928,9 @@ PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings,
   SetClipping(scene, p);
   SetLeaping(scene, settings, p);
   SetShading(scene, settings, classifier, p);
-  // Both take about as long, and neither needs the other.
+  // Neither needs the other. The first takes longer; whoever is done with the second joins in.
   RunBoth(
-    parallelFor, [&] { SetSeen(scene, settings, p); },
+    parallelFor, [&] { SetSeen(scene, settings, parallelFor, p); },
     [&] {
       SetPullBack(scene, settings, rest, p);
       if (!p.Identity)

@@ -167,11 +167,20 @@ PixelRange FindPixels(const CameraView::PixelRows& rows, const Box& box)
   return range;
 }
 
+/// A box in which something may be visible, and the tiles that it may be seen through; else none.
+struct VisibleBox
+{
+  glm::ivec2 FirstTile{ 0 };
+  glm::ivec2 LastTile{ -1 };
+  glm::vec3 Low{ 0.0f };
+  glm::vec3 High{ 0.0f };
+};
+
 } // namespace
 
 //------------------------------------------------------------------------------
-TileBounds::TileBounds(
-  const CastScene& scene, double tolerance, double reach, const glm::dvec3& origin)
+TileBounds::TileBounds(const CastScene& scene, double tolerance, double reach,
+  const glm::dvec3& origin, const ParallelFor& parallelFor)
 {
   const PullBack& map = *scene.Map;
   const glm::ivec2 tiles = (scene.Camera.ImageSize + (TileSide - 1)) / TileSide;
@@ -188,56 +197,65 @@ TileBounds::TileBounds(
   {
     return;
   }
-  this->Tiles = tiles;
-  const Limits nothing{ { Huge, Huge, Huge }, { -Huge, -Huge, -Huge } };
-  this->Boxes.assign(
-    static_cast<std::size_t>(tiles.x) * static_cast<std::size_t>(tiles.y), nothing);
   const CameraView::PixelRows rows = scene.Camera.GetPixelRows();
   const glm::dvec3 halfIndex =
     Absolute(volume.DataToIndex) * (0.5 * boxes.Edge) + (tolerance + Guard);
   const glm::dvec3 around = bulge + (reach + Guard * scene.VoxelSize);
   const glm::dvec2 lastTile(tiles - 1);
-  for (int k = 0; k < boxes.Count.z; ++k)
-  {
-    for (int j = 0; j < boxes.Count.y; ++j)
+  Grid<VisibleBox> visible(boxes.Count);
+  const auto findRow = [&](int j, int k) {
+    for (int i = 0; i < boxes.Count.x; ++i)
     {
-      for (int i = 0; i < boxes.Count.x; ++i)
+      const glm::dvec3 middle =
+        volume.ToIndex(boxes.First + (glm::dvec3(i, j, k) + 0.5) * boxes.Edge);
+      if (scene.Distances->IsEmptyIn(
+            middle - halfIndex, middle + halfIndex, volume.UpperIndex(), volume.Margin))
       {
-        const glm::dvec3 middle =
-          volume.ToIndex(boxes.First + (glm::dvec3(i, j, k) + 0.5) * boxes.Edge);
-        if (scene.Distances->IsEmptyIn(
-              middle - halfIndex, middle + halfIndex, volume.UpperIndex(), volume.Margin))
+        continue;
+      }
+      Box box{ corners.At(i, j, k), corners.At(i, j, k) };
+      for (int corner = 1; corner < 8; ++corner)
+      {
+        const glm::dvec3& p =
+          corners.At(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2));
+        box.Min = glm::min(box.Min, p);
+        box.Max = glm::max(box.Max, p);
+      }
+      box.Min -= around;
+      box.Max += around;
+      const PixelRange pixels = FindPixels(rows, box);
+      VisibleBox& found = visible.At(i, j, k);
+      found.FirstTile = glm::ivec2(glm::clamp(
+        glm::floor((pixels.Low - 1.0) / double{ TileSide }), glm::dvec2(0.0), lastTile + 1.0));
+      found.LastTile = glm::ivec2(glm::clamp(
+        glm::floor((pixels.High + 1.0) / double{ TileSide }), glm::dvec2(-1.0), lastTile));
+      found.Low = glm::vec3(box.Min - origin);
+      found.High = glm::vec3(box.Max - origin);
+    }
+  };
+  parallelFor(static_cast<std::size_t>(boxes.Count.y) * static_cast<std::size_t>(boxes.Count.z),
+    [&](std::size_t first, std::size_t last) {
+      for (std::size_t row = first; row < last; ++row)
+      {
+        findRow(static_cast<int>(row) % boxes.Count.y, static_cast<int>(row) / boxes.Count.y);
+      }
+    });
+
+  this->Tiles = tiles;
+  const Limits nothing{ { Huge, Huge, Huge }, { -Huge, -Huge, -Huge } };
+  this->Boxes.assign(
+    static_cast<std::size_t>(tiles.x) * static_cast<std::size_t>(tiles.y), nothing);
+  for (const VisibleBox& box : visible.Values)
+  {
+    for (int y = box.FirstTile.y; y <= box.LastTile.y; ++y)
+    {
+      for (int x = box.FirstTile.x; x <= box.LastTile.x; ++x)
+      {
+        Limits& tile = this->Boxes[static_cast<std::size_t>(y) * tiles.x + x];
+        for (int a = 0; a < 3; ++a)
         {
-          continue;
-        }
-        Box box{ corners.At(i, j, k), corners.At(i, j, k) };
-        for (int corner = 1; corner < 8; ++corner)
-        {
-          const glm::dvec3& p =
-            corners.At(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2));
-          box.Min = glm::min(box.Min, p);
-          box.Max = glm::max(box.Max, p);
-        }
-        box.Min -= around;
-        box.Max += around;
-        const PixelRange pixels = FindPixels(rows, box);
-        const glm::ivec2 first(glm::clamp(
-          glm::floor((pixels.Low - 1.0) / double{ TileSide }), glm::dvec2(0.0), lastTile + 1.0));
-        const glm::ivec2 last(glm::clamp(
-          glm::floor((pixels.High + 1.0) / double{ TileSide }), glm::dvec2(-1.0), lastTile));
-        const glm::vec3 low(box.Min - origin);
-        const glm::vec3 high(box.Max - origin);
-        for (int y = first.y; y <= last.y; ++y)
-        {
-          for (int x = first.x; x <= last.x; ++x)
-          {
-            Limits& tile = this->Boxes[static_cast<std::size_t>(y) * tiles.x + x];
-            for (int a = 0; a < 3; ++a)
-            {
-              tile.Min[a] = std::min(tile.Min[a], low[a]);
-              tile.Max[a] = std::max(tile.Max[a], high[a]);
-            }
-          }
+          tile.Min[a] = std::min(tile.Min[a], box.Low[a]);
+          tile.Max[a] = std::max(tile.Max[a], box.High[a]);
         }
       }
     }

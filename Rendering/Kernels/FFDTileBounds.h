@@ -5,6 +5,7 @@
 
 #include "FFDCastScene.h"
 #include "FFDExport.h"
+#include "FFDParallelFor.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -46,7 +47,8 @@ public:
    * `tolerance`: largest distance of samples from T^-1, voxels. `reach`: kept around what may be
    * visible, data units. `origin`: data coordinates.
    */
-  TileBounds(const CastScene& scene, double tolerance, double reach, const glm::dvec3& origin);
+  TileBounds(const CastScene& scene, double tolerance, double reach, const glm::dvec3& origin,
+    const ParallelFor& parallelFor = ParallelFor());
 
   /// The box of the tile whose first pixel is (x0, y0); null if nothing is known of it.
   const Limits* Find(int x0, int y0) const;
