@@ -66,13 +66,12 @@ vtkSmartPointer<vtkImageData> MakeVolume(const SizedVolume& volume)
 struct KeptSizes
 {
   explicit KeptSizes(vtkImageData* image)
-    : Tiny(16, image)
-    , View(512, image)
+    : View(512, image)
     , Image(image)
   {
   }
-  Stage Tiny;
   Stage View;
+  vtkNew<vtkImageData> Tiny;
   vtkSmartPointer<vtkImageData> Image;
   vtkNew<vtkFFDLattice> Lattice;
   std::vector<char> Copy;
@@ -124,7 +123,8 @@ std::shared_ptr<void> PrepareSizes(Group& group, const SizedVolume& volume)
   KeptSizes* const k = kept.get();
   Deform(k->Lattice, image, { Shape::Smooth, BendOf(image) });
   const auto property = MakeProperty(Opacity::Opaque);
-  vtkVolume* const tiny = k->Tiny.AddVolume(MakeMapper(image, nullptr, Variant::Exact), property);
+  const auto mapper = MakeMapper(image, nullptr, Variant::Exact);
+  vtkVolume* const tiny = k->View.AddVolume(mapper, property);
   for (Row& row : group.GetRows())
   {
     if (row.Name == "copy")
@@ -145,7 +145,9 @@ std::shared_ptr<void> PrepareSizes(Group& group, const SizedVolume& volume)
           k->Image->Modified();
         };
       }
-      row.Run = [k, tiny] { k->Tiny.Draw(tiny); };
+      row.Run = [k, mapper, tiny] {
+        mapper->RenderToImage(k->View.GetRenderer(), tiny, 16, 16, k->Tiny);
+      };
     }
     else
     {

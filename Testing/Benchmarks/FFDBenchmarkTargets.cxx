@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDBenchmarkTargets.h"
 
+#include "FFDBenchmarkCores.h"
 #include "FFDBenchmarkOptions.h"
 #include "FFDBenchmarkScene.h"
 #include "FFDBenchmarkSizes.h"
@@ -47,6 +48,8 @@ constexpr double KeptPercent = 85.0;
 constexpr double Avx2ByAvx512 = 1.8;
 constexpr double SpeedOfCopy = 0.5; // of what is made of voxels before the first frame
 constexpr double ErrorByFineSamples = 1.0;
+constexpr double SpeedUpByTwoThreads = 1.85;
+constexpr double SpeedUpBySixteenThreads = 12.0;
 
 const char* const Shapes[] = { "bend45", "random15", "twist1", "bend1", "taper1", "bulge1" };
 
@@ -259,6 +262,7 @@ bool IsFrames(const Group& group)
 constexpr const char* OptionsPrefix = "Options/";
 constexpr const char* SizesPrefix = "Sizes/";
 constexpr const char* ErrorsPrefix = "Errors/";
+constexpr const char* CoresPrefix = "Cores/";
 
 double FindError(const Group& group, const char* name)
 {
@@ -420,6 +424,30 @@ std::vector<std::unique_ptr<Group>> MakeTargetGroups(const Options& options)
         { "samples 1", "samples 0.25", "intervals 1" });
     }
   }
+  for (const int size : { 512, 1024 })
+  {
+    for (const Opacity opacity : opacities)
+    {
+      const std::pair<const char*, Deformation> scenes[] = { { "undeformed", {} },
+        { "bend45", { Shape::Smooth, 45.0 } }, { "edited", { Shape::Smooth, 45.0 } } };
+      for (const auto& scene : scenes)
+      {
+        if (options.Quick && (size != 512 || scene.first != std::string("edited")))
+        {
+          continue;
+        }
+        const Deformation deformation = scene.second;
+        const bool edited = scene.first == std::string("edited");
+        add(
+          std::string(CoresPrefix) + GetName(opacity) + "/" + std::to_string(size) + "/" +
+            scene.first,
+          [=](Group& group) {
+            return PrepareCores(group, folder, opacity, size, deformation, edited);
+          },
+          GetThreadCounts());
+      }
+    }
+  }
   add("Targets/paper", [=](Group& group) { return PreparePaper(group, folder); },
     { "semi", "opaque", "sparse" });
   for (auto& group : MakeGroups(options))
@@ -498,6 +526,21 @@ std::vector<Target> FindTargets(const std::vector<std::unique_ptr<Group>>& group
         FindError(group, "intervals 1") / FindError(group, "samples 0.25"), ErrorByFineSamples });
       targets.push_back({ name + " time of intervals 1 / samples 1",
         group.GetRatio("intervals 1", "samples 1"), NoNumber });
+    }
+    else if (StartsWith(name, CoresPrefix))
+    {
+      for (const Row& row : group.GetRows())
+      {
+        if (row.Name != "1")
+        {
+          targets.push_back({ name + " " + row.Name + " threads: times as fast as one",
+            group.GetRatio("1", row.Name),
+            row.Name == "2"      ? SpeedUpByTwoThreads
+              : row.Name == "16" ? SpeedUpBySixteenThreads
+                                 : NoNumber,
+            false });
+        }
+      }
     }
     else if (StartsWith(name, "Targets/vectors/"))
     {

@@ -30,6 +30,7 @@ struct Target
  * FIRST_ORDER, and what they are compared with, all in turns), Targets/vectors/<opacity> (AVX2 by
  * AVX-512, if the machine has both), Options/<volume>/<deformation> (what users switch on),
  * Sizes/<side>/<type> (first frames and frames), Errors/<volume> (by distances of samples),
+ * Cores/<opacity>/<size>/<scene> (by numbers of threads),
  * Targets/paper (counts), Drag and WidgetDrag.
  */
 std::vector<std::unique_ptr<Group>> MakeTargetGroups(const Options& options);
