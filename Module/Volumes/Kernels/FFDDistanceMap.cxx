@@ -119,8 +119,10 @@ public:
     }
     const MinMaxBlocks::BlockThresholds thresholds =
       this->Blocks.FindThresholds(codes, [this](int code) { return this->GetFirstVisible(code); });
+    const int minima = this->Blocks.GetMinima(parent);
     ForChildren(parent, this->Blocks.GetBlocks(), [&](const glm::ivec3& block, std::size_t index) {
-      take(block, index, !this->Blocks.Reaches(index, thresholds));
+      const int child = MinMaxBlocks::GetChild(block);
+      take(block, index, !this->Blocks.Reaches(index, child, minima, thresholds));
     });
   }
 
