@@ -92,6 +92,10 @@ int RayCaster::GetNumberOfTiles(const CastImage& image) const
 //------------------------------------------------------------------------------
 int RayCaster::GetGroup(int tile, const CastImage& image) const
 {
+  if (!this->Packets || this->Packets->GetRootSide() <= TileSize)
+  {
+    return tile;
+  }
   constexpr int tiles = GroupSize / TileSize;
   const int tilesPerRow = GetTilesPerRow(image.Width);
   const int groupsPerRow = (tilesPerRow + tiles - 1) / tiles;

@@ -78,7 +78,8 @@ public:
 
   static int GetTilesPerRow(int width) { return (width + TileSize - 1) / TileSize; }
   int GetNumberOfTiles(const CastImage& image) const;
-  /// The number of the group that a tile is in, see GroupSize.
+  /// The number of the group that a tile is in, see GroupSize; a group of its own if the tiles of
+  /// this scene share nothing.
   int GetGroup(int tile, const CastImage& image) const;
   /// `subtiles`: of which subtiles of the tile the pixels are asked for, a bit each, x fastest.
   /// Stops at the deadline, with some pixels done: returns 0 when the tile is finished, else the
