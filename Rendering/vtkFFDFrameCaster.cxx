@@ -12,6 +12,7 @@
 #include "vtkFFDViewFromRenderer.h"
 
 #include "FFDClipToBox.h"
+#include "FFDPixelBytes.h"
 #include "FFDRayCaster.h"
 
 #include "vtkMatrix4x4.h"
@@ -21,9 +22,11 @@
 #include <glm/common.hpp>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <bitset>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <numeric>
@@ -67,7 +70,8 @@ ffd::VisibleRectangle FindVisible(
       // Rows from both ends: most of those in the middle then lie within what is known.
       const int half = static_cast<int>(i / 2);
       const int y = i % 2 == 0 ? half : rays.y - 1 - half;
-      visible.AddPixels(colors.data(), rays.x, { 0, y }, { rays.x, y + 1 });
+      visible.AddPixels(colors.data() + 4 * static_cast<std::size_t>(y) * rays.x, rays.x, { 0, y },
+        { rays.x, y + 1 });
     }
     const std::lock_guard<std::mutex> lock(mutex);
     all.Add(visible);
@@ -80,6 +84,36 @@ struct alignas(128) Worker
 {
   ffd::RayCaster::Scratch Scratch;
   ffd::VisibleRectangle Visible; ///< of its tiles
+  /// Of a tile of a picture of bytes.
+  std::array<float, std::size_t{ 4 } * ffd::RayCaster::TileSize * ffd::RayCaster::TileSize> Colors;
+
+  /// The image that a tile is cast into before its colors are rounded.
+  ffd::CastImage GetTile(const ffd::CastImage& image, const ffd::RayCaster::TileRange& range)
+  {
+    ffd::CastImage tile = image;
+    tile.Colors = this->Colors.data();
+    tile.FirstColor = range.First;
+    tile.ColorsInRow = ffd::RayCaster::TileSize;
+    return tile;
+  }
+};
+
+/// Colors of the tiles of a picture of bytes that are not finished.
+class BegunTiles
+{
+public:
+  void Keep(int tile, const Worker& worker)
+  {
+    this->Colors[tile].assign(worker.Colors.begin(), worker.Colors.end());
+  }
+  void Restore(int tile, Worker& worker) const
+  {
+    const std::vector<float>& colors = this->Colors.at(tile);
+    std::copy(colors.begin(), colors.end(), worker.Colors.begin());
+  }
+
+private:
+  std::map<int, std::vector<float>> Colors;
 };
 
 /// Those of a frame. Each thread makes its own, all at the same time.
@@ -248,6 +282,8 @@ bool vtkFFDFrameCaster::Cast(
   std::unique_ptr<const ffd::RayCaster> made;
   std::vector<vtkFFDFrameCoherence::Part> tiles;
   const bool reuses = view.InWindow && this->CanReuse(view.Volume);
+  const bool asBytes = view.AsBytes && !reuses;
+  this->Colors.Bytes.resize(asBytes ? 4 * rays : 0);
   if (reuses)
   {
     const vtkFFDFrameCoherence::Sources sources = { view.SettingsTime,
@@ -259,7 +295,7 @@ bool vtkFFDFrameCaster::Cast(
       parallelFor,
       [&] {
         tiles = this->Coherence.Begin(sources, scene, region, this->Cache.GetPullBack().RestBounds,
-          this->Mapper->GetFrameCoherenceTolerance(), this->Colors, this->FirstVisible);
+          this->Mapper->GetFrameCoherenceTolerance(), this->Colors.Floats, this->FirstVisible);
       },
       [&] { made = std::make_unique<const ffd::RayCaster>(scene, settings); });
     image.Reaches = this->Coherence.GetReaches();
@@ -268,7 +304,7 @@ bool vtkFFDFrameCaster::Cast(
   {
     made = std::make_unique<const ffd::RayCaster>(scene, settings, parallelFor);
     this->Coherence.Clear();
-    this->Colors.resize(4 * rays);
+    this->Colors.Floats.resize(asBytes ? 0 : 4 * rays);
     this->FirstVisible.resize(layers ? rays : 0);
     for (int tile = 0; tile < made->GetNumberOfTiles(image); ++tile)
     {
@@ -283,7 +319,7 @@ bool vtkFFDFrameCaster::Cast(
   const double part = FindPart(tiles, region.Rays);
   this->ReusedFraction = 1.0 - part;
   this->Intervals = caster.ClassifiesIntervals();
-  image.Colors = this->Colors.data();
+  image.Colors = this->Colors.Floats.data();
   image.Depths = layers ? this->FirstVisible.data() : outDepths;
 
   Workers workers(parallelFor);
@@ -294,6 +330,25 @@ bool vtkFFDFrameCaster::Cast(
   std::atomic<std::size_t> next{ 0 };
   std::mutex mutex;
   std::vector<vtkFFDFrameCoherence::Part> stopped; // tiles that were taken and are not finished
+  BegunTiles begunTiles;
+  const auto finish = [&](const vtkFFDFrameCoherence::Part& tile, const ffd::CastImage& colors,
+                        Worker& worker) {
+    this->ApplyFinalColors(colors, tile);
+    const ffd::RayCaster::TileRange range(tile.Tile, region.Rays);
+    const glm::ivec2& first = range.First;
+    if (view.IsDrawn && !reuses)
+    {
+      worker.Visible.AddPixels(
+        colors.GetColor(first.x, first.y), colors.GetColorsInRow(), first, range.End);
+    }
+    for (int y = first.y; asBytes && y < range.End.y; ++y)
+    {
+      const std::size_t at = static_cast<std::size_t>(y) * image.Width + first.x;
+      ffd::WritePixelBytes(colors.GetColor(first.x, y),
+        static_cast<std::size_t>(range.End.x - first.x), view.Premultiplied,
+        &this->Colors.Bytes[4 * at]);
+    }
+  };
   // A worker takes the tiles of a group together; near the end fewer, so that all workers are busy.
   // What is counted must not depend on that.
   const std::size_t shares = 2 * workers.GetSize();
@@ -338,24 +393,31 @@ bool vtkFFDFrameCaster::Cast(
           vtkFFDFrameCoherence::Part& tile = tiles[i];
           // A tile that stops evaluates some of the deformation again: that is not to be counted.
           const bool late = !collect && i > first && vtkFFDFrame::Clock::now() >= due;
+          const ffd::CastImage colors = asBytes
+            ? worker.GetTile(image, ffd::RayCaster::TileRange(tile.Tile, region.Rays))
+            : image;
           if (!late)
           {
-            tile.First = caster.RenderTile(tile.Tile, image, worker.Scratch, tile.Subtiles,
+            if (asBytes && tile.First != 0)
+            {
+              const std::lock_guard<std::mutex> lock(mutex);
+              begunTiles.Restore(tile.Tile, worker);
+            }
+            tile.First = caster.RenderTile(tile.Tile, colors, worker.Scratch, tile.Subtiles,
               tile.First, collect ? ffd::NoDeadline : due);
           }
           if (late || tile.First != 0)
           {
             const std::lock_guard<std::mutex> lock(mutex);
             stopped.push_back(tile);
+            if (asBytes && !late)
+            {
+              begunTiles.Keep(tile.Tile, worker);
+            }
           }
           else
           {
-            this->ApplyFinalColors(region, tile, this->Colors);
-            if (view.IsDrawn && !reuses)
-            {
-              const ffd::RayCaster::TileRange range(tile.Tile, region.Rays);
-              worker.Visible.AddPixels(image.Colors, image.Width, range.First, range.End);
-            }
+            finish(tile, colors, worker);
           }
         }
       } while (vtkFFDFrame::Clock::now() < due);
@@ -375,7 +437,13 @@ bool vtkFFDFrameCaster::Cast(
   }
   else if (reuses)
   {
-    this->Visible = FindVisible(this->Colors, region.Rays, parallelFor);
+    this->Visible = FindVisible(this->Colors.Floats, region.Rays, parallelFor);
+    // The next frame takes up the floats.
+    this->Colors.Bytes.resize(view.AsBytes ? 4 * rays : 0);
+    parallelFor(view.AsBytes ? rays : 0, [&](std::size_t first, std::size_t last) {
+      ffd::WritePixelBytes(&this->Colors.Floats[4 * first], last - first, view.Premultiplied,
+        &this->Colors.Bytes[4 * first]);
+    });
   }
   else
   {
@@ -470,7 +538,8 @@ vtkFFDImageDisplay::Layers vtkFFDFrameCaster::CastLayers(const View& view, const
       {
         const std::size_t at = static_cast<std::size_t>(y) * rays.x + x;
         // Most rays have no geometry before their ends, or nothing that it could hide.
-        if (!(this->NearestDepths[at] < this->RayDepths[at]) || this->Colors[4 * at + 3] == 0.0f)
+        if (!(this->NearestDepths[at] < this->RayDepths[at]) ||
+          this->Colors.Floats[4 * at + 3] == 0.0f)
         {
           continue;
         }
@@ -545,7 +614,7 @@ void vtkFFDFrameCaster::CastNearer(const View& view, ffd::CastScene scene)
   const ffd::RayCaster caster(scene,
     vtkFFDFramePlan::MakeSettings(
       this->Mapper, this->Cache, view.Volume, view.Interactive, view.Region.Step));
-  this->NearColors = this->Colors;
+  this->NearColors = this->Colors.Floats;
   ffd::CastImage image;
   image.Width = region.Rays.x;
   image.Height = region.Rays.y;
@@ -576,15 +645,16 @@ void vtkFFDFrameCaster::CastNearer(const View& view, ffd::CastScene scene)
       }
       const vtkFFDFrameCoherence::Part part{ tile, ffd::RayCaster::AllSubtiles };
       caster.RenderTile(tile, image, worker.Scratch, part.Subtiles);
-      this->ApplyFinalColors(region, part, this->NearColors);
+      this->ApplyFinalColors(image, part);
       forEachRay(tile, [&](std::size_t at) {
         if (this->NearDepths[at] == 0.0f)
         {
-          std::copy_n(&this->Colors[4 * at], 4, &this->NearColors[4 * at]);
+          std::copy_n(&this->Colors.Floats[4 * at], 4, &this->NearColors[4 * at]);
         }
       });
       const ffd::RayCaster::TileRange range(tile, region.Rays);
-      worker.Visible.AddPixels(image.Colors, image.Width, range.First, range.End);
+      worker.Visible.AddPixels(
+        image.GetColor(range.First.x, range.First.y), image.Width, range.First, range.End);
     }
   });
   workers.ForEach([&](const Worker& each) { this->Visible.Add(each.Visible); });
@@ -592,8 +662,8 @@ void vtkFFDFrameCaster::CastNearer(const View& view, ffd::CastScene scene)
 
 //------------------------------------------------------------------------------
 /// Window and level of the colors of a finished tile.
-void vtkFFDFrameCaster::ApplyFinalColors(const vtkFFDImageRegion& region,
-  const vtkFFDFrameCoherence::Part& tile, std::vector<float>& colors) const
+void vtkFFDFrameCaster::ApplyFinalColors(
+  const ffd::CastImage& image, const vtkFFDFrameCoherence::Part& tile) const
 {
   const double window = this->FinalWindow;
   const double level = this->FinalLevel;
@@ -603,7 +673,7 @@ void vtkFFDFrameCaster::ApplyFinalColors(const vtkFFDImageRegion& region,
   }
   const float scale = static_cast<float>(1.0 / window);
   const float bias = static_cast<float>(0.5 - level / window);
-  const ffd::RayCaster::TileRange range(tile.Tile, region.Rays);
+  const ffd::RayCaster::TileRange range(tile.Tile, { image.Width, image.Height });
   for (int y = range.First.y; y < range.End.y; ++y)
   {
     for (int x = range.First.x; x < range.End.x; ++x)
@@ -613,7 +683,7 @@ void vtkFFDFrameCaster::ApplyFinalColors(const vtkFFDImageRegion& region,
       {
         continue;
       }
-      float* pixel = &colors[4 * (static_cast<std::size_t>(y) * region.Rays.x + x)];
+      float* const pixel = image.GetColor(x, y);
       for (int c = 0; c < 3; ++c)
       {
         pixel[c] = std::clamp(pixel[c] * scale + bias * pixel[3], 0.0f, 1.0f);
@@ -626,7 +696,7 @@ void vtkFFDFrameCaster::ApplyFinalColors(const vtkFFDImageRegion& region,
 void vtkFFDFrameCaster::ReleaseImages()
 {
   this->Coherence.Clear();
-  std::vector<float>().swap(this->Colors);
+  this->Colors = Picture();
   std::vector<float>().swap(this->WindowDepths);
   std::vector<float>().swap(this->RayDepths);
   std::vector<float>().swap(this->NearestDepths);

@@ -38,6 +38,13 @@ public:
   vtkFFDFrameCaster(const vtkFFDFrameCaster&) = delete;
   vtkFFDFrameCaster& operator=(const vtkFFDFrameCaster&) = delete;
 
+  /// Colors of an image, 4 numbers a ray: as floats or as bytes, the others are empty, or both.
+  struct Picture
+  {
+    std::vector<float> Floats; ///< premultiplied
+    std::vector<unsigned char> Bytes;
+  };
+
   /// Input of a cast.
   struct View
   {
@@ -48,6 +55,8 @@ public:
     bool InWindow = false;         ///< else it is for a selector or an image
     bool IsDrawn = false;          ///< in a window or for a selector
     bool HasTimeEstimate = false;  ///< about how long it takes
+    bool AsBytes = false;          ///< what to make; else floats
+    bool Premultiplied = true;     ///< of bytes
     vtkMTimeType SettingsTime = 0; ///< of the mapper, without its deformation
   };
 
@@ -57,11 +66,11 @@ public:
    */
   bool Cast(vtkFFDFrame& frame, const View& view, const float* depths, float* outDepths);
 
-  /// The picture: premultiplied colors, 4 floats a ray.
-  std::vector<float>& GetColors() { return this->Colors; }
+  /// What was cast last.
+  Picture& GetPicture() { return this->Colors; }
 
-  /// Whether there is memory for it already.
-  bool Holds(std::size_t rays) const { return this->Colors.capacity() >= 4 * rays; }
+  /// Whether there is memory for a picture of bytes already.
+  bool HoldsBytes(std::size_t rays) const { return this->Colors.Bytes.capacity() >= 4 * rays; }
 
   /// What is visible of it if it is drawn, and after CastLayers() of these, too.
   const ffd::VisibleRectangle& GetVisible() const { return this->Visible; }
@@ -92,13 +101,12 @@ public:
 private:
   vtkFFDParallelFor MakeParallelFor() const;
   void CastNearer(const View& view, ffd::CastScene scene);
-  void ApplyFinalColors(const vtkFFDImageRegion& region, const vtkFFDFrameCoherence::Part& tile,
-    std::vector<float>& colors) const;
+  void ApplyFinalColors(const ffd::CastImage& image, const vtkFFDFrameCoherence::Part& tile) const;
 
   vtkFFDInverseRayVolumeMapper* Mapper; // not owned
   const vtkFFDFrameCache& Cache;
 
-  std::vector<float> Colors;
+  Picture Colors;
   ffd::VisibleRectangle Visible;
   double FinalWindow = 1.0; // of the frame in progress
   double FinalLevel = 0.5;

@@ -164,7 +164,7 @@ Index FindIndex(vtkDataSet* input, const vtkFFDFrameCache& cache, const glm::dve
 
 //------------------------------------------------------------------------------
 /// `colors`, premultiplied, as a picture of bytes.
-void vtkFFDWriteColors(const std::vector<float>& colors, int width, int height, bool premultiplied,
+void vtkFFDWriteColors(const std::vector<float>& colors, int width, int height,
   const vtkFFDParallelFor& parallelFor, vtkImageData* image)
 {
   image->SetExtent(0, width - 1, 0, height - 1, 0, 0);
@@ -172,7 +172,7 @@ void vtkFFDWriteColors(const std::vector<float>& colors, int width, int height, 
   auto* const bytes = static_cast<unsigned char*>(image->GetScalarPointer());
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   parallelFor(pixels, [&](std::size_t first, std::size_t last) {
-    ffd::WritePixelBytes(colors.data() + 4 * first, last - first, premultiplied, bytes + 4 * first);
+    ffd::WritePixelBytes(colors.data() + 4 * first, last - first, true, bytes + 4 * first);
   });
 }
 

@@ -18,7 +18,7 @@ class vtkHardwareSelector;
 class vtkImageData;
 
 /// `colors`, premultiplied, 4 floats a pixel, as a picture of bytes.
-void vtkFFDWriteColors(const std::vector<float>& colors, int width, int height, bool premultiplied,
+void vtkFFDWriteColors(const std::vector<float>& colors, int width, int height,
   const vtkFFDParallelFor& parallelFor, vtkImageData* image);
 
 /// Depths, 0 to 1, as an image of the extent that it has: 255 or 65535 times as large as integers,

@@ -5,8 +5,6 @@
 #include "vtkFFDParallelFor.h"
 #include "vtkFFDVersions.h"
 
-#include "FFDPixelBytes.h"
-
 #include "vtkNew.h"
 #include "vtkOpenGLQuadHelper.h"
 #include "vtkOpenGLRenderWindow.h"
@@ -21,6 +19,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -125,35 +124,6 @@ void ClearErrors()
   }
 }
 
-/// Whether what is drawn is rounded to bytes as they are, not to those of sRGB.
-bool DrawsBytes()
-{
-  GLint framebuffer = 0;
-  GLint buffer = GL_NONE;
-  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
-  glGetIntegerv(GL_DRAW_BUFFER, &buffer);
-  // Of windows only the left and right ones have properties.
-  const GLint attachment = buffer == GL_BACK ? GL_BACK_LEFT
-    : buffer == GL_FRONT                     ? GL_FRONT_LEFT
-                                             : buffer;
-  if (attachment == GL_NONE)
-  {
-    return false;
-  }
-  ClearErrors();
-  const auto find = [attachment](GLenum property) {
-    GLint value = 0;
-    glGetFramebufferAttachmentParameteriv(
-      GL_DRAW_FRAMEBUFFER, static_cast<GLenum>(attachment), property, &value);
-    return value;
-  };
-  const bool bytes = find(GL_FRAMEBUFFER_ATTACHMENT_RED_SIZE) == 8 &&
-    find(GL_FRAMEBUFFER_ATTACHMENT_COMPONENT_TYPE) == GL_UNSIGNED_NORMALIZED &&
-    (find(GL_FRAMEBUFFER_ATTACHMENT_COLOR_ENCODING) != GL_SRGB ||
-      glIsEnabled(GL_FRAMEBUFFER_SRGB) != GL_TRUE);
-  return glGetError() == GL_NO_ERROR && bytes;
-}
-
 /// A property of the depth or stencil attachment of the framebuffer that is read from.
 GLint GetAttachment(GLenum attachment, GLenum property)
 {
@@ -250,44 +220,35 @@ struct vtkFFDImageDisplay::Resources
   std::unique_ptr<vtkOpenGLQuadHelper> Quad;
   std::unique_ptr<vtkOpenGLQuadHelper> LayerQuad;
   vtkWeakPointer<vtkOpenGLRenderWindow> Window;
-  // Part of an image, as one of these.
+  // Parts of images.
   std::vector<float> Floats;
   std::vector<unsigned char> Bytes;
 
-  /// Fill a texture with a part of an image of `components` floats a pixel; `asBytes`: these are
-  /// premultiplied colors, and are rounded.
-  bool Fill(vtkTextureObject* texture, const float* image, int components, int width,
-    const Rectangle& part, int filter, bool asBytes, const vtkFFDParallelFor& parallelFor)
+  /// Fill a texture with a rectangle of an image of `components` numbers a pixel. `part`: memory.
+  template <class T>
+  bool Fill(vtkTextureObject* texture, const T* image, int components, int width,
+    const Rectangle& rectangle, int filter, const vtkFFDParallelFor& parallelFor,
+    std::vector<T>& part)
   {
     const std::size_t pixel = static_cast<std::size_t>(components);
-    const std::size_t rowLength = pixel * static_cast<std::size_t>(part.Width());
-    const std::size_t length = rowLength * static_cast<std::size_t>(part.Height());
-    this->Bytes.resize(asBytes ? length : 0);
-    this->Floats.resize(asBytes ? 0 : length);
-    parallelFor(static_cast<std::size_t>(part.Height()), [&](std::size_t first, std::size_t last) {
+    const std::size_t rowLength = pixel * static_cast<std::size_t>(rectangle.Width());
+    const std::size_t height = static_cast<std::size_t>(rectangle.Height());
+    part.resize(rowLength * height);
+    parallelFor(height, [&](std::size_t first, std::size_t last) {
       for (std::size_t y = first; y < last; ++y)
       {
         const std::size_t from =
-          static_cast<std::size_t>(width) * (static_cast<std::size_t>(part.Low[1]) + y) +
-          static_cast<std::size_t>(part.Low[0]);
-        if (asBytes)
-        {
-          ffd::WritePixelBytes(image + pixel * from, static_cast<std::size_t>(part.Width()), true,
-            this->Bytes.data() + rowLength * y);
-        }
-        else
-        {
-          std::copy_n(image + pixel * from, rowLength, this->Floats.data() + rowLength * y);
-        }
+          static_cast<std::size_t>(width) * (static_cast<std::size_t>(rectangle.Low[1]) + y) +
+          static_cast<std::size_t>(rectangle.Low[0]);
+        std::copy_n(image + pixel * from, rowLength, part.data() + rowLength * y);
       }
     });
     texture->SetContext(this->Window);
     // A texture of the same size is filled again only if it is made again.
     texture->ReleaseGraphicsResources(this->Window);
-    if (!texture->Create2DFromRaw(static_cast<unsigned int>(part.Width()),
-          static_cast<unsigned int>(part.Height()), components,
-          asBytes ? VTK_UNSIGNED_CHAR : VTK_FLOAT,
-          asBytes ? static_cast<void*>(this->Bytes.data()) : this->Floats.data()))
+    if (!texture->Create2DFromRaw(static_cast<unsigned int>(rectangle.Width()),
+          static_cast<unsigned int>(rectangle.Height()), components,
+          std::is_same<T, float>::value ? VTK_FLOAT : VTK_UNSIGNED_CHAR, part.data()))
     {
       return false;
     }
@@ -351,16 +312,17 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, const Image& image, const L
   const int filter = pixelByPixel ? vtkTextureObject::Nearest : vtkTextureObject::Linear;
   const Rectangle all = { { 0, 0 }, { layers.Pixels[0], layers.Pixels[1] } };
   const auto fill = [&](vtkTextureObject* texture, const float* floats, int components, int width,
-                      const Rectangle& of, bool asBytes) {
-    return gl.Fill(texture, floats, components, width, of, filter, asBytes, parallelFor);
+                      const Rectangle& of) {
+    return gl.Fill(texture, floats, components, width, of, filter, parallelFor, gl.Floats);
   };
-  // What is drawn is rounded anyway, and bytes are drawn in less time.
-  const bool asBytes = DrawsBytes();
-  if (!fill(gl.Texture, image.Colors, 4, image.Width, part, asBytes) ||
+  const bool filled = image.Bytes
+    ? gl.Fill(gl.Texture, image.Bytes, 4, image.Width, part, filter, parallelFor, gl.Bytes)
+    : fill(gl.Texture, image.Floats, 4, image.Width, part);
+  if (!filled ||
     (layers.Colors &&
-      (!fill(gl.NearTexture, layers.Colors, 4, image.Width, part, asBytes) ||
-        !fill(gl.RayDepths, layers.Depths, 3, image.Width, part, false) ||
-        !fill(gl.PixelDepths, layers.PixelDepths, 1, layers.Pixels[0], all, false))))
+      (!fill(gl.NearTexture, layers.Colors, 4, image.Width, part) ||
+        !fill(gl.RayDepths, layers.Depths, 3, image.Width, part) ||
+        !fill(gl.PixelDepths, layers.PixelDepths, 1, layers.Pixels[0], all))))
   {
     return false;
   }
@@ -410,6 +372,40 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, const Image& image, const L
     texture.second->Deactivate();
   }
   return true;
+}
+
+//------------------------------------------------------------------------------
+/// Not to those of sRGB: these are not equally far apart.
+bool vtkFFDImageDisplay::DrawsBytes(vtkRenderer* renderer)
+{
+  if (!vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow()))
+  {
+    return false;
+  }
+  GLint framebuffer = 0;
+  GLint buffer = GL_NONE;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
+  glGetIntegerv(GL_DRAW_BUFFER, &buffer);
+  // Of windows only the left and right ones have properties.
+  const GLint attachment = buffer == GL_BACK ? GL_BACK_LEFT
+    : buffer == GL_FRONT                     ? GL_FRONT_LEFT
+                                             : buffer;
+  if (attachment == GL_NONE)
+  {
+    return false;
+  }
+  ClearErrors();
+  const auto find = [attachment](GLenum property) {
+    GLint value = 0;
+    glGetFramebufferAttachmentParameteriv(
+      GL_DRAW_FRAMEBUFFER, static_cast<GLenum>(attachment), property, &value);
+    return value;
+  };
+  const bool bytes = find(GL_FRAMEBUFFER_ATTACHMENT_RED_SIZE) == 8 &&
+    find(GL_FRAMEBUFFER_ATTACHMENT_COMPONENT_TYPE) == GL_UNSIGNED_NORMALIZED &&
+    (find(GL_FRAMEBUFFER_ATTACHMENT_COLOR_ENCODING) != GL_SRGB ||
+      glIsEnabled(GL_FRAMEBUFFER_SRGB) != GL_TRUE);
+  return glGetError() == GL_NO_ERROR && bytes;
 }
 
 //------------------------------------------------------------------------------

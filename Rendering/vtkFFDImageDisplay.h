@@ -31,7 +31,11 @@ public:
   {
     int Width = 0;
     int Height = 0;
-    const float* Colors = nullptr; ///< premultiplied RGBA, rows bottom up
+    ///@{
+    /// Premultiplied RGBA, rows bottom up; one may be null. Bytes are drawn in less time.
+    const float* Floats = nullptr;
+    const unsigned char* Bytes = nullptr;
+    ///@}
     ffd::VisibleRectangle Visible; ///< of it and its layers
   };
 
@@ -51,11 +55,14 @@ public:
     int Viewport[2] = { 1, 1 };         ///< pixels of the viewport
   };
 
+  /// Whether what is drawn now would be rounded to bytes: then an image may consist of these.
+  static bool DrawsBytes(vtkRenderer* renderer);
+
   /**
    * Draw an image and its layers over the rectangle (xmin, ymin, xmax, ymax) of the viewport, in
-   * normalized device coordinates. `pixelByPixel`: each pixel of the image lies on one of the
-   * window. Returns false when the window of the renderer is not an OpenGL one or refuses the
-   * texture.
+   * normalized device coordinates. With layers the image is one of floats. `pixelByPixel`: each
+   * pixel of the image lies on one of the window. Returns false when the window of the renderer is
+   * not an OpenGL one or refuses the texture.
    */
   bool Draw(vtkRenderer* renderer, const Image& image, const Layers& layers,
     const double rectangle[4], bool pixelByPixel, const vtkFFDParallelFor& parallelFor);

@@ -46,8 +46,8 @@ namespace
 
 constexpr int LargestImageSide = 16384;
 
-/// Memory of a pixel while an image is made: colors and depth as floats, and as bytes.
-constexpr double BytesPerPixel = 28.0;
+/// Memory of a pixel while an image is made: colors as bytes and depths as floats, here and there.
+constexpr double BytesPerPixel = 16.0;
 
 /// Whether a pass of depth peeling asks for the volume between translucent surfaces: it wants the
 /// shader of the volume changed, and what is drawn without that is not a picture.
@@ -210,7 +210,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::CheckView(
 void vtkFFDInverseRayVolumeMapper::vtkInternals::ReleaseImages()
 {
   this->Caster.ReleaseImages();
-  std::vector<float>().swap(this->LastColors);
+  this->LastPicture = vtkFFDFrameCaster::Picture();
   std::vector<float>().swap(this->VisibleDepths);
   this->Shown = View();
   this->Last = View();
@@ -409,7 +409,7 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
     ffd::MakeCameraView(renderer, whole, ffd::ToMatrix(volume->GetMatrix())).DataToNdc;
   if (in.Shown.Complete && !(shown && in.Caster.CanReuse(volume)))
   {
-    in.Caster.GetColors().swap(in.LastColors);
+    std::swap(in.Caster.GetPicture(), in.LastPicture);
     in.Last = in.Shown;
   }
   in.Shown.Complete = false;
@@ -423,6 +423,9 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   cast.IsDrawn = shown || selector;
   cast.HasTimeEstimate = in.Plan.HasTimeEstimate();
   cast.SettingsTime = this->GetSettingsTime();
+  // Layers are interpolated as floats.
+  cast.AsBytes =
+    shown && !(depths && region.Step > 1.0) && vtkFFDImageDisplay::DrawsBytes(renderer);
   const bool done = in.Caster.Cast(frame, cast, depths, visibleDepths);
   vtkFFDImageDisplay::Layers layers;
   if (done && depths && region.Step > 1.0 && in.FindSceneTime(volume) == sceneTime)
@@ -443,15 +446,15 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   if (selector)
   {
     vtkFFDPaintIdentifiers(
-      selector, this, in.Cache, camera, in.VisibleDepths, in.Caster.GetColors());
+      selector, this, in.Cache, camera, in.VisibleDepths, in.Caster.GetPicture().Floats);
   }
   else if (!shown)
   {
     if (this->ClampDepthToBackface)
     {
-      vtkFFDMoveToBackface(this, in.Cache, camera, in.Caster.GetColors(), in.VisibleDepths);
+      vtkFFDMoveToBackface(this, in.Cache, camera, in.Caster.GetPicture().Floats, in.VisibleDepths);
     }
-    vtkFFDWriteColors(in.Caster.GetColors(), region.Rays.x, region.Rays.y, true,
+    vtkFFDWriteColors(in.Caster.GetPicture().Floats, region.Rays.x, region.Rays.y,
       vtkFFDParallelFor(this->NumberOfThreads), in.ColorImage);
     in.ImageDepths = in.VisibleDepths;
     return;
@@ -474,7 +477,9 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   vtkFFDImageDisplay::Image image;
   image.Width = region.Rays.x;
   image.Height = region.Rays.y;
-  image.Colors = done ? in.Caster.GetColors().data() : in.LastColors.data();
+  const vtkFFDFrameCaster::Picture& picture = done ? in.Caster.GetPicture() : in.LastPicture;
+  image.Floats = picture.Floats.empty() ? nullptr : picture.Floats.data();
+  image.Bytes = picture.Bytes.empty() ? nullptr : picture.Bytes.data();
   image.Visible = done ? in.Caster.GetVisible() : in.Last.Visible;
 
   const glm::dvec2 perPixel = 2.0 / glm::dvec2(region.Viewport);
@@ -553,27 +558,30 @@ int vtkFFDInverseRayVolumeMapper::MakeImages(vtkRenderer* renderer, vtkVolume* v
   }
   const vtkFFDImageRegion region(glm::ivec2(width, height));
   // To ask the system takes a tenth of a millisecond and more.
-  if (!in.Caster.Holds(pixels))
+  if (!in.Caster.HoldsBytes(pixels))
   {
     vtkFFDRequireMemory(BytesPerPixel * static_cast<double>(pixels),
       std::to_string(width) + " x " + std::to_string(height) + " pixels",
       "Give a smaller width and height.");
   }
   in.Shown.Complete = false;
-  const bool premultiplied = this->PremultipliedAlpha != 0; // observers may change it
   std::vector<float> firstVisible(depths ? pixels : 0);
   vtkFFDFrameCaster::View cast;
   cast.Renderer = renderer;
   cast.Volume = volume;
   cast.Region = region;
   cast.HasTimeEstimate = in.Plan.HasTimeEstimate();
+  cast.AsBytes = true;
+  cast.Premultiplied = this->PremultipliedAlpha != 0;
   if (!in.Caster.Cast(frame, cast, scene, depths ? firstVisible.data() : nullptr))
   {
     return 0;
   }
 
-  vtkFFDWriteColors(in.Caster.GetColors(), width, height, premultiplied,
-    vtkFFDParallelFor(this->NumberOfThreads), colors);
+  const std::vector<unsigned char>& bytes = in.Caster.GetPicture().Bytes;
+  colors->SetExtent(0, width - 1, 0, height - 1, 0, 0);
+  colors->AllocateScalars(VTK_UNSIGNED_CHAR, 4);
+  std::copy(bytes.begin(), bytes.end(), static_cast<unsigned char*>(colors->GetScalarPointer()));
   if (depths)
   {
     depths->SetExtent(0, width - 1, 0, height - 1, 0, 0);

@@ -69,8 +69,8 @@ public:
     }
   };
 
-  View Shown;                    // of the picture of the caster
-  std::vector<float> LastColors; // of the picture before a still one, which may be aborted
+  View Shown;                             // of the picture of the caster
+  vtkFFDFrameCaster::Picture LastPicture; // the one before a still one, which may be aborted
   View Last;
   std::vector<float> VisibleDepths; // of the first visible samples, where these are asked for
   vtkNew<vtkImageData> ColorImage;  // the last frame that became an image

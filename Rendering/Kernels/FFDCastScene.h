@@ -144,6 +144,22 @@ struct CastImage
   float* Colors = nullptr;
   float* Depths = nullptr;
   float* Reaches = nullptr;
+
+  /// `Colors` may be those of a part of the image: they begin with this pixel, and have so many
+  /// pixels in a row; 0: as many as the image.
+  glm::ivec2 FirstColor{ 0 };
+  int ColorsInRow = 0;
+
+  int GetColorsInRow() const { return this->ColorsInRow > 0 ? this->ColorsInRow : this->Width; }
+
+  /// The color of a pixel.
+  float* GetColor(int x, int y) const
+  {
+    return this->Colors +
+      4 *
+      (static_cast<std::ptrdiff_t>(y - this->FirstColor.y) * this->GetColorsInRow() +
+        (x - this->FirstColor.x));
+  }
 };
 
 } // namespace ffd

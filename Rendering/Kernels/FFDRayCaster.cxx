@@ -175,7 +175,7 @@ int RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch, un
       }
       const std::size_t at = static_cast<std::size_t>(y) * image.Width + x;
       const int width = std::min(SubtileSize, x1 - x + 1);
-      std::fill_n(image.Colors + 4 * at, 4 * width, 0.0f);
+      std::fill_n(image.GetColor(x, y), 4 * width, 0.0f);
       if (image.Depths)
       {
         std::fill_n(image.Depths + at, width, 1.0f);
@@ -206,7 +206,7 @@ int RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch, un
     this->Reference->Cast(ray, pixel, scratch.Statistics);
     const std::size_t at = static_cast<std::size_t>(ray.Y) * image.Width + ray.X;
     const RayIntegrator::Result result = pixel.Integrator.End();
-    float* color = image.Colors + 4 * at;
+    float* const color = image.GetColor(ray.X, ray.Y);
     color[0] = result.Color.r;
     color[1] = result.Color.g;
     color[2] = result.Color.b;

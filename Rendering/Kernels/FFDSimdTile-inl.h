@@ -164,9 +164,9 @@ HWY_INLINE void StorePixels(
   {
     return;
   }
-  const std::size_t first = static_cast<std::size_t>(y0) * image.Width + x0;
-  float* to = image.Colors + 4 * first;
-  for (int row = 0; row < height; ++row, to += 4 * static_cast<std::size_t>(image.Width))
+  const std::size_t step = 4 * static_cast<std::size_t>(image.GetColorsInRow());
+  float* to = image.GetColor(x0, y0);
+  for (int row = 0; row < height; ++row, to += step)
   {
     const float* from = colors + 4 * row * shape.Width;
     if (HWY_LIKELY(width == 4))

@@ -16,8 +16,10 @@ namespace
 class PixelRow
 {
 public:
-  explicit PixelRow(const float* colors)
+  /// `colors`: from the column `first` on.
+  PixelRow(const float* colors, int first)
     : Colors(colors)
+    , First(first)
   {
   }
 
@@ -56,7 +58,8 @@ private:
   bool IsAnyVisible(int first) const
   {
     std::uint64_t halves[2 * Count]; // of pixels
-    std::memcpy(halves, this->Colors + 4 * static_cast<std::size_t>(first), sizeof(halves));
+    std::memcpy(
+      halves, this->Colors + 4 * static_cast<std::size_t>(first - this->First), sizeof(halves));
     std::uint64_t any = 0;
     for (const std::uint64_t half : halves)
     {
@@ -66,6 +69,7 @@ private:
   }
 
   const float* Colors;
+  int First;
 };
 
 } // namespace
@@ -76,7 +80,9 @@ void VisibleRectangle::AddPixels(
 {
   for (int y = first.y; y < end.y; ++y)
   {
-    const PixelRow row(colors + 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(y));
+    const std::size_t before =
+      static_cast<std::size_t>(width) * static_cast<std::size_t>(y - first.y);
+    const PixelRow row(colors + 4 * before, first.x);
     // Columns [inner, outer) of these are within the rectangle.
     const int inner = std::clamp(this->Low.x, first.x, end.x);
     const int outer = std::clamp(this->High.x, inner, end.x);

@@ -31,9 +31,9 @@ public:
   }
 
   /**
-   * Adds the visible pixels of [first, end). `colors`: RGBA of the image, premultiplied, of
-   * `width` pixels a row; those that are not zero are visible. Pixels within the rectangle are not
-   * looked at.
+   * Adds the visible pixels of [first, end). `colors`: RGBA, premultiplied, from the first of these
+   * on, `width` pixels from row to row; those that are not zero are visible. Pixels within the
+   * rectangle are not looked at.
    */
   void AddPixels(const float* colors, int width, const glm::ivec2& first, const glm::ivec2& end);
 

@@ -113,7 +113,7 @@ TEST(VisibleRectangle, TakesPartsInAnyOrder)
     for (const glm::ivec2& first : parts)
     {
       visible[upTo(1)].AddPixels(
-        image.Colors.data(), image.Size.x, first, glm::min(first + tile, image.Size));
+        &image.At(first.x, first.y, 0), image.Size.x, first, glm::min(first + tile, image.Size));
     }
     visible[0].Add(visible[1]);
     glm::ivec2 low;

@@ -116,7 +116,7 @@ class TestMemory(unittest.TestCase):
         self.assertEqual(mapper.RenderToImage(renderer, volume, 8, 8, image), 1)
         self.assertEqual(self.refused(
             mapper, lambda: mapper.RenderToImage(renderer, volume, 16384, 16384, image),
-            "16384 x 16384 pixels take 7.52 GB"), 0)
+            "16384 x 16384 pixels take 4.29 GB"), 0)
         self.assertEqual(image.GetDimensions(), (8, 8, 1))
         self.assertEqual(mapper.RenderToImage(renderer, volume, 9, 9, image), 1)
 
