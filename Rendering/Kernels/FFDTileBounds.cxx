@@ -84,8 +84,8 @@ bool FindCorners(
   {
     std::vector<std::array<double, 4>> weights[3];
     std::vector<int> cells[3];
-    glm::ivec3 first;
-    glm::ivec3 end;
+    glm::ivec3 first(0);
+    glm::ivec3 end(0);
     for (int a = 0; a < 3; ++a)
     {
       for (int i = 0; i <= boxes.Count[a]; ++i)
