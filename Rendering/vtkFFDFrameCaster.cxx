@@ -282,8 +282,6 @@ bool vtkFFDFrameCaster::Cast(
   std::unique_ptr<const ffd::RayCaster> made;
   std::vector<vtkFFDFrameCoherence::Part> tiles;
   const bool reuses = view.InWindow && this->CanReuse(view.Volume);
-  const bool asBytes = view.AsBytes && !reuses;
-  this->Colors.Bytes.resize(asBytes ? 4 * rays : 0);
   if (reuses)
   {
     const vtkFFDFrameCoherence::Sources sources = { view.SettingsTime,
@@ -304,7 +302,6 @@ bool vtkFFDFrameCaster::Cast(
   {
     made = std::make_unique<const ffd::RayCaster>(scene, settings, parallelFor);
     this->Coherence.Clear();
-    this->Colors.Floats.resize(asBytes ? 0 : 4 * rays);
     this->FirstVisible.resize(layers ? rays : 0);
     for (int tile = 0; tile < made->GetNumberOfTiles(image); ++tile)
     {
@@ -319,7 +316,6 @@ bool vtkFFDFrameCaster::Cast(
   const double part = FindPart(tiles, region.Rays);
   this->ReusedFraction = 1.0 - part;
   this->Intervals = caster.ClassifiesIntervals();
-  image.Colors = this->Colors.Floats.data();
   image.Depths = layers ? this->FirstVisible.data() : outDepths;
 
   Workers workers(parallelFor);
@@ -330,25 +326,6 @@ bool vtkFFDFrameCaster::Cast(
   std::atomic<std::size_t> next{ 0 };
   std::mutex mutex;
   std::vector<vtkFFDFrameCoherence::Part> stopped; // tiles that were taken and are not finished
-  BegunTiles begunTiles;
-  const auto finish = [&](const vtkFFDFrameCoherence::Part& tile, const ffd::CastImage& colors,
-                        Worker& worker) {
-    this->ApplyFinalColors(colors, tile);
-    const ffd::RayCaster::TileRange range(tile.Tile, region.Rays);
-    const glm::ivec2& first = range.First;
-    if (view.IsDrawn && !reuses)
-    {
-      worker.Visible.AddPixels(
-        colors.GetColor(first.x, first.y), colors.GetColorsInRow(), first, range.End);
-    }
-    for (int y = first.y; asBytes && y < range.End.y; ++y)
-    {
-      const std::size_t at = static_cast<std::size_t>(y) * image.Width + first.x;
-      ffd::WritePixelBytes(colors.GetColor(first.x, y),
-        static_cast<std::size_t>(range.End.x - first.x), view.Premultiplied,
-        &this->Colors.Bytes[4 * at]);
-    }
-  };
   // A worker takes the tiles of a group together; near the end fewer, so that all workers are busy.
   // What is counted must not depend on that.
   const std::size_t shares = 2 * workers.GetSize();
@@ -368,6 +345,30 @@ bool vtkFFDFrameCaster::Cast(
     return std::make_pair(first, last);
   };
   bool aborted = !frame.ReportCasting(0.0);
+  const bool wantsBytes = view.AsBytes && view.AsBytes();
+  const bool asBytes = wantsBytes && !reuses;
+  this->Colors.Bytes.resize(wantsBytes ? 4 * rays : 0);
+  this->Colors.Floats.resize(asBytes ? 0 : 4 * rays);
+  image.Colors = this->Colors.Floats.data();
+  BegunTiles begunTiles;
+  const auto finish = [&](const vtkFFDFrameCoherence::Part& tile, const ffd::CastImage& colors,
+                        Worker& worker) {
+    this->ApplyFinalColors(colors, tile);
+    const ffd::RayCaster::TileRange range(tile.Tile, region.Rays);
+    const glm::ivec2& first = range.First;
+    if (view.IsDrawn && !reuses)
+    {
+      worker.Visible.AddPixels(
+        colors.GetColor(first.x, first.y), colors.GetColorsInRow(), first, range.End);
+    }
+    for (int y = first.y; asBytes && y < range.End.y; ++y)
+    {
+      const std::size_t at = static_cast<std::size_t>(y) * image.Width + first.x;
+      ffd::WritePixelBytes(colors.GetColor(first.x, y),
+        static_cast<std::size_t>(range.End.x - first.x), view.Premultiplied,
+        &this->Colors.Bytes[4 * at]);
+    }
+  };
   if (tiles.empty() && !aborted)
   {
     frame.ReportCasting(1.0);
@@ -439,8 +440,7 @@ bool vtkFFDFrameCaster::Cast(
   {
     this->Visible = FindVisible(this->Colors.Floats, region.Rays, parallelFor);
     // The next frame takes up the floats.
-    this->Colors.Bytes.resize(view.AsBytes ? 4 * rays : 0);
-    parallelFor(view.AsBytes ? rays : 0, [&](std::size_t first, std::size_t last) {
+    parallelFor(wantsBytes ? rays : 0, [&](std::size_t first, std::size_t last) {
       ffd::WritePixelBytes(&this->Colors.Floats[4 * first], last - first, view.Premultiplied,
         &this->Colors.Bytes[4 * first]);
     });

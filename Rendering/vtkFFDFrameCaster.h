@@ -22,6 +22,7 @@
 
 #include <glm/vec2.hpp>
 
+#include <functional>
 #include <vector>
 
 class vtkFFDFrame;
@@ -51,11 +52,13 @@ public:
     vtkRenderer* Renderer = nullptr;
     vtkVolume* Volume = nullptr;
     vtkFFDImageRegion Region;
-    bool Interactive = false;      ///< see vtkFFDFramePlan::PlaceRays()
-    bool InWindow = false;         ///< else it is for a selector or an image
-    bool IsDrawn = false;          ///< in a window or for a selector
-    bool HasTimeEstimate = false;  ///< about how long it takes
-    bool AsBytes = false;          ///< what to make; else floats
+    bool Interactive = false;     ///< see vtkFFDFramePlan::PlaceRays()
+    bool InWindow = false;        ///< else it is for a selector or an image
+    bool IsDrawn = false;         ///< in a window or for a selector
+    bool HasTimeEstimate = false; ///< about how long it takes
+    /// Whether to make bytes; empty: floats. Asked when observers have been told of the start, as
+    /// they may change what is drawn into.
+    std::function<bool()> AsBytes;
     bool Premultiplied = true;     ///< of bytes
     vtkMTimeType SettingsTime = 0; ///< of the mapper, without its deformation
   };

@@ -424,8 +424,10 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   cast.HasTimeEstimate = in.Plan.HasTimeEstimate();
   cast.SettingsTime = this->GetSettingsTime();
   // Layers are interpolated as floats.
-  cast.AsBytes =
-    shown && !(depths && region.Step > 1.0) && vtkFFDImageDisplay::DrawsBytes(renderer);
+  if (shown && !(depths && region.Step > 1.0))
+  {
+    cast.AsBytes = [renderer] { return vtkFFDImageDisplay::DrawsBytes(renderer); };
+  }
   const bool done = in.Caster.Cast(frame, cast, depths, visibleDepths);
   vtkFFDImageDisplay::Layers layers;
   if (done && depths && region.Step > 1.0 && in.FindSceneTime(volume) == sceneTime)
@@ -571,7 +573,7 @@ int vtkFFDInverseRayVolumeMapper::MakeImages(vtkRenderer* renderer, vtkVolume* v
   cast.Volume = volume;
   cast.Region = region;
   cast.HasTimeEstimate = in.Plan.HasTimeEstimate();
-  cast.AsBytes = true;
+  cast.AsBytes = [] { return true; };
   cast.Premultiplied = this->PremultipliedAlpha != 0;
   if (!in.Caster.Cast(frame, cast, scene, depths ? firstVisible.data() : nullptr))
   {

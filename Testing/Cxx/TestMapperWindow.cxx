@@ -5,8 +5,16 @@
 #include "FFDTestVolume.h"
 
 #include "vtkCallbackCommand.h"
+#include "vtkOpenGLFramebufferObject.h"
+#include "vtkOpenGLRenderWindow.h"
+#include "vtkPixelBufferObject.h"
+#include "vtkTextureObject.h"
 
 #include "vtksys/SystemTools.hxx"
+
+#include <algorithm>
+#include <iostream>
+#include <vector>
 
 namespace
 {
@@ -283,6 +291,61 @@ bool TestTwoVolumes()
   return brighter > 300 && FFDLargestDifference(one, scene.Show()) == 0;
 }
 
+/// Colors brighter than white are kept in a target of floats, which an observer of the start may
+/// put in the place of that of the window.
+bool TestFloats()
+{
+  FFDTestScene scene;
+  scene.Property->ShadeOn();
+  scene.Property->SetAmbient(3.0);
+  scene.Show();
+  constexpr unsigned int size = 64;
+  scene.Window->SetSize(size, size);
+  scene.Show();
+  struct Target
+  {
+    vtkSmartPointer<vtkOpenGLRenderWindow> Window;
+    vtkNew<vtkTextureObject> Floats;
+    vtkSmartPointer<vtkTextureObject> Bytes;
+
+    static void Set(vtkObject*, unsigned long, void* self, void*)
+    {
+      auto* const target = static_cast<Target*>(self);
+      vtkOpenGLFramebufferObject* const frame = target->Window->GetRenderFramebuffer();
+      target->Bytes = frame->GetColorAttachmentAsTextureObject(0);
+      target->Floats->SetContext(target->Window);
+      std::vector<float> zeros(std::size_t{ 4 } * size * size);
+      target->Floats->Create2DFromRaw(size, size, 4, VTK_FLOAT, zeros.data());
+      frame->AddColorAttachment(0, target->Floats);
+    }
+    static void Restore(vtkObject*, unsigned long, void* self, void*)
+    {
+      auto* const target = static_cast<Target*>(self);
+      target->Window->GetRenderFramebuffer()->AddColorAttachment(0, target->Bytes);
+    }
+  } target;
+  target.Window = vtkOpenGLRenderWindow::SafeDownCast(scene.Window);
+  vtkNew<vtkCallbackCommand> set;
+  set->SetClientData(&target);
+  set->SetCallback(&Target::Set);
+  scene.Mapper->AddObserver(vtkCommand::VolumeMapperRenderStartEvent, set);
+  vtkNew<vtkCallbackCommand> restore;
+  restore->SetClientData(&target);
+  restore->SetCallback(&Target::Restore);
+  scene.Mapper->AddObserver(vtkCommand::VolumeMapperRenderEndEvent, restore);
+  scene.Show();
+  std::vector<float> pixels(std::size_t{ 4 } * size * size);
+  const vtkSmartPointer<vtkPixelBufferObject> buffer =
+    vtkSmartPointer<vtkPixelBufferObject>::Take(target.Floats->Download());
+  unsigned int dimensions[2] = { size, size };
+  vtkIdType increments[2] = { 0, 0 };
+  const bool read = buffer->Download2D(VTK_FLOAT, pixels.data(), dimensions, 4, increments);
+  const float brightest = *std::max_element(pixels.begin(), pixels.end());
+  std::cout << "brightest in floats: " << brightest << "\n";
+  target.Floats->ReleaseGraphicsResources(scene.Window);
+  return read && brightest > 1.2f;
+}
+
 } // namespace
 
 int TestMapperWindow(int, char*[])
@@ -294,5 +357,6 @@ int TestMapperWindow(int, char*[])
   FFD_CHECK(TestEventsAndAbort() == EXIT_SUCCESS);
   FFD_CHECK(TestWindows());
   FFD_CHECK(TestTwoVolumes());
+  FFD_CHECK(TestFloats());
   return EXIT_SUCCESS;
 }
