@@ -119,10 +119,8 @@ public:
     }
     const MinMaxBlocks::BlockThresholds thresholds =
       this->Blocks.FindThresholds(codes, [this](int code) { return this->GetFirstVisible(code); });
-    const int minima = this->Blocks.GetMinima(parent);
     ForChildren(parent, this->Blocks.GetBlocks(), [&](const glm::ivec3& block, std::size_t index) {
-      const int child = MinMaxBlocks::GetChild(block);
-      take(block, index, !this->Blocks.Reaches(index, child, minima, thresholds));
+      take(block, index, !this->Blocks.Reaches(index, thresholds));
     });
   }
 

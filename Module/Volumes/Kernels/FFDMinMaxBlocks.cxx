@@ -397,8 +397,7 @@ MinMaxBlocks::MinMaxBlocks(const VolumeView& volume, const ParallelFor& parallel
       this->LastCode = std::is_integral_v<T> && width <= 255.0 ? 255 : 65535;
       this->CodeStep = this->LastCode == 65535 && width > 0.0 ? width / 65535.0 : 1.0;
     }
-    this->Maxima.resize(this->NumberOfBlocks);
-    this->Minima.resize(parents);
+    this->Codes.resize(this->NumberOfBlocks);
     this->LastCode == 255 ? this->ParentBytes.resize(2 * parents)
                           : this->ParentWords.resize(2 * parents);
     if (!exact)
@@ -561,8 +560,7 @@ void MinMaxBlocks::EncodeParents(int y, int z, Children& children)
   const BlockSteps steps = GetBlockSteps();
   const std::size_t count = static_cast<std::size_t>(this->Parents.x);
   float* const least = children.Least.data();
-  float* const minimaWidth = children.MinimaWidth.data();
-  float* const maximaWidth = children.MaximaWidth.data();
+  float* const width = children.Width.data();
   const float* min[8];
   const float* max[8];
   for (std::size_t c = 0; c < 8; ++c)
@@ -570,17 +568,15 @@ void MinMaxBlocks::EncodeParents(int y, int z, Children& children)
     min[c] = children.Min[c].data();
     max[c] = children.Max[c].data();
   }
-  steps.FindParents(min, max, count, least, maximaWidth);
+  steps.FindParents(min, max, count, least, width);
   for (std::size_t x = 0; x < count; ++x)
   {
-    const CodeLimits all{ static_cast<int>(least[x]), static_cast<int>(maximaWidth[x]) };
+    const CodeLimits all{ static_cast<int>(least[x]), static_cast<int>(width[x]) };
     this->SetParentCodes(
       { static_cast<int>(x), y, z }, all.Min <= all.Max ? all : CodeLimits{ 1, 0 });
-    const ParentWidths widths = FindWidths(all);
-    minimaWidth[x] = static_cast<float>(widths.OfMinima);
-    maximaWidth[x] = static_cast<float>(widths.OfMaxima);
+    width[x] = std::max(width[x] - least[x], static_cast<float>(LastMaximum));
   }
-  std::uint16_t* const minima = &this->Minima[GridIndex({ 0, y, z }, this->Parents)];
+  constexpr BlockSteps::Encoding encoding{ LastMinimum, LastMaximum, MinimumBits, NoNumber };
   for (int c = 0; c < 8; ++c)
   {
     const glm::ivec3 first(c & 1, 2 * y + (c >> 1 & 1), 2 * z + (c >> 2));
@@ -588,15 +584,12 @@ void MinMaxBlocks::EncodeParents(int y, int z, Children& children)
     {
       continue;
     }
-    steps.EncodeMinima(
-      LastMinimum, min[c], max[c], least, minimaWidth, count, MinimumBits * c, minima);
-    steps.EncodeMaxima(
-      LastMaximum, min[c], max[c], least, maximaWidth, count, children.Maxima.data());
-    std::uint8_t* const to = &this->Maxima[GridIndex(first, this->Blocks)];
+    steps.Encode(encoding, min[c], max[c], least, width, count, children.Codes.data());
+    std::uint8_t* const to = &this->Codes[GridIndex(first, this->Blocks)];
     const std::size_t existing = static_cast<std::size_t>((this->Blocks.x - first.x + 1) / 2);
     for (std::size_t x = 0; x < existing; ++x)
     {
-      to[2 * x] = children.Maxima[x];
+      to[2 * x] = children.Codes[x];
     }
   }
 }

@@ -28,9 +28,9 @@ namespace ffd
  *
  * Limits are codes of equal steps, rounded outwards: whole numbers of 8 or 16 bits and ranges of at
  * most 255 whole numbers, else 65535 steps over the range. They are stored for parents of 2^3
- * blocks; a block keeps two bits and eight that say where, between the limits of its parent, its
- * own minimum and maximum are, again rounded outwards. Most opacity functions rise, so what is
- * empty depends on the maximum. All that takes 2.3 % of an 8-bit volume and less of others.
+ * blocks; a block keeps two bits and six that say where, between the limits of its parent, its own
+ * minimum and maximum are, again rounded outwards. So they take 2 % of an 8-bit volume and less of
+ * others.
  *
  * Voxels that are not a number are left out: a sample next to one is not a number either and
  * contributes nothing. Infinite ones, and floating-point numbers above a quarter of the largest
@@ -87,27 +87,16 @@ public:
   /// `parent`: GetParentCodes() of block / 2.
   CodeLimits GetCodes(const glm::ivec3& block, const CodeLimits& parent) const
   {
-    const int low = GetMinimum(this->GetMinima(block / 2), GetChild(block));
-    const int high = this->Maxima[GridIndex(block, this->Blocks)];
-    if (parent.Min > parent.Max || HasNoNumber(low, high))
+    const int code = this->Codes[GridIndex(block, this->Blocks)];
+    if (parent.Min > parent.Max || code == NoNumber)
     {
       return { 1, 0 };
     }
-    const ParentWidths widths = FindWidths(parent);
-    return { parent.Min + widths.OfMinima * low / LastMinimum,
-      std::min(parent.Max, parent.Min + (widths.OfMaxima * high + LastMaximum - 1) / LastMaximum) };
-  }
-
-  /// The number of a block, 0 to 7, among those of its parent.
-  static int GetChild(const glm::ivec3& block)
-  {
-    return (block.x & 1) + 2 * (block.y & 1) + 4 * (block.z & 1);
-  }
-
-  /// The minima of the blocks of a parent, for Reaches().
-  int GetMinima(const glm::ivec3& parent) const
-  {
-    return this->Minima[GridIndex(parent, this->Parents)];
+    const int low = code & LastMinimum;
+    const int high = code >> MinimumBits;
+    const int width = std::max(LastMaximum, parent.Max - parent.Min);
+    return { parent.Min + width * low / LastMinimum,
+      std::min(parent.Max, parent.Min + (width * high + LastMaximum - 1) / LastMaximum) };
   }
 
   /// For each minimum that a block can have, the least number that its maximum must have.
@@ -119,59 +108,45 @@ public:
   BlockThresholds FindThresholds(const CodeLimits& parent, const Least& least) const
   {
     BlockThresholds thresholds;
-    const ParentWidths widths = FindWidths(parent);
+    const int width = std::max(LastMaximum, parent.Max - parent.Min);
     for (int low = 0; low <= LastMinimum; ++low)
     {
       // The maximum of `high` is the limit of the parent, or high / LastMaximum of the width
       // rounded up, whichever is less. Minima above the limit occur where there is no number alone.
-      const int minimum = parent.Min + widths.OfMinima * low / LastMinimum;
+      const int minimum = parent.Min + width * low / LastMinimum;
       const int more = (minimum > parent.Max ? parent.Max + 1 : least(minimum)) - parent.Min;
       thresholds[static_cast<std::size_t>(low)] = more > parent.Max - parent.Min ? LastMaximum + 1
         : more <= 0                                                              ? 0
-                    : LastMaximum * (more - 1) / widths.OfMaxima + 1;
+                    : LastMaximum * (more - 1) / width + 1;
     }
     return thresholds;
   }
 
-  /// Whether a block, by its index and its number among those of a parent with `minima`, has a
-  /// maximum as its minimum asks for; false if it holds no number.
-  bool Reaches(std::size_t block, int child, int minima, const BlockThresholds& thresholds) const
+  /// Whether a block, by its index, has a maximum as its minimum asks for; false if it holds no
+  /// number.
+  bool Reaches(std::size_t block, const BlockThresholds& thresholds) const
   {
-    const int low = GetMinimum(minima, child);
-    const int high = this->Maxima[block];
-    return !HasNoNumber(low, high) && high >= thresholds[static_cast<std::size_t>(low)];
+    const int code = this->Codes[block];
+    return code != NoNumber &&
+      code >> MinimumBits >= thresholds[static_cast<std::size_t>(code & LastMinimum)];
   }
 
   std::size_t GetMemorySize() const
   {
-    return this->Maxima.capacity() + this->ParentBytes.capacity() +
-      2 * (this->ParentWords.capacity() + this->Minima.capacity());
+    return this->Codes.capacity() + this->ParentBytes.capacity() + 2 * this->ParentWords.capacity();
   }
 
 private:
+  /**
+   * Bits of the minimum in the code of a block, the others are the maximum's: most opacity
+   * functions rise, so what is empty depends on the maximum.
+   */
   static constexpr int MinimumBits = 2;
   static constexpr int LastMinimum = (1 << MinimumBits) - 1;
-  static constexpr int LastMaximum = 255;
+  static constexpr int LastMaximum = (1 << (8 - MinimumBits)) - 1;
 
-  static int GetMinimum(int minima, int child)
-  {
-    return minima >> MinimumBits * child & LastMinimum;
-  }
-
-  /// The largest minimum and the least maximum: of no number, as no others are so far apart.
-  static bool HasNoNumber(int low, int high) { return low == LastMinimum && high == 0; }
-
-  /// Ranges that the minima and the maxima of the blocks of a parent are parts of.
-  struct ParentWidths
-  {
-    int OfMinima;
-    int OfMaxima;
-  };
-  static ParentWidths FindWidths(const CodeLimits& parent)
-  {
-    const int range = parent.Max - parent.Min;
-    return { std::max(LastMinimum, range), std::max(LastMaximum, range) };
-  }
+  /// Code of a block that holds no number: no minimum is so far above the maximum.
+  static constexpr int NoNumber = LastMinimum;
 
   /// Codes of the blocks of a row of parents, by their places in them, and what is found of these.
   struct Children
@@ -179,15 +154,13 @@ private:
     std::array<std::vector<float>, 8> Min;
     std::array<std::vector<float>, 8> Max;
     std::vector<float> Least;
-    std::vector<float> MinimaWidth;
-    std::vector<float> MaximaWidth;
-    std::vector<std::uint8_t> Maxima;
+    std::vector<float> Width;
+    std::vector<std::uint8_t> Codes;
 
     explicit Children(std::size_t parents)
       : Least(parents)
-      , MinimaWidth(parents)
-      , MaximaWidth(parents)
-      , Maxima(parents)
+      , Width(parents)
+      , Codes(parents)
     {
       this->Min.fill(this->Least);
       this->Max.fill(this->Least);
@@ -219,8 +192,7 @@ private:
   double FirstScalar = 0.0; // of code 0
   double CodeStep = 1.0;    // scalar units per code
   int LastCode = 255;
-  std::vector<std::uint8_t> Maxima;      // of blocks
-  std::vector<std::uint16_t> Minima;     // of the blocks of a parent, by their numbers in it
+  std::vector<std::uint8_t> Codes;       // of a block: minimum in the low two bits, maximum above
   std::vector<std::uint8_t> ParentBytes; // min, max of each parent; one of the two is used
   std::vector<std::uint16_t> ParentWords;
 };

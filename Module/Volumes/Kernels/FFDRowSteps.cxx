@@ -152,30 +152,21 @@ void FindParents(const float* const min[8], const float* const max[8], std::size
   }
 }
 
-// Quotients of whole numbers below 2^24, by such below 2^16, which are below 2^8 where they count:
-// rounded to floats they stay on the same side of every whole number.
-
-void EncodeMinima(int last, const float* HWY_RESTRICT min, const float* HWY_RESTRICT max,
-  const float* HWY_RESTRICT least, const float* HWY_RESTRICT width, std::size_t count, int shift,
-  std::uint16_t* HWY_RESTRICT minima)
+void Encode(const BlockSteps::Encoding& encoding, const float* HWY_RESTRICT min,
+  const float* HWY_RESTRICT max, const float* HWY_RESTRICT least, const float* HWY_RESTRICT width,
+  std::size_t count, std::uint8_t* HWY_RESTRICT codes)
 {
-  const float parts = static_cast<float>(last);
+  // Quotients of whole numbers below 2^24, all below 2^7 where they count: rounded to floats they
+  // stay on the same side of every whole number.
+  const float lows = static_cast<float>(encoding.LastMinimum);
+  const float highs = static_cast<float>(encoding.LastMaximum);
+  const int shift = encoding.MinimumBits;
+  const int none = encoding.NoNumber;
   for (std::size_t x = 0; x < count; ++x)
   {
-    const int part = static_cast<int>(parts * (min[x] - least[x]) / width[x]);
-    minima[x] = static_cast<std::uint16_t>(minima[x] | (min[x] <= max[x] ? part : last) << shift);
-  }
-}
-
-void EncodeMaxima(int last, const float* HWY_RESTRICT min, const float* HWY_RESTRICT max,
-  const float* HWY_RESTRICT least, const float* HWY_RESTRICT width, std::size_t count,
-  std::uint8_t* HWY_RESTRICT maxima)
-{
-  const float parts = static_cast<float>(last);
-  for (std::size_t x = 0; x < count; ++x)
-  {
-    const int part = static_cast<int>((parts * (max[x] - least[x]) + width[x] - 1.0f) / width[x]);
-    maxima[x] = static_cast<std::uint8_t>(min[x] <= max[x] ? part : 0);
+    const int low = static_cast<int>(lows * (min[x] - least[x]) / width[x]);
+    const int high = static_cast<int>((highs * (max[x] - least[x]) + width[x] - 1.0f) / width[x]);
+    codes[x] = static_cast<std::uint8_t>(min[x] <= max[x] ? low | high << shift : none);
   }
 }
 
@@ -293,7 +284,7 @@ void SelectFrom(std::tuple<Steps...>& all)
 
 void SelectExtremesSteps(AllExtremesSteps& all) { SelectFrom(all); }
 
-void SelectBlockSteps(BlockSteps& steps) { steps = { &FindParents, &EncodeMinima, &EncodeMaxima }; }
+void SelectBlockSteps(BlockSteps& steps) { steps = { &FindParents, &Encode }; }
 
 void SelectDistanceSteps(DistanceSteps& steps)
 {

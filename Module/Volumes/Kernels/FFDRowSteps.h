@@ -37,17 +37,19 @@ struct BlockSteps
   void (*FindParents)(const float* const min[8], const float* const max[8], std::size_t count,
     float* least, float* most);
 
-  /// EncodeMinima(last, min, max, least, width, count, shift, minima) adds those of a child of each
-  /// parent, as whole parts 0 to `last` of the width of its range, at the bit `shift`; `last` where
-  /// there is no number.
-  void (*EncodeMinima)(int last, const float* min, const float* max, const float* least,
-    const float* width, std::size_t count, int shift, std::uint16_t* minima);
+  /// How the limits of a block are encoded in a byte.
+  struct Encoding
+  {
+    int LastMinimum;
+    int LastMaximum;
+    int MinimumBits;
+    int NoNumber;
+  };
 
-  /// EncodeMaxima(last, min, max, least, width, count, maxima) finds those of a child of each
-  /// parent, as whole parts 0 to `last` of the width of its range, rounded up; 0 where there is no
-  /// number.
-  void (*EncodeMaxima)(int last, const float* min, const float* max, const float* least,
-    const float* width, std::size_t count, std::uint8_t* maxima);
+  /// Encode(encoding, min, max, least, width, count, codes) encodes a child of each parent;
+  /// `width`: of the range of the parent, at least LastMaximum.
+  void (*Encode)(const Encoding& encoding, const float* min, const float* max, const float* least,
+    const float* width, std::size_t count, std::uint8_t* codes);
 };
 
 /// Steps over rows of distances, in vector code. Rows do not overlap.
