@@ -382,9 +382,7 @@ bool vtkFFDImageDisplay::DrawsBytes(vtkRenderer* renderer)
   {
     return false;
   }
-  GLint framebuffer = 0;
   GLint buffer = GL_NONE;
-  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
   glGetIntegerv(GL_DRAW_BUFFER, &buffer);
   // Of windows only the left and right ones have properties.
   const GLint attachment = buffer == GL_BACK ? GL_BACK_LEFT

@@ -10,6 +10,8 @@
 
 #include "FFDPixelBytes.h"
 
+#include "FFDSimdMath-inl.h"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -20,29 +22,24 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using Df = hn::CappedTag<float, 16>;
-using Vf = hn::Vec<Df>;
-
 /// As many pixels as a vector has lanes.
 HWY_INLINE void WriteLanes(const float* colors, bool premultiplied, std::uint8_t* bytes)
 {
   const Df d;
-  const Vf one = hn::Set(d, 1.0f);
+  const Vf zero = hn::Zero(d);
+  const Vf one = Splat(1.0f);
   Vf red;
   Vf green;
   Vf blue;
   Vf alpha;
   hn::LoadInterleaved4(d, colors, red, green, blue, alpha);
   const Vf scale =
-    premultiplied ? one : hn::IfThenElseZero(hn::Gt(alpha, hn::Zero(d)), hn::Div(one, alpha));
-  const hn::Rebind<std::int32_t, Df> di;
+    premultiplied ? one : hn::IfThenElseZero(hn::Gt(alpha, zero), hn::Div(one, alpha));
   const hn::Rebind<std::uint8_t, Df> db;
   const auto toBytes = [&](Vf value) {
-    // In this order what is not a number is 0.
-    const Vf clamped = hn::Min(hn::Max(value, hn::Zero(d)), one);
-    const Vf rounded = hn::Add(hn::Mul(clamped, hn::Set(d, 255.0f)), hn::Set(d, 0.5f));
-    return hn::DemoteTo(db, hn::ConvertTo(di, rounded));
+    // What is not a number becomes 0.
+    const Vf clamped = Clamp(value, zero, one);
+    return hn::DemoteTo(db, Truncate(hn::Add(hn::Mul(clamped, Splat(255.0f)), Splat(0.5f))));
   };
   hn::StoreInterleaved4(toBytes(hn::Mul(red, scale)), toBytes(hn::Mul(green, scale)),
     toBytes(hn::Mul(blue, scale)), toBytes(alpha), db, bytes);
