@@ -411,17 +411,17 @@ void KeepOneOrientation(PacketScene& scene)
 }
 
 /// The range of values of which, in `size` entries, those from the first to the last one show
-/// something; entry 0 stands for `low`, and there are `scale` entries a unit.
-ValueRange MakeVisibleRange(int first, int last, int size, float low, float scale)
+/// something; entry 0 stands for `low`, and there are `scale` entries a unit. `guard`: entries
+/// before and behind, at least one.
+ValueRange MakeVisibleRange(
+  int first, int last, int size, float low, float scale, double guard = 1.0)
 {
-  // From one entry before to one entry behind, and a little more against rounding errors.
   const auto valueAt = [&](double entry) {
     return static_cast<float>(entry / static_cast<double>(scale) + static_cast<double>(low));
   };
   constexpr float Infinite = std::numeric_limits<float>::infinity();
-  constexpr double Guard = 1.01;
-  return { first == 0 ? -Infinite : valueAt(first - Guard),
-    last == size - 1 ? Infinite : valueAt(last + Guard) };
+  return { first == 0 ? -Infinite : valueAt(first - guard),
+    last == size - 1 ? Infinite : valueAt(last + guard) };
 }
 
 /// `range`: of the table as packets have it.
@@ -595,8 +595,9 @@ ValueRange FindVisibleRange(
   if (p.Plane.Texels)
   {
     const glm::ivec2 visible = functions.Components[0].Plane.FindVisibleColumns();
+    // A little more than one entry against rounding errors.
     return MakeVisibleRange(
-      visible.x, visible.y, p.Plane.Size[0], p.Plane.Low[0], p.Plane.Scale[0]);
+      visible.x, visible.y, p.Plane.Size[0], p.Plane.Low[0], p.Plane.Scale[0], 1.01);
   }
   ValueRange range = FindVisibleRange(*scene.Table, p.Table.GetRange(0));
   for (std::size_t i = 0; i < functions.Labels.size() && !p.Mask.Tables.empty(); ++i)

@@ -3,6 +3,8 @@
 #ifndef FFDPacketTable_h
 #define FFDPacketTable_h
 
+#include "FFDTransferTable.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -27,8 +29,9 @@ public:
 
   struct Interval
   {
-    std::uint32_t Extinctions[2]; ///< floats, of the entry and of the next one
-    std::uint32_t Colors[2];      ///< red in the lowest bits, green, blue
+    std::uint32_t
+      Extinctions[2]; ///< floats, TransferTable::InterpolatedFrom() for the entry and the next one
+    std::uint32_t Colors[2]; ///< red in the lowest bits, green, blue
   };
   static_assert(sizeof(Interval) == 16, "intervals are loaded as 128 bits");
 
@@ -53,7 +56,9 @@ public:
       for (std::size_t end = 0; end < 2; ++end)
       {
         const float* entry = entries + 4 * (i + end);
-        std::memcpy(&interval.Extinctions[end], entry + 3, sizeof(float));
+        const float* neighbor = entries + 4 * (i + 1 - end);
+        const float extinction = TransferTable::InterpolatedFrom(entry[3], neighbor[3]);
+        std::memcpy(&interval.Extinctions[end], &extinction, sizeof(float));
         interval.Colors[end] =
           ColorOf(entry[0]) | ColorOf(entry[1]) << ColorBits | ColorOf(entry[2]) << 2 * ColorBits;
       }

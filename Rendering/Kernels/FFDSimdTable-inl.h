@@ -64,7 +64,8 @@ public:
   HWY_INLINE Vf Extinction() const
   {
     const Df d;
-    return Lerp(hn::BitCast(d, this->Words.x), hn::BitCast(d, this->Words.y), this->Fraction);
+    return hn::Max(hn::Zero(d),
+      Lerp(hn::BitCast(d, this->Words.x), hn::BitCast(d, this->Words.y), this->Fraction));
   }
 
   HWY_INLINE Vec3 Color() const
@@ -117,7 +118,8 @@ HWY_INLINE Vf FindExtinction(const PacketScene& scene, Vf values)
   HWY_ALIGN int offsets[16];
   StoreIndices(Truncate(whole), offsets);
   const Pairs pair = LoadPairLanes<16>(scene.Table.GetWords(), 0, offsets);
-  return Lerp(hn::BitCast(d, pair.x), hn::BitCast(d, pair.y), hn::Sub(entry, whole));
+  return hn::Max(
+    hn::Zero(d), Lerp(hn::BitCast(d, pair.x), hn::BitCast(d, pair.y), hn::Sub(entry, whole)));
 }
 
 } // namespace HWY_NAMESPACE

@@ -114,16 +114,16 @@ TEST(MinMaxBlocks, ContainBruteForceLimitsForEveryType)
           const MinMaxBlocks::Limits truth = BruteForce(volume, block);
           ASSERT_LE(limits.Min, truth.Min + rounding);
           ASSERT_GE(limits.Max, truth.Max - rounding);
-          // Two and six bits between the limits of the parent.
+          // A bit and seven between the limits of the parent.
           const MinMaxBlocks::Limits parent = blocks.GetParentLimits(block / 2);
           ASSERT_LE(parent.Min, limits.Min);
           ASSERT_GE(parent.Max, limits.Max);
           const double unit = exact ? 1.0 : code;
-          const double parentWidth = std::max(parent.Max - parent.Min, 63.0 * unit);
+          const double parentWidth = std::max(parent.Max - parent.Min, 127.0 * unit);
           const double slack = 2.0 * code + rounding;
-          ASSERT_GE(limits.Min, truth.Min - slack - parentWidth / 3.0 - unit);
+          ASSERT_GE(limits.Min, truth.Min - slack - parentWidth / 2.0 - unit);
           ASSERT_LE(limits.Max,
-            truth.Max + slack + (parentWidth > 63.0 * unit ? parentWidth / 63.0 + unit : 0.0));
+            truth.Max + slack + (parentWidth > 127.0 * unit ? parentWidth / 127.0 + unit : 0.0));
         });
       }
     }

@@ -28,9 +28,9 @@ namespace ffd
  *
  * Limits are codes of equal steps, rounded outwards: whole numbers of 8 or 16 bits and ranges of at
  * most 255 whole numbers, else 65535 steps over the range. They are stored for parents of 2^3
- * blocks; a block keeps two bits and six that say where, between the limits of its parent, its own
- * minimum and maximum are, again rounded outwards. So they take 2 % of an 8-bit volume and less of
- * others.
+ * blocks; a block keeps seven bits that say where, between the limits of its parent, its own
+ * maximum is, again rounded outwards, and one that says whether its minimum is in the upper half.
+ * So they take 2 % of an 8-bit volume and less of others.
  *
  * Voxels that are not a number are left out: a sample next to one is not a number either and
  * contributes nothing. Infinite ones, and floating-point numbers above a quarter of the largest
@@ -95,12 +95,12 @@ public:
     const int low = code & LastMinimum;
     const int high = code >> MinimumBits;
     const int width = std::max(LastMaximum, parent.Max - parent.Min);
-    return { parent.Min + width * low / LastMinimum,
+    return { parent.Min + width * low / (LastMinimum + 1),
       std::min(parent.Max, parent.Min + (width * high + LastMaximum - 1) / LastMaximum) };
   }
 
   /// For each minimum that a block can have, the least number that its maximum must have.
-  using BlockThresholds = std::array<int, 4>;
+  using BlockThresholds = std::array<int, 2>;
 
   /// Finds the thresholds of the blocks of a parent with the limits `parent`; those have a number.
   /// `least`: the least maximum that blocks of a minimum must have.
@@ -113,7 +113,7 @@ public:
     {
       // The maximum of `high` is the limit of the parent, or high / LastMaximum of the width
       // rounded up, whichever is less. Minima above the limit occur where there is no number alone.
-      const int minimum = parent.Min + width * low / LastMinimum;
+      const int minimum = parent.Min + width * low / (LastMinimum + 1);
       const int more = (minimum > parent.Max ? parent.Max + 1 : least(minimum)) - parent.Min;
       thresholds[static_cast<std::size_t>(low)] = more > parent.Max - parent.Min ? LastMaximum + 1
         : more <= 0                                                              ? 0
@@ -141,7 +141,7 @@ private:
    * Bits of the minimum in the code of a block, the others are the maximum's: most opacity
    * functions rise, so what is empty depends on the maximum.
    */
-  static constexpr int MinimumBits = 2;
+  static constexpr int MinimumBits = 1;
   static constexpr int LastMinimum = (1 << MinimumBits) - 1;
   static constexpr int LastMaximum = (1 << (8 - MinimumBits)) - 1;
 

@@ -156,15 +156,16 @@ void Encode(const BlockSteps::Encoding& encoding, const float* HWY_RESTRICT min,
   const float* HWY_RESTRICT max, const float* HWY_RESTRICT least, const float* HWY_RESTRICT width,
   std::size_t count, std::uint8_t* HWY_RESTRICT codes)
 {
-  // Quotients of whole numbers below 2^24, all below 2^7 where they count: rounded to floats they
+  // Quotients of whole numbers below 2^24, all below 2^8 where they count: rounded to floats they
   // stay on the same side of every whole number.
-  const float lows = static_cast<float>(encoding.LastMinimum);
+  const float last = static_cast<float>(encoding.LastMinimum);
   const float highs = static_cast<float>(encoding.LastMaximum);
   const int shift = encoding.MinimumBits;
   const int none = encoding.NoNumber;
   for (std::size_t x = 0; x < count; ++x)
   {
-    const int low = static_cast<int>(lows * (min[x] - least[x]) / width[x]);
+    const int low =
+      static_cast<int>(std::min(last, (last + 1.0f) * (min[x] - least[x]) / width[x]));
     const int high = static_cast<int>((highs * (max[x] - least[x]) + width[x] - 1.0f) / width[x]);
     codes[x] = static_cast<std::uint8_t>(min[x] <= max[x] ? low | high << shift : none);
   }

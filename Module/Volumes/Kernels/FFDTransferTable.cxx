@@ -63,7 +63,9 @@ TransferTable::Sample TransferTable::Lookup(double scalar) const
   const float f = static_cast<float>(x - static_cast<double>(i));
   const Entry& a = this->Entries[i];
   const Entry& b = this->Entries[i + 1];
-  return { a.Color + f * (b.Color - a.Color), a.Extinction + f * (b.Extinction - a.Extinction) };
+  const float from = InterpolatedFrom(a.Extinction, b.Extinction);
+  const float to = InterpolatedFrom(b.Extinction, a.Extinction);
+  return { a.Color + f * (b.Color - a.Color), std::max(0.0f, from + f * (to - from)) };
 }
 
 //------------------------------------------------------------------------------
@@ -73,12 +75,9 @@ bool TransferTable::IsTransparent(double lo, double hi) const
   {
     return true;
   }
-  // A little more than the interval: a sample may leave it by a rounding error. Not so where all
-  // scalars are equal, and these are most of the empty space: zeros below a ramp that starts at 0.
-  const double guard = lo < hi ? 1e-3 : 0.0;
   const double last = static_cast<double>(this->Entries.size() - 1);
-  const double from = std::clamp((lo - this->Low) * this->Scale - guard, 0.0, last);
-  const double to = std::clamp((hi - this->Low) * this->Scale + guard, 0.0, last);
+  const double from = std::clamp((lo - this->Low) * this->Scale, 0.0, last);
+  const double to = std::clamp((hi - this->Low) * this->Scale, 0.0, last);
   // Entries from that below `from` to that above `to`.
   const std::size_t below = static_cast<std::size_t>(to);
   const std::size_t end = static_cast<double>(below) < to ? below + 2 : below + 1;

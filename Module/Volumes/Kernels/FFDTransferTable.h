@@ -27,6 +27,18 @@ public:
   /// than a millionth of it.
   static constexpr double OpaqueExtinction = 2.4e7;
 
+  /// Scalars this near to a transparent entry, in entries, are transparent, too. An interpolated
+  /// one may leave the limits of its voxels by less, a rounding error: IsTransparent() holds for
+  /// it.
+  static constexpr float Margin = 1e-3f;
+
+  /// The extinction at an entry from which that at scalars towards a neighbor is interpolated; what
+  /// is below 0 then is 0.
+  static float InterpolatedFrom(float extinction, float ofNeighbor)
+  {
+    return extinction > 0.0f ? extinction : -Margin * ofNeighbor;
+  }
+
   TransferTable() = default;
 
   /**
@@ -47,7 +59,8 @@ public:
   /// is not a number a transparent one.
   Sample Lookup(double scalar) const;
 
-  /// Whether every scalar of [lo, hi] is fully transparent; true for an empty interval.
+  /// Whether every scalar of [lo, hi], and beyond it by less than Margin, is fully transparent;
+  /// true for an empty interval.
   bool IsTransparent(double lo, double hi) const;
 
   std::size_t GetMemorySize() const;
