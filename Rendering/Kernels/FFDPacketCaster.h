@@ -261,8 +261,8 @@ struct PacketScratch
 {
   SegmentRoots Roots;
   std::vector<RayIntegrator> Integrators; ///< of the lanes of a packet, where these are used
-  /// Of the rays of a tile: the ranges of t (from, to), and SampleNumbers.
-  std::array<float, 5 * TileSide * TileSide> Rays;
+  /// Of the rays of a tile: the ranges of t (from, to), SampleNumbers, inverse lengths.
+  std::array<float, 6 * TileSide * TileSide> Rays;
   std::array<SampleRange, TileSide * TileSide> SampleRanges; ///< of its packets
   /// Voxels around samples at faces of the volume: 4 x 4 x 4 of up to 16 bytes for each of 16
   /// lanes, and what vectors may read beyond them.

@@ -108,16 +108,26 @@ private:
   }
 };
 
-/// Rays through image positions, near plane to far plane.
-HWY_INLINE RayPacket MakeRays(const ImageMap& near, const ImageMap& far, Vf x, Vf y)
+/// Rays through image positions, near plane to far plane. `inverseLength`: 1 / To.
+HWY_INLINE RayPacket MakeRays(
+  const ImageMap& near, const ImageMap& far, Vf x, Vf y, Vf& inverseLength)
 {
   RayPacket rays;
   rays.Origin = near.At(x, y);
   const Vec3 path = Sub(far.At(x, y), rays.Origin);
   rays.From = hn::Zero(Df());
   rays.To = hn::Sqrt(Dot(path, path));
-  rays.Direction = Scale(hn::Div(Splat(1.0f), rays.To), path);
+  inverseLength = hn::Div(Splat(1.0f), rays.To);
+  rays.Direction = Scale(inverseLength, path);
   return rays;
+}
+
+/// Origin and Direction of MakeRays() again, which take less than to store and read them.
+HWY_INLINE void FindLines(
+  const ImageMap& near, const ImageMap& far, Vf x, Vf y, Vf inverseLength, RayPacket& rays)
+{
+  rays.Origin = near.At(x, y);
+  rays.Direction = Scale(inverseLength, Sub(far.At(x, y), rays.Origin));
 }
 
 /**

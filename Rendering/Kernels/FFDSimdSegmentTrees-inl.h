@@ -51,7 +51,8 @@ struct NodeRays
     }
     for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
     {
-      const RayPacket rays = MakeRays(near, far, hn::Load(d, x + i), hn::Load(d, y + i));
+      Vf unused;
+      const RayPacket rays = MakeRays(near, far, hn::Load(d, x + i), hn::Load(d, y + i), unused);
       StoreNodes(rays.Origin, this->Origins, i);
       StoreNodes(rays.Direction, this->Directions, i);
     }

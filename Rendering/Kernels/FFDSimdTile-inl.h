@@ -30,13 +30,13 @@ namespace HWY_NAMESPACE
 {
 
 /// Gives access to what is found of the rays of a tile before they are cast, packet by packet, in
-/// PacketScratch. The rays themselves are made again faster than they are read back.
+/// PacketScratch. Rays are Set() with what FindLines() needs.
 struct StoredPackets
 {
   PacketScratch& Scratch;
 
-  HWY_INLINE void Set(std::size_t packet, const RayPacket& rays, const SampleNumbers& numbers,
-    const SampleRange& range) const
+  HWY_INLINE void Set(std::size_t packet, const RayPacket& rays, Vf inverseLength,
+    const SampleNumbers& numbers, const SampleRange& range) const
   {
     const Df d;
     float* const to = this->At(packet);
@@ -45,6 +45,7 @@ struct StoredPackets
     hn::StoreU(numbers.Phase, d, to + 2 * RaysPerTile);
     hn::StoreU(numbers.First, d, to + 3 * RaysPerTile);
     hn::StoreU(numbers.Stop, d, to + 4 * RaysPerTile);
+    hn::StoreU(inverseLength, d, to + 5 * RaysPerTile);
     this->Scratch.SampleRanges[packet] = range;
   }
 
@@ -61,7 +62,8 @@ struct StoredPackets
     return this->Scratch.SampleRanges[packet];
   }
 
-  HWY_INLINE void Get(std::size_t packet, RayPacket& rays, SampleNumbers& numbers) const
+  HWY_INLINE void Get(
+    std::size_t packet, RayPacket& rays, Vf& inverseLength, SampleNumbers& numbers) const
   {
     const Df d;
     const float* const from = this->At(packet);
@@ -70,6 +72,7 @@ struct StoredPackets
     numbers.Phase = hn::LoadU(d, from + 2 * RaysPerTile);
     numbers.First = hn::LoadU(d, from + 3 * RaysPerTile);
     numbers.Stop = hn::LoadU(d, from + 4 * RaysPerTile);
+    inverseLength = hn::LoadU(d, from + 5 * RaysPerTile);
   }
 
 private:
@@ -272,8 +275,8 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
   const auto columnsFrom = [dx](int x) { return hn::Add(Splat(static_cast<float>(x) + 0.5f), dx); };
   const auto rowsFrom = [dy](int y) { return hn::Add(Splat(static_cast<float>(y) + 0.5f), dy); };
 
-  float tMin = 1e30f;
-  float tMax = -1e30f;
+  Vf tMin = Splat(1e30f);
+  Vf tMax = Splat(-1e30f);
   TileReaches reaches(x0, y0, subtiles, image);
   const TileBounds::Limits* const seen = scene.Seen.Find(x0, y0);
   const bool empty = seen && seen->IsEmpty();
@@ -295,7 +298,8 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       }
       const Vf px = columnsFrom(x);
       const Vf py = rowsFrom(y);
-      RayPacket rays = MakeRays(near, far, px, py);
+      Vf inverseLength;
+      RayPacket rays = MakeRays(near, far, px, py, inverseLength);
       if (scene.Source->Depths)
       {
         ClipToDepths(scene, image, x, y, WindowDepths(near, far, rays.To, px, py), rays);
@@ -327,9 +331,9 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       SampleNumbers numbers;
       numbers.Phase = scene.Intervals ? hn::Zero(d) : PhaseOf(scene, rays, jitter);
       const SampleRange range = FindSamples(scene, rays, active, numbers);
-      stored.Set(packet, rays, numbers, range);
-      tMin = std::min(tMin, SmallestLane(hn::IfThenElse(active, rays.From, Splat(1e30f))));
-      tMax = std::max(tMax, LargestLane(hn::IfThenElse(active, rays.To, Splat(-1e30f))));
+      stored.Set(packet, rays, inverseLength, numbers, range);
+      tMin = hn::IfThenElse(active, hn::Min(tMin, rays.From), tMin);
+      tMax = hn::IfThenElse(active, hn::Max(tMax, rays.To), tMax);
     }
   }
 
@@ -341,9 +345,11 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
     reaches.Store();
     return 0;
   }
-  if (tMin < tMax && !scene.Slices)
+  const float nearest = SmallestLane(tMin);
+  const float farthest = LargestLane(tMax);
+  if (nearest < farthest && !scene.Slices)
   {
-    trees.Start(tMin, tMax);
+    trees.Start(nearest, farthest);
   }
 
   packet = 0;
@@ -362,10 +368,11 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       }
       const Vf px = columnsFrom(x);
       const Vf py = rowsFrom(y);
-      RayPacket rays = MakeRays(near, far, px, py);
-      const Vf length = rays.To;
+      RayPacket rays;
+      Vf inverseLength;
       SampleNumbers numbers;
-      stored.Get(packet, rays, numbers);
+      stored.Get(packet, rays, inverseLength, numbers);
+      FindLines(near, far, px, py, inverseLength, rays);
       const Mf active = hn::Lt(rays.From, rays.To);
       Packet<T> cast(scene, trees, scratch, rays, x - trees.GetX(), y - trees.GetY(), dy, numbers,
         stored.GetRange(packet), active);
@@ -386,6 +393,7 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       if (image.Depths)
       {
         const Vf seenAt = pixels.FirstVisible;
+        const Vf length = hn::Div(Splat(1.0f), inverseLength);
         const Vf depths = WindowDepths(near, far, length, px, py).ToDepth(seenAt);
         StoreDepths(image, x, y,
           hn::IfThenElse(hn::And(active, hn::Lt(seenAt, Splat(1e29f))), depths, Splat(1.0f)));
