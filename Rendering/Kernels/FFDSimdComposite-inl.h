@@ -230,9 +230,18 @@ public:
     });
   }
 
-  /// Interpolates values at q, in the volume.
-  HWY_NOINLINE Vf FindValue(const Vec3& q, Mf lanes)
+  /// Interpolates values at q, in the volume. Beyond the outermost voxels, where the volume is one
+  /// of cells, values are theirs.
+  HWY_NOINLINE Vf FindValue(Vec3 q, Mf lanes)
   {
+    if (HWY_UNLIKELY(this->Scene.Lower < 0.0f))
+    {
+      const int* const n = this->Scene.Volume.Dimensions;
+      const auto toVoxels = [n](Vf x, int a) {
+        return Clamp(x, hn::Zero(Df()), Splat(static_cast<float>(n[a] - 1)));
+      };
+      q = { toVoxels(q.x, 0), toVoxels(q.y, 1), toVoxels(q.z, 2) };
+    }
     SampleCells cells;
     const SamplePosition at = FindCells(this->Scene.Volume, q, false, cells);
     if (HWY_LIKELY(HasRowsOfCells(this->Scene.Volume, cells, lanes)))

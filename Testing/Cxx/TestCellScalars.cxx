@@ -5,6 +5,7 @@
 #include "FFDTestOptics.h"
 
 #include "vtkCellData.h"
+#include "vtkContourValues.h"
 
 namespace
 {
@@ -93,6 +94,48 @@ void CheckFaces(ffdTest::Checks& checks)
       " (alpha; 127.5, at most 2 off)");
 }
 
+/// In the outer halves of the outermost cells values are those of the cells, in every blend mode.
+void CheckBlendModes(ffdTest::Checks& checks)
+{
+  using Mapper = vtkFFDInverseRayVolumeMapper;
+  // Neighbors differ: extrapolated values would be far off.
+  const auto random = [](int, const ffdTest::Vec3& p) {
+    const int hash = static_cast<int>(
+      1e4 * std::abs(std::sin(12.9898 * N * p[0] + 78.233 * N * p[1] + 37.719 * N * p[2])));
+    return hash % 2 == 0 ? 50.0 : 0.0;
+  };
+  for (const int type : { VTK_UNSIGNED_CHAR, VTK_UNSIGNED_SHORT, VTK_FLOAT })
+  {
+    const auto image = MakeCells(type, random);
+    for (const int mode :
+      { vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND, vtkVolumeMapper::MINIMUM_INTENSITY_BLEND,
+        vtkVolumeMapper::AVERAGE_INTENSITY_BLEND, vtkVolumeMapper::ADDITIVE_BLEND,
+        vtkVolumeMapper::ISOSURFACE_BLEND, vtkVolumeMapper::COMPOSITE_BLEND })
+    {
+      ffdTest::Scene scene;
+      scene.SetInput(image);
+      scene.SetCamera({ 35.0, 25.0, 1.0, true, false }, image->GetBounds());
+      scene.SetSampleDistance(0.5);
+      scene.Ours->SetBlendMode(mode);
+      // Composites: intervals, which need values alone, too.
+      scene.Ours->SetClassification(Mapper::PRE_INTEGRATED);
+      ffdTest::SetTransfer(scene.Property,
+        { { 0, 0.0, 0.0, 1.0, 0.0 }, { 50, 1.0, 0.5, 0.0, 0.5 }, { 51, 0.0, 1.0, 0.0, 0.6 },
+          { 100, 0.0, 1.0, 0.0, 1.0 } },
+        1.0);
+      scene.Property->GetIsoSurfaceValues()->SetValue(0, 30.0);
+      scene.Ours->SetReferenceKernels(1);
+      const ffdTest::Picture exact = scene.Render(scene.Ours);
+      scene.Ours->SetReferenceKernels(0);
+      const ffdTest::Distance d = scene.Compare(exact, scene.Render(scene.Ours));
+      checks.Expect(d.Pixels > 8000 && d.Mean <= 0.1 && d.P99 <= 2.0,
+        std::string("faces of cells of ") + vtkImageScalarTypeNameMacro(type) + ", " +
+          "blend mode " + std::to_string(mode),
+        ffdTest::ToString(d) + " from the reference (mean at most 0.1, p99 2)");
+    }
+  }
+}
+
 /// The array is found by name and by number, of points and of cells.
 void CheckSelection(ffdTest::Checks& checks)
 {
@@ -160,6 +203,7 @@ int TestCellScalars(int, char*[])
   ffdTest::Checks checks;
   CheckCells(checks);
   CheckFaces(checks);
+  CheckBlendModes(checks);
   CheckSelection(checks);
   return checks.Result();
 }

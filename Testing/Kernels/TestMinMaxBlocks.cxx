@@ -163,6 +163,28 @@ TEST(MinMaxBlocks, FullRangeOfTheIntegerTypes)
   });
 }
 
+TEST(MinMaxBlocks, LimitsHoldBesideFillValues)
+{
+  // The range is so wide that the steps of codes, and rounding errors, are wider than the data.
+  ForEveryTarget([] {
+    for (const ScalarType type : { ScalarType::Float32, ScalarType::Float64 })
+    {
+      for (const double fill : { -1e9, -1e13, -1e16, -1e20, -9.99e33, 1e13, 1e20, 9.99e33 })
+      {
+        RandomLattice random(3);
+        const TestVolume volume(type, glm::ivec3(14),
+          [&](int, int, int k) { return k < 2 ? fill : random.Number(0.0, 1.0); });
+        const MinMaxBlocks blocks(volume.View, ParallelFor());
+        ForEachBlock(blocks, [&](const glm::ivec3& block, const MinMaxBlocks::Limits& limits) {
+          const MinMaxBlocks::Limits truth = BruteForce(volume, block);
+          ASSERT_LE(limits.Min, truth.Min) << fill;
+          ASSERT_GE(limits.Max, truth.Max) << fill;
+        });
+      }
+    }
+  });
+}
+
 TEST(MinMaxBlocks, NotANumberIsLeftOut)
 {
   ForEveryTarget([] {

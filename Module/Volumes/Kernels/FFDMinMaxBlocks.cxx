@@ -396,6 +396,11 @@ MinMaxBlocks::MinMaxBlocks(const VolumeView& volume, const ParallelFor& parallel
       const double width = this->Range.Max - this->Range.Min;
       this->LastCode = std::is_integral_v<T> && width <= 255.0 ? 255 : 65535;
       this->CodeStep = this->LastCode == 65535 && width > 0.0 ? width / 65535.0 : 1.0;
+      if (this->LastCode == 65535)
+      {
+        this->Rounding = 8.0 * std::numeric_limits<double>::epsilon() *
+          std::max(std::abs(this->Range.Min), std::abs(this->Range.Max));
+      }
     }
     this->Codes.resize(this->NumberOfBlocks);
     this->LastCode == 255 ? this->ParentBytes.resize(2 * parents)
@@ -613,8 +618,15 @@ void MinMaxBlocks::SetParentCodes(const glm::ivec3& parent, const CodeLimits& co
 //------------------------------------------------------------------------------
 MinMaxBlocks::Limits MinMaxBlocks::Decode(const CodeLimits& codes) const
 {
-  return { this->FirstScalar + codes.Min * this->CodeStep,
+  const Limits limits{ this->FirstScalar + codes.Min * this->CodeStep,
     this->FirstScalar + codes.Max * this->CodeStep };
+  if (this->Rounding == 0.0)
+  {
+    return limits;
+  }
+  // The first code has the smallest scalar alone.
+  return { std::max(this->Range.Min, limits.Min - this->Rounding),
+    codes.Max > 0 ? std::min(this->Range.Max, limits.Max + this->Rounding) : limits.Max };
 }
 
 //------------------------------------------------------------------------------

@@ -191,6 +191,7 @@ private:
   Limits Range{ 0.0, -1.0 };
   double FirstScalar = 0.0; // of code 0
   double CodeStep = 1.0;    // scalar units per code
+  double Rounding = 0.0;    // of scalars and codes into each other, at most
   int LastCode = 255;
   std::vector<std::uint8_t> Codes;       // of a block: minimum in the low two bits, maximum above
   std::vector<std::uint8_t> ParentBytes; // min, max of each parent; one of the two is used
