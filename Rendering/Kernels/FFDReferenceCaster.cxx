@@ -172,17 +172,19 @@ void ReferenceCaster::CastPerSample(
       ray.From, ray.To, false);
     return;
   }
-  glm::dvec3 rest = pullBack((first + ray.Phase) * distance, nullptr);
+  // Curves lead to the next sample; where intervals are classified, from the one before.
+  const double behind = this->Settings.Classify == Classification::Intervals ? 1.0 : 0.0;
+  glm::dvec3 rest = pullBack((first - behind + ray.Phase) * distance, nullptr);
   glm::dvec3 index = volume.ToIndex(rest);
   glm::dvec3 move(0.0);
   for (double n = first; n < stop && !pixel.Done; n += 1.0)
   {
-    const double t = (n + ray.Phase) * distance;
+    const double t = (n - behind + ray.Phase) * distance;
     const glm::dvec3 guess = rest + move;
     const glm::dvec3 nextRest = pullBack(t + distance, &guess);
     const glm::dvec3 next = volume.ToIndex(nextRest);
     CurveSegment segment = CurveSegment::Line(index, next);
-    if (intervals && !identity)
+    if ((intervals || behind > 0.0) && !identity)
     {
       const glm::dvec3 halfway = rest + 0.5 * move;
       segment =
@@ -197,6 +199,7 @@ void ReferenceCaster::CastPerSample(
     };
     SampleSchedule schedule;
     schedule.Count = 1;
+    schedule.First = behind;
     schedule.Step = 1.0;
     schedule.LastInterval = 1.0;
     sampler.Integrate(

@@ -125,7 +125,7 @@ public:
   float GetReach() const { return this->Reach; }
 
 private:
-  /// Samples between two searches for a pull-back along a ray that has none.
+  /// Samples between two searches for a pull-back in the volume along a ray that has none.
   static constexpr int SamplesOfNothing = 4;
   /// Samples over which single rays are bounded by themselves.
   static constexpr int FewSamples = 8;
@@ -448,7 +448,8 @@ private:
       const Vec3 q = LocalToWhole(this->Scene,
         PullBackFrom(
           this->Scene, p, local, this->Scene.Tolerance, active, this->Scratch.Statistics));
-      return Select(active, q, start);
+      return Select(
+        active, n % SamplesOfNothing == 0 ? this->PreferVolume(p, q, active) : q, start);
     };
     PacketCurve curve;
     const Vf zero = hn::Zero(d);
@@ -458,23 +459,61 @@ private:
     }
     curve.Dt = Splat(distance);
     curve.PerStep = Splat(1.0f);
-    const Vf s = hn::Mul(this->Numbers.Phase, about.PerStep);
-    Vec3 next = positionAt(from, about.Position.At(s));
+    // Curves lead to the next sample; where intervals are classified, from the one before.
+    const int behind = this->Scene.ClassifiesIntervals ? 1 : 0;
+    const Vf s =
+      hn::Mul(hn::Sub(this->Numbers.Phase, Splat(static_cast<float>(behind))), about.PerStep);
+    Vec3 next = positionAt(from - behind, about.Position.At(s));
     Vec3 move = Scale(about.PerStep, about.Position.Slope(s));
     for (int n = from; n < to; ++n)
     {
-      curve.Position.Terms[0] = next;
-      next = positionAt(n + 1, Add(next, move));
-      move = Sub(next, curve.Position.Terms[0]);
+      const Vec3 here = next;
+      next = positionAt(n - behind + 1, Add(here, move));
+      // There is no way from or to nowhere.
+      const auto isNowhere = [this](const Vec3& q) {
+        return IsNowhere(this->Scene, WholeToLocal(this->Scene, q));
+      };
+      const Vec3 none{ zero, zero, zero };
+      move = Select(hn::Or(isNowhere(here), isNowhere(next)), none, Sub(next, here));
+      curve.Position.Terms[0] = behind == 0 ? here : Sub(next, move);
       curve.Position.Terms[1] = move;
-      curve.T0 = timeOf(n);
-      this->TakeSamples(curve, n, zero, false);
+      curve.T0 = timeOf(n - behind);
+      this->TakeSamples(curve, n, Splat(static_cast<float>(behind)), false);
       if (HWY_UNLIKELY(hn::AllFalse(d, this->Samples.State.Alive)))
       {
         this->EndAt(n);
         return;
       }
     }
+  }
+
+  /// Where T folds, a rest point in the volume counts before the one beside it, q, that was
+  /// followed along the ray. p: the deformed points.
+  HWY_INLINE Vec3 PreferVolume(const Vec3& p, const Vec3& q, Mf active)
+  {
+    const Df d;
+    if (!this->Scene.Folds)
+    {
+      return q;
+    }
+    const auto isInVolume = [this](const Vec3& at) {
+      const auto within = [this](Vf x, int a) {
+        return hn::And(
+          hn::Ge(x, Splat(this->Scene.RestMin[a])), hn::Le(x, Splat(this->Scene.RestMax[a])));
+      };
+      return hn::And(within(at.x, 0), hn::And(within(at.y, 1), within(at.z, 2)));
+    };
+    const Mf nowhere = IsNowhere(this->Scene, WholeToLocal(this->Scene, q));
+    const Mf beside = hn::AndNot(hn::Or(nowhere, isInVolume(q)), active);
+    if (hn::AllFalse(d, beside))
+    {
+      return q;
+    }
+    const Vf far = Splat(this->Scene.Nowhere);
+    const Vec3 other = LocalToWhole(this->Scene,
+      PullBackFrom(this->Scene, p, { far, far, far }, this->Scene.Tolerance, beside,
+        this->Scratch.Statistics));
+    return Select(hn::And(beside, isInVolume(other)), other, q);
   }
 
   /// Takes the sample of each ray on the plane of Slice.

@@ -14,6 +14,8 @@
 #include "FFDSimdRays-inl.h"
 #include "FFDSimdSpline-inl.h"
 
+#include <limits>
+
 HWY_BEFORE_NAMESPACE();
 namespace ffd
 {
@@ -22,13 +24,14 @@ namespace HWY_NAMESPACE
 
 /**
  * Estimates T^-1(p) of each lane without a start: by a step of Newton's method from the nearest of
- * PacketScene::Seeds.
+ * PacketScene::Seeds that is farther away than `beyond`, which becomes its distance; squared, less
+ * |p|^2.
  */
-HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
+HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p, Vf& beyond)
 {
   const Df d;
   const Di di;
-  // |p - image|^2 without |p|^2, which is the same for all seeds.
+  // |p - image|^2 - |p|^2: the same is taken off for all seeds.
   Vf least = Splat(1e37f);
   Vi nearest = hn::Zero(di);
   const int count = static_cast<int>(scene.Seeds.size());
@@ -38,9 +41,11 @@ HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
     const Vf distance = hn::NegMulAdd(p.x, Splat(2.0f * seed.Image[0]),
       hn::NegMulAdd(p.y, Splat(2.0f * seed.Image[1]),
         hn::NegMulAdd(p.z, Splat(2.0f * seed.Image[2]), Splat(seed.SquaredImage))));
-    nearest = hn::IfThenElse(hn::RebindMask(di, hn::Lt(distance, least)), hn::Set(di, i), nearest);
-    least = hn::Min(distance, least);
+    const Mf nearer = hn::And(hn::Lt(distance, least), hn::Gt(distance, beyond));
+    nearest = hn::IfThenElse(hn::RebindMask(di, nearer), hn::Set(di, i), nearest);
+    least = hn::IfThenElse(nearer, distance, least);
   }
+  beyond = least;
   HWY_ALIGN int seeds[16];
   HWY_ALIGN float point[3][16], image[3][16], inverse[9][16];
   hn::Store(nearest, di, seeds);
@@ -69,6 +74,13 @@ HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
   return MulAdd(part, step, load(point));
 }
 
+/// FindColdStart() by the nearest seed.
+HWY_INLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
+{
+  Vf beyond = Splat(-std::numeric_limits<float>::infinity());
+  return FindColdStart(scene, p, beyond);
+}
+
 /// Lanes without a pull-back, to which InvertFrom() gives a point far outside of the volume.
 HWY_INLINE Mf IsNowhere(const PacketScene& scene, const Vec3& q)
 {
@@ -79,7 +91,7 @@ HWY_INLINE Mf IsNowhere(const PacketScene& scene, const Vec3& q)
  * Solves T(q) = p for every lane by Newton's method from `start`, local coordinates. Where T folds,
  * several rest points lead to p: those count where T does not turn space inside out. This holds
  * outside of the volume, too, or rays would follow a wrong branch past it. Lanes that find no such
- * point start again from the nearest seed; if that fails, nothing lies at p, and they get a point
+ * point start again from the nearest seeds; if that fails, nothing lies at p, and they get a point
  * far outside (IsNowhere()). `step`: the last step.
  */
 HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& start,
@@ -87,7 +99,8 @@ HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& 
 {
   // Few steps where T folds: there many points have no solution.
   const int mostSteps = scene.Folds ? 5 : 12;
-  const int mostStepsAgain = scene.Folds ? 7 : 12;
+  constexpr int MostStepsAgain = 12;
+  constexpr int SeedsTried = 2;
   const Df d;
   Vec3 q = start;
   int evaluations = 0;
@@ -105,14 +118,16 @@ HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& 
   Mf stuck = hn::AndNot(solve(active, mostSteps, q, step), active);
   if (HWY_UNLIKELY(!hn::AllFalse(d, stuck)))
   {
-    const Mf again = hn::AndNot(cold, stuck);
-    if (!hn::AllFalse(d, again))
+    Vf beyond = Splat(-std::numeric_limits<float>::infinity());
+    for (int i = 0; i < SeedsTried && !hn::AllFalse(d, stuck); ++i)
     {
-      Vec3 other = FindColdStart(scene, p);
+      Vec3 other = FindColdStart(scene, p, beyond);
+      // Those that began cold have tried the nearest seed.
+      const Mf again = i == 0 ? hn::AndNot(cold, stuck) : stuck;
       NewtonStep last;
-      const Mf solved = solve(again, mostStepsAgain, other, last);
-      q = Select(hn::And(again, solved), other, q);
-      stuck = hn::AndNot(hn::And(again, solved), stuck);
+      const Mf solved = hn::And(again, solve(again, MostStepsAgain, other, last));
+      q = Select(solved, other, q);
+      stuck = hn::AndNot(solved, stuck);
     }
     const Vf outside = Splat(scene.Nowhere);
     q = Select(stuck, { outside, outside, outside }, q);
