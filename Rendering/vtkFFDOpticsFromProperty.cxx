@@ -124,6 +124,21 @@ struct TableFunctions
   }
 };
 
+/// The next number below in single precision, in which packets take differences to the first scalar
+/// of a table; beyond its range the number itself.
+double RoundDown(double number)
+{
+  constexpr double largest = std::numeric_limits<float>::max();
+  if (!(std::abs(number) < largest))
+  {
+    return number;
+  }
+  const float single = static_cast<float>(number);
+  return static_cast<double>(single) > number
+    ? static_cast<double>(std::nextafter(single, -std::numeric_limits<float>::infinity()))
+    : static_cast<double>(single);
+}
+
 /**
  * Table of functions over the range of a component. It does not depend on the scalar type: the same
  * values look the same as bytes and as floats.
@@ -163,6 +178,10 @@ TransferTable MakeTable(const TableFunctions& functions, const MinMaxBlocks::Lim
     hi = lo + width;
     const int perUnit = std::max(1, static_cast<int>(size / width));
     size = perUnit * static_cast<int>(width) + 1;
+  }
+  else
+  {
+    lo = RoundDown(lo);
   }
 
   std::vector<float> opacities(static_cast<std::size_t>(size));
@@ -436,7 +455,8 @@ bool MakeOpticalFunctions(vtkVolumeProperty* property, const ScalarFacts& facts,
       optics.Gradients =
         MakeGradientOpacity(facts.NativeGradients ? native.Truncate(gradient) : gradient, range);
     }
-    optics.Weight = static_cast<float>(property->GetComponentWeight(c));
+    // Weights mix independent components.
+    optics.Weight = independent ? static_cast<float>(property->GetComponentWeight(c)) : 1.0f;
     // The flag of the first component counts for all, as in VTK's mappers.
     optics.Shade = property->GetShade(0) != 0;
     optics.Surface.Ambient = static_cast<float>(property->GetAmbient(c));

@@ -137,8 +137,18 @@ IntervalTable::Point IntervalTable::Find(double value) const
   Point point;
   point.Entry = std::clamp((value - table.GetLow()) * table.GetScale(), 0.0, last);
   const std::size_t i = std::min(static_cast<std::size_t>(point.Entry), table.GetSize() - 2);
-  const double f = point.Entry - static_cast<double>(i);
   const float* const entry = table.GetEntries() + 4 * i;
+  double f = point.Entry - static_cast<double>(i);
+  const double margin = static_cast<double>(table.GetMargin());
+  if (!(entry[3] > 0.0f) && f < margin)
+  {
+    f = 0.0;
+  }
+  else if (!(entry[7] > 0.0f) && f > 1.0 - margin)
+  {
+    f = 1.0;
+  }
+  point.Entry = static_cast<double>(i) + f;
   const double a = std::min(static_cast<double>(entry[3]), this->LargestExtinction);
   const double b = std::min(static_cast<double>(entry[7]), this->LargestExtinction);
   point.Extinction = a + f * (b - a);

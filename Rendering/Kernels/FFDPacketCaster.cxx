@@ -282,8 +282,7 @@ bool CanComposite(const CastScene& scene, const SampleClassifier& classifier)
 void AddTable(const TransferTable& table, PacketScene& scene)
 {
   const PacketVolume& v = scene.Volume;
-  scene.Table.Add(table.GetEntries(), table.GetSize(),
-    static_cast<float>((table.GetLow() - v.Shift) * v.Scale),
+  scene.Table.Add(table, static_cast<float>((table.GetLow() - v.Shift) * v.Scale),
     static_cast<float>(table.GetScale() / v.Scale));
 }
 
@@ -416,12 +415,14 @@ void KeepOneOrientation(PacketScene& scene)
 ValueRange MakeVisibleRange(
   int first, int last, int size, float low, float scale, double guard = 1.0)
 {
-  const auto valueAt = [&](double entry) {
-    return static_cast<float>(entry / static_cast<double>(scale) + static_cast<double>(low));
-  };
+  // Rounded outwards: entries may be nearer to each other than single precision tells.
   constexpr float Infinite = std::numeric_limits<float>::infinity();
-  return { first == 0 ? -Infinite : valueAt(first - guard),
-    last == size - 1 ? Infinite : valueAt(last + guard) };
+  const auto valueAt = [&](double entry, float beyond) {
+    return std::nextafter(
+      static_cast<float>(entry / static_cast<double>(scale) + static_cast<double>(low)), beyond);
+  };
+  return { first == 0 ? -Infinite : valueAt(first - guard, -Infinite),
+    last == size - 1 ? Infinite : valueAt(last + guard, Infinite) };
 }
 
 /// `range`: of the table as packets have it.
@@ -665,6 +666,7 @@ void SetIntegrals(const CastScene& scene, const IntervalTable& table, PacketScen
     words[3] = 0;
   }
   to.Units = static_cast<float>(table.GetUnits());
+  to.Margin = scene.Table->GetMargin();
   const auto fetched = [&](double value) {
     const double scaled = (value - p.Volume.Shift) * p.Volume.Scale;
     return std::isinf(scaled) ? static_cast<float>(scaled) : ToFloat(scaled);

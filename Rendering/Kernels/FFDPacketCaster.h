@@ -120,6 +120,7 @@ struct PacketIntegrals
   };
   std::vector<Entry> Entries;
   float Units = 1.0f;
+  float Margin = 0.0f;     ///< TransferTable::GetMargin()
   float VisibleLow = 0.0f; ///< as fetched
   float VisibleHigh = 0.0f;
 };

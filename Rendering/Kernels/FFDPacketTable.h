@@ -30,7 +30,7 @@ public:
   struct Interval
   {
     std::uint32_t
-      Extinctions[2]; ///< floats, TransferTable::InterpolatedFrom() for the entry and the next one
+      Extinctions[2];        ///< floats, TransferTable::GetInterpolated(), here and at the next
     std::uint32_t Colors[2]; ///< red in the lowest bits, green, blue
   };
   static_assert(sizeof(Interval) == 16, "intervals are loaded as 128 bits");
@@ -45,9 +45,12 @@ public:
   };
   static_assert(sizeof(Range) == 16, "ranges are loaded as 128 bits");
 
-  /// Another table behind those that there are. `entries`: red, green, blue, extinction of each.
-  void Add(const float* entries, std::size_t size, float low, float scale)
+  /// Another table behind those that there are. `low`: the value of its first entry; `scale`:
+  /// entries a unit of values.
+  void Add(const TransferTable& table, float low, float scale)
   {
+    const float* const entries = table.GetEntries();
+    const std::size_t size = table.GetSize();
     this->Ranges.push_back({ static_cast<std::int32_t>(this->Intervals.size()),
       static_cast<float>(size - 1), low, scale });
     for (std::size_t i = 0; i + 1 < size; ++i)
@@ -57,7 +60,7 @@ public:
       {
         const float* entry = entries + 4 * (i + end);
         const float* neighbor = entries + 4 * (i + 1 - end);
-        const float extinction = TransferTable::InterpolatedFrom(entry[3], neighbor[3]);
+        const float extinction = table.GetInterpolated(entry[3], neighbor[3]);
         std::memcpy(&interval.Extinctions[end], &extinction, sizeof(float));
         interval.Colors[end] =
           ColorOf(entry[0]) | ColorOf(entry[1]) << ColorBits | ColorOf(entry[2]) << 2 * ColorBits;

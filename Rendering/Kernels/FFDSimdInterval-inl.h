@@ -40,10 +40,18 @@ HWY_INLINE IntervalPoint FindIntervalPoint(const PacketScene& scene, Vf values)
   IntervalPoint point;
   point.Entry = hn::IfThenElseZero(hn::Eq(x, x), Clamp(x, hn::Zero(d), Splat(range.Intervals)));
   const Vf whole = hn::Min(hn::Floor(point.Entry), Splat(range.Intervals - 1.0f));
-  const Vf f = hn::Sub(point.Entry, whole);
   const Quads entry = LoadQuads(scene.Integrals.Entries[0].Words, Truncate(whole));
   const Vf extinction = hn::BitCast(d, entry.x);
   const Vf change = hn::BitCast(d, entry.y);
+  // TransferTable::GetMargin()
+  const Vf zero = hn::Zero(d);
+  const Vf one = Splat(1.0f);
+  const Vf margin = Splat(scene.Integrals.Margin);
+  Vf f = hn::Sub(point.Entry, whole);
+  f = hn::IfThenZeroElse(hn::And(hn::Le(extinction, zero), hn::Lt(f, margin)), f);
+  f = hn::IfThenElse(
+    hn::And(hn::Le(hn::Add(extinction, change), zero), hn::Gt(f, hn::Sub(one, margin))), one, f);
+  point.Entry = hn::Add(whole, f);
   point.Extinction = hn::MulAdd(f, change, extinction);
   const Vf part = hn::Mul(f, hn::MulAdd(hn::Mul(Splat(0.5f), f), change, extinction));
   point.Integral = hn::Add(entry.z, hn::NearestInt(hn::Mul(part, Splat(scene.Integrals.Units))));

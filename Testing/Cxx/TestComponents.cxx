@@ -106,6 +106,15 @@ void CheckDependent(ffdTest::Checks& checks)
     checks.Expect(oursGpu.Pixels > 3000 && oursGpu.Mean <= 2.5, name,
       ffdTest::ToString(oursGpu) + " from the GPU mapper (mean at most 2.5)");
     ffdTest::CheckSamePictures(scene, name, checks);
+    scene.Ours->SetDeformation(nullptr);
+    for (const double weight : { 0.0, 0.3 })
+    {
+      scene.Property->SetComponentWeight(0, weight);
+      const ffdTest::Distance weighed = scene.Compare(ours, scene.Render(scene.Ours));
+      checks.Expect(weighed.Max == 0.0, name + ", weights of components are not theirs",
+        ffdTest::ToString(weighed));
+    }
+    scene.Property->SetComponentWeight(0, 1.0);
     scene.SetShadingAsGpuMapper(0.2, 0.7, 0.2, 10.0);
     ffdTest::CheckSamePictures(scene, name + ", shaded", checks);
     const ffdTest::Distance shading = scene.Compare(ours, scene.Render(scene.Ours));

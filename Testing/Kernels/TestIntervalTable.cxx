@@ -104,7 +104,7 @@ TEST(IntervalTable, IsThatOfASampleWhereValuesAreEqual)
   for (const double value : { -5.0, 0.0, 76.9, 77.1, 200.0, 255.0, 300.0 })
   {
     const ClassifiedInterval interval = intervals.Classify(value, value, 0.7);
-    // Samples have a margin at the last transparent entry.
+    // Samples are interpolated from the margin of the last transparent entry.
     EXPECT_NEAR(interval.OpticalDepth, 0.7 * static_cast<double>(table.Lookup(value).Extinction),
       value == 76.9 ? 1e-3 : 1e-6);
     EXPECT_NEAR(interval.Value, std::clamp(value, 0.0, 255.0), 1e-9);

@@ -27,7 +27,7 @@ TEST(TransferTable, InterpolatesBetweenEntries)
   EXPECT_FLOAT_EQ(half.Color.g, 0.5f);
   EXPECT_FLOAT_EQ(half.Color.b, 0.5f);
   // Halfway to 1 = -log2(1 - 0.5).
-  EXPECT_NEAR(half.Extinction, 0.5f, TransferTable::Margin);
+  EXPECT_NEAR(half.Extinction, 0.5f, table.GetMargin());
   EXPECT_FLOAT_EQ(table.Lookup(10.0).Extinction, 1.0f);
   EXPECT_FLOAT_EQ(table.Lookup(20.0).Extinction, 1.5f);
   EXPECT_FLOAT_EQ(table.Lookup(30.0).Extinction, 2.0f);
@@ -37,8 +37,8 @@ TEST(TransferTable, NextToATransparentEntryIsTransparent)
 {
   const auto tent = [](double x) { return std::max(0.0, 1.0 - std::abs(x - 50.0) / 10.0); };
   const TransferTable table = MakeTable(0.0, 100.0, 101, tent);
-  const double near = 0.9 * static_cast<double>(TransferTable::Margin);
-  const double far = 1.1 * static_cast<double>(TransferTable::Margin);
+  const double near = 0.9 * static_cast<double>(table.GetMargin());
+  const double far = 1.1 * static_cast<double>(table.GetMargin());
   EXPECT_EQ(table.Lookup(40.0 + near).Extinction, 0.0f);
   EXPECT_GT(table.Lookup(40.0 + far).Extinction, 0.0f);
   EXPECT_EQ(table.Lookup(60.0 - near).Extinction, 0.0f);

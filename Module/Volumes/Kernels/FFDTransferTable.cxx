@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace ffd
 {
@@ -14,6 +15,10 @@ namespace
 
 /// Extinctions end here, whatever the unit distance: interpolating infinite ones gives no number.
 constexpr double LargestExtinction = 1e30;
+
+/// Limits of GetMargin().
+constexpr double LeastMargin = 1e-3;
+constexpr double LargestMargin = 0.5;
 
 float ExtinctionOf(float opacity, double unitDistance)
 {
@@ -38,6 +43,11 @@ TransferTable::TransferTable(double lo, double hi, std::size_t size, const float
   , Scale(static_cast<double>(size - 1) / (hi - lo))
   , UnitDistance(unitDistance)
 {
+  const double largest =
+    std::max(std::max(std::abs(lo), std::abs(hi)) * this->Scale, static_cast<double>(size));
+  this->Margin = static_cast<float>(
+    std::clamp(4.0 * static_cast<double>(std::numeric_limits<float>::epsilon()) * largest,
+      LeastMargin, LargestMargin));
   this->Entries.resize(size);
   this->VisibleUpTo.assign(size + 1, 0);
   for (std::size_t i = 0; i < size; ++i)
@@ -63,8 +73,8 @@ TransferTable::Sample TransferTable::Lookup(double scalar) const
   const float f = static_cast<float>(x - static_cast<double>(i));
   const Entry& a = this->Entries[i];
   const Entry& b = this->Entries[i + 1];
-  const float from = InterpolatedFrom(a.Extinction, b.Extinction);
-  const float to = InterpolatedFrom(b.Extinction, a.Extinction);
+  const float from = this->GetInterpolated(a.Extinction, b.Extinction);
+  const float to = this->GetInterpolated(b.Extinction, a.Extinction);
   return { a.Color + f * (b.Color - a.Color), std::max(0.0f, from + f * (to - from)) };
 }
 

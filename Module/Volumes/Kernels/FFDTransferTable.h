@@ -27,18 +27,6 @@ public:
   /// than a millionth of it.
   static constexpr double OpaqueExtinction = 2.4e7;
 
-  /// Scalars this near to a transparent entry, in entries, are transparent, too. An interpolated
-  /// one may leave the limits of its voxels by less, a rounding error: IsTransparent() holds for
-  /// it.
-  static constexpr float Margin = 1e-3f;
-
-  /// The extinction at an entry from which that at scalars towards a neighbor is interpolated; what
-  /// is below 0 then is 0.
-  static float InterpolatedFrom(float extinction, float ofNeighbor)
-  {
-    return extinction > 0.0f ? extinction : -Margin * ofNeighbor;
-  }
-
   TransferTable() = default;
 
   /**
@@ -81,6 +69,18 @@ public:
   double GetScale() const { return this->Scale; }
   double GetUnitDistance() const { return this->UnitDistance; }
 
+  /// Scalars this near to a transparent entry, in entries, are transparent, too. In single
+  /// precision an interpolated one may leave the limits of its voxels by less: IsTransparent()
+  /// holds for it.
+  float GetMargin() const { return this->Margin; }
+
+  /// The extinction at an entry from which that of scalars towards a neighbor is interpolated; what
+  /// is below 0 then is 0, as within the margin.
+  float GetInterpolated(float extinction, float ofNeighbor) const
+  {
+    return extinction > 0.0f ? extinction : -this->Margin / (1.0f - this->Margin) * ofNeighbor;
+  }
+
 private:
   struct Entry
   {
@@ -92,6 +92,7 @@ private:
   double Low = 0.0;
   double Scale = 0.0; // entries per scalar unit
   double UnitDistance = 1.0;
+  float Margin = 0.0f;
   std::vector<Entry> Entries;
   std::vector<unsigned int> VisibleUpTo; // number of non-transparent entries before each
 };
