@@ -24,9 +24,10 @@ namespace HWY_NAMESPACE
 
 /**
  * Estimates T^-1(p) of each lane without a start: by a step of Newton's method from the nearest of
- * PacketScene::Seeds that is farther away than `beyond`, which becomes its distance; squared, less
- * |p|^2.
+ * PacketScene::Seeds, with `Farther` the nearest that is farther away than `beyond`, which becomes
+ * its distance; squared, less |p|^2.
  */
+template <bool Farther>
 HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p, Vf& beyond)
 {
   const Df d;
@@ -41,7 +42,11 @@ HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p, Vf& bey
     const Vf distance = hn::NegMulAdd(p.x, Splat(2.0f * seed.Image[0]),
       hn::NegMulAdd(p.y, Splat(2.0f * seed.Image[1]),
         hn::NegMulAdd(p.z, Splat(2.0f * seed.Image[2]), Splat(seed.SquaredImage))));
-    const Mf nearer = hn::And(hn::Lt(distance, least), hn::Gt(distance, beyond));
+    Mf nearer = hn::Lt(distance, least);
+    if constexpr (Farther)
+    {
+      nearer = hn::And(nearer, hn::Gt(distance, beyond));
+    }
     nearest = hn::IfThenElse(hn::RebindMask(di, nearer), hn::Set(di, i), nearest);
     least = hn::IfThenElse(nearer, distance, least);
   }
@@ -77,8 +82,8 @@ HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p, Vf& bey
 /// FindColdStart() by the nearest seed.
 HWY_INLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
 {
-  Vf beyond = Splat(-std::numeric_limits<float>::infinity());
-  return FindColdStart(scene, p, beyond);
+  Vf distance;
+  return FindColdStart<false>(scene, p, distance);
 }
 
 /// Lanes without a pull-back, to which InvertFrom() gives a point far outside of the volume.
@@ -121,7 +126,7 @@ HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& 
     Vf beyond = Splat(-std::numeric_limits<float>::infinity());
     for (int i = 0; i < SeedsTried && !hn::AllFalse(d, stuck); ++i)
     {
-      Vec3 other = FindColdStart(scene, p, beyond);
+      Vec3 other = FindColdStart<true>(scene, p, beyond);
       // Those that began cold have tried the nearest seed.
       const Mf again = i == 0 ? hn::AndNot(cold, stuck) : stuck;
       NewtonStep last;
