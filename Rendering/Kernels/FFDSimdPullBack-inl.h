@@ -14,8 +14,6 @@
 #include "FFDSimdRays-inl.h"
 #include "FFDSimdSpline-inl.h"
 
-#include <limits>
-
 HWY_BEFORE_NAMESPACE();
 namespace ffd
 {
@@ -24,15 +22,13 @@ namespace HWY_NAMESPACE
 
 /**
  * Estimates T^-1(p) of each lane without a start: by a step of Newton's method from the nearest of
- * PacketScene::Seeds, with `Farther` the nearest that is farther away than `beyond`, which becomes
- * its distance; squared, less |p|^2.
+ * PacketScene::Seeds.
  */
-template <bool Farther>
-HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p, Vf& beyond)
+HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
 {
   const Df d;
   const Di di;
-  // |p - image|^2 - |p|^2: the same is taken off for all seeds.
+  // |p - image|^2 without |p|^2, which is the same for all seeds.
   Vf least = Splat(1e37f);
   Vi nearest = hn::Zero(di);
   const int count = static_cast<int>(scene.Seeds.size());
@@ -42,15 +38,9 @@ HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p, Vf& bey
     const Vf distance = hn::NegMulAdd(p.x, Splat(2.0f * seed.Image[0]),
       hn::NegMulAdd(p.y, Splat(2.0f * seed.Image[1]),
         hn::NegMulAdd(p.z, Splat(2.0f * seed.Image[2]), Splat(seed.SquaredImage))));
-    Mf nearer = hn::Lt(distance, least);
-    if constexpr (Farther)
-    {
-      nearer = hn::And(nearer, hn::Gt(distance, beyond));
-    }
-    nearest = hn::IfThenElse(hn::RebindMask(di, nearer), hn::Set(di, i), nearest);
-    least = hn::IfThenElse(nearer, distance, least);
+    nearest = hn::IfThenElse(hn::RebindMask(di, hn::Lt(distance, least)), hn::Set(di, i), nearest);
+    least = hn::Min(distance, least);
   }
-  beyond = least;
   HWY_ALIGN int seeds[16];
   HWY_ALIGN float point[3][16], image[3][16], inverse[9][16];
   hn::Store(nearest, di, seeds);
@@ -79,13 +69,6 @@ HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p, Vf& bey
   return MulAdd(part, step, load(point));
 }
 
-/// FindColdStart() by the nearest seed.
-HWY_INLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
-{
-  Vf distance;
-  return FindColdStart<false>(scene, p, distance);
-}
-
 /// Lanes without a pull-back, to which InvertFrom() gives a point far outside of the volume.
 HWY_INLINE Mf IsNowhere(const PacketScene& scene, const Vec3& q)
 {
@@ -96,7 +79,7 @@ HWY_INLINE Mf IsNowhere(const PacketScene& scene, const Vec3& q)
  * Solves T(q) = p for every lane by Newton's method from `start`, local coordinates. Where T folds,
  * several rest points lead to p: those count where T does not turn space inside out. This holds
  * outside of the volume, too, or rays would follow a wrong branch past it. Lanes that find no such
- * point start again from the nearest seeds; if that fails, nothing lies at p, and they get a point
+ * point start again from the nearest seed; if that fails, nothing lies at p, and they get a point
  * far outside (IsNowhere()). `step`: the last step.
  */
 HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& start,
@@ -104,8 +87,7 @@ HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& 
 {
   // Few steps where T folds: there many points have no solution.
   const int mostSteps = scene.Folds ? 5 : 12;
-  constexpr int MostStepsAgain = 12;
-  constexpr int SeedsTried = 2;
+  const int mostStepsAgain = scene.Folds ? 7 : 12;
   const Df d;
   Vec3 q = start;
   int evaluations = 0;
@@ -123,16 +105,14 @@ HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& 
   Mf stuck = hn::AndNot(solve(active, mostSteps, q, step), active);
   if (HWY_UNLIKELY(!hn::AllFalse(d, stuck)))
   {
-    Vf beyond = Splat(-std::numeric_limits<float>::infinity());
-    for (int i = 0; i < SeedsTried && !hn::AllFalse(d, stuck); ++i)
+    const Mf again = hn::AndNot(cold, stuck);
+    if (!hn::AllFalse(d, again))
     {
-      Vec3 other = FindColdStart<true>(scene, p, beyond);
-      // Those that began cold have tried the nearest seed.
-      const Mf again = i == 0 ? hn::AndNot(cold, stuck) : stuck;
+      Vec3 other = FindColdStart(scene, p);
       NewtonStep last;
-      const Mf solved = hn::And(again, solve(again, MostStepsAgain, other, last));
-      q = Select(solved, other, q);
-      stuck = hn::AndNot(solved, stuck);
+      const Mf solved = solve(again, mostStepsAgain, other, last);
+      q = Select(hn::And(again, solved), other, q);
+      stuck = hn::AndNot(hn::And(again, solved), stuck);
     }
     const Vf outside = Splat(scene.Nowhere);
     q = Select(stuck, { outside, outside, outside }, q);
