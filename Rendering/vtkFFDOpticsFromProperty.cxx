@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDOpticsFromProperty.h"
 
+#include "FFDRounding.h"
+
 #include "vtkColorTransferFunction.h"
 #include "vtkDataArray.h"
 #include "vtkImageData.h"
@@ -124,21 +126,6 @@ struct TableFunctions
   }
 };
 
-/// The next number below in single precision, in which packets take differences to the first scalar
-/// of a table; beyond its range the number itself.
-double RoundDown(double number)
-{
-  constexpr double largest = std::numeric_limits<float>::max();
-  if (!(std::abs(number) < largest))
-  {
-    return number;
-  }
-  const float single = static_cast<float>(number);
-  return static_cast<double>(single) > number
-    ? static_cast<double>(std::nextafter(single, -std::numeric_limits<float>::infinity()))
-    : static_cast<double>(single);
-}
-
 /**
  * Table of functions over the range of a component. It does not depend on the scalar type: the same
  * values look the same as bytes and as floats.
@@ -179,9 +166,10 @@ TransferTable MakeTable(const TableFunctions& functions, const MinMaxBlocks::Lim
     const int perUnit = std::max(1, static_cast<int>(size / width));
     size = perUnit * static_cast<int>(width) + 1;
   }
-  else
+  else if (std::abs(lo) < static_cast<double>(std::numeric_limits<float>::max()))
   {
-    lo = RoundDown(lo);
+    // Packets take differences to it in single precision.
+    lo = static_cast<double>(RoundDown(lo));
   }
 
   std::vector<float> opacities(static_cast<std::size_t>(size));

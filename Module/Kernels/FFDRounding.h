@@ -19,6 +19,9 @@ inline float RoundUp(double value)
     : rounded;
 }
 
+/// The largest float that is not above `value`: a lower bound stays one.
+inline float RoundDown(double value) { return -RoundUp(-value); }
+
 } // namespace ffd
 
 #endif

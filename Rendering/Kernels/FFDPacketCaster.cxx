@@ -417,12 +417,11 @@ ValueRange MakeVisibleRange(
 {
   // Rounded outwards: entries may be nearer to each other than single precision tells.
   constexpr float Infinite = std::numeric_limits<float>::infinity();
-  const auto valueAt = [&](double entry, float beyond) {
-    return std::nextafter(
-      static_cast<float>(entry / static_cast<double>(scale) + static_cast<double>(low)), beyond);
+  const auto valueAt = [&](double entry) {
+    return entry / static_cast<double>(scale) + static_cast<double>(low);
   };
-  return { first == 0 ? -Infinite : valueAt(first - guard, -Infinite),
-    last == size - 1 ? Infinite : valueAt(last + guard, Infinite) };
+  return { first == 0 ? -Infinite : RoundDown(valueAt(first - guard)),
+    last == size - 1 ? Infinite : RoundUp(valueAt(last + guard)) };
 }
 
 /// `range`: of the table as packets have it.

@@ -29,9 +29,8 @@ public:
 
   struct Interval
   {
-    std::uint32_t
-      Extinctions[2];        ///< floats, TransferTable::GetInterpolated(), here and at the next
-    std::uint32_t Colors[2]; ///< red in the lowest bits, green, blue
+    std::uint32_t Extinctions[2]; ///< floats, of the entry and of the next one, GetInterpolated()
+    std::uint32_t Colors[2];      ///< red in the lowest bits, green, blue
   };
   static_assert(sizeof(Interval) == 16, "intervals are loaded as 128 bits");
 

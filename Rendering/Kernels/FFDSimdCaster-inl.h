@@ -465,16 +465,16 @@ private:
       hn::Mul(hn::Sub(this->Numbers.Phase, Splat(static_cast<float>(behind))), about.PerStep);
     Vec3 next = positionAt(from - behind, about.Position.At(s));
     Vec3 move = Scale(about.PerStep, about.Position.Slope(s));
+    Mf nowhere = IsNowhere(this->Scene, WholeToLocal(this->Scene, next));
+    const Vec3 none{ zero, zero, zero };
     for (int n = from; n < to; ++n)
     {
       const Vec3 here = next;
+      const Mf fromNowhere = nowhere;
       next = positionAt(n - behind + 1, Add(here, move));
+      nowhere = IsNowhere(this->Scene, WholeToLocal(this->Scene, next));
       // There is no way from or to nowhere.
-      const auto isNowhere = [this](const Vec3& q) {
-        return IsNowhere(this->Scene, WholeToLocal(this->Scene, q));
-      };
-      const Vec3 none{ zero, zero, zero };
-      move = Select(hn::Or(isNowhere(here), isNowhere(next)), none, Sub(next, here));
+      move = Select(hn::Or(fromNowhere, nowhere), none, Sub(next, here));
       curve.Position.Terms[0] = behind == 0 ? here : Sub(next, move);
       curve.Position.Terms[1] = move;
       curve.T0 = timeOf(n - behind);

@@ -23,10 +23,10 @@ VOXELS = (64, 64, 32)
 SIZE = 200
 
 
-def make_block():
+def make_block(voxels=VOXELS):
     image = vtkImageData()
-    image.SetDimensions(*VOXELS)
-    values = numpy.full(VOXELS[0] * VOXELS[1] * VOXELS[2], 200, numpy.uint8)
+    image.SetDimensions(*voxels)
+    values = numpy.full(numpy.prod(voxels), 200, numpy.uint8)
     image.GetPointData().SetScalars(numpy_to_vtk(values, deep=True))
     return image
 
@@ -161,10 +161,7 @@ class TestFolds(unittest.TestCase):
                 ((16, 38, 31), (8, 6, 6), 1.31, (31.4, 111.1, -42.8)),
                 ((38, 34, 50), (5, 8, 4), 1.82, (122.1, -51.5, -22.3)),
                 ((17, 47, 50), (8, 6, 5), 1.2, (-59.0, -86.9, -121.2))):
-            image = vtkImageData()
-            image.SetDimensions(*voxels)
-            values = numpy.full(numpy.prod(voxels), 200, numpy.uint8)
-            image.GetPointData().SetScalars(numpy_to_vtk(values, deep=True))
+            image = make_block(voxels)
             lattice = vtkffd.vtkFFDLattice()
             lattice.SetDimensions(*points)
             lattice.FitToBounds(image.GetBounds())

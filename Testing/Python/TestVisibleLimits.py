@@ -17,11 +17,11 @@ POST_INTERPOLATED = vtkffd.vtkFFDInverseRayVolumeMapper.POST_INTERPOLATED
 PRE_INTEGRATED = vtkffd.vtkFFDInverseRayVolumeMapper.PRE_INTEGRATED
 
 
-def plateau(height, top, dtype):
-    """A plateau with a block of `top` in it, and some slices of 0."""
-    values = numpy.full((SIZE, SIZE, SIZE), height)
+def plateau(low, height, top, dtype):
+    """A plateau with a block of `top` in it, and some slices of `low`."""
+    values = numpy.full((SIZE, SIZE, SIZE), height, float)
     values[10:20, 10:20, 10:20] = top
-    values[:3] = 0
+    values[:3] = low
     return values.astype(dtype)
 
 
@@ -79,8 +79,7 @@ class TestVisibleLimits(unittest.TestCase):
                 ("u1", 0, 255), ("u2", 0, 60000), ("i4", -70000, 210000), ("f4", 0.0, 0.3),
                 ("f4", 1000.1, 0.6), ("f8", 1000.1, 0.6)):
             height = offset + 2 * span // 3 if dtype[0] != "f" else offset + span / 3
-            values = plateau(height, offset + span, dtype)
-            values[:3] = offset
+            values = plateau(offset, height, offset + span, dtype)
             # As the scalars are rounded.
             height = float(values[5, 5, 5])
             self.make(values, ((offset, 0), (height, 0), (height + 1e-6 * span, 0.9),
@@ -90,8 +89,7 @@ class TestVisibleLimits(unittest.TestCase):
                 self.check(f"{dtype} from {offset}, {classification}", 0.02, 0.4)
 
     def test_maxima_end_no_ray_too_early(self):
-        values = plateau(1000.2, 1000.33, "f4")
-        values[:3] = 1000.0
+        values = plateau(1000.0, 1000.2, 1000.33, "f4")
         height = float(values[5, 5, 5])
         self.make(values, ((1000, 0.9), (height, 0.9), (height + 1e-6, 0), (1000.33, 0)))
         self.mapper.SetBlendModeToMaximumIntensity()

@@ -47,8 +47,8 @@ public:
   /// is not a number a transparent one.
   Sample Lookup(double scalar) const;
 
-  /// Whether every scalar of [lo, hi], and beyond it by less than Margin, is fully transparent;
-  /// true for an empty interval.
+  /// Whether every scalar of [lo, hi], and beyond it by less than GetMargin(), is fully
+  /// transparent; true for an empty interval.
   bool IsTransparent(double lo, double hi) const;
 
   std::size_t GetMemorySize() const;
