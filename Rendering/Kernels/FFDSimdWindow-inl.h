@@ -21,12 +21,19 @@
 #include <cstdint>
 #include <type_traits>
 
-// Permutations of all bytes of two registers, which Highway has no words for: AVX-512 VBMI.
+// Permutations of two registers, which Highway has no words for: of words by AVX-512, of bytes by
+// its VBMI.
 #undef FFD_HAS_VOXEL_WINDOWS
-#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL
+#undef FFD_HAS_BYTE_PERMUTATIONS
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
 #define FFD_HAS_VOXEL_WINDOWS 1
 #else
 #define FFD_HAS_VOXEL_WINDOWS 0
+#endif
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL
+#define FFD_HAS_BYTE_PERMUTATIONS 1
+#else
+#define FFD_HAS_BYTE_PERMUTATIONS 0
 #endif
 
 HWY_BEFORE_NAMESPACE();
@@ -335,11 +342,119 @@ private:
   int FirstX;
 };
 
+#if FFD_HAS_BYTE_PERMUTATIONS
+/// Where the four bytes of each lane are in two slabs, which are 64 bytes each: their numbers.
+template <bool AtFaces>
+class WindowBytes
+{
+public:
+  WindowBytes() = default;
+  /// `first`: numbers of the first bytes.
+  HWY_INLINE explicit WindowBytes(Vi first)
+    : Numbers(_mm512_add_epi8(
+        _mm512_shuffle_epi8(first.raw, _mm512_set4_epi32(0x0c0c0c0c, 0x08080808, 0x04040404, 0)),
+        _mm512_set1_epi32(0x03020100)))
+  {
+  }
+
+  /// From now on the second byte is the first one, too, in the lanes of `first`, and the third one
+  /// the last one in those of `last`.
+  HWY_INLINE void Repeat(__mmask16 first, __mmask16 last)
+  {
+    this->Numbers =
+      _mm512_mask_add_epi32(this->Numbers, first, this->Numbers, _mm512_set1_epi32(1));
+    this->Numbers =
+      _mm512_mask_sub_epi32(this->Numbers, last, this->Numbers, _mm512_set1_epi32(1 << 24));
+  }
+
+  /// Looks up the bytes `rows` rows behind in two slabs, and in the lanes of `behind` in the `more`
+  /// slabs, 0 to 2, behind these.
+  template <int More>
+  HWY_INLINE Vi LookUp(const __m512i* slabs, int rows, __mmask16 behind) const
+  {
+    const __m512i at =
+      _mm512_add_epi8(this->Numbers, _mm512_set1_epi8(static_cast<char>(8 * rows)));
+    const __m512i here = _mm512_permutex2var_epi8(slabs[0], at, slabs[1]);
+    if constexpr (More == 0)
+    {
+      return Vi{ here };
+    }
+    else
+    {
+      const __m512i there = More == 1 ? _mm512_permutexvar_epi8(at, slabs[2])
+                                      : _mm512_permutex2var_epi8(slabs[2], at, slabs[3]);
+      return Vi{ _mm512_mask_mov_epi32(here, behind, there) };
+    }
+  }
+
+private:
+  __m512i Numbers;
+};
+#else
+/// Where the four bytes of each lane are in two slabs, which are 16 words each: the word that the
+/// first one is in, and how far it is behind the start of that word. The next word holds the rest.
+template <bool AtFaces>
+class WindowBytes
+{
+public:
+  WindowBytes() = default;
+  /// `first`: numbers of the first bytes.
+  HWY_INLINE explicit WindowBytes(Vi first)
+    : Words(_mm512_srai_epi32(first.raw, 2))
+    , Down(_mm512_slli_epi32(_mm512_and_si512(first.raw, _mm512_set1_epi32(3)), 3))
+    , Up(_mm512_sub_epi32(_mm512_set1_epi32(32), this->Down))
+  {
+  }
+
+  /// From now on the second byte is the first one, too, in the lanes of `first`, and the third one
+  /// the last one in those of `last`.
+  HWY_INLINE void Repeat(__mmask16 first, __mmask16 last)
+  {
+    const __m512i same = _mm512_set4_epi32(0x0f0e0d0c, 0x0b0a0908, 0x07060504, 0x03020100);
+    this->Order = _mm512_mask_add_epi32(same, first, same, _mm512_set1_epi32(1));
+    this->Order = _mm512_mask_sub_epi32(this->Order, last, this->Order, _mm512_set1_epi32(1 << 24));
+  }
+
+  /// Looks up the bytes `rows` rows behind in two slabs, and in the lanes of `behind` in the `more`
+  /// slabs, 0 to 2, behind these.
+  template <int More>
+  HWY_INLINE Vi LookUp(const __m512i* slabs, int rows, __mmask16 behind) const
+  {
+    const auto find = [&](int words) FFD_INLINE_LAMBDA {
+      const __m512i at = _mm512_add_epi32(this->Words, _mm512_set1_epi32(words));
+      const __m512i here = _mm512_permutex2var_epi32(slabs[0], at, slabs[1]);
+      if constexpr (More == 0)
+      {
+        return here;
+      }
+      else if constexpr (More == 1)
+      {
+        return _mm512_mask_permutexvar_epi32(here, behind, at, slabs[2]);
+      }
+      else
+      {
+        return _mm512_mask_mov_epi32(
+          here, behind, _mm512_permutex2var_epi32(slabs[2], at, slabs[3]));
+      }
+    };
+    const __m512i bytes = _mm512_or_si512(_mm512_srlv_epi32(find(2 * rows), this->Down),
+      _mm512_sllv_epi32(find(2 * rows + 1), this->Up));
+    return Vi{ AtFaces ? _mm512_shuffle_epi8(bytes, this->Order) : bytes };
+  }
+
+private:
+  __m512i Words;
+  __m512i Down; ///< bits
+  __m512i Up;
+  __m512i Order; ///< of the bytes of each lane, `AtFaces`
+};
+#endif
+
 /**
  * The rows of a sample: the window is loaded into registers, slab by slab, and rows are looked up
- * there by permutations of bytes, where loads lane by lane would take several times as many
- * instructions. A source of rows as OffsetRows. `AtFaces`: voxels that they or their gradients need
- * may not exist. Of two or four components, the last one.
+ * there by permutations, where loads lane by lane would take several times as many instructions. A
+ * source of rows as OffsetRows. `AtFaces`: voxels that they or their gradients need may not exist.
+ * Of two or four components, the last one.
  */
 template <class T, WindowFit Fit, bool AtFaces, int Components>
 class WindowRows
@@ -368,22 +483,14 @@ public:
     const Vi dz = hn::Sub(cells.Z, hn::Set(di, z));
     const Vi odd = Fit == WindowFit::Two ? dz : hn::And(dz, hn::Set(di, 1));
     this->High = _mm512_cmpgt_epi32_mask(dz.raw, _mm512_set1_epi32(1));
-    // Numbers, within two slabs, of the four bytes of the row at (0, 0).
-    const Vi at = hn::Add(hn::ShiftLeft<6>(odd),
+    this->Bytes = WindowBytes<AtFaces>(hn::Add(hn::ShiftLeft<6>(odd),
       hn::Add(hn::ShiftLeft<3>(cells.Y),
-        hn::Sub(cells.X, hn::Set(di, this->Voxels.GetFirstX() + 1 + 8 * (y - 1)))));
-    this->Index = _mm512_add_epi8(
-      _mm512_shuffle_epi8(at.raw, _mm512_set4_epi32(0x0c0c0c0c, 0x08080808, 0x04040404, 0)),
-      _mm512_set1_epi32(0x03020100));
+        hn::Sub(cells.X, hn::Set(di, this->Voxels.GetFirstX() + 1 + 8 * (y - 1))))));
     if constexpr (AtFaces)
     {
       // Before the first voxel and behind the last one these are repeated.
-      const auto isFirst = _mm512_cmpeq_epi32_mask(cells.X.raw, _mm512_setzero_si512());
-      const auto isLast =
-        _mm512_cmpeq_epi32_mask(cells.X.raw, _mm512_set1_epi32(window.Volume.Dimensions[0] - 2));
-      this->Index = _mm512_mask_add_epi32(this->Index, isFirst, this->Index, _mm512_set1_epi32(1));
-      this->Index =
-        _mm512_mask_sub_epi32(this->Index, isLast, this->Index, _mm512_set1_epi32(1 << 24));
+      this->Bytes.Repeat(_mm512_cmpeq_epi32_mask(cells.X.raw, _mm512_setzero_si512()),
+        _mm512_cmpeq_epi32_mask(cells.X.raw, _mm512_set1_epi32(window.Volume.Dimensions[0] - 2)));
     }
     for (int k = 1; k < NumberOfSlabs - 1; ++k)
     {
@@ -409,20 +516,7 @@ public:
 
   HWY_INLINE Vi Row(int dy, int dz) const
   {
-    const __m512i index = _mm512_add_epi8(this->Index, _mm512_set1_epi8(static_cast<char>(8 * dy)));
-    const __m512i* const slab = this->Slabs + 1 + dz;
-    const __m512i low = _mm512_permutex2var_epi8(slab[0], index, slab[1]);
-    if constexpr (Fit == WindowFit::Two)
-    {
-      return Vi{ low };
-    }
-    else
-    {
-      const __m512i high = Fit == WindowFit::Three
-        ? _mm512_permutexvar_epi8(index, slab[2])
-        : _mm512_permutex2var_epi8(slab[2], index, slab[3]);
-      return Vi{ _mm512_mask_mov_epi32(low, this->High, high) };
-    }
+    return this->Bytes.template LookUp<NumberOfSlabs - 5>(this->Slabs + 1 + dz, dy, this->High);
   }
 
   HWY_INLINE Vi Middle(int dy, int dz, const SamplePosition& at) const
@@ -461,9 +555,6 @@ private:
   HWY_INLINE __m512i LoadLastComponents(int slab) const
   {
     static_assert(Components == 1 || Components == 2 || Components == 4, "rows fill registers");
-    // Numbers, within two registers, of the bytes of the component in the order of voxels.
-    const __m512i last = _mm512_set1_epi8(Components - 1);
-    const __m512i numbers = _mm512_load_si512(ByteNumbers);
     if constexpr (Components == 2)
     {
       // Four rows of 16 bytes.
@@ -476,8 +567,7 @@ private:
           _mm_loadu_si128(reinterpret_cast<const __m128i*>(this->Voxels.Get(slab, row))));
         return add(3, add(2, add(1, zeroth)));
       };
-      return _mm512_permutex2var_epi8(
-        load(0), _mm512_add_epi8(_mm512_add_epi8(numbers, numbers), last), load(4));
+      return KeepSecondBytes(load(0), load(4));
     }
     else
     {
@@ -489,22 +579,35 @@ private:
         };
         return _mm512_inserti64x4(_mm512_castsi256_si512(half(0)), half(1), 1);
       };
-      const __m512i pairs = _mm512_add_epi8(numbers, numbers);
-      const __m512i order = _mm512_add_epi8(_mm512_add_epi8(pairs, pairs), last);
-      const __m512i low = _mm512_permutex2var_epi8(load(0), order, load(2));
-      const __m512i high = _mm512_permutex2var_epi8(load(4), order, load(6));
-      return _mm512_inserti64x4(low, _mm512_castsi512_si256(high), 1);
+      return KeepSecondBytes(KeepSecondBytes(load(0), load(2)), KeepSecondBytes(load(4), load(6)));
     }
   }
 
+  /// Every second byte of two registers.
+  static HWY_INLINE __m512i KeepSecondBytes(__m512i low, __m512i high)
+  {
+#if FFD_HAS_BYTE_PERMUTATIONS
+    const __m512i numbers = _mm512_load_si512(ByteNumbers);
+    return _mm512_permutex2var_epi8(
+      low, _mm512_add_epi8(_mm512_add_epi8(numbers, numbers), _mm512_set1_epi8(1)), high);
+#else
+    const auto keep = [](__m512i bytes) {
+      return _mm512_cvtepi16_epi8(_mm512_srli_epi16(bytes, 8));
+    };
+    return _mm512_inserti64x4(_mm512_castsi256_si512(keep(low)), keep(high), 1);
+#endif
+  }
+
+#if FFD_HAS_BYTE_PERMUTATIONS
   HWY_ALIGN static constexpr std::uint8_t ByteNumbers[64] = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
     12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35,
     36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49, 50, 51, 52, 53, 54, 55, 56, 57, 58, 59,
     60, 61, 62, 63 };
+#endif
 
   WindowAddresses<AtFaces> Voxels; ///< from one before the first cell along each axis
-  __m512i Index;
-  __mmask16 High;
+  WindowBytes<AtFaces> Bytes;      ///< of the rows at (0, 0)
+  __mmask16 High;                  ///< lanes whose rows are in the third or fourth layer of cells
   __m512i Slabs[NumberOfSlabs];
 };
 #else
