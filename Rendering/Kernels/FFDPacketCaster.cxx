@@ -117,8 +117,6 @@ void MoveSeeds(PacketScene& scene)
       hn::Store(moved.y, d, inverse[3 + column]);
       hn::Store(moved.z, d, inverse[6 + column]);
     }
-    HWY_ALIGN float squared[16];
-    hn::Store(Dot(image, image), d, squared);
     HWY_ALIGN float determinants[16];
     hn::Store(step.Inverse, d, determinants);
     hn::Store(image.x, d, p[0]);
@@ -127,7 +125,6 @@ void MoveSeeds(PacketScene& scene)
     for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
     {
       PacketSeed& seed = at(lane);
-      seed.SquaredImage = squared[lane];
       seed.Positive = determinants[lane] > 0.0f;
       for (int a = 0; a < 3; ++a)
       {
@@ -160,9 +157,6 @@ namespace
 HWY_EXPORT(CastTileOfAnyType);
 HWY_EXPORT(ChooseRootSide);
 HWY_EXPORT(MoveSeeds);
-
-/// Seeds of Newton's method along each axis of the volume.
-constexpr int SeedsPerAxis = 7;
 
 /// Length of the parts of a segment that are tested for emptiness, voxels.
 constexpr double PartLength = 2.0;
@@ -753,18 +747,26 @@ void AddSeeds(const VolumeView& v, const Box& rest, const Box& restBounds, Packe
   // Rounded to a power of two, points are the same to the last bit in all parts of a whole.
   const double extent = glm::length(restBounds.Max - restBounds.Min);
   const double unit = std::exp2(std::floor(std::log2(1e-3 * extent)));
-  for (int i = 0; i < SeedsPerAxis * SeedsPerAxis * SeedsPerAxis; ++i)
+  constexpr int side = PacketScene::SeedsPerAxis;
+  for (int i = 0; i < side * side * side; ++i)
   {
-    const glm::dvec3 part(
-      i % SeedsPerAxis, i / SeedsPerAxis % SeedsPerAxis, i / SeedsPerAxis / SeedsPerAxis);
+    const glm::dvec3 part(i % side, i / side % side, i / side / side);
     const glm::dvec3 at = v.FirstVoxel +
-      v.IndexToData * glm::mix(rest.Min, rest.Max, part / static_cast<double>(SeedsPerAxis - 1));
+      v.IndexToData * glm::mix(rest.Min, rest.Max, part / static_cast<double>(side - 1));
     PacketSeed seed;
     Copy(unit * glm::round((at - p.Center) / unit), seed.Point);
     p.Seeds.push_back(seed);
   }
   HWY_DYNAMIC_DISPATCH(MoveSeeds)(p);
   KeepOneOrientation(p);
+  for (int a = 0; a < 3; ++a)
+  {
+    constexpr float FarAway = 1e18f;
+    std::vector<float>& images = p.SeedImages[static_cast<std::size_t>(a)];
+    images.assign(PacketScene::LargestNumberOfSeeds, FarAway);
+    std::transform(p.Seeds.begin(), p.Seeds.end(), images.begin(),
+      [a](const PacketSeed& seed) { return seed.Image[a]; });
+  }
 }
 
 /// Sets the field of the pull-back, its tolerances and its seeds. The coordinates are set already.

@@ -60,9 +60,8 @@ struct PacketSeed
 {
   float Point[3];
   float Image[3];
-  float SquaredImage; ///< the squared length of Image
-  float Inverse[9];   ///< of the Jacobian matrix of T there, row by row
-  bool Positive;      ///< whether its determinant is
+  float Inverse[9]; ///< of the Jacobian matrix of T there, row by row
+  bool Positive;    ///< whether its determinant is
 };
 
 /// A material, and the lights on it in the space of Shading.
@@ -145,11 +144,15 @@ struct PacketScene
   bool Identity = false;
   PullBackKind Kind = PullBackKind::Exact;
   PacketField Field;
+  static constexpr int SeedsPerAxis = 7;                   ///< of the volume
+  static constexpr std::size_t LargestNumberOfSeeds = 352; ///< in vectors of 16
   std::vector<PacketSeed> Seeds; ///< over the volume, where Newton's method starts from nowhere
-  bool Folds = false;            ///< whether T is known to turn parts of the volume inside out
-  float Orientation = 1.0f;      ///< sign of the determinant of T where it does not
-  float Nowhere = 0.0f;   ///< local coordinates, beyond all others, of points without a pull-back
-  float Tolerance = 0.0f; ///< of the inverse at samples, data units
+  /// Image of the seeds by component, and of more that are far away, to whole vectors.
+  std::array<std::vector<float>, 3> SeedImages;
+  bool Folds = false;       ///< whether T is known to turn parts of the volume inside out
+  float Orientation = 1.0f; ///< sign of the determinant of T where it does not
+  float Nowhere = 0.0f;     ///< local coordinates, beyond all others, of points without a pull-back
+  float Tolerance = 0.0f;   ///< of the inverse at samples, data units
   float NodeTolerance = 0.0f; ///< the same at nodes of interpolants
   glm::dvec3 Center{ 0.0 };   ///< data coordinates
   float LocalToIndex[9] = {};

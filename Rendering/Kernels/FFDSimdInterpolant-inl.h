@@ -312,7 +312,8 @@ HWY_INLINE void FindBezier(const Vf terms[TileLayers], Vf coefficients[TileLayer
 struct BezierHull
 {
   alignas(64) std::array<NodeVectors, TileLayers> Layers;
-  float Low[3]; ///< the box around them
+  float Beyond[NodesPerSide] = {}; ///< vectors are loaded from nodes on, beyond the last one
+  float Low[3];                    ///< the box around them
   float High[3];
 
   explicit BezierHull(const std::array<NodeVectors, TileLayers>& terms)
@@ -352,25 +353,38 @@ struct BezierHull
   /// and -dQ/ds, not negative.
   void GetSpeeds(float across[3], float up[3], float down[3]) const
   {
+    const Df d;
+    HWY_ALIGN constexpr float hasNextInRow[TileNodes] = { 1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1, 0, 1, 1,
+      1, 0 };
+    HWY_ALIGN constexpr float hasNextRow[TileNodes] = { 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1 };
     for (std::size_t a = 0; a < 3; ++a)
     {
-      float x = 0.0f;
-      float y = 0.0f;
-      up[a] = 0.0f;
-      down[a] = 0.0f;
-      for (std::size_t k = 0; k < TileLayers; ++k)
+      Vf x = hn::Zero(d);
+      Vf y = hn::Zero(d);
+      Vf most = hn::Zero(d);
+      Vf least = hn::Zero(d);
+      for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
       {
-        const std::array<float, TileNodes>& v = this->Layers[k][a];
-        for (std::size_t i = 0; i < TileNodes; ++i)
+        const auto change = [d, i](const float* there, const float* shown, Vf here) {
+          const Vf difference = hn::Abs(hn::Sub(hn::LoadU(d, there + i), here));
+          return hn::Mul(difference, hn::Load(d, shown + i));
+        };
+        Vf before = hn::Load(d, this->Layers[0][a].data() + i);
+        for (const NodeVectors& layer : this->Layers)
         {
-          x = i % 4 < 3 ? std::max(x, std::abs(v[i + 1] - v[i])) : x;
-          y = i < 12 ? std::max(y, std::abs(v[i + 4] - v[i])) : y;
-          const float along = k > 0 ? 4.0f * (v[i] - this->Layers[k - 1][a][i]) : 0.0f;
-          up[a] = std::max(up[a], along);
-          down[a] = std::max(down[a], -along);
+          const float* const v = layer[a].data();
+          const Vf here = hn::Load(d, v + i);
+          x = hn::Max(x, change(v + 1, hasNextInRow, here));
+          y = hn::Max(y, change(v + NodesPerSide, hasNextRow, here));
+          const Vf along = hn::Sub(here, before);
+          most = hn::Max(most, along);
+          least = hn::Min(least, along);
+          before = here;
         }
       }
-      across[a] = 3.0f * (x + y);
+      across[a] = 3.0f * (LargestLane(x) + LargestLane(y));
+      up[a] = 4.0f * LargestLane(most);
+      down[a] = -4.0f * SmallestLane(least);
     }
   }
 };

@@ -14,11 +14,56 @@
 #include "FFDSimdRays-inl.h"
 #include "FFDSimdSpline-inl.h"
 
+#include <cmath>
+#include <cstddef>
+
 HWY_BEFORE_NAMESPACE();
 namespace ffd
 {
 namespace HWY_NAMESPACE
 {
+
+/// Finds the seed of each lane whose image is nearest to p.
+HWY_INLINE Vi FindNearestSeeds(const PacketScene& scene, const Vec3& p)
+{
+  const Df d;
+  const Di di;
+  // Lanes mostly are neighbors: few seeds are about as near to the first lane as the nearest one,
+  // and the nearest to any lane is among those that are farther by at most twice the way to it.
+  const Vec3 first{ Splat(hn::GetLane(p.x)), Splat(hn::GetLane(p.y)), Splat(hn::GetLane(p.z)) };
+  const Vec3 apart = Sub(p, first);
+  HWY_ALIGN float squares[PacketScene::LargestNumberOfSeeds];
+  Vf least = Splat(1e37f);
+  for (std::size_t i = 0; i < PacketScene::LargestNumberOfSeeds; i += hn::Lanes(d))
+  {
+    const Vec3 image{ hn::LoadU(d, scene.SeedImages[0].data() + i),
+      hn::LoadU(d, scene.SeedImages[1].data() + i), hn::LoadU(d, scene.SeedImages[2].data() + i) };
+    const Vec3 path = Sub(image, first);
+    const Vf square = Dot(path, path);
+    hn::Store(square, d, squares + i);
+    least = hn::Min(least, square);
+  }
+  const float most =
+    std::sqrt(SmallestLane(least)) + 2.0f * std::sqrt(LargestLane(Dot(apart, apart)));
+  const float limit = 1.001f * most * most;
+  least = Splat(1e37f);
+  Vi nearest = hn::Zero(di);
+  for (std::size_t i = 0; i < scene.Seeds.size(); ++i)
+  {
+    // Written so that what is not a number excludes nothing.
+    if (!(squares[i] > limit))
+    {
+      const Vec3 path = Sub(p,
+        { Splat(scene.SeedImages[0][i]), Splat(scene.SeedImages[1][i]),
+          Splat(scene.SeedImages[2][i]) });
+      const Vf square = Dot(path, path);
+      nearest = hn::IfThenElse(
+        hn::RebindMask(di, hn::Lt(square, least)), hn::Set(di, static_cast<int>(i)), nearest);
+      least = hn::Min(square, least);
+    }
+  }
+  return nearest;
+}
 
 /**
  * Estimates T^-1(p) of each lane without a start: by a step of Newton's method from the nearest of
@@ -28,19 +73,7 @@ HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
 {
   const Df d;
   const Di di;
-  // |p - image|^2 without |p|^2, which is the same for all seeds.
-  Vf least = Splat(1e37f);
-  Vi nearest = hn::Zero(di);
-  const int count = static_cast<int>(scene.Seeds.size());
-  for (int i = 0; i < count; ++i)
-  {
-    const PacketSeed& seed = scene.Seeds[static_cast<std::size_t>(i)];
-    const Vf distance = hn::NegMulAdd(p.x, Splat(2.0f * seed.Image[0]),
-      hn::NegMulAdd(p.y, Splat(2.0f * seed.Image[1]),
-        hn::NegMulAdd(p.z, Splat(2.0f * seed.Image[2]), Splat(seed.SquaredImage))));
-    nearest = hn::IfThenElse(hn::RebindMask(di, hn::Lt(distance, least)), hn::Set(di, i), nearest);
-    least = hn::Min(distance, least);
-  }
+  const Vi nearest = FindNearestSeeds(scene, p);
   HWY_ALIGN int seeds[16];
   HWY_ALIGN float point[3][16], image[3][16], inverse[9][16];
   hn::Store(nearest, di, seeds);

@@ -224,7 +224,7 @@ HWY_INLINE void ClipToBounds(const PacketScene& scene, const TileBounds::Limits*
     // A direction of zero becomes a very small one: then the slab bounds all of the line or none.
     const Vf tiny = Splat(1e-30f);
     const Vf safe = hn::IfThenElse(hn::Lt(hn::Abs(v), tiny), tiny, v);
-    const Vf inverse = hn::Div(Splat(1.0f), safe);
+    const Vf inverse = Reciprocal(safe);
     const auto cut = [&](float lo, float hi, Vf& from, Vf& to) {
       const Vf a = hn::Mul(hn::Sub(Splat(lo), o), inverse);
       const Vf b = hn::Mul(hn::Sub(Splat(hi), o), inverse);
@@ -259,7 +259,7 @@ HWY_INLINE Vf PhaseOf(const PacketScene& scene, const RayPacket& rays, Vf jitter
   Vf exitSlope = zero;
   const auto cross = [&](Vf o, Vf v, int a) {
     const Vf slope = hn::Max(hn::Abs(v), Splat(static_cast<float>(LeastSlope)));
-    const Vf inverse = hn::CopySign(hn::Div(Splat(1.0f), slope), v);
+    const Vf inverse = hn::CopySign(Reciprocal(slope), v);
     const Vf t0 = hn::Mul(hn::Sub(Splat(scene.RestMin[a]), o), inverse);
     const Vf t1 = hn::Mul(hn::Sub(Splat(scene.RestMax[a]), o), inverse);
     const Vf near = hn::Min(t0, t1);

@@ -722,16 +722,20 @@ private:
     const int blocksPerRow = segment.Side / BlockSide;
     const int blocks = blocksPerRow * blocksPerRow;
     const Vf toNodes = Splat(3.0f / static_cast<float>(segment.Side - 1));
+    int column = 0;
+    int row = 0;
     for (int first = 0; first < blocks; first += static_cast<int>(hn::Lanes(d)))
     {
       HWY_ALIGN float x[16];
       HWY_ALIGN float y[16];
-      for (int lane = 0; lane < static_cast<int>(hn::Lanes(d)); ++lane)
+      for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
       {
-        const int block = first + lane;
-        const float middle = 0.5f * static_cast<float>(BlockSide - 1);
-        x[lane] = static_cast<float>(block % blocksPerRow * BlockSide) + middle;
-        y[lane] = static_cast<float>(block / blocksPerRow * BlockSide) + middle;
+        constexpr float Middle = 0.5f * static_cast<float>(BlockSide - 1);
+        x[lane] = static_cast<float>(column * BlockSide) + Middle;
+        y[lane] = static_cast<float>(row * BlockSide) + Middle;
+        const bool ends = column + 1 == blocksPerRow;
+        column = ends ? 0 : column + 1;
+        row += ends ? 1 : 0;
       }
       Vf wx[4];
       Vf wy[4];

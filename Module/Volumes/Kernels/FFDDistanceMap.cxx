@@ -344,12 +344,15 @@ bool DistanceMap::IsEmptyIn(
   {
     for (int j = first.y; j <= last.y; ++j)
     {
-      for (int i = first.x; i <= last.x; ++i)
+      // Those before the distance are empty, too.
+      for (int i = first.x; i <= last.x;)
       {
-        if (this->GetDistance({ i, j, k }) == 0)
+        const int clear = this->GetDistance({ i, j, k });
+        if (clear == 0)
         {
           return false;
         }
+        i += clear;
       }
     }
   }
