@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDFrame.h"
 
+#include "vtkCollection.h"
 #include "vtkCommand.h"
 #include "vtkDataArray.h"
 #include "vtkNew.h"
+#include "vtkProp.h"
+#include "vtkPropCollection.h"
 #include "vtkRenderer.h"
 #include "vtkRenderWindow.h"
 #include "vtkVolume.h"
@@ -43,10 +46,19 @@ public:
     {
       this->Volume->SetMapper(nullptr);
     }
+    // They have been drawn since they were removed.
+    for (vtkProp* prop : this->Props)
+    {
+      prop->ReleaseGraphicsResources(this->Window);
+    }
+    this->Props.clear();
     this->Volume = nullptr;
     this->Mapper = nullptr;
+    this->Window = nullptr;
   }
 
+  vtkSmartPointer<vtkRenderWindow> Window;
+  std::vector<vtkSmartPointer<vtkProp>> Props; ///< those that were removed
   vtkSmartPointer<vtkVolume> Volume;
   vtkSmartPointer<vtkVolumeMapper> Mapper;
   bool RemoveMapper = false;
@@ -73,6 +85,17 @@ vtkFFDFrame::vtkFFDFrame(vtkFFDFrame*& current, vtkVolumeMapper* mapper, vtkRend
   , NextReport(Begin + ToDuration(ShortestInterval))
 {
   this->Current = this;
+  if (window)
+  {
+    // Observers of the collection may be in the middle of it.
+    vtkCollectionSimpleIterator at;
+    vtkPropCollection* const props = renderer->GetViewProps();
+    props->InitTraversal(at);
+    while (vtkProp* const prop = props->GetNextProp(at))
+    {
+      this->Props.emplace_back(prop);
+    }
+  }
   const double allotted = volume->GetAllocatedRenderTime();
   this->Patience = allotted < 1.0 ? std::max(LeastPatience, 2.0 * allotted) : 0.0;
   mapper->SetAbortExecute(0);
@@ -99,9 +122,18 @@ vtkFFDFrame::~vtkFFDFrame()
 /// renderer is done.
 void vtkFFDFrame::KeepAlive()
 {
-  const bool removed = this->Window && this->WasMapper && !this->Volume->GetMapper();
-  if (!this->Window ||
-    (!removed && this->Volume->GetReferenceCount() > 1 && this->Mapper->GetReferenceCount() > 1))
+  if (!this->Window)
+  {
+    return;
+  }
+  const bool removed = this->WasMapper && !this->Volume->GetMapper();
+  const auto isKept = [](const vtkSmartPointer<vtkProp>& prop) {
+    return prop->GetReferenceCount() > 1;
+  };
+  this->Props.erase(
+    std::remove_if(this->Props.begin(), this->Props.end(), isKept), this->Props.end());
+  if (!removed && this->Props.empty() && this->Volume->GetReferenceCount() > 1 &&
+    this->Mapper->GetReferenceCount() > 1)
   {
     return;
   }
@@ -110,6 +142,8 @@ void vtkFFDFrame::KeepAlive()
     this->Volume->SetMapper(this->Mapper);
   }
   vtkNew<Keeper> keeper;
+  keeper->Window = this->Window;
+  keeper->Props = std::move(this->Props);
   keeper->Volume = this->Volume;
   keeper->Mapper = this->Mapper;
   keeper->RemoveMapper = removed;

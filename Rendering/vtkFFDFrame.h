@@ -28,6 +28,7 @@
 
 class vtkDataArray;
 class vtkObject;
+class vtkProp;
 class vtkRenderer;
 class vtkRenderWindow;
 class vtkVolume;
@@ -93,6 +94,7 @@ private:
   vtkSmartPointer<vtkRenderer> Renderer;
   vtkSmartPointer<vtkVolume> Volume;
   vtkSmartPointer<vtkRenderWindow> Window;
+  std::vector<vtkSmartPointer<vtkProp>> Props; // of the renderer
   std::vector<HeldArray> Arrays;
   std::vector<std::function<void()>> Deferred;
   bool WasMapper; // of the volume

@@ -13,6 +13,7 @@ import unittest
 
 import numpy as np
 import vtkffd
+import vtkmodules.vtkRenderingFreeType  # noqa: F401 (text)
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401 (the window's implementation)
 import vtkmodules.vtkRenderingVolumeOpenGL2  # noqa: F401
 from ffdsetters import argument_lists, call, make_mask, make_plane, setters
@@ -20,7 +21,8 @@ from TestHostileValues import make_image, make_lattice, make_property
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 from vtkmodules.vtkCommonDataModel import vtkImageData
-from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow, vtkVolume
+from vtkmodules.vtkRenderingCore import (vtkActor, vtkDataSetMapper, vtkRenderer, vtkRenderWindow,
+                                         vtkTextActor, vtkVolume)
 from vtkmodules.vtkRenderingVolume import vtkVolumeMapper
 
 SIDE = 24
@@ -144,6 +146,49 @@ class TestMapperObservers(unittest.TestCase):
             mapper.CreateCanonicalView(scene.volume, image, 1, (0.0, 0.0, -1.0), (0.0, 1.0, 0.0))
             self.assertEqual((mapper.GetBlendMode(), mapper.GetCropping()),
                              (vtkVolumeMapper.ADDITIVE_BLEND, 1) if observed else (0, 0))
+
+    def test_other_props_are_removed_by_observers(self):
+        """The renderer goes on with them, although nobody else has them any more."""
+        scene = Scene()
+        without = scene.render()
+
+        def volume():
+            mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+            mapper.SetInputData(scene.image)
+            other = vtkVolume()
+            other.SetMapper(mapper)
+            other.SetProperty(make_property())
+            other.SetPosition(3.0, 3.0, 3.0)
+            return other
+
+        def text():
+            other = vtkTextActor()
+            other.SetInput("busy")
+            return other
+
+        def actor():
+            other = vtkActor()
+            other.SetMapper(vtkDataSetMapper())
+            other.GetMapper().SetInputData(scene.image)
+            other.SetPosition(6.0, 0.0, 0.0)
+            return other
+
+        for make in (volume, text, actor):
+            for event in EVENTS:
+                with self.subTest(make.__name__, event=event):
+                    mapper = scene.new_mapper()
+                    scene.renderer.AddViewProp(make())
+                    expected = scene.render()
+                    self.assertFalse(np.array_equal(expected, without))
+
+                    def remove(*_):
+                        if scene.renderer.GetViewProps().GetNumberOfItems() > 1:
+                            scene.renderer.RemoveViewProp(scene.renderer.GetViewProps().GetLastProp())
+
+                    mapper.AddObserver(event, remove)
+                    np.testing.assert_array_equal(scene.render(), expected)
+                    np.testing.assert_array_equal(scene.render(), without)
+                    self.assertEqual(scene.errors, [])
 
     def check(self, scene, frame, pictures, name, arguments, events):
         """`frame`: 0 in the window, 1 as an image. ProgressEvent: that of the end."""
