@@ -114,15 +114,14 @@ bool MakeAxes(vtkRectilinearGrid* grid, const GridSources& sources, bool ofCells
 }
 
 /// The blanked cells, those of blanked points among them.
-void MakeHidden(vtkDataSet* input, Voxels& voxels)
+void MakeHidden(const GridSources& sources, Voxels& voxels)
 {
   const glm::ivec3 cells = voxels.View.Dimensions - (voxels.OfCells ? 0 : 1);
   const glm::ivec3 points = cells + 1;
   const vtkIdType numberOfCells = static_cast<vtkIdType>(cells.x) * cells.y * cells.z;
   const vtkIdType numberOfPoints = static_cast<vtkIdType>(points.x) * points.y * points.z;
-  const char* const name = vtkDataSetAttributes::GhostArrayName();
-  auto* cellGhosts = vtkUnsignedCharArray::SafeDownCast(input->GetCellData()->GetArray(name));
-  auto* pointGhosts = vtkUnsignedCharArray::SafeDownCast(input->GetPointData()->GetArray(name));
+  auto* pointGhosts = vtkUnsignedCharArray::SafeDownCast(sources.Ghosts[0].Object);
+  auto* cellGhosts = vtkUnsignedCharArray::SafeDownCast(sources.Ghosts[1].Object);
   const bool byCells = HasAny(cellGhosts, numberOfCells);
   const bool byPoints = HasAny(pointGhosts, numberOfPoints);
   voxels.HasHidden = byCells || byPoints;
@@ -173,6 +172,15 @@ GridSources GridSources::FromDataSet(vtkDataSet* input)
 {
   GridSources sources;
   sources.Grid = { input, vtkFFDGetContentTime(input) };
+  vtkDataSetAttributes* const attributes[2] = { input->GetPointData(), input->GetCellData() };
+  for (std::size_t i = 0; i < 2; ++i)
+  {
+    if (vtkDataArray* const ghosts =
+          attributes[i]->GetArray(vtkDataSetAttributes::GhostArrayName()))
+    {
+      sources.Ghosts[i] = { ghosts, ghosts->GetMTime() };
+    }
+  }
   if (auto* grid = vtkRectilinearGrid::SafeDownCast(input))
   {
     vtkDataArray* const coordinates[3] = { grid->GetXCoordinates(), grid->GetYCoordinates(),
@@ -237,7 +245,7 @@ Made MakeVoxels(Voxels& voxels, StageTools& tools, const UniformView& view, cons
     }
     voxels.View.Axes = &voxels.Axes;
   }
-  MakeHidden(grid.Grid.Object, voxels);
+  MakeHidden(grid, voxels);
   return Made::Anew;
 }
 

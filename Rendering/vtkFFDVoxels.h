@@ -33,16 +33,19 @@ struct UniformView
   bool operator==(const UniformView& other) const;
 };
 
-/// The grid, and where they matter the coordinates of its axes, with their times.
+/// The grid, its ghost arrays, and where they matter the coordinates of its axes, with their times.
 struct GridSources
 {
   Source<vtkDataSet> Grid; ///< the time is that of vtkFFDGetContentTime()
+  /// Of points and of cells. Grids that share their scalars may have other ones at the same time.
+  std::array<Source<vtkDataArray>, 2> Ghosts;
   std::array<Source<vtkDataArray>, 3> Coordinates;
 
   static GridSources FromDataSet(vtkDataSet* input);
   bool operator==(const GridSources& other) const
   {
-    return this->Grid == other.Grid && this->Coordinates == other.Coordinates;
+    return this->Grid == other.Grid && this->Ghosts == other.Ghosts &&
+      this->Coordinates == other.Coordinates;
   }
 };
 

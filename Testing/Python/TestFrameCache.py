@@ -598,6 +598,40 @@ class TestFrameCache(unittest.TestCase):
                 self.assertFalse(np.array_equal(after, before))
                 np.testing.assert_array_equal(after, fresh.image_of())
 
+    def test_grids_that_share_their_scalars(self):
+        """Filters that hand content times on show the blanked points of their present input."""
+        def blanked(plain):
+            image = vtkImageData()
+            image.ShallowCopy(plain)
+            ghosts = np.zeros((12, 12, 12), np.uint8)
+            ghosts[:, :, :5] = 2
+            array = numpy_to_vtk(ghosts.ravel(), deep=True)
+            array.SetName("vtkGhostType")
+            image.GetPointData().AddArray(array)
+            return image
+
+        lattice = make_lattice()
+        lattice.SetDisplacementScale(0.0)
+        for make in (vtkffd.vtkFFDEditLattice, vtkffd.vtkFFDDeformVolume):
+            scene = Scene()
+            grids = [scene.image, blanked(scene.image)]
+            scene.scalars.Modified()  # written last: both grids have its time
+            scene.mapper.SetDeformation(None)
+            pictures = []
+            for grid in grids:
+                scene.mapper.SetInputData(grid)
+                pictures.append(scene.image_of())
+            self.assertFalse(np.array_equal(*pictures))
+            for order in ((0, 1), (1, 0)):
+                with self.subTest(make.__name__, order=order):
+                    algorithm = make()
+                    if hasattr(algorithm, "SetLattice"):
+                        algorithm.SetLattice(lattice)
+                    scene.mapper.SetInputConnection(algorithm.GetOutputPort())
+                    for i in order:
+                        algorithm.SetInputData(grids[i])
+                        np.testing.assert_array_equal(scene.image_of(), pictures[i])
+
 
 if __name__ == "__main__":
     if "--survey" in sys.argv:
