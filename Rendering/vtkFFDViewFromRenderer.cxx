@@ -14,6 +14,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 namespace ffd
@@ -37,15 +38,42 @@ glm::vec3 Scaled(const double color[3], double intensity)
   return glm::vec3(color[0] * intensity, color[1] * intensity, color[2] * intensity);
 }
 
+/// Finds where a light is and what it shines at. Lights that follow the camera are where the
+/// renderer puts them when it is drawn in a window, which it may never have been, or not since the
+/// camera has moved.
+void PlaceLight(vtkRenderer* renderer, vtkLight* light, double position[3], double focus[3])
+{
+  vtkCamera* const camera = renderer->GetActiveCamera();
+  if (renderer->GetLightFollowCamera() && light->LightTypeIsHeadlight())
+  {
+    camera->GetPosition(position);
+    camera->GetFocalPoint(focus);
+  }
+  else if (renderer->GetLightFollowCamera() && light->LightTypeIsCameraLight())
+  {
+    const glm::dmat4 toWorld = ToMatrix(camera->GetCameraLightTransformMatrix());
+    const auto transform = [&toWorld](const double* from, double to[3]) {
+      const glm::dvec3 at(toWorld * glm::dvec4(from[0], from[1], from[2], 1.0));
+      std::copy_n(&at.x, 3, to);
+    };
+    transform(light->GetPosition(), position);
+    transform(light->GetFocalPoint(), focus);
+  }
+  else
+  {
+    light->GetTransformedPosition(position);
+    light->GetTransformedFocalPoint(focus);
+  }
+}
+
 /// In the space of Shading: the world moved by `origin`, in the unit of length `unit`.
-Light MakeLight(vtkLight* source, const glm::dvec3& origin, double unit)
+Light MakeLight(vtkRenderer* renderer, vtkLight* source, const glm::dvec3& origin, double unit)
 {
   Light light;
   light.Headlight = source->LightTypeIsHeadlight() && !source->GetPositional();
   double position[3];
   double focus[3];
-  source->GetTransformedPosition(position);
-  source->GetTransformedFocalPoint(focus);
+  PlaceLight(renderer, source, position, focus);
   light.Axis = Direction(position, focus);
   light.Towards = -light.Axis;
   light.Position = (glm::dvec3(position[0], position[1], position[2]) - origin) / unit;
@@ -133,7 +161,7 @@ Shading MakeShading(
   {
     if (light->GetSwitch())
     {
-      shading.Lights.push_back(MakeLight(light, glm::dvec3(dataToWorld[3]), unit));
+      shading.Lights.push_back(MakeLight(renderer, light, glm::dvec3(dataToWorld[3]), unit));
       intensity = light->GetIntensity();
     }
   }

@@ -17,8 +17,8 @@ from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
 from vtkmodules.vtkCommonMath import vtkMatrix4x4
 from vtkmodules.vtkRenderingCore import (
-    vtkColorTransferFunction, vtkLight, vtkRenderer, vtkRenderWindow, vtkVolume, vtkVolumeProperty,
-    vtkWindowToImageFilter)
+    vtkColorTransferFunction, vtkLight, vtkLightKit, vtkRenderer, vtkRenderWindow, vtkVolume,
+    vtkVolumeProperty, vtkWindowToImageFilter)
 from vtkmodules.vtkRenderingVolume import vtkFixedPointVolumeRayCastMapper
 from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkOpenGLGPUVolumeRayCastMapper
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
@@ -336,6 +336,34 @@ class TestLighting(unittest.TestCase):
                         self.assertLess(gpu, 8.0)
                     if intensity != 1.0:
                         self.assertLess(fixed, 8.0)
+
+    def test_lights_that_follow_the_camera(self):
+        """Images have them where windows do, whatever was drawn before."""
+        def kit(plane):
+            plane.kit = vtkLightKit()
+            plane.kit.AddLightsToRenderer(plane.renderer)
+
+        def camera_light(plane):
+            plane.light(Position=(0.6, 0.3, 1.0)).SetLightTypeToCameraLight()
+
+        def lamp(plane):
+            plane.headlight(Positional=1, ConeAngle=60.0, AttenuationValues=(0.5, 0.01, 0.0))
+
+        def unmoved(plane):
+            plane.light(Position=(40.0, 30.0, -50.0)).SetLightTypeToCameraLight()
+            plane.renderer.SetLightFollowCamera(0)
+
+        for add in (kit, camera_light, lamp, unmoved):
+            with self.subTest(add.__name__):
+                plane = LitPlane([0.5, 0.3, -0.8])
+                plane.ours.SetAutoAdjustSampleDistances(0)
+                add(plane)
+                for direction in ([0.2, -0.1, -1.0], [-0.4, -0.5, 1.0]):
+                    plane.look(direction)
+                    image, _ = plane.render_image()
+                    shown = plane.render_window(plane.ours)
+                    self.assertGreater(shown.max(), 20.0)
+                    self.assertLess(abs(image - shown).max(), 2.0)
 
 
 if __name__ == "__main__":
