@@ -246,8 +246,8 @@ MUTANTS = (
     Mutant(
         "vectors: the last voxel of a row is not repeated in windows",
         "index",
-        "this->Index, isLast, this->Index, _mm512_set1_epi32(1 << 24));",
-        "this->Index, isLast, this->Index, _mm512_set1_epi32(0));",
+        "_mm512_cmpeq_epi32_mask(cells.X.raw, _mm512_set1_epi32(window.Volume.Dimensions[0] - 2)));",
+        "_mm512_cmpeq_epi32_mask(cells.X.raw, _mm512_set1_epi32(-1)));",
         PACKETS),
     Mutant(
         "vectors: gradients at faces are not rescaled",
