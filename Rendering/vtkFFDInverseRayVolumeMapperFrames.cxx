@@ -207,6 +207,17 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::CheckView(
 }
 
 //------------------------------------------------------------------------------
+/// Puts the picture of the window by, before the caster makes another one.
+void vtkFFDInverseRayVolumeMapper::vtkInternals::KeepPicture()
+{
+  if (this->Shown.Complete)
+  {
+    std::swap(this->Caster.GetPicture(), this->LastPicture);
+    this->Last = this->Shown;
+  }
+}
+
+//------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::vtkInternals::ReleaseImages()
 {
   this->Caster.ReleaseImages();
@@ -407,10 +418,9 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   view.Region = region;
   view.DataToNdc =
     ffd::MakeCameraView(renderer, whole, ffd::ToMatrix(volume->GetMatrix())).DataToNdc;
-  if (in.Shown.Complete && !(shown && in.Caster.CanReuse(volume)))
+  if (!(shown && in.Caster.CanReuse(volume)))
   {
-    std::swap(in.Caster.GetPicture(), in.LastPicture);
-    in.Last = in.Shown;
+    in.KeepPicture();
   }
   in.Shown.Complete = false;
   const vtkMTimeType sceneTime = in.FindSceneTime(volume);
@@ -566,6 +576,7 @@ int vtkFFDInverseRayVolumeMapper::MakeImages(vtkRenderer* renderer, vtkVolume* v
       std::to_string(width) + " x " + std::to_string(height) + " pixels",
       "Give a smaller width and height.");
   }
+  in.KeepPicture();
   in.Shown.Complete = false;
   std::vector<float> firstVisible(depths ? pixels : 0);
   vtkFFDFrameCaster::View cast;

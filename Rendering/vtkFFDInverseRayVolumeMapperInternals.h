@@ -41,6 +41,7 @@ public:
   vtkFFDParallelFor MakeParallelFor() const;
   vtkMTimeType FindSceneTime(vtkVolume* volume) const;
   void ReleaseImages();
+  void KeepPicture();
 
   vtkFFDInverseRayVolumeMapper* Self;
 

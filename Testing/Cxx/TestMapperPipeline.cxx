@@ -393,6 +393,16 @@ int TestAbort()
   FFD_CHECK(scene.Mapper->GetTimeToDraw() == time || scene.Mapper->GetTimeToDraw() > 0.0);
   scene.Mapper->RemoveObserver(tag);
   FFD_CHECK(FFDLargestDifference(scene.Show(), whole) == 0);
+
+  // A picture that is not for the window takes its last one away from nobody.
+  scene.Mapper->SetDeformation(scene.Lattice);
+  const std::vector<unsigned char> last = scene.Show();
+  FFD_CHECK(FFDLargestDifference(last, whole) > 20);
+  vtkNew<vtkImageData> image;
+  FFD_CHECK(scene.Mapper->RenderToImage(scene.Renderer, scene.Volume, 20, 20, image));
+  scene.Mapper->SetDeformation(nullptr);
+  scene.Mapper->AddObserver(vtkCommand::VolumeMapperRenderProgressEvent, command);
+  FFD_CHECK(FFDLargestDifference(scene.Show(), last) == 0);
   FFD_CHECK(scene.Errors->Count == 0);
   return EXIT_SUCCESS;
 }
