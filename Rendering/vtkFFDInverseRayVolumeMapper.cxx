@@ -10,7 +10,6 @@
 #include "FFDSurfaceSearch.h"
 
 #include "vtkAbstractTransform.h"
-#include "vtkAlgorithmOutput.h"
 #include "vtkGarbageCollector.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -491,10 +490,10 @@ vtkMTimeType vtkFFDInverseRayVolumeMapper::GetSettingsTime()
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::Update()
 {
-  if (vtkAlgorithmOutput* connection =
-        this->GetNumberOfInputConnections(0) > 0 ? this->GetInputConnection(0, 0) : nullptr)
+  if (vtkAlgorithm* producer = this->GetInputAlgorithm())
   {
-    connection->GetProducer()->Update(connection->GetIndex());
+    // Others may have asked for a part of the extent since; that would be asked for again.
+    producer->UpdateWholeExtent();
   }
 }
 

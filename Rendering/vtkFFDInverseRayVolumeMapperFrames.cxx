@@ -114,10 +114,7 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::Prepare(vtkVolume* volume, std:
 {
   try
   {
-    if (vtkAlgorithm* algorithm = this->Self->GetInputAlgorithm())
-    {
-      algorithm->UpdateWholeExtent();
-    }
+    this->Self->Update();
     this->Quiet = false;
     bool ok = this->Update(volume->GetProperty(), message);
     if (this->Frame->HasReported())
@@ -246,10 +243,7 @@ bool vtkFFDInverseRayVolumeMapper::PreLoadData(vtkRenderer*, vtkVolume* volume)
   {
     return false;
   }
-  if (this->GetInputAlgorithm())
-  {
-    this->GetInputAlgorithm()->UpdateWholeExtent();
-  }
+  this->Update();
   std::string message;
   if (!this->Internals->Update(volume->GetProperty(), message))
   {
@@ -270,10 +264,7 @@ bool vtkFFDInverseRayVolumeMapper::MakeProbeView(vtkFFDProbeView& view)
   // During a frame it is that of the frame.
   if (!in.Frame)
   {
-    if (this->GetInputAlgorithm())
-    {
-      this->GetInputAlgorithm()->UpdateWholeExtent();
-    }
+    this->Update();
     ffd::StageTools tools;
     tools.Parallel = in.MakeParallelFor();
     bool known = false;
@@ -415,6 +406,8 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
     visibleDepths = in.VisibleDepths.data();
   }
   vtkInternals::View view;
+  view.Renderer = renderer;
+  view.Volume = volume;
   view.Region = region;
   view.DataToNdc =
     ffd::MakeCameraView(renderer, whole, ffd::ToMatrix(volume->GetMatrix())).DataToNdc;
@@ -632,10 +625,7 @@ int vtkFFDInverseRayVolumeMapper::MakeRays(vtkRenderer* renderer, vtkVolume* vol
     return 0;
   }
   std::string message;
-  if (this->GetInputAlgorithm())
-  {
-    this->GetInputAlgorithm()->UpdateWholeExtent();
-  }
+  this->Update();
   if (in.Update(volume->GetProperty(), message))
   {
     in.CheckView(renderer, volume, message);

@@ -17,6 +17,9 @@
 #include "vtkContourValues.h"
 #include "vtkImageData.h"
 #include "vtkNew.h"
+#include "vtkRenderer.h"
+#include "vtkVolume.h"
+#include "vtkWeakPointer.h"
 
 #include <glm/mat4x4.hpp>
 
@@ -59,14 +62,16 @@ public:
   struct View
   {
     bool Complete = false;
+    vtkWeakPointer<vtkRenderer> Renderer;
+    vtkWeakPointer<vtkVolume> Volume;
     vtkFFDImageRegion Region;
     glm::dmat4 DataToNdc{ 1.0 };
     ffd::VisibleRectangle Visible;
 
     bool IsSameAs(const View& other) const
     {
-      return this->Complete && this->Region.Viewport == other.Region.Viewport &&
-        this->DataToNdc == other.DataToNdc;
+      return this->Complete && this->Renderer == other.Renderer && this->Volume == other.Volume &&
+        this->Region.Viewport == other.Region.Viewport && this->DataToNdc == other.DataToNdc;
     }
   };
 

@@ -10,10 +10,12 @@ import numpy as np
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
+from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
 from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
-from vtkmodules.vtkRenderingCore import (vtkColorTransferFunction, vtkRenderer, vtkVolume,
-                                         vtkVolumeProperty)
+from vtkmodules.vtkImagingCore import vtkExtractVOI, vtkRTAnalyticSource
+from vtkmodules.vtkRenderingCore import (vtkColorTransferFunction, vtkRenderer, vtkRenderWindow,
+                                         vtkVolume, vtkVolumeProperty)
 from vtkmodules.vtkRenderingVolume import vtkVolumeMapper
 
 import vtkffd
@@ -251,6 +253,60 @@ class TestMapperPipeline(unittest.TestCase):
         self.assertEqual(out.GetNumberOfPoints(), 0)
         scene.mapper.RemoveObserver(tag)
         np.testing.assert_array_equal(scene.picture(), whole)
+
+    def test_aborted_frame_beside_another_one(self):
+        """A viewport does not show the last picture of another one, whatever they have in common."""
+        scene = Scene()
+        scene.mapper.SetInputData(ball(0.5))
+        other = vtkVolume()
+        other.SetMapper(scene.mapper)
+        other.SetProperty(vtkVolumeProperty())
+        other.GetProperty().DeepCopy(scene.volume.GetProperty())
+        other.GetProperty().GetRGBTransferFunction().AddRGBPoint(50, 0.0, 1.0, 0.0)
+        beside = vtkRenderer()
+        beside.AddVolume(other)
+        beside.SetActiveCamera(scene.renderer.GetActiveCamera())
+        window = vtkRenderWindow()
+        window.SetOffScreenRendering(1)
+        window.SetMultiSamples(0)
+        window.SetSize(2 * SIZE, SIZE)
+        for i, renderer in enumerate((scene.renderer, beside)):
+            renderer.SetViewport(0.5 * i, 0.0, 0.5 * i + 0.5, 1.0)
+            window.AddRenderer(renderer)
+
+        def show():
+            window.Render()
+            pixels = vtkUnsignedCharArray()
+            window.GetPixelData(0, 0, 2 * SIZE - 1, SIZE - 1, 0, pixels, 0)
+            return np.split(vtk_to_numpy(pixels).reshape(SIZE, 2 * SIZE, 3).astype(int), 2, axis=1)
+
+        left, right = show()
+        self.assertGreater(abs(left - right).max(), 50)
+        ended = []
+        scene.mapper.AddObserver("EndEvent", lambda *_: ended.append(1))
+        scene.mapper.AddObserver("VolumeMapperRenderProgressEvent",
+                                 lambda *_: scene.mapper.SetAbortExecute(len(ended) == 1))
+        shown, aborted = show()
+        np.testing.assert_array_equal(shown, left)
+        self.assertTrue((aborted == right).all() or (aborted == aborted[0, 0]).all())
+
+    def test_part_of_the_extent_that_others_ask_for(self):
+        """Bounds and pickers ask for the whole, as frames do."""
+        source = vtkRTAnalyticSource()
+        source.SetWholeExtent(0, N - 1, 0, N - 1, 0, N - 1)
+        scene = Scene()
+        scene.mapper.SetInputConnection(source.GetOutputPort())
+        scene.mapper.SetDeformation(scene.lattice)
+        bounds = scene.mapper.GetBounds()
+        part = vtkExtractVOI()
+        part.SetInputConnection(source.GetOutputPort())
+        part.SetVOI(0, 5, 0, 5, 0, 5)
+        for ask in (scene.mapper.GetBounds, scene.volume.GetBounds):
+            source.Modified()
+            part.Modified()
+            part.Update()
+            self.assertEqual(source.GetOutput().GetDimensions(), (6, 6, 6))
+            self.assertEqual(ask(), bounds)
 
     def test_preparation_of_a_large_volume_is_aborted(self):
         """Block ranges, then distances. Processor time is counted, which other programs do not change;
