@@ -249,7 +249,9 @@ public:
   void SetInverseTolerance(double tolerance) override;
   ///@}
 
-  /// Share the control points of another lattice: an edit of one is seen by both.
+  /// Share the control points of another lattice: an edit of one is seen by both, until one gets
+  /// another number of control points, or those of a third lattice or a transform. Then each has
+  /// its own.
   void ShallowCopy(vtkFFDLattice* other);
 
   /// Includes the control points.
