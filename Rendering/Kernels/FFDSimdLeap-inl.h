@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 HWY_BEFORE_NAMESPACE();
@@ -171,8 +172,8 @@ private:
 
 /**
  * Asks the distance map whether boxes of one size may hold something visible. One look-up answers
- * for a box that is no wider than a block; wider ones are asked about in halves, and of those that
- * are wider than two blocks it is known only whether they lie in the empty cubes around their
+ * for a box that is no wider than a block; wider ones are asked about part by part, and of those
+ * that have too many parts it is known only whether they lie in the empty cubes around their
  * middles.
  */
 class BoxQuery
@@ -182,10 +183,11 @@ public:
   BoxQuery(const PacketScene& scene, const std::array<float, 3>& radius)
     : Scene(scene)
     , Radius(radius)
+    , Tells(TellsAll(radius))
   {
     for (std::size_t a = 0; a < 3; ++a)
     {
-      this->Parts[a] = 2.0f * radius[a] <= static_cast<float>(MinMaxBlocks::BlockSize) ? 1 : 2;
+      this->Parts[a] = static_cast<int>(CountParts(radius[a]));
       this->PartRadius[a] = radius[a] / static_cast<float>(this->Parts[a]);
       this->BlocksPerRadius[a] = Splat(BlocksPerVoxel * this->PartRadius[a]);
       this->LastBlock[a] = Splat(scene.LastBlock[a]);
@@ -195,29 +197,28 @@ public:
   /// Whether all empty boxes of a radius are told.
   static bool TellsAll(const std::array<float, 3>& radius)
   {
-    return std::max({ radius[0], radius[1], radius[2] }) <=
-      static_cast<float>(MinMaxBlocks::BlockSize);
+    return CountParts(radius[0]) * CountParts(radius[1]) * CountParts(radius[2]) <= MostParts;
   }
 
   /// The lanes of `lanes` whose boxes around q, index coordinates, may hold something visible.
   /// Positions outside of the volume count as in the nearest block.
   HWY_INLINE Mf MayShow(const Vec3& q, Mf lanes) const
   {
+    if (HWY_UNLIKELY(!this->Tells))
+    {
+      return hn::AndNot(EmptyCubes(this->Scene, q).Hold(this->Radius), lanes);
+    }
     const int parts = this->Parts[0] * this->Parts[1] * this->Parts[2];
     if (parts == 1)
     {
       return hn::And(lanes, this->PartMayShow(q));
     }
-    if (HWY_UNLIKELY(!TellsAll(this->Radius)))
-    {
-      return hn::AndNot(EmptyCubes(this->Scene, q).Hold(this->Radius), lanes);
-    }
     Mf rest = lanes;
     for (int i = 0; i < parts && !hn::AllFalse(Df(), rest); ++i)
     {
       const auto middleOf = [&](Vf x, std::size_t a, int number) {
-        const float r = this->PartRadius[a];
-        return this->Parts[a] == 1 ? x : hn::Add(x, Splat(number == 0 ? -r : r));
+        const float steps = static_cast<float>(2 * number + 1 - this->Parts[a]);
+        return hn::Add(x, Splat(steps * this->PartRadius[a]));
       };
       const Vec3 middle{ middleOf(q.x, 0, i % this->Parts[0]),
         middleOf(q.y, 1, i / this->Parts[0] % this->Parts[1]),
@@ -228,6 +229,16 @@ public:
   }
 
 private:
+  /// Parts that are asked about, at most: as many as a box has that is two blocks wide.
+  static constexpr float MostParts = 8.0f;
+
+  /// The parts of a box along an axis, a whole number.
+  static float CountParts(float radius)
+  {
+    const float blocks = 2.0f * radius * BlocksPerVoxel;
+    return blocks <= 1.0f ? 1.0f : std::ceil(std::min(2.0f * MostParts, blocks));
+  }
+
   /// Whether boxes of the radius PartRadius may hold something visible.
   HWY_INLINE Mf PartMayShow(const Vec3& q) const
   {
@@ -256,6 +267,7 @@ private:
 
   const PacketScene& Scene;
   std::array<float, 3> Radius;
+  bool Tells;               ///< TellsAll()
   std::array<int, 3> Parts; ///< along each axis
   std::array<float, 3> PartRadius;
   Vf BlocksPerRadius[3]; ///< blocks along PartRadius

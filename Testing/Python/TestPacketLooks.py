@@ -269,6 +269,35 @@ class TestPacketLooks(unittest.TestCase):
                 self.assertGreater((depths[0] < 1.0).mean(), 0.1)
                 self.assertLess(numpy.abs(depths[0] - depths[1]).max(), 1e-6)
 
+    def test_boxes_of_many_blocks_along_an_axis(self):
+        """Rays of a packet that are many voxels apart along one axis leap over what is empty alone."""
+        for axis, deformed in itertools.product(range(3), (False, True)):
+            for stretch in (5, 9, 14, 30):
+                with self.subTest(axis=axis, deformed=deformed, stretch=stretch):
+                    scale, mapper, prop, volume = self.make("u1", deformed)
+                    prop.SetScalarOpacity(points((0.0, 0.0), (0.3 * scale, 0.0), (scale, 0.9)))
+                    dimensions = [stretch * n if a == axis else n for a, n in enumerate(SIZE)]
+                    z, y, x = (numpy.linspace(0.0, 1.0, n) for n in dimensions[::-1])
+                    field = numpy.zeros((len(z), len(y), len(x)))
+                    for a, b, c in ((0.5, 0.5, 0.4), (0.3, 0.7, 0.6), (0.8, 0.4, 0.7), (0.2, 0.25, 0.3)):
+                        squares = ((x - a) ** 2, (y - b)[:, None] ** 2, (z - c)[:, None, None] ** 2)
+                        field += numpy.exp(-sum(squares) / 0.001)
+                    image = vtkImageData()
+                    image.SetDimensions(*dimensions)
+                    image.SetSpacing(*(SIZE[a] / (n - 1.0) for a, n in enumerate(dimensions)))
+                    image.GetPointData().SetScalars(numpy_to_vtk(
+                        (scale * field.clip(0.0, 1.0)).astype("u1").ravel(), deep=True))
+                    mapper.SetInputData(image)
+                    mapper.CollectStatisticsOn()
+                    leaping = self.picture(mapper, volume, False)
+                    few = mapper.GetStatistics().GetSamplesPerRay()
+                    mapper.SetSpaceLeapingToOff()
+                    every = self.picture(mapper, volume, False)
+                    many = mapper.GetStatistics().GetSamplesPerRay()
+                    self.assertGreater((every[:, 3] > 0).mean(), 0.005)
+                    self.assertLess(numpy.abs(leaping - every).max(), 1.01)
+                    self.assertLess(few, 0.3 * many)
+
     def test_what_masks_hide_is_leaped_over(self):
         size = 70
         z, y, x = numpy.mgrid[0:size, 0:size, 0:size] / (size - 1.0)
