@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <thread>
@@ -378,7 +379,11 @@ TEST(LatticeMap, QueriesOfSeveralThreadsSeeOneStateOrTheOther)
       }
     });
   }
-  for (int n = 1; n <= 2000 || queries < 60000; ++n)
+  // A time, not a number of updates: the more often the threads take turns with the lock, the more
+  // queries bound the map anew.
+  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(500);
+  constexpr int Least = 20;
+  for (int n = 1; n <= Least || queries < Least || std::chrono::steady_clock::now() < end; ++n)
   {
     map.Update(states[n % 2], 1e-6);
   }
