@@ -5,6 +5,7 @@
 #include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDParallelFor.h"
+#include "vtkFFDPipeline.h"
 
 #include "vtkAbstractTransform.h"
 #include "vtkCellData.h"
@@ -188,9 +189,11 @@ struct VectorArray
   }
 };
 
-void AddVectorArray(std::vector<VectorArray>& arrays, vtkDataArray* from, bool normals)
+/// Adds `from` if it has three components for each of `count` points or cells.
+void AddVectorArray(
+  std::vector<VectorArray>& arrays, vtkDataArray* from, bool normals, vtkIdType count)
 {
-  if (!from || from->GetNumberOfComponents() != 3 ||
+  if (!from || from->GetNumberOfComponents() != 3 || from->GetNumberOfTuples() < count ||
     std::any_of(
       arrays.begin(), arrays.end(), [from](const VectorArray& each) { return each.From == from; }))
   {
@@ -212,15 +215,15 @@ void AddVectorArray(std::vector<VectorArray>& arrays, vtkDataArray* from, bool n
   arrays.push_back({ from, to, normals });
 }
 
-/// The arrays of `from` that are transformed.
-std::vector<VectorArray> FindVectorArrays(vtkDataSetAttributes* from, bool all)
+/// The arrays of `from`, the attributes of `count` points or cells, that are transformed.
+std::vector<VectorArray> FindVectorArrays(vtkDataSetAttributes* from, bool all, vtkIdType count)
 {
   std::vector<VectorArray> arrays;
-  AddVectorArray(arrays, from->GetNormals(), true);
-  AddVectorArray(arrays, from->GetVectors(), false);
+  AddVectorArray(arrays, from->GetNormals(), true, count);
+  AddVectorArray(arrays, from->GetVectors(), false, count);
   for (int i = 0; all && i < from->GetNumberOfArrays(); ++i)
   {
-    AddVectorArray(arrays, from->GetArray(i), false);
+    AddVectorArray(arrays, from->GetArray(i), false, count);
   }
   return arrays;
 }
@@ -333,20 +336,22 @@ vtkTypeBool vtkFFDDeformGeometry::ProcessRequest(
   vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs)
 {
   // The extent or piece of the geometry means nothing to the lattice.
-  vtkInformation* info = inputs[1]->GetInformationObject(0);
-  if (info && request->Has(vtkStreamingDemandDrivenPipeline::REQUEST_UPDATE_EXTENT()))
+  if (request->Has(vtkStreamingDemandDrivenPipeline::REQUEST_UPDATE_EXTENT()))
   {
-    if (info->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
-    {
-      info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(),
-        info->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()), 6);
-    }
-    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER(), 0);
-    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES(), 1);
-    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
+    vtkFFDRequestWhole(inputs[1]->GetInformationObject(0));
   }
-  return vtkFFDGuardedRequest(this, "vtkFFDDeformGeometry", outputs,
-    [&] { return this->Superclass::ProcessRequest(request, inputs, outputs); });
+  return vtkFFDGuardedRequest(this, "vtkFFDDeformGeometry", outputs, [&] {
+    const int result = this->Superclass::ProcessRequest(request, inputs, outputs);
+    if (request->Has(vtkDemandDrivenPipeline::REQUEST_INFORMATION()))
+    {
+      // The lattice of the second input may move where the geometry does not.
+      vtkFFDMergeTimes({},
+        { inputs[0]->GetInformationObject(0),
+          this->Deformation ? nullptr : inputs[1]->GetInformationObject(0) },
+        outputs->GetInformationObject(0));
+    }
+    return result;
+  });
 }
 
 //------------------------------------------------------------------------------
@@ -424,8 +429,9 @@ int vtkFFDDeformGeometry::RequestData(
   const vtkIdType points = input->GetNumberOfPoints();
   to->SetNumberOfPoints(points);
   const std::vector<VectorArray> pointArrays =
-    FindVectorArrays(input->GetPointData(), this->TransformAllInputVectors != 0);
-  const std::vector<VectorArray> cellArrays = FindVectorArrays(input->GetCellData(), false);
+    FindVectorArrays(input->GetPointData(), this->TransformAllInputVectors != 0, points);
+  const std::vector<VectorArray> cellArrays =
+    FindVectorArrays(input->GetCellData(), false, input->GetNumberOfCells());
   const vtkIdType cells = cellArrays.empty() ? 0 : input->GetNumberOfCells();
 
   std::atomic<vtkIdType> unconverged{ 0 };

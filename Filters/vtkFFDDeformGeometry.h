@@ -17,7 +17,8 @@
  * else the lattice of the second input, which is either a data set with a lattice attached (the
  * volume itself, as vtkFFDDeformVolume puts it out) or an image of control points
  * (vtkFFDLatticeSource), or else the lattice attached to the input. With none of them the input
- * passes through, with an error. Any vtkAbstractTransform is used as it is, not approximated.
+ * passes through, with an error. Any vtkAbstractTransform is used as it is, not approximated. The
+ * times of both inputs are those of the output.
  *
  * Points, the active normals and the active vectors of points and cells are transformed, those of
  * a cell by the Jacobian at the mean of its points; all other arrays and the cells pass. Vectors

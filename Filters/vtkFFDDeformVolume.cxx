@@ -5,6 +5,7 @@
 #include "vtkFFDContentTime.h"
 #include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
+#include "vtkFFDPipeline.h"
 
 #include "vtkAlgorithmOutput.h"
 #include "vtkBoundingBox.h"
@@ -41,6 +42,11 @@ std::string FindMismatch(vtkFFDLattice* a, vtkFFDLattice* b)
   if (!std::equal(dimensions[0], dimensions[0] + 3, dimensions[1]))
   {
     return "their dimensions differ; see vtkFFDLattice::SetDimensions()";
+  }
+  if (b->GetDisplacements()->GetNumberOfComponents() != 3 ||
+    b->GetDisplacements()->GetNumberOfTuples() != b->GetNumberOfControlPoints())
+  {
+    return "the array of displacements was given another size; see vtkFFDLattice::Reset()";
   }
   double domain[2][6];
   a->GetDomain(domain[0]);
@@ -480,53 +486,14 @@ int vtkFFDDeformVolume::RequestInformation(
   // The steps and the range of the input are those of the volume; the keyframes, or the lattices at
   // the second input, add theirs.
   std::vector<double> steps;
-  vtkInformation* inputsOfTime[2] = { inputs[0]->GetInformationObject(0), nullptr };
-  if (!this->Keyframes.empty())
+  for (const Keyframe& keyframe : this->Keyframes)
   {
-    for (const Keyframe& keyframe : this->Keyframes)
-    {
-      steps.push_back(keyframe.Time);
-    }
+    steps.push_back(keyframe.Time);
   }
-  else if (!this->Lattice)
-  {
-    inputsOfTime[1] = inputs[1]->GetInformationObject(0);
-  }
-  double range[2] = { VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX };
-  if (!steps.empty())
-  {
-    range[0] = steps.front();
-    range[1] = steps.back();
-  }
-  for (vtkInformation* input : inputsOfTime)
-  {
-    if (input && input->Has(vtkStreamingDemandDrivenPipeline::TIME_STEPS()))
-    {
-      const double* own = input->Get(vtkStreamingDemandDrivenPipeline::TIME_STEPS());
-      steps.insert(
-        steps.end(), own, own + input->Length(vtkStreamingDemandDrivenPipeline::TIME_STEPS()));
-    }
-    if (input && input->Has(vtkStreamingDemandDrivenPipeline::TIME_RANGE()))
-    {
-      const double* own = input->Get(vtkStreamingDemandDrivenPipeline::TIME_RANGE());
-      range[0] = std::min(range[0], own[0]);
-      range[1] = std::max(range[1], own[1]);
-    }
-  }
-  vtkInformation* output = outputs->GetInformationObject(0);
-  if (!steps.empty())
-  {
-    std::sort(steps.begin(), steps.end());
-    steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
-    range[0] = std::min(range[0], steps.front());
-    range[1] = std::max(range[1], steps.back());
-    output->Set(
-      vtkStreamingDemandDrivenPipeline::TIME_STEPS(), steps.data(), static_cast<int>(steps.size()));
-  }
-  if (range[0] <= range[1])
-  {
-    output->Set(vtkStreamingDemandDrivenPipeline::TIME_RANGE(), range, 2);
-  }
+  const bool reads = this->Keyframes.empty() && !this->Lattice;
+  vtkFFDMergeTimes(steps,
+    { inputs[0]->GetInformationObject(0), reads ? inputs[1]->GetInformationObject(0) : nullptr },
+    outputs->GetInformationObject(0));
   return 1;
 }
 
@@ -536,15 +503,7 @@ int vtkFFDDeformVolume::RequestUpdateExtent(
 {
   // The volume's extent and piece, which the default asks of every input, mean nothing to the
   // lattice: each of several processes needs the whole.
-  vtkInformation* info = inputs[1]->GetInformationObject(0);
-  if (info && info->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
-  {
-    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER(), 0);
-    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES(), 1);
-    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
-    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(),
-      info->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()), 6);
-  }
+  vtkFFDRequestWhole(inputs[1]->GetInformationObject(0));
   return this->Superclass::RequestUpdateExtent(request, inputs, outputs);
 }
 

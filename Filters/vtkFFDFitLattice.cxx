@@ -6,6 +6,7 @@
 #include "vtkFFDLattice.h"
 #include "vtkFFDLatticeData.h"
 #include "vtkFFDParallelFor.h"
+#include "vtkFFDPipeline.h"
 #include "vtkFFDTransformSampler.h"
 
 #include "FFDLatticeFit.h"
@@ -31,7 +32,6 @@
 #include <vector>
 
 vtkStandardNewMacro(vtkFFDFitLattice);
-vtkFFDGuardedProcessRequestMacro(vtkFFDFitLattice);
 
 namespace
 {
@@ -229,30 +229,52 @@ int vtkFFDFitLattice::FillInputPortInformation(int port, vtkInformation* info)
 }
 
 //------------------------------------------------------------------------------
+vtkTypeBool vtkFFDFitLattice::ProcessRequest(
+  vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs)
+{
+  return vtkFFDGuardedRequest(this, "vtkFFDFitLattice", outputs, [&] {
+    return request->Has(vtkStreamingDemandDrivenPipeline::REQUEST_TIME_DEPENDENT_INFORMATION())
+      ? vtkFFDRequestInformationAgain(
+          outputs, [&] { return this->RequestInformation(request, inputs, outputs); })
+      : this->Superclass::ProcessRequest(request, inputs, outputs);
+  });
+}
+
+//------------------------------------------------------------------------------
 int vtkFFDFitLattice::RequestInformation(
-  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputs)
+  vtkInformation*, vtkInformationVector** inputs, vtkInformationVector* outputs)
 {
   // The number of control points is a result of the fit, and filters downstream, a writer for
   // instance, need the true extent. So the fit is made here.
+  vtkInformation* info = outputs->GetInformationObject(0);
+  vtkFFDFollowTime(inputs[0]->GetInformationObject(0), info);
   vtkImageData* field = nullptr;
   if (this->GetNumberOfInputConnections(0) > 0)
   {
-    vtkAlgorithmOutput* connection = this->GetInputConnection(0, 0);
-    connection->GetProducer()->Update(connection->GetIndex());
+    vtkFFDUpdateWhole(this->GetInputConnection(0, 0), info);
     field = vtkImageData::SafeDownCast(this->GetInputDataObject(0, 0));
   }
+  bool aborted = false;
   if (!(this->FitTime > this->GetMTime()) || (field && field->GetMTime() > this->FitTime))
   {
     this->MaximumError = -1.0;
     this->RootMeanSquareError = -1.0;
+    // An executive does this before it asks for data, which is too late here.
+    this->AbortExecute = 0;
     this->Fit(field);
-    this->FitTime.Modified();
+    aborted = this->AbortExecute != 0;
+    if (!aborted)
+    {
+      this->FitTime.Modified();
+    }
   }
   if (this->MaximumError < 0.0)
   {
-    return 0;
+    constexpr int none[6] = { 0, -1, 0, -1, 0, -1 };
+    info->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), none, 6);
+    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(), none, 6);
+    return aborted ? 1 : 0;
   }
-  vtkInformation* info = outputs->GetInformationObject(0);
   vtkFFDDescribeLatticeImage(this->Lattice, info);
   return 1;
 }
@@ -262,12 +284,7 @@ int vtkFFDFitLattice::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** inputs, vtkInformationVector*)
 {
   // All of the field, whatever part of the control points is asked for.
-  vtkInformation* info = inputs[0]->GetInformationObject(0);
-  if (info && info->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
-  {
-    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(),
-      info->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()), 6);
-  }
+  vtkFFDRequestWhole(inputs[0]->GetInformationObject(0));
   return 1;
 }
 
@@ -276,7 +293,13 @@ int vtkFFDFitLattice::RequestData(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* outputs)
 {
   vtkImageData* output = vtkImageData::GetData(outputs);
-  return output && this->MaximumError >= 0.0 ? this->Lattice->ToImageData(output) : 0;
+  if (output && this->MaximumError < 0.0)
+  {
+    // The fit was aborted.
+    output->Initialize();
+    return 1;
+  }
+  return output ? this->Lattice->ToImageData(output) : 0;
 }
 
 //------------------------------------------------------------------------------

@@ -6,6 +6,7 @@
 #include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDParallelFor.h"
+#include "vtkFFDPipeline.h"
 #include "vtkFFDVolumeViewFromImage.h"
 
 #include "Bounds/FFDPullBackBounds.h"
@@ -15,6 +16,7 @@
 
 #include "vtkAbstractTransform.h"
 #include "vtkAlgorithmOutput.h"
+#include "vtkCompositeDataSet.h"
 #include "vtkDataArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -34,7 +36,6 @@
 #include <sstream>
 
 vtkStandardNewMacro(vtkFFDResampleVolume);
-vtkFFDGuardedProcessRequestMacro(vtkFFDResampleVolume);
 
 namespace
 {
@@ -511,19 +512,38 @@ bool vtkFFDResampleVolume::UpdateInternals(vtkInformation* input, std::string& m
 }
 
 //------------------------------------------------------------------------------
+vtkTypeBool vtkFFDResampleVolume::ProcessRequest(
+  vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs)
+{
+  return vtkFFDGuardedRequest(this, "vtkFFDResampleVolume", outputs, [&] {
+    return request->Has(vtkStreamingDemandDrivenPipeline::REQUEST_TIME_DEPENDENT_INFORMATION())
+      ? vtkFFDRequestInformationAgain(
+          outputs, [&] { return this->RequestInformation(request, inputs, outputs); })
+      : this->Superclass::ProcessRequest(request, inputs, outputs);
+  });
+}
+
+//------------------------------------------------------------------------------
 int vtkFFDResampleVolume::RequestInformation(
   vtkInformation*, vtkInformationVector** inputs, vtkInformationVector* outputs)
 {
   vtkInformation* input = inputs[0]->GetInformationObject(0);
   vtkInformation* output = outputs->GetInformationObject(0);
+  if (vtkCompositeDataSet::SafeDownCast(vtkDataObject::GetData(input)))
+  {
+    // The executive asks again for each of the blocks.
+    return 1;
+  }
   vtkAlgorithmOutput* connection = this->GetInputConnection(0, 0);
+  vtkFFDFollowTime(this->Deformation ? nullptr : input, output);
   if (!this->Deformation && connection &&
     input->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
   {
-    // A lattice may be attached to the data: the extent of the output follows from it.
-    input->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(),
-      input->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()), 6);
-    connection->GetProducer()->Update(connection->GetIndex());
+    // A lattice may be attached to the data: the extent of the output follows from it. Filters
+    // behind this one do not learn of an extent that changes with time, and go on to ask for the
+    // first one.
+    vtkFFDUpdateWhole(connection, output);
+    output->Set(vtkStreamingDemandDrivenPipeline::UNRESTRICTED_UPDATE_EXTENT(), 1);
   }
   std::string message;
   if (!this->UpdateInternals(input, message))
@@ -566,6 +586,7 @@ int vtkFFDResampleVolume::RequestInformation(
       : std::copysign(this->OutputSpacing[a], has ? input->Get(vtkDataObject::SPACING())[a] : 1.0);
   }
   output->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent, 6);
+  output->Set(vtkAlgorithm::CAN_PRODUCE_SUB_EXTENT(), 1);
   output->Set(vtkDataObject::SPACING(), spacing, 3);
   output->Set(vtkDataObject::ORIGIN(), &in.Output.Origin.x, 3);
   if (input->Has(vtkDataObject::DIRECTION()))
@@ -581,14 +602,15 @@ int vtkFFDResampleVolume::RequestUpdateExtent(
 {
   vtkInformation* input = inputs[0]->GetInformationObject(0);
   vtkInformation* output = outputs->GetInformationObject(0);
-  int whole[6];
-  input->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), whole);
-  if (!this->Deformation)
+  // Of several processes each makes a piece of the output, for which it may need any of the input.
+  vtkFFDRequestWhole(input);
+  if (!this->Deformation || !input->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
   {
-    // It was updated for the attached lattice already.
-    input->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(), whole, 6);
+    // It was updated for the attached lattice already; or it has blocks.
     return 1;
   }
+  int whole[6];
+  input->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), whole);
   int wanted[6];
   output->Get(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(), wanted);
   const vtkInternals& in = *this->Internals;

@@ -13,12 +13,12 @@
  * are those of the input's grid, continued over all of the deformed volume, so that without
  * deformation the output equals the input. Spacing, origin and extent can be chosen.
  *
- * The input is a vtkImageData with at least two voxels along each axis; its active point scalars
- * (or those of SetInputArrayToProcess(); with an empty name the active ones, or the first array),
- * of any numeric type and number of components, are resampled, and the output has scalars of that
- * type and name; whole numbers are rounded and clamped. Other arrays are not passed on. An attached
- * lattice (vtkFFDLattice::AttachTo()) is taken off, as the output is deformed already. Voxels that
- * are not finite reach the points that they have weight in.
+ * The input is a vtkImageData with at least two voxels along each axis, or blocks of them; its
+ * active point scalars (or those of SetInputArrayToProcess(); with an empty name the active ones,
+ * or the first array), of any numeric type and number of components, are resampled, and the output
+ * has scalars of that type and name; whole numbers are rounded and clamped. Other arrays are not
+ * passed on. An attached lattice (vtkFFDLattice::AttachTo()) is taken off, as the output is
+ * deformed already. Voxels that are not finite reach the points that they have weight in.
  *
  * The output is streamed: an update of a part of the extent gives the same values as an update of
  * the whole, and with SetDeformation() it asks the input for what that part comes from and the
@@ -59,7 +59,10 @@ public:
    * is used as it is; any other transform is approximated by a lattice within PositionTolerance (a
    * warning tells when that could not be reached). Default: none, which means the lattice attached
    * to the input if there is one, else no deformation. As the extent of the output follows from an
-   * attached lattice, the input is then updated whole before the output's information is known.
+   * attached lattice, the input is then updated whole before the output's information is known; it
+   * follows the time that is asked for. Filters behind this one that make images do not learn of
+   * that, as VTK's pipeline is: for them call SetOutputExtent() with what holds the volume at all
+   * times.
    */
   virtual void SetDeformation(vtkAbstractTransform*);
   virtual vtkAbstractTransform* GetDeformation();

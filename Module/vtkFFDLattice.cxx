@@ -4,8 +4,10 @@
 
 #include "vtkFFDGuard.h"
 #include "vtkFFDLatticeData.h"
+#include "vtkFFDPipeline.h"
 #include "vtkFFDTransformSampler.h"
 
+#include "FFDGridIndex.h"
 #include "FFDLattice.h"
 #include "FFDLatticeMap.h"
 
@@ -140,6 +142,17 @@ public:
     return ffd::Lattice({ this->GetNodes(), {} }, { o[0], o[1], o[2] }, { s[0], s[1], s[2] });
   }
 
+  /// The value, as its control points and options are now.
+  ffd::Lattice GetValue(vtkFFDLattice* self) const
+  {
+    ffd::Lattice value = this->GetGrid();
+    value.Net.Values = vtkFFDCopyTuples(this->Array);
+    value.Border = static_cast<ffd::BorderMode>(self->BorderMode);
+    value.Scale = self->DisplacementScale;
+    value.Inverse = self->InverseFlag != 0;
+    return value;
+  }
+
   /// Index of a control point; -1, and an error of `self`, where there is none.
   vtkIdType FindIndex(vtkFFDLattice* self, const char* name, int i, int j, int k) const
   {
@@ -185,9 +198,16 @@ public:
   int Change(vtkFFDLattice* self, const char* name, const glm::ivec3& nodes,
     const std::function<ffd::Lattice(const ffd::Lattice&)>& change)
   {
+    const std::string problem = this->FindTampering();
+    if (!problem.empty())
+    {
+      vtkErrorWithObjectMacro(self, << name << ": the control points are not usable: " << problem
+                                    << ". Put this right first, e.g. with Reset().");
+      return 0;
+    }
     return vtkFFDGuard(self, name, [&] {
       RequireMemory(nodes);
-      this->SetValue(self, change(vtkFFDGetLatticeValue(self)));
+      this->SetValue(self, change(this->GetValue(self)));
       self->Modified();
     });
   }
@@ -255,6 +275,7 @@ void vtkFFDLattice::SetDimensions(int nx, int ny, int nz)
 //------------------------------------------------------------------------------
 void vtkFFDLattice::GetDimensions(int dimensions[3])
 {
+  this->FollowInverse();
   this->Lattice->Image->GetDimensions(dimensions);
 }
 
@@ -268,6 +289,7 @@ int* vtkFFDLattice::GetDimensions()
 //------------------------------------------------------------------------------
 vtkIdType vtkFFDLattice::GetNumberOfControlPoints()
 {
+  this->FollowInverse();
   return this->Lattice->Image->GetNumberOfPoints();
 }
 
@@ -310,6 +332,7 @@ void vtkFFDLattice::SetDomain(const double bounds[6])
 //------------------------------------------------------------------------------
 void vtkFFDLattice::GetDomain(double bounds[6])
 {
+  this->FollowInverse();
   FromBox(this->Lattice->GetGrid().GetDomain(), bounds);
 }
 
@@ -352,6 +375,7 @@ void vtkFFDLattice::FitToBounds(const double bounds[6], double padding)
 //------------------------------------------------------------------------------
 void vtkFFDLattice::GetRestPoint(int i, int j, int k, double point[3])
 {
+  this->FollowInverse();
   const bool found = this->Lattice->FindIndex(this, "GetRestPoint", i, j, k) >= 0;
   const glm::dvec3 at =
     found ? this->Lattice->GetGrid().GetRestPoint({ i, j, k }) : glm::dvec3(0.0);
@@ -359,7 +383,11 @@ void vtkFFDLattice::GetRestPoint(int i, int j, int k, double point[3])
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDLattice::GetSpacing(double spacing[3]) { this->Lattice->Image->GetSpacing(spacing); }
+void vtkFFDLattice::GetSpacing(double spacing[3])
+{
+  this->FollowInverse();
+  this->Lattice->Image->GetSpacing(spacing);
+}
 
 //------------------------------------------------------------------------------
 void vtkFFDLattice::SetControlPoint(int i, int j, int k, const double point[3])
@@ -434,6 +462,7 @@ void vtkFFDLattice::SetDisplacement(int i, int j, int k, double dx, double dy, d
 //------------------------------------------------------------------------------
 void vtkFFDLattice::GetDisplacement(int i, int j, int k, double displacement[3])
 {
+  this->FollowInverse();
   const vtkIdType index = this->Lattice->FindIndex(this, "GetDisplacement", i, j, k);
   if (index < 0)
   {
@@ -444,7 +473,11 @@ void vtkFFDLattice::GetDisplacement(int i, int j, int k, double displacement[3])
 }
 
 //------------------------------------------------------------------------------
-vtkDoubleArray* vtkFFDLattice::GetDisplacements() { return this->Lattice->Array; }
+vtkDoubleArray* vtkFFDLattice::GetDisplacements()
+{
+  this->FollowInverse();
+  return this->Lattice->Array;
+}
 
 //------------------------------------------------------------------------------
 int vtkFFDLattice::SetDisplacements(vtkDataArray* displacements)
@@ -482,7 +515,21 @@ int vtkFFDLattice::SetDisplacements(vtkDataArray* displacements)
 //------------------------------------------------------------------------------
 void vtkFFDLattice::Reset()
 {
-  if (!this->Lattice->HasOnlyZeros())
+  if (!this->Lattice->FindTampering().empty())
+  {
+    // The image, or its array, was given another size.
+    vtkFFDGuard(this, "Reset", [this] {
+      ffd::Lattice value = this->Lattice->GetValue(this);
+      if (value.HasPossibleDimensions())
+      {
+        RequireMemory(value.Net.Nodes);
+        value.Net.Values.assign(ffd::GridSize(value.Net.Nodes), glm::dvec3(0.0));
+      }
+      this->Lattice->SetValue(this, value.FindProblem().empty() ? value : ffd::Lattice());
+      this->Modified();
+    });
+  }
+  else if (!this->Lattice->HasOnlyZeros())
   {
     this->Lattice->Array->FillValue(0.0);
     this->Modified();
@@ -492,6 +539,7 @@ void vtkFFDLattice::Reset()
 //------------------------------------------------------------------------------
 bool vtkFFDLattice::IsIdentity()
 {
+  this->FollowInverse();
   return this->DisplacementScale == 0.0 || this->Lattice->HasOnlyZeros();
 }
 
@@ -686,9 +734,10 @@ int vtkFFDLattice::ToImageData(vtkImageData* image)
     vtkErrorMacro("ToImageData: the image is null. Give a vtkImageData to fill.");
     return 0;
   }
+  this->FollowInverse();
   return vtkFFDGuard(this, "ToImageData", [&] {
     image->DeepCopy(this->Lattice->Image);
-    vtkFFDWriteLatticeOptions(vtkFFDGetLatticeValue(this), image);
+    vtkFFDWriteLatticeOptions(this->Lattice->GetValue(this), image);
   });
 }
 
@@ -696,7 +745,7 @@ int vtkFFDLattice::ToImageData(vtkImageData* image)
 int vtkFFDLattice::FromImageData(vtkImageData* image)
 {
   return vtkFFDGuarded(this, "FromImageData", 0, [&] {
-    ffd::Lattice value = vtkFFDGetLatticeValue(this);
+    ffd::Lattice value = this->Lattice->GetValue(this);
     const std::string problem = vtkFFDReadLatticeImage(image, value);
     if (!problem.empty())
     {
@@ -728,7 +777,7 @@ void vtkFFDLattice::SetCoefficientConnection(vtkAlgorithmOutput* connection)
     vtkErrorMacro("SetCoefficientConnection: the connection is null. Give an output port.");
     return;
   }
-  producer->Update(connection->GetIndex());
+  vtkFFDUpdateWhole(connection, nullptr);
   this->FromImageData(
     vtkImageData::SafeDownCast(producer->GetOutputDataObject(connection->GetIndex())));
 }
@@ -771,6 +820,7 @@ void vtkFFDLattice::ShallowCopy(vtkFFDLattice* other)
   {
     return;
   }
+  other->FollowInverse();
   this->Lattice->Image = other->Lattice->Image;
   this->Lattice->Array = other->Lattice->Array;
   this->Lattice->Connect(this);
@@ -799,13 +849,29 @@ void vtkFFDLattice::Modified()
 }
 
 //------------------------------------------------------------------------------
-vtkAbstractTransform* vtkFFDLattice::MakeTransform() { return vtkFFDLattice::New(); }
+void vtkFFDLattice::FollowInverse()
+{
+  if (this->MayBeInverse)
+  {
+    this->Update();
+  }
+}
+
+//------------------------------------------------------------------------------
+vtkAbstractTransform* vtkFFDLattice::MakeTransform()
+{
+  // GetInverse() calls this; what depends on what is private to the superclass.
+  vtkFFDLattice* const made = vtkFFDLattice::New();
+  made->MayBeInverse = true;
+  return made;
+}
 
 //------------------------------------------------------------------------------
 void vtkFFDLattice::InternalDeepCopy(vtkAbstractTransform* transform)
 {
   // vtkAbstractTransform::DeepCopy lets nothing but lattices through.
   vtkFFDLattice* other = vtkFFDLattice::SafeDownCast(transform);
+  other->FollowInverse();
   vtkFFDGuard(this, "DeepCopy", [&] {
     RequireMemory(other->Lattice->GetNodes());
     this->Lattice->SetValue(this, vtkFFDGetLatticeValue(other));
@@ -822,7 +888,7 @@ void vtkFFDLattice::InternalUpdate()
     if (problem.empty())
     {
       RequireMemory(this->Lattice->GetNodes(), 2.0 / 3.0 * BytesPerPoint); // it has its array
-      const ffd::Lattice value = vtkFFDGetLatticeValue(this);
+      const ffd::Lattice value = this->Lattice->GetValue(this);
       problem = value.FindProblem();
       if (problem.empty())
       {

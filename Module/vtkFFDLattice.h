@@ -234,7 +234,8 @@ public:
   /**
    * For code written for vtkBSplineTransform: the lattice adopts a copy of the coefficients (of
    * the up-to-date output of the connection), as FromImageData() does; later changes of the
-   * original do not follow. GetCoefficientData() is the lattice's own image.
+   * original do not follow. GetCoefficientData() is the lattice's own image; that of an inverse is
+   * as of its last Update().
    */
   void SetCoefficientData(vtkImageData* coefficients) override;
   void SetCoefficientConnection(vtkAlgorithmOutput* connection) override;
@@ -279,11 +280,15 @@ protected:
   ///@}
 
 private:
+  /// An inverse, as of GetInverse(), takes over what has become of the lattice that it belongs to.
+  void FollowInverse();
+
   vtkFFDLattice(const vtkFFDLattice&) = delete;
   void operator=(const vtkFFDLattice&) = delete;
 
   class vtkLatticeInternals;
   std::unique_ptr<vtkLatticeInternals> Lattice;
+  bool MayBeInverse = false;
   int Dimensions[3];
   double Domain[6];
 };

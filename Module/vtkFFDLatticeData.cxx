@@ -196,11 +196,12 @@ bool vtkFFDWriteTuples(const std::vector<glm::dvec3>& values, vtkDoubleArray* ar
 ffd::Lattice vtkFFDGetLatticeValue(vtkFFDLattice* lattice)
 {
   ffd::Lattice value;
+  // First, as it brings an inverse up to date.
+  value.Net.Values = vtkFFDCopyTuples(lattice->GetDisplacements());
   vtkImageData* image = lattice->GetCoefficientData();
   image->GetDimensions(&value.Net.Nodes.x);
   image->GetOrigin(&value.Origin.x);
   image->GetSpacing(&value.Spacing.x);
-  value.Net.Values = vtkFFDCopyTuples(lattice->GetDisplacements());
   value.Border = static_cast<ffd::BorderMode>(lattice->GetBorderMode());
   value.Scale = lattice->GetDisplacementScale();
   value.Inverse = lattice->GetInverseFlag() != 0;

@@ -187,6 +187,8 @@ void vtkFFDSumTransform::InternalDeepCopy(vtkAbstractTransform* transform)
   this->Map->Terms.clear();
   for (const Internals::Term& term : other->Map->Terms)
   {
+    // What becomes of an inverse is known once it has been updated.
+    term.Transform->Update();
     auto copy = vtkSmartPointer<vtkAbstractTransform>::Take(term.Transform->MakeTransform());
     copy->DeepCopy(term.Transform);
     this->Map->Terms.push_back({ copy, term.Weight });

@@ -7,10 +7,13 @@
 #include "vtkFFDInverseRayVolumeMapper.h"
 
 #include "vtkCamera.h"
+#include "vtkDemandDrivenPipeline.h"
 #include "vtkGarbageCollector.h"
 #include "vtkIdTypeArray.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
+#include "vtkLight.h"
+#include "vtkLightCollection.h"
 #include "vtkObjectFactory.h"
 #include "vtkPolyData.h"
 #include "vtkRenderer.h"
@@ -142,13 +145,35 @@ vtkMTimeType vtkFFDRayTracer::GetMTime()
   {
     time = std::max(time, this->Renderer->GetActiveCamera()->GetMTime());
   }
+  if (this->Renderer)
+  {
+    vtkLightCollection* const lights = this->Renderer->GetLights();
+    time = std::max(time, lights->GetMTime());
+    vtkCollectionSimpleIterator place;
+    lights->InitTraversal(place);
+    while (vtkLight* const light = lights->GetNextLight(place))
+    {
+      time = std::max(time, light->GetMTime());
+    }
+  }
   if (this->Volume)
   {
     time = std::max<vtkMTimeType>(
       { time, this->Volume->GetMTime(), ffd::FindSource(this->Volume->GetProperty()).Time });
-    if (this->Volume->GetMapper())
+    if (vtkAbstractVolumeMapper* const mapper = this->Volume->GetMapper())
     {
-      time = std::max(time, this->Volume->GetMapper()->GetMTime());
+      time = std::max(time, mapper->GetMTime());
+      if (mapper->GetNumberOfInputConnections(0) > 0)
+      {
+        // What leads to the volume, whether or not it has been updated.
+        vtkDemandDrivenPipeline* const pipeline =
+          vtkDemandDrivenPipeline::SafeDownCast(mapper->GetInputExecutive(0, 0));
+        if (pipeline)
+        {
+          pipeline->UpdatePipelineMTime();
+          time = std::max(time, pipeline->GetPipelineMTime());
+        }
+      }
     }
   }
   return time;

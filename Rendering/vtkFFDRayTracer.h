@@ -91,7 +91,8 @@ public:
   vtkIdType GetNumberOfPixels();
   ///@}
 
-  /// Includes the renderer's camera, the volume, its property and its mapper.
+  /// Includes the renderer's camera and lights, the volume, its property, its mapper and what leads
+  /// to the mapper's input.
   vtkMTimeType GetMTime() override;
 
   /// Overridden so that data that do not fit into the memory are an error, not an exception.

@@ -65,7 +65,11 @@ template <class T, class A>
 A Lerp(A a, A b, A t)
 {
   // A voxel without weight does not count, be it not a number.
-  return std::is_floating_point<T>::value && t == A(0) ? a : a + t * (b - a);
+  if (std::is_floating_point<T>::value && (t == A(0) || t == A(1)))
+  {
+    return t == A(0) ? a : b;
+  }
+  return a + t * (b - a);
 }
 
 template <class T, class A>

@@ -50,6 +50,13 @@ Lattice::Lattice(const glm::ivec3& nodes, const Box& domain)
 }
 
 //------------------------------------------------------------------------------
+bool Lattice::HasPossibleDimensions() const
+{
+  const glm::ivec3& n = this->Net.Nodes;
+  return std::min({ n.x, n.y, n.z }) >= MinimumNodes && std::max({ n.x, n.y, n.z }) <= MaximumNodes;
+}
+
+//------------------------------------------------------------------------------
 std::string Lattice::FindProblem() const
 {
   for (int a = 0; a < 3; ++a)

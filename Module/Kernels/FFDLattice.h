@@ -54,6 +54,9 @@ struct FFD_CORE_EXPORT Lattice
   /// `nodes` control points over a domain (Min < Max), no deformation.
   Lattice(const glm::ivec3& nodes, const Box& domain);
 
+  /// Whether there are 4 to 1024 control points along each axis.
+  bool HasPossibleDimensions() const;
+
   /// Says what makes the values unusable: sizes, ranges, or numbers that are not finite. Empty when
   /// there is no problem.
   std::string FindProblem() const;

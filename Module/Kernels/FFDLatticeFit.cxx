@@ -30,6 +30,8 @@ namespace
 constexpr int FirstCells = 4;
 /// Weight of second differences on control points that no sample of a grid determines.
 constexpr double GridPenalty = 1e-9;
+/// Samples of a grid that are all nearer to each other along an axis lie in one place, cells.
+constexpr double LeastExtent = 1e-6;
 /// The largest number of iterations of conjugate gradients.
 constexpr int LargestIterations = 200;
 /// Landmark systems of at most so many cells are factorized.
@@ -169,7 +171,8 @@ namespace
 
 /**
  * Least squares of one axis: coefficients c of `cells` + 3 B-splines from samples at parameters t
- * (in cells), minimizing |B c - f|^2 + penalty |second differences of c|^2. The matrix is symmetric
+ * (in cells), minimizing |B c - f|^2 + penalty |second differences of c|^2; where all samples lie
+ * in one place, which says nothing about slopes, first differences, too. The matrix is symmetric
  * and positive definite and has seven diagonals, so that Cholesky's method stays within the band.
  * Eigen has no solver for bands; its sparse one takes two to three times as long, because it looks
  * up the row of each element.
@@ -197,16 +200,11 @@ public:
     }
     const double penalty =
       GridPenalty * std::max(1.0, static_cast<double>(t.size()) / static_cast<double>(cells));
-    const double difference[3] = { 1.0, -2.0, 1.0 };
-    for (std::size_t i = 0; i + 2 < this->Size; ++i)
+    this->Penalize({ 1.0, -2.0, 1.0 }, penalty);
+    const auto [least, largest] = std::minmax_element(t.begin(), t.end());
+    if (t.empty() || *largest - *least < LeastExtent)
     {
-      for (std::size_t a = 0; a < 3; ++a)
-      {
-        for (std::size_t b = 0; b <= a; ++b)
-        {
-          this->Element(i + a, i + b) += penalty * difference[a] * difference[b];
-        }
-      }
+      this->Penalize({ -1.0, 1.0 }, penalty);
     }
     // Cholesky, in place.
     for (std::size_t i = 0; i < this->Size; ++i)
@@ -280,6 +278,21 @@ private:
     std::array<double, 4> Weights{};
   };
   double& Element(std::size_t i, std::size_t j) { return this->Band[i * Width + (i - j)]; }
+
+  /// Adds `penalty` times the squares of differences of neighboring coefficients.
+  void Penalize(const std::vector<double>& difference, double penalty)
+  {
+    for (std::size_t i = 0; i + difference.size() <= this->Size; ++i)
+    {
+      for (std::size_t a = 0; a < difference.size(); ++a)
+      {
+        for (std::size_t b = 0; b <= a; ++b)
+        {
+          this->Element(i + a, i + b) += penalty * difference[a] * difference[b];
+        }
+      }
+    }
+  }
 
   std::size_t Size;
   std::vector<double> Band;

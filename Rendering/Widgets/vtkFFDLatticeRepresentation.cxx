@@ -98,7 +98,7 @@ void vtkFFDLatticeRepresentation::SetLattice(vtkFFDLattice* lattice)
   {
     this->CancelInteraction();
     in.Lattice = lattice;
-    in.Editor.StartWith(vtkFFDGetLatticeValue(lattice));
+    in.Editor.StartWith(vtkInternals::FindUsableValue(lattice));
     in.Hovered = -1;
     in.HoveredPart = vtkFFDTransformGizmo::NoPart;
     this->InteractionState = Outside;

@@ -4,6 +4,8 @@
 
 #include "vtkFFDLatticeData.h"
 
+#include "FFDGridIndex.h"
+
 #include "vtkCommand.h"
 #include "vtkDoubleArray.h"
 #include "vtkInteractorObserver.h"
@@ -76,7 +78,7 @@ void vtkFFDLatticeRepresentation::vtkInternals::Sync()
 void vtkFFDLatticeRepresentation::vtkInternals::Load()
 {
   this->LoadOptions();
-  if (this->Editor.SetLattice(vtkFFDGetLatticeValue(this->Lattice)))
+  if (this->Editor.SetLattice(FindUsableValue(this->Lattice)))
   {
     this->Hovered = -1;
     this->HoveredPart = vtkFFDTransformGizmo::NoPart;
@@ -84,6 +86,15 @@ void vtkFFDLatticeRepresentation::vtkInternals::Load()
     this->Self->InteractionState = Outside;
     this->Self->Modified();
   }
+}
+
+//------------------------------------------------------------------------------
+ffd::Lattice vtkFFDLatticeRepresentation::vtkInternals::FindUsableValue(vtkFFDLattice* lattice)
+{
+  ffd::Lattice value = vtkFFDGetLatticeValue(lattice);
+  const bool usable =
+    value.HasPossibleDimensions() && value.Net.Values.size() == ffd::GridSize(value.Net.Nodes);
+  return usable ? value : ffd::Lattice();
 }
 
 //------------------------------------------------------------------------------

@@ -60,6 +60,9 @@ public:
   void Sync();
   /// Takes the lattice and the options as they are now over into the editor.
   void Load();
+  /// The lattice as it is now. One whose image or array was given a size that is not possible,
+  /// which the lattice itself reports, counts as the smallest one at rest.
+  static ffd::Lattice FindUsableValue(vtkFFDLattice* lattice);
   void LoadOptions();
   /// Writes the displacements of the editor into the lattice.
   void Store();

@@ -7,7 +7,7 @@ import unittest
 
 import numpy as np
 import vtkffd
-from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkCommonTransforms import vtkThinPlateSplineTransform, vtkTransform
@@ -245,6 +245,28 @@ class TestFitLattice(unittest.TestCase):
         self.fit.SetTolerance(1e-3)
         self.assertIsNone(self.fit.GetLattice())
         self.assertIn("aborted", self.warnings.messages[0])
+        self.assertEqual(self.fit.GetOutput().GetNumberOfPoints(), 0)
+        # The next fit is made.
+        self.fit.RemoveObservers("ProgressEvent")
+        self.fit.Modified()
+        self.assertIsNotNone(self.fit.GetLattice())
+        self.assertGreater(self.fit.GetOutput().GetNumberOfPoints(), 0)
+
+    def test_flat_fields(self):
+        for origin, bounds in ((0.0, None), (-1.5, (0, 8, 0, 8, -3.0, 1.0)), (2.7, (0, 8, 0, 8, 1, 5))):
+            with self.subTest(origin=origin):
+                image = vtkImageData()
+                image.SetDimensions(9, 9, 1)
+                image.SetOrigin(0.0, 0.0, origin)
+                image.GetPointData().SetScalars(
+                    numpy_to_vtk(np.tile((1.0, 0.0, -2.0), (81, 1)), deep=True))
+                self.fit.SetInputData(image)
+                self.fit.SetBounds(*(bounds or (1, -1) * 3))
+                lattice = self.fit.GetLattice()
+                self.assertIsNotNone(lattice, self.errors.messages)
+                values = vtk_to_numpy(lattice.GetDisplacements())
+                np.testing.assert_allclose(values, np.tile((1.0, 0.0, -2.0), (len(values), 1)),
+                                           atol=1e-3)
 
     def test_bad_input_is_named(self):
         fit = self.fit

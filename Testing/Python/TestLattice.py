@@ -85,6 +85,100 @@ class TestLattice(unittest.TestCase):
             q = inverse.TransformPoint(*p)
             np.testing.assert_allclose(self.lattice.TransformPoint(q), p, atol=1.01e-9)
 
+    def test_inverse_follows_edits_wherever_it_is_used(self):
+        image = vtkImageData()
+        image.SetDimensions(5, 5, 5)
+        lattice = self.lattice
+        inverse = lattice.GetInverse()
+        deform = vtkffd.vtkFFDDeformVolume()
+        deform.SetInputData(image)
+        deform.SetLattice(inverse)
+        keyframes = vtkffd.vtkFFDDeformVolume()
+        keyframes.SetInputData(image)
+        keyframes.AddKeyframe(0.0, inverse)
+        total = vtkffd.vtkFFDSumTransform()
+        total.AddTransform(inverse, 0.5)
+
+        def read(item):
+            found = vtkffd.vtkFFDLattice()
+            self.assertEqual(found.ReadFrom(item), 1)
+            return found
+
+        def output(item):
+            item.Update()
+            return read(item.GetOutput())
+
+        def attached():
+            data = vtkImageData()
+            inverse.AttachTo(data)
+            return read(data)
+
+        def as_image():
+            data = vtkImageData()
+            inverse.ToImageData(data)
+            found = vtkffd.vtkFFDLattice()
+            found.FromImageData(data)
+            return found
+
+        def copied(how):
+            found = vtkffd.vtkFFDLattice()
+            getattr(found, how)(inverse)
+            return found
+
+        p = (12.0, 9.0, 4.0)
+        for step, (find) in enumerate((attached, as_image, lambda: copied("DeepCopy"),
+                                       lambda: copied("ShallowCopy"), lambda: output(deform),
+                                       lambda: output(keyframes), attached)):
+            lattice.SetDisplacement(2, 2, 3, 1.0 + step, 0.5, 0.2)
+            moved = find().TransformPoint(p)
+            np.testing.assert_allclose(lattice.TransformPoint(moved), p, atol=2e-3)
+            back = total.GetInverse().TransformPoint(p)
+            np.testing.assert_allclose(total.TransformPoint(back), p, atol=2e-3)
+        lattice.SetDimensions(7, 8, 9)
+        self.assertEqual(inverse.GetDimensions(), (7, 8, 9))
+        lattice.SetDisplacement(1, 1, 1, 9.0, 8.0, 7.0)
+        self.assertEqual(list(inverse.GetDisplacements().GetTuple(1 + 7 * (1 + 8))), [9.0, 8.0, 7.0])
+
+    def test_arrays_and_images_of_another_size(self):
+        """Written behind the setters: an error, whatever is done with the lattice, and Reset() helps."""
+        def array(change):
+            return lambda lattice: change(lattice.GetDisplacements())
+
+        def image(change):
+            return lambda lattice: change(lattice.GetCoefficientData())
+
+        for tamper in (array(lambda a: a.SetNumberOfTuples(5)), array(lambda a: a.SetNumberOfTuples(99999)),
+                       array(lambda a: a.Initialize()), array(lambda a: a.SetNumberOfComponents(2)),
+                       image(lambda i: i.SetDimensions(40, 40, 40)), image(lambda i: i.SetDimensions(2, 2, 2)),
+                       image(lambda i: i.Initialize()), image(lambda i: i.SetExtent(5, 9, 0, 5, 0, 6))):
+            lattice = vtkffd.vtkFFDLattice()
+            lattice.SetDimensions(5, 6, 7)
+            messages = catch_errors(lattice)
+            tamper(lattice)
+            lattice.Modified()
+            for change in (lambda: lattice.Refine(2), lambda: lattice.Extend(1),
+                           lambda: lattice.SetDimensions(6, 6, 6)):
+                change()
+                self.assertEqual(len(messages), 1, messages)
+                self.assertIn("not usable", messages.pop())
+            rep = vtkffd.vtkFFDLatticeRepresentation()
+            rep.SetLattice(lattice)
+            rep.SelectPoint(1, 1, 1)
+            rep.TranslateSelection(1, 0, 0)
+            rep.BuildRepresentation()
+            deform = vtkffd.vtkFFDDeformVolume()
+            other = vtkffd.vtkFFDLattice()
+            other.SetDimensions(5, 6, 7)
+            deform.AddObserver("ErrorEvent", lambda *_: None)
+            deform.AddKeyframe(0.0, other)
+            deform.AddKeyframe(1.0, lattice)
+            deform.InterpolateKeyframes(0.5, vtkffd.vtkFFDLattice())
+            messages.clear()
+            lattice.Reset()
+            self.assertEqual(lattice.Refine(2), 1)
+            self.assertEqual(lattice.TransformPoint(0.2, 0.3, 0.4), (0.2, 0.3, 0.4))
+            self.assertEqual(messages, [])
+
     def test_refine_keeps_the_shape(self):
         view = vtk_to_numpy(self.lattice.GetDisplacements())
         view[:] = np.random.default_rng(2).uniform(-2, 2, view.shape)

@@ -12,9 +12,10 @@ from vtkmodules.vtkCommonMath import vtkMatrix4x4
 from vtkmodules.vtkCommonTransforms import vtkTransform
 from vtkmodules.vtkFiltersGeneral import vtkTransformFilter
 from vtkmodules.vtkFiltersSources import vtkSphereSource
-from vtkmodules.vtkImagingCore import vtkImageReslice
+from vtkmodules.vtkImagingCore import vtkImageReslice, vtkImageShiftScale
 from vtkmodules.vtkRenderingCore import (
     vtkColorTransferFunction,
+    vtkLight,
     vtkRenderer,
     vtkVolume,
     vtkVolumeProperty,
@@ -64,6 +65,19 @@ class TestVolumeFilters(unittest.TestCase):
         resample.Update()
         np.testing.assert_allclose(scalars(resample), scalars(reslice), atol=1e-3)
         self.assertEqual(resample.GetInverseModeAsString(), "PULL_BACK")
+
+    def test_resampled_at_rest_equals_the_input(self):
+        rng = np.random.default_rng(5)
+        values = rng.normal(size=(6, 6, 6)) * 10.0 ** rng.integers(0, 18, (6, 6, 6))
+        values[3, 3, 4] = np.nan
+        values[2, 4, 2] = np.inf
+        image = vtkImageData()
+        image.SetDimensions(6, 6, 6)
+        image.GetPointData().SetScalars(numpy_to_vtk(values.ravel(), deep=True))
+        resample = vtkffd.vtkFFDResampleVolume()
+        resample.SetInputData(image)
+        resample.Update()
+        np.testing.assert_array_equal(scalars(resample), values.ravel())
 
     def test_resample_covers_the_deformed_volume(self):
         # The coordinate itself as scalar: the output holds the inverse.
@@ -249,6 +263,31 @@ class TestVolumeFilters(unittest.TestCase):
             p = np.array(viewing.GetPoint(i))
             np.testing.assert_allclose(rest.GetPoint(i),
                                        2.0 * p - self.lattice.TransformPoint(p), atol=1e-9)
+        # It follows what leads to the volume, and the lights.
+        prop.ShadeOn()
+
+        def colors(item):
+            item.Update()
+            return vtk_to_numpy(item.GetOutput(0).GetCellData().GetArray("Color")).tolist()
+
+        light = vtkLight()
+        shift = vtkImageShiftScale()
+        shift.SetInputData(self.image)
+        mapper.SetInputConnection(shift.GetOutputPort())
+        for change in (lambda: shift.SetScale(0.5), lambda: renderer.AddLight(light),
+                       lambda: light.SetPosition(300, 200, 100), lambda: light.SetColor(1, 0, 0),
+                       lambda: self.image.GetPointData().GetScalars().Fill(90.0),
+                       lambda: renderer.RemoveLight(light)):
+            change()
+            self.image.Modified()
+            before = colors(tracer)
+            fresh = vtkffd.vtkFFDRayTracer()
+            fresh.SetRenderer(renderer)
+            fresh.SetVolume(volume)
+            fresh.SetImageSize(60, 40)
+            fresh.AddPixel(30, 20)
+            fresh.AddPixel(25, 22)
+            self.assertEqual(before, colors(fresh))
         samples = vtk_to_numpy(rest.GetCellData().GetArray("Samples"))
         leaps = vtk_to_numpy(tracer.GetOutput(2).GetPointData().GetArray("Leap"))
         self.assertEqual(samples.sum(), (leaps == 0).sum())

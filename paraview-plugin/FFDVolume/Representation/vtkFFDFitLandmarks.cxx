@@ -5,6 +5,7 @@
 #include "vtkFFDFitLattice.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDLatticeData.h"
+#include "vtkFFDPipeline.h"
 
 #include "vtkAlgorithmOutput.h"
 #include "vtkBoundingBox.h"
@@ -161,7 +162,7 @@ bool vtkFFDFitLandmarks::UpdateFit(bool report)
       this->GetNumberOfInputConnections(port) > 0 ? this->GetInputConnection(port, 0) : nullptr;
     if (connection)
     {
-      connection->GetProducer()->Update(connection->GetIndex());
+      vtkFFDUpdateWhole(connection, this->GetOutputInformation(0));
     }
     vtkPointSet* set =
       connection ? vtkPointSet::SafeDownCast(this->GetInputDataObject(port, 0)) : nullptr;
@@ -236,10 +237,7 @@ int vtkFFDFitLandmarks::RequestUpdateExtent(
 {
   for (int port : { Source, Target })
   {
-    vtkInformation* info = inputs[port]->GetInformationObject(0);
-    info->Set(Pipeline::UPDATE_PIECE_NUMBER(), 0);
-    info->Set(Pipeline::UPDATE_NUMBER_OF_PIECES(), 1);
-    info->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
+    vtkFFDRequestWhole(inputs[port]->GetInformationObject(0));
   }
   // Only its bounds matter, which are known; but what it is asked for last is what it gives to
   // others, too: this process' part, as what shows the volume asks for.

@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDPipeline.h"
+
+#include "vtkAlgorithm.h"
+#include "vtkAlgorithmOutput.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+
+#include <algorithm>
+#include <limits>
+
+using Pipeline = vtkStreamingDemandDrivenPipeline;
+
+//------------------------------------------------------------------------------
+void vtkFFDRequestWhole(vtkInformation* input)
+{
+  if (!input)
+  {
+    return;
+  }
+  if (input->Has(Pipeline::WHOLE_EXTENT()))
+  {
+    input->Set(Pipeline::UPDATE_EXTENT(), input->Get(Pipeline::WHOLE_EXTENT()), 6);
+  }
+  input->Set(Pipeline::UPDATE_PIECE_NUMBER(), 0);
+  input->Set(Pipeline::UPDATE_NUMBER_OF_PIECES(), 1);
+  input->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDUpdateWhole(vtkAlgorithmOutput* connection, vtkInformation* output)
+{
+  vtkAlgorithm* const producer = connection->GetProducer();
+  const int port = connection->GetIndex();
+  producer->UpdateInformation();
+  vtkInformation* const input = producer->GetOutputInformation(port);
+  vtkFFDRequestWhole(input);
+  if (output && output->Has(Pipeline::UPDATE_TIME_STEP()))
+  {
+    input->Set(Pipeline::UPDATE_TIME_STEP(), output->Get(Pipeline::UPDATE_TIME_STEP()));
+  }
+  producer->Update(port);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDFollowTime(vtkInformation* input, vtkInformation* output)
+{
+  if (input && (input->Has(Pipeline::TIME_STEPS()) || input->Has(Pipeline::TIME_RANGE())))
+  {
+    output->Set(Pipeline::TIME_DEPENDENT_INFORMATION(), 1);
+  }
+  else
+  {
+    output->Remove(Pipeline::TIME_DEPENDENT_INFORMATION());
+  }
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDRequestInformationAgain(
+  vtkInformationVector* outputs, const std::function<int()>& requestInformation)
+{
+  vtkInformation* const output = outputs->GetInformationObject(0);
+  const bool all = output->Has(Pipeline::WHOLE_EXTENT()) &&
+    output->Has(Pipeline::UPDATE_EXTENT()) &&
+    std::equal(output->Get(Pipeline::WHOLE_EXTENT()), output->Get(Pipeline::WHOLE_EXTENT()) + 6,
+      output->Get(Pipeline::UPDATE_EXTENT()));
+  const int result = requestInformation();
+  if (all && output->Has(Pipeline::WHOLE_EXTENT()))
+  {
+    output->Set(Pipeline::UPDATE_EXTENT(), output->Get(Pipeline::WHOLE_EXTENT()), 6);
+  }
+  return result;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDMergeTimes(
+  std::vector<double> steps, std::initializer_list<vtkInformation*> inputs, vtkInformation* output)
+{
+  double range[2] = { std::numeric_limits<double>::infinity(),
+    -std::numeric_limits<double>::infinity() };
+  const auto include = [&range](double time) {
+    range[0] = std::min(range[0], time);
+    range[1] = std::max(range[1], time);
+  };
+  for (vtkInformation* input : inputs)
+  {
+    if (input && input->Has(Pipeline::TIME_STEPS()))
+    {
+      const double* const own = input->Get(Pipeline::TIME_STEPS());
+      steps.insert(steps.end(), own, own + input->Length(Pipeline::TIME_STEPS()));
+    }
+    if (input && input->Has(Pipeline::TIME_RANGE()))
+    {
+      const double* const own = input->Get(Pipeline::TIME_RANGE());
+      include(own[0]);
+      include(own[1]);
+    }
+  }
+  if (!steps.empty())
+  {
+    std::sort(steps.begin(), steps.end());
+    steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
+    include(steps.front());
+    include(steps.back());
+    output->Set(Pipeline::TIME_STEPS(), steps.data(), static_cast<int>(steps.size()));
+  }
+  if (range[0] <= range[1])
+  {
+    output->Set(Pipeline::TIME_RANGE(), range, 2);
+  }
+}

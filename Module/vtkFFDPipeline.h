@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Private to the libraries of this project: not installed, not wrapped.
+#ifndef vtkFFDPipeline_h
+#define vtkFFDPipeline_h
+
+#include "vtkFFDCoreModule.h" // For export macro
+
+#include <functional>
+#include <initializer_list>
+#include <vector>
+
+class vtkAlgorithmOutput;
+class vtkInformation;
+class vtkInformationVector;
+
+/// In RequestUpdateExtent(): asks an input, which may be null, for all of its data, whatever part
+/// of the output is asked for.
+VTKFFDCORE_EXPORT void vtkFFDRequestWhole(vtkInformation* input);
+
+///@{
+/**
+ * For filters whose output has an extent that follows from data, which may change with time. In
+ * RequestInformation() vtkFFDUpdateWhole() brings all data of a connection up to date, at the time
+ * that `output`, unless it is null, is wanted for, and vtkFFDFollowTime() makes the executive ask
+ * again where there are time steps. What it then sends, REQUEST_TIME_DEPENDENT_INFORMATION(), goes
+ * to vtkFFDRequestInformationAgain(): who had asked for all of the output does so again.
+ */
+VTKFFDCORE_EXPORT void vtkFFDUpdateWhole(vtkAlgorithmOutput* connection, vtkInformation* output);
+VTKFFDCORE_EXPORT void vtkFFDFollowTime(vtkInformation* input, vtkInformation* output);
+VTKFFDCORE_EXPORT int vtkFFDRequestInformationAgain(
+  vtkInformationVector* outputs, const std::function<int()>& requestInformation);
+///@}
+
+/// In RequestInformation(): the time steps and the range of `output` are `steps` and those of the
+/// inputs, which may be null.
+VTKFFDCORE_EXPORT void vtkFFDMergeTimes(
+  std::vector<double> steps, std::initializer_list<vtkInformation*> inputs, vtkInformation* output);
+
+#endif
