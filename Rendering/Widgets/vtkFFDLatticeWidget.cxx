@@ -230,12 +230,16 @@ void vtkFFDLatticeWidget::SetEnabled(int enabling)
 {
   if (!enabling && this->Enabled)
   {
+    // Whoever follows changes of the representation is to see a widget that is off, not one to turn
+    // off: ParaView's representation of widgets does, and its view is gone then.
+    this->Enabled = 0;
     if (this->Dragging)
     {
       this->Perform(CancelDrag);
     }
     this->RegionArmed = false;
     this->GetLatticeRepresentation()->Highlight(0);
+    this->Enabled = 1;
   }
   this->Superclass::SetEnabled(enabling);
 }

@@ -169,6 +169,27 @@ class TestWidget(unittest.TestCase):
         self.assertEqual(self.widget.Perform(WIDGET.RedoEdit), 1)
         self.assertFalse(self.lattice.IsIdentity())
 
+    def test_it_is_off_before_the_highlight_goes(self):
+        """ParaView turns a widget off that it finds on when its representation changes."""
+        x, y = self.display(3, 3, 3)
+        for press in (False, True):
+            self.widget.On()
+            self.send("MouseMoveEvent", x, y)
+            self.assertEqual(self.rep.GetHoveredPoint(), 63)
+            if press:
+                self.send("LeftButtonPressEvent", x, y)
+                self.send("MouseMoveEvent", x + 5, y)
+            seen = []
+            tag = self.rep.AddObserver(
+                "ModifiedEvent", lambda *_, to=seen: to.append(self.widget.GetEnabled()))
+            self.widget.Off()
+            self.rep.RemoveObserver(tag)
+            self.assertGreater(len(seen), 0)
+            self.assertEqual(set(seen), {0})
+            self.assertEqual(self.rep.GetHoveredPoint(), -1)
+            self.assertEqual(self.widget.IsInteracting(), 0)
+            self.send("LeftButtonReleaseEvent", x, y)
+
     def test_surface_by_observer(self):
         self.rep.SetManipulationMode(REP.VOLUME)
         self.rep.AddObserver("StartPickEvent", lambda *_: self.rep.SetSurfacePoint(5, 5, 10))
