@@ -643,6 +643,45 @@ class TestRepresentation(unittest.TestCase):
         self.assertAlmostEqual(sizes[1][0], 0.5 * sizes[0][0], delta=2)
         self.assertAlmostEqual(sizes[1][1], sizes[0][1], delta=1)
 
+    def test_turned_blocks(self):
+        """Blocks with direction matrices of their own are where ParaView's Volume shows them, not in all of
+        the box around each, and take nothing from each other."""
+        def cube(angle, x, y):
+            source = simple.ProgrammableSource(OutputDataSetType="vtkImageData")
+            source.ScriptRequestInformation = """
+from paraview import util
+util.SetOutputWholeExtent(self, [0, 15, 0, 15, 0, 15])
+"""
+            source.Script = """
+import math
+import numpy
+c, s = math.cos(%g), math.sin(%g)
+image = self.GetOutput()
+image.SetDimensions(16, 16, 16)
+image.SetOrigin(%g, %g, 0)
+image.SetDirectionMatrix(c, -s, 0, s, c, 0, 0, 0, 1)
+output.PointData.append(numpy.full(4096, %g), "RTData")
+""" % (angle, angle, x, y, 100.0 + 2.0 * x)
+            return source
+
+        group = simple.GroupDatasets(Input=[cube(0.5, 0.0, 0.0), cube(-0.4, 11.0, -6.0)])
+        display = simple.Show(group, self.view)
+        simple.ColorBy(display, ("POINTS", "RTData"))
+        simple.GetColorTransferFunction("RTData").RGBPoints = [90, 1, 0, 0, 110, 1, 0, 0, 111, 0, 1, 0,
+                                                               130, 0, 1, 0]
+        simple.GetOpacityTransferFunction("RTData").Points = [0, 1, 0.5, 0, 200, 1, 0.5, 0]
+        self.view.CameraPosition = [15.0, 5.0, 90.0]
+        self.view.CameraFocalPoint = [15.0, 5.0, 8.0]
+        self.view.CameraViewUp = [0.0, 1.0, 0.0]
+        pictures = []
+        for kind in ("Volume", "FFD Volume"):
+            display.SetRepresentationType(kind)
+            pictures.append(ffd.picture(self.view, "turned " + kind).astype(int))
+        for channel in (0, 1):
+            theirs, ours = (picture[..., channel] > 40 for picture in pictures)
+            self.assertGreater(theirs.sum(), 1000)
+            self.assertLess((theirs != ours).sum(), 0.12 * theirs.sum())
+
     def test_sample_distance_is_of_the_data(self):
         """A scaled volume is sampled at the same voxels: seen from as much farther away it is the
         same picture."""
@@ -668,6 +707,22 @@ class TestWrongInput(unittest.TestCase):
         simple.ResetSession()
         ffd.load()
         self.view = ffd.make_view()
+
+    def test_nothing_is_left_of_data_that_went(self):
+        """Not the outline either, where the input becomes empty or flat."""
+        subset = simple.ExtractSubset(Input=ffd.make_wavelet(10), VOI=[-10, 10] * 3)
+        display = simple.Show(subset, self.view)
+        simple.ColorBy(display, ("POINTS", "RTData"))
+        display.SetRepresentationType("FFD Volume")
+        ffd.set_functions()
+        before = ffd.picture(self.view, "whole")
+        self.assertGreater(ffd.lit(before), 1000)
+        for extent in ([5, -5, -10, 10, -10, 10], [0, 0, -10, 10, -10, 10]):
+            subset.VOI = extent
+            with ffd.Errors():
+                self.assertEqual(ffd.lit(ffd.picture(self.view, "gone")), 0, extent)
+            subset.VOI = [-10, 10] * 3
+            self.assertLess(ffd.differ(ffd.picture(self.view, "back again"), before)[1], 0.01)
 
     def test_lattice_refuses_other_data(self):
         unstructured = simple.Tetrahedralize(Input=simple.Wavelet(

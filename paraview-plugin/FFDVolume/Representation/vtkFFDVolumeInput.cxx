@@ -46,6 +46,10 @@ constexpr double AlwaysAllowed = 1 << 24;
 /// Parts of a voxel that count as none.
 constexpr double Slack = 1e-3;
 
+/// Points of the frame so many voxels beyond the faces of a turned block still take the values
+/// there: a cell is hidden with any of its points, so the block is as large as it is in the mean.
+constexpr double Reach = 0.5;
+
 vtkMultiProcessController* GetController()
 {
   return vtkMultiProcessController::GetGlobalController();
@@ -200,16 +204,26 @@ vtkSmartPointer<vtkImageData> WithoutGhosts(vtkDataSet* block, const Extent& ext
   return plain;
 }
 
-/// Values of a block, interpolated at the points of `extent`; those of cells as those of the cell.
-vtkSmartPointer<vtkImageData> Interpolate(
-  vtkDataSet* block, const Grid& frame, const Extent& extent)
+/// Values of a block at the points of an extent.
+struct InterpolatedBlock
+{
+  vtkSmartPointer<vtkImageData> Image;
+  std::vector<bool> PointsOutside; ///< of the block, or hidden in it
+  std::vector<bool> CellsOutside;
+};
+
+/// Interpolates a block at the points of `extent`; values of cells are those of the cell.
+InterpolatedBlock Interpolate(vtkDataSet* block, const Grid& frame, const Extent& extent)
 {
   Extent own;
   const Grid described = Describe(block);
   own = described.WholeExtent;
   const vtkSmartPointer<vtkImageData> plain = WithoutGhosts(block, own);
   const vtkIdType counts[3] = { own[1] - own[0] + 1, own[3] - own[2] + 1, own[5] - own[4] + 1 };
-  auto result = vtkSmartPointer<vtkImageData>::New();
+  vtkUnsignedCharArray* const blank = block->GetPointGhostArray();
+  InterpolatedBlock interpolated;
+  interpolated.Image = vtkSmartPointer<vtkImageData>::New();
+  vtkImageData* const result = interpolated.Image;
   result->SetExtent(const_cast<int*>(extent.data()));
   frame.ApplyTo(result);
   const vtkIdType points = result->GetNumberOfPoints();
@@ -224,14 +238,17 @@ vtkSmartPointer<vtkImageData> Interpolate(
     FindIndex(block, place, index);
     vtkIdType lower[3];
     double t[3];
+    bool outside = false;
     for (int a = 0; a < 3; ++a)
     {
       const double clamped = std::clamp(index[a], 0.0, static_cast<double>(counts[a] - 1));
       lower[a] = std::min(static_cast<vtkIdType>(clamped), counts[a] - 2);
       t[a] = clamped - static_cast<double>(lower[a]);
+      outside = outside || std::abs(clamped - index[a]) > (ofCells ? Slack : Reach);
     }
     if (ofCells)
     {
+      interpolated.CellsOutside.push_back(outside);
       cellsTo->CopyData(plain->GetCellData(),
         lower[0] + (counts[0] - 1) * (lower[1] + (counts[1] - 1) * lower[2]), target);
       return;
@@ -244,7 +261,11 @@ vtkSmartPointer<vtkImageData> Interpolate(
       corners->SetId(corner, at[0] + counts[0] * (at[1] + counts[1] * at[2]));
       weights[corner] = ((corner & 1) != 0 ? t[0] : 1.0 - t[0]) *
         ((corner & 2) != 0 ? t[1] : 1.0 - t[1]) * ((corner & 4) != 0 ? t[2] : 1.0 - t[2]);
+      outside = outside ||
+        (blank && weights[corner] > Slack &&
+          (blank->GetValue(corners->GetId(corner)) & vtkDataSetAttributes::HIDDENPOINT) != 0);
     }
+    interpolated.PointsOutside.push_back(outside);
     to->InterpolatePoint(plain->GetPointData(), target, corners, weights);
   };
   for (vtkIdType point = 0; point < points; ++point)
@@ -262,7 +283,79 @@ vtkSmartPointer<vtkImageData> Interpolate(
       0.5 * (bounds[4] + bounds[5]) };
     visit(place, true, cell);
   }
-  return result;
+  return interpolated;
+}
+
+/// Calls use(id in `inner`, id in `outer`) with each point, or each cell, of an extent in another.
+template <class Use>
+void ForEachId(const Extent& inner, const Extent& outer, bool cells, const Use& use)
+{
+  const int less = cells ? 1 : 0;
+  const vtkIdType nx = outer[1] - outer[0] + 1 - less;
+  const vtkIdType ny = outer[3] - outer[2] + 1 - less;
+  vtkIdType id = 0;
+  for (int z = inner[4]; z <= inner[5] - less; ++z)
+  {
+    for (int y = inner[2]; y <= inner[3] - less; ++y)
+    {
+      for (int x = inner[0]; x <= inner[1] - less; ++x, ++id)
+      {
+        use(id, x - outer[0] + nx * (y - outer[2] + ny * static_cast<vtkIdType>(z - outer[4])));
+      }
+    }
+  }
+}
+
+/// Gives elements of `to` back what they were in `before`. All arrays are of numbers and named.
+void Restore(vtkFieldData* before, const std::vector<vtkIdType>& elements, vtkFieldData* to)
+{
+  for (int a = 0; a < to->GetNumberOfArrays(); ++a)
+  {
+    vtkDataArray* const array = to->GetArray(a);
+    vtkDataArray* const from = before->GetArray(array->GetName());
+    const std::vector<double> zero(static_cast<std::size_t>(array->GetNumberOfComponents()), 0.0);
+    for (const vtkIdType element : elements)
+    {
+      if (from)
+      {
+        array->SetTuple(element, element, from);
+      }
+      else
+      {
+        array->SetTuple(element, zero.data());
+      }
+    }
+  }
+}
+
+/// Copies a block into the image of all blocks and shows its points; where it is not it leaves what
+/// others have put there.
+void CopyInterpolated(const InterpolatedBlock& block, const Extent& extent, vtkImageData* merged,
+  const Extent& whole, vtkUnsignedCharArray* ghosts)
+{
+  vtkNew<vtkImageData> before;
+  before->DeepCopy(merged);
+  ffdparts::CopyVoxels(block.Image, extent, merged, whole, extent);
+  std::vector<vtkIdType> points;
+  ForEachId(extent, whole, false, [&](vtkIdType id, vtkIdType place) {
+    if (block.PointsOutside[static_cast<std::size_t>(id)])
+    {
+      points.push_back(place);
+    }
+    else
+    {
+      ghosts->SetValue(place, 0);
+    }
+  });
+  std::vector<vtkIdType> cells;
+  ForEachId(extent, whole, true, [&](vtkIdType id, vtkIdType place) {
+    if (!block.CellsOutside.empty() && block.CellsOutside[static_cast<std::size_t>(id)])
+    {
+      cells.push_back(place);
+    }
+  });
+  Restore(before->GetPointData(), points, merged->GetPointData());
+  Restore(before->GetCellData(), cells, merged->GetCellData());
 }
 
 /// What tells the lattices of blocks apart: domain, control points, and what these add up to, as
@@ -522,24 +615,20 @@ vtkSmartPointer<vtkImageData> vtkFFDVolumeInput::Merge(
     {
       continue; // between two points of the frame
     }
-    const vtkSmartPointer<vtkImageData> block =
-      frame.Aligned ? WithoutGhosts(blocks[i], extent) : Interpolate(blocks[i], frame.Grid, extent);
-    ffdparts::CopyVoxels(block, extent, merged, whole, extent);
-    vtkUnsignedCharArray* blank = frame.Aligned ? blocks[i]->GetPointGhostArray() : nullptr;
-    vtkIdType from = 0;
-    for (int z = extent[4]; z <= extent[5]; ++z)
+    if (frame.Aligned)
     {
-      for (int y = extent[2]; y <= extent[3]; ++y)
-      {
-        for (int x = extent[0]; x <= extent[1]; ++x, ++from)
+      vtkUnsignedCharArray* const blank = blocks[i]->GetPointGhostArray();
+      ffdparts::CopyVoxels(WithoutGhosts(blocks[i], extent), extent, merged, whole, extent);
+      ForEachId(extent, whole, false, [&](vtkIdType id, vtkIdType place) {
+        if (!blank || (blank->GetValue(id) & vtkDataSetAttributes::HIDDENPOINT) == 0)
         {
-          int at[3] = { x, y, z };
-          if (!blank || (blank->GetValue(from) & vtkDataSetAttributes::HIDDENPOINT) == 0)
-          {
-            ghosts->SetValue(merged->ComputePointId(at), 0);
-          }
+          ghosts->SetValue(place, 0);
         }
-      }
+      });
+    }
+    else
+    {
+      CopyInterpolated(Interpolate(blocks[i], frame.Grid, extent), extent, merged, whole, ghosts);
     }
     const int place = static_cast<int>(places.at(blocks[i]));
     const std::array<int, 8> piece{ { 0, frame.Aligned ? place : -1, extent[0], extent[1],

@@ -39,6 +39,7 @@
 #include "vtkOutlineSource.h"
 #include "vtkPartitionedDataSet.h"
 #include "vtkPointData.h"
+#include "vtkPolyData.h"
 #include "vtkPolyDataMapper.h"
 #include "vtkProcessModule.h"
 #include "vtkPVLODVolume.h"
@@ -427,9 +428,8 @@ int vtkFFDVolumeRepresentation::RequestData(
         NoteAllBounds(image, allRest, allDeformed);
       }
     }
-    this->OutlineSource->SetBounds(this->DataBounds);
-    this->OutlineSource->Update();
   }
+  this->UpdateOutline();
   this->HoldImages(here);
   // A client, or a rank without data, shows the outline.
   this->Actor->SetEnableLOD(here.empty() ? 1 : 0);
@@ -950,10 +950,22 @@ void vtkFFDVolumeRepresentation::TakeParts()
   this->HoldImages(parts);
   this->Actor->SetEnableLOD(0); // outlines are for a client
   std::copy(allDeformed.begin(), allDeformed.end(), this->DataBounds);
-  if (!ffdparts::IsEmpty(allDeformed))
+  this->UpdateOutline();
+}
+
+//------------------------------------------------------------------------------
+/// Makes the outline of the bounds of the data; without data there is none.
+void vtkFFDVolumeRepresentation::UpdateOutline()
+{
+  if (vtkMath::AreBoundsInitialized(this->DataBounds))
   {
     this->OutlineSource->SetBounds(this->DataBounds);
     this->OutlineSource->Update();
+  }
+  else
+  {
+    this->OutlineSource->GetOutput()->Initialize();
+    this->OutlineSource->Modified(); // so that it is made again for the same bounds
   }
 }
 

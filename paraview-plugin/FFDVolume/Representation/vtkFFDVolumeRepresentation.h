@@ -230,6 +230,7 @@ private:
   void SetNumberOfShown(std::size_t count);
   void ObserveMapper(vtkFFDInverseRayVolumeMapper* mapper);
   void HoldImages(const std::vector<vtkImageData*>& images);
+  void UpdateOutline();
   void DescribeInputs();
   void TakeParts();
   void MarkMoved();
