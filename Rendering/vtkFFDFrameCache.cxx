@@ -45,7 +45,10 @@ bool vtkFFDFrameCache::UpdateBounds(Mapper* mapper, ffd::StageTools& tools)
   const vtkSmartPointer<vtkDataSet> input(mapper->GetInput());
   if (!input)
   {
-    tools.Message = "No input: call SetInputData() or SetInputConnection().";
+    vtkDataObject* const other = mapper->GetInputDataObject(0, 0);
+    tools.Message = other ? std::string("The input is a ") + other->GetClassName() +
+        ", which has no voxels of its own: give one of its blocks."
+                          : "No input: call SetInputData() or SetInputConnection().";
     return false;
   }
   return this->UpdateVoxels(mapper, input, tools) && this->UpdatePullBack(mapper, input, tools);

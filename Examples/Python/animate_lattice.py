@@ -28,6 +28,7 @@ from vtkmodules.vtkRenderingCore import (
 )
 
 import vtkffd
+from options import make_folder, pixels
 
 DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "Testing", "Data")
 
@@ -88,12 +89,12 @@ def main():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--output", default="output", help="the frames go to animation/ in there")
     parser.add_argument("--frames", type=int, default=40, help="number of frames, 2 or more")
-    parser.add_argument("--size", type=int, default=400, help="width and height in pixels")
+    parser.add_argument("--size", type=pixels, default=400, help="width and height in pixels")
     arguments = parser.parse_args()
-    if arguments.frames < 2 or arguments.size < 1:
-        sys.exit("--frames must be 2 or more and --size positive")
+    if arguments.frames < 2:
+        sys.exit("--frames must be 2 or more")
     folder = os.path.join(arguments.output, "animation")
-    os.makedirs(folder, exist_ok=True)
+    make_folder(folder)
 
     reader = vtkXMLImageDataReader()
     reader.SetFileName(os.path.join(DATA, "cthead.vti"))

@@ -36,6 +36,7 @@ from vtkmodules.vtkRenderingCore import (
 
 import vtkffd
 from display import require_display
+from options import make_folder, number, pixels
 
 DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "Testing", "Data")
 
@@ -90,11 +91,11 @@ def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--output", default="output", help="folder for the picture")
-    parser.add_argument("--size", type=int, default=512, help="height in pixels")
-    parser.add_argument("--strength", type=float, default=0.8, help="of the twist")
+    parser.add_argument("--size", type=pixels, default=512, help="height in pixels")
+    parser.add_argument("--strength", type=number(-100.0, 100.0), default=0.8, help="of the twist")
     arguments = parser.parse_args()
     require_display("deform_surface")
-    os.makedirs(arguments.output, exist_ok=True)
+    make_folder(arguments.output)
 
     reader = vtkXMLImageDataReader()
     reader.SetFileName(os.path.join(DATA, "cthead.vti"))

@@ -32,6 +32,7 @@ from vtkmodules.vtkRenderingCore import (
 
 import vtkffd
 from display import require_display
+from options import make_folder, number, pixels
 
 HEAD = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "Testing", "Data",
                     "cthead.vti")
@@ -122,18 +123,15 @@ def main():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--output", default=os.path.join("output", "fall"),
                         help="folder for the frames")
-    parser.add_argument("--seconds", type=float, default=1.5, help="time to simulate")
+    parser.add_argument("--seconds", type=number(0.0), default=1.5, help="time to simulate")
     parser.add_argument("--rate", type=float, default=60.0,
                         help="frames per simulated second; 600 is the most")
-    parser.add_argument("--size", type=int, default=512, help="pixels of a side")
-    parser.add_argument("--stiffness", type=float, default=500.0,
+    parser.add_argument("--size", type=pixels, default=512, help="pixels of a side")
+    parser.add_argument("--stiffness", type=number(0.0), default=500.0,
                         help="of the springs along the axes, N/m")
     arguments = parser.parse_args()
     require_display("falling_head")
-    try:
-        os.makedirs(arguments.output, exist_ok=True)
-    except OSError as error:
-        sys.exit("cannot make the folder %s: %s" % (arguments.output, error.strerror))
+    make_folder(arguments.output)
     if not 0.0 < arguments.rate <= 600.0:
         sys.exit("the rate must be above 0 and at most 600 frames per second")
     reader = vtkXMLImageDataReader()

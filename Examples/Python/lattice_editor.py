@@ -377,7 +377,7 @@ class Editor:
 
     def load_lattice(self, path):
         if not os.path.isfile(path):
-            raise Problem(path + " cannot be loaded: there is no such file")
+            raise Problem("the lattice %s cannot be loaded: there is no such file" % path)
         reader = vtkXMLImageDataReader()
         reader.SetFileName(path)
         # The lattice says itself what is wrong with an image.
@@ -412,6 +412,8 @@ def main():
         sys.exit("lattice_editor: --points: from 4 to 64 control points per axis")
     if min(arguments.size) < 100 or max(arguments.size) > 16384:
         sys.exit("lattice_editor: --size: from 100 to 16384 pixels each way")
+    if arguments.screenshot and not arguments.screenshot.lower().endswith(".png"):
+        sys.exit("lattice_editor: --screenshot: the name of a .png file")
     if arguments.play and not os.path.isfile(arguments.play):
         sys.exit("lattice_editor: %s cannot be played: there is no such file" % arguments.play)
     try:

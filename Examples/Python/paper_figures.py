@@ -41,6 +41,7 @@ from vtkmodules.vtkRenderingCore import (
 
 import vtkffd
 from display import require_display
+from options import make_folder, pixels
 
 DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "Testing", "Data")
 WHITE, RED, GREEN = (0.95, 0.95, 0.95), (0.95, 0.3, 0.25), (0.3, 0.85, 0.35)
@@ -260,10 +261,10 @@ def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--output", default="output", help="folder for the pictures")
-    parser.add_argument("--size", type=int, default=512, help="height in pixels")
+    parser.add_argument("--size", type=pixels, default=512, help="height in pixels")
     arguments = parser.parse_args()
     require_display("paper_figures")
-    os.makedirs(arguments.output, exist_ok=True)
+    make_folder(arguments.output)
     reader = vtkXMLImageDataReader()
     reader.SetFileName(os.path.join(DATA, "engine.vti"))
     reader.Update()

@@ -36,6 +36,7 @@ from vtkmodules.vtkRenderingCore import (
 
 import vtkffd
 from display import require_display
+from options import make_folder, number, pixels
 
 DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "Testing", "Data")
 BACKGROUND = (26, 28, 33)
@@ -209,17 +210,14 @@ def main():
                         help="what maps points of the fixed volume to points of the moving one")
     parser.add_argument("--coordinates", choices=("LPS", "RAS"), default="LPS",
                         help="of .vti volumes; files of other formats are read in LPS")
-    parser.add_argument("--thresholds", type=float, nargs=2, default=(110.0, 1150.0),
+    parser.add_argument("--thresholds", type=number(-1e30, 1e30), nargs=2, default=(110.0, 1150.0),
                         help="scalars of the fixed and the moving volume where they become visible")
-    parser.add_argument("--fields", type=int, default=6, help="of the checkerboard, per side")
-    parser.add_argument("--size", type=int, default=400, help="pixels of a side of each picture")
+    parser.add_argument("--fields", type=pixels, default=6, help="of the checkerboard, per side")
+    parser.add_argument("--size", type=pixels, default=400, help="pixels of a side of each picture")
     parser.add_argument("--output", default="output", help="folder for the picture")
     parser.add_argument("--interactive", action="store_true", help="open a window")
     arguments = parser.parse_args()
-    try:
-        os.makedirs(arguments.output, exist_ok=True)
-    except OSError as error:
-        sys.exit("cannot make the folder %s: %s" % (arguments.output, error.strerror))
+    make_folder(arguments.output)
     viewer = Viewer(read_image(arguments.fixed), read_image(arguments.moving),
                     read_transform(arguments.transform, arguments.coordinates),
                     arguments.thresholds, arguments.size, arguments.fields)

@@ -34,6 +34,7 @@ from vtkmodules.vtkRenderingCore import (
 
 import vtkffd
 from display import require_display
+from options import make_folder
 
 DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "Testing", "Data")
 
@@ -247,10 +248,7 @@ def main():
     parser.add_argument("--interactive", action="store_true", help="open a window at the end")
     arguments = parser.parse_args()
     require_display("render_deformed", on_screen=arguments.interactive)
-    try:
-        os.makedirs(arguments.output, exist_ok=True)
-    except OSError as error:
-        sys.exit("cannot make the folder %s: %s" % (arguments.output, error.strerror))
+    make_folder(arguments.output)
     for name, scene in SCENES.items():
         print(scene["title"])
         view = View(scene)

@@ -511,6 +511,7 @@ int vtkFFDTransformSeries::RequestInformation(
   info->Remove(Pipeline::TIME_RANGE());
   if (!this->ReadFiles())
   {
+    this->GetOutputDataObject(0)->Initialize();
     return 0;
   }
   vtkFFDLattice* lattice = this->Steps.front().Lattice;

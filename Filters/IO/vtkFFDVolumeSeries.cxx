@@ -372,6 +372,7 @@ int vtkFFDVolumeSeries::RequestInformation(
   if (count == 0)
   {
     vtkErrorMacro("There is no file to read. Call AddFileName().");
+    this->GetOutputDataObject(0)->Initialize();
     return 0;
   }
   const Volume first = this->Internals->Get(0);
@@ -379,6 +380,7 @@ int vtkFFDVolumeSeries::RequestInformation(
   {
     vtkErrorMacro(
       "The volume " << this->GetFileName(0) << " cannot be used: " << first.Problem << ".");
+    this->GetOutputDataObject(0)->Initialize();
     return 0;
   }
   info->Set(Pipeline::WHOLE_EXTENT(), first.Image->GetExtent(), 6);

@@ -74,7 +74,8 @@ class Lattice(_vtkffd.vtkFFDLattice):
         sizes = _np.broadcast_to(_np.asarray(dimensions), 3)
         if not _np.issubdtype(sizes.dtype, _np.integer) or sizes.min() < 4:
             raise ValueError(f"dimensions {dimensions!r}: at least 4 control points along each axis")
-        self.SetDimensions(*(int(size) for size in sizes))
+        if sizes.max() <= 1024:
+            self.SetDimensions(*(int(size) for size in sizes))
         if self.dimensions != tuple(sizes):
             raise ValueError(f"dimensions {dimensions!r} are too large")
         if bounds is not None:
@@ -138,6 +139,8 @@ class Lattice(_vtkffd.vtkFFDLattice):
         chosen = _choose("shape", shape, _SHAPES)
         if not _np.isfinite(strength):
             raise ValueError("strength must be finite")
+        if not 0 <= seed < 2**31:
+            raise ValueError(f"seed {seed!r}: from 0 to 2147483647")
         _vtkffd.vtkFFDLatticeSource.ApplyShape(self, chosen, float(strength), int(seed))
         return self
 
@@ -436,6 +439,8 @@ class _Accessor:
                 raise ValueError(f"spacing {spacing!r}: three positive numbers")
             resample.SetOutputSpacing(*spacing)
         resample.Update()
+        if resample.GetOutput().GetNumberOfPoints() == 0:
+            raise ValueError("the volume cannot be resampled; VTK's messages say why")
         return _pv.wrap(resample.GetOutput())
 
     def attach(self, lattice):

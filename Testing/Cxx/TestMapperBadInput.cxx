@@ -9,6 +9,7 @@
 #include "vtkCellData.h"
 #include "vtkContourValues.h"
 #include "vtkMatrix3x3.h"
+#include "vtkMultiBlockDataSet.h"
 #include "vtkPlane.h"
 #include "vtkPolyData.h"
 #include "vtkRectilinearGrid.h"
@@ -76,7 +77,7 @@ bool TestDataSets()
 {
   FFDTestScene scene;
   bool ok = true;
-  const auto input = [&](const char* what, const std::string& text, vtkDataSet* data) {
+  const auto input = [&](const char* what, const std::string& text, vtkDataObject* data) {
     vtkNew<vtkTrivialProducer> producer;
     producer->SetOutput(data);
     ok &= Refuses(
@@ -90,6 +91,7 @@ bool TestDataSets()
     scene, "no input", "No input", [&] { scene.Mapper->RemoveAllInputConnections(0); },
     [&] { scene.Mapper->SetInputData(scene.Image); });
   input("polydata", "vtkPolyData", vtkNew<vtkPolyData>());
+  input("blocks", "vtkMultiBlockDataSet", vtkNew<vtkMultiBlockDataSet>());
   input("empty rectilinear grid", "empty", vtkNew<vtkRectilinearGrid>());
   input("unstructured grid", "vtkUnstructuredGrid", vtkNew<vtkUnstructuredGrid>());
   input("2-D", "8 x 8 x 1", Image<vtkImageData>(8, 8, 1));

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <ctime>
 #include <limits>
@@ -107,6 +108,24 @@ TEST(JacobianDeterminant, SignIsThatOfTheBounds)
   }
   EXPECT_GT(positive, 5);
   EXPECT_GT(folded, 5);
+}
+
+// Determinants that cannot be told from zero take no search.
+TEST(JacobianDeterminant, SquashedVolumesAreToldAtOnce)
+{
+  for (const glm::dvec3& scale : { glm::dvec3(1.0, 1.0, 1e-9), glm::dvec3(3e-4), glm::dvec3(1e-3) })
+  {
+    const int n = 8;
+    std::vector<glm::dvec3> values;
+    for (int i = 0; i < n * n * n; ++i)
+    {
+      values.push_back((scale - 1.0) * glm::dvec3(i % n, i / n % n, i / n / n));
+    }
+    const BSplineField field(glm::ivec3(n), glm::dvec3(0.0), glm::dvec3(1.0), values.data());
+    const auto start = std::chrono::steady_clock::now();
+    EXPECT_FALSE(HasPositiveJacobian(field, field.GetFirstCell(), field.GetEndCell()));
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
+  }
 }
 
 TEST(JacobianDeterminant, AffineAndIdentityAreExact)

@@ -26,13 +26,16 @@ print(vtkRenderWindow().GetClassName())
 """
 
 
+def start(name, *arguments):
+    program = os.path.join(SOURCE, "Examples", "Python", name + ".py")
+    return subprocess.run([sys.executable, program, *arguments], capture_output=True, text=True,
+                          check=False)
+
+
 def run(name, *arguments):
     output = os.path.join(os.environ["FFD_TEST_TEMPORARY"], name)
     shutil.rmtree(output, ignore_errors=True)
-    program = os.path.join(SOURCE, "Examples", "Python", name + ".py")
-    result = subprocess.run([sys.executable, program, "--output", output, *arguments],
-                            capture_output=True, text=True, check=False)
-    return output, result
+    return output, start(name, "--output", output, *arguments)
 
 
 def read(path):
@@ -121,9 +124,29 @@ class TestExamples(unittest.TestCase):
             _, result = run("registration_viewer", *arguments)
             self.assertNotEqual(result.returncode, 0)
             self.assertIn(text, result.stderr)
-        _, result = run("falling_head", "--rate", "0")
-        self.assertNotEqual(result.returncode, 0)
-        self.assertIn("rate", result.stderr)
+        file = os.path.join(os.environ["FFD_TEST_TEMPORARY"], "no_folder")
+        with open(file, "w", encoding="ascii"):
+            pass
+        for name, option, *values in (
+                ("falling_head", "--rate", "0"), ("falling_head", "--seconds", "-1"),
+                ("falling_head", "--seconds", "nan"), ("falling_head", "--stiffness", "-5"),
+                ("falling_head", "--size", "0"), ("animate_lattice", "--size", "100000"),
+                ("deform_surface", "--size", "-4"), ("deform_surface", "--strength", "nan"),
+                ("paper_figures", "--size", "0"), ("registration_viewer", "--fields", "0"),
+                ("registration_viewer", "--thresholds", "nan", "4"),
+                ("lattice_editor", "--lattice", "no_such.vti", "--screenshot", "a.png"),
+                ("lattice_editor", "--screenshot", "a.jpg")):
+            with self.subTest((name, option)):
+                result = start(name, option, *values)
+                self.assertNotEqual(result.returncode, 0)
+                self.assertNotIn("Traceback", result.stderr)
+                self.assertIn(option[2:], result.stderr.splitlines()[-1])
+        for name in ("animate_lattice", "deform_surface", "paper_figures", "falling_head"):
+            with self.subTest(name):
+                result = start(name, "--output", os.path.join(file, "within"))
+                self.assertNotEqual(result.returncode, 0)
+                self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+                self.assertIn("no_folder", result.stderr)
 
 
 if __name__ == "__main__":

@@ -231,6 +231,10 @@ class TestLattices(unittest.TestCase):
                             (TypeError, lambda: surface.ffd.warp(grid)),
                             (TypeError, lambda: grid.ffd.attach(vtkTransform())),
                             (ValueError, lambda: grid.ffd.resample(lattice, spacing=(1, 0, 1))),
+                            (ValueError, lambda: grid.ffd.resample(lattice, spacing=(1e-9, 1, 1))),
+                            (ValueError, lambda: vtkffd.pyvista.Lattice(2**40)),
+                            (ValueError, lambda: vtkffd.pyvista.Lattice().apply_shape(
+                                "random", seed=2**40)),
                             (ValueError, lambda: grid.ffd.resample(lattice, interpolation="best"))):
             self.assertRaises(error, call)
 

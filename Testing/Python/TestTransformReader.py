@@ -523,6 +523,15 @@ class TestTransformReader(unittest.TestCase):
                 self.assertIn(old, good)
                 self.check_refused("bad.txt", good.replace(old, new), expected)
 
+    def test_comments_of_elastix(self):
+        with open(os.path.join(FOLDER, "elastix_oblique.txt"), encoding="ascii") as file:
+            good = file.read()
+        path = os.path.join(TEMPORARY, "comment.txt")
+        with open(path, "w", encoding="ascii") as file:
+            file.write("// (before) it\n" + good.replace(
+                "(FixedImageDimension 3)", "(FixedImageDimension 3) // in space (not in time)"))
+        self.assertIsNotNone(read(path).GetTransform())
+
     def test_bad_fields_are_refused_by_name(self):
         def bytes_of(name):
             with open(os.path.join(FOLDER, name), "rb") as file:

@@ -278,6 +278,16 @@ class TestTransformSeries(unittest.TestCase):
             self.assertIn(words, errors.messages[0])
             self.assertEqual(item.GetNumberOfSteps(), 0)
             self.assertLessEqual(len(executive.messages), 1)
+            # Nothing is left of a file before.
+            item.RemoveAllFileNames()
+            item.AddFileName(path("elastix5_euler.txt"))
+            item.Update()
+            self.assertGreater(item.GetOutput().GetNumberOfPoints(), 0)
+            item.RemoveAllFileNames()
+            for name in names:
+                item.AddFileName(path(name))
+            item.Update()
+            self.assertEqual(item.GetOutput().GetNumberOfPoints(), 0)
         item = series("euler.tfm")
         errors = Errors(item)
         for name, value in (("Coordinates", 2), ("FitTolerance", 0.0), ("TimeSpacing", 0.0),

@@ -18,6 +18,21 @@ namespace ffd
 namespace
 {
 
+/// Where a comment begins in a line, or its length: at "//" that is not in quotes.
+std::size_t FindComment(std::string_view line)
+{
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i)
+  {
+    quoted = quoted != (line[i] == '"');
+    if (!quoted && line.substr(i, 2) == "//")
+    {
+      return i;
+    }
+  }
+  return line.size();
+}
+
 /// The entries "(Name value ...)" of an elastix parameter file.
 class ElastixEntries
 {
@@ -31,7 +46,8 @@ public:
       {
         continue;
       }
-      const std::size_t end = line.rfind(')');
+      // The entry ends before a comment, which may hold parentheses.
+      const std::size_t end = line.substr(0, FindComment(line)).rfind(')');
       if (line.front() != '(' || end == std::string_view::npos)
       {
         error = "the line " + Quote(line) + " is no entry in parentheses";

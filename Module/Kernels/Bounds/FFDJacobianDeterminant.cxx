@@ -192,8 +192,16 @@ struct Search
   Range Attained;
   Range Proven;
 
-  /// Whether the answer is known: a value that is not positive was met.
-  bool IsDone() const { return this->OnlySign && !(this->Attained.Min > 0.0); }
+  /// Whether the answer is known: a value was met that is not positive, or so small that no part
+  /// with it ever settles.
+  bool IsDone() const { return this->OnlySign && !(this->Attained.Min > ConversionSlack); }
+
+  /// What is proven, less `slack`; not positive once that is known.
+  Range FindResult(double slack) const
+  {
+    const double least = this->Proven.Min - slack;
+    return { this->IsDone() ? std::min(least, 0.0) : least, this->Proven.Max + slack };
+  }
 
   bool Settles(const Range& enclosure) const
   {
@@ -327,7 +335,7 @@ Range BoundDeterminant(const BSplineField& field, const glm::ivec3& firstCell,
   search.Proven = search.Attained;
   if (search.IsDone())
   {
-    return search.Proven;
+    return search.FindResult(0.0);
   }
   for (cell.z = first.z; cell.z < end.z; ++cell.z)
   {
@@ -365,7 +373,7 @@ Range BoundDeterminant(const BSplineField& field, const glm::ivec3& firstCell,
   {
     return { -infinity, infinity };
   }
-  return { search.Proven.Min - slack, search.Proven.Max + slack };
+  return search.FindResult(slack);
 }
 
 } // namespace
