@@ -273,6 +273,7 @@ int vtkFFDFitLattice::RequestInformation(
     constexpr int none[6] = { 0, -1, 0, -1, 0, -1 };
     info->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), none, 6);
     info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(), none, 6);
+    this->GetOutputDataObject(0)->Initialize();
     return aborted ? 1 : 0;
   }
   vtkFFDDescribeLatticeImage(this->Lattice, info);
@@ -295,9 +296,7 @@ int vtkFFDFitLattice::RequestData(
   vtkImageData* output = vtkImageData::GetData(outputs);
   if (output && this->MaximumError < 0.0)
   {
-    // The fit was aborted.
-    output->Initialize();
-    return 1;
+    return 1; // the fit was aborted
   }
   return output ? this->Lattice->ToImageData(output) : 0;
 }

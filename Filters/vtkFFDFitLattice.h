@@ -25,8 +25,8 @@
  *   Error: at the centers of cells and of their edges.
  *
  * A field that changes with time is fitted at the time that is asked for. One that has a single
- * layer of samples within the bounds is continued beyond it as it is. After an abort (AbortExecute)
- * the output is empty until something changes.
+ * layer of samples within the bounds is continued beyond it as it is. After an error, and after an
+ * abort (AbortExecute), the output is empty until something changes.
  *
  * The output is the image of the control points, as that of vtkFFDLatticeSource: for
  * vtkFFDDeformVolume, files and vtkFFDLattice::FromImageData(). GetLattice() is the same as an

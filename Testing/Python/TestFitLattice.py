@@ -246,6 +246,8 @@ class TestFitLattice(unittest.TestCase):
         self.assertIsNone(self.fit.GetLattice())
         self.assertIn("aborted", self.warnings.messages[0])
         self.assertEqual(self.fit.GetOutput().GetNumberOfPoints(), 0)
+        self.fit.Update()
+        self.assertEqual(self.fit.GetOutput().GetNumberOfPoints(), 0)
         # The next fit is made.
         self.fit.RemoveObservers("ProgressEvent")
         self.fit.Modified()
@@ -275,6 +277,7 @@ class TestFitLattice(unittest.TestCase):
             fit.Modified()
             self.assertIsNone(fit.GetLattice())
             self.assertEqual(fit.GetMaximumError(), -1.0)
+            self.assertEqual(fit.GetOutput().GetNumberOfPoints(), 0)
             self.assertEqual(len(self.errors.messages), 1, self.errors.messages)
             self.assertIn(text, self.errors.messages.pop())
 
