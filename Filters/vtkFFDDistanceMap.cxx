@@ -4,6 +4,7 @@
 
 #include "vtkFFDGuard.h"
 #include "vtkFFDParallelFor.h"
+#include "vtkFFDPipeline.h"
 #include "vtkFFDVolumeViewFromImage.h"
 
 #include "FFDDistanceMap.h"
@@ -168,12 +169,7 @@ int vtkFFDDistanceMap::RequestInformation(
 int vtkFFDDistanceMap::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** inputs, vtkInformationVector*)
 {
-  vtkInformation* input = inputs[0]->GetInformationObject(0);
-  if (input->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
-  {
-    input->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(),
-      input->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()), 6);
-  }
+  vtkFFDRequestWhole(inputs[0]->GetInformationObject(0));
   return 1;
 }
 

@@ -10,7 +10,12 @@ import vtkffd
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
 from vtkmodules.vtkCommonCore import vtkFloatArray
-from vtkmodules.vtkCommonDataModel import vtkImageData, vtkMultiBlockDataSet, vtkPolyData
+from vtkmodules.vtkCommonDataModel import (
+    vtkImageData,
+    vtkMultiBlockDataSet,
+    vtkPiecewiseFunction,
+    vtkPolyData,
+)
 from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkImagingCore import vtkImageShiftScale, vtkRTAnalyticSource
@@ -112,6 +117,22 @@ class TestPipelineTime(unittest.TestCase):
         # Who asks for a part gets that part.
         resample.UpdateTimeStep(0.5, -1, 1, 0, (10, 12, 1, 2, 3, 3))
         self.assertEqual(resample.GetOutput().GetExtent(), (10, 12, 1, 2, 3, 3))
+
+    def test_distances_are_from_all_of_the_volume(self):
+        source = vtkRTAnalyticSource()
+        opacity = vtkPiecewiseFunction()
+        opacity.AddPoint(250.0, 0.0)
+        opacity.AddPoint(251.0, 1.0)
+        found = []
+        for pieces in (1, 3):
+            distances = vtkffd.vtkFFDDistanceMap()
+            distances.SetResolutionToVoxels()
+            distances.SetScalarOpacity(opacity)
+            distances.SetInputConnection(source.GetOutputPort())
+            distances.UpdatePiece(pieces - 1, pieces, 0)
+            found.append(vtk_to_numpy(distances.GetOutput().GetPointData().GetScalars()))
+            source = vtkRTAnalyticSource()
+        np.testing.assert_array_equal(*found)
 
     def test_pieces_are_parts_of_the_whole(self):
         source = vtkRTAnalyticSource()
