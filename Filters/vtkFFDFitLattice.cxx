@@ -32,6 +32,7 @@
 #include <vector>
 
 vtkStandardNewMacro(vtkFFDFitLattice);
+vtkFFDProcessRequestInTimeMacro(vtkFFDFitLattice);
 
 namespace
 {
@@ -226,18 +227,6 @@ int vtkFFDFitLattice::FillInputPortInformation(int port, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
   return this->Superclass::FillInputPortInformation(port, info);
-}
-
-//------------------------------------------------------------------------------
-vtkTypeBool vtkFFDFitLattice::ProcessRequest(
-  vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs)
-{
-  return vtkFFDGuardedRequest(this, "vtkFFDFitLattice", outputs, [&] {
-    return request->Has(vtkStreamingDemandDrivenPipeline::REQUEST_TIME_DEPENDENT_INFORMATION())
-      ? vtkFFDRequestInformationAgain(
-          outputs, [&] { return this->RequestInformation(request, inputs, outputs); })
-      : this->Superclass::ProcessRequest(request, inputs, outputs);
-  });
 }
 
 //------------------------------------------------------------------------------

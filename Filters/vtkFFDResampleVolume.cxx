@@ -36,6 +36,7 @@
 #include <sstream>
 
 vtkStandardNewMacro(vtkFFDResampleVolume);
+vtkFFDProcessRequestInTimeMacro(vtkFFDResampleVolume);
 
 namespace
 {
@@ -509,18 +510,6 @@ bool vtkFFDResampleVolume::UpdateInternals(vtkInformation* input, std::string& m
     }
   }
   return true;
-}
-
-//------------------------------------------------------------------------------
-vtkTypeBool vtkFFDResampleVolume::ProcessRequest(
-  vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs)
-{
-  return vtkFFDGuardedRequest(this, "vtkFFDResampleVolume", outputs, [&] {
-    return request->Has(vtkStreamingDemandDrivenPipeline::REQUEST_TIME_DEPENDENT_INFORMATION())
-      ? vtkFFDRequestInformationAgain(
-          outputs, [&] { return this->RequestInformation(request, inputs, outputs); })
-      : this->Superclass::ProcessRequest(request, inputs, outputs);
-  });
 }
 
 //------------------------------------------------------------------------------

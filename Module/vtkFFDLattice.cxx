@@ -142,17 +142,6 @@ public:
     return ffd::Lattice({ this->GetNodes(), {} }, { o[0], o[1], o[2] }, { s[0], s[1], s[2] });
   }
 
-  /// The value, as its control points and options are now.
-  ffd::Lattice GetValue(vtkFFDLattice* self) const
-  {
-    ffd::Lattice value = this->GetGrid();
-    value.Net.Values = vtkFFDCopyTuples(this->Array);
-    value.Border = static_cast<ffd::BorderMode>(self->BorderMode);
-    value.Scale = self->DisplacementScale;
-    value.Inverse = self->InverseFlag != 0;
-    return value;
-  }
-
   /// Index of a control point; -1, and an error of `self`, where there is none.
   vtkIdType FindIndex(vtkFFDLattice* self, const char* name, int i, int j, int k) const
   {
@@ -207,7 +196,7 @@ public:
     }
     return vtkFFDGuard(self, name, [&] {
       RequireMemory(nodes);
-      this->SetValue(self, change(this->GetValue(self)));
+      this->SetValue(self, change(vtkFFDGetLatticeValue(self, this->Array)));
       self->Modified();
     });
   }
@@ -519,7 +508,7 @@ void vtkFFDLattice::Reset()
   {
     // The image, or its array, was given another size.
     vtkFFDGuard(this, "Reset", [this] {
-      ffd::Lattice value = this->Lattice->GetValue(this);
+      ffd::Lattice value = vtkFFDGetLatticeValue(this, this->Lattice->Array);
       if (value.HasPossibleDimensions())
       {
         RequireMemory(value.Net.Nodes);
@@ -737,7 +726,7 @@ int vtkFFDLattice::ToImageData(vtkImageData* image)
   this->FollowInverse();
   return vtkFFDGuard(this, "ToImageData", [&] {
     image->DeepCopy(this->Lattice->Image);
-    vtkFFDWriteLatticeOptions(this->Lattice->GetValue(this), image);
+    vtkFFDWriteLatticeOptions(vtkFFDGetLatticeValue(this, this->Lattice->Array), image);
   });
 }
 
@@ -745,7 +734,7 @@ int vtkFFDLattice::ToImageData(vtkImageData* image)
 int vtkFFDLattice::FromImageData(vtkImageData* image)
 {
   return vtkFFDGuarded(this, "FromImageData", 0, [&] {
-    ffd::Lattice value = this->Lattice->GetValue(this);
+    ffd::Lattice value = vtkFFDGetLatticeValue(this, this->Lattice->Array);
     const std::string problem = vtkFFDReadLatticeImage(image, value);
     if (!problem.empty())
     {
@@ -888,7 +877,7 @@ void vtkFFDLattice::InternalUpdate()
     if (problem.empty())
     {
       RequireMemory(this->Lattice->GetNodes(), 2.0 / 3.0 * BytesPerPoint); // it has its array
-      const ffd::Lattice value = this->Lattice->GetValue(this);
+      const ffd::Lattice value = vtkFFDGetLatticeValue(this, this->Lattice->Array);
       problem = value.FindProblem();
       if (problem.empty())
       {

@@ -195,9 +195,14 @@ bool vtkFFDWriteTuples(const std::vector<glm::dvec3>& values, vtkDoubleArray* ar
 //------------------------------------------------------------------------------
 ffd::Lattice vtkFFDGetLatticeValue(vtkFFDLattice* lattice)
 {
+  return vtkFFDGetLatticeValue(lattice, lattice->GetDisplacements());
+}
+
+//------------------------------------------------------------------------------
+ffd::Lattice vtkFFDGetLatticeValue(vtkFFDLattice* lattice, vtkDoubleArray* displacements)
+{
   ffd::Lattice value;
-  // First, as it brings an inverse up to date.
-  value.Net.Values = vtkFFDCopyTuples(lattice->GetDisplacements());
+  value.Net.Values = vtkFFDCopyTuples(displacements);
   vtkImageData* image = lattice->GetCoefficientData();
   image->GetDimensions(&value.Net.Nodes.x);
   image->GetOrigin(&value.Origin.x);

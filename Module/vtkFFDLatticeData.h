@@ -37,9 +37,15 @@ VTKFFDCORE_EXPORT vtkSmartPointer<vtkDoubleArray> vtkFFDMakeDisplacementArray(
 VTKFFDCORE_EXPORT bool vtkFFDWriteTuples(
   const std::vector<glm::dvec3>& values, vtkDoubleArray* array);
 
-/// The value of a lattice, as its control points and options are now. It may have a problem, which
-/// FindProblem() tells.
+///@{
+/**
+ * The value of a lattice, as its control points and options are now. It may have a problem, which
+ * FindProblem() tells. With `displacements`, those of the lattice, an inverse is not brought up to
+ * date.
+ */
 VTKFFDCORE_EXPORT ffd::Lattice vtkFFDGetLatticeValue(vtkFFDLattice* lattice);
+ffd::Lattice vtkFFDGetLatticeValue(vtkFFDLattice* lattice, vtkDoubleArray* displacements);
+///@}
 
 ///@{
 /**

@@ -51,10 +51,6 @@ void vtkFFDFollowTime(vtkInformation* input, vtkInformation* output)
   {
     output->Set(Pipeline::TIME_DEPENDENT_INFORMATION(), 1);
   }
-  else
-  {
-    output->Remove(Pipeline::TIME_DEPENDENT_INFORMATION());
-  }
 }
 
 //------------------------------------------------------------------------------

@@ -32,6 +32,20 @@ VTKFFDCORE_EXPORT int vtkFFDRequestInformationAgain(
   vtkInformationVector* outputs, const std::function<int()>& requestInformation);
 ///@}
 
+/// The definition of ProcessRequest() of such a filter, guarded as
+/// vtkFFDGuardedProcessRequestMacro() does it.
+#define vtkFFDProcessRequestInTimeMacro(thisClass)                                                 \
+  vtkTypeBool thisClass::ProcessRequest(                                                           \
+    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs)         \
+  {                                                                                                \
+    return vtkFFDGuardedRequest(this, #thisClass, outputs, [&] {                                   \
+      return request->Has(vtkStreamingDemandDrivenPipeline::REQUEST_TIME_DEPENDENT_INFORMATION())  \
+        ? vtkFFDRequestInformationAgain(                                                           \
+            outputs, [&] { return this->RequestInformation(request, inputs, outputs); })           \
+        : this->Superclass::ProcessRequest(request, inputs, outputs);                              \
+    });                                                                                            \
+  }
+
 /// In RequestInformation(): the time steps and the range of `output` are `steps` and those of the
 /// inputs, which may be null.
 VTKFFDCORE_EXPORT void vtkFFDMergeTimes(
