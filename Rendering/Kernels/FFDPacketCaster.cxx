@@ -32,14 +32,13 @@ namespace HWY_NAMESPACE
 int CastTileOfAnyType(const PacketScene& scene, int x0, int y0, unsigned int subtiles,
   const CastImage& image, PacketScratch& scratch, int first, Deadline deadline)
 {
+  // Whole numbers with a sign are read as those without, see PacketIntegers.
   switch (scene.Volume.Type)
   {
     case ScalarType::Int8:
-      return CastTile<std::int8_t>(scene, x0, y0, subtiles, image, scratch, first, deadline);
     case ScalarType::UInt8:
       return CastTile<std::uint8_t>(scene, x0, y0, subtiles, image, scratch, first, deadline);
     case ScalarType::Int16:
-      return CastTile<std::int16_t>(scene, x0, y0, subtiles, image, scratch, first, deadline);
     case ScalarType::UInt16:
       return CastTile<std::uint16_t>(scene, x0, y0, subtiles, image, scratch, first, deadline);
     case ScalarType::Float32:
@@ -349,6 +348,11 @@ PacketVolume MakePacketVolume(const VolumeView& v, bool nearest)
   packet.IncrementZ = static_cast<int>(v.Increments[2]);
   packet.ElementSize = SizeOf(v.Type);
   packet.Nearest = nearest;
+  if (packet.ElementSize <= 2)
+  {
+    packet.Integers = MakePacketIntegers(
+      packet.ElementSize, v.Type == ScalarType::Int8 || v.Type == ScalarType::Int16);
+  }
   return packet;
 }
 

@@ -5,8 +5,56 @@
 
 #include "FFDVolumeView.h"
 
+#include <cstdint>
+
 namespace ffd
 {
+
+/// Weights of whole numbers add up to this.
+constexpr int FixedOne = 1 << 14;
+
+/// How the packet kernels, which are the same with and without a sign, read whole numbers of one or
+/// two bytes: two neighboring voxels become signed 16-bit numbers, which are multiplied by weights
+/// and added.
+struct PacketIntegers
+{
+  /// Of bytes: where, in four rows of four of them, those of the two voxels from the first, second
+  /// and third one of each row on are. Those with a sign become the upper bytes of the numbers,
+  /// which extends their sign; 0x80 stands for a byte of zero.
+  alignas(16) std::uint32_t Pairs[3][4] = {};
+  bool Signed = false;
+  std::uint32_t Flip = 0; ///< of numbers of two bytes: XORed with two of them
+  float Unit = 1.0f;      ///< the sum times this and plus the next one is the value
+  float Zero = 0.0f;
+};
+
+/// `bytes`: of a number, 1 or 2.
+inline PacketIntegers MakePacketIntegers(int bytes, bool hasSign)
+{
+  PacketIntegers integers;
+  integers.Signed = hasSign;
+  integers.Unit = 1.0f / FixedOne;
+  if (bytes == 1)
+  {
+    integers.Unit /= hasSign ? 256.0f : 1.0f;
+    const auto half = [hasSign](
+                        unsigned int from) { return hasSign ? 0x80u | from << 8 : from | 0x8000u; };
+    for (unsigned int first = 0; first < 3; ++first)
+    {
+      for (unsigned int row = 0; row < 4; ++row)
+      {
+        const unsigned int from = 4 * row + first;
+        integers.Pairs[first][row] = half(from) | half(from + 1) << 16;
+      }
+    }
+  }
+  else if (!hasSign)
+  {
+    integers.Flip = 0x80008000u;
+    integers.Zero = 32768.0f;
+  }
+  return integers;
+}
 
 /**
  * The voxels in the form that the packet kernels read. Offsets of the lanes of a packet are 32-bit
@@ -28,6 +76,7 @@ struct PacketVolume
   /// suffices from there on; for the others Shift and Scale are not applied.
   double Shift = 0.0;
   double Scale = 1.0;
+  PacketIntegers Integers; ///< of types of one or two bytes
 };
 
 } // namespace ffd

@@ -126,7 +126,7 @@ HWY_INLINE ComponentRows<T> LoadComponentRows(
       const Quads next = load(1, sort);
       const Vi ofNext[4] = { next.x, next.y, next.z, next.w };
       ForComponents([&](auto c) {
-        rows.Of[c] = { Fetch<T>::ToSigned(of[c]), Fetch<T>::ToSigned(ofNext[c]) };
+        rows.Of[c] = { Fetch<T>::ToSigned(v, of[c]), Fetch<T>::ToSigned(v, ofNext[c]) };
       });
     }
   }

@@ -328,7 +328,8 @@ public:
       using F = Fetch<T>;
       const SampleRows<T>& rows = this->Rows;
       return F::Value(Across<T>(at, F::Middle(rows.R00, at), F::Middle(rows.R10, at),
-        F::Middle(rows.R01, at), F::Middle(rows.R11, at)));
+                        F::Middle(rows.R01, at), F::Middle(rows.R11, at)),
+        at);
     }
 
   private:

@@ -38,6 +38,7 @@ struct SamplePosition
   Vf Fy;
   Vf Fz;
   Vi Weights; ///< 1 - Fx and Fx as PairWeights()
+  const PacketIntegers* Integers;
 };
 
 /// First voxel, along an axis, of the cell that holds a position.
@@ -53,6 +54,7 @@ HWY_INLINE SamplePosition FindCells(
   const Df d;
   const Di di;
   SamplePosition at;
+  at.Integers = &v.Integers;
   const auto locate = [&](Vf x, int a, Vi& cell, Vf& part) {
     if (inner)
     {
@@ -172,13 +174,13 @@ private:
  * at the start of the cell; a fetch may read from the voxel before it to the second one behind it.
  *
  * Row: the voxels from one before the cell to one behind it.
- * Along: values along x in units of Fetch::Unit, as they are interpolated and subtracted.
+ * Along: values along x, as they are interpolated and subtracted.
  * Middle(), Before(), Behind(): at the position, and one voxel before and behind it.
  * Middle(v, offsets, delta, at): Middle() without fetching the voxels further out.
  * Repeat(row, first, last): of the first four voxels of a line, the row of the cell before them in
  * the lanes of `first`, of the last four that of the cell behind them in the lanes of `last`, whose
  * missing voxel is the outermost one.
- * Value(): the value that a number in these units stands for.
+ * Value(), Difference(): the value, or the difference of two, that an interpolated one stands for.
  */
 template <class T>
 struct Fetch;
@@ -204,9 +206,9 @@ struct FetchFloats
 {
   using Row = Row4;
   using Along = Vf;
-  static constexpr float Unit = 1.0f;
   static HWY_INLINE Vf ToFloat(Vf along) { return along; }
-  static HWY_INLINE Vf Value(Vf value) { return value; }
+  static HWY_INLINE Vf Value(Vf value, const SamplePosition&) { return value; }
+  static HWY_INLINE Vec3 Difference(const Vec3& g, const SamplePosition&) { return g; }
   static HWY_INLINE Row LoadRow(const PacketVolume& v, const int* offsets, int delta)
   {
     return Loader::LoadRow(v, offsets, delta);
@@ -305,16 +307,26 @@ struct Fetch<float> : FetchFloats<FloatLoader>
 // times a pair of weights in one instruction. So positions along x are rounded to 1 / FixedOne of a
 // voxel, which is about what single precision has left of them.
 
-/// 8-bit types: one 32-bit load holds the four voxels of a row. Signed ones go to the upper bytes
-/// of the halves, which extends their sign.
-template <bool Signed>
-struct FetchBytes
+/// Fetches whole numbers that become signed 16-bit ones by PacketIntegers.
+struct FetchIntegers
+{
+  using Along = Vi;
+  static HWY_INLINE Vf ToFloat(Vi along) { return hn::ConvertTo(Df(), along); }
+  static HWY_INLINE Vf Value(Vf value, const SamplePosition& at)
+  {
+    return hn::MulAdd(value, Splat(at.Integers->Unit), Splat(at.Integers->Zero));
+  }
+  static HWY_INLINE Vec3 Difference(const Vec3& g, const SamplePosition& at)
+  {
+    return Scale(Splat(at.Integers->Unit), g);
+  }
+};
+
+/// 8-bit types: one 32-bit load holds the four voxels of a row.
+template <>
+struct Fetch<std::uint8_t> : FetchIntegers
 {
   using Row = Vi;
-  using Along = Vi;
-  static constexpr float Unit = 1.0f / (Signed ? 256 * FixedOne : FixedOne);
-  static HWY_INLINE Vf ToFloat(Vi along) { return hn::ConvertTo(Df(), along); }
-  static HWY_INLINE Vf Value(Vf value) { return hn::Mul(value, Splat(Unit)); }
   static HWY_INLINE Vi LoadRow(const PacketVolume& v, const int* offsets, int delta)
   {
     return LoadLanes<int, 1>(v.Scalars, delta - 1, offsets);
@@ -330,15 +342,15 @@ struct FetchBytes
   }
   static HWY_INLINE Vi Before(Vi row, const SamplePosition& at)
   {
-    return MultiplyPairs(Pair<0>(row), at.Weights);
+    return MultiplyPairs(Pair<0>(row, at), at.Weights);
   }
   static HWY_INLINE Vi Middle(Vi row, const SamplePosition& at)
   {
-    return MultiplyPairs(Pair<1>(row), at.Weights);
+    return MultiplyPairs(Pair<1>(row, at), at.Weights);
   }
   static HWY_INLINE Vi Behind(Vi row, const SamplePosition& at)
   {
-    return MultiplyPairs(Pair<2>(row), at.Weights);
+    return MultiplyPairs(Pair<2>(row, at), at.Weights);
   }
   static HWY_INLINE Vi Middle(
     const PacketVolume& v, const int* offsets, int delta, const SamplePosition& at)
@@ -349,7 +361,7 @@ struct FetchBytes
 private:
   /// Two neighboring bytes of each lane as halves of 16 bits.
   template <int First>
-  static HWY_INLINE Vi Pair(Vi row)
+  static HWY_INLINE Vi Pair(Vi row, const SamplePosition& at)
   {
     const Di di;
 #if HWY_TARGET == HWY_SCALAR
@@ -357,57 +369,35 @@ private:
     const Vi low = hn::And(hn::ShiftRight<8 * First>(row), byte);
     const Vi high = hn::And(hn::ShiftRight<8 * First + 8>(row), byte);
     const Vi pair = hn::Or(low, hn::ShiftLeft<16>(high));
-    return Signed ? hn::ShiftLeft<8>(pair) : pair;
+    return at.Integers->Signed ? hn::ShiftLeft<8>(pair) : pair;
 #else
-    // The source of each byte in a block of 128 bits; 0x80: zero.
-    const auto half = [](unsigned int from) { return Signed ? 0x80u | from << 8 : from | 0x8000u; };
-    const auto pair = [&](unsigned int lane) {
-      return half(4 * lane + First) | half(4 * lane + First + 1) << 16;
-    };
-    HWY_ALIGN const unsigned int from[4] = { pair(0), pair(1), pair(2), pair(3) };
     const hn::Repartition<std::uint8_t, Di> bytes;
-    return hn::BitCast(di,
-      hn::TableLookupBytesOr0(hn::BitCast(bytes, row),
-        hn::BitCast(bytes, hn::LoadDup128(hn::RebindToUnsigned<Di>(), from))));
+    const auto from = hn::LoadDup128(hn::RebindToUnsigned<Di>(), at.Integers->Pairs[First]);
+    return hn::BitCast(
+      di, hn::TableLookupBytesOr0(hn::BitCast(bytes, row), hn::BitCast(bytes, from)));
 #endif
   }
 };
-template <>
-struct Fetch<std::uint8_t> : FetchBytes<false>
-{
-};
-template <>
-struct Fetch<std::int8_t> : FetchBytes<true>
-{
-};
 
-/// 16-bit types: a 32-bit load holds two voxels, which is a pair already. Those without a sign are
-/// made signed by an offset.
-template <bool Signed>
-struct FetchWords
+/// 16-bit types: a 32-bit load holds two voxels, which is a pair already.
+template <>
+struct Fetch<std::uint16_t> : FetchIntegers
 {
   struct Row
   {
     Vi AB;
     Vi CD;
   };
-  using Along = Vi;
-  static constexpr float Unit = 1.0f / FixedOne;
-  static HWY_INLINE Vf ToFloat(Vi along) { return hn::ConvertTo(Df(), along); }
-  static HWY_INLINE Vf Value(Vf value)
-  {
-    return hn::MulAdd(value, Splat(Unit), Splat(Signed ? 0.0f : 32768.0f));
-  }
   static HWY_INLINE Row LoadRow(const PacketVolume& v, const int* offsets, int delta)
   {
     const Pairs words =
       LoadPairLanes<2>(v.Scalars, 2 * static_cast<std::ptrdiff_t>(delta - 1), offsets);
-    return { ToSigned(words.x), ToSigned(words.y) };
+    return { ToSigned(v, words.x), ToSigned(v, words.y) };
   }
   /// Two voxels as they are in memory, as they are in a row.
-  static HWY_INLINE Vi ToSigned(Vi pair)
+  static HWY_INLINE Vi ToSigned(const PacketVolume& v, Vi pair)
   {
-    return Signed ? pair : hn::Xor(pair, hn::Set(Di(), static_cast<int>(0x80008000u)));
+    return hn::Xor(pair, hn::Set(Di(), static_cast<int>(v.Integers.Flip)));
   }
   static HWY_INLINE Row Repeat(const Row& r, Mi first, Mi last)
   {
@@ -441,16 +431,9 @@ struct FetchWords
 private:
   static HWY_INLINE Vi Load(const PacketVolume& v, const int* offsets, int delta)
   {
-    return ToSigned(LoadLanes<int, 2>(v.Scalars, 2 * static_cast<std::ptrdiff_t>(delta), offsets));
+    return ToSigned(
+      v, LoadLanes<int, 2>(v.Scalars, 2 * static_cast<std::ptrdiff_t>(delta), offsets));
   }
-};
-template <>
-struct Fetch<std::uint16_t> : FetchWords<false>
-{
-};
-template <>
-struct Fetch<std::int16_t> : FetchWords<true>
-{
 };
 
 /// The four rows of a cell, kept by a sample for its gradient, and their values at the position.
@@ -621,7 +604,7 @@ HWY_INLINE Vf Sample(const Source& source, const SamplePosition& at, SampleRows<
   rows.M10 = F::Middle(rows.R10, at);
   rows.M01 = F::Middle(rows.R01, at);
   rows.M11 = F::Middle(rows.R11, at);
-  return F::Value(Across<T>(at, rows.M00, rows.M10, rows.M01, rows.M11));
+  return F::Value(Across<T>(at, rows.M00, rows.M10, rows.M01, rows.M11), at);
 }
 
 /**
@@ -642,7 +625,7 @@ HWY_INLINE Vec3 Gradient(const Source& source, const SamplePosition& at, const S
     Across<T>(at, hn::Sub(rows.M01, middle(0, -1)), hn::Sub(rows.M11, middle(1, -1)),
       hn::Sub(middle(0, 2), rows.M00), hn::Sub(middle(1, 2), rows.M10))
   };
-  return F::Unit == 1.0f ? g : Scale(Splat(F::Unit), g);
+  return F::Difference(g, at);
 }
 
 /// Rescales gradients from repeated voxels: their differences are over less than two voxels at the
@@ -694,6 +677,7 @@ public:
     this->At.Fy = locate(q.y, 1);
     this->At.Fz = locate(q.z, 2);
     this->At.Weights = PairWeights(this->At.Fx);
+    this->At.Integers = &v.Integers;
     HWY_ALIGN float flags[16];
     hn::Store(hn::IfThenElseZero(lanes, Splat(1.0f)), d, flags);
     int block = 0;

@@ -8,6 +8,8 @@
 #define FFD_SIMD_MATH_INL_H_
 #endif
 
+#include "FFDPacketVolume.h"
+
 #include <glm/vec3.hpp>
 #include <hwy/highway.h>
 
@@ -204,9 +206,6 @@ HWY_INLINE auto LoadLanes(const void* base, std::ptrdiff_t bytes, const int* off
   }));
 #endif
 }
-
-/// Weights of 16-bit numbers add up to this.
-constexpr int FixedOne = 1 << 14;
 
 /// 1 - f and f, in units of 1 / FixedOne, in the lower and the upper half of each lane; 0 <= f
 /// <= 1.

@@ -50,7 +50,7 @@ HWY_NOINLINE Vec3 InnerOpacityGradient(const PacketScene& scene, const Source& s
   using F = Fetch<T>;
   using Along = typename F::Along;
   const auto opacity = [&](Along a00, Along a10, Along a01, Along a11) {
-    return OpacityOfValues(scene, F::Value(Across<T>(at, a00, a10, a01, a11)));
+    return OpacityOfValues(scene, F::Value(Across<T>(at, a00, a10, a01, a11), at));
   };
   const auto middle = [&](int dy, int dz) { return source.Middle(dy, dz, at); };
   const auto behind = [&](const typename F::Row& row) { return F::Behind(row, at); };

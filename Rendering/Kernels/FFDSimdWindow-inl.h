@@ -46,8 +46,7 @@ namespace HWY_NAMESPACE
 template <class T>
 constexpr bool HasVoxelWindow()
 {
-  return FFD_HAS_VOXEL_WINDOWS &&
-    (std::is_same<T, std::uint8_t>::value || std::is_same<T, std::int8_t>::value);
+  return FFD_HAS_VOXEL_WINDOWS && std::is_same<T, std::uint8_t>::value;
 }
 
 /// Layers of cells along z that a packet may be in at a sample of a segment.

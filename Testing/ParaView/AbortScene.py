@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Run by TestAbort.py in ParaView's graphical client: a volume whose still frames take long, and with
-FFD_ABORT_ALL=1 the moving ones, too. How frames begin and end goes to the file FFD_ABORT_LOG as lines of
-JSON."""
+"""Run by TestAbort.py in ParaView's graphical client: a volume whose still frames take some two seconds,
+or as long as with the sample distance FFD_ABORT_DISTANCE, and with FFD_ABORT_ALL=1 the moving ones, too.
+The distance, and how frames begin and end, go to the file FFD_ABORT_LOG as lines of JSON."""
 
 import json
 import os
@@ -11,30 +11,41 @@ import time
 from paraview import servermanager, simple
 from paraview.vtk.vtkCommonCore import vtkUnsignedCharArray
 
-lattice = simple.FFDLattice(Input=simple.Wavelet(WholeExtent=[-130, 130] * 3), Shape="Twist")
-view = simple.GetActiveViewOrCreate("RenderView")
-display = simple.Show(lattice, view)
-display.FFDNumberOfThreads = 1
-display.FFDShade = 1
-display.FFDSampleDistance = 0.05
-simple.GetOpacityTransferFunction("RTData").Points = [37, 0.001, 0.5, 0, 280, 0.002, 0.5, 0]
-all_long = os.environ.get("FFD_ABORT_ALL") == "1"
-if all_long:
-    view.LODThreshold = 100000.0
-    display.FFDSampleDistance = 0.1
-view.ResetCamera()
-simple.Render(view)
+FRAME = 2.0  # seconds
 
 log = open(os.environ["FFD_ABORT_LOG"], "w", encoding="ascii")  # open until the end
-handler = servermanager.ActiveConnection.Session.GetProgressHandler()
-window = view.GetRenderWindow()
-progress = []
-handler.AddObserver("ProgressEvent", lambda *_: progress.append(handler.GetLastProgressText()))
 
 
 def write(**line):
     log.write(json.dumps({"time": time.monotonic(), **line}) + "\n")
     log.flush()
+
+
+lattice = simple.FFDLattice(Input=simple.Wavelet(WholeExtent=[-130, 130] * 3), Shape="Twist")
+view = simple.GetActiveViewOrCreate("RenderView")
+display = simple.Show(lattice, view)
+display.FFDNumberOfThreads = 1
+display.FFDShade = 1
+simple.GetOpacityTransferFunction("RTData").Points = [37, 0.001, 0.5, 0, 280, 0.002, 0.5, 0]
+all_long = os.environ.get("FFD_ABORT_ALL") == "1"
+if all_long:
+    view.LODThreshold = 100000.0
+view.ResetCamera()
+distance = float(os.environ.get("FFD_ABORT_DISTANCE", "0.5"))
+display.FFDSampleDistance = distance
+simple.Render(view)
+if "FFD_ABORT_DISTANCE" not in os.environ:
+    start = time.monotonic()
+    simple.Render(view)
+    distance *= (time.monotonic() - start) / FRAME
+    display.FFDSampleDistance = distance
+    simple.Render(view)
+write(event="scene", distance=distance)
+
+handler = servermanager.ActiveConnection.Session.GetProgressHandler()
+window = view.GetRenderWindow()
+progress = []
+handler.AddObserver("ProgressEvent", lambda *_: progress.append(handler.GetLastProgressText()))
 
 
 def begin(*_):

@@ -139,6 +139,7 @@ class TestAbort(unittest.TestCase):
 
     def test_abort(self):
         pictures = {}
+        scene = {}  # the same in all
         for name, ranks in (("local", 0), ("server", 1), ("servers", 2)):
             with self.subTest(name):
                 self.begin()
@@ -148,7 +149,8 @@ class TestAbort(unittest.TestCase):
                     self.start_server(port, ranks)
                     options = ["--server-url=cs://localhost:%d" % port]
                 self.start("paraview", "--dr", *options,
-                           "--script=" + os.path.join(HERE, "AbortScene.py"))
+                           "--script=" + os.path.join(HERE, "AbortScene.py"), **scene)
+                scene["FFD_ABORT_DISTANCE"] = str(self.next("scene")["distance"])
                 self.check_aborts()
                 pictures[name] = ffd.read_picture(self.log + ".png")
             self.tearDown()

@@ -8,6 +8,7 @@ import numpy
 import vtkffd
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+from vtkmodules.vtkCommonTransforms import vtkTransform
 from vtkmodules.vtkRenderingCore import (
     vtkColorTransferFunction, vtkRenderer, vtkVolume, vtkVolumeProperty)
 
@@ -106,6 +107,32 @@ class TestMapper(unittest.TestCase):
         self.mapper.SetDeformation(None)
         again, _ = self.render()
         self.assertTrue(numpy.array_equal(rest, again))
+
+    def test_affine_transforms_of_any_scale(self):
+        """As from meters to millimeters: bounds are those of the image, the picture is the same."""
+        expected, _ = self.render()
+        camera = self.renderer.GetActiveCamera()
+        place, focus = camera.GetPosition(), camera.GetFocalPoint()
+        corners = numpy.indices((2, 2, 2)).reshape(3, 8).T * (SIZE - 1)
+        for scale in (1e-2, 1.0, 1e3):
+            with self.subTest(scale=scale):
+                transform = vtkTransform()
+                transform.RotateX(20)
+                transform.Scale(scale, scale, scale)
+                self.mapper.SetDeformation(transform)
+                moved = [transform.TransformPoint(*corner) for corner in corners.tolist()]
+                bounds = numpy.reshape(self.mapper.GetBounds(), (3, 2)).T
+                self.assertLess(numpy.abs(bounds - [numpy.min(moved, axis=0), numpy.max(moved, axis=0)])
+                                .max(), 0.02 * SIZE * max(scale, 0.1))
+                self.mapper.SetSampleDistance(scale)
+                self.volume.GetProperty().SetScalarOpacityUnitDistance(scale)
+                camera.SetPosition(transform.TransformPoint(place))
+                camera.SetFocalPoint(transform.TransformPoint(focus))
+                camera.SetViewUp(transform.TransformVector(0, 1, 0))
+                camera.SetClippingRange(30.0 * scale, 120.0 * scale)
+                rgba, _ = self.render()
+                self.assertEqual(self.errors, [])
+                self.assertLess(numpy.abs(rgba.astype(int) - expected).mean(), 0.5)
 
     def test_options_by_name(self):
         mapper = self.mapper

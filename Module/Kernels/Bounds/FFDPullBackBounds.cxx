@@ -409,7 +409,6 @@ Box PullBackBounds::DeformedBounds(const Box& rest, const ParallelFor& parallelF
   const auto grow = [](Box box, double by) -> Box {
     return box.IsEmpty() ? box : Box{ box.Min - by, box.Max + by };
   };
-  Box box = Box::Empty();
   switch (this->Kind)
   {
     case PullBackKind::FirstOrder:
@@ -418,12 +417,7 @@ Box PullBackBounds::DeformedBounds(const Box& rest, const ParallelFor& parallelF
       return this->Preimage(rest, 1.0, parallelFor);
     case PullBackKind::Exact:
       // A converged Q has T(Q) within the tolerance of P.
-      box = grow(FindForwardImage(*this->Field, rest), this->Tolerance);
-      if (!this->ProvenInvertible)
-      {
-        box.Include(this->Preimage(rest, -1.0, parallelFor));
-      }
-      return box;
+      return grow(FindForwardImage(*this->Field, rest), this->Tolerance);
     case PullBackKind::FirstOrderOfInverse:
     {
       // With P = T(Q) + e, |e| <= tolerance: Phi(P) = 2P - Q = Q + 2 D(Q) + 2 e.
@@ -433,25 +427,21 @@ Box PullBackBounds::DeformedBounds(const Box& rest, const ParallelFor& parallelF
       };
       glm::ivec3 first;
       glm::ivec3 last;
-      if (FindSubCells(*this->Field, reach(FindHull(*this->Field)), first, last))
+      if (!FindSubCells(*this->Field, reach(FindHull(*this->Field)), first, last))
       {
-        box = this->UnionOfSubCells(
-          first, last,
-          [&reach](const Box& at, const Box& d) {
-            const Box q = Intersect(at, reach(d));
-            return q.IsEmpty() ? q : Box{ q.Min + d.Min, q.Max + d.Max };
-          },
-          parallelFor);
+        return Box::Empty();
       }
-      box = grow(box, this->Tolerance);
-      if (!this->ProvenInvertible)
-      {
-        box.Include(this->Preimage(rest, 1.0, parallelFor));
-      }
-      return box;
+      const Box box = this->UnionOfSubCells(
+        first, last,
+        [&reach](const Box& at, const Box& d) {
+          const Box q = Intersect(at, reach(d));
+          return q.IsEmpty() ? q : Box{ q.Min + d.Min, q.Max + d.Max };
+        },
+        parallelFor);
+      return grow(box, this->Tolerance);
     }
   }
-  return box;
+  return Box::Empty();
 }
 
 //------------------------------------------------------------------------------

@@ -57,9 +57,9 @@ public:
 
   /**
    * A box that contains every deformed point P with Phi(P) inside `rest`: the bounds of the
-   * deformed object. Exact: the image of `rest` under T, tight (with the points added that fall
-   * back to first order, unless T is proven free of folds). The other kinds: sub-cells whose Phi
-   * cannot reach `rest` are excluded. Conservative, never too small; empty when `rest` is.
+   * deformed object. Exact: the image of `rest` under T, tight. The other kinds: sub-cells whose
+   * Phi cannot reach `rest` are excluded. Points whose inverse does not converge do not count.
+   * Conservative, never too small; empty when `rest` is.
    */
   Box DeformedBounds(const Box& rest, const ParallelFor& parallelFor = ParallelFor()) const;
 
