@@ -335,6 +335,19 @@ int vtkFFDDeformGeometry::FillInputPortInformation(int port, vtkInformation* inf
 vtkTypeBool vtkFFDDeformGeometry::ProcessRequest(
   vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs)
 {
+  if (request->Has(vtkDemandDrivenPipeline::REQUEST_DATA_OBJECT()))
+  {
+    vtkDataObject* const input = vtkDataObject::GetData(inputs[0]);
+    if (input && !vtkPointSet::SafeDownCast(input))
+    {
+      vtkErrorMacro("The input is a "
+        << input->GetClassName()
+        << ", which has no points that could be moved. Make points of it, by "
+           "vtkImageDataToPointSet or "
+           "vtkRectilinearGridToPointSet, or deform its voxels by vtkFFDDeformVolume.");
+      return 0;
+    }
+  }
   // The extent or piece of the geometry means nothing to the lattice.
   if (request->Has(vtkStreamingDemandDrivenPipeline::REQUEST_UPDATE_EXTENT()))
   {

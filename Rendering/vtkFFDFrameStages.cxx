@@ -28,6 +28,10 @@ namespace
 /// takes for ever.
 constexpr double LargestGrowth = 1e5;
 
+/// Diagonals of volumes, data units: squares of lengths must be numbers in single precision.
+constexpr double SmallestDiagonal = 1e-16;
+constexpr double LargestDiagonal = 1e16;
+
 /// The pull-backs of all mappers of the process.
 class PullBackRegistry
 {
@@ -80,6 +84,16 @@ Made MakeBoundedPullBack(SharedPullBack& result, StageTools& tools,
 {
   const Box rest = { glm::dvec3(bounds[0], bounds[2], bounds[4]),
     glm::dvec3(bounds[1], bounds[3], bounds[5]) };
+  const double diagonal = glm::length(rest.Max - rest.Min);
+  if (diagonal > LargestDiagonal || diagonal < SmallestDiagonal)
+  {
+    std::ostringstream text;
+    text << "The diagonal of the volume is " << diagonal
+         << " long, which cannot be rendered: at least " << SmallestDiagonal << " and at most "
+         << LargestDiagonal << " can. Choose another unit of length for its spacing and origin.";
+    tools.Message = text.str();
+    return Made::Not;
+  }
   const PullBack map(&field->Field, FindPullBackKind(mode, field->Inverted), tolerance);
   if (auto known = AllPullBacks().Find(field->Field, map, rest))
   {
@@ -98,7 +112,7 @@ Made MakeBoundedPullBack(SharedPullBack& result, StageTools& tools,
   made->Bounds.Update(made->Map, tools.Parallel);
   Box& deformed = made->DeformedBounds;
   deformed = made->Bounds.DeformedBounds(rest, tools.Parallel);
-  const double growth = glm::length(deformed.Max - deformed.Min) / glm::length(rest.Max - rest.Min);
+  const double growth = glm::length(deformed.Max - deformed.Min) / diagonal;
   if (!deformed.IsEmpty() && growth > LargestGrowth)
   {
     std::ostringstream text;
@@ -171,6 +185,10 @@ MinMaxBlocks::Limits FindRangeOfWhole(
 //------------------------------------------------------------------------------
 Source<vtkVolumeProperty> FindSource(vtkVolumeProperty* property, int components)
 {
+  // VTK makes functions that are missing when they are asked for, and several mappers, each in a
+  // thread of its own, may have one property.
+  static std::mutex mutex;
+  const std::lock_guard<std::mutex> lock(mutex);
   for (int c = 0; c < components; ++c)
   {
     property->GetScalarOpacity(c);

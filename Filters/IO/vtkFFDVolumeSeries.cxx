@@ -422,6 +422,11 @@ int vtkFFDVolumeSeries::RequestData(
   const double time = info->Has(Pipeline::UPDATE_TIME_STEP())
     ? info->Get(Pipeline::UPDATE_TIME_STEP())
     : this->TimeStart;
+  if (std::isnan(time))
+  {
+    vtkErrorMacro("The time that a volume is asked for is not a number.");
+    return 0;
+  }
   const double place =
     std::clamp((time - this->TimeStart) / this->TimeSpacing, 0.0, static_cast<double>(count - 1));
   // Times are sums of decimals: a step is not to be missed by a rounding error.

@@ -323,15 +323,23 @@ void SetMask(const SampleClassifier& classifier, PacketScene& scene)
   {
     return;
   }
+  // Magnitudes in entries of the finest factors: in units of the scalars squares may be beyond
+  // single precision.
+  double finest = 0.0;
+  for (const GradientOpacity* opacity : gradients)
+  {
+    finest = opacity->IsEmpty() ? finest : std::max(finest, opacity->GetScale());
+  }
   for (const GradientOpacity* opacity : gradients)
   {
     const std::vector<float> factors =
       opacity->IsEmpty() ? std::vector<float>(2, 1.0f) : opacity->GetFactors();
-    p.GradientRanges.push_back({ static_cast<std::int32_t>(p.GradientFactors.size()),
-      static_cast<float>(factors.size() - 1), static_cast<float>(opacity->GetScale()), 0 });
+    p.GradientRanges.push_back(
+      { static_cast<std::int32_t>(p.GradientFactors.size()), static_cast<float>(factors.size() - 1),
+        static_cast<float>(opacity->GetScale() / finest), 0 });
     p.GradientFactors.insert(p.GradientFactors.end(), factors.begin(), factors.end());
   }
-  Copy(FindMagnitudeScale(classifier, scene.Volume), p.MagnitudeScale);
+  Copy(FindMagnitudeScale(classifier, scene.Volume) * finest, p.MagnitudeScale);
 }
 
 /// The voxels of an image with one component.
@@ -372,7 +380,15 @@ void SetPlane(const SampleClassifier& classifier, PacketScene& scene)
   p.Scale[1] = static_cast<float>(plane.GetScale().y);
   p.Nearest = plane.IsNearest();
   p.UnitDistance = static_cast<float>(optics.Table.GetUnitDistance());
-  Copy(FindMagnitudeScale(classifier, v), p.MagnitudeScale);
+  glm::dvec3 magnitudeScale = FindMagnitudeScale(classifier, v);
+  if (!classifier.GetSecondAxis().Scalars)
+  {
+    // Magnitudes in texels: in units of the scalars squares may be beyond single precision.
+    magnitudeScale *= plane.GetScale().y;
+    p.Low[1] = static_cast<float>(plane.GetLow().y * plane.GetScale().y);
+    p.Scale[1] = 1.0f;
+  }
+  Copy(magnitudeScale, p.MagnitudeScale);
   p.SecondAxis = MakePacketVolume(classifier.GetSecondAxis(), v.Nearest);
 }
 
@@ -693,8 +709,9 @@ void SetBlending(const CastScene& scene, const FrameKind& kind, PacketScene& p)
       // Minima are found as maxima of the negated values.
       const double shift = maximum ? p.Volume.Shift : -p.Volume.Shift;
       const double step = p.Peaks->GetStep() * p.Volume.Scale;
-      p.PeakLow = ToFloat((p.Peaks->GetLow() - shift) * p.Volume.Scale - step);
-      p.PeakScale = ToFloat(1.0 / step);
+      p.PeakLow = (p.Peaks->GetLow() - shift) * p.Volume.Scale - step;
+      p.PeakScale = 1.0 / step;
+      p.PeakHigh = (p.Peaks->GetHigh() - shift) * p.Volume.Scale;
     }
   }
   p.Slices = scene.Blend.Mode == BlendMode::Slice;
@@ -796,6 +813,13 @@ void SetPullBack(
   // does not, and lead Newton's method out of the volume.
   const bool extended = InvertsTheField(p.Kind) && !scene.Limits.OneToOne;
   p.Field.Assign(*scene.Map->GetField(), p.Center, extended ? &restBounds : nullptr);
+  float largest = 0.0f;
+  for (const float coefficient : p.Field.Coefficients)
+  {
+    largest = std::max(largest, std::abs(coefficient));
+  }
+  p.Field.Rounding = static_cast<float>(SinglePrecision * static_cast<double>(largest));
+  p.Field.LargestRounding = static_cast<float>(NodeTolerance * scene.VoxelSize);
   if (InvertsTheField(p.Kind))
   {
     AddSeeds(scene.Volume, rest, restBounds, p);
@@ -877,6 +901,29 @@ void SetSeen(const CastScene& scene, const CastSettings& settings, const Paralle
   }
 }
 
+/// Finds what gradients are multiplied by, of which only the direction counts, so that neither the
+/// squares of small ones nor those of the largest ones are beyond single precision.
+double FindGradientScale(
+  const CastScene& scene, const SampleClassifier& classifier, const PacketScene& p)
+{
+  constexpr double LargestGradient = 1e15;
+  constexpr double LargestFactor = 1e35;
+  const TransferTable& table = *scene.Table;
+  const double range = classifier.HasNormalsOfOpacity()
+    ? 1.0
+    : static_cast<double>(table.GetSize() - 1) / table.GetScale() * p.Volume.Scale;
+  const glm::dmat3& ofData = scene.Material.GetGradientToLights();
+  const glm::dmat3 ofIndex = ofData * glm::transpose(scene.Volume.DataToIndex);
+  double scale = std::numeric_limits<double>::infinity();
+  for (int a = 0; a < 3; ++a)
+  {
+    const double factor = glm::length(ofIndex[a]);
+    scale = std::min({ scale, LargestGradient / (range * factor), LargestFactor / factor,
+      LargestFactor / glm::length(ofData[a]) });
+  }
+  return std::isfinite(scale) && scale > 0.0 ? scale : 1.0;
+}
+
 /// Sets lights and materials. The coordinates are set already.
 void SetShading(const CastScene& scene, const CastSettings& settings,
   const SampleClassifier& classifier, PacketScene& p)
@@ -885,9 +932,10 @@ void SetShading(const CastScene& scene, const CastSettings& settings,
   p.TwoSided = scene.Material.TwoSided;
   const glm::dmat3& toLights = scene.Material.GetToLights();
   CopyRows(toLights, p.LocalToLights);
-  CopyRows(scene.Material.GetGradientToLights(), p.GradientToLights);
-  CopyRows(scene.Material.GetGradientToLights() * glm::transpose(scene.Volume.DataToIndex),
-    p.IndexGradientToLights);
+  const glm::dmat3 toSpace =
+    FindGradientScale(scene, classifier, p) * scene.Material.GetGradientToLights();
+  CopyRows(toSpace, p.GradientToLights);
+  CopyRows(toSpace * glm::transpose(scene.Volume.DataToIndex), p.IndexGradientToLights);
   p.Parallel = scene.Camera.Parallel;
   Copy(toLights * (scene.Camera.Eye - p.Center), p.Eye);
   p.Surface = MakeSurface(scene.Material, scene.Material, toLights * p.Center);

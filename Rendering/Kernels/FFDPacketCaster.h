@@ -144,8 +144,10 @@ struct PacketScene
   bool Identity = false;
   PullBackKind Kind = PullBackKind::Exact;
   PacketField Field;
-  static constexpr int SeedsPerAxis = 7;                   ///< of the volume
-  static constexpr std::size_t LargestNumberOfSeeds = 352; ///< in vectors of 16
+  static constexpr int SeedsPerAxis = 7; ///< of the volume
+  /// In vectors of 16.
+  static constexpr std::size_t LargestNumberOfSeeds =
+    (SeedsPerAxis * SeedsPerAxis * SeedsPerAxis + 15) / 16 * 16;
   std::vector<PacketSeed> Seeds; ///< over the volume, where Newton's method starts from nowhere
   /// Image of the seeds by component, and of more that are far away, to whole vectors.
   std::array<std::vector<float>, 3> SeedImages;
@@ -163,7 +165,7 @@ struct PacketScene
   float IndexToLocal[9] = {};
   float GradientToRest[9] = {};        ///< by index coordinates to by data coordinates
   float LocalToLights[9] = {};         ///< to the space of Shading
-  float GradientToLights[9] = {};      ///< by data coordinates to by those of that space
+  float GradientToLights[9] = {};      ///< by data coordinates to by those of that space, scaled
   float IndexGradientToLights[9] = {}; ///< the same by index coordinates, undeformed
 
   glm::dmat4 NdcToLocal{ 1.0 };
@@ -188,8 +190,9 @@ struct PacketScene
   /// exists, or it would not change the picture.
   float LastExtreme = std::numeric_limits<float>::infinity();
   const ValuePeaks* Peaks = nullptr; ///< of extremes, with space leaping
-  float PeakLow = 0.0f;   ///< extremes, as LastExtreme, times PeakScale are codes of Peaks,
-  float PeakScale = 0.0f; ///< where PeakLow stands for -1: none
+  double PeakLow = 0.0;   ///< extremes, as LastExtreme, times PeakScale are codes of Peaks,
+  double PeakScale = 0.0; ///< where PeakLow stands for -1: none
+  double PeakHigh = 0.0;  ///< the largest value
   float AverageMin = 0.0f;
   float AverageMax = 0.0f;
   std::vector<PacketSurfaceValue> IsoValues; ///< ascending; visible ones

@@ -41,6 +41,9 @@ public:
   /// Length that steps of Newton's method are limited to: the longest edge of a cell of the
   /// lattice.
   float LongestStep = 0.0f;
+  /// Rounding errors of T, of which the inverse makes up to LargestRounding of a rest position.
+  float Rounding = 0.0f;
+  float LargestRounding = 0.0f;
 
   /**
    * Take a copy. `rest`, if not null: the volume at rest, outside of which nobody needs D as it is.

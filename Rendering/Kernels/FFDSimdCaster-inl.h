@@ -240,8 +240,10 @@ private:
     const PacketState& state = this->Samples.State;
     const float least =
       SmallestLane(hn::IfThenElse(state.Alive, state.Out.Tally, Splat(NoExtreme)));
-    const float steps = (least - this->Scene.PeakLow) * this->Scene.PeakScale;
-    return static_cast<int>(std::clamp(steps, 0.0f, ValuePeaks::LastCode + 1.0f)) - 1;
+    // In double precision: one value, of what is no number, may be far away from all others.
+    const double steps = (double{ least } - this->Scene.PeakLow) * this->Scene.PeakScale;
+    const int code = static_cast<int>(std::clamp(steps, 0.0, ValuePeaks::LastCode + 1.0)) - 1;
+    return least < this->Scene.PeakHigh ? std::min(code, ValuePeaks::LastCode - 1) : code;
   }
 
   /// Part of a segment.

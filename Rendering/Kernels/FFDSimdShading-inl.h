@@ -23,7 +23,7 @@ namespace HWY_NAMESPACE
 HWY_INLINE Vf InverseLength(const Vec3& v)
 {
   const Vf squared = Dot(v, v);
-  const Mf some = hn::And(hn::Gt(squared, Splat(1e-30f)), hn::Lt(squared, Splat(1e37f)));
+  const Mf some = hn::And(hn::Gt(squared, Splat(1e-37f)), hn::Lt(squared, Splat(1e37f)));
   return hn::IfThenElseZero(some, InverseSqrt(hn::IfThenElse(some, squared, Splat(1.0f))));
 }
 

@@ -315,7 +315,8 @@ HWY_INLINE NewtonStep FindNewtonStep(const PacketField& field, const Vec3& p, co
   step.Rows[1] = Cross(c, a);
   step.Rows[2] = Cross(a, b);
   const Vf determinant = Dot(a, step.Rows[0]);
-  const Vf smallest = Splat(1e-6f);
+  // Far below what a volume that is made a thousand times smaller has, 1e-9.
+  const Vf smallest = Splat(1e-12f);
   step.Inverse = Reciprocal(hn::IfThenElse(
     hn::Lt(hn::Abs(determinant), smallest), hn::CopySign(smallest, determinant), determinant));
   const auto square = [&](int row) { return Dot(step.Rows[row], step.Rows[row]); };
@@ -323,6 +324,12 @@ HWY_INLINE NewtonStep FindNewtonStep(const PacketField& field, const Vec3& p, co
     hn::Mul(hn::Abs(step.Inverse), FastSqrt(hn::Add(square(0), hn::Add(square(1), square(2)))));
   step.Delta = step.Apply(step.Residual);
   return step;
+}
+
+/// How near rest positions can be told: T may shrink them far below its rounding errors.
+HWY_INLINE Vf FindRounding(const PacketField& field, const NewtonStep& step)
+{
+  return hn::Min(hn::Mul(step.Norm, Splat(field.Rounding)), Splat(field.LargestRounding));
 }
 
 /**
@@ -355,7 +362,7 @@ HWY_INLINE Mf SolveInverse(const PacketField& field, const Vec3& p, float tolera
     }
     q = Select(done, q, next);
     done = hn::Or(done,
-      hn::Or(hn::Le(length, Splat(tolerance)),
+      hn::Or(hn::Le(length, hn::Max(Splat(tolerance), FindRounding(field, step))),
         hn::And(known, hn::Le(hn::Mul(h, length), Splat(tolerance)))));
   }
   return done;

@@ -43,7 +43,9 @@ TransferPlane::TransferPlane(int width, int height, const float* rgba, const glm
 double TransferPlane::TexelOf(double value, int axis) const
 {
   const double last = (axis == 0 ? this->Width : this->Height) - 1;
-  return std::clamp((value - this->Low[axis]) * this->Scale[axis], 0.0, last);
+  const double texel = (value - this->Low[axis]) * this->Scale[axis];
+  // Not a number where the range is so small that the scale is infinite.
+  return texel > 0.0 ? std::min(texel, last) : 0.0;
 }
 
 //------------------------------------------------------------------------------

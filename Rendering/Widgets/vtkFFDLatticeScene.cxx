@@ -217,6 +217,8 @@ void vtkFFDLatticeScene::Layer::SetStyle(
       ball->AddVertexShaderReplacement(VertexTag, true, BallVertexShader, false);
       ball->AddFragmentShaderReplacement(
         DepthTag, true, std::string(DiscShader) + BallShader, false);
+      // Until there is a view to scale them for.
+      ball->GetVertexCustomUniforms()->SetUniformf(BallFront, 0.0f);
     }
   }
 }

@@ -1,22 +1,26 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
 // Several threads render at the same time, each with a mapper of its own and another number of
-// threads: the number is a property of the mapper, not of the process, and changes no picture.
+// threads: the number is a property of the mapper, not of the process, and changes no picture. They
+// may share a property, too, from the first frame on.
 
 #include "FFDTestHelpers.h"
 
 #include "vtkColorTransferFunction.h"
+#include "vtkDataArray.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDResampleVolume.h"
 #include "vtkImageData.h"
 #include "vtkNew.h"
 #include "vtkPiecewiseFunction.h"
+#include "vtkPointData.h"
 #include "vtkRenderer.h"
 #include "vtkSMPTools.h"
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
 
+#include <atomic>
 #include <cmath>
 #include <thread>
 #include <vector>
@@ -102,6 +106,46 @@ Bytes RenderEdits(int threads)
   return all;
 }
 
+/// Several threads begin with a property whose functions are not all there yet.
+bool RenderWithNewProperty()
+{
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(4, 4, 4);
+  image->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
+  image->GetPointData()->GetScalars()->Fill(100.0);
+  vtkNew<vtkVolumeProperty> property;
+  std::atomic<int> ready{ 0 };
+  std::atomic<int> rendered{ 0 };
+  std::vector<std::thread> threads;
+  for (int i = 0; i < Threads; ++i)
+  {
+    threads.emplace_back([&] {
+      vtkNew<vtkImageData> own;
+      own->ShallowCopy(image);
+      vtkNew<vtkFFDInverseRayVolumeMapper> mapper;
+      mapper->SetInputData(own);
+      vtkNew<vtkVolume> volume;
+      volume->SetMapper(mapper);
+      volume->SetProperty(property);
+      vtkNew<vtkRenderer> renderer;
+      renderer->AddVolume(volume);
+      renderer->ResetCamera();
+      vtkNew<vtkImageData> colors;
+      ++ready;
+      while (ready < Threads)
+      {
+        std::this_thread::yield();
+      }
+      rendered += mapper->RenderToImage(renderer, volume, 8, 8, colors) ? 1 : 0;
+    });
+  }
+  for (std::thread& thread : threads)
+  {
+    thread.join();
+  }
+  return rendered == Threads;
+}
+
 } // namespace
 
 int TestMapperThreads(int, char*[])
@@ -125,5 +169,9 @@ int TestMapperThreads(int, char*[])
     FFD_CHECK(result == serial);
   }
   FFD_CHECK(vtkSMPTools::GetEstimatedNumberOfThreads() == before);
+  for (int i = 0; i < 300; ++i)
+  {
+    FFD_CHECK(RenderWithNewProperty());
+  }
   return EXIT_SUCCESS;
 }

@@ -149,6 +149,24 @@ class TestVolumeFilters(unittest.TestCase):
             np.testing.assert_allclose(vtk_to_numpy(get(moved.GetOutput())),
                                        vtk_to_numpy(get(expected.GetOutput())), atol=1e-5)
 
+    def test_geometry_without_points(self):
+        errors = []
+
+        def note(_caller, _event, text):
+            errors.append(text)
+
+        note.CallDataType = "string0"
+        image = vtkImageData()
+        image.SetDimensions(3, 3, 3)
+        geometry = vtkffd.vtkFFDDeformGeometry()
+        geometry.AddObserver("ErrorEvent", note)
+        geometry.GetExecutive().AddObserver("ErrorEvent", lambda *_: None)
+        geometry.SetInputDataObject(image)
+        geometry.Update()
+        self.assertEqual(len(errors), 1, errors)
+        self.assertIn("vtkImageData", errors[0])
+        self.assertIn("vtkImageDataToPointSet", errors[0])
+
     def test_a_map_that_is_not_a_number_folds(self):
         matrix = vtkMatrix4x4()
         matrix.SetElement(1, 1, float("nan"))

@@ -192,6 +192,13 @@ class TestVolumeSeries(unittest.TestCase):
         item.Update()
         self.assertEqual(item.GetOutput().GetNumberOfPoints(), 0)
         item = self.make()
+        item.GetExecutive().AddObserver("ErrorEvent", lambda *_: None)
+        for interpolation in (item.STEP, item.LINEAR):
+            item.SetInterpolation(interpolation)
+            item.UpdateTimeStep(float("nan"))
+        self.assertEqual(len(self.errors), 2)
+        self.assertIn("not a number", self.errors[0])
+        item = self.make()
         for name, value in (("TimeStart", float("nan")), ("TimeSpacing", -1.0)):
             before = getattr(item, "Get" + name)()
             getattr(item, "Set" + name)(value)

@@ -74,6 +74,21 @@ class TestRepresentation(unittest.TestCase):
         rep.TranslateSelection(100, 0, 0)
         self.assertTrue(self.lattice.IsFoldFree())
 
+    def test_without_a_renderer(self):
+        """As a prop of a renderer that it was not told of, or is told to forget."""
+        renderer, window = vtkRenderer(), vtkRenderWindow()
+        window.SetOffScreenRendering(1)
+        window.SetSize(60, 60)
+        window.AddRenderer(renderer)
+        renderer.AddViewProp(self.rep)
+        renderer.ResetCamera(0, 30, 0, 30, 0, 30)
+        for known in (None, renderer, None):
+            self.rep.SetRenderer(known)
+            self.rep.SelectPoint(2, 2, 2)
+            window.Render()
+            self.rep.ClearSelection()
+            window.Render()
+
     def test_direct_manipulation(self):
         rep = self.rep
         self.assertEqual(rep.AddPin(10, 10, 10), 1)

@@ -65,6 +65,7 @@ ValuePeaks::ValuePeaks(const MinMaxBlocks& blocks, int sign, const ParallelFor& 
   const MinMaxBlocks::Limits range = blocks.GetRange();
   const bool any = range.Min <= range.Max;
   this->Low = !any ? 0.0 : sign > 0 ? range.Min : -range.Max;
+  this->High = !any ? 0.0 : sign > 0 ? range.Max : -range.Min;
   this->Step = any && range.Max > range.Min ? (range.Max - range.Min) / LastCode : 1.0;
   const auto codeOf = [&](const MinMaxBlocks::Limits& limits) {
     if (limits.Min > limits.Max)

@@ -52,12 +52,16 @@ public:
   double GetLow() const { return this->Low; }
   double GetStep() const { return this->Step; }
 
+  /// The largest value, times the sign: exact, where the last code may not be.
+  double GetHigh() const { return this->High; }
+
   std::size_t GetMemorySize() const;
 
 private:
   static constexpr int NumberOfGrids = 4;
   std::array<Grid, NumberOfGrids> Grids;
   double Low = 0.0;
+  double High = 0.0;
   double Step = 1.0;
 };
 

@@ -1,0 +1,199 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Scalars and lengths of any order of magnitude, and one value far away from all others, which stands
+for no data."""
+
+import unittest
+
+import numpy
+import vtkffd
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+from vtkmodules.vtkRenderingCore import (
+    vtkColorTransferFunction, vtkRenderer, vtkVolume, vtkVolumeProperty)
+
+SIDE = 24
+PIXELS = 60
+
+
+def make_values():
+    """From 0 to 100: waves, steep and flat."""
+    z, y, x = numpy.mgrid[0:SIDE, 0:SIDE, 0:SIDE] / (SIDE - 1.0)
+    return 50.0 + 50.0 * numpy.sin(9.0 * x + 4.0 * y) * numpy.cos(7.0 * y - 5.0 * z)
+
+
+class Scene:
+    def __init__(self, values, unit=1.0, deformed=False, spacing=1.0):
+        """`unit`: of the scalars, in that of `values`, which are ramps' from 0 to 100."""
+        self.unit = unit
+        self.image = vtkImageData()
+        self.image.SetDimensions(SIDE, SIDE, SIDE)
+        self.image.SetSpacing(*3 * [spacing])
+        self.image.GetPointData().SetScalars(numpy_to_vtk(values.ravel(), deep=True))
+        self.errors = []
+        self.mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+        self.mapper.AddObserver("ErrorEvent", self.note)
+        self.mapper.SetInputData(self.image)
+        self.mapper.SetSampleDistance(0.5 * spacing)
+        if deformed:
+            source = vtkffd.vtkFFDLatticeSource()
+            source.SetBounds(self.image.GetBounds())
+            source.SetShapeToTwist()
+            source.SetStrength(0.5)
+            source.Update()
+            self.mapper.SetDeformation(source.GetLattice())
+        self.property = vtkVolumeProperty()
+        self.property.SetInterpolationTypeToLinear()
+        self.property.SetScalarOpacity(self.ramp((0, 0), (55, 0), (90, 0.5)))
+        color = vtkColorTransferFunction()
+        color.AddRGBPoint(0.0, 1.0, 0.3, 0.1)
+        color.AddRGBPoint(100.0 * unit, 0.4, 1.0, 0.9)
+        self.property.SetColor(color)
+        self.property.SetScalarOpacityUnitDistance(spacing)
+        self.volume = vtkVolume()
+        self.volume.SetMapper(self.mapper)
+        self.volume.SetProperty(self.property)
+        self.renderer = vtkRenderer()
+        middle = 0.5 * (SIDE - 1) * spacing
+        camera = self.renderer.GetActiveCamera()
+        camera.SetFocalPoint(middle, middle, middle)
+        camera.SetPosition(middle + 60 * spacing, middle + 35 * spacing, middle + 45 * spacing)
+        camera.SetClippingRange(20 * spacing, 200 * spacing)
+
+    def note(self, _caller, _event, text=""):
+        self.errors.append(text)
+
+    note.CallDataType = "string0"
+
+    def ramp(self, *points):
+        function = vtkPiecewiseFunction()
+        for value, opacity in points:
+            function.AddPoint(value * self.unit, opacity)
+        return function
+
+    def render(self):
+        colors = vtkImageData()
+        done = self.mapper.RenderToImage(self.renderer, self.volume, PIXELS, PIXELS, colors)
+        assert done == 1, self.errors
+        return vtk_to_numpy(colors.GetPointData().GetScalars()).astype(int)
+
+
+class TestScales(unittest.TestCase):
+    def expect_same(self, picture, expected, mean=0.3):
+        self.assertGreater(numpy.ptp(expected), 100)
+        self.assertLess(numpy.abs(picture - expected).mean(), mean)
+
+    def test_extremes_beside_no_data(self):
+        maximum, minimum = (vtkffd.vtkFFDInverseRayVolumeMapper.MAXIMUM_INTENSITY_BLEND,
+                            vtkffd.vtkFFDInverseRayVolumeMapper.MINIMUM_INTENSITY_BLEND)
+        for kind, mode, fill in (
+                (numpy.float32, maximum, -2147483648.0), (numpy.float32, maximum, -1e10),
+                (numpy.float32, maximum, -1e20), (numpy.float64, maximum, -1e9),
+                (numpy.int32, maximum, -1000000000), (numpy.int64, maximum, -10 ** 12),
+                (numpy.float32, minimum, 1e9), (numpy.float32, minimum, 1e20),
+                (numpy.uint32, minimum, 4294967295)):
+            for deformed in (False, True):
+                with self.subTest(kind=kind, mode=mode, fill=fill, deformed=deformed):
+                    values = make_values().astype(kind)
+                    values[:4] = fill
+                    scene = Scene(values, deformed=deformed)
+                    scene.mapper.SetBlendMode(mode)
+                    scene.property.SetScalarOpacity(scene.ramp((0, 0), (100, 1)))
+                    picture = scene.render()
+                    scene.mapper.SetSpaceLeaping(vtkffd.vtkFFDInverseRayVolumeMapper.OFF)
+                    self.expect_same(picture, scene.render(), 0.1)
+
+    def test_light(self):
+        def isosurface(scene):
+            scene.mapper.SetBlendModeToIsoSurface()
+            scene.property.GetIsoSurfaceValues().SetValue(0, 60.0 * scene.unit)
+
+        def opacity_normals(scene):
+            scene.mapper.ComputeNormalFromOpacityOn()
+
+        for change in (lambda _: None, isosurface, opacity_normals):
+            for deformed in (False, True):
+                expected = None
+                for unit, spacing in ((1.0, 1.0), (1e-26, 1.0), (1e-15, 1.0), (1e19, 1.0), (1e30, 1.0),
+                                      (1.0, 1e14), (1e-6, 1e9), (1e-20, 1e-9)):
+                    with self.subTest(unit=unit, spacing=spacing, deformed=deformed):
+                        scene = Scene((make_values() * unit).astype(numpy.float32), unit, deformed,
+                                      spacing)
+                        scene.property.ShadeOn()
+                        change(scene)
+                        picture = scene.render()
+                        expected = picture if expected is None else expected
+                        self.expect_same(picture, expected)
+
+    def test_light_beside_no_data(self):
+        pictures = []
+        for fill in (-1e3, -1e12, -1e20):
+            values = make_values().astype(numpy.float32)
+            values[:4] = fill
+            scene = Scene(values)
+            scene.property.ShadeOn()
+            pictures.append(scene.render().reshape(PIXELS, PIXELS, 4))
+        # But at the border of the data, which is steeper.
+        for picture in pictures[1:]:
+            self.assertLess(numpy.median(numpy.abs(picture - pictures[0])), 1)
+            self.assertLess(numpy.abs(picture - pictures[0]).mean(), 1.5)
+
+    def test_magnitudes(self):
+        def plane(scene):
+            texels = numpy.zeros((32, 32, 4), dtype=numpy.float32)
+            texels[:, :, 0] = numpy.linspace(0, 1, 32)[:, None]
+            texels[:, :, 1] = 0.7
+            texels[8:, 12:, 3] = 0.4
+            function = vtkImageData()
+            function.SetDimensions(32, 32, 1)
+            function.SetSpacing(100.0 / 31 * scene.unit, 20.0 / 31 * scene.unit, 1.0)
+            function.GetPointData().SetScalars(numpy_to_vtk(texels.reshape(-1, 4), deep=True))
+            scene.property.SetTransferFunction2D(0, function)
+            scene.property.SetTransferFunctionMode(vtkVolumeProperty.TF_2D)
+
+        def labels(scene):
+            mask = vtkImageData()
+            mask.SetDimensions(SIDE, SIDE, SIDE)
+            ones = numpy.ones(SIDE ** 3, dtype=numpy.uint8)
+            ones[:SIDE ** 3 // 2] = 2
+            mask.GetPointData().SetScalars(numpy_to_vtk(ones, deep=True))
+            scene.mapper.SetMaskInput(mask)
+            scene.mapper.SetMaskTypeToLabelMap()
+            scene.mapper.SetMaskBlendFactor(1.0)
+            for label, most in ((1, 8), (2, 20)):
+                scene.property.SetLabelScalarOpacity(label, scene.ramp((0, 0), (30, 0), (90, 0.5)))
+                scene.property.SetLabelGradientOpacity(label, scene.ramp((0, 0), (most, 1)))
+
+        for change in (plane, labels):
+            expected = None
+            for unit in (1.0, 1e-24, 1e-15, 1e19, 1e25):
+                with self.subTest(change=change.__name__, unit=unit):
+                    scene = Scene((make_values() * unit).astype(numpy.float32), unit)
+                    change(scene)
+                    picture = scene.render()
+                    expected = picture if expected is None else expected
+                    self.expect_same(picture, expected)
+
+    def test_ranges_without_a_scale(self):
+        scene = Scene(make_values() * 1e-310, 1e-310)
+        texels = numpy.full((64, 4), 0.5, dtype=numpy.float32)
+        function = vtkImageData()
+        function.SetDimensions(8, 8, 1)
+        function.GetPointData().SetScalars(numpy_to_vtk(texels, deep=True))
+        scene.property.SetTransferFunction2D(0, function)
+        scene.property.SetTransferFunctionMode(vtkVolumeProperty.TF_2D)
+        scene.mapper.ReferenceKernelsOn()
+        scene.render()
+
+    def test_lengths_beyond_single_precision(self):
+        for spacing in (1e18, 1e-19):
+            scene = Scene(make_values(), spacing=spacing)
+            colors = vtkImageData()
+            self.assertEqual(
+                scene.mapper.RenderToImage(scene.renderer, scene.volume, 8, 8, colors), 0)
+            self.assertEqual(len(scene.errors), 1)
+            self.assertIn("diagonal of the volume", scene.errors[0])
+
+
+if __name__ == "__main__":
+    unittest.main()
