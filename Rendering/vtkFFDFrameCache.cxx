@@ -8,6 +8,7 @@
 #include "vtkFFDVolumeViewFromImage.h"
 
 #include "vtkCellData.h"
+#include "vtkCompositeDataSet.h"
 #include "vtkDataArray.h"
 #include "vtkDataSet.h"
 #include "vtkImageData.h"
@@ -46,9 +47,15 @@ bool vtkFFDFrameCache::UpdateBounds(Mapper* mapper, ffd::StageTools& tools)
   if (!input)
   {
     vtkDataObject* const other = mapper->GetInputDataObject(0, 0);
-    tools.Message = other ? std::string("The input is a ") + other->GetClassName() +
-        ", which has no voxels of its own: give one of its blocks."
-                          : "No input: call SetInputData() or SetInputConnection().";
+    if (!other)
+    {
+      tools.Message = "No input: call SetInputData() or SetInputConnection().";
+      return false;
+    }
+    tools.Message = std::string("The input is a ") + other->GetClassName() +
+      ", which has no voxels of its own: give " +
+      (vtkCompositeDataSet::SafeDownCast(other) ? "one of its blocks."
+                                                : "an image or a rectilinear grid.");
     return false;
   }
   return this->UpdateVoxels(mapper, input, tools) && this->UpdatePullBack(mapper, input, tools);

@@ -398,7 +398,8 @@ glm::dvec3 SampleClassifier::FindOpacityGradient(
 //------------------------------------------------------------------------------
 double SampleClassifier::FindMagnitude(const glm::dvec3& gradient) const
 {
-  return glm::length(gradient * this->MagnitudeScale);
+  const double magnitude = glm::length(gradient * this->MagnitudeScale);
+  return std::isnan(magnitude) ? 0.0 : magnitude;
 }
 
 //------------------------------------------------------------------------------

@@ -495,7 +495,7 @@ int vtkFFDLatticeRepresentation::PickSurface(double x, double y, double world[3]
   vtkInternals& in = *this->Internals;
   if (!in.IsGiven(world, "PickSurface",
         "there is no place for the position. Give one for three world coordinates") ||
-    !in.RequireView("PickSurface"))
+    !in.RequireView("PickSurface") || !vtkFFDAreFinite(x, y))
   {
     return 0;
   }

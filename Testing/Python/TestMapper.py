@@ -7,7 +7,8 @@ import unittest
 import numpy
 import vtkffd
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+from vtkmodules.vtkCommonDataModel import (
+    vtkImageData, vtkMultiBlockDataSet, vtkPiecewiseFunction, vtkTable)
 from vtkmodules.vtkCommonTransforms import vtkTransform
 from vtkmodules.vtkRenderingCore import (
     vtkColorTransferFunction, vtkRenderer, vtkVolume, vtkVolumeProperty)
@@ -209,6 +210,13 @@ class TestMapper(unittest.TestCase):
         self.assertEqual(
             self.mapper.RenderToImage(self.renderer, self.volume, 0, 5, vtkImageData()), 0)
         self.assertEqual(len(self.errors), 2)
+        for data, words in ((vtkTable(), "give an image"), (vtkMultiBlockDataSet(), "its blocks")):
+            self.errors.clear()
+            self.mapper.SetInputDataObject(data)
+            self.assertEqual(
+                self.mapper.RenderToImage(self.renderer, self.volume, 5, 5, vtkImageData()), 0)
+            self.assertEqual(len(self.errors), 1)
+            self.assertIn(words, self.errors[0])
 
 
 # VTK hands the message over only when the observer says what it is.

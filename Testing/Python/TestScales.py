@@ -174,16 +174,30 @@ class TestScales(unittest.TestCase):
                     expected = picture if expected is None else expected
                     self.expect_same(picture, expected)
 
-    def test_ranges_without_a_scale(self):
-        scene = Scene(make_values() * 1e-310, 1e-310)
+    @staticmethod
+    def set_even_plane(scene):
         texels = numpy.full((64, 4), 0.5, dtype=numpy.float32)
         function = vtkImageData()
         function.SetDimensions(8, 8, 1)
         function.GetPointData().SetScalars(numpy_to_vtk(texels, deep=True))
         scene.property.SetTransferFunction2D(0, function)
         scene.property.SetTransferFunctionMode(vtkVolumeProperty.TF_2D)
+
+    def test_ranges_without_a_scale(self):
+        scene = Scene(make_values() * 1e-310, 1e-310)
+        self.set_even_plane(scene)
         scene.mapper.ReferenceKernelsOn()
         scene.render()
+
+    def test_no_numbers_in_planes(self):
+        """A gradient that is not a number is none, as for gradient opacity."""
+        values = make_values()
+        values.ravel()[::53] = numpy.nan
+        scene = Scene(values)
+        self.set_even_plane(scene)
+        picture = scene.render()
+        scene.mapper.ReferenceKernelsOn()
+        self.expect_same(picture, scene.render())
 
     def test_lengths_beyond_single_precision(self):
         for spacing in (1e18, 1e-19):

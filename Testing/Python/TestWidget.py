@@ -221,6 +221,10 @@ class TestWidget(unittest.TestCase):
         self.assertAlmostEqual(self.renderer.GetDisplayPoint()[0], before[0] + 20, places=2)
         self.assertAlmostEqual(self.renderer.GetDisplayPoint()[1], before[1], places=2)
 
+    def test_no_surface_at_no_place(self):
+        for x, y in ((float("nan"), 3.0), (3.0, float("inf"))):
+            self.assertEqual(self.rep.PickSurface(x, y, [0.0] * 3), 0)
+
     def test_parts_that_go(self):
         """A scene may end while a point is dragged, its parts in any order, or lose one of them to an observer."""
         def drag():
