@@ -256,7 +256,7 @@ struct WideLoader
       const auto* p = static_cast<const decltype(zero)*>(v.Scalars) + delta;
       for (std::size_t i = 0; i < hn::Lanes(d); ++i)
       {
-        values[i] = static_cast<float>((static_cast<double>(p[offsets[i]]) - v.Shift) * v.Scale);
+        values[i] = ToSingle((static_cast<double>(p[offsets[i]]) - v.Shift) * v.Scale);
       }
     });
     return hn::Load(d, values);

@@ -13,6 +13,8 @@
 #include <glm/vec3.hpp>
 #include <hwy/highway.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -120,6 +122,13 @@ HWY_INLINE Vec3 Transform(const float m[9], const Vec3& a)
   return { row(m), row(m + 3), row(m + 6) };
 }
 
+/// A number in single precision; one that is finite stays so, however large.
+HWY_INLINE float ToSingle(double value)
+{
+  constexpr double Largest = 1e37;
+  return static_cast<float>(std::isinf(value) ? value : std::clamp(value, -Largest, Largest));
+}
+
 /**
  * `values`, but for the lanes of `lanes` what function(position of the lane) gives: the few lanes
  * of a packet that have to go through code for single points.
@@ -142,9 +151,9 @@ HWY_INLINE Vec3 ReplaceLanes(
     if (flag[i] != 0.0f)
     {
       const glm::dvec3 replacement = function(glm::dvec3(px[i], py[i], pz[i]));
-      x[i] = static_cast<float>(replacement.x);
-      y[i] = static_cast<float>(replacement.y);
-      z[i] = static_cast<float>(replacement.z);
+      x[i] = ToSingle(replacement.x);
+      y[i] = ToSingle(replacement.y);
+      z[i] = ToSingle(replacement.z);
     }
   }
   return { hn::Load(d, x), hn::Load(d, y), hn::Load(d, z) };

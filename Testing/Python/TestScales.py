@@ -103,6 +103,23 @@ class TestScales(unittest.TestCase):
                     scene.mapper.SetSpaceLeaping(vtkffd.vtkFFDInverseRayVolumeMapper.OFF)
                     self.expect_same(picture, scene.render(), 0.1)
 
+    def test_no_data_beyond_single_precision(self):
+        modes = ("Composite", "MaximumIntensity", "MinimumIntensity", "Additive", "IsoSurface")
+        for mode in modes:
+            for deformed in (False, True):
+                for fill in (1e38, 3.4028234663852886e38, 1e300):
+                    with self.subTest(mode=mode, deformed=deformed, fill=fill):
+                        pictures = []
+                        for value in (1e6, fill):
+                            values = make_values()
+                            values[:4] = value
+                            scene = Scene(values, deformed=deformed)
+                            getattr(scene.mapper, "SetBlendModeTo" + mode)()
+                            scene.property.GetIsoSurfaceValues().SetValue(0, 60.0)
+                            scene.property.SetScalarOpacity(scene.ramp((0, 0), (100, 0.5)))
+                            pictures.append(scene.render())
+                        self.expect_same(pictures[1], pictures[0])
+
     def test_light(self):
         def isosurface(scene):
             scene.mapper.SetBlendModeToIsoSurface()
