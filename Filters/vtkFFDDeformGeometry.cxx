@@ -343,8 +343,8 @@ vtkTypeBool vtkFFDDeformGeometry::ProcessRequest(
       vtkErrorMacro("The input is a "
         << input->GetClassName()
         << ", which has no points that could be moved. Make points of it, by "
-           "vtkImageDataToPointSet or "
-           "vtkRectilinearGridToPointSet, or deform its voxels by vtkFFDDeformVolume.");
+           "vtkImageDataToPointSet or vtkRectilinearGridToPointSet, or deform its voxels by "
+           "vtkFFDDeformVolume.");
       return 0;
     }
   }

@@ -3,6 +3,7 @@
 #ifndef FFDRounding_h
 #define FFDRounding_h
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -21,6 +22,13 @@ inline float RoundUp(double value)
 
 /// The largest float that is not above `value`: a lower bound stays one.
 inline float RoundDown(double value) { return -RoundUp(-value); }
+
+/// A number in single precision; one that is finite stays so, however large.
+inline float ToSingle(double value)
+{
+  constexpr double Largest = 1e37;
+  return static_cast<float>(std::isinf(value) ? value : std::clamp(value, -Largest, Largest));
+}
 
 } // namespace ffd
 

@@ -681,8 +681,7 @@ void SetIntegrals(const CastScene& scene, const IntervalTable& table, PacketScen
   to.Units = static_cast<float>(table.GetUnits());
   to.Margin = scene.Table->GetMargin();
   const auto fetched = [&](double value) {
-    const double scaled = (value - p.Volume.Shift) * p.Volume.Scale;
-    return std::isinf(scaled) ? static_cast<float>(scaled) : ToFloat(scaled);
+    return ToSingle((value - p.Volume.Shift) * p.Volume.Scale);
   };
   to.VisibleLow = fetched(table.GetVisibleLow());
   to.VisibleHigh = fetched(table.GetVisibleHigh());
@@ -813,15 +812,11 @@ void SetPullBack(
   // does not, and lead Newton's method out of the volume.
   const bool extended = InvertsTheField(p.Kind) && !scene.Limits.OneToOne;
   p.Field.Assign(*scene.Map->GetField(), p.Center, extended ? &restBounds : nullptr);
-  float largest = 0.0f;
-  for (const float coefficient : p.Field.Coefficients)
-  {
-    largest = std::max(largest, std::abs(coefficient));
-  }
-  p.Field.Rounding = static_cast<float>(SinglePrecision * static_cast<double>(largest));
-  p.Field.LargestRounding = static_cast<float>(NodeTolerance * scene.VoxelSize);
   if (InvertsTheField(p.Kind))
   {
+    p.Field.Rounding =
+      static_cast<float>(SinglePrecision * static_cast<double>(p.Field.FindLargestCoefficient()));
+    p.Field.LargestRounding = static_cast<float>(NodeTolerance * scene.VoxelSize);
     AddSeeds(scene.Volume, rest, restBounds, p);
   }
 }

@@ -78,6 +78,17 @@ public:
     this->LongestStep = static_cast<float>(std::max({ h.x, h.y, h.z }));
   }
 
+  /// The largest of |x|, |y| and |z| of all control points.
+  float FindLargestCoefficient() const
+  {
+    float largest = 0.0f;
+    for (const float c : this->Coefficients)
+    {
+      largest = std::max(largest, std::abs(c));
+    }
+    return largest;
+  }
+
 private:
   static constexpr int Extension = 4; ///< cells in which D goes on linearly
   static constexpr int ExtendedPadding = Extension + 3;

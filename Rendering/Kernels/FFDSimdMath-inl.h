@@ -9,12 +9,11 @@
 #endif
 
 #include "FFDPacketVolume.h"
+#include "FFDRounding.h"
 
 #include <glm/vec3.hpp>
 #include <hwy/highway.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -120,13 +119,6 @@ HWY_INLINE Vec3 Transform(const float m[9], const Vec3& a)
     return hn::MulAdd(Splat(r[0]), a.x, hn::MulAdd(Splat(r[1]), a.y, hn::Mul(Splat(r[2]), a.z)));
   };
   return { row(m), row(m + 3), row(m + 6) };
-}
-
-/// A number in single precision; one that is finite stays so, however large.
-HWY_INLINE float ToSingle(double value)
-{
-  constexpr double Largest = 1e37;
-  return static_cast<float>(std::isinf(value) ? value : std::clamp(value, -Largest, Largest));
 }
 
 /**

@@ -334,10 +334,10 @@ HWY_INLINE Vf FindRounding(const PacketField& field, const NewtonStep& step)
 
 /**
  * T(Q) = p for the lanes of `active` by Newton's method from `q`, with steps of limited length. A
- * lane is done with a step no longer than the tolerance, or earlier: by the theorem of Newton and
- * Kantorovich with a step delta that ends within h |delta| of Q, where h = |J^-1| M |delta| <= 1/2,
- * M being a bound of the second derivative. What a lane gets does not depend on the others. Returns
- * the lanes that are done; `step` is the last one.
+ * lane is done with a step no longer than the tolerance or FindRounding(), or earlier: by the
+ * theorem of Newton and Kantorovich with a step delta that ends within h |delta| of Q, where h =
+ * |J^-1| M |delta| <= 1/2, M being a bound of the second derivative. What a lane gets does not
+ * depend on the others. Returns the lanes that are done; `step` is the last one.
  */
 HWY_INLINE Mf SolveInverse(const PacketField& field, const Vec3& p, float tolerance, Mf active,
   int largestSteps, Vec3& q, NewtonStep& step, int& evaluations)
