@@ -2,62 +2,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDVolumeRepresentation.h"
 
-#include "vtkFFDCompositePass.h"
-#include "vtkFFDInverseRayVolumeMapper.h"
-#include "vtkFFDLattice.h"
-#include "vtkFFDRenderedImage.h"
-#include "vtkFFDServerFrames.h"
 #include "vtkFFDShownArray.h"
-#include "vtkFFDVolumeInput.h"
-#include "vtkFFDVolumeOrder.h"
-#include "vtkFFDVolumeParts.h"
-#include "vtkFFDVolumePicker.h"
-#include "vtkFFDVoxelDistribution.h"
+#include "vtkFFDVolumeRepresentationInternals.h"
 
-#include "vtkAbstractMapper.h"
 #include "vtkAlgorithm.h"
 #include "vtkAlgorithmOutput.h"
 #include "vtkCamera.h"
-#include "vtkColorTransferFunction.h"
-#include "vtkCommand.h"
-#include "vtkDataSet.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
-#include "vtkIdList.h"
-#include "vtkImageData.h"
-#include "vtkImageResize.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkMath.h"
-#include "vtkMatrix3x3.h"
 #include "vtkMatrix4x4.h"
 #include "vtkMultiBlockDataSet.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
-#include "vtkOpenGLRenderWindow.h"
-#include "vtkOpenGLState.h"
 #include "vtkOutlineSource.h"
 #include "vtkPartitionedDataSet.h"
-#include "vtkPointData.h"
 #include "vtkPolyData.h"
 #include "vtkPolyDataMapper.h"
 #include "vtkProcessModule.h"
 #include "vtkPVLODVolume.h"
-#include "vtkPVProgressHandler.h"
 #include "vtkPVRenderView.h"
-#include "vtkPVSession.h"
 #include "vtkPVView.h"
 #include "vtkRenderer.h"
 #include "vtkRenderWindow.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
-#include "vtkTimeStamp.h"
-#include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
-#include "vtkWeakPointer.h"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -70,12 +44,6 @@ namespace
 using ffdparts::Bounds;
 using ffdparts::Extent;
 using ffdparts::Grid;
-
-/// Seconds between messages of progress, and looks for an abort, in frames of a server.
-constexpr double ServerProgressInterval = 0.1;
-
-/// Largest factor by which interactive images are coarser, in each way.
-constexpr double LargestCoarsening = 10.0;
 
 vtkMultiProcessController* GetController()
 {
@@ -109,131 +77,23 @@ bool IsFrom(vtkAlgorithm* algorithm, vtkAlgorithm* source)
   return false;
 }
 
-/// In the field data of one of several images: bounds of all of them at rest, then deformed.
-const char* const AllBoundsName = "FFDVolume.AllBounds";
-
-void NoteAllBounds(vtkImageData* image, const Bounds& rest, const Bounds& deformed)
+/// Writes bounds of all of several images, of which this is one, to its field data.
+void NoteAllBounds(
+  vtkImageData* image, const char* name, const Bounds& rest, const Bounds& deformed)
 {
   std::array<double, 12> numbers{};
   std::copy(rest.begin(), rest.end(), numbers.begin());
   std::copy(deformed.begin(), deformed.end(), numbers.begin() + 6);
-  auto* noted = vtkDoubleArray::SafeDownCast(image->GetFieldData()->GetArray(AllBoundsName));
+  auto* noted = vtkDoubleArray::SafeDownCast(image->GetFieldData()->GetArray(name));
   if (noted && std::equal(numbers.begin(), numbers.end(), noted->GetPointer(0)))
   {
     return;
   }
   vtkNew<vtkDoubleArray> array;
-  array->SetName(AllBoundsName);
+  array->SetName(name);
   array->SetNumberOfValues(static_cast<vtkIdType>(numbers.size()));
   std::copy(numbers.begin(), numbers.end(), array->GetPointer(0));
   image->GetFieldData()->AddArray(array);
-}
-
-/// Opacities of the surfaces that are picked: the second where the first is nowhere reached.
-constexpr double PickedOpacities[2] = { 0.05, 0.005 };
-
-/// Moves what was picked by a little along the ray: on a face of the volume rounding would decide
-/// whether what is there can be probed.
-void StepInside(vtkFFDVolumePicker* picker, const double from[3], const double to[3],
-  std::array<double, 8>& picked)
-{
-  auto* mapper = vtkFFDInverseRayVolumeMapper::SafeDownCast(picker->GetMapper());
-  vtkProp3D* volume = picker->GetProp3D();
-  if (!mapper || !volume)
-  {
-    return;
-  }
-  double ray[3];
-  vtkMath::Subtract(to, from, ray);
-  vtkMath::Normalize(ray);
-  double shown[4] = { 0.0, 0.0, 0.0, 1.0 };
-  for (int a = 0; a < 3; ++a)
-  {
-    double& place = picked[static_cast<std::size_t>(1 + a)];
-    place += 1e-6 * volume->GetLength() * ray[a];
-    shown[a] = place;
-  }
-  vtkNew<vtkMatrix4x4> toData;
-  vtkMatrix4x4::Invert(volume->GetMatrix(), toData);
-  toData->MultiplyPoint(shown, shown);
-  mapper->GetRestPosition(shown, &picked[4]);
-}
-
-/// The value of the first component of the scalars at a place in the data; 0 outside.
-double Interpolate(vtkDataSet* data, vtkDataArray* scalars, double place[3])
-{
-  double parametric[3];
-  double weights[8];
-  int subId = 0;
-  // On a face of the volume, too.
-  const double tolerance = 1e-6 * data->GetLength();
-  const vtkIdType cell =
-    data->FindCell(place, nullptr, -1, tolerance * tolerance, subId, parametric, weights);
-  double value = 0.0;
-  if (cell >= 0 && scalars)
-  {
-    vtkNew<vtkIdList> points;
-    data->GetCellPoints(cell, points);
-    for (vtkIdType i = 0; i < points->GetNumberOfIds(); ++i)
-    {
-      value += weights[i] * scalars->GetComponent(points->GetId(i), 0);
-    }
-  }
-  return value;
-}
-
-/**
- * What is seen of a volume along a ray, in whatever way it is blended: the depth of a picture of
- * one pixel. Sets `picked` as vtkFFDVolumeRepresentation::GetPicked() tells it; returns whether
- * there is anything.
- */
-bool PickInPicture(vtkFFDInverseRayVolumeMapper* mapper, vtkVolume* volume, const double from[3],
-  const double to[3], std::array<double, 8>& picked)
-{
-  auto* data = vtkDataSet::SafeDownCast(mapper->GetInputDataObject(0, 0));
-  const double length = std::sqrt(vtkMath::Distance2BetweenPoints(from, to));
-  if (!data || !(length > 0.0))
-  {
-    return false;
-  }
-  vtkNew<vtkRenderer> renderer;
-  vtkCamera* camera = renderer->GetActiveCamera();
-  camera->ParallelProjectionOn();
-  camera->SetPosition(from);
-  camera->SetFocalPoint(to);
-  const double along[3] = { to[0] - from[0], to[1] - from[1], to[2] - from[2] };
-  double up[3];
-  double right[3];
-  vtkMath::Perpendiculars(along, up, right, 0.0);
-  camera->SetViewUp(up);
-  camera->SetParallelScale(1e-6 * length);
-  camera->SetClippingRange(1e-6 * length, length);
-  vtkNew<vtkImageData> colors;
-  vtkNew<vtkImageData> depths;
-  if (!mapper->RenderToImage(renderer, volume, 1, 1, colors, depths) ||
-    colors->GetScalarComponentAsDouble(0, 0, 0, 3) == 0.0)
-  {
-    return false;
-  }
-  const double* range = camera->GetClippingRange();
-  const double depth =
-    range[0] + depths->GetScalarComponentAsDouble(0, 0, 0, 0) * (range[1] - range[0]);
-  double shown[4] = { 0.0, 0.0, 0.0, 1.0 };
-  for (int a = 0; a < 3; ++a)
-  {
-    shown[a] = from[a] + depth / length * along[a];
-    picked[static_cast<std::size_t>(1 + a)] = shown[a];
-  }
-  vtkNew<vtkMatrix4x4> toData;
-  vtkMatrix4x4::Invert(volume->GetMatrix(), toData);
-  toData->MultiplyPoint(shown, shown);
-  mapper->GetRestPosition(shown, &picked[4]);
-  int association = 0;
-  vtkDataArray* scalars = vtkAbstractMapper::GetScalars(data, mapper->GetScalarMode(),
-    mapper->GetArrayAccessMode(), mapper->GetArrayId(), mapper->GetArrayName(), association);
-  picked[7] = Interpolate(data, scalars, &picked[4]);
-  picked[0] = 1.0;
-  return true;
 }
 
 /// The images of what the view was given: one, or the blocks of several.
@@ -255,69 +115,24 @@ std::vector<vtkImageData*> GetImages(vtkDataObject* data)
 } // namespace
 
 //------------------------------------------------------------------------------
-class vtkFFDVolumeRepresentation::vtkInternals
-{
-public:
-  vtkFFDVolumeInput Input;
-
-  /// A volume of the scene: of all blocks with the same lattice.
-  struct Volume
-  {
-    vtkFFDVoxelDistribution::Inputs Inputs; // what this process was given
-    vtkFFDVoxelDistribution Distribution;   // with several processes
-    vtkNew<vtkFFDLattice> Lattice;          // as it was read last
-    ffdparts::DeformedBoundsFinder BoundsFinder;
-  };
-  std::vector<std::unique_ptr<Volume>> Volumes; // one at least; as many on all processes
-
-  /// What this process shows of them.
-  struct Shown
-  {
-    vtkSmartPointer<vtkFFDInverseRayVolumeMapper> Mapper;
-    vtkSmartPointer<vtkVolume> Actor;
-    vtkFFDRenderedImage Rendered;
-  };
-  std::vector<std::unique_ptr<Shown>>
-    AllShown;                          // one at least, by the superclass's mapper and actor
-  vtkSmartPointer<vtkImageData> Table; // the two-dimensional function as ParaView has it
-  vtkNew<vtkImageResize> FineTable;    // of it, what the property has
-  vtkMTimeType OptionsTime = 0;        // of the first mapper, when the others had its options
-
-  int Threads = 0;       // SetNumberOfThreads(); 0: all that are there
-  int SharedThreads = 0; // these, with several processes; 0: not known
-
-  // Of the renderer of the view.
-  std::array<unsigned long, 2> RenderObservers{ { 0, 0 } };
-  bool TookPeelingOff = false;
-  bool TookSmoothingOff = false;
-  bool HasOwnRenderer = false;              // no other process renders the scene or shows it
-  vtkWeakPointer<vtkPVSession> Session;     // whose progress is told
-  vtkWeakPointer<vtkRenderWindow> Window;   // of the frame in progress
-  vtkWeakPointer<vtkOpenGLState> KeptState; // of the window, while progress is shown
-  double ProgressInterval = 0.0;            // of the session before the frame; 0: not changed
-  double NextRate = 0.0;                    // RenderNextAtRate(); 0: as asked
-  vtkTimeStamp RenderTime;                  // of the last frame of the view
-  std::array<double, 8> Picked{};           // GetPicked()
-  std::array<double, 3> PickedNormal{};     // of the surface that was picked
-  vtkNew<vtkFFDCompositePass> OwnPass;
-  vtkSmartPointer<vtkFFDCompositePass> Pass; // that of the frame: its own or another volume's
-};
-
-//------------------------------------------------------------------------------
 vtkFFDVolumeRepresentation::vtkFFDVolumeRepresentation()
   : Mapper(vtkFFDInverseRayVolumeMapper::New())
   , Internals(new vtkInternals)
 {
   AllRepresentations().push_back(this);
   this->VolumeMapper.TakeReference(this->Mapper);
-  this->ObserveMapper(this->Mapper);
+  this->Internals->Frames->SetQuestions(
+    [this]() {
+      return this->GetVisibility() && this->Actor->GetVisibility() &&
+        this->Actor->GetMapper() == this->VolumeMapper;
+    },
+    // Without shading no color is brighter than its alpha.
+    [this]() { return this->Property && this->Property->GetShade(); });
+  this->Internals->Frames->AddMapper(this->Mapper);
   this->SetNumberOfVolumes(1);
   this->Internals->AllShown.emplace_back(new vtkInternals::Shown);
   this->Internals->AllShown.front()->Mapper = this->Mapper;
   this->Internals->AllShown.front()->Actor = this->Actor;
-  // Messages of progress are what a client may answer with a request for an abort.
-  this->Internals->OwnPass->SetWait(
-    [this]() { this->Mapper->UpdateProgress(this->Mapper->GetProgress()); });
 }
 
 //------------------------------------------------------------------------------
@@ -425,7 +240,7 @@ int vtkFFDVolumeRepresentation::RequestData(
     {
       if (images.size() > 1)
       {
-        NoteAllBounds(image, allRest, allDeformed);
+        NoteAllBounds(image, vtkInternals::AllBoundsName, allRest, allDeformed);
       }
     }
   }
@@ -497,11 +312,7 @@ void vtkFFDVolumeRepresentation::SetNumberOfShown(std::size_t count)
     shown->Mapper = vtkSmartPointer<vtkFFDInverseRayVolumeMapper>::New();
     shown->Actor = vtkSmartPointer<vtkVolume>::New();
     shown->Actor->SetMapper(shown->Mapper);
-    this->ObserveMapper(shown->Mapper);
-    if (in.Session && in.Session->GetProgressHandler())
-    {
-      in.Session->GetProgressHandler()->RegisterProgressEvent(shown->Mapper, 0);
-    }
+    in.Frames->AddMapper(shown->Mapper);
     if (view)
     {
       view->GetRenderer()->AddVolume(shown->Actor);
@@ -510,15 +321,6 @@ void vtkFFDVolumeRepresentation::SetNumberOfShown(std::size_t count)
     in.AllShown.push_back(std::move(shown));
     in.OptionsTime = 0;
   }
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::ObserveMapper(vtkFFDInverseRayVolumeMapper* mapper)
-{
-  mapper->SetProgressText("FFD Volume");
-  mapper->AddObserver(
-    vtkCommand::VolumeMapperRenderStartEvent, this, &vtkFFDVolumeRepresentation::BeginVolume);
-  mapper->AddObserver(vtkCommand::ProgressEvent, this, &vtkFFDVolumeRepresentation::ContinueVolume);
 }
 
 //------------------------------------------------------------------------------
@@ -546,11 +348,11 @@ int vtkFFDVolumeRepresentation::ProcessViewRequest(
     this->UpdateOtherVolumes();
     auto* view = vtkPVRenderView::SafeDownCast(inInfo->Get(vtkPVView::VIEW()));
     vtkRenderWindow* window = view ? view->GetRenderWindow() : nullptr;
-    if (window && this->Internals->NextRate > window->GetDesiredUpdateRate())
+    if (window && this->NextRate > window->GetDesiredUpdateRate())
     {
-      window->SetDesiredUpdateRate(this->Internals->NextRate);
+      window->SetDesiredUpdateRate(this->NextRate);
     }
-    this->Internals->NextRate = 0.0;
+    this->NextRate = 0.0;
     const auto color = vtkFFDShownArray::FromInformation(this->GetInputArrayInformation(0));
     for (std::size_t i = 0; i < this->Internals->AllShown.size(); ++i)
     {
@@ -623,35 +425,7 @@ bool vtkFFDVolumeRepresentation::AddToView(vtkView* view)
   {
     return false;
   }
-  // Frames show how far they are where pipelines do. A client's window is not to draw the picture
-  // of its server in the OpenGL context of what shows the progress.
   vtkInternals& in = *this->Internals;
-  vtkProcessModule* processes = vtkProcessModule::GetProcessModule();
-  auto* session = vtkPVSession::SafeDownCast(processes && processes->GetActiveSession()
-      ? processes->GetActiveSession()
-      : (processes ? processes->GetSession() : nullptr));
-  const auto type = vtkProcessModule::GetProcessType();
-  const bool ownWindow =
-    type == vtkProcessModule::PROCESS_CLIENT || type == vtkProcessModule::PROCESS_BATCH;
-  const bool toClient = session && session->GetController(vtkPVSession::CLIENT);
-  in.HasOwnRenderer = GetNumberOfProcesses() == 1 && session &&
-    session->GetProcessRoles() == vtkPVSession::CLIENT_AND_SERVERS;
-  if ((ownWindow || toClient) && session && session->GetProgressHandler() && !in.Session)
-  {
-    in.Session = session;
-    session->GetProgressHandler()->RegisterProgressEvent(this->Mapper, 0);
-    if (toClient)
-    {
-      ffdserver::Listen(session);
-    }
-    else
-    {
-      session->GetProgressHandler()->AddObserver(
-        vtkCommand::ProgressEvent, this, &vtkFFDVolumeRepresentation::KeepContext, 1.0f);
-      session->GetProgressHandler()->AddObserver(
-        vtkCommand::ProgressEvent, this, &vtkFFDVolumeRepresentation::TakeContextBack, -1.0f);
-    }
-  }
   vtkRenderer* renderer = vtkPVRenderView::SafeDownCast(view)->GetRenderer();
   for (std::size_t i = 1; i < in.AllShown.size(); ++i)
   {
@@ -659,10 +433,7 @@ bool vtkFFDVolumeRepresentation::AddToView(vtkView* view)
     vtkPVRenderView::SafeDownCast(view)->RegisterPropForHardwareSelection(
       this, in.AllShown[i]->Actor);
   }
-  this->Internals->RenderObservers = {
-    { renderer->AddObserver(vtkCommand::StartEvent, this, &vtkFFDVolumeRepresentation::BeginRender),
-      renderer->AddObserver(vtkCommand::EndEvent, this, &vtkFFDVolumeRepresentation::EndRender) }
-  };
+  in.Frames->Connect(renderer);
   return true;
 }
 
@@ -671,10 +442,7 @@ bool vtkFFDVolumeRepresentation::RemoveFromView(vtkView* view)
 {
   if (auto* renderView = vtkPVRenderView::SafeDownCast(view))
   {
-    for (const unsigned long observer : this->Internals->RenderObservers)
-    {
-      renderView->GetRenderer()->RemoveObserver(observer);
-    }
+    this->Internals->Frames->Disconnect(renderView->GetRenderer());
     for (std::size_t i = 1; i < this->Internals->AllShown.size(); ++i)
     {
       vtkVolume* actor = this->Internals->AllShown[i]->Actor;
@@ -683,119 +451,6 @@ bool vtkFFDVolumeRepresentation::RemoveFromView(vtkView* view)
     }
   }
   return this->Superclass::RemoveFromView(view);
-}
-
-//------------------------------------------------------------------------------
-/// Called on all rendering processes alike.
-void vtkFFDVolumeRepresentation::BeginRender(vtkObject* object, unsigned long, void*)
-{
-  vtkRenderer* renderer = vtkRenderer::SafeDownCast(object);
-  if (!this->GetVisibility() || !this->Actor->GetVisibility() ||
-    this->Actor->GetMapper() != this->VolumeMapper)
-  {
-    return;
-  }
-  vtkInternals& in = *this->Internals;
-  in.Window = renderer->GetRenderWindow();
-  ffdorder::SortVolumes(renderer);
-  vtkPVProgressHandler* progress = in.Session ? in.Session->GetProgressHandler() : nullptr;
-  if (progress && progress->GetProgressInterval() > ServerProgressInterval)
-  {
-    in.ProgressInterval = progress->GetProgressInterval();
-    progress->SetProgressInterval(ServerProgressInterval);
-  }
-  // The passes of depth peeling ask a volume for more than a picture: what they get from mappers
-  // that do not know them is garbage all over the view.
-  if (renderer->GetUseDepthPeelingForVolumes())
-  {
-    this->Internals->TookPeelingOff = true;
-    renderer->SetUseDepthPeelingForVolumes(false);
-  }
-  // Synchronizers of renderers, of which a session without a server has none, smooth the finished
-  // picture instead.
-  if (renderer->GetUseFXAA() && in.HasOwnRenderer && ffdorder::IsEmptyBeforeVolumes(renderer))
-  {
-    in.TookSmoothingOff = true;
-    renderer->SetUseFXAA(false);
-  }
-  // Without shading no color is brighter than its alpha.
-  const bool mayBeBright = this->Property && this->Property->GetShade();
-  if (mayBeBright || ffdserver::IsGroup())
-  {
-    this->Internals->Pass = this->Internals->OwnPass->Begin(renderer, mayBeBright);
-  }
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::BeginVolume()
-{
-  if (this->Internals->Pass)
-  {
-    this->Internals->Pass->BlendInFloats();
-  }
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::ContinueVolume(vtkObject* mapper, unsigned long, void*)
-{
-  if (ffdserver::IsAbortAsked(this->Internals->Session))
-  {
-    vtkAlgorithm::SafeDownCast(mapper)->SetAbortExecute(1);
-  }
-}
-
-//------------------------------------------------------------------------------
-/// What shows the progress paints widgets, in OpenGL contexts of theirs. The one with the window
-/// may be among them, as after its size has changed: then it binds another framebuffer, which VTK
-/// does not know of, and nothing of the rest of the frame would be seen.
-void vtkFFDVolumeRepresentation::KeepContext()
-{
-  vtkInternals& in = *this->Internals;
-  auto* window = vtkOpenGLRenderWindow::SafeDownCast(in.Window);
-  if (window && !in.KeptState)
-  {
-    in.KeptState = window->GetState();
-    in.KeptState->Push();
-  }
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::TakeContextBack()
-{
-  vtkInternals& in = *this->Internals;
-  if (in.Window)
-  {
-    in.Window->MakeCurrent();
-  }
-  if (in.KeptState)
-  {
-    in.KeptState->Pop();
-    in.KeptState = nullptr;
-  }
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::EndRender(vtkObject* object, unsigned long, void*)
-{
-  if (this->Internals->TookPeelingOff)
-  {
-    this->Internals->TookPeelingOff = false;
-    vtkRenderer::SafeDownCast(object)->SetUseDepthPeelingForVolumes(true);
-  }
-  vtkInternals& in = *this->Internals;
-  if (in.TookSmoothingOff)
-  {
-    in.TookSmoothingOff = false;
-    vtkRenderer::SafeDownCast(object)->SetUseFXAA(true);
-  }
-  if (in.ProgressInterval > 0.0 && in.Session && in.Session->GetProgressHandler())
-  {
-    in.Session->GetProgressHandler()->SetProgressInterval(in.ProgressInterval);
-    in.ProgressInterval = 0.0;
-  }
-  in.Window = nullptr;
-  in.Pass = nullptr;
-  in.OwnPass->End();
 }
 
 //------------------------------------------------------------------------------
@@ -900,10 +555,10 @@ void vtkFFDVolumeRepresentation::ShareOut(const std::vector<vtkFFDVolumeRepresen
 void vtkFFDVolumeRepresentation::DescribeInputs()
 {
   vtkInternals& in = *this->Internals;
-  if (in.SharedThreads == 0)
+  if (this->SharedThreads == 0)
   {
-    in.SharedThreads = ffdparts::FindNumberOfThreads(GetController());
-    this->SetNumberOfThreads(in.Threads);
+    this->SharedThreads = ffdparts::FindNumberOfThreads(GetController());
+    this->SetNumberOfThreads(this->Threads);
   }
   this->Actor->ComputeMatrix();
   for (const auto& volume : in.Volumes)
@@ -944,7 +599,7 @@ void vtkFFDVolumeRepresentation::TakeParts()
   {
     if (in.Volumes.size() > 1)
     {
-      NoteAllBounds(part, allRest, allDeformed);
+      NoteAllBounds(part, vtkInternals::AllBoundsName, allRest, allDeformed);
     }
   }
   this->HoldImages(parts);
@@ -970,267 +625,6 @@ void vtkFFDVolumeRepresentation::UpdateOutline()
 }
 
 //------------------------------------------------------------------------------
-/// Finds the components of the image that are rendered, as ParaView's own Volume does.
-vtkFFDShownComponents vtkFFDVolumeRepresentation::FindShown(vtkImageData* image)
-{
-  vtkFFDShownComponents shown;
-  shown.Color.Array = vtkFFDShownArray::FromInformation(this->GetInputArrayInformation(0));
-  vtkColorTransferFunction* colors =
-    this->Property ? this->Property->GetRGBTransferFunction(0) : nullptr;
-  if (colors && colors->GetVectorMode() == vtkScalarsToColors::COMPONENT)
-  {
-    shown.Color.Component = colors->GetVectorComponent();
-  }
-  const auto choose = [image](const std::string& name, int association, int component) {
-    vtkFFDShownComponent chosen;
-    chosen.Array.Name = name;
-    chosen.Array.OfCells = association == vtkDataObject::FIELD_ASSOCIATION_CELLS;
-    vtkDataArray* array = chosen.Array.FindIn(image);
-    // After the last component ParaView lists the magnitude.
-    chosen.Component = array && component < array->GetNumberOfComponents()
-      ? component
-      : vtkFFDShownComponent::Magnitude;
-    return array ? chosen : vtkFFDShownComponent();
-  };
-  if (this->UsesPlane())
-  {
-    if (!this->UseGradientForTransfer2D)
-    {
-      shown.Second = choose(
-        this->ColorArray2Name, this->ColorArray2FieldAssociation, this->ColorArray2Component);
-    }
-    return shown;
-  }
-  if (this->UseSeparateOpacityArray)
-  {
-    shown.Opacity = choose(
-      this->OpacityArrayName, this->OpacityArrayFieldAssociation, this->OpacityArrayComponent);
-    return shown;
-  }
-  vtkDataArray* array = shown.Color.Array.FindIn(image);
-  const int components = array ? array->GetNumberOfComponents() : 0;
-  if ((this->MultiComponentsMapping || !this->MapScalars) && (components == 2 || components == 4))
-  {
-    shown.Color.Component = vtkFFDShownComponent::All;
-  }
-  return shown;
-}
-
-//------------------------------------------------------------------------------
-/// Whether a two-dimensional transfer function is to be used, and there is one.
-bool vtkFFDVolumeRepresentation::UsesPlane()
-{
-  return this->UseTransfer2D && this->Property && this->Property->GetTransferFunction2D(0);
-}
-
-//------------------------------------------------------------------------------
-/// Give the property a larger table of a two-dimensional function, made as VTK's mappers make
-/// theirs: ParaView's has 10 x 10 texels, and linear interpolation between these would be another
-/// function.
-void vtkFFDVolumeRepresentation::UpdateTable()
-{
-  constexpr int Least = 256;
-  vtkInternals& in = *this->Internals;
-  vtkImageData* table = this->Property->GetTransferFunction2D(0);
-  if (table != in.FineTable->GetOutput())
-  {
-    in.Table = table;
-  }
-  const int* size = in.Table->GetDimensions();
-  if (!in.Table->GetPointData()->GetScalars() || (size[0] >= Least && size[1] >= Least))
-  {
-    return;
-  }
-  in.FineTable->SetInputData(in.Table);
-  in.FineTable->SetOutputDimensions(std::max(size[0], Least), std::max(size[1], Least), 1);
-  in.FineTable->Update();
-  this->Property->SetTransferFunction2D(in.FineTable->GetOutput());
-}
-
-//------------------------------------------------------------------------------
-/// Set what opacities are over. The GPU mapper of ParaView's own Volume takes those of
-/// two-dimensional functions for each sample, at vtkVolumeMapper::SpacingAdjustedSampleDistance()
-/// of the whole volume. `whole`: bounds of it at rest, uninitialized if the image is all of it.
-void vtkFFDVolumeRepresentation::UpdateUnitDistance(vtkImageData* image, const double whole[6])
-{
-  double length = this->UnitDistance;
-  if (this->UsesPlane())
-  {
-    double spacing[3];
-    image->GetSpacing(spacing);
-    Extent extent;
-    std::copy_n(this->WholeExtent, 6, extent.begin());
-    const bool part = ffdparts::IsEmpty(extent) && vtkMath::AreBoundsInitialized(whole);
-    if (ffdparts::IsEmpty(extent))
-    {
-      image->GetExtent(extent.data());
-    }
-    double cells = 1.0;
-    for (int a = 0; a < 3; ++a)
-    {
-      cells *=
-        part ? (whole[2 * a + 1] - whole[2 * a]) / spacing[a] : extent[2 * a + 1] - extent[2 * a];
-    }
-    length = (spacing[0] + spacing[1] + spacing[2]) / 6.0 *
-      std::min(1.0, 0.01 + 0.99 * std::cbrt(std::max(cells, 0.0)) / 100.0);
-  }
-  if (length > 0.0)
-  {
-    this->Property->SetScalarOpacityUnitDistance(length);
-  }
-}
-
-//------------------------------------------------------------------------------
-/// Give the volumes after the first the options, the place and the look of that.
-void vtkFFDVolumeRepresentation::UpdateOtherVolumes()
-{
-  vtkInternals& in = *this->Internals;
-  const bool changed = in.OptionsTime != this->Mapper->GetMTime();
-  for (std::size_t i = 1; i < in.AllShown.size(); ++i)
-  {
-    if (changed)
-    {
-      in.AllShown[i]->Mapper->ShallowCopy(this->Mapper);
-    }
-    vtkVolume* actor = in.AllShown[i]->Actor;
-    actor->SetOrigin(this->Actor->GetOrigin());
-    actor->SetPosition(this->Actor->GetPosition());
-    actor->SetScale(this->Actor->GetScale());
-    actor->SetOrientation(this->Actor->GetOrientation());
-    actor->SetUserMatrix(this->Actor->GetUserMatrix());
-    actor->SetPickable(this->Actor->GetPickable());
-    actor->SetVisibility(this->Actor->GetVisibility());
-    actor->SetProperty(this->Property);
-  }
-}
-
-//------------------------------------------------------------------------------
-/// Give a mapper the image, with what to render as point data.
-void vtkFFDVolumeRepresentation::UpdateRenderedImage(std::size_t which, vtkImageData* image)
-{
-  vtkInternals::Shown& volume = *this->Internals->AllShown[which];
-  vtkFFDInverseRayVolumeMapper* mapper = volume.Mapper;
-  if (!image)
-  {
-    mapper->RemoveAllInputs();
-    return;
-  }
-  const vtkFFDShownComponents shown = this->FindShown(image);
-  volume.Rendered.Update(image, shown);
-  if (mapper->GetInputDataObject(0, 0) != volume.Rendered.GetImage())
-  {
-    mapper->SetInputDataObject(volume.Rendered.GetImage());
-  }
-  mapper->SelectScalarArray(shown.Color.Array.Name.c_str());
-  mapper->SetScalarMode(VTK_SCALAR_MODE_USE_POINT_FIELD_DATA);
-  const bool dependent =
-    !shown.Opacity.Array.Name.empty() || shown.Color.Component == vtkFFDShownComponent::All;
-  if (this->Property && which == 0)
-  {
-    this->Property->SetIndependentComponents(!dependent);
-    this->Property->SetTransferFunctionMode(
-      this->UsesPlane() ? vtkVolumeProperty::TF_2D : vtkVolumeProperty::TF_1D);
-    if (this->UsesPlane())
-    {
-      this->UpdateTable();
-    }
-  }
-  mapper->SetTransfer2DYAxisArray(
-    shown.Second.Array.Name.empty() ? nullptr : vtkFFDShownComponents::SecondName);
-
-  Bounds clip;
-  Bounds whole = ffdparts::NoBounds;
-  if (!vtkFFDVoxelDistribution::ReadBounds(image, clip, whole))
-  {
-    // All of space, and yet a box: the tiles of the picture are then as with several processes.
-    const Bounds nothing{};
-    clip = ffdparts::OpenOutwards(nothing, nothing);
-  }
-  mapper->SetClipBox(clip.data());
-  mapper->SetWholeBounds(whole.data());
-  if (this->Property && which == 0)
-  {
-    this->UpdateUnitDistance(image, whole.data());
-  }
-  std::array<double, 2> range{ { 1.0, -1.0 } };
-  if (!dependent)
-  {
-    vtkFFDVoxelDistribution::ReadRange(image, shown.Color.Array, shown.Color.Component, range);
-  }
-  mapper->SetWholeScalarRange(range.data());
-  mapper->SetDeformation(volume.Rendered.GetLattice());
-}
-
-//------------------------------------------------------------------------------
-/// The mapper takes distances in units of the data, before the matrix of the actor.
-void vtkFFDVolumeRepresentation::UpdateSampleDistances(
-  vtkFFDInverseRayVolumeMapper* mapper, vtkImageData* image, double lodResolution, bool useLOD)
-{
-  const double coarser =
-    std::min(1.0 / std::max(lodResolution, 1.0 / LargestCoarsening), LargestCoarsening);
-  mapper->SetMaximumImageSampleDistance(
-    this->ImageSampleDistance * std::min(coarser * coarser, LargestCoarsening));
-  double spacing[3];
-  image->GetSpacing(spacing);
-  vtkMatrix3x3* direction = image->GetDirectionMatrix();
-  double voxel = VTK_DOUBLE_MAX;
-  for (int a = 0; a < 3; ++a)
-  {
-    const double edge[3] = { direction->GetElement(0, a) * spacing[a],
-      direction->GetElement(1, a) * spacing[a], direction->GetElement(2, a) * spacing[a] };
-    voxel = std::min(voxel, vtkMath::Norm(edge));
-  }
-  if (voxel > 0.0)
-  {
-    const double distance = this->SampleDistance * voxel;
-    mapper->SetSampleDistance(distance);
-    mapper->SetInteractiveSampleDistance(useLOD ? coarser * distance : distance);
-  }
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::UpdateCropping(
-  vtkFFDInverseRayVolumeMapper* mapper, vtkImageData* image)
-{
-  if (!mapper->GetCropping())
-  {
-    return;
-  }
-  // Those of the whole, of which this may be a part.
-  const bool deformed = mapper->GetCroppingSpace() == vtkFFDInverseRayVolumeMapper::DEFORMED;
-  double bounds[6];
-  mapper->GetWholeBounds(bounds);
-  if (vtkDataArray* all = image->GetFieldData()->GetArray(AllBoundsName))
-  {
-    for (int i = 0; i < 6; ++i)
-    {
-      bounds[i] = all->GetComponent(deformed ? 6 + i : i, 0);
-    }
-  }
-  else if (deformed)
-  {
-    mapper->GetBounds(bounds);
-  }
-  else if (!vtkMath::AreBoundsInitialized(bounds))
-  {
-    image->GetBounds(bounds);
-  }
-  double planes[6];
-  for (int i = 0; i < 6; ++i)
-  {
-    planes[i] = this->CroppingOrigin[i / 2] + this->CroppingScale[i / 2] * bounds[i];
-  }
-  for (int a = 0; a < 3; ++a)
-  {
-    if (planes[2 * a] > planes[2 * a + 1])
-    {
-      std::swap(planes[2 * a], planes[2 * a + 1]);
-    }
-  }
-  mapper->SetCroppingRegionPlanes(planes);
-}
-
-//------------------------------------------------------------------------------
 void vtkFFDVolumeRepresentation::UpdateMapperParameters()
 {
   // Not the superclass's: it selects the array that UpdateRenderedImage() may have to derive from.
@@ -1246,73 +640,34 @@ void vtkFFDVolumeRepresentation::UpdateMapperParameters()
 void vtkFFDVolumeRepresentation::Pick(
   double x0, double y0, double z0, double x1, double y1, double z1)
 {
-  std::array<double, 8>& picked = this->Internals->Picked;
-  picked = {};
-  double from[3] = { x0, y0, z0 };
+  const double from[3] = { x0, y0, z0 };
   const double to[3] = { x1, y1, z1 };
-  double direction[3] = { x1 - x0, y1 - y0, z1 - z0 };
+  ffdpicking::Picked& picked = this->Internals->Picked;
+  picked = {};
   auto* view = vtkPVRenderView::SafeDownCast(this->GetView());
-  // Pickers take the rotation that turns -z into the direction of the ray: half a turn about the
-  // vector between the two.
-  double orientation[4] = { 180.0, direction[0], direction[1], direction[2] };
-  if (view && this->GetVisibility() && this->VolumeMapper->GetInputDataObject(0, 0) &&
-    vtkMath::Normalize(&orientation[1]) > 0.0)
+  if (view && this->GetVisibility() && this->VolumeMapper->GetInputDataObject(0, 0))
   {
-    orientation[3] -= 1.0;
-    if (vtkMath::Norm(&orientation[1]) < 1e-6)
+    std::vector<vtkVolume*> volumes;
+    for (const auto& shown : this->Internals->AllShown)
     {
-      orientation[1] = 1.0; // the direction is +z
+      volumes.push_back(shown->Actor);
     }
-    if (this->Mapper->GetBlendMode() == vtkVolumeMapper::COMPOSITE_BLEND)
-    {
-      vtkNew<vtkFFDVolumePicker> picker;
-      for (const auto& shown : this->Internals->AllShown)
-      {
-        picker->AddPickList(shown->Actor);
-      }
-      picker->PickFromListOn();
-      for (const double opacity : PickedOpacities)
-      {
-        picker->SetVolumeOpacityIsovalue(opacity);
-        if (picked[0] == 0.0 && picker->Pick3DRay(from, orientation, view->GetRenderer()))
-        {
-          picked[0] = 1.0;
-          picker->GetPickPosition(&picked[1]);
-          picker->GetRestPosition(&picked[4]);
-          picked[7] = picker->GetScalarValue();
-          StepInside(picker, from, to, picked);
-          picker->GetPickNormal(this->Internals->PickedNormal.data());
-        }
-      }
-    }
-    else
-    {
-      double nearest = VTK_DOUBLE_MAX;
-      for (const auto& shown : this->Internals->AllShown)
-      {
-        std::array<double, 8> one{};
-        if (PickInPicture(shown->Mapper, shown->Actor, from, to, one) &&
-          vtkMath::Distance2BetweenPoints(from, &one[1]) < nearest)
-        {
-          nearest = vtkMath::Distance2BetweenPoints(from, &one[1]);
-          picked = one;
-        }
-      }
-      this->Internals->PickedNormal = { { x0 - x1, y0 - y1, z0 - z1 } };
-    }
+    picked = ffdpicking::PickVolumes(volumes, view->GetRenderer(), from, to);
   }
   vtkMultiProcessController* controller = GetController();
   if (GetNumberOfProcesses() > 1)
   {
     // The nearest one counts.
-    const double here =
-      picked[0] > 0.0 ? vtkMath::Distance2BetweenPoints(from, &picked[1]) : VTK_DOUBLE_MAX;
+    const double here = picked.Numbers[0] > 0.0
+      ? vtkMath::Distance2BetweenPoints(from, &picked.Numbers[1])
+      : VTK_DOUBLE_MAX;
     std::vector<double> distances(static_cast<std::size_t>(GetNumberOfProcesses()));
     controller->AllGather(&here, distances.data(), 1);
     const auto nearest = std::min_element(distances.begin(), distances.end());
     const auto root = static_cast<int>(nearest - distances.begin());
-    controller->Broadcast(picked.data(), static_cast<vtkIdType>(picked.size()), root);
-    controller->Broadcast(this->Internals->PickedNormal.data(), 3, root);
+    controller->Broadcast(
+      picked.Numbers.data(), static_cast<vtkIdType>(picked.Numbers.size()), root);
+    controller->Broadcast(picked.Normal.data(), 3, root);
   }
 }
 
@@ -1353,16 +708,16 @@ vtkFFDVolumeRepresentation* vtkFFDVolumeRepresentation::FindShownBy(
 //------------------------------------------------------------------------------
 const double* vtkFFDVolumeRepresentation::GetPickedNormal()
 {
-  return this->Internals->PickedNormal.data();
+  return this->Internals->Picked.Normal.data();
 }
 
 //------------------------------------------------------------------------------
-double* vtkFFDVolumeRepresentation::GetPicked() { return this->Internals->Picked.data(); }
+double* vtkFFDVolumeRepresentation::GetPicked() { return this->Internals->Picked.Numbers.data(); }
 
 //------------------------------------------------------------------------------
 void vtkFFDVolumeRepresentation::SetPicked(const double picked[8])
 {
-  std::copy_n(picked, 8, this->Internals->Picked.begin());
+  std::copy_n(picked, 8, this->Internals->Picked.Numbers.begin());
 }
 
 //------------------------------------------------------------------------------
@@ -1371,182 +726,4 @@ vtkTypeInt64 vtkFFDVolumeRepresentation::GetNumberOfLocalVoxels()
   const std::vector<vtkImageData*> images = GetImages(this->Cache);
   return std::accumulate(images.begin(), images.end(), vtkTypeInt64(0),
     [](vtkTypeInt64 sum, vtkImageData* image) { return sum + image->GetNumberOfPoints(); });
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetInverseMode(int mode)
-{
-  if (mode != this->Mapper->GetInverseMode())
-  {
-    this->Mapper->SetInverseMode(mode);
-    // The bounds change.
-    this->MarkModified();
-  }
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetBlendMode(int mode)
-{
-  if (mode != this->Mapper->GetBlendMode())
-  {
-    this->Mapper->SetBlendMode(mode);
-    // Another partition among processes.
-    this->MarkMoved();
-  }
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetCropping(int cropping)
-{
-  this->Mapper->SetCropping(cropping != 0);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetCroppingSpace(int space)
-{
-  this->Mapper->SetCroppingSpace(space);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetOpacityLength(int length)
-{
-  this->Mapper->SetOpacityLength(length);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetSpaceLeaping(int leaping)
-{
-  this->Mapper->SetSpaceLeaping(leaping);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetSegmentation(int segmentation)
-{
-  this->Mapper->SetSegmentation(segmentation);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetInverseTolerance(double voxels)
-{
-  this->Mapper->SetInverseTolerance(voxels);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetPositionTolerance(double voxels)
-{
-  this->Mapper->SetPositionTolerance(voxels);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetAngleThreshold(double degrees)
-{
-  this->Mapper->SetAngleThreshold(degrees);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetMinimumSegmentLength(double voxels)
-{
-  this->Mapper->SetMinimumSegmentLength(voxels);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetMaximumSegmentLength(double voxels)
-{
-  this->Mapper->SetMaximumSegmentLength(voxels);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetEarlyRayTerminationThreshold(double transmittance)
-{
-  this->Mapper->SetEarlyRayTerminationThreshold(transmittance);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetNumberOfThreads(int threads)
-{
-  this->Internals->Threads = threads;
-  this->Mapper->SetNumberOfThreads(threads > 0 ? threads : this->Internals->SharedThreads);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetSampleDistance(double voxels)
-{
-  if (!(voxels >= 0.05 && voxels <= 10.0))
-  {
-    vtkErrorMacro(<< "SampleDistance must be from 0.05 to 10 voxels, not " << voxels
-                  << "; it stays " << this->SampleDistance << ".");
-    return;
-  }
-  this->SampleDistance = voxels;
-}
-
-//------------------------------------------------------------------------------
-/// Not the superclass's: the property has it only where functions are one-dimensional.
-void vtkFFDVolumeRepresentation::SetScalarOpacityUnitDistance(double length)
-{
-  this->UnitDistance = length;
-  if (this->Property && !this->UsesPlane())
-  {
-    this->Property->SetScalarOpacityUnitDistance(length);
-  }
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetImageSampleDistance(double pixels)
-{
-  if (!(pixels >= 0.25 && pixels <= 8.0))
-  {
-    vtkErrorMacro(<< "ImageSampleDistance must be from 0.25 to 8 pixels, not " << pixels << ".");
-    return;
-  }
-  this->ImageSampleDistance = pixels;
-  this->Mapper->SetImageSampleDistance(pixels);
-  this->Mapper->SetMinimumImageSampleDistance(pixels);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetAdaptInteractiveQuality(bool adapt)
-{
-  this->Mapper->SetAutoAdjustSampleDistances(adapt);
-}
-
-//------------------------------------------------------------------------------
-bool vtkFFDVolumeRepresentation::GetAdaptInteractiveQuality()
-{
-  return this->Mapper->GetAutoAdjustSampleDistances() != 0;
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::RenderNextAtRate(double rate) { this->Internals->NextRate = rate; }
-
-//------------------------------------------------------------------------------
-/// Bounds that the view is given are those in the scene, as are the boxes of a partition.
-void vtkFFDVolumeRepresentation::MarkMoved() { this->MarkModified(); }
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetPosition(double x, double y, double z)
-{
-  this->Superclass::SetPosition(x, y, z);
-  this->MarkMoved();
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetScale(double x, double y, double z)
-{
-  this->Superclass::SetScale(x, y, z);
-  this->MarkMoved();
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetOrientation(double x, double y, double z)
-{
-  this->Superclass::SetOrientation(x, y, z);
-  this->MarkMoved();
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDVolumeRepresentation::SetOrigin(double x, double y, double z)
-{
-  this->Superclass::SetOrigin(x, y, z);
-  this->MarkMoved();
 }

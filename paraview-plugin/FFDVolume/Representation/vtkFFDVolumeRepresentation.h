@@ -216,19 +216,12 @@ private:
   vtkFFDVolumeRepresentation(const vtkFFDVolumeRepresentation&) = delete;
   void operator=(const vtkFFDVolumeRepresentation&) = delete;
 
-  void BeginRender(vtkObject* renderer, unsigned long event, void* data);
-  void EndRender(vtkObject* renderer, unsigned long event, void* data);
-  void BeginVolume();
-  void ContinueVolume(vtkObject* mapper, unsigned long event, void* data);
-  void KeepContext();
-  void TakeContextBack();
   void HandOver(vtkInformation* view, const double place[6], vtkMatrix4x4* toScene);
   std::vector<vtkFFDVolumeRepresentation*> FindShownVolumes();
   void MarkOthersModified();
   static void ShareOut(const std::vector<vtkFFDVolumeRepresentation*>& volumes);
   void SetNumberOfVolumes(std::size_t count);
   void SetNumberOfShown(std::size_t count);
-  void ObserveMapper(vtkFFDInverseRayVolumeMapper* mapper);
   void HoldImages(const std::vector<vtkImageData*>& images);
   void UpdateOutline();
   void DescribeInputs();
@@ -248,6 +241,9 @@ private:
   double UnitDistance = 1.0;
   double SampleDistance = 1.0;
   double ImageSampleDistance = 1.0;
+  double NextRate = 0.0; // RenderNextAtRate(); 0: as asked
+  int Threads = 0;       // SetNumberOfThreads(); 0: all that are there
+  int SharedThreads = 0; // these, with several processes; 0: not known
 
   class vtkInternals;
   std::unique_ptr<vtkInternals> Internals;
