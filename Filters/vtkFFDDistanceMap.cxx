@@ -43,32 +43,19 @@ constexpr int Block = ffd::MinMaxBlocks::BlockSize;
 /// Blocks along an axis of so many voxels.
 int CountBlocks(int voxels) { return (voxels - 1 + Block - 1) / Block; }
 
-/// Entries of the table: at least, and at most.
-constexpr int SmallestTable = 4096;
-constexpr int LargestTable = 65536;
-
-/// Opacity as a table over the scalars of the volume.
+/// Opacity as a table over the scalars of the volume, as the mapper has it.
 ffd::TransferTable MakeOpacityTable(
-  vtkPiecewiseFunction* opacity, const ffd::MinMaxBlocks::Limits& range, bool integers)
+  vtkPiecewiseFunction* opacity, const ffd::MinMaxBlocks::Limits& range)
 {
-  double low = range.Min;
-  double high = range.Max;
-  if (!(high - low > 1e-12 * std::max(std::abs(low), std::abs(high))))
-  {
-    high = low + std::max(1.0, std::abs(low));
-  }
-  int size =
-    std::clamp(opacity->EstimateMinNumberOfSamples(low, high), SmallestTable, LargestTable);
-  if (integers && high - low < LargestTable)
-  {
-    // Whole numbers are met exactly.
-    const int width = static_cast<int>(high - low);
-    size = std::max(1, SmallestTable / std::max(1, width)) * width + 1;
-  }
-  std::vector<float> opacities(static_cast<std::size_t>(size));
-  const std::vector<float> colors(3 * opacities.size(), 1.0f);
-  opacity->GetTable(low, high, size, opacities.data());
-  return ffd::TransferTable(low, high, opacities.size(), colors.data(), opacities.data(), 1.0);
+  const double* const points = opacity->GetRange();
+  const ffd::TableLayout layout = ffd::LayOutTable(range.Min, range.Max, points[0],
+    opacity->GetClamping() ? points[1] : points[0] - 1.0,
+    [opacity](double low, double high) { return opacity->EstimateMinNumberOfSamples(low, high); });
+  const auto size = static_cast<std::size_t>(layout.Size);
+  std::vector<float> opacities(size);
+  const std::vector<float> colors(3 * size, 1.0f);
+  opacity->GetTable(layout.Low, layout.High, layout.Size, opacities.data());
+  return ffd::TransferTable(layout.Low, layout.High, size, colors.data(), opacities.data(), 1.0);
 }
 
 } // namespace
@@ -191,8 +178,14 @@ int vtkFFDDistanceMap::RequestData(
                   "with that of the volume property.");
     return 0;
   }
+  std::string message;
   int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
   vtkDataArray* scalars = this->GetInputArrayToProcess(0, inputs, association);
+  if (!scalars && !vtkFFDHasPointArray(this->GetInputArrayInformation(0), input, message))
+  {
+    vtkErrorMacro(<< message);
+    return 0;
+  }
   if (scalars && association != vtkDataObject::FIELD_ASSOCIATION_POINTS)
   {
     vtkErrorMacro("The array to process, \""
@@ -201,7 +194,6 @@ int vtkFFDDistanceMap::RequestData(
     return 0;
   }
   ffd::VolumeView volume;
-  std::string message;
   if (!vtkFFDVolumeViewFromImage(input, scalars, false, volume, message))
   {
     vtkErrorMacro(<< message);
@@ -215,10 +207,7 @@ int vtkFFDDistanceMap::RequestData(
     return 0;
   }
   this->UpdateProgress(0.3);
-  const bool integers =
-    volume.Type != ffd::ScalarType::Float32 && volume.Type != ffd::ScalarType::Float64;
-  const ffd::TransferTable table =
-    MakeOpacityTable(this->ScalarOpacity, blocks.GetRange(), integers);
+  const ffd::TransferTable table = MakeOpacityTable(this->ScalarOpacity, blocks.GetRange());
 
   if (this->Resolution == BLOCKS)
   {
@@ -238,6 +227,7 @@ int vtkFFDDistanceMap::RequestData(
     output->SetDimensions(map.GetBlocks().x, map.GetBlocks().y, map.GetBlocks().z);
     output->SetOrigin(info->Get(vtkDataObject::ORIGIN()));
     output->SetSpacing(info->Get(vtkDataObject::SPACING()));
+    output->SetDirectionMatrix(input->GetDirectionMatrix());
     output->GetPointData()->SetScalars(distances);
     this->UpdateProgress(1.0);
     return 1;

@@ -225,8 +225,14 @@ vtkMTimeType vtkFFDFitLattice::GetMTime()
 //------------------------------------------------------------------------------
 int vtkFFDFitLattice::FillInputPortInformation(int port, vtkInformation* info)
 {
+  if (!this->Superclass::FillInputPortInformation(port, info))
+  {
+    return 0;
+  }
   info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
-  return this->Superclass::FillInputPortInformation(port, info);
+  // Blocks are refused by name: a lattice is fitted before the executive would hand them over.
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkCompositeDataSet");
+  return 1;
 }
 
 //------------------------------------------------------------------------------
@@ -241,7 +247,16 @@ int vtkFFDFitLattice::RequestInformation(
   if (this->GetNumberOfInputConnections(0) > 0)
   {
     vtkFFDUpdateWhole(this->GetInputConnection(0, 0), info);
-    field = vtkImageData::SafeDownCast(this->GetInputDataObject(0, 0));
+    vtkDataObject* data = this->GetInputDataObject(0, 0);
+    if (data && data->IsA("vtkCompositeDataSet"))
+    {
+      vtkErrorMacro("The input is a "
+        << data->GetClassName()
+        << ", and a lattice is fitted to one vtkImageData of "
+           "displacements. Take one of its blocks (vtkExtractBlock).");
+      return 0;
+    }
+    field = vtkImageData::SafeDownCast(data);
   }
   bool aborted = false;
   if (!(this->FitTime > this->GetMTime()) || (field && field->GetMTime() > this->FitTime))

@@ -276,6 +276,8 @@ int vtkFFDJacobian::RequestData(
   }
   this->NumberOfFoldedPoints = all.Folded;
   output->GetPointData()->AddArray(mask);
-  output->GetPointData()->SetScalars(determinants);
+  // Not SetScalars(), which takes the place of the scalars of the input.
+  output->GetPointData()->AddArray(determinants);
+  output->GetPointData()->SetActiveScalars(determinants->GetName());
   return 1;
 }

@@ -25,6 +25,7 @@
 #include "vtkPointData.h"
 #include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkWeakPointer.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -177,6 +178,7 @@ public:
   ffd::ImageGrid Input;
   ffd::ImageGrid Output;
   ffd::Box RestBounds;
+  vtkWeakPointer<vtkCompositeDataSet> Blocks; ///< the last input that was not an image
 
   /// Indices of the output that hold the whole deformed volume.
   ffd::Box FindDeformedIndices(vtkInformation* input) const
@@ -518,14 +520,16 @@ int vtkFFDResampleVolume::RequestInformation(
 {
   vtkInformation* input = inputs[0]->GetInformationObject(0);
   vtkInformation* output = outputs->GetInformationObject(0);
-  if (vtkCompositeDataSet::SafeDownCast(vtkDataObject::GetData(input)))
+  vtkDataObject* data = vtkDataObject::GetData(input);
+  if (auto* blocks = vtkCompositeDataSet::SafeDownCast(data))
   {
     // The executive asks again for each of the blocks.
+    this->Internals->Blocks = blocks;
     return 1;
   }
   vtkAlgorithmOutput* connection = this->GetInputConnection(0, 0);
   vtkFFDFollowTime(this->Deformation ? nullptr : input, output);
-  if (!this->Deformation && connection &&
+  if (!this->Deformation && connection && !vtkFFDIsBlock(this->Internals->Blocks, data) &&
     input->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
   {
     // A lattice may be attached to the data: the extent of the output follows from it. Filters
@@ -646,6 +650,11 @@ int vtkFFDResampleVolume::RequestData(
     vtkPointData* data = input->GetPointData();
     scalars = data->GetScalars() ? data->GetScalars() : data->GetArray(0);
   }
+  if (!scalars && !vtkFFDHasPointArray(this->GetInputArrayInformation(0), input, message))
+  {
+    vtkErrorMacro(<< message);
+    return 0;
+  }
   if (scalars && association != vtkDataObject::FIELD_ASSOCIATION_POINTS)
   {
     vtkErrorMacro("The array to process, \""
@@ -684,6 +693,14 @@ int vtkFFDResampleVolume::RequestData(
   settings.Background =
     std::clamp(this->BackgroundLevel, result->GetDataTypeMin(), result->GetDataTypeMax());
   settings.UniqueInverse = in.Pulled->Bounds.IsProvenInvertible();
+  int whole[6];
+  inputs[0]->GetInformationObject(0)->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), whole);
+  const int* const part = input->GetExtent();
+  for (int a = 0; a < 3; ++a)
+  {
+    settings.Rest.Min[a] = whole[2 * a] - part[2 * a];
+    settings.Rest.Max[a] = whole[2 * a + 1] - part[2 * a];
+  }
   const ffd::Resampler resampler(volume, in.Pulled->Map, in.Output, settings);
   const std::size_t sliceSize = static_cast<std::size_t>(extent[1] - extent[0] + 1) *
     static_cast<std::size_t>(extent[3] - extent[2] + 1) *

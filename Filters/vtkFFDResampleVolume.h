@@ -179,8 +179,8 @@ public:
   ///@}
 
   /**
-   * Points of the last update where the inverse did not converge (EXACT, folds): they have the
-   * first-order point.
+   * Points of the last update for which no point at rest was found (EXACT, folds): they have the
+   * background.
    */
   vtkGetMacro(NumberOfUnconvergedPoints, vtkIdType);
 

@@ -4,8 +4,14 @@
 
 #include "vtkAlgorithm.h"
 #include "vtkAlgorithmOutput.h"
+#include "vtkCellData.h"
+#include "vtkCompositeDataIterator.h"
+#include "vtkCompositeDataSet.h"
+#include "vtkDataSet.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
+#include "vtkPointData.h"
+#include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include <algorithm>
@@ -42,6 +48,40 @@ void vtkFFDUpdateWhole(vtkAlgorithmOutput* connection, vtkInformation* output)
     input->Set(Pipeline::UPDATE_TIME_STEP(), output->Get(Pipeline::UPDATE_TIME_STEP()));
   }
   producer->Update(port);
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDIsBlock(vtkCompositeDataSet* blocks, vtkDataObject* data)
+{
+  if (!blocks || !data)
+  {
+    return false;
+  }
+  const auto iterator = vtk::TakeSmartPointer(blocks->NewIterator());
+  for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
+  {
+    if (iterator->GetCurrentDataObject() == data)
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDHasPointArray(vtkInformation* chosen, vtkDataSet* data, std::string& message)
+{
+  const char* const name = chosen ? chosen->Get(vtkDataObject::FIELD_NAME()) : nullptr;
+  if (!name || !*name || data->GetPointData()->HasArray(name))
+  {
+    return true;
+  }
+  message = std::string("The input has no point array \"") + name +
+    "\", which SetInputArrayToProcess() names" +
+    (data->GetCellData()->HasArray(name)
+        ? "; its cells have: convert it with vtkCellDataToPointData."
+        : ". Choose one of its arrays.");
+  return false;
 }
 
 //------------------------------------------------------------------------------

@@ -8,9 +8,13 @@
 
 #include <functional>
 #include <initializer_list>
+#include <string>
 #include <vector>
 
 class vtkAlgorithmOutput;
+class vtkCompositeDataSet;
+class vtkDataObject;
+class vtkDataSet;
 class vtkInformation;
 class vtkInformationVector;
 
@@ -31,6 +35,16 @@ VTKFFDCORE_EXPORT void vtkFFDFollowTime(vtkInformation* input, vtkInformation* o
 VTKFFDCORE_EXPORT int vtkFFDRequestInformationAgain(
   vtkInformationVector* outputs, const std::function<int()>& requestInformation);
 ///@}
+
+/// Whether `data` is a block of `blocks`, which may be null. An executive that hands the blocks of
+/// a data set to a filter sets each in the place of the data set, whose producer must not be
+/// brought up to date meanwhile: the blocks are.
+VTKFFDCORE_EXPORT bool vtkFFDIsBlock(vtkCompositeDataSet* blocks, vtkDataObject* data);
+
+/// Whether an array of points that a filter was told to process by name, `chosen`, exists, or none
+/// was named; else `message` says what is wrong.
+VTKFFDCORE_EXPORT bool vtkFFDHasPointArray(
+  vtkInformation* chosen, vtkDataSet* data, std::string& message);
 
 /// The definition of ProcessRequest() of such a filter, guarded as
 /// vtkFFDGuardedProcessRequestMacro() does it.

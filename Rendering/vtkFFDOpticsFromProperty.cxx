@@ -24,8 +24,6 @@ namespace
 {
 
 /// Entries of a transfer table: at least, and at most (then it takes 320 kB).
-constexpr int SmallestTable = 1024;
-constexpr int LargestTable = 16384;
 
 /// Entries of the table of a gradient opacity.
 constexpr int GradientTable = 1024;
@@ -132,51 +130,33 @@ struct TableFunctions
  */
 TransferTable MakeTable(const TableFunctions& functions, const MinMaxBlocks::Limits& range)
 {
-  double lo = range.Min;
-  double hi = range.Max;
-  // Beyond their last points clamped functions are constant: spend no entries there, so that a
-  // few extreme scalars do not coarsen the table. Colors below and above the range are constant
-  // there, too, but begin just beyond the points.
   double first;
   double last;
   functions.GetRange(first, last);
-  if (functions.IsClamped() && first <= last)
+  if (!functions.IsClamped())
   {
-    const bool beyond = !functions.Gray && functions.Color &&
-      (functions.Color->GetUseBelowRangeColor() || functions.Color->GetUseAboveRangeColor());
-    const double margin = beyond ? std::max(1.0, 1e-3 * (last - first)) : 0.0;
-    lo = std::min(std::max(lo, first - margin), hi);
-    hi = std::max(std::min(hi, last + margin), lo);
+    last = first - 1.0;
   }
-  if (!(hi - lo > 1e-12 * std::max(std::abs(lo), std::abs(hi))))
+  else if (!functions.Gray && functions.Color && first <= last &&
+    (functions.Color->GetUseBelowRangeColor() || functions.Color->GetUseAboveRangeColor()))
   {
-    hi = lo + std::max(1.0, std::abs(lo));
+    // Colors below and above the range are constant there, too, but begin just beyond the points.
+    const double margin = std::max(1.0, 1e-3 * (last - first));
+    first -= margin;
+    last += margin;
   }
-  // Steps are equal, logarithmic functions bend most at their small end.
-  int size = functions.IsLogarithmic()
-    ? LargestTable
-    : std::clamp(functions.EstimateSamples(lo, hi), SmallestTable, LargestTable);
-  const double width = std::ceil(hi) - std::floor(lo);
-  if (hi - lo >= 1.0 && width < LargestTable)
-  {
-    // A whole number of entries a unit: whole scalars, and the points of functions that lie there,
-    // are met exactly.
-    lo = std::floor(lo);
-    hi = lo + width;
-    const int perUnit = std::max(1, static_cast<int>(size / width));
-    size = perUnit * static_cast<int>(width) + 1;
-  }
-  else if (std::abs(lo) < static_cast<double>(std::numeric_limits<float>::max()))
-  {
-    // Packets take differences to it in single precision.
-    lo = static_cast<double>(RoundDown(lo));
-  }
-
-  std::vector<float> opacities(static_cast<std::size_t>(size));
-  std::vector<float> colors(3 * static_cast<std::size_t>(size));
-  functions.Tabulate(lo, hi, size, colors.data(), opacities.data());
+  const TableLayout layout =
+    LayOutTable(range.Min, range.Max, first, last, [&functions](double lo, double hi) {
+      // Steps are equal, logarithmic functions bend most at their small end.
+      return functions.IsLogarithmic() ? std::numeric_limits<int>::max()
+                                       : functions.EstimateSamples(lo, hi);
+    });
+  const auto size = static_cast<std::size_t>(layout.Size);
+  std::vector<float> opacities(size);
+  std::vector<float> colors(3 * size);
+  functions.Tabulate(layout.Low, layout.High, layout.Size, colors.data(), opacities.data());
   return TransferTable(
-    lo, hi, static_cast<std::size_t>(size), colors.data(), opacities.data(), functions.Unit);
+    layout.Low, layout.High, size, colors.data(), opacities.data(), functions.Unit);
 }
 
 /// Copies of functions that are constant beyond their ranges.

@@ -435,7 +435,14 @@ private:
         found = glm::length(u + map.GetField()->Displacement(p + u)) <= map.GetTolerance();
         u = reflected ? -u : u;
       }
-      if (!found)
+      if (!found && this->Owner.Inverse)
+      {
+        glm::dvec3 q;
+        int evaluations = 0;
+        unconverged += this->Owner.Inverse->Solve(p, p, q, evaluations) ? 0 : 1;
+        u = reflected ? p - q : q - p;
+      }
+      else if (!found)
       {
         PullBackStatus status;
         u = map.Evaluate(p, status) - p;
@@ -501,6 +508,12 @@ Resampler::Resampler(const VolumeView& volume, const PullBack& map, const ImageG
     {
       this->ToVolume[a][b] = Snap(this->ToVolume[a][b]);
     }
+  }
+  if (!map.IsIdentity() && this->Inverts() && !settings.UniqueInverse)
+  {
+    const Box rest =
+      settings.Rest.IsEmpty() ? Box{ volume.LowerIndex(), volume.UpperIndex() } : settings.Rest;
+    this->Inverse.reset(new OrientedInverse(*map.GetField(), map.GetTolerance(), volume, rest));
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "Bounds/FFDPullBackBounds.h"
 #include "FFDExport.h"
+#include "FFDOrientedInverse.h"
 #include "FFDParallelFor.h"
 #include "FFDPullBack.h"
 #include "FFDSplineRows.h"
@@ -14,6 +15,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace ffd
@@ -34,6 +36,9 @@ struct ResampleSettings
   /// True when the inverse of the map is proven to be unique: then it is followed from voxel to
   /// voxel, else every point is solved for on its own, as the ray caster does.
   bool UniqueInverse = false;
+  /// The whole volume at rest, index coordinates of the volume that is given, which may be a part
+  /// of it; empty: that is the whole.
+  Box Rest{ glm::dvec3(1.0), glm::dvec3(0.0) };
 };
 
 /**
@@ -50,6 +55,7 @@ FFD_FILTERS_EXPORT Box FindRestRegion(
  * invert T solve at every fourth point of each axis and interpolate the result with cubics; at
  * every point the residual of T is then computed, and where it exceeds the tolerance of the
  * pull-back (seldom) the point is solved for. So every point is as exact as one that is solved for.
+ * Where T may fold every point is solved for, see OrientedInverse.
  *
  * A point counts as inside up to a millionth of a voxel beyond the outermost voxels. Whole numbers
  * are rounded and clamped to the range of their type; voxels that are not finite reach just the
@@ -80,6 +86,7 @@ private:
   const PullBack* Map;
   ImageGrid Grid;
   ResampleSettings Settings;
+  std::unique_ptr<OrientedInverse> Inverse; ///< null: the inverse is unique, or is not needed
   /// Index of the grid to index of the volume, exact where the two share their points.
   glm::dmat3 ToVolume;
   glm::dvec3 ToVolumeOffset;

@@ -50,10 +50,32 @@ SurfacePoint SurfaceSearch::Evaluate(double t) const
   SurfacePoint point;
   point.T = t;
   point.Deformed = this->Origin + t * this->Direction;
-  PullBackStatus status;
-  point.Rest = this->Map.IsIdentity() ? point.Deformed : this->Map.Evaluate(point.Deformed, status);
+  point.Rest = this->Map.IsIdentity() ? point.Deformed : this->FindRest(point.Deformed);
   point.Index = this->Volume.ToIndex(point.Rest);
   return point;
+}
+
+//------------------------------------------------------------------------------
+glm::dvec3 SurfaceSearch::FindRest(const glm::dvec3& deformed) const
+{
+  PullBackStatus status;
+  const glm::dvec3 rest = this->Map.Evaluate(deformed, status);
+  if (!InvertsTheField(this->Map.GetKind()) ||
+    (status.Converged && this->IsInside(this->Volume.ToIndex(rest))))
+  {
+    return rest;
+  }
+  if (!this->Inverse)
+  {
+    this->Inverse.reset(new OrientedInverse(*this->Map.GetField(), this->Map.GetTolerance(),
+      this->Volume, { this->Volume.LowerIndex(), this->Volume.UpperIndex() }));
+  }
+  const bool mirrored = this->Map.GetKind() == PullBackKind::FirstOrderOfInverse;
+  glm::dvec3 q;
+  int evaluations = 0;
+  const bool found = this->Inverse->Solve(deformed, deformed, q, evaluations);
+  q = mirrored ? 2.0 * deformed - q : q;
+  return found && this->IsInside(this->Volume.ToIndex(q)) ? q : rest;
 }
 
 //------------------------------------------------------------------------------
@@ -62,8 +84,7 @@ glm::dmat3 SurfaceSearch::EvaluateJacobian(const SurfacePoint& point) const
   glm::dmat3 jacobian(1.0);
   if (!this->Map.IsIdentity())
   {
-    PullBackStatus status;
-    this->Map.Evaluate(point.Deformed, jacobian, status);
+    jacobian = this->Map.FindJacobian(point.Deformed, point.Rest);
   }
   return jacobian;
 }

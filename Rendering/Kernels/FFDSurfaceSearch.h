@@ -4,6 +4,7 @@
 #define FFDSurfaceSearch_h
 
 #include "FFDExport.h"
+#include "FFDOrientedInverse.h"
 #include "FFDPullBack.h"
 #include "FFDVolumeView.h"
 
@@ -11,6 +12,7 @@
 #include <glm/vec3.hpp>
 
 #include <functional>
+#include <memory>
 
 namespace ffd
 {
@@ -71,6 +73,7 @@ public:
   bool IsInside(const glm::dvec3& index) const;
 
 private:
+  glm::dvec3 FindRest(const glm::dvec3& deformed) const;
   void Bisect(const Condition& beyond, SurfacePoint& before, SurfacePoint& after) const;
 
   VolumeView Volume;
@@ -78,6 +81,8 @@ private:
   glm::dvec3 Origin;
   glm::dvec3 Direction;
   double TPerVoxel; // along the ray
+  /// Made where the inverse that is followed from the point itself leads out of the volume.
+  mutable std::unique_ptr<OrientedInverse> Inverse;
 };
 
 } // namespace ffd

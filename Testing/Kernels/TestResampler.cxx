@@ -283,6 +283,8 @@ TEST(Resampler, FoldsAreSolvedPointByPointAndCounted)
   std::int64_t unconverged = 0;
   const std::vector<double> values =
     scene.Run(map, ffd::ResampleSettings(), { -6, -6, -6 }, { 25, 23, 21 }, &unconverged);
+  const ffd::OrientedInverse inverse(scene.Field, 1e-3, scene.Volume.View,
+    { scene.Volume.View.LowerIndex(), scene.Volume.View.UpperIndex() });
   std::int64_t expected = 0;
   for (int k = -6; k <= 21; ++k)
   {
@@ -290,9 +292,10 @@ TEST(Resampler, FoldsAreSolvedPointByPointAndCounted)
     {
       for (int i = -6; i <= 25; ++i)
       {
-        ffd::PullBackStatus status;
-        map.Evaluate(scene.Grid.ToData(glm::dvec3(i, j, k)), status);
-        expected += status.Converged ? 0 : 1;
+        const glm::dvec3 p = scene.Grid.ToData(glm::dvec3(i, j, k));
+        glm::dvec3 q;
+        int evaluations = 0;
+        expected += inverse.Solve(p, p, q, evaluations) ? 0 : 1;
       }
     }
   }

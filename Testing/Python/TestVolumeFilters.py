@@ -7,9 +7,10 @@ import unittest
 import numpy as np
 import vtkffd
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkMultiBlockDataSet, vtkPiecewiseFunction
 from vtkmodules.vtkCommonMath import vtkMatrix4x4
 from vtkmodules.vtkCommonTransforms import vtkTransform
+from vtkmodules.vtkFiltersCore import vtkPassThrough
 from vtkmodules.vtkFiltersGeneral import vtkTransformFilter
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkImagingCore import vtkImageReslice, vtkImageShiftScale
@@ -20,6 +21,11 @@ from vtkmodules.vtkRenderingCore import (
     vtkVolume,
     vtkVolumeProperty,
 )
+
+
+# Control points that are moved with their neighbors, and by how much.
+FOLDING_EDITS = (((1, 3, 2), (-1.423, -0.2289, -0.4154)),
+                 ((2, 2, 2), (0.6266, -1.0873, 0.8217)))
 
 
 def make_volume(n=20):
@@ -39,6 +45,14 @@ def make_lattice(image, strength=0.8):
     source.SetSeed(3)
     source.SetStrength(strength)
     return source.GetLattice()
+
+
+def vtkffd_errors(to):
+    """Observer of errors that appends their texts."""
+    def note(_, event, text):
+        to.append(text)
+    note.CallDataType = "string0"
+    return note
 
 
 def scalars(filter_):
@@ -224,6 +238,150 @@ class TestVolumeFilters(unittest.TestCase):
         distance.Update()
         self.assertEqual(distance.GetOutput().GetDimensions(), (5, 5, 5))
         self.assertEqual(scalars(distance).min(), 0)
+
+    def test_distance_map_of_a_turned_image(self):
+        self.image.SetOrigin(5.0, -3.0, 2.0)
+        self.image.SetSpacing(1.0, 2.0, 0.5)
+        self.image.SetDirectionMatrix(0, -1, 0, 1, 0, 0, 0, 0, 1)
+        distances = vtkffd.vtkFFDDistanceMap()
+        distances.SetInputData(self.image)
+        opacity = vtkPiecewiseFunction()
+        opacity.AddPoint(150.0, 0.0)
+        opacity.AddPoint(160.0, 1.0)
+        distances.SetScalarOpacity(opacity)
+        distances.SetResolutionToBlocks()
+        distances.Update()
+        output = distances.GetOutput()
+        expected = [0.0, 0.0, 0.0]
+        for index in ((0, 0, 0), (4, 0, 0), (0, 4, 0), (1, 2, 3)):
+            # Blocks of four cells each.
+            self.image.TransformContinuousIndexToPhysicalPoint([4 * i + 2 for i in index], expected)
+            point = output.GetPoint(output.ComputePointId(index))
+            np.testing.assert_allclose(point, expected, atol=1e-9)
+
+    def test_distance_map_beside_extremes(self):
+        # A value that stands for no data is far from all others; what is visible stays the same.
+        values = np.zeros((16, 16, 16))
+        values[4:12, 4:12, 4:12] = 50.0
+        opacity = vtkPiecewiseFunction()
+        for value, alpha in ((40.0, 0.0), (50.0, 1.0), (60.0, 0.0)):
+            opacity.AddPoint(value, alpha)
+        image = vtkImageData()
+        image.SetDimensions(16, 16, 16)
+        for dtype in (np.float32, np.float64):
+            for extreme in (0.0, 1e6, 1e8, -1e9, 1e20, -1e30):
+                values[0, 0, 0] = extreme
+                image.GetPointData().SetScalars(numpy_to_vtk(values.astype(dtype).ravel(),
+                                                             deep=True))
+                image.Modified()
+                distances = vtkffd.vtkFFDDistanceMap()
+                distances.SetInputData(image)
+                distances.SetScalarOpacity(opacity)
+                distances.SetResolutionToVoxels()
+                distances.Update()
+                self.assertEqual((scalars(distances) == 0).sum(), 512, (dtype, extreme))
+                # Extremes of blocks are rounded outwards.
+                distances.SetResolutionToBlocks()
+                distances.Update()
+                blocks = scalars(distances).reshape(4, 4, 4)
+                self.assertTrue((blocks[:3, :3, :3] == 0).all(), (dtype, extreme))
+                self.assertTrue(extreme < 0.0 or (blocks == 0).sum() == 27, (dtype, extreme))
+
+    def test_jacobian_keeps_the_scalars(self):
+        self.image.GetPointData().GetScalars().SetName("density")
+        jacobian = vtkffd.vtkFFDJacobian()
+        jacobian.SetInputData(self.image)
+        jacobian.SetDeformation(self.lattice)
+        jacobian.Update()
+        arrays = jacobian.GetOutput().GetPointData()
+        self.assertEqual(arrays.GetScalars().GetName(), "JacobianDeterminant")
+        self.assertEqual(arrays.GetNumberOfArrays(), 3)
+        np.testing.assert_array_equal(vtk_to_numpy(arrays.GetArray("density")),
+                                      vtk_to_numpy(self.image.GetPointData().GetScalars()))
+
+    def test_blocks_with_lattices(self):
+        # The blocks come from filters, which must not be brought up to date among them.
+        blocks = vtkMultiBlockDataSet()
+        for i, size in enumerate((12, 15)):
+            image = make_volume(size)
+            image.SetOrigin(30.0 * i, 0.0, 0.0)
+            blocks.SetBlock(i, image)
+        edit = vtkffd.vtkFFDEditLattice()
+        edit.SetInputDataObject(blocks)
+        edit.SetDimensions(4, 4, 4)
+        edit.LatticePerBlockOn()
+        edit.SetNumberOfDisplacements(64)
+        edit.SetDisplacement(21, 2.0, 0.0, 0.0)
+        attach = vtkffd.vtkFFDDeformVolume()
+        attach.SetInputDataObject(blocks)
+        attach.SetLattice(self.lattice)
+        for source in (edit, attach):
+            through = vtkPassThrough()
+            through.SetInputConnection(source.GetOutputPort())
+            for producer in (source, through):
+                resample = vtkffd.vtkFFDResampleVolume()
+                resample.SetInputConnection(producer.GetOutputPort())
+                for _ in range(2):
+                    resample.Update()
+                    output = resample.GetOutputDataObject(0)
+                    self.assertEqual(output.GetNumberOfBlocks(), 2)
+                    for i in range(2):
+                        alone = vtkffd.vtkFFDResampleVolume()
+                        alone.SetInputData(source.GetOutputDataObject(0).GetBlock(i))
+                        alone.Update()
+                        np.testing.assert_array_equal(
+                            vtk_to_numpy(output.GetBlock(i).GetPointData().GetScalars()),
+                            scalars(alone))
+                    source.Modified()
+
+    def test_arrays_that_do_not_exist_are_named(self):
+        for filter_ in (vtkffd.vtkFFDResampleVolume(), vtkffd.vtkFFDDistanceMap()):
+            filter_.SetInputData(self.image)
+            if filter_.IsA("vtkFFDDistanceMap"):
+                opacity = vtkPiecewiseFunction()
+                opacity.AddPoint(0.0, 1.0)
+                filter_.SetScalarOpacity(opacity)
+            else:
+                filter_.SetDeformation(self.lattice)
+            filter_.SetInputArrayToProcess(0, 0, 0, 0, "nope")
+            errors = []
+            filter_.AddObserver("ErrorEvent", vtkffd_errors(errors))
+            filter_.Update()
+            self.assertIn('"nope"', errors[0])
+
+    def test_folds_outside_of_the_volume_lose_nothing(self):
+        # Two edits with the fold guard: proven not to fold in the volume, but beyond it.
+        lattice = vtkffd.vtkFFDLattice()
+        lattice.SetDimensions(5, 5, 5)
+        representation = vtkffd.vtkFFDLatticeRepresentation()
+        representation.SetLattice(lattice)
+        representation.SetFoldGuard(1)
+        for point, move in FOLDING_EDITS:
+            representation.SelectPoint(*point)
+            representation.GrowSelection()
+            representation.TranslateSelection(*move)
+        self.assertTrue(lattice.IsFoldFree())
+        n = 20
+        image = vtkImageData()
+        image.SetDimensions(n, n, n)
+        image.SetSpacing(3 * [1.0 / (n - 1)])
+        image.GetPointData().SetScalars(numpy_to_vtk(np.full(n**3, 100.0), deep=True))
+        mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+        mapper.SetInputData(image)
+        mapper.SetDeformation(lattice)
+        resample = vtkffd.vtkFFDResampleVolume()
+        resample.SetInputData(image)
+        resample.SetDeformation(lattice)
+        resample.SetOutputSpacing(3 * [1e-6])
+        resample.SetOutputExtent(0, 1, 0, 1, 0, 1)
+        rest = [0.0, 0.0, 0.0]
+        for x in np.random.default_rng(1).uniform(0.02, 0.98, (1500, 3)):
+            y = lattice.TransformPoint(*x)
+            self.assertEqual(mapper.GetRestPosition(y, rest), 1)
+            np.testing.assert_allclose(rest, x, atol=1e-5)
+            resample.SetOutputOrigin(y)
+            resample.Update()
+            self.assertEqual(scalars(resample).min(), 100.0, f"{x} at {y}")
 
     def test_functional_transforms_and_their_inverses(self):
         deflector = vtkffd.vtkFFDRayDeflector()

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDTransferTable.h"
 
+#include "FFDRounding.h"
+
 #include <glm/common.hpp>
 
 #include <algorithm>
@@ -15,6 +17,10 @@ namespace
 
 /// Extinctions end here, whatever the unit distance: interpolating infinite ones gives no number.
 constexpr double LargestExtinction = 1e30;
+
+/// Entries of a table: at least, and at most.
+constexpr int SmallestTable = 1024;
+constexpr int LargestTable = 16384;
 
 /// Limits of GetMargin().
 constexpr double LeastMargin = 1e-3;
@@ -35,6 +41,40 @@ float ExtinctionOf(float opacity, double unitDistance)
 float ColorOf(float channel) { return channel > 0.0f ? std::min(channel, 1.0f) : 0.0f; }
 
 } // namespace
+
+//------------------------------------------------------------------------------
+TableLayout LayOutTable(double low, double high, double first, double last,
+  const std::function<int(double, double)>& estimate)
+{
+  double lo = low;
+  double hi = high;
+  if (first <= last)
+  {
+    lo = std::min(std::max(lo, first), hi);
+    hi = std::max(std::min(hi, last), lo);
+  }
+  if (!(hi - lo > 1e-12 * std::max(std::abs(lo), std::abs(hi))))
+  {
+    hi = lo + std::max(1.0, std::abs(lo));
+  }
+  int size = std::clamp(estimate(lo, hi), SmallestTable, LargestTable);
+  const double width = std::ceil(hi) - std::floor(lo);
+  if (hi - lo >= 1.0 && width < LargestTable)
+  {
+    // A whole number of entries a unit: whole scalars, and the points of functions that lie there,
+    // are met exactly.
+    lo = std::floor(lo);
+    hi = lo + width;
+    const int perUnit = std::max(1, static_cast<int>(size / width));
+    size = perUnit * static_cast<int>(width) + 1;
+  }
+  else if (std::abs(lo) < static_cast<double>(std::numeric_limits<float>::max()))
+  {
+    // Packets take differences to it in single precision.
+    lo = static_cast<double>(RoundDown(lo));
+  }
+  return { lo, hi, size };
+}
 
 //------------------------------------------------------------------------------
 TransferTable::TransferTable(double lo, double hi, std::size_t size, const float* rgb,

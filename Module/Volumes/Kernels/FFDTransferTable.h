@@ -8,10 +8,27 @@
 #include <glm/vec3.hpp>
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 namespace ffd
 {
+
+/// Where the entries of a table are: `Size` of them at equal steps from Low to High.
+struct TableLayout
+{
+  double Low;
+  double High;
+  int Size;
+};
+
+/**
+ * Lays out a table of functions for scalars from `low` to `high`. They are constant beyond [first,
+ * last], where no entries are spent, so that a few extreme scalars do not coarsen the table; first
+ * > last: nowhere. estimate(lo, hi) returns how many equal steps the functions need there.
+ */
+FFD_VOLUMES_EXPORT TableLayout LayOutTable(double low, double high, double first, double last,
+  const std::function<int(double, double)>& estimate);
 
 /**
  * Color and extinction over the scalar range, sampled at equal steps and interpolated linearly.

@@ -3,8 +3,9 @@
 #ifndef FFDOrientedInverse_h
 #define FFDOrientedInverse_h
 
-#include "Bounds/FFDPullBackBounds.h"
-#include "FFDPullBack.h"
+#include "Bounds/FFDBox.h"
+#include "FFDBSplineField.h"
+#include "FFDExport.h"
 #include "FFDVolumeView.h"
 
 #include <vector>
@@ -13,11 +14,12 @@ namespace ffd
 {
 
 /**
- * Inverts T for the reference kernels where it folds, so that several rest points lead to a
- * deformed point: those in the volume count at which T keeps the orientation that it has at most
- * points of the volume. The packet kernels do the same by PacketScene::Orientation.
+ * Inverts T where it may fold, so that several rest points lead to a deformed point: those in the
+ * volume count at which T keeps the orientation that it has at most points of the volume, wherever
+ * else it folds. For all that goes point by point; the packet kernels do the same by
+ * PacketScene::Orientation.
  */
-class OrientedInverse
+class FFD_VOLUMES_EXPORT OrientedInverse
 {
 public:
   /// `rest`: the volume at rest, index coordinates. `field` must outlive this object.
