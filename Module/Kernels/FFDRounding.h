@@ -23,11 +23,17 @@ inline float RoundUp(double value)
 /// The largest float that is not above `value`: a lower bound stays one.
 inline float RoundDown(double value) { return -RoundUp(-value); }
 
+/// A number in single precision, finite unless it is not a number.
+inline float ToFinite(double value)
+{
+  constexpr double Largest = 1e37;
+  return static_cast<float>(std::clamp(value, -Largest, Largest));
+}
+
 /// A number in single precision; one that is finite stays so, however large.
 inline float ToSingle(double value)
 {
-  constexpr double Largest = 1e37;
-  return static_cast<float>(std::isinf(value) ? value : std::clamp(value, -Largest, Largest));
+  return std::isinf(value) ? static_cast<float>(value) : ToFinite(value);
 }
 
 } // namespace ffd

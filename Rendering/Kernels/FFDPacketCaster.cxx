@@ -32,20 +32,9 @@ namespace HWY_NAMESPACE
 int CastTileOfAnyType(const PacketScene& scene, int x0, int y0, unsigned int subtiles,
   const CastImage& image, PacketScratch& scratch, int first, Deadline deadline)
 {
-  // Whole numbers with a sign are read as those without, see PacketIntegers.
-  switch (scene.Volume.Type)
-  {
-    case ScalarType::Int8:
-    case ScalarType::UInt8:
-      return CastTile<std::uint8_t>(scene, x0, y0, subtiles, image, scratch, first, deadline);
-    case ScalarType::Int16:
-    case ScalarType::UInt16:
-      return CastTile<std::uint16_t>(scene, x0, y0, subtiles, image, scratch, first, deadline);
-    case ScalarType::Float32:
-      return CastTile<float>(scene, x0, y0, subtiles, image, scratch, first, deadline);
-    default:
-      return CastTile<WideScalar>(scene, x0, y0, subtiles, image, scratch, first, deadline);
-  }
+  return ForFetched(scene.Volume.Type, [&](auto zero) {
+    return CastTile<decltype(zero)>(scene, x0, y0, subtiles, image, scratch, first, deadline);
+  });
 }
 
 /// Sets the side of roots: tiles share them where interpolants over several tiles are close enough
@@ -265,25 +254,70 @@ bool CanComposite(const CastScene& scene, const SampleClassifier& classifier)
   const bool planes = std::any_of(functions.Components.begin(), functions.Components.end(),
     [](const ComponentOptics& optics) { return !optics.Plane.IsEmpty(); });
   const int components = scene.Volume.Components;
-  return !planes && !classifier.HasNormalsOfOpacity() && !labels && !IsWide(scene.Volume.Type) &&
-    components > 1 && components <= SampleClassifier::LargestNumberOfComponents &&
+  return !planes && !classifier.HasNormalsOfOpacity() && !labels && components > 1 &&
+    components <= SampleClassifier::LargestNumberOfComponents &&
     (functions.Kind != ComponentKind::Independent ||
       static_cast<int>(functions.Components.size()) == components);
 }
 
-/// Adds a transfer table; its range is that of the values as fetched (PacketVolume).
-void AddTable(const TransferTable& table, PacketScene& scene)
+/// The component of the voxels whose values an entry of OpticalFunctions::Components is looked up
+/// for; of those of a luminance, which have the same scale, the first.
+int FindDensityComponent(ComponentKind kind, int entry)
 {
-  const PacketVolume& v = scene.Volume;
-  scene.Table.Add(table, static_cast<float>((table.GetLow() - v.Shift) * v.Scale),
-    static_cast<float>(table.GetScale() / v.Scale));
+  switch (kind)
+  {
+    case ComponentKind::ColorOpacity:
+      return 1;
+    case ComponentKind::Rgb:
+      return 0;
+    case ComponentKind::Rgba:
+      return 3;
+    default:
+      return entry;
+  }
 }
 
-/// The scale that takes gradients as packets fetch them, differences over two voxels scaled as the
-/// values, to vectors whose length is the magnitude.
-glm::dvec3 FindMagnitudeScale(const SampleClassifier& classifier, const PacketVolume& volume)
+/// Whether the vector code can blend this scene, in a mode that does not composite: neither
+/// gradients nor labels count there.
+bool CanBlend(const CastScene& scene, const SampleClassifier& classifier)
 {
-  return classifier.GetMagnitudeScale() * (0.5 / volume.Scale);
+  if (classifier.IsPlain())
+  {
+    return true;
+  }
+  const OpticalFunctions& functions = classifier.GetFunctions();
+  const MaskView& mask = classifier.GetMask();
+  const bool masked = mask.Volume.Scalars && !mask.Labels;
+  const bool planes = std::any_of(functions.Components.begin(), functions.Components.end(),
+    [](const ComponentOptics& optics) { return !optics.Plane.IsEmpty(); });
+  if (!classifier.IsSimple() || planes || !CanFetchPackets(scene.Volume) ||
+    (masked && !CanLookUpMask(mask.Volume)))
+  {
+    return false;
+  }
+  const int components = scene.Volume.Components;
+  const bool independent = functions.Kind == ComponentKind::Independent;
+  const bool ofAll = !independent || static_cast<int>(functions.Components.size()) == components;
+  return scene.Blend.Mode == BlendMode::Isosurface
+    ? components == 1 && ofAll && !masked
+    : ofAll && components <= SampleClassifier::LargestNumberOfComponents;
+}
+
+/// Adds a transfer table; its range is that of the values of a component as fetched (PacketVolume).
+void AddTable(const TransferTable& table, int component, PacketScene& scene)
+{
+  const double scale = scene.Volume.Scale[component];
+  scene.Table.Add(table,
+    static_cast<float>((table.GetLow() - scene.Volume.Shift[component]) * scale),
+    static_cast<float>(table.GetScale() / scale));
+}
+
+/// The scale that takes gradients of a component as packets fetch them, differences over two voxels
+/// scaled as the values, to vectors whose length is the magnitude.
+glm::dvec3 FindMagnitudeScale(
+  const SampleClassifier& classifier, const PacketVolume& volume, int component)
+{
+  return classifier.GetMagnitudeScale() * (0.5 / volume.Scale[component]);
 }
 
 /// Sets the mask of a scene, and the tables and gradient opacities of its labels.
@@ -311,7 +345,7 @@ void SetMask(const SampleClassifier& classifier, PacketScene& scene)
   std::vector<const GradientOpacity*> gradients{ &functions.Components[0].Gradients };
   for (const LabelOptics& label : functions.Labels)
   {
-    AddTable(label.Table, scene);
+    AddTable(label.Table, 0, scene);
     gradients.push_back(&label.Gradients);
   }
   for (const int index : functions.LabelIndices)
@@ -339,7 +373,7 @@ void SetMask(const SampleClassifier& classifier, PacketScene& scene)
         static_cast<float>(opacity->GetScale() / finest), 0 });
     p.GradientFactors.insert(p.GradientFactors.end(), factors.begin(), factors.end());
   }
-  Copy(FindMagnitudeScale(classifier, scene.Volume) * finest, p.MagnitudeScale);
+  Copy(FindMagnitudeScale(classifier, scene.Volume, 0) * finest, p.MagnitudeScale);
 }
 
 /// The voxels of an image with one component.
@@ -374,26 +408,18 @@ void SetPlane(const SampleClassifier& classifier, PacketScene& scene)
   p.Texels = &plane.GetTexels()[0].x;
   p.Size[0] = plane.GetWidth();
   p.Size[1] = plane.GetHeight();
-  p.Low[0] = static_cast<float>((plane.GetLow().x - v.Shift) * v.Scale);
-  p.Low[1] = static_cast<float>(plane.GetLow().y);
-  p.Scale[0] = static_cast<float>(plane.GetScale().x / v.Scale);
-  p.Scale[1] = static_cast<float>(plane.GetScale().y);
+  // Magnitudes are in texels: in units of the scalars squares may be beyond single precision.
+  const bool byGradient = !classifier.GetSecondAxis().Scalars;
+  const double unit = byGradient ? plane.GetScale().y : 1.0;
+  p.Low[0] = static_cast<float>((plane.GetLow().x - v.Shift[0]) * v.Scale[0]);
+  p.Low[1] = static_cast<float>(plane.GetLow().y * unit);
+  p.Scale[0] = static_cast<float>(plane.GetScale().x / v.Scale[0]);
+  p.Scale[1] = byGradient ? 1.0f : static_cast<float>(plane.GetScale().y);
   p.Nearest = plane.IsNearest();
   p.UnitDistance = static_cast<float>(optics.Table.GetUnitDistance());
-  glm::dvec3 magnitudeScale = FindMagnitudeScale(classifier, v);
-  if (!classifier.GetSecondAxis().Scalars)
-  {
-    // Magnitudes in texels: in units of the scalars squares may be beyond single precision.
-    magnitudeScale *= plane.GetScale().y;
-    p.Low[1] = static_cast<float>(plane.GetLow().y * plane.GetScale().y);
-    p.Scale[1] = 1.0f;
-  }
-  Copy(magnitudeScale, p.MagnitudeScale);
+  Copy(FindMagnitudeScale(classifier, v, 0) * unit, p.MagnitudeScale);
   p.SecondAxis = MakePacketVolume(classifier.GetSecondAxis(), v.Nearest);
 }
-
-/// A value in single precision, finite unless it is not a number.
-float ToFloat(double value) { return static_cast<float>(std::clamp(value, -1e37, 1e37)); }
 
 /// Bounds in data coordinates of a box of index coordinates.
 Box FindBounds(const VolumeView& volume, const Box& index)
@@ -504,15 +530,15 @@ PacketSurface MakeSurface(
   return surface;
 }
 
-PacketGradientOpacity MakeGradientOpacity(
-  const GradientOpacity& opacity, const SampleClassifier& classifier, const PacketVolume& volume)
+PacketGradientOpacity MakeGradientOpacity(const GradientOpacity& opacity,
+  const SampleClassifier& classifier, const PacketVolume& volume, int component)
 {
   PacketGradientOpacity packet;
   if (!opacity.IsEmpty())
   {
     packet.Factors = opacity.GetFactors().data();
     packet.Size = static_cast<int>(opacity.GetFactors().size());
-    Copy(FindMagnitudeScale(classifier, volume) * opacity.GetScale(), packet.Scale);
+    Copy(FindMagnitudeScale(classifier, volume, component) * opacity.GetScale(), packet.Scale);
     const float* const end = packet.Factors + packet.Size;
     const float* const some =
       std::find_if(packet.Factors, end, [](float factor) { return factor > 0.0f; });
@@ -533,12 +559,14 @@ void AddComponents(const SampleClassifier& classifier, const Shading& material,
   scene.ColorScale = static_cast<float>(functions.ColorScale);
   for (const ComponentOptics& optics : functions.Components)
   {
+    const int ofVoxels =
+      FindDensityComponent(functions.Kind, static_cast<int>(scene.Components.size()));
     if (!scene.Components.empty())
     {
-      AddTable(optics.Table, scene);
+      AddTable(optics.Table, ofVoxels, scene);
     }
     PacketComponent component;
-    component.Gradients = MakeGradientOpacity(optics.Gradients, classifier, scene.Volume);
+    component.Gradients = MakeGradientOpacity(optics.Gradients, classifier, scene.Volume, ofVoxels);
     component.Weight = optics.Weight;
     if (leaps)
     {
@@ -550,7 +578,7 @@ void AddComponents(const SampleClassifier& classifier, const Shading& material,
   }
   if (functions.Kind == ComponentKind::ColorOpacity)
   {
-    AddTable(functions.Colors, scene);
+    AddTable(functions.Colors, 0, scene);
   }
 }
 
@@ -558,7 +586,7 @@ void AddComponents(const SampleClassifier& classifier, const Shading& material,
 struct FrameKind
 {
   bool Composites = false; ///< vector code composites, by CanComposite()
-  bool Components = false; ///< several components are composited
+  bool Components = false; ///< vector code composites or blends several components
   bool Masked = false;     ///< a mask or a label map is looked up
   bool Plane = false;      ///< one component has a two-dimensional transfer function
   bool Leaps = false;      ///< values that are not visible are left out
@@ -570,21 +598,41 @@ FrameKind SetSampling(
 {
   const bool composites =
     !settings.PerRay && scene.Blend.Mode == BlendMode::Composite && CanComposite(scene, c);
-  p.Sampling = composites || (c.IsPlain() && !settings.PerRay) ? SamplingOf(scene.Blend.Mode)
-                                                               : PacketSampling::PerRay;
+  const bool blends =
+    !settings.PerRay && scene.Blend.Mode != BlendMode::Composite && CanBlend(scene, c);
+  p.Sampling = composites || blends ? SamplingOf(scene.Blend.Mode) : PacketSampling::PerRay;
   p.Intervals = scene.Blend.UsesIntervals();
   FrameKind kind;
   kind.Composites = composites;
-  kind.Components = composites && scene.Volume.Components > 1;
-  kind.Masked = composites && c.GetMask().Volume.Scalars;
+  kind.Components = (composites || blends) && scene.Volume.Components > 1;
+  const MaskView& mask = c.GetMask();
+  kind.Masked = mask.Volume.Scalars && (composites || (blends && !mask.Labels));
   kind.Plane = composites && !c.GetFunctions().Components[0].Plane.IsEmpty();
   kind.Leaps = settings.Leaping != SpaceLeaping::Off;
   return kind;
 }
 
+/// The table that values of a component are made relative to; null where they are colors.
+const TransferTable* FindTable(
+  const CastScene& scene, const OpticalFunctions& functions, int component)
+{
+  switch (functions.Kind)
+  {
+    case ComponentKind::ColorOpacity:
+      return component == 0 ? &functions.Colors : scene.Table;
+    case ComponentKind::Rgb:
+      return nullptr;
+    case ComponentKind::Rgba:
+      return component == 3 ? scene.Table : nullptr;
+    default:
+      return component == 0 ? scene.Table
+                            : &functions.Components[static_cast<std::size_t>(component)].Table;
+  }
+}
+
 /// Sets the voxels, how values are scaled when they are fetched, and where samples begin and end.
-void SetVolume(
-  const CastScene& scene, const CastSettings& settings, const FrameKind& kind, PacketScene& p)
+void SetVolume(const CastScene& scene, const OpticalFunctions& functions,
+  const CastSettings& settings, const FrameKind& kind, PacketScene& p)
 {
   const VolumeView& v = scene.Volume;
   p.Reference = SelectSampleFunctions(v.Type, scene.VolumeInterpolation);
@@ -595,8 +643,17 @@ void SetVolume(
   p.Volume.SlicesInReach = reach < v.Dimensions.z ? static_cast<int>(std::max(reach, 1.0)) : 0;
   if (IsWide(v.Type))
   {
-    p.Volume.Shift = scene.Table->GetLow();
-    p.Volume.Scale = scene.Table->GetScale();
+    for (int c = 0; c < 8; ++c)
+    {
+      // Behind the last component those of the next voxel follow.
+      const TransferTable* const table =
+        kind.Components ? FindTable(scene, functions, c % 4 % v.Components) : scene.Table;
+      if (table)
+      {
+        p.Volume.Shift[c] = table->GetLow();
+        p.Volume.Scale[c] = table->GetScale();
+      }
+    }
   }
   p.Lower = static_cast<float>(v.LowerIndex().x);
   Copy(v.UpperIndex(), p.Upper);
@@ -627,7 +684,9 @@ ValueRange FindVisibleRange(
 void SetOptics(
   const CastScene& scene, const SampleClassifier& classifier, const FrameKind& kind, PacketScene& p)
 {
-  AddTable(*scene.Table, p);
+  const int component =
+    kind.Components ? FindDensityComponent(classifier.GetFunctions().Kind, 0) : 0;
+  AddTable(*scene.Table, component, p);
   p.UnitDistance = static_cast<float>(scene.Table->GetUnitDistance());
   p.ReferenceLength = static_cast<float>(classifier.GetReferenceLength());
   if (kind.Masked)
@@ -645,7 +704,7 @@ void SetOptics(
   }
   if (kind.Composites && byTable)
   {
-    p.Gradients = MakeGradientOpacity(classifier.GetGradientOpacity(), classifier, p.Volume);
+    p.Gradients = MakeGradientOpacity(classifier.GetGradientOpacity(), classifier, p.Volume, 0);
   }
   p.ReferenceIsInterval = p.Settings.Opacity == OpacityLength::Deformed &&
     p.Settings.SampleDistance == classifier.GetReferenceLength();
@@ -681,37 +740,71 @@ void SetIntegrals(const CastScene& scene, const IntervalTable& table, PacketScen
   to.Units = static_cast<float>(table.GetUnits());
   to.Margin = scene.Table->GetMargin();
   const auto fetched = [&](double value) {
-    return ToSingle((value - p.Volume.Shift) * p.Volume.Scale);
+    return ToSingle((value - p.Volume.Shift[0]) * p.Volume.Scale[0]);
   };
   to.VisibleLow = fetched(table.GetVisibleLow());
   to.VisibleHigh = fetched(table.GetVisibleHigh());
 }
 
+/// Adds the channels of a scene whose components are not composited. The volume is set already.
+void AddChannels(const CastScene& scene, const OpticalFunctions& functions, PacketScene& p)
+{
+  const Blending& blend = scene.Blend;
+  const bool wide = IsWide(scene.Volume.Type);
+  for (std::size_t i = 0; i < functions.Components.size(); ++i)
+  {
+    // Extremes are those of densities, sums those of intensities.
+    const int c = static_cast<int>(i);
+    const int component =
+      p.Sampling == PacketSampling::Extreme || functions.Kind == ComponentKind::Independent
+      ? FindDensityComponent(functions.Kind, c)
+      : 0;
+    const auto fetched = [&](double value) {
+      return ToFinite(
+        wide ? (value - p.Volume.Shift[component]) * p.Volume.Scale[component] : value);
+    };
+    PacketChannel channel;
+    channel.Low = fetched(blend.Low[i]);
+    channel.High = fetched(blend.High[i]);
+    channel.AverageMin = fetched(blend.AverageMin);
+    channel.AverageMax = fetched(blend.AverageMax);
+    channel.Weight = static_cast<float>(blend.Weight[i]);
+    channel.UnitDistance = static_cast<float>(functions.Components[i].Table.GetUnitDistance());
+    channel.AdditiveDistance = static_cast<float>(blend.UnitDistance[i]);
+    p.Channels.push_back(channel);
+  }
+}
+
 /// Sets what the blend modes compare values with. The optics are set already.
-void SetBlending(const CastScene& scene, const FrameKind& kind, PacketScene& p)
+void SetBlending(
+  const CastScene& scene, const OpticalFunctions& functions, const FrameKind& kind, PacketScene& p)
 {
   const bool wide = IsWide(scene.Volume.Type);
   const auto asFetched = [&](double value) {
-    return wide ? (value - p.Volume.Shift) * p.Volume.Scale : value;
+    return wide ? (value - p.Volume.Shift[0]) * p.Volume.Scale[0] : value;
   };
-  const auto fetched = [&](double value) { return ToFloat(asFetched(value)); };
+  const auto fetched = [&](double value) { return ToFinite(asFetched(value)); };
   p.ValueLow = fetched(scene.Blend.Low[0]);
   p.ValueHigh = fetched(scene.Blend.High[0]);
   const bool maximum = scene.Blend.Mode == BlendMode::Maximum;
   p.LastExtreme =
     maximum ? std::min(p.ValueHigh, p.Visible.High) : std::min(-p.ValueLow, -p.Visible.Low);
-  if (p.Sampling == PacketSampling::Extreme && kind.Leaps)
+  if (p.Sampling == PacketSampling::Extreme && kind.Leaps && !kind.Components)
   {
     p.Peaks = scene.Peaks;
     if (p.Peaks)
     {
       // Minima are found as maxima of the negated values.
-      const double shift = maximum ? p.Volume.Shift : -p.Volume.Shift;
-      const double step = p.Peaks->GetStep() * p.Volume.Scale;
-      p.PeakLow = (p.Peaks->GetLow() - shift) * p.Volume.Scale - step;
+      const double shift = maximum ? p.Volume.Shift[0] : -p.Volume.Shift[0];
+      const double step = p.Peaks->GetStep() * p.Volume.Scale[0];
+      p.PeakLow = (p.Peaks->GetLow() - shift) * p.Volume.Scale[0] - step;
       p.PeakScale = 1.0 / step;
-      p.PeakHigh = (p.Peaks->GetHigh() - shift) * p.Volume.Scale;
+      p.PeakHigh = (p.Peaks->GetHigh() - shift) * p.Volume.Scale[0];
     }
+  }
+  if (kind.Components && !kind.Composites)
+  {
+    AddChannels(scene, functions, p);
   }
   p.Slices = scene.Blend.Mode == BlendMode::Slice;
   p.AverageMin = fetched(scene.Blend.AverageMin);
@@ -722,7 +815,7 @@ void SetBlending(const CastScene& scene, const FrameKind& kind, PacketScene& p)
     {
       const double exact = std::clamp(asFetched(iso.Value), -1e37, 1e37);
       const float value = RoundUp(exact);
-      p.IsoValues.push_back({ value, ToFloat(static_cast<double>(value) - exact),
+      p.IsoValues.push_back({ value, ToFinite(static_cast<double>(value) - exact),
         { iso.Color.r, iso.Color.g, iso.Color.b }, iso.Opacity });
     }
   }
@@ -862,8 +955,8 @@ void SetClipping(const CastScene& scene, PacketScene& p)
   for (int a = 0; a < 3; ++a)
   {
     const float shift = p.IndexShift[a];
-    p.CropLow[a] = ToFloat(scene.Crop.Low[a] + static_cast<double>(shift)) - shift;
-    p.CropHigh[a] = ToFloat(scene.Crop.High[a] + static_cast<double>(shift)) - shift;
+    p.CropLow[a] = ToFinite(scene.Crop.Low[a] + static_cast<double>(shift)) - shift;
+    p.CropHigh[a] = ToFinite(scene.Crop.High[a] + static_cast<double>(shift)) - shift;
   }
 }
 
@@ -904,9 +997,11 @@ double FindGradientScale(
   constexpr double LargestGradient = 1e15;
   constexpr double LargestFactor = 1e35;
   const TransferTable& table = *scene.Table;
+  const int component =
+    p.Volume.Components > 1 ? FindDensityComponent(classifier.GetFunctions().Kind, 0) : 0;
   const double range = classifier.HasNormalsOfOpacity()
     ? 1.0
-    : static_cast<double>(table.GetSize() - 1) / table.GetScale() * p.Volume.Scale;
+    : static_cast<double>(table.GetSize() - 1) / table.GetScale() * p.Volume.Scale[component];
   const glm::dmat3& ofData = scene.Material.GetGradientToLights();
   const glm::dmat3 ofIndex = ofData * glm::transpose(scene.Volume.DataToIndex);
   double scale = std::numeric_limits<double>::infinity();
@@ -970,10 +1065,10 @@ PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings,
   const Box rest = FindRestBox(scene.Volume, scene.WholeAtRest);
 
   const FrameKind kind = SetSampling(scene, settings, classifier, p);
-  SetVolume(scene, settings, kind, p);
+  SetVolume(scene, classifier.GetFunctions(), settings, kind, p);
   SetOptics(scene, classifier, kind, p);
   SetIntegrals(scene, frame.Intervals, p);
-  SetBlending(scene, kind, p);
+  SetBlending(scene, classifier.GetFunctions(), kind, p);
   SetCoordinates(scene, rest, p);
   SetSegments(scene, settings, p);
   SetClipping(scene, p);
@@ -997,7 +1092,9 @@ PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings,
     p.Volume.SlicesInReach == 0 && p.Components[0].Weight > 0.0f &&
     (p.KindOfComponents == ComponentKind::ColorOpacity ||
       p.KindOfComponents == ComponentKind::Rgba);
-  p.InnerBlending = p.Sampling == PacketSampling::Extreme || p.Sampling == PacketSampling::Surface;
+  p.InnerBlending =
+    (p.Sampling == PacketSampling::Extreme || p.Sampling == PacketSampling::Surface) &&
+    !kind.Components && !kind.Masked;
   p.Plain = p.Inner && p.CropSpace == Cropping::Spaces::None && !p.OpacityByGradient &&
     !p.NormalsOfOpacity && !p.Mask.Scalars && !kind.Plane;
 }

@@ -124,6 +124,20 @@ struct PacketIntegrals
   float VisibleHigh = 0.0f;
 };
 
+/// A channel of a blend mode that does not composite: an independent component, or all dependent
+/// ones together.
+struct PacketChannel
+{
+  /// As fetched (PacketVolume): the ends of the range of what is blended.
+  float Low = 0.0f;
+  float High = 1.0f;
+  float AverageMin = 0.0f;
+  float AverageMax = 0.0f;
+  float Weight = 1.0f;
+  float UnitDistance = 1.0f;     ///< of the table
+  float AdditiveDistance = 1.0f; ///< of Blending
+};
+
 /**
  * A frame in the form the packet kernels read: single precision, positions relative to a point
  * near the volume ("local" coordinates: data coordinates less Center).
@@ -239,6 +253,7 @@ struct PacketScene
   ComponentKind KindOfComponents = ComponentKind::Independent;
   std::vector<PacketComponent> Components; ///< independent ones, or all dependent ones as one
   float ColorScale = 1.0f;                 ///< takes values that are colors to [0, 1]
+  std::vector<PacketChannel> Channels;     ///< where they are not composited
 
   bool Shade = false;
   bool NormalsOfOpacity = false; ///< of one component, where it is shaded
@@ -271,9 +286,9 @@ struct PacketScratch
   /// Of the rays of a tile: the ranges of t (from, to), SampleNumbers, inverse lengths.
   std::array<float, 6 * TileSide * TileSide> Rays;
   std::array<SampleRange, TileSide * TileSide> SampleRanges; ///< of its packets
-  /// Voxels around samples at faces of the volume: 4 x 4 x 4 of up to 16 bytes for each of 16
+  /// Voxels around samples at faces of the volume: 4 x 4 x 4 of up to 32 bytes for each of 16
   /// lanes, and what vectors may read beyond them.
-  alignas(64) std::array<unsigned char, 16 * 64 * 16 + 16> BorderVoxels;
+  alignas(64) std::array<unsigned char, 16 * 64 * 32 + 16> BorderVoxels;
   CastStatistics Statistics;
   std::vector<SampledPosition>* Positions = nullptr; ///< to which samples are added, or null
 };

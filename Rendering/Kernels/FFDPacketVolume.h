@@ -72,11 +72,12 @@ struct PacketVolume
   /// Slices that offsets from one of them may lead over; 0: over all.
   int SlicesInReach = 0;
   bool Nearest = false;
-  /// Types wider than 24 bits are fetched as (scalar - Shift) * Scale, so that single precision
-  /// suffices from there on; for the others Shift and Scale are not applied.
-  double Shift = 0.0;
-  double Scale = 1.0;
   PacketIntegers Integers; ///< of types of one or two bytes
+  /// Types wider than 24 bits are fetched as (scalar - Shift) * Scale, so that single precision
+  /// suffices from there on; for the others Shift and Scale are not applied. By the component, and
+  /// then again; with one component all are equal.
+  alignas(64) double Shift[8] = {};
+  alignas(64) double Scale[8] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
 };
 
 } // namespace ffd

@@ -11,9 +11,11 @@
 #include "FFDPacketCaster.h"
 
 #include "FFDSimdBorder-inl.h"
+#include "FFDSimdChannels-inl.h"
 #include "FFDSimdComposite-inl.h"
 #include "FFDSimdCurve-inl.h"
 #include "FFDSimdFetch-inl.h"
+#include "FFDSimdMask-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdNormals-inl.h"
 #include "FFDSimdRays-inl.h"
@@ -33,9 +35,6 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// Extremes are above -NoExtreme once a sample has been taken.
-constexpr float NoExtreme = 3e38f;
-
 /// Blends the samples of a packet in the modes that do not composite, and in all modes where the
 /// RayIntegrator of each ray takes them.
 template <class T>
@@ -52,6 +51,7 @@ public:
     , State(samples.State)
     , Normals(samples.Normals)
     , Border(samples.Border)
+    , Channels(scene, scratch.Statistics, samples)
     , Pending(hn::FirstN(Df(), 0))
   {
   }
@@ -61,6 +61,11 @@ public:
   {
     const Df d;
     const Vf zero = hn::Zero(d);
+    if (this->Scene.Volume.Components > 1)
+    {
+      this->Channels.Begin();
+      return;
+    }
     switch (this->Scene.Sampling)
     {
       case PacketSampling::Extreme:
@@ -96,6 +101,18 @@ public:
   {
     this->Inner = inner;
     this->Count(sampled);
+    if (this->Scene.Mask.Scalars)
+    {
+      sampled = hn::And(sampled, IsInMask(this->Scene.Mask, q));
+      if (hn::AllFalse(Df(), sampled))
+      {
+        return;
+      }
+    }
+    if (this->Scene.Volume.Components > 1)
+    {
+      return this->Channels.Take(curve, q, s, sampled);
+    }
     switch (this->Scene.Sampling)
     {
       case PacketSampling::Extreme:
@@ -146,6 +163,10 @@ public:
   /// Finds the pixels of the rays, after their last samples.
   HWY_NOINLINE void End()
   {
+    if (this->Scene.Volume.Components > 1)
+    {
+      return this->Channels.End();
+    }
     switch (this->Scene.Sampling)
     {
       case PacketSampling::Extreme:
@@ -665,10 +686,11 @@ private:
   PacketState& State;
   PacketNormals& Normals;
   BorderSamples<T>& Border;
-  bool News = false;  ///< see TakeNews()
-  bool Inner = false; ///< of the samples that are taken, see Take()
-  Crossing Next;      ///< of the rays of Pending
-  Mf Pending;         ///< rays whose last surface was crossed, but not composited
+  ChannelBlending<T> Channels; ///< of several components
+  bool News = false;           ///< see TakeNews()
+  bool Inner = false;          ///< of the samples that are taken, see Take()
+  Crossing Next;               ///< of the rays of Pending
+  Mf Pending;                  ///< rays whose last surface was crossed, but not composited
 };
 
 } // namespace HWY_NAMESPACE

@@ -15,7 +15,6 @@
 #include "FFDSimdMath-inl.h"
 
 #include <glm/vec3.hpp>
-#include <type_traits>
 
 HWY_BEFORE_NAMESPACE();
 namespace ffd
@@ -36,7 +35,7 @@ public:
   /// Keeps references to both.
   BorderSamples(const PacketScene& scene, PacketScratch& scratch)
     : Scene(scene)
-    , Voxels(static_cast<Copied*>(static_cast<void*>(scratch.BorderVoxels.data())))
+    , Voxels(scratch.BorderVoxels.data())
   {
   }
 
@@ -45,20 +44,17 @@ public:
   {
     const Df d;
     const Mf between = this->BetweenVoxels(q, border);
-    if constexpr (!std::is_same<T, WideScalar>::value)
+    if (!hn::AllFalse(d, between))
     {
-      if (!hn::AllFalse(d, between))
-      {
-        this->Voxels.Fill(this->Scene.Volume, q, between);
-        SampleRows<T> rows;
-        value = hn::IfThenElse(
-          between, Sample<T>(this->FindRows(), this->Voxels.GetPosition(), rows), value);
-      }
+      this->Voxels.Fill(this->Scene.Volume, q, between);
+      SampleRows<T> rows;
+      value = hn::IfThenElse(
+        between, Sample<T>(this->FindRows(), this->Voxels.GetPosition(), rows), value);
     }
     const Mf others = hn::AndNot(between, border);
     return hn::AllFalse(d, others)
       ? value
-      : this->ValueByReference(this->Scene.Source->Volume, q, others, value);
+      : this->ValueByReference(this->Scene.Source->Volume, 0, q, others, value);
   }
 
   /// Returns `value` but in the lanes of `border` whose positions are beyond the outermost voxels.
@@ -67,7 +63,7 @@ public:
     const Mf beyond = hn::AndNot(this->BetweenVoxels(q, border), border);
     return HWY_LIKELY(hn::AllFalse(Df(), beyond))
       ? value
-      : this->ValueByReference(this->Scene.Source->Volume, q, beyond, value);
+      : this->ValueByReference(this->Scene.Source->Volume, 0, q, beyond, value);
   }
 
   /// Rescales, in the lanes of `border` between voxels, gradients of a source that repeats voxels.
@@ -92,7 +88,7 @@ public:
     const Mf others = hn::AndNot(between, border);
     return hn::AllFalse(Df(), others)
       ? result
-      : this->GradientByReference(this->Scene.Source->Volume, q, others, result);
+      : this->GradientByReference(this->Scene.Source->Volume, 0, q, others, result);
   }
 
   /// Returns find(voxels, at, rows), a gradient at the samples q, in the lanes of `border` whose
@@ -103,18 +99,15 @@ public:
     const Find& find, const Vec3& q, Mf border, const Vec3& gradient, Mf& between) const
   {
     between = this->BetweenVoxels(q, border);
-    if constexpr (!std::is_same<T, WideScalar>::value)
+    if (hn::AllFalse(Df(), between))
     {
-      if (!hn::AllFalse(Df(), between))
-      {
-        const OffsetRows<T> source = this->FindRows();
-        const SamplePosition& at = this->Voxels.GetPosition();
-        SampleRows<T> rows;
-        Sample<T>(source, at, rows);
-        return Select(between, AtFaces(this->Scene.Volume, q, find(source, at, rows)), gradient);
-      }
+      return gradient;
     }
-    return gradient;
+    const OffsetRows<T> source = this->FindRows();
+    const SamplePosition& at = this->Voxels.GetPosition();
+    SampleRows<T> rows;
+    Sample<T>(source, at, rows);
+    return Select(between, AtFaces(this->Scene.Volume, q, find(source, at, rows)), gradient);
   }
 
   /// Replaces the values of all components of a volume in the lanes of `border`.
@@ -135,7 +128,7 @@ public:
     const Mf others = hn::AndNot(between, border);
     for (int c = 0; c < volume.Components && !hn::AllFalse(Df(), others); ++c)
     {
-      values[c] = this->ValueByReference(GetComponent(volume, c), q, others, values[c]);
+      values[c] = this->ValueByReference(GetComponent(volume, c), c, q, others, values[c]);
     }
   }
 
@@ -164,14 +157,12 @@ public:
     for (int c = 0; c < volume.Components && !hn::AllFalse(Df(), others); ++c)
     {
       gradients[c] = (wanted >> c & 1u) != 0
-        ? this->GradientByReference(GetComponent(volume, c), q, others, gradients[c])
+        ? this->GradientByReference(GetComponent(volume, c), c, q, others, gradients[c])
         : gradients[c];
     }
   }
 
 private:
-  using Copied = std::conditional_t<std::is_same<T, WideScalar>::value, float, T>;
-
   HWY_INLINE OffsetRows<T> FindRows() const
   {
     OffsetRows<T> rows;
@@ -183,7 +174,7 @@ private:
   HWY_INLINE Mf BetweenVoxels(const Vec3& q, Mf border) const
   {
     const PacketVolume& v = this->Scene.Volume;
-    if (std::is_same<T, WideScalar>::value || v.Nearest)
+    if (v.Nearest)
     {
       return hn::FirstN(Df(), 0);
     }
@@ -194,28 +185,30 @@ private:
     return hn::And(border, hn::And(within(q.x, 0), hn::And(within(q.y, 1), within(q.z, 2))));
   }
 
-  /// As fetched: relative to the table, see PacketVolume.
+  /// As fetched: relative to the table of a component, see PacketVolume.
   HWY_NOINLINE Vf ValueByReference(
-    const VolumeView& volume, const Vec3& q, Mf border, Vf value) const
+    const VolumeView& volume, int component, const Vec3& q, Mf border, Vf value) const
   {
     const Vf zero = hn::Zero(Df());
     const PacketVolume& v = this->Scene.Volume;
     return ReplaceLanes(border, q, { value, zero, zero }, [&](const glm::dvec3& at) {
-      return glm::dvec3((this->Scene.Reference.Value(volume, at) - v.Shift) * v.Scale, 0.0, 0.0);
+      const double scalar = this->Scene.Reference.Value(volume, at);
+      return glm::dvec3((scalar - v.Shift[component]) * v.Scale[component], 0.0, 0.0);
     }).x;
   }
 
   HWY_NOINLINE Vec3 GradientByReference(
-    const VolumeView& volume, const Vec3& q, Mf border, const Vec3& gradient) const
+    const VolumeView& volume, int component, const Vec3& q, Mf border, const Vec3& gradient) const
   {
     // Over two voxels and scaled, as fetched: squares of huge or tiny scalars are no floats.
     return ReplaceLanes(border, q, gradient, [&](const glm::dvec3& at) {
-      return this->Scene.Reference.Gradient(volume, at) * (2.0 * this->Scene.Volume.Scale);
+      return this->Scene.Reference.Gradient(volume, at) *
+        (2.0 * this->Scene.Volume.Scale[component]);
     });
   }
 
   const PacketScene& Scene;
-  RepeatedVoxels<Copied> Voxels; ///< around the last samples at faces of the volume
+  RepeatedVoxels<T> Voxels; ///< around the last samples at faces of the volume
 };
 
 /// An interpolated value of each lane, and what Gradient() takes to differentiate it.

@@ -42,6 +42,27 @@ struct ComponentRows
   typename Fetch<T>::Row Of[LargestNumberOfComponents];
 };
 
+/// Does what LoadComponentRows() does for types that single precision does not hold.
+template <class T, bool Inner>
+HWY_INLINE ComponentRows<T> LoadWideRows(
+  const PacketVolume& v, const int* offsets, std::ptrdiff_t delta)
+{
+  ComponentRows<T> rows;
+  const auto set = [&](int first, Vf Row4::*voxel) {
+    const Row4 words = WideVoxels::Load<T, Row4>(v, offsets, delta + first * v.Components);
+    const Vf of[4] = { words.A, words.B, words.C, words.D };
+    ForComponents([&](auto c) { rows.Of[c].*voxel = of[c]; });
+  };
+  set(0, &Row4::B);
+  set(1, &Row4::C);
+  if constexpr (!Inner)
+  {
+    set(-1, &Row4::A);
+    set(2, &Row4::D);
+  }
+  return rows;
+}
+
 #if HWY_TARGET == HWY_SCALAR
 /// Loads the rows of all components that lie `delta` elements from those of the cells.
 template <class T, bool Inner>
@@ -223,9 +244,16 @@ private:
   HWY_INLINE ComponentRows<T> Load(int dy, int dz) const
   {
     const PacketVolume& v = this->Voxels.Get();
-    return LoadComponentRows<T, Inner>(v, this->Offsets,
-      dy * static_cast<std::ptrdiff_t>(v.IncrementY) +
-        dz * static_cast<std::ptrdiff_t>(v.IncrementZ));
+    const std::ptrdiff_t delta = dy * static_cast<std::ptrdiff_t>(v.IncrementY) +
+      dz * static_cast<std::ptrdiff_t>(v.IncrementZ);
+    if constexpr (IsWideScalar<T>())
+    {
+      return LoadWideRows<T, Inner>(v, this->Offsets, delta);
+    }
+    else
+    {
+      return LoadComponentRows<T, Inner>(v, this->Offsets, delta);
+    }
   }
 
   VoxelsInReach Voxels;

@@ -130,71 +130,82 @@ public:
   /// Takes a sample of several components as TakeSample() does of one; as SampleClassifier.
   HWY_NOINLINE void TakeComponents(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
   {
-    if constexpr (!std::is_same<T, WideScalar>::value)
+    const Df d;
+    this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
+    SampleCells cells;
+    const SamplePosition at = FindCells(this->Scene.Volume, q, false, cells);
+    const Mf interior = FindInterior(this->Scene.Volume, cells, sampled);
+    const Mf border = hn::AndNot(interior, sampled);
+    ComponentSamples<T> samples(this->Scene.Volume, cells, at, interior);
+    Vf values[LargestNumberOfComponents];
+    samples.FindValues(values);
+    if (HWY_UNLIKELY(!hn::AllFalse(d, border)))
     {
-      const Df d;
-      this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
-      SampleCells cells;
-      const SamplePosition at = FindCells(this->Scene.Volume, q, false, cells);
-      const Mf interior = FindInterior(this->Scene.Volume, cells, sampled);
-      const Mf border = hn::AndNot(interior, sampled);
-      ComponentSamples<T> samples(this->Scene.Volume, cells, at, interior);
-      Vf values[LargestNumberOfComponents];
-      samples.FindValues(values);
+      this->Border.ComponentValues(q, border, values);
+    }
+    Vf extinctions[LargestNumberOfComponents];
+    Mf visible = hn::FirstN(d, 0);
+    for (std::size_t c = 0; c < this->Scene.Components.size(); ++c)
+    {
+      // Comparisons with what is not a number are false.
+      const PacketComponent& component = this->Scene.Components[c];
+      const Vf density = DensityOf(this->Scene, c, values);
+      const Mf counts = hn::And(sampled,
+        hn::And(hn::Ge(density, Splat(component.Visible.Low)),
+          hn::Le(density, Splat(component.Visible.High))));
+      extinctions[c] = hn::Zero(d);
+      if (component.Weight > 0.0f && !hn::AllFalse(d, counts))
+      {
+        extinctions[c] =
+          hn::IfThenElseZero(counts, TableLookup(this->Scene, density, c).Extinction());
+        visible = hn::Or(visible, hn::Gt(extinctions[c], hn::Zero(d)));
+      }
+    }
+    visible = hn::And(visible, sampled);
+    if (this->Scene.Mask.Scalars && !hn::AllFalse(d, visible))
+    {
+      visible = hn::And(visible, IsInMask(this->Scene.Mask, q));
+    }
+    if (hn::AllFalse(d, visible))
+    {
+      return;
+    }
+    Vec3 gradients[LargestNumberOfComponents];
+    if (this->Scene.Shade || HasGradientOpacities(this->Scene))
+    {
+      const unsigned int wanted = FindDensityComponents(this->Scene);
+      samples.FindGradients(wanted, gradients);
       if (HWY_UNLIKELY(!hn::AllFalse(d, border)))
       {
-        this->Border.ComponentValues(q, border, values);
+        this->Border.ComponentGradients(q, border, wanted, gradients);
       }
-      Vf extinctions[LargestNumberOfComponents];
-      Mf visible = hn::FirstN(d, 0);
-      for (std::size_t c = 0; c < this->Scene.Components.size(); ++c)
-      {
-        // Comparisons with what is not a number are false.
-        const PacketComponent& component = this->Scene.Components[c];
-        const Vf density = DensityOf(this->Scene, c, values);
-        const Mf counts = hn::And(sampled,
-          hn::And(hn::Ge(density, Splat(component.Visible.Low)),
-            hn::Le(density, Splat(component.Visible.High))));
-        extinctions[c] = hn::Zero(d);
-        if (component.Weight > 0.0f && !hn::AllFalse(d, counts))
-        {
-          extinctions[c] =
-            hn::IfThenElseZero(counts, TableLookup(this->Scene, density, c).Extinction());
-          visible = hn::Or(visible, hn::Gt(extinctions[c], hn::Zero(d)));
-        }
-      }
-      visible = hn::And(visible, sampled);
-      if (this->Scene.Mask.Scalars && !hn::AllFalse(d, visible))
-      {
-        visible = hn::And(visible, IsInMask(this->Scene.Mask, q));
-      }
-      if (hn::AllFalse(d, visible))
-      {
-        return;
-      }
-      Vec3 gradients[LargestNumberOfComponents];
-      if (this->Scene.Shade || HasGradientOpacities(this->Scene))
-      {
-        const unsigned int wanted = FindDensityComponents(this->Scene);
-        samples.FindGradients(wanted, gradients);
-        if (HWY_UNLIKELY(!hn::AllFalse(d, border)))
-        {
-          this->Border.ComponentGradients(q, border, wanted, gradients);
-        }
-      }
-      const Vf t = curve.TimeAt(s);
-      Vec3 color;
-      Vf extinction;
-      if (this->Scene.KindOfComponents == ComponentKind::Independent)
-      {
-        this->MixComponents(curve, q, s, t, values, extinctions, gradients, color, extinction);
-      }
-      else
-      {
-        this->ClassifyDependent(curve, q, s, t, values, extinctions[0],
-          this->FindDensityGradient(gradients), color, extinction);
-      }
-      this->AddComponents(curve, s, t, color, extinction, visible);
+    }
+    const Vf t = curve.TimeAt(s);
+    Vec3 color;
+    Vf extinction;
+    if (this->Scene.KindOfComponents == ComponentKind::Independent)
+    {
+      this->MixComponents(curve, q, s, t, values, extinctions, gradients, color, extinction);
+    }
+    else
+    {
+      this->ClassifyDependent(curve, q, s, t, values, extinctions[0],
+        this->FindDensityGradient(gradients), color, extinction);
+    }
+    this->AddComponents(curve, s, t, color, extinction, visible);
+  }
+
+  /// Finds the values of all components at q, in the volume.
+  HWY_NOINLINE void FindComponents(const Vec3& q, Mf lanes, Vf* values)
+  {
+    SampleCells cells;
+    const SamplePosition at = FindCells(this->Scene.Volume, q, false, cells);
+    const Mf interior = FindInterior(this->Scene.Volume, cells, lanes);
+    const Mf border = hn::AndNot(interior, lanes);
+    ComponentSamples<T>(this->Scene.Volume, cells, at, interior).FindValues(values);
+    if (HWY_UNLIKELY(!hn::AllFalse(Df(), border)))
+    {
+      this->Border.ComponentValues(q, border, values);
     }
   }
 
@@ -978,19 +989,7 @@ private:
       extinction = hn::IfThenElseZero(hn::Gt(ofTable, zero),
         WeighExtinction(this->Scene, ofTable, FactorOf(component.Gradients, gradient)));
     }
-    if (this->Scene.KindOfComponents == ComponentKind::ColorOpacity)
-    {
-      color = TableLookup(this->Scene, values[0], 1).Color();
-    }
-    else
-    {
-      // NaN is black: comparisons with it are false.
-      const auto channel = [&](int c) {
-        const Vf value = hn::Mul(values[c], Splat(this->Scene.ColorScale));
-        return hn::IfThenElseZero(hn::Gt(value, zero), hn::Min(value, Splat(1.0f)));
-      };
-      color = { channel(0), channel(1), channel(2) };
-    }
+    color = DependentColor(this->Scene, values);
     if (this->Scene.Shade)
     {
       color = this->Normals.Light(component.Surface, curve, q, color, gradient, s, t);

@@ -12,10 +12,13 @@
 #include "FFDScalarDispatch.h"
 
 #include "FFDSimdMath-inl.h"
+#include "FFDSimdWide-inl.h"
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
+#include <type_traits>
 
 HWY_BEFORE_NAMESPACE();
 namespace ffd
@@ -185,20 +188,6 @@ private:
 template <class T>
 struct Fetch;
 
-/// Stands for all types whose values single precision does not hold.
-struct WideScalar
-{
-};
-
-/// Values of the four voxels of a row.
-struct Row4
-{
-  Vf A;
-  Vf B;
-  Vf C;
-  Vf D;
-};
-
 /// Fetches voxels that are interpolated in single precision. Loader::LoadRow() loads the four
 /// voxels of a row, and Loader::LoadCell() those of the cells.
 template <class Loader>
@@ -244,37 +233,27 @@ struct FetchFloats
   }
 };
 
-/// Wide types: one scalar load a lane, made relative to the table in double precision. The type is
-/// looked at for each load, so that five types do not need five copies of everything.
+template <class T>
 struct WideLoader
 {
-  static HWY_NOINLINE Vf Load(const PacketVolume& v, const int* offsets, int delta)
-  {
-    const Df d;
-    HWY_ALIGN float values[16];
-    DispatchScalarType(v.Type, [&](auto zero) {
-      const auto* p = static_cast<const decltype(zero)*>(v.Scalars) + delta;
-      for (std::size_t i = 0; i < hn::Lanes(d); ++i)
-      {
-        values[i] = ToSingle((static_cast<double>(p[offsets[i]]) - v.Shift) * v.Scale);
-      }
-    });
-    return hn::Load(d, values);
-  }
   static HWY_INLINE Row4 LoadRow(const PacketVolume& v, const int* offsets, int delta)
   {
-    return { Load(v, offsets, delta - 1), Load(v, offsets, delta), Load(v, offsets, delta + 1),
-      Load(v, offsets, delta + 2) };
+    return WideVoxels::Load<T, Row4>(v, offsets, delta - 1);
   }
   static HWY_INLINE void LoadCell(
     const PacketVolume& v, const int* offsets, int delta, Vf (&cell)[2])
   {
-    cell[0] = Load(v, offsets, delta);
-    cell[1] = Load(v, offsets, delta + 1);
+    const Row2 pair = WideVoxels::Load<T, Row2>(v, offsets, delta);
+    cell[0] = pair.A;
+    cell[1] = pair.B;
   }
 };
 template <>
-struct Fetch<WideScalar> : FetchFloats<WideLoader>
+struct Fetch<WideScalar> : FetchFloats<WideLoader<WideScalar>>
+{
+};
+template <>
+struct Fetch<double> : FetchFloats<WideLoader<double>>
 {
 };
 
@@ -436,6 +415,28 @@ private:
   }
 };
 
+/// Calls use(T()) with the type that Fetch has for scalars of a type. Whole numbers with a sign are
+/// read as those without, see PacketIntegers.
+template <class Use>
+HWY_INLINE auto ForFetched(ScalarType type, const Use& use)
+{
+  switch (type)
+  {
+    case ScalarType::Int8:
+    case ScalarType::UInt8:
+      return use(std::uint8_t());
+    case ScalarType::Int16:
+    case ScalarType::UInt16:
+      return use(std::uint16_t());
+    case ScalarType::Float32:
+      return use(float());
+    case ScalarType::Float64:
+      return use(double());
+    default:
+      return use(WideScalar());
+  }
+}
+
 /// The four rows of a cell, kept by a sample for its gradient, and their values at the position.
 template <class T>
 struct SampleRows
@@ -523,8 +524,7 @@ public:
   /// Whether Repeat() can be used: not where a slice may be out of reach, or a line too short.
   static HWY_INLINE bool CanRepeat(const PacketVolume& v)
   {
-    return !std::is_same<T, WideScalar>::value && !v.Nearest && v.SlicesInReach == 0 &&
-      v.Dimensions[0] >= 4;
+    return !v.Nearest && v.SlicesInReach == 0 && v.Dimensions[0] >= 4;
   }
 
   /// As OffsetRows::Fit().
@@ -651,7 +651,7 @@ class RepeatedVoxels
 public:
   /// Copies to `voxels`, which is kept: those of 16 lanes, and 16 bytes that vectors may read
   /// beyond the last one.
-  explicit RepeatedVoxels(T* voxels)
+  explicit RepeatedVoxels(void* voxels)
     : Voxels(voxels)
   {
   }
@@ -688,20 +688,19 @@ public:
       if (flags[lane] != 0.0f)
       {
         const int cell[3] = { cells[0][lane], cells[1][lane], cells[2][lane] };
-        T* const to = this->Voxels + block;
         switch (components)
         {
           case 1:
-            Copy<1>(v, cell, to);
+            this->Copy<1>(v, cell, block);
             break;
           case 2:
-            Copy<2>(v, cell, to);
+            this->Copy<2>(v, cell, block);
             break;
           case 3:
-            Copy<3>(v, cell, to);
+            this->Copy<3>(v, cell, block);
             break;
           default:
-            Copy<4>(v, cell, to);
+            this->Copy<4>(v, cell, block);
             break;
         }
         this->Offsets[lane] += block;
@@ -717,18 +716,33 @@ public:
 private:
   static constexpr int Side = 4;
 
-  /// Copies the voxels from one before the cell to one behind it.
+  /// Copies the voxels from one before the cell to one behind it, to `block` elements.
   template <int Components>
-  static void Copy(const PacketVolume& v, const int cell[3], T* to)
+  HWY_INLINE void Copy(const PacketVolume& v, const int cell[3], int block)
+  {
+    if constexpr (std::is_same<T, WideScalar>::value)
+    {
+      // Their bits do, whatever they stand for.
+      v.ElementSize == 4
+        ? Copy<Components>(v, cell, static_cast<std::uint32_t*>(this->Voxels) + block)
+        : Copy<Components>(v, cell, static_cast<std::uint64_t*>(this->Voxels) + block);
+    }
+    else
+    {
+      Copy<Components>(v, cell, static_cast<T*>(this->Voxels) + block);
+    }
+  }
+  template <int Components, class Word>
+  static void Copy(const PacketVolume& v, const int cell[3], Word* to)
   {
     const auto place = [&](int a, int i) {
       return static_cast<std::ptrdiff_t>(std::clamp(cell[a] + i - 1, 0, v.Dimensions[a] - 1));
     };
     const std::ptrdiff_t x[Side] = { place(0, 0), place(0, 1), place(0, 2), place(0, 3) };
-    const T* rows[Side];
+    const Word* rows[Side];
     for (int j = 0; j < Side; ++j)
     {
-      rows[j] = static_cast<const T*>(v.Scalars) + place(1, j) * v.IncrementY;
+      rows[j] = static_cast<const Word*>(v.Scalars) + place(1, j) * v.IncrementY;
     }
     const bool whole = x[3] - x[0] == Side - 1;
     for (int k = 0; k < Side; ++k)
@@ -737,14 +751,14 @@ private:
       for (int j = 0; j < Side; ++j, to += Side * Components)
       {
         // As words, which is how they are read: loads wait for smaller stores.
-        const T* const row = rows[j] + slice;
+        const Word* const row = rows[j] + slice;
         if (HWY_LIKELY(whole))
         {
-          std::memcpy(to, row + x[0] * Components, Side * Components * sizeof(T));
+          std::memcpy(to, row + x[0] * Components, Side * Components * sizeof(Word));
         }
         else
         {
-          T voxels[Side * Components];
+          Word voxels[Side * Components];
           for (int i = 0; i < Side; ++i)
           {
             std::copy_n(row + x[i] * Components, Components, voxels + i * Components);
@@ -755,7 +769,7 @@ private:
     }
   }
 
-  T* Voxels;
+  void* Voxels;
   PacketVolume View;
   SamplePosition At;
   HWY_ALIGN int Offsets[16] = {}; ///< elements

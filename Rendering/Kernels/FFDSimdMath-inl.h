@@ -252,16 +252,12 @@ struct Quads
 };
 
 #if HWY_TARGET != HWY_SCALAR
-/// The words of load(lane), 128 bits for each lane; permute(v) is applied to several of them at
-/// once, in blocks of 128 bits.
-template <class Load, class Permute>
-HWY_INLINE Quads TransposeQuads(const Load& load, const Permute& permute)
+/// The words of every lane, of which column(k) returns those of lanes k, k + 4, k + 8 .., 128 bits
+/// of each, in one vector.
+template <class Column>
+HWY_INLINE Quads TransposeColumns(const Column& column)
 {
   const Di di;
-  // The quads of lanes k, k + 4, k + 8 ... in one vector.
-  const auto column = [&](int k) FFD_INLINE_LAMBDA {
-    return permute(JoinQuads(di, [&](int block) FFD_INLINE_LAMBDA { return load(4 * block + k); }));
-  };
   const Vi a = column(0);
   const Vi b = column(1);
   const Vi c = column(2);
@@ -276,6 +272,17 @@ HWY_INLINE Quads TransposeQuads(const Load& load, const Permute& permute)
     hn::BitCast(di, hn::InterleaveUpper(pairs, lowAB, lowCE)),
     hn::BitCast(di, hn::InterleaveLower(pairs, highAB, highCE)),
     hn::BitCast(di, hn::InterleaveUpper(pairs, highAB, highCE)) };
+}
+
+/// The words of load(lane), 128 bits for each lane; permute(v) is applied to several of them at
+/// once, in blocks of 128 bits.
+template <class Load, class Permute>
+HWY_INLINE Quads TransposeQuads(const Load& load, const Permute& permute)
+{
+  return TransposeColumns([&](int k) FFD_INLINE_LAMBDA {
+    return permute(
+      JoinQuads(Di(), [&](int block) FFD_INLINE_LAMBDA { return load(4 * block + k); }));
+  });
 }
 #endif
 

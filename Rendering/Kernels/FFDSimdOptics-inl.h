@@ -157,6 +157,34 @@ HWY_INLINE Vf DensityOf(const PacketScene& scene, std::size_t component, const V
   }
 }
 
+/// The value, of those of all components at a sample, that a channel adds up.
+HWY_INLINE Vf IntensityOf(const PacketScene& scene, std::size_t channel, const Vf* values)
+{
+  switch (scene.KindOfComponents)
+  {
+    case ComponentKind::ColorOpacity:
+    case ComponentKind::Rgba:
+      return values[0];
+    default:
+      return DensityOf(scene, channel, values);
+  }
+}
+
+/// The color of dependent components.
+HWY_INLINE Vec3 DependentColor(const PacketScene& scene, const Vf* values)
+{
+  if (scene.KindOfComponents == ComponentKind::ColorOpacity)
+  {
+    return TableLookup(scene, values[0], 1).Color();
+  }
+  // NaN is black: comparisons with it are false.
+  const auto channel = [&](int c) {
+    const Vf value = hn::Mul(values[c], Splat(scene.ColorScale));
+    return hn::IfThenElseZero(hn::Gt(value, hn::Zero(Df())), hn::Min(value, Splat(1.0f)));
+  };
+  return { channel(0), channel(1), channel(2) };
+}
+
 /// The components that DensityOf() takes, a bit each.
 HWY_INLINE unsigned int FindDensityComponents(const PacketScene& scene)
 {

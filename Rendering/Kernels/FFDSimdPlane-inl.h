@@ -39,10 +39,13 @@ HWY_NOINLINE Vf FindSecondAxis(const PacketPlane& plane, const Vec3& q)
   at.Fx = Clamp(at.Fx, hn::Zero(d), Splat(1.0f));
   at.Fy = Clamp(at.Fy, hn::Zero(d), Splat(1.0f));
   at.Fz = Clamp(at.Fz, hn::Zero(d), Splat(1.0f));
-  OffsetRows<WideScalar> voxels;
-  voxels.Fit(v, cells, hn::FirstN(d, hn::Lanes(d)));
-  return Across<WideScalar>(at, voxels.Middle(0, 0, at), voxels.Middle(1, 0, at),
-    voxels.Middle(0, 1, at), voxels.Middle(1, 1, at));
+  at.Weights = PairWeights(at.Fx);
+  return ForFetched(v.Type, [&](auto zero) {
+    FaceRows<decltype(zero)> voxels;
+    voxels.Repeat(v, cells);
+    SampleRows<decltype(zero)> rows;
+    return Sample<decltype(zero)>(voxels, at, rows);
+  });
 }
 
 /// Looks up the texels at (x, y); transparent where x or y is not a number.

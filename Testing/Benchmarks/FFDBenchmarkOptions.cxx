@@ -282,6 +282,8 @@ const std::map<std::string, Change>& GetChanges()
       [](OptionScene& s, Mapper* mapper) { mapper->SetInputData(Cast(s.Image, VTK_FLOAT)); } },
     { "double",
       [](OptionScene& s, Mapper* mapper) { mapper->SetInputData(Cast(s.Image, VTK_DOUBLE)); } },
+    { "32 bit",
+      [](OptionScene& s, Mapper* mapper) { mapper->SetInputData(Cast(s.Image, VTK_INT)); } },
     { "cropping",
       [](OptionScene& s, Mapper* mapper) {
         double bounds[6];
@@ -314,6 +316,12 @@ const std::map<std::string, Change>& GetChanges()
         mapper->SetBlendModeToIsoSurface();
       } },
     { "maximum", [](OptionScene&, Mapper* mapper) { mapper->SetBlendModeToMaximumIntensity(); } },
+    { "maximum, components 2",
+      [](OptionScene& s, Mapper* mapper) {
+        mapper->SetInputData(MakeComponents(s.Image, 2));
+        SetComponents(s.Property, 2);
+        mapper->SetBlendModeToMaximumIntensity();
+      } },
     { "minimum",
       [](OptionScene& s, Mapper* mapper) {
         mapper->SetInputData(Invert(s.Image));
@@ -400,7 +408,8 @@ const std::vector<FrameOption>& GetFrameOptions()
     { "cell scalars", "plain", 1.5 },
     { "16 bit", "plain", 1.4 },
     { "float", "plain", 1.4 },
-    { "double", "plain", NoLimit },
+    { "double", "plain", 1.5 },
+    { "32 bit", "plain", 1.5 },
     { "cropping", "plain", 1.4 },
     { "clipping plane", "plain", 1.4 },
     { "jitter", "plain", 1.4 },
@@ -409,6 +418,7 @@ const std::vector<FrameOption>& GetFrameOptions()
     { "isosurface", "plain", 1.5 },
     { "isosurface, opaque", "plain", 1.5 },
     { "maximum", "plain", 1.5 },
+    { "maximum, components 2", "maximum", 2.4 },
     { "minimum", "plain", 1.5 },
     { "average", "every sample", 1.3 },
     { "additive", "every sample", 1.3 },

@@ -317,14 +317,16 @@ TEST(PacketCaster, AllScalarTypes)
     TestScene scene(type);
     scene.SetCamera(true, 61, 45); // no whole number of tiles
     ExpectSamePicture(scene);
+    scene.SetLeastVisible(-60.0); // at faces, too
+    ExpectSamePicture(scene, 30.0);
   }
 }
 
 /// Integers of 16 bits and less are interpolated as such: with all their bits, and signs.
 TEST(PacketCaster, WholeRangeOfIntegers)
 {
-  for (const ScalarType type :
-    { ScalarType::Int8, ScalarType::UInt8, ScalarType::Int16, ScalarType::UInt16 })
+  for (const ScalarType type : { ScalarType::Int8, ScalarType::UInt8, ScalarType::Int16,
+         ScalarType::UInt16, ScalarType::Int32, ScalarType::UInt32 })
   {
     for (const double leastVisible : { 20.0, -60.0 }) // the second one: at faces, too
     {

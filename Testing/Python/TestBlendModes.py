@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Blend modes, cropping and clipping planes of the mapper from Python, against closed forms."""
 
+import time
 import unittest
 
 import numpy
@@ -182,6 +183,152 @@ class TestBlendModes(unittest.TestCase):
         self.assertIn("FinalColorWindow: -1", str(mapper))
         self.assertIn("CroppingSpace: REST", str(mapper))
         self.assertIn("UseJittering: 0", str(mapper))
+
+
+class TestComponentsAndMasks(unittest.TestCase):
+    """Blend modes of several components, with masks, and with what does not count in them: the
+    fast kernels against the reference kernels, and their time."""
+
+    MODES = {"maximum": 1, "minimum": 2, "average": 3, "additive": 4, "slice": 6}
+
+    @classmethod
+    def setUpClass(cls):
+        size = 40
+        z, y, x = numpy.mgrid[0:size, 0:size, 0:size].astype(float)
+
+        def blob(center, width, height):
+            distance = sum((p - c)**2 for p, c in zip((x, y, z), center))
+            return numpy.round(height * numpy.exp(-distance / width))
+
+        cls.fields = [blob((14, 20, 20), 90, 250), blob((26, 18, 22), 120, 200),
+                      blob((20, 28, 15), 60, 230), blob((20, 20, 20), 200, 240)]
+        cls.size = size
+        net = vtkffd.vtkFFDLatticeSource()
+        net.SetBounds(0, size - 1, 0, size - 1, 0, size - 1)
+        net.SetDimensions(6, 6, 6)
+        net.SetShapeToTwist()
+        net.SetStrength(0.5)
+        cls.lattice = net.GetLattice()
+
+    def make_image(self, fields, dtype):
+        image = vtkImageData()
+        image.SetDimensions(3 * [self.size])
+        image.GetPointData().SetScalars(numpy_to_vtk(
+            numpy.stack([f.ravel() for f in fields], axis=-1).astype(dtype), deep=True))
+        return image
+
+    def make_scene(self, components, dtype, dependent, mode, deform=True):
+        mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+        # Of the blobs the least values that a ray meets are nothing that is seen.
+        fields = [250.0 - f if mode == "minimum" else f for f in self.fields[:components]]
+        mapper.SetInputData(self.make_image(fields, dtype))
+        mapper.SetBlendMode(self.MODES[mode])
+        mapper.SetDeformation(self.lattice if deform else None)
+        mapper.SetNumberOfThreads(1)
+        mapper.SetAverageIPScalarRange(10.0, 180.0)
+        prop = vtkVolumeProperty()
+        prop.SetIndependentComponents(not dependent)
+        for c in range(components):
+            opacity = vtkPiecewiseFunction()
+            opacity.AddPoint(20.0 + 10.0 * c, 0.0)
+            opacity.AddPoint(150.0, 0.9)
+            color = vtkColorTransferFunction()
+            color.AddRGBPoint(0.0, *numpy.roll([0.2, 0.3, 0.9], c))
+            color.AddRGBPoint(250.0, *numpy.roll([1.0, 0.6, 0.1], c))
+            prop.SetScalarOpacity(c, opacity)
+            prop.SetColor(c, color)
+            prop.SetComponentWeight(c, 1.0 - 0.2 * c)
+            prop.SetScalarOpacityUnitDistance(c, 20.0 if mode == "additive" else 1.0 + 0.5 * c)
+        plane = vtkPlane()
+        plane.SetOrigin(20.0, 20.0, 20.0)
+        plane.SetNormal(0.3, 0.2, 1.0)
+        prop.SetSliceFunction(plane)
+        volume = vtkVolume()
+        volume.SetMapper(mapper)
+        volume.SetProperty(prop)
+        return mapper, prop, volume
+
+    def render(self, mapper, volume, seconds=None):
+        renderer = vtkRenderer()
+        renderer.AddVolume(volume)
+        renderer.GetActiveCamera().Azimuth(25)
+        renderer.ResetCamera(0, self.size - 1, 0, self.size - 1, 0, self.size - 1)
+        colors = vtkImageData()
+        depths = vtkImageData()
+        self.assertEqual(mapper.RenderToImage(renderer, volume, 96, 96, colors, depths), 1)
+        if seconds is not None:
+            start = time.process_time()
+            mapper.RenderToImage(renderer, volume, 96, 96, colors, depths)
+            seconds.append(time.process_time() - start)
+        rgba = vtk_to_numpy(colors.GetPointData().GetScalars()).reshape(96, 96, 4).astype(float)
+        rgba[..., :3] *= rgba[..., 3:] / 255.0
+        return rgba, vtk_to_numpy(depths.GetPointData().GetScalars()).reshape(96, 96)
+
+    def compare(self, mapper, volume, what):
+        fast, depths = self.render(mapper, volume)
+        mapper.ReferenceKernelsOn()
+        reference, far = self.render(mapper, volume)
+        mapper.ReferenceKernelsOff()
+        self.assertGreater((reference[..., 3] > 10.0).sum(), 100, what)
+        self.assertLess(numpy.abs(fast - reference).mean(), 0.15, what)
+        self.assertGreater((numpy.abs(depths - far) < 1e-3).mean(), 0.97, what)
+        return fast
+
+    def test_components_equal_those_of_the_reference_kernels(self):
+        for components, dependent in ((2, False), (3, False), (4, False), (2, True), (3, True),
+                                      (4, True)):
+            for mode in self.MODES:
+                for dtype in (numpy.uint8, numpy.int16, numpy.float32, numpy.float64, numpy.int32):
+                    if dependent and components > 2 and dtype != numpy.uint8:
+                        continue # values that are colors
+                    what = f"{components}, {dependent}, {mode}, {dtype}"
+                    mapper, _, volume = self.make_scene(components, dtype, dependent, mode)
+                    picture = self.compare(mapper, volume, what)
+                    if dtype == numpy.uint8:
+                        expected = picture
+                        mapper.SetSpaceLeapingToOff()
+                        off = self.render(mapper, volume)[0]
+                        numpy.testing.assert_allclose(off, picture, atol=1.0, err_msg=what)
+                    self.assertLess(numpy.abs(picture - expected).mean(), 0.1, what)
+
+    def test_masks(self):
+        half = numpy.ones((self.size, self.size, self.size))
+        half[:, :, :17] = 0.0
+        for components in (1, 2):
+            for mode in self.MODES:
+                mapper, _, volume = self.make_scene(components, numpy.uint8, False, mode)
+                before = self.render(mapper, volume)[0]
+                mapper.SetMaskInput(self.make_image([half], numpy.uint8))
+                mapper.SetMaskTypeToBinary()
+                picture = self.compare(mapper, volume, f"{components}, {mode}")
+                self.assertGreater(numpy.abs(picture - before).mean(), 0.5, mode)
+
+    def test_one_ray_at_a_time_takes_longer(self):
+        # What does not count, as gradient opacity, or counts for any kernel must not make rays be
+        # taken one at a time.
+        gradient = vtkPiecewiseFunction()
+        gradient.AddPoint(0.0, 0.0)
+        gradient.AddPoint(50.0, 1.0)
+        mask = self.make_image([numpy.ones((self.size, self.size, self.size))], numpy.uint8)
+        for mode in ("maximum", "average"):
+            seconds = []
+            mapper, prop, volume = self.make_scene(1, numpy.uint8, False, mode)
+            expected = self.render(mapper, volume, seconds)[0]
+            prop.SetGradientOpacity(gradient)
+            picture = self.render(mapper, volume, seconds)[0]
+            numpy.testing.assert_array_equal(picture, expected)
+            prop.DisableGradientOpacityOn()
+            mapper.SetMaskInput(mask)
+            mapper.SetMaskTypeToBinary()
+            picture = self.render(mapper, volume, seconds)[0]
+            numpy.testing.assert_allclose(picture, expected, atol=1.0)
+            for components in (2, 4):
+                mapper, _, volume = self.make_scene(components, numpy.uint8, False, mode)
+                self.render(mapper, volume, seconds)
+            mapper.ReferenceKernelsOn()
+            self.render(mapper, volume, seconds)
+            print(mode, ", ".join(f"{s / seconds[0]:.2f}" for s in seconds))
+            self.assertLess(max(seconds[1:-1]), 0.35 * seconds[-1], mode)
 
 
 if __name__ == "__main__":

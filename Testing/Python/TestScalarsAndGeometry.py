@@ -3,6 +3,7 @@
 """The picture depends on the scalars and on where they are, not on how either is stored: scalar
 types, offsets and scales, extents, spacings, direction matrices, matrices of the vtkVolume."""
 import os
+import time
 import unittest
 
 import numpy as np
@@ -150,6 +151,84 @@ class TestScalarsAndGeometry(unittest.TestCase):
                                     array_type=getattr(vtkConstants, name))
             self.assertEqual(image.GetScalarType(), getattr(vtkConstants, name))
             self.assert_same(self.render(image), reference, name)
+
+    def render_components(self, values, scales, dependent, deformation, seconds):
+        """
+        RGBA of an image of several components, an array of each: the values scaled and shifted by
+        (scale, offset), as are their functions. `seconds`: of processor time, appended to.
+        """
+        image = self.make_image(values[0])
+        image.GetPointData().SetScalars(numpy_to_vtk(np.stack(
+            [component.ravel() for component in values], axis=-1), deep=True))
+        prop = vtkVolumeProperty()
+        prop.SetIndependentComponents(not dependent)
+        for c in range(1 if dependent else len(scales)):
+            # Of two dependent components the second one is looked up for opacity.
+            scale, offset = scales[-1] if dependent else scales[c]
+            of_color, color_offset = scales[c]
+            opacity = vtkPiecewiseFunction()
+            color = vtkColorTransferFunction()
+            for scalar, alpha, rgb in ((5, 0, (0.2, 0.3, 0.9)), (20, 0.05, (0.2, 0.8, 0.7)),
+                                       (60, 0.3, (0.9, 0.7, 0.2)), (120, 0.9, (1, 0.2, 0.1))):
+                opacity.AddPoint(scale * scalar + offset, alpha)
+                color.AddRGBPoint(of_color * scalar + color_offset, *np.roll(rgb, c))
+            prop.SetScalarOpacity(c, opacity)
+            prop.SetColor(c, color)
+            prop.SetShade(c, 1)
+            prop.SetComponentWeight(c, 1.0 - 0.2 * c)
+            gradient = vtkPiecewiseFunction()
+            gradient.AddPoint(0.0, 0.2)
+            gradient.AddPoint(20.0 * scale, 1.0)
+            prop.SetGradientOpacity(c, gradient)
+        mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+        mapper.SetInputData(image)
+        mapper.SetDeformation(deformation)
+        mapper.SetNumberOfThreads(1)
+        volume = vtkVolume()
+        volume.SetMapper(mapper)
+        volume.SetProperty(prop)
+        renderer = vtkRenderer()
+        renderer.AddVolume(volume)
+        renderer.GetActiveCamera().Azimuth(35)
+        renderer.ResetCamera(volume.GetBounds())
+        renderer.GetActiveCamera().Zoom(1.5)
+        out = vtkImageData()
+        for _ in range(2):
+            start = time.process_time()
+            self.assertEqual(mapper.RenderToImage(renderer, volume, SIZE, SIZE, out), 1)
+            last = time.process_time() - start
+        seconds.append(last)
+        rgba = vtk_to_numpy(out.GetPointData().GetScalars()).reshape(SIZE, SIZE, 4).astype(float)
+        rgba[..., :3] *= rgba[..., 3:] / 255
+        self.assertGreater((rgba[..., 3] > 10).sum(), 400, "nothing to compare")
+        return rgba
+
+    def test_components_of_types_beyond_single_precision(self):
+        plain = [(1, 0)] * 4
+        # A few values of a large range would be lost if all components were scaled as the first.
+        scaled = {np.int32: [(1, 0), (10**7, -64 * 10**7), (3, 10**9), (1, 2**31 - 200)],
+                  np.uint32: [(1, 0), (3 * 10**7, 5), (1, 4 * 10**9), (2, 7)],
+                  np.int64: [(10**15, -64 * 10**15), (1, 10**12), (7, 0), (10**9, 1)],
+                  np.uint64: [(7 * 10**16, 10**15), (1, 10**13), (1, 0), (5, 3)],
+                  np.float64: [(1e-6, 10.0), (1e30, -5e31), (1.0, 1e9), (1e-30, 0.0)]}
+        for count, dependent in ((2, False), (3, False), (4, False), (2, True)):
+            values = [np.roll(self.values, 5 * c, axis=c % 3) for c in range(count)]
+            for deformation in (None, self.bend((0, 63, 0, 63, 0, 63))):
+                seconds = []
+                expected = self.render_components(
+                    [v.astype(np.uint8) for v in values], plain[:count], dependent, deformation,
+                    seconds)
+                for dtype, scales in scaled.items():
+                    with self.subTest(dtype=dtype, count=count, dependent=dependent):
+                        picture = self.render_components(
+                            [(v.astype(object) * s + o).astype(dtype)
+                             for v, (s, o) in zip(values, scales)],
+                            scales[:count], dependent, deformation, seconds)
+                        self.assert_same(picture, expected, f"{count} x {np.dtype(dtype)}",
+                                         mean=0.15, largest=4.0)
+                        # One ray at a time would take many times as long.
+                        print(f"{seconds[-1] / seconds[0]:.2f} of the time of bytes")
+                        self.assertLess(seconds[-1], 4.0 * seconds[0])
 
     def test_negative_and_scaled_scalars(self):
         reference = self.render(self.make_image(self.values.astype(np.uint8)))

@@ -1,0 +1,250 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Extremes, sums and slices of several components. Included once per target of Highway.
+#if defined(FFD_SIMD_CHANNELS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef FFD_SIMD_CHANNELS_INL_H_
+#undef FFD_SIMD_CHANNELS_INL_H_
+#else
+#define FFD_SIMD_CHANNELS_INL_H_
+#endif
+
+#include "FFDPacketCaster.h"
+
+#include "FFDSimdComponents-inl.h"
+#include "FFDSimdComposite-inl.h"
+#include "FFDSimdCurve-inl.h"
+#include "FFDSimdMath-inl.h"
+#include "FFDSimdOptics-inl.h"
+#include "FFDSimdTable-inl.h"
+
+#include <cstddef>
+#include <cstdint>
+
+HWY_BEFORE_NAMESPACE();
+namespace ffd
+{
+namespace HWY_NAMESPACE
+{
+
+/// Extremes are above -NoExtreme once a sample has been taken.
+constexpr float NoExtreme = 3e38f;
+
+/// Blends the samples of a packet of several components, as RayIntegrator does: by channel, which
+/// are the independent components, or all dependent ones together.
+template <class T>
+class ChannelBlending
+{
+public:
+  /// Keeps references to all.
+  ChannelBlending(
+    const PacketScene& scene, CastStatistics& statistics, PacketCompositor<T>& samples)
+    : Scene(scene)
+    , Statistics(statistics)
+    , Samples(samples)
+    , State(samples.State)
+    , Any(hn::FirstN(Df(), 0))
+  {
+  }
+
+  HWY_NOINLINE void Begin()
+  {
+    const Vf zero = hn::Zero(Df());
+    ForComponents([&](auto c) {
+      this->Extremes[c] = Splat(-NoExtreme);
+      this->Kept[c] = zero;
+      this->Sums[c] = zero;
+      this->Lengths[c] = zero;
+    });
+  }
+
+  /// Takes the samples of the lanes of `sampled` at q, the position at s of a curve.
+  HWY_NOINLINE void Take(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
+  {
+    Vf values[LargestNumberOfComponents];
+    this->Samples.FindComponents(q, sampled, values);
+    Mf visible;
+    switch (this->Scene.Sampling)
+    {
+      case PacketSampling::Extreme:
+        visible = this->TakeExtremes(curve, values, s, sampled);
+        break;
+      case PacketSampling::Sum:
+        visible = this->AddUp(curve, values, s, sampled);
+        break;
+      default:
+      {
+        const Mf lanes[LargestNumberOfComponents] = { sampled, sampled, sampled, sampled };
+        visible = this->Show(values, lanes);
+        this->State.Out.FirstVisible =
+          hn::IfThenElse(visible, curve.TimeAt(s), this->State.Out.FirstVisible);
+        break;
+      }
+    }
+    this->Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(Df(), visible));
+  }
+
+  /// Finds the pixels of the rays, after their last samples.
+  HWY_NOINLINE void End()
+  {
+    PacketPixels& out = this->State.Out;
+    if (this->Scene.Sampling == PacketSampling::Extreme)
+    {
+      Mf lanes[LargestNumberOfComponents];
+      ForComponents([&](auto c) { lanes[c] = hn::Gt(this->Extremes[c], Splat(-NoExtreme)); });
+      const Mf visible = this->Show(this->Kept, lanes);
+      out.FirstVisible = hn::IfThenElse(visible, out.FirstVisible, Splat(1e30f));
+    }
+    else if (this->Scene.Sampling == PacketSampling::Sum)
+    {
+      this->EndSums();
+    }
+  }
+
+private:
+  bool IsDependent() const { return this->Scene.KindOfComponents != ComponentKind::Independent; }
+
+  /// Keeps the largest densities; minima are found as maxima of the negated ones.
+  HWY_INLINE Mf TakeExtremes(const PacketCurve& curve, const Vf* values, Vf s, Mf sampled)
+  {
+    const Df d;
+    const bool maximum = this->Scene.Source->Blend.Mode == BlendMode::Maximum;
+    const Vf t = curve.TimeAt(s);
+    Mf news = hn::FirstN(d, 0);
+    Mf done = this->State.Alive;
+    for (std::size_t c = 0; c < this->Scene.Channels.size(); ++c)
+    {
+      const PacketChannel& channel = this->Scene.Channels[c];
+      const Vf density = DensityOf(this->Scene, c, values);
+      const Vf value = maximum ? density : hn::Neg(density);
+      // Comparisons with what is not a number are false.
+      const Mf better = hn::And(sampled, hn::Gt(value, this->Extremes[c]));
+      this->Extremes[c] = hn::IfThenElse(better, value, this->Extremes[c]);
+      if (this->IsDependent())
+      {
+        ForComponents(
+          [&](auto i) { this->Kept[i] = hn::IfThenElse(better, values[i], this->Kept[i]); });
+      }
+      else
+      {
+        this->Kept[c] = hn::IfThenElse(better, values[c], this->Kept[c]);
+      }
+      // The place is that of the first channel, if it has any.
+      const Mf moved = c == 0 ? better : hn::AndNot(this->Any, better);
+      this->State.Out.FirstVisible = hn::IfThenElse(moved, t, this->State.Out.FirstVisible);
+      this->Any = hn::Or(this->Any, better);
+      news = hn::Or(news, better);
+      // Nothing is beyond the ends of the range.
+      const Vf end = Splat(maximum ? channel.High : -channel.Low);
+      done = hn::And(done, hn::Ge(this->Extremes[c], end));
+    }
+    this->State.Alive = hn::AndNot(done, this->State.Alive);
+    return news;
+  }
+
+  /// Adds up intensities times opacities.
+  HWY_INLINE Mf AddUp(const PacketCurve& curve, const Vf* values, Vf s, Mf sampled)
+  {
+    const Df d;
+    const bool average = this->Scene.Source->Blend.Mode == BlendMode::Average;
+    const Vf length = this->Scene.Settings.Opacity == OpacityLength::Deformed
+      ? Splat(static_cast<float>(this->Scene.Settings.SampleDistance))
+      : hn::Mul(curve.PerStep, FindLength(this->Scene, curve.Position.Slope(s)));
+    Mf visible = hn::FirstN(d, 0);
+    for (std::size_t c = 0; c < this->Scene.Channels.size(); ++c)
+    {
+      const PacketChannel& channel = this->Scene.Channels[c];
+      const Vf density = DensityOf(this->Scene, c, values);
+      const Vf intensity = IntensityOf(this->Scene, c, values);
+      Mf counts = hn::And(sampled, hn::And(hn::Eq(intensity, intensity), hn::Eq(density, density)));
+      if (average)
+      {
+        counts = hn::And(counts,
+          hn::And(hn::Ge(intensity, Splat(channel.AverageMin)),
+            hn::Le(intensity, Splat(channel.AverageMax))));
+      }
+      const Vf relative =
+        hn::Mul(hn::Sub(intensity, Splat(channel.Low)), Splat(1.0f / (channel.High - channel.Low)));
+      const Vf opacity =
+        this->OpacityOver(TableLookup(this->Scene, density, c).Extinction(), channel);
+      this->Sums[c] = hn::Add(
+        this->Sums[c], hn::IfThenElseZero(counts, hn::Mul(hn::Mul(opacity, relative), length)));
+      this->Lengths[c] = hn::Add(this->Lengths[c], hn::IfThenElseZero(counts, length));
+      visible = hn::Or(visible, counts);
+    }
+    this->Any = hn::Or(this->Any, visible);
+    Vf& first = this->State.Out.FirstVisible;
+    first = hn::IfThenElse(visible, hn::Min(first, curve.TimeAt(s)), first);
+    return visible;
+  }
+
+  HWY_INLINE void EndSums()
+  {
+    const Vf zero = hn::Zero(Df());
+    const Vf one = Splat(1.0f);
+    const bool average = this->Scene.Source->Blend.Mode == BlendMode::Average;
+    Vf sum = zero;
+    for (std::size_t c = 0; c < this->Scene.Channels.size(); ++c)
+    {
+      const PacketChannel& channel = this->Scene.Channels[c];
+      const Vf over = average ? this->Lengths[c] : Splat(channel.AdditiveDistance);
+      const Mf some = hn::Gt(over, zero);
+      sum = hn::Add(sum,
+        hn::IfThenElseZero(some,
+          hn::Div(hn::Mul(Splat(channel.Weight), this->Sums[c]), hn::IfThenElse(some, over, one))));
+    }
+    const Vf gray = hn::IfThenElseZero(this->Any, Clamp(sum, zero, one));
+    this->State.Out.Color = { gray, gray, gray };
+    this->State.Out.Transmittance = hn::IfThenElse(this->Any, zero, one);
+  }
+
+  static HWY_INLINE Vf OpacityOver(Vf extinction, const PacketChannel& channel)
+  {
+    return hn::Sub(Splat(1.0f), Exp2(hn::Neg(hn::Mul(extinction, Splat(channel.UnitDistance)))));
+  }
+
+  /// Makes the pixels of the rays those of one value of each channel, in the lanes of `lanes`;
+  /// returns those that are visible.
+  HWY_NOINLINE Mf Show(const Vf* values, const Mf* lanes)
+  {
+    const Vf zero = hn::Zero(Df());
+    const Vf one = Splat(1.0f);
+    Vec3 color{ zero, zero, zero };
+    Vf sum = zero;
+    for (std::size_t c = 0; c < this->Scene.Channels.size(); ++c)
+    {
+      const PacketChannel& channel = this->Scene.Channels[c];
+      const Vf density = DensityOf(this->Scene, c, values);
+      const TableLookup lookup(this->Scene, density, c);
+      const Vf extinction = lookup.Extinction();
+      // NaN is not shown: comparisons with it are false.
+      const Mf shows =
+        hn::And(hn::And(lanes[c], hn::Eq(density, density)), hn::Gt(extinction, zero));
+      const Vf alpha = hn::IfThenElseZero(
+        shows, hn::Mul(Splat(channel.Weight), this->OpacityOver(extinction, channel)));
+      const Vec3 own = this->IsDependent() ? DependentColor(this->Scene, values) : lookup.Color();
+      color = MulAdd(alpha, own, color);
+      sum = hn::Add(sum, alpha);
+    }
+    const Vf shown = hn::Min(sum, one);
+    this->State.Out.Color = { hn::Min(color.x, shown), hn::Min(color.y, shown),
+      hn::Min(color.z, shown) };
+    this->State.Out.Transmittance = hn::Sub(one, shown);
+    return hn::Gt(shown, zero);
+  }
+
+  const PacketScene& Scene;
+  CastStatistics& Statistics;
+  PacketCompositor<T>& Samples;
+  PacketState& State;
+  Vf Extremes[LargestNumberOfComponents]; ///< by channel
+  Vf Kept[LargestNumberOfComponents];     ///< values of all components where these are
+  Vf Sums[LargestNumberOfComponents];     ///< by channel
+  Vf Lengths[LargestNumberOfComponents];  ///< over which these are
+  Mf Any;                                 ///< rays that have taken a sample that counts
+};
+
+} // namespace HWY_NAMESPACE
+} // namespace ffd
+HWY_AFTER_NAMESPACE();
+
+#endif
