@@ -75,6 +75,7 @@ class Window:
     def __init__(self, window, interactor):
         from vtkmodules.vtkRenderingCore import vtkWindowToImageFilter
         self.window, self.interactor = window, interactor
+        self.scale = 1.0  # pixels of the picture for one of the page
         self.capture = vtkWindowToImageFilter()
         self.capture.SetInput(window)
         self.capture.ReadFrontBufferOff()
@@ -92,7 +93,9 @@ class Window:
         return numpy.ascontiguousarray(pixels.reshape(rows, columns, -1)[::-1, :, :3]), columns, rows
 
     def process_resize_event(self, width, height):
-        self.interactor.UpdateSize(*(int(min(max(pixels, 16), LARGEST_PICTURE))
+        # One scale for both axes: the page shows the picture across the whole view.
+        self.scale = min(1.0, LARGEST_PICTURE / max(width, height, 1))
+        self.interactor.UpdateSize(*(max(round(self.scale * pixels), 16)
                                      for pixels in (width, height)))
 
     def process_interaction_event(self, event):
@@ -101,6 +104,8 @@ class Window:
         flags = [1 if event.get(name) else 0 for name in ("controlKey", "shiftKey", "altKey")]
         if x is None or y is None:
             x, y = self.interactor.GetEventPosition()
+        else:
+            x, y = self.scale * x, self.scale * y
         key = str(event.get("key", ""))[:16]
         self.interactor.SetEventInformation(
             int(x), int(y), flags[0], flags[1], key if len(key) == 1 and key.isascii() else "\0", 0,

@@ -65,7 +65,11 @@ def require(module, packages):
                 _skip(module, "pip took too long")
             if result.returncode != 0:
                 _skip(module, (result.stderr.strip().splitlines() or ["pip failed"])[-1])
-            os.replace(target, folder)
+            try:
+                os.replace(target, folder)
+            except OSError:
+                if not os.path.isdir(folder):  # else another test was first
+                    raise
     found = has(folder)
     if found.returncode != 0:
         _skip(module, found.stderr.strip().splitlines()[-1])
