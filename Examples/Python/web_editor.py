@@ -199,6 +199,7 @@ class Session:
         self.lattice.SetDimensions(6, 6, 6)
         self.lattice.Reset()
         self.lattice.FitToBounds(image.GetBounds())
+        self.shape = "identity", 0.5  # what was applied last
         self.set_transfer(50.0, 0.5, "bone")
         camera = self.renderer.GetActiveCamera()
         camera.SetFocalPoint(0.0, 0.0, 0.0)
@@ -237,10 +238,13 @@ class Session:
             return
         size = (round(points),) * 3
         if size != self.lattice.GetDimensions():
-            self.lattice.SetDimensions(*size)
-            self.lattice.FitToBounds(self.image.GetBounds())
-        self.shapes.ApplyShape(self.lattice, SHAPES.index(shape), strength)
-        self.points.ClearHistory()
+            self.lattice.SetDimensions(*size)  # keeps what the lattice does; undo starts anew
+        # Edits by hand stay, unless another shape is asked for. The strength of none means nothing.
+        wanted = shape, (self.shape[1] if shape == "identity" else strength)
+        if wanted != self.shape:
+            self.shape = wanted
+            self.shapes.ApplyShape(self.lattice, SHAPES.index(shape), strength)
+            self.points.ClearHistory()
         self.tell_edits()
 
     def on_transfer(self, opacity, colors, threshold, **_):
@@ -302,6 +306,8 @@ class Session:
 
     def reset_lattice(self):
         self.points.ResetAll()
+        self.shape = "identity", self.shape[1]
+        self.state.shape = "identity"
         self.tell_edits()
 
     def reset_camera(self):

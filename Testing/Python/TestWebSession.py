@@ -26,6 +26,12 @@ class TestSession(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.session = web_editor.Session(VOLUME, 4 << 20)  # trame has one server for a process
+        cls.session.state.ready()
+
+    def setUp(self):
+        self.session.load(VOLUME)
+        self.session.points.ClearHistory()
+        self.panel(shape="identity", strength=0.5, points=6)
 
     def mouse(self, kind, x, y):
         self.session.window.process_interaction_event({"type": kind, "x": x, "y": y})
@@ -37,6 +43,12 @@ class TestSession(unittest.TestCase):
         place.SetCoordinateSystemToWorld()
         place.SetValue(point)
         return place.GetComputedDoubleDisplayValue(self.session.renderer)
+
+    def panel(self, **values):
+        """As the page sets them."""
+        self.session.state.update(values)
+        self.session.state.flush()
+        return self.session.state
 
     def displacements(self):
         return np.array(vtk_to_numpy(self.session.lattice.GetDisplacements()))
@@ -64,6 +76,46 @@ class TestSession(unittest.TestCase):
         self.mouse("MouseMove", 300, 100)
         self.assertEqual(tuple(interactor.GetEventPosition()), (300, 100))
         self.session.undo()
+        self.assertEqual(np.abs(self.displacements()).max(), 0.0)
+
+    def test_edits_by_hand_outlast_sliders(self):
+        session, lattice = self.session, self.session.lattice
+        session.points.SetControlPoint(2, 3, 2, 20.0, 40.0, 35.0)
+        edited = self.displacements()
+        self.assertEqual(np.count_nonzero(edited.any(axis=1)), 1)
+        # The strength of no shape.
+        state = self.panel(strength=1.0)
+        np.testing.assert_array_equal(self.displacements(), edited)
+        self.assertEqual(state.edits, 1)
+        session.undo()
+        session.redo()
+        np.testing.assert_array_equal(self.displacements(), edited)
+
+        # Control points per axis: the lattice does what it did, exactly so where cells are halved.
+        probes = np.random.default_rng(1).uniform(0.0, 63.0, (50, 3))
+        before = np.array([lattice.TransformPoint(point) for point in probes])
+        self.assertGreater(np.abs(before - probes).max(), 1.0)
+        state = self.panel(points=9)
+        self.assertEqual(tuple(lattice.GetDimensions()), (9, 9, 9))
+        np.testing.assert_allclose([lattice.TransformPoint(point) for point in probes], before)
+        self.assertEqual(state.edits, 0)
+
+        # Shapes replace edits, and follow their strength; Reset takes the panel along.
+        self.panel(shape="twist", points=6, strength=0.5)
+        half = self.displacements()
+        self.panel(strength=1.0)
+        self.assertGreater(np.abs(self.displacements()).max(), 1.5 * np.abs(half).max())
+        session.reset_lattice()
+        session.state.flush()
+        self.assertEqual(session.state.shape, "identity")
+        self.assertEqual(np.abs(self.displacements()).max(), 0.0)
+        self.assertEqual(session.state.edits, 1)
+        session.undo()
+        self.assertGreater(np.abs(self.displacements()).max(), 1.0)
+        session.reset_lattice()
+        self.panel(shape="twist", strength=0.5)
+        np.testing.assert_allclose(self.displacements(), half)
+        self.panel(shape="identity")
         self.assertEqual(np.abs(self.displacements()).max(), 0.0)
 
 
