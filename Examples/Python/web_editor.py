@@ -17,10 +17,12 @@ Needs the Python packages trame, trame-vuetify and trame-rca, and a display (xvf
 
 import argparse
 import asyncio
+import errno
 import math
 import os
 import re
 import secrets
+import socket
 import sys
 import tempfile
 import zlib
@@ -403,6 +405,22 @@ class Session:
 # ----------------------------------------------------------------------------------------------------
 # The front: hands out sessions, and passes on what pages and sessions say to each other.
 
+class NoAddress(Exception):
+    """Why the program cannot listen where it is to, in words for the user."""
+
+
+def describe_problem(host, port, error):
+    # asyncio of Python 3.12 and later gives no number where it could not bind any address of the host.
+    if isinstance(error, (socket.gaierror, UnicodeError)) or error.errno in (
+            errno.EADDRNOTAVAIL, None):
+        return "--host %s: this is no name or address of this machine" % host
+    if error.errno == errno.EADDRINUSE:
+        return "--port %d: it is in use; give another, or 0 for any that is free" % port
+    if error.errno == errno.EACCES:
+        return "--port %d: this user may not listen there; give one from 1024 on" % port
+    return "--host %s --port %d: %s" % (host, port, error.strerror or error)
+
+
 async def serve(arguments):
     import aiohttp
     from aiohttp import web
@@ -470,7 +488,11 @@ async def serve(arguments):
     await runner.setup()
     site = web.TCPSite(runner, arguments.host, arguments.port)
     async with aiohttp.ClientSession(auto_decompress=True) as client:
-        await site.start()
+        try:
+            await site.start()
+        except (OSError, UnicodeError) as error:  # UnicodeError: no name at all
+            await runner.cleanup()
+            raise NoAddress(describe_problem(arguments.host, arguments.port, error)) from None
         print("web_editor: open http://%s:%d/ (Ctrl+C ends it)"
               % (arguments.host, runner.addresses[0][1]), flush=True)
         try:
@@ -488,10 +510,19 @@ def main():
     parser.add_argument("volume", nargs="?", default=DEFAULT_VOLUME)
     parser.add_argument("--host", default="127.0.0.1")
     parser.add_argument("--port", type=int, default=8080, help="0: any that is free")
-    parser.add_argument("--sessions", type=int, default=8, help="at once (default: 8)")
-    parser.add_argument("--upload-limit", type=int, default=256, help="MB (default: 256)")
+    parser.add_argument("--sessions", type=int, default=8, help="at once, from 1 (default: 8)")
+    parser.add_argument("--upload-limit", type=int, default=256,
+                        help="MB, from 1 to 4000 (default: 256)")
     parser.add_argument("--session", action="store_true", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
+    if not arguments.host:
+        sys.exit("web_editor: --host: a name or address of this machine; 0.0.0.0 for all of them")
+    if not 0 <= arguments.port <= 65535:
+        sys.exit("web_editor: --port: from 0, any that is free, to 65535")
+    if arguments.sessions < 1:
+        sys.exit("web_editor: --sessions: 1 or more at once")
+    if not 1 <= arguments.upload_limit <= 4000:
+        sys.exit("web_editor: --upload-limit: from 1 to 4000 MB")
     try:
         import trame.ui.vuetify3  # noqa: F401
         import trame_rca.widgets.rca  # noqa: F401
@@ -511,6 +542,8 @@ def main():
         sys.exit("web_editor: %s: %s" % (arguments.volume, problem))
     try:
         asyncio.run(serve(arguments))
+    except NoAddress as problem:
+        sys.exit("web_editor: %s" % problem)
     except KeyboardInterrupt:
         pass
 

@@ -4,6 +4,8 @@
 and what the panel does to the lattice. Skipped where trame is neither installed nor to be had."""
 
 import os
+import socket
+import subprocess
 import sys
 import unittest
 
@@ -20,6 +22,33 @@ import numpy as np  # noqa: E402
 import web_editor  # noqa: E402
 from vtkmodules.util.numpy_support import vtk_to_numpy  # noqa: E402
 from vtkmodules.vtkRenderingCore import vtkCoordinate  # noqa: E402
+
+
+class TestArguments(unittest.TestCase):
+    def test_errors_are_one_line(self):
+        environment = dict(os.environ)
+        if PACKAGES:
+            environment["PYTHONPATH"] = PACKAGES + os.pathsep + environment["PYTHONPATH"]
+        taken = socket.create_server(("127.0.0.1", 0))
+        port = str(taken.getsockname()[1])
+        for arguments, text in ((("--port", port), "--port %s: it is in use; .* 0 for any" % port),
+                                (("--port", "65536"), "--port: from 0.* to 65535"),
+                                (("--port", "-1"), "--port: from 0"),
+                                (("--host", "no.such.host.invalid"), "--host no.such.host.invalid: "),
+                                (("--host", "192.0.2.1"), "--host 192.0.2.1: "),
+                                (("--host", "a" * 70), "--host aaaa"), (("--host", ""), "--host: "),
+                                (("--sessions", "0"), "--sessions: 1 or more"),
+                                (("--sessions", "-3"), "--sessions: 1 or more"),
+                                (("--upload-limit", "0"), "--upload-limit: from 1"),
+                                (("--upload-limit", "-1"), "--upload-limit: from 1")):
+            with self.subTest(arguments):
+                result = subprocess.run(
+                    [sys.executable, PROGRAM, VOLUME, *arguments,
+                     *(() if "--port" in arguments else ("--port", "0"))],
+                    env=environment, capture_output=True, text=True, check=False, timeout=60)
+                self.assertEqual((result.returncode, result.stdout), (1, ""))
+                self.assertRegex(result.stderr, r"\Aweb_editor: %s.*\n\Z" % text)
+        taken.close()
 
 
 class TestSession(unittest.TestCase):
