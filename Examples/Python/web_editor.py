@@ -22,6 +22,7 @@ import math
 import os
 import re
 import secrets
+import signal
 import socket
 import sys
 import tempfile
@@ -37,7 +38,22 @@ COLORS = {
     "fire": ((0.20, 0.02, 0.02), (0.80, 0.25, 0.05), (1.00, 0.75, 0.20), (1.0, 1.0, 0.9)),
 }
 LARGEST_PICTURE = 2048  # pixels each way
+LARGEST_MESSAGE = 16 << 20  # bytes; pages send what is larger than 4 or 10 MB in parts
 IDLE = 60  # seconds that a session outlives its page
+
+# What is too large is not sent at all. A session checks it, too.
+CHECK_UPLOAD = """
+trame.utils.uploads = {
+  check(files, limit) {
+    const file = [].concat(files || [])[0] || null;
+    if (file && file.size > limit) {
+      trame.state.set("message", `${file.name.slice(0, 80)}: more than ${limit / 2 ** 20} MB`);
+      return null;
+    }
+    return file;
+  }
+};
+"""
 
 
 def number(value, low, high):
@@ -78,6 +94,7 @@ class Window:
         from vtkmodules.vtkRenderingCore import vtkWindowToImageFilter
         self.window, self.interactor = window, interactor
         self.scale = 1.0  # pixels of the picture for one of the page
+        self.pressed = set()  # of BUTTONS
         self.capture = vtkWindowToImageFilter()
         self.capture.SetInput(window)
         self.capture.ReadFrontBufferOff()
@@ -115,12 +132,21 @@ class Window:
         self.interactor.SetAltKey(flags[2])
         if kind in ("MouseMove", "MouseEnter", "MouseLeave"):
             self.interactor.InvokeEvent("MouseMoveEvent")
-        elif kind in [button + action for button in self.BUTTONS for action in ("Press", "Release")]:
+        elif kind in [button + "Press" for button in self.BUTTONS]:
+            self.pressed.add(kind[:-len("Press")])
+            self.interactor.InvokeEvent(kind + "Event")
+        elif kind in [button + "Release" for button in self.BUTTONS]:
+            self.pressed.discard(kind[:-len("Release")])
             self.interactor.InvokeEvent(kind + "Event")
         elif kind == "MouseWheel":
             spin = number(event.get("spinY"), -10.0, 10.0) or 0.0
             self.interactor.InvokeEvent(
                 "MouseWheelBackwardEvent" if spin > 0.0 else "MouseWheelForwardEvent")
+
+    def release_buttons(self):
+        """A page that is gone cannot say that it does."""
+        while self.pressed:
+            self.interactor.InvokeEvent(self.pressed.pop() + "ReleaseEvent")
 
 
 class Session:
@@ -233,6 +259,14 @@ class Session:
         self.view.update()
 
     # What the page asks for
+
+    def on_page(self, **_):
+        """A page has opened, for the first time or again. A drag that is under way is that of a page
+        which is gone: it is taken back."""
+        if self.widget.IsInteracting():
+            self.widget.Perform(self.widget.CancelDrag)
+        self.window.release_buttons()
+        self.tell_edits()
 
     def on_shape(self, shape, strength, points, **_):
         strength, points = number(strength, -2.0, 2.0), number(points, 4, 12)
@@ -352,6 +386,7 @@ class Session:
         with SinglePageWithDrawerLayout(self.server) as layout:
             layout.title.set_text("vtkFFD lattice editor")
             client.Style("html { overflow-y: hidden; }")
+            client.Script(CHECK_UPLOAD)
             with layout.toolbar:
                 v3.VSpacer()
                 html.Span("{{ message }}", id="message", classes="mr-4")
@@ -380,13 +415,15 @@ class Session:
                             classes="my-1")
                     v3.VBtn("Whole volume", click=self.reset_camera, id="camera", block=True,
                             classes="my-1")
-                    v3.VFileInput(v_model=("upload",), label="Your volume", density="compact",
-                                  accept=",".join(UPLOADS), id="upload")
+                    v3.VFileInput(model_value=("upload",), label="Your volume", density="compact",
+                                  accept=",".join(UPLOADS), id="upload", update_modelValue=(
+                                      "upload = utils.uploads.check($event, %d)" % self.upload_limit))
             with layout.content:
                 with html.Div(id="view", style="width:100%;height:100%;overflow:hidden"):
                     area = RemoteControlledArea(name="view", display="image", send_mouse_move=True)
                     self.area = area
         self.server.controller.on_server_ready.add(self.on_ready)
+        self.server.controller.on_client_connected.add(self.on_page)
 
         class Nothing:
             def update(self):
@@ -425,13 +462,14 @@ async def serve(arguments):
     import aiohttp
     from aiohttp import web
     from yarl import URL
-    sessions = {}
-    limit = 4 * (arguments.upload_limit << 20) // 3 + (1 << 20)
+    sessions, processes = {}, set()
+    stop = asyncio.Event()
 
     async def watch(key, process):
         async for _ in process.stdout:
             pass
         await process.wait()
+        processes.discard(process)
         sessions.pop(key, None)
 
     async def begin(_):
@@ -442,12 +480,16 @@ async def serve(arguments):
         process = await asyncio.create_subprocess_exec(
             sys.executable, os.path.abspath(__file__), arguments.volume, "--session",
             "--upload-limit", str(arguments.upload_limit), stdout=asyncio.subprocess.PIPE)
+        processes.add(process)
+        if stop.is_set():
+            process.kill()
         async for line in process.stdout:
             if line.startswith(b"session "):
                 sessions[key] = process, int(line.split()[1])
                 request_watch.add(asyncio.create_task(watch(key, process)))
                 raise web.HTTPFound("/s/%s/index.html" % key)
         sessions.pop(key)
+        processes.discard(process)
         raise web.HTTPInternalServerError(text="The session did not start.\n")
 
     async def pass_on(request):
@@ -464,7 +506,7 @@ async def serve(arguments):
             return web.Response(status=answer.status, body=await answer.read(), headers=headers)
 
     async def pass_on_socket(request, url):
-        page = web.WebSocketResponse(max_msg_size=limit, heartbeat=30)
+        page = web.WebSocketResponse(max_msg_size=LARGEST_MESSAGE, heartbeat=30)
         await page.prepare(request)
         async with client.ws_connect(url, max_msg_size=0) as session:
             async def copy(source, target):
@@ -483,7 +525,8 @@ async def serve(arguments):
 
     request_watch = set()
     application = web.Application()
-    application.add_routes([web.get("/", begin), web.get("/s/{key}/{path:.*}", pass_on)])
+    application.add_routes([web.get("/", begin, allow_head=False),
+                            web.get("/s/{key}/{path:.*}", pass_on)])
     runner = web.AppRunner(application)
     await runner.setup()
     site = web.TCPSite(runner, arguments.host, arguments.port)
@@ -496,11 +539,16 @@ async def serve(arguments):
         print("web_editor: open http://%s:%d/ (Ctrl+C ends it)"
               % (arguments.host, runner.addresses[0][1]), flush=True)
         try:
-            await asyncio.Event().wait()
+            asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, stop.set)
+        except NotImplementedError:
+            pass  # Windows
+        try:
+            await stop.wait()
         finally:
-            for session in sessions.values():
-                if session:
-                    session[0].kill()
+            stop.set()
+            for process in processes:
+                if process.returncode is None:
+                    process.kill()
             await runner.cleanup()
 
 

@@ -123,7 +123,7 @@ class TestWebEditor(unittest.IsolatedAsyncioTestCase):
         if PACKAGES:
             environment["PYTHONPATH"] = PACKAGES + os.pathsep + environment["PYTHONPATH"]
         self.server = await asyncio.create_subprocess_exec(
-            sys.executable, PROGRAM, "--port", "0", "--sessions", "2", "--upload-limit", "4",
+            sys.executable, PROGRAM, "--port", "0", "--sessions", "2", "--upload-limit", "1",
             env=environment, stdout=asyncio.subprocess.PIPE)
         line = (await self.server.stdout.readline()).decode()
         self.address = re.search(r"http://\S+", line).group()
@@ -233,6 +233,7 @@ class TestWebEditor(unittest.IsolatedAsyncioTestCase):
                     await visit.upload(path)
                     text = await visit.message(name.replace(".", "[.]") + ": ")
                     self.assertNotRegex(text, "[0-9] voxels")
+                    self.assertEqual("more than 1 MB" in text, name == "g.vti")
                     self.assertNotIn("ffd-upload", text)
                     self.assertLess(differ(await visit.settled(), fuel), 0.5)
             # Nonsense for every value that a page can set.

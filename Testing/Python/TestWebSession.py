@@ -3,7 +3,10 @@
 """What is behind the page of the web editor, without a browser: sizes of pictures and places of the mouse,
 and what the panel does to the lattice. Skipped where trame is neither installed nor to be had."""
 
+import asyncio
+import glob
 import os
+import re
 import socket
 import subprocess
 import sys
@@ -18,17 +21,64 @@ PROGRAM = os.path.join(SOURCE, "Examples", "Python", "web_editor.py")
 VOLUME = os.path.join(os.environ["FFD_TEST_DATA"], "fuel.vti")
 sys.path.insert(0, os.path.dirname(PROGRAM))
 
+import aiohttp  # noqa: E402
 import numpy as np  # noqa: E402
 import web_editor  # noqa: E402
 from vtkmodules.util.numpy_support import vtk_to_numpy  # noqa: E402
 from vtkmodules.vtkRenderingCore import vtkCoordinate  # noqa: E402
 
 
+def environment():
+    result = dict(os.environ)
+    if PACKAGES:
+        result["PYTHONPATH"] = PACKAGES + os.pathsep + result["PYTHONPATH"]
+    return result
+
+
+def processes():
+    """Those that run, with their parents."""
+    result = {}
+    for path in glob.glob("/proc/[0-9]*/stat"):
+        try:
+            with open(path, encoding="utf-8") as file:
+                state, parent = file.read().rpartition(")")[2].split()[:2]
+        except OSError:
+            continue  # it has just ended
+        if state != "Z":
+            result[int(path.split("/")[2])] = int(parent)
+    return result
+
+
+def children(process):
+    return [child for child, parent in processes().items() if parent == process]
+
+
+class TestFront(unittest.IsolatedAsyncioTestCase):
+    async def test_places_and_end(self):
+        server = await asyncio.create_subprocess_exec(
+            sys.executable, PROGRAM, VOLUME, "--port", "0", "--sessions", "1", env=environment(),
+            stdout=asyncio.subprocess.PIPE)
+        address = re.search(r"http://\S+", (await server.stdout.readline()).decode()).group()
+        async with aiohttp.ClientSession() as client:
+            # Programs that only ask whether the page is there take no place.
+            async with client.head(address) as answer:
+                self.assertEqual(answer.status, 405)
+            self.assertEqual(children(server.pid), [])
+            async with client.get(address, allow_redirects=False) as answer:
+                self.assertEqual(answer.status, 302)
+        session = children(server.pid)
+        self.assertEqual(len(session), 1)
+        server.terminate()
+        self.assertEqual(await asyncio.wait_for(server.wait(), 20), 0)
+        for _ in range(50):
+            if session[0] not in processes():
+                break
+            await asyncio.sleep(0.1)
+        self.assertNotIn(session[0], processes())
+
+
 class TestArguments(unittest.TestCase):
     def test_errors_are_one_line(self):
-        environment = dict(os.environ)
-        if PACKAGES:
-            environment["PYTHONPATH"] = PACKAGES + os.pathsep + environment["PYTHONPATH"]
         taken = socket.create_server(("127.0.0.1", 0))
         port = str(taken.getsockname()[1])
         for arguments, text in ((("--port", port), "--port %s: it is in use; .* 0 for any" % port),
@@ -45,7 +95,7 @@ class TestArguments(unittest.TestCase):
                 result = subprocess.run(
                     [sys.executable, PROGRAM, VOLUME, *arguments,
                      *(() if "--port" in arguments else ("--port", "0"))],
-                    env=environment, capture_output=True, text=True, check=False, timeout=60)
+                    env=environment(), capture_output=True, text=True, check=False, timeout=60)
                 self.assertEqual((result.returncode, result.stdout), (1, ""))
                 self.assertRegex(result.stderr, r"\Aweb_editor: %s.*\n\Z" % text)
         taken.close()
@@ -146,6 +196,40 @@ class TestSession(unittest.TestCase):
         np.testing.assert_allclose(self.displacements(), half)
         self.panel(shape="identity")
         self.assertEqual(np.abs(self.displacements()).max(), 0.0)
+
+    def test_a_page_that_opens_ends_drags(self):
+        session, camera = self.session, self.session.renderer.GetActiveCamera()
+        session.window.process_resize_event(800, 600)
+        x, y = self.place(2, 0, 3)
+        self.mouse("MouseMove", x, y)
+        self.mouse("LeftButtonPress", x, y)
+        self.mouse("MouseMove", x, y + 60)
+        self.assertGreater(np.abs(self.displacements()).max(), 1.0)
+        session.server.controller.on_client_connected()
+        for place in ((x, y + 100), (x, y - 100)):
+            self.mouse("MouseMove", *place)
+            self.assertEqual(np.abs(self.displacements()).max(), 0.0)
+        self.assertEqual(session.state.edits, 0)
+        # The camera.
+        for button in ("Left", "Middle", "Right"):
+            self.mouse("MouseMove", 20, 20)
+            self.mouse(button + "ButtonPress", 20, 20)
+            self.mouse("MouseMove", 60, 40)
+            session.server.controller.on_client_connected()
+            view = camera.GetPosition()
+            self.mouse("MouseMove", 200, 140)
+            self.assertEqual(camera.GetPosition(), view)
+            self.mouse(button + "ButtonPress", 20, 20)
+            self.mouse("MouseMove", 60, 40)
+            self.assertNotEqual(camera.GetPosition(), view)
+            self.mouse(button + "ButtonRelease", 60, 40)
+
+    def test_uploads_that_are_too_large(self):
+        content = b" " * (5 << 20)
+        for sent in (content, [content[:3 << 20], content[3 << 20:]]):
+            self.panel(upload={"name": "large.vti", "content": sent})
+            self.assertEqual(self.session.state.message, "large.vti: more than 4 MB")
+            self.assertIsNone(self.session.state.upload)
 
 
 if __name__ == "__main__":
