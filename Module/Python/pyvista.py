@@ -290,13 +290,14 @@ def add_deformed_volume(plotter, volume, lattice=None, *, inverse_mode="exact",
 
 
 # The widgets of each plotter, which keeps none itself.
-_widgets = _weakref.WeakKeyDictionary()
+_widgets: "_weakref.WeakKeyDictionary[object, list[_vtkffd.vtkFFDLatticeWidget]]" = (
+    _weakref.WeakKeyDictionary())
 
 
 def lattice_widget(plotter, lattice, actor=None, callback=None, *, interaction_event="end",
                    pass_widget=False, bounds=None):
     """Add a vtkFFDLatticeWidget: its control points, and with key d the volume itself, can be
-    dragged. README.md, "Shape a volume by hand", tells the keys.
+    dragged. Module/Documentation/tutorial.md, "Shape a volume by hand", tells the keys.
 
     Parameters
     ----------
