@@ -57,6 +57,13 @@ void GetDepths(vtkCamera* camera, const double bounds[6], double& nearest, doubl
   nearest = std::max(nearest, 0.0);
 }
 
+/// Observers of what a widget does may remove it and let go of the last reference to it: it stays
+/// until it is done.
+vtkSmartPointer<vtkFFDLatticeWidget> Keep(vtkAbstractWidget* widget)
+{
+  return static_cast<vtkFFDLatticeWidget*>(widget);
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -222,7 +229,7 @@ vtkFFDLatticeRepresentation* vtkFFDLatticeWidget::GetLatticeRepresentation()
 //------------------------------------------------------------------------------
 void vtkFFDLatticeWidget::ForwardEvent(vtkObject*, unsigned long event, void* client, void* data)
 {
-  static_cast<vtkFFDLatticeWidget*>(client)->InvokeEvent(event, data);
+  Keep(static_cast<vtkFFDLatticeWidget*>(client))->InvokeEvent(event, data);
 }
 
 //------------------------------------------------------------------------------
@@ -428,25 +435,25 @@ void vtkFFDLatticeWidget::Press(int operation)
 //------------------------------------------------------------------------------
 void vtkFFDLatticeWidget::SelectAction(vtkAbstractWidget* widget)
 {
-  static_cast<vtkFFDLatticeWidget*>(widget)->Press(Rep::REPLACE);
+  Keep(widget)->Press(Rep::REPLACE);
 }
 
 //------------------------------------------------------------------------------
 void vtkFFDLatticeWidget::AddSelectAction(vtkAbstractWidget* widget)
 {
-  static_cast<vtkFFDLatticeWidget*>(widget)->Press(Rep::ADD);
+  Keep(widget)->Press(Rep::ADD);
 }
 
 //------------------------------------------------------------------------------
 void vtkFFDLatticeWidget::ToggleSelectAction(vtkAbstractWidget* widget)
 {
-  static_cast<vtkFFDLatticeWidget*>(widget)->Press(Rep::TOGGLE);
+  Keep(widget)->Press(Rep::TOGGLE);
 }
 
 //------------------------------------------------------------------------------
 void vtkFFDLatticeWidget::MoveAction(vtkAbstractWidget* widget)
 {
-  auto* self = static_cast<vtkFFDLatticeWidget*>(widget);
+  const vtkSmartPointer<vtkFFDLatticeWidget> self(Keep(widget));
   const vtkSmartPointer<Rep> rep(self->GetLatticeRepresentation());
   const int x = self->Interactor->GetEventPosition()[0];
   const int y = self->Interactor->GetEventPosition()[1];
@@ -487,7 +494,7 @@ void vtkFFDLatticeWidget::MoveAction(vtkAbstractWidget* widget)
 //------------------------------------------------------------------------------
 void vtkFFDLatticeWidget::EndSelectAction(vtkAbstractWidget* widget)
 {
-  auto* self = static_cast<vtkFFDLatticeWidget*>(widget);
+  const vtkSmartPointer<vtkFFDLatticeWidget> self(Keep(widget));
   if (!self->Dragging)
   {
     return;
@@ -519,7 +526,7 @@ void vtkFFDLatticeWidget::EndSelectAction(vtkAbstractWidget* widget)
 //------------------------------------------------------------------------------
 void vtkFFDLatticeWidget::LeaveAction(vtkAbstractWidget* widget)
 {
-  auto* self = static_cast<vtkFFDLatticeWidget*>(widget);
+  const vtkSmartPointer<vtkFFDLatticeWidget> self(Keep(widget));
   Rep* rep = self->GetLatticeRepresentation();
   const vtkMTimeType before = rep->GetMTime();
   if (!self->Dragging)
@@ -535,7 +542,7 @@ void vtkFFDLatticeWidget::LeaveAction(vtkAbstractWidget* widget)
 //------------------------------------------------------------------------------
 void vtkFFDLatticeWidget::CharacterAction(vtkAbstractWidget* widget)
 {
-  auto* self = static_cast<vtkFFDLatticeWidget*>(widget);
+  const vtkSmartPointer<vtkFFDLatticeWidget> self(Keep(widget));
   const char* symbol = self->Interactor->GetKeySym();
   if (symbol && self->UsedKey == symbol)
   {
@@ -548,7 +555,7 @@ void vtkFFDLatticeWidget::CharacterAction(vtkAbstractWidget* widget)
 template <int WidgetEvent>
 void vtkFFDLatticeWidget::KeyAction(vtkAbstractWidget* widget)
 {
-  auto* self = static_cast<vtkFFDLatticeWidget*>(widget);
+  const vtkSmartPointer<vtkFFDLatticeWidget> self(Keep(widget));
   constexpr bool wheel = WidgetEvent == IncreaseRadius || WidgetEvent == DecreaseRadius;
   if (wheel && !self->Dragging &&
     self->GetLatticeRepresentation()->GetInteractionState() != Rep::OnPoint &&

@@ -269,6 +269,36 @@ class TestWidget(unittest.TestCase):
             self.assertFalse(widget.GetEnabled())
             self.assertGreater(np.abs(scene.picture() - with_widget).mean(), 1.0)
 
+    def test_callbacks_that_remove_widgets(self):
+        grid = ellipsoid()
+        lattice = grid.ffd.lattice(5)
+        for event, again, close in ((event, again, close) for event in ("start", "end", "always")
+                                    for again, close in ((False, False), (True, False), (False, True))):
+            with self.subTest(event=event, again=again, close=close), Scene() as scene:
+                plotter, calls = scene.plotter, []
+
+                def remove(_lattice, plotter=plotter, calls=calls, again=again, close=close):
+                    calls.append(1)
+                    for _ in range(2):
+                        plotter.clear_lattice_widgets()
+                        if again:
+                            plotter.add_lattice_widget(lattice)
+                    if close:
+                        plotter.close()
+
+                actor = plotter.add_deformed_volume(grid, lattice, show_scalar_bar=False)
+                plotter.add_lattice_widget(lattice, actor, remove, interaction_event=event)
+                scene.picture()
+                renderer, interactor = plotter.renderer, plotter.iren.interactor
+                renderer.SetWorldPoint(*lattice.points[2, 0, 2], 1.0)
+                renderer.WorldToDisplay()
+                x, y = (int(round(value)) for value in renderer.GetDisplayPoint()[:2])
+                for name, place in (("MouseMoveEvent", 0), ("LeftButtonPressEvent", 0),
+                                    ("MouseMoveEvent", 10), ("LeftButtonReleaseEvent", 10)):
+                    interactor.SetEventInformation(x + place, y)
+                    interactor.InvokeEvent(name)
+                self.assertEqual(calls, [1])
+
     def test_events_and_errors(self):
         grid = ellipsoid()
         lattice = grid.ffd.lattice(5)

@@ -273,6 +273,51 @@ class TestWidget(unittest.TestCase):
                         self.send("CharEvent", x, y, key, control)
                     self.widget.Off()
 
+    def test_observers_that_end_the_widget(self):
+        """The last reference to it may go while it works."""
+        def end(*_):
+            if self.widget is not None:
+                self.widget.Off()
+            self.widget = self.rep = None
+
+        def drag():
+            self.send("LeftButtonPressEvent", x, y)
+            self.send("MouseMoveEvent", x - 30, y - 20)
+            self.send("LeftButtonReleaseEvent", x - 30, y - 20)
+
+        def press_key():
+            for event in ("KeyPressEvent", "CharEvent"):
+                self.send(event, x, y, "Up")
+
+        def cancel():
+            self.send("LeftButtonPressEvent", x, y)
+            self.send("MouseMoveEvent", x - 30, y - 20)
+            self.send("KeyPressEvent", x, y, "Escape")
+
+        self.widget.Off()
+        for act, event in itertools.product(
+                (drag, press_key, cancel),
+                ("StartInteractionEvent", "InteractionEvent", "EndInteractionEvent",
+                 "WidgetValueChangedEvent", "SelectionChangedEvent")):
+            with self.subTest(act=act.__name__, event=event):
+                self.setUp()
+                x, y = self.display(3, 3, 3)
+                self.send("MouseMoveEvent", x, y)
+                if event != "SelectionChangedEvent":
+                    self.rep.SelectPoint(3, 3, 3)
+                gone = []
+                self.widget.AddObserver("DeleteEvent", lambda *_, gone=gone: gone.append(True))
+                self.widget.AddObserver(event, end)
+                self.rep = None
+                act()
+                self.assertEqual(bool(gone), self.widget is None)
+                if act is drag:
+                    self.assertTrue(gone)
+                self.window.Render()
+                if self.widget is not None:
+                    self.widget.Off()
+        self.setUp()
+
     def test_another_lattice_in_a_drag(self):
         """An observer that gives the lattice, or another one, more points or fewer ends the drag."""
         def resize(size):
