@@ -187,7 +187,8 @@ class InverseRayVolumeMapper(_BaseVolumeMapper, _vtkffd.vtkFFDInverseRayVolumeMa
 
 
 def _with_scalars(volume, scalars, resolution, preference):
-    """A shallow copy of the volume on which the scalars are the active ones, and their name."""
+    """A shallow copy of the volume on which the scalars are the active ones, at its points, and their
+    name."""
     if isinstance(volume, _np.ndarray):
         volume = _pv.wrap(volume)
         volume.spacing = (1.0, 1.0, 1.0) if resolution is None else resolution
@@ -205,7 +206,19 @@ def _with_scalars(volume, scalars, resolution, preference):
     if scalars not in volume.array_names:
         raise _pv.MissingDataError(f"the volume has no scalars {scalars!r}" if scalars
                                    else "the volume has no scalars")
-    volume.set_active_scalars(scalars, preference=preference)
+    association, _ = volume.set_active_scalars(scalars, preference=preference)
+    # One array of the name: a conversion of cells writes into points.
+    at_cells = association == _pv.FieldAssociation.CELL
+    other = volume.point_data if at_cells else volume.cell_data
+    if scalars in other:
+        del other[scalars]
+    dtype = (volume.cell_data if at_cells else volume.point_data)[scalars].dtype
+    if not _np.issubdtype(dtype, _np.number):
+        raise TypeError(f"the scalars {scalars!r} are {dtype}, not numbers; convert them, for instance "
+                        "by astype('uint8')")
+    if at_cells:
+        volume = volume.cell_data_to_point_data()
+        volume.set_active_scalars(scalars, preference="point")
     return volume, scalars
 
 
@@ -222,7 +235,7 @@ def add_deformed_volume(plotter, volume, lattice=None, *, inverse_mode="exact",
     plotter : pyvista.Plotter
         Left out where this is called as plotter.add_deformed_volume().
     volume : pyvista.ImageData, pyvista.RectilinearGrid or 3D numpy.ndarray
-        The volume at rest.
+        The volume at rest. Scalars of cells are taken to the points; they must be numbers, not bool.
     lattice : vtkffd.pyvista.Lattice or vtkAbstractTransform, optional
         Where the material is moved. Default: the lattice that is attached to the volume, if any.
     inverse_mode : str, default: "exact"
@@ -248,7 +261,7 @@ def add_deformed_volume(plotter, volume, lattice=None, *, inverse_mode="exact",
     if not 0.0 < position_tolerance < _np.inf:
         raise ValueError(f"position_tolerance {position_tolerance!r}: a positive number of voxels")
     volume, scalars = _with_scalars(volume, scalars, resolution, preference)
-    kwargs.update(scalars=scalars, preference=preference, clim=kwargs.pop("rng", clim),
+    kwargs.update(scalars=scalars, preference="point", clim=kwargs.pop("rng", clim),
                   opacity_unit_distance=opacity_unit_distance)
     if mapper != "inverse_ray":
         if kwargs["clim"] is None:

@@ -103,6 +103,29 @@ class TestArguments(unittest.TestCase):
         with Scene() as scene:
             self.assertEqual(scene.plotter.add_deformed_volume(cells).mapper.scalar_range,
                              (0.0, 511.0))
+
+        # All mappers take the same arrays to the points.
+        cells = ellipsoid()
+        cells.cell_data["c"] = np.array(cells.point_data_to_cell_data()["density"])
+        cells.cell_data["density"] = np.where(cells.cell_centers().points[:, 2] < cells.center[2],
+                                              cells.cell_data["c"], 0.0)
+        lattice = cells.ffd.lattice(5, "bend", 0.4)
+        different = []
+        for options in ({"scalars": "c"}, {"scalars": "c", "preference": "cell"},
+                        {"scalars": "density"}, {"scalars": "density", "preference": "cell"}):
+            with self.subTest(options):
+                ours, gpu = (show("add_deformed_volume", cells, lattice, mapper=mapper, **options)
+                             for mapper in ("inverse_ray", "gpu"))
+                self.assertLess(np.abs(ours - gpu).mean(), 1.0)
+                different.append(ours)
+        np.testing.assert_array_equal(different[0], different[1])
+        self.assertGreater(np.abs(different[2] - different[3]).mean(), 3.0)
+        np.testing.assert_array_equal(different[2], show("add_deformed_volume", ellipsoid(), lattice))
+        self.assertEqual(cells.cell_data.keys(), ["c", "density"])
+        self.assertEqual(cells.point_data.keys(), ["density"])
+        cells.ffd.attach(lattice)
+        np.testing.assert_array_equal(show("add_deformed_volume", cells, scalars="c"), different[0])
+
         steps = np.linspace(0.0, 30.0, 31)
         bent = pv.RectilinearGrid(steps**1.1, steps, steps)
         bent["d"] = np.ascontiguousarray(bent.points[:, 0])
@@ -136,6 +159,8 @@ class TestArguments(unittest.TestCase):
 
     def test_wrong_arguments(self):
         grid = ellipsoid()
+        flags = ellipsoid()
+        flags["inside"] = np.array(flags["density"]) > 100.0
         with Scene() as scene:
             add = scene.plotter.add_deformed_volume
             for error, text, arguments, options in (
@@ -145,6 +170,9 @@ class TestArguments(unittest.TestCase):
                     (ValueError, "voxels", (grid,), {"position_tolerance": 0.0}),
                     (TypeError, "fixed_point", (grid,), {"mapper": "fast"}),
                     (TypeError, "tint", (grid,), {"tint": "red"}),
+                    (TypeError, "'inside' are bool", (flags,), {"scalars": "inside"}),
+                    *((TypeError, "'inside' are bool", (flags, grid.ffd.lattice(4)),
+                       {"scalars": "inside", "mapper": mapper}) for mapper in ("gpu", "fixed_point")),
                     (pv.MissingDataError, "'none'", (grid,), {"scalars": "none"})):
                 with self.subTest(options):
                     with self.assertRaisesRegex(error, text):
