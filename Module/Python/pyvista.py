@@ -30,6 +30,7 @@ import pyvista as _pv
 from pyvista.plotting.mapper import _BaseVolumeMapper
 from vtkmodules.vtkCommonCore import vtkPoints as _vtkPoints
 from vtkmodules.vtkCommonTransforms import vtkAbstractTransform as _vtkAbstractTransform
+from vtkmodules.vtkRenderingCore import vtkProp3D as _vtkProp3D
 
 import vtkffd as _vtkffd
 
@@ -56,6 +57,33 @@ def _check_transform(lattice, none_allowed=False):
                         f"another vtkAbstractTransform, not {type(lattice).__name__}")
 
 
+def _check_number(name, value):
+    """A finite number as float."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} {value!r}: a number") from None
+    if not _np.isfinite(number):
+        raise ValueError(f"{name} {value!r}: a finite number")
+    return number
+
+
+def _check_bounds(bounds):
+    """Six floats that are a box of some extent."""
+    if isinstance(bounds, tuple):
+        bounds = tuple(bounds)  # PyVista's own kind is written in six lines
+    try:
+        box = _np.asarray(bounds, dtype=float)
+        good = box.shape == (6,) and _np.isfinite(box).all() and (box[::2] <= box[1::2]).all()
+    except (TypeError, ValueError):
+        good = False
+    if not good:
+        raise ValueError(f"bounds {bounds!r}: (xmin, xmax, ymin, ymax, zmin, zmax), finite")
+    if (box[::2] == box[1::2]).all():
+        raise ValueError(f"bounds {bounds!r} are a point; some extent along one axis at least")
+    return box
+
+
 class Lattice(_vtkffd.vtkFFDLattice):
     """A vtkFFDLattice whose control points are numpy arrays.
 
@@ -64,25 +92,27 @@ class Lattice(_vtkffd.vtkFFDLattice):
     dimensions : int or three, default: 5
         Control points along each axis, at least 4.
     bounds : sequence of six floats, optional
-        What the lattice is to deform, (xmin, xmax, ymin, ...). Default: the unit cube.
+        What the lattice is to deform, (xmin, xmax, ymin, ...), not a point. Default: the unit cube.
     displacements : array_like, optional
         Of the control points; see the property.
     """
 
     def __init__(self, dimensions=5, bounds=None, displacements=None):
         super().__init__()
-        sizes = _np.broadcast_to(_np.asarray(dimensions), 3)
-        if not _np.issubdtype(sizes.dtype, _np.integer) or sizes.min() < 4:
-            raise ValueError(f"dimensions {dimensions!r}: at least 4 control points along each axis")
+        try:
+            sizes = _np.broadcast_to(_np.asarray(dimensions), 3)
+            good = _np.issubdtype(sizes.dtype, _np.integer) and sizes.min() >= 4
+        except ValueError:
+            good = False
+        if not good:
+            raise ValueError(f"dimensions {dimensions!r}: one integer or three, at least 4 control "
+                             "points along each axis")
         if sizes.max() <= 1024:
             self.SetDimensions(*(int(size) for size in sizes))
         if self.dimensions != tuple(sizes):
             raise ValueError(f"dimensions {dimensions!r} are too large")
         if bounds is not None:
-            box = _np.asarray(bounds, dtype=float)
-            if box.shape != (6,) or not _np.isfinite(box).all() or (box[::2] > box[1::2]).any():
-                raise ValueError(f"bounds {bounds!r}: (xmin, xmax, ymin, ymax, zmin, zmax), finite")
-            self.FitToBounds(box)
+            self.FitToBounds(_check_bounds(bounds))
         if displacements is not None:
             self.displacements = displacements
 
@@ -137,11 +167,10 @@ class Lattice(_vtkffd.vtkFFDLattice):
             Of "random".
         """
         chosen = _choose("shape", shape, _SHAPES)
-        if not _np.isfinite(strength):
-            raise ValueError("strength must be finite")
+        strength = _check_number("strength", strength)
         if not 0 <= seed < 2**31:
             raise ValueError(f"seed {seed!r}: from 0 to 2147483647")
-        _vtkffd.vtkFFDLatticeSource.ApplyShape(self, chosen, float(strength), int(seed))
+        _vtkffd.vtkFFDLatticeSource.ApplyShape(self, chosen, strength, int(seed))
         return self
 
     def net(self):
@@ -307,6 +336,16 @@ _widgets: "_weakref.WeakKeyDictionary[object, list[_vtkffd.vtkFFDLatticeWidget]]
     _weakref.WeakKeyDictionary())
 
 
+def _find_rest_bounds(actor):
+    """The bounds of the data that is drawn, or None."""
+    mapper = actor.GetMapper() if hasattr(actor, "GetMapper") else None
+    if mapper is None or mapper.GetNumberOfInputConnections(0) == 0:
+        return None
+    mapper.GetInputAlgorithm(0, 0).Update()
+    data = mapper.GetInputDataObject(0, 0)
+    return data.GetBounds() if hasattr(data, "GetBounds") and data.GetNumberOfPoints() > 1 else None
+
+
 def lattice_widget(plotter, lattice, actor=None, callback=None, *, interaction_event="end",
                    pass_widget=False, bounds=None):
     """Add a vtkFFDLatticeWidget: its control points, and with key d the volume itself, can be
@@ -318,7 +357,7 @@ def lattice_widget(plotter, lattice, actor=None, callback=None, *, interaction_e
         Left out where this is called as plotter.add_lattice_widget().
     lattice : vtkffd.pyvista.Lattice or vtkffd.vtkFFDLattice
         The lattice to shape.
-    actor : pyvista.Volume, optional
+    actor : pyvista.Volume or vtkProp3D, optional
         What add_deformed_volume() returned: its matrix is heeded, and it can be taken hold of.
     callback : callable, optional
         Called with the lattice, and with the widget as well if pass_widget is true.
@@ -327,7 +366,7 @@ def lattice_widget(plotter, lattice, actor=None, callback=None, *, interaction_e
     pass_widget : bool, default: False
         Whether the callback takes the widget, too.
     bounds : sequence of six floats, optional
-        The box of the outline. Default: the bounds of the volume of actor at rest.
+        The box of the outline, finite. Default: the bounds of the volume of actor at rest.
 
     Returns
     -------
@@ -336,6 +375,13 @@ def lattice_widget(plotter, lattice, actor=None, callback=None, *, interaction_e
     """
     if not isinstance(lattice, _vtkffd.vtkFFDLattice):
         raise TypeError(f"the lattice must be a vtkffd.vtkFFDLattice, not {type(lattice).__name__}")
+    if actor is not None and not isinstance(actor, _vtkProp3D):
+        raise TypeError("the actor must be the pyvista.Volume that add_deformed_volume() returned, or "
+                        f"another vtkProp3D, not {type(actor).__name__}")
+    if bounds is None and actor is not None:
+        bounds = _find_rest_bounds(actor)
+    if bounds is not None:
+        bounds = _check_bounds(bounds)
     if callback is not None and not callable(callback):
         raise TypeError("callback must be callable")
     event = list(_EVENTS.values())[_choose("interaction_event", interaction_event, list(_EVENTS))]
@@ -350,8 +396,6 @@ def lattice_widget(plotter, lattice, actor=None, callback=None, *, interaction_e
         picker.PickFromListOn()
         picker.AddPickList(actor)
         representation.SetSurfacePicker(picker)
-        if bounds is None:
-            bounds = actor.mapper.dataset.bounds
     if bounds is not None:
         representation.SetOutlineBounds(bounds)
     widget.SetInteractor(plotter.iren.interactor)
@@ -436,7 +480,7 @@ class _Accessor:
         inverse_mode : str, default: "exact"
             "first_order", "exact" or "pull_back".
         background_value : float, default: 0.0
-            Of voxels that no material has moved to.
+            Of voxels that no material has moved to, finite.
         """
         if not isinstance(self._dataset, _pv.ImageData):
             raise TypeError("only pyvista.ImageData can be resampled, not "
@@ -447,7 +491,7 @@ class _Accessor:
         resample.SetDeformation(lattice)
         resample.SetInterpolationMode(_choose("interpolation", interpolation, _INTERPOLATIONS))
         resample.SetInverseMode(_choose("inverse_mode", inverse_mode, _INVERSE_MODES))
-        resample.SetBackgroundLevel(background_value)
+        resample.SetBackgroundLevel(_check_number("background_value", background_value))
         if spacing is not None:
             if _np.shape(spacing) != (3,) or not _np.greater(spacing, 0.0).all():
                 raise ValueError(f"spacing {spacing!r}: three positive numbers")

@@ -21,6 +21,7 @@ import pyvista as pv  # noqa: E402
 import vtkffd  # noqa: E402
 import vtkffd.pyvista  # noqa: E402
 from vtkmodules.vtkCommonTransforms import vtkTransform  # noqa: E402
+from vtkmodules.vtkRenderingCore import vtkVolume  # noqa: E402
 
 SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 SIZE = (160, 140)
@@ -215,6 +216,27 @@ class TestLattices(unittest.TestCase):
             self.assertRaises(ValueError, make)
         self.assertTrue(np.isfinite(lattice.displacements).all())
 
+    def test_messages_say_what_to_give(self):
+        grid = ellipsoid()
+        lattice, point = grid.ffd.lattice(5), pv.PolyData([[1.0, 2.0, 3.0]])
+        make = vtkffd.pyvista.Lattice
+        for error, text, call in (
+                *((ValueError, "dimensions .*: one integer or three",
+                   lambda bad=bad: make(bad)) for bad in ((4, 4), 4.0, None, "5", (4, 4, 3), [[4], [5, 6]])),
+                *((ValueError, "bounds .*xmin, xmax", lambda bad=bad: make(5, bad))
+                  for bad in ((0, 1), "box", (0, 1, 0, 1, 0, np.nan), (0, None, 0, 1, 0, 1))),
+                (ValueError, "bounds .* are a point", lambda: make(5, (1, 1, 2, 2, 3, 3))),
+                (ValueError, "bounds .* are a point", lambda: point.ffd.lattice()),
+                (ValueError, "bounds .*xmin, xmax", lambda: pv.PolyData().ffd.lattice()),
+                (ValueError, "background_value nan: a finite number",
+                 lambda: grid.ffd.resample(lattice, background_value=np.nan)),
+                (TypeError, "background_value 'air': a number",
+                 lambda: grid.ffd.resample(lattice, background_value="air")),
+                (ValueError, "strength inf: a finite", lambda: make().apply_shape("bend", np.inf)),
+                (TypeError, "strength None: a number", lambda: make().apply_shape("bend", None))):
+            with self.subTest(text):
+                self.assertRaisesRegex(error, text, call)
+
     def test_pictures_follow_the_lattice(self):
         grid = ellipsoid()
         lattice = grid.ffd.lattice(5)
@@ -336,6 +358,23 @@ class TestWidget(unittest.TestCase):
                     scene.plotter.add_lattice_widget(**{"lattice": lattice, **bad})
             with self.assertRaisesRegex(ValueError, "always"):
                 scene.plotter.add_lattice_widget(lattice, interaction_event="often")
+            for actor in ("x", grid):
+                with self.assertRaisesRegex(TypeError, "actor must be the pyvista.Volume"):
+                    scene.plotter.add_lattice_widget(lattice, actor)
+            for bounds in ((0, 1, 0, 1, 0, np.nan), (0, 1), (1, 1, 1, 1, 1, 1)):
+                with self.assertRaisesRegex(ValueError, "bounds .*"):
+                    scene.plotter.add_lattice_widget(lattice, bounds=bounds)
+            # Volumes that VTK's classes have made.
+            volume = vtkVolume()
+            for bounds in ([0.0, 1.0] * 3, list(grid.bounds)):  # without a mapper: the lattice's domain
+                widget = scene.plotter.add_lattice_widget(vtkffd.pyvista.Lattice(), volume)
+                outline = [0.0] * 6
+                widget.GetLatticeRepresentation().GetOutlineBounds(outline)
+                np.testing.assert_allclose(outline, bounds)
+                mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+                mapper.SetInputData(grid)
+                volume.SetMapper(mapper)
+            scene.plotter.clear_lattice_widgets()
             # It is a function, too.
             widget = vtkffd.pyvista.lattice_widget(scene.plotter, lattice, interaction_event="always")
             self.assertTrue(widget.GetEnabled())
