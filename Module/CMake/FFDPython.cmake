@@ -38,10 +38,13 @@ list(SORT ffd_python_module_names)
 list(JOIN ffd_python_module_names "\", \"" FFD_PYTHON_MODULES)
 configure_file("${CMAKE_CURRENT_SOURCE_DIR}/Module/Python/__init__.py.in"
   "${ffd_python_build_package}/__init__.py" @ONLY)
-# Optional: imported by who has PyVista.
-configure_file("${CMAKE_CURRENT_SOURCE_DIR}/Module/Python/pyvista.py"
-  "${ffd_python_build_package}/pyvista.py" COPYONLY)
+# Optional: imported by who has PyVista, and trame-vtk.
+foreach (name IN ITEMS pyvista trame)
+  configure_file("${CMAKE_CURRENT_SOURCE_DIR}/Module/Python/${name}.py"
+    "${ffd_python_build_package}/${name}.py" COPYONLY)
+endforeach ()
 install(FILES "${ffd_python_build_package}/__init__.py" "${ffd_python_build_package}/pyvista.py"
+  "${ffd_python_build_package}/trame.py"
   DESTINATION "${FFD_INSTALL_PYTHONDIR}/vtkffd")
 
 # The type stub, from the docstrings of the wrapped classes. An interpreter without sanitizers cannot load

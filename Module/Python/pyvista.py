@@ -23,6 +23,8 @@ Lengths are data units, and positions those of the data set at rest, unless some
 Wrong arguments raise TypeError or ValueError.
 """
 
+import functools as _functools
+import importlib.util as _importlib_util
 import weakref as _weakref
 
 import numpy as _np
@@ -251,6 +253,16 @@ def _with_scalars(volume, scalars, resolution, preference):
     return volume, scalars
 
 
+@_functools.lru_cache(maxsize=None)
+def _prepare_pages():
+    """Views that are drawn by a page shall know the mapper, if there can be any."""
+    if _importlib_util.find_spec("trame_vtk"):
+        try:
+            import vtkffd.trame  # noqa: F401
+        except ImportError:
+            pass  # a version with other modules, or without what it needs
+
+
 def add_deformed_volume(plotter, volume, lattice=None, *, inverse_mode="exact",
                         position_tolerance=0.1, mapper="inverse_ray", scalars=None,
                         resolution=None, preference="point", clim=None,
@@ -306,6 +318,7 @@ def add_deformed_volume(plotter, volume, lattice=None, *, inverse_mode="exact",
             volume, mapper=mapper, reset_camera=reset_camera, render=render,
             show_scalar_bar=show_scalar_bar, scalar_bar_args=scalar_bar_args, **kwargs)
 
+    _prepare_pages()
     # PyVista makes the actor, its property and its look-up table; then the mapper is replaced. The
     # one that it begins with never draws anything.
     begin = "fixed_point" if isinstance(volume, _pv.ImageData) else "smart"

@@ -22,6 +22,8 @@ TRAME = ("trame==4.0.0", "trame-server==4.1.0", "trame-client==4.1.4", "trame-co
          "aiohappyeyeballs==2.7.1", "aiosignal==1.4.0", "attrs==26.1.0", "frozenlist==1.8.0",
          "idna==3.20", "msgpack==1.2.4", "more-itertools==11.2.1", "multidict==7.2.1",
          "propcache==0.5.4", "pyyaml==6.0.3", "typing-extensions==4.16.0", "yarl==1.25.1")
+# What describes scenes to pages that draw them.
+TRAME_VTK = ("trame-vtk==2.11.17", "trame-client==4.1.4", "trame-common==1.2.9")
 # What runs notebooks.
 NOTEBOOK = ("nbclient==0.11.0", "asttokens==3.0.2", "attrs==26.1.0", "comm==0.2.3",
             "executing==2.3.0", "fastjsonschema==2.22.3", "ipykernel==7.4.0", "ipython==9.18.1",

@@ -112,7 +112,7 @@ def check_contents(wheel):
     assert "vtk==" + check_metadata.vtk_minor() + ".*" in metadata.get_all("Requires-Dist"), metadata
     assert metadata["Version"] == check_metadata.cmake_version(), metadata["Version"]
     assert "class vtkFFDLattice(" in stub
-    for name in ("__init__.py", "pyvista.py", "py.typed"):
+    for name in ("__init__.py", "pyvista.py", "trame.py", "py.typed"):
         assert "vtkffd/" + name in names, name
     for module in MODULES:
         assert "vtkffd/vtkFFD%s.so" % module in names, module
