@@ -274,7 +274,7 @@ class Session:
             return
         size = (round(points),) * 3
         if size != self.lattice.GetDimensions():
-            self.lattice.SetDimensions(*size)  # keeps what the lattice does; undo starts anew
+            self.lattice.SetDimensions(*size)  # keeps the deformation; undo starts anew
         # Edits by hand stay, unless another shape is asked for. The strength of none means nothing.
         wanted = shape, (self.shape[1] if shape == "identity" else strength)
         if wanted != self.shape:

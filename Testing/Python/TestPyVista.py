@@ -222,7 +222,8 @@ class TestLattices(unittest.TestCase):
         make = vtkffd.pyvista.Lattice
         for error, text, call in (
                 *((ValueError, "dimensions .*: one integer or three",
-                   lambda bad=bad: make(bad)) for bad in ((4, 4), 4.0, None, "5", (4, 4, 3), [[4], [5, 6]])),
+                   lambda bad=bad: make(bad)) for bad in (
+                       (4, 4), 4.0, None, "5", (4, 4, 3), [[4], [5, 6]])),
                 *((ValueError, "bounds .*xmin, xmax", lambda bad=bad: make(5, bad))
                   for bad in ((0, 1), "box", (0, 1, 0, 1, 0, np.nan), (0, None, 0, 1, 0, 1))),
                 (ValueError, "bounds .* are a point", lambda: make(5, (1, 1, 2, 2, 3, 3))),

@@ -91,7 +91,8 @@ class TestPages(unittest.TestCase):
         field, = data["properties"]["fields"]
         array = context.data_array_cache[field["hash"]]["array"]
         extent = data["properties"]["extent"]
-        return mapper, np.array(vtk_to_numpy(array)), [b - a + 1 for a, b in zip(extent[::2], extent[1::2])]
+        size = [last - first + 1 for first, last in zip(extent[::2], extent[1::2])]
+        return mapper, np.array(vtk_to_numpy(array)), size
 
     def test_what_nothing_deforms_is_sent_itself(self):
         mapper, voxels, size = self.sent()
