@@ -71,6 +71,62 @@ class TestLatticeFollows(unittest.TestCase):
             np.testing.assert_allclose(
                 made.GetDataInformation().GetBounds(), bounds[0], atol=1e-3, err_msg=name)
 
+    def displacements(self, source, time, array="Displacement", block=None):
+        """Of the control points at a time; None without a lattice."""
+        source.UpdatePipeline(time)
+        data = simple.servermanager.Fetch(source)
+        data = data if block is None else data.GetBlock(block)
+        found = data.GetFieldData().GetArray("FFDLattice." + array)
+        return found and ffd.vtk_to_numpy(found).copy()
+
+    def test_between_steps(self):
+        """Temporal Interpolator makes the lattice between those of two steps, whose grids may differ:
+        those of translations are about what is moved."""
+        times = (0.0, 0.5, 1.0, 1.75, 2.0, 0.25, 1.5, 1.0, 0.0)
+        names = []
+        for i in range(3):
+            names.append("%s/between%d.tfm" % (ffd.TEMPORARY, i))
+            with open(names[-1], "w", encoding="ascii") as file:
+                file.write("#Insight Transform File V1.0\n#Transform 0\n"
+                           "Transform: TranslationTransform_double_3_3\n"
+                           "Parameters: %g 0 0\nFixedParameters:\n" % (10.0 * i * i))
+        moved = simple.FFDApplyTransform(
+            Input=self.wavelet, Transform=simple.FFDTransformReader(FileNames=names))
+        for make, block in ((lambda data: data, None),
+                            (lambda data: simple.GroupDatasets(Input=[data, self.wavelet]), 0)):
+            between = simple.TemporalInterpolator(Input=make(moved))
+            for time in times:
+                expected = np.interp(time, (0, 1, 2), (0.0, 10.0, 40.0))
+                got = self.displacements(between, time, block=block)
+                np.testing.assert_allclose(
+                    got, np.broadcast_to([expected, 0.0, 0.0], got.shape), atol=1e-9, err_msg=str(time))
+        # Steps are as they are, to the last bit.
+        for time in (0.0, 1.0, 2.0):
+            for array in ("Displacement", "Origin", "Spacing", "DisplacementScale"):
+                np.testing.assert_array_equal(
+                    self.displacements(between, time, array, 0), self.displacements(moved, time, array))
+
+    def test_between_other_lattices(self):
+        """Between lattices with a scale each the deformation is interpolated; between those of unlike
+        resolution it is that of the nearer step."""
+        for other, expected in (
+                ({"Resolution": [4, 4, 4]}, lambda time, a, b: (1.0 - time) * a + time * b),
+                ({"Resolution": [5, 4, 6]}, lambda time, a, b: a if time < 0.5 else b)):
+            lattices = (self.lattice(Shape="Bend", DisplacementScale=0.5),
+                        simple.FFDLattice(Input=self.wavelet, Shape="Twist", **other))
+            steps, names = [], []
+            for i, lattice in enumerate(lattices):
+                names.append("%s/steps_%d.vti" % (ffd.TEMPORARY, i))
+                simple.SaveData(names[-1], proxy=lattice, DataMode="Binary")
+                steps.append(self.displacements(lattice, 0.0) *
+                             self.displacements(lattice, 0.0, "DisplacementScale"))
+            between = simple.TemporalInterpolator(
+                Input=simple.XMLImageDataReader(FileName=names, TimeArray="None"))
+            for time in (0.25, 0.75, 1.0, 0.5, 0.0):
+                got = self.displacements(between, time) * self.displacements(
+                    between, time, "DisplacementScale")
+                np.testing.assert_allclose(got, expected(time, *steps), atol=1e-9)
+
     def test_representations(self):
         """Surfaces, outlines and points of the volume itself."""
         bent = self.lattice(Shape="Bend")

@@ -3,6 +3,7 @@
 #include "vtkFFDShownGeometry.h"
 
 #include "vtkFFDLattice.h"
+#include "vtkFFDPassedLattice.h"
 #include "vtkFFDShownLattice.h"
 #include "vtkFFDShownPlaces.h"
 #include "vtkFFDVolumeParts.h"
@@ -73,80 +74,8 @@ void VisitLeaves(vtkDataObject* data, const Visit& visit)
   }
 }
 
-/// The lattice of all of a composite data set: that of its parts, if all have the same, or that of
-/// the whole, if none has one. Where parts have unlike lattices it is none: filters give their
-/// output the field data of their first input.
-Shown FindShownOfAll(vtkDataObject* data)
-{
-  if (!vtkCompositeDataSet::SafeDownCast(data))
-  {
-    return Shown(data);
-  }
-  Shown first(nullptr);
-  bool any = false;
-  bool same = true;
-  VisitLeaves(data, [&](vtkDataObject* leaf) {
-    const Shown own(leaf);
-    any = any || vtkFFDLattice::HasLattice(leaf);
-    same = same && own.Lattice &&
-      (!first.Lattice ||
-        (own.Mode == first.Mode && ffdparts::AreEqual(own.Lattice, first.Lattice)));
-    first = first.Lattice ? first : own;
-  });
-  return any ? (same ? first : Shown(nullptr)) : Shown(data);
-}
-
-/// Lines of two points become lines of many; cells and their arrays stay.
-void CutLines(vtkPolyData* outline)
-{
-  vtkPoints* from = outline->GetPoints();
-  if (!from || outline->GetNumberOfLines() == 0 ||
-    outline->GetNumberOfCells() != outline->GetNumberOfLines())
-  {
-    return;
-  }
-  vtkPointData* fromData = outline->GetPointData();
-  vtkNew<vtkPoints> points;
-  vtkNew<vtkPointData> pointData;
-  vtkNew<vtkCellArray> lines;
-  points->SetDataType(from->GetDataType());
-  pointData->CopyAllOn();
-  pointData->CopyAllocate(fromData);
-  const auto addPoint = [&](vtkIdType source, const double x[3]) {
-    const vtkIdType added = points->InsertNextPoint(x);
-    pointData->CopyData(fromData, source, added);
-    lines->InsertCellPoint(added);
-  };
-  vtkCellArray* old = outline->GetLines();
-  vtkIdType count = 0;
-  const vtkIdType* ids = nullptr;
-  for (old->InitTraversal(); old->GetNextCell(count, ids);)
-  {
-    lines->InsertNextCell(static_cast<int>(count > 1 ? (count - 1) * OutlineParts + 1 : count));
-    double a[3];
-    for (vtkIdType i = 0; i + 1 < count; ++i)
-    {
-      double b[3];
-      from->GetPoint(ids[i], a);
-      from->GetPoint(ids[i + 1], b);
-      for (int part = 0; part < OutlineParts; ++part)
-      {
-        const double t = static_cast<double>(part) / OutlineParts;
-        const double x[3] = { a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]),
-          a[2] + t * (b[2] - a[2]) };
-        addPoint(ids[i], x);
-      }
-    }
-    if (count > 0)
-    {
-      from->GetPoint(ids[count - 1], a);
-      addPoint(ids[count - 1], a);
-    }
-  }
-  outline->SetPoints(points);
-  outline->SetLines(lines);
-  outline->GetPointData()->ShallowCopy(pointData);
-}
+/// The lattice of all of a data object, see vtkFFDShownLattice::FindCarrier().
+Shown FindShownOfAll(vtkDataObject* data) { return Shown(Shown::FindCarrier(data)); }
 
 /// A moved copy of a surface.
 vtkSmartPointer<vtkPolyData> Move(vtkPolyData* surface, const Shown& shown, bool isOutline)
@@ -155,7 +84,7 @@ vtkSmartPointer<vtkPolyData> Move(vtkPolyData* surface, const Shown& shown, bool
   moved->ShallowCopy(surface);
   if (isOutline)
   {
-    CutLines(moved);
+    vtkFFDShownGeometry::CutLines(moved);
   }
   // Vectors are what is colored by, and stay what they are in the data.
   for (vtkDataSetAttributes* attributes :
@@ -492,26 +421,6 @@ private:
   bool WasAtRest = false;
 };
 
-/// Let the output of a filter that makes its output anew have the lattice of the input.
-void PassLattice(vtkAlgorithm* filter)
-{
-  vtkNew<vtkCallbackCommand> command;
-  command->SetCallback([](vtkObject* caller, unsigned long, void*, void*) {
-    auto* done = vtkAlgorithm::SafeDownCast(caller);
-    vtkDataObject* input =
-      done->GetNumberOfInputConnections(0) > 0 ? done->GetInputDataObject(0, 0) : nullptr;
-    vtkDataObject* output = done->GetOutputDataObject(0);
-    if (input && output && vtkFFDLattice::HasLattice(input) && !vtkFFDLattice::HasLattice(output))
-    {
-      vtkNew<vtkFieldData> fields;
-      fields->PassData(input->GetFieldData());
-      fields->PassData(output->GetFieldData());
-      output->SetFieldData(fields);
-    }
-  });
-  filter->AddObserver(vtkCommand::EndEvent, command);
-}
-
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -552,8 +461,60 @@ void vtkFFDShownGeometry::Follow(vtkObjectBase* object)
   }
   else if (auto* filter = vtkAlgorithm::SafeDownCast(object))
   {
-    PassLattice(filter);
+    ffdpassing::Follow(filter);
   }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDShownGeometry::CutLines(vtkPolyData* outline)
+{
+  vtkPoints* from = outline->GetPoints();
+  if (!from || outline->GetNumberOfLines() == 0 ||
+    outline->GetNumberOfCells() != outline->GetNumberOfLines())
+  {
+    return;
+  }
+  vtkPointData* fromData = outline->GetPointData();
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkPointData> pointData;
+  vtkNew<vtkCellArray> lines;
+  points->SetDataType(from->GetDataType());
+  pointData->CopyAllOn();
+  pointData->CopyAllocate(fromData);
+  const auto addPoint = [&](vtkIdType source, const double x[3]) {
+    const vtkIdType added = points->InsertNextPoint(x);
+    pointData->CopyData(fromData, source, added);
+    lines->InsertCellPoint(added);
+  };
+  vtkCellArray* old = outline->GetLines();
+  vtkIdType count = 0;
+  const vtkIdType* ids = nullptr;
+  for (old->InitTraversal(); old->GetNextCell(count, ids);)
+  {
+    lines->InsertNextCell(static_cast<int>(count > 1 ? (count - 1) * OutlineParts + 1 : count));
+    double a[3];
+    for (vtkIdType i = 0; i + 1 < count; ++i)
+    {
+      double b[3];
+      from->GetPoint(ids[i], a);
+      from->GetPoint(ids[i + 1], b);
+      for (int part = 0; part < OutlineParts; ++part)
+      {
+        const double t = static_cast<double>(part) / OutlineParts;
+        const double x[3] = { a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]),
+          a[2] + t * (b[2] - a[2]) };
+        addPoint(ids[i], x);
+      }
+    }
+    if (count > 0)
+    {
+      from->GetPoint(ids[count - 1], a);
+      addPoint(ids[count - 1], a);
+    }
+  }
+  outline->SetPoints(points);
+  outline->SetLines(lines);
+  outline->GetPointData()->ShallowCopy(pointData);
 }
 
 //------------------------------------------------------------------------------

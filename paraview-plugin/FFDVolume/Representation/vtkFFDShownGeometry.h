@@ -20,6 +20,7 @@
 #include "vtkPassInputTypeAlgorithm.h"
 
 class vtkObjectBase;
+class vtkPolyData;
 
 class vtkFFDShownGeometry : public vtkPassInputTypeAlgorithm
 {
@@ -33,10 +34,13 @@ public:
   /**
    * Let one of ParaView's representations of surfaces or of selections show what it shows where the
    * lattice of its data moves it to, or a data axes grid be around that. What takes places from
-   * the picture, or probes at places, works with what is shown there (vtkFFDShownPlaces.h). Another
-   * filter, one that drops the field data of its input, is made to pass them on.
+   * the picture, or probes at places, works with what is shown there (vtkFFDShownPlaces.h). Other
+   * filters are made to give their output the lattice (vtkFFDPassedLattice.h).
    */
   static void Follow(vtkObjectBase* object);
+
+  /// Lines of two points become lines of many, so that they can bend; cells and their arrays stay.
+  static void CutLines(vtkPolyData* outline);
 
 protected:
   vtkFFDShownGeometry() = default;

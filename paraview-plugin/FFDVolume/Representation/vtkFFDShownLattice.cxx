@@ -3,6 +3,7 @@
 #include "vtkFFDShownLattice.h"
 
 #include "vtkFFDDeformGeometry.h"
+#include "vtkFFDVolumeParts.h"
 
 #include "vtkAbstractTransform.h"
 #include "vtkCompositeDataIterator.h"
@@ -41,6 +42,45 @@ vtkFFDShownLattice vtkFFDShownLattice::FindAnywhere(vtkDataObject* data)
     }
   }
   return shown;
+}
+
+//------------------------------------------------------------------------------
+vtkDataObject* vtkFFDShownLattice::FindCarrier(vtkDataObject* data)
+{
+  vtkDataObject* carrier = data && vtkFFDLattice::HasLattice(data) ? data : nullptr;
+  if (auto* parts = vtkCompositeDataSet::SafeDownCast(data))
+  {
+    vtkDataObject* first = nullptr;
+    vtkFFDShownLattice shown(nullptr);
+    bool any = false;
+    bool same = true;
+    vtkSmartPointer<vtkCompositeDataIterator> iterator;
+    iterator.TakeReference(parts->NewIterator());
+    for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
+    {
+      vtkDataObject* const leaf = iterator->GetCurrentDataObject();
+      const vtkFFDShownLattice own(leaf);
+      any = any || vtkFFDLattice::HasLattice(leaf);
+      shown = first ? shown : own;
+      first = first ? first : leaf;
+      same = same && own.Lattice && own.IsLike(shown);
+    }
+    if (any)
+    {
+      carrier = same ? first : nullptr;
+    }
+  }
+  return carrier;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDShownLattice::IsLike(const vtkFFDShownLattice& other) const
+{
+  if (!this->Lattice || !other.Lattice)
+  {
+    return !this->Lattice && !other.Lattice;
+  }
+  return this->Mode == other.Mode && ffdparts::AreEqual(this->Lattice, other.Lattice);
 }
 
 //------------------------------------------------------------------------------

@@ -28,6 +28,17 @@ struct vtkFFDShownLattice
   /// That of the whole, or else that of the first of its leaves that has one.
   static vtkFFDShownLattice FindAnywhere(vtkDataObject* data);
 
+  /**
+   * The data object that has the lattice of all of a data object: itself, or of a composite data
+   * set the first of its leaves, if all have the same, or the whole, if no leaf has one; else null.
+   * Where leaves have unlike lattices there is none: filters give their output the field data of
+   * their first input.
+   */
+  static vtkDataObject* FindCarrier(vtkDataObject* data);
+
+  /// Whether both show the same places alike.
+  bool IsLike(const vtkFFDShownLattice& other) const;
+
   /// Whether a type of representation, one of ParaView's, shows images at rest: it knows nothing of
   /// lattices, and images cannot be moved.
   static bool IsAtRest(const std::string& type) { return type == "Volume" || type == "Slice"; }
