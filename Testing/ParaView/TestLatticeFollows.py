@@ -53,7 +53,17 @@ class TestLatticeFollows(unittest.TestCase):
                 lambda data: simple.Threshold(
                     Input=data, Scalars=["POINTS", "RTData"], LowerThreshold=150.0,
                     UpperThreshold=300.0),
-                # Drops field data by itself.
+                # These drop field data by themselves.
+                lambda data: simple.Elevation(Input=data),
+                lambda data: simple.Elevation(Input=simple.GroupDatasets(Input=[data])),
+                lambda data: simple.Outline(Input=data),
+                lambda data: simple.Outline(Input=simple.GroupDatasets(Input=[data])),
+                lambda data: simple.OutlineCorners(Input=data),
+                lambda data: simple.ResampleWithDataset(
+                    SourceDataArrays=self.wavelet, DestinationMesh=data),
+                lambda data: simple.ResampleWithDataset(
+                    SourceDataArrays=data, DestinationMesh=data),
+                lambda data: simple.SliceWithPlane(Input=data),
                 lambda data: simple.Contour(
                     Input=simple.Gradient(Input=data, ScalarArray=["POINTS", "RTData"]),
                     ContourBy=["POINTS", "RTData"], Isosurfaces=[157.0]),
