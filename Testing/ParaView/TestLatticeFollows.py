@@ -544,6 +544,30 @@ class TestLatticeFollows(unittest.TestCase):
             simple.Render(self.view)
             self.assertEqual(len(warnings.text), 2)
 
+    def test_dropped_lattice_says_so(self):
+        """Filters that drop the lattice, and those whose output is where it is meant to be."""
+        twisted = self.lattice(Shape="Twist")
+        for make, drops in (
+                (simple.TemporalStatistics, True),
+                (lambda Input: simple.Calculator(Input=simple.PointVolumeInterpolator(
+                    Input=Input, Source="Bounded Volume")), True),
+                (lambda Input: simple.ResampleWithDataset(
+                    SourceDataArrays=Input, DestinationMesh=self.wavelet), True),
+                (simple.FFDResampleToImage, False),
+                (lambda Input: simple.Calculator(Input=simple.FFDResampleToImage(Input=Input)), False),
+                (lambda Input: simple.FFDDeformGeometry(Input=simple.Slice(Input=Input)), False),
+                (simple.Elevation, False)):
+            made = make(Input=twisted)
+            with ffd.Errors(event="WarningEvent") as warnings:
+                self.show(made, "Surface")
+                for _ in range(2):
+                    simple.Render(self.view)
+                    twisted.Strength = 0.5 * twisted.Strength
+            simple.Hide(made, self.view)
+            name = made.SMProxy.GetXMLName()
+            self.assertEqual(len(warnings.text), int(drops), (name, warnings.text))
+            self.assertEqual(warnings.say("dropped", "at rest"), drops, name)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -20,9 +20,11 @@
 #include "vtkRenderer.h"
 #include "vtkSMArrayListDomain.h"
 #include "vtkSmartPointer.h"
+#include "vtkSMInputProperty.h"
 #include "vtkSMPluginManager.h"
 #include "vtkSMProperty.h"
 #include "vtkSMPropertyHelper.h"
+#include "vtkSMPropertyIterator.h"
 #include "vtkSMProxyManager.h"
 #include "vtkSMPVRepresentationProxy.h"
 #include "vtkSMRenderViewProxy.h"
@@ -108,6 +110,46 @@ bool ShowsMovedSurface(vtkSMProxy* parent)
     vtkSMPropertyHelper(visibility).GetAsInt() != 0 && !IsShown(parent) &&
     !vtkFFDShownLattice::IsAtRest(GetType(parent)) &&
     (HasLattice(parent) || HasRestPositions(parent));
+}
+
+/// What is told of data that lost their lattice, where others have the type of the representation.
+constexpr const char* Dropped = "lattice dropped";
+
+/// Whether a source is, or is made of, what the filters for volumes put out with a lattice. Found
+/// by names: information of all sources would be gathered anew for each step in time.
+bool IsOfLattice(vtkSMProxy* source)
+{
+  const std::string name = source && source->GetXMLName() ? source->GetXMLName() : "";
+  if (name == "FFDLattice" || name == "FFDApplyTransform")
+  {
+    return true;
+  }
+  // Our other filters make what is in place, and probes are where they are put.
+  if (!source || name.compare(0, 3, "FFD") == 0 || name == "ProbePoint" || name == "ProbeLine")
+  {
+    return false;
+  }
+  vtkSmartPointer<vtkSMPropertyIterator> each;
+  each.TakeReference(source->NewPropertyIterator());
+  for (each->Begin(); !each->IsAtEnd(); each->Next())
+  {
+    auto* input = vtkSMInputProperty::SafeDownCast(each->GetProperty());
+    for (unsigned int i = 0; input && i < input->GetNumberOfProxies(); ++i)
+    {
+      if (IsOfLattice(input->GetProxy(i)))
+      {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+/// Whether a representation shows data without a lattice that are made of data with one.
+bool ShowsDropped(vtkSMProxy* parent)
+{
+  return !GetType(parent).empty() && GetShownInformation(parent) && !HasLattice(parent) &&
+    IsOfLattice(vtkSMPropertyHelper(parent, "Input").GetAsProxy());
 }
 
 /// Version of a plugin that is loaded, "" if it is not.
@@ -409,13 +451,22 @@ void vtkSMFFDVolumeRepresentationProxy::WarnOfRest()
 std::string vtkSMFFDVolumeRepresentationProxy::FindTypeAtRest(vtkSMProxy* representation)
 {
   const std::string type = GetType(representation);
-  return vtkFFDShownLattice::IsAtRest(type) && HasImageLattice(representation) ? type
-                                                                               : std::string();
+  if (vtkFFDShownLattice::IsAtRest(type) && HasImageLattice(representation))
+  {
+    return type;
+  }
+  return ShowsDropped(representation) ? Dropped : "";
 }
 
 //------------------------------------------------------------------------------
 std::string vtkSMFFDVolumeRepresentationProxy::ExplainRest(const std::string& type)
 {
+  if (type == Dropped)
+  {
+    return "A filter has dropped the lattice of the volume, and the data are shown at rest. \"FFD "
+           "Apply Transform\" of an image, or \"FFD Deform Geometry\" of other data, shows them "
+           "deformed, with the volume as the second input.";
+  }
   return "The representation \"" + type +
     "\" shows the data at rest, without their lattice. \"FFD Volume\" and surfaces show them "
     "deformed; the filter \"FFD Resample To Image\" makes a deformed image for other "

@@ -61,11 +61,11 @@ public:
 
   /**
    * The type of a representation if it is one of those that show data with a lattice at rest, and
-   * its data have one; else "".
+   * its data have one; "lattice dropped" if they have none and are made of data with one; else "".
    */
   static std::string FindTypeAtRest(vtkSMProxy* representation);
 
-  /// What a representation of that type shows, and what to do about it.
+  /// What is shown where FindTypeAtRest() returned that, and what to do about it.
   static std::string ExplainRest(const std::string& type);
 
   /// Whether a warning says that, which is on by default; off where an application has other means.
