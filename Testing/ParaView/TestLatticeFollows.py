@@ -259,6 +259,25 @@ class TestLatticeFollows(unittest.TestCase):
         np.testing.assert_allclose(
             bounds, [-3.0, 3.0, -22.0, 8.0, -4.0, 26.0], atol=0.2)
 
+    def test_merged_parts(self):
+        """One data set made of parts with different lattices is warned of, once."""
+        twisted, tapered = (simple.Slice(Input=self.lattice(Shape=shape)) for shape in ("Twist", "Taper"))
+        plain = simple.Slice(Input=self.wavelet)
+        for make, label in (
+                (simple.AppendGeometry, "Append Geometry"), (simple.AppendDatasets, "Append Datasets"),
+                (lambda Input: simple.MergeBlocks(Input=simple.GroupDatasets(Input=Input)), "Merge Blocks")):
+            for parts, warns in (((twisted, tapered), True), ((twisted, plain), True),
+                                 ((plain, tapered), True), ((twisted, twisted), False),
+                                 ((plain, plain), False)):
+                with ffd.Errors(event="WarningEvent") as warnings:
+                    made = make(Input=list(parts))
+                    for offset in (0.0, 1.0):
+                        parts[0].SliceType.Origin = [offset, 0.0, 0.0]
+                        made.UpdatePipeline()
+                self.assertEqual(len(warnings.text), int(warns), (label, warnings.text))
+                self.assertEqual(
+                    warnings.say('"%s"' % label, "Group Datasets", "FFD Deform Geometry"), warns)
+
     def test_axes(self):
         """The data axes grid is around what is shown."""
         for data in (self.moved_lattice(), simple.Contour(

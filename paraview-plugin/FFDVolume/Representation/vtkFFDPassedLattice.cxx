@@ -11,6 +11,7 @@
 #include "vtkCompositeDataIterator.h"
 #include "vtkCompositeDataSet.h"
 #include "vtkDataObject.h"
+#include "vtkDataSet.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkInformation.h"
@@ -21,6 +22,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace
@@ -270,11 +273,75 @@ private:
   std::vector<Step> Steps;
 };
 
+/// After a filter made one data set of several parts, it warns where one lattice moves them that
+/// are shown by unlike ones: once, until they are alike again.
+class Warning : public vtkCommand
+{
+public:
+  static Warning* New() { return new Warning; }
+  std::string Label;
+
+  void Execute(vtkObject* caller, unsigned long, void*) override
+  {
+    const bool wasMixed = this->Mixed;
+    this->Mixed = AreMixed(vtkAlgorithm::SafeDownCast(caller));
+    if (this->Mixed && !wasMixed)
+    {
+      vtkWarningWithObjectMacro(
+        caller, << "\"" << this->Label
+                << "\" makes one data set of parts with different lattices, or of some with and "
+                   "some without "
+                   "one, and it has the lattice of the first part. Keep the parts apart by \"Group "
+                   "Datasets\", or move each of them by \"FFD Deform Geometry\" before.");
+    }
+  }
+
+private:
+  static bool AreMixed(vtkAlgorithm* filter)
+  {
+    std::vector<vtkFFDShownLattice> shown;
+    for (int i = 0; i < filter->GetNumberOfInputConnections(0); ++i)
+    {
+      vtkDataObject* const input = filter->GetInputDataObject(0, i);
+      const std::vector<vtkDataObject*> all = FindAll(input);
+      // That of the whole counts if no leaf has one.
+      vtkDataObject* const whole =
+        std::any_of(all.begin() + 1, all.end(), vtkFFDLattice::HasLattice) ? nullptr : input;
+      for (vtkDataObject* each : all)
+      {
+        vtkDataSet* const part = vtkDataSet::SafeDownCast(each);
+        if (part && part->GetNumberOfPoints() > 0)
+        {
+          shown.emplace_back(vtkFFDLattice::HasLattice(part) ? part : whole);
+        }
+      }
+    }
+    return std::any_of(shown.begin(), shown.end(),
+      [&shown](const vtkFFDShownLattice& each) { return !each.IsLike(shown.front()); });
+  }
+
+  bool Mixed = false;
+};
+
 } // namespace
 
 //------------------------------------------------------------------------------
 void ffdpassing::Follow(vtkAlgorithm* filter)
 {
+  // What they are called in the menu.
+  constexpr std::pair<const char*, const char*> merging[] = { { "vtkAppendPolyData",
+                                                                "Append Geometry" },
+    { "vtkAppendDataSets", "Append Datasets" }, { "vtkMergeBlocks", "Merge Blocks" } };
+  for (const auto& [name, label] : merging)
+  {
+    if (filter->IsA(name))
+    {
+      vtkNew<Warning> warning;
+      warning->Label = label;
+      filter->AddObserver(vtkCommand::EndEvent, warning);
+      return;
+    }
+  }
   if (filter->IsA("vtkTemporalInterpolator"))
   {
     vtkNew<Interpolation> between;

@@ -15,7 +15,8 @@ namespace ffdpassing
 
 /**
  * Give what a filter makes the field data of its first input, and with them the lattice. Where the
- * filter interpolates between steps in time, the lattice is interpolated, too.
+ * filter interpolates between steps in time, the lattice is interpolated, too. One that makes a
+ * data set of several parts warns of different lattices instead.
  */
 void Follow(vtkAlgorithm* filter);
 
