@@ -9,6 +9,8 @@
 
 #include "vtkAbstractTransform.h"
 #include "vtkCellData.h"
+#include "vtkCompositeDataIterator.h"
+#include "vtkCompositeDataSet.h"
 #include "vtkDataArray.h"
 #include "vtkIdList.h"
 #include "vtkImageData.h"
@@ -26,6 +28,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -250,6 +253,70 @@ void Replace(vtkDataSetAttributes* to, const std::vector<VectorArray>& arrays)
   }
 }
 
+/// Whether two data objects have the same lattice.
+bool HaveSameLattice(vtkDataObject* a, vtkDataObject* b)
+{
+  vtkFieldData* const fields = a->GetFieldData();
+  if (!vtkFFDLattice::HasLattice(a) || !vtkFFDLattice::HasLattice(b))
+  {
+    return false;
+  }
+  for (int i = 0; i < fields->GetNumberOfArrays(); ++i)
+  {
+    vtkDataArray* const x = fields->GetArray(i);
+    const std::string name = x && x->GetName() ? x->GetName() : "";
+    if (name.compare(0, 11, "FFDLattice.") != 0)
+    {
+      continue;
+    }
+    vtkDataArray* const y = b->GetFieldData()->GetArray(name.c_str());
+    if (!y || x->GetNumberOfComponents() != y->GetNumberOfComponents() ||
+      x->GetNumberOfTuples() != y->GetNumberOfTuples())
+    {
+      return false;
+    }
+    for (vtkIdType t = 0; x != y && t < x->GetNumberOfTuples(); ++t)
+    {
+      for (int c = 0; c < x->GetNumberOfComponents(); ++c)
+      {
+        if (x->GetComponent(t, c) != y->GetComponent(t, c))
+        {
+          return false;
+        }
+      }
+    }
+  }
+  return true;
+}
+
+/// The data object with the lattice of the second input: that itself, or the first block, if any
+/// has one. Null where not all blocks have that of the first.
+vtkDataObject* FindCarrier(vtkDataObject* data)
+{
+  auto* blocks = vtkCompositeDataSet::SafeDownCast(data);
+  if (!blocks)
+  {
+    return data;
+  }
+  vtkDataObject* first = nullptr;
+  bool any = false;
+  bool same = true;
+  vtkSmartPointer<vtkCompositeDataIterator> iterator;
+  iterator.TakeReference(blocks->NewIterator());
+  for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
+  {
+    vtkDataObject* const block = iterator->GetCurrentDataObject();
+    first = first ? first : block;
+    any = any || vtkFFDLattice::HasLattice(block);
+    same = same && HaveSameLattice(first, block);
+  }
+  if (!any)
+  {
+    return data;
+  }
+  return same ? first : nullptr;
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -397,7 +464,16 @@ int vtkFFDDeformGeometry::RequestData(
   if (!transform)
   {
     vtkInformation* info = inputs[1]->GetInformationObject(0);
-    vtkDataObject* other = info ? vtkDataObject::GetData(info) : nullptr;
+    vtkDataObject* const second = info ? vtkDataObject::GetData(info) : nullptr;
+    vtkDataObject* const other = FindCarrier(second);
+    if (second && !other)
+    {
+      vtkErrorMacro(
+        "The blocks of the second input have a lattice each, or some have none, and the "
+        "geometry passes through. Connect one of the blocks, or blocks that all have the "
+        "same lattice.");
+      return 1;
+    }
     vtkNew<vtkFFDLattice> lattice;
     // An unusable lattice is reported by the lattice itself.
     if (other && !vtkFFDLattice::HasLattice(other) && vtkImageData::SafeDownCast(other))

@@ -16,7 +16,8 @@
  * Use the same mode and deformation as the mapper. The deformation is that of SetDeformation(), or
  * else the lattice of the second input, which is either a data set with a lattice attached (the
  * volume itself, as vtkFFDDeformVolume puts it out) or an image of control points
- * (vtkFFDLatticeSource), or else the lattice attached to the input. With none of them the input
+ * (vtkFFDLatticeSource), or blocks that all have the same lattice, or else the lattice attached to
+ * the input. With none of them the input
  * passes through, with an error. Any vtkAbstractTransform is used as it is, not approximated. The
  * times of both inputs are those of the output.
  *
@@ -56,7 +57,8 @@ public:
 
   ///@{
   /**
-   * The second input: a data object with a lattice attached, or an image of control points.
+   * The second input: a data object with a lattice attached, which may be one of blocks, or an
+   * image of control points.
    */
   void SetLatticeConnection(vtkAlgorithmOutput* connection);
   void SetLatticeData(vtkDataObject* data);

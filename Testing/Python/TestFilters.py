@@ -7,7 +7,8 @@ import unittest
 import numpy as np
 import vtkffd
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkMultiBlockDataSet, vtkPolyData
 
 
 class TestFilters(unittest.TestCase):
@@ -32,6 +33,40 @@ class TestFilters(unittest.TestCase):
         np.testing.assert_array_equal(
             vtk_to_numpy(lattice.GetDisplacements()),
             vtk_to_numpy(source.GetLattice().GetDisplacements()))
+
+    def test_geometry_by_the_lattice_of_blocks(self):
+        """That of all blocks, if they have the same one."""
+        lattices = [vtkffd.vtkFFDLattice() for _ in range(2)]
+        for which, lattice in enumerate(lattices):
+            lattice.SetDomain(0.0, 9.0, 0.0, 9.0, 0.0, 9.0)
+            for i, j, k in np.ndindex(*lattice.GetDimensions()):
+                lattice.SetDisplacement(i, j, k, 1.0 + which, 0.0, 0.0)
+        points = vtkPoints()
+        points.InsertNextPoint(4.0, 5.0, 6.0)
+        surface = vtkPolyData()
+        surface.SetPoints(points)
+        for which, moved in (((0, 0), 5.0), ((1, 1), 6.0), ((0, 1), None), ((0, None), None)):
+            blocks = vtkMultiBlockDataSet()
+            for i, each in enumerate(which):
+                image = vtkImageData()
+                image.SetDimensions(10, 10, 10)
+                if each is not None:
+                    lattices[each].AttachTo(image)
+                blocks.SetBlock(i, image)
+            errors = []
+
+            def note(_caller, _event, text, errors=errors):
+                errors.append(text)
+
+            note.CallDataType = "string0"
+            geometry = vtkffd.vtkFFDDeformGeometry()
+            geometry.AddObserver("ErrorEvent", note)
+            geometry.SetInputData(surface)
+            geometry.SetLatticeData(blocks)
+            geometry.Update()
+            self.assertEqual(geometry.GetOutput().GetPoint(0)[0], 4.0 if moved is None else moved)
+            self.assertEqual(len(errors), int(moved is None), errors)
+            self.assertTrue(all("a lattice each" in text for text in errors), errors)
 
     def test_every_shape_is_fold_free_at_full_strength(self):
         lattice = vtkffd.vtkFFDLattice()
