@@ -546,6 +546,11 @@ int vtkFFDDeformVolume::RequestData(
   {
     return this->Lattice->AttachTo(output);
   }
+  if (points && vtkFFDLattice::HasLattice(points))
+  {
+    vtkNew<vtkFFDLattice> lattice;
+    return lattice->ReadFrom(points) ? lattice->AttachTo(output) : 1;
+  }
   if (points)
   {
     // An unusable image is reported by the lattice; what was attached stays.
@@ -572,9 +577,10 @@ int vtkFFDDeformVolume::RequestData(
   }
   if (!vtkFFDLattice::HasLattice(output))
   {
-    vtkErrorMacro("There is no lattice to attach, the image passes through undeformed. Call "
-                  "SetLattice() or AddKeyframe(), or connect an image of control points to the "
-                  "second input.");
+    vtkErrorMacro(
+      "There is no lattice to attach, the image passes through undeformed. Call "
+      "SetLattice() or AddKeyframe(), or connect an image of control points, or one with a "
+      "lattice, to the second input.");
   }
   return 1;
 }

@@ -9,12 +9,12 @@
  * it. Nothing is resampled.
  *
  * The lattice is that of the keyframes if there are any, or else that of SetLattice(), or else the
- * image of control points at the second input (vtkFFDLatticeSource, a .vti file), or else the one
- * already attached to the input. With none of them the input passes through, with an error. Where
- * the second input has time steps (vtkFFDTransformSeries), the output has them, too. A lattice of
- * the second input that is linear and far larger than the image, as vtkFFDTransformSeries makes it
- * of a linear transform, is attached as one of the size of what it moves, which is the same map
- * there.
+ * second input, which is an image of control points (vtkFFDLatticeSource, a .vti file) or one with
+ * a lattice attached, or else the one already attached to the input. With none of them the input
+ * passes through, with an error. Where the second input has time steps (vtkFFDTransformSeries), the
+ * output has them, too. A lattice of the second input that is linear and far larger than the image,
+ * as vtkFFDTransformSeries makes it of a linear transform, is attached as one of the size of what
+ * it moves, which is the same map there.
  *
  * Keyframes are lattices at times. The output then has time steps, those of the keyframes and of
  * the input, and the lattice attached at time t is interpolated between the keyframes, control
@@ -102,7 +102,8 @@ public:
 
   ///@{
   /**
-   * The second input: an image of control points, as vtkFFDLattice::FromImageData() takes.
+   * The second input: an image of control points, as vtkFFDLattice::FromImageData() takes, or an
+   * image with a lattice attached, whose voxels do not matter.
    */
   void SetLatticeConnection(vtkAlgorithmOutput* connection);
   void SetLatticeData(vtkImageData* image);

@@ -34,6 +34,27 @@ class TestFilters(unittest.TestCase):
             vtk_to_numpy(lattice.GetDisplacements()),
             vtk_to_numpy(source.GetLattice().GetDisplacements()))
 
+    def test_lattice_of_another_volume(self):
+        """The lattice that is attached to the second input is taken, not its voxels: labels have that of
+        their image."""
+        image, labels = vtkImageData(), vtkImageData()
+        for each in (image, labels):
+            each.SetDimensions(10, 10, 10)
+            each.AllocateScalars(3, 1)
+        lattice = vtkffd.vtkFFDLattice()
+        lattice.FitToBounds(image.GetBounds())
+        lattice.SetDisplacement(1, 2, 1, 0.5, -0.25, 1.0)
+        lattice.AttachTo(image)
+        deform = vtkffd.vtkFFDDeformVolume()
+        deform.SetInputData(labels)
+        deform.SetLatticeData(image)
+        deform.Update()
+        found = vtkffd.vtkFFDLattice()
+        self.assertEqual(found.ReadFrom(deform.GetOutput()), 1)
+        np.testing.assert_array_equal(
+            vtk_to_numpy(found.GetDisplacements()), vtk_to_numpy(lattice.GetDisplacements()))
+        self.assertEqual(found.GetDomain(), lattice.GetDomain())
+
     def test_geometry_by_the_lattice_of_blocks(self):
         """That of all blocks, if they have the same one."""
         lattices = [vtkffd.vtkFFDLattice() for _ in range(2)]
