@@ -562,6 +562,12 @@ class TestRepresentation(unittest.TestCase):
         more.UseInputLattice = 0
         self.assertGreater(np.abs(ffd.picture(self.view, "fresh") - deformed).mean(), 2.0)
 
+    def test_comparative_view(self):
+        """It starts with FFD Volume as other views do."""
+        view = simple.CreateView("ComparativeRenderView")
+        display = simple.Show(simple.FFDLattice(Input=ffd.make_wavelet(9)), view)
+        self.assertEqual(display.Representation, "FFD Volume")
+
     def test_selection(self):
         """The volume is selected as ParaView's own is, unless it is not pickable."""
         before = self.show(Shape="Twist")
