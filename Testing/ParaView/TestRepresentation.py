@@ -562,6 +562,24 @@ class TestRepresentation(unittest.TestCase):
         more.UseInputLattice = 0
         self.assertGreater(np.abs(ffd.picture(self.view, "fresh") - deformed).mean(), 2.0)
 
+    def test_files_without_the_whole_lattice(self):
+        """Formats that do not keep field data as they are: an error says so in the words of ParaView."""
+        self.show(Shape="Twist")
+        simple.Hide(self.lattice, self.view)
+        for ending, data, kind in (("xmf", self.lattice, "FFD Volume"), ("xmf", self.lattice, "Surface"),
+                                   ("e", simple.Clip(Input=self.lattice), "Surface")):
+            name = os.path.join(ffd.TEMPORARY, "ParaView.partly." + ending)
+            simple.SaveData(name, proxy=data)
+            reader = simple.OpenDataFile(name)
+            with ffd.Errors() as errors:
+                display = simple.Show(reader, self.view)
+                display.SetRepresentationType(kind)
+                simple.Render(self.view)
+            simple.Delete(reader)
+            self.assertEqual(len(errors.text), 1, errors.text)
+            self.assertTrue(errors.say("at rest", "Exodus and Xdmf", ".vti"), errors.text)
+            self.assertNotIn("AttachTo", errors.text[0])
+
     def test_comparative_view(self):
         """It starts with FFD Volume as other views do."""
         view = simple.CreateView("ComparativeRenderView")

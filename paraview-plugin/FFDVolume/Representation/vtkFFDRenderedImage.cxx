@@ -3,6 +3,7 @@
 #include "vtkFFDRenderedImage.h"
 
 #include "vtkFFDLattice.h"
+#include "vtkFFDShownLattice.h"
 #include "vtkFFDVolumeInput.h"
 
 #include "vtkCellData.h"
@@ -184,7 +185,7 @@ ffd::Made MakeAttachedLattice(
   {
     result = vtkSmartPointer<vtkFFDLattice>::New();
   }
-  result->ReadFrom(carrier);
+  vtkFFDShownLattice::Read(carrier, result);
   return ffd::Made::Anew;
 }
 

@@ -5,12 +5,17 @@
 #include "vtkFFDDeformGeometry.h"
 #include "vtkFFDVolumeParts.h"
 
+#include "vtkAbstractArray.h"
 #include "vtkAbstractTransform.h"
+#include "vtkCallbackCommand.h"
+#include "vtkCommand.h"
 #include "vtkCompositeDataIterator.h"
 #include "vtkCompositeDataSet.h"
 #include "vtkDataObject.h"
+#include "vtkFieldData.h"
 #include "vtkNew.h"
 #include "vtkPointSet.h"
+#include "vtkWeakPointer.h"
 
 //------------------------------------------------------------------------------
 vtkFFDShownLattice::vtkFFDShownLattice(vtkDataObject* data)
@@ -21,7 +26,7 @@ vtkFFDShownLattice::vtkFFDShownLattice(vtkDataObject* data)
   }
   this->Mode = vtkFFDEditLattice::GetGeometryModeOf(data);
   vtkNew<vtkFFDLattice> lattice;
-  if (this->Mode != vtkFFDEditLattice::AT_REST && lattice->ReadFrom(data))
+  if (this->Mode != vtkFFDEditLattice::AT_REST && Read(data, lattice))
   {
     this->Lattice = lattice;
   }
@@ -42,6 +47,29 @@ vtkFFDShownLattice vtkFFDShownLattice::FindAnywhere(vtkDataObject* data)
     }
   }
   return shown;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDShownLattice::Read(vtkDataObject* data, vtkFFDLattice* lattice)
+{
+  // The lattice itself speaks of classes and functions.
+  vtkNew<vtkCallbackCommand> nothing;
+  const unsigned long tag = lattice->AddObserver(vtkCommand::ErrorEvent, nothing);
+  const bool isRead = lattice->ReadFrom(data) != 0;
+  lattice->RemoveObserver(tag);
+  static vtkWeakPointer<vtkAbstractArray> lastTold;
+  vtkAbstractArray* const array =
+    isRead ? nullptr : data->GetFieldData()->GetAbstractArray("FFDLattice.Displacement");
+  if (array && array != lastTold)
+  {
+    lastTold = array;
+    vtkErrorWithObjectMacro(data, << "The lattice of the data is not complete, and they are shown "
+                                     "at rest. Formats of VTK keep a "
+                                     "lattice (.vti, .vtu, .vtp, .vtm, .pvd, .vtk, ...), Exodus "
+                                     "and Xdmf do not: if the data are "
+                                     "from such a file, save it anew in one of VTK's.");
+  }
+  return isRead;
 }
 
 //------------------------------------------------------------------------------

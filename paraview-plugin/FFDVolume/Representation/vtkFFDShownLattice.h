@@ -28,6 +28,10 @@ struct vtkFFDShownLattice
   /// That of the whole, or else that of the first of its leaves that has one.
   static vtkFFDShownLattice FindAnywhere(vtkDataObject* data);
 
+  /// Reads the lattice of data that have one; false after an error, once for each, that says what
+  /// to do in ParaView.
+  static bool Read(vtkDataObject* data, vtkFFDLattice* lattice);
+
   /**
    * The data object that has the lattice of all of a data object: itself, or of a composite data
    * set the first of its leaves, if all have the same, or the whole, if no leaf has one; else null.

@@ -3,6 +3,7 @@
 #include "vtkFFDVolumeInput.h"
 
 #include "vtkFFDLattice.h"
+#include "vtkFFDShownLattice.h"
 
 #include "vtkCellData.h"
 #include "vtkCommunicator.h"
@@ -366,7 +367,7 @@ LatticeKey FindLatticeKey(vtkDataSet* block)
 {
   LatticeKey key{};
   vtkNew<vtkFFDLattice> lattice;
-  if (vtkFFDLattice::HasLattice(block) && lattice->ReadFrom(block))
+  if (vtkFFDLattice::HasLattice(block) && vtkFFDShownLattice::Read(block, lattice))
   {
     vtkDoubleArray* displacements = lattice->GetDisplacements();
     const double* values = displacements->GetPointer(0);

@@ -3,6 +3,7 @@
 #include "vtkFFDVolumeRepresentation.h"
 
 #include "vtkFFDShownArray.h"
+#include "vtkFFDShownLattice.h"
 #include "vtkFFDVolumeRepresentationInternals.h"
 
 #include "vtkAlgorithm.h"
@@ -226,7 +227,8 @@ int vtkFFDVolumeRepresentation::RequestData(
     Extent extent;
     image->GetExtent(extent.data());
     vtkFFDLattice* lattice = in.Volumes[i]->Lattice;
-    const bool hasLattice = vtkFFDLattice::HasLattice(image) && lattice->ReadFrom(image);
+    const bool hasLattice =
+      vtkFFDLattice::HasLattice(image) && vtkFFDShownLattice::Read(image, lattice);
     const Grid grid = Grid::FromImage(image, extent);
     allRest = ffdparts::Unite(allRest, grid.GetBounds());
     allDeformed = ffdparts::Unite(allDeformed,

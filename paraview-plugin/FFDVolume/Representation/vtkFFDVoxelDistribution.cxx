@@ -3,6 +3,7 @@
 #include "vtkFFDVoxelDistribution.h"
 
 #include "vtkFFDLattice.h"
+#include "vtkFFDShownLattice.h"
 #include "vtkFFDVolumeInput.h"
 
 #include "vtkAbstractArray.h"
@@ -274,7 +275,7 @@ void vtkFFDVoxelDistribution::ShareLattice(
   vtkNew<vtkFFDLattice> lattice;
   vtkNew<vtkImageData> points;
   std::array<double, 7> numbers{};
-  if (controller->GetLocalProcessId() == root && lattice->ReadFrom(image))
+  if (controller->GetLocalProcessId() == root && vtkFFDShownLattice::Read(image, lattice))
   {
     lattice->ToImageData(points);
     points->GetOrigin(numbers.data());
