@@ -16,7 +16,9 @@
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
+#include "vtkLinearTransform.h"
 #include "vtkMath.h"
+#include "vtkMatrix4x4.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
@@ -24,6 +26,7 @@
 #include "vtkPointSet.h"
 #include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkTransform.h"
 
 #include <algorithm>
 #include <atomic>
@@ -317,6 +320,21 @@ vtkDataObject* FindCarrier(vtkDataObject* data)
   return same ? first : nullptr;
 }
 
+/// The inverse of a transform, which is up to date. That of a vtkLandmarkTransform would be another
+/// fit, from the targets to the sources, which is not the inverse where it is affine.
+vtkSmartPointer<vtkAbstractTransform> Invert(vtkAbstractTransform* transform)
+{
+  auto* const linear = vtkLinearTransform::SafeDownCast(transform);
+  if (!linear || linear->GetMatrix()->Determinant() == 0.0)
+  {
+    return transform->GetInverse();
+  }
+  vtkNew<vtkTransform> inverse;
+  inverse->SetMatrix(linear->GetMatrix());
+  inverse->Inverse();
+  return inverse.Get();
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -498,9 +516,9 @@ int vtkFFDDeformGeometry::RequestData(
     }
     transform = lattice;
   }
-  vtkAbstractTransform* const applied =
-    this->InverseMode == PULL_BACK ? transform->GetInverse() : transform.Get();
   transform->Update();
+  const vtkSmartPointer<vtkAbstractTransform> applied =
+    this->InverseMode == PULL_BACK ? Invert(transform) : transform;
   applied->Update();
   double bounds[6];
   input->GetPoints()->GetBounds(bounds);

@@ -7,9 +7,11 @@ import unittest
 import numpy as np
 import vtkffd
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkMultiBlockDataSet, vtkPiecewiseFunction
 from vtkmodules.vtkCommonMath import vtkMatrix4x4
-from vtkmodules.vtkCommonTransforms import vtkTransform
+from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
+from vtkmodules.vtkCommonTransforms import vtkLandmarkTransform, vtkTransform
 from vtkmodules.vtkFiltersCore import vtkPassThrough
 from vtkmodules.vtkFiltersGeneral import vtkTransformFilter
 from vtkmodules.vtkFiltersSources import vtkSphereSource
@@ -162,6 +164,31 @@ class TestVolumeFilters(unittest.TestCase):
                     lambda data: data.GetPointData().GetNormals()):
             np.testing.assert_allclose(vtk_to_numpy(get(moved.GetOutput())),
                                        vtk_to_numpy(get(expected.GetOutput())), atol=1e-5)
+
+    def test_geometry_by_the_inverse_of_an_affine_fit(self):
+        # VTK's inverse of it is another fit.
+        rng = np.random.default_rng(5)
+        landmarks = [vtkPoints(), vtkPoints()]
+        for x in rng.uniform(0.0, 100.0, (8, 3)):
+            landmarks[0].InsertNextPoint(x)
+            landmarks[1].InsertNextPoint(1.1 * x + rng.uniform(-15.0, 15.0, 3))
+        fit = vtkLandmarkTransform()
+        fit.SetModeToAffine()
+        fit.SetSourceLandmarks(landmarks[0])
+        fit.SetTargetLandmarks(landmarks[1])
+        sphere = vtkSphereSource()
+        sphere.SetCenter(50.0, 40.0, 60.0)
+        sphere.SetRadius(20.0)
+        sphere.Update()
+        deform = vtkffd.vtkFFDDeformGeometry()
+        deform.SetInputData(sphere.GetOutput())
+        deform.SetDeformation(fit)
+        deform.SetInverseModeToPullBack()
+        deform.SetOutputPointsPrecision(vtkAlgorithm.DOUBLE_PRECISION)
+        deform.Update()
+        for i in range(0, sphere.GetOutput().GetNumberOfPoints(), 7):
+            np.testing.assert_allclose(fit.TransformPoint(deform.GetOutput().GetPoint(i)),
+                                       sphere.GetOutput().GetPoint(i), atol=1e-4)
 
     def test_geometry_without_points(self):
         errors = []
