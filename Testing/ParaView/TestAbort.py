@@ -191,6 +191,13 @@ class TestAbort(unittest.TestCase):
             time.sleep(0.2)
         time.sleep(2.0)
         ffdinput.press_key("F7", False)
+        # The message comes when ParaView has time for it, more of them would soon follow.
+        end = time.monotonic() + 100.0
+        text = ""
+        while time.monotonic() < end and "ERR|" not in text:
+            time.sleep(0.5)
+            with open(output, encoding="utf-8") as file:
+                text = file.read()
         time.sleep(3.0)
         with open(output, encoding="utf-8") as file:
             text = file.read()
