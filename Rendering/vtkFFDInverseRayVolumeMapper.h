@@ -32,8 +32,9 @@
  * the outermost faces. Scalars that are not a number are transparent, and so are blanked points and
  * cells (any flag of vtkGhostType, as in vtkGPUVolumeRayCastMapper: duplicates of other processes,
  * too, which these render). The voxel of a rectilinear grid, as a unit of length, is one of a grid
- * of equal steps with as many points. Everything else is refused with an error that says what is
- * wrong; the rest of the scene still renders.
+ * of equal steps with as many points. The diagonal of the volume is from 1e-16 to 1e16 in units of
+ * the data. Everything else is refused with an error that says what is wrong; the rest of the scene
+ * still renders.
  *
  * The vtkVolumeProperty, as with VTK's own mappers:
  * - Independent components have functions, weights and surfaces of their own; all of them are
@@ -121,12 +122,13 @@
  * frame is made as a whole. See vtkFFDInteractiveFrames for applications.
  *
  * Observers of these events, and of others while the mapper renders, may do anything to the mapper,
- * its inputs and the scene. The frame shows what it began with: new inputs, deformations and
- * options count from the next frame on, what is removed or deleted stays until the frame is over,
- * and so do the resources that ReleaseGraphicsResources() releases. GetBounds(), GetRestPosition()
- * and pickers tell of the frame. Render(), RenderToImage() and TraceRays() of the same mapper are
- * refused with an error, and a frame ends without a picture, and with an error, if the memory of an
- * array that it reads is freed by changing the size of the array.
+ * its inputs and the scene, but take the renderer from its window, which VTK goes on to use. The
+ * frame shows what it began with: new inputs, deformations and options count from the next frame
+ * on, what is removed or deleted stays until the frame is over, and so do the resources that
+ * ReleaseGraphicsResources() releases. GetBounds(), GetRestPosition() and pickers tell of the
+ * frame. Render(), RenderToImage() and TraceRays() of the same mapper are refused with an error,
+ * and a frame ends without a picture, and with an error, if the memory of an array that it reads is
+ * freed by changing the size of the array.
  *
  * @sa
  * vtkFFDLattice vtkFFDVolumePicker vtkFixedPointVolumeRayCastMapper vtkImageReslice
