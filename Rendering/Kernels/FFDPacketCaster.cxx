@@ -298,9 +298,7 @@ bool CanBlend(const CastScene& scene, const SampleClassifier& classifier)
   const int components = scene.Volume.Components;
   const bool independent = functions.Kind == ComponentKind::Independent;
   const bool ofAll = !independent || static_cast<int>(functions.Components.size()) == components;
-  return scene.Blend.Mode == BlendMode::Isosurface
-    ? components == 1 && ofAll && !masked
-    : ofAll && components <= SampleClassifier::LargestNumberOfComponents;
+  return ofAll && components <= SampleClassifier::LargestNumberOfComponents;
 }
 
 /// Adds a transfer table; its range is that of the values of a component as fetched (PacketVolume).
@@ -780,8 +778,11 @@ void SetBlending(
   const CastScene& scene, const OpticalFunctions& functions, const FrameKind& kind, PacketScene& p)
 {
   const bool wide = IsWide(scene.Volume.Type);
+  // Of several components only surfaces have values here: of the one that they are of.
+  const int component =
+    kind.Components && functions.Kind == ComponentKind::Independent ? scene.Blend.IsoComponent : 0;
   const auto asFetched = [&](double value) {
-    return wide ? (value - p.Volume.Shift[0]) * p.Volume.Scale[0] : value;
+    return wide ? (value - p.Volume.Shift[component]) * p.Volume.Scale[component] : value;
   };
   const auto fetched = [&](double value) { return ToFinite(asFetched(value)); };
   p.ValueLow = fetched(scene.Blend.Low[0]);

@@ -61,7 +61,7 @@ public:
   {
     const Df d;
     const Vf zero = hn::Zero(d);
-    if (this->Scene.Volume.Components > 1)
+    if (this->HasChannels())
     {
       this->Channels.Begin();
       return;
@@ -99,9 +99,10 @@ public:
   HWY_NOINLINE void Take(
     const PacketCurve& curve, const Vec3& q, Vf s, int n, Mf sampled, bool inner)
   {
-    this->Inner = inner;
+    const bool surfaces = this->Scene.Sampling == PacketSampling::Surface;
+    this->Inner = inner && this->Scene.Volume.Components == 1;
     this->Count(sampled);
-    if (this->Scene.Mask.Scalars)
+    if (this->Scene.Mask.Scalars && !surfaces)
     {
       sampled = hn::And(sampled, IsInMask(this->Scene.Mask, q));
       if (hn::AllFalse(Df(), sampled))
@@ -109,7 +110,7 @@ public:
         return;
       }
     }
-    if (this->Scene.Volume.Components > 1)
+    if (this->HasChannels())
     {
       return this->Channels.Take(curve, q, s, sampled);
     }
@@ -163,7 +164,7 @@ public:
   /// Finds the pixels of the rays, after their last samples.
   HWY_NOINLINE void End()
   {
-    if (this->Scene.Volume.Components > 1)
+    if (this->HasChannels())
     {
       return this->Channels.End();
     }
@@ -266,6 +267,12 @@ private:
     this->State.Out.FirstVisible = hn::Load(d, t);
   }
 
+  /// Whether samples are those of several components; surfaces are of one, or of the intensity.
+  bool HasChannels() const
+  {
+    return this->Scene.Volume.Components > 1 && this->Scene.Sampling != PacketSampling::Surface;
+  }
+
   void EndExtremes()
   {
     PacketPixels& out = this->State.Out;
@@ -297,8 +304,21 @@ private:
   /// Interpolates values at positions in the volume.
   HWY_INLINE Vf ValuesAt(const Vec3& q, Mf lanes, bool inner)
   {
+    if (HWY_UNLIKELY(this->Scene.Volume.Components > 1))
+    {
+      Vf values[LargestNumberOfComponents];
+      this->Samples.FindComponents(q, lanes, values);
+      return IntensityOf(this->Scene, this->GetSurfaceChannel(), values);
+    }
     return HWY_LIKELY(inner) ? this->Samples.FindInnerValue(q, lanes)
                              : this->Samples.FindValue(q, lanes);
+  }
+
+  std::size_t GetSurfaceChannel() const
+  {
+    return this->Scene.KindOfComponents == ComponentKind::Independent
+      ? static_cast<std::size_t>(this->Scene.Source->Blend.IsoComponent)
+      : 0;
   }
 
   HWY_INLINE void Count(Mf sampled)
@@ -540,6 +560,10 @@ private:
     const Vf t = curve.TimeAt(s);
     Mf shown = hn::And(lanes, hn::And(hn::Ge(t, this->Rays.From), hn::Lt(t, this->Rays.To)));
     shown = hn::And(shown, IsShown(this->Scene, this->Rays, curve, q, s));
+    if (this->Scene.Mask.Scalars && !hn::AllFalse(d, shown))
+    {
+      shown = hn::And(shown, IsInMask(this->Scene.Mask, q));
+    }
     if (hn::AllFalse(d, shown))
     {
       return;
@@ -548,8 +572,10 @@ private:
     Vec3 color = next.Color;
     if (this->Scene.Shade)
     {
+      const bool several = this->Scene.Volume.Components > 1;
       color = this->Normals.Light(
-        this->Scene.Surface, curve, q, color, this->GradientsAt(q, shown), s, t);
+        several ? this->Scene.Components[this->GetSurfaceChannel()].Surface : this->Scene.Surface,
+        curve, q, color, this->GradientsAt(q, shown), s, t);
     }
     this->State.Add(shown, color, hn::Sub(Splat(1.0f), next.Opacity), t,
       this->Scene.Settings.TerminationTransmittance);
@@ -629,6 +655,10 @@ private:
   /// Gradients as fetched (PacketVolume) at positions in the volume.
   HWY_NOINLINE Vec3 GradientsAt(const Vec3& q, Mf lanes)
   {
+    if (this->Scene.Volume.Components > 1)
+    {
+      return this->Samples.FindIntensityGradient(q, lanes, this->GetSurfaceChannel());
+    }
     FetchedSample<T> fetched;
     FetchSample(this->Scene.Volume, q, lanes, this->Border, fetched);
     return this->Samples.GradientOf(fetched.Voxels, fetched.At, fetched.Rows, q, fetched.AtBorder);

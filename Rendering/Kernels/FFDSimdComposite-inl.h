@@ -209,6 +209,35 @@ public:
     }
   }
 
+  /// Finds the gradients of what IntensityOf() gives of a channel.
+  HWY_NOINLINE Vec3 FindIntensityGradient(const Vec3& q, Mf lanes, std::size_t channel)
+  {
+    SampleCells cells;
+    const SamplePosition at = FindCells(this->Scene.Volume, q, false, cells);
+    const Mf interior = FindInterior(this->Scene.Volume, cells, lanes);
+    const Mf border = hn::AndNot(interior, lanes);
+    ComponentSamples<T> samples(this->Scene.Volume, cells, at, interior);
+    Vf values[LargestNumberOfComponents];
+    samples.FindValues(values);
+    Vec3 gradients[LargestNumberOfComponents];
+    const unsigned int all = (1u << this->Scene.Volume.Components) - 1u;
+    samples.FindGradients(all, gradients);
+    if (HWY_UNLIKELY(!hn::AllFalse(Df(), border)))
+    {
+      this->Border.ComponentValues(q, border, values);
+      this->Border.ComponentGradients(q, border, all, gradients);
+    }
+    const auto along = [&](Vf Vec3::*axis) {
+      Vf of[LargestNumberOfComponents];
+      for (int c = 0; c < this->Scene.Volume.Components; ++c)
+      {
+        of[c] = gradients[c].*axis;
+      }
+      return IntensityOf(this->Scene, channel, of);
+    };
+    return { along(&Vec3::x), along(&Vec3::y), along(&Vec3::z) };
+  }
+
   /// Whether TakeDependentComponents() can take samples of the curve.
   template <bool AtFaces>
   HWY_INLINE bool HasDependentComponents() const
