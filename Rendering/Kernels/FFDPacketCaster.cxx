@@ -234,6 +234,16 @@ bool CanLookUpAxis(const VolumeView& v)
       static_cast<double>(v.Increments[2]) * v.Dimensions.z * SizeOf(v.Type) <= LargestReach);
 }
 
+/// Whether the vector code has all components of a volume, and a table for each that is looked up.
+bool AreLookedUpInTables(const OpticalFunctions& functions, int components)
+{
+  const bool tables = std::all_of(functions.Components.begin(), functions.Components.end(),
+    [](const ComponentOptics& optics) { return optics.Plane.IsEmpty(); });
+  return tables && components <= SampleClassifier::LargestNumberOfComponents &&
+    (functions.Kind != ComponentKind::Independent ||
+      static_cast<int>(functions.Components.size()) == components);
+}
+
 /// Whether the vector code can composite this scene; else each ray has a RayIntegrator.
 bool CanComposite(const CastScene& scene, const SampleClassifier& classifier)
 {
@@ -251,13 +261,8 @@ bool CanComposite(const CastScene& scene, const SampleClassifier& classifier)
   {
     return scene.Volume.Components == 1 && !(plane && labels);
   }
-  const bool planes = std::any_of(functions.Components.begin(), functions.Components.end(),
-    [](const ComponentOptics& optics) { return !optics.Plane.IsEmpty(); });
-  const int components = scene.Volume.Components;
-  return !planes && !classifier.HasNormalsOfOpacity() && !labels && components > 1 &&
-    components <= SampleClassifier::LargestNumberOfComponents &&
-    (functions.Kind != ComponentKind::Independent ||
-      static_cast<int>(functions.Components.size()) == components);
+  return !classifier.HasNormalsOfOpacity() && !labels && scene.Volume.Components > 1 &&
+    AreLookedUpInTables(functions, scene.Volume.Components);
 }
 
 /// The component of the voxels whose values an entry of OpticalFunctions::Components is looked up
@@ -285,29 +290,23 @@ bool CanBlend(const CastScene& scene, const SampleClassifier& classifier)
   {
     return true;
   }
-  const OpticalFunctions& functions = classifier.GetFunctions();
   const MaskView& mask = classifier.GetMask();
-  const bool masked = mask.Volume.Scalars && !mask.Labels;
-  const bool planes = std::any_of(functions.Components.begin(), functions.Components.end(),
-    [](const ComponentOptics& optics) { return !optics.Plane.IsEmpty(); });
-  if (!classifier.IsSimple() || planes || !CanFetchPackets(scene.Volume) ||
-    (masked && !CanLookUpMask(mask.Volume)))
-  {
-    return false;
-  }
-  const int components = scene.Volume.Components;
-  const bool independent = functions.Kind == ComponentKind::Independent;
-  const bool ofAll = !independent || static_cast<int>(functions.Components.size()) == components;
-  return ofAll && components <= SampleClassifier::LargestNumberOfComponents;
+  return classifier.IsSimple() && CanFetchPackets(scene.Volume) &&
+    (mask.Labels || CanLookUpMask(mask.Volume)) &&
+    AreLookedUpInTables(classifier.GetFunctions(), scene.Volume.Components);
 }
 
-/// Adds a transfer table; its range is that of the values of a component as fetched (PacketVolume).
+/// A value of a component as packets fetch it (PacketVolume).
+double AsFetched(const PacketVolume& volume, int component, double value)
+{
+  return (value - volume.Shift[component]) * volume.Scale[component];
+}
+
+/// Adds a transfer table; its range is that of the values of a component as fetched.
 void AddTable(const TransferTable& table, int component, PacketScene& scene)
 {
-  const double scale = scene.Volume.Scale[component];
-  scene.Table.Add(table,
-    static_cast<float>((table.GetLow() - scene.Volume.Shift[component]) * scale),
-    static_cast<float>(table.GetScale() / scale));
+  scene.Table.Add(table, static_cast<float>(AsFetched(scene.Volume, component, table.GetLow())),
+    static_cast<float>(table.GetScale() / scene.Volume.Scale[component]));
 }
 
 /// The scale that takes gradients of a component as packets fetch them, differences over two voxels
@@ -409,7 +408,7 @@ void SetPlane(const SampleClassifier& classifier, PacketScene& scene)
   // Magnitudes are in texels: in units of the scalars squares may be beyond single precision.
   const bool byGradient = !classifier.GetSecondAxis().Scalars;
   const double unit = byGradient ? plane.GetScale().y : 1.0;
-  p.Low[0] = static_cast<float>((plane.GetLow().x - v.Shift[0]) * v.Scale[0]);
+  p.Low[0] = static_cast<float>(AsFetched(v, 0, plane.GetLow().x));
   p.Low[1] = static_cast<float>(plane.GetLow().y * unit);
   p.Scale[0] = static_cast<float>(plane.GetScale().x / v.Scale[0]);
   p.Scale[1] = byGradient ? 1.0f : static_cast<float>(plane.GetScale().y);
@@ -737,9 +736,7 @@ void SetIntegrals(const CastScene& scene, const IntervalTable& table, PacketScen
   }
   to.Units = static_cast<float>(table.GetUnits());
   to.Margin = scene.Table->GetMargin();
-  const auto fetched = [&](double value) {
-    return ToSingle((value - p.Volume.Shift[0]) * p.Volume.Scale[0]);
-  };
+  const auto fetched = [&](double value) { return ToSingle(AsFetched(p.Volume, 0, value)); };
   to.VisibleLow = fetched(table.GetVisibleLow());
   to.VisibleHigh = fetched(table.GetVisibleHigh());
 }
@@ -748,7 +745,6 @@ void SetIntegrals(const CastScene& scene, const IntervalTable& table, PacketScen
 void AddChannels(const CastScene& scene, const OpticalFunctions& functions, PacketScene& p)
 {
   const Blending& blend = scene.Blend;
-  const bool wide = IsWide(scene.Volume.Type);
   for (std::size_t i = 0; i < functions.Components.size(); ++i)
   {
     // Extremes are those of densities, sums those of intensities.
@@ -758,8 +754,7 @@ void AddChannels(const CastScene& scene, const OpticalFunctions& functions, Pack
       ? FindDensityComponent(functions.Kind, c)
       : 0;
     const auto fetched = [&](double value) {
-      return ToFinite(
-        wide ? (value - p.Volume.Shift[component]) * p.Volume.Scale[component] : value);
+      return ToFinite(AsFetched(p.Volume, component, value));
     };
     PacketChannel channel;
     channel.Low = fetched(blend.Low[i]);
@@ -777,13 +772,10 @@ void AddChannels(const CastScene& scene, const OpticalFunctions& functions, Pack
 void SetBlending(
   const CastScene& scene, const OpticalFunctions& functions, const FrameKind& kind, PacketScene& p)
 {
-  const bool wide = IsWide(scene.Volume.Type);
   // Of several components only surfaces have values here: of the one that they are of.
   const int component =
     kind.Components && functions.Kind == ComponentKind::Independent ? scene.Blend.IsoComponent : 0;
-  const auto asFetched = [&](double value) {
-    return wide ? (value - p.Volume.Shift[component]) * p.Volume.Scale[component] : value;
-  };
+  const auto asFetched = [&](double value) { return AsFetched(p.Volume, component, value); };
   const auto fetched = [&](double value) { return ToFinite(asFetched(value)); };
   p.ValueLow = fetched(scene.Blend.Low[0]);
   p.ValueHigh = fetched(scene.Blend.High[0]);

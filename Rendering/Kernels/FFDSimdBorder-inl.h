@@ -249,6 +249,52 @@ HWY_INLINE void FetchSample(
   }
 }
 
+/// The components at positions q in the volume, as ComponentSamples, at its faces, too.
+template <class T>
+class FetchedComponents
+{
+public:
+  /// Keeps references to `q` and `border`.
+  HWY_INLINE FetchedComponents(
+    const PacketVolume& v, const Vec3& q, Mf lanes, BorderSamples<T>& border)
+    : Q(q)
+    , Border(border)
+    , At(FindCells(v, q, false, this->Cells))
+    , Interior(FindInterior(v, this->Cells, lanes))
+    , AtBorder(hn::AndNot(this->Interior, lanes))
+    , Samples(v, this->Cells, this->At, this->Interior)
+  {
+  }
+
+  HWY_INLINE void FindValues(Vf* values)
+  {
+    this->Samples.FindValues(values);
+    if (HWY_UNLIKELY(!hn::AllFalse(Df(), this->AtBorder)))
+    {
+      this->Border.ComponentValues(this->Q, this->AtBorder, values);
+    }
+  }
+
+  /// Those of the components `wanted`, a bit each; after FindValues().
+  HWY_INLINE void FindGradients(unsigned int wanted, Vec3* gradients) const
+  {
+    this->Samples.FindGradients(wanted, gradients);
+    if (HWY_UNLIKELY(!hn::AllFalse(Df(), this->AtBorder)))
+    {
+      this->Border.ComponentGradients(this->Q, this->AtBorder, wanted, gradients);
+    }
+  }
+
+private:
+  const Vec3& Q;
+  BorderSamples<T>& Border;
+  SampleCells Cells;
+  SamplePosition At;
+  Mf Interior;
+  Mf AtBorder;
+  ComponentSamples<T> Samples;
+};
+
 } // namespace HWY_NAMESPACE
 } // namespace ffd
 HWY_AFTER_NAMESPACE();

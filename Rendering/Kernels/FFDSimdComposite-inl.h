@@ -132,17 +132,9 @@ public:
   {
     const Df d;
     this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
-    SampleCells cells;
-    const SamplePosition at = FindCells(this->Scene.Volume, q, false, cells);
-    const Mf interior = FindInterior(this->Scene.Volume, cells, sampled);
-    const Mf border = hn::AndNot(interior, sampled);
-    ComponentSamples<T> samples(this->Scene.Volume, cells, at, interior);
+    FetchedComponents<T> samples(this->Scene.Volume, q, sampled, this->Border);
     Vf values[LargestNumberOfComponents];
     samples.FindValues(values);
-    if (HWY_UNLIKELY(!hn::AllFalse(d, border)))
-    {
-      this->Border.ComponentValues(q, border, values);
-    }
     Vf extinctions[LargestNumberOfComponents];
     Mf visible = hn::FirstN(d, 0);
     for (std::size_t c = 0; c < this->Scene.Components.size(); ++c)
@@ -173,12 +165,7 @@ public:
     Vec3 gradients[LargestNumberOfComponents];
     if (this->Scene.Shade || HasGradientOpacities(this->Scene))
     {
-      const unsigned int wanted = FindDensityComponents(this->Scene);
-      samples.FindGradients(wanted, gradients);
-      if (HWY_UNLIKELY(!hn::AllFalse(d, border)))
-      {
-        this->Border.ComponentGradients(q, border, wanted, gradients);
-      }
+      samples.FindGradients(FindDensityComponents(this->Scene), gradients);
     }
     const Vf t = curve.TimeAt(s);
     Vec3 color;
@@ -198,44 +185,19 @@ public:
   /// Finds the values of all components at q, in the volume.
   HWY_NOINLINE void FindComponents(const Vec3& q, Mf lanes, Vf* values)
   {
-    SampleCells cells;
-    const SamplePosition at = FindCells(this->Scene.Volume, q, false, cells);
-    const Mf interior = FindInterior(this->Scene.Volume, cells, lanes);
-    const Mf border = hn::AndNot(interior, lanes);
-    ComponentSamples<T>(this->Scene.Volume, cells, at, interior).FindValues(values);
-    if (HWY_UNLIKELY(!hn::AllFalse(Df(), border)))
-    {
-      this->Border.ComponentValues(q, border, values);
-    }
+    FetchedComponents<T>(this->Scene.Volume, q, lanes, this->Border).FindValues(values);
   }
 
   /// Finds the gradients of what IntensityOf() gives of a channel.
   HWY_NOINLINE Vec3 FindIntensityGradient(const Vec3& q, Mf lanes, std::size_t channel)
   {
-    SampleCells cells;
-    const SamplePosition at = FindCells(this->Scene.Volume, q, false, cells);
-    const Mf interior = FindInterior(this->Scene.Volume, cells, lanes);
-    const Mf border = hn::AndNot(interior, lanes);
-    ComponentSamples<T> samples(this->Scene.Volume, cells, at, interior);
+    FetchedComponents<T> samples(this->Scene.Volume, q, lanes, this->Border);
     Vf values[LargestNumberOfComponents];
     samples.FindValues(values);
     Vec3 gradients[LargestNumberOfComponents];
-    const unsigned int all = (1u << this->Scene.Volume.Components) - 1u;
-    samples.FindGradients(all, gradients);
-    if (HWY_UNLIKELY(!hn::AllFalse(Df(), border)))
-    {
-      this->Border.ComponentValues(q, border, values);
-      this->Border.ComponentGradients(q, border, all, gradients);
-    }
-    const auto along = [&](Vf Vec3::*axis) {
-      Vf of[LargestNumberOfComponents];
-      for (int c = 0; c < this->Scene.Volume.Components; ++c)
-      {
-        of[c] = gradients[c].*axis;
-      }
-      return IntensityOf(this->Scene, channel, of);
-    };
-    return { along(&Vec3::x), along(&Vec3::y), along(&Vec3::z) };
+    samples.FindGradients((1u << this->Scene.Volume.Components) - 1u, gradients);
+    return this->MixGradients(
+      gradients, [&](const Vf* of) { return IntensityOf(this->Scene, channel, of); });
   }
 
   /// Whether TakeDependentComponents() can take samples of the curve.
@@ -994,13 +956,21 @@ private:
     {
       return { zero, zero, zero };
     }
+    return this->MixGradients(
+      gradients, [&](const Vf* of) { return DensityOf(this->Scene, 0, of); });
+  }
+
+  /// The gradient of what mix(values) makes of the values of all components.
+  template <class Mix>
+  HWY_INLINE Vec3 MixGradients(const Vec3* gradients, const Mix& mix) const
+  {
     const auto along = [&](Vf Vec3::*axis) {
       Vf of[LargestNumberOfComponents];
       for (int c = 0; c < this->Scene.Volume.Components; ++c)
       {
         of[c] = gradients[c].*axis;
       }
-      return DensityOf(this->Scene, 0, of);
+      return mix(of);
     };
     return { along(&Vec3::x), along(&Vec3::y), along(&Vec3::z) };
   }
