@@ -21,6 +21,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <numeric>
 
 namespace
 {
@@ -116,8 +118,7 @@ bool vtkFFDFrameCache::Update(
   this->Space.Update(
     tools, this->Blocks.GetProduct(), this->MaskBlocks.GetProduct(), functions, { this->Blend });
   this->Distances = this->Space->CanLeap ? &this->Space->Distances : nullptr;
-  this->Peaks =
-    this->Space->CanLeap && !this->Space->Peaks.IsEmpty() ? &this->Space->Peaks : nullptr;
+  this->Peaks = this->Space->CanLeap && !this->Space->Peaks.empty() ? &this->Space->Peaks : nullptr;
   return true;
 }
 
@@ -300,10 +301,13 @@ vtkTypeInt64 vtkFFDFrameCache::GetNumberOfBuilds(int part) const
 std::size_t vtkFFDFrameCache::GetMemorySize() const
 {
   const vtkDataArray* scalars = this->VectorScalars.GetLast();
-  return this->Space.GetLast().Distances.GetMemorySize() +
-    this->Space.GetLast().Peaks.GetMemorySize() + this->Functions.GetLast().Optics.GetMemorySize() +
-    this->Field.GetMemorySize() + this->PullBack.GetLast().GetMemorySize() +
-    this->Voxels.GetLast().Hidden.GetMemorySize() +
+  const std::vector<ffd::ValuePeaks>& peaks = this->Space.GetLast().Peaks;
+  return std::accumulate(peaks.begin(), peaks.end(),
+           this->Space.GetLast().Distances.GetMemorySize(),
+           [](
+             std::size_t sum, const ffd::ValuePeaks& each) { return sum + each.GetMemorySize(); }) +
+    this->Functions.GetLast().Optics.GetMemorySize() + this->Field.GetMemorySize() +
+    this->PullBack.GetLast().GetMemorySize() + this->Voxels.GetLast().Hidden.GetMemorySize() +
     (scalars ? static_cast<std::size_t>(scalars->GetActualMemorySize()) * 1024 : 0) +
     this->Blocks.GetLast().GetMemorySize() + this->MaskBlocks.GetLast().GetMemorySize();
 }

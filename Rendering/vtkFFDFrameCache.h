@@ -72,8 +72,9 @@ public:
   const std::vector<glm::dvec4>& GetClippingPlanes() const { return this->ClippingPlanes; }
   /// Null where nothing is leaped over.
   const ffd::DistanceMap* GetDistances() const { return this->Distances; }
-  /// Bounds of values for maxima and minima along rays; null for other blend modes.
-  const ffd::ValuePeaks* GetPeaks() const { return this->Peaks; }
+  /// Bounds of values for maxima and minima along rays, one for each channel; null for other blend
+  /// modes.
+  const std::vector<ffd::ValuePeaks>* GetPeaks() const { return this->Peaks; }
   /// The arrays that views point into, not owned.
   const std::vector<vtkDataArray*>& GetArrays() const { return this->Arrays; }
 
@@ -121,7 +122,7 @@ private:
   ffd::Cropping Crop;
   std::vector<glm::dvec4> ClippingPlanes;
   const ffd::DistanceMap* Distances = nullptr;
-  const ffd::ValuePeaks* Peaks = nullptr;
+  const std::vector<ffd::ValuePeaks>* Peaks = nullptr;
   double ReportedBounds[6] = { 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 };
 };
 

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <memory>
 #include <mutex>
+#include <numeric>
 #include <sstream>
 #include <utility>
 
@@ -73,6 +74,49 @@ PullBackRegistry& AllPullBacks()
 {
   static PullBackRegistry all;
   return all;
+}
+
+bool IsExtreme(BlendMode mode) { return mode == BlendMode::Maximum || mode == BlendMode::Minimum; }
+
+/// The numbers of the blocks whose values decide what a blend mode other than Composite may leap
+/// over; none where nothing may.
+std::vector<std::size_t> FindDecidingBlocks(
+  const ComponentBlocks& blocks, const TransferFunctions& functions, const Blending& blend)
+{
+  const std::size_t count = blocks.Blocks.size();
+  if (functions.Facts.Kind != ComponentKind::Independent)
+  {
+    // The blocks of dependent components are those of what is looked up for opacity.
+    return IsExtreme(blend.Mode) && count == 1 ? std::vector<std::size_t>{ 0 }
+                                               : std::vector<std::size_t>();
+  }
+  if (blend.Mode == BlendMode::Isosurface)
+  {
+    return { static_cast<std::size_t>(blend.IsoComponent) };
+  }
+  std::vector<std::size_t> all(IsExtreme(blend.Mode) || count == 1 ? count : 0);
+  std::iota(all.begin(), all.end(), std::size_t{ 0 });
+  return all;
+}
+
+/// The distances to blocks that any of the components can be visible in by its table.
+DistanceMap MakeDistances(const std::vector<const MinMaxBlocks*>& components,
+  const std::vector<TransferTable>& tables, const ParallelFor& parallelFor,
+  const MinMaxBlocks* mask)
+{
+  if (components.size() == 1)
+  {
+    return DistanceMap(*components[0], tables[0], parallelFor, mask);
+  }
+  return DistanceMap(
+    components,
+    [&tables](const MinMaxBlocks::Limits* limits) {
+      return std::all_of(tables.begin(), tables.end(), [&](const TransferTable& table) {
+        const MinMaxBlocks::Limits& own = limits[&table - tables.data()];
+        return table.IsTransparent(own.Min, own.Max);
+      });
+    },
+    parallelFor, mask);
 }
 
 } // namespace
@@ -281,29 +325,39 @@ Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<Compone
 {
   const OpticalFunctions& optics = functions->Optics;
   const ComponentOptics& first = optics.Components[0];
-  const bool one = blocks->Blocks.size() == 1 && first.Plane.IsEmpty() && optics.Labels.empty();
+  const bool tables = optics.Labels.empty() &&
+    std::all_of(optics.Components.begin(), optics.Components.end(),
+      [](const ComponentOptics& component) { return component.Plane.IsEmpty(); });
   const BlendMode mode = blending.Blend.Mode;
   const MinMaxBlocks* const shown = mask->Blocks ? &*mask->Blocks : nullptr;
   result.CanLeap = true;
-  result.Peaks = ValuePeaks();
+  result.Peaks.clear();
   if (mode != BlendMode::Composite)
   {
-    // The blocks of dependent components are those of what is looked up for opacity.
-    const bool extreme = mode == BlendMode::Maximum || mode == BlendMode::Minimum;
-    TransferTable leaps;
-    result.CanLeap = one && (extreme || functions->Facts.Kind == ComponentKind::Independent) &&
-      MakeLeapTable(blending.Blend, first.Table, leaps);
+    const std::vector<std::size_t> deciding =
+      FindDecidingBlocks(*blocks, *functions, blending.Blend);
+    std::vector<const MinMaxBlocks*> values;
+    std::vector<TransferTable> leaps(deciding.size());
+    result.CanLeap = tables && !deciding.empty();
+    for (std::size_t i = 0; i < deciding.size() && result.CanLeap; ++i)
+    {
+      values.push_back(&blocks->Blocks[deciding[i]]);
+      result.CanLeap =
+        MakeLeapTable(blending.Blend, optics.Components[deciding[i]].Table, leaps[i]);
+    }
     if (result.CanLeap)
     {
-      result.Distances = DistanceMap(blocks->Blocks[0], leaps, tools.Parallel, shown);
-      if (extreme)
+      result.Distances = MakeDistances(values, leaps, tools.Parallel, shown);
+    }
+    if (result.CanLeap && IsExtreme(mode))
+    {
+      for (const MinMaxBlocks* each : values)
       {
-        result.Peaks =
-          ValuePeaks(blocks->Blocks[0], mode == BlendMode::Maximum ? 1 : -1, tools.Parallel);
+        result.Peaks.emplace_back(*each, mode == BlendMode::Maximum ? 1 : -1, tools.Parallel);
       }
     }
   }
-  else if (one)
+  else if (blocks->Blocks.size() == 1 && tables)
   {
     result.Distances = DistanceMap(blocks->Blocks[0], first.Table, tools.Parallel, shown);
   }

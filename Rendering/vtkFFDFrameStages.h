@@ -136,7 +136,8 @@ struct LeapBlending
 struct EmptySpace
 {
   DistanceMap Distances;
-  ValuePeaks Peaks;    ///< of the only component, where largest or smallest values are looked for
+  /// Of the channels, where largest or smallest values are looked for; else empty.
+  std::vector<ValuePeaks> Peaks;
   bool CanLeap = true; ///< false: every sample counts, and there are no distances
 };
 

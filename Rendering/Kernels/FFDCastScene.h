@@ -116,7 +116,8 @@ struct CastScene
   const TransferTable* Table = nullptr;
   const SampleClassifier* Classifier = nullptr; ///< null: one component by Table and Material
   const DistanceMap* Distances = nullptr;       ///< may be null when Leaping is Off
-  const ValuePeaks* Peaks = nullptr;            ///< of Maximum and Minimum; may be null
+  /// Of the channels of Maximum and Minimum, or null.
+  const std::vector<ValuePeaks>* Peaks = nullptr;
   const PullBack* Map = nullptr;
   PullBackLimits Limits; ///< of Map
   Box DeformedBounds;    ///< data coordinates; rays are cut to them

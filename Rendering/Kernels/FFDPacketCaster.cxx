@@ -161,8 +161,8 @@ constexpr float LargestWholePower = 128.0f;
 /// The largest number of bytes that a 32-bit offset leads over.
 constexpr double LargestReach = 2147483647.0;
 
-/// Bytes of the largest slice of which several are in reach of a 32-bit offset.
-constexpr double LargestSlice = LargestReach / 8.0;
+/// Voxels of the largest slice, in elements: a 32-bit offset leads over it and to two others.
+constexpr double LargestSlice = LargestReach / 3.0;
 
 template <class Vector>
 void Copy(const Vector& from, float to[3])
@@ -211,12 +211,18 @@ PacketSampling SamplingOf(BlendMode mode)
   }
 }
 
+/// Whether no cell has neighbors on all sides.
+bool IsThin(const VolumeView& v)
+{
+  return std::min({ v.Dimensions.x, v.Dimensions.y, v.Dimensions.z }) < 4;
+}
+
 /// Whether the vector code can fetch these voxels.
 bool CanFetchPackets(const VolumeView& v)
 {
-  const double slice = static_cast<double>(v.Increments[2]) * SizeOf(v.Type);
-  return slice <= LargestSlice && v.Increments[0] == v.Components && v.Dimensions.x >= 4 &&
-    v.Dimensions.y >= 4 && v.Dimensions.z >= 4;
+  const double slice = static_cast<double>(v.Increments[2]);
+  return v.Increments[0] == v.Components &&
+    (IsThin(v) ? slice * v.Dimensions.z <= LargestReach : slice <= LargestSlice);
 }
 
 /// Whether the vector code can look up the voxels of a mask, if there is one.
@@ -230,7 +236,7 @@ bool CanLookUpMask(const VolumeView& v)
 bool CanLookUpAxis(const VolumeView& v)
 {
   return !v.Scalars ||
-    (v.Increments[0] == 1 &&
+    (v.Increments[0] == 1 && v.Dimensions.x >= 4 &&
       static_cast<double>(v.Increments[2]) * v.Dimensions.z * SizeOf(v.Type) <= LargestReach);
 }
 
@@ -637,7 +643,9 @@ void SetVolume(const CastScene& scene, const OpticalFunctions& functions,
   p.Volume.Components = kind.Components ? v.Components : 1;
   const double slice = static_cast<double>(v.Increments[2]) * p.Volume.ElementSize;
   const double reach = std::floor(std::min(settings.LargestReach, LargestReach) / slice) - 4.0;
-  p.Volume.SlicesInReach = reach < v.Dimensions.z ? static_cast<int>(std::max(reach, 1.0)) : 0;
+  p.Volume.SlicesInReach = IsThin(v) ? -1
+    : reach < v.Dimensions.z         ? static_cast<int>(std::max(reach, 1.0))
+                                     : 0;
   if (IsWide(v.Type))
   {
     for (int c = 0; c < 8; ++c)
@@ -782,17 +790,19 @@ void SetBlending(
   const bool maximum = scene.Blend.Mode == BlendMode::Maximum;
   p.LastExtreme =
     maximum ? std::min(p.ValueHigh, p.Visible.High) : std::min(-p.ValueLow, -p.Visible.Low);
-  if (p.Sampling == PacketSampling::Extreme && kind.Leaps && !kind.Components)
+  if (p.Sampling == PacketSampling::Extreme && kind.Leaps && scene.Peaks)
   {
-    p.Peaks = scene.Peaks;
-    if (p.Peaks)
+    for (const ValuePeaks& peaks : *scene.Peaks)
     {
+      const int channel = kind.Components
+        ? FindDensityComponent(functions.Kind, static_cast<int>(p.Peaks.size()))
+        : 0;
       // Minima are found as maxima of the negated values.
-      const double shift = maximum ? p.Volume.Shift[0] : -p.Volume.Shift[0];
-      const double step = p.Peaks->GetStep() * p.Volume.Scale[0];
-      p.PeakLow = (p.Peaks->GetLow() - shift) * p.Volume.Scale[0] - step;
-      p.PeakScale = 1.0 / step;
-      p.PeakHigh = (p.Peaks->GetHigh() - shift) * p.Volume.Scale[0];
+      const double shift = maximum ? p.Volume.Shift[channel] : -p.Volume.Shift[channel];
+      const double scale = p.Volume.Scale[channel];
+      const double step = peaks.GetStep() * scale;
+      p.Peaks.push_back({ &peaks, (peaks.GetLow() - shift) * scale - step, 1.0 / step,
+        (peaks.GetHigh() - shift) * scale });
     }
   }
   if (kind.Components && !kind.Composites)

@@ -138,6 +138,17 @@ struct PacketChannel
   float AdditiveDistance = 1.0f; ///< of Blending
 };
 
+/// Bounds of the values of a channel, in whose codes extremes are compared with them.
+struct PacketPeaks
+{
+  const ValuePeaks* Values = nullptr;
+  /// Extremes, as fetched times the sign of ValuePeaks, less Low and times Scale are codes. Low
+  /// stands for -1: none.
+  double Low = 0.0;
+  double Scale = 0.0;
+  double High = 0.0; ///< the largest value
+};
+
 /**
  * A frame in the form the packet kernels read: single precision, positions relative to a point
  * near the volume ("local" coordinates: data coordinates less Center).
@@ -200,13 +211,10 @@ struct PacketScene
   /// Values that blend modes compare samples with, as fetched (PacketVolume).
   float ValueLow = 0.0f; ///< ends of their range
   float ValueHigh = 1.0f;
-  /// Rays end when their extreme reaches this, a value times the sign of Peaks: no larger one
+  /// Rays end when their extreme reaches this, a value times the sign of ValuePeaks: no larger one
   /// exists, or it would not change the picture.
   float LastExtreme = std::numeric_limits<float>::infinity();
-  const ValuePeaks* Peaks = nullptr; ///< of extremes, with space leaping
-  double PeakLow = 0.0;   ///< extremes, as LastExtreme, times PeakScale are codes of Peaks,
-  double PeakScale = 0.0; ///< where PeakLow stands for -1: none
-  double PeakHigh = 0.0;  ///< the largest value
+  std::vector<PacketPeaks> Peaks; ///< of the channels of extremes, with space leaping; else empty
   float AverageMin = 0.0f;
   float AverageMax = 0.0f;
   std::vector<PacketSurfaceValue> IsoValues; ///< ascending; visible ones
@@ -308,8 +316,8 @@ public:
     const ParallelFor& parallelFor);
 
   /// Whether packets can render this scene; else the reference ray caster has to: the paper's
-  /// polyline, and of what vector code looks up (SampleClassifier::IsPlain()) volumes of
-  /// fewer than 4 voxels along an axis or slices of more than 256 MiB.
+  /// polyline, and of what vector code looks up (SampleClassifier::IsPlain()) volumes whose slices
+  /// are beyond the reach of 32-bit offsets.
   static bool Supports(const CastScene& scene, const CastSettings& settings);
 
   /// See RayCaster::RenderTile(); `first` counts packets.

@@ -69,7 +69,8 @@ struct PacketVolume
   int IncrementY = 0; ///< elements
   int IncrementZ = 0;
   int ElementSize = 1; ///< bytes
-  /// Slices that offsets from one of them may lead over; 0: over all.
+  /// Slices that offsets from one of them may lead over; 0: over all. -1: the volume is thin, no
+  /// cell has neighbors on all sides.
   int SlicesInReach = 0;
   bool Nearest = false;
   PacketIntegers Integers; ///< of types of one or two bytes

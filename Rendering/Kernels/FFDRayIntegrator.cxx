@@ -247,8 +247,7 @@ RayIntegrator::Outcome RayIntegrator::TakeExtreme(const SampledSegment& segment,
         this->Values[c] = values[c];
       }
       this->Lengths[c] = 1.0;
-      this->ExtremeT = c == 0 || !this->Any ? segment.T0 + s * segment.Dt : this->ExtremeT;
-      this->Any = true;
+      this->Places[c] = segment.T0 + s * segment.Dt;
       visible = true;
     }
     // Nothing is beyond the ends of the range.
@@ -264,19 +263,20 @@ RayIntegrator::Result RayIntegrator::EndExtreme() const
   const IntegrationFrame& frame = *this->Frame;
   glm::vec3 color(0.0f);
   float opacity = 0.0f;
+  double place = Infinity;
   for (int c = 0; c < frame.Classifier->GetNumberOfChannels(); ++c)
   {
     if (this->Lengths[c] > 0.0)
     {
       const glm::vec4 classified = frame.Classifier->ClassifyValues(c, this->Values);
       const float alpha = classified.a * static_cast<float>(frame.Scene->Blend.Weight[c]);
+      place = alpha > 0.0f && opacity == 0.0f ? this->Places[c] : place;
       color += alpha * glm::vec3(classified);
       opacity += alpha;
     }
   }
   opacity = std::min(opacity, 1.0f);
-  return { glm::min(color, glm::vec3(opacity)), 1.0f - opacity,
-    opacity > 0.0f ? this->ExtremeT : Infinity };
+  return { glm::min(color, glm::vec3(opacity)), 1.0f - opacity, place };
 }
 
 //------------------------------------------------------------------------------

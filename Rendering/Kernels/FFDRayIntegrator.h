@@ -136,7 +136,7 @@ private:
   double Values[Components] = {};
   double Lengths[Components] = {}; // of the channels: what has been added up
   bool Any = false;                // whether there was a sample
-  double ExtremeT = 0.0;
+  double Places[Components] = {};  // t of the extremes of the channels
 
   // The end of the last interval: mostly the start of the next one.
   double LastEnd = 0.0;

@@ -184,9 +184,27 @@ public:
   /// Whether extremes have changed since this was asked for last.
   HWY_INLINE bool TakeNews()
   {
-    const bool news = this->News;
-    this->News = false;
+    bool& kept = this->HasChannels() ? this->Channels.News : this->News;
+    const bool news = kept;
+    kept = false;
     return news;
+  }
+
+  /// The largest values of a channel so far, or the smallest ones negated.
+  HWY_INLINE Vf GetExtreme(std::size_t channel) const
+  {
+    return this->HasChannels() ? this->Channels.GetExtreme(channel) : this->State.Out.Tally;
+  }
+
+  /// Makes the extremes so far a little less, so that they are found again.
+  HWY_INLINE void LowerExtremes()
+  {
+    if (this->HasChannels())
+    {
+      return this->Channels.LowerExtremes();
+    }
+    Vf& tally = this->State.Out.Tally;
+    tally = BelowExtreme(tally, this->Scene.LastExtreme);
   }
 
   /// Composites what the samples of a curve have crossed, before another curve begins.

@@ -23,6 +23,7 @@
 #include "FFDSimdSegmentTrees-inl.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -91,9 +92,9 @@ public:
     const int top = this->Scene.SamplesPerRoot;
     const int first = std::max(this->Trees.GetFirst(), FloorDivide(this->FirstSample, top));
     const int last = std::min(this->Trees.GetLast(), FloorDivide(this->EndSample - 1, top));
-    if (HWY_UNLIKELY(this->Scene.Peaks != nullptr))
+    for (std::size_t c = 0; HWY_UNLIKELY(c < this->Scene.Peaks.size()); ++c)
     {
-      this->SampleHighestPart(first, last);
+      this->SampleHighestPart(c, first, last);
     }
     const auto cast = [this](TileSegment& segment) { return this->CastSegment(segment); };
     for (int index = first; index <= last; ++index)
@@ -229,21 +230,37 @@ private:
       (this->X - segment.X) / BlockSide;
   }
 
-  static HWY_INLINE int PeakOf(const TileSegment& segment, int block, int part)
+  static HWY_INLINE int PeakOf(const TileSegment& segment, std::size_t channel, int block, int part)
   {
-    return segment.Peaks[static_cast<std::size_t>(part)][static_cast<std::size_t>(block)];
+    return segment.Peaks[channel][static_cast<std::size_t>(part)][static_cast<std::size_t>(block)];
   }
 
-  /// The code of ValuePeaks up to which parts hold no value above the extremes of all rays.
-  HWY_NOINLINE int FindPassedCode() const
+  /// Finds PassedCodes anew.
+  HWY_NOINLINE void FindPassedCodes()
   {
-    const PacketState& state = this->Samples.State;
-    const float least =
-      SmallestLane(hn::IfThenElse(state.Alive, state.Out.Tally, Splat(NoExtreme)));
-    // In double precision: one value, of what is no number, may be far away from all others.
-    const double steps = (double{ least } - this->Scene.PeakLow) * this->Scene.PeakScale;
-    const int code = static_cast<int>(std::clamp(steps, 0.0, ValuePeaks::LastCode + 1.0)) - 1;
-    return least < this->Scene.PeakHigh ? std::min(code, ValuePeaks::LastCode - 1) : code;
+    for (std::size_t c = 0; c < this->Scene.Peaks.size(); ++c)
+    {
+      const PacketPeaks& peaks = this->Scene.Peaks[c];
+      const float least = SmallestLane(
+        hn::IfThenElse(this->Samples.State.Alive, this->Blending.GetExtreme(c), Splat(NoExtreme)));
+      // In double precision: one value, of what is no number, may be far away from all others.
+      const double steps = (double{ least } - peaks.Low) * peaks.Scale;
+      const int code = static_cast<int>(std::clamp(steps, 0.0, ValuePeaks::LastCode + 1.0)) - 1;
+      this->PassedCodes[c] = least < peaks.High ? std::min(code, ValuePeaks::LastCode - 1) : code;
+    }
+  }
+
+  /// Whether a part holds no value above the extremes of any ray.
+  HWY_INLINE bool IsPassed(const TileSegment& segment, int block, int part) const
+  {
+    for (std::size_t c = 0; c < this->Scene.Peaks.size(); ++c)
+    {
+      if (PeakOf(segment, c, block, part) > this->PassedCodes[c])
+      {
+        return false;
+      }
+    }
+    return true;
   }
 
   /// Part of a segment.
@@ -254,16 +271,16 @@ private:
     int Code = 0; ///< of ValuePeaks, of the values in it
   };
 
-  /// Makes `peak` the part of a segment without children that has the largest bound of its values,
-  /// if that is larger.
-  void FindPeak(TileSegment& segment, Peak& peak)
+  /// Makes `peak` the part of a segment without children that has the largest bound of the values
+  /// of a channel, if that is larger.
+  void FindPeak(TileSegment& segment, std::size_t channel, Peak& peak)
   {
     const int block = this->BlockIn(segment);
     const PartRange parts = this->FindParts(segment);
     for (int part = this->FindNeeded(segment, block, parts.First, parts.End); part < parts.End;
          part = this->FindNeeded(segment, block, part + 1, parts.End))
     {
-      const int code = PeakOf(segment, block, part);
+      const int code = PeakOf(segment, channel, block, part);
       if (code > peak.Code)
       {
         peak = { &segment, part, code };
@@ -272,17 +289,18 @@ private:
   }
 
   /**
-   * Samples the part of the packet that has the largest bound of its values before all others, so
-   * that few others can hold larger values. What is found there is kept as a little less, and found
-   * again on the way from front to back.
+   * Samples the part of the packet that has the largest bound of the values of a channel before all
+   * others, so that few others can hold larger values. What is found there is kept as a little
+   * less, and found again on the way from front to back.
    */
-  HWY_NOINLINE void SampleHighestPart(int first, int last)
+  HWY_NOINLINE void SampleHighestPart(std::size_t channel, int first, int last)
   {
     Peak peak;
-    const auto find = [this, &peak](TileSegment& segment) {
+    peak.Code = std::max(0, this->PassedCodes[channel]);
+    const auto find = [this, channel, &peak](TileSegment& segment) {
       if (segment.Known == TileSegment::State::Curves)
       {
-        this->FindPeak(segment, peak);
+        this->FindPeak(segment, channel, peak);
       }
       return true;
     };
@@ -298,10 +316,8 @@ private:
     const Mf alive = state.Alive;
     this->CastCurves(*peak.Segment, { peak.Part, peak.Part + 1 });
     state.Alive = alive;
-    const Vf below = hn::Sub(hn::Min(state.Out.Tally, Splat(this->Scene.LastExtreme)),
-      hn::MulAdd(hn::Abs(state.Out.Tally), Splat(1e-6f), Splat(1e-30f)));
-    state.Out.Tally = hn::Max(below, Splat(-NoExtreme));
-    this->PassedCode = this->FindPassedCode();
+    this->Blending.LowerExtremes();
+    this->FindPassedCodes();
     this->Reach = std::numeric_limits<float>::infinity();
   }
 
@@ -335,8 +351,8 @@ private:
     for (int part = this->FindNeeded(segment, block, parts.First, parts.End); part < parts.End;
          part = this->FindNeeded(segment, block, part + 1, parts.End))
     {
-      const bool seeking = this->Scene.Peaks != nullptr;
-      if (HWY_UNLIKELY(seeking) && PeakOf(segment, block, part) <= this->PassedCode)
+      const bool seeking = !this->Scene.Peaks.empty();
+      if (HWY_UNLIKELY(seeking) && this->IsPassed(segment, block, part))
       {
         continue;
       }
@@ -368,7 +384,7 @@ private:
       }
       if (HWY_UNLIKELY(seeking) && this->Blending.TakeNews())
       {
-        this->PassedCode = this->FindPassedCode();
+        this->FindPassedCodes();
       }
     }
     this->Blending.EndCurve(curve);
@@ -769,9 +785,11 @@ private:
   int FirstSample; ///< of all rays
   int EndSample;
   float Reach = std::numeric_limits<float>::infinity();
-  Vec3 MoveChanges;    ///< bounds for few samples, where single rays leap
-  Vf SkipTo;           ///< samples of the segment before this one are empty for certain
-  int PassedCode = -1; ///< where extremes are looked for, see FindPassedCode()
+  Vec3 MoveChanges; ///< bounds for few samples, where single rays leap
+  Vf SkipTo;        ///< samples of the segment before this one are empty for certain
+  /// Where extremes of channels are looked for, the codes of ValuePeaks up to which parts hold no
+  /// value above the extremes of all rays.
+  std::array<int, LargestNumberOfChannels> PassedCodes{ { -1, -1, -1, -1 } };
   PacketCompositor<T> Samples;
   PacketBlending<T> Blending;
 };

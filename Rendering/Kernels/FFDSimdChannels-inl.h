@@ -29,6 +29,14 @@ namespace HWY_NAMESPACE
 /// Extremes are above -NoExtreme once a sample has been taken.
 constexpr float NoExtreme = 3e38f;
 
+/// A little less than an extreme, and than the last one, with which rays end.
+HWY_INLINE Vf BelowExtreme(Vf extreme, float last)
+{
+  const Vf below = hn::Sub(
+    hn::Min(extreme, Splat(last)), hn::MulAdd(hn::Abs(extreme), Splat(1e-6f), Splat(1e-30f)));
+  return hn::Max(below, Splat(-NoExtreme));
+}
+
 /// Blends the samples of a packet of several components, as RayIntegrator does: by channel, which
 /// are the independent components, or all dependent ones together.
 template <class T>
@@ -51,6 +59,7 @@ public:
     const Vf zero = hn::Zero(Df());
     ForComponents([&](auto c) {
       this->Extremes[c] = Splat(-NoExtreme);
+      this->Places[c] = zero;
       this->Kept[c] = zero;
       this->Sums[c] = zero;
       this->Lengths[c] = zero;
@@ -74,9 +83,9 @@ public:
       default:
       {
         const Mf lanes[LargestNumberOfComponents] = { sampled, sampled, sampled, sampled };
-        visible = this->Show(values, lanes);
-        this->State.Out.FirstVisible =
-          hn::IfThenElse(visible, curve.TimeAt(s), this->State.Out.FirstVisible);
+        const Vf t = curve.TimeAt(s);
+        const Vf places[LargestNumberOfComponents] = { t, t, t, t };
+        visible = this->Show(values, lanes, places);
         break;
       }
     }
@@ -86,13 +95,11 @@ public:
   /// Finds the pixels of the rays, after their last samples.
   HWY_NOINLINE void End()
   {
-    PacketPixels& out = this->State.Out;
     if (this->Scene.Sampling == PacketSampling::Extreme)
     {
       Mf lanes[LargestNumberOfComponents];
       ForComponents([&](auto c) { lanes[c] = hn::Gt(this->Extremes[c], Splat(-NoExtreme)); });
-      const Mf visible = this->Show(this->Kept, lanes);
-      out.FirstVisible = hn::IfThenElse(visible, out.FirstVisible, Splat(1e30f));
+      this->Show(this->Kept, lanes, this->Places);
     }
     else if (this->Scene.Sampling == PacketSampling::Sum)
     {
@@ -100,7 +107,28 @@ public:
     }
   }
 
+  /// The largest values of a channel so far, or the smallest ones negated.
+  Vf GetExtreme(std::size_t channel) const { return this->Extremes[channel]; }
+
+  /// Makes the extremes so far a little less, so that they are found again.
+  HWY_NOINLINE void LowerExtremes()
+  {
+    for (std::size_t c = 0; c < this->Scene.Channels.size(); ++c)
+    {
+      this->Extremes[c] = BelowExtreme(this->Extremes[c], this->LastExtreme(c));
+    }
+  }
+
+  bool News = false; ///< whether extremes have changed since this was set to false
+
 private:
+  /// Nothing is beyond the ends of the range.
+  float LastExtreme(std::size_t channel) const
+  {
+    const PacketChannel& of = this->Scene.Channels[channel];
+    return this->Scene.Source->Blend.Mode == BlendMode::Maximum ? of.High : -of.Low;
+  }
+
   bool IsDependent() const { return this->Scene.KindOfComponents != ComponentKind::Independent; }
 
   /// Keeps the largest densities; minima are found as maxima of the negated ones.
@@ -113,7 +141,6 @@ private:
     Mf done = this->State.Alive;
     for (std::size_t c = 0; c < this->Scene.Channels.size(); ++c)
     {
-      const PacketChannel& channel = this->Scene.Channels[c];
       const Vf density = DensityOf(this->Scene, c, values);
       const Vf value = maximum ? density : hn::Neg(density);
       // Comparisons with what is not a number are false.
@@ -128,15 +155,11 @@ private:
       {
         this->Kept[c] = hn::IfThenElse(better, values[c], this->Kept[c]);
       }
-      // The place is that of the first channel, if it has any.
-      const Mf moved = c == 0 ? better : hn::AndNot(this->Any, better);
-      this->State.Out.FirstVisible = hn::IfThenElse(moved, t, this->State.Out.FirstVisible);
-      this->Any = hn::Or(this->Any, better);
+      this->Places[c] = hn::IfThenElse(better, t, this->Places[c]);
       news = hn::Or(news, better);
-      // Nothing is beyond the ends of the range.
-      const Vf end = Splat(maximum ? channel.High : -channel.Low);
-      done = hn::And(done, hn::Ge(this->Extremes[c], end));
+      done = hn::And(done, hn::Ge(this->Extremes[c], Splat(this->LastExtreme(c))));
     }
+    this->News = this->News || !hn::AllFalse(d, news);
     this->State.Alive = hn::AndNot(done, this->State.Alive);
     return news;
   }
@@ -202,14 +225,15 @@ private:
     return hn::Sub(Splat(1.0f), Exp2(hn::Neg(hn::Mul(extinction, Splat(channel.UnitDistance)))));
   }
 
-  /// Makes the pixels of the rays those of one value of each channel, in the lanes of `lanes`;
-  /// returns those that are visible.
-  HWY_NOINLINE Mf Show(const Vf* values, const Mf* lanes)
+  /// Makes the pixels of the rays those of one value of each channel, in the lanes of `lanes`; they
+  /// are where the first channel that is visible is. Returns those that are visible.
+  HWY_NOINLINE Mf Show(const Vf* values, const Mf* lanes, const Vf* places)
   {
     const Vf zero = hn::Zero(Df());
     const Vf one = Splat(1.0f);
     Vec3 color{ zero, zero, zero };
     Vf sum = zero;
+    Vf first = this->State.Out.FirstVisible;
     for (std::size_t c = 0; c < this->Scene.Channels.size(); ++c)
     {
       const PacketChannel& channel = this->Scene.Channels[c];
@@ -223,12 +247,14 @@ private:
         shows, hn::Mul(Splat(channel.Weight), this->OpacityOver(extinction, channel)));
       const Vec3 own = this->IsDependent() ? DependentColor(this->Scene, values) : lookup.Color();
       color = MulAdd(alpha, own, color);
+      first = hn::IfThenElse(hn::And(hn::Eq(sum, zero), hn::Gt(alpha, zero)), places[c], first);
       sum = hn::Add(sum, alpha);
     }
     const Vf shown = hn::Min(sum, one);
     this->State.Out.Color = { hn::Min(color.x, shown), hn::Min(color.y, shown),
       hn::Min(color.z, shown) };
     this->State.Out.Transmittance = hn::Sub(one, shown);
+    this->State.Out.FirstVisible = first;
     return hn::Gt(shown, zero);
   }
 
@@ -237,6 +263,7 @@ private:
   PacketCompositor<T>& Samples;
   PacketState& State;
   Vf Extremes[LargestNumberOfComponents]; ///< by channel
+  Vf Places[LargestNumberOfComponents];   ///< by channel: t where these are
   Vf Kept[LargestNumberOfComponents];     ///< values of all components where these are
   Vf Sums[LargestNumberOfComponents];     ///< by channel
   Vf Lengths[LargestNumberOfComponents];  ///< over which these are

@@ -134,6 +134,9 @@ HWY_INLINE bool HasRowsOfCells(const PacketVolume& v, const SampleCells& cells, 
     di, hn::And(hn::RebindMask(di, lanes), hn::Or(hn::Eq(first, zero), hn::Eq(last, zero))));
 }
 
+/// What is read in the place of the voxels around cells that no lane is in.
+alignas(64) constexpr char NoVoxels[256] = {};
+
 /// A view of the voxels that the 32-bit offsets of some lanes can reach.
 class VoxelsInReach
 {
@@ -146,8 +149,12 @@ public:
     this->Volume = &v;
     Vi z = cells.Z;
     int slice = 1;
-    if (HWY_UNLIKELY(v.SlicesInReach > 0))
+    if (HWY_UNLIKELY(v.SlicesInReach != 0))
     {
+      if (v.SlicesInReach < 0)
+      {
+        return this->FitThin(v, cells, lanes, offsets);
+      }
       const int first = FindFirstSlice(cells, lanes);
       this->Shifted = v;
       this->Shifted.Scalars = static_cast<const char*>(v.Scalars) +
@@ -168,6 +175,31 @@ public:
   HWY_INLINE const PacketVolume& Get() const { return *this->Volume; }
 
 private:
+  /// Fit() where some cell is not known to have voxels on all sides: that of one of `lanes` is
+  /// taken, if there are any.
+  HWY_NOINLINE void FitThin(
+    const PacketVolume& v, const SampleCells& cells, Mf lanes, int (&offsets)[16])
+  {
+    const Di di;
+    if (hn::AllFalse(Df(), lanes))
+    {
+      this->Shifted = v;
+      this->Shifted.Scalars = NoVoxels + sizeof(NoVoxels) / 4;
+      this->Shifted.IncrementY = 0;
+      this->Shifted.IncrementZ = 0;
+      this->Volume = &this->Shifted;
+      return hn::Store(hn::Zero(di), di, offsets);
+    }
+    const Vi offset = hn::Add(hn::Mul(cells.X, hn::Set(di, v.Components)),
+      hn::Add(
+        hn::Mul(cells.Y, hn::Set(di, v.IncrementY)), hn::Mul(cells.Z, hn::Set(di, v.IncrementZ))));
+    const auto ofLanes = hn::RebindMask(di, lanes);
+    const Vi safe = hn::MinOfLanes(di, hn::IfThenElse(ofLanes, offset, hn::Set(di, LargestOffset)));
+    hn::Store(hn::IfThenElse(ofLanes, offset, safe), di, offsets);
+  }
+
+  static constexpr int LargestOffset = 2147483647;
+
   const PacketVolume* Volume = nullptr;
   PacketVolume Shifted;
 };
@@ -524,7 +556,7 @@ public:
   /// Whether Repeat() can be used: not where a slice may be out of reach, or a line too short.
   static HWY_INLINE bool CanRepeat(const PacketVolume& v)
   {
-    return !v.Nearest && v.SlicesInReach == 0 && v.Dimensions[0] >= 4;
+    return !v.Nearest && v.SlicesInReach <= 0 && v.Dimensions[0] >= 4;
   }
 
   /// As OffsetRows::Fit().

@@ -794,9 +794,7 @@ private:
       inner[a] = Splat(middle - 1.0f - r);
     }
     const float samples = static_cast<float>(segment.SamplesPerPart);
-    const ValuePeaks::Grid* const peaks = scene.Peaks
-      ? scene.Peaks->FindGrid(2.0f * std::max({ radius[0], radius[1], radius[2] }))
-      : nullptr;
+    const float extent = 2.0f * std::max({ radius[0], radius[1], radius[2] });
     const float perSample = 1.0f / static_cast<float>(segment.Samples);
     const float toMiddle =
       0.5f * static_cast<float>(segment.SamplesPerPart - this->CountSamplesBefore());
@@ -836,14 +834,15 @@ private:
             static_cast<std::int64_t>(hn::CountTrue(d, seen));
           seen = query.MayShow(at, seen);
         }
-        if (HWY_UNLIKELY(scene.Peaks != nullptr))
+        for (std::size_t c = 0; HWY_UNLIKELY(c < scene.Peaks.size()); ++c)
         {
+          const ValuePeaks::Grid* const peaks = scene.Peaks[c].Values->FindGrid(extent);
           const Vi codes = peaks
             ? PeaksFrom(*peaks, Sub(at, { Splat(radius[0]), Splat(radius[1]), Splat(radius[2]) }))
             : hn::Set(di, ValuePeaks::LastCode);
           const hn::Rebind<std::uint8_t, Df> du8;
           hn::StoreU(hn::DemoteTo(du8, codes), du8,
-            segment.Peaks[static_cast<std::size_t>(part)].data() + first);
+            segment.Peaks[c][static_cast<std::size_t>(part)].data() + first);
         }
         const Vi bit = hn::Set(di, static_cast<int>(1u << part));
         needed = hn::Or(needed, hn::IfThenElseZero(hn::RebindMask(di, seen), bit));

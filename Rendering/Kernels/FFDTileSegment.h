@@ -30,6 +30,9 @@ constexpr int LargestNumberOfParts = 32;
 /// Parts that are queried together.
 constexpr int PartsAtOnce = 8;
 
+/// Largest number of channels whose extremes are looked for.
+constexpr int LargestNumberOfChannels = 4;
+
 /// A vector at each of the 16 nodes, by component.
 using NodeVectors = std::array<std::array<float, TileNodes>, 3>;
 
@@ -81,9 +84,10 @@ struct alignas(64) TileSegment
   /// exist.
   alignas(64) std::array<std::uint32_t, BlocksPerTile> Needed;
   alignas(64) std::array<std::uint32_t, BlocksPerTile> Inside;
-  /// Where extremes are looked for, a bound of the values of each needed part: a code of
-  /// ValuePeaks.
-  alignas(64) std::array<std::array<std::uint8_t, BlocksPerTile>, LargestNumberOfParts> Peaks;
+  /// Where extremes are looked for, a bound of the values of each channel in each needed part: a
+  /// code of ValuePeaks.
+  using PartPeaks = std::array<std::array<std::uint8_t, BlocksPerTile>, LargestNumberOfParts>;
+  alignas(64) std::array<PartPeaks, LargestNumberOfChannels> Peaks;
   int SamplesPerPart = 1;
   int Parts = 0;
   int KnownParts = 0;

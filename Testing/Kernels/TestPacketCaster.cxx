@@ -35,15 +35,19 @@ double BlobValue(const glm::dvec3& p)
   return std::round(100.0 * std::min(1.0, a + 0.8 * b));
 }
 
+const glm::ivec3 WholeVolume(39, 31, 27);
+
 /// A scene with everything a frame needs, and two ways to render it.
 class TestScene
 {
 public:
-  /// `wholeRange`: the values are spread over all that integers of the type can be.
-  explicit TestScene(ScalarType type, std::uint32_t seed = 1, bool wholeRange = false)
+  /// `wholeRange`: the values are spread over all that integers of the type can be. `dims`: of a
+  /// part in the middle of the whole volume.
+  explicit TestScene(ScalarType type, std::uint32_t seed = 1, bool wholeRange = false,
+    const glm::ivec3& dims = WholeVolume)
     : Random(seed)
   {
-    const glm::ivec3 dims(39, 31, 27);
+    const glm::ivec3 first = (WholeVolume - dims) / 2;
     this->Scene.Volume.Dimensions = dims;
     this->Scene.Volume.Type = type;
     this->Scene.Volume.Increments[0] = 1;
@@ -51,7 +55,8 @@ public:
     this->Scene.Volume.Increments[2] = static_cast<std::int64_t>(dims.x) * dims.y;
     this->Scene.Volume.IndexToData = glm::dmat3(1.0, 0, 0, 0, 1.2, 0, 0, 0, 1.5);
     this->Scene.Volume.DataToIndex = glm::inverse(this->Scene.Volume.IndexToData);
-    this->Scene.Volume.FirstVoxel = glm::dvec3(100.0, -50.0, 7.0);
+    this->Scene.Volume.FirstVoxel =
+      glm::dvec3(100.0, -50.0, 7.0) + this->Scene.Volume.IndexToData * glm::dvec3(first);
     DispatchScalarType(type, [&](auto zero) {
       using T = decltype(zero);
       if (wholeRange)
@@ -68,7 +73,7 @@ public:
         {
           for (int i = 0; i < dims.x; ++i)
           {
-            const double part = 0.01 * BlobValue(glm::dvec3(i, j, k));
+            const double part = 0.01 * BlobValue(glm::dvec3(first + glm::ivec3(i, j, k)));
             *voxel++ = static_cast<T>(std::round(this->First + part * (this->Last - this->First)));
           }
         }
@@ -546,6 +551,43 @@ TEST(PacketCaster, OffsetsFromANearSlice)
 
 constexpr BlendMode AllModes[] = { BlendMode::Composite, BlendMode::Maximum, BlendMode::Minimum,
   BlendMode::Average, BlendMode::Additive, BlendMode::Isosurface, BlendMode::Slice };
+
+TEST(PacketCaster, ThinVolumes)
+{
+  // No cell has neighbors on all sides.
+  for (const glm::ivec3& dims :
+    { glm::ivec3(39, 31, 2), glm::ivec3(39, 31, 3), glm::ivec3(39, 2, 27), glm::ivec3(3, 31, 27),
+      glm::ivec3(2, 31, 27), glm::ivec3(2, 3, 27), glm::ivec3(3, 2, 2) })
+  {
+    SCOPED_TRACE(
+      std::to_string(dims.x) + " " + std::to_string(dims.y) + " " + std::to_string(dims.z));
+    for (const ScalarType type : { ScalarType::UInt8, ScalarType::Int16, ScalarType::Float64 })
+    {
+      for (const BlendMode mode : AllModes)
+      {
+        SCOPED_TRACE("mode " + std::to_string(static_cast<int>(mode)));
+        TestScene scene(type, 3, false, dims);
+        scene.SetDeformation(type == ScalarType::Int16 ? 0.0 : 0.1, PullBackKind::Exact);
+        scene.Settings.ErrorBound.PositionTolerance = 0.002;
+        scene.SetCamera(true, 61, 45);
+        scene.SetBlendMode(mode);
+        scene.UpdateLeaps();
+        const TestScene::Picture reference = scene.Render(true);
+        ForEveryTarget([&] {
+          const TestScene::Picture packets = scene.Render(false);
+          // Pixels on the edge of what is hit are hit or not.
+          const Difference colors = Compare(packets.Colors, reference.Colors);
+          EXPECT_LT(
+            colors.Mean, mode == BlendMode::Additive || mode == BlendMode::Isosurface ? 0.3 : 0.1);
+          // The one was not rendered as the other.
+          EXPECT_TRUE(mode != BlendMode::Composite || colors.Largest > 0.0);
+          EXPECT_LT(Compare(packets.Depths, reference.Depths).Mean, 0.2);
+          EXPECT_TRUE(dims.x < 4 || mode == BlendMode::Slice || packets.Statistics.Samples > 100);
+        });
+      }
+    }
+  }
+}
 
 TEST(PacketCaster, BlendModes)
 {

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Blend modes, cropping and clipping planes of the mapper from Python, against closed forms."""
 
+import itertools
 import time
 import unittest
 
@@ -252,21 +253,21 @@ class TestComponentsAndMasks(unittest.TestCase):
         volume.SetProperty(prop)
         return mapper, prop, volume
 
-    def render(self, mapper, volume, seconds=None):
+    def render(self, mapper, volume, seconds=None, size=96):
         renderer = vtkRenderer()
         renderer.AddVolume(volume)
         renderer.GetActiveCamera().Azimuth(25)
         renderer.ResetCamera(0, self.size - 1, 0, self.size - 1, 0, self.size - 1)
         colors = vtkImageData()
         depths = vtkImageData()
-        self.assertEqual(mapper.RenderToImage(renderer, volume, 96, 96, colors, depths), 1)
+        self.assertEqual(mapper.RenderToImage(renderer, volume, size, size, colors, depths), 1)
         if seconds is not None:
             start = time.process_time()
-            mapper.RenderToImage(renderer, volume, 96, 96, colors, depths)
+            mapper.RenderToImage(renderer, volume, size, size, colors, depths)
             seconds.append(time.process_time() - start)
-        rgba = vtk_to_numpy(colors.GetPointData().GetScalars()).reshape(96, 96, 4).astype(float)
+        rgba = vtk_to_numpy(colors.GetPointData().GetScalars()).reshape(size, size, 4).astype(float)
         rgba[..., :3] *= rgba[..., 3:] / 255.0
-        return rgba, vtk_to_numpy(depths.GetPointData().GetScalars()).reshape(96, 96)
+        return rgba, vtk_to_numpy(depths.GetPointData().GetScalars()).reshape(size, size)
 
     def compare(self, mapper, volume, what):
         fast, depths = self.render(mapper, volume)
@@ -294,6 +295,39 @@ class TestComponentsAndMasks(unittest.TestCase):
                         off = self.render(mapper, volume)[0]
                         numpy.testing.assert_allclose(off, picture, atol=1.0, err_msg=what)
                     self.assertLess(numpy.abs(picture - expected).mean(), 0.1, what)
+
+    @staticmethod
+    def count_samples(mapper):
+        statistics = mapper.GetStatistics()
+        return statistics.GetSamplesPerRay() * statistics.GetNumberOfRays()
+
+    def test_extremes_of_components_leap(self):
+        # Noise beside the blobs: bounds of parts must hold for each component by itself.
+        random = numpy.random.default_rng(7)
+        fields = [numpy.kron(f, numpy.ones((3, 3, 3))) for f in self.fields]
+        fields = [numpy.clip(f + random.integers(0, 10, f.shape), 0, 255) for f in fields]
+        for mode, components, dtype in itertools.product(
+                ("maximum", "minimum"), (2, 3, 4), (numpy.uint8, numpy.float32)):
+            what = f"{mode}, {components}, {dtype}"
+            mapper, _, volume = self.make_scene(components, dtype, False, mode)
+            image = vtkImageData()
+            image.SetDimensions(3 * [3 * self.size])
+            image.SetSpacing(3 * [(self.size - 1) / (3 * self.size - 1)])
+            image.GetPointData().SetScalars(numpy_to_vtk(numpy.stack(
+                [255.0 - f.ravel() if mode == "minimum" else f.ravel()
+                 for f in fields[:components]], axis=-1).astype(dtype), deep=True))
+            mapper.SetInputData(image)
+            mapper.CollectStatisticsOn()
+            leaping, near = self.render(mapper, volume, size=256)
+            samples = self.count_samples(mapper)
+            mapper.SetSpaceLeapingToOff()
+            all_samples, far = self.render(mapper, volume, size=256)
+            # Of the least values, which are opaque where no blob is, only bounds of values tell.
+            most = 0.75 if mode == "maximum" else 0.99
+            self.assertLess(samples, most * self.count_samples(mapper), what)
+            numpy.testing.assert_allclose(leaping, all_samples, atol=1.0, err_msg=what)
+            # Depths are those of the first component that is seen.
+            self.assertGreater((numpy.abs(near - far) < 1e-5).mean(), 0.99, what)
 
     def test_masks(self):
         half = numpy.ones((self.size, self.size, self.size))
