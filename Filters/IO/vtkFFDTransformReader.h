@@ -40,7 +40,9 @@
  *   to a folder below it. The folder of the file that the header is a link to counts, too. Vectors
  *   are in LPS and in millimeters, in NIfTI too (ITK's convention, that of ANTs and elastix; with
  *   intent 1006 NIfTI's are RAS), where xyzt_units (meters, millimeters, microns) holds for the
- *   grid. They are interpolated linearly.
+ *   grid. Deformations of SPM (y_*.nii) and NiftyReg are told by their intent name: vectors in RAS,
+ *   displacements or positions; control points and velocities of NiftyReg are refused. They are
+ *   interpolated linearly.
  * - A lattice as image data (.vti), as vtkFFDLattice::ToImageData() and vtkXMLImageDataWriter
  *   write.
  *

@@ -189,6 +189,66 @@ class TestTransformReader(unittest.TestCase):
         flipped = [(p, p + np.subtract(q, p) * (-1, -1, 1)) for p, q in pairs]
         self.assertLess(largest_error(reader.GetTransform(), flipped), 1e-4)
 
+    def read_bytes(self, name, content):
+        path = os.path.join(TEMPORARY, name)
+        with open(path, "wb") as file:
+            file.write(content)
+        return read(path)
+
+    def test_nifti_of_spm_and_niftyreg(self):
+        # The same transform as each of them writes it: RAS, as displacements or as positions.
+        for name in ("field_oblique.nii", "field_flipped.nii"):
+            pairs = golden("points.json")[name]
+            content = self.field_bytes(name)
+            nx, ny, nz = struct.unpack_from("<3h", content, 42)
+            rows = np.array(struct.unpack_from("<12f", content, 280)).reshape(3, 4)
+            lps = np.frombuffer(bytes(content[352:]), "<f4").astype(float).reshape(3, nz, ny, nx)
+            vectors = lps * np.array((-1, -1, 1)).reshape(3, 1, 1, 1)
+            k, j, i = np.mgrid[:nz, :ny, :nx]
+            nodes = np.einsum("rc,c...->r...", rows, np.stack((i, j, k, np.ones_like(i))))
+            for intent, parameter, values in (("Mapping", 0, nodes + vectors),
+                                              ("NREG_TRANS", 0, nodes + vectors),
+                                              ("NREG_TRANS", 1, vectors)):
+                with self.subTest((name, intent, parameter)):
+                    struct.pack_into("<f", content, 56, parameter)
+                    struct.pack_into("<16s", content, 328, intent.encode())
+                    content[352:] = values.astype("<f4").tobytes()
+                    transform = self.read_bytes("other.nii", content).GetTransform()
+                    self.assertLess(largest_error(transform, pairs), 1e-4)
+            struct.pack_into("<f", content, 56, 2)
+            self.check_refused("other.nii", bytes(content), "reg_transform -disp")
+
+    def test_legal_variants_of_fields(self):
+        def check(name, *replacements, as_name=None):
+            content = bytes(self.field_bytes(name))
+            for old, new in replacements:
+                self.assertIn(old, content)
+                content = content.replace(old, new, 1)
+            with self.subTest((name, replacements)):
+                transform = self.read_bytes(as_name or name, content).GetTransform()
+                self.assertIsNotNone(transform)
+                self.assertLess(largest_error(transform, golden("points.json")[name]), 1e-4)
+
+        shutil.copy(os.path.join(FOLDER, "field_oblique.raw"), TEMPORARY)
+        mha = "field_oblique.mha"
+        check(mha, (b"CompressedData", b"ElementByteOrderMSB = False\nCompressedData"))
+        check(mha, (b"CenterOf", b"Position = -3 7 11\nComment = a\nComment = b\nCenterOf"))
+        check(mha, (b"BinaryData = True", b"BinaryData = TRUE"), (b"MSB = False", b"MSB = FALSE"))
+        check(mha, (b"CenterOf", b"HeaderSize = 0\nCenterOf"))
+        check("field_oblique.mhd", (b"= field_oblique.raw", b"= ./field_oblique.raw"))
+        check("field_oblique.nrrd", (b"type:", b"Type:"), (b"encoding: raw", b"Encoding: RAW"),
+              (b"left-posterior-superior", b"Left-Posterior-Superior"))
+        nan = struct.pack("<2f", np.nan, np.nan)
+        content = self.field_bytes("field_oblique.nii")
+        content[112:120] = nan
+        transform = self.read_bytes("slope.nii", content).GetTransform()
+        self.assertLess(largest_error(transform, golden("points.json")["field_oblique.nii"]), 1e-4)
+        # Two lines that say different things are none that can be followed.
+        content = bytes(self.field_bytes(mha)).replace(b"CenterOf", b"Position = 1 2 3\nCenterOf")
+        self.check_refused("differs.mha", content, "two lines of 'Offset' that differ")
+        content = content.replace(b"Position = 1 2 3\n", b"").replace(b"= LOCAL", b"= ./../x.raw")
+        self.check_refused("outside.mha", content, "same folder")
+
     def test_gzip_of_several_members(self):
         pairs = golden("points.json")["field_oblique.nii.gz"]
         content = gzip.decompress(bytes(self.field_bytes("field_oblique.nii.gz")))

@@ -90,6 +90,12 @@ bool SetFieldGrid(FieldHeader& header, const glm::dmat3& axes, std::string& erro
 }
 
 //------------------------------------------------------------------------------
+std::string_view WithoutHere(std::string_view name)
+{
+  return name.substr(0, 2) == "./" ? name.substr(2) : name;
+}
+
+//------------------------------------------------------------------------------
 bool IsPlainFileName(std::string_view name)
 {
   return !name.empty() && name.size() < 256 && name != "." && name != ".." &&
@@ -128,6 +134,8 @@ bool DecodeField(
   step.Type = TransformStep::Kind::Field;
   step.Grid = header.Grid;
   step.Values.resize(count);
+  const std::size_t rowLength = static_cast<std::size_t>(header.Grid.Size.x);
+  const std::size_t rows = static_cast<std::size_t>(header.Grid.Size.y);
   for (std::size_t i = 0; i < count; ++i)
   {
     for (std::size_t a = 0; a < 3; ++a)
@@ -144,6 +152,11 @@ bool DecodeField(
         return false;
       }
       step.Values[i][static_cast<int>(a)] = header.VectorsInRas && a < 2 ? -value : value;
+    }
+    if (header.HoldsPositions)
+    {
+      const glm::dvec3 index(i % rowLength, i / rowLength % rows, i / rowLength / rows);
+      step.Values[i] -= header.Grid.Origin + header.Grid.Direction * (index * header.Grid.Spacing);
     }
   }
   return true;

@@ -41,8 +41,10 @@ struct FFD_IO_EXPORT FieldHeader
   std::string DataFile;
   /// Offset of the data, bytes; for NIfTI in the (decompressed) file.
   std::size_t Offset = 0;
-  /// The vectors are in RAS (NIfTI's intent 1006), not in LPS.
+  /// The vectors are in RAS (NIfTI's intent 1006, SPM, NiftyReg), not in LPS.
   bool VectorsInRas = false;
+  /// The vectors are where the nodes are moved to, not by how much.
+  bool HoldsPositions = false;
   /// Displacement = Slope * number + Intercept.
   double Slope = 1.0;
   double Intercept = 0.0;
@@ -65,8 +67,9 @@ constexpr std::size_t LargestField = std::size_t(1) << 27;
  * in another folder, an encoding that is not supported. ITK's conventions: the vectors are in LPS
  * as they are; MetaImage's geometry is LPS, NRRD's as its "space" says, that of NIfTI is RAS, from
  * the sform where there is one, else from the qform, else from the pixel sizes, in millimeters
- * after its xyzt_units (meters, millimeters, microns); vectors of NIfTI's intent 1006 are RAS, and
- * in none of its files they are scaled by the units.
+ * after its xyzt_units (meters, millimeters, microns); vectors of NIfTI's intent 1006 are RAS, as
+ * those of SPM (intent name "Mapping", positions) and NiftyReg ("NREG_TRANS", positions or
+ * displacements), and in none of its files they are scaled by the units.
  */
 FFD_IO_EXPORT bool ParseMetaImageHeader(
   std::string_view bytes, FieldHeader& header, std::string& error);

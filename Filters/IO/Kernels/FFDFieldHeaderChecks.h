@@ -20,6 +20,9 @@ namespace ffd
 /// checks the grid. False, and what is wrong.
 bool SetFieldGrid(FieldHeader& header, const glm::dmat3& axes, std::string& error);
 
+/// The name without "./" before it, as some programs write it.
+std::string_view WithoutHere(std::string_view name);
+
 /// A file in the same folder, no path: a header from elsewhere shall not open what it likes.
 bool IsPlainFileName(std::string_view name);
 

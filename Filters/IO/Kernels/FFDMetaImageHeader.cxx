@@ -17,10 +17,12 @@ namespace
 
 using Number = FieldHeader::Number;
 
+/// As MetaIO: the first letter tells.
 bool ReadBool(std::string_view text, bool& value)
 {
-  value = text == "True" || text == "true" || text == "1";
-  return value || text == "False" || text == "false" || text == "0";
+  const std::string_view first = text.substr(0, 1);
+  value = first == "T" || first == "t" || first == "1";
+  return value || first == "F" || first == "f" || first == "0";
 }
 
 glm::dmat3 Rows(const std::vector<double>& numbers)
@@ -67,9 +69,11 @@ bool ParseMetaImageHeader(std::string_view bytes, FieldHeader& header, std::stri
     key = key == "Position" || key == "Origin" ? "Offset" : key;
     key = key == "Rotation" || key == "Orientation" ? "TransformMatrix" : key;
     key = key == "ElementByteOrderMSB" ? "BinaryDataByteOrderMSB" : key;
-    if (!keys.emplace(key, Trim(line.substr(equals + 1))).second)
+    const std::string_view value = Trim(line.substr(equals + 1));
+    // Some programs write an older name beside the newer one.
+    if (key != "Comment" && keys.emplace(key, value).first->second != value)
     {
-      error = "there are two lines of " + Quote(key);
+      error = "there are two lines of " + Quote(key) + " that differ";
       return false;
     }
     complete = key == "ElementDataFile";
@@ -89,7 +93,7 @@ bool ParseMetaImageHeader(std::string_view bytes, FieldHeader& header, std::stri
     error = "it is no 3-D image with 3 channels (ObjectType, NDims, ElementNumberOfChannels)";
     return false;
   }
-  if (keys.count("HeaderSize") != 0)
+  if (value("HeaderSize", "0") != "0")
   {
     error = "HeaderSize is not supported";
     return false;
@@ -151,7 +155,7 @@ bool ParseMetaImageHeader(std::string_view bytes, FieldHeader& header, std::stri
     }
     axes[a] *= spacing[static_cast<std::size_t>(a)];
   }
-  const std::string_view file = value("ElementDataFile", "");
+  const std::string_view file = WithoutHere(value("ElementDataFile", ""));
   if (file == "LOCAL" || file == "Local" || file == "local")
   {
     header.Offset = static_cast<std::size_t>(text.data() - bytes.data());

@@ -29,6 +29,35 @@ constexpr int NiftiMeters = 1;
 constexpr int NiftiMillimeters = 2;
 constexpr int NiftiMicrons = 3;
 constexpr int NiftiSpaceUnits = 7; // bits of xyzt_units
+// What SPM and NiftyReg call what they write, as intent_name; both are in RAS.
+constexpr std::string_view SpmMapping = "Mapping";
+constexpr std::string_view NiftyRegTransform = "NREG_TRANS";
+constexpr double NiftyRegPositions = 0.0;
+constexpr double NiftyRegDisplacements = 1.0;
+
+/// Finds what the vectors are. False for what is neither displacements nor positions.
+bool FindMeaning(
+  std::string_view name, int intent, double parameter, FieldHeader& header, std::string& error)
+{
+  header.VectorsInRas = intent == NiftiDisplacementIntent;
+  if (name == SpmMapping)
+  {
+    header.VectorsInRas = true;
+    header.HoldsPositions = true;
+  }
+  else if (name == NiftyRegTransform)
+  {
+    header.VectorsInRas = true;
+    header.HoldsPositions = parameter == NiftyRegPositions;
+    if (!header.HoldsPositions && parameter != NiftyRegDisplacements)
+    {
+      error = "it holds control points or velocities of NiftyReg; write displacements with "
+              "reg_transform -disp";
+      return false;
+    }
+  }
+  return true;
+}
 
 } // namespace
 
@@ -101,12 +130,9 @@ bool ParseNiftiHeader(std::string_view bytes, FieldHeader& header, std::string& 
   header.Offset = static_cast<std::size_t>(offset);
   header.Slope = real(112);
   header.Intercept = real(116);
-  if (!std::isfinite(header.Slope) || !std::isfinite(header.Intercept))
-  {
-    error = "the scaling (scl_slope, scl_inter) is not finite";
-    return false;
-  }
-  if (header.Slope == 0.0)
+  // As in NIfTI's own library, what is no number is no scaling.
+  header.Intercept = std::isfinite(header.Intercept) ? header.Intercept : 0.0;
+  if (header.Slope == 0.0 || !std::isfinite(header.Slope))
   {
     header.Slope = 1.0; // no scaling
     header.Intercept = 0.0;
@@ -179,8 +205,9 @@ bool ParseNiftiHeader(std::string_view bytes, FieldHeader& header, std::string& 
   {
     axes[a] *= flip;
   }
-  header.VectorsInRas = integer(68) == NiftiDisplacementIntent;
-  return SetFieldGrid(header, axes, error);
+  const std::string_view name = bytes.substr(328, 16);
+  return FindMeaning(name.substr(0, name.find('\0')), integer(68), real(56), header, error) &&
+    SetFieldGrid(header, axes, error);
 }
 
 //------------------------------------------------------------------------------

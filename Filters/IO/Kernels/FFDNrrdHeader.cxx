@@ -53,7 +53,8 @@ bool ParseNrrdHeader(std::string_view bytes, FieldHeader& header, std::string& e
   }
   std::string_view text = bytes.substr(0, LargestFieldHeader);
   TakeLine(text);
-  std::map<std::string_view, std::string_view> fields;
+  // Names and words of the format are the same in capital letters.
+  std::map<std::string, std::string_view> fields;
   bool complete = false;
   while (!text.empty() && !complete)
   {
@@ -77,7 +78,7 @@ bool ParseNrrdHeader(std::string_view bytes, FieldHeader& header, std::string& e
     {
       continue; // a key/value pair, of no meaning to the format
     }
-    std::string_view key = Trim(line.substr(0, colon));
+    std::string key = ToLower(Trim(line.substr(0, colon)));
     key = key == "datafile" ? "data file" : key;
     if (!fields.emplace(key, Trim(line.substr(colon + 1))).second)
     {
@@ -85,11 +86,14 @@ bool ParseNrrdHeader(std::string_view bytes, FieldHeader& header, std::string& e
       return false;
     }
   }
-  const auto value = [&fields](std::string_view key, std::string_view otherwise) {
+  const auto value = [&fields](const char* key, std::string_view otherwise) {
     const auto found = fields.find(key);
     return found == fields.end() ? otherwise : found->second;
   };
-  const std::string_view file = value("data file", "");
+  const auto word = [&value](const char* key, std::string_view otherwise) {
+    return ToLower(value(key, otherwise));
+  };
+  const std::string_view file = WithoutHere(value("data file", ""));
   if (!complete && file.empty())
   {
     error = "the header does not end with an empty line in the first 64 kB";
@@ -112,21 +116,21 @@ bool ParseNrrdHeader(std::string_view bytes, FieldHeader& header, std::string& e
     { "int32", Number::Int32 }, { "int32_t", Number::Int32 }, { "uint", Number::UInt32 },
     { "unsigned int", Number::UInt32 }, { "uint32", Number::UInt32 },
     { "uint32_t", Number::UInt32 }, { "float", Number::Float32 }, { "double", Number::Float64 } };
-  const auto type = types.find(value("type", ""));
+  const auto type = types.find(word("type", ""));
   if (type == types.end())
   {
     error = "the type is " + Quote(value("type", "")) + ", which is not supported";
     return false;
   }
   header.Type = type->second;
-  const std::string_view encoding = value("encoding", "");
+  const std::string encoding = word("encoding", "");
   header.Compressed = encoding == "gzip" || encoding == "gz";
   if (!header.Compressed && encoding != "raw")
   {
     error = "the encoding is " + Quote(encoding) + ", not raw or gzip";
     return false;
   }
-  const std::string_view endian = value("endian", header.GetNumberSize() == 1 ? "little" : "");
+  const std::string endian = word("endian", header.GetNumberSize() == 1 ? "little" : "");
   header.BigEndian = endian == "big";
   if (!header.BigEndian && endian != "little")
   {
@@ -155,9 +159,9 @@ bool ParseNrrdHeader(std::string_view bytes, FieldHeader& header, std::string& e
     header.DataFile = std::string(file);
   }
 
-  const std::string_view space = value("space", "left-posterior-superior");
-  const bool ras = space == "right-anterior-superior" || space == "RAS";
-  if (!ras && space != "left-posterior-superior" && space != "LPS")
+  const std::string space = word("space", "left-posterior-superior");
+  const bool ras = space == "right-anterior-superior" || space == "ras";
+  if (!ras && space != "left-posterior-superior" && space != "lps")
   {
     error =
       "the space is " + Quote(space) + ", not left-posterior-superior or right-anterior-superior";

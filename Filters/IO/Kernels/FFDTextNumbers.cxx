@@ -34,6 +34,17 @@ std::string_view Trim(std::string_view text)
 }
 
 //------------------------------------------------------------------------------
+std::string ToLower(std::string_view text)
+{
+  std::string lower(text);
+  for (char& c : lower)
+  {
+    c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  }
+  return lower;
+}
+
+//------------------------------------------------------------------------------
 std::string Quote(std::string_view text)
 {
   std::string quoted = "'";

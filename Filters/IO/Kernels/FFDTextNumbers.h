@@ -16,6 +16,8 @@ constexpr double LargestNumber = 1e12;
 
 /// Without the blanks at both ends.
 std::string_view Trim(std::string_view text);
+/// With small letters for the capital ones of ASCII.
+std::string ToLower(std::string_view text);
 /// A piece of foreign text for a message: short and printable.
 std::string Quote(std::string_view text);
 /// Take the next line off the front.
