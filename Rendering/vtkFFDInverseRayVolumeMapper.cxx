@@ -5,11 +5,13 @@
 #include "vtkFFDFrameOutput.h"
 #include "vtkFFDGuard.h"
 #include "vtkFFDInverseRayVolumeMapperInternals.h"
+#include "vtkFFDPipeline.h"
 #include "vtkFFDProbeView.h"
 
 #include "FFDSurfaceSearch.h"
 
 #include "vtkAbstractTransform.h"
+#include "vtkAlgorithmOutput.h"
 #include "vtkGarbageCollector.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -490,10 +492,13 @@ vtkMTimeType vtkFFDInverseRayVolumeMapper::GetSettingsTime()
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::Update()
 {
-  if (vtkAlgorithm* producer = this->GetInputAlgorithm())
+  vtkAlgorithmOutput* connection =
+    this->GetNumberOfInputConnections(0) > 0 ? this->GetInputConnection(0, 0) : nullptr;
+  if (connection)
   {
     // Others may have asked for a part of the extent since; that would be asked for again.
-    producer->UpdateWholeExtent();
+    // vtkAlgorithm::UpdateWholeExtent() would ask for the whole of the first output only.
+    vtkFFDUpdateWhole(connection, nullptr);
   }
 }
 

@@ -10,9 +10,9 @@ import numpy as np
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
-from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
-from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
-from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
+from vtkmodules.vtkCommonCore import VTK_UNSIGNED_CHAR, vtkUnsignedCharArray
+from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData, vtkPiecewiseFunction
+from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm, vtkStreamingDemandDrivenPipeline
 from vtkmodules.vtkImagingCore import vtkExtractVOI, vtkRTAnalyticSource
 from vtkmodules.vtkRenderingCore import (vtkColorTransferFunction, vtkRenderer, vtkRenderWindow,
                                          vtkVolume, vtkVolumeProperty)
@@ -307,6 +307,46 @@ class TestMapperPipeline(unittest.TestCase):
             part.Update()
             self.assertEqual(source.GetOutput().GetDimensions(), (6, 6, 6))
             self.assertEqual(ask(), bounds)
+
+    def test_part_of_the_second_output(self):
+        """The whole of the output that the mapper is connected to, whichever that is."""
+        class TwoOutputs(VTKPythonAlgorithmBase):
+            def __init__(self):
+                super().__init__(nInputPorts=0, nOutputPorts=2, outputType="vtkImageData")
+
+            def FillOutputPortInformation(self, _port, info):
+                info.Set(vtkDataObject.DATA_TYPE_NAME(), "vtkImageData")
+                return 1
+
+            def RequestInformation(self, _request, _inputs, outputs):
+                for port in range(2):
+                    info = outputs.GetInformationObject(port)
+                    info.Set(vtkStreamingDemandDrivenPipeline.WHOLE_EXTENT(), [0, N - 1] * 3, 6)
+                    info.Set(vtkAlgorithm.CAN_PRODUCE_SUB_EXTENT(), 1)
+                return 1
+
+            def RequestData(self, _request, _inputs, outputs):
+                for port in range(2):
+                    info = outputs.GetInformationObject(port)
+                    image = vtkImageData.GetData(outputs, port)
+                    image.SetExtent(info.Get(vtkStreamingDemandDrivenPipeline.UPDATE_EXTENT()))
+                    image.AllocateScalars(VTK_UNSIGNED_CHAR, 1)
+                    vtk_to_numpy(image.GetPointData().GetScalars())[:] = 200
+                return 1
+
+        source = TwoOutputs()
+        scene = Scene()
+        scene.mapper.SetInputConnection(source.GetOutputPort(1))
+        scene.mapper.SetDeformation(scene.lattice)
+        picture = scene.picture()
+        self.assertGreater(picture.max(), 0)
+        part = vtkExtractVOI()
+        part.SetInputConnection(source.GetOutputPort(1))
+        part.SetVOI(0, 5, 0, 5, 0, 5)
+        source.Modified()
+        part.Update()
+        self.assertEqual(source.GetOutputDataObject(1).GetDimensions(), (6, 6, 6))
+        np.testing.assert_array_equal(scene.picture(), picture)
 
     def test_preparation_of_a_large_volume_is_aborted(self):
         """Block ranges, then distances. Processor time is counted, which other programs do not change;
