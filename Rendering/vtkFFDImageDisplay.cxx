@@ -17,6 +17,7 @@
 #include VTK_FFD_OPENGL_HEADER
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <type_traits>
@@ -156,6 +157,40 @@ GLenum FindDepthFormat(bool ofWindow)
     : bits <= 24 ? GL_DEPTH_COMPONENT24
                  : GL_DEPTH_COMPONENT32;
 }
+
+/// Keeps what is drawn from all but the first of the buffers of colors, as long as it lives: passes
+/// such as vtkSSAOPass have positions and normals of surfaces in others, for which the quad has no
+/// values.
+class OnlyFirstColors
+{
+public:
+  OnlyFirstColors()
+  {
+    glGetIntegerv(GL_MAX_DRAW_BUFFERS, &this->Count);
+    this->Count = std::min<GLint>(this->Count, static_cast<GLint>(this->Masks.size()));
+    for (GLint i = 1; i < this->Count; ++i)
+    {
+      const GLuint buffer = static_cast<GLuint>(i);
+      glGetBooleani_v(GL_COLOR_WRITEMASK, buffer, this->Masks[buffer].data());
+      glColorMaski(buffer, GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    }
+  }
+  ~OnlyFirstColors()
+  {
+    for (GLint i = 1; i < this->Count; ++i)
+    {
+      const GLuint buffer = static_cast<GLuint>(i);
+      const std::array<GLboolean, 4>& mask = this->Masks[buffer];
+      glColorMaski(buffer, mask[0], mask[1], mask[2], mask[3]);
+    }
+  }
+  OnlyFirstColors(const OnlyFirstColors&) = delete;
+  void operator=(const OnlyFirstColors&) = delete;
+
+private:
+  GLint Count = 0;
+  std::array<std::array<GLboolean, 4>, 8> Masks{};
+};
 
 /// A framebuffer with one sample for each pixel of a rectangle of the one that is read from.
 class ResolvedDepths
@@ -366,7 +401,10 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, const Image& image, const L
     texture.second->Activate();
     program->SetUniformi(texture.first, texture.second->GetTextureUnit());
   }
-  quad->Render();
+  {
+    const OnlyFirstColors keepOthers;
+    quad->Render();
+  }
   for (const auto& texture : textures)
   {
     texture.second->Deactivate();

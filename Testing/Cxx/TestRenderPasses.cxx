@@ -100,7 +100,8 @@ private:
   }
 };
 
-/// The usual steps in a framebuffer with several samples, or without depths.
+/// The usual steps in a framebuffer with several samples, without depths, or with several buffers
+/// of colors, one of which is shown.
 class FramebufferPass : public vtkRenderPass
 {
 public:
@@ -119,8 +120,9 @@ public:
     state->PushFramebufferBindings();
     this->Framebuffer->SetContext(window);
     this->Framebuffer->PopulateFramebuffer(
-      size[0], size[1], true, 1, VTK_UNSIGNED_CHAR, this->Depth, 24, this->Samples);
+      size[0], size[1], true, this->Buffers, VTK_UNSIGNED_CHAR, this->Depth, 24, this->Samples);
     this->Framebuffer->Bind();
+    this->Framebuffer->ActivateDrawBuffers(static_cast<unsigned int>(this->Buffers));
     vtkRenderState inside(s->GetRenderer());
     inside.SetPropArrayAndCount(s->GetPropArray(), s->GetPropArrayCount());
     inside.SetFrameBuffer(this->Framebuffer);
@@ -128,7 +130,7 @@ public:
     state->PopFramebufferBindings();
     state->PushReadFramebufferBinding();
     this->Framebuffer->Bind(ReadFramebuffer);
-    this->Framebuffer->ActivateReadBuffer(0);
+    this->Framebuffer->ActivateReadBuffer(static_cast<unsigned int>(this->Buffers - 1));
     state->vtkglBlitFramebuffer(
       0, 0, size[0], size[1], 0, 0, size[0], size[1], ColorBuffer, Nearest);
     state->PopReadFramebufferBinding();
@@ -142,6 +144,7 @@ public:
 
   bool Depth = true;
   int Samples = 0;
+  int Buffers = 1; // the last one is shown
 
 private:
   vtkNew<vtkOpenGLFramebufferObject> Framebuffer;
@@ -288,11 +291,37 @@ void Check(PassScene& scene, const std::string& name, bool hides, ffdTest::Check
     figures.str());
 }
 
+/// The volume draws into the first buffer of colors alone: vtkSSAOPass has positions and normals of
+/// surfaces in the others.
+void CheckOtherBuffers(PassScene& scene, ffdTest::Checks& checks)
+{
+  scene.Opaque->VisibilityOff();
+  scene.Translucent->VisibilityOff();
+  for (const int buffers : { 1, 2, 3 })
+  {
+    vtkNew<FramebufferPass> pass;
+    pass->Buffers = buffers;
+    scene.Renderer->SetPass(pass);
+    const ffdTest::Picture with = Show(scene, scene.Ours);
+    scene.Volume->VisibilityOff();
+    const ffdTest::Distance change = scene.Compare(with, Show(scene, scene.Ours));
+    scene.Volume->VisibilityOn();
+    checks.Expect(buffers == 1 ? change.Mean >= 2.0 : change.Pixels == 0,
+      "buffer " + std::to_string(buffers) + " of colors", ffdTest::ToString(change));
+    scene.Renderer->SetPass(nullptr);
+    pass->ReleaseGraphicsResources(scene.Window);
+  }
+}
+
 } // namespace
 
 int TestRenderPasses(int argc, char* argv[])
 {
   ffdTest::Checks checks;
+  {
+    PassScene scene(argc, argv);
+    CheckOtherBuffers(scene, checks);
+  }
   {
     PassScene scene(argc, argv);
     Check(scene, "no pass", true, checks);
