@@ -27,6 +27,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 #include "vtkSmartPointer.h"
+#include "vtkSMPTools.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkStructuredPointsReader.h"
 #include "vtkXMLImageDataReader.h"
@@ -68,6 +69,16 @@ struct Placement
 {
   glm::dvec3 Origin{ 0.0 };
   glm::dmat3 Steps{ 1.0 };
+};
+
+/// What the numbers of a file mean: Slope times what is stored, plus Intercept.
+struct Scaling
+{
+  double Slope = 1.0;
+  double Intercept = 0.0;
+  int Type = VTK_FLOAT;
+
+  bool IsNone() const { return this->Slope == 1.0 && this->Intercept == 0.0; }
 };
 
 /// Keeps the first complaint of a reader, and all of them from being printed.
@@ -307,6 +318,63 @@ bool PlaceNifti(vtkNIFTIImageReader* reader, const glm::dvec3& spacing, Placemen
   return true;
 }
 
+/// VTK's reader gives what is stored. A slope of zero, or none that is a number, says that this is
+/// meant; colors are as they are.
+Scaling FindScaling(vtkNIFTIImageReader* reader, int storedType)
+{
+  constexpr int rgb = 128;
+  constexpr int rgba = 2304;
+  const int kind = reader->GetNIFTIHeader()->GetDataType();
+  const double slope = reader->GetRescaleSlope();
+  const double intercept = reader->GetRescaleIntercept();
+  Scaling scaling;
+  if (slope != 0.0 && std::isfinite(slope) && kind != rgb && kind != rgba)
+  {
+    scaling.Slope = slope;
+    scaling.Intercept = std::isfinite(intercept) ? intercept : 0.0;
+  }
+  // Single precision holds all integers of 16 bits.
+  const bool small = vtkDataArray::GetDataTypeSize(storedType) <= 2;
+  scaling.Type = small || storedType == VTK_FLOAT ? VTK_FLOAT : VTK_DOUBLE;
+  return scaling;
+}
+
+template <class From, class To>
+void Rescale(const From* from, To* to, vtkIdType count, const Scaling& scaling)
+{
+  vtkSMPTools::For(0, count, [from, to, scaling](vtkIdType first, vtkIdType last) {
+    for (vtkIdType i = first; i < last; ++i)
+    {
+      to[i] = static_cast<To>(scaling.Slope * static_cast<double>(from[i]) + scaling.Intercept);
+    }
+  });
+}
+
+/// The scalars that are meant, in the place of those that are stored.
+void ReplaceScalars(vtkPointData* data, const Scaling& scaling)
+{
+  vtkDataArray* const stored = data->GetScalars();
+  const auto meant =
+    vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(scaling.Type));
+  meant->SetNumberOfComponents(stored->GetNumberOfComponents());
+  meant->SetNumberOfTuples(stored->GetNumberOfTuples());
+  const std::string name = stored->GetName() ? stored->GetName() : "";
+  const vtkIdType count = stored->GetNumberOfValues();
+  void* const to = meant->GetVoidPointer(0);
+  switch (stored->GetDataType())
+  {
+    vtkTemplateMacro(scaling.Type == VTK_FLOAT
+        ? Rescale(static_cast<const VTK_TT*>(stored->GetVoidPointer(0)), static_cast<float*>(to),
+            count, scaling)
+        : Rescale(static_cast<const VTK_TT*>(stored->GetVoidPointer(0)), static_cast<double*>(to),
+            count, scaling));
+    default:
+      return;
+  }
+  meant->SetName(name.c_str());
+  data->SetScalars(meant);
+}
+
 /// Distances between columns and between rows as the tag Pixel Spacing (0028,0030) has them, in the
 /// reverse order. Versions of VTK differ in whether they turn it.
 void ReadPixelSpacing(const char* path, glm::dvec3& spacing)
@@ -368,6 +436,7 @@ public:
   vtkNew<Complaint> Heard;
   Placement Place;
   bool HasPlace = false;
+  Scaling Scales;
   vtkMTimeType OpenedTime = 0;
   std::string Problem;
 
@@ -399,6 +468,7 @@ bool vtkFFDVolumeReader::vtkInternals::Open(const char* path)
   using vtksys::SystemTools;
   this->Reader = nullptr;
   this->HasPlace = false;
+  this->Scales = Scaling();
   this->Problem.clear();
   this->Heard->Text.clear();
   if (!path || !*path)
@@ -531,6 +601,7 @@ void vtkFFDVolumeReader::vtkInternals::FindPlace(const char* path)
   else if (nifti)
   {
     this->HasPlace = PlaceNifti(nifti, spacing, this->Place);
+    this->Scales = FindScaling(nifti, nifti->GetDataScalarType());
   }
   else if (nrrd)
   {
@@ -649,6 +720,10 @@ int vtkFFDVolumeReader::RequestInformation(
   info->CopyEntry(from, vtkDataObject::SPACING());
   info->CopyEntry(from, vtkDataObject::DIRECTION());
   info->CopyEntry(from, vtkDataObject::POINT_DATA_VECTOR(), 1);
+  if (!in.Scales.IsNone())
+  {
+    vtkDataObject::SetPointDataActiveScalarInfo(info, in.Scales.Type, -1);
+  }
   if (in.HasPlace)
   {
     double spacing[3];
@@ -703,6 +778,10 @@ int vtkFFDVolumeReader::RequestData(
     return this->Fail();
   }
   image->ShallowCopy(read);
+  if (!in.Scales.IsNone())
+  {
+    ReplaceScalars(image->GetPointData(), in.Scales);
+  }
   vtkFFDFindArrayRanges(image->GetPointData());
   if (in.HasPlace)
   {

@@ -20,6 +20,10 @@
  * to the back, z up), in millimeters where the file tells its unit. These are the coordinates of
  * the transforms that vtkFFDTransformReader reads by default, so that a registration fits.
  *
+ * Values are those that the file means: where scl_slope and scl_inter of a NIfTI file say that they
+ * are not what is stored, they are computed, as float (of 8 and 16 bits, and of float) or double.
+ * vtkNIFTIImageReader leaves that out; vtkDICOMImageReader does it for DICOM.
+ *
  * Update() reports an error that says why a volume cannot be read: there is no such file, no
  * reader, nothing in the file, a single slice (a volume has at least two voxels along each axis),
  * compressed DICOM, a pipe or device, also as one of the data files that a header names, and one of

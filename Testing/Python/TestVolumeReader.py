@@ -6,6 +6,7 @@ read is named."""
 import os
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import unittest
@@ -13,7 +14,7 @@ import unittest
 import numpy
 import vtkffd
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData
 from vtkmodules.vtkIOLegacy import vtkStructuredPointsWriter
 from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 
@@ -71,6 +72,42 @@ class TestVolumeReader(unittest.TestCase):
         self.check_places("meters.nii")
         files.write_nifti(os.path.join(WORK, "microns.nii"), "qform", 0.001, 3)
         self.check_places("microns.nii", 1e-3)
+
+    def test_nifti_values(self):
+        """scl_slope and scl_inter, at 112 of the header; of colors, at 70, they say nothing."""
+        path = os.path.join(WORK, "scaled.nii")
+        files.write_nifti(path, "sform")
+        with open(path, "rb") as file:
+            plain = file.read()
+        stored = files.voxels().ravel()
+        nan = numpy.nan
+        for slope, intercept, factor, offset in (
+                (1.0, 0.0, 1, 0), (0.0, 5.0, 1, 0), (nan, nan, 1, 0), (1.0, -1024.0, 1, -1024),
+                (0.25, 0.0, 0.25, 0), (-2.0, 3.0, -2, 3), (2.0, nan, 2, 0)):
+            for kind, code, bits in (("<u2", 512, 16), (">f4", 16, 32), ("<i4", 8, 32)):
+                with self.subTest((slope, intercept, kind)):
+                    order = kind[0]
+                    content = bytearray(plain[:352])
+                    if order == ">":
+                        for form, at, count in (("i", 0, 1), ("h", 40, 8), ("f", 76, 11),
+                                                ("h", 252, 2), ("f", 256, 18)):
+                            values = struct.unpack_from("<%d%s" % (count, form), content, at)
+                            struct.pack_into(">%d%s" % (count, form), content, at, *values)
+                    struct.pack_into(order + "2h", content, 70, code, bits)
+                    struct.pack_into(order + "2f", content, 112, slope, intercept)
+                    with open(path, "wb") as file:
+                        file.write(content + stored.astype(kind).tobytes())
+                    reader = self.read("scaled.nii")
+                    self.assertEqual(reader.GetProblem(), "")
+                    scalars = reader.GetOutput().GetPointData().GetScalars()
+                    self.assertEqual(scalars.GetName(), "NIFTI")
+                    numpy.testing.assert_array_equal(
+                        vtk_to_numpy(scalars), factor * stored.astype(float) + offset)
+                    # Filters are told the type before they are given the data.
+                    info = vtkDataObject.GetActiveFieldInformation(
+                        reader.GetOutputInformation(0), 0, 0)
+                    self.assertEqual(info.Get(vtkDataObject.FIELD_ARRAY_TYPE()),
+                                     scalars.GetDataType())
 
     def test_nrrd(self):
         for name, space, compressed in (("lps.nrrd", "left-posterior-superior", True),
