@@ -9,6 +9,7 @@
 
 #include "FFDSingularMatrix.h"
 
+#include "vtkByteSwap.h"
 #include "vtkCommand.h"
 #include "vtkDataArray.h"
 #include "vtkDICOMImageReader.h"
@@ -117,6 +118,24 @@ class PlainNrrdReader : public vtkNrrdReader
 public:
   static PlainNrrdReader* New() { VTK_STANDARD_NEW_BODY(PlainNrrdReader); }
   vtkTypeMacro(PlainNrrdReader, vtkNrrdReader);
+
+protected:
+  /// VTK leaves the bytes of packed numbers in the order of the file.
+  int ReadDataGZip(vtkImageData* output) override
+  {
+    const vtkTypeBool swaps = this->SwapBytes;
+    this->SwapBytes = 0;
+    const int done = this->Superclass::ReadDataGZip(output);
+    this->SwapBytes = swaps;
+    if (done && swaps)
+    {
+      vtkDataArray* const scalars = output->GetPointData()->GetScalars();
+      vtkByteSwap::SwapVoidRange(scalars->GetVoidPointer(0),
+        static_cast<std::size_t>(scalars->GetNumberOfValues()),
+        static_cast<std::size_t>(scalars->GetDataTypeSize()));
+    }
+    return done;
+  }
 };
 
 std::string ReadStart(const char* path)

@@ -3,6 +3,7 @@
 """vtkFFDVolumeReader: every voxel of every format is where the file says, in LPS; what cannot be
 read is named."""
 
+import gzip
 import os
 import shutil
 import signal
@@ -116,6 +117,24 @@ class TestVolumeReader(unittest.TestCase):
             with self.subTest(name):
                 files.write_nrrd(os.path.join(WORK, name), space, compressed)
                 self.check_places(name)
+
+    def test_nrrd_of_either_byte_order(self):
+        # VTK's reader turns the bytes of raw data alone.
+        stored = files.voxels()
+        path = os.path.join(WORK, "order.nrrd")
+        for kind, name in (("u2", "unsigned short"), ("f4", "float"), ("f8", "double")):
+            for order, endian in (("<", "little"), (">", "big")):
+                for encoding, pack in (("raw", bytes), ("gzip", gzip.compress)):
+                    with self.subTest((name, endian, encoding)):
+                        header = ("NRRD0004\ntype: %s\ndimension: 3\nsizes: %d %d %d\n"
+                                  "endian: %s\nencoding: %s\n\n"
+                                  % (name, *files.SIZE, endian, encoding))
+                        with open(path, "wb") as file:
+                            file.write(header.encode("ascii")
+                                       + pack(stored.astype(order + kind).tobytes()))
+                        image = self.read("order.nrrd").GetOutput()
+                        numpy.testing.assert_array_equal(
+                            vtk_to_numpy(image.GetPointData().GetScalars()), stored.ravel())
 
     def test_nrrd_after_all_of_vtk(self):
         # "import vtk" puts vtkPNrrdReader, which needs MPI, in the place of vtkNrrdReader.
