@@ -325,9 +325,6 @@ Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<Compone
 {
   const OpticalFunctions& optics = functions->Optics;
   const ComponentOptics& first = optics.Components[0];
-  const bool tables = optics.Labels.empty() &&
-    std::all_of(optics.Components.begin(), optics.Components.end(),
-      [](const ComponentOptics& component) { return component.Plane.IsEmpty(); });
   const BlendMode mode = blending.Blend.Mode;
   const MinMaxBlocks* const shown = mask->Blocks ? &*mask->Blocks : nullptr;
   result.CanLeap = true;
@@ -338,12 +335,15 @@ Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<Compone
       FindDecidingBlocks(*blocks, *functions, blending.Blend);
     std::vector<const MinMaxBlocks*> values;
     std::vector<TransferTable> leaps(deciding.size());
-    result.CanLeap = tables && !deciding.empty();
+    result.CanLeap = !deciding.empty();
     for (std::size_t i = 0; i < deciding.size() && result.CanLeap; ++i)
     {
       values.push_back(&blocks->Blocks[deciding[i]]);
-      result.CanLeap =
-        MakeLeapTable(blending.Blend, optics.Components[deciding[i]].Table, leaps[i]);
+      // Labels do not count, nor do gradients.
+      const ComponentOptics& component = optics.Components[deciding[i]];
+      result.CanLeap = MakeLeapTable(blending.Blend,
+        component.Plane.IsEmpty() ? component.Table : component.Plane.MakeTableOfLastRow(),
+        leaps[i]);
     }
     if (result.CanLeap)
     {
@@ -357,7 +357,7 @@ Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<Compone
       }
     }
   }
-  else if (blocks->Blocks.size() == 1 && tables)
+  else if (blocks->Blocks.size() == 1 && first.Plane.IsEmpty() && optics.Labels.empty())
   {
     result.Distances = DistanceMap(blocks->Blocks[0], first.Table, tools.Parallel, shown);
   }

@@ -225,50 +225,33 @@ bool CanFetchPackets(const VolumeView& v)
     (IsThin(v) ? slice * v.Dimensions.z <= LargestReach : slice <= LargestSlice);
 }
 
-/// Whether the vector code can look up the voxels of a mask, if there is one.
+/// Whether the vector code can look up the voxels of a mask, if there is one: by the number of a
+/// row through all slices.
 bool CanLookUpMask(const VolumeView& v)
 {
-  return !v.Scalars || static_cast<double>(v.Increments[2]) <= LargestSlice;
-}
-
-/// Whether the vector code can look up the voxels of the second axis of a two-dimensional transfer
-/// function, whose offsets lead over the whole of it.
-bool CanLookUpAxis(const VolumeView& v)
-{
   return !v.Scalars ||
-    (v.Increments[0] == 1 && v.Dimensions.x >= 4 &&
-      static_cast<double>(v.Increments[2]) * v.Dimensions.z * SizeOf(v.Type) <= LargestReach);
+    (v.Increments[0] == 1 && v.Increments[2] == v.Increments[1] * v.Dimensions.y &&
+      static_cast<double>(v.Dimensions.y) * v.Dimensions.z <= LargestReach);
 }
 
-/// Whether the vector code has all components of a volume, and a table for each that is looked up.
-bool AreLookedUpInTables(const OpticalFunctions& functions, int components)
+/// Whether 32-bit offsets lead over the voxels of the second axis of a two-dimensional transfer
+/// function, of which four and more lie side by side.
+bool IsAxisInReach(const VolumeView& v)
 {
-  const bool tables = std::all_of(functions.Components.begin(), functions.Components.end(),
-    [](const ComponentOptics& optics) { return optics.Plane.IsEmpty(); });
-  return tables && components <= SampleClassifier::LargestNumberOfComponents &&
-    (functions.Kind != ComponentKind::Independent ||
-      static_cast<int>(functions.Components.size()) == components);
+  return v.Increments[0] == 1 && v.Dimensions.x >= 4 &&
+    static_cast<double>(v.Increments[2]) * v.Dimensions.z * SizeOf(v.Type) <= LargestReach;
 }
 
-/// Whether the vector code can composite this scene; else each ray has a RayIntegrator.
-bool CanComposite(const CastScene& scene, const SampleClassifier& classifier)
+/// Whether the vector code can take the samples of this scene; else each ray has a RayIntegrator.
+bool CanTakeSamples(const CastScene& scene, const SampleClassifier& classifier)
 {
   const OpticalFunctions& functions = classifier.GetFunctions();
-  const MaskView& mask = classifier.GetMask();
-  const bool one = functions.Kind == ComponentKind::Independent && functions.Components.size() == 1;
-  const bool labels = mask.Volume.Scalars && mask.Labels;
-  const bool plane = !functions.Components[0].Plane.IsEmpty();
-  if (!classifier.IsSimple() || !CanFetchPackets(scene.Volume) || !CanLookUpMask(mask.Volume) ||
-    (plane && !CanLookUpAxis(classifier.GetSecondAxis())))
-  {
-    return false;
-  }
-  if (one)
-  {
-    return scene.Volume.Components == 1 && !(plane && labels);
-  }
-  return !classifier.HasNormalsOfOpacity() && !labels && scene.Volume.Components > 1 &&
-    AreLookedUpInTables(functions, scene.Volume.Components);
+  const int components = scene.Volume.Components;
+  return classifier.IsSimple() && CanFetchPackets(scene.Volume) &&
+    CanLookUpMask(classifier.GetMask().Volume) &&
+    components <= SampleClassifier::LargestNumberOfComponents &&
+    (functions.Kind != ComponentKind::Independent ||
+      static_cast<int>(functions.Components.size()) == components);
 }
 
 /// The component of the voxels whose values an entry of OpticalFunctions::Components is looked up
@@ -286,20 +269,6 @@ int FindDensityComponent(ComponentKind kind, int entry)
     default:
       return entry;
   }
-}
-
-/// Whether the vector code can blend this scene, in a mode that does not composite: neither
-/// gradients nor labels count there.
-bool CanBlend(const CastScene& scene, const SampleClassifier& classifier)
-{
-  if (classifier.IsPlain())
-  {
-    return true;
-  }
-  const MaskView& mask = classifier.GetMask();
-  return classifier.IsSimple() && CanFetchPackets(scene.Volume) &&
-    (mask.Labels || CanLookUpMask(mask.Volume)) &&
-    AreLookedUpInTables(classifier.GetFunctions(), scene.Volume.Components);
 }
 
 /// A value of a component as packets fetch it (PacketVolume).
@@ -333,8 +302,8 @@ void SetMask(const SampleClassifier& classifier, PacketScene& scene)
   for (int a = 0; a < 3; ++a)
   {
     p.Dimensions[a] = mask.Volume.Dimensions[a];
-    p.Increments[a] = static_cast<int>(mask.Volume.Increments[a]);
   }
+  p.RowIncrement = mask.Volume.Increments[1];
   p.SameGrid = mask.SameGrid;
   CopyRows(classifier.GetToMask(), p.FromIndex);
   Copy(classifier.GetMaskOffset(), p.Offset);
@@ -345,10 +314,11 @@ void SetMask(const SampleClassifier& classifier, PacketScene& scene)
     return;
   }
   const OpticalFunctions& functions = classifier.GetFunctions();
+  const int component = scene.Volume.Components > 1 ? FindDensityComponent(functions.Kind, 0) : 0;
   std::vector<const GradientOpacity*> gradients{ &functions.Components[0].Gradients };
   for (const LabelOptics& label : functions.Labels)
   {
-    AddTable(label.Table, 0, scene);
+    AddTable(label.Table, component, scene);
     gradients.push_back(&label.Gradients);
   }
   for (const int index : functions.LabelIndices)
@@ -376,7 +346,7 @@ void SetMask(const SampleClassifier& classifier, PacketScene& scene)
         static_cast<float>(opacity->GetScale() / finest), 0 });
     p.GradientFactors.insert(p.GradientFactors.end(), factors.begin(), factors.end());
   }
-  Copy(FindMagnitudeScale(classifier, scene.Volume, 0) * finest, p.MagnitudeScale);
+  Copy(FindMagnitudeScale(classifier, scene.Volume, component) * finest, p.MagnitudeScale);
 }
 
 /// The voxels of an image with one component.
@@ -401,27 +371,31 @@ PacketVolume MakePacketVolume(const VolumeView& v, bool nearest)
   return packet;
 }
 
-/// Sets the two-dimensional transfer function of one component.
-void SetPlane(const SampleClassifier& classifier, PacketScene& scene)
+/// The two-dimensional transfer function of one entry of OpticalFunctions::Components, over values
+/// of `component` of the voxels.
+PacketPlane MakePlane(const SampleClassifier& classifier, const ComponentOptics& optics,
+  const PacketVolume& v, int component)
 {
-  const ComponentOptics& optics = classifier.GetFunctions().Components[0];
   const TransferPlane& plane = optics.Plane;
-  const PacketVolume& v = scene.Volume;
-  PacketPlane& p = scene.Plane;
+  PacketPlane p;
   p.Texels = &plane.GetTexels()[0].x;
   p.Size[0] = plane.GetWidth();
   p.Size[1] = plane.GetHeight();
   // Magnitudes are in texels: in units of the scalars squares may be beyond single precision.
-  const bool byGradient = !classifier.GetSecondAxis().Scalars;
+  const VolumeView& axis = classifier.GetSecondAxis();
+  const bool byGradient = !axis.Scalars;
   const double unit = byGradient ? plane.GetScale().y : 1.0;
-  p.Low[0] = static_cast<float>(AsFetched(v, 0, plane.GetLow().x));
+  p.Low[0] = static_cast<float>(AsFetched(v, component, plane.GetLow().x));
   p.Low[1] = static_cast<float>(plane.GetLow().y * unit);
-  p.Scale[0] = static_cast<float>(plane.GetScale().x / v.Scale[0]);
+  p.Scale[0] = static_cast<float>(plane.GetScale().x / v.Scale[component]);
   p.Scale[1] = byGradient ? 1.0f : static_cast<float>(plane.GetScale().y);
   p.Nearest = plane.IsNearest();
   p.UnitDistance = static_cast<float>(optics.Table.GetUnitDistance());
-  Copy(FindMagnitudeScale(classifier, v, 0) * unit, p.MagnitudeScale);
-  p.SecondAxis = MakePacketVolume(classifier.GetSecondAxis(), v.Nearest);
+  Copy(FindMagnitudeScale(classifier, v, component) * unit, p.MagnitudeScale);
+  p.SecondAxis = MakePacketVolume(axis, v.Nearest);
+  std::copy_n(axis.Increments, 3, p.AxisIncrements);
+  p.AxisByLane = axis.Scalars && !IsAxisInReach(axis);
+  return p;
 }
 
 /// Bounds in data coordinates of a box of index coordinates.
@@ -484,6 +458,27 @@ ValueRange FindVisibleRange(const TransferTable& table, const PacketTable::Range
     --last;
   }
   return MakeVisibleRange(first, last, size, range.Low, range.Scale);
+}
+
+/// `packet`: of the plane.
+ValueRange FindVisibleRange(const TransferPlane& plane, const PacketPlane& packet)
+{
+  const glm::ivec2 visible = plane.FindVisibleColumns();
+  // A little more than one entry against rounding errors.
+  return MakeVisibleRange(
+    visible.x, visible.y, packet.Size[0], packet.Low[0], packet.Scale[0], 1.01);
+}
+
+/// Widens a range by those of the labels, if they are looked up.
+void AddVisibleLabels(
+  const OpticalFunctions& functions, const PacketScene& scene, ValueRange& range)
+{
+  for (std::size_t i = 0; i < functions.Labels.size() && !scene.Mask.Tables.empty(); ++i)
+  {
+    const ValueRange ofLabel =
+      FindVisibleRange(functions.Labels[i].Table, scene.Table.GetRange(i + 1));
+    range = { std::min(range.Low, ofLabel.Low), std::max(range.High, ofLabel.High) };
+  }
 }
 
 PacketLight MakePacketLight(
@@ -552,7 +547,8 @@ PacketGradientOpacity MakeGradientOpacity(const GradientOpacity& opacity,
   return packet;
 }
 
-/// Adds the optical properties of several components; the table of the first one is there already.
+/// Adds the optical properties of several components; the tables of the first one and of labels
+/// are there already.
 /// `leaps`: whether values that are not visible are left out.
 void AddComponents(const SampleClassifier& classifier, const Shading& material,
   const glm::dvec3& center, bool leaps, PacketScene& scene)
@@ -570,25 +566,41 @@ void AddComponents(const SampleClassifier& classifier, const Shading& material,
     }
     PacketComponent component;
     component.Gradients = MakeGradientOpacity(optics.Gradients, classifier, scene.Volume, ofVoxels);
+    component.UnitDistance = static_cast<float>(optics.Table.GetUnitDistance());
     component.Weight = optics.Weight;
+    const bool byPlane = !optics.Plane.IsEmpty();
+    component.ByTable = !byPlane && scene.Mask.Tables.empty();
+    if (byPlane)
+    {
+      component.Plane = MakePlane(classifier, optics, scene.Volume, ofVoxels);
+    }
     if (leaps)
     {
-      component.Visible =
-        FindVisibleRange(optics.Table, scene.Table.GetRange(scene.Components.size()));
+      component.Visible = byPlane
+        ? FindVisibleRange(optics.Plane, component.Plane)
+        : FindVisibleRange(optics.Table, scene.Table.GetRange(scene.Components.size()));
+      AddVisibleLabels(functions, scene, component.Visible);
     }
+    scene.OpacityByGradient = scene.OpacityByGradient || component.Gradients.Factors ||
+      (byPlane && !component.Plane.SecondAxis.Scalars);
     component.Surface = MakeSurface(material, optics.Surface, center);
     scene.Components.push_back(component);
   }
   if (functions.Kind == ComponentKind::ColorOpacity)
   {
+    scene.ColorTable = scene.Table.GetSize();
     AddTable(functions.Colors, 0, scene);
+    if (!functions.Components[0].Plane.IsEmpty())
+    {
+      scene.ColorPlane = MakePlane(classifier, functions.Components[0], scene.Volume, 0);
+    }
   }
 }
 
 /// The abilities of the vector code that a frame needs.
 struct FrameKind
 {
-  bool Composites = false; ///< vector code composites, by CanComposite()
+  bool Composites = false; ///< vector code composites
   bool Components = false; ///< vector code composites or blends several components
   bool Masked = false;     ///< a mask or a label map is looked up
   bool Plane = false;      ///< one component has a two-dimensional transfer function
@@ -599,18 +611,20 @@ struct FrameKind
 FrameKind SetSampling(
   const CastScene& scene, const CastSettings& settings, const SampleClassifier& c, PacketScene& p)
 {
-  const bool composites =
-    !settings.PerRay && scene.Blend.Mode == BlendMode::Composite && CanComposite(scene, c);
-  const bool blends =
-    !settings.PerRay && scene.Blend.Mode != BlendMode::Composite && CanBlend(scene, c);
+  // What is plain is fetched by packets, or they are not used at all.
+  const bool vectors = !settings.PerRay && (c.IsPlain() || CanTakeSamples(scene, c));
+  const bool composites = vectors && scene.Blend.Mode == BlendMode::Composite;
+  const bool blends = vectors && scene.Blend.Mode != BlendMode::Composite;
   p.Sampling = composites || blends ? SamplingOf(scene.Blend.Mode) : PacketSampling::PerRay;
   p.Intervals = scene.Blend.UsesIntervals();
   FrameKind kind;
   kind.Composites = composites;
-  kind.Components = (composites || blends) && scene.Volume.Components > 1;
+  kind.Components = vectors && scene.Volume.Components > 1;
   const MaskView& mask = c.GetMask();
-  kind.Masked = mask.Volume.Scalars && (composites || (blends && !mask.Labels));
-  kind.Plane = composites && !c.GetFunctions().Components[0].Plane.IsEmpty();
+  // Labels count where one component, or dependent ones, are composited.
+  kind.Masked = vectors && mask.Volume.Scalars &&
+    (!mask.Labels || (composites && c.GetFunctions().Components.size() == 1));
+  kind.Plane = vectors && !kind.Components && !c.GetFunctions().Components[0].Plane.IsEmpty();
   kind.Leaps = settings.Leaping != SpaceLeaping::Off;
   return kind;
 }
@@ -668,19 +682,9 @@ void SetVolume(const CastScene& scene, const OpticalFunctions& functions,
 ValueRange FindVisibleRange(
   const CastScene& scene, const OpticalFunctions& functions, const PacketScene& p)
 {
-  if (p.Plane.Texels)
-  {
-    const glm::ivec2 visible = functions.Components[0].Plane.FindVisibleColumns();
-    // A little more than one entry against rounding errors.
-    return MakeVisibleRange(
-      visible.x, visible.y, p.Plane.Size[0], p.Plane.Low[0], p.Plane.Scale[0], 1.01);
-  }
-  ValueRange range = FindVisibleRange(*scene.Table, p.Table.GetRange(0));
-  for (std::size_t i = 0; i < functions.Labels.size() && !p.Mask.Tables.empty(); ++i)
-  {
-    const ValueRange ofLabel = FindVisibleRange(functions.Labels[i].Table, p.Table.GetRange(i + 1));
-    range = { std::min(range.Low, ofLabel.Low), std::max(range.High, ofLabel.High) };
-  }
+  ValueRange range = p.Plane.Texels ? FindVisibleRange(functions.Components[0].Plane, p.Plane)
+                                    : FindVisibleRange(*scene.Table, p.Table.GetRange(0));
+  AddVisibleLabels(functions, p, range);
   return range;
 }
 
@@ -700,7 +704,7 @@ void SetOptics(
   }
   if (kind.Plane)
   {
-    SetPlane(classifier, p);
+    p.Plane = MakePlane(classifier, classifier.GetFunctions().Components[0], p.Volume, 0);
   }
   const bool byTable = !kind.Plane && !kind.Components && p.Mask.Tables.empty();
   if (kind.Leaps && !kind.Components)
@@ -992,6 +996,36 @@ void SetSeen(const CastScene& scene, const CastSettings& settings, const Paralle
   }
 }
 
+/// The range of the values of a component, as fetched, or a wider one.
+double FindRangeOfValues(const CastScene& scene, const PacketVolume& v, int component)
+{
+  // That of voxels of few bytes; else those of the table and of the blend mode.
+  constexpr double RangeOfFewBytes = 65536.0;
+  const TransferTable& table = *scene.Table;
+  double range = static_cast<double>(table.GetSize() - 1) / table.GetScale();
+  for (int c = 0; c < Blending::LargestNumberOfComponents; ++c)
+  {
+    range = std::max(range, scene.Blend.High[c] - scene.Blend.Low[c]);
+  }
+  return v.ElementSize <= 2 ? RangeOfFewBytes : range * v.Scale[component];
+}
+
+/// Sets what gradients count beside clipping planes. The optics are set already.
+void SetClippedValues(const CastScene& scene, const SampleClassifier& classifier, PacketScene& p)
+{
+  // So far away from all others that gradients point from one to them; the squares of their
+  // differences are numbers in single precision.
+  constexpr double Far = 1e6;
+  p.ClipsGradients = p.Sampling != PacketSampling::PerRay && classifier.ClipsGradients();
+  for (int c = 0; c < p.Volume.Components && p.ClipsGradients; ++c)
+  {
+    const double far = Far * FindRangeOfValues(scene, p.Volume, c);
+    const double low = AsFetched(p.Volume, c, scene.Table->GetLow());
+    const double clipped = AsFetched(p.Volume, c, classifier.GetClippedIntensity());
+    p.ClippedValues[c] = ToFinite(std::clamp(clipped, low - far, low + far));
+  }
+}
+
 /// Finds what gradients are multiplied by, of which only the direction counts, so that neither the
 /// squares of small ones nor those of the largest ones are beyond single precision.
 double FindGradientScale(
@@ -1002,9 +1036,13 @@ double FindGradientScale(
   const TransferTable& table = *scene.Table;
   const int component =
     p.Volume.Components > 1 ? FindDensityComponent(classifier.GetFunctions().Kind, 0) : 0;
-  const double range = classifier.HasNormalsOfOpacity()
+  double range = classifier.HasNormalsOfOpacity()
     ? 1.0
     : static_cast<double>(table.GetSize() - 1) / table.GetScale() * p.Volume.Scale[component];
+  for (const float clipped : p.ClippedValues)
+  {
+    range = std::max(range, static_cast<double>(std::abs(clipped)));
+  }
   const glm::dmat3& ofData = scene.Material.GetGradientToLights();
   const glm::dmat3 ofIndex = ofData * glm::transpose(scene.Volume.DataToIndex);
   double scale = std::numeric_limits<double>::infinity();
@@ -1070,6 +1108,7 @@ PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings,
   const FrameKind kind = SetSampling(scene, settings, classifier, p);
   SetVolume(scene, classifier.GetFunctions(), settings, kind, p);
   SetOptics(scene, classifier, kind, p);
+  SetClippedValues(scene, classifier, p);
   SetIntegrals(scene, frame.Intervals, p);
   SetBlending(scene, classifier.GetFunctions(), kind, p);
   SetCoordinates(scene, rest, p);
@@ -1088,7 +1127,7 @@ PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings,
         HWY_DYNAMIC_DISPATCH(ChooseRootSide)(0.25 * (whole.Max - whole.Min), p);
       }
     });
-  p.NormalsOfOpacity = kind.Composites && p.Shade && classifier.HasNormalsOfOpacity();
+  p.NormalsOfOpacity = p.Shade && classifier.HasNormalsOfOpacity();
 
   p.Inner = p.Sampling == PacketSampling::Composite && !p.Intervals && !kind.Components;
   p.InnerComponents = kind.Components && p.Sampling == PacketSampling::Composite &&
@@ -1099,7 +1138,7 @@ PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings,
     (p.Sampling == PacketSampling::Extreme || p.Sampling == PacketSampling::Surface) &&
     !kind.Components && !kind.Masked;
   p.Plain = p.Inner && p.CropSpace == Cropping::Spaces::None && !p.OpacityByGradient &&
-    !p.NormalsOfOpacity && !p.Mask.Scalars && !kind.Plane;
+    !p.NormalsOfOpacity && !p.ClipsGradients && !p.Mask.Scalars && !kind.Plane;
 }
 
 //------------------------------------------------------------------------------

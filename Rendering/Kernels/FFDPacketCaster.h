@@ -105,7 +105,10 @@ struct ValueRange
 struct PacketComponent
 {
   PacketGradientOpacity Gradients;
-  float Weight = 1.0f; ///< of its opacity
+  PacketPlane Plane;         ///< in the place of the table and of Gradients
+  float UnitDistance = 1.0f; ///< of the table
+  float Weight = 1.0f;       ///< of its opacity
+  bool ByTable = true;       ///< whether its table alone tells what is transparent
   ValueRange Visible;
   PacketSurface Surface;
 };
@@ -253,7 +256,7 @@ struct PacketScene
 
   PacketPlane Plane;                ///< in the place of the first table
   PacketGradientOpacity Gradients;  ///< of the first component, unless labels have theirs
-  bool OpacityByGradient = false;   ///< whether extinctions of one component depend on gradients
+  bool OpacityByGradient = false;   ///< whether extinctions depend on gradients
   float ReferenceLength = 1.0f;     ///< over which gradient opacities and components are weighed
   bool ReferenceIsInterval = false; ///< whether samples stand for intervals of that length
 
@@ -261,10 +264,16 @@ struct PacketScene
   ComponentKind KindOfComponents = ComponentKind::Independent;
   std::vector<PacketComponent> Components; ///< independent ones, or all dependent ones as one
   float ColorScale = 1.0f;                 ///< takes values that are colors to [0, 1]
+  std::size_t ColorTable = 0;              ///< of ColorOpacity: number of the table of colors,
+  PacketPlane ColorPlane;                  ///< or the plane, over values of the first component
   std::vector<PacketChannel> Channels;     ///< where they are not composited
 
   bool Shade = false;
-  bool NormalsOfOpacity = false; ///< of one component, where it is shaded
+  bool NormalsOfOpacity = false; ///< where something is shaded
+  /// Whether gradients take ClippedValues, by component and as fetched, for values behind clipping
+  /// planes.
+  bool ClipsGradients = false;
+  float ClippedValues[Blending::LargestNumberOfComponents] = {};
   bool TwoSided = true;
   PacketSurface Surface; ///< of the first component
 };

@@ -13,13 +13,13 @@
 namespace ffd
 {
 
-/// A mask or a label map in the form that the packet kernels read: offsets are 32-bit numbers.
+/// A mask or a label map in the form that the packet kernels read.
 struct PacketMask
 {
   const void* Scalars = nullptr; ///< null: there is none
   ScalarType Type = ScalarType::UInt8;
   int Dimensions[3] = {};
-  int Increments[3] = {}; ///< elements
+  std::ptrdiff_t RowIncrement = 0; ///< elements from one row of all slices to the next
   /// Voxel for voxel the grid of the volume; else `FromIndex` and `Offset` take its index
   /// coordinates to those of the mask.
   bool SameGrid = true;

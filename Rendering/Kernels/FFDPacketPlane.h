@@ -5,6 +5,8 @@
 
 #include "FFDPacketVolume.h"
 
+#include <cstddef>
+
 namespace ffd
 {
 
@@ -21,6 +23,11 @@ struct PacketPlane
   /// Scalars of the second axis on the grid of the volume; null: it is the length of
   /// MagnitudeScale times the gradient as fetched.
   PacketVolume SecondAxis;
+  /// Elements from one scalar of the second axis to the next along x, y and z.
+  std::ptrdiff_t AxisIncrements[3] = {};
+  /// Whether these are not side by side, or a 32-bit offset does not lead over all: each lane is
+  /// looked up by itself.
+  bool AxisByLane = false;
   float MagnitudeScale[3] = {};
 };
 

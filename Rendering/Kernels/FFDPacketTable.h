@@ -69,6 +69,7 @@ public:
   }
 
   const std::uint32_t* GetWords() const { return this->Intervals[0].Extinctions; }
+  std::size_t GetSize() const { return this->Ranges.size(); }
   const Range& GetRange(std::size_t table) const { return this->Ranges[table]; }
   const Range* GetRanges() const { return this->Ranges.data(); }
 

@@ -168,11 +168,12 @@ SampleClassifier::SampleClassifier(const ClassifierInputs& inputs)
   const bool noLabelGradients = std::all_of(functions.Labels.begin(), functions.Labels.end(),
     [](const LabelOptics& label) { return label.Gradients.IsEmpty(); });
   const bool noPlanes = all([](const ComponentOptics& optics) { return optics.Plane.IsEmpty(); });
-  const bool gradientsOfAll = !clipped ||
-    (noGradients && noLabelGradients && (noPlanes || this->In.SecondAxis.Scalars) && !first.Shade);
+  this->ClippedGradients = clipped &&
+    (!noGradients || !noLabelGradients || (!noPlanes && !this->In.SecondAxis.Scalars) ||
+      first.Shade);
   this->NormalsOfOpacity = this->In.NormalFromOpacity && first.Shade;
-  this->Simple = !this->In.Hidden && !volume.Axes && gradientsOfAll;
-  this->Plain = this->Simple && !this->NormalsOfOpacity &&
+  this->Simple = !this->In.Hidden && !volume.Axes;
+  this->Plain = this->Simple && !this->ClippedGradients && !this->NormalsOfOpacity &&
     functions.Kind == ComponentKind::Independent && functions.Components.size() == 1 &&
     !mask.Volume.Scalars && noGradients && noPlanes;
 }

@@ -110,9 +110,13 @@ public:
   /// packets does.
   bool IsPlain() const { return this->Plain; }
 
-  /// Whether values and gradients are those of all voxels on a uniform grid: no cell is hidden and
-  /// no gradient counts clipped voxels.
+  /// Whether values are those of all voxels on a uniform grid: no cell is hidden.
   bool IsSimple() const { return this->Simple; }
+
+  /// Whether gradients are looked at that count GetClippedIntensity() as the value of voxels behind
+  /// clipping planes.
+  bool ClipsGradients() const { return this->ClippedGradients; }
+  double GetClippedIntensity() const { return this->In.ClippedIntensity; }
 
   /// Whether the normals of what is shaded are those of the opacity, not of the scalars.
   bool HasNormalsOfOpacity() const { return this->NormalsOfOpacity; }
@@ -226,6 +230,7 @@ private:
   glm::dvec3 MaskOffset{ 0.0 };
   bool Plain = true;
   bool Simple = true;
+  bool ClippedGradients = false;
   bool NormalsOfOpacity = false;
   bool MayHide = false;
 };

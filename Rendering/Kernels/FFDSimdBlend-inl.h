@@ -18,6 +18,7 @@
 #include "FFDSimdMask-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdNormals-inl.h"
+#include "FFDSimdPlane-inl.h"
 #include "FFDSimdRays-inl.h"
 #include "FFDSimdTable-inl.h"
 
@@ -378,9 +379,9 @@ private:
           hn::Le(value, Splat(this->Scene.AverageMax))));
     }
     this->Scratch.Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, counts));
-    const Vf extinction = TableLookup(this->Scene, value).Extinction();
-    const Vf opacity =
-      hn::Sub(one, Exp2(hn::Neg(hn::Mul(extinction, Splat(this->Scene.UnitDistance)))));
+    const Vf opacity = HWY_UNLIKELY(this->Scene.Plane.Texels != nullptr)
+      ? FindOpacityOfLastRow(this->Scene.Plane, value)
+      : this->OpacityOver(TableLookup(this->Scene, value).Extinction());
     const Vf relative = hn::Mul(hn::Sub(value, Splat(this->Scene.ValueLow)),
       Splat(1.0f / (this->Scene.ValueHigh - this->Scene.ValueLow)));
     const Vf length = this->Scene.Settings.Opacity == OpacityLength::Deformed
@@ -392,6 +393,13 @@ private:
       hn::Add(this->State.Out.TallyLength, hn::IfThenElseZero(counts, length));
     this->State.Out.FirstVisible = hn::IfThenElse(
       counts, hn::Min(this->State.Out.FirstVisible, curve.TimeAt(s)), this->State.Out.FirstVisible);
+  }
+
+  /// The opacity over the unit distance that an extinction gives.
+  HWY_INLINE Vf OpacityOver(Vf extinction) const
+  {
+    return hn::Sub(
+      Splat(1.0f), Exp2(hn::Neg(hn::Mul(extinction, Splat(this->Scene.UnitDistance)))));
   }
 
   /// Shows the values of the lanes of `sampled`; as RayIntegrator::AddSlice().
@@ -411,16 +419,26 @@ private:
     const Df d;
     const Vf zero = hn::Zero(d);
     const Vf one = Splat(1.0f);
-    const TableLookup lookup(this->Scene, value);
-    const Vf extinction = lookup.Extinction();
-    const Vf opacity =
-      hn::Sub(one, Exp2(hn::Neg(hn::Mul(extinction, Splat(this->Scene.UnitDistance)))));
+    // Gradients count as large.
+    PlaneTexel texel;
+    Mf some;
+    if (HWY_UNLIKELY(this->Scene.Plane.Texels != nullptr))
+    {
+      texel = LookUpLastRow(this->Scene.Plane, value);
+      some = hn::Gt(texel.Opacity, zero);
+    }
+    else
+    {
+      const TableLookup lookup(this->Scene, value);
+      texel = { lookup.Color(), this->OpacityOver(lookup.Extinction()) };
+      some = hn::Gt(lookup.Extinction(), zero);
+    }
     const Vf weight = Splat(static_cast<float>(this->Scene.Source->Blend.Weight[0]));
     // NaN is not shown: comparisons with it are false.
-    const Mf visible = hn::And(hn::And(lanes, hn::Eq(value, value)),
-      hn::And(hn::Gt(extinction, zero), hn::Gt(weight, zero)));
-    const Vf shown = hn::IfThenElseZero(visible, hn::Min(hn::Mul(weight, opacity), one));
-    this->State.Out.Color = Scale(shown, lookup.Color());
+    const Mf visible =
+      hn::And(hn::And(lanes, hn::Eq(value, value)), hn::And(some, hn::Gt(weight, zero)));
+    const Vf shown = hn::IfThenElseZero(visible, hn::Min(hn::Mul(weight, texel.Opacity), one));
+    this->State.Out.Color = Scale(shown, texel.Color);
     this->State.Out.Transmittance = hn::Sub(one, shown);
     return visible;
   }
@@ -593,7 +611,7 @@ private:
       const bool several = this->Scene.Volume.Components > 1;
       color = this->Normals.Light(
         several ? this->Scene.Components[this->GetSurfaceChannel()].Surface : this->Scene.Surface,
-        curve, q, color, this->GradientsAt(q, shown), s, t);
+        curve, q, color, this->GradientsAt(curve, q, s, shown), s, t);
     }
     this->State.Add(shown, color, hn::Sub(Splat(1.0f), next.Opacity), t,
       this->Scene.Settings.TerminationTransmittance);
@@ -670,16 +688,12 @@ private:
     return hn::MulAdd(hn::IfThenElse(inside, secant, b), length, interval.From);
   }
 
-  /// Gradients as fetched (PacketVolume) at positions in the volume.
-  HWY_NOINLINE Vec3 GradientsAt(const Vec3& q, Mf lanes)
+  /// Gradients that give normals at q, the position at s of a curve, in the volume.
+  HWY_INLINE Vec3 GradientsAt(const PacketCurve& curve, const Vec3& q, Vf s, Mf lanes)
   {
-    if (this->Scene.Volume.Components > 1)
-    {
-      return this->Samples.FindIntensityGradient(q, lanes, this->GetSurfaceChannel());
-    }
-    FetchedSample<T> fetched;
-    FetchSample(this->Scene.Volume, q, lanes, this->Border, fetched);
-    return this->Samples.GradientOf(fetched.Voxels, fetched.At, fetched.Rows, q, fetched.AtBorder);
+    return this->Scene.Volume.Components > 1
+      ? this->Samples.FindIntensityGradient(curve, q, s, lanes, this->GetSurfaceChannel())
+      : this->Samples.FindNormalGradient(curve, q, s, lanes);
   }
 
   /// Hands a sample of each lane to the RayIntegrator of its ray.

@@ -66,48 +66,52 @@ public:
       : this->ValueByReference(this->Scene.Source->Volume, 0, q, beyond, value);
   }
 
-  /// Rescales, in the lanes of `border` between voxels, gradients of a source that repeats voxels.
-  HWY_INLINE Vec3 Rescale(const Vec3& q, Mf border, const Vec3& gradient, Mf& between) const
-  {
-    between = this->BetweenVoxels(q, border);
-    return Select(between, AtFaces(this->Scene.Volume, q, gradient), gradient);
-  }
-
   /// The gradients at q in the lanes of `border`, `gradient` in the others; after Value(), or of a
   /// source that is `repeating` voxels.
   HWY_NOINLINE Vec3 Gradient(const Vec3& q, Mf border, const Vec3& gradient, bool repeating) const
   {
-    Mf between;
-    const Vec3 result = repeating
-      ? this->Rescale(q, border, gradient, between)
-      : this->GradientBy(
-          [](const OffsetRows<T>& voxels, const SamplePosition& at, const SampleRows<T>& rows) {
-            return HWY_NAMESPACE::Gradient<T>(voxels, at, rows);
-          },
-          q, border, gradient, between);
+    const Mf between = this->BetweenVoxels(q, border);
+    Vec3 result = gradient;
+    if (repeating)
+    {
+      result = Select(between, AtFaces(this->Scene.Volume, q, gradient), gradient);
+    }
+    else if (!hn::AllFalse(Df(), between))
+    {
+      const OffsetRows<T> source = this->FindRows();
+      const SamplePosition& at = this->Voxels.GetPosition();
+      SampleRows<T> rows;
+      Sample<T>(source, at, rows);
+      const Vec3 own = HWY_NAMESPACE::Gradient<T>(source, at, rows);
+      result = Select(between, AtFaces(this->Scene.Volume, q, own), gradient);
+    }
     const Mf others = hn::AndNot(between, border);
     return hn::AllFalse(Df(), others)
       ? result
       : this->GradientByReference(this->Scene.Source->Volume, 0, q, others, result);
   }
 
-  /// Returns find(voxels, at, rows), a gradient at the samples q, in the lanes of `border` whose
-  /// positions have voxels on both sides, after Value(); `between`: these, `gradient` in the
-  /// others.
-  template <class Find>
-  HWY_INLINE Vec3 GradientBy(
-    const Find& find, const Vec3& q, Mf border, const Vec3& gradient, Mf& between) const
+  /// Replaces the values around q in the lanes of `border`; after Value(), or of a source that is
+  /// `repeating` voxels. The last samples are forgotten.
+  HWY_NOINLINE void Neighbors(const Vec3& q, Mf border, bool repeating, NeighborValues& neighbors)
   {
-    between = this->BetweenVoxels(q, border);
-    if (hn::AllFalse(Df(), between))
+    const Mf between = this->BetweenVoxels(q, border);
+    if (!repeating && !hn::AllFalse(Df(), between))
     {
-      return gradient;
+      const OffsetRows<T> source = this->FindRows();
+      SampleRows<T> rows;
+      Sample<T>(source, this->Voxels.GetPosition(), rows);
+      const NeighborValues own = FindNeighborValues<T>(source, this->Voxels.GetPosition(), rows);
+      ReplaceNeighbors(between, own, neighbors);
     }
-    const OffsetRows<T> source = this->FindRows();
-    const SamplePosition& at = this->Voxels.GetPosition();
-    SampleRows<T> rows;
-    Sample<T>(source, at, rows);
-    return Select(between, AtFaces(this->Scene.Volume, q, find(source, at, rows)), gradient);
+    const Mf others = hn::AndNot(between, border);
+    if (!hn::AllFalse(Df(), others))
+    {
+      this->ForNeighbors(q, [&](const Vec3& at, int a, bool behind) {
+        Vf& value = behind ? neighbors.Behind[a] : neighbors.Before[a];
+        value = hn::IfThenElse(others, this->Value(at, others, value), value);
+      });
+    }
   }
 
   /// Replaces the values of all components of a volume in the lanes of `border`.
@@ -162,7 +166,69 @@ public:
     }
   }
 
+  /// Replaces the values around q of the components `wanted`, a bit each, in the lanes of `border`;
+  /// after ComponentValues(). The last samples are forgotten.
+  HWY_NOINLINE void ComponentNeighbors(
+    const Vec3& q, Mf border, unsigned int wanted, NeighborValues* neighbors)
+  {
+    const Mf between = this->BetweenVoxels(q, border);
+    if (!hn::AllFalse(Df(), between))
+    {
+      ComponentSamples<T> samples(this->Voxels);
+      Vf values[LargestNumberOfComponents];
+      samples.FindValues(values);
+      NeighborValues own[LargestNumberOfComponents];
+      samples.FindNeighbors(wanted, own);
+      ForComponents([&](auto c) {
+        if (IsWanted(wanted, c))
+        {
+          ReplaceNeighbors(between, own[c], neighbors[c]);
+        }
+      });
+    }
+    const Mf others = hn::AndNot(between, border);
+    if (!hn::AllFalse(Df(), others))
+    {
+      this->ForNeighbors(q, [&](const Vec3& at, int a, bool behind) {
+        const Vf zero = hn::Zero(Df());
+        Vf values[LargestNumberOfComponents] = { zero, zero, zero, zero };
+        this->ComponentValues(at, others, values);
+        ForComponents([&](auto c) {
+          if (IsWanted(wanted, c))
+          {
+            Vf& value = behind ? neighbors[c].Behind[a] : neighbors[c].Before[a];
+            value = hn::IfThenElse(others, values[c], value);
+          }
+        });
+      });
+    }
+  }
+
 private:
+  /// Calls take(position, axis, whether it is behind) with the positions that FindDifferences()
+  /// takes differences between.
+  template <class Take>
+  HWY_INLINE void ForNeighbors(const Vec3& q, const Take& take) const
+  {
+    const PacketVolume& v = this->Scene.Volume;
+    const Vec3 middle = FindMiddle(v, q);
+    for (int a = 0; a < 3; ++a)
+    {
+      take(MoveAlong(v, middle, a, 1.0f), a, true);
+      take(MoveAlong(v, middle, a, -1.0f), a, false);
+    }
+  }
+
+  static HWY_INLINE void ReplaceNeighbors(
+    Mf lanes, const NeighborValues& by, NeighborValues& neighbors)
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      neighbors.Behind[a] = hn::IfThenElse(lanes, by.Behind[a], neighbors.Behind[a]);
+      neighbors.Before[a] = hn::IfThenElse(lanes, by.Before[a], neighbors.Before[a]);
+    }
+  }
+
   HWY_INLINE OffsetRows<T> FindRows() const
   {
     OffsetRows<T> rows;
@@ -274,6 +340,18 @@ public:
       this->Border.ComponentValues(this->Q, this->AtBorder, values);
     }
   }
+
+  /// The values around the samples of the components `wanted`, a bit each; after FindValues().
+  HWY_INLINE void FindNeighbors(unsigned int wanted, NeighborValues* neighbors)
+  {
+    this->Samples.FindNeighbors(wanted, neighbors);
+    if (HWY_UNLIKELY(!hn::AllFalse(Df(), this->AtBorder)))
+    {
+      this->Border.ComponentNeighbors(this->Q, this->AtBorder, wanted, neighbors);
+    }
+  }
+
+  HWY_INLINE Mf GetAtBorder() const { return this->AtBorder; }
 
   /// Those of the components `wanted`, a bit each; after FindValues().
   HWY_INLINE void FindGradients(unsigned int wanted, Vec3* gradients) const

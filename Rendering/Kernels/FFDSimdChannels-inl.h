@@ -15,6 +15,7 @@
 #include "FFDSimdCurve-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdOptics-inl.h"
+#include "FFDSimdPlane-inl.h"
 #include "FFDSimdTable-inl.h"
 
 #include <cstddef>
@@ -187,8 +188,10 @@ private:
       }
       const Vf relative =
         hn::Mul(hn::Sub(intensity, Splat(channel.Low)), Splat(1.0f / (channel.High - channel.Low)));
-      const Vf opacity =
-        this->OpacityOver(TableLookup(this->Scene, density, c).Extinction(), channel);
+      const PacketPlane& plane = this->Scene.Components[c].Plane;
+      const Vf opacity = HWY_UNLIKELY(plane.Texels != nullptr)
+        ? FindOpacityOfLastRow(plane, density)
+        : this->OpacityOver(TableLookup(this->Scene, density, c).Extinction(), channel);
       this->Sums[c] = hn::Add(
         this->Sums[c], hn::IfThenElseZero(counts, hn::Mul(hn::Mul(opacity, relative), length)));
       this->Lengths[c] = hn::Add(this->Lengths[c], hn::IfThenElseZero(counts, length));
@@ -238,14 +241,24 @@ private:
     {
       const PacketChannel& channel = this->Scene.Channels[c];
       const Vf density = DensityOf(this->Scene, c, values);
-      const TableLookup lookup(this->Scene, density, c);
-      const Vf extinction = lookup.Extinction();
+      // Gradients count as large.
+      PlaneTexel texel;
+      Mf some;
+      if (HWY_UNLIKELY(this->Scene.Components[c].Plane.Texels != nullptr))
+      {
+        texel = LookUpLastRow(this->Scene.Components[c].Plane, density);
+        some = hn::Gt(texel.Opacity, zero);
+      }
+      else
+      {
+        const TableLookup lookup(this->Scene, density, c);
+        texel = { lookup.Color(), this->OpacityOver(lookup.Extinction(), channel) };
+        some = hn::Gt(lookup.Extinction(), zero);
+      }
       // NaN is not shown: comparisons with it are false.
-      const Mf shows =
-        hn::And(hn::And(lanes[c], hn::Eq(density, density)), hn::Gt(extinction, zero));
-      const Vf alpha = hn::IfThenElseZero(
-        shows, hn::Mul(Splat(channel.Weight), this->OpacityOver(extinction, channel)));
-      const Vec3 own = this->IsDependent() ? DependentColor(this->Scene, values) : lookup.Color();
+      const Mf shows = hn::And(hn::And(lanes[c], hn::Eq(density, density)), some);
+      const Vf alpha = hn::IfThenElseZero(shows, hn::Mul(Splat(channel.Weight), texel.Opacity));
+      const Vec3 own = this->IsDependent() ? DependentColor(this->Scene, values) : texel.Color;
       color = MulAdd(alpha, own, color);
       first = hn::IfThenElse(hn::And(hn::Eq(sum, zero), hn::Gt(alpha, zero)), places[c], first);
       sum = hn::Add(sum, alpha);

@@ -35,6 +35,9 @@ HWY_INLINE void ForComponents(const Take& take)
   take(std::integral_constant<int, 3>());
 }
 
+/// Whether a component is one of `wanted`, a bit each.
+HWY_INLINE constexpr bool IsWanted(unsigned int wanted, int c) { return (wanted >> c & 1u) != 0; }
+
 /// Rows of voxels, one of each component.
 template <class T>
 struct ComponentRows
@@ -194,23 +197,26 @@ public:
   HWY_NOINLINE void FindGradients(
     unsigned int wanted, Vec3 gradients[LargestNumberOfComponents]) const
   {
-    const auto isWanted = [wanted](int c) { return (wanted >> c & 1u) != 0; };
     OuterRows outer[LargestNumberOfComponents];
-    for (int i = 0; i < OuterRows::Count; ++i)
-    {
-      const ComponentRows<T> rows =
-        this->template Load<true>(OuterRows::Places[i][0], OuterRows::Places[i][1]);
-      ForComponents([&](auto c) {
-        if (isWanted(c))
-        {
-          outer[c].Middles[i] = Fetch<T>::Middle(rows.Of[c], this->At);
-        }
-      });
-    }
+    this->LoadOuterRows(wanted, outer);
     const Vf zero = hn::Zero(Df());
     ForComponents([&](auto c) {
-      gradients[c] =
-        isWanted(c) ? Gradient<T>(outer[c], this->At, this->Rows[c]) : Vec3{ zero, zero, zero };
+      gradients[c] = IsWanted(wanted, c) ? Gradient<T>(outer[c], this->At, this->Rows[c])
+                                         : Vec3{ zero, zero, zero };
+    });
+  }
+
+  /// The values whose differences FindGradients() gives, of the components `wanted`.
+  HWY_NOINLINE void FindNeighbors(
+    unsigned int wanted, NeighborValues neighbors[LargestNumberOfComponents]) const
+  {
+    OuterRows outer[LargestNumberOfComponents];
+    this->LoadOuterRows(wanted, outer);
+    ForComponents([&](auto c) {
+      if (IsWanted(wanted, c))
+      {
+        neighbors[c] = FindNeighborValues<T>(outer[c], this->At, this->Rows[c]);
+      }
     });
   }
 
@@ -239,6 +245,22 @@ private:
       return this->Middles[alongY ? 2 * dz + (dy > 1 ? 1 : 0) : 4 + dy + (dz > 1 ? 2 : 0)];
     }
   };
+
+  HWY_NOINLINE void LoadOuterRows(
+    unsigned int wanted, OuterRows (&outer)[LargestNumberOfComponents]) const
+  {
+    for (int i = 0; i < OuterRows::Count; ++i)
+    {
+      const ComponentRows<T> rows =
+        this->template Load<true>(OuterRows::Places[i][0], OuterRows::Places[i][1]);
+      ForComponents([&](auto c) {
+        if (IsWanted(wanted, c))
+        {
+          outer[c].Middles[i] = Fetch<T>::Middle(rows.Of[c], this->At);
+        }
+      });
+    }
+  }
 
   template <bool Inner>
   HWY_INLINE ComponentRows<T> Load(int dy, int dz) const

@@ -137,6 +137,8 @@ public:
     samples.FindValues(values);
     Vf extinctions[LargestNumberOfComponents];
     Mf visible = hn::FirstN(d, 0);
+    const bool independent = this->Scene.KindOfComponents == ComponentKind::Independent;
+    unsigned int wanted = independent ? 0 : FindDensityComponents(this->Scene);
     for (std::size_t c = 0; c < this->Scene.Components.size(); ++c)
     {
       // Comparisons with what is not a number are false.
@@ -149,12 +151,14 @@ public:
       if (component.Weight > 0.0f && !hn::AllFalse(d, counts))
       {
         extinctions[c] =
-          hn::IfThenElseZero(counts, TableLookup(this->Scene, density, c).Extinction());
-        visible = hn::Or(visible, hn::Gt(extinctions[c], hn::Zero(d)));
+          hn::IfThenElseZero(counts, this->FindFirstExtinction(component, density, c));
+        const Mf own = hn::Gt(extinctions[c], hn::Zero(d));
+        visible = hn::Or(visible, own);
+        wanted |= independent && !hn::AllFalse(d, own) ? 1u << c : 0u;
       }
     }
     visible = hn::And(visible, sampled);
-    if (this->Scene.Mask.Scalars && !hn::AllFalse(d, visible))
+    if (this->HasBinaryMask() && !hn::AllFalse(d, visible))
     {
       visible = hn::And(visible, IsInMask(this->Scene.Mask, q));
     }
@@ -163,21 +167,29 @@ public:
       return;
     }
     Vec3 gradients[LargestNumberOfComponents];
-    if (this->Scene.Shade || HasGradientOpacities(this->Scene))
+    Vec3 ofOpacity[LargestNumberOfComponents];
+    const Vec3* const normals = this->Scene.NormalsOfOpacity ? ofOpacity : gradients;
+    if (HWY_UNLIKELY(this->Scene.NormalsOfOpacity || this->Scene.ClipsGradients))
     {
-      samples.FindGradients(FindDensityComponents(this->Scene), gradients);
+      this->FindSpecialGradients(samples, wanted, curve, q, s, gradients, ofOpacity);
+    }
+    else if (this->Scene.Shade || this->Scene.OpacityByGradient)
+    {
+      samples.FindGradients(wanted, gradients);
     }
     const Vf t = curve.TimeAt(s);
     Vec3 color;
     Vf extinction;
-    if (this->Scene.KindOfComponents == ComponentKind::Independent)
+    if (independent)
     {
-      this->MixComponents(curve, q, s, t, values, extinctions, gradients, color, extinction);
+      this->MixComponents(
+        curve, q, s, t, values, extinctions, gradients, normals, color, extinction);
     }
     else
     {
-      this->ClassifyDependent(curve, q, s, t, values, extinctions[0],
-        this->FindDensityGradient(gradients), color, extinction);
+      const Vec3 gradient = this->FindDensityGradient(gradients);
+      this->ClassifyDependent(curve, q, s, t, values, extinctions[0], gradient,
+        this->Scene.NormalsOfOpacity ? ofOpacity[0] : gradient, color, extinction);
     }
     this->AddComponents(curve, s, t, color, extinction, visible);
   }
@@ -188,16 +200,42 @@ public:
     FetchedComponents<T>(this->Scene.Volume, q, lanes, this->Border).FindValues(values);
   }
 
-  /// Finds the gradients of what IntensityOf() gives of a channel.
-  HWY_NOINLINE Vec3 FindIntensityGradient(const Vec3& q, Mf lanes, std::size_t channel)
+  /// Finds the gradients that give normals at q, the position at s of a curve: of what
+  /// IntensityOf() gives of a channel, or of the opacity.
+  HWY_NOINLINE Vec3 FindIntensityGradient(
+    const PacketCurve& curve, const Vec3& q, Vf s, Mf lanes, std::size_t channel)
   {
     FetchedComponents<T> samples(this->Scene.Volume, q, lanes, this->Border);
     Vf values[LargestNumberOfComponents];
     samples.FindValues(values);
     Vec3 gradients[LargestNumberOfComponents];
-    samples.FindGradients((1u << this->Scene.Volume.Components) - 1u, gradients);
+    const unsigned int all = (1u << this->Scene.Volume.Components) - 1u;
+    if (HWY_UNLIKELY(this->Scene.NormalsOfOpacity || this->Scene.ClipsGradients))
+    {
+      Vec3 ofOpacity[LargestNumberOfComponents];
+      this->FindSpecialGradients(samples, all, curve, q, s, gradients, ofOpacity);
+      if (this->Scene.NormalsOfOpacity)
+      {
+        return ofOpacity[channel];
+      }
+    }
+    else
+    {
+      samples.FindGradients(all, gradients);
+    }
     return this->MixGradients(
       gradients, [&](const Vf* of) { return IntensityOf(this->Scene, channel, of); });
+  }
+
+  /// Finds the gradients that give normals of one component at q, the position at s of a curve.
+  HWY_NOINLINE Vec3 FindNormalGradient(const PacketCurve& curve, const Vec3& q, Vf s, Mf lanes)
+  {
+    FetchedSample<T> fetched;
+    FetchSample(this->Scene.Volume, q, lanes, this->Border, fetched);
+    return HWY_UNLIKELY(this->Scene.NormalsOfOpacity)
+      ? this->FindSpecialGradient(
+          fetched.Voxels, fetched.At, fetched.Rows, curve, q, s, fetched.AtBorder, true)
+      : this->FindGradient(fetched.Voxels, fetched.At, fetched.Rows, curve, q, s, fetched.AtBorder);
   }
 
   /// Whether TakeDependentComponents() can take samples of the curve.
@@ -347,6 +385,114 @@ public:
   VoxelWindow<T> Window; ///< voxels around the last inner sample
 
 private:
+  HWY_INLINE bool HasBinaryMask() const
+  {
+    return this->Scene.Mask.Scalars && !this->Scene.Mask.Labels;
+  }
+
+  /// The extinctions that densities of one of several components have by its table. Where it does
+  /// not tell what is transparent, all may be visible.
+  HWY_INLINE Vf FindFirstExtinction(
+    const PacketComponent& component, Vf density, std::size_t number) const
+  {
+    return HWY_LIKELY(component.ByTable) ? TableLookup(this->Scene, density, number).Extinction()
+                                         : Splat(1.0f);
+  }
+
+  /// The positions around samples at q, the position at s of a curve, that are clipped.
+  HWY_NOINLINE ClippedNeighbors FindClipped(const PacketCurve& curve, const Vec3& q, Vf s)
+  {
+    const Vf t = curve.TimeAt(s);
+    Vec3 steps[3];
+    this->Normals.FindSteps(curve, q, s, t, steps);
+    return FindClippedNeighbors(
+      this->Scene, q, MulAdd(t, this->Rays.Direction, this->Rays.Origin), steps);
+  }
+
+  /// Does what FindGradient() does beside clipping planes, or of the opacity.
+  template <class Source>
+  HWY_NOINLINE Vec3 FindSpecialGradient(const Source& voxels, const SamplePosition& at,
+    const SampleRows<T>& rows, const PacketCurve& curve, const Vec3& q, Vf s, Mf border,
+    bool ofOpacity)
+  {
+    NeighborValues of = FindNeighbors<T>(voxels, at, rows, this->Border, q, border);
+    if (this->Scene.ClipsGradients)
+    {
+      // Of several components the density is the last one.
+      this->FindClipped(curve, q, s)
+        .Replace(this->Scene.ClippedValues[this->Scene.Volume.Components - 1], of);
+    }
+    if (ofOpacity)
+    {
+      of = OpacitiesOf(of, [&](Vf values) { return OpacityOfValues(this->Scene, values); });
+    }
+    return GradientOfNeighbors(this->Scene.Volume, q, border, of);
+  }
+
+  /// Gradients of samples at q, the position at s of a curve, of which those of `border` lie at
+  /// faces.
+  template <class Source>
+  HWY_INLINE Vec3 FindGradient(const Source& voxels, const SamplePosition& at,
+    const SampleRows<T>& rows, const PacketCurve& curve, const Vec3& q, Vf s, Mf border)
+  {
+    return HWY_UNLIKELY(this->Scene.ClipsGradients)
+      ? this->FindSpecialGradient(voxels, at, rows, curve, q, s, border, false)
+      : this->GradientOf(voxels, at, rows, q, border);
+  }
+
+  /// Finds the gradients of components `wanted`, a bit each, beside clipping planes, too, and, if
+  /// they are needed, those of the opacities.
+  HWY_NOINLINE void FindSpecialGradients(FetchedComponents<T>& samples, unsigned int wanted,
+    const PacketCurve& curve, const Vec3& q, Vf s, Vec3* gradients, Vec3* ofOpacity)
+  {
+    NeighborValues of[LargestNumberOfComponents];
+    samples.FindNeighbors(wanted, of);
+    const auto toGradient = [&](const NeighborValues& neighbors) {
+      return GradientOfNeighbors(this->Scene.Volume, q, samples.GetAtBorder(), neighbors);
+    };
+    if (this->Scene.ClipsGradients)
+    {
+      const ClippedNeighbors clipped = this->FindClipped(curve, q, s);
+      for (int c = 0; c < LargestNumberOfComponents; ++c)
+      {
+        if (IsWanted(wanted, c))
+        {
+          clipped.Replace(this->Scene.ClippedValues[c], of[c]);
+        }
+      }
+    }
+    for (int c = 0; c < LargestNumberOfComponents; ++c)
+    {
+      if (IsWanted(wanted, c))
+      {
+        gradients[c] = toGradient(of[c]);
+      }
+    }
+    const bool independent = this->Scene.KindOfComponents == ComponentKind::Independent;
+    for (std::size_t i = 0; i < this->Scene.Components.size() && this->Scene.NormalsOfOpacity; ++i)
+    {
+      if (independent && !IsWanted(wanted, static_cast<int>(i)))
+      {
+        continue;
+      }
+      NeighborValues densities;
+      for (int a = 0; a < 3; ++a)
+      {
+        Vf behind[LargestNumberOfComponents];
+        Vf before[LargestNumberOfComponents];
+        for (int c = 0; c < this->Scene.Volume.Components; ++c)
+        {
+          behind[c] = of[c].Behind[a];
+          before[c] = of[c].Before[a];
+        }
+        densities.Behind[a] = DensityOf(this->Scene, i, behind);
+        densities.Before[a] = DensityOf(this->Scene, i, before);
+      }
+      ofOpacity[i] = toGradient(
+        OpacitiesOf(densities, [&](Vf values) { return OpacityOfValues(this->Scene, values, i); }));
+    }
+  }
+
   /// Whether windows can be used at faces: no position is beyond the outermost voxels.
   HWY_INLINE bool CanUseFaces() const
   {
@@ -462,9 +608,9 @@ private:
       {
         continue;
       }
-      const Vf ofTable = TableLookup(this->Scene, density).Extinction();
+      const Vf ofTable = this->FindFirstExtinction(component, density, 0);
       Mf visible = hn::And(sampled, hn::Gt(ofTable, hn::Zero(d)));
-      if (this->Scene.Mask.Scalars && !hn::AllFalse(d, visible))
+      if (this->HasBinaryMask() && !hn::AllFalse(d, visible))
       {
         visible = hn::And(visible, IsInMask(this->Scene.Mask, q));
       }
@@ -476,11 +622,18 @@ private:
         ? hn::AndNot(FindInterior(this->Scene.Volume, cells, visible), visible)
         : hn::FirstN(d, 0);
       Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
-      if (this->Scene.Shade || component.Gradients.Factors)
+      const bool shadesByValue = this->Scene.Shade && !this->Scene.NormalsOfOpacity;
+      if (this->Scene.Shade || this->Scene.OpacityByGradient)
       {
         voxels.Widen();
-        gradient = this->GradientOf(voxels, at, rows, q, border);
       }
+      if (shadesByValue || this->Scene.OpacityByGradient)
+      {
+        gradient = this->FindGradient(voxels, at, rows, curve, q, s, border);
+      }
+      const Vec3 normal = HWY_UNLIKELY(this->Scene.NormalsOfOpacity)
+        ? this->FindSpecialGradient(voxels, at, rows, curve, q, s, border, true)
+        : gradient;
       Vf values[LargestNumberOfComponents];
       ComponentSamples<T>(this->Scene.Volume, cells, at, hn::AndNot(border, visible))
         .FindValues(values);
@@ -491,7 +644,7 @@ private:
       const Vf t = curve.TimeAt(s);
       Vec3 color;
       Vf extinction;
-      this->ClassifyDependent(curve, q, s, t, values, ofTable, gradient, color, extinction);
+      this->ClassifyDependent(curve, q, s, t, values, ofTable, gradient, normal, color, extinction);
       this->AddComponents(curve, s, t, color, extinction, visible);
       if (HWY_UNLIKELY(hn::AllFalse(d, this->State.Alive)))
       {
@@ -692,15 +845,11 @@ private:
       if (scene.Shade)
       {
         voxels.Widen();
-        Vec3 gradient;
-        if (HWY_UNLIKELY(scene.NormalsOfOpacity))
-        {
-          gradient = OpacityGradient<T>(scene, voxels, in, rows, this->Border, q, border);
-        }
-        else
-        {
-          gradient = this->GradientOf(voxels, in, rows, q, border);
-        }
+        const bool special = scene.NormalsOfOpacity || scene.ClipsGradients;
+        const Vec3 gradient = HWY_UNLIKELY(special)
+          ? this->FindSpecialGradient(
+              voxels, in, rows, curve, q, middle, border, scene.NormalsOfOpacity)
+          : this->GradientOf(voxels, in, rows, q, border);
         color = this->Normals.Light(
           scene.Surface, curve, q, color, gradient, middle, curve.TimeAt(middle));
       }
@@ -776,13 +925,17 @@ private:
     const bool byGradient = !Plain && this->Scene.OpacityByGradient;
     const bool byOpacity = !Plain && this->Scene.NormalsOfOpacity;
     const PacketGradientOpacity& gradients = this->Scene.Gradients;
+    const auto findGradient = [&]() FFD_INLINE_LAMBDA {
+      return Plain ? this->GradientOf(voxels, at, rows, q, border)
+                   : this->FindGradient(voxels, at, rows, curve, q, s, border);
+    };
     Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
     // Most gradients of what is visible by its value may be small: no table is looked up for them.
     const bool gradientFirst = byGradient && gradients.ZeroUpTo > 0.0f && !mask.Scalars;
     if (gradientFirst)
     {
       voxels.Widen();
-      gradient = this->GradientOf(voxels, at, rows, q, border);
+      gradient = findGradient();
       sampled = hn::And(sampled, IsAboveZero(gradients, gradient));
       if (hn::AllFalse(d, sampled))
       {
@@ -791,7 +944,7 @@ private:
     }
     const bool byPlane = !Plain && plane.Texels != nullptr;
     const bool labeled = !Plain && !mask.Tables.empty();
-    const bool mixed = labeled && mask.BlendFactor < 1.0f;
+    const bool mixed = labeled && (byPlane || mask.BlendFactor < 1.0f);
     const Vi tables = labeled ? FindLabelTables(mask, q) : hn::Zero(Di());
     TableLookup lookup;
     TableLookup base;
@@ -809,6 +962,10 @@ private:
       }
       visible = hn::And(sampled, some);
     }
+    else if (labeled)
+    {
+      lookup = TableLookup(this->Scene, value, tables);
+    }
     if (!Plain && mask.Scalars && !mask.Labels && !hn::AllFalse(d, visible))
     {
       visible = hn::And(visible, IsInMask(mask, q));
@@ -823,7 +980,7 @@ private:
     }
     if (!gradientFirst && (byGradient || (this->Scene.Shade && !byOpacity)))
     {
-      gradient = this->GradientOf(voxels, at, rows, q, border);
+      gradient = findGradient();
     }
     if (!gradientFirst && byGradient && gradients.ZeroUpTo > 0.0f)
     {
@@ -838,15 +995,17 @@ private:
     const bool weighed = mixed || byGradient || byPlane;
     Vf factor = Splat(1.0f);
     Vf opacity = hn::Zero(d);
-    if (HWY_UNLIKELY(mixed))
+    if (HWY_UNLIKELY(mixed && byPlane))
+    {
+      MixPlaneWithLabels(this->Scene, value, lookup, tables, gradient, q, opacity, color);
+    }
+    else if (HWY_UNLIKELY(mixed))
     {
       MixWithLabels(this->Scene, base, lookup, tables, gradient, opacity, color);
     }
     else if (byPlane)
     {
-      const Vf second =
-        byGradient ? FindMagnitude(plane.MagnitudeScale, gradient) : FindSecondAxis(plane, q);
-      const PlaneTexel texel = LookUpPlane(plane, value, second);
+      const PlaneTexel texel = LookUpPlane(plane, value, gradient, q);
       opacity = texel.Opacity;
       color = texel.Color;
     }
@@ -873,8 +1032,8 @@ private:
     const Vf t = curve.TimeAt(s);
     if (HWY_UNLIKELY(byOpacity))
     {
-      gradient = OpacityGradient<T>(
-        this->Scene, voxels, at, rows, this->Border, q, hn::And(border, visible));
+      gradient =
+        this->FindSpecialGradient(voxels, at, rows, curve, q, s, hn::And(border, visible), true);
     }
     if (this->Scene.Shade)
     {
@@ -882,7 +1041,8 @@ private:
     }
     if (HWY_UNLIKELY(weighed))
     {
-      const bool isInterval = byPlane ? this->Scene.Settings.Opacity == OpacityLength::Deformed &&
+      const bool ofTexel = byPlane && !mixed;
+      const bool isInterval = ofTexel ? this->Scene.Settings.Opacity == OpacityLength::Deformed &&
           static_cast<float>(this->Scene.Settings.SampleDistance) == plane.UnitDistance
                                       : this->Scene.ReferenceIsInterval;
       if (HWY_LIKELY(isInterval))
@@ -892,7 +1052,7 @@ private:
       }
       const Mf exact = mixed || byPlane ? hn::FirstN(d, 0) : hn::Ge(factor, Splat(1.0f));
       extinction = hn::IfThenElse(exact, extinction,
-        OpaqueExtinctionOver(opacity, byPlane ? plane.UnitDistance : this->Scene.ReferenceLength));
+        OpaqueExtinctionOver(opacity, ofTexel ? plane.UnitDistance : this->Scene.ReferenceLength));
     }
     this->AddColor(color, extinction, visible, curve, s, t);
   }
@@ -911,13 +1071,16 @@ private:
   /// Mixes independent components: the opacity is sum(a^2) / sum(a), the premultiplied color
   /// sum(a c).
   HWY_NOINLINE void MixComponents(const PacketCurve& curve, const Vec3& q, Vf s, Vf t,
-    const Vf* values, const Vf* extinctions, const Vec3* gradients, Vec3& color, Vf& extinction)
+    const Vf* values, const Vf* extinctions, const Vec3* gradients, const Vec3* normals,
+    Vec3& color, Vf& extinction)
   {
     const Df d;
     const Vf zero = hn::Zero(d);
     Vec3 colors{ zero, zero, zero };
     Vf sum = zero;
     Vf squares = zero;
+    const PacketPlane& first = this->Scene.Components[0].Plane;
+    const Vf second = first.SecondAxis.Scalars ? FindSecondAxis(first, q) : zero;
     for (std::size_t c = 0; c < this->Scene.Components.size(); ++c)
     {
       const PacketComponent& component = this->Scene.Components[c];
@@ -926,16 +1089,30 @@ private:
       {
         continue;
       }
-      Vf opacity = hn::Mul(Splat(component.Weight), OpacityOf(this->Scene, extinctions[c]));
+      Vf opacity;
+      Vec3 own;
+      if (HWY_UNLIKELY(component.Plane.Texels != nullptr))
+      {
+        const PlaneTexel texel = component.Plane.SecondAxis.Scalars
+          ? LookUpPlane(component.Plane, values[c], second)
+          : LookUpPlane(component.Plane, values[c], gradients[c], q);
+        opacity = OpacityOf(this->Scene, component.Plane, texel);
+        own = texel.Color;
+      }
+      else
+      {
+        opacity = OpacityOf(this->Scene, extinctions[c]);
+        own = TableLookup(this->Scene, values[c], c).Color();
+      }
+      opacity = hn::Mul(Splat(component.Weight), opacity);
       if (component.Gradients.Factors)
       {
         opacity = hn::Mul(opacity, FactorOf(component.Gradients, gradients[c]));
       }
       opacity = hn::IfThenElseZero(visible, opacity);
-      Vec3 own = TableLookup(this->Scene, values[c], c).Color();
       if (this->Scene.Shade)
       {
-        own = this->Normals.Light(component.Surface, curve, q, own, gradients[c], s, t);
+        own = this->Normals.Light(component.Surface, curve, q, own, normals[c], s, t);
       }
       colors = MulAdd(opacity, own, colors);
       sum = hn::Add(sum, opacity);
@@ -952,7 +1129,7 @@ private:
   HWY_INLINE Vec3 FindDensityGradient(const Vec3* gradients) const
   {
     const Vf zero = hn::Zero(Df());
-    if (!this->Scene.Shade && !this->Scene.Components[0].Gradients.Factors)
+    if (!this->Scene.Shade && !this->Scene.OpacityByGradient)
     {
       return { zero, zero, zero };
     }
@@ -975,24 +1152,73 @@ private:
     return { along(&Vec3::x), along(&Vec3::y), along(&Vec3::z) };
   }
 
-  /// Classifies and lights dependent components. `ofTable`, `gradient`: of the density.
+  /// Classifies and lights dependent components. `ofTable`: the extinction of the density,
+  /// FindFirstExtinction(), `gradient`: its gradient, `normal`: that which gives normals.
   HWY_NOINLINE void ClassifyDependent(const PacketCurve& curve, const Vec3& q, Vf s, Vf t,
-    const Vf* values, Vf ofTable, const Vec3& gradient, Vec3& color, Vf& extinction)
+    const Vf* values, Vf ofTable, const Vec3& gradient, const Vec3& normal, Vec3& color,
+    Vf& extinction)
   {
     const Df d;
     const Vf zero = hn::Zero(d);
     const PacketComponent& component = this->Scene.Components[0];
-    extinction = ofTable;
-    if (component.Gradients.Factors)
+    if (HWY_UNLIKELY(!component.ByTable))
     {
-      extinction = hn::IfThenElseZero(hn::Gt(ofTable, zero),
-        WeighExtinction(this->Scene, ofTable, FactorOf(component.Gradients, gradient)));
+      this->ClassifyFurther(q, values, gradient, color, extinction);
     }
-    color = DependentColor(this->Scene, values);
+    else
+    {
+      extinction = ofTable;
+      if (component.Gradients.Factors)
+      {
+        extinction = hn::IfThenElseZero(hn::Gt(ofTable, zero),
+          WeighExtinction(this->Scene, ofTable, FactorOf(component.Gradients, gradient)));
+      }
+      color = DependentColor(this->Scene, values);
+    }
     if (this->Scene.Shade)
     {
-      color = this->Normals.Light(component.Surface, curve, q, color, gradient, s, t);
+      color = this->Normals.Light(component.Surface, curve, q, color, normal, s, t);
     }
+  }
+
+  /// Does what ClassifyDependent() does by a two-dimensional transfer function or with labels.
+  HWY_NOINLINE void ClassifyFurther(
+    const Vec3& q, const Vf* values, const Vec3& gradient, Vec3& color, Vf& extinction)
+  {
+    const PacketScene& scene = this->Scene;
+    const PacketComponent& component = scene.Components[0];
+    const Vf density = DensityOf(scene, 0, values);
+    const bool labeled = !scene.Mask.Tables.empty();
+    Vf opacity;
+    color = DependentColor(scene, values);
+    if (component.Plane.Texels)
+    {
+      const PacketPlane& plane = component.Plane;
+      const Vf second = plane.SecondAxis.Scalars ? FindSecondAxis(plane, q)
+                                                 : FindMagnitude(plane.MagnitudeScale, gradient);
+      const PlaneTexel texel = LookUpPlane(plane, density, second);
+      if (scene.ColorPlane.Texels)
+      {
+        color = LookUpPlane(scene.ColorPlane, values[0], second).Color;
+      }
+      if (!labeled)
+      {
+        extinction = OpaqueExtinctionOver(texel.Opacity, plane.UnitDistance);
+        return;
+      }
+      opacity = OpacityOf(scene, plane, texel);
+    }
+    else
+    {
+      opacity = OpacityOf(scene, TableLookup(scene, density).Extinction());
+      if (component.Gradients.Factors)
+      {
+        opacity = hn::Mul(opacity, FactorOf(component.Gradients, gradient));
+      }
+    }
+    const Vi tables = FindLabelTables(scene.Mask, q);
+    MixInLabels(scene, TableLookup(scene, density, tables), tables, gradient, opacity, color);
+    extinction = OpaqueExtinctionOver(opacity, scene.ReferenceLength);
   }
 
   const PacketScene& Scene;

@@ -660,6 +660,60 @@ HWY_INLINE Vec3 Gradient(const Source& source, const SamplePosition& at, const S
   return F::Difference(g, at);
 }
 
+/// Values one voxel behind and one voxel before samples along each axis.
+struct NeighborValues
+{
+  Vf Behind[3];
+  Vf Before[3];
+};
+
+/// The values whose differences Gradient() gives, from the same voxels.
+template <class T, class Source>
+HWY_INLINE NeighborValues FindNeighborValues(
+  const Source& source, const SamplePosition& at, const SampleRows<T>& rows)
+{
+  using F = Fetch<T>;
+  using Along = typename F::Along;
+  const auto value = [&](Along a00, Along a10, Along a01, Along a11) FFD_INLINE_LAMBDA {
+    return F::Value(Across<T>(at, a00, a10, a01, a11), at);
+  };
+  const auto middle = [&](int dy, int dz) { return source.Middle(dy, dz, at); };
+  const auto behind = [&](const typename F::Row& row) { return F::Behind(row, at); };
+  const auto before = [&](const typename F::Row& row) { return F::Before(row, at); };
+  NeighborValues of;
+  of.Behind[0] = value(behind(rows.R00), behind(rows.R10), behind(rows.R01), behind(rows.R11));
+  of.Before[0] = value(before(rows.R00), before(rows.R10), before(rows.R01), before(rows.R11));
+  of.Behind[1] = value(rows.M10, middle(2, 0), rows.M11, middle(2, 1));
+  of.Before[1] = value(middle(-1, 0), rows.M00, middle(-1, 1), rows.M01);
+  of.Behind[2] = value(rows.M01, rows.M11, middle(0, 2), middle(1, 2));
+  of.Before[2] = value(middle(0, -1), middle(1, -1), rows.M00, rows.M10);
+  return of;
+}
+
+/// The positions around which FindDifferences() takes differences: in the volume, or of the nearest
+/// voxels.
+HWY_INLINE Vec3 FindMiddle(const PacketVolume& v, const Vec3& q)
+{
+  const auto within = [&](Vf x, int a) {
+    const Vf last = Splat(static_cast<float>(v.Dimensions[a] - 1));
+    const Vf inside = Clamp(x, hn::Zero(Df()), last);
+    return v.Nearest ? hn::Min(hn::Floor(hn::Add(inside, Splat(0.5f))), last) : inside;
+  };
+  return { within(q.x, 0), within(q.y, 1), within(q.z, 2) };
+}
+
+/// The coordinate of a position.
+HWY_INLINE Vf& CoordinateOf(Vec3& q, int a) { return a == 0 ? q.x : a == 1 ? q.y : q.z; }
+
+/// Moves positions of FindMiddle() by `step` voxels along an axis, in the volume.
+HWY_INLINE Vec3 MoveAlong(const PacketVolume& v, Vec3 middle, int a, float step)
+{
+  Vf& x = CoordinateOf(middle, a);
+  x =
+    Clamp(hn::Add(x, Splat(step)), hn::Zero(Df()), Splat(static_cast<float>(v.Dimensions[a] - 1)));
+  return middle;
+}
+
 /// Rescales gradients from repeated voxels: their differences are over less than two voxels at the
 /// faces of the volume.
 HWY_INLINE Vec3 AtFaces(const PacketVolume& v, const Vec3& q, const Vec3& gradient)
@@ -671,6 +725,18 @@ HWY_INLINE Vec3 AtFaces(const PacketVolume& v, const Vec3& q, const Vec3& gradie
   };
   return { hn::Mul(gradient.x, scale(q.x, 0)), hn::Mul(gradient.y, scale(q.y, 1)),
     hn::Mul(gradient.z, scale(q.z, 2)) };
+}
+
+/// The gradients, as Gradient() gives them, of what has these values around the samples q, of which
+/// those of `border` lie at faces.
+HWY_INLINE Vec3 GradientOfNeighbors(
+  const PacketVolume& v, const Vec3& q, Mf border, const NeighborValues& of)
+{
+  const auto difference = [&](int a) { return hn::Sub(of.Behind[a], of.Before[a]); };
+  const Vec3 gradient{ difference(0), difference(1), difference(2) };
+  return HWY_LIKELY(hn::AllFalse(Df(), border))
+    ? gradient
+    : Select(border, AtFaces(v, FindMiddle(v, q), gradient), gradient);
 }
 
 /**

@@ -20,9 +20,10 @@ namespace HWY_NAMESPACE
 {
 
 /// Finds the voxels of a mask that are nearest to positions q, index coordinates of the volume:
-/// their slices, -1 outside of a mask on a grid of its own, and their offsets in these, elements.
+/// their places in rows, and these by number, through all slices; -1 outside of a mask on a grid of
+/// its own.
 HWY_INLINE void FindMaskVoxels(
-  const PacketMask& mask, const Vec3& q, int (&offsets)[16], int (&slices)[16])
+  const PacketMask& mask, const Vec3& q, int (&places)[16], int (&rows)[16])
 {
   const Df d;
   const Di di;
@@ -34,15 +35,15 @@ HWY_INLINE void FindMaskVoxels(
     outside = hn::Or(outside, hn::Or(hn::Lt(x, hn::Neg(half)), hn::Gt(x, hn::Add(last, half))));
     return Truncate(Clamp(hn::Add(x, half), hn::Zero(d), last));
   };
-  const Vi x = hn::Mul(find(at.x, 0), hn::Set(di, mask.Increments[0]));
-  const Vi y = hn::Mul(find(at.y, 1), hn::Set(di, mask.Increments[1]));
-  Vi slice = find(at.z, 2);
+  const Vi x = find(at.x, 0);
+  const Vi y = find(at.y, 1);
+  Vi row = hn::Add(y, hn::Mul(find(at.z, 2), hn::Set(di, mask.Dimensions[1])));
   if (!mask.SameGrid)
   {
-    slice = hn::IfThenElse(hn::RebindMask(di, outside), hn::Set(di, -1), slice);
+    row = hn::IfThenElse(hn::RebindMask(di, outside), hn::Set(di, -1), row);
   }
-  StoreIndices(hn::Add(x, y), offsets);
-  StoreIndices(slice, slices);
+  StoreIndices(x, places);
+  StoreIndices(row, rows);
 }
 
 /// Returns function(scalar of the mask at the voxel nearest to q) of each lane, a number; 0 outside
@@ -51,17 +52,16 @@ template <class Number, class Function>
 HWY_INLINE auto LookUpMask(const PacketMask& mask, const Vec3& q, const Function& function)
 {
   const hn::Rebind<Number, Df> d;
-  HWY_ALIGN int offsets[16];
-  HWY_ALIGN int slices[16];
-  FindMaskVoxels(mask, q, offsets, slices);
+  HWY_ALIGN int places[16];
+  HWY_ALIGN int rows[16];
+  FindMaskVoxels(mask, q, places, rows);
   HWY_ALIGN Number numbers[16];
   DispatchScalarType(mask.Type, [&](auto zero) {
     const auto* const scalars = static_cast<const decltype(zero)*>(mask.Scalars);
     for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
     {
-      const std::ptrdiff_t at =
-        offsets[lane] + static_cast<std::ptrdiff_t>(slices[lane]) * mask.Increments[2];
-      numbers[lane] = slices[lane] >= 0 ? function(scalars[at]) : Number(0);
+      const std::ptrdiff_t at = places[lane] + rows[lane] * mask.RowIncrement;
+      numbers[lane] = rows[lane] >= 0 ? function(scalars[at]) : Number(0);
     }
   });
   return hn::Load(d, numbers);

@@ -78,6 +78,63 @@ public:
     return Shade(this->Scene, surface, color, gradient, toEye, position);
   }
 
+  /// Finds where the deformation takes steps of one voxel along each axis from q, the position at s
+  /// of the curve, as if it were linear; local coordinates.
+  HWY_NOINLINE void FindSteps(const PacketCurve& curve, const Vec3& q, Vf s, Vf t, Vec3 (&steps)[3])
+  {
+    const Vf zero = hn::Zero(Df());
+    const Vf one = Splat(1.0f);
+    const Vec3 axes[3] = { { one, zero, zero }, { zero, one, zero }, { zero, zero, one } };
+    // Steps in deformed space, and what they are at rest, by index coordinates.
+    Vec3 deformed[3];
+    Vec3 rest[3];
+    if (this->Scene.Identity)
+    {
+      for (int a = 0; a < 3; ++a)
+      {
+        steps[a] = Transform(this->Scene.IndexToLocal, axes[a]);
+      }
+      return;
+    }
+    if (curve.Interpolated)
+    {
+      if (!this->HaveSlopes)
+      {
+        this->FindSlopes(curve);
+      }
+      const Vf spread = this->Spread(t);
+      const Vec3& along = this->Rays.Direction;
+      deformed[0] = MulAdd(this->AlongX, along, Scale(spread, this->AcrossX));
+      deformed[1] = MulAdd(this->AlongY, along, Scale(spread, this->AcrossY));
+      deformed[2] = along;
+      rest[0] = this->SlopeX.At(s);
+      rest[1] = this->SlopeY.At(s);
+      rest[2] = this->SlopeT.At(s);
+    }
+    else
+    {
+      const Vec3 p = MulAdd(t, this->Rays.Direction, this->Rays.Origin);
+      PullBackJacobian(this->Scene, p, WholeToLocal(this->Scene, IndexToWhole(this->Scene, q)),
+        rest[0], rest[1], rest[2]);
+      for (int a = 0; a < 3; ++a)
+      {
+        deformed[a] = axes[a];
+        rest[a] = Transform(this->Scene.LocalToIndex, rest[a]);
+      }
+    }
+    const Vec3 x = Cross(rest[1], rest[2]);
+    const Vec3 y = Cross(rest[2], rest[0]);
+    const Vec3 z = Cross(rest[0], rest[1]);
+    const Vf inverse = hn::Div(one, Dot(rest[0], x));
+    const auto step = [&](Vf ofX, Vf ofY, Vf ofZ) {
+      return Scale(
+        inverse, MulAdd(ofX, deformed[0], MulAdd(ofY, deformed[1], Scale(ofZ, deformed[2]))));
+    };
+    steps[0] = step(x.x, y.x, z.x);
+    steps[1] = step(x.y, y.y, z.y);
+    steps[2] = step(x.z, y.z, z.z);
+  }
+
   /// Takes a gradient by index coordinates at s on one of the rays to one by data coordinates.
   HWY_NOINLINE glm::dvec3 GradientOfRay(
     const PacketCurve& curve, std::size_t lane, float s, const glm::dvec3& byIndex)
@@ -165,8 +222,8 @@ private:
     this->AlongY = spread.AlongY;
     this->SpreadBase = spread.Base;
     this->SpreadPerT = spread.PerT;
-    const Vec3& x = spread.AcrossX;
-    const Vec3& y = spread.AcrossY;
+    const Vec3& x = this->AcrossX = spread.AcrossX;
+    const Vec3& y = this->AcrossY = spread.AcrossY;
     const Vec3& t = this->Rays.Direction;
     const Vec3 yt = Cross(y, t);
     const Vf inverse = hn::Div(Splat(1.0f), Dot(x, yt));
@@ -214,6 +271,8 @@ private:
   Vec3 NormalT;
   Vf AlongX; ///< RaySpread
   Vf AlongY;
+  Vec3 AcrossX;
+  Vec3 AcrossY;
   Vf SpreadBase;
   Vf SpreadPerT;
 };

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Gradients of the opacity at the samples of a packet. Included once per target of Highway.
+// Gradients of the opacity, and those beside clipping planes, at the samples of a packet. Included
+// once per target of Highway.
 #if defined(FFD_SIMD_OPACITY_NORMALS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef FFD_SIMD_OPACITY_NORMALS_INL_H_
 #undef FFD_SIMD_OPACITY_NORMALS_INL_H_
@@ -16,20 +17,18 @@
 #include "FFDSimdPlane-inl.h"
 #include "FFDSimdTable-inl.h"
 
+#include <array>
+#include <cstddef>
+
 HWY_BEFORE_NAMESPACE();
 namespace ffd
 {
 namespace HWY_NAMESPACE
 {
 
-/// The opacity over the unit distance of values, as SampleClassifier::ClassifyValue().
-HWY_NOINLINE Vf OpacityOfValues(const PacketScene& scene, Vf values)
+/// The opacity over the unit distance of what has an extinction times that distance.
+HWY_INLINE Vf OpacityOfDepth(Vf depth)
 {
-  if (scene.Plane.Texels)
-  {
-    return LookUpPlane(scene.Plane, values, Splat(1e30f)).Opacity;
-  }
-  const Vf depth = hn::Mul(FindExtinction(scene, values), Splat(scene.UnitDistance));
   // The opacity is a difference from one, of which little is left where it is small; gradients are
   // differences of that.
   const Vf one = Splat(1.0f);
@@ -41,90 +40,100 @@ HWY_NOINLINE Vf OpacityOfValues(const PacketScene& scene, Vf values)
   return hn::IfThenElse(hn::Lt(depth, Splat(0.0625f)), series, hn::Sub(one, Exp2(hn::Neg(depth))));
 }
 
-/// The same as Gradient() of the opacity: that of the values one voxel before and behind the
-/// samples, which come from the same 32 voxels.
-template <class T, class Source>
-HWY_NOINLINE Vec3 InnerOpacityGradient(const PacketScene& scene, const Source& source,
-  const SamplePosition& at, const SampleRows<T>& rows)
+/// The opacity over the unit distance of values of one component, or of densities of one of
+/// several, as SampleClassifier::ClassifyValue().
+HWY_NOINLINE Vf OpacityOfValues(const PacketScene& scene, Vf values, std::size_t component = 0)
 {
-  using F = Fetch<T>;
-  using Along = typename F::Along;
-  const auto opacity = [&](Along a00, Along a10, Along a01, Along a11) {
-    return OpacityOfValues(scene, F::Value(Across<T>(at, a00, a10, a01, a11), at));
-  };
-  const auto middle = [&](int dy, int dz) { return source.Middle(dy, dz, at); };
-  const auto behind = [&](const typename F::Row& row) { return F::Behind(row, at); };
-  const auto before = [&](const typename F::Row& row) { return F::Before(row, at); };
-  Vec3 gradient;
-  gradient.x =
-    hn::Sub(opacity(behind(rows.R00), behind(rows.R10), behind(rows.R01), behind(rows.R11)),
-      opacity(before(rows.R00), before(rows.R10), before(rows.R01), before(rows.R11)));
-  gradient.y = hn::Sub(opacity(rows.M10, middle(2, 0), rows.M11, middle(2, 1)),
-    opacity(middle(-1, 0), rows.M00, middle(-1, 1), rows.M01));
-  gradient.z = hn::Sub(opacity(rows.M01, rows.M11, middle(0, 2), middle(1, 2)),
-    opacity(middle(0, -1), middle(1, -1), rows.M00, rows.M10));
-  return gradient;
+  const bool several = scene.Volume.Components > 1;
+  const PacketPlane& plane = several ? scene.Components[component].Plane : scene.Plane;
+  if (plane.Texels)
+  {
+    return FindOpacityOfLastRow(plane, values);
+  }
+  const float unit = several ? scene.Components[component].UnitDistance : scene.UnitDistance;
+  return OpacityOfDepth(hn::Mul(FindExtinction(scene, values, component), Splat(unit)));
 }
 
-/// The same near the faces of the volume, in the lanes of `lanes`: as FindDifferences().
-template <class T>
-HWY_NOINLINE Vec3 BorderOpacityGradient(
-  const PacketScene& scene, BorderSamples<T>& border, const Vec3& q, Mf lanes)
+/// Returns opacity(values) of values around samples.
+template <class Opacity>
+HWY_INLINE NeighborValues OpacitiesOf(const NeighborValues& of, const Opacity& opacity)
 {
-  const PacketVolume& v = scene.Volume;
-  const Vf zero = hn::Zero(Df());
-  const Vf one = Splat(1.0f);
-  Vf inside[3] = { q.x, q.y, q.z };
-  Vf last[3];
+  NeighborValues result;
   for (int a = 0; a < 3; ++a)
   {
-    last[a] = Splat(static_cast<float>(v.Dimensions[a] - 1));
-    inside[a] = Clamp(inside[a], zero, last[a]);
-    if (v.Nearest)
+    result.Behind[a] = opacity(of.Behind[a]);
+    result.Before[a] = opacity(of.Before[a]);
+  }
+  return result;
+}
+
+/// The positions of NeighborValues that clipping planes hide, the deformation being linear around
+/// the samples, as SampleClassifier.
+struct ClippedNeighbors
+{
+  Mf Behind[3];
+  Mf Before[3];
+
+  /// Replaces the values there.
+  HWY_INLINE void Replace(float value, NeighborValues& of) const
+  {
+    for (int a = 0; a < 3; ++a)
     {
-      inside[a] = hn::Min(hn::Floor(hn::Add(inside[a], Splat(0.5f))), last[a]);
+      of.Behind[a] = hn::IfThenElse(this->Behind[a], Splat(value), of.Behind[a]);
+      of.Before[a] = hn::IfThenElse(this->Before[a], Splat(value), of.Before[a]);
     }
   }
-  Vf gradient[3];
+};
+
+/// `q`, `p`: the samples, index and local coordinates; `steps`: PacketNormals::FindSteps().
+HWY_NOINLINE ClippedNeighbors FindClippedNeighbors(
+  const PacketScene& scene, const Vec3& q, const Vec3& p, const Vec3 (&steps)[3])
+{
+  constexpr float Slack = 1e-3f; // voxels
+  const Df d;
+  const PacketVolume& v = scene.Volume;
+  const Vf zero = hn::Zero(d);
+  const Vec3 middle = FindMiddle(v, q);
+  Vec3 ways[2][3];
+  ClippedNeighbors clipped;
   for (int a = 0; a < 3; ++a)
   {
-    Vf at[3] = { inside[0], inside[1], inside[2] };
-    const auto opacity = [&](Vf place) {
-      at[a] = place;
-      return OpacityOfValues(scene, border.Value({ at[0], at[1], at[2] }, lanes, zero));
-    };
-    const Vf high = hn::Min(hn::Add(inside[a], one), last[a]);
-    const Vf low = hn::Max(hn::Sub(inside[a], one), zero);
-    gradient[a] =
-      hn::Div(hn::Sub(opacity(high), opacity(low)), hn::Mul(Splat(0.5f), hn::Sub(high, low)));
+    ways[0][a] = Sub(MoveAlong(v, middle, a, 1.0f), q);
+    ways[1][a] = Sub(MoveAlong(v, middle, a, -1.0f), q);
+    clipped.Behind[a] = hn::FirstN(d, 0);
+    clipped.Before[a] = hn::FirstN(d, 0);
   }
-  return { gradient[0], gradient[1], gradient[2] };
+  for (const std::array<float, 4>& plane : scene.ClippingPlanes)
+  {
+    const Vec3 across{ Splat(plane[0]), Splat(plane[1]), Splat(plane[2]) };
+    const Vec3 normal{ Dot(across, steps[0]), Dot(across, steps[1]), Dot(across, steps[2]) };
+    // The sample is shown, whatever is rounded, and so is what lies along the plane from it.
+    const Vf offset = hn::MulAdd(Splat(Slack), FastSqrt(Dot(normal, normal)),
+      hn::Max(hn::Add(Dot(across, p), Splat(plane[3])), zero));
+    for (int a = 0; a < 3; ++a)
+    {
+      const auto has = [&](const Vec3& way) {
+        return hn::Lt(hn::Add(Dot(normal, way), offset), zero);
+      };
+      clipped.Behind[a] = hn::Or(clipped.Behind[a], has(ways[0][a]));
+      clipped.Before[a] = hn::Or(clipped.Before[a], has(ways[1][a]));
+    }
+  }
+  return clipped;
 }
 
-/// The gradient of the opacity at the samples q, as Gradient() gives that of the values.
-/// `atBorder`: lanes at faces, of which `border` knows; its last samples are forgotten.
+/// The values around the samples q of one component. `atBorder`: lanes at faces, of which `border`
+/// knows; its last samples are forgotten.
 template <class T, class Source>
-HWY_INLINE Vec3 OpacityGradient(const PacketScene& scene, const Source& source,
-  const SamplePosition& at, const SampleRows<T>& rows, BorderSamples<T>& border, const Vec3& q,
-  Mf atBorder)
+HWY_INLINE NeighborValues FindNeighbors(const Source& source, const SamplePosition& at,
+  const SampleRows<T>& rows, BorderSamples<T>& border, const Vec3& q, Mf atBorder)
 {
-  const Vec3 inner = InnerOpacityGradient<T>(scene, source, at, rows);
-  if (HWY_LIKELY(hn::AllFalse(Df(), atBorder)))
+  NeighborValues of = FindNeighborValues<T>(source, at, rows);
+  if (HWY_UNLIKELY(!hn::AllFalse(Df(), atBorder)))
   {
-    return inner;
+    border.Neighbors(q, atBorder, source.IsRepeating(), of);
   }
-  Mf between;
-  const Vec3 gradient = source.IsRepeating()
-    ? border.Rescale(q, atBorder, inner, between)
-    : border.GradientBy(
-        [&](const OffsetRows<T>& voxels, const SamplePosition& in, const SampleRows<T>& own) {
-          return InnerOpacityGradient<T>(scene, voxels, in, own);
-        },
-        q, atBorder, inner, between);
-  const Mf others = hn::AndNot(between, atBorder);
-  return hn::AllFalse(Df(), others)
-    ? gradient
-    : Select(others, BorderOpacityGradient<T>(scene, border, q, others), gradient);
+  return of;
 }
 
 } // namespace HWY_NAMESPACE

@@ -12,9 +12,9 @@
 #include "FFDTransferTable.h"
 
 #include "FFDSimdMath-inl.h"
+#include "FFDSimdPlane-inl.h"
 #include "FFDSimdTable-inl.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -24,11 +24,12 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// The opacity over the reference length that an extinction gives.
+/// The opacity over the reference length that an extinction gives; zero for zero.
 HWY_INLINE Vf OpacityOf(const PacketScene& scene, Vf extinction)
 {
   const Vf length = Splat(scene.ReferenceLength);
-  return hn::Sub(Splat(1.0f), Exp2(hn::Neg(hn::Mul(extinction, length))));
+  return hn::IfThenElseZero(hn::Gt(extinction, hn::Zero(Df())),
+    hn::Sub(Splat(1.0f), Exp2(hn::Neg(hn::Mul(extinction, length)))));
 }
 
 /// The extinction that gives `length` an opacity.
@@ -55,6 +56,14 @@ HWY_INLINE Vf OpaqueExtinctionOver(Vf opacity, float length)
   return hn::IfThenElse(hn::Ge(opacity, Splat(1.0f)),
     Splat(static_cast<float>(TransferTable::OpaqueExtinction) / length),
     ExtinctionOver(opacity, length));
+}
+
+/// The opacity over the reference length of texels.
+HWY_INLINE Vf OpacityOf(const PacketScene& scene, const PacketPlane& plane, const PlaneTexel& texel)
+{
+  return plane.UnitDistance == scene.ReferenceLength
+    ? texel.Opacity
+    : OpacityOf(scene, OpaqueExtinctionOver(texel.Opacity, plane.UnitDistance));
 }
 
 /// Squared length of a gradient whose components are scaled.
@@ -117,25 +126,56 @@ HWY_NOINLINE Vf WeighExtinction(const PacketScene& scene, Vf extinction, Vf fact
   return hn::IfThenElse(hn::Ge(factor, Splat(1.0f)), extinction, weighed);
 }
 
-/// Mixes the color of labels with that of the scalars alone, and their opacities over the reference
-/// length, in the lanes that have a label; as SampleClassifier. `base` is of the scalars alone.
-HWY_INLINE void MixWithLabels(const PacketScene& scene, const TableLookup& base,
-  const TableLookup& ofLabel, Vi tables, const Vec3& gradient, Vf& opacity, Vec3& color)
+/// Mixes the color of labels into that of the scalars alone, and the opacity over the reference
+/// length, in the lanes that have a label; as SampleClassifier.
+HWY_INLINE void MixInLabels(const PacketScene& scene, const TableLookup& ofLabel, Vi tables,
+  const Vec3& gradient, Vf& opacity, Vec3& color)
 {
   const Df d;
   const Vf factor = hn::IfThenElse(
     hn::RebindMask(d, hn::Gt(tables, hn::Zero(Di()))), Splat(scene.Mask.BlendFactor), hn::Zero(d));
-  const Vec3 a = base.Color();
   const Vec3 b = ofLabel.Color();
-  color = { Lerp(a.x, b.x, factor), Lerp(a.y, b.y, factor), Lerp(a.z, b.z, factor) };
-  Vf first = OpacityOf(scene, base.Extinction());
+  color = { Lerp(color.x, b.x, factor), Lerp(color.y, b.y, factor), Lerp(color.z, b.z, factor) };
   Vf second = OpacityOf(scene, ofLabel.Extinction());
   if (!scene.Mask.GradientRanges.empty())
   {
-    first = hn::Mul(first, FactorOf(scene.Mask, std::size_t(0), gradient));
     second = hn::Mul(second, FactorOf(scene.Mask, tables, gradient));
   }
-  opacity = Lerp(first, second, factor);
+  opacity = Lerp(opacity, second, factor);
+}
+
+/// Does MixInLabels() where the scalars alone are looked up in a table: `base`.
+HWY_INLINE void MixWithLabels(const PacketScene& scene, const TableLookup& base,
+  const TableLookup& ofLabel, Vi tables, const Vec3& gradient, Vf& opacity, Vec3& color)
+{
+  color = base.Color();
+  opacity = OpacityOf(scene, base.Extinction());
+  if (!scene.Mask.GradientRanges.empty())
+  {
+    opacity = hn::Mul(opacity, FactorOf(scene.Mask, std::size_t(0), gradient));
+  }
+  MixInLabels(scene, ofLabel, tables, gradient, opacity, color);
+}
+
+/// Texels of a two-dimensional transfer function at values whose gradients are `gradient`, at q.
+HWY_INLINE PlaneTexel LookUpPlane(
+  const PacketPlane& plane, Vf values, const Vec3& gradient, const Vec3& q)
+{
+  return LookUpPlane(plane, values,
+    plane.SecondAxis.Scalars ? FindSecondAxis(plane, q)
+                             : FindMagnitude(plane.MagnitudeScale, gradient));
+}
+
+/// Does what MixWithLabels() does where the scalars alone are looked up in a two-dimensional
+/// transfer function.
+HWY_NOINLINE void MixPlaneWithLabels(const PacketScene& scene, Vf values,
+  const TableLookup& ofLabel, Vi tables, const Vec3& gradient, const Vec3& q, Vf& opacity,
+  Vec3& color)
+{
+  const PlaneTexel texel = LookUpPlane(scene.Plane, values, gradient, q);
+  opacity = OpacityOf(scene, scene.Plane, texel);
+  color = texel.Color;
+  MixInLabels(scene, ofLabel, tables, gradient, opacity, color);
 }
 
 /// The value, of those of all components at a sample, whose opacity is that of `component` and
@@ -170,12 +210,13 @@ HWY_INLINE Vf IntensityOf(const PacketScene& scene, std::size_t channel, const V
   }
 }
 
-/// The color of dependent components.
+/// The color of dependent components; gradients count as large.
 HWY_INLINE Vec3 DependentColor(const PacketScene& scene, const Vf* values)
 {
   if (scene.KindOfComponents == ComponentKind::ColorOpacity)
   {
-    return TableLookup(scene, values[0], 1).Color();
+    return scene.ColorPlane.Texels ? LookUpLastRow(scene.ColorPlane, values[0]).Color
+                                   : TableLookup(scene, values[0], scene.ColorTable).Color();
   }
   // NaN is black: comparisons with it are false.
   const auto channel = [&](int c) {
@@ -199,12 +240,6 @@ HWY_INLINE unsigned int FindDensityComponents(const PacketScene& scene)
     default:
       return (1u << scene.Volume.Components) - 1u;
   }
-}
-
-HWY_INLINE bool HasGradientOpacities(const PacketScene& scene)
-{
-  return std::any_of(scene.Components.begin(), scene.Components.end(),
-    [](const PacketComponent& component) { return component.Gradients.Factors != nullptr; });
 }
 
 } // namespace HWY_NAMESPACE

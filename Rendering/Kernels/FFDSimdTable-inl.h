@@ -107,16 +107,16 @@ private:
   Quads Words;
 };
 
-/// TableLookup::Extinction() of the first table, of which no color is needed.
-HWY_INLINE Vf FindExtinction(const PacketScene& scene, Vf values)
+/// TableLookup::Extinction() of a table of which no color is needed.
+HWY_INLINE Vf FindExtinction(const PacketScene& scene, Vf values, std::size_t table = 0)
 {
   const Df d;
-  const PacketTable::Range& range = scene.Table.GetRange(0);
+  const PacketTable::Range& range = scene.Table.GetRange(table);
   const Vf entry =
     FindEntries(values, Splat(range.Low), Splat(range.Scale), Splat(range.Intervals));
   const Vf whole = hn::Min(hn::Floor(entry), Splat(range.Intervals - 1.0f));
   HWY_ALIGN int offsets[16];
-  StoreIndices(Truncate(whole), offsets);
+  StoreIndices(hn::Add(hn::Set(Di(), range.First), Truncate(whole)), offsets);
   const Pairs pair = LoadPairLanes<16>(scene.Table.GetWords(), 0, offsets);
   return hn::Max(
     hn::Zero(d), Lerp(hn::BitCast(d, pair.x), hn::BitCast(d, pair.y), hn::Sub(entry, whole)));

@@ -90,6 +90,25 @@ bool TransferPlane::IsTransparent(double lo, double hi) const
 }
 
 //------------------------------------------------------------------------------
+TransferTable TransferPlane::MakeTableOfLastRow() const
+{
+  // A table has two entries at least.
+  const std::size_t size = std::max<std::size_t>(static_cast<std::size_t>(this->Width), 2);
+  const std::size_t first = this->Texels.size() - static_cast<std::size_t>(this->Width);
+  std::vector<float> colors;
+  std::vector<float> opacities;
+  for (std::size_t i = 0; i < size; ++i)
+  {
+    const glm::vec4& texel = this->Texels[std::min(first + i, this->Texels.size() - 1)];
+    colors.insert(colors.end(), { texel.r, texel.g, texel.b });
+    opacities.push_back(texel.a);
+  }
+  const double length = this->Width > 1 ? (this->Width - 1) / this->Scale.x : 1.0;
+  return TransferTable(
+    this->Low.x, this->Low.x + length, size, colors.data(), opacities.data(), 1.0);
+}
+
+//------------------------------------------------------------------------------
 glm::ivec2 TransferPlane::FindVisibleColumns() const
 {
   const std::vector<int>& count = this->VisibleUpTo;

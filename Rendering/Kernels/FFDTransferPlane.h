@@ -4,6 +4,7 @@
 #define FFDTransferPlane_h
 
 #include "FFDExport.h"
+#include "FFDTransferTable.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -40,6 +41,10 @@ public:
 
   /// Whether every x of [lo, hi] is transparent for all y.
   bool IsTransparent(double lo, double hi) const;
+
+  /// Color and opacity of values whose y counts as large, as a table whose opacities are over a
+  /// distance of one.
+  TransferTable MakeTableOfLastRow() const;
 
   int GetWidth() const { return this->Width; }
   int GetHeight() const { return this->Height; }

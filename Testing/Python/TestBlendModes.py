@@ -341,6 +341,91 @@ class TestComponentsAndMasks(unittest.TestCase):
                 picture = self.compare(mapper, volume, f"{components}, {mode}")
                 self.assertGreater(numpy.abs(picture - before).mean(), 0.2, mode)
 
+    def set_planes(self, prop, components, minimum=False):
+        """Two-dimensional functions, whose last row looks as large gradients do; others are clear."""
+        values = numpy.linspace(0.0, 250.0, 64)
+        for c in range(components):
+            texels = numpy.zeros((8, 64, 4), numpy.float32)
+            parts = 1.0 - values / 250.0 if minimum else values / 250.0
+            texels[..., :3] = numpy.stack([parts, 1.0 - parts, 0.5 + 0.3 * parts], axis=-1)[:, (
+                numpy.arange(3) + c) % 3]
+            texels[-1, :, 3] = (1.2 * parts - 0.1 * c - 0.2).clip(0.0, 0.8)
+            plane = vtkImageData()
+            plane.SetDimensions(64, 8, 1)
+            plane.GetPointData().SetScalars(numpy_to_vtk(texels.reshape(-1, 4), deep=True))
+            prop.SetTransferFunction2D(c, plane)
+        prop.SetTransferFunctionMode(vtkVolumeProperty.TF_2D)
+
+    def test_planes(self):
+        # Gradients count as large, and another array does not count.
+        for components, dependent in ((1, False), (2, False), (4, False), (2, True), (3, True)):
+            for mode in self.MODES:
+                for dtype in (numpy.uint8, numpy.float64):
+                    if dependent and components > 2 and dtype != numpy.uint8:
+                        continue # values that are colors
+                    what = f"{components}, {dependent}, {mode}, {dtype}"
+                    mapper, prop, volume = self.make_scene(components, dtype, dependent, mode)
+                    before = self.render(mapper, volume)[0]
+                    self.set_planes(prop, components, mode == "minimum")
+                    picture = self.compare(mapper, volume, what)
+                    if mode != "isosurface":
+                        self.assertGreater(numpy.abs(picture - before).mean(), 0.3, what)
+                    mapper.SetSpaceLeapingToOff()
+                    off = self.render(mapper, volume)[0]
+                    numpy.testing.assert_allclose(off, picture, atol=1.01, err_msg=what)
+                    array = numpy_to_vtk(self.fields[3].ravel(), deep=True)
+                    array.SetName("second")
+                    mapper.GetInput().GetPointData().AddArray(array)
+                    mapper.SetTransfer2DYAxisArray("second")
+                    numpy.testing.assert_allclose(
+                        self.render(mapper, volume)[0], off, atol=1.01, err_msg=what)
+
+    def test_normals_of_surfaces(self):
+        # Those of the opacity, and those that count clipped voxels.
+        for components in (1, 2):
+            for dtype in (numpy.uint8, numpy.float32):
+                what = f"{components}, {dtype}"
+                mapper, prop, volume = self.make_scene(components, dtype, False, "isosurface")
+                for c in range(components):
+                    # Of one opacity everywhere on the surfaces: nothing there has a normal.
+                    prop.GetScalarOpacity(c).RemoveAllPoints()
+                    prop.GetScalarOpacity(c).AddPoint(20.0, 0.0)
+                    prop.GetScalarOpacity(c).AddPoint(30.0, 0.9)
+                before = self.render(mapper, volume)[0]
+                mapper.ComputeNormalFromOpacityOn()
+                picture = self.compare(mapper, volume, what)
+                self.assertGreater(numpy.abs(picture - before).mean(), 0.1, what)
+                mapper.ComputeNormalFromOpacityOff()
+                plane = vtkPlane()
+                plane.SetOrigin(20.0, 20.0, 20.0)
+                plane.SetNormal(-1.0, 0.2, 0.3)
+                mapper.AddClippingPlane(plane)
+                clipped = self.compare(mapper, volume, what)
+                prop.SetUseClippedVoxelIntensity(1)
+                picture = self.compare(mapper, volume, what)
+                self.assertGreater(numpy.abs(picture - clipped).mean(), 0.02, what)
+
+    def test_what_planes_and_labels_take(self):
+        def least(mapper, volume):
+            seconds = []
+            for _ in range(5):
+                self.render(mapper, volume, seconds)
+            return min(seconds)
+
+        half = numpy.ones((self.size, self.size, self.size))
+        half[:, :, :17] = 2.0
+        for mode in self.MODES:
+            plain = least(*self.make_scene(1, numpy.uint8, False, mode)[::2])
+            mapper, prop, volume = self.make_scene(1, numpy.uint8, False, mode)
+            self.set_planes(prop, 1, mode == "minimum")
+            planes = least(mapper, volume)
+            mapper, _, volume = self.make_scene(1, numpy.uint8, False, mode)
+            mapper.SetMaskInput(self.make_image([half], numpy.uint8))
+            mapper.SetMaskTypeToLabelMap()
+            labels = least(mapper, volume)
+            print(mode, f"{planes / plain:.2f}, {labels / plain:.2f}")
+            self.assertLess(max(planes, labels), 3.0 * plain + 2e-3, mode)
+
     def test_one_ray_at_a_time_takes_longer(self):
         # What does not count, as gradient opacity, or counts for any kernel must not make rays be
         # taken one at a time.

@@ -3,12 +3,13 @@
 """What the vector kernels look up beside a table: their pictures against the reference kernels."""
 
 import itertools
+import time
 import unittest
 
 import numpy
 import vtkffd
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction, vtkPlane
 from vtkmodules.vtkRenderingCore import (
     vtkColorTransferFunction, vtkRenderer, vtkVolume, vtkVolumeProperty)
 
@@ -134,6 +135,144 @@ class TestPacketLooks(unittest.TestCase):
         mapper.SetMaskTypeToBinary()
         masked = self.compare(mapper, volume, "mask", 0.3, 20.0)
         self.assertGreater(numpy.abs(masked - without).mean(), 1.0)
+
+    def make_components(self, components, dependent, kind, deformed):
+        """Scenes of several components, shaded."""
+        scale, mapper, prop, volume = self.make(kind, deformed)
+        fields = [self.field, self.field[:, ::-1], self.field[:, :, ::-1], self.field[::-1]]
+        values = numpy.stack([f.ravel() for f in fields[:components]], axis=-1)
+        mapper.SetInputData(scalars_image((values * scale).astype(kind)))
+        prop.SetIndependentComponents(not dependent)
+        for c in range(1, components):
+            color = vtkColorTransferFunction()
+            color.AddRGBPoint(0.0, *numpy.roll([0.2, 0.3, 1.0], c))
+            color.AddRGBPoint(scale, *numpy.roll([1.0, 0.6, 0.2], c))
+            prop.SetColor(c, color)
+            prop.SetScalarOpacity(c, points((0.2 * scale, 0.0), (scale, 0.6)))
+            prop.SetComponentWeight(c, 1.0 - 0.2 * c)
+            prop.SetSpecular(c, 0.3)
+            prop.SetSpecularPower(c, 10.0)
+        return scale, mapper, prop, volume
+
+    COMPONENTS = ((2, False), (3, False), (4, False), (2, True), (3, True), (4, True))
+
+    def component_scenes(self):
+        """Parameters of make_components(): values that are colors are of few types."""
+        for (components, dependent), (kind, deformed) in itertools.product(
+                self.COMPONENTS, (("u1", False), ("u1", True), ("i2", True), ("f4", False), ("f8", True))):
+            if kind == "u1" or not dependent or components == 2:
+                yield components, dependent, kind, deformed
+
+    def least_time(self, mapper, volume):
+        mapper.SetNumberOfThreads(1)
+        seconds = []
+        for _ in range(4):
+            start = time.process_time()
+            self.picture(mapper, volume, False)
+            seconds.append(time.process_time() - start)
+        return min(seconds)
+
+    def test_planes_of_components(self):
+        for scene in self.component_scenes():
+            with self.subTest(scene=scene):
+                scale, mapper, prop, volume = self.make_components(*scene)
+                plain = self.least_time(mapper, volume)
+                self.set_plane(prop)
+                for c in range(1, scene[0]):
+                    prop.SetTransferFunction2D(c, prop.GetTransferFunction2D(0))
+                by_gradient = self.compare(mapper, volume, "gradient")
+                axis = numpy.stack([self.second.ravel() * 900, self.field.ravel()], axis=-1)
+                for name, values in (("one", axis[:, 0]), ("first of two", axis)):
+                    array = numpy_to_vtk(
+                        numpy.ascontiguousarray(values.astype(numpy.int16)), deep=True)
+                    array.SetName(name)
+                    mapper.GetInput().GetPointData().AddArray(array)
+                    mapper.SetTransfer2DYAxisArray(name)
+                    by_array = self.compare(mapper, volume, name)
+                    self.assertGreater(numpy.abs(by_array - by_gradient).mean(), 0.5)
+                self.assertLess(self.least_time(mapper, volume), 4.0 * plain + 2e-3)
+
+    def test_normals_of_opacities_of_components(self):
+        for scene in self.component_scenes():
+            with self.subTest(scene=scene):
+                scale, mapper, prop, volume = self.make_components(*scene)
+                plain = self.least_time(mapper, volume)
+                before = self.picture(mapper, volume, False)
+                mapper.ComputeNormalFromOpacityOn()
+                picture = self.compare(mapper, volume, "normals of the opacity", 0.2)
+                self.assertGreater(numpy.abs(picture - before).mean(), 0.05)
+                self.assertLess(self.least_time(mapper, volume), 3.0 * plain + 2e-3)
+                prop.SetGradientOpacity(0, points((0.0, 0.2), (0.1 * scale, 1.0)))
+                self.compare(mapper, volume, "and gradient opacities", 0.2)
+                self.set_plane(prop)
+                for c in range(1, scene[0]):
+                    prop.SetTransferFunction2D(c, prop.GetTransferFunction2D(0))
+                self.compare(mapper, volume, "and planes", 0.2)
+
+    def set_labels(self, scale, mapper, prop, blend):
+        mapper.SetMaskInput(scalars_image(self.labels.ravel()))
+        mapper.SetMaskTypeToLabelMap()
+        mapper.SetMaskBlendFactor(blend)
+        color = vtkColorTransferFunction()
+        color.AddRGBPoint(0.0, 0.0, 1.0, 0.0)
+        for label in (1, 3):
+            prop.SetLabelColor(label, color)
+            prop.SetLabelScalarOpacity(label, points((0.2 * scale, 0.0), (scale, 0.9)))
+        prop.SetLabelGradientOpacity(1, points((0.0, 1.0), (0.08 * scale, 0.2)))
+
+    def test_labels_and_planes(self):
+        for kind, deformed, blend in itertools.product(("u1", "f4"), (False, True), (1.0, 0.4)):
+            with self.subTest(kind=kind, deformed=deformed, blend=blend):
+                scale, mapper, prop, volume = self.make(kind, deformed)
+                plain = self.least_time(mapper, volume)
+                self.set_plane(prop)
+                without = self.compare(mapper, volume, "a plane")
+                self.set_labels(scale, mapper, prop, blend)
+                picture = self.compare(mapper, volume, "and labels", 0.3, 20.0)
+                self.assertGreater(numpy.abs(picture - without).mean(), 0.5)
+                self.assertLess(self.least_time(mapper, volume), 4.0 * plain + 2e-3)
+                axis = numpy_to_vtk((self.second * 900).astype(numpy.int16).ravel(), deep=True)
+                axis.SetName("second")
+                mapper.GetInput().GetPointData().AddArray(axis)
+                mapper.SetTransfer2DYAxisArray("second")
+                self.compare(mapper, volume, "over another array", 0.3, 20.0)
+
+    def test_labels_of_dependent_components(self):
+        for (components, planes), deformed, blend in itertools.product(
+                itertools.product((2, 3, 4), (False, True)), (False, True), (1.0, 0.4)):
+            with self.subTest(components=components, planes=planes, deformed=deformed, blend=blend):
+                scale, mapper, prop, volume = self.make_components(components, True, "u1", deformed)
+                if planes:
+                    self.set_plane(prop)
+                prop.SetGradientOpacity(points((0.0, 0.2), (0.1 * scale, 1.0)))
+                plain = self.least_time(mapper, volume)
+                without = self.compare(mapper, volume, "no labels")
+                self.set_labels(scale, mapper, prop, blend)
+                picture = self.compare(mapper, volume, "labels", 0.3, 20.0)
+                self.assertGreater(numpy.abs(picture - without).mean(), 0.5)
+                self.assertLess(self.least_time(mapper, volume), 3.0 * plain + 2e-3)
+
+    def test_gradients_beside_clipping_planes(self):
+        for scene in ((1, False, "u1", True), (1, False, "f4", False), *self.component_scenes()):
+            with self.subTest(scene=scene):
+                scale, mapper, prop, volume = (
+                    self.make_components(*scene) if scene[0] > 1 else self.make(*scene[2:]))
+                plane = vtkPlane()
+                plane.SetOrigin(15.0, 15.0, 16.0)
+                plane.SetNormal(-1.0, -0.3, -0.4)
+                mapper.AddClippingPlane(plane)
+                plain = self.least_time(mapper, volume)
+                before = self.picture(mapper, volume, False)
+                prop.SetUseClippedVoxelIntensity(1)
+                far = self.compare(mapper, volume, "clipped voxels", 0.2, 6.0)
+                self.assertGreater(numpy.abs(far - before).mean(), 0.05)
+                self.assertLess(self.least_time(mapper, volume), 3.0 * plain + 2e-3)
+                prop.SetClippedVoxelIntensity(0.3 * scale)
+                near = self.compare(mapper, volume, "of a value", 0.2, 6.0)
+                self.assertGreater(numpy.abs(far - near).mean(), 0.01)
+                prop.SetGradientOpacity(points((0.0, 0.2), (0.1 * scale, 1.0)))
+                mapper.ComputeNormalFromOpacityOn()
+                self.compare(mapper, volume, "of the opacity", 0.2, 6.0)
 
     def test_gradient_opacities_of_labels(self):
         for kind, deformed, blend in itertools.product(("u1", "i2", "f4"), (False, True), (1.0, 0.4)):
