@@ -4,10 +4,12 @@
 // kernels: same samples, so the same picture but for single precision.
 #include "EveryTarget.h"
 #include "FFDRayCaster.h"
+#include "FFDSampleClassifier.h"
 #include "FFDScalarDispatch.h"
 
 #include <glm/ext/matrix_clip_space.hpp>
 #include <glm/ext/matrix_transform.hpp>
+#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <gtest/gtest.h>
 
@@ -619,6 +621,139 @@ TEST(PacketCaster, BlendModes)
                                          : 0.95);
         EXPECT_LT(ratio, 10.0);
       });
+    }
+  }
+}
+
+/// A two-dimensional function of values from 0 to 100, visible from 20 on.
+TransferPlane MakePlane(bool nearest)
+{
+  constexpr int Width = 26;
+  constexpr int Height = 5;
+  std::vector<float> texels;
+  for (int i = 0; i < Width * Height; ++i)
+  {
+    const float x = static_cast<float>(i % Width) / (Width - 1);
+    const float y = static_cast<float>(i / Width) / (Height - 1);
+    texels.insert(
+      texels.end(), { x, 1.0f - y, 0.4f, std::max(0.0f, 0.4f * (x - 0.2f) * (0.3f + 0.7f * y)) });
+  }
+  return TransferPlane(
+    Width, Height, texels.data(), glm::dvec2(0.0), glm::dvec2(100.0, 25.0), nearest);
+}
+
+/// What the vector code looks up beside tables, of one component and of several.
+TEST(PacketCaster, LooksOfAllTargets)
+{
+  enum Options : unsigned int
+  {
+    Plane = 1,
+    Array = 2,
+    Labels = 4,
+    OpacityNormals = 8,
+    ClippedGradients = 16,
+    Nearest = 32
+  };
+  for (const unsigned int options :
+    { Plane + 0u, Plane | Array, Plane | Labels, Plane | Labels | Array, Plane | OpacityNormals,
+      OpacityNormals + 0u, ClippedGradients + 0u, Plane | OpacityNormals | ClippedGradients,
+      OpacityNormals | ClippedGradients | Nearest, Labels | ClippedGradients })
+  {
+    for (const ComponentKind kind : { ComponentKind::Independent, ComponentKind::ColorOpacity })
+    {
+      for (const int components : { 1, 2 })
+      {
+        const bool dependent = kind != ComponentKind::Independent;
+        const bool labels = (options & Labels) != 0;
+        if ((components == 1 && dependent) || (components == 2 && labels && !dependent))
+        {
+          continue;
+        }
+        SCOPED_TRACE("options " + std::to_string(options) + ", components " +
+          std::to_string(components) + ", kind " + std::to_string(static_cast<int>(kind)));
+        TestScene scene(components == 1 ? ScalarType::Float32 : ScalarType::UInt8, 4);
+        scene.SetCamera(true, 45, 37);
+        scene.Settings.Leaping = SpaceLeaping::Off;
+        VolumeView& volume = scene.Scene.Volume;
+        if (components == 2)
+        {
+          // Neighbors along x are components of one voxel.
+          volume.Components = 2;
+          volume.Dimensions.x /= 2;
+          volume.Increments[0] = 2;
+          volume.IndexToData[0].x = 2.0;
+          volume.DataToIndex = glm::inverse(volume.IndexToData);
+        }
+        scene.SetDeformation(1.0, PullBackKind::Exact);
+        std::vector<unsigned char> marks(static_cast<std::size_t>(
+          volume.Dimensions.x * volume.Dimensions.y * volume.Dimensions.z));
+        for (std::size_t i = 0; i < marks.size(); ++i)
+        {
+          marks[i] = static_cast<unsigned char>(
+            i / 8 % static_cast<std::size_t>(volume.Dimensions.x) * 3 % 2 + i / 5000);
+        }
+        VolumeView further = volume;
+        further.Scalars = marks.data();
+        further.Type = ScalarType::UInt8;
+        further.Components = 1;
+        further.Increments[0] = 1;
+        further.Increments[1] = volume.Dimensions.x;
+        further.Increments[2] = further.Increments[1] * volume.Dimensions.y;
+
+        OpticalFunctions functions;
+        functions.Kind = kind;
+        functions.Components.resize(dependent ? 1 : static_cast<std::size_t>(components));
+        for (ComponentOptics& optics : functions.Components)
+        {
+          optics.Table = *scene.Scene.Table;
+          optics.Shade = true;
+          optics.Surface = scene.Scene.Material;
+          if ((options & Plane) != 0)
+          {
+            optics.Plane = MakePlane((options & Nearest) != 0);
+          }
+        }
+        functions.Colors = *scene.Scene.Table;
+        ClassifierInputs inputs;
+        if (labels)
+        {
+          functions.Labels.resize(1);
+          functions.Labels[0].Table = *scene.Scene.Table;
+          functions.LabelIndices = { -1, 0 };
+          inputs.Mask.Volume = further;
+          inputs.Mask.Labels = true;
+          inputs.Mask.BlendFactor = 0.6f;
+        }
+        inputs.Volume = volume;
+        if ((options & Nearest) != 0)
+        {
+          scene.Scene.VolumeInterpolation = Interpolation::Nearest;
+        }
+        inputs.VolumeInterpolation = scene.Scene.VolumeInterpolation;
+        inputs.Functions = &functions;
+        inputs.Material = &scene.Scene.Material;
+        inputs.NormalFromOpacity = (options & OpacityNormals) != 0;
+        if ((options & Array) != 0)
+        {
+          inputs.SecondAxis = further;
+        }
+        if ((options & ClippedGradients) != 0)
+        {
+          scene.Scene.ClippingPlanes = { glm::normalize(glm::dvec4(1.0, 0.3, 0.2, 0.0)) };
+          glm::dvec4& plane = scene.Scene.ClippingPlanes[0];
+          plane.w = -glm::dot(glm::dvec3(plane), glm::dvec3(114.0, -32.0, 26.0));
+          inputs.ClippingPlanes = scene.Scene.ClippingPlanes;
+          inputs.ClippedIntensity = -1e100;
+        }
+        const SampleClassifier classifier(inputs);
+        scene.Scene.Classifier = &classifier;
+        const TestScene::Picture reference = scene.Render(true);
+        EXPECT_GT(reference.Statistics.VisibleSamples, 500);
+        ForEveryTarget([&] {
+          const Difference colors = Compare(scene.Render(false).Colors, reference.Colors);
+          EXPECT_LT(colors.Mean, (options & Nearest) != 0 ? 0.5 : 0.1);
+        });
+      }
     }
   }
 }
