@@ -28,6 +28,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <initializer_list>
 #include <limits>
 #include <map>
 
@@ -191,6 +192,18 @@ void SetComponents(vtkVolumeProperty* property, int components)
 
 using Change = void (*)(OptionScene&, vtkFFDInverseRayVolumeMapper*);
 
+const std::map<std::string, Change>& GetChanges();
+
+/// Makes several changes.
+void Apply(std::initializer_list<const char*> changes, OptionScene& scene,
+  vtkFFDInverseRayVolumeMapper* mapper)
+{
+  for (const char* change : changes)
+  {
+    GetChanges().at(change)(scene, mapper);
+  }
+}
+
 /// What an option changes of a scene; called for its mapper and for the oracle.
 const std::map<std::string, Change>& GetChanges()
 {
@@ -300,6 +313,57 @@ const std::map<std::string, Change>& GetChanges()
         plane->SetNormal(-1.0, 0.3, 0.2);
         mapper->AddClippingPlane(plane);
       } },
+    { "clipped voxels",
+      [](OptionScene& s, Mapper* mapper) {
+        Apply({ "clipping plane" }, s, mapper);
+        s.Property->UseClippedVoxelIntensityOn();
+      } },
+    { "2-D function of an array",
+      [](OptionScene& s, Mapper* mapper) {
+        Apply({ "2-D function" }, s, mapper);
+        auto image = ImagePointer::New();
+        image->ShallowCopy(s.Image);
+        vtkSmartPointer<vtkDataArray> array;
+        array.TakeReference(s.Image->GetPointData()->GetScalars()->NewInstance());
+        array->DeepCopy(s.Image->GetPointData()->GetScalars());
+        array->SetName("second axis");
+        image->GetPointData()->AddArray(array);
+        mapper->SetInputData(image);
+        mapper->SetTransfer2DYAxisArray("second axis");
+      } },
+    { "2-D function, label map",
+      [](OptionScene& s, Mapper* mapper) {
+        Apply({ "2-D function", "label map" }, s, mapper);
+      } },
+    { "2-D function, components 2",
+      [](OptionScene& s, Mapper* mapper) {
+        Apply({ "components 2", "2-D function" }, s, mapper);
+        s.Property->SetTransferFunction2D(1, MakeFunction2D());
+      } },
+    { "normals of opacity, components 2",
+      [](OptionScene& s, Mapper* mapper) {
+        Apply({ "components 2", "normals of opacity" }, s, mapper);
+      } },
+    { "normals of opacity, dependent RGBA",
+      [](OptionScene& s, Mapper* mapper) {
+        Apply({ "dependent RGBA", "normals of opacity" }, s, mapper);
+      } },
+    { "label map, dependent 2",
+      [](OptionScene& s, Mapper* mapper) {
+        Apply({ "dependent 2", "label map" }, s, mapper);
+      } },
+    { "isosurface, normals of opacity",
+      [](OptionScene& s, Mapper* mapper) {
+        Apply({ "isosurface", "normals of opacity" }, s, mapper);
+      } },
+    { "maximum, 2-D function",
+      [](OptionScene& s, Mapper* mapper) {
+        Apply({ "maximum", "2-D function" }, s, mapper);
+      } },
+    { "average, 2-D function",
+      [](OptionScene& s, Mapper* mapper) {
+        Apply({ "average", "2-D function" }, s, mapper);
+      } },
     { "jitter", [](OptionScene&, Mapper* mapper) { mapper->UseJitteringOn(); } },
     { "pre-integrated",
       [](OptionScene&, Mapper* mapper) { mapper->SetClassificationToPreIntegrated(); } },
@@ -402,8 +466,14 @@ const std::vector<FrameOption>& GetFrameOptions()
     { "label map", "plain", 1.5 },
     { "label map blended", "plain", 1.5 },
     { "2-D function", "plain", 1.5 },
+    { "2-D function of an array", "2-D function", 1.5 },
+    { "2-D function, label map", "2-D function", 1.5 },
+    { "2-D function, components 2", "components 2", 1.5 },
+    { "label map, dependent 2", "dependent 2", 1.5 },
     { "gradient opacity", "plain", 1.5 },
     { "normals of opacity", "plain", 1.5 },
+    { "normals of opacity, components 2", "components 2", 1.5 },
+    { "normals of opacity, dependent RGBA", "dependent RGBA", 1.5 },
     { "nearest", "plain", 1.5 },
     { "cell scalars", "plain", 1.5 },
     { "16 bit", "plain", 1.4 },
@@ -412,15 +482,19 @@ const std::vector<FrameOption>& GetFrameOptions()
     { "32 bit", "plain", 1.5 },
     { "cropping", "plain", 1.4 },
     { "clipping plane", "plain", 1.4 },
+    { "clipped voxels", "clipping plane", 1.5 },
     { "jitter", "plain", 1.4 },
     { "pre-integrated", "plain", 1.3 },
     { "8 lights", "plain", 1.4 },
     { "isosurface", "plain", 1.5 },
     { "isosurface, opaque", "plain", 1.5 },
+    { "isosurface, normals of opacity", "isosurface", 1.5 },
     { "maximum", "plain", 1.5 },
     { "maximum, components 2", "maximum", 2.4 },
+    { "maximum, 2-D function", "maximum", 1.5 },
     { "minimum", "plain", 1.5 },
     { "average", "every sample", 1.3 },
+    { "average, 2-D function", "average", 1.5 },
     { "additive", "every sample", 1.3 },
     { "slice", "plain", 1.5 },
   };

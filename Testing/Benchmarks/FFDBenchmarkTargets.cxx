@@ -292,7 +292,7 @@ void PrintOptions(const std::vector<std::unique_ptr<Group>>& groups)
     return;
   }
   std::printf("\nOptions, opaque, 512 x 512: times the frame of the row named last. ! is missed.\n"
-              "\n%-20s",
+              "\n%-34s",
     "");
   for (const Group* group : columns)
   {
@@ -301,7 +301,7 @@ void PrintOptions(const std::vector<std::unique_ptr<Group>>& groups)
   std::printf("  at most\n");
   for (const FrameOption& option : GetFrameOptions())
   {
-    std::printf("%-20s", option.Name);
+    std::printf("%-34s", option.Name);
     for (const Group* group : columns)
     {
       const double ratio = group->GetRatio(option.Name, option.By);

@@ -393,7 +393,7 @@ int main(int argc, char* argv[])
       group->Measure();
       for (const Row& row : group->GetRows())
       {
-        std::fprintf(stderr, "  %-24s %9.2f ms, %9.2f ms of processor time\n", row.Name.c_str(),
+        std::fprintf(stderr, "  %-34s %9.2f ms, %9.2f ms of processor time\n", row.Name.c_str(),
           1e3 * row.GetMedian(), 1e3 * row.GetCpuMedian());
       }
     }
