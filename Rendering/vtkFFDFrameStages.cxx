@@ -4,6 +4,9 @@
 
 #include "vtkFFDBlendingFromMapper.h"
 
+#include "FFDAxisMap.h"
+#include "FFDCellMask.h"
+#include "FFDGridIndex.h"
 #include "FFDSampling.h"
 
 #include "vtkColorTransferFunction.h"
@@ -14,6 +17,7 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <mutex>
 #include <numeric>
@@ -70,6 +74,57 @@ private:
   std::vector<std::weak_ptr<const BoundedPullBack>> All;
 };
 
+/// Cells from First to Last along an axis.
+struct CellRange
+{
+  int First;
+  int Last;
+};
+
+/// The cells that positions in each block along an axis are in; those at its faces, too.
+std::vector<CellRange> FindCellsOfBlocks(const VolumeView& volume, int cells, int axis, int blocks)
+{
+  constexpr double size = MinMaxBlocks::BlockSize;
+  std::vector<CellRange> ranges;
+  for (int block = 0; block < blocks; ++block)
+  {
+    // The first and the last block have what lies beyond them, too.
+    const double from = block == 0 ? volume.LowerIndex()[axis] : size * block;
+    const double to = block == blocks - 1 ? volume.UpperIndex()[axis] : size * (block + 1);
+    const auto cellAt = [&](double index) {
+      const double voxel = volume.Axes ? volume.Axes->ToVoxel(axis, index) : index;
+      return std::clamp(static_cast<int>(std::floor(voxel + volume.Margin)), 0, cells - 1);
+    };
+    ranges.push_back({ cellAt(from), cellAt(to) });
+  }
+  return ranges;
+}
+
+/// ComponentBlocks::Hidden.
+std::vector<std::uint8_t> FindHiddenBlocks(const Voxels& voxels, const glm::ivec3& blocks)
+{
+  const CellMask& hidden = voxels.Hidden;
+  std::vector<CellRange> ranges[3];
+  for (int a = 0; a < 3; ++a)
+  {
+    ranges[a] = FindCellsOfBlocks(voxels.View, hidden.GetCells()[a], a, blocks[a]);
+  }
+  std::vector<std::uint8_t> result;
+  result.reserve(GridSize(blocks));
+  for (const CellRange& z : ranges[2])
+  {
+    for (const CellRange& y : ranges[1])
+    {
+      for (const CellRange& x : ranges[0])
+      {
+        result.push_back(
+          hidden.HasAll({ x.First, y.First, z.First }, { x.Last, y.Last, z.Last }) ? 1 : 0);
+      }
+    }
+  }
+  return result;
+}
+
 PullBackRegistry& AllPullBacks()
 {
   static PullBackRegistry all;
@@ -102,11 +157,11 @@ std::vector<std::size_t> FindDecidingBlocks(
 /// The distances to blocks that any of the components can be visible in by its table.
 DistanceMap MakeDistances(const std::vector<const MinMaxBlocks*>& components,
   const std::vector<TransferTable>& tables, const ParallelFor& parallelFor,
-  const MinMaxBlocks* mask)
+  const MinMaxBlocks* mask, const std::vector<std::uint8_t>* hidden)
 {
   if (components.size() == 1)
   {
-    return DistanceMap(*components[0], tables[0], parallelFor, mask);
+    return DistanceMap(*components[0], tables[0], parallelFor, mask, hidden);
   }
   return DistanceMap(
     components,
@@ -116,7 +171,7 @@ DistanceMap MakeDistances(const std::vector<const MinMaxBlocks*>& components,
         return table.IsTransparent(own.Min, own.Max);
       });
     },
-    parallelFor, mask);
+    parallelFor, mask, hidden);
 }
 
 } // namespace
@@ -180,7 +235,7 @@ std::size_t SharedPullBack::GetMemorySize() const
 //------------------------------------------------------------------------------
 std::size_t ComponentBlocks::GetMemorySize() const
 {
-  std::size_t size = 0;
+  std::size_t size = this->Hidden.capacity();
   for (const MinMaxBlocks& each : this->Blocks)
   {
     size += each.GetMemorySize();
@@ -197,6 +252,11 @@ Made MakeComponentBlocks(ComponentBlocks& result, StageTools& tools, const Produ
   for (int c : components)
   {
     result.Blocks.emplace_back(GetComponent(voxels->View, c), tools.Parallel);
+  }
+  result.Hidden.clear();
+  if (voxels->HasHidden)
+  {
+    result.Hidden = FindHiddenBlocks(*voxels, result.Blocks[0].GetBlocks());
   }
   return Made::Anew;
 }
@@ -327,6 +387,7 @@ Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<Compone
   const ComponentOptics& first = optics.Components[0];
   const BlendMode mode = blending.Blend.Mode;
   const MinMaxBlocks* const shown = mask->Blocks ? &*mask->Blocks : nullptr;
+  const std::vector<std::uint8_t>* const hidden = &blocks->Hidden;
   result.CanLeap = true;
   result.Peaks.clear();
   if (mode != BlendMode::Composite)
@@ -347,7 +408,7 @@ Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<Compone
     }
     if (result.CanLeap)
     {
-      result.Distances = MakeDistances(values, leaps, tools.Parallel, shown);
+      result.Distances = MakeDistances(values, leaps, tools.Parallel, shown, hidden);
     }
     if (result.CanLeap && IsExtreme(mode))
     {
@@ -359,7 +420,7 @@ Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<Compone
   }
   else if (blocks->Blocks.size() == 1 && first.Plane.IsEmpty() && optics.Labels.empty())
   {
-    result.Distances = DistanceMap(blocks->Blocks[0], first.Table, tools.Parallel, shown);
+    result.Distances = DistanceMap(blocks->Blocks[0], first.Table, tools.Parallel, shown, hidden);
   }
   else
   {
@@ -371,7 +432,7 @@ Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<Compone
     result.Distances = DistanceMap(
       components,
       [&optics](const MinMaxBlocks::Limits* limits) { return optics.IsTransparent(limits); },
-      tools.Parallel, shown);
+      tools.Parallel, shown, hidden);
   }
   return Made::Anew;
 }

@@ -67,6 +67,8 @@ struct ComponentBlocks
 {
   std::vector<MinMaxBlocks> Blocks;
   std::vector<int> Components; ///< which these are
+  /// For each block, x fastest, whether all its cells are hidden; none: no cell is.
+  std::vector<std::uint8_t> Hidden;
 
   std::size_t GetMemorySize() const;
 };

@@ -3,8 +3,6 @@
 #ifndef FFDCellMask_h
 #define FFDCellMask_h
 
-#include "FFDGridIndex.h"
-
 #include <glm/vec3.hpp>
 
 #include <cstddef>
@@ -14,16 +12,25 @@
 namespace ffd
 {
 
-/// A set of cells of a grid, one bit each.
+/**
+ * A set of cells of a grid, one bit each. Rows along x begin with a byte of their own, and the
+ * outermost cells are repeated Pad times beyond the grid, so that vector code can load the bits of
+ * neighboring cells at once.
+ */
 class CellMask
 {
 public:
+  static constexpr int Pad = 2; ///< cells beyond the grid on each side
+
   CellMask() = default;
 
   /// No cell of `cells` cells along each axis.
   explicit CellMask(const glm::ivec3& cells)
     : Cells(cells)
-    , Bits((GridSize(cells) + 63) / 64)
+    , RowBytes((static_cast<std::size_t>(cells.x) + 2 * Pad + 7) / 8)
+    , SliceBytes(this->RowBytes * (static_cast<std::size_t>(cells.y) + 2 * Pad))
+    // The last word that is loaded may reach beyond the last row.
+    , Bytes(this->SliceBytes * (static_cast<std::size_t>(cells.z) + 2 * Pad) + 8)
   {
   }
 
@@ -31,21 +38,68 @@ public:
 
   void Add(const glm::ivec3& cell)
   {
-    const std::size_t at = GridIndex(cell, this->Cells);
-    this->Bits[at / 64] |= std::uint64_t{ 1 } << at % 64;
+    glm::ivec3 first = cell;
+    glm::ivec3 last = cell;
+    for (int a = 0; a < 3; ++a)
+    {
+      first[a] -= cell[a] == 0 ? Pad : 0;
+      last[a] += cell[a] == this->Cells[a] - 1 ? Pad : 0;
+    }
+    for (int k = first.z; k <= last.z; ++k)
+    {
+      for (int j = first.y; j <= last.y; ++j)
+      {
+        for (int i = first.x; i <= last.x; ++i)
+        {
+          this->Bytes[this->FindByte(i, j, k)] |= static_cast<std::uint8_t>(1 << (i + Pad) % 8);
+        }
+      }
+    }
   }
 
   bool Has(const glm::ivec3& cell) const
   {
-    const std::size_t at = GridIndex(cell, this->Cells);
-    return (this->Bits[at / 64] >> at % 64 & 1) != 0;
+    return (this->Bytes[this->FindByte(cell.x, cell.y, cell.z)] >> (cell.x + Pad) % 8 & 1) != 0;
   }
 
-  std::size_t GetMemorySize() const { return this->Bits.capacity() * sizeof(std::uint64_t); }
+  /// Whether all cells from `first` to `last` are in the set.
+  bool HasAll(const glm::ivec3& first, const glm::ivec3& last) const
+  {
+    for (int k = first.z; k <= last.z; ++k)
+    {
+      for (int j = first.y; j <= last.y; ++j)
+      {
+        for (int i = first.x; i <= last.x; ++i)
+        {
+          if (!this->Has({ i, j, k }))
+          {
+            return false;
+          }
+        }
+      }
+    }
+    return true;
+  }
+
+  /// The bits, from that of cell (-Pad, -Pad, -Pad) on; a byte holds those of eight cells along x,
+  /// the first in its lowest bit. Behind the last one 32 bits can be loaded.
+  const std::uint8_t* GetBytes() const { return this->Bytes.data(); }
+  std::size_t GetRowBytes() const { return this->RowBytes; }
+  std::size_t GetSliceBytes() const { return this->SliceBytes; }
+
+  std::size_t GetMemorySize() const { return this->Bytes.capacity(); }
 
 private:
+  std::size_t FindByte(int i, int j, int k) const
+  {
+    return static_cast<std::size_t>(k + Pad) * this->SliceBytes +
+      static_cast<std::size_t>(j + Pad) * this->RowBytes + static_cast<std::size_t>(i + Pad) / 8;
+  }
+
   glm::ivec3 Cells{ 0 };
-  std::vector<std::uint64_t> Bits; // x fastest
+  std::size_t RowBytes = 0;
+  std::size_t SliceBytes = 0;
+  std::vector<std::uint8_t> Bytes;
 };
 
 } // namespace ffd

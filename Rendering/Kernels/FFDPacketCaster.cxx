@@ -247,8 +247,11 @@ bool CanTakeSamples(const CastScene& scene, const SampleClassifier& classifier)
 {
   const OpticalFunctions& functions = classifier.GetFunctions();
   const int components = scene.Volume.Components;
-  return classifier.IsSimple() && CanFetchPackets(scene.Volume) &&
-    CanLookUpMask(classifier.GetMask().Volume) &&
+  const bool hides = classifier.GetHidden() != nullptr;
+  // Gradients that only the reference functions find.
+  const bool rare = (classifier.ClipsGradients() && (hides || scene.Volume.Axes)) ||
+    (classifier.HasNormalsOfOpacity() && hides && components > 1);
+  return !rare && CanFetchPackets(scene.Volume) && CanLookUpMask(classifier.GetMask().Volume) &&
     components <= SampleClassifier::LargestNumberOfComponents &&
     (functions.Kind != ComponentKind::Independent ||
       static_cast<int>(functions.Components.size()) == components);
@@ -653,6 +656,7 @@ void SetVolume(const CastScene& scene, const OpticalFunctions& functions,
 {
   const VolumeView& v = scene.Volume;
   p.Reference = SelectSampleFunctions(v.Type, scene.VolumeInterpolation);
+  p.Nearest = SelectSampleFunctions(v.Type, Interpolation::Nearest);
   p.Volume = MakePacketVolume(v, scene.VolumeInterpolation == Interpolation::Nearest);
   p.Volume.Components = kind.Components ? v.Components : 1;
   const double slice = static_cast<double>(v.Increments[2]) * p.Volume.ElementSize;
@@ -701,6 +705,15 @@ void SetOptics(
   if (kind.Masked)
   {
     SetMask(classifier, p);
+  }
+  const bool vectors = p.Sampling != PacketSampling::PerRay;
+  VolumeView even = scene.Volume;
+  even.Axes = nullptr;
+  p.Grid =
+    vectors ? MakePacketGrid(scene.Volume, classifier.GetHidden()) : MakePacketGrid(even, nullptr);
+  if (vectors)
+  {
+    p.HidesSamples = p.Grid.Hidden || (p.Mask.Scalars && !p.Mask.Labels);
   }
   if (kind.Plane)
   {
@@ -1129,16 +1142,18 @@ PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings,
     });
   p.NormalsOfOpacity = p.Shade && classifier.HasNormalsOfOpacity();
 
-  p.Inner = p.Sampling == PacketSampling::Composite && !p.Intervals && !kind.Components;
-  p.InnerComponents = kind.Components && p.Sampling == PacketSampling::Composite &&
+  p.Inner =
+    p.Sampling == PacketSampling::Composite && !p.Intervals && !kind.Components && !p.Grid.Snaps;
+  p.InnerComponents = kind.Components && !p.Grid.Snaps && p.Sampling == PacketSampling::Composite &&
     p.Volume.SlicesInReach == 0 && p.Components[0].Weight > 0.0f &&
     (p.KindOfComponents == ComponentKind::ColorOpacity ||
       p.KindOfComponents == ComponentKind::Rgba);
   p.InnerBlending =
     (p.Sampling == PacketSampling::Extreme || p.Sampling == PacketSampling::Surface) &&
-    !kind.Components && !kind.Masked;
+    !kind.Components && !kind.Masked && !p.HidesSamples;
   p.Plain = p.Inner && p.CropSpace == Cropping::Spaces::None && !p.OpacityByGradient &&
-    !p.NormalsOfOpacity && !p.ClipsGradients && !p.Mask.Scalars && !kind.Plane;
+    !p.NormalsOfOpacity && !p.ClipsGradients && !p.Mask.Scalars && !kind.Plane &&
+    !p.Grid.ChangesGradients();
 }
 
 //------------------------------------------------------------------------------

@@ -7,6 +7,7 @@
 #include "FFDExport.h"
 #include "FFDOpticalFunctions.h"
 #include "FFDPacketField.h"
+#include "FFDPacketGrid.h"
 #include "FFDPacketMask.h"
 #include "FFDPacketPlane.h"
 #include "FFDPacketTable.h"
@@ -164,9 +165,12 @@ struct PacketScene
   const IntegrationFrame* Frame = nullptr;
   PacketSampling Sampling = PacketSampling::Composite;
   SampleFunctions Reference; ///< for the few samples at the border of the volume
+  SampleFunctions Nearest;   ///< the same of the nearest voxels
 
   PacketVolume Volume;
-  float Lower = 0.0f; ///< the box that holds all samples, index coordinates
+  PacketGrid Grid;
+  bool HidesSamples = false; ///< whether there is a binary mask, or a hidden cell
+  float Lower = 0.0f;        ///< the box that holds all samples, index coordinates
   float Upper[3] = {};
 
   bool Identity = false;

@@ -172,10 +172,9 @@ SampleClassifier::SampleClassifier(const ClassifierInputs& inputs)
     (!noGradients || !noLabelGradients || (!noPlanes && !this->In.SecondAxis.Scalars) ||
       first.Shade);
   this->NormalsOfOpacity = this->In.NormalFromOpacity && first.Shade;
-  this->Simple = !this->In.Hidden && !volume.Axes;
-  this->Plain = this->Simple && !this->ClippedGradients && !this->NormalsOfOpacity &&
-    functions.Kind == ComponentKind::Independent && functions.Components.size() == 1 &&
-    !mask.Volume.Scalars && noGradients && noPlanes;
+  this->Plain = !this->ClippedGradients && !this->In.Hidden && !volume.Axes &&
+    !this->NormalsOfOpacity && functions.Kind == ComponentKind::Independent &&
+    functions.Components.size() == 1 && !mask.Volume.Scalars && noGradients && noPlanes;
 }
 
 //------------------------------------------------------------------------------

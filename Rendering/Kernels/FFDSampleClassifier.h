@@ -106,12 +106,8 @@ public:
   SampleClassifier(const VolumeView& volume, Interpolation interpolation,
     const TransferTable& table, const Shading& material, bool shade);
 
-  /// Whether there is nothing but one component and its table: what the vector code of the
-  /// packets does.
+  /// Whether there is nothing but one component of a plain image and its table.
   bool IsPlain() const { return this->Plain; }
-
-  /// Whether values are those of all voxels on a uniform grid: no cell is hidden.
-  bool IsSimple() const { return this->Simple; }
 
   /// Whether gradients are looked at that count GetClippedIntensity() as the value of voxels behind
   /// clipping planes.
@@ -126,6 +122,7 @@ public:
   bool IsOneFunction() const;
 
   const MaskView& GetMask() const { return this->In.Mask; }
+  const CellMask* GetHidden() const { return this->In.Hidden; }
   const VolumeView& GetSecondAxis() const { return this->In.SecondAxis; }
   const OpticalFunctions& GetFunctions() const { return *this->In.Functions; }
 
@@ -229,7 +226,6 @@ private:
   glm::dmat3 ToMask{ 1.0 }; // index coordinates to those of the mask
   glm::dvec3 MaskOffset{ 0.0 };
   bool Plain = true;
-  bool Simple = true;
   bool ClippedGradients = false;
   bool NormalsOfOpacity = false;
   bool MayHide = false;

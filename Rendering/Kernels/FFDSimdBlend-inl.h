@@ -15,7 +15,7 @@
 #include "FFDSimdComposite-inl.h"
 #include "FFDSimdCurve-inl.h"
 #include "FFDSimdFetch-inl.h"
-#include "FFDSimdMask-inl.h"
+#include "FFDSimdGrid-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdNormals-inl.h"
 #include "FFDSimdPlane-inl.h"
@@ -103,9 +103,9 @@ public:
     const bool surfaces = this->Scene.Sampling == PacketSampling::Surface;
     this->Inner = inner && this->Scene.Volume.Components == 1;
     this->Count(sampled);
-    if (this->Scene.Mask.Scalars && !surfaces)
+    if (this->Scene.HidesSamples && !surfaces)
     {
-      sampled = hn::And(sampled, IsInMask(this->Scene.Mask, q));
+      sampled = LeaveOutHidden(this->Scene, q, sampled);
       if (hn::AllFalse(Df(), sampled))
       {
         return;
@@ -596,9 +596,9 @@ private:
     const Vf t = curve.TimeAt(s);
     Mf shown = hn::And(lanes, hn::And(hn::Ge(t, this->Rays.From), hn::Lt(t, this->Rays.To)));
     shown = hn::And(shown, IsShown(this->Scene, this->Rays, curve, q, s));
-    if (this->Scene.Mask.Scalars && !hn::AllFalse(d, shown))
+    if (this->Scene.HidesSamples && !hn::AllFalse(d, shown))
     {
-      shown = hn::And(shown, IsInMask(this->Scene.Mask, q));
+      shown = LeaveOutHidden(this->Scene, q, shown);
     }
     if (hn::AllFalse(d, shown))
     {
@@ -654,8 +654,8 @@ private:
       const Mf between = hn::And(hn::Gt(part, a), hn::Lt(part, b));
       part = hn::IfThenElse(between, part, hn::Mul(half, hn::Add(a, b)));
       const Vec3 at = this->PositionAt(curve, hn::MulAdd(part, length, interval.From));
-      const Vf f =
-        above(HWY_LIKELY(inner) ? cells.Find(at, open) : this->ValuesAt(at, open, crossing.Inner));
+      const Vf f = above(HWY_LIKELY(inner) ? cells.Find(FindSampledVoxels(this->Scene, at), open)
+                                           : this->ValuesAt(at, open, crossing.Inner));
       // A point at the crossing counts as behind it.
       const Mf behind =
         hn::And(open, hn::Or(hn::Eq(f, zero), hn::Xor(hn::Lt(f, zero), hn::Ge(fb, zero))));
@@ -680,7 +680,7 @@ private:
       wasShort = hn::AndNot(failed, isShort);
     }
     // Where values jump, the voxel behind the crossing is the one that is seen.
-    if (this->Scene.Volume.Nearest)
+    if (this->Scene.Volume.Nearest || this->Scene.Grid.Snaps)
     {
       return hn::MulAdd(b, length, interval.From);
     }

@@ -264,9 +264,11 @@ private:
   }
 
   HWY_NOINLINE Vec3 GradientByReference(
-    const VolumeView& volume, int component, const Vec3& q, Mf border, const Vec3& gradient) const
+    VolumeView volume, int component, const Vec3& q, Mf border, const Vec3& gradient) const
   {
-    // Over two voxels and scaled, as fetched: squares of huge or tiny scalars are no floats.
+    // By voxel coordinates; over two voxels and scaled, as fetched: squares of huge or tiny scalars
+    // are no floats.
+    volume.Axes = nullptr;
     return ReplaceLanes(border, q, gradient, [&](const glm::dvec3& at) {
       return this->Scene.Reference.Gradient(volume, at) *
         (2.0 * this->Scene.Volume.Scale[component]);

@@ -364,7 +364,8 @@ private:
       }
       const int to = std::min(
         { from + segment.SamplesPerPart, segment.FirstSample + segment.Samples, this->EndSample });
-      const bool within = (segment.Inside[static_cast<std::size_t>(block)] >> part & 1u) != 0;
+      const bool within = !this->Scene.Grid.Snaps &&
+        (segment.Inside[static_cast<std::size_t>(block)] >> part & 1u) != 0;
       const bool whole = !segment.LeapsRays && !this->Scratch.Positions;
       const int first = std::max(from, this->FirstSample);
       int n;

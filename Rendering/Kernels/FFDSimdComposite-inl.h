@@ -14,6 +14,7 @@
 #include "FFDSimdComponents-inl.h"
 #include "FFDSimdCurve-inl.h"
 #include "FFDSimdFetch-inl.h"
+#include "FFDSimdGrid-inl.h"
 #include "FFDSimdInterval-inl.h"
 #include "FFDSimdMask-inl.h"
 #include "FFDSimdMath-inl.h"
@@ -68,10 +69,11 @@ public:
   template <bool Plain>
   HWY_NOINLINE void TakeSample(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
   {
+    const Vec3 voxel = Plain ? q : FindSampledVoxels(this->Scene, q);
     FetchedSample<T> fetched;
-    FetchSample(this->Scene.Volume, q, sampled, this->Border, fetched);
+    FetchSample(this->Scene.Volume, voxel, sampled, this->Border, fetched);
     this->template Composite<Plain>(fetched.Voxels, fetched.At, fetched.Rows, fetched.Value, curve,
-      q, s, sampled, fetched.AtBorder);
+      q, voxel, s, sampled, fetched.AtBorder);
   }
 
   /**
@@ -132,7 +134,8 @@ public:
   {
     const Df d;
     this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
-    FetchedComponents<T> samples(this->Scene.Volume, q, sampled, this->Border);
+    const Vec3 voxel = FindSampledVoxels(this->Scene, q);
+    FetchedComponents<T> samples(this->Scene.Volume, voxel, sampled, this->Border);
     Vf values[LargestNumberOfComponents];
     samples.FindValues(values);
     Vf extinctions[LargestNumberOfComponents];
@@ -158,9 +161,9 @@ public:
       }
     }
     visible = hn::And(visible, sampled);
-    if (this->HasBinaryMask() && !hn::AllFalse(d, visible))
+    if (this->Scene.HidesSamples && !hn::AllFalse(d, visible))
     {
-      visible = hn::And(visible, IsInMask(this->Scene.Mask, q));
+      visible = LeaveOutHidden(this->Scene, q, visible);
     }
     if (hn::AllFalse(d, visible))
     {
@@ -169,13 +172,9 @@ public:
     Vec3 gradients[LargestNumberOfComponents];
     Vec3 ofOpacity[LargestNumberOfComponents];
     const Vec3* const normals = this->Scene.NormalsOfOpacity ? ofOpacity : gradients;
-    if (HWY_UNLIKELY(this->Scene.NormalsOfOpacity || this->Scene.ClipsGradients))
+    if (this->Scene.Shade || this->Scene.OpacityByGradient)
     {
-      this->FindSpecialGradients(samples, wanted, curve, q, s, gradients, ofOpacity);
-    }
-    else if (this->Scene.Shade || this->Scene.OpacityByGradient)
-    {
-      samples.FindGradients(wanted, gradients);
+      this->FindGradients(samples, wanted, curve, q, voxel, s, visible, gradients, ofOpacity);
     }
     const Vf t = curve.TimeAt(s);
     Vec3 color;
@@ -197,7 +196,8 @@ public:
   /// Finds the values of all components at q, in the volume.
   HWY_NOINLINE void FindComponents(const Vec3& q, Mf lanes, Vf* values)
   {
-    FetchedComponents<T>(this->Scene.Volume, q, lanes, this->Border).FindValues(values);
+    const Vec3 voxel = FindSampledVoxels(this->Scene, q);
+    FetchedComponents<T>(this->Scene.Volume, voxel, lanes, this->Border).FindValues(values);
   }
 
   /// Finds the gradients that give normals at q, the position at s of a curve: of what
@@ -205,23 +205,17 @@ public:
   HWY_NOINLINE Vec3 FindIntensityGradient(
     const PacketCurve& curve, const Vec3& q, Vf s, Mf lanes, std::size_t channel)
   {
-    FetchedComponents<T> samples(this->Scene.Volume, q, lanes, this->Border);
+    const Vec3 voxel = FindSampledVoxels(this->Scene, q);
+    FetchedComponents<T> samples(this->Scene.Volume, voxel, lanes, this->Border);
     Vf values[LargestNumberOfComponents];
     samples.FindValues(values);
     Vec3 gradients[LargestNumberOfComponents];
+    Vec3 ofOpacity[LargestNumberOfComponents];
     const unsigned int all = (1u << this->Scene.Volume.Components) - 1u;
-    if (HWY_UNLIKELY(this->Scene.NormalsOfOpacity || this->Scene.ClipsGradients))
+    this->FindGradients(samples, all, curve, q, voxel, s, lanes, gradients, ofOpacity);
+    if (this->Scene.NormalsOfOpacity)
     {
-      Vec3 ofOpacity[LargestNumberOfComponents];
-      this->FindSpecialGradients(samples, all, curve, q, s, gradients, ofOpacity);
-      if (this->Scene.NormalsOfOpacity)
-      {
-        return ofOpacity[channel];
-      }
-    }
-    else
-    {
-      samples.FindGradients(all, gradients);
+      return ofOpacity[channel];
     }
     return this->MixGradients(
       gradients, [&](const Vf* of) { return IntensityOf(this->Scene, channel, of); });
@@ -230,12 +224,11 @@ public:
   /// Finds the gradients that give normals of one component at q, the position at s of a curve.
   HWY_NOINLINE Vec3 FindNormalGradient(const PacketCurve& curve, const Vec3& q, Vf s, Mf lanes)
   {
+    const Vec3 voxel = FindSampledVoxels(this->Scene, q);
     FetchedSample<T> fetched;
-    FetchSample(this->Scene.Volume, q, lanes, this->Border, fetched);
-    return HWY_UNLIKELY(this->Scene.NormalsOfOpacity)
-      ? this->FindSpecialGradient(
-          fetched.Voxels, fetched.At, fetched.Rows, curve, q, s, fetched.AtBorder, true)
-      : this->FindGradient(fetched.Voxels, fetched.At, fetched.Rows, curve, q, s, fetched.AtBorder);
+    FetchSample(this->Scene.Volume, voxel, lanes, this->Border, fetched);
+    return this->FindGradient(fetched.Voxels, fetched.At, fetched.Rows, curve, q, voxel, s, lanes,
+      fetched.AtBorder, this->Scene.NormalsOfOpacity);
   }
 
   /// Whether TakeDependentComponents() can take samples of the curve.
@@ -272,7 +265,29 @@ public:
 
   /// Interpolates values at q, in the volume. Beyond the outermost voxels, where the volume is one
   /// of cells, values are theirs.
-  HWY_NOINLINE Vf FindValue(Vec3 q, Mf lanes)
+  HWY_INLINE Vf FindValue(const Vec3& q, Mf lanes)
+  {
+    return HWY_LIKELY(!this->Scene.Grid.MovesSamples()) ? this->FindVoxelValue(q, lanes)
+                                                        : this->FindMovedValue(q, lanes);
+  }
+
+  /// Does what FindValue() does where all voxels of the values exist.
+  HWY_INLINE Vf FindInnerValue(const Vec3& q, Mf lanes)
+  {
+    return HWY_LIKELY(!this->Scene.Grid.MovesSamples()) ? this->FindInnerVoxelValue(q, lanes)
+                                                        : this->FindMovedInnerValue(q, lanes);
+  }
+
+  /// Does what FindInnerValue() does where q are the samples n of a curve, or in the intervals that
+  /// end there.
+  HWY_INLINE Vf FindInnerValue(int n, const Vec3& q, Mf lanes)
+  {
+    return HWY_LIKELY(!this->Scene.Grid.MovesSamples()) ? this->FindInnerVoxelValue(n, q, lanes)
+                                                        : this->FindMovedInnerValue(n, q, lanes);
+  }
+
+  /// Interpolates values at voxel coordinates q.
+  HWY_NOINLINE Vf FindVoxelValue(Vec3 q, Mf lanes)
   {
     if (HWY_UNLIKELY(this->Scene.Lower < 0.0f))
     {
@@ -296,12 +311,12 @@ public:
     return fetched.Value;
   }
 
-  /// Does what FindValue() does where all voxels of the values exist.
-  HWY_NOINLINE Vf FindInnerValue(const Vec3& q, Mf lanes)
+  /// The same where all voxels of the values exist.
+  HWY_NOINLINE Vf FindInnerVoxelValue(const Vec3& q, Mf lanes)
   {
     if (HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0))
     {
-      return this->FindValue(q, lanes);
+      return this->FindVoxelValue(q, lanes);
     }
     SampleCells cells;
     const SamplePosition at = FindCells(this->Scene.Volume, q, true, cells);
@@ -311,9 +326,8 @@ public:
     return Sample<T>(voxels, at, rows);
   }
 
-  /// Does what FindInnerValue() does where q are the samples n of a curve, or in the intervals that
-  /// end there.
-  HWY_NOINLINE Vf FindInnerValue(int n, const Vec3& q, Mf lanes)
+  /// The same of the samples n of a curve, or in the intervals that end there.
+  HWY_NOINLINE Vf FindInnerVoxelValue(int n, const Vec3& q, Mf lanes)
   {
     Vf value = hn::Zero(Df());
     this->template UseRows<false>(
@@ -322,8 +336,21 @@ public:
         SampleRows<T> rows;
         value = Sample<T>(voxels, at, rows);
       },
-      [&] { value = this->FindValue(q, lanes); });
+      [&] { value = this->FindVoxelValue(q, lanes); });
     return value;
+  }
+
+  HWY_NOINLINE Vf FindMovedValue(const Vec3& q, Mf lanes)
+  {
+    return this->FindVoxelValue(FindMovedVoxels(this->Scene, q), lanes);
+  }
+  HWY_NOINLINE Vf FindMovedInnerValue(const Vec3& q, Mf lanes)
+  {
+    return this->FindInnerVoxelValue(FindMovedVoxels(this->Scene, q), lanes);
+  }
+  HWY_NOINLINE Vf FindMovedInnerValue(int n, const Vec3& q, Mf lanes)
+  {
+    return this->FindInnerVoxelValue(n, FindMovedVoxels(this->Scene, q), lanes);
   }
 
   /// Gradients of samples at q, of which those of `border` lie at faces.
@@ -335,6 +362,20 @@ public:
     return HWY_LIKELY(hn::AllFalse(Df(), border))
       ? gradient
       : this->Border.Gradient(q, border, gradient, voxels.IsRepeating());
+  }
+
+  /// The gradient at index coordinates q of one component, or of its opacity, as fetched, from
+  /// differences by voxel coordinates at `voxel`, FindSampledVoxels(); as FindDifferences().
+  HWY_NOINLINE Vec3 FindGridGradient(const Vec3& q, const Vec3& voxel, Mf lanes,
+    const Vec3& differences, int component = 0, bool ofOpacity = false)
+  {
+    const PacketGrid& grid = this->Scene.Grid;
+    const Vec3 place = grid.Snaps ? FindVoxels(this->Scene, q) : voxel;
+    const Vec3 gradient =
+      grid.Uneven ? ToIndexGradient(this->Scene, place, differences) : differences;
+    return grid.Hidden ? FindShownGradient<T>(
+                           this->Scene, this->Border, place, lanes, gradient, component, ofOpacity)
+                       : gradient;
   }
 
   /// Interpolates values at positions that move little: their voxels are fetched again only where
@@ -385,11 +426,6 @@ public:
   VoxelWindow<T> Window; ///< voxels around the last inner sample
 
 private:
-  HWY_INLINE bool HasBinaryMask() const
-  {
-    return this->Scene.Mask.Scalars && !this->Scene.Mask.Labels;
-  }
-
   /// The extinctions that densities of one of several components have by its table. Where it does
   /// not tell what is transparent, all may be visible.
   HWY_INLINE Vf FindFirstExtinction(
@@ -409,13 +445,13 @@ private:
       this->Scene, q, MulAdd(t, this->Rays.Direction, this->Rays.Origin), steps);
   }
 
-  /// Does what FindGradient() does beside clipping planes, or of the opacity.
+  /// Does what FindGradient() does beside clipping planes, or of the opacity; of plain images.
   template <class Source>
   HWY_NOINLINE Vec3 FindSpecialGradient(const Source& voxels, const SamplePosition& at,
-    const SampleRows<T>& rows, const PacketCurve& curve, const Vec3& q, Vf s, Mf border,
-    bool ofOpacity)
+    const SampleRows<T>& rows, const PacketCurve& curve, const Vec3& q, const Vec3& voxel, Vf s,
+    Mf border, bool ofOpacity)
   {
-    NeighborValues of = FindNeighbors<T>(voxels, at, rows, this->Border, q, border);
+    NeighborValues of = FindNeighbors<T>(voxels, at, rows, this->Border, voxel, border);
     if (this->Scene.ClipsGradients)
     {
       // Of several components the density is the last one.
@@ -426,29 +462,68 @@ private:
     {
       of = OpacitiesOf(of, [&](Vf values) { return OpacityOfValues(this->Scene, values); });
     }
-    return GradientOfNeighbors(this->Scene.Volume, q, border, of);
+    return GradientOfNeighbors(this->Scene.Volume, voxel, border, of);
   }
 
-  /// Gradients of samples at q, the position at s of a curve, of which those of `border` lie at
-  /// faces.
+  /// Gradients of samples at q, the position at s of a curve, in the lanes of `lanes`, or those of
+  /// their opacities. `voxel`: FindSampledVoxels(). Those of `border` lie at faces.
   template <class Source>
   HWY_INLINE Vec3 FindGradient(const Source& voxels, const SamplePosition& at,
-    const SampleRows<T>& rows, const PacketCurve& curve, const Vec3& q, Vf s, Mf border)
+    const SampleRows<T>& rows, const PacketCurve& curve, const Vec3& q, const Vec3& voxel, Vf s,
+    Mf lanes, Mf border, bool ofOpacity = false)
   {
-    return HWY_UNLIKELY(this->Scene.ClipsGradients)
-      ? this->FindSpecialGradient(voxels, at, rows, curve, q, s, border, false)
-      : this->GradientOf(voxels, at, rows, q, border);
+    const Vec3 gradient = HWY_UNLIKELY(ofOpacity || this->Scene.ClipsGradients)
+      ? this->FindSpecialGradient(voxels, at, rows, curve, q, voxel, s, border, ofOpacity)
+      : this->GradientOf(voxels, at, rows, voxel, border);
+    // Of several components the density is the last one.
+    return HWY_UNLIKELY(this->Scene.Grid.ChangesGradients())
+      ? this->FindGridGradient(
+          q, voxel, lanes, gradient, this->Scene.Volume.Components - 1, ofOpacity)
+      : gradient;
   }
 
-  /// Finds the gradients of components `wanted`, a bit each, beside clipping planes, too, and, if
-  /// they are needed, those of the opacities.
+  /// Finds the gradients of the components `wanted`, a bit each, of samples at q that were fetched,
+  /// as FindGradient() does, and, if they are needed, those of the opacities.
+  HWY_INLINE void FindGradients(FetchedComponents<T>& samples, unsigned int wanted,
+    const PacketCurve& curve, const Vec3& q, const Vec3& voxel, Vf s, Mf lanes, Vec3* gradients,
+    Vec3* ofOpacity)
+  {
+    if (HWY_UNLIKELY(this->Scene.NormalsOfOpacity || this->Scene.ClipsGradients))
+    {
+      this->FindSpecialGradients(samples, wanted, curve, q, voxel, s, gradients, ofOpacity);
+    }
+    else
+    {
+      samples.FindGradients(wanted, gradients);
+    }
+    if (HWY_LIKELY(!this->Scene.Grid.ChangesGradients()))
+    {
+      return;
+    }
+    for (int c = 0; c < this->Scene.Volume.Components; ++c)
+    {
+      if (IsWanted(wanted, c))
+      {
+        gradients[c] = this->FindGridGradient(q, voxel, lanes, gradients[c], c);
+      }
+    }
+    const int opacities =
+      this->Scene.NormalsOfOpacity ? static_cast<int>(this->Scene.Components.size()) : 0;
+    for (int c = 0; c < opacities; ++c)
+    {
+      ofOpacity[c] = this->FindGridGradient(q, voxel, lanes, ofOpacity[c], c, true);
+    }
+  }
+
+  /// Does what FindGradients() does beside clipping planes, and of the opacities; of plain images.
   HWY_NOINLINE void FindSpecialGradients(FetchedComponents<T>& samples, unsigned int wanted,
-    const PacketCurve& curve, const Vec3& q, Vf s, Vec3* gradients, Vec3* ofOpacity)
+    const PacketCurve& curve, const Vec3& q, const Vec3& voxel, Vf s, Vec3* gradients,
+    Vec3* ofOpacity)
   {
     NeighborValues of[LargestNumberOfComponents];
     samples.FindNeighbors(wanted, of);
     const auto toGradient = [&](const NeighborValues& neighbors) {
-      return GradientOfNeighbors(this->Scene.Volume, q, samples.GetAtBorder(), neighbors);
+      return GradientOfNeighbors(this->Scene.Volume, voxel, samples.GetAtBorder(), neighbors);
     };
     if (this->Scene.ClipsGradients)
     {
@@ -558,14 +633,16 @@ private:
       else
       {
         SampleCells cells;
-        const SamplePosition at = FindCells(this->Scene.Volume, q, !AtFaces, cells);
+        const Vec3 voxel = Plain ? q : FindSampledVoxels(this->Scene, q);
+        const SamplePosition at = FindCells(this->Scene.Volume, voxel, !AtFaces, cells);
         const Mf border = AtFaces
           ? hn::AndNot(FindInterior(this->Scene.Volume, cells, sampled), sampled)
           : hn::FirstN(d, 0);
-        auto voxels = this->template FindRows<AtFaces, Fit>(n, cells, sampled);
+        auto voxels = this->template FindRows<AtFaces, Fit, !Plain>(n, cells, sampled);
         SampleRows<T> rows;
         const Vf value = Sample<T>(voxels, at, rows);
-        this->template Composite<Plain>(voxels, at, rows, value, curve, q, s, sampled, border);
+        this->template Composite<Plain>(
+          voxels, at, rows, value, curve, q, voxel, s, sampled, border);
       }
       if (HWY_UNLIKELY(hn::AllFalse(d, this->State.Alive)))
       {
@@ -595,7 +672,8 @@ private:
       }
       this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
       SampleCells cells;
-      const SamplePosition at = FindCells(this->Scene.Volume, q, !AtFaces, cells);
+      const Vec3 voxel = FindSampledVoxels(this->Scene, q);
+      const SamplePosition at = FindCells(this->Scene.Volume, voxel, !AtFaces, cells);
       this->Window.template MoveTo<AtFaces>(n);
       WindowRows<T, Fit, AtFaces, Components> voxels(this->Window, cells);
       SampleRows<T> rows;
@@ -610,9 +688,9 @@ private:
       }
       const Vf ofTable = this->FindFirstExtinction(component, density, 0);
       Mf visible = hn::And(sampled, hn::Gt(ofTable, hn::Zero(d)));
-      if (this->HasBinaryMask() && !hn::AllFalse(d, visible))
+      if (this->Scene.HidesSamples && !hn::AllFalse(d, visible))
       {
-        visible = hn::And(visible, IsInMask(this->Scene.Mask, q));
+        visible = LeaveOutHidden(this->Scene, q, visible);
       }
       if (hn::AllFalse(d, visible))
       {
@@ -629,17 +707,17 @@ private:
       }
       if (shadesByValue || this->Scene.OpacityByGradient)
       {
-        gradient = this->FindGradient(voxels, at, rows, curve, q, s, border);
+        gradient = this->FindGradient(voxels, at, rows, curve, q, voxel, s, visible, border);
       }
       const Vec3 normal = HWY_UNLIKELY(this->Scene.NormalsOfOpacity)
-        ? this->FindSpecialGradient(voxels, at, rows, curve, q, s, border, true)
+        ? this->FindGradient(voxels, at, rows, curve, q, voxel, s, visible, border, true)
         : gradient;
       Vf values[LargestNumberOfComponents];
       ComponentSamples<T>(this->Scene.Volume, cells, at, hn::AndNot(border, visible))
         .FindValues(values);
       if (AtFaces && !hn::AllFalse(d, border))
       {
-        this->Border.ComponentValues(q, border, values);
+        this->Border.ComponentValues(voxel, border, values);
       }
       const Vf t = curve.TimeAt(s);
       Vec3 color;
@@ -675,6 +753,7 @@ private:
     const PacketCurve& curve, const SampleNumbers& numbers, int from, int to, const Use& use)
   {
     const Df d;
+    const bool moved = this->Scene.Grid.MovesSamples();
     for (int n = from; n < to; ++n)
     {
       Mf sampled = numbers.FindActive(this->State.Alive, n);
@@ -689,19 +768,27 @@ private:
           continue;
         }
       }
-      if (Fit == WindowFit::None && (AtFaces || HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0)))
+      Vf value;
+      if (HWY_UNLIKELY(moved) && !AtFaces)
+      {
+        value = this->FindMovedInnerValue(n + Ahead, q, sampled);
+      }
+      else if ((Fit == WindowFit::None &&
+                 (AtFaces || HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0))) ||
+        HWY_UNLIKELY(moved))
       {
         const Mf inside = Ahead == 0 ? sampled : hn::And(sampled, IsInside(this->Scene, q));
-        use(n, s, sampled, this->FindValue(q, inside));
+        value = this->FindValue(q, inside);
       }
       else
       {
         SampleCells cells;
         const SamplePosition at = FindCells(this->Scene.Volume, q, !AtFaces, cells);
-        auto voxels = this->template FindRows<AtFaces, Fit>(n + Ahead, cells, sampled);
+        auto voxels = this->template FindRows<AtFaces, Fit, false>(n + Ahead, cells, sampled);
         SampleRows<T> rows;
-        use(n, s, sampled, Sample<T>(voxels, at, rows));
+        value = Sample<T>(voxels, at, rows);
       }
+      use(n, s, sampled, value);
       if (HWY_UNLIKELY(hn::AllFalse(d, this->State.Alive)))
       {
         return n;
@@ -716,7 +803,7 @@ private:
 
   /// The source of the rows of the samples n of a curve, which lie in `cells`. Without a window all
   /// voxels that they and their gradients need must exist, and be in reach.
-  template <bool AtFaces, WindowFit Fit>
+  template <bool AtFaces, WindowFit Fit, bool AnyGrid>
   HWY_INLINE RowsOf<AtFaces, Fit> FindRows(int n, const SampleCells& cells, Mf sampled)
   {
     if constexpr (Fit == WindowFit::None)
@@ -729,19 +816,20 @@ private:
     else
     {
       static_cast<void>(sampled);
-      this->Window.template MoveTo<AtFaces>(n);
+      this->Window.template MoveTo<AtFaces, AnyGrid>(n);
       return WindowRows<T, Fit, AtFaces>(this->Window, cells);
     }
   }
 
   /**
    * Calls use(voxels, at, border) with a source of the rows of the samples n of a curve, or of
-   * places in the intervals that end there, which lie at q; `border`: those of `sampled` without
-   * all voxels that they and their gradients need. Calls otherwise() where there is no such source.
+   * places in the intervals that end there, at the voxel coordinates `voxel`; `border`: those of
+   * `sampled` without all voxels that they and their gradients need. Calls otherwise() where there
+   * is no such source.
    */
   template <bool AtFaces, class Use, class Otherwise>
   HWY_INLINE void UseRows(
-    int n, const Vec3& q, Mf sampled, const Use& use, const Otherwise& otherwise)
+    int n, const Vec3& voxel, Mf sampled, const Use& use, const Otherwise& otherwise)
   {
     this->template WithWindow<AtFaces>([&](auto fit) {
       constexpr WindowFit Fit = decltype(fit)::value;
@@ -751,11 +839,11 @@ private:
         return 0;
       }
       SampleCells cells;
-      const SamplePosition at = FindCells(this->Scene.Volume, q, !AtFaces, cells);
+      const SamplePosition at = FindCells(this->Scene.Volume, voxel, !AtFaces, cells);
       const Mf border = AtFaces
         ? hn::AndNot(FindInterior(this->Scene.Volume, cells, sampled), sampled)
         : hn::FirstN(Df(), 0);
-      auto voxels = this->template FindRows<AtFaces, Fit>(n, cells, sampled);
+      auto voxels = this->template FindRows<AtFaces, Fit, true>(n, cells, sampled);
       use(voxels, at, border);
       return 0;
     });
@@ -829,6 +917,7 @@ private:
     const Vf at = hn::IfThenElse(hn::Gt(guess, hn::Zero(d)), place, Splat(0.5f));
     const Vf middle = hn::MulAdd(at, extent, begin);
     const Vec3 q = this->ClampToVolume(curve.At(this->Scene, middle));
+    const Vec3 voxel = FindSampledVoxels(scene, q);
     const auto composite = [&](auto& voxels, const SamplePosition& in, const SampleRows<T>& rows,
                              Vf value, Mf border) {
       const ClassifiedIntervals interval =
@@ -845,11 +934,8 @@ private:
       if (scene.Shade)
       {
         voxels.Widen();
-        const bool special = scene.NormalsOfOpacity || scene.ClipsGradients;
-        const Vec3 gradient = HWY_UNLIKELY(special)
-          ? this->FindSpecialGradient(
-              voxels, in, rows, curve, q, middle, border, scene.NormalsOfOpacity)
-          : this->GradientOf(voxels, in, rows, q, border);
+        const Vec3 gradient = this->FindGradient(
+          voxels, in, rows, curve, q, voxel, middle, visible, border, scene.NormalsOfOpacity);
         color = this->Normals.Light(
           scene.Surface, curve, q, color, gradient, middle, curve.TimeAt(middle));
       }
@@ -859,7 +945,7 @@ private:
     };
     const auto compositeAny = [&] {
       FetchedSample<T> fetched;
-      FetchSample(scene.Volume, q, sampled, this->Border, fetched);
+      FetchSample(scene.Volume, voxel, sampled, this->Border, fetched);
       composite(fetched.Voxels, fetched.At, fetched.Rows, fetched.Value, fetched.AtBorder);
     };
     const auto compositeRows = [&](auto& voxels, const SamplePosition& in, Mf border) {
@@ -869,11 +955,11 @@ private:
     };
     if (inner)
     {
-      this->template UseRows<false>(n, q, sampled, compositeRows, compositeAny);
+      this->template UseRows<false>(n, voxel, sampled, compositeRows, compositeAny);
     }
     else if (curve.Segment)
     {
-      this->template UseRows<true>(n, q, sampled, compositeRows, compositeAny);
+      this->template UseRows<true>(n, voxel, sampled, compositeRows, compositeAny);
     }
     else
     {
@@ -904,11 +990,12 @@ private:
     return hn::Gt(FindSquaredMagnitude(gradients.Scale, gradient), Splat(gradients.ZeroUpTo));
   }
 
-  /// Classifies, shades and composites the samples of the lanes of `sampled`; BorderSamples fetched
-  /// those of `border`.
+  /// Classifies, shades and composites the samples of the lanes of `sampled` at q, fetched at the
+  /// voxel coordinates `voxel`; BorderSamples fetched those of `border`.
   template <bool Plain, class Source>
   HWY_INLINE void Composite(Source& voxels, const SamplePosition& at, const SampleRows<T>& rows,
-    Vf value, const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled, Mf border)
+    Vf value, const PacketCurve& curve, const Vec3& q, const Vec3& voxel, Vf s, Mf sampled,
+    Mf border)
   {
     const Df d;
     this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
@@ -925,17 +1012,18 @@ private:
     const bool byGradient = !Plain && this->Scene.OpacityByGradient;
     const bool byOpacity = !Plain && this->Scene.NormalsOfOpacity;
     const PacketGradientOpacity& gradients = this->Scene.Gradients;
-    const auto findGradient = [&]() FFD_INLINE_LAMBDA {
+    const auto findGradient = [&](Mf lanes) FFD_INLINE_LAMBDA {
       return Plain ? this->GradientOf(voxels, at, rows, q, border)
-                   : this->FindGradient(voxels, at, rows, curve, q, s, border);
+                   : this->FindGradient(voxels, at, rows, curve, q, voxel, s, lanes, border);
     };
     Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
     // Most gradients of what is visible by its value may be small: no table is looked up for them.
-    const bool gradientFirst = byGradient && gradients.ZeroUpTo > 0.0f && !mask.Scalars;
+    const bool gradientFirst =
+      byGradient && gradients.ZeroUpTo > 0.0f && !mask.Scalars && !this->Scene.HidesSamples;
     if (gradientFirst)
     {
       voxels.Widen();
-      gradient = findGradient();
+      gradient = findGradient(sampled);
       sampled = hn::And(sampled, IsAboveZero(gradients, gradient));
       if (hn::AllFalse(d, sampled))
       {
@@ -945,7 +1033,8 @@ private:
     const bool byPlane = !Plain && plane.Texels != nullptr;
     const bool labeled = !Plain && !mask.Tables.empty();
     const bool mixed = labeled && (byPlane || mask.BlendFactor < 1.0f);
-    const Vi tables = labeled ? FindLabelTables(mask, q) : hn::Zero(Di());
+    const Vi tables =
+      labeled ? FindLabelTables(mask, FindMaskPosition(this->Scene, q)) : hn::Zero(Di());
     TableLookup lookup;
     TableLookup base;
     Vf extinction = Splat(1.0f);
@@ -966,9 +1055,9 @@ private:
     {
       lookup = TableLookup(this->Scene, value, tables);
     }
-    if (!Plain && mask.Scalars && !mask.Labels && !hn::AllFalse(d, visible))
+    if (!Plain && this->Scene.HidesSamples && !hn::AllFalse(d, visible))
     {
-      visible = hn::And(visible, IsInMask(mask, q));
+      visible = LeaveOutHidden(this->Scene, q, visible);
     }
     if (hn::AllFalse(d, visible))
     {
@@ -980,7 +1069,7 @@ private:
     }
     if (!gradientFirst && (byGradient || (this->Scene.Shade && !byOpacity)))
     {
-      gradient = findGradient();
+      gradient = findGradient(visible);
     }
     if (!gradientFirst && byGradient && gradients.ZeroUpTo > 0.0f)
     {
@@ -997,7 +1086,8 @@ private:
     Vf opacity = hn::Zero(d);
     if (HWY_UNLIKELY(mixed && byPlane))
     {
-      MixPlaneWithLabels(this->Scene, value, lookup, tables, gradient, q, opacity, color);
+      MixPlaneWithLabels(
+        this->Scene, value, lookup, tables, gradient, FindVoxels(this->Scene, q), opacity, color);
     }
     else if (HWY_UNLIKELY(mixed))
     {
@@ -1005,7 +1095,7 @@ private:
     }
     else if (byPlane)
     {
-      const PlaneTexel texel = LookUpPlane(plane, value, gradient, q);
+      const PlaneTexel texel = LookUpPlane(plane, value, gradient, FindVoxels(this->Scene, q));
       opacity = texel.Opacity;
       color = texel.Color;
     }
@@ -1032,8 +1122,8 @@ private:
     const Vf t = curve.TimeAt(s);
     if (HWY_UNLIKELY(byOpacity))
     {
-      gradient =
-        this->FindSpecialGradient(voxels, at, rows, curve, q, s, hn::And(border, visible), true);
+      gradient = this->FindGradient(
+        voxels, at, rows, curve, q, voxel, s, visible, hn::And(border, visible), true);
     }
     if (this->Scene.Shade)
     {
@@ -1080,7 +1170,8 @@ private:
     Vf sum = zero;
     Vf squares = zero;
     const PacketPlane& first = this->Scene.Components[0].Plane;
-    const Vf second = first.SecondAxis.Scalars ? FindSecondAxis(first, q) : zero;
+    const Vf second =
+      first.SecondAxis.Scalars ? FindSecondAxis(first, FindVoxels(this->Scene, q)) : zero;
     for (std::size_t c = 0; c < this->Scene.Components.size(); ++c)
     {
       const PacketComponent& component = this->Scene.Components[c];
@@ -1095,7 +1186,8 @@ private:
       {
         const PlaneTexel texel = component.Plane.SecondAxis.Scalars
           ? LookUpPlane(component.Plane, values[c], second)
-          : LookUpPlane(component.Plane, values[c], gradients[c], q);
+          : LookUpPlane(component.Plane, values[c],
+              FindMagnitude(component.Plane.MagnitudeScale, gradients[c]));
         opacity = OpacityOf(this->Scene, component.Plane, texel);
         own = texel.Color;
       }
@@ -1194,7 +1286,7 @@ private:
     if (component.Plane.Texels)
     {
       const PacketPlane& plane = component.Plane;
-      const Vf second = plane.SecondAxis.Scalars ? FindSecondAxis(plane, q)
+      const Vf second = plane.SecondAxis.Scalars ? FindSecondAxis(plane, FindVoxels(this->Scene, q))
                                                  : FindMagnitude(plane.MagnitudeScale, gradient);
       const PlaneTexel texel = LookUpPlane(plane, density, second);
       if (scene.ColorPlane.Texels)
@@ -1216,7 +1308,7 @@ private:
         opacity = hn::Mul(opacity, FactorOf(component.Gradients, gradient));
       }
     }
-    const Vi tables = FindLabelTables(scene.Mask, q);
+    const Vi tables = FindLabelTables(scene.Mask, FindMaskPosition(scene, q));
     MixInLabels(scene, TableLookup(scene, density, tables), tables, gradient, opacity, color);
     extinction = OpaqueExtinctionOver(opacity, scene.ReferenceLength);
   }

@@ -784,6 +784,7 @@ private:
     // box, and so that all voxels exist.
     Vf middles[3];
     Vf reach[3];
+    Vf innerMiddles[3];
     Vf inner[3];
     for (int a = 0; a < 3; ++a)
     {
@@ -791,7 +792,8 @@ private:
       const float r = radius[static_cast<std::size_t>(a)];
       middles[a] = Splat(middle);
       reach[a] = Splat(middle - scene.Lower + r);
-      inner[a] = Splat(middle - 1.0f - r);
+      innerMiddles[a] = Splat(scene.Grid.InnerMiddle[a]);
+      inner[a] = Splat(scene.Grid.InnerReach[a] - r);
     }
     const float samples = static_cast<float>(segment.SamplesPerPart);
     const float extent = 2.0f * std::max({ radius[0], radius[1], radius[2] });
@@ -825,7 +827,7 @@ private:
         for (int a = 0; a < 3; ++a)
         {
           const Vf distance = hn::Abs(hn::Sub(q[a], middles[a]));
-          within = hn::And(within, hn::Lt(distance, inner[a]));
+          within = hn::And(within, hn::Lt(hn::Abs(hn::Sub(q[a], innerMiddles[a])), inner[a]));
           seen = hn::And(seen, hn::Le(distance, reach[a]));
         }
         if (scene.Distances)

@@ -76,6 +76,7 @@ public:
   /// `scene` must outlive the window.
   explicit VoxelWindow(const PacketScene& scene)
     : Volume(scene.Volume)
+    , Grid(scene.Grid)
     , IndexShift(Vector(scene.IndexShift))
   {
     const int* const n = scene.Volume.Dimensions;
@@ -109,8 +110,12 @@ public:
       from = _mm_sub_ps(from, Vector(segment.Up));
       to = _mm_add_ps(to, Vector(segment.Down));
     }
-    const __m128 width = _mm_sub_ps(to, from);
+    __m128 width = _mm_sub_ps(to, from);
     this->Lowest[0] = V4{ _mm_add_ps(_mm_sub_ps(this->Lowest[0].raw, this->IndexShift), from) };
+    if (HWY_UNLIKELY(this->Grid.Uneven))
+    {
+      width = this->FindWidest(width);
+    }
     this->PerStep = 1.0f / static_cast<float>(segment.Samples);
     this->Offset = -static_cast<float>(segment.FirstSample);
     this->Fit = this->Usable ? FindFit(width) : WindowFit::None;
@@ -127,11 +132,15 @@ public:
   HWY_INLINE WindowFit GetFit() const { return this->Fit; }
 
   /// Moves the window to the samples n of the rays. Without `AtFaces` all voxels that they and
-  /// their gradients need must exist.
-  template <bool AtFaces>
+  /// their gradients need must exist; without `AnyGrid` the volume is a plain image.
+  template <bool AtFaces, bool AnyGrid = true>
   HWY_INLINE void MoveTo(int n)
   {
-    const __m128 lowest = this->LowestAt(n);
+    __m128 lowest = this->LowestAt(n);
+    if (AnyGrid && HWY_UNLIKELY(this->Grid.Uneven))
+    {
+      lowest = this->ToVoxels(lowest);
+    }
     if constexpr (AtFaces)
     {
       // The last position is in the cell before it.
@@ -156,7 +165,8 @@ private:
   static constexpr int Reach = Side - 4; ///< cells along x and y, beyond the first
   static constexpr int LargestDepth = 4; ///< cells along z
   static constexpr int SamplesAhead = 3;
-  static constexpr float Rounding = 0.02f; ///< of positions, voxels: some times what it is
+  static constexpr float Rounding = 0.02f;      ///< of positions, voxels: some times what it is
+  static constexpr float VoxelRounding = 2e-3f; ///< of positions from an AxisMap, the same
 
   static HWY_INLINE __m128 Vector(const float v[3]) { return _mm_setr_ps(v[0], v[1], v[2], 0.0f); }
 
@@ -244,6 +254,34 @@ private:
                                : WindowFit::None;
   }
 
+  /// Voxel coordinates of index coordinates, rounded down.
+  HWY_INLINE __m128 ToVoxels(__m128 index) const
+  {
+    alignas(16) float x[4];
+    _mm_store_ps(x, index);
+    const auto find = [&](int a) { return this->Grid.Axes[a].ToVoxel(x[a]) - VoxelRounding; };
+    return _mm_setr_ps(find(0), find(1), find(2), 0.0f);
+  }
+
+  /// A bound, voxels, of the ranges of voxel coordinates of positions that extend over `width`,
+  /// index units, from those of Lowest on.
+  HWY_NOINLINE __m128 FindWidest(__m128 width) const
+  {
+    __m128 low = this->Lowest[0].raw;
+    __m128 high = _mm_add_ps(low, width);
+    for (int k = 1; k < TileLayers; ++k)
+    {
+      low = _mm_add_ps(low, _mm_min_ps(this->Lowest[k].raw, _mm_setzero_ps()));
+      high = _mm_add_ps(high, _mm_max_ps(this->Lowest[k].raw, _mm_setzero_ps()));
+    }
+    alignas(16) float from[4], to[4];
+    _mm_store_ps(from, low);
+    _mm_store_ps(to, high);
+    const auto slope = [&](int a) { return this->Grid.Axes[a].FindSteepest(from[a], to[a]); };
+    return _mm_add_ps(_mm_mul_ps(width, _mm_setr_ps(slope(0), slope(1), slope(2), 0.0f)),
+      _mm_set1_ps(2.0f * VoxelRounding));
+  }
+
   /// A lower bound, index coordinates, of the positions of the samples n of all rays.
   HWY_INLINE __m128 LowestAt(int n) const
   {
@@ -267,6 +305,7 @@ private:
   }
 
   const PacketVolume& Volume;
+  const PacketGrid& Grid;
   __m128 IndexShift; ///< PacketScene::IndexShift
   bool Usable;       ///< whether the volume is as large as a window
   __m128i LastCell;

@@ -12,16 +12,21 @@
 #include "vtkColorTransferFunction.h"
 #include "vtkContourValues.h"
 #include "vtkDataArray.h"
+#include "vtkDataSetAttributes.h"
+#include "vtkDoubleArray.h"
 #include "vtkImageCast.h"
 #include "vtkImageData.h"
 #include "vtkLight.h"
 #include "vtkLightCollection.h"
+#include "vtkMath.h"
 #include "vtkNew.h"
 #include "vtkPiecewiseFunction.h"
 #include "vtkPlane.h"
 #include "vtkPointData.h"
+#include "vtkRectilinearGrid.h"
 #include "vtkRenderer.h"
 #include "vtkSmartPointer.h"
+#include "vtkUnsignedCharArray.h"
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
 
@@ -117,6 +122,48 @@ ImagePointer MakeCells(vtkImageData* image)
   cells->SetOrigin(origin);
   cells->GetCellData()->SetScalars(image->GetPointData()->GetScalars());
   return cells;
+}
+
+/// The scalars of the points on a grid of the same bounds, whose steps are 0.5 to 1.5 of the
+/// others.
+vtkSmartPointer<vtkRectilinearGrid> MakeGrid(vtkImageData* image)
+{
+  auto grid = vtkSmartPointer<vtkRectilinearGrid>::New();
+  int dims[3];
+  image->GetDimensions(dims);
+  grid->SetDimensions(dims);
+  vtkNew<vtkDoubleArray> coordinates[3];
+  for (int a = 0; a < 3; ++a)
+  {
+    const double part = 2.0 * vtkMath::Pi() / (dims[a] - 1);
+    for (int i = 0; i < dims[a]; ++i)
+    {
+      coordinates[a]->InsertNextValue(
+        image->GetOrigin()[a] + image->GetSpacing()[a] * (i + 0.5 / part * std::sin(part * i)));
+    }
+  }
+  grid->SetXCoordinates(coordinates[0]);
+  grid->SetYCoordinates(coordinates[1]);
+  grid->SetZCoordinates(coordinates[2]);
+  grid->GetPointData()->SetScalars(image->GetPointData()->GetScalars());
+  return grid;
+}
+
+/// The cells whose index along x is at least `begin` of all are hidden.
+ImagePointer Blank(vtkImageData* image, double begin)
+{
+  auto blanked = ImagePointer::New();
+  blanked->ShallowCopy(image);
+  int dims[3];
+  image->GetDimensions(dims);
+  vtkUnsignedCharArray* const ghosts = blanked->AllocateCellGhostArray();
+  const vtkIdType row = dims[0] - 1;
+  for (vtkIdType cell = 0; cell < blanked->GetNumberOfCells(); ++cell)
+  {
+    const bool hidden = static_cast<double>(cell % row) >= begin * static_cast<double>(row);
+    ghosts->SetValue(cell, hidden ? vtkDataSetAttributes::HIDDENCELL : 0);
+  }
+  return blanked;
 }
 
 ImagePointer Cast(vtkImageData* image, int type)
@@ -287,6 +334,10 @@ const std::map<std::string, Change>& GetChanges()
     { "nearest", [](OptionScene& s, Mapper*) { s.Property->SetInterpolationTypeToNearest(); } },
     { "cell scalars",
       [](OptionScene& s, Mapper* mapper) { mapper->SetInputData(MakeCells(s.Image)); } },
+    { "rectilinear grid",
+      [](OptionScene& s, Mapper* mapper) { mapper->SetInputData(MakeGrid(s.Image)); } },
+    { "blanking",
+      [](OptionScene& s, Mapper* mapper) { mapper->SetInputData(Blank(s.Image, 0.5)); } },
     { "16 bit",
       [](OptionScene& s, Mapper* mapper) {
         mapper->SetInputData(Cast(s.Image, VTK_UNSIGNED_SHORT));
@@ -476,6 +527,8 @@ const std::vector<FrameOption>& GetFrameOptions()
     { "normals of opacity, dependent RGBA", "dependent RGBA", 1.5 },
     { "nearest", "plain", 1.5 },
     { "cell scalars", "plain", 1.5 },
+    { "rectilinear grid", "plain", 1.5 },
+    { "blanking", "plain", 1.5 },
     { "16 bit", "plain", 1.4 },
     { "float", "plain", 1.4 },
     { "double", "plain", 1.5 },

@@ -71,6 +71,11 @@ public:
     return p[i] + (at - static_cast<double>(i)) * (p[i + 1] - p[i]);
   }
 
+  /// The positions that stand for the voxel coordinates GetFirst(), GetFirst() + GetStep(), ...
+  const std::vector<double>& GetPositions(int axis) const { return this->Positions[axis]; }
+  double GetFirst() const { return this->First; }
+  double GetStep() const { return this->Step; }
+
 private:
   std::vector<double> Positions[3];
   double First = 0.0;

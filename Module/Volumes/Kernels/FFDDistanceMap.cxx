@@ -132,41 +132,50 @@ private:
   std::vector<int> FirstVisible;
 };
 
-/// Whether no voxel of a block of a mask is above 0.
-bool IsHidden(const MinMaxBlocks& mask, const glm::ivec3& block)
-{
-  const MinMaxBlocks::Limits limits = mask.GetLimits(block);
-  return limits.Min > limits.Max || limits.Max <= 0.0;
-}
-
 } // namespace
 
 //------------------------------------------------------------------------------
-DistanceMap::DistanceMap(const MinMaxBlocks& blocks, const TransferTable& table,
-  const ParallelFor& parallelFor, const MinMaxBlocks* mask)
+bool DistanceMap::Cover::Hides(const glm::ivec3& block, std::size_t index) const
 {
+  if (this->Hidden && !this->Hidden->empty() && (*this->Hidden)[index] != 0)
+  {
+    return true;
+  }
+  if (!this->Mask)
+  {
+    return false;
+  }
+  const MinMaxBlocks::Limits limits = this->Mask->GetLimits(block);
+  return limits.Min > limits.Max || limits.Max <= 0.0;
+}
+
+//------------------------------------------------------------------------------
+DistanceMap::DistanceMap(const MinMaxBlocks& blocks, const TransferTable& table,
+  const ParallelFor& parallelFor, const MinMaxBlocks* mask, const std::vector<std::uint8_t>* hidden)
+{
+  const Cover cover{ mask, hidden };
   if (blocks.GetNumberOfBlocks() > static_cast<std::size_t>(blocks.GetLastCode()))
   {
-    this->Build(blocks, CodesTest(blocks, table), mask, parallelFor);
+    this->Build(blocks, CodesTest(blocks, table), cover, parallelFor);
     return;
   }
   const IsEmpty isEmpty = [&table](const MinMaxBlocks::Limits* limits) {
     return table.IsTransparent(limits->Min, limits->Max);
   };
-  this->Build(blocks, LimitsTest({ &blocks }, isEmpty), mask, parallelFor);
+  this->Build(blocks, LimitsTest({ &blocks }, isEmpty), cover, parallelFor);
 }
 
 //------------------------------------------------------------------------------
 DistanceMap::DistanceMap(const std::vector<const MinMaxBlocks*>& components, const IsEmpty& isEmpty,
-  const ParallelFor& parallelFor, const MinMaxBlocks* mask)
+  const ParallelFor& parallelFor, const MinMaxBlocks* mask, const std::vector<std::uint8_t>* hidden)
 {
-  this->Build(*components[0], LimitsTest(components, isEmpty), mask, parallelFor);
+  this->Build(*components[0], LimitsTest(components, isEmpty), { mask, hidden }, parallelFor);
 }
 
 //------------------------------------------------------------------------------
 template <class Test>
-void DistanceMap::Build(const MinMaxBlocks& blocks, const Test& test, const MinMaxBlocks* mask,
-  const ParallelFor& parallelFor)
+void DistanceMap::Build(
+  const MinMaxBlocks& blocks, const Test& test, const Cover& cover, const ParallelFor& parallelFor)
 {
   this->Blocks = blocks.GetBlocks();
   this->Codes.resize(blocks.GetNumberOfBlocks() + 3);
@@ -179,7 +188,7 @@ void DistanceMap::Build(const MinMaxBlocks& blocks, const Test& test, const MinM
     });
   };
   run(blocks.GetParents().z,
-    [&](int plane) { this->FindOccupancy(blocks.GetParents(), test, mask, plane); });
+    [&](int plane) { this->FindOccupancy(blocks.GetParents(), test, cover, plane); });
   run(this->Blocks.z, [this](int k) { this->TransformPlane(k); });
   const std::size_t nx = static_cast<std::size_t>(this->Blocks.x);
   const std::size_t nxy = nx * static_cast<std::size_t>(this->Blocks.y);
@@ -204,15 +213,15 @@ void DistanceMap::Build(const MinMaxBlocks& blocks, const Test& test, const MinM
 //------------------------------------------------------------------------------
 template <class Test>
 void DistanceMap::FindOccupancy(
-  const glm::ivec3& parents, const Test& test, const MinMaxBlocks* mask, int parentPlane)
+  const glm::ivec3& parents, const Test& test, const Cover& cover, int parentPlane)
 {
   for (int y = 0; y < parents.y; ++y)
   {
     for (int x = 0; x < parents.x; ++x)
     {
       test.ForBlocksOf({ x, y, parentPlane },
-        [this, mask](const glm::ivec3& block, std::size_t index, bool empty) {
-          const bool hidden = empty || (mask && IsHidden(*mask, block));
+        [this, &cover](const glm::ivec3& block, std::size_t index, bool empty) {
+          const bool hidden = empty || cover.Hides(block, index);
           this->Codes[index] = static_cast<std::uint8_t>(hidden ? LargestBlockDistance : 0);
         });
     }

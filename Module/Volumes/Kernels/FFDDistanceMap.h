@@ -37,16 +37,18 @@ public:
   DistanceMap() = default;
 
   /// `mask`: null, or blocks of as many voxels; nothing is visible in those that hold no number
-  /// above 0.
+  /// above 0. `hidden`: null, or for each block, x fastest, whether nothing is visible in it.
   DistanceMap(const MinMaxBlocks& blocks, const TransferTable& table,
-    const ParallelFor& parallelFor = ParallelFor(), const MinMaxBlocks* mask = nullptr);
+    const ParallelFor& parallelFor = ParallelFor(), const MinMaxBlocks* mask = nullptr,
+    const std::vector<std::uint8_t>* hidden = nullptr);
 
   /// Whether nothing is visible where scalars are within limits, one each for the components.
   using IsEmpty = std::function<bool(const MinMaxBlocks::Limits* limits)>;
 
   /// The same for several components (at most 4), whose blocks have equal sizes.
   DistanceMap(const std::vector<const MinMaxBlocks*>& components, const IsEmpty& isEmpty,
-    const ParallelFor& parallelFor = ParallelFor(), const MinMaxBlocks* mask = nullptr);
+    const ParallelFor& parallelFor = ParallelFor(), const MinMaxBlocks* mask = nullptr,
+    const std::vector<std::uint8_t>* hidden = nullptr);
 
   const glm::ivec3& GetBlocks() const { return this->Blocks; }
 
@@ -93,13 +95,22 @@ public:
   std::size_t GetMemorySize() const { return this->Codes.capacity(); }
 
 private:
+  /// What hides blocks, see DistanceMap().
+  struct Cover
+  {
+    const MinMaxBlocks* Mask;
+    const std::vector<std::uint8_t>* Hidden;
+
+    bool Hides(const glm::ivec3& block, std::size_t index) const;
+  };
+
   /// `test` knows which parents and which of their blocks are empty.
   template <class Test>
-  void Build(const MinMaxBlocks& blocks, const Test& test, const MinMaxBlocks* mask,
+  void Build(const MinMaxBlocks& blocks, const Test& test, const Cover& cover,
     const ParallelFor& parallelFor);
   template <class Test>
   void FindOccupancy(
-    const glm::ivec3& parents, const Test& test, const MinMaxBlocks* mask, int parentPlane);
+    const glm::ivec3& parents, const Test& test, const Cover& cover, int parentPlane);
   void TransformPlane(int k);
   void AddNeighbors(int k);
 
