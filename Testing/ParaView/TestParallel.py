@@ -169,7 +169,7 @@ class TestTime(unittest.TestCase):
                       for x in ends for y in ends for z in ends]
             simple.SaveData(blocks % kind, proxy=simple.GroupDatasets(Input=pieces), DataMode="Ascii")
         found = {}
-        for ranks in (1, 4):
+        for ranks in (1, 3):  # three show unlike numbers of blocks
             path = os.path.join(ffd.TEMPORARY, "ParaView.picks %d.json" % ranks)
             ffd.run("ParallelPicks.py", path, blocks % "blocks", blocks % "lattices", ranks=ranks)
             with open(path, encoding="ascii") as file:
@@ -182,7 +182,7 @@ class TestTime(unittest.TestCase):
                 self.assertGreater(selected[0], 100)
             for name, expected in one.items():
                 with self.subTest(kind=kind, found=name):
-                    self.assertEqual(found[4][kind][name], expected)
+                    self.assertEqual(found[3][kind][name], expected)
 
     def test_time(self):
         files = [os.path.join(ffd.TEMPORARY, "ParaView.time%d.vti" % step) for step in (0, 1)]

@@ -29,10 +29,25 @@ def show(view):
     return lattice
 
 
-def find_places(view):
+def show_blocks(view):
+    """A volume with a lattice for each block, and a surface that comes after it."""
+    wavelet = ffd.make_wavelet()
+    ends = ((-15, -3), (3, 15))
+    blocks = [simple.ExtractSubset(Input=wavelet, VOI=[*x, *y, *z])
+              for x in ends for y in ends for z in ends]
+    lattice = simple.FFDLattice(
+        Input=simple.GroupDatasets(Input=blocks), Shape="Bend", Strength=0.7, LatticePerBlock=1)
+    simple.Show(lattice, view)
+    ffd.set_functions(opaque=True)
+    simple.Render(view)
+    simple.Show(simple.Sphere(Radius=4.0, Center=[0.0, -30.0, 10.0]), view)
+    simple.Render(view)
+
+
+def find_places(view, pixels=((80, 70), (70, 85), (92, 62))):
     """Where the key P would put a point, for some pixels."""
     places = []
-    for pixel in ((80, 70), (70, 85), (92, 62)):
+    for pixel in pixels:
         place, normal = [0.0] * 3, [0.0] * 3
         if not view.SMProxy.ConvertDisplayToPointOnSurface(list(pixel), place, normal):
             raise AssertionError("Nothing is picked at %r." % (pixel,))
@@ -90,6 +105,25 @@ class TestServer(unittest.TestCase):
             lattice.Strength = 1.5
             # Such pictures are sent with fewer bits.
             self.assertLess(ffd.differ(ffd.moving_picture(view), local)[1], 2.0)
+
+    def test_blocks(self):
+        """Blocks of a volume are picked on a server as here, and so is what comes after them."""
+        pixels = ((80, 70), (70, 85), (60, 60), (105, 60), (19, 109))
+
+        def find():
+            view = ffd.make_view()
+            show_blocks(view)
+            clicked = [servermanager._getPyProxy(view.SMProxy.Pick(*pixel)).Input.GetXMLName()
+                       for pixel in pixels]
+            self.assertEqual(clicked, ["FFDLattice"] * 4 + ["SphereSource"])
+            return find_places(view, pixels)
+
+        here = find()
+        port = 21000 + (os.getpid() + 4) % 9000
+        with serve(port):
+            simple.Connect("localhost", port)
+            ffd.load(remote=True)
+            np.testing.assert_allclose(find(), here, atol=0.02)
 
     def test_other_version(self):
         """A server with another version of the plugin: one message, which names both, and begins so

@@ -23,6 +23,7 @@
 #include "vtkPolyData.h"
 #include "vtkPolyDataMapper.h"
 #include "vtkProcessModule.h"
+#include "vtkPVHardwareSelector.h"
 #include "vtkPVLODVolume.h"
 #include "vtkPVRenderView.h"
 #include "vtkPVView.h"
@@ -77,6 +78,32 @@ bool IsFrom(vtkAlgorithm* algorithm, vtkAlgorithm* source)
   }
   return false;
 }
+
+/// Members of ParaView's selectors that are for their subclasses.
+struct SelectorAccess : vtkPVHardwareSelector
+{
+  static void Share(vtkPVHardwareSelector* selector, vtkProp* from, vtkProp* to)
+  {
+    int& next = selector->*(&SelectorAccess::UniqueId);
+    const int kept = next;
+    next = (selector->*(&SelectorAccess::GetPropID))(0, from);
+    selector->AssignUniqueId(to);
+    next = kept;
+  }
+};
+
+/**
+ * Gives a prop the identifier that another one has in selections. Views count the identifiers in
+ * each process, and one process, or the client, tells from them what was selected: props that only
+ * some processes have may not be counted.
+ */
+struct ViewAccess : vtkPVRenderView
+{
+  static void ShareIdentifier(vtkPVRenderView* view, vtkProp* from, vtkProp* to)
+  {
+    SelectorAccess::Share(view->*(&ViewAccess::Selector), from, to);
+  }
+};
 
 /// Writes bounds of all of several images, of which this is one, to its field data.
 void NoteAllBounds(
@@ -303,7 +330,6 @@ void vtkFFDVolumeRepresentation::SetNumberOfShown(std::size_t count)
   {
     if (view)
     {
-      view->UnRegisterPropForHardwareSelection(this, in.AllShown.back()->Actor);
       view->GetRenderer()->RemoveVolume(in.AllShown.back()->Actor);
     }
     in.AllShown.pop_back();
@@ -318,7 +344,7 @@ void vtkFFDVolumeRepresentation::SetNumberOfShown(std::size_t count)
     if (view)
     {
       view->GetRenderer()->AddVolume(shown->Actor);
-      view->RegisterPropForHardwareSelection(this, shown->Actor);
+      ViewAccess::ShareIdentifier(view, this->Actor, shown->Actor);
     }
     in.AllShown.push_back(std::move(shown));
     in.OptionsTime = 0;
@@ -428,12 +454,12 @@ bool vtkFFDVolumeRepresentation::AddToView(vtkView* view)
     return false;
   }
   vtkInternals& in = *this->Internals;
-  vtkRenderer* renderer = vtkPVRenderView::SafeDownCast(view)->GetRenderer();
+  auto* renderView = vtkPVRenderView::SafeDownCast(view);
+  vtkRenderer* renderer = renderView->GetRenderer();
   for (std::size_t i = 1; i < in.AllShown.size(); ++i)
   {
     renderer->AddVolume(in.AllShown[i]->Actor);
-    vtkPVRenderView::SafeDownCast(view)->RegisterPropForHardwareSelection(
-      this, in.AllShown[i]->Actor);
+    ViewAccess::ShareIdentifier(renderView, this->Actor, in.AllShown[i]->Actor);
   }
   in.Frames->Connect(renderer);
   return true;
@@ -447,9 +473,7 @@ bool vtkFFDVolumeRepresentation::RemoveFromView(vtkView* view)
     this->Internals->Frames->Disconnect(renderView->GetRenderer());
     for (std::size_t i = 1; i < this->Internals->AllShown.size(); ++i)
     {
-      vtkVolume* actor = this->Internals->AllShown[i]->Actor;
-      renderView->UnRegisterPropForHardwareSelection(this, actor);
-      renderView->GetRenderer()->RemoveVolume(actor);
+      renderView->GetRenderer()->RemoveVolume(this->Internals->AllShown[i]->Actor);
     }
   }
   return this->Superclass::RemoveFromView(view);
