@@ -688,11 +688,10 @@ public:
    * that the fast kernels are tested against. Default: off. The pictures differ by rounding and by
    * what PositionTolerance and InverseTolerance allow.
    *
-   * They always render GREEDY_ANGLE. They also render scalars of slices of more than 7 * 10^8
-   * voxels (or cells), if these are one component of a vtkImageData without gradient opacity,
-   * two-dimensional functions, mask and blanking, and, where it is shaded, without
-   * ComputeNormalFromOpacity and clipped voxel intensities. The fast kernels look up what they have
-   * no vector code for ray by ray.
+   * They always render GREEDY_ANGLE, and slices of more than 7 * 10^8 voxels (or cells). What else
+   * is looked up one ray at a time: gradients that count clipped voxel intensities where there is
+   * blanking or a rectilinear grid, and ComputeNormalFromOpacity of several components where there
+   * is blanking.
    */
   vtkSetMacro(ReferenceKernels, vtkTypeBool);
   vtkGetMacro(ReferenceKernels, vtkTypeBool);
