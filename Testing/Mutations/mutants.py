@@ -252,8 +252,8 @@ MUTANTS = (
     Mutant(
         "vectors: gradients at faces are not rescaled",
         "term",
-        "return Select(between, AtFaces(this->Scene.Volume, q, gradient), gradient);",
-        "return Select(between, gradient, gradient);",
+        "return hn::Div(Splat(2.0f), hn::Sub(after, hn::Max(hn::Sub(x, one), hn::Zero(Df()))));",
+        "return hn::Min(after, one);",
         PACKETS),
     Mutant(
         "vectors: a gradient is taken from the wrong column of voxels",
