@@ -48,9 +48,11 @@ constexpr double NoLimit = std::numeric_limits<double>::quiet_NaN();
 /// Pixels of the pictures that are compared with those of the reference kernels, which take long.
 constexpr int JudgedSize = 96;
 
-/// Positions within the tolerance of a tenth of a voxel decide which voxel is nearest, and where a
-/// ray meets a surface that it grazes: few pixels, which may differ much.
+/// Positions within their tolerance decide which voxel is nearest, and where a ray meets a surface
+/// that it grazes: few pixels, which may differ much. Closer positions than those of the frames
+/// that are timed leave the differences to the options.
 constexpr Tolerance JudgedTolerance{ 1, 0.5, 0.005 };
+constexpr double JudgedPositionTolerance = 0.02;
 
 /// What is visible in the opaque setting begins here.
 constexpr double Surface = 80.0;
@@ -576,12 +578,15 @@ std::shared_ptr<void> PrepareOptions(
     change(scene, scene.Oracle);
     change(scene, scene.Mapper);
     Kept* k = kept.get();
+    const double tolerance = scene.Mapper->GetPositionTolerance();
+    scene.Mapper->SetPositionTolerance(JudgedPositionTolerance);
     SetLights(k->Judged.GetRenderer(), lights);
     const auto expected =
       k->Judged.DrawAndCapture(k->Judged.AddVolume(scene.Oracle, scene.Property));
     const auto picture =
       k->Judged.DrawAndCapture(k->Judged.AddVolume(scene.Mapper, scene.Property));
     const Difference difference = Compare(picture, expected, JudgedSize, JudgedTolerance.Block);
+    scene.Mapper->SetPositionTolerance(tolerance);
     row.Counters["image_mean_difference"] = difference.Mean;
     row.Counters["covered_percent"] = 100.0 * difference.Covered;
     if (difference.Covered < 0.02 || difference.Mean > JudgedTolerance.Mean ||
