@@ -21,6 +21,8 @@ from vtkmodules.vtkCommonDataModel import (
 from vtkmodules.vtkRenderingCore import (
     vtkColorTransferFunction, vtkRenderer, vtkVolume, vtkVolumeProperty)
 
+import ffdrandom
+
 MODES = {"composite": 0, "maximum": 1, "minimum": 2, "average": 3, "additive": 4, "isosurface": 5,
          "slice": 6}
 TYPES = ["uint8", "int8", "uint16", "int16", "int32", "float32", "float64"]
@@ -119,11 +121,11 @@ def make_lattice(random):
     return net.GetLattice()
 
 
-class Scene:
+class Scene(ffdrandom.RandomScene):
     """One random scene; `number` decides everything."""
 
     def __init__(self, number):
-        self.random = numpy.random.default_rng(number)
+        super().__init__(number)
         r = self.random
         self.words = [str(number)]
         self.uneven = self.chance(0.7)
@@ -201,17 +203,6 @@ class Scene:
         camera.Azimuth(r.uniform(-180.0, 180.0))
         camera.Elevation(r.uniform(-60.0, 60.0))
         self.renderer.ResetCamera(*(3 * [0.0, SIDE]))
-
-    def chance(self, part, word=None):
-        taken = self.random.random() < part
-        if taken and word:
-            self.words.append(word)
-        return taken
-
-    def choose(self, options, weights=None):
-        taken = options[self.random.choice(len(options), p=weights)]
-        self.words.append(str(taken))
-        return taken
 
     def set_mask(self, kind):
         dims = [d - (1 if self.of_cells else 0) for d in self.data.GetDimensions()]

@@ -24,33 +24,22 @@ from vtkmodules.vtkRenderingCore import (
     vtkColorTransferFunction, vtkLight, vtkRenderer, vtkRenderWindow, vtkVolume, vtkVolumeProperty,
     vtkWindowToImageFilter)
 
+import ffdrandom
+
 SIZE = 96
 TYPES = ["uint8", "uint16", "int8", "int16", "int32", "float32", "float64"]
 COMPOSITE, MAXIMUM, MINIMUM, AVERAGE, ADDITIVE, ISOSURFACE, SLICE = range(7)
 
 
-class Scene:
+class Scene(ffdrandom.RandomScene):
     """One random scene; `number` decides everything."""
 
     def __init__(self, number):
-        self.number = number
-        self.random = numpy.random.default_rng(number)
-        self.words = []
+        super().__init__(number)
         self.make_volume()
         self.make_property()
         self.make_mapper()
         self.make_view()
-
-    def chance(self, part, word=None):
-        taken = self.random.random() < part
-        if taken and word:
-            self.words.append(word)
-        return taken
-
-    def choose(self, options, weights=None):
-        taken = self.random.choice(len(options), p=weights)
-        self.words.append(str(options[taken]))
-        return options[taken]
 
     def make_volume(self):
         """Smooth blobs on a noise of low frequency, some hollow."""
