@@ -22,7 +22,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <numeric>
 
 namespace
 {
@@ -301,13 +300,9 @@ vtkTypeInt64 vtkFFDFrameCache::GetNumberOfBuilds(int part) const
 std::size_t vtkFFDFrameCache::GetMemorySize() const
 {
   const vtkDataArray* scalars = this->VectorScalars.GetLast();
-  const std::vector<ffd::ValuePeaks>& peaks = this->Space.GetLast().Peaks;
-  return std::accumulate(peaks.begin(), peaks.end(),
-           this->Space.GetLast().Distances.GetMemorySize(),
-           [](
-             std::size_t sum, const ffd::ValuePeaks& each) { return sum + each.GetMemorySize(); }) +
-    this->Functions.GetLast().Optics.GetMemorySize() + this->Field.GetMemorySize() +
-    this->PullBack.GetLast().GetMemorySize() + this->Voxels.GetLast().Hidden.GetMemorySize() +
+  return this->Space.GetLast().GetMemorySize() + this->Functions.GetLast().Optics.GetMemorySize() +
+    this->Field.GetMemorySize() + this->PullBack.GetLast().GetMemorySize() +
+    this->Voxels.GetLast().Hidden.GetMemorySize() +
     (scalars ? static_cast<std::size_t>(scalars->GetActualMemorySize()) * 1024 : 0) +
     this->Blocks.GetLast().GetMemorySize() + this->MaskBlocks.GetLast().GetMemorySize();
 }

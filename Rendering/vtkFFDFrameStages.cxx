@@ -101,7 +101,8 @@ std::vector<CellRange> FindCellsOfBlocks(const VolumeView& volume, int cells, in
 }
 
 /// ComponentBlocks::Hidden.
-std::vector<std::uint8_t> FindHiddenBlocks(const Voxels& voxels, const glm::ivec3& blocks)
+std::vector<std::uint8_t> FindHiddenBlocks(
+  const Voxels& voxels, const glm::ivec3& blocks, const ParallelFor& parallelFor)
 {
   const CellMask& hidden = voxels.Hidden;
   std::vector<CellRange> ranges[3];
@@ -109,19 +110,22 @@ std::vector<std::uint8_t> FindHiddenBlocks(const Voxels& voxels, const glm::ivec
   {
     ranges[a] = FindCellsOfBlocks(voxels.View, hidden.GetCells()[a], a, blocks[a]);
   }
-  std::vector<std::uint8_t> result;
-  result.reserve(GridSize(blocks));
-  for (const CellRange& z : ranges[2])
-  {
-    for (const CellRange& y : ranges[1])
+  std::vector<std::uint8_t> result(GridSize(blocks));
+  parallelFor(ranges[2].size(), [&](std::size_t first, std::size_t last) {
+    std::size_t at = first * ranges[1].size() * ranges[0].size();
+    for (std::size_t k = first; k < last; ++k)
     {
-      for (const CellRange& x : ranges[0])
+      const CellRange& z = ranges[2][k];
+      for (const CellRange& y : ranges[1])
       {
-        result.push_back(
-          hidden.HasAll({ x.First, y.First, z.First }, { x.Last, y.Last, z.Last }) ? 1 : 0);
+        for (const CellRange& x : ranges[0])
+        {
+          result[at++] =
+            hidden.HasAll({ x.First, y.First, z.First }, { x.Last, y.Last, z.Last }) ? 1 : 0;
+        }
       }
     }
-  }
+  });
   return result;
 }
 
@@ -256,7 +260,7 @@ Made MakeComponentBlocks(ComponentBlocks& result, StageTools& tools, const Produ
   result.Hidden.clear();
   if (voxels->HasHidden)
   {
-    result.Hidden = FindHiddenBlocks(*voxels, result.Blocks[0].GetBlocks());
+    result.Hidden = FindHiddenBlocks(*voxels, result.Blocks[0].GetBlocks(), tools.Parallel);
   }
   return Made::Anew;
 }
@@ -376,6 +380,17 @@ Made MakeTransferFunctions(TransferFunctions& result, StageTools& tools,
 bool LeapBlending::operator==(const LeapBlending& other) const
 {
   return HaveSameLeaps(this->Blend, other.Blend);
+}
+
+//------------------------------------------------------------------------------
+std::size_t EmptySpace::GetMemorySize() const
+{
+  std::size_t size = this->Distances.GetMemorySize();
+  for (const ValuePeaks& each : this->Peaks)
+  {
+    size += each.GetMemorySize();
+  }
+  return size;
 }
 
 //------------------------------------------------------------------------------

@@ -141,6 +141,8 @@ struct EmptySpace
   /// Of the channels, where largest or smallest values are looked for; else empty.
   std::vector<ValuePeaks> Peaks;
   bool CanLeap = true; ///< false: every sample counts, and there are no distances
+
+  std::size_t GetMemorySize() const;
 };
 
 Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<ComponentBlocks>& blocks,
