@@ -7,7 +7,7 @@
 #ifndef vtkFFDBlendingFromMapper_h
 #define vtkFFDBlendingFromMapper_h
 
-#include "FFDBlending.h"
+#include "Optics/FFDBlending.h"
 
 #include <string>
 

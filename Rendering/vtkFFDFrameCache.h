@@ -17,10 +17,10 @@
 #include "vtkFFDVectorScalars.h"
 #include "vtkFFDVoxels.h"
 
-#include "FFDBlending.h"
 #include "FFDCropping.h"
-#include "FFDSampleClassifier.h"
 #include "FFDStage.h"
+#include "Optics/FFDBlending.h"
+#include "Optics/FFDSampleClassifier.h"
 
 #include "vtkSmartPointer.h"
 #include "vtkType.h"

@@ -9,7 +9,7 @@
 
 #include "FFDClipToBox.h"
 #include "FFDPixelBytes.h"
-#include "FFDSurfaceSearch.h"
+#include "Reference/FFDSurfaceSearch.h"
 
 #include "vtkDataObject.h"
 #include "vtkFieldData.h"

@@ -11,8 +11,8 @@
 #define vtkFFDFrameScene_h
 
 #include "FFDCastScene.h"
-#include "FFDSampleClassifier.h"
-#include "FFDShading.h"
+#include "Optics/FFDSampleClassifier.h"
+#include "Optics/FFDShading.h"
 
 #include <memory>
 

@@ -14,14 +14,14 @@
 #include "vtkFFDVoxels.h"
 
 #include "Bounds/FFDPullBackBounds.h"
-#include "FFDBlending.h"
 #include "FFDBSplineField.h"
 #include "FFDDistanceMap.h"
 #include "FFDMinMaxBlocks.h"
-#include "FFDOpticalFunctions.h"
 #include "FFDPullBack.h"
 #include "FFDStage.h"
 #include "FFDValuePeaks.h"
+#include "Optics/FFDBlending.h"
+#include "Optics/FFDOpticalFunctions.h"
 
 #include <array>
 #include <cstddef>

@@ -8,7 +8,7 @@
 #include "vtkFFDPipeline.h"
 #include "vtkFFDProbeView.h"
 
-#include "FFDSurfaceSearch.h"
+#include "Reference/FFDSurfaceSearch.h"
 
 #include "vtkAbstractTransform.h"
 #include "vtkAlgorithmOutput.h"

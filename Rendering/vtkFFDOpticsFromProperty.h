@@ -8,8 +8,8 @@
 #define vtkFFDOpticsFromProperty_h
 
 #include "FFDMinMaxBlocks.h"
-#include "FFDOpticalFunctions.h"
 #include "FFDVolumeView.h"
+#include "Optics/FFDOpticalFunctions.h"
 
 #include <string>
 #include <vector>

@@ -7,8 +7,8 @@
 #include "Bounds/FFDPullBackBounds.h"
 #include "FFDCropping.h"
 #include "FFDPullBack.h"
-#include "FFDSampleClassifier.h"
 #include "FFDVolumeView.h"
+#include "Optics/FFDSampleClassifier.h"
 
 /// The parts of a mapper that are needed to look at its volume point by point. Valid until the
 /// mapper, its input or its deformation changes.

@@ -10,7 +10,7 @@
 #include "vtkFFDImageRegion.h"
 
 #include "FFDCameraView.h"
-#include "FFDShading.h"
+#include "Optics/FFDShading.h"
 
 #include <glm/mat4x4.hpp>
 

@@ -8,10 +8,10 @@
 
 #include "FFDAxisMap.h"
 #include "FFDClipToBox.h"
-#include "FFDDifferences.h"
-#include "FFDOpticalFunctions.h"
 #include "FFDSampling.h"
-#include "FFDSurfaceSearch.h"
+#include "Optics/FFDDifferences.h"
+#include "Optics/FFDOpticalFunctions.h"
+#include "Reference/FFDSurfaceSearch.h"
 
 #include "vtkImageData.h"
 #include "vtkLODProp3D.h"

@@ -4,7 +4,6 @@
 #define FFDCastScene_h
 
 #include "Bounds/FFDPullBackBounds.h"
-#include "FFDBlending.h"
 #include "FFDCameraView.h"
 #include "FFDCropping.h"
 #include "FFDDistanceMap.h"
@@ -12,10 +11,11 @@
 #include "FFDPolyline.h"
 #include "FFDPullBack.h"
 #include "FFDSampling.h"
-#include "FFDShading.h"
 #include "FFDTransferTable.h"
 #include "FFDValuePeaks.h"
 #include "FFDVolumeView.h"
+#include "Optics/FFDBlending.h"
+#include "Optics/FFDShading.h"
 
 #include <glm/vec4.hpp>
 

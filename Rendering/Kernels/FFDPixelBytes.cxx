@@ -10,7 +10,7 @@
 
 #include "FFDPixelBytes.h"
 
-#include "FFDSimdMath-inl.h"
+#include "Packets/FFDSimdMath-inl.h"
 
 #include <algorithm>
 #include <cstddef>

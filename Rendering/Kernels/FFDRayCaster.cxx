@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDRayCaster.h"
 
-#include "FFDPacketTrace.h"
 #include "FFDSamplePhase.h"
-#include "FFDSegmentSampler.h"
+#include "Packets/FFDPacketTrace.h"
+#include "Reference/FFDSegmentSampler.h"
 
 #include <glm/vec4.hpp>
 

@@ -6,12 +6,12 @@
 #include "FFDCastRay.h"
 #include "FFDCastScene.h"
 #include "FFDExport.h"
-#include "FFDPacketCaster.h"
 #include "FFDParallelFor.h"
-#include "FFDRayIntegrator.h"
-#include "FFDReferenceCaster.h"
-#include "FFDSampleClassifier.h"
 #include "FFDTracedRay.h"
+#include "Optics/FFDSampleClassifier.h"
+#include "Packets/FFDPacketCaster.h"
+#include "Reference/FFDRayIntegrator.h"
+#include "Reference/FFDReferenceCaster.h"
 
 #include <glm/common.hpp>
 #include <glm/vec2.hpp>

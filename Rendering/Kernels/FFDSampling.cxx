@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDSampling.h"
 
-#include "FFDDifferences.h"
 #include "FFDScalarDispatch.h"
+#include "Optics/FFDDifferences.h"
 
 #include <glm/common.hpp>
 

@@ -6,7 +6,7 @@
 #include "FFDBSplineBasis.h"
 #include "FFDPullBack.h"
 #include "FFDSplineGrid.h"
-#include "FFDTileSegment.h"
+#include "Packets/FFDTileSegment.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>

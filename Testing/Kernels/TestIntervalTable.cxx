@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "FFDIntervalTable.h"
+#include "Optics/FFDIntervalTable.h"
 
 #include <gtest/gtest.h>
 

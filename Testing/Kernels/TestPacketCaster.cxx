@@ -4,8 +4,8 @@
 // kernels: same samples, so the same picture but for single precision.
 #include "EveryTarget.h"
 #include "FFDRayCaster.h"
-#include "FFDSampleClassifier.h"
 #include "FFDScalarDispatch.h"
+#include "Optics/FFDSampleClassifier.h"
 
 #include <glm/ext/matrix_clip_space.hpp>
 #include <glm/ext/matrix_transform.hpp>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDAxisMap.h"
 #include "FFDCellMask.h"
-#include "FFDPacketGrid.h"
+#include "Packets/FFDPacketGrid.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "FFDSampleClassifier.h"
+#include "Optics/FFDSampleClassifier.h"
 
 #include "FFDAxisMap.h"
 #include "FFDDistanceMap.h"

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "FFDSurfaceSearch.h"
 #include "RandomLattice.h"
+#include "Reference/FFDSurfaceSearch.h"
 #include "TestVolume.h"
 
 #include <glm/geometric.hpp>

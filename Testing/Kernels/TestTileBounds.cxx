@@ -6,7 +6,7 @@
 #include "Bounds/FFDPullBackBounds.h"
 #include "FFDRayCaster.h"
 #include "FFDTileBounds.h"
-#include "FFDTileSegment.h"
+#include "Packets/FFDTileSegment.h"
 
 #include "RandomLattice.h"
 #include "TestVolume.h"

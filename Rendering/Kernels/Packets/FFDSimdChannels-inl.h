@@ -8,7 +8,7 @@
 #define FFD_SIMD_CHANNELS_INL_H_
 #endif
 
-#include "FFDPacketCaster.h"
+#include "FFDPacketScene.h"
 
 #include "FFDSimdComponents-inl.h"
 #include "FFDSimdComposite-inl.h"

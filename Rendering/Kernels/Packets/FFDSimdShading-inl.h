@@ -8,7 +8,7 @@
 #define FFD_SIMD_SHADING_INL_H_
 #endif
 
-#include "FFDPacketCaster.h"
+#include "FFDPacketScene.h"
 
 #include "FFDSimdMath-inl.h"
 

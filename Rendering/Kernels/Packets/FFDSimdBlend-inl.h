@@ -8,7 +8,8 @@
 #define FFD_SIMD_BLEND_INL_H_
 #endif
 
-#include "FFDPacketCaster.h"
+#include "FFDPacketScene.h"
+#include "FFDPacketScratch.h"
 
 #include "FFDSimdBorder-inl.h"
 #include "FFDSimdChannels-inl.h"

@@ -9,7 +9,7 @@
 #define FFD_SIMD_OPACITY_NORMALS_INL_H_
 #endif
 
-#include "FFDPacketCaster.h"
+#include "FFDPacketScene.h"
 
 #include "FFDSimdBorder-inl.h"
 #include "FFDSimdFetch-inl.h"

@@ -8,7 +8,7 @@
 #define FFD_SIMD_PULL_BACK_INL_H_
 #endif
 
-#include "FFDPacketCaster.h"
+#include "FFDPacketScene.h"
 
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdRays-inl.h"

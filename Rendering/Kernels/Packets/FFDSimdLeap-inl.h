@@ -10,7 +10,7 @@
 
 #include "FFDDistanceMap.h"
 #include "FFDMinMaxBlocks.h"
-#include "FFDPacketCaster.h"
+#include "FFDPacketScene.h"
 
 #include "FFDSimdInterpolant-inl.h"
 #include "FFDSimdMath-inl.h"

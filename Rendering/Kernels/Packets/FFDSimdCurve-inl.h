@@ -8,7 +8,7 @@
 #define FFD_SIMD_CURVE_INL_H_
 #endif
 
-#include "FFDPacketCaster.h"
+#include "FFDPacketScene.h"
 #include "FFDTileSegment.h"
 
 #include "FFDSimdInterpolant-inl.h"

@@ -8,7 +8,8 @@
 #define FFD_SIMD_SEGMENT_TREES_INL_H_
 #endif
 
-#include "FFDPacketCaster.h"
+#include "FFDPacketScene.h"
+#include "FFDPacketScratch.h"
 #include "FFDSamplePhase.h"
 
 #include "FFDSimdInterpolant-inl.h"

@@ -8,7 +8,7 @@
 #define FFD_SIMD_TABLE_INL_H_
 #endif
 
-#include "FFDPacketCaster.h"
+#include "FFDPacketScene.h"
 #include "FFDPacketTable.h"
 
 #include "FFDSimdMath-inl.h"

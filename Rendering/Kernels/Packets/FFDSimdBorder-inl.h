@@ -8,7 +8,8 @@
 #define FFD_SIMD_BORDER_INL_H_
 #endif
 
-#include "FFDPacketCaster.h"
+#include "FFDPacketScene.h"
+#include "FFDPacketScratch.h"
 
 #include "FFDSimdComponents-inl.h"
 #include "FFDSimdFetch-inl.h"
@@ -152,7 +153,7 @@ public:
       samples.FindGradients(wanted, own);
       for (int c = 0; c < volume.Components; ++c)
       {
-        gradients[c] = (wanted >> c & 1u) != 0
+        gradients[c] = IsWanted(wanted, c)
           ? Select(between, AtFaces(this->Scene.Volume, q, own[c]), gradients[c])
           : gradients[c];
       }
@@ -160,7 +161,7 @@ public:
     const Mf others = hn::AndNot(between, border);
     for (int c = 0; c < volume.Components && !hn::AllFalse(Df(), others); ++c)
     {
-      gradients[c] = (wanted >> c & 1u) != 0
+      gradients[c] = IsWanted(wanted, c)
         ? this->GradientByReference(GetComponent(volume, c), c, q, others, gradients[c])
         : gradients[c];
     }

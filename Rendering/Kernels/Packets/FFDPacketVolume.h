@@ -81,6 +81,21 @@ struct PacketVolume
   alignas(64) double Scale[8] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
 };
 
+/// The largest number of bytes that a 32-bit offset leads over.
+constexpr double LargestReach = 2147483647.0;
+
+/// Bytes of a scalar.
+int SizeOf(ScalarType type);
+
+/// Whether no cell has neighbors on all sides.
+bool IsThin(const VolumeView& v);
+
+/// Whether the vector code can fetch these voxels.
+bool CanFetchPackets(const VolumeView& v);
+
+/// The voxels of an image with one component.
+PacketVolume MakePacketVolume(const VolumeView& v, bool nearest);
+
 } // namespace ffd
 
 #endif

@@ -1,11 +1,9 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef FFDPacketCaster_h
-#define FFDPacketCaster_h
+#ifndef FFDPacketScene_h
+#define FFDPacketScene_h
 
 #include "FFDCastScene.h"
-#include "FFDExport.h"
-#include "FFDOpticalFunctions.h"
 #include "FFDPacketField.h"
 #include "FFDPacketGrid.h"
 #include "FFDPacketMask.h"
@@ -13,9 +11,10 @@
 #include "FFDPacketTable.h"
 #include "FFDPacketVolume.h"
 #include "FFDParallelFor.h"
-#include "FFDRayIntegrator.h"
 #include "FFDTileBounds.h"
 #include "FFDTileSegment.h"
+#include "Optics/FFDOpticalFunctions.h"
+#include "Reference/FFDRayIntegrator.h"
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
@@ -282,67 +281,22 @@ struct PacketScene
   PacketSurface Surface; ///< of the first component
 };
 
-/// A position that was sampled, for measurements of its error: pixel, t, and index coordinates.
-struct SampledPosition
-{
-  int X;
-  int Y;
-  float T;
-  float Index[3];
-};
+/// Makes a scene, but for what SetSeen() and SetPullBack() add. `scene` and `frame` must outlive
+/// it.
+PacketScene MakePacketScene(
+  const CastScene& scene, const CastSettings& settings, const IntegrationFrame& frame);
 
-/// The samples that any ray of a packet takes.
-struct SampleRange
-{
-  bool IsCast = false; ///< whether there are rays
-  int First = 0;
-  int End = 0; ///< behind the last one
-};
+/// Sets what may be visible of each tile.
+void SetSeen(const ParallelFor& parallelFor, PacketScene& p);
 
-/// Buffers that a thread keeps between tiles.
-struct PacketScratch
-{
-  SegmentRoots Roots;
-  std::vector<RayIntegrator> Integrators; ///< of the lanes of a packet, where these are used
-  /// Of the rays of a tile: the ranges of t (from, to), SampleNumbers, inverse lengths.
-  std::array<float, 6 * TileSide * TileSide> Rays;
-  std::array<SampleRange, TileSide * TileSide> SampleRanges; ///< of its packets
-  /// Voxels around samples at faces of the volume: 4 x 4 x 4 of up to 32 bytes for each of 16
-  /// lanes, and what vectors may read beyond them.
-  alignas(64) std::array<unsigned char, 16 * 64 * 32 + 16> BorderVoxels;
-  CastStatistics Statistics;
-  std::vector<SampledPosition>* Positions = nullptr; ///< to which samples are added, or null
-};
+/// Sets the field of the pull-back, its tolerances, and the points of its seeds.
+void SetPullBack(PacketScene& p);
 
-/**
- * The fast ray caster: packets of neighboring rays in lockstep, a ray a lane of the widest vector
- * instructions that the machine has (Highway, chosen at run time). The pull-back is evaluated on a
- * coarse grid of 4 x 4 nodes a tile and interpolated, with an error that is measured (TileSegment);
- * where it is too large it is evaluated for each sample. Takes the samples of the reference ray
- * caster.
- */
-class FFD_RENDERING_EXPORT PacketCaster
-{
-public:
-  /// `scene` and `frame` must outlive the caster.
-  PacketCaster(const CastScene& scene, const CastSettings& settings, const IntegrationFrame& frame,
-    const ParallelFor& parallelFor);
+/// Keeps the seeds where T has the orientation that it has at most of them, and lists their images.
+void KeepSeeds(PacketScene& p);
 
-  /// Whether packets can render this scene; else the reference ray caster has to: the paper's
-  /// polyline, and of what vector code looks up (SampleClassifier::IsPlain()) volumes whose slices
-  /// are beyond the reach of 32-bit offsets.
-  static bool Supports(const CastScene& scene, const CastSettings& settings);
-
-  /// See RayCaster::RenderTile(); `first` counts packets.
-  int RenderTile(int x0, int y0, unsigned int subtiles, const CastImage& image,
-    PacketScratch& scratch, int first, Deadline deadline) const;
-
-  /// PacketScene::RootSide.
-  int GetRootSide() const { return this->Scene.RootSide; }
-
-private:
-  PacketScene Scene;
-};
+/// The box that the volume, or the whole that it is a part of, takes up when it is deformed.
+const Box& GetWholeDeformed(const CastScene& scene);
 
 } // namespace ffd
 

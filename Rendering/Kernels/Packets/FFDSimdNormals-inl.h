@@ -8,7 +8,7 @@
 #define FFD_SIMD_NORMALS_INL_H_
 #endif
 
-#include "FFDPacketCaster.h"
+#include "FFDPacketScene.h"
 
 #include "FFDSimdCurve-inl.h"
 #include "FFDSimdInterpolant-inl.h"

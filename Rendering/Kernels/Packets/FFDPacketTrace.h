@@ -6,8 +6,8 @@
 #include "FFDCastRay.h"
 #include "FFDCastScene.h"
 #include "FFDPacketCaster.h"
-#include "FFDSegmentSampler.h"
 #include "FFDTracedRay.h"
+#include "Reference/FFDSegmentSampler.h"
 
 namespace ffd
 {

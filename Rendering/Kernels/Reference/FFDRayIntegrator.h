@@ -6,8 +6,8 @@
 #include "FFDCastScene.h"
 #include "FFDCurveSegment.h"
 #include "FFDExport.h"
-#include "FFDIntervalTable.h"
-#include "FFDSampleClassifier.h"
+#include "Optics/FFDIntervalTable.h"
+#include "Optics/FFDSampleClassifier.h"
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>

@@ -8,7 +8,7 @@
 #define FFD_SIMD_RAYS_INL_H_
 #endif
 
-#include "FFDPacketCaster.h"
+#include "FFDPacketScene.h"
 #include "FFDSamplePhase.h"
 
 #include "FFDSimdMath-inl.h"

@@ -8,7 +8,8 @@
 #define FFD_SIMD_CASTER_INL_H_
 #endif
 
-#include "FFDPacketCaster.h"
+#include "FFDPacketScene.h"
+#include "FFDPacketScratch.h"
 #include "FFDSamplePhase.h"
 #include "FFDTileSegment.h"
 
@@ -405,17 +406,16 @@ private:
     {
       return this->Blending.template TakePart<AtFaces>(curve, this->Numbers, from, to);
     }
-    if (this->Samples.template HasDependentComponents<AtFaces>())
+    if (this->Samples.Components.template HasLoop<AtFaces>())
     {
-      return this->Samples.template TakeDependentComponents<AtFaces>(
-        curve, this->Numbers, from, to);
+      return this->Samples.Components.template TakeSamples<AtFaces>(curve, this->Numbers, from, to);
     }
     if (!this->Scene.Inner)
     {
       return this->TakeEachSample(curve, from, to, !AtFaces);
     }
     return this->Scene.ClassifiesIntervals
-      ? this->Samples.template TakeIntervals<AtFaces>(curve, this->Numbers, from, to)
+      ? this->Samples.Intervals.template TakeAll<AtFaces>(curve, this->Numbers, from, to)
       : this->Samples.template TakeSamples<false, AtFaces>(curve, this->Numbers, from, to);
   }
 
@@ -665,7 +665,7 @@ private:
       }
       if (HWY_UNLIKELY(this->Scene.ClassifiesIntervals))
       {
-        this->Samples.TakeInterval(curve, n, s, active, within);
+        this->Samples.Intervals.Take(curve, n, s, active, within);
       }
       else
       {
@@ -687,11 +687,11 @@ private:
       {
         if (this->Scene.Volume.Components > 1)
         {
-          this->Samples.TakeComponents(curve, q, s, active);
+          this->Samples.Components.Take(curve, q, s, active);
         }
         else if (this->Scene.ClassifiesIntervals)
         {
-          this->Samples.TakeInterval(curve, n, s, active, false);
+          this->Samples.Intervals.Take(curve, n, s, active, false);
         }
         else
         {

@@ -8,9 +8,9 @@
 #define FFD_SIMD_GRID_INL_H_
 #endif
 
-#include "FFDDifferences.h"
-#include "FFDPacketCaster.h"
 #include "FFDPacketGrid.h"
+#include "FFDPacketScene.h"
+#include "Optics/FFDDifferences.h"
 
 #include "FFDSimdBorder-inl.h"
 #include "FFDSimdFetch-inl.h"

@@ -1,0 +1,389 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FFDPacketScene.h"
+
+#include "FFDPacketOptics.h"
+#include "FFDRounding.h"
+#include "FFDSamplePhase.h"
+#include "FFDSingleArrays.h"
+
+#include <glm/common.hpp>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+namespace ffd
+{
+namespace
+{
+
+/// Length of the parts of a segment that are tested for emptiness, voxels.
+constexpr double PartLength = 2.0;
+
+/// Tolerance of nodes, as a part of that of positions.
+constexpr double NodeTolerance = 0.1;
+
+/// The error of positions in single precision, relative to their size.
+constexpr double SinglePrecision = 4e-7;
+
+/// Types whose values single precision does not hold.
+bool IsWide(ScalarType type) { return SizeOf(type) > 2 && type != ScalarType::Float32; }
+
+PacketSampling SamplingOf(BlendMode mode)
+{
+  switch (mode)
+  {
+    case BlendMode::Maximum:
+    case BlendMode::Minimum:
+      return PacketSampling::Extreme;
+    case BlendMode::Average:
+    case BlendMode::Additive:
+      return PacketSampling::Sum;
+    case BlendMode::Isosurface:
+      return PacketSampling::Surface;
+    case BlendMode::Slice:
+      return PacketSampling::Slice;
+    default:
+      return PacketSampling::Composite;
+  }
+}
+
+/// Whether the vector code can look up the voxels of a mask, if there is one: by the number of a
+/// row through all slices.
+bool CanLookUpMask(const VolumeView& v)
+{
+  return !v.Scalars ||
+    (v.Increments[0] == 1 && v.Increments[2] == v.Increments[1] * v.Dimensions.y &&
+      static_cast<double>(v.Dimensions.y) * v.Dimensions.z <= LargestReach);
+}
+
+/// Whether the vector code can take the samples of this scene; else each ray has a RayIntegrator.
+bool CanTakeSamples(const CastScene& scene, const SampleClassifier& classifier)
+{
+  const OpticalFunctions& functions = classifier.GetFunctions();
+  const int components = scene.Volume.Components;
+  const bool hides = classifier.GetHidden() != nullptr;
+  // Gradients that only the reference functions find.
+  const bool rare = (classifier.ClipsGradients() && (hides || scene.Volume.Axes)) ||
+    (classifier.HasNormalsOfOpacity() && hides && components > 1);
+  return !rare && CanFetchPackets(scene.Volume) && CanLookUpMask(classifier.GetMask().Volume) &&
+    components <= SampleClassifier::LargestNumberOfComponents &&
+    (functions.Kind != ComponentKind::Independent ||
+      static_cast<int>(functions.Components.size()) == components);
+}
+
+/// Bounds in data coordinates of a box of index coordinates.
+Box FindBounds(const VolumeView& volume, const Box& index)
+{
+  Box bounds{ glm::dvec3(1e300), glm::dvec3(-1e300) };
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const glm::dvec3 part(corner & 1, corner >> 1 & 1, corner >> 2);
+    const glm::dvec3 at =
+      volume.FirstVoxel + volume.IndexToData * glm::mix(index.Min, index.Max, part);
+    bounds.Min = glm::min(bounds.Min, at);
+    bounds.Max = glm::max(bounds.Max, at);
+  }
+  return bounds;
+}
+
+/// Decides who takes the samples, vector code or the integrators of the rays.
+FrameKind SetSampling(
+  const CastScene& scene, const CastSettings& settings, const SampleClassifier& c, PacketScene& p)
+{
+  // What is plain is fetched by packets, or they are not used at all.
+  const bool vectors = !settings.PerRay && (c.IsPlain() || CanTakeSamples(scene, c));
+  const bool composites = vectors && scene.Blend.Mode == BlendMode::Composite;
+  const bool blends = vectors && scene.Blend.Mode != BlendMode::Composite;
+  p.Sampling = composites || blends ? SamplingOf(scene.Blend.Mode) : PacketSampling::PerRay;
+  p.Intervals = scene.Blend.UsesIntervals();
+  FrameKind kind;
+  kind.Composites = composites;
+  kind.Components = vectors && scene.Volume.Components > 1;
+  const MaskView& mask = c.GetMask();
+  // Labels count where one component, or dependent ones, are composited.
+  kind.Masked = vectors && mask.Volume.Scalars &&
+    (!mask.Labels || (composites && c.GetFunctions().Components.size() == 1));
+  kind.Plane = vectors && !kind.Components && !c.GetFunctions().Components[0].Plane.IsEmpty();
+  kind.Leaps = settings.Leaping != SpaceLeaping::Off;
+  return kind;
+}
+
+/// The table that values of a component are made relative to; null where they are colors.
+const TransferTable* FindTable(
+  const CastScene& scene, const OpticalFunctions& functions, int component)
+{
+  switch (functions.Kind)
+  {
+    case ComponentKind::ColorOpacity:
+      return component == 0 ? &functions.Colors : scene.Table;
+    case ComponentKind::Rgb:
+      return nullptr;
+    case ComponentKind::Rgba:
+      return component == 3 ? scene.Table : nullptr;
+    default:
+      return component == 0 ? scene.Table
+                            : &functions.Components[static_cast<std::size_t>(component)].Table;
+  }
+}
+
+/// Sets the voxels, how values are scaled when they are fetched, and where samples begin and end.
+void SetVolume(const CastScene& scene, const OpticalFunctions& functions,
+  const CastSettings& settings, const FrameKind& kind, PacketScene& p)
+{
+  const VolumeView& v = scene.Volume;
+  p.Reference = SelectSampleFunctions(v.Type, scene.VolumeInterpolation);
+  p.Nearest = SelectSampleFunctions(v.Type, Interpolation::Nearest);
+  p.Volume = MakePacketVolume(v, scene.VolumeInterpolation == Interpolation::Nearest);
+  p.Volume.Components = kind.Components ? v.Components : 1;
+  const double slice = static_cast<double>(v.Increments[2]) * p.Volume.ElementSize;
+  const double reach = std::floor(std::min(settings.LargestReach, LargestReach) / slice) - 4.0;
+  p.Volume.SlicesInReach = IsThin(v) ? -1
+    : reach < v.Dimensions.z         ? static_cast<int>(std::max(reach, 1.0))
+                                     : 0;
+  if (IsWide(v.Type))
+  {
+    for (int c = 0; c < 8; ++c)
+    {
+      // Behind the last component those of the next voxel follow.
+      const TransferTable* const table =
+        kind.Components ? FindTable(scene, functions, c % 4 % v.Components) : scene.Table;
+      if (table)
+      {
+        p.Volume.Shift[c] = table->GetLow();
+        p.Volume.Scale[c] = table->GetScale();
+      }
+    }
+  }
+  p.Lower = static_cast<float>(v.LowerIndex().x);
+  Copy(v.UpperIndex(), p.Upper);
+}
+
+/// Sets the local coordinates, the deformed bounds in them, and the maps to and from index
+/// coordinates. `rest`: FindRestBox().
+void SetCoordinates(const CastScene& scene, const Box& rest, PacketScene& p)
+{
+  const VolumeView& v = scene.Volume;
+  const Box& bounds = scene.DeformedBounds;
+  const Box& whole = GetWholeDeformed(scene);
+  p.Center = 0.5 * (whole.Min + whole.Max);
+  Copy(bounds.Min - p.Center, p.BoundsMin);
+  Copy(bounds.Max - p.Center, p.BoundsMax);
+  p.Nowhere = static_cast<float>(1e3 * glm::length(whole.Max - whole.Min));
+  CopyRows(v.DataToIndex, p.LocalToIndex);
+  const glm::dvec3 shift =
+    scene.WholeAtRest ? -glm::round(v.ToIndex(scene.WholeAtRest->Min)) : glm::dvec3(0.0);
+  Copy(v.ToIndex(p.Center) + shift, p.IndexOffset);
+  Copy(shift, p.IndexShift);
+  Copy(rest.Min + shift, p.RestMin);
+  Copy(rest.Max + shift, p.RestMax);
+  CopyRows(v.IndexToData, p.IndexToLocal);
+  CopyRows(glm::transpose(v.DataToIndex), p.GradientToRest);
+  const Blending& blend = scene.Blend;
+  const glm::dvec3 normal = glm::normalize(blend.SliceNormal);
+  Copy(normal, p.SliceNormal);
+  p.SliceOffset = static_cast<float>(glm::dot(normal, blend.SliceOrigin - p.Center));
+  p.NdcToLocal = glm::translate(glm::dmat4(1.0), -p.Center) * scene.Camera.NdcToData;
+}
+
+/// Adds the seeds of Newton's method, which lie at rest in the volume.
+void AddSeeds(const VolumeView& v, const Box& rest, const Box& restBounds, PacketScene& p)
+{
+  // Rounded to a power of two, points are the same to the last bit in all parts of a whole.
+  const double extent = glm::length(restBounds.Max - restBounds.Min);
+  const double unit = std::exp2(std::floor(std::log2(1e-3 * extent)));
+  constexpr int side = PacketScene::SeedsPerAxis;
+  for (int i = 0; i < side * side * side; ++i)
+  {
+    const glm::dvec3 part(i % side, i / side % side, i / side / side);
+    const glm::dvec3 at = v.FirstVoxel +
+      v.IndexToData * glm::mix(rest.Min, rest.Max, part / static_cast<double>(side - 1));
+    PacketSeed seed;
+    Copy(unit * glm::round((at - p.Center) / unit), seed.Point);
+    p.Seeds.push_back(seed);
+  }
+}
+
+/// Sets the lengths of segments and of their parts, and the tolerance of interpolants.
+void SetSegments(const CastScene& scene, const CastSettings& settings, PacketScene& p)
+{
+  const Box& whole = GetWholeDeformed(scene);
+  const double distance = settings.SampleDistance;
+  const double voxel = scene.VoxelSize;
+  p.VoxelsPerUnit = static_cast<float>(1.0 / voxel);
+  p.PositionTolerance = static_cast<float>(std::max(settings.ErrorBound.PositionTolerance,
+    SinglePrecision * glm::length(whole.Max - whole.Min) / voxel));
+  p.ShortestSegment = static_cast<float>(settings.ErrorBound.ShortestSegment / voxel);
+  // Powers of two, so that segments can be halved down to a sample.
+  const auto powerOfTwo = [](double most) {
+    return 1 << static_cast<int>(std::clamp(std::floor(std::log2(most) + 1e-6), 0.0, 20.0));
+  };
+  p.SamplesPerRoot = powerOfTwo(settings.ErrorBound.LongestSegment / distance);
+  p.SamplesPerPart = powerOfTwo(PartLength * voxel / distance);
+}
+
+/// Sets the clipping planes and the cropping region. The coordinates are set already.
+void SetClipping(const CastScene& scene, PacketScene& p)
+{
+  for (const glm::dvec4& plane : scene.ClippingPlanes)
+  {
+    const double length = glm::length(glm::dvec3(plane));
+    const double offset = plane.w + glm::dot(glm::dvec3(plane), p.Center);
+    p.ClippingPlanes.push_back(
+      { static_cast<float>(plane.x / length), static_cast<float>(plane.y / length),
+        static_cast<float>(plane.z / length), static_cast<float>(offset / length) });
+  }
+  p.CropSpace = scene.Crop.Space;
+  p.CropFlags = scene.Crop.Flags;
+  if (p.CropSpace == Cropping::Spaces::Deformed)
+  {
+    Copy(scene.Crop.Low - p.Center, p.CropLow);
+    Copy(scene.Crop.High - p.Center, p.CropHigh);
+    return;
+  }
+  // Rounded as those of the whole: taking the shift off again is exact.
+  for (int a = 0; a < 3; ++a)
+  {
+    const float shift = p.IndexShift[a];
+    p.CropLow[a] = ToFinite(scene.Crop.Low[a] + static_cast<double>(shift)) - shift;
+    p.CropHigh[a] = ToFinite(scene.Crop.High[a] + static_cast<double>(shift)) - shift;
+  }
+}
+
+/// Sets the distance map of empty-space queries.
+void SetLeaping(const CastScene& scene, const CastSettings& settings, PacketScene& p)
+{
+  p.LeapsSegments = scene.Distances && settings.Leaping == SpaceLeaping::Lipschitz;
+  if (scene.Distances && settings.Leaping != SpaceLeaping::Off && !p.Slices)
+  {
+    p.Distances = scene.Distances->GetData();
+    for (int a = 0; a < 3; ++a)
+    {
+      p.Blocks[a] = scene.Distances->GetBlocks()[a];
+      p.LastBlock[a] = static_cast<float>(p.Blocks[a] - 1);
+    }
+    p.LeapsRays = p.Sampling == PacketSampling::PerRay;
+  }
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+const Box& GetWholeDeformed(const CastScene& scene)
+{
+  return scene.WholeDeformed ? *scene.WholeDeformed : scene.DeformedBounds;
+}
+
+//------------------------------------------------------------------------------
+PacketScene MakePacketScene(
+  const CastScene& scene, const CastSettings& settings, const IntegrationFrame& frame)
+{
+  static std::atomic<std::uint64_t> scenes{ 0 };
+  PacketScene p;
+  p.Number = ++scenes;
+  p.Settings = settings;
+  p.Source = &scene;
+  p.Frame = &frame;
+  const SampleClassifier& classifier = *frame.Classifier;
+  const Box rest = FindRestBox(scene.Volume, scene.WholeAtRest);
+
+  const FrameKind kind = SetSampling(scene, settings, classifier, p);
+  SetVolume(scene, classifier.GetFunctions(), settings, kind, p);
+  SetOptics(scene, classifier, kind, p);
+  SetClippedValues(scene, classifier, p);
+  SetIntegrals(scene, frame.Intervals, p);
+  SetBlending(scene, classifier.GetFunctions(), kind, p);
+  SetCoordinates(scene, rest, p);
+  SetSegments(scene, settings, p);
+  SetClipping(scene, p);
+  SetLeaping(scene, settings, p);
+  SetShading(scene, settings, classifier, p);
+  p.NormalsOfOpacity = p.Shade && classifier.HasNormalsOfOpacity();
+
+  p.Inner =
+    p.Sampling == PacketSampling::Composite && !p.Intervals && !kind.Components && !p.Grid.Snaps;
+  p.InnerComponents = kind.Components && !p.Grid.Snaps && p.Sampling == PacketSampling::Composite &&
+    p.Volume.SlicesInReach == 0 && p.Components[0].Weight > 0.0f &&
+    (p.KindOfComponents == ComponentKind::ColorOpacity ||
+      p.KindOfComponents == ComponentKind::Rgba);
+  p.InnerBlending =
+    (p.Sampling == PacketSampling::Extreme || p.Sampling == PacketSampling::Surface) &&
+    !kind.Components && !kind.Masked && !p.HidesSamples;
+  p.Plain = p.Inner && p.CropSpace == Cropping::Spaces::None && !p.OpacityByGradient &&
+    !p.NormalsOfOpacity && !p.ClipsGradients && !p.Mask.Scalars && !kind.Plane &&
+    !p.Grid.ChangesGradients();
+  return p;
+}
+
+//------------------------------------------------------------------------------
+void SetSeen(const ParallelFor& parallelFor, PacketScene& p)
+{
+  if (p.LeapsSegments && !p.Slices)
+  {
+    // Intervals are empty only if they lie in empty space as a whole.
+    const bool intervals = p.Intervals || p.ClassifiesIntervals;
+    p.Seen = TileBounds(*p.Source, static_cast<double>(p.PositionTolerance),
+      intervals ? p.Settings.SampleDistance : 0.0, p.Center, parallelFor);
+  }
+}
+
+//------------------------------------------------------------------------------
+void SetPullBack(PacketScene& p)
+{
+  const CastScene& scene = *p.Source;
+  p.Identity = scene.Map->IsIdentity();
+  p.Kind = scene.Map->GetKind();
+  const Box& whole = GetWholeDeformed(scene);
+  // Single precision cannot tell residuals smaller than this.
+  const double resolution = 2e-6 * glm::length(whole.Max - whole.Min);
+  // Nodes must be far closer than what is interpolated between them.
+  const double tolerance =
+    NodeTolerance * p.Settings.ErrorBound.PositionTolerance * scene.VoxelSize;
+  p.Tolerance =
+    static_cast<float>(std::max(std::min(scene.Map->GetTolerance(), tolerance), resolution));
+  p.NodeTolerance = static_cast<float>(std::max(tolerance, resolution));
+  if (p.Identity)
+  {
+    return;
+  }
+  const Box rest = FindRestBox(scene.Volume, scene.WholeAtRest);
+  const Box restBounds = FindBounds(scene.Volume, rest);
+  // Only where T is not known to be one to one: what goes on linearly may fold where D as it is
+  // does not, and lead Newton's method out of the volume.
+  const bool extended = InvertsTheField(p.Kind) && !scene.Limits.OneToOne;
+  p.Field.Assign(*scene.Map->GetField(), p.Center, extended ? &restBounds : nullptr);
+  if (InvertsTheField(p.Kind))
+  {
+    p.Field.Rounding =
+      static_cast<float>(SinglePrecision * static_cast<double>(p.Field.FindLargestCoefficient()));
+    p.Field.LargestRounding = static_cast<float>(NodeTolerance * scene.VoxelSize);
+    AddSeeds(scene.Volume, rest, restBounds, p);
+  }
+}
+
+//------------------------------------------------------------------------------
+void KeepSeeds(PacketScene& p)
+{
+  const auto positive = std::count_if(
+    p.Seeds.begin(), p.Seeds.end(), [](const PacketSeed& seed) { return seed.Positive; });
+  const bool most = 2 * positive >= static_cast<std::ptrdiff_t>(p.Seeds.size());
+  p.Orientation = most ? 1.0f : -1.0f;
+  p.Folds = positive != 0 && positive != static_cast<std::ptrdiff_t>(p.Seeds.size());
+  p.Seeds.erase(std::remove_if(p.Seeds.begin(), p.Seeds.end(),
+                  [&](const PacketSeed& seed) { return seed.Positive != most; }),
+    p.Seeds.end());
+  for (int a = 0; a < 3; ++a)
+  {
+    constexpr float FarAway = 1e18f;
+    std::vector<float>& images = p.SeedImages[static_cast<std::size_t>(a)];
+    images.assign(PacketScene::LargestNumberOfSeeds, FarAway);
+    std::transform(p.Seeds.begin(), p.Seeds.end(), images.begin(),
+      [a](const PacketSeed& seed) { return seed.Image[a]; });
+  }
+}
+
+} // namespace ffd

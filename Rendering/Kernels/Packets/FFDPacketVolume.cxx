@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FFDPacketVolume.h"
+
+#include "FFDScalarDispatch.h"
+
+#include <algorithm>
+
+namespace ffd
+{
+namespace
+{
+
+/// Voxels of the largest slice, in elements: a 32-bit offset leads over it and to two others.
+constexpr double LargestSlice = LargestReach / 3.0;
+
+} // namespace
+
+int SizeOf(ScalarType type)
+{
+  return DispatchScalarType(type, [](auto zero) { return static_cast<int>(sizeof(zero)); });
+}
+
+//------------------------------------------------------------------------------
+/// Whether no cell has neighbors on all sides.
+bool IsThin(const VolumeView& v)
+{
+  return std::min({ v.Dimensions.x, v.Dimensions.y, v.Dimensions.z }) < 4;
+}
+
+//------------------------------------------------------------------------------
+/// Whether the vector code can fetch these voxels.
+bool CanFetchPackets(const VolumeView& v)
+{
+  const double slice = static_cast<double>(v.Increments[2]);
+  return v.Increments[0] == v.Components &&
+    (IsThin(v) ? slice * v.Dimensions.z <= LargestReach : slice <= LargestSlice);
+}
+
+//------------------------------------------------------------------------------
+/// The voxels of an image with one component.
+PacketVolume MakePacketVolume(const VolumeView& v, bool nearest)
+{
+  PacketVolume packet;
+  packet.Scalars = v.Scalars;
+  packet.Type = v.Type;
+  for (int a = 0; a < 3; ++a)
+  {
+    packet.Dimensions[a] = v.Dimensions[a];
+  }
+  packet.IncrementY = static_cast<int>(v.Increments[1]);
+  packet.IncrementZ = static_cast<int>(v.Increments[2]);
+  packet.ElementSize = SizeOf(v.Type);
+  packet.Nearest = nearest;
+  if (packet.ElementSize <= 2)
+  {
+    packet.Integers = MakePacketIntegers(
+      packet.ElementSize, v.Type == ScalarType::Int8 || v.Type == ScalarType::Int16);
+  }
+  return packet;
+}
+
+} // namespace ffd

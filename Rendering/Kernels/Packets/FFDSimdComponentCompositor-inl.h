@@ -1,0 +1,398 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Compositing the samples of several components of a packet. Included once per target of Highway.
+#if defined(FFD_SIMD_COMPONENT_COMPOSITOR_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef FFD_SIMD_COMPONENT_COMPOSITOR_INL_H_
+#undef FFD_SIMD_COMPONENT_COMPOSITOR_INL_H_
+#else
+#define FFD_SIMD_COMPONENT_COMPOSITOR_INL_H_
+#endif
+
+#include "FFDPacketScene.h"
+
+#include "FFDSimdBorder-inl.h"
+#include "FFDSimdComponents-inl.h"
+#include "FFDSimdCurve-inl.h"
+#include "FFDSimdFetch-inl.h"
+#include "FFDSimdGradients-inl.h"
+#include "FFDSimdGrid-inl.h"
+#include "FFDSimdMask-inl.h"
+#include "FFDSimdMath-inl.h"
+#include "FFDSimdOptics-inl.h"
+#include "FFDSimdPlane-inl.h"
+#include "FFDSimdRays-inl.h"
+#include "FFDSimdSampler-inl.h"
+#include "FFDSimdTable-inl.h"
+#include "FFDSimdWindow-inl.h"
+
+#include <cstddef>
+#include <cstdint>
+
+HWY_BEFORE_NAMESPACE();
+namespace ffd
+{
+namespace HWY_NAMESPACE
+{
+
+/// Classifies, lights and composites the samples of several components of a packet, front to back.
+template <class T>
+class ComponentCompositor
+{
+public:
+  /// Keeps a reference to what finds the samples.
+  explicit ComponentCompositor(PacketGradients<T>& samples)
+    : Samples(samples)
+    , Scene(samples.Scene)
+  {
+  }
+
+  /// Takes a sample as PacketCompositor::TakeSample() does of one component; as SampleClassifier.
+  HWY_NOINLINE void Take(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
+  {
+    const Df d;
+    this->Samples.Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
+    const Vec3 voxel = FindSampledVoxels(this->Scene, q);
+    FetchedComponents<T> samples(this->Scene.Volume, voxel, sampled, this->Samples.Border);
+    Vf values[LargestNumberOfComponents];
+    samples.FindValues(values);
+    Vf extinctions[LargestNumberOfComponents];
+    Mf visible = hn::FirstN(d, 0);
+    const bool independent = this->Scene.KindOfComponents == ComponentKind::Independent;
+    unsigned int wanted = independent ? 0 : FindDensityComponents(this->Scene);
+    for (std::size_t c = 0; c < this->Scene.Components.size(); ++c)
+    {
+      // Comparisons with what is not a number are false.
+      const PacketComponent& component = this->Scene.Components[c];
+      const Vf density = DensityOf(this->Scene, c, values);
+      const Mf counts = hn::And(sampled,
+        hn::And(hn::Ge(density, Splat(component.Visible.Low)),
+          hn::Le(density, Splat(component.Visible.High))));
+      extinctions[c] = hn::Zero(d);
+      if (component.Weight > 0.0f && !hn::AllFalse(d, counts))
+      {
+        extinctions[c] =
+          hn::IfThenElseZero(counts, this->FindFirstExtinction(component, density, c));
+        const Mf own = hn::Gt(extinctions[c], hn::Zero(d));
+        visible = hn::Or(visible, own);
+        wanted |= independent && !hn::AllFalse(d, own) ? 1u << c : 0u;
+      }
+    }
+    visible = hn::And(visible, sampled);
+    if (this->Scene.HidesSamples && !hn::AllFalse(d, visible))
+    {
+      visible = LeaveOutHidden(this->Scene, q, visible);
+    }
+    if (hn::AllFalse(d, visible))
+    {
+      return;
+    }
+    Vec3 gradients[LargestNumberOfComponents];
+    Vec3 ofOpacity[LargestNumberOfComponents];
+    const Vec3* const normals = this->Scene.NormalsOfOpacity ? ofOpacity : gradients;
+    if (this->Scene.Shade || this->Scene.OpacityByGradient)
+    {
+      this->Samples.FindGradients(
+        samples, wanted, curve, q, voxel, s, visible, gradients, ofOpacity);
+    }
+    const Vf t = curve.TimeAt(s);
+    Vec3 color;
+    Vf extinction;
+    if (independent)
+    {
+      this->Mix(curve, q, s, t, values, extinctions, gradients, normals, color, extinction);
+    }
+    else
+    {
+      const Vec3 gradient = this->FindDensityGradient(gradients);
+      this->ClassifyDependent(curve, q, s, t, values, extinctions[0], gradient,
+        this->Scene.NormalsOfOpacity ? ofOpacity[0] : gradient, color, extinction);
+    }
+    this->Add(curve, s, t, color, extinction, visible);
+  }
+
+  /// Whether TakeSamples() can take samples of the curve.
+  template <bool AtFaces>
+  HWY_INLINE bool HasLoop() const
+  {
+    if constexpr (HasVoxelWindow<T>())
+    {
+      return this->Scene.InnerComponents && (!AtFaces || this->Samples.CanUseFaces()) &&
+        this->Samples.Window.GetFit() != WindowFit::None;
+    }
+    return false;
+  }
+
+  /// Takes samples as PacketCompositor::TakeSamples(), where HasLoop() is true.
+  template <bool AtFaces>
+  HWY_INLINE int TakeSamples(
+    const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
+  {
+    return this->Samples.template WithWindow<AtFaces>([&](auto fit) FFD_INLINE_LAMBDA {
+      constexpr WindowFit Fit = decltype(fit)::value;
+      static_cast<void>(curve);
+      static_cast<void>(numbers);
+      static_cast<void>(from);
+      if constexpr (Fit != WindowFit::None)
+      {
+        return this->Scene.Volume.Components == 2
+          ? this->template TakeSamples<2, AtFaces, Fit>(curve, numbers, from, to)
+          : this->template TakeSamples<4, AtFaces, Fit>(curve, numbers, from, to);
+      }
+      return to;
+    });
+  }
+
+private:
+  /// The extinctions that densities of one of several components have by its table. Where it does
+  /// not tell what is transparent, all may be visible.
+  HWY_INLINE Vf FindFirstExtinction(
+    const PacketComponent& component, Vf density, std::size_t number) const
+  {
+    return HWY_LIKELY(component.ByTable) ? TableLookup(this->Scene, density, number).Extinction()
+                                         : Splat(1.0f);
+  }
+
+  /// TakeSamples() with windows of one kind. The density is the last component; voxels of the
+  /// others are loaded where it is visible.
+  template <int Components, bool AtFaces, WindowFit Fit>
+  HWY_NOINLINE int TakeSamples(
+    const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
+  {
+    const Df d;
+    const PacketComponent& component = this->Scene.Components[0];
+    for (int n = from; n < to; ++n)
+    {
+      Mf sampled = numbers.FindActive(this->Samples.State.Alive, n);
+      const Vf s = numbers.FindPlaces(curve, n);
+      const Vec3 q = curve.At(this->Scene, s);
+      sampled = this->Samples.template FindShown<AtFaces>(curve, q, s, sampled);
+      if (hn::AllFalse(d, sampled))
+      {
+        continue;
+      }
+      this->Samples.Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
+      SampleCells cells;
+      const Vec3 voxel = FindSampledVoxels(this->Scene, q);
+      const SamplePosition at = FindCells(this->Scene.Volume, voxel, !AtFaces, cells);
+      this->Samples.Window.template MoveTo<AtFaces>(n);
+      WindowRows<T, Fit, AtFaces, Components> voxels(this->Samples.Window, cells);
+      SampleRows<T> rows;
+      const Vf density = Sample<T>(voxels, at, rows);
+      // Comparisons with what is not a number are false.
+      sampled = hn::And(sampled,
+        hn::And(hn::Ge(density, Splat(component.Visible.Low)),
+          hn::Le(density, Splat(component.Visible.High))));
+      if (hn::AllFalse(d, sampled))
+      {
+        continue;
+      }
+      const Vf ofTable = this->FindFirstExtinction(component, density, 0);
+      Mf visible = hn::And(sampled, hn::Gt(ofTable, hn::Zero(d)));
+      if (this->Scene.HidesSamples && !hn::AllFalse(d, visible))
+      {
+        visible = LeaveOutHidden(this->Scene, q, visible);
+      }
+      if (hn::AllFalse(d, visible))
+      {
+        continue;
+      }
+      const Mf border = AtFaces
+        ? hn::AndNot(FindInterior(this->Scene.Volume, cells, visible), visible)
+        : hn::FirstN(d, 0);
+      Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
+      const bool shadesByValue = this->Scene.Shade && !this->Scene.NormalsOfOpacity;
+      if (this->Scene.Shade || this->Scene.OpacityByGradient)
+      {
+        voxels.Widen();
+      }
+      if (shadesByValue || this->Scene.OpacityByGradient)
+      {
+        gradient =
+          this->Samples.FindGradient(voxels, at, rows, curve, q, voxel, s, visible, border);
+      }
+      const Vec3 normal = HWY_UNLIKELY(this->Scene.NormalsOfOpacity)
+        ? this->Samples.FindGradient(voxels, at, rows, curve, q, voxel, s, visible, border, true)
+        : gradient;
+      Vf values[LargestNumberOfComponents];
+      ComponentSamples<T>(this->Scene.Volume, cells, at, hn::AndNot(border, visible))
+        .FindValues(values);
+      if (AtFaces && !hn::AllFalse(d, border))
+      {
+        this->Samples.Border.ComponentValues(voxel, border, values);
+      }
+      const Vf t = curve.TimeAt(s);
+      Vec3 color;
+      Vf extinction;
+      this->ClassifyDependent(curve, q, s, t, values, ofTable, gradient, normal, color, extinction);
+      this->Add(curve, s, t, color, extinction, visible);
+      if (HWY_UNLIKELY(hn::AllFalse(d, this->Samples.State.Alive)))
+      {
+        return n;
+      }
+    }
+    return to;
+  }
+
+  /// Composites colors of several components over the intervals of the samples at s.
+  HWY_INLINE void Add(
+    const PacketCurve& curve, Vf s, Vf t, const Vec3& color, Vf extinction, Mf visible)
+  {
+    const Df d;
+    visible = hn::And(visible, hn::Gt(extinction, hn::Zero(d)));
+    if (hn::AllFalse(d, visible))
+    {
+      return;
+    }
+    this->Samples.Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
+    this->Samples.State.Expecting = visible;
+    this->Samples.AddColor(color, extinction, visible, curve, s, t);
+  }
+
+  /// Mixes independent components: the opacity is sum(a^2) / sum(a), the premultiplied color
+  /// sum(a c).
+  HWY_NOINLINE void Mix(const PacketCurve& curve, const Vec3& q, Vf s, Vf t, const Vf* values,
+    const Vf* extinctions, const Vec3* gradients, const Vec3* normals, Vec3& color, Vf& extinction)
+  {
+    const Df d;
+    const Vf zero = hn::Zero(d);
+    Vec3 colors{ zero, zero, zero };
+    Vf sum = zero;
+    Vf squares = zero;
+    const PacketPlane& first = this->Scene.Components[0].Plane;
+    const Vf second =
+      first.SecondAxis.Scalars ? FindSecondAxis(first, FindVoxels(this->Scene, q)) : zero;
+    for (std::size_t c = 0; c < this->Scene.Components.size(); ++c)
+    {
+      const PacketComponent& component = this->Scene.Components[c];
+      const Mf visible = hn::Gt(extinctions[c], zero);
+      if (hn::AllFalse(d, visible))
+      {
+        continue;
+      }
+      Vf opacity;
+      Vec3 own;
+      if (HWY_UNLIKELY(component.Plane.Texels != nullptr))
+      {
+        const PlaneTexel texel = component.Plane.SecondAxis.Scalars
+          ? LookUpPlane(component.Plane, values[c], second)
+          : LookUpPlane(component.Plane, values[c],
+              FindMagnitude(component.Plane.MagnitudeScale, gradients[c]));
+        opacity = OpacityOf(this->Scene, component.Plane, texel);
+        own = texel.Color;
+      }
+      else
+      {
+        opacity = OpacityOf(this->Scene, extinctions[c]);
+        own = TableLookup(this->Scene, values[c], c).Color();
+      }
+      opacity = hn::Mul(Splat(component.Weight), opacity);
+      if (component.Gradients.Factors)
+      {
+        opacity = hn::Mul(opacity, FactorOf(component.Gradients, gradients[c]));
+      }
+      opacity = hn::IfThenElseZero(visible, opacity);
+      if (this->Scene.Shade)
+      {
+        own = this->Samples.Normals.Light(component.Surface, curve, q, own, normals[c], s, t);
+      }
+      colors = MulAdd(opacity, own, colors);
+      sum = hn::Add(sum, opacity);
+      squares = hn::MulAdd(opacity, opacity, squares);
+    }
+    const Vf one = Splat(1.0f);
+    const Mf some = hn::Gt(squares, zero);
+    const Vf opacity = hn::Div(squares, hn::IfThenElse(some, sum, one));
+    color = Scale(hn::Div(one, hn::IfThenElse(some, opacity, one)), colors);
+    extinction = hn::IfThenElseZero(some, ExtinctionOf(this->Scene, opacity));
+  }
+
+  /// The gradient of the density of dependent components, where it is needed.
+  HWY_INLINE Vec3 FindDensityGradient(const Vec3* gradients) const
+  {
+    const Vf zero = hn::Zero(Df());
+    if (!this->Scene.Shade && !this->Scene.OpacityByGradient)
+    {
+      return { zero, zero, zero };
+    }
+    return this->Samples.MixGradients(
+      gradients, [&](const Vf* of) { return DensityOf(this->Scene, 0, of); });
+  }
+
+  /// Classifies and lights dependent components. `ofTable`: the extinction of the density,
+  /// FindFirstExtinction(), `gradient`: its gradient, `normal`: that which gives normals.
+  HWY_NOINLINE void ClassifyDependent(const PacketCurve& curve, const Vec3& q, Vf s, Vf t,
+    const Vf* values, Vf ofTable, const Vec3& gradient, const Vec3& normal, Vec3& color,
+    Vf& extinction)
+  {
+    const Df d;
+    const Vf zero = hn::Zero(d);
+    const PacketComponent& component = this->Scene.Components[0];
+    if (HWY_UNLIKELY(!component.ByTable))
+    {
+      this->ClassifyFurther(q, values, gradient, color, extinction);
+    }
+    else
+    {
+      extinction = ofTable;
+      if (component.Gradients.Factors)
+      {
+        extinction = hn::IfThenElseZero(hn::Gt(ofTable, zero),
+          WeighExtinction(this->Scene, ofTable, FactorOf(component.Gradients, gradient)));
+      }
+      color = DependentColor(this->Scene, values);
+    }
+    if (this->Scene.Shade)
+    {
+      color = this->Samples.Normals.Light(component.Surface, curve, q, color, normal, s, t);
+    }
+  }
+
+  /// Does what ClassifyDependent() does by a two-dimensional transfer function or with labels.
+  HWY_NOINLINE void ClassifyFurther(
+    const Vec3& q, const Vf* values, const Vec3& gradient, Vec3& color, Vf& extinction)
+  {
+    const PacketScene& scene = this->Scene;
+    const PacketComponent& component = scene.Components[0];
+    const Vf density = DensityOf(scene, 0, values);
+    const bool labeled = !scene.Mask.Tables.empty();
+    Vf opacity;
+    color = DependentColor(scene, values);
+    if (component.Plane.Texels)
+    {
+      const PacketPlane& plane = component.Plane;
+      const Vf second = plane.SecondAxis.Scalars ? FindSecondAxis(plane, FindVoxels(this->Scene, q))
+                                                 : FindMagnitude(plane.MagnitudeScale, gradient);
+      const PlaneTexel texel = LookUpPlane(plane, density, second);
+      if (scene.ColorPlane.Texels)
+      {
+        color = LookUpPlane(scene.ColorPlane, values[0], second).Color;
+      }
+      if (!labeled)
+      {
+        extinction = OpaqueExtinctionOver(texel.Opacity, plane.UnitDistance);
+        return;
+      }
+      opacity = OpacityOf(scene, plane, texel);
+    }
+    else
+    {
+      opacity = OpacityOf(scene, TableLookup(scene, density).Extinction());
+      if (component.Gradients.Factors)
+      {
+        opacity = hn::Mul(opacity, FactorOf(component.Gradients, gradient));
+      }
+    }
+    const Vi tables = FindLabelTables(scene.Mask, FindMaskPosition(scene, q));
+    MixInLabels(scene, TableLookup(scene, density, tables), tables, gradient, opacity, color);
+    extinction = OpaqueExtinctionOver(opacity, scene.ReferenceLength);
+  }
+
+  PacketGradients<T>& Samples;
+  const PacketScene& Scene;
+};
+
+} // namespace HWY_NAMESPACE
+} // namespace ffd
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,297 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Compositing the samples of a packet. Included once per target of Highway.
+#if defined(FFD_SIMD_COMPOSITE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef FFD_SIMD_COMPOSITE_INL_H_
+#undef FFD_SIMD_COMPOSITE_INL_H_
+#else
+#define FFD_SIMD_COMPOSITE_INL_H_
+#endif
+
+#include "FFDPacketScene.h"
+#include "FFDPacketScratch.h"
+
+#include "FFDSimdComponentCompositor-inl.h"
+#include "FFDSimdCurve-inl.h"
+#include "FFDSimdFetch-inl.h"
+#include "FFDSimdGradients-inl.h"
+#include "FFDSimdGrid-inl.h"
+#include "FFDSimdIntervals-inl.h"
+#include "FFDSimdMask-inl.h"
+#include "FFDSimdMath-inl.h"
+#include "FFDSimdOptics-inl.h"
+#include "FFDSimdPlane-inl.h"
+#include "FFDSimdRays-inl.h"
+#include "FFDSimdSampler-inl.h"
+#include "FFDSimdSegmentTrees-inl.h"
+#include "FFDSimdTable-inl.h"
+#include "FFDSimdWindow-inl.h"
+
+#include <cstdint>
+
+HWY_BEFORE_NAMESPACE();
+namespace ffd
+{
+namespace HWY_NAMESPACE
+{
+
+/// Classifies, lights and composites the samples of a packet, front to back.
+template <class T>
+class PacketCompositor : public PacketGradients<T>
+{
+public:
+  /// Keeps references to all but the numbers; these are those of PacketNormals.
+  PacketCompositor(const PacketScene& scene, const SegmentTrees& trees, PacketScratch& scratch,
+    const RayPacket& rays, int x, int y, Vf rows, Mf active)
+    : PacketGradients<T>(scene, trees, scratch, rays, x, y, rows, active)
+    , Intervals(*this)
+    , Components(*this)
+  {
+  }
+
+  /// Takes a sample of the lanes of `sampled` at q, the position at s of a curve, in the volume.
+  /// `Plain` is PacketScene::Plain as a constant, so that options that are not used cost nothing.
+  template <bool Plain>
+  HWY_NOINLINE void TakeSample(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
+  {
+    const Vec3 voxel = Plain ? q : FindSampledVoxels(this->Scene, q);
+    FetchedSample<T> fetched;
+    FetchSample(this->Scene.Volume, voxel, sampled, this->Border, fetched);
+    this->template Composite<Plain>(fetched.Voxels, fetched.At, fetched.Rows, fetched.Value, curve,
+      q, voxel, s, sampled, fetched.AtBorder);
+  }
+
+  /**
+   * Takes the samples from `from` on, before `to`, of a curve of a segment as TakeSample() does,
+   * those that are in the volume and not cropped, if PacketScene::Inner is true. Without `AtFaces`
+   * all voxels that they and their gradients need must exist. Returns the number of the sample with
+   * which all rays have ended, or `to`.
+   */
+  template <bool Plain, bool AtFaces>
+  HWY_INLINE int TakeSamples(
+    const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
+  {
+    return this->template WithWindow<AtFaces>([&](auto fit) FFD_INLINE_LAMBDA {
+      return this->template TakeSamples<Plain, AtFaces, decltype(fit)::value>(
+        curve, numbers, from, to);
+    });
+  }
+
+  IntervalCompositor<T> Intervals;
+  ComponentCompositor<T> Components;
+
+private:
+  /// TakeSamples() with windows of one kind, or without.
+  template <bool Plain, bool AtFaces, WindowFit Fit>
+  HWY_NOINLINE int TakeSamples(
+    const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
+  {
+    const Df d;
+    for (int n = from; n < to; ++n)
+    {
+      Mf sampled = numbers.FindActive(this->State.Alive, n);
+      const Vf s = numbers.FindPlaces(curve, n);
+      const Vec3 q = curve.At(this->Scene, s);
+      if (AtFaces || (!Plain && HWY_UNLIKELY(this->Scene.CropSpace != Cropping::Spaces::None)))
+      {
+        sampled = this->template FindShown<AtFaces>(curve, q, s, sampled);
+        if (hn::AllFalse(d, sampled))
+        {
+          continue;
+        }
+      }
+      if (Fit == WindowFit::None && (AtFaces || HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0)))
+      {
+        this->template TakeSample<Plain>(curve, q, s, sampled);
+      }
+      else
+      {
+        SampleCells cells;
+        const Vec3 voxel = Plain ? q : FindSampledVoxels(this->Scene, q);
+        const SamplePosition at = FindCells(this->Scene.Volume, voxel, !AtFaces, cells);
+        const Mf border = AtFaces
+          ? hn::AndNot(FindInterior(this->Scene.Volume, cells, sampled), sampled)
+          : hn::FirstN(d, 0);
+        auto voxels = this->template FindRows<AtFaces, Fit, !Plain>(n, cells, sampled);
+        SampleRows<T> rows;
+        const Vf value = Sample<T>(voxels, at, rows);
+        this->template Composite<Plain>(
+          voxels, at, rows, value, curve, q, voxel, s, sampled, border);
+      }
+      if (HWY_UNLIKELY(hn::AllFalse(d, this->State.Alive)))
+      {
+        return n;
+      }
+    }
+    return to;
+  }
+
+  /// Gradients whose factors are not known to be zero.
+  static HWY_INLINE Mf IsAboveZero(const PacketGradientOpacity& gradients, const Vec3& gradient)
+  {
+    return hn::Gt(FindSquaredMagnitude(gradients.Scale, gradient), Splat(gradients.ZeroUpTo));
+  }
+
+  /// Classifies, shades and composites the samples of the lanes of `sampled` at q, fetched at the
+  /// voxel coordinates `voxel`; BorderSamples fetched those of `border`.
+  template <bool Plain, class Source>
+  HWY_INLINE void Composite(Source& voxels, const SamplePosition& at, const SampleRows<T>& rows,
+    Vf value, const PacketCurve& curve, const Vec3& q, const Vec3& voxel, Vf s, Mf sampled,
+    Mf border)
+  {
+    const Df d;
+    this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
+    // Comparisons with what is not a number are false.
+    sampled = hn::And(sampled,
+      hn::And(hn::Ge(value, Splat(this->Scene.Visible.Low)),
+        hn::Le(value, Splat(this->Scene.Visible.High))));
+    if (hn::AllFalse(d, sampled))
+    {
+      return;
+    }
+    const PacketMask& mask = this->Scene.Mask;
+    const PacketPlane& plane = this->Scene.Plane;
+    const bool byGradient = !Plain && this->Scene.OpacityByGradient;
+    const bool byOpacity = !Plain && this->Scene.NormalsOfOpacity;
+    const PacketGradientOpacity& gradients = this->Scene.Gradients;
+    const auto findGradient = [&](Mf lanes) FFD_INLINE_LAMBDA {
+      return Plain ? this->GradientOf(voxels, at, rows, q, border)
+                   : this->FindGradient(voxels, at, rows, curve, q, voxel, s, lanes, border);
+    };
+    Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
+    // Most gradients of what is visible by its value may be small: no table is looked up for them.
+    const bool gradientFirst =
+      byGradient && gradients.ZeroUpTo > 0.0f && !mask.Scalars && !this->Scene.HidesSamples;
+    if (gradientFirst)
+    {
+      voxels.Widen();
+      gradient = findGradient(sampled);
+      sampled = hn::And(sampled, IsAboveZero(gradients, gradient));
+      if (hn::AllFalse(d, sampled))
+      {
+        return;
+      }
+    }
+    const bool byPlane = !Plain && plane.Texels != nullptr;
+    const bool labeled = !Plain && !mask.Tables.empty();
+    const bool mixed = labeled && (byPlane || mask.BlendFactor < 1.0f);
+    const Vi tables =
+      labeled ? FindLabelTables(mask, FindMaskPosition(this->Scene, q)) : hn::Zero(Di());
+    TableLookup lookup;
+    TableLookup base;
+    Vf extinction = Splat(1.0f);
+    Mf visible = sampled;
+    if (!byPlane)
+    {
+      lookup = labeled ? TableLookup(this->Scene, value, tables) : TableLookup(this->Scene, value);
+      extinction = lookup.Extinction();
+      Mf some = hn::Gt(extinction, hn::Zero(d));
+      if (HWY_UNLIKELY(mixed))
+      {
+        base = TableLookup(this->Scene, value);
+        some = hn::Or(some, hn::Gt(base.Extinction(), hn::Zero(d)));
+      }
+      visible = hn::And(sampled, some);
+    }
+    else if (labeled)
+    {
+      lookup = TableLookup(this->Scene, value, tables);
+    }
+    if (!Plain && this->Scene.HidesSamples && !hn::AllFalse(d, visible))
+    {
+      visible = LeaveOutHidden(this->Scene, q, visible);
+    }
+    if (hn::AllFalse(d, visible))
+    {
+      return;
+    }
+    if (!gradientFirst && (byGradient || this->Scene.Shade))
+    {
+      voxels.Widen();
+    }
+    if (!gradientFirst && (byGradient || (this->Scene.Shade && !byOpacity)))
+    {
+      gradient = findGradient(visible);
+    }
+    if (!gradientFirst && byGradient && gradients.ZeroUpTo > 0.0f)
+    {
+      visible = hn::And(visible, IsAboveZero(gradients, gradient));
+      if (hn::AllFalse(d, visible))
+      {
+        return;
+      }
+    }
+    Vec3 color;
+    // Opacities that are not of the table are over a length, which mostly is the interval.
+    const bool weighed = mixed || byGradient || byPlane;
+    Vf factor = Splat(1.0f);
+    Vf opacity = hn::Zero(d);
+    if (HWY_UNLIKELY(mixed && byPlane))
+    {
+      MixPlaneWithLabels(
+        this->Scene, value, lookup, tables, gradient, FindVoxels(this->Scene, q), opacity, color);
+    }
+    else if (HWY_UNLIKELY(mixed))
+    {
+      MixWithLabels(this->Scene, base, lookup, tables, gradient, opacity, color);
+    }
+    else if (byPlane)
+    {
+      const PlaneTexel texel = LookUpPlane(plane, value, gradient, FindVoxels(this->Scene, q));
+      opacity = texel.Opacity;
+      color = texel.Color;
+    }
+    else if (byGradient)
+    {
+      factor = labeled ? FactorOf(mask, tables, gradient) : FactorOf(gradients, gradient);
+      opacity = hn::Mul(OpacityOf(this->Scene, extinction), factor);
+    }
+    if (weighed)
+    {
+      visible = hn::And(visible, hn::Gt(opacity, hn::Zero(d)));
+      if (hn::AllFalse(d, visible))
+      {
+        return;
+      }
+    }
+    this->Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
+    this->State.Expecting = visible;
+
+    if (HWY_LIKELY(!mixed && !byPlane))
+    {
+      color = lookup.Color();
+    }
+    const Vf t = curve.TimeAt(s);
+    if (HWY_UNLIKELY(byOpacity))
+    {
+      gradient = this->FindGradient(
+        voxels, at, rows, curve, q, voxel, s, visible, hn::And(border, visible), true);
+    }
+    if (this->Scene.Shade)
+    {
+      color = this->Normals.Light(this->Scene.Surface, curve, q, color, gradient, s, t);
+    }
+    if (HWY_UNLIKELY(weighed))
+    {
+      const bool ofTexel = byPlane && !mixed;
+      const bool isInterval = ofTexel ? this->Scene.Settings.Opacity == OpacityLength::Deformed &&
+          static_cast<float>(this->Scene.Settings.SampleDistance) == plane.UnitDistance
+                                      : this->Scene.ReferenceIsInterval;
+      if (HWY_LIKELY(isInterval))
+      {
+        return this->State.Add(visible, color, hn::Sub(Splat(1.0f), opacity), t,
+          this->Scene.Settings.TerminationTransmittance);
+      }
+      const Mf exact = mixed || byPlane ? hn::FirstN(d, 0) : hn::Ge(factor, Splat(1.0f));
+      extinction = hn::IfThenElse(exact, extinction,
+        OpaqueExtinctionOver(opacity, ofTexel ? plane.UnitDistance : this->Scene.ReferenceLength));
+    }
+    this->AddColor(color, extinction, visible, curve, s, t);
+  }
+};
+
+} // namespace HWY_NAMESPACE
+} // namespace ffd
+HWY_AFTER_NAMESPACE();
+
+#endif
