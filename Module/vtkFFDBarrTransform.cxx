@@ -14,9 +14,13 @@
 
 vtkStandardNewMacro(vtkFFDBarrTransform);
 
+class vtkFFDBarrTransform::Internals : public vtkFFDWarpKernelOf<ffd::BarrDeformation>
+{
+};
+
 //------------------------------------------------------------------------------
 vtkFFDBarrTransform::vtkFFDBarrTransform()
-  : Map(new ffd::BarrDeformation)
+  : Map(new Internals)
 {
 }
 
@@ -197,7 +201,7 @@ vtkAbstractTransform* vtkFFDBarrTransform::MakeTransform() { return vtkFFDBarrTr
 //------------------------------------------------------------------------------
 void vtkFFDBarrTransform::InternalUpdate()
 {
-  ffd::BarrDeformation& map = *this->Map;
+  Internals& map = *this->Map;
   map.Kind = static_cast<ffd::BarrDeformation::Shape>(this->DeformationType);
   map.U = this->Axis;
   map.V = this->BendAxis;
@@ -218,7 +222,7 @@ void vtkFFDBarrTransform::InternalUpdate()
 //------------------------------------------------------------------------------
 void vtkFFDBarrTransform::InternalDeepCopy(vtkAbstractTransform* transform)
 {
-  // vtkAbstractTransform::DeepCopy lets nothing but our own class through.
+  this->Superclass::InternalDeepCopy(transform);
   vtkFFDBarrTransform* other = static_cast<vtkFFDBarrTransform*>(transform);
   this->DeformationType = other->DeformationType;
   this->Axis = other->Axis;
@@ -228,59 +232,7 @@ void vtkFFDBarrTransform::InternalDeepCopy(vtkAbstractTransform* transform)
   this->Angle = other->Angle;
   std::copy(other->Scale, other->Scale + 2, this->Scale);
   this->SmoothProfile = other->SmoothProfile;
-  this->InverseFlag = other->InverseFlag;
-  this->InverseTolerance = other->InverseTolerance;
-  this->InverseIterations = other->InverseIterations;
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDBarrTransform::ForwardTransformPoint(const float in[3], float out[3])
-{
-  vtkFFDWarpKernel::Forward(*this->Map, in, out);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDBarrTransform::ForwardTransformPoint(const double in[3], double out[3])
-{
-  vtkFFDWarpKernel::Forward(*this->Map, in, out);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDBarrTransform::ForwardTransformDerivative(
-  const float in[3], float out[3], float derivative[3][3])
-{
-  vtkFFDWarpKernel::ForwardDerivative(*this->Map, in, out, derivative);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDBarrTransform::ForwardTransformDerivative(
-  const double in[3], double out[3], double derivative[3][3])
-{
-  vtkFFDWarpKernel::ForwardDerivative(*this->Map, in, out, derivative);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDBarrTransform::InverseTransformPoint(const float in[3], float out[3])
-{
-  vtkFFDWarpKernel::Inverse(*this->Map, in, out);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDBarrTransform::InverseTransformPoint(const double in[3], double out[3])
-{
-  vtkFFDWarpKernel::Inverse(*this->Map, in, out);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDBarrTransform::InverseTransformDerivative(
-  const float in[3], float out[3], float derivative[3][3])
-{
-  vtkFFDWarpKernel::InverseDerivative(*this->Map, in, out, derivative);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDBarrTransform::InverseTransformDerivative(
-  const double in[3], double out[3], double derivative[3][3])
-{
-  vtkFFDWarpKernel::InverseDerivative(*this->Map, in, out, derivative);
-}
+const vtkFFDWarpKernel& vtkFFDBarrTransform::GetKernel() const { return *this->Map; }

@@ -34,20 +34,15 @@
 #define vtkFFDBarrTransform_h
 
 #include "vtkFFDCoreModule.h" // For export macro
-#include "vtkWarpTransform.h"
+#include "vtkFFDWarpTransform.h"
 
 #include <memory> // for std::unique_ptr
 
-namespace ffd
-{
-struct BarrDeformation;
-}
-
-class VTKFFDCORE_EXPORT vtkFFDBarrTransform : public vtkWarpTransform
+class VTKFFDCORE_EXPORT vtkFFDBarrTransform : public vtkFFDWarpTransform
 {
 public:
   static vtkFFDBarrTransform* New();
-  vtkTypeMacro(vtkFFDBarrTransform, vtkWarpTransform);
+  vtkTypeMacro(vtkFFDBarrTransform, vtkFFDWarpTransform);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /// Barr's deformations.
@@ -146,20 +141,11 @@ protected:
   void InternalUpdate() override;
   void InternalDeepCopy(vtkAbstractTransform* transform) override;
 
-  void ForwardTransformPoint(const float in[3], float out[3]) override;
-  void ForwardTransformPoint(const double in[3], double out[3]) override;
-  void ForwardTransformDerivative(const float in[3], float out[3], float derivative[3][3]) override;
-  void ForwardTransformDerivative(
-    const double in[3], double out[3], double derivative[3][3]) override;
-  void InverseTransformPoint(const float in[3], float out[3]) override;
-  void InverseTransformPoint(const double in[3], double out[3]) override;
-  void InverseTransformDerivative(const float in[3], float out[3], float derivative[3][3]) override;
-  void InverseTransformDerivative(
-    const double in[3], double out[3], double derivative[3][3]) override;
-
 private:
   vtkFFDBarrTransform(const vtkFFDBarrTransform&) = delete;
   void operator=(const vtkFFDBarrTransform&) = delete;
+
+  const vtkFFDWarpKernel& GetKernel() const override;
 
   int DeformationType = BEND;
   int Axis = 2;
@@ -169,7 +155,9 @@ private:
   double Angle = 0.0;
   double Scale[2] = { 1.0, 1.0 };
   vtkTypeBool SmoothProfile = 0;
-  std::unique_ptr<ffd::BarrDeformation> Map;
+
+  class Internals;
+  std::unique_ptr<Internals> Map;
 };
 
 #endif

@@ -14,9 +14,13 @@
 
 vtkStandardNewMacro(vtkFFDRayDeflector);
 
+class vtkFFDRayDeflector::Internals : public vtkFFDWarpKernelOf<ffd::RayDeflector>
+{
+};
+
 //------------------------------------------------------------------------------
 vtkFFDRayDeflector::vtkFFDRayDeflector()
-  : Map(new ffd::RayDeflector)
+  : Map(new Internals)
 {
 }
 
@@ -145,7 +149,7 @@ vtkAbstractTransform* vtkFFDRayDeflector::MakeTransform() { return vtkFFDRayDefl
 //------------------------------------------------------------------------------
 void vtkFFDRayDeflector::InternalUpdate()
 {
-  ffd::RayDeflector& map = *this->Map;
+  Internals& map = *this->Map;
   map.Kind = static_cast<ffd::RayDeflector::Shape>(this->DeflectorType);
   map.Center = glm::dvec3(this->Center[0], this->Center[1], this->Center[2]);
   map.Radius = this->Radius;
@@ -163,7 +167,7 @@ void vtkFFDRayDeflector::InternalUpdate()
 //------------------------------------------------------------------------------
 void vtkFFDRayDeflector::InternalDeepCopy(vtkAbstractTransform* transform)
 {
-  // vtkAbstractTransform::DeepCopy lets nothing but our own class through.
+  this->Superclass::InternalDeepCopy(transform);
   vtkFFDRayDeflector* other = static_cast<vtkFFDRayDeflector*>(transform);
   this->DeflectorType = other->DeflectorType;
   std::copy(other->Center, other->Center + 3, this->Center);
@@ -171,59 +175,7 @@ void vtkFFDRayDeflector::InternalDeepCopy(vtkAbstractTransform* transform)
   std::copy(other->Vector, other->Vector + 3, this->Vector);
   this->Angle = other->Angle;
   this->Factor = other->Factor;
-  this->InverseFlag = other->InverseFlag;
-  this->InverseTolerance = other->InverseTolerance;
-  this->InverseIterations = other->InverseIterations;
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDRayDeflector::ForwardTransformPoint(const float in[3], float out[3])
-{
-  vtkFFDWarpKernel::Forward(*this->Map, in, out);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDRayDeflector::ForwardTransformPoint(const double in[3], double out[3])
-{
-  vtkFFDWarpKernel::Forward(*this->Map, in, out);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDRayDeflector::ForwardTransformDerivative(
-  const float in[3], float out[3], float derivative[3][3])
-{
-  vtkFFDWarpKernel::ForwardDerivative(*this->Map, in, out, derivative);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDRayDeflector::ForwardTransformDerivative(
-  const double in[3], double out[3], double derivative[3][3])
-{
-  vtkFFDWarpKernel::ForwardDerivative(*this->Map, in, out, derivative);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDRayDeflector::InverseTransformPoint(const float in[3], float out[3])
-{
-  vtkFFDWarpKernel::Inverse(*this->Map, in, out);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDRayDeflector::InverseTransformPoint(const double in[3], double out[3])
-{
-  vtkFFDWarpKernel::Inverse(*this->Map, in, out);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDRayDeflector::InverseTransformDerivative(
-  const float in[3], float out[3], float derivative[3][3])
-{
-  vtkFFDWarpKernel::InverseDerivative(*this->Map, in, out, derivative);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDRayDeflector::InverseTransformDerivative(
-  const double in[3], double out[3], double derivative[3][3])
-{
-  vtkFFDWarpKernel::InverseDerivative(*this->Map, in, out, derivative);
-}
+const vtkFFDWarpKernel& vtkFFDRayDeflector::GetKernel() const { return *this->Map; }

@@ -31,20 +31,15 @@
 #define vtkFFDRayDeflector_h
 
 #include "vtkFFDCoreModule.h" // For export macro
-#include "vtkWarpTransform.h"
+#include "vtkFFDWarpTransform.h"
 
 #include <memory> // for std::unique_ptr
 
-namespace ffd
-{
-struct RayDeflector;
-}
-
-class VTKFFDCORE_EXPORT vtkFFDRayDeflector : public vtkWarpTransform
+class VTKFFDCORE_EXPORT vtkFFDRayDeflector : public vtkFFDWarpTransform
 {
 public:
   static vtkFFDRayDeflector* New();
-  vtkTypeMacro(vtkFFDRayDeflector, vtkWarpTransform);
+  vtkTypeMacro(vtkFFDRayDeflector, vtkFFDWarpTransform);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /// Kinds of deflectors, by their effect on the space around the center.
@@ -122,20 +117,11 @@ protected:
   void InternalUpdate() override;
   void InternalDeepCopy(vtkAbstractTransform* transform) override;
 
-  void ForwardTransformPoint(const float in[3], float out[3]) override;
-  void ForwardTransformPoint(const double in[3], double out[3]) override;
-  void ForwardTransformDerivative(const float in[3], float out[3], float derivative[3][3]) override;
-  void ForwardTransformDerivative(
-    const double in[3], double out[3], double derivative[3][3]) override;
-  void InverseTransformPoint(const float in[3], float out[3]) override;
-  void InverseTransformPoint(const double in[3], double out[3]) override;
-  void InverseTransformDerivative(const float in[3], float out[3], float derivative[3][3]) override;
-  void InverseTransformDerivative(
-    const double in[3], double out[3], double derivative[3][3]) override;
-
 private:
   vtkFFDRayDeflector(const vtkFFDRayDeflector&) = delete;
   void operator=(const vtkFFDRayDeflector&) = delete;
+
+  const vtkFFDWarpKernel& GetKernel() const override;
 
   bool SetTriple(const char* name, double member[3], const double values[3]);
 
@@ -145,7 +131,9 @@ private:
   double Vector[3] = { 0.0, 0.0, 0.0 };
   double Angle = 0.0;
   double Factor = 1.0;
-  std::unique_ptr<ffd::RayDeflector> Map;
+
+  class Internals;
+  std::unique_ptr<Internals> Map;
 };
 
 #endif

@@ -17,10 +17,11 @@
 
 vtkStandardNewMacro(vtkFFDSplineTransform);
 
-/// The kernel, with the inverse that vtkFFDWarpKernel asks for.
-class vtkFFDSplineTransform::Internals : public ffd::UniformSpline
+namespace
 {
-public:
+/// The kernel, with an inverse.
+struct InvertibleSpline : ffd::UniformSpline
+{
   double Tolerance = 0.001;
   int Iterations = 500;
 
@@ -30,7 +31,12 @@ public:
       [this](const glm::dvec3& q, glm::dmat3& jacobian) { return this->Forward(q, jacobian); }, p,
       this->Tolerance, this->Iterations);
   }
+};
+}
 
+class vtkFFDSplineTransform::Internals : public vtkFFDWarpKernelOf<InvertibleSpline>
+{
+public:
   /// False when a displacement is not finite.
   bool SetGrid(vtkImageData* grid, vtkDataArray* scalars)
   {
@@ -138,64 +144,12 @@ void vtkFFDSplineTransform::InternalUpdate()
 //------------------------------------------------------------------------------
 void vtkFFDSplineTransform::InternalDeepCopy(vtkAbstractTransform* transform)
 {
-  // vtkAbstractTransform::DeepCopy lets nothing but our own class through.
+  this->Superclass::InternalDeepCopy(transform);
   vtkFFDSplineTransform* other = static_cast<vtkFFDSplineTransform*>(transform);
   this->SplineOrder = other->SplineOrder;
   this->RepeatBorder = other->RepeatBorder;
   this->DisplacementGrid = other->DisplacementGrid;
-  this->InverseFlag = other->InverseFlag;
-  this->InverseTolerance = other->InverseTolerance;
-  this->InverseIterations = other->InverseIterations;
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDSplineTransform::ForwardTransformPoint(const float in[3], float out[3])
-{
-  vtkFFDWarpKernel::Forward(*this->Map, in, out);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDSplineTransform::ForwardTransformPoint(const double in[3], double out[3])
-{
-  vtkFFDWarpKernel::Forward(*this->Map, in, out);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDSplineTransform::ForwardTransformDerivative(
-  const float in[3], float out[3], float derivative[3][3])
-{
-  vtkFFDWarpKernel::ForwardDerivative(*this->Map, in, out, derivative);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDSplineTransform::ForwardTransformDerivative(
-  const double in[3], double out[3], double derivative[3][3])
-{
-  vtkFFDWarpKernel::ForwardDerivative(*this->Map, in, out, derivative);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDSplineTransform::InverseTransformPoint(const float in[3], float out[3])
-{
-  vtkFFDWarpKernel::Inverse(*this->Map, in, out);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDSplineTransform::InverseTransformPoint(const double in[3], double out[3])
-{
-  vtkFFDWarpKernel::Inverse(*this->Map, in, out);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDSplineTransform::InverseTransformDerivative(
-  const float in[3], float out[3], float derivative[3][3])
-{
-  vtkFFDWarpKernel::InverseDerivative(*this->Map, in, out, derivative);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDSplineTransform::InverseTransformDerivative(
-  const double in[3], double out[3], double derivative[3][3])
-{
-  vtkFFDWarpKernel::InverseDerivative(*this->Map, in, out, derivative);
-}
+const vtkFFDWarpKernel& vtkFFDSplineTransform::GetKernel() const { return *this->Map; }

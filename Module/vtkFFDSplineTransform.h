@@ -24,18 +24,18 @@
 #define vtkFFDSplineTransform_h
 
 #include "vtkFFDCoreModule.h" // For export macro
-#include "vtkSmartPointer.h"  // for vtkSmartPointer
-#include "vtkWarpTransform.h"
+#include "vtkFFDWarpTransform.h"
+#include "vtkSmartPointer.h" // for vtkSmartPointer
 
 #include <memory> // for std::unique_ptr
 
 class vtkImageData;
 
-class VTKFFDCORE_EXPORT vtkFFDSplineTransform : public vtkWarpTransform
+class VTKFFDCORE_EXPORT vtkFFDSplineTransform : public vtkFFDWarpTransform
 {
 public:
   static vtkFFDSplineTransform* New();
-  vtkTypeMacro(vtkFFDSplineTransform, vtkWarpTransform);
+  vtkTypeMacro(vtkFFDSplineTransform, vtkFFDWarpTransform);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
@@ -76,20 +76,11 @@ protected:
   void InternalUpdate() override;
   void InternalDeepCopy(vtkAbstractTransform* transform) override;
 
-  void ForwardTransformPoint(const float in[3], float out[3]) override;
-  void ForwardTransformPoint(const double in[3], double out[3]) override;
-  void ForwardTransformDerivative(const float in[3], float out[3], float derivative[3][3]) override;
-  void ForwardTransformDerivative(
-    const double in[3], double out[3], double derivative[3][3]) override;
-  void InverseTransformPoint(const float in[3], float out[3]) override;
-  void InverseTransformPoint(const double in[3], double out[3]) override;
-  void InverseTransformDerivative(const float in[3], float out[3], float derivative[3][3]) override;
-  void InverseTransformDerivative(
-    const double in[3], double out[3], double derivative[3][3]) override;
-
 private:
   vtkFFDSplineTransform(const vtkFFDSplineTransform&) = delete;
   void operator=(const vtkFFDSplineTransform&) = delete;
+
+  const vtkFFDWarpKernel& GetKernel() const override;
 
   class Internals;
   int SplineOrder = 2;

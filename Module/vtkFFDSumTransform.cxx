@@ -15,8 +15,8 @@
 
 vtkStandardNewMacro(vtkFFDSumTransform);
 
-/// The terms, with the methods that vtkFFDWarpKernel asks for.
-class vtkFFDSumTransform::Internals
+/// The terms, and the map that they make.
+class vtkFFDSumTransform::Internals : public vtkFFDWarpKernel
 {
 public:
   struct Term
@@ -28,7 +28,7 @@ public:
   double Tolerance = 0.001;
   int Iterations = 500;
 
-  glm::dvec3 Forward(const glm::dvec3& p) const
+  glm::dvec3 Map(const glm::dvec3& p) const override
   {
     glm::dvec3 sum = p;
     for (const Term& term : this->Terms)
@@ -40,7 +40,7 @@ public:
     return sum;
   }
 
-  glm::dvec3 Forward(const glm::dvec3& p, glm::dmat3& jacobian) const
+  glm::dvec3 Map(const glm::dvec3& p, glm::dmat3& jacobian) const override
   {
     glm::dvec3 sum = p;
     jacobian = glm::dmat3(1.0);
@@ -62,10 +62,10 @@ public:
     return sum;
   }
 
-  glm::dvec3 Inverse(const glm::dvec3& p) const
+  glm::dvec3 Invert(const glm::dvec3& p) const override
   {
     return ffd::FindInverse(
-      [this](const glm::dvec3& q, glm::dmat3& jacobian) { return this->Forward(q, jacobian); }, p,
+      [this](const glm::dvec3& q, glm::dmat3& jacobian) { return this->Map(q, jacobian); }, p,
       this->Tolerance, this->Iterations);
   }
 };
@@ -182,7 +182,7 @@ void vtkFFDSumTransform::InternalUpdate()
 //------------------------------------------------------------------------------
 void vtkFFDSumTransform::InternalDeepCopy(vtkAbstractTransform* transform)
 {
-  // vtkAbstractTransform::DeepCopy lets nothing but our own class through.
+  this->Superclass::InternalDeepCopy(transform);
   vtkFFDSumTransform* other = static_cast<vtkFFDSumTransform*>(transform);
   this->Map->Terms.clear();
   for (const Internals::Term& term : other->Map->Terms)
@@ -193,59 +193,7 @@ void vtkFFDSumTransform::InternalDeepCopy(vtkAbstractTransform* transform)
     copy->DeepCopy(term.Transform);
     this->Map->Terms.push_back({ copy, term.Weight });
   }
-  this->InverseFlag = other->InverseFlag;
-  this->InverseTolerance = other->InverseTolerance;
-  this->InverseIterations = other->InverseIterations;
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDSumTransform::ForwardTransformPoint(const float in[3], float out[3])
-{
-  vtkFFDWarpKernel::Forward(*this->Map, in, out);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDSumTransform::ForwardTransformPoint(const double in[3], double out[3])
-{
-  vtkFFDWarpKernel::Forward(*this->Map, in, out);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDSumTransform::ForwardTransformDerivative(
-  const float in[3], float out[3], float derivative[3][3])
-{
-  vtkFFDWarpKernel::ForwardDerivative(*this->Map, in, out, derivative);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDSumTransform::ForwardTransformDerivative(
-  const double in[3], double out[3], double derivative[3][3])
-{
-  vtkFFDWarpKernel::ForwardDerivative(*this->Map, in, out, derivative);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDSumTransform::InverseTransformPoint(const float in[3], float out[3])
-{
-  vtkFFDWarpKernel::Inverse(*this->Map, in, out);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDSumTransform::InverseTransformPoint(const double in[3], double out[3])
-{
-  vtkFFDWarpKernel::Inverse(*this->Map, in, out);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDSumTransform::InverseTransformDerivative(
-  const float in[3], float out[3], float derivative[3][3])
-{
-  vtkFFDWarpKernel::InverseDerivative(*this->Map, in, out, derivative);
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDSumTransform::InverseTransformDerivative(
-  const double in[3], double out[3], double derivative[3][3])
-{
-  vtkFFDWarpKernel::InverseDerivative(*this->Map, in, out, derivative);
-}
+const vtkFFDWarpKernel& vtkFFDSumTransform::GetKernel() const { return *this->Map; }

@@ -19,15 +19,15 @@
 #define vtkFFDSumTransform_h
 
 #include "vtkFFDCoreModule.h" // For export macro
-#include "vtkWarpTransform.h"
+#include "vtkFFDWarpTransform.h"
 
 #include <memory> // for std::unique_ptr
 
-class VTKFFDCORE_EXPORT vtkFFDSumTransform : public vtkWarpTransform
+class VTKFFDCORE_EXPORT vtkFFDSumTransform : public vtkFFDWarpTransform
 {
 public:
   static vtkFFDSumTransform* New();
-  vtkTypeMacro(vtkFFDSumTransform, vtkWarpTransform);
+  vtkTypeMacro(vtkFFDSumTransform, vtkFFDWarpTransform);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /**
@@ -58,20 +58,11 @@ protected:
   void InternalUpdate() override;
   void InternalDeepCopy(vtkAbstractTransform* transform) override;
 
-  void ForwardTransformPoint(const float in[3], float out[3]) override;
-  void ForwardTransformPoint(const double in[3], double out[3]) override;
-  void ForwardTransformDerivative(const float in[3], float out[3], float derivative[3][3]) override;
-  void ForwardTransformDerivative(
-    const double in[3], double out[3], double derivative[3][3]) override;
-  void InverseTransformPoint(const float in[3], float out[3]) override;
-  void InverseTransformPoint(const double in[3], double out[3]) override;
-  void InverseTransformDerivative(const float in[3], float out[3], float derivative[3][3]) override;
-  void InverseTransformDerivative(
-    const double in[3], double out[3], double derivative[3][3]) override;
-
 private:
   vtkFFDSumTransform(const vtkFFDSumTransform&) = delete;
   void operator=(const vtkFFDSumTransform&) = delete;
+
+  const vtkFFDWarpKernel& GetKernel() const override;
 
   class Internals;
   std::unique_ptr<Internals> Map;

@@ -14,6 +14,7 @@ from vtkmodules.vtkCommonCore import vtkObject
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
 
 SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+ABSTRACT = ("vtkFFDWarpTransform",)
 FOLDERS = ("Module", "Filters", "Rendering", os.path.join("Rendering", "Widgets"))
 
 
@@ -41,6 +42,9 @@ class TestInstantiate(unittest.TestCase):
             with self.subTest(name):
                 cls = getattr(vtkffd, name)
                 self.assertTrue(issubclass(cls, vtkObject))
+                if name in ABSTRACT:
+                    self.assertRaisesRegex(TypeError, "abstract", cls)
+                    continue
                 instance = cls()
                 self.assertEqual(instance.GetClassName(), name)
                 self.assertIn(name, str(instance))
