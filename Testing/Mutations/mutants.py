@@ -270,8 +270,8 @@ MUTANTS = (
     Mutant(
         "vectors: segments are called empty without their error",
         "term",
-        "const float margin = (close ? 0.0f : segment.Error + tolerance) + Rounding + before;",
-        "const float margin = Rounding + before;",
+        "const float margin = (close ? 0.0f : segment.Error + tolerance) + PositionRounding + before;",
+        "const float margin = PositionRounding + before;",
         PACKETS,
         survives="The hull of a tile's segment and the blocks it is compared with are larger than the "
                  "error of an interpolant that is not split yet: in 160 scenes of one visible voxel "

@@ -15,6 +15,7 @@
 
 #include <hwy/highway.h>
 
+#include "FFDSimdFetch-inl.h"
 #include "FFDSimdTile-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -11,9 +11,11 @@
 #include "FFDPacketScene.h"
 #include "FFDPacketScratch.h"
 
+#include "FFDSimdCells-inl.h"
 #include "FFDSimdComponents-inl.h"
-#include "FFDSimdFetch-inl.h"
 #include "FFDSimdMath-inl.h"
+#include "FFDSimdRepeatedVoxels-inl.h"
+#include "FFDSimdRows-inl.h"
 
 #include <glm/vec3.hpp>
 

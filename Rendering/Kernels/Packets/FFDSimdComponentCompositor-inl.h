@@ -11,9 +11,9 @@
 #include "FFDPacketScene.h"
 
 #include "FFDSimdBorder-inl.h"
+#include "FFDSimdCells-inl.h"
 #include "FFDSimdComponents-inl.h"
 #include "FFDSimdCurve-inl.h"
-#include "FFDSimdFetch-inl.h"
 #include "FFDSimdGradients-inl.h"
 #include "FFDSimdGrid-inl.h"
 #include "FFDSimdMask-inl.h"
@@ -21,6 +21,7 @@
 #include "FFDSimdOptics-inl.h"
 #include "FFDSimdPlane-inl.h"
 #include "FFDSimdRays-inl.h"
+#include "FFDSimdRows-inl.h"
 #include "FFDSimdSampler-inl.h"
 #include "FFDSimdTable-inl.h"
 #include "FFDSimdWindow-inl.h"

@@ -10,8 +10,11 @@
 
 #include "FFDPacketVolume.h"
 
+#include "FFDSimdCells-inl.h"
 #include "FFDSimdFetch-inl.h"
 #include "FFDSimdMath-inl.h"
+#include "FFDSimdRepeatedVoxels-inl.h"
+#include "FFDSimdRows-inl.h"
 
 #include <cstddef>
 #include <cstdint>

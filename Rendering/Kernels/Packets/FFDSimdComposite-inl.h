@@ -11,9 +11,9 @@
 #include "FFDPacketScene.h"
 #include "FFDPacketScratch.h"
 
+#include "FFDSimdCells-inl.h"
 #include "FFDSimdComponentCompositor-inl.h"
 #include "FFDSimdCurve-inl.h"
-#include "FFDSimdFetch-inl.h"
 #include "FFDSimdGradients-inl.h"
 #include "FFDSimdGrid-inl.h"
 #include "FFDSimdIntervals-inl.h"
@@ -22,6 +22,7 @@
 #include "FFDSimdOptics-inl.h"
 #include "FFDSimdPlane-inl.h"
 #include "FFDSimdRays-inl.h"
+#include "FFDSimdRows-inl.h"
 #include "FFDSimdSampler-inl.h"
 #include "FFDSimdSegmentTrees-inl.h"
 #include "FFDSimdTable-inl.h"

@@ -12,15 +12,16 @@
 #include "FFDPacketScratch.h"
 
 #include "FFDSimdBorder-inl.h"
+#include "FFDSimdCells-inl.h"
 #include "FFDSimdComponents-inl.h"
 #include "FFDSimdCurve-inl.h"
-#include "FFDSimdFetch-inl.h"
 #include "FFDSimdGrid-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdNormals-inl.h"
 #include "FFDSimdOpacityNormals-inl.h"
 #include "FFDSimdOptics-inl.h"
 #include "FFDSimdRays-inl.h"
+#include "FFDSimdRows-inl.h"
 #include "FFDSimdSampler-inl.h"
 #include "FFDSimdSegmentTrees-inl.h"
 

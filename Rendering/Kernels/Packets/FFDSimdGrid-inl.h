@@ -13,10 +13,12 @@
 #include "Optics/FFDDifferences.h"
 
 #include "FFDSimdBorder-inl.h"
+#include "FFDSimdCells-inl.h"
 #include "FFDSimdFetch-inl.h"
 #include "FFDSimdMask-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdOpacityNormals-inl.h"
+#include "FFDSimdRows-inl.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -11,12 +11,13 @@
 #include "FFDPacketScene.h"
 #include "Optics/FFDIntervalTable.h"
 
+#include "FFDSimdCells-inl.h"
 #include "FFDSimdCurve-inl.h"
-#include "FFDSimdFetch-inl.h"
 #include "FFDSimdGradients-inl.h"
 #include "FFDSimdGrid-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdRays-inl.h"
+#include "FFDSimdRows-inl.h"
 #include "FFDSimdSampler-inl.h"
 #include "FFDSimdTable-inl.h"
 

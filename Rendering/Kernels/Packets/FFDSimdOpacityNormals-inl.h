@@ -12,9 +12,10 @@
 #include "FFDPacketScene.h"
 
 #include "FFDSimdBorder-inl.h"
-#include "FFDSimdFetch-inl.h"
+#include "FFDSimdCells-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdPlane-inl.h"
+#include "FFDSimdRows-inl.h"
 #include "FFDSimdTable-inl.h"
 
 #include <array>

@@ -11,8 +11,10 @@
 #include "FFDPacketPlane.h"
 #include "FFDScalarDispatch.h"
 
+#include "FFDSimdCells-inl.h"
 #include "FFDSimdFetch-inl.h"
 #include "FFDSimdMath-inl.h"
+#include "FFDSimdRows-inl.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -12,12 +12,14 @@
 #include "FFDPacketScratch.h"
 
 #include "FFDSimdBorder-inl.h"
+#include "FFDSimdCells-inl.h"
 #include "FFDSimdComponents-inl.h"
 #include "FFDSimdCurve-inl.h"
 #include "FFDSimdFetch-inl.h"
 #include "FFDSimdGrid-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdRays-inl.h"
+#include "FFDSimdRows-inl.h"
 #include "FFDSimdWindow-inl.h"
 
 #include <type_traits>

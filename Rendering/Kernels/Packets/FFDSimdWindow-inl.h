@@ -11,10 +11,12 @@
 #include "FFDPacketVolume.h"
 #include "FFDTileSegment.h"
 
+#include "FFDSimdCells-inl.h"
 #include "FFDSimdCurve-inl.h"
 #include "FFDSimdFetch-inl.h"
 #include "FFDSimdInterpolant-inl.h"
 #include "FFDSimdMath-inl.h"
+#include "FFDSimdRows-inl.h"
 
 #include <algorithm>
 #include <cstddef>
