@@ -134,10 +134,11 @@ Index FindIndex(vtkDataSet* input, const vtkFFDFrameCache& cache, const glm::dve
   bool cells, Index& counts)
 {
   const ffd::VolumeView& volume = cache.GetVolume();
-  const glm::dvec3 index =
-    ffd::SurfaceSearch(volume, cache.GetPullBack().Map, deformed, glm::dvec3(0.0))
-      .Evaluate(0.0)
-      .Index;
+  const ffd::BoundedPullBack& pullBack = cache.GetPullBack();
+  const glm::dvec3 index = ffd::SurfaceSearch(
+    volume, pullBack.Map, deformed, glm::dvec3(0.0), pullBack.Bounds.IsProvenInvertible())
+                             .Evaluate(0.0)
+                             .Index;
   const glm::dvec3 inside = glm::clamp(index, volume.LowerIndex(), volume.UpperIndex());
   const glm::dvec3 at = (volume.Axes ? volume.Axes->ToVoxel(inside) : inside) + volume.Margin;
   counts = { { 2, 2, 2 } };

@@ -612,7 +612,7 @@ int vtkFFDInverseRayVolumeMapper::GetRestPosition(const double deformed[3], doub
     return 0;
   }
   const glm::dvec3 q =
-    ffd::SurfaceSearch(view.Volume, view.Map, p, glm::dvec3(0.0)).Evaluate(0.0).Rest;
+    ffd::SurfaceSearch(view.Volume, view.Map, p, glm::dvec3(0.0), view.OneToOne).Evaluate(0.0).Rest;
   std::copy_n(&q.x, 3, rest);
   return 1;
 }

@@ -284,6 +284,7 @@ bool vtkFFDInverseRayVolumeMapper::MakeProbeView(vtkFFDProbeView& view)
   view.Hidden = cache.GetHidden();
   view.Mask = cache.GetMask();
   view.Map = cache.GetPullBack().Map;
+  view.OneToOne = cache.GetPullBack().Bounds.IsProvenInvertible();
   // A little more than the bounds: a ray is to be seen coming in through a face that lies on them.
   const double margin = 0.01 * cache.GetVoxelSize();
   const double* clip = this->ClipBox;

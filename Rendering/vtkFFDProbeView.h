@@ -19,7 +19,8 @@ struct vtkFFDProbeView
   ffd::MaskView Mask;
   ffd::Cropping Crop;
   ffd::PullBack Map;
-  ffd::Box Deformed; // the part of deformed space that is rendered, data coordinates
+  bool OneToOne = false; // proven: every deformed point comes from one rest point alone
+  ffd::Box Deformed;     // the part of deformed space that is rendered, data coordinates
 };
 
 #endif

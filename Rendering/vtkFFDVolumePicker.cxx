@@ -408,7 +408,7 @@ double vtkFFDVolumePicker::IntersectDeformed(const double p1[3], const double p2
   {
     return VTK_DOUBLE_MAX;
   }
-  const ffd::SurfaceSearch search(view.Volume, view.Map, origin, direction);
+  const ffd::SurfaceSearch search(view.Volume, view.Map, origin, direction, view.OneToOne);
   const CroppingRegions cropping(view.Crop);
   const Visibility visibility(view, property, mapper, this->UseVolumeGradientOpacity != 0);
   if (!visibility.GetFirst())

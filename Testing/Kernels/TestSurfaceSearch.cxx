@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Bounds/FFDPullBackBounds.h"
 #include "RandomLattice.h"
 #include "Reference/FFDSurfaceSearch.h"
 #include "TestVolume.h"
@@ -68,6 +69,7 @@ TEST(SurfaceSearch, FollowsTheDeformation)
 {
   RandomLattice random(7);
   int hits = 0;
+  int proven = 0;
   for (int i = 0; i < 40; ++i)
   {
     const BSplineField field = random.Field(0.25, BorderMode::Edge);
@@ -78,6 +80,9 @@ TEST(SurfaceSearch, FollowsTheDeformation)
     const glm::dvec3 direction =
       volume.View.FirstVoxel + volume.View.IndexToData * random.Vector(4.0, 19.0) - origin;
     const SurfaceSearch search(volume.View, map, origin, direction);
+    const bool oneToOne = PullBackBounds(map).IsProvenInvertible();
+    proven += oneToOne ? 1 : 0;
+    const SurfaceSearch quick(volume.View, map, origin, direction, oneToOne);
     const auto condition = [](const SurfacePoint& p) {
       return std::abs(p.Index.x + 0.7 * p.Index.y - 14.0) < 1.0 && p.Index.z > 3.0;
     };
@@ -88,6 +93,7 @@ TEST(SurfaceSearch, FollowsTheDeformation)
     for (double t = 0.0; t < end; t += 0.002)
     {
       const glm::dvec3 index = search.Evaluate(t).Index;
+      ASSERT_LT(glm::length(quick.Evaluate(t).Index - index), 1e-6);
       // Not even the corners of the condition.
       ASSERT_FALSE(std::abs(index.x + 0.7 * index.y - 14.0) < 0.9 && index.z > 4.0);
     }
@@ -106,6 +112,7 @@ TEST(SurfaceSearch, FollowsTheDeformation)
     }
   }
   EXPECT_GT(hits, 15);
+  EXPECT_GT(proven, 5);
 }
 
 /// A region that the ray touches for a hundredth of a step is found by its label.

@@ -35,12 +35,13 @@ double LargestComponent(const glm::dvec3& v)
 
 //------------------------------------------------------------------------------
 SurfaceSearch::SurfaceSearch(const VolumeView& volume, const PullBack& map,
-  const glm::dvec3& origin, const glm::dvec3& direction)
+  const glm::dvec3& origin, const glm::dvec3& direction, bool oneToOne)
   : Volume(volume)
   , Map(map.GetField(), map.GetKind(), Accuracy * ShortestEdge(volume.IndexToData))
   , Origin(origin)
   , Direction(direction)
   , TPerVoxel(ShortestEdge(volume.IndexToData) / std::max(glm::length(direction), 1e-300))
+  , OneToOne(oneToOne)
 {
 }
 
@@ -61,7 +62,7 @@ glm::dvec3 SurfaceSearch::FindRest(const glm::dvec3& deformed) const
   PullBackStatus status;
   const glm::dvec3 rest = this->Map.Evaluate(deformed, status);
   if (!InvertsTheField(this->Map.GetKind()) ||
-    (status.Converged && this->IsInside(this->Volume.ToIndex(rest))))
+    (status.Converged && (this->OneToOne || this->IsInside(this->Volume.ToIndex(rest)))))
   {
     return rest;
   }

@@ -45,8 +45,9 @@ public:
   static constexpr double ShortestStep = 1.0 / 64.0;
 
   /// P(t) = origin + t * direction, data coordinates; the map's field outlives this object.
+  /// `oneToOne`: it is proven that every deformed point comes from one rest point alone.
   SurfaceSearch(const VolumeView& volume, const PullBack& map, const glm::dvec3& origin,
-    const glm::dvec3& direction);
+    const glm::dvec3& direction, bool oneToOne = false);
 
   using Condition = std::function<bool(const SurfacePoint& point)>;
   using Label = std::function<int(const SurfacePoint& point)>;
@@ -81,7 +82,9 @@ private:
   glm::dvec3 Origin;
   glm::dvec3 Direction;
   double TPerVoxel; // along the ray
-  /// Made where the inverse that is followed from the point itself leads out of the volume.
+  bool OneToOne;
+  /// Made where the inverse that is followed from the point itself leads out of the volume, unless
+  /// there is no other one.
   mutable std::unique_ptr<OrientedInverse> Inverse;
 };
 
