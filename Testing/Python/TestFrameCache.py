@@ -73,6 +73,24 @@ def make_coordinates(power=1.2):
     return numpy_to_vtk(11.0 * (np.arange(12.0) / 11.0) ** power, deep=True)
 
 
+#: Windows by their size: a scene that is drawn takes the place of the last one.
+WINDOWS = {}
+
+
+def show_in_window(renderer, side):
+    window = WINDOWS.get(side)
+    if not window:
+        window = WINDOWS[side] = vtkRenderWindow()
+        window.SetOffScreenRendering(1)
+        window.SetMultiSamples(0)
+        window.SetSize(side, side)
+    if not window.HasRenderer(renderer):
+        for other in list(window.GetRenderers()):
+            window.RemoveRenderer(other)
+        window.AddRenderer(renderer)
+    return window
+
+
 class Scene:
     """A deformed volume with a mask, functions of its labels, gradient opacity and a clipping
     plane. `grid`: rectilinear; `vectors`: of two components, without a mask."""
@@ -129,7 +147,6 @@ class Scene:
         self.renderer.ResetCamera((0, 11, 0, 11, 0, 11))
         self.renderer.GetActiveCamera().SetClippingRange(5.0, 500.0)
         self.mapper.AddObserver("ErrorEvent", lambda *_: None)
-        self.window = None
 
     def image_of(self):
         image = vtkImageData()
@@ -142,16 +159,11 @@ class Scene:
         return np.concatenate([image, self.window_of()]) if self.windows else image
 
     def window_of(self, side=SIDE):
-        if not self.window:
-            self.window = vtkRenderWindow()
-            self.window.SetOffScreenRendering(1)
-            self.window.SetMultiSamples(0)
-            self.window.SetSize(side, side)
-            self.window.AddRenderer(self.renderer)
+        window = show_in_window(self.renderer, side)
         self.renderer.GetActiveCamera().SetClippingRange(5.0, 500.0)
-        self.window.Render()
+        window.Render()
         pixels = vtkUnsignedCharArray()
-        self.window.GetPixelData(0, 0, side - 1, side - 1, 0, pixels, 0)
+        window.GetPixelData(0, 0, side - 1, side - 1, 0, pixels, 0)
         return vtk_to_numpy(pixels).ravel().copy()
 
     def count_builds(self):
