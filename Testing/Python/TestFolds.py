@@ -14,6 +14,7 @@ import numpy
 import vtkffd
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401 (the window's implementation)
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
 from vtkmodules.vtkImagingCore import vtkRTAnalyticSource
 from vtkmodules.vtkRenderingCore import (
@@ -55,9 +56,11 @@ def moved_points(lattice, margin):
     step = 0.5
     axes = [numpy.arange(margin, n - 1 - margin + 1e-6, step) for n in VOXELS]
     grid = numpy.stack(numpy.meshgrid(*axes, indexing="ij"), -1)
-    moved = numpy.empty_like(grid)
-    for index in numpy.ndindex(grid.shape[:3]):
-        moved[index] = lattice.TransformPoint(*grid[index])
+    points, images = vtkPoints(), vtkPoints()
+    images.SetDataTypeToDouble()
+    points.SetData(numpy_to_vtk(grid.reshape(-1, 3)))
+    lattice.TransformPoints(points, images)
+    moved = vtk_to_numpy(images.GetData()).reshape(grid.shape).copy()
     slopes = [numpy.gradient(moved, step, axis=a) for a in range(3)]
     determinants = numpy.einsum("...i,...i", slopes[0], numpy.cross(slopes[1], slopes[2]))
     return moved.reshape(-1, 3), determinants.reshape(-1)
