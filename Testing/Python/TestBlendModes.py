@@ -253,7 +253,7 @@ class TestComponentsAndMasks(unittest.TestCase):
         volume.SetProperty(prop)
         return mapper, prop, volume
 
-    def render(self, mapper, volume, seconds=None, size=96):
+    def render(self, mapper, volume, seconds=None, size=64):
         renderer = vtkRenderer()
         renderer.AddVolume(volume)
         renderer.GetActiveCamera().Azimuth(25)
@@ -318,10 +318,10 @@ class TestComponentsAndMasks(unittest.TestCase):
                  for f in fields[:components]], axis=-1).astype(dtype), deep=True))
             mapper.SetInputData(image)
             mapper.CollectStatisticsOn()
-            leaping, near = self.render(mapper, volume, size=256)
+            leaping, near = self.render(mapper, volume, size=200)
             samples = self.count_samples(mapper)
             mapper.SetSpaceLeapingToOff()
-            all_samples, far = self.render(mapper, volume, size=256)
+            all_samples, far = self.render(mapper, volume, size=200)
             # Of the least values, which are opaque where no blob is, only bounds of values tell.
             most = 0.75 if mode == "maximum" else 0.99
             self.assertLess(samples, most * self.count_samples(mapper), what)
@@ -409,7 +409,7 @@ class TestComponentsAndMasks(unittest.TestCase):
         def least(mapper, volume):
             seconds = []
             for _ in range(5):
-                self.render(mapper, volume, seconds)
+                self.render(mapper, volume, seconds, size=96)
             return min(seconds)
 
         half = numpy.ones((self.size, self.size, self.size))
@@ -436,20 +436,20 @@ class TestComponentsAndMasks(unittest.TestCase):
         for mode in ("maximum", "average", "isosurface"):
             seconds = []
             mapper, prop, volume = self.make_scene(1, numpy.uint8, False, mode)
-            expected = self.render(mapper, volume, seconds)[0]
+            expected = self.render(mapper, volume, seconds, size=96)[0]
             prop.SetGradientOpacity(gradient)
-            picture = self.render(mapper, volume, seconds)[0]
+            picture = self.render(mapper, volume, seconds, size=96)[0]
             numpy.testing.assert_array_equal(picture, expected)
             prop.DisableGradientOpacityOn()
             mapper.SetMaskInput(mask)
             mapper.SetMaskTypeToBinary()
-            picture = self.render(mapper, volume, seconds)[0]
+            picture = self.render(mapper, volume, seconds, size=96)[0]
             numpy.testing.assert_allclose(picture, expected, atol=1.0)
             for components in (2, 4):
                 mapper, _, volume = self.make_scene(components, numpy.uint8, False, mode)
-                self.render(mapper, volume, seconds)
+                self.render(mapper, volume, seconds, size=96)
             mapper.ReferenceKernelsOn()
-            self.render(mapper, volume, seconds)
+            self.render(mapper, volume, seconds, size=96)
             print(mode, ", ".join(f"{s / seconds[0]:.2f}" for s in seconds))
             self.assertLess(max(seconds[1:-1]), 0.35 * seconds[-1], mode)
 
