@@ -35,7 +35,7 @@ void CheckAgainstGpu(
     const ffdTest::Distance d = scene.Compare(scene.Render(scene.Ours), scene.Render(scene.Gpu));
     std::ostringstream figures;
     figures << d << " from the GPU mapper (at least " << decibels << " dB)";
-    checks.Expect(d.Pixels > 3000 && d.Psnr >= decibels, name + (shade ? ", shaded" : ", unshaded"),
+    checks.Expect(d.Pixels > 1500 && d.Psnr >= decibels, name + (shade ? ", shaded" : ", unshaded"),
       figures.str());
   }
 }
@@ -101,7 +101,7 @@ void CheckDepths(ffdTest::Scene& scene, vtkImageData* image, vtkFFDLattice* latt
 int TestIsoSurface(int argc, char* argv[])
 {
   ffdTest::Checks checks;
-  ffdTest::Scene scene;
+  ffdTest::Scene scene(140);
   ffdTest::SetBlendMode(scene, Mapper::ISOSURFACE_BLEND);
   const vtkSmartPointer<vtkImageData> image =
     ffdTest::Padded(ffdTest::ReadVolume(argc, argv, "headsq"), 0.0);

@@ -90,7 +90,7 @@ ffdTest::DisplacementAt Random(double amplitude, int seed)
 
 void CheckLeaping(ffdTest::Scene& scene, const std::string& name, ffdTest::Checks& checks)
 {
-  constexpr int Size = 120;
+  constexpr int Size = 90;
   for (const int mode : { Mapper::FIRST_ORDER, Mapper::EXACT, Mapper::PULL_BACK })
   {
     scene.Ours->SetInverseMode(mode);
@@ -119,7 +119,7 @@ void CheckLeaping(ffdTest::Scene& scene, const std::string& name, ffdTest::Check
               << " (at most 1); samples per ray " << samples[0] << ", " << samples[1] << ", "
               << samples[2] << "; " << visible << " px";
       // Leaping must leave samples out, or nothing is tested.
-      checks.Expect(differences[0] <= 1 && differences[1] <= 1 && finite && visible > 1000 &&
+      checks.Expect(differences[0] <= 1 && differences[1] <= 1 && finite && visible > 560 &&
           samples[1] < samples[0] && samples[2] < samples[0],
         name + ", " + scene.Ours->GetInverseModeAsString() + ", " +
           scene.Ours->GetSegmentationAsString() + ", leaping",
@@ -132,7 +132,7 @@ void CheckLeaping(ffdTest::Scene& scene, const std::string& name, ffdTest::Check
 
 void CheckThreads(ffdTest::Scene& scene, const std::string& name, ffdTest::Checks& checks)
 {
-  constexpr int Size = 120;
+  constexpr int Size = 90;
   for (const int segmentation : { Mapper::ERROR_BOUND, Mapper::GREEDY_ANGLE })
   {
     scene.Ours->SetSegmentation(segmentation);
@@ -143,7 +143,7 @@ void CheckThreads(ffdTest::Scene& scene, const std::string& name, ffdTest::Check
       scene.Ours->SetNumberOfThreads(threads);
       const Bytes many = RenderBytes(scene, Size);
       checks.Expect(
-        CountVisible(one) > 1000 && one.Colors == many.Colors && one.Depths == many.Depths,
+        CountVisible(one) > 560 && one.Colors == many.Colors && one.Depths == many.Depths,
         name + ", " + scene.Ours->GetSegmentationAsString() + ", " + std::to_string(threads) +
           " threads",
         "largest difference from one thread " + std::to_string(FindLargestDifference(one, many)) +
@@ -179,7 +179,7 @@ void CheckScalarTypes(
         const ffdTest::Picture picture = scene.RenderToImage();
         bytes = bytes.Rgb.empty() ? picture : bytes;
         const ffdTest::Distance d = scene.Compare(picture, bytes);
-        checks.Expect(d.Pixels > 3000 && d.Mean <= 0.1 && d.Max <= 2.0,
+        checks.Expect(d.Pixels > 1500 && d.Mean <= 0.1 && d.Max <= 2.0,
           name + (shaded ? ", shaded, " : ", unshaded, ") + scene.Ours->GetSpaceLeapingAsString() +
             ", " + vtkImageScalarTypeNameMacro(type),
           ffdTest::ToString(d) + " from bytes (mean at most 0.1, max 2)");
@@ -206,7 +206,7 @@ void CheckLongSteps(ffdTest::Scene& scene, double voxel, ffdTest::Checks& checks
       const ffdTest::Picture picture = scene.RenderToImage();
       longest = longest.Rgb.empty() ? picture : longest;
       const ffdTest::Distance d = scene.Compare(picture, longest);
-      checks.Expect(d.Pixels > 3000 && d.Mean <= 0.1,
+      checks.Expect(d.Pixels > 1500 && d.Mean <= 0.1,
         "long steps, segments of " + std::to_string(segments) + (reference ? ", reference" : ""),
         ffdTest::ToString(d) + " from long segments (mean at most 0.1)");
     }
@@ -220,7 +220,7 @@ void CheckLongSteps(ffdTest::Scene& scene, double voxel, ffdTest::Checks& checks
 void CheckWindow(ffdTest::Scene& scene, const std::string& name, ffdTest::Checks& checks)
 {
   const ffdTest::Distance window = scene.Compare(scene.Render(scene.Ours), scene.RenderToImage());
-  checks.Expect(window.Pixels > 3000 && window.Max <= 2.0, name + ", RenderToImage",
+  checks.Expect(window.Pixels > 1500 && window.Max <= 2.0, name + ", RenderToImage",
     ffdTest::ToString(window) + " from the window (max at most 2)");
 }
 
@@ -244,7 +244,7 @@ int TestSamePicture(int argc, char* argv[])
 {
   ffdTest::Checks checks;
   CheckNothingToCompare(checks);
-  ffdTest::Scene scene;
+  ffdTest::Scene scene(140);
   const vtkSmartPointer<vtkImageData> image = ffdTest::ReadVolume(argc, argv, "engine", 2);
   double bounds[6];
   image->GetBounds(bounds);
@@ -293,7 +293,7 @@ int TestSamePicture(int argc, char* argv[])
       scene.Ours->SetPositionTolerance(0.005);
       const ffdTest::Distance e = scene.Compare(coarse, scene.RenderToImage());
       scene.Ours->SetPositionTolerance(tolerance);
-      checks.Expect(e.Pixels > 3000 && e.Mean < 0.8 && e.P99 <= 5.0,
+      checks.Expect(e.Pixels > 1500 && e.Mean < 0.8 && e.P99 <= 5.0,
         shape.Name + ", position tolerance 0.1 against 0.005",
         ffdTest::ToString(e) + " (mean below 0.8, p99 at most 5)");
     }
