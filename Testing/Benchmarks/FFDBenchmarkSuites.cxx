@@ -505,7 +505,7 @@ std::vector<std::unique_ptr<Group>> MakeGroups(const Options& options)
                               : (options.Quick ? ownQuick : ownFull);
   };
   // Pixels along a side of the picture; the reference kernels, which judge it, take long.
-  const int size = options.Quick ? 256 : 512;
+  const int size = options.Quick ? 128 : 512;
   std::vector<std::unique_ptr<Group>> groups;
   const auto add = [&groups](const std::string& name, Group::Preparation prepare,
                      const std::vector<std::pair<std::string, std::size_t>>& rows) {
