@@ -4,8 +4,8 @@
 """The plugin as it is built for servers, FFD_PARAVIEW_GUI=OFF: no Qt in it, and the representation
 works.
 
-The folder of the build is kept, so that it is brought up to date the next time. Nothing but the
-server manager's part is looked at, hence no optimization, and the kernels of the main build.
+The folder of the build is kept, so that it is brought up to date the next time. What is compiled as in the
+main build is taken from there (reuse_objects.py), the rest is compiled without optimization.
 """
 
 import os
@@ -17,6 +17,7 @@ SOURCE = os.environ["FFD_PARAVIEW_SOURCE"]
 PARAVIEW = os.environ["FFD_PARAVIEW_DIR"]
 PYTHON = os.environ["FFD_PYTHON"]
 BUILD = os.environ["FFD_BUILD_DIR"]
+REUSE = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "reuse_objects.py")
 
 SCRIPT = """
 from paraview import simple
@@ -43,6 +44,8 @@ def run(*command, **environment):
 class TestNoPanel(unittest.TestCase):
     def test_build_and_load(self):
         build = os.path.join(TEMPORARY, "paraview-without-panel")
+        # Set in the environment, where the list needs no quotes for CMake.
+        launcher = ";".join([PYTHON, "-I", "-S", REUSE, build, os.path.join(BUILD, "paraview")])
         configured = run(
             "cmake", "-G", "Ninja", "-S", SOURCE, "-B", build, "-DFFD_PARAVIEW_GUI=OFF",
             "-DParaView_DIR=" + PARAVIEW, "-DPython3_EXECUTABLE=" + PYTHON,
@@ -50,7 +53,8 @@ class TestNoPanel(unittest.TestCase):
             "-DCMAKE_CXX_FLAGS_RELEASE=-O0",
             "-DFFD_KERNEL_OBJECTS=" + os.path.join(BUILD, "kernel-objects.cmake"),
             # Not to be found.
-            "-DCMAKE_DISABLE_FIND_PACKAGE_Qt5=ON", "-DCMAKE_DISABLE_FIND_PACKAGE_Qt6=ON")
+            "-DCMAKE_DISABLE_FIND_PACKAGE_Qt5=ON", "-DCMAKE_DISABLE_FIND_PACKAGE_Qt6=ON",
+            CMAKE_CXX_COMPILER_LAUNCHER=launcher)
         self.assertIn("Qt panel: OFF", configured)
         run("cmake", "--build", build, "--parallel", str(os.cpu_count()))
         plugin = os.path.join(build, "lib", os.path.basename(PARAVIEW), "plugins", "FFDVolume")
