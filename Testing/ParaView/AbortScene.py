@@ -8,6 +8,7 @@ import json
 import os
 import time
 
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import servermanager, simple
 from paraview.vtk.vtkCommonCore import vtkUnsignedCharArray
 

@@ -6,6 +6,7 @@ landmarks. Arguments: the prefix of the pictures, and files of volumes in time."
 import os
 import sys
 
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple
 
 import ffdparaview as ffd

@@ -8,6 +8,7 @@ import resource
 import sys
 import time
 
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import servermanager, simple
 
 import ffdparaview as ffd

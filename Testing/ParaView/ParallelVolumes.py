@@ -5,6 +5,7 @@ prefix of the pictures."""
 
 import sys
 
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple
 
 import ffdparaview as ffd

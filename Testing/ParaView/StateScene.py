@@ -5,6 +5,7 @@ Arguments: the state, the picture."""
 
 import sys
 
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple
 
 import ffdparaview as ffd

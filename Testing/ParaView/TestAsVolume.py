@@ -9,6 +9,7 @@ import os
 import unittest
 
 import numpy as np
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple
 
 import ffdparaview as ffd

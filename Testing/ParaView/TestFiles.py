@@ -12,6 +12,7 @@ import unittest
 from unittest import mock
 
 import numpy as np
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple
 
 import ffdevents

@@ -7,6 +7,7 @@ outlines, highlights and axes; what is not says so."""
 import unittest
 
 import numpy as np
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple
 from paraview.modules.vtkRemotingViews import vtkSMParaViewPipelineControllerWithRendering
 
@@ -173,6 +174,7 @@ class TestLatticeFollows(unittest.TestCase):
             return simple.Contour(
                 Input=data, ContourBy=["POINTS", "RTData"], Isosurfaces=[157.0])
 
+        self.wavelet.WholeExtent = [-10, 10] * 3
         lattice = self.moved_lattice()
         resampled = "Resample To Image"
         for make, kind, mapper in (
@@ -189,8 +191,9 @@ class TestLatticeFollows(unittest.TestCase):
                 display.SetRepresentationType(kind)
                 if mapper:
                     display.SelectMapper = mapper
+                    display.SamplingDimensions = [40] * 3
                 bounds = self.shown_bounds()
-                self.view.CameraPosition = bounds[::2] + (75.0, 45.0, 60.0)
+                self.view.CameraPosition = bounds[::2] + (50.0, 30.0, 40.0)
                 self.view.CameraFocalPoint = bounds[::2]
                 shown.append((bounds, ffd.picture(self.view, "follows cells")))
                 simple.Hide(made, self.view)

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import unittest
 
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple
 
 import ffdparaview as ffd

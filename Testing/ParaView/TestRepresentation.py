@@ -8,6 +8,7 @@ import re
 import unittest
 
 import numpy as np
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import servermanager, simple, smstate
 
 import ffdparaview as ffd
@@ -387,12 +388,11 @@ class TestRepresentation(unittest.TestCase):
         self.show(Shape="Twist", Resolution=[4, 4, 4])
         self.opacity.Points = [37, 0, 0.5, 0, 140, 0.1, 0.5, 0, 180, 0.3, 0.5, 0, 280, 0.6, 0.5, 0]
         without = ffd.picture(self.view, "without points")
-        for i in range(27):
-            point = simple.Show(simple.Sphere(
-                Radius=0.5, Center=[8.0 * (i % 3 - 1), 8.0 * (i // 3 % 3 - 1), 8.0 * (i // 9 - 1)]),
-                self.view)
-            point.ColorArrayName = [None, ""]
-            point.AmbientColor = point.DiffuseColor = [0.9, 1.0, 0.9]
+        points = simple.Show(simple.GroupDatasets(Input=[
+            simple.Sphere(Radius=0.5, Center=[8.0 * (i % 3 - 1), 8.0 * (i // 3 % 3 - 1), 8.0 * (i // 9 - 1)])
+            for i in range(27)]), self.view)
+        points.ColorArrayName = [None, ""]
+        points.AmbientColor = points.DiffuseColor = [0.9, 1.0, 0.9]
         fine = ffd.picture(self.view, "fine points")
         self.assertGreater(ffd.differ(fine, without)[0], 20)
         self.display.FFDImageSampleDistance = 4.0

@@ -13,6 +13,7 @@ import tempfile
 import unittest
 
 import numpy as np
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import servermanager, simple
 
 import ffdlink

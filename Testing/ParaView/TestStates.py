@@ -7,6 +7,7 @@ wrote is loaded by four."""
 import os
 import unittest
 
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple
 
 import ffdparaview as ffd

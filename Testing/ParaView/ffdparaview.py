@@ -11,6 +11,7 @@ import subprocess
 import sys
 
 import numpy as np
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import servermanager, simple
 from paraview.vtk.util.numpy_support import vtk_to_numpy
 
