@@ -6,10 +6,12 @@ shown by FFD Volume."""
 
 import os
 
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple
 
 simple.GetSettingsProxy("GeneralSettings").AutoApply = 0
 view = simple.GetActiveViewOrCreate("RenderView")
+view.UseFXAA = 0
 for name, kind in (("First", os.environ["FFD_REST_TYPE"]), ("Second", "FFD Volume")):
     wavelet = simple.Wavelet(registrationName=name + "Data", WholeExtent=[-9, 9] * 3)
     dropped = kind == "lattice dropped"

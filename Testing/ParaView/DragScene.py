@@ -7,6 +7,7 @@ them, those of the last one while the mouse button was down, and the number of f
 import os
 
 import numpy as np
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple
 from paraview.vtk.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
@@ -15,6 +16,7 @@ simple.GetSettingsProxy("GeneralSettings").AutoApply = 0
 wavelet = simple.Wavelet(WholeExtent=[-15, 15] * 3)
 lattice = simple.FFDLattice(Input=wavelet, Resolution=[5, 5, 5], Shape="Bend", Strength=0.3)
 view = simple.GetActiveViewOrCreate("RenderView")
+view.UseFXAA = 0
 view.OrientationAxesVisibility = 0
 view.CameraPosition = [75.0, 45.0, 60.0]
 view.CameraFocalPoint = [0.0, 0.0, 0.0]

@@ -8,10 +8,12 @@ the pipeline is: a line of JSON."""
 import json
 import os
 
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple
 
 wavelet = simple.Wavelet(WholeExtent=[-15, 15] * 3)
 view = simple.GetActiveViewOrCreate("RenderView")
+view.UseFXAA = 0
 view.OrientationAxesVisibility = 0
 view.CameraPosition = [75.0, 45.0, 60.0]
 view.CameraViewUp = [0.0, 0.0, 1.0]

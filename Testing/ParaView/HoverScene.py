@@ -6,12 +6,14 @@ pointer rests on goes to the file FFD_HOVER_LOG, a line of JSON each."""
 import json
 import os
 
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple
 
 simple.GetSettingsProxy("GeneralSettings").AutoApply = 0
 wavelet = simple.Wavelet(WholeExtent=[-15, 15] * 3)
 lattice = simple.FFDLattice(Input=wavelet, Resolution=[4, 4, 4], Displacements=[3.0, -7.0, 11.0] * 64)
 view = simple.GetActiveViewOrCreate("RenderView")
+view.UseFXAA = 0
 view.OrientationAxesVisibility = 0
 view.CameraPosition = [78.0, 38.0, 71.0]
 view.CameraFocalPoint = [3.0, -7.0, 11.0]

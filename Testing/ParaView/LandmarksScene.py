@@ -7,6 +7,7 @@ next goes to the file FFD_LANDMARKS_LOG, and then the fit, as lines of JSON."""
 import json
 import os
 
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple
 
 simple.GetSettingsProxy("GeneralSettings").AutoApply = 1
@@ -19,6 +20,7 @@ layout.SplitHorizontal(0, 0.5)
 layout.AssignView(2, views[1])
 lines, contours = [], []
 for view, data in zip(views, (wavelet, bent)):
+    view.UseFXAA = 0
     view.CameraPosition = [75.0, 45.0, 60.0]
     view.CameraFocalPoint = [0.0, 0.0, 0.0]
     view.CameraViewUp = [0.0, 0.0, 1.0]

@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Run by TestPanel.py in ParaView's graphical client: a scene, and a log of what the filter is
 told. From the environment: FFD_PANEL_LOG, a line of JSON for each update of the filter,
-FFD_PANEL_TRACE, the Python trace so far, FFD_PANEL_STEP, the pixels from ray to ray, and FFD_PANEL_BLOCKS,
-whether the volume is two blocks with a lattice each."""
+FFD_PANEL_TRACE, the Python trace so far, FFD_PANEL_STEP, the pixels from ray to ray, FFD_PANEL_BLOCKS,
+whether the volume is two blocks with a lattice each, and FFD_PANEL_FXAA, whether edges are smoothed."""
 
 import json
 import os
 
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple, smtrace
 from paraview.servermanager import vtkSMTrace
 
@@ -23,6 +24,8 @@ view = simple.GetActiveViewOrCreate("RenderView")
 view.UseColorPaletteForBackground = 0
 view.Background = [0.0, 0.0, 0.0]
 view.OrientationAxesVisibility = 0
+# Smoothing of edges takes longer than all the rest of a frame.
+view.UseFXAA = int(os.environ["FFD_PANEL_FXAA"])
 shown = simple.Show(lattice, view)
 shown.FFDImageSampleDistance = float(os.environ["FFD_PANEL_STEP"])
 simple.GetColorTransferFunction("RTData").RescaleTransferFunction(37.0, 280.0)

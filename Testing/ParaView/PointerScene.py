@@ -7,12 +7,14 @@ FFD_POINTER_SLICE a slice of the volume is shown in its place, with FFD_POINTER_
 import json
 import os
 
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple
 
 simple.GetSettingsProxy("GeneralSettings").AutoApply = 1
 wavelet = simple.Wavelet(WholeExtent=[-15, 15] * 3)
 lattice = simple.FFDLattice(Input=wavelet, Resolution=[6, 6, 6], Shape="Bend", Strength=0.9)
 view = simple.GetActiveViewOrCreate("RenderView")
+view.UseFXAA = 0
 view.OrientationAxesVisibility = 0
 view.CameraPosition = [75.0, 45.0, 60.0]
 view.CameraFocalPoint = [0.0, 0.0, 0.0]

@@ -105,7 +105,8 @@ class Events:
             env={**os.environ, "HOME": folder, "XDG_RUNTIME_DIR": folder,
                  "PV_PLUGIN_PATH": os.path.dirname(PLUGIN), "FFD_PANEL_LOG": log,
                  "FFD_PANEL_TRACE": trace, "FFD_PANEL_AUTO_APPLY": str(int(auto_apply)),
-                 "FFD_PANEL_STEP": str(step), "FFD_PANEL_BLOCKS": str(int(blocks))})
+                 "FFD_PANEL_STEP": str(step), "FFD_PANEL_BLOCKS": str(int(blocks)),
+                 "FFD_PANEL_FXAA": str(int(baseline is not None))})
         for image in os.listdir(folder):
             if image.endswith(".png"):
                 shutil.copy(os.path.join(folder, image), TEMPORARY)
