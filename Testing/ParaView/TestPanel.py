@@ -565,22 +565,30 @@ class TestPanel(unittest.TestCase):
         """The pipeline browser and the status bar name what is shown at rest, as long as it is."""
         text = WINDOW + "statusbar/FFDAtRest"
         marks = BROWSER + "/qt_scrollarea_viewport/FFDAtRestMarks"
-        for kind in ("Volume", "Slice", "lattice dropped"):
+        for kind in ("Volume", "lattice dropped"):
             folder = tempfile.mkdtemp(prefix="rest.", dir=TEMPORARY)
             os.chmod(folder, 0o700)
             events = Events()
             events.add(VIEW, "pause", "500")
-            events.check(text, "visible", "true")
-            events.check(text, "text", "First is shown at rest (%s)" % kind)
-            events.check(marks, "marked", "First")
-            if kind in ("Volume", "Slice"):
-                # Another representation.
+
+            def check(shown):
+                events.check(text, "visible", "true")
+                events.check(text, "text", "First is shown at rest (%s)" % shown)
+                events.check(marks, "marked", "First")
+
+            check(kind)
+            if kind == "Volume":
+                # Other representations.
                 events.add(BROWSER, "currentChanged", "/0/0/0|0")
-                events.add(WINDOW + "representationToolbar/displayRepresentation/comboBox",
-                           "set_string", "FFD Volume")
-                events.add(VIEW, "pause", "500")
-                events.check(text, "visible", "false")
-                events.check(marks, "marked", "")
+                for shown in ("FFD Volume", "Slice", "FFD Volume"):
+                    events.add(WINDOW + "representationToolbar/displayRepresentation/comboBox",
+                               "set_string", shown)
+                    events.add(VIEW, "pause", "500")
+                    if shown == "Slice":
+                        check(shown)
+                    else:
+                        events.check(text, "visible", "false")
+                        events.check(marks, "marked", "")
             result = play(find_command("AtRestScene.py", folder, events),
                           find_environment(folder, FFD_REST_TYPE=kind))
             self.assertEqual(result.returncode, 0, result.stdout)
