@@ -36,7 +36,7 @@ class TestLandmarks(unittest.TestCase):
 
         def wait_for(number, act=lambda: None):
             """The line of that number of the log; acts again and again until it is there."""
-            end = time.monotonic() + 60.0
+            end = time.monotonic() + 600.0
             while time.monotonic() < end:
                 self.assertIsNone(paraview.poll())
                 if os.path.exists(log):
