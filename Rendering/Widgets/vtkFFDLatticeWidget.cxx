@@ -69,9 +69,17 @@ vtkSmartPointer<vtkFFDLatticeWidget> Keep(vtkAbstractWidget* widget)
 //------------------------------------------------------------------------------
 vtkFFDLatticeWidget::vtkFFDLatticeWidget()
   : Forwarder(vtkCallbackCommand::New())
+  , InteractorWatch(vtkCallbackCommand::New())
 {
   this->Forwarder->SetClientData(this);
   this->Forwarder->SetCallback(vtkFFDLatticeWidget::ForwardEvent);
+  // vtkInteractorObserver lets go of an interactor that is deleted, but does not hear of it while
+  // the interactor style or another widget has grabbed the focus. Passive observers are told first.
+  this->InteractorWatch->SetPassiveObserver(1);
+  this->InteractorWatch->SetClientData(this);
+  this->InteractorWatch->SetCallback([](vtkObject*, unsigned long, void* client, void*) {
+    static_cast<vtkFFDLatticeWidget*>(client)->ReleaseFocus();
+  });
   // The first translation that fits counts, so those with modifiers come first.
   vtkWidgetCallbackMapper* mapper = this->CallbackMapper;
   mapper->SetCallbackMethod(vtkCommand::LeftButtonPressEvent, vtkEvent::ShiftModifier, 0, 0,
@@ -102,7 +110,29 @@ vtkFFDLatticeWidget::~vtkFFDLatticeWidget()
   {
     this->WidgetRep->RemoveObserver(this->Forwarder);
   }
+  if (this->Interactor)
+  {
+    this->Interactor->RemoveObserver(this->InteractorWatch);
+  }
   this->Forwarder->Delete();
+  this->InteractorWatch->Delete();
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLatticeWidget::SetInteractor(vtkRenderWindowInteractor* interactor)
+{
+  if (interactor != this->Interactor)
+  {
+    if (this->Interactor)
+    {
+      this->Interactor->RemoveObserver(this->InteractorWatch);
+    }
+    this->Superclass::SetInteractor(interactor);
+    if (this->Interactor)
+    {
+      this->Interactor->AddObserver(vtkCommand::DeleteEvent, this->InteractorWatch);
+    }
+  }
 }
 
 //------------------------------------------------------------------------------

@@ -157,6 +157,9 @@ public:
 
   void SetEnabled(int enabling) override;
 
+  /// Overridden so that one that is deleted is let go of, whoever has the focus.
+  void SetInteractor(vtkRenderWindowInteractor* interactor) override;
+
 protected:
   vtkFFDLatticeWidget();
   ~vtkFFDLatticeWidget() override;
@@ -194,6 +197,7 @@ private:
   static void ForwardEvent(vtkObject* caller, unsigned long event, void* client, void* data);
 
   vtkCallbackCommand* Forwarder;
+  vtkCallbackCommand* InteractorWatch;
   bool Dragging = false;
   bool Moved = false;
   bool RegionArmed = false;

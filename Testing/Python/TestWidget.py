@@ -273,6 +273,17 @@ class TestWidget(unittest.TestCase):
                         self.send("CharEvent", x, y, key, control)
                     self.widget.Off()
 
+    def test_interactor_that_goes_during_a_drag_of_the_camera(self):
+        """The style of the interactor has the focus then, and no other observer hears that it is deleted."""
+        self.send("MouseMoveEvent", 2, 2)
+        self.send("LeftButtonPressEvent", 2, 2)
+        self.assertEqual(self.interactor.GetInteractorStyle().GetState(), 1)
+        self.window.SetInteractor(None)
+        self.interactor = None
+        self.assertIsNone(self.widget.GetInteractor())
+        self.assertEqual(self.widget.GetEnabled(), 0)
+        self.widget.Off()
+
     def test_observers_that_end_the_widget(self):
         """The last reference to it may go while it works."""
         def end(*_):
