@@ -303,6 +303,12 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolume* volume)
 {
+  if (!renderer || !volume)
+  {
+    vtkErrorMacro(<< "Render needs a renderer and a volume; the "
+                  << (renderer ? "volume" : "renderer") << " is null.");
+    return;
+  }
   vtkHardwareSelector* selector = renderer->GetSelector();
   // Render passes do not look at whether a prop can be picked.
   if (selector && (!volume->GetPickable() || !vtkFFDIsPassRead(selector)))

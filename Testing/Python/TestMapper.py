@@ -218,6 +218,14 @@ class TestMapper(unittest.TestCase):
             self.assertEqual(len(self.errors), 1)
             self.assertIn(words, self.errors[0])
 
+    def test_frames_of_nothing(self):
+        for renderer, volume in ((None, self.volume), (self.renderer, None)):
+            for render in (self.mapper.Render, self.mapper.GPURender):
+                self.errors.clear()
+                render(renderer, volume)
+                self.assertEqual(len(self.errors), 1)
+                self.assertIn("is null", self.errors[0])
+
 
 # VTK hands the message over only when the observer says what it is.
 TestMapper.on_error.CallDataType = "string0"
