@@ -105,7 +105,8 @@
  * A headlight shines from the position of the camera, in parallel projection, too, as that of
  * vtkGPUVolumeRayCastMapper does. A single one of intensity 1 lights the ambient term whatever its
  * ambient color, again as there; otherwise the ambient term is that of the ambient colors of the
- * lights times their intensities, black by default.
+ * lights times their intensities, black by default. Where no light is on there is a headlight, as
+ * the renderer makes one in a window, unless its AutomaticLightCreation is off.
  *
  * Lengths are those of the data coordinates, before the matrix of the vtkVolume: as VTK's mappers
  * do it, a volume that its matrix makes larger looks no denser. Lights shine in the world: where a

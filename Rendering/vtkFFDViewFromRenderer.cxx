@@ -165,7 +165,8 @@ Shading MakeShading(
       intensity = light->GetIntensity();
     }
   }
-  if (shading.Lights.empty() && lights->GetNumberOfItems() == 0)
+  // As vtkRenderer makes one when it draws in a window where none is on.
+  if (shading.Lights.empty() && renderer->GetAutomaticLightCreation())
   {
     Light headlight;
     headlight.Headlight = true;

@@ -365,6 +365,24 @@ class TestLighting(unittest.TestCase):
                     self.assertGreater(shown.max(), 20.0)
                     self.assertLess(abs(image - shown).max(), 2.0)
 
+    def test_no_light(self):
+        """Where none is on a renderer makes one, in images, too, unless that is switched off: then it is dark."""
+        for lights in (0, 1):
+            for automatic in (1, 0):
+                with self.subTest(lights=lights, automatic=automatic):
+                    plane = LitPlane([0.5, 0.3, -0.8])
+                    plane.ours.SetAutoAdjustSampleDistances(0)
+                    plane.look([0.2, -0.1, -1.0])
+                    plane.renderer.SetAutomaticLightCreation(automatic)
+                    if lights:
+                        plane.headlight(Switch=0, DiffuseColor=(1.0, 0.0, 0.0))
+                    image, _ = plane.render_image()
+                    shown = plane.render_window(plane.ours)
+                    gpu = plane.render_window(vtkOpenGLGPUVolumeRayCastMapper())
+                    self.assertEqual(image.max() > 50.0, bool(automatic))
+                    self.assertLess(abs(image - shown).max(), 2.0)
+                    self.assertEqual(gpu.max() > 50.0, bool(automatic))
+
 
 if __name__ == "__main__":
     unittest.main()
