@@ -14,6 +14,7 @@
 #include "vtkRendererCollection.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderWindowInteractor.h"
+#include "vtkSmartPointer.h"
 #include "vtkTimerLog.h"
 #include "vtkVolume.h"
 #include "vtkVolumeCollection.h"
@@ -175,6 +176,8 @@ void vtkFFDInteractiveFrames::vtkInternals::Detach()
 void vtkFFDInteractiveFrames::vtkInternals::Execute(
   vtkObject* caller, unsigned long event, void* data)
 {
+  // Observers may let go of the last reference: it stays until it is done.
+  const vtkSmartPointer<vtkFFDInteractiveFrames> keep(this->Self);
   if (event == vtkCommand::TimerEvent)
   {
     if (this->Timer >= 0 && data && *static_cast<int*>(data) == this->Timer)
@@ -269,7 +272,8 @@ void vtkFFDInteractiveFrames::vtkInternals::Begin()
   }
   const bool isShown =
     (last == Kind::Moving || last == Kind::Coarse) && this->ShownTime == this->FindSceneTime();
-  if (!this->Final && !isShown && this->Interactor->GetInitialized() &&
+  // Without its interactor there is no event loop from which a still frame would follow.
+  if (!this->Final && !isShown && this->Interactor && this->Interactor->GetInitialized() &&
     vtkFFDInteractiveFrames::GetExpectedStillTime(this->Window) > this->Self->LongestWait)
   {
     this->Frame = Kind::Coarse;
@@ -386,6 +390,12 @@ void vtkFFDInteractiveFrames::vtkInternals::OnTimer()
   {
     return;
   }
+  if (this->Interactor->GetRenderWindow() != this->Window)
+  {
+    // It has got another one, and does not draw ours any more.
+    this->Due = false;
+    return;
+  }
   if (this->InFrame || !this->IsStillRate())
   {
     this->Schedule(AfterAbort);
@@ -481,6 +491,7 @@ void vtkFFDInteractiveFrames::RenderStill()
     vtkErrorMacro("RenderStill: there is no window. Call SetInteractor() first.");
     return;
   }
+  const vtkSmartPointer<vtkFFDInteractiveFrames> keep(this);
   in.Final = true;
   in.Whole = true;
   in.Window->Render();

@@ -19,6 +19,7 @@ from vtkmodules.vtkRenderingCore import (
     vtkRenderWindowInteractor,
     vtkVolume,
 )
+from vtkmodules.vtkRenderingUI import vtkGenericRenderWindowInteractor
 
 
 class InteractiveFrames(unittest.TestCase):
@@ -52,6 +53,53 @@ class InteractiveFrames(unittest.TestCase):
         self.frames.SetInteractor(None)
         # In VTK 9.5 a loop serves the timers of all interactors, and ends when one says so.
         self.interactor.DestroyTimer(self.timer)
+
+    def frames_of_a_window(self, longest_wait):
+        interactor = vtkGenericRenderWindowInteractor()
+        interactor.SetRenderWindow(self.window)
+        interactor.Initialize()
+        frames = vtkffd.vtkFFDInteractiveFrames()
+        frames.SetInteractor(interactor)
+        frames.SetLongestWait(longest_wait)
+        self.mapper.SetSampleDistance(0.5)
+        return interactor, frames
+
+    def test_interactor_that_goes(self):
+        interactor, frames = self.frames_of_a_window(0.0)
+        self.window.Render()
+        self.assertTrue(frames.IsStillFrameDue())
+        self.window.SetInteractor(None)
+        del interactor
+        self.assertIsNone(frames.GetInteractor())
+        self.mapper.SetSampleDistance(0.4)
+        self.window.Render()
+        self.assertFalse(frames.IsStillFrameDue())
+
+    def test_observers_that_end_it(self):
+        """The last reference to it may go while it works."""
+        _interactor, frames = self.frames_of_a_window(100.0)
+        kept = [frames]
+        frames.AddObserver("ProgressEvent", lambda *_: kept.clear())
+        del frames
+        self.window.Render()
+        self.assertFalse(kept)
+        self.window.Render()
+
+    def test_interactor_of_another_window(self):
+        """Draws that one only: no still frame of the first can follow."""
+        interactor, frames = self.frames_of_a_window(0.0)
+        self.window.Render()
+        self.assertTrue(frames.IsStillFrameDue())
+        other = vtkRenderWindow()
+        other.SetOffScreenRendering(1)
+        rendered = []
+        other.AddObserver("StartEvent", lambda *_: rendered.append(1))
+        interactor.SetRenderWindow(other)
+        time.sleep(0.4)
+        for timer in range(3):
+            interactor.InvokeEvent("TimerEvent", timer)
+        self.assertFalse(rendered)
+        self.assertFalse(frames.IsStillFrameDue())
 
     def test_coarse_abort_still(self):
         expected = self.frames.GetExpectedStillTime
