@@ -10,13 +10,16 @@
 #include "vtkDoubleArray.h"
 #include "vtkNew.h"
 #include "vtkPoints.h"
+#include "vtkSmartPointer.h"
 
 #include <cmath>
 
 //------------------------------------------------------------------------------
 ffd::DisplacementSampler vtkFFDMakeTransformSampler(vtkAbstractTransform* transform)
 {
-  return [transform](const glm::ivec3& count, const glm::dvec3& first, const glm::dvec3& step,
+  // Observers of the progress of a fit may let go of the transform.
+  const vtkSmartPointer<vtkAbstractTransform> keep(transform);
+  return [keep](const glm::ivec3& count, const glm::dvec3& first, const glm::dvec3& step,
            std::vector<glm::dvec3>& displacements) {
     std::vector<glm::dvec3> positions;
     positions.reserve(ffd::GridSize(count));
@@ -38,7 +41,7 @@ ffd::DisplacementSampler vtkFFDMakeTransformSampler(vtkAbstractTransform* transf
     vtkNew<vtkPoints> out;
     in->SetData(array);
     out->SetDataTypeToDouble();
-    transform->TransformPoints(in, out);
+    keep->TransformPoints(in, out);
     displacements = vtkFFDCopyTuples(out->GetData());
     bool finite = true;
     for (std::size_t i = 0; i < positions.size(); ++i)

@@ -12,7 +12,7 @@ class vtkAbstractTransform;
 
 /**
  * Samples the displacements of a transform for the fits of ffd::FitNetToFunction() and
- * ffd::Lattice::Fit(). Each call updates the transform, which must outlive the sampler.
+ * ffd::Lattice::Fit(). Each call updates the transform, which the sampler keeps alive.
  */
 VTKFFDCORE_EXPORT ffd::DisplacementSampler vtkFFDMakeTransformSampler(
   vtkAbstractTransform* transform);

@@ -254,6 +254,23 @@ class TestFitLattice(unittest.TestCase):
         self.assertIsNotNone(self.fit.GetLattice())
         self.assertGreater(self.fit.GetOutput().GetNumberOfPoints(), 0)
 
+    def test_observers_that_take_the_transform(self):
+        """The last reference to it may go while it is fitted."""
+        transform = vtkffd.vtkFFDLattice()
+        transform.SetDimensions(5, 5, 5)
+        transform.FitToBounds(BOUNDS)
+        transform.SetControlPoint(2, 2, 2, 15.0, 3.0, 12.0)
+        expected = transform.TransformPoint(20.0, 5.0, 15.0)
+        self.fit.SetTransform(transform)
+        self.fit.SetBounds(BOUNDS)
+        self.fit.SetTolerance(0.01)
+        del transform
+        self.fit.AddObserver("ProgressEvent", lambda *_: self.fit.SetTransform(None))
+        self.fit.Update()
+        lattice = vtkffd.vtkFFDLattice()
+        self.assertEqual(lattice.FromImageData(self.fit.GetOutput()), 1)
+        np.testing.assert_allclose(lattice.TransformPoint(20.0, 5.0, 15.0), expected, atol=0.02)
+
     def test_flat_fields(self):
         for origin, bounds in ((0.0, None), (-1.5, (0, 8, 0, 8, -3.0, 1.0)), (2.7, (0, 8, 0, 8, 1, 5))):
             with self.subTest(origin=origin):
