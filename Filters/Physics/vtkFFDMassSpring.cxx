@@ -44,6 +44,7 @@ public:
   long long Steps = 0;
   int Offset = 0; // of the solver's nodes in the lattice's indices
   std::vector<char> KeptPins;
+  vtkNew<vtkFFDLattice> Shape; // as the body was made; its dimensions, domain and border count
 };
 
 //------------------------------------------------------------------------------
@@ -424,8 +425,9 @@ bool vtkFFDMassSpring::Prepare()
     body.LatticeTime = lattice->GetMTime();
     body.Valid = true;
     // The domain and the border of the body's lattice, for our own.
-    this->Lattice->DeepCopy(lattice);
-    this->Lattice->SetDisplacementScale(1.0);
+    body.Shape->DeepCopy(lattice);
+    body.Shape->SetDisplacementScale(1.0);
+    this->Lattice->DeepCopy(body.Shape);
     this->UpdateLattice();
     return true;
   });
@@ -444,6 +446,23 @@ void vtkFFDMassSpring::UpdateLattice()
   if (this->Model == LINEAR_ELASTIC)
   {
     net = ffd::InterpolateControlNet(net);
+  }
+  const auto isBody = [&] {
+    return std::equal(this->Lattice->GetDimensions(), this->Lattice->GetDimensions() + 3,
+             this->Body->Shape->GetDimensions()) &&
+      this->Lattice->GetDisplacements()->GetNumberOfTuples() ==
+      static_cast<vtkIdType>(net.Values.size());
+  };
+  if (!isBody())
+  {
+    // Somebody has given it other dimensions.
+    this->Lattice->DeepCopy(this->Body->Shape);
+  }
+  if (!isBody())
+  {
+    vtkErrorMacro("Observers of the lattice of GetLattice() give it other dimensions than those of "
+                  "the body. It is left as it is.");
+    return;
   }
   vtkDoubleArray* displacements = this->Lattice->GetDisplacements();
   for (std::size_t i = 0; i < net.Values.size(); ++i)

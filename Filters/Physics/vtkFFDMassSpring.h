@@ -226,7 +226,8 @@ public:
   double GetTime();
 
   /**
-   * The deformed lattice, at GetTime(). It belongs to this object, and stays the same one.
+   * The deformed lattice, at GetTime(). It belongs to this object, and stays the same one: the next
+   * step overwrites edits and brings back its dimensions.
    */
   vtkFFDLattice* GetLattice();
 

@@ -349,6 +349,19 @@ class TestMassSpring(unittest.TestCase):
                 "solid" if elastic else "springs", 1e3 * statistics.median(times)))
             self.assertLess(statistics.median(times), 0.2)
 
+    def test_lattice_that_others_resize(self):
+        """It gets back the dimensions of the body."""
+        for elastic in (False, True):
+            expected = make_body((5, 6, 5), elastic, RANDOM)
+            expected.Step(2)
+            for resize in (lambda lattice: lattice.SetDimensions(4, 4, 4), lambda lattice: lattice.Refine(),
+                           lambda lattice: lattice.SetDimensions(5, 5, 6)):
+                body = make_body((5, 6, 5), elastic, RANDOM)
+                body.Step(1)
+                resize(body.GetLattice())
+                self.assertEqual(body.Step(1), 1)
+                np.testing.assert_allclose(displacements(body), displacements(expected), atol=1e-12)
+
     def test_bad_input_is_named(self):
         body = make_body()
         errors = []
