@@ -23,6 +23,7 @@ import ffdinput  # noqa: E402
 
 # A pixel of ParaView's window, which is in the upper left corner: a place of the view beside the volume.
 BACKGROUND = (500, 300)
+RIGHT = (950, 300)  # in the right one of two views
 
 
 class TestAbort(unittest.TestCase):
@@ -203,6 +204,26 @@ class TestAbort(unittest.TestCase):
             text = file.read()
         self.assertIsNone(window.poll(), text)
         self.assertEqual(text.count("ERR|"), 1, text)
+
+    def test_views(self):
+        """Two views show a coarse picture of what the user does; both are finished. The wheel in one aborts
+        the frame of the other, too."""
+        self.begin()
+        self.start("paraview", "--dr", "--script=" + os.path.join(HERE, "TwoViewsScene.py"))
+        self.next("ready")
+        self.wait_until_idle()
+        ffdinput.move(100, 600)
+        ffdinput.focus(ffdinput.find_window("ParaView 5"))
+        ffdinput.strike("F8")
+        ffdinput.move(*BACKGROUND)
+        for view in (0, 1):
+            self.next("end", seconds=60.0, view=view, still=False)
+        first = self.next("end", seconds=60.0, still=True, aborted=False)["view"]
+        self.next("begin", seconds=60.0, view=1 - first, still=True)
+        ffdinput.move(*(BACKGROUND, RIGHT)[first])
+        ffdinput.click(ffdinput.WHEEL_DOWN)
+        self.next("end", seconds=60.0, view=1 - first, still=True, aborted=True)
+        self.next("end", seconds=60.0, view=1 - first, still=True, aborted=False)
 
     def test_size(self):
         """Widgets that are painted to show the progress do not take the frame away: the view itself,

@@ -85,6 +85,21 @@ bool IsModifier(::Display* display, unsigned int keycode)
   const KeySym key = XkbKeycodeToKeysym(display, static_cast<KeyCode>(keycode), 0, 0);
   return IsModifierKey(key);
 }
+
+/// Whether a place of the screen, in pixels of the device, is in a view.
+bool IsInView(const QPoint& place)
+{
+  for (pqView* view : pqApplicationCore::instance()->getServerManagerModel()->findItems<pqView*>())
+  {
+    const QWidget* widget = view->widget();
+    if (widget && widget->isVisible() &&
+      widget->rect().contains(widget->mapFromGlobal(place / widget->devicePixelRatioF())))
+    {
+      return true;
+    }
+  }
+  return false;
+}
 #endif
 
 } // namespace
@@ -290,17 +305,13 @@ void pqFFDLongFrames::endFrame(vtkObject* caller)
   if (frames.Last == Kind::Coarse)
   {
     window->SetDesiredUpdateRate(this->StillRate);
-    this->Unfinished = this->findView(window);
-    this->Again->start(AfterCoarse);
+    this->finishLater(this->findView(window), AfterCoarse);
   }
   else if (frames.Last == Kind::Still && !window->GetAbortRender())
   {
     frames.StillTime = vtkTimerLog::GetUniversalTime() - frames.BeginTime;
     this->Asked = false;
-    if (this->Unfinished == this->findView(window))
-    {
-      this->Unfinished = nullptr;
-    }
+    this->Unfinished.removeAll(this->findView(window));
   }
 }
 
@@ -311,13 +322,12 @@ bool pqFFDLongFrames::abortIfAsked(vtkRenderWindow* window)
   const auto found = this->Windows.find(window);
   pqView* view = this->findView(window);
   if (!this->Display || found == this->Windows.end() || found->second.Last != Kind::Still ||
-    !view || !this->hasInput(view))
+    !view || !view->widget() || !view->widget()->isVisible() || !this->hasInput())
   {
     return false;
   }
   window->SetAbortRender(1);
-  this->Unfinished = view;
-  this->Again->start(AfterAbort);
+  this->finishLater(view, AfterAbort);
   return true;
 }
 
@@ -366,13 +376,12 @@ void pqFFDLongFrames::noteNewInput()
 }
 
 //------------------------------------------------------------------------------
-/// Whether anything is or was pressed that is meant for the view.
-bool pqFFDLongFrames::hasInput(pqView* view)
+/// Whether anything is or was pressed that is meant for a view.
+bool pqFFDLongFrames::hasInput()
 {
 #ifdef FFD_HAS_X11
   auto* display = static_cast<::Display*>(this->Display);
-  QWidget* widget = view->widget();
-  if (!display || !widget || !widget->isVisible())
+  if (!display)
   {
     return false;
   }
@@ -388,8 +397,7 @@ bool pqFFDLongFrames::hasInput(pqView* view)
     (this->NewButton ||
       (buttons & (Button1Mask | Button2Mask | Button3Mask | Button4Mask | Button5Mask)) != 0))
   {
-    const QPoint place = QPoint(x, y) / widget->devicePixelRatioF();
-    return widget->rect().contains(widget->mapFromGlobal(place));
+    return IsInView(QPoint(x, y));
   }
   if (!QApplication::activeWindow())
   {
@@ -408,28 +416,47 @@ bool pqFFDLongFrames::hasInput(pqView* view)
       return true;
     }
   }
-#else
-  (void)view;
 #endif
   return false;
 }
 
 //------------------------------------------------------------------------------
+void pqFFDLongFrames::finishLater(pqView* view, int milliseconds)
+{
+  if (!this->Unfinished.contains(view))
+  {
+    this->Unfinished << view;
+  }
+  this->Again->start(milliseconds);
+}
+
+//------------------------------------------------------------------------------
+/// Makes one still frame: input between those of several views is handled.
 void pqFFDLongFrames::renderAgain()
 {
-  if (!this->Unfinished || pqFFDServerCheck::isLost(this->Unfinished->getServer()->session()))
+  const auto isGone = [](const QPointer<pqView>& view) {
+    return !view || pqFFDServerCheck::isLost(view->getServer()->session());
+  };
+  this->Unfinished.erase(std::remove_if(this->Unfinished.begin(), this->Unfinished.end(), isGone),
+    this->Unfinished.end());
+  if (this->Unfinished.isEmpty())
   {
     return;
   }
   this->noteNewInput();
   this->NewButton = false;
   this->NewKey = false;
-  if (this->hasInput(this->Unfinished))
+  if (this->hasInput())
   {
     this->Again->start(AfterAbort);
     return;
   }
+  const QPointer<pqView> view = this->Unfinished.takeFirst();
   this->Final = true;
-  this->Unfinished->forceRender();
+  view->forceRender();
   this->Final = false;
+  if (!this->Unfinished.isEmpty() && !this->Again->isActive())
+  {
+    this->Again->start(AfterCoarse);
+  }
 }

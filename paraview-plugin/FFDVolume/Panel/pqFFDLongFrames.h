@@ -3,6 +3,7 @@
 #ifndef pqFFDLongFrames_h
 #define pqFFDLongFrames_h
 
+#include <QList>
 #include <QObject>
 #include <QPointer>
 
@@ -26,9 +27,10 @@ class vtkRenderWindow;
  * Volume asks the render window now and then whether to go on, and the message with which a server
  * tells its progress asks the same; this class answers, from what the X server tells of the pointer
  * and the keyboard, on a connection of its own: no event is taken or handled before the frame is
- * over. A mouse button or the wheel in the view, or a key other than a
+ * over. A mouse button or the wheel in a view, be it another one, or a key other than a
  * modifier while ParaView has the keyboard, aborts the still frame, and the view goes on to show
- * the picture that it has. The still frame is made once nothing is pressed any more. Elsewhere than
+ * the picture that it has. The still frame is made once nothing is pressed any more, of all views
+ * that wait for one. Elsewhere than
  * under X nothing is aborted, and without the extension XInput 2 only by what is being held; nor
  * are frames of tiled displays.
  */
@@ -78,8 +80,9 @@ private:
   pqView* findView(vtkRenderWindow* window) const;
   bool mayBeCoarse(vtkRenderWindow* window) const;
   bool abortIfAsked(vtkRenderWindow* window);
+  void finishLater(pqView* view, int milliseconds);
   void noteNewInput();
-  bool hasInput(pqView* view);
+  bool hasInput();
 
   void* Display = nullptr; // a connection of its own to the X server
   int InputOpcode = 0;     // of XInput 2 there; 0: not available
@@ -92,7 +95,7 @@ private:
   bool Asked = false; // the user did something since the last still frame
   bool Final = false; // the frame is to be a still one
   QTimer* Again;
-  QPointer<pqView> Unfinished; // shows less than a still frame
+  QList<QPointer<pqView>> Unfinished; // show less than a still frame
 };
 
 #endif

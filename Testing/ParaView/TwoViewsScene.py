@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Run by TestAbort.py in ParaView's graphical client: a volume in two views side by side, whose still frames
+take some second each. How frames begin and end goes to the file FFD_ABORT_LOG as lines of JSON."""
+
+import json
+import os
+import time
+
+from paraview import simple
+
+FRAME = 1.0  # seconds
+
+log = open(os.environ["FFD_ABORT_LOG"], "w", encoding="ascii")  # open until the end
+
+
+def write(**line):
+    log.write(json.dumps({"time": time.monotonic(), **line}) + "\n")
+    log.flush()
+
+
+lattice = simple.FFDLattice(Input=simple.Wavelet(WholeExtent=[-60, 60] * 3), Shape="Twist")
+left = simple.GetActiveViewOrCreate("RenderView")
+layout = simple.GetLayout(left)
+layout.SplitHorizontal(layout.GetViewLocation(left), 0.5)
+right = simple.CreateView("RenderView")
+simple.AssignViewToLayout(view=right, layout=layout)
+views = (left, right)
+displays = [simple.Show(lattice, view) for view in views]
+simple.GetOpacityTransferFunction("RTData").Points = [37, 0.001, 0.5, 0, 280, 0.002, 0.5, 0]
+for view, display in zip(views, displays):
+    display.FFDNumberOfThreads = 1
+    display.FFDShade = 1
+    view.ResetCamera()
+    simple.Render(view)
+start = time.monotonic()
+displays[0].FFDSampleDistance = 0.5
+simple.Render(left)
+distance = 0.5 * (time.monotonic() - start) / FRAME
+for view, display in zip(views, displays):
+    display.FFDSampleDistance = distance
+    simple.Render(view)
+
+
+def observe(number, window):
+    def note(event):
+        return lambda *_: write(event=event, view=number, still=window.GetDesiredUpdateRate() < 1.0,
+                                aborted=bool(window.GetAbortRender()))
+
+    # After the plugin's observers at the beginning, before them at the end.
+    window.AddObserver("StartEvent", note("begin"), -1.0)
+    window.AddObserver("EndEvent", note("end"), 1.0)
+
+
+for i, view in enumerate(views):
+    observe(i, view.GetRenderWindow())
+simple.SetActiveSource(lattice)
+
+
+def edit(*_):
+    lattice.Strength = 0.5
+    for each in views:
+        simple.Render(each)
+
+
+left.GetRenderWindow().GetInteractor().AddObserver("EnterEvent", edit)
+write(event="ready")
