@@ -504,6 +504,26 @@ class TestPanel(unittest.TestCase):
             for a, b in zip(here, there):
                 self.assertAlmostEqual(a, b, delta=0.1)
 
+    def test_hover_mode(self):
+        """ParaView's tooltip of the cell below the pointer, once its mode is chosen, stays when the pointer
+        rests; ours comes without it. Rich text, as ParaView's, is wrapped."""
+        folder = tempfile.mkdtemp(prefix="mode.", dir=TEMPORARY)
+        os.chmod(folder, 0o700)
+        events = Events()
+
+        def rest(place, isRich):
+            events.add(VIEW, "mouseMove", "(%g,%g,0,0,0)" % place)
+            events.add(VIEW, "pause", "1500")
+            events.check("qtooltip_label", "wordWrap", isRich)
+
+        rest((0.5, 0.5), "false")
+        events.add(VIEW.partition("/CentralWidgetFrame")[0] + "/TitleBar/ToolBar/1QToolButton19", "activate")
+        events.add(WINDOW + "CoreUtilitiesPromptUser/qt_msgbox_buttonbox/1QPushButton0", "activate")
+        rest((0.45, 0.55), "true")
+        result = play(find_command("HoverScene.py", folder, events), find_environment(
+            folder, FFD_HOVER_LOG=os.path.join(folder, "log")))
+        self.assertEqual(result.returncode, 0, result.stdout)
+
     def drag_without_apply(self, moves, server):
         """Drag a control point, and end ParaView without Apply. Returns the last frame, the last one while
         the mouse button was down, the number of frames, and the bytes that the client has sent and received;

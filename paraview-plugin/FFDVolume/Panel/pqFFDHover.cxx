@@ -186,9 +186,12 @@ void pqFFDHover::show()
       text = Describe(proxy, pixel);
     }
   }
-  if (!text.isEmpty())
+  // One of ParaView's, of the cell or point below the pointer, stays: the user has asked for it.
+  const bool isOther = QToolTip::isVisible() && QToolTip::text() != this->Shown;
+  if (!text.isEmpty() && !isOther)
   {
     QToolTip::showText(widget->mapToGlobal(this->Place), text, widget);
+    this->Shown = text;
   }
   this->tell(text.replace("\n", "; "));
 }

@@ -13,9 +13,10 @@ class QWidget;
 
 /**
  * Tells what the pointer rests on, where that is FFD Volume: the value that is seen first, its
- * place in the scene, and its place at rest, in a tooltip and in the status bar. The volume is
- * asked, on the server if it is there, once the pointer has not moved for a while and no button is
- * held. The status bar is cleared when the pointer rests beside it, or leaves the view.
+ * place in the scene, and its place at rest, in a tooltip, where ParaView shows none of its own,
+ * and in the status bar. The volume is asked, on the server if it is there, once the pointer has
+ * not moved for a while and no button is held. The status bar is cleared when the pointer rests
+ * beside it, or leaves the view.
  */
 class pqFFDHover : public QObject
 {
@@ -43,6 +44,7 @@ private:
   QTimer* Resting;
   QPointer<QWidget> Widget; // that the pointer is in
   QPoint Place;             // there
+  QString Shown;            // what this class has put into the tooltip
   QString Told;             // what this class has put into the status bar
 };
 
