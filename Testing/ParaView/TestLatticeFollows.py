@@ -590,6 +590,14 @@ class TestLatticeFollows(unittest.TestCase):
             self.assertEqual(len(warnings.text), int(drops), (name, warnings.text))
             self.assertEqual(warnings.say("dropped", "at rest"), drops, name)
 
+    def test_empty_data_drop_nothing(self):
+        """Of a volume without voxels no filter is said to have dropped the lattice."""
+        empty = simple.ProgrammableSource(OutputDataSetType="vtkImageData", Script="pass")
+        with ffd.Errors(event="WarningEvent") as warnings:
+            self.show(simple.FFDLattice(Input=empty), "FFD Volume")
+            simple.Render(self.view)
+        self.assertEqual(warnings.text, [])
+
 
 if __name__ == "__main__":
     unittest.main()

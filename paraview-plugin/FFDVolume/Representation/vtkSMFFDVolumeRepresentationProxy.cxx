@@ -145,10 +145,12 @@ bool IsOfLattice(vtkSMProxy* source)
   return false;
 }
 
-/// Whether a representation shows data without a lattice that are made of data with one.
+/// Whether a representation shows data without a lattice that are made of data with one. Empty data
+/// have nothing to deform, and no lattice.
 bool ShowsDropped(vtkSMProxy* parent)
 {
-  return !GetType(parent).empty() && GetShownInformation(parent) && !HasLattice(parent) &&
+  vtkPVDataInformation* data = GetType(parent).empty() ? nullptr : GetShownInformation(parent);
+  return data && data->GetNumberOfPoints() > 0 && !HasLattice(parent) &&
     IsOfLattice(vtkSMPropertyHelper(parent, "Input").GetAsProxy());
 }
 
