@@ -150,6 +150,22 @@ class TestPanel(unittest.TestCase):
         for height, expected in zip(heights, (0.5, 1.0, 0.5, 1.0)):
             self.assertAlmostEqual(height, 17.7 * expected, delta=1.0, msg=heights)
 
+    def test_undo_of_applied_edit(self):
+        """Undo of the menu takes back what was applied, with what was dragged since, which control and Z do not
+        bring again."""
+        events = Events()
+        events.drag((0.5, 0.5), (0.6, 0.3))
+        events.click(PROPERTIES + "Accept")
+        events.drag((0.6, 0.3), (0.55, 0.4))
+        events.menu("menu_Edit", "actionEditUndo")
+        events.add(VIEW, "keyEvent", "6:%d:%d:z:0:1" % (ord("Z"), 0x04000000))
+        events.wait()
+        events.set(PANEL + "Resolution_0", "int", "6")
+        events.click(PROPERTIES + "Accept")
+        states, _ = events.play("applied", auto_apply=False)
+        self.assertEqual(moved(states[0]), [MIDDLE])
+        self.assertEqual(moved(states[-1]), [], [moved(state) for state in states])
+
     def test_undo_during_drag(self):
         """Control and Z do nothing while the mouse button is down; after it they take back a drag."""
         events = Events()

@@ -217,6 +217,8 @@ pqFFDLatticePropertyWidget::pqFFDLatticePropertyWidget(
     {
       in.Observe(
         property, vtkCommand::UncheckedPropertyModifiedEvent, this, SLOT(scheduleSettle()));
+      // By undo of ParaView, or a script: edits that were not applied are gone.
+      in.Observe(property, vtkCommand::ModifiedEvent, this, SLOT(forgetSteps()));
     }
   }
   // ParaView names it by all the words that its search box finds it by.

@@ -54,6 +54,7 @@ private Q_SLOTS:
   void setOptions();
   void refine();
   void resetEdits();
+  void forgetSteps();
   void movePoint(int i, int j, int k, double x, double y, double z);
   void moveSelection(double x, double y, double z);
 
@@ -64,7 +65,6 @@ private:
   void tellEdit(int changed);
   std::vector<std::vector<double>> getUnchecked() const;
   void stepEdits(bool back);
-  void forgetSteps();
 
   class pqInternals;
   std::unique_ptr<pqInternals> Internals;
