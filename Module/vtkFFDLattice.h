@@ -210,7 +210,8 @@ public:
    * ".BorderMode", ".Inverse" (int), ".DisplacementScale" (double) and ".Displacement" (double, 3
    * components, x fastest). AttachTo() stores a copy and replaces one attached before;
    * DetachFrom() removes it. ReadFrom() returns 1, or 0 with an error that names what is missing
-   * or malformed, the lattice unchanged. HasLattice() looks only for the arrays' names.
+   * or malformed, the lattice unchanged. HasLattice() looks only for the names of ".Version" and
+   * ".Displacement": one of them is a lattice that ReadFrom() refuses.
    */
   int AttachTo(vtkDataObject* object);
   int ReadFrom(vtkDataObject* object);

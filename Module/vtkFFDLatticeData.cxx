@@ -216,7 +216,8 @@ ffd::Lattice vtkFFDGetLatticeValue(vtkFFDLattice* lattice, vtkDoubleArray* displ
 //------------------------------------------------------------------------------
 bool vtkFFDHasLattice(vtkDataObject* object)
 {
-  return FindArray(object, "Version") != nullptr && FindArray(object, DisplacementName) != nullptr;
+  // One without the other is a lattice that is not whole: reading it says so.
+  return FindArray(object, "Version") != nullptr || FindArray(object, DisplacementName) != nullptr;
 }
 
 //------------------------------------------------------------------------------

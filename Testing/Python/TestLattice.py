@@ -230,6 +230,24 @@ class TestLattice(unittest.TestCase):
         vtkffd.vtkFFDLattice.DetachFrom(volume)
         self.assertFalse(vtkffd.vtkFFDLattice.HasLattice(volume))
 
+    def test_lattices_that_are_not_whole(self):
+        for name in ("Version", "Displacement"):
+            volume = vtkImageData()
+            volume.SetDimensions(4, 4, 4)
+            self.lattice.AttachTo(volume)
+            volume.GetFieldData().RemoveArray("FFDLattice." + name)
+            self.assertTrue(vtkffd.vtkFFDLattice.HasLattice(volume))
+            read = vtkffd.vtkFFDLattice()
+            messages = catch_errors(read)
+            self.assertEqual(read.ReadFrom(volume), 0)
+            self.assertIn("FFDLattice.%s is missing" % name, messages[-1])
+            # Not at rest without a word.
+            deform = vtkffd.vtkFFDResampleVolume()
+            deform.SetInputData(volume)
+            deform_messages = catch_errors(deform)
+            deform.Update()
+            self.assertIn("FFDLattice.%s is missing" % name, deform_messages[-1])
+
     def test_fit_to_transform(self):
         transform = vtkTransform()
         transform.RotateZ(20)
