@@ -149,7 +149,9 @@ class InteractiveFrames(unittest.TestCase):
                   "key": lambda: ffdinput.strike("Left"),
                   # As one presses it before a click.
                   "modifier": lambda: ffdinput.strike("Shift_L")}
-        slow = {"modifier": 0.006}
+        distances = dict.fromkeys(inputs, 0.002)
+        distances["modifier"] = 0.006
+        tries = 0
         names = list(inputs)
         aborted, seconds, given, titles = {}, {}, [], set()
         end = time.monotonic() + 1000.0
@@ -169,12 +171,21 @@ class InteractiveFrames(unittest.TestCase):
                 aborted.setdefault(names[0], self.frames.GetNumberOfAbortedFrames())
 
         def on_timer(_caller, _event):
+            nonlocal tries
             if names and given and not self.frames.IsStillFrameDue():
+                name, wanted = names[0], len(inputs) - len(names) + 1
                 titles.add(self.window.GetWindowName())
-                names.pop(0)
                 given.clear()
+                if name != "modifier" and aborted.get(name) != wanted and tries < 3:
+                    # A busy machine brought the input when the frame was done.
+                    tries += 1
+                    distances[name] *= 0.5
+                    aborted.pop(name, None)
+                    seconds.pop(name, None)
+                else:
+                    names.pop(0)
                 if names:
-                    self.mapper.SetSampleDistance(slow.get(names[0], 0.002))
+                    self.mapper.SetSampleDistance(distances[names[0]])
                     self.window.Render()
             elif names and not given and not self.frames.IsStillFrameDue():
                 # Too fast for the input to come in between.
