@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Compiler launcher of tests that build the tree once more: takes object files from another build where the
-command is the same. Set CMAKE_CXX_COMPILER_LAUNCHER to
+"""Compiler launcher of tests that build the tree once more: takes object files from another build by Ninja
+where the command is the same. Set CMAKE_CXX_COMPILER_LAUNCHER to
 
     <python>;-I;-S;reuse_objects.py;<this build's folder>;<the other build's folder>
 
 Commands are the same if they differ by the build's folder, and by optimization, warnings and the macros
-for symbols of shared libraries, at most. A generated source must also have the same content. Everything else
+for symbols of shared libraries, at most. Sources and headers that are generated must have the same content,
+but for the visibility of symbols. No source or header may be younger than the object file. Everything else
 is compiled.
 """
 
@@ -15,6 +16,7 @@ import json
 import os
 import re
 import shlex
+import subprocess
 import sys
 
 
@@ -42,19 +44,31 @@ def drop_output(words):
 
 
 def read(path, folder):
-    """A file's text, with <build> for the folder."""
+    """A generated file's text, with <build> for the folder, and without the visibility of symbols."""
     with open(path, encoding="utf-8", errors="surrogateescape") as file:
-        return file.read().replace(folder + "/", "<build>/")
+        text = file.read().replace(folder + "/", "<build>/")
+    return re.sub(r'__attribute__\(\(visibility\("\w+"\)\)\)', "", text)
+
+
+def list_dependencies(directory, output):
+    """The source and the headers of an object file, as Ninja has noted them."""
+    lines = subprocess.run(["ninja", "-t", "deps", output], cwd=directory, stdout=subprocess.PIPE,
+                           stderr=subprocess.DEVNULL, text=True, check=True).stdout.splitlines()
+    if not lines or not lines[0].endswith("(VALID)"):
+        raise ValueError("no valid dependencies of " + output)
+    return [os.path.normpath(os.path.join(directory, line.strip())) for line in lines[1:] if line]
 
 
 def find_object(command, build, other):
-    """The other build's object file that this command would make, or None."""
+    """The other build's object file that this command would make, and what that depends on; or None."""
     source = find_argument(command, "-c")
     if source is None or find_argument(command, "-o") is None:
         return None
-    source = os.path.abspath(source)
-    generated = source.startswith(build + "/")
-    twin = other + source[len(build):] if generated else source
+
+    def move(path, start, end):
+        return end + path[len(start):] if path.startswith(start + "/") else path
+
+    twin = move(os.path.abspath(source), build, other)
     try:
         with open(os.path.join(other, "compile_commands.json"), encoding="utf-8") as file:
             entry = next((each for each in json.load(file) if each["file"] == twin), None)
@@ -64,28 +78,33 @@ def find_object(command, build, other):
         words = words[words.index(command[0]):]  # without a launcher
         if normalize(drop_output(words), other) != normalize(drop_output(command), build):
             return None
-        if generated and read(twin, other) != read(source, build):
-            return None
-        found = os.path.join(entry["directory"], find_argument(words, "-o"))
-        # Not one that is older than its source.
-        return found if os.path.getmtime(found) >= os.path.getmtime(twin) else None
-    except (OSError, ValueError):
+        output = find_argument(words, "-o")
+        found = os.path.join(entry["directory"], output)
+        time = os.path.getmtime(found)
+        dependencies = [found]
+        for path in list_dependencies(entry["directory"], output):
+            own = move(path, other, build)
+            if os.path.getmtime(path) > time or own != path and read(path, other) != read(own, build):
+                return None
+            dependencies.append(own)
+        return found, dependencies
+    except (OSError, ValueError, subprocess.SubprocessError):
         return None
 
 
 def main(build, other, *command):
     """Copy the object file, or become the compiler; returns the status."""
-    found = find_object(list(command), os.path.abspath(build), os.path.abspath(other))
-    if found is None:
+    reused = find_object(list(command), os.path.abspath(build), os.path.abspath(other))
+    if reused is None:
         os.execvp(command[0], command)
+    found, dependencies = reused
     target = find_argument(command, "-o")
     with open(found, "rb") as source, open(target, "wb") as copy:
         copy.write(source.read())
-    dependencies = find_argument(command, "-MF")
-    if dependencies:
-        with open(dependencies, "w", encoding="utf-8") as file:
-            file.write("%s: %s %s\n" % (target, *(
-                path.replace(" ", "\\ ") for path in (found, find_argument(command, "-c")))))
+    note = find_argument(command, "-MF")
+    if note:
+        with open(note, "w", encoding="utf-8") as file:
+            file.write("%s: %s\n" % (target, " ".join(path.replace(" ", "\\ ") for path in dependencies)))
     return 0
 
 
