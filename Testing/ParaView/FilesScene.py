@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
 """Run by TestPanel.py in ParaView's graphical client: a volume that is selected, or what FFD_FILES_SELECTED
-says: a contour of it, a file that does not exist (missing), or the volume while another server is the active
+says: a contour of it, beside a file that does not exist, or the volume while another server is the active
 one, at the port FFD_FILES_PORT (elsewhere). When the view of the volume is rendered, FFD_FILES_LOG gets what
 the pipeline is: a line of JSON."""
 
@@ -25,8 +25,7 @@ selected = wavelet
 if os.environ["FFD_FILES_SELECTED"] == "contour":
     selected = simple.Contour(Input=wavelet, Isosurfaces=[150.0])
     simple.Show(selected, view)
-elif os.environ["FFD_FILES_SELECTED"] == "missing":
-    selected = simple.LegacyVTKReader(registrationName="Gone", FileNames=[os.environ["FFD_FILES_LOG"] + ".vtk"])
+    simple.LegacyVTKReader(registrationName="Gone", FileNames=[os.environ["FFD_FILES_LOG"] + ".vtk"])
 simple.SetActiveSource(selected)
 simple.Render(view)
 if os.environ["FFD_FILES_SELECTED"] == "elsewhere":

@@ -97,58 +97,103 @@ class TestPanel(unittest.TestCase):
         self.assertEqual(states[0]["widget"]["Visible"], 1)
         self.assertEqual(states[0]["volumes"], 0)
 
-    def test_reset(self):
-        """Reset takes a drag back that was not applied; the next Apply has nothing of it."""
-        events = Events()
-        events.drag((0.5, 0.5), (0.6, 0.3))
-        events.click(PROPERTIES + "Reset")
-        events.set(PANEL + "Resolution_0", "int", "6")
-        events.click(PROPERTIES + "Accept")
-        states, _ = events.play("reset", auto_apply=False)
-        self.assertEqual(states[-1]["resolution"], [6, 5, 5])
-        self.assertEqual(states[-1]["displacements"], [])
-
-    def test_outline(self):
-        """The outline is that of what the lattice deforms: of the volume, or of one block."""
-        for blocks, left in ((False, -15.0), (True, 0.0)):
-            events = Events()
-            for size in "67":
-                events.set(PANEL + "Resolution_0", "int", size)
-                events.click(PROPERTIES + "Accept")
-            states, _ = events.play("outline", auto_apply=False, blocks=blocks)
-            self.assertEqual(states[-1]["widget"]["OutlineBounds"], [left] + [15.0, -15.0] * 2 + [15.0])
-
-    def test_undo_before_apply(self):
-        """Control and Z take back a drag that was not applied, and shift, or ParaView's control and Y, brings
-        it again, while what is typed into the search box hides the panel of the lattice, and not the lattice."""
+    def test_before_apply(self):
+        """What is not applied yet. Control and Z take back a drag, and shift, or ParaView's control and Y,
+        brings it again, while what is typed into the search box hides the panel of the lattice, and not the
+        lattice; not while the mouse button is down. Reset takes back a drag. The search box finds the lattice's
+        controls by their names, and opens the part where they are until it is something else; tooltips are
+        those of the controls. A lattice that the user has hidden stays so."""
         control, shift = 0x04000000, 0x02000000
+        rest, half, whole = (0.5, 0.5), (0.55, 0.4), (0.6, 0.3)
         events = Events()
-        events.set(PROPERTIES + "SearchBox/SearchLineEdit", "string", "strength")
+
+        def type_words(words):
+            events.set(PROPERTIES + "SearchBox/SearchLineEdit", "string", words)
 
         def strike(modifiers, key="Z"):
             events.add(VIEW, "keyEvent", "6:%d:%d:%s:0:1" % (ord(key), modifiers, key.lower()))
             events.wait()
 
-        events.drag((0.5, 0.5), (0.6, 0.3))
-        events.drag((0.6, 0.3), (0.55, 0.4))
+        type_words("strength")
+        events.drag(rest, whole)
+        events.drag(whole, half)
         events.click(PROPERTIES + "Accept")
-        events.drag((0.55, 0.4), (0.6, 0.3))
-        events.drag((0.6, 0.3), (0.5, 0.5))
+        events.drag(half, whole)
+        events.drag(whole, rest)
         strike(control)
         events.click(PROPERTIES + "Accept")
-        events.drag((0.6, 0.3), (0.55, 0.4))
+        events.drag(whole, half)
         strike(control)
         strike(control | shift)
         events.click(PROPERTIES + "Accept")
-        events.drag((0.55, 0.4), (0.6, 0.3))
+        events.drag(half, whole)
         strike(control)
         strike(control, "Y")
         events.click(PROPERTIES + "Accept")
-        states, _ = events.play("undo", auto_apply=False)
-        heights = [state["displacements"][3 * MIDDLE + 2] for state in states]
-        self.assertEqual(len(heights), 4, heights)
-        for height, expected in zip(heights, (0.5, 1.0, 0.5, 1.0)):
+        # While the mouse button is down, and after it.
+        events.drag(whole, rest)
+        events.add(VIEW, "mousePress", "(%g,%g,1,1,0)" % rest)
+        events.add(VIEW, "mouseMove", "(%g,%g,0,1,0)" % half)
+        strike(control)
+        events.add(VIEW, "mouseRelease", "(%g,%g,1,0,0)" % half)
+        events.wait()
+        events.click(PROPERTIES + "Accept")
+        events.drag(half, whole)
+        strike(control)
+        events.drag(half, whole)
+        events.click(PROPERTIES + "Accept")
+        # The next Apply has nothing of what was reset.
+        type_words("")
+        events.drag(whole, rest)
+        events.click(PROPERTIES + "Reset")
+        events.set(PANEL + "Resolution_0", "int", "6")
+        events.click(PROPERTIES + "Accept")
+
+        def search(words, found, opened=None):
+            type_words(words)
+            events.check(PANEL + "Refine", "visible", str(found).lower())
+            for group in (SELECTION, EDITING, DISPLAY):
+                events.check(group.rstrip("/"), "visible", str(group == opened).lower())
+
+        search("refine", True)
+        search("resolution", True)
+        search("symmetry", True, EDITING)
+        search("strength", False)
+        search("fold guard", True, EDITING)
+        search("curved", True, DISPLAY)
+        search("selected", True, SELECTION)
+        # What the user has opened stays open.
+        type_words("")
+        events.toggle(DISPLAY)
+        search("curved", True, DISPLAY)
+        events.set(PANEL + "show3DWidget", "boolean", "false")
+        search("strength", False)
+        search("resolution", True, DISPLAY)
+        events.check(PANEL + "show3DWidget", "checked", "false")
+        events.set(PANEL + "Resolution_0", "int", "7")
+        events.click(PROPERTIES + "Accept")
+        states, _ = events.play("before", auto_apply=False)
+        self.assertEqual(len(states), 8, states)
+        heights = [state["displacements"][3 * MIDDLE + 2] for state in states[:6]]
+        for height, expected in zip(heights, (0.5, 1.0, 0.5, 1.0, 0.5, 1.0)):
             self.assertAlmostEqual(height, 17.7 * expected, delta=1.0, msg=heights)
+        dragged, reset, searched = states[5:]
+        self.assertEqual(reset["resolution"], [6, 5, 5])
+        self.assertEqual(reset["displacements"], dragged["displacements"])
+        self.assertEqual(reset["widget"]["Visible"], 1)
+        self.assertEqual(searched["resolution"], [7, 5, 5])
+        self.assertEqual(searched["widget"]["Visible"], 0)
+        # That of what the lattice deforms: of the volume; see test_outline.
+        self.assertEqual(searched["widget"]["OutlineBounds"], [-15.0, 15.0] * 3)
+
+    def test_outline(self):
+        """The outline is that of the block that the lattice deforms."""
+        events = Events()
+        for size in "67":
+            events.set(PANEL + "Resolution_0", "int", size)
+            events.click(PROPERTIES + "Accept")
+        states, _ = events.play("outline", auto_apply=False, blocks=True)
+        self.assertEqual(states[-1]["widget"]["OutlineBounds"], [0.0] + [15.0, -15.0] * 2 + [15.0])
 
     def test_undo_of_applied_edit(self):
         """Undo of the menu takes back what was applied, with what was dragged since, which control and Z do not
@@ -165,62 +210,6 @@ class TestPanel(unittest.TestCase):
         states, _ = events.play("applied", auto_apply=False)
         self.assertEqual(moved(states[0]), [MIDDLE])
         self.assertEqual(moved(states[-1]), [], [moved(state) for state in states])
-
-    def test_undo_during_drag(self):
-        """Control and Z do nothing while the mouse button is down; after it they take back a drag."""
-        events = Events()
-        undo = "6:%d:%d:z:0:1" % (ord("Z"), 0x04000000)
-        events.drag((0.5, 0.5), (0.6, 0.3))
-        events.add(VIEW, "mousePress", "(0.6,0.3,1,1,0)")
-        events.add(VIEW, "mouseMove", "(0.55,0.4,0,1,0)")
-        events.add(VIEW, "keyEvent", undo)
-        events.wait()
-        events.add(VIEW, "mouseRelease", "(0.55,0.4,1,0,0)")
-        events.wait()
-        events.click(PROPERTIES + "Accept")
-        events.drag((0.55, 0.4), (0.6, 0.3))
-        events.add(VIEW, "keyEvent", undo)
-        events.wait()
-        events.drag((0.55, 0.4), (0.6, 0.3))
-        events.click(PROPERTIES + "Accept")
-        states, _ = events.play("during", auto_apply=False)
-        heights = [state["displacements"][3 * MIDDLE + 2] for state in states]
-        self.assertEqual(len(heights), 2, heights)
-        for height, expected in zip(heights, (0.5, 1.0)):
-            self.assertAlmostEqual(height, 17.7 * expected, delta=1.0, msg=heights)
-
-    def test_search(self):
-        """What is typed into the search box of the panel finds the lattice's controls by their names, and
-        opens the part where they are until it is something else; tooltips are those of the controls. A lattice
-        that the user has hidden stays so."""
-        events = Events()
-
-        def search(words, found, opened=None):
-            events.set(PROPERTIES + "SearchBox/SearchLineEdit", "string", words)
-            events.check(PANEL + "Refine", "visible", str(found).lower())
-            for group in (SELECTION, EDITING, DISPLAY):
-                events.check(group.rstrip("/"), "visible", str(group == opened).lower())
-
-        search("refine", True)
-        search("resolution", True)
-        search("symmetry", True, EDITING)
-        search("strength", False)
-        search("fold guard", True, EDITING)
-        search("curved", True, DISPLAY)
-        search("selected", True, SELECTION)
-        # What the user has opened stays open.
-        events.set(PROPERTIES + "SearchBox/SearchLineEdit", "string", "")
-        events.toggle(DISPLAY)
-        search("curved", True, DISPLAY)
-        events.set(PANEL + "show3DWidget", "boolean", "false")
-        search("strength", False)
-        search("resolution", True, DISPLAY)
-        events.check(PANEL + "show3DWidget", "checked", "false")
-        events.set(PANEL + "Resolution_0", "int", "6")
-        events.click(PROPERTIES + "Accept")
-        states, _ = events.play("search", auto_apply=False)
-        self.assertEqual(states[-1]["resolution"], [6, 5, 5])
-        self.assertEqual(states[-1]["widget"]["Visible"], 0)
 
     def test_live(self):
         """With auto-apply the filter follows a drag, which is one step for undo and trace; after
@@ -397,17 +386,22 @@ class TestPanel(unittest.TestCase):
                  ("HandleMode", "InteriorVisibility", "LineMode", "Visible")],
                 [handle, interior, curved, visible], height)
 
-    def open_transform(self, selected, *options, **variables):
-        """File > Open of a transform file, and Apply; returns what ParaView says, the pipeline (None if the
-        view was not rendered), and the file."""
+    def open_transform(self, selected, *options, then=(), **variables):
+        """File > Open of a transform file, and Apply, and once more for each of the other places in the
+        pipeline browser, selected then; returns what ParaView says, the pipeline (None if the view was not
+        rendered), and the file."""
         folder = tempfile.mkdtemp(prefix="files.", dir=TEMPORARY)
         os.chmod(folder, 0o700)
         path = write_translation(folder)
         events = Events()
-        events.menu("menu_File", "actionFileOpen")
-        events.add(WINDOW + "FileOpenDialog", "filesSelected", path)
-        events.wait()
-        events.click(PROPERTIES + "Accept")
+        for place in (None, *then):
+            if place:
+                events.add(BROWSER, "currentChanged", place)
+                events.wait()
+            events.menu("menu_File", "actionFileOpen")
+            events.add(WINDOW + "FileOpenDialog", "filesSelected", path)
+            events.wait()
+            events.click(PROPERTIES + "Accept")
         # Rendered again, even if there is nothing new to show.
         events.drag((0.5, 0.5), (0.5, 0.5))
         log = os.path.join(folder, "log")
@@ -434,22 +428,16 @@ class TestPanel(unittest.TestCase):
             self.assertAlmostEqual(bound, expected, delta=0.01)
 
     def test_transform_file_alone(self):
-        """With a contour selected one message says that nothing is applied, why, and what to do."""
-        said, state, path = self.open_transform("contour")
-        self.assertEqual(sorted(state["sources"]), ["Contour", "FFDTransformReader", "RTAnalyticSource"])
+        """With a contour selected one message says that nothing is applied, why, and what to do; with a
+        source whose file is missing that it has no data."""
+        said, state, path = self.open_transform("contour", then=["/0/1|0"])
+        self.assertEqual(sorted(state["sources"]), ["Contour", "FFDTransformReader", "FFDTransformReader",
+                                                    "LegacyVTKFileReader", "RTAnalyticSource"])
         text = " ".join(said.split())
-        self.assertEqual(text.count("is opened, but not applied"), 1, said)
+        self.assertEqual(text.count("is opened, but not applied"), 2, said)
         self.assertIn(path + " is opened, but not applied to Contour1, which is selected: it is no volume (an "
                       "image), but \"Polygonal Mesh\". Select Wavelet1, and choose Filters > FFD > FFD Apply "
                       "Transform with shift.tfm as the transform.", text)
-
-    def test_transform_file_without_data(self):
-        """With a source selected whose file is missing the message says that it has no data."""
-        said, state, path = self.open_transform("missing")
-        self.assertEqual(sorted(state["sources"]),
-                         ["FFDTransformReader", "LegacyVTKFileReader", "RTAnalyticSource"])
-        text = " ".join(said.split())
-        self.assertEqual(text.count("is opened, but not applied"), 1, said)
         self.assertIn(path + " is opened, but not applied to Gone, which is selected: it has no data. Select "
                       "a volume, and choose Filters > FFD > FFD Apply Transform with shift.tfm as the transform.",
                       text)
@@ -520,26 +508,6 @@ class TestPanel(unittest.TestCase):
             for a, b in zip(here, there):
                 self.assertAlmostEqual(a, b, delta=0.1)
 
-    def test_hover_mode(self):
-        """ParaView's tooltip of the cell below the pointer, once its mode is chosen, stays when the pointer
-        rests; ours comes without it. Rich text, as ParaView's, is wrapped."""
-        folder = tempfile.mkdtemp(prefix="mode.", dir=TEMPORARY)
-        os.chmod(folder, 0o700)
-        events = Events()
-
-        def rest(place, isRich):
-            events.add(VIEW, "mouseMove", "(%g,%g,0,0,0)" % place)
-            events.add(VIEW, "pause", "1500")
-            events.check("qtooltip_label", "wordWrap", isRich)
-
-        rest((0.5, 0.5), "false")
-        events.add(VIEW.partition("/CentralWidgetFrame")[0] + "/TitleBar/ToolBar/1QToolButton19", "activate")
-        events.add(WINDOW + "CoreUtilitiesPromptUser/qt_msgbox_buttonbox/1QPushButton0", "activate")
-        rest((0.45, 0.55), "true")
-        result = play(find_command("HoverScene.py", folder, events), find_environment(
-            folder, FFD_HOVER_LOG=os.path.join(folder, "log")))
-        self.assertEqual(result.returncode, 0, result.stdout)
-
     def drag_without_apply(self, moves, server):
         """Drag a control point, and end ParaView without Apply. Returns the last frame, the last one while
         the mouse button was down, the number of frames, and the bytes that the client has sent and received;
@@ -573,6 +541,26 @@ class TestPanel(unittest.TestCase):
         self.assertEqual(result.returncode, 0, result.stdout)
         saved = np.load(frames)
         return saved["picture"].astype(int), saved["dragging"].astype(int), int(saved["count"]), counts
+
+    def test_hover_mode(self):
+        """ParaView's tooltip of the cell below the pointer, once its mode is chosen, stays when the pointer
+        rests; ours comes without it. Rich text, as ParaView's, is wrapped."""
+        folder = tempfile.mkdtemp(prefix="mode.", dir=TEMPORARY)
+        os.chmod(folder, 0o700)
+        events = Events()
+
+        def rest(place, isRich):
+            events.add(VIEW, "mouseMove", "(%g,%g,0,0,0)" % place)
+            events.add(VIEW, "pause", "1500")
+            events.check("qtooltip_label", "wordWrap", isRich)
+
+        rest((0.5, 0.5), "false")
+        events.add(VIEW.partition("/CentralWidgetFrame")[0] + "/TitleBar/ToolBar/1QToolButton19", "activate")
+        events.add(WINDOW + "CoreUtilitiesPromptUser/qt_msgbox_buttonbox/1QPushButton0", "activate")
+        rest((0.45, 0.55), "true")
+        result = play(find_command("HoverScene.py", folder, events), find_environment(
+            folder, FFD_HOVER_LOG=os.path.join(folder, "log")))
+        self.assertEqual(result.returncode, 0, result.stdout)
 
     def test_drag_is_local(self):
         """Before Apply only the control points travel to a server, and no pictures come back; the
