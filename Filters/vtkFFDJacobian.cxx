@@ -40,7 +40,7 @@ namespace
 {
 
 /// Between two looks at AbortExecute.
-constexpr int SlicesPerBatch = 32;
+constexpr int SlicesPerLook = 32;
 
 /// Counts of one thread.
 struct Summary
@@ -224,9 +224,9 @@ int vtkFFDJacobian::RequestData(
     const vtkIdType rowsPerSlice = extent[3] - extent[2] + 1;
     const double threshold = this->FoldThreshold;
     const vtkIdType slices = extent[5] - extent[4] + 1;
-    for (vtkIdType slice = 0; slice < slices && !this->GetAbortExecute(); slice += SlicesPerBatch)
+    for (vtkIdType slice = 0; slice < slices && !this->GetAbortExecute(); slice += SlicesPerLook)
     {
-      const vtkIdType last = std::min<vtkIdType>(slices, slice + SlicesPerBatch);
+      const vtkIdType last = std::min<vtkIdType>(slices, slice + SlicesPerLook);
       const vtkIdType firstRow = slice * rowsPerSlice;
       vtkFFDParallelFor()(static_cast<std::size_t>(last * rowsPerSlice - firstRow),
         [&](std::size_t begin, std::size_t end) {

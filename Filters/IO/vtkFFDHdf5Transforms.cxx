@@ -25,7 +25,7 @@ namespace
 /// Most numbers of one list: those of the largest field.
 constexpr hsize_t LargestCount = 3 * static_cast<hsize_t>(ffd::LargestField);
 /// Deflate packs no better than 1032 to 1; a small list may fit its header.
-constexpr double LargestCompression = 1032.0;
+constexpr double LargestDeflation = 1032.0;
 constexpr double SmallList = 65536.0;
 constexpr std::size_t LongestText = 256;
 constexpr int MincDimensions = 4;
@@ -134,7 +134,7 @@ bool IsContained(hid_t set, hsize_t count, std::size_t size)
   }
   const double stored = static_cast<double>(H5Dget_storage_size(set));
   const double claimed = static_cast<double>(count) * static_cast<double>(size);
-  return claimed <= stored * (filters > 0 ? LargestCompression : 1.0) + SmallList;
+  return claimed <= stored * (filters > 0 ? LargestDeflation : 1.0) + SmallList;
 }
 
 /// All numbers of a set of floating-point numbers (or of integers, where `integers`).

@@ -63,6 +63,10 @@ if (FFD_STRICT_WARNINGS)
   target_compile_options(ffd_build_flags INTERFACE
     "$<$<COMPILE_LANGUAGE:CXX>:${ffd_warnings}>")
 endif ()
+if (CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # Of classes with members of types from the anonymous namespace, in what GCC takes for headers.
+  target_compile_options(ffd_build_flags INTERFACE "$<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>")
+endif ()
 if (FFD_SANITIZERS)
   target_compile_options(ffd_build_flags INTERFACE -fsanitize=${FFD_SANITIZERS} -fno-omit-frame-pointer -g)
   if (FFD_SANITIZERS MATCHES "undefined")
