@@ -4,6 +4,7 @@
 """Several processes give the picture of one, highlights included, and each holds a part
 of the voxels: fewer, the more processes there are."""
 
+import functools
 import json
 import os
 import re
@@ -20,7 +21,7 @@ NAMES = ("identity", "smooth", "strong", "edited", "changed", "alone")
 BLENDS = ("Maximum0", "Minimum0", "Average0", "Additive0", "Isosurface1", "Slice0")
 SCENES = [name + opaque for name in NAMES for opaque in "01"] + [*BLENDS, "steps0"]
 VOLUME = os.path.join(ffd.TEMPORARY, "ParaView.alone.vtk")
-
+FILES = [os.path.join(ffd.TEMPORARY, "ParaView.time%d.vti" % step) for step in (0, 1)]
 
 SHAPES = ("Bend", "Twist", "Taper", "Bulge", "Random")
 HIGHLIGHTS = (*SHAPES, "White", "FXAA", "Dense", "Near", "Flat", "Hidden", "Again",
@@ -30,12 +31,32 @@ VOLUMES = ("beside", "translucent", "inline", "opposite", "parallel", "edited", 
            "turned")
 
 
-def run_script(ranks, *arguments):
-    """What a script of this folder puts out on so many processes."""
+def find_prefix(name, ranks):
+    """Of the pictures of a script on so many processes."""
+    return os.path.join(ffd.TEMPORARY, "ParaView.%s%d" % (name, ranks))
+
+
+@functools.lru_cache(maxsize=None)
+def run_session(ranks):
+    """What the scripts put out on so many processes, in one session."""
+    commands = []
+    if ranks != 3:
+        simple.SaveData(VOLUME, proxy=ffd.make_wavelet(20))
+        commands.append(["ParallelScenes.py", find_prefix("parallel", ranks), VOLUME])
+    if ranks in (1, 3):
+        wavelet = ffd.make_wavelet(12)
+        for path, frequency in zip(FILES, (60.0, 30.0)):
+            wavelet.XFreq = frequency
+            simple.SaveData(path, proxy=wavelet)
+        commands.append(["ParallelFiles.py", find_prefix("time", ranks), *FILES])
+        commands.append(["ParallelVolumes.py", find_prefix("volumes", ranks)])
+    # The last one, as it changes colors.
+    commands.append(["ParallelHighlights.py", find_prefix("highlights", ranks)])
     here = os.path.dirname(os.path.abspath(__file__))
+    arguments = [word for command in commands for word in ("+", *command)][1:]
     result = subprocess.run(
         ["mpiexec", "-np", str(ranks), "pvbatch", "--symmetric",
-         os.path.join(here, arguments[0]), *arguments[1:]],
+         os.path.join(here, "ParallelSession.py"), *arguments],
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
         env={**os.environ, "PYTHONPATH": here + os.pathsep + os.environ.get("PYTHONPATH", "")})
     if result.returncode != 0:
@@ -43,14 +64,15 @@ def run_script(ranks, *arguments):
     return result.stdout
 
 
-def compare_processes(test, name, script, scenes, least_lit, least_difference, *arguments):
+def read_pictures(name, ranks, scenes):
+    """By scene."""
+    run_session(ranks)
+    return {scene: ffd.read_picture("%s.%s.png" % (find_prefix(name, ranks), scene)) for scene in scenes}
+
+
+def compare_processes(test, name, scenes, least_lit, least_difference):
     """Each scene of a script has a picture of its own, the same on one and on three processes."""
-    pictures = {}
-    for ranks in (1, 3):
-        prefix = os.path.join(ffd.TEMPORARY, "ParaView.%s%d" % (name, ranks))
-        run_script(ranks, script, prefix, *arguments)
-        pictures[ranks] = {
-            scene: ffd.read_picture("%s.%s.png" % (prefix, scene)) for scene in scenes}
+    pictures = {ranks: read_pictures(name, ranks, scenes) for ranks in (1, 3)}
     for i, (scene, picture) in enumerate(pictures[1].items()):
         test.assertGreater(ffd.lit(picture), least_lit, scene)
         for other in scenes[:i]:
@@ -65,8 +87,7 @@ def compare_processes(test, name, script, scenes, least_lit, least_difference, *
 def run(ranks):
     """Pictures by scene; for each scene the voxels of each process, those of its source, and the
     bounds of the deformed volume as each process with voxels has them."""
-    prefix = os.path.join(ffd.TEMPORARY, "ParaView.parallel%d" % ranks)
-    output = run_script(ranks, "ParallelScenes.py", prefix, VOLUME)
+    output = run_session(ranks)
     sys.stdout.write("".join(
         line + "\n" for line in output.splitlines() if line.startswith("RANK")))
     voxels = {scene: [] for scene in SCENES}
@@ -84,15 +105,12 @@ def run(ranks):
             r"RANK \d+ identity0 .* threads (\d+)", output)]
         if len(threads) != ranks or not 0 < sum(threads) <= max(ranks, os.cpu_count()):
             raise AssertionError("%d processes have %s threads" % (ranks, threads))
-    pictures = {
-        scene: ffd.read_picture("%s.%s.png" % (prefix, scene)) for scene in (*SCENES, "moving")}
-    return pictures, voxels, given, bounds
+    return read_pictures("parallel", ranks, (*SCENES, "moving")), voxels, given, bounds
 
 
 class TestParallel(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        simple.SaveData(VOLUME, proxy=ffd.make_wavelet(20))
         cls.one, cls.voxels, _, cls.bounds = run(1)
 
     def check(self, ranks, most):
@@ -139,12 +157,7 @@ class TestHighlights(unittest.TestCase):
     """Colors brighter than their alpha, whose bytes IceT adds beyond 255."""
 
     def test_highlights(self):
-        pictures = {}
-        for ranks in (1, 2, 3, 4):
-            prefix = os.path.join(ffd.TEMPORARY, "ParaView.highlights%d" % ranks)
-            run_script(ranks, "ParallelHighlights.py", prefix)
-            pictures[ranks] = {
-                scene: ffd.read_picture("%s.%s.png" % (prefix, scene)) for scene in HIGHLIGHTS}
+        pictures = {ranks: read_pictures("highlights", ranks, HIGHLIGHTS) for ranks in (1, 2, 3, 4)}
         for scene, picture in pictures[1].items():
             self.assertGreater(ffd.lit(picture), 1000, scene)
             for ranks in (2, 3, 4):
@@ -186,19 +199,14 @@ class TestTime(unittest.TestCase):
                     self.assertEqual(found[3][kind][name], expected)
 
     def test_time(self):
-        files = [os.path.join(ffd.TEMPORARY, "ParaView.time%d.vti" % step) for step in (0, 1)]
-        wavelet = ffd.make_wavelet(12)
-        for path, frequency in zip(files, (60.0, 30.0)):
-            wavelet.XFreq = frequency
-            simple.SaveData(path, proxy=wavelet)
-        compare_processes(self, "time", "ParallelFiles.py", TIMES, 500, 0.15, *files)
+        compare_processes(self, "time", TIMES, 500, 0.15)
 
 
 class TestSeveralVolumes(unittest.TestCase):
     """Volumes beside and behind each other share the boxes of the processes."""
 
     def test_volumes(self):
-        compare_processes(self, "volumes", "ParallelVolumes.py", VOLUMES, 1000, 0.5)
+        compare_processes(self, "volumes", VOLUMES, 1000, 0.5)
 
 
 if __name__ == "__main__":
