@@ -29,6 +29,7 @@ foreach (module IN LISTS ffd_wrapped_modules)
   list(APPEND ffd_python_targets "${library}Python")
   set_target_properties("${library}Python" PROPERTIES
     LIBRARY_OUTPUT_DIRECTORY "${ffd_python_build_package}")
+  ffd_compile_quickly("${library}Python")
 endforeach ()
 add_custom_target(ffd_python_package)
 foreach (name IN LISTS ffd_python_module_names)

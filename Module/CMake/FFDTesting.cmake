@@ -110,15 +110,6 @@ function (ffd_precompile_headers property target)
   endif ()
 endfunction ()
 
-# ffd_compile_tests_quickly(<target>)
-# Less optimization in release builds: tests spend their time in our libraries, and compile in little
-# more than half the time.
-function (ffd_compile_tests_quickly target)
-  if (CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
-    target_compile_options("${target}" PRIVATE "$<$<CONFIG:Release>:-O1>")
-  endif ()
-endfunction ()
-
 # ffd_add_kernel_test(<Name> <sources>... [LABELS ...] [TIMEOUT s])
 # A Google Test executable that sees the private headers of the kernels and links all our modules.
 # GTEST_SKIP() counts as failure: loop over what the machine has instead.
@@ -132,7 +123,7 @@ function (ffd_add_kernel_test name)
     ${ffd_modules}
     glm::glm hwy::hwy
     GTest::gtest_main)
-  ffd_compile_tests_quickly("${name}")
+  ffd_compile_quickly("${name}")
   ffd_precompile_headers(ffd_kernel_test_headers "${name}"
     <gtest/gtest.h> <glm/glm.hpp> <algorithm> <cmath> <functional> <random> <string> <vector>)
   add_test(NAME "Kernels.${name}" COMMAND "${name}")
@@ -204,7 +195,7 @@ function (ffd_build_cxx_tests)
     set_target_properties(FFDCxxTests PROPERTIES ENABLE_EXPORTS ON)
   endif ()
   target_include_directories(FFDCxxTests PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}")
-  ffd_compile_tests_quickly(FFDCxxTests)
+  ffd_compile_quickly(FFDCxxTests)
   ffd_precompile_headers(ffd_cxx_test_headers FFDCxxTests
     <vtkCamera.h> <vtkColorTransferFunction.h> <vtkDoubleArray.h> <vtkImageData.h> <vtkNew.h>
     <vtkPiecewiseFunction.h> <vtkPointData.h> <vtkRegressionTestImage.h> <vtkRenderWindow.h>
