@@ -78,7 +78,7 @@ inline Bytes RenderBytes(Scene& scene, int size)
 /// leave samples out.
 inline void CheckLeaping(Scene& scene, const std::string& name, bool leaps, Checks& checks)
 {
-  constexpr int Size = 120;
+  constexpr int Size = 90;
   const int before = scene.Ours->GetSpaceLeaping();
   scene.Ours->CollectStatisticsOn();
   scene.Ours->SetSpaceLeapingToOff();
@@ -106,7 +106,7 @@ inline void CheckLeaping(Scene& scene, const std::string& name, bool leaps, Chec
     figures << "largest difference " << largest << " (at most 1), of depths " << depth
             << " (at most 1e-5), samples per ray " << samplesOff << ", " << samples << "; "
             << visible << " px";
-    checks.Expect(largest <= 1 && depth <= 1e-5 && visible > 500 &&
+    checks.Expect(largest <= 1 && depth <= 1e-5 && visible > 280 &&
         (leaps ? samples < samplesOff : samples == samplesOff),
       name + ", " + scene.Ours->GetSpaceLeapingAsString() + " against OFF", figures.str());
   }
