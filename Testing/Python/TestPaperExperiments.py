@@ -26,7 +26,7 @@ class TestPaperExperiments(unittest.TestCase):
         program = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(program)
         cls.folder = os.path.join(os.environ["FFD_TEST_TEMPORARY"], "paper_experiments")
-        cls.checks = {c.name: c for c in program.run(cls.folder, size=128, quick=True)}
+        cls.checks = {c.name: c for c in program.run(cls.folder, size=96, quick=True)}
 
     def read(self, name):
         with open(os.path.join(self.folder, name), newline="", encoding="ascii") as stream:
