@@ -344,7 +344,7 @@ struct View
 class Scene
 {
 public:
-  static constexpr int Size = 200;
+  static constexpr int Size = 140;
 
   explicit Scene(int size = Size)
   {

@@ -36,7 +36,7 @@ struct Fixture
   void CheckSame(const std::string& name, const ffdTest::Picture& expected, ffdTest::Checks& checks)
   {
     const ffdTest::Distance d = this->Scene.Compare(expected, this->Scene.Render(this->Scene.Ours));
-    checks.Expect(d.Pixels > 2000 && d.Max <= 1.0, name, ffdTest::ToString(d) + " (max at most 1)");
+    checks.Expect(d.Pixels > 1000 && d.Max <= 1.0, name, ffdTest::ToString(d) + " (max at most 1)");
   }
 };
 
@@ -177,7 +177,7 @@ void CheckInterpolatedCells(ffdTest::Checks& checks)
     red += picture.Rgb[i] > 26 ? 1 : 0;
     green += picture.Rgb[i + 1] > 60 ? 1 : 0;
   }
-  checks.Expect(red == 0 && green > 2000, "hidden cells do not bleed",
+  checks.Expect(red == 0 && green > 1000, "hidden cells do not bleed",
     std::to_string(red) + " pixels with their color, " + std::to_string(green) + " with others'");
 }
 

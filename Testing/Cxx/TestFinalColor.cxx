@@ -58,7 +58,7 @@ int TestFinalColor(int argc, char* argv[])
     figures << toGpu << " from the GPU mapper, " << toFixed
             << " from the fixed-point mapper (mean at most 2.5)";
     checks.Expect(
-      toGpu.Pixels > 3000 && toGpu.Mean <= 2.5 && toFixed.Mean <= 2.5, name.str(), figures.str());
+      toGpu.Pixels > 1500 && toGpu.Mean <= 2.5 && toFixed.Mean <= 2.5, name.str(), figures.str());
     checks.ExpectAtLeast(name.str() + ", mean change", scene.Compare(before, ours).Mean, 5.0);
   }
   SetFinalColor(scene, 1.0, 0.5);

@@ -39,7 +39,7 @@ ffdTest::Picture Blurred(const ffdTest::Picture& in)
 int TestJitter(int argc, char* argv[])
 {
   ffdTest::Checks checks;
-  ffdTest::Scene scene;
+  ffdTest::Scene scene(200);
   const vtkSmartPointer<vtkImageData> image = ffdTest::ReadVolume(argc, argv, "engine", 2);
   double bounds[6];
   image->GetBounds(bounds);

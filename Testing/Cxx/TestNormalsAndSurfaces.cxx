@@ -30,7 +30,7 @@ void CheckSurface(ffdTest::Checks& checks)
 #else
     const bool comparable = true;
 #endif
-    checks.Expect(gpu.Pixels > 3000 && (gpu.Mean <= 4.0 || !comparable), name,
+    checks.Expect(gpu.Pixels > 1500 && (gpu.Mean <= 4.0 || !comparable), name,
       ffdTest::ToString(gpu) + " from the GPU mapper (mean at most 4)");
     checks.ExpectAtLeast(name + ", matters", scene.Compare(before, ours).Mean, least);
   };
@@ -107,7 +107,7 @@ void CheckNormalFromOpacity(ffdTest::Checks& checks)
   scene.Property->SetScalarOpacity(identity);
   const ffdTest::Distance d = scene.Compare(byOpacity, scene.Render(scene.Ours));
   // Opacities of interpolated scalars are not interpolated opacities at the tip of the ramp.
-  checks.Expect(d.Pixels > 3000 && d.Mean <= 4.0, "normals of the opacity",
+  checks.Expect(d.Pixels > 1500 && d.Mean <= 4.0, "normals of the opacity",
     ffdTest::ToString(d) + " from a volume of opacities (mean at most 4)");
 }
 

@@ -76,7 +76,7 @@ struct Fixture
     const ffdTest::Distance d = this->Scene.Compare(expected, this->Scene.Render(this->Scene.Ours));
     std::ostringstream figures;
     figures << d << " (mean at most " << mean << ", max " << largest << ")";
-    checks.Expect(d.Pixels > 3000 && d.Mean <= mean && d.Max <= largest, name, figures.str());
+    checks.Expect(d.Pixels > 1500 && d.Mean <= mean && d.Max <= largest, name, figures.str());
   }
 };
 
