@@ -399,7 +399,7 @@ class TestLatticeFollows(unittest.TestCase):
         shape = {"Shape": "Bend", "Strength": 0.5, "Resolution": [4, 4, 4]}
         lattice = simple.FFDLattice(
             Input=simple.GroupDatasets(Input=pieces), LatticePerBlock=1, **shape)
-        seen, farthest = 0, 0.0
+        ways = []
         for piece, x in zip(pieces, (-6.0, 6.0)):
             alone = simple.FFDLattice(Input=piece, **shape)
             for y, z in ((0.0, 0.0), (6.0, -5.0), (-7.0, 3.0)):
@@ -413,16 +413,16 @@ class TestLatticeFollows(unittest.TestCase):
                                 arrays.GetArray("RTData").GetValue(0),
                                 *arrays.GetArray("RestPosition").GetTuple(0)])
                 if got[1][0]:
-                    seen += 1
                     np.testing.assert_allclose(got[0], got[1], atol=1e-3)
                     # What is there at rest is moved to the place by the lattice of the block.
                     point = simple.PointSource(Center=got[0][2:], NumberOfPoints=1, Radius=0.0)
                     moved = simple.FFDDeformGeometry(Input=point, Lattice=alone)
                     np.testing.assert_allclose(
                         simple.servermanager.Fetch(moved).GetPoint(0), (x, y, z), atol=1e-3)
-                    farthest = max(farthest, np.linalg.norm(np.array(got[0][2:]) - (x, y, z)))
-        self.assertGreater(seen, 3)
-        self.assertGreater(farthest, 1.0)
+                    ways.append(np.linalg.norm(np.array(got[0][2:]) - (x, y, z)))
+        self.assertGreater(len(ways), 3)
+        # A programmable source has brought functions of its own, named as Python's, into this module.
+        self.assertGreater(np.max(ways), 1.0)
 
     def pick_place(self, view, pixel):
         """The place that widgets take from the picture."""
