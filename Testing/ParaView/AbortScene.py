@@ -4,22 +4,21 @@
 or as long as with the sample distance FFD_ABORT_DISTANCE, and with FFD_ABORT_ALL=1 the moving ones, too.
 The distance, and how frames begin and end, go to the file FFD_ABORT_LOG as lines of JSON."""
 
-import json
 import os
 import time
 
+import ffdlog
 import ffdsession  # noqa: F401, before paraview.simple
 from paraview import servermanager, simple
 from paraview.vtk.vtkCommonCore import vtkUnsignedCharArray
 
 FRAME = 2.0  # seconds
 
-log = open(os.environ["FFD_ABORT_LOG"], "w", encoding="ascii")  # open until the end
+log = ffdlog.open_log("FFD_ABORT_LOG")
 
 
 def write(**line):
-    log.write(json.dumps({"time": time.monotonic(), **line}) + "\n")
-    log.flush()
+    log({"time": time.monotonic(), **line})
 
 
 lattice = simple.FFDLattice(Input=simple.Wavelet(WholeExtent=[-130, 130] * 3), Shape="Twist")

@@ -3,9 +3,7 @@
 """Run by TestPanel.py in ParaView's graphical client: a volume that is moved by (3, -7, 11). What the
 pointer rests on goes to the file FFD_HOVER_LOG, a line of JSON each."""
 
-import json
-import os
-
+import ffdlog
 import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple
 
@@ -25,14 +23,13 @@ simple.GetOpacityTransferFunction("RTData").Points = [37, 0, 0.5, 0, 140, 0, 0.5
 simple.SetActiveSource(wavelet)
 simple.Render(view)
 
-log = open(os.environ["FFD_HOVER_LOG"], "w", encoding="ascii")  # open until the end
+log = ffdlog.open_log("FFD_HOVER_LOG")
 picked = display.SMProxy.GetProperty("FFDSampleDistance").GetParent().GetProperty("FFDPicked")
 
 
 def note(*_):
     """Write down what was found below the pointer."""
-    log.write(json.dumps([picked.GetElement(i) for i in range(8)]) + "\n")
-    log.flush()
+    log([picked.GetElement(i) for i in range(8)])
 
 
 picked.AddObserver("ModifiedEvent", note)

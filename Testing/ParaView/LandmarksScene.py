@@ -4,9 +4,7 @@
 other, as contours; a poly line for each, and the lattice that is fitted to them. Which line is placed
 next goes to the file FFD_LANDMARKS_LOG, and then the fit, as lines of JSON."""
 
-import json
-import os
-
+import ffdlog
 import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple
 
@@ -31,13 +29,12 @@ for view, data in zip(views, (wavelet, bent)):
     simple.Show(lines[-1], view)
     simple.Render(view)
 fit = simple.FFDFitLattice(SourceLandmarks=lines[0], TargetLandmarks=lines[1], Volume=wavelet)
-log = open(os.environ["FFD_LANDMARKS_LOG"], "w", encoding="ascii")  # open until the end
+log = ffdlog.open_log("FFD_LANDMARKS_LOG")
 state = {"line": -1, "next": 0}
 
 
 def write(**line):
-    log.write(json.dumps(line) + "\n")
-    log.flush()
+    log(line)
 
 
 def distance(number, place):

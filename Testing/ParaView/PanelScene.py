@@ -8,6 +8,7 @@ whether the volume is two blocks with a lattice each, and FFD_PANEL_FXAA, whethe
 import json
 import os
 
+import ffdlog
 import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple, smtrace
 from paraview.servermanager import vtkSMTrace
@@ -67,17 +68,16 @@ def count_volumes():
                for mapper in mappers)
 
 
-log = open(os.environ["FFD_PANEL_LOG"], "w", encoding="ascii")  # open until the end
+log = ffdlog.open_log("FFD_PANEL_LOG")
 
 
 def note(*_):
     """Write down what the filter has."""
-    log.write(json.dumps({
+    log({
         "resolution": list(lattice.Resolution),
         "displacements_resolution": list(lattice.DisplacementsResolution),
         "displacements": list(lattice.Displacements),
-        "widget": describe_widget(), "volumes": count_volumes()}) + "\n")
-    log.flush()
+        "widget": describe_widget(), "volumes": count_volumes()})
     with open(os.environ["FFD_PANEL_TRACE"], "w", encoding="utf-8") as trace:
         trace.write(vtkSMTrace.GetActiveTracer().GetCurrentTrace())
 

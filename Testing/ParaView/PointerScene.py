@@ -4,9 +4,9 @@
 the pointer rests on and where the ruler ends goes to the file FFD_POINTER_LOG, a line of JSON each. With
 FFD_POINTER_SLICE a slice of the volume is shown in its place, with FFD_POINTER_SLICE=moved by FFD Deform Geometry; FFD_POINTER_BLEND is a blend mode."""
 
-import json
 import os
 
+import ffdlog
 import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple
 
@@ -39,12 +39,11 @@ simple.Show(ruler, view)
 simple.SetActiveSource(ruler)
 simple.Render(view)
 
-log = open(os.environ["FFD_POINTER_LOG"], "w", encoding="ascii")  # open until the end
+log = ffdlog.open_log("FFD_POINTER_LOG")
 
 
 def note(event, values):
-    log.write(json.dumps({"event": event, "values": values}) + "\n")
-    log.flush()
+    log({"event": event, "values": values})
 
 
 def note_hover(*_):

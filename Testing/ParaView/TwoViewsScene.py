@@ -3,20 +3,19 @@
 """Run by TestAbort.py in ParaView's graphical client: a volume in two views side by side, whose still frames
 take some second each. How frames begin and end goes to the file FFD_ABORT_LOG as lines of JSON."""
 
-import json
-import os
 import time
 
+import ffdlog
+import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple
 
 FRAME = 1.0  # seconds
 
-log = open(os.environ["FFD_ABORT_LOG"], "w", encoding="ascii")  # open until the end
+log = ffdlog.open_log("FFD_ABORT_LOG")
 
 
 def write(**line):
-    log.write(json.dumps({"time": time.monotonic(), **line}) + "\n")
-    log.flush()
+    log({"time": time.monotonic(), **line})
 
 
 lattice = simple.FFDLattice(Input=simple.Wavelet(WholeExtent=[-60, 60] * 3), Shape="Twist")
