@@ -233,11 +233,7 @@ private:
   /// Positions on the curves, clamped to the volume against rounding errors.
   HWY_INLINE Vec3 PositionAt(const PacketCurve& curve, Vf s) const
   {
-    const Vec3 q = curve.At(this->Scene, s);
-    const Vf lower = Splat(this->Scene.Lower);
-    const float* upper = this->Scene.Upper;
-    return { Clamp(q.x, lower, Splat(upper[0])), Clamp(q.y, lower, Splat(upper[1])),
-      Clamp(q.z, lower, Splat(upper[2])) };
+    return this->Samples.ClampToVolume(curve.At(this->Scene, s));
   }
 
   /// Moves the ends of intervals that are outside of the volume to its faces.
