@@ -348,6 +348,7 @@ void AddChannels(const CastScene& scene, const OpticalFunctions& functions, Pack
       return ToFinite(AsFetched(p.Volume, component, value));
     };
     PacketChannel channel;
+    channel.Component = component;
     channel.Low = fetched(blend.Low[i]);
     channel.High = fetched(blend.High[i]);
     channel.AverageMin = fetched(blend.AverageMin);

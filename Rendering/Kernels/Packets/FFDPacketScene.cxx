@@ -313,6 +313,9 @@ PacketScene MakePacketScene(
   p.InnerBlending =
     (p.Sampling == PacketSampling::Extreme || p.Sampling == PacketSampling::Surface) &&
     !kind.Components && !kind.Masked && !p.HidesSamples;
+  p.InnerChannels = p.Sampling == PacketSampling::Extreme && !p.Grid.Snaps && !kind.Masked &&
+    !p.HidesSamples && p.Volume.SlicesInReach == 0 &&
+    (p.Volume.Components == 2 || p.Volume.Components == 4);
   p.Plain = p.Inner && p.CropSpace == Cropping::Spaces::None && !p.OpacityByGradient &&
     !p.NormalsOfOpacity && !p.ClipsGradients && !p.Mask.Scalars && !kind.Plane &&
     !p.Grid.ChangesGradients();

@@ -139,6 +139,7 @@ struct PacketChannel
   float Weight = 1.0f;
   float UnitDistance = 1.0f;     ///< of the table
   float AdditiveDistance = 1.0f; ///< of Blending
+  int Component = 0;             ///< that the range is of
 };
 
 /// Bounds of the values of a channel, in whose codes extremes are compared with them.
@@ -214,6 +215,7 @@ struct PacketScene
   bool InnerComponents =
     false; ///< the same of dependent components whose last one is the density, in reach of offsets
   bool InnerBlending = false; ///< the same of extremes and surfaces
+  bool InnerChannels = false; ///< the same of extremes of two or four components
   /// Values that blend modes compare samples with, as fetched (PacketVolume).
   float ValueLow = 0.0f; ///< ends of their range
   float ValueHigh = 1.0f;

@@ -108,6 +108,13 @@ public:
     }
   }
 
+  /// Whether TakePart() can take samples of a segment.
+  template <bool AtFaces>
+  HWY_INLINE bool HasLoop() const
+  {
+    return this->Scene.InnerBlending || this->Channels.template HasLoop<AtFaces>();
+  }
+
   /**
    * Takes extremes or surfaces of the samples from `from` on, before `to`, of a curve of a segment
    * as Take() does. Without `AtFaces` all voxels that they and the intervals behind them need must
@@ -116,6 +123,10 @@ public:
   template <bool AtFaces>
   HWY_INLINE int TakePart(const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
   {
+    if (this->HasChannels())
+    {
+      return this->Channels.template TakePart<AtFaces>(curve, numbers, from, to);
+    }
     if (this->Scene.Sampling == PacketSampling::Extreme)
     {
       return this->Samples.template ForValues<0, AtFaces>(
@@ -166,6 +177,9 @@ public:
     kept = false;
     return news;
   }
+
+  /// From now on samples are taken for the extremes of the channels `wanted`, a bit each.
+  HWY_INLINE void Want(unsigned int wanted) { this->Channels.Wanted = wanted; }
 
   /// The largest values of a channel so far, or the smallest ones negated.
   HWY_INLINE Vf GetExtreme(std::size_t channel) const

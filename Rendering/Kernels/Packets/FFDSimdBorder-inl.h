@@ -337,9 +337,10 @@ public:
   {
   }
 
-  HWY_INLINE void FindValues(Vf* values)
+  /// Those of the components `wanted`, a bit each, at least.
+  HWY_INLINE void FindValues(Vf* values, unsigned int wanted = AllComponents)
   {
-    this->Samples.FindValues(values);
+    this->Samples.FindValues(values, wanted);
     if (HWY_UNLIKELY(!hn::AllFalse(Df(), this->AtBorder)))
     {
       this->Border.ComponentValues(this->Q, this->AtBorder, values);

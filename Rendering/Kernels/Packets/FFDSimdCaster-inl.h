@@ -251,17 +251,15 @@ private:
     }
   }
 
-  /// Whether a part holds no value above the extremes of any ray.
-  HWY_INLINE bool IsPassed(const TileSegment& segment, int block, int part) const
+  /// Finds the channels of which a part may hold values above the extremes of rays, a bit each.
+  HWY_INLINE unsigned int FindChannels(const TileSegment& segment, int block, int part) const
   {
+    unsigned int channels = 0;
     for (std::size_t c = 0; c < this->Scene.Peaks.size(); ++c)
     {
-      if (PeakOf(segment, c, block, part) > this->PassedCodes[c])
-      {
-        return false;
-      }
+      channels |= PeakOf(segment, c, block, part) > this->PassedCodes[c] ? 1u << c : 0u;
     }
-    return true;
+    return channels;
   }
 
   /// Part of a segment.
@@ -315,7 +313,9 @@ private:
     }
     PacketState& state = this->Samples.State;
     const Mf alive = state.Alive;
+    this->Sought = 1u << channel;
     this->CastCurves(*peak.Segment, { peak.Part, peak.Part + 1 });
+    this->Sought = AllComponents;
     state.Alive = alive;
     this->Blending.LowerExtremes();
     this->FindPassedCodes();
@@ -353,9 +353,14 @@ private:
          part = this->FindNeeded(segment, block, part + 1, parts.End))
     {
       const bool seeking = !this->Scene.Peaks.empty();
-      if (HWY_UNLIKELY(seeking) && this->IsPassed(segment, block, part))
+      if (HWY_UNLIKELY(seeking))
       {
-        continue;
+        const unsigned int channels = this->FindChannels(segment, block, part) & this->Sought;
+        if (channels == 0)
+        {
+          continue;
+        }
+        this->Blending.Want(channels);
       }
       const int from = segment.FirstSample + part * segment.SamplesPerPart;
       if (!begun)
@@ -402,7 +407,7 @@ private:
     {
       return this->Samples.template TakeSamples<true, AtFaces>(curve, this->Numbers, from, to);
     }
-    if (this->Scene.InnerBlending)
+    if (this->Blending.template HasLoop<AtFaces>())
     {
       return this->Blending.template TakePart<AtFaces>(curve, this->Numbers, from, to);
     }
@@ -439,6 +444,7 @@ private:
   {
     const Df d;
     this->CountSegment(segment);
+    this->Blending.Want(AllComponents);
     const int x = this->X - segment.X;
     const int y = this->Y - segment.Y;
     PacketCurve about;
@@ -791,6 +797,7 @@ private:
   /// Where extremes of channels are looked for, the codes of ValuePeaks up to which parts hold no
   /// value above the extremes of all rays.
   std::array<int, LargestNumberOfChannels> PassedCodes{ { -1, -1, -1, -1 } };
+  unsigned int Sought = AllComponents; ///< channels whose extremes are looked for, a bit each
   PacketCompositor<T> Samples;
   PacketBlending<T> Blending;
 };

@@ -58,10 +58,10 @@ public:
   HWY_NOINLINE void Begin()
   {
     const Vf zero = hn::Zero(Df());
+    this->Position = { zero, zero, zero };
     ForComponents([&](auto c) {
       this->Extremes[c] = Splat(-NoExtreme);
       this->Places[c] = zero;
-      this->Kept[c] = zero;
       this->Sums[c] = zero;
       this->Lengths[c] = zero;
     });
@@ -71,26 +71,55 @@ public:
   HWY_NOINLINE void Take(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
   {
     Vf values[LargestNumberOfComponents];
-    this->Samples.FindComponents(q, sampled, values);
-    Mf visible;
-    switch (this->Scene.Sampling)
+    if (this->Scene.Sampling == PacketSampling::Extreme)
     {
-      case PacketSampling::Extreme:
-        visible = this->TakeExtremes(curve, values, s, sampled);
-        break;
-      case PacketSampling::Sum:
-        visible = this->AddUp(curve, values, s, sampled);
-        break;
-      default:
+      const unsigned int wanted =
+        this->IsDependent() ? FindDensityComponents(this->Scene) : this->Wanted;
+      this->Samples.FindComponents(q, sampled, wanted, values);
+      for (std::size_t c = 0; c < this->Scene.Channels.size(); ++c)
       {
-        const Mf lanes[LargestNumberOfComponents] = { sampled, sampled, sampled, sampled };
-        const Vf t = curve.TimeAt(s);
-        const Vf places[LargestNumberOfComponents] = { t, t, t, t };
-        visible = this->Show(values, lanes, places);
-        break;
+        if (IsWanted(this->Wanted, static_cast<int>(c)))
+        {
+          this->TakeExtreme(c, curve, DensityOf(this->Scene, c, values), s, sampled);
+        }
       }
+      return;
+    }
+    this->Samples.FindComponents(q, sampled, AllComponents, values);
+    Mf visible;
+    if (this->Scene.Sampling == PacketSampling::Sum)
+    {
+      visible = this->AddUp(curve, values, s, sampled);
+    }
+    else
+    {
+      const Mf lanes[LargestNumberOfComponents] = { sampled, sampled, sampled, sampled };
+      const Vf t = curve.TimeAt(s);
+      const Vf places[LargestNumberOfComponents] = { t, t, t, t };
+      visible = this->Show(values, lanes, places);
     }
     this->Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(Df(), visible));
+  }
+
+  /// Whether TakePart() can take samples of a segment. Those of several channels are fetched
+  /// together: that costs less than to look up each by itself.
+  template <bool AtFaces>
+  HWY_INLINE bool HasLoop() const
+  {
+    return this->Scene.InnerChannels && (this->Wanted & (this->Wanted - 1u)) == 0 &&
+      this->Samples.template HasComponentWindow<AtFaces>();
+  }
+
+  /// Takes extremes as PacketBlending::TakePart(), of the channel that is wanted.
+  template <bool AtFaces>
+  HWY_INLINE int TakePart(const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
+  {
+    const std::size_t c = hwy::Num0BitsBelowLS1Bit_Nonzero32(this->Wanted);
+    return this->Samples.template ForComponentValues<AtFaces>(curve, numbers, from, to,
+      this->Scene.Channels[c].Component, [&](int, Vf s, Mf sampled, Vf value) FFD_INLINE_LAMBDA {
+        this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(Df(), sampled));
+        this->TakeExtreme(c, curve, value, s, sampled);
+      });
   }
 
   /// Finds the pixels of the rays, after their last samples.
@@ -99,8 +128,17 @@ public:
     if (this->Scene.Sampling == PacketSampling::Extreme)
     {
       Mf lanes[LargestNumberOfComponents];
-      ForComponents([&](auto c) { lanes[c] = hn::Gt(this->Extremes[c], Splat(-NoExtreme)); });
-      this->Show(this->Kept, lanes, this->Places);
+      Vf values[LargestNumberOfComponents];
+      const bool maximum = this->Scene.Source->Blend.Mode == BlendMode::Maximum;
+      ForComponents([&](auto c) {
+        lanes[c] = hn::Gt(this->Extremes[c], Splat(-NoExtreme));
+        values[c] = maximum ? this->Extremes[c] : hn::Neg(this->Extremes[c]);
+      });
+      if (this->IsDependent())
+      {
+        this->Samples.FindComponents(this->Position, lanes[0], AllComponents, values);
+      }
+      this->Show(values, lanes, this->Places);
     }
     else if (this->Scene.Sampling == PacketSampling::Sum)
     {
@@ -121,6 +159,8 @@ public:
   }
 
   bool News = false; ///< whether extremes have changed since this was set to false
+  unsigned int Wanted =
+    AllComponents; ///< channels whose extremes samples are taken for, a bit each
 
 private:
   /// Nothing is beyond the ends of the range.
@@ -132,37 +172,32 @@ private:
 
   bool IsDependent() const { return this->Scene.KindOfComponents != ComponentKind::Independent; }
 
-  /// Keeps the largest densities; minima are found as maxima of the negated ones.
-  HWY_INLINE Mf TakeExtremes(const PacketCurve& curve, const Vf* values, Vf s, Mf sampled)
+  /// Keeps the largest density of a channel; minima are found as maxima of the negated ones.
+  HWY_INLINE void TakeExtreme(std::size_t c, const PacketCurve& curve, Vf density, Vf s, Mf sampled)
   {
     const Df d;
     const bool maximum = this->Scene.Source->Blend.Mode == BlendMode::Maximum;
-    const Vf t = curve.TimeAt(s);
-    Mf news = hn::FirstN(d, 0);
-    Mf done = this->State.Alive;
-    for (std::size_t c = 0; c < this->Scene.Channels.size(); ++c)
+    const Vf value = maximum ? density : hn::Neg(density);
+    // Comparisons with what is not a number are false.
+    const Mf better = hn::And(sampled, hn::Gt(value, this->Extremes[c]));
+    if (hn::AllFalse(d, better))
     {
-      const Vf density = DensityOf(this->Scene, c, values);
-      const Vf value = maximum ? density : hn::Neg(density);
-      // Comparisons with what is not a number are false.
-      const Mf better = hn::And(sampled, hn::Gt(value, this->Extremes[c]));
-      this->Extremes[c] = hn::IfThenElse(better, value, this->Extremes[c]);
-      if (this->IsDependent())
-      {
-        ForComponents(
-          [&](auto i) { this->Kept[i] = hn::IfThenElse(better, values[i], this->Kept[i]); });
-      }
-      else
-      {
-        this->Kept[c] = hn::IfThenElse(better, values[c], this->Kept[c]);
-      }
-      this->Places[c] = hn::IfThenElse(better, t, this->Places[c]);
-      news = hn::Or(news, better);
-      done = hn::And(done, hn::Ge(this->Extremes[c], Splat(this->LastExtreme(c))));
+      return;
     }
-    this->News = this->News || !hn::AllFalse(d, news);
+    this->News = true;
+    this->Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, better));
+    this->Extremes[c] = hn::IfThenElse(better, value, this->Extremes[c]);
+    this->Places[c] = hn::IfThenElse(better, curve.TimeAt(s), this->Places[c]);
+    if (this->IsDependent())
+    {
+      this->Position = Select(better, curve.At(this->Scene, s), this->Position);
+    }
+    Mf done = this->State.Alive;
+    for (std::size_t i = 0; i < this->Scene.Channels.size(); ++i)
+    {
+      done = hn::And(done, hn::Ge(this->Extremes[i], Splat(this->LastExtreme(i))));
+    }
     this->State.Alive = hn::AndNot(done, this->State.Alive);
-    return news;
   }
 
   /// Adds up intensities times opacities.
@@ -277,7 +312,7 @@ private:
   PacketState& State;
   Vf Extremes[LargestNumberOfComponents]; ///< by channel
   Vf Places[LargestNumberOfComponents];   ///< by channel: t where these are
-  Vf Kept[LargestNumberOfComponents];     ///< values of all components where these are
+  Vec3 Position;                          ///< where these are of dependent components
   Vf Sums[LargestNumberOfComponents];     ///< by channel
   Vf Lengths[LargestNumberOfComponents];  ///< over which these are
   Mf Any;                                 ///< rays that have taken a sample that counts

@@ -38,6 +38,8 @@ HWY_INLINE void ForComponents(const Take& take)
   take(std::integral_constant<int, 3>());
 }
 
+constexpr unsigned int AllComponents = (1u << LargestNumberOfComponents) - 1u; ///< a bit each
+
 /// Whether a component is one of `wanted`, a bit each.
 HWY_INLINE constexpr bool IsWanted(unsigned int wanted, int c) { return (wanted >> c & 1u) != 0; }
 
@@ -183,13 +185,15 @@ public:
     std::copy_n(voxels.GetOffsets(), 16, this->Offsets);
   }
 
-  HWY_NOINLINE void FindValues(Vf values[LargestNumberOfComponents])
+  /// The values of the components `wanted`, a bit each.
+  HWY_NOINLINE void FindValues(
+    Vf values[LargestNumberOfComponents], unsigned int wanted = AllComponents)
   {
     const ComponentRows<T> rows[4] = { this->template Load<false>(0, 0),
       this->template Load<false>(1, 0), this->template Load<false>(0, 1),
       this->template Load<false>(1, 1) };
     ForComponents([&](auto c) {
-      if (c < this->Voxels.Get().Components)
+      if (c < this->Voxels.Get().Components && IsWanted(wanted, c))
       {
         values[c] = Sample<T>(InnerRows<c>{ rows }, this->At, this->Rows[c]);
       }

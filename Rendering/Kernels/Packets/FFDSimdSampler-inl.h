@@ -68,11 +68,47 @@ public:
     });
   }
 
-  /// Finds the values of all components at q, in the volume.
-  HWY_NOINLINE void FindComponents(const Vec3& q, Mf lanes, Vf* values)
+  /**
+   * Calls use(n, s, sampled, value) as ForValues() does, with the values of one of two or four
+   * components. HasComponentWindow() must be true.
+   */
+  template <bool AtFaces, class Use>
+  HWY_INLINE int ForComponentValues(const PacketCurve& curve, const SampleNumbers& numbers,
+    int from, int to, int component, const Use& use)
+  {
+    return this->template WithWindow<AtFaces>([&](auto fit) FFD_INLINE_LAMBDA {
+      constexpr WindowFit Fit = decltype(fit)::value;
+      static_cast<void>(curve);
+      static_cast<void>(numbers);
+      static_cast<void>(from);
+      if constexpr (Fit != WindowFit::None)
+      {
+        return this->Scene.Volume.Components == 2
+          ? this->template ForComponentValues<2, AtFaces, Fit>(
+              curve, numbers, from, to, component, use)
+          : this->template ForComponentValues<4, AtFaces, Fit>(
+              curve, numbers, from, to, component, use);
+      }
+      return to;
+    });
+  }
+
+  /// Whether single components are read from windows in a segment.
+  template <bool AtFaces>
+  HWY_INLINE bool HasComponentWindow() const
+  {
+    if constexpr (HasVoxelWindow<T>())
+    {
+      return (!AtFaces || this->CanUseFaces()) && this->Window.GetFit() != WindowFit::None;
+    }
+    return false;
+  }
+
+  /// Finds the values at q, in the volume, of the components `wanted`, a bit each.
+  HWY_NOINLINE void FindComponents(const Vec3& q, Mf lanes, unsigned int wanted, Vf* values)
   {
     const Vec3 voxel = FindSampledVoxels(this->Scene, q);
-    FetchedComponents<T>(this->Scene.Volume, voxel, lanes, this->Border).FindValues(values);
+    FetchedComponents<T>(this->Scene.Volume, voxel, lanes, this->Border).FindValues(values, wanted);
   }
 
   /// Interpolates values at q, in the volume. Beyond the outermost voxels, where the volume is one
@@ -325,6 +361,36 @@ private:
   HWY_NOINLINE Vf FindMovedInnerValue(int n, const Vec3& q, Mf lanes)
   {
     return this->FindInnerVoxelValue(n, FindMovedVoxels(this->Scene, q), lanes);
+  }
+
+  /// ForComponentValues() with windows of one kind.
+  template <int Components, bool AtFaces, WindowFit Fit, class Use>
+  HWY_NOINLINE int ForComponentValues(const PacketCurve& curve, const SampleNumbers& numbers,
+    int from, int to, int component, const Use& use)
+  {
+    for (int n = from; n < to; ++n)
+    {
+      const Vf s = numbers.FindPlaces(curve, n);
+      const Vec3 q = curve.At(this->Scene, s);
+      const Mf sampled =
+        this->template FindShown<AtFaces>(curve, q, s, numbers.FindActive(this->State.Alive, n));
+      if (hn::AllFalse(Df(), sampled))
+      {
+        continue;
+      }
+      SampleCells cells;
+      const SamplePosition at =
+        FindCells(this->Scene.Volume, FindSampledVoxels(this->Scene, q), !AtFaces, cells);
+      this->Window.template MoveTo<AtFaces>(n);
+      const WindowRows<T, Fit, AtFaces, Components> voxels(this->Window, cells, component);
+      SampleRows<T> rows;
+      use(n, s, sampled, Sample<T>(voxels, at, rows));
+      if (HWY_UNLIKELY(hn::AllFalse(Df(), this->State.Alive)))
+      {
+        return n;
+      }
+    }
+    return to;
   }
 
   /// ForValues() with windows of one kind, or without.

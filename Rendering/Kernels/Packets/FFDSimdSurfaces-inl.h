@@ -135,7 +135,10 @@ private:
     if (HWY_UNLIKELY(this->Scene.Volume.Components > 1))
     {
       Vf values[LargestNumberOfComponents];
-      this->Samples.FindComponents(q, lanes, values);
+      const unsigned int wanted = this->Scene.KindOfComponents == ComponentKind::Independent
+        ? 1u << this->GetChannel()
+        : AllComponents;
+      this->Samples.FindComponents(q, lanes, wanted, values);
       return IntensityOf(this->Scene, this->GetChannel(), values);
     }
     return HWY_LIKELY(inner) ? this->Samples.FindInnerValue(q, lanes)

@@ -494,15 +494,17 @@ private:
  * The rows of a sample: the window is loaded into registers, slab by slab, and rows are looked up
  * there by permutations, where loads lane by lane would take several times as many instructions. A
  * source of rows as OffsetRows. `AtFaces`: voxels that they or their gradients need may not exist.
- * Of two or four components, the last one.
+ * Of two or four components, one.
  */
 template <class T, WindowFit Fit, bool AtFaces, int Components>
 class WindowRows
 {
 public:
-  /// `window`: moved to the sample, which `cells` are of.
-  HWY_INLINE WindowRows(const VoxelWindow<T>& window, const SampleCells& cells)
-    : Voxels(window.Volume, _mm_cvtsi128_si32(window.Corner), _mm_extract_epi32(window.Corner, 1),
+  /// `window`: moved to the sample, which `cells` are of. `component`: whose voxels are looked up.
+  HWY_INLINE WindowRows(
+    const VoxelWindow<T>& window, const SampleCells& cells, int component = Components - 1)
+    : Component(component)
+    , Voxels(window.Volume, _mm_cvtsi128_si32(window.Corner), _mm_extract_epi32(window.Corner, 1),
         _mm_extract_epi32(window.Corner, 2))
   {
     const Di di;
@@ -580,7 +582,7 @@ private:
   {
     if constexpr (Components != 1)
     {
-      return this->LoadLastComponents(slab);
+      return this->LoadComponent(slab);
     }
     __m512i rows = _mm512_broadcastq_epi64(
       _mm_loadl_epi64(reinterpret_cast<const __m128i*>(this->Voxels.Get(slab, 1))));
@@ -591,8 +593,8 @@ private:
     return rows;
   }
 
-  /// Loads all rows of a slab, of the last component.
-  HWY_INLINE __m512i LoadLastComponents(int slab) const
+  /// Loads all rows of a slab, of one of several components.
+  HWY_INLINE __m512i LoadComponent(int slab) const
   {
     static_assert(Components == 1 || Components == 2 || Components == 4, "rows fill registers");
     if constexpr (Components == 2)
@@ -607,7 +609,7 @@ private:
           _mm_loadu_si128(reinterpret_cast<const __m128i*>(this->Voxels.Get(slab, row))));
         return add(3, add(2, add(1, zeroth)));
       };
-      return KeepSecondBytes(load(0), load(4));
+      return KeepBytes(load(0), load(4), this->Component);
     }
     else
     {
@@ -619,20 +621,24 @@ private:
         };
         return _mm512_inserti64x4(_mm512_castsi256_si512(half(0)), half(1), 1);
       };
-      return KeepSecondBytes(KeepSecondBytes(load(0), load(2)), KeepSecondBytes(load(4), load(6)));
+      const int which = this->Component % 2;
+      return KeepBytes(KeepBytes(load(0), load(2), which), KeepBytes(load(4), load(6), which),
+        this->Component / 2);
     }
   }
 
-  /// Every second byte of two registers.
-  static HWY_INLINE __m512i KeepSecondBytes(__m512i low, __m512i high)
+  /// The first or the second byte, `which`, of all pairs of bytes of two registers.
+  static HWY_INLINE __m512i KeepBytes(__m512i low, __m512i high, int which)
   {
 #if FFD_HAS_BYTE_PERMUTATIONS
     const __m512i numbers = _mm512_load_si512(ByteNumbers);
+    const __m512i shift = _mm512_set1_epi8(static_cast<char>(which));
     return _mm512_permutex2var_epi8(
-      low, _mm512_add_epi8(_mm512_add_epi8(numbers, numbers), _mm512_set1_epi8(1)), high);
+      low, _mm512_add_epi8(_mm512_add_epi8(numbers, numbers), shift), high);
 #else
-    const auto keep = [](__m512i bytes) {
-      return _mm512_cvtepi16_epi8(_mm512_srli_epi16(bytes, 8));
+    const __m128i shift = _mm_cvtsi32_si128(8 * which);
+    const auto keep = [shift](__m512i bytes) {
+      return _mm512_cvtepi16_epi8(_mm512_srl_epi16(bytes, shift));
     };
     return _mm512_inserti64x4(_mm512_castsi256_si512(keep(low)), keep(high), 1);
 #endif
@@ -645,6 +651,7 @@ private:
     60, 61, 62, 63 };
 #endif
 
+  int Component;
   WindowAddresses<AtFaces> Voxels; ///< from one before the first cell along each axis
   WindowBytes<AtFaces> Bytes;      ///< of the rows at (0, 0)
   __mmask16 High;                  ///< lanes whose rows are in the third or fourth layer of cells
