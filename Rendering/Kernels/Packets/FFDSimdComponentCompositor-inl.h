@@ -25,6 +25,7 @@
 #include "FFDSimdSampler-inl.h"
 #include "FFDSimdTable-inl.h"
 #include "FFDSimdWindow-inl.h"
+#include "FFDSimdWindowRows-inl.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -115,7 +116,7 @@ public:
   template <bool AtFaces>
   HWY_INLINE bool HasLoop() const
   {
-    if constexpr (HasVoxelWindow<T>())
+    if constexpr (HasComponentWindows<T>())
     {
       return this->Scene.InnerComponents && (!AtFaces || this->Samples.CanUseFaces()) &&
         this->Samples.Window.GetFit() != WindowFit::None;
@@ -133,7 +134,7 @@ public:
       static_cast<void>(curve);
       static_cast<void>(numbers);
       static_cast<void>(from);
-      if constexpr (Fit != WindowFit::None)
+      if constexpr (Fit != WindowFit::None && HasComponentWindows<T>())
       {
         return this->Scene.Volume.Components == 2
           ? this->template TakeSamples<2, AtFaces, Fit>(curve, numbers, from, to)

@@ -26,7 +26,6 @@
 #include "FFDSimdSampler-inl.h"
 #include "FFDSimdSegmentTrees-inl.h"
 #include "FFDSimdTable-inl.h"
-#include "FFDSimdWindow-inl.h"
 
 #include <cstdint>
 

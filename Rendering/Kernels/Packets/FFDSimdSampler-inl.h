@@ -21,6 +21,7 @@
 #include "FFDSimdRays-inl.h"
 #include "FFDSimdRows-inl.h"
 #include "FFDSimdWindow-inl.h"
+#include "FFDSimdWindowRows-inl.h"
 
 #include <type_traits>
 
@@ -81,7 +82,7 @@ public:
       static_cast<void>(curve);
       static_cast<void>(numbers);
       static_cast<void>(from);
-      if constexpr (Fit != WindowFit::None)
+      if constexpr (Fit != WindowFit::None && HasComponentWindows<T>())
       {
         return this->Scene.Volume.Components == 2
           ? this->template ForComponentValues<2, AtFaces, Fit>(
@@ -97,7 +98,7 @@ public:
   template <bool AtFaces>
   HWY_INLINE bool HasComponentWindow() const
   {
-    if constexpr (HasVoxelWindow<T>())
+    if constexpr (HasComponentWindows<T>())
     {
       return (!AtFaces || this->CanUseFaces()) && this->Window.GetFit() != WindowFit::None;
     }

@@ -48,7 +48,15 @@ namespace HWY_NAMESPACE
 template <class T>
 constexpr bool HasVoxelWindow()
 {
-  return FFD_HAS_VOXEL_WINDOWS && std::is_same<T, std::uint8_t>::value;
+  return FFD_HAS_VOXEL_WINDOWS &&
+    (std::is_same<T, std::uint8_t>::value || std::is_same<T, std::uint16_t>::value);
+}
+
+/// Whether those of single components of several can be, too.
+template <class T>
+constexpr bool HasComponentWindows()
+{
+  return HasVoxelWindow<T>() && sizeof(T) == 1;
 }
 
 /// Layers of cells along z that a packet may be in at a sample of a segment.
@@ -64,8 +72,31 @@ template <class T, WindowFit Fit, bool AtFaces = false, int Components = 1>
 class WindowRows;
 
 #if FFD_HAS_VOXEL_WINDOWS
+/// A slab of a window, 8 x 8 voxels along x and y, in registers, row by row.
+template <class T>
+class WindowSlab;
+
+/// Where the voxels of the cells of each lane are in the slabs of a window.
+template <class T, WindowFit Fit, bool AtFaces>
+class WindowPlaces;
+
+/// Which lanes are in the third or fourth layer of a window.
+HWY_INLINE __mmask16 IsBehind(Vi layer)
+{
+  return _mm512_cmpgt_epi32_mask(layer.raw, _mm512_set1_epi32(1));
+}
+
+/// Numbers in a slab as those in two, which those of the second or fourth layer are in the second
+/// of.
+template <WindowFit Fit>
+HWY_INLINE Vi AddOddLayers(Vi numbers, Vi layer)
+{
+  const Vi odd = Fit == WindowFit::Two ? layer : hn::And(layer, hn::Set(Di(), 1));
+  return hn::Add(hn::ShiftLeft<6>(odd), numbers);
+}
+
 /**
- * The rays of a packet are neighbors: all bytes that they need at one sample mostly lie in a
+ * The rays of a packet are neighbors: all voxels that they need at one sample mostly lie in a
  * window of 8 x 8 x 5 voxels, or of a few layers more. VoxelWindow tells where the window begins,
  * from the curve in the middle of the packet, and fetches ahead what comes into it. Whether a
  * window is large enough is told for a segment as a whole: that of each sample by itself would be
@@ -291,8 +322,8 @@ private:
     return EvaluateQuartic(D4(), this->Lowest, hn::Set(D4(), s)).raw;
   }
 
-  /// Finds the offset, from the first voxel of a window of some layers of cells, of the slab that
-  /// enters it some samples later, on average over the segment.
+  /// Finds the offset in bytes, from the first voxel of a window of some layers of cells, of the
+  /// slab that enters it some samples later, on average over the segment.
   HWY_INLINE std::ptrdiff_t FindNextSlab(int layers) const
   {
     const __m128 sum = _mm_add_ps(_mm_add_ps(this->Lowest[1].raw, this->Lowest[2].raw),
@@ -301,9 +332,10 @@ private:
       _mm_cvtps_epi32(_mm_mul_ps(sum, _mm_set1_ps(SamplesAhead * this->PerStep)));
     const int alongZ = _mm_extract_epi32(move, 2);
     const int slab = alongZ < 0 ? alongZ : alongZ + layers + 2;
-    return slab * static_cast<std::ptrdiff_t>(this->Volume.IncrementZ) +
-      _mm_extract_epi32(move, 1) * static_cast<std::ptrdiff_t>(this->Volume.IncrementY) +
-      _mm_cvtsi128_si32(move) * static_cast<std::ptrdiff_t>(this->Volume.Components);
+    return static_cast<std::ptrdiff_t>(sizeof(T)) *
+      (slab * static_cast<std::ptrdiff_t>(this->Volume.IncrementZ) +
+        _mm_extract_epi32(move, 1) * static_cast<std::ptrdiff_t>(this->Volume.IncrementY) +
+        _mm_cvtsi128_si32(move) * static_cast<std::ptrdiff_t>(this->Volume.Components));
   }
 
   const PacketVolume& Volume;
@@ -318,344 +350,6 @@ private:
   __m128i LastCorner;
   std::ptrdiff_t ToNextSlab;
   __m128i Corner; ///< first cell along each axis
-};
-
-/// Where the rows of a window are, all voxels of which exist.
-template <bool AtFaces>
-class WindowAddresses
-{
-public:
-  HWY_INLINE WindowAddresses(const PacketVolume& v, int x, int y, int z)
-    : StepY(v.IncrementY)
-    , StepZ(v.IncrementZ)
-    , First(static_cast<const std::uint8_t*>(v.Scalars) + (z - 1) * this->StepZ +
-        (y - 1) * this->StepY + (x - 1) * std::ptrdiff_t{ v.Components })
-    , FirstX(x - 1)
-  {
-  }
-
-  HWY_INLINE const std::uint8_t* Get(int slab, int row) const
-  {
-    return this->First + slab * this->StepZ + row * this->StepY;
-  }
-
-  /// The first voxel along x.
-  HWY_INLINE int GetFirstX() const { return this->FirstX; }
-
-private:
-  std::ptrdiff_t StepY;
-  std::ptrdiff_t StepZ;
-  const std::uint8_t* First;
-  int FirstX;
-};
-
-/// The same at the faces of the volume, where the outermost voxels are repeated; along x rows begin
-/// where eight voxels exist.
-template <>
-class WindowAddresses<true>
-{
-public:
-  HWY_INLINE WindowAddresses(const PacketVolume& v, int x, int y, int z)
-    : FirstX(std::clamp(x - 1, 0, v.Dimensions[0] - 8))
-  {
-    const std::uint8_t* const first =
-      static_cast<const std::uint8_t*>(v.Scalars) + this->FirstX * std::ptrdiff_t{ v.Components };
-    for (int k = 0; k < 8; ++k)
-    {
-      this->Slabs[k] =
-        first + std::clamp(z - 1 + k, 0, v.Dimensions[2] - 1) * std::ptrdiff_t{ v.IncrementZ };
-      this->Rows[k] =
-        std::clamp(y - 1 + k, 0, v.Dimensions[1] - 1) * std::ptrdiff_t{ v.IncrementY };
-    }
-  }
-
-  HWY_INLINE const std::uint8_t* Get(int slab, int row) const
-  {
-    return this->Slabs[slab] + this->Rows[row];
-  }
-
-  HWY_INLINE int GetFirstX() const { return this->FirstX; }
-
-private:
-  const std::uint8_t* Slabs[8];
-  std::ptrdiff_t Rows[8];
-  int FirstX;
-};
-
-#if FFD_HAS_BYTE_PERMUTATIONS
-/// Where the four bytes of each lane are in two slabs, which are 64 bytes each: their numbers.
-template <bool AtFaces>
-class WindowBytes
-{
-public:
-  WindowBytes() = default;
-  /// `first`: numbers of the first bytes.
-  HWY_INLINE explicit WindowBytes(Vi first)
-    : Numbers(_mm512_add_epi8(
-        _mm512_shuffle_epi8(first.raw, _mm512_set4_epi32(0x0c0c0c0c, 0x08080808, 0x04040404, 0)),
-        _mm512_set1_epi32(0x03020100)))
-  {
-  }
-
-  /// From now on the second byte is the first one, too, in the lanes of `first`, and the third one
-  /// the last one in those of `last`.
-  HWY_INLINE void Repeat(__mmask16 first, __mmask16 last)
-  {
-    this->Numbers =
-      _mm512_mask_add_epi32(this->Numbers, first, this->Numbers, _mm512_set1_epi32(1));
-    this->Numbers =
-      _mm512_mask_sub_epi32(this->Numbers, last, this->Numbers, _mm512_set1_epi32(1 << 24));
-  }
-
-  /// Looks up the bytes `rows` rows behind in two slabs, and in the lanes of `behind` in the `more`
-  /// slabs, 0 to 2, behind these.
-  template <int More>
-  HWY_INLINE Vi LookUp(const __m512i* slabs, int rows, __mmask16 behind) const
-  {
-    const __m512i at =
-      _mm512_add_epi8(this->Numbers, _mm512_set1_epi8(static_cast<char>(8 * rows)));
-    const __m512i here = _mm512_permutex2var_epi8(slabs[0], at, slabs[1]);
-    if constexpr (More == 0)
-    {
-      return Vi{ here };
-    }
-    else
-    {
-      const __m512i there = More == 1 ? _mm512_permutexvar_epi8(at, slabs[2])
-                                      : _mm512_permutex2var_epi8(slabs[2], at, slabs[3]);
-      return Vi{ _mm512_mask_mov_epi32(here, behind, there) };
-    }
-  }
-
-private:
-  __m512i Numbers;
-};
-#else
-/// Where the four bytes of each lane are in two slabs, which are 16 words each: the word that the
-/// first one is in, and how far it is behind the start of that word. The next word holds the rest.
-template <bool AtFaces>
-class WindowBytes
-{
-public:
-  WindowBytes() = default;
-  /// `first`: numbers of the first bytes.
-  HWY_INLINE explicit WindowBytes(Vi first)
-    : Words(_mm512_srai_epi32(first.raw, 2))
-    , Down(_mm512_slli_epi32(_mm512_and_si512(first.raw, _mm512_set1_epi32(3)), 3))
-    , Up(_mm512_sub_epi32(_mm512_set1_epi32(32), this->Down))
-  {
-  }
-
-  /// From now on the second byte is the first one, too, in the lanes of `first`, and the third one
-  /// the last one in those of `last`.
-  HWY_INLINE void Repeat(__mmask16 first, __mmask16 last)
-  {
-    const __m512i same = _mm512_set4_epi32(0x0f0e0d0c, 0x0b0a0908, 0x07060504, 0x03020100);
-    this->Order = _mm512_mask_add_epi32(same, first, same, _mm512_set1_epi32(1));
-    this->Order = _mm512_mask_sub_epi32(this->Order, last, this->Order, _mm512_set1_epi32(1 << 24));
-  }
-
-  /// Looks up the bytes `rows` rows behind in two slabs, and in the lanes of `behind` in the `more`
-  /// slabs, 0 to 2, behind these.
-  template <int More>
-  HWY_INLINE Vi LookUp(const __m512i* slabs, int rows, __mmask16 behind) const
-  {
-    const auto find = [&](int words) FFD_INLINE_LAMBDA {
-      const __m512i at = _mm512_add_epi32(this->Words, _mm512_set1_epi32(words));
-      const __m512i here = _mm512_permutex2var_epi32(slabs[0], at, slabs[1]);
-      if constexpr (More == 0)
-      {
-        return here;
-      }
-      else if constexpr (More == 1)
-      {
-        return _mm512_mask_permutexvar_epi32(here, behind, at, slabs[2]);
-      }
-      else
-      {
-        return _mm512_mask_mov_epi32(
-          here, behind, _mm512_permutex2var_epi32(slabs[2], at, slabs[3]));
-      }
-    };
-    const __m512i bytes = _mm512_or_si512(_mm512_srlv_epi32(find(2 * rows), this->Down),
-      _mm512_sllv_epi32(find(2 * rows + 1), this->Up));
-    return Vi{ AtFaces ? _mm512_shuffle_epi8(bytes, this->Order) : bytes };
-  }
-
-private:
-  __m512i Words;
-  __m512i Down; ///< bits
-  __m512i Up;
-  __m512i Order; ///< of the bytes of each lane, `AtFaces`
-};
-#endif
-
-/**
- * The rows of a sample: the window is loaded into registers, slab by slab, and rows are looked up
- * there by permutations, where loads lane by lane would take several times as many instructions. A
- * source of rows as OffsetRows. `AtFaces`: voxels that they or their gradients need may not exist.
- * Of two or four components, one.
- */
-template <class T, WindowFit Fit, bool AtFaces, int Components>
-class WindowRows
-{
-public:
-  /// `window`: moved to the sample, which `cells` are of. `component`: whose voxels are looked up.
-  HWY_INLINE WindowRows(
-    const VoxelWindow<T>& window, const SampleCells& cells, int component = Components - 1)
-    : Component(component)
-    , Voxels(window.Volume, _mm_cvtsi128_si32(window.Corner), _mm_extract_epi32(window.Corner, 1),
-        _mm_extract_epi32(window.Corner, 2))
-  {
-    const Di di;
-    const int y = _mm_extract_epi32(window.Corner, 1);
-    const int z = _mm_extract_epi32(window.Corner, 2);
-    if constexpr (!AtFaces)
-    {
-      // Nothing is read there: it may lie outside of the volume.
-      const std::uintptr_t next = reinterpret_cast<std::uintptr_t>(this->Voxels.Get(0, 0)) +
-        static_cast<std::uintptr_t>(window.ToNextSlab);
-      for (int row = 0; row < VoxelWindow<T>::Side; ++row)
-      {
-        const std::uintptr_t at =
-          next + static_cast<std::uintptr_t>(row * std::ptrdiff_t{ window.Volume.IncrementY });
-        _mm_prefetch(reinterpret_cast<const char*>(at), _MM_HINT_T0);
-      }
-    }
-    const Vi dz = hn::Sub(cells.Z, hn::Set(di, z));
-    const Vi odd = Fit == WindowFit::Two ? dz : hn::And(dz, hn::Set(di, 1));
-    this->High = _mm512_cmpgt_epi32_mask(dz.raw, _mm512_set1_epi32(1));
-    this->Bytes = WindowBytes<AtFaces>(hn::Add(hn::ShiftLeft<6>(odd),
-      hn::Add(hn::ShiftLeft<3>(cells.Y),
-        hn::Sub(cells.X, hn::Set(di, this->Voxels.GetFirstX() + 1 + 8 * (y - 1))))));
-    if constexpr (AtFaces)
-    {
-      // Before the first voxel and behind the last one these are repeated.
-      this->Bytes.Repeat(_mm512_cmpeq_epi32_mask(cells.X.raw, _mm512_setzero_si512()),
-        _mm512_cmpeq_epi32_mask(cells.X.raw, _mm512_set1_epi32(window.Volume.Dimensions[0] - 2)));
-    }
-    for (int k = 1; k < NumberOfSlabs - 1; ++k)
-    {
-      this->Slabs[k] = this->LoadCells(k);
-    }
-  }
-
-  static constexpr bool IsRepeating() { return AtFaces; }
-
-  /// Before Gradient(): the voxels that it alone needs.
-  HWY_INLINE void Widen()
-  {
-    this->Slabs[0] = this->LoadCells(0);
-    this->Slabs[NumberOfSlabs - 1] = this->LoadCells(NumberOfSlabs - 1);
-    if constexpr (Components == 1)
-    {
-      for (int k = 1; k < NumberOfSlabs - 1; ++k)
-      {
-        this->Slabs[k] = this->LoadRow(k, 7, this->LoadRow(k, 0, this->Slabs[k]));
-      }
-    }
-  }
-
-  HWY_INLINE Vi Row(int dy, int dz) const
-  {
-    return this->Bytes.template LookUp<NumberOfSlabs - 5>(this->Slabs + 1 + dz, dy, this->High);
-  }
-
-  HWY_INLINE Vi Middle(int dy, int dz, const SamplePosition& at) const
-  {
-    return Fetch<T>::Middle(this->Row(dy, dz), at);
-  }
-
-private:
-  /// Voxels along z.
-  static constexpr int NumberOfSlabs = Fit == WindowFit::Two ? 5 : Fit == WindowFit::Three ? 6 : 7;
-
-  /// Loads one of the eight rows of a slab into the others.
-  HWY_INLINE __m512i LoadRow(int slab, int row, __m512i others) const
-  {
-    return _mm512_mask_broadcastq_epi64(others, static_cast<__mmask8>(1 << row),
-      _mm_loadl_epi64(reinterpret_cast<const __m128i*>(this->Voxels.Get(slab, row))));
-  }
-
-  /// Loads the rows of a slab that are voxels of the cells; of several components all rows.
-  HWY_INLINE __m512i LoadCells(int slab) const
-  {
-    if constexpr (Components != 1)
-    {
-      return this->LoadComponent(slab);
-    }
-    __m512i rows = _mm512_broadcastq_epi64(
-      _mm_loadl_epi64(reinterpret_cast<const __m128i*>(this->Voxels.Get(slab, 1))));
-    for (int row = 2; row < 7; ++row)
-    {
-      rows = this->LoadRow(slab, row, rows);
-    }
-    return rows;
-  }
-
-  /// Loads all rows of a slab, of one of several components.
-  HWY_INLINE __m512i LoadComponent(int slab) const
-  {
-    static_assert(Components == 1 || Components == 2 || Components == 4, "rows fill registers");
-    if constexpr (Components == 2)
-    {
-      // Four rows of 16 bytes.
-      const auto load = [&](int row) FFD_INLINE_LAMBDA {
-        const auto add = [&](int k, __m512i others) FFD_INLINE_LAMBDA {
-          return _mm512_mask_broadcast_i64x2(others, static_cast<__mmask8>(3 << 2 * k),
-            _mm_loadu_si128(reinterpret_cast<const __m128i*>(this->Voxels.Get(slab, row + k))));
-        };
-        const __m512i zeroth = _mm512_broadcast_i64x2(
-          _mm_loadu_si128(reinterpret_cast<const __m128i*>(this->Voxels.Get(slab, row))));
-        return add(3, add(2, add(1, zeroth)));
-      };
-      return KeepBytes(load(0), load(4), this->Component);
-    }
-    else
-    {
-      // Two rows of 32 bytes.
-      const auto load = [&](int row) FFD_INLINE_LAMBDA {
-        const auto half = [&](int k) FFD_INLINE_LAMBDA {
-          return _mm256_loadu_si256(
-            reinterpret_cast<const __m256i*>(this->Voxels.Get(slab, row + k)));
-        };
-        return _mm512_inserti64x4(_mm512_castsi256_si512(half(0)), half(1), 1);
-      };
-      const int which = this->Component % 2;
-      return KeepBytes(KeepBytes(load(0), load(2), which), KeepBytes(load(4), load(6), which),
-        this->Component / 2);
-    }
-  }
-
-  /// The first or the second byte, `which`, of all pairs of bytes of two registers.
-  static HWY_INLINE __m512i KeepBytes(__m512i low, __m512i high, int which)
-  {
-#if FFD_HAS_BYTE_PERMUTATIONS
-    const __m512i numbers = _mm512_load_si512(ByteNumbers);
-    const __m512i shift = _mm512_set1_epi8(static_cast<char>(which));
-    return _mm512_permutex2var_epi8(
-      low, _mm512_add_epi8(_mm512_add_epi8(numbers, numbers), shift), high);
-#else
-    const __m128i shift = _mm_cvtsi32_si128(8 * which);
-    const auto keep = [shift](__m512i bytes) {
-      return _mm512_cvtepi16_epi8(_mm512_srl_epi16(bytes, shift));
-    };
-    return _mm512_inserti64x4(_mm512_castsi256_si512(keep(low)), keep(high), 1);
-#endif
-  }
-
-#if FFD_HAS_BYTE_PERMUTATIONS
-  HWY_ALIGN static constexpr std::uint8_t ByteNumbers[64] = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
-    12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35,
-    36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49, 50, 51, 52, 53, 54, 55, 56, 57, 58, 59,
-    60, 61, 62, 63 };
-#endif
-
-  int Component;
-  WindowAddresses<AtFaces> Voxels; ///< from one before the first cell along each axis
-  WindowBytes<AtFaces> Bytes;      ///< of the rows at (0, 0)
-  __mmask16 High;                  ///< lanes whose rows are in the third or fourth layer of cells
-  __m512i Slabs[NumberOfSlabs];
 };
 #else
 /// Not used.
