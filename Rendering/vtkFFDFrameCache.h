@@ -66,6 +66,11 @@ public:
   const ffd::VolumeView& GetSecondAxis() const { return this->SecondAxis; }
   const ffd::BoundedPullBack& GetPullBack() const { return *this->PullBack->Last; }
   const ffd::OpticalFunctions& GetFunctions() const { return this->Functions->Optics; }
+  /// Of the scalars of each component.
+  const std::vector<ffd::MinMaxBlocks::Limits>& GetRanges() const
+  {
+    return this->Functions->Facts.Ranges;
+  }
   const ffd::Blending& GetBlending() const { return this->Blend; }
   const ffd::Cropping& GetCropping() const { return this->Crop; }
   /// Planes of the world, see ffd::MakeClippingPlanes().

@@ -72,6 +72,7 @@ vtkFFDFrameScene::vtkFFDFrameScene(vtkFFDInverseRayVolumeMapper* mapper,
     : ffd::Interpolation::Linear;
   scene.Table = &cache.GetFunctions().Components[0].Table;
   scene.Distances = cache.GetDistances();
+  scene.Ranges = &cache.GetRanges();
   scene.Peaks = cache.GetPeaks();
   scene.Map = &map.Map;
   scene.Limits = map.Bounds.GetLimits();

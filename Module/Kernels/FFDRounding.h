@@ -23,11 +23,13 @@ inline float RoundUp(double value)
 /// The largest float that is not above `value`: a lower bound stays one.
 inline float RoundDown(double value) { return -RoundUp(-value); }
 
+/// What is beyond this is made less in single precision, which holds ten times as much.
+constexpr double LargestSingle = 1e37;
+
 /// A number in single precision, finite unless it is not a number.
 inline float ToFinite(double value)
 {
-  constexpr double Largest = 1e37;
-  return static_cast<float>(std::clamp(value, -Largest, Largest));
+  return static_cast<float>(std::clamp(value, -LargestSingle, LargestSingle));
 }
 
 /// A number in single precision; one that is finite stays so, however large.

@@ -8,6 +8,7 @@
 #include "FFDCropping.h"
 #include "FFDDistanceMap.h"
 #include "FFDExport.h"
+#include "FFDMinMaxBlocks.h"
 #include "FFDPolyline.h"
 #include "FFDPullBack.h"
 #include "FFDSampling.h"
@@ -116,6 +117,8 @@ struct CastScene
   const TransferTable* Table = nullptr;
   const SampleClassifier* Classifier = nullptr; ///< null: one component by Table and Material
   const DistanceMap* Distances = nullptr;       ///< may be null when Leaping is Off
+  /// Of the scalars of each component of Volume; null: not known.
+  const std::vector<MinMaxBlocks::Limits>* Ranges = nullptr;
   /// Of the channels of Maximum and Minimum, or null.
   const std::vector<ValuePeaks>* Peaks = nullptr;
   const PullBack* Map = nullptr;

@@ -120,6 +120,35 @@ class TestScales(unittest.TestCase):
                             pictures.append(scene.render())
                         self.expect_same(pictures[1], pictures[0])
 
+    def test_integers_far_from_others(self):
+        for kind, offset, fill in (
+                (numpy.int32, 2147483000, -2147483648), (numpy.int32, -2147483648, 2147483647),
+                (numpy.uint32, 4294967000, 0), (numpy.uint32, 0, 4294967295),
+                (numpy.int32, 1000000000, -1147483647), (numpy.uint32, 2147483648, 0)):
+            for components in (1, 2):
+                for deformed in (False, True):
+                    with self.subTest(
+                            kind=kind, offset=offset, components=components, deformed=deformed):
+                        pictures = []
+                        for of in (kind, numpy.float64):
+                            values = make_values().astype(numpy.int64) + offset
+                            values[:4] = fill
+                            scene = Scene(values.astype(of), deformed=deformed)
+                            scalars = numpy.repeat(values.reshape(-1, 1), components, axis=1)
+                            scene.image.GetPointData().SetScalars(
+                                numpy_to_vtk(scalars.astype(of), deep=True))
+                            for c in range(components):
+                                opacity = vtkPiecewiseFunction()
+                                for value, alpha in ((0, 0), (55, 0), (90, 0.5)):
+                                    opacity.AddPoint(offset + value, alpha)
+                                scene.property.SetScalarOpacity(c, opacity)
+                                color = vtkColorTransferFunction()
+                                color.AddRGBPoint(offset, 1.0, 0.3, 0.1)
+                                color.AddRGBPoint(offset + 100.0, 0.4, 1.0, 0.9)
+                                scene.property.SetColor(c, color)
+                            pictures.append(scene.render())
+                        self.expect_same(pictures[0], pictures[1], 0.02)
+
     def test_light(self):
         def isosurface(scene):
             scene.mapper.SetBlendModeToIsoSurface()

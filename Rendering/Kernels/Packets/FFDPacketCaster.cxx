@@ -27,7 +27,7 @@ namespace HWY_NAMESPACE
 int CastTileOfAnyType(const PacketScene& scene, int x0, int y0, unsigned int subtiles,
   const CastImage& image, PacketScratch& scratch, int first, Deadline deadline)
 {
-  return ForFetched(scene.Volume.Type, [&](auto zero) {
+  return ForFetched(scene.Volume, [&](auto zero) {
     return CastTile<decltype(zero)>(scene, x0, y0, subtiles, image, scratch, first, deadline);
   });
 }

@@ -33,6 +33,46 @@ constexpr double SinglePrecision = 4e-7;
 /// Types whose values single precision does not hold.
 bool IsWide(ScalarType type) { return SizeOf(type) > 2 && type != ScalarType::Float32; }
 
+/// Whether single precision may not hold what Shift and Scale make of scalars of these ranges.
+bool MayOverflow(const std::vector<MinMaxBlocks::Limits>& ranges, const PacketVolume& v)
+{
+  const auto isLarge = [](double value) { return !(std::abs(value) <= LargestSingle); };
+  for (int c = 0; c < v.Components; ++c)
+  {
+    const MinMaxBlocks::Limits& range = ranges[static_cast<std::size_t>(c)];
+    if (isLarge((range.Min - v.Shift[c]) * v.Scale[c]) ||
+      isLarge((range.Max - v.Shift[c]) * v.Scale[c]))
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Lets packets read integers of 32 bits as such where the ranges of all components allow it. Shift
+/// and Scale are known.
+void SetWords(const std::vector<MinMaxBlocks::Limits>& ranges, PacketVolume& v)
+{
+  if (v.ElementSize != 4)
+  {
+    return;
+  }
+  for (int c = 0; c < v.Components; ++c)
+  {
+    constexpr double Reach = 2147483648.0;
+    const MinMaxBlocks::Limits& range = ranges[static_cast<std::size_t>(c)];
+    const double origin = std::clamp(std::round(v.Shift[c]), range.Min, range.Max);
+    if (!(range.Max - origin < Reach && origin - range.Min <= Reach))
+    {
+      return;
+    }
+    v.Words[c] = { static_cast<std::int32_t>(
+                     static_cast<std::uint32_t>(static_cast<std::int64_t>(origin))),
+      static_cast<float>(v.Scale[c]), static_cast<float>((origin - v.Shift[c]) * v.Scale[c]) };
+  }
+  v.HasWords = true;
+}
+
 PacketSampling SamplingOf(BlendMode mode)
 {
   switch (mode)
@@ -157,6 +197,11 @@ void SetVolume(const CastScene& scene, const OpticalFunctions& functions,
         p.Volume.Shift[c] = table->GetLow();
         p.Volume.Scale[c] = table->GetScale();
       }
+    }
+    if (scene.Ranges)
+    {
+      p.Volume.MayOverflow = MayOverflow(*scene.Ranges, p.Volume);
+      SetWords(*scene.Ranges, p.Volume);
     }
   }
   p.Lower = static_cast<float>(v.LowerIndex().x);

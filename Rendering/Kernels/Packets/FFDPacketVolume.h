@@ -56,6 +56,15 @@ inline PacketIntegers MakePacketIntegers(int bytes, bool hasSign)
   return integers;
 }
 
+/// How the packet kernels read whole numbers of 32 bits, with or without a sign, none of which is
+/// 2^31 or more away from Origin: (scalar - Origin) * Unit + Zero, the difference by whole numbers.
+struct PacketWords
+{
+  std::int32_t Origin = 0; ///< the bits of it
+  float Unit = 1.0f;
+  float Zero = 0.0f;
+};
+
 /**
  * The voxels in the form that the packet kernels read. Offsets of the lanes of a packet are 32-bit
  * numbers: in volumes of 2 GiB and more they count from a slice near the packet.
@@ -79,6 +88,9 @@ struct PacketVolume
   /// then again; with one component all are equal.
   alignas(64) double Shift[8] = {};
   alignas(64) double Scale[8] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
+  bool MayOverflow = true; ///< single precision may not hold what Shift and Scale make of numbers
+  bool HasWords = false;   ///< types of 32-bit integers are read by Words, as floats are loaded
+  PacketWords Words[4];    ///< to the same numbers as by Shift and Scale; by the component
 };
 
 /// The largest number of bytes that a 32-bit offset leads over.

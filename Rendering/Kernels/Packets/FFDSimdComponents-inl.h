@@ -57,7 +57,7 @@ HWY_INLINE ComponentRows<T> LoadWideRows(
 {
   ComponentRows<T> rows;
   const auto set = [&](int first, Vf Row4::*voxel) {
-    const Row4 words = WideVoxels::Load<T, Row4>(v, offsets, delta + first * v.Components);
+    const Row4 words = WideVoxels::Load<Row4>(v, offsets, delta + first * v.Components);
     const Vf of[4] = { words.A, words.B, words.C, words.D };
     ForComponents([&](auto c) { rows.Of[c].*voxel = of[c]; });
   };
@@ -85,6 +85,7 @@ HWY_INLINE ComponentRows<T> LoadComponentRows(
       first[3 * v.Components + c] };
     PacketVolume row = v;
     row.Scalars = voxels;
+    row.Words[0] = v.Words[c];
     const int second = 1;
     rows.Of[c] = Fetch<T>::LoadRow(row, &second, 0);
   }
@@ -120,13 +121,22 @@ HWY_INLINE ComponentRows<T> LoadComponentRows(
     return LoadQuadLanes<Size>(v.Scalars, Size * (delta + first * v.Components), offsets, permute);
   };
   ComponentRows<T> rows;
-  if constexpr (std::is_same<T, float>::value)
+  if constexpr (std::is_same<T, float>::value || std::is_same<T, WordScalar>::value)
   {
     const auto asIs = [](Vi quads) { return quads; };
     const auto set = [&](int first, Vf Row4::*voxel) {
       const Quads words = load(first, asIs);
       const Vi of[4] = { words.x, words.y, words.z, words.w };
-      ForComponents([&](auto c) { rows.Of[c].*voxel = hn::BitCast(Df(), of[c]); });
+      ForComponents([&](auto c) {
+        if constexpr (std::is_same<T, float>::value)
+        {
+          rows.Of[c].*voxel = hn::BitCast(Df(), of[c]);
+        }
+        else
+        {
+          rows.Of[c].*voxel = WordScalar::ToFloats(v, of[c], c);
+        }
+      });
     };
     set(0, &Row4::B);
     set(1, &Row4::C);
@@ -275,7 +285,7 @@ private:
     const PacketVolume& v = this->Voxels.Get();
     const std::ptrdiff_t delta = dy * static_cast<std::ptrdiff_t>(v.IncrementY) +
       dz * static_cast<std::ptrdiff_t>(v.IncrementZ);
-    if constexpr (IsWideScalar<T>())
+    if constexpr (std::is_same<T, double>::value)
     {
       return LoadWideRows<T, Inner>(v, this->Offsets, delta);
     }

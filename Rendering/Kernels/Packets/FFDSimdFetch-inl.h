@@ -85,27 +85,23 @@ struct FetchFloats
   }
 };
 
-template <class T>
 struct WideLoader
 {
   static HWY_INLINE Row4 LoadRow(const PacketVolume& v, const int* offsets, int delta)
   {
-    return WideVoxels::Load<T, Row4>(v, offsets, delta - 1);
+    return WideVoxels::Load<Row4>(v, offsets, delta - 1);
   }
   static HWY_INLINE void LoadCell(
     const PacketVolume& v, const int* offsets, int delta, Vf (&cell)[2])
   {
-    const Row2 pair = WideVoxels::Load<T, Row2>(v, offsets, delta);
+    const Row2 pair = WideVoxels::Load<Row2>(v, offsets, delta);
     cell[0] = pair.A;
     cell[1] = pair.B;
   }
 };
+/// Doubles, and all other types that no other Fetch is for.
 template <>
-struct Fetch<WideScalar> : FetchFloats<WideLoader<WideScalar>>
-{
-};
-template <>
-struct Fetch<double> : FetchFloats<WideLoader<double>>
+struct Fetch<double> : FetchFloats<WideLoader>
 {
 };
 
@@ -131,6 +127,43 @@ struct FloatLoader
 };
 template <>
 struct Fetch<float> : FetchFloats<FloatLoader>
+{
+};
+
+/// An integer of 32 bits, with or without a sign, that is read by PacketWords.
+struct WordScalar
+{
+  std::uint32_t Bits;
+
+  /// Those of a component as numbers.
+  static HWY_INLINE Vf ToFloats(const PacketVolume& v, Vi words, int component)
+  {
+    const PacketWords& of = v.Words[component];
+    return hn::MulAdd(hn::ConvertTo(Df(), hn::Sub(words, hn::Set(Di(), of.Origin))), Splat(of.Unit),
+      Splat(of.Zero));
+  }
+};
+
+struct WordLoader
+{
+  static HWY_INLINE Row4 LoadRow(const PacketVolume& v, const int* offsets, int delta)
+  {
+    const Quads words =
+      LoadQuadLanes<4>(v.Scalars, 4 * static_cast<std::ptrdiff_t>(delta - 1), offsets);
+    const auto toFloats = [&v](Vi of) { return WordScalar::ToFloats(v, of, 0); };
+    return { toFloats(words.x), toFloats(words.y), toFloats(words.z), toFloats(words.w) };
+  }
+  static HWY_INLINE void LoadCell(
+    const PacketVolume& v, const int* offsets, int delta, Vf (&cell)[2])
+  {
+    const Pairs words =
+      LoadPairLanes<4>(v.Scalars, 4 * static_cast<std::ptrdiff_t>(delta), offsets);
+    cell[0] = WordScalar::ToFloats(v, words.x, 0);
+    cell[1] = WordScalar::ToFloats(v, words.y, 0);
+  }
+};
+template <>
+struct Fetch<WordScalar> : FetchFloats<WordLoader>
 {
 };
 
@@ -267,12 +300,12 @@ private:
   }
 };
 
-/// Calls use(T()) with the type that Fetch has for scalars of a type. Whole numbers with a sign are
-/// read as those without, see PacketIntegers.
+/// Calls use(T()) with the type that Fetch has for the scalars of a volume. Whole numbers with a
+/// sign are read as those without, see PacketIntegers.
 template <class Use>
-HWY_INLINE auto ForFetched(ScalarType type, const Use& use)
+HWY_INLINE auto ForFetched(const PacketVolume& v, const Use& use)
 {
-  switch (type)
+  switch (v.Type)
   {
     case ScalarType::Int8:
     case ScalarType::UInt8:
@@ -282,10 +315,8 @@ HWY_INLINE auto ForFetched(ScalarType type, const Use& use)
       return use(std::uint16_t());
     case ScalarType::Float32:
       return use(float());
-    case ScalarType::Float64:
-      return use(double());
     default:
-      return use(WideScalar());
+      return v.HasWords ? use(WordScalar()) : use(double());
   }
 }
 

@@ -84,7 +84,7 @@ HWY_NOINLINE Vf FindSecondAxis(const PacketPlane& plane, const Vec3& q)
     return FindSecondAxisByLane(plane, cells, at);
   }
   at.Weights = PairWeights(at.Fx);
-  return ForFetched(v.Type, [&](auto zero) {
+  return ForFetched(v, [&](auto zero) {
     FaceRows<decltype(zero)> voxels;
     voxels.Repeat(v, cells);
     SampleRows<decltype(zero)> rows;

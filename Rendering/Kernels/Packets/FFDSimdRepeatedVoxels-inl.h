@@ -103,7 +103,7 @@ private:
   template <int Components>
   HWY_INLINE void Copy(const PacketVolume& v, const int cell[3], int block)
   {
-    if constexpr (std::is_same<T, WideScalar>::value)
+    if constexpr (std::is_same<T, double>::value)
     {
       // Their bits do, whatever they stand for.
       v.ElementSize == 4

@@ -41,32 +41,21 @@ struct Row2
   Vf B;
 };
 
-/// Stands for all types but double whose values single precision does not hold: what is made for it
-/// looks at the type of the volume, so that four types do not need four copies of everything.
-struct WideScalar
-{
-};
-
-template <class T>
-constexpr bool IsWideScalar()
-{
-  return std::is_same<T, WideScalar>::value || std::is_same<T, double>::value;
-}
-
 /// Loads neighboring numbers of every lane as (scalar - Shift) * Scale, in the order of the
 /// components, which is found in double precision.
 class WideVoxels
 {
 public:
-  /// Those from `delta` elements behind the offset of each lane on. `T`: WideScalar for any type.
-  template <class T, class Row>
+  /// Those from `delta` elements behind the offset of each lane on.
+  template <class Row>
   static HWY_INLINE Row Load(const PacketVolume& v, const int* offsets, std::ptrdiff_t delta)
   {
 #if HWY_TARGET != HWY_SCALAR
-    if constexpr (std::is_same<T, double>::value)
+    if (HWY_LIKELY(v.Type == ScalarType::Float64))
     {
       const Row row = LoadOf<double, Row>(v, offsets, delta);
-      return HWY_LIKELY(IsFinite(row)) ? row : LoadOneByOne<Row>(v, offsets, delta);
+      return HWY_LIKELY(!v.MayOverflow || IsFinite(row)) ? row
+                                                         : LoadOneByOne<Row>(v, offsets, delta);
     }
 #endif
     return LoadAny<Row>(v, offsets, delta);
@@ -97,7 +86,7 @@ private:
         known = false;
         break;
     }
-    if (HWY_LIKELY(known && IsFinite(row)))
+    if (HWY_LIKELY(known && (!v.MayOverflow || IsFinite(row))))
     {
       return row;
     }
@@ -208,6 +197,13 @@ private:
     return hn::BitCast(hn::CappedTag<float, 4>(), hn::LoadU(hn::CappedTag<T, 2>(), from));
   }
 
+  /// Four numbers of 64 bits.
+  template <class T>
+  static HWY_INLINE auto LoadFour(const T* from)
+  {
+    return hn::BitCast(hn::CappedTag<float, 8>(), hn::LoadU(hn::CappedTag<T, 4>(), from));
+  }
+
   template <class T, class Row>
   static HWY_INLINE Row LoadOf(const PacketVolume& v, const int* offsets, std::ptrdiff_t delta)
   {
@@ -240,13 +236,27 @@ private:
     }
     else
     {
-      // A column has two pairs of each of its lanes.
+      // A column has four numbers of each of its lanes, of which half a vector holds two or more.
       const auto half = [&](int k, int i) FFD_INLINE_LAMBDA {
-        const Vf pairs = JoinQuads(d, [&](int block) FFD_INLINE_LAMBDA {
-          const int pair = Blocks * i + block;
-          return LoadPair(scalars + offsets[4 * (pair / 2) + k] + 2 * (pair % 2));
-        });
-        return PairsToFloats<T>(v, pairs, Blocks == 1 ? 2 * i : 0);
+        if constexpr (Blocks == 1)
+        {
+          return PairsToFloats<T>(v, LoadPair(scalars + offsets[k] + 2 * i), 2 * i);
+        }
+        else
+        {
+          constexpr int Rows = Blocks / 2;
+          const auto load = [&](int row) FFD_INLINE_LAMBDA {
+            return LoadFour(scalars + offsets[4 * (Rows * i + row) + k]);
+          };
+          if constexpr (Rows == 1)
+          {
+            return PairsToFloats<T>(v, load(0), 0);
+          }
+          else
+          {
+            return PairsToFloats<T>(v, hn::Combine(d, load(1), load(0)), 0);
+          }
+        }
       };
       const Quads words = TransposeColumns([&](int k) FFD_INLINE_LAMBDA {
         return hn::BitCast(Di(), hn::Combine(d, half(k, 1), half(k, 0)));
