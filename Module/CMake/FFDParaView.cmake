@@ -34,13 +34,6 @@ if (NOT FFD_PARAVIEW_JOBS)
   endif ()
 endif ()
 
-# Sources are compiled several at a time, in half the time: most of it is spent on the headers of VTK. Not
-# with strict warnings, where each source shows that it includes what it uses.
-set(ffd_unity_build ON)
-if (FFD_STRICT_WARNINGS)
-  set(ffd_unity_build OFF)
-endif ()
-
 ExternalProject_Add(ffd_paraview
   SOURCE_DIR "${CMAKE_SOURCE_DIR}/paraview-plugin"
   BINARY_DIR "${ffd_paraview_build}"
@@ -53,7 +46,7 @@ ExternalProject_Add(ffd_paraview
     "-DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER}"
     "-DCMAKE_C_COMPILER=${CMAKE_C_COMPILER}"
     "-DCMAKE_CXX_FLAGS=${CMAKE_CXX_FLAGS}"
-    "-DCMAKE_UNITY_BUILD=${ffd_unity_build}"
+    "-DFFD_UNITY_BUILD=${FFD_UNITY_BUILD}"
     "-DFFD_USE_CCACHE=${FFD_USE_CCACHE}"
     "-DFFD_KERNEL_OBJECTS=${ffd_kernel_objects}"
     "-DFFD_STRICT_WARNINGS=${FFD_STRICT_WARNINGS}"

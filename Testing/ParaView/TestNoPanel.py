@@ -51,7 +51,6 @@ class TestNoPanel(unittest.TestCase):
             "-DParaView_DIR=" + PARAVIEW, "-DPython3_EXECUTABLE=" + PYTHON,
             "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_INSTALL_LIBDIR=lib",
             "-DCMAKE_CXX_FLAGS_RELEASE=-O0",
-            "-DCMAKE_UNITY_BUILD=ON",  # as the main build has it
             "-DFFD_KERNEL_OBJECTS=" + os.path.join(BUILD, "kernel-objects.cmake"),
             # Not to be found.
             "-DCMAKE_DISABLE_FIND_PACKAGE_Qt5=ON", "-DCMAKE_DISABLE_FIND_PACKAGE_Qt6=ON",
