@@ -5,11 +5,12 @@ grids. Argument: the prefix of the pictures."""
 
 import sys
 
-import ffdsession  # noqa: F401, before paraview.simple
+import ffdsession  # before paraview.simple
 from paraview import simple
 
 import ffdparaview as ffd
 
+ffdsession.collect_at_end()
 ffd.load()
 view = ffd.make_view()
 HALF = 15

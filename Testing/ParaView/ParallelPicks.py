@@ -6,12 +6,13 @@ Arguments: the file, and the files of blocks with one lattice and of blocks with
 import json
 import sys
 
-import ffdsession  # noqa: F401, before paraview.simple
+import ffdsession  # before paraview.simple
 from paraview import servermanager, simple
 from paraview.vtk.util.numpy_support import vtk_to_numpy
 
 import ffdparaview as ffd
 
+ffdsession.collect_at_end()
 ffd.load()
 
 

@@ -10,6 +10,7 @@ import sys
 import ffdsession  # before paraview.simple
 from paraview import simple
 
+ffdsession.collect_at_end()
 words = sys.argv[1:]
 while words:
     end = words.index("+") if "+" in words else len(words)
