@@ -114,6 +114,21 @@ class TestRepresentation(unittest.TestCase):
             {"FFDCroppingOrigin", "FFDCroppingScale", "FFDIsosurfaceValues",
              "FFDScalarOpacityUnitDistance", "FFDShade", "FFDSliceFunction"})
 
+    def test_saved_defaults(self):
+        """"Save as default" keeps the shape for new lattices, but not what was done to this one by hand."""
+        settings = servermanager.vtkSMSettings.GetInstance()
+        lattice = simple.FFDLattice(
+            Input=self.wavelet, Resolution=[5, 5, 5], DisplacementsResolution=[4, 4, 4], Shape="Twist",
+            Displacements=[1.0] * 192)
+        settings.SetProxySettings(lattice.SMProxy, None)
+        try:
+            other = simple.FFDLattice(Input=self.wavelet)
+        finally:
+            settings.ClearAllSettings()
+        self.assertEqual((other.Shape, list(other.Resolution)), ("Twist", [5, 5, 5]))
+        self.assertEqual(list(other.DisplacementsResolution), [0, 0, 0])
+        self.assertEqual(len(other.Displacements), 0)
+
     def test_tooltips(self):
         """Everything that the properties panel shows has one."""
         self.show()
