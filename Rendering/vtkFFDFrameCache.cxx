@@ -7,10 +7,12 @@
 #include "vtkFFDCroppingFromMapper.h"
 #include "vtkFFDVolumeViewFromImage.h"
 
+#include "vtkAbstractArray.h"
 #include "vtkCellData.h"
 #include "vtkCompositeDataSet.h"
 #include "vtkDataArray.h"
 #include "vtkDataSet.h"
+#include "vtkFieldData.h"
 #include "vtkImageData.h"
 #include "vtkMath.h"
 #include "vtkPointData.h"
@@ -22,12 +24,44 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <string>
 
 namespace
 {
 
 /// The largest tolerance of the inverse, voxels: more would be as good as no inverse.
 constexpr double LargestTolerance = 1.0;
+
+/// What is wrong with the array that SelectScalarArray() has chosen of the input, which has no such
+/// numbers.
+std::string DescribeMissingScalars(vtkFFDInverseRayVolumeMapper* mapper, vtkDataSet* input)
+{
+  const bool ofCells = mapper->GetScalarMode() == VTK_SCALAR_MODE_USE_CELL_FIELD_DATA;
+  vtkFieldData* arrays = ofCells ? static_cast<vtkFieldData*>(input->GetCellData())
+                                 : static_cast<vtkFieldData*>(input->GetPointData());
+  const std::string kind = ofCells ? "cell" : "point";
+  const bool byName = mapper->GetArrayAccessMode() == VTK_GET_ARRAY_BY_NAME;
+  const std::string wanted = byName
+    ? std::string("\"") + (mapper->GetArrayName() ? mapper->GetArrayName() : "") + '"'
+    : "number " + std::to_string(mapper->GetArrayId());
+  vtkAbstractArray* found = byName ? arrays->GetAbstractArray(mapper->GetArrayName())
+                                   : arrays->GetAbstractArray(mapper->GetArrayId());
+  std::string names;
+  for (int i = 0; i < arrays->GetNumberOfArrays(); ++i)
+  {
+    vtkDataArray* const array = arrays->GetArray(i);
+    if (array)
+    {
+      names += names.empty() ? "" : ", ";
+      names += std::string("\"") + (array->GetName() ? array->GetName() : "") + "\" (number " +
+        std::to_string(i) + ")";
+    }
+  }
+  return (found ? "The " + kind + " array " + wanted + " of the input holds no numbers"
+                : "The input has no " + kind + " array " + wanted) +
+    (names.empty() ? ", and no other to render." : ". It has " + names + ".") +
+    " Choose one with SetScalarMode() and SelectScalarArray().";
+}
 
 } // namespace
 
@@ -153,6 +187,13 @@ bool vtkFFDFrameCache::UpdateVoxels(Mapper* mapper, vtkDataSet* input, ffd::Stag
     this->VectorScalars.Update(tools, { scalars, scalars->GetMTime() }, vtkFFDGetContentTime(input),
       mode == Mapper::COMPONENT ? component : ffd::Magnitude);
     scalars = this->VectorScalars.Get();
+  }
+  const bool chosen = mapper->GetScalarMode() == VTK_SCALAR_MODE_USE_POINT_FIELD_DATA ||
+    mapper->GetScalarMode() == VTK_SCALAR_MODE_USE_CELL_FIELD_DATA;
+  if (!scalars && chosen && input->GetNumberOfPoints() > 0)
+  {
+    tools.Message = DescribeMissingScalars(mapper, input);
+    return false;
   }
   this->Arrays = { scalars };
   ffd::UniformView view;

@@ -120,8 +120,10 @@ bool vtkFFDVolumeViewFromImage(vtkImageData* image, vtkDataArray* scalars, bool 
   if (!FindScalarType(
         scalars->GetDataType(), static_cast<std::size_t>(scalars->GetDataTypeSize()), type))
   {
+    // vtkImageCast, too, takes numbers only.
     why << "The scalars \"" << name << "\" are of type " << scalars->GetDataTypeAsString()
-        << ", which cannot be used. Convert them with vtkImageCast.";
+        << ", which cannot be used. Copy them into an array of numbers, with DeepCopy() of "
+           "vtkUnsignedCharArray.";
     message = why.str();
     return false;
   }

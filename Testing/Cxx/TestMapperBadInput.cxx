@@ -118,7 +118,7 @@ bool TestDataSets()
   vtkNew<vtkImageData> bitImage;
   bitImage->SetDimensions(4, 4, 4);
   bitImage->GetPointData()->SetScalars(bits);
-  input("bits", "bit", bitImage);
+  input("bits", "vtkUnsignedCharArray", bitImage);
 
   vtkNew<vtkFloatArray> cells;
   cells->SetName("cells");
@@ -168,13 +168,29 @@ bool TestDataSets()
   strings->SetName("words");
   strings->SetNumberOfValues(scene.Image->GetNumberOfPoints());
   scene.Image->GetPointData()->AddArray(strings);
-  ok &= Refuses(
-    scene, "strings", "no point scalars",
-    [&] {
-      scene.Mapper->SetScalarModeToUsePointFieldData();
-      scene.Mapper->SelectScalarArray("words");
-    },
-    [&] { scene.Mapper->SetScalarModeToDefault(); });
+  // The error names the array that was chosen, and those that there are.
+  const std::string there = std::string(". It has \"") +
+    scene.Image->GetPointData()->GetScalars()->GetName() + "\" (number 0).";
+  const auto chosen = [&](const char* what, const std::string& text,
+                        const std::function<void()>& choose) {
+    ok &= Refuses(scene, what, text, choose, [&] { scene.Mapper->SetScalarModeToDefault(); });
+  };
+  chosen("strings", "The point array \"words\" of the input holds no numbers" + there, [&] {
+    scene.Mapper->SetScalarModeToUsePointFieldData();
+    scene.Mapper->SelectScalarArray("words");
+  });
+  chosen("no such name", "The input has no point array \"nobody\"" + there, [&] {
+    scene.Mapper->SetScalarModeToUsePointFieldData();
+    scene.Mapper->SelectScalarArray("nobody");
+  });
+  chosen("no such number", "The input has no point array number 7" + there, [&] {
+    scene.Mapper->SetScalarModeToUsePointFieldData();
+    scene.Mapper->SelectScalarArray(7);
+  });
+  chosen("not of cells", "The input has no cell array \"words\", and no other to render.", [&] {
+    scene.Mapper->SetScalarModeToUseCellFieldData();
+    scene.Mapper->SelectScalarArray("words");
+  });
 
   vtkSmartPointer<vtkImageData> nothing = Image<vtkImageData>(8, 8, 8);
   nothing->GetPointData()->GetScalars()->Fill(NaN);
