@@ -52,13 +52,17 @@ bool IsPattern(const std::string& word)
     (word[digits] == 'd' || word[digits] == 'i' || word[digits] == 'u');
 }
 
+std::vector<std::string> ToWords(const std::string& text)
+{
+  std::istringstream stream(text);
+  return { std::istream_iterator<std::string>(stream), std::istream_iterator<std::string>{} };
+}
+
 /// The files that "pattern first last step" names; with fewer numbers as MetaImage has it. Empty
 /// after an error.
 std::vector<std::string> ExpandPattern(const std::string& value, int slices)
 {
-  std::istringstream stream(value);
-  const std::vector<std::string> words(
-    std::istream_iterator<std::string>(stream), std::istream_iterator<std::string>{});
+  const std::vector<std::string> words = ToWords(value);
   std::vector<std::string> names;
   if (words.empty() || !IsPattern(words[0]))
   {
@@ -106,17 +110,68 @@ std::vector<std::string> LinesAfter(const std::string& text, const std::string& 
   return lines;
 }
 
+/// A path in the header; an absolute one stays as it is.
+std::string Resolve(const std::string& header, const std::string& name)
+{
+  return (fs::path(header).parent_path() / fs::path(name)).string();
+}
+
+/// The numbers of dimensions and sizes of a NRRD, as they stand there.
+std::string FindNrrdSizesProblem(const vtkFFDDataFiles::Fields& fields)
+{
+  const std::string sizes = Find(fields, { "sizes" });
+  const std::vector<std::string> words = ToWords(sizes);
+  bool plain = !words.empty();
+  for (const std::string& word : words)
+  {
+    plain = plain && word.find_first_not_of("0123456789") == std::string::npos &&
+      word.size() < 10 && std::atol(word.c_str()) > 0;
+  }
+  const std::string dimension = Find(fields, { "dimension" });
+  return plain && std::to_string(words.size()) == dimension ? std::string()
+                                                            : "its sizes are '" + sizes +
+      "', its dimension '" + dimension + "': as many whole numbers from 1 to 999999999 are needed";
+}
+
+/// Whether numbers of a NRRD are written as text.
+bool IsText(const std::string& encoding)
+{
+  return encoding == "ascii" || encoding == "text" || encoding == "txt";
+}
+
+/// Whether the last of the four axes of a NRRD is none of space, as that of times.
+bool IsLastNotOfSpace(const vtkFFDDataFiles::Fields& fields)
+{
+  const std::string directions = Find(fields, { "space directions" });
+  if (!directions.empty())
+  {
+    return ToWords(directions)[0] != "none";
+  }
+  const std::vector<std::string> kinds = ToWords(Find(fields, { "kinds" }));
+  return kinds.size() == 4 && (kinds[0] == "domain" || kinds[0] == "space");
+}
+
+/// Behind the empty line that ends the header of a NRRD; none: 0.
+std::size_t FindNrrdData(const std::string& text)
+{
+  const std::size_t plain = text.find("\n\n");
+  const std::size_t returns = text.find("\n\r\n");
+  return std::min(plain, returns) == std::string::npos ? 0
+    : plain < returns                                  ? plain + 2
+                                                       : returns + 3;
+}
+
 std::string CheckFile(const std::string& header, const std::string& name, double leastBytes,
   std::initializer_list<const char*> endings = { "" })
 {
-  const fs::path path = fs::path(header).parent_path() / fs::path(name); // an absolute one stays
-  std::string found = path.string();
+  const std::string path = Resolve(header, name);
+  std::string found = path;
   for (const char* ending : endings)
   {
     std::error_code problem;
-    if (fs::exists(path.string() + ending, problem))
+    if (fs::exists(path + ending, problem))
     {
-      found = path.string() + ending;
+      found = path + ending;
       break;
     }
   }
@@ -146,6 +201,10 @@ std::string FindMetaImageProblem(
   const std::string binary = Find(fields, { "BinaryData" });
   const bool plain = (binary.empty() || IsTrue(binary)) &&
     !IsTrue(Find(fields, { "CompressedData" })); // what is stored are the voxels
+  if (!(bytes > 0.0))
+  {
+    return "its header gives voxels without a size (ElementNumberOfChannels)";
+  }
   if (value == "LOCAL" || value == "Local" || value == "local")
   {
     const std::size_t line = text.find('\n', text.find("ElementDataFile"));
@@ -193,19 +252,31 @@ std::string FindMetaImageProblem(
 
 //------------------------------------------------------------------------------
 std::string FindNrrdProblem(
-  const std::string& path, const std::string& text, const Fields& fields, int slices)
+  const std::string& path, const std::string& text, const Fields& fields, double bytes, int slices)
 {
+  const std::string sizes = FindNrrdSizesProblem(fields);
+  if (!sizes.empty())
+  {
+    return sizes;
+  }
+  const std::string encoding = Find(fields, { "encoding" });
+  const double least = encoding == "raw" ? bytes : 0.0;
   const std::string value = Find(fields, { "data file", "datafile" });
   if (value.empty())
   {
-    return std::string();
+    const std::size_t start = FindNrrdData(text);
+    return start == 0
+      ? "its header ends with the file, and names no data file"
+      : CheckFile(path, fs::path(path).filename().string(), static_cast<double>(start) + least);
   }
   std::vector<std::string> names = { value };
-  if (value.compare(0, 4, "LIST") == 0)
+  const bool isList = value.compare(0, 4, "LIST") == 0;
+  const bool isPattern = value.find('%') != std::string::npos;
+  if (isList)
   {
     names = LinesAfter(text, "data", slices);
   }
-  else if (value.find('%') != std::string::npos)
+  else if (isPattern)
   {
     names = ExpandPattern(value, slices);
     if (names.empty())
@@ -213,15 +284,74 @@ std::string FindNrrdProblem(
       return "its data file is '" + value + "', which is no pattern as 'slice%03d.raw 1 9 1'";
     }
   }
+  if ((isList || isPattern) && IsText(encoding))
+  {
+    return "its numbers are text in several files, which cannot be read here: write raw ones";
+  }
   for (const std::string& name : names)
   {
-    const std::string problem = CheckFile(path, name, 1.0);
+    const std::string problem =
+      CheckFile(path, name, std::max(1.0, isList || isPattern ? least / slices : least));
     if (!problem.empty())
     {
       return problem;
     }
   }
   return std::string();
+}
+
+//------------------------------------------------------------------------------
+vtkFFDStoredVoxels FindMetaImageVoxels(
+  const std::string& path, const std::string& text, const Fields& fields)
+{
+  vtkFFDStoredVoxels voxels;
+  const std::string value = Find(fields, { "ElementDataFile" });
+  const std::string binary = Find(fields, { "BinaryData" });
+  const bool isText = !binary.empty() && !IsTrue(binary);
+  const bool isPacked = !isText && IsTrue(Find(fields, { "CompressedData" }));
+  const bool local = value == "LOCAL" || value == "Local" || value == "local";
+  const std::string head = Find(fields, { "HeaderSize" });
+  voxels.Path = local ? path : Resolve(path, value);
+  std::error_code ignored;
+  if ((!isText && !isPacked) || (local && !head.empty()) || !fs::exists(voxels.Path, ignored))
+  {
+    return voxels;
+  }
+  voxels.Form = isText ? vtkFFDStoredVoxels::TEXT : vtkFFDStoredVoxels::PACKED;
+  voxels.Offset = local ? std::min(text.find('\n', text.find("ElementDataFile")), text.size()) + 1
+                        : static_cast<std::size_t>(std::max(0.0, std::atof(head.c_str())));
+  voxels.BigEndian = IsTrue(Find(fields, { "BinaryDataByteOrderMSB", "ElementByteOrderMSB" }));
+  return voxels;
+}
+
+//------------------------------------------------------------------------------
+vtkFFDStoredVoxels FindNrrdVoxels(
+  const std::string& path, const std::string& text, const Fields& fields)
+{
+  vtkFFDStoredVoxels voxels;
+  const std::string value = Find(fields, { "data file", "datafile" });
+  const std::string encoding = Find(fields, { "encoding" });
+  const std::vector<std::string> sizes = ToWords(Find(fields, { "sizes" }));
+  if (value.compare(0, 4, "LIST") == 0 || value.find('%') != std::string::npos ||
+    sizes.size() < 3 || sizes.size() > 4)
+  {
+    return voxels;
+  }
+  voxels.Form = IsText(encoding)             ? vtkFFDStoredVoxels::TEXT
+    : encoding == "gzip" || encoding == "gz" ? vtkFFDStoredVoxels::PACKED
+                                             : vtkFFDStoredVoxels::RAW;
+  // One of four axes has no direction: the components, or the times, of which the first is read.
+  const std::size_t first = sizes.size() == 4 && !IsLastNotOfSpace(fields) ? 1 : 0;
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    voxels.Size[a] = std::atoi(sizes[first + a].c_str());
+  }
+  voxels.FirstAxis = static_cast<int>(first);
+  voxels.Components = first == 1 ? std::atoi(sizes[0].c_str()) : 1;
+  voxels.Path = value.empty() ? path : Resolve(path, value);
+  voxels.Offset = value.empty() ? FindNrrdData(text) : 0;
+  voxels.BigEndian = Find(fields, { "endian" }) == "big";
+  return voxels;
 }
 
 //------------------------------------------------------------------------------

@@ -11,6 +11,8 @@
 #ifndef vtkFFDDataFiles_h
 #define vtkFFDDataFiles_h
 
+#include "vtkFFDStoredVoxels.h"
+
 #include <map>
 #include <string>
 
@@ -27,9 +29,17 @@ using Fields = std::map<std::string, std::string>;
 std::string FindMetaImageProblem(
   const std::string& path, const std::string& text, const Fields& fields, double bytes, int slices);
 
-/// Finds the problem of a NRRD.
+/// Finds the problem of a NRRD of so many bytes, which is to be found before VTK's reader opens it
+/// with 0 for them: not known yet.
 std::string FindNrrdProblem(
-  const std::string& path, const std::string& text, const Fields& fields, int slices);
+  const std::string& path, const std::string& text, const Fields& fields, double bytes, int slices);
+
+/// Finds voxels that are not to be left to VTK's reader. The header is one without a problem, the
+/// keys of a NRRD are in small letters.
+vtkFFDStoredVoxels FindMetaImageVoxels(
+  const std::string& path, const std::string& text, const Fields& fields);
+vtkFFDStoredVoxels FindNrrdVoxels(
+  const std::string& path, const std::string& text, const Fields& fields);
 
 /// Finds the problem of a pair of files, .hdr and .img.
 std::string FindPairProblem(const std::string& path);

@@ -92,6 +92,75 @@ bool IsWithin(const fs::path& path, const fs::path& folder)
     std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
 }
 
+/// `place` gives memory for the next so many bytes, `keep` is told how many of them there were.
+bool Inflate(const std::string& name, std::size_t offset, std::size_t limit,
+  const std::function<char*(std::size_t)>& place, const std::function<void(std::size_t)>& keep,
+  const vtkFFDFileAccess::Proceed& proceed, std::string& error)
+{
+  std::size_t found = 0;
+  std::ifstream file;
+  if (!Open(name, offset, file, error))
+  {
+    return false;
+  }
+  InflateStream stream;
+  if (!stream.Usable)
+  {
+    error = "zlib cannot be used";
+    return false;
+  }
+  std::string packed;
+  bool first = true;   // no member has ended yet
+  bool between = true; // nothing of the present member was read
+  bool gzip = false;
+  while (found < limit)
+  {
+    if (stream.avail_in == 0)
+    {
+      packed.clear();
+      Append(file, Chunk, packed);
+      stream.next_in = reinterpret_cast<Bytef*>(&packed[0]);
+      stream.avail_in = static_cast<uInt>(packed.size());
+    }
+    if (stream.avail_in == 0)
+    {
+      break; // the end of the file
+    }
+    if (between)
+    {
+      if (!first && (!gzip || *stream.next_in != 0x1f))
+      {
+        break;
+      }
+      gzip = *stream.next_in == 0x1f;
+      between = false;
+    }
+    const std::size_t out = std::min(Chunk, limit - found);
+    stream.next_out = reinterpret_cast<Bytef*>(place(out));
+    stream.avail_out = static_cast<uInt>(out);
+    const int status = inflate(&stream, Z_NO_FLUSH);
+    keep(out - stream.avail_out);
+    found += out - stream.avail_out;
+    if (status == Z_STREAM_END)
+    {
+      first = false;
+      between = true;
+      inflateReset(&stream);
+    }
+    else if (status != Z_OK && status != Z_BUF_ERROR)
+    {
+      error = "the compressed data are damaged";
+      return false;
+    }
+    if (!proceed())
+    {
+      error = "reading was stopped";
+      return false;
+    }
+  }
+  return true;
+}
+
 } // namespace
 
 namespace vtkFFDFileAccess
@@ -182,68 +251,27 @@ bool ReadCompressed(const std::string& name, std::size_t offset, std::size_t lim
   std::string& bytes, const Proceed& proceed, std::string& error)
 {
   bytes.clear();
-  std::ifstream file;
-  if (!Open(name, offset, file, error))
-  {
-    return false;
-  }
-  InflateStream stream;
-  if (!stream.Usable)
-  {
-    error = "zlib cannot be used";
-    return false;
-  }
-  std::string packed;
-  bool first = true;   // no member has ended yet
-  bool between = true; // nothing of the present member was read
-  bool gzip = false;
-  while (bytes.size() < limit)
-  {
-    if (stream.avail_in == 0)
-    {
-      packed.clear();
-      Append(file, Chunk, packed);
-      stream.next_in = reinterpret_cast<Bytef*>(&packed[0]);
-      stream.avail_in = static_cast<uInt>(packed.size());
-    }
-    if (stream.avail_in == 0)
-    {
-      break; // the end of the file
-    }
-    if (between)
-    {
-      if (!first && (!gzip || *stream.next_in != 0x1f))
-      {
-        break;
-      }
-      gzip = *stream.next_in == 0x1f;
-      between = false;
-    }
-    const std::size_t out = std::min(Chunk, limit - bytes.size());
-    const std::size_t before = bytes.size();
-    bytes.resize(before + out);
-    stream.next_out = reinterpret_cast<Bytef*>(&bytes[before]);
-    stream.avail_out = static_cast<uInt>(out);
-    const int status = inflate(&stream, Z_NO_FLUSH);
-    bytes.resize(before + out - stream.avail_out);
-    if (status == Z_STREAM_END)
-    {
-      first = false;
-      between = true;
-      inflateReset(&stream);
-    }
-    else if (status != Z_OK && status != Z_BUF_ERROR)
-    {
-      error = "the compressed data are damaged";
-      return false;
-    }
-    if (!proceed())
-    {
-      error = "reading was stopped";
-      return false;
-    }
-  }
-  return true;
+  std::size_t found = 0;
+  const auto place = [&bytes, &found](std::size_t count) {
+    bytes.resize(found + count);
+    return &bytes[found];
+  };
+  const auto keep = [&bytes, &found](std::size_t count) {
+    found += count;
+    bytes.resize(found);
+  };
+  return Inflate(name, offset, limit, place, keep, proceed, error);
+}
+
+//------------------------------------------------------------------------------
+bool ReadCompressedInto(const std::string& name, std::size_t offset, char* bytes, std::size_t limit,
+  std::size_t& found, std::string& error)
+{
+  found = 0;
+  const auto place = [bytes, &found](std::size_t) { return bytes + found; };
+  const auto keep = [&found](std::size_t count) { found += count; };
+  return Inflate(
+    name, offset, limit, place, keep, [] { return true; }, error);
 }
 
 //------------------------------------------------------------------------------

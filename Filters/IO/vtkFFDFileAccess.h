@@ -39,6 +39,10 @@ bool ReadText(
 bool ReadCompressed(const std::string& name, std::size_t offset, std::size_t limit,
   std::string& bytes, const Proceed& proceed, std::string& error);
 
+/// The same into memory of `limit` bytes; `found` is how many of these were there.
+bool ReadCompressedInto(const std::string& name, std::size_t offset, char* bytes, std::size_t limit,
+  std::size_t& found, std::string& error);
+
 bool IsGzip(std::string_view bytes);
 
 /**

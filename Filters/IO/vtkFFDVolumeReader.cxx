@@ -6,6 +6,7 @@
 #include "vtkFFDDataFiles.h"
 #include "vtkFFDFileAccess.h"
 #include "vtkFFDGuard.h"
+#include "vtkFFDStoredVoxels.h"
 
 #include "FFDSingularMatrix.h"
 
@@ -42,11 +43,15 @@
 #include <vtksys/SystemTools.hxx>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <exception>
 #include <initializer_list>
+#include <iterator>
+#include <limits>
 #include <locale>
 #include <map>
+#include <new>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -165,7 +170,8 @@ bool BeginsWithLongWord(const char* path)
   return ReadStart(path).find_first_of(" \t\n\v\f\r") >= 4000;
 }
 
-/// "key<separator> value" lines of the header of a text format, until an empty line.
+/// "key<separator> value" lines of the header of a text format, until an empty line. Keys of NRRD,
+/// and the words of the format after them, are the same in capital letters: small ones are given.
 vtkFFDDataFiles::Fields ReadFields(const char* path, char separator)
 {
   vtkFFDDataFiles::Fields fields;
@@ -179,9 +185,18 @@ vtkFFDDataFiles::Fields ReadFields(const char* path, char separator)
     {
       const std::size_t end = line.find_last_not_of(blank, at == 0 ? 0 : at - 1);
       const std::size_t from = line.find_first_not_of(blank, at + 1);
-      fields[line.substr(0, end + 1)] = from == std::string::npos
+      std::string key = line.substr(0, end + 1);
+      std::string value = from == std::string::npos
         ? std::string()
         : line.substr(from, line.find_last_not_of(blank) + 1 - from);
+      if (separator == ':')
+      {
+        key = vtksys::SystemTools::LowerCase(key);
+        value = key == "space" || key == "encoding" || key == "endian"
+          ? vtksys::SystemTools::LowerCase(value)
+          : value;
+      }
+      fields[key] = value;
       if (line.compare(0, 15, "ElementDataFile") == 0)
       {
         break; // what follows may be the voxels
@@ -207,7 +222,11 @@ std::vector<double> ReadNumbers(std::string text)
     std::istringstream number(word);
     number.imbue(std::locale::classic());
     double value;
-    if (number >> value)
+    if (word == "nan")
+    {
+      numbers.push_back(std::numeric_limits<double>::quiet_NaN());
+    }
+    else if (number >> value)
     {
       numbers.push_back(value);
     }
@@ -253,8 +272,15 @@ bool PlaceMetaImage(const char* path, const glm::dvec3& spacing, Placement& plac
   return true;
 }
 
+/// How many files the data of a NRRD are in, where it says that these are several.
+int CountSlices(const vtkFFDDataFiles::Fields& fields)
+{
+  const std::vector<double> sizes = ReadNumbers(Find(fields, { "sizes" }));
+  return sizes.empty() ? 1 : static_cast<int>(glm::clamp(sizes.back(), 1.0, 65536.0));
+}
+
 /// Finds what would hang VTK's reader: a header that holds zeros or does not end, or data files
-/// that do not end. Empty: none.
+/// that do not end; and sizes that are none. Empty: none.
 std::string FindNrrdProblem(const char* path)
 {
   const std::string text = ReadStart(path);
@@ -270,27 +296,38 @@ std::string FindNrrdProblem(const char* path)
     return "it cannot be read: its header holds zero bytes";
   }
   const vtkFFDDataFiles::Fields fields = ReadFields(path, ':');
-  const std::vector<double> sizes = ReadNumbers(Find(fields, { "sizes" }));
-  const int slices = sizes.empty() ? 1 : static_cast<int>(glm::clamp(sizes.back(), 1.0, 65536.0));
-  return vtkFFDDataFiles::FindNrrdProblem(path, text, fields, slices);
+  return vtkFFDDataFiles::FindNrrdProblem(path, text, fields, 0.0, CountSlices(fields));
 }
 
-bool PlaceNrrd(const char* path, int rows, bool leftHanded, Placement& place)
+bool PlaceNrrd(
+  const char* path, int rows, bool turnsRows, const vtkFFDStoredVoxels& stored, Placement& place)
 {
   const std::map<std::string, std::string> fields = ReadFields(path, ':');
   const std::vector<double> steps = ReadNumbers(Find(fields, { "space directions" }));
   const std::vector<double> origin = ReadNumbers(Find(fields, { "space origin" }));
+  const std::vector<double> spacings = ReadNumbers(Find(fields, { "spacings" }));
+  if (steps.empty() && stored.Components > 0 && (spacings.size() == 3 || spacings.size() == 4))
+  {
+    // That of the axis without a direction may be "nan".
+    const std::size_t first = spacings.size() == 4 ? static_cast<std::size_t>(stored.FirstAxis) : 0;
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      place.Steps[static_cast<int>(a)] *= spacings[first + a];
+    }
+    place.Origin = origin.size() == 3 ? ToVector(origin, 0) : glm::dvec3(0.0);
+    return true;
+  }
   if (steps.size() != 9)
   {
     return false;
   }
   const std::string space = Find(fields, { "space" });
   glm::dvec3 toLps(1.0);
-  if (space == "right-anterior-superior" || space == "RAS")
+  if (space == "right-anterior-superior" || space == "ras")
   {
     toLps = FromRas;
   }
-  else if (space == "left-anterior-superior" || space == "LAS")
+  else if (space == "left-anterior-superior" || space == "las")
   {
     toLps.y = -1.0;
   }
@@ -300,7 +337,7 @@ bool PlaceNrrd(const char* path, int rows, bool leftHanded, Placement& place)
   }
   place.Origin = origin.size() == 3 ? toLps * ToVector(origin, 0) : glm::dvec3(0.0);
   // VTK's reader turns the rows of uncompressed data in spaces that it takes for left-handed.
-  if (leftHanded && Find(fields, { "encoding" }) == "raw")
+  if (turnsRows && Find(fields, { "encoding" }) == "raw")
   {
     place.Origin += static_cast<double>(rows - 1) * place.Steps[1];
     place.Steps[1] = -place.Steps[1];
@@ -356,6 +393,76 @@ Scaling FindScaling(vtkNIFTIImageReader* reader, int storedType)
   const bool small = vtkDataArray::GetDataTypeSize(storedType) <= 2;
   scaling.Type = small || storedType == VTK_FLOAT ? VTK_FLOAT : VTK_DOUBLE;
   return scaling;
+}
+
+/// The first bytes of the header of a NIfTI file or of a pair of files, decompressed.
+std::string ReadNiftiHeader(const std::string& path, std::size_t size)
+{
+  std::string header = path;
+  const std::size_t image = path.rfind(".img");
+  for (const char* ending : { ".hdr", ".hdr.gz" })
+  {
+    const bool isPair = image != std::string::npos && image + 7 >= path.size();
+    const std::string other = path.substr(0, isPair ? image : 0) + ending;
+    if (isPair && vtksys::SystemTools::FileExists(other) && header == path)
+    {
+      header = other;
+    }
+  }
+  std::string bytes;
+  std::string ignored;
+  const auto proceed = [] { return true; };
+  vtkFFDFileAccess::ReadBytes(header, 0, size, bytes, proceed, ignored);
+  if (vtkFFDFileAccess::IsGzip(bytes))
+  {
+    vtkFFDFileAccess::ReadCompressed(header, 0, size, bytes, proceed, ignored);
+  }
+  bytes.resize(size, '\0');
+  return bytes;
+}
+
+template <class T>
+T ReadNumber(const std::string& bytes, std::size_t at, bool swaps)
+{
+  T number;
+  std::copy_n(bytes.data() + at, sizeof number, reinterpret_cast<char*>(&number));
+  if (swaps)
+  {
+    vtkByteSwap::SwapVoidRange(&number, 1, sizeof number);
+  }
+  return number;
+}
+
+/// What VTK's reader does not check: it crashes on types that it does not know, and takes the
+/// header for voxels where that says so.
+std::string FindNiftiProblem(const char* path)
+{
+  constexpr std::size_t first = 348;  // bytes of the header of NIfTI-1
+  constexpr std::size_t second = 540; // and NIfTI-2, which they begin with
+  const std::string bytes = ReadNiftiHeader(path, second);
+  const auto begins = [&bytes](std::size_t size, bool swaps) {
+    return ReadNumber<int>(bytes, 0, swaps) == static_cast<int>(size);
+  };
+  const bool swaps = begins(first, true) || begins(second, true);
+  const bool isSecond = begins(second, swaps);
+  const int kind = ReadNumber<short>(bytes, isSecond ? 12 : 70, swaps);
+  constexpr int known[] = { 2, 4, 8, 16, 32, 64, 128, 256, 512, 768, 1024, 1280, 1792, 2304 };
+  if (std::find(std::begin(known), std::end(known), kind) == std::end(known))
+  {
+    return "it cannot be read: its voxels are of the NIfTI type " + std::to_string(kind) +
+      ", which VTK does not know; write whole numbers, float or double";
+  }
+  const double start = isSecond ? static_cast<double>(ReadNumber<long long>(bytes, 168, swaps))
+                                : ReadNumber<float>(bytes, 108, swaps);
+  const std::size_t least = isSecond ? second : first;
+  if (bytes.compare(isSecond ? 4 : 344, 2, "n+") == 0 && !(start >= static_cast<double>(least)))
+  {
+    std::ostringstream text;
+    text << "it cannot be read: its voxels begin at byte " << start
+         << " (vox_offset), within its header of " << least << " bytes";
+    return text.str();
+  }
+  return std::string();
 }
 
 template <class From, class To>
@@ -456,6 +563,7 @@ public:
   Placement Place;
   bool HasPlace = false;
   Scaling Scales;
+  vtkFFDStoredVoxels Stored;
   vtkMTimeType OpenedTime = 0;
   std::string Problem;
 
@@ -478,6 +586,8 @@ public:
   bool Open(const char* path);
   void PlaceSlices(SliceReader* reader, int rows, int slices, const glm::dvec3& spacing);
   void FindPlace(const char* path);
+  bool LeaveOutDirections();
+  vtkSmartPointer<vtkImageData> ReadStored();
 };
 
 //------------------------------------------------------------------------------
@@ -488,6 +598,7 @@ bool vtkFFDVolumeReader::vtkInternals::Open(const char* path)
   this->Reader = nullptr;
   this->HasPlace = false;
   this->Scales = Scaling();
+  this->Stored = vtkFFDStoredVoxels();
   this->Problem.clear();
   this->Heard->Text.clear();
   if (!path || !*path)
@@ -539,6 +650,11 @@ bool vtkFFDVolumeReader::vtkInternals::Open(const char* path)
   }
   else if (vtkNew<vtkNIFTIImageReader>()->CanReadFile(path))
   {
+    this->Problem = FindNiftiProblem(path);
+    if (!this->Problem.empty())
+    {
+      return false;
+    }
     this->Make<vtkNIFTIImageReader>(path);
   }
   else if (ReadStart(path).compare(0, 4, "NRRD") == 0)
@@ -584,6 +700,12 @@ bool vtkFFDVolumeReader::vtkInternals::Open(const char* path)
 void vtkFFDVolumeReader::vtkInternals::FindPlace(const char* path)
 {
   vtkInformation* info = this->Reader->GetOutputInformation(0);
+  if (!info->Has(Pipeline::WHOLE_EXTENT()) && vtkNrrdReader::SafeDownCast(this->Reader))
+  {
+    this->Problem = "it cannot be read: VTK does not know its type '" +
+      Find(ReadFields(path, ':'), { "type" }) + "'; write whole numbers, float or double";
+    return;
+  }
   int extent[6] = { 0, -1, 0, -1, 0, -1 };
   glm::dvec3 spacing(1.0);
   info->Get(Pipeline::WHOLE_EXTENT(), extent);
@@ -599,6 +721,22 @@ void vtkFFDVolumeReader::vtkInternals::FindPlace(const char* path)
   auto* dicom = SliceReader::SafeDownCast(this->Reader);
   auto* nifti = vtkNIFTIImageReader::SafeDownCast(this->Reader);
   auto* nrrd = vtkNrrdReader::SafeDownCast(this->Reader);
+  int components = 1;
+  auto* numbers = vtkImageReader2::SafeDownCast(this->Reader);
+  if (numbers)
+  {
+    components = numbers->GetNumberOfScalarComponents();
+  }
+  if (nrrd)
+  {
+    const vtkFFDDataFiles::Fields fields = ReadFields(path, ':');
+    this->Stored = vtkFFDDataFiles::FindNrrdVoxels(path, ReadStart(path), fields);
+    if (this->Stored.Components > 0)
+    {
+      std::copy_n(this->Stored.Size.data(), 3, size);
+      components = this->Stored.Components;
+    }
+  }
   if (dicom && dicom->GetNumberOfDICOMFileNames() == 0)
   {
     this->Problem = "no DICOM slices were found in it";
@@ -613,6 +751,11 @@ void vtkFFDVolumeReader::vtkInternals::FindPlace(const char* path)
     return;
   }
   this->Place = Placement();
+  double bytes = 1.0 * size[0] * size[1] * size[2];
+  if (numbers)
+  {
+    bytes *= 1.0 * components * vtkDataArray::GetDataTypeSize(numbers->GetDataScalarType());
+  }
   if (dicom)
   {
     this->PlaceSlices(dicom, size[1], size[2], spacing);
@@ -624,18 +767,103 @@ void vtkFFDVolumeReader::vtkInternals::FindPlace(const char* path)
   }
   else if (nrrd)
   {
-    this->HasPlace = PlaceNrrd(path, size[1], nrrd->GetFileLowerLeft() == 0, this->Place);
-  }
-  else if (auto* meta = vtkMetaImageReader::SafeDownCast(this->Reader))
-  {
-    const double voxels = 1.0 * size[0] * size[1] * size[2];
+    const vtkFFDDataFiles::Fields fields = ReadFields(path, ':');
     this->Problem =
-      vtkFFDDataFiles::FindMetaImageProblem(path, ReadStart(path), ReadFields(path, '='),
-        voxels * meta->GetNumberOfScalarComponents() *
-          vtkDataArray::GetDataTypeSize(meta->GetDataScalarType()),
-        size[2]);
+      vtkFFDDataFiles::FindNrrdProblem(path, ReadStart(path), fields, bytes, CountSlices(fields));
+    const bool isOurs = this->Stored.Form != vtkFFDStoredVoxels::OF_VTK;
+    this->HasPlace =
+      PlaceNrrd(path, size[1], nrrd->GetFileLowerLeft() == 0 && !isOurs, this->Stored, this->Place);
+  }
+  else if (vtkMetaImageReader::SafeDownCast(this->Reader))
+  {
+    const vtkFFDDataFiles::Fields fields = ReadFields(path, '=');
+    const std::string text = ReadStart(path);
+    this->Problem = vtkFFDDataFiles::FindMetaImageProblem(path, text, fields, bytes, size[2]);
+    this->Stored = vtkFFDDataFiles::FindMetaImageVoxels(path, text, fields);
     this->HasPlace = PlaceMetaImage(path, spacing, this->Place);
   }
+}
+
+//------------------------------------------------------------------------------
+/// Leaves out directions that are none, and takes 1 for a spacing and 0 for an origin that VTK's
+/// reader gives and that are none; returns whether there were any.
+bool vtkFFDVolumeReader::vtkInternals::LeaveOutDirections()
+{
+  glm::dmat3 directions = this->Place.Steps;
+  for (int a = 0; a < 3; ++a)
+  {
+    directions[a] /= glm::length(directions[a]);
+  }
+  const bool bad = this->HasPlace &&
+    (ffd::IsSingular(directions) || !std::isfinite(glm::length(this->Place.Origin)));
+  this->HasPlace = this->HasPlace && !bad;
+  vtkInformation* const info = this->Reader->GetOutputInformation(0);
+  if (this->HasPlace || !info->Has(vtkDataObject::SPACING()) || !info->Has(vtkDataObject::ORIGIN()))
+  {
+    return bad;
+  }
+  glm::dvec3 spacing(1.0);
+  info->Get(vtkDataObject::SPACING(), &spacing.x);
+  for (int a = 0; bad && this->Stored.Components > 0 && a < 3; ++a)
+  {
+    spacing[a] = glm::length(this->Place.Steps[a]); // VTK's may be of other axes
+  }
+  const double* const origin = info->Get(vtkDataObject::ORIGIN());
+  Placement place;
+  bool replaced = bad;
+  for (int a = 0; a < 3; ++a)
+  {
+    const bool hasStep = std::isfinite(spacing[a]) && spacing[a] != 0.0;
+    const bool hasOrigin = std::isfinite(origin[a]);
+    place.Steps[a][a] = hasStep ? spacing[a] : 1.0;
+    place.Origin[a] = hasOrigin ? origin[a] : 0.0;
+    replaced = replaced || !hasStep || !hasOrigin;
+  }
+  if (replaced)
+  {
+    this->Place = place;
+    this->HasPlace = true;
+  }
+  return replaced;
+}
+
+//------------------------------------------------------------------------------
+/// The image of voxels that are not left to VTK's reader; null after a problem.
+vtkSmartPointer<vtkImageData> vtkFFDVolumeReader::vtkInternals::ReadStored()
+{
+  auto* reader = vtkImageReader2::SafeDownCast(this->Reader);
+  vtkInformation* const info = reader->GetOutputInformation(0);
+  auto image = vtkSmartPointer<vtkImageData>::New();
+  const std::array<int, 3>& size = this->Stored.Size;
+  const bool isKnown = this->Stored.Components > 0;
+  if (isKnown)
+  {
+    image->SetDimensions(size.data());
+  }
+  else
+  {
+    image->SetExtent(info->Get(Pipeline::WHOLE_EXTENT()));
+  }
+  image->SetSpacing(info->Get(vtkDataObject::SPACING()));
+  image->SetOrigin(info->Get(vtkDataObject::ORIGIN()));
+  image->AllocateScalars(reader->GetDataScalarType(),
+    isKnown ? this->Stored.Components : reader->GetNumberOfScalarComponents());
+  vtkDataArray* const numbers = image->GetPointData()->GetScalars();
+  if (!numbers || numbers->GetNumberOfTuples() < image->GetNumberOfPoints())
+  {
+    throw std::bad_alloc();
+  }
+  if (vtkMetaImageReader::SafeDownCast(reader))
+  {
+    numbers->SetName("MetaImage"); // as VTK's reader
+  }
+  const std::string problem = this->Stored.Read(numbers);
+  if (!problem.empty())
+  {
+    this->Problem = "it cannot be read: " + problem;
+    return nullptr;
+  }
+  return image;
 }
 
 //------------------------------------------------------------------------------
@@ -718,18 +946,12 @@ int vtkFFDVolumeReader::RequestInformation(
       in.Reader = nullptr;
       return this->Fail();
     }
-    glm::dmat3 directions = in.Place.Steps;
-    for (int a = 0; a < 3; ++a)
+    if (in.LeaveOutDirections())
     {
-      directions[a] /= glm::length(directions[a]);
-    }
-    if (in.HasPlace &&
-      (ffd::IsSingular(directions) || !std::isfinite(glm::length(in.Place.Origin))))
-    {
-      vtkWarningMacro(<< this->FileName
-                      << ": the directions of its axes are singular or not finite; "
-                         "they are left out.");
-      in.HasPlace = false;
+      vtkWarningMacro(
+        << this->FileName
+        << ": the directions, spacing or origin of its axes are singular, zero or not "
+           "finite; they are left out.");
     }
   }
   vtkInformation* info = output->GetInformationObject(0);
@@ -739,6 +961,12 @@ int vtkFFDVolumeReader::RequestInformation(
   info->CopyEntry(from, vtkDataObject::SPACING());
   info->CopyEntry(from, vtkDataObject::DIRECTION());
   info->CopyEntry(from, vtkDataObject::POINT_DATA_VECTOR(), 1);
+  if (in.Stored.Components > 0)
+  {
+    const std::array<int, 3>& size = in.Stored.Size;
+    info->Set(Pipeline::WHOLE_EXTENT(), 0, size[0] - 1, 0, size[1] - 1, 0, size[2] - 1);
+    vtkDataObject::SetPointDataActiveScalarInfo(info, -1, in.Stored.Components);
+  }
   if (!in.Scales.IsNone())
   {
     vtkDataObject::SetPointDataActiveScalarInfo(info, in.Scales.Type, -1);
@@ -774,20 +1002,29 @@ int vtkFFDVolumeReader::RequestData(
   {
     return 0; // has been told
   }
+  vtkSmartPointer<vtkImageData> read;
   try
   {
-    in.Reader->Update();
+    if (in.Stored.Form != vtkFFDStoredVoxels::OF_VTK)
+    {
+      read = in.ReadStored();
+    }
+    else
+    {
+      in.Reader->Update();
+      read = vtkImageData::SafeDownCast(in.Reader->GetOutputDataObject(0));
+    }
   }
   catch (const std::exception&)
   {
     in.Heard->Text = "there is not enough memory for it";
   }
-  auto* read = vtkImageData::SafeDownCast(in.Reader->GetOutputDataObject(0));
   if (!in.Heard->Text.empty())
   {
     in.Problem = "it cannot be read: " + in.Heard->Text;
   }
-  else if (!read || read->GetNumberOfPoints() == 0 || !read->GetPointData()->GetScalars())
+  else if (in.Problem.empty() &&
+    (!read || read->GetNumberOfPoints() == 0 || !read->GetPointData()->GetScalars()))
   {
     in.Problem = "it holds no image with point scalars";
   }

@@ -26,11 +26,15 @@
  *
  * Update() reports an error that says why a volume cannot be read: there is no such file, no
  * reader, nothing in the file, a single slice (a volume has at least two voxels along each axis),
- * compressed DICOM, a pipe or device, also as one of the data files that a header names, and one of
- * these that is missing or, of a MetaImage that is not compressed, short. (VTK does not tell of
- * damaged voxels of a compressed MetaImage.) The output is then empty, and GetProblem() tells the
- * reason without the file's name. Directions that are singular or not finite are left out, with a
- * warning. NRRD: VTK's reader takes a first axis of up to 9 elements for components.
+ * compressed DICOM, a pipe or device, also as one of the data files that a header names, and data
+ * that are missing, short or damaged. The output is then empty, and GetProblem() tells the reason
+ * without the file's name. Directions, spacings and origins that are singular, zero or not finite
+ * are left out, with a warning.
+ *
+ * NRRD may have a fourth axis, which "space directions" or "kinds" tell from those of space: the
+ * first one is that of the components, of a last one (times) the first element is read. The data
+ * are raw, gzip or text, without line and byte skips. Data in several files are left to VTK's
+ * reader, which takes a first axis of up to 9 elements for components.
  *
  * @sa vtkFFDTransformReader vtkImageReader2Factory
  */

@@ -4,6 +4,7 @@
 read is named."""
 
 import gzip
+import math
 import os
 import shutil
 import signal
@@ -11,6 +12,7 @@ import struct
 import subprocess
 import sys
 import unittest
+import zlib
 
 import numpy
 import vtkffd
@@ -303,6 +305,133 @@ class TestVolumeReader(unittest.TestCase):
                 numpy.testing.assert_array_equal(scalars, values.ravel(), name)
         signal.alarm(0)
         os.remove(os.path.join(WORK, "endless.mha"))
+
+    def check_contents(self, cases):
+        """Files by name: what is in them, and the problem with it, or the array and the spacing."""
+        signal.alarm(60)  # instead of waiting for ever
+        for name, (content, problem, *read) in cases.items():
+            with self.subTest(name):
+                with open(os.path.join(WORK, name), "wb") as file:
+                    file.write(content)
+                reader = vtkffd.vtkFFDVolumeReader()
+                reader.AddObserver("ErrorEvent", lambda *_: None)
+                reader.AddObserver("WarningEvent", lambda *_: None)
+                reader.SetFileName(os.path.join(WORK, name))
+                reader.Update()
+                self.assertIn(problem, reader.GetProblem())
+                self.assertEqual(problem == "", reader.GetProblem() == "")
+                if not problem:
+                    image = reader.GetOutput()
+                    values, spacing = read
+                    scalars = vtk_to_numpy(image.GetPointData().GetScalars())
+                    numpy.testing.assert_array_equal(scalars.ravel(), values.ravel())
+                    self.assertEqual(image.GetPointData().GetScalars().GetNumberOfComponents(),
+                                     scalars.size // image.GetNumberOfPoints())
+                    self.assertEqual(image.GetDimensions(), (5, 4, 3))
+                    self.assertEqual(image.GetSpacing(), spacing)
+        signal.alarm(0)
+
+    def test_encodings_of_nrrd(self):
+        """Numbers as text and what is short, damaged or no size, of which VTK's reader makes voxels of
+        what the memory held; small first sizes and four axes, of which it makes other volumes."""
+        values = numpy.arange(60, dtype="<i2").reshape(3, 4, 5)
+        plain = values.tobytes()
+        packed = gzip.compress(plain)
+        text = b", ".join(b"%d" % v for v in values.ravel())
+        three = numpy.repeat(values.ravel(), 3)
+        spaced = "space: LPS\nspace directions: (1,0,0) (0,2,0) (0,0,3)\n"
+        steps = (1.0, 2.0, 3.0)
+
+        def header(encoding, more=spaced, sizes="5 4 3", dimension=3, kind="short"):
+            return ("NRRD0004\ntype: %s\ndimension: %d\n%ssizes: %s\nendian: little\nencoding: %s\n\n"
+                    % (kind, dimension, more, sizes, encoding)).encode()
+
+        first = "space: LPS\nspace directions: none (1,0,0) (0,2,0) (0,0,3)\n"
+        last = "space: LPS\nspace directions: (1,0,0) (0,2,0) (0,0,3) none\n"
+        cases = {
+            "raw.nrrd": (header("raw") + plain, "", values, steps),
+            "packed.nrrd": (header("gzip") + packed, "", values, steps),
+            "members.nrrd": (header("gz") + gzip.compress(plain[:9]) + gzip.compress(plain[9:]), "",
+                             values, steps),
+            "text.nrrd": (header("ascii") + text, "", values, steps),
+            "capitals.nrrd": (header("raw").replace(b"space directions", b"Space Directions") + plain, "",
+                              values, steps),
+            "spacings.nrrd": (header("raw", "spacings: 1 2 3\n") + plain, "", values, steps),
+            "first.nrrd": (header("raw", first, "3 5 4 3", 4) + three.tobytes(), "", three, steps),
+            "last.nrrd": (header("gzip", last, "5 4 3 2", 4) + gzip.compress(plain + plain), "", values,
+                          steps),
+            "singular.nrrd": (header("raw", spaced.replace("0,2,0", "0,0,0")) + plain, "", values,
+                              (1.0, 1.0, 3.0)),
+            "nan.nrrd": (header("raw", spaced.replace("0,2,0", "0,nan,0")) + plain, "", values,
+                         (1.0, 1.0, 3.0)),
+            "short.nrrd": (header("raw") + plain[:-1], "fewer bytes"),
+            "short_packed.nrrd": (header("gzip") + gzip.compress(plain[:-1]), "119 bytes, 120 are needed"),
+            "cut.nrrd": (header("gzip") + packed[:-12], "are needed"),
+            "damaged.nrrd": (header("gzip") + b"x" * 90, "damaged"),
+            "short_text.nrrd": (header("ascii") + b"1 2 3", "3 numbers, 60 are needed"),
+            "words.nrrd": (header("ascii") + b"words", "0 numbers"),
+            "large.nrrd": (header("ascii") + b"70000 " * 60, "does not hold"),
+            "none.nhdr": (header("raw")[:-1], "names no data file"),
+            "zero.nrrd": (header("raw", sizes="5 0 3") + plain, "'5 0 3'"),
+            "negative.nrrd": (header("raw", sizes="5 -4 3") + plain, "'5 -4 3'"),
+            "few.nrrd": (header("raw", sizes="5 4") + plain, "'5 4'"),
+            "many.nrrd": (header("gzip", sizes="65537 65537 2", kind="uint8") + gzip.compress(b"0" * 262146),
+                          "8590196738 are needed"),
+            "half.nrrd": (header("raw", kind="half") + plain, "does not know its type 'half'")}
+        self.check_contents(cases)
+
+    def test_encodings_of_metaimage(self):
+        """What is short or damaged, of which VTK's reader makes voxels of what the memory held."""
+        values = numpy.arange(60, dtype="<i2").reshape(3, 4, 5)
+        packed = zlib.compress(values.tobytes())
+        text = b" ".join(b"%d" % v for v in values.ravel())
+        steps = (1.0, 2.0, 3.0)
+
+        def header(more, binary=True, size="5 4 3", spacing="1 2 3"):
+            return ("ObjectType = Image\nNDims = 3\nBinaryData = %s\n%sDimSize = %s\nElementSpacing = %s\n"
+                    "ElementType = MET_SHORT\nElementDataFile = LOCAL\n"
+                    % (binary, more, size, spacing)).encode()
+
+        true = "CompressedData = True\n"
+        self.check_contents({
+            "packed.mha": (header(true + "CompressedDataSize = %d\n" % len(packed)) + packed, "", values,
+                           steps),
+            "no_size.mha": (header(true) + packed, "", values, steps),
+            "big.mha": (header(true + "BinaryDataByteOrderMSB = True\n")
+                        + zlib.compress(values.astype(">i2").tobytes()), "", values, steps),
+            "text.mha": (header("", False) + text, "", values, steps),
+            "zero.mha": (header("", spacing="1 0 3") + values.tobytes(), "", values, (1.0, 1.0, 3.0)),
+            "cut.mha": (header(true) + packed[:-9], "are needed"),
+            "damaged.mha": (header(true) + b"x" * 90, "damaged"),
+            "short.mha": (header(true) + zlib.compress(b"12345"), "5 bytes, 120 are needed"),
+            "short_text.mha": (header("", False) + b"1 2 3", "3 numbers, 60 are needed"),
+            "large_text.mha": (header("", False, "2000 2000 2000") + b"1 2 3", "3 numbers, 8000000000"),
+            "no_channels.mha": (header("ElementNumberOfChannels = 0\n") + values.tobytes(),
+                                "ElementNumberOfChannels")})
+
+    def test_headers_of_nifti(self):
+        """A type that VTK's reader crashes on, and voxels that begin in the header."""
+        values = numpy.arange(60, dtype="<i2").reshape(3, 4, 5)
+
+        def header(kind=4, start=352.0, spacing=2.0):
+            content = bytearray(352)
+            struct.pack_into("<i", content, 0, 348)
+            struct.pack_into("<8h", content, 40, 3, 5, 4, 3, 1, 1, 1, 1)
+            struct.pack_into("<2h", content, 70, kind, 16)
+            struct.pack_into("<4f", content, 76, 1.0, 1.0, spacing, 3.0)
+            struct.pack_into("<f", content, 108, start)
+            content[344:348] = b"n+1\0"
+            return bytes(content)
+
+        data = values.tobytes()
+        self.check_contents({
+            "plain.nii": (header() + data, "", values, (1.0, 2.0, 3.0)),
+            "packed.nii.gz": (gzip.compress(header() + data), "", values, (1.0, 2.0, 3.0)),
+            "quad.nii": (header(1536) + 8 * data, "NIfTI type 1536"),
+            "quad.nii.gz": (gzip.compress(header(1536) + 8 * data), "NIfTI type 1536"),
+            "bits.nii": (header(1) + data, "NIfTI type 1,"),
+            "inside.nii": (header(start=0.0) + data, "byte 0 (vox_offset)"),
+            "nowhere.nii": (header(start=math.nan) + data, "byte nan (vox_offset)")})
 
     def test_directions_that_are_none(self):
         with open(os.path.join(WORK, "turned.mha"), "rb") as file:
