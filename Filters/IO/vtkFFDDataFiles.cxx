@@ -355,6 +355,24 @@ vtkFFDStoredVoxels FindNrrdVoxels(
 }
 
 //------------------------------------------------------------------------------
+std::string FindXmlProblem(const std::string& path)
+{
+  constexpr std::size_t tail = 1024; // blanks and comments may follow
+  std::size_t size = 0;
+  std::string end;
+  std::string problem;
+  if (!vtkFFDFileAccess::FindSize(path, size, problem) ||
+    !vtkFFDFileAccess::ReadBytes(
+      path, size - std::min(size, tail), tail, end, [] { return true; }, problem))
+  {
+    return problem;
+  }
+  return end.find("</VTKFile") == std::string::npos
+    ? "it is not whole: the end of a VTKFile is missing"
+    : std::string();
+}
+
+//------------------------------------------------------------------------------
 std::string FindPairProblem(const std::string& path)
 {
   fs::path stem = fs::path(path);

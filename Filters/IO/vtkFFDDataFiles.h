@@ -41,6 +41,10 @@ vtkFFDStoredVoxels FindMetaImageVoxels(
 vtkFFDStoredVoxels FindNrrdVoxels(
   const std::string& path, const std::string& text, const Fields& fields);
 
+/// Finds the problem of an XML file that was cut off: VTK's reader fills numbers that are not
+/// packed with what the memory held.
+std::string FindXmlProblem(const std::string& path);
+
 /// Finds the problem of a pair of files, .hdr and .img.
 std::string FindPairProblem(const std::string& path);
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDTransformReader.h"
 
+#include "vtkFFDDataFiles.h"
 #include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDLatticeData.h"
@@ -490,6 +491,7 @@ void vtkFFDTransformReader::UseFile(vtkFFDTransformFile& file)
 void vtkFFDTransformReader::ReadLatticeFile()
 {
   std::string problem = vtkFFDFindLatticeFileProblem(this->FileName);
+  problem = problem.empty() ? vtkFFDDataFiles::FindXmlProblem(this->FileName) : problem;
   if (!problem.empty())
   {
     vtkErrorMacro("The lattice file " << this->FileName << " cannot be used: " << problem << ".");

@@ -11,6 +11,7 @@
 #include "FFDSingularMatrix.h"
 
 #include "vtkByteSwap.h"
+#include "vtkCallbackCommand.h"
 #include "vtkCommand.h"
 #include "vtkDataArray.h"
 #include "vtkDICOMImageReader.h"
@@ -27,6 +28,7 @@
 #include "vtkNIFTIImageReader.h"
 #include "vtkNrrdReader.h"
 #include "vtkObjectFactory.h"
+#include "vtkOutputWindow.h"
 #include "vtkPointData.h"
 #include "vtkSmartPointer.h"
 #include "vtkSMPTools.h"
@@ -51,6 +53,7 @@
 #include <limits>
 #include <locale>
 #include <map>
+#include <memory>
 #include <new>
 #include <sstream>
 #include <string>
@@ -104,6 +107,43 @@ public:
     }
   }
   std::string Text;
+};
+
+/// Listens to what vtkDataReader says of numbers that are missing, which is no event of its own: it
+/// is only printed, and the memory of these numbers stays as it is.
+class ShortLegacyFile
+{
+public:
+  explicit ShortLegacyFile(Complaint* heard)
+    : Heard(heard)
+    , Shown(vtkObject::GetGlobalWarningDisplay())
+  {
+    vtkObject::GlobalWarningDisplayOn(); // else there is no event
+    this->Command->SetClientData(this);
+    this->Command->SetCallback([](vtkObject*, unsigned long, void* self, void* data) {
+      const std::string text = data ? static_cast<const char*>(data) : "";
+      if (text.find("Error reading ") != std::string::npos)
+      {
+        static_cast<ShortLegacyFile*>(self)->Heard->Text =
+          "its numbers are fewer than its header says, or damaged";
+      }
+    });
+    this->Tag = this->Window->AddObserver(vtkCommand::WarningEvent, this->Command);
+  }
+  ~ShortLegacyFile()
+  {
+    this->Window->RemoveObserver(this->Tag);
+    vtkObject::SetGlobalWarningDisplay(this->Shown);
+  }
+  ShortLegacyFile(const ShortLegacyFile&) = delete;
+  void operator=(const ShortLegacyFile&) = delete;
+
+private:
+  Complaint* Heard;
+  vtkTypeBool Shown;
+  unsigned long Tag = 0;
+  vtkNew<vtkCallbackCommand> Command;
+  vtkSmartPointer<vtkOutputWindow> Window{ vtkOutputWindow::GetInstance() };
 };
 
 /// Tells the files, in the order of the slices.
@@ -684,6 +724,10 @@ bool vtkFFDVolumeReader::vtkInternals::Open(const char* path)
     this->Watch(found);
   }
   this->Reader->UpdateInformation();
+  if (this->Heard->Text.empty() && vtkXMLImageDataReader::SafeDownCast(this->Reader))
+  {
+    this->Heard->Text = vtkFFDDataFiles::FindXmlProblem(path);
+  }
   if (this->Heard->Text.empty())
   {
     this->FindPlace(path);
@@ -960,7 +1004,10 @@ int vtkFFDVolumeReader::RequestInformation(
   info->CopyEntry(from, vtkDataObject::ORIGIN());
   info->CopyEntry(from, vtkDataObject::SPACING());
   info->CopyEntry(from, vtkDataObject::DIRECTION());
-  info->CopyEntry(from, vtkDataObject::POINT_DATA_VECTOR(), 1);
+  if (from->Has(vtkDataObject::POINT_DATA_VECTOR()))
+  {
+    info->CopyEntry(from, vtkDataObject::POINT_DATA_VECTOR(), 1);
+  }
   if (in.Stored.Components > 0)
   {
     const std::array<int, 3>& size = in.Stored.Size;
@@ -1011,6 +1058,9 @@ int vtkFFDVolumeReader::RequestData(
     }
     else
     {
+      const std::unique_ptr<ShortLegacyFile> listens(
+        vtkStructuredPointsReader::SafeDownCast(in.Reader) ? new ShortLegacyFile(in.Heard)
+                                                           : nullptr);
       in.Reader->Update();
       read = vtkImageData::SafeDownCast(in.Reader->GetOutputDataObject(0));
     }

@@ -409,6 +409,42 @@ class TestVolumeReader(unittest.TestCase):
             "no_channels.mha": (header("ElementNumberOfChannels = 0\n") + values.tobytes(),
                                 "ElementNumberOfChannels")})
 
+    def test_files_of_vtk_that_are_not_whole(self):
+        """VTK's readers make voxels of what the memory held, and an image without scalars ended the program."""
+        values = numpy.arange(60, dtype="<i2").reshape(3, 4, 5)
+        image = vtkImageData()
+        image.SetDimensions(5, 4, 3)
+        image.SetSpacing(1.0, 2.0, 3.0)
+        scalars = numpy_to_vtk(values.ravel(), deep=True)
+        scalars.SetName("scalars")
+        image.GetPointData().SetScalars(scalars)
+
+        def write(writer, name, *options):
+            writer.SetInputData(image)
+            writer.SetFileName(os.path.join(WORK, name))
+            for option in options:
+                getattr(writer, option)()
+            writer.Write()
+            with open(os.path.join(WORK, name), "rb") as file:
+                return file.read()
+
+        xml = write(vtkXMLImageDataWriter(), "whole.vti", "SetDataModeToAppended", "EncodeAppendedDataOff",
+                    "SetCompressorTypeToNone")
+        text = write(vtkXMLImageDataWriter(), "text.vti", "SetDataModeToAscii")
+        legacy = write(vtkStructuredPointsWriter(), "whole.vtk", "SetFileTypeToBinary")
+        words = write(vtkStructuredPointsWriter(), "words.vtk", "SetFileTypeToASCII")
+        image.GetPointData().RemoveArray("scalars")
+        bare = write(vtkXMLImageDataWriter(), "bare.vti")
+        steps = (1.0, 2.0, 3.0)
+        self.check_contents({
+            "whole.vti": (xml, "", values, steps), "whole.vtk": (legacy, "", values, steps),
+            "words.vtk": (words, "", values, steps),
+            "cut.vti": (xml[:-120], "it is not whole"), "cut.vtk": (legacy[:-99], "fewer than its header says"),
+            "cut_words.vtk": (words[:-99], "fewer than its header says"),
+            "bare.vti": (bare, "no image with point scalars"),
+            "bare.vtk": (legacy[:legacy.index(b"POINT_DATA")], "no image with point scalars"),
+            "type.vti": (text.replace(b'type="Int16"', b'type="Foo"'), "no image with point scalars")})
+
     def test_headers_of_nifti(self):
         """A type that VTK's reader crashes on, and voxels that begin in the header."""
         values = numpy.arange(60, dtype="<i2").reshape(3, 4, 5)
