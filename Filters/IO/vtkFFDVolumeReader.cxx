@@ -6,6 +6,7 @@
 #include "vtkFFDDataFiles.h"
 #include "vtkFFDFileAccess.h"
 #include "vtkFFDGuard.h"
+#include "vtkFFDSliceHeader.h"
 #include "vtkFFDStoredVoxels.h"
 
 #include "FFDSingularMatrix.h"
@@ -606,6 +607,7 @@ public:
   vtkFFDStoredVoxels Stored;
   vtkMTimeType OpenedTime = 0;
   std::string Problem;
+  std::string Warning;
 
   void Watch(vtkAlgorithm* reader)
   {
@@ -627,6 +629,7 @@ public:
   void PlaceSlices(SliceReader* reader, int rows, int slices, const glm::dvec3& spacing);
   void FindPlace(const char* path);
   bool LeaveOutDirections();
+  bool CheckSlices(SliceReader* reader, int slices);
   vtkSmartPointer<vtkImageData> ReadStored();
 };
 
@@ -640,6 +643,7 @@ bool vtkFFDVolumeReader::vtkInternals::Open(const char* path)
   this->Scales = Scaling();
   this->Stored = vtkFFDStoredVoxels();
   this->Problem.clear();
+  this->Warning.clear();
   this->Heard->Text.clear();
   if (!path || !*path)
   {
@@ -911,6 +915,68 @@ vtkSmartPointer<vtkImageData> vtkFFDVolumeReader::vtkInternals::ReadStored()
 }
 
 //------------------------------------------------------------------------------
+/// Slices must be of one size and whole; where they are not at equal distances a warning tells it.
+bool vtkFFDVolumeReader::vtkInternals::CheckSlices(SliceReader* reader, int slices)
+{
+  const auto parse = [](const char* path) { return vtkFFDSliceHeader::Parse(ReadStart(path)); };
+  const auto name = [](const char* path) {
+    return "the slice '" + vtksys::SystemTools::GetFilenameName(path) + "' ";
+  };
+  const auto describe = [](const vtkFFDSliceHeader& slice) {
+    return std::to_string(slice.Columns) + " x " + std::to_string(slice.Rows) + " pixels of " +
+      std::to_string(slice.Samples) + " x " + std::to_string(slice.Bits) + " bits";
+  };
+  const vtkFFDSliceHeader first = parse(reader->GetDICOMFileName(0));
+  std::vector<glm::dvec3> places;
+  for (int i = 0; i < slices; ++i)
+  {
+    const char* const path = reader->GetDICOMFileName(i);
+    const vtkFFDSliceHeader slice = parse(path);
+    std::size_t size = 0;
+    if (slice.HasSize() && first.HasSize() && !slice.HasSizeOf(first))
+    {
+      this->Problem = name(path) + "has " + describe(slice) + ", '" +
+        vtksys::SystemTools::GetFilenameName(reader->GetDICOMFileName(0)) + "' " + describe(first) +
+        "; slices of one size are needed, so move the others into another folder";
+      return false;
+    }
+    if (vtkFFDFileAccess::FindSize(path, size, this->Problem) && size < slice.End)
+    {
+      this->Problem = name(path) + "is not whole: it has " + std::to_string(size) + " bytes of " +
+        std::to_string(slice.End);
+    }
+    if (!this->Problem.empty())
+    {
+      return false;
+    }
+    if (slice.HasPosition)
+    {
+      places.emplace_back(slice.Position[0], slice.Position[1], slice.Position[2]);
+    }
+  }
+  if (slices < 3 || places.size() != static_cast<std::size_t>(slices))
+  {
+    return true;
+  }
+  double least = std::numeric_limits<double>::infinity();
+  double most = 0.0;
+  for (std::size_t i = 1; i < places.size(); ++i)
+  {
+    const double distance = glm::length(places[i] - places[i - 1]);
+    least = std::min(least, distance);
+    most = std::max(most, distance);
+  }
+  if (most > 1.1 * least)
+  {
+    std::ostringstream text;
+    text << "the slices are at distances from " << least << " to " << most
+         << " mm, as where one is missing or there twice; they are placed at equal ones";
+    this->Warning = text.str();
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
 void vtkFFDVolumeReader::vtkInternals::PlaceSlices(
   SliceReader* reader, int rows, int slices, const glm::dvec3& spacing)
 {
@@ -922,6 +988,10 @@ void vtkFFDVolumeReader::vtkInternals::PlaceSlices(
   {
     this->Problem = "its slices are compressed (transfer syntax " + first.Syntax +
       "), which VTK cannot read; write them uncompressed first, for instance with gdcmconv --raw";
+    return;
+  }
+  if (!this->CheckSlices(reader, slices))
+  {
     return;
   }
   glm::dvec3 distance = spacing;
@@ -989,6 +1059,10 @@ int vtkFFDVolumeReader::RequestInformation(
     {
       in.Reader = nullptr;
       return this->Fail();
+    }
+    if (!in.Warning.empty())
+    {
+      vtkWarningMacro(<< this->FileName << ": " << in.Warning << ".");
     }
     if (in.LeaveOutDirections())
     {

@@ -7,8 +7,9 @@
  * VTK has a reader for each format, and most of them leave out which way the voxels lie in the
  * patient. This one chooses VTK's reader by the content and the name of the file, and puts what the
  * file says of directions into origin, spacing and direction matrix of the image:
- * - a folder of DICOM slices, or any of the slices (one series, not compressed): position and
- *   orientation of the patient;
+ * - a folder of DICOM slices, or any of the slices (one series of slices of one size, not
+ *   compressed): position and orientation of the patient; slices at unequal distances are placed at
+ *   equal ones, with a warning;
  * - NIfTI (.nii, .nii.gz, .hdr and .img): the sform, else the qform (else the axes as they are),
  *   and the unit of length;
  * - NRRD (.nrrd, .nhdr): space, space directions and space origin;

@@ -163,6 +163,35 @@ class TestVolumeReader(unittest.TestCase):
         self.assertEqual(vtkffd.vtkFFDVolumeReader().CanReadFile(os.path.join(WORK, name, "IM0002")), 1)
         self.check_places(os.path.join(name, "IM0002"))
 
+    def test_slices_that_do_not_fit(self):
+        """VTK's reader copies as many voxels of each slice as the first has, and tells no gap."""
+        def change(path):
+            with open(path, "rb") as file:
+                content = file.read()
+            tag = b"\x28\0\x10\0"
+            at = content.index(tag) + (8 if content[content.index(tag) + 4:][:2] == b"US" else 8)
+            rows = struct.unpack_from("<H", content, at)[0]
+            with open(path, "wb") as file:
+                file.write(content[:at] + struct.pack("<H", rows + 40) + content[at + 2:])
+
+        def cut(path):
+            os.truncate(path, os.path.getsize(path) - 1)
+
+        for number, (act, problem, warnings) in enumerate((
+                (lambda path: None, "", 0), (os.remove, "", 1), (cut, "is not whole", 0),
+                (change, "slices of one size", 0))):
+            folder = os.path.join(WORK, "slices%d" % number)
+            files.write_dicom(folder)
+            act(os.path.join(folder, sorted(os.listdir(folder))[4]))
+            reader = vtkffd.vtkFFDVolumeReader()
+            told = []
+            reader.AddObserver("ErrorEvent", lambda *_: None)
+            reader.AddObserver("WarningEvent", lambda *_, told=told: told.append(True))
+            reader.SetFileName(folder)
+            reader.Update()
+            self.assertIn(problem, reader.GetProblem())
+            self.assertEqual((problem == "", warnings), (reader.GetProblem() == "", len(told)), folder)
+
     def test_image_data(self):
         reader = self.read("turned.mha")
         writer = vtkXMLImageDataWriter()

@@ -1,0 +1,210 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkFFDSliceHeader.h"
+
+#include <cstdint>
+#include <locale>
+#include <sstream>
+#include <string>
+
+namespace
+{
+
+constexpr std::uint32_t Undefined = 0xffffffff;
+constexpr std::uint32_t ItemEnd = 0xfffee00d;
+constexpr std::uint32_t SequenceEnd = 0xfffee0dd;
+constexpr std::uint32_t Pixels = 0x7fe00010;
+constexpr int DeepestSequence = 16;
+
+struct Element
+{
+  std::uint32_t Tag = 0;
+  std::uint32_t Length = 0;
+  std::string_view Type; ///< empty where types are implicit
+};
+
+/// Takes elements off the front of the bytes.
+class ElementStream
+{
+public:
+  ElementStream(std::string_view bytes, std::size_t at)
+    : Bytes(bytes)
+    , At(at)
+  {
+  }
+
+  bool IsExplicit = true;
+  bool IsBigEndian = false;
+
+  std::size_t GetPlace() const { return this->At; }
+  std::uint32_t Number(std::size_t at, std::size_t size) const
+  {
+    std::uint32_t number = 0;
+    for (std::size_t i = 0; i < size; ++i)
+    {
+      const std::size_t byte = this->IsBigEndian ? i : size - 1 - i;
+      number = number << 8 | static_cast<unsigned char>(this->Bytes[at + byte]);
+    }
+    return number;
+  }
+
+  /// The head of the next element; false at the end of the bytes.
+  bool Next(Element& element)
+  {
+    if (!this->Has(8))
+    {
+      return false;
+    }
+    element.Tag = this->Number(this->At, 2) << 16 | this->Number(this->At + 2, 2);
+    element.Type = std::string_view();
+    const bool isItem = element.Tag >> 16 == 0xfffe;
+    if (!this->IsExplicit || isItem)
+    {
+      element.Length = this->Number(this->At + 4, 4);
+      this->At += 8;
+      return true;
+    }
+    element.Type = this->Bytes.substr(this->At + 4, 2);
+    bool isLong = false;
+    for (const char* type :
+      { "OB", "OD", "OF", "OL", "OV", "OW", "SQ", "SV", "UC", "UN", "UR", "UT", "UV" })
+    {
+      isLong = isLong || element.Type == type;
+    }
+    if (isLong && !this->Has(12))
+    {
+      return false;
+    }
+    element.Length = isLong ? this->Number(this->At + 8, 4) : this->Number(this->At + 6, 2);
+    this->At += isLong ? 12 : 8;
+    return true;
+  }
+
+  /// Leaves out the value of an element, whose end may have a mark of its own.
+  bool Skip(const Element& element, int depth = 0)
+  {
+    if (element.Length != Undefined)
+    {
+      this->At += element.Length;
+      return this->Has(0);
+    }
+    Element inner;
+    while (depth < DeepestSequence && this->Next(inner))
+    {
+      if (inner.Tag == SequenceEnd || inner.Tag == ItemEnd)
+      {
+        return true;
+      }
+      if (!this->Skip(inner, depth + 1))
+      {
+        return false;
+      }
+    }
+    return false;
+  }
+
+  std::string_view Value(const Element& element) const
+  {
+    return this->Has(element.Length) ? this->Bytes.substr(this->At, element.Length)
+                                     : std::string_view();
+  }
+
+private:
+  bool Has(std::size_t count) const
+  {
+    return this->At <= this->Bytes.size() && count <= this->Bytes.size() - this->At;
+  }
+
+  std::string_view Bytes;
+  std::size_t At;
+};
+
+/// "x\y\z".
+bool ReadPosition(std::string_view text, double position[3])
+{
+  std::istringstream stream{ std::string(text) };
+  stream.imbue(std::locale::classic());
+  char between = '\\';
+  for (int a = 0; a < 3; ++a)
+  {
+    if (between != '\\' || !(stream >> position[a]))
+    {
+      return false;
+    }
+    stream >> between;
+  }
+  return true;
+}
+
+/// Bytes of the pixels; those of the element may be one more, or fewer.
+std::size_t CountBytes(const vtkFFDSliceHeader& header)
+{
+  std::size_t bits = static_cast<std::size_t>(header.Samples > 0 ? header.Samples : 1);
+  for (const int number : { header.Rows, header.Columns, header.Bits })
+  {
+    bits *= static_cast<std::size_t>(number);
+  }
+  return bits / 8;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+vtkFFDSliceHeader vtkFFDSliceHeader::Parse(std::string_view bytes)
+{
+  vtkFFDSliceHeader header;
+  constexpr std::size_t start = 132; // behind the preamble and "DICM"
+  ElementStream stream(bytes, start);
+  std::string syntax;
+  bool isInFile = false; // behind what describes the file itself, which is always explicit
+  Element element;
+  for (;;)
+  {
+    const std::size_t place = stream.GetPlace();
+    if (!stream.Next(element))
+    {
+      return header;
+    }
+    if (!isInFile && element.Tag >> 16 != 2)
+    {
+      isInFile = true;
+      stream = ElementStream(bytes, place);
+      stream.IsExplicit = syntax != "1.2.840.10008.1.2";
+      stream.IsBigEndian = syntax == "1.2.840.10008.1.2.2";
+      continue;
+    }
+    const std::string_view value = stream.Value(element);
+    const int number =
+      value.size() == 2 ? static_cast<int>(stream.Number(stream.GetPlace(), 2)) : 0;
+    switch (element.Tag)
+    {
+      case 0x00020010:
+        syntax = std::string(value.substr(0, value.find_first_of(std::string_view("\0 ", 2))));
+        break;
+      case 0x00200032:
+        header.HasPosition = ReadPosition(value, header.Position);
+        break;
+      case 0x00280002:
+        header.Samples = number;
+        break;
+      case 0x00280010:
+        header.Rows = number;
+        break;
+      case 0x00280011:
+        header.Columns = number;
+        break;
+      case 0x00280100:
+        header.Bits = number;
+        break;
+      case Pixels:
+        header.End = element.Length == Undefined ? 0 : stream.GetPlace() + CountBytes(header);
+        return header;
+      default:
+        break;
+    }
+    if (!stream.Skip(element))
+    {
+      return header;
+    }
+  }
+}
