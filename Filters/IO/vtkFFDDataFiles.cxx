@@ -4,6 +4,8 @@
 
 #include "vtkFFDFileAccess.h"
 
+#include "vtkType.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -305,19 +307,27 @@ vtkFFDStoredVoxels FindMetaImageVoxels(
   const std::string& path, const std::string& text, const Fields& fields)
 {
   vtkFFDStoredVoxels voxels;
+  const std::string type = Find(fields, { "ElementType" });
+  voxels.Type = type == "MET_LONG" ? VTK_INT : type == "MET_ULONG" ? VTK_UNSIGNED_INT : -1;
   const std::string value = Find(fields, { "ElementDataFile" });
   const std::string binary = Find(fields, { "BinaryData" });
   const bool isText = !binary.empty() && !IsTrue(binary);
   const bool isPacked = !isText && IsTrue(Find(fields, { "CompressedData" }));
+  const bool isList = value.compare(0, 4, "LIST") == 0 || value.find('%') != std::string::npos;
   const bool local = value == "LOCAL" || value == "Local" || value == "local";
   const std::string head = Find(fields, { "HeaderSize" });
+  // -1: the voxels are at the end of the file.
+  const bool isOfVtk =
+    !isText && !isPacked && (voxels.Type < 0 || isList || std::atof(head.c_str()) < 0.0);
   voxels.Path = local ? path : Resolve(path, value);
   std::error_code ignored;
-  if ((!isText && !isPacked) || (local && !head.empty()) || !fs::exists(voxels.Path, ignored))
+  if (isOfVtk || (local && !head.empty()) || !fs::exists(voxels.Path, ignored))
   {
     return voxels;
   }
-  voxels.Form = isText ? vtkFFDStoredVoxels::TEXT : vtkFFDStoredVoxels::PACKED;
+  voxels.Form = isText ? vtkFFDStoredVoxels::TEXT
+    : isPacked         ? vtkFFDStoredVoxels::PACKED
+                       : vtkFFDStoredVoxels::RAW;
   voxels.Offset = local ? std::min(text.find('\n', text.find("ElementDataFile")), text.size()) + 1
                         : static_cast<std::size_t>(std::max(0.0, std::atof(head.c_str())));
   voxels.BigEndian = IsTrue(Find(fields, { "BinaryDataByteOrderMSB", "ElementByteOrderMSB" }));

@@ -36,6 +36,9 @@ struct vtkFFDStoredVoxels
   /// does.
   std::array<int, 3> Size{ { 0, 0, 0 } };
   int Components = 0;
+  /// VTK's type of the numbers where its reader takes another one, else -1: MetaImage's MET_LONG
+  /// has 4 bytes on every machine, VTK's reader takes it for a long of 8.
+  int Type = -1;
   /// That of x among the axes of the file.
   int FirstAxis = 0;
 

@@ -263,7 +263,7 @@ std::vector<double> ReadNumbers(std::string text)
     std::istringstream number(word);
     number.imbue(std::locale::classic());
     double value;
-    if (word == "nan")
+    if (vtksys::SystemTools::LowerCase(word) == "nan")
     {
       numbers.push_back(std::numeric_limits<double>::quiet_NaN());
     }
@@ -340,6 +340,27 @@ std::string FindNrrdProblem(const char* path)
   return vtkFFDDataFiles::FindNrrdProblem(path, text, fields, 0.0, CountSlices(fields));
 }
 
+/// Position of the first voxel of a NRRD without a "space origin", along its own axes from `first`
+/// on. "axis mins" are where the voxels begin, that is the border of the first cell or, where
+/// "centers" says so, the first node; cells are the default, as in teem and ITK.
+glm::dvec3 FindAxisMins(
+  const vtkFFDDataFiles::Fields& fields, std::size_t first, const glm::dvec3& spacing)
+{
+  std::vector<double> mins = ReadNumbers(Find(fields, { "axis mins", "axismins" }));
+  std::istringstream words(Find(fields, { "centers", "centerings" }));
+  const std::vector<std::string> centers{ std::istream_iterator<std::string>(words),
+    std::istream_iterator<std::string>{} };
+  glm::dvec3 origin(0.0);
+  for (std::size_t a = 0; a < 3 && mins.size() >= first + 3; ++a)
+  {
+    const bool isNode = centers.size() > first + a && centers[first + a] == "node";
+    const int axis = static_cast<int>(a);
+    origin[axis] = mins[first + a] + (isNode ? 0.0 : 0.5 * spacing[axis]);
+    origin[axis] = std::isfinite(origin[axis]) ? origin[axis] : 0.0;
+  }
+  return origin;
+}
+
 bool PlaceNrrd(
   const char* path, int rows, bool turnsRows, const vtkFFDStoredVoxels& stored, Placement& place)
 {
@@ -347,15 +368,19 @@ bool PlaceNrrd(
   const std::vector<double> steps = ReadNumbers(Find(fields, { "space directions" }));
   const std::vector<double> origin = ReadNumbers(Find(fields, { "space origin" }));
   const std::vector<double> spacings = ReadNumbers(Find(fields, { "spacings" }));
-  if (steps.empty() && stored.Components > 0 && (spacings.size() == 3 || spacings.size() == 4))
+  const bool hasSpacings = spacings.size() == 3 || spacings.size() == 4;
+  if (steps.empty() && stored.Components > 0 &&
+    (hasSpacings || !Find(fields, { "axis mins", "axismins" }).empty()))
   {
     // That of the axis without a direction may be "nan".
-    const std::size_t first = spacings.size() == 4 ? static_cast<std::size_t>(stored.FirstAxis) : 0;
-    for (std::size_t a = 0; a < 3; ++a)
+    const auto axis = static_cast<std::size_t>(stored.FirstAxis);
+    glm::dvec3 spacing(1.0);
+    for (std::size_t a = 0; hasSpacings && a < 3; ++a)
     {
-      place.Steps[static_cast<int>(a)] *= spacings[first + a];
+      spacing[static_cast<int>(a)] = spacings[(spacings.size() == 4 ? axis : 0) + a];
+      place.Steps[static_cast<int>(a)] *= spacing[static_cast<int>(a)];
     }
-    place.Origin = origin.size() == 3 ? ToVector(origin, 0) : glm::dvec3(0.0);
+    place.Origin = origin.size() == 3 ? ToVector(origin, 0) : FindAxisMins(fields, axis, spacing);
     return true;
   }
   if (steps.size() != 9)
@@ -386,10 +411,34 @@ bool PlaceNrrd(
   return true;
 }
 
+/// Whether the columns of a matrix are finite, and directions of three axes.
+bool HasDirections(vtkMatrix4x4* matrix)
+{
+  glm::dmat3 directions;
+  double sum = 0.0;
+  for (int r = 0; r < 3; ++r)
+  {
+    sum += matrix->GetElement(r, 3);
+    for (int a = 0; a < 3; ++a)
+    {
+      directions[a][r] = matrix->GetElement(r, a);
+    }
+  }
+  for (int a = 0; a < 3; ++a)
+  {
+    directions[a] /= glm::length(directions[a]);
+  }
+  return std::isfinite(sum) && !ffd::IsSingular(directions);
+}
+
 bool PlaceNifti(vtkNIFTIImageReader* reader, const glm::dvec3& spacing, Placement& place)
 {
-  vtkMatrix4x4* matrix =
-    reader->GetSFormMatrix() ? reader->GetSFormMatrix() : reader->GetQFormMatrix();
+  vtkMatrix4x4* matrix = reader->GetSFormMatrix();
+  // Some programs write a code for an sform, and zeros.
+  if (!matrix || (reader->GetQFormMatrix() && !HasDirections(matrix)))
+  {
+    matrix = reader->GetQFormMatrix();
+  }
   // The lowest three bits of the header's xyzt_units are the unit of length.
   constexpr int meters = 1;
   constexpr int microns = 3;
@@ -629,6 +678,7 @@ public:
   void PlaceSlices(SliceReader* reader, int rows, int slices, const glm::dvec3& spacing);
   void FindPlace(const char* path);
   bool LeaveOutDirections();
+  int GetStoredType();
   bool CheckSlices(SliceReader* reader, int slices);
   vtkSmartPointer<vtkImageData> ReadStored();
 };
@@ -736,6 +786,13 @@ bool vtkFFDVolumeReader::vtkInternals::Open(const char* path)
   {
     this->FindPlace(path);
   }
+  if (vtkMetaImageReader::SafeDownCast(this->Reader) &&
+    this->Heard->Text.compare(0, 17, "Unknown data type") == 0)
+  {
+    this->Heard->Text = "VTK does not know its ElementType '" +
+      Find(ReadFields(path, '='), { "ElementType" }) +
+      "'; write whole numbers of up to 4 bytes, float or double";
+  }
   if (!this->Heard->Text.empty())
   {
     this->Problem =
@@ -800,9 +857,15 @@ void vtkFFDVolumeReader::vtkInternals::FindPlace(const char* path)
   }
   this->Place = Placement();
   double bytes = 1.0 * size[0] * size[1] * size[2];
+  const bool isMeta = vtkMetaImageReader::SafeDownCast(this->Reader) != nullptr;
+  if (isMeta)
+  {
+    this->Stored =
+      vtkFFDDataFiles::FindMetaImageVoxels(path, ReadStart(path), ReadFields(path, '='));
+  }
   if (numbers)
   {
-    bytes *= 1.0 * components * vtkDataArray::GetDataTypeSize(numbers->GetDataScalarType());
+    bytes *= 1.0 * components * vtkDataArray::GetDataTypeSize(this->GetStoredType());
   }
   if (dicom)
   {
@@ -822,14 +885,27 @@ void vtkFFDVolumeReader::vtkInternals::FindPlace(const char* path)
     this->HasPlace =
       PlaceNrrd(path, size[1], nrrd->GetFileLowerLeft() == 0 && !isOurs, this->Stored, this->Place);
   }
-  else if (vtkMetaImageReader::SafeDownCast(this->Reader))
+  else if (isMeta)
   {
     const vtkFFDDataFiles::Fields fields = ReadFields(path, '=');
     const std::string text = ReadStart(path);
     this->Problem = vtkFFDDataFiles::FindMetaImageProblem(path, text, fields, bytes, size[2]);
-    this->Stored = vtkFFDDataFiles::FindMetaImageVoxels(path, text, fields);
+    if (this->Problem.empty() && this->Stored.Type >= 0 &&
+      this->Stored.Form == vtkFFDStoredVoxels::OF_VTK)
+    {
+      this->Problem = "its ElementType '" + Find(fields, { "ElementType" }) +
+        "' is read from one file without a HeaderSize only; write MET_INT or MET_UINT";
+    }
     this->HasPlace = PlaceMetaImage(path, spacing, this->Place);
   }
+}
+
+//------------------------------------------------------------------------------
+/// VTK's type of the scalars in the file.
+int vtkFFDVolumeReader::vtkInternals::GetStoredType()
+{
+  auto* const reader = vtkImageReader2::SafeDownCast(this->Reader);
+  return this->Stored.Type >= 0 ? this->Stored.Type : reader->GetDataScalarType();
 }
 
 //------------------------------------------------------------------------------
@@ -894,7 +970,7 @@ vtkSmartPointer<vtkImageData> vtkFFDVolumeReader::vtkInternals::ReadStored()
   }
   image->SetSpacing(info->Get(vtkDataObject::SPACING()));
   image->SetOrigin(info->Get(vtkDataObject::ORIGIN()));
-  image->AllocateScalars(reader->GetDataScalarType(),
+  image->AllocateScalars(this->GetStoredType(),
     isKnown ? this->Stored.Components : reader->GetNumberOfScalarComponents());
   vtkDataArray* const numbers = image->GetPointData()->GetScalars();
   if (!numbers || numbers->GetNumberOfTuples() < image->GetNumberOfPoints())
@@ -1087,6 +1163,10 @@ int vtkFFDVolumeReader::RequestInformation(
     const std::array<int, 3>& size = in.Stored.Size;
     info->Set(Pipeline::WHOLE_EXTENT(), 0, size[0] - 1, 0, size[1] - 1, 0, size[2] - 1);
     vtkDataObject::SetPointDataActiveScalarInfo(info, -1, in.Stored.Components);
+  }
+  if (in.Stored.Type >= 0)
+  {
+    vtkDataObject::SetPointDataActiveScalarInfo(info, in.Stored.Type, -1);
   }
   if (!in.Scales.IsNone())
   {

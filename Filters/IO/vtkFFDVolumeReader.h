@@ -10,9 +10,10 @@
  * - a folder of DICOM slices, or any of the slices (one series of slices of one size, not
  *   compressed): position and orientation of the patient; slices at unequal distances are placed at
  *   equal ones, with a warning;
- * - NIfTI (.nii, .nii.gz, .hdr and .img): the sform, else the qform (else the axes as they are),
- *   and the unit of length;
- * - NRRD (.nrrd, .nhdr): space, space directions and space origin;
+ * - NIfTI (.nii, .nii.gz, .hdr and .img): the sform, else (also where that is of zeros) the qform,
+ *   else the axes as they are, and the unit of length;
+ * - NRRD (.nrrd, .nhdr): space, space directions and space origin; without these spacings and axis
+ *   mins, which are the border of the first cell unless "centers" says "node", as in ITK;
  * - MetaImage (.mhd, .mha): TransformMatrix and Offset;
  * - image data (.vti), which have a direction matrix, and legacy image data (.vtk);
  * - what vtkImageReader2Factory knows else, as it comes.

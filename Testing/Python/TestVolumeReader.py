@@ -498,6 +498,74 @@ class TestVolumeReader(unittest.TestCase):
             "inside.nii": (header(start=0.0) + data, "byte 0 (vox_offset)"),
             "nowhere.nii": (header(start=math.nan) + data, "byte nan (vox_offset)")})
 
+    def test_nifti_sform_of_zeros(self):
+        """The qform is taken where there is one, without a warning."""
+        for sform in (0.0, math.nan):
+            files.write_nifti(os.path.join(WORK, "qform.nii"), "qform")
+            with open(os.path.join(WORK, "qform.nii"), "r+b") as file:
+                file.seek(254)
+                file.write(struct.pack("<h", 1))
+                file.seek(280)
+                file.write(struct.pack("<12f", *[sform] * 12))
+            self.check_places("qform.nii")
+
+    def test_axis_mins_of_nrrd(self):
+        """The origin of old NRRD files, of cells or nodes; "space origin" goes before it."""
+        values = numpy.arange(60, dtype="<i2").reshape(3, 4, 5)
+
+        def origin(*lines, sizes="5 4 3", data=values):
+            count = len(sizes.split())
+            with open(os.path.join(WORK, "mins.nrrd"), "wb") as file:
+                file.write(("NRRD0001\ntype: short\ndimension: %d\nsizes: %s\nencoding: raw\n"
+                            "endian: little\n%s\n\n" % (count, sizes, "\n".join(lines)))
+                           .encode("ascii") + data.tobytes())
+            image = self.read("mins.nrrd").GetOutput()
+            self.assertEqual(image.GetDimensions(), (5, 4, 3))
+            return tuple(image.GetSpacing()), tuple(image.GetOrigin())
+
+        spacings, mins = "spacings: 2 3 4", "axis mins: -10 20 30"
+        cells, nodes = (-9.0, 21.5, 32.0), (-10.0, 20.0, 30.0)
+        self.assertEqual(origin(spacings, mins), ((2, 3, 4), cells))
+        self.assertEqual(origin(spacings, mins, "centers: cell cell cell"), ((2, 3, 4), cells))
+        self.assertEqual(origin(spacings, mins, "centers: node node node"), ((2, 3, 4), nodes))
+        self.assertEqual(origin(mins, "centerings: node node node"), ((1, 1, 1), nodes))
+        self.assertEqual(origin(spacings, "axis mins: nan 20 NaN"), ((2, 3, 4), (0.0, 21.5, 0.0)))
+        self.assertEqual(origin(spacings, mins, "space dimension: 3", "space origin: (7,8,9)"),
+                         ((2, 3, 4), (7.0, 8.0, 9.0)))
+        two = numpy.repeat(values[..., None], 2, 3)
+        self.assertEqual(origin("spacings: NaN 2 3 4", "axis mins: NaN -10 20 30",
+                                "centers: ??? node node node", sizes="2 5 4 3", data=two),
+                         ((2, 3, 4), nodes))
+
+    def test_long_of_metaimage(self):
+        """It has four bytes, as in MetaIO; VTK's reader takes it for eight."""
+        values = numpy.arange(-5, 55).reshape(3, 4, 5)
+
+        def content(kind, data, extra=""):
+            return ("ObjectType = Image\nNDims = 3\nBinaryData = %s\nBinaryDataByteOrderMSB = False\n"
+                    "%sElementSpacing = 1 2 3\nDimSize = 5 4 3\nElementType = %s\n"
+                    "ElementDataFile = LOCAL\n" % ("False" if extra == "text" else "True",
+                                                   "" if extra == "text" else extra,
+                                                   kind)).encode("ascii") + data
+
+        small = values.astype("<i4")
+        packed = zlib.compress(small.tobytes())
+        words = " ".join(str(value) for value in values.ravel()).encode("ascii")
+        whole = values - values.min() + 2**31
+        wide = content("MET_LONG", b"").replace(b"LOCAL", b"long%d.raw 0 2 1")
+        for k in range(3):
+            small[k].tofile(os.path.join(WORK, "long%d.raw" % k))
+        self.check_contents({
+            "long.mha": (content("MET_LONG", small.tobytes()), "", small, (1.0, 2.0, 3.0)),
+            "whole.mha": (content("MET_ULONG", whole.astype("<u4").tobytes()), "", whole,
+                          (1.0, 2.0, 3.0)),
+            "packed.mha": (content("MET_LONG", packed, "CompressedData = True\n"), "", small,
+                           (1.0, 2.0, 3.0)),
+            "words.mha": (content("MET_LONG", words, "text"), "", small, (1.0, 2.0, 3.0)),
+            "files.mha": (wide, "read from one file"),
+            "wide.mha": (content("MET_LONG_LONG", values.astype("<i8").tobytes()),
+                         "ElementType 'MET_LONG_LONG'")})
+
     def test_directions_that_are_none(self):
         with open(os.path.join(WORK, "turned.mha"), "rb") as file:
             content = file.read()
