@@ -213,6 +213,13 @@ bool ReadBytes(const std::string& name, std::size_t offset, std::size_t limit, s
 }
 
 //------------------------------------------------------------------------------
+std::size_t FindMarkSize(std::string_view text)
+{
+  constexpr std::string_view mark = "\xef\xbb\xbf";
+  return text.substr(0, mark.size()) == mark ? mark.size() : 0;
+}
+
+//------------------------------------------------------------------------------
 bool ReadText(
   const std::string& name, std::string& text, const Proceed& proceed, std::string& error)
 {
@@ -232,6 +239,7 @@ bool ReadText(
   {
     const std::size_t before = text.size();
     Append(stream, Chunk, text);
+    text.erase(0, before == 0 ? FindMarkSize(text) : 0);
     if (text.find('\0', before) != std::string::npos)
     {
       error = "it is no text: there is a zero byte in it";

@@ -27,7 +27,11 @@ bool FindSize(const std::string& name, std::size_t& size, std::string& error);
 bool ReadBytes(const std::string& name, std::size_t offset, std::size_t limit, std::string& bytes,
   const Proceed& proceed, std::string& error);
 
-/// The whole of a text file of at most 1 GiB; a zero byte ends reading with an error.
+/// Bytes of the byte order mark of UTF-8 that a text begins with: 3, or 0 without one.
+std::size_t FindMarkSize(std::string_view text);
+
+/// The whole of a text file of at most 1 GiB, without a byte order mark of UTF-8; a zero byte ends
+/// reading with an error.
 bool ReadText(
   const std::string& name, std::string& text, const Proceed& proceed, std::string& error);
 

@@ -37,7 +37,8 @@ struct Reading
   vtkFFDTransformFile* Stack = nullptr; // which step of stacks, and what they are
 };
 
-/// The first bytes of a file, decompressed when it is a gzip file (.nii.gz).
+/// The first bytes of a file, decompressed when it is a gzip file (.nii.gz), without the byte order
+/// mark of UTF-8.
 bool ReadHead(const std::string& name, std::string& head, bool& packed, std::string& error)
 {
   const Proceed always = [] { return true; };
@@ -45,6 +46,12 @@ bool ReadHead(const std::string& name, std::string& head, bool& packed, std::str
   {
     return false;
   }
+  if (head.compare(0, 2, "\xff\xfe") == 0 || head.compare(0, 2, "\xfe\xff") == 0)
+  {
+    error = "it is a text in UTF-16 (Unicode); save it as UTF-8 or ASCII";
+    return false;
+  }
+  head.erase(0, vtkFFDFileAccess::FindMarkSize(head));
   packed = vtkFFDFileAccess::IsGzip(head);
   return !packed || vtkFFDFileAccess::ReadCompressed(name, 0, HeadSize, head, always, error);
 }
@@ -158,6 +165,15 @@ bool ReadField(const std::string& name, int format, const std::string& head, boo
   if (!ParseFieldHeader(format, head, header, error))
   {
     return false;
+  }
+  if (header.DataFile.empty() && !packed)
+  {
+    std::string mark;
+    if (!vtkFFDFileAccess::ReadBytes(name, 0, 3, mark, proceed, error))
+    {
+      return false;
+    }
+    header.Offset += vtkFFDFileAccess::FindMarkSize(mark); // left out of the head
   }
   std::string dataName = name;
   if (!header.DataFile.empty() &&

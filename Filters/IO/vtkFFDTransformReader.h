@@ -15,7 +15,8 @@
  * mapper.SetInverseModeToPullBack()
  * @endcode
  *
- * The format is found from the content of the file, not from its name:
+ * The format is found from the content of the file, not from its name. Texts are ASCII or UTF-8,
+ * with or without a byte order mark:
  * - ITK text transforms (.tfm, .txt; ITK, 3D Slicer, ANTs), HDF5 (.h5) and MATLAB level 4 (.mat)
  *   files, 3-D, double or float: BSplineTransform and BSplineDeformableTransform of order 1 to 3,
  *   DisplacementFieldTransform (and those that smooth its updates), the linear transforms (Affine,

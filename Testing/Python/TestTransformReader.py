@@ -5,6 +5,7 @@
 import glob
 import gzip
 import json
+import math
 import os
 import resource
 import shutil
@@ -539,6 +540,42 @@ class TestTransformReader(unittest.TestCase):
         self.assertEqual(len(errors.messages), 1, errors.messages)
         self.assertIn(name, errors.messages[0])
         self.assertIn(expected, errors.messages[0])
+
+    def test_byte_order_marks(self):
+        """Editors of Windows put one in front of UTF-8 and UTF-16."""
+        with open(os.path.join(FOLDER, "elastix_oblique.txt"), "rb") as file:
+            elastix = file.read()
+        texts = {"mark.tfm": (SPLINE % " ".join(["0.5"] * 192)).encode(), "mark.txt": elastix,
+                 "mark.mha": bytes(self.field_bytes("field_oblique.mha")),
+                 "mark.nrrd": bytes(self.field_bytes("field_oblique.nrrd"))}
+        points = np.random.default_rng(1).uniform(-1.0, 3.0, (20, 3))
+        for name, text in texts.items():
+            with self.subTest(name):
+                plain = self.read_bytes(name, text).GetTransform()
+                wanted = [(p, np.array(plain.TransformPoint(p))) for p in points]
+                marked = self.read_bytes(name, b"\xef\xbb\xbf" + text).GetTransform()
+                self.assertIsNotNone(marked)
+                self.assertEqual(largest_error(marked, wanted), 0.0)
+        for encoding in ("utf-16-le", "utf-16-be"):
+            text = "\ufeff" + texts["mark.tfm"].decode()
+            self.check_refused("wide.tfm", text.encode(encoding), "UTF-16")
+
+    def test_nifti_sform_of_zeros(self):
+        """The qform is taken where there is one."""
+        content = self.field_bytes("field_oblique.nii")
+        struct.pack_into("<2h", content, 252, 1, 0)
+        struct.pack_into("<6f", content, 256, 0.0, 0.0, 0.3, 4.0, 5.0, 6.0)
+        points = np.random.default_rng(1).uniform(-1.0, 3.0, (20, 3))
+        wanted = self.read_bytes("qform.nii", content).GetTransform()
+        wanted = [(p, np.array(wanted.TransformPoint(p))) for p in points]
+        for sform in (0.0, math.nan):
+            struct.pack_into("<2h", content, 252, 1, 1)
+            struct.pack_into("<12f", content, 280, *[sform] * 12)
+            transform = self.read_bytes("zeros.nii", content).GetTransform()
+            self.assertIsNotNone(transform)
+            self.assertEqual(largest_error(transform, wanted), 0.0)
+        struct.pack_into("<2h", content, 252, 0, 1)
+        self.check_refused("zeros.nii", bytes(content), "finite")
 
     def test_bad_itk_files_are_refused_by_name(self):
         good = SPLINE % " ".join(["0.5"] * 192)

@@ -4,6 +4,7 @@
 
 #include "FFDBinaryNumbers.h"
 #include "FFDFieldHeaderChecks.h"
+#include "FFDSingularMatrix.h"
 
 #include <glm/matrix.hpp>
 
@@ -146,7 +147,9 @@ bool ParseNiftiHeader(std::string_view bytes, FieldHeader& header, std::string& 
     pixel[i] = real(76 + 4 * i);
   }
   bool finite = true;
-  if (integer(254) > 0) // sform
+  bool hasSform = integer(254) > 0;
+  const bool hasQform = integer(252) > 0;
+  if (hasSform)
   {
     for (int row = 0; row < 3; ++row)
     {
@@ -158,14 +161,19 @@ bool ParseNiftiHeader(std::string_view bytes, FieldHeader& header, std::string& 
         (column < 3 ? axes[column] : origin)[row] = entry;
       }
     }
+    // Some programs write a code for an sform, and zeros.
+    hasSform = !hasQform || (finite && !IsSingular(axes));
   }
-  else
+  if (!hasSform)
   {
+    axes = glm::dmat3(1.0);
+    origin = glm::dvec3(0.0);
+    finite = true;
     for (int a = 0; a < 3; ++a)
     {
       finite = finite && std::isfinite(pixel[a + 1]);
     }
-    if (integer(252) > 0) // qform: a quaternion, and a sign that mirrors z
+    if (hasQform) // a quaternion, and a sign that mirrors z
     {
       const double b = real(256);
       const double c = real(260);
