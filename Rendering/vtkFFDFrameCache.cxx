@@ -214,15 +214,20 @@ bool vtkFFDFrameCache::UpdatePullBack(Mapper* mapper, vtkDataSet* input, ffd::St
   const double voxel = this->GetVoxelSize();
   const bool made = this->Field.Update(
     mapper->GetDeformation(), input, bounds.data(), mapper->GetPositionTolerance() * voxel, tools);
-  if (!tools.Warning.empty())
-  {
-    vtkWarningWithObjectMacro(mapper, << tools.Warning);
-    tools.Warning.clear();
-  }
-  if (!made ||
-    !this->PullBack.Update(tools, this->Field.GetProduct(), bounds,
+  const auto warn = [&] {
+    if (!tools.Warning.empty())
+    {
+      vtkWarningWithObjectMacro(mapper, << tools.Warning);
+      tools.Warning.clear();
+    }
+  };
+  warn();
+  const bool mapped = made &&
+    this->PullBack.Update(tools, this->Field.GetProduct(), bounds,
       static_cast<ffd::InverseMode>(mapper->GetInverseMode()),
-      std::min(mapper->GetInverseTolerance(), LargestTolerance) * voxel))
+      std::min(mapper->GetInverseTolerance(), LargestTolerance) * voxel);
+  warn();
+  if (!mapped)
   {
     return false;
   }

@@ -15,6 +15,8 @@
 #include "vtkVolumeProperty.h"
 
 #include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -129,6 +131,28 @@ std::vector<std::uint8_t> FindHiddenBlocks(
   return result;
 }
 
+/// Whether a deformation T leaves a region no inside, as when all control points are in one plane:
+/// det J_T is zero, to rounding, at points throughout the region.
+bool IsFlattened(const BSplineField& field, const Box& rest)
+{
+  constexpr int count = 5;
+  constexpr double rounding = 1e-12;
+  for (int i = 0; i < count * count * count; ++i)
+  {
+    const glm::dvec3 at(i % count, i / count % count, i / (count * count));
+    glm::dmat3 jacobian;
+    field.Displacement(rest.Min + (at + 0.5) / double(count) * (rest.Max - rest.Min), jacobian);
+    jacobian += glm::dmat3(1.0);
+    const double largest = std::max(
+      { 1.0, glm::length(jacobian[0]), glm::length(jacobian[1]), glm::length(jacobian[2]) });
+    if (std::abs(glm::determinant(jacobian)) > rounding * largest * largest * largest)
+    {
+      return false;
+    }
+  }
+  return true;
+}
+
 PullBackRegistry& AllPullBacks()
 {
   static PullBackRegistry all;
@@ -223,6 +247,13 @@ Made MakeBoundedPullBack(SharedPullBack& result, StageTools& tools,
          << " times as large, which cannot be rendered. Check its displacements and their scale.";
     tools.Message = text.str();
     return Made::Not;
+  }
+  if (!map.IsIdentity() && InvertsTheField(map.GetKind()) && !made->Bounds.IsProvenInvertible() &&
+    IsFlattened(field->Field, rest))
+  {
+    tools.Warning = "The deformation is singular everywhere: it presses the volume flat, into a "
+                    "plane, a line or a point, of which nothing can be seen. Check the control "
+                    "points, or the scale of the transform.";
   }
   result.Last = made;
   ++result.NumberOfBuilds;

@@ -169,7 +169,7 @@ public:
    * region that matters (a warning tells when that could not be reached). Default: none, which
    * means the lattice attached to the input if there is one (vtkFFDLattice::AttachTo), else no
    * deformation. One that makes the diagonal of the bounds more than 100000 times as long is
-   * refused with an error.
+   * refused with an error; of one that presses the volume flat EXACT shows nothing, with a warning.
    */
   virtual void SetDeformation(vtkAbstractTransform*);
   virtual vtkAbstractTransform* GetDeformation();

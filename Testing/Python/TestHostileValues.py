@@ -414,6 +414,38 @@ class TestHostileValues(unittest.TestCase):
         lattice.SetDisplacementScale(1.0)
         np.testing.assert_array_equal(picture(mapper, scene), expected)
 
+    def test_a_flat_deformation_is_told_once(self):
+        """Of control points in one plane there is nothing to see."""
+        mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+        mapper.SetInputData(make_image())
+        lattice = make_lattice()
+        mapper.SetDeformation(lattice)
+        mapper.SetInverseModeToExact()
+        scene = make_scene(mapper)
+        told = []
+
+        def hear(_caller, _event, message):
+            told.append(message)
+
+        hear.CallDataType = "string0"
+        mapper.AddObserver("WarningEvent", hear)
+        expected = picture(mapper, scene)
+        kept = vtkDoubleArray()
+        kept.DeepCopy(lattice.GetDisplacements())
+        for height in (0.0, 1e-3):  # flat, and thin
+            for i, j, k in itertools.product(*(range(n) for n in lattice.GetDimensions())):
+                point = [0.0] * 3
+                lattice.GetRestPoint(i, j, k, point)
+                lattice.SetControlPoint(i, j, k, point[0], point[1],
+                                        0.5 * point[0] + height * point[2])
+            for _ in range(2):
+                picture(mapper, scene)
+            self.assertEqual(len(told), 1)
+            self.assertIn("presses the volume flat", told[0])
+        lattice.SetDisplacements(kept)
+        np.testing.assert_array_equal(picture(mapper, scene), expected)
+        self.assertEqual(len(told), 1)
+
     def run_sweep(self, name):
         run = subprocess.run([sys.executable, __file__, "--sweep", name], capture_output=True,
                              text=True, check=False, errors="replace")
