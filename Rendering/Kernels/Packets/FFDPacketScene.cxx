@@ -355,8 +355,8 @@ PacketScene MakePacketScene(
     p.Volume.SlicesInReach == 0 && p.Components[0].Weight > 0.0f &&
     (p.KindOfComponents == ComponentKind::ColorOpacity ||
       p.KindOfComponents == ComponentKind::Rgba);
-  p.InnerBlending =
-    (p.Sampling == PacketSampling::Extreme || p.Sampling == PacketSampling::Surface) &&
+  p.InnerBlending = (p.Sampling == PacketSampling::Extreme || p.Sampling == PacketSampling::Sum ||
+                      p.Sampling == PacketSampling::Surface) &&
     !kind.Components && !kind.Masked && !p.HidesSamples;
   p.InnerChannels = p.Sampling == PacketSampling::Extreme && !p.Grid.Snaps && !kind.Masked &&
     !p.HidesSamples && p.Volume.SlicesInReach == 0 &&

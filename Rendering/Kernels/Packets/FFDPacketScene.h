@@ -214,7 +214,7 @@ struct PacketScene
   bool Inner = false; ///< compositing of one component: the samples of a part have a loop
   bool InnerComponents =
     false; ///< the same of dependent components whose last one is the density, in reach of offsets
-  bool InnerBlending = false; ///< the same of extremes and surfaces
+  bool InnerBlending = false; ///< the same of extremes, sums and surfaces
   bool InnerChannels = false; ///< the same of extremes of two or four components
   /// Values that blend modes compare samples with, as fetched (PacketVolume).
   float ValueLow = 0.0f; ///< ends of their range

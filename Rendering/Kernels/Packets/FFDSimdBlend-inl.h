@@ -97,7 +97,9 @@ public:
           inner ? this->Samples.FindInnerValue(n, q, sampled) : this->Samples.FindValue(q, sampled),
           s, sampled);
       case PacketSampling::Sum:
-        return this->AddUp(curve, q, s, sampled, inner);
+        return this->AddUp(curve,
+          inner ? this->Samples.FindInnerValue(q, sampled) : this->Samples.FindValue(q, sampled), s,
+          sampled);
       case PacketSampling::Slice:
         return this->TakeSlice(curve, q, s, sampled);
       case PacketSampling::Surface:
@@ -116,9 +118,9 @@ public:
   }
 
   /**
-   * Takes extremes or surfaces of the samples from `from` on, before `to`, of a curve of a segment
-   * as Take() does. Without `AtFaces` all voxels that they and the intervals behind them need must
-   * exist. Returns the number of the sample with which all rays have ended, or `to`.
+   * Takes extremes, sums or surfaces of the samples from `from` on, before `to`, of a curve of a
+   * segment as Take() does. Without `AtFaces` all voxels that they and the intervals behind them
+   * need must exist. Returns the number of the sample with which all rays have ended, or `to`.
    */
   template <bool AtFaces>
   HWY_INLINE int TakePart(const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
@@ -133,6 +135,14 @@ public:
         curve, numbers, from, to, [&](int, Vf s, Mf sampled, Vf value) FFD_INLINE_LAMBDA {
           this->Count(sampled);
           this->TakeExtreme(curve, value, s, sampled);
+        });
+    }
+    if (this->Scene.Sampling == PacketSampling::Sum)
+    {
+      return this->Samples.template ForValues<0, AtFaces>(
+        curve, numbers, from, to, [&](int, Vf s, Mf sampled, Vf value) FFD_INLINE_LAMBDA {
+          this->Count(sampled);
+          this->AddUp(curve, value, s, sampled);
         });
     }
     return this->Samples.template ForValues<1, AtFaces>(
@@ -262,12 +272,9 @@ private:
     this->State.Alive = hn::AndNot(hn::Ge(this->State.Out.Tally, end), this->State.Alive);
   }
 
-  HWY_INLINE void AddUp(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled, bool inner)
+  HWY_INLINE void AddUp(const PacketCurve& curve, Vf value, Vf s, Mf sampled)
   {
     const Df d;
-    const Vf one = Splat(1.0f);
-    const Vf value = HWY_LIKELY(inner) ? this->Samples.FindInnerValue(q, sampled)
-                                       : this->Samples.FindValue(q, sampled);
     Mf counts = hn::And(sampled, hn::Eq(value, value));
     if (this->Scene.Source->Blend.Mode == BlendMode::Average)
     {

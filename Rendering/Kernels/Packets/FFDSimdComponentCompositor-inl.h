@@ -216,12 +216,23 @@ private:
         ? this->Samples.FindGradient(voxels, at, rows, curve, q, voxel, s, visible, border, true)
         : gradient;
       Vf values[LargestNumberOfComponents];
-      ComponentSamples<T>(this->Scene.Volume, cells, at, hn::AndNot(border, visible))
-        .FindValues(values);
-      if (AtFaces && !hn::AllFalse(d, border))
+      if constexpr (Components == 2)
       {
-        this->Samples.Border.ComponentValues(voxel, border, values);
+        const WindowRows<T, Fit, AtFaces, 2> intensities(this->Samples.Window, cells, 0);
+        SampleRows<T> rowsOfIntensity;
+        values[0] = Sample<T>(intensities, at, rowsOfIntensity);
       }
+      else
+      {
+        constexpr unsigned int Colors = AllComponents & ~(1u << (Components - 1));
+        ComponentSamples<T>(this->Scene.Volume, cells, at, hn::AndNot(border, visible))
+          .FindValues(values, Colors);
+        if (AtFaces && !hn::AllFalse(d, border))
+        {
+          this->Samples.Border.ComponentValues(voxel, border, values);
+        }
+      }
+      values[Components - 1] = density;
       const Vf t = curve.TimeAt(s);
       Vec3 color;
       Vf extinction;
