@@ -245,6 +245,30 @@ class TestScales(unittest.TestCase):
         scene.mapper.ReferenceKernelsOn()
         self.expect_same(picture, scene.render())
 
+    def test_cells_of_lattices(self):
+        """Lattices with many cells from one start of Newton's method to the next, and lattices that
+        are a small part of the volume: rays ended where the inverse was not found."""
+        middle = 0.5 * (SIDE - 1)
+        values = make_values()
+        for face in (0, 1, -2, -1):  # nothing to see at the border
+            values[face], values[:, face], values[:, :, face] = 0.0, 0.0, 0.0
+        for nodes, extent, amount in ((110, SIDE - 1.0, 1.0), (4, 0.1, 0.005), (4, 1e-4, 5e-6)):
+            with self.subTest((nodes, extent)):
+                lattice = vtkffd.vtkFFDLattice()
+                lattice.SetDimensions(nodes, nodes, nodes)
+                lattice.FitToBounds(3 * (middle - 0.5 * extent, middle + 0.5 * extent))
+                x = numpy.linspace(0.0, 3.0, nodes)
+                z, y, x = numpy.meshgrid(x, x, x, indexing="ij")
+                moves = numpy.stack((numpy.sin(x + y), numpy.cos(y), numpy.cos(x + z)), axis=-1)
+                lattice.SetDisplacements(numpy_to_vtk(amount * moves.reshape(-1, 3), deep=True))
+                self.assertTrue(lattice.IsFoldFree())
+                scene = Scene(values)
+                scene.mapper.SetDeformation(lattice)
+                scene.mapper.SetInverseModeToExact()
+                picture = scene.render()
+                scene.mapper.ReferenceKernelsOn()
+                self.expect_same(picture, scene.render())
+
     def test_lengths_beyond_single_precision(self):
         for spacing in (1e18, 1e-19):
             scene = Scene(make_values(), spacing=spacing)

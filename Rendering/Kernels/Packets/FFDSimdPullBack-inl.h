@@ -66,8 +66,32 @@ HWY_INLINE Vi FindNearestSeeds(const PacketScene& scene, const Vec3& p)
 }
 
 /**
+ * Brings lanes nearer to T^-1(p) that are farther from it than Newton's method may step, as where a
+ * lattice has many cells from seed to seed, or is a small part of the volume: by steps as long as
+ * T(q) - p, each of which counts where it brings T(q) nearer to p.
+ */
+HWY_NOINLINE Vec3 Approach(const PacketScene& scene, const Vec3& p, const Vec3& start, Mf lanes)
+{
+  constexpr int mostSteps = 4;
+  const auto findResidual = [&](const Vec3& at) {
+    return Add(Sub(at, p), Displacement(scene.Field, at));
+  };
+  Vec3 q = start;
+  Vec3 residual = findResidual(q);
+  for (int i = 0; i < mostSteps && !hn::AllFalse(Df(), lanes); ++i)
+  {
+    const Vec3 next = Sub(q, residual);
+    const Vec3 left = findResidual(next);
+    lanes = hn::And(lanes, hn::Lt(Dot(left, left), Dot(residual, residual)));
+    q = Select(lanes, next, q);
+    residual = Select(lanes, left, residual);
+  }
+  return q;
+}
+
+/**
  * Estimates T^-1(p) of each lane without a start: by a step of Newton's method from the nearest of
- * PacketScene::Seeds.
+ * PacketScene::Seeds, and by Approach() from where that is too short.
  */
 HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
 {
@@ -97,9 +121,18 @@ HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
   const Vec3 step{ Dot(path, load(inverse)), Dot(path, load(inverse + 3)),
     Dot(path, load(inverse + 6)) };
   const Vf length = hn::Sqrt(Dot(step, step));
-  const Vf part =
-    hn::Min(Splat(1.0f), hn::Div(Splat(scene.Field.LongestStep), hn::Max(length, Splat(1e-30f))));
-  return MulAdd(part, step, load(point));
+  Vf norm = hn::Zero(d);
+  for (const auto& row : inverse)
+  {
+    const Vf entry = hn::Load(d, row);
+    norm = hn::MulAdd(entry, entry, norm);
+  }
+  const Vf limit =
+    FindStepLimit(scene.Field, hn::Mul(hn::Sqrt(norm), Splat(scene.Field.SecondDerivative)));
+  const Vec3 q =
+    MulAdd(hn::Min(Splat(1.0f), hn::Div(limit, hn::Max(length, Splat(1e-30f)))), step, load(point));
+  const Mf isFar = hn::Gt(length, limit);
+  return HWY_LIKELY(hn::AllFalse(d, isFar)) ? q : Approach(scene, p, q, isFar);
 }
 
 /// Lanes without a pull-back, to which InvertFrom() gives a point far outside of the volume.

@@ -332,6 +332,15 @@ HWY_INLINE Vf FindRounding(const PacketField& field, const NewtonStep& step)
   return hn::Min(hn::Mul(step.Norm, Splat(field.Rounding)), Splat(field.LargestRounding));
 }
 
+/// Most that a step of Newton's method moves a lane: the edge of a cell, or what the theorem of
+/// Newton and Kantorovich allows, where a lattice is finer than its deformation. `bend`: |J^-1| M.
+HWY_INLINE Vf FindStepLimit(const PacketField& field, Vf bend)
+{
+  const Vf longest = Splat(field.LongestStep);
+  return field.Smooth ? hn::Max(longest, hn::Div(Splat(0.5f), hn::Max(bend, Splat(1e-30f))))
+                      : longest;
+}
+
 /**
  * T(Q) = p for the lanes of `active` by Newton's method from `q`, with steps of limited length. A
  * lane is done with a step no longer than the tolerance or FindRounding(), or earlier: by the
@@ -343,7 +352,6 @@ HWY_INLINE Mf SolveInverse(const PacketField& field, const Vec3& p, float tolera
   int largestSteps, Vec3& q, NewtonStep& step, int& evaluations)
 {
   const Df d;
-  const Vf longest = Splat(field.LongestStep);
   Mf done = hn::Not(active);
   for (int i = 0; i < largestSteps && !hn::AllTrue(d, done); ++i)
   {
@@ -352,10 +360,12 @@ HWY_INLINE Mf SolveInverse(const PacketField& field, const Vec3& p, float tolera
     const Vf squared = Dot(step.Delta, step.Delta);
     const Vf inverse = InverseSqrt(hn::Max(squared, Splat(1e-30f)));
     const Vf length = hn::Mul(squared, inverse);
-    const Vf part = hn::Min(Splat(1.0f), hn::Mul(longest, inverse));
+    const Vf bend = hn::Mul(step.Norm, Splat(field.SecondDerivative));
+    const Vf limit = FindStepLimit(field, bend);
+    const Vf part = hn::Min(Splat(1.0f), hn::Mul(limit, inverse));
     const Vec3 next = MulAdd(hn::Neg(part), step.Delta, q);
-    const Vf h = hn::Mul(hn::Mul(step.Norm, Splat(field.SecondDerivative)), length);
-    Mf known = hn::And(hn::Le(h, Splat(0.5f)), hn::Le(length, longest));
+    const Vf h = hn::Mul(bend, length);
+    Mf known = hn::And(hn::Le(h, Splat(0.5f)), hn::Le(length, limit));
     if (!field.Smooth)
     {
       known = hn::And(known, hn::And(IsInLattice(field, q), IsInLattice(field, next)));
