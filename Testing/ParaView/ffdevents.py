@@ -77,8 +77,9 @@ class Events:
         self.lines.append('<pqcheck object="%s" property="%s" arguments="%s"/>' % (target, name, value))
 
     def wait(self):
-        # Auto-apply and the panel wait for the event loop only: timers of zero.
-        self.add(VIEW, "pause", "100")
+        # Auto-apply and the panel wait for the event loop only: timers of zero. The player finds the window
+        # sooner than what is in it.
+        self.add(WINDOW.rstrip("/"), "pause", "100")
 
     def write(self, path):
         """Write the events into a file; returns its path."""
