@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDTransformReader.h"
 
+#include "vtkFFDClassicLocale.h"
 #include "vtkFFDDataFiles.h"
 #include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
@@ -382,6 +383,7 @@ bool vtkFFDTransformReader::ReadFile()
   {
     return this->Transform != nullptr;
   }
+  const vtkFFDClassicLocale numbers;
   this->ReadAnyFile();
   // The result, or the error, is up to date now: setting error codes and progress has modified the
   // object.

@@ -3,6 +3,7 @@
 #include "vtkFFDTransformWriter.h"
 
 #include "vtkFFDBSplineFieldFromTransform.h"
+#include "vtkFFDClassicLocale.h"
 #include "vtkFFDFileAccess.h"
 #include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
@@ -564,6 +565,7 @@ int vtkFFDTransformWriter::Write()
       << (this->Transform ? "file name. Call SetFileName()." : "transform. Call SetTransform()."));
     return 0;
   }
+  const vtkFFDClassicLocale numbers;
   std::string problem;
   if (!vtkFFDGuard(this, "Write", [&] { problem = this->WriteTransform(); }))
   {

@@ -3,6 +3,7 @@
 #include "vtkFFDVolumeReader.h"
 
 #include "vtkFFDArrayRanges.h"
+#include "vtkFFDClassicLocale.h"
 #include "vtkFFDDataFiles.h"
 #include "vtkFFDFileAccess.h"
 #include "vtkFFDGuard.h"
@@ -1118,6 +1119,7 @@ int vtkFFDVolumeReader::Fail()
 //------------------------------------------------------------------------------
 int vtkFFDVolumeReader::CanReadFile(const char* fileName)
 {
+  const vtkFFDClassicLocale numbers;
   return vtkFFDGuarded(
     this, "CanReadFile", 0, [&] { return vtkInternals().Open(fileName) ? 1 : 0; });
 }
@@ -1126,6 +1128,7 @@ int vtkFFDVolumeReader::CanReadFile(const char* fileName)
 int vtkFFDVolumeReader::RequestInformation(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* output)
 {
+  const vtkFFDClassicLocale numbers;
   vtkInternals& in = *this->Internals;
   if (!in.Reader || in.OpenedTime != this->GetMTime())
   {
@@ -1195,6 +1198,7 @@ int vtkFFDVolumeReader::RequestInformation(
 int vtkFFDVolumeReader::RequestData(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* output)
 {
+  const vtkFFDClassicLocale numbers;
   vtkInternals& in = *this->Internals;
   vtkInformation* info = output->GetInformationObject(0);
   vtkImageData* image = vtkImageData::GetData(info);

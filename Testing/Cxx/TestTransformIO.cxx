@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// vtkFFDTransformReader and vtkFFDTransformWriter: every format there and back, and hostile files.
+// vtkFFDTransformReader and vtkFFDTransformWriter: every format there and back, with decimal commas
+// too, and hostile files.
 #include "FFDTestHelpers.h"
 
 #include "vtkAbstractTransform.h"
 #include "vtkFFDTransformReader.h"
 #include "vtkFFDTransformWriter.h"
+#include "vtkFFDVolumeReader.h"
 #include "vtkImageData.h"
 #include "vtkTesting.h"
 
@@ -15,6 +17,8 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <locale>
+#include <string>
 
 namespace
 {
@@ -127,6 +131,66 @@ int CheckHostileFiles(const std::string& data, const std::string& folder)
   return EXIT_SUCCESS;
 }
 
+/// Numbers as in German: 1.024,5.
+class CommaNumbers : public std::numpunct<char>
+{
+protected:
+  char do_decimal_point() const override { return ','; }
+  char do_thousands_sep() const override { return '.'; }
+  std::string do_grouping() const override { return "\3"; }
+};
+
+/// Sets the locale of C++ streams for the time of its life.
+class CommaLocale
+{
+public:
+  CommaLocale() { std::locale::global(std::locale(std::locale::classic(), new CommaNumbers)); }
+  ~CommaLocale() { std::locale::global(std::locale::classic()); }
+};
+
+int CheckLocale(const std::string& folder)
+{
+  vtkNew<vtkFFDLattice> lattice;
+  lattice->SetDimensions(12, 11, 10);
+  lattice->SetDomain(-3.5, 2701.25, 10.0, 3000.5, 5.0, 2500.0);
+  FFDRandom(3).Shape(lattice, 0.3);
+  const auto write = [&](const std::string& name) {
+    vtkNew<vtkFFDTransformWriter> writer;
+    writer->SetFileName(name.c_str());
+    writer->SetTransform(lattice);
+    return writer->Write() == 1;
+  };
+  const auto reads = [&](const std::string& name) {
+    vtkNew<vtkFFDTransformReader> reader;
+    reader->SetFileName(name.c_str());
+    vtkAbstractTransform* transform = reader->GetTransform();
+    return transform && Difference(lattice, transform) < 1e-9;
+  };
+  const std::string image = folder + "/locale.mha";
+  std::ofstream(image, std::ios::binary)
+    << "ObjectType = Image\nNDims = 3\nOffset = 1.5 2500.25 -3.5\nElementSpacing = 0.5 1.25 2.5\n"
+       "DimSize = 1200 2 2\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n"
+    << std::string(4800, 'x');
+  const std::string ours = folder + "/locale-ours.vti";
+  const std::string theirs = folder + "/locale-theirs.vti";
+  FFD_CHECK(write(ours));
+  {
+    const CommaLocale comma;
+    FFD_CHECK(reads(ours) && write(theirs) && reads(theirs));
+    vtkNew<vtkFFDVolumeReader> reader;
+    FFD_CHECK(reader->CanReadFile(image.c_str()) == 1);
+    reader->SetFileName(image.c_str());
+    reader->Update();
+    vtkImageData* read = reader->GetOutput();
+    FFD_CHECK(read->GetNumberOfPoints() == 4800);
+    FFD_CHECK(read->GetSpacing()[1] == 1.25 && read->GetOrigin()[1] == 2500.25);
+    // The program's own locale is there again.
+    FFD_CHECK(std::use_facet<std::numpunct<char>>(std::locale()).decimal_point() == ',');
+  }
+  FFD_CHECK(reads(theirs));
+  return EXIT_SUCCESS;
+}
+
 } // namespace
 
 int TestTransformIO(int argc, char* argv[])
@@ -135,7 +199,8 @@ int TestTransformIO(int argc, char* argv[])
   testing->AddArguments(argc, argv);
   const std::string folder = testing->GetTempDirectory();
   const std::string data = testing->GetDataRoot();
-  if (CheckFormats(folder) != EXIT_SUCCESS || CheckHostileFiles(data, folder) != EXIT_SUCCESS)
+  if (CheckFormats(folder) != EXIT_SUCCESS || CheckLocale(folder) != EXIT_SUCCESS ||
+    CheckHostileFiles(data, folder) != EXIT_SUCCESS)
   {
     return EXIT_FAILURE;
   }
