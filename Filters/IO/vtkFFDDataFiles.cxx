@@ -10,20 +10,15 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <initializer_list>
 #include <iterator>
 #include <sstream>
 #include <system_error>
-#include <vector>
 
-namespace
+namespace vtkFFDDataFiles
 {
 
-namespace fs = std::filesystem;
-
-constexpr long LargestNumberOfFiles = 65536;
-
-std::string Find(const vtkFFDDataFiles::Fields& fields, std::initializer_list<const char*> names)
+//------------------------------------------------------------------------------
+std::string Find(const Fields& fields, std::initializer_list<const char*> names)
 {
   for (const char* name : names)
   {
@@ -35,6 +30,24 @@ std::string Find(const vtkFFDDataFiles::Fields& fields, std::initializer_list<co
   }
   return std::string();
 }
+
+//------------------------------------------------------------------------------
+std::vector<std::string> ToWords(const std::string& text)
+{
+  std::istringstream stream(text);
+  return { std::istream_iterator<std::string>(stream), std::istream_iterator<std::string>{} };
+}
+
+} // namespace vtkFFDDataFiles
+
+namespace
+{
+
+using vtkFFDDataFiles::Find;
+using vtkFFDDataFiles::ToWords;
+namespace fs = std::filesystem;
+
+constexpr long LargestNumberOfFiles = 65536;
 
 bool IsTrue(const std::string& value)
 {
@@ -52,12 +65,6 @@ bool IsPattern(const std::string& word)
   const std::size_t digits = word.find_first_not_of("0123456789", percent + 1);
   return digits != std::string::npos && digits - percent <= 3 &&
     (word[digits] == 'd' || word[digits] == 'i' || word[digits] == 'u');
-}
-
-std::vector<std::string> ToWords(const std::string& text)
-{
-  std::istringstream stream(text);
-  return { std::istream_iterator<std::string>(stream), std::istream_iterator<std::string>{} };
 }
 
 /// The files that "pattern first last step" names; with fewer numbers as MetaImage has it. Empty

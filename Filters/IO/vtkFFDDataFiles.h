@@ -13,14 +13,22 @@
 
 #include "vtkFFDStoredVoxels.h"
 
+#include <initializer_list>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace vtkFFDDataFiles
 {
 
 /// "key separator value" of the lines of a header.
 using Fields = std::map<std::string, std::string>;
+
+/// The value of the first of some keys that a header has, or an empty text.
+std::string Find(const Fields& fields, std::initializer_list<const char*> names);
+
+/// The words of a text, between blanks.
+std::vector<std::string> ToWords(const std::string& text);
 
 /// Each function returns what is wrong, a sentence without its full stop, or an empty text. Paths
 /// are those of the header, `text` is how the header begins, as far as it was read.

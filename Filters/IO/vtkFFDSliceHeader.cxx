@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDSliceHeader.h"
 
+#include "FFDBinaryNumbers.h"
+
 #include <cstdint>
 #include <locale>
 #include <sstream>
@@ -39,13 +41,8 @@ public:
   std::size_t GetPlace() const { return this->At; }
   std::uint32_t Number(std::size_t at, std::size_t size) const
   {
-    std::uint32_t number = 0;
-    for (std::size_t i = 0; i < size; ++i)
-    {
-      const std::size_t byte = this->IsBigEndian ? i : size - 1 - i;
-      number = number << 8 | static_cast<unsigned char>(this->Bytes[at + byte]);
-    }
-    return number;
+    return static_cast<std::uint32_t>(
+      ffd::LoadBits(ffd::BytesAt(this->Bytes, at), size, this->IsBigEndian));
   }
 
   /// The head of the next element; false at the end of the bytes.

@@ -10,6 +10,7 @@
 #include "vtkFFDSliceHeader.h"
 #include "vtkFFDStoredVoxels.h"
 
+#include "FFDBinaryNumbers.h"
 #include "FFDSingularMatrix.h"
 
 #include "vtkByteSwap.h"
@@ -49,12 +50,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <exception>
-#include <initializer_list>
 #include <iterator>
 #include <limits>
 #include <locale>
-#include <map>
 #include <memory>
 #include <new>
 #include <sstream>
@@ -68,6 +68,7 @@ namespace
 {
 
 using Pipeline = vtkStreamingDemandDrivenPipeline;
+using vtkFFDDataFiles::Find;
 
 /// Bytes of a file in which its header is looked for.
 constexpr std::size_t LargestHeader = 65536;
@@ -81,6 +82,17 @@ struct Placement
   glm::dvec3 Origin{ 0.0 };
   glm::dmat3 Steps{ 1.0 };
 };
+
+/// Whether the origin is finite, and the steps have directions of three axes.
+bool IsPlace(const Placement& place)
+{
+  glm::dmat3 directions = place.Steps;
+  for (int a = 0; a < 3; ++a)
+  {
+    directions[a] /= glm::length(directions[a]);
+  }
+  return !ffd::IsSingular(directions) && std::isfinite(glm::length(place.Origin));
+}
 
 /// What the numbers of a file mean: Slope times what is stored, plus Intercept.
 struct Scaling
@@ -281,24 +293,10 @@ glm::dvec3 ToVector(const std::vector<double>& numbers, std::size_t first)
   return { numbers[first], numbers[first + 1], numbers[first + 2] };
 }
 
-std::string Find(
-  const std::map<std::string, std::string>& fields, std::initializer_list<const char*> names)
-{
-  for (const char* name : names)
-  {
-    const auto found = fields.find(name);
-    if (found != fields.end())
-    {
-      return found->second;
-    }
-  }
-  return std::string();
-}
-
 /// Rows of the matrix are the directions of the axes of the image.
-bool PlaceMetaImage(const char* path, const glm::dvec3& spacing, Placement& place)
+bool PlaceMetaImage(
+  const vtkFFDDataFiles::Fields& fields, const glm::dvec3& spacing, Placement& place)
 {
-  const std::map<std::string, std::string> fields = ReadFields(path, '=');
   const std::vector<double> matrix =
     ReadNumbers(Find(fields, { "TransformMatrix", "Rotation", "Orientation" }));
   const std::vector<double> origin = ReadNumbers(Find(fields, { "Offset", "Position", "Origin" }));
@@ -348,9 +346,8 @@ glm::dvec3 FindAxisMins(
   const vtkFFDDataFiles::Fields& fields, std::size_t first, const glm::dvec3& spacing)
 {
   std::vector<double> mins = ReadNumbers(Find(fields, { "axis mins", "axismins" }));
-  std::istringstream words(Find(fields, { "centers", "centerings" }));
-  const std::vector<std::string> centers{ std::istream_iterator<std::string>(words),
-    std::istream_iterator<std::string>{} };
+  const std::vector<std::string> centers =
+    vtkFFDDataFiles::ToWords(Find(fields, { "centers", "centerings" }));
   glm::dvec3 origin(0.0);
   for (std::size_t a = 0; a < 3 && mins.size() >= first + 3; ++a)
   {
@@ -362,10 +359,9 @@ glm::dvec3 FindAxisMins(
   return origin;
 }
 
-bool PlaceNrrd(
-  const char* path, int rows, bool turnsRows, const vtkFFDStoredVoxels& stored, Placement& place)
+bool PlaceNrrd(const vtkFFDDataFiles::Fields& fields, int rows, bool turnsRows,
+  const vtkFFDStoredVoxels& stored, Placement& place)
 {
-  const std::map<std::string, std::string> fields = ReadFields(path, ':');
   const std::vector<double> steps = ReadNumbers(Find(fields, { "space directions" }));
   const std::vector<double> origin = ReadNumbers(Find(fields, { "space origin" }));
   const std::vector<double> spacings = ReadNumbers(Find(fields, { "spacings" }));
@@ -415,21 +411,16 @@ bool PlaceNrrd(
 /// Whether the columns of a matrix are finite, and directions of three axes.
 bool HasDirections(vtkMatrix4x4* matrix)
 {
-  glm::dmat3 directions;
-  double sum = 0.0;
+  Placement place;
   for (int r = 0; r < 3; ++r)
   {
-    sum += matrix->GetElement(r, 3);
+    place.Origin[r] = matrix->GetElement(r, 3);
     for (int a = 0; a < 3; ++a)
     {
-      directions[a][r] = matrix->GetElement(r, a);
+      place.Steps[a][r] = matrix->GetElement(r, a);
     }
   }
-  for (int a = 0; a < 3; ++a)
-  {
-    directions[a] /= glm::length(directions[a]);
-  }
-  return std::isfinite(sum) && !ffd::IsSingular(directions);
+  return IsPlace(place);
 }
 
 bool PlaceNifti(vtkNIFTIImageReader* reader, const glm::dvec3& spacing, Placement& place)
@@ -512,18 +503,6 @@ std::string ReadNiftiHeader(const std::string& path, std::size_t size)
   return bytes;
 }
 
-template <class T>
-T ReadNumber(const std::string& bytes, std::size_t at, bool swaps)
-{
-  T number;
-  std::copy_n(bytes.data() + at, sizeof number, reinterpret_cast<char*>(&number));
-  if (swaps)
-  {
-    vtkByteSwap::SwapVoidRange(&number, 1, sizeof number);
-  }
-  return number;
-}
-
 /// What VTK's reader does not check: it crashes on types that it does not know, and takes the
 /// header for voxels where that says so.
 std::string FindNiftiProblem(const char* path)
@@ -531,20 +510,22 @@ std::string FindNiftiProblem(const char* path)
   constexpr std::size_t first = 348;  // bytes of the header of NIfTI-1
   constexpr std::size_t second = 540; // and NIfTI-2, which they begin with
   const std::string bytes = ReadNiftiHeader(path, second);
-  const auto begins = [&bytes](std::size_t size, bool swaps) {
-    return ReadNumber<int>(bytes, 0, swaps) == static_cast<int>(size);
+  const auto begins = [&bytes](std::size_t size, bool bigEndian) {
+    return ffd::LoadBits(ffd::BytesAt(bytes, 0), 4, bigEndian) == size;
   };
-  const bool swaps = begins(first, true) || begins(second, true);
-  const bool isSecond = begins(second, swaps);
-  const int kind = ReadNumber<short>(bytes, isSecond ? 12 : 70, swaps);
+  const bool bigEndian = begins(first, true) || begins(second, true);
+  const bool isSecond = begins(second, bigEndian);
+  const int kind =
+    static_cast<std::int16_t>(ffd::LoadBits(ffd::BytesAt(bytes, isSecond ? 12 : 70), 2, bigEndian));
   constexpr int known[] = { 2, 4, 8, 16, 32, 64, 128, 256, 512, 768, 1024, 1280, 1792, 2304 };
   if (std::find(std::begin(known), std::end(known), kind) == std::end(known))
   {
     return "it cannot be read: its voxels are of the NIfTI type " + std::to_string(kind) +
       ", which VTK does not know; write whole numbers, float or double";
   }
-  const double start = isSecond ? static_cast<double>(ReadNumber<long long>(bytes, 168, swaps))
-                                : ReadNumber<float>(bytes, 108, swaps);
+  const double start = isSecond ? static_cast<double>(static_cast<std::int64_t>(
+                                    ffd::LoadBits(ffd::BytesAt(bytes, 168), 8, bigEndian)))
+                                : ffd::LoadFloat(ffd::BytesAt(bytes, 108), bigEndian);
   const std::size_t least = isSecond ? second : first;
   if (bytes.compare(isSecond ? 4 : 344, 2, "n+") == 0 && !(start >= static_cast<double>(least)))
   {
@@ -805,11 +786,22 @@ bool vtkFFDVolumeReader::vtkInternals::Open(const char* path)
 //------------------------------------------------------------------------------
 void vtkFFDVolumeReader::vtkInternals::FindPlace(const char* path)
 {
-  vtkInformation* info = this->Reader->GetOutputInformation(0);
-  if (!info->Has(Pipeline::WHOLE_EXTENT()) && vtkNrrdReader::SafeDownCast(this->Reader))
+  auto* dicom = SliceReader::SafeDownCast(this->Reader);
+  auto* nifti = vtkNIFTIImageReader::SafeDownCast(this->Reader);
+  auto* nrrd = vtkNrrdReader::SafeDownCast(this->Reader);
+  const bool isMeta = vtkMetaImageReader::SafeDownCast(this->Reader) != nullptr;
+  std::string text;
+  vtkFFDDataFiles::Fields fields;
+  if (nrrd || isMeta)
   {
-    this->Problem = "it cannot be read: VTK does not know its type '" +
-      Find(ReadFields(path, ':'), { "type" }) + "'; write whole numbers, float or double";
+    text = ReadStart(path);
+    fields = ReadFields(path, nrrd ? ':' : '=');
+  }
+  vtkInformation* info = this->Reader->GetOutputInformation(0);
+  if (!info->Has(Pipeline::WHOLE_EXTENT()) && nrrd)
+  {
+    this->Problem = "it cannot be read: VTK does not know its type '" + Find(fields, { "type" }) +
+      "'; write whole numbers, float or double";
     return;
   }
   int extent[6] = { 0, -1, 0, -1, 0, -1 };
@@ -824,9 +816,6 @@ void vtkFFDVolumeReader::vtkInternals::FindPlace(const char* path)
   {
     size[a] = extent[2 * a + 1] - extent[2 * a] + 1;
   }
-  auto* dicom = SliceReader::SafeDownCast(this->Reader);
-  auto* nifti = vtkNIFTIImageReader::SafeDownCast(this->Reader);
-  auto* nrrd = vtkNrrdReader::SafeDownCast(this->Reader);
   int components = 1;
   auto* numbers = vtkImageReader2::SafeDownCast(this->Reader);
   if (numbers)
@@ -835,8 +824,7 @@ void vtkFFDVolumeReader::vtkInternals::FindPlace(const char* path)
   }
   if (nrrd)
   {
-    const vtkFFDDataFiles::Fields fields = ReadFields(path, ':');
-    this->Stored = vtkFFDDataFiles::FindNrrdVoxels(path, ReadStart(path), fields);
+    this->Stored = vtkFFDDataFiles::FindNrrdVoxels(path, text, fields);
     if (this->Stored.Components > 0)
     {
       std::copy_n(this->Stored.Size.data(), 3, size);
@@ -850,19 +838,17 @@ void vtkFFDVolumeReader::vtkInternals::FindPlace(const char* path)
   }
   if (size[0] < 2 || size[1] < 2 || size[2] < 2)
   {
-    std::ostringstream text;
-    text << "it is " << size[0] << " x " << size[1] << " x " << size[2]
-         << " voxels; a volume has at least two along each axis";
-    this->Problem = text.str();
+    std::ostringstream problem;
+    problem << "it is " << size[0] << " x " << size[1] << " x " << size[2]
+            << " voxels; a volume has at least two along each axis";
+    this->Problem = problem.str();
     return;
   }
   this->Place = Placement();
   double bytes = 1.0 * size[0] * size[1] * size[2];
-  const bool isMeta = vtkMetaImageReader::SafeDownCast(this->Reader) != nullptr;
   if (isMeta)
   {
-    this->Stored =
-      vtkFFDDataFiles::FindMetaImageVoxels(path, ReadStart(path), ReadFields(path, '='));
+    this->Stored = vtkFFDDataFiles::FindMetaImageVoxels(path, text, fields);
   }
   if (numbers)
   {
@@ -879,17 +865,14 @@ void vtkFFDVolumeReader::vtkInternals::FindPlace(const char* path)
   }
   else if (nrrd)
   {
-    const vtkFFDDataFiles::Fields fields = ReadFields(path, ':');
     this->Problem =
-      vtkFFDDataFiles::FindNrrdProblem(path, ReadStart(path), fields, bytes, CountSlices(fields));
+      vtkFFDDataFiles::FindNrrdProblem(path, text, fields, bytes, CountSlices(fields));
     const bool isOurs = this->Stored.Form != vtkFFDStoredVoxels::OF_VTK;
-    this->HasPlace =
-      PlaceNrrd(path, size[1], nrrd->GetFileLowerLeft() == 0 && !isOurs, this->Stored, this->Place);
+    this->HasPlace = PlaceNrrd(
+      fields, size[1], nrrd->GetFileLowerLeft() == 0 && !isOurs, this->Stored, this->Place);
   }
   else if (isMeta)
   {
-    const vtkFFDDataFiles::Fields fields = ReadFields(path, '=');
-    const std::string text = ReadStart(path);
     this->Problem = vtkFFDDataFiles::FindMetaImageProblem(path, text, fields, bytes, size[2]);
     if (this->Problem.empty() && this->Stored.Type >= 0 &&
       this->Stored.Form == vtkFFDStoredVoxels::OF_VTK)
@@ -897,7 +880,7 @@ void vtkFFDVolumeReader::vtkInternals::FindPlace(const char* path)
       this->Problem = "its ElementType '" + Find(fields, { "ElementType" }) +
         "' is read from one file without a HeaderSize only; write MET_INT or MET_UINT";
     }
-    this->HasPlace = PlaceMetaImage(path, spacing, this->Place);
+    this->HasPlace = PlaceMetaImage(fields, spacing, this->Place);
   }
 }
 
@@ -914,13 +897,7 @@ int vtkFFDVolumeReader::vtkInternals::GetStoredType()
 /// reader gives and that are none; returns whether there were any.
 bool vtkFFDVolumeReader::vtkInternals::LeaveOutDirections()
 {
-  glm::dmat3 directions = this->Place.Steps;
-  for (int a = 0; a < 3; ++a)
-  {
-    directions[a] /= glm::length(directions[a]);
-  }
-  const bool bad = this->HasPlace &&
-    (ffd::IsSingular(directions) || !std::isfinite(glm::length(this->Place.Origin)));
+  const bool bad = this->HasPlace && !IsPlace(this->Place);
   this->HasPlace = this->HasPlace && !bad;
   vtkInformation* const info = this->Reader->GetOutputInformation(0);
   if (this->HasPlace || !info->Has(vtkDataObject::SPACING()) || !info->Has(vtkDataObject::ORIGIN()))
