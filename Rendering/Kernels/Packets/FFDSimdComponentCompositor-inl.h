@@ -116,12 +116,7 @@ public:
   template <bool AtFaces>
   HWY_INLINE bool HasLoop() const
   {
-    if constexpr (HasComponentWindows<T>())
-    {
-      return this->Scene.InnerComponents && (!AtFaces || this->Samples.CanUseFaces()) &&
-        this->Samples.Window.GetFit() != WindowFit::None;
-    }
-    return false;
+    return this->Scene.InnerComponents && this->Samples.template HasComponentWindow<AtFaces>();
   }
 
   /// Takes samples as PacketCompositor::TakeSamples(), where HasLoop() is true.
@@ -129,18 +124,10 @@ public:
   HWY_INLINE int TakeSamples(
     const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
   {
-    return this->Samples.template WithWindow<AtFaces>([&](auto fit) FFD_INLINE_LAMBDA {
-      constexpr WindowFit Fit = decltype(fit)::value;
-      static_cast<void>(curve);
-      static_cast<void>(numbers);
-      static_cast<void>(from);
-      if constexpr (Fit != WindowFit::None && HasComponentWindows<T>())
-      {
-        return this->Scene.Volume.Components == 2
-          ? this->template TakeSamples<2, AtFaces, Fit>(curve, numbers, from, to)
-          : this->template TakeSamples<4, AtFaces, Fit>(curve, numbers, from, to);
-      }
-      return to;
+    return this->Samples.template WithComponentWindow<AtFaces>([&](auto components,
+                                                                 auto fit) FFD_INLINE_LAMBDA {
+      return this->template TakeSamples<decltype(components)::value, AtFaces, decltype(fit)::value>(
+        curve, numbers, from, to);
     });
   }
 

@@ -127,16 +127,7 @@ HWY_INLINE ComponentRows<T> LoadComponentRows(
     const auto set = [&](int first, Vf Row4::*voxel) {
       const Quads words = load(first, asIs);
       const Vi of[4] = { words.x, words.y, words.z, words.w };
-      ForComponents([&](auto c) {
-        if constexpr (std::is_same<T, float>::value)
-        {
-          rows.Of[c].*voxel = hn::BitCast(Df(), of[c]);
-        }
-        else
-        {
-          rows.Of[c].*voxel = WordScalar::ToFloats(v, of[c], c);
-        }
-      });
+      ForComponents([&](auto c) { rows.Of[c].*voxel = FromWords<T>(v, of[c], c); });
     };
     set(0, &Row4::B);
     set(1, &Row4::C);

@@ -17,6 +17,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 HWY_BEFORE_NAMESPACE();
 namespace ffd
@@ -105,65 +106,53 @@ struct Fetch<double> : FetchFloats<WideLoader>
 {
 };
 
-struct FloatLoader
-{
-  static HWY_INLINE Row4 LoadRow(const PacketVolume& v, const int* offsets, int delta)
-  {
-    const Df d;
-    const Quads words =
-      LoadQuadLanes<4>(v.Scalars, 4 * static_cast<std::ptrdiff_t>(delta - 1), offsets);
-    return { hn::BitCast(d, words.x), hn::BitCast(d, words.y), hn::BitCast(d, words.z),
-      hn::BitCast(d, words.w) };
-  }
-  static HWY_INLINE void LoadCell(
-    const PacketVolume& v, const int* offsets, int delta, Vf (&cell)[2])
-  {
-    const Df d;
-    const Pairs words =
-      LoadPairLanes<4>(v.Scalars, 4 * static_cast<std::ptrdiff_t>(delta), offsets);
-    cell[0] = hn::BitCast(d, words.x);
-    cell[1] = hn::BitCast(d, words.y);
-  }
-};
-template <>
-struct Fetch<float> : FetchFloats<FloatLoader>
-{
-};
-
 /// An integer of 32 bits, with or without a sign, that is read by PacketWords.
 struct WordScalar
 {
   std::uint32_t Bits;
+};
 
-  /// Those of a component as numbers.
-  static HWY_INLINE Vf ToFloats(const PacketVolume& v, Vi words, int component)
+/// Words of 32 bits, which are of type T and a component, as numbers.
+template <class T>
+HWY_INLINE Vf FromWords(const PacketVolume& v, Vi words, int component)
+{
+  if constexpr (std::is_same<T, float>::value)
+  {
+    return hn::BitCast(Df(), words);
+  }
+  else
   {
     const PacketWords& of = v.Words[component];
     return hn::MulAdd(hn::ConvertTo(Df(), hn::Sub(words, hn::Set(Di(), of.Origin))), Splat(of.Unit),
       Splat(of.Zero));
   }
-};
+}
 
+template <class T>
 struct WordLoader
 {
   static HWY_INLINE Row4 LoadRow(const PacketVolume& v, const int* offsets, int delta)
   {
     const Quads words =
       LoadQuadLanes<4>(v.Scalars, 4 * static_cast<std::ptrdiff_t>(delta - 1), offsets);
-    const auto toFloats = [&v](Vi of) { return WordScalar::ToFloats(v, of, 0); };
-    return { toFloats(words.x), toFloats(words.y), toFloats(words.z), toFloats(words.w) };
+    return { FromWords<T>(v, words.x, 0), FromWords<T>(v, words.y, 0), FromWords<T>(v, words.z, 0),
+      FromWords<T>(v, words.w, 0) };
   }
   static HWY_INLINE void LoadCell(
     const PacketVolume& v, const int* offsets, int delta, Vf (&cell)[2])
   {
     const Pairs words =
       LoadPairLanes<4>(v.Scalars, 4 * static_cast<std::ptrdiff_t>(delta), offsets);
-    cell[0] = WordScalar::ToFloats(v, words.x, 0);
-    cell[1] = WordScalar::ToFloats(v, words.y, 0);
+    cell[0] = FromWords<T>(v, words.x, 0);
+    cell[1] = FromWords<T>(v, words.y, 0);
   }
 };
 template <>
-struct Fetch<WordScalar> : FetchFloats<WordLoader>
+struct Fetch<float> : FetchFloats<WordLoader<float>>
+{
+};
+template <>
+struct Fetch<WordScalar> : FetchFloats<WordLoader<WordScalar>>
 {
 };
 

@@ -77,20 +77,26 @@ public:
   HWY_INLINE int ForComponentValues(const PacketCurve& curve, const SampleNumbers& numbers,
     int from, int to, int component, const Use& use)
   {
+    return this->template WithComponentWindow<AtFaces>(
+      [&](auto components, auto fit) FFD_INLINE_LAMBDA {
+        return this
+          ->template ForComponentValues<decltype(components)::value, AtFaces, decltype(fit)::value>(
+            curve, numbers, from, to, component, use);
+      });
+  }
+
+  /// Returns use(components, fit), both as constants, where HasComponentWindow() is true.
+  template <bool AtFaces, class Use>
+  HWY_INLINE int WithComponentWindow(const Use& use)
+  {
     return this->template WithWindow<AtFaces>([&](auto fit) FFD_INLINE_LAMBDA {
-      constexpr WindowFit Fit = decltype(fit)::value;
-      static_cast<void>(curve);
-      static_cast<void>(numbers);
-      static_cast<void>(from);
-      if constexpr (Fit != WindowFit::None && HasComponentWindows<T>())
+      static_cast<void>(use);
+      if constexpr (decltype(fit)::value != WindowFit::None && HasComponentWindows<T>())
       {
-        return this->Scene.Volume.Components == 2
-          ? this->template ForComponentValues<2, AtFaces, Fit>(
-              curve, numbers, from, to, component, use)
-          : this->template ForComponentValues<4, AtFaces, Fit>(
-              curve, numbers, from, to, component, use);
+        return this->Scene.Volume.Components == 2 ? use(std::integral_constant<int, 2>(), fit)
+                                                  : use(std::integral_constant<int, 4>(), fit);
       }
-      return to;
+      return 0;
     });
   }
 
