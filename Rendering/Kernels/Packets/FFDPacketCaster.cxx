@@ -3,6 +3,7 @@
 #include "FFDPacketCaster.h"
 
 #include "FFDSimdTargets.h"
+#include "FFDWideTile.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,10 +25,11 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-int CastTileOfAnyType(const PacketScene& scene, int x0, int y0, unsigned int subtiles,
+/// Of scenes that HasShortScalars(); those of others are cast by CastWideTile().
+int CastShortTile(const PacketScene& scene, int x0, int y0, unsigned int subtiles,
   const CastImage& image, PacketScratch& scratch, int first, Deadline deadline)
 {
-  return ForFetched(scene.Volume, [&](auto zero) {
+  return ForShortFetched(scene.Volume, [&](auto zero) {
     return CastTile<decltype(zero)>(scene, x0, y0, subtiles, image, scratch, first, deadline);
   });
 }
@@ -134,7 +136,7 @@ namespace ffd
 namespace
 {
 
-HWY_EXPORT(CastTileOfAnyType);
+HWY_EXPORT(CastShortTile);
 HWY_EXPORT(ChooseRootSide);
 HWY_EXPORT(MoveSeeds);
 
@@ -182,8 +184,9 @@ PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings,
 int PacketCaster::RenderTile(int x0, int y0, unsigned int subtiles, const CastImage& image,
   PacketScratch& scratch, int first, Deadline deadline) const
 {
-  return HWY_DYNAMIC_DISPATCH(CastTileOfAnyType)(
-    this->Scene, x0, y0, subtiles, image, scratch, first, deadline);
+  const auto cast =
+    HasShortScalars(this->Scene.Volume) ? HWY_DYNAMIC_DISPATCH(CastShortTile) : CastWideTile;
+  return cast(this->Scene, x0, y0, subtiles, image, scratch, first, deadline);
 }
 
 } // namespace ffd

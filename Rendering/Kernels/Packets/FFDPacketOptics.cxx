@@ -371,7 +371,7 @@ double FindRangeOfValues(const CastScene& scene, const PacketVolume& v, int comp
   {
     range = std::max(range, scene.Blend.High[c] - scene.Blend.Low[c]);
   }
-  return v.ElementSize <= 2 ? RangeOfFewBytes : range * v.Scale[component];
+  return HasShortScalars(v) ? RangeOfFewBytes : range * v.Scale[component];
 }
 
 /// Finds what gradients are multiplied by, of which only the direction counts, so that neither the

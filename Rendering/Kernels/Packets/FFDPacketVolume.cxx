@@ -16,20 +16,19 @@ constexpr double LargestSlice = LargestReach / 3.0;
 
 } // namespace
 
+//------------------------------------------------------------------------------
 int SizeOf(ScalarType type)
 {
   return DispatchScalarType(type, [](auto zero) { return static_cast<int>(sizeof(zero)); });
 }
 
 //------------------------------------------------------------------------------
-/// Whether no cell has neighbors on all sides.
 bool IsThin(const VolumeView& v)
 {
   return std::min({ v.Dimensions.x, v.Dimensions.y, v.Dimensions.z }) < 4;
 }
 
 //------------------------------------------------------------------------------
-/// Whether the vector code can fetch these voxels.
 bool CanFetchPackets(const VolumeView& v)
 {
   const double slice = static_cast<double>(v.Increments[2]);
@@ -38,7 +37,6 @@ bool CanFetchPackets(const VolumeView& v)
 }
 
 //------------------------------------------------------------------------------
-/// The voxels of an image with one component.
 PacketVolume MakePacketVolume(const VolumeView& v, bool nearest)
 {
   PacketVolume packet;
@@ -52,7 +50,7 @@ PacketVolume MakePacketVolume(const VolumeView& v, bool nearest)
   packet.IncrementZ = static_cast<int>(v.Increments[2]);
   packet.ElementSize = SizeOf(v.Type);
   packet.Nearest = nearest;
-  if (packet.ElementSize <= 2)
+  if (HasShortScalars(packet))
   {
     packet.Integers = MakePacketIntegers(
       packet.ElementSize, v.Type == ScalarType::Int8 || v.Type == ScalarType::Int16);

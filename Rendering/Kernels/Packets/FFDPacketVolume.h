@@ -93,6 +93,9 @@ struct PacketVolume
   PacketWords Words[4];    ///< to the same numbers as by Shift and Scale; by the component
 };
 
+/// Whether scalars are integers of one or two bytes, which are interpolated by PacketIntegers.
+inline bool HasShortScalars(const PacketVolume& v) { return v.ElementSize <= 2; }
+
 /// The largest number of bytes that a 32-bit offset leads over.
 constexpr double LargestReach = 2147483647.0;
 

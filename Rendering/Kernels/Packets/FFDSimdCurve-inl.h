@@ -88,7 +88,7 @@ struct SampleNumbers
 };
 
 /// Finds the positions that are not cropped; index or local coordinates as CropSpace says.
-HWY_NOINLINE Mf IsUncropped(const PacketScene& scene, const Vec3& p)
+HWY_NOINLINE inline Mf IsUncropped(const PacketScene& scene, const Vec3& p)
 {
   const Df d;
   const Di di;

@@ -98,7 +98,7 @@ HWY_INLINE Vf ToVoxels(const PacketAxis& axis, Vf x)
 }
 
 /// Voxel coordinates of index coordinates where PacketGrid::Uneven is true.
-HWY_NOINLINE Vec3 ToVoxels(const PacketGrid& grid, const Vec3& q)
+HWY_NOINLINE inline Vec3 ToVoxels(const PacketGrid& grid, const Vec3& q)
 {
   return { ToVoxels(grid.Axes[0], q.x), ToVoxels(grid.Axes[1], q.y), ToVoxels(grid.Axes[2], q.z) };
 }
@@ -173,7 +173,7 @@ HWY_INLINE Vec3 FindMaskPosition(const PacketScene& scene, const Vec3& q)
 }
 
 /// The lanes of `lanes` whose positions neither a binary mask nor a cell hides.
-HWY_NOINLINE Mf LeaveOutHidden(const PacketScene& scene, const Vec3& q, Mf lanes)
+HWY_NOINLINE inline Mf LeaveOutHidden(const PacketScene& scene, const Vec3& q, Mf lanes)
 {
   if (scene.Mask.Scalars && !scene.Mask.Labels)
   {
@@ -197,7 +197,7 @@ HWY_INLINE Vec3 FindNearestCells(const PacketGrid& grid, const Vec3& voxel)
 
 /// Voxel coordinates of index coordinates in the volume, and beside hidden cells, where values are
 /// not interpolated, those of the nearest voxels.
-HWY_NOINLINE Vec3 FindMovedVoxels(const PacketScene& scene, const Vec3& q)
+HWY_NOINLINE inline Vec3 FindMovedVoxels(const PacketScene& scene, const Vec3& q)
 {
   const PacketGrid& grid = scene.Grid;
   const Vec3 voxel = FindVoxels(scene, q);
@@ -248,7 +248,8 @@ HWY_INLINE Vf InterpolatePlaces(const PacketAxis& axis, const std::vector<float>
 
 /// Gradients by index coordinates, over two of them, of differences by voxel coordinates over two
 /// voxels: those over less, at the faces of the volume, are scaled to that already.
-HWY_NOINLINE Vec3 ToIndexGradient(const PacketScene& scene, const Vec3& voxel, const Vec3& gradient)
+HWY_NOINLINE inline Vec3 ToIndexGradient(
+  const PacketScene& scene, const Vec3& voxel, const Vec3& gradient)
 {
   const bool nearest = scene.Volume.Nearest;
   const auto scale = [&](Vf x, Vf difference, int a) {
@@ -378,8 +379,8 @@ HWY_INLINE HiddenSides FindHiddenSides(const PacketScene& scene, const Vec3& vox
 }
 
 /// Does what FindShownGradient() does, one by one.
-HWY_NOINLINE Vec3 ShownGradientByReference(const PacketScene& scene, const Vec3& voxel, Mf lanes,
-  const Vec3& gradient, int component, bool ofOpacity)
+HWY_NOINLINE inline Vec3 ShownGradientByReference(const PacketScene& scene, const Vec3& voxel,
+  Mf lanes, const Vec3& gradient, int component, bool ofOpacity)
 {
   const SampleClassifier& classifier = *scene.Frame->Classifier;
   const VolumeView& volume = scene.Source->Volume;

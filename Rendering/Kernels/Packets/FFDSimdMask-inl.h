@@ -68,14 +68,14 @@ HWY_INLINE auto LookUpMask(const PacketMask& mask, const Vec3& q, const Function
 }
 
 /// Lanes that are inside of a binary mask.
-HWY_NOINLINE Mf IsInMask(const PacketMask& mask, const Vec3& q)
+HWY_NOINLINE inline Mf IsInMask(const PacketMask& mask, const Vec3& q)
 {
   const Vf inside = LookUpMask<float>(mask, q, [](auto value) { return value > 0 ? 1.0f : 0.0f; });
   return hn::Gt(inside, hn::Zero(Df()));
 }
 
 /// Numbers of the tables in PacketScene::Table of the labels at positions.
-HWY_NOINLINE Vi FindLabelTables(const PacketMask& mask, const Vec3& q)
+HWY_NOINLINE inline Vi FindLabelTables(const PacketMask& mask, const Vec3& q)
 {
   return LookUpMask<int>(mask, q, [&](auto label) { return mask.TableOf(label); });
 }

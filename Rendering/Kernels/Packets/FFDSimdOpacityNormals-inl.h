@@ -43,7 +43,8 @@ HWY_INLINE Vf OpacityOfDepth(Vf depth)
 
 /// The opacity over the unit distance of values of one component, or of densities of one of
 /// several, as SampleClassifier::ClassifyValue().
-HWY_NOINLINE Vf OpacityOfValues(const PacketScene& scene, Vf values, std::size_t component = 0)
+HWY_NOINLINE inline Vf OpacityOfValues(
+  const PacketScene& scene, Vf values, std::size_t component = 0)
 {
   const bool several = scene.Volume.Components > 1;
   const PacketPlane& plane = several ? scene.Components[component].Plane : scene.Plane;
@@ -87,7 +88,7 @@ struct ClippedNeighbors
 };
 
 /// `q`, `p`: the samples, index and local coordinates; `steps`: PacketNormals::FindSteps().
-HWY_NOINLINE ClippedNeighbors FindClippedNeighbors(
+HWY_NOINLINE inline ClippedNeighbors FindClippedNeighbors(
   const PacketScene& scene, const Vec3& q, const Vec3& p, const Vec3 (&steps)[3])
 {
   constexpr float Slack = 1e-3f; // voxels

@@ -120,7 +120,7 @@ HWY_INLINE Vf FactorOf(const PacketMask& mask, Vi tables, const Vec3& gradient)
 
 /// The extinction whose opacity over the reference length is that of `extinction` times a factor;
 /// as SampleClassifier.
-HWY_NOINLINE Vf WeighExtinction(const PacketScene& scene, Vf extinction, Vf factor)
+HWY_NOINLINE inline Vf WeighExtinction(const PacketScene& scene, Vf extinction, Vf factor)
 {
   const Vf weighed = ExtinctionOf(scene, hn::Mul(factor, OpacityOf(scene, extinction)));
   return hn::IfThenElse(hn::Ge(factor, Splat(1.0f)), extinction, weighed);
@@ -168,7 +168,7 @@ HWY_INLINE PlaneTexel LookUpPlane(
 
 /// Does what MixWithLabels() does where the scalars alone are looked up in a two-dimensional
 /// transfer function.
-HWY_NOINLINE void MixPlaneWithLabels(const PacketScene& scene, Vf values,
+HWY_NOINLINE inline void MixPlaneWithLabels(const PacketScene& scene, Vf values,
   const TableLookup& ofLabel, Vi tables, const Vec3& gradient, const Vec3& q, Vf& opacity,
   Vec3& color)
 {

@@ -33,7 +33,7 @@ struct PlaneTexel
 };
 
 /// Does what FindSecondAxis() does where offsets do not lead over all scalars side by side.
-HWY_NOINLINE Vf FindSecondAxisByLane(
+HWY_NOINLINE inline Vf FindSecondAxisByLane(
   const PacketPlane& plane, const SampleCells& cells, const SamplePosition& at)
 {
   const Df d;
@@ -69,7 +69,7 @@ HWY_NOINLINE Vf FindSecondAxisByLane(
 }
 
 /// Interpolates the scalars of the second axis at positions in the volume.
-HWY_NOINLINE Vf FindSecondAxis(const PacketPlane& plane, const Vec3& q)
+HWY_NOINLINE inline Vf FindSecondAxis(const PacketPlane& plane, const Vec3& q)
 {
   const Df d;
   const PacketVolume& v = plane.SecondAxis;
@@ -126,7 +126,7 @@ HWY_INLINE PlaneTexel InterpolateTexels(const PacketPlane& plane, Vi begin, cons
 }
 
 /// Looks up the texels at (x, y); transparent where x or y is not a number.
-HWY_NOINLINE PlaneTexel LookUpPlane(const PacketPlane& plane, Vf x, Vf y)
+HWY_NOINLINE inline PlaneTexel LookUpPlane(const PacketPlane& plane, Vf x, Vf y)
 {
   const Mf known = hn::And(hn::Eq(x, x), hn::Eq(y, y));
   const TexelPair u = FindTexels(plane, x, known, 0);
@@ -148,7 +148,7 @@ HWY_NOINLINE PlaneTexel LookUpPlane(const PacketPlane& plane, Vf x, Vf y)
 HWY_INLINE int FindLastRow(const PacketPlane& plane) { return plane.Size[0] * (plane.Size[1] - 1); }
 
 /// Looks up the texels at values whose gradients count as large; as LookUpPlane().
-HWY_NOINLINE PlaneTexel LookUpLastRow(const PacketPlane& plane, Vf x)
+HWY_NOINLINE inline PlaneTexel LookUpLastRow(const PacketPlane& plane, Vf x)
 {
   const Mf known = hn::Eq(x, x);
   PlaneTexel texel =
@@ -158,7 +158,7 @@ HWY_NOINLINE PlaneTexel LookUpLastRow(const PacketPlane& plane, Vf x)
 }
 
 /// The opacity of LookUpLastRow().
-HWY_NOINLINE Vf FindOpacityOfLastRow(const PacketPlane& plane, Vf x)
+HWY_NOINLINE inline Vf FindOpacityOfLastRow(const PacketPlane& plane, Vf x)
 {
   const Mf known = hn::Eq(x, x);
   const TexelPair u = FindTexels(plane, x, known, 0);

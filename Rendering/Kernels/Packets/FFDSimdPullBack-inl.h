@@ -70,7 +70,8 @@ HWY_INLINE Vi FindNearestSeeds(const PacketScene& scene, const Vec3& p)
  * lattice has many cells from seed to seed, or is a small part of the volume: by steps as long as
  * T(q) - p, each of which counts where it brings T(q) nearer to p.
  */
-HWY_NOINLINE Vec3 Approach(const PacketScene& scene, const Vec3& p, const Vec3& start, Mf lanes)
+HWY_NOINLINE inline Vec3 Approach(
+  const PacketScene& scene, const Vec3& p, const Vec3& start, Mf lanes)
 {
   constexpr int mostSteps = 4;
   const auto findResidual = [&](const Vec3& at) {
@@ -93,7 +94,7 @@ HWY_NOINLINE Vec3 Approach(const PacketScene& scene, const Vec3& p, const Vec3& 
  * Estimates T^-1(p) of each lane without a start: by a step of Newton's method from the nearest of
  * PacketScene::Seeds, and by Approach() from where that is too short.
  */
-HWY_NOINLINE Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
+HWY_NOINLINE inline Vec3 FindColdStart(const PacketScene& scene, const Vec3& p)
 {
   const Df d;
   const Di di;

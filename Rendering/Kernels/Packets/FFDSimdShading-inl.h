@@ -59,7 +59,7 @@ HWY_INLINE Vf LitCosine(const PacketScene& scene, Vf cosine)
 }
 
 /// Adds the lights that are no headlights.
-HWY_NOINLINE void AddLights(const PacketScene& scene, const PacketSurface& surface,
+HWY_NOINLINE inline void AddLights(const PacketScene& scene, const PacketSurface& surface,
   const Vec3& position, const Vec3& normal, const Vec3& toEye, Lighting& lit)
 {
   for (const PacketLight& light : surface.Lights)

@@ -101,7 +101,7 @@ HWY_INLINE PacketShape GetPacketShape()
 }
 
 /// FindJitter() of the pixels of a packet.
-HWY_NOINLINE Vf JitterOf(const PacketScene& scene, int x0, int y0)
+HWY_NOINLINE inline Vf JitterOf(const PacketScene& scene, int x0, int y0)
 {
   const Df d;
   const PacketShape shape = GetPacketShape();
@@ -145,7 +145,7 @@ HWY_INLINE void ClipToDepths(const PacketScene& scene, const CastImage& image, i
 }
 
 /// Stores window depths of the pixels of a packet.
-HWY_NOINLINE void StoreDepths(const CastImage& image, int x0, int y0, Vf depths)
+HWY_NOINLINE inline void StoreDepths(const CastImage& image, int x0, int y0, Vf depths)
 {
   HWY_ALIGN float stored[16];
   hn::Store(depths, Df(), stored);
