@@ -37,14 +37,14 @@ constexpr int FewTiles = 4;
 /// Kept around boxes for what is rounded, voxels.
 constexpr double Guard = 0.5;
 
-/// Boxes at rest, aligned with the axes of data coordinates.
-struct RestBoxes
+/// Equal boxes, aligned with the axes of data coordinates.
+struct BoxGrid
 {
   glm::dvec3 First; ///< lowest corner
   glm::dvec3 Edge;
   glm::ivec3 Count;
 
-  RestBoxes(const Box& bounds, double voxel)
+  BoxGrid(const Box& bounds, double voxel)
     : First(bounds.Min)
   {
     const glm::dvec3 extent = glm::max(bounds.Max - bounds.Min, glm::dvec3(1e-30));
@@ -59,6 +59,12 @@ struct RestBoxes
   }
 
   double At(int a, int i) const { return this->First[a] + i * this->Edge[a]; }
+
+  Box Get(const glm::ivec3& index) const
+  {
+    const glm::dvec3 low = this->First + glm::dvec3(index) * this->Edge;
+    return { low, low + this->Edge };
+  }
 };
 
 /// Bounds of the volume at rest, data coordinates.
@@ -71,16 +77,52 @@ Box FindBounds(const VolumeView& volume)
   return { middle - half, middle + half };
 }
 
-/**
- * Finds where T takes the corners of the boxes, x fastest, and the largest distance along each axis
- * of what it takes points in between to from the hull of the corners. Returns false where the field
- * is constant along an axis outside of its cells, which its second differences do not tell.
- */
-bool FindCorners(
-  const RestBoxes& boxes, const BSplineField* field, Grid<glm::dvec3>& corners, glm::dvec3& bulge)
+/// Bounds of what x + sign * D(x) makes of boxes.
+class BoxImages
 {
-  bulge = glm::dvec3(0.0);
-  if (field)
+public:
+  /// `field`: D, null for zero.
+  BoxImages(const BoxGrid& boxes, const BSplineField* field, double sign)
+    : Boxes(boxes)
+    , Corners(boxes.Count + 1)
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      this->IsInCells[a].assign(static_cast<std::size_t>(boxes.Count[a]), true);
+    }
+    if (field)
+    {
+      this->FindDisplacements(*field, sign);
+    }
+  }
+
+  /// The hull of the images of the corners, and of what D is in between. Outside of the cells,
+  /// where D is constant along an axis, its second differences do not tell how it bends at their
+  /// end: there it is any of those of the corners anywhere in the box.
+  Box Find(const glm::ivec3& index) const
+  {
+    bool inCells = true;
+    for (int a = 0; a < 3; ++a)
+    {
+      inCells = inCells && this->IsInCells[a][static_cast<std::size_t>(index[a])];
+    }
+    const Box box = this->Boxes.Get(index);
+    Box image{ glm::dvec3(std::numeric_limits<double>::max()),
+      glm::dvec3(std::numeric_limits<double>::lowest()) };
+    for (int corner = 0; corner < 8; ++corner)
+    {
+      const glm::ivec3 upper(corner & 1, corner >> 1 & 1, corner >> 2);
+      const glm::ivec3 at = index + upper;
+      const glm::dvec3& d = this->Corners.At(at.x, at.y, at.z);
+      const glm::dvec3 p = glm::mix(box.Min, box.Max, glm::dvec3(upper));
+      image.Min = glm::min(image.Min, d + (inCells ? p : box.Min));
+      image.Max = glm::max(image.Max, d + (inCells ? p : box.Max));
+    }
+    return { image.Min - this->Bulge, image.Max + this->Bulge };
+  }
+
+private:
+  void FindDisplacements(const BSplineField& field, double sign)
   {
     std::vector<std::array<double, 4>> weights[3];
     std::vector<int> cells[3];
@@ -88,17 +130,23 @@ bool FindCorners(
     glm::ivec3 end(0);
     for (int a = 0; a < 3; ++a)
     {
-      for (int i = 0; i <= boxes.Count[a]; ++i)
+      const double firstCell = field.GetFirstCell()[a];
+      const double endCell = field.GetEndCell()[a];
+      for (int i = 0; i <= this->Boxes.Count[a]; ++i)
       {
-        const double u = (boxes.At(a, i) - field->GetOrigin()[a]) / field->GetSpacing()[a];
-        if (!(u >= field->GetFirstCell()[a] - 1e-9 && u <= field->GetEndCell()[a] + 1e-9))
+        const double u = (this->Boxes.At(a, i) - field.GetOrigin()[a]) / field.GetSpacing()[a];
+        if (!(u >= firstCell - 1e-9 && u <= endCell + 1e-9))
         {
-          return false;
+          for (int side = std::max(i - 1, 0); side < std::min(i + 1, this->Boxes.Count[a]); ++side)
+          {
+            this->IsInCells[a][static_cast<std::size_t>(side)] = false;
+          }
         }
+        const double inside = std::clamp(u, firstCell, endCell);
         const int cell = std::clamp(
-          static_cast<int>(std::floor(u)), field->GetFirstCell()[a], field->GetEndCell()[a] - 1);
+          static_cast<int>(std::floor(inside)), field.GetFirstCell()[a], field.GetEndCell()[a] - 1);
         std::array<double, 4> w;
-        BSplineWeights(u - cell, w.data());
+        BSplineWeights(inside - cell, w.data());
         weights[a].push_back(w);
         cells[a].push_back(cell);
       }
@@ -116,29 +164,24 @@ bool FindCorners(
       {
         for (int i = 0; i < nodes.Size.x; ++i)
         {
-          nodes.At(i, j, k) = field->Coefficient(first.x - 1 + i, first.y - 1 + j, first.z - 1 + k);
+          nodes.At(i, j, k) =
+            sign * field.Coefficient(first.x - 1 + i, first.y - 1 + j, first.z - 1 + k);
         }
       }
     }
-    bulge = FindBulge(nodes, boxes.Edge / glm::abs(field->GetSpacing()));
-    corners = std::move(nodes);
+    this->Bulge = FindBulge(nodes, this->Boxes.Edge / glm::abs(field.GetSpacing()));
+    this->Corners = std::move(nodes);
     for (int a = 0; a < 3; ++a)
     {
-      corners = SumAlong(corners, a, weights[a], cells[a]);
+      this->Corners = SumAlong(this->Corners, a, weights[a], cells[a]);
     }
   }
-  for (int k = 0; k < corners.Size.z; ++k)
-  {
-    for (int j = 0; j < corners.Size.y; ++j)
-    {
-      for (int i = 0; i < corners.Size.x; ++i)
-      {
-        corners.At(i, j, k) += glm::dvec3(boxes.At(0, i), boxes.At(1, j), boxes.At(2, k));
-      }
-    }
-  }
-  return true;
-}
+
+  const BoxGrid& Boxes;
+  Grid<glm::dvec3> Corners;       ///< displacements of the corners of boxes
+  glm::dvec3 Bulge{ 0.0 };        ///< largest distance of D from what it is at corners interpolated
+  std::vector<bool> IsInCells[3]; ///< by the box along each axis
+};
 
 /// The pixels that a box covers, all where it reaches behind the eye.
 struct PixelRange
@@ -185,52 +228,44 @@ TileBounds::TileBounds(const CastScene& scene, double tolerance, double reach,
   const PullBack& map = *scene.Map;
   const glm::ivec2 tiles = (scene.Camera.ImageSize + (TileSide - 1)) / TileSide;
   if (!scene.Distances || tiles.x * tiles.y < FewTiles ||
-    !(map.IsIdentity() || map.GetKind() == PullBackKind::Exact))
+    (!map.IsIdentity() && map.GetKind() == PullBackKind::FirstOrderOfInverse))
   {
     return;
   }
   const VolumeView& volume = scene.Volume;
-  const RestBoxes boxes(FindBounds(volume), scene.VoxelSize);
-  Grid<glm::dvec3> corners(boxes.Count + 1);
-  glm::dvec3 bulge;
-  if (!FindCorners(boxes, map.IsIdentity() ? nullptr : map.GetField(), corners, bulge))
-  {
-    return;
-  }
+  const bool isForward = map.IsIdentity() || map.GetKind() == PullBackKind::Exact;
+  const BoxGrid boxes(isForward ? FindBounds(volume) : scene.DeformedBounds, scene.VoxelSize);
+  const BoxImages images(boxes, map.IsIdentity() ? nullptr : map.GetField(),
+    map.GetKind() == PullBackKind::FirstOrder ? -1.0 : 1.0);
   const CameraView::PixelRows rows = scene.Camera.GetPixelRows();
-  const glm::dvec3 halfIndex =
-    Absolute(volume.DataToIndex) * (0.5 * boxes.Edge) + (tolerance + Guard);
-  const glm::dvec3 around = bulge + (reach + Guard * scene.VoxelSize);
+  const double around = reach + Guard * scene.VoxelSize;
   const glm::dvec2 lastTile(tiles - 1);
   Grid<VisibleBox> visible(boxes.Count);
   const auto findRow = [&](int j, int k) {
     for (int i = 0; i < boxes.Count.x; ++i)
     {
-      const glm::dvec3 middle =
-        volume.ToIndex(boxes.First + (glm::dvec3(i, j, k) + 0.5) * boxes.Edge);
+      const Box box = boxes.Get({ i, j, k });
+      const Box image = images.Find({ i, j, k });
+      const Box& rest = isForward ? box : image;
+      const glm::dvec3 middle = volume.ToIndex(0.5 * (rest.Min + rest.Max));
+      const glm::dvec3 half =
+        Absolute(volume.DataToIndex) * (0.5 * (rest.Max - rest.Min)) + (tolerance + Guard);
       if (scene.Distances->IsEmptyIn(
-            middle - halfIndex, middle + halfIndex, volume.UpperIndex(), volume.Margin))
+            middle - half, middle + half, volume.UpperIndex(), volume.Margin))
       {
         continue;
       }
-      Box box{ corners.At(i, j, k), corners.At(i, j, k) };
-      for (int corner = 1; corner < 8; ++corner)
-      {
-        const glm::dvec3& p =
-          corners.At(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2));
-        box.Min = glm::min(box.Min, p);
-        box.Max = glm::max(box.Max, p);
-      }
-      box.Min -= around;
-      box.Max += around;
-      const PixelRange pixels = FindPixels(rows, box);
+      Box deformed = isForward ? image : box;
+      deformed.Min -= around;
+      deformed.Max += around;
+      const PixelRange pixels = FindPixels(rows, deformed);
       VisibleBox& found = visible.At(i, j, k);
       found.FirstTile = glm::ivec2(glm::clamp(
         glm::floor((pixels.Low - 1.0) / double{ TileSide }), glm::dvec2(0.0), lastTile + 1.0));
       found.LastTile = glm::ivec2(glm::clamp(
         glm::floor((pixels.High + 1.0) / double{ TileSide }), glm::dvec2(-1.0), lastTile));
-      found.Low = glm::vec3(box.Min - origin);
-      found.High = glm::vec3(box.Max - origin);
+      found.Low = glm::vec3(deformed.Min - origin);
+      found.High = glm::vec3(deformed.Max - origin);
     }
   };
   parallelFor(static_cast<std::size_t>(boxes.Count.y) * static_cast<std::size_t>(boxes.Count.z),
