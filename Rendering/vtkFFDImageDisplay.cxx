@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDImageDisplay.h"
 
-#include "vtkFFDParallelFor.h"
 #include "vtkFFDVersions.h"
 
 #include "vtkNew.h"
@@ -255,38 +254,36 @@ struct vtkFFDImageDisplay::Resources
   std::unique_ptr<vtkOpenGLQuadHelper> Quad;
   std::unique_ptr<vtkOpenGLQuadHelper> LayerQuad;
   vtkWeakPointer<vtkOpenGLRenderWindow> Window;
-  // Parts of images.
-  std::vector<float> Floats;
-  std::vector<unsigned char> Bytes;
 
-  /// Fill a texture with a rectangle of an image of `components` numbers a pixel. `part`: memory.
+  /// Fill a texture with a rectangle of an image of `components` numbers a pixel.
   template <class T>
   bool Fill(vtkTextureObject* texture, const T* image, int components, int width,
-    const Rectangle& rectangle, int filter, const vtkFFDParallelFor& parallelFor,
-    std::vector<T>& part)
+    const Rectangle& rectangle, int filter)
   {
-    const std::size_t pixel = static_cast<std::size_t>(components);
-    const std::size_t rowLength = pixel * static_cast<std::size_t>(rectangle.Width());
-    const std::size_t height = static_cast<std::size_t>(rectangle.Height());
-    part.resize(rowLength * height);
-    parallelFor(height, [&](std::size_t first, std::size_t last) {
-      for (std::size_t y = first; y < last; ++y)
-      {
-        const std::size_t from =
-          static_cast<std::size_t>(width) * (static_cast<std::size_t>(rectangle.Low[1]) + y) +
-          static_cast<std::size_t>(rectangle.Low[0]);
-        std::copy_n(image + pixel * from, rowLength, part.data() + rowLength * y);
-      }
-    });
+    constexpr bool AreFloats = std::is_same<T, float>::value;
+    constexpr int Type = AreFloats ? VTK_FLOAT : VTK_UNSIGNED_CHAR;
+    const auto columns = static_cast<unsigned int>(rectangle.Width());
+    const auto rows = static_cast<unsigned int>(rectangle.Height());
     texture->SetContext(this->Window);
-    // A texture of the same size is filled again only if it is made again.
-    texture->ReleaseGraphicsResources(this->Window);
-    if (!texture->Create2DFromRaw(static_cast<unsigned int>(rectangle.Width()),
-          static_cast<unsigned int>(rectangle.Height()), components,
-          std::is_same<T, float>::value ? VTK_FLOAT : VTK_UNSIGNED_CHAR, part.data()))
+    if (texture->GetHandle() == 0 || texture->GetWidth() != columns ||
+      texture->GetHeight() != rows || texture->GetVTKDataType() != Type)
     {
-      return false;
+      texture->ReleaseGraphicsResources(this->Window);
+      if (!texture->Create2DFromRaw(columns, rows, components, Type, nullptr))
+      {
+        return false;
+      }
     }
+    texture->Bind();
+    vtkOpenGLState* const state = this->Window->GetState();
+    state->vtkglPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    state->vtkglPixelStorei(GL_UNPACK_ROW_LENGTH, width);
+    const std::ptrdiff_t first =
+      static_cast<std::ptrdiff_t>(width) * rectangle.Low[1] + rectangle.Low[0];
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, rectangle.Width(), rectangle.Height(),
+      texture->GetFormat(Type, components, false), AreFloats ? GL_FLOAT : GL_UNSIGNED_BYTE,
+      image + components * first);
+    state->vtkglPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
     texture->SetWrapS(vtkTextureObject::ClampToEdge);
     texture->SetWrapT(vtkTextureObject::ClampToEdge);
     texture->SetMinificationFilter(filter);
@@ -320,7 +317,7 @@ vtkFFDImageDisplay::~vtkFFDImageDisplay() = default;
 
 //------------------------------------------------------------------------------
 bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, const Image& image, const Layers& layers,
-  const double rectangle[4], bool pixelByPixel, const vtkFFDParallelFor& parallelFor)
+  const double rectangle[4], bool pixelByPixel)
 {
   auto* window = vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow());
   if (!window)
@@ -348,11 +345,10 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, const Image& image, const L
   const Rectangle all = { { 0, 0 }, { layers.Pixels[0], layers.Pixels[1] } };
   const auto fill = [&](vtkTextureObject* texture, const float* floats, int components, int width,
                       const Rectangle& of) {
-    return gl.Fill(texture, floats, components, width, of, filter, parallelFor, gl.Floats);
+    return gl.Fill(texture, floats, components, width, of, filter);
   };
-  const bool filled = image.Bytes
-    ? gl.Fill(gl.Texture, image.Bytes, 4, image.Width, part, filter, parallelFor, gl.Bytes)
-    : fill(gl.Texture, image.Floats, 4, image.Width, part);
+  const bool filled = image.Bytes ? gl.Fill(gl.Texture, image.Bytes, 4, image.Width, part, filter)
+                                  : fill(gl.Texture, image.Floats, 4, image.Width, part);
   if (!filled ||
     (layers.Colors &&
       (!fill(gl.NearTexture, layers.Colors, 4, image.Width, part) ||
@@ -508,7 +504,5 @@ void vtkFFDImageDisplay::ReleaseGraphicsResources(vtkWindow* window)
   this->Gl->NearTexture->ReleaseGraphicsResources(window);
   this->Gl->RayDepths->ReleaseGraphicsResources(window);
   this->Gl->PixelDepths->ReleaseGraphicsResources(window);
-  std::vector<float>().swap(this->Gl->Floats);
-  std::vector<unsigned char>().swap(this->Gl->Bytes);
   this->Gl->Window = nullptr;
 }

@@ -15,7 +15,6 @@
 
 #include <memory>
 
-class vtkFFDParallelFor;
 class vtkRenderer;
 class vtkWindow;
 
@@ -65,7 +64,7 @@ public:
    * not an OpenGL one or refuses the texture.
    */
   bool Draw(vtkRenderer* renderer, const Image& image, const Layers& layers,
-    const double rectangle[4], bool pixelByPixel, const vtkFFDParallelFor& parallelFor);
+    const double rectangle[4], bool pixelByPixel);
 
   /**
    * The rectangle (x, y, width, height) of the framebuffer that the renderer draws into now: that

@@ -498,8 +498,7 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   const glm::dvec2 lower = glm::dvec2(region.Origin) * perPixel - 1.0;
   const glm::dvec2 upper = lower + glm::dvec2(region.Rays) * region.Step * perPixel;
   const double rectangle[4] = { lower.x, lower.y, upper.x, upper.y };
-  if (!in.Display.Draw(
-        renderer, image, layers, rectangle, region.Step == 1.0, in.MakeParallelFor()))
+  if (!in.Display.Draw(renderer, image, layers, rectangle, region.Step == 1.0))
   {
     vtkErrorMacro(<< "The image could not be drawn: the render window is not an OpenGL window or "
                      "refused a texture of "
