@@ -327,7 +327,7 @@ private:
     this->FindCurve(segment, x, y, curve);
     this->CountSegment(segment);
     this->Samples.Normals.BeginCurve();
-    if constexpr (HasVoxelWindow<T>())
+    if constexpr (HasVoxelWindow())
     {
       this->Samples.Window.Follow(
         curve, this->Numbers, this->Samples.State.Alive, block, this->Scene.ClassifiesIntervals);

@@ -247,7 +247,7 @@ public:
   template <bool AtFaces, class Use>
   HWY_INLINE int WithWindow(const Use& use)
   {
-    if constexpr (HasVoxelWindow<T>())
+    if constexpr (HasVoxelWindow())
     {
       switch (!AtFaces || this->CanUseFaces() ? this->Window.GetFit() : WindowFit::None)
       {

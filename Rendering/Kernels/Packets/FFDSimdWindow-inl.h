@@ -44,19 +44,14 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// Whether the rows of a scalar type can be looked up in a VoxelWindow.
-template <class T>
-constexpr bool HasVoxelWindow()
-{
-  return FFD_HAS_VOXEL_WINDOWS &&
-    (std::is_same<T, std::uint8_t>::value || std::is_same<T, std::uint16_t>::value);
-}
+/// Whether the rows of scalars can be looked up in a VoxelWindow.
+constexpr bool HasVoxelWindow() { return FFD_HAS_VOXEL_WINDOWS; }
 
 /// Whether those of single components of several can be, too.
 template <class T>
 constexpr bool HasComponentWindows()
 {
-  return HasVoxelWindow<T>() && sizeof(T) == 1;
+  return HasVoxelWindow() && sizeof(T) == 1;
 }
 
 /// Layers of cells along z that a packet may be in at a sample of a segment.
@@ -80,6 +75,14 @@ class WindowSlab;
 template <class T, WindowFit Fit, bool AtFaces>
 class WindowPlaces;
 
+/// Rows along y of a window: eight of integers of one or two bytes, which are looked up in the
+/// registers that hold all of them, and seven of other numbers, of which registers hold four.
+template <class T>
+constexpr int WindowRowsAlongY()
+{
+  return sizeof(T) <= 2 ? 8 : 7;
+}
+
 /// Which lanes are in the third or fourth layer of a window.
 HWY_INLINE __mmask16 IsBehind(Vi layer)
 {
@@ -97,10 +100,10 @@ HWY_INLINE Vi AddOddLayers(Vi numbers, Vi layer)
 
 /**
  * The rays of a packet are neighbors: all voxels that they need at one sample mostly lie in a
- * window of 8 x 8 x 5 voxels, or of a few layers more. VoxelWindow tells where the window begins,
- * from the curve in the middle of the packet, and fetches ahead what comes into it. Whether a
- * window is large enough is told for a segment as a whole: that of each sample by itself would be
- * a branch that processors cannot foretell.
+ * window of 8 x 8 x 5 voxels, or 8 x 7 x 5, or of a few layers more. VoxelWindow tells where the
+ * window begins, from the curve in the middle of the packet, and fetches ahead what comes into it.
+ * Whether a window is large enough is told for a segment as a whole: that of each sample by itself
+ * would be a branch that processors cannot foretell.
  */
 template <class T>
 class VoxelWindow
@@ -113,7 +116,7 @@ public:
     , IndexShift(Vector(scene.IndexShift))
   {
     const int* const n = scene.Volume.Dimensions;
-    this->Usable = std::min({ n[0], n[1], n[2] }) >= Side;
+    this->Usable = std::min({ n[0], n[1], n[2] }) >= Side && AreOfType(scene.Volume);
     this->LastCell = _mm_setr_epi32(n[0] - 2, n[1] - 2, n[2] - 2, 0);
   }
 
@@ -157,7 +160,7 @@ public:
                                                    : LargestDepth;
     // The last corner from which all slabs lie in the volume.
     this->LastCorner = _mm_setr_epi32(this->Volume.Dimensions[0] - Side + 1,
-      this->Volume.Dimensions[1] - Side + 1, this->Volume.Dimensions[2] - layers - 2, 0);
+      this->Volume.Dimensions[1] - RowsAlongY + 1, this->Volume.Dimensions[2] - layers - 2, 0);
     this->ToNextSlab = this->FindNextSlab(layers);
   }
 
@@ -194,8 +197,8 @@ private:
   using D4 = hn::CappedTag<float, 4>;
   using V4 = hn::Vec<D4>;
 
-  static constexpr int Side = 8;         ///< voxels along x and y
-  static constexpr int Reach = Side - 4; ///< cells along x and y, beyond the first
+  static constexpr int Side = 8; ///< voxels along x, and along y at most
+  static constexpr int RowsAlongY = WindowRowsAlongY<T>();
   static constexpr int LargestDepth = 4; ///< cells along z
   static constexpr int SamplesAhead = 3;
   static constexpr float Rounding = 0.02f;      ///< of positions, voxels: some times what it is
@@ -273,12 +276,19 @@ private:
     return choose(choose(a, b), choose(c, e)).raw;
   }
 
+  /// Whether scalars are read from memory as what they are fetched as.
+  static HWY_INLINE bool AreOfType(const PacketVolume& v)
+  {
+    return !std::is_same<T, double>::value || (v.Type == ScalarType::Float64 && !v.MayOverflow);
+  }
+
   /// Finds the window for positions that extend over `width`, wherever they begin.
   static HWY_INLINE WindowFit FindFit(__m128 width)
   {
-    const float reach = static_cast<float>(Reach);
-    const auto isWithin = [width, reach](int layers) {
-      const __m128 most = _mm_setr_ps(reach, reach, static_cast<float>(layers - 1), 0.0f);
+    // Cells beyond the first: one voxel is before that, and two are behind the last.
+    const auto isWithin = [width](int layers) {
+      const __m128 most = _mm_setr_ps(static_cast<float>(Side - 4),
+        static_cast<float>(RowsAlongY - 4), static_cast<float>(layers - 1), 0.0f);
       return (_mm_movemask_ps(_mm_cmpgt_ps(width, most)) & 7) == 0;
     };
     return isWithin(2)         ? WindowFit::Two

@@ -15,6 +15,7 @@
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdWindow-inl.h"
 #include "FFDSimdWindowBytes-inl.h"
+#include "FFDSimdWindowNumbers-inl.h"
 #include "FFDSimdWindowWords-inl.h"
 
 #include <algorithm>
@@ -156,7 +157,7 @@ public:
     return this->Places.Row(this->Slabs + 1 + dz, dy);
   }
 
-  HWY_INLINE Vi Middle(int dy, int dz, const SamplePosition& at) const
+  HWY_INLINE auto Middle(int dy, int dz, const SamplePosition& at) const
   {
     return this->Places.Middle(this->Slabs + 1 + dz, dy, at);
   }
