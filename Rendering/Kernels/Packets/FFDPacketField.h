@@ -5,12 +5,14 @@
 
 #include "Bounds/FFDPullBackBounds.h"
 #include "FFDBSplineField.h"
+#include "FFDSplineGrid.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -124,57 +126,41 @@ private:
   void Extend(const BSplineField& field)
   {
     const glm::ivec3 nodes = field.GetNodes();
-    const glm::ivec3 size = nodes + 2 * ExtendedPadding;
-    const auto at = [&](int i, int j, int k) {
-      return static_cast<std::size_t>(i) +
-        static_cast<std::size_t>(size.x) *
-        (static_cast<std::size_t>(j) +
-          static_cast<std::size_t>(size.y) * static_cast<std::size_t>(k));
-    };
-    std::vector<glm::dvec3> c(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
-      static_cast<std::size_t>(size.z));
-    // The nearest node along an axis, the one beside it, and the cells beyond the lattice.
-    const auto factors = [&](int i, int axis, int& node, int& beside, double& out) {
-      const int n = i - ExtendedPadding;
-      const int last = nodes[axis] - 1;
-      node = std::clamp(n, 0, last);
-      beside = n < 0 ? 1 : n > last ? last - 1 : node;
-      out = std::min(std::abs(n - node), Extension);
-    };
-    for (int k = 0; k < size.z; ++k)
+    Grid<glm::dvec3> c(nodes);
+    for (int k = 0; k < nodes.z; ++k)
     {
-      for (int j = 0; j < size.y; ++j)
+      for (int j = 0; j < nodes.y; ++j)
       {
-        for (int i = 0; i < size.x; ++i)
+        for (int i = 0; i < nodes.x; ++i)
         {
-          const int index[3] = { i, j, k };
-          int node[3];
-          int beside[3];
-          double out[3];
-          for (int a = 0; a < 3; ++a)
-          {
-            factors(index[a], a, node[a], beside[a], out[a]);
-          }
-          glm::dvec3 sum(0.0);
-          for (int corner = 0; corner < 8; ++corner)
-          {
-            double weight = 1.0;
-            int from[3];
-            for (int a = 0; a < 3; ++a)
-            {
-              const bool second = (corner >> a & 1) != 0;
-              weight *= second ? -out[a] : 1.0 + out[a];
-              from[a] = second ? beside[a] : node[a];
-            }
-            sum += weight == 0.0 ? glm::dvec3(0.0)
-                                 : weight * field.Coefficient(from[0], from[1], from[2]);
-          }
-          c[at(i, j, k)] = sum;
+          c.At(i, j, k) = field.Coefficient(i, j, k);
         }
       }
     }
-    this->StrideY = size.x;
-    this->StrideZ = size.y;
+    for (int a = 0; a < 3; ++a)
+    {
+      const int last = nodes[a] - 1;
+      std::vector<std::array<double, 4>> weights;
+      std::vector<int> firsts;
+      for (int i = -ExtendedPadding; i <= last + ExtendedPadding; ++i)
+      {
+        const int node = std::clamp(i, 0, last);
+        const int first = std::min(node, last - 3);
+        const double out = std::min(std::abs(i - node), Extension);
+        std::array<double, 4> w{};
+        w[static_cast<std::size_t>(node - first)] = 1.0 + out;
+        if (i != node)
+        {
+          // The node beside it.
+          w[i < 0 ? 1 : 2] = -out;
+        }
+        weights.push_back(w);
+        firsts.push_back(first);
+      }
+      c = SumAlong(c, a, weights, firsts);
+    }
+    this->StrideY = c.Size.x;
+    this->StrideZ = c.Size.y;
     this->FirstOffset = ExtendedPadding - 1;
     this->Smooth = true;
     for (int a = 0; a < 3; ++a)
@@ -182,7 +168,7 @@ private:
       this->ClampMin[a] = static_cast<float>(-Extension - 2);
       this->ClampMax[a] = static_cast<float>(nodes[a] + Extension);
     }
-    this->Copy(c);
+    this->Copy(c.Values);
   }
 
   /// The second derivatives are convex combinations of second differences of control points.
