@@ -369,6 +369,20 @@ bool vtkFFDFrameCaster::Cast(
         &this->Colors.Bytes[4 * at]);
     }
   };
+  // What finish() makes of a picture of bytes through which nothing can be seen.
+  const auto clear = [&](int tile) {
+    const ffd::RayCaster::TileRange range(tile, region.Rays);
+    const std::size_t width = static_cast<std::size_t>(range.End.x - range.First.x);
+    for (int y = range.First.y; y < range.End.y; ++y)
+    {
+      const std::size_t at = static_cast<std::size_t>(y) * image.Width + range.First.x;
+      std::fill_n(&this->Colors.Bytes[4 * at], 4 * width, static_cast<unsigned char>(0));
+      if (image.Depths)
+      {
+        std::fill_n(image.Depths + at, width, 1.0f);
+      }
+    }
+  };
   if (tiles.empty() && !aborted)
   {
     frame.ReportCasting(1.0);
@@ -392,6 +406,11 @@ bool vtkFFDFrameCaster::Cast(
         for (std::size_t i = first; i < last; ++i)
         {
           vtkFFDFrameCoherence::Part& tile = tiles[i];
+          if (asBytes && caster.IsTileEmpty(tile.Tile, image))
+          {
+            clear(tile.Tile);
+            continue;
+          }
           // A tile that stops evaluates some of the deformation again: that is not to be counted.
           const bool late = !collect && i > first && vtkFFDFrame::Clock::now() >= due;
           const ffd::CastImage colors = asBytes

@@ -149,6 +149,13 @@ void RayCaster::TraceRay(
 }
 
 //------------------------------------------------------------------------------
+bool RayCaster::IsTileEmpty(int tile, const CastImage& image) const
+{
+  const TileRange range(tile, { image.Width, image.Height });
+  return this->Packets && this->Packets->IsTileEmpty(range.First.x, range.First.y);
+}
+
+//------------------------------------------------------------------------------
 int RayCaster::RenderTile(int tile, const CastImage& image, Scratch& scratch, unsigned int subtiles,
   int first, Deadline deadline) const
 {

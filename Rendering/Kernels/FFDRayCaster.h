@@ -81,6 +81,8 @@ public:
   /// The number of the group that a tile is in, see GroupSize; a group of its own if the tiles of
   /// this scene share nothing.
   int GetGroup(int tile, const CastImage& image) const;
+  /// Whether it is known that nothing can be seen through a tile: RenderTile() would cast no ray.
+  bool IsTileEmpty(int tile, const CastImage& image) const;
   /// `subtiles`: of which subtiles of the tile the pixels are asked for, a bit each, x fastest.
   /// Stops at the deadline, with some pixels done: returns 0 when the tile is finished, else the
   /// number to go on with, as `first`. The pixels do not depend on the stops.

@@ -103,6 +103,29 @@ class TestWindowAndImage(unittest.TestCase):
         self.mapper.ReferenceKernelsOn()
         self.assertEqual(self.count_differences(), 0)
 
+    def test_tiles_that_show_nothing(self):
+        """Tiles without a ray are as those whose rays, which are counted, meet nothing; not as in the picture before."""
+        self.make_scene(5)
+
+        def render():
+            images = vtkImageData(), vtkImageData()
+            self.assertEqual(
+                self.mapper.RenderToImage(self.renderer, self.volume, WIDTH, HEIGHT, *images), 1)
+            return [vtk_to_numpy(image.GetPointData().GetScalars()) for image in images]
+
+        camera = self.renderer.GetActiveCamera()
+        camera.SetWindowCenter(0.0, 0.0)
+        camera.Zoom(4.0)
+        self.assertGreater(render()[0].reshape(-1, 4)[:, 3].min(), 0)
+        camera.Zoom(0.2)
+        colors, depths = render()
+        self.mapper.CollectStatisticsOn()
+        expected = render()
+        self.assertGreater(colors.max(), 50)
+        self.assertGreater((depths == 1.0).mean(), 0.5)
+        self.assertTrue((colors == expected[0]).all())
+        self.assertTrue((depths == expected[1]).all())
+
     def test_few_pixels(self):
         """Windows of a few pixels, with rays that are farther or less far apart than these, and geometry."""
         self.make_scene(4)

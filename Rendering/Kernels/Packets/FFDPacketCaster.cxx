@@ -181,6 +181,13 @@ PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings,
 }
 
 //------------------------------------------------------------------------------
+bool PacketCaster::IsTileEmpty(int x0, int y0) const
+{
+  const TileBounds::Limits* const seen = this->Scene.Seen.Find(x0, y0);
+  return seen && seen->IsEmpty() && !this->Scene.Settings.CountsRays;
+}
+
+//------------------------------------------------------------------------------
 int PacketCaster::RenderTile(int x0, int y0, unsigned int subtiles, const CastImage& image,
   PacketScratch& scratch, int first, Deadline deadline) const
 {

@@ -34,6 +34,9 @@ public:
   int RenderTile(int x0, int y0, unsigned int subtiles, const CastImage& image,
     PacketScratch& scratch, int first, Deadline deadline) const;
 
+  /// Whether RenderTile() casts no ray of the tile at (x0, y0): nothing can be seen through it.
+  bool IsTileEmpty(int x0, int y0) const;
+
   /// PacketScene::RootSide.
   int GetRootSide() const { return this->Scene.RootSide; }
 
