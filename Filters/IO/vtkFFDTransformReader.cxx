@@ -3,8 +3,8 @@
 #include "vtkFFDTransformReader.h"
 
 #include "vtkFFDClassicLocale.h"
-#include "vtkFFDDataFiles.h"
 #include "vtkFFDGuard.h"
+#include "vtkFFDImageDataFile.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDLatticeData.h"
 #include "vtkFFDSplineTransform.h"
@@ -493,7 +493,7 @@ void vtkFFDTransformReader::UseFile(vtkFFDTransformFile& file)
 void vtkFFDTransformReader::ReadLatticeFile()
 {
   std::string problem = vtkFFDFindLatticeFileProblem(this->FileName);
-  problem = problem.empty() ? vtkFFDDataFiles::FindXmlProblem(this->FileName) : problem;
+  problem = problem.empty() ? vtkFFDImageDataFile::FindXmlProblem(this->FileName) : problem;
   if (!problem.empty())
   {
     vtkErrorMacro("The lattice file " << this->FileName << " cannot be used: " << problem << ".");

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "vtkFFDSliceHeader.h"
+#include "vtkFFDDicomSliceHeader.h"
 
 #include "FFDBinaryNumbers.h"
 
@@ -134,7 +134,7 @@ bool ReadPosition(std::string_view text, double position[3])
 }
 
 /// Bytes of the pixels; those of the element may be one more, or fewer.
-std::size_t CountBytes(const vtkFFDSliceHeader& header)
+std::size_t CountBytes(const vtkFFDDicomSliceHeader& header)
 {
   std::size_t bits = static_cast<std::size_t>(header.Samples > 0 ? header.Samples : 1);
   for (const int number : { header.Rows, header.Columns, header.Bits })
@@ -147,9 +147,9 @@ std::size_t CountBytes(const vtkFFDSliceHeader& header)
 } // namespace
 
 //------------------------------------------------------------------------------
-vtkFFDSliceHeader vtkFFDSliceHeader::Parse(std::string_view bytes)
+vtkFFDDicomSliceHeader vtkFFDDicomSliceHeader::Parse(std::string_view bytes)
 {
-  vtkFFDSliceHeader header;
+  vtkFFDDicomSliceHeader header;
   constexpr std::size_t start = 132; // behind the preamble and "DICM"
   ElementStream stream(bytes, start);
   std::string syntax;

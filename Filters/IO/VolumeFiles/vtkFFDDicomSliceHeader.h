@@ -1,20 +1,20 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
 /**
- * @file    vtkFFDSliceHeader.h
+ * @file    vtkFFDDicomSliceHeader.h
  * @brief   reads of a DICOM slice what tells whether it belongs to a volume
  *
  * Private to this module: not installed, not wrapped. vtkDICOMImageReader copies as many voxels of
  * each slice as the first one has, whether or not they are there.
  */
-#ifndef vtkFFDSliceHeader_h
-#define vtkFFDSliceHeader_h
+#ifndef vtkFFDDicomSliceHeader_h
+#define vtkFFDDicomSliceHeader_h
 
 #include <cstddef>
 #include <string_view>
 
 /// What was not found is 0.
-struct vtkFFDSliceHeader
+struct vtkFFDDicomSliceHeader
 {
   int Rows = 0;
   int Columns = 0;
@@ -26,10 +26,10 @@ struct vtkFFDSliceHeader
   std::size_t End = 0;
 
   /// From the first bytes of a file; of what lies behind them nothing is known.
-  static vtkFFDSliceHeader Parse(std::string_view bytes);
+  static vtkFFDDicomSliceHeader Parse(std::string_view bytes);
 
   bool HasSize() const { return this->Rows > 0 && this->Columns > 0 && this->Bits > 0; }
-  bool HasSizeOf(const vtkFFDSliceHeader& other) const
+  bool HasSizeOf(const vtkFFDDicomSliceHeader& other) const
   {
     return this->Rows == other.Rows && this->Columns == other.Columns && this->Bits == other.Bits &&
       this->Samples == other.Samples;

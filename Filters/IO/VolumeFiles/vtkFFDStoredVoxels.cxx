@@ -6,9 +6,15 @@
 
 #include "vtkByteSwap.h"
 #include "vtkDataArray.h"
+#include "vtkImageData.h"
+#include "vtkImageReader2.h"
+#include "vtkInformation.h"
+#include "vtkPointData.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
 
 #include <fstream>
 #include <locale>
+#include <new>
 #include <string>
 
 namespace
@@ -101,7 +107,43 @@ std::string ReadText(const vtkFFDStoredVoxels& voxels, vtkDataArray* numbers)
 } // namespace
 
 //------------------------------------------------------------------------------
-std::string vtkFFDStoredVoxels::Read(vtkDataArray* numbers) const
+int vtkFFDStoredVoxels::GetType(vtkImageReader2* reader) const
 {
-  return this->Form == TEXT ? ReadText(*this, numbers) : ReadBytes(*this, numbers);
+  return this->Type >= 0 ? this->Type : reader->GetDataScalarType();
+}
+
+//------------------------------------------------------------------------------
+int vtkFFDStoredVoxels::GetComponents(vtkImageReader2* reader) const
+{
+  return this->Components > 0 ? this->Components : reader->GetNumberOfScalarComponents();
+}
+
+//------------------------------------------------------------------------------
+vtkSmartPointer<vtkImageData> vtkFFDStoredVoxels::ReadImage(
+  vtkImageReader2* reader, std::string& error) const
+{
+  vtkInformation* const info = reader->GetOutputInformation(0);
+  auto image = vtkSmartPointer<vtkImageData>::New();
+  if (this->Components > 0)
+  {
+    image->SetDimensions(this->Size.data());
+  }
+  else
+  {
+    image->SetExtent(info->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()));
+  }
+  image->SetSpacing(info->Get(vtkDataObject::SPACING()));
+  image->SetOrigin(info->Get(vtkDataObject::ORIGIN()));
+  image->AllocateScalars(this->GetType(reader), this->GetComponents(reader));
+  vtkDataArray* const numbers = image->GetPointData()->GetScalars();
+  if (!numbers || numbers->GetNumberOfTuples() < image->GetNumberOfPoints())
+  {
+    throw std::bad_alloc();
+  }
+  if (!this->Name.empty())
+  {
+    numbers->SetName(this->Name.c_str());
+  }
+  error = this->Form == TEXT ? ReadText(*this, numbers) : ReadBytes(*this, numbers);
+  return error.empty() ? image : nullptr;
 }

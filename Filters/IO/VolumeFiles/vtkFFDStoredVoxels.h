@@ -12,11 +12,14 @@
 #ifndef vtkFFDStoredVoxels_h
 #define vtkFFDStoredVoxels_h
 
+#include "vtkSmartPointer.h"
+
 #include <array>
 #include <cstddef>
 #include <string>
 
-class vtkDataArray;
+class vtkImageData;
+class vtkImageReader2;
 
 /// Where the voxels lie in a file, and how.
 struct vtkFFDStoredVoxels
@@ -41,9 +44,15 @@ struct vtkFFDStoredVoxels
   int Type = -1;
   /// That of x among the axes of the file.
   int FirstAxis = 0;
+  /// What VTK's reader calls the array; empty: vtkImageData's name.
+  std::string Name;
 
-  /// Fills an array of the right size; returns what is wrong, or an empty text.
-  std::string Read(vtkDataArray* numbers) const;
+  /// VTK's type of the numbers, and how many a voxel has: as said above, or as VTK's reader says.
+  int GetType(vtkImageReader2* reader) const;
+  int GetComponents(vtkImageReader2* reader) const;
+
+  /// The image of voxels that are not left to VTK's reader; null after an error.
+  vtkSmartPointer<vtkImageData> ReadImage(vtkImageReader2* reader, std::string& error) const;
 };
 
 #endif
