@@ -180,6 +180,17 @@ public:
   ffd::Box RestBounds;
   vtkWeakPointer<vtkCompositeDataSet> Blocks; ///< the last input that was not an image
 
+  /// How far rest positions may be off, data units: by the approximation of the deformation, whose
+  /// error is measured at some points, and by its inverse, more where the volume is pressed
+  /// together.
+  double FindPositionError() const
+  {
+    constexpr double safety = 2.0;
+    const ffd::PullBack& map = this->Pulled->Map;
+    const double error = this->Source.GetProduct()->Error;
+    return safety * (ffd::InvertsTheField(map.GetKind()) ? error + map.GetTolerance() : error);
+  }
+
   /// Indices of the output that hold the whole deformed volume.
   ffd::Box FindDeformedIndices(vtkInformation* input) const
   {
@@ -692,6 +703,7 @@ int vtkFFDResampleVolume::RequestData(
   settings.Interpolation = static_cast<ffd::ResampleInterpolation>(this->InterpolationMode);
   settings.Background =
     std::clamp(this->BackgroundLevel, result->GetDataTypeMin(), result->GetDataTypeMax());
+  settings.Border = in.FindPositionError();
   settings.UniqueInverse = in.Pulled->Bounds.IsProvenInvertible();
   int whole[6];
   inputs[0]->GetInformationObject(0)->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), whole);

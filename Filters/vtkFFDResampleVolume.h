@@ -18,7 +18,10 @@
  * or the first array), of any numeric type and number of components, are resampled, and the output
  * has scalars of that type and name; whole numbers are rounded and clamped. Other arrays are not
  * passed on. An attached lattice (vtkFFDLattice::AttachTo()) is taken off, as the output is
- * deformed already. Voxels that are not finite reach the points that they have weight in.
+ * deformed already. Voxels that are not finite reach the points that they have weight in. Points
+ * that come from beyond the outermost voxels by no more than positions may be off (twice the
+ * tolerances, at most half a voxel) get the values of these, so that faces that stay in place have
+ * no holes.
  *
  * The output is streamed: an update of a part of the extent gives the same values as an update of
  * the whole, and with SetDeformation() it asks the input for what that part comes from and the

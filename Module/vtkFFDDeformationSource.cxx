@@ -73,6 +73,7 @@ ffd::Made ffd::MakeDeformationField(DeformationField& result, StageTools& tools,
 {
   BSplineField field;
   bool inverted = false;
+  double error = 0.0;
   std::string reason;
   if (attached.Object)
   {
@@ -94,7 +95,6 @@ ffd::Made ffd::MakeDeformationField(DeformationField& result, StageTools& tools,
     Lattice lattice;
     FitLimits limits;
     limits.Tolerance = fit->back();
-    double error = 0.0;
     const bool finite =
       lattice.Fit(FindFitRegion(source.Object, fit->data()),
         vtkFFDMakeTransformSampler(source.Object), limits, error) != FitStatus::NotFinite;
@@ -124,12 +124,13 @@ ffd::Made ffd::MakeDeformationField(DeformationField& result, StageTools& tools,
     return Made::Not;
   }
   // An image with a lattice may be new for other reasons.
-  if (inverted == result.Inverted && field == result.Field)
+  if (inverted == result.Inverted && error == result.Error && field == result.Field)
   {
     return Made::Same;
   }
   result.Field = std::move(field);
   result.Inverted = inverted;
+  result.Error = error;
   return Made::Anew;
 }
 

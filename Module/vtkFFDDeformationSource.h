@@ -32,6 +32,7 @@ struct DeformationField
 {
   BSplineField Field;
   bool Inverted = false; ///< the deformation is the inverse of the field's map
+  double Error = 0.0;    ///< largest distance of a transform from its approximation, data units
 };
 
 /// Region in which a transform is approximated: bounds of the image, then the largest error, data

@@ -6,6 +6,7 @@
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/gtc/matrix_access.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -22,8 +23,10 @@ namespace
 /// Distance of the points where the inverse is solved for, in points of the grid.
 constexpr int NodeStep = 4;
 
-/// Positions outside of the volume by less than this, in voxels, count as inside.
-constexpr double BorderSlack = 1e-6;
+/// Positions outside of the volume by less than this, in voxels, count as inside, whatever the
+/// border that is set, which counts up to the other one.
+constexpr double LeastBorder = 1e-6;
+constexpr double LargestBorder = 0.5;
 
 /// Whole numbers that rounding hid.
 double Snap(double value)
@@ -117,6 +120,11 @@ public:
     , Upper(volume.UpperIndex())
     , Interpolation(settings.Interpolation)
   {
+    for (int a = 0; a < 3; ++a)
+    {
+      const double border = settings.Border * glm::length(glm::row(volume.DataToIndex, a));
+      this->Border[a] = std::min(LeastBorder + border, LargestBorder);
+    }
   }
 
   void Sample(const RowPositions& row, int count, T* out) const
@@ -146,7 +154,7 @@ private:
       for (int a = 0; a < 3; ++a)
       {
         // False for what is not a number, too.
-        inside = inside && q[a] >= -BorderSlack && q[a] <= this->Upper[a] + BorderSlack;
+        inside = inside && q[a] >= -this->Border[a] && q[a] <= this->Upper[a] + this->Border[a];
         q[a] = std::min(std::max(q[a], 0.0), this->Upper[a]);
       }
       if (inside)
@@ -259,6 +267,7 @@ private:
   int Components;
   T Background;
   glm::dvec3 Upper;
+  glm::dvec3 Border;
   ResampleInterpolation Interpolation;
 };
 

@@ -33,6 +33,9 @@ struct ResampleSettings
 {
   ResampleInterpolation Interpolation = ResampleInterpolation::Linear;
   double Background = 0.0; ///< of points that do not come from the volume
+  /// Positions outside of the volume by up to this (data units, at most half a voxel) count as on
+  /// its faces: the error of positions, without which faces that stay in place would have holes.
+  double Border = 0.0;
   /// True when the inverse of the map is proven to be unique: then it is followed from voxel to
   /// voxel, else every point is solved for on its own, as the ray caster does.
   bool UniqueInverse = false;
@@ -57,7 +60,8 @@ FFD_FILTERS_EXPORT Box FindRestRegion(
  * pull-back (seldom) the point is solved for. So every point is as exact as one that is solved for.
  * Where T may fold every point is solved for, see OrientedInverse.
  *
- * A point counts as inside up to a millionth of a voxel beyond the outermost voxels. Whole numbers
+ * A point counts as inside up to ResampleSettings::Border and a millionth of a voxel beyond the
+ * outermost voxels. Whole numbers
  * are rounded and clamped to the range of their type; voxels that are not finite reach just the
  * points that they have weight in. The result does not depend on how the grid is split into
  * extents, nor on the number of threads.

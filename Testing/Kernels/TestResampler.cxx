@@ -230,6 +230,24 @@ TEST(Resampler, EveryTypeAndComponentWithoutDeformation)
   }
 }
 
+TEST(Resampler, BordersWidenTheVolumeByUpToHalfAVoxel)
+{
+  Scene scene(ffd::ScalarType::Float64, 0.0);
+  for (const double outside : { 0.0, 0.1, 0.4, 0.6 }) // voxels, of 0.5
+  {
+    scene.Grid.Origin.x = scene.Volume.View.FirstVoxel.x - 0.5 * outside;
+    for (const double border : { 0.0, 0.1, 0.3, 10.0 })
+    {
+      ffd::ResampleSettings settings;
+      settings.Background = -5.0;
+      settings.Border = border;
+      const double value = scene.Run(ffd::PullBack(), settings, { 0, 5, 5 }, { 1, 5, 5 })[0];
+      const bool inside = outside <= std::min(border / 0.5, 0.5);
+      EXPECT_EQ(value, inside ? scene.Volume.At(0, 5, 5) : -5.0) << outside << " " << border;
+    }
+  }
+}
+
 TEST(Resampler, WholeNumbersAreRoundedAndClamped)
 {
   // Steps from the smallest to the largest value: cubics overshoot both.

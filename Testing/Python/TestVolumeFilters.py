@@ -14,6 +14,7 @@ from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
 from vtkmodules.vtkCommonTransforms import vtkLandmarkTransform, vtkTransform
 from vtkmodules.vtkFiltersCore import vtkPassThrough
 from vtkmodules.vtkFiltersGeneral import vtkTransformFilter
+from vtkmodules.vtkFiltersHybrid import vtkGridTransform
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkImagingCore import vtkImageReslice, vtkImageShiftScale
 from vtkmodules.vtkRenderingCore import (
@@ -94,6 +95,38 @@ class TestVolumeFilters(unittest.TestCase):
         resample.SetInputData(image)
         resample.Update()
         np.testing.assert_array_equal(scalars(resample), values.ravel())
+
+    def test_faces_that_stay_keep_their_voxels(self):
+        """Of a volume that is deformed inside only, by a lattice or by a field that one stands for."""
+        values = vtk_to_numpy(self.image.GetPointData().GetScalars())
+        moved = np.zeros((9, 9, 9, 3))
+        moved[3:-3, 3:-3, 3:-3] = np.random.default_rng(1).normal(size=(3, 3, 3, 3))
+        lattice = vtkffd.vtkFFDLattice()
+        lattice.SetDimensions(9, 9, 9)
+        lattice.FitToBounds(self.image.GetBounds())
+        lattice.SetDisplacements(numpy_to_vtk(moved.reshape(-1, 3), deep=True))
+        field = vtkImageData()
+        field.SetDimensions(9, 9, 9)
+        field.SetSpacing(*[19.0 / 8.0] * 3)
+        field.GetPointData().SetScalars(numpy_to_vtk(moved.reshape(-1, 3), deep=True))
+        warp = vtkGridTransform()
+        warp.SetDisplacementGridData(field)
+        warp.SetInterpolationModeToCubic()
+        for deformation in (lattice, warp):
+            for mode in range(3):
+                with self.subTest(deformation=deformation.GetClassName(), mode=mode):
+                    resample = vtkffd.vtkFFDResampleVolume()
+                    resample.SetInputData(self.image)
+                    resample.SetDeformation(deformation)
+                    resample.SetInverseMode(mode)
+                    resample.SetBackgroundLevel(-1000.0)
+                    resample.SetOutputExtent(self.image.GetExtent())
+                    resample.Update()
+                    self.assertEqual(np.count_nonzero(scalars(resample) == -1000.0), 0)
+                    faces = np.ones((20, 20, 20), dtype=bool)
+                    faces[1:-1, 1:-1, 1:-1] = False
+                    np.testing.assert_allclose(scalars(resample)[faces.ravel()],
+                                               values[faces.ravel()], atol=3.0)
 
     def test_resample_covers_the_deformed_volume(self):
         # The coordinate itself as scalar: the output holds the inverse.
