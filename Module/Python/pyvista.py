@@ -114,7 +114,11 @@ class Lattice(_vtkffd.vtkFFDLattice):
         if self.dimensions != tuple(sizes):
             raise ValueError(f"dimensions {dimensions!r} are too large")
         if bounds is not None:
-            self.FitToBounds(_check_bounds(bounds))
+            box = _check_bounds(bounds)
+            self.FitToBounds(box)
+            sizes, fitted = box[1::2] - box[::2], _np.diff(self.GetDomain())[::2]
+            if not _np.allclose(fitted[sizes > 0.0] / sizes[sizes > 0.0], 1.0):
+                raise ValueError(f"bounds {bounds!r} are too large or too small for a lattice")
         if displacements is not None:
             self.displacements = displacements
 
@@ -506,8 +510,9 @@ class _Accessor:
         resample.SetInverseMode(_choose("inverse_mode", inverse_mode, _INVERSE_MODES))
         resample.SetBackgroundLevel(_check_number("background_value", background_value))
         if spacing is not None:
-            if _np.shape(spacing) != (3,) or not _np.greater(spacing, 0.0).all():
-                raise ValueError(f"spacing {spacing!r}: three positive numbers")
+            if (_np.shape(spacing) != (3,) or not _np.greater(spacing, 0.0).all()
+                    or not _np.isfinite(spacing).all()):
+                raise ValueError(f"spacing {spacing!r}: three positive numbers, finite")
             resample.SetOutputSpacing(*spacing)
         resample.Update()
         if resample.GetOutput().GetNumberOfPoints() == 0:
