@@ -8,8 +8,8 @@ export_html() and backend "client".
 is all that is needed, before or after the view is made; vtkffd.pyvista does it where trame-vtk is
 installed. Pages do not know vtkFFDInverseRayVolumeMapper and would leave its volumes out. They get a
 copy of the volume that is resampled (vtkFFDResampleVolume) whenever the view is sent and something has
-changed, and draw that by their own mapper. Volumes must be vtkImageData with scalars of points; others
-are left out with a warning.
+changed, and draw that by their own mapper. Volumes must be vtkImageData, shown by scalars of points;
+others are left out with a warning.
 
 Needs trame-vtk: ImportError without it.
 """
@@ -19,12 +19,23 @@ import weakref as _weakref
 
 from trame_vtk.modules.vtk.serializers import serialize as _serialize
 from trame_vtk.modules.vtk.serializers.registry import register_instance_serializer as _register
+from vtkmodules import vtkRenderingCore as _core
 from vtkmodules.vtkCommonDataModel import vtkImageData as _vtkImageData
 from vtkmodules.vtkRenderingVolume import vtkFixedPointVolumeRayCastMapper as _Mapper
 
 import vtkffd as _vtkffd
 
 __all__ = []
+
+
+def _find_scalars(mapper, image):
+    """The point scalars that the mapper shows, or None if it shows others."""
+    data = image.GetPointData()
+    if mapper.GetScalarMode() == _core.VTK_SCALAR_MODE_USE_POINT_FIELD_DATA:
+        by_name = mapper.GetArrayAccessMode() == _core.VTK_GET_ARRAY_BY_NAME
+        return data.GetArray(mapper.GetArrayName() if by_name else mapper.GetArrayId())
+    of_points = (_core.VTK_SCALAR_MODE_DEFAULT, _core.VTK_SCALAR_MODE_USE_POINT_DATA)
+    return data.GetScalars() if mapper.GetScalarMode() in of_points else None
 
 
 class _Copy:
@@ -39,14 +50,18 @@ class _Copy:
         source = original.GetInputConnection(0, 0)
         source.GetProducer().Update()
         image = original.GetInputDataObject(0, 0)
-        scalars = isinstance(image, _vtkImageData) and image.GetPointData().GetScalars()
+        scalars = isinstance(image, _vtkImageData) and _find_scalars(original, image)
         if not scalars:
             return False
-        if original.GetDeformation() or _vtkffd.vtkFFDLattice.HasLattice(image):
+        active = scalars is image.GetPointData().GetScalars()
+        if not active and not scalars.GetName():
+            return False
+        if original.GetDeformation() or _vtkffd.vtkFFDLattice.HasLattice(image) or not active:
             # The end of the range that is seen less surrounds the volume.
             opacity = volume.GetProperty().GetScalarOpacity()
             resample = self.resample
             resample.SetInputConnection(source)
+            resample.SetInputArrayToProcess(0, 0, 0, 0, "" if active else scalars.GetName())
             resample.SetDeformation(original.GetDeformation())
             resample.SetInverseMode(original.GetInverseMode())
             resample.SetPositionTolerance(original.GetPositionTolerance())
@@ -56,7 +71,7 @@ class _Copy:
         self.mapper.SetInputConnection(source)
         self.mapper.SetBlendMode(original.GetBlendMode())
         self.mapper.SetSampleDistance(
-            min(image.GetSpacing()) if original.GetLockSampleDistanceToInputSpacing()
+            min(map(abs, image.GetSpacing())) if original.GetLockSampleDistanceToInputSpacing()
             else original.GetSampleDistance())
         return image.GetNumberOfPoints() > 0
 

@@ -122,6 +122,31 @@ class TestPages(unittest.TestCase):
         self.lattice.AttachTo(self.image)
         self.assertEqual(self.sent()[2], size)
 
+    def test_the_page_shows_the_scalars_that_are_chosen(self):
+        other = vtk_to_numpy(self.image.GetPointData().GetScalars()) * -2.0
+        array = numpy_to_vtk(other, deep=True)
+        array.SetName("other")
+        self.image.GetPointData().AddArray(array)
+        self.mapper.SetScalarModeToUsePointFieldData()
+        self.mapper.SelectScalarArray("other")
+        np.testing.assert_array_equal(self.sent()[1], other)
+        self.mapper.SelectScalarArray(1)
+        self.mapper.SetDeformation(self.lattice)
+        np.testing.assert_array_equal(self.sent()[1], other)
+        self.mapper.SetScalarModeToDefault()
+        np.testing.assert_array_equal(self.sent()[1], other * -0.5)
+        for choose in (self.mapper.SetScalarModeToUseCellData,
+                       lambda: self.mapper.SetScalarModeToUsePointFieldData(),
+                       lambda: self.mapper.SetScalarModeToUseCellFieldData()):
+            choose()
+            self.mapper.SelectScalarArray("missing")
+            with self.assertWarnsRegex(UserWarning, "left out of the page"):
+                self.assertIsNone(self.sent())
+
+    def test_samples_of_mirrored_images_are_apart(self):
+        self.image.SetSpacing(-1.0, 2.0, 1.0)
+        self.assertEqual(self.sent()[0]["properties"]["sampleDistance"], 1.0)
+
     def test_others_are_left_out_aloud(self):
         grid = vtkRectilinearGrid()
         grid.SetDimensions(3, 3, 3)
