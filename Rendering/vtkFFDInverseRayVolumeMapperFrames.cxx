@@ -524,6 +524,11 @@ int vtkFFDInverseRayVolumeMapper::MakeImages(vtkRenderer* renderer, vtkVolume* v
                   << (!renderer ? "renderer" : (!volume ? "volume" : "image")) << " is null.");
     return 0;
   }
+  if (colors == depths)
+  {
+    vtkErrorMacro(<< "RenderToImage: colors and depths are the same image. Give two images.");
+    return 0;
+  }
   vtkInternals& in = *this->Internals;
   if (!in.CanMakeImage("RenderToImage", width, height))
   {
@@ -623,6 +628,11 @@ int vtkFFDInverseRayVolumeMapper::MakeRays(vtkRenderer* renderer, vtkVolume* vol
   {
     vtkErrorMacro(<< "TraceRays needs a renderer, a volume, two numbers for each pixel and a "
                      "vtkPolyData for the rays; one of them is null.");
+    return 0;
+  }
+  if (rays == viewingRays || rays == samples || (samples && samples == viewingRays))
+  {
+    vtkErrorMacro(<< "TraceRays: two of the outputs are the same vtkPolyData. Give one for each.");
     return 0;
   }
   vtkInternals& in = *this->Internals;

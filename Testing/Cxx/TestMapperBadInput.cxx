@@ -8,6 +8,7 @@
 #include "vtkBSplineTransform.h"
 #include "vtkCellData.h"
 #include "vtkContourValues.h"
+#include "vtkIdTypeArray.h"
 #include "vtkMatrix3x3.h"
 #include "vtkMultiBlockDataSet.h"
 #include "vtkPlane.h"
@@ -533,6 +534,19 @@ bool TestRenderToImageArguments()
   few->SetNumberOfValues(5);
   none->GetPointData()->SetScalars(few);
   ok &= fails("input depths", r, v, 8, 8, out, none);
+  ok &= scene.Mapper->RenderToImage(r, v, 8, 8, out, out) == 0 &&
+    scene.Errors->Had("colors and depths are the same image") && out->GetDimensions()[0] == 3;
+  vtkNew<vtkIdTypeArray> pixel;
+  pixel->SetNumberOfComponents(2);
+  vtkNew<vtkPolyData> rays;
+  vtkNew<vtkPolyData> other;
+  vtkPolyData* const outputs[][3] = { { rays, rays, other }, { rays, other, rays },
+    { rays, other, other } };
+  for (const auto& o : outputs)
+  {
+    ok &= scene.Mapper->TraceRays(r, v, 8, 8, pixel, o[0], o[1], o[2]) == 0 &&
+      scene.Errors->Had("the same vtkPolyData");
+  }
   return ok;
 }
 
