@@ -149,11 +149,13 @@ ffd::Box FindIndices(const ffd::ImageGrid& grid, const ffd::Box& box)
   return { glm::floor(indices.Min + IndexSlack), glm::ceil(indices.Max - IndexSlack) };
 }
 
-/// The pull-back of a deformation and its bounds.
+/// The pull-back of a deformation and its bounds. Those over all of a lattice of a million control
+/// points take longer to find than the volume to resample.
 struct BoundedMap
 {
   ffd::PullBack Map;
   ffd::PullBackBounds Bounds;
+  ffd::Box Displacements; ///< all that there are
 };
 
 ffd::Made MakeBoundedMap(BoundedMap& result, ffd::StageTools&,
@@ -162,6 +164,8 @@ ffd::Made MakeBoundedMap(BoundedMap& result, ffd::StageTools&,
   result.Map =
     ffd::PullBack(&field->Field, ffd::FindPullBackKind(mode, field->Inverted), tolerance);
   result.Bounds.Update(result.Map);
+  constexpr double large = 1e300;
+  result.Displacements = result.Bounds.DisplacementOver({ glm::dvec3(-large), glm::dvec3(large) });
   return ffd::Made::Anew;
 }
 
@@ -205,8 +209,7 @@ public:
     }
     // Two bounds: the first is tight, but a box of data coordinates, so loose for turned images.
     const ffd::Box first = FindIndices(this->Output, bounds.DeformedBounds(this->RestBounds));
-    constexpr double large = 1e300;
-    const ffd::Box d = bounds.DisplacementOver({ glm::dvec3(-large), glm::dvec3(large) });
+    const ffd::Box& d = this->Pulled->Displacements;
     // P - Phi(P) is D of some point, or -D for the kinds that read T from output to input.
     const bool opposite = map.GetKind() == ffd::PullBackKind::Forward ||
       map.GetKind() == ffd::PullBackKind::FirstOrderOfInverse;
@@ -617,6 +620,13 @@ int vtkFFDResampleVolume::RequestUpdateExtent(
   input->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), whole);
   int wanted[6];
   output->Get(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(), wanted);
+  int all[6];
+  output->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), all);
+  if (this->DefaultExtent && std::equal(all, all + 6, wanted))
+  {
+    // All of the deformed volume comes from all of the volume.
+    return 1;
+  }
   const vtkInternals& in = *this->Internals;
   const ffd::Box rest =
     ffd::FindRestRegion(in.Pulled->Map, in.Pulled->Bounds, FindBox(in.Output, wanted));
