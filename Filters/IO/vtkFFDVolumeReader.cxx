@@ -12,7 +12,9 @@
 #include "vtkFFDNiftiFile.h"
 #include "vtkFFDNrrdFile.h"
 
+#include "vtkCallbackCommand.h"
 #include "vtkCommand.h"
+#include "vtkExecutive.h"
 #include "vtkImageData.h"
 #include "vtkImageReader2.h"
 #include "vtkImageReader2Factory.h"
@@ -33,7 +35,10 @@
 #include <cmath>
 #include <exception>
 #include <memory>
+#include <mutex>
+#include <new>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -64,6 +69,58 @@ public:
   std::string Text;
 };
 
+/// Lets VTK's objects tell of errors, by events, where a program has turned that off for itself by
+/// vtkObject::GlobalWarningDisplayOff(). What the executive of the reader adds is not printed then.
+/// Several threads may read.
+class ErrorsTold
+{
+public:
+  explicit ErrorsTold(vtkAlgorithm* reader)
+    : Executive(reader->GetExecutive())
+  {
+    State& state = GetState();
+    const std::lock_guard<std::mutex> lock(state.Mutex);
+    if (state.Readers++ == 0)
+    {
+      state.TurnedOn = !vtkObject::GetGlobalWarningDisplay();
+      vtkObject::GlobalWarningDisplayOn();
+    }
+    if (state.TurnedOn)
+    {
+      vtkNew<vtkCallbackCommand> ignore;
+      this->Tag = this->Executive->AddObserver(vtkCommand::ErrorEvent, ignore);
+    }
+  }
+  ~ErrorsTold()
+  {
+    this->Executive->RemoveObserver(this->Tag);
+    State& state = GetState();
+    const std::lock_guard<std::mutex> lock(state.Mutex);
+    if (--state.Readers == 0 && state.TurnedOn)
+    {
+      vtkObject::GlobalWarningDisplayOff();
+    }
+  }
+  ErrorsTold(const ErrorsTold&) = delete;
+  void operator=(const ErrorsTold&) = delete;
+
+private:
+  struct State
+  {
+    std::mutex Mutex;
+    int Readers = 0;
+    bool TurnedOn = false;
+  };
+  static State& GetState()
+  {
+    static State state;
+    return state;
+  }
+
+  vtkSmartPointer<vtkExecutive> Executive;
+  unsigned long Tag = 0;
+};
+
 /// A file of MetaImage, or of another format that vtkImageReader2Factory knows; else null.
 std::unique_ptr<vtkFFDVolumeFile> OpenByFactory(const std::string& path, vtkCommand* errors)
 {
@@ -91,6 +148,32 @@ std::unique_ptr<vtkFFDVolumeFile> OpenFile(const std::string& path, vtkCommand* 
     file = file ? std::move(file) : open(path, errors);
   }
   return file;
+}
+
+/// Why no reader takes a file: the name tells what it should be, or it does not.
+std::string FindUnknownProblem(const std::string& path)
+{
+  const std::string name = vtksys::SystemTools::LowerCase(path);
+  for (const char* ending :
+    { ".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz", ".nrrd", ".nhdr", ".mha", ".mhd",
+      ".vtk", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".dcm" })
+  {
+    if (vtksys::SystemTools::StringEndsWith(name, ending))
+    {
+      return std::string("it cannot be read: its content is not what '") + ending +
+        "' says; it is damaged, or a file of another kind";
+    }
+  }
+  return "VTK has no reader for it (.vti, .vtk, .mhd, .nii, .nrrd and image files are known, and "
+         "folders of DICOM slices)";
+}
+
+/// What an exception of VTK's readers means.
+std::string ExplainException(const std::exception& exception)
+{
+  const bool noMemory = dynamic_cast<const std::bad_alloc*>(&exception) ||
+    dynamic_cast<const std::length_error*>(&exception);
+  return noMemory ? "there is not enough memory for it" : "it is damaged";
 }
 
 } // namespace
@@ -132,7 +215,7 @@ bool vtkFFDVolumeReader::vtkInternals::Open(const char* path)
   std::size_t size = 0;
   if (!folder && vtkFFDFileAccess::FindSize(path, size, this->Problem))
   {
-    this->Problem = vtkFFDNiftiFile::FindPairProblem(path);
+    this->Problem = size == 0 ? "it is empty" : vtkFFDNiftiFile::FindPairProblem(path);
   }
   if (!this->Problem.empty())
   {
@@ -143,14 +226,12 @@ bool vtkFFDVolumeReader::vtkInternals::Open(const char* path)
     return this->Open(SystemTools::GetFilenamePath(SystemTools::CollapseFullPath(path)).c_str());
   }
   this->File = folder ? vtkFFDDicomSlices::Open(path, this->Heard) : OpenFile(path, this->Heard);
-  this->Problem = this->File
-    ? this->File->FindProblem()
-    : "VTK has no reader for it (.vti, .vtk, .mhd, .nii, .nrrd and image files are known, and "
-      "folders of DICOM slices)";
+  this->Problem = this->File ? this->File->FindProblem() : FindUnknownProblem(path);
   if (!this->Problem.empty())
   {
     return false;
   }
+  const ErrorsTold errors(this->File->GetReader());
   this->File->GetReader()->UpdateInformation();
   if (this->Heard->Text.empty())
   {
@@ -250,7 +331,15 @@ int vtkFFDVolumeReader::RequestInformation(
   vtkInternals& in = *this->Internals;
   if (!in.File || in.OpenedTime != this->GetMTime())
   {
-    const bool opened = in.Open(this->FileName);
+    bool opened = false;
+    try
+    {
+      opened = in.Open(this->FileName);
+    }
+    catch (const std::exception& exception)
+    {
+      in.Problem = "it cannot be read: " + ExplainException(exception);
+    }
     in.OpenedTime = this->GetMTime();
     if (!opened)
     {
@@ -328,13 +417,14 @@ int vtkFFDVolumeReader::RequestData(
   vtkSmartPointer<vtkImageData> read;
   try
   {
+    const ErrorsTold errors(in.File->GetReader());
     std::string error;
     read = in.File->Read(in.Header, error);
     in.Heard->Text = error.empty() ? in.Heard->Text : error;
   }
-  catch (const std::exception&)
+  catch (const std::exception& exception)
   {
-    in.Heard->Text = "there is not enough memory for it";
+    in.Heard->Text = ExplainException(exception);
   }
   if (!in.Heard->Text.empty())
   {

@@ -6,6 +6,7 @@ read is named."""
 import gzip
 import math
 import os
+import re
 import shutil
 import signal
 import struct
@@ -17,7 +18,9 @@ import zlib
 import numpy
 import vtkffd
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkObject
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData
+from vtkmodules.vtkIOImage import vtkNIFTIImageWriter
 from vtkmodules.vtkIOLegacy import vtkStructuredPointsWriter
 from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 
@@ -177,9 +180,16 @@ class TestVolumeReader(unittest.TestCase):
         def cut(path):
             os.truncate(path, os.path.getsize(path) - 1)
 
+        def unname(path):
+            """The name of its series has no bytes: VTK's reader throws an exception."""
+            with open(path, "rb") as file:
+                content = file.read()
+            with open(path, "wb") as file:
+                file.write(re.sub(rb"(\x20\0\x0e\0UI)..", rb"\1\0\0", content, flags=re.DOTALL))
+
         for number, (act, problem, warnings) in enumerate((
                 (lambda path: None, "", 0), (os.remove, "", 1), (cut, "is not whole", 0),
-                (change, "slices of one size", 0))):
+                (change, "slices of one size", 0), (unname, "it is damaged", 0))):
             folder = os.path.join(WORK, "slices%d" % number)
             files.write_dicom(folder)
             act(os.path.join(folder, sorted(os.listdir(folder))[4]))
@@ -254,12 +264,17 @@ class TestVolumeReader(unittest.TestCase):
         files.write_nrrd(os.path.join(WORK, "body.nhdr"), "left-posterior-superior")
         with open(os.path.join(WORK, "body.nhdr"), "rb") as file:
             header = file.read()
+        # What a download leaves that went wrong.
         for name, content in (("zero.nhdr", header.replace(b"kinds", b"kin\0s")),
-                              ("endless.nhdr", header.rstrip())):
+                              ("endless.nhdr", header.rstrip()),
+                              ("page.nii.gz", b"<!DOCTYPE html>"), ("page.nrrd", b"<!DOCTYPE html>"),
+                              ("bytes.vtk", b"\x89\xd0\xff\n\xfe"), ("nothing.mha", b"")):
             with open(os.path.join(WORK, name), "wb") as file:
                 file.write(content)
         cases = (("missing.nii", "no such file"), ("bad.vti", "cannot be read"),
                  ("text.txt", "no reader"), ("empty", "no DICOM slices"),
+                 ("page.nii.gz", "not what '.nii.gz' says"), ("page.nrrd", "not what '.nrrd' says"),
+                 ("bytes.vtk", "not what '.vtk' says"), ("nothing.mha", "it is empty"),
                  ("zero.nhdr", "zero bytes"), ("endless.nhdr", "does not end"),
                  ("jpeg", "compressed (transfer syntax 1.2.840.10008.1.2.4.70)"),
                  (os.path.join(os.environ["FFD_TEST_DATA"], "Baseline",
@@ -318,7 +333,7 @@ class TestVolumeReader(unittest.TestCase):
             with open(os.path.join(WORK, name), "w", encoding="ascii") as file:
                 file.write(text)
         content.update({"pipe.nii": ("", "no regular file"), "pipes": ("", "no regular file"),
-                        "endless.mha": ("", "no reader")})
+                        "endless.mha": ("", "not what")})
         with open(os.path.join(WORK, "endless.mha"), "wb") as file:
             file.truncate(1 << 40)
         signal.alarm(60)  # instead of waiting for ever
@@ -473,6 +488,26 @@ class TestVolumeReader(unittest.TestCase):
             "bare.vti": (bare, "no image with point scalars"),
             "bare.vtk": (legacy[:legacy.index(b"POINT_DATA")], "no image with point scalars"),
             "type.vti": (text.replace(b'type="Int16"', b'type="Foo"'), "no image with point scalars")})
+
+    def test_errors_that_a_program_does_not_want_to_see(self):
+        """VTK tells of a file that is cut off by an error, of which there is no event where
+        GlobalWarningDisplayOff() has been called: voxels were what the memory held."""
+        values = numpy.random.default_rng(1).integers(0, 1000, 8000)
+        image = vtkImageData()
+        image.SetDimensions(20, 20, 20)
+        image.GetPointData().SetScalars(numpy_to_vtk(values.astype("i2"), deep=True))
+        path = os.path.join(WORK, "cut.nii.gz")
+        writer = vtkNIFTIImageWriter()
+        writer.SetInputData(image)
+        writer.SetFileName(path)
+        writer.Write()
+        os.truncate(path, os.path.getsize(path) // 2)
+        vtkObject.GlobalWarningDisplayOff()
+        try:
+            self.assertIn("truncated", self.read("cut.nii.gz").GetProblem())
+            self.assertEqual(vtkObject.GetGlobalWarningDisplay(), 0)
+        finally:
+            vtkObject.GlobalWarningDisplayOn()
 
     def test_headers_of_nifti(self):
         """A type that VTK's reader crashes on, and voxels that begin in the header."""

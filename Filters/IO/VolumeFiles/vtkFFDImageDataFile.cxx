@@ -3,6 +3,7 @@
 #include "vtkFFDImageDataFile.h"
 
 #include "vtkFFDFileAccess.h"
+#include "vtkFFDTextHeader.h"
 
 #include "vtkCallbackCommand.h"
 #include "vtkImageData.h"
@@ -23,9 +24,7 @@ class ShortLegacyFile
 public:
   explicit ShortLegacyFile(std::string& error)
     : Error(error)
-    , Shown(vtkObject::GetGlobalWarningDisplay())
   {
-    vtkObject::GlobalWarningDisplayOn(); // else there is no event
     this->Command->SetClientData(this);
     this->Command->SetCallback([](vtkObject*, unsigned long, void* self, void* data) {
       const std::string text = data ? static_cast<const char*>(data) : "";
@@ -37,17 +36,12 @@ public:
     });
     this->Tag = this->Window->AddObserver(vtkCommand::WarningEvent, this->Command);
   }
-  ~ShortLegacyFile()
-  {
-    this->Window->RemoveObserver(this->Tag);
-    vtkObject::SetGlobalWarningDisplay(this->Shown);
-  }
+  ~ShortLegacyFile() { this->Window->RemoveObserver(this->Tag); }
   ShortLegacyFile(const ShortLegacyFile&) = delete;
   void operator=(const ShortLegacyFile&) = delete;
 
 private:
   std::string& Error;
-  vtkTypeBool Shown;
   unsigned long Tag = 0;
   vtkNew<vtkCallbackCommand> Command;
   vtkSmartPointer<vtkOutputWindow> Window{ vtkOutputWindow::GetInstance() };
@@ -110,7 +104,12 @@ std::unique_ptr<vtkFFDVolumeFile> vtkFFDImageDataFile::Open(
     reader->SetParserErrorObserver(errors);
     return std::make_unique<XmlFile>(path, reader, errors);
   }
-  vtkNew<vtkStructuredPointsReader> reader;
-  reader->SetFileName(path.c_str());
-  return ending == ".vtk" ? std::make_unique<LegacyFile>(path, reader, errors) : nullptr;
+  // VTK's reader quotes the first line of any other file.
+  if (ending == ".vtk" && vtkFFDTextHeader::ReadStart(path).compare(0, 14, "# vtk DataFile") == 0)
+  {
+    vtkNew<vtkStructuredPointsReader> reader;
+    reader->SetFileName(path.c_str());
+    return std::make_unique<LegacyFile>(path, reader, errors);
+  }
+  return nullptr;
 }
