@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The installed plugin, moved elsewhere, is found by PV_PLUGIN_PATH and works."""
+"""The installed plugin, moved elsewhere, is found by PV_PLUGIN_PATH and works, and goes on to where a script loads
+that of the build, too."""
 
 import glob
 import os
@@ -16,14 +17,24 @@ TEMPORARY = os.environ["FFD_TEST_TEMPORARY"]
 BUILD = os.path.abspath(os.path.join(os.path.dirname(PLUGIN), *[os.pardir] * 4))
 
 SCRIPT = """
+import os
 from paraview import servermanager, simple
-lattice = simple.FFDLattice(Input=simple.Wavelet(WholeExtent=[-10, 10] * 3), Shape="Twist")
-view = simple.CreateView("RenderView")
-display = simple.Show(lattice, view)
-simple.Render(view)
+
+def show():
+    lattice = simple.FFDLattice(Input=simple.Wavelet(WholeExtent=[-10, 10] * 3), Shape="Twist")
+    view = simple.CreateView("RenderView")
+    display = simple.Show(lattice, view)
+    simple.Render(view)
+    return display
+
+display = show()
 libraries = sorted({line.split()[-1] for line in open("/proc/self/maps") if "FFD" in line})
 print("REPRESENTATION", display.Representation)
 print("LIBRARIES", *libraries)
+simple.LoadPlugin(os.environ["FFD_PARAVIEW_PLUGIN"], remote=False)
+print("TWICE", show().Representation)
+simple.ResetSession()
+print("RESET", show().Representation)
 """
 
 
@@ -51,6 +62,11 @@ class TestInstall(unittest.TestCase):
             check=False, env={**os.environ, "PV_PLUGIN_PATH": os.path.dirname(found[0])})
         self.assertEqual(result.returncode, 0, result.stdout)
         self.assertIn("REPRESENTATION 'FFD Volume'", result.stdout)
+        # A second file of the plugin, which ParaView would take for more properties of its own proxies.
+        for when in ("TWICE", "RESET"):
+            self.assertIn(when + " 'FFD Volume'", result.stdout)
+        self.assertIn("nothing is taken from \"%s\"" % PLUGIN, result.stdout)
+        self.assertNotIn("already exists", result.stdout)
         libraries = [line for line in result.stdout.splitlines()
                      if line.startswith("LIBRARIES")][0].split()[1:]
         self.assertGreaterEqual(len(libraries), 5, libraries)
