@@ -9,6 +9,7 @@
 
 #include "vtkCommunicator.h"
 #include "vtkCompositeDataIterator.h"
+#include "vtkCompositeDataSet.h"
 #include "vtkDataArray.h"
 #include "vtkDataObjectTree.h"
 #include "vtkDataSet.h"
@@ -21,6 +22,7 @@
 #include "vtkInformationVector.h"
 #include "vtkIntArray.h"
 #include "vtkMath.h"
+#include "vtkMultiBlockDataSet.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkRectilinearGrid.h"
@@ -497,6 +499,8 @@ int vtkFFDEditLattice::FillInputPortInformation(int, vtkInformation* info)
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkRectilinearGrid");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObjectTree");
+  // Or else VTK would give this filter its blocks one by one, each of which would get a lattice.
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkUniformGridAMR");
   return 1;
 }
 
@@ -522,12 +526,18 @@ vtkTypeBool vtkFFDEditLattice::ProcessRequest(
 }
 
 //------------------------------------------------------------------------------
-/// Set an output of the type of the input.
+/// Set an output of the type of the input, or for an AMR a multi-block data set, as VTK does.
 void vtkFFDEditLattice::MakeOutput(vtkInformationVector** inputs, vtkInformationVector* outputs)
 {
   vtkDataObject* input = vtkDataObject::GetData(inputs[0]);
   vtkDataObject* output = vtkDataObject::GetData(outputs);
-  const char* type = input ? input->GetClassName() : "vtkImageData";
+  const bool isTree = vtkDataObjectTree::SafeDownCast(input) != nullptr;
+  const bool isOtherComposite = !isTree && vtkCompositeDataSet::SafeDownCast(input);
+  const char* type = "vtkImageData";
+  if (input)
+  {
+    type = isOtherComposite ? "vtkMultiBlockDataSet" : input->GetClassName();
+  }
   // Uniform grids are images, for which an output that is there stays.
   if (output &&
     (output->IsA(type) || (vtkImageData::SafeDownCast(input) && output->IsA("vtkImageData"))))
@@ -538,6 +548,10 @@ void vtkFFDEditLattice::MakeOutput(vtkInformationVector** inputs, vtkInformation
   if (!input || vtkImageData::SafeDownCast(input))
   {
     made = vtkSmartPointer<vtkImageData>::New();
+  }
+  else if (isOtherComposite)
+  {
+    made = vtkSmartPointer<vtkMultiBlockDataSet>::New();
   }
   else
   {
@@ -603,7 +617,7 @@ int vtkFFDEditLattice::RequestData(
     vtkErrorMacro("There is no image to deform. Connect a vtkImageData to the input.");
     return 0;
   }
-  if (vtkDataObjectTree::SafeDownCast(input))
+  if (vtkCompositeDataSet::SafeDownCast(input))
   {
     return this->RequestBlocks(input, output);
   }
@@ -686,35 +700,45 @@ bool vtkFFDEditLattice::Attach(vtkDataObject* input, const double bounds[6], vtk
 /// processes may have parts. Called on all processes.
 int vtkFFDEditLattice::RequestBlocks(vtkDataObject* input, vtkDataObject* output)
 {
-  auto* from = vtkDataObjectTree::SafeDownCast(input);
+  auto* from = vtkCompositeDataSet::SafeDownCast(input);
   auto* to = vtkDataObjectTree::SafeDownCast(output);
-  to->CopyStructure(from);
   vtkSmartPointer<vtkCompositeDataIterator> iterator;
   iterator.TakeReference(from->NewIterator());
+  iterator->SkipEmptyNodesOff(); // other processes may have them
+  std::size_t place = 0;
   using Bounds = std::array<double, 6>;
   Bounds none;
   std::copy_n(NoBounds, 6, none.begin());
   std::vector<Bounds> bounds(1, none); // of the blocks by their place, or of all of them
-  const auto visit = [&iterator](const std::function<bool(vtkDataSet*)>& work) {
+  const auto visit = [&](const std::function<bool(vtkDataSet*)>& work) {
     bool done = true;
+    place = 0;
     for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
     {
       vtkDataSet* block = vtkDataSet::SafeDownCast(iterator->GetCurrentDataObject());
       done = (!block || work(block)) && done;
+      ++place;
     }
     return done;
   };
-  const auto findPlace = [this, &iterator]() {
-    return this->LatticePerBlock ? static_cast<std::size_t>(iterator->GetCurrentFlatIndex()) : 0;
-  };
+  const auto findPlaceOfLattice = [this, &place]() { return this->LatticePerBlock ? place : 0; };
   visit([&](vtkDataSet* block) {
     if (block->GetNumberOfPoints() > 0)
     {
-      bounds.resize(std::max(bounds.size(), findPlace() + 1), none);
-      AddBounds(bounds[findPlace()].data(), block->GetBounds());
+      const std::size_t ofLattice = findPlaceOfLattice();
+      bounds.resize(std::max(bounds.size(), ofLattice + 1), none);
+      AddBounds(bounds[ofLattice].data(), block->GetBounds());
     }
     return true;
   });
+  if (vtkDataObjectTree::SafeDownCast(from))
+  {
+    to->CopyStructure(from);
+  }
+  else
+  {
+    vtkMultiBlockDataSet::SafeDownCast(to)->SetNumberOfBlocks(static_cast<unsigned int>(place));
+  }
   bounds.resize(FindLargest(bounds.size()), none);
   for (Bounds& each : bounds)
   {
@@ -723,8 +747,15 @@ int vtkFFDEditLattice::RequestBlocks(vtkDataObject* input, vtkDataObject* output
   return visit([&](vtkDataSet* block) {
     vtkSmartPointer<vtkDataSet> made;
     made.TakeReference(block->NewInstance());
-    to->SetDataSet(iterator, made);
-    const std::size_t place = findPlace();
-    return this->Attach(block, (place < bounds.size() ? bounds[place] : none).data(), made);
+    if (vtkDataObjectTree::SafeDownCast(from))
+    {
+      to->SetDataSet(iterator, made);
+    }
+    else
+    {
+      vtkMultiBlockDataSet::SafeDownCast(to)->SetBlock(static_cast<unsigned int>(place), made);
+    }
+    const std::size_t ofLattice = findPlaceOfLattice();
+    return this->Attach(block, (ofLattice < bounds.size() ? bounds[ofLattice] : none).data(), made);
   });
 }

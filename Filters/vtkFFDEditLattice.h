@@ -10,8 +10,9 @@
  * with the lattice in its field data (vtkFFDLattice::AttachTo()); what was attached before is
  * replaced. A vtkRectilinearGrid is taken as an image is. Of a multi-block or partitioned data set
  * (vtkDataObjectTree) all blocks get one lattice, that of their common bounds, or each one of its
- * own: SetLatticePerBlock(). The output has the type of the input; GetOutput() is null where that
- * is no image, GetOutputDataObject(0) has it always. Several processes have one lattice, of the
+ * own: SetLatticePerBlock(). So do those of an AMR, of which a multi-block data set is made. The
+ * output has else the type of the input; GetOutput() is null where that is no image,
+ * GetOutputDataObject(0) has it always. Several processes have one lattice, of the
  * bounds of all of them.
  *
  * The displacements of the control points are the sum of

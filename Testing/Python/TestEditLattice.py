@@ -8,6 +8,7 @@ import numpy
 import vtkffd
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkMultiBlockDataSet
+from vtkmodules.vtkFiltersAMR import vtkImageToAMR
 from vtkmodules.vtkFiltersCore import vtkContourFilter
 from vtkmodules.vtkImagingCore import vtkRTAnalyticSource
 
@@ -150,6 +151,29 @@ class TestEditLattice(unittest.TestCase):
             after.SetLatticePerBlock(per_block)
             after.Update()
             self.assertEqual(after.GetDataBounds(), (first, 7.0, 0.0, 2.0, 0.0, 2.0))
+
+    def test_amr(self):
+        """One lattice is over all levels, that of the image that they are made of."""
+        self.filter.SetShape(vtkffd.vtkFFDLatticeSource.TWIST)
+        expected = displacements(self.attached())
+        levels = vtkImageToAMR()
+        levels.SetInputConnection(self.source.GetOutputPort())
+        self.filter.SetInputConnection(levels.GetOutputPort())
+        self.filter.Update()
+        blocks = self.filter.GetOutputDataObject(0)
+        self.assertEqual(blocks.GetClassName(), "vtkMultiBlockDataSet")
+        count = levels.GetOutput().GetTotalNumberOfBlocks()
+        self.assertGreater(count, 8)
+        self.assertEqual(blocks.GetNumberOfBlocks(), count)
+        self.assertEqual(blocks.GetNumberOfPoints(), levels.GetOutput().GetNumberOfPoints())
+        lattice = vtkffd.vtkFFDLattice()
+        for i in range(count):
+            self.assertEqual(lattice.ReadFrom(blocks.GetBlock(i)), 1)
+            self.assertEqual(lattice.GetDomain(), (-10.0, 10.0) * 3)
+            numpy.testing.assert_allclose(displacements(lattice), expected, atol=1e-12)
+        # Back to an image.
+        self.filter.SetInputConnection(self.source.GetOutputPort())
+        numpy.testing.assert_allclose(displacements(self.attached()), expected, atol=1e-12)
 
     def test_base_is_what_the_edits_are_added_to(self):
         self.filter.SetDimensions(5, 5, 5)
