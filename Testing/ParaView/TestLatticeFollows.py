@@ -4,6 +4,7 @@
 """What ParaView makes of a volume with a lattice is shown deformed: slices, contours, clips, surfaces,
 outlines, highlights and axes; what is not says so."""
 
+import os
 import unittest
 
 import numpy as np
@@ -589,6 +590,23 @@ class TestLatticeFollows(unittest.TestCase):
             name = made.SMProxy.GetXMLName()
             self.assertEqual(len(warnings.text), int(drops), (name, warnings.text))
             self.assertEqual(warnings.say("dropped", "at rest"), drops, name)
+
+    def test_missing_transform_is_not_dropped(self):
+        """A transform that is not chosen yet, or cannot be read, has said so; no filter has dropped it."""
+        missing = os.path.join(ffd.TEMPORARY, "missing.tfm")
+        for transform, message in ((False, "no lattice to attach"), (True, "missing.tfm")):
+            with ffd.Errors() as errors, ffd.Errors(event="WarningEvent") as warnings:
+                applied = simple.FFDApplyTransform(Input=self.wavelet)
+                if transform:
+                    applied.Transform = simple.FFDTransformReader(FileNames=[missing])
+                sliced = simple.Slice(Input=applied)
+                self.show(applied, "FFD Volume")
+                self.show(sliced, "Surface")
+                simple.Render(self.view)
+            simple.Hide(applied, self.view)
+            simple.Hide(sliced, self.view)
+            self.assertTrue(errors.say(message), errors.text)
+            self.assertEqual(warnings.text, [])
 
     def test_empty_data_drop_nothing(self):
         """Of a volume without voxels no filter is said to have dropped the lattice."""

@@ -79,13 +79,14 @@ vtkPVDataInformation* GetShownInformation(vtkSMProxy* parent)
   return source ? source->GetDataInformation(input.GetOutputPort()) : nullptr;
 }
 
-/// Whether the data that are shown have a lattice.
-bool HasLattice(vtkSMProxy* parent)
+bool HasLattice(vtkPVDataInformation* data)
 {
-  vtkPVDataInformation* data = GetShownInformation(parent);
   return data && data->GetFieldDataInformation() &&
     data->GetFieldDataInformation()->GetArrayInformation("FFDLattice.Displacement");
 }
+
+/// Whether the data that are shown have a lattice.
+bool HasLattice(vtkSMProxy* parent) { return HasLattice(GetShownInformation(parent)); }
 
 /// Whether they are images with a lattice: "Volume" moves points of others.
 bool HasImageLattice(vtkSMProxy* parent)
@@ -115,14 +116,16 @@ bool ShowsMovedSurface(vtkSMProxy* parent)
 /// What is told of data that lost their lattice, where others have the type of the representation.
 constexpr const char* Dropped = "lattice dropped";
 
-/// Whether a source is, or is made of, what the filters for volumes put out with a lattice. Found
-/// by names: information of all sources would be gathered anew for each step in time.
+/// Whether a source is, or is made of, what the filters for volumes put out with a lattice. These
+/// are found by names: information of all sources would be gathered anew for each step in time.
 bool IsOfLattice(vtkSMProxy* source)
 {
   const std::string name = source && source->GetXMLName() ? source->GetXMLName() : "";
   if (name == "FFDLattice" || name == "FFDApplyTransform")
   {
-    return true;
+    // One that has no lattice to attach has said why.
+    auto* filter = vtkSMSourceProxy::SafeDownCast(source);
+    return filter && HasLattice(filter->GetDataInformation(0));
   }
   // Our other filters make what is in place, and probes are where they are put.
   if (!source || name.compare(0, 3, "FFD") == 0 || name == "ProbePoint" || name == "ProbeLine")
