@@ -35,13 +35,20 @@ CLIENT = """
 import sys
 from paraview import simple
 simple.Connect("localhost", int(sys.argv[1]))
+view = simple.CreateView("RenderView")
+wavelet = simple.Wavelet(WholeExtent=[-8, 8] * 3)
+older = simple.Slice(Input=wavelet)
+simple.Show(older, view)
 for plugin in sys.argv[2:]:
     simple.LoadPlugin(plugin, remote=True, ns=vars(simple))
     simple.LoadPlugin(plugin, remote=False, ns=vars(simple))
-lattice = simple.FFDLattice(Input=simple.Wavelet(WholeExtent=[-8, 8] * 3), Shape="Twist")
-view = simple.CreateView("RenderView")
+lattice = simple.FFDLattice(Input=wavelet, Shape="Twist")
 print("SHOWN", simple.Show(lattice, view).Representation)
 simple.Render(view)
+simple.Hide(lattice, view)
+older.Input = lattice
+simple.Render(view)
+print("FOLLOWS", view.SMProxy.GetRenderer().ComputeVisiblePropBounds()[1] > 1.0)
 """
 
 
@@ -185,8 +192,10 @@ class TestStart(unittest.TestCase):
             self.assertIn(shown, text)
 
     def test_server_without_plugin(self):
-        """The client loads the plugin there."""
-        self.assertIn("SHOWN 'FFD Volume'", self.connect(["pvserver"], PLUGIN))
+        """The client loads the plugin there. A slice that was shown before follows a lattice, too."""
+        text = self.connect(["pvserver"], PLUGIN)
+        self.assertIn("SHOWN 'FFD Volume'", text)
+        self.assertIn("FOLLOWS True", text)
 
 
 if __name__ == "__main__":

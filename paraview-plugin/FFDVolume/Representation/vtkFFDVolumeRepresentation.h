@@ -96,6 +96,12 @@ public:
   ///@}
 
   /**
+   * Let a representation of ParaView that was made before the plugin was loaded follow
+   * lattices as later ones do (FFDAttachments.xml).
+   */
+  void FollowOlder(vtkObject* older);
+
+  /**
    * Threads of each process, 0 to 1024. Default 0: all, of which the processes of one host take
    * equal parts.
    */

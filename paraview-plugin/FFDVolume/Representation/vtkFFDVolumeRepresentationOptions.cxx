@@ -5,7 +5,9 @@
 #include "vtkFFDVolumeRepresentation.h"
 
 #include "vtkFFDInverseRayVolumeMapper.h"
+#include "vtkFFDShownGeometry.h"
 
+#include "vtkPVDataRepresentation.h"
 #include "vtkVolumeProperty.h"
 
 //------------------------------------------------------------------------------
@@ -94,6 +96,16 @@ void vtkFFDVolumeRepresentation::SetMaximumSegmentLength(double voxels)
 void vtkFFDVolumeRepresentation::SetEarlyRayTerminationThreshold(double transmittance)
 {
   this->Mapper->SetEarlyRayTerminationThreshold(transmittance);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::FollowOlder(vtkObject* older)
+{
+  vtkFFDShownGeometry::Follow(older);
+  if (auto* representation = vtkPVDataRepresentation::SafeDownCast(older))
+  {
+    representation->MarkModified();
+  }
 }
 
 //------------------------------------------------------------------------------

@@ -17,6 +17,7 @@
 #include "vtkPVDataSetAttributesInformation.h"
 #include "vtkPVPluginsInformation.h"
 #include "vtkPVSession.h"
+#include "vtkPVXMLElement.h"
 #include "vtkRenderer.h"
 #include "vtkSMArrayListDomain.h"
 #include "vtkSmartPointer.h"
@@ -25,6 +26,8 @@
 #include "vtkSMProperty.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMPropertyIterator.h"
+#include "vtkSMProxyDefinitionManager.h"
+#include "vtkSMProxyIterator.h"
 #include "vtkSMProxyManager.h"
 #include "vtkSMPVRepresentationProxy.h"
 #include "vtkSMRenderViewProxy.h"
@@ -35,6 +38,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <string>
 
 vtkStandardNewMacro(vtkSMFFDVolumeRepresentationProxy);
@@ -172,6 +176,49 @@ std::string FindVersion(vtkPVPluginsInformation* plugins, const std::string& nam
   return "";
 }
 
+/// Whether a proxy is a representation that FFDAttachments.xml adds to, and was made before that
+/// was loaded.
+bool LacksAttachment(vtkSMProxy* proxy)
+{
+  constexpr const char* attachment = "FFDAttachment";
+  vtkSMSessionProxyManager* manager = proxy->GetSessionProxyManager();
+  if (!manager || !proxy->GetXMLName() || proxy->GetProperty(attachment) ||
+    !vtkSMRepresentationProxy::SafeDownCast(proxy))
+  {
+    return false;
+  }
+  vtkPVXMLElement* definition = manager->GetProxyDefinitionManager()->GetCollapsedProxyDefinition(
+    proxy->GetXMLGroup(), proxy->GetXMLName(), nullptr, false);
+  for (unsigned int i = 0; definition && i < definition->GetNumberOfNestedElements(); ++i)
+  {
+    const char* name = definition->GetNestedElement(i)->GetAttribute("name");
+    if (name && std::string(name) == attachment)
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Members of ParaView's proxies that are for their subclasses.
+struct ProxyAccess : vtkSMProxy
+{
+  /// The proxies of this kind among a proxy and its parts.
+  static void AddOlder(vtkSMProxy* proxy, std::set<vtkSMProxy*>& older)
+  {
+    if (LacksAttachment(proxy))
+    {
+      older.insert(proxy);
+    }
+    vtkSMProxy* (vtkSMProxy::*getPart)(unsigned int) = &ProxyAccess::GetSubProxy;
+    const unsigned int count = (proxy->*(&ProxyAccess::GetNumberOfSubProxies))();
+    for (unsigned int i = 0; i < count; ++i)
+    {
+      AddOlder((proxy->*getPart)(i), older);
+    }
+  }
+};
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -191,6 +238,7 @@ void vtkSMFFDVolumeRepresentationProxy::CreateVTKObjects()
 {
   this->Superclass::CreateVTKObjects();
   CheckServer(this->GetSession());
+  this->FollowOlder();
   vtkSMProxy* parent = this->GetParentProxy();
   vtkSMProperty* type = parent ? parent->GetProperty("Representation") : nullptr;
   if (type && !this->Watching)
@@ -219,6 +267,33 @@ void vtkSMFFDVolumeRepresentationProxy::CreateVTKObjects()
         option->SetAnimateable(0);
       }
     }
+  }
+}
+
+//------------------------------------------------------------------------------
+/// Let what was there before the plugin was loaded, such as a slice whose input gets a lattice now,
+/// follow lattices as what comes after it.
+void vtkSMFFDVolumeRepresentationProxy::FollowOlder()
+{
+  static vtkWeakPointer<vtkSMSession> lastSession;
+  if (lastSession == this->GetSession())
+  {
+    return;
+  }
+  lastSession = this->GetSession();
+  std::set<vtkSMProxy*> older;
+  vtkNew<vtkSMProxyIterator> each;
+  each->SetSession(this->GetSession());
+  for (each->Begin(); !each->IsAtEnd(); each->Next())
+  {
+    ProxyAccess::AddOlder(each->GetProxy(), older);
+  }
+  for (vtkSMProxy* proxy : older)
+  {
+    vtkClientServerStream stream;
+    stream << vtkClientServerStream::Invoke << VTKOBJECT(this) << "FollowOlder" << VTKOBJECT(proxy)
+           << vtkClientServerStream::End;
+    this->ExecuteStream(stream, false, proxy->GetLocation());
   }
 }
 

@@ -88,6 +88,7 @@ private:
   void operator=(const vtkSMFFDVolumeRepresentationProxy&) = delete;
 
   bool IsVisible();
+  void FollowOlder();
   void PickArray();
   void WarnOfRest();
   void Mirror(vtkObject* option, unsigned long event, void* data);
