@@ -57,7 +57,7 @@ simple.SetActiveSource(lattice)
 
 
 def edit(*_):
-    lattice.Strength = 0.5
+    lattice.Strength = 0.5 if lattice.Strength > 0.55 else 0.6
     for each in views:
         simple.Render(each)
 
