@@ -387,7 +387,7 @@ TEST(PacketCaster, NodesOfSubtiles)
 TEST(PacketCaster, Faces)
 {
   for (const ScalarType type : { ScalarType::Int8, ScalarType::UInt8, ScalarType::UInt16,
-         ScalarType::Float32, ScalarType::Int32 })
+         ScalarType::Float32, ScalarType::Float64, ScalarType::Int32 })
   {
     for (const double size : { 0.0, 1.0 })
     {

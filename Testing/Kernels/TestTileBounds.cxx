@@ -236,6 +236,46 @@ TEST(TileBounds, HoldWhatMayBeVisible)
   }
 }
 
+// A ball that is moved as a whole: what random lattices do in a box is much the same both ways.
+TEST(TileBounds, HoldWhatIsMoved)
+{
+  const glm::dvec3 ball(20.0);
+  const TestVolume volume(ScalarType::UInt8, glm::ivec3(64), [ball](int i, int j, int k) {
+    return glm::distance(glm::dvec3(i, j, k), ball) < 3.0 ? 100.0 : 0.0;
+  });
+  const TransferTable table = Opaque();
+  const MinMaxBlocks blocks(volume.View, ParallelFor());
+  const DistanceMap distances(blocks, table);
+  const glm::dvec3 d(24.0, 0.0, 24.0);
+  const std::vector<glm::dvec3> displacements(6 * 6 * 6, d);
+  const BSplineField field(
+    glm::ivec3(6), glm::dvec3(-8.0), glm::dvec3(16.0), displacements.data(), 1.0, BorderMode::Edge);
+  for (const PullBackKind kind : Kinds)
+  {
+    const PullBack map(&field, kind, 1e-9);
+    CastScene scene;
+    scene.Volume = volume.View;
+    scene.DeformedBounds = { glm::dvec3(-40.0), glm::dvec3(104.0) };
+    scene.Distances = &distances;
+    scene.Map = &map;
+    CameraView& camera = scene.Camera;
+    camera.DataToNdc = glm::ortho(-72.0, 72.0, -72.0, 72.0, 1.0, 400.0) *
+      glm::lookAt(glm::dvec3(32.0, 200.0, 32.0), glm::dvec3(32.0), glm::dvec3(0.0, 0.0, 1.0));
+    camera.ImageSize = glm::ivec2(256);
+    camera.NdcPerPixel = glm::dvec2(2.0 / 256.0);
+    const TileBounds bounds(scene, 0.1, 0.0, glm::dvec3(0.0));
+    const auto find = [&](const glm::dvec3& p) {
+      const glm::dvec2 pixel = 128.0 + 128.0 * glm::dvec2(camera.DataToNdc * glm::dvec4(p, 1.0));
+      const glm::ivec2 tile = glm::ivec2(pixel) / TileSide * TileSide;
+      return *bounds.Find(tile.x, tile.y);
+    };
+    const glm::dvec3 there = kind == PullBackKind::Forward ? ball - d : ball + d;
+    const glm::dvec3 elsewhere = kind == PullBackKind::Forward ? ball + d : ball - d;
+    EXPECT_TRUE(Holds(find(there), there));
+    EXPECT_TRUE(find(elsewhere).IsEmpty());
+  }
+}
+
 // A bump of the deformed volume between the corners of the boxes that it is cut into.
 TEST(TileBounds, HoldWhatBulges)
 {

@@ -224,7 +224,19 @@ MUTANTS = (
         "region.Origin -= region.Origin % ffd::RayCaster::GroupSize;",
         "region.Origin -= glm::ivec2(0);",
         python("ClipBox") + cxx("MapperWindow")),
+    Mutant(
+        "boxes of tiles: first-order pull-backs go the other way",
+        "sign",
+        "map.GetKind() == PullBackKind::FirstOrder ? -1.0 : 1.0);",
+        "map.GetKind() == PullBackKind::FirstOrder ? 1.0 : 1.0);",
+        kernels("TileBounds")),
     # The vector kernels.
+    Mutant(
+        "windows of numbers: the upper pair of rows is a row too low",
+        "index",
+        "this->High[k] = slabs[k].GetPair(rows + 3);",
+        "this->High[k] = slabs[k].GetPair(rows + 2);",
+        PACKETS),
     Mutant(
         "vectors: headlights see the back of surfaces",
         "sign",
