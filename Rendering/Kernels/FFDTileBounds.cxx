@@ -245,8 +245,7 @@ TileBounds::TileBounds(const CastScene& scene, double tolerance, double reach,
     for (int i = 0; i < boxes.Count.x; ++i)
     {
       const Box box = boxes.Get({ i, j, k });
-      const Box image = images.Find({ i, j, k });
-      const Box& rest = isForward ? box : image;
+      const Box rest = isForward ? box : images.Find({ i, j, k });
       const glm::dvec3 middle = volume.ToIndex(0.5 * (rest.Min + rest.Max));
       const glm::dvec3 half =
         Absolute(volume.DataToIndex) * (0.5 * (rest.Max - rest.Min)) + (tolerance + Guard);
@@ -255,7 +254,7 @@ TileBounds::TileBounds(const CastScene& scene, double tolerance, double reach,
       {
         continue;
       }
-      Box deformed = isForward ? image : box;
+      Box deformed = isForward ? images.Find({ i, j, k }) : box;
       deformed.Min -= around;
       deformed.Max += around;
       const PixelRange pixels = FindPixels(rows, deformed);
