@@ -150,6 +150,27 @@ struct Scenery
   CastStatistics Statistics;
 };
 
+/// A parallel view along -y onto (32, 32, 32), `pixels` wide and high, which show twice `half`.
+CameraView LookAlongY(int pixels, double half)
+{
+  CameraView camera;
+  camera.DataToNdc = glm::ortho(-half, half, -half, half, 1.0, 400.0) *
+    glm::lookAt(glm::dvec3(32.0, 200.0, 32.0), glm::dvec3(32.0), glm::dvec3(0.0, 0.0, 1.0));
+  camera.ImageSize = glm::ivec2(pixels);
+  camera.NdcPerPixel = glm::dvec2(2.0 / pixels);
+  return camera;
+}
+
+/// The box of the tile of such a view that a point is seen through; null if nothing is known.
+const TileBounds::Limits* FindBox(
+  const TileBounds& bounds, const CameraView& camera, const glm::dvec3& p)
+{
+  const double half = 0.5 * camera.ImageSize.x;
+  const glm::dvec2 pixel = half + half * glm::dvec2(camera.DataToNdc * glm::dvec4(p, 1.0));
+  const glm::ivec2 tile = glm::ivec2(pixel) / TileSide * TileSide;
+  return bounds.Find(tile.x, tile.y);
+}
+
 constexpr PullBackKind Kinds[] = { PullBackKind::Exact, PullBackKind::FirstOrder,
   PullBackKind::Forward };
 
@@ -258,17 +279,9 @@ TEST(TileBounds, HoldWhatIsMoved)
     scene.DeformedBounds = { glm::dvec3(-40.0), glm::dvec3(104.0) };
     scene.Distances = &distances;
     scene.Map = &map;
-    CameraView& camera = scene.Camera;
-    camera.DataToNdc = glm::ortho(-72.0, 72.0, -72.0, 72.0, 1.0, 400.0) *
-      glm::lookAt(glm::dvec3(32.0, 200.0, 32.0), glm::dvec3(32.0), glm::dvec3(0.0, 0.0, 1.0));
-    camera.ImageSize = glm::ivec2(256);
-    camera.NdcPerPixel = glm::dvec2(2.0 / 256.0);
+    scene.Camera = LookAlongY(256, 72.0);
     const TileBounds bounds(scene, 0.1, 0.0, glm::dvec3(0.0));
-    const auto find = [&](const glm::dvec3& p) {
-      const glm::dvec2 pixel = 128.0 + 128.0 * glm::dvec2(camera.DataToNdc * glm::dvec4(p, 1.0));
-      const glm::ivec2 tile = glm::ivec2(pixel) / TileSide * TileSide;
-      return *bounds.Find(tile.x, tile.y);
-    };
+    const auto find = [&](const glm::dvec3& p) { return *FindBox(bounds, scene.Camera, p); };
     const glm::dvec3 there = kind == PullBackKind::Forward ? ball - d : ball + d;
     const glm::dvec3 elsewhere = kind == PullBackKind::Forward ? ball + d : ball - d;
     EXPECT_TRUE(Holds(find(there), there));
@@ -294,17 +307,12 @@ TEST(TileBounds, HoldWhatBulges)
   scene.Volume = volume.View;
   scene.Distances = &distances;
   scene.Map = &map;
-  CameraView& camera = scene.Camera;
-  camera.DataToNdc = glm::ortho(-60.0, 60.0, -60.0, 60.0, 1.0, 400.0) *
-    glm::lookAt(glm::dvec3(32.0, 200.0, 32.0), glm::dvec3(32.0), glm::dvec3(0.0, 0.0, 1.0));
-  camera.ImageSize = glm::ivec2(128);
-  camera.NdcPerPixel = glm::dvec2(2.0 / 128.0);
+  scene.Camera = LookAlongY(128, 60.0);
   const glm::dvec3 p = top + field.Displacement(top);
-  const glm::dvec2 pixel = 64.0 + 64.0 * glm::dvec2(camera.DataToNdc * glm::dvec4(p, 1.0));
-  const glm::ivec2 tile = glm::ivec2(pixel) / TileSide * TileSide;
   const TileBounds bounds(scene, 0.1, 0.0, glm::dvec3(0.0));
-  ASSERT_NE(bounds.Find(tile.x, tile.y), nullptr);
-  EXPECT_TRUE(Holds(*bounds.Find(tile.x, tile.y), p));
+  const TileBounds::Limits* const box = FindBox(bounds, scene.Camera, p);
+  ASSERT_NE(box, nullptr);
+  EXPECT_TRUE(Holds(*box, p));
 }
 
 TEST(TileBounds, ChangeNoPicture)
