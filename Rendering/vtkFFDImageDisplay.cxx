@@ -343,11 +343,11 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, const Image& image, const L
   // Nearest, so that rounding does not blend neighbors of a picture with a ray for each pixel.
   const int filter = pixelByPixel ? vtkTextureObject::Nearest : vtkTextureObject::Linear;
   const Rectangle all = { { 0, 0 }, { layers.Pixels[0], layers.Pixels[1] } };
-  const auto fill = [&](vtkTextureObject* texture, const float* floats, int components, int width,
+  const auto fill = [&](vtkTextureObject* texture, const auto* numbers, int components, int width,
                       const Rectangle& of) {
-    return gl.Fill(texture, floats, components, width, of, filter);
+    return gl.Fill(texture, numbers, components, width, of, filter);
   };
-  const bool filled = image.Bytes ? gl.Fill(gl.Texture, image.Bytes, 4, image.Width, part, filter)
+  const bool filled = image.Bytes ? fill(gl.Texture, image.Bytes, 4, image.Width, part)
                                   : fill(gl.Texture, image.Floats, 4, image.Width, part);
   if (!filled ||
     (layers.Colors &&

@@ -24,6 +24,12 @@ bool IsTrue(const std::string& value)
   return !value.empty() && (value[0] == 'T' || value[0] == 't' || value[0] == '1');
 }
 
+/// Whether the voxels are in the file of the header, behind it.
+bool IsLocal(const std::string& dataFile)
+{
+  return dataFile == "LOCAL" || dataFile == "Local" || dataFile == "local";
+}
+
 /// Rows of the matrix are the directions of the axes of the image.
 std::optional<vtkFFDVolumeFile::Placement> PlaceMetaImage(
   const vtkFFDTextHeader::Fields& fields, const glm::dvec3& spacing)
@@ -98,7 +104,7 @@ std::string MetaImageFile::FindDataProblem(double bytes, int slices) const
   {
     return "its header gives voxels without a size (ElementNumberOfChannels)";
   }
-  if (value == "LOCAL" || value == "Local" || value == "local")
+  if (IsLocal(value))
   {
     const std::size_t line = this->Text.find('\n', this->Text.find("ElementDataFile"));
     const double start = line == std::string::npos ? 0.0 : static_cast<double>(line + 1);
@@ -148,7 +154,7 @@ vtkFFDStoredVoxels MetaImageFile::FindStoredVoxels() const
   const bool isText = !binary.empty() && !IsTrue(binary);
   const bool isPacked = !isText && IsTrue(Find(this->Fields, { "CompressedData" }));
   const bool isList = value.compare(0, 4, "LIST") == 0 || value.find('%') != std::string::npos;
-  const bool local = value == "LOCAL" || value == "Local" || value == "local";
+  const bool local = IsLocal(value);
   const std::string head = Find(this->Fields, { "HeaderSize" });
   // -1: the voxels are at the end of the file.
   const bool isOfVtk =
