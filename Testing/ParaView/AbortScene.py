@@ -12,7 +12,7 @@ import ffdsession  # noqa: F401, before paraview.simple
 from paraview import servermanager, simple
 from paraview.vtk.vtkCommonCore import vtkUnsignedCharArray
 
-FRAME = 2.0  # seconds
+FRAME = 2.0  # seconds of a processor: what other processes take must not make frames shorter
 
 log = ffdlog.open_log("FFD_ABORT_LOG")
 
@@ -35,9 +35,9 @@ distance = float(os.environ.get("FFD_ABORT_DISTANCE", "0.5"))
 display.FFDSampleDistance = distance
 simple.Render(view)
 if "FFD_ABORT_DISTANCE" not in os.environ:
-    start = time.monotonic()
+    start = time.process_time()
     simple.Render(view)
-    distance *= (time.monotonic() - start) / FRAME
+    distance *= (time.process_time() - start) / FRAME
     display.FFDSampleDistance = distance
     simple.Render(view)
 write(event="scene", distance=distance)
