@@ -252,9 +252,10 @@ vtkFFDParallelFor vtkFFDFrameCaster::MakeParallelFor() const
 //------------------------------------------------------------------------------
 bool vtkFFDFrameCaster::CanReuse(vtkVolume* volume) const
 {
-  return this->Mapper->GetFrameCoherence() && !this->Mapper->GetCollectStatistics() &&
+  return !this->Mapper->GetCollectStatistics() &&
     this->Cache.GetBlending().Mode != ffd::BlendMode::Slice &&
-    vtkFFDFramePlan::IsMoving(this->Mapper, volume);
+    (vtkFFDFramePlan::IsMoving(this->Mapper, volume) ? this->Mapper->GetFrameCoherence()
+                                                     : this->Mapper->GetStillFrameCoherence());
 }
 
 //------------------------------------------------------------------------------
@@ -287,7 +288,7 @@ bool vtkFFDFrameCaster::Cast(
     const vtkFFDFrameCoherence::Sources sources = { view.SettingsTime,
       this->Cache.GetVoxelsVersion(), this->Cache.GetFunctionsVersion(),
       ffd::FindSource(view.Volume->GetProperty()), ffd::ToMatrix(view.Volume->GetMatrix()),
-      view.Interactive };
+      view.Interactive, !vtkFFDFramePlan::IsMoving(this->Mapper, view.Volume) };
     // Both take about as long.
     ffd::RunBoth(
       parallelFor,

@@ -87,8 +87,8 @@ public:
   /// After Cast() with the depths of FindRayDepths(), see vtkFFDImageDisplay.
   vtkFFDImageDisplay::Layers CastLayers(const View& view, const glm::ivec2& pixels);
 
-  /// Whether the frame may show parts of the last one again: while the scene moves only, so that no
-  /// still picture depends on what was drawn before it.
+  /// Whether the frame may show parts of the last one again, see FrameCoherence and
+  /// StillFrameCoherence of the mapper.
   bool CanReuse(vtkVolume* volume) const;
 
   vtkFFDFrameCoherence& GetCoherence() { return this->Coherence; }

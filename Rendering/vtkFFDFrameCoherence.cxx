@@ -58,8 +58,8 @@ bool FixedBlend::operator==(const FixedBlend& other) const
 
 //------------------------------------------------------------------------------
 Made MakeFixedScene(FixedScene&, StageTools&, std::uint64_t, std::uint64_t, std::uint64_t,
-  const Source<vtkVolumeProperty>&, const glm::dmat4&, bool, const FixedView&, const FixedLight&,
-  const FixedBlend&)
+  const Source<vtkVolumeProperty>&, const glm::dmat4&, bool, bool, const FixedView&,
+  const FixedLight&, const FixedBlend&)
 {
   return Made::Anew;
 }
@@ -121,7 +121,7 @@ bool vtkFFDFrameCoherence::IsSameScene(
   ffd::StageTools tools;
   this->Order.Begin();
   this->Scene.Update(tools, sources.Settings, sources.Voxels, sources.Functions, sources.Property,
-    sources.DataToWorld, sources.Interactive,
+    sources.DataToWorld, sources.Interactive, sources.Still,
     { scene.Camera.DataToNdc, scene.Camera.Eye, scene.Camera.Parallel, region.Viewport,
       region.Step },
     { scene.Material.Lights, scene.Material.TwoSided },
@@ -149,9 +149,11 @@ bool vtkFFDFrameCoherence::FindShift(const vtkFFDImageRegion& region, glm::ivec2
 }
 
 //------------------------------------------------------------------------------
-std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Sources& sources,
-  const ffd::CastScene& scene, const vtkFFDImageRegion& region, const ffd::Box& restBounds,
-  double tolerance, std::vector<float>& colors, std::vector<float>& firstVisible)
+/// Go on from the last picture, whose scene was the same, after an edit. False where that cannot
+/// be.
+bool vtkFFDFrameCoherence::FollowEdit(const ffd::CastScene& scene, const vtkFFDImageRegion& region,
+  const ffd::Box& restBounds, double tolerance, std::vector<float>& colors,
+  std::vector<float>& firstVisible)
 {
   const ffd::PullBack& map = *scene.Map;
   const bool inverts = ffd::InvertsTheField(map.GetKind());
@@ -169,20 +171,45 @@ std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Source
   ffd::PullBackChange change;
   glm::ivec2 shift(0);
   // A frame that follows no edit is a picture of its own: nothing stays inexact.
-  const bool same = this->IsSameScene(sources, scene, region);
-  if (same && !this->Subtiles.IsEmpty() && this->LastWasOneToOne &&
-    this->FindShift(region, shift) &&
-    ffd::FindChange(last, map, scene.Limits, inverts ? restBounds : deformed,
-      Resolution * scene.VoxelSize, scene.Distances ? isEmpty : ffd::IsEmptyAtRest(), change) &&
-    !change.IsEmpty())
+  if (!this->LastWasOneToOne || !this->FindShift(region, shift) ||
+    !ffd::FindChange(last, map, scene.Limits, inverts ? restBounds : deformed,
+      Resolution * scene.VoxelSize, scene.Distances ? isEmpty : ffd::IsEmptyAtRest(), change) ||
+    change.IsEmpty())
   {
-    // Tiles are two subtiles wide.
-    this->Subtiles.Continue(region.Rays, 2 * shift, colors, this->LastDepths, &firstVisible);
-    this->Subtiles.RecordDepths(
-      this->LastDepths.empty() ? nullptr : this->LastDepths.data(), scene.Depths, scene.Camera);
-    this->Subtiles.RecordChange(change, scene.Camera, tolerance);
+    return false;
   }
-  else
+  // Tiles are two subtiles wide.
+  this->Subtiles.Continue(region.Rays, 2 * shift, colors, this->LastDepths, &firstVisible);
+  this->Subtiles.RecordDepths(
+    this->LastDepths.empty() ? nullptr : this->LastDepths.data(), scene.Depths, scene.Camera);
+  this->Subtiles.RecordChange(change, scene.Camera, tolerance);
+  return true;
+}
+
+//------------------------------------------------------------------------------
+/// Go on from the last still picture, if that was of the same scene and nothing has been edited.
+bool vtkFFDFrameCoherence::FollowStill(const ffd::CastScene& scene, const vtkFFDImageRegion& region)
+{
+  const ffd::PullBack& map = *scene.Map;
+  if (region.Origin != this->LastRegion.Origin || region.Rays != this->LastRegion.Rays ||
+    map.GetKind() != this->LastKind || !(*map.GetField() == *this->LastField))
+  {
+    return false;
+  }
+  this->Subtiles.RecordOtherDepths(this->LastDepths.empty() ? nullptr : this->LastDepths.data(),
+    scene.Depths, ffd::RayCaster::GroupSize / ffd::RayCaster::SubtileSize);
+  return true;
+}
+
+//------------------------------------------------------------------------------
+std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Sources& sources,
+  const ffd::CastScene& scene, const vtkFFDImageRegion& region, const ffd::Box& restBounds,
+  double tolerance, std::vector<float>& colors, std::vector<float>& firstVisible)
+{
+  const bool same = this->IsSameScene(sources, scene, region) && !this->Subtiles.IsEmpty();
+  if (!same ||
+    !(sources.Still ? this->FollowStill(scene, region)
+                    : this->FollowEdit(scene, region, restBounds, tolerance, colors, firstVisible)))
   {
     this->Subtiles.Start(region.Rays);
   }
@@ -193,11 +220,12 @@ std::vector<vtkFFDFrameCoherence::Part> vtkFFDFrameCoherence::Begin(const Source
   {
     firstVisible.resize(rays);
   }
+  const ffd::PullBack& map = *scene.Map;
   this->LastRegion = region;
   this->LastDeformedBounds = scene.DeformedBounds;
   this->LastField = std::make_unique<ffd::BSplineField>(*map.GetField());
   this->LastKind = map.GetKind();
-  this->LastWasOneToOne = !inverts || scene.Limits.OneToOne;
+  this->LastWasOneToOne = !ffd::InvertsTheField(map.GetKind()) || scene.Limits.OneToOne;
   this->LastDepths.clear();
   if (scene.Depths)
   {

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   vtkFFDFrameCoherence
- * @brief   what of the picture of the last frame can be shown again after an edit of the
- * deformation
+ * @brief   what of the picture of the last frame can be shown again: after an edit of the
+ * deformation while the scene moves, after a change of what else is drawn in a still one
  *
  * Private to this module: not installed, not wrapped. Knows what the last picture was made from, so
  * that it can tell whether nothing but the control points has changed since, and keeps the history
@@ -71,8 +71,8 @@ struct FixedScene
 /// functions by their versions.
 Made MakeFixedScene(FixedScene& scene, StageTools& tools, std::uint64_t settings,
   std::uint64_t voxels, std::uint64_t functions, const Source<vtkVolumeProperty>& property,
-  const glm::dmat4& dataToWorld, bool interactive, const FixedView& view, const FixedLight& light,
-  const FixedBlend& blend);
+  const glm::dmat4& dataToWorld, bool interactive, bool still, const FixedView& view,
+  const FixedLight& light, const FixedBlend& blend);
 
 } // namespace ffd
 
@@ -90,6 +90,7 @@ public:
     ffd::Source<vtkVolumeProperty> Property;
     glm::dmat4 DataToWorld{ 1.0 };
     bool Interactive = false;
+    bool Still = false; ///< to be the same as a picture that is cast anew, bit by bit
   };
 
   /// A tile of the caster, and which subtiles of it.
@@ -124,6 +125,10 @@ private:
   bool IsSameScene(
     const Sources& sources, const ffd::CastScene& scene, const vtkFFDImageRegion& region);
   bool FindShift(const vtkFFDImageRegion& region, glm::ivec2& shift) const;
+  bool FollowEdit(const ffd::CastScene& scene, const vtkFFDImageRegion& region,
+    const ffd::Box& restBounds, double tolerance, std::vector<float>& colors,
+    std::vector<float>& firstVisible);
+  bool FollowStill(const ffd::CastScene& scene, const vtkFFDImageRegion& region);
 
   std::vector<Part> CollectPartsToCast(const glm::ivec2& rays);
 

@@ -226,14 +226,15 @@ void vtkFFDFramePlan::RecordFrame(
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDFramePlan::RecordStillTime(
-  vtkFFDInverseRayVolumeMapper* mapper, const vtkFFDFrame& frame, bool interactive)
+void vtkFFDFramePlan::RecordStillTime(vtkFFDInverseRayVolumeMapper* mapper,
+  const vtkFFDFrame& frame, bool interactive, double reusedFraction)
 {
   if (!interactive)
   {
     // The time of an aborted frame is extrapolated from the part that was cast.
     const double part = frame.GetCastPart();
-    this->StillTime = part > 0.0 ? frame.GetSeconds() / part : this->StillTime;
+    const double time = part > 0.0 ? frame.GetSeconds() / part : this->StillTime;
+    this->StillTime = reusedFraction > 0.0 ? std::max(this->StillTime, time) : time;
     return;
   }
   const double samples = mapper->GetLockSampleDistanceToInputSpacing()

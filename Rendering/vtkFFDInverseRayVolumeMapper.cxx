@@ -710,6 +710,7 @@ void vtkFFDInverseRayVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
     this->SetMaximumImageSampleDistance(like->MaximumImageSampleDistance);
     this->SetAutoAdjustSampleDistances(like->AutoAdjustSampleDistances);
     this->SetFrameCoherence(like->FrameCoherence);
+    this->SetStillFrameCoherence(like->StillFrameCoherence);
     this->SetFrameCoherenceTolerance(like->FrameCoherenceTolerance);
     this->SetIntermixIntersectingGeometry(like->IntermixIntersectingGeometry);
     this->SetCroppingSpace(like->CroppingSpace);
@@ -797,6 +798,8 @@ void vtkFFDInverseRayVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "MaximumImageSampleDistance: " << this->MaximumImageSampleDistance << "\n";
   os << indent << "AutoAdjustSampleDistances: " << this->AutoAdjustSampleDistances << "\n";
   os << indent << "FrameCoherence: " << this->FrameCoherence << "\n";
+  os << indent << "StillFrameCoherence: " << this->StillFrameCoherence << "\n";
+  os << indent << "ReusedFraction: " << this->GetReusedFraction() << "\n";
   os << indent << "FrameCoherenceTolerance: " << this->FrameCoherenceTolerance << "\n";
   os << indent << "IntermixIntersectingGeometry: " << this->IntermixIntersectingGeometry << "\n";
   os << indent << "WholeBounds: " << this->WholeBounds[0] << ", " << this->WholeBounds[1] << ", "

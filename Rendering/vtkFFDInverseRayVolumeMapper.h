@@ -442,8 +442,8 @@ public:
    * (vtkRenderWindow::SetDesiredUpdateRate, as interactors and widgets set it during a drag). Any
    * other change, to camera, clipping range, light, transfer functions, voxels or options, makes
    * the next picture as a whole, and so does a still frame: no still picture depends on what was
-   * drawn before. Not used for blend mode slice, nor with CollectStatistics, nor where T is not
-   * proven to be one to one. Default: on.
+   * drawn before (see SetStillFrameCoherence()). Not used for blend mode slice, nor with
+   * CollectStatistics, nor where T is not proven to be one to one. Default: on.
    */
   vtkSetMacro(FrameCoherence, vtkTypeBool);
   vtkGetMacro(FrameCoherence, vtkTypeBool);
@@ -461,6 +461,21 @@ public:
   vtkGetMacro(FrameCoherenceTolerance, double);
   ///@}
 
+  ///@{
+  /**
+   * Whether a still frame in a window shows the last still picture again where nothing that it is
+   * made from has changed since: the same volume, deformation, camera, lights and options. Cast
+   * anew are those parts, of 64 x 64 rays, in which other props hide more or less of the volume. So
+   * a pointer that moves over a widget, or a text that changes, does not wait for the volume. The
+   * picture is the same as without, bit by bit. Costs the memory of a second picture. Not used for
+   * blend mode slice, nor with CollectStatistics. Leave it off where the time of frames is
+   * measured. Default: off.
+   */
+  vtkSetMacro(StillFrameCoherence, vtkTypeBool);
+  vtkGetMacro(StillFrameCoherence, vtkTypeBool);
+  vtkBooleanMacro(StillFrameCoherence, vtkTypeBool);
+  ///@}
+
   /**
    * Seconds that a still picture in a window is expected to take: as long as the last one did, or
    * what follows from a moving or an aborted one. 0 before the first frame.
@@ -469,7 +484,7 @@ public:
 
   /**
    * Get the part, 0 to 1, of the last picture in a window that was taken from the picture before
-   * it, see SetFrameCoherence(). 0 after RenderToImage().
+   * it, see SetFrameCoherence() and SetStillFrameCoherence(). 0 after RenderToImage().
    */
   double GetReusedFraction();
 
@@ -1085,6 +1100,7 @@ private:
   vtkTypeBool AutoAdjustSampleDistances = 1;
   vtkTypeBool FrameCoherence = 1;
   double FrameCoherenceTolerance = 0.25;
+  vtkTypeBool StillFrameCoherence = 0;
   vtkTypeBool IntermixIntersectingGeometry = 1;
   vtkImageData* MaskInput = nullptr;
   int MaskType = LabelMapMaskType;

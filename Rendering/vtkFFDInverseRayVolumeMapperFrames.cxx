@@ -204,14 +204,22 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::CheckView(
 }
 
 //------------------------------------------------------------------------------
-/// Puts the picture of the window by, before the caster makes another one.
-void vtkFFDInverseRayVolumeMapper::vtkInternals::KeepPicture()
+/// Puts the picture of the window by, before the caster makes another one, or goes on from it.
+void vtkFFDInverseRayVolumeMapper::vtkInternals::KeepPicture(bool reuses)
 {
-  if (this->Shown.Complete)
+  if (!this->Shown.Complete)
+  {
+    return;
+  }
+  if (reuses)
+  {
+    this->LastPicture = this->Caster.GetPicture();
+  }
+  else
   {
     std::swap(this->Caster.GetPicture(), this->LastPicture);
-    this->Last = this->Shown;
   }
+  this->Last = this->Shown;
 }
 
 //------------------------------------------------------------------------------
@@ -383,7 +391,9 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
     return;
   }
   const bool interactive = in.Plan.PlaceRays(this, volume, shown, region);
-  if (shown && in.Caster.CanReuse(volume))
+  const bool reuses = shown && in.Caster.CanReuse(volume);
+  const bool moving = vtkFFDFramePlan::IsMoving(this, volume);
+  if (reuses && moving)
   {
     in.Caster.GetCoherence().Align(region);
     pixels = glm::min(glm::ivec2(glm::ceil(glm::dvec2(region.Rays) * region.Step)),
@@ -418,9 +428,9 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   view.Region = region;
   view.DataToNdc =
     ffd::MakeCameraView(renderer, whole, ffd::ToMatrix(volume->GetMatrix())).DataToNdc;
-  if (!(shown && in.Caster.CanReuse(volume)))
+  if (!reuses || !moving)
   {
-    in.KeepPicture();
+    in.KeepPicture(reuses);
   }
   in.Shown.Complete = false;
   const vtkMTimeType sceneTime = in.FindSceneTime(volume);
@@ -482,7 +492,7 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
       view.Visible = in.Caster.GetVisible();
       in.Shown = view;
     }
-    in.Plan.RecordStillTime(this, frame, interactive);
+    in.Plan.RecordStillTime(this, frame, interactive, in.Caster.GetReusedFraction());
   }
   // After an abort the last picture: the window may be read before the next frame is there.
   region = done ? region : in.Last.Region;
@@ -580,7 +590,7 @@ int vtkFFDInverseRayVolumeMapper::MakeImages(vtkRenderer* renderer, vtkVolume* v
       std::to_string(width) + " x " + std::to_string(height) + " pixels",
       "Give a smaller width and height.");
   }
-  in.KeepPicture();
+  in.KeepPicture(false);
   in.Shown.Complete = false;
   std::vector<float> firstVisible(depths ? pixels : 0);
   vtkFFDFrameCaster::View cast;

@@ -44,7 +44,7 @@ public:
   vtkFFDParallelFor MakeParallelFor() const;
   vtkMTimeType FindSceneTime(vtkVolume* volume) const;
   void ReleaseImages();
-  void KeepPicture();
+  void KeepPicture(bool reuses);
 
   vtkFFDInverseRayVolumeMapper* Self;
 

@@ -163,6 +163,7 @@ class Editor:
         self.mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
         self.mapper.SetInputData(self.image)
         self.mapper.SetDeformation(self.lattice)
+        self.mapper.StillFrameCoherenceOn()  # the widget renders where the pointer comes to a point
         self.volume = vtkVolume()
         self.volume.SetMapper(self.mapper)
         self.volume.SetProperty(self.property)

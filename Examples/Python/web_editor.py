@@ -163,6 +163,7 @@ class Session:
         self.shapes = vtkffd.vtkFFDLatticeSource
         self.mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
         self.mapper.SetDeformation(self.lattice)
+        self.mapper.StillFrameCoherenceOn()  # the widget renders where the pointer comes to a point
         self.volume = vtkVolume()
         self.volume.SetMapper(self.mapper)
         self.property = vtkVolumeProperty()

@@ -304,6 +304,51 @@ void TileHistory::RecordDepths(const float* before, const float* now, const Came
 }
 
 //------------------------------------------------------------------------------
+void TileHistory::RecordOtherDepths(const float* before, const float* now, int groupSize)
+{
+  if (!before && !now)
+  {
+    return;
+  }
+  const int side = groupSize * this->TileSize;
+  const std::vector<float> nothing(static_cast<std::size_t>(side), 1.0f);
+  const auto isSame = [&](const glm::ivec2& first, const glm::ivec2& end) {
+    for (int y = first.y; y < end.y; ++y)
+    {
+      const std::size_t at = static_cast<std::size_t>(y) * this->Size.x + first.x;
+      const float* was = before ? before + at : nothing.data();
+      const float* is = now ? now + at : nothing.data();
+      if (!std::equal(was, was + (end.x - first.x), is))
+      {
+        return false;
+      }
+    }
+    return true;
+  };
+  for (int y = 0; y < this->Size.y; y += side)
+  {
+    for (int x = 0; x < this->Size.x; x += side)
+    {
+      const glm::ivec2 first(x, y);
+      const glm::ivec2 end = glm::min(first + side, this->Size);
+      if (isSame(first, end))
+      {
+        continue;
+      }
+      const glm::ivec2 firstTile = first / this->TileSize;
+      const glm::ivec2 endTile = this->FindTiles(end);
+      for (int row = firstTile.y; row < endTile.y; ++row)
+      {
+        for (int column = firstTile.x; column < endTile.x; ++column)
+        {
+          this->Tiles[static_cast<std::size_t>(row) * this->Count.x + column].Holds = false;
+        }
+      }
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
 std::vector<int> TileHistory::CollectTilesToCast()
 {
   std::vector<int> tiles;

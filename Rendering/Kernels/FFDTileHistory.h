@@ -61,6 +61,10 @@ public:
   /// picture, as rearranged by Continue(). Null: nothing was drawn.
   void RecordDepths(const float* before, const float* now, const CameraView& camera);
 
+  /// As RecordDepths(), for a picture that is to be the same bit by bit: where a surface has come
+  /// or gone, or moved at all, no tile of its group holds, of `groupSize` x `groupSize` tiles.
+  void RecordOtherDepths(const float* before, const float* now, int groupSize);
+
   /// Returns the tiles that do not hold; they count as cast from now on.
   std::vector<int> CollectTilesToCast();
 

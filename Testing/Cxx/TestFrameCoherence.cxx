@@ -6,6 +6,7 @@
 #include "vtkCallbackCommand.h"
 #include "vtkContourValues.h"
 #include "vtkLight.h"
+#include "vtkLightCollection.h"
 #include "vtkPlane.h"
 
 #include <algorithm>
@@ -391,6 +392,152 @@ int TestAbort()
   return EXIT_SUCCESS;
 }
 
+/// Still pictures are shown again where nothing has changed, bit by bit as those that are cast
+/// anew.
+bool TestStillFrameCoherence()
+{
+  struct Change
+  {
+    const char* Name;
+    std::function<void(MovingScene&)> Do;
+    bool Reuses; ///< some of the picture
+  };
+  vtkNew<vtkPlane> plane;
+  plane->SetOrigin(4.0, 0.0, 0.0);
+  plane->SetNormal(1.0, 0.1, 0.0);
+  vtkNew<vtkImageData> mask;
+  mask->SetDimensions(24, 24, 24);
+  mask->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
+  mask->GetPointData()->GetScalars()->Fill(255.0);
+  const auto nothing = [](MovingScene&) {};
+  const std::vector<Change> changes = {
+    { "nothing", nothing, true },
+    { "geometry appears", [](MovingScene& s) { s.ConeActor->VisibilityOn(); }, true },
+    { "geometry moves", [](MovingScene& s) { s.Cone->SetCenter(2.0, 14.0, 12.0); }, true },
+    { "the color of geometry",
+      [](MovingScene& s) { s.ConeActor->GetProperty()->SetColor(0.0, 1.0, 0.0); }, true },
+    { "geometry disappears", [](MovingScene& s) { s.ConeActor->VisibilityOff(); }, true },
+    { "an edit", [](MovingScene& s) { s.Move(4, 3, 4, 0.4, 0.3, 0.0); }, false },
+    { "an edit of nothing", [](MovingScene& s) { s.Lattice->Modified(); }, true },
+    { "a plane", [&](MovingScene& s) { s.Mapper->AddClippingPlane(plane); }, false },
+    { "the plane moves", [&](MovingScene&) { plane->SetOrigin(8.0, 0.0, 0.0); }, false },
+    { "no plane", [](MovingScene& s) { s.Mapper->RemoveAllClippingPlanes(); }, false },
+    { "a mask",
+      [&](MovingScene& s) {
+        s.Mapper->SetMaskTypeToBinary();
+        s.Mapper->SetMaskInput(mask);
+      },
+      false },
+    { "values of the mask",
+      [&](MovingScene&) {
+        std::fill_n(static_cast<unsigned char*>(mask->GetScalarPointer()), 24 * 24 * 12, '\0');
+        mask->Modified();
+      },
+      false },
+    { "the function's points", [](MovingScene& s) { s.Opacity->AddPoint(120.0, 0.9); }, false },
+    { "the material", [](MovingScene& s) { s.Property->ShadeOn(); }, false },
+    { "the light",
+      [](MovingScene& s) {
+        vtkNew<vtkLight> light;
+        light->SetPosition(1.0, 5.0, 3.0);
+        s.Renderer->AddLight(light);
+      },
+      false },
+    { "the light moves",
+      [](MovingScene& s) {
+        vtkLightCollection* lights = s.Renderer->GetLights();
+        vtkLight::SafeDownCast(lights->GetItemAsObject(lights->GetNumberOfItems() - 1))
+          ->SetPosition(20.0, -50.0, 3.0);
+      },
+      false },
+    { "the camera", [](MovingScene& s) { s.Renderer->GetActiveCamera()->Azimuth(20.0); }, false },
+    { "a voxel",
+      [](MovingScene& s) {
+        s.Image->GetPointData()->GetScalars()->SetComponent(12 + 24 * (12 + 24 * 20), 0, 255.0);
+        s.Image->GetPointData()->GetScalars()->Modified();
+      },
+      false },
+    { "the place", [](MovingScene& s) { s.Volume->SetPosition(2.0, 0.0, 0.0); }, false },
+    { "cropping", [](MovingScene& s) { s.Mapper->CroppingOn(); }, false },
+    { "the size of pixels", [](MovingScene& s) { s.Mapper->SetImageSampleDistance(2.0); }, false },
+    { "pixels that geometry splits",
+      [](MovingScene& s) {
+        s.ConeActor->VisibilityOn();
+        s.Cone->SetCenter(2.0, 15.0, 12.0);
+      },
+      false },
+    { "other pixels that geometry splits",
+      [](MovingScene& s) { s.Cone->SetCenter(2.0, 18.0, 12.0); }, true },
+    { "the last color", [](MovingScene& s) { s.Mapper->SetFinalColorWindow(0.5); }, false },
+    { "a fold", [](MovingScene& s) { s.Move(4, 4, 4, 30.0, 0.0, 0.0); }, false },
+    { "nothing, folded", nothing, true },
+    { "maxima", [](MovingScene& s) { s.Mapper->SetBlendModeToMaximumIntensity(); }, false },
+    { "geometry before maxima", [](MovingScene& s) { s.Cone->SetCenter(4.0, 10.0, 20.0); }, true },
+    { "an image in between", [](MovingScene& s) { s.Render(); }, false },
+    { "a frame while the scene moves",
+      [](MovingScene& s) {
+        s.Window->SetDesiredUpdateRate(1000.0);
+        s.Window->Render();
+        s.Window->SetDesiredUpdateRate(1e-4);
+      },
+      false },
+    { "counts", [](MovingScene& s) { s.Mapper->CollectStatisticsOn(); }, false },
+    { "no counts", [](MovingScene& s) { s.Mapper->CollectStatisticsOff(); }, false },
+  };
+  Pair pair(400);
+  pair.Do([](MovingScene& s) { s.Window->SetDesiredUpdateRate(1e-4); });
+  pair.Coherent.Mapper->StillFrameCoherenceOn();
+  pair.Next();
+  bool ok = true;
+  for (const Change& change : changes)
+  {
+    pair.Do(change.Do);
+    Difference difference;
+    const double reused = pair.Next(difference);
+    std::cout << change.Name << ": " << reused << " of the still picture reused\n";
+    if ((reused > 0.0) != change.Reuses || difference.Largest != 0)
+    {
+      std::cerr << change.Name << ": " << reused << " of the still picture reused, difference "
+                << difference.Largest << "\n";
+      ok = false;
+    }
+    // What must come next is known of each.
+    ok = ok && pair.Next(difference) == (change.Name == std::string("counts") ? 0.0 : 1.0) &&
+      difference.Largest == 0;
+  }
+  return ok && pair.Coherent.Errors->Count == 0;
+}
+
+/// A still frame that was given up shows the last picture, and is not gone on from.
+int TestStillAbort()
+{
+  MovingScene scene(true);
+  scene.Window->SetDesiredUpdateRate(1e-4);
+  scene.Mapper->StillFrameCoherenceOn();
+  const std::vector<unsigned char> picture = scene.Show(Size);
+  const double time = scene.Mapper->GetExpectedStillTime();
+  FFD_CHECK(scene.Show(Size) == picture && scene.Mapper->GetReusedFraction() == 1.0);
+  FFD_CHECK(scene.Mapper->GetExpectedStillTime() >= time);
+  vtkNew<vtkCallbackCommand> abort;
+  abort->SetCallback([](vtkObject* caller, unsigned long, void*, void*) {
+    vtkAlgorithm::SafeDownCast(caller)->SetAbortExecute(1);
+  });
+  scene.Move(4, 3, 4, 3.0, 3.0, 0.0);
+  const unsigned long tag =
+    scene.Mapper->AddObserver(vtkCommand::VolumeMapperRenderProgressEvent, abort);
+  FFD_CHECK(scene.Show(Size) == picture);
+  scene.Mapper->RemoveObserver(tag);
+  const std::vector<unsigned char> edited = scene.Show(Size);
+  FFD_CHECK(scene.Mapper->GetReusedFraction() == 0.0);
+  FFD_CHECK(FFDLargestDifference(edited, picture) > 4);
+  // Default, copies.
+  vtkNew<vtkFFDInverseRayVolumeMapper> copy;
+  FFD_CHECK(!copy->GetStillFrameCoherence());
+  copy->ShallowCopy(scene.Mapper);
+  FFD_CHECK(copy->GetStillFrameCoherence());
+  return EXIT_SUCCESS;
+}
+
 /// What is behind something opaque may move as it likes.
 int TestReach()
 {
@@ -482,6 +629,8 @@ int TestFrameCoherence(int, char*[])
   FFD_CHECK(ok);
   FFD_CHECK(TestStillPictures() == EXIT_SUCCESS);
   FFD_CHECK(TestAbort() == EXIT_SUCCESS);
+  FFD_CHECK(TestStillFrameCoherence());
+  FFD_CHECK(TestStillAbort() == EXIT_SUCCESS);
   FFD_CHECK(TestReach() == EXIT_SUCCESS);
   FFD_CHECK(TestOptions() == EXIT_SUCCESS);
   FFD_CHECK(TestAdaptedDistance() == EXIT_SUCCESS);

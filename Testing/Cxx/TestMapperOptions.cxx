@@ -282,17 +282,18 @@ bool TestPrintSelf()
   m->SetMaximumSegmentLength(7.25);
   std::ostringstream text;
   m->Print(text);
-  for (const char* name : { "Deformation: ", "InverseMode: EXACT", "InverseTolerance: 0.01",
-         "Segmentation: ERROR_BOUND", "PositionTolerance: 0.1", "AngleThreshold: 5",
-         "MinimumSegmentLength: 0.5", "MaximumSegmentLength: 7.25", "SpaceLeaping: LIPSCHITZ",
-         "EarlyRayTerminationThreshold: ", "OpacityLength: WORLD", " SampleDistance: 1",
-         "InteractiveSampleDistance: 2", "LockSampleDistanceToInputSpacing: 1",
-         " ImageSampleDistance: 1", "MinimumImageSampleDistance: 1",
-         "MaximumImageSampleDistance: 10", "AutoAdjustSampleDistances: 1", "FrameCoherence: 1",
-         "FrameCoherenceTolerance: 0.25", "IntermixIntersectingGeometry: 1", "NumberOfThreads: 0",
-         "MaskInput: ", "MaskType: LabelMap", "MaskBlendFactor: 1", "Transfer2DYAxisArray: (none)",
-         "VectorMode: DISABLED", "VectorComponent: 0", "ComputeNormalFromOpacity: 0",
-         "ReferenceKernels: 0", "CollectStatistics: 0", "Statistics:" })
+  for (const char* name :
+    { "Deformation: ", "InverseMode: EXACT", "InverseTolerance: 0.01", "Segmentation: ERROR_BOUND",
+      "PositionTolerance: 0.1", "AngleThreshold: 5", "MinimumSegmentLength: 0.5",
+      "MaximumSegmentLength: 7.25", "SpaceLeaping: LIPSCHITZ",
+      "EarlyRayTerminationThreshold: ", "OpacityLength: WORLD", " SampleDistance: 1",
+      "InteractiveSampleDistance: 2", "LockSampleDistanceToInputSpacing: 1",
+      " ImageSampleDistance: 1", "MinimumImageSampleDistance: 1", "MaximumImageSampleDistance: 10",
+      "AutoAdjustSampleDistances: 1", "FrameCoherence: 1", "StillFrameCoherence: 0",
+      "FrameCoherenceTolerance: 0.25", "IntermixIntersectingGeometry: 1", "NumberOfThreads: 0",
+      "MaskInput: ", "MaskType: LabelMap", "MaskBlendFactor: 1", "Transfer2DYAxisArray: (none)",
+      "VectorMode: DISABLED", "VectorComponent: 0", "ComputeNormalFromOpacity: 0",
+      "ReferenceKernels: 0", "CollectStatistics: 0", "Statistics:" })
   {
     if (text.str().find(name) == std::string::npos)
     {

@@ -46,6 +46,35 @@ class TestRepresentation(unittest.TestCase):
         self.assertGreater(int(builds[1]), 3)
         self.assertEqual(int(builds[2]), 0)
 
+    def test_still_pictures_are_shown_again(self):
+        """Where what else is shown changes: as ParaView does for a widget below the pointer."""
+        self.show(Shape="Twist", Strength=1.0)
+        mapper = self.view.GetRenderer().GetVolumes().GetItemAsObject(0).GetMapper()
+
+        def reused():
+            return float(re.search(r"ReusedFraction: (\S+)", str(mapper)).group(1))
+        sphere = simple.Sphere(Center=[0.0, 14.0, 14.0], Radius=4.0)
+        display = simple.Show(sphere, self.view)
+        for change in (lambda: None, lambda: setattr(sphere, "Center", [4.0, 14.0, 14.0]),
+                       lambda: setattr(display, "DiffuseColor", [1.0, 0.0, 0.0])):
+            change()
+            again = ffd.picture(self.view, "again")
+            self.assertGreater(reused(), 0.2)
+            # As a frame that is cast as a whole.
+            for distance in (2.0, 1.0):
+                self.display.FFDSampleDistance = distance
+                simple.Render(self.view)
+                self.assertEqual(reused(), 0.0)
+            whole = ffd.picture(self.view, "whole")
+            self.assertTrue(np.array_equal(again, whole))
+        for each in ("Azimuth", "Strength"):
+            if each == "Azimuth":
+                self.view.GetActiveCamera().Azimuth(10.0)
+            else:
+                self.lattice.Strength = 0.5
+            simple.Render(self.view)
+            self.assertEqual(reused(), 0.0, each)
+
     def test_switching_picks_an_array(self):
         """In solid color a volume would be blank."""
         display = simple.Show(self.wavelet, self.view)

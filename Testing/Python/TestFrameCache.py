@@ -241,6 +241,7 @@ CLASSES = {
             SetRequestedRenderModeToDefault SetRequestedRenderModeToGPU
             SetRequestedRenderModeToOSPRay SetRequestedRenderModeToRayCast
             SetScalarModeToDefault SetScalarModeToUsePointData SetSegmentationToErrorBound
+            SetStillFrameCoherence StillFrameCoherenceOff StillFrameCoherenceOn
             SetSharedDepthTexture SetSpaceLeaping SetSpaceLeapingToLipschitz
             SetSpaceLeapingToOff SetSpaceLeapingToSegment SetUseDepthPass SetVectorComponent
             SetVectorModeToMagnitude SetVolumetricScatteringBlending UseDepthPassOff

@@ -275,6 +275,7 @@ bool Editor::Open(const std::string& volume, int points, const std::string& latt
   this->SetTransferFunctions();
   this->Mapper->SetInputData(this->Image);
   this->Mapper->SetDeformation(this->Lattice);
+  this->Mapper->StillFrameCoherenceOn(); // the widget renders where the pointer comes to a point
   this->Volume->SetMapper(this->Mapper);
   this->Volume->SetProperty(this->Property);
   this->Renderer->SetBackground(0.10, 0.11, 0.13);

@@ -309,7 +309,10 @@ void pqFFDLongFrames::endFrame(vtkObject* caller)
   }
   else if (frames.Last == Kind::Still && !window->GetAbortRender())
   {
-    frames.StillTime = vtkTimerLog::GetUniversalTime() - frames.BeginTime;
+    // The server shows what has not changed again: a short frame tells less of the next than a long
+    // one, and nothing if the user has not asked for it.
+    const double least = this->Asked ? 0.5 * frames.StillTime : frames.StillTime;
+    frames.StillTime = std::max(least, vtkTimerLog::GetUniversalTime() - frames.BeginTime);
     this->Asked = false;
     this->Unfinished.removeAll(this->findView(window));
   }

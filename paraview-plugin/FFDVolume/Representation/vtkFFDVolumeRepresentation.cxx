@@ -149,6 +149,8 @@ vtkFFDVolumeRepresentation::vtkFFDVolumeRepresentation()
 {
   AllRepresentations().push_back(this);
   this->VolumeMapper.TakeReference(this->Mapper);
+  // ParaView renders again for widgets below the pointer and for whatever else is shown.
+  this->Mapper->StillFrameCoherenceOn();
   this->Internals->Frames->SetQuestions(
     [this]() {
       return this->GetVisibility() && this->Actor->GetVisibility() &&
