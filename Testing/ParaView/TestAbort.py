@@ -61,8 +61,10 @@ class TestAbort(unittest.TestCase):
         end = time.monotonic() + 1000.0
         while time.monotonic() < end:
             with open(path, encoding="utf-8") as output:
-                if "Accepting" in output.read():
-                    return
+                text = output.read()
+            if "Accepting" in text:
+                return
+            self.assertIsNone(self.processes[-1].poll(), text)
             time.sleep(0.1)
         self.fail("The server does not accept connections.")
 
@@ -228,12 +230,12 @@ class TestAbort(unittest.TestCase):
                 if attempt == 3:
                     raise
                 self.wait_until_idle()
-        first = self.next("end", seconds=60.0, still=True, aborted=False)["view"]
-        self.next("begin", seconds=60.0, view=1 - first, still=True)
+        first = self.next("end", seconds=300.0, still=True, aborted=False)["view"]
+        self.next("begin", seconds=300.0, view=1 - first, still=True)
         ffdinput.move(*(BACKGROUND, RIGHT)[first])
         ffdinput.click(ffdinput.WHEEL_DOWN)
-        self.next("end", seconds=60.0, view=1 - first, still=True, aborted=True)
-        self.next("end", seconds=60.0, view=1 - first, still=True, aborted=False)
+        self.next("end", seconds=300.0, view=1 - first, still=True, aborted=True)
+        self.next("end", seconds=300.0, view=1 - first, still=True, aborted=False)
 
     def test_size(self):
         """Widgets that are painted to show the progress do not take the frame away: the view itself,
