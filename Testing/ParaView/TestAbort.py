@@ -217,12 +217,14 @@ class TestAbort(unittest.TestCase):
         window = ffdinput.find_window("ParaView 5")
         for attempt in range(4):
             ffdinput.move(100, 600)
+            # Qt drops a motion that it has not handled when another one comes.
+            time.sleep(0.5 * 2**attempt)
             ffdinput.focus(window)
             ffdinput.strike("F8")
             ffdinput.move(*BACKGROUND)
             try:
-                self.next("end", seconds=20.0, view=0, still=False)
-                self.next("end", seconds=20.0, view=1, still=False)
+                self.next("end", seconds=30.0, view=0, still=False)
+                self.next("end", seconds=30.0, view=1, still=False)
                 break
             except self.failureException:
                 # On a busy machine a still frame may end between the key and the pointer's coming, or
