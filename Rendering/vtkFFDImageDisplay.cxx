@@ -191,6 +191,74 @@ private:
   std::array<std::array<GLboolean, 4>, 8> Masks{};
 };
 
+/// How OpenGL finds pixels in memory, for as long as it lives: rows of `width` pixels (0: those
+/// that are transferred) without gaps. Whoever else draws in the context may have left it
+/// otherwise, or have bound a buffer that pixels would go to.
+class PixelStorage
+{
+public:
+  enum Direction
+  {
+    Read,
+    Upload
+  };
+  explicit PixelStorage(Direction direction, GLint width = 0)
+    : Names(direction == Read ? ForReading : ForUploads)
+  {
+    for (std::size_t i = 0; i < this->Values.size(); ++i)
+    {
+      glGetIntegerv(this->Names.Parameters[i], &this->Values[i]);
+      glPixelStorei(this->Names.Parameters[i], i == 0 ? 1 : i == 1 ? width : 0);
+    }
+    glGetIntegerv(this->Names.Binding, &this->Buffer);
+    glBindBuffer(this->Names.Target, 0);
+  }
+  ~PixelStorage()
+  {
+    for (std::size_t i = 0; i < this->Values.size(); ++i)
+    {
+      glPixelStorei(this->Names.Parameters[i], this->Values[i]);
+    }
+    glBindBuffer(this->Names.Target, static_cast<GLuint>(this->Buffer));
+  }
+  PixelStorage(const PixelStorage&) = delete;
+  void operator=(const PixelStorage&) = delete;
+
+private:
+  struct NameSet
+  {
+    std::array<GLenum, 5> Parameters; ///< first the alignment and the width of rows
+    GLenum Target;
+    GLenum Binding;
+  };
+  static constexpr NameSet ForReading = { { GL_PACK_ALIGNMENT, GL_PACK_ROW_LENGTH,
+                                            GL_PACK_SKIP_ROWS, GL_PACK_SKIP_PIXELS,
+                                            GL_PACK_SWAP_BYTES },
+    GL_PIXEL_PACK_BUFFER, GL_PIXEL_PACK_BUFFER_BINDING };
+  static constexpr NameSet ForUploads = { { GL_UNPACK_ALIGNMENT, GL_UNPACK_ROW_LENGTH,
+                                            GL_UNPACK_SKIP_ROWS, GL_UNPACK_SKIP_PIXELS,
+                                            GL_UNPACK_SWAP_BYTES },
+    GL_PIXEL_UNPACK_BUFFER, GL_PIXEL_UNPACK_BUFFER_BINDING };
+
+  const NameSet& Names;
+  std::array<GLint, 5> Values{};
+  GLint Buffer = 0;
+};
+
+/// Makes depths of the buffer those of the viewing volume, where they are a part of 0 to 1 only.
+void UndoDepthRange(float* depths, std::size_t count)
+{
+  GLfloat range[2] = { 0.0f, 1.0f };
+  glGetFloatv(GL_DEPTH_RANGE, range);
+  if ((range[0] == 0.0f && range[1] == 1.0f) || range[0] == range[1])
+  {
+    return;
+  }
+  std::transform(depths, depths + count, depths, [&range](float depth) {
+    return std::clamp((depth - range[0]) / (range[1] - range[0]), 0.0f, 1.0f);
+  });
+}
+
 /// A framebuffer with one sample for each pixel of a rectangle of the one that is read from.
 class ResolvedDepths
 {
@@ -265,6 +333,7 @@ struct vtkFFDImageDisplay::Resources
     const auto columns = static_cast<unsigned int>(rectangle.Width());
     const auto rows = static_cast<unsigned int>(rectangle.Height());
     texture->SetContext(this->Window);
+    const PixelStorage storage(PixelStorage::Upload, width);
     if (texture->GetHandle() == 0 || texture->GetWidth() != columns ||
       texture->GetHeight() != rows || texture->GetVTKDataType() != Type)
     {
@@ -275,15 +344,11 @@ struct vtkFFDImageDisplay::Resources
       }
     }
     texture->Bind();
-    vtkOpenGLState* const state = this->Window->GetState();
-    state->vtkglPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    state->vtkglPixelStorei(GL_UNPACK_ROW_LENGTH, width);
     const std::ptrdiff_t first =
       static_cast<std::ptrdiff_t>(width) * rectangle.Low[1] + rectangle.Low[0];
     glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, rectangle.Width(), rectangle.Height(),
       texture->GetFormat(Type, components, false), AreFloats ? GL_FLOAT : GL_UNSIGNED_BYTE,
       image + components * first);
-    state->vtkglPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
     texture->SetWrapS(vtkTextureObject::ClampToEdge);
     texture->SetWrapT(vtkTextureObject::ClampToEdge);
     texture->SetMinificationFilter(filter);
@@ -472,7 +537,7 @@ bool vtkFFDImageDisplay::ReadDepths(vtkRenderer* renderer, const int rectangle[4
   bool ok = format != 0;
   if (ok)
   {
-    window->GetState()->vtkglPixelStorei(GL_PACK_ALIGNMENT, 1);
+    const PixelStorage storage(PixelStorage::Read);
     if (samples > 0)
     {
       ResolvedDepths(format, rectangle).Read(rectangle + 2, depths);
@@ -483,6 +548,8 @@ bool vtkFFDImageDisplay::ReadDepths(vtkRenderer* renderer, const int rectangle[4
         GL_FLOAT, depths);
     }
     ok = glGetError() == GL_NO_ERROR;
+    UndoDepthRange(
+      depths, static_cast<std::size_t>(rectangle[2]) * static_cast<std::size_t>(rectangle[3]));
   }
   glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(read));
   ClearErrors();

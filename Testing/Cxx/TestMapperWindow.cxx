@@ -4,15 +4,20 @@
 // and viewports.
 #include "FFDTestVolume.h"
 
+#include "vtkFFDVersions.h"
+
 #include "vtkCallbackCommand.h"
 #include "vtkOpenGLFramebufferObject.h"
 #include "vtkOpenGLRenderWindow.h"
+#include "vtkOpenGLState.h"
 #include "vtkPixelBufferObject.h"
 #include "vtkTextureObject.h"
+#include VTK_FFD_OPENGL_HEADER
 
 #include "vtksys/SystemTools.hxx"
 
 #include <algorithm>
+#include <functional>
 #include <iostream>
 #include <vector>
 
@@ -346,6 +351,79 @@ bool TestFloats()
   return read && brightest > 1.2f;
 }
 
+/// Another user of the context may leave its pixel transfers as it likes, and a part of the depths
+/// for what is drawn.
+bool TestStateOfOthers()
+{
+  struct OpenGLScene : FFDTestScene
+  {
+    vtkOpenGLState* GetState() const
+    {
+      return vtkOpenGLRenderWindow::SafeDownCast(this->Window)->GetState();
+    }
+  } scene;
+  scene.Cone->SetCenter(11.0, 11.0, 14.0);
+  scene.Opacity->AddPoint(40.0, 0.3);
+  scene.Show();
+  struct Case
+  {
+    const char* Name;
+    std::function<void()> Begin;
+    std::function<void()> End;
+  };
+  std::vector<Case> cases = { { "nothing", [] {}, [] {} },
+    { "a part of the depths", [] { glDepthRangef(0.2f, 0.7f); },
+      [] { glDepthRangef(0.0f, 1.0f); } } };
+  for (GLenum parameter :
+    { GL_PACK_ROW_LENGTH, GL_PACK_SKIP_ROWS, GL_PACK_SKIP_PIXELS, GL_PACK_SWAP_BYTES,
+      GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_ROWS, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SWAP_BYTES })
+  {
+    cases.push_back({ "pixels in memory",
+      [&scene, parameter] { scene.GetState()->vtkglPixelStorei(parameter, 1); },
+      [&scene, parameter] { scene.GetState()->vtkglPixelStorei(parameter, 0); } });
+  }
+  GLuint buffer = 0;
+  for (GLenum target : { GL_PIXEL_PACK_BUFFER, GL_PIXEL_UNPACK_BUFFER })
+  {
+    cases.push_back({ "a buffer of pixels",
+      [target, &buffer] {
+        glGenBuffers(1, &buffer);
+        glBindBuffer(target, buffer);
+        glBufferData(target, 1 << 20, nullptr, GL_STREAM_DRAW);
+      },
+      [target, &buffer] {
+        glBindBuffer(target, 0);
+        glDeleteBuffers(1, &buffer);
+      } });
+  }
+  vtkCamera* const camera = scene.Renderer->GetActiveCamera();
+  std::vector<unsigned char> expected;
+  bool ok = true;
+  for (const Case& each : cases)
+  {
+    camera->Azimuth(60.0);
+    scene.Show();
+    camera->Azimuth(-60.0);
+    each.Begin();
+    scene.Window->Render();
+    each.End();
+    vtkNew<vtkUnsignedCharArray> pixels;
+    scene.Window->GetPixelData(0, 0, 79, 79, 0, pixels);
+    const unsigned char* p = pixels->GetPointer(0);
+    const std::vector<unsigned char> picture(p, p + pixels->GetNumberOfValues());
+    expected = expected.empty() ? picture : expected;
+    const int difference = FFDLargestDifference(picture, expected);
+    // Of a part of the depths fewer bits are left.
+    if (difference > (&each == &cases[1] ? 2 : 0))
+    {
+      std::cerr << each.Name << " (" << &each - cases.data() << "): difference " << difference
+                << "\n";
+      ok = false;
+    }
+  }
+  return ok;
+}
+
 } // namespace
 
 int TestMapperWindow(int, char*[])
@@ -358,5 +436,6 @@ int TestMapperWindow(int, char*[])
   FFD_CHECK(TestWindows());
   FFD_CHECK(TestTwoVolumes());
   FFD_CHECK(TestFloats());
+  FFD_CHECK(TestStateOfOthers());
   return EXIT_SUCCESS;
 }
