@@ -175,6 +175,32 @@ void SortByGroup(const ffd::RayCaster& caster, const ffd::CastImage& image,
   tiles.swap(sorted);
 }
 
+/// What a frame that was not finished, by an abort or an exception, leaves is nothing to go on
+/// from.
+class UnfinishedFrame
+{
+public:
+  explicit UnfinishedFrame(vtkFFDFrameCoherence& coherence)
+    : Coherence(coherence)
+  {
+  }
+  ~UnfinishedFrame()
+  {
+    if (!this->Finished)
+    {
+      this->Coherence.Clear();
+    }
+  }
+  UnfinishedFrame(const UnfinishedFrame&) = delete;
+  void operator=(const UnfinishedFrame&) = delete;
+
+  void SetFinished() { this->Finished = true; }
+
+private:
+  vtkFFDFrameCoherence& Coherence;
+  bool Finished = false;
+};
+
 /// The rays of a frame are drawn over more pixels: those whose centers are nearer than a step.
 class Footprints
 {
@@ -262,6 +288,7 @@ bool vtkFFDFrameCaster::CanReuse(vtkVolume* volume) const
 bool vtkFFDFrameCaster::Cast(
   vtkFFDFrame& frame, const View& view, const float* depths, float* outDepths)
 {
+  UnfinishedFrame unfinished(this->Coherence);
   const vtkFFDImageRegion& region = view.Region;
   const vtkFFDFrameScene views(
     this->Mapper, this->Cache, view.Renderer, view.Volume, region, depths);
@@ -454,9 +481,9 @@ bool vtkFFDFrameCaster::Cast(
   }
   if (aborted)
   {
-    this->Coherence.Clear();
+    return false;
   }
-  else if (reuses)
+  if (reuses)
   {
     this->Visible = FindVisible(this->Colors.Floats, region.Rays, parallelFor);
     // The next frame takes up the floats.
@@ -471,7 +498,7 @@ bool vtkFFDFrameCaster::Cast(
     workers.ForEach([&](const Worker& each) { this->Visible.Add(each.Visible); });
   }
 
-  if (collect && !aborted)
+  if (collect)
   {
     ffd::CastStatistics total;
     workers.ForEach(
@@ -480,7 +507,8 @@ bool vtkFFDFrameCaster::Cast(
       total.Samples, total.VisibleSamples, total.DistanceLookups, total.Evaluations,
       total.Unconverged);
   }
-  return !aborted;
+  unfinished.SetFinished();
+  return true;
 }
 
 //------------------------------------------------------------------------------

@@ -218,6 +218,7 @@ void vtkFFDInverseRayVolumeMapper::vtkInternals::KeepPicture(bool reuses)
   else
   {
     std::swap(this->Caster.GetPicture(), this->LastPicture);
+    this->Caster.GetCoherence().Clear(); // it knows of the picture that is put by
   }
   this->Last = this->Shown;
 }

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <new>
 #include <string>
 #include <utility>
 
@@ -538,6 +539,33 @@ int TestStillAbort()
   return EXIT_SUCCESS;
 }
 
+/// After a frame that ended by an exception, as of an allocation, nothing of its picture is shown
+/// again.
+int TestException(bool still)
+{
+  MovingScene scene(true);
+  if (still)
+  {
+    scene.Window->SetDesiredUpdateRate(1e-4);
+    scene.Mapper->StillFrameCoherenceOn();
+  }
+  scene.Show(Size);
+  vtkNew<vtkCallbackCommand> fail;
+  fail->SetCallback([](vtkObject*, unsigned long, void*, void*) { throw std::bad_alloc(); });
+  scene.Move(4, 3, 4, 3.0, 3.0, 0.0);
+  const unsigned long tag =
+    scene.Mapper->AddObserver(vtkCommand::VolumeMapperRenderProgressEvent, fail);
+  scene.Show(Size);
+  FFD_CHECK(scene.Errors->Count == 1);
+  scene.Mapper->RemoveObserver(tag);
+  const std::vector<unsigned char> picture = scene.Show(Size);
+  FFD_CHECK(scene.Mapper->GetReusedFraction() == 0.0);
+  scene.Mapper->FrameCoherenceOff();
+  scene.Mapper->StillFrameCoherenceOff();
+  FFD_CHECK(FFDLargestDifference(picture, scene.Show(Size)) <= (still ? 0 : OtherTiles));
+  return EXIT_SUCCESS;
+}
+
 /// What is behind something opaque may move as it likes.
 int TestReach()
 {
@@ -631,6 +659,8 @@ int TestFrameCoherence(int, char*[])
   FFD_CHECK(TestAbort() == EXIT_SUCCESS);
   FFD_CHECK(TestStillFrameCoherence());
   FFD_CHECK(TestStillAbort() == EXIT_SUCCESS);
+  FFD_CHECK(TestException(true) == EXIT_SUCCESS);
+  FFD_CHECK(TestException(false) == EXIT_SUCCESS);
   FFD_CHECK(TestReach() == EXIT_SUCCESS);
   FFD_CHECK(TestOptions() == EXIT_SUCCESS);
   FFD_CHECK(TestAdaptedDistance() == EXIT_SUCCESS);
