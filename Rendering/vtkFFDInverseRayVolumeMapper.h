@@ -467,7 +467,8 @@ public:
    * made from has changed since: the same volume, deformation, camera, lights and options. Cast
    * anew are those parts, of 64 x 64 rays, in which other props hide more or less of the volume. So
    * a pointer that moves over a widget, or a text that changes, does not wait for the volume. The
-   * picture is the same as without, bit by bit. Costs the memory of a second picture. Not used for
+   * picture is the same as without, bit by bit, and GetTimeToDraw() stays that of the frame that
+   * was cast, by which vtkLODProp3D chooses. Costs the memory of a second picture. Not used for
    * blend mode slice, nor with CollectStatistics. Leave it off where the time of frames is
    * measured. Default: off.
    */

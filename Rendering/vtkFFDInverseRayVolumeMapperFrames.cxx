@@ -484,11 +484,14 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   }
   if (shown)
   {
-    this->TimeToDraw = timer->GetElapsedTime();
+    const double seconds = timer->GetElapsedTime();
+    // Levels of detail are chosen by the time that the volume takes: a still picture that is shown
+    // again was cast in that of the last frame.
+    const bool again = done && !moving && in.Caster.GetReusedFraction() > 0.0;
+    this->TimeToDraw = again ? std::max(this->TimeToDraw, seconds) : seconds;
     if (done)
     {
-      in.Plan.RecordFrame(
-        this->TimeToDraw, region.Step, interactive, in.Caster.GetReusedFraction());
+      in.Plan.RecordFrame(seconds, region.Step, interactive, in.Caster.GetReusedFraction());
       view.Complete = true;
       view.Visible = in.Caster.GetVisible();
       in.Shown = view;

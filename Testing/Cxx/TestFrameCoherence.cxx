@@ -517,8 +517,10 @@ int TestStillAbort()
   scene.Mapper->StillFrameCoherenceOn();
   const std::vector<unsigned char> picture = scene.Show(Size);
   const double time = scene.Mapper->GetExpectedStillTime();
+  const double timeToDraw = scene.Mapper->GetTimeToDraw();
   FFD_CHECK(scene.Show(Size) == picture && scene.Mapper->GetReusedFraction() == 1.0);
   FFD_CHECK(scene.Mapper->GetExpectedStillTime() >= time);
+  FFD_CHECK(scene.Mapper->GetTimeToDraw() >= timeToDraw);
   vtkNew<vtkCallbackCommand> abort;
   abort->SetCallback([](vtkObject* caller, unsigned long, void*, void*) {
     vtkAlgorithm::SafeDownCast(caller)->SetAbortExecute(1);
