@@ -74,8 +74,10 @@ bool IsPeeled(vtkRenderer* renderer, vtkVolume* volume)
 bool MayBeHidden(vtkRenderer* renderer, vtkVolume* volume)
 {
   // A renderer of this class clears depths and draws its props, unless it is told otherwise.
+  vtkRenderWindow* window = renderer->GetRenderWindow();
   const bool usual = renderer->GetClassName() == std::string("vtkOpenGLRenderer") &&
-    renderer->GetErase() && !renderer->GetPreserveDepthBuffer() && !renderer->GetPass();
+    renderer->GetErase() && (!window || window->GetErase()) &&
+    !renderer->GetPreserveDepthBuffer() && !renderer->GetPass() && !renderer->GetDelegate();
   if (!usual)
   {
     return true;

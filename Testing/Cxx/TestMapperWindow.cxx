@@ -11,6 +11,7 @@
 #include "vtkOpenGLRenderWindow.h"
 #include "vtkOpenGLState.h"
 #include "vtkPixelBufferObject.h"
+#include "vtkRendererDelegate.h"
 #include "vtkTextureObject.h"
 #include VTK_FFD_OPENGL_HEADER
 
@@ -82,6 +83,24 @@ bool TestGeometry()
   return FFDLargestDifference(with, without) > 20 && FFDLargestDifference(with, scene.Show()) == 0;
 }
 
+/// Draws a cone that its renderer does not know, and a volume.
+class ConeDelegate : public vtkRendererDelegate
+{
+public:
+  static ConeDelegate* New() { VTK_STANDARD_NEW_BODY(ConeDelegate); }
+  vtkTypeMacro(ConeDelegate, vtkRendererDelegate);
+
+  void Render(vtkRenderer* renderer) override
+  {
+    renderer->GetActiveCamera()->Render(renderer);
+    this->Cone->RenderOpaqueGeometry(renderer);
+    this->Volume->RenderVolumetricGeometry(renderer);
+  }
+
+  vtkActor* Cone = nullptr;
+  vtkVolume* Volume = nullptr;
+};
+
 /// The cone hides the volume, too, where it was drawn by another renderer, or before the picture
 /// was last erased.
 int TestGeometryOfOthers()
@@ -111,6 +130,27 @@ int TestGeometryOfOthers()
   scene.Renderer->PreserveDepthBufferOff();
   scene.Renderer->EraseOff();
   FFD_CHECK(FFDLargestDifference(wanted, scene.Show()) == 0);
+
+  // The window, too, may leave what it shows; and a delegate draws what it likes.
+  FFDTestScene last;
+  last.Cone->SetCenter(11.0, 11.0, 14.0);
+  last.Opacity->AddPoint(40.0, 0.3);
+  last.Volume->VisibilityOff();
+  last.Show();
+  last.ConeActor->VisibilityOff();
+  last.Volume->VisibilityOn();
+  last.Window->EraseOff();
+  FFD_CHECK(FFDLargestDifference(wanted, last.Show()) == 0);
+  last.Window->EraseOn();
+  vtkNew<ConeDelegate> delegate;
+  delegate->Cone = last.ConeActor;
+  delegate->Volume = last.Volume;
+  delegate->UsedOn();
+  last.Renderer->RemoveActor(last.ConeActor);
+  last.ConeActor->VisibilityOn();
+  last.Renderer->SetDelegate(delegate);
+  FFD_CHECK(FFDLargestDifference(wanted, last.Show()) == 0);
+  last.Renderer->SetDelegate(nullptr);
   FFD_CHECK(scene.Errors->Count == 0);
   return EXIT_SUCCESS;
 }
