@@ -9,9 +9,10 @@
 #include "vtkFFDFrameStages.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDRayStatistics.h"
+#include "vtkFFDTileQueue.h"
+#include "vtkFFDTileWorkers.h"
 #include "vtkFFDViewFromRenderer.h"
 
-#include "FFDClipToBox.h"
 #include "FFDPixelBytes.h"
 #include "FFDRayCaster.h"
 
@@ -22,22 +23,18 @@
 #include <glm/common.hpp>
 
 #include <algorithm>
-#include <array>
-#include <atomic>
 #include <bitset>
-#include <cmath>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <numeric>
 #include <utility>
 #include <vector>
 
 namespace
 {
 
-/// Reports of the progress of a frame of which no time is known, if somebody follows it; else the
-/// clock says when.
+/// Reports of the progress of a frame, at least, of which no time is known and which somebody
+/// follows; else the clock alone says when.
 constexpr std::size_t LeastReports = 16;
 
 /// Which part of an image of `rays` some subtiles of tiles are, by their number.
@@ -79,102 +76,6 @@ ffd::VisibleRectangle FindVisible(
   return all;
 }
 
-/// What a thread keeps between tiles; aligned so that no two share a line of the cache.
-struct alignas(128) Worker
-{
-  ffd::RayCaster::Scratch Scratch;
-  ffd::VisibleRectangle Visible; ///< of its tiles
-  /// Of a tile of a picture of bytes.
-  std::array<float, std::size_t{ 4 } * ffd::RayCaster::TileSize * ffd::RayCaster::TileSize> Colors;
-
-  /// The image that a tile is cast into before its colors are rounded.
-  ffd::CastImage GetTile(const ffd::CastImage& image, const ffd::RayCaster::TileRange& range)
-  {
-    ffd::CastImage tile = image;
-    tile.Colors = this->Colors.data();
-    tile.FirstColor = range.First;
-    tile.ColorsInRow = ffd::RayCaster::TileSize;
-    return tile;
-  }
-};
-
-/// Colors of the tiles of a picture of bytes that are not finished.
-class BegunTiles
-{
-public:
-  void Keep(int tile, const Worker& worker)
-  {
-    this->Colors[tile].assign(worker.Colors.begin(), worker.Colors.end());
-  }
-  void Restore(int tile, Worker& worker) const
-  {
-    const std::vector<float>& colors = this->Colors.at(tile);
-    std::copy(colors.begin(), colors.end(), worker.Colors.begin());
-  }
-
-private:
-  std::map<int, std::vector<float>> Colors;
-};
-
-/// Those of a frame. Each thread makes its own, all at the same time.
-class Workers
-{
-public:
-  explicit Workers(const vtkFFDParallelFor& parallelFor)
-    : All(static_cast<std::size_t>(parallelFor.GetNumberOfWorkers()))
-  {
-  }
-
-  std::size_t GetSize() const { return this->All.size(); }
-
-  Worker& Get(int number)
-  {
-    std::unique_ptr<Worker>& worker = this->All[static_cast<std::size_t>(number)];
-    if (!worker)
-    {
-      worker.reset(new Worker); // std::make_unique() would fill its 100 kB with zeros
-    }
-    return *worker;
-  }
-
-  template <class Work>
-  void ForEach(const Work& work) const
-  {
-    for (const std::unique_ptr<Worker>& worker : this->All)
-    {
-      if (worker)
-      {
-        work(*worker);
-      }
-    }
-  }
-
-private:
-  std::vector<std::unique_ptr<Worker>> All;
-};
-
-/// Brings the tiles of each group together. They are few: by counting, in one pass.
-void SortByGroup(const ffd::RayCaster& caster, const ffd::CastImage& image,
-  std::vector<vtkFFDFrameCoherence::Part>& tiles)
-{
-  std::vector<std::size_t> places; // where the tiles of each group begin
-  std::vector<std::size_t> groups;
-  groups.reserve(tiles.size());
-  for (const vtkFFDFrameCoherence::Part& tile : tiles)
-  {
-    groups.push_back(static_cast<std::size_t>(caster.GetGroup(tile.Tile, image)));
-    places.resize(std::max(places.size(), groups.back() + 2));
-    ++places[groups.back() + 1];
-  }
-  std::partial_sum(places.begin(), places.end(), places.begin());
-  std::vector<vtkFFDFrameCoherence::Part> sorted(tiles.size());
-  for (std::size_t i = 0; i < tiles.size(); ++i)
-  {
-    sorted[places[groups[i]]++] = tiles[i];
-  }
-  tiles.swap(sorted);
-}
-
 /// What a frame that was not finished, by an abort or an exception, leaves is nothing to go on
 /// from.
 class UnfinishedFrame
@@ -201,59 +102,107 @@ private:
   bool Finished = false;
 };
 
-/// The rays of a frame are drawn over more pixels: those whose centers are nearer than a step.
-class Footprints
+/// Takes up the tiles of a picture as workers cast them.
+class PictureOfTiles
 {
 public:
-  Footprints(const vtkFFDImageRegion& region, const glm::ivec2& pixels)
-    : Pixels(pixels)
-    , Step(region.Step)
-    , Reach(region.Step > 1.0 ? region.Step : 0.5)
+  /// `bytes`: an image of these is wanted, whose tiles are cast by the workers into floats of their
+  /// own. Else the floats of the picture are those of `image`.
+  PictureOfTiles(vtkFFDFrameCaster::Picture& picture, const ffd::CastImage& image,
+    const vtkFFDFinalColors& finalColors, bool bytes, bool premultiplied)
+    : Picture(picture)
+    , Image(image)
+    , FinalColors(finalColors)
+    , Bytes(bytes)
+    , Premultiplied(premultiplied)
   {
   }
 
-  /// Rows or columns of pixels of a ray, from the first to the last.
-  struct Range
-  {
-    int First;
-    int Last;
-  };
-  Range GetColumns(int x) const { return this->GetRange(x, this->Pixels.x - 1); }
-  Range GetRows(int y) const { return this->GetRange(y, this->Pixels.y - 1); }
+  bool IsOfBytes() const { return this->Bytes; }
 
-  /// The nearest of the window depths, `all` of them, of the pixels of a ray between two depths; 1
-  /// if there is none.
-  float FindNearest(const std::vector<float>& all, int x, int y, float low, float high) const
+  /// The image that a worker is to cast a tile into; colors of a tile that has been begun are
+  /// there.
+  ffd::CastImage Open(const vtkFFDFrameCoherence::Part& part, vtkFFDTileWorker& worker)
   {
-    const Range columns = this->GetColumns(x);
-    const Range rows = this->GetRows(y);
-    float nearest = 1.0f;
-    for (int py = rows.First; py <= rows.Last; ++py)
+    ffd::CastImage image = this->Image;
+    if (this->Bytes)
     {
-      for (int px = columns.First; px <= columns.Last; ++px)
+      image.Colors = worker.Colors.data();
+      image.FirstColor = this->FindRange(part).First;
+      image.ColorsInRow = ffd::RayCaster::TileSize;
+      if (part.First != 0)
       {
-        const float depth = all[static_cast<std::size_t>(py) * this->Pixels.x + px];
-        nearest = depth > low && depth < high ? std::min(nearest, depth) : nearest;
+        const std::lock_guard<std::mutex> lock(this->Mutex);
+        const std::vector<float>& colors = this->Begun.at(part.Tile);
+        std::copy(colors.begin(), colors.end(), worker.Colors.begin());
       }
     }
-    return nearest;
+    return image;
+  }
+
+  /// A tile is not finished: it will be opened again.
+  void Keep(const vtkFFDFrameCoherence::Part& part, const vtkFFDTileWorker& worker)
+  {
+    if (this->Bytes)
+    {
+      const std::lock_guard<std::mutex> lock(this->Mutex);
+      this->Begun[part.Tile].assign(worker.Colors.begin(), worker.Colors.end());
+    }
+  }
+
+  /// `findVisible`: note what is visible of the tile.
+  void Finish(const vtkFFDFrameCoherence::Part& part, const ffd::CastImage& colors,
+    vtkFFDTileWorker& worker, bool findVisible)
+  {
+    this->FinalColors.Apply(colors, part);
+    const ffd::RayCaster::TileRange range = this->FindRange(part);
+    const glm::ivec2& first = range.First;
+    if (findVisible)
+    {
+      worker.Visible.AddPixels(
+        colors.GetColor(first.x, first.y), colors.GetColorsInRow(), first, range.End);
+    }
+    for (int y = first.y; this->Bytes && y < range.End.y; ++y)
+    {
+      ffd::WritePixelBytes(colors.GetColor(first.x, y),
+        static_cast<std::size_t>(range.End.x - first.x), this->Premultiplied,
+        &this->Picture.Bytes[4 * this->FindPixel(first.x, y)]);
+    }
+  }
+
+  /// What Finish() makes of a tile of a picture of bytes through which nothing can be seen.
+  void Clear(const vtkFFDFrameCoherence::Part& part)
+  {
+    const ffd::RayCaster::TileRange range = this->FindRange(part);
+    const std::size_t width = static_cast<std::size_t>(range.End.x - range.First.x);
+    for (int y = range.First.y; y < range.End.y; ++y)
+    {
+      const std::size_t at = this->FindPixel(range.First.x, y);
+      std::fill_n(&this->Picture.Bytes[4 * at], 4 * width, static_cast<unsigned char>(0));
+      if (this->Image.Depths)
+      {
+        std::fill_n(this->Image.Depths + at, width, 1.0f);
+      }
+    }
   }
 
 private:
-  Range GetRange(int ray, int lastPixel) const
+  ffd::RayCaster::TileRange FindRange(const vtkFFDFrameCoherence::Part& part) const
   {
-    const double center = (ray + 0.5) * this->Step;
-    Range range;
-    range.First =
-      std::clamp(static_cast<int>(std::floor(center - this->Reach + 0.5)), 0, lastPixel);
-    range.Last = std::clamp(
-      static_cast<int>(std::ceil(center + this->Reach - 0.5)) - 1, range.First, lastPixel);
-    return range;
+    return { part.Tile, glm::ivec2(this->Image.Width, this->Image.Height) };
+  }
+  std::size_t FindPixel(int x, int y) const
+  {
+    return static_cast<std::size_t>(y) * this->Image.Width + x;
   }
 
-  glm::ivec2 Pixels;
-  double Step;
-  double Reach;
+  vtkFFDFrameCaster::Picture& Picture;
+  const ffd::CastImage& Image;
+  const vtkFFDFinalColors& FinalColors;
+  bool Bytes;
+  bool Premultiplied;
+  std::mutex Mutex;
+  std::map<int, std::vector<float>> Begun; // colors of the tiles of bytes that are not finished
 };
 
 } // namespace
@@ -276,6 +225,13 @@ vtkFFDParallelFor vtkFFDFrameCaster::MakeParallelFor() const
 }
 
 //------------------------------------------------------------------------------
+ffd::CastSettings vtkFFDFrameCaster::MakeSettings(const View& view) const
+{
+  return vtkFFDFramePlan::MakeSettings(
+    this->Mapper, this->Cache, view.Volume, view.Interactive, view.Region.Step);
+}
+
+//------------------------------------------------------------------------------
 bool vtkFFDFrameCaster::CanReuse(vtkVolume* volume) const
 {
   return !this->Mapper->GetCollectStatistics() &&
@@ -285,201 +241,140 @@ bool vtkFFDFrameCaster::CanReuse(vtkVolume* volume) const
 }
 
 //------------------------------------------------------------------------------
+/// Make the caster of a picture, and find the tiles that it must cast. `layers`: see
+/// FirstVisible.
+std::unique_ptr<const ffd::RayCaster> vtkFFDFrameCaster::MakeCaster(const View& view,
+  const ffd::CastScene& scene, bool layers, bool reuses, ffd::CastImage& image,
+  std::vector<vtkFFDFrameCoherence::Part>& tiles)
+{
+  const std::size_t rays =
+    static_cast<std::size_t>(image.Width) * static_cast<std::size_t>(image.Height);
+  if (layers == this->FirstVisible.empty() || !reuses)
+  {
+    this->Coherence.Clear();
+    this->FirstVisible.resize(layers ? rays : 0);
+  }
+  const ffd::CastSettings settings = this->MakeSettings(view);
+  const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
+  if (!reuses)
+  {
+    auto caster = std::make_unique<const ffd::RayCaster>(scene, settings, parallelFor);
+    for (int tile = 0; tile < caster->GetNumberOfTiles(image); ++tile)
+    {
+      tiles.push_back({ tile, ffd::RayCaster::AllSubtiles });
+    }
+    return caster;
+  }
+  const vtkFFDFrameCoherence::Sources sources = { view.SettingsTime, this->Cache.GetVoxelsVersion(),
+    this->Cache.GetFunctionsVersion(), ffd::FindSource(view.Volume->GetProperty()),
+    ffd::ToMatrix(view.Volume->GetMatrix()), view.Interactive,
+    !vtkFFDFramePlan::IsMoving(this->Mapper, view.Volume) };
+  std::unique_ptr<const ffd::RayCaster> caster;
+  // Both take about as long.
+  ffd::RunBoth(
+    parallelFor,
+    [&] {
+      tiles =
+        this->Coherence.Begin(sources, scene, view.Region, this->Cache.GetPullBack().RestBounds,
+          this->Mapper->GetFrameCoherenceTolerance(), this->Colors.Floats, this->FirstVisible);
+    },
+    [&] { caster = std::make_unique<const ffd::RayCaster>(scene, settings); });
+  image.Reaches = this->Coherence.GetReaches();
+  return caster;
+}
+
+//------------------------------------------------------------------------------
 bool vtkFFDFrameCaster::Cast(
   vtkFFDFrame& frame, const View& view, const float* depths, float* outDepths)
 {
   UnfinishedFrame unfinished(this->Coherence);
   const vtkFFDImageRegion& region = view.Region;
-  const vtkFFDFrameScene views(
+  const vtkFFDFrameScene scene(
     this->Mapper, this->Cache, view.Renderer, view.Volume, region, depths);
-  const ffd::CastScene& scene = views.Get();
-  const ffd::CastSettings settings = vtkFFDFramePlan::MakeSettings(
-    this->Mapper, this->Cache, view.Volume, view.Interactive, view.Region.Step);
   ffd::CastImage image;
   image.Width = region.Rays.x;
   image.Height = region.Rays.y;
-  const std::size_t rays =
-    static_cast<std::size_t>(image.Width) * static_cast<std::size_t>(image.Height);
   const bool layers = view.InWindow && depths && region.Step > 1.0;
-  if (layers == this->FirstVisible.empty())
-  {
-    this->Coherence.Clear();
-    this->FirstVisible.resize(layers ? rays : 0);
-  }
-  const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
-  std::unique_ptr<const ffd::RayCaster> made;
-  std::vector<vtkFFDFrameCoherence::Part> tiles;
   const bool reuses = view.InWindow && this->CanReuse(view.Volume);
-  if (reuses)
-  {
-    const vtkFFDFrameCoherence::Sources sources = { view.SettingsTime,
-      this->Cache.GetVoxelsVersion(), this->Cache.GetFunctionsVersion(),
-      ffd::FindSource(view.Volume->GetProperty()), ffd::ToMatrix(view.Volume->GetMatrix()),
-      view.Interactive, !vtkFFDFramePlan::IsMoving(this->Mapper, view.Volume) };
-    // Both take about as long.
-    ffd::RunBoth(
-      parallelFor,
-      [&] {
-        tiles = this->Coherence.Begin(sources, scene, region, this->Cache.GetPullBack().RestBounds,
-          this->Mapper->GetFrameCoherenceTolerance(), this->Colors.Floats, this->FirstVisible);
-      },
-      [&] { made = std::make_unique<const ffd::RayCaster>(scene, settings); });
-    image.Reaches = this->Coherence.GetReaches();
-  }
-  else
-  {
-    made = std::make_unique<const ffd::RayCaster>(scene, settings, parallelFor);
-    this->Coherence.Clear();
-    this->FirstVisible.resize(layers ? rays : 0);
-    for (int tile = 0; tile < made->GetNumberOfTiles(image); ++tile)
-    {
-      tiles.push_back({ tile, ffd::RayCaster::AllSubtiles });
-    }
-  }
-  const ffd::RayCaster& caster = *made;
-  const auto groupOf = [&](const vtkFFDFrameCoherence::Part& tile) {
-    return caster.GetGroup(tile.Tile, image);
-  };
-  SortByGroup(caster, image, tiles);
-  const double part = FindPart(tiles, region.Rays);
-  this->ReusedFraction = 1.0 - part;
-  this->Intervals = caster.ClassifiesIntervals();
+  std::vector<vtkFFDFrameCoherence::Part> tiles;
+  const std::unique_ptr<const ffd::RayCaster> caster =
+    this->MakeCaster(view, scene.Get(), layers, reuses, image, tiles);
+  this->ReusedFraction = 1.0 - FindPart(tiles, region.Rays);
+  this->Intervals = caster->ClassifiesIntervals();
   image.Depths = layers ? this->FirstVisible.data() : outDepths;
 
-  Workers workers(parallelFor);
-  // Observers may change the options.
-  const bool collect = this->Mapper->GetCollectStatistics() != 0;
-  this->FinalWindow = this->Mapper->GetFinalColorWindow();
-  this->FinalLevel = this->Mapper->GetFinalColorLevel();
-  std::atomic<std::size_t> next{ 0 };
-  std::mutex mutex;
-  std::vector<vtkFFDFrameCoherence::Part> stopped; // tiles that were taken and are not finished
-  // A worker takes the tiles of a group together; near the end fewer, so that all workers are busy.
-  // What is counted must not depend on that.
-  const std::size_t shares = 2 * workers.GetSize();
-  const auto take = [&](std::size_t end) {
-    std::size_t first = next;
-    std::size_t last = first;
-    do
-    {
-      const std::size_t most =
-        collect ? tiles.size() : std::min(end, first + (tiles.size() - first) / shares);
-      last = first < end ? first + 1 : first;
-      while (last > first && last < most && groupOf(tiles[last]) == groupOf(tiles[first]))
-      {
-        ++last;
-      }
-    } while (!next.compare_exchange_weak(first, last));
-    return std::make_pair(first, last);
-  };
-  bool aborted = !frame.ReportCasting(0.0);
+  // Observers may change the options, and what is drawn into.
+  const bool counts = this->Mapper->GetCollectStatistics() != 0;
+  this->FinalColors = { this->Mapper->GetFinalColorWindow(), this->Mapper->GetFinalColorLevel() };
+  bool done = frame.ReportCasting(0.0);
   const bool wantsBytes = view.AsBytes && view.AsBytes();
   const bool asBytes = wantsBytes && !reuses;
+  const std::size_t rays =
+    static_cast<std::size_t>(image.Width) * static_cast<std::size_t>(image.Height);
   this->Colors.Bytes.resize(wantsBytes ? 4 * rays : 0);
   this->Colors.Floats.resize(asBytes ? 0 : 4 * rays);
   image.Colors = this->Colors.Floats.data();
-  BegunTiles begunTiles;
-  const auto finish = [&](const vtkFFDFrameCoherence::Part& tile, const ffd::CastImage& colors,
-                        Worker& worker) {
-    this->ApplyFinalColors(colors, tile);
-    const ffd::RayCaster::TileRange range(tile.Tile, region.Rays);
-    const glm::ivec2& first = range.First;
-    if (view.IsDrawn && !reuses)
+
+  const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
+  vtkFFDTileWorkers workers(parallelFor);
+  vtkFFDTileQueue queue(std::move(tiles), *caster, image, workers.GetSize(), counts);
+  PictureOfTiles picture(this->Colors, image, this->FinalColors, asBytes, view.Premultiplied);
+  // A tile that stops evaluates some of the deformation again: that is not to be counted.
+  const bool mayStop = !counts;
+  const auto castTile = [&](vtkFFDFrameCoherence::Part tile, bool isLate, ffd::Deadline due,
+                          vtkFFDTileWorker& worker) {
+    if (picture.IsOfBytes() && caster->IsTileEmpty(tile.Tile, image))
     {
-      worker.Visible.AddPixels(
-        colors.GetColor(first.x, first.y), colors.GetColorsInRow(), first, range.End);
+      picture.Clear(tile);
+      return;
     }
-    for (int y = first.y; asBytes && y < range.End.y; ++y)
+    if (mayStop && isLate)
     {
-      const std::size_t at = static_cast<std::size_t>(y) * image.Width + first.x;
-      ffd::WritePixelBytes(colors.GetColor(first.x, y),
-        static_cast<std::size_t>(range.End.x - first.x), view.Premultiplied,
-        &this->Colors.Bytes[4 * at]);
+      queue.PutBack(tile);
+      return;
     }
+    const ffd::CastImage colors = picture.Open(tile, worker);
+    tile.First = caster->RenderTile(tile.Tile, colors, worker.Scratch, tile.Subtiles, tile.First,
+      mayStop ? due : ffd::NoDeadline);
+    if (tile.First != 0)
+    {
+      picture.Keep(tile, worker);
+      queue.PutBack(tile);
+      return;
+    }
+    picture.Finish(tile, colors, worker, view.IsDrawn && !reuses);
   };
-  // What finish() makes of a picture of bytes through which nothing can be seen.
-  const auto clear = [&](int tile) {
-    const ffd::RayCaster::TileRange range(tile, region.Rays);
-    const std::size_t width = static_cast<std::size_t>(range.End.x - range.First.x);
-    for (int y = range.First.y; y < range.End.y; ++y)
-    {
-      const std::size_t at = static_cast<std::size_t>(y) * image.Width + range.First.x;
-      std::fill_n(&this->Colors.Bytes[4 * at], 4 * width, static_cast<unsigned char>(0));
-      if (image.Depths)
-      {
-        std::fill_n(image.Depths + at, width, 1.0f);
-      }
-    }
-  };
-  if (tiles.empty() && !aborted)
+  const std::size_t mostInRound = view.HasTimeEstimate || !frame.IsFollowed()
+    ? queue.GetSize()
+    : queue.GetSize() / LeastReports + 1;
+  if (queue.IsEmpty() && done)
   {
     frame.ReportCasting(1.0);
   }
-  const std::size_t most = view.HasTimeEstimate || !frame.IsFollowed()
-    ? tiles.size()
-    : tiles.size() / LeastReports + 1; // of tiles between reports
-  while (next < tiles.size() && !aborted)
+  while (!queue.IsEmpty() && done)
   {
     const ffd::Deadline due = frame.GetNextReport();
-    const std::size_t end = std::min(tiles.size(), next + most);
+    const auto isLate = [due] { return vtkFFDFrame::Clock::now() >= due; };
+    queue.BeginRound(mostInRound);
     parallelFor.RunWorkers([&](int number) {
-      Worker& worker = workers.Get(number);
+      vtkFFDTileWorker& worker = workers.Get(number);
       do
       {
-        const auto [first, last] = take(end);
-        if (first == last)
+        const vtkFFDTileQueue::Share share = queue.Take();
+        if (share.IsEmpty())
         {
           return;
         }
-        for (std::size_t i = first; i < last; ++i)
+        for (std::size_t i = share.First; i < share.End; ++i)
         {
-          vtkFFDFrameCoherence::Part& tile = tiles[i];
-          if (asBytes && caster.IsTileEmpty(tile.Tile, image))
-          {
-            clear(tile.Tile);
-            continue;
-          }
-          // A tile that stops evaluates some of the deformation again: that is not to be counted.
-          const bool late = !collect && i > first && vtkFFDFrame::Clock::now() >= due;
-          const ffd::CastImage colors = asBytes
-            ? worker.GetTile(image, ffd::RayCaster::TileRange(tile.Tile, region.Rays))
-            : image;
-          if (!late)
-          {
-            if (asBytes && tile.First != 0)
-            {
-              const std::lock_guard<std::mutex> lock(mutex);
-              begunTiles.Restore(tile.Tile, worker);
-            }
-            tile.First = caster.RenderTile(tile.Tile, colors, worker.Scratch, tile.Subtiles,
-              tile.First, collect ? ffd::NoDeadline : due);
-          }
-          if (late || tile.First != 0)
-          {
-            const std::lock_guard<std::mutex> lock(mutex);
-            stopped.push_back(tile);
-            if (asBytes && !late)
-            {
-              begunTiles.Keep(tile.Tile, worker);
-            }
-          }
-          else
-          {
-            finish(tile, colors, worker);
-          }
+          castTile(queue.Get(i), i > share.First && isLate(), due, worker);
         }
-      } while (vtkFFDFrame::Clock::now() < due);
+      } while (!isLate());
     });
-    std::size_t begun = next;
-    for (const vtkFFDFrameCoherence::Part& tile : stopped)
-    {
-      tiles[--begun] = tile;
-    }
-    stopped.clear();
-    next = begun;
-    aborted = !frame.ReportCasting(static_cast<double>(begun) / static_cast<double>(tiles.size()));
+    queue.EndRound();
+    done = frame.ReportCasting(queue.GetFinishedPart());
   }
-  if (aborted)
+  if (!done)
   {
     return false;
   }
@@ -494,15 +389,11 @@ bool vtkFFDFrameCaster::Cast(
   }
   else
   {
-    this->Visible = ffd::VisibleRectangle();
-    workers.ForEach([&](const Worker& each) { this->Visible.Add(each.Visible); });
+    this->Visible = workers.FindVisible();
   }
-
-  if (collect)
+  if (counts)
   {
-    ffd::CastStatistics total;
-    workers.ForEach(
-      [&](const Worker& each) { total.Add(ffd::RayCaster::GetStatistics(each.Scratch)); });
+    const ffd::CastStatistics total = workers.GetStatistics();
     this->Mapper->GetStatistics()->SetCounts(total.Rays, total.Segments, total.SegmentLength,
       total.Samples, total.VisibleSamples, total.DistanceLookups, total.Evaluations,
       total.Unconverged);
@@ -512,232 +403,20 @@ bool vtkFFDFrameCaster::Cast(
 }
 
 //------------------------------------------------------------------------------
-/// The depths where rays end: at the farthest geometry of their pixels. Thin geometry would end
-/// those of the pixels beside it, too. The nearest are for CastLayers().
+vtkFFDImageDisplay::Layers vtkFFDFrameCaster::CastLayers(const View& view, const glm::ivec2& pixels)
+{
+  const vtkFFDFrameScene scene(
+    this->Mapper, this->Cache, view.Renderer, view.Volume, view.Region, nullptr);
+  return this->Layers.Cast(scene.Get(), this->MakeSettings(view), view.Region, pixels,
+    { this->Colors.Floats, this->FirstVisible, this->FinalColors }, this->MakeParallelFor(),
+    this->Visible);
+}
+
+//------------------------------------------------------------------------------
 const float* vtkFFDFrameCaster::FindRayDepths(
   const vtkFFDImageRegion& region, const glm::ivec2& pixels)
 {
-  const std::size_t columns = static_cast<std::size_t>(region.Rays.x);
-  this->RayDepths.resize(columns * static_cast<std::size_t>(region.Rays.y));
-  this->NearestDepths.resize(this->RayDepths.size());
-  const Footprints footprints(region, pixels);
-  const std::size_t width = static_cast<std::size_t>(pixels.x);
-  std::vector<Footprints::Range> pixelColumns(columns); // of the rays of each row
-  for (std::size_t x = 0; x < columns; ++x)
-  {
-    pixelColumns[x] = footprints.GetColumns(static_cast<int>(x));
-  }
-  this->MakeParallelFor()(
-    static_cast<std::size_t>(region.Rays.y), [&](std::size_t first, std::size_t last) {
-      std::vector<float> farthest(width); // of the rows of pixels of a row of rays
-      std::vector<float> nearest(width);
-      for (std::size_t y = first; y < last; ++y)
-      {
-        const Footprints::Range rows = footprints.GetRows(static_cast<int>(y));
-        std::fill(farthest.begin(), farthest.end(), 0.0f);
-        std::fill(nearest.begin(), nearest.end(), 1.0f);
-        for (int py = rows.First; py <= rows.Last; ++py)
-        {
-          const float* depths = &this->WindowDepths[static_cast<std::size_t>(py) * width];
-          for (std::size_t px = 0; px < width; ++px)
-          {
-            farthest[px] = std::max(farthest[px], depths[px]);
-            nearest[px] = std::min(nearest[px], depths[px]);
-          }
-        }
-        for (std::size_t x = 0; x < columns; ++x)
-        {
-          const Footprints::Range& range = pixelColumns[x];
-          this->RayDepths[y * columns + x] =
-            *std::max_element(&farthest[range.First], &farthest[range.Last] + 1);
-          this->NearestDepths[y * columns + x] =
-            *std::min_element(&nearest[range.First], &nearest[range.Last] + 1);
-        }
-      }
-    });
-  return this->RayDepths.data();
-}
-
-//------------------------------------------------------------------------------
-/// After Cast() with these depths: where geometry is nearer in some of the pixels of a ray, what is
-/// seen in front of it. In front of the first visible sample that is nothing; a second ray is cast
-/// to the nearest geometry behind that.
-vtkFFDImageDisplay::Layers vtkFFDFrameCaster::CastLayers(const View& view, const glm::ivec2& pixels)
-{
-  const vtkFFDImageRegion& region = view.Region;
-  const vtkFFDFrameScene views(
-    this->Mapper, this->Cache, view.Renderer, view.Volume, region, nullptr);
-  const ffd::CastScene& scene = views.Get();
-  const ffd::BlendMode mode = scene.Blend.Mode;
-  const bool startsAtSample =
-    mode == ffd::BlendMode::Composite || mode == ffd::BlendMode::Isosurface;
-  const glm::ivec2& rays = region.Rays;
-  const std::size_t count = this->RayDepths.size();
-  const Footprints footprints(region, pixels);
-  const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
-  this->NearDepths.assign(count, 0.0f); // not cast
-  this->LayerDepths.assign(3 * count, -1.0f);
-  std::atomic<bool> any{ false };
-  parallelFor(static_cast<std::size_t>(rays.y), [&](std::size_t firstRow, std::size_t lastRow) {
-    bool hasLayers = false;
-    for (int y = static_cast<int>(firstRow); y < static_cast<int>(lastRow); ++y)
-    {
-      for (int x = 0; x < rays.x; ++x)
-      {
-        const std::size_t at = static_cast<std::size_t>(y) * rays.x + x;
-        // Most rays have no geometry before their ends, or nothing that it could hide.
-        if (!(this->NearestDepths[at] < this->RayDepths[at]) ||
-          this->Colors.Floats[4 * at + 3] == 0.0f)
-        {
-          continue;
-        }
-        float* const layers = &this->LayerDepths[3 * at];
-        if (startsAtSample)
-        {
-          const float start = this->FirstVisible[at];
-          hasLayers = true;
-          std::fill_n(layers, 3, start);
-          if (footprints.FindNearest(this->WindowDepths, x, y, start, this->RayDepths[at]) == 1.0f)
-          {
-            continue;
-          }
-        }
-        const glm::dvec2 p(x + 0.5, y + 0.5);
-        const ffd::CameraView& camera = scene.Camera;
-        const ffd::ViewRay ray = camera.MakeRay(p.x, p.y);
-        double from = 0.0;
-        double to = ray.Far;
-        if (!ClipToBox(ray.Origin, ray.Direction, scene.DeformedBounds, from, to))
-        {
-          continue;
-        }
-        const auto toT = [&](float depth) {
-          return camera.DepthToT(ray, p.x, p.y, static_cast<double>(depth));
-        };
-        const auto toDepth = [&](double t) {
-          return static_cast<float>(camera.ToDepth(ray.Origin + t * ray.Direction));
-        };
-        const float start = startsAtSample ? this->FirstVisible[at] : toDepth(from);
-        to = std::min(to, toT(this->RayDepths[at]));
-        std::fill_n(layers, 3, start);
-        const float nearest = footprints.FindNearest(this->WindowDepths, x, y,
-          toDepth(toT(start) + scene.VoxelSize), toDepth(to - scene.VoxelSize));
-        if (nearest < 1.0f)
-        {
-          this->NearDepths[at] = layers[1] = nearest;
-          layers[2] = toDepth(to);
-        }
-        hasLayers = true;
-      }
-    }
-    if (hasLayers)
-    {
-      any = true;
-    }
-  });
-  if (!any)
-  {
-    return {};
-  }
-  this->CastNearer(view, scene);
-  vtkFFDImageDisplay::Layers layers;
-  layers.Colors = this->NearColors.data();
-  layers.Depths = this->LayerDepths.data();
-  layers.PixelDepths = this->WindowDepths.data();
-  for (int a = 0; a < 2; ++a)
-  {
-    layers.Pixels[a] = pixels[a];
-    layers.Origin[a] = region.Origin[a];
-    layers.Viewport[a] = region.Viewport[a];
-  }
-  return layers;
-}
-
-//------------------------------------------------------------------------------
-/// The rays that end at NearDepths; those of depth 0 are as they were cast.
-void vtkFFDFrameCaster::CastNearer(const View& view, ffd::CastScene scene)
-{
-  const vtkFFDImageRegion& region = view.Region;
-  scene.Depths = this->NearDepths.data();
-  const ffd::RayCaster caster(scene,
-    vtkFFDFramePlan::MakeSettings(
-      this->Mapper, this->Cache, view.Volume, view.Interactive, view.Region.Step));
-  this->NearColors = this->Colors.Floats;
-  ffd::CastImage image;
-  image.Width = region.Rays.x;
-  image.Height = region.Rays.y;
-  image.Colors = this->NearColors.data();
-  const auto forEachRay = [&](int tile, const auto& work) {
-    const ffd::RayCaster::TileRange range(tile, region.Rays);
-    for (int y = range.First.y; y < range.End.y; ++y)
-    {
-      for (int x = range.First.x; x < range.End.x; ++x)
-      {
-        work(static_cast<std::size_t>(y) * image.Width + x);
-      }
-    }
-  };
-  const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
-  Workers workers(parallelFor);
-  std::atomic<int> nextTile{ 0 };
-  parallelFor.RunWorkers([&](int number) {
-    Worker& worker = workers.Get(number);
-    const int tiles = caster.GetNumberOfTiles(image);
-    for (int tile = nextTile++; tile < tiles; tile = nextTile++)
-    {
-      bool any = false;
-      forEachRay(tile, [&](std::size_t at) { any = any || this->NearDepths[at] > 0.0f; });
-      if (!any)
-      {
-        continue;
-      }
-      const vtkFFDFrameCoherence::Part part{ tile, ffd::RayCaster::AllSubtiles };
-      caster.RenderTile(tile, image, worker.Scratch, part.Subtiles);
-      this->ApplyFinalColors(image, part);
-      forEachRay(tile, [&](std::size_t at) {
-        if (this->NearDepths[at] == 0.0f)
-        {
-          std::copy_n(&this->Colors.Floats[4 * at], 4, &this->NearColors[4 * at]);
-        }
-      });
-      const ffd::RayCaster::TileRange range(tile, region.Rays);
-      worker.Visible.AddPixels(
-        image.GetColor(range.First.x, range.First.y), image.Width, range.First, range.End);
-    }
-  });
-  workers.ForEach([&](const Worker& each) { this->Visible.Add(each.Visible); });
-}
-
-//------------------------------------------------------------------------------
-/// Window and level of the colors of a finished tile.
-void vtkFFDFrameCaster::ApplyFinalColors(
-  const ffd::CastImage& image, const vtkFFDFrameCoherence::Part& tile) const
-{
-  const double window = this->FinalWindow;
-  const double level = this->FinalLevel;
-  if (window == 1.0 && level == 0.5)
-  {
-    return;
-  }
-  const float scale = static_cast<float>(1.0 / window);
-  const float bias = static_cast<float>(0.5 - level / window);
-  const ffd::RayCaster::TileRange range(tile.Tile, { image.Width, image.Height });
-  for (int y = range.First.y; y < range.End.y; ++y)
-  {
-    for (int x = range.First.x; x < range.End.x; ++x)
-    {
-      const glm::ivec2 subtile = (glm::ivec2(x, y) - range.First) / ffd::RayCaster::SubtileSize;
-      if ((tile.Subtiles >> (subtile.x + 2 * subtile.y) & 1u) == 0)
-      {
-        continue;
-      }
-      float* const pixel = image.GetColor(x, y);
-      for (int c = 0; c < 3; ++c)
-      {
-        pixel[c] = std::clamp(pixel[c] * scale + bias * pixel[3], 0.0f, 1.0f);
-      }
-    }
-  }
+  return this->Layers.FindRayDepths(region, pixels, this->MakeParallelFor());
 }
 
 //------------------------------------------------------------------------------
@@ -745,11 +424,6 @@ void vtkFFDFrameCaster::ReleaseImages()
 {
   this->Coherence.Clear();
   this->Colors = Picture();
-  std::vector<float>().swap(this->WindowDepths);
-  std::vector<float>().swap(this->RayDepths);
-  std::vector<float>().swap(this->NearestDepths);
   std::vector<float>().swap(this->FirstVisible);
-  std::vector<float>().swap(this->NearDepths);
-  std::vector<float>().swap(this->LayerDepths);
-  std::vector<float>().swap(this->NearColors);
+  this->Layers.ReleaseImages();
 }

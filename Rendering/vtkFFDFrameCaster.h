@@ -10,7 +10,9 @@
 #ifndef vtkFFDFrameCaster_h
 #define vtkFFDFrameCaster_h
 
+#include "vtkFFDFinalColors.h"
 #include "vtkFFDFrameCoherence.h"
+#include "vtkFFDFrameLayers.h"
 #include "vtkFFDImageDisplay.h"
 #include "vtkFFDImageRegion.h"
 #include "vtkFFDParallelFor.h"
@@ -23,7 +25,13 @@
 #include <glm/vec2.hpp>
 
 #include <functional>
+#include <memory>
 #include <vector>
+
+namespace ffd
+{
+class RayCaster;
+}
 
 class vtkFFDFrame;
 class vtkFFDFrameCache;
@@ -79,7 +87,7 @@ public:
   const ffd::VisibleRectangle& GetVisible() const { return this->Visible; }
 
   /// Window depths of the pixels of a frame: to be written to before Cast().
-  std::vector<float>& GetWindowDepths() { return this->WindowDepths; }
+  std::vector<float>& GetWindowDepths() { return this->Layers.GetWindowDepths(); }
 
   /// Depths of the rays, for Cast(): rays may be farther apart than pixels.
   const float* FindRayDepths(const vtkFFDImageRegion& region, const glm::ivec2& pixels);
@@ -103,23 +111,19 @@ public:
 
 private:
   vtkFFDParallelFor MakeParallelFor() const;
-  void CastNearer(const View& view, ffd::CastScene scene);
-  void ApplyFinalColors(const ffd::CastImage& image, const vtkFFDFrameCoherence::Part& tile) const;
+  ffd::CastSettings MakeSettings(const View& view) const;
+  std::unique_ptr<const ffd::RayCaster> MakeCaster(const View& view, const ffd::CastScene& scene,
+    bool layers, bool reuses, ffd::CastImage& image,
+    std::vector<vtkFFDFrameCoherence::Part>& tiles);
 
   vtkFFDInverseRayVolumeMapper* Mapper; // not owned
   const vtkFFDFrameCache& Cache;
 
   Picture Colors;
   ffd::VisibleRectangle Visible;
-  double FinalWindow = 1.0; // of the frame in progress
-  double FinalLevel = 0.5;
-  std::vector<float> WindowDepths;  // of the pixels of the last frame
-  std::vector<float> RayDepths;     // of its rays, where these are not the pixels: the farthest
-  std::vector<float> NearestDepths; // and the nearest of their pixels
-  std::vector<float> FirstVisible;  // depths of their samples; empty where not needed
-  std::vector<float> NearDepths;    // of rays that end before them; 0 where there is none
-  std::vector<float> NearColors;
-  std::vector<float> LayerDepths; // see vtkFFDImageDisplay::Layers
+  vtkFFDFinalColors FinalColors;   // of the frame in progress
+  std::vector<float> FirstVisible; // depths of the samples of its rays; empty where not needed
+  vtkFFDFrameLayers Layers;
   vtkFFDFrameCoherence Coherence;
   double ReusedFraction = 0.0;
   bool Intervals = false;

@@ -312,43 +312,97 @@ void vtkFFDInverseRayVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volu
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolume* volume)
+/// Whether there is something to render now; with an error where that is not possible.
+bool vtkFFDInverseRayVolumeMapper::vtkInternals::CanRender(vtkRenderer* renderer, vtkVolume* volume)
 {
   if (!renderer || !volume)
   {
-    vtkErrorMacro(<< "Render needs a renderer and a volume; the "
-                  << (renderer ? "volume" : "renderer") << " is null.");
-    return;
+    vtkErrorWithObjectMacro(this->Self, << "Render needs a renderer and a volume; the "
+                                        << (renderer ? "volume" : "renderer") << " is null.");
+    return false;
   }
   vtkHardwareSelector* selector = renderer->GetSelector();
   // Render passes do not look at whether a prop can be picked.
   if (selector && (!volume->GetPickable() || !vtkFFDIsPassRead(selector)))
   {
-    return;
+    return false;
   }
-  // Else it is for a selector or an image.
-  const bool shown = !selector && !this->RendersToImage;
-  vtkInternals& in = *this->Internals;
   if (IsPeeled(renderer, volume))
   {
     // A frame has several passes.
-    if (!in.ToldOfPeeling)
+    if (!this->ToldOfPeeling)
     {
-      vtkErrorMacro(
+      vtkErrorWithObjectMacro(this->Self,
         "UseDepthPeelingForVolumes of the renderer is on, but only VTK's GPU mapper can be "
         "peeled together with translucent surfaces: the volume is left out. Call "
         "UseDepthPeelingForVolumesOff() of the renderer.");
     }
-    in.ToldOfPeeling = true;
-    return;
+    this->ToldOfPeeling = true;
+    return false;
   }
-  in.ToldOfPeeling = false;
-  if (in.Refuse("Render()"))
+  this->ToldOfPeeling = false;
+  return !this->Refuse("Render()");
+}
+
+//------------------------------------------------------------------------------
+/// The part of the viewport for which a picture is made, of one ray a pixel. `viewport`: its place
+/// in the framebuffer.
+vtkFFDImageRegion vtkFFDInverseRayVolumeMapper::vtkInternals::FindRegion(
+  vtkRenderer* renderer, vtkVolume* volume, const vtkFFDImageRegion& whole, const int viewport[4])
+{
+  vtkHardwareSelector* selector = renderer->GetSelector();
+  if (!selector && this->Self->RendersToImage)
+  {
+    return whole;
+  }
+  vtkFFDImageRegion region = vtkFFDFramePlan::FindRegion(
+    vtkFFDFrameScene::FindVisibleBounds(this->Self, this->Cache), renderer, volume, whole);
+  if (selector)
+  {
+    unsigned int area[4];
+    selector->GetArea(area);
+    const glm::ivec2 corner(viewport[0], viewport[1]);
+    const glm::ivec2 first = glm::max(glm::ivec2(area[0], area[1]) - corner, region.Origin);
+    const glm::ivec2 last =
+      glm::min(glm::ivec2(area[2], area[3]) - corner, region.Origin + region.Rays - 1);
+    region.Origin = first;
+    region.Rays = last - first + 1;
+  }
+  return region;
+}
+
+//------------------------------------------------------------------------------
+/// The depths of what is drawn already, one a ray; null where nothing is that hides the volume.
+const float* vtkFFDInverseRayVolumeMapper::vtkInternals::FindDepths(vtkRenderer* renderer,
+  vtkVolume* volume, const vtkFFDImageRegion& region, const glm::ivec2& pixels,
+  const int viewport[4])
+{
+  if (!this->Self->IntermixIntersectingGeometry || !MayBeHidden(renderer, volume))
+  {
+    return nullptr;
+  }
+  const int rectangle[4] = { viewport[0] + region.Origin.x, viewport[1] + region.Origin.y, pixels.x,
+    pixels.y };
+  std::vector<float>& all = this->Caster.GetWindowDepths();
+  all.resize(static_cast<std::size_t>(pixels.x) * static_cast<std::size_t>(pixels.y));
+  const bool read = vtkFFDImageDisplay::ReadDepths(renderer, rectangle, all.data());
+  // A depth buffer without opaque geometry stops no ray.
+  if (!read || std::none_of(all.begin(), all.end(), [](float depth) { return depth < 1.0f; }))
+  {
+    return nullptr;
+  }
+  return region.Step != 1.0 ? this->Caster.FindRayDepths(region, pixels) : all.data();
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolume* volume)
+{
+  vtkInternals& in = *this->Internals;
+  if (!in.CanRender(renderer, volume))
   {
     return;
   }
-  vtkRenderWindow* window = renderer->GetRenderWindow();
-  vtkFFDFrame frame(in.Frame, this, renderer, volume, window);
+  vtkFFDFrame frame(in.Frame, this, renderer, volume, renderer->GetRenderWindow());
   frame.SetReportsProgress(this->ReportProgress);
   in.Prepared = false;
   std::string message;
@@ -373,26 +427,14 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   vtkFFDImageRegion whole(glm::ivec2(viewport[2], viewport[3]));
   whole.Aspect = renderer->GetTiledAspectRatio();
   whole.Stereo = true;
-  vtkFFDImageRegion region = selector || shown
-    ? vtkFFDFramePlan::FindRegion(
-        vtkFFDFrameScene::FindVisibleBounds(this, in.Cache), renderer, volume, whole)
-    : whole;
-  if (selector)
-  {
-    unsigned int area[4];
-    selector->GetArea(area);
-    const glm::ivec2 corner(viewport[0], viewport[1]);
-    const glm::ivec2 first = glm::max(glm::ivec2(area[0], area[1]) - corner, region.Origin);
-    const glm::ivec2 last =
-      glm::min(glm::ivec2(area[2], area[3]) - corner, region.Origin + region.Rays - 1);
-    region.Origin = first;
-    region.Rays = last - first + 1;
-  }
+  vtkFFDImageRegion region = in.FindRegion(renderer, volume, whole, viewport);
   glm::ivec2 pixels = region.Rays;
   if (pixels.x < 1 || pixels.y < 1)
   {
     return;
   }
+  // Else it is for a selector or an image.
+  const bool shown = !renderer->GetSelector() && !this->RendersToImage;
   const bool interactive = in.Plan.PlaceRays(this, volume, shown, region);
   const bool reuses = shown && in.Caster.CanReuse(volume);
   const bool moving = vtkFFDFramePlan::IsMoving(this, volume);
@@ -402,22 +444,7 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
     pixels = glm::min(glm::ivec2(glm::ceil(glm::dvec2(region.Rays) * region.Step)),
       region.Viewport - region.Origin);
   }
-
-  const float* depths = nullptr;
-  if (this->IntermixIntersectingGeometry && MayBeHidden(renderer, volume))
-  {
-    const int rectangle[4] = { viewport[0] + region.Origin.x, viewport[1] + region.Origin.y,
-      pixels.x, pixels.y };
-    std::vector<float>& all = in.Caster.GetWindowDepths();
-    all.resize(static_cast<std::size_t>(pixels.x) * static_cast<std::size_t>(pixels.y));
-    const bool read = vtkFFDImageDisplay::ReadDepths(renderer, rectangle, all.data());
-    // A depth buffer without opaque geometry stops no ray.
-    if (read && std::any_of(all.begin(), all.end(), [](float depth) { return depth < 1.0f; }))
-    {
-      depths = region.Step != 1.0 ? in.Caster.FindRayDepths(region, pixels) : all.data();
-    }
-  }
-
+  const float* depths = in.FindDepths(renderer, volume, region, pixels, viewport);
   float* visibleDepths = nullptr;
   if (!shown)
   {
@@ -436,6 +463,7 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
     in.KeepPicture(reuses);
   }
   in.Shown.Complete = false;
+
   const vtkMTimeType sceneTime = in.FindSceneTime(volume);
   vtkFFDFrameCaster::View cast;
   cast.Renderer = renderer;
@@ -443,82 +471,100 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   cast.Region = region;
   cast.Interactive = interactive;
   cast.InWindow = shown;
-  cast.IsDrawn = shown || selector;
+  cast.IsDrawn = shown || renderer->GetSelector();
   cast.HasTimeEstimate = in.Plan.HasTimeEstimate();
   cast.SettingsTime = this->GetSettingsTime();
   // Layers are interpolated as floats.
-  if (shown && !(depths && region.Step > 1.0))
+  const bool layered = shown && depths && region.Step > 1.0;
+  if (shown && !layered)
   {
     cast.AsBytes = [renderer] { return vtkFFDImageDisplay::DrawsBytes(renderer); };
   }
   const bool done = in.Caster.Cast(frame, cast, depths, visibleDepths);
   vtkFFDImageDisplay::Layers layers;
-  if (done && depths && region.Step > 1.0 && in.FindSceneTime(volume) == sceneTime)
+  if (done && layered && in.FindSceneTime(volume) == sceneTime)
   {
     layers = in.Caster.CastLayers(cast, pixels);
   }
   timer->StopTimer();
-  if (!done && !(shown && in.Last.IsSameAs(view)))
+  view.Complete = done;
+  view.Visible = in.Caster.GetVisible();
+  if (!shown)
   {
-    return;
-  }
-  if (selector && !this->GetInput())
-  {
-    return; // an observer has taken it away
-  }
-  const ffd::CameraView camera =
-    ffd::MakeCameraView(renderer, region, ffd::ToMatrix(volume->GetMatrix()));
-  if (selector)
-  {
-    vtkFFDPaintIdentifiers(
-      selector, this, in.Cache, camera, in.VisibleDepths, in.Caster.GetPicture().Floats);
-  }
-  else if (!shown)
-  {
-    if (this->ClampDepthToBackface)
-    {
-      vtkFFDMoveToBackface(this, in.Cache, camera, in.Caster.GetPicture().Floats, in.VisibleDepths);
-    }
-    vtkFFDWriteColors(in.Caster.GetPicture().Floats, region.Rays.x, region.Rays.y,
-      vtkFFDParallelFor(this->NumberOfThreads), in.ColorImage);
-    in.ImageDepths = in.VisibleDepths;
-    return;
-  }
-  if (shown)
-  {
-    const double seconds = timer->GetElapsedTime();
-    // Levels of detail are chosen by the time that the volume takes: a still picture that is shown
-    // again was cast in that of the last frame.
-    const bool again = done && !moving && in.Caster.GetReusedFraction() > 0.0;
-    this->TimeToDraw = again ? std::max(this->TimeToDraw, seconds) : seconds;
     if (done)
     {
-      in.Plan.RecordFrame(seconds, region.Step, interactive, in.Caster.GetReusedFraction());
-      view.Complete = true;
-      view.Visible = in.Caster.GetVisible();
-      in.Shown = view;
+      in.PassOnPicture(view);
     }
-    in.Plan.RecordStillTime(this, frame, interactive, in.Caster.GetReusedFraction());
+    return;
   }
+  const double seconds = timer->GetElapsedTime();
+  // Levels of detail are chosen by the time that the volume takes: a still picture that is shown
+  // again was cast in that of the last frame.
+  const bool again = done && !moving && in.Caster.GetReusedFraction() > 0.0;
+  this->TimeToDraw = again ? std::max(this->TimeToDraw, seconds) : seconds;
+  if (done)
+  {
+    in.Plan.RecordFrame(seconds, region.Step, interactive, in.Caster.GetReusedFraction());
+    in.Shown = view;
+  }
+  in.Plan.RecordStillTime(this, frame, interactive, in.Caster.GetReusedFraction());
   // After an abort the last picture: the window may be read before the next frame is there.
-  region = done ? region : in.Last.Region;
+  if (done || in.Last.IsSameAs(view))
+  {
+    in.Draw(done ? view : in.Last, done ? in.Caster.GetPicture() : in.LastPicture, layers);
+  }
+}
+
+//------------------------------------------------------------------------------
+/// Takes up a picture that is not shown: draws what a selector asks for, or keeps an image.
+void vtkFFDInverseRayVolumeMapper::vtkInternals::PassOnPicture(const View& view)
+{
+  const vtkFFDImageRegion& region = view.Region;
+  const ffd::CameraView camera =
+    ffd::MakeCameraView(view.Renderer, region, ffd::ToMatrix(view.Volume->GetMatrix()));
+  std::vector<float>& colors = this->Caster.GetPicture().Floats;
+  if (vtkHardwareSelector* selector = view.Renderer->GetSelector())
+  {
+    // An observer may have taken the input away.
+    if (this->Self->GetInput())
+    {
+      vtkFFDPaintIdentifiers(
+        selector, this->Self, this->Cache, camera, this->VisibleDepths, colors);
+      this->Draw(view, this->Caster.GetPicture(), vtkFFDImageDisplay::Layers());
+    }
+    return;
+  }
+  if (this->Self->ClampDepthToBackface)
+  {
+    vtkFFDMoveToBackface(this->Self, this->Cache, camera, colors, this->VisibleDepths);
+  }
+  vtkFFDWriteColors(colors, region.Rays.x, region.Rays.y,
+    vtkFFDParallelFor(this->Self->NumberOfThreads), this->ColorImage);
+  this->ImageDepths = this->VisibleDepths;
+}
+
+//------------------------------------------------------------------------------
+/// Draws a picture in the window.
+void vtkFFDInverseRayVolumeMapper::vtkInternals::Draw(const View& view,
+  const vtkFFDFrameCaster::Picture& picture, const vtkFFDImageDisplay::Layers& layers)
+{
+  const vtkFFDImageRegion& region = view.Region;
   vtkFFDImageDisplay::Image image;
   image.Width = region.Rays.x;
   image.Height = region.Rays.y;
-  const vtkFFDFrameCaster::Picture& picture = done ? in.Caster.GetPicture() : in.LastPicture;
   image.Floats = picture.Floats.empty() ? nullptr : picture.Floats.data();
   image.Bytes = picture.Bytes.empty() ? nullptr : picture.Bytes.data();
-  image.Visible = done ? in.Caster.GetVisible() : in.Last.Visible;
-
+  image.Visible = view.Visible;
   const glm::dvec2 perPixel = 2.0 / glm::dvec2(region.Viewport);
   const glm::dvec2 lower = glm::dvec2(region.Origin) * perPixel - 1.0;
   const glm::dvec2 upper = lower + glm::dvec2(region.Rays) * region.Step * perPixel;
   const double rectangle[4] = { lower.x, lower.y, upper.x, upper.y };
-  if (!in.Display.Draw(renderer, image, layers, rectangle, region.Step == 1.0))
+  if (!this->Display.Draw(view.Renderer, image, layers, rectangle, region.Step == 1.0))
   {
-    vtkErrorMacro(<< "The image could not be drawn: the render window is not an OpenGL window or "
-                     "refused a texture of "
-                  << region.Rays.x << " x " << region.Rays.y << ". Use RenderToImage() there.");
+    vtkErrorWithObjectMacro(this->Self,
+      << "The image could not be drawn: the render window is not an OpenGL window or refused a "
+         "texture of "
+      << region.Rays.x << " x " << region.Rays.y << ". Use RenderToImage() there.");
   }
 }
 

@@ -42,6 +42,11 @@ public:
   bool CanMakeImage(const char* method, int width, int height) const;
   static bool CheckView(vtkRenderer* renderer, vtkVolume* volume, std::string& message);
   vtkFFDParallelFor MakeParallelFor() const;
+  bool CanRender(vtkRenderer* renderer, vtkVolume* volume);
+  vtkFFDImageRegion FindRegion(vtkRenderer* renderer, vtkVolume* volume,
+    const vtkFFDImageRegion& whole, const int viewport[4]);
+  const float* FindDepths(vtkRenderer* renderer, vtkVolume* volume, const vtkFFDImageRegion& region,
+    const glm::ivec2& pixels, const int viewport[4]);
   vtkMTimeType FindSceneTime(vtkVolume* volume) const;
   void ReleaseImages();
   void KeepPicture(bool reuses);
@@ -74,6 +79,10 @@ public:
         this->Region.Viewport == other.Region.Viewport && this->DataToNdc == other.DataToNdc;
     }
   };
+
+  void PassOnPicture(const View& view);
+  void Draw(const View& view, const vtkFFDFrameCaster::Picture& picture,
+    const vtkFFDImageDisplay::Layers& layers);
 
   View Shown;                             // of the picture of the caster
   vtkFFDFrameCaster::Picture LastPicture; // the one before a still one, which may be aborted
