@@ -434,6 +434,28 @@ TEST(TileHistory, DepthsWithinReach)
   EXPECT_TRUE(tiles.CollectTilesToCast().empty());
 }
 
+TEST(TileHistory, OtherDepthsInGroups)
+{
+  const glm::ivec2 size(70, 40);
+  TileHistory tiles(16);
+  tiles.Start(size);
+  ASSERT_EQ(tiles.CollectTilesToCast().size(), 15u); // 5 x 3, in groups of 2 x 2
+  std::vector<float> before(70 * 40, 1.0f);
+  std::vector<float> now = before;
+  tiles.RecordOtherDepths(before.data(), now.data(), 2);
+  tiles.RecordOtherDepths(nullptr, now.data(), 2);
+  tiles.RecordOtherDepths(nullptr, nullptr, 2);
+  EXPECT_TRUE(tiles.CollectTilesToCast().empty());
+  // However far behind what the rays reach; the groups at the border are smaller.
+  tiles.GetReaches()[2] = 1e-6f;
+  now[70 * 3 + 40] = 0.999f;
+  before[70 * 39 + 69] = 0.5f;
+  tiles.RecordOtherDepths(before.data(), now.data(), 2);
+  EXPECT_EQ(tiles.CollectTilesToCast(), (std::vector<int>{ 2, 3, 7, 8, 14 }));
+  tiles.RecordOtherDepths(before.data(), nullptr, 2);
+  EXPECT_EQ(tiles.CollectTilesToCast(), (std::vector<int>{ 14 }));
+}
+
 TEST(TileHistory, PicturesMoveByTiles)
 {
   const auto color = [](int x, int y, int c) { return static_cast<float>(1000 * y + 4 * x + c); };

@@ -26,7 +26,7 @@ from mutants import MUTANTS
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SOURCES = ("Module", "Filters", "Rendering")
 KINDS = ("sign", "bound", "index", "term")
-NUMBER_OF_MUTANTS = 48
+NUMBER_OF_MUTANTS = 49
 BUILD_LIMIT = 3600  # seconds
 TEST_LIMIT = 900
 

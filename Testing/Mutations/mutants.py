@@ -327,6 +327,12 @@ MUTANTS = (
         "shift = moved / (2 * tile);",
         cxx("FrameCoherence")),
     Mutant(
+        "still pictures: geometry that has moved is not looked for",
+        "term",
+        "if (isSame(first, end))",
+        "if (true)",
+        cxx("FrameCoherence")),
+    Mutant(
         "editor: changes are not divided by the displacement scale",
         "term",
         "changes[solution.Nodes[n]] = solution.Changes[n] / scale;",
