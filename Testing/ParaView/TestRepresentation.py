@@ -75,6 +75,36 @@ class TestRepresentation(unittest.TestCase):
             simple.Render(self.view)
             self.assertEqual(reused(), 0.0, each)
 
+    def test_progress_keeps_what_is_bound(self):
+        """What draws the progress may bind other buffers: those of before are bound again after it, and none
+        that have been deleted since."""
+        self.show()
+        handler = servermanager.ActiveConnection.Session.GetProgressHandler()
+        interval = handler.GetProgressInterval()
+        handler.SetProgressInterval(0.0)
+        state = self.view.GetRenderWindow().GetState()
+        sphere = simple.Sphere()
+        simple.Show(sphere, self.view)
+        simple.Hide(self.lattice, self.view)
+        simple.Render(self.view)
+        state.Reset()
+        simple.Delete(sphere)
+        del sphere
+        simple.Show(self.lattice, self.view)
+        shown = []
+
+        def look(*_):
+            for texture in (0x84C1, 0x84C0):  # VTK looks for errors of OpenGL when it chooses one
+                state.vtkglActiveTexture(texture)
+            shown.append(1)
+        tag = handler.AddObserver("ProgressEvent", look, -2.0)
+        with ffd.Errors(event="WarningEvent") as warnings:
+            simple.Render(self.view)
+        handler.RemoveObserver(tag)
+        handler.SetProgressInterval(interval)
+        self.assertTrue(shown)
+        self.assertEqual(warnings.text, [])
+
     def test_switching_picks_an_array(self):
         """In solid color a volume would be blank."""
         display = simple.Show(self.wavelet, self.view)

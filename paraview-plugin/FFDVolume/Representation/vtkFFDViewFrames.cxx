@@ -190,6 +190,9 @@ void vtkFFDViewFrames::KeepContext()
   if (window && !this->KeptState)
   {
     this->KeptState = window->GetState();
+    // Pop() binds the buffers that were bound at the last Reset(), which may have been deleted
+    // since.
+    this->KeptState->Reset();
     this->KeptState->Push();
   }
 }
