@@ -660,7 +660,12 @@ int vtkFFDInverseRayVolumeMapper::MakeImages(vtkRenderer* renderer, vtkVolume* v
   const std::vector<unsigned char>& bytes = in.Caster.GetPicture().Bytes;
   colors->SetExtent(0, width - 1, 0, height - 1, 0, 0);
   colors->AllocateScalars(VTK_UNSIGNED_CHAR, 4);
-  std::copy(bytes.begin(), bytes.end(), static_cast<unsigned char*>(colors->GetScalarPointer()));
+  auto* const copy = static_cast<unsigned char*>(colors->GetScalarPointer());
+  vtkFFDParallelFor(this->NumberOfThreads)(
+    static_cast<std::size_t>(height), [&](std::size_t first, std::size_t last) {
+      const std::size_t row = std::size_t{ 4 } * static_cast<std::size_t>(width);
+      std::copy(bytes.data() + first * row, bytes.data() + last * row, copy + first * row);
+    });
   if (depths)
   {
     depths->SetExtent(0, width - 1, 0, height - 1, 0, 0);
