@@ -557,7 +557,8 @@ class TestPanel(unittest.TestCase):
         rest((0.5, 0.5), "false")
         # Not the button, whose number is another one in each version of ParaView.
         events.add(VIEW.partition("/CentralWidgetFrame")[0] + "/actionHoveringSurfaceCells", "activate")
-        events.add(WINDOW + "CoreUtilitiesPromptUser/qt_msgbox_buttonbox/1QPushButton0", "activate")
+        if os.environ["FFD_PARAVIEW_DIR"].endswith("5.11"):  # later ones do not explain the mode
+            events.add(WINDOW + "CoreUtilitiesPromptUser/qt_msgbox_buttonbox/1QPushButton0", "activate")
         rest((0.45, 0.55), "true")
         result = play(find_command("HoverScene.py", folder, events), find_environment(
             folder, FFD_HOVER_LOG=os.path.join(folder, "log")))
