@@ -249,10 +249,10 @@ std::unique_ptr<const ffd::RayCaster> vtkFFDFrameCaster::MakeCaster(const View& 
 {
   const std::size_t rays =
     static_cast<std::size_t>(image.Width) * static_cast<std::size_t>(image.Height);
-  if (layers == this->FirstVisible.empty() || !reuses)
+  if (layers == this->Now->FirstVisible.empty() || !reuses)
   {
-    this->Coherence.Clear();
-    this->FirstVisible.resize(layers ? rays : 0);
+    this->Now->Coherence.Clear();
+    this->Now->FirstVisible.resize(layers ? rays : 0);
   }
   const ffd::CastSettings settings = this->MakeSettings(view);
   const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
@@ -274,12 +274,12 @@ std::unique_ptr<const ffd::RayCaster> vtkFFDFrameCaster::MakeCaster(const View& 
   ffd::RunBoth(
     parallelFor,
     [&] {
-      tiles =
-        this->Coherence.Begin(sources, scene, view.Region, this->Cache.GetPullBack().RestBounds,
-          this->Mapper->GetFrameCoherenceTolerance(), this->Colors.Floats, this->FirstVisible);
+      tiles = this->Now->Coherence.Begin(sources, scene, view.Region,
+        this->Cache.GetPullBack().RestBounds, this->Mapper->GetFrameCoherenceTolerance(),
+        this->Now->Colors.Floats, this->Now->FirstVisible);
     },
     [&] { caster = std::make_unique<const ffd::RayCaster>(scene, settings); });
-  image.Reaches = this->Coherence.GetReaches();
+  image.Reaches = this->Now->Coherence.GetReaches();
   return caster;
 }
 
@@ -287,7 +287,7 @@ std::unique_ptr<const ffd::RayCaster> vtkFFDFrameCaster::MakeCaster(const View& 
 bool vtkFFDFrameCaster::Cast(
   vtkFFDFrame& frame, const View& view, const float* depths, float* outDepths)
 {
-  UnfinishedFrame unfinished(this->Coherence);
+  UnfinishedFrame unfinished(this->Now->Coherence);
   const vtkFFDImageRegion& region = view.Region;
   const vtkFFDFrameScene scene(
     this->Mapper, this->Cache, view.Renderer, view.Volume, region, depths);
@@ -301,7 +301,7 @@ bool vtkFFDFrameCaster::Cast(
     this->MakeCaster(view, scene.Get(), layers, reuses, image, tiles);
   this->ReusedFraction = 1.0 - FindPart(tiles, region.Rays);
   this->Intervals = caster->ClassifiesIntervals();
-  image.Depths = layers ? this->FirstVisible.data() : outDepths;
+  image.Depths = layers ? this->Now->FirstVisible.data() : outDepths;
 
   // Observers may change the options, and what is drawn into.
   const bool counts = this->Mapper->GetCollectStatistics() != 0;
@@ -311,14 +311,14 @@ bool vtkFFDFrameCaster::Cast(
   const bool asBytes = wantsBytes && !reuses;
   const std::size_t rays =
     static_cast<std::size_t>(image.Width) * static_cast<std::size_t>(image.Height);
-  this->Colors.Bytes.resize(wantsBytes ? 4 * rays : 0);
-  this->Colors.Floats.resize(asBytes ? 0 : 4 * rays);
-  image.Colors = this->Colors.Floats.data();
+  this->Now->Colors.Bytes.resize(wantsBytes ? 4 * rays : 0);
+  this->Now->Colors.Floats.resize(asBytes ? 0 : 4 * rays);
+  image.Colors = this->Now->Colors.Floats.data();
 
   const vtkFFDParallelFor parallelFor = this->MakeParallelFor();
   vtkFFDTileWorkers workers(parallelFor);
   vtkFFDTileQueue queue(std::move(tiles), *caster, image, workers.GetSize(), counts);
-  PictureOfTiles picture(this->Colors, image, this->FinalColors, asBytes, view.Premultiplied);
+  PictureOfTiles picture(this->Now->Colors, image, this->FinalColors, asBytes, view.Premultiplied);
   // A tile that stops evaluates some of the deformation again: that is not to be counted.
   const bool mayStop = !counts;
   const auto castTile = [&](vtkFFDFrameCoherence::Part tile, bool isLate, ffd::Deadline due,
@@ -380,16 +380,16 @@ bool vtkFFDFrameCaster::Cast(
   }
   if (reuses)
   {
-    this->Visible = FindVisible(this->Colors.Floats, region.Rays, parallelFor);
+    this->Now->Visible = FindVisible(this->Now->Colors.Floats, region.Rays, parallelFor);
     // The next frame takes up the floats.
     parallelFor(wantsBytes ? rays : 0, [&](std::size_t first, std::size_t last) {
-      ffd::WritePixelBytes(&this->Colors.Floats[4 * first], last - first, view.Premultiplied,
-        &this->Colors.Bytes[4 * first]);
+      ffd::WritePixelBytes(&this->Now->Colors.Floats[4 * first], last - first, view.Premultiplied,
+        &this->Now->Colors.Bytes[4 * first]);
     });
   }
   else
   {
-    this->Visible = workers.FindVisible();
+    this->Now->Visible = workers.FindVisible();
   }
   if (counts)
   {
@@ -408,8 +408,8 @@ vtkFFDImageDisplay::Layers vtkFFDFrameCaster::CastLayers(const View& view, const
   const vtkFFDFrameScene scene(
     this->Mapper, this->Cache, view.Renderer, view.Volume, view.Region, nullptr);
   return this->Layers.Cast(scene.Get(), this->MakeSettings(view), view.Region, pixels,
-    { this->Colors.Floats, this->FirstVisible, this->FinalColors }, this->MakeParallelFor(),
-    this->Visible);
+    { this->Now->Colors.Floats, this->Now->FirstVisible, this->FinalColors },
+    this->MakeParallelFor(), this->Now->Visible);
 }
 
 //------------------------------------------------------------------------------
@@ -420,10 +420,24 @@ const float* vtkFFDFrameCaster::FindRayDepths(
 }
 
 //------------------------------------------------------------------------------
+std::size_t vtkFFDFrameCaster::GetCoherenceSize() const
+{
+  std::size_t size = 0;
+  for (const KeptPicture& kept : this->Kept)
+  {
+    size += kept.Coherence.GetMemorySize();
+  }
+  return size;
+}
+
+//------------------------------------------------------------------------------
 void vtkFFDFrameCaster::ReleaseImages()
 {
-  this->Coherence.Clear();
-  this->Colors = Picture();
-  std::vector<float>().swap(this->FirstVisible);
+  for (KeptPicture& kept : this->Kept)
+  {
+    kept.Coherence.Clear();
+    kept.Colors = Picture();
+    std::vector<float>().swap(kept.FirstVisible);
+  }
   this->Layers.ReleaseImages();
 }

@@ -4,8 +4,8 @@
  * @class   vtkFFDFrameCaster
  * @brief   casts the rays of a frame, with progress, and keeps its picture
  *
- * Private to this module: not installed, not wrapped. Parts of the last picture are shown again
- * where vtkFFDFrameCoherence says so. The mapper and its cache must outlive it.
+ * Private to this module: not installed, not wrapped. Parts of the last picture of a kind are shown
+ * again where vtkFFDFrameCoherence says so. The mapper and its cache must outlive it.
  */
 #ifndef vtkFFDFrameCaster_h
 #define vtkFFDFrameCaster_h
@@ -24,6 +24,8 @@
 
 #include <glm/vec2.hpp>
 
+#include <array>
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -54,6 +56,18 @@ public:
     std::vector<unsigned char> Bytes;
   };
 
+  /// What pictures are made for. The last one of each kind is kept: a coarse frame, as a click
+  /// makes one, or an image that is not shown, does not take the still picture away.
+  enum class Purpose
+  {
+    Moving, ///< frames in a window, and still ones that nothing is reused of
+    Still,  ///< StillFrameCoherence of the mapper
+    Other   ///< images and selectors
+  };
+
+  /// Pictures are of that kind from now on.
+  void Begin(Purpose purpose) { this->Now = &this->Kept[static_cast<std::size_t>(purpose)]; }
+
   /// Input of a cast.
   struct View
   {
@@ -77,14 +91,14 @@ public:
    */
   bool Cast(vtkFFDFrame& frame, const View& view, const float* depths, float* outDepths);
 
-  /// What was cast last.
-  Picture& GetPicture() { return this->Colors; }
+  /// What was cast last, of the kind.
+  Picture& GetPicture() { return this->Now->Colors; }
 
   /// Whether there is memory for a picture of bytes already.
-  bool HoldsBytes(std::size_t rays) const { return this->Colors.Bytes.capacity() >= 4 * rays; }
+  bool HoldsBytes(std::size_t rays) const { return this->Now->Colors.Bytes.capacity() >= 4 * rays; }
 
   /// What is visible of it if it is drawn, and after CastLayers() of these, too.
-  const ffd::VisibleRectangle& GetVisible() const { return this->Visible; }
+  const ffd::VisibleRectangle& GetVisible() const { return this->Now->Visible; }
 
   /// Window depths of the pixels of a frame: to be written to before Cast().
   std::vector<float>& GetWindowDepths() { return this->Layers.GetWindowDepths(); }
@@ -99,8 +113,11 @@ public:
   /// StillFrameCoherence of the mapper.
   bool CanReuse(vtkVolume* volume) const;
 
-  vtkFFDFrameCoherence& GetCoherence() { return this->Coherence; }
-  const vtkFFDFrameCoherence& GetCoherence() const { return this->Coherence; }
+  vtkFFDFrameCoherence& GetCoherence() { return this->Now->Coherence; }
+
+  /// Of what pictures are told by, in bytes.
+  std::size_t GetCoherenceSize() const;
+
   double GetReusedFraction() const { return this->ReusedFraction; }
 
   /// Whether the last frame was cast with Classification::Intervals.
@@ -119,12 +136,18 @@ private:
   vtkFFDInverseRayVolumeMapper* Mapper; // not owned
   const vtkFFDFrameCache& Cache;
 
-  Picture Colors;
-  ffd::VisibleRectangle Visible;
-  vtkFFDFinalColors FinalColors;   // of the frame in progress
-  std::vector<float> FirstVisible; // depths of the samples of its rays; empty where not needed
+  struct KeptPicture
+  {
+    Picture Colors;
+    ffd::VisibleRectangle Visible;
+    std::vector<float> FirstVisible; // depths of the samples of its rays; empty where not needed
+    vtkFFDFrameCoherence Coherence;
+  };
+
+  std::array<KeptPicture, 3> Kept; // by Purpose
+  KeptPicture* Now = &Kept[0];
+  vtkFFDFinalColors FinalColors; // of the frame in progress
   vtkFFDFrameLayers Layers;
-  vtkFFDFrameCoherence Coherence;
   double ReusedFraction = 0.0;
   bool Intervals = false;
 };

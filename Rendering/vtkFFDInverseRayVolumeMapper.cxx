@@ -427,7 +427,7 @@ vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetNumberOfBuilds(int part)
 vtkTypeInt64 vtkFFDInverseRayVolumeMapper::GetAuxiliaryMemorySize()
 {
   const vtkInternals& in = *this->Internals;
-  const std::size_t size = in.Cache.GetMemorySize() + in.Caster.GetCoherence().GetMemorySize();
+  const std::size_t size = in.Cache.GetMemorySize() + in.Caster.GetCoherenceSize();
   return static_cast<vtkTypeInt64>(size);
 }
 

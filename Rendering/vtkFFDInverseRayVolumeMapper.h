@@ -466,11 +466,12 @@ public:
    * Whether a still frame in a window shows the last still picture again where nothing that it is
    * made from has changed since: the same volume, deformation, camera, lights and options. Cast
    * anew are those parts, of 64 x 64 rays, in which other props hide more or less of the volume. So
-   * a pointer that moves over a widget, or a text that changes, does not wait for the volume. The
-   * picture is the same as without, bit by bit, and GetTimeToDraw() stays that of the frame that
-   * was cast, by which vtkLODProp3D chooses. Costs the memory of a second picture. Not used for
-   * blend mode slice, nor with CollectStatistics. Leave it off where the time of frames is
-   * measured. Default: off.
+   * a pointer that moves over a widget, or a text that changes, does not wait for the volume.
+   * Coarse frames, as a click makes one, and images in between leave the still picture as it is. It
+   * is the same as without, bit by bit, and GetTimeToDraw() stays that of the frame that was cast,
+   * by which vtkLODProp3D chooses. Costs the memory of two more pictures. Not used for blend mode
+   * slice, nor with CollectStatistics. Leave it off where the time of frames is measured. Default:
+   * off.
    */
   vtkSetMacro(StillFrameCoherence, vtkTypeBool);
   vtkGetMacro(StillFrameCoherence, vtkTypeBool);

@@ -206,23 +206,29 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::CheckView(
 }
 
 //------------------------------------------------------------------------------
-/// Puts the picture of the window by, before the caster makes another one, or goes on from it.
-void vtkFFDInverseRayVolumeMapper::vtkInternals::KeepPicture(bool reuses)
+/// Sees to it that the picture of the window can be drawn again if the next frame in a window,
+/// which is to be begun, is aborted: the caster makes that of its last one of the kind.
+void vtkFFDInverseRayVolumeMapper::vtkInternals::KeepPicture(bool reuses, bool moving)
 {
-  if (!this->Shown.Complete)
+  if (this->Shown.Complete && !(reuses && moving))
+  {
+    this->Last = this->Shown;
+  }
+  this->Shown.Complete = false;
+  vtkFFDFrameCaster::Picture& next = this->Caster.GetPicture();
+  if (this->Last.Picture != &next)
   {
     return;
   }
   if (reuses)
   {
-    this->LastPicture = this->Caster.GetPicture();
+    this->LastPicture = next;
   }
   else
   {
-    std::swap(this->Caster.GetPicture(), this->LastPicture);
-    this->Caster.GetCoherence().Clear(); // it knows of the picture that is put by
+    std::swap(this->LastPicture, next);
   }
-  this->Last = this->Shown;
+  this->Last.Picture = &this->LastPicture;
 }
 
 //------------------------------------------------------------------------------
@@ -438,6 +444,8 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   const bool interactive = in.Plan.PlaceRays(this, volume, shown, region);
   const bool reuses = shown && in.Caster.CanReuse(volume);
   const bool moving = vtkFFDFramePlan::IsMoving(this, volume);
+  using Purpose = vtkFFDFrameCaster::Purpose;
+  in.Caster.Begin(!shown ? Purpose::Other : reuses && !moving ? Purpose::Still : Purpose::Moving);
   if (reuses && moving)
   {
     in.Caster.GetCoherence().Align(region);
@@ -458,11 +466,10 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   view.Region = region;
   view.DataToNdc =
     ffd::MakeCameraView(renderer, whole, ffd::ToMatrix(volume->GetMatrix())).DataToNdc;
-  if (!reuses || !moving)
+  if (shown)
   {
-    in.KeepPicture(reuses);
+    in.KeepPicture(reuses, moving);
   }
-  in.Shown.Complete = false;
 
   const vtkMTimeType sceneTime = in.FindSceneTime(volume);
   vtkFFDFrameCaster::View cast;
@@ -489,6 +496,7 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   timer->StopTimer();
   view.Complete = done;
   view.Visible = in.Caster.GetVisible();
+  view.Picture = &in.Caster.GetPicture();
   if (!shown)
   {
     if (done)
@@ -511,7 +519,7 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   // After an abort the last picture: the window may be read before the next frame is there.
   if (done || in.Last.IsSameAs(view))
   {
-    in.Draw(done ? view : in.Last, done ? in.Caster.GetPicture() : in.LastPicture, layers);
+    in.Draw(done ? view : in.Last, layers);
   }
 }
 
@@ -530,7 +538,7 @@ void vtkFFDInverseRayVolumeMapper::vtkInternals::PassOnPicture(const View& view)
     {
       vtkFFDPaintIdentifiers(
         selector, this->Self, this->Cache, camera, this->VisibleDepths, colors);
-      this->Draw(view, this->Caster.GetPicture(), vtkFFDImageDisplay::Layers());
+      this->Draw(view, vtkFFDImageDisplay::Layers());
     }
     return;
   }
@@ -545,9 +553,10 @@ void vtkFFDInverseRayVolumeMapper::vtkInternals::PassOnPicture(const View& view)
 
 //------------------------------------------------------------------------------
 /// Draws a picture in the window.
-void vtkFFDInverseRayVolumeMapper::vtkInternals::Draw(const View& view,
-  const vtkFFDFrameCaster::Picture& picture, const vtkFFDImageDisplay::Layers& layers)
+void vtkFFDInverseRayVolumeMapper::vtkInternals::Draw(
+  const View& view, const vtkFFDImageDisplay::Layers& layers)
 {
+  const vtkFFDFrameCaster::Picture& picture = *view.Picture;
   const vtkFFDImageRegion& region = view.Region;
   vtkFFDImageDisplay::Image image;
   image.Width = region.Rays.x;
@@ -635,6 +644,7 @@ int vtkFFDInverseRayVolumeMapper::MakeImages(vtkRenderer* renderer, vtkVolume* v
     return 0;
   }
   const vtkFFDImageRegion region(glm::ivec2(width, height));
+  in.Caster.Begin(vtkFFDFrameCaster::Purpose::Other);
   // To ask the system takes a tenth of a millisecond and more.
   if (!in.Caster.HoldsBytes(pixels))
   {
@@ -642,8 +652,6 @@ int vtkFFDInverseRayVolumeMapper::MakeImages(vtkRenderer* renderer, vtkVolume* v
       std::to_string(width) + " x " + std::to_string(height) + " pixels",
       "Give a smaller width and height.");
   }
-  in.KeepPicture(false);
-  in.Shown.Complete = false;
   std::vector<float> firstVisible(depths ? pixels : 0);
   vtkFFDFrameCaster::View cast;
   cast.Renderer = renderer;

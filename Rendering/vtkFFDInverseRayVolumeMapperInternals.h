@@ -49,7 +49,7 @@ public:
     const glm::ivec2& pixels, const int viewport[4]);
   vtkMTimeType FindSceneTime(vtkVolume* volume) const;
   void ReleaseImages();
-  void KeepPicture(bool reuses);
+  void KeepPicture(bool reuses, bool moving);
 
   vtkFFDInverseRayVolumeMapper* Self;
 
@@ -72,6 +72,7 @@ public:
     vtkFFDImageRegion Region;
     glm::dmat4 DataToNdc{ 1.0 };
     ffd::VisibleRectangle Visible;
+    const vtkFFDFrameCaster::Picture* Picture = nullptr; // where it is kept
 
     bool IsSameAs(const View& other) const
     {
@@ -81,15 +82,14 @@ public:
   };
 
   void PassOnPicture(const View& view);
-  void Draw(const View& view, const vtkFFDFrameCaster::Picture& picture,
-    const vtkFFDImageDisplay::Layers& layers);
+  void Draw(const View& view, const vtkFFDImageDisplay::Layers& layers);
 
-  View Shown;                             // of the picture of the caster
-  vtkFFDFrameCaster::Picture LastPicture; // the one before a still one, which may be aborted
-  View Last;
-  std::vector<float> VisibleDepths; // of the first visible samples, where these are asked for
-  vtkNew<vtkImageData> ColorImage;  // the last frame that became an image
-  std::vector<float> ImageDepths;   // of that
+  View Shown;                             // the picture of the last frame in a window
+  View Last;                              // the one before, for a frame that is aborted
+  vtkFFDFrameCaster::Picture LastPicture; // that, where the caster has made another one of it
+  std::vector<float> VisibleDepths;       // of the first visible samples, where these are asked for
+  vtkNew<vtkImageData> ColorImage;        // the last frame that became an image
+  std::vector<float> ImageDepths;         // of that
   vtkNew<vtkContourValues> DepthPassContourValues;
   bool ToldOfPeeling = false;
   vtkNew<vtkFFDRayStatistics> Statistics;
