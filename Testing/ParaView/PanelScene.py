@@ -41,7 +41,7 @@ simple.Render(view)
 
 smtrace.start_trace()
 WIDGET = ("HandleMode", "Falloff", "ProportionalRadius", "LockBoundary", "FoldGuard",
-          "InteriorVisibility", "LineMode")
+          "InteriorVisibility", "LineMode", "DisplacementScale")
 
 
 def describe_widget():
@@ -69,6 +69,7 @@ def count_volumes():
 
 
 log = ffdlog.open_log("FFD_PANEL_LOG")
+seen = {}  # the widget in the last frame
 
 
 def note(*_):
@@ -77,9 +78,10 @@ def note(*_):
         "resolution": list(lattice.Resolution),
         "displacements_resolution": list(lattice.DisplacementsResolution),
         "displacements": list(lattice.Displacements),
-        "widget": describe_widget(), "volumes": count_volumes()})
+        "widget": describe_widget(), "seen": seen, "volumes": count_volumes()})
     with open(os.environ["FFD_PANEL_TRACE"], "w", encoding="utf-8") as trace:
         trace.write(vtkSMTrace.GetActiveTracer().GetCurrentTrace())
 
 
 lattice.SMProxy.AddObserver("UpdateDataEvent", note)
+view.GetRenderWindow().AddObserver("EndEvent", lambda *_: seen.update(describe_widget()))

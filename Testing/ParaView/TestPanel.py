@@ -48,6 +48,8 @@ def play(command, environment):
 
 
 MIDDLE = 2 + 5 * (2 + 5 * 2)
+SCALE = PROPERTIES + ("scrollArea/qt_scrollarea_viewport/scrollAreaWidgetContents/PropertiesFrame/ProxyPanel/"
+                      "DisplacementScale/DoubleRangeWidget/DoubleLineEdit")
 
 
 class TestPanel(unittest.TestCase):
@@ -197,7 +199,7 @@ class TestPanel(unittest.TestCase):
 
     def test_undo_of_applied_edit(self):
         """Undo of the menu takes back what was applied, with what was dragged since, which control and Z do not
-        bring again."""
+        bring again. After a drag the lattice is that of the filter, which was updated in the middle of it."""
         events = Events()
         events.drag((0.5, 0.5), (0.6, 0.3))
         events.click(PROPERTIES + "Accept")
@@ -207,9 +209,24 @@ class TestPanel(unittest.TestCase):
         events.wait()
         events.set(PANEL + "Resolution_0", "int", "6")
         events.click(PROPERTIES + "Accept")
+        events.set(PANEL + "Resolution_0", "int", "5")
+        events.click(PROPERTIES + "Accept")
+        events.add(VIEW, "mousePress", "(0.5,0.5,1,1,0)")
+        events.add(VIEW, "mouseMove", "(0.55,0.4,0,1,0)")
+        events.set(SCALE, "string", "0.5")
+        events.click(PROPERTIES + "Accept")
+        events.add(VIEW, "mouseRelease", "(0.55,0.4,1,0,0)")
+        events.wait()
+        events.set(PANEL + "Resolution_0", "int", "6")
+        events.click(PROPERTIES + "Accept")
         states, _ = events.play("applied", auto_apply=False)
+        undone, again, updated, last = states[-4:]
         self.assertEqual(moved(states[0]), [MIDDLE])
-        self.assertEqual(moved(states[-1]), [], [moved(state) for state in states])
+        self.assertEqual(moved(undone), [], [moved(state) for state in states])
+        self.assertEqual(moved(again), [])
+        self.assertEqual(moved(updated), [MIDDLE])
+        self.assertEqual(updated["seen"]["DisplacementScale"], 1.0)
+        self.assertEqual(last["seen"]["DisplacementScale"], 0.5)
 
     def test_live(self):
         """With auto-apply the filter follows a drag, which is one step for undo and trace; after

@@ -131,7 +131,8 @@ public:
   bool Away = false;                   // the panel shows another source
   bool VisibleBefore = false;          // whether the lattice was shown when it went
   bool Interacting = false;
-  bool Live = false; // the filter has followed steps of the drag
+  bool BaseIsOld = false; // the filter was updated in the middle of a drag
+  bool Live = false;      // the filter has followed steps of the drag
   bool WasUnmodified = false;
   std::vector<std::vector<double>> Start; // values of EditedFunctions before the drag
 
@@ -335,7 +336,9 @@ void pqFFDLatticePropertyWidget::placeWidget() { this->takeBase(); }
 /// Takes the displacements that the edits are added to from the filter.
 void pqFFDLatticePropertyWidget::takeBase()
 {
-  if (this->Internals->Interacting)
+  pqInternals& in = *this->Internals;
+  in.BaseIsOld = in.Interacting;
+  if (in.Interacting)
   {
     return;
   }
@@ -468,6 +471,11 @@ void pqFFDLatticePropertyWidget::finishInteraction()
   {
     in.UndoSteps.push_back(in.Before);
     in.RedoSteps.clear();
+  }
+  if (in.BaseIsOld)
+  {
+    // The time that is shown, or a shape, may be another one since the drag began.
+    this->takeBase();
   }
   this->scheduleShow();
 }
