@@ -422,11 +422,11 @@ bool vtkFFDEditLattice::MakeLattice(
   const int needed = sizes[0] * sizes[1] * sizes[2];
   if (report && this->GetNumberOfDisplacements() != 0 && this->GetNumberOfDisplacements() != needed)
   {
-    vtkErrorMacro(<< "There are " << this->GetNumberOfDisplacements()
-                  << " displacements, but a lattice of " << sizes[0] << " x " << sizes[1] << " x "
-                  << sizes[2] << " control points has " << needed
-                  << ". They are not used. Give as many, none, or set EditDimensions to the size "
-                     "of the lattice that they are meant for.");
+    vtkErrorMacro(
+      << "There are " << this->GetNumberOfDisplacements() << " displacements, but a lattice of "
+      << sizes[0] << " x " << sizes[1] << " x " << sizes[2] << " control points has " << needed
+      << ". They are not used. Give as many, none, or set EditDimensions (in ParaView "
+         "DisplacementsResolution) to the size of the lattice that they are meant for.");
   }
   // RequestInformation may have made them already.
   const vtkMTimeType changed =

@@ -961,7 +961,7 @@ executive.GetOutputInformation(0).Set(executive.WHOLE_EXTENT(), 0, 4, 0, 4, 0, 4
         lattice.Displacements = [1.0, 2.0, 3.0]
         with ffd.Errors() as errors:
             lattice.UpdatePipeline()
-        self.assertTrue(errors.say("1 displacements", "64"), errors.text)
+        self.assertTrue(errors.say("1 displacements", "64", "DisplacementsResolution"), errors.text)
         with ffd.Errors() as errors:
             lattice.Displacements = [float("nan")] * 192
             lattice.UpdatePipeline()
