@@ -83,5 +83,12 @@ def note(*_):
         trace.write(vtkSMTrace.GetActiveTracer().GetCurrentTrace())
 
 
+def act_as_script(*_):
+    """Where the displacement scale has become 0.25."""
+    if lattice.DisplacementScale == 0.25 and lattice.Resolution[0] == 5:
+        lattice.Resolution = [7, 5, 5]
+
+
 lattice.SMProxy.AddObserver("UpdateDataEvent", note)
+lattice.SMProxy.AddObserver("UpdateDataEvent", act_as_script)
 view.GetRenderWindow().AddObserver("EndEvent", lambda *_: seen.update(describe_widget()))

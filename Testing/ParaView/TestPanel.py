@@ -199,7 +199,8 @@ class TestPanel(unittest.TestCase):
 
     def test_undo_of_applied_edit(self):
         """Undo of the menu takes back what was applied, with what was dragged since, which control and Z do not
-        bring again. After a drag the lattice is that of the filter, which was updated in the middle of it."""
+        bring again. After a drag the lattice is that of the filter, which was updated in the middle of it.
+        Edits of the resolution from before a script has changed it can be applied."""
         events = Events()
         events.drag((0.5, 0.5), (0.6, 0.3))
         events.click(PROPERTIES + "Accept")
@@ -217,16 +218,21 @@ class TestPanel(unittest.TestCase):
         events.click(PROPERTIES + "Accept")
         events.add(VIEW, "mouseRelease", "(0.55,0.4,1,0,0)")
         events.wait()
-        events.set(PANEL + "Resolution_0", "int", "6")
+        events.set(SCALE, "string", "0.25")
+        events.click(PROPERTIES + "Accept")
         events.click(PROPERTIES + "Accept")
         states, _ = events.play("applied", auto_apply=False)
-        undone, again, updated, last = states[-4:]
         self.assertEqual(moved(states[0]), [MIDDLE])
+        sizes = [state["resolution"][0] for state in states]
+        undone, again, updated, after, _, last = states[-6:]
+        self.assertEqual(sizes[-6:], [6, 5, 5, 5, 7, 7])
         self.assertEqual(moved(undone), [], [moved(state) for state in states])
         self.assertEqual(moved(again), [])
         self.assertEqual(moved(updated), [MIDDLE])
         self.assertEqual(updated["seen"]["DisplacementScale"], 1.0)
-        self.assertEqual(last["seen"]["DisplacementScale"], 0.5)
+        self.assertEqual(after["seen"]["DisplacementScale"], 0.5)
+        self.assertEqual(last["displacements_resolution"], [5, 5, 5])
+        self.assertEqual(last["displacements"], updated["displacements"])
 
     def test_live(self):
         """With auto-apply the filter follows a drag, which is one step for undo and trace; after

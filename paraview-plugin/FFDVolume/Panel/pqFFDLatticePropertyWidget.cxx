@@ -128,6 +128,7 @@ public:
   }
 
   Sizes EditedSizes = { { 0, 0, 0 } }; // what the displacements were last seen to fit
+  bool ByUndo = false;                 // there was a change by undo or redo
   bool Away = false;                   // the panel shows another source
   bool VisibleBefore = false;          // whether the lattice was shown when it went
   bool Interacting = false;
@@ -234,7 +235,7 @@ pqFFDLatticePropertyWidget::pqFFDLatticePropertyWidget(
   {
     this->connect(source, SIGNAL(dataUpdated(pqPipelineSource*)), SLOT(takeBase()));
   }
-  this->settleResolution();
+  this->keepEdits();
   this->showState();
 }
 
@@ -251,7 +252,7 @@ pqFFDLatticePropertyWidget::~pqFFDLatticePropertyWidget()
 void pqFFDLatticePropertyWidget::apply()
 {
   this->forgetSteps();
-  this->settleResolution();
+  this->keepEdits();
   this->Superclass::apply();
   for (const char* function : EditedFunctions)
   {
@@ -584,14 +585,32 @@ void pqFFDLatticePropertyWidget::setOptions()
 }
 
 //-----------------------------------------------------------------------------
-void pqFFDLatticePropertyWidget::scheduleSettle() { this->Internals->SettleTimer.start(); }
+void pqFFDLatticePropertyWidget::scheduleSettle()
+{
+  pqInternals& in = *this->Internals;
+  const pqUndoStack* undo = pqApplicationCore::instance()->getUndoStack();
+  in.ByUndo = in.ByUndo || (undo && (undo->getInUndo() || undo->getInRedo()));
+  in.SettleTimer.start();
+}
 
 //-----------------------------------------------------------------------------
-/**
- * Displacements of another resolution are told to be so. Not at once: Undo and scripts change the
- * properties one after the other.
- */
+/// Not at once: Undo and scripts change the properties one after the other.
 void pqFFDLatticePropertyWidget::settleResolution()
+{
+  const bool byUndo = this->Internals->ByUndo;
+  this->Internals->ByUndo = false;
+  if (this->keepEdits() && !byUndo)
+  {
+    // It may have been a script that changed the resolution. What is undone is not to be applied
+    // again.
+    Q_EMIT this->changeAvailable();
+    Q_EMIT this->changeFinished();
+  }
+}
+
+//-----------------------------------------------------------------------------
+/// Displacements of another resolution are told to be so. Returns whether there were any.
+bool pqFFDLatticePropertyWidget::keepEdits()
 {
   pqInternals& in = *this->Internals;
   vtkSMPropertyGroup* group = this->propertyGroup();
@@ -601,12 +620,15 @@ void pqFFDLatticePropertyWidget::settleResolution()
   if (count == CountValues(sizes) || count == 0)
   {
     in.EditedSizes = sizes;
+    return false;
   }
-  else if (ToSizes(GetUnchecked(editSizes)) == Sizes{ { 0, 0, 0 } } &&
-    count == CountValues(in.EditedSizes))
+  if (ToSizes(GetUnchecked(editSizes)) != Sizes{ { 0, 0, 0 } } ||
+    count != CountValues(in.EditedSizes))
   {
-    SetUnchecked(editSizes, ToValues(in.EditedSizes));
+    return false;
   }
+  SetUnchecked(editSizes, ToValues(in.EditedSizes));
+  return true;
 }
 
 //-----------------------------------------------------------------------------

@@ -63,6 +63,7 @@ private:
 
   void findSearchBox();
   void tellEdit(int changed);
+  bool keepEdits();
   std::vector<std::vector<double>> getUnchecked() const;
   void stepEdits(bool back);
 
