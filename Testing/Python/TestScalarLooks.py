@@ -324,6 +324,60 @@ class TestScalarLooks(unittest.TestCase):
         self.prop.SetSpecular(0.0)
         self.expect([0.8 * 0.26] * 3 + [1.0 - 0.9 ** LENGTH])
 
+    def pictures(self, values, side=16):
+        """Of values of all voxels of a cube: by the fast kernels, and by the reference kernels."""
+        self.image.SetDimensions(side, side, side)
+        spacing = LENGTH / (side - 1)
+        self.image.SetSpacing(spacing, spacing, spacing)
+        self.image.GetPointData().SetScalars(
+            numpy_to_vtk(numpy.ascontiguousarray(values), deep=True))
+        found = []
+        for reference in (False, True):
+            self.mapper.SetReferenceKernels(reference)
+            picture = vtkImageData()
+            self.assertEqual(
+                self.mapper.RenderToImage(self.renderer, self.volume, 64, 64, picture), 1)
+            found.append(vtk_to_numpy(picture.GetPointData().GetScalars()).astype(int))
+        return found
+
+    def make_holes(self, kind, components=1):
+        """Noise from 20 to 100 of 16^3 voxels, its functions, and a part of the voxels."""
+        random = numpy.random.default_rng(5)
+        for component in range(components):
+            opacity = vtkPiecewiseFunction()
+            opacity.AddPoint(10.0, 0.0)
+            opacity.AddPoint(100.0, 0.3)
+            self.prop.SetScalarOpacity(component, opacity)
+            colors = vtkColorTransferFunction()
+            colors.AddRGBPoint(0.0, 1.0, 0.2, 0.1)
+            colors.AddRGBPoint(100.0, 0.1, 0.5, 1.0)
+            self.prop.SetColor(component, colors)
+        values = random.uniform(20.0, 100.0, (16 ** 3, components)).astype(kind)
+        self.mapper.SetSampleDistance(0.4)
+        return values, random.random(16 ** 3) < 0.05
+
+    def test_holes_of_nearest_voxels(self):
+        # Those beside the voxel that is nearest do not count, whatever they are.
+        self.prop.SetInterpolationTypeToNearest()
+        camera = self.renderer.GetActiveCamera()
+        camera.Azimuth(20.0)
+        for kind, components, blend in itertools.product(
+                (numpy.float32, numpy.float64), (1, 2), (0, 1, 3)):
+            with self.subTest(kind=kind, components=components, blend=blend):
+                values, holes = self.make_holes(kind, components)
+                self.mapper.SetBlendMode(blend)
+                values[holes] = 5.0  # transparent
+                fast, _ = self.pictures(values)
+                values[holes] = numpy.nan
+                with_holes, reference = self.pictures(values)
+                if blend == 0:
+                    self.assertLessEqual(abs(with_holes - fast).max(), 1)
+                self.assertLess(abs(with_holes - reference).mean(), 0.5)
+                # What is infinite is the largest value, in its own voxel.
+                values[holes] = numpy.inf
+                fast, reference = self.pictures(values)
+                self.assertLess(abs(fast - reference).mean(), 0.5)
+
     def test_cells(self):
         self.image.GetCellData().SetScalars(
             numpy_to_vtk(numpy.ones(LENGTH ** 3, dtype=numpy.float32), deep=True))

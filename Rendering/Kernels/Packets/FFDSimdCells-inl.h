@@ -37,9 +37,18 @@ struct SamplePosition
   Vf Fx;
   Vf Fy;
   Vf Fz;
-  Vi Weights; ///< 1 - Fx and Fx as PairWeights()
+  Vi Weights;           ///< 1 - Fx and Fx as PairWeights()
+  bool Nearest = false; ///< one of two voxels is taken: Fx, Fy and Fz are 0 or 1
   const PacketIntegers* Integers;
 };
+
+/// The value between two neighboring voxels, at a part of the way from `a` to `b`. The nearest one
+/// is chosen: what is not a finite number would be in a sum, whatever its weight.
+HWY_INLINE Vf Between(Vf a, Vf b, Vf part, const SamplePosition& at)
+{
+  return HWY_LIKELY(!at.Nearest) ? Lerp(a, b, part)
+                                 : hn::IfThenElse(hn::Eq(part, hn::Zero(Df())), a, b);
+}
 
 /// First voxel, along an axis, of the cell that holds a position.
 HWY_INLINE Vf CellOf(const PacketVolume& v, Vf x, int a)
@@ -55,6 +64,7 @@ HWY_INLINE SamplePosition FindCells(
   const Di di;
   SamplePosition at;
   at.Integers = &v.Integers;
+  at.Nearest = v.Nearest;
   const auto locate = [&](Vf x, int a, Vi& cell, Vf& part) {
     if (inner)
     {

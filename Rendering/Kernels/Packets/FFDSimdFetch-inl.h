@@ -67,22 +67,22 @@ struct FetchFloats
   }
   static HWY_INLINE Vf Before(const Row& r, const SamplePosition& at)
   {
-    return Lerp(r.A, r.B, at.Fx);
+    return Between(r.A, r.B, at.Fx, at);
   }
   static HWY_INLINE Vf Middle(const Row& r, const SamplePosition& at)
   {
-    return Lerp(r.B, r.C, at.Fx);
+    return Between(r.B, r.C, at.Fx, at);
   }
   static HWY_INLINE Vf Behind(const Row& r, const SamplePosition& at)
   {
-    return Lerp(r.C, r.D, at.Fx);
+    return Between(r.C, r.D, at.Fx, at);
   }
   static HWY_INLINE Vf Middle(
     const PacketVolume& v, const int* offsets, int delta, const SamplePosition& at)
   {
     Vf cell[2];
     Loader::LoadCell(v, offsets, delta, cell);
-    return Lerp(cell[0], cell[1], at.Fx);
+    return Between(cell[0], cell[1], at.Fx, at);
   }
 };
 

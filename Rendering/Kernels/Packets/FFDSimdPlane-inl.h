@@ -63,9 +63,10 @@ HWY_NOINLINE inline Vf FindSecondAxisByLane(
     }
   });
   const auto along = [&](std::size_t corner) {
-    return Lerp(hn::Load(d, corners[corner]), hn::Load(d, corners[corner + 1]), at.Fx);
+    return Between(hn::Load(d, corners[corner]), hn::Load(d, corners[corner + 1]), at.Fx, at);
   };
-  return Lerp(Lerp(along(0), along(2), at.Fy), Lerp(along(4), along(6), at.Fy), at.Fz);
+  return Between(
+    Between(along(0), along(2), at.Fy, at), Between(along(4), along(6), at.Fy, at), at.Fz, at);
 }
 
 /// Interpolates the scalars of the second axis at positions in the volume.

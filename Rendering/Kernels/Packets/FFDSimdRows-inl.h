@@ -42,8 +42,16 @@ HWY_INLINE Vf Across(const SamplePosition& at, typename Fetch<T>::Along a00,
   typename Fetch<T>::Along a10, typename Fetch<T>::Along a01, typename Fetch<T>::Along a11)
 {
   using F = Fetch<T>;
-  return Lerp(Lerp(F::ToFloat(a00), F::ToFloat(a10), at.Fy),
-    Lerp(F::ToFloat(a01), F::ToFloat(a11), at.Fy), at.Fz);
+  if constexpr (std::is_same<typename F::Along, Vf>::value)
+  {
+    return Between(Between(a00, a10, at.Fy, at), Between(a01, a11, at.Fy, at), at.Fz, at);
+  }
+  else
+  {
+    // Whole numbers are finite: weights of zero and one do.
+    return Lerp(Lerp(F::ToFloat(a00), F::ToFloat(a10), at.Fy),
+      Lerp(F::ToFloat(a01), F::ToFloat(a11), at.Fy), at.Fz);
+  }
 }
 
 /// Difference along x, over two voxels, in a row.

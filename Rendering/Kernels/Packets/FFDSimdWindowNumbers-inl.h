@@ -131,7 +131,7 @@ public:
   HWY_INLINE Vf Middle(const Slab* slabs, int rows, const SamplePosition& at) const
   {
     const Layers layers(slabs, rows);
-    return Lerp(this->Find(layers, 1), this->Find(layers, 2), at.Fx);
+    return Between(this->Find(layers, 1), this->Find(layers, 2), at.Fx, at);
   }
 
 private:
