@@ -378,6 +378,18 @@ class TestScalarLooks(unittest.TestCase):
                 fast, reference = self.pictures(values)
                 self.assertLess(abs(fast - reference).mean(), 0.5)
 
+    def test_gradients_beside_what_is_infinite(self):
+        # As of the logarithm of fields that are zero somewhere. They are as large as can be.
+        values, holes = self.make_holes(numpy.float32)
+        values[holes] = -numpy.inf
+        gradients = vtkPiecewiseFunction()
+        gradients.AddPoint(0.0, 0.0)
+        gradients.AddPoint(20.0, 1.0)
+        self.prop.SetGradientOpacity(gradients)
+        fast, reference = self.pictures(values)
+        self.assertGreater((reference[:, 3] > 0).mean(), 0.3)
+        self.assertLess(abs(fast - reference).mean(), 0.05)
+
     def test_cells(self):
         self.image.GetCellData().SetScalars(
             numpy_to_vtk(numpy.ones(LENGTH ** 3, dtype=numpy.float32), deep=True))

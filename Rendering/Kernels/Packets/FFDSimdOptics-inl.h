@@ -77,7 +77,10 @@ HWY_INLINE Vf FindSquaredMagnitude(const float scale[3], const Vec3& gradient)
 /// Length of a gradient whose components are scaled; zero where it is not a number.
 HWY_INLINE Vf FindMagnitude(const float scale[3], const Vec3& gradient)
 {
-  const Vf magnitude = FastSqrt(FindSquaredMagnitude(scale, gradient));
+  // The root of what is infinite, beside infinite scalars, would be no number.
+  const Vf squared = FindSquaredMagnitude(scale, gradient);
+  const Vf largest = Splat(1e30f);
+  const Vf magnitude = FastSqrt(hn::IfThenElse(hn::Gt(squared, largest), largest, squared));
   return hn::IfThenElseZero(hn::Eq(magnitude, magnitude), magnitude);
 }
 
