@@ -378,6 +378,14 @@ class TestScalarLooks(unittest.TestCase):
                 fast, reference = self.pictures(values)
                 self.assertLess(abs(fast - reference).mean(), 0.5)
 
+    def test_holes_of_colors(self):
+        # The opacity is known where the color is not: the color is the first one.
+        self.prop.IndependentComponentsOff()
+        values, holes = self.make_holes(numpy.float32, 2)
+        values[holes, 0] = numpy.nan
+        fast, reference = self.pictures(values)
+        self.assertLess(abs(fast - reference).mean(), 0.05)
+
     def test_gradients_beside_what_is_infinite(self):
         # As of the logarithm of fields that are zero somewhere. They are as large as can be.
         values, holes = self.make_holes(numpy.float32)

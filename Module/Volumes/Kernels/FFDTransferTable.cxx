@@ -105,7 +105,7 @@ TransferTable::Sample TransferTable::Lookup(double scalar) const
 {
   if (std::isnan(scalar))
   {
-    return { glm::vec3(0.0f), 0.0f };
+    return { this->Entries[0].Color, 0.0f };
   }
   const double last = static_cast<double>(this->Entries.size() - 1);
   const double x = std::clamp((scalar - this->Low) * this->Scale, 0.0, last);
