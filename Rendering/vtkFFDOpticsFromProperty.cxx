@@ -31,6 +31,53 @@ constexpr int GradientTable = 1024;
 /// Labels of a label map.
 constexpr int LargestLabel = 65535;
 
+/**
+ * Colors of a function with logarithmic scale. Those that follow a path through the color space are
+ * interpolated in one table of VTK, whose steps of the logarithm are equal: VTK looks for the path
+ * in each call, which takes hundredths of a second.
+ */
+class LogarithmicColors
+{
+public:
+  /// For places from `low` to `high`; `low` is positive. Keeps a pointer to the function.
+  LogarithmicColors(vtkColorTransferFunction* function, double low, double high)
+    : Function(function)
+    , Low(low)
+  {
+    if (function->GetColorSpace() == VTK_CTF_LAB_CIEDE2000 && high > low)
+    {
+      this->Path.resize(3 * static_cast<std::size_t>(Last + 1));
+      function->GetTable(low, high, Last + 1, this->Path.data());
+      this->PerDecade = Last / std::log10(high / low);
+    }
+  }
+
+  void Find(double x, double color[3]) const
+  {
+    if (this->Path.empty())
+    {
+      this->Function->GetColor(x, color);
+      return;
+    }
+    const double at =
+      std::clamp(this->PerDecade * std::log10(x / this->Low), 0.0, static_cast<double>(Last));
+    const int entry = std::min(static_cast<int>(at), Last - 1);
+    const double* const from = &this->Path[3 * static_cast<std::size_t>(entry)];
+    for (int c = 0; c < 3; ++c)
+    {
+      color[c] = from[c] + (at - entry) * (from[c + 3] - from[c]);
+    }
+  }
+
+private:
+  static constexpr int Last = 65535;
+
+  vtkColorTransferFunction* Function;
+  double Low;
+  double PerDecade = 0.0;   ///< steps
+  std::vector<double> Path; ///< colors of Last steps, or none
+};
+
 /// Functions of a table; what is null is not looked up: opacity 0, black.
 struct TableFunctions
 {
@@ -108,12 +155,18 @@ struct TableFunctions
     else if (this->Color)
     {
       // Over a range that is not positive there is no table; the first color holds there.
-      const double least = this->Color->GetRange()[0];
+      double least[3];
+      this->Color->GetColor(this->Color->GetRange()[0], least);
+      const double step = (hi - lo) / (size - 1);
+      const LogarithmicColors colors(this->Color, std::max(lo, 1e-3 * step), hi);
       for (int i = 0; i < size; ++i)
       {
         const double x = lo + (hi - lo) * i / (size - 1);
-        double color[3];
-        this->Color->GetColor(x > 0.0 ? x : least, color);
+        double color[3] = { least[0], least[1], least[2] };
+        if (x > 0.0)
+        {
+          colors.Find(x, color);
+        }
         std::copy_n(color, 3, &rgb[3 * static_cast<std::size_t>(i)]);
       }
     }

@@ -398,6 +398,22 @@ class TestScalarLooks(unittest.TestCase):
         self.assertGreater((reference[:, 3] > 0).mean(), 0.3)
         self.assertLess(abs(fast - reference).mean(), 0.05)
 
+    def test_logarithmic_paths_of_colors(self):
+        # VTK looks for the path in each call: a color at a time, the table took minutes.
+        self.set_functions(0, 1.0, 0.0, 0.0, 0.0)
+        colors = self.prop.GetRGBTransferFunction()
+        colors.RemoveAllPoints()
+        colors.SetColorSpaceToLabCIEDE2000()
+        colors.SetScaleToLog10()
+        for x, rgb in ((0.5, (0.2, 0.3, 0.8)), (10.0, (0.9, 0.9, 0.9)), (100.0, (0.7, 0.1, 0.2))):
+            colors.AddRGBPoint(x, *rgb)
+        for value in (1.0, 3.0, 20.0, 70.0):
+            self.set_points(numpy.linspace(value, value + 1e-3, SIZE ** 3))
+            self.expect([*colors.GetColor(value), 1.0])
+        # Where there is no logarithm the first color holds.
+        self.set_points(numpy.linspace(-10.0, -1.0, SIZE ** 3))
+        self.expect([0.2, 0.3, 0.8, 1.0])
+
     def test_cells(self):
         self.image.GetCellData().SetScalars(
             numpy_to_vtk(numpy.ones(LENGTH ** 3, dtype=numpy.float32), deep=True))
