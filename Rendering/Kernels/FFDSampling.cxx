@@ -34,7 +34,17 @@ CellPosition FindCell(const VolumeView& v, const glm::dvec3& q)
   return cell;
 }
 
-double Lerp(double a, double b, double t) { return a + t * (b - a); }
+/// Where voxels are cells, positions may be those of voxels: beside hidden cells and beyond the
+/// outermost ones. The other voxel does not count: what is not a finite number would, whatever its
+/// weight in a sum.
+double Lerp(const VolumeView& v, double a, double b, double t)
+{
+  if (v.Margin > 0.0 && (t == 0.0 || t == 1.0))
+  {
+    return t == 0.0 ? a : b;
+  }
+  return a + t * (b - a);
+}
 
 /// Trilinear value in a cell of one component; `scalars`: that component of voxel (0, 0, 0).
 template <class T>
@@ -45,10 +55,10 @@ double ValueInCell(const VolumeView& v, const CellPosition& cell, const T* scala
   const std::int64_t y = v.Increments[1];
   const std::int64_t z = v.Increments[2];
   const auto row = [&](std::int64_t at) {
-    return Lerp(static_cast<double>(p[at]), static_cast<double>(p[at + x]), cell.Weight.x);
+    return Lerp(v, static_cast<double>(p[at]), static_cast<double>(p[at + x]), cell.Weight.x);
   };
-  return Lerp(
-    Lerp(row(0), row(y), cell.Weight.y), Lerp(row(z), row(y + z), cell.Weight.y), cell.Weight.z);
+  return Lerp(v, Lerp(v, row(0), row(y), cell.Weight.y), Lerp(v, row(z), row(y + z), cell.Weight.y),
+    cell.Weight.z);
 }
 
 template <class T>

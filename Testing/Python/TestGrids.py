@@ -7,6 +7,7 @@ plain image.
 """
 
 import argparse
+import itertools
 import sys
 import time
 import unittest
@@ -263,6 +264,38 @@ class TestGrids(unittest.TestCase):
                 failed.append(words)
         self.assertEqual(failed, [])
         self.assertGreater(seen, len(self.scenes) // 2)
+
+    def test_hidden_cells_hold_anything(self):
+        # Beside them values are those of the nearest cells; most of them are hidden for a reason.
+        n = 16
+        random = numpy.random.default_rng(3)
+        positions = 3 * [make_positions("even", n + 1, random)]
+        hidden = make_ghosts("noise", 3 * [n], random)
+        noise = random.uniform(20.0, 100.0, (2, n ** 3)).astype("float32")
+        scene = Scene(0)
+        scene.mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+        scene.mapper.SetAutoAdjustSampleDistances(0)
+        scene.mapper.SetDeformation(make_lattice(random))
+        scene.prop = make_property(2, random)
+        scene.prop.SetInterpolationTypeToLinear()
+        scene.volume.SetMapper(scene.mapper)
+        scene.volume.SetProperty(scene.prop)
+        for components, shade, reference in itertools.product((1, 2), (0, 1), (0, 1)):
+            with self.subTest(components=components, shade=shade, reference=reference):
+                scene.prop.SetShade(shade)
+                scene.mapper.SetReferenceKernels(reference)
+                pictures = []
+                for value in (50.0, numpy.nan):
+                    values = noise[:components].copy()
+                    values[:, hidden != 0] = value
+                    data = make_data(positions, list(values), True, True)
+                    ghosts = numpy_to_vtk(hidden, deep=True)
+                    ghosts.SetName("vtkGhostType")
+                    data.GetCellData().AddArray(ghosts)
+                    scene.mapper.SetInputData(data)
+                    pictures.append(scene.render()[0])
+                self.assertGreater((pictures[0][..., 3] > 10.0).mean(), 0.1)
+                self.assertLessEqual(numpy.abs(pictures[1] - pictures[0]).max(), 2.0)
 
     def measure(self, change, mode):
         """Seconds of a picture of an image, a grid, or a blanked image."""

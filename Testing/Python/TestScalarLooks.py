@@ -419,6 +419,13 @@ class TestScalarLooks(unittest.TestCase):
             numpy_to_vtk(numpy.ones(LENGTH ** 3, dtype=numpy.float32), deep=True))
         self.set_functions(0, 0.1, 1.0, 1.0, 0.0)
         self.expect([1.0, 1.0, 0.0, 1.0 - 0.9 ** LENGTH])
+        # The outer halves of the outermost cells show these, whatever the cells behind them hold.
+        values = numpy.ones((LENGTH, LENGTH, LENGTH), dtype=numpy.float32)
+        values[1] = numpy.nan
+        self.image.GetCellData().SetScalars(numpy_to_vtk(values.ravel(), deep=True))
+        for reference in (False, True):
+            self.mapper.SetReferenceKernels(reference)
+            self.expect([1.0, 1.0, 0.0, 1.0 - 0.9 ** (LENGTH - 2)])
 
 
 if __name__ == "__main__":

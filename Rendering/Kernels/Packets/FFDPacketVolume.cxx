@@ -50,6 +50,7 @@ PacketVolume MakePacketVolume(const VolumeView& v, bool nearest)
   packet.IncrementZ = static_cast<int>(v.Increments[2]);
   packet.ElementSize = SizeOf(v.Type);
   packet.Nearest = nearest;
+  packet.AtVoxels = nearest || v.Margin > 0.0;
   if (HasShortScalars(packet))
   {
     packet.Integers = MakePacketIntegers(

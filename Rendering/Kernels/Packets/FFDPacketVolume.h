@@ -82,6 +82,9 @@ struct PacketVolume
   /// cell has neighbors on all sides.
   int SlicesInReach = 0;
   bool Nearest = false;
+  /// Positions may be those of voxels, of which these count alone: the nearest ones, or, where
+  /// voxels are cells, those beside hidden cells and the outermost ones.
+  bool AtVoxels = false;
   PacketIntegers Integers; ///< of types of one or two bytes
   /// Types wider than 24 bits are fetched as (scalar - Shift) * Scale, so that single precision
   /// suffices from there on; for the others Shift and Scale are not applied. By the component, and

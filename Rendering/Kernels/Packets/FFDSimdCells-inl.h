@@ -37,17 +37,19 @@ struct SamplePosition
   Vf Fx;
   Vf Fy;
   Vf Fz;
-  Vi Weights;           ///< 1 - Fx and Fx as PairWeights()
-  bool Nearest = false; ///< one of two voxels is taken: Fx, Fy and Fz are 0 or 1
+  Vi Weights;            ///< 1 - Fx and Fx as PairWeights()
+  bool AtVoxels = false; ///< PacketVolume::AtVoxels
   const PacketIntegers* Integers;
 };
 
-/// The value between two neighboring voxels, at a part of the way from `a` to `b`. The nearest one
-/// is chosen: what is not a finite number would be in a sum, whatever its weight.
+/// The value between two neighboring voxels, at a part of the way from `a` to `b`. At a voxel the
+/// other one does not count: what is not a finite number would, whatever its weight in a sum.
 HWY_INLINE Vf Between(Vf a, Vf b, Vf part, const SamplePosition& at)
 {
-  return HWY_LIKELY(!at.Nearest) ? Lerp(a, b, part)
-                                 : hn::IfThenElse(hn::Eq(part, hn::Zero(Df())), a, b);
+  const Vf sum = Lerp(a, b, part);
+  return HWY_LIKELY(!at.AtVoxels) ? sum
+                                  : hn::IfThenElse(hn::Eq(part, hn::Zero(Df())), a,
+                                      hn::IfThenElse(hn::Eq(part, Splat(1.0f)), b, sum));
 }
 
 /// First voxel, along an axis, of the cell that holds a position.
@@ -64,7 +66,7 @@ HWY_INLINE SamplePosition FindCells(
   const Di di;
   SamplePosition at;
   at.Integers = &v.Integers;
-  at.Nearest = v.Nearest;
+  at.AtVoxels = v.AtVoxels;
   const auto locate = [&](Vf x, int a, Vi& cell, Vf& part) {
     if (inner)
     {

@@ -61,6 +61,7 @@ public:
     this->At.Fz = locate(q.z, 2);
     this->At.Weights = PairWeights(this->At.Fx);
     this->At.Integers = &v.Integers;
+    this->At.AtVoxels = v.AtVoxels;
     HWY_ALIGN float flags[16];
     hn::Store(hn::IfThenElseZero(lanes, Splat(1.0f)), d, flags);
     int block = 0;
