@@ -276,10 +276,12 @@ private:
     return choose(choose(a, b), choose(c, e)).raw;
   }
 
-  /// Whether scalars are read from memory as what they are fetched as.
+  /// Whether WindowSlab reads scalars of the type.
   static HWY_INLINE bool AreOfType(const PacketVolume& v)
   {
-    return !std::is_same<T, double>::value || (v.Type == ScalarType::Float64 && !v.MayOverflow);
+    const bool wide =
+      v.Type == ScalarType::Float64 || v.Type == ScalarType::Int64 || v.Type == ScalarType::UInt64;
+    return !std::is_same<T, double>::value || (wide && !v.MayOverflow);
   }
 
   /// Finds the window for positions that extend over `width`, wherever they begin.

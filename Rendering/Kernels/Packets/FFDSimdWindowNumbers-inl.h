@@ -62,6 +62,19 @@ private:
     _mm256_store_ps(this->Rows[row], ToFloats(v, voxels.Get(slab, row)));
   }
 
+  /// Eight numbers of 64 bits, which may be integers.
+  static HWY_INLINE __m512d LoadDoubles(const PacketVolume& v, const double* row)
+  {
+    const __m512d numbers = _mm512_loadu_pd(row);
+    if (HWY_LIKELY(v.Type == ScalarType::Float64))
+    {
+      return numbers;
+    }
+    const __m512i integers = _mm512_castpd_si512(numbers);
+    return v.Type == ScalarType::Int64 ? _mm512_cvtepi64_pd(integers)
+                                       : _mm512_cvtepu64_pd(integers);
+  }
+
   static HWY_INLINE __m256 ToFloats(const PacketVolume& v, const T* row)
   {
     if constexpr (std::is_same<T, float>::value)
@@ -72,7 +85,7 @@ private:
     else if constexpr (std::is_same<T, double>::value)
     {
       return _mm512_cvtpd_ps(
-        _mm512_mul_pd(_mm512_sub_pd(_mm512_loadu_pd(row), _mm512_set1_pd(v.Shift[0])),
+        _mm512_mul_pd(_mm512_sub_pd(LoadDoubles(v, row), _mm512_set1_pd(v.Shift[0])),
           _mm512_set1_pd(v.Scale[0])));
     }
     else
