@@ -3,9 +3,8 @@
 #include "FFDTileBounds.h"
 
 #include "Bounds/FFDMatrixBounds.h"
-#include "FFDBSplineBasis.h"
+#include "FFDBoxImages.h"
 #include "FFDPullBack.h"
-#include "FFDSplineGrid.h"
 #include "Packets/FFDTileSegment.h"
 
 #include <glm/common.hpp>
@@ -26,9 +25,8 @@ namespace
 
 constexpr float Huge = std::numeric_limits<float>::max();
 
-/// About so many boxes in all, along an axis at most, and no smaller than so many voxels.
+/// About so many boxes in all, and no smaller than so many voxels.
 constexpr double NumberOfBoxes = 2048.0;
-constexpr int MostAlongAxis = 64;
 constexpr double SmallestEdge = 8.0;
 
 /// Images with fewer tiles are cast in less time than boxes take.
@@ -36,152 +34,6 @@ constexpr int FewTiles = 4;
 
 /// Kept around boxes for what is rounded, voxels.
 constexpr double Guard = 0.5;
-
-/// Equal boxes, aligned with the axes of data coordinates.
-struct BoxGrid
-{
-  glm::dvec3 First; ///< lowest corner
-  glm::dvec3 Edge;
-  glm::ivec3 Count;
-
-  BoxGrid(const Box& bounds, double voxel)
-    : First(bounds.Min)
-  {
-    const glm::dvec3 extent = glm::max(bounds.Max - bounds.Min, glm::dvec3(1e-30));
-    const double volume = extent.x * extent.y * extent.z;
-    const double edge = std::max(SmallestEdge * voxel, std::cbrt(volume / NumberOfBoxes));
-    for (int a = 0; a < 3; ++a)
-    {
-      const double count = std::ceil(extent[a] / edge - 1e-9);
-      this->Count[a] = static_cast<int>(std::clamp(count, 1.0, double{ MostAlongAxis }));
-    }
-    this->Edge = extent / glm::dvec3(this->Count);
-  }
-
-  double At(int a, int i) const { return this->First[a] + i * this->Edge[a]; }
-
-  Box Get(const glm::ivec3& index) const
-  {
-    const glm::dvec3 low = this->First + glm::dvec3(index) * this->Edge;
-    return { low, low + this->Edge };
-  }
-};
-
-/// Bounds of the volume at rest, data coordinates.
-Box FindBounds(const VolumeView& volume)
-{
-  const glm::dvec3 low = volume.LowerIndex();
-  const glm::dvec3 high = volume.UpperIndex();
-  const glm::dvec3 middle = volume.FirstVoxel + volume.IndexToData * (0.5 * (low + high));
-  const glm::dvec3 half = Absolute(volume.IndexToData) * (0.5 * (high - low));
-  return { middle - half, middle + half };
-}
-
-/// Bounds of what x + sign * D(x) makes of boxes.
-class BoxImages
-{
-public:
-  /// `field`: D, null for zero.
-  BoxImages(const BoxGrid& boxes, const BSplineField* field, double sign)
-    : Boxes(boxes)
-    , Corners(boxes.Count + 1)
-  {
-    for (int a = 0; a < 3; ++a)
-    {
-      this->IsInCells[a].assign(static_cast<std::size_t>(boxes.Count[a]), true);
-    }
-    if (field)
-    {
-      this->FindDisplacements(*field, sign);
-    }
-  }
-
-  /// The hull of the images of the corners, and of what D is in between. Outside of the cells,
-  /// where D is constant along an axis, its second differences do not tell how it bends at their
-  /// end: there it is any of those of the corners anywhere in the box.
-  Box Find(const glm::ivec3& index) const
-  {
-    bool inCells = true;
-    for (int a = 0; a < 3; ++a)
-    {
-      inCells = inCells && this->IsInCells[a][static_cast<std::size_t>(index[a])];
-    }
-    const Box box = this->Boxes.Get(index);
-    Box image{ glm::dvec3(std::numeric_limits<double>::max()),
-      glm::dvec3(std::numeric_limits<double>::lowest()) };
-    for (int corner = 0; corner < 8; ++corner)
-    {
-      const glm::ivec3 upper(corner & 1, corner >> 1 & 1, corner >> 2);
-      const glm::ivec3 at = index + upper;
-      const glm::dvec3& d = this->Corners.At(at.x, at.y, at.z);
-      const glm::dvec3 p = glm::mix(box.Min, box.Max, glm::dvec3(upper));
-      image.Min = glm::min(image.Min, d + (inCells ? p : box.Min));
-      image.Max = glm::max(image.Max, d + (inCells ? p : box.Max));
-    }
-    return { image.Min - this->Bulge, image.Max + this->Bulge };
-  }
-
-private:
-  void FindDisplacements(const BSplineField& field, double sign)
-  {
-    std::vector<std::array<double, 4>> weights[3];
-    std::vector<int> cells[3];
-    glm::ivec3 first(0);
-    glm::ivec3 end(0);
-    for (int a = 0; a < 3; ++a)
-    {
-      const double firstCell = field.GetFirstCell()[a];
-      const double endCell = field.GetEndCell()[a];
-      for (int i = 0; i <= this->Boxes.Count[a]; ++i)
-      {
-        const double u = (this->Boxes.At(a, i) - field.GetOrigin()[a]) / field.GetSpacing()[a];
-        if (!(u >= firstCell - 1e-9 && u <= endCell + 1e-9))
-        {
-          for (int side = std::max(i - 1, 0); side < std::min(i + 1, this->Boxes.Count[a]); ++side)
-          {
-            this->IsInCells[a][static_cast<std::size_t>(side)] = false;
-          }
-        }
-        const double inside = std::clamp(u, firstCell, endCell);
-        const int cell = std::clamp(
-          static_cast<int>(std::floor(inside)), field.GetFirstCell()[a], field.GetEndCell()[a] - 1);
-        std::array<double, 4> w;
-        BSplineWeights(inside - cell, w.data());
-        weights[a].push_back(w);
-        cells[a].push_back(cell);
-      }
-      first[a] = *std::min_element(cells[a].begin(), cells[a].end());
-      end[a] = *std::max_element(cells[a].begin(), cells[a].end()) + 1;
-      for (int& cell : cells[a])
-      {
-        cell -= first[a];
-      }
-    }
-    Grid<glm::dvec3> nodes(end - first + 3);
-    for (int k = 0; k < nodes.Size.z; ++k)
-    {
-      for (int j = 0; j < nodes.Size.y; ++j)
-      {
-        for (int i = 0; i < nodes.Size.x; ++i)
-        {
-          nodes.At(i, j, k) =
-            sign * field.Coefficient(first.x - 1 + i, first.y - 1 + j, first.z - 1 + k);
-        }
-      }
-    }
-    this->Bulge = FindBulge(nodes, this->Boxes.Edge / glm::abs(field.GetSpacing()));
-    this->Corners = std::move(nodes);
-    for (int a = 0; a < 3; ++a)
-    {
-      this->Corners = SumAlong(this->Corners, a, weights[a], cells[a]);
-    }
-  }
-
-  const BoxGrid& Boxes;
-  Grid<glm::dvec3> Corners;       ///< displacements of the corners of boxes
-  glm::dvec3 Bulge{ 0.0 };        ///< largest distance of D from what it is at corners interpolated
-  std::vector<bool> IsInCells[3]; ///< by the box along each axis
-};
 
 /// The pixels that a box covers, all where it reaches behind the eye.
 struct PixelRange
@@ -234,7 +86,8 @@ TileBounds::TileBounds(const CastScene& scene, double tolerance, double reach,
   }
   const VolumeView& volume = scene.Volume;
   const bool isForward = map.IsIdentity() || map.GetKind() == PullBackKind::Exact;
-  const BoxGrid boxes(isForward ? FindBounds(volume) : scene.DeformedBounds, scene.VoxelSize);
+  const BoxGrid boxes(isForward ? FindBoundsAtRest(volume) : scene.DeformedBounds, NumberOfBoxes,
+    SmallestEdge * scene.VoxelSize);
   const BoxImages images(boxes, map.IsIdentity() ? nullptr : map.GetField(),
     map.GetKind() == PullBackKind::FirstOrder ? -1.0 : 1.0);
   const CameraView::PixelRows rows = scene.Camera.GetPixelRows();
@@ -246,11 +99,7 @@ TileBounds::TileBounds(const CastScene& scene, double tolerance, double reach,
     {
       const Box box = boxes.Get({ i, j, k });
       const Box rest = isForward ? box : images.Find({ i, j, k });
-      const glm::dvec3 middle = volume.ToIndex(0.5 * (rest.Min + rest.Max));
-      const glm::dvec3 half =
-        Absolute(volume.DataToIndex) * (0.5 * (rest.Max - rest.Min)) + (tolerance + Guard);
-      if (scene.Distances->IsEmptyIn(
-            middle - half, middle + half, volume.UpperIndex(), volume.Margin))
+      if (IsEmptyAtRest(scene, rest, tolerance + Guard))
       {
         continue;
       }

@@ -178,6 +178,7 @@ PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings,
       const Box& whole = GetWholeDeformed(scene);
       HWY_DYNAMIC_DISPATCH(ChooseRootSide)(0.25 * (whole.Max - whole.Min), p);
     });
+  SetSpace(p);
 }
 
 //------------------------------------------------------------------------------

@@ -315,6 +315,13 @@ void SetLeaping(const CastScene& scene, const CastSettings& settings, PacketScen
   }
 }
 
+/// What must be empty before a sample, data units: intervals are empty only if they lie in empty
+/// space as a whole.
+double FindReach(const PacketScene& p)
+{
+  return p.Intervals || p.ClassifiesIntervals ? p.Settings.SampleDistance : 0.0;
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -372,10 +379,24 @@ void SetSeen(const ParallelFor& parallelFor, PacketScene& p)
 {
   if (p.LeapsSegments && !p.Slices)
   {
-    // Intervals are empty only if they lie in empty space as a whole.
-    const bool intervals = p.Intervals || p.ClassifiesIntervals;
-    p.Seen = TileBounds(*p.Source, static_cast<double>(p.PositionTolerance),
-      intervals ? p.Settings.SampleDistance : 0.0, p.Center, parallelFor);
+    p.Seen = TileBounds(
+      *p.Source, static_cast<double>(p.PositionTolerance), FindReach(p), p.Center, parallelFor);
+  }
+}
+
+//------------------------------------------------------------------------------
+void SetSpace(PacketScene& p)
+{
+  if (p.LeapsSegments && !p.Slices && !p.Identity && p.Kind == PullBackKind::Exact &&
+    !p.Source->Limits.OneToOne)
+  {
+    p.Space = std::make_shared<VisibleSpaceOnDemand>(
+      *p.Source, static_cast<double>(p.PositionTolerance), FindReach(p), p.Center);
+    // Counts must not depend on when it is made.
+    if (p.Settings.CountsRays)
+    {
+      p.Space->Make();
+    }
   }
 }
 

@@ -13,6 +13,7 @@
 #include "FFDParallelFor.h"
 #include "FFDTileBounds.h"
 #include "FFDTileSegment.h"
+#include "FFDVisibleSpace.h"
 #include "Optics/FFDOpticalFunctions.h"
 #include "Reference/FFDRayIntegrator.h"
 
@@ -22,6 +23,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <vector>
 
 namespace ffd
@@ -239,8 +241,10 @@ struct PacketScene
   float ShortestSegment = 0.5f;   ///< voxels
   int SamplesPerRoot = 1;         ///< of the longest segments
   int RootSide = TileSide;        ///< pixels along each side of these, at least of a tile
-  int SamplesPerPart = 1;     ///< of a segment, that are tested for emptiness together, at least
-  TileBounds Seen;            ///< of what may be visible, local coordinates
+  int SamplesPerPart = 1; ///< of a segment, that are tested for emptiness together, at least
+  TileBounds Seen;        ///< of what may be visible, local coordinates
+  /// The same wherever it is, local coordinates; null where T is known to be one to one.
+  std::shared_ptr<VisibleSpaceOnDemand> Space;
   bool LeapsSegments = false; ///< whether segments are tested for emptiness as a whole
   const unsigned char* Distances = nullptr;
   int Blocks[3] = {};
@@ -293,6 +297,9 @@ void SetSeen(const ParallelFor& parallelFor, PacketScene& p);
 
 /// Sets the field of the pull-back, its tolerances, and the points of its seeds.
 void SetPullBack(PacketScene& p);
+
+/// Sets PacketScene::Space, after SetPullBack().
+void SetSpace(PacketScene& p);
 
 /// Keeps the seeds where T has the orientation that it has at most of them, and lists their images.
 void KeepSeeds(PacketScene& p);

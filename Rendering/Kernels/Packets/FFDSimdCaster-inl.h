@@ -443,16 +443,22 @@ private:
   HWY_NOINLINE void CastPerSample(TileSegment& segment)
   {
     const Df d;
+    // Begins at the start of the segment wherever the rays begin: the branch of T^-1 that is
+    // followed must not depend on that.
+    const int from = segment.FirstSample;
+    const int to = this->Trees.FindEndOfSight(
+      this->Rays, from, std::min(segment.FirstSample + segment.Samples, this->EndSample));
+    if (to <= from)
+    {
+      return;
+    }
+    this->Trees.NoteWork();
     this->CountSegment(segment);
     this->Blending.Want(AllComponents);
     const int x = this->X - segment.X;
     const int y = this->Y - segment.Y;
     PacketCurve about;
     this->FindCurve(segment, x, y, about);
-    // Begins at the start of the segment wherever the rays begin: the branch of T^-1 that is
-    // followed must not depend on that.
-    const int from = segment.FirstSample;
-    const int to = std::min(segment.FirstSample + segment.Samples, this->EndSample);
     const float distance = static_cast<float>(this->Scene.Settings.SampleDistance);
     const auto timeOf = [&](int n) {
       return hn::Mul(hn::Add(this->Numbers.Phase, Splat(static_cast<float>(n))), Splat(distance));

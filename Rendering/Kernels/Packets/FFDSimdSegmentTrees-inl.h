@@ -18,12 +18,14 @@
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdNodes-inl.h"
 #include "FFDSimdParts-inl.h"
+#include "FFDSimdRayBounds-inl.h"
 #include "FFDSimdRays-inl.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 
 HWY_BEFORE_NAMESPACE();
@@ -55,6 +57,9 @@ public:
     , Nodes(scene, scratch.Statistics)
     , Error(scene, this->Rays, scratch.Statistics)
     , Parts(scene, scratch.Statistics)
+    , SpaceOnDemand(scratch.Positions ? nullptr : scene.Space.get())
+    , Space(this->SpaceOnDemand ? this->SpaceOnDemand->Find() : nullptr)
+    , NotedEvaluations(scratch.Statistics.Evaluations)
   {
     scratch.Roots.Begin(scene.Number, x0, y0);
   }
@@ -115,6 +120,41 @@ public:
     }
   }
 
+  /// Leaves out the last ones of the samples of rays from `first` on, before `end`, at which
+  /// nothing can be seen wherever T^-1 leads; returns their new end.
+  int FindEndOfSight(const RayPacket& rays, int first, int end) const
+  {
+    constexpr int few = 4;
+    if (!this->Space)
+    {
+      return end;
+    }
+    RayBounds bounds;
+    bounds.Include(rays.Origin, rays.Direction);
+    for (; end > first; end -= few)
+    {
+      const double to = end * this->Scene.Settings.SampleDistance;
+      if (bounds.Meet(*this->Space, this->FindSightFrom(std::max(first, end - few)),
+            static_cast<float>(to), BoxLength / this->Scene.VoxelsPerUnit))
+      {
+        return end;
+      }
+    }
+    return first;
+  }
+
+  /// Notes what has been evaluated since: much of that makes VisibleSpace pay.
+  void NoteWork()
+  {
+    if (this->SpaceOnDemand && !this->Space)
+    {
+      const std::int64_t evaluations = this->Scratch.Statistics.Evaluations;
+      this->SpaceOnDemand->NoteWork(evaluations - this->NotedEvaluations);
+      this->NotedEvaluations = evaluations;
+      this->Space = this->SpaceOnDemand->Find();
+    }
+  }
+
   /// Makes TileSegment::Columns known.
   HWY_INLINE void NeedColumns(TileSegment& segment)
   {
@@ -149,6 +189,10 @@ private:
   /// Halving has not helped if more than this part of the error is left.
   static constexpr float LittleHelp = 0.3f;
   static constexpr int SmallestSide = 4;
+  /// So many samples of all rays take less each by itself than the nodes of smaller segments.
+  static constexpr int FewSamples = 256;
+  /// Rays are looked up in VisibleSpace in boxes of this length, voxels.
+  static constexpr float BoxLength = 8.0f;
   /// Distance from everything visible, voxels, at which a coarse estimate of the error suffices.
   static constexpr float FarFromVisible = 4.0f;
 
@@ -169,6 +213,11 @@ private:
     segment.X = 0;
     segment.Y = 0;
     this->SetTimes(segment, index * this->Scene.SamplesPerRoot, this->Scene.SamplesPerRoot);
+    if (this->IsOutOfSight(segment))
+    {
+      segment.Known = TileSegment::State::Empty;
+      return segment;
+    }
     alignas(64) NodeLayers layers = {};
     const bool found = this->Nodes.SolveAnew(this->Rays.Find(segment, NodeAt), segment, layers);
     FitQuartics(layers, segment.Terms);
@@ -178,6 +227,30 @@ private:
       this->Quarter(segment, false);
     }
     return segment;
+  }
+
+  /// Whether nothing can be seen in a segment, wherever T^-1 leads there.
+  HWY_INLINE bool IsOutOfSight(const TileSegment& segment) const
+  {
+    return HWY_UNLIKELY(this->Space) && !this->MeetsVisible(segment);
+  }
+
+  HWY_NOINLINE bool MeetsVisible(const TileSegment& segment) const
+  {
+    const NodeRays rays = this->Rays.Find(segment, NodeAt);
+    RayBounds bounds;
+    for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(Df()))
+    {
+      bounds.Include(LoadNodes(rays.Origins, i), LoadNodes(rays.Directions, i));
+    }
+    return bounds.Meet(*this->Space, this->FindSightFrom(segment.FirstSample),
+      segment.T0 + segment.Dt, BoxLength / this->Scene.VoxelsPerUnit);
+  }
+
+  /// The t from which something may be seen at the sample n: the beginning of its interval.
+  HWY_INLINE float FindSightFrom(int n) const
+  {
+    return static_cast<float>((n - 1) * this->Scene.Settings.SampleDistance);
   }
 
   /// Solves the layers that are estimates. Errors of a shared interpolant may be so large that its
@@ -213,6 +286,11 @@ private:
 
   HWY_NOINLINE void Expand(TileSegment& segment)
   {
+    if (this->IsOutOfSight(segment))
+    {
+      segment.Known = TileSegment::State::Empty;
+      return;
+    }
     this->SolveEstimates(segment);
     const float tolerance = this->Scene.PositionTolerance;
     const BezierHull hull(segment.Terms);
@@ -288,7 +366,9 @@ private:
     const bool hopeless = !(segment.Error < 1.0f) && length <= longest && segment.Side <= 16;
     const bool halvedInVain = segment.Error > LittleHelp * segment.ErrorBefore ||
       (segment.Side > TileSide && IsRougherAcross(segment));
-    if (hopeless || !(canHalve || canQuarter))
+    const bool few = segment.Side * segment.Side * segment.Samples <= FewSamples;
+    this->NoteWork();
+    if (few || hopeless || !(canHalve || canQuarter))
     {
       segment.Known = TileSegment::State::PerSample;
     }
@@ -430,6 +510,9 @@ private:
   SegmentParts Parts;
   int First = 0;
   int Last = -1;
+  VisibleSpaceOnDemand* SpaceOnDemand; ///< null, too, where empty segments are looked at
+  const VisibleSpace* Space;           ///< null as long as there is none
+  std::int64_t NotedEvaluations;       ///< of the thread
 };
 
 /// Finds the curves of a packet whose first pixel is in column `x` of the square of a segment, or

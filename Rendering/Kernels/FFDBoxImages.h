@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDBoxImages_h
+#define FFDBoxImages_h
+
+#include "Bounds/FFDBox.h"
+#include "FFDBSplineField.h"
+#include "FFDCastScene.h"
+#include "FFDSplineGrid.h"
+
+#include <glm/vec3.hpp>
+
+#include <vector>
+
+namespace ffd
+{
+
+/// Equal boxes that a box is cut into, aligned with the axes of data coordinates.
+struct BoxGrid
+{
+  glm::dvec3 First; ///< lowest corner
+  glm::dvec3 Edge;
+  glm::ivec3 Count;
+
+  /// About `number` boxes, with edges of at least `smallestEdge`, data units.
+  BoxGrid(const Box& bounds, double number, double smallestEdge);
+
+  double At(int a, int i) const { return this->First[a] + i * this->Edge[a]; }
+  Box Get(const glm::ivec3& index) const;
+};
+
+/// Bounds of what x + sign * D(x) makes of boxes.
+class BoxImages
+{
+public:
+  /// Keeps a reference to `boxes`. `field`: D, null for zero.
+  BoxImages(const BoxGrid& boxes, const BSplineField* field, double sign);
+
+  /// The hull of the images of the corners, and of what D is in between.
+  Box Find(const glm::ivec3& index) const;
+
+private:
+  void FindDisplacements(const BSplineField& field, double sign);
+
+  const BoxGrid& Boxes;
+  Grid<glm::dvec3> Corners;       ///< displacements of the corners of boxes
+  glm::dvec3 Bulge{ 0.0 };        ///< largest distance of D from what it is at corners interpolated
+  std::vector<bool> IsInCells[3]; ///< by the box along each axis
+};
+
+/// Bounds of a volume at rest, data coordinates.
+Box FindBoundsAtRest(const VolumeView& volume);
+
+/// Whether the distance map of a scene shows that nothing is visible in a box at rest, data
+/// coordinates; `around`: of the box, voxels.
+bool IsEmptyAtRest(const CastScene& scene, const Box& box, double around);
+
+} // namespace ffd
+
+#endif

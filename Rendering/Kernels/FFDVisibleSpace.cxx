@@ -1,0 +1,198 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FFDVisibleSpace.h"
+
+#include "FFDBoxImages.h"
+#include "FFDPullBack.h"
+
+#include <glm/common.hpp>
+#include <glm/gtc/type_ptr.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace ffd
+{
+namespace
+{
+
+/// About so many boxes in all, and no smaller than so many voxels.
+constexpr double NumberOfBoxes = 32768.0;
+constexpr double SmallestEdge = 4.0;
+
+/// Kept around boxes for what is rounded, voxels.
+constexpr double Guard = 0.5;
+
+/// So many evaluations, each lane counted, take longer than all of the boxes.
+constexpr std::int64_t ManyEvaluations = 250000;
+
+/// Single precision, relative to an origin.
+struct LocalBox
+{
+  glm::vec3 Low;
+  glm::vec3 High;
+};
+
+/// Calls visit(index) for every `step`-th index of each axis from `first` on, before `end`.
+template <class Visit>
+void ForIndices(const glm::ivec3& first, const glm::ivec3& end, int step, const Visit& visit)
+{
+  for (int k = first.z; k < end.z; k += step)
+  {
+    for (int j = first.y; j < end.y; j += step)
+    {
+      for (int i = first.x; i < end.x; i += step)
+      {
+        visit(glm::ivec3(i, j, k));
+      }
+    }
+  }
+}
+
+/// The images of the boxes in which something may be visible.
+std::vector<LocalBox> FindVisibleImages(
+  const CastScene& scene, double tolerance, double reach, const glm::dvec3& origin)
+{
+  const BoxGrid boxes(
+    FindBoundsAtRest(scene.Volume), NumberOfBoxes, SmallestEdge * scene.VoxelSize);
+  const BoxImages images(boxes, scene.Map->GetField(), 1.0);
+  const double around = reach + Guard * scene.VoxelSize;
+  const auto isEmpty = [&](const Box& box) { return IsEmptyAtRest(scene, box, tolerance + Guard); };
+  std::vector<LocalBox> found;
+  // Eight neighbors are mostly empty together.
+  ForIndices(glm::ivec3(0), boxes.Count, 2, [&](const glm::ivec3& first) {
+    const glm::ivec3 end = glm::min(first + 2, boxes.Count);
+    if (isEmpty({ boxes.Get(first).Min, boxes.Get(end - 1).Max }))
+    {
+      return;
+    }
+    ForIndices(first, end, 1, [&](const glm::ivec3& index) {
+      if (!isEmpty(boxes.Get(index)))
+      {
+        const Box image = images.Find(index);
+        found.push_back(
+          { glm::vec3(image.Min - around - origin), glm::vec3(image.Max + around - origin) });
+      }
+    });
+  });
+  return found;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+VisibleSpace::VisibleSpace(
+  const CastScene& scene, double tolerance, double reach, const glm::dvec3& origin)
+  : Rows(std::size_t{ Cells } * Cells, 0)
+{
+  const std::vector<LocalBox> boxes = FindVisibleImages(scene, tolerance, reach, origin);
+  glm::vec3 low(std::numeric_limits<float>::max());
+  glm::vec3 high(-std::numeric_limits<float>::max());
+  for (const LocalBox& box : boxes)
+  {
+    low = glm::min(low, box.Low);
+    high = glm::max(high, box.High);
+  }
+  for (int a = 0; a < 3; ++a)
+  {
+    this->Low[a] = low[a];
+    this->PerCell[a] = static_cast<float>(Cells) / std::max(high[a] - low[a], 1e-30f);
+  }
+  for (const LocalBox& box : boxes)
+  {
+    this->Include(glm::value_ptr(box.Low), glm::value_ptr(box.High));
+  }
+}
+
+//------------------------------------------------------------------------------
+VisibleSpace::Range VisibleSpace::Find(const float low[3], const float high[3]) const
+{
+  Range range;
+  for (int a = 0; a < 3; ++a)
+  {
+    const auto toCell = [this, a](float x) {
+      // Limited first: it may be too large for a whole number.
+      const float at = (x - this->Low[a]) * this->PerCell[a];
+      return static_cast<int>(std::floor(std::clamp(at, -1.0f, static_cast<float>(Cells))));
+    };
+    range.First[a] = std::max(toCell(low[a]), 0);
+    range.Last[a] = std::min(toCell(high[a]), Cells - 1);
+  }
+  return range;
+}
+
+//------------------------------------------------------------------------------
+std::uint64_t VisibleSpace::FindMask(const Range& range)
+{
+  constexpr std::uint64_t all = ~std::uint64_t{ 0 };
+  const int first = range.First[0];
+  const int last = range.Last[0];
+  return first > last ? 0 : (all << first) & (all >> (Cells - 1 - last));
+}
+
+//------------------------------------------------------------------------------
+void VisibleSpace::Include(const float low[3], const float high[3])
+{
+  const Range range = this->Find(low, high);
+  const std::uint64_t mask = FindMask(range);
+  for (int k = range.First[2]; k <= range.Last[2]; ++k)
+  {
+    for (int j = range.First[1]; j <= range.Last[1]; ++j)
+    {
+      this->Rows[static_cast<std::size_t>(k * Cells + j)] |= mask;
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+bool VisibleSpace::Meets(const float low[3], const float high[3]) const
+{
+  const Range range = this->Find(low, high);
+  const std::uint64_t mask = FindMask(range);
+  for (int k = range.First[2]; k <= range.Last[2]; ++k)
+  {
+    for (int j = range.First[1]; j <= range.Last[1]; ++j)
+    {
+      if ((this->Rows[static_cast<std::size_t>(k * Cells + j)] & mask) != 0)
+      {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+//------------------------------------------------------------------------------
+VisibleSpaceOnDemand::VisibleSpaceOnDemand(
+  const CastScene& scene, double tolerance, double reach, const glm::dvec3& origin)
+  : Scene(scene)
+  , Tolerance(tolerance)
+  , Reach(reach)
+  , Origin(origin)
+{
+}
+
+//------------------------------------------------------------------------------
+void VisibleSpaceOnDemand::Make()
+{
+  // Others go on without it meanwhile.
+  if (!this->Begun.exchange(true))
+  {
+    this->Space.reset(new VisibleSpace(this->Scene, this->Tolerance, this->Reach, this->Origin));
+    this->Made.store(this->Space.get(), std::memory_order_release);
+  }
+}
+
+//------------------------------------------------------------------------------
+void VisibleSpaceOnDemand::NoteWork(std::int64_t evaluations)
+{
+  const std::int64_t before = this->Evaluations.fetch_add(evaluations, std::memory_order_relaxed);
+  if (before + evaluations >= ManyEvaluations)
+  {
+    this->Make();
+  }
+}
+
+} // namespace ffd
