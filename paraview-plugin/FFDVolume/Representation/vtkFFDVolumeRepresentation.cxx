@@ -391,7 +391,7 @@ int vtkFFDVolumeRepresentation::ProcessViewRequest(
       this->UpdateRenderedImage(i, image);
       if (image)
       {
-        this->UpdateSampleDistances(mapper, image, view ? view->GetLODResolution() : 1.0, useLOD);
+        this->UpdateSampleDistances(mapper, image, view, useLOD);
         this->UpdateCropping(mapper, image);
       }
       // As the superclass's actor of the first: blocks may lack the array.

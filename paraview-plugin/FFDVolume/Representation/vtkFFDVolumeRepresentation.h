@@ -58,6 +58,7 @@ class vtkFFDInverseRayVolumeMapper;
 class vtkFFDLattice;
 class vtkImageData;
 class vtkMatrix4x4;
+class vtkPVRenderView;
 struct vtkFFDShownComponents;
 
 class VTKFFDPARAVIEW_EXPORT vtkFFDVolumeRepresentation : public vtkImageVolumeRepresentation
@@ -240,7 +241,7 @@ private:
   void UpdateOtherVolumes();
   void UpdateRenderedImage(std::size_t which, vtkImageData* image);
   void UpdateSampleDistances(
-    vtkFFDInverseRayVolumeMapper* mapper, vtkImageData* image, double lodResolution, bool useLOD);
+    vtkFFDInverseRayVolumeMapper* mapper, vtkImageData* image, vtkPVRenderView* view, bool useLOD);
   void UpdateCropping(vtkFFDInverseRayVolumeMapper* mapper, vtkImageData* image);
 
   vtkFFDInverseRayVolumeMapper* Mapper; // the superclass's VolumeMapper, that of the first volume

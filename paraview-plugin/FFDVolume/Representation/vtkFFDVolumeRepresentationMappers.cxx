@@ -13,6 +13,8 @@
 #include "vtkMath.h"
 #include "vtkMatrix3x3.h"
 #include "vtkPointData.h"
+#include "vtkPVRenderView.h"
+#include "vtkRenderWindow.h"
 #include "vtkVolumeProperty.h"
 
 #include <algorithm>
@@ -224,8 +226,9 @@ void vtkFFDVolumeRepresentation::UpdateRenderedImage(std::size_t which, vtkImage
 //------------------------------------------------------------------------------
 /// The mapper takes distances in units of the data, before the matrix of the actor.
 void vtkFFDVolumeRepresentation::UpdateSampleDistances(
-  vtkFFDInverseRayVolumeMapper* mapper, vtkImageData* image, double lodResolution, bool useLOD)
+  vtkFFDInverseRayVolumeMapper* mapper, vtkImageData* image, vtkPVRenderView* view, bool useLOD)
 {
+  const double lodResolution = view ? view->GetLODResolution() : 1.0;
   const double coarser =
     std::min(1.0 / std::max(lodResolution, 1.0 / LargestCoarsening), LargestCoarsening);
   mapper->SetMaximumImageSampleDistance(
@@ -244,7 +247,12 @@ void vtkFFDVolumeRepresentation::UpdateSampleDistances(
   {
     const double distance = this->SampleDistance * voxel;
     mapper->SetSampleDistance(distance);
-    mapper->SetInteractiveSampleDistance(useLOD ? coarser * distance : distance);
+    // What moving frames take is left as it is before a still one: that may be shown again then.
+    vtkRenderWindow* window = view ? view->GetRenderWindow() : nullptr;
+    if (useLOD || !window || window->GetDesiredUpdateRate() > mapper->GetInteractiveUpdateRate())
+    {
+      mapper->SetInteractiveSampleDistance(useLOD ? coarser * distance : distance);
+    }
   }
 }
 
