@@ -9,6 +9,7 @@
 #include "vtkFFDPipeline.h"
 #include "vtkFFDTransformSampler.h"
 
+#include "FFDLattice.h"
 #include "FFDLatticeFit.h"
 
 #include "vtkAbstractTransform.h"
@@ -51,6 +52,31 @@ std::vector<glm::dvec3> CopyPoints(vtkPoints* points)
     points->GetPoint(static_cast<vtkIdType>(i), &copy[i].x);
   }
   return copy;
+}
+
+/// Makes bounds the domain of a lattice, which has an extent along flat axes, too. False, and
+/// bounds as they were, where no lattice can have that domain.
+bool FindDomain(double bounds[6])
+{
+  ffd::Box box{ { bounds[0], bounds[2], bounds[4] }, { bounds[1], bounds[3], bounds[5] } };
+  for (int a = 0; a < 3; ++a)
+  {
+    // False for what is not a number, too.
+    if (!(box.Min[a] <= box.Max[a]) || !std::isfinite(box.Max[a] - box.Min[a]))
+    {
+      return false;
+    }
+  }
+  if (!ffd::WidenFlatAxes(box) || ffd::Lattice().SetDomain(box) >= 0)
+  {
+    return false;
+  }
+  for (int a = 0; a < 3; ++a)
+  {
+    bounds[2 * a] = box.Min[a];
+    bounds[2 * a + 1] = box.Max[a];
+  }
+  return true;
 }
 
 } // namespace
@@ -377,19 +403,13 @@ void vtkFFDFitLattice::Fit(vtkImageData* field)
   {
     problem = "A transform has no bounds of its own. Call SetBounds() with those of the data";
   }
-  // The lattice knows how to treat flat axes; bad bounds are reported by it.
-  vtkNew<vtkFFDLattice> domain;
-  if (problem.empty())
+  if (problem.empty() && !FindDomain(bounds))
   {
-    domain->FitToBounds(bounds);
-    double set[6];
-    domain->GetDomain(set);
-    const double slack = 1e-9 * (std::abs(bounds[0]) + std::abs(bounds[1]) + 1.0);
-    if (std::abs(set[0] - bounds[0]) > slack && bounds[0] != bounds[1])
-    {
-      problem = "The bounds are not usable. Call SetBounds() with minima below maxima";
-    }
-    std::copy(set, set + 6, bounds);
+    problem = chosen
+      ? "The bounds are not usable. Call SetBounds() with minima below maxima, at least on one axis"
+      : "The data to fit have no bounds that a lattice can have: they are a single point, too "
+        "small "
+        "or too large, or not finite. Call SetBounds()";
   }
   if (!problem.empty())
   {

@@ -287,6 +287,29 @@ class TestFitLattice(unittest.TestCase):
                 np.testing.assert_allclose(values, np.tile((1.0, 0.0, -2.0), (len(values), 1)),
                                            atol=1e-3)
 
+    def test_bounds_that_no_lattice_can_have(self):
+        """A lattice over another box was made of them."""
+        transform = vtkTransform()
+        transform.Translate(1.0, 2.0, 3.0)
+        self.fit.SetTransform(transform)
+        for bounds in ((0, 10, 10, 0, 0, 10), (0, 10, 0, 10, 10, 0), (0, 1, 3, 2, 0, 1), (0,) * 6,
+                       (5, 5, 10, 0, 0, 5), (0, 1, 0, 1e-320, 0, 1), (0, 1, -1e308, 1e308, 0, 1)):
+            with self.subTest(bounds=bounds):
+                self.fit.SetBounds(*bounds)
+                self.assertIsNone(self.fit.GetLattice())
+                self.assertEqual(len(self.errors.messages), 1, self.errors.messages)
+                self.assertIn("The bounds are not usable", self.errors.messages.pop())
+        self.fit.SetBounds(0, 10, 4, 4, 0, 6)
+        self.assertEqual(self.fit.GetLattice().GetDomain(), (0, 10, 1, 7, 0, 6))
+        self.fit.SetBounds(1, -1, 1, -1, 1, -1)
+        self.fit.SetTransform(None)
+        voxel = vtkImageData()
+        voxel.SetDimensions(1, 1, 1)
+        voxel.GetPointData().SetScalars(numpy_to_vtk(np.ones((1, 3)), deep=True))
+        self.fit.SetInputData(voxel)
+        self.assertIsNone(self.fit.GetLattice())
+        self.assertIn("a single point", self.errors.messages.pop())
+
     def test_bad_input_is_named(self):
         fit = self.fit
 
