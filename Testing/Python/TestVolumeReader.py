@@ -451,7 +451,14 @@ class TestVolumeReader(unittest.TestCase):
             "short_text.mha": (header("", False) + b"1 2 3", "3 numbers, 60 are needed"),
             "large_text.mha": (header("", False, "2000 2000 2000") + b"1 2 3", "3 numbers, 8000000000"),
             "no_channels.mha": (header("ElementNumberOfChannels = 0\n") + values.tobytes(),
-                                "ElementNumberOfChannels")})
+                                "ElementNumberOfChannels"),
+            # VTK's reader fills arrays of ten numbers by as many: it did not end, or crashed.
+            "dimensions.mha": (header("").replace(b"NDims = 3", b"NDims = 4294967297") + values.tobytes(),
+                               "a volume has 3 dimensions"),
+            "more.mha": (header("NDims = 4000\n") + values.tobytes(), "a volume has 3 dimensions"),
+            "broken.mha": (header("").replace(b"NDims = 3", b"NDims =\n99999") + values.tobytes(),
+                           "a volume has 3 dimensions"),
+            "no_data.mha": (header("").replace(b"ElementDataFile", b"ElementData"), "no ElementDataFile")})
 
     def test_files_of_vtk_that_are_not_whole(self):
         """VTK's readers make voxels of what the memory held, and an image without scalars ended the program."""

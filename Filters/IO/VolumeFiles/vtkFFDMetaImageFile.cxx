@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
+#include <sstream>
 #include <system_error>
 #include <vector>
 
@@ -18,6 +19,9 @@ namespace
 {
 
 using vtkFFDTextHeader::Find;
+
+/// Those that VTK's reader has room for.
+constexpr double LargestDimensions = 10.0;
 
 bool IsTrue(const std::string& value)
 {
@@ -56,6 +60,7 @@ class MetaImageFile : public vtkFFDVolumeFile
 {
 public:
   using vtkFFDVolumeFile::vtkFFDVolumeFile;
+  std::string FindProblem() const override;
   std::string Explain(const std::string& error) const override;
 
 protected:
@@ -68,6 +73,37 @@ private:
   const std::string Text = vtkFFDTextHeader::ReadStart(this->Path);
   const vtkFFDTextHeader::Fields Fields = vtkFFDTextHeader::ReadFields(this->Text, '=');
 };
+
+/// VTK's reader fills arrays of LargestDimensions by as many numbers as NDims says. It reads up to
+/// ElementDataFile, so this is to see all of that.
+std::string MetaImageFile::FindProblem() const
+{
+  if (Find(this->Fields, { "ElementDataFile" }).empty())
+  {
+    return "its header has no ElementDataFile";
+  }
+  std::istringstream lines(this->Text);
+  std::string line;
+  while (std::getline(lines, line))
+  {
+    const std::size_t from = std::min(line.find_first_not_of(" \t\v\f\r"), line.size());
+    if (line.compare(from, 15, "ElementDataFile") == 0)
+    {
+      break;
+    }
+    if (line.compare(from, 5, "NDims") == 0)
+    {
+      // The last one counts for the lines behind it: all of them are checked.
+      const std::size_t at = std::min(line.find_first_not_of(" \t=:", from + 5), line.size());
+      const std::vector<double> numbers = vtkFFDTextHeader::ReadNumbers(line.substr(at));
+      if (numbers.size() != 1 || !(numbers[0] >= 1.0 && numbers[0] <= LargestDimensions))
+      {
+        return "its header has '" + line.substr(from, 40) + "'; a volume has 3 dimensions";
+      }
+    }
+  }
+  return std::string();
+}
 
 std::string MetaImageFile::Explain(const std::string& error) const
 {
@@ -93,10 +129,6 @@ std::string MetaImageFile::FindPlacement(Header& header) const
 std::string MetaImageFile::FindDataProblem(double bytes, int slices) const
 {
   const std::string value = Find(this->Fields, { "ElementDataFile" });
-  if (value.empty())
-  {
-    return "its header has no ElementDataFile";
-  }
   const std::string binary = Find(this->Fields, { "BinaryData" });
   const bool plain = (binary.empty() || IsTrue(binary)) &&
     !IsTrue(Find(this->Fields, { "CompressedData" })); // what is stored are the voxels
