@@ -257,17 +257,25 @@ bool vtkFFDVolumeReader::vtkInternals::LeaveOutDirections()
     place.reset();
   }
   vtkInformation* const info = this->File->GetReader()->GetOutputInformation(0);
-  if (place || !info->Has(vtkDataObject::SPACING()) || !info->Has(vtkDataObject::ORIGIN()))
+  if (place)
   {
     return bad;
   }
+  // Readers may tell one without the other.
   glm::dvec3 spacing(1.0);
-  info->Get(vtkDataObject::SPACING(), &spacing.x);
+  glm::dvec3 origin(0.0);
+  if (info->Has(vtkDataObject::SPACING()))
+  {
+    info->Get(vtkDataObject::SPACING(), &spacing.x);
+  }
+  if (info->Has(vtkDataObject::ORIGIN()))
+  {
+    info->Get(vtkDataObject::ORIGIN(), &origin.x);
+  }
   for (int a = 0; bad && this->Header.Stored.Components > 0 && a < 3; ++a)
   {
     spacing[a] = glm::length(told->Steps[a]); // VTK's may be of other axes
   }
-  const double* const origin = info->Get(vtkDataObject::ORIGIN());
   Placement plain;
   bool replaced = bad;
   for (int a = 0; a < 3; ++a)

@@ -486,10 +486,11 @@ class TestVolumeReader(unittest.TestCase):
         words = write(vtkStructuredPointsWriter(), "words.vtk", "SetFileTypeToASCII")
         image.GetPointData().RemoveArray("scalars")
         bare = write(vtkXMLImageDataWriter(), "bare.vti")
+        no_origin = re.sub(rb"ORIGIN [^\n]*\n", b"", re.sub(rb"SPACING [^\n]*\n", b"SPACING 1 0 3\n", words))
         steps = (1.0, 2.0, 3.0)
         self.check_contents({
             "whole.vti": (xml, "", values, steps), "whole.vtk": (legacy, "", values, steps),
-            "words.vtk": (words, "", values, steps),
+            "words.vtk": (words, "", values, steps), "no_origin.vtk": (no_origin, "", values, (1.0, 1.0, 3.0)),
             "cut.vti": (xml[:-120], "it is not whole"), "cut.vtk": (legacy[:-99], "fewer than its header says"),
             "cut_words.vtk": (words[:-99], "fewer than its header says"),
             "bare.vti": (bare, "no image with point scalars"),
