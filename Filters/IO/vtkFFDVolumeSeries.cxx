@@ -86,7 +86,29 @@ Volume ReadVolume(const std::string& name)
   return volume;
 }
 
-/// a + t (b - a), rounded for whole numbers. The arrays have values of one type, in any layout.
+/// (1 - t) a + t b with 0 < t < 1, rounded for whole numbers. What is infinite stays so.
+template <typename Value>
+Value Mix(Value a, Value b, double t)
+{
+  if (a == b)
+  {
+    return a;
+  }
+  const double x = (1.0 - t) * static_cast<double>(a) + t * static_cast<double>(b);
+  if constexpr (std::is_integral<Value>::value)
+  {
+    // Between both: doubles round whole numbers of 64 bits, the largest ones to one that is too
+    // large.
+    const double rounded = std::floor(x + 0.5);
+    const auto [low, high] = std::minmax(a, b);
+    return rounded <= static_cast<double>(low) ? low
+      : rounded >= static_cast<double>(high)   ? high
+                                               : static_cast<Value>(rounded);
+  }
+  return static_cast<Value>(x);
+}
+
+/// Mixes arrays with values of one type, in any layout.
 struct Blend
 {
   template <typename From, typename To>
@@ -100,8 +122,9 @@ struct Blend
     vtkSMPTools::For(0, from.size(), grain, [&](vtkIdType begin, vtkIdType end) {
       for (vtkIdType i = begin; i < end; ++i)
       {
-        const double x = from[i] + t * (static_cast<double>(to[i]) - static_cast<double>(from[i]));
-        out[i] = static_cast<Value>(std::is_integral<Value>::value ? std::floor(x + 0.5) : x);
+        const Value x = from[i];
+        const Value y = to[i];
+        out[i] = Mix(x, y, t);
       }
     });
   }

@@ -7,10 +7,11 @@ import unittest
 
 import numpy as np
 import vtkffd
-from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import VTK_SHORT
 from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkIOImage import vtkNIFTIImageWriter
+from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 
 TEMPORARY = os.environ["FFD_TEST_TEMPORARY"]
 SIZE = (5, 6, 7)
@@ -124,6 +125,34 @@ class TestVolumeSeries(unittest.TestCase):
         for time in (1, 2):
             item.UpdateTimeStep(time)
             np.testing.assert_array_equal(values_of(item), self.volumes[time])
+
+    def test_interpolation_of_extreme_values(self):
+        """The largest numbers of 64 bits became 0 or the least ones, and infinity not a number."""
+        inf = np.inf
+        for kind, before, after, expected in (
+                ("u8", (2**64 - 1, 2**64 - 1, 100), (2**64 - 1, 0, 50), (2**64 - 1, 2**63, 75)),
+                ("i8", (2**63 - 1, -2**63, 2**53 + 1), (2**63 - 1, -2**63, 2**53 + 1),
+                 (2**63 - 1, -2**63, 2**53 + 1)),
+                ("u1", (255, 0, 255), (255, 255, 0), (255, 128, 128)),
+                ("f4", (inf, -inf, inf, 3), (inf, 1, 2, 4), (inf, -inf, inf, 3.5)),
+                ("f8", (1e308, -inf), (-1e308, -inf), (0, -inf))):
+            with self.subTest(kind):
+                item = vtkffd.vtkFFDVolumeSeries()
+                item.SetInterpolationToLinear()
+                for name, values in (("before", before), ("after", after)):
+                    image = vtkImageData()
+                    image.SetDimensions(len(values), 2, 2)
+                    scalars = numpy_to_vtk(np.tile(np.array(values, kind), 4), deep=True)
+                    scalars.SetName("values")
+                    image.GetPointData().SetScalars(scalars)
+                    path = os.path.join(TEMPORARY, name + kind + ".vti")
+                    writer = vtkXMLImageDataWriter()
+                    writer.SetInputData(image)
+                    writer.SetFileName(path)
+                    writer.Write()
+                    item.AddFileName(path)
+                item.UpdateTimeStep(0.5)
+                np.testing.assert_array_equal(values_of(item)[0, 0], np.array(expected, kind))
 
     def test_reads_ahead(self):
         """A player waits for two files; and then for none, also the second time."""
