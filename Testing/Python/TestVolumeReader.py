@@ -181,15 +181,32 @@ class TestVolumeReader(unittest.TestCase):
             os.truncate(path, os.path.getsize(path) - 1)
 
         def unname(path):
-            """The name of its series has no bytes: VTK's reader throws an exception."""
+            """The name of its series has no bytes: VTK's reader threw an exception."""
             with open(path, "rb") as file:
                 content = file.read()
             with open(path, "wb") as file:
                 file.write(re.sub(rb"(\x20\0\x0e\0UI)..", rb"\1\0\0", content, flags=re.DOTALL))
 
+        def cut_header(path):
+            """VTK's reader crashed."""
+            os.truncate(path, 557)
+
+        def cut_pixels(path):
+            """At the end of an element; the slice showed what the memory held."""
+            with open(path, "rb") as file:
+                os.truncate(path, file.read().index(b"\xe0\x7f\x10\0"))
+
+        def empty(path):
+            """As Slice Thickness may be, of which VTK's reader crashed."""
+            with open(path, "rb") as file:
+                content = file.read()
+            with open(path, "wb") as file:
+                file.write(content.replace(b"\x18\0\x50\0DS\4\0002.5 ", b"\x18\0\x50\0DS\0\0"))
+
         for number, (act, problem, warnings) in enumerate((
-                (lambda path: None, "", 0), (os.remove, "", 1), (cut, "is not whole", 0),
-                (change, "slices of one size", 0), (unname, "it is damaged", 0))):
+                (cut_header, "is not whole", 0), (cut_pixels, "has no pixels", 0),
+                (empty, "no value of Slice Thickness", 0), (lambda path: None, "", 0), (os.remove, "", 1), (cut, "is not whole", 0),
+                (change, "slices of one size", 0), (unname, "the slice 'IM0005' ", 0))):
             folder = os.path.join(WORK, "slices%d" % number)
             files.write_dicom(folder)
             act(os.path.join(folder, sorted(os.listdir(folder))[4]))

@@ -4,6 +4,7 @@
 
 #include "FFDBinaryNumbers.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <locale>
 #include <sstream>
@@ -15,7 +16,7 @@ namespace
 constexpr std::uint32_t Undefined = 0xffffffff;
 constexpr std::uint32_t ItemEnd = 0xfffee00d;
 constexpr std::uint32_t SequenceEnd = 0xfffee0dd;
-constexpr std::uint32_t Pixels = 0x7fe00010;
+constexpr std::uint32_t PixelData = 0x7fe00010;
 constexpr int DeepestSequence = 16;
 
 struct Element
@@ -133,6 +134,42 @@ bool ReadPosition(std::string_view text, double position[3])
   return true;
 }
 
+/// Whether this is a type of values, or none, as where types are implicit.
+bool IsTypeOrNone(std::string_view type)
+{
+  return std::all_of(type.begin(), type.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
+}
+
+/// The name of an element that must have a value, or null.
+const char* FindNameOfNeeded(std::uint32_t tag)
+{
+  switch (tag)
+  {
+    case 0x00020010:
+      return "Transfer Syntax UID (0002,0010)";
+    case 0x00180050:
+      return "Slice Thickness (0018,0050)";
+    case 0x0020000e:
+      return "Series Instance UID (0020,000e)";
+    case 0x00280004:
+      return "Photometric Interpretation (0028,0004)";
+    case 0x00280010:
+      return "Rows (0028,0010)";
+    case 0x00280011:
+      return "Columns (0028,0011)";
+    case 0x00280100:
+      return "Bits Allocated (0028,0100)";
+    case 0x00280103:
+      return "Pixel Representation (0028,0103)";
+    case 0x00281052:
+      return "Rescale Intercept (0028,1052)";
+    case 0x00281053:
+      return "Rescale Slope (0028,1053)";
+    default:
+      return nullptr;
+  }
+}
+
 /// Bytes of the pixels; those of the element may be one more, or fewer.
 std::size_t CountBytes(const vtkFFDDicomSliceHeader& header)
 {
@@ -155,11 +192,15 @@ vtkFFDDicomSliceHeader vtkFFDDicomSliceHeader::Parse(std::string_view bytes)
   std::string syntax;
   bool isInFile = false; // behind what describes the file itself, which is always explicit
   Element element;
+  std::uint32_t before = 0;
   for (;;)
   {
     const std::size_t place = stream.GetPlace();
     if (!stream.Next(element))
     {
+      header.End = place < bytes.size() ? bytes.size() + 1 : 0; // at least
+      header.Pixels =
+        place == bytes.size() ? vtkFFDDicomSliceHeader::NONE : vtkFFDDicomSliceHeader::UNKNOWN;
       return header;
     }
     if (!isInFile && element.Tag >> 16 != 2)
@@ -168,9 +209,22 @@ vtkFFDDicomSliceHeader vtkFFDDicomSliceHeader::Parse(std::string_view bytes)
       stream = ElementStream(bytes, place);
       stream.IsExplicit = syntax != "1.2.840.10008.1.2";
       stream.IsBigEndian = syntax == "1.2.840.10008.1.2.2";
+      if (syntax == "1.2.840.10008.1.2.1.99")
+      {
+        return header; // what follows is deflated
+      }
       continue;
     }
+    if (element.Tag <= before || !IsTypeOrNone(element.Type))
+    {
+      return header; // this is not where an element begins
+    }
+    before = element.Tag;
     const std::string_view value = stream.Value(element);
+    if (element.Length == 0 && !header.Empty)
+    {
+      header.Empty = FindNameOfNeeded(element.Tag);
+    }
     const int number =
       value.size() == 2 ? static_cast<int>(stream.Number(stream.GetPlace(), 2)) : 0;
     switch (element.Tag)
@@ -193,7 +247,8 @@ vtkFFDDicomSliceHeader vtkFFDDicomSliceHeader::Parse(std::string_view bytes)
       case 0x00280100:
         header.Bits = number;
         break;
-      case Pixels:
+      case PixelData:
+        header.Pixels = vtkFFDDicomSliceHeader::FOUND;
         header.End = element.Length == Undefined ? 0 : stream.GetPlace() + CountBytes(header);
         return header;
       default:
@@ -201,6 +256,8 @@ vtkFFDDicomSliceHeader vtkFFDDicomSliceHeader::Parse(std::string_view bytes)
     }
     if (!stream.Skip(element))
     {
+      // Sequences without a length may be encoded otherwise.
+      header.End = element.Length == Undefined ? 0 : stream.GetPlace();
       return header;
     }
   }

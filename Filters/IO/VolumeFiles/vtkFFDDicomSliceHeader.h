@@ -22,8 +22,18 @@ struct vtkFFDDicomSliceHeader
   int Samples = 0; ///< numbers of a pixel
   bool HasPosition = false;
   double Position[3] = { 0.0, 0.0, 0.0 };
-  /// Bytes from the start of the file to the end of the pixels, as many as the size says.
+  /// Bytes from the start of the file to the end of the pixels, as many as the size says, or of the
+  /// element that the bytes end in.
   std::size_t End = 0;
+  enum PixelsType
+  {
+    UNKNOWN, ///< the bytes end before, or could not be understood
+    FOUND,
+    NONE ///< the bytes end behind an element that is whole
+  };
+  PixelsType Pixels = UNKNOWN;
+  /// An element without a value, of which VTK's reader crashes; null: there is none.
+  const char* Empty = nullptr;
 
   /// From the first bytes of a file; of what lies behind them nothing is known.
   static vtkFFDDicomSliceHeader Parse(std::string_view bytes);

@@ -110,6 +110,25 @@ Slice SliceFolder::ReadSlice(const char* path) const
   return slice;
 }
 
+/// The problem of a file that ends in its header or before its pixels do, or that lacks a value.
+std::string FindSliceProblem(const std::string& path, const vtkFFDDicomSliceHeader& slice)
+{
+  std::size_t size = 0;
+  std::string problem;
+  const std::string name = "the slice '" + vtksys::SystemTools::GetFilenameName(path) + "' ";
+  if (!vtkFFDFileAccess::FindSize(path, size, problem))
+  {
+    return problem;
+  }
+  if (size < slice.End)
+  {
+    return name + "is not whole: it has " + std::to_string(size) + " bytes of " +
+      std::to_string(slice.End);
+  }
+  return slice.Empty ? name + "has no value of " + slice.Empty + ", which VTK's reader needs"
+                     : std::string();
+}
+
 /// Slices must be of one size and whole; where they are not at equal distances a warning tells it.
 /// Returns the problem.
 std::string CheckSlices(SliceReader* reader, int slices, std::string& warning)
@@ -129,22 +148,20 @@ std::string CheckSlices(SliceReader* reader, int slices, std::string& warning)
   {
     const char* const path = reader->GetDICOMFileName(i);
     const Header slice = parse(path);
-    std::size_t size = 0;
     if (slice.HasSize() && first.HasSize() && !slice.HasSizeOf(first))
     {
       return name(path) + "has " + describe(slice) + ", '" +
         vtksys::SystemTools::GetFilenameName(reader->GetDICOMFileName(0)) + "' " + describe(first) +
         "; slices of one size are needed, so move the others into another folder";
     }
-    std::string problem;
-    if (vtkFFDFileAccess::FindSize(path, size, problem) && size < slice.End)
-    {
-      problem = name(path) + "is not whole: it has " + std::to_string(size) + " bytes of " +
-        std::to_string(slice.End);
-    }
+    const std::string problem = FindSliceProblem(path, slice);
     if (!problem.empty())
     {
       return problem;
+    }
+    if (slice.Pixels == Header::NONE && ReadStart(path).size() < vtkFFDTextHeader::LargestSize)
+    {
+      return name(path) + "has no pixels";
     }
     if (slice.HasPosition)
     {
@@ -184,6 +201,19 @@ std::string SliceFolder::FindProblem() const
     if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))
     {
       return entry.path().filename().string() + ", which is in it, is no regular file";
+    }
+    const std::string path = entry.path().string();
+    if (fs::is_regular_file(status) && vtkFFDDicomSlices::IsSlice(path))
+    {
+      // VTK's reader crashes of headers that are cut off and of values that are missing. Pixels are
+      // for CheckSlices().
+      const vtkFFDDicomSliceHeader slice = vtkFFDDicomSliceHeader::Parse(ReadStart(path));
+      const bool isForLater = slice.Pixels == vtkFFDDicomSliceHeader::FOUND && !slice.Empty;
+      std::string found = isForLater ? std::string() : FindSliceProblem(path, slice);
+      if (!found.empty())
+      {
+        return found;
+      }
     }
   }
   return std::string();
