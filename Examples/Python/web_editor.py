@@ -60,7 +60,7 @@ def number(value, low, high):
     """What a page sends is anything: a number within the range, or None."""
     try:
         value = float(value)
-    except (TypeError, ValueError):
+    except (OverflowError, TypeError, ValueError):
         return None
     return min(max(value, low), high) if math.isfinite(value) else None
 
@@ -112,6 +112,7 @@ class Window:
         return numpy.ascontiguousarray(pixels.reshape(rows, columns, -1)[::-1, :, :3]), columns, rows
 
     def process_resize_event(self, width, height):
+        width, height = (number(pixels, 0, 1e9) or 0.0 for pixels in (width, height))
         # One scale for both axes: the page shows the picture across the whole view.
         self.scale = min(1.0, LARGEST_PICTURE / max(width, height, 1))
         self.interactor.UpdateSize(*(max(round(self.scale * pixels), 16)
@@ -125,7 +126,7 @@ class Window:
             x, y = self.interactor.GetEventPosition()
         else:
             x, y = self.scale * x, self.scale * y
-        key = str(event.get("key", ""))[:16]
+        key = str(event.get("key", ""))[:16].encode("utf-8", "ignore").decode("utf-8")
         self.interactor.SetEventInformation(
             int(x), int(y), flags[0], flags[1], key if len(key) == 1 and key.isascii() else "\0", 0,
             key)
@@ -286,7 +287,7 @@ class Session:
 
     def on_transfer(self, opacity, colors, threshold, **_):
         opacity, threshold = number(opacity, 0.0, 1.0), number(threshold, 0.0, 100.0)
-        if colors in COLORS and opacity is not None and threshold is not None:
+        if isinstance(colors, str) and colors in COLORS and opacity is not None and threshold is not None:
             self.set_transfer(threshold, opacity, colors)
             self.draw()
 
@@ -309,7 +310,7 @@ class Session:
     def adopt(self, upload):
         """Show what a visitor has sent, and say what it is or what is wrong with it."""
         content = upload["content"]
-        content = b"".join(content) if isinstance(content, list) else bytes(content)
+        content = b"".join(content if isinstance(content, list) else [content])
         name = os.path.basename(str(upload["name"]))[:80]
         suffix = next((end for end in UPLOADS if name.lower().endswith(end)), None)
         if suffix is None:

@@ -157,6 +157,26 @@ class TestSession(unittest.TestCase):
         self.session.undo()
         self.assertEqual(np.abs(self.displacements()).max(), 0.0)
 
+    def test_values_that_no_page_sends(self):
+        """Exceptions kept the session from what else a message holds."""
+        session = self.session
+        for event in ({"type": "MouseMove", "x": 10**400, "y": 1}, {"type": "MouseMove", "key": "\ud800"},
+                      {"type": "MouseWheel", "spinY": -10**400}, {"type": [], "x": {}, "y": [1]}):
+            session.window.process_interaction_event(event)
+        session.window.process_resize_event(float("nan"), 10**400)
+        self.assertEqual(tuple(session.window.window.GetSize()), (16, 16))
+        session.window.process_resize_event(800, 600)
+        before = self.displacements()
+        self.panel(opacity=10**400, strength=10**400, points=-10**400)
+        self.panel(colors=["bone"])
+        self.panel(colors={})
+        np.testing.assert_array_equal(self.displacements(), before)
+        self.panel(opacity=0.5, strength=0.5, points=6, colors="bone")
+        for content in (10**9, 10**400, "text", None, ["text"], {}):  # a number was taken for a size
+            self.panel(upload={"name": "a.vti", "content": content})
+            self.assertEqual(session.state.message, "this is no upload")
+            session.state.message = ""
+
     def test_edits_by_hand_outlast_sliders(self):
         session, lattice = self.session, self.session.lattice
         session.points.SetControlPoint(2, 3, 2, 20.0, 40.0, 35.0)
