@@ -408,8 +408,7 @@ void vtkFFDFitLattice::Fit(vtkImageData* field)
     problem = chosen
       ? "The bounds are not usable. Call SetBounds() with minima below maxima, at least on one axis"
       : "The data to fit have no bounds that a lattice can have: they are a single point, too "
-        "small "
-        "or too large, or not finite. Call SetBounds()";
+        "small or too large, or not finite. Call SetBounds()";
   }
   if (!problem.empty())
   {
