@@ -127,13 +127,16 @@ class TestAbort(unittest.TestCase):
         ffdinput.release(ffdinput.LEFT)
         self.abort_by(lambda: ffdinput.click(ffdinput.WHEEL_DOWN))
         self.abort_by(lambda: ffdinput.strike("Left"))
-        # The button is held for a while: the frame is made when it is up.
+        # The button is held for a while: the frame is made when it is up. A turn, as a click would
+        # leave nothing to take back: the picture would be shown again.
         self.abort_by(lambda: ffdinput.press(ffdinput.LEFT))
+        ffdinput.move(BACKGROUND[0] + 10, BACKGROUND[1] + 30)
+        self.next("end", still=False)
         ffdinput.release(ffdinput.LEFT)
         self.next("end", still=True, aborted=False)
 
         # Not after a moving frame, but a still one: by the key that takes the turn of the camera back.
-        time.sleep(0.5)
+        self.wait_until_idle()
         ffdinput.strike("Control_L", "b")
         coarse = self.next("begin")
         self.assertFalse(coarse["still"])
