@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDFrameCoherence.h"
 
-#include "Bounds/FFDMatrixBounds.h"
-#include "FFDDistanceMap.h"
+#include "FFDBoxImages.h"
 #include "FFDRayCaster.h"
 
 #include <glm/common.hpp>
@@ -161,13 +160,8 @@ bool vtkFFDFrameCoherence::FollowEdit(const ffd::CastScene& scene, const vtkFFDI
     glm::max(scene.DeformedBounds.Max, this->LastDeformedBounds.Max) };
   const ffd::PullBack last(this->LastField.get(), this->LastKind, map.GetTolerance());
   // Nothing can be seen in space that rays leap over.
-  const auto isEmpty = [&scene](const ffd::Box& rest) {
-    const ffd::VolumeView& volume = scene.Volume;
-    const glm::dvec3 middle = volume.ToIndex(0.5 * (rest.Min + rest.Max));
-    const glm::dvec3 half = ffd::Absolute(volume.DataToIndex) * (0.5 * (rest.Max - rest.Min));
-    return scene.Distances->IsEmptyIn(
-      middle - half, middle + half, volume.UpperIndex(), volume.Margin);
-  };
+  const auto isEmpty = [&scene](
+                         const ffd::Box& rest) { return ffd::ShowsNothing(scene, rest, 0.0); };
   ffd::PullBackChange change;
   glm::ivec2 shift(0);
   // A frame that follows no edit is a picture of its own: nothing stays inexact.

@@ -152,7 +152,7 @@ Box FindBoundsAtRest(const VolumeView& volume)
 }
 
 //------------------------------------------------------------------------------
-bool IsEmptyAtRest(const CastScene& scene, const Box& box, double around)
+bool ShowsNothing(const CastScene& scene, const Box& box, double around)
 {
   const VolumeView& volume = scene.Volume;
   const glm::dvec3 middle = volume.ToIndex(0.5 * (box.Min + box.Max));

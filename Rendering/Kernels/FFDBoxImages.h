@@ -48,12 +48,15 @@ private:
   std::vector<bool> IsInCells[3]; ///< by the box along each axis
 };
 
+/// Kept around boxes and their images for what is rounded, voxels.
+constexpr double BoxGuard = 0.5;
+
 /// Bounds of a volume at rest, data coordinates.
 Box FindBoundsAtRest(const VolumeView& volume);
 
 /// Whether the distance map of a scene shows that nothing is visible in a box at rest, data
 /// coordinates; `around`: of the box, voxels.
-bool IsEmptyAtRest(const CastScene& scene, const Box& box, double around);
+bool ShowsNothing(const CastScene& scene, const Box& box, double around);
 
 } // namespace ffd
 

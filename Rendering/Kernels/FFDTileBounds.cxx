@@ -2,17 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDTileBounds.h"
 
-#include "Bounds/FFDMatrixBounds.h"
 #include "FFDBoxImages.h"
 #include "FFDPullBack.h"
 #include "Packets/FFDTileSegment.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <glm/vector_relational.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -31,9 +28,6 @@ constexpr double SmallestEdge = 8.0;
 
 /// Images with fewer tiles are cast in less time than boxes take.
 constexpr int FewTiles = 4;
-
-/// Kept around boxes for what is rounded, voxels.
-constexpr double Guard = 0.5;
 
 /// The pixels that a box covers, all where it reaches behind the eye.
 struct PixelRange
@@ -91,7 +85,7 @@ TileBounds::TileBounds(const CastScene& scene, double tolerance, double reach,
   const BoxImages images(boxes, map.IsIdentity() ? nullptr : map.GetField(),
     map.GetKind() == PullBackKind::FirstOrder ? -1.0 : 1.0);
   const CameraView::PixelRows rows = scene.Camera.GetPixelRows();
-  const double around = reach + Guard * scene.VoxelSize;
+  const double around = reach + BoxGuard * scene.VoxelSize;
   const glm::dvec2 lastTile(tiles - 1);
   Grid<VisibleBox> visible(boxes.Count);
   const auto findRow = [&](int j, int k) {
@@ -99,7 +93,7 @@ TileBounds::TileBounds(const CastScene& scene, double tolerance, double reach,
     {
       const Box box = boxes.Get({ i, j, k });
       const Box rest = isForward ? box : images.Find({ i, j, k });
-      if (IsEmptyAtRest(scene, rest, tolerance + Guard))
+      if (ShowsNothing(scene, rest, tolerance + BoxGuard))
       {
         continue;
       }

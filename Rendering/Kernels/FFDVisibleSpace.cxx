@@ -22,9 +22,6 @@ namespace
 constexpr double NumberOfBoxes = 32768.0;
 constexpr double SmallestEdge = 4.0;
 
-/// Kept around boxes for what is rounded, voxels.
-constexpr double Guard = 0.5;
-
 /// So many evaluations, each lane counted, take longer than all of the boxes.
 constexpr std::int64_t ManyEvaluations = 250000;
 
@@ -58,8 +55,9 @@ std::vector<LocalBox> FindVisibleImages(
   const BoxGrid boxes(
     FindBoundsAtRest(scene.Volume), NumberOfBoxes, SmallestEdge * scene.VoxelSize);
   const BoxImages images(boxes, scene.Map->GetField(), 1.0);
-  const double around = reach + Guard * scene.VoxelSize;
-  const auto isEmpty = [&](const Box& box) { return IsEmptyAtRest(scene, box, tolerance + Guard); };
+  const double around = reach + BoxGuard * scene.VoxelSize;
+  const auto isEmpty = [&](
+                         const Box& box) { return ShowsNothing(scene, box, tolerance + BoxGuard); };
   std::vector<LocalBox> found;
   // Eight neighbors are mostly empty together.
   ForIndices(glm::ivec3(0), boxes.Count, 2, [&](const glm::ivec3& first) {

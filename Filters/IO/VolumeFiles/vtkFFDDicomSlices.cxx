@@ -110,23 +110,29 @@ Slice SliceFolder::ReadSlice(const char* path) const
   return slice;
 }
 
+/// What a slice is called in what is said of it.
+std::string NameSlice(const std::string& path)
+{
+  return "the slice '" + vtksys::SystemTools::GetFilenameName(path) + "' ";
+}
+
 /// The problem of a file that ends in its header or before its pixels do, or that lacks a value.
 std::string FindSliceProblem(const std::string& path, const vtkFFDDicomSliceHeader& slice)
 {
   std::size_t size = 0;
   std::string problem;
-  const std::string name = "the slice '" + vtksys::SystemTools::GetFilenameName(path) + "' ";
   if (!vtkFFDFileAccess::FindSize(path, size, problem))
   {
     return problem;
   }
   if (size < slice.End)
   {
-    return name + "is not whole: it has " + std::to_string(size) + " bytes of " +
+    return NameSlice(path) + "is not whole: it has " + std::to_string(size) + " bytes of " +
       std::to_string(slice.End);
   }
-  return slice.Empty ? name + "has no value of " + slice.Empty + ", which VTK's reader needs"
-                     : std::string();
+  return slice.Empty
+    ? NameSlice(path) + "has no value of " + slice.Empty + ", which VTK's reader needs"
+    : std::string();
 }
 
 /// Slices must be of one size and whole; where they are not at equal distances a warning tells it.
@@ -134,23 +140,20 @@ std::string FindSliceProblem(const std::string& path, const vtkFFDDicomSliceHead
 std::string CheckSlices(SliceReader* reader, int slices, std::string& warning)
 {
   using Header = vtkFFDDicomSliceHeader;
-  const auto parse = [](const char* path) { return Header::Parse(ReadStart(path)); };
-  const auto name = [](const char* path) {
-    return "the slice '" + vtksys::SystemTools::GetFilenameName(path) + "' ";
-  };
   const auto describe = [](const Header& slice) {
     return std::to_string(slice.Columns) + " x " + std::to_string(slice.Rows) + " pixels of " +
       std::to_string(slice.Samples) + " x " + std::to_string(slice.Bits) + " bits";
   };
-  const Header first = parse(reader->GetDICOMFileName(0));
+  const Header first = Header::Parse(ReadStart(reader->GetDICOMFileName(0)));
   std::vector<glm::dvec3> places;
   for (int i = 0; i < slices; ++i)
   {
     const char* const path = reader->GetDICOMFileName(i);
-    const Header slice = parse(path);
+    const std::string start = ReadStart(path);
+    const Header slice = Header::Parse(start);
     if (slice.HasSize() && first.HasSize() && !slice.HasSizeOf(first))
     {
-      return name(path) + "has " + describe(slice) + ", '" +
+      return NameSlice(path) + "has " + describe(slice) + ", '" +
         vtksys::SystemTools::GetFilenameName(reader->GetDICOMFileName(0)) + "' " + describe(first) +
         "; slices of one size are needed, so move the others into another folder";
     }
@@ -159,9 +162,9 @@ std::string CheckSlices(SliceReader* reader, int slices, std::string& warning)
     {
       return problem;
     }
-    if (slice.Pixels == Header::NONE && ReadStart(path).size() < vtkFFDTextHeader::LargestSize)
+    if (slice.Pixels == Header::NONE && start.size() < vtkFFDTextHeader::LargestSize)
     {
-      return name(path) + "has no pixels";
+      return NameSlice(path) + "has no pixels";
     }
     if (slice.HasPosition)
     {
