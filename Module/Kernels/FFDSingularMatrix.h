@@ -12,13 +12,17 @@
 namespace ffd
 {
 
-/// Whether a matrix has no inverse to working precision, or is not finite. The determinant is
-/// compared with the lengths of the columns: a small scale is no collapse.
+/// Whether a matrix has no inverse to working precision, or one of them is not finite. The
+/// determinant is compared with the lengths of the columns: a small scale is no collapse, unless
+/// its reciprocal overflows.
 inline bool IsSingular(const glm::dmat3& m)
 {
   const double determinant = std::abs(glm::determinant(m));
   const double scale = glm::length(m[0]) * glm::length(m[1]) * glm::length(m[2]);
-  return !(determinant > 1e-12 * scale) || !std::isfinite(scale);
+  const glm::dmat3 inverse = glm::inverse(m);
+  const double inverseScale =
+    glm::length(inverse[0]) + glm::length(inverse[1]) + glm::length(inverse[2]);
+  return !(determinant > 1e-12 * scale) || !std::isfinite(scale) || !std::isfinite(inverseScale);
 }
 
 } // namespace ffd

@@ -597,6 +597,9 @@ class TestTransformReader(unittest.TestCase):
                 (good + "Hello\n", "'Hello'"),
                 ("#Insight Transform File V1.0\nTransform: AffineTransform_double_3_3\n"
                  "Parameters: 0 0 0 0 0 0 0 0 0 0 0 0\nFixedParameters: 0 0 0\n", "singular"),
+                # The reciprocal of a number that small is none: the inverse was not a number.
+                ("#Insight Transform File V1.0\nTransform: ScaleTransform_double_3_3\n"
+                 "Parameters: 1 1 1e-320\nFixedParameters: 0 0 0\n", "singular"),
                 ("#Insight Transform File V1.0\nTransform: VersorRigid3DTransform_double_3_3\n"
                  "Parameters: 1 1 1 0 0 0\nFixedParameters: 0 0 0\n", "longer than 1")):
             with self.subTest(expected):
