@@ -600,6 +600,11 @@ class TestTransformReader(unittest.TestCase):
                 # The reciprocal of a number that small is none: the inverse was not a number.
                 ("#Insight Transform File V1.0\nTransform: ScaleTransform_double_3_3\n"
                  "Parameters: 1 1 1e-320\nFixedParameters: 0 0 0\n", "singular"),
+                # Cut off: the center is lost.
+                ("#Insight Transform File V1.0\nTransform: ScaleTransform_double_3_3\n"
+                 "Parameters: 1 1 2\nFixedParameters: 10 20", "not the 3 of its center"),
+                ("#Insight Transform File V1.0\nTransform: Euler3DTransform_double_3_3\n"
+                 "Parameters: 1 0 0 0 0 0\n", "not the 3 of its center"),
                 ("#Insight Transform File V1.0\nTransform: VersorRigid3DTransform_double_3_3\n"
                  "Parameters: 1 1 1 0 0 0\nFixedParameters: 0 0 0\n", "longer than 1")):
             with self.subTest(expected):

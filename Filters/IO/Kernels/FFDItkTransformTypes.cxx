@@ -116,31 +116,43 @@ bool SetGridStep(TransformStep& step, TransformStep::Kind kind, const TransformG
 bool MakeItkLinearStep(std::string_view name, const std::vector<double>& p,
   const std::vector<double>& fixed, TransformStep& step, bool& known, std::string& error)
 {
-  // The number of parameters of each.
-  static const std::map<std::string_view, std::size_t> counts = { { "AffineTransform", 12 },
-    { "CenteredAffineTransform", 15 }, { "CenteredEuler3DTransform", 9 },
-    { "ComposeScaleSkewVersor3DTransform", 12 }, { "Euler3DTransform", 6 },
-    { "IdentityTransform", 0 }, { "MatrixOffsetTransformBase", 12 },
-    { "QuaternionRigidTransform", 7 }, { "Rigid3DTransform", 12 },
-    { "ScalableAffineTransform", 12 }, { "ScaleLogarithmicTransform", 3 },
-    { "ScaleSkewVersor3DTransform", 15 }, { "ScaleTransform", 3 }, { "ScaleVersor3DTransform", 9 },
-    { "Similarity3DTransform", 7 }, { "TranslationTransform", 3 }, { "VersorRigid3DTransform", 6 },
-    { "VersorTransform", 3 } };
-  const auto found = counts.find(name);
-  known = found != counts.end();
+  struct Type
+  {
+    std::size_t Count;   // of parameters
+    bool HasFixedCenter; // its center is in the fixed parameters
+  };
+  static const std::map<std::string_view, Type> types = { { "AffineTransform", { 12, true } },
+    { "CenteredAffineTransform", { 15, false } }, { "CenteredEuler3DTransform", { 9, false } },
+    { "ComposeScaleSkewVersor3DTransform", { 12, true } }, { "Euler3DTransform", { 6, true } },
+    { "IdentityTransform", { 0, false } }, { "MatrixOffsetTransformBase", { 12, true } },
+    { "QuaternionRigidTransform", { 7, true } }, { "Rigid3DTransform", { 12, true } },
+    { "ScalableAffineTransform", { 12, true } }, { "ScaleLogarithmicTransform", { 3, true } },
+    { "ScaleSkewVersor3DTransform", { 15, true } }, { "ScaleTransform", { 3, true } },
+    { "ScaleVersor3DTransform", { 9, true } }, { "Similarity3DTransform", { 7, true } },
+    { "TranslationTransform", { 3, false } }, { "VersorRigid3DTransform", { 6, true } },
+    { "VersorTransform", { 3, true } } };
+  const auto found = types.find(name);
+  known = found != types.end();
   if (!known)
   {
     return true;
   }
+  const auto [count, hasFixedCenter] = found->second;
   const std::string what = "the list of parameters of " + std::string(name);
-  if (found->second != 0 && !HasCount(p, found->second, what.c_str(), error))
+  if (count != 0 && !HasCount(p, count, what.c_str(), error))
   {
     return false;
   }
+  if (hasFixedCenter && fixed.size() < 3)
+  {
+    error = "the list of fixed parameters of " + std::string(name) + " has " +
+      std::to_string(fixed.size()) + " numbers, not the 3 of its center";
+    return false;
+  }
   const glm::dvec3 zero(0.0);
-  const glm::dvec3 center = VectorOrZero(fixed, 0);
+  const glm::dvec3 center = hasFixedCenter ? VectorAt(fixed, 0) : zero;
   const bool zyx = fixed.size() >= 4 && fixed[3] != 0.0;
-  if (found->second == 0)
+  if (count == 0)
   {
     SetCentered(step, glm::dmat3(1.0), zero, zero);
   }
@@ -168,7 +180,7 @@ bool MakeItkLinearStep(std::string_view name, const std::vector<double>& p,
   {
     SetCentered(step, MatrixAt(p, 0), VectorAt(p, 9), VectorAt(p, 12));
   }
-  else if (found->second == 12 && name != "ComposeScaleSkewVersor3DTransform")
+  else if (count == 12 && name != "ComposeScaleSkewVersor3DTransform")
   {
     SetCentered(step, MatrixAt(p, 0), center, VectorAt(p, 9));
   }
@@ -193,7 +205,8 @@ bool MakeItkLinearStep(std::string_view name, const std::vector<double>& p,
       error = "the versor (the first three parameters) is longer than 1";
       return false;
     }
-    SetCentered(step, VersorBasedMatrix(name, rotation, p), center, VectorOrZero(p, translation));
+    SetCentered(
+      step, scale * VersorBasedMatrix(name, rotation, p), center, VectorOrZero(p, translation));
   }
   return true;
 }
