@@ -106,6 +106,19 @@ class TestTransformReader(unittest.TestCase):
         copy.DeepCopy(transform)
         return copy
 
+    def test_quaternions_of_any_length(self):
+        """As in ITK one that is not of length 1 scales, by the square of its length."""
+        pairs = golden("itk_points.json")["itk_QuaternionRigidTransform.tfm"]
+        with open(os.path.join(FOLDER, "itk_QuaternionRigidTransform.tfm"), encoding="ascii") as file:
+            text = file.read()
+        numbers = text[text.index("Parameters:"):].split()[1:8]
+        center, shift = np.array((10.0, -5.0, 4.0)), np.array([float(n) for n in numbers[4:]])
+        for factor in (2.0, -0.5):
+            longer = " ".join(repr(factor * float(n)) for n in numbers[:4]) + " " + " ".join(numbers[4:])
+            transform = self.read_text("longer.tfm", text.replace(" ".join(numbers), longer))
+            scaled = [(p, center + shift + factor**2 * (q - center - shift)) for p, q in pairs]
+            self.assertLess(largest_error(transform, scaled), 1e-10)
+
     def test_elastix_names_files_of_itk(self):
         expected = golden("itk_points.json")
         for name in ("itk_VersorTransform.tfm", "itk_ScaleTransform.tfm", "itk_composite.h5",

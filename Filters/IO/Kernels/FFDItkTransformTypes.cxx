@@ -188,15 +188,18 @@ bool MakeItkLinearStep(std::string_view name, const std::vector<double>& p,
   {
     glm::dvec3 versor = VectorAt(p, 0);
     std::size_t translation = 3;
+    double scale = 1.0;
     if (name == "QuaternionRigidTransform")
     {
-      const double length = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3]);
-      if (!(length > 0.0))
+      const double square = p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3];
+      if (!(square > 0.0))
       {
         error = "the quaternion (the first four parameters) is zero";
         return false;
       }
-      versor /= p[3] < 0.0 ? -length : length;
+      // In ITK one that is not of length 1 scales by the square of its length.
+      scale = square;
+      versor /= (p[3] < 0.0 ? -1.0 : 1.0) * std::sqrt(square);
       translation = 4;
     }
     glm::dmat3 rotation(1.0);
