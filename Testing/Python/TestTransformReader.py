@@ -263,6 +263,38 @@ class TestTransformReader(unittest.TestCase):
         content = content.replace(b"Position = 1 2 3\n", b"").replace(b"= LOCAL", b"= ./../x.raw")
         self.check_refused("outside.mha", content, "same folder")
 
+    def test_nrrd_without_a_space(self):
+        """Each axis tells by itself where the nodes are, as ITK reads it."""
+        start = ("NRRD0004\ntype: double\ndimension: 4\nsizes: 3 6 5 4\nendian: little\n"
+                 "encoding: raw\nkinds: vector domain domain domain\n%s\n")
+        vectors = np.random.default_rng(7).uniform(-1.0, 1.0, (4, 5, 6, 3))
+        spacings, mins = "spacings: nan 2 3 4\n", "axis mins: nan 10 20 30\n"
+        for fields, spacing, origin in (
+                ("", (1, 1, 1), (0, 0, 0)), (spacings, (2, 3, 4), (0, 0, 0)),
+                (spacings + mins, (2, 3, 4), (11, 21.5, 32)),
+                (spacings + mins + "centers: none cell node ???\n", (2, 3, 4), (11, 20, 32)),
+                (spacings + mins.replace("axis mins", "axismins") + "centerings: none node node node\n",
+                 (2, 3, 4), (10, 20, 30)),
+                (spacings + "axis mins: nan 10 NaN 30\n", (2, 3, 4), (11, 0, 32)),
+                ("space dimension: 3\nspace origin: (1,2,3)\n", (1, 1, 1), (1, 2, 3))):
+            with self.subTest(fields):
+                transform = self.read_bytes(
+                    "axes.nrrd", (start % fields).encode() + vectors.tobytes()).GetTransform()
+                nodes = np.indices((6, 5, 4)).reshape(3, -1).T
+                rest = np.array(origin) + nodes * spacing
+                pairs = zip(rest, rest + vectors[nodes[:, 2], nodes[:, 1], nodes[:, 0]])
+                self.assertLess(largest_error(transform, pairs), 1e-4)
+        for fields, expected in (
+                ("space: RAS\n" + spacings, "space without space directions"),
+                ("space dimension: 3\n" + spacings, "space without space directions"),
+                (mins, "without spacings"), ("axis maxs: nan 3 4 5\n", "without spacings"),
+                ("spacings: 2 3 4\n", "one number for each"),
+                ("spacings: nan 2 3 4 5\n", "one number for each"),
+                (spacings + "axis mins: nan x 2 3\n", "one number for each"),
+                ("spacings: nan 2 0 4\n", "not positive"), ("spacings: nan 2 inf 4\n", "")):
+            with self.subTest(fields):
+                self.check_refused("axes.nrrd", (start % fields).encode() + vectors.tobytes(), expected)
+
     def test_gzip_of_several_members(self):
         pairs = golden("points.json")["field_oblique.nii.gz"]
         content = gzip.decompress(bytes(self.field_bytes("field_oblique.nii.gz")))
@@ -670,6 +702,8 @@ class TestTransformReader(unittest.TestCase):
                 ("field_identity.nrrd", b"encoding: raw", b"encoding: bzip2", "bzip2"),
                 ("field_identity.nrrd", b"left-posterior", b"left-upper", "space"),
                 ("field_identity.nrrd", b"origin: (", b"origin: (1,", "space origin"),
+                ("field_identity.nrrd", b"space origin", b"spcae origin", "'spcae origin', which is none"),
+                ("field_identity.nrrd", b"space directions", b"spac\xe9 directions", "none of the format"),
                 ("field_identity.nii", struct.pack("<8h", 5, 6, 5, 4, 1, 3, 1, 1),
                  struct.pack("<8h", 4, 6, 5, 4, 3, 1, 1, 1), "dim must be"),
                 ("field_identity.nii", struct.pack("<8h", 5, 6, 5, 4, 1, 3, 1, 1),

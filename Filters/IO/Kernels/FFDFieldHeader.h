@@ -65,11 +65,12 @@ constexpr std::size_t LargestField = std::size_t(1) << 27;
  * Read the header in `bytes`, the start of a file. Return false and what is wrong: not three
  * dimensions and three components, sizes out of range, directions that are not orthonormal, data
  * in another folder, an encoding that is not supported. ITK's conventions: the vectors are in LPS
- * as they are; MetaImage's geometry is LPS, NRRD's as its "space" says, that of NIfTI is RAS, from
- * the sform where there is one, else from the qform, else from the pixel sizes, in millimeters
- * after its xyzt_units (meters, millimeters, microns); vectors of NIfTI's intent 1006 are RAS, as
- * those of SPM (intent name "Mapping", positions) and NiftyReg ("NREG_TRANS", positions or
- * displacements), and in none of its files they are scaled by the units.
+ * as they are; MetaImage's geometry is LPS, NRRD's as its "space" says, or as its spacings and axis
+ * mins say without one, that of NIfTI is RAS, from the sform where there is one, else from the
+ * qform, else from the pixel sizes, in millimeters after its xyzt_units (meters, millimeters,
+ * microns); vectors of NIfTI's intent 1006 are RAS, as those of SPM (intent name "Mapping",
+ * positions) and NiftyReg ("NREG_TRANS", positions or displacements), and in none of its files they
+ * are scaled by the units.
  */
 FFD_IO_EXPORT bool ParseMetaImageHeader(
   std::string_view bytes, FieldHeader& header, std::string& error);

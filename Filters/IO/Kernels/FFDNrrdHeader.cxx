@@ -5,7 +5,13 @@
 #include "FFDFieldHeaderChecks.h"
 #include "FFDTextNumbers.h"
 
+#include <glm/mat3x3.hpp>
+
+#include <cmath>
+#include <initializer_list>
+#include <limits>
 #include <map>
+#include <set>
 
 namespace ffd
 {
@@ -36,6 +42,96 @@ bool ReadNrrdVector(std::string_view text, glm::dvec3& v)
   return true;
 }
 
+/// The fields of a header, by their names in small letters.
+using NrrdFields = std::map<std::string, std::string_view>;
+
+/// Whether the format has a field of this name. Others are refused, as teem and ITK refuse them: a
+/// "space origin" that is misspelled or damaged would be one of zeros.
+bool IsNrrdField(const std::string& name)
+{
+  static const std::set<std::string_view> names = { "axis maxs", "axis mins", "axismaxs",
+    "axismins", "block size", "blocksize", "byte skip", "byteskip", "centerings", "centers",
+    "content", "data file", "dimension", "encoding", "endian", "kinds", "labels", "line skip",
+    "lineskip", "max", "measurement frame", "min", "number", "old max", "old min", "oldmax",
+    "oldmin", "sample units", "sampleunits", "sizes", "space", "space dimension",
+    "space directions", "space origin", "space units", "spacings", "thicknesses", "type", "units" };
+  return names.count(name) != 0;
+}
+
+/// The value of the first of some names of a field that a header has, or an empty text.
+std::string_view FindNrrdField(const NrrdFields& fields, std::initializer_list<const char*> names)
+{
+  for (const char* name : names)
+  {
+    const auto found = fields.find(name);
+    if (found != fields.end())
+    {
+      return found->second;
+    }
+  }
+  return {};
+}
+
+/// Numbers of the axes of space, of a list with one for each axis of the array. "nan" stands for
+/// one that is not known, which leaves `v` as it is.
+bool ReadNrrdAxes(std::string_view text, const char* name, glm::dvec3& v, std::string& error)
+{
+  TakeWord(text); // that of the axis of the vectors
+  bool readable = true;
+  for (int a = 0; a < 3; ++a)
+  {
+    const std::string_view word = TakeWord(text);
+    readable = readable && (ToLower(word) == "nan" || ReadNumber(word, v[a]));
+  }
+  if (!readable || !Trim(text).empty())
+  {
+    error = std::string("the ") + name + " are not one number for each of the four axes";
+    return false;
+  }
+  return true;
+}
+
+/// Where the nodes are if each axis tells it by itself, without a space. "axis mins" are where the
+/// first cell begins or, if "centers" says so, the first node; cells are the default, as in ITK.
+bool PlaceNrrdAxes(
+  const NrrdFields& fields, glm::dmat3& axes, glm::dvec3& origin, std::string& error)
+{
+  const std::string_view spacings = FindNrrdField(fields, { "spacings" });
+  const std::string_view mins = FindNrrdField(fields, { "axis mins", "axismins" });
+  const std::string_view maxs = FindNrrdField(fields, { "axis maxs", "axismaxs" });
+  std::string_view centers = FindNrrdField(fields, { "centers", "centerings" });
+  if (spacings.empty() && mins.empty() && maxs.empty())
+  {
+    return true;
+  }
+  if (fields.count("space") != 0 || fields.count("space dimension") != 0)
+  {
+    error = "there is a space without space directions, so that the spacings, axis mins or axis "
+            "maxs do not tell where it lies";
+    return false;
+  }
+  if (spacings.empty())
+  {
+    error = "there are axis mins or axis maxs without spacings, which is not supported";
+    return false;
+  }
+  glm::dvec3 spacing(1.0);
+  glm::dvec3 min(std::numeric_limits<double>::quiet_NaN());
+  if (!ReadNrrdAxes(spacings, "spacings", spacing, error) ||
+    (!mins.empty() && !ReadNrrdAxes(mins, "axis mins", min, error)))
+  {
+    return false;
+  }
+  TakeWord(centers);
+  for (int a = 0; a < 3; ++a)
+  {
+    axes[a] *= spacing[a];
+    const bool isNode = ToLower(TakeWord(centers)) == "node";
+    origin[a] = std::isfinite(min[a]) ? min[a] + (isNode ? 0.0 : 0.5 * spacing[a]) : 0.0;
+  }
+  return true;
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -54,7 +150,7 @@ bool ParseNrrdHeader(std::string_view bytes, FieldHeader& header, std::string& e
   std::string_view text = bytes.substr(0, LargestFieldHeader);
   TakeLine(text);
   // Names and words of the format are the same in capital letters.
-  std::map<std::string, std::string_view> fields;
+  NrrdFields fields;
   bool complete = false;
   while (!text.empty() && !complete)
   {
@@ -80,6 +176,11 @@ bool ParseNrrdHeader(std::string_view bytes, FieldHeader& header, std::string& e
     }
     std::string key = ToLower(Trim(line.substr(0, colon)));
     key = key == "datafile" ? "data file" : key;
+    if (!IsNrrdField(key))
+    {
+      error = "the header has a field " + Quote(key) + ", which is none of the format";
+      return false;
+    }
     if (!fields.emplace(key, Trim(line.substr(colon + 1))).second)
     {
       error = "there are two lines of " + Quote(key);
@@ -167,18 +268,31 @@ bool ParseNrrdHeader(std::string_view bytes, FieldHeader& header, std::string& e
       "the space is " + Quote(space) + ", not left-posterior-superior or right-anterior-superior";
     return false;
   }
-  std::string_view directions = value("space directions", "none (1,0,0) (0,1,0) (0,0,1)");
   glm::dmat3 axes(1.0);
-  bool readable = TakeWord(directions) == "none";
-  for (int a = 0; a < 3; ++a)
+  bool readable = true;
+  if (fields.count("space directions") == 0)
   {
-    const std::size_t end = directions.find(')');
-    readable = readable && end != std::string_view::npos &&
-      ReadNrrdVector(directions.substr(0, end + 1), axes[a]);
-    directions.remove_prefix(readable ? end + 1 : 0);
+    if (!PlaceNrrdAxes(fields, axes, header.Grid.Origin, error))
+    {
+      return false;
+    }
   }
-  if (!readable || !Trim(directions).empty() ||
-    !ReadNrrdVector(value("space origin", "(0,0,0)"), header.Grid.Origin))
+  else
+  {
+    std::string_view directions = value("space directions", "");
+    readable = TakeWord(directions) == "none";
+    for (int a = 0; a < 3; ++a)
+    {
+      const std::size_t end = directions.find(')');
+      readable = readable && end != std::string_view::npos &&
+        ReadNrrdVector(directions.substr(0, end + 1), axes[a]);
+      directions.remove_prefix(readable ? end + 1 : 0);
+    }
+    readable = readable && Trim(directions).empty();
+  }
+  if (!readable ||
+    (fields.count("space origin") != 0 &&
+      !ReadNrrdVector(value("space origin", ""), header.Grid.Origin)))
   {
     error = "the space directions or the space origin are not 'none (x,y,z) (x,y,z) (x,y,z)' and "
             "'(x,y,z)'";
