@@ -597,6 +597,33 @@ class TestVolumeReader(unittest.TestCase):
                                 "centers: ??? node node node", sizes="2 5 4 3", data=two),
                          ((2, 3, 4), nodes))
 
+    def test_unknown_fields_of_nrrd(self):
+        """A misspelled field is left out, which a warning tells."""
+        start = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 10 2 2\n# a comment: text\nkey:=value\n"
+        for fields, expected in (
+                ("space: LPS\nSpace Origin: (1,2,3)\nencoding: raw\n\n", None),
+                ("space: LPS\nspcae origin: (1,2,3)\nencoding: raw\n\n", "'spcae origin'"),
+                ("encoding: raw\ndata file: LIST\n./a:1.raw\n./a:2.raw\n", None)):
+            name = os.path.join(WORK, "unknown.nrrd")
+            for part in ("a:1.raw", "a:2.raw"):
+                with open(os.path.join(WORK, part), "wb") as file:
+                    file.write(bytes(20))
+            with open(name, "wb") as file:
+                file.write((start + fields).encode("ascii"))
+                file.write(bytes(40) if fields.endswith("\n\n") else b"")
+            told = []
+
+            def tell(_reader, _event, message, told=told):
+                told.append(message)
+            tell.CallDataType = "string0"
+            reader = vtkffd.vtkFFDVolumeReader()
+            reader.AddObserver("WarningEvent", tell)
+            reader.SetFileName(name)
+            reader.Update()
+            self.assertEqual((reader.GetProblem(), len(told)), ("", 0 if expected is None else 1))
+            if expected is not None:
+                self.assertIn(expected, told[0])
+
     def test_long_of_metaimage(self):
         """It has four bytes, as in MetaIO; VTK's reader takes it for eight."""
         values = numpy.arange(-5, 55).reshape(3, 4, 5)

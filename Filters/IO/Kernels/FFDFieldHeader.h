@@ -83,6 +83,9 @@ FFD_IO_EXPORT bool LooksLikeMetaImage(std::string_view bytes);
 FFD_IO_EXPORT bool LooksLikeNrrd(std::string_view bytes);
 FFD_IO_EXPORT bool LooksLikeNifti(std::string_view bytes);
 
+/// Whether NRRD has a field of this name, in small letters.
+FFD_IO_EXPORT bool IsNrrdField(std::string_view name);
+
 /**
  * Numbers as they lie in a file to the displacements of `step` (a Field over header.Grid). `data`
  * has header.GetDataSize() bytes. False when one is not finite or exceeds 1e12.

@@ -45,19 +45,6 @@ bool ReadNrrdVector(std::string_view text, glm::dvec3& v)
 /// The fields of a header, by their names in small letters.
 using NrrdFields = std::map<std::string, std::string_view>;
 
-/// Whether the format has a field of this name. Others are refused, as teem and ITK refuse them: a
-/// "space origin" that is misspelled or damaged would be one of zeros.
-bool IsNrrdField(const std::string& name)
-{
-  static const std::set<std::string_view> names = { "axis maxs", "axis mins", "axismaxs",
-    "axismins", "block size", "blocksize", "byte skip", "byteskip", "centerings", "centers",
-    "content", "data file", "dimension", "encoding", "endian", "kinds", "labels", "line skip",
-    "lineskip", "max", "measurement frame", "min", "number", "old max", "old min", "oldmax",
-    "oldmin", "sample units", "sampleunits", "sizes", "space", "space dimension",
-    "space directions", "space origin", "space units", "spacings", "thicknesses", "type", "units" };
-  return names.count(name) != 0;
-}
-
 /// The value of the first of some names of a field that a header has, or an empty text.
 std::string_view FindNrrdField(const NrrdFields& fields, std::initializer_list<const char*> names)
 {
@@ -138,6 +125,18 @@ bool PlaceNrrdAxes(
 bool LooksLikeNrrd(std::string_view bytes) { return bytes.substr(0, 7) == "NRRD000"; }
 
 //------------------------------------------------------------------------------
+bool IsNrrdField(std::string_view name)
+{
+  static const std::set<std::string_view> names = { "axis maxs", "axis mins", "axismaxs",
+    "axismins", "block size", "blocksize", "byte skip", "byteskip", "centerings", "centers",
+    "content", "data file", "datafile", "dimension", "encoding", "endian", "kinds", "labels",
+    "line skip", "lineskip", "max", "measurement frame", "min", "number", "old max", "old min",
+    "oldmax", "oldmin", "sample units", "sampleunits", "sizes", "space", "space dimension",
+    "space directions", "space origin", "space units", "spacings", "thicknesses", "type", "units" };
+  return names.count(name) != 0;
+}
+
+//------------------------------------------------------------------------------
 bool ParseNrrdHeader(std::string_view bytes, FieldHeader& header, std::string& error)
 {
   header = FieldHeader();
@@ -176,6 +175,7 @@ bool ParseNrrdHeader(std::string_view bytes, FieldHeader& header, std::string& e
     }
     std::string key = ToLower(Trim(line.substr(0, colon)));
     key = key == "datafile" ? "data file" : key;
+    // Refused as by teem and ITK: a "space origin" that is misspelled would be one of zeros.
     if (!IsNrrdField(key))
     {
       error = "the header has a field " + Quote(key) + ", which is none of the format";

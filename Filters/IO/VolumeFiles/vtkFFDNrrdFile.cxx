@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDNrrdFile.h"
 
+#include "FFDFieldHeader.h"
+
 #include "vtkFFDDataFiles.h"
 #include "vtkFFDTextHeader.h"
 
@@ -187,6 +189,22 @@ std::optional<vtkFFDVolumeFile::Placement> PlaceNrrd(
   return place;
 }
 
+/// Tells of a field that NRRD has not, as one that is misspelled; its default counts then.
+/// Key/value pairs (:=) and the files of a list are none.
+std::string FindUnknownField(const vtkFFDTextHeader::Fields& fields)
+{
+  const bool hasList = Find(fields, { "data file", "datafile" }).compare(0, 4, "LIST") == 0;
+  for (const auto& [key, value] : fields)
+  {
+    const bool isField = key.compare(0, 1, "#") != 0 && value.compare(0, 1, "=") != 0;
+    if (isField && !hasList && !ffd::IsNrrdField(key))
+    {
+      return "the header has a field '" + key + "', which NRRD has not; it is left out";
+    }
+  }
+  return std::string();
+}
+
 class NrrdFile : public vtkFFDVolumeFile
 {
 public:
@@ -243,6 +261,7 @@ std::string NrrdFile::FindPlacement(Header& header) const
 {
   auto* const reader = vtkNrrdReader::SafeDownCast(this->GetReader());
   const bool isOfVtk = header.Stored.Form == vtkFFDStoredVoxels::OF_VTK;
+  header.Warning = FindUnknownField(this->Fields);
   header.Place = PlaceNrrd(this->Fields, header, reader->GetFileLowerLeft() == 0 && isOfVtk);
   return this->FindDataProblem(this->CountBytes(header));
 }
