@@ -5,6 +5,7 @@
 
 import os
 import re
+import time
 import unittest
 
 import numpy as np
@@ -779,6 +780,41 @@ output.PointData.append(numpy.full(4096, %g), "RTData")
             theirs, ours = (picture[..., channel] > 40 for picture in pictures)
             self.assertGreater(theirs.sum(), 1000)
             self.assertLess((theirs != ours).sum(), 0.12 * theirs.sum())
+
+    def test_many_unlike_blocks(self):
+        """Many small blocks of unlike voxels, as those of AMR, take little more time than few: not each that of
+        the whole volume."""
+        from vtkmodules.util.numpy_support import numpy_to_vtk
+        from vtkmodules.vtkCommonDataModel import vtkImageData, vtkMultiBlockDataSet
+
+        def show(count):
+            blocks = vtkMultiBlockDataSet()
+            for i in range(count):
+                image = vtkImageData()
+                image.SetDimensions(3, 3, 3)
+                image.SetSpacing([0.5 if i % 2 else 0.7] * 3)
+                # The first two are corners of the volume.
+                image.SetOrigin([79.0 * i] * 3 if i < 2 else [7 * i % 79, 11 * i % 79, 13 * i % 79])
+                array = numpy_to_vtk(np.full(27, i % 10, np.float32), deep=True)
+                array.SetName("values")
+                image.GetPointData().SetScalars(array)
+                blocks.SetBlock(i, image)
+            source = simple.TrivialProducer()
+            source.GetClientSideObject().SetOutput(blocks)
+            source.UpdatePipeline()
+            display = simple.Show(source, self.view)
+            simple.ColorBy(display, ("POINTS", "values"))
+            began = time.process_time()
+            display.SetRepresentationType("FFD Volume")
+            simple.ResetCamera(self.view)
+            simple.Render(self.view)
+            spent = time.process_time() - began
+            simple.Hide(source, self.view)
+            return spent
+
+        show(8)
+        few, many = show(50), show(1500)
+        self.assertLess(many, 8.0 * few, (few, many))
 
     def test_sample_distance_is_of_the_data(self):
         """A scaled volume is sampled at the same voxels: seen from as much farther away it is the

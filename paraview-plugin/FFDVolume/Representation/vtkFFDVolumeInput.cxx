@@ -20,6 +20,7 @@
 #include "vtkNew.h"
 #include "vtkPointData.h"
 #include "vtkRectilinearGrid.h"
+#include "vtkSMPTools.h"
 #include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
@@ -209,80 +210,142 @@ vtkSmartPointer<vtkImageData> WithoutGhosts(vtkDataSet* block, const Extent& ext
 struct InterpolatedBlock
 {
   vtkSmartPointer<vtkImageData> Image;
-  std::vector<bool> PointsOutside; ///< of the block, or hidden in it
-  std::vector<bool> CellsOutside;
+  std::vector<char> PointsOutside; ///< of the block, or hidden in it
+  std::vector<char> CellsOutside;
 };
+
+/// The cell of a block that a place is in, or the nearest one, by its lower corner; where the place
+/// is in it, 0 to 1; and the largest distance from the block along an axis, in voxels.
+struct Position
+{
+  std::array<vtkIdType, 3> Lower;
+  std::array<double, 3> Part;
+  double Beyond = 0.0;
+
+  Position(vtkDataSet* block, const std::array<vtkIdType, 3>& counts, const double place[3])
+  {
+    double index[3];
+    FindIndex(block, place, index);
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      const double clamped = std::clamp(index[a], 0.0, static_cast<double>(counts[a] - 1));
+      this->Lower[a] = std::min(static_cast<vtkIdType>(clamped), counts[a] - 2);
+      this->Part[a] = clamped - static_cast<double>(this->Lower[a]);
+      this->Beyond = std::max(this->Beyond, std::abs(clamped - index[a]));
+    }
+  }
+};
+
+/// Interpolates arrays of points of a block at those of the image of `interpolated`.
+void InterpolatePoints(vtkDataSet* block, const std::array<vtkIdType, 3>& counts,
+  vtkPointData* from, InterpolatedBlock& interpolated)
+{
+  vtkImageData* const result = interpolated.Image;
+  const vtkIdType points = result->GetNumberOfPoints();
+  vtkPointData* const to = result->GetPointData();
+  to->InterpolateAllocate(from, points);
+  // Threads write values, and allocate nothing.
+  to->SetNumberOfTuples(points);
+  std::vector<char>& outside = interpolated.PointsOutside;
+  outside.assign(static_cast<std::size_t>(points), 0);
+  vtkUnsignedCharArray* const blank = block->GetPointGhostArray();
+  vtkSMPTools::For(0, points,
+    [block, &counts, from, result, to, &outside, blank](vtkIdType first, vtkIdType last) {
+      vtkNew<vtkIdList> corners;
+      corners->SetNumberOfIds(8);
+      for (vtkIdType point = first; point < last; ++point)
+      {
+        double place[3];
+        result->GetPoint(point, place);
+        const Position at(block, counts, place);
+        bool hidden = at.Beyond > Reach;
+        double weights[8];
+        for (int corner = 0; corner < 8; ++corner)
+        {
+          std::array<vtkIdType, 3> index = at.Lower;
+          double& weight = weights[corner];
+          weight = 1.0;
+          for (std::size_t a = 0; a < 3; ++a)
+          {
+            const int upper = corner >> a & 1;
+            index[a] += upper;
+            weight *= upper != 0 ? at.Part[a] : 1.0 - at.Part[a];
+          }
+          const vtkIdType id = index[0] + counts[0] * (index[1] + counts[1] * index[2]);
+          corners->SetId(corner, id);
+          hidden = hidden ||
+            (blank && weight > Slack &&
+              (blank->GetValue(id) & vtkDataSetAttributes::HIDDENPOINT) != 0);
+        }
+        outside[static_cast<std::size_t>(point)] = hidden ? 1 : 0;
+        to->InterpolatePoint(from, point, corners, weights);
+      }
+    });
+}
+
+/// Gives the cells of the image of `interpolated` the values of the cells of a block that their
+/// centers are in.
+void CopyCells(vtkDataSet* block, const std::array<vtkIdType, 3>& counts, vtkCellData* from,
+  InterpolatedBlock& interpolated)
+{
+  vtkImageData* const result = interpolated.Image;
+  const vtkIdType cells = result->GetNumberOfCells();
+  std::vector<char>& outside = interpolated.CellsOutside;
+  outside.assign(static_cast<std::size_t>(cells), 0);
+  vtkNew<vtkIdList> sources;
+  sources->SetNumberOfIds(cells);
+  vtkIdType* const ids = sources->GetPointer(0);
+  Extent extent;
+  result->GetExtent(extent.data());
+  const vtkIdType nx = std::max(1, extent[1] - extent[0]);
+  const vtkIdType ny = std::max(1, extent[3] - extent[2]);
+  vtkSMPTools::For(0, cells,
+    [block, &counts, result, &outside, ids, &extent, nx, ny](vtkIdType first, vtkIdType last) {
+      for (vtkIdType cell = first; cell < last; ++cell)
+      {
+        const std::array<vtkIdType, 3> index{ { cell % nx, cell / nx % ny, cell / (nx * ny) } };
+        std::array<double, 3> middle{};
+        for (std::size_t a = 0; a < 3; ++a)
+        {
+          const double half = extent[2 * a] < extent[2 * a + 1] ? 0.5 : 0.0;
+          middle[a] = static_cast<double>(extent[2 * a] + index[a]) + half;
+        }
+        double place[3];
+        result->TransformContinuousIndexToPhysicalPoint(middle.data(), place);
+        const Position at(block, counts, place);
+        outside[static_cast<std::size_t>(cell)] = at.Beyond > Slack ? 1 : 0;
+        ids[cell] = at.Lower[0] + (counts[0] - 1) * (at.Lower[1] + (counts[1] - 1) * at.Lower[2]);
+      }
+    });
+  vtkCellData* const to = result->GetCellData();
+  to->CopyAllocate(from, cells);
+  to->SetNumberOfTuples(cells);
+  for (int a = 0; a < to->GetNumberOfArrays(); ++a)
+  {
+    vtkAbstractArray* const target = to->GetAbstractArray(a);
+    // CopyVoxels() takes none without a name.
+    if (target->GetName())
+    {
+      from->GetAbstractArray(target->GetName())->GetTuples(sources, target);
+    }
+  }
+}
 
 /// Interpolates a block at the points of `extent`; values of cells are those of the cell.
 InterpolatedBlock Interpolate(vtkDataSet* block, const Grid& frame, const Extent& extent)
 {
-  Extent own;
-  const Grid described = Describe(block);
-  own = described.WholeExtent;
+  const Extent own = Describe(block).WholeExtent;
   const vtkSmartPointer<vtkImageData> plain = WithoutGhosts(block, own);
-  const vtkIdType counts[3] = { own[1] - own[0] + 1, own[3] - own[2] + 1, own[5] - own[4] + 1 };
-  vtkUnsignedCharArray* const blank = block->GetPointGhostArray();
+  const std::array<vtkIdType, 3> counts{ { own[1] - own[0] + 1, own[3] - own[2] + 1,
+    own[5] - own[4] + 1 } };
   InterpolatedBlock interpolated;
   interpolated.Image = vtkSmartPointer<vtkImageData>::New();
-  vtkImageData* const result = interpolated.Image;
-  result->SetExtent(const_cast<int*>(extent.data()));
-  frame.ApplyTo(result);
-  const vtkIdType points = result->GetNumberOfPoints();
-  vtkPointData* to = result->GetPointData();
-  to->InterpolateAllocate(plain->GetPointData(), points);
-  vtkCellData* cellsTo = result->GetCellData();
-  cellsTo->CopyAllocate(plain->GetCellData(), result->GetNumberOfCells());
-  vtkNew<vtkIdList> corners;
-  corners->SetNumberOfIds(8);
-  const auto visit = [&](const double place[3], bool ofCells, vtkIdType target) {
-    double index[3];
-    FindIndex(block, place, index);
-    vtkIdType lower[3];
-    double t[3];
-    bool outside = false;
-    for (int a = 0; a < 3; ++a)
-    {
-      const double clamped = std::clamp(index[a], 0.0, static_cast<double>(counts[a] - 1));
-      lower[a] = std::min(static_cast<vtkIdType>(clamped), counts[a] - 2);
-      t[a] = clamped - static_cast<double>(lower[a]);
-      outside = outside || std::abs(clamped - index[a]) > (ofCells ? Slack : Reach);
-    }
-    if (ofCells)
-    {
-      interpolated.CellsOutside.push_back(outside);
-      cellsTo->CopyData(plain->GetCellData(),
-        lower[0] + (counts[0] - 1) * (lower[1] + (counts[1] - 1) * lower[2]), target);
-      return;
-    }
-    double weights[8];
-    for (int corner = 0; corner < 8; ++corner)
-    {
-      const vtkIdType at[3] = { lower[0] + (corner & 1), lower[1] + (corner >> 1 & 1),
-        lower[2] + (corner >> 2) };
-      corners->SetId(corner, at[0] + counts[0] * (at[1] + counts[1] * at[2]));
-      weights[corner] = ((corner & 1) != 0 ? t[0] : 1.0 - t[0]) *
-        ((corner & 2) != 0 ? t[1] : 1.0 - t[1]) * ((corner & 4) != 0 ? t[2] : 1.0 - t[2]);
-      outside = outside ||
-        (blank && weights[corner] > Slack &&
-          (blank->GetValue(corners->GetId(corner)) & vtkDataSetAttributes::HIDDENPOINT) != 0);
-    }
-    interpolated.PointsOutside.push_back(outside);
-    to->InterpolatePoint(plain->GetPointData(), target, corners, weights);
-  };
-  for (vtkIdType point = 0; point < points; ++point)
+  interpolated.Image->SetExtent(const_cast<int*>(extent.data()));
+  frame.ApplyTo(interpolated.Image);
+  InterpolatePoints(block, counts, plain->GetPointData(), interpolated);
+  if (plain->GetCellData()->GetNumberOfArrays() > 0)
   {
-    double place[3];
-    result->GetPoint(point, place);
-    visit(place, false, point);
-  }
-  for (vtkIdType cell = 0;
-       plain->GetCellData()->GetNumberOfArrays() > 0 && cell < result->GetNumberOfCells(); ++cell)
-  {
-    double bounds[6];
-    result->GetCellBounds(cell, bounds);
-    const double place[3] = { 0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3]),
-      0.5 * (bounds[4] + bounds[5]) };
-    visit(place, true, cell);
+    CopyCells(block, counts, plain->GetCellData(), interpolated);
   }
   return interpolated;
 }
@@ -307,56 +370,77 @@ void ForEachId(const Extent& inner, const Extent& outer, bool cells, const Use& 
   }
 }
 
-/// Gives elements of `to` back what they were in `before`. All arrays are of numbers and named.
-void Restore(vtkFieldData* before, const std::vector<vtkIdType>& elements, vtkFieldData* to)
+/// Values of elements, in their order. Arrays that are not of numbers are left out.
+vtkSmartPointer<vtkFieldData> GetValues(vtkFieldData* from, vtkIdList* elements)
+{
+  auto values = vtkSmartPointer<vtkFieldData>::New();
+  for (int a = 0; a < from->GetNumberOfArrays(); ++a)
+  {
+    if (vtkDataArray* const array = from->GetArray(a))
+    {
+      vtkSmartPointer<vtkDataArray> some;
+      some.TakeReference(array->NewInstance());
+      some->SetName(array->GetName());
+      some->SetNumberOfComponents(array->GetNumberOfComponents());
+      some->SetNumberOfTuples(elements->GetNumberOfIds());
+      array->GetTuples(elements, some);
+      values->AddArray(some);
+    }
+  }
+  return values;
+}
+
+/// Gives elements of `to` back the values that they had before; zeros in arrays that there were
+/// none of. All arrays are of numbers and named.
+void Restore(vtkFieldData* before, vtkIdList* elements, vtkFieldData* to)
 {
   for (int a = 0; a < to->GetNumberOfArrays(); ++a)
   {
     vtkDataArray* const array = to->GetArray(a);
     vtkDataArray* const from = before->GetArray(array->GetName());
     const std::vector<double> zero(static_cast<std::size_t>(array->GetNumberOfComponents()), 0.0);
-    for (const vtkIdType element : elements)
+    for (vtkIdType i = 0; i < elements->GetNumberOfIds(); ++i)
     {
       if (from)
       {
-        array->SetTuple(element, element, from);
+        array->SetTuple(elements->GetId(i), i, from);
       }
       else
       {
-        array->SetTuple(element, zero.data());
+        array->SetTuple(elements->GetId(i), zero.data());
       }
     }
   }
 }
 
 /// Copies a block into the image of all blocks and shows its points; where it is not it leaves what
-/// others have put there.
+/// others have put there. Takes time for the block alone, as there may be thousands.
 void CopyInterpolated(const InterpolatedBlock& block, const Extent& extent, vtkImageData* merged,
   const Extent& whole, vtkUnsignedCharArray* ghosts)
 {
-  vtkNew<vtkImageData> before;
-  before->DeepCopy(merged);
-  ffdparts::CopyVoxels(block.Image, extent, merged, whole, extent);
-  std::vector<vtkIdType> points;
+  vtkNew<vtkIdList> points;
   ForEachId(extent, whole, false, [&](vtkIdType id, vtkIdType place) {
-    if (block.PointsOutside[static_cast<std::size_t>(id)])
+    if (block.PointsOutside[static_cast<std::size_t>(id)] != 0)
     {
-      points.push_back(place);
+      points->InsertNextId(place);
     }
     else
     {
       ghosts->SetValue(place, 0);
     }
   });
-  std::vector<vtkIdType> cells;
+  vtkNew<vtkIdList> cells;
   ForEachId(extent, whole, true, [&](vtkIdType id, vtkIdType place) {
-    if (!block.CellsOutside.empty() && block.CellsOutside[static_cast<std::size_t>(id)])
+    if (!block.CellsOutside.empty() && block.CellsOutside[static_cast<std::size_t>(id)] != 0)
     {
-      cells.push_back(place);
+      cells->InsertNextId(place);
     }
   });
-  Restore(before->GetPointData(), points, merged->GetPointData());
-  Restore(before->GetCellData(), cells, merged->GetCellData());
+  const auto pointsBefore = GetValues(merged->GetPointData(), points);
+  const auto cellsBefore = GetValues(merged->GetCellData(), cells);
+  ffdparts::CopyVoxels(block.Image, extent, merged, whole, extent);
+  Restore(pointsBefore, points, merged->GetPointData());
+  Restore(cellsBefore, cells, merged->GetCellData());
 }
 
 /// What tells the lattices of blocks apart: domain, control points, and what these add up to, as
