@@ -189,13 +189,31 @@ class TestPanel(unittest.TestCase):
         self.assertEqual(searched["widget"]["OutlineBounds"], [-15.0, 15.0] * 3)
 
     def test_outline(self):
-        """The outline is that of the block that the lattice deforms."""
+        """The outline is that of the block that the lattice deforms. ParaView's Restore Defaults, of which
+        each property is undone by itself, keeps edits, which fit at each of these steps."""
         events = Events()
         for size in "67":
             events.set(PANEL + "Resolution_0", "int", size)
             events.click(PROPERTIES + "Accept")
+        events.toggle(SELECTION)
+        events.click(SELECTION + "SelectAll")
+        events.set(SELECTION + "Center_2", "string", "5")
+        events.click(PROPERTIES + "Accept")
+        events.click(PROPERTIES + "scrollArea/qt_scrollarea_viewport/scrollAreaWidgetContents/"
+                     "PropertiesButtons/PropertiesRestoreDefaults")
+        # Rendered again, which updates the filter.
+        events.drag((0.02, 0.02), (0.02, 0.02))
+        for _ in range(3):
+            events.menu("menu_Edit", "actionEditUndo")
+            events.drag((0.02, 0.02), (0.02, 0.02))
         states, _ = events.play("outline", auto_apply=False, blocks=True)
-        self.assertEqual(states[-1]["widget"]["OutlineBounds"], [0.0] + [15.0, -15.0] * 2 + [15.0])
+        self.assertEqual(states[1]["widget"]["OutlineBounds"], [0.0] + [15.0, -15.0] * 2 + [15.0])
+        self.assertEqual(states[2]["resolution"], [7, 5, 5])
+        self.assertIn([6, 6, 6], [state["resolution"] for state in states[3:]])
+        self.assertEqual(states[-1]["resolution"], [7, 5, 5])
+        self.assertEqual(states[-1]["displacements"], [])
+        for state in states[2:-1]:
+            self.assertEqual(len(state["displacements"]), 3 * 7 * 5 * 5)
 
     def test_undo_of_applied_edit(self):
         """Undo of the menu takes back what was applied, with what was dragged since, which control and Z do not

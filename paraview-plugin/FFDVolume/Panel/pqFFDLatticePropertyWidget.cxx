@@ -594,17 +594,35 @@ void pqFFDLatticePropertyWidget::scheduleSettle()
 }
 
 //-----------------------------------------------------------------------------
-/// Not at once: Undo and scripts change the properties one after the other.
+/**
+ * Not at once: Undo and scripts change the properties one after the other. What is undone is not to
+ * be applied again; but ParaView's "Restore Defaults" makes a step of undo of each property, and in
+ * between the filter would have edits that do not fit.
+ */
 void pqFFDLatticePropertyWidget::settleResolution()
 {
   const bool byUndo = this->Internals->ByUndo;
   this->Internals->ByUndo = false;
-  if (this->keepEdits() && !byUndo)
+  if (!this->keepEdits())
   {
-    // It may have been a script that changed the resolution. What is undone is not to be applied
-    // again.
+    return;
+  }
+  if (!byUndo)
+  {
+    // It may have been a script that changed the resolution.
     Q_EMIT this->changeAvailable();
     Q_EMIT this->changeFinished();
+    return;
+  }
+  vtkSMPropertyGroup* group = this->propertyGroup();
+  vtkSMProperty* sizes = group->GetProperty("Dimensions");
+  vtkSMProperty* edits = group->GetProperty("Displacements");
+  if (GetChecked(sizes) == GetUnchecked(sizes) && GetChecked(edits) == GetUnchecked(edits))
+  {
+    const pqScopedUndoExclude exclude;
+    vtkSMProperty* editSizes = group->GetProperty("EditDimensions");
+    SetChecked(editSizes, GetUnchecked(editSizes));
+    this->proxy()->UpdateVTKObjects();
   }
 }
 
