@@ -66,6 +66,9 @@ class TestLatticeFollows(unittest.TestCase):
                 lambda data: simple.ResampleWithDataset(
                     SourceDataArrays=data, DestinationMesh=data),
                 lambda data: simple.SliceWithPlane(Input=data),
+                lambda data: simple.Slice(Input=simple.PointDatatoCellData(Input=data)),
+                lambda data: simple.CellDatatoPointData(
+                    Input=simple.PointDatatoCellData(Input=data)),
                 lambda data: simple.Contour(
                     Input=simple.Gradient(Input=data, ScalarArray=["POINTS", "RTData"]),
                     ContourBy=["POINTS", "RTData"], Isosurfaces=[157.0]),
