@@ -58,6 +58,14 @@ HWY_INLINE SampleRange FindSamples(
   return range;
 }
 
+/// Samples at which a packet found its extremes, by channel: those of the packet beside it are
+/// likely to be near them.
+struct ExtremeSamples
+{
+  static constexpr int None = std::numeric_limits<int>::min();
+  std::array<int, LargestNumberOfChannels> Numbers{ { None, None, None, None } };
+};
+
 /// Casts the rays of a packet: finds the samples that they take, front to back.
 template <class T>
 class Packet
@@ -66,11 +74,12 @@ public:
   /**
    * Keeps references to all but the numbers.
    * (x, y): first pixel of the packet, from that of the roots. `rows`: rows of its pixels from y
-   * on. `numbers`, `range`: FindSamples().
+   * on. `numbers`, `range`: FindSamples(). `extremes`: on entry those of a packet beside it, or
+   * none.
    */
   Packet(const PacketScene& scene, SegmentTrees& trees, PacketScratch& scratch,
     const RayPacket& rays, int x, int y, Vf rows, const SampleNumbers& numbers,
-    const SampleRange& range, Mf active)
+    const SampleRange& range, Mf active, ExtremeSamples& extremes)
     : Scene(scene)
     , Trees(trees)
     , Scratch(scratch)
@@ -81,6 +90,7 @@ public:
     , Numbers(numbers)
     , FirstSample(range.First)
     , EndSample(range.End)
+    , Extremes(extremes)
     , Samples(scene, trees, scratch, rays, x, y, rows, active)
     , Blending(scene, scratch, rays, this->Samples)
   {
@@ -95,7 +105,7 @@ public:
     const int last = std::min(this->Trees.GetLast(), FloorDivide(this->EndSample - 1, top));
     for (std::size_t c = 0; HWY_UNLIKELY(c < this->Scene.Peaks.size()); ++c)
     {
-      this->SampleHighestPart(c, first, last);
+      this->SampleLikelyPart(c, first, last);
     }
     const auto cast = [this](TileSegment& segment) { return this->CastSegment(segment); };
     for (int index = first; index <= last; ++index)
@@ -236,11 +246,12 @@ private:
     return segment.Peaks[channel][static_cast<std::size_t>(part)][static_cast<std::size_t>(block)];
   }
 
-  /// Finds PassedCodes anew.
-  HWY_NOINLINE void FindPassedCodes()
+  /// Finds PassedCodes anew, after a part whose first sample is n.
+  HWY_NOINLINE void FindPassedCodes(int n)
   {
     for (std::size_t c = 0; c < this->Scene.Peaks.size(); ++c)
     {
+      const int before = this->PassedCodes[c];
       const PacketPeaks& peaks = this->Scene.Peaks[c];
       const float least = SmallestLane(
         hn::IfThenElse(this->Samples.State.Alive, this->Blending.GetExtreme(c), Splat(NoExtreme)));
@@ -248,6 +259,10 @@ private:
       const double steps = (double{ least } - peaks.Low) * peaks.Scale;
       const int code = static_cast<int>(std::clamp(steps, 0.0, ValuePeaks::LastCode + 1.0)) - 1;
       this->PassedCodes[c] = least < peaks.High ? std::min(code, ValuePeaks::LastCode - 1) : code;
+      if (this->PassedCodes[c] > before)
+      {
+        this->Extremes.Numbers[c] = n;
+      }
     }
   }
 
@@ -270,12 +285,11 @@ private:
     int Code = 0; ///< of ValuePeaks, of the values in it
   };
 
-  /// Makes `peak` the part of a segment without children that has the largest bound of the values
-  /// of a channel, if that is larger.
-  void FindPeak(TileSegment& segment, std::size_t channel, Peak& peak)
+  /// Makes `peak` the part among `parts` of a segment without children that has the largest bound
+  /// of the values of a channel, if that is larger.
+  void FindPeak(TileSegment& segment, const PartRange& parts, std::size_t channel, Peak& peak)
   {
     const int block = this->BlockIn(segment);
-    const PartRange parts = this->FindParts(segment);
     for (int part = this->FindNeeded(segment, block, parts.First, parts.End); part < parts.End;
          part = this->FindNeeded(segment, block, part + 1, parts.End))
     {
@@ -287,23 +301,51 @@ private:
     }
   }
 
+  /// FindPeak() of the part that holds the sample n alone; `first`, `last`: roots of the packet.
+  void FindPeakAt(int n, int first, int last, std::size_t channel, Peak& peak)
+  {
+    const int root = FloorDivide(n, this->Scene.SamplesPerRoot);
+    if (root < first || root > last)
+    {
+      return;
+    }
+    this->ForLeaves(this->Trees.GetRoot(root), [&](TileSegment& segment) {
+      const int offset = n - segment.FirstSample;
+      if (offset < 0 || offset >= segment.Samples)
+      {
+        return true;
+      }
+      if (segment.Known == TileSegment::State::Curves)
+      {
+        const PartRange parts = this->FindParts(segment);
+        const int part = offset / segment.SamplesPerPart;
+        this->FindPeak(
+          segment, { std::max(part, parts.First), std::min(part + 1, parts.End) }, channel, peak);
+      }
+      return false;
+    });
+  }
+
   /**
-   * Samples the part of the packet that has the largest bound of the values of a channel before all
-   * others, so that few others can hold larger values. What is found there is kept as a little
-   * less, and found again on the way from front to back.
+   * Samples the part of the packet before all others in which the packet beside it found the
+   * extreme of a channel or, if there is nothing, that with the largest bound of its values: so
+   * that few others can hold larger values. What is found there is kept as a little less, and found
+   * again on the way from front to back.
    */
-  HWY_NOINLINE void SampleHighestPart(std::size_t channel, int first, int last)
+  HWY_NOINLINE void SampleLikelyPart(std::size_t channel, int first, int last)
   {
     Peak peak;
     peak.Code = std::max(0, this->PassedCodes[channel]);
+    this->FindPeakAt(this->Extremes.Numbers[channel], first, last, channel, peak);
     const auto find = [this, channel, &peak](TileSegment& segment) {
       if (segment.Known == TileSegment::State::Curves)
       {
-        this->FindPeak(segment, channel, peak);
+        this->FindPeak(segment, this->FindParts(segment), channel, peak);
       }
       return true;
     };
-    for (int index = first; index <= last; ++index)
+    const bool known = peak.Segment != nullptr;
+    for (int index = first; index <= last && !known; ++index)
     {
       this->ForLeaves(this->Trees.GetRoot(index), find);
     }
@@ -318,7 +360,7 @@ private:
     this->Sought = AllComponents;
     state.Alive = alive;
     this->Blending.LowerExtremes();
-    this->FindPassedCodes();
+    this->FindPassedCodes(peak.Segment->FirstSample + peak.Part * peak.Segment->SamplesPerPart);
     this->Reach = std::numeric_limits<float>::infinity();
   }
 
@@ -391,7 +433,7 @@ private:
       }
       if (HWY_UNLIKELY(seeking) && this->Blending.TakeNews())
       {
-        this->FindPassedCodes();
+        this->FindPassedCodes(from);
       }
     }
     this->Blending.EndCurve(curve);
@@ -797,6 +839,7 @@ private:
   SampleNumbers Numbers;
   int FirstSample; ///< of all rays
   int EndSample;
+  ExtremeSamples& Extremes;
   float Reach = std::numeric_limits<float>::infinity();
   Vec3 MoveChanges; ///< bounds for few samples, where single rays leap
   Vf SkipTo;        ///< samples of the segment before this one are empty for certain

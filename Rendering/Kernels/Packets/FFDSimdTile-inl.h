@@ -356,6 +356,7 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
   packet = 0;
   for (int y = y0; y < y0 + TileSide; y += shape.Height)
   {
+    ExtremeSamples extremes;
     for (int x = x0; x < x0 + TileSide; x += shape.Width, ++packet)
     {
       if (packet < firstPacket || !reaches.IsWanted(x, y))
@@ -376,7 +377,7 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       FindLines(near, far, px, py, inverseLength, rays);
       const Mf active = hn::Lt(rays.From, rays.To);
       Packet<T> cast(scene, trees, scratch, rays, x - trees.GetX(), y - trees.GetY(), dy, numbers,
-        stored.GetRange(packet), active);
+        stored.GetRange(packet), active, extremes);
       if (HWY_UNLIKELY(scene.Slices))
       {
         cast.CastSlice(x, y, shape.Width);
