@@ -32,6 +32,15 @@ inline void BSplineDerivativeWeights(double u, double w[4])
   w[3] = 0.5 * u2;
 }
 
+/// Their second derivatives by u.
+inline void BSplineSecondDerivativeWeights(double u, double w[4])
+{
+  w[0] = 1.0 - u;
+  w[1] = 3.0 * u - 2.0;
+  w[2] = 1.0 - 3.0 * u;
+  w[3] = u;
+}
+
 /// Cell and position in it of a clamped parameter on one axis.
 struct AxisPosition
 {

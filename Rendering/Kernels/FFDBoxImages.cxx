@@ -86,6 +86,28 @@ Box BoxImages::Find(const glm::ivec3& index) const
 }
 
 //------------------------------------------------------------------------------
+glm::dmat3 BoxImages::FindMeanJacobian(const glm::ivec3& first, const glm::ivec3& end) const
+{
+  glm::dmat3 sum(0.0);
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const glm::bvec3 upper((corner & 1) != 0, (corner & 2) != 0, (corner & 4) != 0);
+    const glm::dvec3& d = this->Corners.At(
+      upper.x ? end.x : first.x, upper.y ? end.y : first.y, upper.z ? end.z : first.z);
+    for (int a = 0; a < 3; ++a)
+    {
+      sum[a] += upper[a] ? d : -d;
+    }
+  }
+  glm::dmat3 jacobian(1.0);
+  for (int a = 0; a < 3; ++a)
+  {
+    jacobian[a] += sum[a] / (4.0 * this->Boxes.Edge[a] * (end[a] - first[a]));
+  }
+  return jacobian;
+}
+
+//------------------------------------------------------------------------------
 void BoxImages::FindDisplacements(const BSplineField& field, double sign)
 {
   std::vector<std::array<double, 4>> weights[3];

@@ -6,8 +6,10 @@
 #include "Bounds/FFDBox.h"
 #include "FFDBSplineField.h"
 #include "FFDCastScene.h"
+#include "FFDExport.h"
 #include "FFDSplineGrid.h"
 
+#include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
 #include <vector>
@@ -16,7 +18,7 @@ namespace ffd
 {
 
 /// Equal boxes that a box is cut into, aligned with the axes of data coordinates.
-struct BoxGrid
+struct FFD_RENDERING_EXPORT BoxGrid
 {
   glm::dvec3 First; ///< lowest corner
   glm::dvec3 Edge;
@@ -30,7 +32,7 @@ struct BoxGrid
 };
 
 /// Bounds of what x + sign * D(x) makes of boxes.
-class BoxImages
+class FFD_RENDERING_EXPORT BoxImages
 {
 public:
   /// Keeps a reference to `boxes`. `field`: D, null for zero.
@@ -38,6 +40,10 @@ public:
 
   /// The hull of the images of the corners, and of what D is in between.
   Box Find(const glm::ivec3& index) const;
+
+  /// The mean change of x + sign * D(x) along the edges of the boxes from `first` on, before `end`:
+  /// a column for each axis, which is about the Jacobian in their middle.
+  glm::dmat3 FindMeanJacobian(const glm::ivec3& first, const glm::ivec3& end) const;
 
 private:
   void FindDisplacements(const BSplineField& field, double sign);

@@ -3,6 +3,7 @@
 #include "FFDVisibleSpace.h"
 
 #include "FFDBoxImages.h"
+#include "FFDBoxOrientation.h"
 #include "FFDPullBack.h"
 
 #include <glm/common.hpp>
@@ -12,6 +13,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 
 namespace ffd
 {
@@ -22,8 +24,10 @@ namespace
 constexpr double NumberOfBoxes = 32768.0;
 constexpr double SmallestEdge = 4.0;
 
-/// So many evaluations, each lane counted, take longer than all of the boxes.
+/// So many evaluations, each lane counted, take longer than all of the boxes; where T folds they
+/// are the first of many.
 constexpr std::int64_t ManyEvaluations = 250000;
+constexpr std::int64_t ManyEvaluationsOfFolds = 25000;
 
 /// Single precision, relative to an origin.
 struct LocalBox
@@ -49,8 +53,8 @@ void ForIndices(const glm::ivec3& first, const glm::ivec3& end, int step, const 
 }
 
 /// The images of the boxes in which something may be visible.
-std::vector<LocalBox> FindVisibleImages(
-  const CastScene& scene, double tolerance, double reach, const glm::dvec3& origin)
+std::vector<LocalBox> FindVisibleImages(const CastScene& scene, double orientation,
+  double tolerance, double reach, const glm::dvec3& origin)
 {
   const BoxGrid boxes(
     FindBoundsAtRest(scene.Volume), NumberOfBoxes, SmallestEdge * scene.VoxelSize);
@@ -58,16 +62,25 @@ std::vector<LocalBox> FindVisibleImages(
   const double around = reach + BoxGuard * scene.VoxelSize;
   const auto isEmpty = [&](
                          const Box& box) { return ShowsNothing(scene, box, tolerance + BoxGuard); };
+  std::optional<BoxOrientation> orientations;
+  if (orientation != 0.0 && scene.Map->GetField())
+  {
+    orientations.emplace(boxes, images, *scene.Map->GetField(), orientation);
+  }
+  const auto areHidden = [&](const glm::ivec3& first, const glm::ivec3& end) {
+    return isEmpty({ boxes.Get(first).Min, boxes.Get(end - 1).Max }) ||
+      (orientations && orientations->AreTurnedOver(first, end));
+  };
   std::vector<LocalBox> found;
-  // Eight neighbors are mostly empty together.
+  // Eight neighbors are mostly empty, or turned over, together.
   ForIndices(glm::ivec3(0), boxes.Count, 2, [&](const glm::ivec3& first) {
     const glm::ivec3 end = glm::min(first + 2, boxes.Count);
-    if (isEmpty({ boxes.Get(first).Min, boxes.Get(end - 1).Max }))
+    if (areHidden(first, end))
     {
       return;
     }
     ForIndices(first, end, 1, [&](const glm::ivec3& index) {
-      if (!isEmpty(boxes.Get(index)))
+      if (!areHidden(index, index + 1))
       {
         const Box image = images.Find(index);
         found.push_back(
@@ -81,11 +94,12 @@ std::vector<LocalBox> FindVisibleImages(
 } // namespace
 
 //------------------------------------------------------------------------------
-VisibleSpace::VisibleSpace(
-  const CastScene& scene, double tolerance, double reach, const glm::dvec3& origin)
+VisibleSpace::VisibleSpace(const CastScene& scene, double orientation, double tolerance,
+  double reach, const glm::dvec3& origin)
   : Rows(std::size_t{ Cells } * Cells, 0)
 {
-  const std::vector<LocalBox> boxes = FindVisibleImages(scene, tolerance, reach, origin);
+  const std::vector<LocalBox> boxes =
+    FindVisibleImages(scene, orientation, tolerance, reach, origin);
   glm::vec3 low(std::numeric_limits<float>::max());
   glm::vec3 high(-std::numeric_limits<float>::max());
   for (const LocalBox& box : boxes)
@@ -163,9 +177,10 @@ bool VisibleSpace::Meets(const float low[3], const float high[3]) const
 }
 
 //------------------------------------------------------------------------------
-VisibleSpaceOnDemand::VisibleSpaceOnDemand(
-  const CastScene& scene, double tolerance, double reach, const glm::dvec3& origin)
+VisibleSpaceOnDemand::VisibleSpaceOnDemand(const CastScene& scene, double orientation,
+  double tolerance, double reach, const glm::dvec3& origin)
   : Scene(scene)
+  , Orientation(orientation)
   , Tolerance(tolerance)
   , Reach(reach)
   , Origin(origin)
@@ -178,7 +193,8 @@ void VisibleSpaceOnDemand::Make()
   // Others go on without it meanwhile.
   if (!this->Begun.exchange(true))
   {
-    this->Space.reset(new VisibleSpace(this->Scene, this->Tolerance, this->Reach, this->Origin));
+    this->Space.reset(
+      new VisibleSpace(this->Scene, this->Orientation, this->Tolerance, this->Reach, this->Origin));
     this->Made.store(this->Space.get(), std::memory_order_release);
   }
 }
@@ -187,7 +203,7 @@ void VisibleSpaceOnDemand::Make()
 void VisibleSpaceOnDemand::NoteWork(std::int64_t evaluations)
 {
   const std::int64_t before = this->Evaluations.fetch_add(evaluations, std::memory_order_relaxed);
-  if (before + evaluations >= ManyEvaluations)
+  if (before + evaluations >= (this->Orientation != 0.0 ? ManyEvaluationsOfFolds : ManyEvaluations))
   {
     this->Make();
   }

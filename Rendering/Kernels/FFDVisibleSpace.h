@@ -19,16 +19,19 @@ namespace ffd
 /**
  * Where something may be visible, whatever T^-1 is there: deformed space, cut into equal cells,
  * with a bit for each. It is found as TileBounds are, by taking boxes of the volume forward, of
- * which there are more here. Where T folds or nearly does, T^-1 is the most work, and most of it is
- * done where there is nothing.
+ * which there are more here; what T turns over is not shown. Where T folds or nearly does, T^-1 is
+ * the most work, and most of it is done where there is nothing.
  */
 class FFD_RENDERING_EXPORT VisibleSpace
 {
 public:
-  /// Of a scene whose pull-back is T^-1, and which has a distance map. `tolerance`: largest
-  /// distance of samples from the pull-back, voxels. `reach`: kept around what may be visible, data
-  /// units. `origin`: that of the boxes of Meets(), data coordinates.
-  VisibleSpace(const CastScene& scene, double tolerance, double reach, const glm::dvec3& origin);
+  /// Of a scene whose pull-back is T^-1, and which has a distance map. `orientation`: the sign of
+  /// the Jacobian determinant of T at rest points that are shown, 1 or -1; 0 where T is not known
+  /// to fold. `tolerance`: largest distance of samples from the pull-back, voxels. `reach`: kept
+  /// around what may be visible, data units. `origin`: that of the boxes of Meets(), data
+  /// coordinates.
+  VisibleSpace(const CastScene& scene, double orientation, double tolerance, double reach,
+    const glm::dvec3& origin);
 
   /// Whether something may be visible in a box, relative to the origin.
   bool Meets(const float low[3], const float high[3]) const;
@@ -60,8 +63,8 @@ class FFD_RENDERING_EXPORT VisibleSpaceOnDemand
 {
 public:
   /// As VisibleSpace(); keeps a reference to `scene`.
-  VisibleSpaceOnDemand(
-    const CastScene& scene, double tolerance, double reach, const glm::dvec3& origin);
+  VisibleSpaceOnDemand(const CastScene& scene, double orientation, double tolerance, double reach,
+    const glm::dvec3& origin);
 
   /// What has been made, or null.
   const VisibleSpace* Find() const { return this->Made.load(std::memory_order_acquire); }
@@ -74,6 +77,7 @@ public:
 
 private:
   const CastScene& Scene;
+  double Orientation;
   double Tolerance;
   double Reach;
   glm::dvec3 Origin;

@@ -4,6 +4,7 @@
 // be seen: against visible points that are taken forward, and against pictures of all rays.
 #include "Bounds/FFDMatrixBounds.h"
 #include "Bounds/FFDPullBackBounds.h"
+#include "FFDBoxOrientation.h"
 #include "FFDRayCaster.h"
 #include "FFDTileBounds.h"
 #include "FFDVisibleSpace.h"
@@ -371,7 +372,9 @@ TEST(VisibleSpace, MeetsWhatMayBeVisible)
   for (int run = 0; run < 120; ++run)
   {
     const Scenery scenery(random, run, PullBackKind::Exact);
-    const VisibleSpace space(scenery.Scene, 0.1, 0.0, origin);
+    // What has either orientation may be visible, or what keeps that of space alone.
+    const double orientation = run / 12 % 2;
+    const VisibleSpace space(scenery.Scene, orientation, 0.1, 0.0, origin);
     const auto meets = [&](const glm::dvec3& p, double half) {
       const glm::vec3 low(p - half - origin);
       const glm::vec3 high(p + half - origin);
@@ -382,9 +385,14 @@ TEST(VisibleSpace, MeetsWhatMayBeVisible)
       const VolumeView& view = scenery.Scene.Volume;
       const glm::dvec3 index = random.Vector(0.0, 1.0) * view.UpperIndex();
       const glm::dvec3 q = view.FirstVoxel + view.IndexToData * index;
-      const glm::dvec3 p =
-        q + (scenery.Map.IsIdentity() ? glm::dvec3(0.0) : scenery.Field.Displacement(q));
-      if (scenery.Volume.Interpolate(index) > 31.0)
+      glm::dvec3 p = q;
+      glm::dmat3 jacobian(0.0);
+      if (!scenery.Map.IsIdentity())
+      {
+        p += scenery.Field.Displacement(q, jacobian);
+      }
+      const bool turned = glm::determinant(glm::dmat3(1.0) + jacobian) <= 0.0;
+      if (scenery.Volume.Interpolate(index) > 31.0 && (orientation == 0.0 || !turned))
       {
         ++seen;
         ASSERT_TRUE(meets(p, 0.0) && meets(p, 3.0)) << "run " << run;
@@ -398,6 +406,77 @@ TEST(VisibleSpace, MeetsWhatMayBeVisible)
   }
   EXPECT_GT(seen, 20000);
   EXPECT_GT(empty, boxes / 4);
+}
+
+TEST(BoxOrientation, ProvesWhatIsTurnedOver)
+{
+  RandomLattice random(12);
+  int turnedOver = 0;
+  int negative = 0;
+  for (int run = 0; run < 60; ++run)
+  {
+    const BSplineField field = random.Field(
+      random.Number(0.3, 2.0), run % 2 == 0 ? BorderMode::Edge : BorderMode::ZeroAtBorder);
+    const double orientation = run % 3 == 0 ? -1.0 : 1.0;
+    const glm::dvec3 lower = random.Point(field, 0.5);
+    const glm::dvec3 extent = field.GetSpacing() * random.Vector(0.5, 5.0);
+    const BoxGrid boxes({ lower, lower + extent }, random.Integer(100, 20000), 1e-3);
+    const BoxImages images(boxes, &field, 1.0);
+    const BoxOrientation orientations(boxes, images, field, orientation);
+    for (int n = 0; n < 300; ++n)
+    {
+      const glm::ivec3 first(random.Vector(0.0, 1.0) * glm::dvec3(boxes.Count));
+      const glm::ivec3 end = glm::min(first + random.Integer(1, 2), boxes.Count);
+      const Box box{ boxes.Get(first).Min, boxes.Get(end - 1).Max };
+      bool all = true;
+      for (int point = 0; point < 30; ++point)
+      {
+        // The corners, and points between them.
+        const glm::dvec3 part =
+          point < 8 ? glm::dvec3(point & 1, point >> 1 & 1, point >> 2) : random.Vector(0.0, 1.0);
+        glm::dmat3 jacobian;
+        field.Displacement(glm::mix(box.Min, box.Max, part), jacobian);
+        all = all && orientation * glm::determinant(glm::dmat3(1.0) + jacobian) < 1e-9;
+      }
+      const bool told = orientations.AreTurnedOver(first, end);
+      ASSERT_TRUE(all || !told) << "run " << run;
+      turnedOver += told ? 1 : 0;
+      negative += all ? 1 : 0;
+    }
+  }
+  EXPECT_GT(negative, 2000);
+  EXPECT_GT(turnedOver, negative / 3);
+}
+
+// Three quarters of a volume are turned over; most of what they are taken to is theirs alone.
+TEST(VisibleSpace, LeavesOutWhatIsTurnedOver)
+{
+  RandomLattice random(13);
+  Scenery scenery(random, 0, PullBackKind::Exact);
+  const VolumeView& volume = scenery.Scene.Volume;
+  const double width = volume.UpperIndex().x;
+  const double fold = volume.FirstVoxel.x + 0.75 * width;
+  // T(x, y, z) = (fold + |x - fold|, y, z), but for the edge.
+  const glm::dvec3 spacing(width / 12.0, 200.0, 200.0);
+  const glm::dvec3 lower(volume.FirstVoxel.x - 3.0 * spacing.x, -300.0, -300.0);
+  std::vector<glm::dvec3> displacements(20 * 4 * 4, glm::dvec3(0.0));
+  for (int n = 0; n < 20 * 16; ++n)
+  {
+    const double x = lower.x + n % 20 * spacing.x;
+    displacements[static_cast<std::size_t>(n)].x = std::max(2.0 * (fold - x), 0.0);
+  }
+  scenery.Field = BSplineField(glm::ivec3(20, 4, 4), lower, spacing, displacements.data());
+  scenery.Map = PullBack(&scenery.Field, PullBackKind::Exact, 1e-9);
+  const glm::dvec3 middle = volume.FirstVoxel + 0.5 * volume.UpperIndex();
+  const auto meets = [&](double orientation, double part) {
+    const VisibleSpace space(scenery.Scene, orientation, 0.1, 0.0, middle);
+    const glm::vec3 p(fold + part * width - middle.x, 0.0, 0.0);
+    return space.Meets(&p.x, &p.x);
+  };
+  EXPECT_TRUE(meets(0.0, 0.55) && meets(0.0, 0.1));
+  EXPECT_TRUE(meets(-1.0, 0.55) && meets(-1.0, 0.1));
+  EXPECT_TRUE(meets(1.0, 0.1));
+  EXPECT_FALSE(meets(1.0, 0.55));
 }
 
 // Two balls behind each other, between which a lattice is crumpled: nothing is to be inverted

@@ -390,8 +390,9 @@ void SetSpace(PacketScene& p)
   if (p.LeapsSegments && !p.Slices && !p.Identity && p.Kind == PullBackKind::Exact &&
     !p.Source->Limits.OneToOne)
   {
-    p.Space = std::make_shared<VisibleSpaceOnDemand>(
-      *p.Source, static_cast<double>(p.PositionTolerance), FindReach(p), p.Center);
+    p.Space = std::make_shared<VisibleSpaceOnDemand>(*p.Source,
+      p.Folds ? static_cast<double>(p.Orientation) : 0.0, static_cast<double>(p.PositionTolerance),
+      FindReach(p), p.Center);
     // Counts must not depend on when it is made.
     if (p.Settings.CountsRays)
     {
