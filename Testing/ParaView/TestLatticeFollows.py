@@ -69,6 +69,11 @@ class TestLatticeFollows(unittest.TestCase):
                 lambda data: simple.Slice(Input=simple.PointDatatoCellData(Input=data)),
                 lambda data: simple.CellDatatoPointData(
                     Input=simple.PointDatatoCellData(Input=data)),
+                lambda data: simple.GenerateIds(Input=data),
+                # ParaView makes values of points of those of cells in between.
+                lambda data: simple.Contour(
+                    Input=simple.PointDatatoCellData(Input=data), ContourBy=["POINTS", "RTData"],
+                    Isosurfaces=[157.0]),
                 lambda data: simple.Contour(
                     Input=simple.Gradient(Input=data, ScalarArray=["POINTS", "RTData"]),
                     ContourBy=["POINTS", "RTData"], Isosurfaces=[157.0]),

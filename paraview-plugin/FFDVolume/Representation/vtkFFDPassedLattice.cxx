@@ -7,6 +7,7 @@
 #include "vtkFFDShownLattice.h"
 
 #include "vtkAlgorithm.h"
+#include "vtkCellDataToPointData.h"
 #include "vtkCommand.h"
 #include "vtkCompositeDataIterator.h"
 #include "vtkCompositeDataSet.h"
@@ -16,9 +17,11 @@
 #include "vtkFieldData.h"
 #include "vtkInformation.h"
 #include "vtkNew.h"
+#include "vtkObjectFactory.h"
 #include "vtkPolyData.h"
 #include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkVersion.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -322,6 +325,61 @@ private:
 
   bool Mixed = false;
 };
+
+/**
+ * Passes the lattice, as Passing. It has the name of its superclass, by which ParaView finds the
+ * functions that properties call.
+ */
+class PassingCellDataToPointData : public vtkCellDataToPointData
+{
+public:
+  static vtkObject* Create()
+  {
+    auto* created = new PassingCellDataToPointData;
+    created->InitializeObjectBase();
+    return created;
+  }
+
+protected:
+  int RequestData(
+    vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override
+  {
+    const int isDone = this->Superclass::RequestData(request, inputs, outputs);
+    PassFields(vtkDataObject::GetData(inputs[0]), vtkDataObject::GetData(outputs));
+    return isDone;
+  }
+
+private:
+  using Superclass = vtkCellDataToPointData;
+};
+
+/**
+ * Makes the filter "Cell Data to Point Data" pass lattices, also where nobody can be attached to
+ * it: between any two filters the second of which asks for values of points, as contours do,
+ * ParaView makes one for a moment where the first has values of cells.
+ */
+class PassingFactory : public vtkObjectFactory
+{
+public:
+  static PassingFactory* New() { VTK_STANDARD_NEW_BODY(PassingFactory); }
+  vtkTypeMacro(PassingFactory, vtkObjectFactory);
+  const char* GetVTKSourceVersion() override { return VTK_SOURCE_VERSION; }
+  const char* GetDescription() override { return "Lattices of FFDVolume"; }
+
+protected:
+  PassingFactory()
+  {
+    this->RegisterOverride("vtkCellDataToPointData", "vtkCellDataToPointData", "passes lattices on",
+      1, &PassingCellDataToPointData::Create);
+  }
+};
+
+/// In each process that loads the plugin.
+[[maybe_unused]] const bool IsPassingRegistered = [] {
+  vtkNew<PassingFactory> factory;
+  vtkObjectFactory::RegisterFactory(factory);
+  return true;
+}();
 
 } // namespace
 
