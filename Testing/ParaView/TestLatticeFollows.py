@@ -70,6 +70,9 @@ class TestLatticeFollows(unittest.TestCase):
                 lambda data: simple.CellDatatoPointData(
                     Input=simple.PointDatatoCellData(Input=data)),
                 lambda data: simple.GenerateIds(Input=data),
+                # It prints what it finds of each cell.
+                lambda data: simple.ValidateCells(
+                    Input=simple.ExtractSubset(Input=data, VOI=[0, 2, 0, 2, 0, 2])),
                 # ParaView makes values of points of those of cells in between.
                 lambda data: simple.Contour(
                     Input=simple.PointDatatoCellData(Input=data), ContourBy=["POINTS", "RTData"],

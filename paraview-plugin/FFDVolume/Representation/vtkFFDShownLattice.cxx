@@ -17,6 +17,27 @@
 #include "vtkPointSet.h"
 #include "vtkWeakPointer.h"
 
+#include <algorithm>
+#include <vector>
+
+namespace
+{
+
+/// Whether an array was not asked for before. Blocks take turns.
+bool IsNewArray(vtkAbstractArray* array)
+{
+  static std::vector<vtkWeakPointer<vtkAbstractArray>> known;
+  known.erase(std::remove(known.begin(), known.end(), nullptr), known.end());
+  if (std::find(known.begin(), known.end(), array) != known.end())
+  {
+    return false;
+  }
+  known.emplace_back(array);
+  return true;
+}
+
+} // namespace
+
 //------------------------------------------------------------------------------
 vtkFFDShownLattice::vtkFFDShownLattice(vtkDataObject* data)
 {
@@ -57,12 +78,10 @@ bool vtkFFDShownLattice::Read(vtkDataObject* data, vtkFFDLattice* lattice)
   const unsigned long tag = lattice->AddObserver(vtkCommand::ErrorEvent, nothing);
   const bool isRead = lattice->ReadFrom(data) != 0;
   lattice->RemoveObserver(tag);
-  static vtkWeakPointer<vtkAbstractArray> lastTold;
   vtkAbstractArray* const array =
     isRead ? nullptr : data->GetFieldData()->GetAbstractArray("FFDLattice.Displacement");
-  if (array && array != lastTold)
+  if (array && IsNewArray(array))
   {
-    lastTold = array;
     vtkErrorWithObjectMacro(data, << "The lattice of the data is not complete, and they are shown "
                                      "at rest. Formats of VTK keep a "
                                      "lattice (.vti, .vtu, .vtp, .vtm, .pvd, .vtk, ...), Exodus "
