@@ -89,6 +89,13 @@ def act_as_script(*_):
         lattice.Resolution = [7, 5, 5]
 
 
+def replace_edits(*_):
+    """By a script, where the opacity has become 0.5; the edits have another resolution than the lattice."""
+    if shown.Opacity == 0.5:
+        lattice.Displacements = [1.0] * 3 * 5 * 5 * 5
+
+
 lattice.SMProxy.AddObserver("UpdateDataEvent", note)
 lattice.SMProxy.AddObserver("UpdateDataEvent", act_as_script)
+shown.SMProxy.GetProperty("Opacity").AddObserver("ModifiedEvent", replace_edits)
 view.GetRenderWindow().AddObserver("EndEvent", lambda *_: seen.update(describe_widget()))

@@ -50,6 +50,7 @@ def play(command, environment):
 MIDDLE = 2 + 5 * (2 + 5 * 2)
 SCALE = PROPERTIES + ("scrollArea/qt_scrollarea_viewport/scrollAreaWidgetContents/PropertiesFrame/ProxyPanel/"
                       "DisplacementScale/DoubleRangeWidget/DoubleLineEdit")
+OPACITY = SCALE.replace("PropertiesFrame", "DisplayFrame").replace("DisplacementScale", "Opacity")
 
 
 class TestPanel(unittest.TestCase):
@@ -218,7 +219,8 @@ class TestPanel(unittest.TestCase):
     def test_undo_of_applied_edit(self):
         """Undo of the menu takes back what was applied, with what was dragged since, which control and Z do not
         bring again. After a drag the lattice is that of the filter, which was updated in the middle of it.
-        Edits of the resolution from before a script has changed it can be applied."""
+        Edits of the resolution from before a script has changed it can be applied. Edits that a script has
+        replaced before they were applied are not, nor is their resolution."""
         events = Events()
         events.drag((0.5, 0.5), (0.6, 0.3))
         events.click(PROPERTIES + "Accept")
@@ -239,7 +241,15 @@ class TestPanel(unittest.TestCase):
         events.set(SCALE, "string", "0.25")
         events.click(PROPERTIES + "Accept")
         events.click(PROPERTIES + "Accept")
+        events.toggle(SELECTION)
+        events.click(SELECTION + "SelectAll")
+        events.set(SELECTION + "Center_2", "string", "5")
+        events.set(OPACITY, "string", "0.5")
+        events.click(PROPERTIES + "Accept")
         states, _ = events.play("applied", auto_apply=False)
+        replaced = states.pop()
+        self.assertEqual(replaced["displacements_resolution"], [5, 5, 5])
+        self.assertEqual(replaced["displacements"], [1.0] * 3 * 5 * 5 * 5)
         self.assertEqual(moved(states[0]), [MIDDLE])
         sizes = [state["resolution"][0] for state in states]
         undone, again, updated, after, _, last = states[-6:]

@@ -634,10 +634,18 @@ bool pqFFDLatticePropertyWidget::keepEdits()
   vtkSMPropertyGroup* group = this->propertyGroup();
   vtkSMProperty* editSizes = group->GetProperty("EditDimensions");
   const Sizes sizes = ToSizes(GetUnchecked(group->GetProperty("Dimensions")));
-  const std::size_t count = GetUnchecked(group->GetProperty("Displacements")).size();
+  vtkSMProperty* displacements = group->GetProperty("Displacements");
+  const std::size_t count = GetUnchecked(displacements).size();
   if (count == CountValues(sizes) || count == 0)
   {
     in.EditedSizes = sizes;
+    return false;
+  }
+  if (GetUnchecked(displacements) == GetChecked(displacements) &&
+    count == CountValues(ToSizes(GetChecked(editSizes))))
+  {
+    // A script, or an animation, replaced edits that were not applied yet.
+    SetUnchecked(editSizes, GetChecked(editSizes));
     return false;
   }
   if (ToSizes(GetUnchecked(editSizes)) != Sizes{ { 0, 0, 0 } } ||
