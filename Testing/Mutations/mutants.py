@@ -230,6 +230,12 @@ MUTANTS = (
         "map.GetKind() == PullBackKind::FirstOrder ? -1.0 : 1.0);",
         "map.GetKind() == PullBackKind::FirstOrder ? 1.0 : 1.0);",
         kernels("TileBounds")),
+    Mutant(
+        "boxes that are turned over: the determinant is the same all over them",
+        "term",
+        "change += glm::dot(glm::abs(slope), half) + 1e-9;",
+        "change += 1e-9;",
+        kernels("TileBounds")),
     # The vector kernels.
     Mutant(
         "windows of numbers: the upper pair of rows is a row too low",
