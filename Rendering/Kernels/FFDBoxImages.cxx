@@ -46,6 +46,24 @@ Box BoxGrid::Get(const glm::ivec3& index) const
 }
 
 //------------------------------------------------------------------------------
+Grid<glm::dvec3> CopyCoefficients(
+  const BSplineField& field, const glm::ivec3& first, const glm::ivec3& end)
+{
+  Grid<glm::dvec3> nodes(end - first + 3);
+  for (int k = 0; k < nodes.Size.z; ++k)
+  {
+    for (int j = 0; j < nodes.Size.y; ++j)
+    {
+      for (int i = 0; i < nodes.Size.x; ++i)
+      {
+        nodes.At(i, j, k) = field.Coefficient(first.x - 1 + i, first.y - 1 + j, first.z - 1 + k);
+      }
+    }
+  }
+  return nodes;
+}
+
+//------------------------------------------------------------------------------
 BoxImages::BoxImages(const BoxGrid& boxes, const BSplineField* field, double sign)
   : Boxes(boxes)
   , Corners(boxes.Count + 1)
@@ -143,17 +161,10 @@ void BoxImages::FindDisplacements(const BSplineField& field, double sign)
       cell -= first[a];
     }
   }
-  Grid<glm::dvec3> nodes(end - first + 3);
-  for (int k = 0; k < nodes.Size.z; ++k)
+  Grid<glm::dvec3> nodes = CopyCoefficients(field, first, end);
+  for (glm::dvec3& node : nodes.Values)
   {
-    for (int j = 0; j < nodes.Size.y; ++j)
-    {
-      for (int i = 0; i < nodes.Size.x; ++i)
-      {
-        nodes.At(i, j, k) =
-          sign * field.Coefficient(first.x - 1 + i, first.y - 1 + j, first.z - 1 + k);
-      }
-    }
+    node *= sign;
   }
   this->Bulge = FindBulge(nodes, this->Boxes.Edge / glm::abs(field.GetSpacing()));
   this->Corners = std::move(nodes);

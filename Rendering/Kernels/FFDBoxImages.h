@@ -31,6 +31,11 @@ struct FFD_RENDERING_EXPORT BoxGrid
   Box Get(const glm::ivec3& index) const;
 };
 
+/// The coefficients that D follows from in the cells from `first` on, before `end`: from those of
+/// first - 1 on.
+Grid<glm::dvec3> CopyCoefficients(
+  const BSplineField& field, const glm::ivec3& first, const glm::ivec3& end);
+
 /// Bounds of what x + sign * D(x) makes of boxes.
 class FFD_RENDERING_EXPORT BoxImages
 {

@@ -73,18 +73,7 @@ BoxOrientation::BoxOrientation(
   , Field(field)
   , Orientation(orientation)
 {
-  const glm::ivec3 first = field.GetFirstCell() - 1;
-  Grid<glm::dvec3> nodes(field.GetEndCell() + 2 - first);
-  for (int k = 0; k < nodes.Size.z; ++k)
-  {
-    for (int j = 0; j < nodes.Size.y; ++j)
-    {
-      for (int i = 0; i < nodes.Size.x; ++i)
-      {
-        nodes.At(i, j, k) = field.Coefficient(first.x + i, first.y + j, first.z + k);
-      }
-    }
-  }
+  const Grid<glm::dvec3> nodes = CopyCoefficients(field, field.GetFirstCell(), field.GetEndCell());
   const glm::dvec3 perCell = 1.0 / glm::abs(field.GetSpacing());
   for (int a = 0; a < 3; ++a)
   {
