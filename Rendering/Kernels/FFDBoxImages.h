@@ -63,7 +63,7 @@ private:
 constexpr double BoxGuard = 0.5;
 
 /// Bounds of a volume at rest, data coordinates.
-Box FindBoundsAtRest(const VolumeView& volume);
+FFD_RENDERING_EXPORT Box FindBoundsAtRest(const VolumeView& volume);
 
 /// Whether the distance map of a scene shows that nothing is visible in a box at rest, data
 /// coordinates; `around`: of the box, voxels.

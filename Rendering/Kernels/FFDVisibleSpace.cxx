@@ -21,20 +21,14 @@ namespace
 {
 
 /// About so many boxes in all, and no smaller than so many voxels.
-constexpr double NumberOfBoxes = 32768.0;
+constexpr double NumberOfVisibleBoxes = 32768.0;
+constexpr double NumberOfVolumeBoxes = 4096.0;
 constexpr double SmallestEdge = 4.0;
 
 /// So many evaluations, each lane counted, take longer than all of the boxes; where T folds they
 /// are the first of many.
 constexpr std::int64_t ManyEvaluations = 250000;
 constexpr std::int64_t ManyEvaluationsOfFolds = 25000;
-
-/// Single precision, relative to an origin.
-struct LocalBox
-{
-  glm::vec3 Low;
-  glm::vec3 High;
-};
 
 /// Calls visit(index) for every `step`-th index of each axis from `first` on, before `end`.
 template <class Visit>
@@ -52,14 +46,47 @@ void ForIndices(const glm::ivec3& first, const glm::ivec3& end, int step, const 
   }
 }
 
+/// The images of boxes, with something around them.
+class LocalImages
+{
+public:
+  /// `around`: data units. `origin`: of what Get() returns, data coordinates.
+  LocalImages(const BoxImages& images, double around, const glm::dvec3& origin)
+    : Images(images)
+    , Around(around)
+    , Origin(origin)
+  {
+  }
+
+  void Add(const glm::ivec3& index)
+  {
+    const Box image = this->Images.Find(index);
+    this->Found.push_back({ glm::vec3(image.Min - this->Around - this->Origin),
+      glm::vec3(image.Max + this->Around - this->Origin) });
+  }
+
+  const std::vector<SpaceCells::LocalBox>& Get() const { return this->Found; }
+
+private:
+  const BoxImages& Images;
+  double Around;
+  glm::dvec3 Origin;
+  std::vector<SpaceCells::LocalBox> Found;
+};
+
+/// Kept around images, data units.
+double FindMargin(const CastScene& scene, double reach)
+{
+  return reach + BoxGuard * scene.VoxelSize;
+}
+
 /// The images of the boxes in which something may be visible.
-std::vector<LocalBox> FindVisibleImages(const CastScene& scene, double orientation,
+std::vector<SpaceCells::LocalBox> FindVisibleImages(const CastScene& scene, double orientation,
   double tolerance, double reach, const glm::dvec3& origin)
 {
   const BoxGrid boxes(
-    FindBoundsAtRest(scene.Volume), NumberOfBoxes, SmallestEdge * scene.VoxelSize);
+    FindBoundsAtRest(scene.Volume), NumberOfVisibleBoxes, SmallestEdge * scene.VoxelSize);
   const BoxImages images(boxes, scene.Map->GetField(), 1.0);
-  const double around = reach + BoxGuard * scene.VoxelSize;
   const auto isEmpty = [&](
                          const Box& box) { return ShowsNothing(scene, box, tolerance + BoxGuard); };
   std::optional<BoxOrientation> orientations;
@@ -71,7 +98,7 @@ std::vector<LocalBox> FindVisibleImages(const CastScene& scene, double orientati
     return isEmpty({ boxes.Get(first).Min, boxes.Get(end - 1).Max }) ||
       (orientations && orientations->AreTurnedOver(first, end));
   };
-  std::vector<LocalBox> found;
+  LocalImages found(images, FindMargin(scene, reach), origin);
   // Eight neighbors are mostly empty, or turned over, together.
   ForIndices(glm::ivec3(0), boxes.Count, 2, [&](const glm::ivec3& first) {
     const glm::ivec3 end = glm::min(first + 2, boxes.Count);
@@ -82,24 +109,30 @@ std::vector<LocalBox> FindVisibleImages(const CastScene& scene, double orientati
     ForIndices(first, end, 1, [&](const glm::ivec3& index) {
       if (!areHidden(index, index + 1))
       {
-        const Box image = images.Find(index);
-        found.push_back(
-          { glm::vec3(image.Min - around - origin), glm::vec3(image.Max + around - origin) });
+        found.Add(index);
       }
     });
   });
-  return found;
+  return found.Get();
+}
+
+/// The images of all boxes of the whole volume.
+std::vector<SpaceCells::LocalBox> FindVolumeImages(
+  const CastScene& scene, const Box& restBounds, double reach, const glm::dvec3& origin)
+{
+  const BoxGrid boxes(restBounds, NumberOfVolumeBoxes, SmallestEdge * scene.VoxelSize);
+  const BoxImages images(boxes, scene.Map->GetField(), 1.0);
+  LocalImages found(images, FindMargin(scene, reach), origin);
+  ForIndices(glm::ivec3(0), boxes.Count, 1, [&](const glm::ivec3& index) { found.Add(index); });
+  return found.Get();
 }
 
 } // namespace
 
 //------------------------------------------------------------------------------
-VisibleSpace::VisibleSpace(const CastScene& scene, double orientation, double tolerance,
-  double reach, const glm::dvec3& origin)
+SpaceCells::SpaceCells(const std::vector<LocalBox>& boxes)
   : Rows(std::size_t{ Cells } * Cells, 0)
 {
-  const std::vector<LocalBox> boxes =
-    FindVisibleImages(scene, orientation, tolerance, reach, origin);
   glm::vec3 low(std::numeric_limits<float>::max());
   glm::vec3 high(-std::numeric_limits<float>::max());
   for (const LocalBox& box : boxes)
@@ -114,12 +147,12 @@ VisibleSpace::VisibleSpace(const CastScene& scene, double orientation, double to
   }
   for (const LocalBox& box : boxes)
   {
-    this->Include(glm::value_ptr(box.Low), glm::value_ptr(box.High));
+    this->Include(box);
   }
 }
 
 //------------------------------------------------------------------------------
-VisibleSpace::Range VisibleSpace::Find(const float low[3], const float high[3]) const
+SpaceCells::Range SpaceCells::Find(const float low[3], const float high[3]) const
 {
   Range range;
   for (int a = 0; a < 3; ++a)
@@ -136,7 +169,7 @@ VisibleSpace::Range VisibleSpace::Find(const float low[3], const float high[3]) 
 }
 
 //------------------------------------------------------------------------------
-std::uint64_t VisibleSpace::FindMask(const Range& range)
+std::uint64_t SpaceCells::FindMask(const Range& range)
 {
   constexpr std::uint64_t all = ~std::uint64_t{ 0 };
   const int first = range.First[0];
@@ -145,9 +178,9 @@ std::uint64_t VisibleSpace::FindMask(const Range& range)
 }
 
 //------------------------------------------------------------------------------
-void VisibleSpace::Include(const float low[3], const float high[3])
+void SpaceCells::Include(const LocalBox& box)
 {
-  const Range range = this->Find(low, high);
+  const Range range = this->Find(glm::value_ptr(box.Low), glm::value_ptr(box.High));
   const std::uint64_t mask = FindMask(range);
   for (int k = range.First[2]; k <= range.Last[2]; ++k)
   {
@@ -159,7 +192,7 @@ void VisibleSpace::Include(const float low[3], const float high[3])
 }
 
 //------------------------------------------------------------------------------
-bool VisibleSpace::Meets(const float low[3], const float high[3]) const
+bool SpaceCells::Meets(const float low[3], const float high[3]) const
 {
   const Range range = this->Find(low, high);
   const std::uint64_t mask = FindMask(range);
@@ -174,6 +207,32 @@ bool VisibleSpace::Meets(const float low[3], const float high[3]) const
     }
   }
   return false;
+}
+
+//------------------------------------------------------------------------------
+VisibleSpace::VisibleSpace(const CastScene& scene, double orientation, double tolerance,
+  double reach, const glm::dvec3& origin)
+  : SpaceCells(FindVisibleImages(scene, orientation, tolerance, reach, origin))
+{
+}
+
+//------------------------------------------------------------------------------
+VolumeSpace::VolumeSpace(
+  const CastScene& scene, const Box& restBounds, double reach, const glm::dvec3& origin)
+  : Scene(scene)
+  , RestBounds(restBounds)
+  , Reach(reach)
+  , Origin(origin)
+{
+}
+
+//------------------------------------------------------------------------------
+const SpaceCells& VolumeSpace::Get()
+{
+  std::call_once(this->Once, [this] {
+    this->Cells.emplace(FindVolumeImages(this->Scene, this->RestBounds, this->Reach, this->Origin));
+  });
+  return *this->Cells;
 }
 
 //------------------------------------------------------------------------------

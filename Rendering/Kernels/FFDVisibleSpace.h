@@ -3,43 +3,52 @@
 #ifndef FFDVisibleSpace_h
 #define FFDVisibleSpace_h
 
+#include "Bounds/FFDBox.h"
 #include "FFDCastScene.h"
 #include "FFDExport.h"
 
 #include <glm/vec3.hpp>
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <vector>
 
 namespace ffd
 {
 
-/**
- * Where something may be visible, whatever T^-1 is there: deformed space, cut into equal cells,
- * with a bit for each. It is found as TileBounds are, by taking boxes of the volume forward, of
- * which there are more here; what T turns over is not shown. Where T folds or nearly does, T^-1 is
- * the most work, and most of it is done where there is nothing.
- */
-class FFD_RENDERING_EXPORT VisibleSpace
+/// Deformed space, cut into equal cells, with a bit for each.
+class FFD_RENDERING_EXPORT SpaceCells
 {
 public:
-  /// Of a scene whose pull-back is T^-1, and which has a distance map. `orientation`: the sign of
-  /// the Jacobian determinant of T at rest points that are shown, 1 or -1; 0 where T is not known
-  /// to fold. `tolerance`: largest distance of samples from the pull-back, voxels. `reach`: kept
-  /// around what may be visible, data units. `origin`: that of the boxes of Meets(), data
-  /// coordinates.
-  VisibleSpace(const CastScene& scene, double orientation, double tolerance, double reach,
-    const glm::dvec3& origin);
-
-  /// Whether something may be visible in a box, relative to the origin.
-  bool Meets(const float low[3], const float high[3]) const;
-
-private:
   /// Cells along each axis.
   static constexpr int Cells = 64;
 
+  /// Single precision, relative to an origin.
+  struct LocalBox
+  {
+    glm::vec3 Low;
+    glm::vec3 High;
+  };
+
+  /// Marks the cells that boxes are in.
+  explicit SpaceCells(const std::vector<LocalBox>& boxes);
+
+  /// Whether any cell that a box is in is marked.
+  bool Meets(const float low[3], const float high[3]) const;
+
+  float GetLow(int a) const { return this->Low[a]; }
+  float GetCellsPerLength(int a) const { return this->PerCell[a]; }
+  /// Numbers of cells from GetLow() on.
+  bool IsMarked(int i, int j, int k) const
+  {
+    return (this->Rows[static_cast<std::size_t>(k * Cells + j)] >> i & 1) != 0;
+  }
+
+private:
   /// Cells of a box; none if First > Last for any axis.
   struct Range
   {
@@ -50,11 +59,54 @@ private:
   Range Find(const float low[3], const float high[3]) const;
   /// The bits of a range in a row.
   static std::uint64_t FindMask(const Range& range);
-  void Include(const float low[3], const float high[3]);
+  void Include(const LocalBox& box);
 
   float Low[3] = {};
   float PerCell[3] = {};           ///< cells by length
   std::vector<std::uint64_t> Rows; ///< a bit for each cell along x, from the lowest on; y fastest
+};
+
+/**
+ * Where something may be visible, whatever T^-1 is there. It is found as TileBounds are, by taking
+ * boxes of the volume forward, of which there are more here; what T turns over is not shown. Where
+ * T folds or nearly does, T^-1 is the most work, and most of it is done where there is nothing.
+ */
+class FFD_RENDERING_EXPORT VisibleSpace : public SpaceCells
+{
+public:
+  /// Of a scene whose pull-back is T^-1, and which has a distance map. `orientation`: the sign of
+  /// the Jacobian determinant of T at rest points that are shown, 1 or -1; 0 where T is not known
+  /// to fold. `tolerance`: largest distance of samples from the pull-back, voxels. `reach`: kept
+  /// around what may be visible, data units. `origin`: that of the boxes of Meets(), data
+  /// coordinates.
+  VisibleSpace(const CastScene& scene, double orientation, double tolerance, double reach,
+    const glm::dvec3& origin);
+};
+
+/**
+ * Where T takes the volume, or the whole that it is a part of, seen or not. Elsewhere there is
+ * nothing to follow along a ray from sample to sample. Which branch of T^-1 is found behind such a
+ * gap must depend neither on what is visible nor on other threads: so it is made before the first
+ * sample that is pulled back by itself.
+ */
+class FFD_RENDERING_EXPORT VolumeSpace
+{
+public:
+  /// Keeps references to the scene and its pull-back, which is T^-1. `restBounds`: of the whole,
+  /// data coordinates. `reach`, `origin`: as of VisibleSpace.
+  VolumeSpace(
+    const CastScene& scene, const Box& restBounds, double reach, const glm::dvec3& origin);
+
+  /// The cells, made by the first thread that asks for them.
+  const SpaceCells& Get();
+
+private:
+  const CastScene& Scene;
+  Box RestBounds;
+  double Reach;
+  glm::dvec3 Origin;
+  std::once_flag Once;
+  std::optional<SpaceCells> Cells;
 };
 
 /// Makes the VisibleSpace of a scene where inverses turn out to be more work than that. Usable by

@@ -408,6 +408,54 @@ TEST(VisibleSpace, MeetsWhatMayBeVisible)
   EXPECT_GT(empty, boxes / 4);
 }
 
+TEST(VolumeSpace, HoldsAllOfTheWhole)
+{
+  RandomLattice random(14);
+  const glm::dvec3 origin(3.0, -2.0, 1.0);
+  int outside = 0;
+  int points = 0;
+  for (int run = 0; run < 60; ++run)
+  {
+    const Scenery scenery(random, run, PullBackKind::Exact);
+    // The volume is a part of something larger.
+    const VolumeView& view = scenery.Scene.Volume;
+    Box whole = FindBoundsAtRest(view);
+    whole.Min -= random.Vector(0.0, 20.0);
+    whole.Max += random.Vector(0.0, 20.0);
+    VolumeSpace space(scenery.Scene, whole, 0.0, origin);
+    const SpaceCells& cells = space.Get();
+    EXPECT_EQ(&space.Get(), &cells);
+    const auto isMarked = [&](const glm::dvec3& p) {
+      int cell[3];
+      for (int a = 0; a < 3; ++a)
+      {
+        cell[a] = static_cast<int>(std::floor(
+          (static_cast<float>(p[a] - origin[a]) - cells.GetLow(a)) * cells.GetCellsPerLength(a)));
+        if (cell[a] < 0 || cell[a] >= SpaceCells::Cells)
+        {
+          return false;
+        }
+      }
+      return cells.IsMarked(cell[0], cell[1], cell[2]);
+    };
+    Box images{ glm::dvec3(1e30), glm::dvec3(-1e30) };
+    for (int point = 0; point < 2000; ++point)
+    {
+      const glm::dvec3 q = glm::mix(whole.Min, whole.Max, random.Vector(0.0, 1.0));
+      const glm::dvec3 p = scenery.Map.IsIdentity() ? q : q + scenery.Field.Displacement(q);
+      ASSERT_TRUE(isMarked(p)) << "run " << run;
+      images = { glm::min(images.Min, p), glm::max(images.Max, p) };
+    }
+    for (int point = 0; point < 2000; ++point)
+    {
+      ++points;
+      outside += isMarked(glm::mix(images.Min, images.Max, random.Vector(-0.1, 1.1))) ? 0 : 1;
+    }
+    EXPECT_FALSE(isMarked(glm::dvec3(1e6)));
+  }
+  EXPECT_GT(outside, points / 10);
+}
+
 TEST(BoxOrientation, ProvesWhatIsTurnedOver)
 {
   RandomLattice random(12);

@@ -236,7 +236,19 @@ MUTANTS = (
         "change += glm::dot(glm::abs(slope), half) + 1e-9;",
         "change += 1e-9;",
         kernels("TileBounds")),
+    Mutant(
+        "gaps along rays: the last boxes of the volume are not anywhere",
+        "bound",
+        "ForIndices(glm::ivec3(0), boxes.Count, 1, [&]",
+        "ForIndices(glm::ivec3(0), boxes.Count - 1, 1, [&]",
+        kernels("TileBounds")),
     # The vector kernels.
+    Mutant(
+        "gaps along rays: they are followed as if there were none",
+        "term",
+        "const Mf inGap = hn::Not(IsMarked(*this->Cells, p));",
+        "const Mf inGap = hn::FirstN(Df(), 0);",
+        python("Folds")),
     Mutant(
         "windows of numbers: the upper pair of rows is a row too low",
         "index",

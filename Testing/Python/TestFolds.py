@@ -184,6 +184,18 @@ class TestFolds(unittest.TestCase):
                     self.assertGreater((alphas[1] > 128).sum(), 3000)
                     self.assertLessEqual(far, 18)  # edges
 
+    def test_rays_are_not_followed_where_the_block_is_not(self):
+        """A taper that presses the block into a plane and beyond leaves gaps along most rays."""
+        image = make_block()
+        mapper = make_mapper(image, make_lattice(image, vtkffd.vtkFFDLatticeSource.TAPER, 2))
+        mapper.CollectStatisticsOn()
+        _, alpha = self.render(mapper, numpy.array([32.0, 32.0, 16.0]))
+        self.assertGreater((alpha > 0).sum(), 30000)
+        statistics = mapper.GetStatistics()
+        # 75 where samples in gaps start from those before them.
+        self.assertLess(
+            statistics.GetNumberOfEvaluations() / statistics.GetNumberOfRays(), 40)
+
     def test_small_edits_do_not_blink(self):
         """Pictures of a little more of a bend that folds differ by the movement alone."""
         alphas = []

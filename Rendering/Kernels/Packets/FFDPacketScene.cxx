@@ -387,8 +387,14 @@ void SetSeen(const ParallelFor& parallelFor, PacketScene& p)
 //------------------------------------------------------------------------------
 void SetSpace(PacketScene& p)
 {
-  if (p.LeapsSegments && !p.Slices && !p.Identity && p.Kind == PullBackKind::Exact &&
-    !p.Source->Limits.OneToOne)
+  if (p.Slices || p.Identity || p.Kind != PullBackKind::Exact || p.Source->Limits.OneToOne)
+  {
+    return;
+  }
+  const VolumeView& volume = p.Source->Volume;
+  const Box restBounds = FindBounds(volume, FindRestBox(volume, p.Source->WholeAtRest));
+  p.WholeSpace = std::make_shared<VolumeSpace>(*p.Source, restBounds, FindReach(p), p.Center);
+  if (p.LeapsSegments)
   {
     p.Space = std::make_shared<VisibleSpaceOnDemand>(*p.Source,
       p.Folds ? static_cast<double>(p.Orientation) : 0.0, static_cast<double>(p.PositionTolerance),

@@ -245,7 +245,8 @@ struct PacketScene
   TileBounds Seen;        ///< of what may be visible, local coordinates
   /// The same wherever it is, local coordinates; null where T is known to be one to one.
   std::shared_ptr<VisibleSpaceOnDemand> Space;
-  bool LeapsSegments = false; ///< whether segments are tested for emptiness as a whole
+  std::shared_ptr<VolumeSpace> WholeSpace; ///< likewise
+  bool LeapsSegments = false;              ///< whether segments are tested for emptiness as a whole
   const unsigned char* Distances = nullptr;
   int Blocks[3] = {};
   float LastBlock[3] = {};
@@ -298,7 +299,7 @@ void SetSeen(const ParallelFor& parallelFor, PacketScene& p);
 /// Sets the field of the pull-back, its tolerances, and the points of its seeds.
 void SetPullBack(PacketScene& p);
 
-/// Sets PacketScene::Space, after SetPullBack().
+/// Sets PacketScene::Space and WholeSpace, after SetPullBack().
 void SetSpace(PacketScene& p);
 
 /// Keeps the seeds where T has the orientation that it has at most of them, and lists their images.

@@ -21,6 +21,7 @@
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdPullBack-inl.h"
 #include "FFDSimdRays-inl.h"
+#include "FFDSimdSampleFollower-inl.h"
 #include "FFDSimdSegmentTrees-inl.h"
 
 #include <algorithm>
@@ -137,8 +138,6 @@ public:
   float GetReach() const { return this->Reach; }
 
 private:
-  /// Samples between two searches for a pull-back in the volume along a ray that has none.
-  static constexpr int SamplesOfNothing = 4;
   /// Samples over which single rays are bounded by themselves.
   static constexpr int FewSamples = 8;
   /// Kept between a leap and the faces of an empty cube, index units: rounding errors.
@@ -501,42 +500,21 @@ private:
     const int y = this->Y - segment.Y;
     PacketCurve about;
     this->FindCurve(segment, x, y, about);
-    const float distance = static_cast<float>(this->Scene.Settings.SampleDistance);
-    const auto timeOf = [&](int n) {
-      return hn::Mul(hn::Add(this->Numbers.Phase, Splat(static_cast<float>(n))), Splat(distance));
-    };
-    const auto positionAt = [&](int n, const Vec3& start) {
-      // A position without a pull-back is likely to be followed by another one.
-      const Vec3 local = WholeToLocal(this->Scene, start);
-      Mf active = this->Samples.State.Alive;
-      if (n % SamplesOfNothing != 0)
-      {
-        active = hn::AndNot(IsNowhere(this->Scene, local), active);
-      }
-      if (hn::AllFalse(d, active))
-      {
-        return start;
-      }
-      const Vec3 p = MulAdd(timeOf(n), this->Rays.Direction, this->Rays.Origin);
-      const Vec3 q = LocalToWhole(this->Scene,
-        PullBackFrom(
-          this->Scene, p, local, this->Scene.Tolerance, active, this->Scratch.Statistics));
-      return Select(
-        active, n % SamplesOfNothing == 0 ? this->PreferVolume(p, q, active) : q, start);
-    };
     PacketCurve curve;
     const Vf zero = hn::Zero(d);
     for (Vec3& term : curve.Position.Terms)
     {
       term = { zero, zero, zero };
     }
-    curve.Dt = Splat(distance);
+    curve.Dt = Splat(static_cast<float>(this->Scene.Settings.SampleDistance));
     curve.PerStep = Splat(1.0f);
     // Curves lead to the next sample; where intervals are classified, from the one before.
     const int behind = this->Scene.ClassifiesIntervals ? 1 : 0;
     const Vf s =
       hn::Mul(hn::Sub(this->Numbers.Phase, Splat(static_cast<float>(behind))), about.PerStep);
-    Vec3 next = positionAt(from - behind, about.Position.At(s));
+    const Mf& alive = this->Samples.State.Alive;
+    SampleFollower follower(this->Scene, this->Rays, this->Numbers.Phase, this->Scratch.Statistics);
+    Vec3 next = follower.Find(from - behind, about.Position.At(s), alive);
     Vec3 move = Scale(about.PerStep, about.Position.Slope(s));
     Mf nowhere = IsNowhere(this->Scene, WholeToLocal(this->Scene, next));
     const Vec3 none{ zero, zero, zero };
@@ -544,13 +522,13 @@ private:
     {
       const Vec3 here = next;
       const Mf fromNowhere = nowhere;
-      next = positionAt(n - behind + 1, Add(here, move));
+      next = follower.Find(n - behind + 1, Add(here, move), alive);
       nowhere = IsNowhere(this->Scene, WholeToLocal(this->Scene, next));
       // There is no way from or to nowhere.
       move = Select(hn::Or(fromNowhere, nowhere), none, Sub(next, here));
       curve.Position.Terms[0] = behind == 0 ? here : Sub(next, move);
       curve.Position.Terms[1] = move;
-      curve.T0 = timeOf(n - behind);
+      curve.T0 = follower.TimeOf(n - behind);
       this->TakeSamples(curve, n, Splat(static_cast<float>(behind)), false);
       if (HWY_UNLIKELY(hn::AllFalse(d, this->Samples.State.Alive)))
       {
@@ -558,35 +536,6 @@ private:
         return;
       }
     }
-  }
-
-  /// Where T folds, a rest point in the volume counts before the one beside it, q, that was
-  /// followed along the ray. p: the deformed points.
-  HWY_INLINE Vec3 PreferVolume(const Vec3& p, const Vec3& q, Mf active)
-  {
-    const Df d;
-    if (!this->Scene.Folds)
-    {
-      return q;
-    }
-    const auto isInVolume = [this](const Vec3& at) {
-      const auto within = [this](Vf x, int a) {
-        return hn::And(
-          hn::Ge(x, Splat(this->Scene.RestMin[a])), hn::Le(x, Splat(this->Scene.RestMax[a])));
-      };
-      return hn::And(within(at.x, 0), hn::And(within(at.y, 1), within(at.z, 2)));
-    };
-    const Mf nowhere = IsNowhere(this->Scene, WholeToLocal(this->Scene, q));
-    const Mf beside = hn::AndNot(hn::Or(nowhere, isInVolume(q)), active);
-    if (hn::AllFalse(d, beside))
-    {
-      return q;
-    }
-    const Vf far = Splat(this->Scene.Nowhere);
-    const Vec3 other = LocalToWhole(this->Scene,
-      PullBackFrom(this->Scene, p, { far, far, far }, this->Scene.Tolerance, beside,
-        this->Scratch.Statistics));
-    return Select(hn::And(beside, isInVolume(other)), other, q);
   }
 
   /// Takes the sample of each ray on the plane of Slice.
