@@ -205,6 +205,84 @@ private:
   std::map<int, std::vector<float>> Begun; // colors of the tiles of bytes that are not finished
 };
 
+/// Casts the tiles of a queue into a picture.
+class TileCaster
+{
+public:
+  /// Keeps references. `mayStop`: tiles may stop where they are due, and be begun again.
+  /// `findVisible`: note what is visible of the tiles.
+  TileCaster(const ffd::RayCaster& caster, const ffd::CastImage& image, PictureOfTiles& picture,
+    vtkFFDTileQueue& queue, bool mayStop, bool findVisible)
+    : Caster(caster)
+    , Image(image)
+    , Picture(picture)
+    , Queue(queue)
+    , MayStop(mayStop)
+    , FindsVisible(findVisible)
+  {
+  }
+
+  /// Casts a round of at most so many tiles, which ends when it is due.
+  void CastRound(const vtkFFDParallelFor& parallelFor, vtkFFDTileWorkers& workers,
+    std::size_t mostTiles, ffd::Deadline due)
+  {
+    this->Queue.BeginRound(mostTiles);
+    parallelFor.RunWorkers([&](int number) { this->CastShares(workers.Get(number), due); });
+    this->Queue.EndRound();
+  }
+
+private:
+  static bool IsLate(ffd::Deadline due) { return vtkFFDFrame::Clock::now() >= due; }
+
+  void CastShares(vtkFFDTileWorker& worker, ffd::Deadline due)
+  {
+    do
+    {
+      const vtkFFDTileQueue::Share share = this->Queue.Take();
+      if (share.IsEmpty())
+      {
+        return;
+      }
+      for (std::size_t i = share.First; i < share.End; ++i)
+      {
+        this->CastTile(this->Queue.Get(i), i > share.First && IsLate(due), due, worker);
+      }
+    } while (!IsLate(due));
+  }
+
+  void CastTile(
+    vtkFFDTileQueue::Tile tile, bool isLate, ffd::Deadline due, vtkFFDTileWorker& worker)
+  {
+    if (this->Picture.IsOfBytes() && this->Caster.IsTileEmpty(tile.Tile, this->Image))
+    {
+      this->Picture.Clear(tile);
+      return;
+    }
+    if (this->MayStop && isLate)
+    {
+      this->Queue.PutBack(tile);
+      return;
+    }
+    const ffd::CastImage colors = this->Picture.Open(tile, worker);
+    tile.First = this->Caster.RenderTile(tile.Tile, colors, worker.Scratch, tile.Subtiles,
+      tile.First, this->MayStop ? due : ffd::NoDeadline);
+    if (tile.First != 0)
+    {
+      this->Picture.Keep(tile, worker);
+      this->Queue.PutBack(tile);
+      return;
+    }
+    this->Picture.Finish(tile, colors, worker, this->FindsVisible);
+  }
+
+  const ffd::RayCaster& Caster;
+  const ffd::CastImage& Image;
+  PictureOfTiles& Picture;
+  vtkFFDTileQueue& Queue;
+  bool MayStop;
+  bool FindsVisible;
+};
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -320,30 +398,7 @@ bool vtkFFDFrameCaster::Cast(
   vtkFFDTileQueue queue(std::move(tiles), *caster, image, workers.GetSize(), counts);
   PictureOfTiles picture(this->Now->Colors, image, this->FinalColors, asBytes, view.Premultiplied);
   // A tile that stops evaluates some of the deformation again: that is not to be counted.
-  const bool mayStop = !counts;
-  const auto castTile = [&](vtkFFDFrameCoherence::Part tile, bool isLate, ffd::Deadline due,
-                          vtkFFDTileWorker& worker) {
-    if (picture.IsOfBytes() && caster->IsTileEmpty(tile.Tile, image))
-    {
-      picture.Clear(tile);
-      return;
-    }
-    if (mayStop && isLate)
-    {
-      queue.PutBack(tile);
-      return;
-    }
-    const ffd::CastImage colors = picture.Open(tile, worker);
-    tile.First = caster->RenderTile(tile.Tile, colors, worker.Scratch, tile.Subtiles, tile.First,
-      mayStop ? due : ffd::NoDeadline);
-    if (tile.First != 0)
-    {
-      picture.Keep(tile, worker);
-      queue.PutBack(tile);
-      return;
-    }
-    picture.Finish(tile, colors, worker, view.IsDrawn && !reuses);
-  };
+  TileCaster tileCaster(*caster, image, picture, queue, !counts, view.IsDrawn && !reuses);
   const std::size_t mostInRound = view.HasTimeEstimate || !frame.IsFollowed()
     ? queue.GetSize()
     : queue.GetSize() / LeastReports + 1;
@@ -353,25 +408,7 @@ bool vtkFFDFrameCaster::Cast(
   }
   while (!queue.IsEmpty() && done)
   {
-    const ffd::Deadline due = frame.GetNextReport();
-    const auto isLate = [due] { return vtkFFDFrame::Clock::now() >= due; };
-    queue.BeginRound(mostInRound);
-    parallelFor.RunWorkers([&](int number) {
-      vtkFFDTileWorker& worker = workers.Get(number);
-      do
-      {
-        const vtkFFDTileQueue::Share share = queue.Take();
-        if (share.IsEmpty())
-        {
-          return;
-        }
-        for (std::size_t i = share.First; i < share.End; ++i)
-        {
-          castTile(queue.Get(i), i > share.First && isLate(), due, worker);
-        }
-      } while (!isLate());
-    });
-    queue.EndRound();
+    tileCaster.CastRound(parallelFor, workers, mostInRound, frame.GetNextReport());
     done = frame.ReportCasting(queue.GetFinishedPart());
   }
   if (!done)
