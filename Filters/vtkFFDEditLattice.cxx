@@ -49,14 +49,27 @@ constexpr int LargestSize = 64;
 const char* const GeometryModeName = "FFDGeometryMode";
 
 /// sum += from, of the size of the lattice.
-void AddDisplacements(vtkFFDLattice* sum, vtkDoubleArray* from)
+void AddDisplacements(vtkFFDLattice* sum, const double* from)
 {
   vtkDoubleArray* to = sum->GetDisplacements();
   for (vtkIdType i = 0; i < to->GetNumberOfValues(); ++i)
   {
-    to->SetValue(i, to->GetValue(i) + from->GetValue(i));
+    to->SetValue(i, to->GetValue(i) + from[i]);
   }
   sum->Modified();
+}
+
+std::size_t CountValues(const int sizes[3])
+{
+  return 3 * static_cast<std::size_t>(sizes[0]) * static_cast<std::size_t>(sizes[1]) *
+    static_cast<std::size_t>(sizes[2]);
+}
+
+/// Which of two lattices so many values are meant for; null: neither, or there are none.
+const int* FindSizes(std::size_t values, const int meant[3], const int own[3])
+{
+  const int* sizes = values == CountValues(meant) ? meant : own;
+  return values > 0 && values == CountValues(sizes) ? sizes : nullptr;
 }
 
 /// `bounds` enlarged by `other`, either of which may be those of nothing.
@@ -366,6 +379,32 @@ void vtkFFDEditLattice::GetDisplacement(int index, double displacement[3]) const
 }
 
 //------------------------------------------------------------------------------
+bool vtkFFDEditLattice::AddEdits(
+  const std::vector<double>& edits, const int editDimensions[3], vtkFFDLattice* lattice)
+{
+  const int* own = lattice->GetDimensions();
+  const int* sizes = FindSizes(edits.size(), editDimensions, own);
+  if (!sizes)
+  {
+    return false;
+  }
+  if (std::equal(sizes, sizes + 3, own))
+  {
+    AddDisplacements(lattice, edits.data());
+    return true;
+  }
+  vtkNew<vtkFFDLattice> resized;
+  resized->DeepCopy(lattice);
+  resized->Reset();
+  resized->SetDimensions(sizes);
+  std::copy(edits.begin(), edits.end(), resized->GetDisplacements()->GetPointer(0));
+  resized->Modified();
+  resized->SetDimensions(own);
+  AddDisplacements(lattice, resized->GetDisplacements()->GetPointer(0));
+  return true;
+}
+
+//------------------------------------------------------------------------------
 vtkFFDLattice* vtkFFDEditLattice::GetLattice() { return this->Lattice; }
 
 //------------------------------------------------------------------------------
@@ -418,13 +457,14 @@ bool vtkFFDEditLattice::MakeLattice(
   {
     return false;
   }
-  const int* sizes = this->EditDimensions[0] > 0 ? this->EditDimensions : this->Dimensions;
-  const int needed = sizes[0] * sizes[1] * sizes[2];
-  if (report && this->GetNumberOfDisplacements() != 0 && this->GetNumberOfDisplacements() != needed)
+  const int* sizes = this->Dimensions;
+  if (report && !this->Displacements.empty() &&
+    !FindSizes(this->Displacements.size(), this->EditDimensions, sizes))
   {
     vtkErrorMacro(
       << "There are " << this->GetNumberOfDisplacements() << " displacements, but a lattice of "
-      << sizes[0] << " x " << sizes[1] << " x " << sizes[2] << " control points has " << needed
+      << sizes[0] << " x " << sizes[1] << " x " << sizes[2] << " control points has "
+      << CountValues(sizes) / 3
       << ". They are not used. Give as many, none, or set EditDimensions (in ParaView "
          "DisplacementsResolution) to the size of the lattice that they are meant for.");
   }
@@ -453,31 +493,11 @@ bool vtkFFDEditLattice::MakeLattice(
     vtkNew<vtkDoubleArray> given;
     given->DeepCopy(made->GetDisplacements());
     vtkFFDLatticeSource::ApplyShape(made, this->Shape, this->Strength, this->Seed);
-    AddDisplacements(made, given);
+    AddDisplacements(made, given->GetPointer(0));
   }
   this->BaseLattice->DeepCopy(made);
 
-  if (this->GetNumberOfDisplacements() == needed)
-  {
-    vtkSmartPointer<vtkDoubleArray> edits = vtkSmartPointer<vtkDoubleArray>::New();
-    if (std::equal(sizes, sizes + 3, this->Dimensions))
-    {
-      edits->SetArray(this->Displacements.data(), 3 * static_cast<vtkIdType>(needed), 1);
-    }
-    else
-    {
-      vtkNew<vtkFFDLattice> resized;
-      resized->DeepCopy(made);
-      resized->Reset();
-      resized->SetDimensions(sizes);
-      std::copy(this->Displacements.begin(), this->Displacements.end(),
-        resized->GetDisplacements()->GetPointer(0));
-      resized->Modified();
-      resized->SetDimensions(this->Dimensions);
-      edits = resized->GetDisplacements();
-    }
-    AddDisplacements(made, edits);
-  }
+  AddEdits(this->Displacements, this->EditDimensions, made);
   made->SetDisplacementScale(made->GetDisplacementScale() * this->DisplacementScale);
   // Times say whether a lattice changed: this one does only when its values do.
   this->Lattice->DeepCopy(made);

@@ -23,8 +23,8 @@
  * The sum is scaled by DisplacementScale, and by that of the input's lattice where that is used.
  *
  * The edits are those of a lattice of EditDimensions control points over the same domain; when
- * Dimensions differs they are carried over as vtkFFDLattice::SetDimensions() does, exactly where
- * the cells of one divide those of the other. So a change of the resolution does not lose edits.
+ * Dimensions differs they are carried over, AddEdits(). So a change of the resolution does not lose
+ * edits that say what they are meant for.
  *
  * RequestInformation already knows the lattice, and passes it down the pipeline under the key
  * LATTICE(): parallel consumers find out from it which part of the image they need. If the input
@@ -128,9 +128,9 @@ public:
   ///@{
   /**
    * Edits: displacement of control point `index` = i + nx * (j + ny * k), data units, nx and ny of
-   * EditDimensions. As many are needed as that has control points, or none at all (default);
-   * another number is an error when the filter executes, and the edits are not used. Displacements
-   * that are not finite are refused.
+   * EditDimensions, or of Dimensions where there are as many as that has control points and not as
+   * many as EditDimensions. None at all is the default; another number is an error when the filter
+   * executes, and the edits are not used. Displacements that are not finite are refused.
    */
   void SetNumberOfDisplacements(int count);
   int GetNumberOfDisplacements() const;
@@ -153,6 +153,17 @@ public:
   void SetEditDimensions(const int dimensions[3]);
   vtkGetVector3Macro(EditDimensions, int);
   ///@}
+
+#ifndef __VTK_WRAP__
+  /**
+   * Adds edits that are meant for a lattice of `editDimensions` control points to `lattice`, as
+   * this filter does: carried over as vtkFFDLattice::SetDimensions() does, exactly where the cells
+   * of one divide those of the other. Edits of another number are those of the lattice itself, or,
+   * if it has not as many control points, of none: returns false, and the lattice stays as it was.
+   */
+  static bool AddEdits(
+    const std::vector<double>& edits, const int editDimensions[3], vtkFFDLattice* lattice);
+#endif
 
   ///@{
   /**

@@ -3,7 +3,8 @@
 """Run by TestPanel.py in ParaView's graphical client: a scene, and a log of what the filter is
 told. From the environment: FFD_PANEL_LOG, a line of JSON for each update of the filter,
 FFD_PANEL_TRACE, the Python trace so far, FFD_PANEL_STEP, the pixels from ray to ray, FFD_PANEL_BLOCKS,
-whether the volume is two blocks with a lattice each, and FFD_PANEL_FXAA, whether edges are smoothed."""
+whether the volume is two blocks with a lattice each, with edits that do not say what resolution they are meant
+for, and FFD_PANEL_FXAA, whether edges are smoothed."""
 
 import json
 import os
@@ -20,7 +21,8 @@ per_block = int(os.environ["FFD_PANEL_BLOCKS"])
 if per_block:
     wavelet = simple.GroupDatasets(Input=[
         simple.ExtractSubset(Input=wavelet, VOI=[*x, -15, 15, -15, 15]) for x in ((-15, 0), (0, 15))])
-lattice = simple.FFDLattice(Input=wavelet, Resolution=[5, 5, 5], LatticePerBlock=per_block)
+lattice = simple.FFDLattice(Input=wavelet, Resolution=[5, 5, 5], LatticePerBlock=per_block,
+                            Displacements=[0.0, 0.0, 1.0] * 125 * per_block)
 view = simple.GetActiveViewOrCreate("RenderView")
 view.UseColorPaletteForBackground = 0
 view.Background = [0.0, 0.0, 0.0]

@@ -190,37 +190,42 @@ class TestPanel(unittest.TestCase):
         self.assertEqual(searched["widget"]["OutlineBounds"], [-15.0, 15.0] * 3)
 
     def test_outline(self):
-        """The outline is that of the block that the lattice deforms. ParaView's Restore Defaults, of which
-        each property is undone by itself, keeps edits, which fit at each of these steps."""
+        """The outline is that of the block that the lattice deforms. Another resolution, also that of ParaView's
+        Restore Defaults, and its undo keep edits, those of a script as well as those of the panel."""
         events = Events()
+        restore = PROPERTIES + ("scrollArea/qt_scrollarea_viewport/scrollAreaWidgetContents/"
+                                "PropertiesButtons/PropertiesRestoreDefaults")
         for size in "67":
             events.set(PANEL + "Resolution_0", "int", size)
             events.click(PROPERTIES + "Accept")
+        events.click(restore)
+        # Rendered again, which updates the filter.
+        events.drag((0.02, 0.02), (0.02, 0.02))
+        events.menu("menu_Edit", "actionEditUndo")
+        events.drag((0.02, 0.02), (0.02, 0.02))
         events.toggle(SELECTION)
         events.click(SELECTION + "SelectAll")
         events.set(SELECTION + "Center_2", "string", "5")
         events.click(PROPERTIES + "Accept")
-        events.click(PROPERTIES + "scrollArea/qt_scrollarea_viewport/scrollAreaWidgetContents/"
-                     "PropertiesButtons/PropertiesRestoreDefaults")
-        # Rendered again, which updates the filter.
+        events.click(restore)
         events.drag((0.02, 0.02), (0.02, 0.02))
-        for _ in range(3):
+        for _ in range(2):
             events.menu("menu_Edit", "actionEditUndo")
             events.drag((0.02, 0.02), (0.02, 0.02))
         states, _ = events.play("outline", auto_apply=False, blocks=True)
         self.assertEqual(states[1]["widget"]["OutlineBounds"], [0.0] + [15.0, -15.0] * 2 + [15.0])
-        self.assertEqual(states[2]["resolution"], [7, 5, 5])
-        self.assertIn([6, 6, 6], [state["resolution"] for state in states[3:]])
-        self.assertEqual(states[-1]["resolution"], [7, 5, 5])
-        self.assertEqual(states[-1]["displacements"], [])
-        for state in states[2:-1]:
-            self.assertEqual(len(state["displacements"]), 3 * 7 * 5 * 5)
+        sizes = [(state["resolution"], state["displacements_resolution"], len(state["displacements"]) // 3)
+                 for state in states]
+        script, panel = ([5, 5, 5], 125), ([7, 5, 5], 175)
+        self.assertEqual(sizes, [([6, 5, 5], *script), ([7, 5, 5], *script), ([6, 6, 6], *script),
+                                 ([7, 5, 5], *script), ([7, 5, 5], *panel), ([6, 6, 6], *panel),
+                                 ([7, 5, 5], *panel), ([7, 5, 5], *script)])
 
     def test_undo_of_applied_edit(self):
         """Undo of the menu takes back what was applied, with what was dragged since, which control and Z do not
         bring again. After a drag the lattice is that of the filter, which was updated in the middle of it.
-        Edits of the resolution from before a script has changed it can be applied. Edits that a script has
-        replaced before they were applied are not, nor is their resolution."""
+        The resolution of a script keeps edits. Edits that a script has replaced before they were applied are not,
+        nor is their resolution."""
         events = Events()
         events.drag((0.5, 0.5), (0.6, 0.3))
         events.click(PROPERTIES + "Accept")
@@ -240,7 +245,7 @@ class TestPanel(unittest.TestCase):
         events.wait()
         events.set(SCALE, "string", "0.25")
         events.click(PROPERTIES + "Accept")
-        events.click(PROPERTIES + "Accept")
+        events.drag((0.02, 0.02), (0.02, 0.02))
         events.toggle(SELECTION)
         events.click(SELECTION + "SelectAll")
         events.set(SELECTION + "Center_2", "string", "5")
@@ -252,8 +257,8 @@ class TestPanel(unittest.TestCase):
         self.assertEqual(replaced["displacements"], [1.0] * 3 * 5 * 5 * 5)
         self.assertEqual(moved(states[0]), [MIDDLE])
         sizes = [state["resolution"][0] for state in states]
-        undone, again, updated, after, _, last = states[-6:]
-        self.assertEqual(sizes[-6:], [6, 5, 5, 5, 7, 7])
+        undone, again, updated, after, last = states[-5:]
+        self.assertEqual(sizes[-5:], [6, 5, 5, 5, 7])
         self.assertEqual(moved(undone), [], [moved(state) for state in states])
         self.assertEqual(moved(again), [])
         self.assertEqual(moved(updated), [MIDDLE])
@@ -325,7 +330,7 @@ class TestPanel(unittest.TestCase):
             self.assertEqual(state["displacements_resolution"], [5, 5, 5])
             self.assertEqual(state["displacements"], drag)
         shifted = [s for s in refined if len(s["displacements"]) == 3 * 11 * 7 * 7][-1]
-        self.assertEqual(shifted["displacements_resolution"], [0, 0, 0])
+        self.assertEqual(shifted["displacements_resolution"], [11, 7, 7])
         # All control points moved by as much; those at the edge were at rest.
         shift = shifted["displacements"][:3]
         self.assertAlmostEqual(shift[0], 0.0, places=9)

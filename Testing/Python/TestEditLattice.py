@@ -118,7 +118,14 @@ class TestEditLattice(unittest.TestCase):
         for p in POINTS:
             numpy.testing.assert_allclose(
                 fine.TransformPoint(p), coarse.TransformPoint(p), atol=1e-9)
+        # Those of the lattice itself need not say so again.
+        edits = numpy.random.default_rng(2).uniform(-1.0, 1.0, (125, 3))
+        self.filter.SetDisplacements(numpy_to_vtk(edits))
+        numpy.testing.assert_allclose(displacements(self.attached()), edits, atol=1e-12)
         self.assertEqual(self.errors, [])
+        self.filter.SetDisplacements(numpy_to_vtk(edits[1:]))
+        self.assertTrue(self.attached().IsIdentity())
+        self.assertEqual(len(self.errors), 1)
 
     def test_lattice_of_the_input(self):
         self.filter.SetShape(vtkffd.vtkFFDLatticeSource.TWIST)

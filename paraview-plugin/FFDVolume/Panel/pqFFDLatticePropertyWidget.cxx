@@ -29,6 +29,7 @@
 #include "vtkSMPropertyGroup.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMProxy.h"
+#include "vtkSMTrace.h"
 #include "vtkSMViewProxy.h"
 #include "vtkWeakPointer.h"
 
@@ -42,7 +43,6 @@
 #include <QTimer>
 #include <QVBoxLayout>
 
-#include <array>
 #include <vector>
 
 namespace
@@ -53,28 +53,9 @@ using ffdpanel::GetChecked;
 using ffdpanel::GetUnchecked;
 using ffdpanel::SetChecked;
 using ffdpanel::SetUnchecked;
-using Sizes = std::array<int, 3>;
 
 /// The properties that an edit changes, by their functions.
 const char* const EditedFunctions[] = { "Dimensions", "EditDimensions", "Displacements" };
-
-Sizes ToSizes(const std::vector<double>& values)
-{
-  Sizes sizes = { { 0, 0, 0 } };
-  for (std::size_t a = 0; a < 3 && a < values.size(); ++a)
-  {
-    sizes[a] = static_cast<int>(values[a]);
-  }
-  return sizes;
-}
-
-std::vector<double> ToValues(const Sizes& sizes) { return { sizes.begin(), sizes.end() }; }
-
-std::size_t CountValues(const Sizes& sizes)
-{
-  return 3 * static_cast<std::size_t>(sizes[0]) * static_cast<std::size_t>(sizes[1]) *
-    static_cast<std::size_t>(sizes[2]);
-}
 
 /// Whether a key is the platform's for an edit, or that of ParaView's menu, which has another redo.
 bool IsKeyOf(const QKeyEvent& key, QKeySequence::StandardKey edit, const char* menuAction)
@@ -93,7 +74,6 @@ class pqFFDLatticePropertyWidget::pqInternals
 public:
   pqFFDLatticeControls* Controls = nullptr;
   QTimer ShowTimer;
-  QTimer SettleTimer;
   QTimer FinishTimer;
   QPointer<pqSearchBox> Search; // of the properties panel
 
@@ -127,10 +107,8 @@ public:
     this->Observations.clear();
   }
 
-  Sizes EditedSizes = { { 0, 0, 0 } }; // what the displacements were last seen to fit
-  bool ByUndo = false;                 // there was a change by undo or redo
-  bool Away = false;                   // the panel shows another source
-  bool VisibleBefore = false;          // whether the lattice was shown when it went
+  bool Away = false;          // the panel shows another source
+  bool VisibleBefore = false; // whether the lattice was shown when it went
   bool Interacting = false;
   bool BaseIsOld = false; // the filter was updated in the middle of a drag
   bool Live = false;      // the filter has followed steps of the drag
@@ -191,13 +169,12 @@ pqFFDLatticePropertyWidget::pqFFDLatticePropertyWidget(
     SLOT(moveSelection(double, double, double)));
   this->setWidgetVisible(show->isChecked());
 
-  for (QTimer* timer : { &in.ShowTimer, &in.SettleTimer, &in.FinishTimer })
+  for (QTimer* timer : { &in.ShowTimer, &in.FinishTimer })
   {
     timer->setSingleShot(true);
     timer->setInterval(0);
   }
   this->connect(&in.ShowTimer, SIGNAL(timeout()), SLOT(showState()));
-  this->connect(&in.SettleTimer, SIGNAL(timeout()), SLOT(settleResolution()));
   this->connect(&in.FinishTimer, SIGNAL(timeout()), SLOT(finishInteraction()));
 
   QObject::connect(this, &pqPropertyWidget::viewChanged, this, [this](pqView* view) {
@@ -217,8 +194,6 @@ pqFFDLatticePropertyWidget::pqFFDLatticePropertyWidget(
   {
     if (vtkSMProperty* property = smgroup->GetProperty(function))
     {
-      in.Observe(
-        property, vtkCommand::UncheckedPropertyModifiedEvent, this, SLOT(scheduleSettle()));
       // By undo of ParaView, or a script: edits that were not applied are gone.
       in.Observe(property, vtkCommand::ModifiedEvent, this, SLOT(forgetSteps()));
     }
@@ -235,7 +210,9 @@ pqFFDLatticePropertyWidget::pqFFDLatticePropertyWidget(
   {
     this->connect(source, SIGNAL(dataUpdated(pqPipelineSource*)), SLOT(takeBase()));
   }
-  this->keepEdits();
+  in.Observe(smgroup->GetProperty("Displacements"), vtkCommand::ModifiedEvent, this,
+    SLOT(forgetEditedResolution()));
+  this->nameEditedResolution();
   this->showState();
 }
 
@@ -252,7 +229,6 @@ pqFFDLatticePropertyWidget::~pqFFDLatticePropertyWidget()
 void pqFFDLatticePropertyWidget::apply()
 {
   this->forgetSteps();
-  this->keepEdits();
   this->Superclass::apply();
   for (const char* function : EditedFunctions)
   {
@@ -343,6 +319,7 @@ void pqFFDLatticePropertyWidget::takeBase()
   {
     return;
   }
+  this->nameEditedResolution();
   vtkSMProxy* filter = this->proxy();
   filter->UpdatePropertyInformation();
   vtkSMProxy* widget = this->widgetProxy();
@@ -585,76 +562,31 @@ void pqFFDLatticePropertyWidget::setOptions()
 }
 
 //-----------------------------------------------------------------------------
-void pqFFDLatticePropertyWidget::scheduleSettle()
-{
-  pqInternals& in = *this->Internals;
-  const pqUndoStack* undo = pqApplicationCore::instance()->getUndoStack();
-  in.ByUndo = in.ByUndo || (undo && (undo->getInUndo() || undo->getInRedo()));
-  in.SettleTimer.start();
-}
-
-//-----------------------------------------------------------------------------
 /**
- * Not at once: Undo and scripts change the properties one after the other. What is undone is not to
- * be applied again; but ParaView's "Restore Defaults" makes a step of undo of each property, and in
- * between the filter would have edits that do not fit.
+ * Edits by the widget say what resolution they are meant for. Those of scripts and of states may
+ * not, which means that of the lattice: they say so, too, before that can become another one.
  */
-void pqFFDLatticePropertyWidget::settleResolution()
+void pqFFDLatticePropertyWidget::nameEditedResolution()
 {
-  const bool byUndo = this->Internals->ByUndo;
-  this->Internals->ByUndo = false;
-  if (!this->keepEdits())
-  {
-    return;
-  }
-  if (!byUndo)
-  {
-    // It may have been a script that changed the resolution.
-    Q_EMIT this->changeAvailable();
-    Q_EMIT this->changeFinished();
-    return;
-  }
-  vtkSMPropertyGroup* group = this->propertyGroup();
-  vtkSMProperty* sizes = group->GetProperty("Dimensions");
-  vtkSMProperty* edits = group->GetProperty("Displacements");
-  if (GetChecked(sizes) == GetUnchecked(sizes) && GetChecked(edits) == GetUnchecked(edits))
-  {
-    const pqScopedUndoExclude exclude;
-    vtkSMProperty* editSizes = group->GetProperty("EditDimensions");
-    SetChecked(editSizes, GetUnchecked(editSizes));
-    this->proxy()->UpdateVTKObjects();
-  }
-}
-
-//-----------------------------------------------------------------------------
-/// Displacements of another resolution are told to be so. Returns whether there were any.
-bool pqFFDLatticePropertyWidget::keepEdits()
-{
-  pqInternals& in = *this->Internals;
   vtkSMPropertyGroup* group = this->propertyGroup();
   vtkSMProperty* editSizes = group->GetProperty("EditDimensions");
-  const Sizes sizes = ToSizes(GetUnchecked(group->GetProperty("Dimensions")));
-  vtkSMProperty* displacements = group->GetProperty("Displacements");
-  const std::size_t count = GetUnchecked(displacements).size();
-  if (count == CountValues(sizes) || count == 0)
+  const std::vector<double> sizes = GetChecked(group->GetProperty("Dimensions"));
+  const std::vector<double> edits = GetChecked(group->GetProperty("Displacements"));
+  const double count = 3.0 * sizes[0] * sizes[1] * sizes[2];
+  if (GetChecked(editSizes)[0] == 0.0 && static_cast<double>(edits.size()) == count)
   {
-    in.EditedSizes = sizes;
-    return false;
+    SM_SCOPED_TRACE(PropertiesModified).arg("proxy", this->proxy());
+    // Not pushed: the filter takes them as before.
+    SetChecked(editSizes, sizes);
   }
-  if (GetUnchecked(displacements) == GetChecked(displacements) &&
-    count == CountValues(ToSizes(GetChecked(editSizes))))
-  {
-    // A script, or an animation, replaced edits that were not applied yet.
-    SetUnchecked(editSizes, GetChecked(editSizes));
-    return false;
-  }
-  if (ToSizes(GetUnchecked(editSizes)) != Sizes{ { 0, 0, 0 } } ||
-    count != CountValues(in.EditedSizes))
-  {
-    return false;
-  }
-  SetUnchecked(editSizes, ToValues(in.EditedSizes));
-  return true;
+}
+
+//-----------------------------------------------------------------------------
+/// Of edits that were not applied and that undo, a script or an animation has replaced.
+void pqFFDLatticePropertyWidget::forgetEditedResolution()
+{
+  vtkSMProperty* editSizes = this->propertyGroup()->GetProperty("EditDimensions");
+  SetUnchecked(editSizes, GetChecked(editSizes));
 }
 
 //-----------------------------------------------------------------------------

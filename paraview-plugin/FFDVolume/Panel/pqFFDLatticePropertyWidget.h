@@ -48,13 +48,12 @@ private Q_SLOTS:
   void onSelectionChanged();
   void scheduleShow();
   void showState();
-  void scheduleSettle();
-  void settleResolution();
   void takeBase();
   void setOptions();
   void refine();
   void resetEdits();
   void forgetSteps();
+  void forgetEditedResolution();
   void movePoint(int i, int j, int k, double x, double y, double z);
   void moveSelection(double x, double y, double z);
 
@@ -63,7 +62,7 @@ private:
 
   void findSearchBox();
   void tellEdit(int changed);
-  bool keepEdits();
+  void nameEditedResolution();
   std::vector<std::vector<double>> getUnchecked() const;
   void stepEdits(bool back);
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDEditLatticeRepresentation.h"
 
+#include "vtkFFDEditLattice.h"
 #include "vtkFFDLattice.h"
 
 #include "vtkCamera.h"
@@ -26,38 +27,10 @@ constexpr int SmallestSize = 4;
 constexpr int LargestSize = 64;
 constexpr int LargestCount = LargestSize * LargestSize * LargestSize;
 
-std::size_t CountValues(const int sizes[3])
-{
-  return 3 * static_cast<std::size_t>(sizes[0]) * static_cast<std::size_t>(sizes[1]) *
-    static_cast<std::size_t>(sizes[2]);
-}
-
 std::vector<double> GetValues(vtkFFDLattice* lattice)
 {
   vtkDoubleArray* array = lattice->GetDisplacements();
   return { array->GetPointer(0), array->GetPointer(0) + array->GetNumberOfValues() };
-}
-
-/// Displacements for `to` sizes of a lattice of `from` sizes, carried over as vtkFFDEditLattice
-/// does. Values that do not fit are none.
-std::vector<double> CarryOver(
-  const std::vector<double>& values, const int from[3], const int to[3], const double domain[6])
-{
-  if (values.size() != CountValues(from))
-  {
-    return std::vector<double>(CountValues(to), 0.0);
-  }
-  if (std::equal(from, from + 3, to))
-  {
-    return values;
-  }
-  vtkNew<vtkFFDLattice> lattice;
-  lattice->SetDomain(domain);
-  lattice->SetDimensions(from);
-  std::copy(values.begin(), values.end(), lattice->GetDisplacements()->GetPointer(0));
-  lattice->Modified();
-  lattice->SetDimensions(to);
-  return GetValues(lattice);
 }
 
 /// World units of a pixel where the box is farthest from the camera.
@@ -269,9 +242,13 @@ void vtkFFDEditLatticeRepresentation::UpdateLattice()
   if (this->LatticeIsStale)
   {
     vtkFFDLattice* lattice = this->GetLattice();
-    const std::vector<double> base =
-      CarryOver(this->Base, this->BaseDimensions, this->Dimensions, this->Domain);
-    const int* sizes = this->EditDimensions[0] > 0 ? this->EditDimensions : this->Dimensions;
+    vtkNew<vtkFFDLattice> made;
+    made->SetDomain(this->Domain);
+    made->SetDimensions(this->Dimensions);
+    made->SetDisplacementScale(this->DisplacementScale);
+    vtkFFDEditLattice::AddEdits(this->Base, this->BaseDimensions, made);
+    std::vector<double> base = GetValues(made);
+    const int* sizes = this->EditDimensions;
     // Reported edits that come back, perhaps in the middle of a drag, are here already; adding them
     // again would only round differently.
     const bool ours = !this->LastReported.empty() && this->Edits == this->LastReported &&
@@ -291,18 +268,9 @@ void vtkFFDEditLatticeRepresentation::UpdateLattice()
     else if (!this->IsInteracting())
     {
       this->LatticeIsStale = false;
-      this->BaseHere = base;
-      std::vector<double> sum = CarryOver(this->Edits, sizes, this->Dimensions, this->Domain);
-      for (std::size_t n = 0; n < sum.size(); ++n)
-      {
-        sum[n] += base[n];
-      }
-      vtkNew<vtkFFDLattice> made;
-      made->SetDomain(this->Domain);
-      made->SetDimensions(this->Dimensions);
-      made->SetDisplacementScale(this->DisplacementScale);
-      std::copy(sum.begin(), sum.end(), made->GetDisplacements()->GetPointer(0));
-      made->Modified();
+      this->BaseHere = std::move(base);
+      vtkFFDEditLattice::AddEdits(this->Edits, this->EditDimensions, made);
+      std::vector<double> sum = GetValues(made);
       if (GetValues(lattice) != sum)
       {
         // Edits that were made elsewhere (ParaView's undo) are none of the widget's own history.
@@ -377,7 +345,7 @@ vtkDoubleArray* vtkFFDEditLatticeRepresentation::GetEdits()
 //------------------------------------------------------------------------------
 int* vtkFFDEditLatticeRepresentation::GetEditDimensions()
 {
-  return this->IsEdited() ? this->OwnDimensions : this->EditDimensions;
+  return this->IsEdited() ? this->GetLattice()->GetDimensions() : this->EditDimensions;
 }
 
 //------------------------------------------------------------------------------

@@ -129,7 +129,6 @@ private:
   std::vector<double> Composed;       // what UpdateLattice() made the displacements
   std::vector<double> LastReported;   // what GetEdits() gave last, when something was edited,
   std::vector<double> ReportedValues; // and what the displacements were then
-  int OwnDimensions[3] = { 0, 0, 0 };
   double BoundsWithHandles[6] = { 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 };
   vtkNew<vtkDoubleArray> EditArray;
   vtkNew<vtkDoubleArray> SelectionArray;
