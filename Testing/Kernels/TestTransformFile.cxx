@@ -10,8 +10,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <random>
 #include <sstream>
+#include <vector>
 
 namespace
 {
@@ -153,6 +155,32 @@ TEST(TransformFile, FieldHeadersAreReadAsWritten)
     EXPECT_EQ(header.Offset, i == 1 ? 0 : texts[i].size());
     EXPECT_EQ(header.GetDataSize(), 7u * 8u * 9u * 24u);
     EXPECT_EQ(header.Planar, i == 3);
+  }
+}
+
+TEST(TransformFile, AxesOfNrrdTellWhereTheyBegin)
+{
+  const glm::dvec3 spacing(2.0, 3.0, 4.0);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto find = [&spacing](
+                      const std::vector<double>& mins, const char* centers, std::size_t first) {
+    return ffd::FindNrrdOrigin(mins, centers, first, spacing);
+  };
+  EXPECT_EQ(find({ 10.0, 20.0, 30.0 }, "", 0), glm::dvec3(11.0, 21.5, 32.0));
+  EXPECT_EQ(find({ 10.0, 20.0, 30.0 }, "node Cell NODE", 0), glm::dvec3(10.0, 21.5, 30.0));
+  EXPECT_EQ(find({ nan, 10.0, nan, 30.0 }, "none node", 1), glm::dvec3(10.0, 0.0, 32.0));
+  EXPECT_EQ(find({ 10.0, 20.0, 30.0, 40.0 }, "", 0), glm::dvec3(11.0, 21.5, 32.0));
+  EXPECT_EQ(find({ 10.0, 20.0, 30.0 }, "", 1), glm::dvec3(0.0));
+  EXPECT_EQ(find({}, "node", 0), glm::dvec3(0.0));
+
+  for (const char* name : { "axis mins", "AxisMins", "AXIS MINS" })
+  {
+    EXPECT_EQ(ffd::FindNrrdField(name), "axis mins");
+  }
+  EXPECT_EQ(ffd::FindNrrdField("Centerings"), "centers");
+  for (const char* name : { "", " ", "axis  mins", "axismin", "space orgin", "center" })
+  {
+    EXPECT_EQ(ffd::FindNrrdField(name), "") << name;
   }
 }
 

@@ -276,6 +276,8 @@ class TestTransformReader(unittest.TestCase):
                 (spacings + mins.replace("axis mins", "axismins") + "centerings: none node node node\n",
                  (2, 3, 4), (10, 20, 30)),
                 (spacings + "axis mins: nan 10 NaN 30\n", (2, 3, 4), (11, 0, 32)),
+                (spacings + mins + "Centers: None Node NODE node\n", (2, 3, 4), (10, 20, 30)),
+                ("SpaceDirections: none (2,0,0) (0,3,0) (0,0,4)\nSpaceOrigin: (1,2,3)\n", (2, 3, 4), (1, 2, 3)),
                 ("space dimension: 3\nspace origin: (1,2,3)\n", (1, 1, 1), (1, 2, 3))):
             with self.subTest(fields):
                 transform = self.read_bytes(

@@ -570,7 +570,8 @@ class TestVolumeReader(unittest.TestCase):
             self.check_places("qform.nii")
 
     def test_axis_mins_of_nrrd(self):
-        """The origin of old NRRD files, of cells or nodes; "space origin" goes before it."""
+        """The origin of old NRRD files, of cells or nodes; "space origin" goes before it. Fields have several
+        names, words of the format are the same in capital letters, and key/value pairs are no fields."""
         values = numpy.arange(60, dtype="<i2").reshape(3, 4, 5)
 
         def origin(*lines, sizes="5 4 3", data=values):
@@ -592,6 +593,14 @@ class TestVolumeReader(unittest.TestCase):
         self.assertEqual(origin(spacings, "axis mins: nan 20 NaN"), ((2, 3, 4), (0.0, 21.5, 0.0)))
         self.assertEqual(origin(spacings, mins, "space dimension: 3", "space origin: (7,8,9)"),
                          ((2, 3, 4), (7.0, 8.0, 9.0)))
+        self.assertEqual(origin(spacings, mins, "Centers: Node NODE node"), ((2, 3, 4), nodes))
+        self.assertEqual(origin(spacings, mins, "SpaceDimension: 3", "SpaceOrigin: (7,8,9)"),
+                         ((2, 3, 4), (7.0, 8.0, 9.0)))
+        self.assertEqual(origin("SpaceDirections: (2,0,0) (0,3,0) (0,0,4)", "space: LPS", "space origin: (7,8,9)"),
+                         ((2, 3, 4), (7.0, 8.0, 9.0)))
+        self.assertEqual(origin(spacings, mins, "space origin:=(7,8,9)"), ((2, 3, 4), cells))
+        self.assertEqual(origin(spacings + " 1", mins + " 0", "kinds: Space Space Space Time", sizes="5 4 3 2",
+                                data=numpy.stack([values, values])), ((2, 3, 4), cells))
         two = numpy.repeat(values[..., None], 2, 3)
         self.assertEqual(origin("spacings: NaN 2 3 4", "axis mins: NaN -10 20 30",
                                 "centers: ??? node node node", sizes="2 5 4 3", data=two),

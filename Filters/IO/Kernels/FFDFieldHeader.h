@@ -6,9 +6,12 @@
 #include "FFDExport.h"
 #include "FFDTransformStep.h"
 
+#include <glm/vec3.hpp>
+
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace ffd
 {
@@ -83,8 +86,17 @@ FFD_IO_EXPORT bool LooksLikeMetaImage(std::string_view bytes);
 FFD_IO_EXPORT bool LooksLikeNrrd(std::string_view bytes);
 FFD_IO_EXPORT bool LooksLikeNifti(std::string_view bytes);
 
-/// Whether NRRD has a field of this name, in small letters.
-FFD_IO_EXPORT bool IsNrrdField(std::string_view name);
+/// The name that a field of NRRD has here, of the several that the format has for some, in capital
+/// letters or not: "axis mins" for "AxisMins". Empty: the format has no such field.
+FFD_IO_EXPORT std::string FindNrrdField(std::string_view name);
+
+/**
+ * Where the first node of an array in a NRRD without a "space origin" lies along its axes, from
+ * `first` on: "axis mins" are where the first cell begins or, if "centers" says so, the first node;
+ * cells are the default, as in teem and ITK. 0 where that is not known, or no number.
+ */
+FFD_IO_EXPORT glm::dvec3 FindNrrdOrigin(const std::vector<double>& mins, std::string_view centers,
+  std::size_t first, const glm::dvec3& spacing);
 
 /**
  * Numbers as they lie in a file to the displacements of `step` (a Field over header.Grid). `data`

@@ -7,11 +7,10 @@
 
 #include <glm/mat3x3.hpp>
 
+#include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <limits>
 #include <map>
-#include <set>
 
 namespace ffd
 {
@@ -42,35 +41,22 @@ bool ReadNrrdVector(std::string_view text, glm::dvec3& v)
   return true;
 }
 
-/// The fields of a header, by their names in small letters.
+/// The fields of a header, by their names as FindNrrdField() gives them.
 using NrrdFields = std::map<std::string, std::string_view>;
 
-/// The value of the first of some names of a field that a header has, or an empty text.
-std::string_view FindNrrdField(const NrrdFields& fields, std::initializer_list<const char*> names)
+/// A number for each axis of the array. "nan" stands for one that is not known.
+bool ReadNrrdAxes(
+  std::string_view text, const char* name, std::vector<double>& numbers, std::string& error)
 {
-  for (const char* name : names)
-  {
-    const auto found = fields.find(name);
-    if (found != fields.end())
-    {
-      return found->second;
-    }
-  }
-  return {};
-}
-
-/// Numbers of the axes of space, of a list with one for each axis of the array. "nan" stands for
-/// one that is not known, which leaves `v` as it is.
-bool ReadNrrdAxes(std::string_view text, const char* name, glm::dvec3& v, std::string& error)
-{
-  TakeWord(text); // that of the axis of the vectors
   bool readable = true;
-  for (int a = 0; a < 3; ++a)
+  for (std::string_view word = TakeWord(text); !word.empty(); word = TakeWord(text))
   {
-    const std::string_view word = TakeWord(text);
-    readable = readable && (ToLower(word) == "nan" || ReadNumber(word, v[a]));
+    double number = std::numeric_limits<double>::quiet_NaN();
+    // That of the axis of the vectors may be anything.
+    readable = readable && (numbers.empty() || ToLower(word) == "nan" || ReadNumber(word, number));
+    numbers.push_back(number);
   }
-  if (!readable || !Trim(text).empty())
+  if (!readable || numbers.size() != 4)
   {
     error = std::string("the ") + name + " are not one number for each of the four axes";
     return false;
@@ -78,16 +64,12 @@ bool ReadNrrdAxes(std::string_view text, const char* name, glm::dvec3& v, std::s
   return true;
 }
 
-/// Where the nodes are if each axis tells it by itself, without a space. "axis mins" are where the
-/// first cell begins or, if "centers" says so, the first node; cells are the default, as in ITK.
-bool PlaceNrrdAxes(
-  const NrrdFields& fields, glm::dmat3& axes, glm::dvec3& origin, std::string& error)
+/// Where the nodes are if each axis tells it by itself, without a space.
+bool PlaceNrrdAxes(NrrdFields& fields, glm::dmat3& axes, glm::dvec3& origin, std::string& error)
 {
-  const std::string_view spacings = FindNrrdField(fields, { "spacings" });
-  const std::string_view mins = FindNrrdField(fields, { "axis mins", "axismins" });
-  const std::string_view maxs = FindNrrdField(fields, { "axis maxs", "axismaxs" });
-  std::string_view centers = FindNrrdField(fields, { "centers", "centerings" });
-  if (spacings.empty() && mins.empty() && maxs.empty())
+  const std::string_view spacings = fields["spacings"];
+  const std::string_view mins = fields["axis mins"];
+  if (spacings.empty() && mins.empty() && fields["axis maxs"].empty())
   {
     return true;
   }
@@ -102,20 +84,20 @@ bool PlaceNrrdAxes(
     error = "there are axis mins or axis maxs without spacings, which is not supported";
     return false;
   }
-  glm::dvec3 spacing(1.0);
-  glm::dvec3 min(std::numeric_limits<double>::quiet_NaN());
+  std::vector<double> spacing;
+  std::vector<double> min;
   if (!ReadNrrdAxes(spacings, "spacings", spacing, error) ||
     (!mins.empty() && !ReadNrrdAxes(mins, "axis mins", min, error)))
   {
     return false;
   }
-  TakeWord(centers);
+  glm::dvec3 steps(spacing[1], spacing[2], spacing[3]);
   for (int a = 0; a < 3; ++a)
   {
-    axes[a] *= spacing[a];
-    const bool isNode = ToLower(TakeWord(centers)) == "node";
-    origin[a] = std::isfinite(min[a]) ? min[a] + (isNode ? 0.0 : 0.5 * spacing[a]) : 0.0;
+    steps[a] = std::isnan(steps[a]) ? 1.0 : steps[a];
+    axes[a] *= steps[a];
   }
+  origin = FindNrrdOrigin(min, fields["centers"], 1, steps);
   return true;
 }
 
@@ -125,15 +107,45 @@ bool PlaceNrrdAxes(
 bool LooksLikeNrrd(std::string_view bytes) { return bytes.substr(0, 7) == "NRRD000"; }
 
 //------------------------------------------------------------------------------
-bool IsNrrdField(std::string_view name)
+std::string FindNrrdField(std::string_view name)
 {
-  static const std::set<std::string_view> names = { "axis maxs", "axis mins", "axismaxs",
-    "axismins", "block size", "blocksize", "byte skip", "byteskip", "centerings", "centers",
-    "content", "data file", "datafile", "dimension", "encoding", "endian", "kinds", "labels",
-    "line skip", "lineskip", "max", "measurement frame", "min", "number", "old max", "old min",
-    "oldmax", "oldmin", "sample units", "sampleunits", "sizes", "space", "space dimension",
-    "space directions", "space origin", "space units", "spacings", "thicknesses", "type", "units" };
-  return names.count(name) != 0;
+  const std::string wanted = ToLower(name);
+  if (wanted == "centerings")
+  {
+    return "centers";
+  }
+  for (const char* field : { "axis maxs", "axis mins", "block size", "byte skip", "centers",
+         "content", "data file", "dimension", "encoding", "endian", "kinds", "labels", "line skip",
+         "max", "measurement frame", "min", "number", "old max", "old min", "sample units", "sizes",
+         "space", "space dimension", "space directions", "space origin", "space units", "spacings",
+         "thicknesses", "type", "units" })
+  {
+    std::string joined = field;
+    joined.erase(std::remove(joined.begin(), joined.end(), ' '), joined.end());
+    if (wanted == field || wanted == joined)
+    {
+      return field;
+    }
+  }
+  return std::string();
+}
+
+//------------------------------------------------------------------------------
+glm::dvec3 FindNrrdOrigin(const std::vector<double>& mins, std::string_view centers,
+  std::size_t first, const glm::dvec3& spacing)
+{
+  glm::dvec3 origin(0.0);
+  for (std::size_t axis = 0; axis < first + 3 && mins.size() >= first + 3; ++axis)
+  {
+    const bool isNode = ToLower(TakeWord(centers)) == "node";
+    if (axis >= first)
+    {
+      const int a = static_cast<int>(axis - first);
+      const double node = mins[axis] + (isNode ? 0.0 : 0.5 * spacing[a]);
+      origin[a] = std::isfinite(node) ? node : 0.0;
+    }
+  }
+  return origin;
 }
 
 //------------------------------------------------------------------------------
@@ -173,12 +185,12 @@ bool ParseNrrdHeader(std::string_view bytes, FieldHeader& header, std::string& e
     {
       continue; // a key/value pair, of no meaning to the format
     }
-    std::string key = ToLower(Trim(line.substr(0, colon)));
-    key = key == "datafile" ? "data file" : key;
+    const std::string_view name = Trim(line.substr(0, colon));
+    const std::string key = FindNrrdField(name);
     // Refused as by teem and ITK: a "space origin" that is misspelled would be one of zeros.
-    if (!IsNrrdField(key))
+    if (key.empty())
     {
-      error = "the header has a field " + Quote(key) + ", which is none of the format";
+      error = "the header has a field " + Quote(name) + ", which is none of the format";
       return false;
     }
     if (!fields.emplace(key, Trim(line.substr(colon + 1))).second)
@@ -238,7 +250,7 @@ bool ParseNrrdHeader(std::string_view bytes, FieldHeader& header, std::string& e
     error = "the endian is " + Quote(endian) + ", not little or big";
     return false;
   }
-  for (const char* skip : { "line skip", "lineskip", "byte skip", "byteskip" })
+  for (const char* skip : { "line skip", "byte skip" })
   {
     if (value(skip, "0") != "0")
     {

@@ -118,25 +118,6 @@ bool IsLastNotOfSpace(const vtkFFDTextHeader::Fields& fields)
   return kinds.size() == 4 && (kinds[0] == "domain" || kinds[0] == "space");
 }
 
-/// Position of the first voxel of a NRRD without a "space origin", along its own axes from `first`
-/// on. "axis mins" are where the voxels begin, that is the border of the first cell or, where
-/// "centers" says so, the first node; cells are the default, as in teem and ITK.
-glm::dvec3 FindAxisMins(
-  const vtkFFDTextHeader::Fields& fields, std::size_t first, const glm::dvec3& spacing)
-{
-  std::vector<double> mins = ReadNumbers(Find(fields, { "axis mins", "axismins" }));
-  const std::vector<std::string> centers = ToWords(Find(fields, { "centers", "centerings" }));
-  glm::dvec3 origin(0.0);
-  for (std::size_t a = 0; a < 3 && mins.size() >= first + 3; ++a)
-  {
-    const bool isNode = centers.size() > first + a && centers[first + a] == "node";
-    const int axis = static_cast<int>(a);
-    origin[axis] = mins[first + a] + (isNode ? 0.0 : 0.5 * spacing[axis]);
-    origin[axis] = std::isfinite(origin[axis]) ? origin[axis] : 0.0;
-  }
-  return origin;
-}
-
 /// Where the fields place the voxels, whose rows VTK's reader may turn.
 std::optional<vtkFFDVolumeFile::Placement> PlaceNrrd(
   const vtkFFDTextHeader::Fields& fields, const vtkFFDVolumeFile::Header& header, bool turnsRows)
@@ -148,7 +129,7 @@ std::optional<vtkFFDVolumeFile::Placement> PlaceNrrd(
   const std::vector<double> spacings = ReadNumbers(Find(fields, { "spacings" }));
   const bool hasSpacings = spacings.size() == 3 || spacings.size() == 4;
   if (steps.empty() && stored.Components > 0 &&
-    (hasSpacings || !Find(fields, { "axis mins", "axismins" }).empty()))
+    (hasSpacings || !Find(fields, { "axis mins" }).empty()))
   {
     // That of the axis without a direction may be "nan".
     const auto axis = static_cast<std::size_t>(stored.FirstAxis);
@@ -158,7 +139,10 @@ std::optional<vtkFFDVolumeFile::Placement> PlaceNrrd(
       spacing[static_cast<int>(a)] = spacings[(spacings.size() == 4 ? axis : 0) + a];
       place.Steps[static_cast<int>(a)] *= spacing[static_cast<int>(a)];
     }
-    place.Origin = origin.size() == 3 ? ToVector(origin, 0) : FindAxisMins(fields, axis, spacing);
+    place.Origin = origin.size() == 3
+      ? ToVector(origin, 0)
+      : ffd::FindNrrdOrigin(
+          ReadNumbers(Find(fields, { "axis mins" })), Find(fields, { "centers" }), axis, spacing);
     return place;
   }
   if (steps.size() != 9)
@@ -189,15 +173,14 @@ std::optional<vtkFFDVolumeFile::Placement> PlaceNrrd(
   return place;
 }
 
-/// Tells of a field that NRRD has not, as one that is misspelled; its default counts then.
-/// Key/value pairs (:=) and the files of a list are none.
+/// Tells of a field that NRRD has not, as one that is misspelled; its default counts then. The
+/// files of a list are none.
 std::string FindUnknownField(const vtkFFDTextHeader::Fields& fields)
 {
-  const bool hasList = Find(fields, { "data file", "datafile" }).compare(0, 4, "LIST") == 0;
-  for (const auto& [key, value] : fields)
+  const bool hasList = Find(fields, { "data file" }).compare(0, 4, "LIST") == 0;
+  for (const auto& [key, ignored] : fields)
   {
-    const bool isField = key.compare(0, 1, "#") != 0 && value.compare(0, 1, "=") != 0;
-    if (isField && !hasList && !ffd::IsNrrdField(key))
+    if (!hasList && ffd::FindNrrdField(key).empty())
     {
       return "the header has a field '" + key + "', which NRRD has not; it is left out";
     }
@@ -208,7 +191,12 @@ std::string FindUnknownField(const vtkFFDTextHeader::Fields& fields)
 class NrrdFile : public vtkFFDVolumeFile
 {
 public:
-  using vtkFFDVolumeFile::vtkFFDVolumeFile;
+  NrrdFile(
+    const std::string& path, const std::string& start, vtkAlgorithm* reader, vtkCommand* errors)
+    : vtkFFDVolumeFile(path, reader, errors)
+    , Text(start)
+  {
+  }
   std::string FindProblem() const override;
 
 protected:
@@ -219,7 +207,7 @@ private:
   std::string FindDataProblem(double bytes) const;
   vtkFFDStoredVoxels FindStoredVoxels() const;
 
-  const std::string Text = vtkFFDTextHeader::ReadStart(this->Path);
+  const std::string Text;
   const NrrdHeaderEnd End = FindNrrdHeaderEnd(this->Text);
   const vtkFFDTextHeader::Fields Fields = vtkFFDTextHeader::ReadFields(this->Text, ':');
 };
@@ -276,7 +264,7 @@ std::string NrrdFile::FindDataProblem(double bytes) const
   }
   const std::string encoding = Find(this->Fields, { "encoding" });
   const double least = encoding == "raw" ? bytes : 0.0;
-  const std::string value = Find(this->Fields, { "data file", "datafile" });
+  const std::string value = Find(this->Fields, { "data file" });
   if (value.empty())
   {
     return this->End.Data == 0 ? "its header ends with the file, and names no data file"
@@ -312,7 +300,7 @@ std::string NrrdFile::FindDataProblem(double bytes) const
 vtkFFDStoredVoxels NrrdFile::FindStoredVoxels() const
 {
   vtkFFDStoredVoxels voxels;
-  const std::string value = Find(this->Fields, { "data file", "datafile" });
+  const std::string value = Find(this->Fields, { "data file" });
   const std::string encoding = Find(this->Fields, { "encoding" });
   const std::vector<std::string> sizes = ToWords(Find(this->Fields, { "sizes" }));
   if (value.compare(0, 4, "LIST") == 0 || value.find('%') != std::string::npos ||
@@ -343,8 +331,12 @@ vtkFFDStoredVoxels NrrdFile::FindStoredVoxels() const
 std::unique_ptr<vtkFFDVolumeFile> vtkFFDNrrdFile::Open(const std::string& path, vtkCommand* errors)
 {
   // Not asked by CanReadFile(), which reads as far as the first line goes.
-  const bool isNrrd = vtkFFDTextHeader::ReadStart(path).compare(0, 4, "NRRD") == 0;
+  const std::string start = vtkFFDTextHeader::ReadStart(path);
+  if (start.compare(0, 4, "NRRD") != 0)
+  {
+    return nullptr;
+  }
   vtkNew<PlainNrrdReader> reader;
   reader->SetFileName(path.c_str());
-  return isNrrd ? std::make_unique<NrrdFile>(path, reader, errors) : nullptr;
+  return std::make_unique<NrrdFile>(path, start, reader, errors);
 }

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDTextHeader.h"
 
+#include "FFDFieldHeader.h"
+#include "FFDTextNumbers.h"
+
 #include <vtksys/FStream.hxx>
 #include <vtksys/SystemTools.hxx>
 
@@ -14,9 +17,9 @@ namespace vtkFFDTextHeader
 {
 
 //------------------------------------------------------------------------------
-std::string ReadStart(const std::string& path)
+std::string ReadStart(const std::string& path, std::size_t count)
 {
-  std::string bytes(LargestSize, '\0');
+  std::string bytes(count, '\0');
   vtksys::ifstream file(path.c_str(), std::ios::in | std::ios::binary);
   file.read(&bytes[0], static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(file.gcount()));
@@ -33,7 +36,9 @@ Fields ReadFields(const std::string& text, char separator)
   while (std::getline(lines, line) && line.find_first_not_of(blank) != std::string::npos)
   {
     const std::size_t at = line.find(separator);
-    if (at != std::string::npos)
+    const bool isNrrd = separator == ':';
+    // Comments and key/value pairs of NRRD are no fields.
+    if (at != std::string::npos && !(isNrrd && (line[0] == '#' || line.compare(at, 2, ":=") == 0)))
     {
       const std::size_t end = line.find_last_not_of(blank, at == 0 ? 0 : at - 1);
       const std::size_t from = line.find_first_not_of(blank, at + 1);
@@ -41,12 +46,13 @@ Fields ReadFields(const std::string& text, char separator)
       std::string value = from == std::string::npos
         ? std::string()
         : line.substr(from, line.find_last_not_of(blank) + 1 - from);
-      if (separator == ':')
+      if (isNrrd)
       {
-        key = vtksys::SystemTools::LowerCase(key);
-        value = key == "space" || key == "encoding" || key == "endian"
-          ? vtksys::SystemTools::LowerCase(value)
-          : value;
+        const std::string known = ffd::FindNrrdField(key);
+        key = known.empty() ? key : known;
+        const bool isOfWords = key == "space" || key == "encoding" || key == "endian" ||
+          key == "kinds" || key == "centers";
+        value = isOfWords ? ffd::ToLower(value) : value;
       }
       fields[key] = value;
       if (line.compare(0, 15, "ElementDataFile") == 0)

@@ -23,14 +23,15 @@ namespace vtkFFDTextHeader
 /// Bytes of a file in which its header is looked for.
 constexpr std::size_t LargestSize = 65536;
 
-/// How a file begins, up to these bytes.
-std::string ReadStart(const std::string& path);
+/// The first bytes of a file, or all of a shorter one.
+std::string ReadStart(const std::string& path, std::size_t bytes = LargestSize);
 
 /// "key separator value" of the lines of a header.
 using Fields = std::map<std::string, std::string>;
 
-/// "key<separator> value" lines of the header of a text format, until an empty line. Keys of NRRD,
-/// and the words of the format after them, are the same in capital letters: small ones are given.
+/// "key<separator> value" lines of the header of a text format, until an empty line. Keys of NRRD
+/// are as ffd::FindNrrdField() has them, where it knows them, and the words of the format after
+/// them are in small letters, as capital ones mean the same.
 Fields ReadFields(const std::string& text, char separator);
 
 /// The value of the first of some keys that a header has, or an empty text.
