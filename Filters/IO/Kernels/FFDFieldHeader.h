@@ -107,6 +107,12 @@ FFD_IO_EXPORT bool DecodeField(
 
 /// Header of an NRRD file (attached data, raw, little endian doubles, LPS) of this grid.
 FFD_IO_EXPORT std::string FormatNrrdHeader(const TransformGrid& grid);
+/// Whether an ElementDataFile of MetaImage says that the data are behind the header.
+FFD_IO_EXPORT bool IsLocalData(std::string_view name);
+
+/// Millimeters in a unit of length of NIfTI, of its xyzt_units; 1 where there is none.
+FFD_IO_EXPORT double FindNiftiUnit(int units);
+
 /// Whether a MetaImage header can name this file of data, for MetaIO (VTK, ITK) as well.
 FFD_IO_EXPORT bool CanNameDataFile(std::string_view name);
 /// Header of a MetaImage (.mha: local data, raw, little endian doubles; .mhd: in `dataFile`).

@@ -156,7 +156,7 @@ bool ParseMetaImageHeader(std::string_view bytes, FieldHeader& header, std::stri
     axes[a] *= spacing[static_cast<std::size_t>(a)];
   }
   const std::string_view file = WithoutHere(value("ElementDataFile", ""));
-  if (file == "LOCAL" || file == "Local" || file == "local")
+  if (IsLocalData(file))
   {
     header.Offset = static_cast<std::size_t>(text.data() - bytes.data());
   }
@@ -173,13 +173,19 @@ bool ParseMetaImageHeader(std::string_view bytes, FieldHeader& header, std::stri
 }
 
 //------------------------------------------------------------------------------
+bool IsLocalData(std::string_view name)
+{
+  return name == "LOCAL" || name == "Local" || name == "local";
+}
+
+//------------------------------------------------------------------------------
 bool CanNameDataFile(std::string_view name)
 {
   const bool printable = std::none_of(name.begin(), name.end(),
     [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '%'; });
   // MetaIO takes all that begins with LIST for a list of files.
   return IsPlainFileName(name) && printable && Trim(name) == name && name.substr(0, 4) != "LIST" &&
-    name != "LOCAL" && name != "Local" && name != "local";
+    !IsLocalData(name);
 }
 
 //------------------------------------------------------------------------------

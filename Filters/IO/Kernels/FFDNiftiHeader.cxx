@@ -63,6 +63,13 @@ bool FindMeaning(
 } // namespace
 
 //------------------------------------------------------------------------------
+double FindNiftiUnit(int units)
+{
+  const int length = units & NiftiSpaceUnits;
+  return length == NiftiMeters ? 1e3 : length == NiftiMicrons ? 1e-3 : 1.0;
+}
+
+//------------------------------------------------------------------------------
 bool LooksLikeNifti(std::string_view bytes)
 {
   return bytes.size() >= NiftiHeaderSize && bytes.substr(344, 4) == std::string_view("n+1\0", 4);
@@ -205,8 +212,7 @@ bool ParseNiftiHeader(std::string_view bytes, FieldHeader& header, std::string& 
     return false;
   }
   // RAS in the file's units of length to LPS in millimeters.
-  const int units = static_cast<unsigned char>(bytes[123]) & NiftiSpaceUnits;
-  const double length = units == NiftiMeters ? 1e3 : units == NiftiMicrons ? 1e-3 : 1.0;
+  const double length = FindNiftiUnit(static_cast<unsigned char>(bytes[123]));
   const glm::dvec3 flip(-length, -length, length);
   origin *= flip;
   for (int a = 0; a < 3; ++a)

@@ -12,7 +12,6 @@
 
 #include <glm/geometric.hpp>
 
-#include <vtksys/FStream.hxx>
 #include <vtksys/SystemTools.hxx>
 
 #include <algorithm>
@@ -28,6 +27,12 @@ namespace
 {
 
 using vtkFFDTextHeader::ReadStart;
+
+/// Whether the first bytes of a file are those of DICOM, behind a preamble.
+bool HasMark(const std::string& bytes)
+{
+  return bytes.size() > 128 && bytes.compare(128, 4, "DICM") == 0;
+}
 
 constexpr char NoSlices[] = "no DICOM slices were found in it";
 
@@ -144,13 +149,14 @@ std::string CheckSlices(SliceReader* reader, int slices, std::string& warning)
     return std::to_string(slice.Columns) + " x " + std::to_string(slice.Rows) + " pixels of " +
       std::to_string(slice.Samples) + " x " + std::to_string(slice.Bits) + " bits";
   };
-  const Header first = Header::Parse(ReadStart(reader->GetDICOMFileName(0)));
+  Header first;
   std::vector<glm::dvec3> places;
   for (int i = 0; i < slices; ++i)
   {
     const char* const path = reader->GetDICOMFileName(i);
     const std::string start = ReadStart(path);
     const Header slice = Header::Parse(start);
+    first = i == 0 ? slice : first;
     if (slice.HasSize() && first.HasSize() && !slice.HasSizeOf(first))
     {
       return NameSlice(path) + "has " + describe(slice) + ", '" +
@@ -206,11 +212,12 @@ std::string SliceFolder::FindProblem() const
       return entry.path().filename().string() + ", which is in it, is no regular file";
     }
     const std::string path = entry.path().string();
-    if (fs::is_regular_file(status) && vtkFFDDicomSlices::IsSlice(path))
+    const std::string start = fs::is_regular_file(status) ? ReadStart(path) : std::string();
+    if (HasMark(start))
     {
       // VTK's reader crashes of headers that are cut off and of values that are missing. Pixels are
       // for CheckSlices().
-      const vtkFFDDicomSliceHeader slice = vtkFFDDicomSliceHeader::Parse(ReadStart(path));
+      const vtkFFDDicomSliceHeader slice = vtkFFDDicomSliceHeader::Parse(start);
       const bool isForLater = slice.Pixels == vtkFFDDicomSliceHeader::FOUND && !slice.Empty;
       std::string found = isForLater ? std::string() : FindSliceProblem(path, slice);
       if (!found.empty())
@@ -260,14 +267,7 @@ std::string SliceFolder::FindPlacement(Header& header) const
 } // namespace
 
 //------------------------------------------------------------------------------
-bool vtkFFDDicomSlices::IsSlice(const std::string& path)
-{
-  constexpr std::size_t preamble = 128;
-  std::string bytes(preamble + 4, '\0');
-  vtksys::ifstream file(path.c_str(), std::ios::in | std::ios::binary);
-  file.read(&bytes[0], static_cast<std::streamsize>(bytes.size()));
-  return file && bytes.compare(preamble, 4, "DICM") == 0;
-}
+bool vtkFFDDicomSlices::IsSlice(const std::string& path) { return HasMark(ReadStart(path, 132)); }
 
 //------------------------------------------------------------------------------
 std::unique_ptr<vtkFFDVolumeFile> vtkFFDDicomSlices::Open(

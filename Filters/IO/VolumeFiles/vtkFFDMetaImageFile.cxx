@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDMetaImageFile.h"
 
+#include "FFDFieldHeader.h"
+
 #include "vtkFFDDataFiles.h"
 #include "vtkFFDTextHeader.h"
 
@@ -26,12 +28,6 @@ constexpr double LargestDimensions = 10.0;
 bool IsTrue(const std::string& value)
 {
   return !value.empty() && (value[0] == 'T' || value[0] == 't' || value[0] == '1');
-}
-
-/// Whether the voxels are in the file of the header, behind it.
-bool IsLocal(const std::string& dataFile)
-{
-  return dataFile == "LOCAL" || dataFile == "Local" || dataFile == "local";
 }
 
 /// Rows of the matrix are the directions of the axes of the image.
@@ -136,7 +132,7 @@ std::string MetaImageFile::FindDataProblem(double bytes, int slices) const
   {
     return "its header gives voxels without a size (ElementNumberOfChannels)";
   }
-  if (IsLocal(value))
+  if (ffd::IsLocalData(value))
   {
     const std::size_t line = this->Text.find('\n', this->Text.find("ElementDataFile"));
     const double start = line == std::string::npos ? 0.0 : static_cast<double>(line + 1);
@@ -186,7 +182,7 @@ vtkFFDStoredVoxels MetaImageFile::FindStoredVoxels() const
   const bool isText = !binary.empty() && !IsTrue(binary);
   const bool isPacked = !isText && IsTrue(Find(this->Fields, { "CompressedData" }));
   const bool isList = value.compare(0, 4, "LIST") == 0 || value.find('%') != std::string::npos;
-  const bool local = IsLocal(value);
+  const bool local = ffd::IsLocalData(value);
   const std::string head = Find(this->Fields, { "HeaderSize" });
   // -1: the voxels are at the end of the file.
   const bool isOfVtk =

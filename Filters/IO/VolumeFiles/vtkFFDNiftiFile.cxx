@@ -5,6 +5,7 @@
 #include "vtkFFDFileAccess.h"
 
 #include "FFDBinaryNumbers.h"
+#include "FFDFieldHeader.h"
 
 #include "vtkDataArray.h"
 #include "vtkMatrix4x4.h"
@@ -49,11 +50,7 @@ vtkFFDVolumeFile::Placement PlaceNifti(vtkNIFTIImageReader* reader, const glm::d
   {
     matrix = reader->GetQFormMatrix();
   }
-  // The lowest three bits of the header's xyzt_units are the unit of length.
-  constexpr int meters = 1;
-  constexpr int microns = 3;
-  const int unit = reader->GetNIFTIHeader()->GetXYZTUnits() & 7;
-  const double toMillimeters = unit == meters ? 1e3 : unit == microns ? 1e-3 : 1.0;
+  const double toMillimeters = ffd::FindNiftiUnit(reader->GetNIFTIHeader()->GetXYZTUnits());
   if (!matrix)
   {
     place.Steps = glm::dmat3(0.0);
