@@ -130,9 +130,9 @@ CameraView MakeCameraView(
   view.NdcPerPixel = 2.0 * region.Step / viewport;
   // Exactly -1 where a step is a pixel.
   view.NdcOrigin = 2.0 * (origin - region.Step * glm::dvec2(view.PixelOrigin)) / viewport - 1.0;
-  const double* eye = camera->GetPosition();
+  // Where the camera looks from with the matrices of the user that it may have.
   view.Eye =
-    glm::dvec3(glm::inverse(dataToWorld) * glm::dvec4(glm::dvec3(eye[0], eye[1], eye[2]), 1.0));
+    glm::dvec3(glm::inverse(ToMatrix(camera->GetModelViewTransformMatrix()) * dataToWorld)[3]);
   view.Parallel = camera->GetParallelProjection() != 0;
   return view;
 }

@@ -16,6 +16,7 @@ import vtkffd
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
 from vtkmodules.vtkCommonMath import vtkMatrix4x4
+from vtkmodules.vtkCommonTransforms import vtkTransform
 from vtkmodules.vtkRenderingCore import (
     vtkColorTransferFunction, vtkLight, vtkLightKit, vtkRenderer, vtkRenderWindow, vtkVolume,
     vtkVolumeProperty, vtkWindowToImageFilter)
@@ -31,6 +32,10 @@ MIDDLE = numpy.full(3, (SIZE - 1) / 2.0)
 
 def normalized(vectors):
     return vectors / numpy.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
+def from_vtk(matrix):
+    return numpy.array([[matrix.GetElement(i, j) for j in range(4)] for i in range(4)])
 
 
 def to_vtk(matrix):
@@ -158,8 +163,8 @@ class LitPlane:
     def expected(self, depths):
         """Colors of the plane at the pixels."""
         camera = self.renderer.GetActiveCamera()
-        to_ndc = camera.GetCompositeProjectionTransformMatrix(1.0, -1.0, 1.0)
-        to_ndc = numpy.array([[to_ndc.GetElement(i, j) for j in range(4)] for i in range(4)])
+        to_ndc = from_vtk(camera.GetCompositeProjectionTransformMatrix(1.0, -1.0, 1.0))
+        eye = numpy.linalg.inv(from_vtk(camera.GetModelViewTransformMatrix()))[:3, 3]
         y, x = numpy.mgrid[0:PIXELS, 0:PIXELS]
         ndc = numpy.stack([2.0 * (x.ravel() + 0.5) / PIXELS - 1.0,
                            2.0 * (y.ravel() + 0.5) / PIXELS - 1.0, 2.0 * depths - 1.0,
@@ -168,7 +173,7 @@ class LitPlane:
         world = world[:, :3] / world[:, 3:]
         linear = self.matrix[:3, :3] @ self.affine
         normal = normalized(-numpy.linalg.inv(linear).T @ self.gradient)
-        to_eye = normalized(numpy.array(camera.GetPosition()) - world)
+        to_eye = normalized(eye - world)
         lights = [self.renderer.GetLights().GetItemAsObject(i)
                   for i in range(self.renderer.GetLights().GetNumberOfItems())]
         ambient, diffuse, specular = numpy.zeros(3), 0.0, 0.0
@@ -272,6 +277,26 @@ class TestLighting(unittest.TestCase):
                     plane.headlight(Intensity=0.4)
                     _, expected = self.check(plane, 3.0)
         self.print_error("several lights", vtkOpenGLGPUVolumeRayCastMapper(), plane, expected)
+
+    def test_matrices_of_the_camera(self):
+        """The scene turns before the camera, about what this looks at."""
+        for parallel in (False, True):
+            for name in ("user view", "model"):
+                with self.subTest(parallel=parallel, matrix=name):
+                    plane = LitPlane([0.5, 0.3, -0.8])
+                    plane.look([0.2, -0.1, -1.0], parallel)
+                    plane.headlight()
+                    camera = plane.renderer.GetActiveCamera()
+                    turn = vtkTransform()
+                    turn.Translate(
+                        camera.GetFocalPoint() if name == "model" else (0.0, 0.0, -60.0))
+                    turn.RotateY(35.0)
+                    turn.Translate([-x for x in turn.GetPosition()])
+                    if name == "model":
+                        camera.SetModelTransformMatrix(turn.GetMatrix())
+                    else:
+                        camera.SetUserViewTransform(turn)
+                    self.check(plane)
 
     def test_deformed(self):
         for name in ("identity", "3, 1, 1", "mirrored"):
