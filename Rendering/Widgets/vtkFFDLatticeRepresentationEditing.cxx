@@ -4,7 +4,6 @@
 // and leave the rest to ffd::LatticeEditor.
 #include "vtkFFDLatticeRepresentationInternals.h"
 
-#include "vtkCamera.h"
 #include "vtkCommand.h"
 #include "vtkIdTypeArray.h"
 #include "vtkMath.h"
@@ -318,19 +317,14 @@ int vtkFFDLatticeRepresentation::NudgeSelection(double right, double up)
   {
     return 0;
   }
-  glm::dvec3 viewUp;
-  glm::dvec3 forward;
-  this->Renderer->GetActiveCamera()->GetViewUp(&viewUp.x);
-  this->Renderer->GetActiveCamera()->GetDirectionOfProjection(&forward.x);
-  const glm::dvec3 viewRight = glm::normalize(glm::cross(forward, viewUp));
-  viewUp = glm::cross(viewRight, forward);
+  const vtkFFDProjection projection(this->Renderer);
   const glm::dmat3 toData = glm::inverse(glm::dmat3(in.GetMatrix()));
   return in.Edit("Nudge", [&] {
     const double step =
       this->NudgeStep > 0.0 ? this->NudgeStep : DefaultNudge * in.Editor.GetSmallestSpacing();
     return in.Editor.TranslateSelection(step *
         ffd::FindScreenMove(static_cast<ffd::MoveConstraint>(this->Constraint), right, up,
-          toData * viewRight, toData * viewUp),
+          toData * projection.Right, toData * projection.Up),
       "Nudge");
   });
 }

@@ -602,7 +602,6 @@ void vtkFFDLatticeRepresentation::vtkInternals::BuildGlyphs(const vtkFFDLatticeG
 void vtkFFDLatticeRepresentation::vtkInternals::BuildHandle(const vtkFFDProjection& projection)
 {
   const vtkFFDLatticeRepresentation* self = this->Self;
-  vtkCamera* camera = this->Self->Renderer->GetActiveCamera();
   const bool dragged = self->InteractionState == MovingHandle;
   const bool translates = self->HandleMode == HANDLE_TRANSLATE;
 
@@ -617,7 +616,7 @@ void vtkFFDLatticeRepresentation::vtkInternals::BuildHandle(const vtkFFDProjecti
   state.DraggedPart = dragged ? this->Part : vtkFFDTransformGizmo::NoPart;
   state.HighlightColor = ToBytes(this->Looks[HoveredLook]->GetColor());
   std::vector<vtkFFDLatticeScene::Shape> shapes;
-  this->Gizmo.Build(state, camera, projection, shapes);
+  this->Gizmo.Build(state, projection, shapes);
 
   // Guides: the axes of the constraint, and how far proportional editing reaches.
   const bool moving = self->InteractionState == MovingPoints ||
@@ -636,7 +635,7 @@ void vtkFFDLatticeRepresentation::vtkInternals::BuildHandle(const vtkFFDProjecti
   {
     const double scale = std::cbrt(std::abs(glm::determinant(glm::dmat3(state.DataToWorld))));
     vtkFFDTransformGizmo::AddCircle(vtkFFDTransformPoint(state.DataToWorld, state.Center),
-      scale * this->Editor.GetEffectiveRadius(), camera, shapes);
+      scale * this->Editor.GetEffectiveRadius(), projection, shapes);
   }
   this->Scene.SetHandle(shapes);
 }

@@ -49,16 +49,13 @@ vtkFFDProjection::vtkFFDProjection(vtkRenderer* renderer)
   this->Parallel = camera->GetParallelProjection() != 0;
   this->DepthSlope = projection->GetElement(2, 2);
   this->DepthOffset = projection->GetElement(2, 3);
-  if (this->Parallel)
-  {
-    this->PixelPerDepth = 2.0 * camera->GetParallelScale() / this->Size.y;
-  }
-  else
-  {
-    this->PixelPerDepth = 2.0 *
-      std::tan(0.5 * vtkMath::RadiansFromDegrees(camera->GetViewAngle())) /
-      (camera->GetUseHorizontalViewAngle() ? this->Size.x : this->Size.y);
-  }
+  // Not from the options of the camera: it may have matrices of the user, too, or be off-axis.
+  const glm::dmat4 clipToWorld = glm::inverse(this->WorldToClip);
+  const glm::dvec3 right(clipToWorld[0]);
+  const glm::dvec3 up(clipToWorld[1]);
+  this->Right = glm::normalize(right);
+  this->Up = glm::normalize(up);
+  this->PixelPerDepth = 2.0 * glm::length(up) / this->Size.y;
 }
 
 //------------------------------------------------------------------------------
@@ -83,6 +80,15 @@ bool vtkFFDProjection::ToDisplay(const glm::dvec3& world, glm::dvec3& display) c
   const glm::dvec2 pixel = this->Origin + 0.5 * (glm::dvec2(view) + 1.0) * this->Size;
   display = { pixel.x, pixel.y, view.z };
   return true;
+}
+
+//------------------------------------------------------------------------------
+glm::dvec3 vtkFFDProjection::GetSight(const glm::dvec3& world) const
+{
+  const glm::dvec3 ndc = vtkFFDTransformPoint(this->WorldToClip, world);
+  const glm::dvec3 near =
+    vtkFFDTransformPoint(glm::inverse(this->WorldToClip), { ndc.x, ndc.y, -1.0 });
+  return glm::normalize(near - world);
 }
 
 //------------------------------------------------------------------------------

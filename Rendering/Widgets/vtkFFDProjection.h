@@ -20,7 +20,9 @@ struct vtkFFDProjection
   glm::dmat4 WorldToClip{ 1.0 };
   glm::dvec2 Origin{ 0.0 }; ///< lower left pixel of the viewport
   glm::dvec2 Size{ 1.0 };
-  double PixelPerDepth = 0.0; ///< world units of a pixel at clip coordinate w = 1
+  double PixelPerDepth = 0.0;        ///< world units of a pixel at clip coordinate w = 1
+  glm::dvec3 Right{ 1.0, 0.0, 0.0 }; ///< unit vector of the world that points right in the window
+  glm::dvec3 Up{ 0.0, 1.0, 0.0 };    ///< unit vector of the world that points up in the window
   bool Parallel = false;
   double DepthSlope = 0.0;  ///< clip coordinate z by view coordinate z
   double DepthOffset = 0.0; ///< clip coordinate z of view coordinate z = 0
@@ -31,6 +33,8 @@ struct vtkFFDProjection
 
   /// Display x, y and the depth (-1 near to 1 far); false behind the camera.
   bool ToDisplay(const glm::dvec3& world, glm::dvec3& display) const;
+  /// Unit vector from a point of the world to the viewer.
+  glm::dvec3 GetSight(const glm::dvec3& world) const;
   /// World units of a pixel at a point; 0 behind the camera.
   double GetPixelSize(const glm::dvec3& world) const;
   /// Offset of clip coordinate z that brings points nearer by some pixels and leaves them where

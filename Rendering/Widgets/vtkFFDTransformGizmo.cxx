@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDTransformGizmo.h"
 
-#include "vtkCamera.h"
 #include "vtkCellArray.h"
 #include "vtkConeSource.h"
 #include "vtkCubeSource.h"
@@ -74,23 +73,6 @@ std::vector<glm::dvec3> MakeRing(const glm::dvec3& center, double radius, const 
   return ring;
 }
 
-/// Directions of a camera in the world.
-struct ViewFrame
-{
-  glm::dvec3 Right;
-  glm::dvec3 Up;
-  glm::dvec3 Toward; ///< from the scene to the camera
-
-  explicit ViewFrame(vtkCamera* camera)
-  {
-    camera->GetViewUp(&this->Up.x);
-    camera->GetDirectionOfProjection(&this->Toward.x);
-    this->Toward = -this->Toward;
-    this->Right = glm::normalize(glm::cross(this->Up, this->Toward));
-    this->Up = glm::cross(this->Toward, this->Right);
-  }
-};
-
 double DistanceToSegment(const glm::dvec2& p, const glm::dvec2& a, const glm::dvec2& b)
 {
   const glm::dvec2 along = b - a;
@@ -125,8 +107,8 @@ vtkFFDTransformGizmo::vtkFFDTransformGizmo()
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDTransformGizmo::Build(const State& state, vtkCamera* camera,
-  const vtkFFDProjection& projection, std::vector<Shape>& shapes)
+void vtkFFDTransformGizmo::Build(
+  const State& state, const vtkFFDProjection& projection, std::vector<Shape>& shapes)
 {
   this->Parts.clear();
   const glm::dvec3 middle = vtkFFDTransformPoint(state.DataToWorld, state.Center);
@@ -135,11 +117,7 @@ void vtkFFDTransformGizmo::Build(const State& state, vtkCamera* camera,
   {
     return;
   }
-  const ViewFrame view(camera);
-  glm::dvec3 eye;
-  camera->GetPosition(&eye.x);
-  const glm::dvec3 sight =
-    camera->GetParallelProjection() ? view.Toward : glm::normalize(eye - middle);
+  const glm::dvec3 sight = projection.GetSight(middle);
   const bool rotates = state.Kind == Mode::Rotate;
   const bool scales = state.Kind == Mode::Scale;
   for (int a = 0; a < 3; ++a)
@@ -178,8 +156,8 @@ void vtkFFDTransformGizmo::Build(const State& state, vtkCamera* camera,
     Shape shape;
     shape.Rgb = state.HighlightedPart == MiddlePart ? state.HighlightColor : MiddleColor;
     shape.Line = rotates
-      ? MakeRing(middle, ViewRing * length, view.Right, view.Up, RingSegments, 0.5)
-      : MakeRing(middle, HalfMiddle * length, view.Right, view.Up, 4, 0.5);
+      ? MakeRing(middle, ViewRing * length, projection.Right, projection.Up, RingSegments, 0.5)
+      : MakeRing(middle, HalfMiddle * length, projection.Right, projection.Up, 4, 0.5);
     std::vector<glm::dvec3> path = shape.Line;
     if (!rotates)
     {
@@ -240,12 +218,11 @@ void vtkFFDTransformGizmo::AddConstraintGuides(ffd::MoveConstraint constraint,
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDTransformGizmo::AddCircle(
-  const glm::dvec3& center, double radius, vtkCamera* camera, std::vector<Shape>& shapes)
+void vtkFFDTransformGizmo::AddCircle(const glm::dvec3& center, double radius,
+  const vtkFFDProjection& projection, std::vector<Shape>& shapes)
 {
-  const ViewFrame view(camera);
   Shape shape;
   shape.Rgb = MiddleColor;
-  shape.Line = MakeRing(center, radius, view.Right, view.Up);
+  shape.Line = MakeRing(center, radius, projection.Right, projection.Up);
   shapes.push_back(shape);
 }

@@ -15,8 +15,6 @@
 
 #include <vector>
 
-class vtkCamera;
-
 /**
  * The handle of the selection: three arms with tips or three rings along the data axes, and a part
  * in the middle. Makes the shapes that are drawn, finds the part at a position of the window, and
@@ -55,10 +53,9 @@ public:
     Color HighlightColor{};
   };
 
-  /// Appends the shapes of the handle as a camera sees it; these are what FindPart() finds. An arm
-  /// near the line of sight is faded and cannot be found.
-  void Build(const State& state, vtkCamera* camera, const vtkFFDProjection& projection,
-    std::vector<Shape>& shapes);
+  /// Appends the shapes of the handle as the viewer sees it; these are what FindPart() finds. An
+  /// arm near the line of sight is faded and cannot be found.
+  void Build(const State& state, const vtkFFDProjection& projection, std::vector<Shape>& shapes);
 
   /**
    * The part nearest to a position of the window, nearer than `tolerance`, or NoPart. Sets
@@ -72,9 +69,9 @@ public:
   static void AddConstraintGuides(ffd::MoveConstraint constraint, const glm::dvec3& point,
     double reach, const glm::dmat4& dataToWorld, std::vector<Shape>& shapes);
 
-  /// Appends a circle that faces the camera; world coordinates.
-  static void AddCircle(
-    const glm::dvec3& center, double radius, vtkCamera* camera, std::vector<Shape>& shapes);
+  /// Appends a circle that faces the viewer; world coordinates.
+  static void AddCircle(const glm::dvec3& center, double radius, const vtkFFDProjection& projection,
+    std::vector<Shape>& shapes);
 
 private:
   struct Part

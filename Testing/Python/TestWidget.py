@@ -10,6 +10,7 @@ import numpy
 import vtkffd
 from vtkmodules.util.numpy_support import numpy_to_vtkIdTypeArray, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkIdTypeArray
+from vtkmodules.vtkCommonTransforms import vtkTransform
 from vtkmodules.vtkInteractionStyle import vtkInteractorStyleTrackballCamera
 from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow, vtkRenderWindowInteractor
 
@@ -328,6 +329,51 @@ class TestWidget(unittest.TestCase):
                 if self.widget is not None:
                     self.widget.Off()
         self.setUp()
+
+    def test_matrices_of_the_camera(self):
+        """Nudges go along the window, and the handle is as long as it should be in it."""
+        turn, mirror, larger = vtkTransform(), vtkTransform(), vtkTransform()
+        turn.RotateZ(90.0)
+        mirror.Scale(-1.0, 1.0, 1.0)
+        larger.Scale(1.5, 1.5, 1.5)
+
+        def show_off_axis(camera):
+            camera.UseOffAxisProjectionOn()
+            camera.SetScreenBottomLeft(-5.0, -5.0, 5.0)
+            camera.SetScreenBottomRight(15.0, -5.0, 5.0)
+            camera.SetScreenTopRight(15.0, 15.0, 5.0)
+            camera.SetEyePosition((8.0, 2.0, 60.0))
+            camera.SetClippingRange(1.0, 200.0)
+
+        views = {
+            "plain": lambda _: None,
+            "user view": lambda camera: camera.SetUserViewTransform(turn),
+            "model": lambda camera: camera.SetModelTransformMatrix(larger.GetMatrix()),
+            "mirrored": lambda camera: camera.SetUserTransform(mirror),
+            "parallel": lambda camera: camera.ParallelProjectionOn(),
+            "off-axis": show_off_axis}
+        for name, change in views.items():
+            with self.subTest(view=name):
+                self.tearDown()
+                self.setUp()
+                change(self.renderer.GetActiveCamera())
+                self.window.Render()
+                self.rep.SelectPoint(2, 2, 2)
+                self.window.Render()
+                arm = self.rep.GetTransformHandleSize()
+                x, y = self.display(2, 2, 2)
+                along = {"user view": (0, 1), "mirrored": (-1, 0)}.get(name, (1, 0))
+                for length, state in ((0.9, REP.OnHandle), (1.4, REP.Outside)):
+                    self.assertEqual(self.rep.ComputeInteractionState(
+                        round(x + length * arm * along[0]),
+                        round(y + length * arm * along[1])), state)
+                self.assertEqual(self.rep.NudgeSelection(40.0, 0.0), 1)
+                after = self.display(2, 2, 2)
+                self.assertGreater(after[0], x + 20)
+                self.assertLessEqual(abs(after[1] - y), 1)
+                self.assertEqual(self.rep.NudgeSelection(0.0, 40.0), 1)
+                self.assertLessEqual(abs(self.display(2, 2, 2)[0] - after[0]), 1)
+                self.assertGreater(self.display(2, 2, 2)[1], y + 20)
 
     def test_another_lattice_in_a_drag(self):
         """An observer that gives the lattice, or another one, more points or fewer ends the drag."""
