@@ -103,7 +103,8 @@
  * points are those of the input whose material is shown: of the first visible sample.
  *
  * A headlight shines from the position of the camera, in parallel projection, too, as that of
- * vtkGPUVolumeRayCastMapper does. A single one of intensity 1 lights the ambient term whatever its
+ * vtkGPUVolumeRayCastMapper does, but with the camera's user view and model transforms, as on
+ * surfaces. A single one of intensity 1 lights the ambient term whatever its
  * ambient color, again as there; otherwise the ambient term is that of the ambient colors of the
  * lights times their intensities, black by default. Where no light is on there is a headlight, as
  * the renderer makes one in a window, unless its AutomaticLightCreation is off.
