@@ -85,6 +85,8 @@ void vtkFFDWarpTransform::InternalDeepCopy(vtkAbstractTransform* transform)
 {
   // vtkAbstractTransform::DeepCopy lets nothing but our own class through.
   vtkFFDWarpTransform* other = static_cast<vtkFFDWarpTransform*>(transform);
+  // What GetInverse() made is the inverse once it has been updated.
+  other->Update();
   this->InverseFlag = other->InverseFlag;
   this->InverseTolerance = other->InverseTolerance;
   this->InverseIterations = other->InverseIterations;

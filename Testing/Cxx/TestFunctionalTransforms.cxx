@@ -65,6 +65,9 @@ int TestAsTransforms()
     copy.TakeReference(transform->MakeTransform());
     copy->DeepCopy(transform);
     vtkAbstractTransform* inverse = transform->GetInverse();
+    vtkSmartPointer<vtkAbstractTransform> inverseCopy;
+    inverseCopy.TakeReference(transform->MakeTransform());
+    inverseCopy->DeepCopy(inverse);
     double moved = 0.0;
     for (int n = 0; n < 50; ++n)
     {
@@ -76,6 +79,8 @@ int TestAsTransforms()
       inverse->TransformPoint(q, back);
       copy->TransformPoint(p, other);
       FFD_CHECK(FFDDistance(back, p) < 1e-9 && FFDDistance(other, q) == 0.0);
+      inverseCopy->TransformPoint(q, other);
+      FFD_CHECK(FFDDistance(other, back) == 0.0);
       moved = std::max(moved, FFDDistance(p, q));
       // Single precision.
       const float f[3] = { static_cast<float>(p[0]), static_cast<float>(p[1]),

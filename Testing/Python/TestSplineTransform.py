@@ -111,6 +111,10 @@ class TestSplineTransform(unittest.TestCase):
                 np.testing.assert_array_equal(apply(copy, POINTS), apply(transform, POINTS))
                 transform.SetInverseTolerance(1e-10)
                 inverse = transform.GetInverse()
+                # Of an inverse that nobody has asked for anything yet.
+                copy = inverse.MakeTransform()
+                copy.DeepCopy(inverse)
+                np.testing.assert_array_equal(apply(copy, POINTS), apply(inverse, POINTS))
                 moved = apply(transform, POINTS)
                 self.assertGreater(np.abs(moved - POINTS).max(), 0.5)
                 np.testing.assert_allclose(apply(inverse, moved), POINTS, atol=1e-7)
