@@ -2,12 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Several threads render at the same time, each with a mapper of its own and another number of
 // threads: the number is a property of the mapper, not of the process, and changes no picture. They
-// may share a property, too, from the first frame on.
+// may share a property and a deformation, too, from the first frame on.
 
 #include "FFDTestHelpers.h"
 
 #include "vtkColorTransferFunction.h"
 #include "vtkDataArray.h"
+#include "vtkFFDBarrTransform.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDResampleVolume.h"
@@ -20,6 +21,7 @@
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <thread>
@@ -146,6 +148,82 @@ bool RenderWithNewProperty()
   return rendered == Threads;
 }
 
+/// Several threads begin with a deformation that has just been changed. A null lattice: with the
+/// one that is attached to the volume.
+bool RenderWithSharedDeformation(vtkAbstractTransform* deformation, vtkImageData* image)
+{
+  vtkNew<vtkPiecewiseFunction> opacity;
+  opacity->AddPoint(0.0, 0.5);
+  vtkNew<vtkVolumeProperty> property;
+  property->SetScalarOpacity(opacity);
+  std::atomic<int> ready{ 0 };
+  std::vector<Bytes> pictures(Threads);
+  std::vector<std::thread> threads;
+  for (int i = 0; i < Threads; ++i)
+  {
+    threads.emplace_back([&, i] {
+      vtkNew<vtkImageData> own;
+      own->ShallowCopy(image);
+      vtkNew<vtkFFDInverseRayVolumeMapper> mapper;
+      mapper->SetInputData(own);
+      mapper->SetDeformation(deformation);
+      vtkNew<vtkVolume> volume;
+      volume->SetMapper(mapper);
+      volume->SetProperty(property);
+      vtkNew<vtkRenderer> renderer;
+      renderer->AddVolume(volume);
+      ++ready;
+      while (ready < Threads)
+      {
+        std::this_thread::yield();
+      }
+      renderer->ResetCamera();
+      vtkNew<vtkImageData> colors;
+      if (mapper->RenderToImage(renderer, volume, Side, Side, colors))
+      {
+        Append(colors, pictures[i]);
+      }
+    });
+  }
+  for (std::thread& thread : threads)
+  {
+    thread.join();
+  }
+  return !pictures[0].empty() &&
+    std::count(pictures.begin(), pictures.end(), pictures[0]) == Threads;
+}
+
+bool RenderWithSharedDeformations()
+{
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(8, 8, 8);
+  image->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
+  image->GetPointData()->GetScalars()->Fill(100.0);
+  vtkNew<vtkFFDLattice> lattice;
+  lattice->SetDimensions(5, 5, 5);
+  lattice->FitToBounds(image->GetBounds(), 0.0);
+  vtkNew<vtkFFDBarrTransform> barr;
+  barr->SetDeformationTypeToTwist();
+  barr->SetCenter(3.5, 3.5, 3.5);
+  barr->SetRange(-3.5, 3.5);
+  for (int edit = 0; edit < 6; ++edit)
+  {
+    FFDRandom random(edit);
+    random.Shape(lattice, 0.3);
+    barr->SetAngle(2.0 * edit);
+    vtkNew<vtkImageData> attached;
+    attached->ShallowCopy(image);
+    lattice->AttachTo(attached);
+    if (!RenderWithSharedDeformation(lattice, image) ||
+      !RenderWithSharedDeformation(lattice->GetInverse(), image) ||
+      !RenderWithSharedDeformation(barr, image) || !RenderWithSharedDeformation(nullptr, attached))
+    {
+      return false;
+    }
+  }
+  return true;
+}
+
 } // namespace
 
 int TestMapperThreads(int, char*[])
@@ -173,5 +251,6 @@ int TestMapperThreads(int, char*[])
   {
     FFD_CHECK(RenderWithNewProperty());
   }
+  FFD_CHECK(RenderWithSharedDeformations());
   return EXIT_SUCCESS;
 }
