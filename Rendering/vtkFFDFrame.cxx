@@ -9,6 +9,7 @@
 #include "vtkProp.h"
 #include "vtkPropCollection.h"
 #include "vtkRenderer.h"
+#include "vtkRenderPass.h"
 #include "vtkRenderWindow.h"
 #include "vtkVolume.h"
 #include "vtkVolumeMapper.h"
@@ -52,6 +53,11 @@ public:
       prop->ReleaseGraphicsResources(this->Window);
     }
     this->Props.clear();
+    if (this->Pass)
+    {
+      this->Pass->ReleaseGraphicsResources(this->Window);
+      this->Pass = nullptr;
+    }
     this->Volume = nullptr;
     this->Mapper = nullptr;
     this->Window = nullptr;
@@ -59,6 +65,7 @@ public:
 
   vtkSmartPointer<vtkRenderWindow> Window;
   std::vector<vtkSmartPointer<vtkProp>> Props; ///< those that were removed
+  vtkSmartPointer<vtkRenderPass> Pass;         ///< one that was replaced
   vtkSmartPointer<vtkVolume> Volume;
   vtkSmartPointer<vtkVolumeMapper> Mapper;
   bool RemoveMapper = false;
@@ -87,6 +94,7 @@ vtkFFDFrame::vtkFFDFrame(vtkFFDFrame*& current, vtkVolumeMapper* mapper, vtkRend
   this->Current = this;
   if (window)
   {
+    this->Pass = renderer->GetPass();
     // Observers of the collection may be in the middle of it.
     vtkCollectionSimpleIterator at;
     vtkPropCollection* const props = renderer->GetViewProps();
@@ -132,7 +140,11 @@ void vtkFFDFrame::KeepAlive()
   };
   this->Props.erase(
     std::remove_if(this->Props.begin(), this->Props.end(), isKept), this->Props.end());
-  if (!removed && this->Props.empty() && this->Volume->GetReferenceCount() > 1 &&
+  if (this->Pass && this->Pass->GetReferenceCount() > 1)
+  {
+    this->Pass = nullptr;
+  }
+  if (!removed && this->Props.empty() && !this->Pass && this->Volume->GetReferenceCount() > 1 &&
     this->Mapper->GetReferenceCount() > 1)
   {
     return;
@@ -144,6 +156,7 @@ void vtkFFDFrame::KeepAlive()
   vtkNew<Keeper> keeper;
   keeper->Window = this->Window;
   keeper->Props = std::move(this->Props);
+  keeper->Pass = this->Pass;
   keeper->Volume = this->Volume;
   keeper->Mapper = this->Mapper;
   keeper->RemoveMapper = removed;

@@ -30,6 +30,7 @@ class vtkDataArray;
 class vtkObject;
 class vtkProp;
 class vtkRenderer;
+class vtkRenderPass;
 class vtkRenderWindow;
 class vtkVolume;
 class vtkVolumeMapper;
@@ -95,6 +96,7 @@ private:
   vtkSmartPointer<vtkVolume> Volume;
   vtkSmartPointer<vtkRenderWindow> Window;
   std::vector<vtkSmartPointer<vtkProp>> Props; // of the renderer
+  vtkSmartPointer<vtkRenderPass> Pass;         // of the renderer
   std::vector<HeldArray> Arrays;
   std::vector<std::function<void()>> Deferred;
   bool WasMapper; // of the volume

@@ -124,13 +124,13 @@
  * frame is made as a whole. See vtkFFDInteractiveFrames for applications.
  *
  * Observers of these events, and of others while the mapper renders, may do anything to the mapper,
- * its inputs and the scene, but take the renderer from its window, which VTK goes on to use. The
- * frame shows what it began with: new inputs, deformations and options count from the next frame
- * on, what is removed or deleted stays until the frame is over, and so do the resources that
- * ReleaseGraphicsResources() releases. GetBounds(), GetRestPosition() and pickers tell of the
- * frame. Render(), RenderToImage() and TraceRays() of the same mapper are refused with an error,
- * and a frame ends without a picture, and with an error, if the memory of an array that it reads is
- * freed by changing the size of the array.
+ * its inputs and the scene, but take the renderer from its window, give this another one or
+ * finalize it, since VTK goes on to use them. The frame shows what it began with: new inputs,
+ * deformations and options count from the next frame on, what is removed or deleted stays until the
+ * frame is over, and so do the resources that ReleaseGraphicsResources() releases. GetBounds(),
+ * GetRestPosition() and pickers tell of the frame. Render(), RenderToImage() and TraceRays() of the
+ * same mapper are refused with an error, and a frame ends without a picture, and with an error, if
+ * the memory of an array that it reads is freed by changing the size of the array.
  *
  * @sa
  * vtkFFDLattice vtkFFDVolumePicker vtkFixedPointVolumeRayCastMapper vtkImageReslice

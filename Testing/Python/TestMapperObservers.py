@@ -23,6 +23,7 @@ from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkRenderingCore import (vtkActor, vtkDataSetMapper, vtkRenderer, vtkRenderWindow,
                                          vtkTextActor, vtkVolume)
+from vtkmodules.vtkRenderingOpenGL2 import vtkRenderStepsPass, vtkSSAAPass
 from vtkmodules.vtkRenderingVolume import vtkVolumeMapper
 
 SIDE = 24
@@ -189,6 +190,32 @@ class TestMapperObservers(unittest.TestCase):
                     np.testing.assert_array_equal(scene.render(), expected)
                     np.testing.assert_array_equal(scene.render(), without)
                     self.assertEqual(scene.errors, [])
+
+    def test_the_pass_is_replaced_by_observers(self):
+        """The renderer goes on with the one that draws."""
+        scene = Scene()
+        steps = vtkRenderStepsPass()
+        scene.renderer.SetPass(steps)
+        expected = scene.render()
+        for event in EVENTS:
+            with self.subTest(event=event):
+                mapper = scene.new_mapper()
+
+                def replace(*_):
+                    smooth = vtkSSAAPass()
+                    smooth.SetDelegatePass(vtkRenderStepsPass())
+                    scene.renderer.SetPass(smooth)
+
+                replace()
+                smoothed = scene.render()
+                self.assertFalse(np.array_equal(smoothed, expected))
+                mapper.AddObserver(event, replace)
+                np.testing.assert_array_equal(scene.render(), smoothed)
+                mapper.RemoveAllObservers()
+                scene.renderer.GetPass().ReleaseGraphicsResources(scene.window)
+                scene.renderer.SetPass(steps)
+                np.testing.assert_array_equal(scene.render(), expected)
+                self.assertEqual(scene.errors, [])
 
     def check(self, scene, frame, pictures, name, arguments, events):
         """`frame`: 0 in the window, 1 as an image. ProgressEvent: that of the end."""
