@@ -757,7 +757,7 @@ public:
    * front: rays end there.
    *
    * Returns 1, or 0 after an error or an abort; the images are then left as they were. Width and
-   * height range from 1 to 16384.
+   * height range from 1 to 16384. The volume and its mask are refused as images to be written.
    */
   int RenderToImage(vtkRenderer* renderer, vtkVolume* volume, int width, int height,
     vtkImageData* colors, vtkImageData* depths = nullptr, vtkImageData* inputDepths = nullptr);

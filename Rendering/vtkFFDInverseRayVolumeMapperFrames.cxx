@@ -600,6 +600,17 @@ int vtkFFDInverseRayVolumeMapper::MakeImages(vtkRenderer* renderer, vtkVolume* v
     vtkErrorMacro(<< "RenderToImage: colors and depths are the same image. Give two images.");
     return 0;
   }
+  vtkDataObject* const inputs[] = { this->GetInputDataObject(0, 0), this->GetMaskInput() };
+  for (const vtkDataObject* kept : inputs)
+  {
+    if (kept && (colors == kept || depths == kept))
+    {
+      vtkErrorMacro(
+        << "RenderToImage: the image for the " << (colors == kept ? "colors" : "depths")
+        << " is the volume or its mask, which would be lost. Give an image of its own.");
+      return 0;
+    }
+  }
   vtkInternals& in = *this->Internals;
   if (!in.CanMakeImage("RenderToImage", width, height))
   {

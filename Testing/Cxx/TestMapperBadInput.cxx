@@ -536,6 +536,13 @@ bool TestRenderToImageArguments()
   ok &= fails("input depths", r, v, 8, 8, out, none);
   ok &= scene.Mapper->RenderToImage(r, v, 8, 8, out, out) == 0 &&
     scene.Errors->Had("colors and depths are the same image") && out->GetDimensions()[0] == 3;
+  vtkImageData* input = vtkImageData::SafeDownCast(scene.Mapper->GetInputDataObject(0, 0));
+  const int width = input->GetDimensions()[0];
+  ok &= scene.Mapper->RenderToImage(r, v, 8, 8, input) == 0 &&
+    scene.Errors->Had("image for the colors is the volume");
+  ok &= scene.Mapper->RenderToImage(r, v, 8, 8, out, input) == 0 &&
+    scene.Errors->Had("image for the depths is the volume");
+  ok &= input->GetDimensions()[0] == width && input->GetDimensions()[2] > 1;
   vtkNew<vtkIdTypeArray> pixel;
   pixel->SetNumberOfComponents(2);
   vtkNew<vtkPolyData> rays;
