@@ -11,6 +11,7 @@ import unittest
 import numpy as np
 import ffdsession  # noqa: F401, before paraview.simple
 from paraview import servermanager, simple, smstate
+from vtkmodules.vtkCommonTransforms import vtkTransform
 
 import ffdparaview as ffd
 
@@ -749,6 +750,27 @@ class TestRepresentation(unittest.TestCase):
             sizes.append([np.ptp(np.nonzero(seen.any(axis=axis))[0]) + 1 for axis in (0, 1)])
         self.assertAlmostEqual(sizes[1][0], 0.5 * sizes[0][0], delta=2)
         self.assertAlmostEqual(sizes[1][1], sizes[0][1], delta=1)
+
+    def test_volumes_behind_each_other_with_a_user_view_transform(self):
+        """One that looks from the other side is like a camera there."""
+        self.show()
+        simple.Show(simple.FFDLattice(
+            Input=self.wavelet, Resolution=[4, 4, 4], Displacements=[-35.0, -18.0, -24.0] * 64),
+            self.view)
+        simple.ResetCamera(self.view)
+        camera = self.view.GetActiveCamera()
+        around = vtkTransform()
+        around.Translate(0.0, 0.0, -camera.GetDistance())
+        around.RotateY(180.0)
+        around.Translate(0.0, 0.0, camera.GetDistance())
+        camera.SetUserViewTransform(around)
+        pictures = [ffd.picture(self.view, "transformed").astype(int)]
+        camera.SetUserViewTransform(None)
+        camera.OrthogonalizeViewUp()
+        camera.Azimuth(180.0)
+        pictures.append(ffd.picture(self.view, "moved").astype(int))
+        self.assertGreater(ffd.lit(pictures[0]), 1000)
+        self.assertLess(np.abs(pictures[0] - pictures[1]).mean(), 0.3)
 
     def test_turned_blocks(self):
         """Blocks with direction matrices of their own are where ParaView's Volume shows them, not in all of

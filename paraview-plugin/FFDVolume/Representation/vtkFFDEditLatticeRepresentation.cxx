@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDEditLatticeRepresentation.h"
 
+#include "vtkFFDCameraPlace.h"
+
 #include "vtkFFDEditLattice.h"
 #include "vtkFFDLattice.h"
 
@@ -42,16 +44,14 @@ double FindLargestPixel(vtkRenderer* renderer, const double box[6])
   {
     return 2.0 * camera->GetParallelScale() / std::max(1, size[1]);
   }
-  double eye[3];
-  double along[3];
-  camera->GetPosition(eye);
-  camera->GetDirectionOfProjection(along);
+  const vtkFFDCameraPlace place(camera);
+  const double* eye = place.Position;
   double depth = 0.0;
   for (int corner = 0; corner < 8; ++corner)
   {
     const double to[3] = { box[corner & 1] - eye[0], box[2 + ((corner >> 1) & 1)] - eye[1],
       box[4 + (corner >> 2)] - eye[2] };
-    depth = std::max(depth, vtkMath::Dot(to, along));
+    depth = std::max(depth, vtkMath::Dot(to, place.Direction));
   }
   return 2.0 * depth * std::tan(0.5 * vtkMath::RadiansFromDegrees(camera->GetViewAngle())) /
     std::max(1, size[camera->GetUseHorizontalViewAngle() ? 0 : 1]);

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDVolumeOrder.h"
 
+#include "vtkFFDCameraPlace.h"
+
 #include "vtkCamera.h"
 #include "vtkMath.h"
 #include "vtkPropCollection.h"
@@ -27,12 +29,15 @@ struct Placed
   double Distance; // of the center, from the camera or along its direction
 };
 
-/// Where the camera is, or looks in parallel projection.
-struct Eye
+struct Eye : vtkFFDCameraPlace
 {
-  std::array<double, 3> Position;
-  std::array<double, 3> Direction;
   bool Parallel;
+
+  explicit Eye(vtkCamera* camera)
+    : vtkFFDCameraPlace(camera)
+    , Parallel(camera->GetParallelProjection() != 0)
+  {
+  }
 };
 
 /// Whether a plane across an axis separates the two, and the camera is on the side of `a`, so that
@@ -99,12 +104,7 @@ bool IsEmptyBeforeVolumes(vtkRenderer* renderer)
 //------------------------------------------------------------------------------
 void SortVolumes(vtkRenderer* renderer)
 {
-  vtkCamera* camera = renderer->GetActiveCamera();
-  Eye eye;
-  camera->GetPosition(eye.Position.data());
-  camera->GetDirectionOfProjection(eye.Direction.data());
-  eye.Parallel = camera->GetParallelProjection() != 0;
-
+  const Eye eye(renderer->GetActiveCamera());
   std::vector<Placed> left;
   vtkVolumeCollection* volumes = renderer->GetVolumes();
   for (int i = 0; i < volumes->GetNumberOfItems(); ++i)
@@ -123,7 +123,7 @@ void SortVolumes(vtkRenderer* renderer)
       toCenter[a] = 0.5 * (bounds[2 * a] + bounds[2 * a + 1]) - eye.Position[a];
     }
     placed.Distance =
-      eye.Parallel ? vtkMath::Dot(toCenter, eye.Direction.data()) : vtkMath::Norm(toCenter);
+      eye.Parallel ? vtkMath::Dot(toCenter, eye.Direction) : vtkMath::Norm(toCenter);
     left.push_back(placed);
   }
   if (left.size() < 2)

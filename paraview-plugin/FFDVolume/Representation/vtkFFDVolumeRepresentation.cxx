@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDVolumeRepresentation.h"
 
+#include "vtkFFDCameraPlace.h"
 #include "vtkFFDShownArray.h"
 #include "vtkFFDShownLattice.h"
 #include "vtkFFDVolumeRepresentationInternals.h"
@@ -714,17 +715,15 @@ vtkFFDVolumeRepresentation* vtkFFDVolumeRepresentation::FindShownBy(
     {
       continue;
     }
-    vtkCamera* camera = view->GetActiveCamera();
-    double direction[3];
-    camera->GetDirectionOfProjection(direction);
-    if (!camera->GetParallelProjection())
+    vtkFFDCameraPlace place(view->GetActiveCamera());
+    if (!view->GetActiveCamera()->GetParallelProjection())
     {
-      vtkMath::Subtract(to, camera->GetPosition(), direction);
-      vtkMath::Normalize(direction);
+      vtkMath::Subtract(to, place.Position, place.Direction);
+      vtkMath::Normalize(place.Direction);
     }
     // Linked cameras are the same. The view that is picked in was the last to be rendered.
     constexpr double cosine = 1.0 - 1e-6; // of a tenth of a degree
-    if (vtkMath::Dot(ray, direction) > cosine &&
+    if (vtkMath::Dot(ray, place.Direction) > cosine &&
       !(found && found->Internals->RenderTime > each->Internals->RenderTime))
     {
       found = each;
