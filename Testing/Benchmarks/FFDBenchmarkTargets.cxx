@@ -14,9 +14,13 @@
 
 #include "vtkCamera.h"
 #include "vtkImageData.h"
+#include "vtkImageShiftScale.h"
 #include "vtkMath.h"
+#include "vtkNew.h"
 #include "vtkPiecewiseFunction.h"
 #include "vtkRenderer.h"
+#include "vtkRTAnalyticSource.h"
+#include "vtkSmartPointer.h"
 #include "vtkVolume.h"
 #include "vtkVolumeMapper.h"
 #include "vtkVolumeProperty.h"
@@ -50,12 +54,17 @@ constexpr double SpeedOfCopy = 0.5; // of what is made of voxels before the firs
 constexpr double ErrorByFineSamples = 1.0;
 constexpr double SpeedUpByTwoThreads = 1.85;
 constexpr double SpeedUpBySixteenThreads = 12.0;
+constexpr double FoldByNeighbor = 3.0;
+
+/// Shapes that fold or press the volume flat, and weaker ones.
+const std::pair<const char*, const char*> Folds[] = { { "bend2", "bend1" }, { "twist2", "twist1" },
+  { "taper2", "taper1.5" } };
 
 const char* const Shapes[] = { "bend45", "random15", "twist1", "bend1", "taper1", "bulge1" };
 
 //------------------------------------------------------------------------------
 /// Control points, 8^3, over the bounds of the image: of bend45 and random15 as in the other
-/// groups, of the others those of vtkFFDLatticeSource at strength 1.
+/// groups, of the others those of vtkFFDLatticeSource at the strength that they end with.
 vtkSmartPointer<vtkFFDLattice> MakeShape(vtkImageData* image, const std::string& shape)
 {
   auto lattice = vtkSmartPointer<vtkFFDLattice>::New();
@@ -73,11 +82,13 @@ vtkSmartPointer<vtkFFDLattice> MakeShape(vtkImageData* image, const std::string&
   vtkNew<vtkFFDLatticeSource> source;
   source->SetBounds(image->GetBounds());
   source->SetDimensions(8, 8, 8);
-  source->SetShape(shape == "twist1" ? vtkFFDLatticeSource::TWIST
-      : shape == "bend1"             ? vtkFFDLatticeSource::BEND
-      : shape == "taper1"            ? vtkFFDLatticeSource::TAPER
-                                     : vtkFFDLatticeSource::BULGE);
-  source->SetStrength(1.0);
+  const std::size_t number = shape.find_first_of("0123456789");
+  const std::string form = shape.substr(0, number);
+  source->SetShape(form == "twist" ? vtkFFDLatticeSource::TWIST
+      : form == "bend"             ? vtkFFDLatticeSource::BEND
+      : form == "taper"            ? vtkFFDLatticeSource::TAPER
+                                   : vtkFFDLatticeSource::BULGE);
+  source->SetStrength(std::stod(shape.substr(number)));
   source->Update();
   lattice->DeepCopy(source->GetLattice());
   return lattice;
@@ -108,6 +119,21 @@ void CheckPicture(Scene& scene, vtkVolume* volume, Row& row)
   {
     row.Refusal = "the picture is empty";
   }
+}
+
+//------------------------------------------------------------------------------
+/// 129^3 bytes that are visible up to the faces.
+vtkSmartPointer<vtkImageData> MakeCube()
+{
+  vtkNew<vtkRTAnalyticSource> source;
+  source->SetWholeExtent(-64, 64, -64, 64, -64, 64);
+  vtkNew<vtkImageShiftScale> bytes;
+  bytes->SetInputConnection(source->GetOutputPort());
+  bytes->SetShift(-40.0);
+  bytes->SetOutputScalarTypeToUnsignedChar();
+  bytes->ClampOverflowOn();
+  bytes->Update();
+  return bytes->GetOutput();
 }
 
 //------------------------------------------------------------------------------
@@ -147,6 +173,24 @@ std::shared_ptr<void> PrepareFrames(
     {
       CheckPicture(*s, volume, row);
     }
+    row.Run = [s, volume] { s->View.Draw(volume); };
+    row.Run();
+  }
+  return scene;
+}
+
+//------------------------------------------------------------------------------
+/// Opaque frames of shapes that fold, or press the volume flat, and of weaker ones.
+std::shared_ptr<void> PrepareFolds(
+  Group& group, const std::string& folder, const std::string& volumeName)
+{
+  auto scene = std::make_shared<Scene>(
+    volumeName == "cube" ? MakeCube() : ReadVolume(folder, volumeName), 512, Opacity::Opaque);
+  Scene* s = scene.get();
+  for (Row& row : group.GetRows())
+  {
+    vtkVolume* volume = s->Add(MakeMapper(s->Image, MakeShape(s->Image, row.Name), Variant::Exact));
+    CheckPicture(*s, volume, row);
     row.Run = [s, volume] { s->View.Draw(volume); };
     row.Run();
   }
@@ -263,6 +307,7 @@ constexpr const char* OptionsPrefix = "Options/";
 constexpr const char* SizesPrefix = "Sizes/";
 constexpr const char* ErrorsPrefix = "Errors/";
 constexpr const char* CoresPrefix = "Cores/";
+constexpr const char* FoldsPrefix = "Folds/";
 
 double FindError(const Group& group, const char* name)
 {
@@ -384,6 +429,20 @@ std::vector<std::unique_ptr<Group>> MakeTargetGroups(const Options& options)
     {
       add(std::string("Targets/vectors/") + GetName(opacity),
         [=](Group& group) { return PrepareVectors(group, folder, opacity); }, { "avx512", "avx2" });
+    }
+  }
+  for (const std::string volume : { "engine", "cthead", "cube" })
+  {
+    if (!options.Quick || volume == "engine")
+    {
+      std::vector<std::string> rows;
+      for (const auto& [fold, neighbor] : Folds)
+      {
+        rows.insert(rows.end(), { neighbor, fold });
+      }
+      add(
+        FoldsPrefix + volume, [=](Group& group) { return PrepareFolds(group, folder, volume); },
+        rows);
     }
   }
   std::vector<std::string> frameOptions;
@@ -540,6 +599,14 @@ std::vector<Target> FindTargets(const std::vector<std::unique_ptr<Group>>& group
                                  : NoNumber,
             false });
         }
+      }
+    }
+    else if (StartsWith(name, FoldsPrefix))
+    {
+      for (const auto& [fold, neighbor] : Folds)
+      {
+        targets.push_back(
+          { name + " " + fold + " / " + neighbor, group.GetRatio(fold, neighbor), FoldByNeighbor });
       }
     }
     else if (StartsWith(name, "Targets/vectors/"))

@@ -31,6 +31,7 @@ struct Target
  * AVX-512, if the machine has both), Options/<volume>/<deformation> (what users switch on),
  * Sizes/<side>/<type> (first frames and frames), Errors/<volume> (by distances of samples),
  * Cores/<opacity>/<size>/<scene> (by numbers of threads),
+ * Folds/<volume> (shapes that fold by weaker ones),
  * Targets/paper (counts), Drag and WidgetDrag.
  */
 std::vector<std::unique_ptr<Group>> MakeTargetGroups(const Options& options);
