@@ -418,6 +418,7 @@ const std::map<std::string, Change>& GetChanges()
         Apply({ "average", "2-D function" }, s, mapper);
       } },
     { "jitter", [](OptionScene&, Mapper* mapper) { mapper->UseJitteringOn(); } },
+    { "sharp highlights", [](OptionScene& s, Mapper*) { s.Property->SetSpecularPower(40.0); } },
     { "pre-integrated",
       [](OptionScene&, Mapper* mapper) { mapper->SetClassificationToPreIntegrated(); } },
     { "isosurface",
@@ -541,6 +542,7 @@ const std::vector<FrameOption>& GetFrameOptions()
     { "jitter", "plain", 1.4 },
     { "pre-integrated", "plain", 1.3 },
     { "8 lights", "plain", 1.4 },
+    { "sharp highlights", "plain", 1.1 },
     { "isosurface", "plain", 1.5 },
     { "isosurface, opaque", "plain", 1.5 },
     { "isosurface, normals of opacity", "isosurface", 1.5 },

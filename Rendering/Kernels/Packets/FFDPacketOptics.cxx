@@ -21,6 +21,9 @@ namespace
 /// The largest specular power that is found by multiplications.
 constexpr float LargestWholePower = 128.0f;
 
+/// Highlights below this are invisible, and far above denormal numbers.
+constexpr float SmallestHighlight = 1e-20f;
+
 /// Whether 32-bit offsets lead over the voxels of the second axis of a two-dimensional transfer
 /// function, of which four and more lie side by side.
 bool IsAxisInReach(const VolumeView& v)
@@ -217,10 +220,11 @@ PacketLight MakePacketLight(
   Copy(light.Position - center, packet.Position);
   Copy(light.Towards, packet.Towards);
   Copy(light.Axis, packet.Axis);
-  Copy(material.Ambient * light.Ambient, packet.Ambient);
   Copy(material.Diffuse * light.Diffuse, packet.Diffuse);
   Copy(material.Specular * light.Specular, packet.Specular);
   Copy(light.Attenuation, packet.Attenuation);
+  packet.Attenuates = light.Attenuation != glm::dvec3(1.0, 0.0, 0.0);
+  packet.HasHighlight = packet.Specular[0] + packet.Specular[1] + packet.Specular[2] > 0.0f;
   return packet;
 }
 
@@ -231,23 +235,27 @@ PacketSurface MakeSurface(
   PacketSurface surface;
   const float power = reflectance.SpecularPower;
   surface.SpecularPower = power;
+  surface.SmallestCosine = power > 0.0f ? std::pow(SmallestHighlight, 1.0f / power) : 0.0f;
   if (power == std::floor(power) && power <= LargestWholePower)
   {
     surface.WholeSpecularPower = static_cast<int>(power);
   }
   for (const Light& light : material.Lights)
   {
+    const glm::vec3 ambient = reflectance.Ambient * light.Ambient;
     const PacketLight packet = MakePacketLight(light, reflectance, center);
+    for (int c = 0; c < 3; ++c)
+    {
+      surface.Ambient[c] += ambient[c];
+      if (light.Headlight)
+      {
+        surface.Headlights.Diffuse[c] += packet.Diffuse[c];
+        surface.Headlights.Specular[c] += packet.Specular[c];
+      }
+    }
     if (!light.Headlight)
     {
       surface.Lights.push_back(packet);
-      continue;
-    }
-    for (int c = 0; c < 3; ++c)
-    {
-      surface.Headlights.Ambient[c] += packet.Ambient[c];
-      surface.Headlights.Diffuse[c] += packet.Diffuse[c];
-      surface.Headlights.Specular[c] += packet.Specular[c];
     }
   }
   return surface;

@@ -35,10 +35,11 @@ struct PacketLight
 {
   bool Positional = false;
   bool Cone = false;
+  bool Attenuates = false;   ///< with the distance
+  bool HasHighlight = false; ///< some of Specular is not zero
   float Position[3] = {};
   float Towards[3] = {};
   float Axis[3] = {};
-  float Ambient[3] = {};
   float Diffuse[3] = {};
   float Specular[3] = {};
   float Attenuation[3] = {};
@@ -70,7 +71,11 @@ struct PacketSeed
 struct PacketSurface
 {
   float SpecularPower = 1.0f;
-  int WholeSpecularPower = -1;     ///< that, or -1 where it is no whole number or large
+  int WholeSpecularPower = -1; ///< that, or -1 where it is no whole number or large
+  /// Highlights of smaller cosines are zero: powers of these would be denormal numbers, which many
+  /// processors take a hundred times as long for.
+  float SmallestCosine = 0.0f;
+  float Ambient[3] = {};           ///< of all lights
   PacketLight Headlights;          ///< the sums of their colors
   std::vector<PacketLight> Lights; ///< the others
 };

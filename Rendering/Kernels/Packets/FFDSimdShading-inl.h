@@ -48,8 +48,9 @@ struct Lighting
 /// x to the specular power, 0 <= x <= 1.
 HWY_INLINE Vf Highlight(const PacketSurface& surface, Vf x)
 {
-  return surface.WholeSpecularPower >= 0 ? WholePower(x, surface.WholeSpecularPower)
-                                         : Power(x, surface.SpecularPower);
+  const Vf some = hn::IfThenElseZero(hn::Ge(x, Splat(surface.SmallestCosine)), x);
+  return surface.WholeSpecularPower >= 0 ? WholePower(some, surface.WholeSpecularPower)
+                                         : Power(some, surface.SpecularPower);
 }
 
 /// Cosine of an angle between directions as it counts for lighting.
@@ -58,36 +59,60 @@ HWY_INLINE Vf LitCosine(const PacketScene& scene, Vf cosine)
   return hn::Min(hn::Max(scene.TwoSided ? hn::Abs(cosine) : cosine, hn::Zero(Df())), Splat(1.0f));
 }
 
-/// Adds the lights that are no headlights.
+/// Directions to a light, unit vectors, and how much of its light arrives.
+struct Arrival
+{
+  Vec3 Towards;
+  Vf Strength;
+};
+
+/// Those of a light that has a position.
+HWY_INLINE Arrival FindArrival(const PacketLight& light, const Vec3& position)
+{
+  const Vec3 path = Sub(Broadcast(light.Position), position);
+  const Vf inverse = InverseLength(path);
+  Arrival arrival{ Scale(inverse, path), Splat(1.0f) };
+  if (light.Attenuates)
+  {
+    const Vf distance = hn::Mul(Dot(path, path), inverse);
+    arrival.Strength = hn::Div(arrival.Strength,
+      hn::MulAdd(hn::MulAdd(Splat(light.Attenuation[2]), distance, Splat(light.Attenuation[1])),
+        distance, Splat(light.Attenuation[0])));
+  }
+  if (light.Cone)
+  {
+    const Vf cosine = hn::Neg(Dot(arrival.Towards, Broadcast(light.Axis)));
+    const Mf inCone = hn::Ge(cosine, Splat(light.ConeCosine));
+    arrival.Strength = hn::IfThenElseZero(inCone,
+      hn::Mul(arrival.Strength, Power(hn::Max(cosine, hn::Zero(Df())), light.ConeExponent)));
+  }
+  return arrival;
+}
+
+/// Adds the lights that are no headlights, but for their ambient terms.
 HWY_NOINLINE inline void AddLights(const PacketScene& scene, const PacketSurface& surface,
   const Vec3& position, const Vec3& normal, const Vec3& toEye, Lighting& lit)
 {
+  // Below this the half vector has no direction.
+  constexpr float SmallestSquare = 1e-6f;
+  const Vf two = Splat(2.0f);
+  const Vf nDotE = Dot(normal, toEye);
   for (const PacketLight& light : surface.Lights)
   {
-    Vec3 toLight = Broadcast(light.Towards);
-    Vf strength = Splat(1.0f);
-    if (light.Positional)
+    const Arrival arrival = light.Positional ? FindArrival(light, position)
+                                             : Arrival{ Broadcast(light.Towards), Splat(1.0f) };
+    const Vf nDotL = Dot(normal, arrival.Towards);
+    lit.Diffuse = MulAdd(
+      hn::Mul(arrival.Strength, LitCosine(scene, nDotL)), Broadcast(light.Diffuse), lit.Diffuse);
+    if (light.HasHighlight)
     {
-      const Vec3 path = Sub(Broadcast(light.Position), position);
-      const Vf distance = hn::Sqrt(Dot(path, path));
-      toLight = Normalize(path);
-      strength = hn::Div(strength,
-        hn::MulAdd(hn::MulAdd(Splat(light.Attenuation[2]), distance, Splat(light.Attenuation[1])),
-          distance, Splat(light.Attenuation[0])));
-      if (light.Cone)
-      {
-        const Vf cosine = hn::Neg(Dot(toLight, Broadcast(light.Axis)));
-        const Mf inCone = hn::Ge(cosine, Splat(light.ConeCosine));
-        strength = hn::IfThenElseZero(
-          inCone, hn::Mul(strength, Power(hn::Max(cosine, hn::Zero(Df())), light.ConeExponent)));
-      }
+      // The half vector is the sum of two unit vectors: its length follows from their angle.
+      const Vf squared = hn::MulAdd(two, Dot(arrival.Towards, toEye), two);
+      const Vf nDotH =
+        hn::Mul(hn::Add(nDotL, nDotE), InverseSqrt(hn::Max(squared, Splat(SmallestSquare))));
+      lit.Specular = MulAdd(hn::Mul(arrival.Strength, Highlight(surface, LitCosine(scene, nDotH))),
+        Broadcast(light.Specular), lit.Specular);
     }
-    const Vf nDotL = LitCosine(scene, Dot(normal, toLight));
-    const Vf nDotH = LitCosine(scene, Dot(normal, Normalize(Add(toLight, toEye))));
-    lit.Ambient = Add(lit.Ambient, Broadcast(light.Ambient));
-    lit.Diffuse = MulAdd(hn::Mul(strength, nDotL), Broadcast(light.Diffuse), lit.Diffuse);
-    lit.Specular =
-      MulAdd(hn::Mul(strength, Highlight(surface, nDotH)), Broadcast(light.Specular), lit.Specular);
   }
 }
 
@@ -106,7 +131,7 @@ HWY_INLINE Vec3 Shade(const PacketScene& scene, const PacketSurface& surface, co
       hn::Gt(inverse, hn::Zero(Df())), hn::Neg(hn::Mul(Dot(gradient, toEye), inverse))));
   const Vf highlight = Highlight(surface, facing);
   const PacketLight& headlights = surface.Headlights;
-  Lighting lit{ Broadcast(headlights.Ambient), Scale(facing, Broadcast(headlights.Diffuse)),
+  Lighting lit{ Broadcast(surface.Ambient), Scale(facing, Broadcast(headlights.Diffuse)),
     Scale(highlight, Broadcast(headlights.Specular)) };
   if (HWY_UNLIKELY(!surface.Lights.empty()))
   {
