@@ -32,6 +32,19 @@ namespace
 /// The largest tolerance of the inverse, voxels: more would be as good as no inverse.
 constexpr double LargestTolerance = 1.0;
 
+/// The largest tolerance of the inverse by that of positions, of which it takes a part.
+constexpr double LargestPartOfPositions = 0.1;
+
+/// The tolerance of points that are pulled back by themselves, voxels.
+double FindInverseTolerance(vtkFFDInverseRayVolumeMapper* mapper)
+{
+  const double tolerance = std::min(mapper->GetInverseTolerance(), LargestTolerance);
+  // The paper's segments have no tolerance of positions.
+  return mapper->GetSegmentation() == vtkFFDInverseRayVolumeMapper::ERROR_BOUND
+    ? std::min(tolerance, LargestPartOfPositions * mapper->GetPositionTolerance())
+    : tolerance;
+}
+
 /// What is wrong with the array that SelectScalarArray() has chosen of the input, which has no such
 /// numbers.
 std::string DescribeMissingScalars(vtkFFDInverseRayVolumeMapper* mapper, vtkDataSet* input)
@@ -225,7 +238,7 @@ bool vtkFFDFrameCache::UpdatePullBack(Mapper* mapper, vtkDataSet* input, ffd::St
   const bool mapped = made &&
     this->PullBack.Update(tools, this->Field.GetProduct(), bounds,
       static_cast<ffd::InverseMode>(mapper->GetInverseMode()),
-      std::min(mapper->GetInverseTolerance(), LargestTolerance) * voxel);
+      FindInverseTolerance(mapper) * voxel);
   warn();
   if (!mapped)
   {

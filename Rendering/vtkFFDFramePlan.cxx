@@ -70,7 +70,6 @@ ffd::CastSettings vtkFFDFramePlan::MakeSettings(vtkFFDInverseRayVolumeMapper* ma
     ? ffd::OpacityLength::Deformed
     : ffd::OpacityLength::Material;
   settings.TerminationTransmittance = static_cast<float>(mapper->GetEarlyRayTerminationThreshold());
-  settings.InverseTolerance = mapper->GetInverseTolerance();
   settings.CountsRays = mapper->GetCollectStatistics() != 0;
   settings.Reference = mapper->GetReferenceKernels() != 0;
   settings.Shade = volume->GetProperty()->GetShade(0) != 0;

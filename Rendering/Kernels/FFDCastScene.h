@@ -75,7 +75,6 @@ struct CastSettings
   PolylineSettings Polyline;
   ErrorBoundSettings ErrorBound;
   double SampleDistance = 1.0;        ///< data units, along the viewing ray
-  double InverseTolerance = 0.01;     ///< of the pull-back, voxels
   float TerminationTransmittance = 0; ///< a ray ends when less than this passes it
   bool Shade = false;
   bool Jitter = false;    ///< samples are moved on by FindJitter(); not those of isosurfaces

@@ -108,6 +108,17 @@ class TestPacketLooks(unittest.TestCase):
         self.assertLess(numpy.percentile(difference, 99.5), tail, what)
         return fast
 
+    def test_the_reference_is_as_close_as_positions_are(self):
+        # An inverse to a hundredth of a voxel is no oracle of positions to a thousandth.
+        _, mapper, prop, volume = self.make("f4", True)
+        prop.SetScalarOpacity(points((0.0, 0.0), (0.29, 0.0), (0.3, 1.0), (0.31, 0.0)))
+        mapper.SetPositionTolerance(0.001)
+        picture = self.picture(mapper, volume, True)
+        mapper.SetInverseTolerance(1e-6)
+        true = self.picture(mapper, volume, True)
+        self.assertGreater((true[:, 3] > 20).mean(), 0.05)
+        self.assertLess(numpy.abs(picture - true).mean(), 0.02)
+
     def test_planes(self):
         for kind, deformed, nearest in itertools.product(
                 ("u1", "u2", "f4", "f8"), (False, True), (False, True)):
