@@ -1056,7 +1056,7 @@ TEST(PacketCaster, TilesShareRoots)
     }
     return picture;
   };
-  for (const double size : { 0.3, 12.0 })
+  for (const double size : { 0.1, 12.0 })
   {
     for (const PullBackKind kind : { PullBackKind::Exact, PullBackKind::FirstOrder })
     {
@@ -1070,7 +1070,7 @@ TEST(PacketCaster, TilesShareRoots)
       // In rows two tiles of each square follow each other.
       const double evaluations = static_cast<double>(inRows.Statistics.Evaluations);
       const double ofApart = static_cast<double>(apart.Statistics.Evaluations);
-      if (size == 0.3)
+      if (size == 0.1)
       {
         EXPECT_LT(evaluations, 0.7 * ofApart);
         const Difference fromReference = Compare(inRows.Colors, scene.Render(true).Colors);

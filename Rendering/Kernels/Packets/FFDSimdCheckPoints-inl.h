@@ -108,6 +108,15 @@ public:
   {
   }
 
+  /// The largest error with which the interpolant of a segment is close enough, voxels. To split a
+  /// segment of many samples takes little beside these, and leaves a small part of its error:
+  /// pictures are then much closer to the true ones.
+  HWY_INLINE float FindTolerance(const TileSegment& segment) const
+  {
+    const bool large = segment.Side * segment.Side * segment.Samples >= ManySamples;
+    return (large ? PartForMany : 1.0f) * this->Scene.PositionTolerance;
+  }
+
   /// Estimates the error of the interpolant from few check points, voxels.
   float Estimate(const TileSegment& segment)
   {
@@ -129,7 +138,7 @@ public:
     {
       return 0.0f;
     }
-    const float enough = this->Scene.PositionTolerance / SafetyFactor;
+    const float enough = this->FindTolerance(segment) / SafetyFactor;
     const float cells = this->CountCells(hull);
     const int sets = cells > 2.0f ? 3 : cells > 1.0f ? 2 : 1;
     float largest = 0.0f;
@@ -188,6 +197,9 @@ public:
 private:
   /// The largest Newton step at the check points times this stands for the largest of all points.
   static constexpr float SafetyFactor = 2.0f;
+  /// Segments of as many samples of all rays must be closer than the tolerance, by a factor.
+  static constexpr int ManySamples = 8192;
+  static constexpr float PartForMany = 0.5f;
   /// Largest relative error of the derivatives of an interpolant; they are not checked where the
   /// error of positions is below FinestForSlopes times its tolerance.
   static constexpr float LargestSlopeError = 0.1f;

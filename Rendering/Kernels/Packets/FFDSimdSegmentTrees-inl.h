@@ -98,7 +98,7 @@ public:
   {
     const TileSegment& root = this->GetRoot(index);
     return root.Known == TileSegment::State::Unknown &&
-      this->Error.Measure(root, BezierHull(root.Terms)) <= this->Scene.PositionTolerance;
+      this->Error.Measure(root, BezierHull(root.Terms)) <= this->Error.FindTolerance(root);
   }
 
   /// The state of a segment, found on first use.
@@ -307,7 +307,8 @@ private:
         return;
       }
       segment.Error = this->Error.Measure(segment, hull);
-      close = segment.Error <= tolerance && this->Error.HasCloseSlopes(segment);
+      close =
+        segment.Error <= this->Error.FindTolerance(segment) && this->Error.HasCloseSlopes(segment);
     }
     if (segment.Error < LargestKnownError)
     {
