@@ -284,6 +284,7 @@ Made MakeComponentBlocks(ComponentBlocks& result, StageTools& tools, const Produ
 {
   result.Blocks.clear();
   result.Components = components;
+  result.OfBytes = voxels->View.Type == ScalarType::UInt8 || voxels->View.Type == ScalarType::Int8;
   for (int c : components)
   {
     result.Blocks.emplace_back(GetComponent(voxels->View, c), tools.Parallel);
@@ -460,7 +461,9 @@ Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<Compone
     {
       for (const MinMaxBlocks* each : values)
       {
-        result.Peaks.emplace_back(*each, mode == BlendMode::Maximum ? 1 : -1, tools.Parallel);
+        // Beside bytes, all that is kept may take a twentieth at most.
+        result.Peaks.emplace_back(
+          *each, mode == BlendMode::Maximum ? 1 : -1, blocks->OfBytes, tools.Parallel);
       }
     }
   }

@@ -67,6 +67,7 @@ struct ComponentBlocks
 {
   std::vector<MinMaxBlocks> Blocks;
   std::vector<int> Components; ///< which these are
+  bool OfBytes = false;        ///< whether a scalar is a byte
   /// For each block, x fastest, whether all its cells are hidden; none: no cell is.
   std::vector<std::uint8_t> Hidden;
 

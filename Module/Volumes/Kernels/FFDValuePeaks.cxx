@@ -19,8 +19,18 @@ constexpr std::size_t Padding = 3;
 
 using Codes = std::vector<std::uint8_t>;
 
-/// The largest of 2 x 2 x 2 cells of a grid.
-std::uint8_t FindLargest(const Codes& codes, const glm::ivec3& size, const glm::ivec3& first)
+/// The edge of the largest cells, voxels.
+constexpr float LargestEdge = 32.0f;
+
+/// The codes of a grid, by the cell.
+auto CodesOf(const Codes& codes, const glm::ivec3& size)
+{
+  return [&codes, size](const glm::ivec3& cell) { return codes[GridIndex(cell, size)]; };
+}
+
+/// The largest of codeOf(cell) for 2 x 2 x 2 cells of a grid.
+template <class CodeOf>
+std::uint8_t FindLargest(const CodeOf& codeOf, const glm::ivec3& size, const glm::ivec3& first)
 {
   const glm::ivec3 last = glm::min(first + 1, size - 1);
   std::uint8_t largest = 0;
@@ -30,7 +40,7 @@ std::uint8_t FindLargest(const Codes& codes, const glm::ivec3& size, const glm::
     {
       for (int x = first.x; x <= last.x; ++x)
       {
-        largest = std::max(largest, codes[GridIndex(x, y, z, size)]);
+        largest = std::max(largest, codeOf(glm::ivec3(x, y, z)));
       }
     }
   }
@@ -60,14 +70,17 @@ Codes Fill(const glm::ivec3& size, const ParallelFor& parallelFor, const CodeOf&
 } // namespace
 
 //------------------------------------------------------------------------------
-ValuePeaks::ValuePeaks(const MinMaxBlocks& blocks, int sign, const ParallelFor& parallelFor)
+ValuePeaks::ValuePeaks(
+  const MinMaxBlocks& blocks, int sign, bool sparing, const ParallelFor& parallelFor)
 {
   const MinMaxBlocks::Limits range = blocks.GetRange();
   const bool any = range.Min <= range.Max;
   this->Low = !any ? 0.0 : sign > 0 ? range.Min : -range.Max;
   this->High = !any ? 0.0 : sign > 0 ? range.Max : -range.Min;
   this->Step = any && range.Max > range.Min ? (range.Max - range.Min) / LastCode : 1.0;
-  const auto codeOf = [&](const MinMaxBlocks::Limits& limits) {
+  const glm::ivec3 size = blocks.GetBlocks();
+  const auto codeOf = [&](const glm::ivec3& block) {
+    const MinMaxBlocks::Limits limits = blocks.GetLimits(block);
     if (limits.Min > limits.Max)
     {
       return std::uint8_t{ 0 };
@@ -75,23 +88,33 @@ ValuePeaks::ValuePeaks(const MinMaxBlocks& blocks, int sign, const ParallelFor& 
     const double steps = ((sign > 0 ? limits.Max : -limits.Min) - this->Low) / this->Step;
     return static_cast<std::uint8_t>(std::clamp(std::ceil(steps), 0.0, double{ LastCode }));
   };
-  this->Grids[0].Edge = static_cast<float>(MinMaxBlocks::BlockSize);
-  this->Grids[0].Size = blocks.GetBlocks();
-  this->Grids[0].Codes = Fill(this->Grids[0].Size, parallelFor,
-    [&](const glm::ivec3& block) { return codeOf(blocks.GetLimits(block)); });
-  for (std::size_t i = 1; i < this->Grids.size(); ++i)
+  constexpr float BlockEdge = MinMaxBlocks::BlockSize;
+  if (sparing)
   {
-    const Grid& finer = this->Grids[i - 1];
-    Grid& grid = this->Grids[i];
-    grid.Edge = 2.0f * finer.Edge;
-    grid.Size = (finer.Size + 1) / 2;
-    grid.Codes = Fill(grid.Size, parallelFor,
-      [&](const glm::ivec3& cell) { return FindLargest(finer.Codes, finer.Size, 2 * cell); });
+    const glm::ivec3 cells = (size + 1) / 2;
+    this->Grids.push_back(
+      { 2.0f * BlockEdge, cells, Fill(cells, parallelFor, [&](const glm::ivec3& cell) {
+         return FindLargest(codeOf, size, 2 * cell);
+       }) });
+  }
+  else
+  {
+    this->Grids.push_back({ BlockEdge, size, Fill(size, parallelFor, codeOf) });
+  }
+  while (this->Grids.back().Edge < LargestEdge)
+  {
+    const Grid& finer = this->Grids.back();
+    const glm::ivec3 cells = (finer.Size + 1) / 2;
+    this->Grids.push_back(
+      { 2.0f * finer.Edge, cells, Fill(cells, parallelFor, [&](const glm::ivec3& cell) {
+         return FindLargest(CodesOf(finer.Codes, finer.Size), finer.Size, 2 * cell);
+       }) });
   }
   for (Grid& grid : this->Grids)
   {
-    grid.Codes = Fill(grid.Size, parallelFor,
-      [&](const glm::ivec3& cell) { return FindLargest(grid.Codes, grid.Size, cell); });
+    grid.Codes = Fill(grid.Size, parallelFor, [&](const glm::ivec3& cell) {
+      return FindLargest(CodesOf(grid.Codes, grid.Size), grid.Size, cell);
+    });
   }
 }
 

@@ -9,7 +9,6 @@
 
 #include <glm/vec3.hpp>
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -24,7 +23,7 @@ namespace ffd
  * A box is looked up in cells of 4^3, 8^3, 16^3 or 32^3 voxels that are no smaller than it: it lies
  * in the cell that holds its lowest corner and the next ones, and the largest value of these eight
  * is kept for each cell, as a code: one of 256 equal steps over the range of the values, rounded
- * up. 1.8 % of an 8-bit volume.
+ * up. That takes 1.8 bytes for 100 voxels; without the cells of 4^3, which few boxes fit, 0.22.
  */
 class FFD_VOLUMES_EXPORT ValuePeaks
 {
@@ -40,10 +39,10 @@ public:
   };
 
   ValuePeaks() = default;
-  /// `sign`: 1 for the largest values, -1 for the smallest ones.
-  ValuePeaks(const MinMaxBlocks& blocks, int sign, const ParallelFor& parallelFor);
+  /// `sign`: 1 for the largest values, -1 for the smallest ones. `sparing`: without cells of 4^3.
+  ValuePeaks(const MinMaxBlocks& blocks, int sign, bool sparing, const ParallelFor& parallelFor);
 
-  bool IsEmpty() const { return this->Grids[0].Codes.empty(); }
+  bool IsEmpty() const { return this->Grids.empty(); }
 
   /// The finest grid for boxes whose sides are at most `extent` voxels; null where there is none.
   const Grid* FindGrid(float extent) const;
@@ -58,8 +57,7 @@ public:
   std::size_t GetMemorySize() const;
 
 private:
-  static constexpr int NumberOfGrids = 4;
-  std::array<Grid, NumberOfGrids> Grids;
+  std::vector<Grid> Grids; ///< finest first
   double Low = 0.0;
   double High = 0.0;
   double Step = 1.0;
