@@ -102,15 +102,15 @@ void MoveSeeds(PacketScene& scene)
       hn::Store(moved.y, d, inverse[3 + column]);
       hn::Store(moved.z, d, inverse[6 + column]);
     }
-    HWY_ALIGN float determinants[16];
-    hn::Store(step.Inverse, d, determinants);
+    HWY_ALIGN float inverseDeterminants[16];
+    hn::Store(step.Inverse, d, inverseDeterminants);
     hn::Store(image.x, d, p[0]);
     hn::Store(image.y, d, p[1]);
     hn::Store(image.z, d, p[2]);
     for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
     {
       PacketSeed& seed = at(lane);
-      seed.Positive = determinants[lane] > 0.0f;
+      seed.Determinant = 1.0f / inverseDeterminants[lane];
       for (int a = 0; a < 3; ++a)
       {
         seed.Image[a] = p[a][lane];

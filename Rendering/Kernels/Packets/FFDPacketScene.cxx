@@ -30,6 +30,10 @@ constexpr double NodeTolerance = 0.1;
 /// The error of positions in single precision, relative to their size.
 constexpr double SinglePrecision = 4e-7;
 
+/// Determinants of the Jacobian that are smaller, by the largest one, are those of where T presses
+/// the volume flat: rounding decides about their signs.
+constexpr float SmallestDeterminant = 1e-4f;
+
 /// Types whose values single precision does not hold.
 bool IsWide(ScalarType type) { return SizeOf(type) > 2 && type != ScalarType::Float32; }
 
@@ -444,14 +448,24 @@ void SetPullBack(PacketScene& p)
 //------------------------------------------------------------------------------
 void KeepSeeds(PacketScene& p)
 {
-  const auto positive = std::count_if(
-    p.Seeds.begin(), p.Seeds.end(), [](const PacketSeed& seed) { return seed.Positive; });
-  const bool most = 2 * positive >= static_cast<std::ptrdiff_t>(p.Seeds.size());
-  p.Orientation = most ? 1.0f : -1.0f;
-  p.Folds = positive != 0 && positive != static_cast<std::ptrdiff_t>(p.Seeds.size());
-  p.Seeds.erase(std::remove_if(p.Seeds.begin(), p.Seeds.end(),
-                  [&](const PacketSeed& seed) { return seed.Positive != most; }),
-    p.Seeds.end());
+  float largest = 0.0f;
+  for (const PacketSeed& seed : p.Seeds)
+  {
+    largest = std::max(largest, std::abs(seed.Determinant));
+  }
+  const auto hasSign = [least = SmallestDeterminant * largest](float sign) {
+    return [=](const PacketSeed& seed) { return sign * seed.Determinant > least; };
+  };
+  const auto positive = std::count_if(p.Seeds.begin(), p.Seeds.end(), hasSign(1.0f));
+  const auto negative = std::count_if(p.Seeds.begin(), p.Seeds.end(), hasSign(-1.0f));
+  const auto all = static_cast<std::ptrdiff_t>(p.Seeds.size());
+  p.Orientation = positive >= negative ? 1.0f : -1.0f;
+  p.Folds = positive != all && negative != all;
+  const auto kept = std::stable_partition(p.Seeds.begin(), p.Seeds.end(), hasSign(p.Orientation));
+  if (kept != p.Seeds.begin())
+  {
+    p.Seeds.erase(kept, p.Seeds.end());
+  }
   for (int a = 0; a < 3; ++a)
   {
     constexpr float FarAway = 1e18f;

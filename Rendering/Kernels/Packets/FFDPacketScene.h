@@ -4,6 +4,7 @@
 #define FFDPacketScene_h
 
 #include "FFDCastScene.h"
+#include "FFDExport.h"
 #include "FFDPacketField.h"
 #include "FFDPacketGrid.h"
 #include "FFDPacketMask.h"
@@ -63,8 +64,8 @@ struct PacketSeed
 {
   float Point[3];
   float Image[3];
-  float Inverse[9]; ///< of the Jacobian matrix of T there, row by row
-  bool Positive;    ///< whether its determinant is
+  float Inverse[9];  ///< of the Jacobian matrix of T there, row by row
+  float Determinant; ///< of the Jacobian matrix
 };
 
 /// A material, and the lights on it in the space of Shading.
@@ -190,7 +191,7 @@ struct PacketScene
   std::vector<PacketSeed> Seeds; ///< over the volume, where Newton's method starts from nowhere
   /// Image of the seeds by component, and of more that are far away, to whole vectors.
   std::array<std::vector<float>, 3> SeedImages;
-  bool Folds = false;       ///< whether T is known to turn parts of the volume inside out
+  bool Folds = false;       ///< whether T is known to turn parts of the volume inside out, or flat
   float Orientation = 1.0f; ///< sign of the determinant of T where it does not
   float Nowhere = 0.0f;     ///< local coordinates, beyond all others, of points without a pull-back
   float Tolerance = 0.0f;   ///< of the inverse at samples, data units
@@ -307,8 +308,9 @@ void SetPullBack(PacketScene& p);
 /// Sets PacketScene::Space and WholeSpace, after SetPullBack().
 void SetSpace(PacketScene& p);
 
-/// Keeps the seeds where T has the orientation that it has at most of them, and lists their images.
-void KeepSeeds(PacketScene& p);
+/// Keeps the seeds where T has the orientation that it has at most of them, and does not press the
+/// volume flat, lists their images, and tells whether there are others (PacketScene::Folds).
+FFD_RENDERING_EXPORT void KeepSeeds(PacketScene& p);
 
 /// The box that the volume, or the whole that it is a part of, takes up when it is deformed.
 const Box& GetWholeDeformed(const CastScene& scene);
