@@ -303,7 +303,7 @@ def add_deformed_volume(plotter, volume, lattice=None, *, inverse_mode="exact",
     if lattice is not None:
         _check_transform(lattice)
     _choose("inverse_mode", inverse_mode, _INVERSE_MODES)
-    if not 0.0 < position_tolerance < _np.inf:
+    if _check_number("position_tolerance", position_tolerance) <= 0.0:
         raise ValueError(f"position_tolerance {position_tolerance!r}: a positive number of voxels")
     volume, scalars = _with_scalars(volume, scalars, resolution, preference)
     kwargs.update(scalars=scalars, preference="point", clim=kwargs.pop("rng", clim),

@@ -169,6 +169,8 @@ class TestArguments(unittest.TestCase):
                     (TypeError, "PolyData", (pv.Sphere(),), {}),
                     (ValueError, "pull_back", (grid,), {"inverse_mode": "inverse"}),
                     (ValueError, "voxels", (grid,), {"position_tolerance": 0.0}),
+                    (ValueError, "position_tolerance nan", (grid,), {"position_tolerance": np.nan}),
+                    (TypeError, "position_tolerance 'a'", (grid,), {"position_tolerance": "a"}),
                     (TypeError, "fixed_point", (grid,), {"mapper": "fast"}),
                     (TypeError, "tint", (grid,), {"tint": "red"}),
                     (TypeError, "'inside' are bool", (flags,), {"scalars": "inside"}),
