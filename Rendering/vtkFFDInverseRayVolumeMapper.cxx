@@ -177,6 +177,12 @@ void vtkFFDInverseRayVolumeMapper::SetMaximumSegmentLength(double voxels)
     }
     return;
   }
+  if (!(voxels > 0.0 && std::isfinite(voxels)))
+  {
+    vtkErrorMacro(<< "MaximumSegmentLength must be a positive number, or 0, not " << voxels
+                  << "; it stays " << this->MaximumSegmentLength << ".");
+    return;
+  }
   this->SetPositive("MaximumSegmentLength", this->MaximumSegmentLength, voxels);
 }
 

@@ -313,7 +313,8 @@ public:
   enum OpacityLengths
   {
     WORLD,   ///< its length on the viewing ray: the image equals that of the resampled volume
-    MATERIAL ///< its length in the volume at rest, as the paper: stretching does not thin
+    MATERIAL ///< its length in the volume at rest, as the paper: stretching makes nothing more
+             ///< opaque
   };
 
   ///@{
@@ -905,7 +906,8 @@ public:
    * which there are none: the reduction ratio is 1, textures are null. They look for the first
    * surface in a pass of its own, which space leaping does. There is one input. Light is not
    * scattered: GlobalIlluminationReach, clamped to 0 to 1, and VolumetricScatteringBlending,
-   * clamped to 0 to 2, are those of VTK 9.2; default 0. AnariRenderMode is that of VTK 9.4.
+   * clamped to 0 to 2, are those of VTK 9.2; default 0. MaxMemoryFraction is clamped to 0.1 to 1.
+   * AnariRenderMode is that of VTK 9.4.
    */
   enum
   {

@@ -495,6 +495,9 @@ bool TestSetters()
   FFD_REFUSES(MinimumImageSampleDistance, { 0.0, -1.0, NaN });
   FFD_REFUSES(MaximumImageSampleDistance, { 0.0, -1.0, NaN });
 #undef FFD_REFUSES
+  // 0, which is taken, is not said to be refused.
+  m->SetMaximumSegmentLength(-1.0);
+  ok &= errors->Had("positive number, or 0");
   ok &= m->GetLockSampleDistanceToInputSpacing() == 1;
   m->SetImageSampleDistance(1e9);
   ok &= m->GetImageSampleDistance() == 100.0;
