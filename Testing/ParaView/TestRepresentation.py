@@ -271,7 +271,7 @@ class TestRepresentation(unittest.TestCase):
                 ("FFDImageSampleDistance", 4.0, 1.0), ("FFDOpacityLength", "Material", "World"),
                 ("FFDShade", 1, 0), ("FFDScalarOpacityUnitDistance", 0.3,
                                     self.display.FFDScalarOpacityUnitDistance),
-                ("FFDEarlyRayTermination", 0.6, 1.0 / 255.0),
+                ("FFDEarlyRayTermination", 0.6, 1.0 / 255.0), ("FFDJittering", 1, 0),
                 ("FFDSegmentation", "Greedy Angle", "Error Bound")):
             setattr(self.display, name, value)
             changed = ffd.picture(self.view, name)

@@ -100,7 +100,8 @@ class TestStates(unittest.TestCase):
         path = os.path.join(ffd.DATA, "ParaView", "first_version.pvsm")
         with open(path, encoding="utf-8") as file:
             text = file.read()
-        for name in ("GeometryMode", "FFDCroppingSpace", "FFDBlendMode", "FFDUseTransfer2D"):
+        for name in ("GeometryMode", "FFDCroppingSpace", "FFDBlendMode", "FFDUseTransfer2D",
+                     "FFDJittering"):
             self.assertNotIn('"%s"' % name, text)
         with ffd.Errors() as errors, ffd.Errors(event="WarningEvent") as warnings:
             simple.LoadState(path)

@@ -86,6 +86,7 @@ public:
    */
   void SetInverseMode(int mode);
   void SetOpacityLength(int length);
+  void SetUseJittering(vtkTypeBool jittering);
   void SetSpaceLeaping(int leaping);
   void SetSegmentation(int segmentation);
   void SetInverseTolerance(double voxels);

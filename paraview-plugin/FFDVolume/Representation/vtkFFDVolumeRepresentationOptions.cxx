@@ -51,6 +51,12 @@ void vtkFFDVolumeRepresentation::SetOpacityLength(int length)
 }
 
 //------------------------------------------------------------------------------
+void vtkFFDVolumeRepresentation::SetUseJittering(vtkTypeBool jittering)
+{
+  this->Mapper->SetUseJittering(jittering);
+}
+
+//------------------------------------------------------------------------------
 void vtkFFDVolumeRepresentation::SetSpaceLeaping(int leaping)
 {
   this->Mapper->SetSpaceLeaping(leaping);
