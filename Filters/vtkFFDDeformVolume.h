@@ -51,7 +51,7 @@ public:
 
   ///@{
   /**
-   * The lattice to attach; its edits re-execute the filter. Null (default): see above.
+   * The lattice to attach; its edits re-execute the filter. Default: none, see above.
    */
   void SetLattice(vtkFFDLattice* lattice);
   vtkFFDLattice* GetLattice();

@@ -129,8 +129,9 @@ public:
   /**
    * Edits: displacement of control point `index` = i + nx * (j + ny * k), data units, nx and ny of
    * EditDimensions, or of Dimensions where there are as many as that has control points and not as
-   * many as EditDimensions. None at all is the default; another number is an error when the filter
-   * executes, and the edits are not used. Displacements that are not finite are refused.
+   * many as EditDimensions. Another number than 0, none at all, is an error when the filter
+   * executes, and the edits are not used. Displacements that are not finite are refused. Default:
+   * 0.
    */
   void SetNumberOfDisplacements(int count);
   int GetNumberOfDisplacements() const;

@@ -61,7 +61,7 @@ public:
 
   ///@{
   /**
-   * Landmarks, as many of either. Null by default.
+   * Landmarks, as many of either. Default: none.
    */
   void SetSourceLandmarks(vtkPoints* points);
   vtkPoints* GetSourceLandmarks();
@@ -71,7 +71,7 @@ public:
 
   ///@{
   /**
-   * One positive weight per pair; null (default): all 1.
+   * One positive weight per pair. Default: none, which means all 1.
    */
   void SetLandmarkWeights(vtkDataArray* weights);
   vtkDataArray* GetLandmarkWeights();
@@ -89,7 +89,7 @@ public:
 
   ///@{
   /**
-   * The transform to follow; null by default. An inverted one is followed as such.
+   * The transform to follow. An inverted one is followed as such. Default: none.
    */
   void SetTransform(vtkAbstractTransform* transform);
   vtkAbstractTransform* GetTransform();
@@ -97,7 +97,7 @@ public:
 
   ///@{
   /**
-   * Domain of the lattice, (xmin, xmax, ...). xmin > xmax (default): see above.
+   * Domain of the lattice, (xmin, xmax, ...). xmin > xmax: see above. Default: 1, -1, 1, -1, 1, -1.
    */
   void SetBounds(const double bounds[6]);
   void SetBounds(double xmin, double xmax, double ymin, double ymax, double zmin, double zmax);

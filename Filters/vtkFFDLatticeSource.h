@@ -140,7 +140,8 @@ public:
 
   ///@{
   /**
-   * Border mode of the lattice: VTK_BSPLINE_EDGE (default), _ZERO, _ZERO_AT_BORDER.
+   * Border mode of the lattice: VTK_BSPLINE_EDGE, _ZERO, _ZERO_AT_BORDER. Default:
+   * VTK_BSPLINE_EDGE.
    */
   vtkSetClampMacro(BorderMode, int, 0, 2);
   vtkGetMacro(BorderMode, int);

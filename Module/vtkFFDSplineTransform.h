@@ -49,9 +49,9 @@ public:
   ///@{
   /**
    * The displacements, data units, as point scalars of 3 components; origin, spacing and extent of
-   * the image say where the control points rest, its direction is not used. Null, the default,
-   * or an image without them, of a spacing of zero, or with a number that is not finite (these with
-   * an error): the identity. Referenced, also by deep copies of the transform.
+   * the image say where the control points rest, its direction is not used. Null, or an image
+   * without them, of a spacing of zero, or with a number that is not finite (these with an error):
+   * the identity. Referenced, also by deep copies of the transform. Default: none.
    */
   void SetDisplacementGrid(vtkImageData* grid);
   vtkImageData* GetDisplacementGrid();

@@ -127,6 +127,7 @@ public:
   ///@{
   /**
    * The file. Reading happens at the next update; call Modified() when the file has changed.
+   * Default: none.
    */
   vtkSetFilePathMacro(FileName);
   vtkGetFilePathMacro(FileName);
@@ -145,7 +146,7 @@ public:
   ///@{
   /**
    * Region of the lattice where the file is no lattice itself, (xmin, xmax, ...) in the chosen
-   * coordinates. xmin > xmax (default): the region that the file tells.
+   * coordinates. xmin > xmax: the region that the file tells. Default: 1, -1, 1, -1, 1, -1.
    */
   void SetFitBounds(const double bounds[6]);
   void SetFitBounds(double xmin, double xmax, double ymin, double ymax, double zmin, double zmax);
@@ -165,8 +166,9 @@ public:
 
   ///@{
   /**
-   * Which transform of a stack of elastix is read, counted from 0 (default); one that is not there
-   * is an error of the next update. Negative values count as 0. Without meaning for other files.
+   * Which transform of a stack of elastix is read, counted from 0; one that is not there is an
+   * error of the next update. Negative values count as 0. Without meaning for other files. Default:
+   * 0.
    */
   vtkSetClampMacro(StackIndex, int, 0, VTK_INT_MAX);
   vtkGetMacro(StackIndex, int);

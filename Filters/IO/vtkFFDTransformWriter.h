@@ -77,6 +77,7 @@ public:
   /**
    * The file. It appears under its name when it is complete: after an error (a full disk, too) an
    * existing one is as it was. A link is followed; what is no regular file is not replaced.
+   * Default: none.
    */
   vtkSetFilePathMacro(FileName);
   vtkGetFilePathMacro(FileName);
@@ -84,7 +85,7 @@ public:
 
   ///@{
   /**
-   * The transform that is written; null by default.
+   * The transform that is written. Default: none.
    */
   void SetTransform(vtkAbstractTransform* transform);
   vtkAbstractTransform* GetTransform();

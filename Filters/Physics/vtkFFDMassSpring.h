@@ -63,8 +63,8 @@ public:
 
   ///@{
   /**
-   * The body; null by default, which gives a unit cube of 4^3 control points. It is copied at the
-   * start. An inverted lattice is refused. At most 64 control points per axis.
+   * The body. It is copied at the start. An inverted lattice is refused. At most 64 control points
+   * per axis. Default: none, which means a unit cube of 4^3 control points.
    */
   void SetLattice(vtkFFDLattice* lattice);
   vtkFFDLattice* GetInputLattice();
@@ -102,8 +102,8 @@ public:
 
   ///@{
   /**
-   * Material of LINEAR_ELASTIC: Young's modulus, force per area, > 0, default 1000, and Poisson's
-   * ratio, -1 < nu < 0.5, default 0.3.
+   * Material of LINEAR_ELASTIC: Young's modulus, force per area, > 0, and Poisson's ratio, -1 < nu
+   * < 0.5. Defaults: 1000 and 0.3.
    */
   void SetYoungModulus(double modulus);
   vtkGetMacro(YoungModulus, double);
@@ -121,7 +121,7 @@ public:
 
   ///@{
   /**
-   * Acceleration of gravity, finite. Default (0, 0, 0).
+   * Acceleration of gravity, finite. Default: 0, 0, 0.
    */
   void SetGravity(double x, double y, double z);
   void SetGravity(const double gravity[3]);
@@ -142,26 +142,43 @@ public:
   ///@{
   /**
    * A plane that stops the control points 1 to n - 2, those of the domain (the outer ones shape the
-   * border only): points p with (p - FloorOrigin) . FloorNormal >= 0 are above. FloorOrigin is the
-   * origin by default, FloorNormal, which is made a unit vector and must not be 0, is (0, 0, 1).
-   * FloorFriction is the rate at which touching points lose their sliding velocity, 1 / time, >= 0,
-   * default 20. Off by default; SPRINGS only: a step of LINEAR_ELASTIC with a floor is an error.
+   * border only): points p with (p - FloorOrigin) . FloorNormal >= 0 are above. SPRINGS only: a
+   * step of LINEAR_ELASTIC with a floor is an error. Default: off.
    */
   vtkSetMacro(Floor, vtkTypeBool);
   vtkGetMacro(Floor, vtkTypeBool);
   vtkBooleanMacro(Floor, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
+   * A point of the floor, finite. Default: 0, 0, 0.
+   */
   void SetFloorOrigin(double x, double y, double z);
   vtkGetVector3Macro(FloorOrigin, double);
+  ///@}
+
+  ///@{
+  /**
+   * The direction away from the floor, not 0; made a unit vector. Default: 0, 0, 1.
+   */
   void SetFloorNormal(double x, double y, double z);
   vtkGetVector3Macro(FloorNormal, double);
+  ///@}
+
+  ///@{
+  /**
+   * Rate at which points that touch the floor lose their sliding velocity, 1 / time, >= 0. Default:
+   * 20.
+   */
   void SetFloorFriction(double friction);
   vtkGetMacro(FloorFriction, double);
   ///@}
 
   ///@{
   /**
-   * Length of a step, > 0, default 0.01; iterations of the minimization in each, 1 to 100, default
-   * 10 (SPRINGS; fewer damp rotations more).
+   * Length of a step, > 0, and iterations of the minimization in each, 1 to 100 (SPRINGS; fewer
+   * damp rotations more). Defaults: 0.01 and 10.
    */
   void SetTimeStep(double step);
   vtkGetMacro(TimeStep, double);

@@ -40,7 +40,7 @@ def enumerators(text):
 def values_of(name, macro, arguments, code, enums):
     """What an option takes: enumerators, on and off, a range, or a type."""
     words = [word.strip() for word in arguments.split(",")] if arguments else []
-    by_name = re.findall(r"void Set%sTo\w+\(\) *\{ *this->Set%s\((?:\w+::)?(\w+)\)" % (name, name), code)
+    by_name = re.findall(r"void Set%sTo\w+\(\)\s*\{\s*this->Set%s\((?:\w+::)?(\w+)\)" % (name, name), code)
     if by_name:
         return ", ".join("`%s`" % word for word in by_name)
     if "vtkBooleanMacro(%s," % name in code:
@@ -94,8 +94,26 @@ def initial_value(name, header_text):
     if kind in ("vtkTypeBool", "bool"):
         words = {"0": "off", "1": "on", "false": "off", "true": "on"}
         return ", ".join(words.get(part.strip(), part.strip()) for part in value.split(","))
-    value = re.sub(r"(\d)\.0f?\b", r"\1", value)
+    value = re.sub(r"(\d)f\b", r"\1", value)
+    value = re.sub(r"(\d)\.0\b", r"\1", value)
     return re.sub(r"\b1 / 255\b", "1/255", {"nullptr": "none"}.get(value, value))
+
+
+def options_of(code, enums, getters):
+    """(name, values) of the options of a group, in the order of their setters, as which its comment
+    tells their defaults."""
+    found = {}
+    for match in SET_MACRO.finditer(code):
+        macro, name, arguments = match.groups()
+        found.setdefault(name, (match.start(), values_of(name, macro, arguments, code, enums)))
+    for match in SETTER.finditer(code):
+        name, parameters = match.groups()
+        chooses = "To" in name and re.sub(r"To\w+$", "", name) in getters
+        one_of_many = re.match(r"int (i|index)\b", parameters)
+        if name in getters and not chooses and not one_of_many:
+            values = values_of(name, "", "", code, enums) or type_in_words(parameters)
+            found.setdefault(name, (match.start(), values))
+    return [(name, values) for name, (_, values) in sorted(found.items(), key=lambda row: row[1][0])]
 
 
 def groups_of_options(header_text):
@@ -109,14 +127,7 @@ def groups_of_options(header_text):
     for match in GROUP.finditer(text):
         comment = plain(match.group("block") or match.group("line"))
         code = match.group("code")
-        found = []
-        for macro, name, arguments in SET_MACRO.findall(code):
-            found.append((name, values_of(name, macro, arguments, code, enums)))
-        for name, parameters in SETTER.findall(code):
-            chooses = "To" in name and re.sub(r"To\w+$", "", name) in getters
-            if name in getters and not chooses and name not in [row[0] for row in found]:
-                found.append((name, values_of(name, "", "", code, enums) or type_in_words(parameters)))
-        found = [row for row in found if row[0] not in seen]
+        found = [row for row in options_of(code, enums, getters) if row[0] not in seen]
         if not found:
             for name, _ in ENUM.findall(code)[:1]:
                 descriptions[name] = comment
@@ -131,6 +142,8 @@ def groups_of_options(header_text):
                 defaults = [", ".join(documented)]
             elif len(documented) == len(found):
                 defaults = documented
+            elif len(documented) == 1:
+                defaults = documented * len(found)
         meaning = " ".join(part for part in sentences(comment) if not part.startswith("Default"))
         for enum, words in descriptions.items():
             if not meaning and enum in (found[0][0] + "s", found[0][0] + "Type"):

@@ -233,7 +233,7 @@ public:
    *    that the lattice deforms;
    * 3. without a picker, the depth buffer: what opaque geometry of the scene is there. Volumes
    *    write no depth, so it is not enough for them.
-   * PickSurface() returns 1 and a world position, or 0.
+   * PickSurface() returns 1 and a world position, or 0. Default: none.
    */
   virtual void SetSurfacePicker(vtkAbstractPicker* picker);
   vtkAbstractPicker* GetSurfacePicker();

@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
 """Headers against their code: each documented default of an option that a class can be asked for,
-and what the header of the mapper says of the scenes that the reference kernels render."""
+the tables of options that the documentation makes of them, and what the header of the mapper says of
+the scenes that the reference kernels render."""
 
 import pathlib
 import re
+import sys
 import unittest
 
 import numpy as np
@@ -18,6 +20,9 @@ from vtkmodules.vtkRenderingCore import (
 import vtkffd
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(SOURCE / "Module" / "Documentation"))
+import header_options  # noqa: E402 # pylint: disable=wrong-import-position
+
 GETTER = re.compile(r"vtkGet(?:Vector\d)?Macro\((\w+)")
 # "Default: 0.1.", "Defaults: 1 and 10.", "default 0.05", "Default FREE, the plane of the view"
 DEFAULT = re.compile(r"\b[Dd]efaults?:? +([-\w./]+(?:(?:, | and )[-\w./]+)*)")
@@ -80,6 +85,75 @@ class TestDefaults(unittest.TestCase):
                     with self.subTest(header=header.name, names=names):
                         self.assertEqual(got, wanted)
         self.assertGreater(checked, 80)
+
+
+class TestTablesOfOptions(unittest.TestCase):
+    def test_defaults_are_those_of_the_classes(self):
+        """Each option of a table has a default: that of the class, or prose."""
+        compared = 0
+        for header in sorted(SOURCE.glob("[FMR]*/**/vtkFFD*.h")):
+            text = header.read_text(encoding="utf-8")
+            cls = getattr(vtkffd, header.stem, None)
+            rows = list(header_options.groups_of_options(text)) if cls else []
+            thing = cls() if rows else None
+            for names, values, defaults, _ in rows:
+                for name, value, default in zip(names, values, defaults, strict=True):
+                    with self.subTest(cls=header.stem, option=name):
+                        # The coefficients of a lattice are its own: there is nothing to tell of them.
+                        self.assertTrue(default or name == "CoefficientData")
+                        try:
+                            wanted = [value_of(cls, word) for word in default.split(", ")]
+                            got = getattr(thing, "Get" + name)()
+                        except (TypeError, ValueError):
+                            continue  # prose, or a getter with arguments
+                        if wanted[0] is None:
+                            continue  # "none, which means ..."
+                        got = list(got) if isinstance(got, tuple) else [got]
+                        self.assertEqual(got, wanted * (len(got) // len(wanted)), value)
+                        compared += 1
+        self.assertGreater(compared, 150)
+
+    def test_rows(self):
+        """Options in the order of the comment's defaults, and all of what they may be."""
+        header = """class A
+{
+public:
+  ///@{
+  /**
+   * Length and count. Defaults: 0.5 and 3.
+   */
+  void SetLength(double length);
+  vtkGetMacro(Length, double);
+  vtkSetClampMacro(Count, int, 1, 9);
+  vtkGetMacro(Count, int);
+  ///@}
+
+  ///@{
+  /**
+   * The kind. Default: B.
+   */
+  vtkSetMacro(Kind, int);
+  vtkGetMacro(Kind, int);
+  void SetKindToA() { this->SetKind(A); }
+  void SetKindToB()
+  {
+    this->SetKind(B);
+  }
+  ///@}
+
+  ///@{
+  /**
+   * Point i.
+   */
+  void SetPoint(int i, double x);
+  double GetPoint(int i);
+  ///@}
+
+protected:
+"""
+        rows = [row[:3] for row in header_options.groups_of_options(header)]
+        self.assertEqual(rows, [(["Length", "Count"], ["number", "1 to 9"], ["0.5", "3"]),
+                                (["Kind"], ["`A`, `B`"], ["B"])])
 
 
 def evaluations(dimensions, components, gradient, mode, reference):
