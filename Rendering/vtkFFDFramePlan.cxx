@@ -74,16 +74,8 @@ ffd::CastSettings vtkFFDFramePlan::MakeSettings(vtkFFDInverseRayVolumeMapper* ma
   settings.Reference = mapper->GetReferenceKernels() != 0;
   settings.Shade = volume->GetProperty()->GetShade(0) != 0;
   settings.Jitter = mapper->GetUseJittering() != 0;
-  if (mapper->GetLockSampleDistanceToInputSpacing())
-  {
-    settings.SampleDistance = (interactive ? 2.0 : 1.0) * voxelSize;
-  }
-  else
-  {
-    settings.SampleDistance =
-      interactive ? mapper->GetInteractiveSampleDistance() : mapper->GetSampleDistance();
-  }
-  settings.SampleDistance = std::max(settings.SampleDistance, ShortestLength * voxelSize);
+  settings.SampleDistance =
+    std::max(mapper->FindSampleDistance(voxelSize, interactive), ShortestLength * voxelSize);
 
   // A process that has a part of the volume may lack what is before it on its rays.
   const int classification = mapper->GetClassification();
@@ -226,7 +218,7 @@ void vtkFFDFramePlan::RecordFrame(
 
 //------------------------------------------------------------------------------
 void vtkFFDFramePlan::RecordStillTime(vtkFFDInverseRayVolumeMapper* mapper,
-  const vtkFFDFrame& frame, bool interactive, double reusedFraction)
+  const vtkFFDFrameCache& cache, const vtkFFDFrame& frame, bool interactive, double reusedFraction)
 {
   if (!interactive)
   {
@@ -236,9 +228,9 @@ void vtkFFDFramePlan::RecordStillTime(vtkFFDInverseRayVolumeMapper* mapper,
     this->StillTime = reusedFraction > 0.0 ? std::max(this->StillTime, time) : time;
     return;
   }
-  const double samples = mapper->GetLockSampleDistanceToInputSpacing()
-    ? 2.0
-    : mapper->GetInteractiveSampleDistance() / mapper->GetSampleDistance();
+  const double voxelSize = cache.GetVoxelSize();
+  const double samples =
+    mapper->FindSampleDistance(voxelSize, true) / mapper->FindSampleDistance(voxelSize, false);
   const double step = mapper->GetMinimumImageSampleDistance();
   this->StillTime = this->EstimateTime() * std::max(1.0, samples) / (step * step);
 }

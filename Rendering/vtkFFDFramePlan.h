@@ -47,8 +47,8 @@ public:
   void RecordFrame(double seconds, double step, bool interactive, double reusedFraction);
 
   /// After a frame in a window that may have been aborted: what it tells of still pictures.
-  void RecordStillTime(vtkFFDInverseRayVolumeMapper* mapper, const vtkFFDFrame& frame,
-    bool interactive, double reusedFraction);
+  void RecordStillTime(vtkFFDInverseRayVolumeMapper* mapper, const vtkFFDFrameCache& cache,
+    const vtkFFDFrame& frame, bool interactive, double reusedFraction);
 
   bool HasTimeEstimate() const { return this->TimePerPixel > 0.0; }
   /// Seconds that a frame like the last one is expected to take.

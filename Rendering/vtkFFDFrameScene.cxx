@@ -129,8 +129,7 @@ void vtkFFDFrameScene::MakeClassifier(
       std::clamp(clippedIntensity, -LargestClippedIntensity, LargestClippedIntensity);
   }
   // The length is that of still pictures, so that pictures while the scene moves look alike.
-  inputs.ReferenceLength =
-    mapper->GetLockSampleDistanceToInputSpacing() ? scene.VoxelSize : mapper->GetSampleDistance();
+  inputs.ReferenceLength = mapper->FindSampleDistance(scene.VoxelSize, false);
   this->Classifier.reset(new ffd::SampleClassifier(inputs));
   scene.Classifier = this->Classifier.get();
 }

@@ -214,10 +214,37 @@ void vtkFFDInverseRayVolumeMapper::SetSampleDistance(double distance)
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetInteractiveSampleDistance(double distance)
 {
-  if (this->SetPositive("InteractiveSampleDistance", this->InteractiveSampleDistance, distance))
+  if (this->SetPositive("InteractiveSampleDistance", this->InteractiveSampleDistance, distance) &&
+    this->InteractiveSampleDistanceLocked)
   {
-    this->SetLockSampleDistanceToInputSpacing(0);
+    this->InteractiveSampleDistanceLocked = false;
+    this->Modified();
   }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDInverseRayVolumeMapper::SetLockSampleDistanceToInputSpacing(vtkTypeBool lock)
+{
+  if (this->LockSampleDistanceToInputSpacing != lock ||
+    (lock && !this->InteractiveSampleDistanceLocked))
+  {
+    this->LockSampleDistanceToInputSpacing = lock;
+    this->InteractiveSampleDistanceLocked = this->InteractiveSampleDistanceLocked || lock;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+/// Data units; `interactive`: while the scene moves. A distance that nobody has set is one of
+/// voxels, whatever the other one is: 1.0 or 2.0 may be more than all of a volume.
+double vtkFFDInverseRayVolumeMapper::FindSampleDistance(double voxelSize, bool interactive) const
+{
+  if (interactive)
+  {
+    return this->InteractiveSampleDistanceLocked ? 2.0 * voxelSize
+                                                 : this->InteractiveSampleDistance;
+  }
+  return this->LockSampleDistanceToInputSpacing ? voxelSize : this->SampleDistance;
 }
 
 //------------------------------------------------------------------------------
@@ -711,6 +738,7 @@ void vtkFFDInverseRayVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
     this->SetSampleDistance(like->SampleDistance);
     this->SetInteractiveSampleDistance(like->InteractiveSampleDistance);
     this->SetLockSampleDistanceToInputSpacing(like->LockSampleDistanceToInputSpacing);
+    this->InteractiveSampleDistanceLocked = like->InteractiveSampleDistanceLocked;
     this->SetImageSampleDistance(like->ImageSampleDistance);
     this->SetMinimumImageSampleDistance(like->MinimumImageSampleDistance);
     this->SetMaximumImageSampleDistance(like->MaximumImageSampleDistance);
@@ -797,6 +825,8 @@ void vtkFFDInverseRayVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "Classification: " << this->GetClassificationAsString() << "\n";
   os << indent << "SampleDistance: " << this->SampleDistance << "\n";
   os << indent << "InteractiveSampleDistance: " << this->InteractiveSampleDistance << "\n";
+  os << indent << "InteractiveSampleDistanceLocked: " << this->InteractiveSampleDistanceLocked
+     << "\n";
   os << indent << "LockSampleDistanceToInputSpacing: " << this->LockSampleDistanceToInputSpacing
      << "\n";
   os << indent << "ImageSampleDistance: " << this->ImageSampleDistance << "\n";

@@ -370,7 +370,7 @@ public:
   ///@{
   /**
    * Distance between samples along the viewing ray, data units. Default: locked to the input, one
-   * voxel; setting a distance unlocks it. Must be positive; less than a thousandth of a voxel
+   * voxel; setting this distance unlocks it. Must be positive; less than a thousandth of a voxel
    * counts as that. Samples lie at whole multiples of it behind the face through which the ray
    * enters the volume, or behind the near clipping plane if that is inside, as with
    * vtkGPUVolumeRayCastMapper. Those of a deformed ray lie as far along it as where nothing is
@@ -385,8 +385,8 @@ public:
   /**
    * Distance between samples while the scene is being moved: when AutoAdjustSampleDistances is on
    * and less than 1 / InteractiveUpdateRate seconds are allotted to the frame. Data units. Default:
-   * locked to the input, two voxels; setting a distance unlocks it. Must be positive; less than a
-   * thousandth of a voxel counts as that.
+   * locked to the input, two voxels; setting this distance, nothing else, unlocks it. Must be
+   * positive; less than a thousandth of a voxel counts as that.
    */
   virtual void SetInteractiveSampleDistance(double distance);
   vtkGetMacro(InteractiveSampleDistance, double);
@@ -394,11 +394,12 @@ public:
 
   ///@{
   /**
-   * Whether the sample distances are one and two voxels, instead of SampleDistance and
-   * InteractiveSampleDistance. Default: on. (vtkFixedPointVolumeRayCastMapper has a distance of
-   * 1.0 by default, which is wrong for volumes whose voxels are much smaller or larger.)
+   * Whether the distance between samples is one voxel, instead of SampleDistance. On also locks
+   * InteractiveSampleDistance, to two voxels, until that is set again. Default: on.
+   * (vtkFixedPointVolumeRayCastMapper has a distance of 1.0 by default, which is wrong for volumes
+   * whose voxels are much smaller or larger.)
    */
-  vtkSetMacro(LockSampleDistanceToInputSpacing, vtkTypeBool);
+  virtual void SetLockSampleDistanceToInputSpacing(vtkTypeBool lock);
   vtkGetMacro(LockSampleDistanceToInputSpacing, vtkTypeBool);
   vtkBooleanMacro(LockSampleDistanceToInputSpacing, vtkTypeBool);
   ///@}
@@ -1069,6 +1070,7 @@ private:
 
   bool SetPositive(const char* name, double& member, double value);
   void SetClamped(float& option, float value, float low, float high);
+  double FindSampleDistance(double voxelSize, bool interactive) const;
 
   // The bodies of public methods, which guard them against exceptions.
   void RenderInWindow(vtkRenderer* renderer, vtkVolume* volume);
@@ -1099,6 +1101,7 @@ private:
   double SampleDistance = 1.0;
   double InteractiveSampleDistance = 2.0;
   vtkTypeBool LockSampleDistanceToInputSpacing = 1;
+  bool InteractiveSampleDistanceLocked = true;
   double ImageSampleDistance = 1.0;
   double MinimumImageSampleDistance = 1.0;
   double MaximumImageSampleDistance = 10.0;

@@ -515,7 +515,7 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
     in.Plan.RecordFrame(seconds, region.Step, interactive, in.Caster.GetReusedFraction());
     in.Shown = view;
   }
-  in.Plan.RecordStillTime(this, frame, interactive, in.Caster.GetReusedFraction());
+  in.Plan.RecordStillTime(this, in.Cache, frame, interactive, in.Caster.GetReusedFraction());
   // After an abort the last picture: the window may be read before the next frame is there.
   if (done || in.Last.IsSameAs(view))
   {

@@ -241,6 +241,54 @@ class TestMapperPipeline(unittest.TestCase):
             self.assertEqual(copy.GetLockSampleDistanceToInputSpacing(), lock)
             self.assertEqual(copy.GetSampleDistance(), 2.0)
 
+    def test_each_distance_is_locked_until_it_is_set(self):
+        """Of voxels that are small or large: else 1.0 and 2.0 are more than all of the volume, or less
+        than can be."""
+        def samples(spacing, moving, change=lambda mapper: None, copied=False):
+            image = ball(0.5)
+            image.SetSpacing(spacing, spacing, spacing)
+            scene = Scene()
+            scene.volume.GetProperty().SetScalarOpacityUnitDistance(spacing)
+            scene.mapper.SetInputData(image)
+            change(scene.mapper)
+            if copied:
+                copy = vtkffd.vtkFFDInverseRayVolumeMapper()
+                copy.ShallowCopy(scene.mapper)
+                scene.mapper = copy
+                scene.volume.SetMapper(copy)
+            scene.mapper.CollectStatisticsOn()
+            scene.mapper.SetMaximumImageSampleDistance(1.0)
+            scene.renderer.ResetCamera()
+            window = vtkRenderWindow()
+            window.OffScreenRenderingOn()
+            window.SetSize(SIZE, SIZE)
+            window.AddRenderer(scene.renderer)
+            window.SetDesiredUpdateRate(1e9 if moving else 1e-5)
+            window.Render()
+            return scene.mapper.GetStatistics().GetNumberOfVisibleSamples()
+
+        for spacing in (0.01, 1.0, 100.0):
+            still, moving = samples(spacing, False), samples(spacing, True)
+            self.assertGreater(moving, 500)
+            self.assertGreater(still, 1.5 * moving)
+            for copied in (False, True):
+                with self.subTest(spacing=spacing, copied=copied):
+                    self.assertEqual(still, samples(
+                        spacing, False, lambda m: m.SetInteractiveSampleDistance(4 * spacing), copied))
+                    self.assertEqual(moving, samples(
+                        spacing, True, lambda m: m.SetSampleDistance(0.5 * spacing), copied))
+                    self.assertLess(samples(
+                        spacing, True, lambda m: m.SetInteractiveSampleDistance(4 * spacing), copied),
+                        0.7 * moving)
+                    self.assertGreater(samples(
+                        spacing, False, lambda m: m.SetSampleDistance(0.5 * spacing), copied),
+                        1.5 * still)
+
+                    def lock_again(mapper):
+                        mapper.SetInteractiveSampleDistance(4 * spacing)
+                        mapper.LockSampleDistanceToInputSpacingOn()
+                    self.assertEqual(moving, samples(spacing, True, lock_again, copied))
+
     def test_aborted_picture(self):
         scene = Scene()
         scene.mapper.SetInputData(ball(0.5))
