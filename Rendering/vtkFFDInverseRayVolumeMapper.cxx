@@ -239,12 +239,13 @@ void vtkFFDInverseRayVolumeMapper::SetLockSampleDistanceToInputSpacing(vtkTypeBo
 /// voxels, whatever the other one is: 1.0 or 2.0 may be more than all of a volume.
 double vtkFFDInverseRayVolumeMapper::FindSampleDistance(double voxelSize, bool interactive) const
 {
-  if (interactive)
+  const double still = this->LockSampleDistanceToInputSpacing ? voxelSize : this->SampleDistance;
+  if (!interactive)
   {
-    return this->InteractiveSampleDistanceLocked ? 2.0 * voxelSize
-                                                 : this->InteractiveSampleDistance;
+    return still;
   }
-  return this->LockSampleDistanceToInputSpacing ? voxelSize : this->SampleDistance;
+  return this->InteractiveSampleDistanceLocked ? std::max(2.0 * voxelSize, still)
+                                               : this->InteractiveSampleDistance;
 }
 
 //------------------------------------------------------------------------------

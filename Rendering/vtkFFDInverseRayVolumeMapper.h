@@ -385,8 +385,8 @@ public:
   /**
    * Distance between samples while the scene is being moved: when AutoAdjustSampleDistances is on
    * and less than 1 / InteractiveUpdateRate seconds are allotted to the frame. Data units. Default:
-   * locked to the input, two voxels; setting this distance, nothing else, unlocks it. Must be
-   * positive; less than a thousandth of a voxel counts as that.
+   * locked to the input, two voxels, or SampleDistance where that is more; setting this distance,
+   * nothing else, unlocks it. Must be positive; less than a thousandth of a voxel counts as that.
    */
   virtual void SetInteractiveSampleDistance(double distance);
   vtkGetMacro(InteractiveSampleDistance, double);

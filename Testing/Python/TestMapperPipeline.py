@@ -277,6 +277,10 @@ class TestMapperPipeline(unittest.TestCase):
                         spacing, False, lambda m: m.SetInteractiveSampleDistance(4 * spacing), copied))
                     self.assertEqual(moving, samples(
                         spacing, True, lambda m: m.SetSampleDistance(0.5 * spacing), copied))
+                    # Moving frames take no more samples than still ones.
+                    self.assertEqual(
+                        *(samples(spacing, mode, lambda m: m.SetSampleDistance(4 * spacing), copied)
+                          for mode in (False, True)))
                     self.assertLess(samples(
                         spacing, True, lambda m: m.SetInteractiveSampleDistance(4 * spacing), copied),
                         0.7 * moving)
