@@ -13,6 +13,7 @@ from paraview import servermanager, simple
 from paraview.vtk.vtkCommonCore import vtkUnsignedCharArray
 
 FRAME = 2.0  # seconds of a processor: what other processes take must not make frames shorter
+SHORTEST = 0.05  # of the distances between samples that the representation takes, voxels
 
 log = ffdlog.open_log("FFD_ABORT_LOG")
 
@@ -48,7 +49,7 @@ if "FFD_ABORT_DISTANCE" not in os.environ:
     clock = time.monotonic if remote else time.process_time
     start = clock()
     simple.Render(view)
-    distance *= (clock() - start) / FRAME
+    distance = max(SHORTEST, distance * (clock() - start) / FRAME)
     render_other()
 write(event="scene", distance=distance)
 

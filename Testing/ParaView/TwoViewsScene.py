@@ -10,6 +10,7 @@ import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple
 
 FRAME = 1.5  # seconds of a processor: what other processes take must not make frames shorter
+SHORTEST = 0.05  # of the distances between samples that the representation takes, voxels
 
 log = ffdlog.open_log("FFD_ABORT_LOG")
 
@@ -18,7 +19,7 @@ def write(**line):
     log({"time": time.monotonic(), **line})
 
 
-lattice = simple.FFDLattice(Input=simple.Wavelet(WholeExtent=[-60, 60] * 3), Shape="Twist")
+lattice = simple.FFDLattice(Input=simple.Wavelet(WholeExtent=[-90, 90] * 3), Shape="Twist")
 left = simple.GetActiveViewOrCreate("RenderView")
 layout = simple.GetLayout(left)
 layout.SplitHorizontal(layout.GetViewLocation(left), 0.5)
@@ -37,7 +38,7 @@ for view, display in zip(views, displays):
 start = time.process_time()
 displays[0].FFDSampleDistance = 0.5
 simple.Render(left)
-distance = 0.5 * (time.process_time() - start) / FRAME
+distance = max(SHORTEST, 0.5 * (time.process_time() - start) / FRAME)
 for view, display in zip(views, displays):
     display.FFDSampleDistance = distance
     simple.Render(view)
