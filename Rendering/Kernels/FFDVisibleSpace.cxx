@@ -46,33 +46,11 @@ void ForIndices(const glm::ivec3& first, const glm::ivec3& end, int step, const 
   }
 }
 
-/// The images of boxes, with something around them.
-class LocalImages
+/// A box in data coordinates with something around it, data units; `origin`: of the result.
+SpaceCells::LocalBox ToLocal(const Box& box, double around, const glm::dvec3& origin)
 {
-public:
-  /// `around`: data units. `origin`: of what Get() returns, data coordinates.
-  LocalImages(const BoxImages& images, double around, const glm::dvec3& origin)
-    : Images(images)
-    , Around(around)
-    , Origin(origin)
-  {
-  }
-
-  void Add(const glm::ivec3& index)
-  {
-    const Box image = this->Images.Find(index);
-    this->Found.push_back({ glm::vec3(image.Min - this->Around - this->Origin),
-      glm::vec3(image.Max + this->Around - this->Origin) });
-  }
-
-  const std::vector<SpaceCells::LocalBox>& Get() const { return this->Found; }
-
-private:
-  const BoxImages& Images;
-  double Around;
-  glm::dvec3 Origin;
-  std::vector<SpaceCells::LocalBox> Found;
-};
+  return { glm::vec3(box.Min - around - origin), glm::vec3(box.Max + around - origin) };
+}
 
 /// Kept around images, data units.
 double FindMargin(const CastScene& scene, double reach)
@@ -98,7 +76,8 @@ std::vector<SpaceCells::LocalBox> FindVisibleImages(const CastScene& scene, doub
     return isEmpty({ boxes.Get(first).Min, boxes.Get(end - 1).Max }) ||
       (orientations && orientations->AreTurnedOver(first, end));
   };
-  LocalImages found(images, FindMargin(scene, reach), origin);
+  const double around = FindMargin(scene, reach);
+  std::vector<SpaceCells::LocalBox> found;
   // Eight neighbors are mostly empty, or turned over, together.
   ForIndices(glm::ivec3(0), boxes.Count, 2, [&](const glm::ivec3& first) {
     const glm::ivec3 end = glm::min(first + 2, boxes.Count);
@@ -109,11 +88,11 @@ std::vector<SpaceCells::LocalBox> FindVisibleImages(const CastScene& scene, doub
     ForIndices(first, end, 1, [&](const glm::ivec3& index) {
       if (!areHidden(index, index + 1))
       {
-        found.Add(index);
+        found.push_back(ToLocal(images.Find(index), around, origin));
       }
     });
   });
-  return found.Get();
+  return found;
 }
 
 /// The images of all boxes of the whole volume.
@@ -122,9 +101,11 @@ std::vector<SpaceCells::LocalBox> FindVolumeImages(
 {
   const BoxGrid boxes(restBounds, NumberOfVolumeBoxes, SmallestEdge * scene.VoxelSize);
   const BoxImages images(boxes, scene.Map->GetField(), 1.0);
-  LocalImages found(images, FindMargin(scene, reach), origin);
-  ForIndices(glm::ivec3(0), boxes.Count, 1, [&](const glm::ivec3& index) { found.Add(index); });
-  return found.Get();
+  const double around = FindMargin(scene, reach);
+  std::vector<SpaceCells::LocalBox> found;
+  ForIndices(glm::ivec3(0), boxes.Count, 1,
+    [&](const glm::ivec3& index) { found.push_back(ToLocal(images.Find(index), around, origin)); });
+  return found;
 }
 
 } // namespace

@@ -98,6 +98,12 @@ FFD_IO_EXPORT std::string FindNrrdField(std::string_view name);
 FFD_IO_EXPORT glm::dvec3 FindNrrdOrigin(const std::vector<double>& mins, std::string_view centers,
   std::size_t first, const glm::dvec3& spacing);
 
+/// Whether an ElementDataFile of MetaImage says that the data are behind the header.
+FFD_IO_EXPORT bool IsLocalData(std::string_view name);
+
+/// Millimeters in a unit of length of NIfTI, of its xyzt_units; 1 where there is none.
+FFD_IO_EXPORT double FindNiftiUnit(int units);
+
 /**
  * Numbers as they lie in a file to the displacements of `step` (a Field over header.Grid). `data`
  * has header.GetDataSize() bytes. False when one is not finite or exceeds 1e12.
@@ -107,12 +113,6 @@ FFD_IO_EXPORT bool DecodeField(
 
 /// Header of an NRRD file (attached data, raw, little endian doubles, LPS) of this grid.
 FFD_IO_EXPORT std::string FormatNrrdHeader(const TransformGrid& grid);
-/// Whether an ElementDataFile of MetaImage says that the data are behind the header.
-FFD_IO_EXPORT bool IsLocalData(std::string_view name);
-
-/// Millimeters in a unit of length of NIfTI, of its xyzt_units; 1 where there is none.
-FFD_IO_EXPORT double FindNiftiUnit(int units);
-
 /// Whether a MetaImage header can name this file of data, for MetaIO (VTK, ITK) as well.
 FFD_IO_EXPORT bool CanNameDataFile(std::string_view name);
 /// Header of a MetaImage (.mha: local data, raw, little endian doubles; .mhd: in `dataFile`).
