@@ -1,23 +1,13 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
 """Run by TestAbort.py in ParaView's graphical client: a volume in two views side by side, whose still frames
-take some second each. How frames begin and end goes to the file FFD_ABORT_LOG as lines of JSON."""
+take some second each."""
 
-import time
-
-import ffdlog
+import ffdframelog
 import ffdsession  # noqa: F401, before paraview.simple
 from paraview import simple
 
-FRAME = 1.5  # seconds of a processor: what other processes take must not make frames shorter
-SHORTEST = 0.05  # of the distances between samples that the representation takes, voxels
-
-log = ffdlog.open_log("FFD_ABORT_LOG")
-
-
-def write(**line):
-    log({"time": time.monotonic(), **line})
-
+DISTANCE = 0.1  # between samples, voxels
 
 lattice = simple.FFDLattice(Input=simple.Wavelet(WholeExtent=[-90, 90] * 3), Shape="Twist")
 left = simple.GetActiveViewOrCreate("RenderView")
@@ -34,28 +24,9 @@ for view, display in zip(views, displays):
     # Not by ResetCamera(): the layout may not have its sizes yet, and one view's frames be far shorter.
     view.CameraPosition = [0.0, 0.0, 600.0]
     view.CameraFocalPoint = [0.0, 0.0, 0.0]
+    display.FFDSampleDistance = DISTANCE
     simple.Render(view)
-start = time.process_time()
-displays[0].FFDSampleDistance = 0.5
-simple.Render(left)
-distance = max(SHORTEST, 0.5 * (time.process_time() - start) / FRAME)
-for view, display in zip(views, displays):
-    display.FFDSampleDistance = distance
-    simple.Render(view)
-
-
-def observe(number, window):
-    def note(event):
-        return lambda *_: write(event=event, view=number, still=window.GetDesiredUpdateRate() < 1.0,
-                                aborted=bool(window.GetAbortRender()))
-
-    # After the plugin's observers at the beginning, before them at the end.
-    window.AddObserver("StartEvent", note("begin"), -1.0)
-    window.AddObserver("EndEvent", note("end"), 1.0)
-
-
-for i, view in enumerate(views):
-    observe(i, view.GetRenderWindow())
+logs = [ffdframelog.FrameLog(view.GetRenderWindow(), view=i) for i, view in enumerate(views)]
 simple.SetActiveSource(lattice)
 
 
@@ -66,4 +37,4 @@ def edit(*_):
 
 
 left.GetRenderWindow().GetInteractor().AddObserver("EnterEvent", edit)
-write(event="ready")
+ffdframelog.write({"event": "ready"})
