@@ -272,6 +272,16 @@ const std::map<std::string, Change>& GetChanges()
         mapper->SetInputData(MakeComponents(s.Image, 2));
         SetComponents(s.Property, 2);
       } },
+    { "components 2, 16 bit",
+      [](OptionScene& s, Mapper* mapper) {
+        mapper->SetInputData(Cast(MakeComponents(s.Image, 2), VTK_UNSIGNED_SHORT));
+        SetComponents(s.Property, 2);
+      } },
+    { "components 2, double",
+      [](OptionScene& s, Mapper* mapper) {
+        mapper->SetInputData(Cast(MakeComponents(s.Image, 2), VTK_DOUBLE));
+        SetComponents(s.Property, 2);
+      } },
     { "components 3",
       [](OptionScene& s, Mapper* mapper) {
         mapper->SetInputData(MakeComponents(s.Image, 3));
@@ -285,6 +295,16 @@ const std::map<std::string, Change>& GetChanges()
     { "dependent 2",
       [](OptionScene& s, Mapper* mapper) {
         mapper->SetInputData(MakeComponents(s.Image, 2));
+        s.Property->IndependentComponentsOff();
+      } },
+    { "dependent 2, float",
+      [](OptionScene& s, Mapper* mapper) {
+        mapper->SetInputData(Cast(MakeComponents(s.Image, 2), VTK_FLOAT));
+        s.Property->IndependentComponentsOff();
+      } },
+    { "dependent 2, double",
+      [](OptionScene& s, Mapper* mapper) {
+        mapper->SetInputData(Cast(MakeComponents(s.Image, 2), VTK_DOUBLE));
         s.Property->IndependentComponentsOff();
       } },
     { "dependent RGBA",
@@ -536,6 +556,10 @@ const std::vector<FrameOption>& GetFrameOptions()
     { "float", "plain", 1.4 },
     { "double", "plain", 1.5 },
     { "32 bit", "plain", 1.5 },
+    { "components 2, 16 bit", "16 bit", 2.4 },
+    { "components 2, double", "double", 2.4 },
+    { "dependent 2, float", "float", 1.5 },
+    { "dependent 2, double", "double", 1.5 },
     { "cropping", "plain", 1.4 },
     { "clipping plane", "plain", 1.4 },
     { "clipped voxels", "clipping plane", 1.5 },

@@ -362,10 +362,11 @@ PacketScene MakePacketScene(
 
   p.Inner =
     p.Sampling == PacketSampling::Composite && !p.Intervals && !kind.Components && !p.Grid.Snaps;
+  const bool isPair = p.KindOfComponents == ComponentKind::Independent && p.Volume.Components == 2;
+  const bool isDependent =
+    p.KindOfComponents == ComponentKind::ColorOpacity || p.KindOfComponents == ComponentKind::Rgba;
   p.InnerComponents = kind.Components && !p.Grid.Snaps && p.Sampling == PacketSampling::Composite &&
-    p.Volume.SlicesInReach == 0 && p.Components[0].Weight > 0.0f &&
-    (p.KindOfComponents == ComponentKind::ColorOpacity ||
-      p.KindOfComponents == ComponentKind::Rgba);
+    p.Volume.SlicesInReach == 0 && (isPair || (isDependent && p.Components[0].Weight > 0.0f));
   p.InnerBlending = (p.Sampling == PacketSampling::Extreme || p.Sampling == PacketSampling::Sum ||
                       p.Sampling == PacketSampling::Surface) &&
     !kind.Components && !kind.Masked && !p.HidesSamples;

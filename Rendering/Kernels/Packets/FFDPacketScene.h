@@ -221,7 +221,7 @@ struct PacketScene
     false; ///< compositing of one component by its table alone, without cropping and masks
   bool Inner = false; ///< compositing of one component: the samples of a part have a loop
   bool InnerComponents =
-    false; ///< the same of dependent components whose last one is the density, in reach of offsets
+    false; ///< the same of two components, or of four dependent ones, in reach of offsets
   bool InnerBlending = false; ///< the same of extremes, sums and surfaces
   bool InnerChannels = false; ///< the same of extremes of two or four components
   /// Values that blend modes compare samples with, as fetched (PacketVolume).

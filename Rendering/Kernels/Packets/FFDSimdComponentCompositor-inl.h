@@ -58,32 +58,9 @@ public:
     Vf values[LargestNumberOfComponents];
     samples.FindValues(values);
     Vf extinctions[LargestNumberOfComponents];
-    Mf visible = hn::FirstN(d, 0);
     const bool independent = this->Scene.KindOfComponents == ComponentKind::Independent;
     unsigned int wanted = independent ? 0 : FindDensityComponents(this->Scene);
-    for (std::size_t c = 0; c < this->Scene.Components.size(); ++c)
-    {
-      // Comparisons with what is not a number are false.
-      const PacketComponent& component = this->Scene.Components[c];
-      const Vf density = DensityOf(this->Scene, c, values);
-      const Mf counts = hn::And(sampled,
-        hn::And(hn::Ge(density, Splat(component.Visible.Low)),
-          hn::Le(density, Splat(component.Visible.High))));
-      extinctions[c] = hn::Zero(d);
-      if (component.Weight > 0.0f && !hn::AllFalse(d, counts))
-      {
-        extinctions[c] =
-          hn::IfThenElseZero(counts, this->FindFirstExtinction(component, density, c));
-        const Mf own = hn::Gt(extinctions[c], hn::Zero(d));
-        visible = hn::Or(visible, own);
-        wanted |= independent && !hn::AllFalse(d, own) ? 1u << c : 0u;
-      }
-    }
-    visible = hn::And(visible, sampled);
-    if (this->Scene.HidesSamples && !hn::AllFalse(d, visible))
-    {
-      visible = LeaveOutHidden(this->Scene, q, visible);
-    }
+    const Mf visible = this->FindVisible(q, values, sampled, extinctions, wanted);
     if (hn::AllFalse(d, visible))
     {
       return;
@@ -141,20 +118,177 @@ private:
                                          : Splat(1.0f);
   }
 
-  /// TakeSamples() with windows of one kind. The density is the last component; voxels of the
-  /// others are loaded where it is visible.
+  /// The lanes of `sampled` in which some density is visible, and the extinctions of all of them.
+  /// Independent components that are visible are added to `wanted`, a bit each.
+  HWY_INLINE Mf FindVisible(
+    const Vec3& q, const Vf* values, Mf sampled, Vf* extinctions, unsigned int& wanted) const
+  {
+    const Df d;
+    const bool independent = this->Scene.KindOfComponents == ComponentKind::Independent;
+    Mf visible = hn::FirstN(d, 0);
+    for (std::size_t c = 0; c < this->Scene.Components.size(); ++c)
+    {
+      // Comparisons with what is not a number are false.
+      const PacketComponent& component = this->Scene.Components[c];
+      const Vf density = DensityOf(this->Scene, c, values);
+      const Mf counts = hn::And(sampled,
+        hn::And(hn::Ge(density, Splat(component.Visible.Low)),
+          hn::Le(density, Splat(component.Visible.High))));
+      extinctions[c] = hn::Zero(d);
+      if (component.Weight > 0.0f && !hn::AllFalse(d, counts))
+      {
+        extinctions[c] =
+          hn::IfThenElseZero(counts, this->FindFirstExtinction(component, density, c));
+        const Mf own = hn::Gt(extinctions[c], hn::Zero(d));
+        visible = hn::Or(visible, own);
+        wanted |= independent && !hn::AllFalse(d, own) ? 1u << c : 0u;
+      }
+    }
+    visible = hn::And(visible, sampled);
+    return this->Scene.HidesSamples && !hn::AllFalse(d, visible)
+      ? LeaveOutHidden(this->Scene, q, visible)
+      : visible;
+  }
+
+  /// Takes a sample, at q and s of a curve, of two independent components from windows.
+  template <bool AtFaces, WindowFit Fit>
+  HWY_INLINE void TakePair(const PacketCurve& curve, const Vec3& q, Vf s, const SampleCells& cells,
+    const SamplePosition& at, const Vec3& voxel, Mf sampled)
+  {
+    const Df d;
+    using Source = WindowRows<T, Fit, AtFaces, 2>;
+    Source sources[2] = { Source(this->Samples.Window, cells, 0),
+      Source(this->Samples.Window, cells, 1) };
+    SampleRows<T> rows[2];
+    Vf values[2];
+    for (int c = 0; c < 2; ++c)
+    {
+      values[c] = Sample<T>(sources[c], at, rows[c]);
+    }
+    Vf extinctions[2];
+    unsigned int wanted = 0;
+    const Mf visible = this->FindVisible(q, values, sampled, extinctions, wanted);
+    if (hn::AllFalse(d, visible))
+    {
+      return;
+    }
+    const Mf border = AtFaces
+      ? hn::AndNot(FindInterior(this->Scene.Volume, cells, visible), visible)
+      : hn::FirstN(d, 0);
+    Vec3 gradients[2];
+    Vec3 ofOpacity[2];
+    const bool byOpacity = this->Scene.NormalsOfOpacity;
+    for (int c = 0; c < 2; ++c)
+    {
+      const auto find = [&](bool opacity) {
+        return this->Samples.FindGradient(
+          sources[c], at, rows[c], curve, q, voxel, s, visible, border, opacity, c);
+      };
+      if (!IsWanted(wanted, c) || !(this->Scene.Shade || this->Scene.OpacityByGradient))
+      {
+        continue;
+      }
+      sources[c].Widen();
+      if (!byOpacity || this->Scene.OpacityByGradient)
+      {
+        gradients[c] = find(false);
+      }
+      if (HWY_UNLIKELY(byOpacity))
+      {
+        ofOpacity[c] = find(true);
+      }
+    }
+    const Vf t = curve.TimeAt(s);
+    Vec3 color;
+    Vf extinction;
+    this->Mix(curve, q, s, t, values, extinctions, gradients, byOpacity ? ofOpacity : gradients,
+      color, extinction);
+    this->Add(curve, s, t, color, extinction, visible);
+  }
+
+  /// The same of dependent components. The density is the last one; voxels of the others are loaded
+  /// where it is visible.
+  template <int Components, bool AtFaces, WindowFit Fit>
+  HWY_INLINE void TakeDependent(const PacketCurve& curve, const Vec3& q, Vf s,
+    const SampleCells& cells, const SamplePosition& at, const Vec3& voxel, Mf sampled)
+  {
+    const Df d;
+    const PacketComponent& component = this->Scene.Components[0];
+    WindowRows<T, Fit, AtFaces, Components> voxels(this->Samples.Window, cells);
+    SampleRows<T> rows;
+    const Vf density = Sample<T>(voxels, at, rows);
+    // Comparisons with what is not a number are false.
+    sampled = hn::And(sampled,
+      hn::And(hn::Ge(density, Splat(component.Visible.Low)),
+        hn::Le(density, Splat(component.Visible.High))));
+    if (hn::AllFalse(d, sampled))
+    {
+      return;
+    }
+    const Vf ofTable = this->FindFirstExtinction(component, density, 0);
+    Mf visible = hn::And(sampled, hn::Gt(ofTable, hn::Zero(d)));
+    if (this->Scene.HidesSamples && !hn::AllFalse(d, visible))
+    {
+      visible = LeaveOutHidden(this->Scene, q, visible);
+    }
+    if (hn::AllFalse(d, visible))
+    {
+      return;
+    }
+    const Mf border = AtFaces
+      ? hn::AndNot(FindInterior(this->Scene.Volume, cells, visible), visible)
+      : hn::FirstN(d, 0);
+    Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
+    const bool shadesByValue = this->Scene.Shade && !this->Scene.NormalsOfOpacity;
+    if (this->Scene.Shade || this->Scene.OpacityByGradient)
+    {
+      voxels.Widen();
+    }
+    if (shadesByValue || this->Scene.OpacityByGradient)
+    {
+      gradient = this->Samples.FindGradient(voxels, at, rows, curve, q, voxel, s, visible, border);
+    }
+    const Vec3 normal = HWY_UNLIKELY(this->Scene.NormalsOfOpacity)
+      ? this->Samples.FindGradient(voxels, at, rows, curve, q, voxel, s, visible, border, true)
+      : gradient;
+    Vf values[LargestNumberOfComponents];
+    if constexpr (Components == 2)
+    {
+      const WindowRows<T, Fit, AtFaces, 2> intensities(this->Samples.Window, cells, 0);
+      SampleRows<T> rowsOfIntensity;
+      values[0] = Sample<T>(intensities, at, rowsOfIntensity);
+    }
+    else
+    {
+      constexpr unsigned int Colors = AllComponents & ~(1u << (Components - 1));
+      ComponentSamples<T>(this->Scene.Volume, cells, at, hn::AndNot(border, visible))
+        .FindValues(values, Colors);
+      if (AtFaces && !hn::AllFalse(d, border))
+      {
+        this->Samples.Border.ComponentValues(voxel, border, values);
+      }
+    }
+    values[Components - 1] = density;
+    const Vf t = curve.TimeAt(s);
+    Vec3 color;
+    Vf extinction;
+    this->ClassifyDependent(curve, q, s, t, values, ofTable, gradient, normal, color, extinction);
+    this->Add(curve, s, t, color, extinction, visible);
+  }
+
+  /// TakeSamples() with windows of one kind.
   template <int Components, bool AtFaces, WindowFit Fit>
   HWY_NOINLINE int TakeSamples(
     const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
   {
     const Df d;
-    const PacketComponent& component = this->Scene.Components[0];
+    const bool independent = this->Scene.KindOfComponents == ComponentKind::Independent;
     for (int n = from; n < to; ++n)
     {
-      Mf sampled = numbers.FindActive(this->Samples.State.Alive, n);
       const Vf s = numbers.FindPlaces(curve, n);
       const Vec3 q = curve.At(this->Scene, s);
-      sampled = this->Samples.template FindShown<AtFaces>(curve, q, s, sampled);
+      const Mf sampled = this->Samples.template FindShown<AtFaces>(
+        curve, q, s, numbers.FindActive(this->Samples.State.Alive, n));
       if (hn::AllFalse(d, sampled))
       {
         continue;
@@ -164,67 +298,15 @@ private:
       const Vec3 voxel = FindSampledVoxels(this->Scene, q);
       const SamplePosition at = FindCells(this->Scene.Volume, voxel, !AtFaces, cells);
       this->Samples.Window.template MoveTo<AtFaces>(n);
-      WindowRows<T, Fit, AtFaces, Components> voxels(this->Samples.Window, cells);
-      SampleRows<T> rows;
-      const Vf density = Sample<T>(voxels, at, rows);
-      // Comparisons with what is not a number are false.
-      sampled = hn::And(sampled,
-        hn::And(hn::Ge(density, Splat(component.Visible.Low)),
-          hn::Le(density, Splat(component.Visible.High))));
-      if (hn::AllFalse(d, sampled))
+      if (Components == 2 && independent)
       {
-        continue;
-      }
-      const Vf ofTable = this->FindFirstExtinction(component, density, 0);
-      Mf visible = hn::And(sampled, hn::Gt(ofTable, hn::Zero(d)));
-      if (this->Scene.HidesSamples && !hn::AllFalse(d, visible))
-      {
-        visible = LeaveOutHidden(this->Scene, q, visible);
-      }
-      if (hn::AllFalse(d, visible))
-      {
-        continue;
-      }
-      const Mf border = AtFaces
-        ? hn::AndNot(FindInterior(this->Scene.Volume, cells, visible), visible)
-        : hn::FirstN(d, 0);
-      Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
-      const bool shadesByValue = this->Scene.Shade && !this->Scene.NormalsOfOpacity;
-      if (this->Scene.Shade || this->Scene.OpacityByGradient)
-      {
-        voxels.Widen();
-      }
-      if (shadesByValue || this->Scene.OpacityByGradient)
-      {
-        gradient =
-          this->Samples.FindGradient(voxels, at, rows, curve, q, voxel, s, visible, border);
-      }
-      const Vec3 normal = HWY_UNLIKELY(this->Scene.NormalsOfOpacity)
-        ? this->Samples.FindGradient(voxels, at, rows, curve, q, voxel, s, visible, border, true)
-        : gradient;
-      Vf values[LargestNumberOfComponents];
-      if constexpr (Components == 2)
-      {
-        const WindowRows<T, Fit, AtFaces, 2> intensities(this->Samples.Window, cells, 0);
-        SampleRows<T> rowsOfIntensity;
-        values[0] = Sample<T>(intensities, at, rowsOfIntensity);
+        this->template TakePair<AtFaces, Fit>(curve, q, s, cells, at, voxel, sampled);
       }
       else
       {
-        constexpr unsigned int Colors = AllComponents & ~(1u << (Components - 1));
-        ComponentSamples<T>(this->Scene.Volume, cells, at, hn::AndNot(border, visible))
-          .FindValues(values, Colors);
-        if (AtFaces && !hn::AllFalse(d, border))
-        {
-          this->Samples.Border.ComponentValues(voxel, border, values);
-        }
+        this->template TakeDependent<Components, AtFaces, Fit>(
+          curve, q, s, cells, at, voxel, sampled);
       }
-      values[Components - 1] = density;
-      const Vf t = curve.TimeAt(s);
-      Vec3 color;
-      Vf extinction;
-      this->ClassifyDependent(curve, q, s, t, values, ofTable, gradient, normal, color, extinction);
-      this->Add(curve, s, t, color, extinction, visible);
       if (HWY_UNLIKELY(hn::AllFalse(d, this->Samples.State.Alive)))
       {
         return n;

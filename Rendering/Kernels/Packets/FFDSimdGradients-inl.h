@@ -58,19 +58,19 @@ public:
   }
 
   /// Gradients of samples at q, the position at s of a curve, in the lanes of `lanes`, or those of
-  /// their opacities. `voxel`: FindSampledVoxels(). Those of `border` lie at faces.
+  /// their opacities. `voxel`: FindSampledVoxels(). Those of `border` lie at faces. `number`: of
+  /// several components, which of PacketScene::Components.
   template <class Source>
   HWY_INLINE Vec3 FindGradient(const Source& voxels, const SamplePosition& at,
     const SampleRows<T>& rows, const PacketCurve& curve, const Vec3& q, const Vec3& voxel, Vf s,
-    Mf lanes, Mf border, bool ofOpacity = false)
+    Mf lanes, Mf border, bool ofOpacity = false, int number = 0)
   {
     const Vec3 gradient = HWY_UNLIKELY(ofOpacity || this->Scene.ClipsGradients)
-      ? this->FindSpecialGradient(voxels, at, rows, curve, q, voxel, s, border, ofOpacity)
+      ? this->FindSpecialGradient(voxels, at, rows, curve, q, voxel, s, border, ofOpacity, number)
       : this->GradientOf(voxels, at, rows, voxel, border);
-    // Of several components the density is the last one.
     return HWY_UNLIKELY(this->Scene.Grid.ChangesGradients())
       ? this->FindGridGradient(
-          q, voxel, lanes, gradient, this->Scene.Volume.Components - 1, ofOpacity)
+          q, voxel, lanes, gradient, this->FindDensityComponent(number), ofOpacity)
       : gradient;
   }
 
@@ -170,6 +170,14 @@ private:
                        : gradient;
   }
 
+  /// Which component of the volume is the density of one of PacketScene::Components.
+  HWY_INLINE int FindDensityComponent(int number) const
+  {
+    return this->Scene.KindOfComponents == ComponentKind::Independent
+      ? number
+      : this->Scene.Volume.Components - 1;
+  }
+
   /// The positions around samples at q, the position at s of a curve, that are clipped.
   HWY_NOINLINE ClippedNeighbors FindClipped(const PacketCurve& curve, const Vec3& q, Vf s)
   {
@@ -184,18 +192,19 @@ private:
   template <class Source>
   HWY_NOINLINE Vec3 FindSpecialGradient(const Source& voxels, const SamplePosition& at,
     const SampleRows<T>& rows, const PacketCurve& curve, const Vec3& q, const Vec3& voxel, Vf s,
-    Mf border, bool ofOpacity)
+    Mf border, bool ofOpacity, int number)
   {
     NeighborValues of = FindNeighbors<T>(voxels, at, rows, this->Border, voxel, border);
     if (this->Scene.ClipsGradients)
     {
-      // Of several components the density is the last one.
       this->FindClipped(curve, q, s)
-        .Replace(this->Scene.ClippedValues[this->Scene.Volume.Components - 1], of);
+        .Replace(this->Scene.ClippedValues[this->FindDensityComponent(number)], of);
     }
     if (ofOpacity)
     {
-      of = OpacitiesOf(of, [&](Vf values) { return OpacityOfValues(this->Scene, values); });
+      of = OpacitiesOf(of, [&](Vf values) {
+        return OpacityOfValues(this->Scene, values, static_cast<std::size_t>(number));
+      });
     }
     return GradientOfNeighbors(this->Scene.Volume, voxel, border, of);
   }

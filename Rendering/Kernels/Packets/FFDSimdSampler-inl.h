@@ -91,10 +91,16 @@ public:
   {
     return this->template WithWindow<AtFaces>([&](auto fit) FFD_INLINE_LAMBDA {
       static_cast<void>(use);
-      if constexpr (decltype(fit)::value != WindowFit::None && HasComponentWindows<T>())
+      if constexpr (decltype(fit)::value != WindowFit::None)
       {
-        return this->Scene.Volume.Components == 2 ? use(std::integral_constant<int, 2>(), fit)
-                                                  : use(std::integral_constant<int, 4>(), fit);
+        if constexpr (HasWindowOfOne<T>(4))
+        {
+          if (this->Scene.Volume.Components == 4)
+          {
+            return use(std::integral_constant<int, 4>(), fit);
+          }
+        }
+        return use(std::integral_constant<int, 2>(), fit);
       }
       return 0;
     });
@@ -104,9 +110,10 @@ public:
   template <bool AtFaces>
   HWY_INLINE bool HasComponentWindow() const
   {
-    if constexpr (HasComponentWindows<T>())
+    if constexpr (HasVoxelWindow())
     {
-      return (!AtFaces || this->CanUseFaces()) && this->Window.GetFit() != WindowFit::None;
+      return HasWindowOfOne<T>(this->Scene.Volume.Components) &&
+        (!AtFaces || this->CanUseFaces()) && this->Window.GetFit() != WindowFit::None;
     }
     return false;
   }

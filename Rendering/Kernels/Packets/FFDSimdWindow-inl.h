@@ -47,11 +47,12 @@ namespace HWY_NAMESPACE
 /// Whether the rows of scalars can be looked up in a VoxelWindow.
 constexpr bool HasVoxelWindow() { return FFD_HAS_VOXEL_WINDOWS; }
 
-/// Whether those of single components of several can be, too.
+/// Whether those of one of several components can be, too. Of four wide ones lanes load their
+/// voxels sooner by themselves.
 template <class T>
-constexpr bool HasComponentWindows()
+constexpr bool HasWindowOfOne(int components)
 {
-  return HasVoxelWindow() && sizeof(T) == 1;
+  return HasVoxelWindow() && (components == 2 || (components == 4 && sizeof(T) == 1));
 }
 
 /// Layers of cells along z that a packet may be in at a sample of a segment.

@@ -27,26 +27,40 @@ template <>
 class WindowSlab<std::uint8_t>
 {
 public:
-  /// Loads the rows that are voxels of the cells.
-  template <class Addresses>
-  HWY_INLINE void LoadCells(const PacketVolume&, const Addresses& voxels, int slab)
+  /// Loads the rows that are voxels of the cells, of a component; of several all rows.
+  template <int Components, class Addresses>
+  HWY_INLINE void LoadCells(const PacketVolume&, const Addresses& voxels, int slab, int component)
   {
-    this->Rows = _mm512_broadcastq_epi64(Load(voxels.Get(slab, 1)));
-    for (int row = 2; row < 7; ++row)
+    if constexpr (Components == 1)
     {
-      this->LoadRow(voxels, slab, row);
+      static_cast<void>(component);
+      this->Rows = _mm512_broadcastq_epi64(Load(voxels.Get(slab, 1)));
+      for (int row = 2; row < 7; ++row)
+      {
+        this->LoadRow(voxels, slab, row);
+      }
+    }
+    else
+    {
+      this->LoadComponent<Components>(voxels, slab, component);
     }
   }
 
   /// Loads the rows beside these.
-  template <class Addresses>
-  HWY_INLINE void LoadOuter(const PacketVolume&, const Addresses& voxels, int slab)
+  template <int Components, class Addresses>
+  HWY_INLINE void LoadOuter(const PacketVolume&, const Addresses& voxels, int slab, int)
   {
-    this->LoadRow(voxels, slab, 0);
-    this->LoadRow(voxels, slab, 7);
+    if constexpr (Components == 1)
+    {
+      this->LoadRow(voxels, slab, 0);
+      this->LoadRow(voxels, slab, 7);
+    }
   }
 
-  /// Loads all rows of a slab of a component of several.
+  __m512i Rows;
+
+private:
+  /// Loads all rows of a component of several.
   template <int Components, class Addresses>
   HWY_INLINE void LoadComponent(const Addresses& voxels, int slab, int component)
   {
@@ -80,9 +94,6 @@ public:
     }
   }
 
-  __m512i Rows;
-
-private:
   static HWY_INLINE __m128i Load(const std::uint8_t* row)
   {
     return _mm_loadl_epi64(reinterpret_cast<const __m128i*>(row));

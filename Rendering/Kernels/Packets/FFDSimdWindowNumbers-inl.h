@@ -29,22 +29,22 @@ template <class T>
 class WindowSlab
 {
 public:
-  /// Loads the rows that are voxels of the cells.
-  template <class Addresses>
-  HWY_INLINE void LoadCells(const PacketVolume& v, const Addresses& voxels, int slab)
+  /// Loads the rows that are voxels of the cells, of a component.
+  template <int Components, class Addresses>
+  HWY_INLINE void LoadCells(const PacketVolume& v, const Addresses& voxels, int slab, int component)
   {
     for (int row = 1; row < WindowRowsAlongY<T>() - 1; ++row)
     {
-      this->LoadRow(v, voxels, slab, row);
+      this->LoadRow<Components>(v, voxels, slab, row, component);
     }
   }
 
   /// Loads the rows beside these.
-  template <class Addresses>
-  HWY_INLINE void LoadOuter(const PacketVolume& v, const Addresses& voxels, int slab)
+  template <int Components, class Addresses>
+  HWY_INLINE void LoadOuter(const PacketVolume& v, const Addresses& voxels, int slab, int component)
   {
-    this->LoadRow(v, voxels, slab, 0);
-    this->LoadRow(v, voxels, slab, WindowRowsAlongY<T>() - 1);
+    this->LoadRow<Components>(v, voxels, slab, 0, component);
+    this->LoadRow<Components>(v, voxels, slab, WindowRowsAlongY<T>() - 1, component);
   }
 
   /// Two rows.
@@ -56,47 +56,78 @@ public:
   }
 
 private:
-  template <class Addresses>
-  HWY_INLINE void LoadRow(const PacketVolume& v, const Addresses& voxels, int slab, int row)
+  template <int Components, class Addresses>
+  HWY_INLINE void LoadRow(
+    const PacketVolume& v, const Addresses& voxels, int slab, int row, int component)
   {
-    _mm256_store_ps(this->Rows[row], ToFloats(v, voxels.Get(slab, row)));
+    const T* const from = voxels.Get(slab, row);
+    _mm256_store_ps(
+      this->Rows[row], ToFloats(v, LoadEight<Components>(from, component), component));
   }
 
-  /// Eight numbers of 64 bits, which may be integers.
-  static HWY_INLINE __m512d LoadDoubles(const PacketVolume& v, const double* row)
+  /// The numbers, as they are in memory, of a component of eight voxels.
+  template <int Components>
+  static HWY_INLINE auto LoadEight(const T* row, int component)
   {
-    const __m512d numbers = _mm512_loadu_pd(row);
-    if (HWY_LIKELY(v.Type == ScalarType::Float64))
+    static_assert(Components <= 2, "of more, lanes load their voxels sooner by themselves");
+    if constexpr (sizeof(T) == 8)
     {
-      return numbers;
+      const __m512d first = _mm512_loadu_pd(row);
+      if constexpr (Components == 1)
+      {
+        static_cast<void>(component);
+        return first;
+      }
+      else
+      {
+        const __m512i at = _mm512_add_epi64(
+          _mm512_setr_epi64(0, 2, 4, 6, 8, 10, 12, 14), _mm512_set1_epi64(component));
+        return _mm512_permutex2var_pd(first, at, _mm512_loadu_pd(row + 8));
+      }
     }
-    const __m512i integers = _mm512_castpd_si512(numbers);
-    return v.Type == ScalarType::Int64 ? _mm512_cvtepi64_pd(integers)
-                                       : _mm512_cvtepu64_pd(integers);
+    else if constexpr (Components == 1)
+    {
+      static_cast<void>(component);
+      return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(row));
+    }
+    else
+    {
+      const __m256i at = _mm256_add_epi32(
+        _mm256_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14), _mm256_set1_epi32(component));
+      return _mm512_castsi512_si256(
+        _mm512_permutexvar_epi32(_mm512_castsi256_si512(at), _mm512_loadu_si512(row)));
+    }
   }
 
-  static HWY_INLINE __m256 ToFloats(const PacketVolume& v, const T* row)
+  static HWY_INLINE __m256 ToFloats(const PacketVolume& v, __m256i words, int component)
   {
     if constexpr (std::is_same<T, float>::value)
     {
       static_cast<void>(v);
-      return _mm256_loadu_ps(row);
-    }
-    else if constexpr (std::is_same<T, double>::value)
-    {
-      return _mm512_cvtpd_ps(
-        _mm512_mul_pd(_mm512_sub_pd(LoadDoubles(v, row), _mm512_set1_pd(v.Shift[0])),
-          _mm512_set1_pd(v.Scale[0])));
+      static_cast<void>(component);
+      return _mm256_castsi256_ps(words);
     }
     else
     {
       // As FromWords().
-      const PacketWords& of = v.Words[0];
-      const __m256i words = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(row));
+      const PacketWords& of = v.Words[component];
       const __m256i difference = _mm256_sub_epi32(words, _mm256_set1_epi32(of.Origin));
       return _mm256_fmadd_ps(
         _mm256_cvtepi32_ps(difference), _mm256_set1_ps(of.Unit), _mm256_set1_ps(of.Zero));
     }
+  }
+
+  /// Of numbers of 64 bits, which may be integers.
+  static HWY_INLINE __m256 ToFloats(const PacketVolume& v, __m512d numbers, int component)
+  {
+    if (HWY_UNLIKELY(v.Type != ScalarType::Float64))
+    {
+      const __m512i integers = _mm512_castpd_si512(numbers);
+      numbers =
+        v.Type == ScalarType::Int64 ? _mm512_cvtepi64_pd(integers) : _mm512_cvtepu64_pd(integers);
+    }
+    return _mm512_cvtpd_ps(_mm512_mul_pd(_mm512_sub_pd(numbers, _mm512_set1_pd(v.Shift[component])),
+      _mm512_set1_pd(v.Scale[component])));
   }
 
   HWY_ALIGN float Rows[WindowRowsAlongY<T>()][8];

@@ -92,7 +92,7 @@ private:
  * The rows of a sample: the window is loaded into registers, slab by slab, and rows are looked up
  * there by permutations, where loads lane by lane would take several times as many instructions. A
  * source of rows as OffsetRows. `AtFaces`: voxels that they or their gradients need may not exist.
- * Of two or four components of bytes, one.
+ * Of two or four components, one.
  */
 template <class T, WindowFit Fit, bool AtFaces, int Components>
 class WindowRows
@@ -143,12 +143,9 @@ public:
   {
     this->LoadCells(0);
     this->LoadCells(NumberOfSlabs - 1);
-    if constexpr (Components == 1)
+    for (int k = 1; k < NumberOfSlabs - 1; ++k)
     {
-      for (int k = 1; k < NumberOfSlabs - 1; ++k)
-      {
-        this->Slabs[k].LoadOuter(this->Volume, this->Voxels, k);
-      }
+      this->Slabs[k].template LoadOuter<Components>(this->Volume, this->Voxels, k, this->Component);
     }
   }
 
@@ -166,17 +163,10 @@ private:
   /// Voxels along z.
   static constexpr int NumberOfSlabs = Fit == WindowFit::Two ? 5 : Fit == WindowFit::Three ? 6 : 7;
 
-  /// Loads the rows of a slab that are voxels of the cells; of several components all rows.
   HWY_INLINE void LoadCells(int slab)
   {
-    if constexpr (Components != 1)
-    {
-      this->Slabs[slab].template LoadComponent<Components>(this->Voxels, slab, this->Component);
-    }
-    else
-    {
-      this->Slabs[slab].LoadCells(this->Volume, this->Voxels, slab);
-    }
+    this->Slabs[slab].template LoadCells<Components>(
+      this->Volume, this->Voxels, slab, this->Component);
   }
 
   const PacketVolume& Volume;

@@ -27,27 +27,40 @@ template <>
 class WindowSlab<std::uint16_t>
 {
 public:
-  /// Loads the rows that are voxels of the cells.
-  template <class Addresses>
-  HWY_INLINE void LoadCells(const PacketVolume& v, const Addresses& voxels, int slab)
+  /// Loads the rows that are voxels of the cells, of a component; of several all rows.
+  template <int Components, class Addresses>
+  HWY_INLINE void LoadCells(const PacketVolume& v, const Addresses& voxels, int slab, int component)
   {
+    static_assert(Components <= 2, "of more, lanes load their voxels sooner by themselves");
     for (int half = 0; half < 2; ++half)
     {
-      const int first = half == 0 ? 1 : 4;
-      __m512i rows = _mm512_broadcast_i32x4(Load(voxels.Get(slab, first)));
-      for (int row = first + 1; row < first + 3; ++row)
+      __m512i rows;
+      if constexpr (Components == 1)
       {
-        rows = _mm512_mask_broadcast_i64x2(rows, MaskOf(row), Load(voxels.Get(slab, row)));
+        static_cast<void>(component);
+        const int first = half == 0 ? 1 : 4;
+        rows = _mm512_broadcast_i32x4(Load(voxels.Get(slab, first)));
+        for (int row = first + 1; row < first + 3; ++row)
+        {
+          rows = _mm512_mask_broadcast_i64x2(rows, MaskOf(row), Load(voxels.Get(slab, row)));
+        }
+      }
+      else
+      {
+        const auto two = [&](int row) FFD_INLINE_LAMBDA {
+          return KeepWords(voxels.Get(slab, row), voxels.Get(slab, row + 1), component);
+        };
+        rows = _mm512_inserti64x4(_mm512_castsi256_si512(two(4 * half)), two(4 * half + 2), 1);
       }
       this->Rows[half] = ToSigned(v, rows);
     }
   }
 
   /// Loads the rows beside these.
-  template <class Addresses>
-  HWY_INLINE void LoadOuter(const PacketVolume& v, const Addresses& voxels, int slab)
+  template <int Components, class Addresses>
+  HWY_INLINE void LoadOuter(const PacketVolume& v, const Addresses& voxels, int slab, int)
   {
-    for (int half = 0; half < 2; ++half)
+    for (int half = 0; Components == 1 && half < 2; ++half)
     {
       const int row = 7 * half;
       const __m512i same = _mm512_broadcast_i32x4(Load(voxels.Get(slab, row)));
@@ -61,6 +74,16 @@ private:
   static HWY_INLINE __m128i Load(const std::uint16_t* row)
   {
     return _mm_loadu_si128(reinterpret_cast<const __m128i*>(row));
+  }
+  /// The first or the second number, `which`, of all pairs in two rows.
+  static HWY_INLINE __m256i KeepWords(
+    const std::uint16_t* row, const std::uint16_t* next, int which)
+  {
+    const auto load = [](const std::uint16_t* from) {
+      return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
+    };
+    const __m512i pairs = _mm512_inserti64x4(_mm512_castsi256_si512(load(row)), load(next), 1);
+    return _mm512_cvtepi32_epi16(_mm512_srl_epi32(pairs, _mm_cvtsi32_si128(16 * which)));
   }
   static HWY_INLINE __mmask8 MaskOf(int row) { return static_cast<__mmask8>(3 << 2 * (row % 4)); }
   static HWY_INLINE __m512i ToSigned(const PacketVolume& v, __m512i pairs)
