@@ -654,6 +654,9 @@ TEST(PacketCaster, LooksOfAllTargets)
     ClippedGradients = 16,
     Nearest = 32
   };
+  const std::vector<ScalarType> pairs = { ScalarType::UInt8, ScalarType::Float64, ScalarType::Int16,
+    ScalarType::Int32, ScalarType::Float32 };
+  std::size_t next = 0;
   for (const unsigned int options :
     { Plane + 0u, Plane | Array, Plane | Labels, Plane | Labels | Array, Plane | OpacityNormals,
       OpacityNormals + 0u, ClippedGradients + 0u, Plane | OpacityNormals | ClippedGradients,
@@ -671,8 +674,9 @@ TEST(PacketCaster, LooksOfAllTargets)
         }
         SCOPED_TRACE("options " + std::to_string(options) + ", components " +
           std::to_string(components) + ", kind " + std::to_string(static_cast<int>(kind)));
-        TestScene scene(components == 1 ? ScalarType::Float32 : ScalarType::UInt8, 4);
-        scene.SetCamera(true, 45, 37);
+        TestScene scene(components == 1 ? ScalarType::Float32 : pairs[next++ % pairs.size()], 4);
+        // Rays near each other find their voxels in windows.
+        scene.SetCamera(true, components == 1 ? 45 : 90, components == 1 ? 37 : 74);
         scene.Settings.Leaping = SpaceLeaping::Off;
         VolumeView& volume = scene.Scene.Volume;
         if (components == 2)
@@ -705,6 +709,7 @@ TEST(PacketCaster, LooksOfAllTargets)
         functions.Components.resize(dependent ? 1 : static_cast<std::size_t>(components));
         for (ComponentOptics& optics : functions.Components)
         {
+          scene.SetLeastVisible(&optics == &functions.Components[0] ? 20.0 : 45.0);
           optics.Table = *scene.Scene.Table;
           optics.Shade = true;
           optics.Surface = scene.Scene.Material;
@@ -713,6 +718,7 @@ TEST(PacketCaster, LooksOfAllTargets)
             optics.Plane = MakePlane((options & Nearest) != 0);
           }
         }
+        scene.SetLeastVisible(20.0);
         functions.Colors = *scene.Scene.Table;
         ClassifierInputs inputs;
         if (labels)

@@ -320,6 +320,12 @@ MUTANTS = (
         "return this->Rows[2 * dy + dz].Of[Component];",
         PACKETS + cxx("Components", "VTKScenes.FourComponentsIndependent")),
     Mutant(
+        "vectors: the second of two wide components is the first one",
+        "index",
+        "_mm256_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14), _mm256_set1_epi32(component));",
+        "_mm256_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14), _mm256_set1_epi32(component & 0));",
+        PACKETS + cxx("Components")),
+    Mutant(
         "vectors: a mask of its own grid ends half a voxel too early",
         "bound",
         "hn::Or(hn::Lt(x, hn::Neg(half)), hn::Gt(x, hn::Add(last, half))));",
