@@ -5,6 +5,7 @@ connections to the X server (extension XTEST), not by calls. Windows are X's num
 
 import contextlib
 import ctypes
+import time
 
 LEFT, WHEEL_UP, WHEEL_DOWN = 1, 4, 5
 
@@ -144,3 +145,19 @@ def strike(*symbols):
         press_key(symbol)
     for symbol in reversed(symbols):
         press_key(symbol, False)
+
+
+def wait_for_press(display):
+    """Wait until a button or key that was pressed is among the events of a connection of this process to X,
+    a pointer as VTK's windows have it; all events stay there."""
+    found = []
+
+    def look(_display, event, _data):
+        found.append(event.contents.value in (2, 4))  # KeyPress, ButtonPress
+        return 0
+
+    look = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.POINTER(ctypes.c_int), ctypes.c_void_p)(look)
+    event = ctypes.create_string_buffer(24 * ctypes.sizeof(ctypes.c_long))  # XEvent
+    while not any(found):
+        _x11.XCheckIfEvent(ctypes.c_void_p(display), event, look, None)
+        time.sleep(0.001)
