@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <stdexcept>
 
 using namespace ffd;
 
@@ -62,6 +63,36 @@ bool MayBeVisible(const TestVolume& volume, const glm::ivec3& block)
 }
 
 } // namespace
+
+// A frame that is aborted ends them by an exception, between two layers.
+TEST(DistanceMap, BlocksAndDistancesAreMadeInLayers)
+{
+  int left = 0;
+  const ParallelFor parallelFor = [&left](std::size_t count, const ParallelFor::Work& work) {
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      if (left == 0)
+      {
+        throw std::runtime_error("aborted");
+      }
+      --left;
+      work(i, i + 1);
+    }
+  };
+  for (const ScalarType type : { ScalarType::UInt8, ScalarType::Int16, ScalarType::Float32 })
+  {
+    const TestVolume volume(type, glm::ivec3(50), [](int i, int, int) { return i % 40; });
+    const TransferTable table =
+      MakeTable(0.0, 40.0, 41, [](double x) { return x > 30.0 ? 0.5 : 0.0; });
+    left = 5;
+    EXPECT_THROW(MinMaxBlocks(volume.View, parallelFor), std::runtime_error);
+    EXPECT_EQ(left, 0);
+    const MinMaxBlocks blocks(volume.View, ParallelFor());
+    left = 5;
+    EXPECT_THROW(DistanceMap(blocks, table, parallelFor), std::runtime_error);
+    EXPECT_EQ(left, 0);
+  }
+}
 
 TEST(DistanceMap, BlocksOutsideOfMasksAreEmpty)
 {
