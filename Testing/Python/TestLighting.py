@@ -9,7 +9,6 @@ axis), and so does vtkGPUVolumeRayCastMapper with several lights: it leaves the 
 ambient term and shows the highlight of the last light only.
 """
 
-import time
 import unittest
 
 import numpy
@@ -362,35 +361,6 @@ class TestLighting(unittest.TestCase):
                         self.assertLess(gpu, 8.0)
                     if intensity != 1.0:
                         self.assertLess(fixed, 8.0)
-
-    def test_high_specular_powers_take_no_longer(self):
-        # Powers of small cosines were denormal numbers, which take processors a hundred times as
-        # long as others.
-        size = 40
-        values = numpy.random.default_rng(1).random((size, size, size))
-        image = vtkImageData()
-        image.SetDimensions(size, size, size)
-        image.GetPointData().SetScalars(
-            numpy_to_vtk((255.0 * values).ravel().astype(numpy.uint8), deep=True))
-        plane = LitPlane([0.0, 0.0, -1.0])
-        opacity = vtkPiecewiseFunction()
-        opacity.AddPoint(0.0, 0.02)
-        plane.prop.SetScalarOpacity(opacity)
-        plane.ours.SetInputData(image)
-        plane.ours.SetSampleDistance(0.5)
-        plane.ours.SetNumberOfThreads(1)
-        plane.look([0.3, 0.2, -1.0])
-        plane.renderer.GetActiveCamera().SetViewAngle(40.0)
-        for i in range(8):
-            plane.light(Position=(100.0 * numpy.cos(i), 100.0 * numpy.sin(i), -70.0))
-        seconds = {8.0: [], 40.0: []}
-        for _ in range(5):
-            for power, each in seconds.items():
-                plane.prop.SetSpecularPower(power)
-                start = time.process_time()
-                plane.render_image()
-                each.append(time.process_time() - start)
-        self.assertLess(min(seconds[40.0]), 1.6 * min(seconds[8.0]))
 
     def test_lights_that_follow_the_camera(self):
         """Images have them where windows do, whatever was drawn before."""
