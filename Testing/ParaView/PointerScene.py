@@ -56,4 +56,7 @@ def note_ruler(*_):
 
 picked.AddObserver("ModifiedEvent", note_hover)
 ruler.SMProxy.AddObserver("UpdateDataEvent", note_ruler)
-note("ready", [])
+# Once the event loop has shown all that.
+interactor = view.GetInteractor()
+interactor.AddObserver("TimerEvent", lambda *_: note("ready", []))
+interactor.CreateOneShotTimer(1)

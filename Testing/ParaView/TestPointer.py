@@ -42,14 +42,22 @@ class TestPointer(unittest.TestCase):
                  "PV_PLUGIN_PATH": os.path.dirname(ffd.PLUGIN), "FFD_POINTER_LOG": self.log,
                  "FFD_POINTER_BLEND": blend, "FFD_POINTER_SLICE": sliced})
         self.next("ready")
-        time.sleep(2.0)
         ffdinput.focus(ffdinput.find_window("ParaView 5"))
 
-    def next(self, event, seconds=100.0):
-        """The values of the next line of the log of such an event, those before it are left out."""
-        end = time.monotonic() + seconds
+    def wait_until(self, find):
+        """What it finds, unless that is false."""
+        end = time.monotonic() + 1000.0
         while time.monotonic() < end:
             self.assertIsNone(self.process.poll())
+            found = find()
+            if found:
+                return found
+            time.sleep(0.05)
+        return self.fail("That does not happen.")
+
+    def next(self, event):
+        """The values of the next line of the log of such an event, those before it are left out."""
+        def find():
             if os.path.exists(self.log):
                 with open(self.log, encoding="ascii") as file:
                     lines = file.read().split("\n")[:-1]
@@ -57,14 +65,13 @@ class TestPointer(unittest.TestCase):
                     line = json.loads(lines[self.seen])
                     self.seen += 1
                     if line["event"] == event:
-                        return np.array(line["values"])
-            time.sleep(0.05)
-        self.fail("There was no " + event)
+                        return line
+            return None
+
+        return np.array(self.wait_until(find)["values"])
 
     def rest_on(self, place, event):
         """Let the pointer rest at a pixel; returns what is told of it."""
-        ffdinput.move(place[0] - 30, place[1])
-        time.sleep(0.2)
         ffdinput.move(*place)
         return self.next(event)
 
@@ -98,23 +105,20 @@ class TestPointer(unittest.TestCase):
         window = ffdinput.find_window("ParaView 5")
         width, height = 1100, 900
         ffdinput.resize(window, width, height)
-        time.sleep(2.0)
 
-        def wait_until(found):
-            end = time.monotonic() + 20.0
-            while not found(ffdinput.read_pixels(window, 0, height - 22, width // 4, 18)):
-                self.assertLess(time.monotonic(), end)
-                time.sleep(0.1)
+        def is_empty():
+            """Whether the bar is of one color."""
+            pixels = ffdinput.read_pixels(window, 8, height - 18, width // 4, 10)
+            return pixels == pixels[:4] * (len(pixels) // 4)
 
         self.rest_on(PLACES[0], "hover")
-        ffdinput.move(*BESIDE)
-        self.next("hover")
-        time.sleep(1.0)
-        empty = ffdinput.read_pixels(window, 0, height - 22, width // 4, 18)
+        self.wait_until(lambda: not is_empty())
+        self.rest_on(BESIDE, "hover")
+        self.wait_until(is_empty)
         self.rest_on(PLACES[0], "hover")
-        wait_until(lambda pixels: pixels != empty)
+        self.wait_until(lambda: not is_empty())
         ffdinput.move(width + 100, height + 50)
-        wait_until(lambda pixels: pixels == empty)
+        self.wait_until(is_empty)
 
     def test_blend_mode(self):
         """The place of the largest value, where the picture shows those."""
@@ -133,24 +137,15 @@ class TestPointer(unittest.TestCase):
 
     def check_slice(self, sliced):
         self.start(sliced=sliced)
-        ffdinput.move(*BESIDE)
-        time.sleep(2.0)
-        alone = ffdinput.count_windows()
         for key, place in zip("12", PLACES):
             ffdinput.move(*place)
-            self.wait_for_windows(alone + 1)
+            self.wait_until(lambda: ffdinput.count_popups() == 1)
             ffdinput.strike(key)
             end = self.next("ruler").reshape(2, 3)[int(key) - 1]
             # The bend leaves z as it is, in which the plane at rest is below this.
             self.assertLess(abs(end[2] - 2.0), 9.0)
             ffdinput.move(*BESIDE)
-            self.wait_for_windows(alone)
-
-    def wait_for_windows(self, count):
-        end = time.monotonic() + 20.0
-        while ffdinput.count_windows() != count:
-            self.assertLess(time.monotonic(), end)
-            time.sleep(0.1)
+            self.wait_until(lambda: ffdinput.count_popups() == 0)
 
 
 if __name__ == "__main__":

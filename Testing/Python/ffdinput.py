@@ -74,15 +74,15 @@ def find_window(title):
     return found
 
 
-def count_windows():
-    """The windows of the screen that are shown, those of menus and of tool tips included."""
+def count_popups():
+    """The menus and tool tips that are shown: windows of the screen that no window manager would move."""
     shown = 0
     with _windows() as windows:
         for window in windows:
             attributes = _Attributes()
             if _x11.XGetWindowAttributes(
                     _server, ctypes.c_ulong(window), ctypes.byref(attributes)):
-                shown += attributes.map_state == 2
+                shown += attributes.map_state == 2 and attributes.override_redirect != 0
     return shown
 
 
