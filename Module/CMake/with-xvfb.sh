@@ -35,11 +35,7 @@ trap 'exit 143' TERM HUP
 Xvfb -displayfd 3 -screen 0 1280x1024x24 -noreset -nolisten tcp \
   3>"$scratch/display" </dev/null >"$scratch/log" 2>&1 &
 server=$!
-for ((tries = 0; tries < 300; ++tries)); do
-  [ -s "$scratch/display" ] && break
-  if ! kill -0 "$server" 2>/dev/null; then
-    break
-  fi
+until [ -s "$scratch/display" ] || ! kill -0 "$server" 2>/dev/null; do
   sleep 0.1
 done
 if ! [ -s "$scratch/display" ]; then

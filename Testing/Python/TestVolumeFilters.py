@@ -143,9 +143,10 @@ class TestVolumeFilters(unittest.TestCase):
         times = []
         for background in range(6):
             resample.SetBackgroundLevel(background)
-            start = time.perf_counter()
+            # Of the processor: other work on the machine must not fail the test.
+            start = time.process_time()
             resample.Update()
-            times.append(time.perf_counter() - start)
+            times.append(time.process_time() - start)
         print("seconds:", np.round(times, 3))
         self.assertLess(min(times[1:]), 0.4 * times[0])
 

@@ -69,12 +69,9 @@ class TestFront(unittest.IsolatedAsyncioTestCase):
         session = children(server.pid)
         self.assertEqual(len(session), 1)
         server.terminate()
-        self.assertEqual(await asyncio.wait_for(server.wait(), 20), 0)
-        for _ in range(50):
-            if session[0] not in processes():
-                break
+        self.assertEqual(await server.wait(), 0)
+        while session[0] in processes():
             await asyncio.sleep(0.1)
-        self.assertNotIn(session[0], processes())
 
 
 class TestArguments(unittest.TestCase):
@@ -95,7 +92,7 @@ class TestArguments(unittest.TestCase):
                 result = subprocess.run(
                     [sys.executable, PROGRAM, VOLUME, *arguments,
                      *(() if "--port" in arguments else ("--port", "0"))],
-                    env=environment(), capture_output=True, text=True, check=False, timeout=60)
+                    env=environment(), capture_output=True, text=True, check=False)
                 self.assertEqual((result.returncode, result.stdout), (1, ""))
                 self.assertRegex(result.stderr, r"\Aweb_editor: %s.*\n\Z" % text)
         taken.close()
