@@ -55,7 +55,8 @@ def ask_for(number):
             getattr(simple, show)(lines[number])
             break
     simple.Render(views[number])
-    write(place=number)
+    # Told once the event loop has shown the line's widget.
+    views[number].GetInteractor().CreateOneShotTimer(1)
 
 
 def note(*_):
@@ -64,10 +65,10 @@ def note(*_):
     if state["next"] != number:
         return
     points = list(lines[number].Points)
-    if points[:3] == [40.0, 0.0, 0.0] or points[3:] == [0.0, 40.0, 0.0]:
-        return
-    state["next"] = number + 1
-    write(complete=number)
+    placed = (points[:3] != [40.0, 0.0, 0.0]) + (points[3:] != [0.0, 40.0, 0.0])
+    if placed == 2:
+        state["next"] = number + 1
+    write(placed=placed)
 
 
 def go_on(*_):
@@ -99,6 +100,8 @@ def show_fit():
 
 for view in views:
     view.GetInteractor().AddObserver("MouseMoveEvent", go_on)
+    view.GetInteractor().AddObserver("LeftButtonReleaseEvent", lambda *_: write(clicked=state["line"]))
+    view.GetInteractor().AddObserver("TimerEvent", lambda *_: write(asked=state["line"]))
 for each in lines:
     each.SMProxy.AddObserver("UpdateDataEvent", note)
 ask_for(0)

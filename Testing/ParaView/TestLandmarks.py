@@ -34,40 +34,38 @@ class TestLandmarks(unittest.TestCase):
                 env={**os.environ, "HOME": folder, "XDG_RUNTIME_DIR": folder,
                      "PV_PLUGIN_PATH": os.path.dirname(ffd.PLUGIN), "FFD_LANDMARKS_LOG": log})
 
-        def wait_for(number, act=lambda: None):
-            """The line of that number of the log; acts again and again until it is there."""
-            end = time.monotonic() + 600.0
+        seen = 0
+
+        def wait_for(word, value=None):
+            """The next line of the log with that word, and value, if there is one."""
+            nonlocal seen
+            end = time.monotonic() + 1000.0
             while time.monotonic() < end:
                 self.assertIsNone(paraview.poll())
                 if os.path.exists(log):
                     with open(log, encoding="ascii") as file:
                         lines = file.read().split("\n")[:-1]
-                    if len(lines) > number:
-                        return json.loads(lines[number])
-                    act()
-                time.sleep(1.0)
+                    while seen < len(lines):
+                        line = json.loads(lines[seen])
+                        seen += 1
+                        if word in line and value in (None, line[word]):
+                            return line
+                time.sleep(0.05)
             with open(os.path.join(folder, "output"), encoding="utf-8") as output:
-                self.fail("There is no line %d: %s" % (number, output.read()))
+                self.fail("There is no %s %s: %s" % (word, value, output.read()))
 
         try:
-            for number, places in enumerate(PLACES):
-                def place():
-                    for key, pixel in zip("12", places):
-                        # The view that is clicked has the keys.
-                        ffdinput.move(*pixel)
-                        ffdinput.click(ffdinput.LEFT)
-                        time.sleep(0.5)
-                        ffdinput.strike(key)
-                        time.sleep(1.0)
-
-                def move_away():
-                    for pixel in places:
-                        ffdinput.move(*pixel)
-
-                wait_for(2 * number)
-                time.sleep(2.0)
-                wait_for(2 * number + 1, place)
-                fitted = wait_for(2 * number + 2, move_away)
+            for places in PLACES:
+                wait_for("asked")
+                for key, pixel in zip((1, 2), places):
+                    # The view that is clicked has the keys.
+                    ffdinput.move(*pixel)
+                    ffdinput.click(ffdinput.LEFT)
+                    wait_for("clicked")
+                    ffdinput.strike(str(key))
+                    wait_for("placed", key)
+                ffdinput.move(*places[0])
+            fitted = wait_for("distances")
         finally:
             paraview.kill()
             paraview.wait()
