@@ -824,7 +824,7 @@ output.PointData.append(numpy.full(4096, %g), "RTData")
                 image.SetDimensions(3, 3, 3)
                 image.SetSpacing([0.5 if i % 2 else 0.7] * 3)
                 # The first two are corners of the volume.
-                image.SetOrigin([79.0 * i] * 3 if i < 2 else [7 * i % 79, 11 * i % 79, 13 * i % 79])
+                image.SetOrigin([119.0 * i] * 3 if i < 2 else [7 * i % 79, 11 * i % 79, 13 * i % 79])
                 array = numpy_to_vtk(np.full(27, i % 10, np.float32), deep=True)
                 array.SetName("values")
                 image.GetPointData().SetScalars(array)

@@ -168,7 +168,7 @@ class TestStart(unittest.TestCase):
 
     def wait_for(self, path, words):
         """Until a file has the words, and some seconds more; returns what is in it."""
-        end = time.monotonic() + 100.0
+        end = time.monotonic() + 1000.0
         while time.monotonic() < end:
             with open(path, encoding="utf-8") as file:
                 if words in file.read():
