@@ -61,9 +61,9 @@ public:
   ///@{
   /**
    * Number of control points per axis, each from 4 to 1024. The domain stays. So does the shape:
-   * exactly where n - 3 becomes a multiple of what it was on every axis (as by Refine()), else
-   * the new lattice interpolates the old one at its control points in the domain, and small
-   * features can be lost. Default 4, 4, 4.
+   * exactly along axes on which n - 3 becomes a multiple of what it was (as by Refine()), and where
+   * the new lattice can have it, as after such a change; else it is the nearest one, of least
+   * squares in the domain, and small features can be lost. Default 4, 4, 4.
    */
   void SetDimensions(int nx, int ny, int nz);
   void SetDimensions(const int dimensions[3]);

@@ -2,9 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDControlNet.h"
 
+#include "FFDBSplineBasis.h"
 #include "FFDGridIndex.h"
 
+#include <Eigen/Dense>
+#include <Eigen/SparseCholesky>
+
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace ffd
@@ -116,6 +121,175 @@ void InterpolateLine(const std::vector<glm::dvec3>& f, std::vector<glm::dvec3>& 
   c[m + 1] = 6.0 * sample(m) - 4.0 * c[m] - c[m - 1];
 }
 
+using SparseMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+/// Vectors of a line, one a row.
+using LineMatrix = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+/// Weight of what lies beyond the domain, where splines that differ are as near as can be.
+constexpr double WeightBeyond = 0.1;
+/// Splines whose difference is at most this part of them are the same.
+constexpr double RoundingError = 1e-9;
+
+/// Places for integrals over products of two cubic splines with `nodes` and `size` control points,
+/// in the domain, which is 0 to 1, and in a cell of the second one beyond each end of it.
+struct Quadrature
+{
+  Quadrature(int nodes, int size)
+  {
+    const double reach = 1.0 / (size - 3);
+    std::vector<double> knots;
+    for (const int cells : { nodes - 3, size - 3 })
+    {
+      const int beyond = (cells + size - 4) / (size - 3);
+      for (int k = -beyond; k <= cells + beyond; ++k)
+      {
+        knots.push_back(std::clamp(static_cast<double>(k) / cells, -reach, 1.0 + reach));
+      }
+    }
+    std::sort(knots.begin(), knots.end());
+    // Legendre's four points, exact for polynomials of degree 7.
+    const double points[4] = { -0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
+      0.8611363115940526 };
+    const double weights[4] = { 0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
+      0.3478548451374538 };
+    for (std::size_t i = 1; i < knots.size(); ++i)
+    {
+      const double half = 0.5 * (knots[i] - knots[i - 1]);
+      for (int p = 0; half > 1e-12 && p < 4; ++p)
+      {
+        this->Places.push_back(knots[i - 1] + half * (1.0 + points[p]));
+        this->Lengths.push_back(half * weights[p]);
+      }
+    }
+  }
+
+  /// Of the places, those beyond the domain times `beyond`.
+  Eigen::VectorXd GetWeights(double beyond) const
+  {
+    Eigen::VectorXd weights(static_cast<Eigen::Index>(this->Places.size()));
+    for (std::size_t i = 0; i < this->Places.size(); ++i)
+    {
+      const bool within = this->Places[i] > 0.0 && this->Places[i] < 1.0;
+      weights[static_cast<Eigen::Index>(i)] = this->Lengths[i] * (within ? 1.0 : beyond);
+    }
+    return weights;
+  }
+
+  std::vector<double> Places;
+  std::vector<double> Lengths; ///< of what a place stands for
+};
+
+/// The weights of `nodes` control points at places, a row each. Beyond the domain there are more
+/// control points: all are half of the last difference from the last one.
+SparseMatrix MakeSplineRows(int nodes, const std::vector<double>& places)
+{
+  std::vector<Eigen::Triplet<double>> elements;
+  for (std::size_t i = 0; i < places.size(); ++i)
+  {
+    const double x = places[i] * (nodes - 3);
+    const int cell = static_cast<int>(std::floor(x));
+    double weights[4];
+    BSplineWeights(x - cell, weights);
+    const auto add = [&](int node, double weight) {
+      elements.emplace_back(static_cast<int>(i), node, weight);
+    };
+    for (int k = 0; k < 4; ++k)
+    {
+      const int node = cell + k;
+      if (node < 0 || node >= nodes)
+      {
+        add(node < 0 ? 0 : nodes - 1, 1.5 * weights[k]);
+        add(node < 0 ? 1 : nodes - 2, -0.5 * weights[k]);
+      }
+      else
+      {
+        add(node, weights[k]);
+      }
+    }
+  }
+  SparseMatrix rows(static_cast<int>(places.size()), nodes);
+  rows.setFromTriplets(elements.begin(), elements.end());
+  return rows;
+}
+
+/// Finds control points for which the values of the rows of `to` are nearest to those of the rows
+/// of `from` for others.
+class NearestSpline
+{
+public:
+  NearestSpline(const SparseMatrix& from, const SparseMatrix& to, const Eigen::VectorXd& weights)
+  {
+    const SparseMatrix weighted = weights.asDiagonal() * to;
+    this->Right = weighted.transpose() * from;
+    this->Solver.compute(Eigen::SparseMatrix<double>(to.transpose() * weighted));
+  }
+  LineMatrix Find(const LineMatrix& line) const
+  {
+    return this->Solver.solve((this->Right * line).eval());
+  }
+
+private:
+  SparseMatrix Right;
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> Solver;
+};
+
+/// The control points of linear functions that are 1, and that are 0 at one end of the domain and 1
+/// at the other one.
+Eigen::MatrixX2d MakeLinearNodes(int nodes)
+{
+  Eigen::MatrixX2d linear(nodes, 2);
+  for (int i = 0; i < nodes; ++i)
+  {
+    linear.row(i) << 1.0, static_cast<double>(i - 1) / (nodes - 3);
+  }
+  return linear;
+}
+
+/// ResizeControlNet() of an axis by least squares.
+ControlNet ApproximateControlNet(const ControlNet& net, int axis, int size)
+{
+  const int nodes = net.Nodes[axis];
+  const Quadrature quadrature(nodes, size);
+  const SparseMatrix from = MakeSplineRows(nodes, quadrature.Places);
+  const SparseMatrix to = MakeSplineRows(size, quadrature.Places);
+  const auto mapLines = [&](const auto& find) {
+    return MapLines(
+      net, axis, size, [&](const std::vector<glm::dvec3>& in, std::vector<glm::dvec3>& out) {
+        Eigen::Map<LineMatrix>(&out[0].x, size, 3) =
+          find(LineMatrix(Eigen::Map<const LineMatrix>(&in[0].x, nodes, 3)));
+      });
+  };
+
+  const Eigen::VectorXd within = quadrature.GetWeights(0.0);
+  const NearestSpline inDomain(from, to, within);
+  double largest = 0.0;
+  double error = 0.0;
+  ControlNet result = mapLines([&](const LineMatrix& line) -> LineMatrix {
+    const LineMatrix found = inDomain.Find(line);
+    const LineMatrix values = from * line;
+    const LineMatrix errors = within.cwiseSign().asDiagonal() * (to * found - values).eval();
+    largest = std::max(largest, values.cwiseAbs().maxCoeff());
+    error = std::max(error, errors.cwiseAbs().maxCoeff());
+    return found;
+  });
+  if (error <= RoundingError * largest)
+  {
+    return result;
+  }
+
+  const NearestSpline nearest(from, to, quadrature.GetWeights(WeightBeyond));
+  const Eigen::MatrixX2d oldLinear = MakeLinearNodes(nodes);
+  const Eigen::MatrixX2d newLinear = MakeLinearNodes(size);
+  const Eigen::MatrixX2d linearValues = from * oldLinear;
+  const Eigen::Matrix2Xd weighted = linearValues.transpose() * within.asDiagonal();
+  const Eigen::Matrix2Xd toLinear =
+    (weighted * linearValues).eval().inverse() * (weighted * from).eval();
+  return mapLines([&](const LineMatrix& line) -> LineMatrix {
+    const Eigen::Matrix<double, 2, 3> linear = toLinear * line;
+    return nearest.Find(line - oldLinear * linear) + newLinear * linear;
+  });
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -150,6 +324,21 @@ ControlNet RefineControlNet(const ControlNet& net, const glm::ivec3& factors)
           out[static_cast<std::size_t>(i)] = sum;
         }
       });
+  }
+  return result;
+}
+
+//------------------------------------------------------------------------------
+ControlNet ResizeControlNet(const ControlNet& net, const glm::ivec3& nodes)
+{
+  ControlNet result = net;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    glm::ivec3 factors(1);
+    factors[axis] = (nodes[axis] - 3) / (net.Nodes[axis] - 3);
+    const bool isMultiple = (nodes[axis] - 3) % (net.Nodes[axis] - 3) == 0;
+    result = isMultiple ? RefineControlNet(result, factors)
+                        : ApproximateControlNet(result, axis, nodes[axis]);
   }
   return result;
 }

@@ -195,10 +195,8 @@ Lattice Lattice::Resize(const glm::ivec3& nodes) const
     return *this;
   }
   Lattice result = *this;
-  bool isMultiple = true;
   for (int a = 0; a < 3; ++a)
   {
-    isMultiple = isMultiple && (nodes[a] - 3) % (old[a] - 3) == 0;
     result.Spacing[a] = this->Spacing[a] * (old[a] - 3) / (nodes[a] - 3);
     result.Origin[a] = this->Origin[a] + this->Spacing[a] - result.Spacing[a];
   }
@@ -207,27 +205,9 @@ Lattice Lattice::Resize(const glm::ivec3& nodes) const
     result.Net.Nodes = nodes;
     result.Net.Values.assign(GridSize(nodes), glm::dvec3(0.0));
   }
-  else if (isMultiple)
-  {
-    result.Net = RefineControlNet(this->Net, (nodes - 3) / (old - 3));
-  }
   else
   {
-    const BSplineField field(old, this->Origin, this->Spacing, this->Net.Values.data());
-    ControlNet samples;
-    samples.Nodes = nodes - 2;
-    samples.Values.reserve(GridSize(samples.Nodes));
-    for (int k = 1; k < nodes.z - 1; ++k)
-    {
-      for (int j = 1; j < nodes.y - 1; ++j)
-      {
-        for (int i = 1; i < nodes.x - 1; ++i)
-        {
-          samples.Values.push_back(field.Displacement(result.GetRestPoint({ i, j, k })));
-        }
-      }
-    }
-    result.Net = InterpolateControlNet(samples);
+    result.Net = ResizeControlNet(this->Net, nodes);
   }
   return result;
 }

@@ -91,9 +91,8 @@ struct FFD_CORE_EXPORT Lattice
   // Other control points for the same map
 
   /**
-   * Returns the lattice with other numbers of control points over the same domain. Where n - 3
-   * becomes a multiple on every axis the map is exactly the same in the domain, else the new
-   * lattice interpolates the old displacements at its control points there.
+   * Returns the lattice with other numbers of control points over the same domain, where the map is
+   * as near to the same as it can be, see ResizeControlNet().
    */
   Lattice Resize(const glm::ivec3& nodes) const;
 

@@ -978,7 +978,7 @@ int TestBadInput()
   scene.Drag(10, 10);
   scene.Release();
   FFD_CHECK(scene.View->GetNumberOfUndos() == 0);
-  scene.DragPoint(3, 3, 3, 10, 10);
+  scene.DragPoint(2, 2, 3, 10, 10);
   FFD_CHECK(scene.View->GetNumberOfUndos() == 1);
   return EXIT_SUCCESS;
 }

