@@ -87,7 +87,8 @@
  * Volumes and opaque geometry: geometry that was drawn before hides what is behind it. Several
  * volumes are blended in the order in which the renderer draws them, as with VTK's own mappers;
  * where they overlap the later one is drawn over the earlier one. Translucent surfaces are drawn
- * before them; vtkRenderer::UseDepthPeelingForVolumes is refused with an error.
+ * before them; vtkRenderer::UseDepthPeelingForVolumes, or a vtkDualDepthPeelingPass with a
+ * volumetric pass, is refused with an error.
  *
  * Normals and gradient opacities are those of central differences over one voxel to each side; at
  * the faces of the volume, and beside blanked cells, over what there is. With nearest interpolation

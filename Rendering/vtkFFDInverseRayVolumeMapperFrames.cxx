@@ -51,11 +51,11 @@ constexpr double BytesPerPixel = 16.0;
 
 /// Whether a pass of depth peeling asks for the volume between translucent surfaces: it wants the
 /// shader of the volume changed, and what is drawn without that is not a picture.
-bool IsPeeled(vtkRenderer* renderer, vtkVolume* volume)
+bool IsPeeled(vtkVolume* volume)
 {
   vtkInformation* keys = volume->GetPropertyKeys();
   vtkInformationObjectBaseVectorKey* passes = vtkOpenGLRenderPass::RenderPasses();
-  if (!renderer->GetUseDepthPeelingForVolumes() || !keys || !keys->Has(passes))
+  if (!keys || !keys->Has(passes))
   {
     return false;
   }
@@ -333,15 +333,17 @@ bool vtkFFDInverseRayVolumeMapper::vtkInternals::CanRender(vtkRenderer* renderer
   {
     return false;
   }
-  if (IsPeeled(renderer, volume))
+  if (IsPeeled(volume))
   {
     // A frame has several passes.
     if (!this->ToldOfPeeling)
     {
       vtkErrorWithObjectMacro(this->Self,
-        "UseDepthPeelingForVolumes of the renderer is on, but only VTK's GPU mapper can be "
-        "peeled together with translucent surfaces: the volume is left out. Call "
-        "UseDepthPeelingForVolumesOff() of the renderer.");
+        "UseDepthPeelingForVolumes of the renderer is on, or its pass has a "
+        "vtkDualDepthPeelingPass "
+        "with a volumetric pass, but only VTK's GPU mapper can be peeled together with translucent "
+        "surfaces: the volume is left out. Call UseDepthPeelingForVolumesOff() of the renderer, or "
+        "give the vtkVolumetricPass to a sequence, after the peeling.");
     }
     this->ToldOfPeeling = true;
     return false;

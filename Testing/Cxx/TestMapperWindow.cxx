@@ -7,12 +7,19 @@
 #include "vtkFFDVersions.h"
 
 #include "vtkCallbackCommand.h"
+#include "vtkCameraPass.h"
+#include "vtkDualDepthPeelingPass.h"
+#include "vtkLightsPass.h"
 #include "vtkOpenGLFramebufferObject.h"
 #include "vtkOpenGLRenderWindow.h"
 #include "vtkOpenGLState.h"
 #include "vtkPixelBufferObject.h"
 #include "vtkRendererDelegate.h"
+#include "vtkRenderPassCollection.h"
+#include "vtkSequencePass.h"
 #include "vtkTextureObject.h"
+#include "vtkTranslucentPass.h"
+#include "vtkVolumetricPass.h"
 #include VTK_FFD_OPENGL_HEADER
 
 #include "vtksys/SystemTools.hxx"
@@ -178,6 +185,22 @@ int TestPeeling()
   scene.ConeActor->VisibilityOn();
   FFD_CHECK(FFDLargestDifference(both, scene.Show()) == 0);
   FFD_CHECK(scene.Errors->Count == 0);
+  // A pass of the application's own peels volumes whatever that flag says.
+  vtkNew<vtkDualDepthPeelingPass> peeling;
+  vtkNew<vtkTranslucentPass> translucent;
+  vtkNew<vtkVolumetricPass> volumetric;
+  peeling->SetTranslucentPass(translucent);
+  peeling->SetVolumetricPass(volumetric);
+  vtkNew<vtkRenderPassCollection> passes;
+  passes->AddItem(vtkNew<vtkLightsPass>());
+  passes->AddItem(peeling);
+  vtkNew<vtkSequencePass> sequence;
+  sequence->SetPasses(passes);
+  vtkNew<vtkCameraPass> camera;
+  camera->SetDelegatePass(sequence);
+  scene.Renderer->SetPass(camera);
+  FFD_CHECK(FFDLargestDifference(refused, scene.Show()) == 0);
+  FFD_CHECK(scene.Errors->Had("vtkDualDepthPeelingPass"));
   return EXIT_SUCCESS;
 }
 
