@@ -739,9 +739,8 @@ public:
    * Whether the colors that RenderToImage() writes are multiplied by their alpha. Over black they
    * are then the picture in a window, over a background b they are colors + (1 - alpha) b.
    * Default: off, straight alpha, which image files and most programs expect: colors are divided
-   * by alpha and cut at 1. Straight alpha therefore loses what is brighter than its alpha:
-   * highlights on translucent material, bright lights, and the sums of several independent
-   * components.
+   * by alpha and cut at 1. Straight alpha therefore loses what is brighter than its alpha: the sums
+   * of several independent components.
    */
   vtkSetMacro(PremultipliedAlpha, vtkTypeBool);
   vtkGetMacro(PremultipliedAlpha, vtkTypeBool);

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Run by TestParallel.py with pvbatch --symmetric: pictures with colors brighter than their alpha.
+"""Run by TestParallel.py with pvbatch --symmetric: pictures of a volume that lights make brighter than white.
 Argument: the prefix of the pictures."""
 
 import sys

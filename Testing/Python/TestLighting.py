@@ -362,6 +362,31 @@ class TestLighting(unittest.TestCase):
                     if intensity != 1.0:
                         self.assertLess(fixed, 8.0)
 
+    def test_bright_materials(self):
+        # Lit three times too bright, samples are white at most, as with VTK's GPU mapper.
+        for shape in (None, numpy.eye(3) * 1.1):
+            plane = LitPlane([0.0, 0.0, -1.0])
+            if shape is not None:
+                plane.deform(shape)
+            for x in (100.1, 300.0):
+                plane.prop.GetScalarOpacity().AddPoint(x, 0.05)
+            plane.ours.PremultipliedAlphaOn()
+            plane.prop.SetAmbient(0.5)
+            plane.prop.SetDiffuse(2.5)
+            plane.prop.SetSpecular(0.0)
+            plane.look([0.0, 0.0, -1.0])
+            plane.headlight()
+            pictures = [plane.render_window(vtkOpenGLGPUVolumeRayCastMapper())]
+            for reference in (False, True):
+                plane.ours.SetReferenceKernels(reference)
+                pictures.append(plane.render_image()[0])
+            for picture in pictures:
+                red, green, blue = picture.mean(axis=0)
+                self.assertGreater(red, 60.0)
+                self.assertLess(red, 200.0)
+                self.assertAlmostEqual(green / red, 1.0, delta=0.02)
+                self.assertAlmostEqual(blue / red, 3.0 * COLOR[2], delta=0.02)
+
     def test_lights_that_follow_the_camera(self):
         """Images have them where windows do, whatever was drawn before."""
         def kit(plane):

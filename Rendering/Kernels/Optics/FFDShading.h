@@ -71,8 +71,9 @@ struct Shading : Reflectance
   const glm::dmat3& GetGradientToLights() const { return this->GradientToLights; }
 
   /**
-   * Color of a lit sample, in the space of the lights. `normal`: unit vector towards lower
-   * scalars, or zero where the scalars are constant; `toEye`: unit vector.
+   * Color of a lit sample, each part at most 1, as VTK's volume mappers have it, in the space of
+   * the lights. `normal`: unit vector towards lower scalars, or zero where the scalars are
+   * constant; `toEye`: unit vector.
    */
   glm::vec3 Shade(const glm::vec3& color, const glm::dvec3& position, const glm::dvec3& normal,
     const glm::dvec3& toEye) const
@@ -117,8 +118,9 @@ struct Shading : Reflectance
           light.Specular;
       }
     }
-    return color * (material.Ambient * ambient + material.Diffuse * diffuse) +
+    const glm::vec3 lit = color * (material.Ambient * ambient + material.Diffuse * diffuse) +
       material.Specular * specular;
+    return glm::min(lit, 1.0f);
   }
 
 private:

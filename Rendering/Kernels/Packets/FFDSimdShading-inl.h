@@ -117,8 +117,8 @@ HWY_NOINLINE inline void AddLights(const PacketScene& scene, const PacketSurface
 }
 
 /**
- * Colors of lit samples. `gradient`: of any length, the normal is opposite to it; `toEye`: unit
- * vectors; `positionOf()`: where the samples are. All in the space of the lights.
+ * Colors of lit samples, at most 1. `gradient`: of any length, the normal is opposite to it;
+ * `toEye`: unit vectors; `positionOf()`: where the samples are. All in the space of the lights.
  */
 template <class PositionOf>
 HWY_INLINE Vec3 Shade(const PacketScene& scene, const PacketSurface& surface, const Vec3& color,
@@ -138,9 +138,11 @@ HWY_INLINE Vec3 Shade(const PacketScene& scene, const PacketSurface& surface, co
     const Vec3 normal = Scale(Splat(-1.0f), Normalize(gradient));
     AddLights(scene, surface, positionOf(), normal, toEye, lit);
   }
-  return { hn::MulAdd(color.x, hn::Add(lit.Ambient.x, lit.Diffuse.x), lit.Specular.x),
-    hn::MulAdd(color.y, hn::Add(lit.Ambient.y, lit.Diffuse.y), lit.Specular.y),
-    hn::MulAdd(color.z, hn::Add(lit.Ambient.z, lit.Diffuse.z), lit.Specular.z) };
+  const auto mix = [&](Vf Vec3::*c) FFD_INLINE_LAMBDA {
+    const Vf light = hn::Add(lit.Ambient.*c, lit.Diffuse.*c);
+    return hn::Min(hn::MulAdd(color.*c, light, lit.Specular.*c), Splat(1.0f));
+  };
+  return { mix(&Vec3::x), mix(&Vec3::y), mix(&Vec3::z) };
 }
 
 } // namespace HWY_NAMESPACE

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDViewFrames.h"
 
-#include "vtkFFDCompositePass.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDServerFrames.h"
+#include "vtkFFDServerPass.h"
 #include "vtkFFDVolumeOrder.h"
 
 #include "vtkAlgorithm.h"
@@ -35,7 +35,7 @@ constexpr double ServerProgressInterval = 0.1;
 vtkFFDViewFrames::vtkFFDViewFrames()
 {
   // Messages of progress are what a client may answer with a request for an abort.
-  this->OwnPass->SetWait([this]() {
+  this->Pass->SetWait([this]() {
     if (this->FirstMapper)
     {
       this->FirstMapper->UpdateProgress(this->FirstMapper->GetProgress());
@@ -47,19 +47,15 @@ vtkFFDViewFrames::vtkFFDViewFrames()
 vtkFFDViewFrames::~vtkFFDViewFrames() = default;
 
 //------------------------------------------------------------------------------
-void vtkFFDViewFrames::SetQuestions(
-  std::function<bool()> isShown, std::function<bool()> mayBeBright)
+void vtkFFDViewFrames::SetQuestion(std::function<bool()> isShown)
 {
   this->IsShown = std::move(isShown);
-  this->MayBeBright = std::move(mayBeBright);
 }
 
 //------------------------------------------------------------------------------
 void vtkFFDViewFrames::AddMapper(vtkFFDInverseRayVolumeMapper* mapper)
 {
   mapper->SetProgressText("FFD Volume");
-  mapper->AddObserver(
-    vtkCommand::VolumeMapperRenderStartEvent, this, &vtkFFDViewFrames::BeginVolume);
   mapper->AddObserver(vtkCommand::ProgressEvent, this, &vtkFFDViewFrames::ContinueVolume);
   if (!this->FirstMapper)
   {
@@ -155,19 +151,9 @@ void vtkFFDViewFrames::Begin(vtkObject* object, unsigned long, void*)
     this->TookSmoothingOff = true;
     renderer->SetUseFXAA(false);
   }
-  const bool mayBeBright = this->MayBeBright && this->MayBeBright();
-  if (mayBeBright || ffdserver::IsGroup())
+  if (ffdserver::IsGroup())
   {
-    this->Pass = this->OwnPass->Begin(renderer, mayBeBright);
-  }
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDViewFrames::BeginVolume()
-{
-  if (this->Pass)
-  {
-    this->Pass->BlendInFloats();
+    this->Pass->Begin(renderer);
   }
 }
 
@@ -230,6 +216,5 @@ void vtkFFDViewFrames::End(vtkObject* object, unsigned long, void*)
     this->ProgressInterval = 0.0;
   }
   this->Window = nullptr;
-  this->Pass = nullptr;
-  this->OwnPass->End();
+  this->Pass->End();
 }

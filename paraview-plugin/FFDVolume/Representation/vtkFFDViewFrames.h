@@ -13,14 +13,13 @@
 
 #include "vtkNew.h"
 #include "vtkObject.h"
-#include "vtkSmartPointer.h"
 #include "vtkWeakPointer.h"
 
 #include <array>
 #include <functional>
 
-class vtkFFDCompositePass;
 class vtkFFDInverseRayVolumeMapper;
+class vtkFFDServerPass;
 class vtkOpenGLState;
 class vtkPVSession;
 class vtkRenderer;
@@ -32,9 +31,8 @@ public:
   static vtkFFDViewFrames* New();
   vtkTypeMacro(vtkFFDViewFrames, vtkObject);
 
-  /// Whether a frame that begins shows the volume, and whether colors of it may then be brighter
-  /// than their alpha; not before both are set does a frame show it.
-  void SetQuestions(std::function<bool()> isShown, std::function<bool()> mayBeBright);
+  /// Whether a frame that begins shows the volume; not before this is set does one show it.
+  void SetQuestion(std::function<bool()> isShown);
 
   /// A mapper that renders a part of the volume; those from before Connect() tell progress, too.
   void AddMapper(vtkFFDInverseRayVolumeMapper* mapper);
@@ -55,14 +53,12 @@ private:
 
   void FollowSession();
   void Begin(vtkObject* renderer, unsigned long event, void* data);
-  void BeginVolume();
   void ContinueVolume(vtkObject* mapper, unsigned long event, void* data);
   void KeepContext();
   void TakeContextBack();
   void End(vtkObject* renderer, unsigned long event, void* data);
 
   std::function<bool()> IsShown;
-  std::function<bool()> MayBeBright;
   vtkWeakPointer<vtkFFDInverseRayVolumeMapper> FirstMapper;
   std::array<unsigned long, 2> Observers{ { 0, 0 } }; // of the renderer
   bool HasOwnRenderer = false;          // no other process renders the scene or shows it
@@ -74,8 +70,7 @@ private:
   vtkWeakPointer<vtkRenderWindow> Window;
   vtkWeakPointer<vtkOpenGLState> KeptState; // of the window, while progress is shown
   double ProgressInterval = 0.0;            // of the session before the frame; 0: not changed
-  vtkNew<vtkFFDCompositePass> OwnPass;
-  vtkSmartPointer<vtkFFDCompositePass> Pass; // its own or another volume's
+  vtkNew<vtkFFDServerPass> Pass;
 };
 
 #endif

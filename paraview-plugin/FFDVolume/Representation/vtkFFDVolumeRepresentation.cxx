@@ -152,13 +152,10 @@ vtkFFDVolumeRepresentation::vtkFFDVolumeRepresentation()
   this->VolumeMapper.TakeReference(this->Mapper);
   // ParaView renders again for widgets below the pointer and for whatever else is shown.
   this->Mapper->StillFrameCoherenceOn();
-  this->Internals->Frames->SetQuestions(
-    [this]() {
-      return this->GetVisibility() && this->Actor->GetVisibility() &&
-        this->Actor->GetMapper() == this->VolumeMapper;
-    },
-    // Without shading no color is brighter than its alpha.
-    [this]() { return this->Property && this->Property->GetShade(); });
+  this->Internals->Frames->SetQuestion([this]() {
+    return this->GetVisibility() && this->Actor->GetVisibility() &&
+      this->Actor->GetMapper() == this->VolumeMapper;
+  });
   this->Internals->Frames->AddMapper(this->Mapper);
   this->SetNumberOfVolumes(1);
   this->Internals->AllShown.emplace_back(new vtkInternals::Shown);

@@ -26,9 +26,6 @@
  * extracts asks for pieces. The voxels that a box is pulled back to are exchanged, when the data
  * change or a box needs others than it has; an edit of the lattice most often needs none.
  *
- * Pixels of shaded volumes that are brighter than their alpha are composited in floats: see
- * vtkFFDCompositePass.
- *
  * A volume that is rotated in the scene is rendered by the first process alone: its boxes would not
  * be aligned with the axes, which ParaView's order by boxes needs.
  *
