@@ -153,7 +153,9 @@ class TestAsVolume(unittest.TestCase):
                 display.FFDScalarOpacityUnitDistance = unit
                 ours = ffd.picture(self.view, "plane %g %g" % (distance, unit))
                 self.assertLess(np.abs(ours - own).mean(), 0.5, (shade, distance, unit))
-                self.assertLess(ffd.differ(ours, own)[0], 24, (shade, distance, unit))
+                # VTK's mapper does not cut lit colors of such functions at white, as it does others.
+                most = 32 if shade else 24
+                self.assertLess(ffd.differ(ours, own)[0], most, (shade, distance, unit))
         display.FFDShade = 0
         display.FFDSampleDistance = 1.0
         # Between the texels of ParaView's table, 10 x 10, the function is that of its volume.
