@@ -44,5 +44,5 @@ simple.Render(view)
 swaps = []
 window.AddObserver("StartEvent", lambda *_: swaps.append(bool(window.GetSwapBuffers())))
 simple.SaveScreenshot(os.environ["FFD_ABORT_LOG"] + ".png", view)
-ffdframelog.write({"event": "screenshot", "swaps": any(swaps)})
-ffdframelog.write({"event": "ready"})
+ffdframelog.write("screenshot", swaps=any(swaps))
+ffdframelog.write("ready")

@@ -113,7 +113,8 @@ class TestAbort(unittest.TestCase):
             time.sleep(1.0)
             with open(self.log, encoding="ascii") as file:
                 lines = [json.loads(line) for line in file.read().split("\n")[:-1]]
-            if lines[-1]["event"] != "begin" and time.monotonic() - lines[-1]["time"] > 1.0:
+            rendering = lines[-1]["event"] in ("begin", "progress")
+            if not rendering and time.monotonic() - lines[-1]["time"] > 1.0:
                 self.seen = len(lines)
                 return
 

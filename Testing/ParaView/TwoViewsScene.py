@@ -37,4 +37,4 @@ def edit(*_):
 
 
 left.GetRenderWindow().GetInteractor().AddObserver("EnterEvent", edit)
-ffdframelog.write({"event": "ready"})
+ffdframelog.write("ready")

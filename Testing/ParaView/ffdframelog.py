@@ -8,7 +8,11 @@ import time
 import ffdlog
 from paraview import servermanager
 
-write = ffdlog.open_log("FFD_ABORT_LOG")
+log = ffdlog.open_log("FFD_ABORT_LOG")
+
+
+def write(event, **more):
+    log({"event": event, "time": time.monotonic(), **more})
 
 
 class FrameLog:
@@ -29,7 +33,7 @@ class FrameLog:
     def write(self, event, **more):
         # Still frames are wanted at less than one a second.
         still = self.window.GetDesiredUpdateRate() < 1.0
-        write({"event": event, "time": time.monotonic(), "still": still, **self.names, **more})
+        write(event, still=still, **self.names, **more)
 
     def begin(self, *_):
         self.progress = []
