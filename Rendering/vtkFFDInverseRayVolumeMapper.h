@@ -710,10 +710,7 @@ public:
    * that the fast kernels are tested against. Default: off. The pictures differ by rounding and by
    * what PositionTolerance and InverseTolerance allow.
    *
-   * They always render GREEDY_ANGLE, and slices of more than 7 * 10^8 voxels (or cells). What else
-   * is looked up one ray at a time: gradients that count clipped voxel intensities where there is
-   * blanking or a rectilinear grid, and ComputeNormalFromOpacity of several components where there
-   * is blanking.
+   * They always render GREEDY_ANGLE, and slices of more than 7 * 10^8 voxels (or cells).
    */
   vtkSetMacro(ReferenceKernels, vtkTypeBool);
   vtkGetMacro(ReferenceKernels, vtkTypeBool);

@@ -80,9 +80,6 @@ struct CastSettings
   bool Jitter = false;    ///< samples are moved on by FindJitter(); not those of isosurfaces
   bool CountsRays = true; ///< CastStatistics::Rays holds those, too, that meet nothing visible
   bool Reference = false; ///< use the reference kernels even where packets could render
-  /// Packets hand every sample to the RayIntegrator of its ray, even where their vector code could
-  /// composite it: for tests.
-  bool PerRay = false;
   /// Bytes that offsets of voxels may lead over, at most; less than what 32 bits hold for tests.
   double LargestReach = 2147483647.0;
 };

@@ -61,7 +61,7 @@ RayCaster::RayCaster(
   {
     this->Frame.Intervals = IntervalTable(*scene.Table, settings.SampleDistance);
   }
-  if (this->Visible && PacketCaster::Supports(scene, settings))
+  if (this->Visible && PacketCaster::Supports(this->Scene, settings))
   {
     this->Packets.reset(new PacketCaster(this->Scene, this->Settings, this->Frame, parallelFor));
   }

@@ -391,6 +391,19 @@ const std::map<std::string, Change>& GetChanges()
         Apply({ "clipping plane" }, s, mapper);
         s.Property->UseClippedVoxelIntensityOn();
       } },
+    { "clipped voxels, blanking",
+      [](OptionScene& s, Mapper* mapper) {
+        Apply({ "blanking", "clipped voxels" }, s, mapper);
+      } },
+    { "clipped voxels, rectilinear grid",
+      [](OptionScene& s, Mapper* mapper) {
+        Apply({ "rectilinear grid", "clipped voxels" }, s, mapper);
+      } },
+    { "normals of opacity, components 2, blanking",
+      [](OptionScene& s, Mapper* mapper) {
+        Apply({ "normals of opacity, components 2" }, s, mapper);
+        mapper->SetInputData(Blank(MakeComponents(s.Image, 2), 0.5));
+      } },
     { "2-D function of an array",
       [](OptionScene& s, Mapper* mapper) {
         Apply({ "2-D function" }, s, mapper);
@@ -563,6 +576,9 @@ const std::vector<FrameOption>& GetFrameOptions()
     { "cropping", "plain", 1.4 },
     { "clipping plane", "plain", 1.4 },
     { "clipped voxels", "clipping plane", 1.5 },
+    { "clipped voxels, blanking", "clipped voxels", 1.5 },
+    { "clipped voxels, rectilinear grid", "clipped voxels", 1.5 },
+    { "normals of opacity, components 2, blanking", "normals of opacity, components 2", 1.5 },
     { "jitter", "plain", 1.4 },
     { "pre-integrated", "plain", 1.3 },
     { "8 lights", "plain", 1.4 },

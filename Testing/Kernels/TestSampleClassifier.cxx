@@ -156,7 +156,6 @@ TEST(SampleClassifier, OnePlainComponentIsItsTable)
   f.Functions.Components.resize(1);
   f.Functions.Components[0].Table = Ramp({ 1.0f, 0.5f, 0.25f }, 0.8);
   const SampleClassifier classifier(f.Inputs);
-  EXPECT_TRUE(classifier.IsPlain());
   for (double x = 0.0; x <= 3.0; x += 0.3)
   {
     const SampleClassifier::Appearance sample = f.Classify({ x, 1.5, 1.5 });
@@ -180,7 +179,6 @@ TEST(SampleClassifier, IndependentComponentsAddUpAsInVtk)
   f.Functions.Components[0].Table = Constant({ 1.0f, 0.0f, 0.2f }, 0.84f);
   f.Functions.Components[1].Table = Constant({ 0.0f, 1.0f, 0.4f }, 0.51f);
   f.Functions.Components[1].Weight = 0.5f;
-  EXPECT_FALSE(SampleClassifier(f.Inputs).IsPlain());
   const SampleClassifier::Appearance sample = f.Classify(glm::dvec3(1.5));
   const double opacity = (0.6 * 0.6 + 0.15 * 0.15) / 0.75;
   EXPECT_NEAR(OpacityOf(sample, length), opacity, 1e-5);
@@ -234,7 +232,6 @@ TEST(SampleClassifier, GradientOpacityOfALinearField)
   f.Functions.Components[0].Table = Constant(glm::vec3(1.0f), 0.75f, 2.0);
   f.Functions.Components[0].Gradients = GradientOpacity({ 0.0f, 1.0f }, 0.2);
   f.Inputs.ReferenceLength = 1.0;
-  EXPECT_FALSE(SampleClassifier(f.Inputs).IsPlain());
   // 1 - (1 - 0.75)^(1 / 2) = 0.5 is what the factor is multiplied to.
   EXPECT_NEAR(OpacityOf(f.Classify(glm::dvec3(3.3)), 1.0), 0.5 * magnitude / 0.2, 1e-6);
   // Beyond the largest magnitude the last factor holds; none leaves the opacity as it is.
@@ -362,7 +359,6 @@ TEST(SampleClassifier, TransferPlaneOverTheGradientOrAnotherArray)
   // Two columns, two rows.
   const float texels[16] = { 1, 0, 0, 0.2f, 0, 1, 0, 0.4f, 0, 0, 1, 0.6f, 1, 1, 1, 0.8f };
   f.Functions.Components[0].Plane = TransferPlane(2, 2, texels, { 0.1, 0.0 }, { 0.3, 0.2 }, false);
-  EXPECT_FALSE(SampleClassifier(f.Inputs).IsPlain());
   // x: scalar 0.2, half way; y: magnitude 0.1, half way.
   SampleClassifier::Appearance sample = f.Classify({ 2.0, 2.0, 2.0 });
   EXPECT_NEAR(OpacityOf(sample, 1.0), 0.5, 1e-5);
@@ -453,7 +449,6 @@ TEST(SampleClassifier, BinaryMasksAndHiddenCells)
   f.Inputs.Hidden = &hidden;
   {
     const SampleClassifier classifier(f.Inputs);
-    EXPECT_FALSE(classifier.IsPlain());
     EXPECT_TRUE(classifier.IsHidden({ 1.01, 2.99, 3.5 }));
     EXPECT_TRUE(classifier.IsHidden({ 1.5, 2.5, 4.0 }));
     EXPECT_FALSE(classifier.IsHidden({ 0.99, 2.5, 3.5 }));
@@ -564,11 +559,9 @@ TEST(SampleClassifier, NormalsOfTheOpacity)
   f.Functions.Components[0].Shade = true;
   const glm::dvec3 q(2.5, 2.5, 2.5);
   const SampleClassifier plain(f.Inputs);
-  EXPECT_TRUE(plain.IsPlain());
   const glm::vec3 byScalars = plain.Light(0, q, glm::vec3(1.0f), f.Normals);
   f.Inputs.NormalFromOpacity = true;
   const SampleClassifier classifier(f.Inputs);
-  EXPECT_FALSE(classifier.IsPlain());
   // Opacity is proportional to the scalars here, so are its gradients ...
   ExpectColor(classifier.Light(0, q, glm::vec3(1.0f), f.Normals), byScalars, 1e-4);
   // ... and here it does not change at all: no normal, ambient light only.
@@ -602,7 +595,6 @@ TEST(SampleClassifier, RectilinearAxes)
   f.Functions.Components[0].Table = Constant(glm::vec3(1.0f), 0.5f);
   f.Functions.Components[0].Gradients = GradientOpacity({ 0.0f, 1.0f }, 1.0);
   const SampleClassifier classifier(f.Inputs);
-  EXPECT_FALSE(classifier.IsPlain());
   RandomLattice random(6);
   const MinMaxBlocks blocks(f.Inputs.Volume, ParallelFor());
   for (int s = 0; s < 2000; ++s)

@@ -332,6 +332,12 @@ MUTANTS = (
         "hn::Or(hn::Lt(x, hn::Neg(half)), hn::Gt(x, last)));",
         PACKETS + cxx("Masks", "VTKScenes.BinaryMask")),
     Mutant(
+        "hidden cells: differences end behind samples where the cell before them is hidden",
+        "index",
+        "high = hn::IfThenElse(behind[a], hn::Min(high, end), high);",
+        "high = hn::IfThenElse(before[a], hn::Min(high, end), high);",
+        PACKETS),
+    Mutant(
         "window: what other props draw before the volume does not hide it",
         "term",
         "if (prop != volume && prop->GetVisibility())",

@@ -172,9 +172,6 @@ SampleClassifier::SampleClassifier(const ClassifierInputs& inputs)
     (!noGradients || !noLabelGradients || (!noPlanes && !this->In.SecondAxis.Scalars) ||
       first.Shade);
   this->NormalsOfOpacity = this->In.NormalFromOpacity && first.Shade;
-  this->Plain = !this->ClippedGradients && !this->In.Hidden && !volume.Axes &&
-    !this->NormalsOfOpacity && functions.Kind == ComponentKind::Independent &&
-    functions.Components.size() == 1 && !mask.Volume.Scalars && noGradients && noPlanes;
 }
 
 //------------------------------------------------------------------------------

@@ -106,9 +106,6 @@ public:
   SampleClassifier(const VolumeView& volume, Interpolation interpolation,
     const TransferTable& table, const Shading& material, bool shade);
 
-  /// Whether there is nothing but one component of a plain image and its table.
-  bool IsPlain() const { return this->Plain; }
-
   /// Whether gradients are looked at that count GetClippedIntensity() as the value of voxels behind
   /// clipping planes.
   bool ClipsGradients() const { return this->ClippedGradients; }
@@ -225,7 +222,6 @@ private:
   glm::dvec3 MagnitudeScale{ 1.0 };
   glm::dmat3 ToMask{ 1.0 }; // index coordinates to those of the mask
   glm::dvec3 MaskOffset{ 0.0 };
-  bool Plain = true;
   bool ClippedGradients = false;
   bool NormalsOfOpacity = false;
   bool MayHide = false;

@@ -140,19 +140,28 @@ HWY_EXPORT(CastShortTile);
 HWY_EXPORT(ChooseRootSide);
 HWY_EXPORT(MoveSeeds);
 
+/// Whether the voxels of a mask can be looked up, if there is one: by the number of a row through
+/// all slices.
+bool CanLookUpMask(const VolumeView& v)
+{
+  return !v.Scalars ||
+    (v.Increments[0] == 1 && v.Increments[2] == v.Increments[1] * v.Dimensions.y &&
+      static_cast<double>(v.Dimensions.y) * v.Dimensions.z <= LargestReach);
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
 bool PacketCaster::Supports(const CastScene& scene, const CastSettings& settings)
 {
-  if (settings.Reference || settings.Segments != Segmentation::ErrorBound)
-  {
-    return false;
-  }
-  // Others are fetched ray by ray, from any voxels.
-  const SampleClassifier* classifier = scene.Classifier;
-  const bool plain = !classifier || classifier->IsPlain();
-  return !plain || CanFetchPackets(scene.Volume);
+  const SampleClassifier& classifier = *scene.Classifier;
+  const OpticalFunctions& functions = classifier.GetFunctions();
+  const int components = scene.Volume.Components;
+  return !settings.Reference && settings.Segments == Segmentation::ErrorBound &&
+    CanFetchPackets(scene.Volume) && CanLookUpMask(classifier.GetMask().Volume) &&
+    components <= SampleClassifier::LargestNumberOfComponents &&
+    (functions.Kind != ComponentKind::Independent ||
+      static_cast<int>(functions.Components.size()) == components);
 }
 
 //------------------------------------------------------------------------------

@@ -25,9 +25,8 @@ public:
   PacketCaster(const CastScene& scene, const CastSettings& settings, const IntegrationFrame& frame,
     const ParallelFor& parallelFor);
 
-  /// Whether packets can render this scene; else the reference ray caster has to: the paper's
-  /// polyline, and of what vector code looks up (SampleClassifier::IsPlain()) volumes whose slices
-  /// are beyond the reach of 32-bit offsets.
+  /// Whether packets can render this scene, which has a classifier; else the reference ray caster
+  /// has to: the paper's polyline, and slices that are beyond the reach of 32-bit offsets.
   static bool Supports(const CastScene& scene, const CastSettings& settings);
 
   /// See RayCaster::RenderTile(); `first` counts packets.

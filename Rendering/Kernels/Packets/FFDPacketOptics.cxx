@@ -225,6 +225,8 @@ PacketLight MakePacketLight(
   Copy(light.Attenuation, packet.Attenuation);
   packet.Attenuates = light.Attenuation != glm::dvec3(1.0, 0.0, 0.0);
   packet.HasHighlight = packet.Specular[0] + packet.Specular[1] + packet.Specular[2] > 0.0f;
+  const auto isGray = [](const float(&c)[3]) { return c[0] == c[1] && c[1] == c[2]; };
+  packet.IsGray = isGray(packet.Diffuse) && isGray(packet.Specular);
   return packet;
 }
 
@@ -426,15 +428,8 @@ void SetOptics(
   {
     SetMask(classifier, p);
   }
-  const bool vectors = p.Sampling != PacketSampling::PerRay;
-  VolumeView even = scene.Volume;
-  even.Axes = nullptr;
-  p.Grid =
-    vectors ? MakePacketGrid(scene.Volume, classifier.GetHidden()) : MakePacketGrid(even, nullptr);
-  if (vectors)
-  {
-    p.HidesSamples = p.Grid.Hidden || (p.Mask.Scalars && !p.Mask.Labels);
-  }
+  p.Grid = MakePacketGrid(scene.Volume, classifier.GetHidden());
+  p.HidesSamples = p.Grid.Hidden || (p.Mask.Scalars && !p.Mask.Labels);
   if (kind.Plane)
   {
     p.Plane = MakePlane(classifier, classifier.GetFunctions().Components[0], p.Volume, 0);
@@ -540,7 +535,7 @@ void SetClippedValues(const CastScene& scene, const SampleClassifier& classifier
   // So far away from all others that gradients point from one to them; the squares of their
   // differences are numbers in single precision.
   constexpr double Far = 1e6;
-  p.ClipsGradients = p.Sampling != PacketSampling::PerRay && classifier.ClipsGradients();
+  p.ClipsGradients = classifier.ClipsGradients();
   for (int c = 0; c < p.Volume.Components && p.ClipsGradients; ++c)
   {
     const double far = Far * FindRangeOfValues(scene, p.Volume, c);

@@ -96,30 +96,6 @@ PacketSampling SamplingOf(BlendMode mode)
   }
 }
 
-/// Whether the vector code can look up the voxels of a mask, if there is one: by the number of a
-/// row through all slices.
-bool CanLookUpMask(const VolumeView& v)
-{
-  return !v.Scalars ||
-    (v.Increments[0] == 1 && v.Increments[2] == v.Increments[1] * v.Dimensions.y &&
-      static_cast<double>(v.Dimensions.y) * v.Dimensions.z <= LargestReach);
-}
-
-/// Whether the vector code can take the samples of this scene; else each ray has a RayIntegrator.
-bool CanTakeSamples(const CastScene& scene, const SampleClassifier& classifier)
-{
-  const OpticalFunctions& functions = classifier.GetFunctions();
-  const int components = scene.Volume.Components;
-  const bool hides = classifier.GetHidden() != nullptr;
-  // Gradients that only the reference functions find.
-  const bool rare = (classifier.ClipsGradients() && (hides || scene.Volume.Axes)) ||
-    (classifier.HasNormalsOfOpacity() && hides && components > 1);
-  return !rare && CanFetchPackets(scene.Volume) && CanLookUpMask(classifier.GetMask().Volume) &&
-    components <= SampleClassifier::LargestNumberOfComponents &&
-    (functions.Kind != ComponentKind::Independent ||
-      static_cast<int>(functions.Components.size()) == components);
-}
-
 /// Bounds in data coordinates of a box of index coordinates.
 Box FindBounds(const VolumeView& volume, const Box& index)
 {
@@ -135,24 +111,20 @@ Box FindBounds(const VolumeView& volume, const Box& index)
   return bounds;
 }
 
-/// Decides who takes the samples, vector code or the integrators of the rays.
+/// Decides which code takes the samples.
 FrameKind SetSampling(
   const CastScene& scene, const CastSettings& settings, const SampleClassifier& c, PacketScene& p)
 {
-  // What is plain is fetched by packets, or they are not used at all.
-  const bool vectors = !settings.PerRay && (c.IsPlain() || CanTakeSamples(scene, c));
-  const bool composites = vectors && scene.Blend.Mode == BlendMode::Composite;
-  const bool blends = vectors && scene.Blend.Mode != BlendMode::Composite;
-  p.Sampling = composites || blends ? SamplingOf(scene.Blend.Mode) : PacketSampling::PerRay;
+  p.Sampling = SamplingOf(scene.Blend.Mode);
   p.Intervals = scene.Blend.UsesIntervals();
   FrameKind kind;
-  kind.Composites = composites;
-  kind.Components = vectors && scene.Volume.Components > 1;
+  kind.Composites = scene.Blend.Mode == BlendMode::Composite;
+  kind.Components = scene.Volume.Components > 1;
   const MaskView& mask = c.GetMask();
   // Labels count where one component, or dependent ones, are composited.
-  kind.Masked = vectors && mask.Volume.Scalars &&
-    (!mask.Labels || (composites && c.GetFunctions().Components.size() == 1));
-  kind.Plane = vectors && !kind.Components && !c.GetFunctions().Components[0].Plane.IsEmpty();
+  kind.Masked = mask.Volume.Scalars &&
+    (!mask.Labels || (kind.Composites && c.GetFunctions().Components.size() == 1));
+  kind.Plane = !kind.Components && !c.GetFunctions().Components[0].Plane.IsEmpty();
   kind.Leaps = settings.Leaping != SpaceLeaping::Off;
   return kind;
 }
@@ -181,7 +153,6 @@ void SetVolume(const CastScene& scene, const OpticalFunctions& functions,
 {
   const VolumeView& v = scene.Volume;
   p.Reference = SelectSampleFunctions(v.Type, scene.VolumeInterpolation);
-  p.Nearest = SelectSampleFunctions(v.Type, Interpolation::Nearest);
   p.Volume = MakePacketVolume(v, scene.VolumeInterpolation == Interpolation::Nearest);
   p.Volume.Components = kind.Components ? v.Components : 1;
   const double slice = static_cast<double>(v.Increments[2]) * p.Volume.ElementSize;
@@ -315,7 +286,6 @@ void SetLeaping(const CastScene& scene, const CastSettings& settings, PacketScen
       p.Blocks[a] = scene.Distances->GetBlocks()[a];
       p.LastBlock[a] = static_cast<float>(p.Blocks[a] - 1);
     }
-    p.LeapsRays = p.Sampling == PacketSampling::PerRay;
   }
 }
 
@@ -343,7 +313,6 @@ PacketScene MakePacketScene(
   p.Number = ++scenes;
   p.Settings = settings;
   p.Source = &scene;
-  p.Frame = &frame;
   const SampleClassifier& classifier = *frame.Classifier;
   const Box rest = FindRestBox(scene.Volume, scene.WholeAtRest);
 

@@ -38,6 +38,7 @@ struct PacketLight
   bool Cone = false;
   bool Attenuates = false;   ///< with the distance
   bool HasHighlight = false; ///< some of Specular is not zero
+  bool IsGray = false;       ///< Diffuse and Specular have no hue
   float Position[3] = {};
   float Towards[3] = {};
   float Axis[3] = {};
@@ -48,15 +49,14 @@ struct PacketLight
   float ConeExponent = 0.0f;
 };
 
-/// The code that takes the samples of packets.
+/// The code that takes the samples of packets, by blend modes.
 enum class PacketSampling
 {
-  Composite, ///< vector code: TakeSample
-  Extreme,   ///< vector code: Maximum, Minimum
-  Sum,       ///< vector code: Average, Additive
-  Surface,   ///< vector code: Isosurface
-  Slice,     ///< vector code: Slice
-  PerRay     ///< the RayIntegrator of each ray
+  Composite,
+  Extreme, ///< Maximum, Minimum
+  Sum,     ///< Average, Additive
+  Surface, ///< Isosurface
+  Slice
 };
 
 /// A point of rest space and where T takes it, local coordinates.
@@ -170,10 +170,8 @@ struct PacketScene
   std::uint64_t Number = 0; ///< no other scene has it, nor had it before
   CastSettings Settings;
   const CastScene* Source = nullptr;
-  const IntegrationFrame* Frame = nullptr;
   PacketSampling Sampling = PacketSampling::Composite;
   SampleFunctions Reference; ///< for the few samples at the border of the volume
-  SampleFunctions Nearest;   ///< the same of the nearest voxels
 
   PacketVolume Volume;
   PacketGrid Grid;
@@ -256,10 +254,6 @@ struct PacketScene
   const unsigned char* Distances = nullptr;
   int Blocks[3] = {};
   float LastBlock[3] = {};
-
-  /// Whether single rays always leap within segments, too: where a sample costs more than a
-  /// look-up.
-  bool LeapsRays = false;
 
   PacketTable Table; ///< and behind it those of the labels
   PacketMask Mask;

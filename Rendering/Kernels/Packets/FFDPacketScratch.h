@@ -5,7 +5,6 @@
 
 #include "FFDCastScene.h"
 #include "FFDTileSegment.h"
-#include "Reference/FFDRayIntegrator.h"
 
 #include <array>
 #include <vector>
@@ -34,7 +33,6 @@ struct SampleRange
 struct PacketScratch
 {
   SegmentRoots Roots;
-  std::vector<RayIntegrator> Integrators; ///< of the lanes of a packet, where these are used
   /// Of the rays of a tile: the ranges of t (from, to), SampleNumbers, inverse lengths.
   std::array<float, 6 * TileSide * TileSide> Rays;
   std::array<SampleRange, TileSide * TileSide> SampleRanges; ///< of its packets

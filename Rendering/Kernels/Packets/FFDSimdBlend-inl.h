@@ -16,7 +16,6 @@
 #include "FFDSimdCurve-inl.h"
 #include "FFDSimdGrid-inl.h"
 #include "FFDSimdMath-inl.h"
-#include "FFDSimdPerRay-inl.h"
 #include "FFDSimdPlane-inl.h"
 #include "FFDSimdRays-inl.h"
 #include "FFDSimdSurfaces-inl.h"
@@ -31,27 +30,24 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// Blends the samples of a packet in the modes that do not composite, and in all modes where the
-/// RayIntegrator of each ray takes them.
+/// Blends the samples of a packet in the modes that do not composite.
 template <class T>
 class PacketBlending
 {
 public:
   /// Keeps references to all.
-  PacketBlending(const PacketScene& scene, PacketScratch& scratch, const RayPacket& rays,
-    PacketCompositor<T>& samples)
+  PacketBlending(const PacketScene& scene, PacketScratch& scratch, PacketCompositor<T>& samples)
     : Scene(scene)
     , Scratch(scratch)
     , Samples(samples)
     , State(samples.State)
     , Channels(scene, scratch.Statistics, samples)
     , Surfaces(samples)
-    , Integrators(scene, scratch, rays, samples.State, samples.Normals)
   {
   }
 
-  /// Begins the packet whose first pixel is (x0, y0), `width` pixels wide, before its samples.
-  HWY_NOINLINE void Begin(int x0, int y0, int width)
+  /// Begins a packet, before its samples.
+  HWY_NOINLINE void Begin()
   {
     if (this->HasChannels())
     {
@@ -64,8 +60,6 @@ public:
         return;
       case PacketSampling::Surface:
         return this->Surfaces.Begin();
-      case PacketSampling::PerRay:
-        return this->Integrators.Begin(x0, y0, width);
       default:
         return;
     }
@@ -102,11 +96,9 @@ public:
           sampled);
       case PacketSampling::Slice:
         return this->TakeSlice(curve, q, s, sampled);
-      case PacketSampling::Surface:
+      default:
         return this->Surfaces.Cross(
           curve, q, s, n, sampled, nullptr, inner && this->Scene.Volume.Components == 1);
-      default:
-        return this->Integrators.Take(curve, s, sampled);
     }
   }
 
@@ -172,8 +164,6 @@ public:
         return this->EndExtremes();
       case PacketSampling::Sum:
         return this->EndSums();
-      case PacketSampling::PerRay:
-        return this->Integrators.End();
       default:
         return;
     }
@@ -353,8 +343,7 @@ private:
   PacketState& State;
   ChannelBlending<T> Channels; ///< of several components
   SurfaceCrossings<T> Surfaces;
-  LaneIntegrators Integrators; ///< where each ray has one
-  bool News = false;           ///< see TakeNews()
+  bool News = false; ///< see TakeNews()
 };
 
 } // namespace HWY_NAMESPACE

@@ -213,12 +213,11 @@ private:
   template <class Take>
   HWY_INLINE void ForNeighbors(const Vec3& q, const Take& take) const
   {
-    const PacketVolume& v = this->Scene.Volume;
-    const Vec3 middle = FindMiddle(v, q);
+    const DifferenceEnds ends = FindEnds(this->Scene.Volume, q);
     for (int a = 0; a < 3; ++a)
     {
-      take(MoveAlong(v, middle, a, 1.0f), a, true);
-      take(MoveAlong(v, middle, a, -1.0f), a, false);
+      take(ends.Behind[a], a, true);
+      take(ends.Before[a], a, false);
     }
   }
 

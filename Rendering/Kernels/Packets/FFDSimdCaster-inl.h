@@ -93,7 +93,7 @@ public:
     , EndSample(range.End)
     , Extremes(extremes)
     , Samples(scene, trees, scratch, rays, x, y, rows, active)
-    , Blending(scene, scratch, rays, this->Samples)
+    , Blending(scene, scratch, this->Samples)
   {
   }
 
@@ -118,18 +118,18 @@ public:
     }
   }
 
-  /// Does what Cast() does where samples are not composited; (x0, y0): first pixel of the packet.
-  HWY_NOINLINE void Blend(int x0, int y0, int width)
+  /// Does what Cast() does where samples are not composited.
+  HWY_NOINLINE void Blend()
   {
-    this->Blending.Begin(x0, y0, width);
+    this->Blending.Begin();
     this->Cast();
     this->Blending.End();
   }
 
   /// Does what Blend() does where rays take one sample, on a plane.
-  HWY_NOINLINE void CastSlice(int x0, int y0, int width)
+  HWY_NOINLINE void CastSlice()
   {
-    this->Blending.Begin(x0, y0, width);
+    this->Blending.Begin();
     this->TakeSliceSample();
     this->Blending.End();
   }

@@ -150,6 +150,40 @@ private:
       : visible;
   }
 
+  /// The lanes of `visible` that lie at faces of the volume.
+  template <bool AtFaces>
+  HWY_INLINE Mf FindBorder(const SampleCells& cells, Mf visible) const
+  {
+    return AtFaces ? hn::AndNot(FindInterior(this->Scene.Volume, cells, visible), visible)
+                   : hn::FirstN(Df(), 0);
+  }
+
+  /// Finds the gradient of a density, and that which gives normals, where they are needed, as
+  /// PacketGradients::FindGradient(); `number`: which of PacketScene::Components.
+  template <class Source>
+  HWY_INLINE void FindGradients(Source& voxels, const SamplePosition& at, const SampleRows<T>& rows,
+    const PacketCurve& curve, const Vec3& q, const Vec3& voxel, Vf s, Mf lanes, Mf border,
+    int number, Vec3& gradient, Vec3& normal)
+  {
+    const Vf zero = hn::Zero(Df());
+    gradient = { zero, zero, zero };
+    normal = gradient;
+    if (!this->Scene.Shade && !this->Scene.OpacityByGradient)
+    {
+      return;
+    }
+    voxels.Widen();
+    const auto find = [&](bool ofOpacity) {
+      return this->Samples.FindGradient(
+        voxels, at, rows, curve, q, voxel, s, lanes, border, ofOpacity, number);
+    };
+    if (!this->Scene.NormalsOfOpacity || this->Scene.OpacityByGradient)
+    {
+      gradient = find(false);
+    }
+    normal = HWY_UNLIKELY(this->Scene.NormalsOfOpacity) ? find(true) : gradient;
+  }
+
   /// Takes a sample, at q and s of a curve, of two independent components from windows.
   template <bool AtFaces, WindowFit Fit>
   HWY_INLINE void TakePair(const PacketCurve& curve, const Vec3& q, Vf s, const SampleCells& cells,
@@ -172,37 +206,21 @@ private:
     {
       return;
     }
-    const Mf border = AtFaces
-      ? hn::AndNot(FindInterior(this->Scene.Volume, cells, visible), visible)
-      : hn::FirstN(d, 0);
+    const Mf border = this->template FindBorder<AtFaces>(cells, visible);
     Vec3 gradients[2];
-    Vec3 ofOpacity[2];
-    const bool byOpacity = this->Scene.NormalsOfOpacity;
+    Vec3 normals[2];
     for (int c = 0; c < 2; ++c)
     {
-      const auto find = [&](bool opacity) {
-        return this->Samples.FindGradient(
-          sources[c], at, rows[c], curve, q, voxel, s, visible, border, opacity, c);
-      };
-      if (!IsWanted(wanted, c) || !(this->Scene.Shade || this->Scene.OpacityByGradient))
+      if (IsWanted(wanted, c))
       {
-        continue;
-      }
-      sources[c].Widen();
-      if (!byOpacity || this->Scene.OpacityByGradient)
-      {
-        gradients[c] = find(false);
-      }
-      if (HWY_UNLIKELY(byOpacity))
-      {
-        ofOpacity[c] = find(true);
+        this->FindGradients(sources[c], at, rows[c], curve, q, voxel, s, visible, border, c,
+          gradients[c], normals[c]);
       }
     }
     const Vf t = curve.TimeAt(s);
     Vec3 color;
     Vf extinction;
-    this->Mix(curve, q, s, t, values, extinctions, gradients, byOpacity ? ofOpacity : gradients,
-      color, extinction);
+    this->Mix(curve, q, s, t, values, extinctions, gradients, normals, color, extinction);
     this->Add(curve, s, t, color, extinction, visible);
   }
 
@@ -235,22 +253,10 @@ private:
     {
       return;
     }
-    const Mf border = AtFaces
-      ? hn::AndNot(FindInterior(this->Scene.Volume, cells, visible), visible)
-      : hn::FirstN(d, 0);
-    Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
-    const bool shadesByValue = this->Scene.Shade && !this->Scene.NormalsOfOpacity;
-    if (this->Scene.Shade || this->Scene.OpacityByGradient)
-    {
-      voxels.Widen();
-    }
-    if (shadesByValue || this->Scene.OpacityByGradient)
-    {
-      gradient = this->Samples.FindGradient(voxels, at, rows, curve, q, voxel, s, visible, border);
-    }
-    const Vec3 normal = HWY_UNLIKELY(this->Scene.NormalsOfOpacity)
-      ? this->Samples.FindGradient(voxels, at, rows, curve, q, voxel, s, visible, border, true)
-      : gradient;
+    const Mf border = this->template FindBorder<AtFaces>(cells, visible);
+    Vec3 gradient;
+    Vec3 normal;
+    this->FindGradients(voxels, at, rows, curve, q, voxel, s, visible, border, 0, gradient, normal);
     Vf values[LargestNumberOfComponents];
     if constexpr (Components == 2)
     {

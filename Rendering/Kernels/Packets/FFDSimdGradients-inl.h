@@ -69,8 +69,7 @@ public:
       ? this->FindSpecialGradient(voxels, at, rows, curve, q, voxel, s, border, ofOpacity, number)
       : this->GradientOf(voxels, at, rows, voxel, border);
     return HWY_UNLIKELY(this->Scene.Grid.ChangesGradients())
-      ? this->FindGridGradient(
-          q, voxel, lanes, gradient, this->FindDensityComponent(number), ofOpacity)
+      ? this->FindGridGradient(curve, q, voxel, s, lanes, gradient, ofOpacity, number)
       : gradient;
   }
 
@@ -88,22 +87,9 @@ public:
     {
       samples.FindGradients(wanted, gradients);
     }
-    if (HWY_LIKELY(!this->Scene.Grid.ChangesGradients()))
+    if (HWY_UNLIKELY(this->Scene.Grid.ChangesGradients()))
     {
-      return;
-    }
-    for (int c = 0; c < this->Scene.Volume.Components; ++c)
-    {
-      if (IsWanted(wanted, c))
-      {
-        gradients[c] = this->FindGridGradient(q, voxel, lanes, gradients[c], c);
-      }
-    }
-    const int opacities =
-      this->Scene.NormalsOfOpacity ? static_cast<int>(this->Scene.Components.size()) : 0;
-    for (int c = 0; c < opacities; ++c)
-    {
-      ofOpacity[c] = this->FindGridGradient(q, voxel, lanes, ofOpacity[c], c, true);
+      this->ChangeToGrid(wanted, curve, q, voxel, s, lanes, gradients, ofOpacity);
     }
   }
 
@@ -156,18 +142,95 @@ public:
   PacketNormals Normals;
 
 private:
-  /// The gradient at index coordinates q of one component, or of its opacity, as fetched, from
-  /// differences by voxel coordinates at `voxel`, FindSampledVoxels(); as FindDifferences().
-  HWY_NOINLINE Vec3 FindGridGradient(const Vec3& q, const Vec3& voxel, Mf lanes,
-    const Vec3& differences, int component = 0, bool ofOpacity = false)
+  /// Where gradients are found by voxel coordinates; `voxel`: FindSampledVoxels().
+  HWY_INLINE Vec3 FindPlace(const Vec3& q, const Vec3& voxel) const
   {
-    const PacketGrid& grid = this->Scene.Grid;
-    const Vec3 place = grid.Snaps ? FindVoxels(this->Scene, q) : voxel;
-    const Vec3 gradient =
-      grid.Uneven ? ToIndexGradient(this->Scene, place, differences) : differences;
-    return grid.Hidden ? FindShownGradient<T>(
-                           this->Scene, this->Border, place, lanes, gradient, component, ofOpacity)
-                       : gradient;
+    return this->Scene.Grid.Snaps ? FindVoxels(this->Scene, q) : voxel;
+  }
+
+  /// The gradient at q, the position at s of a curve, of one component, or of its opacity, from
+  /// that by voxel coordinates without hidden cells; as FindDifferences().
+  HWY_NOINLINE Vec3 FindGridGradient(const PacketCurve& curve, const Vec3& q, const Vec3& voxel,
+    Vf s, Mf lanes, const Vec3& byVoxel, bool ofOpacity, int number)
+  {
+    const Vec3 place = this->FindPlace(q, voxel);
+    Vec3 gradient =
+      this->Scene.Grid.Uneven ? ToIndexGradient(this->Scene, place, byVoxel) : byVoxel;
+    ShownEnds ends;
+    if (this->Scene.Grid.Hidden && FindShownEnds(this->Scene, place, lanes, ends))
+    {
+      const int component = this->FindDensityComponent(number);
+      NeighborValues of[LargestNumberOfComponents];
+      this->FindValues(ends, 1u << component, of);
+      const auto findEnds = [&]() -> const DifferenceEnds& { return ends; };
+      this->FindCounted(curve, q, s, findEnds, ofOpacity, number, of[component]);
+      ReplaceShown(this->Scene, ends, of[component], gradient);
+    }
+    return gradient;
+  }
+
+  /// Does what FindGridGradient() does, of the components `wanted` and the opacities.
+  HWY_NOINLINE void ChangeToGrid(unsigned int wanted, const PacketCurve& curve, const Vec3& q,
+    const Vec3& voxel, Vf s, Mf lanes, Vec3* gradients, Vec3* ofOpacity)
+  {
+    const Vec3 place = this->FindPlace(q, voxel);
+    if (this->Scene.Grid.Uneven)
+    {
+      const auto change = [&](Vec3& gradient) FFD_INLINE_LAMBDA {
+        gradient = ToIndexGradient(this->Scene, place, gradient);
+      };
+      this->ForGradients(
+        wanted, [&](int c) { change(gradients[c]); }, [&](std::size_t i) { change(ofOpacity[i]); });
+    }
+    ShownEnds ends;
+    if (this->Scene.Grid.Hidden && FindShownEnds(this->Scene, place, lanes, ends))
+    {
+      NeighborValues of[LargestNumberOfComponents];
+      this->FindValues(ends, wanted, of);
+      const auto findEnds = [&]() -> const DifferenceEnds& { return ends; };
+      const auto set = [&](Vec3& gradient, const NeighborValues& neighbors) {
+        ReplaceShown(this->Scene, ends, neighbors, gradient);
+      };
+      this->SetGradients(of, wanted, curve, q, s, findEnds, set, gradients, ofOpacity);
+    }
+  }
+
+  /// Interpolates the components `wanted`, a bit each, at the ends of the differences of some
+  /// lanes; zero where there are none along an axis.
+  HWY_NOINLINE void FindValues(const ShownEnds& ends, unsigned int wanted, NeighborValues* of)
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      const bool some = !hn::AllFalse(Df(), ends.Lanes[a]);
+      for (const bool isBehind : { true, false })
+      {
+        const Vf zero = hn::Zero(Df());
+        Vf values[LargestNumberOfComponents] = { zero, zero, zero, zero };
+        if (some)
+        {
+          this->FindValuesAt(
+            isBehind ? ends.Behind[a] : ends.Before[a], ends.Lanes[a], wanted, values);
+        }
+        for (int c = 0; c < this->Scene.Volume.Components; ++c)
+        {
+          (isBehind ? of[c].Behind[a] : of[c].Before[a]) = values[c];
+        }
+      }
+    }
+  }
+
+  /// Interpolates the components `wanted`, a bit each, at voxel coordinates.
+  HWY_NOINLINE void FindValuesAt(const Vec3& voxel, Mf lanes, unsigned int wanted, Vf* values)
+  {
+    const PacketVolume& v = this->Scene.Volume;
+    if (v.Components > 1)
+    {
+      FetchedComponents<T>(v, voxel, lanes, this->Border).FindValues(values, wanted);
+      return;
+    }
+    FetchedSample<T> fetched;
+    FetchSample(v, voxel, lanes, this->Border, fetched);
+    values[0] = fetched.Value;
   }
 
   /// Which component of the volume is the density of one of PacketScene::Components.
@@ -178,14 +241,34 @@ private:
       : this->Scene.Volume.Components - 1;
   }
 
-  /// The positions around samples at q, the position at s of a curve, that are clipped.
-  HWY_NOINLINE ClippedNeighbors FindClipped(const PacketCurve& curve, const Vec3& q, Vf s)
+  /// The ends of differences at samples q, the position at s of a curve, that are clipped.
+  HWY_NOINLINE ClippedNeighbors FindClipped(
+    const PacketCurve& curve, const Vec3& q, Vf s, const DifferenceEnds& ends)
   {
     const Vf t = curve.TimeAt(s);
     Vec3 steps[3];
     this->Normals.FindSteps(curve, q, s, t, steps);
     return FindClippedNeighbors(
-      this->Scene, q, MulAdd(t, this->Rays.Direction, this->Rays.Origin), steps);
+      this->Scene, q, MulAdd(t, this->Rays.Direction, this->Rays.Origin), steps, ends);
+  }
+
+  /// Makes the values around samples those whose differences count: the clipped ones are replaced,
+  /// and then, for gradients of the opacity, all by their opacities. `findEnds()`: where they are.
+  template <class Find>
+  HWY_INLINE void FindCounted(const PacketCurve& curve, const Vec3& q, Vf s, const Find& findEnds,
+    bool ofOpacity, int number, NeighborValues& of)
+  {
+    if (this->Scene.ClipsGradients)
+    {
+      this->FindClipped(curve, q, s, findEnds())
+        .Replace(this->Scene.ClippedValues[this->FindDensityComponent(number)], of);
+    }
+    if (ofOpacity)
+    {
+      of = OpacitiesOf(of, [&](Vf values) {
+        return OpacityOfValues(this->Scene, values, static_cast<std::size_t>(number));
+      });
+    }
   }
 
   /// Does what FindGradient() does beside clipping planes, or of the opacity; of plain images.
@@ -195,17 +278,8 @@ private:
     Mf border, bool ofOpacity, int number)
   {
     NeighborValues of = FindNeighbors<T>(voxels, at, rows, this->Border, voxel, border);
-    if (this->Scene.ClipsGradients)
-    {
-      this->FindClipped(curve, q, s)
-        .Replace(this->Scene.ClippedValues[this->FindDensityComponent(number)], of);
-    }
-    if (ofOpacity)
-    {
-      of = OpacitiesOf(of, [&](Vf values) {
-        return OpacityOfValues(this->Scene, values, static_cast<std::size_t>(number));
-      });
-    }
+    const auto findEnds = [&] { return FindEnds(this->Scene.Volume, voxel); };
+    this->FindCounted(curve, q, s, findEnds, ofOpacity, number, of);
     return GradientOfNeighbors(this->Scene.Volume, voxel, border, of);
   }
 
@@ -216,12 +290,46 @@ private:
   {
     NeighborValues of[LargestNumberOfComponents];
     samples.FindNeighbors(wanted, of);
-    const auto toGradient = [&](const NeighborValues& neighbors) {
-      return GradientOfNeighbors(this->Scene.Volume, voxel, samples.GetAtBorder(), neighbors);
+    const auto findEnds = [&] { return FindEnds(this->Scene.Volume, voxel); };
+    const auto set = [&](Vec3& gradient, const NeighborValues& neighbors) {
+      gradient = GradientOfNeighbors(this->Scene.Volume, voxel, samples.GetAtBorder(), neighbors);
     };
+    this->SetGradients(of, wanted, curve, q, s, findEnds, set, gradients, ofOpacity);
+  }
+
+  /// Calls ofValues(c) for the components `wanted`, and ofOpacities(i) for those of
+  /// PacketScene::Components that gradients of the opacity are needed of.
+  template <class OfValues, class OfOpacities>
+  HWY_INLINE void ForGradients(
+    unsigned int wanted, const OfValues& ofValues, const OfOpacities& ofOpacities) const
+  {
+    for (int c = 0; c < LargestNumberOfComponents; ++c)
+    {
+      if (IsWanted(wanted, c))
+      {
+        ofValues(c);
+      }
+    }
+    const bool independent = this->Scene.KindOfComponents == ComponentKind::Independent;
+    for (std::size_t i = 0; i < this->Scene.Components.size() && this->Scene.NormalsOfOpacity; ++i)
+    {
+      if (!independent || IsWanted(wanted, static_cast<int>(i)))
+      {
+        ofOpacities(i);
+      }
+    }
+  }
+
+  /// Calls set(gradient, values) with the gradients of the components `wanted`, and those of the
+  /// opacities, and with the values around the samples that count; `of`: the values as they are,
+  /// `findEnds()`: where they are.
+  template <class Find, class Set>
+  HWY_INLINE void SetGradients(NeighborValues* of, unsigned int wanted, const PacketCurve& curve,
+    const Vec3& q, Vf s, const Find& findEnds, const Set& set, Vec3* gradients, Vec3* ofOpacity)
+  {
     if (this->Scene.ClipsGradients)
     {
-      const ClippedNeighbors clipped = this->FindClipped(curve, q, s);
+      const ClippedNeighbors clipped = this->FindClipped(curve, q, s, findEnds());
       for (int c = 0; c < LargestNumberOfComponents; ++c)
       {
         if (IsWanted(wanted, c))
@@ -230,36 +338,26 @@ private:
         }
       }
     }
-    for (int c = 0; c < LargestNumberOfComponents; ++c)
-    {
-      if (IsWanted(wanted, c))
-      {
-        gradients[c] = toGradient(of[c]);
-      }
-    }
-    const bool independent = this->Scene.KindOfComponents == ComponentKind::Independent;
-    for (std::size_t i = 0; i < this->Scene.Components.size() && this->Scene.NormalsOfOpacity; ++i)
-    {
-      if (independent && !IsWanted(wanted, static_cast<int>(i)))
-      {
-        continue;
-      }
-      NeighborValues densities;
-      for (int a = 0; a < 3; ++a)
-      {
-        Vf behind[LargestNumberOfComponents];
-        Vf before[LargestNumberOfComponents];
-        for (int c = 0; c < this->Scene.Volume.Components; ++c)
+    this->ForGradients(
+      wanted, [&](int c) { set(gradients[c], of[c]); },
+      [&](std::size_t i) {
+        NeighborValues densities;
+        for (int a = 0; a < 3; ++a)
         {
-          behind[c] = of[c].Behind[a];
-          before[c] = of[c].Before[a];
+          Vf behind[LargestNumberOfComponents];
+          Vf before[LargestNumberOfComponents];
+          for (int c = 0; c < this->Scene.Volume.Components; ++c)
+          {
+            behind[c] = of[c].Behind[a];
+            before[c] = of[c].Before[a];
+          }
+          densities.Behind[a] = DensityOf(this->Scene, i, behind);
+          densities.Before[a] = DensityOf(this->Scene, i, before);
         }
-        densities.Behind[a] = DensityOf(this->Scene, i, behind);
-        densities.Before[a] = DensityOf(this->Scene, i, before);
-      }
-      ofOpacity[i] = toGradient(
-        OpacitiesOf(densities, [&](Vf values) { return OpacityOfValues(this->Scene, values, i); }));
-    }
+        set(ofOpacity[i], OpacitiesOf(densities, [&](Vf values) {
+          return OpacityOfValues(this->Scene, values, i);
+        }));
+      });
   }
 };
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Rectilinear grids and hidden cells, a position a lane. Included once per target of Highway.
+// Rectilinear grids, hidden cells and clipping planes, a position a lane. Included once per target
+// of Highway.
 #if defined(FFD_SIMD_GRID_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef FFD_SIMD_GRID_INL_H_
 #undef FFD_SIMD_GRID_INL_H_
@@ -10,7 +11,6 @@
 
 #include "FFDPacketGrid.h"
 #include "FFDPacketScene.h"
-#include "Optics/FFDDifferences.h"
 
 #include "FFDSimdBorder-inl.h"
 #include "FFDSimdCells-inl.h"
@@ -21,9 +21,9 @@
 #include "FFDSimdRows-inl.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <glm/vec3.hpp>
 #include <vector>
 
 HWY_BEFORE_NAMESPACE();
@@ -266,97 +266,131 @@ HWY_NOINLINE inline Vec3 ToIndexGradient(
     scale(voxel.z, gradient.z, 2) };
 }
 
-/// Values along each axis: one voxel before and behind a sample, and at the ends of its cell.
-struct ValuesAround
-{
-  Vf Before[3];
-  Vf Behind[3];
-  Vf First[3];
-  Vf Last[3];
-  Vf Own;
-};
-
-/// Interpolates the values around samples of which all rows are at hand, or their opacities.
-template <class T, class Source>
-HWY_NOINLINE void FindValuesAround(const PacketScene& scene, const Source& source,
-  const SamplePosition& at, const SampleRows<T>& rows, bool ofOpacity, ValuesAround& values)
-{
-  using F = Fetch<T>;
-  using Along = typename F::Along;
-  const auto value = [&](const SamplePosition& in, Along a00, Along a10, Along a01, Along a11) {
-    const Vf v = F::Value(Across<T>(in, a00, a10, a01, a11), in);
-    return ofOpacity ? OpacityOfValues(scene, v) : v;
-  };
-  const auto middle = [&](int dy, int dz) { return source.Middle(dy, dz, at); };
-  values.Own = value(at, rows.M00, rows.M10, rows.M01, rows.M11);
-  values.Before[0] = value(at, F::Before(rows.R00, at), F::Before(rows.R10, at),
-    F::Before(rows.R01, at), F::Before(rows.R11, at));
-  values.Behind[0] = value(at, F::Behind(rows.R00, at), F::Behind(rows.R10, at),
-    F::Behind(rows.R01, at), F::Behind(rows.R11, at));
-  values.Before[1] = value(at, middle(-1, 0), rows.M00, middle(-1, 1), rows.M01);
-  values.Behind[1] = value(at, rows.M10, middle(2, 0), rows.M11, middle(2, 1));
-  values.Before[2] = value(at, middle(0, -1), middle(1, -1), rows.M00, rows.M10);
-  values.Behind[2] = value(at, rows.M01, rows.M11, middle(0, 2), middle(1, 2));
-  const auto end = [&](int axis, float part) {
-    SamplePosition in = at;
-    (axis == 0 ? in.Fx : axis == 1 ? in.Fy : in.Fz) = Splat(part);
-    in.Weights = PairWeights(in.Fx);
-    return value(in, F::Middle(rows.R00, in), F::Middle(rows.R10, in), F::Middle(rows.R01, in),
-      F::Middle(rows.R11, in));
-  };
-  for (int a = 0; a < 3; ++a)
-  {
-    values.First[a] = end(a, 0.0f);
-    values.Last[a] = end(a, 1.0f);
-  }
-}
-
-/// Which differences along each axis end at hidden cells, or are those of the nearest voxels
-/// (PacketGrid::Snaps).
-struct HiddenSides
-{
-  Mf Before[3];
-  Mf Behind[3];
-  Mf Snaps[3];
-  Mf Any; ///< lanes whose gradients may differ from those without hidden cells
-};
-
-HWY_INLINE HiddenSides FindHiddenSides(const PacketScene& scene, const Vec3& voxel)
+/// Index coordinates of voxel coordinates in the volume.
+HWY_NOINLINE inline Vec3 FindIndex(const PacketScene& scene, const Vec3& voxel)
 {
   const PacketGrid& grid = scene.Grid;
+  const auto along = [&](Vf x, int a) {
+    return InterpolatePlaces(grid.Axes[a], grid.Axes[a].Places, x);
+  };
+  return grid.Uneven ? Vec3{ along(voxel.x, 0), along(voxel.y, 1), along(voxel.z, 2) } : voxel;
+}
+
+/// The positions of NeighborValues that clipping planes hide, the deformation being linear around
+/// the samples, as SampleClassifier.
+struct ClippedNeighbors
+{
+  Mf Behind[3];
+  Mf Before[3];
+
+  /// Replaces the values there.
+  HWY_INLINE void Replace(float value, NeighborValues& of) const
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      of.Behind[a] = hn::IfThenElse(this->Behind[a], Splat(value), of.Behind[a]);
+      of.Before[a] = hn::IfThenElse(this->Before[a], Splat(value), of.Before[a]);
+    }
+  }
+};
+
+/// `q`, `p`: the samples, index and local coordinates; `steps`: PacketNormals::FindSteps(). `ends`:
+/// where the values are.
+HWY_NOINLINE inline ClippedNeighbors FindClippedNeighbors(const PacketScene& scene, const Vec3& q,
+  const Vec3& p, const Vec3 (&steps)[3], const DifferenceEnds& ends)
+{
+  constexpr float Slack = 1e-3f; // voxels
+  const Df d;
+  const Vf zero = hn::Zero(d);
+  Vec3 ways[2][3];
+  ClippedNeighbors clipped;
+  for (int a = 0; a < 3; ++a)
+  {
+    ways[0][a] = Sub(FindIndex(scene, ends.Behind[a]), q);
+    ways[1][a] = Sub(FindIndex(scene, ends.Before[a]), q);
+    clipped.Behind[a] = hn::FirstN(d, 0);
+    clipped.Before[a] = hn::FirstN(d, 0);
+  }
+  for (const std::array<float, 4>& plane : scene.ClippingPlanes)
+  {
+    const Vec3 across{ Splat(plane[0]), Splat(plane[1]), Splat(plane[2]) };
+    const Vec3 normal{ Dot(across, steps[0]), Dot(across, steps[1]), Dot(across, steps[2]) };
+    // The sample is shown, whatever is rounded, and so is what lies along the plane from it.
+    const Vf offset = hn::MulAdd(Splat(Slack), FastSqrt(Dot(normal, normal)),
+      hn::Max(hn::Add(Dot(across, p), Splat(plane[3])), zero));
+    for (int a = 0; a < 3; ++a)
+    {
+      const auto has = [&](const Vec3& way) {
+        return hn::Lt(hn::Add(Dot(normal, way), offset), zero);
+      };
+      clipped.Behind[a] = hn::Or(clipped.Behind[a], has(ways[0][a]));
+      clipped.Before[a] = hn::Or(clipped.Before[a], has(ways[1][a]));
+    }
+  }
+  return clipped;
+}
+
+/// The ends of differences of which some end at hidden cells.
+struct ShownEnds : DifferenceEnds
+{
+  Mf Lanes[3]; ///< by axis: whose differences are not those without hidden cells
+};
+
+/**
+ * Finds the differences of `lanes` at voxel coordinates as FindDifferences(): they end at hidden
+ * cells, or are those of the nearest voxels (PacketGrid::Snaps). Returns whether any are others
+ * than those without hidden cells; else nothing is set.
+ */
+HWY_NOINLINE inline bool FindShownEnds(
+  const PacketScene& scene, const Vec3& voxel, Mf lanes, ShownEnds& ends)
+{
+  const PacketGrid& grid = scene.Grid;
+  const PacketVolume& v = scene.Volume;
   const Df d;
   const auto floor = [&](Vf x, int a) {
     return hn::Floor(Clamp(x, hn::Zero(d), Splat(grid.LastCell[a])));
   };
-  const HiddenBits bits(grid, { floor(voxel.x, 0), floor(voxel.y, 1), floor(voxel.z, 2) });
-  HiddenSides sides;
-  const auto findSides = [&sides](const HiddenBits& of) {
+  Vec3 cell{ floor(voxel.x, 0), floor(voxel.y, 1), floor(voxel.z, 2) };
+  const HiddenBits bits(grid, cell);
+  // Sides of cells that are hidden.
+  Mf before[3];
+  Mf behind[3];
+  const auto findSides = [&](const HiddenBits& of) {
     const Vi own = of.Row(0, 0);
-    sides.Before[0] = HasBits(own, OwnBit >> 1);
-    sides.Behind[0] = HasBits(own, OwnBit << 1);
-    sides.Before[1] = HasBits(of.Row(-1, 0), OwnBit);
-    sides.Behind[1] = HasBits(of.Row(1, 0), OwnBit);
-    sides.Before[2] = HasBits(of.Row(0, -1), OwnBit);
-    sides.Behind[2] = HasBits(of.Row(0, 1), OwnBit);
+    before[0] = HasBits(own, OwnBit >> 1);
+    behind[0] = HasBits(own, OwnBit << 1);
+    before[1] = HasBits(of.Row(-1, 0), OwnBit);
+    behind[1] = HasBits(of.Row(1, 0), OwnBit);
+    before[2] = HasBits(of.Row(0, -1), OwnBit);
+    behind[2] = HasBits(of.Row(0, 1), OwnBit);
   };
-  const Mf none = hn::FirstN(d, 0);
+  const auto change = [&](Mf x, Mf y, Mf z) {
+    ends.Lanes[0] = hn::And(lanes, x);
+    ends.Lanes[1] = hn::And(lanes, y);
+    ends.Lanes[2] = hn::And(lanes, z);
+    return !hn::AllFalse(d, hn::Or(ends.Lanes[0], hn::Or(ends.Lanes[1], ends.Lanes[2])));
+  };
   if (!grid.Snaps)
   {
     findSides(bits);
-    sides.Any = none;
+    if (HWY_LIKELY(!change(hn::Or(before[0], behind[0]), hn::Or(before[1], behind[1]),
+          hn::Or(before[2], behind[2]))))
+    {
+      return false;
+    }
+    static_cast<DifferenceEnds&>(ends) = FindEnds(v, voxel);
     for (int a = 0; a < 3; ++a)
     {
-      sides.Snaps[a] = none;
-      sides.Any = hn::Or(sides.Any, hn::Or(sides.Before[a], sides.Behind[a]));
+      // A position on the upper face of a cell is one of the next cell.
+      const Vf first = CoordinateOf(cell, a);
+      const Vf last = hn::Add(first, Splat(1.0f));
+      const Vf end = v.Nearest ? last : JustBelow(last);
+      Vf& low = CoordinateOf(ends.Before[a], a);
+      Vf& high = CoordinateOf(ends.Behind[a], a);
+      low = hn::IfThenElse(before[a], hn::Max(low, first), low);
+      high = hn::IfThenElse(behind[a], hn::Min(high, end), high);
     }
-    if (scene.Volume.Nearest)
-    {
-      // Differences about the nearest voxel reach into one cell more.
-      sides.Any = hn::Or(sides.Any,
-        hn::Or(HasBits(bits.Row(0, 0), WideBits),
-          HasBits(hn::Or(bits.Row(2, 0), bits.Row(0, 2)), OwnBit)));
-    }
-    return sides;
+    return true;
   }
   // As TouchesHidden().
   const auto both = [&bits](int y, int z, int dy, int dz) {
@@ -366,96 +400,43 @@ HWY_INLINE HiddenSides FindHiddenSides(const PacketScene& scene, const Vec3& vox
   const Vi alongY = hn::Or(both(-1, 0, 0, 1), both(2, 0, 0, 1));
   const Vi alongZ = hn::Or(both(0, -1, 1, 0), both(0, 2, 1, 0));
   const Mf own = HasBits(inner, CornerBits);
-  sides.Snaps[0] = HasBits(inner, WideBits);
-  sides.Snaps[1] = hn::Or(own, HasBits(alongY, CornerBits));
-  sides.Snaps[2] = hn::Or(own, HasBits(alongZ, CornerBits));
-  sides.Any = hn::Or(sides.Snaps[0], hn::Or(sides.Snaps[1], sides.Snaps[2]));
-  if (scene.Volume.Nearest)
+  if (HWY_LIKELY(!change(HasBits(inner, WideBits), hn::Or(own, HasBits(alongY, CornerBits)),
+        hn::Or(own, HasBits(alongZ, CornerBits)))))
   {
-    sides.Snaps[0] = sides.Snaps[1] = sides.Snaps[2] = hn::Not(none);
+    return false;
   }
-  findSides(HiddenBits(grid, FindNearestCells(grid, voxel)));
-  return sides;
+  const Vec3 nearest = FindNearestCells(grid, voxel);
+  findSides(HiddenBits(grid, nearest));
+  for (int a = 0; a < 3; ++a)
+  {
+    const auto end = [&](float step, Mf hidden) {
+      return Select(hidden, nearest, MoveAlong(v, nearest, a, step));
+    };
+    ends.Behind[a] = end(1.0f, behind[a]);
+    ends.Before[a] = end(-1.0f, before[a]);
+  }
+  return true;
 }
 
-/// Does what FindShownGradient() does, one by one.
-HWY_NOINLINE inline Vec3 ShownGradientByReference(const PacketScene& scene, const Vec3& voxel,
-  Mf lanes, const Vec3& gradient, int component, bool ofOpacity)
+/// Replaces gradients by index coordinates, over two of them, by those of what has these values at
+/// the ends of differences.
+HWY_NOINLINE inline void ReplaceShown(
+  const PacketScene& scene, const ShownEnds& ends, const NeighborValues& of, Vec3& gradient)
 {
-  const SampleClassifier& classifier = *scene.Frame->Classifier;
-  const VolumeView& volume = scene.Source->Volume;
-  const VolumeView view = volume.Components > 1 ? GetComponent(volume, component) : volume;
-  const auto value = [&](const glm::dvec3& at, bool nearest) {
-    const double scalar = (nearest ? scene.Nearest : scene.Reference).Value(view, at);
-    return ofOpacity ? static_cast<double>(classifier.ClassifyValue(0, scalar).a) : scalar;
+  const auto replace = [&](int a, Vf low, Vf high, Vf& slope) {
+    const PacketAxis& axis = scene.Grid.Axes[a];
+    const Vf width = scene.Grid.Uneven ? hn::Sub(InterpolatePlaces(axis, axis.Places, high),
+                                           InterpolatePlaces(axis, axis.Places, low))
+                                       : hn::Sub(high, low);
+    const Mf some = hn::Gt(width, hn::Zero(Df()));
+    const Vf difference = hn::Mul(Splat(2.0f), hn::Sub(of.Behind[a], of.Before[a]));
+    const Vf own =
+      hn::IfThenElseZero(some, hn::Div(difference, hn::IfThenElse(some, width, Splat(1.0f))));
+    slope = hn::IfThenElse(ends.Lanes[a], own, slope);
   };
-  const double unit = 2.0 * (ofOpacity ? 1.0 : scene.Volume.Scale[component]);
-  return ReplaceLanes(lanes, voxel, gradient, [&](const glm::dvec3& at) {
-    return unit * FindDifferences(view, at, scene.Volume.Nearest, classifier.GetHidden(), value);
-  });
-}
-
-/// The gradients by index coordinates at voxel coordinates of one component, or of its opacity, as
-/// fetched, where differences end at hidden cells, as FindDifferences(); elsewhere `gradient`.
-template <class T>
-HWY_NOINLINE Vec3 FindShownGradient(const PacketScene& scene, BorderSamples<T>& border,
-  const Vec3& voxel, Mf lanes, const Vec3& gradient, int component, bool ofOpacity)
-{
-  const Df d;
-  const PacketGrid& grid = scene.Grid;
-  const PacketVolume& volume = scene.Volume;
-  const HiddenSides sides = FindHiddenSides(scene, voxel);
-  lanes = hn::And(lanes, sides.Any);
-  if (HWY_LIKELY(hn::AllFalse(d, lanes)))
-  {
-    return gradient;
-  }
-  if (volume.Components > 1 || (volume.Nearest && !grid.Snaps))
-  {
-    return ShownGradientByReference(scene, voxel, lanes, gradient, component, ofOpacity);
-  }
-  const Vf zero = hn::Zero(d);
-  const Vf one = Splat(1.0f);
-  const auto clamp = [&](Vf x, int a) {
-    return Clamp(x, zero, Splat(static_cast<float>(volume.Dimensions[a] - 1)));
-  };
-  const Vec3 inside = grid.Snaps ? FindNearestCells(grid, voxel)
-                                 : Vec3{ clamp(voxel.x, 0), clamp(voxel.y, 1), clamp(voxel.z, 2) };
-  FetchedSample<T> fetched;
-  FetchSample(volume, inside, lanes, border, fetched);
-  ValuesAround values;
-  FindValuesAround<T>(scene, fetched.Voxels, fetched.At, fetched.Rows, ofOpacity, values);
-  const auto difference = [&](Vf at, Vf plain, int a) {
-    const Vf last = Splat(static_cast<float>(volume.Dimensions[a] - 1));
-    const Vf cell = hn::Min(hn::Floor(at), Splat(grid.LastCell[a]));
-    const Vf first = grid.Snaps ? at : cell;
-    const Vf end = grid.Snaps ? at : hn::Add(cell, one);
-    const Vf low = hn::IfThenElse(sides.Before[a], first, hn::Max(hn::Sub(at, one), zero));
-    const Vf high = hn::IfThenElse(sides.Behind[a], end, hn::Min(hn::Add(at, one), last));
-    const Vf below =
-      hn::IfThenElse(sides.Before[a], grid.Snaps ? values.Own : values.First[a], values.Before[a]);
-    const Vf above =
-      hn::IfThenElse(sides.Behind[a], grid.Snaps ? values.Own : values.Last[a], values.Behind[a]);
-    Vf width = hn::Sub(high, low);
-    if (grid.Uneven)
-    {
-      const PacketAxis& axis = grid.Axes[a];
-      width = hn::Sub(
-        InterpolatePlaces(axis, axis.Places, high), InterpolatePlaces(axis, axis.Places, low));
-    }
-    const Mf some = hn::Gt(width, zero);
-    const Vf slope = hn::IfThenElseZero(
-      some, hn::Div(hn::Mul(Splat(2.0f), hn::Sub(above, below)), hn::IfThenElse(some, width, one)));
-    return hn::IfThenElse(grid.Snaps ? hn::And(lanes, sides.Snaps[a]) : lanes, slope, plain);
-  };
-  const Vec3 shown{ difference(inside.x, gradient.x, 0), difference(inside.y, gradient.y, 1),
-    difference(inside.z, gradient.z, 2) };
-  // At some faces not all rows are at hand.
-  const Mf others =
-    fetched.Voxels.IsRepeating() ? hn::FirstN(d, 0) : hn::And(lanes, fetched.AtBorder);
-  return HWY_LIKELY(hn::AllFalse(d, others))
-    ? shown
-    : ShownGradientByReference(scene, voxel, others, shown, component, ofOpacity);
+  replace(0, ends.Before[0].x, ends.Behind[0].x, gradient.x);
+  replace(1, ends.Before[1].y, ends.Behind[1].y, gradient.y);
+  replace(2, ends.Before[2].z, ends.Behind[2].z, gradient.z);
 }
 
 } // namespace HWY_NAMESPACE

@@ -105,6 +105,13 @@ HWY_INLINE Vec3 Scale(Vf s, const Vec3& a)
   return { hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z) };
 }
 
+/// The next smaller number of each lane; of positive ones.
+HWY_INLINE Vf JustBelow(Vf x)
+{
+  const Di di;
+  return hn::BitCast(Df(), hn::Sub(hn::BitCast(di, x), hn::Set(di, 1)));
+}
+
 /// The lanes of `mask` from `yes`, the others from `no`.
 HWY_INLINE Vec3 Select(Mf mask, const Vec3& yes, const Vec3& no)
 {

@@ -18,11 +18,6 @@
 #include "FFDSimdSegmentTrees-inl.h"
 #include "FFDSimdShading-inl.h"
 
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <glm/vec3.hpp>
-
 HWY_BEFORE_NAMESPACE();
 namespace ffd
 {
@@ -44,7 +39,7 @@ public:
     , Y(y)
     , Rows(rows)
   {
-    this->ToEye =
+    this->Eye.ToEye =
       Normalize(Scale(Splat(-1.0f), Transform(this->Scene.LocalToLights, rays.Direction)));
   }
 
@@ -73,9 +68,7 @@ public:
       return Transform(
         this->Scene.LocalToLights, MulAdd(t, this->Rays.Direction, this->Rays.Origin));
     };
-    const Vec3 toEye =
-      this->Scene.Parallel ? Normalize(Sub(Broadcast(this->Scene.Eye), position())) : this->ToEye;
-    return Shade(this->Scene, surface, color, gradient, toEye, position);
+    return Shade(this->Scene, surface, color, gradient, this->Eye, position);
   }
 
   /// Finds where the deformation takes steps of one voxel along each axis from q, the position at s
@@ -135,48 +128,11 @@ public:
     steps[2] = step(x.z, y.z, z.z);
   }
 
-  /// Takes a gradient by index coordinates at s on one of the rays to one by data coordinates.
-  HWY_NOINLINE glm::dvec3 GradientOfRay(
-    const PacketCurve& curve, std::size_t lane, float s, const glm::dvec3& byIndex)
-  {
-    // Scaled, because squares of huge or tiny scalars overflow or underflow floats.
-    const double size = std::max({ std::abs(byIndex.x), std::abs(byIndex.y), std::abs(byIndex.z) });
-    if (!(size > 0.0) || !std::isfinite(size))
-    {
-      return glm::dvec3(0.0);
-    }
-    const Df d;
-    const Vec3 g{ Splat(static_cast<float>(byIndex.x / size)),
-      Splat(static_cast<float>(byIndex.y / size)), Splat(static_cast<float>(byIndex.z / size)) };
-    const Vf at = Splat(s);
-    Vec3 local;
-    if (curve.Interpolated)
-    {
-      const Vec3 scaled = this->GradientFromFrame(curve, g, at);
-      const Vf spread = hn::Max(this->Spread(curve.TimeAt(at)), Splat(1e-30f));
-      local = Scale(hn::Div(Splat(1.0f), spread), scaled);
-    }
-    else if (this->Scene.Identity)
-    {
-      local = Transform(this->Scene.GradientToRest, g);
-    }
-    else
-    {
-      local = this->GradientFromField(curve.At(this->Scene, at), g, curve.TimeAt(at));
-    }
-    HWY_ALIGN float x[16], y[16], z[16];
-    hn::Store(local.x, d, x);
-    hn::Store(local.y, d, y);
-    hn::Store(local.z, d, z);
-    return size * glm::dvec3(x[lane], y[lane], z[lane]);
-  }
-
 private:
   /**
    * Along columns, rows and the ray parameter both the deformed points P and the rest points Q are
    * known, so the gradient G by P solves G . P_x = g . Q_x, and so on for y and t. The derivatives
-   * of Q are those of the interpolant. Returns G times Spread(), in the space of the lights; where
-   * rays are integrated one by one, by local coordinates.
+   * of Q are those of the interpolant. Returns G times Spread(), in the space of the lights.
    */
   HWY_INLINE Vec3 GradientFromFrame(const PacketCurve& curve, const Vec3& byIndex, Vf s)
   {
@@ -228,10 +184,7 @@ private:
     const Vec3 yt = Cross(y, t);
     const Vf inverse = hn::Div(Splat(1.0f), Dot(x, yt));
     const auto toSpace = [&](const Vec3& normal) {
-      const Vec3 local = Scale(inverse, normal);
-      return this->Scene.Sampling != PacketSampling::PerRay
-        ? Transform(this->Scene.GradientToLights, local)
-        : local;
+      return Transform(this->Scene.GradientToLights, Scale(inverse, normal));
     };
     this->NormalX = toSpace(yt);
     this->NormalY = toSpace(Cross(t, x));
@@ -255,7 +208,7 @@ private:
   int X;
   int Y;
   Vf Rows;
-  Vec3 ToEye; ///< back along the rays, in the space of the lights
+  EyeDirections Eye; ///< back along the rays
 
   // Derivatives of the current curve by columns, rows and t, found when its first visible sample is
   // shaded.

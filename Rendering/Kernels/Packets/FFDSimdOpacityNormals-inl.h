@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Gradients of the opacity, and those beside clipping planes, at the samples of a packet. Included
-// once per target of Highway.
+// Gradients of the opacity at the samples of a packet. Included once per target of Highway.
 #if defined(FFD_SIMD_OPACITY_NORMALS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef FFD_SIMD_OPACITY_NORMALS_INL_H_
 #undef FFD_SIMD_OPACITY_NORMALS_INL_H_
@@ -18,7 +17,6 @@
 #include "FFDSimdRows-inl.h"
 #include "FFDSimdTable-inl.h"
 
-#include <array>
 #include <cstddef>
 
 HWY_BEFORE_NAMESPACE();
@@ -67,61 +65,6 @@ HWY_INLINE NeighborValues OpacitiesOf(const NeighborValues& of, const Opacity& o
     result.Before[a] = opacity(of.Before[a]);
   }
   return result;
-}
-
-/// The positions of NeighborValues that clipping planes hide, the deformation being linear around
-/// the samples, as SampleClassifier.
-struct ClippedNeighbors
-{
-  Mf Behind[3];
-  Mf Before[3];
-
-  /// Replaces the values there.
-  HWY_INLINE void Replace(float value, NeighborValues& of) const
-  {
-    for (int a = 0; a < 3; ++a)
-    {
-      of.Behind[a] = hn::IfThenElse(this->Behind[a], Splat(value), of.Behind[a]);
-      of.Before[a] = hn::IfThenElse(this->Before[a], Splat(value), of.Before[a]);
-    }
-  }
-};
-
-/// `q`, `p`: the samples, index and local coordinates; `steps`: PacketNormals::FindSteps().
-HWY_NOINLINE inline ClippedNeighbors FindClippedNeighbors(
-  const PacketScene& scene, const Vec3& q, const Vec3& p, const Vec3 (&steps)[3])
-{
-  constexpr float Slack = 1e-3f; // voxels
-  const Df d;
-  const PacketVolume& v = scene.Volume;
-  const Vf zero = hn::Zero(d);
-  const Vec3 middle = FindMiddle(v, q);
-  Vec3 ways[2][3];
-  ClippedNeighbors clipped;
-  for (int a = 0; a < 3; ++a)
-  {
-    ways[0][a] = Sub(MoveAlong(v, middle, a, 1.0f), q);
-    ways[1][a] = Sub(MoveAlong(v, middle, a, -1.0f), q);
-    clipped.Behind[a] = hn::FirstN(d, 0);
-    clipped.Before[a] = hn::FirstN(d, 0);
-  }
-  for (const std::array<float, 4>& plane : scene.ClippingPlanes)
-  {
-    const Vec3 across{ Splat(plane[0]), Splat(plane[1]), Splat(plane[2]) };
-    const Vec3 normal{ Dot(across, steps[0]), Dot(across, steps[1]), Dot(across, steps[2]) };
-    // The sample is shown, whatever is rounded, and so is what lies along the plane from it.
-    const Vf offset = hn::MulAdd(Splat(Slack), FastSqrt(Dot(normal, normal)),
-      hn::Max(hn::Add(Dot(across, p), Splat(plane[3])), zero));
-    for (int a = 0; a < 3; ++a)
-    {
-      const auto has = [&](const Vec3& way) {
-        return hn::Lt(hn::Add(Dot(normal, way), offset), zero);
-      };
-      clipped.Behind[a] = hn::Or(clipped.Behind[a], has(ways[0][a]));
-      clipped.Before[a] = hn::Or(clipped.Before[a], has(ways[1][a]));
-    }
-  }
-  return clipped;
 }
 
 /// The values around the samples q of one component. `atBorder`: lanes at faces, of which `border`

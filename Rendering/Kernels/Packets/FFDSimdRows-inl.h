@@ -275,6 +275,26 @@ HWY_INLINE Vec3 MoveAlong(const PacketVolume& v, Vec3 middle, int a, float step)
   return middle;
 }
 
+/// The positions, voxel coordinates, between which gradients are differences along each axis.
+struct DifferenceEnds
+{
+  Vec3 Behind[3];
+  Vec3 Before[3];
+};
+
+/// Those of FindDifferences() at voxel coordinates, where no cell is hidden.
+HWY_NOINLINE inline DifferenceEnds FindEnds(const PacketVolume& v, const Vec3& voxel)
+{
+  const Vec3 middle = FindMiddle(v, voxel);
+  DifferenceEnds ends;
+  for (int a = 0; a < 3; ++a)
+  {
+    ends.Behind[a] = MoveAlong(v, middle, a, 1.0f);
+    ends.Before[a] = MoveAlong(v, middle, a, -1.0f);
+  }
+  return ends;
+}
+
 /// Rescales gradients from repeated voxels: their differences are over less than two voxels at the
 /// faces of the volume.
 HWY_INLINE Vec3 AtFaces(const PacketVolume& v, const Vec3& q, const Vec3& gradient)

@@ -12,6 +12,9 @@
 
 #include "FFDSimdMath-inl.h"
 
+#include <algorithm>
+#include <cstddef>
+
 HWY_BEFORE_NAMESPACE();
 namespace ffd
 {
@@ -89,41 +92,89 @@ HWY_INLINE Arrival FindArrival(const PacketLight& light, const Vec3& position)
   return arrival;
 }
 
-/// Adds the lights that are no headlights, but for their ambient terms.
-HWY_NOINLINE inline void AddLights(const PacketScene& scene, const PacketSurface& surface,
-  const Vec3& position, const Vec3& normal, const Vec3& toEye, Lighting& lit)
+/// The inverse length of the sum of two unit vectors, whose direction is that of the half vector.
+HWY_INLINE Vf InverseLengthOfSum(const Vec3& a, const Vec3& b)
 {
-  // Below this the half vector has no direction.
+  // It follows from their angle. Below this the sum has no direction.
   constexpr float SmallestSquare = 1e-6f;
   const Vf two = Splat(2.0f);
-  const Vf nDotE = Dot(normal, toEye);
-  for (const PacketLight& light : surface.Lights)
+  return InverseSqrt(hn::Max(hn::MulAdd(two, Dot(a, b), two), Splat(SmallestSquare)));
+}
+
+/// The directions to the eye from the samples of a packet, and what follows from them.
+struct EyeDirections
+{
+  static constexpr std::size_t Kept = 8;
+
+  /// Unit vectors in the space of the lights, if they are the same all along the rays.
+  Vec3 ToEye;
+  /// Then InverseLengthOfSum() with the directions to the first lights; found when it is needed.
+  Vf InverseHalves[Kept];
+  bool HaveHalves = false;
+
+  HWY_NOINLINE void FindHalves(const PacketSurface& surface)
   {
+    this->HaveHalves = true;
+    for (std::size_t i = 0; i < std::min(surface.Lights.size(), Kept); ++i)
+    {
+      this->InverseHalves[i] =
+        InverseLengthOfSum(Broadcast(surface.Lights[i].Towards), this->ToEye);
+    }
+  }
+};
+
+/// Adds the lights that are no headlights, but for their ambient terms. `inverseHalves`: those of
+/// EyeDirections, or null.
+HWY_NOINLINE inline void AddLights(const PacketScene& scene, const PacketSurface& surface,
+  const Vec3& position, const Vec3& normal, const Vec3& toEye, const Vf* inverseHalves,
+  Lighting& lit)
+{
+  const Vf nDotE = Dot(normal, toEye);
+  const Vf zero = hn::Zero(Df());
+  Vf diffuse = zero; // of lights that are gray
+  Vf specular = zero;
+  const auto add = [](const PacketLight& light, Vf part, const float(&color)[3], Vf& gray,
+                     Vec3& sum) FFD_INLINE_LAMBDA {
+    if (HWY_LIKELY(light.IsGray))
+    {
+      gray = hn::MulAdd(part, Splat(color[0]), gray);
+    }
+    else
+    {
+      sum = MulAdd(part, Broadcast(color), sum);
+    }
+  };
+  for (std::size_t i = 0; i < surface.Lights.size(); ++i)
+  {
+    const PacketLight& light = surface.Lights[i];
     const Arrival arrival = light.Positional ? FindArrival(light, position)
                                              : Arrival{ Broadcast(light.Towards), Splat(1.0f) };
     const Vf nDotL = Dot(normal, arrival.Towards);
-    lit.Diffuse = MulAdd(
-      hn::Mul(arrival.Strength, LitCosine(scene, nDotL)), Broadcast(light.Diffuse), lit.Diffuse);
+    add(light, hn::Mul(arrival.Strength, LitCosine(scene, nDotL)), light.Diffuse, diffuse,
+      lit.Diffuse);
     if (light.HasHighlight)
     {
-      // The half vector is the sum of two unit vectors: its length follows from their angle.
-      const Vf squared = hn::MulAdd(two, Dot(arrival.Towards, toEye), two);
-      const Vf nDotH =
-        hn::Mul(hn::Add(nDotL, nDotE), InverseSqrt(hn::Max(squared, Splat(SmallestSquare))));
-      lit.Specular = MulAdd(hn::Mul(arrival.Strength, Highlight(surface, LitCosine(scene, nDotH))),
-        Broadcast(light.Specular), lit.Specular);
+      const bool isKept = inverseHalves && !light.Positional && i < EyeDirections::Kept;
+      const Vf inverseHalf = isKept ? inverseHalves[i] : InverseLengthOfSum(arrival.Towards, toEye);
+      const Vf nDotH = hn::Mul(hn::Add(nDotL, nDotE), inverseHalf);
+      add(light, hn::Mul(arrival.Strength, Highlight(surface, LitCosine(scene, nDotH))),
+        light.Specular, specular, lit.Specular);
     }
   }
+  lit.Diffuse = Add(lit.Diffuse, { diffuse, diffuse, diffuse });
+  lit.Specular = Add(lit.Specular, { specular, specular, specular });
 }
 
 /**
  * Colors of lit samples, at most 1. `gradient`: of any length, the normal is opposite to it;
- * `toEye`: unit vectors; `positionOf()`: where the samples are. All in the space of the lights.
+ * `positionOf()`: where the samples are. All in the space of the lights.
  */
 template <class PositionOf>
 HWY_INLINE Vec3 Shade(const PacketScene& scene, const PacketSurface& surface, const Vec3& color,
-  const Vec3& gradient, const Vec3& toEye, const PositionOf& positionOf)
+  const Vec3& gradient, EyeDirections& eye, const PositionOf& positionOf)
 {
+  const Vec3 toEye =
+    scene.Parallel ? Normalize(Sub(Broadcast(scene.Eye), positionOf())) : eye.ToEye;
   const Vf inverse = InverseLength(gradient);
   // The half vector of headlights is the direction to the eye.
   const Vf facing = LitCosine(scene,
@@ -136,7 +187,12 @@ HWY_INLINE Vec3 Shade(const PacketScene& scene, const PacketSurface& surface, co
   if (HWY_UNLIKELY(!surface.Lights.empty()))
   {
     const Vec3 normal = Scale(Splat(-1.0f), Normalize(gradient));
-    AddLights(scene, surface, positionOf(), normal, toEye, lit);
+    if (!scene.Parallel && !eye.HaveHalves)
+    {
+      eye.FindHalves(surface);
+    }
+    AddLights(scene, surface, positionOf(), normal, toEye,
+      scene.Parallel ? nullptr : eye.InverseHalves, lit);
   }
   const auto mix = [&](Vf Vec3::*c) FFD_INLINE_LAMBDA {
     const Vf light = hn::Add(lit.Ambient.*c, lit.Diffuse.*c);

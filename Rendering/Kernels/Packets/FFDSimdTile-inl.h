@@ -380,11 +380,11 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
         stored.GetRange(packet), active, extremes);
       if (HWY_UNLIKELY(scene.Slices))
       {
-        cast.CastSlice(x, y, shape.Width);
+        cast.CastSlice();
       }
       else if (HWY_UNLIKELY(scene.Sampling != PacketSampling::Composite))
       {
-        cast.Blend(x, y, shape.Width);
+        cast.Blend();
       }
       else
       {
