@@ -62,7 +62,8 @@ ExternalProject_Add(ffd_paraview
 get_filename_component(ffd_paraview_release "${ffd_paraview_dir}" NAME)
 set(FFD_PARAVIEW_PLUGIN_DIR
   "${ffd_paraview_build}/${CMAKE_INSTALL_LIBDIR}/${ffd_paraview_release}/plugins/FFDVolume")
+# DESTDIR, where it is set, is set there, too.
 install(CODE "
   execute_process(
-    COMMAND \"${CMAKE_COMMAND}\" --install \"${ffd_paraview_build}\" --prefix \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}\"
+    COMMAND \"${CMAKE_COMMAND}\" --install \"${ffd_paraview_build}\" --prefix \"\${CMAKE_INSTALL_PREFIX}\"
     COMMAND_ERROR_IS_FATAL ANY)")

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Test of the installed package, run by ctest as Install.Consumer:
 #   0. with STATIC_SOURCE, build static libraries of that source tree, to be installed;
-#   1. install into WORK/prefix and move that to WORK/moved (nothing may point to the first place);
+#   1. install for WORK/prefix with DESTDIR, as packages are made, and move that to WORK/moved (nothing may
+#      point to the first place, or be outside of it);
 #   2. nothing private is installed: no kernel, GLM or Highway header, and no installed header
 #      includes one;
 #   3. the project in CONSUMER finds the package, compiles every installed header on its own (with
@@ -66,9 +67,13 @@ if (STATIC_SOURCE)
   run("Building static libraries" "${CMAKE_COMMAND}" --build "${BUILD_TREE}" ${configuration})
 endif ()
 
-run("Installing the build tree" "${CMAKE_COMMAND}" --install "${BUILD_TREE}"
-  --prefix "${prefix}" ${configuration})
-file(RENAME "${prefix}" "${moved}")
+run("Installing the build tree" "${CMAKE_COMMAND}" -E env "DESTDIR=${WORK}/stage"
+  "${CMAKE_COMMAND}" --install "${BUILD_TREE}" --prefix "${prefix}" ${configuration})
+file(RENAME "${WORK}/stage${prefix}" "${moved}")
+file(GLOB_RECURSE astray "${WORK}/stage/*")
+if (astray)
+  message(FATAL_ERROR "Installed outside of the prefix: ${astray}")
+endif ()
 
 message(STATUS "Checking the installed headers")
 file(GLOB_RECURSE headers RELATIVE "${moved}/include" "${moved}/include/*")
