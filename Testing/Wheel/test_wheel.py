@@ -153,20 +153,23 @@ def check_versions(python, work):
 
 
 def check_pictures(python, work, build_tree):
-    """The README's scenes, rendered by the wheel and by the build tree."""
+    """The README's scenes, rendered by the wheel with a display and without one, and by the build tree."""
     script = os.path.join(SOURCE, "Examples", "Python", "render_deformed.py")
-    pictures = []
-    for name, interpreter, path in (("wheel", python, ""),
-                                    ("tree", build_python(build_tree), os.path.join(build_tree, "python"))):
-        output = os.path.join(work, "pictures", name)
-        call(interpreter, script, "--output", output,
-             env=dict(os.environ, PYTHONPATH=path, LIBGL_ALWAYS_SOFTWARE="1"))
-        pictures.append(output)
-    for name in ("engine.png", "cthead.png"):
-        result = subprocess.run([python, "-c", COMPARE, *(os.path.join(folder, name) for folder in pictures)],
-                                stdout=subprocess.PIPE, text=True, check=True).stdout.split()
-        print("%s: greatest difference %s of 255, in %.5f of the pixels" % (name, result[0], float(result[1])))
-        assert float(result[1]) < 0.002, "the wheel's %s is another picture" % name
+    folder = os.path.join(work, "pictures")
+    display = os.environ.get("DISPLAY", "")
+    for name, interpreter, path, shown in (
+            ("wheel", python, "", display), ("wheel-headless", python, "", ""),
+            ("tree", build_python(build_tree), os.path.join(build_tree, "python"), display)):
+        call(interpreter, script, "--output", os.path.join(folder, name),
+             env=dict(os.environ, PYTHONPATH=path, DISPLAY=shown, LIBGL_ALWAYS_SOFTWARE="1"))
+    for name in ("wheel", "wheel-headless"):
+        for file in ("engine.png", "cthead.png"):
+            result = subprocess.run([python, "-c", COMPARE, os.path.join(folder, name, file),
+                                     os.path.join(folder, "tree", file)],
+                                    stdout=subprocess.PIPE, text=True, check=True).stdout.split()
+            print("%s/%s: greatest difference %s of 255, in %.5f of the pixels"
+                  % (name, file, result[0], float(result[1])))
+            assert float(result[1]) < 0.002, "%s/%s is another picture" % (name, file)
 
 
 def build_python(build_tree):
