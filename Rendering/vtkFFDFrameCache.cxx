@@ -259,17 +259,24 @@ bool vtkFFDFrameCache::FindMask(Mapper* mapper, vtkDataSet* input, std::string& 
 {
   const ffd::VolumeView& volume = this->GetVolume();
   this->Mask = ffd::MaskView();
+  this->MaskArray = nullptr;
   if (vtkImageData* image = mapper->GetMaskInput())
   {
     this->Mask.Labels = mapper->GetMaskType() == Mapper::LabelMapMaskType;
     this->Mask.BlendFactor = mapper->GetMaskBlendFactor();
-    vtkDataArray* labels = image->GetPointData()->GetScalars();
-    if (!vtkFFDVolumeViewFromImage(image, labels, false, this->Mask.Volume, message))
+    vtkDataArray* const ofPoints = image->GetPointData()->GetScalars();
+    vtkDataArray* const ofCells = image->GetCellData()->GetScalars();
+    // If there are both, those of what the scalars belong to.
+    const bool cells = ofCells && (this->Voxels->OfCells || !ofPoints);
+    this->MaskArray = cells ? ofCells : ofPoints;
+    if (!vtkFFDVolumeViewFromImage(
+          image, this->MaskArray, false, this->Mask.Volume, message, cells))
     {
       message = "MaskInput: " + message;
       return false;
     }
-    this->Arrays.push_back(labels);
+    this->Mask.Volume.Margin = 0.0;
+    this->Arrays.push_back(this->MaskArray);
     this->Mask.SameGrid = this->Mask.Volume.Dimensions == volume.Dimensions;
   }
   this->SecondAxis = ffd::VolumeView();
@@ -330,7 +337,7 @@ void vtkFFDFrameCache::UpdateMaskBlocks(vtkImageData* mask, ffd::StageTools& too
 {
   const bool hides = this->Mask.Volume.Scalars && !this->Mask.Labels && this->Mask.SameGrid &&
     !this->GetVolume().Axes;
-  vtkDataArray* scalars = hides ? mask->GetPointData()->GetScalars() : nullptr;
+  vtkDataArray* const scalars = hides ? this->MaskArray.Get() : nullptr;
   this->MaskBlocks.Update(tools, ffd::UniformView{ hides ? this->Mask.Volume : ffd::VolumeView() },
     { scalars, hides ? std::max(mask->GetMTime(), scalars->GetMTime()) : 0 });
 }

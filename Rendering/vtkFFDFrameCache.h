@@ -121,6 +121,7 @@ private:
   std::vector<vtkDataArray*> Arrays;
   ffd::LookupOptions Lookup;
   ffd::MaskView Mask;
+  vtkSmartPointer<vtkDataArray> MaskArray;
   ffd::VolumeView SecondAxis;
   vtkSmartPointer<vtkDataArray> SecondAxisArray;
   ffd::Blending Blend;

@@ -563,9 +563,11 @@ public:
 
   ///@{
   /**
-   * A mask at rest, one component of any type: it is deformed along with the volume. Each sample
-   * takes the nearest voxel of it. A mask with the dimensions of the scalars belongs to them voxel
-   * by voxel; another lies where its origin, spacing and direction say, and is 0 elsewhere.
+   * A mask at rest, one component of any type: it is deformed along with the volume. Its scalars
+   * are those of its points, or of its cells if there are no others or the volume's are of cells,
+   * too. Each sample takes the nearest voxel of it. A mask with the dimensions of the scalars
+   * belongs to them voxel by voxel; another lies where its origin, spacing and direction say, and
+   * is 0 elsewhere.
    *
    * In a label map, label 0 and labels without functions look as the property says. Others have
    * those of vtkVolumeProperty::SetLabelColor(), SetLabelScalarOpacity() and

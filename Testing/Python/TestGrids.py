@@ -293,6 +293,55 @@ class TestGrids(unittest.TestCase):
                 self.assertGreater((pictures[0][..., 3] > 10.0).mean(), 0.1)
                 self.assertLessEqual(numpy.abs(pictures[1] - pictures[0]).max(), 2.0)
 
+    def test_masks_of_cells(self):
+        # As a mask whose points are where the centers of the cells are.
+        n = 16
+        random = numpy.random.default_rng(4)
+        positions = 3 * [make_positions("even", n + 1, random)]
+        step = SIDE / n
+        shown = {count: 1 - make_ghosts("ball", 3 * [count], random) for count in (n, n + 1)}
+
+        def make_mask(cells, *attributes):
+            mask = vtkImageData()
+            mask.SetDimensions(*(3 * [n + (1 if cells else 0)]))
+            mask.SetSpacing(*(3 * [step]))
+            mask.SetOrigin(*(3 * [0.0 if cells else 0.5 * step]))
+            for name in attributes:
+                count = n + (1 if cells and name == "GetPointData" else 0)
+                getattr(mask, name)().SetScalars(numpy_to_vtk(shown[count], deep=True))
+            return mask
+
+        points = make_mask(False, "GetPointData")
+        whole = vtkImageData()
+        whole.SetDimensions(*(3 * [n + 1]))
+        whole.SetSpacing(*(3 * [step]))
+        whole.GetPointData().SetScalars(numpy_to_vtk(shown[n + 1], deep=True))
+        cells = make_mask(True, "GetCellData")
+        both = make_mask(True, "GetCellData", "GetPointData")
+        scene = Scene(0)
+        scene.mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+        scene.mapper.SetDeformation(make_lattice(random))
+        scene.prop = make_property(1, random)
+        color = vtkColorTransferFunction()
+        color.AddRGBPoint(0.0, 0.1, 0.9, 0.2)
+        scene.prop.SetLabelColor(1, color)
+        scene.volume.SetMapper(scene.mapper)
+        scene.volume.SetProperty(scene.prop)
+        for of_cells, kind, reference in itertools.product((False, True), (0, 1), (0, 1)):
+            with self.subTest(of_cells=of_cells, kind=kind, reference=reference):
+                values = random.uniform(20.0, 100.0, (n if of_cells else n + 1) ** 3)
+                scene.mapper.SetInputData(
+                    make_data(positions, [values.astype("float32")], of_cells, True))
+                scene.mapper.SetMaskType(kind)
+                scene.mapper.SetReferenceKernels(reference)
+                pictures = []
+                for mask in (points, cells, points if of_cells else whole, both, None):
+                    scene.mapper.SetMaskInput(mask)
+                    pictures.append(scene.render()[0])
+                for first, second in ((0, 1), (2, 3)):
+                    self.assertLessEqual(numpy.abs(pictures[first] - pictures[second]).max(), 1.0)
+                    self.assertGreater(numpy.abs(pictures[first] - pictures[4]).mean(), 0.2)
+
     def count_lookups(self, change, mode):
         """Of distances to what is visible, for each ray of a picture of an image, a grid, or a blanked image."""
         n = 64
