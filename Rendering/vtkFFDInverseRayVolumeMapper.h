@@ -572,11 +572,12 @@ public:
    * In a label map, label 0 and labels without functions look as the property says. Others have
    * those of vtkVolumeProperty::SetLabelColor(), SetLabelScalarOpacity() and
    * SetLabelGradientOpacity(); color and scalar opacity that a label has none for are those of the
-   * property, the gradient opacity is then none. Labels range from 1 to 65535. Label maps need one
-   * component or dependent ones, of which labels look up the one that is looked up for opacity;
-   * they are composited only. (VTK's mappers draw labels on one component only: the GPU mapper
-   * ignores them on dependent ones, and its shader does not compile with independent ones.) Binary
-   * masks work on any components and with all blend modes. Default: none.
+   * property, the gradient opacity is then none. Labels with functions range from 1 to 65535; a
+   * larger one is refused with an error. Label maps need one component or dependent ones, of which
+   * labels look up the one that is looked up for opacity; they are composited only. (VTK's mappers
+   * draw labels on one component only: the GPU mapper ignores them on dependent ones, and its
+   * shader does not compile with independent ones.) Binary masks work on any components and with
+   * all blend modes. Default: none.
    */
   virtual void SetMaskInput(vtkImageData* mask);
   vtkGetObjectMacro(MaskInput, vtkImageData);

@@ -488,23 +488,34 @@ bool MakeOpticalFunctions(vtkVolumeProperty* property, const ScalarFacts& facts,
     {
       for (int label : property->GetLabelMapLabels())
       {
-        if (label < 1 || label > LargestLabel)
+        vtkColorTransferFunction* const color = property->GetLabelColor(label);
+        vtkPiecewiseFunction* const opacity = property->GetLabelScalarOpacity(label);
+        vtkPiecewiseFunction* const gradient = property->GetLabelGradientOpacity(label);
+        if (label < 1 || (!color && !opacity && !gradient))
         {
           continue;
         }
+        if (label > LargestLabel)
+        {
+          message = "The volume property has a function for label " + std::to_string(label) +
+            "; labels with functions range from 1 to " + std::to_string(LargestLabel) +
+            ". Number the labels anew, in MaskInput and in vtkVolumeProperty::SetLabelColor(), "
+            "SetLabelScalarOpacity() and SetLabelGradientOpacity().";
+          return false;
+        }
         TableFunctions ofLabel = tables;
-        if (vtkColorTransferFunction* color = property->GetLabelColor(label))
+        if (color)
         {
           ofLabel.Color = color;
           ofLabel.Gray = nullptr;
         }
-        if (vtkPiecewiseFunction* opacity = property->GetLabelScalarOpacity(label))
+        if (opacity)
         {
           ofLabel.Opacity = opacity;
         }
         LabelOptics made;
         made.Table = MakeTable(ofLabel, range);
-        made.Gradients = MakeGradientOpacity(property->GetLabelGradientOpacity(label), range);
+        made.Gradients = MakeGradientOpacity(gradient, range);
         functions.LabelIndices.resize(
           std::max(functions.LabelIndices.size(), static_cast<std::size_t>(label) + 1), -1);
         functions.LabelIndices[static_cast<std::size_t>(label)] =

@@ -310,6 +310,16 @@ bool TestSettingsOfOthers()
       scene.Mapper->SetMaskInput(nullptr);
       scene.Mapper->SetInputData(scene.Image);
     });
+  ok &= Refuses(
+    scene, "function of a label that is too large", "label 70000;",
+    [&] {
+      scene.Mapper->SetMaskInput(mask);
+      scene.Property->SetLabelScalarOpacity(70000, vtkNew<vtkPiecewiseFunction>());
+    },
+    [&] {
+      scene.Mapper->SetMaskInput(nullptr);
+      scene.Property->SetLabelScalarOpacity(70000, nullptr);
+    });
   vtkSmartPointer<vtkImageData> colors = Image<vtkImageData>(8, 8, 8, VTK_SHORT, 4);
   ok &= Refuses(
     scene, "colors of signed shorts", "IndependentComponentsOn",
