@@ -20,6 +20,12 @@ struct ViewRay
   glm::dvec3 Origin;    ///< on the near clipping plane
   glm::dvec3 Direction; ///< unit length
   double Far;           ///< t at the far clipping plane
+
+  /// t of the point of the ray that is nearest to another one.
+  double FindNearestT(const glm::dvec3& to) const
+  {
+    return glm::dot(to - this->Origin, this->Direction);
+  }
 };
 
 /**

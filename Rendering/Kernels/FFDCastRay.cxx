@@ -9,6 +9,7 @@
 #include <glm/vec4.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace ffd
@@ -60,7 +61,14 @@ bool MakeCastRay(const CastScene& scene, const CastSettings& settings, const Box
   {
     ClipToPlane(plane, ray.Viewing, ray.From, ray.To);
   }
-  if (!scene.Blend.UsesIntervals())
+  if (scene.Blend.UsesIntervals())
+  {
+    // Intervals lie at whole multiples from the point that is nearest to the middle, wherever the
+    // clipping planes of the camera are.
+    const double middle = ray.Viewing.FindNearestT(FindMiddle(scene)) / settings.SampleDistance;
+    ray.Phase = middle - std::floor(middle);
+  }
+  else
   {
     ray.Jitter =
       settings.Jitter ? FindJitter(x + camera.PixelOrigin.x, y + camera.PixelOrigin.y) : 0.0;
@@ -68,8 +76,11 @@ bool MakeCastRay(const CastScene& scene, const CastSettings& settings, const Box
     ray.Phase = FindPhase(volume.ToIndex(ray.Viewing.Origin),
       volume.DataToIndex * ray.Viewing.Direction, restBox, settings.SampleDistance, ray.Jitter);
   }
+  // Where a matrix presses the volume flat by more than double precision resolves, steps along the
+  // ray, which begins far away then, would lead nowhere.
   return ClipToBox(
-    ray.Viewing.Origin, ray.Viewing.Direction, scene.DeformedBounds, ray.From, ray.To);
+           ray.Viewing.Origin, ray.Viewing.Direction, scene.DeformedBounds, ray.From, ray.To) &&
+    ray.To + 0.1 * settings.SampleDistance > ray.To;
 }
 
 } // namespace ffd

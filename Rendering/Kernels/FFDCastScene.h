@@ -133,6 +133,13 @@ struct CastScene
   double VoxelSize = 1.0;        ///< length of the shortest voxel edge, data units
 };
 
+/// The box that the volume, or the whole that it is a part of, takes up when it is deformed.
+const Box& GetWholeDeformed(const CastScene& scene);
+
+/// The middle of the volume, or of the whole, data coordinates: at rest, so that it stays where it
+/// is when the deformation is edited, unless that moves the volume away from it.
+FFD_RENDERING_EXPORT glm::dvec3 FindMiddle(const CastScene& scene);
+
 /// Image to render into, rows bottom up, premultiplied RGBA and window depth of the first visible
 /// sample (1 where there is none); `Depths` may be null. `Reaches`, which may be null, has an entry
 /// for each subtile of the image, x fastest: the t beyond which no ray of the subtile has been

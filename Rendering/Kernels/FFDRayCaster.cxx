@@ -17,19 +17,6 @@ namespace ffd
 {
 
 //------------------------------------------------------------------------------
-void CastStatistics::Add(const CastStatistics& other)
-{
-  this->Rays += other.Rays;
-  this->Segments += other.Segments;
-  this->SegmentLength += other.SegmentLength;
-  this->Samples += other.Samples;
-  this->VisibleSamples += other.VisibleSamples;
-  this->DistanceLookups += other.DistanceLookups;
-  this->Evaluations += other.Evaluations;
-  this->Unconverged += other.Unconverged;
-}
-
-//------------------------------------------------------------------------------
 RayCaster::RayCaster(
   const CastScene& scene, const CastSettings& settings, const ParallelFor& parallelFor)
   : Scene(scene)

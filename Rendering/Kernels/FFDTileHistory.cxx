@@ -36,6 +36,14 @@ void Rearrange(const glm::ivec2& from, const glm::ivec2& to, const glm::ivec2& s
   values.swap(moved);
 }
 
+/// The largest length of (x . d, y . d) for any d of unit length.
+double FindLargestStretch(const glm::dvec3& x, const glm::dvec3& y)
+{
+  const double xx = glm::dot(x, x);
+  const double yy = glm::dot(y, y);
+  return std::sqrt(0.5 * (xx + yy) + std::hypot(0.5 * (xx - yy), glm::dot(x, y)));
+}
+
 } // namespace
 
 /**
@@ -50,12 +58,23 @@ public:
     const CameraView::PixelRows rows = camera.GetPixelRows();
     glm::dvec4 nearPlane = rows.W + glm::row(camera.DataToNdc, 2);
     nearPlane /= glm::length(glm::dvec3(nearPlane));
-    // Distance of neighboring rays on the near plane, and what it grows by with the distance.
-    const glm::dvec2 middle = 0.5 * glm::dvec2(camera.ImageSize);
-    const ViewRay one = camera.MakeRay(middle.x, middle.y);
-    const ViewRay next = camera.MakeRay(middle.x + 1.0, middle.y);
-    this->Pixel = static_cast<float>(glm::length(next.Origin - one.Origin));
-    this->PixelGrowth = static_cast<float>(glm::length(next.Direction - one.Direction));
+    const glm::dvec3 ofDepth(rows.W);
+    // A motion by d of what is seen at (x, y) at a depth moves it in the image by ((X - x W) . d,
+    // (Y - y W) . d) / depth, to first order.
+    const auto stretchAt = [&](double x, double y) {
+      return FindLargestStretch(glm::dvec3(rows.X) - x * ofDepth, glm::dvec3(rows.Y) - y * ofDepth);
+    };
+    const double nearDepth = glm::dot(rows.W, glm::dvec4(camera.ToData({ 0.0, 0.0, -1.0 }), 1.0));
+    double most = 0.0;
+    for (double x : { 0.0, static_cast<double>(camera.ImageSize.x) })
+    {
+      for (double y : { 0.0, static_cast<double>(camera.ImageSize.y) })
+      {
+        most = std::max(most, stretchAt(x, y) / nearDepth);
+      }
+    }
+    this->MostPixels = static_cast<float>(most);
+    this->DepthPerLength = static_cast<float>(glm::length(ofDepth));
 
     // The largest extent along a row of a margin to all sides.
     const auto marginAlong = [&change](const glm::dvec3& row) {
@@ -64,8 +83,8 @@ public:
     const double depthMargin = marginAlong(glm::dvec3(rows.W));
     const double nearMargin = marginAlong(glm::dvec3(nearPlane));
     const std::size_t count = change.Corners.size();
-    for (std::vector<float>* values :
-      { &this->LowX, &this->HighX, &this->LowY, &this->HighY, &this->Nearest })
+    for (std::vector<float>* values : { &this->LowX, &this->HighX, &this->LowY, &this->HighY,
+           &this->Nearest, &this->Depth, &this->Stretch })
     {
       values->resize(count);
     }
@@ -80,14 +99,16 @@ public:
       // it is by ((X - x W) . d) / (depth + W . d). A part moves with its corners.
       const auto project = [&](const glm::dvec4& row, float& low, float& high) {
         const double at = along(row) / depth;
-        const double margin =
-          marginAlong(glm::dvec3(row) - at * glm::dvec3(rows.W)) / (depth - depthMargin);
+        const double margin = marginAlong(glm::dvec3(row) - at * ofDepth) / (depth - depthMargin);
         low = static_cast<float>(at - margin);
         high = static_cast<float>(at + margin);
+        return at;
       };
-      project(rows.X, this->LowX[i], this->HighX[i]);
-      project(rows.Y, this->LowY[i], this->HighY[i]);
+      const double x = project(rows.X, this->LowX[i], this->HighX[i]);
+      const double y = project(rows.Y, this->LowY[i], this->HighY[i]);
       this->Nearest[i] = static_cast<float>(along(nearPlane) - nearMargin);
+      this->Depth[i] = static_cast<float>(depth - depthMargin);
+      this->Stretch[i] = static_cast<float>(stretchAt(x, y));
     }
     // The least and the largest of neighboring corners, axis by axis.
     glm::ivec3 size = change.Parts + 1;
@@ -97,18 +118,25 @@ public:
         Reduce(values, size, axis, choose);
       };
       const auto least = [](float a, float b) { return std::min(a, b); };
-      const auto most = [](float a, float b) { return std::max(a, b); };
+      const auto largest = [](float a, float b) { return std::max(a, b); };
       reduce(this->LowX, least);
       reduce(this->LowY, least);
       reduce(this->Nearest, least);
-      reduce(this->HighX, most);
-      reduce(this->HighY, most);
+      reduce(this->Depth, least);
+      reduce(this->HighX, largest);
+      reduce(this->HighY, largest);
+      reduce(this->Stretch, largest);
       --size[axis];
     }
   }
 
-  /// Data units of a pixel at a distance from the near plane.
-  float GetPixelSize(float distance) const { return this->Pixel + distance * this->PixelGrowth; }
+  /// Bounds how far something moves in the image that moves by a length, in pixels. `visible`:
+  /// whether all of the part lies behind the near plane.
+  float FindMotion(std::size_t part, float length, bool visible) const
+  {
+    const float depth = this->Depth[part] - length * this->DepthPerLength;
+    return length * (visible && depth > 0.0f ? this->Stretch[part] / depth : this->MostPixels);
+  }
 
   // Limits of each part with its margin.
   std::vector<float> LowX;
@@ -116,6 +144,8 @@ public:
   std::vector<float> LowY;
   std::vector<float> HighY;
   std::vector<float> Nearest;
+  std::vector<float> Depth;   ///< by which FindMotion() divides
+  std::vector<float> Stretch; ///< pixels by length, times Depth
 
 private:
   template <class Choose>
@@ -143,8 +173,8 @@ private:
     values.swap(chosen);
   }
 
-  float Pixel;
-  float PixelGrowth;
+  float MostPixels;     ///< by length, anywhere in the image
+  float DepthPerLength; ///< the most that Depth changes by
 };
 
 //------------------------------------------------------------------------------
@@ -237,8 +267,7 @@ void TileHistory::RecordPart(const Projection& parts, std::size_t part, double m
   // Before the near plane the projection means nothing. Written so that NaN is that, too.
   const bool visible = distance > 0.0f && std::isfinite(parts.LowX[part] + parts.HighX[part]) &&
     std::isfinite(parts.LowY[part] + parts.HighY[part]);
-  const float pixel = parts.GetPixelSize(visible ? distance : 0.0f);
-  const float by = static_cast<float>(moved) / pixel;
+  const float by = parts.FindMotion(part, static_cast<float>(moved), visible);
   if (visible)
   {
     // The content of the part was there before the edit or is there now; it looks larger to the

@@ -163,7 +163,8 @@ private:
   {
     const ffd::VolumeView& volume = this->Cast.Volume;
     const ffd::ViewRay ray = this->Cast.Camera.MakeRay(sample.X + 0.5, sample.Y + 0.5);
-    const glm::dvec3 p = ray.Origin + static_cast<double>(sample.T) * ray.Direction;
+    const double t = sample.T + ray.FindNearestT(FindMiddle(this->Cast));
+    const glm::dvec3 p = ray.Origin + t * ray.Direction;
     const glm::dvec3 index(sample.Index[0], sample.Index[1], sample.Index[2]);
     glm::dvec3 q;
     if (InvertsTheField(this->Map.GetKind()))
@@ -188,7 +189,8 @@ private:
   std::vector<std::uint8_t> Row;
 };
 
-/// Cameras from near and far, perspective, parallel and inside of a volume [0, extent].
+/// Cameras from near and far, perspective, parallel and inside of a volume [0, extent], which a
+/// matrix presses flat in some scenes.
 inline glm::dmat4 MakeCamera(RandomLattice& random, const glm::dvec3& extent)
 {
   const double radius = 0.5 * glm::length(extent);
@@ -205,7 +207,11 @@ inline glm::dmat4 MakeCamera(RandomLattice& random, const glm::dvec3& extent)
     : glm::perspective(
         kind == 0 ? 1.5 : 2.0 * std::atan(radius * random.Number(0.3, 1.1) / distance), 1.0, near,
         far);
-  return projection * view;
+  glm::dvec3 scale(1.0);
+  scale[random.Integer(0, 2)] =
+    random.Integer(0, 3) == 0 ? std::exp(-random.Number(0.0, 12.0)) : 1.0;
+  const glm::dmat4 flat = glm::scale(glm::translate(glm::dmat4(1.0), target), scale);
+  return projection * view * glm::translate(flat, -target);
 }
 
 /// A lattice over [0, extent] that is one to one: random displacements, or a smooth twist, bend or

@@ -168,8 +168,10 @@ public:
     this->Scene.Map = &this->Map;
   }
 
+  /// `scale`: of the matrix of the volume.
   void SetCamera(bool perspective, int width, int height,
-    const glm::dvec3& fromCenter = glm::dvec3(60.0, 40.0, 90.0))
+    const glm::dvec3& fromCenter = glm::dvec3(60.0, 40.0, 90.0),
+    const glm::dvec3& scale = glm::dvec3(1.0))
   {
     const glm::dvec3 center(119.0, -32.0, 26.0);
     const glm::dvec3 eye = center + fromCenter;
@@ -178,7 +180,8 @@ public:
     const glm::dmat4 projection = perspective
       ? glm::perspective(0.6, aspect, 30.0, 300.0)
       : glm::ortho(-35.0 * aspect, 35.0 * aspect, -35.0, 35.0, 30.0, 300.0);
-    this->Scene.Camera.DataToNdc = projection * view;
+    const glm::dmat4 volume = glm::scale(glm::translate(glm::dmat4(1.0), center), scale);
+    this->Scene.Camera.DataToNdc = projection * view * glm::translate(volume, -center);
     this->Scene.Camera.NdcToData = glm::inverse(this->Scene.Camera.DataToNdc);
     this->Scene.Camera.ImageSize = glm::ivec2(width, height);
     this->Scene.Camera.NdcPerPixel = 2.0 / glm::dvec2(width, height);
@@ -379,6 +382,35 @@ TEST(PacketCaster, AllPullBacksAndCameras)
         scene.SetDeformation(size, kind);
         scene.SetCamera(perspective, 64, 64);
         ExpectSamePicture(scene);
+      }
+    }
+  }
+}
+
+/// The matrix of the volume presses it flat: in its coordinates planes of the camera are oblique to
+/// the rays, which begin far from each other and from the volume.
+TEST(PacketCaster, FlatVolumes)
+{
+  for (const glm::dvec3& scale : { glm::dvec3(0.1, 1.0, 1.0), glm::dvec3(1.0, 1e-3, 1.0),
+         glm::dvec3(1.0, 1.0, 1e-5), glm::dvec3(0.01, 1.0, 100.0) })
+  {
+    for (const PullBackKind kind : { PullBackKind::FirstOrder, PullBackKind::Exact })
+    {
+      for (const double size : { 0.0, 1.0 })
+      {
+        for (const bool perspective : { true, false })
+        {
+          SCOPED_TRACE("scale " + std::to_string(scale.x) + ", " + std::to_string(scale.y) + ", " +
+            std::to_string(scale.z) + ", size " + std::to_string(size) + ", kind " +
+            std::to_string(static_cast<int>(kind)) +
+            (perspective ? ", perspective" : ", parallel"));
+          TestScene scene(ScalarType::UInt8, 5);
+          scene.SetDeformation(size, kind);
+          scene.SetCamera(perspective, 64, 64, glm::dvec3(60.0, 40.0, 90.0), scale);
+          ExpectSamePicture(scene);
+          const CastStatistics statistics = scene.Render(false).Statistics;
+          EXPECT_LT(statistics.Evaluations, 200 * statistics.Rays);
+        }
       }
     }
   }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What an edit is said to have moved at most, and where, against the maps before and after it; and
 // which tiles of a picture that concerns.
+#include "FFDClipToBox.h"
 #include "FFDPullBackChange.h"
 #include "FFDTileHistory.h"
 
@@ -139,7 +140,9 @@ double BoundAt(const PullBackChange& change, const glm::dvec3& p, double within 
   return largest;
 }
 
-CameraView RandomCamera(RandomLattice& random, const Box& bounds, const glm::ivec2& size)
+/// `flatness`: by which the matrix of the volume presses it flat along an axis.
+CameraView RandomCamera(
+  RandomLattice& random, const Box& bounds, const glm::ivec2& size, double flatness = 1.0)
 {
   const double radius = glm::length(bounds.Max - bounds.Min);
   const glm::dvec3 target = 0.5 * (bounds.Min + bounds.Max);
@@ -153,10 +156,14 @@ CameraView RandomCamera(RandomLattice& random, const Box& bounds, const glm::ive
     : glm::perspective(random.Number(0.4, 1.2), 1.0, 0.05 * radius, 5.0 * radius);
   camera.DataToNdc = projection *
     glm::lookAt(eye, target, glm::normalize(random.Vector(-1.0, 1.0) + glm::dvec3(1e-3, 0.0, 0.0)));
+  glm::dvec3 scale(1.0);
+  scale[random.Integer(0, 2)] = 1.0 / flatness;
+  const glm::dmat4 flat = glm::scale(glm::translate(glm::dmat4(1.0), target), scale);
+  camera.DataToNdc *= glm::translate(flat, -target);
   camera.NdcToData = glm::inverse(camera.DataToNdc);
   camera.ImageSize = size;
   camera.NdcPerPixel = 2.0 / glm::dvec2(size);
-  camera.Eye = eye;
+  camera.Eye = glm::dvec3(glm::inverse(glm::translate(flat, -target)) * glm::dvec4(eye, 1.0));
   return camera;
 }
 
@@ -328,7 +335,8 @@ TEST(TileHistory, TilesThatSeeTheChangeAreCastAgain)
   {
     const PullBackKind kind = Kinds[repeat % 4];
     const Edited edited(random, kind, AllBorders[repeat % 3], 0.05);
-    const CameraView camera = RandomCamera(random, edited.Rest, size);
+    const CameraView camera =
+      RandomCamera(random, edited.Rest, size, repeat % 3 == 0 ? random.Number(1.0, 300.0) : 1.0);
     for (double tolerance : { 0.0, 0.02, 0.2 })
     {
       TileHistory tiles(16);
@@ -338,10 +346,15 @@ TEST(TileHistory, TilesThatSeeTheChangeAreCastAgain)
       std::vector<float> reaches(13 * 12);
       for (std::size_t i = 0; i < reaches.size(); ++i)
       {
+        const glm::ivec2 tile(static_cast<int>(i) % tilesPerRow, static_cast<int>(i) / tilesPerRow);
+        const ViewRay ray = camera.MakeRay(16.0 * tile.x + 8.0, 16.0 * tile.y + 8.0);
+        const double middle =
+          glm::dot(0.5 * (edited.Rest.Min + edited.Rest.Max) - ray.Origin, ray.Direction);
         const bool ends = random.Integer(0, 1) == 0;
-        reaches[i] = ends ? static_cast<float>(random.Number(0.0, 2.0) *
-                              glm::length(edited.Rest.Max - edited.Rest.Min))
-                          : std::numeric_limits<float>::infinity();
+        reaches[i] = ends
+          ? static_cast<float>(
+              middle + random.Number(-0.7, 0.7) * glm::length(edited.Rest.Max - edited.Rest.Min))
+          : std::numeric_limits<float>::infinity();
         tiles.GetReaches()[i] = reaches[i];
       }
       tiles.RecordChange(edited.Change, camera, tolerance);
@@ -352,12 +365,21 @@ TEST(TileHistory, TilesThatSeeTheChangeAreCastAgain)
       {
         const glm::dvec2 pixel(random.Integer(0, size.x - 1), random.Integer(0, size.y - 1));
         const ViewRay ray = camera.MakeRay(pixel.x + 0.5, pixel.y + 0.5);
-        const double t = random.Number(0.0, ray.Far);
+        double from = 0.0;
+        double to = ray.Far;
+        if (!ClipToBox(ray.Origin, ray.Direction, edited.Rest, from, to))
+        {
+          continue;
+        }
+        const double t = random.Number(from, to);
         const glm::dvec3 p = ray.Origin + t * ray.Direction;
         const int tile =
           static_cast<int>(pixel.x) / 16 + tilesPerRow * (static_cast<int>(pixel.y) / 16);
-        const ViewRay next = camera.MakeRay(pixel.x + 1.5, pixel.y + 0.5);
-        const double pixelSize = glm::length(next.Origin + t * next.Direction - p);
+        const auto distanceTo = [&p](const ViewRay& other) {
+          return glm::length(glm::cross(p - other.Origin, other.Direction));
+        };
+        const double pixelSize = std::min(distanceTo(camera.MakeRay(pixel.x + 1.5, pixel.y + 0.5)),
+          distanceTo(camera.MakeRay(pixel.x + 0.5, pixel.y + 1.5)));
         if (t > reaches[static_cast<std::size_t>(tile)] || !edited.Matters(p))
         {
           continue;

@@ -76,6 +76,18 @@ MUTANTS = (
         "this->Field->Displacement(q, jacobian);",
         kernels("PullBack", "RayCaster", "PacketCaster")),
     Mutant(
+        "frame coherence: motions are measured as if the matrix did not press the volume flat",
+        "term",
+        "return std::sqrt(0.5 * (xx + yy) + std::hypot(0.5 * (xx - yy), glm::dot(x, y)));",
+        "return std::sqrt(std::min(xx, yy));",
+        kernels("PullBackChange")),
+    Mutant(
+        "rays: their change along them from pixel to pixel has the other sign",
+        "sign",
+        "along = hn::Neg(Dot(rays.Origin, turn));",
+        "along = Dot(rays.Origin, turn);",
+        PACKETS),
+    Mutant(
         "resizing a lattice moves its origin the wrong way",
         "sign",
         "result.Origin[a] = this->Origin[a] + this->Spacing[a] - result.Spacing[a];",

@@ -13,6 +13,7 @@ import sys
 import unittest
 
 import ffdsession  # noqa: F401, before paraview.simple
+import numpy as np
 from paraview import simple
 
 import ffdparaview as ffd
@@ -165,9 +166,12 @@ class TestHighlights(unittest.TestCase):
                     # ParaView smooths the edges of the finished picture with several processes,
                     # those of the surfaces alone with one.
                     expected = pictures[2][scene] if scene == "FXAA" else picture
-                    # What processes the finished picture makes more of how its bytes were rounded.
-                    most = 32 if scene in ("FXAA", "EDL", "Tones") else 8
-                    self.assertLessEqual(ffd.differ(pictures[ranks][scene], expected)[0], most)
+                    # What processes the finished picture makes more of how its bytes were rounded,
+                    # which decides, at a few pixels, whether FXAA sees an edge.
+                    most = 32 if scene in ("EDL", "Tones") else 8
+                    difference = np.abs(pictures[ranks][scene] - expected).max(axis=2)
+                    few = 10 if scene == "FXAA" else 0
+                    self.assertLessEqual((difference > most).sum(), few)
 
 
 class TestTime(unittest.TestCase):

@@ -269,6 +269,22 @@ class TestScales(unittest.TestCase):
                 scene.mapper.ReferenceKernelsOn()
                 self.expect_same(picture, scene.render())
 
+    def test_volumes_pressed_flat(self):
+        middle = 0.5 * (SIDE - 1)
+        for scale in ((0.01, 1, 1), (1, 1e-6, 1), (1, 1, 1e-12), (1e-5, 0.3, 1)):
+            for deformed in (False, True):
+                for parallel in (False, True):
+                    with self.subTest(scale=scale, deformed=deformed, parallel=parallel):
+                        scene = Scene(make_values(), deformed=deformed)
+                        scene.property.ShadeOn()
+                        scene.volume.SetOrigin(middle, middle, middle)
+                        scene.volume.SetScale(*scale)
+                        scene.renderer.GetActiveCamera().SetParallelProjection(parallel)
+                        scene.renderer.GetActiveCamera().SetParallelScale(15.0)
+                        picture = scene.render()
+                        scene.mapper.ReferenceKernelsOn()
+                        self.expect_same(picture, scene.render())
+
     def test_lengths_beyond_single_precision(self):
         for spacing in (1e18, 1e-19):
             scene = Scene(make_values(), spacing=spacing)

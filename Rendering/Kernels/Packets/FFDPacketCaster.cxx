@@ -43,8 +43,6 @@ void ChooseRootSide(const glm::dvec3& quarter, PacketScene& scene)
     { 1.0, 1.0, -1.0 }, { 1.0, -1.0, 1.0 }, { -1.0, 1.0, 1.0 } };
   const CameraView& camera = scene.Source->Camera;
   const CameraView::PixelRows rows = camera.GetPixelRows();
-  const ImageMap near(scene.NdcToLocal, camera, -1.0);
-  const ImageMap far(scene.NdcToLocal, camera, 1.0);
   const double length = scene.SamplesPerRoot * scene.Settings.SampleDistance;
   const auto scratch = std::make_unique<PacketScratch>();
   scene.RootSide = SharedRootSide;
@@ -66,9 +64,10 @@ void ChooseRootSide(const glm::dvec3& quarter, PacketScene& scene)
     // The same in all parts of an image.
     const glm::dvec2 origin(camera.PixelOrigin);
     const glm::ivec2 first(glm::floor(at + origin) - 0.5 * scene.RootSide - origin);
-    SegmentTrees trees(scene, *scratch, near, far, first.x, first.y);
+    SegmentTrees trees(scene, *scratch, first.x, first.y);
     ++seen;
-    close += trees.IsRootClose(static_cast<int>(t / length)) ? 1 : 0;
+    const double inRoots = (t - ray.FindNearestT(scene.Center)) / length;
+    close += trees.IsRootClose(static_cast<int>(std::floor(inRoots))) ? 1 : 0;
   }
   scene.RootSide = 2 * close > seen ? SharedRootSide : TileSide;
 }

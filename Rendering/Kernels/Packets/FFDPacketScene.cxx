@@ -8,7 +8,6 @@
 #include "FFDSingleArrays.h"
 
 #include <glm/common.hpp>
-#include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
@@ -190,7 +189,7 @@ void SetCoordinates(const CastScene& scene, const Box& rest, PacketScene& p)
   const VolumeView& v = scene.Volume;
   const Box& bounds = scene.DeformedBounds;
   const Box& whole = GetWholeDeformed(scene);
-  p.Center = 0.5 * (whole.Min + whole.Max);
+  p.Center = FindMiddle(scene);
   Copy(bounds.Min - p.Center, p.BoundsMin);
   Copy(bounds.Max - p.Center, p.BoundsMax);
   p.Nowhere = static_cast<float>(1e3 * glm::length(whole.Max - whole.Min));
@@ -207,7 +206,7 @@ void SetCoordinates(const CastScene& scene, const Box& rest, PacketScene& p)
   const glm::dvec3 normal = glm::normalize(blend.SliceNormal);
   Copy(normal, p.SliceNormal);
   p.SliceOffset = static_cast<float>(glm::dot(normal, blend.SliceOrigin - p.Center));
-  p.NdcToLocal = glm::translate(glm::dmat4(1.0), -p.Center) * scene.Camera.NdcToData;
+  p.Rays = PacketRays(scene.Camera, p.Center);
 }
 
 /// Adds the seeds of Newton's method, which lie at rest in the volume.
@@ -297,12 +296,6 @@ double FindReach(const PacketScene& p)
 }
 
 } // namespace
-
-//------------------------------------------------------------------------------
-const Box& GetWholeDeformed(const CastScene& scene)
-{
-  return scene.WholeDeformed ? *scene.WholeDeformed : scene.DeformedBounds;
-}
 
 //------------------------------------------------------------------------------
 PacketScene MakePacketScene(

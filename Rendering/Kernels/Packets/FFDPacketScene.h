@@ -9,6 +9,7 @@
 #include "FFDPacketGrid.h"
 #include "FFDPacketMask.h"
 #include "FFDPacketPlane.h"
+#include "FFDPacketRays.h"
 #include "FFDPacketTable.h"
 #include "FFDPacketVolume.h"
 #include "FFDParallelFor.h"
@@ -18,7 +19,6 @@
 #include "Optics/FFDOpticalFunctions.h"
 #include "Reference/FFDRayIntegrator.h"
 
-#include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
 #include <array>
@@ -194,7 +194,7 @@ struct PacketScene
   float Nowhere = 0.0f;     ///< local coordinates, beyond all others, of points without a pull-back
   float Tolerance = 0.0f;   ///< of the inverse at samples, data units
   float NodeTolerance = 0.0f; ///< the same at nodes of interpolants
-  glm::dvec3 Center{ 0.0 };   ///< data coordinates
+  glm::dvec3 Center{ 0.0 };   ///< FindMiddle(), data coordinates
   float LocalToIndex[9] = {};
   float IndexOffset[3] = {}; ///< of local to index coordinates of the whole
   float IndexShift[3] = {};  ///< of the voxels here in those, whole numbers
@@ -206,7 +206,7 @@ struct PacketScene
   float GradientToLights[9] = {};      ///< by data coordinates to by those of that space, scaled
   float IndexGradientToLights[9] = {}; ///< the same by index coordinates, undeformed
 
-  glm::dmat4 NdcToLocal{ 1.0 };
+  PacketRays Rays;
   float BoundsMin[3] = {}; ///< deformed bounds, local
   float BoundsMax[3] = {};
   std::vector<std::array<float, 4>> ClippingPlanes; ///< local, see CastScene
@@ -305,9 +305,6 @@ void SetSpace(PacketScene& p);
 /// Keeps the seeds where T has the orientation that it has at most of them, and does not press the
 /// volume flat, lists their images, and tells whether there are others (PacketScene::Folds).
 FFD_RENDERING_EXPORT void KeepSeeds(PacketScene& p);
-
-/// The box that the volume, or the whole that it is a part of, takes up when it is deformed.
-const Box& GetWholeDeformed(const CastScene& scene);
 
 } // namespace ffd
 

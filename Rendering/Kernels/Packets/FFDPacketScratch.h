@@ -12,7 +12,8 @@
 namespace ffd
 {
 
-/// A position that was sampled, for measurements of its error: pixel, t, and index coordinates.
+/// A position that was sampled, for measurements of its error: pixel, t (PacketRays), and index
+/// coordinates.
 struct SampledPosition
 {
   int X;

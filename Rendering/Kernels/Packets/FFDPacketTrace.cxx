@@ -142,32 +142,35 @@ void TracePackets(const PacketCaster& packets, const CastScene& scene, const Cas
   const VolumeView& volume = scene.Volume;
   const glm::dvec3 shift =
     scene.WholeAtRest ? -glm::round(volume.ToIndex(scene.WholeAtRest->Min)) : glm::dvec3(0.0);
+  const double origin = ray.Viewing.FindNearestT(FindMiddle(scene));
   std::size_t next = 0;
   for (const TileSegment* segment : segments)
   {
-    const double from = std::max<double>(segment->T0, ray.From);
-    const double to = std::min<double>(static_cast<double>(segment->T0) + segment->Dt, ray.To);
+    const double begin = segment->T0 + origin;
+    const double from = std::max(begin, ray.From);
+    const double to = std::min(begin + segment->Dt, ray.To);
     if (!(from < to))
     {
       continue;
     }
     const CurveSegment curve = Restrict(FindCurve(*segment, xInRoot, yInRoot, shift),
-      (from - segment->T0) / segment->Dt, (to - segment->T0) / segment->Dt);
+      (from - begin) / segment->Dt, (to - begin) / segment->Dt);
     pixel.NoteSegment(curve, from, to, segment->Known == TileSegment::State::Empty);
     const auto jacobianAt = [&](double s) {
       return scene.Map->FindJacobian(
         ray.At(from + s * (to - from)), volume.IndexToData * curve.At(s) + volume.FirstVoxel);
     };
     const JacobianSegment<decltype(jacobianAt)> sampled(volume, curve, from, to - from, jacobianAt);
-    for (; next < positions.size() && positions[next].T < to; ++next)
+    for (; next < positions.size() && positions[next].T + origin < to; ++next)
     {
       const SampledPosition& at = positions[next];
-      const double s = std::clamp((at.T - from) / (to - from), 0.0, 1.0);
+      const double t = at.T + origin;
+      const double s = std::clamp((t - from) / (to - from), 0.0, 1.0);
       const double distance = settings.SampleDistance;
       const RayIntegrator::Outcome outcome =
         pixel.Integrator.AddSample(sampled, s, distance / (to - from));
-      pixel.NoteSample(glm::dvec3(at.Index[0], at.Index[1], at.Index[2]), at.T, distance, false,
-        outcome.Extinction);
+      pixel.NoteSample(
+        glm::dvec3(at.Index[0], at.Index[1], at.Index[2]), t, distance, false, outcome.Extinction);
     }
   }
   const float* color = colors.get() + 4 * (static_cast<std::size_t>(ray.Y) * image.Width + ray.X);

@@ -33,23 +33,23 @@ struct NodeRays
   alignas(64) NodeVectors Directions; ///< local coordinates per unit of t
 
   /// (x0, y0): first pixel of the square; `at`: columns and rows of the nodes, 0 to 1.
-  NodeRays(const ImageMap& near, const ImageMap& far, int x0, int y0, int side, const float at[4])
+  NodeRays(const PacketRays& image, int x0, int y0, int side, const float at[4])
   {
     const Df d;
     HWY_ALIGN float x[TileNodes];
     HWY_ALIGN float y[TileNodes];
     // Rounded as in the whole image: taking its columns and rows off again is exact.
-    const float left = near.Column + static_cast<float>(x0) + 0.5f;
-    const float low = near.Row + static_cast<float>(y0) + 0.5f;
+    const float left = image.Column + static_cast<float>(x0) + 0.5f;
+    const float low = image.Row + static_cast<float>(y0) + 0.5f;
     for (int i = 0; i < TileNodes; ++i)
     {
-      x[i] = left + at[i % NodesPerSide] * static_cast<float>(side - 1) - near.Column;
-      y[i] = low + at[i / NodesPerSide] * static_cast<float>(side - 1) - near.Row;
+      x[i] = left + at[i % NodesPerSide] * static_cast<float>(side - 1) - image.Column;
+      y[i] = low + at[i / NodesPerSide] * static_cast<float>(side - 1) - image.Row;
     }
     for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
     {
       Vf unused;
-      const RayPacket rays = MakeRays(near, far, hn::Load(d, x + i), hn::Load(d, y + i), unused);
+      const RayPacket rays = MakeRays(image, hn::Load(d, x + i), hn::Load(d, y + i), unused);
       StoreNodes(rays.Origin, this->Origins, i);
       StoreNodes(rays.Direction, this->Directions, i);
     }
@@ -67,16 +67,14 @@ constexpr float NodeAt[4] = { 0.0f, 1.0f / 3.0f, 2.0f / 3.0f, 1.0f };
 /// The viewing rays of a square of tiles, whose first pixel is (X0, Y0).
 struct RootRays
 {
-  const ImageMap& Near;
-  const ImageMap& Far;
+  const PacketRays& Image;
   int X0;
   int Y0;
 
   /// Those of a segment; `at`: columns and rows of the nodes, 0 to 1.
   NodeRays Find(const TileSegment& segment, const float at[4]) const
   {
-    return NodeRays(
-      this->Near, this->Far, this->X0 + segment.X, this->Y0 + segment.Y, segment.Side, at);
+    return NodeRays(this->Image, this->X0 + segment.X, this->Y0 + segment.Y, segment.Side, at);
   }
 
   /// The width of the square of pixels in the middle of the segment, data units.

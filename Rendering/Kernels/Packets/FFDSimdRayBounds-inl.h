@@ -21,42 +21,45 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// Bounds of rays, and of all rays between them.
+/**
+ * Bounds of rays, and of all rays between them. Directions d and moments m of these (PacketRays)
+ * are means of those that are included, which have unit length each. So are the points D x m
+ * nearest to the local origin, but for the products of how far directions and moments are apart;
+ * and what lies along a unit vector is farther than along d by no more than 1 / |d|.
+ */
 class RayBounds
 {
 public:
   HWY_INLINE void Include(const Vec3& origin, const Vec3& direction)
   {
-    const auto include = [this](Vf o, Vf v, int a) {
-      this->OriginLow[a] = std::min(this->OriginLow[a], SmallestLane(o));
-      this->OriginHigh[a] = std::max(this->OriginHigh[a], LargestLane(o));
-      this->DirectionLow[a] = std::min(this->DirectionLow[a], SmallestLane(v));
-      this->DirectionHigh[a] = std::max(this->DirectionHigh[a], LargestLane(v));
-    };
-    include(origin.x, direction.x, 0);
-    include(origin.y, direction.y, 1);
-    include(origin.z, direction.z, 2);
+    this->Origins.Include(origin);
+    this->Directions.Include(direction);
+    this->Moments.Include(Cross(origin, direction));
   }
 
   /// Whether something may be visible where the rays are from t = `from` to `to`, local lengths, in
   /// boxes of about the given length each.
   bool Meet(const VisibleSpace& space, float from, float to, float length) const
   {
-    const float beyond = this->FindStretch();
+    const float stretch = this->FindStretch();
+    const float apart = this->Directions.FindDiagonal() * this->Moments.FindDiagonal();
     const int count = static_cast<int>(std::clamp((to - from) / length, 1.0f, 32.0f));
     const float step = (to - from) / static_cast<float>(count);
     for (int i = 0; i < count; ++i)
     {
-      const float first = std::max(from + static_cast<float>(i) * step, 0.0f);
-      const float last = beyond * (first + step);
+      const float first = from + static_cast<float>(i) * step;
+      const Range t = Range{ first, first + step }.Stretch(stretch);
       float low[3];
       float high[3];
       for (int a = 0; a < 3; ++a)
       {
-        low[a] = this->OriginLow[a] +
-          std::min(first * this->DirectionLow[a], last * this->DirectionLow[a]);
-        high[a] = this->OriginHigh[a] +
-          std::max(first * this->DirectionHigh[a], last * this->DirectionHigh[a]);
+        const Range origin =
+          Range{ this->Origins.Low[a] - apart, this->Origins.High[a] + apart }.Stretch(
+            stretch * stretch);
+        const float d0 = this->Directions.Low[a];
+        const float d1 = this->Directions.High[a];
+        low[a] = origin.Low + std::min({ t.Low * d0, t.Low * d1, t.High * d0, t.High * d1 });
+        high[a] = origin.High + std::max({ t.Low * d0, t.Low * d1, t.High * d0, t.High * d1 });
       }
       if (space.Meets(low, high))
       {
@@ -67,16 +70,55 @@ public:
   }
 
 private:
-  /// How much farther the rays between those that are included may be than the chords of these:
-  /// directions are unit vectors within a distance of the middle of their box.
+  struct Range
+  {
+    float Low;
+    float High;
+
+    /// The range of its values times 1 to `most`.
+    Range Stretch(float most) const
+    {
+      return { std::min(this->Low, most * this->Low), std::max(this->High, most * this->High) };
+    }
+  };
+
+  struct Limits
+  {
+    float Low[3] = { 1e30f, 1e30f, 1e30f };
+    float High[3] = { -1e30f, -1e30f, -1e30f };
+
+    HWY_INLINE void Include(const Vec3& v)
+    {
+      const auto include = [this](Vf x, int a) {
+        this->Low[a] = std::min(this->Low[a], SmallestLane(x));
+        this->High[a] = std::max(this->High[a], LargestLane(x));
+      };
+      include(v.x, 0);
+      include(v.y, 1);
+      include(v.z, 2);
+    }
+
+    float FindDiagonal() const
+    {
+      float squared = 0.0f;
+      for (int a = 0; a < 3; ++a)
+      {
+        squared += (this->High[a] - this->Low[a]) * (this->High[a] - this->Low[a]);
+      }
+      return std::sqrt(squared);
+    }
+  };
+
+  /// Bounds 1 / |d| of the rays between those that are included: directions of these are unit
+  /// vectors within a distance of the middle of their box.
   float FindStretch() const
   {
     float middle = 0.0f;
     float around = 0.0f;
     for (int a = 0; a < 3; ++a)
     {
-      const float c = 0.5f * (this->DirectionLow[a] + this->DirectionHigh[a]);
-      const float r = 0.5f * (this->DirectionHigh[a] - this->DirectionLow[a]);
+      const float c = 0.5f * (this->Directions.Low[a] + this->Directions.High[a]);
+      const float r = 0.5f * (this->Directions.High[a] - this->Directions.Low[a]);
       middle += c * c;
       around += r * r;
     }
@@ -84,10 +126,9 @@ private:
     return 1.0f / std::clamp(chord, 0.01f, 1.0f);
   }
 
-  float OriginLow[3] = { 1e30f, 1e30f, 1e30f };
-  float OriginHigh[3] = { -1e30f, -1e30f, -1e30f };
-  float DirectionLow[3] = { 1e30f, 1e30f, 1e30f };
-  float DirectionHigh[3] = { -1e30f, -1e30f, -1e30f };
+  Limits Origins;
+  Limits Directions;
+  Limits Moments;
 };
 
 } // namespace HWY_NAMESPACE

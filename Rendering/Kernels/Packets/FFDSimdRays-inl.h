@@ -20,6 +20,7 @@ namespace HWY_NAMESPACE
 {
 
 /// A packet of viewing rays, local coordinates: P(t) = Origin + t * Direction, t in data units.
+/// Origin is the point that is nearest to the local origin.
 struct RayPacket
 {
   Vec3 Origin;
@@ -28,136 +29,79 @@ struct RayPacket
   Vf To;
 };
 
-/// Maps image positions to local coordinates at one depth: an affine map to homogeneous
-/// coordinates. With most cameras the last homogeneous coordinate is the same everywhere.
-struct ImageMap
+/// An affine function at image positions.
+HWY_INLINE Vf Evaluate(const PacketRays& image, const PacketRays::Affine& of, Vf x, Vf y)
 {
-  float Base[4]; // of the whole image
-  float PerX[4];
-  float PerY[4];
-  float Column; // of image position (0, 0) in the whole image
-  float Row;
-  bool Affine; ///< whether the last coordinate is one everywhere
-  float Last;  ///< if so, what all coordinates were divided by
+  return hn::MulAdd(Splat(of[1]), hn::Add(x, Splat(image.Column)),
+    hn::MulAdd(Splat(of[2]), hn::Add(y, Splat(image.Row)), Splat(of[0])));
+}
 
-  ImageMap(const glm::dmat4& ndcToLocal, const CameraView& camera, double ndcDepth)
-    : Column(static_cast<float>(camera.PixelOrigin.x))
-    , Row(static_cast<float>(camera.PixelOrigin.y))
-  {
-    glm::dvec4 base =
-      ndcToLocal * glm::dvec4(camera.NdcOrigin.x, camera.NdcOrigin.y, ndcDepth, 1.0);
-    glm::dvec4 perX = ndcToLocal[0] * camera.NdcPerPixel.x;
-    glm::dvec4 perY = ndcToLocal[1] * camera.NdcPerPixel.y;
-    // Matrices and their inverses leave rounding errors, over an image of some thousand pixels.
-    const double rounding = 1e-13 * std::abs(base.w);
-    this->Affine = std::max(std::abs(perX.w), std::abs(perY.w)) <= rounding;
-    this->Last = static_cast<float>(base.w);
-    if (this->Affine)
-    {
-      const double scale = 1.0 / base.w;
-      base = glm::dvec4(scale * glm::dvec3(base), 1.0);
-      perX = glm::dvec4(scale * glm::dvec3(perX), 0.0);
-      perY = glm::dvec4(scale * glm::dvec3(perY), 0.0);
-    }
-    for (int c = 0; c < 4; ++c)
-    {
-      this->Base[c] = static_cast<float>(base[c]);
-      this->PerX[c] = static_cast<float>(perX[c]);
-      this->PerY[c] = static_cast<float>(perY[c]);
-    }
-  }
-
-  HWY_INLINE Vec3 At(Vf x, Vf y) const
-  {
-    const Vec3 at{ this->Coordinate(0, x, y), this->Coordinate(1, x, y),
-      this->Coordinate(2, x, y) };
-    return HWY_LIKELY(this->Affine) ? at : Scale(this->InverseW(x, y), at);
-  }
-
-  /// The last homogeneous coordinate, by which At() divides.
-  HWY_INLINE Vf LastAt(Vf x, Vf y) const
-  {
-    return this->Affine ? Splat(this->Last) : this->Coordinate(3, x, y);
-  }
-
-  /// At() and its derivatives by x and y.
-  HWY_INLINE Vec3 At(Vf x, Vf y, Vec3& byX, Vec3& byY) const
-  {
-    const Vec3 at = this->At(x, y);
-    byX = Broadcast(this->PerX);
-    byY = Broadcast(this->PerY);
-    if (HWY_UNLIKELY(!this->Affine))
-    {
-      const Vf inverse = this->InverseW(x, y);
-      byX = Scale(inverse, Sub(byX, Scale(Splat(this->PerX[3]), at)));
-      byY = Scale(inverse, Sub(byY, Scale(Splat(this->PerY[3]), at)));
-    }
-    return at;
-  }
-
-private:
-  HWY_INLINE Vf Coordinate(int c, Vf x, Vf y) const
-  {
-    return hn::MulAdd(Splat(this->PerX[c]), hn::Add(x, Splat(this->Column)),
-      hn::MulAdd(Splat(this->PerY[c]), hn::Add(y, Splat(this->Row)), Splat(this->Base[c])));
-  }
-
-  HWY_INLINE Vf InverseW(Vf x, Vf y) const
-  {
-    return hn::Div(Splat(1.0f), this->Coordinate(3, x, y));
-  }
-};
-
-/// Rays through image positions, near plane to far plane. `inverseLength`: 1 / To.
-HWY_INLINE RayPacket MakeRays(
-  const ImageMap& near, const ImageMap& far, Vf x, Vf y, Vf& inverseLength)
+HWY_INLINE Vec3 Evaluate(const PacketRays& image, const PacketRays::Affine (&of)[3], Vf x, Vf y)
 {
+  return { Evaluate(image, of[0], x, y), Evaluate(image, of[1], x, y),
+    Evaluate(image, of[2], x, y) };
+}
+
+/// Finds Origin and Direction of rays through image positions, which takes less than to store and
+/// read them. `inverseLength`: of PacketRays::Direction there.
+HWY_INLINE void FindLines(const PacketRays& image, Vf x, Vf y, Vf inverseLength, RayPacket& rays)
+{
+  rays.Direction = Scale(inverseLength, Evaluate(image, image.Direction, x, y));
+  rays.Origin = Cross(rays.Direction, Scale(inverseLength, Evaluate(image, image.Moment, x, y)));
+}
+
+/// Finds t of rays at a plane.
+HWY_INLINE Vf TimeAtPlane(const float plane[4], const RayPacket& rays)
+{
+  const Vec3 normal = Broadcast(plane);
+  return hn::Neg(
+    hn::Div(hn::Add(Dot(normal, rays.Origin), Splat(plane[3])), Dot(normal, rays.Direction)));
+}
+
+/// Rays through image positions, near plane to far plane. `inverseLength`: as FindLines().
+HWY_INLINE RayPacket MakeRays(const PacketRays& image, Vf x, Vf y, Vf& inverseLength)
+{
+  const Vec3 direction = Evaluate(image, image.Direction, x, y);
+  inverseLength = hn::Div(Splat(1.0f), hn::Sqrt(Dot(direction, direction)));
   RayPacket rays;
-  rays.Origin = near.At(x, y);
-  const Vec3 path = Sub(far.At(x, y), rays.Origin);
-  rays.From = hn::Zero(Df());
-  rays.To = hn::Sqrt(Dot(path, path));
-  inverseLength = hn::Div(Splat(1.0f), rays.To);
-  rays.Direction = Scale(inverseLength, path);
+  FindLines(image, x, y, inverseLength, rays);
+  rays.From = TimeAtPlane(image.NearPlane, rays);
+  rays.To = TimeAtPlane(image.FarPlane, rays);
   return rays;
 }
 
-/// Origin and Direction of MakeRays() again, which take less than to store and read them.
-HWY_INLINE void FindLines(
-  const ImageMap& near, const ImageMap& far, Vf x, Vf y, Vf inverseLength, RayPacket& rays)
-{
-  rays.Origin = near.At(x, y);
-  rays.Direction = Scale(inverseLength, Sub(far.At(x, y), rays.Origin));
-}
-
 /**
- * Window depths along rays from the near to the far plane. What is linear along a ray is so in
- * homogeneous coordinates, too; so the depth at the part s of its length is s / (s + (1 - s) k),
- * with k the quotient of the last coordinates, ImageMap::LastAt(), at the far and at the near
- * plane. No term is negative: little is lost to rounding.
+ * Window depths along rays. What is linear along a ray is so in homogeneous coordinates, too; so
+ * the depth at the part s of the way from the near to the far plane is s / (s + (1 - s) k), with k
+ * the quotient of the last coordinates at the far and at the near plane. No term is negative:
+ * little is lost to rounding.
  */
 struct WindowDepths
 {
-  Vf Length; ///< of the rays, from plane to plane
+  Vf Near;   ///< t at the near plane
+  Vf Length; ///< from plane to plane
   Vf Ratio;  ///< k
 
   /// Of the rays through image positions.
-  WindowDepths(const ImageMap& near, const ImageMap& far, Vf length, Vf x, Vf y)
-    : Length(length)
-    , Ratio(hn::Div(far.LastAt(x, y), near.LastAt(x, y)))
+  WindowDepths(const PacketRays& image, const RayPacket& rays, Vf x, Vf y)
+    : Near(TimeAtPlane(image.NearPlane, rays))
+    , Length(hn::Sub(TimeAtPlane(image.FarPlane, rays), this->Near))
+    , Ratio(hn::Div(Evaluate(image, image.FarW, x, y), Evaluate(image, image.NearW, x, y)))
   {
   }
 
   HWY_INLINE Vf ToT(Vf depth) const
   {
     const Vf beyond = hn::Mul(depth, this->Ratio);
-    return hn::Mul(this->Length, hn::Div(beyond, hn::Add(beyond, hn::Sub(Splat(1.0f), depth))));
+    return hn::MulAdd(
+      this->Length, hn::Div(beyond, hn::Add(beyond, hn::Sub(Splat(1.0f), depth))), this->Near);
   }
 
   HWY_INLINE Vf ToDepth(Vf t) const
   {
-    const Vf rest = hn::Mul(hn::Sub(this->Length, t), this->Ratio);
-    return hn::Div(t, hn::Add(t, rest));
+    const Vf way = hn::Sub(t, this->Near);
+    const Vf rest = hn::Mul(hn::Sub(this->Length, way), this->Ratio);
+    return hn::Div(way, hn::Add(way, rest));
   }
 };
 
@@ -176,23 +120,33 @@ struct RaySpread
   Vf PerT;
 
   /// Finds the spread of the rays through image positions.
-  RaySpread(const ImageMap& near, const ImageMap& far, const RayPacket& rays, Vf x, Vf y)
+  RaySpread(const PacketRays& image, const RayPacket& rays, Vf x, Vf y)
   {
-    Vec3 nearX, nearY, farX, farY;
-    const Vec3 begin = near.At(x, y, nearX, nearY);
-    const Vec3 path = Sub(far.At(x, y, farX, farY), begin);
     const Vec3& direction = rays.Direction;
-    const Vf inverseLength = hn::Div(Splat(1.0f), Dot(path, direction));
-    // Spread() is one where a ray is nearest to the middle of the whole, which is the origin.
-    const Vf middle = hn::Max(hn::Neg(Dot(rays.Origin, direction)), hn::Zero(Df()));
-    const Vf part = hn::Mul(middle, inverseLength);
-    const auto across = [&](const Vec3& v) { return Sub(v, Scale(Dot(v, direction), direction)); };
-    this->AlongX = Dot(nearX, direction);
-    this->AlongY = Dot(nearY, direction);
-    this->AcrossX = across(MulAdd(part, Sub(farX, nearX), nearX));
-    this->AcrossY = across(MulAdd(part, Sub(farY, nearY), nearY));
-    const Vec3 growth = Scale(inverseLength, Sub(farX, nearX));
-    this->PerT = hn::Div(Dot(growth, this->AcrossX), Dot(this->AcrossX, this->AcrossX));
+    const Vf inverseLength =
+      hn::Div(Splat(1.0f), Dot(Evaluate(image, image.Direction, x, y), direction));
+    // Spread() is one where a ray is nearest to the local origin, or at the near plane behind that:
+    // not in the eye, where it is zero.
+    const Vf middle = hn::Max(TimeAtPlane(image.NearPlane, rays), hn::Zero(Df()));
+    // With D = d / |d| and Origin = D x m / |d|, the change of D is that of d at right angles to D,
+    // over |d|, and that of Origin is along D by -Origin . D', across it D x m' less what the
+    // length of d changes by.
+    const auto find = [&](int coefficient, Vf& along, Vec3& across) {
+      const auto take = [&](const PacketRays::Affine(&of)[3]) {
+        return Scale(inverseLength,
+          { Splat(of[0][coefficient]), Splat(of[1][coefficient]), Splat(of[2][coefficient]) });
+      };
+      const Vec3 byPixel = take(image.Direction);
+      const Vf stretch = Dot(byPixel, direction);
+      const Vec3 turn = Sub(byPixel, Scale(stretch, direction));
+      along = hn::Neg(Dot(rays.Origin, turn));
+      across = MulAdd(
+        middle, turn, Sub(Cross(direction, take(image.Moment)), Scale(stretch, rays.Origin)));
+      return turn;
+    };
+    const Vec3 turn = find(1, this->AlongX, this->AcrossX);
+    find(2, this->AlongY, this->AcrossY);
+    this->PerT = hn::Div(Dot(turn, this->AcrossX), Dot(this->AcrossX, this->AcrossX));
     this->Base = hn::NegMulAdd(middle, this->PerT, Splat(1.0f));
   }
 
@@ -249,8 +203,8 @@ HWY_INLINE Vec3 LocalToWhole(const PacketScene& scene, const Vec3& local)
   return Add(Transform(scene.LocalToIndex, local), Broadcast(scene.IndexOffset));
 }
 
-/// FindPhase() of the rays of a packet.
-HWY_INLINE Vf PhaseOf(const PacketScene& scene, const RayPacket& rays, Vf jitter)
+/// FindPhase() of the rays of a packet. `near`: t at the near plane.
+HWY_INLINE Vf PhaseOf(const PacketScene& scene, const RayPacket& rays, Vf near, Vf jitter)
 {
   const Vf zero = hn::Zero(Df());
   Vf enter = Splat(-1e30f);
@@ -262,12 +216,12 @@ HWY_INLINE Vf PhaseOf(const PacketScene& scene, const RayPacket& rays, Vf jitter
     const Vf inverse = hn::CopySign(Reciprocal(slope), v);
     const Vf t0 = hn::Mul(hn::Sub(Splat(scene.RestMin[a]), o), inverse);
     const Vf t1 = hn::Mul(hn::Sub(Splat(scene.RestMax[a]), o), inverse);
-    const Vf near = hn::Min(t0, t1);
-    const Vf far = hn::Max(t0, t1);
-    enterSlope = hn::IfThenElse(hn::Gt(near, enter), slope, enterSlope);
-    enter = hn::Max(enter, near);
-    exitSlope = hn::IfThenElse(hn::Lt(far, exit), slope, exitSlope);
-    exit = hn::Min(exit, far);
+    const Vf first = hn::Min(t0, t1);
+    const Vf last = hn::Max(t0, t1);
+    enterSlope = hn::IfThenElse(hn::Gt(first, enter), slope, enterSlope);
+    enter = hn::Max(enter, first);
+    exitSlope = hn::IfThenElse(hn::Lt(last, exit), slope, exitSlope);
+    exit = hn::Min(exit, last);
   };
   const Vec3 origin = LocalToWhole(scene, rays.Origin);
   const Vec3 direction = Transform(scene.LocalToIndex, rays.Direction);
@@ -275,7 +229,7 @@ HWY_INLINE Vf PhaseOf(const PacketScene& scene, const RayPacket& rays, Vf jitter
   cross(origin.y, direction.y, 1);
   cross(origin.z, direction.z, 2);
   const Mf past = hn::And(hn::Gt(enter, exit), hn::Gt(exitSlope, enterSlope));
-  const Vf t = hn::Max(hn::IfThenElse(past, exit, enter), zero);
+  const Vf t = hn::Max(hn::IfThenElse(past, exit, enter), near);
   const Vf x = hn::MulAdd(t, Splat(static_cast<float>(1.0 / scene.Settings.SampleDistance)),
     hn::Sub(jitter, Splat(static_cast<float>(PhaseGuard))));
   return hn::Sub(x, hn::Floor(x));

@@ -48,12 +48,11 @@ namespace HWY_NAMESPACE
 class SegmentTrees
 {
 public:
-  /// (x0, y0): first pixel of the roots. `near` and `far` are kept by pointer.
-  SegmentTrees(const PacketScene& scene, PacketScratch& scratch, const ImageMap& near,
-    const ImageMap& far, int x0, int y0)
+  /// (x0, y0): first pixel of the roots.
+  SegmentTrees(const PacketScene& scene, PacketScratch& scratch, int x0, int y0)
     : Scene(scene)
     , Scratch(scratch)
-    , Rays{ near, far, x0, y0 }
+    , Rays{ scene.Rays, x0, y0 }
     , Nodes(scene, scratch.Statistics)
     , Error(scene, this->Rays, scratch.Statistics)
     , Parts(scene, scratch.Statistics)
@@ -68,10 +67,9 @@ public:
   void Start(float tMin, float tMax)
   {
     const double length = this->Scene.SamplesPerRoot * this->Scene.Settings.SampleDistance;
-    // A ray takes samples that lie a little before its range, see SampleSlack, but for the near
-    // plane.
+    // A ray takes samples that lie a little before its range, see SampleSlack.
     const double around = 2.0 * SampleSlack * this->Scene.Settings.SampleDistance;
-    this->First = static_cast<int>(std::floor(std::max(tMin - around, 0.0) / length));
+    this->First = static_cast<int>(std::floor((tMin - around) / length));
     this->Last = static_cast<int>(std::floor((tMax + around) / length));
   }
 
@@ -178,7 +176,7 @@ public:
     const Vf px =
       hn::Add(hn::Load(d, columns), Splat(static_cast<float>(this->Rays.X0 + x) + 0.5f));
     const Vf py = hn::Add(rows, Splat(static_cast<float>(this->Rays.Y0 + y) + 0.5f));
-    return RaySpread(this->Rays.Near, this->Rays.Far, rays, px, py);
+    return RaySpread(this->Scene.Rays, rays, px, py);
   }
 
 private:

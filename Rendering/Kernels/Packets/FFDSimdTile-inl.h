@@ -259,9 +259,6 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
   const Df d;
   const PacketShape shape = GetPacketShape();
   const StoredPackets stored{ scratch };
-  const CameraView& camera = scene.Source->Camera;
-  const ImageMap near(scene.NdcToLocal, camera, -1.0);
-  const ImageMap far(scene.NdcToLocal, camera, 1.0);
 
   HWY_ALIGN float laneX[16];
   HWY_ALIGN float laneY[16];
@@ -300,10 +297,11 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       const Vf px = columnsFrom(x);
       const Vf py = rowsFrom(y);
       Vf inverseLength;
-      RayPacket rays = MakeRays(near, far, px, py, inverseLength);
+      RayPacket rays = MakeRays(scene.Rays, px, py, inverseLength);
+      const Vf near = rays.From;
       if (scene.Source->Depths)
       {
-        ClipToDepths(scene, image, x, y, WindowDepths(near, far, rays.To, px, py), rays);
+        ClipToDepths(scene, image, x, y, WindowDepths(scene.Rays, rays, px, py), rays);
       }
       Vf seenFrom;
       Vf seenTo;
@@ -327,10 +325,10 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
         stored.SetEmpty(packet);
         continue;
       }
-      rays.To = hn::IfThenElse(active, rays.To, Splat(-1.0f));
+      rays.To = hn::IfThenElse(active, rays.To, rays.From);
       const Vf jitter = scene.Settings.Jitter ? JitterOf(scene, x, y) : hn::Zero(d);
       SampleNumbers numbers;
-      numbers.Phase = scene.Intervals ? hn::Zero(d) : PhaseOf(scene, rays, jitter);
+      numbers.Phase = scene.Intervals ? hn::Zero(d) : PhaseOf(scene, rays, near, jitter);
       const SampleRange range = FindSamples(scene, rays, active, numbers);
       stored.Set(packet, rays, inverseLength, numbers, range);
       tMin = hn::IfThenElse(active, hn::Min(tMin, rays.From), tMin);
@@ -339,7 +337,7 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
   }
 
   const int side = scene.RootSide;
-  SegmentTrees trees(scene, scratch, near, far, x0 / side * side, y0 / side * side);
+  SegmentTrees trees(scene, scratch, x0 / side * side, y0 / side * side);
   if (empty && !scene.Settings.CountsRays)
   {
     // All pixels are cleared, and what is stored is of another tile.
@@ -374,7 +372,7 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       Vf inverseLength;
       SampleNumbers numbers;
       stored.Get(packet, rays, inverseLength, numbers);
-      FindLines(near, far, px, py, inverseLength, rays);
+      FindLines(scene.Rays, px, py, inverseLength, rays);
       const Mf active = hn::Lt(rays.From, rays.To);
       Packet<T> cast(scene, trees, scratch, rays, x - trees.GetX(), y - trees.GetY(), dy, numbers,
         stored.GetRange(packet), active, extremes);
@@ -395,12 +393,15 @@ HWY_NOINLINE int CastTile(const PacketScene& scene, int x0, int y0, unsigned int
       if (image.Depths)
       {
         const Vf seenAt = pixels.FirstVisible;
-        const Vf length = hn::Div(Splat(1.0f), inverseLength);
-        const Vf depths = WindowDepths(near, far, length, px, py).ToDepth(seenAt);
+        const Vf depths = WindowDepths(scene.Rays, rays, px, py).ToDepth(seenAt);
         StoreDepths(image, x, y,
           hn::IfThenElse(hn::And(active, hn::Lt(seenAt, Splat(1e29f))), depths, Splat(1.0f)));
       }
-      reaches.Include(x, y, cast.GetReach());
+      if (image.Reaches)
+      {
+        const Vf near = TimeAtPlane(scene.Rays.NearPlane, rays);
+        reaches.Include(x, y, cast.GetReach() - SmallestLane(near));
+      }
     }
     const bool more = packet > firstPacket && y + shape.Height < y0 + TileSide;
     if (more && deadline != NoDeadline && std::chrono::steady_clock::now() >= deadline)

@@ -159,7 +159,7 @@ void ReferenceCaster::CastPerSample(
 
   // Both ends by the same arithmetic, see SampleSlack.
   const double slack = SampleSlack + ray.Phase;
-  const double early = intervals ? 1.0 - SampleSlack : slack;
+  const double early = intervals ? 1.0 - SampleSlack + ray.Phase : slack;
   const double first = std::ceil(ray.From / distance - early);
   const double stop = std::ceil(ray.To / distance - slack);
   if (!(first < stop))
