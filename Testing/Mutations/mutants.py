@@ -76,10 +76,10 @@ MUTANTS = (
         "this->Field->Displacement(q, jacobian);",
         kernels("PullBack", "RayCaster", "PacketCaster")),
     Mutant(
-        "frame coherence: motions are measured as if the matrix did not press the volume flat",
-        "term",
+        "frame coherence: the smallest stretch of the projection, not the largest one",
+        "sign",
         "return std::sqrt(0.5 * (xx + yy) + std::hypot(0.5 * (xx - yy), glm::dot(x, y)));",
-        "return std::sqrt(std::min(xx, yy));",
+        "return std::sqrt(0.5 * (xx + yy) - std::hypot(0.5 * (xx - yy), glm::dot(x, y)));",
         kernels("PullBackChange")),
     Mutant(
         "rays: their change along them from pixel to pixel has the other sign",
