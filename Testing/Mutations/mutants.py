@@ -76,10 +76,10 @@ MUTANTS = (
         "this->Field->Displacement(q, jacobian);",
         kernels("PullBack", "RayCaster", "PacketCaster")),
     Mutant(
-        "frame coherence: the smallest stretch of the projection, not the largest one",
-        "sign",
-        "return std::sqrt(0.5 * (xx + yy) + std::hypot(0.5 * (xx - yy), glm::dot(x, y)));",
-        "return std::sqrt(0.5 * (xx + yy) - std::hypot(0.5 * (xx - yy), glm::dot(x, y)));",
+        "frame coherence: motions of an edit count a quarter",
+        "term",
+        "return length * (visible && depth > 0.0f",
+        "return 0.25f * length * (visible && depth > 0.0f",
         kernels("PullBackChange")),
     Mutant(
         "rays: their change along them from pixel to pixel has the other sign",
