@@ -10,6 +10,8 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
+#include <algorithm>
+
 namespace ffd
 {
 
@@ -20,6 +22,8 @@ struct ViewRay
   glm::dvec3 Origin;    ///< on the near clipping plane
   glm::dvec3 Direction; ///< unit length
   double Far;           ///< t at the far clipping plane
+
+  glm::dvec3 At(double t) const { return this->Origin + t * this->Direction; }
 
   /// t of the point of the ray that is nearest to another one.
   double FindNearestT(const glm::dvec3& to) const
@@ -85,6 +89,44 @@ struct CameraView
     ray.Far = glm::length(far - near);
     ray.Direction = (far - near) / ray.Far;
     return ray;
+  }
+
+  /// Where all viewing rays meet, homogeneous coordinates.
+  const glm::dvec4& GetMeetingPoint() const { return this->NdcToData[2]; }
+
+  /// Whether that is at infinity, but for the rounding errors of matrices.
+  bool HasParallelRays() const
+  {
+    const glm::dvec4& meeting = this->GetMeetingPoint();
+    const auto direction = [&meeting](const glm::dvec4& point) {
+      return glm::length(meeting.w * glm::dvec3(point) - point.w * glm::dvec3(meeting));
+    };
+    return std::max(direction(this->NdcToData[0]), direction(this->NdcToData[1])) <=
+      1e-13 * direction(this->NdcToData[3]);
+  }
+
+  /**
+   * t of the point of a ray that is as far from where all rays meet as `middle` is. Neighboring
+   * rays have there neighboring points, on a sphere, or on a plane if they are parallel, that all
+   * rays cross at right angles, in data coordinates; and it is no farther from any point of the ray
+   * than that is from `middle`.
+   */
+  double FindMiddleT(const ViewRay& ray, const glm::dvec3& middle) const
+  {
+    const double nearest = ray.FindNearestT(middle);
+    if (this->HasParallelRays())
+    {
+      return nearest;
+    }
+    const glm::dvec4& meeting = this->GetMeetingPoint();
+    const glm::dvec3 eye = glm::dvec3(meeting) / meeting.w - middle;
+    const glm::dvec3 moment = glm::cross(ray.Origin - middle, ray.Direction);
+    const double distance = glm::length(eye);
+    const double along = glm::dot(eye, ray.Direction);
+    // Their sum, which is a small difference where the eye is far away.
+    return nearest +
+      (along > 0.0 ? distance + along
+                   : glm::dot(moment, moment) / std::max(distance - along, 1e-300));
   }
 
   /// Unit vector from a point of a ray to the camera.

@@ -63,9 +63,10 @@ bool MakeCastRay(const CastScene& scene, const CastSettings& settings, const Box
   }
   if (scene.Blend.UsesIntervals())
   {
-    // Intervals lie at whole multiples from the point that is nearest to the middle, wherever the
-    // clipping planes of the camera are.
-    const double middle = ray.Viewing.FindNearestT(FindMiddle(scene)) / settings.SampleDistance;
+    // Intervals lie at whole multiples from the middle, wherever the clipping planes of the camera
+    // are.
+    const double middle =
+      camera.FindMiddleT(ray.Viewing, FindMiddle(scene)) / settings.SampleDistance;
     ray.Phase = middle - std::floor(middle);
   }
   else

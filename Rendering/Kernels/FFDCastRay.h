@@ -24,7 +24,7 @@ struct CastRay
   int Y = 0;
 
   /// The point at t, data coordinates.
-  glm::dvec3 At(double t) const { return this->Viewing.Origin + t * this->Viewing.Direction; }
+  glm::dvec3 At(double t) const { return this->Viewing.At(t); }
 };
 
 /// Makes the ray of pixel (x, y) and cuts it to the depths that are drawn already, the clipping

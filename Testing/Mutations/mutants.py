@@ -82,10 +82,10 @@ MUTANTS = (
         "return 0.25f * length * (visible && depth > 0.0f",
         kernels("PullBackChange")),
     Mutant(
-        "rays: their change along them from pixel to pixel has the other sign",
+        "rays: their change across them from pixel to pixel has the other sign",
         "sign",
-        "along = hn::Neg(Dot(rays.Origin, turn));",
-        "along = Dot(rays.Origin, turn);",
+        "Sub(Cross(direction, take(image.Moment)), Scale(stretch, nearest))",
+        "Sub(Cross(take(image.Moment), direction), Scale(stretch, nearest))",
         PACKETS),
     Mutant(
         "resizing a lattice moves its origin the wrong way",

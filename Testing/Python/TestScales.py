@@ -285,6 +285,47 @@ class TestScales(unittest.TestCase):
                         scene.mapper.ReferenceKernelsOn()
                         self.expect_same(picture, scene.render())
 
+    def test_rows_of_pixels_along_columns(self):
+        """A screen that is seen edge-on: along the rays rows and columns of pixels have nearly the
+        same direction, so that derivatives along them tell no normals."""
+        scene = Scene(make_values(), deformed=True)
+        scene.property.ShadeOn()
+        scene.mapper.SetBlendModeToIsoSurface()
+        scene.property.GetIsoSurfaceValues().SetValue(0, 60.0)
+        scene.mapper.SetPositionTolerance(0.01)
+        middle = numpy.array(scene.image.GetCenter())
+        focus = middle + (-9.7, -0.43, -11.62)
+        camera = scene.renderer.GetActiveCamera()
+        camera.SetPosition(middle + (4.36, 8.45, -8.18))
+        camera.SetFocalPoint(focus)
+        camera.SetViewUp(-0.49, -0.45, -0.31)
+        camera.UseOffAxisProjectionOn()
+        camera.SetScreenBottomLeft(focus + (-20.0, -20.0, 0.0))
+        camera.SetScreenBottomRight(focus + (20.0, -20.0, 0.0))
+        camera.SetScreenTopRight(focus + (20.0, 20.0, 0.0))
+        camera.SetClippingRange(0.1, 98.0)
+        picture = scene.render()
+        scene.mapper.ReferenceKernelsOn()
+        self.expect_same(picture, scene.render(), 0.05)
+
+    def test_a_flight_through_a_volume(self):
+        """Far from its middle, lit surfaces close to the eye."""
+        scene = Scene(make_values(), deformed=True)
+        scene.property.ShadeOn()
+        scene.property.SetScalarOpacity(scene.ramp((0, 0), (55, 0), (65, 0.9)))
+        camera = scene.renderer.GetActiveCamera()
+        camera.SetViewAngle(100.0)
+        camera.SetClippingRange(0.1, 98.0)
+        middle = numpy.array(scene.image.GetCenter())
+        for position in ((9.0, -8.0, 7.0), (-9.0, 6.0, 9.0), (2.0, 10.0, -8.0)):
+            with self.subTest(position=position):
+                camera.SetPosition(middle + position)
+                camera.SetFocalPoint(middle - (3.0, 2.0, 1.0))
+                scene.mapper.ReferenceKernelsOff()
+                picture = scene.render()
+                scene.mapper.ReferenceKernelsOn()
+                self.expect_same(picture, scene.render(), 0.25)
+
     def test_lengths_beyond_single_precision(self):
         for spacing in (1e18, 1e-19):
             scene = Scene(make_values(), spacing=spacing)

@@ -66,7 +66,7 @@ void ChooseRootSide(const glm::dvec3& quarter, PacketScene& scene)
     const glm::ivec2 first(glm::floor(at + origin) - 0.5 * scene.RootSide - origin);
     SegmentTrees trees(scene, *scratch, first.x, first.y);
     ++seen;
-    const double inRoots = (t - ray.FindNearestT(scene.Center)) / length;
+    const double inRoots = (t - camera.FindMiddleT(ray, scene.Center)) / length;
     close += trees.IsRootClose(static_cast<int>(std::floor(inRoots))) ? 1 : 0;
   }
   scene.RootSide = 2 * close > seen ? SharedRootSide : TileSide;

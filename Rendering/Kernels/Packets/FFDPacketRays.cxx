@@ -2,12 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDPacketRays.h"
 
+#include "FFDSingleArrays.h"
+
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_access.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
+
+#include <algorithm>
 
 namespace ffd
 {
@@ -72,7 +76,8 @@ PacketRays::PacketRays(const CameraView& camera, const glm::dvec3& origin)
   const OfNdc<glm::dvec4> near = PointsAt(ndcToLocal, -1.0);
   const OfNdc<glm::dvec4> middle = PointsAt(ndcToLocal, 0.0);
   const OfNdc<glm::dvec4> far = PointsAt(ndcToLocal, 1.0);
-  const glm::dvec4 meeting = ndcToLocal[2];
+  const glm::dvec4& meeting = ndcToLocal[2];
+  const bool parallel = camera.HasParallelRays();
   const auto direction = [&meeting](const glm::dvec4& point) {
     return meeting.w * glm::dvec3(point) - point.w * glm::dvec3(meeting);
   };
@@ -89,8 +94,20 @@ PacketRays::PacketRays(const CameraView& camera, const glm::dvec3& origin)
         scale * of(middle.Base), scale * of(middle.PerX), scale * of(middle.PerY) },
       to);
   };
-  take(direction, this->Direction);
   take(moment, this->Moment);
+  if (parallel)
+  {
+    const glm::dvec3 none(0.0);
+    ToPixels(camera, OfNdc<glm::dvec3>{ scale * along, none, none }, this->Direction);
+  }
+  else
+  {
+    take(direction, this->Direction);
+    const glm::dvec3 eye = glm::dvec3(meeting) / meeting.w;
+    Copy(eye, this->Eye);
+    this->EyeDistance =
+      static_cast<float>(std::min(glm::length(eye), static_cast<double>(LargestDistance)));
+  }
   ToPixels(camera, near, this->NearW);
   ToPixels(camera, far, this->FarW);
 

@@ -17,11 +17,11 @@ namespace ffd
  * are an affine function of the image position, whatever the projection and the matrix of the
  * volume are: they all meet in one point, which may be at infinity.
  *
- * Packets count t from the point of a ray that is nearest to the middle of the whole, the local
- * origin: that of ViewRay less ViewRay::FindNearestT(). There t is small wherever something may be
- * seen, and about the same for neighboring rays. From plane to plane of the camera it is not: where
- * the matrix of the volume presses it flat, these are oblique to the rays, which begin at very
- * different t.
+ * Packets count t from the point of a ray that is as far from the eye as the middle of the whole,
+ * the local origin: that of ViewRay less CameraView::FindMiddleT(). There t is small wherever
+ * something may be seen, and about the same for neighboring rays. From plane to plane of the camera
+ * it is not: where the matrix of the volume presses it flat, these are oblique to the rays, which
+ * begin at very different t.
  */
 struct PacketRays
 {
@@ -32,6 +32,11 @@ struct PacketRays
   using Affine = float[3];
   Affine Direction[3] = {}; ///< by component, of about unit length
   Affine Moment[3] = {};
+  /// Where they meet, and its distance from the local origin, which is LargestDistance for parallel
+  /// rays.
+  float Eye[3] = {};
+  float EyeDistance = LargestDistance;
+  static constexpr float LargestDistance = 1e30f;
   Affine NearW = {}; ///< what homogeneous coordinates are divided by at the near plane,
   Affine FarW = {};  ///< and at the far plane
 

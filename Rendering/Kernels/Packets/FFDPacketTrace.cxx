@@ -142,7 +142,7 @@ void TracePackets(const PacketCaster& packets, const CastScene& scene, const Cas
   const VolumeView& volume = scene.Volume;
   const glm::dvec3 shift =
     scene.WholeAtRest ? -glm::round(volume.ToIndex(scene.WholeAtRest->Min)) : glm::dvec3(0.0);
-  const double origin = ray.Viewing.FindNearestT(FindMiddle(scene));
+  const double origin = scene.Camera.FindMiddleT(ray.Viewing, FindMiddle(scene));
   std::size_t next = 0;
   for (const TileSegment* segment : segments)
   {

@@ -56,7 +56,7 @@ public:
     {
       gradient = Transform(this->Scene.IndexGradientToLights, byIndex);
     }
-    else if (curve.Interpolated)
+    else if (curve.Interpolated && HWY_LIKELY(this->HasFrame()))
     {
       gradient = this->GradientFromFrame(curve, byIndex, s);
     }
@@ -89,17 +89,16 @@ public:
       }
       return;
     }
-    if (curve.Interpolated)
+    if (curve.Interpolated && this->HasFrame())
     {
       if (!this->HaveSlopes)
       {
         this->FindSlopes(curve);
       }
       const Vf spread = this->Spread(t);
-      const Vec3& along = this->Rays.Direction;
-      deformed[0] = MulAdd(this->AlongX, along, Scale(spread, this->AcrossX));
-      deformed[1] = MulAdd(this->AlongY, along, Scale(spread, this->AcrossY));
-      deformed[2] = along;
+      deformed[0] = Scale(spread, this->AcrossX);
+      deformed[1] = Scale(spread, this->AcrossY);
+      deformed[2] = this->Rays.Direction;
       rest[0] = this->SlopeX.At(s);
       rest[1] = this->SlopeY.At(s);
       rest[2] = this->SlopeT.At(s);
@@ -142,8 +141,8 @@ private:
     }
     const Vf spread = this->Spread(curve.TimeAt(s));
     const Vf gt = Dot(byIndex, this->SlopeT.At(s));
-    const Vf gx = hn::NegMulAdd(this->AlongX, gt, Dot(byIndex, this->SlopeX.At(s)));
-    const Vf gy = hn::NegMulAdd(this->AlongY, gt, Dot(byIndex, this->SlopeY.At(s)));
+    const Vf gx = Dot(byIndex, this->SlopeX.At(s));
+    const Vf gy = Dot(byIndex, this->SlopeY.At(s));
     return MulAdd(
       gx, this->NormalX, MulAdd(gy, this->NormalY, Scale(hn::Mul(gt, spread), this->NormalT)));
   }
@@ -164,25 +163,33 @@ private:
       row = hn::Mul(row, Splat(3.0f / static_cast<float>(curve.Segment->Side - 1)));
     }
     this->SlopeY = FindPacketCurve(curve.Segment->Columns, curve.X, rows);
-    if (!this->HaveFrame)
+  }
+
+  /// Whether rows and columns of pixels lie across each other. If not, as with some oblique
+  /// projections, derivatives along them do not tell a gradient.
+  HWY_INLINE bool HasFrame()
+  {
+    if (HWY_UNLIKELY(this->Frame == FrameState::Unknown))
     {
       this->FindFrame();
     }
+    return this->Frame == FrameState::Regular;
   }
 
   HWY_NOINLINE void FindFrame()
   {
-    this->HaveFrame = true;
     const RaySpread spread = this->Trees.FindSpread(this->X, this->Y, this->Rows, this->Rays);
-    this->AlongX = spread.AlongX;
-    this->AlongY = spread.AlongY;
     this->SpreadBase = spread.Base;
     this->SpreadPerT = spread.PerT;
     const Vec3& x = this->AcrossX = spread.AcrossX;
     const Vec3& y = this->AcrossY = spread.AcrossY;
     const Vec3& t = this->Rays.Direction;
     const Vec3 yt = Cross(y, t);
-    const Vf inverse = hn::Div(Splat(1.0f), Dot(x, yt));
+    const Vf area = Dot(x, yt);
+    const Vf least = hn::Mul(Splat(LeastSine * LeastSine), hn::Mul(Dot(x, x), Dot(y, y)));
+    this->Frame = hn::AllTrue(Df(), hn::Gt(hn::Mul(area, area), least)) ? FrameState::Regular
+                                                                        : FrameState::Flat;
+    const Vf inverse = hn::Div(Splat(1.0f), area);
     const auto toSpace = [&](const Vec3& normal) {
       return Transform(this->Scene.GradientToLights, Scale(inverse, normal));
     };
@@ -217,14 +224,21 @@ private:
   Quartic SlopeY;
   Cubic SlopeT;
 
-  // The vectors that make a gradient of derivatives along columns, rows and t; found with these.
-  bool HaveFrame = false;
+  /// Of the angle between rows and columns of pixels, seen along the rays.
+  static constexpr float LeastSine = 0.1f;
+
+  // The vectors that make a gradient of derivatives along columns, rows and t.
+  enum class FrameState
+  {
+    Unknown,
+    Regular,
+    Flat
+  };
+  FrameState Frame = FrameState::Unknown;
   Vec3 NormalX;
   Vec3 NormalY;
   Vec3 NormalT;
-  Vf AlongX; ///< RaySpread
-  Vf AlongY;
-  Vec3 AcrossX;
+  Vec3 AcrossX; ///< RaySpread
   Vec3 AcrossY;
   Vf SpreadBase;
   Vf SpreadPerT;

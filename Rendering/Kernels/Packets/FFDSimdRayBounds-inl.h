@@ -22,19 +22,25 @@ namespace HWY_NAMESPACE
 {
 
 /**
- * Bounds of rays, and of all rays between them. Directions d and moments m of these (PacketRays)
- * are means of those that are included, which have unit length each. So are the points D x m
- * nearest to the local origin, but for the products of how far directions and moments are apart;
- * and what lies along a unit vector is farther than along d by no more than 1 / |d|.
+ * Bounds of rays, and of all rays between them. Directions d of these, of unit length or less, are
+ * means of those that are included. So are the points where t is zero, but for a shift along the
+ * ray: parallel rays have none; others meet at a distance of these points, and the mean of unit
+ * vectors is shorter by at most a quarter of the square of how far they are apart. What lies along
+ * a unit vector is farther than along d by no more than 1 / |d|.
  */
 class RayBounds
 {
 public:
+  /// `distance`: PacketRays::EyeDistance.
+  explicit RayBounds(float distance)
+    : Distance(distance)
+  {
+  }
+
   HWY_INLINE void Include(const Vec3& origin, const Vec3& direction)
   {
     this->Origins.Include(origin);
     this->Directions.Include(direction);
-    this->Moments.Include(Cross(origin, direction));
   }
 
   /// Whether something may be visible where the rays are from t = `from` to `to`, local lengths, in
@@ -42,24 +48,22 @@ public:
   bool Meet(const VisibleSpace& space, float from, float to, float length) const
   {
     const float stretch = this->FindStretch();
-    const float apart = this->Directions.FindDiagonal() * this->Moments.FindDiagonal();
+    const float shift = 0.25f * this->Distance * this->Directions.FindSquaredDiagonal();
     const int count = static_cast<int>(std::clamp((to - from) / length, 1.0f, 32.0f));
     const float step = (to - from) / static_cast<float>(count);
     for (int i = 0; i < count; ++i)
     {
       const float first = from + static_cast<float>(i) * step;
-      const Range t = Range{ first, first + step }.Stretch(stretch);
+      const float last = first + step + shift;
+      const float t[2] = { std::min(first, stretch * first), std::max(last, stretch * last) };
       float low[3];
       float high[3];
       for (int a = 0; a < 3; ++a)
       {
-        const Range origin =
-          Range{ this->Origins.Low[a] - apart, this->Origins.High[a] + apart }.Stretch(
-            stretch * stretch);
         const float d0 = this->Directions.Low[a];
         const float d1 = this->Directions.High[a];
-        low[a] = origin.Low + std::min({ t.Low * d0, t.Low * d1, t.High * d0, t.High * d1 });
-        high[a] = origin.High + std::max({ t.Low * d0, t.Low * d1, t.High * d0, t.High * d1 });
+        low[a] = this->Origins.Low[a] + std::min({ t[0] * d0, t[0] * d1, t[1] * d0, t[1] * d1 });
+        high[a] = this->Origins.High[a] + std::max({ t[0] * d0, t[0] * d1, t[1] * d0, t[1] * d1 });
       }
       if (space.Meets(low, high))
       {
@@ -70,18 +74,6 @@ public:
   }
 
 private:
-  struct Range
-  {
-    float Low;
-    float High;
-
-    /// The range of its values times 1 to `most`.
-    Range Stretch(float most) const
-    {
-      return { std::min(this->Low, most * this->Low), std::max(this->High, most * this->High) };
-    }
-  };
-
   struct Limits
   {
     float Low[3] = { 1e30f, 1e30f, 1e30f };
@@ -98,14 +90,14 @@ private:
       include(v.z, 2);
     }
 
-    float FindDiagonal() const
+    float FindSquaredDiagonal() const
     {
       float squared = 0.0f;
       for (int a = 0; a < 3; ++a)
       {
         squared += (this->High[a] - this->Low[a]) * (this->High[a] - this->Low[a]);
       }
-      return std::sqrt(squared);
+      return squared;
     }
   };
 
@@ -126,9 +118,9 @@ private:
     return 1.0f / std::clamp(chord, 0.01f, 1.0f);
   }
 
+  float Distance;
   Limits Origins;
   Limits Directions;
-  Limits Moments;
 };
 
 } // namespace HWY_NAMESPACE

@@ -20,7 +20,7 @@ namespace HWY_NAMESPACE
 {
 
 /// A packet of viewing rays, local coordinates: P(t) = Origin + t * Direction, t in data units.
-/// Origin is the point that is nearest to the local origin.
+/// Origin is where PacketRays begins to count t.
 struct RayPacket
 {
   Vec3 Origin;
@@ -42,12 +42,25 @@ HWY_INLINE Vec3 Evaluate(const PacketRays& image, const PacketRays::Affine (&of)
     Evaluate(image, of[2], x, y) };
 }
 
+/// What lies between the point of a ray that is nearest to the local origin and where t is zero.
+/// `direction`, `moment`: of unit length, and with that.
+HWY_INLINE Vf FindShift(const PacketRays& image, const Vec3& direction, const Vec3& moment)
+{
+  const Vf distance = Splat(image.EyeDistance);
+  const Vf along = Dot(Broadcast(image.Eye), direction);
+  // CameraView::FindMiddleT()
+  const Vf behind = hn::Div(Dot(moment, moment), hn::Max(hn::Sub(distance, along), Splat(1e-30f)));
+  return hn::IfThenElse(hn::Gt(along, hn::Zero(Df())), hn::Add(distance, along), behind);
+}
+
 /// Finds Origin and Direction of rays through image positions, which takes less than to store and
 /// read them. `inverseLength`: of PacketRays::Direction there.
 HWY_INLINE void FindLines(const PacketRays& image, Vf x, Vf y, Vf inverseLength, RayPacket& rays)
 {
   rays.Direction = Scale(inverseLength, Evaluate(image, image.Direction, x, y));
-  rays.Origin = Cross(rays.Direction, Scale(inverseLength, Evaluate(image, image.Moment, x, y)));
+  const Vec3 moment = Scale(inverseLength, Evaluate(image, image.Moment, x, y));
+  rays.Origin =
+    MulAdd(FindShift(image, rays.Direction, moment), rays.Direction, Cross(rays.Direction, moment));
 }
 
 /// Finds t of rays at a plane.
@@ -106,14 +119,12 @@ struct WindowDepths
 };
 
 /**
- * The derivatives of P(t) by pixels: AlongX * D + Spread(t) * AcrossX from column to column, D
- * being the direction of the ray, likewise from row to row. AcrossX and AcrossY are at right angles
- * to D. This is exact for all projective cameras, whose rays meet in the eye or are parallel.
+ * The derivatives of P(t) by pixels: Spread(t) * AcrossX from column to column, at right angles to
+ * the ray, likewise from row to row. This is exact for all projective cameras, whose rays meet in
+ * the eye or are parallel.
  */
 struct RaySpread
 {
-  Vf AlongX;
-  Vf AlongY;
   Vec3 AcrossX;
   Vec3 AcrossY;
   Vf Base; ///< of Spread()
@@ -125,13 +136,15 @@ struct RaySpread
     const Vec3& direction = rays.Direction;
     const Vf inverseLength =
       hn::Div(Splat(1.0f), Dot(Evaluate(image, image.Direction, x, y), direction));
-    // Spread() is one where a ray is nearest to the local origin, or at the near plane behind that:
-    // not in the eye, where it is zero.
+    // Spread() is one where t is zero, or at the near plane behind that: not in the eye, where it
+    // is zero.
     const Vf middle = hn::Max(TimeAtPlane(image.NearPlane, rays), hn::Zero(Df()));
-    // With D = d / |d| and Origin = D x m / |d|, the change of D is that of d at right angles to D,
-    // over |d|, and that of Origin is along D by -Origin . D', across it D x m' less what the
-    // length of d changes by.
-    const auto find = [&](int coefficient, Vf& along, Vec3& across) {
+    // With D = d / |d| the change of D is that of d at right angles to D, over |d|. That of the
+    // point nearest to the local origin, D x m / |d|, is across the ray D x m' less what the length
+    // of d changes by.
+    const Vf along = Dot(rays.Origin, direction);
+    const Vec3 nearest = Sub(rays.Origin, Scale(along, direction));
+    const auto find = [&](int coefficient, Vec3& across) {
       const auto take = [&](const PacketRays::Affine(&of)[3]) {
         return Scale(inverseLength,
           { Splat(of[0][coefficient]), Splat(of[1][coefficient]), Splat(of[2][coefficient]) });
@@ -139,13 +152,12 @@ struct RaySpread
       const Vec3 byPixel = take(image.Direction);
       const Vf stretch = Dot(byPixel, direction);
       const Vec3 turn = Sub(byPixel, Scale(stretch, direction));
-      along = hn::Neg(Dot(rays.Origin, turn));
-      across = MulAdd(
-        middle, turn, Sub(Cross(direction, take(image.Moment)), Scale(stretch, rays.Origin)));
+      across = MulAdd(hn::Add(middle, along), turn,
+        Sub(Cross(direction, take(image.Moment)), Scale(stretch, nearest)));
       return turn;
     };
-    const Vec3 turn = find(1, this->AlongX, this->AcrossX);
-    find(2, this->AlongY, this->AcrossY);
+    const Vec3 turn = find(1, this->AcrossX);
+    find(2, this->AcrossY);
     this->PerT = hn::Div(Dot(turn, this->AcrossX), Dot(this->AcrossX, this->AcrossX));
     this->Base = hn::NegMulAdd(middle, this->PerT, Splat(1.0f));
   }

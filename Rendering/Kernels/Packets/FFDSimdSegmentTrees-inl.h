@@ -127,7 +127,7 @@ public:
     {
       return end;
     }
-    RayBounds bounds;
+    RayBounds bounds(this->Scene.Rays.EyeDistance);
     bounds.Include(rays.Origin, rays.Direction);
     for (; end > first; end -= few)
     {
@@ -236,7 +236,7 @@ private:
   HWY_NOINLINE bool MeetsVisible(const TileSegment& segment) const
   {
     const NodeRays rays = this->Rays.Find(segment, NodeAt);
-    RayBounds bounds;
+    RayBounds bounds(this->Scene.Rays.EyeDistance);
     for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(Df()))
     {
       bounds.Include(LoadNodes(rays.Origins, i), LoadNodes(rays.Directions, i));
