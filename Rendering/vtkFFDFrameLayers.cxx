@@ -176,9 +176,8 @@ vtkFFDImageDisplay::Layers vtkFFDFrameLayers::Cast(const ffd::CastScene& scene,
         const auto toT = [&](float depth) {
           return camera.DepthToT(ray, p.x, p.y, static_cast<double>(depth));
         };
-        const auto toDepth = [&](double t) {
-          return static_cast<float>(camera.ToDepth(ray.Origin + t * ray.Direction));
-        };
+        const auto toDepth = [&](
+                               double t) { return static_cast<float>(camera.ToDepth(ray.At(t))); };
         const float start = startsAtSample ? picture.FirstVisible[at] : toDepth(from);
         to = std::min(to, toT(this->RayDepths[at]));
         std::fill_n(layers, 3, start);

@@ -302,9 +302,7 @@ void vtkFFDMoveToBackface(vtkFFDInverseRayVolumeMapper* mapper, const vtkFFDFram
     double leave = ray.Far;
     if (ffd::ClipToBox(ray.Origin, ray.Direction, bounds, enter, leave))
     {
-      const glm::dvec4 clip =
-        camera.DataToNdc * glm::dvec4(ray.Origin + leave * ray.Direction, 1.0);
-      depths[i] = static_cast<float>(0.5 * (clip.z / clip.w + 1.0));
+      depths[i] = static_cast<float>(camera.ToDepth(ray.At(leave)));
     }
   }
 }

@@ -164,7 +164,7 @@ private:
     const ffd::VolumeView& volume = this->Cast.Volume;
     const ffd::ViewRay ray = this->Cast.Camera.MakeRay(sample.X + 0.5, sample.Y + 0.5);
     const double t = sample.T + this->Cast.Camera.FindMiddleT(ray, FindMiddle(this->Cast));
-    const glm::dvec3 p = ray.Origin + t * ray.Direction;
+    const glm::dvec3 p = ray.At(t);
     const glm::dvec3 index(sample.Index[0], sample.Index[1], sample.Index[2]);
     glm::dvec3 q;
     if (InvertsTheField(this->Map.GetKind()))

@@ -348,8 +348,7 @@ TEST(TileHistory, TilesThatSeeTheChangeAreCastAgain)
       {
         const glm::ivec2 tile(static_cast<int>(i) % tilesPerRow, static_cast<int>(i) / tilesPerRow);
         const ViewRay ray = camera.MakeRay(16.0 * tile.x + 8.0, 16.0 * tile.y + 8.0);
-        const double middle =
-          glm::dot(0.5 * (edited.Rest.Min + edited.Rest.Max) - ray.Origin, ray.Direction);
+        const double middle = ray.FindNearestT(0.5 * (edited.Rest.Min + edited.Rest.Max));
         const bool ends = random.Integer(0, 1) == 0;
         reaches[i] = ends
           ? static_cast<float>(
@@ -372,7 +371,7 @@ TEST(TileHistory, TilesThatSeeTheChangeAreCastAgain)
           continue;
         }
         const double t = random.Number(from, to);
-        const glm::dvec3 p = ray.Origin + t * ray.Direction;
+        const glm::dvec3 p = ray.At(t);
         const int tile =
           static_cast<int>(pixel.x) / 16 + tilesPerRow * (static_cast<int>(pixel.y) / 16);
         const auto distanceTo = [&p](const ViewRay& other) {

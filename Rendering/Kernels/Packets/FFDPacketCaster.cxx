@@ -55,7 +55,7 @@ void ChooseRootSide(const glm::dvec3& quarter, PacketScene& scene)
     const double w = glm::dot(rows.W, point);
     const glm::dvec2 at = glm::dvec2(glm::dot(rows.X, point), glm::dot(rows.Y, point)) / w;
     const ViewRay ray = camera.MakeRay(at.x, at.y);
-    const double t = glm::dot(p - ray.Origin, ray.Direction);
+    const double t = ray.FindNearestT(p);
     // Behind the camera, or farther aside than any picture is wide.
     if (!(w > 0.0 && t >= 0.0 && t < ray.Far && std::max(std::abs(at.x), std::abs(at.y)) < 1e5))
     {
