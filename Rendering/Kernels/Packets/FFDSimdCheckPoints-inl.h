@@ -38,6 +38,76 @@ constexpr CheckSet CheckSets[3] = { { { 0.12f, 0.39f, 0.61f, 0.88f },
   { { 0.06f, 0.22f, 0.5f, 0.93f }, { 0.04f, 0.19f, 0.55f, 0.98f } },
   { { 0.17f, 0.45f, 0.79f, 0.96f }, { 0.13f, 0.45f, 0.72f, 0.88f } } };
 
+/**
+ * The errors of the pull-backs of check points. For the kinds that invert T they are steps of
+ * Newton's method, whose Jacobian is found for the first points of a segment; after that each point
+ * takes that of the point which had about the same s, in its own column of the square.
+ */
+class PullBackErrors
+{
+public:
+  /// Keeps references.
+  PullBackErrors(const PacketScene& scene, CastStatistics& statistics)
+    : Scene(scene)
+    , Statistics(statistics)
+  {
+  }
+
+  /// `turn`: of the points of a set, see CheckPoints.
+  void Begin(int turn)
+  {
+    if (this->Begun++ > 0 && InvertsTheField(this->Scene.Kind))
+    {
+      const std::size_t other = NodesPerSide * static_cast<std::size_t>(turn);
+      for (std::size_t row = 0; row < 3; ++row)
+      {
+        for (std::size_t a = 0; a < 3; ++a)
+        {
+          for (std::size_t i = 0; i < TileNodes; i += NodesPerSide)
+          {
+            std::copy_n(&this->FirstRows[row][a][i ^ other], NodesPerSide, &this->Rows[row][a][i]);
+          }
+        }
+      }
+    }
+  }
+
+  /// The errors of q as Phi(p), of the points from `first` on; to first order if T is inverted.
+  HWY_INLINE Vec3 Find(const Vec3& p, const Vec3& q, std::size_t first)
+  {
+    const PacketScene& scene = this->Scene;
+    this->Statistics.Evaluations += static_cast<std::int64_t>(hn::Lanes(Df()));
+    if (!InvertsTheField(scene.Kind))
+    {
+      const Vec3 displacement = Displacement(scene.Field, p);
+      const bool minus = scene.Kind == PullBackKind::FirstOrder;
+      return Sub(minus ? Sub(p, displacement) : Add(p, displacement), q);
+    }
+    const Vec3 rest = MirrorAt(scene, p, q);
+    if (this->Begun == 1)
+    {
+      const NewtonStep step = FindNewtonStep(scene.Field, p, rest);
+      for (std::size_t row = 0; row < 3; ++row)
+      {
+        StoreNodes(Scale(step.Inverse, step.Rows[row]), this->FirstRows[row], first);
+      }
+      return step.Delta;
+    }
+    const Vec3 residual = Add(Sub(rest, p), Displacement(scene.Field, rest));
+    const auto along = [&](std::size_t row) {
+      return Dot(residual, LoadNodes(this->Rows[row], first));
+    };
+    return { along(0), along(1), along(2) };
+  }
+
+private:
+  const PacketScene& Scene;
+  CastStatistics& Statistics;
+  int Begun = 0;                        ///< turns
+  alignas(64) NodeVectors FirstRows[3]; ///< of J_T^-1
+  alignas(64) NodeVectors Rows[3];      ///< in the order of the points of the turn
+};
+
 /// The points between the nodes of a segment where its error is measured.
 class CheckPoints
 {
@@ -45,12 +115,12 @@ public:
   static constexpr int Turns = 4;
 
   CheckPoints(const PacketScene& scene, const RootRays& rays, const TileSegment& segment, int set,
-    CastStatistics& statistics)
+    PullBackErrors& errors)
     : Scene(scene)
     , Segment(segment)
     , Along(CheckSets[set].Along)
     , Rays(rays.Find(segment, CheckSets[set].Across))
-    , Statistics(statistics)
+    , Errors(errors)
   {
     const NodePositions positions(CheckSets[set].Across);
     for (std::size_t k = 0; k < TileLayers; ++k)
@@ -59,8 +129,9 @@ public:
     }
   }
 
-  /// The longest Newton step at the points, voxels; huge if one is not a number. A point has four
-  /// values of s, one a turn.
+  /// The longest error at the points, voxels; huge if one is not a number. A point has four values
+  /// of s, one a turn: that of the turn n is the first one of the point n rows away (by exclusive
+  /// or).
   HWY_NOINLINE float FindError(int turn) const
   {
     const Df d;
@@ -69,16 +140,17 @@ public:
     HWY_ALIGN float at[TileNodes];
     for (int i = 0; i < TileNodes; ++i)
     {
-      at[i] = this->Along[(i % 4 + i / 4 + turn) % 4];
+      at[i] = this->Along[i % NodesPerSide ^ i / NodesPerSide ^ turn];
     }
+    this->Errors.Begin(turn);
     for (std::size_t i = 0; i < TileNodes; i += hn::Lanes(d))
     {
       const Vf s = hn::Load(d, at + i);
       const Vec3 q = LoadQuartic(this->Terms, i).At(s);
       const Vec3 p =
         this->Rays.At(hn::MulAdd(s, Splat(this->Segment.Dt), Splat(this->Segment.T0)), i);
-      const Vec3 error = Transform(
-        scene.LocalToIndex, FindPullBackError(scene, p, WholeToLocal(scene, q), this->Statistics));
+      const Vec3 error =
+        Transform(scene.LocalToIndex, this->Errors.Find(p, WholeToLocal(scene, q), i));
       const Vf length = Dot(error, error);
       // Comparisons with what is not a number are false.
       const Vf huge = Splat(1e20f);
@@ -92,7 +164,7 @@ private:
   const TileSegment& Segment;
   const float* Along;
   NodeRays Rays;
-  CastStatistics& Statistics;
+  PullBackErrors& Errors;
   alignas(64) NodeLayers Terms;
 };
 
@@ -120,9 +192,13 @@ public:
   /// Estimates the error of the interpolant from few check points, voxels.
   float Estimate(const TileSegment& segment)
   {
-    return this->Scene.Identity ? 0.0f
-                                : 2.0f * SafetyFactor *
-        CheckPoints(this->Scene, this->Rays, segment, 0, this->Statistics).FindError(0);
+    if (this->Scene.Identity)
+    {
+      return 0.0f;
+    }
+    PullBackErrors errors(this->Scene, this->Statistics);
+    return 2.0f * SafetyFactor *
+      CheckPoints(this->Scene, this->Rays, segment, 0, errors).FindError(0);
   }
 
   /**
@@ -140,11 +216,12 @@ public:
     }
     const float enough = this->FindTolerance(segment) / SafetyFactor;
     const float cells = this->CountCells(hull);
-    const int sets = cells > 2.0f ? 3 : cells > 1.0f ? 2 : 1;
+    const int sets = cells > 4.0f ? 3 : cells > 2.0f ? 2 : 1;
+    PullBackErrors errors(this->Scene, this->Statistics);
     float largest = 0.0f;
     for (int set = 0; set < sets; ++set)
     {
-      CheckPoints points(this->Scene, this->Rays, segment, set, this->Statistics);
+      CheckPoints points(this->Scene, this->Rays, segment, set, errors);
       for (int turn = 0; turn < CheckPoints::Turns; ++turn)
       {
         largest = std::max(largest, points.FindError(turn));

@@ -159,7 +159,8 @@ HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& 
   Vec3 q = start;
   int evaluations = 0;
   const auto solve = [&](Mf lanes, int steps, Vec3& at, NewtonStep& last) {
-    const Mf solved = SolveInverse(scene.Field, p, tolerance, lanes, steps, at, last, evaluations);
+    const Mf solved =
+      SolveInverse(scene.Field, p, tolerance, lanes, steps, !scene.Folds, at, last, evaluations);
     const Mf kept = hn::Gt(hn::Mul(last.Inverse, Splat(scene.Orientation)), hn::Zero(d));
     return hn::And(solved, kept);
   };
@@ -229,23 +230,6 @@ HWY_INLINE Vec3 EstimatePullBack(const PacketScene& scene, const Vec3& p)
 {
   const bool inverse = !scene.Identity && InvertsTheField(scene.Kind);
   return inverse ? MirrorAt(scene, p, FindColdStart(scene, p)) : p;
-}
-
-/// The error of q as Phi(p); for the kinds that invert T to first order, by a Newton step.
-HWY_INLINE Vec3 FindPullBackError(
-  const PacketScene& scene, const Vec3& p, const Vec3& q, CastStatistics& statistics)
-{
-  if (scene.Identity)
-  {
-    return Sub(q, p);
-  }
-  if (!InvertsTheField(scene.Kind))
-  {
-    const Mf all = hn::FirstN(Df(), hn::Lanes(Df()));
-    return Sub(PullBackFrom(scene, p, q, scene.Tolerance, all, statistics), q);
-  }
-  statistics.Evaluations += static_cast<std::int64_t>(hn::Lanes(Df()));
-  return FindNewtonStep(scene.Field, p, MirrorAt(scene, p, q)).Delta;
 }
 
 /// Evaluates dPhi/dP of every lane, by columns, at deformed points p whose rest points are q, local
