@@ -168,22 +168,17 @@ void vtkFFDInverseRayVolumeMapper::SetMinimumSegmentLength(double voxels)
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetMaximumSegmentLength(double voxels)
 {
-  if (voxels == 0.0)
-  {
-    if (this->MaximumSegmentLength != 0.0)
-    {
-      this->MaximumSegmentLength = 0.0;
-      this->Modified();
-    }
-    return;
-  }
-  if (!(voxels > 0.0 && std::isfinite(voxels)))
+  if (!(voxels >= 0.0 && std::isfinite(voxels)))
   {
     vtkErrorMacro(<< "MaximumSegmentLength must be a positive number, or 0, not " << voxels
                   << "; it stays " << this->MaximumSegmentLength << ".");
     return;
   }
-  this->SetPositive("MaximumSegmentLength", this->MaximumSegmentLength, voxels);
+  if (this->MaximumSegmentLength != voxels)
+  {
+    this->MaximumSegmentLength = voxels;
+    this->Modified();
+  }
 }
 
 //------------------------------------------------------------------------------

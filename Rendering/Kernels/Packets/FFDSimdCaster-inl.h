@@ -343,10 +343,12 @@ private:
       }
       return true;
     };
-    const bool known = peak.Segment != nullptr;
-    for (int index = first; index <= last && !known; ++index)
+    if (!peak.Segment)
     {
-      this->ForLeaves(this->Trees.GetRoot(index), find);
+      for (int index = first; index <= last; ++index)
+      {
+        this->ForLeaves(this->Trees.GetRoot(index), find);
+      }
     }
     if (!peak.Segment)
     {
