@@ -184,6 +184,29 @@ class TestFolds(unittest.TestCase):
                     self.assertGreater((alphas[1] > 128).sum(), 3000)
                     self.assertLessEqual(far, 18)  # edges
 
+    def test_all_points_of_tapers_that_nearly_fold_converge(self):
+        """Far from where they start, steps of Newton's method need the Jacobian of where they are."""
+        for voxels, points, strength in (((87, 69, 44), 7, 1.166), ((68, 62, 112), 10, 1.405)):
+            image = make_block(voxels)
+            lattice = vtkffd.vtkFFDLattice()
+            lattice.SetDimensions(points, points, points)
+            lattice.FitToBounds(image.GetBounds())
+            vtkffd.vtkFFDLatticeSource.ApplyShape(
+                lattice, vtkffd.vtkFFDLatticeSource.TAPER, strength)
+            self.assertTrue(lattice.IsFoldFree())
+            mapper = make_mapper(image, lattice)
+            mapper.CollectStatisticsOn()
+            center = numpy.array(image.GetBounds()).reshape(3, 2).mean(axis=1)
+            generator = numpy.random.default_rng(5)
+            for _ in range(6):
+                path = generator.normal(size=3)
+                path *= generator.uniform(1.2, 2.5) * max(voxels) / numpy.linalg.norm(path)
+                _, alpha = self.render(mapper, center, path, ((0, 0.05), (255, 0.05)))
+                with self.subTest(voxels=voxels, path=path):
+                    self.assertGreater((alpha > 0).sum(), 1000)
+                    statistics = mapper.GetStatistics()
+                    self.assertEqual(statistics.GetNumberOfUnconvergedPoints(), 0)
+
     def test_rays_are_not_followed_where_the_block_is_not(self):
         """A taper that presses the block into a plane and beyond leaves gaps along most rays."""
         image = make_block()

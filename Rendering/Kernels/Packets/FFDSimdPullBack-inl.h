@@ -153,8 +153,8 @@ HWY_INLINE Vec3 InvertFrom(const PacketScene& scene, const Vec3& p, const Vec3& 
   float tolerance, Mf active, NewtonStep& step, CastStatistics& statistics)
 {
   // Few steps where T folds: there many points have no solution.
-  const int mostSteps = scene.Folds ? 5 : 12;
-  const int mostStepsAgain = scene.Folds ? 7 : 12;
+  const int mostSteps = scene.Folds ? 5 : 13;
+  const int mostStepsAgain = scene.Folds ? 7 : 13;
   const Df d;
   Vec3 q = start;
   int evaluations = 0;

@@ -345,21 +345,21 @@ HWY_INLINE Vf FindStepLimit(const PacketField& field, Vf bend)
  * T(Q) = p for the lanes of `active` by Newton's method from `q`, with steps of limited length. A
  * lane is done with a step no longer than the tolerance or FindRounding(), or earlier: by the
  * theorem of Newton and Kantorovich with a step delta that ends within h |delta| of Q, where h =
- * |J^-1| M |delta| <= 1/2, M being a bound of the second derivative. With `chords` every other step
- * has the Jacobian of the one before, and takes half as long; from its length and the one before
- * follows how far from Q it ends. What a lane gets does not depend on the others. Returns the lanes
- * that are done; `step` is the last one.
+ * |J^-1| M |delta| <= 1/2, M being a bound of the second derivative. With `chord` the second step
+ * has the Jacobian of the first one, and takes half as long. It counts where it is at most half as
+ * long as that: what is left then follows from both lengths. What a lane gets does not depend on
+ * the others. Returns the lanes that are done; `step` is the last one.
  */
 HWY_INLINE Mf SolveInverse(const PacketField& field, const Vec3& p, float tolerance, Mf active,
-  int largestSteps, bool chords, Vec3& q, NewtonStep& step, int& evaluations)
+  int largestSteps, bool chord, Vec3& q, NewtonStep& step, int& evaluations)
 {
   const Df d;
   Mf done = hn::Not(active);
-  Vf before = hn::Zero(d);
+  Vf first = hn::Zero(d);
   for (int i = 0; i < largestSteps && !hn::AllTrue(d, done); ++i)
   {
-    const bool chord = chords && i % 2 == 1;
-    if (chord)
+    const bool isChord = chord && i == 1;
+    if (isChord)
     {
       step.Residual = Add(Sub(q, p), Displacement(field, q));
       step.Delta = step.Apply(step.Residual);
@@ -374,33 +374,32 @@ HWY_INLINE Mf SolveInverse(const PacketField& field, const Vec3& p, float tolera
     const Vf length = hn::Mul(squared, inverse);
     const Vf bend = hn::Mul(step.Norm, Splat(field.SecondDerivative));
     const Vf limit = FindStepLimit(field, bend);
+    const Mf isWhole = hn::Le(length, limit);
     const Vf part = hn::Min(Splat(1.0f), hn::Mul(limit, inverse));
     const Vec3 next = MulAdd(hn::Neg(part), step.Delta, q);
     const Vf largest = hn::Max(Splat(tolerance), FindRounding(field, step));
-    Mf isNear;
-    if (chord)
+    if (isChord)
     {
-      // Steps become shorter by about the same factor: what is left is below length^2 / before.
+      // Steps become shorter by about the same factor: what is left is below length^2 / first.
       const Vf guard = Splat(4.0f);
+      const Mf counts = hn::Le(hn::Add(length, length), first);
       const Mf isShort = hn::And(hn::Le(length, hn::Mul(guard, largest)),
-        hn::Le(hn::Mul(guard, hn::Mul(length, length)), hn::Mul(largest, before)));
-      isNear =
-        hn::And(hn::Le(hn::Add(length, length), before), hn::Or(hn::Le(length, largest), isShort));
+        hn::Le(hn::Mul(guard, hn::Mul(length, length)), hn::Mul(largest, first)));
+      q = Select(hn::AndNot(done, counts), next, q);
+      done = hn::Or(done, hn::And(counts, hn::Or(hn::Le(length, largest), isShort)));
+      continue;
     }
-    else
+    const Vf h = hn::Mul(bend, length);
+    Mf known = hn::And(hn::Le(h, Splat(0.5f)), isWhole);
+    if (!field.Smooth)
     {
-      const Vf h = hn::Mul(bend, length);
-      Mf known = hn::And(hn::Le(h, Splat(0.5f)), hn::Le(length, limit));
-      if (!field.Smooth)
-      {
-        known = hn::And(known, hn::And(IsInLattice(field, q), IsInLattice(field, next)));
-      }
-      isNear = hn::Or(
-        hn::Le(length, largest), hn::And(known, hn::Le(hn::Mul(h, length), Splat(tolerance))));
+      known = hn::And(known, hn::And(IsInLattice(field, q), IsInLattice(field, next)));
     }
     q = Select(done, q, next);
-    done = hn::Or(done, isNear);
-    before = hn::Min(length, limit);
+    done = hn::Or(done,
+      hn::Or(
+        hn::Le(length, largest), hn::And(known, hn::Le(hn::Mul(h, length), Splat(tolerance)))));
+    first = hn::IfThenElseZero(isWhole, length);
   }
   return done;
 }
