@@ -32,10 +32,10 @@ def make_block(voxels=VOXELS):
     return image
 
 
-def make_lattice(image, shape, strength):
+def make_lattice(image, shape, strength, points=(8, 8, 8)):
     source = vtkffd.vtkFFDLatticeSource()
     source.SetBounds(image.GetBounds())
-    source.SetDimensions(8, 8, 8)
+    source.SetDimensions(*points)
     source.SetShape(shape)
     source.SetStrength(strength)
     source.Update()
@@ -138,11 +138,8 @@ class TestFolds(unittest.TestCase):
         source.SetWholeExtent(-20, 20, -20, 20, -20, 20)
         source.Update()
         for size, strength in ((4, 1), (6, 1.2), (6, 2)):
-            lattice = vtkffd.vtkFFDLattice()
-            lattice.SetDimensions(size, size, size)
-            lattice.FitToBounds(source.GetOutput().GetBounds())
-            vtkffd.vtkFFDLatticeSource.ApplyShape(
-                lattice, vtkffd.vtkFFDLatticeSource.BEND, strength)
+            lattice = make_lattice(
+                source.GetOutput(), vtkffd.vtkFFDLatticeSource.BEND, strength, (size, size, size))
             self.assertEqual(lattice.IsFoldFree(), strength < 2)
             mapper = make_mapper(source.GetOutput(), lattice)
             mapper.SetSampleDistance(1.0)
@@ -165,11 +162,7 @@ class TestFolds(unittest.TestCase):
                 ((38, 34, 50), (5, 8, 4), 1.82, (122.1, -51.5, -22.3)),
                 ((17, 47, 50), (8, 6, 5), 1.2, (-59.0, -86.9, -121.2))):
             image = make_block(voxels)
-            lattice = vtkffd.vtkFFDLattice()
-            lattice.SetDimensions(*points)
-            lattice.FitToBounds(image.GetBounds())
-            vtkffd.vtkFFDLatticeSource.ApplyShape(
-                lattice, vtkffd.vtkFFDLatticeSource.BEND, strength)
+            lattice = make_lattice(image, vtkffd.vtkFFDLatticeSource.BEND, strength, points)
             mapper = make_mapper(image, lattice)
             center = numpy.array(image.GetBounds()).reshape(3, 2).mean(axis=1)
             for classification in (mapper.POST_INTERPOLATED, mapper.PRE_INTEGRATED):
@@ -188,11 +181,8 @@ class TestFolds(unittest.TestCase):
         """Far from where they start, steps of Newton's method need the Jacobian of where they are."""
         for voxels, points, strength in (((87, 69, 44), 7, 1.166), ((68, 62, 112), 10, 1.405)):
             image = make_block(voxels)
-            lattice = vtkffd.vtkFFDLattice()
-            lattice.SetDimensions(points, points, points)
-            lattice.FitToBounds(image.GetBounds())
-            vtkffd.vtkFFDLatticeSource.ApplyShape(
-                lattice, vtkffd.vtkFFDLatticeSource.TAPER, strength)
+            lattice = make_lattice(
+                image, vtkffd.vtkFFDLatticeSource.TAPER, strength, (points, points, points))
             self.assertTrue(lattice.IsFoldFree())
             mapper = make_mapper(image, lattice)
             mapper.CollectStatisticsOn()
