@@ -79,9 +79,7 @@ public:
     this->Statistics.Evaluations += static_cast<std::int64_t>(hn::Lanes(Df()));
     if (!InvertsTheField(scene.Kind))
     {
-      const Vec3 displacement = Displacement(scene.Field, p);
-      const bool minus = scene.Kind == PullBackKind::FirstOrder;
-      return Sub(minus ? Sub(p, displacement) : Add(p, displacement), q);
+      return Sub(EvaluateForward(scene, p), q);
     }
     const Vec3 rest = MirrorAt(scene, p, q);
     if (this->Begun == 1)

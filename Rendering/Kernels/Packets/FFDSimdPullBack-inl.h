@@ -197,6 +197,13 @@ HWY_INLINE Vec3 MirrorAt(const PacketScene& scene, const Vec3& p, const Vec3& q)
   return scene.Kind == PullBackKind::FirstOrderOfInverse ? Sub(Add(p, p), q) : q;
 }
 
+/// Evaluates Phi(p) of every lane for the kinds that do not invert T, local coordinates.
+HWY_INLINE Vec3 EvaluateForward(const PacketScene& scene, const Vec3& p)
+{
+  const Vec3 displacement = Displacement(scene.Field, p);
+  return scene.Kind == PullBackKind::FirstOrder ? Sub(p, displacement) : Add(p, displacement);
+}
+
 /**
  * Evaluates Phi(p) of every lane in `active`, local coordinates. `start`: an estimate of it.
  * `move`, if not null: on entry a change of p, on return the change of Phi(p), to first order; not
@@ -221,8 +228,7 @@ HWY_INLINE Vec3 PullBackFrom(const PacketScene& scene, const Vec3& p, const Vec3
     return MirrorAt(scene, p, q);
   }
   statistics.Evaluations += static_cast<std::int64_t>(hn::CountTrue(Df(), active));
-  const Vec3 displacement = Displacement(scene.Field, p);
-  return scene.Kind == PullBackKind::FirstOrder ? Sub(p, displacement) : Add(p, displacement);
+  return EvaluateForward(scene, p);
 }
 
 /// Estimates Phi(p) of every lane without a start.
